@@ -1,0 +1,50 @@
+# Compiler flags, chosen once for the whole project (docs/decisions/0001-floating-point.md).
+
+set(CMAKE_CXX_STANDARD 23)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
+if(NOT CMAKE_BUILD_TYPE)
+  set(CMAKE_BUILD_TYPE Release)
+endif()
+set(CMAKE_CXX_FLAGS_RELEASE "-O3")
+set(CMAKE_CXX_FLAGS_DEBUG "-O1 -g")
+
+find_program(CCACHE_PROGRAM ccache)
+if(CCACHE_PROGRAM)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE_PROGRAM})
+endif()
+
+# Instruction set: a value of -march, or "native". x86-64-v3 is AVX2 with FMA, x86-64-v4 AVX-512.
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+  set(STILT_ISA_DEFAULT x86-64-v3)
+else()
+  set(STILT_ISA_DEFAULT native)
+endif()
+set(STILT_ISA ${STILT_ISA_DEFAULT} CACHE STRING "Instruction set: a value of -march")
+set(STILT_SANITIZE "" CACHE STRING "Sanitizers: 'address,undefined' or 'thread'")
+option(STILT_CLANG_TIDY "Run clang-tidy with the build" OFF)
+
+add_library(stilt_flags INTERFACE)
+target_include_directories(stilt_flags INTERFACE ${PROJECT_SOURCE_DIR})
+target_compile_options(stilt_flags INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Werror -Wno-psabi
+  -march=${STILT_ISA}
+  # Results may depend on the build, never on the run: no -ffast-math (NaN must stay visible),
+  # multiply-add contraction allowed, errno and traps of mathematical functions unused.
+  -ffp-contract=fast -fno-math-errno -fno-trapping-math)
+if(STILT_ISA STREQUAL "x86-64-v4" OR STILT_ISA STREQUAL "native")
+  if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+    target_compile_options(stilt_flags INTERFACE -mprefer-vector-width=512)
+  endif()
+endif()
+if(STILT_SANITIZE)
+  target_compile_options(stilt_flags INTERFACE
+    -fsanitize=${STILT_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  target_link_options(stilt_flags INTERFACE -fsanitize=${STILT_SANITIZE})
+endif()
+if(STILT_CLANG_TIDY)
+  find_program(CLANG_TIDY_PROGRAM clang-tidy REQUIRED)
+  set(CMAKE_CXX_CLANG_TIDY ${CLANG_TIDY_PROGRAM})
+endif()
