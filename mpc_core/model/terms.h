@@ -1,0 +1,88 @@
+#pragma once
+
+#include "mpc_core/model/types.h"
+
+/// What the generated functions write, for one node (T = double) or a SIMD batch of nodes (T = Batch).
+///
+/// Suffixes: _dtheta, _domega columns are theta = [pitch, hip_L, knee_L, hip_R, knee_R] and its rates; _dchain
+/// columns are the foot's own [pitch, hip, knee]; _du columns are the input; _dv the seven velocities.
+/// Derivatives with respect to x_b, z_b and their rates are trivial (identity for foot position and velocity,
+/// zero elsewhere) and not stored. Feet rows are [xL, zL, xR, zR], world frame, SI.
+namespace stilt::model {
+
+template <class T>
+struct MassMatrixTerms {
+  T mass_matrix[kPositions][kPositions];
+};
+
+template <class T>
+struct BiasTerms {
+  T bias[kPositions];  ///< Coriolis, centrifugal and gravity
+};
+
+template <class T>
+struct KinematicsTerms {
+  T foot_position[2 * kFeet];
+  T foot_velocity[2 * kFeet];
+  T foot_jacobian[2 * kFeet][kPositions];
+};
+
+template <class T>
+struct FlowTerms {
+  T base_acceleration[3];
+};
+
+template <class T>
+struct FlowDerivatives {
+  T base_acceleration[3];
+  T base_acceleration_dtheta[3][kAngles];
+  T base_acceleration_domega[3][kAngles];
+  T base_acceleration_du[3][kInputs];
+};
+
+template <class T>
+struct NodeTerms {
+  T base_acceleration[3];
+  T foot_position[2 * kFeet];
+  T foot_velocity[2 * kFeet];
+  T foot_acceleration[2 * kFeet];
+  T joint_torque[kJoints];
+};
+
+template <class T>
+struct NodeDerivatives {
+  T base_acceleration[3];
+  T foot_position[2 * kFeet];
+  T foot_velocity[2 * kFeet];
+  T foot_acceleration[2 * kFeet];
+  T joint_torque[kJoints];
+  T base_acceleration_dtheta[3][kAngles];
+  T base_acceleration_domega[3][kAngles];
+  T base_acceleration_du[3][kInputs];
+  T foot_position_dchain[2 * kFeet][kChain];  ///< also the derivative of foot_velocity by the chain's rates
+  T foot_velocity_dchain[2 * kFeet][kChain];
+  T foot_acceleration_dtheta[2 * kFeet][kAngles];
+  T foot_acceleration_domega[2 * kFeet][kAngles];
+  T foot_acceleration_du[2 * kFeet][kInputs];
+  T joint_torque_dtheta[kJoints][kAngles];
+  T joint_torque_domega[kJoints][kAngles];
+  T joint_torque_du[kJoints][kInputs];
+};
+
+template <class T>
+struct ImpactTerms {
+  T velocity_after[kPositions];
+  T impulse[2];
+};
+
+template <class T>
+struct ImpactDerivatives {
+  T velocity_after[kPositions];
+  T impulse[2];
+  T velocity_after_dtheta[kPositions][kAngles];
+  T velocity_after_dv[kPositions][kPositions];
+  T impulse_dtheta[2][kAngles];
+  T impulse_dv[2][kPositions];
+};
+
+}  // namespace stilt::model

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+
+/// Sizes and vector types shared by everything in mpc_core.
+///
+/// Coordinates: q = [x_b, z_b, pitch_b, hip_L, knee_L, hip_R, knee_R], v = dq/dt, state x = [q; v];
+/// input u = [joint accelerations (4); contact forces fx_L, fz_L, fx_R, fz_R (world frame, on the robot)].
+/// World: x forward, z up. Angles are rotations about +y.
+namespace stilt::model {
+
+inline constexpr int kJoints = 4;
+inline constexpr int kPositions = 7;
+inline constexpr int kStates = 14;
+inline constexpr int kInputs = 8;
+inline constexpr int kFeet = 2;
+/// theta = [pitch_b, hip_L, knee_L, hip_R, knee_R]: all that the dynamics depend on besides their rates.
+inline constexpr int kAngles = 5;
+/// Angles on the path from the base to a foot: pitch, own hip, own knee.
+inline constexpr int kChain = 3;
+/// Indices into theta of the chain of each foot.
+inline constexpr int kChainAngles[kFeet][kChain] = {{0, 1, 2}, {0, 3, 4}};
+/// Index in q of the first angle; its rate stands at kPositions + kFirstAngle in x.
+inline constexpr int kFirstAngle = 2;
+/// Index in q of the first joint.
+inline constexpr int kFirstJoint = 3;
+
+inline constexpr double kGravity_m_s2 = 9.81;
+
+using StateVector = Eigen::Matrix<double, kStates, 1>;
+using InputVector = Eigen::Matrix<double, kInputs, 1>;
+using PositionVector = Eigen::Matrix<double, kPositions, 1>;
+using JointVector = Eigen::Matrix<double, kJoints, 1>;
+/// [xL, zL, xR, zR] in the world frame.
+using FeetVector = Eigen::Matrix<double, 2 * kFeet, 1>;
+
+enum Foot : int { kLeft = 0, kRight = 1 };
+
+/// Which feet carry load.
+struct ContactMode {
+  bool left = false;
+  bool right = false;
+
+  [[nodiscard]] constexpr bool operator[](int foot) const noexcept { return foot == kLeft ? left : right; }
+  [[nodiscard]] constexpr int count() const noexcept { return int{left} + int{right}; }
+  [[nodiscard]] constexpr bool operator==(const ContactMode&) const noexcept = default;
+};
+
+}  // namespace stilt::model
