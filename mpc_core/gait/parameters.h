@@ -1,0 +1,22 @@
+#pragma once
+
+namespace stilt::gait {
+
+/// Timing and shape of the step. Source of the defaults: docs/tuning.md.
+struct GaitParameters {
+  double single_support_s = 0.4;    ///< duration of a step on one foot
+  double double_support_s = 0.0;    ///< time on both feet between two steps; 0 swaps the feet at once
+  double swing_height_m = 0.06;     ///< apex of the swing foot above the ground
+  double touchdown_velocity_m_s = -0.2;  ///< vertical velocity of the swing reference at touch-down
+  double stand_half_width_m = 0.15;  ///< standing: distance of each foot from the hip, one ahead, one behind
+  double switch_lead_s = 0.3;  ///< standing to stepping: least time between the command and the first lift-off
+};
+
+/// Heuristic reference of the base.
+struct ReferenceParameters {
+  double base_height_m = 0.80;
+  double base_pitch_rad = 0.0;
+  double speed_ramp_m_s2 = 1.0;  ///< largest rate of change of the speed reference
+};
+
+}  // namespace stilt::gait
