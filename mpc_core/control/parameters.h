@@ -1,0 +1,50 @@
+#pragma once
+
+#include "mpc_core/gait/parameters.h"
+#include "mpc_core/ocp/parameters.h"
+#include "mpc_core/solver/sqp_parameters.h"
+
+namespace stilt::control {
+
+/// torque = feed-forward + kp (q_plan - q) + kd (v_plan - v) + friction compensation, saturated.
+struct TorqueLawParameters {
+  double joint_kp_Nm_rad = 100.0;
+  double joint_kd_Nms_rad = 5.0;
+  bool use_feedback_gains = false;  ///< add the plan's feedback K (x - x_plan) to its inputs
+  double friction_compensation = 1.0;  ///< share of the robot's Coulomb friction that is fed forward
+  double friction_velocity_rad_s = 0.1;  ///< width of the smoothed sign, tanh(v / width)
+};
+
+struct EstimatorParameters {
+  double blend_s = 0.02;  ///< time over which trust moves from the old stance foot to the new one
+};
+
+/// What the planner assumes of the robot besides its URDF.
+struct RobotParameters {
+  double armature_scale = 1.0;  ///< factor on the reflected drive inertia; 0 plans without it
+  double torque_limit_scale = 1.0;
+  double velocity_limit_scale = 1.0;
+};
+
+struct TimingParameters {
+  double torque_rate_hz = 1000.0;
+  double plan_rate_hz = 100.0;
+  double plan_delay_s = 0.005;  ///< simulated time between the state a plan starts from and its first use
+};
+
+/// Everything tunable. One TOML file a robot sets it (firmware/configuration).
+struct ControllerParameters {
+  RobotParameters robot;
+  gait::GaitParameters gait;
+  gait::ReferenceParameters reference;
+  ocp::CostParameters cost;
+  ocp::InequalityParameters inequality;
+  ocp::EqualityParameters equality;
+  ocp::DiscretisationParameters discretisation;
+  solver::SqpParameters sqp;
+  TorqueLawParameters torque_law;
+  EstimatorParameters estimator;
+  TimingParameters timing;
+};
+
+}  // namespace stilt::control

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <array>
+
+#include "mpc_core/gait/command.h"
+#include "mpc_core/model/types.h"
+#include "mpc_core/solver/solve_report.h"
+
+namespace stilt::control {
+
+/// Capacity of the horizon: 2.0 s in 15 ms intervals, up to 21 contact switches, and the final node.
+inline constexpr int kMaxHorizonIntervals = 134;
+inline constexpr int kMaxSwitches = 21;
+inline constexpr int kMaxStages = kMaxHorizonIntervals + 2 * kMaxSwitches + 1;
+inline constexpr int kMaxNodes = kMaxStages + 1;
+
+using FeedbackGain = Eigen::Matrix<double, model::kInputs, model::kStates>;
+
+/// One knot of the plan. At a contact switch two nodes share a time: before and after the transition.
+struct PlanNode {
+  double time_s = 0.0;
+  model::StateVector state = model::StateVector::Zero();
+  model::InputVector input = model::InputVector::Zero();  ///< held by the model until the next node
+  FeedbackGain gain = FeedbackGain::Zero();               ///< input += gain (x - state)
+  model::ContactMode mode;                                ///< of the interval that starts here
+};
+
+/// Two seconds of motion, and how well it was found. Time is the controller's clock, seconds.
+struct Plan {
+  long long sequence = -1;  ///< counts solves; -1: no plan yet
+  int nodes = 0;
+  double start_time_s = 0.0;
+  gait::GaitKind gait = gait::GaitKind::stand;  ///< gait in force at start_time_s
+  double phase_end_s = 0.0;                     ///< end of the contact phase in force at start_time_s
+  std::array<PlanNode, kMaxNodes> node;
+  solver::SolveReport report;
+};
+
+}  // namespace stilt::control
