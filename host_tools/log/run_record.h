@@ -1,0 +1,86 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "mpc_core/control/plan.h"
+#include "mpc_core/model/types.h"
+
+/// What one run of the simulated robot leaves behind: samples for plots and animation, and the summary that
+/// `stilt sim --json` prints.
+namespace stilt::log {
+
+/// One sample of plant and controller, every few milliseconds.
+struct RunSample {
+  double time_s = 0.0;
+  model::StateVector true_state;
+  model::StateVector estimated_state;
+  model::StateVector planned_state;  ///< the plan, at this time
+  model::JointVector torque_Nm;      ///< applied by the motors
+  model::FeetVector contact_force_N;          ///< measured in the plant: fx_L, fz_L, fx_R, fz_R
+  model::FeetVector planned_contact_force_N;
+  model::FeetVector foot_position_m;
+  model::ContactMode scheduled_mode;
+  double push_N = 0.0;
+  double commanded_speed_m_s = 0.0;
+};
+
+/// The geometry of a plan, for drawing it ahead of the robot.
+struct PlanSnapshot {
+  double time_s = 0.0;
+  std::vector<double> knot_time_s;
+  std::vector<double> hip_x_m, hip_z_m, pitch_rad;
+  std::vector<model::FeetVector> foot_position_m;
+};
+
+/// One solve of the planner.
+struct SolveSample {
+  double time_s = 0.0;
+  double solve_us = 0.0;
+  solver::SolveReport report;
+};
+
+struct Step {
+  double time_s = 0.0;  ///< of touch-down
+  std::string foot;     ///< "L" or "R"
+  double length_m = 0.0;  ///< distance to the other foot, positive when it lands ahead
+};
+
+struct Percentiles {
+  double p50 = 0.0, p99 = 0.0, max = 0.0;
+};
+
+struct RunSummary {
+  bool survived = false;
+  double fall_time_s = -1.0;  ///< negative when it did not fall
+  double duration_s = 0.0, distance_m = 0.0, mean_speed_m_s = 0.0;
+  std::vector<Step> steps;
+  double step_length_min_m = 0.0, step_length_max_m = 0.0;
+  model::JointVector peak_torque_Nm, peak_joint_speed_rad_s;
+  double slip_distance_m = 0.0;
+  Percentiles solve_time_us;
+  double sqp_iterations_mean = 0.0;
+  int sqp_iterations_max = 0;
+  double dynamics_defect_max = 0.0, equality_violation_max = 0.0;
+  long long heap_allocations_in_loop = 0;
+  std::size_t controller_bytes = 0;
+};
+
+/// Lengths that the drawing needs.
+struct RobotDrawing {
+  std::string name;
+  double torso_length_m = 0.5, thigh_length_m = 0.4, shin_length_m = 0.4;
+};
+
+struct RunRecord {
+  std::string command_line;
+  RobotDrawing robot;
+  double torque_limit_Nm[model::kJoints] = {};
+  double friction_coefficient = 0.6;
+  std::vector<RunSample> samples;
+  std::vector<PlanSnapshot> plans;
+  std::vector<SolveSample> solves;
+  RunSummary summary;
+};
+
+}  // namespace stilt::log
