@@ -1,0 +1,72 @@
+#pragma once
+
+#include "mpc_core/gait/schedule.h"
+#include "mpc_core/gait/swing.h"
+#include "mpc_core/model/robot.h"
+
+namespace stilt::gait {
+
+/// Reference at one time: what the running cost pulls towards, and what the swing constraint follows.
+struct ReferencePoint {
+  model::StateVector state;
+  model::InputVector input;
+  model::FeetVector foot_position_W_m;
+  model::FeetVector foot_velocity_W_m_s;
+  model::FeetVector foot_acceleration_W_m_s2;
+};
+
+/// Joint angles [hip, knee] that put a foot at (x, z) relative to the hip with the torso upright, knee bent to a
+/// positive angle. A point out of reach gives the straight leg towards it.
+[[nodiscard]] Eigen::Vector2d leg_angles(double foot_x_m, double foot_z_m, double thigh_m, double shin_m) noexcept;
+
+/// State that stands still with one foot `half_width_m` ahead of the hip and the other as far behind.
+[[nodiscard]] model::StateVector standing_state(const model::RobotConstants& robot, double base_height_m,
+                                                double pitch_rad, double half_width_m, bool left_ahead) noexcept;
+
+/// The heuristic reference of the paper: commanded height, pitch and speed, nominal joints, weight shared among
+/// the stance feet, footholds below the hip at mid-contact. Computed once a plan, evaluated at every node.
+/// Fixed memory, real-time safe.
+class HeuristicReference {
+ public:
+  /// `state`: measured, anchors the reference in x. `speed_m_s`: speed reference in force at time_s.
+  /// `foot_position_W_m`: measured [xL, zL, xR, zR].
+  void prepare(const model::RobotConstants& robot, const ContactSchedule& schedule, const GaitCommand& command,
+               const GaitParameters& gait, const ReferenceParameters& parameters, double time_s,
+               const model::StateVector& state, const model::FeetVector& foot_position_W_m,
+               double speed_m_s) noexcept;
+
+  /// Reference at a time of the contact phase `phase` (which decides which side of a switch is meant).
+  [[nodiscard]] ReferencePoint evaluate(double time_s, int phase) const noexcept;
+
+  /// Speed reference at a time not before the one given to prepare().
+  [[nodiscard]] double speed_at(double time_s) const noexcept;
+
+ private:
+  static constexpr int kMaxKnots = ContactSchedule::kMaxPhases + 1;
+  /// Speed changes at a constant rate from a knot until it reaches the knot's target.
+  struct SpeedKnot {
+    double time_s, x_m, speed_m_s, target_m_s;
+  };
+  struct BaseMotion {
+    double x_m, speed_m_s;
+  };
+
+  void prepare_speed(double time_s, double x_m, double speed_m_s) noexcept;
+  [[nodiscard]] BaseMotion advance(const SpeedKnot& from, double time_s) const noexcept;
+  [[nodiscard]] BaseMotion base_at(double time_s) const noexcept;
+  [[nodiscard]] double foothold_x_m(int foot, const Interval& contact) const noexcept;
+  void foot_reference(double time_s, int phase, int foot, Motion& x, Motion& z) const noexcept;
+
+  const ContactSchedule* schedule_ = nullptr;
+  GaitCommand command_{};
+  GaitParameters gait_{};
+  ReferenceParameters parameters_{};
+  double time_s_ = 0.0;
+  double weight_N_ = 0.0;
+  model::FeetVector measured_feet_ = model::FeetVector::Zero();
+  model::StateVector nominal_ = model::StateVector::Zero();
+  std::array<SpeedKnot, kMaxKnots> knots_{};
+  int knot_count_ = 0;
+};
+
+}  // namespace stilt::gait

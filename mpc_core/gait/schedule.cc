@@ -1,0 +1,104 @@
+#include "mpc_core/gait/schedule.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace stilt::gait {
+namespace {
+
+constexpr model::ContactMode kBoth{true, true};
+
+bool is_single(const model::ContactMode& mode) noexcept { return mode.count() == 1; }
+
+model::ContactMode other(const model::ContactMode& mode) noexcept { return {mode.right, mode.left}; }
+
+/// Steps that a stop needs: the deceleration, one to settle.
+int steps_to_stop(double speed_m_s, const GaitParameters& gait, const ReferenceParameters& reference) noexcept {
+  const double step_s = gait.single_support_s + gait.double_support_s;
+  const double deceleration_s = std::abs(speed_m_s) / reference.speed_ramp_m_s2;
+  return 1 + static_cast<int>(std::ceil(std::min(deceleration_s / step_s, 20.0)));
+}
+
+}  // namespace
+
+void ContactSchedule::reset(double time_s) noexcept {
+  count_ = 0;
+  command_ = GaitCommand{};
+  steps_before_stand_ = 0;
+  append(time_s, kBoth, GaitKind::stand);
+}
+
+void ContactSchedule::append(double start_s, model::ContactMode mode, GaitKind gait) noexcept {
+  if (count_ < kMaxPhases) phases_[count_++] = {start_s, mode, gait};
+}
+
+int ContactSchedule::index_at(double time_s) const noexcept {
+  int index = 0;
+  while (index + 1 < count_ && phases_[index + 1].start_s <= time_s) ++index;
+  return index;
+}
+
+Interval ContactSchedule::foot_interval(int index, int foot) const noexcept {
+  const bool contact = phases_[index].mode[foot];
+  int first = index;
+  while (first > 0 && phases_[first - 1].mode[foot] == contact) --first;
+  int last = index;
+  while (last + 1 < count_ && phases_[last + 1].mode[foot] == contact) ++last;
+  return {phases_[first].start_s, end_s(last)};
+}
+
+void ContactSchedule::drop_past(double time_s) noexcept {
+  constexpr int kKeptPast = 6;  // covers the contact before the current swing, with double support
+  const int drop = index_at(time_s) - kKeptPast;
+  if (drop <= 0) return;
+  std::move(phases_.begin() + drop, phases_.begin() + count_, phases_.begin());
+  count_ -= drop;
+}
+
+void ContactSchedule::append_next(double earliest_start_s, const GaitParameters& parameters,
+                                  bool left_ahead) noexcept {
+  const ContactPhase& last = phases_[count_ - 1];
+  if (last.gait == GaitKind::stand) {
+    // The leading foot steps first when walking forward: the robot then falls the way it wants to go.
+    const bool lift_left = (command_.speed_m_s >= 0.0) == left_ahead;
+    const double start_s = std::max(earliest_start_s, last.start_s + parameters.switch_lead_s);
+    append(start_s, {!lift_left, lift_left}, command_.kind);
+    return;
+  }
+  const bool stopping = command_.kind == GaitKind::stand;
+  const GaitKind kind = stopping ? GaitKind::step : command_.kind;
+  if (is_single(last.mode)) {
+    const double start_s = last.start_s + parameters.single_support_s;
+    if (stopping && steps_before_stand_ <= 0) {
+      append(start_s, kBoth, GaitKind::stand);
+    } else if (parameters.double_support_s > 0.0) {
+      append(start_s, kBoth, kind);
+    } else {
+      append(start_s, other(last.mode), kind);
+      --steps_before_stand_;
+    }
+    return;
+  }
+  append(last.start_s + parameters.double_support_s, other(phases_[count_ - 2].mode), kind);
+  --steps_before_stand_;
+}
+
+void ContactSchedule::update(double time_s, double until_s, const GaitCommand& command,
+                             const GaitParameters& parameters, const ReferenceParameters& reference,
+                             double reference_speed_m_s, bool left_ahead) noexcept {
+  drop_past(time_s);
+  if (command.kind != command_.kind) {
+    count_ = index_at(time_s) + 1;  // the present phase stays, the future is planned anew
+    steps_before_stand_ = steps_to_stop(reference_speed_m_s, parameters, reference);
+  }
+  command_ = command;
+  const double earliest_start_s = time_s + parameters.switch_lead_s;
+  while (count_ < kMaxPhases) {
+    const ContactPhase& last = phases_[count_ - 1];
+    if (last.gait == GaitKind::stand && command_.kind == GaitKind::stand) break;
+    if (last.start_s > until_s) break;
+    append_next(earliest_start_s, parameters, left_ahead);
+  }
+}
+
+}  // namespace stilt::gait

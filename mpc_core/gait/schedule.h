@@ -1,0 +1,67 @@
+#pragma once
+
+#include <array>
+
+#include "mpc_core/gait/command.h"
+#include "mpc_core/gait/parameters.h"
+#include "mpc_core/model/types.h"
+
+namespace stilt::gait {
+
+/// A stretch of time with one set of feet on the ground. It ends where the next one starts; the last one of a
+/// schedule that stands has no end.
+struct ContactPhase {
+  double start_s = 0.0;
+  model::ContactMode mode;
+  GaitKind gait = GaitKind::stand;
+};
+
+/// Time interval of one foot's contact or swing; ends may be infinite.
+struct Interval {
+  double start_s;
+  double end_s;
+};
+
+/// Sequence of contact phases around the present: a little of the past (the lift-off points of swinging feet
+/// need it), the present, and everything up to the end of the horizon. Fixed memory, real-time safe.
+///
+/// Commands take effect at contact boundaries: stepping starts `switch_lead_s` after the command at the
+/// earliest; a change between step and walk at the next step; standing after the steps that the deceleration
+/// needs.
+class ContactSchedule {
+ public:
+  static constexpr int kMaxPhases = 64;
+  static constexpr double kNever_s = 1e9;  ///< end of a phase that has none
+
+  /// Stands on both feet from `time_s` on.
+  void reset(double time_s) noexcept;
+
+  /// Follows the command, forgets what is long past, and extends the schedule beyond `until_s`.
+  /// `reference_speed_m_s`: the speed reference in force now, from which a stop decelerates.
+  /// `left_ahead`: the left foot stands ahead of the right one (decides which foot steps first).
+  void update(double time_s, double until_s, const GaitCommand& command, const GaitParameters& parameters,
+              const ReferenceParameters& reference, double reference_speed_m_s, bool left_ahead) noexcept;
+
+  [[nodiscard]] int count() const noexcept { return count_; }
+  [[nodiscard]] const ContactPhase& phase(int index) const noexcept { return phases_[index]; }
+  [[nodiscard]] double end_s(int index) const noexcept {
+    return index + 1 < count_ ? phases_[index + 1].start_s : kNever_s;
+  }
+  /// Index of the phase in force at that time; a boundary belongs to the later phase.
+  [[nodiscard]] int index_at(double time_s) const noexcept;
+
+  /// The stretch around phase `index` during which the foot keeps its state (contact or swing) of that phase.
+  [[nodiscard]] Interval foot_interval(int index, int foot) const noexcept;
+
+ private:
+  void append(double start_s, model::ContactMode mode, GaitKind gait) noexcept;
+  void append_next(double earliest_start_s, const GaitParameters& parameters, bool left_ahead) noexcept;
+  void drop_past(double time_s) noexcept;
+
+  std::array<ContactPhase, kMaxPhases> phases_{};
+  int count_ = 0;
+  GaitCommand command_{};
+  int steps_before_stand_ = 0;  ///< steps still to append before standing
+};
+
+}  // namespace stilt::gait
