@@ -4,15 +4,14 @@
 
 #include "mpc_core/gait/command.h"
 #include "mpc_core/model/types.h"
+#include "mpc_core/ocp/horizon.h"
 #include "mpc_core/solver/solve_report.h"
 
 namespace stilt::control {
 
-/// Capacity of the horizon: 2.0 s in 15 ms intervals, up to 21 contact switches, and the final node.
-inline constexpr int kMaxHorizonIntervals = 134;
-inline constexpr int kMaxSwitches = 21;
-inline constexpr int kMaxStages = kMaxHorizonIntervals + 2 * kMaxSwitches + 1;
-inline constexpr int kMaxNodes = kMaxStages + 1;
+using ocp::kMaxHorizonIntervals;
+using ocp::kMaxNodes;
+using ocp::kMaxSwitches;
 
 using FeedbackGain = Eigen::Matrix<double, model::kInputs, model::kStates>;
 

@@ -1,0 +1,50 @@
+#include "mpc_core/ocp/horizon.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace stilt::ocp {
+
+bool build_horizon(const gait::ContactSchedule& schedule, double start_s, const DiscretisationParameters& p,
+                   Horizon& horizon) noexcept {
+  const double end_s = start_s + p.horizon_s;
+  double time_s = start_s;
+  int phase = schedule.index_at(start_s);
+  int grid = 1;
+  horizon.stages = 0;
+  horizon.end_s = end_s;
+  while (time_s < end_s) {
+    if (horizon.stages >= kMaxStages) return false;
+    Stage& stage = horizon.stage[horizon.stages];
+    stage.time_s = time_s;
+
+    const double switch_s = schedule.end_s(phase);
+    if (switch_s <= time_s + p.merge_below_s) {
+      const model::ContactMode before = schedule.phase(phase).mode;
+      stage.phase = ++phase;
+      stage.mode = schedule.phase(phase).mode;
+      stage.touchdown = {stage.mode.left && !before.left, stage.mode.right && !before.right};
+      if (!stage.touchdown[0] && !stage.touchdown[1]) continue;  // lift-off changes nothing
+      stage.kind = StageKind::transition;
+      stage.duration_s = 0.0;
+      ++horizon.stages;
+      continue;
+    }
+
+    while (start_s + grid * p.time_step_s <= time_s + p.merge_below_s) ++grid;
+    double next_s = start_s + grid * p.time_step_s;
+    if (next_s > end_s - p.merge_below_s) next_s = end_s;
+    if (switch_s < std::min(next_s + p.merge_below_s, end_s)) next_s = switch_s;
+    stage.kind = StageKind::flow;
+    stage.phase = phase;
+    stage.mode = schedule.phase(phase).mode;
+    stage.touchdown = {};
+    stage.duration_s = next_s - time_s;
+    time_s = next_s;
+    ++horizon.stages;
+  }
+  horizon.end_phase = phase;
+  return true;
+}
+
+}  // namespace stilt::ocp

@@ -1,0 +1,70 @@
+#pragma once
+
+#include "mpc_core/gait/reference.h"
+#include "mpc_core/model/robot.h"
+#include "mpc_core/ocp/horizon.h"
+#include "mpc_core/ocp/parameters.h"
+#include "mpc_core/ocp/trajectory.h"
+
+/// One planning problem: horizon, references and weights, laid out for batched evaluation.
+namespace stilt::ocp {
+
+using model::Batch;
+using model::kLanes;
+
+/// Up to kLanes flow stages with the same feet on the ground, with everything about them that stays the same
+/// during the solve. Unused lanes repeat the last stage with weight 0.
+struct StageBatch {
+  model::ContactMode mode;
+  int lanes = 0;
+  int stage[kLanes] = {};
+  Batch weight;    ///< 1 for used lanes, 0 for unused ones
+  Batch duration;  ///< s
+  Batch x_ref[model::kStates];
+  Batch u_ref[model::kInputs];
+  Batch foot_position_ref[2 * model::kFeet];
+  Batch foot_velocity_ref[2 * model::kFeet];
+  Batch foot_acceleration_ref[2 * model::kFeet];
+};
+
+/// Every contact mode may leave one batch partly filled.
+inline constexpr int kMaxBatches = (kMaxStages + kLanes - 1) / kLanes + 4;
+
+/// Weights and limits in force, with what follows from them.
+struct ProblemData {
+  const model::RobotModel* robot = nullptr;
+  CostParameters cost;
+  InequalityParameters inequality;
+  EqualityParameters equality;
+  DiscretisationParameters discretisation;
+  JointLimits limits{};
+  double joint_parameters[2 * model::kJoints] = {};
+  double state_weight[model::kStates] = {};
+  double input_weight[model::kInputs] = {};
+  double terminal_weight[model::kStates][solver::kRows] = {};  ///< rho S, by columns
+};
+
+/// Fills the diagonal weights from the named ones.
+void set_weights(ProblemData& data) noexcept;
+
+/// Horizon, references and initial state of one plan.
+struct Problem {
+  Horizon horizon;
+  int batches = 0;
+  StageBatch batch[kMaxBatches];
+  alignas(64) double x_initial[solver::kRows] = {};
+  alignas(64) double x_ref_terminal[solver::kRows] = {};
+};
+
+/// Sorts the stages of the horizon into batches and evaluates the reference at each.
+void fill_batches(const gait::HeuristicReference& reference, Problem& problem) noexcept;
+
+/// Merit of an iterate: running, touch-down and terminal cost, defects, equality residuals.
+[[nodiscard]] Merit evaluate(const ProblemData& data, const Problem& problem, const Trajectory& iterate) noexcept;
+
+/// The quadratic model around an iterate, equalities projected out (Gauss-Newton Hessian):
+/// one LqStage and one InputProjection a stage, and the terminal cost.
+void linearise(const ProblemData& data, const Problem& problem, const Trajectory& iterate,
+               solver::LqStage* stages, InputProjection* projections, solver::LqTerminal& terminal) noexcept;
+
+}  // namespace stilt::ocp

@@ -1,0 +1,30 @@
+#pragma once
+
+#include "mpc_core/ocp/horizon.h"
+#include "mpc_core/solver/lq_problem.h"
+
+namespace stilt::ocp {
+
+/// States at the nodes and inputs of the stages; the iterate of the SQP. Rows padded to whole cache lines.
+struct alignas(64) Trajectory {
+  double x[kMaxNodes][solver::kRows];
+  double u[kMaxStages][model::kInputs];
+};
+
+/// How the step of the input follows from the step of the state and the free directions:
+/// du = u0 + X dx + W w. Columns of eight inputs.
+struct alignas(64) InputProjection {
+  double X[model::kStates][model::kInputs];
+  double W[solver::kMaxFreeInputs][model::kInputs];
+  double u0[model::kInputs];
+};
+
+/// What the line search compares.
+struct Merit {
+  double cost = 0.0;
+  double violation_squared = 0.0;  ///< defects^2 + (duration * equality residual)^2, summed
+  double defect_max = 0.0;
+  double equality_max = 0.0;
+};
+
+}  // namespace stilt::ocp

@@ -1,0 +1,75 @@
+#pragma once
+
+#include "mpc_core/solver/lq_problem.h"
+
+/// Riccati recursion for the LQ problem of lq_problem.h. With the cost to go of stage k+1
+/// V(x) = 1/2 x' P x + p' x:
+///
+///   G = S + B'P A            h_x = q + A'(P b + p)
+///   H = R + B'P B = L D L'   h_u = r + B'(P b + p)
+///   K = -H^-1 G              k   = -H^-1 h_u
+///   P <- Q + A'P A - G'H^-1 G        p <- h_x - G'H^-1 h_u
+///
+/// Of Q and R only the lower triangles are read, and P is made exactly symmetric at every stage: the
+/// antisymmetric part of a rounding error would otherwise grow with the open-loop dynamics.
+/// Real-time safe: bounded time, no heap, no libm. The same input gives the same bits on the same build.
+/// Source: Rawlings, Mayne, Diehl, Model Predictive Control (2nd ed.), section 8.8.3; layout in
+/// docs/decisions/0002-riccati-sweep.md.
+namespace stilt::solver {
+
+enum class SweepOutcome {
+  kOk,
+  kNotPositiveDefinite,  ///< R + B'P B is not positive definite: add to R and sweep again, or reject the step
+  kNotFinite,            ///< NaN or infinity reached a pivot or the final cost to go
+  kBadInputCount,        ///< free_inputs outside 0 ... kMaxFreeInputs
+};
+
+struct SweepStatus {
+  SweepOutcome outcome = SweepOutcome::kOk;
+  int stage = -1;  ///< where it was noticed; the cause of kNotFinite may lie at any later stage
+
+  [[nodiscard]] constexpr bool ok() const noexcept { return outcome == SweepOutcome::kOk; }
+};
+
+/// A pivot of L D L' counts as positive when it exceeds this fraction of its diagonal entry of R + B'P B.
+/// Nothing is ever added to the matrix: a smaller pivot is reported and the caller decides.
+inline constexpr double kSmallestRelativePivot = 1e-13;
+
+/// Cost to go 1/2 x' P x + p' x of one stage, up to a constant.
+struct alignas(64) ValueFunction {
+  double P[kStates][kRows];  ///< symmetric, padding zero
+  double p[kRows];
+};
+
+/// Everything the sweep writes besides its results (about 8 kB); contents need not be initialised.
+struct alignas(64) RiccatiWorkspace {
+  ValueFunction value[2];                ///< of this stage and the next, in turn
+  double transposed[kStates][kRows];     ///< row k of A in lanes 0-13, of B's first columns in 14-15
+  double PA[kStates][kRows];             ///< P A by columns
+  double PB[kMaxFreeInputs + 1][kRows];  ///< P B by columns, then P b + p
+  double G[kMaxFreeInputs + 1][kRows];   ///< G by rows, then h_x
+  double y[kMaxFreeInputs][kRows];       ///< L^-1 G by rows
+  double z[kMaxFreeInputs][kRows];       ///< -D^-1 L^-1 G by rows
+};
+
+/// Computes the gains of all stages, last to first.
+/// \param stages  `count` stages (count >= 0)
+/// \param gains   `count` gains, written; entries beyond free_inputs are zero
+/// \param values  null, or room for count + 1 cost-to-go functions, written
+/// \return kOk, or what went wrong and where; the gains of that stage and earlier ones are then not to be
+/// used
+[[nodiscard]] SweepStatus backward_sweep(const LqStage* stages, int count, const LqTerminal& terminal,
+                                         LqGain* gains, RiccatiWorkspace& workspace,
+                                         ValueFunction* values = nullptr) noexcept;
+
+/// Rolls the solution out: x_{k+1} = A x + B w + b with w = k + K x.
+/// \param x0     kRows values, padding zero
+/// \param steps  count + 1 steps, written; inputs beyond free_inputs and those of the last step are zero
+void forward_sweep(const LqStage* stages, int count, const LqGain* gains, const double* x0,
+                   LqStep* steps) noexcept;
+
+/// First-order change of the cost along the steps, sum of q'x + r'w: the slope for Armijo's condition.
+[[nodiscard]] double cost_slope(const LqStage* stages, int count, const LqTerminal& terminal,
+                                const LqStep* steps) noexcept;
+
+}  // namespace stilt::solver
