@@ -21,7 +21,8 @@ struct RunSample {
   model::FeetVector planned_contact_force_N;
   model::FeetVector foot_position_m;
   model::ContactMode scheduled_mode;
-  double push_N = 0.0;
+  double push_N = 0.0;            ///< positive is forward
+  double push_above_hip_m = 0.0;  ///< where it acts: distance from the hip along the torso
   double commanded_speed_m_s = 0.0;
 };
 
@@ -77,6 +78,8 @@ struct RunRecord {
   RobotDrawing robot;
   double torque_limit_Nm[model::kJoints] = {};
   double friction_coefficient = 0.6;
+  /// Profile of the ground for drawing, x ascending; empty: level at z = 0.
+  std::vector<double> ground_x_m, ground_z_m;
   std::vector<RunSample> samples;
   std::vector<PlanSnapshot> plans;
   std::vector<SolveSample> solves;
