@@ -1,0 +1,184 @@
+#include <algorithm>
+#include <cmath>
+
+#include "mpc_core/ocp/barrier.h"
+#include "mpc_core/ocp/batch_access.h"
+#include "mpc_core/ocp/integrator.h"
+#include "mpc_core/ocp/problem.h"
+#include "mpc_core/ocp/projection.h"
+
+namespace stilt::ocp {
+namespace {
+
+using model::kFeet;
+using model::kFirstJoint;
+using model::kInputs;
+using model::kJoints;
+using model::kPositions;
+using model::kStates;
+
+/// Sums over batches, one lane a stage; reduced at the end.
+struct BatchMerit {
+  Batch cost = Batch(0.0);
+  Batch violation_squared = Batch(0.0);
+  Batch defect_max = Batch(0.0);
+  Batch equality_max = Batch(0.0);
+};
+
+Batch squared_error(const Batch& value, const Batch& reference) noexcept {
+  const Batch error = value - reference;
+  return error * error;
+}
+
+Batch quadratic_cost(const ProblemData& data, const StageBatch& batch, const BatchIterate& it,
+                     const model::NodeTerms<Batch>& node) noexcept {
+  Batch cost = Batch(0.0);
+  for (int i = 0; i < kStates; ++i) cost += data.state_weight[i] * squared_error(it.x[i], batch.x_ref[i]);
+  for (int i = 0; i < kInputs; ++i) cost += data.input_weight[i] * squared_error(it.u[i], batch.u_ref[i]);
+  for (int i = 0; i < 2 * kFeet; ++i) {
+    cost += data.cost.foot_position * squared_error(node.foot_position[i], batch.foot_position_ref[i]);
+    cost += data.cost.foot_velocity * squared_error(node.foot_velocity[i], batch.foot_velocity_ref[i]);
+    cost += data.cost.foot_acceleration *
+            squared_error(node.foot_acceleration[i], batch.foot_acceleration_ref[i]);
+  }
+  return 0.5 * cost;
+}
+
+Batch barrier_cost(const ProblemData& data, const StageBatch& batch, const BatchIterate& it,
+                   const model::NodeTerms<Batch>& node) noexcept {
+  const InequalityParameters& p = data.inequality;
+  BarrierSum position(p.joint_position);
+  BarrierSum velocity(p.joint_velocity);
+  BarrierSum torque(p.joint_torque);
+  for (int j = 0; j < kJoints; ++j) {
+    const Batch& q = it.x[kFirstJoint + j];
+    const Batch& v = it.x[kPositions + kFirstJoint + j];
+    position.add(q - data.limits.position_min_rad[j]);
+    position.add(data.limits.position_max_rad[j] - q);
+    velocity.add(data.limits.velocity_rad_s[j] + v);
+    velocity.add(data.limits.velocity_rad_s[j] - v);
+    torque.add(data.limits.torque_Nm[j] + node.joint_torque[j]);
+    torque.add(data.limits.torque_Nm[j] - node.joint_torque[j]);
+  }
+  Batch cost = position.value() + velocity.value() + torque.value();
+  if (batch.mode.count() > 0) {
+    BarrierSum friction(p.friction);
+    for (int foot = 0; foot < kFeet; ++foot) {
+      if (!batch.mode[foot]) continue;
+      const Batch& fx = it.u[kJoints + 2 * foot];
+      const Batch margin =
+          p.friction_coefficient * (it.u[kJoints + 2 * foot + 1] - p.minimum_normal_force_N);
+      friction.add(margin + fx);
+      friction.add(margin - fx);
+    }
+    cost += friction.value();
+  }
+  return cost;
+}
+
+void add_defects(const ProblemData& data, const StageBatch& batch, const BatchIterate& it,
+                 const model::NodeTerms<Batch>& node, BatchMerit& merit) noexcept {
+  BaseStep step;
+  integrate_base(*data.robot, data.discretisation.integrator, it.x, it.u, batch.duration,
+                 node.base_acceleration, step);
+  Batch reached[kStates];
+  next_state(it.x, it.u, batch.duration, step, reached);
+  Batch sum = Batch(0.0);
+  for (int i = 0; i < kStates; ++i) {
+    const Batch defect = reached[i] - it.x_next[i];
+    sum += defect * defect;
+    merit.defect_max = max(merit.defect_max, abs(defect));
+  }
+  merit.violation_squared += batch.weight * sum;
+}
+
+void add_equalities(const ProblemData& data, const StageBatch& batch, const BatchIterate& it,
+                    const model::NodeTerms<Batch>& node, BatchMerit& merit) noexcept {
+  Batch sum = Batch(0.0);
+  const auto add = [&](const Batch& residual) {
+    sum += residual * residual;
+    merit.equality_max = max(merit.equality_max, abs(residual));
+  };
+  for (int foot = 0; foot < kFeet; ++foot) {
+    const bool stance = batch.mode[foot];
+    const auto residual = [&](int axis) {
+      return constraint_residual(data.equality, batch, stance, foot, axis, node.foot_position,
+                                 node.foot_velocity, node.foot_acceleration);
+    };
+    add(residual(1));
+    if (stance) {
+      add(residual(0));
+    } else {
+      add(it.u[kJoints + 2 * foot]);
+      add(it.u[kJoints + 2 * foot + 1]);
+    }
+  }
+  merit.violation_squared += batch.weight * batch.duration * batch.duration * sum;
+}
+
+void add_transition(const ProblemData& data, const Stage& stage, const double* x, const double* x_next,
+                    Merit& merit) noexcept {
+  model::KinematicsTerms<double> feet;
+  data.robot->scalar.kinematics(x, feet);
+  double after[kStates];
+  std::copy(x, x + kStates, after);
+  for (int foot = 0; foot < kFeet; ++foot) {
+    if (!stage.touchdown[foot]) continue;
+    const double slip_m_s = feet.foot_velocity[2 * foot];
+    merit.cost += 0.5 * data.cost.touchdown_velocity * slip_m_s * slip_m_s;
+    if (data.discretisation.transition == Transition::impact) {
+      model::ImpactTerms<double> impact;
+      data.robot->scalar.impact[foot](after, data.joint_parameters, impact);
+      std::copy(impact.velocity_after, impact.velocity_after + kPositions, after + kPositions);
+    }
+  }
+  for (int i = 0; i < kStates; ++i) {
+    const double defect = after[i] - x_next[i];
+    merit.violation_squared += defect * defect;
+    merit.defect_max = std::max(merit.defect_max, std::abs(defect));
+  }
+}
+
+double terminal_cost(const ProblemData& data, const Problem& problem, const double* x) noexcept {
+  double cost = 0.0;
+  for (int c = 0; c < kStates; ++c) {
+    double product = 0.0;
+    for (int r = 0; r < kStates; ++r) {
+      product += data.terminal_weight[c][r] * (x[r] - problem.x_ref_terminal[r]);
+    }
+    cost += 0.5 * product * (x[c] - problem.x_ref_terminal[c]);
+  }
+  return cost;
+}
+
+}  // namespace
+
+Merit evaluate(const ProblemData& data, const Problem& problem, const Trajectory& iterate) noexcept {
+  const BatchParameters parameters(data);
+  BatchMerit sums;
+  for (int b = 0; b < problem.batches; ++b) {
+    const StageBatch& batch = problem.batch[b];
+    const BatchIterate it(iterate, batch);
+    model::NodeTerms<Batch> node;
+    data.robot->batch.node(it.x, it.u, parameters.value, node);
+    sums.cost += batch.weight * batch.duration *
+                 (quadratic_cost(data, batch, it, node) + barrier_cost(data, batch, it, node));
+    add_defects(data, batch, it, node, sums);
+    add_equalities(data, batch, it, node, sums);
+  }
+
+  Merit merit;
+  merit.cost = reduce(sums.cost) + terminal_cost(data, problem, iterate.x[problem.horizon.stages]);
+  merit.violation_squared = reduce(sums.violation_squared);
+  merit.defect_max = hmax(sums.defect_max);
+  merit.equality_max = hmax(sums.equality_max);
+  for (int k = 0; k < problem.horizon.stages; ++k) {
+    const Stage& stage = problem.horizon.stage[k];
+    if (stage.kind == StageKind::transition) {
+      add_transition(data, stage, iterate.x[k], iterate.x[k + 1], merit);
+    }
+  }
+  return merit;
+}
+
+}  // namespace stilt::ocp

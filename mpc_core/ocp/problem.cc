@@ -1,0 +1,76 @@
+#include "mpc_core/ocp/problem.h"
+
+#include <cmath>
+
+namespace stilt::ocp {
+namespace {
+
+using model::kFeet;
+using model::kFirstJoint;
+using model::kInputs;
+using model::kJoints;
+using model::kPositions;
+using model::kStates;
+
+void set_lane(StageBatch& batch, int lane, int stage, double duration_s, double weight,
+              const gait::ReferencePoint& point) noexcept {
+  batch.stage[lane] = stage;
+  batch.weight[lane] = weight;
+  batch.duration[lane] = duration_s;
+  for (int i = 0; i < kStates; ++i) batch.x_ref[i][lane] = point.state[i];
+  for (int i = 0; i < kInputs; ++i) batch.u_ref[i][lane] = point.input[i];
+  for (int i = 0; i < 2 * kFeet; ++i) {
+    batch.foot_position_ref[i][lane] = point.foot_position_W_m[i];
+    batch.foot_velocity_ref[i][lane] = point.foot_velocity_W_m_s[i];
+    batch.foot_acceleration_ref[i][lane] = point.foot_acceleration_W_m_s2[i];
+  }
+}
+
+}  // namespace
+
+void set_weights(ProblemData& data) noexcept {
+  const CostParameters& c = data.cost;
+  const double base[] = {c.base_x, c.base_z, c.base_pitch};
+  const double base_rate[] = {c.base_vx, c.base_vz, c.base_pitch_rate};
+  for (int i = 0; i < 3; ++i) {
+    data.state_weight[i] = base[i];
+    data.state_weight[kPositions + i] = base_rate[i];
+  }
+  for (int j = 0; j < kJoints; ++j) {
+    data.state_weight[kFirstJoint + j] = c.joint_position;
+    data.state_weight[kPositions + kFirstJoint + j] = c.joint_velocity;
+    data.input_weight[j] = c.joint_acceleration;
+    data.input_weight[kJoints + j] = c.contact_force;
+  }
+}
+
+void fill_batches(const gait::HeuristicReference& reference, Problem& problem) noexcept {
+  const Horizon& horizon = problem.horizon;
+  problem.batches = 0;
+  // Stages of one mode fill batches together, from wherever in the horizon they come.
+  for (int mode = 0; mode < 4; ++mode) {
+    const model::ContactMode contact{(mode & 1) != 0, (mode & 2) != 0};
+    StageBatch* batch = nullptr;
+    gait::ReferencePoint point;
+    for (int k = 0; k < horizon.stages; ++k) {
+      const Stage& stage = horizon.stage[k];
+      if (stage.kind != StageKind::flow || !(stage.mode == contact)) continue;
+      if (batch == nullptr || batch->lanes == kLanes) {
+        batch = &problem.batch[problem.batches++];
+        batch->mode = contact;
+        batch->lanes = 0;
+      }
+      point = reference.evaluate(stage.time_s, stage.phase);
+      set_lane(*batch, batch->lanes++, k, stage.duration_s, 1.0, point);
+    }
+    if (batch == nullptr) continue;
+    const int last = batch->stage[batch->lanes - 1];
+    for (int lane = batch->lanes; lane < kLanes; ++lane) {
+      set_lane(*batch, lane, last, horizon.stage[last].duration_s, 0.0, point);
+    }
+  }
+  const gait::ReferencePoint end = reference.evaluate(horizon.end_s, horizon.end_phase);
+  for (int i = 0; i < kStates; ++i) problem.x_ref_terminal[i] = end.state[i];
+}
+
+}  // namespace stilt::ocp
