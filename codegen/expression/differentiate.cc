@@ -1,0 +1,87 @@
+#include "codegen/expression/differentiate.h"
+
+#include <stdexcept>
+
+namespace stilt::codegen {
+namespace {
+
+/// variable = factor * node, node neither a negation nor a product with a constant.
+struct Cut {
+  Expression node;
+  double factor = 1.0;
+};
+
+Cut cut_of(Expression variable) {
+  Graph& graph = variable.graph();
+  Cut cut{.node = variable};
+  while (true) {
+    const Node& n = graph.node(cut.node.id());
+    if (n.operation == Operation::kConstant) {
+      throw std::invalid_argument("differentiation by an expression that is a constant");
+    }
+    if (n.operation == Operation::kNegate) {
+      cut = {.node = {&graph, n.left}, .factor = -cut.factor};
+    } else if (n.operation == Operation::kMultiply && graph.is_constant({&graph, n.left})) {
+      cut = {.node = {&graph, n.right}, .factor = cut.factor * graph.node(n.left).value};
+    } else {
+      return cut;
+    }
+  }
+}
+
+}  // namespace
+
+Differentiator::Differentiator(std::span<const Expression> variables) {
+  for (const Expression& variable : variables) variables_.insert(cut_of(variable).node.id());
+}
+
+Expression Differentiator::operator()(Expression expression, Expression variable) {
+  const Cut cut = cut_of(variable);
+  if (!variables_.contains(cut.node.id())) {
+    throw std::invalid_argument("differentiation by an expression that is not among the variables");
+  }
+  return (1.0 / cut.factor) * derive(expression, cut.node);
+}
+
+Expression Differentiator::derive(Expression e, Expression variable) {
+  Graph& graph = e.graph();
+  if (e == variable) return graph.constant(1.0);
+  if (variables_.contains(e.id())) return graph.constant(0.0);
+  const std::pair key{e.id(), variable.id()};
+  if (const auto known = memo_.find(key); known != memo_.end()) return known->second;
+
+  const Node n = graph.node(e.id());
+  const Expression l{&graph, n.left};
+  const Expression r{&graph, n.right};
+  Expression result = graph.constant(0.0);
+  switch (n.operation) {
+    case Operation::kConstant:
+    case Operation::kSymbol:
+      break;
+    case Operation::kAdd:
+      result = derive(l, variable) + derive(r, variable);
+      break;
+    case Operation::kSubtract:
+      result = derive(l, variable) - derive(r, variable);
+      break;
+    case Operation::kMultiply:
+      result = derive(l, variable) * r + l * derive(r, variable);
+      break;
+    case Operation::kDivide:
+      result = (derive(l, variable) - e * derive(r, variable)) / r;
+      break;
+    case Operation::kNegate:
+      result = -derive(l, variable);
+      break;
+    case Operation::kSine:
+      result = derive(l, variable) * graph.cosine(l);
+      break;
+    case Operation::kCosine:
+      result = -(derive(l, variable) * graph.sine(l));
+      break;
+  }
+  memo_.emplace(key, result);
+  return result;
+}
+
+}  // namespace stilt::codegen

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "codegen/expression/graph.h"
+
+namespace stilt::codegen {
+
+/// A value that a generated function writes: `path = value`, path as in "out.bias[3]".
+struct Output {
+  std::string path;
+  Expression value;
+};
+
+/// Floating-point work of a function, each operation counted by itself (a fused multiply-add is two).
+struct OperationCount {
+  int additions = 0;  ///< and subtractions
+  int multiplications = 0;
+  int divisions = 0;
+  int negations = 0;
+  int sine_cosine_pairs = 0;
+
+  [[nodiscard]] int total() const { return additions + multiplications + divisions + negations; }
+};
+
+/// A function to emit.
+struct FunctionSpec {
+  std::string name;
+  std::string documentation;            ///< one or more lines, without comment marks
+  std::vector<std::string> parameters;  ///< pointers to read from, in order: "x", "u", ...
+  std::vector<Output> outputs;
+};
+
+/// A function as C++ text: straight-line, branch-free, only live nodes, each once, in depth-first order of
+/// the outputs so that values are used soon after they are computed. A template over the scalar T and the
+/// output struct Out. Sines and cosines call `sincos(angle, sine, cosine)`.
+struct EmittedFunction {
+  std::string text;
+  OperationCount count;
+};
+
+[[nodiscard]] EmittedFunction emit_function(const FunctionSpec& spec);
+
+/// The shortest decimal text that reads back as the same double, always with a point or exponent.
+[[nodiscard]] std::string number_text(double value);
+
+}  // namespace stilt::codegen

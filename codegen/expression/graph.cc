@@ -1,0 +1,168 @@
+#include "codegen/expression/graph.h"
+
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+namespace stilt::codegen {
+
+Expression Graph::intern(Operation operation, int left, int right) {
+  const auto [entry, inserted] = index_.try_emplace({operation, left, right}, size());
+  if (inserted)
+    nodes_.push_back({.operation = operation, .left = left, .right = right, .value = 0.0, .name = {}});
+  return {this, entry->second};
+}
+
+Expression Graph::constant(double value) {
+  if (!std::isfinite(value)) throw std::invalid_argument("an expression has a constant that is not finite");
+  const double canonical = value == 0.0 ? 0.0 : value;  // one zero, without sign
+  const auto [entry, inserted] = constants_.try_emplace(canonical, size());
+  if (inserted) {
+    nodes_.push_back(
+        {.operation = Operation::kConstant, .left = -1, .right = -1, .value = canonical, .name = {}});
+  }
+  return {this, entry->second};
+}
+
+Expression Graph::symbol(const std::string& name) {
+  const auto [entry, inserted] = symbols_.try_emplace(name, size());
+  if (inserted) {
+    nodes_.push_back({.operation = Operation::kSymbol, .left = -1, .right = -1, .value = 0.0, .name = name});
+  }
+  return {this, entry->second};
+}
+
+bool Graph::is_constant(Expression a) const { return node(a.id()).operation == Operation::kConstant; }
+
+bool Graph::is_constant(Expression a, double value) const {
+  return is_constant(a) && node(a.id()).value == value;
+}
+
+bool Graph::is_negation(Expression a) const { return node(a.id()).operation == Operation::kNegate; }
+
+Expression Graph::operand(Expression a) const { return {const_cast<Graph*>(this), node(a.id()).left}; }
+
+Expression Graph::add(Expression a, Expression b) {
+  if (is_constant(a) && is_constant(b)) return constant(node(a.id()).value + node(b.id()).value);
+  if (is_constant(a, 0.0)) return b;
+  if (is_constant(b, 0.0)) return a;
+  if (is_negation(a) && is_negation(b)) return negate(add(operand(a), operand(b)));
+  if (is_negation(b)) return subtract(a, operand(b));
+  if (is_negation(a)) return subtract(b, operand(a));
+  if (is_constant(b) || (!is_constant(a) && b.id() < a.id())) std::swap(a, b);
+  return intern(Operation::kAdd, a.id(), b.id());
+}
+
+Expression Graph::subtract(Expression a, Expression b) {
+  if (a == b) return constant(0.0);
+  if (is_constant(b)) return add(a, constant(-node(b.id()).value));
+  if (is_constant(a, 0.0)) return negate(b);
+  if (is_negation(b)) return add(a, operand(b));
+  if (is_negation(a)) return negate(add(operand(a), b));
+  if (b.id() < a.id()) return negate(intern(Operation::kSubtract, b.id(), a.id()));
+  return intern(Operation::kSubtract, a.id(), b.id());
+}
+
+Expression Graph::multiply(Expression a, Expression b) {
+  if (is_constant(a) && is_constant(b)) return constant(node(a.id()).value * node(b.id()).value);
+  if (is_constant(b)) std::swap(a, b);
+  if (is_constant(a, 0.0)) return a;
+  if (is_constant(a, 1.0)) return b;
+  if (is_constant(a) && node(a.id()).value < 0.0) {
+    return negate(multiply(constant(-node(a.id()).value), b));
+  }
+  if (is_negation(a)) return negate(multiply(operand(a), b));
+  if (is_negation(b)) return negate(multiply(a, operand(b)));
+  if (is_constant(a)) {
+    const Node right = node(b.id());  // a copy: making a constant may move the nodes
+    if (right.operation == Operation::kMultiply && node(right.left).operation == Operation::kConstant) {
+      return multiply(constant(node(a.id()).value * node(right.left).value), {this, right.right});
+    }
+  } else if (b.id() < a.id()) {
+    std::swap(a, b);
+  }
+  return intern(Operation::kMultiply, a.id(), b.id());
+}
+
+Expression Graph::divide(Expression a, Expression b) {
+  if (is_constant(b)) {
+    if (node(b.id()).value == 0.0) throw std::domain_error("an expression divides by zero");
+    return multiply(constant(1.0 / node(b.id()).value), a);
+  }
+  if (is_constant(a, 0.0)) return a;
+  if (a == b) return constant(1.0);
+  if (is_negation(a)) return negate(divide(operand(a), b));
+  if (is_negation(b)) return negate(divide(a, operand(b)));
+  return intern(Operation::kDivide, a.id(), b.id());
+}
+
+Expression Graph::negate(Expression a) {
+  if (is_constant(a)) return constant(-node(a.id()).value);
+  if (is_negation(a)) return operand(a);
+  return intern(Operation::kNegate, a.id(), -1);
+}
+
+Expression Graph::sine(Expression a) {
+  if (is_constant(a)) return constant(std::sin(node(a.id()).value));
+  if (is_negation(a)) return negate(sine(operand(a)));
+  return intern(Operation::kSine, a.id(), -1);
+}
+
+Expression Graph::cosine(Expression a) {
+  if (is_constant(a)) return constant(std::cos(node(a.id()).value));
+  if (is_negation(a)) return cosine(operand(a));
+  return intern(Operation::kCosine, a.id(), -1);
+}
+
+double Graph::evaluate(Expression a, const std::map<std::string, double>& symbols) const {
+  std::vector<double> values(static_cast<std::size_t>(a.id()) + 1, 0.0);
+  const auto value = [&values](int id) { return id < 0 ? 0.0 : values[static_cast<std::size_t>(id)]; };
+  for (int id = 0; id <= a.id(); ++id) {
+    const Node& n = node(id);
+    const double l = value(n.left);
+    const double r = value(n.right);
+    double& result = values[static_cast<std::size_t>(id)];
+    switch (n.operation) {
+      case Operation::kConstant:
+        result = n.value;
+        break;
+      case Operation::kSymbol:
+        if (const auto entry = symbols.find(n.name); entry != symbols.end()) result = entry->second;
+        break;
+      case Operation::kAdd:
+        result = l + r;
+        break;
+      case Operation::kSubtract:
+        result = l - r;
+        break;
+      case Operation::kMultiply:
+        result = l * r;
+        break;
+      case Operation::kDivide:
+        result = l / r;
+        break;
+      case Operation::kNegate:
+        result = -l;
+        break;
+      case Operation::kSine:
+        result = std::sin(l);
+        break;
+      case Operation::kCosine:
+        result = std::cos(l);
+        break;
+    }
+  }
+  return values.back();
+}
+
+Expression operator+(Expression a, Expression b) { return a.graph().add(a, b); }
+Expression operator-(Expression a, Expression b) { return a.graph().subtract(a, b); }
+Expression operator*(Expression a, Expression b) { return a.graph().multiply(a, b); }
+Expression operator/(Expression a, Expression b) { return a.graph().divide(a, b); }
+Expression operator-(Expression a) { return a.graph().negate(a); }
+Expression operator*(double a, Expression b) { return b.graph().constant(a) * b; }
+
+Expression& Expression::operator+=(const Expression& other) { return *this = *this + other; }
+Expression& Expression::operator-=(const Expression& other) { return *this = *this - other; }
+
+}  // namespace stilt::codegen

@@ -1,0 +1,95 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <map>
+#include <string>
+#include <tuple>
+#include <vector>
+
+namespace stilt::codegen {
+
+class Graph;
+
+/// What a node computes. Subtraction and negation are kept apart so that signs move outwards.
+enum class Operation { kConstant, kSymbol, kAdd, kSubtract, kMultiply, kDivide, kNegate, kSine, kCosine };
+
+/// Handle to one node of a Graph. Copies are cheap; two equal expressions of a graph are the same node.
+/// Default-constructed, it belongs to no graph and may only be assigned to.
+class Expression {
+ public:
+  Expression() = default;
+  Expression(Graph* graph, int id) : graph_(graph), id_(id) {}
+
+  [[nodiscard]] Graph& graph() const { return *graph_; }
+  [[nodiscard]] int id() const { return id_; }
+  [[nodiscard]] bool operator==(const Expression& other) const {
+    return graph_ == other.graph_ && id_ == other.id_;
+  }
+
+  Expression& operator+=(const Expression& other);
+  Expression& operator-=(const Expression& other);
+
+ private:
+  Graph* graph_ = nullptr;
+  int id_ = -1;
+};
+
+/// One node: an operation and the ids of what it acts on (-1 where unused).
+struct Node {
+  Operation operation;
+  int left = -1;
+  int right = -1;
+  double value = 0.0;  ///< of a constant
+  std::string name;    ///< of a symbol, as the emitted code spells it
+};
+
+/// Hash-consed expression graph: building an expression that exists already returns the existing node, so
+/// every equal subexpression is computed once.
+///
+/// Canonical form, established while building:
+///  - constants are folded; x + 0, x * 1, x * 0, x / 1, x - x vanish; division by a constant multiplies;
+///  - operands of + and * stand in order of creation, a constant first;
+///  - constant factors are positive and joined: c1 (c2 x) = (c1 c2) x, (-c) x = -(c x);
+///  - negations move outwards through * and /, and turn + into - and back; of a - b and b - a only the one
+///    whose first operand is older exists, the other is its negation.
+/// Ids grow from operands to results: ascending order is an order of evaluation.
+class Graph {
+ public:
+  [[nodiscard]] Expression constant(double value);
+  [[nodiscard]] Expression symbol(const std::string& name);
+  [[nodiscard]] Expression add(Expression a, Expression b);
+  [[nodiscard]] Expression subtract(Expression a, Expression b);
+  [[nodiscard]] Expression multiply(Expression a, Expression b);
+  [[nodiscard]] Expression divide(Expression a, Expression b);
+  [[nodiscard]] Expression negate(Expression a);
+  [[nodiscard]] Expression sine(Expression a);
+  [[nodiscard]] Expression cosine(Expression a);
+
+  [[nodiscard]] const Node& node(int id) const { return nodes_[static_cast<std::size_t>(id)]; }
+  [[nodiscard]] int size() const { return static_cast<int>(nodes_.size()); }
+  [[nodiscard]] bool is_constant(Expression a) const;
+  [[nodiscard]] bool is_constant(Expression a, double value) const;
+
+  /// Value of an expression for given values of the symbols; for tests.
+  [[nodiscard]] double evaluate(Expression a, const std::map<std::string, double>& symbols) const;
+
+ private:
+  [[nodiscard]] Expression intern(Operation operation, int left, int right);
+  [[nodiscard]] bool is_negation(Expression a) const;
+  [[nodiscard]] Expression operand(Expression a) const;
+
+  std::vector<Node> nodes_;
+  std::map<std::tuple<Operation, int, int>, int> index_;
+  std::map<double, int> constants_;
+  std::map<std::string, int> symbols_;
+};
+
+[[nodiscard]] Expression operator+(Expression a, Expression b);
+[[nodiscard]] Expression operator-(Expression a, Expression b);
+[[nodiscard]] Expression operator*(Expression a, Expression b);
+[[nodiscard]] Expression operator/(Expression a, Expression b);
+[[nodiscard]] Expression operator-(Expression a);
+[[nodiscard]] Expression operator*(double a, Expression b);
+
+}  // namespace stilt::codegen

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <vector>
+
+#include "codegen/expression/emit.h"
+#include "codegen/model/equations.h"
+
+namespace stilt::codegen {
+
+/// Specifications of the generated functions. The expressions live in the graph of `equations`, which must
+/// outlive them. Shapes and meaning are in each specification's documentation.
+[[nodiscard]] std::vector<FunctionSpec> kinematic_functions(
+    const Equations& equations);  ///< kinematics, mass matrix, bias
+[[nodiscard]] std::vector<FunctionSpec> node_functions(
+    const Equations& equations);  ///< flow, node, derivatives
+[[nodiscard]] std::vector<FunctionSpec> impact_functions(
+    const Equations& equations);  ///< both maps of each foot
+
+/// "[1]", "[1][2]".
+[[nodiscard]] std::string element(const std::string& name, int row);
+[[nodiscard]] std::string element(const std::string& name, int row, int column);
+
+/// Appends every element of a vector or matrix as an output.
+void append(std::vector<Output>& outputs, const std::string& name, const Row& row);
+void append(std::vector<Output>& outputs, const std::string& name, const Matrix& matrix);
+
+}  // namespace stilt::codegen

@@ -1,0 +1,151 @@
+#include "codegen/model/urdf_document.h"
+
+#include <tinyxml2.h>
+
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <set>
+
+#include "codegen/model/urdf_reader.h"
+
+namespace stilt::codegen {
+namespace {
+
+using tinyxml2::XMLElement;
+
+/// Checks and collects the content of one document.
+class DocumentReader {
+ public:
+  DocumentReader(const std::string& file, const XMLElement& robot) : file_(file), robot_(robot) {}
+
+  void check_tree() {
+    for (const XMLElement* link = first("link"); link != nullptr; link = next(link, "link")) {
+      const std::string name = attribute(*link, "name", "a link");
+      if (!links_.insert(name).second) fail("link '" + name + "' is defined twice; names must be unique");
+    }
+    if (links_.empty()) fail("there is no link; a robot needs at least a base and a foot");
+    for (const XMLElement* joint = first("joint"); joint != nullptr; joint = next(joint, "joint"))
+      check_joint(*joint);
+    check_connected();
+  }
+
+  [[nodiscard]] const std::vector<std::string>& joint_names() const { return joint_names_; }
+
+  [[nodiscard]] std::map<std::string, Transmission> transmissions() const {
+    std::map<std::string, Transmission> result;
+    for (const XMLElement* t = first("transmission"); t != nullptr; t = next(t, "transmission")) {
+      const XMLElement* joint = t->FirstChildElement("joint");
+      if (joint == nullptr) fail("a transmission has no joint; it needs <joint name=\"...\"/>");
+      const std::string name = attribute(*joint, "name", "a transmission's joint");
+      bool known = false;
+      for (const std::string& other : joint_names_) known = known || other == name;
+      if (!known) fail("a transmission names joint '" + name + "', which does not exist");
+      const XMLElement* actuator = t->FirstChildElement("actuator");
+      if (actuator == nullptr) fail("the transmission of joint '" + name + "' has no <actuator>");
+      result[name] = {.gear_ratio = number(*actuator, "mechanicalReduction", 1.0, name),
+                      .rotor_inertia_kg_m2 = number(*actuator, "rotorInertia", 0.0, name)};
+    }
+    return result;
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& what) const { throw UrdfError(file_ + ": " + what + "."); }
+
+  [[nodiscard]] const XMLElement* first(const char* kind) const { return robot_.FirstChildElement(kind); }
+  static const XMLElement* next(const XMLElement* element, const char* kind) {
+    return element->NextSiblingElement(kind);
+  }
+
+  [[nodiscard]] std::string attribute(const XMLElement& element, const char* name,
+                                      const std::string& owner) const {
+    const char* value = element.Attribute(name);
+    if (value == nullptr)
+      fail(owner + " in line " + std::to_string(element.GetLineNum()) + " has no '" + name + "'");
+    return value;
+  }
+
+  [[nodiscard]] std::string end(const XMLElement& joint, const char* kind, const std::string& name) const {
+    const XMLElement* element = joint.FirstChildElement(kind);
+    if (element == nullptr) fail("joint '" + name + "' has no <" + kind + ">");
+    std::string link = attribute(*element, "link", std::string("the <") + kind + "> of joint '" + name + "'");
+    if (!links_.contains(link)) fail("joint '" + name + "' names link '" + link + "', which does not exist");
+    return link;
+  }
+
+  void check_joint(const XMLElement& joint) {
+    const std::string name = attribute(joint, "name", "a joint");
+    for (const std::string& other : joint_names_) {
+      if (other == name) fail("joint '" + name + "' is defined twice; names must be unique");
+    }
+    joint_names_.push_back(name);
+    const std::string parent = end(joint, "parent", name);
+    const std::string child = end(joint, "child", name);
+    const auto [entry, inserted] = carrier_.try_emplace(child, name, parent);
+    if (!inserted) {
+      fail("not a tree: link '" + child + "' is the child of joints '" + entry->second.first + "' and '" +
+           name + "'; every link may have one parent");
+    }
+  }
+
+  /// One root, and every link's chain of parents ends there.
+  void check_connected() const {
+    std::vector<std::string> roots;
+    for (const std::string& link : links_) {
+      if (!carrier_.contains(link)) roots.push_back(link);
+    }
+    if (roots.size() > 1) {
+      fail("not a tree: links '" + roots[0] + "' and '" + roots[1] +
+           "' both have no parent; only the base may");
+    }
+    for (const std::string& link : links_) {
+      std::set<std::string> seen;
+      for (std::string i = link; carrier_.contains(i); i = carrier_.at(i).second) {
+        if (!seen.insert(i).second) fail("not a tree: the joints above link '" + link + "' form a loop");
+      }
+    }
+  }
+
+  [[nodiscard]] double number(const XMLElement& actuator, const char* kind, double fallback,
+                              const std::string& joint) const {
+    const XMLElement* element = actuator.FirstChildElement(kind);
+    if (element == nullptr) return fallback;
+    double value = 0.0;
+    if (element->QueryDoubleText(&value) != tinyxml2::XML_SUCCESS || !std::isfinite(value) || value < 0.0) {
+      fail(std::string("<") + kind + "> of joint '" + joint + "' must be a number that is not negative");
+    }
+    return value;
+  }
+
+  const std::string& file_;
+  const XMLElement& robot_;
+  std::set<std::string> links_;
+  std::vector<std::string> joint_names_;
+  std::map<std::string, std::pair<std::string, std::string>> carrier_;  ///< link -> joint and parent link
+};
+
+}  // namespace
+
+UrdfDocument read_urdf_document(const std::string& file) {
+  std::ifstream stream(file);
+  UrdfDocument result;
+  result.text.assign(std::istreambuf_iterator<char>(stream), {});
+  if (!stream || result.text.empty())
+    throw UrdfError(file + ": cannot be read; give the path of a URDF file.");
+  tinyxml2::XMLDocument xml;
+  if (xml.Parse(result.text.c_str()) != tinyxml2::XML_SUCCESS) {
+    throw UrdfError(file + ": not valid XML in line " + std::to_string(xml.ErrorLineNum()) +
+                    "; a URDF is an XML file with the root element <robot>.");
+  }
+  const XMLElement* robot = xml.RootElement();
+  if (robot == nullptr || std::string(robot->Name()) != "robot") {
+    throw UrdfError(file + ": the root element is not <robot>; give a URDF file.");
+  }
+  DocumentReader reader(file, *robot);
+  reader.check_tree();
+  result.joint_names = reader.joint_names();
+  result.transmissions = reader.transmissions();
+  return result;
+}
+
+}  // namespace stilt::codegen

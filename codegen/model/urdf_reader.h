@@ -1,0 +1,32 @@
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+#include "codegen/model/planar_tree.h"
+
+namespace stilt::codegen {
+
+/// A URDF that cannot be used; what() is one sentence: where, what, what would be right.
+class UrdfError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Reads a URDF file and reduces it to a planar tree.
+///
+/// The root link is the floating base. Every moving joint must turn about +y or -y (revolute or continuous)
+/// and fixed joints may turn about y only; offsets along y are dropped. Links behind fixed joints are merged
+/// into the link that carries them. Feet are massless links named foot_... behind fixed joints, foot_L first,
+/// then foot_R. Joints stand in depth-first order, at each link in the order of the document with names
+/// ending in _L before those ending in _R.
+///
+/// Limits, damping and Coulomb friction are the URDF's. The reflected rotor inertia is that of the joint's
+/// <transmission>: <mechanicalReduction> and, in the same <actuator>, the element <rotorInertia> (kg m^2 on
+/// the motor's side; an extension of this project). A joint without a transmission reflects none.
+///
+/// @throws UrdfError for a file that cannot be read, is not a URDF, is not a tree, not planar, has a massless
+/// moving link, a joint without limits, or no foot.
+[[nodiscard]] PlanarTree read_urdf(const std::string& file);
+
+}  // namespace stilt::codegen

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <experimental/simd>
+
+/// Sine and cosine for the generated functions: one algorithm for double and SIMD batches, so that a batch
+/// and its lanes one by one give the same result.
+namespace stilt::runtime {
+
+namespace detail {
+
+inline double select(bool condition, double a, double b) noexcept { return condition ? a : b; }
+
+template <class Abi>
+inline std::experimental::simd<double, Abi> select(const std::experimental::simd_mask<double, Abi>& condition,
+                                                   const std::experimental::simd<double, Abi>& a,
+                                                   const std::experimental::simd<double, Abi>& b) noexcept {
+  std::experimental::simd<double, Abi> result = b;
+  std::experimental::where(condition, result) = a;
+  return result;
+}
+
+/// Nearest integer (ties to even) for magnitudes below 2^51: 1.5 * 2^52 leaves no bit for a fraction.
+template <class T>
+inline T nearest_integer(const T& a) noexcept {
+  constexpr double kShift = 6755399441055744.0;
+  return (a + kShift) - kShift;
+}
+
+}  // namespace detail
+
+/// sine = sin(angle), cosine = cos(angle), angle in rad. T is double or std::experimental::simd<double, Abi>.
+///
+/// Error at most 2 units in the last place for |angle| <= 1e4; not a number for NaN, infinities and
+/// |angle| > 1e5, where the reduction would lose its accuracy. No branch, no table; real-time safe.
+///
+/// angle = n pi/2 + r with |r| <= pi/4: pi/2 is a sum of two parts of 33 bits, whose products with n are
+/// exact, and a rest. sin r and cos r are polynomials in r^2, fitted at Chebyshev nodes with an error below
+/// 2^-55.
+template <class T>
+inline void sincos(const T& angle, T& sine, T& cosine) noexcept {
+  constexpr double kTwoOverPi = 0.6366197723675814;
+  constexpr double kHalfPi1 = 0x1.921fb544p+0;
+  constexpr double kHalfPi2 = 0x1.0b4611a6p-34;
+  constexpr double kHalfPi3 = 0x1.3198a2e037073p-69;
+  constexpr double kLimit_rad = 1.0e5;
+
+  const T in_range = detail::select(angle * angle <= T(kLimit_rad * kLimit_rad), angle, T(__builtin_nan("")));
+  const T n = detail::nearest_integer(T(in_range * kTwoOverPi));
+  const T r = ((in_range - n * kHalfPi1) - n * kHalfPi2) - n * kHalfPi3;
+  const T t = r * r;
+
+  const T sine_series =
+      -0.16666666666666666 +
+      t * (0.008333333333330827 +
+           t * (-0.0001984126983657571 +
+                t * (2.755731600817155e-06 + t * (-2.5051112272573243e-08 + t * 1.5916726193889336e-10))));
+  const T cosine_series =
+      0.041666666666666664 +
+      t * (-0.0013888888888887322 +
+           t * (2.4801587298651292e-05 +
+                t * (-2.755731721268659e-07 + t * (2.0876134024090145e-09 + t * -1.1381754653662937e-11))));
+  const T sine_r = r + (r * t) * sine_series;
+  const T half = 0.5 * t;
+  const T leading = 1.0 - half;
+  const T cosine_r = leading + (((1.0 - leading) - half) + (t * t) * cosine_series);
+
+  const T quadrant = n - 4.0 * detail::nearest_integer(T(0.25 * n));  // -2, -1, 0, 1 or 2
+  const T square = quadrant * quadrant;
+  const auto odd = square == T(1.0);
+  const auto opposite = square == T(4.0);
+  const T s = detail::select(odd, cosine_r, sine_r);
+  const T c = detail::select(odd, sine_r, cosine_r);
+  sine = detail::select(opposite || quadrant == T(-1.0), T(-s), s);
+  cosine = detail::select(opposite || quadrant == T(1.0), T(-c), c);
+}
+
+}  // namespace stilt::runtime
