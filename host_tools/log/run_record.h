@@ -57,7 +57,8 @@ struct RunSummary {
   double duration_s = 0.0, distance_m = 0.0, mean_speed_m_s = 0.0;
   std::vector<Step> steps;
   double step_length_min_m = 0.0, step_length_max_m = 0.0;
-  model::JointVector peak_torque_Nm, peak_joint_speed_rad_s;
+  model::JointVector peak_torque_Nm = model::JointVector::Zero();
+  model::JointVector peak_joint_speed_rad_s = model::JointVector::Zero();
   double slip_distance_m = 0.0;
   Percentiles solve_time_us;
   double sqp_iterations_mean = 0.0;

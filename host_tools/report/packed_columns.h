@@ -1,0 +1,40 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace stilt::report {
+
+/// RFC 4648 base 64 with padding.
+[[nodiscard]] std::string encode_base64(std::span<const unsigned char> bytes);
+
+/// A table of numbers that a browser reads fast: columns one after another, each a run of little-endian
+/// float32, all in one base-64 string. A named group holds one or several columns.
+class PackedColumns {
+ public:
+  explicit PackedColumns(std::size_t rows) : rows_(rows) {}
+
+  /// Appends `width` columns; `value(row, column)` is the number, in the unit that `name` says.
+  template <typename Value>
+  void add(const std::string& name, int width, const Value& value) {
+    groups_.push_back({{"name", name}, {"width", width}});
+    for (int column = 0; column < width; ++column) {
+      for (std::size_t row = 0; row < rows_; ++row) append(static_cast<double>(value(row, column)));
+    }
+  }
+
+  /// {"rows": n, "groups": [{"name", "width"}], "float32_base64": "..."}
+  [[nodiscard]] nlohmann::ordered_json json() const;
+
+ private:
+  /// Rounds to float32; what float32 cannot hold becomes infinity.
+  void append(double value);
+
+  std::size_t rows_;
+  nlohmann::ordered_json groups_ = nlohmann::ordered_json::array();
+  std::vector<unsigned char> bytes_;
+};
+
+}  // namespace stilt::report

@@ -1,0 +1,111 @@
+// The planar skeleton. Angles are rotations about +y: positive pitch leans forward, a positive joint angle
+// swings the lower link backward; links hang straight down at zero.
+
+const joint = { pitch: 2, hipL: 3, kneeL: 4, hipR: 5, kneeR: 6 };
+
+function leg(robot, hip, thighAngle, shinAngle) {
+  const knee = {
+    x: hip.x - robot.thigh_length_m * Math.sin(thighAngle),
+    z: hip.z - robot.thigh_length_m * Math.cos(thighAngle),
+  };
+  const foot = {
+    x: knee.x - robot.shin_length_m * Math.sin(shinAngle),
+    z: knee.z - robot.shin_length_m * Math.cos(shinAngle),
+  };
+  return { knee, foot };
+}
+
+function torsoTop(robot, hip, pitch) {
+  return { x: hip.x + robot.torso_length_m * Math.sin(pitch), z: hip.z + robot.torso_length_m * Math.cos(pitch) };
+}
+
+/** Pose {hip, head, left: {knee, foot}, right} of positions q (the first 7 of a state). */
+function poseOfState(robot, q) {
+  const hip = { x: q[0], z: q[1] };
+  const pitch = q[joint.pitch];
+  const left = pitch + q[joint.hipL];
+  const right = pitch + q[joint.hipR];
+  return {
+    hip,
+    head: torsoTop(robot, hip, pitch),
+    left: leg(robot, hip, left, left + q[joint.kneeL]),
+    right: leg(robot, hip, right, right + q[joint.kneeR]),
+  };
+}
+
+/** Leg from hip to foot with the knee in front (positive knee angle); the foot is moved if out of reach. */
+function legToFoot(robot, hip, foot) {
+  const a = robot.thigh_length_m;
+  const b = robot.shin_length_m;
+  const dx = foot.x - hip.x;
+  const dz = foot.z - hip.z;
+  const reach = Math.min(a + b, Math.max(Math.abs(a - b), Math.hypot(dx, dz)));
+  const kneeAngle = Math.acos(Math.min(1, Math.max(-1, (reach * reach - a * a - b * b) / (2 * a * b))));
+  const thighAngle = Math.atan2(-dx, -dz) - Math.atan2(b * Math.sin(kneeAngle), a + b * Math.cos(kneeAngle));
+  return leg(robot, hip, thighAngle, thighAngle + kneeAngle);
+}
+
+/** Pose of a planned knot {hip, pitch, feet: [left, right]}. */
+function poseOfKnot(robot, knot) {
+  return {
+    hip: knot.hip,
+    head: torsoTop(robot, knot.hip, knot.pitch),
+    left: legToFoot(robot, knot.hip, knot.feet[0]),
+    right: legToFoot(robot, knot.hip, knot.feet[1]),
+  };
+}
+
+/** Height of the drawn ground at x. */
+function groundHeight(ground, x) {
+  const count = Math.min(ground.x_m.length, ground.z_m.length);
+  if (count === 0) return 0;
+  if (x <= ground.x_m[0]) return ground.z_m[0];
+  if (x >= ground.x_m[count - 1]) return ground.z_m[count - 1];
+  return interpolate(ground.x_m, ground.z_m, x);
+}
+
+/**
+ * Newest plan at `time` as knots, moved by the error of the estimate at the time it was made: the planner
+ * works from the estimate, and is drawn relative to the robot.
+ */
+function planAt(run, time) {
+  const plans = run.plans;
+  if (plans.time_s.length === 0 || plans.time_s[0] > time) return [];
+  const index = lastIndexUpTo(plans.time_s, time);
+  const end = index + 1 < plans.first_knot.length ? plans.first_knot[index + 1] : plans.knots.rows;
+  const i = lastIndexUpTo(run.samples.time, plans.time_s[index]);
+  const shift = [0, 1].map((k) => {
+    const error = run.samples.true_state[k][i] - run.samples.estimated_state[k][i];
+    return Number.isFinite(error) ? error : 0;
+  });
+  const table = plans.knots;
+  const knots = [];
+  for (let k = plans.first_knot[index]; k < end; ++k) {
+    const point = (x, z) => ({ x: x[k] + shift[0], z: z[k] + shift[1] });
+    const feet = table.foot_position_m;
+    knots.push({
+      time: table.time_s[0][k],
+      hip: point(table.hip_x_m[0], table.hip_z_m[0]),
+      pitch: table.pitch_rad[0][k],
+      feet: [point(feet[0], feet[1]), point(feet[2], feet[3])],
+    });
+  }
+  return knots;
+}
+
+/** Planned footholds: places where a foot rests for two knots or more. [{foot, x, z, time}], time of arrival. */
+function footholds(knots) {
+  const kRestDistance_m = 0.004;
+  const places = [];
+  for (const foot of [0, 1]) {
+    let resting = false;
+    for (let k = 1; k < knots.length; ++k) {
+      const before = knots[k - 1].feet[foot];
+      const now = knots[k].feet[foot];
+      const rests = Math.hypot(now.x - before.x, now.z - before.z) < kRestDistance_m;
+      if (rests && !resting) places.push({ foot, x: now.x, z: now.z, time: knots[k - 1].time });
+      resting = rests;
+    }
+  }
+  return places;
+}

@@ -1,0 +1,212 @@
+// One time plot. All plots share the time axis, the cursor and the current time of the player.
+
+const kPlotHeight_px = 190;
+const kSyncKey = 'time';
+
+/** Numbers for uPlot: what is not finite becomes a gap. */
+function withGaps(column, transform = (value) => value) {
+  return Array.from(column, (value, i) => {
+    const shown = transform(value, i);
+    return Number.isFinite(shown) ? shown : null;
+  });
+}
+
+function formatTick(value) {
+  if (value === 0) return '0';
+  const size = Math.abs(value);
+  if (size < 1e-3 || size >= 1e5) return value.toExponential(0);
+  return String(Number(value.toPrecision(4))).replace('-', '−');
+}
+
+/** Shades the pushes behind the lines and writes their force above. */
+function pushShading(run, colours) {
+  return (u) => {
+    const c = u.ctx;
+    const ratio = devicePixelRatio || 1;
+    c.save();
+    c.beginPath();
+    c.rect(u.bbox.left, u.bbox.top, u.bbox.width, u.bbox.height);
+    c.clip();
+    for (const push of run.pushes) {
+      const from = u.valToPos(push.from_s, 'x', true);
+      const to = Math.max(from + ratio, u.valToPos(push.to_s, 'x', true));
+      c.globalAlpha = 0.16;
+      c.fillStyle = colours.push;
+      c.fillRect(from, u.bbox.top, to - from, u.bbox.height);
+      c.globalAlpha = 1;
+      c.font = `${10 * ratio}px system-ui, sans-serif`;
+      c.textAlign = 'left';
+      c.textBaseline = 'top';
+      c.fillText(`${push.force_N.toFixed(0)} N`, Math.max(from, u.bbox.left) + 3 * ratio, u.bbox.top + 2 * ratio);
+    }
+    c.restore();
+  };
+}
+
+function uplotSeries(line, colours, unit, digits) {
+  const points = line.points
+    ? { show: true, size: 5, fill: colours[line.colour], stroke: colours[line.colour] }
+    : { show: false };
+  return {
+    label: line.label,
+    stroke: colours[line.colour],
+    width: line.width ?? 1.5,
+    dash: line.dash,
+    alpha: line.alpha ?? 1,
+    paths: line.points ? () => null : undefined,
+    points,
+    spanGaps: line.spanGaps ?? false,
+    value: (u, value) => (value == null ? '–' : line.exponent
+      ? value.toExponential(1) : `${value.toFixed(digits).replace('-', '−')} ${unit}`),
+  };
+}
+
+function uplotAxes(plot, colours) {
+  const common = {
+    stroke: colours.muted,
+    font: '11px system-ui, sans-serif',
+    grid: { stroke: colours.line, width: 1 },
+    ticks: { show: false },
+  };
+  return [
+    { ...common, size: 26, gap: 4, values: (u, ticks) => ticks.map((tick) => `${formatTick(tick)} s`) },
+    {
+      ...common, size: 52, gap: 4, label: plot.axis, labelSize: 18, labelGap: 0,
+      labelFont: '11px system-ui, sans-serif',
+      values: (u, ticks) => ticks.map((tick) => (tick === null ? null : formatTick(tick))),
+    },
+  ];
+}
+
+/** Keeps the extent of the data, and `plot.include` (a limit worth seeing), inside the y scale. */
+function yRange(plot) {
+  return (u, low, high) => {
+    if (low === null || high === null || low === undefined) return [0, 1];
+    const from = Math.min(low, plot.include?.[0] ?? low);
+    const to = Math.max(high, plot.include?.[1] ?? high);
+    return uPlot.rangeNum(from, to, { min: { pad: 0.06, soft: 0, mode: plot.fromZero ? 1 : 0 },
+      max: { pad: 0.06, soft: 0, mode: 0 } });
+  };
+}
+
+class PlotPanel {
+  constructor(group, plot, container) {
+    this.group = group;
+    this.plot = plot;
+    this.figure = document.createElement('figure');
+    const caption = document.createElement('figcaption');
+    caption.textContent = plot.title;
+    this.figure.append(caption);
+    container.append(this.figure);
+    this.build();
+  }
+
+  build() {
+    const { plot, group } = this;
+    const colours = group.colours;
+    this.u?.destroy();
+    const y = plot.logarithmic
+      ? { distr: 3, range: (u, low, high) => (low > 0 ? uPlot.rangeLog(low, high, 10, true) : [1e-9, 1]) }
+      : { range: yRange(plot) };
+    this.u = new uPlot({
+      width: this.width(),
+      height: kPlotHeight_px,
+      scales: { x: { time: false, range: (u, low, high) => [low, high] }, y },
+      axes: uplotAxes(plot, colours),
+      series: [
+        { label: 'time', value: (u, value) => (value == null ? '–' : `${value.toFixed(3)} s`) },
+        ...plot.lines.map((line) => uplotSeries(line, colours, plot.unit, plot.digits ?? 2)),
+      ],
+      cursor: {
+        sync: { key: kSyncKey, filters: { pub: (type) => type === 'mousemove' || type === 'mouseleave' } },
+        drag: { x: true, y: false, setScale: false },
+        points: { size: 6 },
+        bind: { dblclick: () => () => { group.showAll(); return null; } },
+      },
+      hooks: {
+        drawClear: [pushShading(group.run, colours)],
+        setSelect: [(u) => this.zoomToSelection(u)],
+        setScale: [(u, key) => { if (key === 'x') this.moveTimeLine(); }],
+        setSize: [() => this.moveTimeLine()],
+      },
+    }, [plot.time, ...plot.lines.map((line) => line.values)], this.figure);
+    this.u.setScale('x', { min: group.from_s, max: group.to_s });
+    this.addTimeLine();
+  }
+
+  width() {
+    return Math.max(220, this.figure.clientWidth);
+  }
+
+  resize() {
+    if (this.u.width !== this.width()) this.u.setSize({ width: this.width(), height: kPlotHeight_px });
+  }
+
+  zoomToSelection(u) {
+    if (u.select.width < 5) return;
+    const from = u.posToVal(u.select.left, 'x');
+    const to = u.posToVal(u.select.left + u.select.width, 'x');
+    u.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
+    this.group.show(from, to);
+  }
+
+  addTimeLine() {
+    const over = this.u.over;
+    this.timeLine = document.createElement('div');
+    this.timeLine.className = 'time-line';
+    over.append(this.timeLine);
+    let pressedAt = 0;
+    over.addEventListener('mousedown', (event) => { pressedAt = event.clientX; });
+    over.addEventListener('click', (event) => {
+      if (Math.abs(event.clientX - pressedAt) > 4) return;
+      this.group.player.seek(this.u.posToVal(event.clientX - over.getBoundingClientRect().left, 'x'));
+    });
+    this.moveTimeLine();
+  }
+
+  moveTimeLine() {
+    if (!this.timeLine) return;
+    const time = this.group.player.time_s;
+    const inside = time >= this.group.from_s && time <= this.group.to_s;
+    this.timeLine.hidden = !inside;
+    if (inside) this.timeLine.style.transform = `translateX(${this.u.valToPos(time, 'x')}px)`;
+  }
+}
+
+/** All plots of the page. */
+class PlotGroup {
+  constructor(run, player, sections, container) {
+    this.run = run;
+    this.player = player;
+    this.colours = readColours();
+    this.from_s = run.start_s;
+    this.to_s = Math.max(run.end_s, run.start_s + 1e-3);
+    this.panels = sections.flatMap((section) => this.addSection(section, container));
+    player.listen(() => this.panels.forEach((panel) => panel.moveTimeLine()));
+    new ResizeObserver(() => this.panels.forEach((panel) => panel.resize())).observe(container);
+  }
+
+  addSection(section, container) {
+    const heading = document.createElement('h2');
+    heading.textContent = section.title;
+    const grid = document.createElement('div');
+    grid.className = 'plot-grid';
+    container.append(heading, grid);
+    return section.plots.map((plot) => new PlotPanel(this, plot, grid));
+  }
+
+  show(from_s, to_s) {
+    this.from_s = from_s;
+    this.to_s = to_s;
+    for (const panel of this.panels) panel.u.setScale('x', { min: from_s, max: to_s });
+  }
+
+  showAll() {
+    this.show(this.run.start_s, Math.max(this.run.end_s, this.run.start_s + 1e-3));
+  }
+
+  recolour() {
+    this.colours = readColours();
+    this.panels.forEach((panel) => panel.build());
+  }
+}

@@ -1,0 +1,122 @@
+// What a picture of the run is made of: ground, robot, plan, forces.
+
+const kForceScale_m_N = 0.0011;
+const kPushScale_m_N = 0.006;
+
+function drawGround(view, ground, colours, footprints) {
+  const c = view.context;
+  const half = view.width / 2 / view.scale;
+  const from = view.centre_x - half;
+  const to = view.centre_x + half;
+  const inside = ground.x_m.map((x, i) => ({ x, z: ground.z_m[i] })).filter((p) => p.x > from && p.x < to);
+  const profile = [{ x: from, z: groundHeight(ground, from) }, ...inside, { x: to, z: groundHeight(ground, to) }];
+
+  c.beginPath();
+  for (const p of profile) c.lineTo(view.x(p.x), view.y(p.z));
+  c.lineTo(view.width, view.height);
+  c.lineTo(0, view.height);
+  c.fillStyle = colours.ground;
+  c.fill();
+  drawPath(view, profile, colours.muted, 1.5);
+
+  const spacing_m = view.scale < 120 ? 1 : 0.5;
+  c.font = '11px system-ui, sans-serif';
+  c.textAlign = 'center';
+  c.textBaseline = 'alphabetic';
+  for (let k = Math.ceil(from / spacing_m); k * spacing_m <= to; ++k) {
+    const x = k * spacing_m;
+    const y = view.y(groundHeight(ground, x));
+    c.fillStyle = colours.muted;
+    c.fillRect(view.x(x) - 0.5, y, 1, 16);
+    c.fillText(`${x.toFixed(spacing_m < 1 ? 1 : 0)} m`, view.x(x), y + 28);
+  }
+  for (const place of footprints) {
+    if (place.x > from && place.x < to) {
+      drawFoothold(view, place, place.foot === 0 ? colours.left : colours.right, true);
+    }
+  }
+}
+
+function drawLeg(view, pose, side, colour, edge) {
+  const { knee, foot } = pose[side];
+  drawLink(view, knee, foot, 0.026, 0.014, colour, edge);
+  drawLink(view, pose.hip, knee, 0.04, 0.028, colour, edge);
+  drawDisc(view, knee, 0.012, edge);
+  drawDisc(view, foot, 0.018, colour, edge);
+}
+
+/** The robot in full. The right leg stands behind the torso, the left before it. */
+function drawRobot(view, pose, colours) {
+  drawLeg(view, pose, 'right', colours.right, colours.card);
+  drawLink(view, pose.hip, pose.head, 0.05, 0.065, colours.body, colours.card);
+  drawLeg(view, pose, 'left', colours.left, colours.card);
+  drawDisc(view, pose.hip, 0.017, colours.card);
+}
+
+/** The robot as thin lines. */
+function drawSkeleton(view, pose, colours, width, dash = []) {
+  drawPath(view, [pose.hip, pose.right.knee, pose.right.foot], colours.right, width, dash);
+  drawPath(view, [pose.hip, pose.head], colours.body, width, dash);
+  drawPath(view, [pose.hip, pose.left.knee, pose.left.foot], colours.left, width, dash);
+}
+
+/** Planned hip and foot paths, torso poses and footholds ahead of `time`. */
+function drawPlan(view, run, knots, colours, time) {
+  const ahead = knots.filter((knot) => knot.time >= time - 0.05);
+  if (ahead.length < 2) return;
+  const c = view.context;
+  c.globalAlpha = 0.45;
+  let next = time + 0.25;
+  for (const knot of ahead) {
+    if (knot.time < next) continue;
+    drawPath(view, [knot.hip, torsoTop(run.robot, knot.hip, knot.pitch)], colours.plan, 2);
+    next += 0.25;
+  }
+  c.globalAlpha = 0.9;
+  drawPath(view, ahead.map((knot) => knot.hip), colours.plan, 2, [5, 5]);
+  drawPath(view, ahead.map((knot) => knot.feet[1]), colours.right, 1.6, [4, 4]);
+  drawPath(view, ahead.map((knot) => knot.feet[0]), colours.left, 1.6, [4, 4]);
+  c.globalAlpha = 1;
+  for (const place of footholds(ahead)) {
+    if (place.time > time) drawFoothold(view, place, place.foot === 0 ? colours.left : colours.right, false);
+  }
+}
+
+function drawContactForces(view, run, pose, colours, time) {
+  const samples = run.samples;
+  const i = lastIndexUpTo(samples.time, time);
+  ['left', 'right'].forEach((side, foot) => {
+    const [fx, fz] = [samples.contact_force_N[2 * foot][i], samples.contact_force_N[2 * foot + 1][i]];
+    const from = pose[side].foot;
+    drawArrow(view, from, { x: from.x + kForceScale_m_N * fx, z: from.z + kForceScale_m_N * fz }, colours.force, 3);
+  });
+}
+
+/** The push as an arrow that ends where it acts, with its force written beside. */
+function drawPush(view, run, pose, colours, time) {
+  const i = lastIndexUpTo(run.samples.time, time);
+  const force = run.samples.push_N[0][i];
+  if (!force) return;
+  const up = run.samples.push_above_hip_m[0][i] / run.robot.torso_length_m;
+  const tip = { x: pose.hip.x + up * (pose.head.x - pose.hip.x), z: pose.hip.z + up * (pose.head.z - pose.hip.z) };
+  const side = Math.sign(force);
+  const end = { x: tip.x - side * 0.06, z: tip.z };
+  const tail = { x: end.x - side * Math.max(0.12, Math.abs(kPushScale_m_N * force)), z: tip.z };
+  drawArrow(view, tail, end, colours.push, 5);
+  const c = view.context;
+  c.fillStyle = colours.push;
+  c.font = '600 13px system-ui, sans-serif';
+  c.textAlign = side > 0 ? 'right' : 'left';
+  c.textBaseline = 'middle';
+  c.fillText(`${Math.abs(force).toFixed(0)} N`, view.x(tail.x) - side * 6, view.y(tail.z));
+}
+
+/** Places where feet touched down, from the summary's steps: [{foot, x, z, time}]. */
+function footprintsOf(run) {
+  return run.summary.steps.map((step) => {
+    const foot = step.foot === 'L' ? 0 : 1;
+    const i = lastIndexUpTo(run.samples.time, step.time_s);
+    const x = run.samples.foot_position_m[2 * foot][i];
+    return { foot, x, z: groundHeight(run.ground, x), time: step.time_s };
+  });
+}

@@ -1,0 +1,51 @@
+// A still picture for documents: #t=12.3&still shows the robot at 12.3 s, where it was before, and the motion
+// planned ahead. Options: poses=5 (how many earlier poses), spacing=0.6 (seconds between them), theme=dark.
+
+/** Earlier poses, oldest first: [{pose, age}] with age 1 for the newest. */
+function earlierPoses(run, time, options) {
+  const list = [];
+  for (let age = options.poses; age >= 1; --age) {
+    const then = time - age * options.spacing_s;
+    if (then >= run.start_s) list.push({ pose: poseOfState(run.robot, stateAt(run, 'true_state', then)), age });
+  }
+  return list;
+}
+
+function drawStill(run, options) {
+  document.body.classList.add('still');
+  document.getElementById('still').hidden = false;
+  const { context, width, height } = fitCanvas(document.getElementById('still-canvas'));
+  if (run.samples.rows === 0) return;
+  const colours = readColours();
+  const time = Math.min(run.end_s, Math.max(run.start_s, options.time_s ?? run.end_s));
+  const pose = poseOfState(run.robot, stateAt(run, 'true_state', time));
+  const earlier = earlierPoses(run, time, options);
+  const knots = planAt(run, time);
+  const footX = [pose, ...earlier.map((entry) => entry.pose)].flatMap((p) => [p.hip.x, p.left.foot.x, p.right.foot.x]);
+  const planX = knots.flatMap((knot) => [knot.hip.x, knot.feet[0].x, knot.feet[1].x]);
+  const from = Math.min(...footX, ...planX) - 0.25;
+  const to = Math.max(...footX, ...planX) + 0.25;
+  const scale = Math.min(height / 1.6, width / (to - from));
+  const groundZ = groundHeight(run.ground, pose.hip.x);
+  const belowGround_m = Math.max(40, (height - 1.42 * scale) / 2) / scale;
+  const view = makeView(context, width, height, (from + to) / 2, groundZ - belowGround_m, scale);
+
+  context.fillStyle = colours.sky;
+  context.fillRect(0, 0, width, height);
+  drawGround(view, run.ground, colours, footprintsOf(run).filter((place) => place.time <= time));
+  for (const { pose: ghost, age } of earlier) {
+    context.globalAlpha = 0.5 * (1 - (age - 1) / (options.poses + 1)) + 0.08;
+    drawRobot(view, ghost, colours);
+  }
+  context.globalAlpha = 1;
+  drawPlan(view, run, knots, colours, time);
+  context.globalAlpha = 0.5;
+  for (let k = 1; time + k * options.spacing_s < (knots.at(-1)?.time ?? 0); ++k) {
+    const knot = knots[lastIndexUpTo(knots.map((one) => one.time), time + k * options.spacing_s)];
+    drawSkeleton(view, poseOfKnot(run.robot, knot), colours, 2.5);
+  }
+  context.globalAlpha = 1;
+  drawRobot(view, pose, colours);
+  drawContactForces(view, run, pose, colours, time);
+  drawPush(view, run, pose, colours, time);
+}
