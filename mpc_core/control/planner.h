@@ -2,25 +2,68 @@
 
 #include "mpc_core/control/parameters.h"
 #include "mpc_core/control/plan.h"
+#include "mpc_core/gait/reference.h"
 #include "mpc_core/model/robot.h"
+#include "mpc_core/solver/sqp.h"
 
 namespace stilt::control {
 
 struct PlannerInput {
-  double time_s = 0.0;
-  model::StateVector state;
+  double time_s = 0.0;       ///< of the state; must not decrease from call to call
+  model::StateVector state;  ///< measured or estimated
   gait::GaitCommand command;
 };
 
-/// Where configure() can fail.
-enum class ConfigureStatus { ok, horizon_over_capacity, terminal_cost_failed };
+enum class ConfigureStatus {
+  ok,
+  horizon_over_capacity,  ///< more intervals or contact switches than the memory holds
+  terminal_cost_failed,   ///< the weights admit no stabilising solution of the Riccati equation
+};
 
-/// Time spent in each phase of the last solve, filled when a clock is given to the planner; microseconds.
-struct PhaseTimes {
-  double linearise_us = 0.0;
-  double riccati_us = 0.0;
-  double line_search_us = 0.0;
-  double total_us = 0.0;
+/// The one entry to planning: measured state in, plan out. Keeps the contact schedule and the last solution,
+/// from which the next solve starts, shifted in time. One object of fixed size without heap; configure() takes
+/// milliseconds and is not for the real-time path, plan() is. Results depend on the inputs alone.
+class Planner {
+ public:
+  [[nodiscard]] ConfigureStatus configure(const model::RobotModel& robot,
+                                          const ControllerParameters& parameters) noexcept;
+
+  /// Forgets the past: standing still from `time_s` on.
+  void reset(double time_s) noexcept;
+
+  /// Plans from the input's state. A solve that fails reports so in the result and leaves `plan` untouched
+  /// otherwise: the caller goes on with the older plan.
+  solver::SolveReport plan(const PlannerInput& input, Plan& plan) noexcept;
+
+  /// Clock for phase_times(); null (the default) measures nothing.
+  void set_clock(solver::ClockFunction clock) noexcept { sqp_.set_clock(clock); }
+  [[nodiscard]] const solver::PhaseTimes& phase_times() const noexcept { return sqp_.phase_times(); }
+
+  /// The problem and its data as last solved, for tests and diagnostics.
+  [[nodiscard]] const ocp::Problem& problem() const noexcept { return problem_; }
+  [[nodiscard]] const ocp::ProblemData& problem_data() const noexcept { return data_; }
+  [[nodiscard]] const ocp::Trajectory& solution() const noexcept { return solution_[current_]; }
+
+ private:
+  [[nodiscard]] bool prepare(const PlannerInput& input) noexcept;
+  void warm_start(const PlannerInput& input, ocp::Trajectory& guess) const noexcept;
+  void guess_node(double time_s, int phase, bool is_end, double* x, double* u, int& hint) const noexcept;
+  void write_plan(const PlannerInput& input, const solver::SolveReport& report, Plan& plan) noexcept;
+
+  ControllerParameters parameters_;
+  ocp::ProblemData data_;
+  gait::ContactSchedule schedule_;
+  gait::HeuristicReference reference_;
+  double speed_reference_m_s_ = 0.0;
+  double last_time_s_ = 0.0;
+  long long sequence_ = 0;
+
+  ocp::Problem problem_;
+  solver::Sqp sqp_;
+  ocp::Trajectory solution_[2];  ///< the last usable solution and the one in work
+  ocp::Horizon solved_horizon_;  ///< of the last usable solution
+  int current_ = 0;
+  bool has_solution_ = false;
 };
 
 }  // namespace stilt::control

@@ -8,11 +8,11 @@ namespace stilt::gait {
 
 /// Reference at one time: what the running cost pulls towards, and what the swing constraint follows.
 struct ReferencePoint {
-  model::StateVector state;
-  model::InputVector input;
-  model::FeetVector foot_position_W_m;
-  model::FeetVector foot_velocity_W_m_s;
-  model::FeetVector foot_acceleration_W_m_s2;
+  model::StateVector state = model::StateVector::Zero();
+  model::InputVector input = model::InputVector::Zero();
+  model::FeetVector foot_position_W_m = model::FeetVector::Zero();
+  model::FeetVector foot_velocity_W_m_s = model::FeetVector::Zero();
+  model::FeetVector foot_acceleration_W_m_s2 = model::FeetVector::Zero();
 };
 
 /// Joint angles [hip, knee] that put a foot at (x, z) relative to the hip with the torso upright, knee bent to a

@@ -1,0 +1,44 @@
+#pragma once
+
+#include "mpc_core/control/parameters.h"
+#include "mpc_core/model/robot.h"
+
+namespace stilt::control {
+
+/// What the sensors give at one tick: four joint encoders and the angle of the base.
+struct SensorReading {
+  double time_s = 0.0;
+  model::JointVector joint_position_rad = model::JointVector::Zero();
+  model::JointVector joint_velocity_rad_s = model::JointVector::Zero();
+  double base_pitch_rad = 0.0;
+  double base_pitch_rate_rad_s = 0.0;
+};
+
+/// Linear position and velocity of the base through the stance feet:
+///
+///   p_b = sum_f w_f (anchor_f - r_f(q)) / sum_f w_f,   v_b = - sum_f w_f dr_f/dt / sum_f w_f
+///
+/// where r_f is the foot relative to the base and anchor_f the place where it was when its scheduled contact
+/// began, on the ground z = 0. The weights w_f rise and fall linearly over `blend_s` at a scheduled switch; no
+/// impact sensing. Drifts in x by the slip of the feet, does not drift in z. Real-time safe.
+class Estimator {
+ public:
+  void configure(const model::RobotModel& robot, const EstimatorParameters& parameters) noexcept;
+
+  /// Starts with both feet on the ground and the base at x = base_x_m.
+  void reset(const SensorReading& reading, double base_x_m) noexcept;
+
+  /// One tick: reading and scheduled contacts in, state out.
+  [[nodiscard]] model::StateVector update(const SensorReading& reading, model::ContactMode contact) noexcept;
+
+ private:
+  const model::RobotModel* robot_ = nullptr;
+  EstimatorParameters parameters_;
+  double last_time_s_ = 0.0;
+  double base_x_m_ = 0.0;
+  bool in_contact_[model::kFeet] = {};
+  double weight_[model::kFeet] = {};
+  double anchor_x_m_[model::kFeet] = {};
+};
+
+}  // namespace stilt::control

@@ -1,0 +1,172 @@
+#include "mpc_core/control/planner.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mpc_core/solver/terminal_cost.h"
+
+namespace stilt::control {
+namespace {
+
+using model::kInputs;
+using model::kJoints;
+using model::kPositions;
+using model::kStates;
+
+ocp::JointLimits limits_of(const model::RobotConstants& robot, const RobotParameters& parameters) noexcept {
+  ocp::JointLimits limits{};
+  for (int j = 0; j < kJoints; ++j) {
+    limits.position_min_rad[j] = robot.position_min_rad[j];
+    limits.position_max_rad[j] = robot.position_max_rad[j];
+    limits.velocity_rad_s[j] = parameters.velocity_limit_scale * robot.velocity_limit_rad_s[j];
+    limits.torque_Nm[j] = parameters.torque_limit_scale * robot.torque_limit_Nm[j];
+  }
+  return limits;
+}
+
+bool fits(const ControllerParameters& p) noexcept {
+  const double intervals = std::ceil(p.discretisation.horizon_s / p.discretisation.time_step_s - 1e-9);
+  const double step_s = p.gait.single_support_s + p.gait.double_support_s;
+  const double switches_a_step = p.gait.double_support_s > 0.0 ? 2.0 : 1.0;
+  const double switches = std::ceil(p.discretisation.horizon_s / step_s) * switches_a_step;
+  return intervals <= ocp::kMaxHorizonIntervals && switches <= ocp::kMaxSwitches;
+}
+
+model::FeetVector foot_positions(const model::RobotModel& robot, const model::StateVector& state) noexcept {
+  model::KinematicsTerms<double> feet;
+  robot.scalar.kinematics(state.data(), feet);
+  return model::FeetVector(feet.foot_position);
+}
+
+}  // namespace
+
+ConfigureStatus Planner::configure(const model::RobotModel& robot, const ControllerParameters& parameters) noexcept {
+  if (!fits(parameters)) return ConfigureStatus::horizon_over_capacity;
+  parameters_ = parameters;
+  data_.robot = &robot;
+  data_.cost = parameters.cost;
+  data_.inequality = parameters.inequality;
+  data_.equality = parameters.equality;
+  data_.discretisation = parameters.discretisation;
+  data_.limits = limits_of(robot.constants, parameters.robot);
+  for (int j = 0; j < kJoints; ++j) {
+    data_.joint_parameters[j] = parameters.robot.armature_scale * robot.constants.joint_parameters[j];
+    data_.joint_parameters[kJoints + j] = robot.constants.joint_parameters[kJoints + j];
+  }
+  ocp::set_weights(data_);
+  const model::StateVector standing =
+      gait::standing_state(robot.constants, parameters.reference.base_height_m,
+                           parameters.reference.base_pitch_rad, parameters.gait.stand_half_width_m, true);
+  return solver::set_terminal_cost(data_, standing) ? ConfigureStatus::ok
+                                                    : ConfigureStatus::terminal_cost_failed;
+}
+
+void Planner::reset(double time_s) noexcept {
+  schedule_.reset(time_s);
+  speed_reference_m_s_ = 0.0;
+  last_time_s_ = time_s;
+  has_solution_ = false;
+}
+
+bool Planner::prepare(const PlannerInput& input) noexcept {
+  const model::FeetVector feet = foot_positions(*data_.robot, input.state);
+  if (has_solution_) speed_reference_m_s_ = reference_.speed_at(input.time_s);
+  // A swing that starts within the horizon needs its next contact, and that contact's middle.
+  const double beyond_s = 4.0 * (parameters_.gait.single_support_s + parameters_.gait.double_support_s);
+  schedule_.update(input.time_s, input.time_s + parameters_.discretisation.horizon_s + beyond_s, input.command,
+                   parameters_.gait, parameters_.reference, speed_reference_m_s_, feet[0] >= feet[2]);
+  reference_.prepare(data_.robot->constants, schedule_, input.command, parameters_.gait, parameters_.reference,
+                     input.time_s, input.state, feet, speed_reference_m_s_);
+  if (!ocp::build_horizon(schedule_, input.time_s, parameters_.discretisation, problem_.horizon)) return false;
+  ocp::fill_batches(reference_, problem_);
+  for (int i = 0; i < kStates; ++i) problem_.x_initial[i] = input.state[i];
+  return true;
+}
+
+void Planner::guess_node(double time_s, int phase, bool before_switch, double* x, double* u,
+                         int& hint) const noexcept {
+  const gait::ReferencePoint point = reference_.evaluate(time_s, phase);
+  std::copy(point.input.data(), point.input.data() + kInputs, u);
+  if (!has_solution_) {
+    for (int i = 0; i < kStates; ++i) x[i] = problem_.x_initial[i];
+    x[0] = point.state[0];
+    return;
+  }
+  const ocp::Trajectory& old = solution_[current_];
+  const ocp::Horizon& horizon = solved_horizon_;
+  // Last old node not after this time; at a switch the node on the wanted side.
+  while (hint < horizon.stages &&
+         (horizon.node_time_s(hint + 1) < time_s || (!before_switch && horizon.node_time_s(hint + 1) == time_s))) {
+    ++hint;
+  }
+  if (hint >= horizon.stages) {  // beyond the old horizon: its last posture moves on with the reference
+    std::copy(old.x[horizon.stages], old.x[horizon.stages] + kStates, x);
+    x[0] += (time_s - horizon.end_s) * point.state[kPositions];
+    return;
+  }
+  const double start_s = horizon.node_time_s(hint);
+  const double duration_s = horizon.node_time_s(hint + 1) - start_s;
+  const double s = duration_s > 0.0 ? std::clamp((time_s - start_s) / duration_s, 0.0, 1.0) : 0.0;
+  for (int i = 0; i < kStates; ++i) x[i] = (1.0 - s) * old.x[hint][i] + s * old.x[hint + 1][i];
+  const ocp::Stage& stage = horizon.stage[hint];
+  if (stage.kind == ocp::StageKind::flow && stage.mode == schedule_.phase(phase).mode) {
+    std::copy(old.u[hint], old.u[hint] + kInputs, u);
+  }
+}
+
+void Planner::warm_start(const PlannerInput& input, ocp::Trajectory& guess) const noexcept {
+  const ocp::Horizon& horizon = problem_.horizon;
+  int hint = 0;
+  for (int k = 0; k < horizon.stages; ++k) {
+    const ocp::Stage& stage = horizon.stage[k];
+    const bool transition = stage.kind == ocp::StageKind::transition;
+    guess_node(stage.time_s, stage.phase, transition, guess.x[k], guess.u[k], hint);
+    if (transition) std::fill(guess.u[k], guess.u[k] + kInputs, 0.0);
+  }
+  double unused[kInputs];
+  guess_node(horizon.end_s, horizon.end_phase, false, guess.x[horizon.stages], unused, hint);
+  std::copy(input.state.data(), input.state.data() + kStates, guess.x[0]);
+  for (int k = 0; k <= horizon.stages; ++k) std::fill(guess.x[k] + kStates, guess.x[k] + solver::kRows, 0.0);
+}
+
+solver::SolveReport Planner::plan(const PlannerInput& input, Plan& plan) noexcept {
+  solver::SolveReport report;
+  const bool finite = std::isfinite(input.time_s) && input.state.allFinite() && std::isfinite(input.command.speed_m_s);
+  if (!finite || !prepare(input)) return report;
+  ocp::Trajectory& work = solution_[1 - current_];
+  warm_start(input, work);
+  report = sqp_.solve(data_, problem_, parameters_.sqp, work);
+  if (!report.usable()) {
+    has_solution_ = false;  // the next solve starts afresh
+    return report;
+  }
+  current_ = 1 - current_;
+  solved_horizon_ = problem_.horizon;
+  has_solution_ = true;
+  last_time_s_ = input.time_s;
+  write_plan(input, report, plan);
+  return report;
+}
+
+void Planner::write_plan(const PlannerInput& input, const solver::SolveReport& report, Plan& plan) noexcept {
+  const ocp::Horizon& horizon = problem_.horizon;
+  const ocp::Trajectory& solution = solution_[current_];
+  const int phase = schedule_.index_at(input.time_s);
+  plan.sequence = sequence_++;
+  plan.nodes = horizon.stages + 1;
+  plan.start_time_s = input.time_s;
+  plan.gait = schedule_.phase(phase).gait;
+  plan.phase_end_s = schedule_.end_s(phase);
+  plan.report = report;
+  for (int k = 0; k <= horizon.stages; ++k) {
+    const int stage = std::min(k, horizon.stages - 1);
+    PlanNode& node = plan.node[k];
+    node.time_s = horizon.node_time_s(k);
+    node.state = Eigen::Map<const model::StateVector>(solution.x[k]);
+    node.input = Eigen::Map<const model::InputVector>(solution.u[stage]);
+    node.mode = horizon.stage[stage].mode;
+    sqp_.feedback_gain(stage, node.gain);
+  }
+}
+
+}  // namespace stilt::control

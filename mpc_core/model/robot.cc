@@ -1,0 +1,14 @@
+#include "mpc_core/model/robot.h"
+
+#include <string_view>
+
+namespace stilt::model {
+
+const RobotModel* find_robot(const char* name) noexcept {
+  for (const RobotModel* robot : {&amber3m(), &rabbit()}) {
+    if (std::string_view(robot->constants.name) == name) return robot;
+  }
+  return nullptr;
+}
+
+}  // namespace stilt::model
