@@ -1,12 +1,8 @@
-// Which plots the page shows. A plot: {title, axis, unit, digits, time, lines: [{label, colour, values, dash}]}.
+// Which plots the page shows. A plot: {title, axis, unit, digits, time, limits, lines: [{label, colour,
+// values, dash}]}; colour names one of theme.js, values has one number or null for each of time.
 
 const kPlanned = { dash: [5, 4], width: 1.2, alpha: 0.85 };
 const kSides = [['left', 'left'], ['right', 'right']];
-
-/** Horizontal line at `value` over the times of a plot. */
-function limitLine(time, label, value) {
-  return { label, colour: 'limit', dash: [2, 4], width: 1.2, values: time.map(() => value) };
-}
 
 function basePlots(run, time) {
   const samples = run.samples;
@@ -46,12 +42,14 @@ function jointPlots(run, time) {
 
 function torquePlot(run, time, title, first) {
   const limits = [run.torque_limit_Nm[first], run.torque_limit_Nm[first + 2]].filter((limit) => limit > 0);
-  const lines = kSides.map(([label, colour], k) => (
-    { label, colour, values: withGaps(run.samples.torque_Nm[first + 2 * k]) }));
-  if (limits.length === 2) {
-    lines.push(limitLine(time, 'limit', Math.min(...limits)), limitLine(time, 'limit', -Math.min(...limits)));
-  }
-  return { title, axis: 'torque, Nm', unit: 'Nm', digits: 1, time, lines };
+  const limit = Math.min(...limits);
+  return {
+    title: limits.length > 0 ? `${title} (dotted: limit ±${formatTick(limit)} Nm)` : title,
+    axis: 'torque, Nm', unit: 'Nm', digits: 1, time,
+    limits: limits.length > 0 ? [-limit, limit] : [],
+    lines: kSides.map(([label, colour], k) => (
+      { label, colour, values: withGaps(run.samples.torque_Nm[first + 2 * k]) })),
+  };
 }
 
 function forcePlots(run, time) {
@@ -70,14 +68,12 @@ function forcePlots(run, time) {
     { title: 'Normal contact force', axis: 'force, N', unit: 'N', digits: 0, time, lines: component(1) },
     { title: 'Tangential contact force', axis: 'force, N', unit: 'N', digits: 0, time, lines: component(0) },
     {
-      title: `Friction ratio, where the foot carries over ${kLoaded_N} N`, axis: 'tangential / normal', unit: '', time,
-      lines: [
-        ...kSides.flatMap(([label, colour], foot) => [
-          { label, colour, values: ratio(samples.contact_force_N, foot) },
-          { label: 'planned', colour, ...kPlanned, values: ratio(samples.planned_contact_force_N, foot) },
-        ]),
-        limitLine(time, 'limit', mu), limitLine(time, 'limit', -mu),
-      ],
+      title: `Friction ratio of feet that carry over ${kLoaded_N} N (dotted: ±${formatTick(mu)})`,
+      axis: 'tangential / normal', unit: '', time, limits: [-mu, mu],
+      lines: kSides.flatMap(([label, colour], foot) => [
+        { label, colour, values: ratio(samples.contact_force_N, foot) },
+        { label: 'planned', colour, ...kPlanned, values: ratio(samples.planned_contact_force_N, foot) },
+      ]),
     },
   ];
 }

@@ -43,6 +43,26 @@ function pushShading(run, colours) {
   };
 }
 
+/** Draws the plot's limits as dotted lines. */
+function limitLines(plot, colours) {
+  return (u) => {
+    const c = u.ctx;
+    const ratio = devicePixelRatio || 1;
+    c.save();
+    c.strokeStyle = colours.limit;
+    c.lineWidth = 1.2 * ratio;
+    c.setLineDash([2 * ratio, 4 * ratio]);
+    for (const limit of plot.limits ?? []) {
+      const y = u.valToPos(limit, 'y', true);
+      c.beginPath();
+      c.moveTo(u.bbox.left, y);
+      c.lineTo(u.bbox.left + u.bbox.width, y);
+      c.stroke();
+    }
+    c.restore();
+  };
+}
+
 function uplotSeries(line, colours, unit, digits) {
   const points = line.points
     ? { show: true, size: 5, fill: colours[line.colour], stroke: colours[line.colour] }
@@ -78,12 +98,12 @@ function uplotAxes(plot, colours) {
   ];
 }
 
-/** Keeps the extent of the data, and `plot.include` (a limit worth seeing), inside the y scale. */
+/** The y scale holds the data shown and the plot's limits. */
 function yRange(plot) {
   return (u, low, high) => {
     if (low === null || high === null || low === undefined) return [0, 1];
-    const from = Math.min(low, plot.include?.[0] ?? low);
-    const to = Math.max(high, plot.include?.[1] ?? high);
+    const from = Math.min(low, ...(plot.limits ?? []));
+    const to = Math.max(high, ...(plot.limits ?? []));
     return uPlot.rangeNum(from, to, { min: { pad: 0.06, soft: 0, mode: plot.fromZero ? 1 : 0 },
       max: { pad: 0.06, soft: 0, mode: 0 } });
   };
@@ -111,6 +131,7 @@ class PlotPanel {
     this.u = new uPlot({
       width: this.width(),
       height: kPlotHeight_px,
+      padding: [6, 14, 0, 0],
       scales: { x: { time: false, range: (u, low, high) => [low, high] }, y },
       axes: uplotAxes(plot, colours),
       series: [
@@ -124,10 +145,10 @@ class PlotPanel {
         bind: { dblclick: () => () => { group.showAll(); return null; } },
       },
       hooks: {
-        drawClear: [pushShading(group.run, colours)],
+        drawClear: [pushShading(group.run, colours), limitLines(plot, colours)],
         setSelect: [(u) => this.zoomToSelection(u)],
-        setScale: [(u, key) => { if (key === 'x') this.moveTimeLine(); }],
-        setSize: [() => this.moveTimeLine()],
+        // After drawing, uPlot clears the legend; the time is shown once that is done.
+        draw: [() => queueMicrotask(() => this.showTime())],
       },
     }, [plot.time, ...plot.lines.map((line) => line.values)], this.figure);
     this.u.setScale('x', { min: group.from_s, max: group.to_s });
@@ -161,29 +182,64 @@ class PlotPanel {
       if (Math.abs(event.clientX - pressedAt) > 4) return;
       this.group.player.seek(this.u.posToVal(event.clientX - over.getBoundingClientRect().left, 'x'));
     });
-    this.moveTimeLine();
+    this.showTime();
   }
 
-  moveTimeLine() {
-    if (!this.timeLine) return;
+  /** Moves the time line and, while the pointer is elsewhere, the values in the legend. */
+  showTime() {
+    if (!this.timeLine?.isConnected) return;
     const time = this.group.player.time_s;
-    const inside = time >= this.group.from_s && time <= this.group.to_s;
-    this.timeLine.hidden = !inside;
-    if (inside) this.timeLine.style.transform = `translateX(${this.u.valToPos(time, 'x')}px)`;
+    this.timeLine.style.transform = `translateX(${this.u.valToPos(time, 'x')}px)`;
+    if (this.u.cursor.left < 0) this.u.setLegend({ idx: lastIndexUpTo(this.plot.time, time) });
   }
 }
 
-/** All plots of the page. */
+const kWindow_s = 8;
+const kBeforePush_s = 2;
+
+/** All plots of the page. They show one window of time, which always holds the player's time. */
 class PlotGroup {
   constructor(run, player, sections, container) {
     this.run = run;
     this.player = player;
     this.colours = readColours();
-    this.from_s = run.start_s;
-    this.to_s = Math.max(run.end_s, run.start_s + 1e-3);
+    this.views = this.makeViews();
+    [this.from_s, this.to_s] = this.views[this.views.length > 1 ? 1 : 0].window;
+    if (player.time_s < this.from_s) player.seek(this.from_s);
+    this.addViewButtons(container);
     this.panels = sections.flatMap((section) => this.addSection(section, container));
-    player.listen(() => this.panels.forEach((panel) => panel.moveTimeLine()));
+    player.listen(() => this.follow());
     new ResizeObserver(() => this.panels.forEach((panel) => panel.resize())).observe(container);
+  }
+
+  /** The whole run and, when it is long, a window at each push or at the start. */
+  makeViews() {
+    const { start_s, end_s, pushes } = this.run;
+    const views = [{ name: 'Whole run', window: [start_s, Math.max(end_s, start_s + 1e-3)] }];
+    if (end_s - start_s < 1.5 * kWindow_s) return views;
+    const windowAt = (from) => {
+      const first = Math.max(start_s, Math.min(from, end_s - kWindow_s));
+      return [first, first + kWindow_s];
+    };
+    for (const push of pushes.slice(0, 6)) {
+      views.push({
+        name: `Push of ${push.force_N.toFixed(0).replace('-', '−')} N at ${push.from_s.toFixed(1)} s`,
+        window: windowAt(push.from_s - kBeforePush_s),
+      });
+    }
+    if (pushes.length === 0) views.push({ name: `${kWindow_s} s`, window: windowAt(start_s) });
+    return views;
+  }
+
+  addViewButtons(container) {
+    const bar = document.createElement('div');
+    bar.className = 'views';
+    for (const view of this.views) {
+      const button = Object.assign(document.createElement('button'), { type: 'button', textContent: view.name });
+      button.addEventListener('click', () => this.show(...view.window));
+      bar.append(button);
+    }
+    container.append(bar);
   }
 
   addSection(section, container) {
@@ -195,14 +251,32 @@ class PlotGroup {
     return section.plots.map((plot) => new PlotPanel(this, plot, grid));
   }
 
-  show(from_s, to_s) {
+  setWindow(from_s, to_s) {
     this.from_s = from_s;
     this.to_s = to_s;
     for (const panel of this.panels) panel.u.setScale('x', { min: from_s, max: to_s });
   }
 
+  /** Shows a window chosen by the user; the player moves into it. */
+  show(from_s, to_s) {
+    this.setWindow(from_s, to_s);
+    if (this.player.time_s < from_s || this.player.time_s > to_s) this.player.seek(from_s);
+  }
+
   showAll() {
-    this.show(this.run.start_s, Math.max(this.run.end_s, this.run.start_s + 1e-3));
+    this.show(...this.views[0].window);
+  }
+
+  /** Turns the page when the player leaves the window. */
+  follow() {
+    const time = this.player.time_s;
+    const width = this.to_s - this.from_s;
+    if (time < this.from_s || time > this.to_s) {
+      const ideal = time > this.to_s ? time : time - width;
+      const from = Math.max(this.run.start_s, Math.min(ideal, this.run.end_s - width));
+      this.setWindow(from, from + width);
+    }
+    this.panels.forEach((panel) => panel.showTime());
   }
 
   recolour() {

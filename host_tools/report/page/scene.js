@@ -1,6 +1,6 @@
 // What a picture of the run is made of: ground, robot, plan, forces.
 
-const kForceScale_m_N = 0.0011;
+const kForceScale_m_N = 0.0017;
 const kPushScale_m_N = 0.006;
 
 function drawGround(view, ground, colours, footprints) {
@@ -48,7 +48,7 @@ function drawLeg(view, pose, side, colour, edge) {
 /** The robot in full. The right leg stands behind the torso, the left before it. */
 function drawRobot(view, pose, colours) {
   drawLeg(view, pose, 'right', colours.right, colours.card);
-  drawLink(view, pose.hip, pose.head, 0.05, 0.065, colours.body, colours.card);
+  drawLink(view, pose.hip, pose.head, 0.045, 0.058, colours.body, colours.card);
   drawLeg(view, pose, 'left', colours.left, colours.card);
   drawDisc(view, pose.hip, 0.017, colours.card);
 }
@@ -60,18 +60,24 @@ function drawSkeleton(view, pose, colours, width, dash = []) {
   drawPath(view, [pose.hip, pose.left.knee, pose.left.foot], colours.left, width, dash);
 }
 
-/** Planned hip and foot paths, torso poses and footholds ahead of `time`. */
-function drawPlan(view, run, knots, colours, time) {
+/** Planned torso poses ahead of `time`, a quarter of a second apart. */
+function drawPlannedTorso(view, run, knots, colours, time) {
+  const kSpacing_s = 0.25;
+  view.context.globalAlpha = 0.45;
+  let next = time + kSpacing_s;
+  for (const knot of knots) {
+    if (knot.time < next) continue;
+    drawPath(view, [knot.hip, torsoTop(run.robot, knot.hip, knot.pitch)], colours.plan, 2);
+    next += kSpacing_s;
+  }
+  view.context.globalAlpha = 1;
+}
+
+/** Planned hip and foot paths and footholds ahead of `time`. */
+function drawPlannedPaths(view, knots, colours, time) {
   const ahead = knots.filter((knot) => knot.time >= time - 0.05);
   if (ahead.length < 2) return;
   const c = view.context;
-  c.globalAlpha = 0.45;
-  let next = time + 0.25;
-  for (const knot of ahead) {
-    if (knot.time < next) continue;
-    drawPath(view, [knot.hip, torsoTop(run.robot, knot.hip, knot.pitch)], colours.plan, 2);
-    next += 0.25;
-  }
   c.globalAlpha = 0.9;
   drawPath(view, ahead.map((knot) => knot.hip), colours.plan, 2, [5, 5]);
   drawPath(view, ahead.map((knot) => knot.feet[1]), colours.right, 1.6, [4, 4]);
@@ -104,11 +110,17 @@ function drawPush(view, run, pose, colours, time) {
   const tail = { x: end.x - side * Math.max(0.12, Math.abs(kPushScale_m_N * force)), z: tip.z };
   drawArrow(view, tail, end, colours.push, 5);
   const c = view.context;
-  c.fillStyle = colours.push;
+  const label = `${Math.abs(force).toFixed(0)} N`;
   c.font = '600 13px system-ui, sans-serif';
-  c.textAlign = side > 0 ? 'right' : 'left';
-  c.textBaseline = 'middle';
-  c.fillText(`${Math.abs(force).toFixed(0)} N`, view.x(tail.x) - side * 6, view.y(tail.z));
+  c.textAlign = 'center';
+  c.textBaseline = 'bottom';
+  const [x, y] = [(view.x(tail.x) + view.x(end.x)) / 2, view.y(tail.z) - 9];
+  c.lineWidth = 4;
+  c.lineJoin = 'round';
+  c.strokeStyle = colours.sky;
+  c.strokeText(label, x, y);
+  c.fillStyle = colours.push;
+  c.fillText(label, x, y);
 }
 
 /** Places where feet touched down, from the summary's steps: [{foot, x, z, time}]. */

@@ -52,7 +52,11 @@ class Stage {
     const pose = poseOfState(run.robot, stateAt(run, 'true_state', time));
 
     drawGround(view, run.ground, colours, this.footprints.filter((place) => place.time <= time));
-    if (this.showPlan.checked) drawPlan(view, run, planAt(run, time), colours, time);
+    if (this.showPlan.checked) {
+      const knots = planAt(run, time);
+      drawPlannedTorso(view, run, knots, colours, time);
+      drawPlannedPaths(view, knots, colours, time);
+    }
     drawRobot(view, pose, colours);
     if (this.showForces.checked) drawContactForces(view, run, pose, colours, time);
     drawPush(view, run, pose, colours, time);

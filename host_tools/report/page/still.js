@@ -38,11 +38,11 @@ function drawStill(run, options) {
     drawRobot(view, ghost, colours);
   }
   context.globalAlpha = 1;
-  drawPlan(view, run, knots, colours, time);
+  drawPlannedPaths(view, knots, colours, time);
   context.globalAlpha = 0.5;
   for (let k = 1; time + k * options.spacing_s < (knots.at(-1)?.time ?? 0); ++k) {
     const knot = knots[lastIndexUpTo(knots.map((one) => one.time), time + k * options.spacing_s)];
-    drawSkeleton(view, poseOfKnot(run.robot, knot), colours, 2.5);
+    drawSkeleton(view, poseOfKnot(run.robot, knot), colours, 3);
   }
   context.globalAlpha = 1;
   drawRobot(view, pose, colours);
