@@ -10,8 +10,8 @@
 ///   K = -H^-1 G              k   = -H^-1 h_u
 ///   P <- Q + A'P A - G'H^-1 G        p <- h_x - G'H^-1 h_u
 ///
-/// Of Q and R only the lower triangles are read, and P is made exactly symmetric at every stage: the
-/// antisymmetric part of a rounding error would otherwise grow with the open-loop dynamics.
+/// Of Q and R only the triangles Q[c][r], R[c][r] with r >= c are read, and P is made exactly symmetric at
+/// every stage: the antisymmetric part of a rounding error would otherwise grow with the open-loop dynamics.
 /// Real-time safe: bounded time, no heap, no libm. The same input gives the same bits on the same build.
 /// Source: Rawlings, Mayne, Diehl, Model Predictive Control (2nd ed.), section 8.8.3; layout in
 /// docs/decisions/0002-riccati-sweep.md.
