@@ -1,0 +1,78 @@
+#include "host_tools/simulator/allocation_counter.h"
+
+#include <cerrno>
+#include <cstddef>
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || !defined(__GLIBC__)
+#define STILT_COUNT_ALLOCATIONS 0
+#else
+#define STILT_COUNT_ALLOCATIONS 1
+#endif
+
+namespace {
+thread_local int open_scopes = 0;
+thread_local long long allocations = 0;
+}  // namespace
+
+#if STILT_COUNT_ALLOCATIONS
+
+namespace {
+void count_one() noexcept {
+  if (open_scopes > 0) ++allocations;
+}
+}  // namespace
+
+extern "C" {
+void* __libc_malloc(std::size_t);
+void* __libc_calloc(std::size_t, std::size_t);
+void* __libc_realloc(void*, std::size_t);
+void* __libc_memalign(std::size_t, std::size_t);
+
+void* malloc(std::size_t bytes) noexcept {
+  count_one();
+  return __libc_malloc(bytes);
+}
+
+void* calloc(std::size_t items, std::size_t bytes) noexcept {
+  count_one();
+  return __libc_calloc(items, bytes);
+}
+
+void* realloc(void* block, std::size_t bytes) noexcept {
+  count_one();
+  return __libc_realloc(block, bytes);
+}
+
+void* memalign(std::size_t alignment, std::size_t bytes) noexcept {
+  count_one();
+  return __libc_memalign(alignment, bytes);
+}
+
+void* aligned_alloc(std::size_t alignment, std::size_t bytes) noexcept {
+  count_one();
+  return __libc_memalign(alignment, bytes);
+}
+
+int posix_memalign(void** result, std::size_t alignment, std::size_t bytes) noexcept {
+  if (alignment < sizeof(void*) || (alignment & (alignment - 1)) != 0) return EINVAL;
+  count_one();
+  void* block = __libc_memalign(alignment, bytes);
+  if (block == nullptr) return ENOMEM;
+  *result = block;
+  return 0;
+}
+}  // extern "C"
+
+#endif
+
+namespace stilt::simulator {
+
+AllocationScope::AllocationScope() noexcept : start_(allocations) { ++open_scopes; }
+
+AllocationScope::~AllocationScope() { --open_scopes; }
+
+long long AllocationScope::count() const noexcept { return allocations - start_; }
+
+bool counts_allocations() noexcept { return STILT_COUNT_ALLOCATIONS != 0; }
+
+}  // namespace stilt::simulator

@@ -1,0 +1,102 @@
+#pragma once
+
+#include <cstdint>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "host_tools/simulator/physics_model.h"
+#include "host_tools/simulator/plant_options.h"
+#include "mpc_core/control/torque_loop.h"
+#include "mpc_core/model/types.h"
+
+namespace stilt::simulator {
+
+/// What the plant needs to know of a robot: its MJCF, and what is not in it.
+struct PlantModel {
+  std::string mjcf;
+  model::JointVector torque_limit_Nm = model::JointVector::Zero();
+  double nominal_hip_height_m = 0.8;
+};
+
+/// Where an external push acts, on the torso: at the hip, or at the torso's centre of mass.
+enum class PushPoint { hip, torso };
+
+/// Why the robot counts as fallen.
+enum class Fall { none, hip_too_low, pitch_too_large, body_on_ground, not_finite };
+
+/// "hip too low", ...
+[[nodiscard]] const char* fall_text(Fall fall);
+
+/// The robot and its world in MuJoCo: the plant under the controller. Repeats bit for bit from the same
+/// model, options, seed and calls.
+class Plant {
+ public:
+  /// Throws std::runtime_error when MuJoCo refuses the model.
+  Plant(const PlantModel& model, const PlantOptions& options, std::uint64_t seed);
+
+  /// Places the robot; the delay line starts empty, the first torque commanded fills it.
+  void set_state(const model::StateVector& state);
+
+  /// What the motors are asked for from now on; saturated at the torque limit, acting delay_s later.
+  void command_torque(const model::JointVector& torque_Nm);
+
+  /// Horizontal force on the torso from now on, positive forward.
+  void set_push(double force_N, PushPoint point);
+
+  /// Advances by one time step.
+  void step();
+
+  /// What the sensors show now: noise of the plant's options, drawn anew on each call.
+  [[nodiscard]] control::SensorReading read_sensors();
+
+  [[nodiscard]] model::StateVector state() const;
+  [[nodiscard]] double time_step_s() const;
+  /// Torque of the motors over the last time step.
+  [[nodiscard]] const model::JointVector& applied_torque_Nm() const { return applied_torque_Nm_; }
+  /// Force of the ground on each foot over the last time step, world frame: fx_L, fz_L, fx_R, fz_R.
+  [[nodiscard]] const model::FeetVector& contact_force_N() const { return contact_force_N_; }
+  /// Lowest point of each shin, world frame: xL, zL, xR, zR.
+  [[nodiscard]] const model::FeetVector& foot_position_m() const { return foot_position_m_; }
+  /// Way of both feet along the ground while loaded (over 5 N at both ends of a time step), so far.
+  [[nodiscard]] double slip_distance_m() const { return slip_distance_m_; }
+  /// Kinetic and potential energy, the drives' share included.
+  [[nodiscard]] double energy_J();
+  /// Height of the ground below a point x of the world.
+  [[nodiscard]] double ground_height_m(double x_m) const;
+  /// Mass of all links.
+  [[nodiscard]] double mass_kg() const;
+  /// Position of the torso's centre of mass, world frame.
+  [[nodiscard]] Eigen::Vector2d torso_com_m() const;
+
+  /// Fallen: hip below 0.6 of its nominal height over the ground, pitch beyond 1 rad, a knee or the torso's
+  /// centre of mass on the ground, or a state that is not finite.
+  [[nodiscard]] Fall fall() const;
+
+ private:
+  void saturate_and_delay();
+  void apply_forces();
+  void measure_contact();
+  void measure_feet();
+
+  PlantOptions options_;
+  model::JointVector torque_limit_Nm_;
+  double nominal_hip_height_m_;
+  PhysicsIndices index_;
+  ModelPointer model_;
+  DataPointer data_;
+  std::mt19937_64 random_;
+  std::normal_distribution<double> normal_;
+  std::vector<model::JointVector> delay_line_;  ///< one entry a time step of delay, oldest at delay_next_
+  std::size_t delay_next_ = 0;
+  bool delay_line_filled_ = false;
+  model::JointVector commanded_torque_Nm_ = model::JointVector::Zero();
+  model::JointVector applied_torque_Nm_ = model::JointVector::Zero();
+  model::FeetVector contact_force_N_ = model::FeetVector::Zero();
+  model::FeetVector foot_position_m_ = model::FeetVector::Zero();
+  double push_N_ = 0.0;
+  PushPoint push_point_ = PushPoint::hip;
+  double slip_distance_m_ = 0.0;
+};
+
+}  // namespace stilt::simulator

@@ -1,0 +1,95 @@
+#include "host_tools/simulator/plant_options.h"
+
+#include <array>
+#include <cstdio>
+#include <stdexcept>
+
+#include "host_tools/simulator/number.h"
+
+namespace stilt::simulator {
+namespace {
+
+using Options = PlantOptions;
+
+constexpr std::array kTable = {
+    PlantOption{"time_step_s", "s", 1e-5, 5e-4, "0.0005",
+                "longest step of the physics engine; shortened to divide the control tick",
+                [](Options& o, double v) { o.time_step_s = v; }},
+    PlantOption{"mass_scale", "-", 0.2, 5.0, "1", "factor on mass and inertia of every link",
+                [](Options& o, double v) { o.mass_scale = v; }},
+    PlantOption{"friction", "-", 0.01, 5.0, "0.6", "friction coefficient between foot and ground",
+                [](Options& o, double v) { o.friction = v; }},
+    PlantOption{"armature", "kg m^2", 0.0, 10.0, "from the URDF", "reflected drive inertia of every joint",
+                [](Options& o, double v) { o.armature_kg_m2 = v; }},
+    PlantOption{"joint_damping", "Nm s/rad", 0.0, 100.0, "from the URDF", "viscous friction of every joint",
+                [](Options& o, double v) { o.joint_damping_Nms_rad = v; }},
+    PlantOption{"joint_friction_Nm", "Nm", 0.0, 100.0, "from the URDF", "Coulomb friction of every joint",
+                [](Options& o, double v) { o.joint_friction_Nm = v; }},
+    PlantOption{"torque_limit_Nm", "Nm", 0.0, 10000.0, "from the URDF", "largest torque of every motor",
+                [](Options& o, double v) { o.torque_limit_Nm = v; }},
+    PlantOption{"foot_radius_m", "m", 0.0005, 0.05, "0.002", "radius of the foot sphere",
+                [](Options& o, double v) { o.foot_radius_m = v; }},
+    PlantOption{"encoder_noise_rad", "rad", 0.0, 1.0, "0", "standard deviation of a joint position",
+                [](Options& o, double v) { o.encoder_noise_rad = v; }},
+    PlantOption{"encoder_velocity_noise_rad_s", "rad/s", 0.0, 10.0, "0",
+                "standard deviation of a joint velocity",
+                [](Options& o, double v) { o.encoder_velocity_noise_rad_s = v; }},
+    PlantOption{"base_angle_noise_rad", "rad", 0.0, 1.0, "0", "standard deviation of the base pitch",
+                [](Options& o, double v) { o.base_angle_noise_rad = v; }},
+    PlantOption{"base_rate_noise_rad_s", "rad/s", 0.0, 10.0, "0", "standard deviation of the base pitch rate",
+                [](Options& o, double v) { o.base_rate_noise_rad_s = v; }},
+    PlantOption{"delay_s", "s", 0.0, 0.1, "0", "time from a measurement to the torque computed from it",
+                [](Options& o, double v) { o.delay_s = v; }},
+    PlantOption{"ground_slope_rad", "rad", -0.5, 0.5, "0", "slope of the ground, positive uphill forward",
+                [](Options& o, double v) { o.ground_slope_rad = v; }},
+    PlantOption{"step_height_m", "m", -0.3, 0.3, "0", "height of a step in the ground, negative down",
+                [](Options& o, double v) { o.step_height_m = v; }},
+    PlantOption{"step_position_m", "m", -100.0, 100.0, "2", "where the step in the ground begins, forward",
+                [](Options& o, double v) { o.step_position_m = v; }},
+};
+
+const PlantOption& find_option(std::string_view key) {
+  for (const PlantOption& option : kTable) {
+    if (key == option.key) return option;
+  }
+  std::string known;
+  for (const PlantOption& option : kTable) known += (known.empty() ? "" : ", ") + std::string(option.key);
+  throw std::invalid_argument("--plant " + std::string(key) + ": no such plant option; known are " + known);
+}
+
+std::string range_text(const PlantOption& option) {
+  return number_text(option.minimum) + " to " + number_text(option.maximum) +
+         (std::string_view(option.unit) == "-" ? "" : std::string(" ") + option.unit);
+}
+
+}  // namespace
+
+std::span<const PlantOption> plant_option_table() { return kTable; }
+
+std::string describe_plant_options() {
+  std::string text;
+  for (const PlantOption& option : kTable) {
+    char line[256];
+    std::snprintf(line, sizeof line, "  %-29s %s (%s; default %s)\n", option.key, option.description,
+                  range_text(option).c_str(), option.default_text);
+    text += line;
+  }
+  return text;
+}
+
+void set_plant_option(PlantOptions& options, std::string_view assignment) {
+  const std::string whole(assignment);
+  const std::size_t equals = assignment.find('=');
+  if (equals == std::string_view::npos) {
+    throw std::invalid_argument("--plant " + whole + ": expected KEY=VALUE, for example friction=0.4");
+  }
+  const PlantOption& option = find_option(assignment.substr(0, equals));
+  const std::optional<double> value = parse_number(assignment.substr(equals + 1));
+  if (!value || *value < option.minimum || *value > option.maximum) {
+    throw std::invalid_argument("--plant " + whole + ": " + option.key + " must be a number from " +
+                                range_text(option));
+  }
+  option.set(options, *value);
+}
+
+}  // namespace stilt::simulator

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+/// What may differ between the simulated robot and the robot the controller believes in.
+namespace stilt::simulator {
+
+/// Options of the plant. An empty optional keeps the value of the robot's URDF.
+struct PlantOptions {
+  double time_step_s = 0.0005;
+  double mass_scale = 1.0;
+  double friction = 0.6;
+  std::optional<double> armature_kg_m2;
+  std::optional<double> joint_damping_Nms_rad;
+  std::optional<double> joint_friction_Nm;
+  std::optional<double> torque_limit_Nm;
+  double foot_radius_m = 0.002;
+  double encoder_noise_rad = 0.0;
+  double encoder_velocity_noise_rad_s = 0.0;
+  double base_angle_noise_rad = 0.0;
+  double base_rate_noise_rad_s = 0.0;
+  double delay_s = 0.0;
+  double ground_slope_rad = 0.0;
+  double step_height_m = 0.0;
+  double step_position_m = 2.0;
+};
+
+/// One row of the table of options: what `--plant KEY=VALUE` accepts.
+struct PlantOption {
+  const char* key;
+  const char* unit;
+  double minimum;
+  double maximum;
+  const char* default_text;
+  const char* description;
+  void (*set)(PlantOptions&, double);
+};
+
+/// The table of options, in the order of the help text.
+[[nodiscard]] std::span<const PlantOption> plant_option_table();
+
+/// The table as text, one option a line.
+[[nodiscard]] std::string describe_plant_options();
+
+/// Sets one option from "KEY=VALUE". Throws std::invalid_argument, one sentence, when the key is unknown, the
+/// value no number or out of its range.
+void set_plant_option(PlantOptions& options, std::string_view assignment);
+
+}  // namespace stilt::simulator

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "codegen/model/planar_tree.h"
+#include "host_tools/simulator/plant.h"
+#include "host_tools/simulator/plant_options.h"
+
+namespace stilt::simulator {
+
+/// Names of the robots whose URDF is compiled into the program.
+[[nodiscard]] std::vector<std::string> simulated_robot_names();
+
+/// The planar tree of a compiled-in URDF. Throws std::invalid_argument, one sentence, for an unknown name.
+[[nodiscard]] codegen::PlanarTree simulated_robot(std::string_view name);
+
+/// The plant of a robot with joints hip_L, knee_L, hip_R, knee_R in the world that the options describe.
+[[nodiscard]] PlantModel make_plant_model(const codegen::PlanarTree& tree, const PlantOptions& options,
+                                          double nominal_hip_height_m);
+
+}  // namespace stilt::simulator
