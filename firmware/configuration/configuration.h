@@ -1,0 +1,54 @@
+#pragma once
+
+#include <expected>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "firmware/configuration/diagnostic.h"
+#include "mpc_core/control/parameters.h"
+
+/// The configuration of the controller: one commented TOML file a robot sets everything that is tunable.
+///
+/// A file holds sections of keys; the keys, their units, ranges and meaning are the table of schema.h. A key
+/// that is left out takes the default named beside it in the shipped files. Unknown keys, wrong types, values
+/// out of range and values that contradict each other are refused, all of them reported at once.
+/// For start-up and host programs: allocates, reads files; not for real time.
+namespace stilt::configuration {
+
+/// The parameters, or everything that is wrong, in the order of the file, overrides last. Contradictions
+/// between values are looked for once each value is right by itself.
+using Result = std::expected<control::ControllerParameters, std::vector<Diagnostic>>;
+
+/// A change made after the file is read, under the same checks. The last one of a key counts.
+struct Override {
+  std::string assignment;       ///< "section.key=value"; quotes around a word are optional
+  std::string where = "--set";  ///< the option it came from, named in diagnostics
+};
+
+/// A configuration compiled into the program.
+struct ShippedConfiguration {
+  std::string_view robot;  ///< name of the robot, such as "amber3m"
+  std::string_view path;   ///< of the file it was made from, relative to the root of the project
+  std::string_view text;   ///< that file
+};
+
+/// The shipped configurations, by name.
+[[nodiscard]] std::span<const ShippedConfiguration> shipped_configurations();
+
+/// Reads a configuration from text; `file` names it in diagnostics.
+[[nodiscard]] Result parse(std::string_view toml, std::string_view file,
+                           std::span<const Override> overrides = {});
+
+/// Reads a configuration file.
+[[nodiscard]] Result load_file(const std::string& path, std::span<const Override> overrides = {});
+
+/// The shipped configuration of a robot.
+[[nodiscard]] Result load_robot(std::string_view robot, std::span<const Override> overrides = {});
+
+/// The parameters as a TOML file that parse() reads back bit for bit, with meaning, unit, range and default
+/// in a comment above each key. `heading`: text of the first lines, put into comments.
+[[nodiscard]] std::string to_toml(const control::ControllerParameters& parameters, std::string_view heading);
+
+}  // namespace stilt::configuration

@@ -1,0 +1,121 @@
+#include "firmware/configuration/consistency.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "firmware/configuration/schema.h"
+#include "mpc_core/control/plan.h"
+
+namespace stilt::configuration {
+namespace {
+
+/// Times that are equal but for rounding count as equal.
+constexpr double kRounding = 1e-9;
+
+void check_capacity(const Parameters& p, std::vector<Contradiction>& found) {
+  const auto& grid = p.discretisation;
+  const double intervals = std::ceil(grid.horizon_s / grid.time_step_s - kRounding);
+  if (intervals > control::kMaxHorizonIntervals) {
+    found.push_back({{"discretisation.horizon_s", "discretisation.time_step_s"},
+                     "a horizon of " + number_text(grid.horizon_s) + " s in time steps of " +
+                         number_text(grid.time_step_s) + " s takes " + number_text(intervals) +
+                         " intervals, the capacity is " + std::to_string(control::kMaxHorizonIntervals) +
+                         "; the horizon may be at most " +
+                         number_text(control::kMaxHorizonIntervals * grid.time_step_s) + " s"});
+  }
+  const int switches = most_switches(p);
+  if (switches > control::kMaxSwitches) {
+    found.push_back({{"gait.single_support_s", "gait.double_support_s", "discretisation.horizon_s"},
+                     "steps of " + number_text(p.gait.single_support_s) + " s with " +
+                         number_text(p.gait.double_support_s) + " s of double support put " +
+                         std::to_string(switches) + " contact switches into the horizon of " +
+                         number_text(grid.horizon_s) + " s, the capacity is " +
+                         std::to_string(control::kMaxSwitches) + "; take longer steps or a shorter horizon"});
+  }
+  if (grid.merge_below_s > 0.5 * grid.time_step_s) {
+    found.push_back(
+        {{"discretisation.merge_below_s", "discretisation.time_step_s"},
+         "discretisation.merge_below_s = " + number_text(grid.merge_below_s) +
+             " must be at most half of discretisation.time_step_s = " + number_text(grid.time_step_s)});
+  }
+  if (grid.horizon_s < grid.time_step_s) {
+    found.push_back(
+        {{"discretisation.horizon_s", "discretisation.time_step_s"},
+         "discretisation.horizon_s = " + number_text(grid.horizon_s) +
+             " must be at least one discretisation.time_step_s = " + number_text(grid.time_step_s)});
+  }
+}
+
+void check_gait(const Parameters& p, std::vector<Contradiction>& found) {
+  const auto& gait = p.gait;
+  const double merge_s = p.discretisation.merge_below_s;
+  if (gait.double_support_s > 0.0 && gait.double_support_s <= merge_s) {
+    found.push_back({{"gait.double_support_s", "discretisation.merge_below_s"},
+                     "gait.double_support_s = " + number_text(gait.double_support_s) +
+                         " must be 0 or longer than discretisation.merge_below_s = " + number_text(merge_s)});
+  }
+  // The swing profile (mpc_core/gait/swing.h) stays above the ground when apex + v T / 8 >= 0.
+  const double drop_m = -gait.touchdown_velocity_m_s * gait.single_support_s / 8.0;
+  if (gait.swing_height_m < drop_m) {
+    found.push_back({{"gait.touchdown_velocity_m_s", "gait.swing_height_m", "gait.single_support_s"},
+                     "gait.touchdown_velocity_m_s = " + number_text(gait.touchdown_velocity_m_s) +
+                         " is too fast for the swing to stay above the ground: with gait.swing_height_m = " +
+                         number_text(gait.swing_height_m) + " and gait.single_support_s = " +
+                         number_text(gait.single_support_s) + " it must be at least " +
+                         number_text(-8.0 * gait.swing_height_m / gait.single_support_s)});
+  }
+  if (p.estimator.blend_s > gait.single_support_s) {
+    found.push_back({{"estimator.blend_s", "gait.single_support_s"},
+                     "estimator.blend_s = " + number_text(p.estimator.blend_s) +
+                         " must be at most gait.single_support_s = " + number_text(gait.single_support_s)});
+  }
+}
+
+void check_timing(const Parameters& p, std::vector<Contradiction>& found) {
+  const auto& timing = p.timing;
+  if (timing.plan_rate_hz > timing.torque_rate_hz) {
+    found.push_back({{"timing.plan_rate_hz", "timing.torque_rate_hz"},
+                     "timing.plan_rate_hz = " + number_text(timing.plan_rate_hz) +
+                         " must be at most timing.torque_rate_hz = " + number_text(timing.torque_rate_hz)});
+  }
+  const double age_s = timing.plan_delay_s + 1.0 / timing.plan_rate_hz;
+  if (age_s > p.discretisation.horizon_s) {
+    found.push_back({{"timing.plan_delay_s", "timing.plan_rate_hz", "discretisation.horizon_s"},
+                     "a plan is used until it is timing.plan_delay_s + 1 / timing.plan_rate_hz = " +
+                         number_text(age_s) + " s old and must be at least as long: " +
+                         "discretisation.horizon_s = " + number_text(p.discretisation.horizon_s)});
+  }
+}
+
+void check_line_search(const Parameters& p, std::vector<Contradiction>& found) {
+  if (p.sqp.g_min > p.sqp.g_max) {
+    found.push_back({{"sqp.g_min", "sqp.g_max"},
+                     "sqp.g_min = " + number_text(p.sqp.g_min) +
+                         " must be at most sqp.g_max = " + number_text(p.sqp.g_max)});
+  }
+}
+
+}  // namespace
+
+int most_switches(const control::ControllerParameters& p) {
+  const double horizon_s = p.discretisation.horizon_s + kRounding;
+  const double single_s = p.gait.single_support_s;
+  const double double_s = p.gait.double_support_s;
+  if (double_s <= 0.0) return 1 + static_cast<int>(horizon_s / single_s);
+  // Gaps between switches alternate; the window that holds most starts at a switch, before the shorter gap.
+  const double period_s = single_s + double_s;
+  const int periods = static_cast<int>(horizon_s / period_s);
+  const double rest_s = horizon_s - periods * period_s;
+  return 1 + 2 * periods + (rest_s >= std::min(single_s, double_s) ? 1 : 0);
+}
+
+std::vector<Contradiction> contradictions(const control::ControllerParameters& parameters) {
+  std::vector<Contradiction> found;
+  check_capacity(parameters, found);
+  check_gait(parameters, found);
+  check_timing(parameters, found);
+  check_line_search(parameters, found);
+  return found;
+}
+
+}  // namespace stilt::configuration

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "mpc_core/control/parameters.h"
+
+namespace stilt::configuration {
+
+/// Two or more values that are right by themselves and wrong together.
+struct Contradiction {
+  std::vector<std::string_view> keys;  ///< "section.key" of the values involved, the likeliest culprit first
+  std::string message;                 ///< what is wrong, and what would be right
+};
+
+/// All contradictions: horizon and switches against the capacity of the planner, rates, durations, swing.
+/// Supposes that every value is within its range. May allocate; not for real time.
+[[nodiscard]] std::vector<Contradiction> contradictions(const control::ControllerParameters& parameters);
+
+/// Largest number of contact switches that any window of one horizon holds while stepping.
+[[nodiscard]] int most_switches(const control::ControllerParameters& parameters);
+
+}  // namespace stilt::configuration

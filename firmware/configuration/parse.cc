@@ -1,0 +1,251 @@
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <utility>
+
+#include "firmware/configuration/configuration.h"
+#include "firmware/configuration/consistency.h"
+#include "firmware/configuration/schema.h"
+
+namespace stilt::configuration {
+namespace {
+
+/// Where a value was set; the message is filled in when something is wrong with it.
+using Place = Diagnostic;
+
+std::vector<std::string_view> section_names() {
+  std::vector<std::string_view> names;
+  for (const Section& section : sections()) names.push_back(section.name);
+  return names;
+}
+
+bool is_section(std::string_view name) {
+  return std::ranges::any_of(sections(), [&](const Section& section) { return section.name == name; });
+}
+
+/// "; did you mean gait.swing_height_m?", or where the known names are listed.
+std::string suggestion(std::string_view section, std::string_view key) {
+  std::vector<std::string_view> keys;
+  for (const Entry& entry : entries()) {
+    if (entry.section == section) keys.push_back(entry.key);
+  }
+  std::string_view likely_section = section;
+  std::string_view likely_key = nearest(key, keys);
+  if (likely_key.empty()) {
+    // The right key in the wrong section.
+    for (const Entry& entry : entries()) {
+      if (entry.key != key) continue;
+      likely_section = entry.section;
+      likely_key = entry.key;
+    }
+  }
+  if (likely_key.empty()) return "; the shipped files name every key";
+  return "; did you mean " + std::string(likely_section) + '.' + std::string(likely_key) + '?';
+}
+
+std::string unknown_section(std::string_view name) {
+  const std::vector<std::string_view> names = section_names();
+  std::string text = "unknown section " + std::string(name);
+  if (const std::string_view likely = nearest(name, names); !likely.empty()) {
+    return text + "; did you mean " + std::string(likely) + '?';
+  }
+  text += "; sections are ";
+  for (std::size_t i = 0; i < names.size(); ++i) text += (i > 0 ? ", " : "") + std::string(names[i]);
+  return text;
+}
+
+/// Collects values and mistakes from a file and from overrides.
+class Reader {
+ public:
+  explicit Reader(std::string_view file) : file_(file) {}
+
+  void read(std::string_view text);
+  void apply(const Override& change);
+  [[nodiscard]] Result finish();
+
+ private:
+  [[nodiscard]] Place place(const toml::source_region& source) const {
+    return {file_, static_cast<int>(source.begin.line), static_cast<int>(source.begin.column), {}};
+  }
+  void fail(Place place, std::string message) {
+    place.message = std::move(message);
+    diagnostics_.push_back(std::move(place));
+  }
+  void read_key(std::string_view section, const toml::key& key, const toml::node& node);
+  void set(const Entry& entry, const Value& value, Place place);
+  [[nodiscard]] Place place_of(const Contradiction& contradiction) const;
+
+  std::string file_;
+  Parameters parameters_;
+  std::map<std::string, Place, std::less<>> places_;  // of the values that were set
+  std::vector<Diagnostic> diagnostics_;
+};
+
+void Reader::read(std::string_view text) {
+  toml::table root;
+  try {
+    root = toml::parse(text, file_);
+  } catch (const toml::parse_error& error) {
+    fail(place(error.source()), "not valid TOML: " + std::string(error.description()));
+    return;
+  }
+  for (auto&& [key, node] : root) {
+    const std::string_view section = key.str();
+    if (!is_section(section)) {
+      fail(place(key.source()), unknown_section(section));
+    } else if (const toml::table* table = node.as_table()) {
+      for (auto&& [inner_key, value] : *table) read_key(section, inner_key, value);
+    } else {
+      fail(place(key.source()),
+           std::string(section) + " must be a section of keys, [" + std::string(section) + "], not a value");
+    }
+  }
+}
+
+void Reader::read_key(std::string_view section, const toml::key& key, const toml::node& node) {
+  const Entry* entry = find_entry(section, key.str());
+  if (entry == nullptr) {
+    fail(place(key.source()), "unknown key " + std::string(section) + '.' + std::string(key.str()) +
+                                  suggestion(section, key.str()));
+    return;
+  }
+  const Place here = place(node.source());
+  if (const auto* real = node.as_floating_point()) {
+    set(*entry, real->get(), here);
+  } else if (const auto* whole = node.as_integer()) {
+    set(*entry, static_cast<long long>(whole->get()), here);
+  } else if (const auto* flag = node.as_boolean()) {
+    set(*entry, flag->get(), here);
+  } else if (const auto* word = node.as_string()) {
+    set(*entry, word->get(), here);
+  } else {
+    fail(here,
+         entry->name() + " must be a single value (" + range_text(*entry) + "), not a list, table or date");
+  }
+}
+
+void Reader::set(const Entry& entry, const Value& value, Place place) {
+  if (auto mistake = assign(entry, value, parameters_)) {
+    fail(std::move(place), std::move(*mistake));
+  } else {
+    places_[entry.name()] = std::move(place);
+  }
+}
+
+std::string_view trimmed(std::string_view text) {
+  const std::size_t first = text.find_first_not_of(" \t");
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
+}
+
+/// The value of an override: true, false, a whole number, a number, otherwise a word.
+Value word_value(std::string_view text) {
+  if (text == "true") return true;
+  if (text == "false") return false;
+  const char* end = text.data() + text.size();
+  long long whole = 0;
+  if (const auto read = std::from_chars(text.data(), end, whole); read.ec == std::errc{} && read.ptr == end) {
+    return whole;
+  }
+  double real = 0.0;
+  if (const auto read = std::from_chars(text.data(), end, real); read.ec == std::errc{} && read.ptr == end) {
+    return real;
+  }
+  if (text.size() >= 2 && text.front() == '"' && text.back() == '"') text = text.substr(1, text.size() - 2);
+  return std::string(text);
+}
+
+void Reader::apply(const Override& change) {
+  const Place here{change.where, 0, 0, {}};
+  const std::string_view text = change.assignment;
+  const std::size_t equals = text.find('=');
+  const std::string_view name = trimmed(text.substr(0, equals));
+  const std::size_t dot = name.find('.');
+  if (equals == std::string_view::npos || dot == std::string_view::npos) {
+    fail(here, '"' + change.assignment + "\" must have the form section.key=value, such as " +
+                   "discretisation.horizon_s=1.0");
+    return;
+  }
+  const std::string_view section = name.substr(0, dot);
+  const std::string_view key = name.substr(dot + 1);
+  if (!is_section(section)) {
+    fail(here, unknown_section(section));
+  } else if (const Entry* entry = find_entry(section, key)) {
+    set(*entry, word_value(trimmed(text.substr(equals + 1))), here);
+  } else {
+    fail(here, "unknown key " + std::string(name) + suggestion(section, key));
+  }
+}
+
+/// An override is the likeliest culprit, then the first of the keys that the file sets.
+Place Reader::place_of(const Contradiction& contradiction) const {
+  const Place* best = nullptr;
+  for (const std::string_view key : contradiction.keys) {
+    const auto found = places_.find(key);
+    if (found == places_.end()) continue;
+    const bool overridden = found->second.line == 0;
+    if (best == nullptr || (overridden && best->line > 0)) best = &found->second;
+  }
+  return best == nullptr ? Place{file_, 0, 0, {}} : *best;
+}
+
+Result Reader::finish() {
+  // Tables come by name; people read by line. Overrides have no line and stay behind the file, in order.
+  const auto in_file = std::ranges::stable_partition(
+      diagnostics_, [](const Diagnostic& diagnostic) { return diagnostic.line > 0; });
+  std::ranges::stable_sort(diagnostics_.begin(), in_file.begin(), {}, [](const Diagnostic& diagnostic) {
+    return std::pair(diagnostic.line, diagnostic.column);
+  });
+  if (diagnostics_.empty()) {
+    for (Contradiction& contradiction : contradictions(parameters_)) {
+      fail(place_of(contradiction), std::move(contradiction.message));
+    }
+  }
+  if (!diagnostics_.empty()) return std::unexpected(std::move(diagnostics_));
+  return parameters_;
+}
+
+std::unexpected<std::vector<Diagnostic>> failure(std::string file, std::string message) {
+  return std::unexpected(std::vector{Diagnostic{std::move(file), 0, 0, std::move(message)}});
+}
+
+}  // namespace
+
+Result parse(std::string_view toml, std::string_view file, std::span<const Override> overrides) {
+  Reader reader(file);
+  reader.read(toml);
+  for (const Override& change : overrides) reader.apply(change);
+  return reader.finish();
+}
+
+Result load_file(const std::string& path, std::span<const Override> overrides) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) {
+    return failure(path, "is a directory; a configuration file is needed");
+  }
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) {
+    return failure(path, std::string("cannot be read: ") + std::strerror(errno));
+  }
+  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  return parse(text, path, overrides);
+}
+
+Result load_robot(std::string_view robot, std::span<const Override> overrides) {
+  std::string known;
+  for (const ShippedConfiguration& shipped : shipped_configurations()) {
+    if (shipped.robot == robot) return parse(shipped.text, shipped.path, overrides);
+    known += (known.empty() ? "" : ", ") + std::string(shipped.robot);
+  }
+  return failure("--robot",
+                 "there is no configuration for \"" + std::string(robot) + "\"; known robots are " + known);
+}
+
+}  // namespace stilt::configuration

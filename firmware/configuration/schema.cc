@@ -1,0 +1,245 @@
+#include "firmware/configuration/schema.h"
+
+#include <type_traits>
+
+#include "mpc_core/control/plan.h"
+
+namespace stilt::configuration {
+namespace {
+
+using control::EstimatorParameters;
+using control::RobotParameters;
+using control::TimingParameters;
+using control::TorqueLawParameters;
+using gait::GaitParameters;
+using gait::ReferenceParameters;
+using ocp::BarrierParameters;
+using ocp::CostParameters;
+using ocp::DiscretisationParameters;
+using ocp::EqualityParameters;
+using ocp::InequalityParameters;
+using solver::SqpParameters;
+using P = Parameters;
+
+/// The field at the end of a path of pointers to members.
+template <auto... Path>
+constexpr auto& at(auto& parameters) {
+  return (parameters.*....*Path);
+}
+
+template <auto... Path>
+constexpr RealField real(double min, double max) {
+  return {[](const P& p) -> const double& { return at<Path...>(p); },
+          [](P& p, double value) { at<Path...>(p) = value; }, min, max};
+}
+
+template <auto... Path>
+constexpr IntegerField integer(int min, int max) {
+  return {[](const P& p) -> const int& { return at<Path...>(p); },
+          [](P& p, int value) { at<Path...>(p) = value; }, min, max};
+}
+
+template <auto... Path>
+constexpr FlagField flag() {
+  return {[](const P& p) -> const bool& { return at<Path...>(p); },
+          [](P& p, bool value) { at<Path...>(p) = value; }};
+}
+
+template <auto... Path>
+constexpr ChoiceField choice(std::span<const std::string_view> words) {
+  return {[](const P& p) { return static_cast<int>(at<Path...>(p)); },
+          [](P& p, int value) {
+            auto& field = at<Path...>(p);
+            field = static_cast<std::remove_reference_t<decltype(field)>>(value);
+          },
+          [](const P& p) -> const void* { return &at<Path...>(p); }, words};
+}
+
+// In the order of the enumerators.
+constexpr std::string_view kIntegrators[] = {"rk2", "rk4"};
+constexpr std::string_view kTransitions[] = {"identity", "impact"};
+static_assert(static_cast<int>(ocp::Integrator::rk2) == 0 && static_cast<int>(ocp::Integrator::rk4) == 1);
+static_assert(static_cast<int>(ocp::Transition::identity) == 0 &&
+              static_cast<int>(ocp::Transition::impact) == 1);
+
+static_assert(control::kMaxHorizonIntervals == 134, "the description of discretisation.horizon_s names it");
+
+constexpr Section kSections[] = {
+    {"robot", "What the planner assumes of the robot besides its URDF."},
+    {"gait", "Timing and shape of the step."},
+    {"reference", "Heuristic reference of the base: what the cost pulls towards."},
+    {"cost",
+     "Weights of the running cost 1/2 (e_x' Q e_x + e_u' R e_u + sum over feet of e_i' W e_i), e the\n"
+     "difference to the reference; larger holds the quantity closer to it."},
+    {"inequality",
+     "Limits h >= 0, kept by relaxed logarithmic barriers: -mu ln h above delta, its quadratic continuation\n"
+     "below. They are soft: larger mu keeps further away, larger delta bends earlier."},
+    {"equality", "Constraints on the feet, met exactly at every node."},
+    {"discretisation", "Time grid of the planning problem."},
+    {"sqp",
+     "Iterations of the solver; g is the root of the summed squared defects of dynamics and equality\n"
+     "constraints."},
+    {"torque_law",
+     "torque = feed-forward + kp (q_plan - q) + kd (v_plan - v) + friction compensation, saturated."},
+    {"estimator", "State of the base from joint encoders and base angle."},
+    {"timing", "Rates of the two loops."},
+};
+
+constexpr Entry kEntries[] = {
+    {"robot", "armature_scale", "1", "Factor on the reflected drive inertia of the URDF; 0 plans without it",
+     real<&P::robot, &RobotParameters::armature_scale>(0.0, 10.0)},
+    {"robot", "torque_limit_scale", "1", "Factor on the joint torque limits of the URDF",
+     real<&P::robot, &RobotParameters::torque_limit_scale>(0.05, 10.0)},
+    {"robot", "velocity_limit_scale", "1", "Factor on the joint velocity limits of the URDF",
+     real<&P::robot, &RobotParameters::velocity_limit_scale>(0.05, 10.0)},
+
+    {"gait", "single_support_s", "s", "Duration of a step on one foot",
+     real<&P::gait, &GaitParameters::single_support_s>(0.1, 2.0)},
+    {"gait", "double_support_s", "s", "Time on both feet between two steps; 0 swaps the feet at once",
+     real<&P::gait, &GaitParameters::double_support_s>(0.0, 1.0)},
+    {"gait", "swing_height_m", "m", "Apex of the swing foot above the ground",
+     real<&P::gait, &GaitParameters::swing_height_m>(0.005, 0.3)},
+    {"gait", "touchdown_velocity_m_s", "m/s",
+     "Vertical velocity of the swing reference at touch-down; a profile that ends flat lands early or late",
+     real<&P::gait, &GaitParameters::touchdown_velocity_m_s>(-2.0, 0.0)},
+    {"gait", "stand_half_width_m", "m",
+     "Standing: distance of each foot from the hip, one ahead, one behind; point feet cannot stand together",
+     real<&P::gait, &GaitParameters::stand_half_width_m>(0.02, 0.5)},
+    {"gait", "switch_lead_s", "s", "Least time between the command to step and the first lift-off",
+     real<&P::gait, &GaitParameters::switch_lead_s>(0.0, 5.0)},
+
+    {"reference", "base_height_m", "m", "Height of the hip above the ground",
+     real<&P::reference, &ReferenceParameters::base_height_m>(0.1, 2.0)},
+    {"reference", "base_pitch_rad", "rad", "Pitch of the torso, positive leans forward",
+     real<&P::reference, &ReferenceParameters::base_pitch_rad>(-0.7, 0.7)},
+    {"reference", "speed_ramp_m_s2", "m/s^2", "Largest rate of change of the speed reference",
+     real<&P::reference, &ReferenceParameters::speed_ramp_m_s2>(0.05, 20.0)},
+
+    {"cost", "base_x", "1/m^2", "Horizontal position of the hip",
+     real<&P::cost, &CostParameters::base_x>(0.0, 1e6)},
+    {"cost", "base_z", "1/m^2", "Height of the hip", real<&P::cost, &CostParameters::base_z>(0.0, 1e6)},
+    {"cost", "base_pitch", "1/rad^2", "Pitch of the torso",
+     real<&P::cost, &CostParameters::base_pitch>(0.0, 1e6)},
+    {"cost", "joint_position", "1/rad^2", "Joint positions",
+     real<&P::cost, &CostParameters::joint_position>(0.0, 1e6)},
+    {"cost", "base_vx", "s^2/m^2", "Forward velocity of the hip",
+     real<&P::cost, &CostParameters::base_vx>(0.0, 1e6)},
+    {"cost", "base_vz", "s^2/m^2", "Vertical velocity of the hip",
+     real<&P::cost, &CostParameters::base_vz>(0.0, 1e6)},
+    {"cost", "base_pitch_rate", "s^2/rad^2", "Pitch rate of the torso",
+     real<&P::cost, &CostParameters::base_pitch_rate>(0.0, 1e6)},
+    {"cost", "joint_velocity", "s^2/rad^2", "Joint velocities",
+     real<&P::cost, &CostParameters::joint_velocity>(0.0, 1e6)},
+    {"cost", "joint_acceleration", "s^4/rad^2",
+     "Joint accelerations; not zero, or the problem loses convexity",
+     real<&P::cost, &CostParameters::joint_acceleration>(1e-8, 1e3)},
+    {"cost", "contact_force", "1/N^2", "Contact forces; not zero, or the problem loses convexity",
+     real<&P::cost, &CostParameters::contact_force>(1e-8, 1e3)},
+    {"cost", "foot_position", "1/m^2", "Position of the feet",
+     real<&P::cost, &CostParameters::foot_position>(0.0, 1e6)},
+    {"cost", "foot_velocity", "s^2/m^2", "Velocity of the feet; too little and they drag",
+     real<&P::cost, &CostParameters::foot_velocity>(0.0, 1e6)},
+    {"cost", "foot_acceleration", "s^4/m^2", "Acceleration of the feet",
+     real<&P::cost, &CostParameters::foot_acceleration>(0.0, 1e3)},
+    {"cost", "touchdown_velocity", "s^2/m^2", "Horizontal velocity of a foot at the instant it touches down",
+     real<&P::cost, &CostParameters::touchdown_velocity>(0.0, 1e6)},
+    {"cost", "terminal", "1", "rho, factor on the LQR cost-to-go at the end of the horizon; 0 drops it",
+     real<&P::cost, &CostParameters::terminal>(0.0, 1e3)},
+
+    {"inequality", "friction_coefficient", "1",
+     "Friction cone: |fx| <= coefficient (fz - minimum normal force)",
+     real<&P::inequality, &InequalityParameters::friction_coefficient>(0.05, 2.0)},
+    {"inequality", "minimum_normal_force_N", "N", "Least normal force of a foot in contact",
+     real<&P::inequality, &InequalityParameters::minimum_normal_force_N>(0.0, 200.0)},
+    {"inequality", "friction_mu", "1", "Barrier of the friction cone: weight",
+     real<&P::inequality, &InequalityParameters::friction, &BarrierParameters::mu>(0.0, 1e4)},
+    {"inequality", "friction_delta", "N", "Barrier of the friction cone: where it turns quadratic",
+     real<&P::inequality, &InequalityParameters::friction, &BarrierParameters::delta>(1e-3, 1e3)},
+    {"inequality", "joint_torque_mu", "1", "Barrier of the joint torques: weight",
+     real<&P::inequality, &InequalityParameters::joint_torque, &BarrierParameters::mu>(0.0, 1e4)},
+    {"inequality", "joint_torque_delta", "Nm", "Barrier of the joint torques: where it turns quadratic",
+     real<&P::inequality, &InequalityParameters::joint_torque, &BarrierParameters::delta>(1e-3, 1e3)},
+    {"inequality", "joint_position_mu", "1", "Barrier of the joint positions: weight",
+     real<&P::inequality, &InequalityParameters::joint_position, &BarrierParameters::mu>(0.0, 1e4)},
+    {"inequality", "joint_position_delta", "rad", "Barrier of the joint positions: where it turns quadratic",
+     real<&P::inequality, &InequalityParameters::joint_position, &BarrierParameters::delta>(1e-4, 10.0)},
+    {"inequality", "joint_velocity_mu", "1", "Barrier of the joint velocities: weight",
+     real<&P::inequality, &InequalityParameters::joint_velocity, &BarrierParameters::mu>(0.0, 1e4)},
+    {"inequality", "joint_velocity_delta", "rad/s",
+     "Barrier of the joint velocities: where it turns quadratic",
+     real<&P::inequality, &InequalityParameters::joint_velocity, &BarrierParameters::delta>(1e-4, 100.0)},
+
+    {"equality", "stance_kd_1_s", "1/s", "kd of a foot on the ground: a + kd v = 0",
+     real<&P::equality, &EqualityParameters::stance_kd_1_s>(0.0, 1e3)},
+    {"equality", "swing_kp_1_s2", "1/s^2",
+     "kp of a swinging foot, vertical: a - a_ref + kd (v - v_ref) + kp (p - p_ref) = 0",
+     real<&P::equality, &EqualityParameters::swing_kp_1_s2>(0.0, 1e5)},
+    {"equality", "swing_kd_1_s", "1/s", "kd of a swinging foot",
+     real<&P::equality, &EqualityParameters::swing_kd_1_s>(0.0, 1e3)},
+    {"equality", "rank_tolerance", "1",
+     "A swing constraint is damped when the norm of its reduced row is below",
+     real<&P::equality, &EqualityParameters::rank_tolerance>(1e-9, 1.0)},
+
+    {"discretisation", "time_step_s", "s", "Distance of two nodes",
+     real<&P::discretisation, &DiscretisationParameters::time_step_s>(0.002, 0.1)},
+    {"discretisation", "horizon_s", "s", "How far the plan looks ahead; at most 134 time steps",
+     real<&P::discretisation, &DiscretisationParameters::horizon_s>(0.05, 10.0)},
+    {"discretisation", "merge_below_s", "s", "Intervals shorter than this are merged with their neighbour",
+     real<&P::discretisation, &DiscretisationParameters::merge_below_s>(0.0, 0.02)},
+    {"discretisation", "integrator", "", "Runge-Kutta method of second (Heun) or fourth order",
+     choice<&P::discretisation, &DiscretisationParameters::integrator>(kIntegrators)},
+    {"discretisation", "transition", "", "Velocity at touch-down: unchanged, or through the impact map",
+     choice<&P::discretisation, &DiscretisationParameters::transition>(kTransitions)},
+
+    {"sqp", "iterations", "1", "Most iterations of one solve",
+     integer<&P::sqp, &SqpParameters::iterations>(1, 100)},
+    {"sqp", "early_stop", "", "End as soon as the tolerances are met",
+     flag<&P::sqp, &SqpParameters::early_stop>()},
+    {"sqp", "cost_tolerance", "1", "Ends when the cost changes by less and g is below violation_tolerance",
+     real<&P::sqp, &SqpParameters::cost_tolerance>(0.0, 10.0)},
+    {"sqp", "violation_tolerance", "1", "See cost_tolerance",
+     real<&P::sqp, &SqpParameters::violation_tolerance>(0.0, 10.0)},
+    {"sqp", "step_tolerance", "1", "Ends when the largest component of the step is below",
+     real<&P::sqp, &SqpParameters::step_tolerance>(0.0, 1.0)},
+    {"sqp", "step_decrease", "1", "Line search: factor from one trial step to the next",
+     real<&P::sqp, &SqpParameters::step_decrease>(0.05, 0.95)},
+    {"sqp", "step_min", "1", "Line search: shortest trial step",
+     real<&P::sqp, &SqpParameters::step_min>(1e-10, 1.0)},
+    {"sqp", "g_max", "1", "Line search: above this g only less g is accepted",
+     real<&P::sqp, &SqpParameters::g_max>(1e-6, 1e12)},
+    {"sqp", "g_min", "1", "Line search: below this g the cost alone decides",
+     real<&P::sqp, &SqpParameters::g_min>(0.0, 1e3)},
+    {"sqp", "gamma_c", "1", "Line search: least relative decrease of g",
+     real<&P::sqp, &SqpParameters::gamma_c>(0.0, 0.1)},
+    {"sqp", "armijo", "1", "Line search: share of the predicted decrease of the cost that is asked for",
+     real<&P::sqp, &SqpParameters::armijo>(0.0, 0.5)},
+
+    {"torque_law", "joint_kp_Nm_rad", "Nm/rad", "kp of every joint",
+     real<&P::torque_law, &TorqueLawParameters::joint_kp_Nm_rad>(0.0, 1e4)},
+    {"torque_law", "joint_kd_Nms_rad", "Nm s/rad", "kd of every joint",
+     real<&P::torque_law, &TorqueLawParameters::joint_kd_Nms_rad>(0.0, 1e3)},
+    {"torque_law", "use_feedback_gains", "", "Add the plan's feedback K (x - x_plan) to its inputs",
+     flag<&P::torque_law, &TorqueLawParameters::use_feedback_gains>()},
+    {"torque_law", "friction_compensation", "1", "Share of the URDF's Coulomb friction that is fed forward",
+     real<&P::torque_law, &TorqueLawParameters::friction_compensation>(0.0, 2.0)},
+    {"torque_law", "friction_velocity_rad_s", "rad/s", "Width of the smoothed sign, tanh(v / width)",
+     real<&P::torque_law, &TorqueLawParameters::friction_velocity_rad_s>(1e-3, 10.0)},
+
+    {"estimator", "blend_s", "s", "Time over which trust moves from the old stance foot to the new one",
+     real<&P::estimator, &EstimatorParameters::blend_s>(0.0, 0.5)},
+
+    {"timing", "torque_rate_hz", "Hz", "Rate of the torque loop",
+     real<&P::timing, &TimingParameters::torque_rate_hz>(100.0, 10000.0)},
+    {"timing", "plan_rate_hz", "Hz", "Rate of the planner",
+     real<&P::timing, &TimingParameters::plan_rate_hz>(1.0, 2000.0)},
+    {"timing", "plan_delay_s", "s", "Simulated time between the state a plan starts from and its first use",
+     real<&P::timing, &TimingParameters::plan_delay_s>(0.0, 0.2)},
+};
+
+}  // namespace
+
+std::span<const Section> sections() { return kSections; }
+
+std::span<const Entry> entries() { return kEntries; }
+
+}  // namespace stilt::configuration
