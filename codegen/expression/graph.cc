@@ -42,6 +42,14 @@ bool Graph::is_negation(Expression a) const { return node(a.id()).operation == O
 
 Expression Graph::operand(Expression a) const { return {const_cast<Graph*>(this), node(a.id()).left}; }
 
+Graph::Scaled Graph::split(Expression a) const {
+  const Node& n = node(a.id());
+  if (n.operation == Operation::kMultiply && node(n.left).operation == Operation::kConstant) {
+    return {node(n.left).value, n.right};
+  }
+  return {1.0, a.id()};
+}
+
 Expression Graph::add(Expression a, Expression b) {
   if (is_constant(a) && is_constant(b)) return constant(node(a.id()).value + node(b.id()).value);
   if (is_constant(a, 0.0)) return b;
@@ -49,6 +57,9 @@ Expression Graph::add(Expression a, Expression b) {
   if (is_negation(a) && is_negation(b)) return negate(add(operand(a), operand(b)));
   if (is_negation(b)) return subtract(a, operand(b));
   if (is_negation(a)) return subtract(b, operand(a));
+  if (const Scaled l = split(a), r = split(b); l.rest == r.rest) {
+    return multiply(constant(l.factor + r.factor), {this, l.rest});
+  }
   if (is_constant(b) || (!is_constant(a) && b.id() < a.id())) std::swap(a, b);
   return intern(Operation::kAdd, a.id(), b.id());
 }
@@ -59,6 +70,9 @@ Expression Graph::subtract(Expression a, Expression b) {
   if (is_constant(a, 0.0)) return negate(b);
   if (is_negation(b)) return add(a, operand(b));
   if (is_negation(a)) return negate(add(operand(a), b));
+  if (const Scaled l = split(a), r = split(b); l.rest == r.rest) {
+    return multiply(constant(l.factor - r.factor), {this, l.rest});
+  }
   if (b.id() < a.id()) return negate(intern(Operation::kSubtract, b.id(), a.id()));
   return intern(Operation::kSubtract, a.id(), b.id());
 }

@@ -50,7 +50,8 @@ struct Node {
 /// Canonical form, established while building:
 ///  - constants are folded; x + 0, x * 1, x * 0, x / 1, x - x vanish; division by a constant multiplies;
 ///  - operands of + and * stand in order of creation, a constant first;
-///  - constant factors are positive and joined: c1 (c2 x) = (c1 c2) x, (-c) x = -(c x);
+///  - constant factors are positive and joined: c1 (c2 x) = (c1 c2) x, (-c) x = -(c x), c1 x + c2 x = (c1 +
+///  c2) x;
 ///  - negations move outwards through * and /, and turn + into - and back; of a - b and b - a only the one
 ///    whose first operand is older exists, the other is its negation.
 /// Ids grow from operands to results: ascending order is an order of evaluation.
@@ -78,6 +79,13 @@ class Graph {
   [[nodiscard]] Expression intern(Operation operation, int left, int right);
   [[nodiscard]] bool is_negation(Expression a) const;
   [[nodiscard]] Expression operand(Expression a) const;
+
+  /// factor * rest, the factor one unless the expression is a product with a constant.
+  struct Scaled {
+    double factor;
+    int rest;
+  };
+  [[nodiscard]] Scaled split(Expression a) const;
 
   std::vector<Node> nodes_;
   std::map<std::tuple<Operation, int, int>, int> index_;

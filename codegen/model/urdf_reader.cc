@@ -44,6 +44,21 @@ double inertia_about_y(const urdf::Inertial& inertial) {
          2.0 * (inertial.ixy * y.x * y.y + inertial.ixz * y.x * y.z + inertial.iyz * y.y * y.z);
 }
 
+/// Keeps the first error that the URDF parser reports: some malformed elements it only logs and leaves out.
+class ErrorRecorder : public console_bridge::OutputHandler {
+ public:
+  void log(const std::string& text, console_bridge::LogLevel level, const char*, int) override {
+    if (level < console_bridge::CONSOLE_BRIDGE_LOG_ERROR || !first_error_.empty()) return;
+    first_error_ = text.substr(0, text.find_first_of("\r\n"));
+    while (first_error_.ends_with('.') || first_error_.ends_with(' ')) first_error_.pop_back();
+  }
+
+  [[nodiscard]] const std::string& first_error() const { return first_error_; }
+
+ private:
+  std::string first_error_;
+};
+
 /// Walks a URDF depth first and builds the planar tree.
 class TreeBuilder {
  public:
@@ -196,12 +211,12 @@ class TreeBuilder {
 
 PlanarTree read_urdf(const std::string& file) {
   const UrdfDocument document = read_urdf_document(file);
-  console_bridge::noOutputHandler();  // the parser's own messages would stand beside our sentence
+  ErrorRecorder recorder;
+  console_bridge::useOutputHandler(&recorder);
   const urdf::ModelInterfaceSharedPtr model = urdf::parseURDF(document.text);
   console_bridge::restorePreviousOutputHandler();
-  if (model == nullptr) {
-    throw UrdfError(
-        file + ": the URDF parser refuses it; check numbers, joint types and the elements of each link.");
+  if (model == nullptr || !recorder.first_error().empty()) {
+    throw UrdfError(file + ": the URDF parser refuses it: " + recorder.first_error() + ".");
   }
   return TreeBuilder(file, document, *model).build();
 }
