@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mpc_core/solver/terminal_cost.h"
-
 namespace stilt::control {
 namespace {
 
@@ -57,15 +55,28 @@ ConfigureStatus Planner::configure(const model::RobotModel& robot, const Control
   const model::StateVector standing =
       gait::standing_state(robot.constants, parameters.reference.base_height_m,
                            parameters.reference.base_pitch_rad, parameters.gait.stand_half_width_m, true);
-  return solver::set_terminal_cost(data_, standing) ? ConfigureStatus::ok
+  return solver::set_terminal_cost(data_, standing, terminal_cost_work_) ? ConfigureStatus::ok
                                                     : ConfigureStatus::terminal_cost_failed;
 }
 
 void Planner::reset(double time_s) noexcept {
   schedule_.reset(time_s);
   speed_reference_m_s_ = 0.0;
+  lag_m_ = 0.0;
   last_time_s_ = time_s;
   has_solution_ = false;
+}
+
+void Planner::update_trim(const PlannerInput& input, bool stepping) noexcept {
+  const double limit_m = parameters_.reference.speed_trim_max_m_s / std::max(parameters_.reference.speed_trim_1_s, 1e-9);
+  const double elapsed_s = input.time_s - last_time_s_;
+  if (stepping && has_solution_) {
+    lag_m_ = std::clamp(lag_m_ + speed_reference_m_s_ * elapsed_s - (input.state[0] - last_x_m_), -limit_m, limit_m);
+  } else {
+    lag_m_ = 0.0;
+  }
+  last_time_s_ = input.time_s;
+  last_x_m_ = input.state[0];
 }
 
 bool Planner::prepare(const PlannerInput& input) noexcept {
@@ -75,8 +86,10 @@ bool Planner::prepare(const PlannerInput& input) noexcept {
   const double beyond_s = 4.0 * (parameters_.gait.single_support_s + parameters_.gait.double_support_s);
   schedule_.update(input.time_s, input.time_s + parameters_.discretisation.horizon_s + beyond_s, input.command,
                    parameters_.gait, parameters_.reference, speed_reference_m_s_, feet[0] >= feet[2]);
+  update_trim(input, schedule_.phase(schedule_.index_at(input.time_s)).gait != gait::GaitKind::stand);
   reference_.prepare(data_.robot->constants, schedule_, input.command, parameters_.gait, parameters_.reference,
-                     input.time_s, input.state, feet, speed_reference_m_s_);
+                     input.time_s, input.state, feet, speed_reference_m_s_,
+                     parameters_.reference.speed_trim_1_s * lag_m_);
   if (!ocp::build_horizon(schedule_, input.time_s, parameters_.discretisation, problem_.horizon)) return false;
   ocp::fill_batches(reference_, problem_);
   for (int i = 0; i < kStates; ++i) problem_.x_initial[i] = input.state[i];
@@ -143,7 +156,6 @@ solver::SolveReport Planner::plan(const PlannerInput& input, Plan& plan) noexcep
   current_ = 1 - current_;
   solved_horizon_ = problem_.horizon;
   has_solution_ = true;
-  last_time_s_ = input.time_s;
   write_plan(input, report, plan);
   return report;
 }

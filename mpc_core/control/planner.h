@@ -5,6 +5,7 @@
 #include "mpc_core/gait/reference.h"
 #include "mpc_core/model/robot.h"
 #include "mpc_core/solver/sqp.h"
+#include "mpc_core/solver/terminal_cost.h"
 
 namespace stilt::control {
 
@@ -45,6 +46,9 @@ class Planner {
   [[nodiscard]] const ocp::Trajectory& solution() const noexcept { return solution_[current_]; }
 
  private:
+  /// Steps track the commanded speed with a bias, a compromise between the terms of the cost. The distance by which
+  /// the base lags behind the commanded progress, bounded, is worked off by a trim of the speed reference.
+  void update_trim(const PlannerInput& input, bool stepping) noexcept;
   [[nodiscard]] bool prepare(const PlannerInput& input) noexcept;
   void warm_start(const PlannerInput& input, ocp::Trajectory& guess) const noexcept;
   void guess_node(double time_s, int phase, bool is_end, double* x, double* u, int& hint) const noexcept;
@@ -55,9 +59,12 @@ class Planner {
   gait::ContactSchedule schedule_;
   gait::HeuristicReference reference_;
   double speed_reference_m_s_ = 0.0;
+  double lag_m_ = 0.0;
   double last_time_s_ = 0.0;
+  double last_x_m_ = 0.0;
   long long sequence_ = 0;
 
+  solver::TerminalCostWorkspace terminal_cost_work_;
   ocp::Problem problem_;
   solver::Sqp sqp_;
   ocp::Trajectory solution_[2];  ///< the last usable solution and the one in work

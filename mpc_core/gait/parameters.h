@@ -16,7 +16,9 @@ struct GaitParameters {
 struct ReferenceParameters {
   double base_height_m = 0.80;
   double base_pitch_rad = 0.0;
-  double speed_ramp_m_s2 = 1.0;  ///< largest rate of change of the speed reference
+  double speed_ramp_m_s2 = 1.0;  ///< rate of change of the speed reference
+  double speed_trim_1_s = 0.5;   ///< speed added for each metre behind the commanded progress
+  double speed_trim_max_m_s = 0.15;  ///< largest trim; the distance to make up saturates with it
 };
 
 }  // namespace stilt::gait

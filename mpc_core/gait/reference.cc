@@ -43,7 +43,7 @@ void HeuristicReference::prepare(const model::RobotConstants& robot, const Conta
                                  const GaitCommand& command, const GaitParameters& gait,
                                  const ReferenceParameters& parameters, double time_s,
                                  const model::StateVector& state, const model::FeetVector& foot_position_W_m,
-                                 double speed_m_s) noexcept {
+                                 double speed_m_s, double speed_trim_m_s) noexcept {
   schedule_ = &schedule;
   command_ = command;
   gait_ = gait;
@@ -55,19 +55,21 @@ void HeuristicReference::prepare(const model::RobotConstants& robot, const Conta
   // Standing, the base belongs between the feet; stepping, the reference moves with the measured base.
   const bool standing = stands(schedule.phase(schedule.index_at(time_s)));
   const double x_m = standing ? 0.5 * (foot_position_W_m[0] + foot_position_W_m[2]) : state[0];
-  prepare_speed(time_s, x_m, speed_m_s);
+  prepare_speed(time_s, x_m, speed_m_s, speed_trim_m_s);
 }
 
-void HeuristicReference::prepare_speed(double time_s, double x_m, double speed_m_s) noexcept {
+void HeuristicReference::prepare_speed(double time_s, double x_m, double speed_m_s, double trim_m_s) noexcept {
   const int first = schedule_->index_at(time_s);
-  SpeedKnot knot{time_s, x_m, speed_m_s, 0.0};
+  SpeedKnot knot{time_s, x_m, speed_m_s, 0.0, 0.0};
   knot_count_ = 0;
   for (int phase = first; phase < schedule_->count(); ++phase) {
+    const ContactPhase& contact = schedule_->phase(phase);
     if (phase > first) {
-      const BaseMotion base = advance(knot, schedule_->phase(phase).start_s);
-      knot = {schedule_->phase(phase).start_s, base.x_m, base.speed_m_s, 0.0};
+      const BaseMotion base = advance(knot, contact.start_s);
+      knot = {contact.start_s, base.x_m, base.speed_m_s, 0.0, 0.0};
     }
-    knot.target_m_s = schedule_->phase(phase).gait == GaitKind::walk ? command_.speed_m_s : 0.0;
+    knot.target_m_s = contact.gait == GaitKind::walk ? command_.speed_m_s : 0.0;
+    knot.trim_m_s = stands(contact) ? 0.0 : trim_m_s;
     knots_[knot_count_++] = knot;
   }
 }
@@ -77,19 +79,20 @@ HeuristicReference::BaseMotion HeuristicReference::advance(const SpeedKnot& from
   const double change = from.target_m_s - from.speed_m_s;
   const double rate = std::copysign(parameters_.speed_ramp_m_s2, change);
   const double ramp_s = std::abs(change) / parameters_.speed_ramp_m_s2;
+  const double trim_m = elapsed * from.trim_m_s;
   if (elapsed < ramp_s) {  // also extrapolates into the past, at the present speed
     const double acceleration = elapsed > 0.0 ? rate : 0.0;
-    return {from.x_m + elapsed * (from.speed_m_s + 0.5 * acceleration * elapsed),
+    return {from.x_m + trim_m + elapsed * (from.speed_m_s + 0.5 * acceleration * elapsed),
             from.speed_m_s + acceleration * elapsed};
   }
-  return {from.x_m + ramp_s * (from.speed_m_s + 0.5 * rate * ramp_s) + (elapsed - ramp_s) * from.target_m_s,
-          from.target_m_s};
+  const double ramp_m = ramp_s * (from.speed_m_s + 0.5 * rate * ramp_s);
+  return {from.x_m + trim_m + ramp_m + (elapsed - ramp_s) * from.target_m_s, from.target_m_s};
 }
 
-HeuristicReference::BaseMotion HeuristicReference::base_at(double time_s) const noexcept {
+const HeuristicReference::SpeedKnot& HeuristicReference::knot_at(double time_s) const noexcept {
   int knot = 0;
   while (knot + 1 < knot_count_ && knots_[knot + 1].time_s <= time_s) ++knot;
-  return advance(knots_[knot], time_s);
+  return knots_[knot];
 }
 
 double HeuristicReference::speed_at(double time_s) const noexcept { return base_at(time_s).speed_m_s; }
@@ -136,7 +139,7 @@ ReferencePoint HeuristicReference::evaluate(double time_s, int phase) const noex
   const BaseMotion base = base_at(time_s);
   point.state = nominal_;
   point.state[0] = base.x_m;
-  point.state[kPositions] = base.speed_m_s;
+  point.state[kPositions] = base.speed_m_s + knot_at(time_s).trim_m_s;
 
   const model::ContactMode mode = schedule_->phase(phase).mode;
   point.input.setZero();

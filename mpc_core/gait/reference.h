@@ -29,31 +29,32 @@ struct ReferencePoint {
 class HeuristicReference {
  public:
   /// `state`: measured, anchors the reference in x. `speed_m_s`: speed reference in force at time_s.
-  /// `foot_position_W_m`: measured [xL, zL, xR, zR].
+  /// `foot_position_W_m`: measured [xL, zL, xR, zR]. `speed_trim_m_s`: added to the speed while stepping.
   void prepare(const model::RobotConstants& robot, const ContactSchedule& schedule, const GaitCommand& command,
                const GaitParameters& gait, const ReferenceParameters& parameters, double time_s,
                const model::StateVector& state, const model::FeetVector& foot_position_W_m,
-               double speed_m_s) noexcept;
+               double speed_m_s, double speed_trim_m_s) noexcept;
 
   /// Reference at a time of the contact phase `phase` (which decides which side of a switch is meant).
   [[nodiscard]] ReferencePoint evaluate(double time_s, int phase) const noexcept;
 
-  /// Speed reference at a time not before the one given to prepare().
+  /// Speed reference without trim, at a time not before the one given to prepare().
   [[nodiscard]] double speed_at(double time_s) const noexcept;
 
  private:
   static constexpr int kMaxKnots = ContactSchedule::kMaxPhases + 1;
   /// Speed changes at a constant rate from a knot until it reaches the knot's target.
   struct SpeedKnot {
-    double time_s, x_m, speed_m_s, target_m_s;
+    double time_s, x_m, speed_m_s, target_m_s, trim_m_s;
   };
   struct BaseMotion {
-    double x_m, speed_m_s;
+    double x_m, speed_m_s;  ///< the speed without trim
   };
 
-  void prepare_speed(double time_s, double x_m, double speed_m_s) noexcept;
+  void prepare_speed(double time_s, double x_m, double speed_m_s, double trim_m_s) noexcept;
   [[nodiscard]] BaseMotion advance(const SpeedKnot& from, double time_s) const noexcept;
-  [[nodiscard]] BaseMotion base_at(double time_s) const noexcept;
+  [[nodiscard]] const SpeedKnot& knot_at(double time_s) const noexcept;
+  [[nodiscard]] BaseMotion base_at(double time_s) const noexcept { return advance(knot_at(time_s), time_s); }
   [[nodiscard]] double foothold_x_m(int foot, const Interval& contact) const noexcept;
   void foot_reference(double time_s, int phase, int foot, Motion& x, Motion& z) const noexcept;
 

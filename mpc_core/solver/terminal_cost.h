@@ -1,8 +1,16 @@
 #pragma once
 
 #include "mpc_core/ocp/problem.h"
+#include "mpc_core/solver/care.h"
 
 namespace stilt::solver {
+
+/// Scratch of set_terminal_cost (about 30 kB); contents need not be initialised.
+struct TerminalCostWorkspace {
+  CareProblem problem;
+  CareSolution solution;
+  CareWorkspace care;
+};
 
 /// Terminal weight rho S: S solves the continuous-time algebraic Riccati equation for the linearisation
 ///   x' = A x + B u   of   x' = [v; a_b(x, u); u_j]
@@ -10,6 +18,7 @@ namespace stilt::solver {
 /// input. Joint accelerations and both feet's forces count as free inputs, so that every state is controllable.
 /// Writes data.terminal_weight; zero when the weight rho is zero. False when no stabilising solution was found.
 /// Takes milliseconds; for start-up and changes of weights, not for the real-time path.
-[[nodiscard]] bool set_terminal_cost(ocp::ProblemData& data, const model::StateVector& standing) noexcept;
+[[nodiscard]] bool set_terminal_cost(ocp::ProblemData& data, const model::StateVector& standing,
+                                     TerminalCostWorkspace& work) noexcept;
 
 }  // namespace stilt::solver
