@@ -1,0 +1,116 @@
+#include "firmware/configuration/consistency.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <functional>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "firmware/configuration/schema.h"
+#include "mpc_core/control/plan.h"
+
+namespace stilt::configuration {
+namespace {
+
+/// The first contradiction's message and key after a change of the defaults; empty when there is none.
+std::string complaint(const std::function<void(Parameters&)>& change) {
+  Parameters parameters;
+  change(parameters);
+  const auto found = contradictions(parameters);
+  return found.empty() ? "" : std::string(found.front().keys.front()) + ": " + found.front().message;
+}
+
+TEST(Consistency, TheDefaultsDoNotContradictEachOther) { EXPECT_TRUE(contradictions(Parameters{}).empty()); }
+
+TEST(Consistency, TheWholeCapacityOfTheHorizonMayBeUsed) {
+  EXPECT_EQ(complaint([](Parameters& p) { p.discretisation.horizon_s = 2.0; }), "");
+  EXPECT_EQ(
+      complaint([](Parameters& p) { p.discretisation.horizon_s = control::kMaxHorizonIntervals * 0.015; }),
+      "");
+  EXPECT_EQ(complaint([](Parameters& p) {
+              p.discretisation.time_step_s = 0.03;
+              p.discretisation.horizon_s = 4.0;
+            }),
+            "");
+}
+
+TEST(Consistency, AHorizonOverCapacityIsRefusedWithTheLongestPossible) {
+  EXPECT_EQ(complaint([](Parameters& p) { p.discretisation.horizon_s = 2.02; }),
+            "discretisation.horizon_s: a horizon of 2.02 s in time steps of 0.015 s takes 135 intervals, the "
+            "capacity "
+            "is 134; the horizon may be at most 2.01 s");
+  EXPECT_NE(complaint([](Parameters& p) {
+              p.discretisation.time_step_s = 0.005;
+              p.discretisation.horizon_s = 1.0;
+            }),
+            "");
+}
+
+TEST(Consistency, TooManySwitchesInTheHorizonAreRefused) {
+  // Both ends of the horizon at a switch. 2 s of 0.1 s steps: 21 switches, the capacity. With 0.05 s between
+  // them: 14 touch-downs, at 0.15 s k, and as many lift-offs, at 0.05 s + 0.15 s k, k = 0 to 13.
+  const auto shortest_steps = [](Parameters& p) {
+    p.gait.single_support_s = 0.1;
+    p.discretisation.horizon_s = 2.0;
+  };
+  EXPECT_EQ(complaint(shortest_steps), "");
+  EXPECT_NE(complaint([&](Parameters& p) {
+              shortest_steps(p);
+              p.gait.double_support_s = 0.05;
+            }).find("28 contact switches"),
+            std::string::npos);
+}
+
+TEST(Consistency, MostSwitchesBoundsEveryWindowOfARandomGait) {
+  const unsigned seed = 20250607;
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> single(0.1, 1.0), both(0.01, 0.5), horizon(0.05, 3.0);
+  for (int trial = 0; trial < 200; ++trial) {
+    Parameters p;
+    p.gait.single_support_s = single(random);
+    p.gait.double_support_s = trial % 2 == 0 ? 0.0 : both(random);
+    p.discretisation.horizon_s = horizon(random);
+    // Switches of a long walk; every window that starts at a switch, where the count peaks.
+    std::vector<double> times;
+    double time_s = 0.0;
+    for (int step = 0; step < 100; ++step) {
+      times.push_back(time_s += p.gait.single_support_s);
+      if (p.gait.double_support_s > 0.0) times.push_back(time_s += p.gait.double_support_s);
+    }
+    long most = 0;
+    for (auto first = times.begin(); first != times.begin() + 4; ++first) {
+      const auto last = std::upper_bound(first, times.end(), *first + p.discretisation.horizon_s);
+      most = std::max(most, static_cast<long>(last - first));
+    }
+    EXPECT_EQ(most_switches(p), most) << "seed " << seed << ", trial " << trial;
+  }
+}
+
+TEST(Consistency, EachOtherContradictionNamesItsKeyFirst) {
+  const auto starts = [](const std::string& text, std::string_view key) { return text.starts_with(key); };
+  EXPECT_PRED2(starts, complaint([](Parameters& p) { p.timing.plan_rate_hz = 1500.0; }),
+               "timing.plan_rate_hz");
+  EXPECT_PRED2(starts, complaint([](Parameters& p) {
+                 p.discretisation.horizon_s = 0.2;
+                 p.timing.plan_delay_s = 0.2;
+               }),
+               "timing.plan_delay_s");
+  EXPECT_PRED2(starts, complaint([](Parameters& p) { p.discretisation.merge_below_s = 0.01; }),
+               "discretisation.merge_below_s");
+  EXPECT_PRED2(starts, complaint([](Parameters& p) { p.gait.double_support_s = 0.001; }),
+               "gait.double_support_s");
+  EXPECT_PRED2(starts, complaint([](Parameters& p) { p.gait.touchdown_velocity_m_s = -2.0; }),
+               "gait.touchdown_velocity_m_s");
+  EXPECT_PRED2(starts, complaint([](Parameters& p) { p.estimator.blend_s = 0.45; }), "estimator.blend_s");
+  EXPECT_PRED2(starts, complaint([](Parameters& p) { p.sqp.g_max = 1e-6, p.sqp.g_min = 1e-3; }), "sqp.g_min");
+  EXPECT_PRED2(starts, complaint([](Parameters& p) {
+                 p.discretisation.time_step_s = 0.1;
+                 p.discretisation.horizon_s = 0.05;
+               }),
+               "discretisation.horizon_s");
+}
+
+}  // namespace
+}  // namespace stilt::configuration
