@@ -17,7 +17,7 @@ using tinyxml2::XMLElement;
 /// Checks and collects the content of one document.
 class DocumentReader {
  public:
-  DocumentReader(const std::string& file, const XMLElement& robot) : file_(file), robot_(robot) {}
+  DocumentReader(const std::string& source, const XMLElement& robot) : source_(source), robot_(robot) {}
 
   void check_tree() {
     for (const XMLElement* link = first("link"); link != nullptr; link = next(link, "link")) {
@@ -50,7 +50,7 @@ class DocumentReader {
   }
 
  private:
-  [[noreturn]] void fail(const std::string& what) const { throw UrdfError(file_ + ": " + what + "."); }
+  [[noreturn]] void fail(const std::string& what) const { throw UrdfError(source_ + ": " + what + "."); }
 
   [[nodiscard]] const XMLElement* first(const char* kind) const { return robot_.FirstChildElement(kind); }
   static const XMLElement* next(const XMLElement* element, const char* kind) {
@@ -117,7 +117,7 @@ class DocumentReader {
     return value;
   }
 
-  const std::string& file_;
+  const std::string& source_;
   const XMLElement& robot_;
   std::set<std::string> links_;
   std::vector<std::string> joint_names_;
@@ -126,26 +126,26 @@ class DocumentReader {
 
 }  // namespace
 
-UrdfDocument read_urdf_document(const std::string& file) {
+std::string read_text(const std::string& file) {
   std::ifstream stream(file);
-  UrdfDocument result;
-  result.text.assign(std::istreambuf_iterator<char>(stream), {});
-  if (!stream || result.text.empty())
-    throw UrdfError(file + ": cannot be read; give the path of a URDF file.");
+  std::string text(std::istreambuf_iterator<char>(stream), {});
+  if (!stream || text.empty()) throw UrdfError(file + ": cannot be read; give the path of a URDF file.");
+  return text;
+}
+
+UrdfDocument parse_urdf_document(const std::string& text, const std::string& source) {
   tinyxml2::XMLDocument xml;
-  if (xml.Parse(result.text.c_str()) != tinyxml2::XML_SUCCESS) {
-    throw UrdfError(file + ": not valid XML in line " + std::to_string(xml.ErrorLineNum()) +
+  if (xml.Parse(text.c_str()) != tinyxml2::XML_SUCCESS) {
+    throw UrdfError(source + ": not valid XML in line " + std::to_string(xml.ErrorLineNum()) +
                     "; a URDF is an XML file with the root element <robot>.");
   }
   const XMLElement* robot = xml.RootElement();
   if (robot == nullptr || std::string(robot->Name()) != "robot") {
-    throw UrdfError(file + ": the root element is not <robot>; give a URDF file.");
+    throw UrdfError(source + ": the root element is not <robot>; give a URDF file.");
   }
-  DocumentReader reader(file, *robot);
+  DocumentReader reader(source, *robot);
   reader.check_tree();
-  result.joint_names = reader.joint_names();
-  result.transmissions = reader.transmissions();
-  return result;
+  return {.joint_names = reader.joint_names(), .transmissions = reader.transmissions()};
 }
 
 }  // namespace stilt::codegen

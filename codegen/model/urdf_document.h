@@ -14,13 +14,15 @@ struct Transmission {
 
 /// What the XML says before any geometry is interpreted.
 struct UrdfDocument {
-  std::string text;
   std::vector<std::string> joint_names;  ///< in the order of the document
   std::map<std::string, Transmission> transmissions;
 };
 
-/// Reads the XML of a URDF, checks that links and joints form one tree and collects the transmissions.
-/// @throws UrdfError with one sentence.
-[[nodiscard]] UrdfDocument read_urdf_document(const std::string& file);
+/// The text of a file. @throws UrdfError if it cannot be read or is empty.
+[[nodiscard]] std::string read_text(const std::string& file);
+
+/// Parses the XML of a URDF, checks that links and joints form one tree and collects the transmissions.
+/// @throws UrdfError with one sentence, which `source` begins.
+[[nodiscard]] UrdfDocument parse_urdf_document(const std::string& text, const std::string& source);
 
 }  // namespace stilt::codegen

@@ -62,8 +62,8 @@ class ErrorRecorder : public console_bridge::OutputHandler {
 /// Walks a URDF depth first and builds the planar tree.
 class TreeBuilder {
  public:
-  TreeBuilder(const std::string& file, const UrdfDocument& document, const urdf::ModelInterface& model)
-      : file_(file), document_(document), model_(model) {}
+  TreeBuilder(const std::string& source, const UrdfDocument& document, const urdf::ModelInterface& model)
+      : source_(source), document_(document), model_(model) {}
 
   PlanarTree build() {
     tree_.name = model_.getName();
@@ -81,7 +81,7 @@ class TreeBuilder {
   }
 
  private:
-  [[noreturn]] void fail(const std::string& what) const { throw UrdfError(file_ + ": " + what + "."); }
+  [[noreturn]] void fail(const std::string& what) const { throw UrdfError(source_ + ": " + what + "."); }
 
   /// Adds `link`, at `pose` in moving link `index`, and everything it carries.
   void visit(const urdf::Link& link, int index, const PlanarPose& pose) {
@@ -201,7 +201,7 @@ class TreeBuilder {
     }
   }
 
-  const std::string& file_;
+  const std::string& source_;
   const UrdfDocument& document_;
   const urdf::ModelInterface& model_;
   PlanarTree tree_;
@@ -209,16 +209,18 @@ class TreeBuilder {
 
 }  // namespace
 
-PlanarTree read_urdf(const std::string& file) {
-  const UrdfDocument document = read_urdf_document(file);
+PlanarTree read_urdf(const std::string& file) { return parse_urdf(read_text(file), file); }
+
+PlanarTree parse_urdf(const std::string& text, const std::string& source) {
+  const UrdfDocument document = parse_urdf_document(text, source);
   ErrorRecorder recorder;
   console_bridge::useOutputHandler(&recorder);
-  const urdf::ModelInterfaceSharedPtr model = urdf::parseURDF(document.text);
+  const urdf::ModelInterfaceSharedPtr model = urdf::parseURDF(text);
   console_bridge::restorePreviousOutputHandler();
   if (model == nullptr || !recorder.first_error().empty()) {
-    throw UrdfError(file + ": the URDF parser refuses it: " + recorder.first_error() + ".");
+    throw UrdfError(source + ": the URDF parser refuses it: " + recorder.first_error() + ".");
   }
-  return TreeBuilder(file, document, *model).build();
+  return TreeBuilder(source, document, *model).build();
 }
 
 }  // namespace stilt::codegen

@@ -29,4 +29,7 @@ class UrdfError : public std::runtime_error {
 /// moving link, a joint without limits, or no foot.
 [[nodiscard]] PlanarTree read_urdf(const std::string& file);
 
+/// The same from the text of a URDF; `source` names it in error messages.
+[[nodiscard]] PlanarTree parse_urdf(const std::string& text, const std::string& source);
+
 }  // namespace stilt::codegen
