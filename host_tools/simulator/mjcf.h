@@ -21,8 +21,8 @@ struct MjcfOptions {
   double time_step_s = 0.0005;
   double foot_radius_m = 0.002;
   double friction = 0.6;
-  double ground_slope_rad = 0.0;  ///< positive: the ground rises towards +x
-  std::vector<GroundStep> steps;  ///< in order of position; none: flat ground
+  double ground_slope_rad = 0.0;       ///< positive: the ground rises towards +x
+  std::vector<GroundStep> steps = {};  ///< in order of position; none: flat ground
   bool contacts = true;
   bool joint_limits = false;                   ///< stops at the ends of the joints' ranges
   bool armature = true;                        ///< reflected rotor inertia at the joints
