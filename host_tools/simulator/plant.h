@@ -54,6 +54,8 @@ class Plant {
   [[nodiscard]] double time_step_s() const;
   /// Torque of the motors over the last time step.
   [[nodiscard]] const model::JointVector& applied_torque_Nm() const { return applied_torque_Nm_; }
+  /// Largest torque of each motor.
+  [[nodiscard]] const model::JointVector& torque_limit_Nm() const { return torque_limit_Nm_; }
   /// Force of the ground on each foot over the last time step, world frame: fx_L, fz_L, fx_R, fz_R.
   [[nodiscard]] const model::FeetVector& contact_force_N() const { return contact_force_N_; }
   /// Lowest point of each shin, world frame: xL, zL, xR, zR.

@@ -1,8 +1,5 @@
 #include "host_tools/simulator/simulated_robot.h"
 
-#include <sys/mman.h>
-#include <unistd.h>
-
 #include <stdexcept>
 
 #include "codegen/model/urdf_reader.h"
@@ -10,29 +7,6 @@
 #include "host_tools/simulator/mjcf.h"
 
 namespace stilt::simulator {
-namespace {
-
-/// A text as a file in memory, for readers that want a path.
-class MemoryFile {
- public:
-  explicit MemoryFile(std::string_view text) : descriptor_(memfd_create("robot.urdf", MFD_CLOEXEC)) {
-    if (descriptor_ < 0 ||
-        write(descriptor_, text.data(), text.size()) != static_cast<ssize_t>(text.size())) {
-      throw std::runtime_error("the robot's description cannot be placed in memory");
-    }
-  }
-  ~MemoryFile() { close(descriptor_); }
-  MemoryFile(const MemoryFile&) = delete;
-  MemoryFile& operator=(const MemoryFile&) = delete;
-
-  [[nodiscard]] std::string path() const { return "/proc/self/fd/" + std::to_string(descriptor_); }
-
- private:
-  int descriptor_;
-};
-
-}  // namespace
-
 std::vector<std::string> simulated_robot_names() {
   std::vector<std::string> names;
   for (const EmbeddedUrdf& robot : kEmbeddedUrdfs) names.emplace_back(robot.name);
@@ -42,7 +16,7 @@ std::vector<std::string> simulated_robot_names() {
 codegen::PlanarTree simulated_robot(std::string_view name) {
   std::string known;
   for (const EmbeddedUrdf& robot : kEmbeddedUrdfs) {
-    if (robot.name == name) return codegen::read_urdf(MemoryFile(robot.text).path());
+    if (robot.name == name) return codegen::parse_urdf(std::string(robot.text), std::string(name) + ".urdf");
     known += (known.empty() ? "" : ", ") + std::string(robot.name);
   }
   throw std::invalid_argument("--robot " + std::string(name) + ": no such robot; known are " + known);

@@ -34,9 +34,10 @@ model::FeetVector foot_positions(const LegLengths& leg, const model::StateVector
   return feet;
 }
 
-model::StateVector standing_state(const LegLengths& leg, double base_height_m, double half_width_m) {
-  const LegAngles left = leg_angles(leg, half_width_m, base_height_m, 0.0);
-  const LegAngles right = leg_angles(leg, -half_width_m, base_height_m, 0.0);
+model::StateVector standing_state(const LegLengths& leg, double base_height_m, double half_width_m,
+                                  const std::array<double, model::kFeet>& ground_height_m) {
+  const LegAngles left = leg_angles(leg, half_width_m, base_height_m - ground_height_m[model::kLeft], 0.0);
+  const LegAngles right = leg_angles(leg, -half_width_m, base_height_m - ground_height_m[model::kRight], 0.0);
   model::StateVector state = model::StateVector::Zero();
   state[1] = base_height_m;
   state[3] = left.hip_rad;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+
 #include "mpc_core/model/types.h"
 
 namespace stilt::simulator {
@@ -25,9 +27,10 @@ struct LegAngles {
 /// Positions of both feet of a state, world frame: xL, zL, xR, zR.
 [[nodiscard]] model::FeetVector foot_positions(const LegLengths& leg, const model::StateVector& state);
 
-/// Standing still: hip at x 0 and base_height_m over flat ground at z 0, torso upright, left foot
-/// half_width_m ahead of the hip and right foot as much behind.
+/// Standing still: hip at x 0 and base_height_m over z 0, torso upright, left foot half_width_m ahead of the
+/// hip and right foot as much behind, each on ground of the given height.
 [[nodiscard]] model::StateVector standing_state(const LegLengths& leg, double base_height_m,
-                                                double half_width_m);
+                                                double half_width_m,
+                                                const std::array<double, model::kFeet>& ground_height_m = {});
 
 }  // namespace stilt::simulator

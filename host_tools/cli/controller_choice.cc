@@ -1,0 +1,108 @@
+#include "host_tools/cli/controller_choice.h"
+
+#include <charconv>
+
+#include "host_tools/cli/usage_error.h"
+#include "host_tools/simulator/number.h"
+#include "host_tools/simulator/simulated_robot.h"
+
+namespace stilt::cli {
+namespace {
+
+using configuration::Override;
+
+/// "section.key=value" with every digit of the value.
+Override setting(const char* key, double value, const char* option) {
+  char text[40];
+  const auto [end, error] = std::to_chars(text, text + sizeof text, value);
+  return {std::string(key) + "=" + std::string(text, end), option};
+}
+
+std::vector<Override> overrides_of(const ControllerChoice& choice) {
+  std::vector<Override> overrides;
+  for (const std::string& assignment : choice.settings) overrides.push_back({assignment});
+  if (choice.horizon_s)
+    overrides.push_back(setting("discretisation.horizon_s", *choice.horizon_s, "--horizon"));
+  if (choice.iterations) {
+    overrides.push_back({"sqp.iterations=" + std::to_string(*choice.iterations), "--iterations"});
+  }
+  if (choice.plan_rate_hz) {
+    overrides.push_back(setting("timing.plan_rate_hz", *choice.plan_rate_hz, "--plan-rate"));
+  }
+  if (choice.plan_delay_s) {
+    overrides.push_back(setting("timing.plan_delay_s", *choice.plan_delay_s, "--plan-delay"));
+  }
+  if (choice.no_early_stop) overrides.push_back({"sqp.early_stop=false", "--no-early-stop"});
+  if (choice.controller == "mpc-none") overrides.push_back({"cost.terminal=0", "--controller mpc-none"});
+  return overrides;
+}
+
+void check_controller(const std::string& name) {
+  if (name == "mpc-none" || name == "mpc-heuristic") return;
+  const bool planned = name == "mpc-hzd" || name == "mpc-lumped" || name == "hzd-pd";
+  throw UsageError("--controller " + name + (planned ? ": not in this version" : ": no such controller") +
+                   "; available are mpc-none, mpc-heuristic");
+}
+
+std::string one_line(const std::vector<configuration::Diagnostic>& diagnostics) {
+  std::string text;
+  for (const configuration::Diagnostic& diagnostic : diagnostics) {
+    text += (text.empty() ? "" : "; ") + configuration::to_string(diagnostic);
+  }
+  return text;
+}
+
+}  // namespace
+
+void add_controller_options(CLI::App& command, ControllerChoice& choice) {
+  command.add_option("--robot", choice.robot, "robot: amber3m, rabbit")->capture_default_str();
+  command.add_option("--controller", choice.controller, "mpc-heuristic, or mpc-none: without terminal cost")
+      ->capture_default_str();
+  command.add_option("--config", choice.config_file,
+                     "controller configuration (TOML) instead of the shipped one");
+  command
+      .add_option("--set", choice.settings,
+                  "changes one key of the configuration: section.key=value; repeatable")
+      ->allow_extra_args(false);
+  command.add_option("--horizon", choice.horizon_s, "horizon of the planner, s");
+  command.add_option("--iterations", choice.iterations, "most SQP iterations a plan");
+}
+
+const model::RobotModel& robot_model(const std::string& name) {
+  if (const model::RobotModel* robot = model::find_robot(name.c_str())) return *robot;
+  std::string known;
+  for (const std::string& robot : simulator::simulated_robot_names())
+    known += (known.empty() ? "" : ", ") + robot;
+  throw UsageError("--robot " + name + ": no such robot; known are " + known);
+}
+
+control::ControllerParameters controller_parameters(const ControllerChoice& choice) {
+  check_controller(choice.controller);
+  const std::vector<Override> overrides = overrides_of(choice);
+  const configuration::Result result = choice.config_file.empty()
+                                           ? configuration::load_robot(choice.robot, overrides)
+                                           : configuration::load_file(choice.config_file, overrides);
+  if (!result) throw UsageError(one_line(result.error()));
+  return *result;
+}
+
+std::unique_ptr<simulator::MpcController> make_controller(const model::RobotModel& robot,
+                                                          const control::ControllerParameters& parameters) {
+  auto controller = std::make_unique<simulator::MpcController>();
+  switch (controller->configure(robot, parameters)) {
+    case control::ConfigureStatus::ok:
+      return controller;
+    case control::ConfigureStatus::horizon_over_capacity:
+      throw UsageError(
+          "discretisation.horizon_s " + simulator::number_text(parameters.discretisation.horizon_s) +
+          ": the horizon needs more intervals or contact switches than the planner holds; take a "
+          "shorter horizon or a longer time step");
+    case control::ConfigureStatus::terminal_cost_failed:
+      break;
+  }
+  throw UsageError(
+      "cost: these weights admit no terminal cost; give every position and velocity some weight, or set "
+      "cost.terminal to 0");
+}
+
+}  // namespace stilt::cli

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <CLI/App.hpp>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "firmware/configuration/configuration.h"
+#include "host_tools/simulator/mpc_controller.h"
+#include "mpc_core/control/parameters.h"
+#include "mpc_core/model/robot.h"
+
+/// From what the user names to a configured controller. Everything here throws UsageError, one sentence.
+namespace stilt::cli {
+
+/// The options that choose robot, controller and its parameters.
+struct ControllerChoice {
+  std::string robot = "amber3m";
+  std::string controller = "mpc-heuristic";
+  std::string config_file;            ///< empty: the one shipped for the robot
+  std::vector<std::string> settings;  ///< of --set
+  std::optional<double> horizon_s;
+  std::optional<int> iterations;
+  std::optional<double> plan_rate_hz;
+  std::optional<double> plan_delay_s;
+  bool no_early_stop = false;
+};
+
+/// Adds the options that `stilt sim` and `stilt bench` share to a command.
+void add_controller_options(CLI::App& command, ControllerChoice& choice);
+
+/// The generated model of that name.
+[[nodiscard]] const model::RobotModel& robot_model(const std::string& name);
+
+/// The parameters after configuration file, --set and the options of their own, all checked.
+[[nodiscard]] control::ControllerParameters controller_parameters(const ControllerChoice& choice);
+
+/// A controller ready to run.
+[[nodiscard]] std::unique_ptr<simulator::MpcController> make_controller(
+    const model::RobotModel& robot, const control::ControllerParameters& parameters);
+
+}  // namespace stilt::cli

@@ -1,0 +1,58 @@
+#include "host_tools/cli/json_output.h"
+
+#include <fstream>
+#include <iostream>
+
+#include "host_tools/cli/usage_error.h"
+
+namespace stilt::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json to_json(const model::JointVector& values) { return {values[0], values[1], values[2], values[3]}; }
+
+}  // namespace
+
+Json to_json(const log::Percentiles& percentiles) {
+  return {{"p50", percentiles.p50}, {"p99", percentiles.p99}, {"max", percentiles.max}};
+}
+
+Json to_json(const log::RunSummary& summary) {
+  Json steps = Json::array();
+  for (const log::Step& step : summary.steps) {
+    steps.push_back({{"time_s", step.time_s}, {"foot", step.foot}, {"length_m", step.length_m}});
+  }
+  Json json;
+  json["survived"] = summary.survived;
+  json["fall_time_s"] = summary.fall_time_s < 0.0 ? Json(nullptr) : Json(summary.fall_time_s);
+  json["duration_s"] = summary.duration_s;
+  json["distance_m"] = summary.distance_m;
+  json["mean_speed_m_s"] = summary.mean_speed_m_s;
+  json["steps"] = std::move(steps);
+  json["step_length_min_m"] = summary.step_length_min_m;
+  json["step_length_max_m"] = summary.step_length_max_m;
+  json["peak_torque_Nm"] = to_json(summary.peak_torque_Nm);
+  json["peak_joint_speed_rad_s"] = to_json(summary.peak_joint_speed_rad_s);
+  json["slip_distance_m"] = summary.slip_distance_m;
+  json["solve_time_us"] = to_json(summary.solve_time_us);
+  json["sqp_iterations"] = {{"mean", summary.sqp_iterations_mean}, {"max", summary.sqp_iterations_max}};
+  json["dynamics_defect_max"] = summary.dynamics_defect_max;
+  json["equality_violation_max"] = summary.equality_violation_max;
+  json["heap_allocations_in_loop"] = summary.heap_allocations_in_loop;
+  json["controller_bytes"] = summary.controller_bytes;
+  return json;
+}
+
+void write_json(const Json& json, const std::string& path) {
+  if (path == "-") {
+    std::cout << json.dump(2) << '\n' << std::flush;
+    return;
+  }
+  std::ofstream file(path);
+  file << json.dump(2) << '\n' << std::flush;
+  if (!file)
+    throw UsageError("--json " + path + ": the file cannot be written; name one in a writable folder");
+}
+
+}  // namespace stilt::cli

@@ -1,0 +1,69 @@
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <algorithm>
+#include <exception>
+#include <iostream>
+#include <string>
+
+#include "host_tools/cli/bench_command.h"
+#include "host_tools/cli/model_evaluation.h"
+#include "host_tools/cli/sim_command.h"
+#include "host_tools/cli/version.h"
+
+namespace {
+
+constexpr int kBadUsage = 2;
+
+std::string joined(int count, char** words) {
+  std::string text = "stilt";
+  for (int i = 1; i < count; ++i) text += std::string(" ") + words[i];
+  return text;
+}
+
+/// One sentence on standard error.
+int refuse(std::string message) {
+  std::replace(message.begin(), message.end(), '\n', ' ');
+  std::cerr << "stilt: " << message << '\n';
+  return kBadUsage;
+}
+
+int run(int count, char** words) {
+  CLI::App program{"Onboard whole-body predictive controller for planar walking robots.", "stilt"};
+  program.set_version_flag("--version", stilt::cli::version_text());
+  program.require_subcommand(1);
+
+  stilt::cli::SimOptions sim_options;
+  const CLI::App* sim = stilt::cli::add_sim_command(program, sim_options);
+  stilt::cli::BenchOptions bench_options;
+  const CLI::App* bench = stilt::cli::add_bench_command(program, bench_options);
+  CLI::App* model = program.add_subcommand("model", "the robot's generated dynamics");
+  model->require_subcommand(1);
+  CLI::App* eval = model->add_subcommand(
+      "eval",
+      "reads {\"x\": [14], \"u\": [8]} a line from standard input, writes all terms as JSON, one line each");
+  std::string model_robot = "amber3m";
+  eval->add_option("--robot", model_robot, "robot: amber3m, rabbit")->capture_default_str();
+
+  try {
+    program.parse(count, words);
+  } catch (const CLI::Success& help_or_version) {
+    return program.exit(help_or_version);
+  } catch (const CLI::ParseError& error) {
+    return refuse(std::string(error.what()) + "; stilt --help and stilt COMMAND --help tell the usage");
+  }
+  if (sim->parsed()) return stilt::cli::run_sim(sim_options, joined(count, words));
+  if (bench->parsed()) return stilt::cli::run_bench(bench_options);
+  stilt::cli::evaluate_lines(stilt::cli::robot_model(model_robot), std::cin, std::cout);
+  return 0;
+}
+
+}  // namespace
+
+int main(int count, char** words) {
+  try {
+    return run(count, words);
+  } catch (const std::exception& error) {
+    return refuse(error.what());
+  }
+}

@@ -1,0 +1,176 @@
+#include "host_tools/cli/sim_command.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <vector>
+
+#include "host_tools/cli/json_output.h"
+#include "host_tools/cli/progress.h"
+#include "host_tools/cli/summary_text.h"
+#include "host_tools/cli/usage_error.h"
+#include "host_tools/log/sample_log.h"
+#include "host_tools/report/report.h"
+#include "host_tools/simulator/closed_loop.h"
+#include "host_tools/simulator/simulated_robot.h"
+
+namespace stilt::cli {
+namespace {
+
+using simulator::Plant;
+using simulator::PlantOptions;
+using simulator::RunSettings;
+using simulator::TimedCommand;
+
+constexpr double kLargestSpeed_m_s = 5.0;
+constexpr double kLongestRun_s = 86400.0;
+/// The drawn torso ends this much above the hip, in heights of its centre of mass.
+constexpr double kTorsoToCom = 1.75;
+
+PlantOptions plant_options(const SimOptions& options, const control::TimingParameters& timing) {
+  PlantOptions plant;
+  for (const std::string& assignment : options.plant_settings) simulator::set_plant_option(plant, assignment);
+  plant.time_step_s = simulator::time_step_for_tick(plant.time_step_s, 1.0 / timing.torque_rate_hz);
+  return plant;
+}
+
+std::vector<TimedCommand> commands_of(const SimOptions& options) {
+  if (!(std::abs(options.speed_m_s) <= kLargestSpeed_m_s)) {
+    throw UsageError("--speed " + std::to_string(options.speed_m_s) +
+                     ": the speed must lie within 5 m/s either way");
+  }
+  std::vector<TimedCommand> commands = {{0.0, {simulator::parse_gait(options.gait), options.speed_m_s}}};
+  for (const std::string& text : options.later_commands)
+    commands.push_back(simulator::parse_timed_command(text));
+  std::stable_sort(commands.begin(), commands.end(),
+                   [](const TimedCommand& a, const TimedCommand& b) { return a.start_s < b.start_s; });
+  return commands;
+}
+
+bool wants_true_state(const std::string& state) {
+  if (state != "estimated" && state != "truth") {
+    throw UsageError("--state " + state + ": no such source of the state; known are estimated, truth");
+  }
+  return state == "truth";
+}
+
+RunSettings run_settings(const SimOptions& options, const model::RobotConstants& robot,
+                         const control::ControllerParameters& parameters) {
+  if (!(options.duration_s > 0.0 && options.duration_s <= kLongestRun_s)) {
+    throw UsageError("--duration " + std::to_string(options.duration_s) +
+                     ": the duration must be above 0 and at most 86400 s");
+  }
+  RunSettings settings;
+  settings.duration_s = options.duration_s;
+  settings.leg = {robot.thigh_length_m, robot.shin_length_m};
+  settings.commands = commands_of(options);
+  for (const std::string& text : options.pushes) settings.pushes.push_back(simulator::parse_push(text));
+  simulator::check_pushes(settings.pushes);
+  settings.use_true_state = wants_true_state(options.state);
+  settings.timing = parameters.timing;
+  settings.keep_samples = !options.report_file.empty() || !options.log_file.empty();
+  return settings;
+}
+
+/// Standing on the plant's ground.
+model::StateVector initial_state(const Plant& plant, const simulator::LegLengths& leg,
+                                 const control::ControllerParameters& parameters) {
+  const double half_width_m = parameters.gait.stand_half_width_m;
+  return simulator::standing_state(
+      leg, parameters.reference.base_height_m, half_width_m,
+      {plant.ground_height_m(half_width_m), plant.ground_height_m(-half_width_m)});
+}
+
+/// Corners of the ground's profile from a little behind the start to a little beyond the end.
+void add_ground(const Plant& plant, const PlantOptions& options, double end_x_m, log::RunRecord& record) {
+  constexpr double kMargin_m = 5.0;
+  constexpr double kEdge_m = 1e-6;
+  std::vector<double> corners = {std::min(0.0, end_x_m) - kMargin_m, std::max(0.0, end_x_m) + kMargin_m};
+  const double step_m = options.step_position_m;
+  if (options.step_height_m != 0.0 && step_m > corners.front() && step_m < corners.back()) {
+    corners.insert(corners.begin() + 1, {step_m - kEdge_m, step_m});
+  }
+  for (const double x_m : corners) {
+    record.ground_x_m.push_back(x_m);
+    record.ground_z_m.push_back(plant.ground_height_m(x_m));
+  }
+}
+
+void describe_run(const model::RobotConstants& robot, const Plant& plant, const PlantOptions& options,
+                  log::RunRecord& record) {
+  record.robot = {robot.name, kTorsoToCom * robot.torso_com_height_m, robot.thigh_length_m,
+                  robot.shin_length_m};
+  for (int joint = 0; joint < model::kJoints; ++joint) {
+    record.torque_limit_Nm[joint] = plant.torque_limit_Nm()[joint];
+  }
+  record.friction_coefficient = options.friction;
+  add_ground(plant, options, record.summary.distance_m, record);
+}
+
+void write_results(const SimOptions& options, const log::RunRecord& record, simulator::Fall fall) {
+  if (!options.json_file.empty()) {
+    nlohmann::ordered_json json = to_json(record.summary);
+    json["fall_reason"] = record.summary.survived ? nlohmann::ordered_json(nullptr)
+                                                  : nlohmann::ordered_json(simulator::fall_text(fall));
+    write_json(json, options.json_file);
+  }
+  if (options.json_file != "-") std::fputs(summary_text(record.summary, fall).c_str(), stdout);
+  if (!options.log_file.empty()) log::write_sample_log(record, options.log_file);
+  if (!options.report_file.empty()) report::write_report(record, options.report_file);
+}
+
+}  // namespace
+
+CLI::App* add_sim_command(CLI::App& program, SimOptions& options) {
+  CLI::App* sim = program.add_subcommand("sim", "walk the simulated robot under the controller");
+  add_controller_options(*sim, options.choice);
+  sim->add_option("--plan-rate", options.choice.plan_rate_hz, "plans a second, Hz");
+  sim->add_option("--plan-delay", options.choice.plan_delay_s, "simulated time that a plan takes, s");
+  sim->add_option("--gait", options.gait, "stand, step or walk, commanded at the start")
+      ->capture_default_str();
+  sim->add_option("--speed", options.speed_m_s, "speed of walking, m/s, negative backward")
+      ->capture_default_str();
+  sim->add_option("--then", options.later_commands, "a later command, GAIT[:SPEED]@START; repeatable")
+      ->allow_extra_args(false);
+  sim->add_option("--duration", options.duration_s, "simulated time, s")->capture_default_str();
+  sim->add_option("--push", options.pushes,
+                  "a push, N@START+DURATION[@hip|torso], positive forward; repeatable")
+      ->allow_extra_args(false);
+  sim->add_option("--state", options.state, "what the controller knows: estimated (from sensors) or truth")
+      ->capture_default_str();
+  sim->add_option("--seed", options.seed, "of the sensor noise")->capture_default_str();
+  sim->add_option("--plant", options.plant_settings,
+                  "changes the simulated robot or its world: KEY=VALUE; repeatable")
+      ->allow_extra_args(false);
+  sim->add_option("--json", options.json_file,
+                  "writes the figures as JSON to a file, or - for standard output");
+  sim->add_option("--report", options.report_file, "writes a page with animation and plots, HTML");
+  sim->add_option("--log", options.log_file, "writes the samples, one JSON object a line");
+  sim->footer("Keys of --plant:\n" + simulator::describe_plant_options() +
+              "Exit status: 0 done, 1 the robot fell, 2 bad usage.");
+  return sim;
+}
+
+int run_sim(const SimOptions& options, const std::string& command_line) {
+  const model::RobotModel& robot = robot_model(options.choice.robot);
+  const control::ControllerParameters parameters = controller_parameters(options.choice);
+  const PlantOptions world = plant_options(options, parameters.timing);
+  RunSettings settings = run_settings(options, robot.constants, parameters);
+  const auto controller = make_controller(robot, parameters);
+  Plant plant(simulator::make_plant_model(simulator::simulated_robot(options.choice.robot), world,
+                                          parameters.reference.base_height_m),
+              world, options.seed);
+  settings.initial_state = initial_state(plant, settings.leg, parameters);
+  log::RunRecord record;
+  {
+    Progress progress("simulating", options.duration_s, "s");
+    settings.progress = [&](double time_s) { progress.update(time_s); };
+    record = simulator::run_closed_loop(plant, *controller, settings);
+  }
+  record.command_line = command_line;
+  describe_run(robot.constants, plant, world, record);
+  write_results(options, record, plant.fall());
+  return record.summary.survived ? 0 : 1;
+}
+
+}  // namespace stilt::cli

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+
+namespace stilt::cli {
+
+/// The value of -march the program was compiled for, and the lanes of its widest register of doubles:
+/// "x86-64-v3, 4 lanes".
+[[nodiscard]] std::string instruction_set();
+
+/// What `stilt --version` prints: version, compiler, instruction set, size of the controller's object.
+[[nodiscard]] std::string version_text();
+
+}  // namespace stilt::cli
