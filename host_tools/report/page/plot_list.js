@@ -30,7 +30,7 @@ function basePlots(run, time) {
 function jointPlots(run, time) {
   const pairs = (first) => kSides.flatMap(([label, colour], k) => [
     { label, colour, values: withGaps(run.samples.true_state[first + 2 * k]) },
-    { label: 'planned', colour, ...kPlanned, values: withGaps(run.samples.planned_state[first + 2 * k]) },
+    { label: `${label}, planned`, colour, ...kPlanned, values: withGaps(run.samples.planned_state[first + 2 * k]) },
   ]);
   return [
     { title: 'Hip angle', axis: 'angle, rad', unit: 'rad', time, lines: pairs(3) },
@@ -56,7 +56,7 @@ function forcePlots(run, time) {
   const samples = run.samples;
   const component = (k) => kSides.flatMap(([label, colour], foot) => [
     { label, colour, values: withGaps(samples.contact_force_N[2 * foot + k]) },
-    { label: 'planned', colour, ...kPlanned, values: withGaps(samples.planned_contact_force_N[2 * foot + k]) },
+    { label: `${label}, planned`, colour, ...kPlanned, values: withGaps(samples.planned_contact_force_N[2 * foot + k]) },
   ]);
   const kLoaded_N = 10;
   const ratio = (forces, foot) => withGaps(forces[2 * foot], (fx, i) => {
@@ -72,7 +72,7 @@ function forcePlots(run, time) {
       axis: 'tangential / normal', unit: '', time, limits: [-mu, mu],
       lines: kSides.flatMap(([label, colour], foot) => [
         { label, colour, values: ratio(samples.contact_force_N, foot) },
-        { label: 'planned', colour, ...kPlanned, values: ratio(samples.planned_contact_force_N, foot) },
+        { label: `${label}, planned`, colour, ...kPlanned, values: ratio(samples.planned_contact_force_N, foot) },
       ]),
     },
   ];

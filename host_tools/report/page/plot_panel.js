@@ -28,6 +28,7 @@ function pushShading(run, colours) {
     c.rect(u.bbox.left, u.bbox.top, u.bbox.width, u.bbox.height);
     c.clip();
     for (const push of run.pushes) {
+      if (push.to_s < u.scales.x.min || push.from_s > u.scales.x.max) continue;
       const from = u.valToPos(push.from_s, 'x', true);
       const to = Math.max(from + ratio, u.valToPos(push.to_s, 'x', true));
       c.globalAlpha = 0.16;
@@ -37,7 +38,7 @@ function pushShading(run, colours) {
       c.font = `${10 * ratio}px system-ui, sans-serif`;
       c.textAlign = 'left';
       c.textBaseline = 'top';
-      c.fillText(`${push.force_N.toFixed(0)} N`, Math.max(from, u.bbox.left) + 3 * ratio, u.bbox.top + 2 * ratio);
+      c.fillText(`${push.force_N.toFixed(0).replace('-', '−')} N`, Math.max(from, u.bbox.left) + 3 * ratio, u.bbox.top + 2 * ratio);
     }
     c.restore();
   };
@@ -131,7 +132,7 @@ class PlotPanel {
     this.u = new uPlot({
       width: this.width(),
       height: kPlotHeight_px,
-      padding: [6, 14, 0, 0],
+      padding: [6, 18, 0, 0],
       scales: { x: { time: false, range: (u, low, high) => [low, high] }, y },
       axes: uplotAxes(plot, colours),
       series: [

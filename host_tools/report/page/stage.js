@@ -1,5 +1,9 @@
 // The animation: the camera follows the hip, the picture is drawn anew for each change of the player.
 
+const kBelowGround_px = 36;
+const kReadout_px = 32;
+const kRobotHeight_m = 1.42;
+
 /** Mean hip position around `time`, so that the camera glides. */
 function cameraX(run, time) {
   const offsets = [-0.3, -0.15, 0, 0.15, 0.3];
@@ -45,8 +49,8 @@ class Stage {
     if (run.samples.rows === 0 || width === 0) return;
     const time = this.player.time_s;
     const camera = cameraX(run, time);
-    const scale = height / 1.72;
-    const base_z = groundHeight(run.ground, camera) - 36 / scale;
+    const scale = (height - kBelowGround_px - kReadout_px) / kRobotHeight_m;
+    const base_z = groundHeight(run.ground, camera) - kBelowGround_px / scale;
     const lead_m = Math.min(0.35, (0.18 * width) / scale);
     const view = makeView(context, width, height, camera + lead_m, base_z, scale);
     const pose = poseOfState(run.robot, stateAt(run, 'true_state', time));

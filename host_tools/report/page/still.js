@@ -34,10 +34,9 @@ function drawStill(run, options) {
   context.fillRect(0, 0, width, height);
   drawGround(view, run.ground, colours, footprintsOf(run).filter((place) => place.time <= time));
   for (const { pose: ghost, age } of earlier) {
-    context.globalAlpha = 0.5 * (1 - (age - 1) / (options.poses + 1)) + 0.08;
-    drawRobot(view, ghost, colours);
+    const faded = fadeColours(colours, 0.45 + (0.4 * age) / (options.poses + 1));
+    drawRobot(view, ghost, { ...faded, card: colours.sky });
   }
-  context.globalAlpha = 1;
   drawPlannedPaths(view, knots, colours, time);
   context.globalAlpha = 0.5;
   for (let k = 1; time + k * options.spacing_s < (knots.at(-1)?.time ?? 0); ++k) {

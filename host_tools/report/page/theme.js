@@ -37,3 +37,13 @@ function readColours() {
   const style = getComputedStyle(document.documentElement);
   return Object.fromEntries(colourNames.map((name) => [name, style.getPropertyValue(`--${name}`).trim()]));
 }
+
+/** Colours of a fainter copy: opaque, moved towards the background by `amount` from 0 to 1. */
+function fadeColours(colours, amount) {
+  const channels = (hex) => [1, 3, 5].map((i) => Number.parseInt(hex.slice(i, i + 2), 16));
+  const background = channels(colours.sky);
+  return Object.fromEntries(Object.entries(colours).map(([name, hex]) => {
+    const mixed = channels(hex).map((value, i) => Math.round(value + amount * (background[i] - value)));
+    return [name, `rgb(${mixed.join(' ')})`];
+  }));
+}
