@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <numeric>
@@ -12,6 +13,7 @@
 #include "host_tools/cli/progress.h"
 #include "host_tools/cli/usage_error.h"
 #include "host_tools/cli/version.h"
+#include "host_tools/simulator/number.h"
 #include "host_tools/simulator/run_recorder.h"
 
 namespace stilt::cli {
@@ -20,6 +22,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kMostProblems = 100000;
+constexpr double kLargestSpeed_m_s = 5.0;
 
 long long steady_ns() noexcept {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
@@ -117,6 +120,11 @@ int run_bench(const BenchOptions& options) {
     throw UsageError("--problems " + std::to_string(options.problems) + ": must be from 1 to " +
                      std::to_string(kMostProblems));
   }
+  if (!(std::abs(options.speed_m_s) <= kLargestSpeed_m_s)) {
+    throw UsageError("--speed " + simulator::number_text(options.speed_m_s) +
+                     ": the speed must lie within 5 m/s either way");
+  }
+  check_output_file("--json", options.json_file);
   const model::RobotModel& robot = robot_model(options.choice.robot);
   const control::ControllerParameters parameters = controller_parameters(options.choice);
   const auto controller = make_controller(robot, parameters);

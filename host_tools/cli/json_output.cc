@@ -1,5 +1,8 @@
 #include "host_tools/cli/json_output.h"
 
+#include <unistd.h>
+
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 
@@ -42,6 +45,22 @@ Json to_json(const log::RunSummary& summary) {
   json["heap_allocations_in_loop"] = summary.heap_allocations_in_loop;
   json["controller_bytes"] = summary.controller_bytes;
   return json;
+}
+
+void check_output_file(const std::string& option, const std::string& path) {
+  if (path.empty() || path == "-") return;
+  const std::filesystem::path file(path);
+  const std::filesystem::path folder =
+      file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
+  std::error_code ignored;
+  const bool replaces = std::filesystem::exists(file, ignored);
+  const bool writable =
+      replaces ? !std::filesystem::is_directory(file, ignored) && access(file.c_str(), W_OK) == 0
+               : std::filesystem::is_directory(folder, ignored) && access(folder.c_str(), W_OK) == 0;
+  if (!writable) {
+    throw UsageError(option + " " + path +
+                     ": the file cannot be written; name one in an existing, writable folder");
+  }
 }
 
 void write_json(const Json& json, const std::string& path) {

@@ -49,8 +49,11 @@ int run(int count, char** words) {
     program.parse(count, words);
   } catch (const CLI::Success& help_or_version) {
     return program.exit(help_or_version);
+  } catch (const CLI::RequiredError&) {
+    const std::string unknown = count > 1 ? std::string(words[count - 1]) + ": " : std::string();
+    return refuse(unknown + "a command is expected: sim, bench or model eval; stilt --help tells more");
   } catch (const CLI::ParseError& error) {
-    return refuse(std::string(error.what()) + "; stilt --help and stilt COMMAND --help tell the usage");
+    return refuse(std::string(error.what()) + "; stilt COMMAND --help tells what is right");
   }
   if (sim->parsed()) return stilt::cli::run_sim(sim_options, joined(count, words));
   if (bench->parsed()) return stilt::cli::run_bench(bench_options);

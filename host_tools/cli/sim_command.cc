@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "host_tools/log/sample_log.h"
 #include "host_tools/report/report.h"
 #include "host_tools/simulator/closed_loop.h"
+#include "host_tools/simulator/number.h"
 #include "host_tools/simulator/simulated_robot.h"
 
 namespace stilt::cli {
@@ -36,7 +38,7 @@ PlantOptions plant_options(const SimOptions& options, const control::TimingParam
 
 std::vector<TimedCommand> commands_of(const SimOptions& options) {
   if (!(std::abs(options.speed_m_s) <= kLargestSpeed_m_s)) {
-    throw UsageError("--speed " + std::to_string(options.speed_m_s) +
+    throw UsageError("--speed " + simulator::number_text(options.speed_m_s) +
                      ": the speed must lie within 5 m/s either way");
   }
   std::vector<TimedCommand> commands = {{0.0, {simulator::parse_gait(options.gait), options.speed_m_s}}};
@@ -57,9 +59,11 @@ bool wants_true_state(const std::string& state) {
 RunSettings run_settings(const SimOptions& options, const model::RobotConstants& robot,
                          const control::ControllerParameters& parameters) {
   if (!(options.duration_s > 0.0 && options.duration_s <= kLongestRun_s)) {
-    throw UsageError("--duration " + std::to_string(options.duration_s) +
+    throw UsageError("--duration " + simulator::number_text(options.duration_s) +
                      ": the duration must be above 0 and at most 86400 s");
   }
+  if (options.seed < 0)
+    throw UsageError("--seed " + std::to_string(options.seed) + ": the seed must not be negative");
   RunSettings settings;
   settings.duration_s = options.duration_s;
   settings.leg = {robot.thigh_length_m, robot.shin_length_m};
@@ -152,6 +156,9 @@ CLI::App* add_sim_command(CLI::App& program, SimOptions& options) {
 }
 
 int run_sim(const SimOptions& options, const std::string& command_line) {
+  check_output_file("--json", options.json_file);
+  check_output_file("--report", options.report_file);
+  check_output_file("--log", options.log_file);
   const model::RobotModel& robot = robot_model(options.choice.robot);
   const control::ControllerParameters parameters = controller_parameters(options.choice);
   const PlantOptions world = plant_options(options, parameters.timing);
@@ -159,7 +166,7 @@ int run_sim(const SimOptions& options, const std::string& command_line) {
   const auto controller = make_controller(robot, parameters);
   Plant plant(simulator::make_plant_model(simulator::simulated_robot(options.choice.robot), world,
                                           parameters.reference.base_height_m),
-              world, options.seed);
+              world, static_cast<std::uint64_t>(options.seed));
   settings.initial_state = initial_state(plant, settings.leg, parameters);
   log::RunRecord record;
   {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <CLI/App.hpp>
-#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -18,7 +17,7 @@ struct SimOptions {
   std::vector<std::string> pushes;
   std::vector<std::string> later_commands;  ///< of --then
   std::string state = "estimated";
-  std::uint64_t seed = 1;
+  long long seed = 1;
   std::vector<std::string> plant_settings;
   std::string json_file, report_file, log_file;
 };

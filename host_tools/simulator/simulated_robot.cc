@@ -7,6 +7,7 @@
 #include "host_tools/simulator/mjcf.h"
 
 namespace stilt::simulator {
+
 std::vector<std::string> simulated_robot_names() {
   std::vector<std::string> names;
   for (const EmbeddedUrdf& robot : kEmbeddedUrdfs) names.emplace_back(robot.name);
