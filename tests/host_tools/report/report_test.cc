@@ -9,7 +9,6 @@
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <regex>
 #include <sstream>
 #include <stdexcept>
 
@@ -184,10 +183,9 @@ TEST(Report, AFallKeepsItsTime) {
 
 TEST(Report, ThePageLoadsNothing) {
   const std::string page = render_report(synthetic_walk(1.0));
-  const std::string markup = std::regex_replace(page, std::regex("data:,"), "");
   EXPECT_NE(page.find("default-src 'none'"), std::string::npos);
   for (const char* source : {" src=", "@import", "url(", "href=\"h", "href=\"/", "import(", "fetch("}) {
-    EXPECT_EQ(markup.find(source), std::string::npos) << source;
+    EXPECT_EQ(page.find(source), std::string::npos) << source;
   }
 }
 
