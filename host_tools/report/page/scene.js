@@ -1,6 +1,7 @@
 // What a picture of the run is made of: ground, robot, plan, forces.
 
 const kForceScale_m_N = 0.0017;
+const kLongestForce_m = 1;
 const kPushScale_m_N = 0.006;
 
 function drawGround(view, ground, colours, footprints) {
@@ -88,13 +89,15 @@ function drawPlannedPaths(view, knots, colours, time) {
   }
 }
 
+/** Contact forces as arrows from the feet; impacts are drawn with a length of kLongestForce_m. */
 function drawContactForces(view, run, pose, colours, time) {
   const samples = run.samples;
   const i = lastIndexUpTo(samples.time, time);
   ['left', 'right'].forEach((side, foot) => {
     const [fx, fz] = [samples.contact_force_N[2 * foot][i], samples.contact_force_N[2 * foot + 1][i]];
     const from = pose[side].foot;
-    drawArrow(view, from, { x: from.x + kForceScale_m_N * fx, z: from.z + kForceScale_m_N * fz }, colours.force, 3);
+    const scale = Math.min(kForceScale_m_N, kLongestForce_m / Math.hypot(fx, fz));
+    drawArrow(view, from, { x: from.x + scale * fx, z: from.z + scale * fz }, colours.force, 3);
   });
 }
 
