@@ -41,7 +41,7 @@ inline void impact_left(const T* x, const T* joint_parameters, Out& out) noexcep
   T s12;
   T c12;
   runtime::sincos(t12, s12, c12);
-  const T t216 = t111 + 2.028 * c12;
+  const T t216 = t111 + 2.0280000000000005 * c12;
   const T t109 = 0.768 * s13;
   const T t240 = (0.4 * c12) * t111 + (0.4 * s12) * t109;
   const T t243 = 0.38432 + t240;
@@ -69,7 +69,7 @@ inline void impact_left(const T* x, const T* joint_parameters, Out& out) noexcep
   T s10;
   T c10;
   runtime::sincos(t10, s10, c10);
-  const T t219 = t149 + 2.028 * c10;
+  const T t219 = t149 + 2.0280000000000005 * c10;
   const T t38 = 0.4 * c10;
   const T t36 = 0.4 * s10;
   const T t147 = 0.768 * s11;
@@ -109,14 +109,14 @@ inline void impact_left(const T* x, const T* joint_parameters, Out& out) noexcep
   const T t2004 = t1997 * t2003;
   const T t2006 = t1987 - t1997 * t2004;
   const T t1916 = t109 * t1910;
-  const T t222 = t109 + 2.028 * s12;
+  const T t222 = t109 + 2.0280000000000005 * s12;
   const T t1925 = t109 * t1921;
   const T t1932 = t222 - t1925;
   const T t1941 = t1932 * t1935;
   const T t1944 = t111 * t1916 + t1930 * t1941;
   const T t1962 = t147 * t1956;
   const T t1965 = t1944 + t149 * t1962;
-  const T t225 = t147 + 2.028 * s10;
+  const T t225 = t147 + 2.0280000000000005 * s10;
   const T t1972 = t147 * t1968;
   const T t1979 = t225 - t1972;
   const T t1988 = t1979 * t1982;
@@ -273,7 +273,7 @@ inline void impact_left_derivatives(const T* x, const T* joint_parameters, Out& 
   T s12;
   T c12;
   runtime::sincos(t12, s12, c12);
-  const T t131 = 2.028 * c12;
+  const T t131 = 2.0280000000000005 * c12;
   const T t216 = t111 + t131;
   const T t70 = 0.4 * c12;
   const T t68 = 0.4 * s12;
@@ -304,7 +304,7 @@ inline void impact_left_derivatives(const T* x, const T* joint_parameters, Out& 
   T s10;
   T c10;
   runtime::sincos(t10, s10, c10);
-  const T t166 = 2.028 * c10;
+  const T t166 = 2.0280000000000005 * c10;
   const T t219 = t149 + t166;
   const T t38 = 0.4 * c10;
   const T t36 = 0.4 * s10;
@@ -346,7 +346,7 @@ inline void impact_left_derivatives(const T* x, const T* joint_parameters, Out& 
   const T t2004 = t1997 * t2003;
   const T t2006 = t1987 - t1997 * t2004;
   const T t1916 = t109 * t1910;
-  const T t129 = 2.028 * s12;
+  const T t129 = 2.0280000000000005 * s12;
   const T t222 = t109 + t129;
   const T t1925 = t109 * t1921;
   const T t1932 = t222 - t1925;
@@ -354,7 +354,7 @@ inline void impact_left_derivatives(const T* x, const T* joint_parameters, Out& 
   const T t1944 = t111 * t1916 + t1930 * t1941;
   const T t1962 = t147 * t1956;
   const T t1965 = t1944 + t149 * t1962;
-  const T t164 = 2.028 * s10;
+  const T t164 = 2.0280000000000005 * s10;
   const T t225 = t147 + t164;
   const T t1972 = t147 * t1968;
   const T t1979 = t225 - t1972;
@@ -1021,7 +1021,7 @@ inline void impact_right(const T* x, const T* joint_parameters, Out& out) noexce
   T s12;
   T c12;
   runtime::sincos(t12, s12, c12);
-  const T t216 = t111 + 2.028 * c12;
+  const T t216 = t111 + 2.0280000000000005 * c12;
   const T t70 = 0.4 * c12;
   const T t68 = 0.4 * s12;
   const T t109 = 0.768 * s13;
@@ -1051,7 +1051,7 @@ inline void impact_right(const T* x, const T* joint_parameters, Out& out) noexce
   T s10;
   T c10;
   runtime::sincos(t10, s10, c10);
-  const T t219 = t149 + 2.028 * c10;
+  const T t219 = t149 + 2.0280000000000005 * c10;
   const T t147 = 0.768 * s11;
   const T t232 = (0.4 * c10) * t149 + (0.4 * s10) * t147;
   const T t235 = 0.38432 + t232;
@@ -1089,14 +1089,14 @@ inline void impact_right(const T* x, const T* joint_parameters, Out& out) noexce
   const T t2004 = t1997 * t2003;
   const T t2006 = t1987 - t1997 * t2004;
   const T t1916 = t109 * t1910;
-  const T t222 = t109 + 2.028 * s12;
+  const T t222 = t109 + 2.0280000000000005 * s12;
   const T t1925 = t109 * t1921;
   const T t1932 = t222 - t1925;
   const T t1941 = t1932 * t1935;
   const T t1944 = t111 * t1916 + t1930 * t1941;
   const T t1962 = t147 * t1956;
   const T t1965 = t1944 + t149 * t1962;
-  const T t225 = t147 + 2.028 * s10;
+  const T t225 = t147 + 2.0280000000000005 * s10;
   const T t1972 = t147 * t1968;
   const T t1979 = t225 - t1972;
   const T t1988 = t1979 * t1982;
@@ -1253,7 +1253,7 @@ inline void impact_right_derivatives(const T* x, const T* joint_parameters, Out&
   T s12;
   T c12;
   runtime::sincos(t12, s12, c12);
-  const T t131 = 2.028 * c12;
+  const T t131 = 2.0280000000000005 * c12;
   const T t216 = t111 + t131;
   const T t70 = 0.4 * c12;
   const T t68 = 0.4 * s12;
@@ -1284,7 +1284,7 @@ inline void impact_right_derivatives(const T* x, const T* joint_parameters, Out&
   T s10;
   T c10;
   runtime::sincos(t10, s10, c10);
-  const T t166 = 2.028 * c10;
+  const T t166 = 2.0280000000000005 * c10;
   const T t219 = t149 + t166;
   const T t38 = 0.4 * c10;
   const T t36 = 0.4 * s10;
@@ -1326,7 +1326,7 @@ inline void impact_right_derivatives(const T* x, const T* joint_parameters, Out&
   const T t2004 = t1997 * t2003;
   const T t2006 = t1987 - t1997 * t2004;
   const T t1916 = t109 * t1910;
-  const T t129 = 2.028 * s12;
+  const T t129 = 2.0280000000000005 * s12;
   const T t222 = t109 + t129;
   const T t1925 = t109 * t1921;
   const T t1932 = t222 - t1925;
@@ -1334,7 +1334,7 @@ inline void impact_right_derivatives(const T* x, const T* joint_parameters, Out&
   const T t1944 = t111 * t1916 + t1930 * t1941;
   const T t1962 = t147 * t1956;
   const T t1965 = t1944 + t149 * t1962;
-  const T t164 = 2.028 * s10;
+  const T t164 = 2.0280000000000005 * s10;
   const T t225 = t147 + t164;
   const T t1972 = t147 * t1968;
   const T t1979 = t225 - t1972;

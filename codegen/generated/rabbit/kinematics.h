@@ -136,7 +136,7 @@ inline void mass_matrix(const T* x, const T* joint_parameters, Out& out) noexcep
   T s12;
   T c12;
   runtime::sincos(t12, s12, c12);
-  const T t216 = t111 + 2.028 * c12;
+  const T t216 = t111 + 2.0280000000000005 * c12;
   const T t218 = 2.88 * c8 - t216;
   const T t10 = x_3 + x_2;
   const T t11 = x_4 + t10;
@@ -147,7 +147,7 @@ inline void mass_matrix(const T* x, const T* joint_parameters, Out& out) noexcep
   T s10;
   T c10;
   runtime::sincos(t10, s10, c10);
-  const T t219 = t149 + 2.028 * c10;
+  const T t219 = t149 + 2.0280000000000005 * c10;
   const T t221 = t218 - t219;
   out.mass_matrix[0][2] = t221;
   out.mass_matrix[0][3] = -t219;
@@ -157,10 +157,10 @@ inline void mass_matrix(const T* x, const T* joint_parameters, Out& out) noexcep
   out.mass_matrix[1][0] = T(0.0);
   out.mass_matrix[1][1] = T(32.0);
   const T t109 = 0.768 * s13;
-  const T t222 = t109 + 2.028 * s12;
+  const T t222 = t109 + 2.0280000000000005 * s12;
   const T t223 = 2.88 * s8 - t222;
   const T t147 = 0.768 * s11;
-  const T t225 = t147 + 2.028 * s10;
+  const T t225 = t147 + 2.0280000000000005 * s10;
   const T t226 = t223 - t225;
   out.mass_matrix[1][2] = -t226;
   out.mass_matrix[1][3] = t225;
@@ -248,7 +248,7 @@ inline void bias(const T* x, Out& out) noexcept {
   T c12;
   runtime::sincos(t12, s12, c12);
   const T t268 = t17 * t17;
-  const T t294 = t279 + (2.028 * s12) * t268;
+  const T t294 = t279 + (2.0280000000000005 * s12) * t268;
   const T t10 = x_3 + x_2;
   const T t11 = x_4 + t10;
   T s11;
@@ -263,7 +263,7 @@ inline void bias(const T* x, Out& out) noexcept {
   T c10;
   runtime::sincos(t10, s10, c10);
   const T t262 = t15 * t15;
-  const T t315 = t301 + (2.028 * s10) * t262;
+  const T t315 = t301 + (2.0280000000000005 * s10) * t262;
   const T t317 = t294 + t315;
   T s8;
   T c8;
@@ -273,10 +273,10 @@ inline void bias(const T* x, Out& out) noexcept {
   out.bias[0] = t326;
   const T t111 = 0.768 * c13;
   const T t281 = t111 * t278;
-  const T t295 = t281 + (2.028 * c12) * t268;
+  const T t295 = t281 + (2.0280000000000005 * c12) * t268;
   const T t149 = 0.768 * c11;
   const T t303 = t149 * t300;
-  const T t316 = t303 + (2.028 * c10) * t262;
+  const T t316 = t303 + (2.0280000000000005 * c10) * t262;
   const T t318 = t295 + t316;
   const T t327 = t318 - (2.88 * c8) * t261;
   const T t329 = 313.92 + t327;
@@ -286,7 +286,7 @@ inline void bias(const T* x, Out& out) noexcept {
   const T t68 = 0.4 * s12;
   const T t277 = t109 * t273 - t111 * (t68 * t268);
   const T t286 = t68 * t281 - t70 * t279;
-  const T t289 = t286 + 19.89468 * s12;
+  const T t289 = t286 + 19.894680000000005 * s12;
   const T t330 = t277 + t289;
   const T t331 = 28.2528 * s8 - t330;
   const T t38 = 0.4 * c10;
@@ -294,7 +294,7 @@ inline void bias(const T* x, Out& out) noexcept {
   const T t36 = 0.4 * s10;
   const T t299 = t147 * t267 - t149 * (t36 * t262);
   const T t308 = t36 * t303 - t38 * t301;
-  const T t310 = t308 + 19.89468 * s10;
+  const T t310 = t308 + 19.894680000000005 * s10;
   const T t333 = t299 + t310;
   const T t334 = t331 - t333;
   out.bias[2] = -t334;
