@@ -1,0 +1,120 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/mpc_core/ocp/planning_scene.h"
+#include "tests/mpc_core/ocp/scalar_ocp.h"
+
+namespace stilt::ocp {
+namespace {
+
+using model::kPositions;
+using model::kStates;
+using testing_support::Complex;
+using testing_support::kStageVariables;
+using testing_support::Linearisation;
+using testing_support::ScalarOcp;
+using testing_support::StageVector;
+
+/// One stage, a touch-down of the given feet at a random state.
+std::unique_ptr<testing_support::Scene> touchdown_scene(const model::RobotModel& robot, bool left, bool right,
+                                                        std::uint64_t seed) {
+  auto scene = testing_support::random_scene(robot, {left, right}, 1, seed);
+  Stage& stage = scene->problem.horizon.stage[0];
+  stage.kind = StageKind::transition;
+  stage.duration_s = 0.0;
+  stage.touchdown = {left, right};
+  scene->problem.batches = 0;
+  return scene;
+}
+
+template <class Check>
+void for_random_touchdowns(const Check& check) {
+  for (const model::RobotModel* robot : {&model::amber3m(), &model::rabbit()}) {
+    for (const auto& [left, right] :
+         {std::pair{true, false}, std::pair{false, true}, std::pair{true, true}}) {
+      for (const Transition kind : {Transition::identity, Transition::impact}) {
+        for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+          SCOPED_TRACE(testing::Message()
+                       << robot->constants.name << " L" << left << " R" << right << " "
+                       << (kind == Transition::impact ? "impact" : "identity") << " seed " << seed);
+          const auto scene = touchdown_scene(*robot, left, right, seed);
+          scene->data.discretisation.transition = kind;
+          check(*scene);
+        }
+      }
+    }
+  }
+}
+
+TEST(Transition, DerivativesAreThoseOfTheImpactMap) {
+  for_random_touchdowns([](const testing_support::Scene& scene) {
+    const Linearisation model(scene.data, scene.problem, scene.guess);
+    const solver::LqStage& lq = model.stages[0];
+    const ScalarOcp scalar(scene.data);
+    const Stage& stage = scene.problem.horizon.stage[0];
+    const auto after = [&](const auto& z) {
+      return scalar.transition(stage, decltype(scalar.step(z, 0.0))(z.template head<kStates>()));
+    };
+    StageVector<double> z = testing_support::stage_variables(scene.guess, 0);
+    const Eigen::MatrixXd expected = testing_support::jacobian(after, z);
+    const model::StateVector reached = after(z);
+    ASSERT_EQ(lq.free_inputs, 0);
+    for (int r = 0; r < kStates; ++r) {
+      EXPECT_NEAR(lq.b[r], reached[r] - scene.guess.x[1][r], 1e-11 * (1.0 + std::abs(reached[r])));
+      for (int c = 0; c < kStates; ++c) {
+        EXPECT_NEAR(lq.A[c][r], expected(r, c), 1e-10 * (1.0 + expected.norm()))
+            << "row " << r << " column " << c;
+      }
+    }
+  });
+}
+
+TEST(Transition, CostIsTheSquaredHorizontalVelocityBeforeTheTouchDown) {
+  for_random_touchdowns([](const testing_support::Scene& scene) {
+    const Linearisation model(scene.data, scene.problem, scene.guess);
+    const solver::LqStage& lq = model.stages[0];
+    const Stage& stage = scene.problem.horizon.stage[0];
+    const ScalarOcp scalar(scene.data);
+    const auto cost = [&](const StageVector<Complex>& z) {
+      return std::vector<Complex>{
+          scalar.touchdown_cost(stage, testing_support::StateOf<Complex>(z.head<kStates>()))};
+    };
+    const Eigen::MatrixXd gradient =
+        testing_support::jacobian(cost, testing_support::stage_variables(scene.guess, 0));
+    Eigen::Map<const Eigen::Matrix<double, solver::kRows, kStates>> hessian(&lq.Q[0][0]);
+    for (int c = 0; c < kStates; ++c) EXPECT_NEAR(lq.q[c], gradient(0, c), 1e-11 * (1.0 + gradient.norm()));
+    EXPECT_NEAR((hessian.topRows<kStates>() - hessian.topRows<kStates>().transpose()).norm(), 0.0, 1e-15);
+    // The Gauss-Newton model of a squared linear form: its value at the velocities is the cost itself.
+    model::StateVector velocities = model::StateVector::Zero();
+    velocities.tail<kPositions>() = Eigen::Map<const model::StateVector>(scene.guess.x[0]).tail<kPositions>();
+    const double model_cost = 0.5 * velocities.dot(hessian.topRows<kStates>() * velocities);
+    const double true_cost =
+        scalar.touchdown_cost<double>(stage, Eigen::Map<const model::StateVector>(scene.guess.x[0]));
+    EXPECT_NEAR(model_cost, true_cost, 1e-11 * (1.0 + true_cost));
+  });
+}
+
+TEST(Transition, IdentityLeavesTheStateAlone) {
+  const auto scene = touchdown_scene(model::amber3m(), true, false, 3);
+  const Linearisation model(scene->data, scene->problem, scene->guess);
+  for (int c = 0; c < kStates; ++c) {
+    for (int r = 0; r < kStates; ++r) EXPECT_EQ(model.stages[0].A[c][r], r == c ? 1.0 : 0.0);
+    EXPECT_EQ(model.stages[0].b[c], scene->guess.x[0][c] - scene->guess.x[1][c]);
+  }
+}
+
+TEST(Transition, ImpactBringsTheFootToRest) {
+  auto scene = touchdown_scene(model::amber3m(), false, true, 4);
+  scene->data.discretisation.transition = Transition::impact;
+  const Linearisation model(scene->data, scene->problem, scene->guess);
+  model::StateVector after = Eigen::Map<const model::StateVector>(scene->guess.x[1]) +
+                             Eigen::Map<const model::StateVector>(model.stages[0].b);
+  model::KinematicsTerms<double> feet;
+  model::amber3m().scalar.kinematics(after.data(), feet);
+  EXPECT_NEAR(feet.foot_velocity[2], 0.0, 1e-11);
+  EXPECT_NEAR(feet.foot_velocity[3], 0.0, 1e-11);
+}
+
+}  // namespace
+}  // namespace stilt::ocp
