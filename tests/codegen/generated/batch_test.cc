@@ -1,6 +1,7 @@
 #include <cmath>
 #include <cstddef>
 #include <experimental/simd>
+#include <vector>
 
 #include "tests/codegen/generated/robots.h"
 
@@ -36,7 +37,7 @@ void expect_lane(const Terms<Batch>& batch, const Terms<double>& scalar, std::si
 
 template <class Robot, std::size_t kWidth>
 void expect_batch_equals_scalar() {
-  using Batch = stdx::fixed_size_simd<double, kWidth>;
+  using Batch = stdx::simd<double, stdx::simd_abi::deduce_t<double, kWidth>>;
   SCOPED_TRACE(testing::Message() << "seed " << kSeed << " width " << kWidth);
   std::mt19937_64 random(kSeed);
   for (int n = 0; n < kBatches; ++n) {

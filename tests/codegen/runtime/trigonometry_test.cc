@@ -65,7 +65,7 @@ TEST(TrigonometryTest, WhatIsNoAngleGivesNotANumber) {
 
 template <int kWidth>
 void expect_lanes_equal_scalars() {
-  using Batch = stdx::fixed_size_simd<double, kWidth>;
+  using Batch = stdx::simd<double, stdx::simd_abi::deduce_t<double, kWidth>>;
   constexpr unsigned kSeed = 6;
   SCOPED_TRACE(testing::Message() << "seed " << kSeed << " width " << kWidth);
   std::mt19937_64 random(kSeed);
