@@ -1,0 +1,192 @@
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+
+namespace stilt::cli {
+namespace {
+
+using Json = nlohmann::json;
+
+struct Outcome {
+  int status = -1;
+  std::string output, errors;
+};
+
+std::string text_of(const std::filesystem::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  return text.str();
+}
+
+/// Runs the program in a shell; every test has files of its own.
+class CommandLine : public testing::Test {
+ protected:
+  void SetUp() override {
+    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
+    folder_ = std::filesystem::path(testing::TempDir()) / (std::string("stilt_") + info->name());
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  [[nodiscard]] std::string file(const char* name) const { return (folder_ / name).string(); }
+
+  [[nodiscard]] Outcome run(const std::string& arguments, const std::string& input = "") const {
+    std::ofstream(file("in")) << input;
+    const std::string command = std::string(STILT_PROGRAM) + " " + arguments + " <" + file("in") + " >" +
+                                file("out") + " 2>" + file("err");
+    const int status = std::system(command.c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text_of(file("out")), text_of(file("err"))};
+  }
+
+ private:
+  std::filesystem::path folder_;
+};
+
+TEST_F(CommandLine, BadUsageIsOneSentenceAndStatusTwo) {
+  for (const char* arguments : {"",
+                                "--nope",
+                                "dance",
+                                "model",
+                                "model eval --robot nobody",
+                                "sim --nope",
+                                "sim --robot nobody",
+                                "sim --gait trot",
+                                "sim --speed 9",
+                                "sim --speed fast",
+                                "sim --speed nan",
+                                "sim --duration 0",
+                                "sim --duration inf",
+                                "sim --controller mpc-hzd",
+                                "sim --controller nothing",
+                                "sim --horizon 3",
+                                "sim --horizon -1",
+                                "sim --iterations 0",
+                                "sim --plan-rate 0",
+                                "sim --plan-delay -1",
+                                "sim --push 40",
+                                "sim --push 40@1+1 --push 40@1.5+1@torso",
+                                "sim --then walk",
+                                "sim --state guessed",
+                                "sim --seed -1",
+                                "sim --set cost.nothing=1",
+                                "sim --set cost.base_x",
+                                "sim --config /nowhere/amber3m.toml",
+                                "sim --plant nothing=1",
+                                "sim --plant friction=99",
+                                "sim --json /nowhere/run.json",
+                                "sim --report /nowhere/run.html",
+                                "sim --log /nowhere/run.log",
+                                "bench --problems 0",
+                                "bench --horizon 9",
+                                "bench --speed 50"}) {
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.status, 2) << arguments;
+    EXPECT_EQ(outcome.output, "") << arguments;
+    EXPECT_EQ(std::count(outcome.errors.begin(), outcome.errors.end(), '\n'), 1)
+        << arguments << outcome.errors;
+    EXPECT_EQ(outcome.errors.rfind("stilt: ", 0), 0u) << arguments << outcome.errors;
+  }
+}
+
+TEST_F(CommandLine, HelpAndVersionGoToStandardOutput) {
+  for (const char* arguments :
+       {"--help", "sim --help", "bench --help", "model --help", "model eval --help"}) {
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.status, 0) << arguments;
+    EXPECT_NE(outcome.output, "") << arguments;
+  }
+  const Outcome version = run("--version");
+  EXPECT_EQ(version.status, 0);
+  EXPECT_NE(version.output.find("controller object"), std::string::npos);
+}
+
+TEST_F(CommandLine, ASimulationGivesEveryFigureOfItsContract) {
+  const Outcome outcome = run("sim --gait walk --speed 0.5 --duration 4 --json -");
+  ASSERT_EQ(outcome.status, 0) << outcome.errors;
+  const Json json = Json::parse(outcome.output);
+  for (const char* field :
+       {"survived", "fall_time_s", "duration_s", "distance_m", "mean_speed_m_s", "steps", "step_length_min_m",
+        "step_length_max_m", "peak_torque_Nm", "peak_joint_speed_rad_s", "slip_distance_m", "solve_time_us",
+        "sqp_iterations", "dynamics_defect_max", "equality_violation_max", "heap_allocations_in_loop",
+        "controller_bytes"}) {
+    EXPECT_TRUE(json.contains(field)) << field;
+  }
+  EXPECT_EQ(json["survived"], true);
+  EXPECT_TRUE(json["fall_time_s"].is_null());
+  EXPECT_EQ(json["heap_allocations_in_loop"], 0);
+  EXPECT_EQ(json["peak_torque_Nm"].size(), 4u);
+  ASSERT_FALSE(json["steps"].empty());
+  for (const char* field : {"time_s", "foot", "length_m"})
+    EXPECT_TRUE(json["steps"][0].contains(field)) << field;
+  for (const char* field : {"p50", "p99", "max"}) EXPECT_TRUE(json["solve_time_us"].contains(field)) << field;
+}
+
+TEST_F(CommandLine, AFallIsStatusOneAndSaidInWordsAndFigures) {
+  const Outcome outcome = run("sim --duration 5 --push 400@1+1 --json " + file("run.json"));
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_NE(outcome.output.find("FELL"), std::string::npos);
+  const Json json = Json::parse(text_of(file("run.json")));
+  EXPECT_EQ(json["survived"], false);
+  EXPECT_GT(json["fall_time_s"].get<double>(), 1.0);
+}
+
+TEST_F(CommandLine, ARunLeavesReportAndLog) {
+  const Outcome outcome =
+      run("sim --gait stand --duration 0.5 --report " + file("run.html") + " --log " + file("run.jsonl"));
+  ASSERT_EQ(outcome.status, 0) << outcome.errors;
+  EXPECT_NE(text_of(file("run.html")).find("<html"), std::string::npos);
+  const std::string log = text_of(file("run.jsonl"));
+  EXPECT_EQ(std::count(log.begin(), log.end(), '\n'), 100);
+  EXPECT_EQ(Json::parse(log.substr(0, log.find('\n')))["true_state"].size(), 14u);
+}
+
+TEST_F(CommandLine, ANegativeSpeedAndABackwardPushAreUnderstood) {
+  const Outcome outcome = run("sim --speed -0.3 --push -10@1+0.5 --duration 4 --json -");
+  ASSERT_EQ(outcome.status, 0) << outcome.errors;
+  EXPECT_LT(Json::parse(outcome.output)["distance_m"].get<double>(), -0.3);
+}
+
+TEST_F(CommandLine, CommandsMayFollowEachOther) {
+  const Outcome outcome =
+      run("sim --gait stand --then step@1 --then walk:0.4@3 --then stand@6 --duration 10 --json -");
+  ASSERT_EQ(outcome.status, 0) << outcome.errors;
+  const Json json = Json::parse(outcome.output);
+  ASSERT_GT(json["steps"].size(), 5u);
+  EXPECT_GT(json["steps"].front()["time_s"].get<double>(), 1.0);
+  EXPECT_LT(json["steps"].back()["time_s"].get<double>(), 9.0);
+}
+
+TEST_F(CommandLine, ABenchmarkGivesEveryFigureOfItsContract) {
+  const Outcome outcome = run("bench --problems 30 --horizon 0.5 --iterations 3 --no-early-stop --json -");
+  ASSERT_EQ(outcome.status, 0) << outcome.errors;
+  const Json json = Json::parse(outcome.output);
+  for (const char* field : {"nodes", "solve_us", "rate_hz", "phases_us", "iterations", "isa", "threads"}) {
+    EXPECT_TRUE(json.contains(field)) << field;
+  }
+  for (const char* phase : {"linearise", "riccati", "line_search", "other"}) {
+    EXPECT_GT(json["phases_us"][phase].get<double>(), 0.0) << phase;
+  }
+  EXPECT_GE(json["nodes"].get<int>(), 34);
+  EXPECT_LE(json["iterations"]["max"].get<int>(), 3);
+}
+
+TEST_F(CommandLine, ModelEvaluationReadsLinesAndRefusesTheFirstBadOne) {
+  const std::string good = R"({"x": [0,0.8,0,0,0,0,0,0,0,0,0,0,0,0], "u": [0,0,0,0,0,100,0,100]})";
+  const Outcome right = run("model eval --robot amber3m", good + "\n" + good + "\n");
+  EXPECT_EQ(right.status, 0) << right.errors;
+  EXPECT_EQ(std::count(right.output.begin(), right.output.end(), '\n'), 2);
+  const Outcome wrong = run("model eval", good + "\nnonsense\n");
+  EXPECT_EQ(wrong.status, 2);
+  EXPECT_NE(wrong.errors.find("line 2"), std::string::npos) << wrong.errors;
+}
+
+}  // namespace
+}  // namespace stilt::cli
