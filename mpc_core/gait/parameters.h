@@ -4,7 +4,7 @@ namespace stilt::gait {
 
 /// Timing and shape of the step. Source of the defaults: docs/tuning.md.
 struct GaitParameters {
-  double single_support_s = 0.4;    ///< duration of a step on one foot
+  double single_support_s = 0.3;    ///< duration of a step on one foot
   double double_support_s = 0.0;    ///< time on both feet between two steps; 0 swaps the feet at once
   double swing_height_m = 0.06;     ///< apex of the swing foot above the ground
   double touchdown_velocity_m_s = -0.2;  ///< vertical velocity of the swing reference at touch-down

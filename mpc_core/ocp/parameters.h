@@ -53,7 +53,7 @@ struct DiscretisationParameters {
   double horizon_s = 1.0;
   double merge_below_s = 0.002;  ///< intervals shorter than this are merged with their neighbour
   Integrator integrator = Integrator::rk2;
-  Transition transition = Transition::identity;
+  Transition transition = Transition::impact;
 };
 
 /// Limits of the robot as the planner sees them.
