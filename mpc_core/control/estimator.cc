@@ -40,31 +40,47 @@ void Estimator::reset(const SensorReading& reading, double base_x_m) noexcept {
   }
 }
 
+double Estimator::base_x_m(const model::KinematicsTerms<double>& feet) const noexcept {
+  double total = 0.0;
+  double x_m = 0.0;
+  for (int foot = 0; foot < kFeet; ++foot) {
+    total += weight_[foot];
+    x_m += weight_[foot] * (anchor_x_m_[foot] - feet.foot_position[2 * foot]);
+  }
+  return total > 0.0 ? x_m / total : base_x_m_;
+}
+
+void Estimator::follow_contacts(const model::KinematicsTerms<double>& feet, double elapsed_s,
+                                model::ContactMode contact) noexcept {
+  const double seen_x_m = base_x_m(feet);  // through the feet trusted so far
+  const double change =
+      parameters_.blend_s > 0.0 ? std::clamp(elapsed_s / parameters_.blend_s, 0.0, 1.0) : 1.0;
+  for (int foot = 0; foot < kFeet; ++foot) {
+    if (contact[foot] && !in_contact_[foot]) anchor_x_m_[foot] = seen_x_m + feet.foot_position[2 * foot];
+    in_contact_[foot] = contact[foot];
+    weight_[foot] = std::clamp(weight_[foot] + (contact[foot] ? change : -change), 0.0, 1.0);
+  }
+}
+
 model::StateVector Estimator::update(const SensorReading& reading, model::ContactMode contact) noexcept {
   model::StateVector state = state_at_origin(reading);
   model::KinematicsTerms<double> feet;
   robot_->scalar.kinematics(state.data(), feet);
-  const double elapsed_s = std::clamp(reading.time_s - last_time_s_, 0.0, parameters_.blend_s);
+  follow_contacts(feet, reading.time_s - last_time_s_, contact);
   last_time_s_ = reading.time_s;
+  base_x_m_ = base_x_m(feet);
 
   double total = 0.0;
-  double x_m = 0.0;
   double z_m = 0.0;
   double vx_m_s = 0.0;
   double vz_m_s = 0.0;
   for (int foot = 0; foot < kFeet; ++foot) {
-    if (contact[foot] && !in_contact_[foot]) anchor_x_m_[foot] = base_x_m_ + feet.foot_position[2 * foot];
-    in_contact_[foot] = contact[foot];
-    const double change = elapsed_s / parameters_.blend_s;
-    weight_[foot] = std::clamp(weight_[foot] + (contact[foot] ? change : -change), 0.0, 1.0);
     total += weight_[foot];
-    x_m += weight_[foot] * (anchor_x_m_[foot] - feet.foot_position[2 * foot]);
     z_m -= weight_[foot] * feet.foot_position[2 * foot + 1];
     vx_m_s -= weight_[foot] * feet.foot_velocity[2 * foot];
     vz_m_s -= weight_[foot] * feet.foot_velocity[2 * foot + 1];
   }
   if (total > 0.0) {
-    base_x_m_ = x_m / total;
     state[1] = z_m / total;
     state[kPositions] = vx_m_s / total;
     state[kPositions + 1] = vz_m_s / total;

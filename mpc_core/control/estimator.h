@@ -32,6 +32,12 @@ class Estimator {
   [[nodiscard]] model::StateVector update(const SensorReading& reading, model::ContactMode contact) noexcept;
 
  private:
+  /// Base position in x as the trusted feet see it; the last one without any.
+  [[nodiscard]] double base_x_m(const model::KinematicsTerms<double>& feet) const noexcept;
+  /// Anchors a foot whose contact begins, and moves the weights.
+  void follow_contacts(const model::KinematicsTerms<double>& feet, double elapsed_s,
+                       model::ContactMode contact) noexcept;
+
   const model::RobotModel* robot_ = nullptr;
   EstimatorParameters parameters_;
   double last_time_s_ = 0.0;
