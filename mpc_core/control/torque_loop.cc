@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace stilt::control {
 namespace {
@@ -51,7 +52,7 @@ void TorqueLoop::configure(const model::RobotModel& robot, const ControllerParam
 }
 
 TorqueCommand TorqueLoop::tick(const SensorReading& reading, const Plan& plan) noexcept {
-  if (!is_finite(reading)) return {TorqueStatus::damping_not_finite};
+  if (!is_finite(reading)) return damp_not_finite(reading);
   const model::ContactMode contact =
       plan.nodes >= 2 ? interpolate(plan, reading.time_s).mode : model::ContactMode{true, true};
   return tick_with_state(reading, estimator_.update(reading, contact), plan);
@@ -59,11 +60,8 @@ TorqueCommand TorqueLoop::tick(const SensorReading& reading, const Plan& plan) n
 
 TorqueCommand TorqueLoop::tick_with_state(const SensorReading& reading, const model::StateVector& state,
                                           const Plan& plan) noexcept {
+  if (!is_finite(reading) || !state.allFinite()) return damp_not_finite(reading);
   TorqueCommand command;
-  if (!is_finite(reading) || !state.allFinite()) {
-    command.status = TorqueStatus::damping_not_finite;
-    return command;
-  }
   command.estimated_state = state;
   command.torque_Nm = -law_.joint_kd_Nms_rad * reading.joint_velocity_rad_s;
   if (plan.nodes >= 2) {
@@ -73,6 +71,18 @@ TorqueCommand TorqueLoop::tick_with_state(const SensorReading& reading, const mo
       command.status = torque_Nm.allFinite() ? TorqueStatus::tracking : TorqueStatus::damping_not_finite;
       if (command.status == TorqueStatus::tracking) command.torque_Nm = torque_Nm;
     }
+  }
+  limit(command);
+  return command;
+}
+
+TorqueCommand TorqueLoop::damp_not_finite(const SensorReading& reading) const noexcept {
+  TorqueCommand command;
+  command.status = TorqueStatus::damping_not_finite;
+  command.estimated_state.setConstant(std::numeric_limits<double>::quiet_NaN());
+  for (int j = 0; j < kJoints; ++j) {
+    const double velocity = reading.joint_velocity_rad_s[j];
+    if (std::isfinite(velocity)) command.torque_Nm[j] = -law_.joint_kd_Nms_rad * velocity;
   }
   limit(command);
   return command;

@@ -26,6 +26,7 @@ enum class TorqueStatus {
 
 struct TorqueCommand {
   TorqueStatus status = TorqueStatus::damping_no_plan;
+  /// NaN when the sensors are not finite, so that no plan starts from it.
   model::StateVector estimated_state = model::StateVector::Zero();
   model::JointVector torque_Nm = model::JointVector::Zero();
   bool saturated = false;
@@ -37,7 +38,8 @@ struct TorqueCommand {
 ///   u = u_plan (+ K (x - x_plan) with use_feedback_gains)
 ///
 /// tau_ff is the torque equation of the whole-body dynamics. Without a usable plan the joints are damped,
-/// tau = -kd v. Never fails, never gives NaN. Fixed memory, real-time safe.
+/// tau = -kd v (a joint whose velocity is not finite gets no torque). Never fails, never gives NaN torque. Fixed
+/// memory, real-time safe.
 class TorqueLoop {
  public:
   void configure(const model::RobotModel& robot, const ControllerParameters& parameters) noexcept;
@@ -55,6 +57,7 @@ class TorqueLoop {
  private:
   [[nodiscard]] model::JointVector track(const SensorReading& reading, const model::StateVector& state,
                                          const PlanPoint& point) const noexcept;
+  [[nodiscard]] TorqueCommand damp_not_finite(const SensorReading& reading) const noexcept;
   void limit(TorqueCommand& command) const noexcept;
 
   const model::RobotModel* robot_ = nullptr;
