@@ -1,0 +1,49 @@
+#include <gtest/gtest.h>
+
+#include <tuple>
+
+#include "tests/closed_loop/simulated_run.h"
+
+namespace stilt::simulator {
+namespace {
+
+using testing_support::describe;
+using testing_support::RunRequest;
+using testing_support::SimulatedRun;
+
+constexpr int kPhases = 8;
+constexpr double kPush_N = 40.0;
+constexpr double kPush_s = 1.0;
+
+/// Phase of the step at which the push begins, and horizon.
+class Pushes : public ::testing::TestWithParam<std::tuple<int, double>> {};
+
+TEST_P(Pushes, SurvivesFortyNewtonsForASecondAndGoesOnWalking) {
+  const auto [phase, horizon_s] = GetParam();
+  RunRequest request = testing_support::walking(0.5, horizon_s, 14.0);
+  const gait::GaitParameters gait = testing_support::parameters_of(request).gait;
+  const double step_s = gait.single_support_s + gait.double_support_s;
+  // Steps begin at whole step times after the first lift-off; the odd phases push on the other foot.
+  const int step = 12 + phase % 2;
+  const double start_s = gait.switch_lead_s + step_s * (step + static_cast<double>(phase) / kPhases);
+  request.pushes = {{kPush_N, start_s, kPush_s, PushPoint::hip}};
+  request.keep_samples = true;
+  SimulatedRun run(request);
+  const log::RunRecord record = run.run();
+  ASSERT_TRUE(record.summary.survived) << "pushed at " << start_s << " s: " << describe(run, record);
+
+  // Undisturbed walking again in the last three seconds.
+  const log::RunSample& end = record.samples.back();
+  const log::RunSample& before = record.samples[record.samples.size() - 600];
+  EXPECT_NEAR((end.true_state[0] - before.true_state[0]) / (end.time_s - before.time_s), 0.5, 0.1);
+}
+
+INSTANTIATE_TEST_SUITE_P(ClosedLoop, Pushes,
+                         ::testing::Combine(::testing::Range(0, kPhases), ::testing::Values(1.0, 2.0)),
+                         [](const auto& test) {
+                           return "Phase" + std::to_string(std::get<0>(test.param)) + "Horizon" +
+                                  std::to_string(static_cast<int>(std::get<1>(test.param)));
+                         });
+
+}  // namespace
+}  // namespace stilt::simulator

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "host_tools/simulator/closed_loop.h"
+#include "host_tools/simulator/mpc_controller.h"
+#include "host_tools/simulator/plant.h"
+#include "mpc_core/control/parameters.h"
+#include "mpc_core/model/robot.h"
+
+/// Runs of the simulated robot as `stilt sim` makes them: shipped configuration, sensors only, 5 ms delay.
+namespace stilt::testing_support {
+
+/// What a run changes of the shipped configuration and of the nominal world.
+struct RunRequest {
+  std::string robot = "amber3m";
+  double horizon_s = 1.0;
+  std::vector<std::string> settings = {};  ///< "section.key=value" of the controller's configuration
+  std::vector<std::string> plant = {};     ///< "key=value" of the simulated robot
+  std::vector<simulator::TimedCommand> commands = {};
+  std::vector<simulator::Push> pushes = {};
+  double duration_s = 20.0;
+  std::uint64_t seed = 1;
+  bool use_true_state = false;
+  bool keep_samples = false;
+};
+
+/// Shipped configuration of the request's robot with the request's changes.
+[[nodiscard]] control::ControllerParameters parameters_of(const RunRequest& request);
+
+/// Plant, controller and settings, ready to run. Throws std::runtime_error when the request is mistaken.
+struct SimulatedRun {
+  explicit SimulatedRun(const RunRequest& request);
+
+  /// The whole run under the controller of the robot.
+  [[nodiscard]] log::RunRecord run() { return simulator::run_closed_loop(plant, *controller, settings); }
+
+  const model::RobotModel& robot;
+  control::ControllerParameters parameters;
+  std::unique_ptr<simulator::MpcController> controller;
+  simulator::Plant plant;
+  simulator::RunSettings settings;
+};
+
+/// Walking from time 0 on.
+[[nodiscard]] RunRequest walking(double speed_m_s, double horizon_s, double duration_s);
+
+/// How a run ended, for messages: survival, fall, speed, steps.
+[[nodiscard]] std::string describe(const SimulatedRun& run, const log::RunRecord& record);
+
+}  // namespace stilt::testing_support
