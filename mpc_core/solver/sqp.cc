@@ -45,6 +45,11 @@ bool Sqp::step(const ocp::ProblemData& data, const ocp::Problem& problem, const 
   const long long end_ns = now_ns();
   times_.linearise_us += 1e-3 * static_cast<double>(linearised_ns - start_ns);
   times_.riccati_us += 1e-3 * static_cast<double>(end_ns - linearised_ns);
+  // The sweep checks all but the measured state, which enters here; a bad number in any step spoils the slope.
+  if (!std::isfinite(slope_)) {
+    report.status = SolveStatus::not_finite;
+    return false;
+  }
   return true;
 }
 
