@@ -97,6 +97,7 @@ TEST(Transition, CostIsTheSquaredHorizontalVelocityBeforeTheTouchDown) {
 
 TEST(Transition, IdentityLeavesTheStateAlone) {
   const auto scene = touchdown_scene(model::amber3m(), true, false, 3);
+  scene->data.discretisation.transition = Transition::identity;
   const Linearisation model(scene->data, scene->problem, scene->guess);
   for (int c = 0; c < kStates; ++c) {
     for (int r = 0; r < kStates; ++r) EXPECT_EQ(model.stages[0].A[c][r], r == c ? 1.0 : 0.0);

@@ -1,0 +1,108 @@
+#include "mpc_core/solver/terminal_cost.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <memory>
+
+#include "mpc_core/gait/reference.h"
+#include "tests/mpc_core/ocp/planning_scene.h"
+#include "tests/mpc_core/ocp/scalar_ocp.h"
+
+namespace stilt::solver {
+namespace {
+
+using model::kInputs;
+using testing_support::StageVector;
+using Matrix = Eigen::MatrixXd;
+
+/// The terminal weight of a robot, and everything to check it with, derived once more.
+struct Standing {
+  ocp::ProblemData data;
+  model::StateVector state;
+  bool ok = false;
+  Matrix A, B, Q, R;
+
+  explicit Standing(const model::RobotModel& robot, double rho = 1.0, double base_x_weight = 5.0)
+      : data(testing_support::default_data(robot)) {
+    data.cost.terminal = rho;
+    data.cost.base_x = base_x_weight;
+    ocp::set_weights(data);
+    state = gait::standing_state(robot.constants,
+                                 0.9 * (robot.constants.thigh_length_m + robot.constants.shin_length_m), 0.0,
+                                 0.15, true);
+    ok = set_terminal_cost(data, state, *std::make_unique<TerminalCostWorkspace>());
+
+    const testing_support::ScalarOcp scalar(data);
+    StageVector<double> z = StageVector<double>::Zero();
+    z.head<kStates>() = state;
+    for (const int fz : {5, 7}) z[kStates + fz] = 0.5 * robot.constants.total_mass_kg * model::kGravity_m_s2;
+    const auto flow = [&](const StageVector<testing_support::Complex>& at) {
+      return scalar.flow<testing_support::Complex>(at.head<kStates>(), at.data() + kStates);
+    };
+    const Matrix slopes = testing_support::jacobian(flow, z);
+    A = slopes.leftCols<kStates>();
+    B = slopes.rightCols<kInputs>();
+    Q = Eigen::Map<const model::StateVector>(data.state_weight).asDiagonal();
+    R = Eigen::Map<const model::InputVector>(data.input_weight).asDiagonal();
+  }
+
+  [[nodiscard]] Matrix weight() const {
+    return Eigen::Map<const Eigen::Matrix<double, kRows, kStates>>(&data.terminal_weight[0][0])
+        .topRows<kStates>();
+  }
+};
+
+class TerminalCost : public testing::TestWithParam<const model::RobotModel*> {};
+
+TEST_P(TerminalCost, SolvesTheRiccatiEquationAtTheStandingPosture) {
+  const Standing s(*GetParam());
+  ASSERT_TRUE(s.ok);
+  const Matrix S = s.weight();
+  const Matrix SA = S * s.A;
+  const Matrix SGS = S * s.B * s.R.inverse() * s.B.transpose() * S;
+  const double scale = 2.0 * SA.norm() + SGS.norm() + s.Q.norm();
+  EXPECT_LT((SA + SA.transpose() - SGS + s.Q).norm(), 1e-10 * scale);
+}
+
+TEST_P(TerminalCost, ItsFeedbackMakesTheStandingPostureStable) {
+  const Standing s(*GetParam());
+  const Matrix K = s.R.inverse() * s.B.transpose() * s.weight();
+  EXPECT_GT(s.A.eigenvalues().real().maxCoeff(), -1e-9) << "without feedback it is not";
+  EXPECT_LT(Matrix(s.A - s.B * K).eigenvalues().real().maxCoeff(), -1e-3);
+}
+
+TEST_P(TerminalCost, IsSymmetricPositiveDefiniteWithZeroPadding) {
+  const Standing s(*GetParam());
+  const Matrix S = s.weight();
+  EXPECT_LT((S - S.transpose()).norm(), 1e-14 * S.norm());
+  EXPECT_GT(Eigen::SelfAdjointEigenSolver<Matrix>(S).eigenvalues().minCoeff(), 0.0);
+  for (int c = 0; c < kStates; ++c) {
+    for (int r = kStates; r < kRows; ++r) EXPECT_EQ(s.data.terminal_weight[c][r], 0.0);
+  }
+}
+
+TEST_P(TerminalCost, GrowsInProportionToRho) {
+  const Matrix one = Standing(*GetParam(), 1.0).weight();
+  const Matrix ten = Standing(*GetParam(), 10.0).weight();
+  EXPECT_LT((ten - 10.0 * one).norm(), 1e-15 * ten.norm());
+}
+
+TEST_P(TerminalCost, IsZeroWithoutRho) {
+  const Standing s(*GetParam(), 0.0);
+  EXPECT_TRUE(s.ok);
+  EXPECT_EQ(s.weight().norm(), 0.0);
+}
+
+TEST_P(TerminalCost, IsRefusedWhenTheWeightsLeaveTheBasePositionFree) {
+  const Standing s(*GetParam(), 1.0, 0.0);
+  EXPECT_FALSE(s.ok);
+  EXPECT_EQ(s.weight().norm(), 0.0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Robots, TerminalCost, testing::Values(&model::amber3m(), &model::rabbit()),
+                         [](const auto& instance) { return std::string(instance.param->constants.name); });
+
+}  // namespace
+}  // namespace stilt::solver
