@@ -27,7 +27,11 @@ inline constexpr int kParts = kRows / kLanes;  ///< registers a column
 
 typedef double Vec __attribute__((vector_size(kLanes * sizeof(double))));
 
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define STILT_INLINE  // instrumented kernels of one piece would take minutes to compile
+#else
 #define STILT_INLINE __attribute__((always_inline))
+#endif
 
 /// Calls f(integral_constant<int, 0>) ... f(integral_constant<int, N - 1>).
 template <int N, class F>
@@ -44,11 +48,11 @@ STILT_INLINE inline Vec load(const double* from) noexcept {
 STILT_INLINE inline void store(double* to, Vec v) noexcept { std::memcpy(to, &v, sizeof(v)); }
 STILT_INLINE inline Vec broadcast(double value) noexcept { return value - Vec{}; }
 
-/// Lane l of the result is lane source(l) of [x, y]; y's lanes start at kLanes.
+/// Lane l of the result is lane Source::at(l) of [x, y]; y's lanes start at kLanes.
 template <class Source>
 STILT_INLINE inline Vec shuffle(Vec x, Vec y, Source) noexcept {
   return [&]<int... L>(std::integer_sequence<int, L...>) STILT_INLINE {
-    return __builtin_shufflevector(x, y, Source{}(L)...);
+    return __builtin_shufflevector(x, y, std::integral_constant<int, Source::at(L)>::value...);
   }
   (std::make_integer_sequence<int, kLanes>{});
 }
@@ -56,19 +60,19 @@ STILT_INLINE inline Vec shuffle(Vec x, Vec y, Source) noexcept {
 /// Lane selectors for shuffle().
 template <int kDistance>
 struct Swap {  ///< exchanges lanes at a distance
-  consteval int operator()(int l) const noexcept { return l ^ kDistance; }
+  static constexpr int at(int l) noexcept { return l ^ kDistance; }
 };
 template <int kDistance>
 struct LowHalves {  ///< of x and y, of every pair of groups of kDistance lanes the lower
-  consteval int operator()(int l) const noexcept { return (l & kDistance) == 0 ? l : l - kDistance + kLanes; }
+  static constexpr int at(int l) noexcept { return (l & kDistance) == 0 ? l : l - kDistance + kLanes; }
 };
 template <int kDistance>
 struct HighHalves {  ///< the same, the upper
-  consteval int operator()(int l) const noexcept { return (l & kDistance) == 0 ? l + kDistance : l + kLanes; }
+  static constexpr int at(int l) noexcept { return (l & kDistance) == 0 ? l + kDistance : l + kLanes; }
 };
 template <int kCount>
 struct FirstOfX {  ///< the first kCount lanes of x, the others of y
-  consteval int operator()(int l) const noexcept { return l < kCount ? l : l + kLanes; }
+  static constexpr int at(int l) noexcept { return l < kCount ? l : l + kLanes; }
 };
 
 /// Sum of the lanes, always in the same order (pairwise).

@@ -38,19 +38,22 @@ CareOutcome solve(const CareProblem& problem, CareSolution& solution) {
 }
 
 /// The residual, written down once more.
-double residual(const CareProblem& p, const StateMatrix& S) {
-  const Dense SA = S * p.A, SGS = S * p.B * p.R.inverse() * p.B.transpose() * S;
-  return (SA + SA.transpose() - SGS + p.Q).norm() / (2.0 * SA.norm() + SGS.norm() + p.Q.norm());
+double residual(const CareProblem& problem, const Dense& S) {
+  const Dense A = problem.A, B = problem.B, Q = problem.Q, R = problem.R;
+  const Dense SA = S * A, SGS = S * B * R.inverse() * B.transpose() * S;
+  return (SA + SA.transpose() - SGS + Q).norm() / (2.0 * SA.norm() + SGS.norm() + Q.norm());
 }
 
-double slowest_pole(const CareProblem& p, const FeedbackMatrix& K) {
-  return Dense(p.A - p.B * K).eigenvalues().real().maxCoeff();
+double slowest_pole(const CareProblem& problem, const FeedbackMatrix& feedback) {
+  const Dense A = problem.A, B = problem.B, K = feedback;
+  return Dense(A - B * K).eigenvalues().real().maxCoeff();
 }
 
 /// S from the stable eigenvectors [X; Y] of the Hamiltonian: S = Y X^-1.
-Dense solution_by_eigenvectors(const CareProblem& p) {
+Dense solution_by_eigenvectors(const CareProblem& problem) {
+  const Dense A = problem.A, B = problem.B, Q = problem.Q, R = problem.R;
   Dense hamiltonian(2 * kN, 2 * kN);
-  hamiltonian << p.A, -p.B * p.R.inverse() * p.B.transpose(), -p.Q, -p.A.transpose();
+  hamiltonian << A, -B * R.inverse() * B.transpose(), -Q, -A.transpose();
   const Eigen::ComplexEigenSolver<Dense> eigen(hamiltonian);
   Eigen::MatrixXcd stable(2 * kN, kN);
   int found = 0;
@@ -128,7 +131,7 @@ TEST(Care, CoupledInputWeightsAreRespected) {
   CareProblem problem = random_problem(12);
   std::mt19937_64 random(12);
   const InputWeight root = gaussian<InputWeight>(random);
-  problem.R = root * root.transpose() + InputWeight::Identity();
+  problem.R = root.lazyProduct(root.transpose()) + InputWeight::Identity();
   problem.R = (0.5 * (problem.R + problem.R.transpose())).eval();
   expect_good(problem);
 }

@@ -53,7 +53,6 @@ SolveReport solve_tightly(const Scene& scene, ocp::Trajectory& iterate) {
   parameters.iterations = 200;
   parameters.cost_tolerance = 0.0;
   parameters.step_tolerance = 1e-9;
-  parameters.g_min = 0.0;
   iterate = scene.guess;
   return std::make_unique<Sqp>()->solve(scene.data, scene.problem, parameters, iterate);
 }

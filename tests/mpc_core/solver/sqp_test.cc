@@ -41,7 +41,6 @@ struct Solve {
     const SqpParameters before = parameters;
     parameters.cost_tolerance = 0.0;
     parameters.step_tolerance = 1e-8;
-    parameters.g_min = 0.0;
     parameters.iterations = 100;
     EXPECT_EQ(run().status, SolveStatus::converged);
     parameters = before;
@@ -151,7 +150,6 @@ TEST(Sqp, LeavesAViolationOfSecondOrderInTheStep) {
 TEST(Sqp, ViolationFallsFasterAndFasterFromAColdStart) {
   Solve solve;
   solve.parameters.early_stop = false;
-  solve.parameters.g_min = 0.0;  // the last digits: restoring feasibility may cost a little
   double ratio = 1.0;
   double before = solve.violation();
   for (int iteration = 0; iteration < 12 && before > 1e-9; ++iteration) {
