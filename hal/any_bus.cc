@@ -1,0 +1,30 @@
+#include "hal/any_bus.h"
+
+namespace stilt::hal {
+
+std::expected<void, std::string> AnyBus::open(const std::string& name, const socketcan::BusOptions& options) {
+  name_ = name;
+  if (name.starts_with(loopback::kPrefix)) {
+    bus_ = std::make_unique<std::variant<socketcan::SocketCanBus, loopback::LoopbackClient>>(
+        std::in_place_type<loopback::LoopbackClient>);
+    return std::get<loopback::LoopbackClient>(*bus_).open(name.substr(loopback::kPrefix.size()));
+  }
+  bus_ = std::make_unique<std::variant<socketcan::SocketCanBus, loopback::LoopbackClient>>(
+      std::in_place_type<socketcan::SocketCanBus>);
+  return std::get<socketcan::SocketCanBus>(*bus_).open(name, options);
+}
+
+bool AnyBus::reconnect() noexcept {
+  if (auto* client = std::get_if<loopback::LoopbackClient>(bus_.get())) {
+    return client->reconnect() == loopback::Connection::connected;
+  }
+  auto* can = std::get_if<socketcan::SocketCanBus>(bus_.get());
+  return can != nullptr && (can->frames().connected() || can->reopen());
+}
+
+FrameBus& AnyBus::frames() noexcept {
+  if (auto* client = std::get_if<loopback::LoopbackClient>(bus_.get())) return client->frames();
+  return std::get_if<socketcan::SocketCanBus>(bus_.get())->frames();
+}
+
+}  // namespace stilt::hal

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <expected>
+#include <string>
+
+#include "hal/loopback/loopback_address.h"
+#include "hal/socketcan/descriptor.h"
+#include "hal/socketcan/frame_socket.h"
+
+namespace stilt::hal::loopback {
+
+enum class Connection : std::uint8_t {
+  connected,
+  waiting,   ///< somebody listens, but has not greeted yet
+  nobody,    ///< nobody listens at this name
+  busy,      ///< another controller has the bus
+  stranger,  ///< whoever listens is not one of ours
+};
+
+/// The controller's end of a loopback bus.
+class LoopbackClient {
+ public:
+  /// Connects, waiting at most this long for the greeting. The error is one sentence for the user.
+  [[nodiscard]] std::expected<void, std::string> open(const std::string& name, int timeout_ms = 1000);
+
+  /// Connects again after the robot restarted: call until it says connected. Never waits, allocates nothing.
+  [[nodiscard]] Connection reconnect() noexcept;
+
+  [[nodiscard]] socketcan::FrameSocket& frames() noexcept { return socket_; }
+
+ private:
+  [[nodiscard]] Connection read_greeting() noexcept;
+
+  std::string name_;
+  socketcan::Descriptor descriptor_;
+  bool greeted_ = false;
+  socketcan::FrameSocket socket_{-1, socketcan::Echo::marked};
+};
+
+}  // namespace stilt::hal::loopback
