@@ -1,0 +1,349 @@
+#include "mpc_core/control/planner.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "firmware/configuration/configuration.h"
+#include "mpc_core/control/torque_loop.h"
+
+namespace stilt::control {
+namespace {
+
+using gait::GaitCommand;
+using gait::GaitKind;
+using model::kStates;
+using model::StateVector;
+using solver::SolveReport;
+using solver::SolveStatus;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kPeriod_s = 0.01;
+constexpr GaitCommand kStand{GaitKind::stand, 0.0};
+constexpr GaitCommand kWalk{GaitKind::walk, 0.5};
+
+ControllerParameters shipped() { return configuration::load_robot("amber3m").value(); }
+
+/// A planner and the plan it fills, on the heap for their size.
+struct Planning {
+  explicit Planning(const ControllerParameters& chosen) : parameters(chosen) {
+    status = planner->configure(model::amber3m(), parameters);
+    planner->reset(0.0);
+    state =
+        gait::standing_state(model::amber3m().constants, parameters.reference.base_height_m,
+                             parameters.reference.base_pitch_rad, parameters.gait.stand_half_width_m, true);
+  }
+
+  SolveReport solve(const GaitCommand& command) { return planner->plan({time_s, state, command}, *plan); }
+
+  /// The robot goes exactly where the plan says, for one period of the planner.
+  void follow() {
+    time_s += kPeriod_s;
+    state = interpolate(*plan, time_s).state;
+  }
+
+  void advance(const GaitCommand& command, int cycles) {
+    for (int i = 0; i < cycles; ++i) {
+      ASSERT_TRUE(solve(command).usable()) << "cycle " << i;
+      follow();
+    }
+  }
+
+  ControllerParameters parameters;
+  ConfigureStatus status = ConfigureStatus::ok;
+  std::unique_ptr<Planner> planner = std::make_unique<Planner>();
+  std::unique_ptr<Plan> plan = std::make_unique<Plan>();
+  StateVector state;
+  double time_s = 0.0;
+};
+
+std::vector<std::byte> bytes_of(const Plan& plan) {
+  const auto* data = reinterpret_cast<const std::byte*>(&plan);
+  return {data, data + sizeof plan};
+}
+
+bool same_bits(const auto& a, const auto& b) {
+  return std::memcmp(a.data(), b.data(), sizeof(double) * static_cast<std::size_t>(a.size())) == 0;
+}
+
+/// Everything that the torque loop uses.
+void expect_identical(const Plan& a, const Plan& b) {
+  ASSERT_EQ(a.nodes, b.nodes);
+  EXPECT_EQ(a.start_time_s, b.start_time_s);
+  EXPECT_EQ(a.report.iterations, b.report.iterations);
+  EXPECT_EQ(a.report.cost, b.report.cost);
+  for (int k = 0; k < a.nodes; ++k) {
+    const PlanNode& left = a.node[static_cast<std::size_t>(k)];
+    const PlanNode& right = b.node[static_cast<std::size_t>(k)];
+    ASSERT_EQ(left.time_s, right.time_s);
+    ASSERT_TRUE(same_bits(left.state, right.state)) << "node " << k;
+    ASSERT_TRUE(same_bits(left.input, right.input)) << "node " << k;
+    ASSERT_TRUE(same_bits(left.gain, right.gain)) << "node " << k;
+    ASSERT_TRUE(left.mode == right.mode) << "node " << k;
+  }
+}
+
+TEST(Planner, RefusesNonFiniteInputAndLeavesThePlanUntouched) {
+  Planning planning(shipped());
+  planning.advance(kWalk, 50);
+  ASSERT_TRUE(planning.solve(kWalk).usable());
+  const std::vector<std::byte> before = bytes_of(*planning.plan);
+  for (const double value : {kNan, kInfinity, -kInfinity}) {
+    for (int i = 0; i < kStates; ++i) {
+      StateVector state = planning.state;
+      state[i] = value;
+      const SolveReport report = planning.planner->plan({planning.time_s, state, kWalk}, *planning.plan);
+      EXPECT_EQ(report.status, SolveStatus::not_finite) << "state " << i;
+      EXPECT_FALSE(report.usable());
+    }
+    EXPECT_EQ(planning.planner->plan({value, planning.state, kWalk}, *planning.plan).status,
+              SolveStatus::not_finite);
+    EXPECT_EQ(planning.solve({GaitKind::walk, value}).status, SolveStatus::not_finite);
+  }
+  EXPECT_EQ(bytes_of(*planning.plan), before);
+}
+
+TEST(Planner, ANonFiniteInputLeavesNoTraceInTheNextPlan) {
+  Planning spoiled(shipped());
+  Planning clean(shipped());
+  spoiled.advance(kWalk, 60);
+  clean.advance(kWalk, 60);
+  StateVector bad = spoiled.state;
+  bad[9] = kNan;
+  ASSERT_FALSE(spoiled.planner->plan({spoiled.time_s, bad, kWalk}, *spoiled.plan).usable());
+  ASSERT_TRUE(spoiled.solve(kWalk).usable());
+  ASSERT_TRUE(clean.solve(kWalk).usable());
+  expect_identical(*spoiled.plan, *clean.plan);
+}
+
+TEST(Planner, AFailedSolveLeavesThePlanAndTheNextOneStartsAfresh) {
+  Planning planning(shipped());
+  planning.advance(kWalk, 60);
+  ASSERT_TRUE(planning.solve(kWalk).usable());
+  const std::vector<std::byte> before = bytes_of(*planning.plan);
+  StateVector huge = planning.state;
+  huge.tail<model::kJoints>().setConstant(1e200);  // finite, but its square is not
+  const SolveReport failed = planning.planner->plan({planning.time_s, huge, kWalk}, *planning.plan);
+  EXPECT_EQ(failed.status, SolveStatus::not_finite);
+  EXPECT_EQ(bytes_of(*planning.plan), before);
+
+  const double cost = planning.plan->report.cost;
+  const SolveReport fresh = planning.solve(kWalk);
+  EXPECT_EQ(fresh.status, SolveStatus::converged);
+  EXPECT_LT(fresh.dynamics_defect_max, 1e-3);
+  EXPECT_NEAR(fresh.cost, cost, 0.02 * std::abs(cost)) << "the same problem, solved from scratch";
+}
+
+TEST(Planner, RefusesAHorizonOverItsCapacity) {
+  const double longest_s = ocp::kMaxHorizonIntervals * 0.015;
+  ControllerParameters parameters = shipped();
+  parameters.discretisation.time_step_s = 0.015;
+  parameters.discretisation.horizon_s = longest_s;
+  EXPECT_EQ(Planning(parameters).status, ConfigureStatus::ok);
+  parameters.discretisation.horizon_s = longest_s + 0.001;
+  EXPECT_EQ(Planning(parameters).status, ConfigureStatus::horizon_over_capacity);
+  parameters.discretisation.horizon_s = kNan;
+  EXPECT_EQ(Planning(parameters).status, ConfigureStatus::horizon_over_capacity);
+}
+
+TEST(Planner, RefusesMoreContactSwitchesThanItHolds) {
+  ControllerParameters parameters = shipped();
+  parameters.discretisation.horizon_s = 2.0;
+  parameters.gait.single_support_s = 2.001 / ocp::kMaxSwitches;
+  EXPECT_EQ(Planning(parameters).status, ConfigureStatus::ok);
+  parameters.gait.single_support_s = 1.999 / ocp::kMaxSwitches;
+  EXPECT_EQ(Planning(parameters).status, ConfigureStatus::horizon_over_capacity);
+}
+
+TEST(Planner, TheLongestHorizonWithTheMostSwitchesIsPlanned) {
+  ControllerParameters parameters = shipped();
+  parameters.discretisation.horizon_s = 2.0;
+  parameters.gait.single_support_s = 2.001 / ocp::kMaxSwitches;
+  Planning planning(parameters);
+  for (int cycle = 0; cycle < 60; ++cycle) {
+    const SolveReport report = planning.solve(kWalk);
+    ASSERT_TRUE(report.usable()) << "cycle " << cycle;
+    ASSERT_LE(planning.plan->nodes, kMaxNodes);
+    planning.follow();
+  }
+}
+
+TEST(Planner, NamesWeightsWithoutATerminalCost) {
+  ControllerParameters parameters = shipped();
+  parameters.cost.contact_force = 0.0;  // forces that cost nothing have no best value
+  EXPECT_EQ(Planning(parameters).status, ConfigureStatus::terminal_cost_failed);
+  parameters.cost.terminal = 0.0;
+  EXPECT_EQ(Planning(parameters).status, ConfigureStatus::ok);
+}
+
+TEST(Planner, SameInputsGiveTheSameBits) {
+  Planning first(shipped());
+  Planning second(shipped());
+  first.advance(kWalk, 100);
+  second.advance(kWalk, 100);
+  expect_identical(*first.plan, *second.plan);
+}
+
+TEST(Planner, AfterAResetItPlansLikeANewOne) {
+  Planning used(shipped());
+  used.advance(kWalk, 100);
+  used.planner->reset(0.0);
+  Planning fresh(shipped());
+  used.time_s = fresh.time_s;
+  used.state = fresh.state;
+  used.advance(kWalk, 50);
+  fresh.advance(kWalk, 50);
+  expect_identical(*used.plan, *fresh.plan);
+}
+
+TEST(Planner, APlanSaysWhatItIs) {
+  Planning planning(shipped());
+  for (int cycle = 0; cycle < 150; ++cycle) {
+    const SolveReport report = planning.solve(kWalk);
+    ASSERT_TRUE(report.usable());
+    const Plan& plan = *planning.plan;
+    EXPECT_EQ(plan.sequence, cycle);
+    EXPECT_EQ(plan.start_time_s, planning.time_s);
+    EXPECT_EQ(plan.report.status, report.status);
+    EXPECT_EQ(plan.report.iterations, report.iterations);
+    ASSERT_GE(plan.nodes, 2);
+    ASSERT_LE(plan.nodes, kMaxNodes);
+    const auto last = static_cast<std::size_t>(plan.nodes - 1);
+    EXPECT_NEAR(plan.node[last].time_s, planning.time_s + planning.parameters.discretisation.horizon_s, 1e-9);
+    EXPECT_LT((plan.node[0].state - planning.state).cwiseAbs().maxCoeff(), 1e-9);
+    EXPECT_GT(plan.phase_end_s, planning.time_s);
+    planning.follow();
+  }
+}
+
+TEST(Planner, NodesAreInOrderAndEverythingInThemIsFinite) {
+  Planning planning(shipped());
+  for (int cycle = 0; cycle < 150; ++cycle) {
+    ASSERT_TRUE(planning.solve(kWalk).usable());
+    const Plan& plan = *planning.plan;
+    double time_s = planning.time_s;
+    for (int k = 0; k < plan.nodes; ++k) {
+      const PlanNode& node = plan.node[static_cast<std::size_t>(k)];
+      ASSERT_GE(node.time_s, time_s);
+      ASSERT_TRUE(node.state.allFinite() && node.input.allFinite() && node.gain.allFinite()) << "node " << k;
+      ASSERT_GE(node.mode.count(), 1);
+      time_s = node.time_s;
+    }
+    planning.follow();
+  }
+}
+
+TEST(Planner, SwingFeetCarryNoForceAndStanceFeetStayOnTheGround) {
+  Planning planning(shipped());
+  planning.advance(kWalk, 200);
+  ASSERT_TRUE(planning.solve(kWalk).usable());
+  const Plan& plan = *planning.plan;
+  for (int k = 0; k + 1 < plan.nodes; ++k) {
+    const PlanNode& node = plan.node[static_cast<std::size_t>(k)];
+    if (plan.node[static_cast<std::size_t>(k + 1)].time_s == node.time_s) continue;  // a transition
+    model::KinematicsTerms<double> feet;
+    model::amber3m().scalar.kinematics(node.state.data(), feet);
+    for (int foot = 0; foot < model::kFeet; ++foot) {
+      const auto force_N = node.input.segment<2>(model::kJoints + 2 * foot);
+      if (node.mode[foot]) {
+        EXPECT_GT(force_N[1], 0.0) << "node " << k;
+        EXPECT_NEAR(feet.foot_position[2 * foot + 1], 0.0, 0.01) << "node " << k;
+      } else {
+        EXPECT_LT(force_N.cwiseAbs().maxCoeff(), 1e-9) << "node " << k;
+      }
+    }
+  }
+}
+
+TEST(Planner, StepsFromAStandAreLedIn) {
+  Planning planning(shipped());
+  planning.advance(kStand, 30);
+  const double commanded_s = planning.time_s;
+  while (planning.time_s < commanded_s + 1.0) {
+    ASSERT_TRUE(planning.solve(kWalk).usable());
+    const bool stands = planning.plan->gait == GaitKind::stand;
+    const double lead_s = planning.time_s - commanded_s;
+    EXPECT_EQ(stands, lead_s < planning.parameters.gait.switch_lead_s - 1e-6) << lead_s << " s later";
+    EXPECT_EQ(planning.plan->node[0].mode.count(), stands ? 2 : 1);
+    planning.follow();
+  }
+}
+
+TEST(Planner, AChangeOfGaitWaitsForTheEndOfTheContactPhase) {
+  Planning planning(shipped());
+  planning.advance({GaitKind::step, 0.0}, 100);
+  ASSERT_TRUE(planning.solve({GaitKind::step, 0.0}).usable());
+  ASSERT_EQ(planning.plan->gait, GaitKind::step);
+  const double boundary_s = planning.plan->phase_end_s;
+  const model::ContactMode mode = planning.plan->node[0].mode;
+  while (planning.time_s < boundary_s + 0.1) {
+    planning.follow();
+    ASSERT_TRUE(planning.solve(kWalk).usable());
+    const bool before = planning.time_s < boundary_s - 1e-9;
+    EXPECT_EQ(planning.plan->gait, before ? GaitKind::step : GaitKind::walk) << planning.time_s;
+    if (before) {
+      EXPECT_TRUE(planning.plan->node[0].mode == mode);
+      EXPECT_EQ(planning.plan->phase_end_s, boundary_s) << "the step under way keeps its time";
+    }
+  }
+}
+
+TEST(Planner, ComesToAStandOnBothFeet) {
+  Planning planning(shipped());
+  planning.advance(kWalk, 300);
+  planning.advance(kStand, 300);
+  ASSERT_TRUE(planning.solve(kStand).usable());
+  EXPECT_EQ(planning.plan->gait, GaitKind::stand);
+  EXPECT_EQ(planning.plan->node[0].mode.count(), 2);
+  EXPECT_LT(planning.state.tail<model::kPositions>().cwiseAbs().maxCoeff(), 0.05);
+}
+
+TEST(Planner, ReportsTheIterationLimit) {
+  ControllerParameters parameters = shipped();
+  parameters.sqp.iterations = 1;
+  Planning planning(parameters);
+  const SolveReport report = planning.solve(kWalk);
+  EXPECT_EQ(report.status, SolveStatus::iteration_limit);
+  EXPECT_EQ(report.iterations, 1);
+  EXPECT_TRUE(report.usable());
+}
+
+TEST(Planner, ReportsConvergence) {
+  Planning planning(shipped());
+  planning.advance(kWalk, 100);
+  const SolveReport report = planning.solve(kWalk);
+  EXPECT_EQ(report.status, SolveStatus::converged);
+  EXPECT_LT(report.dynamics_defect_max, 1e-3);
+}
+
+TEST(Planner, ReportsWeightsThatAreNotConvex) {
+  ControllerParameters parameters = shipped();
+  parameters.cost.terminal = 0.0;
+  parameters.cost.joint_acceleration = -100.0;
+  Planning planning(parameters);
+  const SolveReport report = planning.solve(kWalk);
+  EXPECT_EQ(report.status, SolveStatus::not_convex);
+  EXPECT_FALSE(report.usable());
+  EXPECT_EQ(planning.plan->nodes, 0) << "no plan yet, and none from this solve";
+}
+
+TEST(Planner, ReportsAStepThatTheLineSearchRejects) {
+  ControllerParameters parameters = shipped();
+  parameters.sqp.cost_tolerance = 0.0;
+  parameters.sqp.step_tolerance = 0.0;
+  parameters.sqp.iterations = 100;
+  Planning planning(parameters);
+  const SolveReport report = planning.solve(kStand);
+  EXPECT_EQ(report.status, SolveStatus::step_rejected) << "at the optimum no step is an improvement";
+  EXPECT_TRUE(report.usable());
+}
+
+}  // namespace
+}  // namespace stilt::control
