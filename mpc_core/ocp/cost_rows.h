@@ -33,6 +33,7 @@ class DenseRows {
       for (int c = 0; c < kReducedStates; ++c) row[c] += du[i] * projection_.X[i][c];
       for (int c = 0; c < Mode::kFree; ++c) row[kReducedStates + c] += du[i] * projection_.W[i][c];
     }
+    drift_ += gradient * shift;
     finish(gradient + curvature * shift, curvature);
   }
 
@@ -46,8 +47,15 @@ class DenseRows {
       row[kReducedStates + c] = by_i * projection_.W[i][c] + by_j * projection_.W[j][c];
     }
     const Batch shift = by_i * projection_.u0[i] + by_j * projection_.u0[j];
+    drift_ += gradient * shift;
     finish(gradient + curvature * shift, curvature);
   }
+
+  /// Adds the slope of an input that only u0 moves: the force of a swing foot.
+  void add_drift(const Batch& gradient, int i) noexcept { drift_ += gradient * projection_.u0[i]; }
+
+  /// First-order change of the cost along u0.
+  [[nodiscard]] const Batch& drift() const noexcept { return drift_; }
 
   /// Sums gradient and lower half of the Hessian over all rows. Blocks of 4 x 2 entries stay in registers.
   void accumulate(Batch (&gradient)[kColumns], Batch (&hessian)[kColumns][kColumns]) const noexcept {
@@ -88,6 +96,7 @@ class DenseRows {
   Batch rows_[kMaxRows][kColumns];
   Batch weighted_[kMaxRows][kColumns];
   Batch slope_[kMaxRows];
+  Batch drift_ = Batch(0.0);
 };
 
 /// Rows of joint accelerations, torques (limits), foot accelerations and stance forces (friction cone).
@@ -128,9 +137,12 @@ void add_dense_rows(const ProblemData& data, const StageBatch& batch, const Batc
   // of L', with slopes L^-1 g.
   const InequalityParameters& p = data.inequality;
   for (int foot = 0; foot < model::kFeet; ++foot) {
-    if (!Mode::stance(foot)) continue;
     const int x = kJoints + 2 * foot;
     const int z = x + 1;
+    if (!Mode::stance(foot)) {
+      for (const int i : {x, z}) rows.add_drift(data.input_weight[i] * (it.u[i] - batch.u_ref[i]), i);
+      continue;
+    }
     const double mu = p.friction_coefficient;
     const Batch margin = mu * (it.u[z] - p.minimum_normal_force_N);
     const BarrierSlope front = barrier_slope(p.friction, margin - it.u[x]);

@@ -31,6 +31,7 @@ struct BatchModel {
   Batch S[Mode::kFree][kStates];
   Batch R[Mode::kFree][Mode::kFree];
   Batch r[Mode::kFree];
+  Batch u0_slope;
 };
 
 /// Row r of the averaged base acceleration in (dx, w): by reduced states, by free inputs, constant part.
@@ -107,6 +108,7 @@ void fill_cost(const ProblemData& data, const StageBatch& batch, const BatchIter
   }
   add_state_terms(data, batch, it, node, out.q, out.Q);
   const Batch h = batch.duration;
+  out.u0_slope = h * rows.drift();
   for (int c = 0; c < kStates; ++c) {
     out.q[c] *= h;
     for (int r = 0; r < kStates; ++r) out.Q[c][r] *= h;
@@ -150,6 +152,7 @@ void store(const BatchModel<Mode>& model, const Projection<Mode>& projection, in
     for (int j = 0; j < Mode::kFree; ++j) stage.R[i][j] = model.R[i][j][lane];
     stage.r[i] = model.r[i][lane];
   }
+  inputs.u0_slope = model.u0_slope[lane];
   for (int i = 0; i < kInputs; ++i) {
     const bool swing_force = i >= kJoints && !Mode::stance((i - kJoints) / 2);
     inputs.u0[i] = projection.u0[i][lane];

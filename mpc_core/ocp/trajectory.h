@@ -17,6 +17,7 @@ struct alignas(64) InputProjection {
   double X[model::kStates][model::kInputs];
   double W[solver::kMaxFreeInputs][model::kInputs];
   double u0[model::kInputs];
+  double u0_slope;  ///< first-order change of the stage's cost along u0
 };
 
 /// What the line search compares.

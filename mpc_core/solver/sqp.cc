@@ -41,7 +41,9 @@ bool Sqp::step(const ocp::ProblemData& data, const ocp::Problem& problem, const 
   for (int i = 0; i < kStates; ++i) x0[i] = problem.x_initial[i] - iterate.x[0][i];
   forward_sweep(stages_, stages, gains_, x0, steps_);
   expand_inputs(stages);
+  // The inputs also move along u0, onto the equality constraints, which the LQ problem does not see.
   slope_ = cost_slope(stages_, stages, terminal_, steps_);
+  for (int k = 0; k < stages; ++k) slope_ += projections_[k].u0_slope;
   const long long end_ns = now_ns();
   times_.linearise_us += 1e-3 * static_cast<double>(linearised_ns - start_ns);
   times_.riccati_us += 1e-3 * static_cast<double>(end_ns - linearised_ns);

@@ -128,6 +128,19 @@ TEST(Linearise, CostIsTheGaussNewtonModelOfEveryTermInTheFreeDirections) {
   });
 }
 
+TEST(Linearise, SlopeAlongTheStepOntoTheConstraintsIsTheGradientsShare) {
+  for (const model::ContactMode mode : testing_support::kAllModes) {
+    const auto scene = testing_support::random_scene(model::amber3m(), mode, kLanes + 1, 8);
+    const Linearisation model(scene->data, scene->problem, scene->guess);
+    for (int k = 0; k < scene->problem.horizon.stages; ++k) {
+      const InputProjection& p = model.projections[static_cast<std::size_t>(k)];
+      const double expected =
+          GaussNewton(*scene, k).gradient.tail<kInputs>().dot(Eigen::Map<const model::InputVector>(p.u0));
+      EXPECT_NEAR(p.u0_slope, expected, 1e-10 * (1.0 + std::abs(expected)));
+    }
+  }
+}
+
 TEST(Linearise, HessianIsSymmetricAndPositiveSemidefinite) {
   for_random_stages([](const Scene&, int, const PlainStage& stage) {
     // Up to rounding: the sweep reads one triangle.
