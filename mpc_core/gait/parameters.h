@@ -6,7 +6,7 @@ namespace stilt::gait {
 struct GaitParameters {
   double single_support_s = 0.3;    ///< duration of a step on one foot
   double double_support_s = 0.0;    ///< time on both feet between two steps; 0 swaps the feet at once
-  double swing_height_m = 0.06;     ///< apex of the swing foot above the ground
+  double swing_height_m = 0.06;     ///< height of the swing foot above the ground, half way through the swing
   double touchdown_velocity_m_s = -0.2;  ///< vertical velocity of the swing reference at touch-down
   double stand_half_width_m = 0.15;  ///< standing: distance of each foot from the hip, one ahead, one behind
   double switch_lead_s = 0.3;  ///< standing to stepping: least time between the command and the first lift-off

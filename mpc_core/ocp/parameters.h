@@ -42,7 +42,7 @@ struct EqualityParameters {
   double stance_kd_1_s = 20.0;    ///< stance foot: a + kd v = 0
   double swing_kp_1_s2 = 200.0;   ///< swing foot, vertical: a - a_ref + kd (v - v_ref) + kp (p - p_ref) = 0
   double swing_kd_1_s = 20.0;
-  double rank_tolerance = 1e-3;   ///< below this norm of its reduced row a swing constraint is damped
+  double rank_tolerance = 1e-3;   ///< below this norm of its reduced row a constraint fades (projection.h)
 };
 
 enum class Integrator { rk2, rk4 };

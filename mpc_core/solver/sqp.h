@@ -33,8 +33,8 @@ using ClockFunction = long long (*)() noexcept;
 /// model predictive control", appendix B. Fixed memory, no heap, bounded time: real-time safe.
 class Sqp {
  public:
-  /// Improves `iterate` in place. Its first state is moved to the problem's initial state by the first full
-  /// step (set it beforehand to start from the measurement exactly).
+  /// Improves `iterate` in place. Set its first state to the problem's initial state beforehand: a full step would
+  /// move it there, but the line search does not count the gap and may refuse that step.
   [[nodiscard]] SolveReport solve(const ocp::ProblemData& data, const ocp::Problem& problem,
                                   const SqpParameters& parameters, ocp::Trajectory& iterate) noexcept;
 
