@@ -51,7 +51,8 @@ using JointCommands = std::array<JointCommand, kJoints>;
 
 enum class JointBusStatus : std::uint8_t {
   ok,
-  incomplete,    ///< read: a joint sent nothing new. write: a command was withheld, dropped or saturated
+  incomplete,    ///< read: a joint sent nothing new. write: a command was withheld or dropped, or its driver
+                 ///< has not been heard
   refused,       ///< write: a command is not finite; nothing at all was sent
   bus_off,       ///< a bus is off
   disconnected,  ///< a bus is gone

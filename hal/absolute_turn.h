@@ -1,0 +1,20 @@
+#pragma once
+
+#include <cmath>
+#include <optional>
+
+namespace stilt::hal {
+
+/// An absolute encoder repeats every period_rad. Adds the number of whole periods that puts its angle into
+/// the joint's travel [minimum_rad, maximum_rad]; nothing when no number does, or more than one: then the
+/// angle says nothing, and the joint must not be enabled. Real-time safe.
+[[nodiscard]] inline std::optional<double> only_turn(double angle_rad, double period_rad, double minimum_rad,
+                                                     double maximum_rad) noexcept {
+  if (!std::isfinite(angle_rad) || !(period_rad > 0) || !(minimum_rad <= maximum_rad)) return std::nullopt;
+  const double first = std::ceil((minimum_rad - angle_rad) / period_rad);
+  const double last = std::floor((maximum_rad - angle_rad) / period_rad);
+  if (first != last) return std::nullopt;
+  return angle_rad + first * period_rad;
+}
+
+}  // namespace stilt::hal

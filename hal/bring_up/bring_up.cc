@@ -1,0 +1,176 @@
+#include "hal/bring_up/bring_up.h"
+
+#include <cmath>
+
+#include "hal/absolute_turn.h"
+
+namespace stilt::hal::bring_up {
+namespace {
+
+constexpr double kShortestWatchdog_s = 0.005;
+constexpr double kLongestWatchdog_s = 0.1;
+
+bool valid(const Options& options) noexcept {
+  return options.watchdog_s >= kShortestWatchdog_s && options.watchdog_s <= kLongestWatchdog_s &&
+         options.tries > 0 && options.answer_timeout_ns > 0 &&
+         options.minimum_angle_rad <= options.maximum_angle_rad && options.encoder_period_rad >= 0;
+}
+
+}  // namespace
+
+const char* name(Stage stage) noexcept {
+  switch (stage) {
+    case Stage::identify:
+      return "identify";
+    case Stage::version:
+      return "version";
+    case Stage::scaling:
+      return "scaling";
+    case Stage::watchdog_write:
+      return "write watchdog";
+    case Stage::watchdog_read:
+      return "read watchdog";
+    case Stage::home:
+      return "home";
+    case Stage::enable:
+      return "enable";
+    case Stage::ready:
+      return "ready";
+    case Stage::failed:
+      return "failed";
+  }
+  return "unknown";
+}
+
+const char* name(Failure failure) noexcept {
+  switch (failure) {
+    case Failure::none:
+      return "none";
+    case Failure::invalid:
+      return "invalid configuration";
+    case Failure::silent:
+      return "no answer";
+    case Failure::unwilling:
+      return "does not do what it is asked";
+    case Failure::wrong_identity:
+      return "another driver answers";
+    case Failure::old_version:
+      return "firmware too old";
+    case Failure::wrong_scaling:
+      return "scaling differs from the configuration";
+    case Failure::no_watchdog:
+      return "has no watchdog";
+    case Failure::wrong_watchdog:
+      return "watchdog reads back differently";
+    case Failure::not_home:
+      return "position not referenced";
+    case Failure::driver_fault:
+      return "driver fault";
+  }
+  return "unknown";
+}
+
+void BringUp::restart() noexcept {
+  stage_ = Stage::identify;
+  failure_ = Failure::none;
+  fault_ = DriverFault::none;
+  part_ = tries_ = 0;
+  waiting_ = heard_ = false;
+  position_rad_ = std::numeric_limits<double>::quiet_NaN();
+  turn_offset_rad_ = 0;
+}
+
+void BringUp::failure(Failure failure, DriverFault fault) noexcept {
+  stage_ = Stage::failed;
+  failure_ = failure;
+  fault_ = fault;
+  waiting_ = false;
+}
+
+bool BringUp::check_home(double position_rad) noexcept {
+  double placed_rad = position_rad;
+  if (options_.encoder_period_rad > 0) {
+    const auto turn = only_turn(position_rad, options_.encoder_period_rad, options_.minimum_angle_rad,
+                                options_.maximum_angle_rad);
+    placed_rad = turn.value_or(std::numeric_limits<double>::quiet_NaN());
+  }
+  if (!(placed_rad >= options_.minimum_angle_rad && placed_rad <= options_.maximum_angle_rad)) {
+    failure(Failure::not_home);
+    return false;
+  }
+  position_rad_ = placed_rad;
+  turn_offset_rad_ = placed_rad - position_rad;
+  return true;
+}
+
+void BringUp::advance() noexcept {
+  stage_ = static_cast<Stage>(static_cast<std::uint8_t>(stage_) + 1);
+  part_ = tries_ = 0;
+  waiting_ = heard_ = false;
+}
+
+void BringUp::take(const CanFrame& frame) noexcept {
+  switch (judge(stage_, part_, frame)) {
+    case Verdict::ignore:
+    case Verdict::fail:
+      break;
+    case Verdict::not_yet:
+      heard_ = true;
+      break;
+    case Verdict::next_part:
+      ++part_;
+      tries_ = 0;
+      waiting_ = heard_ = false;
+      break;
+    case Verdict::next_stage:
+      advance();
+      break;
+  }
+}
+
+StepResult BringUp::result() const noexcept {
+  StepResult result;
+  result.stage = stage_;
+  result.failure = failure_;
+  result.driver_fault = fault_;
+  result.position_rad = position_rad_;
+  result.turn_offset_rad = turn_offset_rad_;
+  return result;
+}
+
+StepResult BringUp::step(std::int64_t now_ns, std::span<const CanFrame> received) noexcept {
+  if (stage_ != Stage::failed && !valid(options_)) failure(Failure::invalid);
+  for (const CanFrame& frame : received) {
+    if (waiting_) take(frame);
+  }
+  if (waiting_ && now_ns < deadline_ns_) return result();
+  CanFrame frame;
+  while (stage_ < Stage::ready) {
+    if (tries_ == options_.tries) {
+      failure(heard_ ? Failure::unwilling : Failure::silent);
+      break;
+    }
+    const Ask asked = ask(stage_, part_, frame);
+    if (asked == Ask::fail) break;
+    if (asked == Ask::skip) {
+      advance();
+      continue;
+    }
+    if (asked == Ask::send_only) {
+      ++part_;
+    } else {
+      ++tries_;
+      waiting_ = true;
+      deadline_ns_ = now_ns + options_.answer_timeout_ns;
+    }
+    StepResult asking = result();
+    asking.send = true;
+    asking.frame = frame;
+    return asking;
+  }
+  StepResult settled = result();
+  settled.send = stage_ == Stage::ready && keep_alive(settled.frame);
+  return settled;
+}
+
+}  // namespace stilt::hal::bring_up

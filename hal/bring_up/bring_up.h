@@ -1,0 +1,123 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <span>
+
+#include "hal/driver_fault.h"
+#include "hal/frame.h"
+
+/// From a driver that has power to one that obeys: identify it, check its version and scaling, write its
+/// watchdog and read it back, check that its position means something, enable it without torque. Pure step
+/// functions: time and frames in, at most one frame out. Real-time safe.
+namespace stilt::hal::bring_up {
+
+enum class Stage : std::uint8_t {
+  identify,
+  version,
+  scaling,
+  watchdog_write,
+  watchdog_read,
+  home,
+  enable,
+  ready,   ///< enabled, at zero torque; each step keeps its watchdog content
+  failed,  ///< see StepResult::failure; nothing is sent any more
+};
+[[nodiscard]] const char* name(Stage stage) noexcept;
+
+enum class Failure : std::uint8_t {
+  none,
+  invalid,         ///< configuration of the driver or of the bring-up makes no sense
+  silent,          ///< no answer in this stage
+  unwilling,       ///< answers, but does not do what it was asked in this stage
+  wrong_identity,  ///< answers, but says it is another
+  old_version,     ///< firmware older than required
+  wrong_scaling,   ///< its ranges or gains differ from the configuration
+  no_watchdog,     ///< cannot promise a watchdog, and the configuration does not accept that
+  wrong_watchdog,  ///< reads back another time than was written
+  not_home,        ///< position not referenced, or not in exactly one turn of the joint's travel
+  driver_fault,    ///< see StepResult::driver_fault
+};
+[[nodiscard]] const char* name(Failure failure) noexcept;
+
+struct Options {
+  double watchdog_s = 0.02;  ///< 5 to 100 ms: what the driver does without us for so long
+  /// The configuration says in so many words that a driver without a watchdog is acceptable.
+  bool accept_missing_watchdog = false;
+  std::uint32_t minimum_version = 0;  ///< moteus 0xMMmmuu, ODrive 0xMMmmrr, Damiao its number; 0: any
+  double minimum_angle_rad =
+      -std::numeric_limits<double>::infinity();  ///< travel of the joint at the driver's shaft
+  double maximum_angle_rad = std::numeric_limits<double>::infinity();
+  double encoder_period_rad = 0;  ///< the absolute encoder repeats after this angle; 0: never
+  std::int64_t answer_timeout_ns = 20'000'000;
+  unsigned tries = 5;  ///< of each request
+};
+
+struct StepResult {
+  Stage stage = Stage::identify;
+  Failure failure = Failure::none;
+  DriverFault driver_fault = DriverFault::none;
+  double position_rad =
+      std::numeric_limits<double>::quiet_NaN();  ///< once home is checked: at the driver's shaft
+  double turn_offset_rad = 0;  ///< whole encoder periods to add to every position of the driver
+  bool send = false;           ///< `frame` is to be sent
+  CanFrame frame;
+};
+
+/// Sequence of stages with requests, answers, repetitions and time limits. A protocol says what to ask and
+/// what an answer means. Call step once a tick with the frames received since, send what it returns.
+class BringUp {
+ public:
+  explicit BringUp(const Options& options) noexcept : options_(options) {}
+
+  [[nodiscard]] StepResult step(std::int64_t now_ns, std::span<const CanFrame> received) noexcept;
+  void restart() noexcept;
+  [[nodiscard]] Stage stage() const noexcept { return stage_; }
+
+ protected:
+  ~BringUp() = default;
+
+  enum class Ask : std::uint8_t {
+    wait_for_answer,  ///< frame filled; judge() decides about what comes back
+    send_only,        ///< frame filled; nothing comes back: go on
+    skip,             ///< this stage has nothing to ask
+    fail,             ///< failure() was called
+  };
+  enum class Verdict : std::uint8_t {
+    ignore,     ///< not the answer
+    not_yet,    ///< an answer, but not the wanted one: ask again after the timeout
+    next_part,  ///< right; the stage has more to ask
+    next_stage,
+    fail,  ///< failure() was called
+  };
+
+  /// Request number `part` of a stage.
+  [[nodiscard]] virtual Ask ask(Stage stage, unsigned part, CanFrame& frame) noexcept = 0;
+  [[nodiscard]] virtual Verdict judge(Stage stage, unsigned part, const CanFrame& frame) noexcept = 0;
+  /// A command of zero torque, sent once a step when ready. False: none.
+  [[nodiscard]] virtual bool keep_alive(CanFrame& frame) noexcept = 0;
+
+  void failure(Failure failure, DriverFault fault = DriverFault::none) noexcept;
+  /// Checks the driver's shaft against travel and encoder period. False after failure().
+  [[nodiscard]] bool check_home(double position_rad) noexcept;
+  [[nodiscard]] const Options& options() const noexcept { return options_; }
+
+ private:
+  void take(const CanFrame& frame) noexcept;
+  void advance() noexcept;
+  [[nodiscard]] StepResult result() const noexcept;
+
+  Options options_;
+  Stage stage_ = Stage::identify;
+  Failure failure_ = Failure::none;
+  DriverFault fault_ = DriverFault::none;
+  unsigned part_ = 0;
+  unsigned tries_ = 0;
+  bool waiting_ = false;
+  bool heard_ = false;
+  std::int64_t deadline_ns_ = 0;
+  double position_rad_ = std::numeric_limits<double>::quiet_NaN();
+  double turn_offset_rad_ = 0;
+};
+
+}  // namespace stilt::hal::bring_up

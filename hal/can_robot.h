@@ -1,0 +1,119 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <variant>
+
+#include "hal/base_sensor.h"
+#include "hal/emergency_stop.h"
+#include "hal/frame_bus.h"
+#include "hal/joint_bus.h"
+#include "hal/protocol/base_sensor_table.h"
+#include "hal/protocol/mit_mode.h"
+#include "hal/protocol/moteus.h"
+#include "hal/protocol/odrive_cansimple.h"
+
+namespace stilt::hal {
+
+inline constexpr std::size_t kMaximumBuses = 4;
+inline constexpr std::size_t kMaximumChannels = 16;
+
+struct OdriveNode {
+  std::uint8_t node = 1;
+};
+
+/// Where a joint's driver is and how its shaft relates to the joint:
+///
+///   joint = direction * shaft / ratio + offset_rad,  torque_joint = direction * ratio * torque_shaft
+///
+/// and gains at the shaft are those of the joint divided by ratio^2.
+struct JointWiring {
+  std::uint8_t bus = 0;
+  std::variant<protocol::MitDriver, protocol::MoteusDriver, OdriveNode> driver;
+  double direction = 1;  ///< 1 or -1
+  double ratio = 1;  ///< turns of the driver's shaft a turn of the joint; 1 when the driver counts its output
+  double offset_rad = 0;
+};
+
+/// What is on which bus. Checked by valid().
+struct RobotWiring {
+  std::array<JointWiring, kJoints> joints;
+  std::array<protocol::ChannelRow, kMaximumChannels> channels{};
+  std::size_t channel_count = 0;
+  std::uint8_t channel_bus = 0;
+  /// The joint whose moteus reports an extra encoder that measures the pitch (MoteusDriver::extra_encoder);
+  /// -1: none. pitch = direction * angle + offset.
+  std::int8_t pitch_encoder_joint = -1;
+  double pitch_direction = 1;
+  double pitch_offset_rad = 0;
+  double driver_watchdog_s = 0.02;  ///< in every moteus command
+  std::int64_t emergency_stop_timeout_ns = 100'000'000;
+};
+
+/// Buses exist, directions are 1 or -1, ratios positive, drivers and channels valid, and no two joints share
+/// a driver's identifier on a bus.
+[[nodiscard]] bool valid(const RobotWiring& wiring, std::size_t bus_count) noexcept;
+
+/// Four joints, base sensor and emergency stop over one or more buses, whatever drives them. Decodes what
+/// arrives, encodes what is commanded. Drivers without gains of their own (ODrive) get the torque of the
+/// command's law at the newest reading, and none before the first. Fixed memory; no call waits, allocates,
+/// locks or throws.
+class CanRobot final : public JointBus, public BaseSensor, public EmergencyStop {
+ public:
+  /// @param wiring  valid for this many buses
+  /// @param buses   at most kMaximumBuses, outlive this object
+  CanRobot(const RobotWiring& wiring, std::span<FrameBus* const> buses) noexcept;
+
+  [[nodiscard]] JointBusStatus read(std::int64_t now_ns, JointReadings& readings) noexcept override;
+  [[nodiscard]] JointBusStatus write(const JointCommands& commands) noexcept override;
+  [[nodiscard]] JointBusStatus disable() noexcept override;
+  [[nodiscard]] BaseSensorStatus read_base(BaseReading& reading) noexcept override;
+  [[nodiscard]] EmergencyStopState read_emergency_stop(std::int64_t now_ns) noexcept override;
+
+  /// Whole encoder periods found at bring-up, at the driver's shaft (StepResult::turn_offset_rad).
+  void set_turn_offset(std::size_t joint, double shaft_rad) noexcept { turn_offset_rad_[joint] = shaft_rad; }
+
+  /// Commands that reached the end of a range, since start.
+  [[nodiscard]] std::uint64_t saturated() const noexcept { return saturated_; }
+
+ private:
+  void take(std::int64_t now_ns, std::size_t bus, const CanFrame& frame) noexcept;
+  [[nodiscard]] protocol::DecodeStatus take_joint(std::int64_t now_ns, std::size_t joint,
+                                                  const CanFrame& frame) noexcept;
+  [[nodiscard]] protocol::DecodeStatus take_mit(std::int64_t now_ns, std::size_t joint,
+                                                const protocol::MitDriver& driver,
+                                                const CanFrame& frame) noexcept;
+  [[nodiscard]] protocol::DecodeStatus take_moteus(std::int64_t now_ns, std::size_t joint,
+                                                   const protocol::MoteusDriver& driver,
+                                                   const CanFrame& frame) noexcept;
+  [[nodiscard]] protocol::DecodeStatus take_odrive(std::int64_t now_ns, std::size_t joint, std::uint8_t node,
+                                                   const CanFrame& frame) noexcept;
+  void take_channels(std::int64_t now_ns, const CanFrame& frame) noexcept;
+  void set_motion(std::int64_t now_ns, std::size_t joint, double shaft_position_rad,
+                  double shaft_velocity_rad_s, double shaft_torque_Nm) noexcept;
+  void set_pitch(std::int64_t now_ns, double pitch_rad) noexcept;
+
+  [[nodiscard]] bool blind(std::size_t joint) const noexcept;
+  [[nodiscard]] protocol::EncodeStatus encode(std::size_t joint, const JointCommand& command,
+                                              CanFrame& frame) const noexcept;
+  [[nodiscard]] protocol::EncodeStatus encode_disable(std::size_t joint, CanFrame& frame) const noexcept;
+  [[nodiscard]] JointBusStatus send(const std::array<CanFrame, kJoints>& frames) noexcept;
+  [[nodiscard]] JointBusStatus bus_status() const noexcept;
+
+  RobotWiring wiring_;
+  std::array<FrameBus*, kMaximumBuses> buses_{};
+  std::size_t bus_count_ = 0;
+  std::array<double, kJoints> turn_offset_rad_{};
+  JointReadings readings_;
+  std::array<bool, kJoints> fresh_{};
+  BaseReading base_;
+  bool base_fresh_ = false;
+  bool has_emergency_stop_ = false;
+  bool emergency_stop_released_ = false;
+  std::int64_t emergency_stop_time_ns_ = 0;
+  std::uint64_t saturated_ = 0;
+  std::array<CanFrame, kMaximumBatch> received_;
+};
+
+}  // namespace stilt::hal

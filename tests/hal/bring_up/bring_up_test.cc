@@ -1,0 +1,287 @@
+#include "hal/bring_up/bring_up.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "hal/bring_up/mit_bring_up.h"
+#include "hal/bring_up/moteus_bring_up.h"
+#include "hal/bring_up/odrive_bring_up.h"
+#include "hal/mock/mit_emulator.h"
+#include "hal/mock/mock_bus.h"
+#include "hal/mock/moteus_emulator.h"
+#include "hal/mock/odrive_emulator.h"
+
+namespace stilt::hal::bring_up {
+namespace {
+
+using mock::FrameFault;
+using mock::MockBus;
+using mock::MockClock;
+
+constexpr std::int64_t kTick_ns = 1'000'000;
+constexpr OdriveEndpoints kEndpoints{0x191, 0x192};
+
+/// Ticks until the bring-up has ended one way or the other; a bound instead of a hang.
+StepResult run(BringUp& bring_up, MockBus& bus, MockClock& clock, int ticks = 2000) {
+  StepResult result;
+  for (int tick = 0; tick < ticks; ++tick) {
+    clock.advance(kTick_ns);
+    std::array<CanFrame, kMaximumBatch> received;
+    const std::size_t count = bus.receive(received).received;
+    result = bring_up.step(clock.now_ns(), std::span(received).first(count));
+    if (result.send) {
+      EXPECT_EQ(bus.send(std::span(&result.frame, 1)).sent, 1u);
+    }
+    if (result.stage == Stage::ready || result.stage == Stage::failed) break;
+  }
+  return result;
+}
+
+protocol::MitDriver damiao() {
+  protocol::MitDriver driver;
+  driver.command_id = 1;
+  driver.reply_id = 0x11;
+  driver.layout = protocol::ReplyLayout::damiao;
+  return driver;
+}
+
+class BringUpTest : public ::testing::Test {
+ protected:
+  MockClock clock_;
+  MockBus bus_{clock_};
+  Options options_;
+};
+
+TEST_F(BringUpTest, AMoteusComesUpWithItsWatchdogAndWithoutTorque) {
+  mock::MoteusEmulator driver({});
+  driver.motor.position_rad = 1.25;
+  bus_.attach(driver);
+  MoteusBringUp bring_up({}, options_);
+  const StepResult result = run(bring_up, bus_, clock_);
+  EXPECT_EQ(result.stage, Stage::ready) << name(result.failure);
+  EXPECT_TRUE(driver.enabled());
+  EXPECT_NEAR(result.position_rad, 1.25, 1e-4);
+  EXPECT_EQ(driver.torque_Nm(), 0);
+}
+
+TEST_F(BringUpTest, ADamiaoComesUpWithItsWatchdogAndWithoutTorque) {
+  mock::MitEmulator driver(damiao());
+  driver.motor.position_rad = 1.25;
+  bus_.attach(driver);
+  MitBringUp bring_up(damiao(), options_);
+  const StepResult result = run(bring_up, bus_, clock_);
+  EXPECT_EQ(result.stage, Stage::ready) << name(result.failure);
+  EXPECT_TRUE(driver.enabled());
+  EXPECT_NEAR(result.position_rad, 1.25, 4e-4);
+  EXPECT_NEAR(driver.torque_Nm(), 0, 0.005) << "half a step of the torque";
+}
+
+TEST_F(BringUpTest, AnOdriveComesUpWithItsWatchdogAndWithoutTorque) {
+  mock::OdriveEmulator driver(3, kEndpoints);
+  driver.motor.position_rad = 1.25;
+  bus_.attach(driver);
+  OdriveBringUp bring_up(3, kEndpoints, options_);
+  const StepResult result = run(bring_up, bus_, clock_);
+  EXPECT_EQ(result.stage, Stage::ready) << name(result.failure);
+  EXPECT_TRUE(driver.enabled());
+  EXPECT_NEAR(result.position_rad, 1.25, 1e-6);
+  EXPECT_EQ(driver.torque_Nm(), 0);
+}
+
+TEST_F(BringUpTest, AReadyDriverStaysEnabledAsLongAsStepsGoOnAndLetsGoAfterwards) {
+  mock::MoteusEmulator moteus({});
+  mock::MitEmulator mit(damiao());
+  mock::OdriveEmulator odrive(3, kEndpoints);
+  MoteusBringUp moteus_up({}, options_);
+  MitBringUp mit_up(damiao(), options_);
+  OdriveBringUp odrive_up(3, kEndpoints, options_);
+  const auto check = [this](mock::EmulatedDriver& driver, BringUp& bring_up) {
+    MockBus bus(clock_);
+    bus.attach(driver);
+    ASSERT_EQ(run(bring_up, bus, clock_).stage, Stage::ready);
+    for (int tick = 0; tick < 200; ++tick) static_cast<void>(run(bring_up, bus, clock_, 1));
+    EXPECT_TRUE(driver.enabled());
+    std::array<CanFrame, kMaximumBatch> received;
+    for (int tick = 0; tick < 22; ++tick) {  // the controller dies: its watchdog was 20 ms
+      clock_.advance(kTick_ns);
+      static_cast<void>(bus.receive(received));
+    }
+    EXPECT_FALSE(driver.enabled());
+  };
+  check(moteus, moteus_up);
+  check(mit, mit_up);
+  check(odrive, odrive_up);
+  EXPECT_EQ(moteus.mode(), protocol::MoteusMode::timeout) << "which damps";
+}
+
+TEST_F(BringUpTest, AnAbsentDriverFailsInTheStageThatGotNoAnswer) {
+  MoteusBringUp bring_up({}, options_);
+  const StepResult result = run(bring_up, bus_, clock_);
+  EXPECT_EQ(result.failure, Failure::silent);
+  EXPECT_EQ(bus_.sent().size(), options_.tries);
+  bus_.clear_sent();
+  EXPECT_EQ(run(bring_up, bus_, clock_, 50).stage, Stage::failed);
+  EXPECT_TRUE(bus_.sent().empty()) << "a failed bring-up sends nothing";
+}
+
+TEST_F(BringUpTest, LostAnswersAreAskedForAgain) {
+  mock::MoteusEmulator driver({});
+  bus_.attach(driver);
+  bus_.add_fault({.fault = FrameFault::lose, .until_ns = clock_.now_ns() + 45'000'000});
+  MoteusBringUp bring_up({}, options_);
+  EXPECT_EQ(run(bring_up, bus_, clock_).stage, Stage::ready);
+}
+
+TEST_F(BringUpTest, LateAndDoubledAnswersDoNotConfuseTheStages) {
+  for (const FrameFault fault : {FrameFault::delay, FrameFault::duplicate}) {
+    mock::MoteusEmulator moteus({});
+    mock::MitEmulator mit(damiao());
+    mock::OdriveEmulator odrive(3, kEndpoints);
+    MoteusBringUp moteus_up({}, options_);
+    MitBringUp mit_up(damiao(), options_);
+    OdriveBringUp odrive_up(3, kEndpoints, options_);
+    const auto check = [&](mock::EmulatedDriver& driver, BringUp& bring_up) {
+      MockBus bus(clock_);
+      bus.attach(driver);
+      bus.add_fault({.fault = fault, .delay_ns = 7'300'000});
+      const StepResult result = run(bring_up, bus, clock_);
+      EXPECT_EQ(result.stage, Stage::ready) << name(result.failure);
+      EXPECT_TRUE(driver.enabled());
+    };
+    check(moteus, moteus_up);
+    check(mit, mit_up);
+    check(odrive, odrive_up);
+  }
+}
+
+TEST_F(BringUpTest, DriversWithoutAWatchdogAreRefusedUnlessTheConfigurationAcceptsThem) {
+  mock::MitEmulator driver({});
+  bus_.attach(driver);
+  MitBringUp strict({}, options_);
+  EXPECT_EQ(run(strict, bus_, clock_).failure, Failure::no_watchdog);
+  EXPECT_FALSE(driver.enabled());
+  options_.accept_missing_watchdog = true;
+  MitBringUp accepting({}, options_);
+  EXPECT_EQ(run(accepting, bus_, clock_).stage, Stage::ready);
+  EXPECT_TRUE(driver.enabled());
+}
+
+TEST_F(BringUpTest, AnOdriveWithUnknownEndpointsHasNoWatchdogToPromise) {
+  mock::OdriveEmulator driver(3, kEndpoints);
+  bus_.attach(driver);
+  OdriveBringUp strict(3, {}, options_);
+  EXPECT_EQ(run(strict, bus_, clock_).failure, Failure::no_watchdog);
+  EXPECT_FALSE(driver.enabled());
+}
+
+TEST_F(BringUpTest, AWatchdogThatReadsBackDifferentlyIsRefused) {
+  mock::MoteusEmulator driver({});
+  driver.ignore_watchdog(true);
+  bus_.attach(driver);
+  MoteusBringUp bring_up({}, options_);
+  EXPECT_EQ(run(bring_up, bus_, clock_).failure, Failure::wrong_watchdog);
+  EXPECT_FALSE(driver.enabled());
+}
+
+TEST_F(BringUpTest, OldFirmwareIsRefused) {
+  options_.minimum_version = 0x010305;
+  mock::MoteusEmulator moteus({}, 0x010304);
+  bus_.attach(moteus);
+  MoteusBringUp bring_up({}, options_);
+  const StepResult result = run(bring_up, bus_, clock_);
+  EXPECT_EQ(result.failure, Failure::old_version);
+  mock::OdriveEmulator odrive(3, kEndpoints, {2, 4, 4, 58, 1, 3, 4, 0});
+  bus_.attach(odrive);
+  OdriveBringUp odrive_up(3, kEndpoints, options_);
+  EXPECT_EQ(run(odrive_up, bus_, clock_).failure, Failure::old_version);
+  mock::MitEmulator mit(damiao(), 7);
+  bus_.attach(mit);
+  options_.minimum_version = 8;
+  MitBringUp mit_up(damiao(), options_);
+  EXPECT_EQ(run(mit_up, bus_, clock_).failure, Failure::old_version);
+}
+
+TEST_F(BringUpTest, RangesThatDifferFromTheConfigurationAreRefused) {
+  mock::MitEmulator driver(damiao());
+  driver.report_torque_range(28);
+  bus_.attach(driver);
+  MitBringUp bring_up(damiao(), options_);
+  EXPECT_EQ(run(bring_up, bus_, clock_).failure, Failure::wrong_scaling);
+  EXPECT_FALSE(driver.enabled());
+}
+
+TEST_F(BringUpTest, AMoteusWhosePositionMeansNothingIsRefused) {
+  mock::MoteusEmulator driver({});
+  driver.set_home(protocol::MoteusHome::relative);
+  bus_.attach(driver);
+  MoteusBringUp bring_up({}, options_);
+  EXPECT_EQ(run(bring_up, bus_, clock_).failure, Failure::not_home);
+  driver.set_home(protocol::MoteusHome::rotor);
+  MoteusBringUp rotor({}, options_);
+  EXPECT_EQ(run(rotor, bus_, clock_).failure, Failure::not_home) << "one of many turns of the rotor";
+}
+
+TEST_F(BringUpTest, ExactlyOneTurnOfTheEncoderMustFitTheTravel) {
+  mock::MoteusEmulator driver({});
+  driver.set_home(protocol::MoteusHome::rotor);
+  driver.motor.position_rad = 0.1;
+  bus_.attach(driver);
+  options_.encoder_period_rad = 0.7;
+  options_.minimum_angle_rad = 0.6;
+  options_.maximum_angle_rad = 1.2;
+  MoteusBringUp unique({}, options_);
+  const StepResult result = run(unique, bus_, clock_);
+  EXPECT_EQ(result.stage, Stage::ready) << name(result.failure);
+  EXPECT_NEAR(result.turn_offset_rad, 0.7, 1e-12);
+  EXPECT_NEAR(result.position_rad, 0.8, 1e-4);
+  options_.maximum_angle_rad = 1.6;
+  MoteusBringUp ambiguous({}, options_);
+  EXPECT_EQ(run(ambiguous, bus_, clock_).failure, Failure::not_home);
+}
+
+TEST_F(BringUpTest, AJointOutsideItsTravelIsNotEnabled) {
+  mock::MitEmulator driver(damiao());
+  driver.motor.position_rad = 3;
+  bus_.attach(driver);
+  options_.minimum_angle_rad = -1;
+  options_.maximum_angle_rad = 1;
+  MitBringUp bring_up(damiao(), options_);
+  EXPECT_EQ(run(bring_up, bus_, clock_).failure, Failure::not_home);
+  EXPECT_FALSE(driver.enabled());
+}
+
+TEST_F(BringUpTest, ADriverWithAFaultNamesIt) {
+  mock::MitEmulator driver(damiao());
+  driver.raise(DriverFault::over_voltage);
+  bus_.attach(driver);
+  MitBringUp bring_up(damiao(), options_);
+  const StepResult result = run(bring_up, bus_, clock_);
+  EXPECT_EQ(result.failure, Failure::driver_fault);
+  EXPECT_EQ(result.driver_fault, DriverFault::over_voltage);
+}
+
+TEST_F(BringUpTest, AnExpiredWatchdogIsClearedByBringingUpAgain) {
+  mock::MoteusEmulator driver({});
+  bus_.attach(driver);
+  MoteusBringUp bring_up({}, options_);
+  ASSERT_EQ(run(bring_up, bus_, clock_).stage, Stage::ready);
+  clock_.advance(1'000'000'000);
+  std::array<CanFrame, 4> received;
+  static_cast<void>(bus_.receive(received));
+  ASSERT_EQ(driver.mode(), protocol::MoteusMode::timeout);
+  bring_up.restart();
+  EXPECT_EQ(run(bring_up, bus_, clock_).stage, Stage::ready);
+  EXPECT_TRUE(driver.enabled());
+}
+
+TEST_F(BringUpTest, AWatchdogOfSecondsIsNone) {
+  options_.watchdog_s = 2;
+  MoteusBringUp bring_up({}, options_);
+  EXPECT_EQ(run(bring_up, bus_, clock_).failure, Failure::invalid);
+  EXPECT_TRUE(bus_.sent().empty());
+}
+
+}  // namespace
+}  // namespace stilt::hal::bring_up
