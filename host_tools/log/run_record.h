@@ -15,9 +15,9 @@ struct RunSample {
   double time_s = 0.0;
   model::StateVector true_state;
   model::StateVector estimated_state;
-  model::StateVector planned_state;  ///< the plan, at this time
-  model::JointVector torque_Nm;      ///< applied by the motors
-  model::FeetVector contact_force_N;          ///< measured in the plant: fx_L, fz_L, fx_R, fz_R
+  model::StateVector planned_state;   ///< the plan, at this time
+  model::JointVector torque_Nm;       ///< applied by the motors
+  model::FeetVector contact_force_N;  ///< measured in the plant: fx_L, fz_L, fx_R, fz_R
   model::FeetVector planned_contact_force_N;
   model::FeetVector foot_position_m;
   model::ContactMode scheduled_mode;
@@ -42,8 +42,8 @@ struct SolveSample {
 };
 
 struct Step {
-  double time_s = 0.0;  ///< of touch-down
-  std::string foot;     ///< "L" or "R"
+  double time_s = 0.0;    ///< of touch-down
+  std::string foot;       ///< "L" or "R"
   double length_m = 0.0;  ///< distance to the other foot, positive when it lands ahead
 };
 

@@ -10,7 +10,8 @@ using model::kFirstAngle;
 using model::kFirstJoint;
 using model::kPositions;
 
-/// State with the base at the origin at rest: the feet's positions and velocities are then relative to the base.
+/// State with the base at the origin at rest: the feet's positions and velocities are then relative to the
+/// base.
 model::StateVector state_at_origin(const SensorReading& reading) noexcept {
   model::StateVector state = model::StateVector::Zero();
   state[kFirstAngle] = reading.base_pitch_rad;

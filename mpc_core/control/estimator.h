@@ -19,8 +19,8 @@ struct SensorReading {
 ///   p_b = sum_f w_f (anchor_f - r_f(q)) / sum_f w_f,   v_b = - sum_f w_f dr_f/dt / sum_f w_f
 ///
 /// where r_f is the foot relative to the base and anchor_f the place where it was when its scheduled contact
-/// began, on the ground z = 0. The weights w_f rise and fall linearly over `blend_s` at a scheduled switch; no
-/// impact sensing. Drifts in x by the slip of the feet, does not drift in z. Real-time safe.
+/// began, on the ground z = 0. The weights w_f rise and fall linearly over `blend_s` at a scheduled switch;
+/// no impact sensing. Drifts in x by the slip of the feet, does not drift in z. Real-time safe.
 class Estimator {
  public:
   void configure(const model::RobotModel& robot, const EstimatorParameters& parameters) noexcept;

@@ -10,8 +10,8 @@ namespace stilt::control {
 struct TorqueLawParameters {
   double joint_kp_Nm_rad = 100.0;
   double joint_kd_Nms_rad = 5.0;
-  bool use_feedback_gains = false;  ///< add the plan's feedback K (x - x_plan) to its inputs
-  double friction_compensation = 1.0;  ///< share of the robot's Coulomb friction that is fed forward
+  bool use_feedback_gains = false;       ///< add the plan's feedback K (x - x_plan) to its inputs
+  double friction_compensation = 1.0;    ///< share of the robot's Coulomb friction that is fed forward
   double friction_velocity_rad_s = 0.1;  ///< width of the smoothed sign, tanh(v / width)
 };
 

@@ -38,7 +38,8 @@ model::FeetVector foot_positions(const model::RobotModel& robot, const model::St
 
 }  // namespace
 
-ConfigureStatus Planner::configure(const model::RobotModel& robot, const ControllerParameters& parameters) noexcept {
+ConfigureStatus Planner::configure(const model::RobotModel& robot,
+                                   const ControllerParameters& parameters) noexcept {
   if (!fits(parameters)) return ConfigureStatus::horizon_over_capacity;
   parameters_ = parameters;
   data_.robot = &robot;
@@ -55,8 +56,9 @@ ConfigureStatus Planner::configure(const model::RobotModel& robot, const Control
   const model::StateVector standing =
       gait::standing_state(robot.constants, parameters.reference.base_height_m,
                            parameters.reference.base_pitch_rad, parameters.gait.stand_half_width_m, true);
-  return solver::set_terminal_cost(data_, standing, terminal_cost_work_) ? ConfigureStatus::ok
-                                                    : ConfigureStatus::terminal_cost_failed;
+  return solver::set_terminal_cost(data_, standing, terminal_cost_work_)
+             ? ConfigureStatus::ok
+             : ConfigureStatus::terminal_cost_failed;
 }
 
 void Planner::reset(double time_s) noexcept {
@@ -68,10 +70,12 @@ void Planner::reset(double time_s) noexcept {
 }
 
 void Planner::update_trim(const PlannerInput& input, bool stepping) noexcept {
-  const double limit_m = parameters_.reference.speed_trim_max_m_s / std::max(parameters_.reference.speed_trim_1_s, 1e-9);
+  const double limit_m =
+      parameters_.reference.speed_trim_max_m_s / std::max(parameters_.reference.speed_trim_1_s, 1e-9);
   const double elapsed_s = input.time_s - last_time_s_;
   if (stepping && has_solution_) {
-    lag_m_ = std::clamp(lag_m_ + speed_reference_m_s_ * elapsed_s - (input.state[0] - last_x_m_), -limit_m, limit_m);
+    lag_m_ = std::clamp(lag_m_ + speed_reference_m_s_ * elapsed_s - (input.state[0] - last_x_m_), -limit_m,
+                        limit_m);
   } else {
     lag_m_ = 0.0;
   }
@@ -84,13 +88,15 @@ bool Planner::prepare(const PlannerInput& input) noexcept {
   if (has_solution_) speed_reference_m_s_ = reference_.speed_at(input.time_s);
   // A swing that starts within the horizon needs its next contact, and that contact's middle.
   const double beyond_s = 4.0 * (parameters_.gait.single_support_s + parameters_.gait.double_support_s);
-  schedule_.update(input.time_s, input.time_s + parameters_.discretisation.horizon_s + beyond_s, input.command,
-                   parameters_.gait, parameters_.reference, speed_reference_m_s_, feet[0] >= feet[2]);
+  schedule_.update(input.time_s, input.time_s + parameters_.discretisation.horizon_s + beyond_s,
+                   input.command, parameters_.gait, parameters_.reference, speed_reference_m_s_,
+                   feet[0] >= feet[2]);
   update_trim(input, schedule_.phase(schedule_.index_at(input.time_s)).gait != gait::GaitKind::stand);
-  reference_.prepare(data_.robot->constants, schedule_, input.command, parameters_.gait, parameters_.reference,
-                     input.time_s, input.state, feet, speed_reference_m_s_,
+  reference_.prepare(data_.robot->constants, schedule_, input.command, parameters_.gait,
+                     parameters_.reference, input.time_s, input.state, feet, speed_reference_m_s_,
                      parameters_.reference.speed_trim_1_s * lag_m_);
-  if (!ocp::build_horizon(schedule_, input.time_s, parameters_.discretisation, problem_.horizon)) return false;
+  if (!ocp::build_horizon(schedule_, input.time_s, parameters_.discretisation, problem_.horizon))
+    return false;
   ocp::fill_batches(reference_, problem_);
   for (int i = 0; i < kStates; ++i) problem_.x_initial[i] = input.state[i];
   return true;
@@ -108,8 +114,8 @@ void Planner::guess_node(double time_s, int phase, bool before_switch, double* x
   const ocp::Trajectory& old = solution_[current_];
   const ocp::Horizon& horizon = solved_horizon_;
   // Last old node not after this time; at a switch the node on the wanted side.
-  while (hint < horizon.stages &&
-         (horizon.node_time_s(hint + 1) < time_s || (!before_switch && horizon.node_time_s(hint + 1) == time_s))) {
+  while (hint < horizon.stages && (horizon.node_time_s(hint + 1) < time_s ||
+                                   (!before_switch && horizon.node_time_s(hint + 1) == time_s))) {
     ++hint;
   }
   if (hint >= horizon.stages) {  // beyond the old horizon: its last posture moves on with the reference
@@ -144,7 +150,8 @@ void Planner::warm_start(const PlannerInput& input, ocp::Trajectory& guess) cons
 
 solver::SolveReport Planner::plan(const PlannerInput& input, Plan& plan) noexcept {
   solver::SolveReport report;
-  const bool finite = std::isfinite(input.time_s) && input.state.allFinite() && std::isfinite(input.command.speed_m_s);
+  const bool finite =
+      std::isfinite(input.time_s) && input.state.allFinite() && std::isfinite(input.command.speed_m_s);
   if (!finite || !prepare(input)) return report;
   ocp::Trajectory& work = solution_[1 - current_];
   warm_start(input, work);

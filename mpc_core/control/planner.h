@@ -22,8 +22,8 @@ enum class ConfigureStatus {
 };
 
 /// The one entry to planning: measured state in, plan out. Keeps the contact schedule and the last solution,
-/// from which the next solve starts, shifted in time. One object of fixed size without heap; configure() takes
-/// milliseconds and is not for the real-time path, plan() is. Results depend on the inputs alone.
+/// from which the next solve starts, shifted in time. One object of fixed size without heap; configure()
+/// takes milliseconds and is not for the real-time path, plan() is. Results depend on the inputs alone.
 class Planner {
  public:
   [[nodiscard]] ConfigureStatus configure(const model::RobotModel& robot,
@@ -46,8 +46,9 @@ class Planner {
   [[nodiscard]] const ocp::Trajectory& solution() const noexcept { return solution_[current_]; }
 
  private:
-  /// Steps track the commanded speed with a bias, a compromise between the terms of the cost. The distance by which
-  /// the base lags behind the commanded progress, bounded, is worked off by a trim of the speed reference.
+  /// Steps track the commanded speed with a bias, a compromise between the terms of the cost. The distance by
+  /// which the base lags behind the commanded progress, bounded, is worked off by a trim of the speed
+  /// reference.
   void update_trim(const PlannerInput& input, bool stepping) noexcept;
   [[nodiscard]] bool prepare(const PlannerInput& input) noexcept;
   void warm_start(const PlannerInput& input, ocp::Trajectory& guess) const noexcept;

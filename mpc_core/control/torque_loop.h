@@ -5,8 +5,8 @@
 
 namespace stilt::control {
 
-/// The plan at one time: states interpolated linearly, inputs linearly within a contact phase and held at its end
-/// (inputs held over every interval lag behind the motion: touch-down comes early and torques peak).
+/// The plan at one time: states interpolated linearly, inputs linearly within a contact phase and held at its
+/// end (inputs held over every interval lag behind the motion: touch-down comes early and torques peak).
 struct PlanPoint {
   model::StateVector state;
   model::InputVector input;
@@ -38,8 +38,8 @@ struct TorqueCommand {
 ///   u = u_plan (+ K (x - x_plan) with use_feedback_gains)
 ///
 /// tau_ff is the torque equation of the whole-body dynamics. Without a usable plan the joints are damped,
-/// tau = -kd v (a joint whose velocity is not finite gets no torque). Never fails, never gives NaN torque. Fixed
-/// memory, real-time safe.
+/// tau = -kd v (a joint whose velocity is not finite gets no torque). Never fails, never gives NaN torque.
+/// Fixed memory, real-time safe.
 class TorqueLoop {
  public:
   void configure(const model::RobotModel& robot, const ControllerParameters& parameters) noexcept;

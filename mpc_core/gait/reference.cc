@@ -58,7 +58,8 @@ void HeuristicReference::prepare(const model::RobotConstants& robot, const Conta
   prepare_speed(time_s, x_m, speed_m_s, speed_trim_m_s);
 }
 
-void HeuristicReference::prepare_speed(double time_s, double x_m, double speed_m_s, double trim_m_s) noexcept {
+void HeuristicReference::prepare_speed(double time_s, double x_m, double speed_m_s,
+                                       double trim_m_s) noexcept {
   const int first = schedule_->index_at(time_s);
   SpeedKnot knot{time_s, x_m, speed_m_s, 0.0, 0.0};
   knot_count_ = 0;
@@ -74,7 +75,8 @@ void HeuristicReference::prepare_speed(double time_s, double x_m, double speed_m
   }
 }
 
-HeuristicReference::BaseMotion HeuristicReference::advance(const SpeedKnot& from, double time_s) const noexcept {
+HeuristicReference::BaseMotion HeuristicReference::advance(const SpeedKnot& from,
+                                                           double time_s) const noexcept {
   const double elapsed = time_s - from.time_s;
   const double change = from.target_m_s - from.speed_m_s;
   const double rate = std::copysign(parameters_.speed_ramp_m_s2, change);
@@ -115,7 +117,8 @@ double HeuristicReference::foothold_x_m(int foot, const Interval& contact) const
   return base_at(0.5 * (contact.start_s + contact.end_s)).x_m;
 }
 
-void HeuristicReference::foot_reference(double time_s, int phase, int foot, Motion& x, Motion& z) const noexcept {
+void HeuristicReference::foot_reference(double time_s, int phase, int foot, Motion& x,
+                                        Motion& z) const noexcept {
   const Interval interval = schedule_->foot_interval(phase, foot);
   if (schedule_->phase(phase).mode[foot]) {
     x = {foothold_x_m(foot, interval), 0.0, 0.0};
@@ -127,9 +130,8 @@ void HeuristicReference::foot_reference(double time_s, int phase, int foot, Moti
   const int before = schedule_->index_at(interval.start_s) - 1;
   const int after = schedule_->index_at(interval.end_s);
   const Interval next = schedule_->foot_interval(after, foot);
-  const Interval last =
-      before >= 0 ? schedule_->foot_interval(before, foot)
-                  : Interval{interval.start_s - duration_s, interval.start_s};
+  const Interval last = before >= 0 ? schedule_->foot_interval(before, foot)
+                                    : Interval{interval.start_s - duration_s, interval.start_s};
   x = minimum_jerk(foothold_x_m(foot, last), foothold_x_m(foot, next), s, duration_s);
   z = swing_height(gait_.swing_height_m, gait_.touchdown_velocity_m_s, s, duration_s);
 }

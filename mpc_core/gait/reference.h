@@ -15,24 +15,26 @@ struct ReferencePoint {
   model::FeetVector foot_acceleration_W_m_s2 = model::FeetVector::Zero();
 };
 
-/// Joint angles [hip, knee] that put a foot at (x, z) relative to the hip with the torso upright, knee bent to a
-/// positive angle. A point out of reach gives the straight leg towards it.
-[[nodiscard]] Eigen::Vector2d leg_angles(double foot_x_m, double foot_z_m, double thigh_m, double shin_m) noexcept;
+/// Joint angles [hip, knee] that put a foot at (x, z) relative to the hip with the torso upright, knee bent
+/// to a positive angle. A point out of reach gives the straight leg towards it.
+[[nodiscard]] Eigen::Vector2d leg_angles(double foot_x_m, double foot_z_m, double thigh_m,
+                                         double shin_m) noexcept;
 
 /// State that stands still with one foot `half_width_m` ahead of the hip and the other as far behind.
 [[nodiscard]] model::StateVector standing_state(const model::RobotConstants& robot, double base_height_m,
-                                                double pitch_rad, double half_width_m, bool left_ahead) noexcept;
+                                                double pitch_rad, double half_width_m,
+                                                bool left_ahead) noexcept;
 
-/// The heuristic reference of the paper: commanded height, pitch and speed, nominal joints, weight shared among
-/// the stance feet, footholds below the hip at mid-contact. Computed once a plan, evaluated at every node.
-/// Fixed memory, real-time safe.
+/// The heuristic reference of the paper: commanded height, pitch and speed, nominal joints, weight shared
+/// among the stance feet, footholds below the hip at mid-contact. Computed once a plan, evaluated at every
+/// node. Fixed memory, real-time safe.
 class HeuristicReference {
  public:
   /// `state`: measured, anchors the reference in x. `speed_m_s`: speed reference in force at time_s.
   /// `foot_position_W_m`: measured [xL, zL, xR, zR]. `speed_trim_m_s`: added to the speed while stepping.
-  void prepare(const model::RobotConstants& robot, const ContactSchedule& schedule, const GaitCommand& command,
-               const GaitParameters& gait, const ReferenceParameters& parameters, double time_s,
-               const model::StateVector& state, const model::FeetVector& foot_position_W_m,
+  void prepare(const model::RobotConstants& robot, const ContactSchedule& schedule,
+               const GaitCommand& command, const GaitParameters& gait, const ReferenceParameters& parameters,
+               double time_s, const model::StateVector& state, const model::FeetVector& foot_position_W_m,
                double speed_m_s, double speed_trim_m_s) noexcept;
 
   /// Reference at a time of the contact phase `phase` (which decides which side of a switch is meant).

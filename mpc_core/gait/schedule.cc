@@ -13,7 +13,8 @@ bool is_single(const model::ContactMode& mode) noexcept { return mode.count() ==
 model::ContactMode other(const model::ContactMode& mode) noexcept { return {mode.right, mode.left}; }
 
 /// Steps that a stop needs: the deceleration, one to settle.
-int steps_to_stop(double speed_m_s, const GaitParameters& gait, const ReferenceParameters& reference) noexcept {
+int steps_to_stop(double speed_m_s, const GaitParameters& gait,
+                  const ReferenceParameters& reference) noexcept {
   const double step_s = gait.single_support_s + gait.double_support_s;
   const double deceleration_s = std::abs(speed_m_s) / reference.speed_ramp_m_s2;
   return 1 + static_cast<int>(std::ceil(std::min(deceleration_s / step_s, 20.0)));

@@ -58,11 +58,11 @@ void add_state_terms(const ProblemData& data, const StageBatch& batch, const Bat
       const Batch one = Batch(1.0);
       add_sparse_row(Batch(data.cost.foot_position), node.foot_position[i] - batch.foot_position_ref[i],
                      {one, by_angle[0], by_angle[1], by_angle[2]}, {axis, a0, a1, a2}, gradient, hessian);
-      add_sparse_row(Batch(data.cost.foot_velocity), node.foot_velocity[i] - batch.foot_velocity_ref[i],
-                     {one, by_angle[0], by_angle[1], by_angle[2], rate_by_angle[0], rate_by_angle[1],
-                      rate_by_angle[2]},
-                     {kPositions + axis, kPositions + a0, kPositions + a1, kPositions + a2, a0, a1, a2},
-                     gradient, hessian);
+      add_sparse_row(
+          Batch(data.cost.foot_velocity), node.foot_velocity[i] - batch.foot_velocity_ref[i],
+          {one, by_angle[0], by_angle[1], by_angle[2], rate_by_angle[0], rate_by_angle[1], rate_by_angle[2]},
+          {kPositions + axis, kPositions + a0, kPositions + a1, kPositions + a2, a0, a1, a2}, gradient,
+          hessian);
     }
   }
 }

@@ -6,9 +6,9 @@
 
 /// Gauss-Newton cost of a batch in the projected variables (dx, w).
 ///
-/// Every term is 1/2 c (rho + r_x dx + r_u du)^2 up to a constant: gradient g = c rho (a barrier brings its own
-/// slope), curvature c, row [r_x, r_u]. With du = u0 + X dx + W w the row becomes [r_x + r_u X, r_u W] and the
-/// gradient g + c r_u u0, after which the Hessian is a plain sum of c (row)'(row).
+/// Every term is 1/2 c (rho + r_x dx + r_u du)^2 up to a constant: gradient g = c rho (a barrier brings its
+/// own slope), curvature c, row [r_x, r_u]. With du = u0 + X dx + W w the row becomes [r_x + r_u X, r_u W]
+/// and the gradient g + c r_u u0, after which the Hessian is a plain sum of c (row)'(row).
 namespace stilt::ocp {
 
 /// Rows that are dense in the state, over [states without x_b (13), free inputs (2 to 4)], padded to fours.
@@ -22,7 +22,8 @@ class DenseRows {
   explicit DenseRows(const Projection<Mode>& projection) noexcept : projection_(projection) {}
 
   /// Adds a row given by its derivatives; `dx` may be null for a row of inputs alone.
-  void add(const Batch& gradient, const Batch& curvature, const Batch* dx, const Batch (&du)[model::kInputs]) noexcept {
+  void add(const Batch& gradient, const Batch& curvature, const Batch* dx,
+           const Batch (&du)[model::kInputs]) noexcept {
     Batch shift = Batch(0.0);
     Batch(&row)[kColumns] = rows_[count_];
     for (int c = 0; c < kReducedStates; ++c) row[c] = dx != nullptr ? dx[c] : Batch(0.0);
@@ -110,8 +111,8 @@ void add_dense_rows(const ProblemData& data, const StageBatch& batch, const Batc
     const Batch weight = Batch(data.input_weight[j]);
     rows.add_input(weight * (it.u[j] - batch.u_ref[j]), weight, j, Batch(1.0), j, Batch(0.0));
   }
-  const auto dense = [&](const Batch& gradient, const Batch& curvature, const Batch (&by_theta)[kAngles],
-                         const Batch (&by_omega)[kAngles], const Batch (&by_input)[kInputs]) {
+  const auto dense = [&](const Batch& gradient, const Batch& curvature, const Batch(&by_theta)[kAngles],
+                         const Batch(&by_omega)[kAngles], const Batch(&by_input)[kInputs]) {
     Batch dx[kReducedStates];
     for (Batch& entry : dx) entry = Batch(0.0);
     for (int c = 0; c < kAngles; ++c) {
@@ -121,10 +122,10 @@ void add_dense_rows(const ProblemData& data, const StageBatch& batch, const Batc
     rows.add(gradient, curvature, dx, by_input);
   };
   for (int j = 0; j < kJoints; ++j) {
-    const BarrierSlope above = barrier_slope(data.inequality.joint_torque,
-                                             data.limits.torque_Nm[j] + node.joint_torque[j]);
-    const BarrierSlope below = barrier_slope(data.inequality.joint_torque,
-                                             data.limits.torque_Nm[j] - node.joint_torque[j]);
+    const BarrierSlope above =
+        barrier_slope(data.inequality.joint_torque, data.limits.torque_Nm[j] + node.joint_torque[j]);
+    const BarrierSlope below =
+        barrier_slope(data.inequality.joint_torque, data.limits.torque_Nm[j] - node.joint_torque[j]);
     dense(above.first - below.first, above.second + below.second, node.joint_torque_dtheta[j],
           node.joint_torque_domega[j], node.joint_torque_du[j]);
   }
@@ -133,8 +134,8 @@ void add_dense_rows(const ProblemData& data, const StageBatch& batch, const Batc
     dense(weight * (node.foot_acceleration[i] - batch.foot_acceleration_ref[i]), weight,
           node.foot_acceleration_dtheta[i], node.foot_acceleration_domega[i], node.foot_acceleration_du[i]);
   }
-  // Force of a stance foot: weight and both sides of the cone make a 2 x 2 Hessian H = L L'; its rows are those
-  // of L', with slopes L^-1 g.
+  // Force of a stance foot: weight and both sides of the cone make a 2 x 2 Hessian H = L L'; its rows are
+  // those of L', with slopes L^-1 g.
   const InequalityParameters& p = data.inequality;
   for (int foot = 0; foot < model::kFeet; ++foot) {
     const int x = kJoints + 2 * foot;
@@ -161,8 +162,8 @@ void add_dense_rows(const ProblemData& data, const StageBatch& batch, const Batc
   }
 }
 
-/// Terms that need no projection: state weights, joint limits, foot positions and velocities. Adds gradient and
-/// both halves of the Hessian over the full state.
+/// Terms that need no projection: state weights, joint limits, foot positions and velocities. Adds gradient
+/// and both halves of the Hessian over the full state.
 void add_state_terms(const ProblemData& data, const StageBatch& batch, const BatchIterate& it,
                      const model::NodeDerivatives<Batch>& node, Batch (&gradient)[model::kStates],
                      Batch (&hessian)[model::kStates][model::kStates]) noexcept;

@@ -66,8 +66,7 @@ Batch barrier_cost(const ProblemData& data, const StageBatch& batch, const Batch
     for (int foot = 0; foot < kFeet; ++foot) {
       if (!batch.mode[foot]) continue;
       const Batch& fx = it.u[kJoints + 2 * foot];
-      const Batch margin =
-          p.friction_coefficient * (it.u[kJoints + 2 * foot + 1] - p.minimum_normal_force_N);
+      const Batch margin = p.friction_coefficient * (it.u[kJoints + 2 * foot + 1] - p.minimum_normal_force_N);
       friction.add(margin + fx);
       friction.add(margin - fx);
     }

@@ -29,7 +29,8 @@ double position_weight(const Tableau& t, int i) noexcept {
   return i + 1 < t.stages ? t.b[i + 1] * t.c[i + 1] : 0.0;
 }
 
-/// State of stage i from the accelerations of the two stages before; base x and z do not matter to the dynamics.
+/// State of stage i from the accelerations of the two stages before; base x and z do not matter to the
+/// dynamics.
 void stage_state(const Tableau& t, int i, const Batch* x, const Batch* u, const Batch& h,
                  const Batch pitch_acceleration[4], Batch* xi) noexcept {
   const Batch ch = t.c[i] * h;
@@ -109,7 +110,8 @@ void integrate_base_derivatives(const model::RobotModel& robot, Integrator integ
       const Batch by_pitch = flow.base_acceleration_dtheta[r][0];
       const Batch by_rate = flow.base_acceleration_domega[r][0];
       for (int c = 0; c < kColumns; ++c) {
-        // Through the stage's angles and rates as they follow from theta, omega and the joint accelerations ...
+        // Through the stage's angles and rates as they follow from theta, omega and the joint accelerations
+        // ...
         Batch slope;
         if (c < kAngles) {
           slope = flow.base_acceleration_dtheta[r][c];
@@ -135,7 +137,8 @@ void integrate_base_derivatives(const model::RobotModel& robot, Integrator integ
   }
 }
 
-void next_state(const Batch* x, const Batch* u, const Batch& h, const BaseStep& step, Batch* x_next) noexcept {
+void next_state(const Batch* x, const Batch* u, const Batch& h, const BaseStep& step,
+                Batch* x_next) noexcept {
   for (int r = 0; r < 3; ++r) {
     x_next[r] = x[r] + h * (x[kPositions + r] + h * step.for_position[r]);
     x_next[kPositions + r] = x[kPositions + r] + h * step.for_velocity[r];

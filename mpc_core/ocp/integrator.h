@@ -14,8 +14,8 @@ namespace stilt::ocp {
 
 using model::Batch;
 
-/// Base rows of one step: the accelerations averaged for position (times h^2) and for velocity (times h), with
-/// derivatives by theta, omega and u.
+/// Base rows of one step: the accelerations averaged for position (times h^2) and for velocity (times h),
+/// with derivatives by theta, omega and u.
 struct BaseStep {
   static constexpr int kColumns = 2 * model::kAngles + model::kInputs;
   Batch for_position[3];

@@ -66,7 +66,8 @@ void fill_dynamics(const StageBatch& batch, const BatchIterate& it, const BaseSt
   const Batch h = batch.duration;
   Batch reached[kStates];
   next_state(it.x, it.u, h, step, reached);
-  const auto set_row = [&](int row, const Batch& scale, const Batch* dx, const Batch* w, const Batch& constant) {
+  const auto set_row = [&](int row, const Batch& scale, const Batch* dx, const Batch* w,
+                           const Batch& constant) {
     out.A[0][row] = Batch(row == 0 ? 1.0 : 0.0);
     for (int c = 0; c < kReducedStates; ++c) {
       out.A[c + 1][row] = scale * dx[c] + (c + 1 == row ? 1.0 : 0.0);
@@ -175,7 +176,8 @@ void linearise_batch(const ProblemData& data, const BatchParameters& parameters,
   Projection<Mode> projection;
   project(data.equality, batch, it.u, node, projection);
   BaseStep step;
-  integrate_base_derivatives(*data.robot, data.discretisation.integrator, it.x, it.u, batch.duration, node, step);
+  integrate_base_derivatives(*data.robot, data.discretisation.integrator, it.x, it.u, batch.duration, node,
+                             step);
   BatchModel<Mode> model;
   fill_dynamics(batch, it, step, projection, model);
   fill_cost(data, batch, it, node, projection, model);
@@ -185,8 +187,8 @@ void linearise_batch(const ProblemData& data, const BatchParameters& parameters,
   }
 }
 
-/// x+ = x with the velocity possibly changed by the impact of the feet that touch down (one after the other when
-/// two do); cost on their horizontal velocity before it.
+/// x+ = x with the velocity possibly changed by the impact of the feet that touch down (one after the other
+/// when two do); cost on their horizontal velocity before it.
 void linearise_transition(const ProblemData& data, const Stage& stage, const double* x, const double* x_next,
                           LqStage& out, InputProjection& inputs) noexcept {
   out = LqStage{};
@@ -222,7 +224,8 @@ void linearise_transition(const ProblemData& data, const Stage& stage, const dou
       double velocity[kPositions];
       for (int r = 0; r < kPositions; ++r) {
         double sum = 0.0;
-        for (int k = 0; k < kAngles; ++k) sum += impact.velocity_after_dtheta[r][k] * out.A[c][kFirstAngle + k];
+        for (int k = 0; k < kAngles; ++k)
+          sum += impact.velocity_after_dtheta[r][k] * out.A[c][kFirstAngle + k];
         for (int k = 0; k < kPositions; ++k) sum += impact.velocity_after_dv[r][k] * out.A[c][kPositions + k];
         velocity[r] = sum;
       }

@@ -12,37 +12,37 @@ struct BarrierParameters {
 
 /// Diagonal weights of 1/2 (e_x' Q e_x + e_u' R e_u + sum_feet e' W e).
 struct CostParameters {
-  double base_x = 5.0;           ///< 1/m^2
-  double base_z = 400.0;         ///< 1/m^2
-  double base_pitch = 200.0;     ///< 1/rad^2
-  double joint_position = 5.0;   ///< 1/rad^2
-  double base_vx = 40.0;         ///< s^2/m^2
-  double base_vz = 20.0;         ///< s^2/m^2
-  double base_pitch_rate = 10.0; ///< s^2/rad^2
-  double joint_velocity = 0.5;   ///< s^2/rad^2
+  double base_x = 5.0;               ///< 1/m^2
+  double base_z = 400.0;             ///< 1/m^2
+  double base_pitch = 200.0;         ///< 1/rad^2
+  double joint_position = 5.0;       ///< 1/rad^2
+  double base_vx = 40.0;             ///< s^2/m^2
+  double base_vz = 20.0;             ///< s^2/m^2
+  double base_pitch_rate = 10.0;     ///< s^2/rad^2
+  double joint_velocity = 0.5;       ///< s^2/rad^2
   double joint_acceleration = 2e-3;  ///< s^4/rad^2
   double contact_force = 1e-3;       ///< 1/N^2
   double foot_position = 100.0;      ///< 1/m^2
   double foot_velocity = 20.0;       ///< s^2/m^2
   double foot_acceleration = 1e-4;   ///< s^4/m^2
   double touchdown_velocity = 1.0;   ///< s^2/m^2, on the horizontal velocity of a foot at touch-down
-  double terminal = 1.0;             ///< rho: factor of the LQR cost-to-go at the end of the horizon; 0 drops it
+  double terminal = 1.0;  ///< rho: factor of the LQR cost-to-go at the end of the horizon; 0 drops it
 };
 
 struct InequalityParameters {
   double friction_coefficient = 0.6;
   double minimum_normal_force_N = 5.0;
-  BarrierParameters friction{0.2, 5.0};        ///< N
-  BarrierParameters joint_torque{0.2, 3.0};    ///< Nm
+  BarrierParameters friction{0.2, 5.0};          ///< N
+  BarrierParameters joint_torque{0.2, 3.0};      ///< Nm
   BarrierParameters joint_position{0.05, 0.05};  ///< rad
   BarrierParameters joint_velocity{0.05, 0.5};   ///< rad/s
 };
 
 struct EqualityParameters {
-  double stance_kd_1_s = 20.0;    ///< stance foot: a + kd v = 0
-  double swing_kp_1_s2 = 200.0;   ///< swing foot, vertical: a - a_ref + kd (v - v_ref) + kp (p - p_ref) = 0
+  double stance_kd_1_s = 20.0;   ///< stance foot: a + kd v = 0
+  double swing_kp_1_s2 = 200.0;  ///< swing foot, vertical: a - a_ref + kd (v - v_ref) + kp (p - p_ref) = 0
   double swing_kd_1_s = 20.0;
-  double rank_tolerance = 1e-3;   ///< below this norm of its reduced row a constraint fades (projection.h)
+  double rank_tolerance = 1e-3;  ///< below this norm of its reduced row a constraint fades (projection.h)
 };
 
 enum class Integrator { rk2, rk4 };

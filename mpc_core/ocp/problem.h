@@ -60,7 +60,8 @@ struct Problem {
 void fill_batches(const gait::HeuristicReference& reference, Problem& problem) noexcept;
 
 /// Merit of an iterate: running, touch-down and terminal cost, defects, equality residuals.
-[[nodiscard]] Merit evaluate(const ProblemData& data, const Problem& problem, const Trajectory& iterate) noexcept;
+[[nodiscard]] Merit evaluate(const ProblemData& data, const Problem& problem,
+                             const Trajectory& iterate) noexcept;
 
 /// The quadratic model around an iterate, equalities projected out (Gauss-Newton Hessian):
 /// one LqStage and one InputProjection a stage, and the terminal cost.

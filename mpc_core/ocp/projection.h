@@ -13,9 +13,10 @@
 ///   1. swing forces go to zero;
 ///   2. the force of the first stance foot follows from its two rows: their 2 x 2 block J_b M_bb^-1 J_b' is
 ///      symmetric positive definite in every posture;
-///   3. the remaining rows (the swing foot's height, or the other stance foot) are triangularised by Householder
-///      reflections over the joint accelerations (and the other stance force); the reflected unit vectors span
-///      their null space: 3 free directions in single support, 4 in double support, 2 in flight.
+///   3. the remaining rows (the swing foot's height, or the other stance foot) are triangularised by
+///   Householder
+///      reflections over the joint accelerations (and the other stance force); the reflected unit vectors
+///      span their null space: 3 free directions in single support, 4 in double support, 2 in flight.
 /// Rank: step 3 is singular where the row vanishes, as for two straight legs side by side. A diagonal entry s
 /// below `rank_tolerance` is inverted as s / tolerance^2, so that the constraint fades instead of exploding.
 namespace stilt::ocp {
@@ -29,7 +30,7 @@ struct ModeTraits {
   static constexpr bool kLeft = Left;
   static constexpr bool kRight = Right;
   static constexpr int kStanceFeet = int{Left} + int{Right};
-  static constexpr int kFirstStance = Left ? 0 : 1;  ///< foot eliminated in step 2
+  static constexpr int kFirstStance = Left ? 0 : 1;       ///< foot eliminated in step 2
   static constexpr int kRows = kStanceFeet == 1 ? 1 : 2;  ///< rows left for step 3
   /// Variables of step 3: joint accelerations, and in double support the right foot's force.
   static constexpr int kVariables = model::kJoints + (kStanceFeet == 2 ? 2 : 0);
@@ -68,8 +69,8 @@ inline Batch constraint_residual(const EqualityParameters& p, const StageBatch& 
          p.swing_kp_1_s2 * (position[i] - batch.foot_position_ref[i]);
 }
 
-inline void constraint_row(const EqualityParameters& p, const StageBatch& batch, bool stance, int foot, int axis,
-                           const model::NodeDerivatives<Batch>& node, ConstraintRow& row) noexcept {
+inline void constraint_row(const EqualityParameters& p, const StageBatch& batch, bool stance, int foot,
+                           int axis, const model::NodeDerivatives<Batch>& node, ConstraintRow& row) noexcept {
   const int i = 2 * foot + axis;
   const double kd = stance ? p.stance_kd_1_s : p.swing_kd_1_s;
   const double kp = stance ? 0.0 : p.swing_kp_1_s2;
@@ -84,7 +85,8 @@ inline void constraint_row(const EqualityParameters& p, const StageBatch& batch,
   }
   for (int c = 0; c < model::kChain; ++c) {
     const int angle = model::kChainAngles[foot][c];
-    row.dx[kThetaColumn + angle] += kd * node.foot_velocity_dchain[i][c] + kp * node.foot_position_dchain[i][c];
+    row.dx[kThetaColumn + angle] +=
+        kd * node.foot_velocity_dchain[i][c] + kp * node.foot_position_dchain[i][c];
     row.dx[kOmegaColumn + angle] += kd * node.foot_position_dchain[i][c];
   }
   for (int c = 0; c < model::kInputs; ++c) row.du[c] = node.foot_acceleration_du[i][c];
@@ -176,7 +178,8 @@ void project(const EqualityParameters& parameters, const StageBatch& batch, cons
     constraint_row(parameters, batch, Mode::stance(foot), foot, axis, node, row);
     for (int other = 0; other < model::kFeet; ++other) {
       if (Mode::stance(other)) continue;
-      for (int i = kJoints + 2 * other; i < kJoints + 2 * other + 2; ++i) row.residual += row.du[i] * out.u0[i];
+      for (int i = kJoints + 2 * other; i < kJoints + 2 * other + 2; ++i)
+        row.residual += row.du[i] * out.u0[i];
     }
   };
   // Index into u of variable c of step 3.
@@ -245,7 +248,8 @@ void project(const EqualityParameters& parameters, const StageBatch& batch, cons
   };
   particular([&](int r) { return row[r].residual; }, [&](int c, const Batch& z) { out.u0[variable(c)] = z; });
   for (int i = 0; i < kReducedStates; ++i) {
-    particular([&](int r) { return row[r].dx[i]; }, [&](int c, const Batch& z) { out.X[variable(c)][i] = z; });
+    particular([&](int r) { return row[r].dx[i]; },
+               [&](int c, const Batch& z) { out.X[variable(c)][i] = z; });
   }
   for (int k = 0; k < Mode::kFree; ++k) {
     Batch z[kVariables];

@@ -18,10 +18,10 @@ struct SolveReport {
   SolveStatus status = SolveStatus::not_finite;
   int iterations = 0;
   double cost = 0.0;
-  double dynamics_defect_max = 0.0;      ///< largest |x_{k+1} - F(x_k, u_k)|, mixed SI units
-  double equality_violation_max = 0.0;   ///< largest equality residual, m/s^2 or N
-  double step_length = 0.0;              ///< of the last iteration
-  double step_size = 0.0;                ///< largest component of the last accepted step
+  double dynamics_defect_max = 0.0;     ///< largest |x_{k+1} - F(x_k, u_k)|, mixed SI units
+  double equality_violation_max = 0.0;  ///< largest equality residual, m/s^2 or N
+  double step_length = 0.0;             ///< of the last iteration
+  double step_size = 0.0;               ///< largest component of the last accepted step
 
   /// True when the plan may be executed.
   [[nodiscard]] constexpr bool usable() const noexcept {

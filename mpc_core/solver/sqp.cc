@@ -19,7 +19,8 @@ bool acceptable(const SqpParameters& p, const ocp::Merit& now, const ocp::Merit&
   const double g = std::sqrt(now.violation_squared);
   const double g_new = std::sqrt(trial.violation_squared);
   if (g_new > p.g_max) return g_new < (1.0 - p.gamma_c) * g;
-  if (g < p.g_min && g_new < p.g_min && slope < 0.0) return trial.cost <= now.cost + p.armijo * length * slope;
+  if (g < p.g_min && g_new < p.g_min && slope < 0.0)
+    return trial.cost <= now.cost + p.armijo * length * slope;
   return trial.cost < now.cost - p.gamma_c * g || g_new < (1.0 - p.gamma_c) * g;
 }
 
@@ -47,7 +48,8 @@ bool Sqp::step(const ocp::ProblemData& data, const ocp::Problem& problem, const 
   const long long end_ns = now_ns();
   times_.linearise_us += 1e-3 * static_cast<double>(linearised_ns - start_ns);
   times_.riccati_us += 1e-3 * static_cast<double>(end_ns - linearised_ns);
-  // The sweep checks all but the measured state, which enters here; a bad number in any step spoils the slope.
+  // The sweep checks all but the measured state, which enters here; a bad number in any step spoils the
+  // slope.
   if (!std::isfinite(slope_)) {
     report.status = SolveStatus::not_finite;
     return false;
@@ -125,7 +127,8 @@ SolveReport Sqp::solve(const ocp::ProblemData& data, const ocp::Problem& problem
     }
     const bool settled = std::abs(merit.cost - cost_before) < p.cost_tolerance &&
                          std::sqrt(merit.violation_squared) < p.violation_tolerance;
-    if (p.early_stop && (settled || report.step_size < p.step_tolerance)) report.status = SolveStatus::converged;
+    if (p.early_stop && (settled || report.step_size < p.step_tolerance))
+      report.status = SolveStatus::converged;
   }
   report.cost = merit.cost;
   report.dynamics_defect_max = merit.defect_max;

@@ -18,14 +18,14 @@ struct PhaseTimes {
 /// A monotonic clock in nanoseconds, for measurements only: results never depend on it.
 using ClockFunction = long long (*)() noexcept;
 
-/// Gauss-Newton sequential quadratic programming by multiple shooting. Each iteration linearises all stages with
-/// the equality constraints projected out, solves the remaining unconstrained LQ problem by one Riccati sweep,
-/// and searches along the step with a filter of cost and violation
+/// Gauss-Newton sequential quadratic programming by multiple shooting. Each iteration linearises all stages
+/// with the equality constraints projected out, solves the remaining unconstrained LQ problem by one Riccati
+/// sweep, and searches along the step with a filter of cost and violation
 ///
 ///   g = sqrt(sum defects^2 + sum (duration * equality residual)^2)
 ///
-/// (the residual of an acceleration constraint, held for an interval, is a velocity: the unit of most defects).
-/// A trial step is accepted, compared with the current iterate, when
+/// (the residual of an acceleration constraint, held for an interval, is a velocity: the unit of most
+/// defects). A trial step is accepted, compared with the current iterate, when
 ///   g_new > g_max:                              g_new < (1 - gamma_c) g
 ///   g, g_new < g_min and the slope is downhill: cost_new <= cost + armijo * step * slope
 ///   otherwise:                                  cost_new < cost - gamma_c g  or  g_new < (1 - gamma_c) g
@@ -33,8 +33,8 @@ using ClockFunction = long long (*)() noexcept;
 /// model predictive control", appendix B. Fixed memory, no heap, bounded time: real-time safe.
 class Sqp {
  public:
-  /// Improves `iterate` in place. Set its first state to the problem's initial state beforehand: a full step would
-  /// move it there, but the line search does not count the gap and may refuse that step.
+  /// Improves `iterate` in place. Set its first state to the problem's initial state beforehand: a full step
+  /// would move it there, but the line search does not count the gap and may refuse that step.
   [[nodiscard]] SolveReport solve(const ocp::ProblemData& data, const ocp::Problem& problem,
                                   const SqpParameters& parameters, ocp::Trajectory& iterate) noexcept;
 
@@ -47,11 +47,11 @@ class Sqp {
  private:
   enum class Search { accepted, rejected };
 
-  [[nodiscard]] bool step(const ocp::ProblemData& data, const ocp::Problem& problem, const ocp::Trajectory& iterate,
-                          SolveReport& report) noexcept;
+  [[nodiscard]] bool step(const ocp::ProblemData& data, const ocp::Problem& problem,
+                          const ocp::Trajectory& iterate, SolveReport& report) noexcept;
   [[nodiscard]] Search line_search(const ocp::ProblemData& data, const ocp::Problem& problem,
-                                   const SqpParameters& parameters, ocp::Trajectory& iterate, ocp::Merit& merit,
-                                   SolveReport& report) noexcept;
+                                   const SqpParameters& parameters, ocp::Trajectory& iterate,
+                                   ocp::Merit& merit, SolveReport& report) noexcept;
   void expand_inputs(int stages) noexcept;
   [[nodiscard]] double step_size(int stages) const noexcept;
   [[nodiscard]] long long now_ns() const noexcept { return clock_ != nullptr ? clock_() : 0; }

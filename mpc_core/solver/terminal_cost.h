@@ -14,10 +14,10 @@ struct TerminalCostWorkspace {
 
 /// Terminal weight rho S: S solves the continuous-time algebraic Riccati equation for the linearisation
 ///   x' = A x + B u   of   x' = [v; a_b(x, u); u_j]
-/// at the standing posture (feet apart, forces sharing the weight), with the running weights Q and R of state and
-/// input. Joint accelerations and both feet's forces count as free inputs, so that every state is controllable.
-/// Writes data.terminal_weight; zero when the weight rho is zero. False when no stabilising solution was found.
-/// Takes milliseconds; for start-up and changes of weights, not for the real-time path.
+/// at the standing posture (feet apart, forces sharing the weight), with the running weights Q and R of state
+/// and input. Joint accelerations and both feet's forces count as free inputs, so that every state is
+/// controllable. Writes data.terminal_weight; zero when the weight rho is zero. False when no stabilising
+/// solution was found. Takes milliseconds; for start-up and changes of weights, not for the real-time path.
 [[nodiscard]] bool set_terminal_cost(ocp::ProblemData& data, const model::StateVector& standing,
                                      TerminalCostWorkspace& work) noexcept;
 
