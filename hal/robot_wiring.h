@@ -41,7 +41,7 @@ struct RobotWiring {
   std::uint8_t channel_bus = 0;
   /// The joint whose moteus reports an extra encoder that measures the pitch (MoteusDriver::extra_encoder);
   /// -1: none. pitch = direction * angle + offset.
-  std::int8_t pitch_encoder_joint = -1;
+  int pitch_encoder_joint = -1;
   double pitch_direction = 1;
   double pitch_offset_rad = 0;
   double driver_watchdog_s = 0.02;  ///< in every moteus command

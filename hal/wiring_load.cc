@@ -87,7 +87,7 @@ PeriodicFrames periodic_frames(const RobotWiring& wiring, std::size_t bus, doubl
 
 std::string load_sentence(const std::string& bus_name, const BusLoad& load) {
   const auto percent = [](double fraction) { return std::to_string(std::lround(100 * fraction)) + " %"; };
-  const std::string text = "bus " + bus_name + ": worst-case load " + percent(load.fraction);
+  std::string text = "bus " + bus_name + ": worst-case load " + percent(load.fraction);
   switch (load.verdict) {
     case BusLoadVerdict::fine:
       return text;

@@ -17,6 +17,7 @@ struct PeriodicFrames {
   std::array<PeriodicFrame, kMaximumPeriodic> frames{};
   std::size_t count = 0;
 
+  /// Valid as long as this object.
   [[nodiscard]] std::span<const PeriodicFrame> all() const noexcept { return std::span(frames).first(count); }
 };
 

@@ -37,9 +37,9 @@ struct MoteusDriver {
   std::uint8_t id = 1;      ///< 1 to 127
   std::uint8_t source = 0;  ///< ours, 0 to 127
   bool bit_rate_switch = true;
-  double kp_Nm_rev = 4.0;          ///< servo.pid_position.kp: gain at kp_scale 1, Nm a revolution
-  double kd_Nm_s_rev = 0.05;       ///< servo.pid_position.kd: gain at kd_scale 1, Nm a revolution a second
-  std::int8_t extra_encoder = -1;  ///< 0 to 2: also ask for this encoder (one at the torso, say); -1: none
+  double kp_Nm_rev = 4.0;     ///< servo.pid_position.kp: gain at kp_scale 1, Nm a revolution
+  double kd_Nm_s_rev = 0.05;  ///< servo.pid_position.kd: gain at kd_scale 1, Nm a revolution a second
+  int extra_encoder = -1;     ///< 0 to 2: also ask for this encoder (one at the torso, say); -1: none
 };
 
 /// Unset (NaN): position_rad - stay at the present one; maximum_torque_Nm - the driver's own limit.

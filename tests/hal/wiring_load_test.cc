@@ -47,8 +47,8 @@ TEST(WiringLoad, TheFramesOfARunningRobotAreThoseForeseen) {
     }
     const BusCounters after = robot.buses_[1].counters();
     double foreseen = 0;
-    for (const PeriodicFrame& frame : periodic_frames(robot.wiring_, 1, 1000, 0).all())
-      foreseen += frame.rate_hz;
+    const PeriodicFrames frames = periodic_frames(robot.wiring_, 1, 1000, 0);
+    for (const PeriodicFrame& frame : frames.all()) foreseen += frame.rate_hz;
     EXPECT_NEAR(static_cast<double>(after.sent + after.received - before.sent - before.received), foreseen,
                 2);
   }

@@ -53,7 +53,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   fuzz::Input input(bytes, size);
   const std::uint8_t choice = input.byte();
   MoteusDriver driver;
-  driver.extra_encoder = static_cast<std::int8_t>(choice % 4 - 1);
+  driver.extra_encoder = choice % 4 - 1;
   const CanFrame frame = input.frame((choice & 0x40) != 0 ? 0x8001 : 0x100);
   check_reply(driver, frame);
   check_subframes(frame);
