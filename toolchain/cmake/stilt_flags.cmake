@@ -38,8 +38,8 @@ target_compile_options(stilt_flags INTERFACE
 target_compile_definitions(stilt_flags INTERFACE $<$<CONFIG:Release>:EIGEN_NO_DEBUG>)
 if(STILT_ISA STREQUAL "x86-64-v4" OR STILT_ISA STREQUAL "native")
   if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
-    # GCC 12's own AVX-512 headers use an uninitialised register on purpose, and warn of it.
-    target_compile_options(stilt_flags INTERFACE -mprefer-vector-width=512 -Wno-maybe-uninitialized)
+    # GCC 12's own AVX-512 headers use uninitialised registers on purpose, and warn of them.
+    target_compile_options(stilt_flags INTERFACE -mprefer-vector-width=512 -Wno-maybe-uninitialized -Wno-uninitialized)
   endif()
 endif()
 if(STILT_SANITIZE)
