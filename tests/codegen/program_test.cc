@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -40,7 +41,7 @@ class ProgramTest : public testing::Test {
   ProgramTest() { fs::remove_all(out); }
   ~ProgramTest() override { fs::remove_all(out); }
 
-  fs::path out = fs::path(testing::TempDir()) / "stilt_codegen_program_test";
+  fs::path out = fs::path(testing::TempDir()) / ("stilt_codegen_program_test." + std::to_string(getpid()));
 };
 
 TEST_F(ProgramTest, ItWritesTheCommittedHeaders) {
