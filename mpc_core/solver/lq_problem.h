@@ -70,6 +70,7 @@ struct alignas(64) LqGain {
 struct alignas(64) LqStep {
   double x[kRows];
   double w[kMaxFreeInputs];
+  double c[kMaxConstraints];  ///< G_{6+i} x of a flow: how far the constraints ask the joints to move
 };
 
 }  // namespace stilt::solver
