@@ -38,47 +38,68 @@ using model::Batch;
   return exponent * kLn2 + 2.0 * s * series;
 }
 
-/// First and second derivative of one barrier.
+/// First and second derivative of a barrier, or of a sum of them.
 struct BarrierSlope {
   Batch first;
   Batch second;
 };
 
-[[nodiscard]] inline BarrierSlope barrier_slope(const BarrierParameters& p, const Batch& h) noexcept {
-  const Batch inverse = 1.0 / h;
-  BarrierSlope slope{-p.mu * inverse, p.mu * inverse * inverse};
-  const auto relaxed = !(h > p.delta);
-  where(relaxed, slope.first) = p.mu / (p.delta * p.delta) * (h - 2.0 * p.delta);
-  where(relaxed, slope.second) = Batch(p.mu / (p.delta * p.delta));
-  return slope;
+/// First and second derivatives of two barriers that share their parameters, each by its own argument. One
+/// division for both: h is cut off at delta, where the second derivative of the quadratic is the
+/// logarithm's, and the first lacks mu / delta^2 (h - delta).
+struct BarrierPair {
+  BarrierSlope a;
+  BarrierSlope b;
+
+  BarrierPair(const BarrierParameters& p, const Batch& h_a, const Batch& h_b) noexcept {
+    const Batch cut_a = max(h_a, Batch(p.delta));
+    const Batch cut_b = max(h_b, Batch(p.delta));
+    const Batch inverse = 1.0 / (cut_a * cut_b);
+    const Batch inverse_a = cut_b * inverse;
+    const Batch inverse_b = cut_a * inverse;
+    const double relaxed = p.mu / (p.delta * p.delta);
+    a = {relaxed * (h_a - cut_a) - p.mu * inverse_a, p.mu * inverse_a * inverse_a};
+    b = {relaxed * (h_b - cut_b) - p.mu * inverse_b, p.mu * inverse_b * inverse_b};
+  }
+};
+
+/// Derivatives, by the value, of the barriers of lower <= value <= upper.
+[[nodiscard]] inline BarrierSlope limit_slope(const BarrierParameters& p, const Batch& value, double lower,
+                                              double upper) noexcept {
+  const BarrierPair pair(p, value - lower, upper - value);
+  return {pair.a.first - pair.b.first, pair.a.second + pair.b.second};
 }
+
+/// A kind of barrier with its logarithm of delta, by the routine that serves the lanes.
+struct BarrierConstants {
+  explicit BarrierConstants(const BarrierParameters& parameters) noexcept
+      : p(parameters), inverse_delta(1.0 / p.delta), log_delta(logarithm(Batch(p.delta))) {}
+
+  BarrierParameters p;
+  double inverse_delta;
+  Batch log_delta;
+};
 
 /// Sum of barriers that share their parameters: one logarithm for the product of up to 16 of them.
 class BarrierSum {
  public:
-  explicit BarrierSum(const BarrierParameters& parameters) noexcept : p_(parameters) {}
+  explicit BarrierSum(const BarrierConstants& constants) noexcept : constants_(constants) {}
 
   void add(const Batch& h) noexcept {
-    const auto relaxed = !(h > p_.delta);
-    Batch clipped = h * (1.0 / p_.delta);
-    Batch quadratic = clipped - 2.0;
-    quadratic = 0.5 * quadratic * quadratic - 0.5;
-    where(relaxed, clipped) = Batch(1.0);
-    where(!relaxed, quadratic) = Batch(0.0);
-    product_ *= clipped;
-    relaxed_ += quadratic;
+    const Batch t = h * constants_.inverse_delta;
+    const Batch cut = max(t, Batch(1.0));
+    const Batch below = t - cut;  // <= 0; the quadratic is its square / 2 minus itself
+    product_ *= cut;
+    relaxed_ += below * (0.5 * below - 1.0);
     ++count_;
   }
 
   [[nodiscard]] Batch value() const noexcept {
-    return p_.mu * (relaxed_ - logarithm(product_) - count_ * log_delta());
+    return constants_.p.mu * (relaxed_ - logarithm(product_) - count_ * constants_.log_delta);
   }
 
  private:
-  /// ln delta by the same routine, so that the constant matches the lanes.
-  [[nodiscard]] Batch log_delta() const noexcept { return logarithm(Batch(p_.delta)); }
-
-  BarrierParameters p_;
+  const BarrierConstants& constants_;
   Batch product_ = Batch(1.0);
   Batch relaxed_ = Batch(0.0);
   double count_ = 0.0;

@@ -1,16 +1,56 @@
 #pragma once
 
+#include <bit>
+
 #include "mpc_core/ocp/problem.h"
 #include "mpc_core/ocp/projection.h"
+#include "mpc_core/solver/simd_columns.h"
 
 /// Moving numbers between per-stage rows and batches.
 namespace stilt::ocp {
 
-/// Lane i takes rows[stage[i] + offset][column].
-template <std::size_t Columns>
-[[nodiscard]] inline Batch gather(const double (*rows)[Columns], const StageBatch& batch, int column,
-                                  int offset = 0) noexcept {
-  return Batch([&](auto lane) { return rows[batch.stage[lane] + offset][column]; });
+/// One register of a batch as the solver's vectors see it; both have the lanes of the target.
+static_assert(kLanes == solver::kLanes && sizeof(Batch) == sizeof(solver::Vec));
+[[nodiscard]] inline solver::Vec as_vector(const Batch& batch) noexcept {
+  return std::bit_cast<solver::Vec>(batch);
+}
+
+/// Reads kCount numbers of each lane's row into kCount batches, by transposing squares of registers. Rows are
+/// padded to whole registers.
+template <int kCount>
+STILT_INLINE inline void load_rows(const double* const (&rows)[kLanes], Batch* out) noexcept {
+  solver::unroll<(kCount + kLanes - 1) / kLanes>([&](auto part) STILT_INLINE {
+    solver::Block block;
+    solver::unroll<kLanes>(
+        [&](auto lane) STILT_INLINE { block.column[lane] = solver::load(rows[lane] + part * kLanes); });
+    solver::transpose(block);
+    solver::unroll<kLanes>([&](auto i) STILT_INLINE {
+      if constexpr (part * kLanes + i < kCount) {
+        out[part * kLanes + i] = std::bit_cast<Batch>(block.column[i]);
+      }
+    });
+  });
+}
+
+/// Writes kCount batches to each lane's row, zeros up to a whole number of registers, beginning with register
+/// kFirstPart; `entry(i)` gives batch i.
+template <int kCount, int kFirstPart = 0, class Entry>
+STILT_INLINE inline void store_rows(double* const (&rows)[kLanes], const Entry& entry) noexcept {
+  constexpr int kParts = (kCount + kLanes - 1) / kLanes;
+  solver::unroll<kParts - kFirstPart>([&](auto index) STILT_INLINE {
+    constexpr int kPart = index + kFirstPart;
+    solver::Block block;
+    solver::unroll<kLanes>([&](auto i) STILT_INLINE {
+      if constexpr (kPart * kLanes + i < kCount) {
+        block.column[i] = as_vector(entry(std::integral_constant<int, kPart * kLanes + i>{}));
+      } else {
+        block.column[i] = solver::Vec{};
+      }
+    });
+    solver::transpose(block);
+    solver::unroll<kLanes>(
+        [&](auto lane) STILT_INLINE { solver::store(rows[lane] + kPart * kLanes, block.column[lane]); });
+  });
 }
 
 /// States and inputs of a batch of stages, and the states at their ends.
@@ -20,11 +60,13 @@ struct BatchIterate {
   Batch x_next[model::kStates];
 
   BatchIterate(const Trajectory& iterate, const StageBatch& batch) noexcept {
-    for (int i = 0; i < model::kStates; ++i) {
-      x[i] = gather(iterate.x, batch, i);
-      x_next[i] = gather(iterate.x, batch, i, 1);
-    }
-    for (int i = 0; i < model::kInputs; ++i) u[i] = gather(iterate.u, batch, i);
+    const double* rows[kLanes];
+    for (int lane = 0; lane < kLanes; ++lane) rows[lane] = iterate.x[batch.stage[lane]];
+    load_rows<model::kStates>(rows, x);
+    for (int lane = 0; lane < kLanes; ++lane) rows[lane] += solver::kRows;
+    load_rows<model::kStates>(rows, x_next);
+    for (int lane = 0; lane < kLanes; ++lane) rows[lane] = iterate.u[batch.stage[lane]];
+    load_rows<model::kInputs>(rows, u);
   }
 };
 

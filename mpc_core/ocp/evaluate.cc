@@ -44,12 +44,22 @@ Batch quadratic_cost(const ProblemData& data, const StageBatch& batch, const Bat
   return 0.5 * cost;
 }
 
-Batch barrier_cost(const ProblemData& data, const StageBatch& batch, const BatchIterate& it,
-                   const model::NodeTerms<Batch>& node) noexcept {
+struct Barriers {
+  BarrierConstants joint_position, joint_velocity, joint_torque, friction;
+
+  explicit Barriers(const InequalityParameters& p) noexcept
+      : joint_position(p.joint_position),
+        joint_velocity(p.joint_velocity),
+        joint_torque(p.joint_torque),
+        friction(p.friction) {}
+};
+
+Batch barrier_cost(const ProblemData& data, const Barriers& barriers, const StageBatch& batch,
+                   const BatchIterate& it, const model::NodeTerms<Batch>& node) noexcept {
   const InequalityParameters& p = data.inequality;
-  BarrierSum position(p.joint_position);
-  BarrierSum velocity(p.joint_velocity);
-  BarrierSum torque(p.joint_torque);
+  BarrierSum position(barriers.joint_position);
+  BarrierSum velocity(barriers.joint_velocity);
+  BarrierSum torque(barriers.joint_torque);
   for (int j = 0; j < kJoints; ++j) {
     const Batch& q = it.x[kFirstJoint + j];
     const Batch& v = it.x[kPositions + kFirstJoint + j];
@@ -62,7 +72,7 @@ Batch barrier_cost(const ProblemData& data, const StageBatch& batch, const Batch
   }
   Batch cost = position.value() + velocity.value() + torque.value();
   if (batch.mode.count() > 0) {
-    BarrierSum friction(p.friction);
+    BarrierSum friction(barriers.friction);
     for (int foot = 0; foot < kFeet; ++foot) {
       if (!batch.mode[foot]) continue;
       const Batch& fx = it.u[kJoints + 2 * foot];
@@ -77,11 +87,11 @@ Batch barrier_cost(const ProblemData& data, const StageBatch& batch, const Batch
 
 void add_defects(const ProblemData& data, const StageBatch& batch, const BatchIterate& it,
                  const model::NodeTerms<Batch>& node, BatchMerit& merit) noexcept {
-  BaseStep step;
+  BaseMotion motion;
   integrate_base(*data.robot, data.discretisation.integrator, it.x, it.u, batch.duration,
-                 node.base_acceleration, step);
+                 node.base_acceleration, motion);
   Batch reached[kStates];
-  next_state(it.x, it.u, batch.duration, step, reached);
+  next_state(it.x, it.u, batch.duration, motion, reached);
   Batch sum = Batch(0.0);
   for (int i = 0; i < kStates; ++i) {
     const Batch defect = reached[i] - it.x_next[i];
@@ -154,6 +164,7 @@ double terminal_cost(const ProblemData& data, const Problem& problem, const doub
 
 Merit evaluate(const ProblemData& data, const Problem& problem, const Trajectory& iterate) noexcept {
   const BatchParameters parameters(data);
+  const Barriers barriers(data.inequality);
   BatchMerit sums;
   for (int b = 0; b < problem.batches; ++b) {
     const StageBatch& batch = problem.batch[b];
@@ -161,7 +172,7 @@ Merit evaluate(const ProblemData& data, const Problem& problem, const Trajectory
     model::NodeTerms<Batch> node;
     data.robot->batch.node(it.x, it.u, parameters.value, node);
     sums.cost += batch.weight * batch.duration *
-                 (quadratic_cost(data, batch, it, node) + barrier_cost(data, batch, it, node));
+                 (quadratic_cost(data, batch, it, node) + barrier_cost(data, barriers, batch, it, node));
     add_defects(data, batch, it, node, sums);
     add_equalities(data, batch, it, node, sums);
   }

@@ -1,5 +1,7 @@
 #include "mpc_core/ocp/integrator.h"
 
+#include <algorithm>
+
 namespace stilt::ocp {
 namespace {
 
@@ -20,12 +22,8 @@ struct Tableau {
 constexpr Tableau kHeun{2, {0.0, 1.0, 0.0, 0.0}, {0.5, 0.5, 0.0, 0.0}};
 constexpr Tableau kClassical{4, {0.0, 0.5, 0.5, 1.0}, {1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0}};
 
-const Tableau& tableau(Integrator integrator) noexcept {
-  return integrator == Integrator::rk2 ? kHeun : kClassical;
-}
-
 /// Weight of A_i in the position update.
-double position_weight(const Tableau& t, int i) noexcept {
+constexpr double position_weight(const Tableau& t, int i) noexcept {
   return i + 1 < t.stages ? t.b[i + 1] * t.c[i + 1] : 0.0;
 }
 
@@ -50,16 +48,14 @@ void stage_state(const Tableau& t, int i, const Batch* x, const Batch* u, const 
   }
 }
 
-}  // namespace
-
-void integrate_base(const model::RobotModel& robot, Integrator integrator, const Batch* x, const Batch* u,
-                    const Batch& h, const Batch* first_acceleration, BaseStep& step) noexcept {
-  const Tableau& t = tableau(integrator);
+template <const Tableau& t>
+void average(const model::RobotModel& robot, const Batch* x, const Batch* u, const Batch& h,
+             const Batch* first_acceleration, BaseMotion& motion) noexcept {
   Batch pitch_acceleration[4];
   pitch_acceleration[0] = first_acceleration[2];
   for (int r = 0; r < 3; ++r) {
-    step.for_position[r] = position_weight(t, 0) * first_acceleration[r];
-    step.for_velocity[r] = t.b[0] * first_acceleration[r];
+    motion.for_position[r] = position_weight(t, 0) * first_acceleration[r];
+    motion.for_velocity[r] = t.b[0] * first_acceleration[r];
   }
   for (int i = 1; i < t.stages; ++i) {
     Batch xi[kStates];
@@ -68,80 +64,109 @@ void integrate_base(const model::RobotModel& robot, Integrator integrator, const
     robot.batch.flow(xi, u, flow);
     pitch_acceleration[i] = flow.base_acceleration[2];
     for (int r = 0; r < 3; ++r) {
-      step.for_position[r] += position_weight(t, i) * flow.base_acceleration[r];
-      step.for_velocity[r] += t.b[i] * flow.base_acceleration[r];
+      if (position_weight(t, i) != 0.0) {
+        motion.for_position[r] += position_weight(t, i) * flow.base_acceleration[r];
+      }
+      motion.for_velocity[r] += t.b[i] * flow.base_acceleration[r];
     }
   }
 }
 
-void integrate_base_derivatives(const model::RobotModel& robot, Integrator integrator, const Batch* x,
-                                const Batch* u, const Batch& h, const model::NodeDerivatives<Batch>& first,
-                                BaseStep& step) noexcept {
-  constexpr int kColumns = BaseStep::kColumns;
-  const Tableau& t = tableau(integrator);
-  Batch pitch_acceleration[4];
-  Batch pitch_slope[4][kColumns];  // derivative of each stage's pitch acceleration
+/// Row r of the base acceleration's derivatives by theta, omega and u, at the start of the step.
+void copy_slopes(const model::NodeDerivatives<Batch>& from, int r, Batch* to) noexcept {
+  std::copy(from.base_acceleration_dtheta[r], from.base_acceleration_dtheta[r] + kAngles, to);
+  std::copy(from.base_acceleration_domega[r], from.base_acceleration_domega[r] + kAngles, to + kAngles);
+  std::copy(from.base_acceleration_du[r], from.base_acceleration_du[r] + kInputs, to + 2 * kAngles);
+}
 
+template <const Tableau& t>
+void average_derivatives(const model::RobotModel& robot, const Batch* x, const Batch* u, const Batch& h,
+                         const model::NodeDerivatives<Batch>& first, BaseStep& step,
+                         IntegratorWorkspace& work) noexcept {
+  constexpr int kColumns = BaseStep::kColumns;
+  const Batch h2 = h * h;
+  Batch pitch_acceleration[4];
   pitch_acceleration[0] = first.base_acceleration[2];
   for (int r = 0; r < 3; ++r) {
     step.for_position[r] = position_weight(t, 0) * first.base_acceleration[r];
     step.for_velocity[r] = t.b[0] * first.base_acceleration[r];
+    Batch slope[kColumns];
+    copy_slopes(first, r, slope);
+    if (r == 2) std::copy(slope, slope + kColumns, work.pitch_slope[0]);
+    const Batch for_position = position_weight(t, 0) * h2;
+    const Batch for_velocity = t.b[0] * h;
     for (int c = 0; c < kColumns; ++c) {
-      const Batch& slope = c < kAngles       ? first.base_acceleration_dtheta[r][c]
-                           : c < 2 * kAngles ? first.base_acceleration_domega[r][c - kAngles]
-                                             : first.base_acceleration_du[r][c - 2 * kAngles];
-      step.d_position[r][c] = position_weight(t, 0) * slope;
-      step.d_velocity[r][c] = t.b[0] * slope;
-      if (r == 2) pitch_slope[0][c] = slope;
+      step.d_position[r][c] = for_position * slope[c];
+      step.d_velocity[r][c] = for_velocity * slope[c];
     }
   }
 
   for (int i = 1; i < t.stages; ++i) {
     Batch xi[kStates];
     stage_state(t, i, x, u, h, pitch_acceleration, xi);
-    model::FlowDerivatives<Batch> flow;
-    robot.batch.flow_derivatives(xi, u, flow);
+    const model::FlowDerivatives<Batch>& flow = work.flow;
+    robot.batch.flow_derivatives(xi, u, work.flow);
     pitch_acceleration[i] = flow.base_acceleration[2];
     const Batch ch = t.c[i] * h;
-    const Batch cch = t.c[i] * t.c[i - 1] * h * h;
+    const Batch cch = t.c[i] * t.c[i - 1] * h2;
+    const Batch for_position = position_weight(t, i) * h2;
+    const Batch for_velocity = t.b[i] * h;
     for (int r = 0; r < 3; ++r) {
-      step.for_position[r] += position_weight(t, i) * flow.base_acceleration[r];
-      step.for_velocity[r] += t.b[i] * flow.base_acceleration[r];
-      const Batch by_pitch = flow.base_acceleration_dtheta[r][0];
-      const Batch by_rate = flow.base_acceleration_domega[r][0];
-      for (int c = 0; c < kColumns; ++c) {
-        // Through the stage's angles and rates as they follow from theta, omega and the joint accelerations
-        // ...
-        Batch slope;
-        if (c < kAngles) {
-          slope = flow.base_acceleration_dtheta[r][c];
-        } else if (c < 2 * kAngles) {
-          slope = ch * flow.base_acceleration_dtheta[r][c - kAngles] +
-                  flow.base_acceleration_domega[r][c - kAngles];
-        } else {
-          const int input = c - 2 * kAngles;
-          slope = flow.base_acceleration_du[r][input];
-          if (input < kJoints) {
-            slope += cch * flow.base_acceleration_dtheta[r][1 + input] +
-                     ch * flow.base_acceleration_domega[r][1 + input];
-          }
-        }
-        // ... and through the pitch, moved by the accelerations of the stages before.
-        slope += ch * by_rate * pitch_slope[i - 1][c];
-        if (i >= 2) slope += cch * by_pitch * pitch_slope[i - 2][c];
-        step.d_position[r][c] += position_weight(t, i) * slope;
-        step.d_velocity[r][c] += t.b[i] * slope;
-        if (r == 2) pitch_slope[i][c] = slope;
+      if (position_weight(t, i) != 0.0) {
+        step.for_position[r] += position_weight(t, i) * flow.base_acceleration[r];
       }
+      step.for_velocity[r] += t.b[i] * flow.base_acceleration[r];
+      // Through the stage's angles and rates as they follow from theta, omega and the joint accelerations ...
+      Batch slope[kColumns];
+      for (int c = 0; c < kAngles; ++c) {
+        slope[c] = flow.base_acceleration_dtheta[r][c];
+        slope[kAngles + c] = ch * flow.base_acceleration_dtheta[r][c] + flow.base_acceleration_domega[r][c];
+      }
+      for (int c = 0; c < kInputs; ++c) slope[2 * kAngles + c] = flow.base_acceleration_du[r][c];
+      for (int j = 0; j < kJoints; ++j) {
+        if (t.c[i] * t.c[i - 1] != 0.0) {
+          slope[2 * kAngles + j] += cch * flow.base_acceleration_dtheta[r][1 + j];
+        }
+        slope[2 * kAngles + j] += ch * flow.base_acceleration_domega[r][1 + j];
+      }
+      // ... and through the pitch, moved by the accelerations of the stages before.
+      const Batch by_rate = ch * flow.base_acceleration_domega[r][0];
+      for (int c = 0; c < kColumns; ++c) slope[c] += by_rate * work.pitch_slope[i - 1][c];
+      if (i >= 2) {
+        const Batch by_pitch = cch * flow.base_acceleration_dtheta[r][0];
+        for (int c = 0; c < kColumns; ++c) slope[c] += by_pitch * work.pitch_slope[i - 2][c];
+      }
+      for (int c = 0; c < kColumns; ++c) {
+        if (position_weight(t, i) != 0.0) step.d_position[r][c] += for_position * slope[c];
+        step.d_velocity[r][c] += for_velocity * slope[c];
+      }
+      if (r == 2 && i + 1 < t.stages) std::copy(slope, slope + kColumns, work.pitch_slope[i]);
     }
   }
 }
 
-void next_state(const Batch* x, const Batch* u, const Batch& h, const BaseStep& step,
+}  // namespace
+
+void integrate_base(const model::RobotModel& robot, Integrator integrator, const Batch* x, const Batch* u,
+                    const Batch& h, const Batch* first_acceleration, BaseMotion& motion) noexcept {
+  if (integrator == Integrator::rk2) return average<kHeun>(robot, x, u, h, first_acceleration, motion);
+  average<kClassical>(robot, x, u, h, first_acceleration, motion);
+}
+
+void integrate_base_derivatives(const model::RobotModel& robot, Integrator integrator, const Batch* x,
+                                const Batch* u, const Batch& h, const model::NodeDerivatives<Batch>& first,
+                                BaseStep& step, IntegratorWorkspace& work) noexcept {
+  if (integrator == Integrator::rk2) {
+    return average_derivatives<kHeun>(robot, x, u, h, first, step, work);
+  }
+  average_derivatives<kClassical>(robot, x, u, h, first, step, work);
+}
+
+void next_state(const Batch* x, const Batch* u, const Batch& h, const BaseMotion& motion,
                 Batch* x_next) noexcept {
   for (int r = 0; r < 3; ++r) {
-    x_next[r] = x[r] + h * (x[kPositions + r] + h * step.for_position[r]);
-    x_next[kPositions + r] = x[kPositions + r] + h * step.for_velocity[r];
+    x_next[r] = x[r] + h * (x[kPositions + r] + h * motion.for_position[r]);
+    x_next[kPositions + r] = x[kPositions + r] + h * motion.for_velocity[r];
   }
   for (int j = 0; j < kJoints; ++j) {
     const int q = kFirstJoint + j;

@@ -14,24 +14,34 @@ namespace stilt::ocp {
 
 using model::Batch;
 
-/// Base rows of one step: the accelerations averaged for position (times h^2) and for velocity (times h),
-/// with derivatives by theta, omega and u.
-struct BaseStep {
-  static constexpr int kColumns = 2 * model::kAngles + model::kInputs;
+/// Accelerations of the base, averaged over a step for position (times h^2) and for velocity (times h).
+struct BaseMotion {
   Batch for_position[3];
   Batch for_velocity[3];
+};
+
+/// With the derivatives of the step itself: of h^2 for_position and h for_velocity.
+struct BaseStep : BaseMotion {
+  static constexpr int kColumns = 2 * model::kAngles + model::kInputs;
   Batch d_position[3][kColumns];  ///< columns: theta (5), omega (5), u (8)
   Batch d_velocity[3][kColumns];
 };
 
+/// What integrate_base_derivatives needs besides its result; contents need not be initialised.
+struct IntegratorWorkspace {
+  model::FlowDerivatives<Batch> flow;
+  Batch pitch_slope[4][BaseStep::kColumns];  ///< derivative of each stage's pitch acceleration
+};
+
 /// `first`: base acceleration (with derivatives) at the start of the step, known from the node function.
 void integrate_base(const model::RobotModel& robot, Integrator integrator, const Batch* x, const Batch* u,
-                    const Batch& h, const Batch* first_acceleration, BaseStep& step) noexcept;
+                    const Batch& h, const Batch* first_acceleration, BaseMotion& motion) noexcept;
 void integrate_base_derivatives(const model::RobotModel& robot, Integrator integrator, const Batch* x,
                                 const Batch* u, const Batch& h, const model::NodeDerivatives<Batch>& first,
-                                BaseStep& step) noexcept;
+                                BaseStep& step, IntegratorWorkspace& work) noexcept;
 
 /// Next state from the averaged accelerations.
-void next_state(const Batch* x, const Batch* u, const Batch& h, const BaseStep& step, Batch* x_next) noexcept;
+void next_state(const Batch* x, const Batch* u, const Batch& h, const BaseMotion& motion,
+                Batch* x_next) noexcept;
 
 }  // namespace stilt::ocp

@@ -1,10 +1,7 @@
 #include <algorithm>
 
 #include "mpc_core/ocp/batch_access.h"
-#include "mpc_core/ocp/cost_rows.h"
-#include "mpc_core/ocp/integrator.h"
-#include "mpc_core/ocp/problem.h"
-#include "mpc_core/ocp/projection.h"
+#include "mpc_core/ocp/linearise_workspace.h"
 
 namespace stilt::ocp {
 namespace {
@@ -16,175 +13,292 @@ using model::kInputs;
 using model::kJoints;
 using model::kPositions;
 using model::kStates;
-using solver::kMaxFreeInputs;
+using solver::kBaseRows;
 using solver::kRows;
 using solver::LqStage;
 
-/// The projected quadratic model of a batch of stages; [column][row] like LqStage.
-template <class Mode>
-struct BatchModel {
-  Batch A[kStates][kStates];
-  Batch B[Mode::kFree][kStates];
-  Batch b[kStates];
-  Batch Q[kStates][kStates];
-  Batch q[kStates];
-  Batch S[Mode::kFree][kStates];
-  Batch R[Mode::kFree][Mode::kFree];
-  Batch r[Mode::kFree];
-  Batch u0_slope;
-};
+/// Height of the hip and the columns of a row: all of the state but x_b, as LqStage stores it.
+constexpr int kHeightState = 1;
 
-/// Row r of the averaged base acceleration in (dx, w): by reduced states, by free inputs, constant part.
-template <class Mode>
-struct ProjectedRow {
-  Batch dx[kReducedStates];
-  Batch w[Mode::kFree];
-  Batch constant;
+/// The stages of a batch, a lane each; unused lanes repeat the last one and write the same.
+struct BatchStages {
+  LqStage* stage[kLanes];
+  InputProjection* inputs[kLanes];
 
-  ProjectedRow(const Batch (&slope)[BaseStep::kColumns], const Projection<Mode>& projection) noexcept {
-    for (Batch& entry : dx) entry = Batch(0.0);
-    for (int c = 0; c < kAngles; ++c) {
-      dx[kThetaColumn + c] = slope[c];
-      dx[kOmegaColumn + c] = slope[kAngles + c];
-    }
-    for (Batch& entry : w) entry = Batch(0.0);
-    constant = Batch(0.0);
-    for (int i = 0; i < kInputs; ++i) {
-      const Batch& by_input = slope[2 * kAngles + i];
-      constant += by_input * projection.u0[i];
-      if (i >= kJoints && !Mode::stance((i - kJoints) / 2)) continue;
-      for (int c = 0; c < kReducedStates; ++c) dx[c] += by_input * projection.X[i][c];
-      for (int c = 0; c < Mode::kFree; ++c) w[c] += by_input * projection.W[i][c];
-    }
+  /// Where one vector of each lane's stage lies.
+  template <class Member>
+  void rows(const Member& member, double* (&out)[kLanes]) const noexcept {
+    for (int lane = 0; lane < kLanes; ++lane) out[lane] = member(*stage[lane], *inputs[lane]);
   }
 };
 
-/// A, B, b: position row q gets h^2 times the averaged acceleration, velocity row h times.
+/// Sum over the variables of one row or column.
 template <class Mode>
-void fill_dynamics(const StageBatch& batch, const BatchIterate& it, const BaseStep& step,
-                   const Projection<Mode>& projection, BatchModel<Mode>& out) noexcept {
+Batch over_variables(const Batch* a, const Batch* b) noexcept {
+  Batch sum = a[0] * b[0];
+  for (int v = 1; v < Mode::kVariables; ++v) sum += a[v] * b[v];
+  return sum;
+}
+
+/// G, L, B, b from the rows of the base and the joints' accelerations.
+template <class Mode>
+void store_dynamics(const StageBatch& batch, const BatchIterate& it, const BaseStep& step,
+                    const ForceElimination<Mode>& force, const ConstraintElimination<Mode>& constraint,
+                    const BatchStages& to) noexcept {
+  constexpr int kFree = Mode::kFree;
+  constexpr int kConstraints = Mode::kConstraints;
   const Batch h = batch.duration;
-  Batch reached[kStates];
-  next_state(it.x, it.u, h, step, reached);
-  const auto set_row = [&](int row, const Batch& scale, const Batch* dx, const Batch* w,
-                           const Batch& constant) {
-    out.A[0][row] = Batch(row == 0 ? 1.0 : 0.0);
-    for (int c = 0; c < kReducedStates; ++c) {
-      out.A[c + 1][row] = scale * dx[c] + (c + 1 == row ? 1.0 : 0.0);
+  const Batch half_h2 = 0.5 * h * h;
+  Batch b[kStates];
+  Batch B[kFree][kStates];
+  Batch L[kConstraints][kStates];
+  next_state(it.x, it.u, h, step, b);
+  for (int i = 0; i < kStates; ++i) b[i] -= it.x_next[i];
+
+  double* rows[kLanes];
+  for (int i = 0; i < kBaseRows; ++i) {
+    const int axis = i % 3;
+    const Batch* slope = i < 3 ? step.d_position[axis] : step.d_velocity[axis];
+    Batch row[Mode::kColumns];
+    const Batch constant = force.substitute({slope, slope + kAngles, slope + 2 * kAngles}, row);
+    const Batch* by_z = row + kStateColumns;
+    const int state = solver::kBaseRow[i];
+    b[state] += constant + over_variables<Mode>(by_z, constraint.z0);
+    for (int k = 0; k < kFree; ++k) B[k][state] = over_variables<Mode>(by_z, constraint.W[k]);
+    Batch height = Batch(0.0);
+    for (int r = 0; r < kConstraints; ++r) {
+      L[r][state] = Batch(0.0);
+      const Batch through = over_variables<Mode>(by_z, constraint.Y[r]);
+      height += through * constraint.by_height[r];
+      for (int c = 0; c < kStateColumns; ++c) row[c] += through * constraint.row[r][c];
     }
-    if (row < kPositions) out.A[kPositions + row][row] += h;
-    for (int c = 0; c < Mode::kFree; ++c) out.B[c][row] = scale * w[c];
-    out.b[row] = reached[row] - it.x_next[row] + scale * constant;
-  };
-  for (int r = 0; r < 3; ++r) {
-    const ProjectedRow<Mode> position(step.d_position[r], projection);
-    const ProjectedRow<Mode> velocity(step.d_velocity[r], projection);
-    set_row(r, h * h, position.dx, position.w, position.constant);
-    set_row(kPositions + r, h, velocity.dx, velocity.w, velocity.constant);
+    to.rows([&](LqStage& stage, InputProjection&) { return stage.G[i]; }, rows);
+    store_rows<kStates>(rows, [&](auto c) -> Batch {
+      if constexpr (c < kHeightState)
+        return Batch(0.0);
+      else if constexpr (c == kHeightState)
+        return height;
+      else
+        return row[c - kFirstAngle];
+    });
   }
   for (int j = 0; j < kJoints; ++j) {
-    const int row = kFirstJoint + j;
-    set_row(row, 0.5 * h * h, projection.X[j], projection.W[j], projection.u0[j]);
-    set_row(kPositions + row, h, projection.X[j], projection.W[j], projection.u0[j]);
+    const int q = kFirstJoint + j;
+    const int v = kPositions + q;
+    b[q] += half_h2 * constraint.z0[j];
+    b[v] += h * constraint.z0[j];
+    for (int k = 0; k < kFree; ++k) {
+      B[k][q] = half_h2 * constraint.W[k][j];
+      B[k][v] = h * constraint.W[k][j];
+    }
+    for (int r = 0; r < kConstraints; ++r) {
+      L[r][q] = half_h2 * constraint.Y[r][j];
+      L[r][v] = h * constraint.Y[r][j];
+    }
+  }
+  to.rows([](LqStage& stage, InputProjection&) { return stage.b; }, rows);
+  store_rows<kStates>(rows, [&](auto i) { return b[i]; });
+  for (int k = 0; k < kFree; ++k) {
+    to.rows([&](LqStage& stage, InputProjection&) { return stage.B[k]; }, rows);
+    store_rows<kStates>(rows, [&](auto i) { return B[k][i]; });
+  }
+  for (int r = 0; r < kConstraints; ++r) {
+    to.rows([&](LqStage& stage, InputProjection&) { return stage.G[kBaseRows + r]; }, rows);
+    store_rows<kStates>(rows, [&](auto c) -> Batch {
+      if constexpr (c < kHeightState)
+        return Batch(0.0);
+      else if constexpr (c == kHeightState)
+        return Batch(constraint.by_height[r]);
+      else
+        return constraint.row[r][c - kFirstAngle];
+    });
+    to.rows([&](LqStage& stage, InputProjection&) { return stage.L[r]; }, rows);
+    store_rows<kStates>(rows, [&](auto i) { return L[r][i]; });
   }
 }
 
-/// Q, S, R, q, r, all times the duration of the stage.
+/// Q, S, R, q, r: the cost over (dx, z) with z = z0 + Y c + W w, c = row dx + by_height dz_b. With T = H_zz Y
+/// and per constraint v = H_xz Y + 1/2 (Y'T) row the state's Hessian gains row v' + v row'.
 template <class Mode>
-void fill_cost(const ProblemData& data, const StageBatch& batch, const BatchIterate& it,
-               const model::NodeDerivatives<Batch>& node, const Projection<Mode>& projection,
-               BatchModel<Mode>& out) noexcept {
-  constexpr int kColumns = DenseRows<Mode>::kColumns;
-  DenseRows<Mode> rows(projection);
-  add_dense_rows(data, batch, it, node, rows);
-  Batch gradient[kColumns];
-  Batch hessian[kColumns][kColumns];
-  rows.accumulate(gradient, hessian);
-
-  for (int c = 0; c < kStates; ++c) {
-    out.q[c] = c > 0 ? gradient[c - 1] : Batch(0.0);
-    for (int r = 0; r < kStates; ++r) {
-      out.Q[c][r] = c > 0 && r > 0 ? hessian[std::max(c, r) - 1][std::min(c, r) - 1] : Batch(0.0);
+void store_cost(const ConstraintElimination<Mode>& constraint, QuadraticCost& cost,
+                const BatchStages& to) noexcept {
+  constexpr int kFree = Mode::kFree;
+  constexpr int kConstraints = Mode::kConstraints;
+  constexpr int kVariables = Mode::kVariables;
+  constexpr int kColumns = kStateColumns + 1;  ///< height, then the columns of the cost
+  Batch Hzz[kVariables][kVariables];
+  for (int i = 0; i < kVariables; ++i) {
+    for (int j = 0; j < kVariables; ++j) {
+      Hzz[i][j] = cost.H[kStateColumns + std::max(i, j)][kStateColumns + std::min(i, j)];
     }
   }
-  add_state_terms(data, batch, it, node, out.q, out.Q);
-  const Batch h = batch.duration;
-  out.u0_slope = h * rows.drift();
-  for (int c = 0; c < kStates; ++c) {
-    out.q[c] *= h;
-    for (int r = 0; r < kStates; ++r) out.Q[c][r] *= h;
+  const Batch* gz = cost.g + kStateColumns;
+  Batch T[kConstraints][kVariables];
+  Batch row[kConstraints][kColumns];
+  Batch v[kConstraints][kColumns];
+  for (int r = 0; r < kConstraints; ++r) {
+    for (int i = 0; i < kVariables; ++i) T[r][i] = over_variables<Mode>(Hzz[i], constraint.Y[r]);
+    row[r][0] = Batch(constraint.by_height[r]);
+    v[r][0] = Batch(0.0);
+    for (int c = 0; c < kStateColumns; ++c) {
+      row[r][1 + c] = constraint.row[r][c];
+      Batch sum = cost.H[kStateColumns][c] * constraint.Y[r][0];
+      for (int i = 1; i < kVariables; ++i) sum += cost.H[kStateColumns + i][c] * constraint.Y[r][i];
+      v[r][1 + c] = sum;
+    }
   }
-  for (int i = 0; i < Mode::kFree; ++i) {
-    const Batch(&row)[kColumns] = hessian[kReducedStates + i];
-    out.r[i] = h * gradient[kReducedStates + i];
-    out.S[i][0] = Batch(0.0);
-    for (int c = 0; c < kReducedStates; ++c) out.S[i][c + 1] = h * row[c];
-    for (int j = 0; j < Mode::kFree; ++j) {
-      out.R[i][j] = h * hessian[kReducedStates + std::max(i, j)][kReducedStates + std::min(i, j)];
+  Batch slope[kConstraints];
+  for (int r = 0; r < kConstraints; ++r) {
+    slope[r] = over_variables<Mode>(gz, constraint.Y[r]);
+    for (int s = 0; s < kConstraints; ++s) {
+      const Batch half = 0.5 * over_variables<Mode>(T[s], constraint.Y[r]);
+      for (int c = 0; c < kColumns; ++c) v[r][c] += half * row[s][c];
+    }
+  }
+
+  // Column c of Q below the diagonal, states in order: x_b, z_b, then the columns of the cost.
+  double* rows[kLanes];
+  const auto coupled = [&](int c, int d) {
+    Batch sum = row[0][c] * v[0][d] + v[0][c] * row[0][d];
+    for (int r = 1; r < kConstraints; ++r) sum += row[r][c] * v[r][d] + v[r][c] * row[r][d];
+    return sum;
+  };
+  solver::unroll<kStates>([&](auto column) STILT_INLINE {
+    constexpr int c = column;
+    to.rows([](LqStage& stage, InputProjection&) { return stage.Q[c]; }, rows);
+    store_rows<kStates, c / kLanes>(rows, [&](auto state) -> Batch {
+      constexpr int d = state;
+      if constexpr (d < c || (c == 0 && d == kHeightState))
+        return Batch(0.0);
+      else if constexpr (c == 0)
+        return d == 0 ? cost.base_curvature[0] : cost.base_by_state[0][d - kFirstAngle];
+      else if constexpr (d == kHeightState)
+        return cost.base_curvature[1] + coupled(0, 0);
+      else if constexpr (c == kHeightState)
+        return cost.base_by_state[1][d - kFirstAngle] + coupled(0, d - 1);
+      else
+        return cost.H[d - kFirstAngle][c - kFirstAngle] + coupled(c - 1, d - 1);
+    });
+  });
+  to.rows([](LqStage& stage, InputProjection&) { return stage.q; }, rows);
+  store_rows<kStates>(rows, [&](auto state) -> Batch {
+    constexpr int d = state;
+    if constexpr (d == 0) {
+      return cost.base_gradient[0];
+    } else {
+      Batch sum = d == kHeightState ? cost.base_gradient[1] : cost.g[d - kFirstAngle];
+      for (int r = 0; r < kConstraints; ++r) sum += slope[r] * row[r][d - 1];
+      return sum;
+    }
+  });
+
+  Batch R[kFree][kFree];
+  Batch r_free[kFree];
+  for (int k = 0; k < kFree; ++k) {
+    Batch HW[kVariables];
+    for (int i = 0; i < kVariables; ++i) HW[i] = over_variables<Mode>(Hzz[i], constraint.W[k]);
+    for (int i = 0; i <= k; ++i) R[i][k] = R[k][i] = over_variables<Mode>(HW, constraint.W[i]);
+    r_free[k] = over_variables<Mode>(gz, constraint.W[k]);
+    Batch through[kConstraints];
+    for (int r = 0; r < kConstraints; ++r) through[r] = over_variables<Mode>(T[r], constraint.W[k]);
+    to.rows([&](LqStage& stage, InputProjection&) { return stage.S[k]; }, rows);
+    store_rows<kStates>(rows, [&](auto state) -> Batch {
+      constexpr int d = state;
+      if constexpr (d == 0) {
+        return Batch(0.0);
+      } else {
+        Batch sum = through[0] * row[0][d - 1];
+        for (int r = 1; r < kConstraints; ++r) sum += through[r] * row[r][d - 1];
+        if constexpr (d >= kFirstAngle) {
+          for (int i = 0; i < kVariables; ++i) {
+            sum += constraint.W[k][i] * cost.H[kStateColumns + i][d - kFirstAngle];
+          }
+        }
+        return sum;
+      }
+    });
+  }
+  for (int lane = 0; lane < kLanes; ++lane) {
+    LqStage& stage = *to.stage[lane];
+    for (int k = 0; k < kFree; ++k) {
+      stage.r[k] = r_free[k][lane];
+      for (int i = k; i < kFree; ++i) stage.R[k][i] = R[k][i][lane];
     }
   }
 }
 
-/// Writes rows of a [columns][kStates] batch array to one lane's padded columns.
-template <int Columns>
-void store_columns(const Batch (&from)[Columns][kStates], int lane, double (*to)[kRows]) noexcept {
-  for (int c = 0; c < Columns; ++c) {
-    for (int r = 0; r < kStates; ++r) to[c][r] = from[c][r][lane];
-    for (int r = kStates; r < kRows; ++r) to[c][r] = 0.0;
-  }
-}
-
-void store_vector(const Batch (&from)[kStates], int lane, double (&to)[kRows]) noexcept {
-  for (int r = 0; r < kStates; ++r) to[r] = from[r][lane];
-  for (int r = kStates; r < kRows; ++r) to[r] = 0.0;
-}
-
+/// du = u0 + Y c + W w + [0; F dx; 0].
 template <class Mode>
-void store(const BatchModel<Mode>& model, const Projection<Mode>& projection, int lane, LqStage& stage,
-           InputProjection& inputs) noexcept {
-  stage.free_inputs = Mode::kFree;
-  store_columns(model.A, lane, stage.A);
-  store_columns(model.Q, lane, stage.Q);
-  store_columns(model.B, lane, stage.B);
-  store_columns(model.S, lane, stage.S);
-  store_vector(model.b, lane, stage.b);
-  store_vector(model.q, lane, stage.q);
-  for (int i = 0; i < Mode::kFree; ++i) {
-    for (int j = 0; j < Mode::kFree; ++j) stage.R[i][j] = model.R[i][j][lane];
-    stage.r[i] = model.r[i][lane];
+void store_projection(const ForceElimination<Mode>& force, const ConstraintElimination<Mode>& constraint,
+                      const Batch& drift, const BatchStages& to) noexcept {
+  double* rows[kLanes];
+  // Entry i of a vector of inputs that moves z by `z` and swing forces by `swing`.
+  const auto store_inputs = [&](const Batch* z, bool constant) {
+    Batch entry[kInputs];
+    for (int i = 0; i < 2 * model::kFeet; ++i) {
+      entry[kJoints + i] = constant && !Mode::stance(i / 2) ? force.swing_step[i] : Batch(0.0);
+    }
+    for (int v = 0; v < Mode::kVariables; ++v) entry[Mode::input(v)] = z[v];
+    if constexpr (Mode::kStanceFeet > 0) {
+      for (int axis = 0; axis < 2; ++axis) {
+        Batch sum = over_variables<Mode>(force.slope[axis] + kStateColumns, z);
+        if (constant) sum += force.constant[axis];
+        entry[Mode::kFirstForce + axis] = sum;
+      }
+    }
+    store_rows<kInputs>(rows, [&](auto i) { return entry[i]; });
+  };
+  to.rows([](LqStage&, InputProjection& inputs) { return inputs.u0; }, rows);
+  store_inputs(constraint.z0, true);
+  for (int r = 0; r < Mode::kConstraints; ++r) {
+    to.rows([&](LqStage&, InputProjection& inputs) { return inputs.Y[r]; }, rows);
+    store_inputs(constraint.Y[r], false);
   }
-  inputs.u0_slope = model.u0_slope[lane];
-  for (int i = 0; i < kInputs; ++i) {
-    const bool swing_force = i >= kJoints && !Mode::stance((i - kJoints) / 2);
-    inputs.u0[i] = projection.u0[i][lane];
-    inputs.X[0][i] = 0.0;
-    for (int c = 0; c < kReducedStates; ++c) {
-      inputs.X[c + 1][i] = swing_force ? 0.0 : static_cast<double>(projection.X[i][c][lane]);
+  for (int k = 0; k < Mode::kFree; ++k) {
+    to.rows([&](LqStage&, InputProjection& inputs) { return inputs.W[k]; }, rows);
+    store_inputs(constraint.W[k], false);
+  }
+  if constexpr (Mode::kStanceFeet > 0) {
+    for (int axis = 0; axis < 2; ++axis) {
+      to.rows([&](LqStage&, InputProjection& inputs) { return inputs.F[axis]; }, rows);
+      store_rows<kStates>(rows, [&](auto state) -> Batch {
+        if constexpr (state < kFirstAngle)
+          return Batch(0.0);
+        else
+          return force.slope[axis][state - kFirstAngle];
+      });
     }
-    for (int c = 0; c < Mode::kFree; ++c) {
-      inputs.W[c][i] = swing_force ? 0.0 : static_cast<double>(projection.W[i][c][lane]);
-    }
+  }
+  for (int lane = 0; lane < kLanes; ++lane) {
+    to.inputs[lane]->u0_slope = drift[lane];
+    to.inputs[lane]->first_force = Mode::kStanceFeet > 0 ? Mode::kFirstForce : -1;
   }
 }
 
 template <class Mode>
 void linearise_batch(const ProblemData& data, const BatchParameters& parameters, const StageBatch& batch,
-                     const Trajectory& iterate, LqStage* stages, InputProjection* projections) noexcept {
-  const BatchIterate it(iterate, batch);
-  model::NodeDerivatives<Batch> node;
-  data.robot->batch.node_derivatives(it.x, it.u, parameters.value, node);
-  Projection<Mode> projection;
-  project(data.equality, batch, it.u, node, projection);
-  BaseStep step;
-  integrate_base_derivatives(*data.robot, data.discretisation.integrator, it.x, it.u, batch.duration, node,
-                             step);
-  BatchModel<Mode> model;
-  fill_dynamics(batch, it, step, projection, model);
-  fill_cost(data, batch, it, node, projection, model);
-  for (int lane = 0; lane < batch.lanes; ++lane) {
-    const int k = batch.stage[lane];
-    store(model, projection, lane, stages[k], projections[k]);
+                     const Trajectory& iterate, LqStage* stages, InputProjection* projections,
+                     LineariseWorkspace& work) noexcept {
+  BatchStages to;
+  for (int lane = 0; lane < kLanes; ++lane) {
+    to.stage[lane] = stages + batch.stage[lane];
+    to.inputs[lane] = projections + batch.stage[lane];
+    to.stage[lane]->h = batch.duration[lane];
+    to.stage[lane]->form = solver::StageForm::flow;
+    to.stage[lane]->constraints = Mode::kConstraints;
+    to.stage[lane]->free_inputs = Mode::kFree;
   }
+  const BatchIterate it(iterate, batch);
+  data.robot->batch.node_derivatives(it.x, it.u, parameters.value, work.node);
+  integrate_base_derivatives(*data.robot, data.discretisation.integrator, it.x, it.u, batch.duration,
+                             work.node, work.step, work.integrator);
+  const ForceElimination<Mode> force(data.equality, batch, it.u, work.node);
+  const ConstraintElimination<Mode> constraint(data.equality, batch, work.node, force);
+  store_dynamics(batch, it, work.step, force, constraint, to);
+  add_input_terms(data, batch, it, work.node, force, constraint, work.cost);
+  add_state_terms(data, batch, it, work.node, work.cost);
+  store_cost(constraint, work.cost, to);
+  store_projection(force, constraint, work.cost.drift, to);
 }
 
 /// x+ = x with the velocity possibly changed by the impact of the feet that touch down (one after the other
@@ -192,13 +306,13 @@ void linearise_batch(const ProblemData& data, const BatchParameters& parameters,
 void linearise_transition(const ProblemData& data, const Stage& stage, const double* x, const double* x_next,
                           LqStage& out, InputProjection& inputs) noexcept {
   out = LqStage{};
+  out.form = solver::StageForm::transition;
   inputs = InputProjection{};
+  inputs.first_force = -1;
   double after[kStates];
-  for (int i = 0; i < kStates; ++i) {
-    after[i] = x[i];
-    out.A[i][i] = 1.0;
-    out.Q[i][i] = 0.0;
-  }
+  double A[kPositions][kStates] = {};  // rows of the velocity after
+  for (int i = 0; i < kStates; ++i) after[i] = x[i];
+  for (int i = 0; i < kPositions; ++i) A[i][kPositions + i] = 1.0;
   for (int foot = 0; foot < model::kFeet; ++foot) {
     if (!stage.touchdown[foot]) continue;
     model::NodeDerivatives<double> node;
@@ -220,18 +334,18 @@ void linearise_transition(const ProblemData& data, const Stage& stage, const dou
     if (data.discretisation.transition == Transition::identity) continue;
     model::ImpactDerivatives<double> impact;
     data.robot->scalar.impact_derivatives[foot](after, data.joint_parameters, impact);
-    for (int c = 0; c < kStates; ++c) {
-      double velocity[kPositions];
-      for (int r = 0; r < kPositions; ++r) {
-        double sum = 0.0;
-        for (int k = 0; k < kAngles; ++k)
-          sum += impact.velocity_after_dtheta[r][k] * out.A[c][kFirstAngle + k];
-        for (int k = 0; k < kPositions; ++k) sum += impact.velocity_after_dv[r][k] * out.A[c][kPositions + k];
-        velocity[r] = sum;
+    double product[kPositions][kStates] = {};
+    for (int r = 0; r < kPositions; ++r) {
+      for (int k = 0; k < kAngles; ++k) product[r][kFirstAngle + k] = impact.velocity_after_dtheta[r][k];
+      for (int k = 0; k < kPositions; ++k) {
+        for (int c = 0; c < kStates; ++c) product[r][c] += impact.velocity_after_dv[r][k] * A[k][c];
       }
-      std::copy(velocity, velocity + kPositions, &out.A[c][kPositions]);
     }
+    std::copy(&product[0][0], &product[0][0] + kPositions * kStates, &A[0][0]);
     std::copy(impact.velocity_after, impact.velocity_after + kPositions, after + kPositions);
+  }
+  for (int r = 0; r < kPositions; ++r) {
+    for (int c = 0; c < kStates; ++c) out.G[r][c] = A[r][c] - (c == kPositions + r ? 1.0 : 0.0);
   }
   for (int i = 0; i < kStates; ++i) out.b[i] = after[i] - x_next[i];
 }
@@ -252,12 +366,13 @@ void linearise_terminal(const ProblemData& data, const Problem& problem, const d
 }  // namespace
 
 void linearise(const ProblemData& data, const Problem& problem, const Trajectory& iterate, LqStage* stages,
-               InputProjection* projections, solver::LqTerminal& terminal) noexcept {
+               InputProjection* projections, solver::LqTerminal& terminal,
+               LineariseWorkspace& work) noexcept {
   const BatchParameters parameters(data);
   for (int b = 0; b < problem.batches; ++b) {
     const StageBatch& batch = problem.batch[b];
     dispatch(batch.mode, [&]<class Mode>(Mode) {
-      linearise_batch<Mode>(data, parameters, batch, iterate, stages, projections);
+      linearise_batch<Mode>(data, parameters, batch, iterate, stages, projections, work);
     });
   }
   for (int k = 0; k < problem.horizon.stages; ++k) {

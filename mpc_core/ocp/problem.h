@@ -9,6 +9,8 @@
 /// One planning problem: horizon, references and weights, laid out for batched evaluation.
 namespace stilt::ocp {
 
+struct LineariseWorkspace;  // linearise_workspace.h
+
 using model::Batch;
 using model::kLanes;
 
@@ -66,6 +68,7 @@ void fill_batches(const gait::HeuristicReference& reference, Problem& problem) n
 /// The quadratic model around an iterate, equalities projected out (Gauss-Newton Hessian):
 /// one LqStage and one InputProjection a stage, and the terminal cost.
 void linearise(const ProblemData& data, const Problem& problem, const Trajectory& iterate,
-               solver::LqStage* stages, InputProjection* projections, solver::LqTerminal& terminal) noexcept;
+               solver::LqStage* stages, InputProjection* projections, solver::LqTerminal& terminal,
+               LineariseWorkspace& work) noexcept;
 
 }  // namespace stilt::ocp

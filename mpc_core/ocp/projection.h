@@ -9,54 +9,70 @@
 /// Rows, all affine in the input:
 ///   stance foot:  a + kd v = 0                                            (x and z)
 ///   swing foot:   a_z - a_ref + kd (v_z - v_ref) + kp (p_z - p_ref) = 0,  f = 0
-/// Elimination, du = u0 + X dx + W w:
+/// Elimination:
 ///   1. swing forces go to zero;
 ///   2. the force of the first stance foot follows from its two rows: their 2 x 2 block J_b M_bb^-1 J_b' is
-///      symmetric positive definite in every posture;
-///   3. the remaining rows (the swing foot's height, or the other stance foot) are triangularised by
-///   Householder
-///      reflections over the joint accelerations (and the other stance force); the reflected unit vectors
-///      span their null space: 3 free directions in single support, 4 in double support, 2 in flight.
+///      symmetric positive definite in every posture. What is left are the variables z: the joint
+///      accelerations, and in double support the force of the other foot;
+///   3. the remaining rows c'dx + m'z + rho = 0 (the swing foot's height, or the other stance foot) give
+///      z = z0 + Y c'dx + W w by Householder reflections over z; the reflected unit vectors W span their null
+///      space: 3 free directions in single support, 4 in double support, 2 in flight.
+/// The one or two products c'dx are all of dx that reaches z: with the base rows they make the factored
+/// dynamics of solver/lq_problem.h.
 /// Rank: step 3 is singular where the row vanishes, as for two straight legs side by side. A diagonal entry s
 /// below `rank_tolerance` is inverted as s / tolerance^2, so that the constraint fades instead of exploding.
 namespace stilt::ocp {
 
-/// Columns of the state that the constraints and the dense cost rows depend on: all but x_b.
-inline constexpr int kReducedStates = model::kStates - 1;
+/// Columns of the state that everything but the height constraint and the costs of x_b and z_b depends on:
+/// theta (5), base velocity (2), omega (5); column c is state kFirstAngle + c.
+inline constexpr int kStateColumns = model::kStates - model::kFirstAngle;
+inline constexpr int kThetaColumn = 0;
+inline constexpr int kVelocityColumn = model::kPositions - model::kFirstAngle;
+inline constexpr int kOmegaColumn = model::kPositions;
 
 /// Compile-time facts of a contact mode.
 template <bool Left, bool Right>
 struct ModeTraits {
-  static constexpr bool kLeft = Left;
-  static constexpr bool kRight = Right;
   static constexpr int kStanceFeet = int{Left} + int{Right};
-  static constexpr int kFirstStance = Left ? 0 : 1;       ///< foot eliminated in step 2
-  static constexpr int kRows = kStanceFeet == 1 ? 1 : 2;  ///< rows left for step 3
-  /// Variables of step 3: joint accelerations, and in double support the right foot's force.
+  static constexpr int kFirstStance = Left ? 0 : 1;  ///< foot eliminated in step 2
+  static constexpr int kFirstForce = model::kJoints + 2 * kFirstStance;
+  static constexpr int kConstraints = kStanceFeet == 1 ? 1 : 2;  ///< rows left for step 3
+  /// Variables z of step 3: joint accelerations, and in double support the right foot's force.
   static constexpr int kVariables = model::kJoints + (kStanceFeet == 2 ? 2 : 0);
-  static constexpr int kFree = kVariables - kRows;
+  static constexpr int kFree = kVariables - kConstraints;
+  static constexpr int kColumns = kStateColumns + kVariables;  ///< of a row over (dx, z)
   [[nodiscard]] static constexpr bool stance(int foot) noexcept { return foot == 0 ? Left : Right; }
+  /// Foot and axis of row r of step 3.
+  [[nodiscard]] static constexpr int row_foot(int r) noexcept {
+    return kStanceFeet == 1 ? 1 - kFirstStance : kStanceFeet == 2 ? 1 : r;
+  }
+  [[nodiscard]] static constexpr int row_axis(int r) noexcept { return kStanceFeet == 2 ? r : 1; }
+  /// Index into u of variable v.
+  [[nodiscard]] static constexpr int input(int v) noexcept { return v < model::kJoints ? v : v + 2; }
 };
 
-/// du = u0 + X dx + W w for the inputs that are not swing forces (whose step is u0 alone).
-template <class Mode>
-struct Projection {
-  Batch u0[model::kInputs];
-  Batch X[model::kInputs][kReducedStates];
-  Batch W[model::kInputs][Mode::kFree];
+/// Largest sizes over all modes.
+inline constexpr int kMaxVariables = model::kJoints + 2;
+inline constexpr int kMaxColumns = kStateColumns + kMaxVariables;
+
+/// Derivatives of one quantity: by theta (5), omega (5) and u (8).
+struct Slopes {
+  const Batch* theta;
+  const Batch* omega;
+  const Batch* input;
 };
 
-/// One constraint row: residual, derivative by the state (without x_b) and by the input.
+/// One constraint row: residual and derivatives; those by base velocity and height are constants.
 struct ConstraintRow {
   Batch residual;
-  Batch dx[kReducedStates];
-  Batch du[model::kInputs];
-};
+  Batch theta[model::kAngles];
+  Batch omega[model::kAngles];
+  const Batch* input = nullptr;
+  double by_velocity = 0.0;  ///< of the row's own axis
+  double by_height = 0.0;
 
-/// Index of theta[i], of its rate, and of the base velocity r in the reduced state.
-inline constexpr int kThetaColumn = model::kFirstAngle - 1;
-inline constexpr int kOmegaColumn = model::kPositions + model::kFirstAngle - 1;
-inline constexpr int kVelocityColumn = model::kPositions - 1;
+  [[nodiscard]] Slopes slopes() const noexcept { return {theta, omega, input}; }
+};
 
 /// Residual of the row of foot `foot`, direction `axis` (0: x, 1: z).
 inline Batch constraint_residual(const EqualityParameters& p, const StageBatch& batch, bool stance, int foot,
@@ -76,20 +92,18 @@ inline void constraint_row(const EqualityParameters& p, const StageBatch& batch,
   const double kp = stance ? 0.0 : p.swing_kp_1_s2;
   row.residual = constraint_residual(p, batch, stance, foot, axis, node.foot_position, node.foot_velocity,
                                      node.foot_acceleration);
-  for (Batch& entry : row.dx) entry = Batch(0.0);
-  if (axis == 1) row.dx[0] = Batch(kp);
-  row.dx[kVelocityColumn + axis] = Batch(kd);
+  row.by_velocity = kd;
+  row.by_height = kp;
   for (int c = 0; c < model::kAngles; ++c) {
-    row.dx[kThetaColumn + c] = node.foot_acceleration_dtheta[i][c];
-    row.dx[kOmegaColumn + c] = node.foot_acceleration_domega[i][c];
+    row.theta[c] = node.foot_acceleration_dtheta[i][c];
+    row.omega[c] = node.foot_acceleration_domega[i][c];
   }
   for (int c = 0; c < model::kChain; ++c) {
     const int angle = model::kChainAngles[foot][c];
-    row.dx[kThetaColumn + angle] +=
-        kd * node.foot_velocity_dchain[i][c] + kp * node.foot_position_dchain[i][c];
-    row.dx[kOmegaColumn + angle] += kd * node.foot_position_dchain[i][c];
+    row.theta[angle] += kd * node.foot_velocity_dchain[i][c] + kp * node.foot_position_dchain[i][c];
+    row.omega[angle] += kd * node.foot_position_dchain[i][c];
   }
-  for (int c = 0; c < model::kInputs; ++c) row.du[c] = node.foot_acceleration_du[i][c];
+  row.input = node.foot_acceleration_du[i];
 }
 
 namespace detail {
@@ -157,120 +171,120 @@ class RowTriangularisation {
 
 }  // namespace detail
 
-/// Eliminates the equality constraints of a batch in contact mode `Mode`. `u`: inputs of the iterate.
+/// Steps 1 and 2: the forces as affine functions of (dx, z).
 template <class Mode>
-void project(const EqualityParameters& parameters, const StageBatch& batch, const Batch* u,
-             const model::NodeDerivatives<Batch>& node, Projection<Mode>& out) noexcept {
-  constexpr int kJoints = model::kJoints;
-  constexpr int kVariables = Mode::kVariables;
-  constexpr int kRows = Mode::kRows;
-  constexpr bool kAnyStance = Mode::kStanceFeet > 0;
-  constexpr int kFirst = Mode::kFirstStance;
-  constexpr int kFirstForce = kJoints + 2 * kFirst;
+struct ForceElimination {
+  Batch swing_step[2 * model::kFeet];  ///< step of the forces of feet in the air
+  Batch constant[2];                   ///< first stance foot: f = constant + slope (dx, z)
+  Batch slope[2][Mode::kColumns];
 
-  // Step 1. Swing forces go to zero; their step moves the residuals of the other rows.
-  for (int foot = 0; foot < model::kFeet; ++foot) {
-    for (int axis = 0; axis < 2; ++axis) {
-      if (!Mode::stance(foot)) out.u0[kJoints + 2 * foot + axis] = -u[kJoints + 2 * foot + axis];
+  ForceElimination(const EqualityParameters& parameters, const StageBatch& batch, const Batch* u,
+                   const model::NodeDerivatives<Batch>& node) noexcept {
+    for (int i = 0; i < 2 * model::kFeet; ++i) {
+      if (!Mode::stance(i / 2)) swing_step[i] = -u[model::kJoints + i];
     }
-  }
-  const auto load = [&](int foot, int axis, ConstraintRow& row) {
-    constraint_row(parameters, batch, Mode::stance(foot), foot, axis, node, row);
-    for (int other = 0; other < model::kFeet; ++other) {
-      if (Mode::stance(other)) continue;
-      for (int i = kJoints + 2 * other; i < kJoints + 2 * other + 2; ++i)
-        row.residual += row.du[i] * out.u0[i];
-    }
-  };
-  // Index into u of variable c of step 3.
-  const auto variable = [](int c) { return c < kJoints ? c : kJoints + 2 + (c - kJoints); };
-
-  // Step 2. f = -(f0 + fx dx + fz z), z the variables of step 3.
-  Batch f0[2];
-  Batch fx[2][kReducedStates];
-  Batch fz[2][kVariables];
-  if constexpr (kAnyStance) {
-    ConstraintRow row[2];
-    load(kFirst, 0, row[0]);
-    load(kFirst, 1, row[1]);
-    const Batch a = row[0].du[kFirstForce];
-    const Batch b = row[0].du[kFirstForce + 1];
-    const Batch c = row[1].du[kFirstForce];
-    const Batch d = row[1].du[kFirstForce + 1];
-    const Batch scale = 1.0 / (a * d - b * c);
-    const auto solve = [&](const Batch& r0, const Batch& r1, Batch& s0, Batch& s1) {
-      s0 = (d * r0 - b * r1) * scale;
-      s1 = (a * r1 - c * r0) * scale;
-    };
-    solve(row[0].residual, row[1].residual, f0[0], f0[1]);
-    for (int i = 0; i < kReducedStates; ++i) solve(row[0].dx[i], row[1].dx[i], fx[0][i], fx[1][i]);
-    for (int i = 0; i < kVariables; ++i) {
-      solve(row[0].du[variable(i)], row[1].du[variable(i)], fz[0][i], fz[1][i]);
-    }
-  }
-
-  // Step 3. Remaining rows over z, with the first stance force substituted.
-  ConstraintRow row[kRows];
-  Batch m[kRows][kVariables];
-  if constexpr (Mode::kStanceFeet == 1) {
-    load(1 - kFirst, 1, row[0]);
-  } else if constexpr (Mode::kStanceFeet == 2) {
-    load(1, 0, row[0]);
-    load(1, 1, row[1]);
-  } else {
-    load(0, 1, row[0]);
-    load(1, 1, row[1]);
-  }
-  for (int r = 0; r < kRows; ++r) {
-    for (int c = 0; c < kVariables; ++c) m[r][c] = row[r].du[variable(c)];
-    if constexpr (kAnyStance) {
-      for (int k = 0; k < 2; ++k) {
-        const Batch by_force = row[r].du[kFirstForce + k];
-        row[r].residual -= by_force * f0[k];
-        for (int i = 0; i < kReducedStates; ++i) row[r].dx[i] -= by_force * fx[k][i];
-        for (int c = 0; c < kVariables; ++c) m[r][c] -= by_force * fz[k][c];
+    if constexpr (Mode::kStanceFeet > 0) {
+      ConstraintRow x, z;
+      constraint_row(parameters, batch, true, Mode::kFirstStance, 0, node, x);
+      constraint_row(parameters, batch, true, Mode::kFirstStance, 1, node, z);
+      const Batch* by_force[2] = {x.input + Mode::kFirstForce, z.input + Mode::kFirstForce};
+      // -[a b; c d]^-1, applied to both rows.
+      const Batch scale = 1.0 / (by_force[0][1] * by_force[1][0] - by_force[0][0] * by_force[1][1]);
+      const Batch a = by_force[0][0] * scale;
+      const Batch b = by_force[0][1] * scale;
+      const Batch c = by_force[1][0] * scale;
+      const Batch d = by_force[1][1] * scale;
+      const auto solve = [&](const Batch& row_x, const Batch& row_z, Batch& fx, Batch& fz) {
+        fx = d * row_x - b * row_z;
+        fz = a * row_z - c * row_x;
+      };
+      solve(x.residual + swing_share(x.input), z.residual + swing_share(z.input), constant[0], constant[1]);
+      for (int i = 0; i < model::kAngles; ++i) {
+        solve(x.theta[i], z.theta[i], slope[0][kThetaColumn + i], slope[1][kThetaColumn + i]);
+        solve(x.omega[i], z.omega[i], slope[0][kOmegaColumn + i], slope[1][kOmegaColumn + i]);
+      }
+      slope[0][kVelocityColumn] = x.by_velocity * d;
+      slope[1][kVelocityColumn] = -x.by_velocity * c;
+      slope[0][kVelocityColumn + 1] = -z.by_velocity * b;
+      slope[1][kVelocityColumn + 1] = z.by_velocity * a;
+      for (int v = 0; v < Mode::kVariables; ++v) {
+        solve(x.input[Mode::input(v)], z.input[Mode::input(v)], slope[0][kStateColumns + v],
+              slope[1][kStateColumns + v]);
       }
     }
   }
-  const detail::RowTriangularisation<kRows, kVariables> triangular(m, parameters.rank_tolerance);
 
-  Batch range[kRows][kVariables];
-  for (int r = 0; r < kRows; ++r) triangular.axis(r, range[r]);
-  const auto particular = [&](auto&& entry, auto&& store) {
-    Batch y[kRows];
-    for (int r = 0; r < kRows; ++r) y[r] = -entry(r);
-    triangular.solve(y);
-    for (int c = 0; c < kVariables; ++c) {
-      Batch z = y[0] * range[0][c];
-      for (int r = 1; r < kRows; ++r) z += y[r] * range[r][c];
-      store(c, z);
+  /// A quantity's step by the swing forces alone.
+  [[nodiscard]] Batch swing_share(const Batch* by_input) const noexcept {
+    Batch sum = Batch(0.0);
+    for (int i = 0; i < 2 * model::kFeet; ++i) {
+      if (!Mode::stance(i / 2)) sum += by_input[model::kJoints + i] * swing_step[i];
     }
-  };
-  particular([&](int r) { return row[r].residual; }, [&](int c, const Batch& z) { out.u0[variable(c)] = z; });
-  for (int i = 0; i < kReducedStates; ++i) {
-    particular([&](int r) { return row[r].dx[i]; },
-               [&](int c, const Batch& z) { out.X[variable(c)][i] = z; });
-  }
-  for (int k = 0; k < Mode::kFree; ++k) {
-    Batch z[kVariables];
-    triangular.axis(kRows + k, z);
-    for (int c = 0; c < kVariables; ++c) out.W[variable(c)][k] = z[c];
+    return sum;
   }
 
-  // Back to the first stance force.
-  if constexpr (kAnyStance) {
-    for (int k = 0; k < 2; ++k) {
-      const int force = kFirstForce + k;
-      out.u0[force] = -f0[k];
-      for (int i = 0; i < kReducedStates; ++i) out.X[force][i] = -fx[k][i];
-      for (int j = 0; j < Mode::kFree; ++j) out.W[force][j] = Batch(0.0);
-      for (int c = 0; c < kVariables; ++c) {
-        out.u0[force] -= fz[k][c] * out.u0[variable(c)];
-        for (int i = 0; i < kReducedStates; ++i) out.X[force][i] -= fz[k][c] * out.X[variable(c)][i];
-        for (int j = 0; j < Mode::kFree; ++j) out.W[force][j] -= fz[k][c] * out.W[variable(c)][j];
+  /// Row of a quantity over (dx, z), forces substituted; returns its step at dx = 0, z = 0.
+  Batch substitute(const Slopes& from, Batch* row) const noexcept {
+    for (int i = 0; i < model::kAngles; ++i) {
+      row[kThetaColumn + i] = from.theta[i];
+      row[kOmegaColumn + i] = from.omega[i];
+    }
+    row[kVelocityColumn] = row[kVelocityColumn + 1] = Batch(0.0);
+    for (int v = 0; v < Mode::kVariables; ++v) row[kStateColumns + v] = from.input[Mode::input(v)];
+    Batch step = swing_share(from.input);
+    if constexpr (Mode::kStanceFeet > 0) {
+      const Batch by_x = from.input[Mode::kFirstForce];
+      const Batch by_z = from.input[Mode::kFirstForce + 1];
+      for (int c = 0; c < Mode::kColumns; ++c) row[c] += by_x * slope[0][c] + by_z * slope[1][c];
+      step += by_x * constant[0] + by_z * constant[1];
+    }
+    return step;
+  }
+};
+
+/// Step 3: z = z0 + sum_r Y_r c_r + sum_k W_k w_k with c_r = row_r dx + by_height_r dz_b.
+template <class Mode>
+struct ConstraintElimination {
+  Batch row[Mode::kConstraints][kStateColumns];
+  double by_height[Mode::kConstraints];
+  Batch z0[Mode::kVariables];
+  Batch Y[Mode::kConstraints][Mode::kVariables];
+  Batch W[Mode::kFree][Mode::kVariables];
+
+  ConstraintElimination(const EqualityParameters& parameters, const StageBatch& batch,
+                        const model::NodeDerivatives<Batch>& node,
+                        const ForceElimination<Mode>& force) noexcept {
+    constexpr int kRows = Mode::kConstraints;
+    Batch residual[kRows];
+    Batch m[kRows][Mode::kVariables];
+    for (int r = 0; r < kRows; ++r) {
+      ConstraintRow full;
+      const int foot = Mode::row_foot(r);
+      const int axis = Mode::row_axis(r);
+      constraint_row(parameters, batch, Mode::stance(foot), foot, axis, node, full);
+      Batch columns[Mode::kColumns];
+      residual[r] = full.residual + force.substitute(full.slopes(), columns);
+      columns[kVelocityColumn + axis] += full.by_velocity;
+      by_height[r] = full.by_height;
+      for (int c = 0; c < kStateColumns; ++c) row[r][c] = columns[c];
+      for (int v = 0; v < Mode::kVariables; ++v) m[r][v] = columns[kStateColumns + v];
+    }
+    const detail::RowTriangularisation<kRows, Mode::kVariables> triangular(m, parameters.rank_tolerance);
+    Batch range[kRows][Mode::kVariables];
+    for (int r = 0; r < kRows; ++r) triangular.axis(r, range[r]);
+    for (Batch& entry : z0) entry = Batch(0.0);
+    for (int r = 0; r < kRows; ++r) {
+      Batch y[kRows];
+      for (int s = 0; s < kRows; ++s) y[s] = Batch(s == r ? -1.0 : 0.0);
+      triangular.solve(y);
+      for (int v = 0; v < Mode::kVariables; ++v) {
+        Y[r][v] = y[0] * range[0][v];
+        for (int s = 1; s < kRows; ++s) Y[r][v] += y[s] * range[s][v];
+        z0[v] += Y[r][v] * residual[r];
       }
     }
+    for (int k = 0; k < Mode::kFree; ++k) triangular.axis(kRows + k, W[k]);
   }
-}
+};
 
 }  // namespace stilt::ocp

@@ -12,12 +12,18 @@ struct alignas(64) Trajectory {
 };
 
 /// How the step of the input follows from the step of the state and the free directions:
-/// du = u0 + X dx + W w. Columns of eight inputs.
+///
+///   du = u0 + Y c + W w + [0; F dx; 0]
+///
+/// with the products c of the stage's constraint rows and dx (LqStep::c), and F the rows of the force that
+/// the stance constraint fixes, at u[first_force] and the one after. Columns of eight inputs.
 struct alignas(64) InputProjection {
-  double X[model::kStates][model::kInputs];
-  double W[solver::kMaxFreeInputs][model::kInputs];
   double u0[model::kInputs];
+  double Y[solver::kMaxConstraints][model::kInputs];
+  double W[solver::kMaxFreeInputs][model::kInputs];
+  double F[2][solver::kRows];
   double u0_slope;  ///< first-order change of the stage's cost along u0
+  int first_force;  ///< -1: no foot on the ground, or no flow
 };
 
 /// What the line search compares.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mpc_core/solver/simd_columns.h"
+
 namespace stilt::solver {
 namespace {
 
@@ -30,7 +32,7 @@ bool Sqp::step(const ocp::ProblemData& data, const ocp::Problem& problem, const 
                SolveReport& report) noexcept {
   const int stages = problem.horizon.stages;
   const long long start_ns = now_ns();
-  ocp::linearise(data, problem, iterate, stages_, projections_, terminal_);
+  ocp::linearise(data, problem, iterate, stages_, projections_, terminal_, linearise_work_);
   const long long linearised_ns = now_ns();
   const SweepStatus sweep = backward_sweep(stages_, stages, terminal_, gains_, workspace_);
   if (!sweep.ok()) {
@@ -60,14 +62,22 @@ bool Sqp::step(const ocp::ProblemData& data, const ocp::Problem& problem, const 
 void Sqp::expand_inputs(int stages) noexcept {
   for (int k = 0; k < stages; ++k) {
     const ocp::InputProjection& projection = projections_[k];
-    double* du = input_steps_[k];
+    const LqStage& stage = stages_[k];
+    const LqStep& step = steps_[k];
+    double du[kInputs];
     std::copy(projection.u0, projection.u0 + kInputs, du);
-    for (int c = 0; c < kStates; ++c) {
-      for (int i = 0; i < kInputs; ++i) du[i] += projection.X[c][i] * steps_[k].x[c];
+    const int constraints = stage.form == StageForm::flow ? stage.constraints : 0;
+    for (int r = 0; r < constraints; ++r) {
+      for (int i = 0; i < kInputs; ++i) du[i] += projection.Y[r][i] * step.c[r];
     }
-    for (int c = 0; c < stages_[k].free_inputs; ++c) {
-      for (int i = 0; i < kInputs; ++i) du[i] += projection.W[c][i] * steps_[k].w[c];
+    for (int c = 0; c < stage.free_inputs; ++c) {
+      for (int i = 0; i < kInputs; ++i) du[i] += projection.W[c][i] * step.w[c];
     }
+    if (projection.first_force >= 0) {
+      for (int axis = 0; axis < 2; ++axis)
+        du[projection.first_force + axis] += dot(projection.F[axis], step.x);
+    }
+    std::copy(du, du + kInputs, input_steps_[k]);
   }
 }
 
@@ -137,14 +147,19 @@ SolveReport Sqp::solve(const ocp::ProblemData& data, const ocp::Problem& problem
   return report;
 }
 
-void Sqp::feedback_gain(int stage, Eigen::Matrix<double, kInputs, kStates>& gain) const noexcept {
-  const ocp::InputProjection& projection = projections_[stage];
+void Sqp::feedback_gain(int k, Eigen::Matrix<double, kInputs, kStates>& gain) const noexcept {
+  const ocp::InputProjection& projection = projections_[k];
+  const LqStage& stage = stages_[k];
+  const int constraints = stage.form == StageForm::flow ? stage.constraints : 0;
   for (int c = 0; c < kStates; ++c) {
     for (int i = 0; i < kInputs; ++i) {
-      double sum = projection.X[c][i];
-      for (int j = 0; j < stages_[stage].free_inputs; ++j) sum += projection.W[j][i] * gains_[stage].K[j][c];
+      double sum = 0.0;
+      for (int r = 0; r < constraints; ++r) sum += projection.Y[r][i] * stage.G[kBaseRows + r][c];
+      for (int j = 0; j < stage.free_inputs; ++j) sum += projection.W[j][i] * gains_[k].K[j][c];
       gain(i, c) = sum;
     }
+    if (projection.first_force < 0) continue;
+    for (int axis = 0; axis < 2; ++axis) gain(projection.first_force + axis, c) += projection.F[axis][c];
   }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "mpc_core/ocp/linearise_workspace.h"
 #include "mpc_core/ocp/problem.h"
 #include "mpc_core/solver/riccati.h"
 #include "mpc_core/solver/solve_report.h"
@@ -38,7 +39,7 @@ class Sqp {
   [[nodiscard]] SolveReport solve(const ocp::ProblemData& data, const ocp::Problem& problem,
                                   const SqpParameters& parameters, ocp::Trajectory& iterate) noexcept;
 
-  /// Feedback of the last solve at stage k: du = K dx with K = X + W K_w.
+  /// Feedback of the last solve at stage k: du = K dx.
   void feedback_gain(int stage, Eigen::Matrix<double, model::kInputs, model::kStates>& gain) const noexcept;
 
   void set_clock(ClockFunction clock) noexcept { clock_ = clock; }
@@ -65,6 +66,7 @@ class Sqp {
   LqStep steps_[ocp::kMaxNodes];
   RiccatiWorkspace workspace_;
   ocp::InputProjection projections_[ocp::kMaxStages];
+  ocp::LineariseWorkspace linearise_work_;
   alignas(64) double input_steps_[ocp::kMaxStages][model::kInputs];
   ocp::Trajectory trial_;
 };

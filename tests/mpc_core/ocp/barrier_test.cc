@@ -10,12 +10,16 @@ namespace stilt::ocp {
 namespace {
 
 double barrier(const BarrierParameters& p, double h) {
-  BarrierSum sum(p);
+  const BarrierConstants constants(p);
+  BarrierSum sum(constants);
   sum.add(Batch(h));
   return sum.value()[0];
 }
 
-BarrierSlope slope(const BarrierParameters& p, double h) { return barrier_slope(p, Batch(h)); }
+/// The second barrier of the pair is somewhere else and must not matter.
+BarrierSlope slope(const BarrierParameters& p, double h) {
+  return BarrierPair(p, Batch(h), Batch(1.7 * p.delta)).a;
+}
 
 /// The formula of the header in the standard library's logarithm.
 double plain_barrier(const BarrierParameters& p, double h) {
@@ -111,7 +115,8 @@ TEST(Barrier, SumOfSixteenIsTheSumOfEach) {
   std::uniform_real_distribution<double> below(-50.0, 1.0);
   for (int sample = 0; sample < 1000; ++sample) {
     const BarrierParameters p = kBarriers[sample % 5];
-    BarrierSum sum(p);
+    const BarrierConstants constants(p);
+    BarrierSum sum(constants);
     double expected[model::kLanes] = {};
     double scale = 1.0;
     for (int term = 0; term < 16; ++term) {

@@ -56,6 +56,20 @@ struct Linearisation {
   Linearisation(const ocp::ProblemData& data, const ocp::Problem& problem, const ocp::Trajectory& iterate);
 };
 
+/// A of a stage, from its factors.
+[[nodiscard]] Eigen::Matrix<double, model::kStates, model::kStates> dense_dynamics(
+    const solver::LqStage& stage);
+
+/// Q of a stage, from the half that is read.
+[[nodiscard]] Eigen::Matrix<double, model::kStates, model::kStates> dense_hessian(
+    const solver::LqStage& stage);
+
+/// X and W of du = u0 + X dx + W w, from their factors.
+[[nodiscard]] Eigen::Matrix<double, model::kInputs, model::kStates> inputs_by_state(
+    const solver::LqStage& stage, const ocp::InputProjection& projection);
+[[nodiscard]] Eigen::Matrix<double, model::kInputs, Eigen::Dynamic> inputs_by_free(
+    const solver::LqStage& stage, const ocp::InputProjection& projection);
+
 inline constexpr model::ContactMode kAllModes[] = {
     {true, true}, {true, false}, {false, true}, {false, false}};
 

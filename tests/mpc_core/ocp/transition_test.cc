@@ -60,10 +60,11 @@ TEST(Transition, DerivativesAreThoseOfTheImpactMap) {
     const Eigen::MatrixXd expected = testing_support::jacobian(after, z);
     const model::StateVector reached = after(z);
     ASSERT_EQ(lq.free_inputs, 0);
+    const auto dynamics = testing_support::dense_dynamics(lq);
     for (int r = 0; r < kStates; ++r) {
       EXPECT_NEAR(lq.b[r], reached[r] - scene.guess.x[1][r], 1e-11 * (1.0 + std::abs(reached[r])));
       for (int c = 0; c < kStates; ++c) {
-        EXPECT_NEAR(lq.A[c][r], expected(r, c), 1e-10 * (1.0 + expected.norm()))
+        EXPECT_NEAR(dynamics(r, c), expected(r, c), 1e-10 * (1.0 + expected.norm()))
             << "row " << r << " column " << c;
       }
     }
@@ -82,13 +83,12 @@ TEST(Transition, CostIsTheSquaredHorizontalVelocityBeforeTheTouchDown) {
     };
     const Eigen::MatrixXd gradient =
         testing_support::jacobian(cost, testing_support::stage_variables(scene.guess, 0));
-    Eigen::Map<const Eigen::Matrix<double, solver::kRows, kStates>> hessian(&lq.Q[0][0]);
+    const auto hessian = testing_support::dense_hessian(lq);
     for (int c = 0; c < kStates; ++c) EXPECT_NEAR(lq.q[c], gradient(0, c), 1e-11 * (1.0 + gradient.norm()));
-    EXPECT_NEAR((hessian.topRows<kStates>() - hessian.topRows<kStates>().transpose()).norm(), 0.0, 1e-15);
     // The Gauss-Newton model of a squared linear form: its value at the velocities is the cost itself.
     model::StateVector velocities = model::StateVector::Zero();
     velocities.tail<kPositions>() = Eigen::Map<const model::StateVector>(scene.guess.x[0]).tail<kPositions>();
-    const double model_cost = 0.5 * velocities.dot(hessian.topRows<kStates>() * velocities);
+    const double model_cost = 0.5 * velocities.dot(hessian * velocities);
     const double true_cost =
         scalar.touchdown_cost<double>(stage, Eigen::Map<const model::StateVector>(scene.guess.x[0]));
     EXPECT_NEAR(model_cost, true_cost, 1e-11 * (1.0 + true_cost));
@@ -99,8 +99,8 @@ TEST(Transition, IdentityLeavesTheStateAlone) {
   const auto scene = touchdown_scene(model::amber3m(), true, false, 3);
   scene->data.discretisation.transition = Transition::identity;
   const Linearisation model(scene->data, scene->problem, scene->guess);
+  EXPECT_TRUE(testing_support::dense_dynamics(model.stages[0]).isIdentity(0.0));
   for (int c = 0; c < kStates; ++c) {
-    for (int r = 0; r < kStates; ++r) EXPECT_EQ(model.stages[0].A[c][r], r == c ? 1.0 : 0.0);
     EXPECT_EQ(model.stages[0].b[c], scene->guess.x[0][c] - scene->guess.x[1][c]);
   }
 }
