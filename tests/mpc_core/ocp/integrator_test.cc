@@ -43,7 +43,7 @@ class BatchedStep {
     for (int i = 0; i < 2 * kJoints; ++i) p[i] = Batch(data.joint_parameters[i]);
     data.robot->batch.node_derivatives(x_, u_, p, node_);
     integrate_base(*data.robot, data.discretisation.integrator, x_, u_, h_, node_.base_acceleration, plain_);
-    integrate_base_derivatives(*data.robot, data.discretisation.integrator, x_, u_, h_, node_, step_);
+    integrate_base_derivatives(*data.robot, data.discretisation.integrator, x_, u_, h_, node_, step_, work_);
     next_state(x_, u_, h_, plain_, reached_);
   }
 
@@ -52,7 +52,7 @@ class BatchedStep {
     for (int i = 0; i < kStates; ++i) state[i] = reached_[i][lane];
     return state;
   }
-  [[nodiscard]] const BaseStep& plain() const { return plain_; }
+  [[nodiscard]] const BaseMotion& plain() const { return plain_; }
   [[nodiscard]] const BaseStep& with_derivatives() const { return step_; }
 
  private:
@@ -60,8 +60,9 @@ class BatchedStep {
   Batch u_[kInputs];
   Batch h_;
   model::NodeDerivatives<Batch> node_;
-  BaseStep plain_;
+  BaseMotion plain_;
   BaseStep step_;
+  IntegratorWorkspace work_;
   Batch reached_[kStates];
 };
 
