@@ -5,10 +5,15 @@
 /// Riccati recursion for the LQ problem of lq_problem.h. With the cost to go of stage k+1
 /// V(x) = 1/2 x' P x + p' x:
 ///
-///   G = S + B'P A            h_x = q + A'(P b + p)
-///   H = R + B'P B = L D L'   h_u = r + B'(P b + p)
-///   K = -H^-1 G              k   = -H^-1 h_u
-///   P <- Q + A'P A - G'H^-1 G        p <- h_x - G'H^-1 h_u
+///   F = S + B'P A            f_x = q + A'(P b + p)
+///   H = R + B'P B = L D L'   f_u = r + B'(P b + p)
+///   K = -H^-1 F              k   = -H^-1 f_u
+///   P <- Q + A'P A - F'H^-1 F        p <- f_x - F'H^-1 f_u
+///
+/// With A = E + U G' in the form of lq_problem.h (U: unit columns and L) products with A become products with
+/// its 6 to 8 rows of G, and
+///
+///   A'P A = E'P E + V'G + G'T        V = U'P E, T = U'P A = V + (U'P U) G
 ///
 /// Of Q and R only the triangles Q[c][r], R[c][r] with r >= c are read, and P is made exactly symmetric at
 /// every stage: the antisymmetric part of a rounding error would otherwise grow with the open-loop dynamics.
@@ -21,7 +26,7 @@ enum class SweepOutcome {
   kOk,
   kNotPositiveDefinite,  ///< R + B'P B is not positive definite: add to R and sweep again, or reject the step
   kNotFinite,            ///< NaN or infinity reached a pivot or the final cost to go
-  kBadInputCount,        ///< free_inputs outside 0 ... kMaxFreeInputs
+  kBadInputCount,  ///< form, free_inputs and constraints are not those of a contact mode, see backward_sweep
 };
 
 struct SweepStatus {
@@ -43,17 +48,19 @@ struct alignas(64) ValueFunction {
 
 /// Everything the sweep writes besides its results (about 8 kB); contents need not be initialised.
 struct alignas(64) RiccatiWorkspace {
-  ValueFunction value[2];                ///< of this stage and the next, in turn
-  double transposed[kStates][kRows];     ///< row k of A in lanes 0-13, of B's first columns in 14-15
-  double PA[kStates][kRows];             ///< P A by columns
-  double PB[kMaxFreeInputs + 1][kRows];  ///< P B by columns, then P b + p
-  double G[kMaxFreeInputs + 1][kRows];   ///< G by rows, then h_x
-  double y[kMaxFreeInputs][kRows];       ///< L^-1 G by rows
-  double z[kMaxFreeInputs][kRows];       ///< -D^-1 L^-1 G by rows
+  ValueFunction value[2];                                 ///< of this stage and the next, in turn
+  double X[kMaxFreeInputs + kMaxConstraints + 1][kRows];  ///< P [B, L] by columns, then P b + p
+  double V[kMaxDynamicsRows][kRows];                      ///< U'P E by rows
+  double T[kMaxDynamicsRows][kRows];                      ///< U'P A by rows
+  double F[kMaxFreeInputs + 1][kRows];                    ///< F by rows, then f_x
+  double y[kMaxFreeInputs][kRows];                        ///< L^-1 F by rows
+  double z[kMaxFreeInputs][kRows];                        ///< -D^-1 L^-1 F by rows
+  double dots[32];                                        ///< [B, L]'X
 };
 
 /// Computes the gains of all stages, last to first.
-/// \param stages  `count` stages (count >= 0)
+/// \param stages  `count` stages (count >= 0): flows with (free inputs, constraints) = (3, 1) single support,
+///                (4, 2) double support, (2, 2) flight; transitions without either
 /// \param gains   `count` gains, written; entries beyond free_inputs are zero
 /// \param values  null, or room for count + 1 cost-to-go functions, written
 /// \return kOk, or what went wrong and where; the gains of that stage and earlier ones are then not to be
@@ -62,9 +69,10 @@ struct alignas(64) RiccatiWorkspace {
                                          LqGain* gains, RiccatiWorkspace& workspace,
                                          ValueFunction* values = nullptr) noexcept;
 
-/// Rolls the solution out: x_{k+1} = A x + B w + b with w = k + K x.
-/// \param x0     kRows values, padding zero
-/// \param steps  count + 1 steps, written; inputs beyond free_inputs and those of the last step are zero
+/// Rolls the solution out: x_{k+1} = A x + B w + b with w = k + K x, c = rows 6, 7 of G x. The stages are
+/// those that backward_sweep accepted. \param x0     kRows values, padding zero \param steps  count + 1
+/// steps, written; w and c beyond the counts of a stage, and those of
+///               the last step, are zero
 void forward_sweep(const LqStage* stages, int count, const LqGain* gains, const double* x0,
                    LqStep* steps) noexcept;
 

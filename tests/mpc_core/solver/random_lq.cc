@@ -44,7 +44,17 @@ double relative(const std::vector<Vector>& terms) {
 PlainStage plain(const LqStage& stage) {
   const int m = stage.free_inputs;
   PlainStage out;
-  out.A = read_columns(stage.A, kStates);
+  const bool flow = stage.form == StageForm::flow;
+  out.A = Matrix::Identity(kStates, kStates);
+  if (flow) out.A.topRightCorner(7, 7) = stage.h * Matrix::Identity(7, 7);
+  const Matrix G = read_columns(stage.G, flow ? kBaseRows + stage.constraints : 7);
+  for (int i = 0; i < G.cols(); ++i) {
+    if (flow && i >= kBaseRows) {
+      out.A += plain_state(stage.L[i - kBaseRows]) * G.col(i).transpose();
+    } else {
+      out.A.row(flow ? kBaseRow[i] : 7 + i) += G.col(i).transpose();
+    }
+  }
   out.B = read_columns(stage.B, m);
   out.Q = read_columns(stage.Q, kStates);
   out.S = read_columns(stage.S, m).transpose();
@@ -60,11 +70,18 @@ Matrix plain_terminal_hessian(const LqTerminal& terminal) { return read_columns(
 
 Vector plain_state(const double* padded) { return Eigen::Map<const Vector>(padded, kStates); }
 
-LqStage random_stage(std::mt19937_64& random, int free_inputs, double radius) {
-  const int m = free_inputs, n = kStates + m;
+LqStage random_stage(std::mt19937_64& random, StageKind kind, double coupling) {
+  const int m = kind.free_inputs, n = kStates + m;
+  const bool flow = kind.form == StageForm::flow;
   LqStage stage{};
+  stage.form = kind.form;
   stage.free_inputs = m;
-  write_columns(stage.A, gaussian(random, kStates, kStates) * (radius / std::sqrt(double{kStates})));
+  stage.constraints = kind.constraints;
+  stage.h = flow ? std::uniform_real_distribution<double>(0.002, 0.030)(random) : 0.0;
+  Matrix G = coupling * gaussian(random, kStates, flow ? kBaseRows + kind.constraints : 7);
+  G.row(0).setZero();
+  write_columns(stage.G, G);
+  write_columns(stage.L, gaussian(random, kStates, kind.constraints));
   write_columns(stage.B, gaussian(random, kStates, m));
   const Matrix root = gaussian(random, n, n) / std::sqrt(double(n));
   const Matrix H = root * root.transpose() + 0.01 * Matrix::Identity(n, n);
@@ -81,12 +98,11 @@ LqStage random_stage(std::mt19937_64& random, int free_inputs, double radius) {
 
 LqProblem random_problem(std::uint64_t seed, int count) {
   std::mt19937_64 random(seed);
-  constexpr int kChoices[] = {0, 2, 3, 4};
-  const double radius = std::uniform_real_distribution<double>(0.5, 1.05)(random);
+  const double coupling = std::uniform_real_distribution<double>(0.02, 0.3)(random);
   LqProblem problem;
   for (int k = 0; k < count; ++k) {
     const int choice = std::uniform_int_distribution<int>(0, 3)(random);
-    problem.stages.push_back(random_stage(random, kChoices[choice], radius));
+    problem.stages.push_back(random_stage(random, kKinds[choice], coupling));
   }
   const Matrix root = gaussian(random, kStates, kStates);
   write_columns(problem.terminal.Q, root * root.transpose());

@@ -27,7 +27,7 @@ struct LqSolution {
   std::vector<LqStep> steps;
 };
 
-/// Plain Eigen copies of a stage's matrices, cut to their true sizes.
+/// Plain Eigen copies of a stage's matrices, cut to their true sizes; A as the dense sum of its factors.
 struct PlainStage {
   Matrix A, B, Q, S, R;
   Vector b, q, r;
@@ -36,9 +36,22 @@ struct PlainStage {
 [[nodiscard]] Matrix plain_terminal_hessian(const LqTerminal& terminal);
 [[nodiscard]] Vector plain_state(const double* padded);
 
-/// Dynamics with spectral radius about `radius`, convex cost with a positive definite R.
-[[nodiscard]] LqStage random_stage(std::mt19937_64& random, int free_inputs, double radius);
-/// `count` stages with free inputs drawn from 0, 2, 3, 4 and a common spectral radius in [0.5, 1.05].
+/// What the sweep has kernels for.
+struct StageKind {
+  StageForm form;
+  int free_inputs;
+  int constraints;
+};
+inline constexpr StageKind kSingleSupport{StageForm::flow, 3, 1};
+inline constexpr StageKind kDoubleSupport{StageForm::flow, 4, 2};
+inline constexpr StageKind kFlight{StageForm::flow, 2, 2};
+inline constexpr StageKind kTransition{StageForm::transition, 0, 0};
+inline constexpr StageKind kKinds[] = {kTransition, kFlight, kSingleSupport, kDoubleSupport};
+
+/// Dynamics with normal entries, of deviation `coupling` in G and 1 in L and B, and h between 2 and 30 ms;
+/// convex cost with a positive definite R.
+[[nodiscard]] LqStage random_stage(std::mt19937_64& random, StageKind kind, double coupling);
+/// `count` stages of kinds drawn from kKinds and a common coupling in [0.02, 0.3].
 [[nodiscard]] LqProblem random_problem(std::uint64_t seed, int count);
 
 /// Backward and forward sweep; the status is returned through `status`.

@@ -69,15 +69,37 @@ TEST(Riccati, ShortHorizonsAgreeWithADenseSolveOfTheKktSystem) {
   }
 }
 
-TEST(Riccati, EveryNumberOfFreeInputsHasItsKernel) {
-  for (int inputs = 0; inputs <= kMaxFreeInputs; ++inputs) {
-    std::mt19937_64 random(100 + inputs);
+TEST(Riccati, EveryKindOfStageHasItsKernel) {
+  for (const StageKind kind : kKinds) {
+    SCOPED_TRACE("free inputs " + std::to_string(kind.free_inputs) + ", constraints " +
+                 std::to_string(kind.constraints));
+    std::mt19937_64 random(100 + kind.free_inputs);
     LqProblem problem = random_problem(3, 0);
-    for (int k = 0; k < 30; ++k) problem.stages.push_back(random_stage(random, inputs, 0.9));
+    const int count = kind.free_inputs > 0 ? 200 : 8;  // nothing stabilises a row of transitions
+    for (int k = 0; k < count; ++k) problem.stages.push_back(random_stage(random, kind, 0.1));
     SweepStatus status;
     const LqSolution solution = solve(problem, status);
-    ASSERT_TRUE(status.ok()) << inputs;
-    EXPECT_LE(kkt_residual(problem, solution).worst(), 1e-9) << inputs;
+    ASSERT_TRUE(status.ok());
+    EXPECT_LE(kkt_residual(problem, solution).worst(), 1e-9);
+  }
+}
+
+TEST(Riccati, StepsTellTheProductsWithTheConstraintRows) {
+  const LqProblem problem = ordinary_problem(40);
+  SweepStatus status;
+  const LqSolution solution = solve(problem, status);
+  ASSERT_TRUE(status.ok());
+  for (int k = 0; k <= problem.count(); ++k) {
+    const int constraints = k < problem.count() ? problem.stages[k].constraints : 0;
+    for (int i = 0; i < kMaxConstraints; ++i) {
+      if (i >= constraints) {
+        ASSERT_EQ(solution.steps[k].c[i], 0.0) << "stage " << k;
+        continue;
+      }
+      const Vector row = plain_state(problem.stages[k].G[kBaseRows + i]),
+                   x = plain_state(solution.steps[k].x);
+      ASSERT_NEAR(solution.steps[k].c[i], row.dot(x), 1e-13 * row.norm() * x.norm()) << "stage " << k;
+    }
   }
 }
 
@@ -210,7 +232,11 @@ TEST(Riccati, NaNOrInfinityAnywhereIsReported) {
       }
     }
   };
-  expect_not_finite("A", [](LqProblem&, LqStage& s, double v) { s.A[3][5] = v; });
+  expect_not_finite("G", [](LqProblem&, LqStage& s, double v) { s.G[3][5] = v; });
+  expect_not_finite("L",
+                    [](LqProblem&, LqStage& s, double v) { s.constraints ? s.L[0][11] = v : s.b[1] = v; });
+  expect_not_finite(
+      "h", [](LqProblem&, LqStage& s, double v) { s.form == StageForm::flow ? s.h = v : s.b[1] = v; });
   expect_not_finite("B",
                     [](LqProblem&, LqStage& s, double v) { s.free_inputs ? s.B[1][5] = v : s.b[1] = v; });
   expect_not_finite("Q", [](LqProblem&, LqStage& s, double v) { s.Q[3][5] = v; });
@@ -225,10 +251,15 @@ TEST(Riccati, NaNOrInfinityAnywhereIsReported) {
   expect_not_finite("terminal q", [](LqProblem& p, LqStage&, double v) { p.terminal.q[2] = v; });
 }
 
-TEST(Riccati, AnImpossibleNumberOfInputsIsRefused) {
-  for (const int inputs : {-1, kMaxFreeInputs + 1}) {
+TEST(Riccati, AStageThatIsNoContactModeIsRefused) {
+  constexpr StageKind kRefused[] = {{StageForm::flow, -1, 1}, {StageForm::flow, 5, 1},
+                                    {StageForm::flow, 0, 0},  {StageForm::flow, 3, 2},
+                                    {StageForm::flow, 4, 1},  {StageForm::transition, 3, 1}};
+  for (const StageKind kind : kRefused) {
     LqProblem problem = ordinary_problem();
-    problem.stages[4].free_inputs = inputs;
+    problem.stages[4].form = kind.form;
+    problem.stages[4].free_inputs = kind.free_inputs;
+    problem.stages[4].constraints = kind.constraints;
     const SweepStatus status = status_of(problem);
     EXPECT_EQ(status.outcome, SweepOutcome::kBadInputCount);
     EXPECT_EQ(status.stage, 4);
