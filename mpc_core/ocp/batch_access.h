@@ -70,6 +70,20 @@ struct BatchIterate {
   }
 };
 
+/// States before and after a batch of transitions.
+struct BatchTransition {
+  Batch x[model::kStates];
+  Batch x_next[model::kStates];
+
+  BatchTransition(const Trajectory& iterate, const TransitionBatch& batch) noexcept {
+    const double* rows[kLanes];
+    for (int lane = 0; lane < kLanes; ++lane) rows[lane] = iterate.x[batch.stage[lane]];
+    load_rows<model::kStates>(rows, x);
+    for (int lane = 0; lane < kLanes; ++lane) rows[lane] += solver::kRows;
+    load_rows<model::kStates>(rows, x_next);
+  }
+};
+
 /// The robot's armature and damping, broadcast.
 struct BatchParameters {
   Batch value[2 * model::kJoints];

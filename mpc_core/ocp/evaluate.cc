@@ -125,27 +125,30 @@ void add_equalities(const ProblemData& data, const StageBatch& batch, const Batc
   merit.violation_squared += batch.weight * batch.duration * batch.duration * sum;
 }
 
-void add_transition(const ProblemData& data, const Stage& stage, const double* x, const double* x_next,
-                    Merit& merit) noexcept {
-  model::KinematicsTerms<double> feet;
-  data.robot->scalar.kinematics(x, feet);
-  double after[kStates];
-  std::copy(x, x + kStates, after);
+void add_transitions(const ProblemData& data, const BatchParameters& parameters, const TransitionBatch& batch,
+                     const Trajectory& iterate, BatchMerit& merit) noexcept {
+  const BatchTransition it(iterate, batch);
+  model::KinematicsTerms<Batch> feet;
+  data.robot->batch.kinematics(it.x, feet);
+  Batch after[kStates];
+  std::copy(it.x, it.x + kStates, after);
   for (int foot = 0; foot < kFeet; ++foot) {
-    if (!stage.touchdown[foot]) continue;
-    const double slip_m_s = feet.foot_velocity[2 * foot];
-    merit.cost += 0.5 * data.cost.touchdown_velocity * slip_m_s * slip_m_s;
+    if (!batch.touchdown[foot]) continue;
+    const Batch& slip_m_s = feet.foot_velocity[2 * foot];
+    merit.cost += batch.weight * (0.5 * data.cost.touchdown_velocity) * slip_m_s * slip_m_s;
     if (data.discretisation.transition == Transition::impact) {
-      model::ImpactTerms<double> impact;
-      data.robot->scalar.impact[foot](after, data.joint_parameters, impact);
+      model::ImpactTerms<Batch> impact;
+      data.robot->batch.impact[foot](after, parameters.value, impact);
       std::copy(impact.velocity_after, impact.velocity_after + kPositions, after + kPositions);
     }
   }
+  Batch sum = Batch(0.0);
   for (int i = 0; i < kStates; ++i) {
-    const double defect = after[i] - x_next[i];
-    merit.violation_squared += defect * defect;
-    merit.defect_max = std::max(merit.defect_max, std::abs(defect));
+    const Batch defect = after[i] - it.x_next[i];
+    sum += defect * defect;
+    merit.defect_max = max(merit.defect_max, abs(defect));
   }
+  merit.violation_squared += batch.weight * sum;
 }
 
 double terminal_cost(const ProblemData& data, const Problem& problem, const double* x) noexcept {
@@ -176,18 +179,15 @@ Merit evaluate(const ProblemData& data, const Problem& problem, const Trajectory
     add_defects(data, batch, it, node, sums);
     add_equalities(data, batch, it, node, sums);
   }
+  for (int b = 0; b < problem.transition_batches; ++b) {
+    add_transitions(data, parameters, problem.transition_batch[b], iterate, sums);
+  }
 
   Merit merit;
   merit.cost = reduce(sums.cost) + terminal_cost(data, problem, iterate.x[problem.horizon.stages]);
   merit.violation_squared = reduce(sums.violation_squared);
   merit.defect_max = hmax(sums.defect_max);
   merit.equality_max = hmax(sums.equality_max);
-  for (int k = 0; k < problem.horizon.stages; ++k) {
-    const Stage& stage = problem.horizon.stage[k];
-    if (stage.kind == StageKind::transition) {
-      add_transition(data, stage, iterate.x[k], iterate.x[k + 1], merit);
-    }
-  }
   return merit;
 }
 

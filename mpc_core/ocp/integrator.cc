@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "mpc_core/solver/simd_columns.h"
+
 namespace stilt::ocp {
 namespace {
 
@@ -72,11 +74,35 @@ void average(const model::RobotModel& robot, const Batch* x, const Batch* u, con
   }
 }
 
-/// Row r of the base acceleration's derivatives by theta, omega and u, at the start of the step.
-void copy_slopes(const model::NodeDerivatives<Batch>& from, int r, Batch* to) noexcept {
-  std::copy(from.base_acceleration_dtheta[r], from.base_acceleration_dtheta[r] + kAngles, to);
-  std::copy(from.base_acceleration_domega[r], from.base_acceleration_domega[r] + kAngles, to + kAngles);
-  std::copy(from.base_acceleration_du[r], from.base_acceleration_du[r] + kInputs, to + 2 * kAngles);
+/// Derivatives of one row of the base acceleration by theta, omega and u.
+struct FlowRow {
+  const Batch* theta;
+  const Batch* omega;
+  const Batch* input;
+};
+
+/// That row of stage i by the state at the start of the step: through the stage's angles and rates as they
+/// follow from theta, omega and the joint accelerations, and through the pitch, moved by the accelerations of
+/// the stages before. `pitch_slope[m]`: derivatives of stage m's pitch acceleration.
+template <const Tableau& t, int i>
+STILT_INLINE inline Batch stage_slope(const FlowRow& row, const Batch& ch, const Batch& cch,
+                                      const Batch* const* pitch_slope, int c) noexcept {
+  Batch slope;
+  if (c < kAngles) {
+    slope = row.theta[c];
+  } else if (c < 2 * kAngles) {
+    slope = ch * row.theta[c - kAngles] + row.omega[c - kAngles];
+  } else {
+    slope = row.input[c - 2 * kAngles];
+    if (c - 2 * kAngles < kJoints) {
+      const int angle = 1 + c - 2 * kAngles;
+      slope += ch * row.omega[angle];
+      if constexpr (t.c[i] * t.c[i - 1] != 0.0) slope += cch * row.theta[angle];
+    }
+  }
+  slope += (ch * row.omega[0]) * pitch_slope[i - 1][c];
+  if constexpr (i >= 2) slope += (cch * row.theta[0]) * pitch_slope[i - 2][c];
+  return slope;
 }
 
 template <const Tableau& t>
@@ -87,21 +113,22 @@ void average_derivatives(const model::RobotModel& robot, const Batch* x, const B
   const Batch h2 = h * h;
   Batch pitch_acceleration[4];
   pitch_acceleration[0] = first.base_acceleration[2];
+  // The pitch row comes first: the others follow it.
+  const Batch* pitch_slope[4] = {work.pitch_slope[0], work.pitch_slope[1], work.pitch_slope[2], nullptr};
+  std::copy(first.base_acceleration_dtheta[2], first.base_acceleration_dtheta[2] + kAngles,
+            work.pitch_slope[0]);
+  std::copy(first.base_acceleration_domega[2], first.base_acceleration_domega[2] + kAngles,
+            work.pitch_slope[0] + kAngles);
+  std::copy(first.base_acceleration_du[2], first.base_acceleration_du[2] + kInputs,
+            work.pitch_slope[0] + 2 * kAngles);
   for (int r = 0; r < 3; ++r) {
     step.for_position[r] = position_weight(t, 0) * first.base_acceleration[r];
     step.for_velocity[r] = t.b[0] * first.base_acceleration[r];
-    Batch slope[kColumns];
-    copy_slopes(first, r, slope);
-    if (r == 2) std::copy(slope, slope + kColumns, work.pitch_slope[0]);
-    const Batch for_position = position_weight(t, 0) * h2;
-    const Batch for_velocity = t.b[0] * h;
-    for (int c = 0; c < kColumns; ++c) {
-      step.d_position[r][c] = for_position * slope[c];
-      step.d_velocity[r][c] = for_velocity * slope[c];
-    }
   }
 
-  for (int i = 1; i < t.stages; ++i) {
+  solver::unroll<t.stages - 1>([&](auto stage) STILT_INLINE {
+    constexpr int i = stage + 1;
+    constexpr bool kMovesPosition = position_weight(t, i) != 0.0;
     Batch xi[kStates];
     stage_state(t, i, x, u, h, pitch_acceleration, xi);
     const model::FlowDerivatives<Batch>& flow = work.flow;
@@ -112,37 +139,33 @@ void average_derivatives(const model::RobotModel& robot, const Batch* x, const B
     const Batch for_position = position_weight(t, i) * h2;
     const Batch for_velocity = t.b[i] * h;
     for (int r = 0; r < 3; ++r) {
-      if (position_weight(t, i) != 0.0) {
+      if constexpr (kMovesPosition) {
         step.for_position[r] += position_weight(t, i) * flow.base_acceleration[r];
       }
       step.for_velocity[r] += t.b[i] * flow.base_acceleration[r];
-      // Through the stage's angles and rates as they follow from theta, omega and the joint accelerations ...
-      Batch slope[kColumns];
-      for (int c = 0; c < kAngles; ++c) {
-        slope[c] = flow.base_acceleration_dtheta[r][c];
-        slope[kAngles + c] = ch * flow.base_acceleration_dtheta[r][c] + flow.base_acceleration_domega[r][c];
-      }
-      for (int c = 0; c < kInputs; ++c) slope[2 * kAngles + c] = flow.base_acceleration_du[r][c];
-      for (int j = 0; j < kJoints; ++j) {
-        if (t.c[i] * t.c[i - 1] != 0.0) {
-          slope[2 * kAngles + j] += cch * flow.base_acceleration_dtheta[r][1 + j];
+      const FlowRow row{flow.base_acceleration_dtheta[r], flow.base_acceleration_domega[r],
+                        flow.base_acceleration_du[r]};
+      const Batch first_position = position_weight(t, 0) * h2;
+      const Batch first_velocity = t.b[0] * h;
+      solver::unroll<kColumns>([&](auto column) STILT_INLINE {
+        constexpr int c = column;
+        const Batch slope = stage_slope<t, i>(row, ch, cch, pitch_slope, c);
+        if constexpr (i == 1) {
+          const Batch& start = c < kAngles       ? first.base_acceleration_dtheta[r][c]
+                               : c < 2 * kAngles ? first.base_acceleration_domega[r][c - kAngles]
+                                                 : first.base_acceleration_du[r][c - 2 * kAngles];
+          step.d_position[r][c] = first_position * start;
+          step.d_velocity[r][c] = first_velocity * start + for_velocity * slope;
+        } else {
+          step.d_velocity[r][c] += for_velocity * slope;
         }
-        slope[2 * kAngles + j] += ch * flow.base_acceleration_domega[r][1 + j];
-      }
-      // ... and through the pitch, moved by the accelerations of the stages before.
-      const Batch by_rate = ch * flow.base_acceleration_domega[r][0];
-      for (int c = 0; c < kColumns; ++c) slope[c] += by_rate * work.pitch_slope[i - 1][c];
-      if (i >= 2) {
-        const Batch by_pitch = cch * flow.base_acceleration_dtheta[r][0];
-        for (int c = 0; c < kColumns; ++c) slope[c] += by_pitch * work.pitch_slope[i - 2][c];
-      }
-      for (int c = 0; c < kColumns; ++c) {
-        if (position_weight(t, i) != 0.0) step.d_position[r][c] += for_position * slope[c];
-        step.d_velocity[r][c] += for_velocity * slope[c];
-      }
-      if (r == 2 && i + 1 < t.stages) std::copy(slope, slope + kColumns, work.pitch_slope[i]);
+        if constexpr (kMovesPosition) step.d_position[r][c] += for_position * slope;
+        if constexpr (i + 1 < t.stages) {
+          if (r == 2) work.pitch_slope[i][c] = slope;
+        }
+      });
     }
-  }
+  });
 }
 
 }  // namespace

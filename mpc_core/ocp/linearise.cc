@@ -296,58 +296,96 @@ void linearise_batch(const ProblemData& data, const BatchParameters& parameters,
   const ConstraintElimination<Mode> constraint(data.equality, batch, work.node, force);
   store_dynamics(batch, it, work.step, force, constraint, to);
   add_input_terms(data, batch, it, work.node, force, constraint, work.cost);
-  add_state_terms(data, batch, it, work.node, work.cost);
+  add_state_terms<Mode>(data, batch, it, work.node, work.cost);
   store_cost(constraint, work.cost, to);
   store_projection(force, constraint, work.cost.drift, to);
 }
 
-/// x+ = x with the velocity possibly changed by the impact of the feet that touch down (one after the other
-/// when two do); cost on their horizontal velocity before it.
-void linearise_transition(const ProblemData& data, const Stage& stage, const double* x, const double* x_next,
-                          LqStage& out, InputProjection& inputs) noexcept {
-  out = LqStage{};
-  out.form = solver::StageForm::transition;
-  inputs = InputProjection{};
-  inputs.first_force = -1;
-  double after[kStates];
-  double A[kPositions][kStates] = {};  // rows of the velocity after
-  for (int i = 0; i < kStates; ++i) after[i] = x[i];
-  for (int i = 0; i < kPositions; ++i) A[i][kPositions + i] = 1.0;
-  for (int foot = 0; foot < model::kFeet; ++foot) {
-    if (!stage.touchdown[foot]) continue;
-    model::NodeDerivatives<double> node;
-    const double no_input[kInputs] = {};
-    data.robot->scalar.node_derivatives(x, no_input, data.joint_parameters, node);
-    double row[kStates] = {};
-    row[kPositions] = 1.0;
-    for (int c = 0; c < model::kChain; ++c) {
-      const int angle = kFirstAngle + model::kChainAngles[foot][c];
-      row[angle] = node.foot_velocity_dchain[2 * foot][c];
-      row[kPositions + angle] = node.foot_position_dchain[2 * foot][c];
-    }
-    for (int c = 0; c < kStates; ++c) {
-      const double weighted = data.cost.touchdown_velocity * row[c];
-      out.q[c] += weighted * node.foot_velocity[2 * foot];
-      for (int r = 0; r < kStates; ++r) out.Q[c][r] += weighted * row[r];
-    }
+/// Velocity after the touch-downs of a batch, one foot after the other when two land, with its derivatives by
+/// the state before: rows of A for the velocities.
+struct TouchDown {
+  Batch after[kStates];
+  Batch A[kPositions][kStates];
 
-    if (data.discretisation.transition == Transition::identity) continue;
-    model::ImpactDerivatives<double> impact;
-    data.robot->scalar.impact_derivatives[foot](after, data.joint_parameters, impact);
-    double product[kPositions][kStates] = {};
+  TouchDown(const ProblemData& data, const BatchParameters& parameters, const TransitionBatch& batch,
+            const Batch* x) noexcept {
+    std::copy(x, x + kStates, after);
     for (int r = 0; r < kPositions; ++r) {
-      for (int k = 0; k < kAngles; ++k) product[r][kFirstAngle + k] = impact.velocity_after_dtheta[r][k];
-      for (int k = 0; k < kPositions; ++k) {
-        for (int c = 0; c < kStates; ++c) product[r][c] += impact.velocity_after_dv[r][k] * A[k][c];
-      }
+      for (int c = 0; c < kStates; ++c) A[r][c] = Batch(c == kPositions + r ? 1.0 : 0.0);
     }
-    std::copy(&product[0][0], &product[0][0] + kPositions * kStates, &A[0][0]);
+    if (data.discretisation.transition == Transition::identity) return;
+    for (int foot = 0; foot < model::kFeet; ++foot) {
+      if (batch.touchdown[foot]) follow(data, parameters, foot);
+    }
+  }
+
+ private:
+  void follow(const ProblemData& data, const BatchParameters& parameters, int foot) noexcept {
+    model::ImpactDerivatives<Batch> impact;
+    data.robot->batch.impact_derivatives[foot](after, parameters.value, impact);
+    for (int c = 0; c < kStates; ++c) {
+      Batch column[kPositions];
+      for (int r = 0; r < kPositions; ++r) {
+        const bool angle = c >= kFirstAngle && c < kFirstAngle + kAngles;
+        column[r] = angle ? impact.velocity_after_dtheta[r][c - kFirstAngle] : Batch(0.0);
+        for (int k = 0; k < kPositions; ++k) column[r] += impact.velocity_after_dv[r][k] * A[k][c];
+      }
+      for (int r = 0; r < kPositions; ++r) A[r][c] = column[r];
+    }
     std::copy(impact.velocity_after, impact.velocity_after + kPositions, after + kPositions);
   }
-  for (int r = 0; r < kPositions; ++r) {
-    for (int c = 0; c < kStates; ++c) out.G[r][c] = A[r][c] - (c == kPositions + r ? 1.0 : 0.0);
+};
+
+/// x+ = x with the velocity possibly changed by the impact of the feet that touch down; cost on their
+/// horizontal velocity before it.
+void linearise_transitions(const ProblemData& data, const BatchParameters& parameters,
+                           const TransitionBatch& batch, const Trajectory& iterate, LqStage* stages,
+                           InputProjection* projections, LineariseWorkspace& work) noexcept {
+  BatchStages to;
+  for (int lane = 0; lane < kLanes; ++lane) {
+    LqStage& stage = *(to.stage[lane] = stages + batch.stage[lane]);
+    stage.h = 0.0;
+    stage.form = solver::StageForm::transition;
+    stage.constraints = stage.free_inputs = 0;
+    InputProjection& inputs = *(to.inputs[lane] = projections + batch.stage[lane]);
+    std::fill(inputs.u0, inputs.u0 + kInputs, 0.0);
+    inputs.u0_slope = 0.0;
+    inputs.first_force = -1;
   }
-  for (int i = 0; i < kStates; ++i) out.b[i] = after[i] - x_next[i];
+  const BatchTransition it(iterate, batch);
+  const TouchDown touchdown(data, parameters, batch, it.x);
+
+  // Cost 1/2 weight (horizontal velocity of the foot)^2.
+  Batch row[model::kFeet][kStates] = {};
+  Batch speed[model::kFeet] = {};
+  Batch no_input[kInputs] = {};
+  data.robot->batch.node_derivatives(it.x, no_input, parameters.value, work.node);
+  for (int foot = 0; foot < model::kFeet; ++foot) {
+    if (!batch.touchdown[foot]) continue;
+    speed[foot] = work.node.foot_velocity[2 * foot];
+    row[foot][kPositions] = Batch(1.0);
+    for (int c = 0; c < model::kChain; ++c) {
+      const int angle = kFirstAngle + model::kChainAngles[foot][c];
+      row[foot][angle] = work.node.foot_velocity_dchain[2 * foot][c];
+      row[foot][kPositions + angle] = work.node.foot_position_dchain[2 * foot][c];
+    }
+  }
+  const double weight = data.cost.touchdown_velocity;
+
+  double* rows[kLanes];
+  for (int i = 0; i < kPositions; ++i) {
+    to.rows([&](LqStage& stage, InputProjection&) { return stage.G[i]; }, rows);
+    store_rows<kStates>(rows, [&](auto c) { return touchdown.A[i][c] - (c == kPositions + i ? 1.0 : 0.0); });
+  }
+  for (int c = 0; c < kStates; ++c) {
+    to.rows([&](LqStage& stage, InputProjection&) { return stage.Q[c]; }, rows);
+    store_rows<kStates>(rows,
+                        [&](auto r) { return weight * (row[0][c] * row[0][r] + row[1][c] * row[1][r]); });
+  }
+  to.rows([](LqStage& stage, InputProjection&) { return stage.q; }, rows);
+  store_rows<kStates>(rows, [&](auto c) { return weight * (row[0][c] * speed[0] + row[1][c] * speed[1]); });
+  to.rows([](LqStage& stage, InputProjection&) { return stage.b; }, rows);
+  store_rows<kStates>(rows, [&](auto i) { return touchdown.after[i] - it.x_next[i]; });
 }
 
 void linearise_terminal(const ProblemData& data, const Problem& problem, const double* x,
@@ -375,11 +413,8 @@ void linearise(const ProblemData& data, const Problem& problem, const Trajectory
       linearise_batch<Mode>(data, parameters, batch, iterate, stages, projections, work);
     });
   }
-  for (int k = 0; k < problem.horizon.stages; ++k) {
-    const Stage& stage = problem.horizon.stage[k];
-    if (stage.kind == StageKind::transition) {
-      linearise_transition(data, stage, iterate.x[k], iterate.x[k + 1], stages[k], projections[k]);
-    }
+  for (int b = 0; b < problem.transition_batches; ++b) {
+    linearise_transitions(data, parameters, problem.transition_batch[b], iterate, stages, projections, work);
   }
   linearise_terminal(data, problem, iterate.x[problem.horizon.stages], terminal);
 }

@@ -26,6 +26,32 @@ void set_lane(StageBatch& batch, int lane, int stage, double duration_s, double 
   }
 }
 
+/// Transitions that put the same feet down fill batches together.
+void fill_transition_batches(Problem& problem) noexcept {
+  const Horizon& horizon = problem.horizon;
+  problem.transition_batches = 0;
+  for (int feet = 0; feet < 4; ++feet) {
+    const std::array<bool, kFeet> touchdown{(feet & 1) != 0, (feet & 2) != 0};
+    TransitionBatch* batch = nullptr;
+    for (int k = 0; k < horizon.stages; ++k) {
+      const Stage& stage = horizon.stage[k];
+      if (stage.kind != StageKind::transition || stage.touchdown != touchdown) continue;
+      if (batch == nullptr || batch->lanes == kLanes) {
+        batch = &problem.transition_batch[problem.transition_batches++];
+        batch->touchdown = touchdown;
+        batch->lanes = 0;
+      }
+      batch->weight[batch->lanes] = 1.0;
+      batch->stage[batch->lanes++] = k;
+    }
+    if (batch == nullptr) continue;
+    for (int lane = batch->lanes; lane < kLanes; ++lane) {
+      batch->weight[lane] = 0.0;
+      batch->stage[lane] = batch->stage[batch->lanes - 1];
+    }
+  }
+}
+
 }  // namespace
 
 void set_weights(ProblemData& data) noexcept {
@@ -69,6 +95,7 @@ void fill_batches(const gait::HeuristicReference& reference, Problem& problem) n
       set_lane(*batch, lane, last, horizon.stage[last].duration_s, 0.0, point);
     }
   }
+  fill_transition_batches(problem);
   const gait::ReferencePoint end = reference.evaluate(horizon.end_s, horizon.end_phase);
   for (int i = 0; i < kStates; ++i) problem.x_ref_terminal[i] = end.state[i];
 }

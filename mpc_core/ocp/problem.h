@@ -32,6 +32,17 @@ struct StageBatch {
 /// Every contact mode may leave one batch partly filled.
 inline constexpr int kMaxBatches = (kMaxStages + kLanes - 1) / kLanes + 4;
 
+/// Up to kLanes transitions that put the same feet down. Unused lanes repeat the last stage with weight 0.
+struct TransitionBatch {
+  std::array<bool, model::kFeet> touchdown{};
+  int lanes = 0;
+  int stage[kLanes] = {};
+  Batch weight;
+};
+
+/// Left, right and both feet may each leave one batch partly filled, as may transitions without a touch-down.
+inline constexpr int kMaxTransitionBatches = (kMaxSwitches + kLanes - 1) / kLanes + 4;
+
 /// Weights and limits in force, with what follows from them.
 struct ProblemData {
   const model::RobotModel* robot = nullptr;
@@ -54,6 +65,8 @@ struct Problem {
   Horizon horizon;
   int batches = 0;
   StageBatch batch[kMaxBatches];
+  int transition_batches = 0;
+  TransitionBatch transition_batch[kMaxTransitionBatches];
   alignas(64) double x_initial[solver::kRows] = {};
   alignas(64) double x_ref_terminal[solver::kRows] = {};
 };

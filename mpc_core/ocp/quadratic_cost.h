@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+
 #include "mpc_core/ocp/barrier.h"
 #include "mpc_core/ocp/batch_access.h"
 #include "mpc_core/ocp/projection.h"
@@ -45,15 +47,21 @@ class DenseRows {
     finish(slope, curvature, force_.substitute(by, rows_[count_]));
   }
 
-  /// The first stance foot's force, combined: by_x fx + by_z fz.
-  void add_force(const Batch& slope, const Batch& curvature, double by_x, const Batch& by_z) noexcept {
-    for (int c = 0; c < Mode::kColumns; ++c) {
-      rows_[count_][c] = by_x * force_.slope[0][c] + by_z * force_.slope[1][c];
-    }
-    finish(slope, curvature, by_x * force_.constant[0] + by_z * force_.constant[1]);
+  /// The first stance foot's force, combined: fx + by_z fz.
+  void add_force(const Batch& slope, const Batch& curvature, const Batch& by_z) noexcept {
+    for (int c = 0; c < Mode::kColumns; ++c)
+      rows_[count_][c] = force_.slope[0][c] + by_z * force_.slope[1][c];
+    finish(slope, curvature, force_.constant[0] + by_z * force_.constant[1]);
   }
 
-  /// Sums gradient and lower half of the Hessian over all rows, in blocks of 4 x 2 that stay in registers.
+  /// The vertical force alone.
+  void add_vertical_force(const Batch& slope, const Batch& curvature) noexcept {
+    std::copy(force_.slope[1], force_.slope[1] + Mode::kColumns, rows_[count_]);
+    finish(slope, curvature, force_.constant[1]);
+  }
+
+  /// Sums gradient and lower half of the Hessian over all rows, in blocks of 4 x 2 that stay in registers (of
+  /// the block whose upper half lies above the diagonal, the lower half).
   void accumulate(QuadraticCost& out) const noexcept {
     for (int c = 0; c < kColumns; ++c) {
       Batch sum = slope_[0] * rows_[0][c];
@@ -61,22 +69,8 @@ class DenseRows {
       out.g[c] = sum;
     }
     for (int i = 0; i < kColumns; i += 4) {
-      for (int j = 0; j < i + 4; j += 2) {
-        Batch sum[4][2] = {};
-        for (int r = 0; r < kRows; ++r) {
-          const Batch b0 = weighted_[r][j];
-          const Batch b1 = weighted_[r][j + 1];
-          for (int k = 0; k < 4; ++k) {
-            const Batch a = rows_[r][i + k];
-            sum[k][0] += a * b0;
-            sum[k][1] += a * b1;
-          }
-        }
-        for (int k = 0; k < 4; ++k) {
-          out.H[i + k][j] = sum[k][0];
-          out.H[i + k][j + 1] = sum[k][1];
-        }
-      }
+      for (int j = 0; j <= i; j += 2) block<0>(i, j, out);
+      block<2>(i, i + 2, out);
     }
     out.drift = drift_;
   }
@@ -90,6 +84,25 @@ class DenseRows {
     for (int c = 0; c < kColumns; ++c) weighted_[count_][c] = curvature * row[c];
     drift_ += slope * step;
     slope_[count_++] = slope + curvature * step;
+  }
+
+  /// Entries (i + first ... i + 3) x (j, j + 1) of the Hessian.
+  template <int first>
+  STILT_INLINE void block(int i, int j, QuadraticCost& out) const noexcept {
+    Batch sum[4][2] = {};
+    for (int r = 0; r < kRows; ++r) {
+      const Batch b0 = weighted_[r][j];
+      const Batch b1 = weighted_[r][j + 1];
+      for (int k = first; k < 4; ++k) {
+        const Batch a = rows_[r][i + k];
+        sum[k][0] += a * b0;
+        sum[k][1] += a * b1;
+      }
+    }
+    for (int k = first; k < 4; ++k) {
+      out.H[i + k][j] = sum[k][0];
+      out.H[i + k][j + 1] = sum[k][1];
+    }
   }
 
   const ForceElimination<Mode>& force_;
@@ -149,8 +162,8 @@ void add_input_terms(const ProblemData& data, const StageBatch& batch, const Bat
     // H = [1 l; 0 1]' diag(hxx, hzz - l hxz) [1 l; 0 1]: two rows.
     const ForceCost cost(data, batch, it.u, Mode::kFirstStance);
     const Batch l = cost.hxz / cost.hxx;
-    rows.add_force(cost.gx, cost.hxx, 1.0, l);
-    rows.add_force(cost.gz - l * cost.gx, cost.hzz - l * cost.hxz, 0.0, Batch(1.0));
+    rows.add_force(cost.gx, cost.hxx, l);
+    rows.add_vertical_force(cost.gz - l * cost.gx, cost.hzz - l * cost.hxz);
   }
   rows.accumulate(out);
 
@@ -181,9 +194,151 @@ void add_input_terms(const ProblemData& data, const StageBatch& batch, const Bat
   }
 }
 
+/// Cost of one foot along one axis over its position p and velocity v: the curvatures and the gradient.
+struct FootCost {
+  Batch pp, pv, vv, gp, gv;
+};
+
+/// Position, velocity, and the acceleration as far as a constraint fixes it (all but a swing foot's x): there
+/// a - a_ref = -(kd dv + kp dp + e), and the step onto the constraint takes away the residual, error + e.
+template <bool stance, int axis>
+STILT_INLINE inline FootCost foot_cost(const ProblemData& data, const StageBatch& batch,
+                                       const model::NodeDerivatives<Batch>& node, int foot,
+                                       Batch& drift) noexcept {
+  const int i = 2 * foot + axis;
+  const Batch h = batch.duration;
+  const Batch position_error = node.foot_position[i] - batch.foot_position_ref[i];
+  const Batch velocity_error = node.foot_velocity[i] - batch.foot_velocity_ref[i];
+  FootCost cost;
+  cost.pp = h * data.cost.foot_position;
+  cost.vv = h * data.cost.foot_velocity;
+  cost.gp = cost.pp * position_error;
+  cost.gv = cost.vv * velocity_error;
+  if constexpr (stance || axis == 1) {
+    const Batch weight = h * data.cost.foot_acceleration;
+    const Batch error = node.foot_acceleration[i] - batch.foot_acceleration_ref[i];
+    const double kd = stance ? data.equality.stance_kd_1_s : data.equality.swing_kd_1_s;
+    Batch e = stance ? kd * node.foot_velocity[i] + batch.foot_acceleration_ref[i] : kd * velocity_error;
+    if constexpr (!stance) {
+      const double kp = data.equality.swing_kp_1_s2;
+      e += kp * position_error;
+      cost.pp += weight * (kp * kp);
+      cost.pv = weight * (kp * kd);
+      cost.gp += weight * kp * e;
+    }
+    cost.vv += weight * (kd * kd);
+    cost.gv += weight * kd * e;
+    drift -= weight * error * (error + e);
+  }
+  return cost;
+}
+
+/// Both axes of one foot. With p_i the derivative of a position by angle i of the chain (and of the velocity
+/// by its rate), d_i that of the velocity by the angle: theta_i moves (p, v) by (p_i, d_i), omega_i by
+/// (0, p_i), the base by (1, 0) and (0, 1).
+template <class Mode, int foot>
+STILT_INLINE inline void add_foot(const ProblemData& data, const StageBatch& batch,
+                                  const model::NodeDerivatives<Batch>& node, QuadraticCost& out) noexcept {
+  using model::kChain;
+  constexpr bool kStance = Mode::stance(foot);
+  Batch theta_theta[kChain][kChain], omega_theta[kChain][kChain], omega_omega[kChain][kChain];
+  Batch theta_gradient[kChain], omega_gradient[kChain];
+  solver::unroll<2>([&](auto axis_constant) STILT_INLINE {
+    constexpr int axis = axis_constant;
+    constexpr bool kCoupled = !kStance && axis == 1;  // p and v meet in the swing foot's height alone
+    const FootCost cost = foot_cost<kStance, axis>(data, batch, node, foot, out.drift);
+    const Batch(&p)[kChain] = node.foot_position_dchain[2 * foot + axis];
+    const Batch(&d)[kChain] = node.foot_velocity_dchain[2 * foot + axis];
+    constexpr int kVelocity = kVelocityColumn + axis;
+    out.base_gradient[axis] += cost.gp;
+    out.base_curvature[axis] += cost.pp;
+    out.g[kVelocity] += cost.gv;
+    out.H[kVelocity][kVelocity] += cost.vv;
+    if constexpr (kCoupled) out.base_by_state[axis][kVelocity] += cost.pv;
+    const auto add = [](Batch& sum, const Batch& value) STILT_INLINE {
+      if constexpr (axis == 0) {
+        sum = value;
+      } else {
+        sum += value;
+      }
+    };
+    solver::unroll<kChain>([&](auto i) STILT_INLINE {
+      constexpr int kTheta = kThetaColumn + model::kChainAngles[foot][i];
+      constexpr int kOmega = kOmegaColumn + model::kChainAngles[foot][i];
+      Batch p_theta = cost.pp * p[i];
+      Batch v_theta = cost.vv * d[i];
+      const Batch v_omega = cost.vv * p[i];
+      if constexpr (kCoupled) {
+        p_theta += cost.pv * d[i];
+        v_theta += cost.pv * p[i];
+        out.base_by_state[axis][kOmega] += cost.pv * p[i];
+      }
+      out.base_by_state[axis][kTheta] += p_theta;
+      out.H[kVelocity][kTheta] += v_theta;
+      out.H[kOmega][kVelocity] += v_omega;
+      add(theta_gradient[i], cost.gp * p[i] + cost.gv * d[i]);
+      add(omega_gradient[i], cost.gv * p[i]);
+      solver::unroll<kChain>([&](auto j) STILT_INLINE {
+        add(omega_theta[i][j], v_omega * d[j]);
+        if constexpr (kCoupled) omega_theta[i][j] += (cost.pv * p[i]) * p[j];
+        if constexpr (j <= i) {
+          add(theta_theta[i][j], p_theta * p[j] + v_theta * d[j]);
+          add(omega_omega[i][j], v_omega * p[j]);
+        }
+      });
+    });
+  });
+  solver::unroll<kChain>([&](auto i) STILT_INLINE {
+    constexpr int kTheta = kThetaColumn + model::kChainAngles[foot][i];
+    constexpr int kOmega = kOmegaColumn + model::kChainAngles[foot][i];
+    out.g[kTheta] += theta_gradient[i];
+    out.g[kOmega] += omega_gradient[i];
+    solver::unroll<kChain>([&](auto j) STILT_INLINE {
+      constexpr int kTheta_j = kThetaColumn + model::kChainAngles[foot][j];
+      constexpr int kOmega_j = kOmegaColumn + model::kChainAngles[foot][j];
+      out.H[kOmega][kTheta_j] += omega_theta[i][j];
+      if constexpr (j <= i) {
+        out.H[kTheta][kTheta_j] += theta_theta[i][j];
+        out.H[kOmega][kOmega_j] += omega_omega[i][j];
+      }
+    });
+  });
+}
+
 /// Terms of the state: weights, joint limits, positions and velocities of the feet, and their accelerations
 /// as far as constraints fix them. Adds to H, g and drift; sets the terms of x_b and z_b.
+template <class Mode>
 void add_state_terms(const ProblemData& data, const StageBatch& batch, const BatchIterate& it,
-                     const model::NodeDerivatives<Batch>& node, QuadraticCost& out) noexcept;
+                     const model::NodeDerivatives<Batch>& node, QuadraticCost& out) noexcept {
+  using model::kPositions;
+  const Batch h = batch.duration;
+  for (int axis = 0; axis < 2; ++axis) {
+    const Batch weight = h * data.state_weight[axis];
+    out.base_gradient[axis] = weight * (it.x[axis] - batch.x_ref[axis]);
+    out.base_curvature[axis] = weight;
+    for (Batch& entry : out.base_by_state[axis]) entry = Batch(0.0);
+  }
+  solver::unroll<kStateColumns>([&](auto c) STILT_INLINE {
+    constexpr int i = model::kFirstAngle + c;
+    constexpr int kJoint = c < kVelocityColumn ? c - kThetaColumn - 1 : c - kOmegaColumn - 1;
+    Batch slope = data.state_weight[i] * (it.x[i] - batch.x_ref[i]);
+    Batch curvature = Batch(data.state_weight[i]);
+    if constexpr (kJoint >= 0) {
+      const bool is_position = c < kVelocityColumn;
+      const JointLimits& limits = data.limits;
+      const BarrierSlope barrier =
+          is_position ? limit_slope(data.inequality.joint_position, it.x[i], limits.position_min_rad[kJoint],
+                                    limits.position_max_rad[kJoint])
+                      : limit_slope(data.inequality.joint_velocity, it.x[i], -limits.velocity_rad_s[kJoint],
+                                    limits.velocity_rad_s[kJoint]);
+      slope += barrier.first;
+      curvature += barrier.second;
+    }
+    out.g[c] += h * slope;
+    out.H[c][c] += h * curvature;
+  });
+  add_foot<Mode, 0>(data, batch, node, out);
+  add_foot<Mode, 1>(data, batch, node, out);
+}
 
 }  // namespace stilt::ocp

@@ -25,6 +25,11 @@ std::unique_ptr<testing_support::Scene> touchdown_scene(const model::RobotModel&
   stage.duration_s = 0.0;
   stage.touchdown = {left, right};
   scene->problem.batches = 0;
+  scene->problem.transition_batches = 1;
+  TransitionBatch& batch = scene->problem.transition_batch[0];
+  batch.touchdown = stage.touchdown;
+  batch.lanes = 1;
+  batch.weight = Batch([](auto lane) { return lane == 0 ? 1.0 : 0.0; });
   return scene;
 }
 
