@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "mpc_core/solver/simd_columns.h"
 
@@ -9,6 +10,8 @@ namespace stilt::solver {
 namespace {
 
 using model::kInputs;
+
+constexpr int kInputParts = kInputs / kLanes;  ///< registers of the input
 
 bool is_finite(const ocp::Merit& merit) noexcept {
   return std::isfinite(merit.cost) && std::isfinite(merit.violation_squared);
@@ -64,52 +67,68 @@ void Sqp::expand_inputs(int stages) noexcept {
     const ocp::InputProjection& projection = projections_[k];
     const LqStage& stage = stages_[k];
     const LqStep& step = steps_[k];
-    double du[kInputs];
-    std::copy(projection.u0, projection.u0 + kInputs, du);
-    const int constraints = stage.form == StageForm::flow ? stage.constraints : 0;
-    for (int r = 0; r < constraints; ++r) {
-      for (int i = 0; i < kInputs; ++i) du[i] += projection.Y[r][i] * step.c[r];
-    }
-    for (int c = 0; c < stage.free_inputs; ++c) {
-      for (int i = 0; i < kInputs; ++i) du[i] += projection.W[c][i] * step.w[c];
-    }
-    if (projection.first_force >= 0) {
-      for (int axis = 0; axis < 2; ++axis)
-        du[projection.first_force + axis] += dot(projection.F[axis], step.x);
-    }
-    std::copy(du, du + kInputs, input_steps_[k]);
+    unroll<kInputParts>([&](auto part) STILT_INLINE {
+      Vec du = load(projection.u0 + part * kLanes);
+      for (int r = 0; r < stage.constraints; ++r) {
+        du += load(projection.Y[r] + part * kLanes) * broadcast(step.c[r]);
+      }
+      for (int c = 0; c < stage.free_inputs; ++c) {
+        du += load(projection.W[c] + part * kLanes) * broadcast(step.w[c]);
+      }
+      store(input_steps_[k] + part * kLanes, du);
+    });
+    if (projection.first_force < 0) continue;
+    double* force = input_steps_[k] + projection.first_force;
+    force[0] += dot(projection.F[0], step.x);
+    force[1] += dot(projection.F[1], step.x);
   }
 }
 
 double Sqp::step_size(int stages) const noexcept {
-  double size = 0.0;
+  Vec size{};
+  const auto include = [&](const double* step) STILT_INLINE {
+    const Vec v = load(step);
+    const Vec magnitude = v < 0.0 ? -v : v;
+    size = magnitude > size ? magnitude : size;
+  };
   for (int k = 0; k <= stages; ++k) {
-    for (int i = 0; i < kStates; ++i) size = std::max(size, std::abs(steps_[k].x[i]));
+    unroll<kParts>([&](auto part) STILT_INLINE { include(steps_[k].x + part * kLanes); });
   }
   for (int k = 0; k < stages; ++k) {
-    for (int i = 0; i < kInputs; ++i) size = std::max(size, std::abs(input_steps_[k][i]));
+    unroll<kInputParts>([&](auto part) STILT_INLINE { include(input_steps_[k] + part * kLanes); });
   }
-  return size;
+  double largest = 0.0;
+  for (int lane = 0; lane < kLanes; ++lane) largest = std::max(largest, size[lane]);
+  return largest;
+}
+
+void Sqp::take_step(const ocp::Trajectory& from, double length, int stages,
+                    ocp::Trajectory& to) const noexcept {
+  for (int k = 0; k <= stages; ++k) {
+    unroll<kParts>([&](auto part) STILT_INLINE {
+      constexpr int i = part * kLanes;
+      store(to.x[k] + i, load(from.x[k] + i) + load(steps_[k].x + i) * broadcast(length));
+    });
+  }
+  for (int k = 0; k < stages; ++k) {
+    unroll<kInputParts>([&](auto part) STILT_INLINE {
+      constexpr int i = part * kLanes;
+      store(to.u[k] + i, load(from.u[k] + i) + load(input_steps_[k] + i) * broadcast(length));
+    });
+  }
 }
 
 Sqp::Search Sqp::line_search(const ocp::ProblemData& data, const ocp::Problem& problem,
-                             const SqpParameters& p, ocp::Trajectory& iterate, ocp::Merit& merit,
-                             SolveReport& report) noexcept {
+                             const SqpParameters& p, const ocp::Trajectory& iterate, ocp::Trajectory& trial,
+                             ocp::Merit& merit, SolveReport& report) noexcept {
   const int stages = problem.horizon.stages;
   const long long start_ns = now_ns();
   Search result = Search::rejected;
   for (double length = 1.0; length >= p.step_min; length *= p.step_decrease) {
-    for (int k = 0; k <= stages; ++k) {
-      for (int i = 0; i < kRows; ++i) trial_.x[k][i] = iterate.x[k][i] + length * steps_[k].x[i];
-    }
-    for (int k = 0; k < stages; ++k) {
-      for (int i = 0; i < kInputs; ++i) trial_.u[k][i] = iterate.u[k][i] + length * input_steps_[k][i];
-    }
-    const ocp::Merit trial = ocp::evaluate(data, problem, trial_);
-    if (!acceptable(p, merit, trial, length, slope_)) continue;
-    std::copy(&trial_.x[0][0], &trial_.x[stages][0] + kRows, &iterate.x[0][0]);
-    std::copy(&trial_.u[0][0], &trial_.u[stages][0], &iterate.u[0][0]);
-    merit = trial;
+    take_step(iterate, length, stages, trial);
+    const ocp::Merit trial_merit = ocp::evaluate(data, problem, trial);
+    if (!acceptable(p, merit, trial_merit, length, slope_)) continue;
+    merit = trial_merit;
     report.step_length = length;
     report.step_size = length * step_size(stages);
     result = Search::accepted;
@@ -124,21 +143,30 @@ SolveReport Sqp::solve(const ocp::ProblemData& data, const ocp::Problem& problem
   SolveReport report;
   times_ = PhaseTimes{};
   const long long start_ns = now_ns();
+  // The iterate and the trial change places when a step is accepted.
+  ocp::Trajectory* current = &iterate;
+  ocp::Trajectory* trial = &trial_;
   ocp::Merit merit = ocp::evaluate(data, problem, iterate);
   report.status = is_finite(merit) ? SolveStatus::iteration_limit : SolveStatus::not_finite;
   while (report.status == SolveStatus::iteration_limit && report.iterations < p.iterations) {
-    if (!step(data, problem, iterate, report)) break;
+    if (!step(data, problem, *current, report)) break;
     ++report.iterations;
     const double cost_before = merit.cost;
-    if (line_search(data, problem, p, iterate, merit, report) == Search::rejected) {
+    if (line_search(data, problem, p, *current, *trial, merit, report) == Search::rejected) {
       report.step_length = 0.0;
       if (p.early_stop) report.status = SolveStatus::step_rejected;
       continue;
     }
+    std::swap(current, trial);
     const bool settled = std::abs(merit.cost - cost_before) < p.cost_tolerance &&
                          std::sqrt(merit.violation_squared) < p.violation_tolerance;
     if (p.early_stop && (settled || report.step_size < p.step_tolerance))
       report.status = SolveStatus::converged;
+  }
+  if (current != &iterate) {
+    const int stages = problem.horizon.stages;
+    std::copy(current->x[0], current->x[stages] + kRows, iterate.x[0]);
+    std::copy(current->u[0], current->u[stages], iterate.u[0]);
   }
   report.cost = merit.cost;
   report.dynamics_defect_max = merit.defect_max;
@@ -150,16 +178,21 @@ SolveReport Sqp::solve(const ocp::ProblemData& data, const ocp::Problem& problem
 void Sqp::feedback_gain(int k, Eigen::Matrix<double, kInputs, kStates>& gain) const noexcept {
   const ocp::InputProjection& projection = projections_[k];
   const LqStage& stage = stages_[k];
-  const int constraints = stage.form == StageForm::flow ? stage.constraints : 0;
   for (int c = 0; c < kStates; ++c) {
-    for (int i = 0; i < kInputs; ++i) {
-      double sum = 0.0;
-      for (int r = 0; r < constraints; ++r) sum += projection.Y[r][i] * stage.G[kBaseRows + r][c];
-      for (int j = 0; j < stage.free_inputs; ++j) sum += projection.W[j][i] * gains_[k].K[j][c];
-      gain(i, c) = sum;
-    }
+    double* column = gain.data() + c * kInputs;
+    unroll<kInputParts>([&](auto part) STILT_INLINE {
+      Vec sum{};
+      for (int r = 0; r < stage.constraints; ++r) {
+        sum += load(projection.Y[r] + part * kLanes) * broadcast(stage.G[kBaseRows + r][c]);
+      }
+      for (int j = 0; j < stage.free_inputs; ++j) {
+        sum += load(projection.W[j] + part * kLanes) * broadcast(gains_[k].K[j][c]);
+      }
+      store(column + part * kLanes, sum);
+    });
     if (projection.first_force < 0) continue;
-    for (int axis = 0; axis < 2; ++axis) gain(projection.first_force + axis, c) += projection.F[axis][c];
+    column[projection.first_force] += projection.F[0][c];
+    column[projection.first_force + 1] += projection.F[1][c];
   }
 }
 

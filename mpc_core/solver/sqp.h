@@ -51,8 +51,9 @@ class Sqp {
   [[nodiscard]] bool step(const ocp::ProblemData& data, const ocp::Problem& problem,
                           const ocp::Trajectory& iterate, SolveReport& report) noexcept;
   [[nodiscard]] Search line_search(const ocp::ProblemData& data, const ocp::Problem& problem,
-                                   const SqpParameters& parameters, ocp::Trajectory& iterate,
-                                   ocp::Merit& merit, SolveReport& report) noexcept;
+                                   const SqpParameters& parameters, const ocp::Trajectory& iterate,
+                                   ocp::Trajectory& trial, ocp::Merit& merit, SolveReport& report) noexcept;
+  void take_step(const ocp::Trajectory& from, double length, int stages, ocp::Trajectory& to) const noexcept;
   void expand_inputs(int stages) noexcept;
   [[nodiscard]] double step_size(int stages) const noexcept;
   [[nodiscard]] long long now_ns() const noexcept { return clock_ != nullptr ? clock_() : 0; }

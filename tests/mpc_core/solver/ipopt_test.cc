@@ -68,7 +68,8 @@ TEST_P(AgainstIpopt, TheSqpFindsTheSameOptimum) {
   ASSERT_TRUE(ipopt.solved);
   RecordProperty("sqp_iterations", report.iterations);
   RecordProperty("ipopt_iterations", ipopt.iterations);
-  EXPECT_EQ(report.status, SolveStatus::converged);
+  // It can do no better: the step vanished, or what a step may gain is below the rounding of the cost.
+  EXPECT_TRUE(report.status == SolveStatus::converged || report.status == SolveStatus::step_rejected);
   EXPECT_NEAR(report.cost, ipopt.cost, 1e-8 * std::abs(ipopt.cost));
   const auto other = std::make_unique<ocp::Trajectory>();
   nlp.unpack(ipopt.v, *other);
