@@ -1,0 +1,57 @@
+#include "tests/firmware/exchange/fiber.h"
+
+#include <cstdint>
+
+#ifdef __SANITIZE_THREAD__
+#include <sanitizer/tsan_interface.h>
+#endif
+
+namespace stilt::exchange::model {
+
+// The thread sanitizer has to be told of every change of stack.
+#ifdef __SANITIZE_THREAD__
+Fiber::Fiber()
+    : stack_(std::make_unique<char[]>(kStack_bytes)), thread_sanitizer_fiber_(__tsan_create_fiber(0)) {}
+Fiber::~Fiber() { __tsan_destroy_fiber(thread_sanitizer_fiber_); }
+#else
+Fiber::Fiber() : stack_(std::make_unique<char[]>(kStack_bytes)) {}
+Fiber::~Fiber() = default;
+#endif
+
+void Fiber::start(const std::function<void()>& body) {
+  body_ = &body;
+  ended_ = false;
+  ::getcontext(&context_);
+  context_.uc_stack.ss_sp = stack_.get();
+  context_.uc_stack.ss_size = kStack_bytes;
+  context_.uc_link = &caller_;
+  // makecontext passes numbers of the size of int only.
+  const auto address = reinterpret_cast<std::uintptr_t>(this);
+  ::makecontext(&context_, reinterpret_cast<void (*)()>(&Fiber::run), 2, static_cast<unsigned>(address),
+                static_cast<unsigned>(address >> 32));
+}
+
+void Fiber::run(unsigned low, unsigned high) {
+  auto* fiber =
+      reinterpret_cast<Fiber*>(static_cast<std::uintptr_t>(low) | static_cast<std::uintptr_t>(high) << 32);
+  (*fiber->body_)();
+  fiber->ended_ = true;
+  fiber->pause();
+}
+
+void Fiber::resume() {
+#ifdef __SANITIZE_THREAD__
+  thread_sanitizer_caller_ = __tsan_get_current_fiber();
+  __tsan_switch_to_fiber(thread_sanitizer_fiber_, 0);
+#endif
+  ::swapcontext(&caller_, &context_);
+}
+
+void Fiber::pause() {
+#ifdef __SANITIZE_THREAD__
+  __tsan_switch_to_fiber(thread_sanitizer_caller_, 0);
+#endif
+  ::swapcontext(&context_, &caller_);
+}
+
+}  // namespace stilt::exchange::model
