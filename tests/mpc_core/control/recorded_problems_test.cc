@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -12,11 +13,8 @@ namespace {
 constexpr const char* kFile = STILT_TEST_DATA "/recorded_problems.txt";
 constexpr double kSame = 1e-8;
 
-/// Worst differences over the problems, for the record.
-struct Worst {
-  double cost = 0.0;
-  double trajectory = 0.0;
-};
+/// Blocks of problems, so that a slow machine can take one of them.
+constexpr std::size_t kBlocks = 10;
 
 class RecordedProblems : public ::testing::Test {
  protected:
@@ -46,9 +44,12 @@ TEST_F(RecordedProblems, AreManyAndVaried) {
   EXPECT_EQ(longest_s, 2.0);
 }
 
-TEST_F(RecordedProblems, HaveTheSameOptimumAsWhenTheyWereRecorded) {
-  Worst worst;
-  for (std::size_t i = 0; i < problems().size(); ++i) {
+class RecordedBlock : public RecordedProblems, public ::testing::WithParamInterface<std::size_t> {};
+
+TEST_P(RecordedBlock, HasTheSameOptimaAsWhenItWasRecorded) {
+  double worst_cost = 0.0;
+  double worst_trajectory = 0.0;
+  for (std::size_t i = GetParam(); i < problems().size(); i += kBlocks) {
     const RecordedProblem& recorded = problems()[i];
     const auto prepared = prepare(recorded.question);
     ASSERT_EQ(prepared->problem.horizon.stages, recorded.optimum.stages) << "problem " << i;
@@ -61,10 +62,13 @@ TEST_F(RecordedProblems, HaveTheSameOptimumAsWhenTheyWereRecorded) {
     EXPECT_LE(cost_change, kSame) << "problem " << i;
     EXPECT_LE(trajectory_change, kSame) << "problem " << i;
     EXPECT_LE(solve.violation, 1e-7) << "problem " << i;
-    worst = {std::max(worst.cost, cost_change), std::max(worst.trajectory, trajectory_change)};
+    worst_cost = std::max(worst_cost, cost_change);
+    worst_trajectory = std::max(worst_trajectory, trajectory_change);
   }
-  std::printf("largest difference: cost %.1e, trajectory %.1e\n", worst.cost, worst.trajectory);
+  std::printf("largest difference: cost %.1e, trajectory %.1e\n", worst_cost, worst_trajectory);
 }
+
+INSTANTIATE_TEST_SUITE_P(Problems, RecordedBlock, ::testing::Range<std::size_t>(0, kBlocks));
 
 TEST_F(RecordedProblems, ADifferentWeightMovesTheOptimumNoticeably) {
   const RecordedProblem& recorded = problems().front();
