@@ -17,11 +17,11 @@ namespace stilt::exchange {
 /// The swaps are acquire and release both ways: the reader sees the whole value, and the writer gets a slot
 /// back only after the last look at it.
 ///
-/// @tparam T       trivially copyable; starts as T{}
+/// @tparam T       owns nothing outside of itself; starts as T{}
 /// @tparam Atomic  std::atomic, or a model of it in tests
 template <class T, template <class> class Atomic = std::atomic>
 class LatestValue {
-  static_assert(std::is_trivially_copyable_v<T>, "values cross threads as plain memory");
+  static_assert(std::is_trivially_destructible_v<T>, "values are memory of fixed size and own nothing");
 
  public:
   /// Writer's thread only: the slot to fill. Holds an old value, anything of it may be overwritten.

@@ -19,12 +19,12 @@ namespace stilt::exchange {
 ///   if (T* slot = ring.claim()) { fill *slot; ring.commit(); }
 ///   while (const T* element = ring.front()) { use *element; ring.pop(); }
 ///
-/// @tparam T          trivially copyable
+/// @tparam T          owns nothing outside of itself
 /// @tparam kCapacity  elements, a power of two
 /// @tparam Atomic     std::atomic, or a model of it in tests
 template <class T, std::size_t kCapacity, template <class> class Atomic = std::atomic>
 class Ring {
-  static_assert(std::is_trivially_copyable_v<T>, "elements cross threads as plain memory");
+  static_assert(std::is_trivially_destructible_v<T>, "elements are memory of fixed size and own nothing");
   static_assert(std::has_single_bit(kCapacity), "the counters wrap around at a power of two");
 
  public:

@@ -8,35 +8,38 @@
 
 namespace stilt::exchange::model {
 
-// The thread sanitizer has to be told of every change of stack.
+Fiber::Fiber() : stack_(std::make_unique<char[]>(kStack_bytes)) {
 #ifdef __SANITIZE_THREAD__
-Fiber::Fiber()
-    : stack_(std::make_unique<char[]>(kStack_bytes)), thread_sanitizer_fiber_(__tsan_create_fiber(0)) {}
-Fiber::~Fiber() { __tsan_destroy_fiber(thread_sanitizer_fiber_); }
-#else
-Fiber::Fiber() : stack_(std::make_unique<char[]>(kStack_bytes)) {}
-Fiber::~Fiber() = default;
+  thread_sanitizer_fiber_ = __tsan_create_fiber(0);  // it has to be told of every change of stack
 #endif
-
-void Fiber::start(const std::function<void()>& body) {
-  body_ = &body;
-  ended_ = false;
   ::getcontext(&context_);
   context_.uc_stack.ss_sp = stack_.get();
   context_.uc_stack.ss_size = kStack_bytes;
-  context_.uc_link = &caller_;
   // makecontext passes numbers of the size of int only.
   const auto address = reinterpret_cast<std::uintptr_t>(this);
   ::makecontext(&context_, reinterpret_cast<void (*)()>(&Fiber::run), 2, static_cast<unsigned>(address),
                 static_cast<unsigned>(address >> 32));
 }
 
+Fiber::~Fiber() {
+#ifdef __SANITIZE_THREAD__
+  __tsan_destroy_fiber(thread_sanitizer_fiber_);
+#endif
+}
+
+void Fiber::start(const std::function<void()>& body) {
+  body_ = &body;
+  ended_ = false;
+}
+
 void Fiber::run(unsigned low, unsigned high) {
   auto* fiber =
       reinterpret_cast<Fiber*>(static_cast<std::uintptr_t>(low) | static_cast<std::uintptr_t>(high) << 32);
-  (*fiber->body_)();
-  fiber->ended_ = true;
-  fiber->pause();
+  for (;;) {  // one function after the other, so that the stack never has to be set up again
+    (*fiber->body_)();
+    fiber->ended_ = true;
+    fiber->pause();
+  }
 }
 
 void Fiber::resume() {
