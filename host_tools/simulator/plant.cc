@@ -95,9 +95,9 @@ void Plant::saturate_and_delay() {
 }
 
 void Plant::apply_forces() {
-  mju_zero(data_->qfrc_applied, model_->nv);
+  for (int i = 0; i < model::kPositions; ++i) data_->qfrc_applied[i] = surroundings_force_[i];
   for (int joint = 0; joint < model::kJoints; ++joint) {
-    data_->qfrc_applied[model::kFirstJoint + joint] = applied_torque_Nm_[joint];
+    data_->qfrc_applied[model::kFirstJoint + joint] += applied_torque_Nm_[joint];
   }
   if (push_N_ == 0.0) return;
   const mjtNum force[3] = {push_N_, 0.0, 0.0};
