@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <string>
 
+#include "firmware/configuration/schema.h"
+
 namespace stilt::configuration {
 namespace {
 
@@ -90,6 +92,25 @@ void check_hardware(const HardwareParameters& hardware, std::vector<Contradictio
   if (found.size() == before && !hal::valid(robot_wiring(hardware), buses)) {
     found.push_back({{"hardware.buses"}, "the wiring of the joints contradicts itself"});
   }
+}
+
+void check_supervisor(const supervisor::SupervisorParameters& supervisor, std::vector<Contradiction>& found) {
+  const auto check = [&found](std::string_view mild_key, double mild, std::string_view hard_key,
+                              double hard) {
+    if (mild < hard) return;
+    found.push_back({{mild_key, hard_key},
+                     std::string(mild_key) + " = " + number_text(mild) + " must be below " +
+                         std::string(hard_key) + " = " + number_text(hard)});
+  };
+  check("supervisor.missed_hold_ticks", supervisor.missed_hold_ticks, "supervisor.missed_damp_ticks",
+        supervisor.missed_damp_ticks);
+  check("supervisor.hot_C", supervisor.hot_C, "supervisor.overheated_C", supervisor.overheated_C);
+  check("supervisor.low_voltage_V", supervisor.low_voltage_V, "supervisor.high_voltage_V",
+        supervisor.high_voltage_V);
+  check("supervisor.older_plan_s", supervisor.older_plan_s, "supervisor.stale_plan_s",
+        supervisor.stale_plan_s);
+  check("supervisor.torque_loop_overrun_s", supervisor.torque_loop_overrun_s,
+        "supervisor.torque_loop_stall_s", supervisor.torque_loop_stall_s);
 }
 
 void check_runtime(const RuntimeParameters& runtime, std::vector<Contradiction>& found) {

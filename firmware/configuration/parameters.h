@@ -2,6 +2,7 @@
 
 #include "firmware/configuration/hardware.h"
 #include "firmware/configuration/runtime.h"
+#include "firmware/supervisor/parameters.h"
 #include "mpc_core/control/parameters.h"
 
 namespace stilt::configuration {
@@ -10,6 +11,7 @@ namespace stilt::configuration {
 /// simulation, and beside them what only the program on the robot needs.
 struct Configuration : control::ControllerParameters {
   HardwareParameters hardware;
+  supervisor::SupervisorParameters supervisor;
   RuntimeParameters runtime;
 };
 

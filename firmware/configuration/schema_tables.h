@@ -9,6 +9,8 @@ namespace stilt::configuration {
 
 [[nodiscard]] std::span<const Section> hardware_sections();
 [[nodiscard]] std::span<const Entry> hardware_entries();
+[[nodiscard]] std::span<const Section> supervisor_sections();
+[[nodiscard]] std::span<const Entry> supervisor_entries();
 [[nodiscard]] std::span<const Section> runtime_sections();
 [[nodiscard]] std::span<const Entry> runtime_entries();
 

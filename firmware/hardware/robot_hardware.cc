@@ -26,4 +26,19 @@ RobotHardware::RobotHardware(const hal::RobotWiring& wiring, const DemandsOfJoin
       robot_(wiring, std::span(tap_pointers_).first(bus_count_)),
       drivers_(wiring, demands, std::span(taps_).first(bus_count_), robot_) {}
 
+std::uint64_t RobotHardware::errors() const noexcept {
+  std::uint64_t count = 0;
+  for (const TapBus& tap : std::span(taps_).first(bus_count_)) {
+    const hal::BusCounters& counters = tap.counters();
+    count += counters.dropped_full + counters.withheld + counters.dropped_received + counters.malformed +
+             counters.error_frames;
+  }
+  return count;
+}
+
+void RobotHardware::restore() noexcept {
+  for (TapBus& tap : buses()) tap.clear_bus_off();
+  if (restore_call_ != nullptr) restore_call_(restore_context_);
+}
+
 }  // namespace stilt::hardware

@@ -73,6 +73,13 @@ TEST(Hardware, EveryContradictionOfTheWiringPointsAtItsLine) {
                   .starts_with("robot.toml:2:20: runtime.planner_priority"));
 }
 
+TEST(Hardware, AMildReactionMustComeBeforeTheHardOne) {
+  for (const char* key : {"missed_hold_ticks = 10", "hot_C = 95", "low_voltage_V = 60", "older_plan_s = 0.3",
+                          "torque_loop_overrun_s = 0.02"}) {
+    EXPECT_TRUE(mistakes(std::string("[supervisor]\n") + key + "\n").starts_with("robot.toml:2:")) << key;
+  }
+}
+
 TEST(Hardware, TextsThatAreNotUnderstoodSayWhatWouldBeRight) {
   EXPECT_EQ(mistakes("[hardware]\nrobot = \"atlas\"\n"),
             "robot.toml:2:9: hardware.robot: there is no robot \"atlas\"; known robots are amber3m, rabbit");
