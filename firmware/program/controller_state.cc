@@ -1,0 +1,80 @@
+#include "firmware/program/controller_state.h"
+
+#include "firmware/configuration/hardware.h"
+
+namespace stilt::program {
+namespace {
+
+/// Joints may be found a little beyond their travel.
+constexpr double kTravelMargin_rad = 0.1;
+
+hardware::DemandsOfJoints demands_of(const configuration::HardwareParameters& hardware,
+                                     const model::RobotConstants& robot) {
+  hardware::DemandsOfJoints demands;
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    demands[joint].options =
+        configuration::bring_up_options(hardware, joint, robot.position_min_rad[joint] - kTravelMargin_rad,
+                                        robot.position_max_rad[joint] + kTravelMargin_rad);
+    demands[joint].endpoints = configuration::odrive_endpoints(hardware, joint);
+  }
+  return demands;
+}
+
+std::expected<void, std::string> configure_planner(const model::RobotModel& robot, const Options& options,
+                                                   ControllerState& state) {
+  switch (state.planner.configure(robot, options.configuration)) {
+    case control::ConfigureStatus::ok:
+      return {};
+    case control::ConfigureStatus::horizon_over_capacity:
+      return std::unexpected(options.source +
+                             ": discretisation.horizon_s needs more intervals or contact switches than the "
+                             "planner holds; take a shorter horizon or a longer time step");
+    case control::ConfigureStatus::terminal_cost_failed:
+      break;
+  }
+  return std::unexpected(
+      options.source +
+      ": the weights in cost admit no terminal cost; give every position and velocity some "
+      "weight, or set cost.terminal to 0");
+}
+
+}  // namespace
+
+std::expected<void, std::string> set_up(const Options& options, std::span<hal::FrameBus* const> buses,
+                                        ControllerState& state) {
+  const configuration::Configuration& configuration = options.configuration;
+  const model::RobotModel* robot = model::find_robot(configuration.hardware.robot.c_str());
+  if (robot == nullptr) {
+    return std::unexpected(options.source + ": hardware.robot \"" + configuration.hardware.robot +
+                           "\" has no model in this program");
+  }
+  if (const auto planner = configure_planner(*robot, options, state); !planner) return planner;
+  state.torque.configure(*robot, configuration, configuration.supervisor);
+  std::array<hal::FrameBus*, hal::kMaximumBuses> carried{};
+  for (std::size_t bus = 0; bus < buses.size(); ++bus) {
+    state.lockstep_buses[bus].attach(*buses[bus]);
+    carried[bus] = options.lockstep ? &state.lockstep_buses[bus] : buses[bus];
+  }
+  state.hardware.emplace(configuration::robot_wiring(configuration.hardware),
+                         demands_of(configuration.hardware, robot->constants),
+                         std::span(carried).first(buses.size()));
+  hardware::RobotHardware& hardware = *state.hardware;
+  state.torque.attach(
+      {&hardware.robot(), &hardware.robot(), &hardware.robot(), &hardware.drivers(), &hardware}, state.mail);
+  state.script.emplace(options.start, configuration.runtime.start_settle_s, options.duration_s);
+  return {};
+}
+
+void take_figures(const ControllerState& state, Outcome& outcome) {
+  outcome.ticks = state.loop.ticks;
+  outcome.late_ticks = state.loop.late_ticks;
+  outcome.plans = state.planning.plans;
+  outcome.wakeup_us = state.loop.wakeup.percentiles();
+  outcome.execution_us = state.loop.execution.percentiles();
+  outcome.bus_round_trip_us = state.loop.bus_round_trip.percentiles();
+  outcome.solve_us = state.planning.solve.percentiles();
+  outcome.heap_allocations = state.loop.heap_allocations + state.planning.heap_allocations;
+  outcome.page_faults = state.loop.page_faults + state.planning.page_faults;
+}
+
+}  // namespace stilt::program
