@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host_tools/cli/bench_output.h"
+#include "host_tools/cli/closed_loop_bench.h"
 #include "host_tools/cli/json_output.h"
 #include "host_tools/cli/planning_problems.h"
 #include "host_tools/cli/progress.h"
@@ -66,6 +67,10 @@ CLI::App* add_bench_command(CLI::App& program, BenchOptions& options) {
   bench->add_flag("--no-early-stop", options.choice.no_early_stop, "use all iterations");
   bench->add_option("--problems", options.problems, "planning problems to record and solve")
       ->capture_default_str();
+  bench->add_option(
+      "--closed-loop", options.closed_loop_plans,
+      "instead: time that many consecutive plans of a walk, all iterations used, and compare the "
+      "longest with the median");
   bench->add_option("--speed", options.speed_m_s, "speed of the recorded walk, m/s")->capture_default_str();
   bench->add_option("--json", options.json_file,
                     "writes the figures as JSON to a file, or - for standard output");
@@ -81,7 +86,12 @@ int run_bench(const BenchOptions& options) {
     throw UsageError("--speed " + simulator::number_text(options.speed_m_s) +
                      ": the speed must lie within 5 m/s either way");
   }
+  if (options.closed_loop_plans < 0 || options.closed_loop_plans > kMostProblems) {
+    throw UsageError("--closed-loop " + std::to_string(options.closed_loop_plans) + ": must be from 1 to " +
+                     std::to_string(kMostProblems));
+  }
   check_output_file("--json", options.json_file);
+  if (options.closed_loop_plans > 0) return run_closed_loop_bench(options);
   const model::RobotModel& robot = robot_model(options.choice.robot);
   const control::ControllerParameters parameters = controller_parameters(options.choice);
   const auto controller = make_controller(robot, parameters);
