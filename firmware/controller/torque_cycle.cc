@@ -70,23 +70,26 @@ void TorqueCycle::attach(const Robot& robot, Mailboxes& mailboxes) noexcept {
   mail_ = &mailboxes;
 }
 
-void TorqueCycle::tick(std::int64_t now_ns, double lateness_s) noexcept {
-  sense(now_ns, lateness_s);
+void TorqueCycle::tick(const TickTiming& timing) noexcept {
+  sense(timing);
   const control::Plan& plan = mail_->plans.newest();
   look_at_plan(plan);
   estimate_state(plan);
   supervise();
   const hal::JointCommands wanted = torque_law(plan);
-  act(supervisor_.override(wanted, commands_));
+  const supervisor::Action action = supervisor_.override(wanted, commands_);
+  act(action);
   ask_for_plan();
+  record(timing, wanted, action, plan);
   report_events();
   ++ticks_;
 }
 
-void TorqueCycle::sense(std::int64_t now_ns, double lateness_s) noexcept {
+void TorqueCycle::sense(const TickTiming& timing) noexcept {
+  const std::int64_t now_ns = timing.now_ns;
   if (ticks_ == 0) start_ns_ = now_ns;
   seen_.time_ns = now_ns;
-  seen_.lateness_s = lateness_s;
+  seen_.lateness_s = 1e-9 * static_cast<double>(timing.late_ns);
   seen_.read_status = robot_.joints->read(now_ns, seen_.joints);
   static_cast<void>(robot_.base->read_base(seen_.base));  // how stale it is stands in the reading
   seen_.emergency_stop = robot_.emergency_stop->read_emergency_stop(now_ns);
@@ -201,6 +204,35 @@ void TorqueCycle::ask_for_plan() noexcept {
   request.state = estimate_;
   request.command = supervisor_.output().gait;
   mail_->requests.publish();
+}
+
+void TorqueCycle::record(const TickTiming& timing, const hal::JointCommands& wanted,
+                         supervisor::Action action, const control::Plan& plan) noexcept {
+  const supervisor::SupervisorOutput& decision = supervisor_.output();
+  record_.tick = static_cast<std::uint64_t>(ticks_);
+  record_.time_ns = timing.now_ns;
+  record_.joints = seen_.joints;
+  record_.base = seen_.base;
+  std::copy_n(estimate_.data(), record_.estimated_state.size(), record_.estimated_state.begin());
+  record_.wanted = wanted;
+  record_.sent = commands_;
+  record_.action = action;
+  record_.state = decision.state;
+  record_.rung = decision.rung;
+  record_.reaction = decision.reaction;
+  record_.present = decision.present;
+  record_.latched = decision.latched;
+  record_.ramp = decision.ramp;
+  record_.plan_sequence = seen_.has_plan ? plan.sequence : -1;
+  record_.plan_age_s = seen_.plan_age_s;
+  record_.wakeup_ns = timing.late_ns;
+  record_.execution_ns = timing.execution_ns;
+  record_.round_trip_ns = timing.round_trip_ns;
+  mail_->telemetry.push(record_);
+  if (diagnostics::TickRecord* kept = mail_->black_box.claim()) {
+    *kept = record_;
+    mail_->black_box.commit(decision.reaction >= supervisor::Reaction::hold);
+  }
 }
 
 void TorqueCycle::push(const Event& event) noexcept {

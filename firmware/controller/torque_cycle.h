@@ -5,6 +5,7 @@
 
 #include "firmware/controller/events.h"
 #include "firmware/controller/messages.h"
+#include "firmware/diagnostics/tick_record.h"
 #include "firmware/exchange/latest_value.h"
 #include "firmware/hardware/buses.h"
 #include "firmware/hardware/drivers.h"
@@ -27,13 +28,23 @@ struct Robot {
   hardware::Buses* buses = nullptr;
 };
 
+/// What is known of a tick's time when it begins.
+struct TickTiming {
+  std::int64_t now_ns = 0;         ///< when it began
+  std::int64_t late_ns = 0;        ///< after when it should have
+  std::int64_t execution_ns = 0;   ///< duration of the tick before
+  std::int64_t round_trip_ns = 0;  ///< newest known, from commands to the last reply
+};
+
 /// What goes from one thread to another.
 struct Mailboxes {
-  exchange::LatestValue<OperatorCommand> commands;  ///< operator -> torque loop
-  exchange::LatestValue<PlanningRequest> requests;  ///< torque loop -> planner
-  exchange::LatestValue<control::Plan> plans;       ///< planner -> torque loop
-  exchange::LatestValue<PlanningResult> results;    ///< planner -> torque loop
-  EventRing events;                                 ///< torque loop -> housekeeping
+  exchange::LatestValue<OperatorCommand> commands;          ///< operator -> torque loop
+  exchange::LatestValue<PlanningRequest> requests;          ///< torque loop -> planner
+  exchange::LatestValue<control::Plan> plans;               ///< planner -> torque loop
+  exchange::LatestValue<PlanningResult> results;            ///< planner -> torque loop
+  EventRing events;                                         ///< torque loop -> housekeeping
+  exchange::Ring<diagnostics::TickRecord, 1024> telemetry;  ///< torque loop -> housekeeping
+  diagnostics::TickBlackBox black_box;                      ///< torque loop; housekeeping once it is frozen
 };
 
 /// One tick of the torque loop. Knows no thread and no clock; everything outside comes in through
@@ -48,18 +59,13 @@ class TorqueCycle {
   void attach(const Robot& robot, Mailboxes& mailboxes) noexcept;
 
   /// Sensors in, commands out. The first tick is time 0 of the controller's clock.
-  /// @param now_ns      when the tick began
-  /// @param lateness_s  after when it should have
-  void tick(std::int64_t now_ns, double lateness_s) noexcept;
+  void tick(const TickTiming& timing) noexcept;
 
   [[nodiscard]] const supervisor::SupervisorOutput& decision() const noexcept { return supervisor_.output(); }
   [[nodiscard]] double time_s() const noexcept { return reading_.time_s; }
-  [[nodiscard]] const model::StateVector& estimate() const noexcept { return estimate_; }
-  [[nodiscard]] const supervisor::Observation& observation() const noexcept { return seen_; }
-  [[nodiscard]] const hal::JointCommands& commands() const noexcept { return commands_; }
 
  private:
-  void sense(std::int64_t now_ns, double lateness_s) noexcept;
+  void sense(const TickTiming& timing) noexcept;
   void look_at_plan(const control::Plan& plan) noexcept;
   void estimate_state(const control::Plan& plan) noexcept;
   void supervise() noexcept;
@@ -67,6 +73,8 @@ class TorqueCycle {
   void act(supervisor::Action action) noexcept;
   void bring_up() noexcept;
   void ask_for_plan() noexcept;
+  void record(const TickTiming& timing, const hal::JointCommands& wanted, supervisor::Action action,
+              const control::Plan& plan) noexcept;
   void report_events() noexcept;
   void push(const Event& event) noexcept;
 
@@ -84,6 +92,7 @@ class TorqueCycle {
   hal::JointCommands commands_{};
   hardware::DriversProgress bring_up_;
   OperatorCommand operator_;
+  diagnostics::TickRecord record_;
   supervisor::FaultSet reported_;
   std::int64_t start_ns_ = 0;
   std::int64_t ticks_ = 0;

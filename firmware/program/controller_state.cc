@@ -65,6 +65,20 @@ std::expected<void, std::string> set_up(const Options& options, std::span<hal::F
   return {};
 }
 
+void operate(ControllerState& state, const std::atomic<bool>& stop) {
+  while (const diagnostics::TickRecord* tick = state.mail.telemetry.front()) {
+    state.newest_tick = *tick;
+    if (tick->tick == 0) state.start_ns = tick->time_ns;
+    state.mail.telemetry.pop();
+  }
+  const diagnostics::TickRecord& tick = state.newest_tick;
+  const double time_s = 1e-9 * static_cast<double>(tick.time_ns - state.start_ns);
+  controller::OperatorCommand& command = state.mail.commands.writer();
+  command = state.script->command(time_s, tick.state, tick.ramp);
+  command.shut_down = command.shut_down || stop.load(std::memory_order_relaxed);
+  state.mail.commands.publish();
+}
+
 void take_figures(const ControllerState& state, Outcome& outcome) {
   outcome.ticks = state.loop.ticks;
   outcome.late_ticks = state.loop.late_ticks;

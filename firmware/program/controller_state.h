@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <optional>
 
@@ -42,6 +43,8 @@ struct ControllerState {
   controller::TorqueCycle torque;
   controller::PlannerCycle planner;
   std::optional<controller::StartScript> script;
+  diagnostics::TickRecord newest_tick;  ///< that housekeeping knows of
+  std::int64_t start_ns = 0;            ///< time of the first tick, known to housekeeping
   std::array<hardware::LockstepBus, hal::kMaximumBuses> lockstep_buses;
   std::optional<hardware::RobotHardware> hardware;
   LoopFigures loop;
@@ -55,6 +58,9 @@ struct ControllerState {
 [[nodiscard]] std::expected<void, std::string> set_up(const Options& options,
                                                       std::span<hal::FrameBus* const> buses,
                                                       ControllerState& state);
+
+/// The operator's side: takes what the torque loop told of its ticks, and lets the script command it.
+void operate(ControllerState& state, const std::atomic<bool>& stop);
 
 /// The figures of a run that has ended.
 void take_figures(const ControllerState& state, Outcome& outcome);

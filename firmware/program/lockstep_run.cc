@@ -79,18 +79,14 @@ void run_lockstep(const Options& options, std::size_t bus_count, const std::atom
   int ticks_off = 0;
   for (long long tick = 0; ticks_off < kLastTicks; ++tick) {
     const std::int64_t start_ns = wall.now_ns();
-    const supervisor::SupervisorOutput& decision = state.torque.decision();
-    controller::OperatorCommand& command = state.mail.commands.writer();
-    command = state.script->command(state.torque.time_s(), decision.state, decision.ramp);
-    command.shut_down = command.shut_down || stop.load(std::memory_order_relaxed);
-    state.mail.commands.publish();
+    operate(state, stop);
     planner.hand_over(tick);
-    state.torque.tick(clock.now_ns(), 0.0);
+    state.torque.tick({.now_ns = clock.now_ns()});
     state.loop.execution.add_ns(wall.now_ns() - start_ns);
     planner.plan(tick);
     take_events(state.mail.events, outcome);
     ++state.loop.ticks;
-    ticks_off = decision.state == supervisor::State::off ? ticks_off + 1 : 0;
+    ticks_off = state.torque.decision().state == supervisor::State::off ? ticks_off + 1 : 0;
     next_ns += schedule.tick_ns;
     static_cast<void>(clock.sleep_until(next_ns));
     if (clock.lost()) {
