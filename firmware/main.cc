@@ -1,6 +1,7 @@
 #include <atomic>
 #include <csignal>
 #include <cstdio>
+#include <expected>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,8 @@
 #include "firmware/program/lockstep_run.h"
 #include "firmware/program/options.h"
 #include "firmware/program/outcome.h"
+#include "firmware/program/realtime_run.h"
+#include "firmware/program/report.h"
 #include "mpc_core/model/batch.h"
 
 /// stiltd: reads the configuration, opens the buses, runs the controller, reports.
@@ -23,9 +26,10 @@ constexpr int kBadUsage = 2;
 /// All state of the controller.
 program::ControllerState controller_state;
 
-std::atomic<bool> stop_wanted = false;
+program::Signals signals;
 
-void want_stop(int) { stop_wanted.store(true, std::memory_order_relaxed); }
+void want_stop(int) { signals.stop.store(true, std::memory_order_relaxed); }
+void want_figures(int) { signals.figures.store(true, std::memory_order_relaxed); }
 
 std::string version_text() {
   return "stiltd " STILT_VERSION "\ncompiler          GCC " __VERSION__ "\ninstruction set   " STILT_ISA
@@ -39,7 +43,42 @@ int refuse(const std::string& sentence) {
   return kBadUsage;
 }
 
+/// Looks at buses and machine before anything moves. The error is for the user.
+std::expected<void, std::string> check_start(const program::Options& options, program::Outcome& outcome) {
+  const program::BusReport buses = program::report_buses(options.configuration);
+  std::fputs(buses.text.c_str(), stderr);
+  if (buses.refused) return std::unexpected("a bus would be overloaded, see above");
+  if (options.lockstep) {
+    outcome.not_realtime = "lock-step";
+    return {};
+  }
+  const realtime::Capability capability =
+      realtime::acquire(program::demands_of(options.configuration.runtime));
+  std::fputs(program::describe(capability).c_str(), stderr);
+  outcome.not_realtime = realtime::lacking_text(capability);
+  if (!capability.realtime() && options.configuration.runtime.require_realtime) {
+    return std::unexpected(
+        "runtime.require_realtime is true and this machine cannot keep time, see above; mend that, or set it "
+        "to "
+        "false");
+  }
+  return {};
+}
+
+void reconnect(void* buses) noexcept {
+  for (hal::AnyBus& bus : *static_cast<std::vector<hal::AnyBus>*>(buses)) static_cast<void>(bus.reconnect());
+}
+
+int report(const program::Options& options, const program::Outcome& outcome) {
+  if (!outcome.error.empty()) std::fprintf(stderr, "stiltd: %s\n", outcome.error.c_str());
+  if (!options.json_file.empty() && !program::write_text(program::to_json(outcome), options.json_file)) {
+    return refuse("--json " + options.json_file + ": cannot be written; name a file in a folder that exists");
+  }
+  return outcome.error.empty() && outcome.last_state != "fault" ? kDone : kFailed;
+}
+
 int run_controller(const program::Options& options) {
+  program::Outcome outcome;
   auto buses = open_buses(options.configuration.hardware, options.lockstep);
   if (!buses) return refuse(buses.error());
   std::vector<hal::FrameBus*> frames;
@@ -47,16 +86,25 @@ int run_controller(const program::Options& options) {
   if (const auto ready = program::set_up(options, frames, controller_state); !ready) {
     return refuse(ready.error());
   }
+  controller_state.hardware->on_restore(reconnect, &*buses);
+  if (const auto fit = check_start(options, outcome); !fit) return refuse(fit.error());
   std::signal(SIGINT, want_stop);
   std::signal(SIGTERM, want_stop);
-  program::Outcome outcome;
-  program::run_lockstep(options, buses->size(), stop_wanted, controller_state, outcome);
-  program::take_figures(controller_state, outcome);
-  if (!outcome.error.empty()) std::fprintf(stderr, "stiltd: %s\n", outcome.error.c_str());
-  if (!options.json_file.empty() && !program::write_text(program::to_json(outcome), options.json_file)) {
-    return refuse("--json " + options.json_file + ": cannot be written; name a file in a folder that exists");
+  std::signal(SIGUSR1, want_figures);
+  if (options.lockstep) {
+    program::run_lockstep(options, buses->size(), signals, controller_state, outcome);
+  } else {
+    program::run_realtime(options, signals, controller_state, outcome);
   }
-  return outcome.error.empty() && outcome.last_state != "fault" ? kDone : kFailed;
+  program::take_figures(controller_state, outcome);
+  return report(options, outcome);
+}
+
+/// --check-config: the configuration was read; what it means here.
+int check_config(const program::Options& options) {
+  const program::BusReport buses = program::report_buses(options.configuration);
+  std::printf("%s: right\n%s", options.source.c_str(), buses.text.c_str());
+  return buses.refused ? kBadUsage : kDone;
 }
 
 }  // namespace
@@ -72,6 +120,7 @@ int main(int count, char** words) {
                  stdout);
       return kDone;
     case program::Task::check_config:
+      return check_config(*options);
     case program::Task::self_test:
     case program::Task::control:
       break;

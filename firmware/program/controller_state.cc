@@ -82,6 +82,7 @@ void operate(ControllerState& state, const std::atomic<bool>& stop) {
 void take_figures(const ControllerState& state, Outcome& outcome) {
   outcome.ticks = state.loop.ticks;
   outcome.late_ticks = state.loop.late_ticks;
+  outcome.missed_periods = state.loop.missed_periods;
   outcome.plans = state.planning.plans;
   outcome.wakeup_us = state.loop.wakeup.percentiles();
   outcome.execution_us = state.loop.execution.percentiles();

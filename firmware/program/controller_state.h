@@ -23,7 +23,8 @@ struct LoopFigures {
   diagnostics::Histogram execution;
   diagnostics::Histogram bus_round_trip;
   long long ticks = 0;
-  long long late_ticks = 0;
+  long long late_ticks = 0;      ///< began later than supervisor.torque_loop_overrun_s
+  long long missed_periods = 0;  ///< left out after an overrun
   long long heap_allocations = 0;
   long long page_faults = 0;
 };
@@ -47,6 +48,7 @@ struct ControllerState {
   std::int64_t start_ns = 0;            ///< time of the first tick, known to housekeeping
   std::array<hardware::LockstepBus, hal::kMaximumBuses> lockstep_buses;
   std::optional<hardware::RobotHardware> hardware;
+  bool black_box_saved = false;
   LoopFigures loop;
   PlannerFigures planning;
   exchange::LatestValue<LoopFigures> loop_figures;

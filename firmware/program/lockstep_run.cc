@@ -64,8 +64,8 @@ class PlanningTurns {
 
 }  // namespace
 
-void run_lockstep(const Options& options, std::size_t bus_count, const std::atomic<bool>& stop,
-                  ControllerState& state, Outcome& outcome) {
+void run_lockstep(const Options& options, std::size_t bus_count, Signals& signals, ControllerState& state,
+                  Outcome& outcome) {
   const Schedule schedule(options.configuration.timing);
   hardware::LockstepClock clock(std::span(state.lockstep_buses).first(bus_count), schedule.tick_ns,
                                 kPatience_s);
@@ -79,7 +79,7 @@ void run_lockstep(const Options& options, std::size_t bus_count, const std::atom
   int ticks_off = 0;
   for (long long tick = 0; ticks_off < kLastTicks; ++tick) {
     const std::int64_t start_ns = wall.now_ns();
-    operate(state, stop);
+    operate(state, signals.stop);
     planner.hand_over(tick);
     state.torque.tick({.now_ns = clock.now_ns()});
     state.loop.execution.add_ns(wall.now_ns() - start_ns);

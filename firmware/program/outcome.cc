@@ -1,5 +1,6 @@
 #include "firmware/program/outcome.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
@@ -18,11 +19,28 @@ void say(double time_s, const std::string& text) {
   std::fprintf(stderr, "%9.3f s  %s\n", time_s, text.c_str());
 }
 
+/// The entry of a fault that comes and goes; nullptr for its first time, and for latched ones.
+ReportedFault* known(const supervisor::FaultRow& row, Outcome& outcome) {
+  if (row.severity == supervisor::Severity::latched) return nullptr;
+  const auto entry = std::ranges::find(outcome.faults, row.name, &ReportedFault::name);
+  return entry == outcome.faults.end() ? nullptr : &*entry;
+}
+
 void take_fault(const Event& event, Outcome& outcome) {
   const supervisor::FaultRow& row = supervisor::row(event.fault);
+  if (ReportedFault* entry = known(row, outcome)) {
+    ++entry->count;
+    return;
+  }
   const char* reaction = supervisor::name(row.reaction);
   outcome.faults.push_back({row.name, event.time_s, reaction});
   say(event.time_s, std::string("fault ") + row.name + ": " + row.cause + "; reaction: " + reaction);
+}
+
+/// The end of what comes and goes is not worth a line.
+void take_end_of_fault(const Event& event) {
+  if (supervisor::row(event.fault).severity != supervisor::Severity::latched) return;
+  say(event.time_s, std::string("fault ") + supervisor::name(event.fault) + ": its cause is gone");
 }
 
 std::string bring_up_text(const Event& event) {
@@ -48,7 +66,7 @@ void take_events(controller::EventRing& events, Outcome& outcome) {
         take_fault(*event, outcome);
         break;
       case Event::Kind::fault_gone:
-        say(event->time_s, std::string("fault ") + supervisor::name(event->fault) + " is over");
+        take_end_of_fault(*event);
         break;
       case Event::Kind::bring_up_failed:
         say(event->time_s, bring_up_text(*event));
@@ -64,10 +82,14 @@ std::string to_json(const Outcome& outcome) {
   json["last_state"] = outcome.last_state;
   json["faults"] = nlohmann::ordered_json::array();
   for (const ReportedFault& fault : outcome.faults) {
-    json["faults"].push_back({{"name", fault.name}, {"time_s", fault.time_s}, {"reaction", fault.reaction}});
+    json["faults"].push_back({{"name", fault.name},
+                              {"time_s", fault.time_s},
+                              {"reaction", fault.reaction},
+                              {"count", fault.count}});
   }
   json["ticks"] = outcome.ticks;
   json["late_ticks"] = outcome.late_ticks;
+  json["missed_periods"] = outcome.missed_periods;
   json["plans"] = outcome.plans;
   json["wakeup_us"] = json_of(outcome.wakeup_us);
   json["execution_us"] = json_of(outcome.execution_us);

@@ -8,11 +8,13 @@
 
 namespace stilt::program {
 
-/// A fault as the report lists it.
+/// A fault as the report lists it. Latched ones stand there each time; others, which come and go by
+/// themselves, once, with their number.
 struct ReportedFault {
   std::string name;
-  double time_s = 0.0;
+  double time_s = 0.0;  ///< of the first time
   std::string reaction;
+  long long count = 1;
 };
 
 /// What a run of the controller was like.
@@ -22,6 +24,7 @@ struct Outcome {
   std::vector<ReportedFault> faults;
   long long ticks = 0;
   long long late_ticks = 0;
+  long long missed_periods = 0;
   long long plans = 0;
   diagnostics::Percentiles wakeup_us;
   diagnostics::Percentiles execution_us;

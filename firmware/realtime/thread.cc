@@ -1,7 +1,9 @@
 #include "firmware/realtime/thread.h"
 
 #include <sched.h>
+#include <sys/prctl.h>
 
+#include <csignal>
 #include <cstdint>
 
 namespace stilt::realtime {
@@ -16,6 +18,7 @@ namespace {
 
 void apply(const ThreadSettings& settings) noexcept {
   pthread_setname_np(pthread_self(), settings.name);
+  prctl(PR_SET_TIMERSLACK, 1UL);  // ordinary threads otherwise sleep up to 50 us longer
   if (settings.core >= 0 && settings.core < CPU_SETSIZE) {
     cpu_set_t set;
     CPU_ZERO(&set);
@@ -46,7 +49,12 @@ bool Thread::start(const ThreadSettings& settings, void (*work)(void*), void* co
   pthread_attr_t attributes;
   pthread_attr_init(&attributes);
   pthread_attr_setstacksize(&attributes, kStackBytes);
+  sigset_t all;
+  sigset_t before;
+  sigfillset(&all);
+  pthread_sigmask(SIG_SETMASK, &all, &before);
   running_ = pthread_create(&handle_, &attributes, &Thread::run, this) == 0;
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
   pthread_attr_destroy(&attributes);
   return running_;
 }

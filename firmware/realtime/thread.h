@@ -16,8 +16,8 @@ struct ThreadSettings {
   int core = -1;          ///< -1: any
 };
 
-/// A thread with scheduling of its own and a stack that is in memory from the start. Construction and join
-/// are for start-up and exit.
+/// A thread with scheduling of its own, a stack that is in memory from the start, and no signals.
+/// Construction and join are for start-up and exit.
 class Thread {
  public:
   /// Starts work(context) on a new thread. Priority or processor that cannot be had are left out (acquire()
