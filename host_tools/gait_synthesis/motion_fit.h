@@ -12,7 +12,7 @@ inline constexpr int kMotionDegree = 25;
 /// touch-down), by Newton's method on the return map, and writes it to gait.motion: base and joints as
 /// polynomials through the Gauss-Lobatto points of the step, torques and forces likewise. Sets step time,
 /// step length and speed to those found, which differ from the given ones by the error of the collocation
-/// only. Placement gains must be 0. \throws std::runtime_error when there is no such motion.
+/// only. Placement gains must be 0. Throws std::runtime_error when there is no such motion.
 void fit_motion(const model::RobotModel& robot, const model::StateVector& start, gait::HzdGait& gait);
 
 /// Sets the placement gains of a gait: 0 for a phase by hip position, whose return map is stable without; for

@@ -1,10 +1,9 @@
 #pragma once
 
-#include "mpc_core/model/robot.h"
+namespace stilt::gait {
 
-namespace stilt::gait_synthesis {
-
-/// What a gait has to keep to. Defaults leave room below the robot's own limits for what disturbs it.
+/// What a gait has to keep to. Defaults leave room below the robot's own limits for what disturbs it. The
+/// ranges of the joints are the robot's.
 struct GaitLimits {
   double torque_Nm = 60.0;                  ///< of each joint, either way
   double joint_position_margin_rad = 0.05;  ///< distance to the ends of each joint's range
@@ -21,4 +20,4 @@ struct GaitLimits {
   double return_map = 0.95;              ///< spectral radius of the return map
 };
 
-}  // namespace stilt::gait_synthesis
+}  // namespace stilt::gait
