@@ -69,6 +69,7 @@ Json robot_json(const RobotOnBus& robot, const log::RunSummary& summary, const R
   const bool fell = robot.recorder().fall() != simulator::Fall::none;
   json["fall_reason"] = fell ? Json(simulator::fall_text(robot.recorder().fall())) : Json(nullptr);
   json["hoist_released_s"] = released_s ? Json(*released_s) : Json(nullptr);
+  json["sat_down_s"] = robot.sat_down_s() ? Json(*robot.sat_down_s()) : Json(nullptr);
   json["hoist"] = robot_on_bus::name(robot.hoist().state());
   json["robot_time_s"] = robot.time_s();
   json["ended"] = outcome.ended;

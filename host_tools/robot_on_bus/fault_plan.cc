@@ -34,7 +34,7 @@ constexpr std::array kTable = {
     FaultDescription{power_cycle, "power-cycle", FaultTarget::drivers, 0.5,
                      "the drivers have no power, and start anew when it returns"},
     FaultDescription{low_voltage, "low-voltage", FaultTarget::drivers, kForever_s,
-                     "the supply falls to 15 V; drivers report under-voltage and let go"},
+                     "the supply falls to 30 V: drivers that measure it report it, the others let go"},
     FaultDescription{over_temperature, "over-temperature", FaultTarget::drivers, kForever_s,
                      "transistors and motor report 120 degrees"},
     FaultDescription{emergency_stop, "emergency-stop", FaultTarget::robot, kForever_s,

@@ -57,7 +57,8 @@ struct TimedFault {
   double duration_s = 0.0;
 
   [[nodiscard]] bool active(double time_s) const {
-    return time_s >= start_s && time_s < start_s + duration_s;
+    constexpr double kRounding_s = 1e-7;  // of times counted in ticks
+    return time_s > start_s - kRounding_s && time_s < start_s + duration_s - kRounding_s;
   }
   /// Whether it strikes a joint that is on a bus, or, without a joint, what else is on that bus.
   [[nodiscard]] bool strikes(std::size_t on_bus, std::optional<std::size_t> at_joint) const {

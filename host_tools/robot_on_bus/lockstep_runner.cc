@@ -39,10 +39,11 @@ class LockstepRun {
     wait_for_frames(buses_, kLongestWait_ns);
     if (exchange_.poll()) {
       quiet_since_ = SteadyClock::now();
+      patience_s_ = options_.wait_s;
       progress_.update(robot_, options_);
     } else if (exchange_.tick() && !all_connected(buses_)) {
       lose_controller();
-    } else if (seconds_since(quiet_since_) > options_.wait_s) {
+    } else if (seconds_since(quiet_since_) > patience_s_) {
       give_up();
     }
     if (const char* reason = reason_to_end(robot_, options_)) outcome_.ended = reason;
@@ -54,6 +55,7 @@ class LockstepRun {
     const auto ticks = static_cast<int>(kAlone_s / options_.tick_s);
     for (int i = 0; i < ticks && reason_to_end(robot_, options_) == nullptr; ++i) exchange_.advance_alone();
     quiet_since_ = SteadyClock::now();
+    patience_s_ = options_.next_wait_s;
     if (options_.once) outcome_.ended = "controller left";
   }
 
@@ -74,6 +76,7 @@ class LockstepRun {
   ProgressTicks progress_;
   RunOutcome outcome_;
   SteadyClock::time_point quiet_since_ = SteadyClock::now();
+  double patience_s_ = options_.wait_s;
 };
 
 }  // namespace

@@ -8,8 +8,8 @@
 namespace stilt::robot_on_bus {
 namespace {
 
-constexpr double kLowSupply_V = 15.0;
-constexpr double kNominalSupply_V = 24.0;
+constexpr double kLowSupply_V = 30.0;
+constexpr double kNominalSupply_V = 48.0;
 constexpr double kHot_C = 120.0;
 constexpr double kNominalTemperature_C = 30.0;
 
@@ -24,14 +24,16 @@ hal::CanFrame error_frame(std::uint32_t error_class) {
 }  // namespace
 
 bool RobotOnBus::active(FaultKind kind) const {
-  return std::ranges::any_of(
-      setup_.faults, [&](const TimedFault& fault) { return fault.kind == kind && fault.active(clock_s()); });
+  return std::ranges::any_of(setup_.faults, [&](const TimedFault& fault) {
+    return fault.kind == kind && fault.active(fault_clock_s_);
+  });
 }
 
 void RobotOnBus::strike_faults(std::int64_t now_ns) {
+  fault_clock_s_ = clock_s();
   for (std::size_t i = 0; i < setup_.faults.size(); ++i) {
     const TimedFault& fault = setup_.faults[i];
-    const bool active_now = fault.active(clock_s());
+    const bool active_now = fault.active(fault_clock_s_);
     if (active_now == fault_active_[i]) continue;
     fault_active_[i] = active_now;
     if (active_now) {
@@ -69,10 +71,7 @@ void RobotOnBus::begin_fault(std::int64_t now_ns, const TimedFault& fault) {
       for_each_driver(fault, [](Driver& driver) { driver.set_powered(false); });
       break;
     case FaultKind::low_voltage:
-      for_each_driver(fault, [](Driver& driver) {
-        driver.motor.supply_V = kLowSupply_V;
-        driver.raise(hal::DriverFault::under_voltage);
-      });
+      lower_supply(fault);
       break;
     case FaultKind::over_temperature:
       for_each_driver(fault, [](Driver& driver) { driver.motor.temperature_C = kHot_C; });
@@ -109,6 +108,14 @@ void RobotOnBus::end_fault(std::int64_t now_ns, const TimedFault& fault) {
     default:
       break;
   }
+}
+
+/// Drivers that measure their supply report it, the others let go with an under-voltage.
+void RobotOnBus::lower_supply(const TimedFault& fault) {
+  for_each_driver(fault, [](hal::mock::EmulatedDriver& driver) {
+    driver.motor.supply_V = kLowSupply_V;
+    if (!driver.reports_supply()) driver.raise(hal::DriverFault::under_voltage);
+  });
 }
 
 /// While it is off nothing passes either way but what its controller says of itself.

@@ -9,6 +9,11 @@ namespace {
 using hal::protocol::BaseChannel;
 
 constexpr double kTorqueOn_Nm = 3.0;  // more than a damped, hanging leg asks for
+constexpr double kSittingHip = 0.85;  // of the nominal height
+constexpr double kLoaded_N = 5.0;
+constexpr double kUpright_rad = 0.3;
+constexpr double kSlow_m_s = 0.5;  // a damped robot that collapses is faster
+constexpr double kSupply_V = 48.0;
 
 double& channel(BaseValues& values, BaseChannel which) { return values[static_cast<std::size_t>(which)]; }
 
@@ -24,6 +29,8 @@ RobotOnBus::RobotOnBus(const RobotSetup& setup)
       line_(setup.faults),
       recorder_(setup.keep_samples),
       fault_active_(setup.faults.size(), false) {
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint)
+    drivers_.driver(joint).motor.supply_V = kSupply_V;
   plant_.set_state(hoist_.hanging());
   read_encoders();
 }
@@ -41,10 +48,11 @@ std::optional<double> RobotOnBus::hoist_released_s() const {
 void RobotOnBus::hear(std::int64_t now_ns, std::size_t bus, const hal::CanFrame& frame) {
   if (bus_off_[bus]) return;
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
-    if (drivers_.bus(joint) != bus || line_.lost(clock_s(), bus, joint)) continue;
+    if (drivers_.bus(joint) != bus || line_.lost(fault_clock_s_, bus, joint)) continue;
     hal::mock::FrameSink replies;
     drivers_.driver(joint).take(now_ns, frame, replies);
-    for (const hal::CanFrame& reply : replies.frames()) line_.send(clock_s(), now_ns, {bus, joint}, reply);
+    for (const hal::CanFrame& reply : replies.frames())
+      line_.send(fault_clock_s_, now_ns, {bus, joint}, reply);
   }
 }
 
@@ -106,7 +114,7 @@ void RobotOnBus::run_timers(std::int64_t now_ns) {
     hal::mock::FrameSink frames;
     drivers_.driver(joint).elapse(now_ns, frames);
     for (const hal::CanFrame& frame : frames.frames()) {
-      line_.send(clock_s(), now_ns, {drivers_.bus(joint), joint}, frame);
+      line_.send(fault_clock_s_, now_ns, {drivers_.bus(joint), joint}, frame);
     }
   }
 }
@@ -115,7 +123,7 @@ void RobotOnBus::send_base(std::int64_t now_ns) {
   const BaseValues values = base_values();
   if (active(FaultKind::base_silent)) return;
   for (const hal::CanFrame& frame : base_sensor_.encode(values)) {
-    line_.send(clock_s(), now_ns, {setup_.wiring.channel_bus, std::nullopt}, frame);
+    line_.send(fault_clock_s_, now_ns, {setup_.wiring.channel_bus, std::nullopt}, frame);
   }
 }
 
@@ -141,20 +149,38 @@ bool RobotOnBus::torque_on() const {
   return drivers_.all_enabled() && plant_.applied_torque_Nm().cwiseAbs().maxCoeff() >= kTorqueOn_Nm;
 }
 
+/// The robot lowers itself under control: motors obey, both feet carry, the torso is upright and slow. That
+/// is no fall; the person at the hoist takes it on the rope.
+bool RobotOnBus::sits_down() const {
+  const model::StateVector state = plant_.state();
+  const double hip_m = state[1] - plant_.ground_height_m(state[0]);
+  const model::FeetVector& force_N = plant_.contact_force_N();
+  return hip_m < kSittingHip * setup_.model.nominal_hip_height_m && drivers_.all_enabled() &&
+         force_N[1] > kLoaded_N && force_N[3] > kLoaded_N &&
+         std::abs(state[model::kFirstAngle]) < kUpright_rad &&
+         std::abs(state[model::kPositions]) < kSlow_m_s && std::abs(state[model::kPositions + 1]) < kSlow_m_s;
+}
+
 /// The person at the hoist, and the statistics.
 void RobotOnBus::attend() {
-  const model::StateVector state = plant_.state();
-  hoist_.elapse(state, torque_on(), setup_.tick_s);
+  hoist_.elapse(plant_.state(), torque_on(), setup_.tick_s);
   if (hoist_.state() != HoistState::off) return;
   if (!release_tick_) {
     release_tick_ = ticks_;
     recorder_.begin(plant_);
   }
   recorder_.observe_tick(clock_s(), plant_, push_at(setup_.pushes, clock_s()));
-  const simulator::Fall fall = plant_.fall();
-  if (fall == simulator::Fall::none) return;
+  if (sits_down()) {
+    if (!sat_down_s_ && recorder_.running()) sat_down_s_ = clock_s();
+    end_walk(simulator::Fall::none);
+  } else if (plant_.fall() != simulator::Fall::none) {
+    end_walk(plant_.fall());
+  }
+}
+
+void RobotOnBus::end_walk(simulator::Fall fall) {
   recorder_.finish(clock_s(), plant_, fall);
-  hoist_.take(state);
+  hoist_.take(plant_.state());
 }
 
 void RobotOnBus::finish() { recorder_.finish(clock_s(), plant_, simulator::Fall::none); }

@@ -78,6 +78,9 @@ class RobotOnBus {
   /// When that was, since the robot was switched on.
   [[nodiscard]] std::optional<double> hoist_released_s() const;
 
+  /// Since the hoist let go: when the robot sat down in order and was taken on the rope again.
+  [[nodiscard]] std::optional<double> sat_down_s() const { return sat_down_s_; }
+
   [[nodiscard]] const simulator::Plant& plant() const { return plant_; }
   [[nodiscard]] const JointDrivers& drivers() const { return drivers_; }
   [[nodiscard]] const Hoist& hoist() const { return hoist_; }
@@ -91,6 +94,7 @@ class RobotOnBus {
   void strike_faults(std::int64_t now_ns);
   void begin_fault(std::int64_t now_ns, const TimedFault& fault);
   void end_fault(std::int64_t now_ns, const TimedFault& fault);
+  void lower_supply(const TimedFault& fault);
   void set_bus_off(std::int64_t now_ns, std::size_t bus, bool off);
   [[nodiscard]] bool active(FaultKind kind) const;
   void read_encoders();
@@ -100,8 +104,10 @@ class RobotOnBus {
   void send_base(std::int64_t now_ns);
   [[nodiscard]] BaseValues base_values();
   void attend();
+  void end_walk(simulator::Fall fall);
+  [[nodiscard]] bool sits_down() const;
   [[nodiscard]] bool torque_on() const;
-  /// For faults and pushes: negative before the hoist has let go.
+  /// Negative before the hoist has let go.
   [[nodiscard]] double clock_s() const { return walk_time_s().value_or(-1.0); }
   template <class Action>
   void for_each_driver(const TimedFault& fault, Action&& action);
@@ -117,6 +123,8 @@ class RobotOnBus {
   std::uint64_t ticks_ = 0;
   int step_in_tick_ = 0;
   std::optional<std::uint64_t> release_tick_;
+  std::optional<double> sat_down_s_;
+  double fault_clock_s_ = -1.0;  ///< clock_s() at the beginning of the tick: faults begin and end with it
   std::vector<bool> fault_active_;
   std::vector<StruckFault> struck_;
   std::array<bool, hal::kMaximumBuses> bus_off_{};

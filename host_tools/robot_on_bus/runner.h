@@ -15,10 +15,11 @@ namespace stilt::robot_on_bus {
 /// When a run ends, and who watches it.
 struct RunOptions {
   double tick_s = 0.001;
-  std::optional<double> duration_s;         ///< after the hoist has let go; none: until interrupted
-  bool once = false;                        ///< end when the controller that came has left
-  double wait_s = 60.0;                     ///< lock-step: longest wait for a controller, and for its turn
-  const std::atomic<bool>* stop = nullptr;  ///< set from outside to end the run
+  std::optional<double> duration_s;  ///< after the hoist has let go; none: until interrupted
+  bool once = false;                 ///< end when the controller that came has left
+  double wait_s = 60.0;              ///< lock-step: longest wait for a controller, and for its turn
+  double next_wait_s = 10.0;         ///< lock-step: longest wait for the next controller after one has left
+  const std::atomic<bool>* stop = nullptr;                      ///< set from outside to end the run
   std::function<void(double time_s)> progress = [](double) {};  ///< about once a simulated second
 };
 
