@@ -114,6 +114,8 @@ std::expected<Options, std::string> read_options(int count, char** words_of_line
   app.add_option("--json", options.json_file, "writes figures at the end as JSON, - for standard output");
   app.add_option("--black-box", options.black_box_file,
                  "writes the last seconds before the first fault to this file, CSV");
+  app.add_flag("--forbid-syscalls", options.forbid_syscalls,
+               "for tests: ends at once when a real-time thread uses a system call that can make it wait");
   app.add_flag("--check-config", words.check_config, "reads the configuration, reports on it, and ends");
   app.add_flag("--print-config", words.print_config, "prints the configuration with every key, and ends");
   CLI::App* self_test =

@@ -26,8 +26,9 @@ struct Options {
   std::optional<gait::GaitCommand> start;  ///< go there without an operator
   double duration_s = 0.0;                 ///< then sit down and end; 0: until told to
   bool lockstep = false;
-  std::string json_file;       ///< "-": standard output; empty: none
-  std::string black_box_file;  ///< empty: none
+  std::string json_file;         ///< "-": standard output; empty: none
+  std::string black_box_file;    ///< empty: none
+  bool forbid_syscalls = false;  ///< for proofs: see realtime::forbid_other_system_calls()
   double self_test_s = 10.0;
 };
 

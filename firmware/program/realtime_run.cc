@@ -8,8 +8,10 @@
 
 #include "firmware/diagnostics/histogram_text.h"
 #include "firmware/diagnostics/tick_csv.h"
+#include "firmware/hardware/round_trip.h"
 #include "firmware/realtime/allocation_counter.h"
 #include "firmware/realtime/pace.h"
+#include "firmware/realtime/system_call_guard.h"
 #include "firmware/realtime/thread.h"
 #include "hal/clock.h"
 
@@ -20,6 +22,9 @@ namespace {
 constexpr int kLastTicks = 5;
 /// Every so many ticks the figures go to housekeeping.
 constexpr long long kFiguresEvery = 250;
+/// Every so many ticks the round trip on the buses is measured, within this share of the tick.
+constexpr long long kRoundTripEvery = 50;
+constexpr double kRoundTripShare = 0.7;
 constexpr std::int64_t kHousekeepingPeriod_ns = 5'000'000;
 
 std::int64_t period_ns(double rate_hz) { return std::llround(1e9 / rate_hz); }
@@ -36,22 +41,39 @@ struct Run {
   ControllerState& state;
   std::atomic<bool> torque_done = false;
   std::atomic<bool> planner_end = false;
+  std::atomic<bool> unguarded = false;  ///< --forbid-syscalls was asked for and cannot be had
 };
+
+/// On a real-time thread, before its work.
+void guard(Run& run) noexcept {
+  if (run.options.forbid_syscalls && !realtime::forbid_other_system_calls()) run.unguarded = true;
+}
 
 void publish(ControllerState& state) noexcept {
   state.loop_figures.writer() = state.loop;
   state.loop_figures.publish();
 }
 
+/// Listens for the replies to what this tick has sent. @return  newest known round trip
+std::int64_t measure_round_trip(hardware::RoundTrip& meter, hal::MonotonicClock& clock, std::int64_t sent_ns,
+                                std::int64_t give_up_ns, ControllerState& state) noexcept {
+  const std::int64_t took_ns = meter.measure(clock, sent_ns, give_up_ns);
+  if (took_ns >= 0) state.loop.bus_round_trip.add_ns(took_ns);
+  return took_ns;
+}
+
 /// The torque loop: until the supervisor is off.
 void run_torque_loop(void* context) {
   Run& run = *static_cast<Run*>(context);
+  guard(run);
   ControllerState& state = run.state;
   const std::int64_t late_ns = std::llround(1e9 * run.options.configuration.supervisor.torque_loop_overrun_s);
   const realtime::AllocationScope allocations;
   hal::MonotonicClock clock;
   const std::int64_t tick_ns = period_ns(run.options.configuration.timing.torque_rate_hz);
   realtime::Pace pace(clock.now_ns() + tick_ns, tick_ns);
+  hardware::RoundTrip meter(configuration::robot_wiring(run.options.configuration.hardware),
+                            state.hardware->buses());
   const long long faults_before = page_faults();
   controller::TickTiming timing;
   for (int ticks_off = 0; ticks_off < kLastTicks;) {
@@ -64,7 +86,11 @@ void run_torque_loop(void* context) {
     state.loop.execution.add_ns(timing.execution_ns);
     ++state.loop.ticks;
     if (timing.late_ns > late_ns) ++state.loop.late_ticks;
-    state.loop.missed_periods += pace.advance(done_ns);
+    if (state.loop.ticks % kRoundTripEvery == 0 && supervisor::drives(state.torque.decision().state)) {
+      const auto wait_ns = static_cast<std::int64_t>(kRoundTripShare * static_cast<double>(tick_ns));
+      timing.round_trip_ns = measure_round_trip(meter, clock, done_ns, pace.next_ns() + wait_ns, state);
+    }
+    state.loop.missed_periods += pace.advance(clock.now_ns());
     state.loop.heap_allocations = allocations.count();
     if (state.loop.ticks % kFiguresEvery == 0) {
       state.loop.page_faults = page_faults() - faults_before;
@@ -97,6 +123,7 @@ void run_cycle(ControllerState& state, hal::MonotonicClock& clock, std::int64_t&
 /// The planner: plan_rate_hz at most, slower when solves take longer.
 void run_planner(void* context) {
   Run& run = *static_cast<Run*>(context);
+  guard(run);
   ControllerState& state = run.state;
   const realtime::AllocationScope allocations;
   hal::MonotonicClock clock;
@@ -163,6 +190,7 @@ void run_realtime(const Options& options, Signals& signals, ControllerState& sta
   torque_loop.join();
   run.planner_end.store(true, std::memory_order_release);
   planner.join();
+  if (run.unguarded) outcome.error = "--forbid-syscalls: this kernel has no seccomp filters";
   take_events(state.mail.events, outcome);
   save_black_box(options, state);
 }
