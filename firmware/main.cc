@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <expected>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "firmware/open_buses.h"
@@ -12,6 +13,7 @@
 #include "firmware/program/outcome.h"
 #include "firmware/program/realtime_run.h"
 #include "firmware/program/report.h"
+#include "firmware/program/self_test.h"
 #include "mpc_core/model/batch.h"
 
 /// stiltd: reads the configuration, opens the buses, runs the controller, reports.
@@ -43,6 +45,10 @@ int refuse(const std::string& sentence) {
   return kBadUsage;
 }
 
+int refuse_json(const std::string& file) {
+  return refuse("--json " + file + ": cannot be written; name a file in a folder that exists");
+}
+
 /// Looks at buses and machine before anything moves. The error is for the user.
 std::expected<void, std::string> check_start(const program::Options& options, program::Outcome& outcome) {
   const program::BusReport buses = program::report_buses(options.configuration);
@@ -72,32 +78,51 @@ void reconnect(void* buses) noexcept {
 int report(const program::Options& options, const program::Outcome& outcome) {
   if (!outcome.error.empty()) std::fprintf(stderr, "stiltd: %s\n", outcome.error.c_str());
   if (!options.json_file.empty() && !program::write_text(program::to_json(outcome), options.json_file)) {
-    return refuse("--json " + options.json_file + ": cannot be written; name a file in a folder that exists");
+    return refuse_json(options.json_file);
   }
   return outcome.error.empty() && outcome.last_state != "fault" ? kDone : kFailed;
 }
 
-int run_controller(const program::Options& options) {
-  program::Outcome outcome;
-  auto buses = open_buses(options.configuration.hardware, options.lockstep);
-  if (!buses) return refuse(buses.error());
+/// Opens the buses and puts the controller together over them.
+std::expected<void, std::string> connect(const program::Options& options, std::vector<hal::AnyBus>& buses) {
+  auto opened = open_buses(options.configuration.hardware, options.lockstep);
+  if (!opened) return std::unexpected(opened.error());
+  buses = std::move(*opened);
   std::vector<hal::FrameBus*> frames;
-  for (hal::AnyBus& bus : *buses) frames.push_back(&bus.frames());
-  if (const auto ready = program::set_up(options, frames, controller_state); !ready) {
-    return refuse(ready.error());
-  }
-  controller_state.hardware->on_restore(reconnect, &*buses);
-  if (const auto fit = check_start(options, outcome); !fit) return refuse(fit.error());
+  for (hal::AnyBus& bus : buses) frames.push_back(&bus.frames());
+  if (const auto ready = program::set_up(options, frames, controller_state); !ready) return ready;
+  controller_state.hardware->on_restore(reconnect, &buses);
   std::signal(SIGINT, want_stop);
   std::signal(SIGTERM, want_stop);
   std::signal(SIGUSR1, want_figures);
+  return {};
+}
+
+int run_controller(const program::Options& options) {
+  program::Outcome outcome;
+  std::vector<hal::AnyBus> buses;
+  if (const auto fit = check_start(options, outcome); !fit) return refuse(fit.error());
+  if (const auto connected = connect(options, buses); !connected) return refuse(connected.error());
   if (options.lockstep) {
-    program::run_lockstep(options, buses->size(), signals, controller_state, outcome);
+    program::run_lockstep(options, buses.size(), signals, controller_state, outcome);
   } else {
     program::run_realtime(options, signals, controller_state, outcome);
   }
   program::take_figures(controller_state, outcome);
   return report(options, outcome);
+}
+
+int run_self_test(const program::Options& options) {
+  program::Outcome outcome;
+  std::vector<hal::AnyBus> buses;
+  if (const auto fit = check_start(options, outcome); !fit) return refuse(fit.error());
+  if (const auto connected = connect(options, buses); !connected) return refuse(connected.error());
+  const program::SelfTestFigures figures = program::run_self_test(options, controller_state, signals.stop);
+  if (!options.json_file.empty() && !program::write_text(program::to_json(figures), options.json_file)) {
+    return refuse_json(options.json_file);
+  }
+  if (options.json_file != "-") std::fputs(program::to_text(figures).c_str(), stdout);
+  return figures.passed() ? kDone : kFailed;
 }
 
 /// --check-config: the configuration was read; what it means here.
@@ -122,6 +147,7 @@ int main(int count, char** words) {
     case program::Task::check_config:
       return check_config(*options);
     case program::Task::self_test:
+      return run_self_test(*options);
     case program::Task::control:
       break;
   }
