@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "firmware/configuration/diagnostic.h"
-#include "mpc_core/control/parameters.h"
+#include "firmware/configuration/parameters.h"
 
 /// The configuration of the controller: one commented TOML file a robot sets everything that is tunable.
 ///
@@ -19,7 +19,7 @@ namespace stilt::configuration {
 
 /// The parameters, or everything that is wrong, in the order of the file, overrides last. Contradictions
 /// between values are looked for once each value is right by itself.
-using Result = std::expected<control::ControllerParameters, std::vector<Diagnostic>>;
+using Result = std::expected<Configuration, std::vector<Diagnostic>>;
 
 /// A change made after the file is read, under the same checks. The last one of a key counts.
 struct Override {
@@ -49,6 +49,6 @@ struct ShippedConfiguration {
 
 /// The parameters as a TOML file that parse() reads back bit for bit, with meaning, unit, range and default
 /// in a comment above each key. `heading`: text of the first lines, put into comments.
-[[nodiscard]] std::string to_toml(const control::ControllerParameters& parameters, std::string_view heading);
+[[nodiscard]] std::string to_toml(const Configuration& parameters, std::string_view heading);
 
 }  // namespace stilt::configuration

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "firmware/configuration/hardware_consistency.h"
 #include "firmware/configuration/schema.h"
 #include "mpc_core/control/plan.h"
 
@@ -109,12 +110,15 @@ int most_switches(const control::ControllerParameters& p) {
   return 1 + 2 * periods + (rest_s >= std::min(single_s, double_s) ? 1 : 0);
 }
 
-std::vector<Contradiction> contradictions(const control::ControllerParameters& parameters) {
+std::vector<Contradiction> contradictions(const Configuration& parameters) {
   std::vector<Contradiction> found;
   check_capacity(parameters, found);
   check_gait(parameters, found);
   check_timing(parameters, found);
   check_line_search(parameters, found);
+  check_hardware(parameters.hardware, found);
+  check_supervisor(parameters.supervisor, found);
+  check_runtime(parameters.runtime, found);
   return found;
 }
 

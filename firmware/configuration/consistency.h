@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "mpc_core/control/parameters.h"
+#include "firmware/configuration/parameters.h"
 
 namespace stilt::configuration {
 
@@ -14,9 +14,10 @@ struct Contradiction {
   std::string message;                 ///< what is wrong, and what would be right
 };
 
-/// All contradictions: horizon and switches against the capacity of the planner, rates, durations, swing.
+/// All contradictions: horizon and switches against the capacity of the planner, rates, durations, swing,
+/// wiring.
 /// Supposes that every value is within its range. May allocate; not for real time.
-[[nodiscard]] std::vector<Contradiction> contradictions(const control::ControllerParameters& parameters);
+[[nodiscard]] std::vector<Contradiction> contradictions(const Configuration& parameters);
 
 /// Largest number of contact switches that any window of one horizon holds while stepping.
 [[nodiscard]] int most_switches(const control::ControllerParameters& parameters);

@@ -1,7 +1,9 @@
 #include "firmware/configuration/schema.h"
 
-#include <type_traits>
+#include <vector>
 
+#include "firmware/configuration/schema_fields.h"
+#include "firmware/configuration/schema_tables.h"
 #include "mpc_core/control/plan.h"
 
 namespace stilt::configuration {
@@ -20,40 +22,7 @@ using ocp::EqualityParameters;
 using ocp::InequalityParameters;
 using solver::SqpParameters;
 using P = Parameters;
-
-/// The field at the end of a path of pointers to members.
-template <auto... Path>
-constexpr auto& at(auto& parameters) {
-  return (parameters.*....*Path);
-}
-
-template <auto... Path>
-constexpr RealField real(double min, double max) {
-  return {[](const P& p) -> const double& { return at<Path...>(p); },
-          [](P& p, double value) { at<Path...>(p) = value; }, min, max};
-}
-
-template <auto... Path>
-constexpr IntegerField integer(int min, int max) {
-  return {[](const P& p) -> const int& { return at<Path...>(p); },
-          [](P& p, int value) { at<Path...>(p) = value; }, min, max};
-}
-
-template <auto... Path>
-constexpr FlagField flag() {
-  return {[](const P& p) -> const bool& { return at<Path...>(p); },
-          [](P& p, bool value) { at<Path...>(p) = value; }};
-}
-
-template <auto... Path>
-constexpr ChoiceField choice(std::span<const std::string_view> words) {
-  return {[](const P& p) { return static_cast<int>(at<Path...>(p)); },
-          [](P& p, int value) {
-            auto& field = at<Path...>(p);
-            field = static_cast<std::remove_reference_t<decltype(field)>>(value);
-          },
-          [](const P& p) -> const void* { return &at<Path...>(p); }, words};
-}
+using namespace fields;
 
 // In the order of the enumerators.
 constexpr std::string_view kIntegrators[] = {"rk2", "rk4"};
@@ -244,8 +213,26 @@ constexpr Entry kEntries[] = {
 
 }  // namespace
 
-std::span<const Section> sections() { return kSections; }
+std::span<const Section> sections() {
+  static const std::vector<Section> all = [] {
+    std::vector<Section> joined(std::begin(kSections), std::end(kSections));
+    for (const auto more : {hardware_sections(), supervisor_sections(), runtime_sections()}) {
+      joined.insert(joined.end(), more.begin(), more.end());
+    }
+    return joined;
+  }();
+  return all;
+}
 
-std::span<const Entry> entries() { return kEntries; }
+std::span<const Entry> entries() {
+  static const std::vector<Entry> all = [] {
+    std::vector<Entry> joined(std::begin(kEntries), std::end(kEntries));
+    for (const auto more : {hardware_entries(), supervisor_entries(), runtime_entries()}) {
+      joined.insert(joined.end(), more.begin(), more.end());
+    }
+    return joined;
+  }();
+  return all;
+}
 
 }  // namespace stilt::configuration

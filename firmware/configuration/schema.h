@@ -1,17 +1,18 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <variant>
 
-#include "mpc_core/control/parameters.h"
+#include "firmware/configuration/parameters.h"
 
 /// The table of everything tunable. One row drives parsing, checks, overrides and the comments of the files.
 namespace stilt::configuration {
 
-using Parameters = control::ControllerParameters;
+using Parameters = Configuration;
 
 /// A real number in [min, max].
 struct RealField {
@@ -40,10 +41,19 @@ struct ChoiceField {
   int (*get)(const Parameters&);
   void (*set)(Parameters&, int);
   const void* (*address)(const Parameters&);
+  std::size_t size;  ///< of the field, bytes
   std::span<const std::string_view> words;
 };
 
-using Field = std::variant<RealField, IntegerField, FlagField, ChoiceField>;
+/// A line of text with a form of its own, without quotes, backslashes and control characters.
+struct TextField {
+  const std::string& (*get)(const Parameters&);
+  void (*set)(Parameters&, const std::string&);
+  std::string_view form;  ///< what it may be, for people
+  std::optional<std::string> (*mistake)(const std::string&);
+};
+
+using Field = std::variant<RealField, IntegerField, FlagField, ChoiceField, TextField>;
 
 /// A value as a file or an override gives it.
 using Value = std::variant<double, long long, bool, std::string>;

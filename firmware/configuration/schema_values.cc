@@ -40,6 +40,11 @@ std::string out_of_range(const Entry& entry, const Value& value) {
   return entry.name() + " = " + shown(value) + " is outside its range, " + range_text(entry);
 }
 
+/// Whether the text stands between the quotes of TOML as it is.
+bool is_plain(std::string_view text) {
+  return std::ranges::all_of(text, [](char c) { return c >= ' ' && c < 127 && c != '"' && c != '\\'; });
+}
+
 /// Number of single-character edits that turn one word into the other.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
@@ -130,7 +135,16 @@ std::optional<std::string> assign(const Entry& entry, const Value& value, Parame
     field.set(parameters, static_cast<int>(found - field.words.begin()));
     return std::nullopt;
   };
-  return std::visit(Match{to_real, to_integer, to_flag, to_choice}, entry.field);
+  const auto to_text = [&](const TextField& field) -> std::optional<std::string> {
+    const auto* line = std::get_if<std::string>(&value);
+    if (line == nullptr)
+      return entry.name() + " must be text, " + range_text(entry) + ", not " + kind_of(value);
+    if (!is_plain(*line)) return entry.name() + " must not hold quotes, backslashes or control characters";
+    if (const auto mistake = field.mistake(*line)) return entry.name() + ": " + *mistake;
+    field.set(parameters, *line);
+    return std::nullopt;
+  };
+  return std::visit(Match{to_real, to_integer, to_flag, to_choice, to_text}, entry.field);
 }
 
 std::string value_text(const Entry& entry, const Parameters& parameters) {
@@ -140,8 +154,10 @@ std::string value_text(const Entry& entry, const Parameters& parameters) {
     return text;
   };
   const auto choice = [&](const ChoiceField& field) { return quoted(field.words[field.get(parameters)]); };
+  const auto line = [&](const TextField& field) { return quoted(field.get(parameters)); };
   return std::visit(
-      Match{real, choice, [&](const IntegerField& field) { return std::to_string(field.get(parameters)); },
+      Match{real, choice, line,
+            [&](const IntegerField& field) { return std::to_string(field.get(parameters)); },
             [&](const FlagField& field) { return std::string(field.get(parameters) ? "true" : "false"); }},
       entry.field);
 }
@@ -160,7 +176,8 @@ std::string range_text(const Entry& entry) {
                           [&](const IntegerField& field) {
                             return std::to_string(field.min) + " to " + std::to_string(field.max) + unit;
                           },
-                          [](const FlagField&) { return std::string("true or false"); }, choice},
+                          [](const FlagField&) { return std::string("true or false"); }, choice,
+                          [](const TextField& field) { return std::string(field.form); }},
                     entry.field);
 }
 

@@ -17,7 +17,7 @@ void append_comment(std::string& toml, std::string_view text) {
 
 }  // namespace
 
-std::string to_toml(const control::ControllerParameters& parameters, std::string_view heading) {
+std::string to_toml(const Configuration& parameters, std::string_view heading) {
   const Parameters defaults;
   std::string toml;
   append_comment(toml, heading);

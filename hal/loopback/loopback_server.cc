@@ -62,12 +62,14 @@ void LoopbackServer::return_echo(const CanFrame& frame) noexcept {
   static_cast<void>(::send(client_.get(), wire.data(), bytes, MSG_DONTWAIT | MSG_NOSIGNAL));
 }
 
+void LoopbackServer::hang_up() noexcept {
+  client_.close();
+  socket_.reset(-1);
+}
+
 ReceiveResult LoopbackServer::receive(std::span<CanFrame> frames) noexcept {
   ReceiveResult result = socket_.receive(frames);
-  if (result.status == BusStatus::disconnected && client_.open()) {
-    client_.close();
-    socket_.reset(-1);
-  }
+  if (result.status == BusStatus::disconnected && client_.open()) hang_up();
   if (silent_) result.received = 0;
   for (const CanFrame& frame : frames.first(result.received)) return_echo(frame);
   let_in();

@@ -34,6 +34,9 @@ class LoopbackServer final : public FrameBus {
   /// bus with unpowered drivers looks like.
   void set_silent(bool silent) noexcept { silent_ = silent; }
 
+  /// Ends the connection, as if the cable came off; the controller may come back with the next receive().
+  void hang_up() noexcept;
+
   /// For poll(): readable when a frame waits, or a controller where none is connected.
   [[nodiscard]] int listener() const noexcept { return listener_.get(); }
   [[nodiscard]] int descriptor() const noexcept { return client_.get(); }

@@ -43,6 +43,8 @@ class EmulatedDriver {
   /// Torque on the shaft at the motor's present position and velocity.
   [[nodiscard]] virtual double torque_Nm() const noexcept = 0;
   [[nodiscard]] virtual bool enabled() const noexcept = 0;
+  /// Whether its frames tell the supply voltage.
+  [[nodiscard]] virtual bool reports_supply() const noexcept = 0;
   /// Raises a fault: the motor is let go and the driver reports it in its own way.
   virtual void raise(DriverFault fault) noexcept = 0;
   /// As after a loss of power: everything configured at run time is gone, motor off.

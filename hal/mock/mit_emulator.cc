@@ -80,6 +80,7 @@ void MitEmulator::reply(FrameSink& replies) const noexcept {
   state.position_rad = sensed().position_rad;
   state.velocity_rad_s = sensed().velocity_rad_s;
   state.torque_Nm = torque_Nm();
+  if (reports_supply()) state.supply_V = motor.supply_V;
   state.driver_temperature_C = state.motor_temperature_C = motor.temperature_C;
   state.fault_code = fault_code_;
   if (driver_.layout == ReplyLayout::damiao && fault_code_ == 0) state.fault_code = enabled_ ? 1 : 0;

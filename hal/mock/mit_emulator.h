@@ -17,6 +17,9 @@ class MitEmulator final : public EmulatedDriver {
   void elapse(std::int64_t now_ns, FrameSink& replies) noexcept override;
   [[nodiscard]] double torque_Nm() const noexcept override;
   [[nodiscard]] bool enabled() const noexcept override { return enabled_; }
+  [[nodiscard]] bool reports_supply() const noexcept override {
+    return driver_.layout == protocol::ReplyLayout::mini_cheetah;
+  }
   void raise(DriverFault fault) noexcept override;
   void power_cycle() noexcept override;
 

@@ -18,6 +18,7 @@ class OdriveEmulator final : public EmulatedDriver {
   void elapse(std::int64_t now_ns, FrameSink& replies) noexcept override;
   [[nodiscard]] double torque_Nm() const noexcept override { return enabled() && powered() ? torque_Nm_ : 0; }
   [[nodiscard]] bool enabled() const noexcept override;
+  [[nodiscard]] bool reports_supply() const noexcept override { return true; }
   void raise(DriverFault fault) noexcept override;
   void power_cycle() noexcept override;
 

@@ -36,6 +36,7 @@ class SocketCanBus {
   [[nodiscard]] bool reopen() noexcept;
 
   [[nodiscard]] FrameSocket& frames() noexcept { return socket_; }
+  [[nodiscard]] const FrameSocket& frames() const noexcept { return socket_; }
 
  private:
   Descriptor descriptor_;

@@ -76,14 +76,17 @@ const model::RobotModel& robot_model(const std::string& name) {
   throw UsageError("--robot " + name + ": no such robot; known are " + known);
 }
 
-control::ControllerParameters controller_parameters(const ControllerChoice& choice) {
-  check_controller(choice.controller);
-  const std::vector<Override> overrides = overrides_of(choice);
-  const configuration::Result result = choice.config_file.empty()
-                                           ? configuration::load_robot(choice.robot, overrides)
-                                           : configuration::load_file(choice.config_file, overrides);
+configuration::Configuration load_configuration(const std::string& robot, const std::string& file,
+                                                const std::vector<Override>& overrides) {
+  const configuration::Result result =
+      file.empty() ? configuration::load_robot(robot, overrides) : configuration::load_file(file, overrides);
   if (!result) throw UsageError(one_line(result.error()));
   return *result;
+}
+
+control::ControllerParameters controller_parameters(const ControllerChoice& choice) {
+  check_controller(choice.controller);
+  return load_configuration(choice.robot, choice.config_file, overrides_of(choice));
 }
 
 std::unique_ptr<simulator::MpcController> make_controller(const model::RobotModel& robot,

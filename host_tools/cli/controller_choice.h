@@ -33,6 +33,10 @@ void add_controller_options(CLI::App& command, ControllerChoice& choice);
 /// The generated model of that name.
 [[nodiscard]] const model::RobotModel& robot_model(const std::string& name);
 
+/// The configuration of a file, or the shipped one of the robot when its name is empty, all checked.
+[[nodiscard]] configuration::Configuration load_configuration(
+    const std::string& robot, const std::string& file, const std::vector<configuration::Override>& overrides);
+
 /// The parameters after configuration file, --set and the options of their own, all checked.
 [[nodiscard]] control::ControllerParameters controller_parameters(const ControllerChoice& choice);
 

@@ -21,7 +21,7 @@ Json to_json(const log::Percentiles& percentiles) {
   return {{"p50", percentiles.p50}, {"p99", percentiles.p99}, {"max", percentiles.max}};
 }
 
-Json to_json(const log::RunSummary& summary) {
+Json plant_json(const log::RunSummary& summary) {
   Json steps = Json::array();
   for (const log::Step& step : summary.steps) {
     steps.push_back({{"time_s", step.time_s}, {"foot", step.foot}, {"length_m", step.length_m}});
@@ -38,6 +38,11 @@ Json to_json(const log::RunSummary& summary) {
   json["peak_torque_Nm"] = to_json(summary.peak_torque_Nm);
   json["peak_joint_speed_rad_s"] = to_json(summary.peak_joint_speed_rad_s);
   json["slip_distance_m"] = summary.slip_distance_m;
+  return json;
+}
+
+Json to_json(const log::RunSummary& summary) {
+  Json json = plant_json(summary);
   json["solve_time_us"] = to_json(summary.solve_time_us);
   json["sqp_iterations"] = {{"mean", summary.sqp_iterations_mean}, {"max", summary.sqp_iterations_max}};
   json["dynamics_defect_max"] = summary.dynamics_defect_max;

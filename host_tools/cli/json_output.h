@@ -10,6 +10,9 @@ namespace stilt::cli {
 /// {p50, p99, max}.
 [[nodiscard]] nlohmann::ordered_json to_json(const log::Percentiles& percentiles);
 
+/// The part of it that the plant alone knows: how far, how fast, with what torque, and whether it fell.
+[[nodiscard]] nlohmann::ordered_json plant_json(const log::RunSummary& summary);
+
 /// What `stilt sim --json` writes: the fields of docs/interfaces.
 [[nodiscard]] nlohmann::ordered_json to_json(const log::RunSummary& summary);
 

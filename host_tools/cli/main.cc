@@ -7,7 +7,9 @@
 #include <string>
 
 #include "host_tools/cli/bench_command.h"
+#include "host_tools/cli/gait_command.h"
 #include "host_tools/cli/model_evaluation.h"
+#include "host_tools/cli/robot_command.h"
 #include "host_tools/cli/sim_command.h"
 #include "host_tools/cli/version.h"
 
@@ -37,6 +39,10 @@ int run(int count, char** words) {
   const CLI::App* sim = stilt::cli::add_sim_command(program, sim_options);
   stilt::cli::BenchOptions bench_options;
   const CLI::App* bench = stilt::cli::add_bench_command(program, bench_options);
+  stilt::cli::RobotOptions robot_options;
+  const CLI::App* robot = stilt::cli::add_robot_command(program, robot_options);
+  stilt::cli::GaitOptions gait_options;
+  const CLI::App* gait = stilt::cli::add_gait_command(program, gait_options);
   CLI::App* model = program.add_subcommand("model", "the robot's generated dynamics");
   model->require_subcommand(1);
   CLI::App* eval = model->add_subcommand(
@@ -51,11 +57,14 @@ int run(int count, char** words) {
     return program.exit(help_or_version);
   } catch (const CLI::RequiredError&) {
     const std::string unknown = count > 1 ? std::string(words[count - 1]) + ": " : std::string();
-    return refuse(unknown + "a command is expected: sim, bench or model eval; stilt --help tells more");
+    return refuse(unknown +
+                  "a command is expected: sim, robot, gait, bench or model eval; stilt --help tells more");
   } catch (const CLI::ParseError& error) {
     return refuse(std::string(error.what()) + "; stilt COMMAND --help tells what is right");
   }
   if (sim->parsed()) return stilt::cli::run_sim(sim_options, joined(count, words));
+  if (robot->parsed()) return stilt::cli::run_robot(robot_options, joined(count, words));
+  if (gait->parsed()) return stilt::cli::run_gait(*gait, gait_options);
   if (bench->parsed()) return stilt::cli::run_bench(bench_options);
   stilt::cli::evaluate_lines(stilt::cli::robot_model(model_robot), std::cin, std::cout);
   return 0;

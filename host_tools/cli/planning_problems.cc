@@ -7,11 +7,11 @@
 namespace stilt::cli {
 namespace {
 
-/// A controller that remembers what its planner was asked.
-class RecordingController final : public simulator::Controller {
+/// A controller whose plans are observed.
+class ObservedController final : public simulator::Controller {
  public:
-  RecordingController(simulator::Controller& controller, std::vector<control::PlannerInput>& inputs)
-      : controller_(controller), inputs_(inputs) {}
+  ObservedController(simulator::Controller& controller, const PlanObserver& observer)
+      : controller_(controller), observer_(observer) {}
 
   void reset(const model::StateVector& state, double time_s) override {
     state_ = state;
@@ -26,8 +26,10 @@ class RecordingController final : public simulator::Controller {
   }
 
   std::optional<solver::SolveReport> plan(double time_s, const gait::GaitCommand& command) override {
-    inputs_.push_back({time_s, state_, command});
-    return controller_.plan(time_s, command);
+    observer_.before();
+    const std::optional<solver::SolveReport> report = controller_.plan(time_s, command);
+    if (report) observer_.after({time_s, state_, command}, *report);
+    return report;
   }
 
   void adopt_plan() override { controller_.adopt_plan(); }
@@ -37,16 +39,15 @@ class RecordingController final : public simulator::Controller {
 
  private:
   simulator::Controller& controller_;
-  std::vector<control::PlannerInput>& inputs_;
+  const PlanObserver& observer_;
   model::StateVector state_ = model::StateVector::Zero();
 };
 
 }  // namespace
 
-PlanningProblems record_walk(const std::string& robot_name, const control::ControllerParameters& parameters,
-                             double speed_m_s, int count) {
+bool walk(const std::string& robot_name, const control::ControllerParameters& parameters, double speed_m_s,
+          int count, simulator::Controller& controller, const PlanObserver& observer) {
   const model::RobotModel& robot = robot_model(robot_name);
-  const auto controller = make_controller(robot, parameters);
   simulator::PlantOptions world;
   world.time_step_s =
       simulator::time_step_for_tick(world.time_step_s, 1.0 / parameters.timing.torque_rate_hz);
@@ -62,11 +63,21 @@ PlanningProblems record_walk(const std::string& robot_name, const control::Contr
   settings.commands = {{0.0, {gait::GaitKind::walk, speed_m_s}}};
   settings.timing = parameters.timing;
   settings.keep_samples = false;
-  Progress progress("recording planning problems", settings.duration_s, "s");
+  Progress progress("walking", settings.duration_s, "s");
   settings.progress = [&](double time_s) { progress.update(time_s); };
+  ObservedController observed(controller, observer);
+  return simulator::run_closed_loop(plant, observed, settings).summary.survived;
+}
+
+PlanningProblems record_walk(const std::string& robot, const control::ControllerParameters& parameters,
+                             double speed_m_s, int count) {
+  const auto controller = make_controller(robot_model(robot), parameters);
   PlanningProblems problems;
-  RecordingController recording(*controller, problems.inputs);
-  problems.survived = simulator::run_closed_loop(plant, recording, settings).summary.survived;
+  PlanObserver recorder;
+  recorder.after = [&](const control::PlannerInput& input, const solver::SolveReport&) {
+    problems.inputs.push_back(input);
+  };
+  problems.survived = walk(robot, parameters, speed_m_s, count, *controller, recorder);
   return problems;
 }
 

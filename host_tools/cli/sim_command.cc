@@ -8,6 +8,7 @@
 
 #include "host_tools/cli/json_output.h"
 #include "host_tools/cli/progress.h"
+#include "host_tools/cli/run_description.h"
 #include "host_tools/cli/summary_text.h"
 #include "host_tools/cli/usage_error.h"
 #include "host_tools/log/sample_log.h"
@@ -26,8 +27,6 @@ using simulator::TimedCommand;
 
 constexpr double kLargestSpeed_m_s = 5.0;
 constexpr double kLongestRun_s = 86400.0;
-/// The drawn torso ends this much above the hip, in heights of its centre of mass.
-constexpr double kTorsoToCom = 1.75;
 
 PlantOptions plant_options(const SimOptions& options, const control::TimingParameters& timing) {
   PlantOptions plant;
@@ -74,41 +73,6 @@ RunSettings run_settings(const SimOptions& options, const model::RobotConstants&
   settings.timing = parameters.timing;
   settings.keep_samples = !options.report_file.empty() || !options.log_file.empty();
   return settings;
-}
-
-/// Standing on the plant's ground.
-model::StateVector initial_state(const Plant& plant, const simulator::LegLengths& leg,
-                                 const control::ControllerParameters& parameters) {
-  const double half_width_m = parameters.gait.stand_half_width_m;
-  return simulator::standing_state(
-      leg, parameters.reference.base_height_m, half_width_m,
-      {plant.ground_height_m(half_width_m), plant.ground_height_m(-half_width_m)});
-}
-
-/// Corners of the ground's profile from a little behind the start to a little beyond the end.
-void add_ground(const Plant& plant, const PlantOptions& options, double end_x_m, log::RunRecord& record) {
-  constexpr double kMargin_m = 5.0;
-  constexpr double kEdge_m = 1e-6;
-  std::vector<double> corners = {std::min(0.0, end_x_m) - kMargin_m, std::max(0.0, end_x_m) + kMargin_m};
-  const double step_m = options.step_position_m;
-  if (options.step_height_m != 0.0 && step_m > corners.front() && step_m < corners.back()) {
-    corners.insert(corners.begin() + 1, {step_m - kEdge_m, step_m});
-  }
-  for (const double x_m : corners) {
-    record.ground_x_m.push_back(x_m);
-    record.ground_z_m.push_back(plant.ground_height_m(x_m));
-  }
-}
-
-void describe_run(const model::RobotConstants& robot, const Plant& plant, const PlantOptions& options,
-                  log::RunRecord& record) {
-  record.robot = {robot.name, kTorsoToCom * robot.torso_com_height_m, robot.thigh_length_m,
-                  robot.shin_length_m};
-  for (int joint = 0; joint < model::kJoints; ++joint) {
-    record.torque_limit_Nm[joint] = plant.torque_limit_Nm()[joint];
-  }
-  record.friction_coefficient = options.friction;
-  add_ground(plant, options, record.summary.distance_m, record);
 }
 
 void write_results(const SimOptions& options, const log::RunRecord& record, simulator::Fall fall) {
@@ -167,7 +131,7 @@ int run_sim(const SimOptions& options, const std::string& command_line) {
   Plant plant(simulator::make_plant_model(simulator::simulated_robot(options.choice.robot), world,
                                           parameters.reference.base_height_m),
               world, static_cast<std::uint64_t>(options.seed));
-  settings.initial_state = initial_state(plant, settings.leg, parameters);
+  settings.initial_state = standing_on_ground(world, settings.leg, parameters);
   log::RunRecord record;
   {
     Progress progress("simulating", options.duration_s, "s");

@@ -23,7 +23,7 @@ std::string steps_line(const log::RunSummary& summary) {
 
 }  // namespace
 
-std::string summary_text(const log::RunSummary& summary, simulator::Fall fall) {
+std::string plant_text(const log::RunSummary& summary, simulator::Fall fall) {
   std::string text =
       summary.survived
           ? formatted("result         on its feet after %.1f s\n", summary.duration_s)
@@ -37,7 +37,11 @@ std::string summary_text(const log::RunSummary& summary, simulator::Fall fall) {
                     torque[1], torque[2], torque[3]);
   text += formatted("peak speed     hip_L %.1f, knee_L %.1f, hip_R %.1f, knee_R %.1f rad/s\n", speed[0],
                     speed[1], speed[2], speed[3]);
-  text += formatted("slip           %.3f m of both feet while loaded\n", summary.slip_distance_m);
+  return text + formatted("slip           %.3f m of both feet while loaded\n", summary.slip_distance_m);
+}
+
+std::string summary_text(const log::RunSummary& summary, simulator::Fall fall) {
+  std::string text = plant_text(summary, fall);
   text +=
       formatted("planning       p50 %.0f, p99 %.0f, max %.0f us; %.1f iterations on average, %d at most\n",
                 summary.solve_time_us.p50, summary.solve_time_us.p99, summary.solve_time_us.max,

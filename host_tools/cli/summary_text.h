@@ -7,6 +7,9 @@
 
 namespace stilt::cli {
 
+/// What the plant shows of a run, for people.
+[[nodiscard]] std::string plant_text(const log::RunSummary& summary, simulator::Fall fall);
+
 /// The summary of a run for people, a few lines.
 [[nodiscard]] std::string summary_text(const log::RunSummary& summary, simulator::Fall fall);
 

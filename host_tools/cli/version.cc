@@ -5,8 +5,29 @@
 
 namespace stilt::cli {
 
+namespace {
+
+/// The SIMD instructions the compiler was allowed to use: what "native" stands for.
+constexpr const char* simd_family() {
+#if defined(__AVX512F__)
+  return "AVX-512";
+#elif defined(__AVX2__) && defined(__FMA__)
+  return "AVX2 with FMA";
+#elif defined(__AVX__)
+  return "AVX";
+#elif defined(__SSE2__)
+  return "SSE2";
+#elif defined(__ARM_NEON)
+  return "NEON";
+#else
+  return "no SIMD";
+#endif
+}
+
+}  // namespace
+
 std::string instruction_set() {
-  return std::string(STILT_ISA) + ", " + std::to_string(model::kLanes) + " lanes";
+  return std::string(STILT_ISA) + ", " + simd_family() + ", " + std::to_string(model::kLanes) + " lanes";
 }
 
 std::string version_text() {

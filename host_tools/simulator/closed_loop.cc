@@ -4,7 +4,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "host_tools/simulator/allocation_counter.h"
+#include "firmware/realtime/allocation_counter.h"
 #include "host_tools/simulator/run_recorder.h"
 
 namespace stilt::simulator {
@@ -16,14 +16,14 @@ class WatchedController {
   explicit WatchedController(Controller& controller) : controller_(controller) {}
 
   TickOutput tick(const control::SensorReading& reading, const model::StateVector* true_state) {
-    const AllocationScope scope;
+    const realtime::AllocationScope scope;
     const TickOutput output = controller_.tick(reading, true_state);
     allocations_ += scope.count();
     return output;
   }
 
   std::optional<log::SolveSample> plan(double time_s, const gait::GaitCommand& command) {
-    const AllocationScope scope;
+    const realtime::AllocationScope scope;
     const auto start = std::chrono::steady_clock::now();
     const std::optional<solver::SolveReport> report = controller_.plan(time_s, command);
     const std::chrono::duration<double, std::micro> elapsed = std::chrono::steady_clock::now() - start;
@@ -33,7 +33,7 @@ class WatchedController {
   }
 
   void adopt_plan() {
-    const AllocationScope scope;
+    const realtime::AllocationScope scope;
     controller_.adopt_plan();
     allocations_ += scope.count();
   }

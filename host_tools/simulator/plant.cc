@@ -95,9 +95,9 @@ void Plant::saturate_and_delay() {
 }
 
 void Plant::apply_forces() {
-  mju_zero(data_->qfrc_applied, model_->nv);
+  for (int i = 0; i < model::kPositions; ++i) data_->qfrc_applied[i] = surroundings_force_[i];
   for (int joint = 0; joint < model::kJoints; ++joint) {
-    data_->qfrc_applied[model::kFirstJoint + joint] = applied_torque_Nm_[joint];
+    data_->qfrc_applied[model::kFirstJoint + joint] += applied_torque_Nm_[joint];
   }
   if (push_N_ == 0.0) return;
   const mjtNum force[3] = {push_N_, 0.0, 0.0};
@@ -164,10 +164,7 @@ double Plant::energy_J() {
   return data_->energy[0] + data_->energy[1];
 }
 
-double Plant::ground_height_m(double x_m) const {
-  const double step_m = x_m >= options_.step_position_m ? options_.step_height_m : 0.0;
-  return x_m * std::tan(options_.ground_slope_rad) + step_m;
-}
+double Plant::ground_height_m(double x_m) const { return simulator::ground_height_m(options_, x_m); }
 
 double Plant::mass_kg() const { return mj_getTotalmass(model_.get()); }
 

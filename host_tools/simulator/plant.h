@@ -44,6 +44,10 @@ class Plant {
   /// Horizontal force on the torso from now on, positive forward.
   void set_push(double force_N, PushPoint point);
 
+  /// Force of the surroundings (a hoist, say) from now on, along the generalised coordinates: N, N, Nm on the
+  /// base, Nm on the joints. Bears no delay and no limit.
+  void set_surroundings_force(const model::PositionVector& force) { surroundings_force_ = force; }
+
   /// Advances by one time step.
   void step();
 
@@ -98,6 +102,7 @@ class Plant {
   model::FeetVector foot_position_m_ = model::FeetVector::Zero();
   double push_N_ = 0.0;
   PushPoint push_point_ = PushPoint::hip;
+  model::PositionVector surroundings_force_ = model::PositionVector::Zero();
   double slip_distance_m_ = 0.0;
 };
 

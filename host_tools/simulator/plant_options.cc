@@ -1,6 +1,7 @@
 #include "host_tools/simulator/plant_options.h"
 
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <stdexcept>
 
@@ -63,6 +64,11 @@ std::string range_text(const PlantOption& option) {
 }
 
 }  // namespace
+
+double ground_height_m(const PlantOptions& options, double x_m) {
+  const double step_m = x_m >= options.step_position_m ? options.step_height_m : 0.0;
+  return x_m * std::tan(options.ground_slope_rad) + step_m;
+}
 
 std::span<const PlantOption> plant_option_table() { return kTable; }
 

@@ -28,6 +28,9 @@ struct PlantOptions {
   double step_position_m = 2.0;
 };
 
+/// Height of the ground below a point x of the world.
+[[nodiscard]] double ground_height_m(const PlantOptions& options, double x_m);
+
 /// One row of the table of options: what `--plant KEY=VALUE` accepts.
 struct PlantOption {
   const char* key;

@@ -1,20 +1,21 @@
 #include <benchmark/benchmark.h>
 
-#include <Eigen/Cholesky>
 #include <vector>
 
+#include "host_tools/benchmark/plain_sweep.h"
 #include "mpc_core/solver/care.h"
 #include "mpc_core/solver/riccati.h"
 #include "tests/mpc_core/solver/random_lq.h"
 
 /// The Riccati sweep against the same recursion in fixed-size Eigen, on the same data in the same run: 134
-/// stages (2 s at 15 ms), 14 states. Argument: which of testing::kKinds every stage is.
+/// stages (2 s at 15 ms), 14 states. Arguments: the kind of every stage, an index into
+/// testing::kKinds.
 namespace stilt::solver {
 namespace {
 
 constexpr int kStages = 134;
 
-testing::LqProblem problem_with(testing::StageKind kind) {
+testing::LqProblem problem_with(const testing::StageKind& kind) {
   testing::LqProblem problem = testing::random_problem(1, 0);
   std::mt19937_64 random(2);
   for (int k = 0; k < kStages; ++k) problem.stages.push_back(testing::random_stage(random, kind, 0.05));
@@ -27,113 +28,68 @@ testing::LqProblem walking_problem() {
   std::mt19937_64 random(2);
   for (int k = 0; k < kStages; ++k) {
     const int phase = k % 27;
-    const testing::StageKind kind = phase == 26   ? testing::kTransition
-                                    : phase >= 23 ? testing::kDoubleSupport
-                                                  : testing::kSingleSupport;
+    const testing::StageKind& kind = phase == 26   ? testing::kTransition
+                                     : phase >= 23 ? testing::kDoubleSupport
+                                                   : testing::kSingleSupport;
     problem.stages.push_back(testing::random_stage(random, kind, 0.05));
   }
   return problem;
 }
 
-void run_backward(benchmark::State& state, const testing::LqProblem& problem) {
+void run_backward(::benchmark::State& state, const testing::LqProblem& problem) {
   std::vector<LqGain> gains(problem.stages.size());
   RiccatiWorkspace workspace;
   for (auto _ : state) {
     const SweepStatus status =
         backward_sweep(problem.stages.data(), problem.count(), problem.terminal, gains.data(), workspace);
     if (!status.ok()) state.SkipWithError("sweep failed");
-    benchmark::DoNotOptimize(gains.data());
-    benchmark::ClobberMemory();
+    ::benchmark::DoNotOptimize(gains.data());
+    ::benchmark::ClobberMemory();
   }
 }
 
-void BM_backward(benchmark::State& state) {
+void BM_backward(::benchmark::State& state) {
   run_backward(state, problem_with(testing::kKinds[state.range(0)]));
 }
-BENCHMARK(BM_backward)->ArgName("kind")->DenseRange(0, 3)->Unit(benchmark::kMicrosecond);
+BENCHMARK(BM_backward)->ArgName("kind")->DenseRange(0, 3)->Unit(::benchmark::kMicrosecond);
 
-void BM_backward_walking(benchmark::State& state) { run_backward(state, walking_problem()); }
-BENCHMARK(BM_backward_walking)->Unit(benchmark::kMicrosecond);
+void BM_backward_walking(::benchmark::State& state) { run_backward(state, walking_problem()); }
+BENCHMARK(BM_backward_walking)->Unit(::benchmark::kMicrosecond);
 
-void BM_forward_walking(benchmark::State& state) {
+void BM_forward_walking(::benchmark::State& state) {
   const testing::LqProblem problem = walking_problem();
   SweepStatus status;
   testing::LqSolution solution = testing::solve(problem, status);
   for (auto _ : state) {
     forward_sweep(problem.stages.data(), kStages, solution.gains.data(), problem.x0, solution.steps.data());
-    benchmark::ClobberMemory();
+    ::benchmark::ClobberMemory();
   }
 }
-BENCHMARK(BM_forward_walking)->Unit(benchmark::kMicrosecond);
+BENCHMARK(BM_forward_walking)->Unit(::benchmark::kMicrosecond);
 
-void BM_cost_slope_walking(benchmark::State& state) {
+void BM_cost_slope_walking(::benchmark::State& state) {
   const testing::LqProblem problem = walking_problem();
   SweepStatus status;
   const testing::LqSolution solution = testing::solve(problem, status);
   for (auto _ : state) {
-    benchmark::DoNotOptimize(
+    ::benchmark::DoNotOptimize(
         cost_slope(problem.stages.data(), kStages, problem.terminal, solution.steps.data()));
   }
 }
-BENCHMARK(BM_cost_slope_walking)->Unit(benchmark::kMicrosecond);
+BENCHMARK(BM_cost_slope_walking)->Unit(::benchmark::kMicrosecond);
 
-template <int kInputs>
-struct EigenStage {
-  Eigen::Matrix<double, kStates, kStates> A, Q;
-  Eigen::Matrix<double, kStates, kInputs> B;
-  Eigen::Matrix<double, kInputs, kStates> S, K;
-  Eigen::Matrix<double, kInputs, kInputs> R;
-  Eigen::Matrix<double, kStates, 1> b, q;
-  Eigen::Matrix<double, kInputs, 1> r, k;
-};
-
-/// The textbook recursion with a dense A, as one writes it with fixed-size Eigen.
-template <int kKind>
-void BM_backward_eigen(benchmark::State& state) {
-  constexpr int kInputs = testing::kKinds[kKind].free_inputs;
-  const testing::LqProblem problem = problem_with(testing::kKinds[kKind]);
-  std::vector<EigenStage<kInputs>> stages(kStages);
-  for (int k = 0; k < kStages; ++k) {
-    const testing::PlainStage p = testing::plain(problem.stages[k]);
-    EigenStage<kInputs>& s = stages[k];
-    s.A = p.A, s.Q = p.Q, s.B = p.B, s.S = p.S, s.R = p.R, s.b = p.b, s.q = p.q, s.r = p.r;
-  }
-  const Eigen::Matrix<double, kStates, kStates> terminal = testing::plain_terminal_hessian(problem.terminal);
+/// The textbook recursion in fixed-size Eigen.
+void BM_backward_eigen(::benchmark::State& state) {
+  const testing::LqProblem problem = problem_with(testing::kKinds[state.range(0)]);
+  stilt::benchmark::PlainSweep sweep(problem.stages.data(), problem.count(), problem.terminal);
   for (auto _ : state) {
-    Eigen::Matrix<double, kStates, kStates> P = terminal, PA;
-    Eigen::Matrix<double, kStates, 1> p = testing::plain_state(problem.terminal.q), pb;
-    for (int k = kStages - 1; k >= 0; --k) {
-      EigenStage<kInputs>& s = stages[k];
-      PA.noalias() = P * s.A;
-      pb = p;
-      pb.noalias() += P * s.b;
-      const Eigen::Matrix<double, kStates, kInputs> PB = P * s.B;
-      Eigen::Matrix<double, kInputs, kInputs> H = s.R;
-      H.noalias() += s.B.transpose() * PB;
-      Eigen::Matrix<double, kInputs, kStates> G = s.S;
-      G.noalias() += s.B.transpose() * PA;
-      Eigen::Matrix<double, kInputs, 1> h = s.r;
-      h.noalias() += s.B.transpose() * pb;
-      const Eigen::LLT<Eigen::Matrix<double, kInputs, kInputs>> cholesky(H);
-      s.K = -cholesky.solve(G);
-      s.k = -cholesky.solve(h);
-      P = s.Q;
-      P.noalias() += s.A.transpose() * PA;
-      P.noalias() += G.transpose() * s.K;
-      P = (0.5 * (P + P.transpose())).eval();
-      p = s.q;
-      p.noalias() += s.A.transpose() * pb;
-      p.noalias() += G.transpose() * s.k;
-    }
-    benchmark::DoNotOptimize(P.data());
-    benchmark::ClobberMemory();
+    sweep.run();
+    ::benchmark::ClobberMemory();
   }
 }
-BENCHMARK(BM_backward_eigen<1>)->Unit(benchmark::kMicrosecond);
-BENCHMARK(BM_backward_eigen<2>)->Unit(benchmark::kMicrosecond);
-BENCHMARK(BM_backward_eigen<3>)->Unit(benchmark::kMicrosecond);
+BENCHMARK(BM_backward_eigen)->ArgName("kind")->DenseRange(0, 3)->Unit(::benchmark::kMicrosecond);
 
-void BM_care(benchmark::State& state) {
+void BM_care(::benchmark::State& state) {
   std::mt19937_64 random(3);
   std::normal_distribution<double> normal;
   CareProblem problem{StateMatrix::NullaryExpr([&] { return normal(random); }),
@@ -145,7 +101,7 @@ void BM_care(benchmark::State& state) {
     if (solve_care(problem, solution, workspace) != CareOutcome::kOk) state.SkipWithError("no solution");
   }
 }
-BENCHMARK(BM_care)->Unit(benchmark::kMicrosecond);
+BENCHMARK(BM_care)->Unit(::benchmark::kMicrosecond);
 
 }  // namespace
 }  // namespace stilt::solver

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <string>
 
-#include "host_tools/simulator/allocation_counter.h"
+#include "firmware/realtime/allocation_counter.h"
 #include "tests/closed_loop/simulated_run.h"
 
 /// Each gait for a minute as a user gets it: shipped configuration, estimated state, a plan every 10 ms that
@@ -38,7 +38,7 @@ void expect_sound(const SimulatedRun& run, const log::RunRecord& record) {
   for (const log::SolveSample& solve : record.solves) {
     ASSERT_TRUE(solve.report.usable()) << "plan at " << solve.time_s << " s";
   }
-  if (counts_allocations()) {
+  if (realtime::counts_allocations()) {
     EXPECT_EQ(record.summary.heap_allocations_in_loop, 0);
   }
 }

@@ -16,9 +16,11 @@ if(CCACHE_PROGRAM)
   set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE_PROGRAM})
 endif()
 
-# Instruction set: a value of -march, or "native". x86-64-v3 is AVX2 with FMA, x86-64-v4 AVX-512.
+# Instruction set: a value of -march, or "native". x86-64-v3 is AVX2 with FMA, x86-64-v4 AVX-512, armv8-a NEON.
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   set(STILT_ISA_DEFAULT x86-64-v3)
+elseif(CMAKE_CROSSCOMPILING AND CMAKE_SYSTEM_PROCESSOR MATCHES "aarch64|arm64")
+  set(STILT_ISA_DEFAULT armv8-a)
 else()
   set(STILT_ISA_DEFAULT native)
 endif()

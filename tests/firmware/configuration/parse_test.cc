@@ -19,6 +19,13 @@ std::string mistakes(std::string_view toml, std::vector<Override> overrides = {}
   return result ? "" : to_string(result.error());
 }
 
+/// Names of all sections, as a mistake lists them.
+std::string section_names() {
+  std::string names;
+  for (const Section& section : sections()) names += (names.empty() ? "" : ", ") + std::string(section.name);
+  return names;
+}
+
 TEST(Parse, AnEmptyFileGivesTheDefaults) {
   const Result result = parse("", "robot.toml");
   ASSERT_TRUE(result);
@@ -128,12 +135,13 @@ TEST(Override, MistakesNameTheOption) {
             "--set: \"swing_height_m=0.05\" must have the form section.key=value, such as "
             "discretisation.horizon_s=1.0\n"
             "--set: unknown key gait.swing_hight_m; did you mean gait.swing_height_m?\n"
-            "--set: unknown section walk; sections are robot, gait, reference, cost, inequality, equality, "
-            "discretisation, sqp, torque_law, estimator, timing\n"
-            "--set: gait.swing_height_m must be a number (0.005 to 0.3 m), not text\n"
-            "--set: gait.swing_height_m must be a number (0.005 to 0.3 m), not text\n"
-            "--set: gait.swing_height_m must be a number (0.005 to 0.3 m), not text\n"
-            "--iterations: sqp.iterations = 0 is outside its range, 1 to 100");
+            "--set: unknown section walk; sections are " +
+                section_names() +
+                "\n"
+                "--set: gait.swing_height_m must be a number (0.005 to 0.3 m), not text\n"
+                "--set: gait.swing_height_m must be a number (0.005 to 0.3 m), not text\n"
+                "--set: gait.swing_height_m must be a number (0.005 to 0.3 m), not text\n"
+                "--iterations: sqp.iterations = 0 is outside its range, 1 to 100");
 }
 
 TEST(Write, WhatIsWrittenReadsBackBitForBit) {

@@ -32,9 +32,12 @@ Bytes bytes_of(const Entry& entry, const Parameters& parameters) {
   } else if (const auto* flag = std::get_if<FlagField>(&entry.field)) {
     address = &flag->get(parameters);
     size = sizeof(bool);
+  } else if (const auto* choice = std::get_if<ChoiceField>(&entry.field)) {
+    address = choice->address(parameters);
+    size = choice->size;
   } else {
-    address = std::get<ChoiceField>(entry.field).address(parameters);
-    size = sizeof(ocp::Integrator);
+    address = &std::get<TextField>(entry.field).get(parameters);
+    size = sizeof(std::string);
   }
   const auto* begin = reinterpret_cast<const char*>(&parameters);
   return {static_cast<std::size_t>(static_cast<const char*>(address) - begin), size, entry.name()};

@@ -86,6 +86,7 @@ TEST_F(CommandLine, BadUsageIsOneSentenceAndStatusTwo) {
                                 "sim --log /nowhere/run.log",
                                 "bench --problems 0",
                                 "bench --horizon 9",
+                                "bench --closed-loop -1",
                                 "bench --speed 50"}) {
     const Outcome outcome = run(arguments);
     EXPECT_EQ(outcome.status, 2) << arguments;
@@ -176,6 +177,20 @@ TEST_F(CommandLine, ABenchmarkGivesEveryFigureOfItsContract) {
   }
   EXPECT_GE(json["nodes"].get<int>(), 34);
   EXPECT_LE(json["iterations"]["max"].get<int>(), 3);
+  EXPECT_GT(json["kernels"]["peak_gflop_s"].get<double>(), 0.0);
+  for (const char* kernel : {"linearise", "riccati", "line_search_step"}) {
+    EXPECT_GT(json["kernels"][kernel]["time_us"].get<double>(), 0.0) << kernel;
+  }
+}
+
+TEST_F(CommandLine, ABenchmarkInClosedLoopComparesTheLongestPlansWithTheMedian) {
+  const Outcome outcome = run("bench --closed-loop 40 --horizon 0.3 --iterations 4 --json -");
+  ASSERT_EQ(outcome.status, 0) << outcome.errors;
+  const Json json = Json::parse(outcome.output);
+  EXPECT_GE(json["plans"].get<int>(), 40);
+  EXPECT_GE(json["solve_us"]["p999_over_p50"].get<double>(), 1.0);
+  ASSERT_FALSE(json["worst"].empty());
+  EXPECT_EQ(json["worst"].front()["iterations"].get<int>(), 4) << "all iterations are used";
 }
 
 TEST_F(CommandLine, ModelEvaluationReadsLinesAndRefusesTheFirstBadOne) {

@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "firmware/configuration/configuration.h"
-#include "host_tools/simulator/allocation_counter.h"
+#include "firmware/realtime/allocation_counter.h"
 #include "mpc_core/control/planner.h"
 #include "mpc_core/control/torque_loop.h"
 #include "tests/closed_loop/simulated_run.h"
@@ -14,8 +14,8 @@
 namespace stilt::control {
 namespace {
 
-using simulator::AllocationScope;
-using simulator::counts_allocations;
+using realtime::AllocationScope;
+using realtime::counts_allocations;
 
 constexpr std::size_t kMebibyte = 1024 * 1024;
 

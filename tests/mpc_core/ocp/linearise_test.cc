@@ -38,10 +38,10 @@ struct PlainStage {
     const int free = lq.free_inputs;
     const int n = kStates + free;
     dynamics.resize(kStates, n);
-    dynamics << testing_support::dense_dynamics(lq), Padded(&lq.B[0][0], kRows, free).topRows(kStates);
+    dynamics << solver::dense_dynamics(lq), Padded(&lq.B[0][0], kRows, free).topRows(kStates);
     defect = Eigen::Map<const Vector>(lq.b, kStates);
     hessian.resize(n, n);
-    hessian.topLeftCorner(kStates, kStates) = testing_support::dense_hessian(lq);
+    hessian.topLeftCorner(kStates, kStates) = solver::dense_hessian(lq);
     hessian.topRightCorner(kStates, free) = Padded(&lq.S[0][0], kRows, free).topRows(kStates);
     hessian.bottomLeftCorner(free, kStates) = hessian.topRightCorner(kStates, free).transpose();
     gradient.resize(n);

@@ -184,46 +184,17 @@ Linearisation::Linearisation(const ocp::ProblemData& data, const ocp::Problem& p
   ocp::linearise(data, problem, iterate, stages.data(), projections.data(), terminal, *work);
 }
 
-namespace {
-
-using RowVector = Eigen::Map<const Eigen::Matrix<double, 1, model::kStates>>;
-using StateMatrix = Eigen::Matrix<double, model::kStates, model::kStates>;
-
-}  // namespace
-
-StateMatrix dense_dynamics(const solver::LqStage& stage) {
-  StateMatrix A = StateMatrix::Identity();
-  if (stage.form == solver::StageForm::transition) {
-    for (int i = 0; i < model::kPositions; ++i) A.row(model::kPositions + i) += RowVector(stage.G[i]);
-    return A;
-  }
-  for (int i = 0; i < model::kPositions; ++i) A(i, model::kPositions + i) = stage.h;
-  for (int i = 0; i < solver::kBaseRows; ++i) A.row(solver::kBaseRow[i]) += RowVector(stage.G[i]);
-  for (int r = 0; r < stage.constraints; ++r) {
-    A += RowVector(stage.L[r]).transpose() * RowVector(stage.G[solver::kBaseRows + r]);
-  }
-  return A;
-}
-
-StateMatrix dense_hessian(const solver::LqStage& stage) {
-  StateMatrix Q;
-  for (int c = 0; c < model::kStates; ++c) {
-    for (int r = c; r < model::kStates; ++r) Q(r, c) = Q(c, r) = stage.Q[c][r];
-  }
-  return Q;
-}
-
 Eigen::Matrix<double, model::kInputs, model::kStates> inputs_by_state(
     const solver::LqStage& stage, const ocp::InputProjection& projection) {
   using InputColumn = Eigen::Map<const model::InputVector>;
+  using StateRow = Eigen::Map<const Eigen::Matrix<double, 1, model::kStates>>;
   Eigen::Matrix<double, model::kInputs, model::kStates> X;
   X.setZero();
   for (int r = 0; r < stage.constraints; ++r) {
-    X += InputColumn(projection.Y[r]) * RowVector(stage.G[solver::kBaseRows + r]);
+    X += InputColumn(projection.Y[r]) * StateRow(stage.G[solver::kBaseRows + r]);
   }
   if (projection.first_force >= 0) {
-    for (int axis = 0; axis < 2; ++axis)
-      X.row(projection.first_force + axis) += RowVector(projection.F[axis]);
+    for (int axis = 0; axis < 2; ++axis) X.row(projection.first_force + axis) += StateRow(projection.F[axis]);
   }
   return X;
 }

@@ -8,6 +8,7 @@
 #include "mpc_core/gait/reference.h"
 #include "mpc_core/model/robot.h"
 #include "mpc_core/ocp/problem.h"
+#include "mpc_core/solver/dense_stage.h"
 
 /// Planning problems for tests: the ones a walking robot meets, and random ones of a single contact mode.
 namespace stilt::testing_support {
@@ -55,14 +56,6 @@ struct Linearisation {
 
   Linearisation(const ocp::ProblemData& data, const ocp::Problem& problem, const ocp::Trajectory& iterate);
 };
-
-/// A of a stage, from its factors.
-[[nodiscard]] Eigen::Matrix<double, model::kStates, model::kStates> dense_dynamics(
-    const solver::LqStage& stage);
-
-/// Q of a stage, from the half that is read.
-[[nodiscard]] Eigen::Matrix<double, model::kStates, model::kStates> dense_hessian(
-    const solver::LqStage& stage);
 
 /// X and W of du = u0 + X dx + W w, from their factors.
 [[nodiscard]] Eigen::Matrix<double, model::kInputs, model::kStates> inputs_by_state(

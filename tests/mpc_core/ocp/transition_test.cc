@@ -65,7 +65,7 @@ TEST(Transition, DerivativesAreThoseOfTheImpactMap) {
     const Eigen::MatrixXd expected = testing_support::jacobian(after, z);
     const model::StateVector reached = after(z);
     ASSERT_EQ(lq.free_inputs, 0);
-    const auto dynamics = testing_support::dense_dynamics(lq);
+    const auto dynamics = solver::dense_dynamics(lq);
     for (int r = 0; r < kStates; ++r) {
       EXPECT_NEAR(lq.b[r], reached[r] - scene.guess.x[1][r], 1e-11 * (1.0 + std::abs(reached[r])));
       for (int c = 0; c < kStates; ++c) {
@@ -88,7 +88,7 @@ TEST(Transition, CostIsTheSquaredHorizontalVelocityBeforeTheTouchDown) {
     };
     const Eigen::MatrixXd gradient =
         testing_support::jacobian(cost, testing_support::stage_variables(scene.guess, 0));
-    const auto hessian = testing_support::dense_hessian(lq);
+    const auto hessian = solver::dense_hessian(lq);
     for (int c = 0; c < kStates; ++c) EXPECT_NEAR(lq.q[c], gradient(0, c), 1e-11 * (1.0 + gradient.norm()));
     // The Gauss-Newton model of a squared linear form: its value at the velocities is the cost itself.
     model::StateVector velocities = model::StateVector::Zero();
@@ -104,7 +104,7 @@ TEST(Transition, IdentityLeavesTheStateAlone) {
   const auto scene = touchdown_scene(model::amber3m(), true, false, 3);
   scene->data.discretisation.transition = Transition::identity;
   const Linearisation model(scene->data, scene->problem, scene->guess);
-  EXPECT_TRUE(testing_support::dense_dynamics(model.stages[0]).isIdentity(0.0));
+  EXPECT_TRUE(solver::dense_dynamics(model.stages[0]).isIdentity(0.0));
   for (int c = 0; c < kStates; ++c) {
     EXPECT_EQ(model.stages[0].b[c], scene->guess.x[0][c] - scene->guess.x[1][c]);
   }

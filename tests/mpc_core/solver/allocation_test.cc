@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <memory>
 
-#include "host_tools/simulator/allocation_counter.h"
+#include "firmware/realtime/allocation_counter.h"
 #include "mpc_core/solver/care.h"
 #include "tests/mpc_core/solver/random_lq.h"
 
@@ -12,20 +12,20 @@ namespace stilt::solver {
 namespace {
 
 TEST(SolverMemory, TheCounterSeesAnAllocation) {
-  if (!simulator::counts_allocations()) GTEST_SKIP() << "a sanitizer owns the allocator";
-  const simulator::AllocationScope scope;
+  if (!realtime::counts_allocations()) GTEST_SKIP() << "a sanitizer owns the allocator";
+  const realtime::AllocationScope scope;
   void* volatile block = std::malloc(16);
   std::free(block);
   EXPECT_EQ(scope.count(), 1);
 }
 
 TEST(SolverMemory, SweepsAndSlopeAllocateNothing) {
-  if (!simulator::counts_allocations()) GTEST_SKIP() << "a sanitizer owns the allocator";
+  if (!realtime::counts_allocations()) GTEST_SKIP() << "a sanitizer owns the allocator";
   const testing::LqProblem problem = testing::random_problem(1, 134);
   SweepStatus status;
   testing::LqSolution solution = testing::solve(problem, status);
   const auto workspace = std::make_unique<RiccatiWorkspace>();
-  const simulator::AllocationScope scope;
+  const realtime::AllocationScope scope;
   status = backward_sweep(problem.stages.data(), problem.count(), problem.terminal, solution.gains.data(),
                           *workspace, solution.values.data());
   forward_sweep(problem.stages.data(), problem.count(), solution.gains.data(), problem.x0,
@@ -38,14 +38,14 @@ TEST(SolverMemory, SweepsAndSlopeAllocateNothing) {
 }
 
 TEST(SolverMemory, TheAlgebraicRiccatiEquationAllocatesNothing) {
-  if (!simulator::counts_allocations()) GTEST_SKIP() << "a sanitizer owns the allocator";
+  if (!realtime::counts_allocations()) GTEST_SKIP() << "a sanitizer owns the allocator";
   CareProblem problem{StateMatrix::Identity(), InputMatrix::Zero(), StateMatrix::Identity(),
                       InputWeight::Identity()};
   problem.A.diagonal(1).setOnes();
   problem.B.bottomRows<model::kInputs>().setIdentity();
   CareSolution solution;
   const auto workspace = std::make_unique<CareWorkspace>();
-  const simulator::AllocationScope scope;
+  const realtime::AllocationScope scope;
   const CareOutcome outcome = solve_care(problem, solution, *workspace);
   EXPECT_EQ(scope.count(), 0);
   EXPECT_EQ(outcome, CareOutcome::kOk);

@@ -1,6 +1,6 @@
 #pragma once
 
-namespace stilt::simulator {
+namespace stilt::realtime {
 
 /// Counts heap allocations of the calling thread while it lives, nothing outside.
 ///
@@ -24,4 +24,4 @@ class AllocationScope {
 /// Whether this build counts.
 [[nodiscard]] bool counts_allocations() noexcept;
 
-}  // namespace stilt::simulator
+}  // namespace stilt::realtime

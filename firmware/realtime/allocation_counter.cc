@@ -1,4 +1,4 @@
-#include "host_tools/simulator/allocation_counter.h"
+#include "firmware/realtime/allocation_counter.h"
 
 #include <cerrno>
 #include <cstddef>
@@ -65,7 +65,7 @@ int posix_memalign(void** result, std::size_t alignment, std::size_t bytes) noex
 
 #endif
 
-namespace stilt::simulator {
+namespace stilt::realtime {
 
 AllocationScope::AllocationScope() noexcept : start_(allocations) { ++open_scopes; }
 
@@ -75,4 +75,4 @@ long long AllocationScope::count() const noexcept { return allocations - start_;
 
 bool counts_allocations() noexcept { return STILT_COUNT_ALLOCATIONS != 0; }
 
-}  // namespace stilt::simulator
+}  // namespace stilt::realtime

@@ -1,4 +1,4 @@
-#include "host_tools/simulator/allocation_counter.h"
+#include "firmware/realtime/allocation_counter.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-namespace stilt::simulator {
+namespace stilt::realtime {
 namespace {
 
 class AllocationCounter : public testing::Test {
@@ -55,4 +55,4 @@ TEST_F(AllocationCounter, AnotherThreadCountsForItself) {
 }
 
 }  // namespace
-}  // namespace stilt::simulator
+}  // namespace stilt::realtime

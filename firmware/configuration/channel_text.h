@@ -1,0 +1,22 @@
+#pragma once
+
+#include <expected>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "hal/protocol/base_sensor_table.h"
+
+namespace stilt::configuration {
+
+/// Reads which bits of which frame are a channel: value = scale raw + offset. "none" gives nothing. Words in
+/// any order, numbers decimal or 0x:
+///
+///   id N  [extended]  byte N  [bit N]  bits N  signed|unsigned|float  little|big  [scale X]  [offset X]
+///   [invalid N]
+///
+/// The error says what is wrong. Start-up only.
+[[nodiscard]] std::expected<std::optional<hal::protocol::ChannelRow>, std::string> parse_channel(
+    std::string_view text, hal::protocol::BaseChannel channel);
+
+}  // namespace stilt::configuration

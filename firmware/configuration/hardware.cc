@@ -1,0 +1,145 @@
+#include "firmware/configuration/hardware.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+#include <utility>
+
+#include "firmware/configuration/channel_text.h"
+#include "hal/wiring_load.h"
+
+namespace stilt::configuration {
+namespace {
+
+using hal::protocol::BaseChannel;
+
+const DriverParameters& driver_of(const HardwareParameters& hardware, std::size_t joint) {
+  return joint % 2 == 0 ? hardware.hip : hardware.knee;
+}
+
+hal::protocol::ReplyLayout layout_of(DriverProtocol protocol) {
+  if (protocol == DriverProtocol::mit_ak) return hal::protocol::ReplyLayout::ak;
+  if (protocol == DriverProtocol::mit_damiao) return hal::protocol::ReplyLayout::damiao;
+  return hal::protocol::ReplyLayout::mini_cheetah;
+}
+
+hal::protocol::Range around_zero(double maximum) { return {-maximum, maximum}; }
+
+hal::protocol::MitDriver mit_driver(const DriverParameters& driver, const JointParameters& joint) {
+  hal::protocol::MitDriver mit;
+  mit.command_id = static_cast<std::uint16_t>(joint.id);
+  mit.reply_id = static_cast<std::uint16_t>(joint.reply_id);
+  mit.driver_id = static_cast<std::uint8_t>(joint.id);
+  mit.layout = layout_of(driver.protocol);
+  mit.position_rad = mit.reply_position_rad = around_zero(driver.position_range_rad);
+  mit.velocity_rad_s = mit.reply_velocity_rad_s = around_zero(driver.velocity_range_rad_s);
+  mit.kp_Nm_rad = {0, driver.kp_range_Nm_rad};
+  mit.kd_Nms_rad = {0, driver.kd_range_Nms_rad};
+  mit.torque_Nm = around_zero(driver.torque_range_Nm);
+  mit.reply_torque_Nm = around_zero(driver.reply_torque_range_Nm);
+  return mit;
+}
+
+hal::protocol::MoteusDriver moteus_driver(const HardwareParameters& hardware, std::size_t joint) {
+  const DriverParameters& driver = driver_of(hardware, joint);
+  const BaseSensorParameters& sensor = hardware.base_sensor;
+  hal::protocol::MoteusDriver moteus;
+  moteus.id = static_cast<std::uint8_t>(hardware.joint[joint].id);
+  moteus.bit_rate_switch = driver.bit_rate_switch;
+  moteus.kp_Nm_rev = driver.moteus_kp_Nm_rev;
+  moteus.kd_Nm_s_rev = driver.moteus_kd_Nms_rev;
+  moteus.extra_encoder = sensor.encoder_joint == static_cast<int>(joint) ? sensor.encoder_number : -1;
+  return moteus;
+}
+
+hal::JointWiring joint_wiring(const HardwareParameters& hardware, std::size_t joint) {
+  const DriverParameters& driver = driver_of(hardware, joint);
+  const JointParameters& place = hardware.joint[joint];
+  hal::JointWiring wiring;
+  wiring.bus = static_cast<std::uint8_t>(place.bus);
+  wiring.direction = place.reversed ? -1 : 1;
+  wiring.ratio = driver.ratio;
+  wiring.offset_rad = place.offset_rad;
+  if (driver.protocol == DriverProtocol::moteus) {
+    wiring.driver = moteus_driver(hardware, joint);
+  } else if (driver.protocol == DriverProtocol::odrive) {
+    wiring.driver = hal::OdriveNode{static_cast<std::uint8_t>(place.id)};
+  } else {
+    wiring.driver = mit_driver(driver, place);
+  }
+  return wiring;
+}
+
+void add_channel(const std::string& text, BaseChannel channel, hal::RobotWiring& wiring) {
+  const auto row = parse_channel(text, channel);
+  if (row && *row) wiring.channels[wiring.channel_count++] = **row;
+}
+
+}  // namespace
+
+std::vector<std::string> bus_names(const HardwareParameters& hardware) {
+  std::vector<std::string> names;
+  std::string_view rest = hardware.buses;
+  while (true) {
+    const std::size_t comma = rest.find(',');
+    std::string_view name = rest.substr(0, comma);
+    while (name.starts_with(' ')) name.remove_prefix(1);
+    while (name.ends_with(' ')) name.remove_suffix(1);
+    names.emplace_back(name);
+    if (comma == std::string_view::npos) return names;
+    rest.remove_prefix(comma + 1);
+  }
+}
+
+hal::RobotWiring robot_wiring(const HardwareParameters& hardware) {
+  hal::RobotWiring wiring;
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    wiring.joints[joint] = joint_wiring(hardware, joint);
+  }
+  const BaseSensorParameters& sensor = hardware.base_sensor;
+  add_channel(sensor.pitch, BaseChannel::pitch_rad, wiring);
+  add_channel(sensor.pitch_rate, BaseChannel::pitch_rate_rad_s, wiring);
+  add_channel(sensor.acceleration_x, BaseChannel::acceleration_x_m_s2, wiring);
+  add_channel(sensor.acceleration_z, BaseChannel::acceleration_z_m_s2, wiring);
+  add_channel(sensor.left_foot_force, BaseChannel::left_foot_force_N, wiring);
+  add_channel(sensor.right_foot_force, BaseChannel::right_foot_force_N, wiring);
+  add_channel(sensor.emergency_stop_released, BaseChannel::emergency_stop_released, wiring);
+  wiring.channel_bus = static_cast<std::uint8_t>(sensor.bus);
+  wiring.pitch_encoder_joint = sensor.encoder_joint;
+  wiring.pitch_direction = sensor.encoder_reversed ? -1 : 1;
+  wiring.pitch_offset_rad = sensor.encoder_offset_rad;
+  wiring.driver_watchdog_s = hardware.driver_watchdog_s;
+  wiring.emergency_stop_timeout_ns = std::llround(1e9 * sensor.emergency_stop_timeout_s);
+  return wiring;
+}
+
+hal::bring_up::Options bring_up_options(const HardwareParameters& hardware, std::size_t joint,
+                                        double minimum_rad, double maximum_rad) {
+  const DriverParameters& driver = driver_of(hardware, joint);
+  const JointParameters& place = hardware.joint[joint];
+  const double direction = place.reversed ? -1 : 1;
+  const auto [first, last] = std::minmax({direction * driver.ratio * (minimum_rad - place.offset_rad),
+                                          direction * driver.ratio * (maximum_rad - place.offset_rad)});
+  hal::bring_up::Options options;
+  options.watchdog_s = hardware.driver_watchdog_s;
+  options.accept_missing_watchdog = driver.accept_missing_watchdog;
+  options.minimum_version = static_cast<std::uint32_t>(driver.minimum_version);
+  options.minimum_angle_rad = first;
+  options.maximum_angle_rad = last;
+  options.encoder_period_rad = driver.encoder_period_rad;
+  return options;
+}
+
+hal::bring_up::OdriveEndpoints odrive_endpoints(const HardwareParameters& hardware, std::size_t joint) {
+  const DriverParameters& driver = driver_of(hardware, joint);
+  return {static_cast<std::uint16_t>(driver.odrive_watchdog_timeout_endpoint),
+          static_cast<std::uint16_t>(driver.odrive_enable_watchdog_endpoint)};
+}
+
+hal::BusLoad bus_load(const HardwareParameters& hardware, std::size_t bus, double torque_rate_hz) {
+  const hal::PeriodicFrames frames =
+      hal::periodic_frames(robot_wiring(hardware), bus, torque_rate_hz, hardware.base_sensor.rate_hz);
+  return hal::bus_load(frames.all(), {hardware.bit_rate_bit_s, hardware.data_bit_rate_bit_s});
+}
+
+}  // namespace stilt::configuration

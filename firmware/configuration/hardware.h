@@ -1,0 +1,107 @@
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "hal/bring_up/bring_up.h"
+#include "hal/bring_up/odrive_bring_up.h"
+#include "hal/bus_load.h"
+#include "hal/robot_wiring.h"
+
+/// The hardware of a robot as its configuration names it: buses, motor drivers, wiring of the joints, sensors
+/// of the torso. Start-up and host programs only.
+namespace stilt::configuration {
+
+/// The language a motor driver speaks; the MIT mode in the dialect of its maker.
+enum class DriverProtocol { mit_mini_cheetah, mit_ak, mit_damiao, moteus, odrive };
+
+/// A kind of motor driver. Hips have one kind and knees one; left and right are the same.
+struct DriverParameters {
+  DriverProtocol protocol = DriverProtocol::mit_damiao;
+  double ratio = 1.0;  ///< turns of the shaft the driver counts a turn of the joint
+  /// MIT mode: ranges of the command, +- but for the gains, which start at 0. The reply has the same ranges
+  /// but for the torque's.
+  double position_range_rad = 3.2;
+  double velocity_range_rad_s = 20.0;
+  double kp_range_Nm_rad = 500.0;
+  double kd_range_Nms_rad = 50.0;
+  double torque_range_Nm = 120.0;
+  double reply_torque_range_Nm = 120.0;
+  /// moteus: the gains of its own configuration, at gain scale 1, and whether its data phase is faster.
+  double moteus_kp_Nm_rev = 4.0;
+  double moteus_kd_Nms_rev = 0.05;
+  bool bit_rate_switch = true;
+  /// ODrive: numbers of two parameters in its firmware; 0: unknown.
+  int odrive_watchdog_timeout_endpoint = 0;
+  int odrive_enable_watchdog_endpoint = 0;
+  double encoder_period_rad = 0.0;  ///< of the shaft; 0: the encoder does not repeat
+  int minimum_version = 0;
+  bool accept_missing_watchdog = false;
+};
+
+/// One joint's place on the buses: joint = direction shaft / ratio + offset.
+struct JointParameters {
+  int bus = 0;
+  int id = 1;               ///< identifier the driver listens to; moteus: its id, ODrive: its node
+  int reply_id = 0;         ///< MIT mode: identifier it answers with
+  bool reversed = false;    ///< direction -1
+  double offset_rad = 0.0;  ///< of the joint where the shaft reads 0
+};
+
+/// Where the sensors of the torso are. A channel is a line of text, see parse_channel(); "none" without one.
+struct BaseSensorParameters {
+  int bus = 0;
+  double rate_hz = 1000.0;
+  std::string pitch = "id 0x50 byte 0 bits 32 signed little scale 1e-8";
+  std::string pitch_rate = "id 0x50 byte 4 bits 24 signed little scale 2e-6";
+  std::string acceleration_x = "none";
+  std::string acceleration_z = "none";
+  std::string left_foot_force = "none";
+  std::string right_foot_force = "none";
+  std::string emergency_stop_released = "id 0x50 byte 7 bits 1 unsigned little scale 1";
+  double emergency_stop_timeout_s = 0.1;
+  int encoder_joint = -1;  ///< joint whose moteus reads the pitch with an extra encoder; -1: none
+  int encoder_number = 1;  ///< of that moteus, 0 to 2
+  bool encoder_reversed = false;
+  double encoder_offset_rad = 0.0;
+};
+
+/// Everything on the far side of the buses.
+struct HardwareParameters {
+  std::string robot = "amber3m";    ///< the robot this configuration is for
+  std::string buses = "can0,can1";  ///< names, in the order of their numbers
+  double bit_rate_bit_s = 1e6;
+  double data_bit_rate_bit_s = 5e6;
+  double driver_watchdog_s = 0.02;
+  DriverParameters hip;
+  DriverParameters knee;
+  /// hip_L, knee_L, hip_R, knee_R.
+  std::array<JointParameters, hal::kJoints> joint = {
+      JointParameters{.bus = 0, .id = 1, .reply_id = 0x11, .reversed = false, .offset_rad = 0},
+      JointParameters{.bus = 0, .id = 2, .reply_id = 0x12, .reversed = false, .offset_rad = 0},
+      JointParameters{.bus = 1, .id = 3, .reply_id = 0x13, .reversed = true, .offset_rad = 0},
+      JointParameters{.bus = 1, .id = 4, .reply_id = 0x14, .reversed = true, .offset_rad = 0}};
+  BaseSensorParameters base_sensor;
+};
+
+/// Names of the buses, without blanks around them.
+[[nodiscard]] std::vector<std::string> bus_names(const HardwareParameters& hardware);
+
+/// The wiring as the hardware abstraction wants it; hal::valid() for a configuration that was accepted.
+[[nodiscard]] hal::RobotWiring robot_wiring(const HardwareParameters& hardware);
+
+/// What the bring-up of a joint's driver shall insist on.
+/// @param minimum_rad, maximum_rad  travel of the joint, margin included
+[[nodiscard]] hal::bring_up::Options bring_up_options(const HardwareParameters& hardware, std::size_t joint,
+                                                      double minimum_rad, double maximum_rad);
+
+/// Parameter numbers of a joint's ODrive.
+[[nodiscard]] hal::bring_up::OdriveEndpoints odrive_endpoints(const HardwareParameters& hardware,
+                                                              std::size_t joint);
+
+/// Worst-case load of a bus with the torque loop at this rate.
+[[nodiscard]] hal::BusLoad bus_load(const HardwareParameters& hardware, std::size_t bus,
+                                    double torque_rate_hz);
+
+}  // namespace stilt::configuration

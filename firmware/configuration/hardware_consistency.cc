@@ -1,0 +1,125 @@
+#include "firmware/configuration/hardware_consistency.h"
+
+#include <cstddef>
+#include <string>
+
+#include "firmware/configuration/schema.h"
+
+namespace stilt::configuration {
+namespace {
+
+struct JointKeys {
+  std::string_view name, bus, id, reply_id;
+};
+constexpr JointKeys kKeys[hal::kJoints] = {{"hip_L", "hip_L.bus", "hip_L.id", "hip_L.reply_id"},
+                                           {"knee_L", "knee_L.bus", "knee_L.id", "knee_L.reply_id"},
+                                           {"hip_R", "hip_R.bus", "hip_R.id", "hip_R.reply_id"},
+                                           {"knee_R", "knee_R.bus", "knee_R.id", "knee_R.reply_id"}};
+
+DriverProtocol protocol_of(const HardwareParameters& hardware, std::size_t joint) {
+  return (joint % 2 == 0 ? hardware.hip : hardware.knee).protocol;
+}
+
+bool speaks_mit(DriverProtocol protocol) {
+  return protocol != DriverProtocol::moteus && protocol != DriverProtocol::odrive;
+}
+
+/// Largest identifier a driver can have.
+int largest_id(DriverProtocol protocol) {
+  if (protocol == DriverProtocol::moteus) return hal::protocol::kMoteusMaximumId;
+  if (protocol == DriverProtocol::odrive) return hal::protocol::kOdriveMaximumNode;
+  if (protocol == DriverProtocol::mit_damiao) return 15;  // four bits of the reply tell who answers
+  return 255;                                             // a byte of the reply tells who answers
+}
+
+void check_bus(std::string_view key, int bus, std::size_t buses, std::vector<Contradiction>& found) {
+  if (bus < static_cast<int>(buses)) return;
+  found.push_back({{key, "hardware.buses"},
+                   std::string(key) + " = " + std::to_string(bus) + ", but hardware.buses names " +
+                       std::to_string(buses) + (buses == 1 ? " bus" : " buses") + ", numbered from 0"});
+}
+
+void check_ids(const HardwareParameters& hardware, std::size_t i, std::vector<Contradiction>& found) {
+  const JointParameters& joint = hardware.joint[i];
+  const DriverProtocol protocol = protocol_of(hardware, i);
+  const int least = protocol == DriverProtocol::moteus ? 1 : 0;
+  if (joint.id < least || joint.id > largest_id(protocol)) {
+    found.push_back({{kKeys[i].id},
+                     std::string(kKeys[i].id) + " = " + std::to_string(joint.id) +
+                         ": identifiers of this driver are " + std::to_string(least) + " to " +
+                         std::to_string(largest_id(protocol))});
+  }
+  for (std::size_t j = 0; j < i; ++j) {
+    const JointParameters& other = hardware.joint[j];
+    if (other.bus != joint.bus) continue;
+    const bool same_kind = protocol_of(hardware, j) == protocol ||
+                           (speaks_mit(protocol_of(hardware, j)) && speaks_mit(protocol));
+    if (same_kind && other.id == joint.id) {
+      found.push_back({{kKeys[i].id, kKeys[j].id},
+                       std::string(kKeys[i].name) + " and " + std::string(kKeys[j].name) + " are on bus " +
+                           std::to_string(joint.bus) + " with the same id " + std::to_string(joint.id) +
+                           "; each driver needs its own"});
+    }
+  }
+}
+
+void check_pitch(const HardwareParameters& hardware, std::vector<Contradiction>& found) {
+  const BaseSensorParameters& sensor = hardware.base_sensor;
+  if (sensor.pitch == "none" && sensor.encoder_joint < 0) {
+    found.push_back({{"base_sensor.pitch", "base_sensor.encoder_joint"},
+                     "nothing measures the pitch of the torso; give base_sensor.pitch a channel, or "
+                     "base_sensor.encoder_joint a moteus with an extra encoder"});
+  }
+  if (sensor.encoder_joint >= 0 &&
+      protocol_of(hardware, static_cast<std::size_t>(sensor.encoder_joint)) != DriverProtocol::moteus) {
+    found.push_back({{"base_sensor.encoder_joint"},
+                     "base_sensor.encoder_joint = " + std::to_string(sensor.encoder_joint) +
+                         ": only a moteus has extra encoders, that joint has another driver"});
+  }
+}
+
+}  // namespace
+
+void check_hardware(const HardwareParameters& hardware, std::vector<Contradiction>& found) {
+  const std::size_t buses = bus_names(hardware).size();
+  const std::size_t before = found.size();
+  for (std::size_t i = 0; i < hal::kJoints; ++i) {
+    check_bus(kKeys[i].bus, hardware.joint[i].bus, buses, found);
+    check_ids(hardware, i, found);
+  }
+  check_bus("base_sensor.bus", hardware.base_sensor.bus, buses, found);
+  check_pitch(hardware, found);
+  if (found.size() == before && !hal::valid(robot_wiring(hardware), buses)) {
+    found.push_back({{"hardware.buses"}, "the wiring of the joints contradicts itself"});
+  }
+}
+
+void check_supervisor(const supervisor::SupervisorParameters& supervisor, std::vector<Contradiction>& found) {
+  const auto check = [&found](std::string_view mild_key, double mild, std::string_view hard_key,
+                              double hard) {
+    if (mild < hard) return;
+    found.push_back({{mild_key, hard_key},
+                     std::string(mild_key) + " = " + number_text(mild) + " must be below " +
+                         std::string(hard_key) + " = " + number_text(hard)});
+  };
+  check("supervisor.missed_hold_ticks", supervisor.missed_hold_ticks, "supervisor.missed_damp_ticks",
+        supervisor.missed_damp_ticks);
+  check("supervisor.hot_C", supervisor.hot_C, "supervisor.overheated_C", supervisor.overheated_C);
+  check("supervisor.low_voltage_V", supervisor.low_voltage_V, "supervisor.high_voltage_V",
+        supervisor.high_voltage_V);
+  check("supervisor.older_plan_s", supervisor.older_plan_s, "supervisor.stale_plan_s",
+        supervisor.stale_plan_s);
+  check("supervisor.torque_loop_overrun_s", supervisor.torque_loop_overrun_s,
+        "supervisor.torque_loop_stall_s", supervisor.torque_loop_stall_s);
+}
+
+void check_runtime(const RuntimeParameters& runtime, std::vector<Contradiction>& found) {
+  if (runtime.planner_priority > 0 && runtime.planner_priority >= runtime.torque_priority) {
+    found.push_back(
+        {{"runtime.planner_priority", "runtime.torque_priority"},
+         "runtime.planner_priority = " + std::to_string(runtime.planner_priority) +
+             " must be below runtime.torque_priority = " + std::to_string(runtime.torque_priority)});
+  }
+}
+
+}  // namespace stilt::configuration

@@ -1,0 +1,16 @@
+#pragma once
+
+namespace stilt::configuration {
+
+/// How the program runs on its computer.
+struct RuntimeParameters {
+  /// Refuse to start unless kernel, priorities and locked memory make the torque loop real time.
+  bool require_realtime = false;
+  int torque_core = 1;          ///< processor of the torque loop; -1: wherever the kernel puts it
+  int planner_core = 0;         ///< processor of the planner; -1 as above
+  int torque_priority = 80;     ///< SCHED_FIFO, 1 to 99; 0: ordinary scheduling
+  int planner_priority = 60;    ///< as above, below torque_priority
+  double start_settle_s = 2.0;  ///< stiltd --start: stands this long before it steps
+};
+
+}  // namespace stilt::configuration

@@ -1,0 +1,201 @@
+#include <vector>
+
+#include "firmware/configuration/channel_text.h"
+#include "firmware/configuration/configuration.h"
+#include "firmware/configuration/schema_fields.h"
+#include "firmware/configuration/schema_tables.h"
+
+namespace stilt::configuration {
+namespace {
+
+using namespace fields;
+using B = BaseSensorParameters;
+using D = DriverParameters;
+using H = HardwareParameters;
+using J = JointParameters;
+using P = Parameters;
+
+constexpr std::string_view kProtocols[] = {"mit_mini_cheetah", "mit_ak", "mit_damiao", "moteus", "odrive"};
+static_assert(static_cast<int>(DriverProtocol::odrive) == 4);
+
+constexpr Section kSections[] = {
+    {"hardware",
+     "Buses and motor drivers. Hips have one kind of driver and knees one; numbers of buses count from 0."},
+    {"hip_driver", "Motor drivers of the hips. Ranges must be those the drivers are set to."},
+    {"knee_driver", "Motor drivers of the knees."},
+    {"hip_L", "Wiring of the left hip: joint = direction shaft / ratio + offset."},
+    {"knee_L", "Wiring of the left knee."},
+    {"hip_R", "Wiring of the right hip."},
+    {"knee_R", "Wiring of the right knee."},
+    {"base_sensor",
+     "Sensors of the torso. A channel says which bits of which frame it is: \"none\", or words in any order\n"
+     "out of: id N, extended, byte N, bit N, bits N, signed or unsigned or float, little or big, scale X,\n"
+     "offset X, invalid N (raw value of a missing one)."},
+};
+
+std::optional<std::string> robot_mistake(const std::string& name) {
+  std::string known;
+  for (const ShippedConfiguration& shipped : shipped_configurations()) {
+    if (shipped.robot == name) return std::nullopt;
+    known += (known.empty() ? "" : ", ") + std::string(shipped.robot);
+  }
+  return "there is no robot \"" + name + "\"; known robots are " + known;
+}
+
+std::optional<std::string> buses_mistake(const std::string& line) {
+  HardwareParameters hardware;
+  hardware.buses = line;
+  const std::vector<std::string> names = bus_names(hardware);
+  if (names.empty() || names.size() > hal::kMaximumBuses) {
+    return "\"" + line + "\" names " + std::to_string(names.size()) +
+           " buses; right are 1 to 4, separated by commas, such as \"can0,can1\"";
+  }
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const std::size_t blank = names[i].find_first_of(" \t");
+    if (names[i].empty() || blank != std::string::npos) {
+      return "\"" + names[i] +
+             "\" is not the name of a bus; right is an interface such as can0, or loopback:NAME";
+    }
+    for (std::size_t j = 0; j < i; ++j) {
+      if (names[j] == names[i]) return "names the bus " + names[i] + " twice";
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string> channel_mistake(const std::string& line) {
+  const auto row = parse_channel(line, hal::protocol::BaseChannel::pitch_rad);
+  return row ? std::nullopt : std::optional(row.error());
+}
+
+constexpr std::string_view kChannelForm = "a channel, or \"none\"";
+
+template <auto Channel>
+constexpr TextField channel() {
+  return text<&P::hardware, &H::base_sensor, Channel>(kChannelForm, channel_mistake);
+}
+
+template <auto Driver>
+void add_driver(std::string_view section, std::vector<Entry>& rows) {
+  const Entry driver[] = {
+      {section, "protocol", "", "What it speaks; MIT mode in the dialect of its maker",
+       choice<&P::hardware, Driver, &D::protocol>(kProtocols)},
+      {section, "ratio", "1",
+       "Turns of the shaft that the driver counts a turn of the joint; 1 when it counts its output",
+       real<&P::hardware, Driver, &D::ratio>(0.01, 1e3)},
+      {section, "position_range_rad", "rad", "MIT mode: positions reach from minus this to plus this",
+       real<&P::hardware, Driver, &D::position_range_rad>(0.1, 1e3)},
+      {section, "velocity_range_rad_s", "rad/s", "MIT mode: velocities, likewise",
+       real<&P::hardware, Driver, &D::velocity_range_rad_s>(0.1, 1e4)},
+      {section, "kp_range_Nm_rad", "Nm/rad", "MIT mode: kp reaches from 0 to this",
+       real<&P::hardware, Driver, &D::kp_range_Nm_rad>(1e-3, 1e6)},
+      {section, "kd_range_Nms_rad", "Nm s/rad", "MIT mode: kd reaches from 0 to this",
+       real<&P::hardware, Driver, &D::kd_range_Nms_rad>(1e-3, 1e6)},
+      {section, "torque_range_Nm", "Nm", "MIT mode: torques reach from minus this to plus this",
+       real<&P::hardware, Driver, &D::torque_range_Nm>(0.1, 1e4)},
+      {section, "reply_torque_range_Nm", "Nm", "MIT mode: torques in replies, likewise",
+       real<&P::hardware, Driver, &D::reply_torque_range_Nm>(0.1, 1e4)},
+      {section, "moteus_kp_Nm_rev", "Nm/rev", "moteus: its servo.pid_position.kp",
+       real<&P::hardware, Driver, &D::moteus_kp_Nm_rev>(1e-3, 1e6)},
+      {section, "moteus_kd_Nms_rev", "Nm s/rev", "moteus: its servo.pid_position.kd",
+       real<&P::hardware, Driver, &D::moteus_kd_Nms_rev>(1e-4, 1e6)},
+      {section, "bit_rate_switch", "", "moteus: data at data_bit_rate_bit_s",
+       flag<&P::hardware, Driver, &D::bit_rate_switch>()},
+      {section, "odrive_watchdog_timeout_endpoint", "1",
+       "ODrive: number of axis0.config.watchdog_timeout in its firmware; 0: unknown",
+       integer<&P::hardware, Driver, &D::odrive_watchdog_timeout_endpoint>(0, 65535)},
+      {section, "odrive_enable_watchdog_endpoint", "1",
+       "ODrive: number of axis0.config.enable_watchdog in its firmware; 0: unknown",
+       integer<&P::hardware, Driver, &D::odrive_enable_watchdog_endpoint>(0, 65535)},
+      {section, "encoder_period_rad", "rad",
+       "The absolute encoder repeats after this angle of the shaft; 0: never",
+       real<&P::hardware, Driver, &D::encoder_period_rad>(0.0, 1e3)},
+      {section, "minimum_version", "1", "Oldest firmware that is accepted, the maker's number; 0: any",
+       integer<&P::hardware, Driver, &D::minimum_version>(0, 0xffffff)},
+      {section, "accept_missing_watchdog", "",
+       "Enable it even when it cannot promise a watchdog: it then drives on when the program ends",
+       flag<&P::hardware, Driver, &D::accept_missing_watchdog>()},
+  };
+  rows.insert(rows.end(), std::begin(driver), std::end(driver));
+}
+
+template <std::size_t Joint>
+void add_joint(std::string_view section, std::vector<Entry>& rows) {
+  const Entry joint[] = {
+      {section, "bus", "1", "Number of its bus", integer<&P::hardware, &H::joint, Joint, &J::bus>(0, 3)},
+      {section, "id", "1", "Identifier the driver listens to; ODrive: its node",
+       integer<&P::hardware, &H::joint, Joint, &J::id>(0, 0x7ff)},
+      {section, "reply_id", "1", "MIT mode: identifier it answers with",
+       integer<&P::hardware, &H::joint, Joint, &J::reply_id>(0, 0x7ff)},
+      {section, "reversed", "", "The shaft turns against the joint",
+       flag<&P::hardware, &H::joint, Joint, &J::reversed>()},
+      {section, "offset_rad", "rad", "Angle of the joint where the shaft reads 0",
+       real<&P::hardware, &H::joint, Joint, &J::offset_rad>(-100.0, 100.0)},
+  };
+  rows.insert(rows.end(), std::begin(joint), std::end(joint));
+}
+
+const Entry kHardware[] = {
+    {"hardware", "robot", "", "The robot that this configuration is for",
+     text<&P::hardware, &H::robot>("the name of a robot", robot_mistake)},
+    {"hardware", "buses", "",
+     "Names of the buses, separated by commas: interfaces such as can0, or loopback:NAME",
+     text<&P::hardware, &H::buses>("1 to 4 names", buses_mistake)},
+    {"hardware", "bit_rate_bit_s", "bit/s", "Bit rate of every bus",
+     real<&P::hardware, &H::bit_rate_bit_s>(1e4, 1e6)},
+    {"hardware", "data_bit_rate_bit_s", "bit/s", "CAN FD: bit rate of the data phase",
+     real<&P::hardware, &H::data_bit_rate_bit_s>(1e4, 1e7)},
+    {"hardware", "driver_watchdog_s", "s", "A driver lets go when it hears nothing for so long",
+     real<&P::hardware, &H::driver_watchdog_s>(0.005, 0.1)},
+};
+
+const Entry kBaseSensor[] = {
+    {"base_sensor", "bus", "1", "Number of its bus", integer<&P::hardware, &H::base_sensor, &B::bus>(0, 3)},
+    {"base_sensor", "rate_hz", "Hz", "Frames a second of each identifier",
+     real<&P::hardware, &H::base_sensor, &B::rate_hz>(1.0, 1e4)},
+    {"base_sensor", "pitch", "", "Pitch of the torso, rad, positive leans forward", channel<&B::pitch>()},
+    {"base_sensor", "pitch_rate", "", "Its rate, rad/s", channel<&B::pitch_rate>()},
+    {"base_sensor", "acceleration_x", "", "Specific force along the torso's x, m/s^2",
+     channel<&B::acceleration_x>()},
+    {"base_sensor", "acceleration_z", "", "Specific force along the torso's z, m/s^2",
+     channel<&B::acceleration_z>()},
+    {"base_sensor", "left_foot_force", "", "Normal force of the left foot, N",
+     channel<&B::left_foot_force>()},
+    {"base_sensor", "right_foot_force", "", "Normal force of the right foot, N",
+     channel<&B::right_foot_force>()},
+    {"base_sensor", "emergency_stop_released", "", "Not 0 while the emergency stop is released",
+     channel<&B::emergency_stop_released>()},
+    {"base_sensor", "emergency_stop_timeout_s", "s",
+     "An emergency stop that is silent for so long counts as pressed",
+     real<&P::hardware, &H::base_sensor, &B::emergency_stop_timeout_s>(0.002, 10.0)},
+    {"base_sensor", "encoder_joint", "1",
+     "Joint (0 to 3) whose moteus reads the pitch with an extra encoder; -1: none",
+     integer<&P::hardware, &H::base_sensor, &B::encoder_joint>(-1, 3)},
+    {"base_sensor", "encoder_number", "1", "Number of that encoder",
+     integer<&P::hardware, &H::base_sensor, &B::encoder_number>(0, 2)},
+    {"base_sensor", "encoder_reversed", "", "It turns against the pitch",
+     flag<&P::hardware, &H::base_sensor, &B::encoder_reversed>()},
+    {"base_sensor", "encoder_offset_rad", "rad", "Pitch where it reads 0",
+     real<&P::hardware, &H::base_sensor, &B::encoder_offset_rad>(-100.0, 100.0)},
+};
+
+}  // namespace
+
+std::span<const Section> hardware_sections() { return kSections; }
+
+std::span<const Entry> hardware_entries() {
+  static const std::vector<Entry> all = [] {
+    std::vector<Entry> rows(std::begin(kHardware), std::end(kHardware));
+    add_driver<&H::hip>("hip_driver", rows);
+    add_driver<&H::knee>("knee_driver", rows);
+    add_joint<0>("hip_L", rows);
+    add_joint<1>("knee_L", rows);
+    add_joint<2>("hip_R", rows);
+    add_joint<3>("knee_R", rows);
+    rows.insert(rows.end(), std::begin(kBaseSensor), std::end(kBaseSensor));
+    return rows;
+  }();
+  return all;
+}
+
+}  // namespace stilt::configuration

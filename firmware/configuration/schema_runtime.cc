@@ -1,0 +1,36 @@
+#include "firmware/configuration/schema_fields.h"
+#include "firmware/configuration/schema_tables.h"
+
+namespace stilt::configuration {
+namespace {
+
+using namespace fields;
+using P = Parameters;
+using R = RuntimeParameters;
+
+constexpr Section kSections[] = {{"runtime", "How stiltd runs on its computer."}};
+
+constexpr Entry kEntries[] = {
+    {"runtime", "require_realtime", "",
+     "Refuse to start unless kernel, priorities and locked memory make the torque loop real time",
+     flag<&P::runtime, &R::require_realtime>()},
+    {"runtime", "torque_core", "1", "Processor of the torque loop; -1 leaves it to the kernel",
+     integer<&P::runtime, &R::torque_core>(-1, 1023)},
+    {"runtime", "planner_core", "1", "Processor of the planner; -1 leaves it to the kernel",
+     integer<&P::runtime, &R::planner_core>(-1, 1023)},
+    {"runtime", "torque_priority", "1", "SCHED_FIFO priority of the torque loop; 0: ordinary scheduling",
+     integer<&P::runtime, &R::torque_priority>(0, 99)},
+    {"runtime", "planner_priority", "1",
+     "SCHED_FIFO priority of the planner, below the torque loop's; 0: ordinary scheduling",
+     integer<&P::runtime, &R::planner_priority>(0, 98)},
+    {"runtime", "start_settle_s", "s", "stiltd --start: stands this long before the first step",
+     real<&P::runtime, &R::start_settle_s>(0.0, 60.0)},
+};
+
+}  // namespace
+
+std::span<const Section> runtime_sections() { return kSections; }
+
+std::span<const Entry> runtime_entries() { return kEntries; }
+
+}  // namespace stilt::configuration

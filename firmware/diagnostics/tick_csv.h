@@ -1,0 +1,30 @@
+#pragma once
+
+#include <expected>
+#include <ostream>
+#include <span>
+#include <string>
+
+#include "firmware/diagnostics/tick_record.h"
+
+/// Records of ticks as text, for ordinary threads.
+///
+/// The file: comma-separated values, one line of column names, then one line a tick, oldest first. Names
+/// carry unit and joint: time_s, hip_L_position_rad, ..., estimated_z_b_m, sent_knee_R_torque_Nm, ... Numbers
+/// are the shortest that read back the same, nan where a sensor said nothing. state, rung, reaction and
+/// action are words; faults and latched_faults are names of faults joined by +, empty without any.
+namespace stilt::diagnostics {
+
+/// The line of column names.
+void write_tick_header(std::ostream& out);
+
+/// The line of one tick. time_s counts from `start_ns`.
+void write_tick(std::ostream& out, const TickRecord& record, std::int64_t start_ns);
+
+/// Everything in a black box, which is frozen or not recorded into any more.
+/// @param start_ns  time that shall be 0 in the file
+/// @return what is wrong when the file cannot be written, in one sentence
+[[nodiscard]] std::expected<void, std::string> write_csv(const std::string& path, const TickBlackBox& box,
+                                                         std::int64_t start_ns);
+
+}  // namespace stilt::diagnostics

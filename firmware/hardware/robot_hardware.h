@@ -1,0 +1,48 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "firmware/hardware/buses.h"
+#include "firmware/hardware/can_drivers.h"
+#include "firmware/hardware/tap_bus.h"
+#include "hal/can_robot.h"
+
+namespace stilt::hardware {
+
+/// The robot behind its buses, whatever carries them: joints, sensors of the torso, emergency stop, bring-up
+/// of the drivers. Fixed memory, does not move.
+class RobotHardware final : public Buses {
+ public:
+  /// @param buses  in the order of their numbers in the wiring, outlive this object
+  RobotHardware(const hal::RobotWiring& wiring, const DemandsOfJoints& demands,
+                std::span<hal::FrameBus* const> buses) noexcept;
+  RobotHardware(const RobotHardware&) = delete;
+  RobotHardware& operator=(const RobotHardware&) = delete;
+
+  [[nodiscard]] hal::CanRobot& robot() noexcept { return robot_; }
+  [[nodiscard]] CanDrivers& drivers() noexcept { return drivers_; }
+  [[nodiscard]] std::uint64_t errors() const noexcept override;
+  void restore() noexcept override;
+  /// What restore() does besides forgetting bus-off: connecting again, known to who opened the buses.
+  void on_restore(void (*call)(void* context) noexcept, void* context) noexcept {
+    restore_call_ = call;
+    restore_context_ = context;
+  }
+
+  /// The buses as joints and sensors are read from them.
+  [[nodiscard]] std::span<TapBus> buses() noexcept { return std::span(taps_).first(bus_count_); }
+
+ private:
+  std::size_t bus_count_;
+  std::array<TapBus, hal::kMaximumBuses> taps_;
+  std::array<hal::FrameBus*, hal::kMaximumBuses> tap_pointers_;
+  hal::CanRobot robot_;
+  CanDrivers drivers_;
+  void (*restore_call_)(void*) noexcept = nullptr;
+  void* restore_context_ = nullptr;
+};
+
+}  // namespace stilt::hardware

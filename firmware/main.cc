@@ -1,0 +1,155 @@
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <expected>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "firmware/open_buses.h"
+#include "firmware/program/controller_state.h"
+#include "firmware/program/lockstep_run.h"
+#include "firmware/program/options.h"
+#include "firmware/program/outcome.h"
+#include "firmware/program/realtime_run.h"
+#include "firmware/program/report.h"
+#include "firmware/program/self_test.h"
+#include "mpc_core/model/batch.h"
+
+/// stiltd: reads the configuration, opens the buses, runs the controller, reports.
+namespace {
+
+using namespace stilt;
+
+constexpr int kDone = 0;
+constexpr int kFailed = 1;
+constexpr int kBadUsage = 2;
+
+/// All state of the controller.
+program::ControllerState controller_state;
+
+program::Signals signals;
+
+void want_stop(int) { signals.stop.store(true, std::memory_order_relaxed); }
+void want_figures(int) { signals.figures.store(true, std::memory_order_relaxed); }
+
+std::string version_text() {
+  return "stiltd " STILT_VERSION "\ncompiler          GCC " __VERSION__ "\ninstruction set   " STILT_ISA
+         ", " +
+         std::to_string(model::kLanes) + " lanes\ncontroller object " +
+         std::to_string(sizeof controller_state) + " bytes";
+}
+
+int refuse(const std::string& sentence) {
+  std::fprintf(stderr, "stiltd: %s\n", sentence.c_str());
+  return kBadUsage;
+}
+
+int refuse_json(const std::string& file) {
+  return refuse("--json " + file + ": cannot be written; name a file in a folder that exists");
+}
+
+/// Looks at buses and machine before anything moves. The error is for the user.
+std::expected<void, std::string> check_start(const program::Options& options, program::Outcome& outcome) {
+  const program::BusReport buses = program::report_buses(options.configuration);
+  std::fputs(buses.text.c_str(), stderr);
+  if (buses.refused) return std::unexpected("a bus would be overloaded, see above");
+  if (options.lockstep) {
+    outcome.not_realtime = "lock-step";
+    return {};
+  }
+  const realtime::Capability capability =
+      realtime::acquire(program::demands_of(options.configuration.runtime));
+  std::fputs(program::describe(capability).c_str(), stderr);
+  outcome.not_realtime = realtime::lacking_text(capability);
+  if (!capability.realtime() && options.configuration.runtime.require_realtime) {
+    return std::unexpected(
+        "runtime.require_realtime is true and this machine cannot keep time, see above; mend that, or set it "
+        "to "
+        "false");
+  }
+  return {};
+}
+
+void reconnect(void* buses) noexcept {
+  for (hal::AnyBus& bus : *static_cast<std::vector<hal::AnyBus>*>(buses)) static_cast<void>(bus.reconnect());
+}
+
+int report(const program::Options& options, const program::Outcome& outcome) {
+  if (!outcome.error.empty()) std::fprintf(stderr, "stiltd: %s\n", outcome.error.c_str());
+  if (!options.json_file.empty() && !program::write_text(program::to_json(outcome), options.json_file)) {
+    return refuse_json(options.json_file);
+  }
+  return outcome.error.empty() && outcome.last_state != "fault" ? kDone : kFailed;
+}
+
+/// Opens the buses and puts the controller together over them.
+std::expected<void, std::string> connect(const program::Options& options, std::vector<hal::AnyBus>& buses) {
+  auto opened = open_buses(options.configuration.hardware, options.lockstep);
+  if (!opened) return std::unexpected(opened.error());
+  buses = std::move(*opened);
+  std::vector<hal::FrameBus*> frames;
+  for (hal::AnyBus& bus : buses) frames.push_back(&bus.frames());
+  if (const auto ready = program::set_up(options, frames, controller_state); !ready) return ready;
+  controller_state.hardware->on_restore(reconnect, &buses);
+  std::signal(SIGINT, want_stop);
+  std::signal(SIGTERM, want_stop);
+  std::signal(SIGUSR1, want_figures);
+  return {};
+}
+
+int run_controller(const program::Options& options) {
+  program::Outcome outcome;
+  std::vector<hal::AnyBus> buses;
+  if (const auto fit = check_start(options, outcome); !fit) return refuse(fit.error());
+  if (const auto connected = connect(options, buses); !connected) return refuse(connected.error());
+  if (options.lockstep) {
+    program::run_lockstep(options, buses.size(), signals, controller_state, outcome);
+  } else {
+    program::run_realtime(options, signals, controller_state, outcome);
+  }
+  program::take_figures(controller_state, outcome);
+  return report(options, outcome);
+}
+
+int run_self_test(const program::Options& options) {
+  program::Outcome outcome;
+  std::vector<hal::AnyBus> buses;
+  if (const auto fit = check_start(options, outcome); !fit) return refuse(fit.error());
+  if (const auto connected = connect(options, buses); !connected) return refuse(connected.error());
+  const program::SelfTestFigures figures = program::run_self_test(options, controller_state, signals.stop);
+  if (!options.json_file.empty() && !program::write_text(program::to_json(figures), options.json_file)) {
+    return refuse_json(options.json_file);
+  }
+  if (options.json_file != "-") std::fputs(program::to_text(figures).c_str(), stdout);
+  return figures.passed() ? kDone : kFailed;
+}
+
+/// --check-config: the configuration was read; what it means here.
+int check_config(const program::Options& options) {
+  const program::BusReport buses = program::report_buses(options.configuration);
+  std::printf("%s: right\n%s", options.source.c_str(), buses.text.c_str());
+  return buses.refused ? kBadUsage : kDone;
+}
+
+}  // namespace
+
+int main(int count, char** words) {
+  const auto options = program::read_options(count, words, version_text());
+  if (!options) return refuse(options.error());
+  switch (options->task) {
+    case program::Task::nothing:
+      return kDone;
+    case program::Task::print_config:
+      std::fputs(configuration::to_toml(options->configuration, "Configuration of the controller.").c_str(),
+                 stdout);
+      return kDone;
+    case program::Task::check_config:
+      return check_config(*options);
+    case program::Task::self_test:
+      return run_self_test(*options);
+    case program::Task::control:
+      break;
+  }
+  return run_controller(*options);
+}

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <expected>
+#include <string>
+#include <vector>
+
+#include "firmware/configuration/hardware.h"
+#include "hal/any_bus.h"
+
+namespace stilt {
+
+/// Opens the buses of a configuration, in the order of their numbers. Beside main, the only place of the
+/// controller that knows what carries its frames. The error is one sentence for the user. Start-up only.
+/// @param lockstep  also lets the sync frames of a simulated robot through
+[[nodiscard]] std::expected<std::vector<hal::AnyBus>, std::string> open_buses(
+    const configuration::HardwareParameters& hardware, bool lockstep);
+
+/// What a bus receives: replies, echoes of our own commands, sensors.
+[[nodiscard]] hal::socketcan::BusOptions bus_options(const hal::RobotWiring& wiring, std::size_t bus,
+                                                     bool lockstep);
+
+}  // namespace stilt

@@ -1,0 +1,95 @@
+#include "firmware/program/controller_state.h"
+
+#include "firmware/configuration/hardware.h"
+
+namespace stilt::program {
+namespace {
+
+/// Joints may be found a little beyond their travel.
+constexpr double kTravelMargin_rad = 0.1;
+
+hardware::DemandsOfJoints demands_of(const configuration::HardwareParameters& hardware,
+                                     const model::RobotConstants& robot) {
+  hardware::DemandsOfJoints demands;
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    demands[joint].options =
+        configuration::bring_up_options(hardware, joint, robot.position_min_rad[joint] - kTravelMargin_rad,
+                                        robot.position_max_rad[joint] + kTravelMargin_rad);
+    demands[joint].endpoints = configuration::odrive_endpoints(hardware, joint);
+  }
+  return demands;
+}
+
+std::expected<void, std::string> configure_planner(const model::RobotModel& robot, const Options& options,
+                                                   ControllerState& state) {
+  switch (state.planner.configure(robot, options.configuration)) {
+    case control::ConfigureStatus::ok:
+      return {};
+    case control::ConfigureStatus::horizon_over_capacity:
+      return std::unexpected(options.source +
+                             ": discretisation.horizon_s needs more intervals or contact switches than the "
+                             "planner holds; take a shorter horizon or a longer time step");
+    case control::ConfigureStatus::terminal_cost_failed:
+      break;
+  }
+  return std::unexpected(
+      options.source +
+      ": the weights in cost admit no terminal cost; give every position and velocity some "
+      "weight, or set cost.terminal to 0");
+}
+
+}  // namespace
+
+std::expected<void, std::string> set_up(const Options& options, std::span<hal::FrameBus* const> buses,
+                                        ControllerState& state) {
+  const configuration::Configuration& configuration = options.configuration;
+  const model::RobotModel* robot = model::find_robot(configuration.hardware.robot.c_str());
+  if (robot == nullptr) {
+    return std::unexpected(options.source + ": hardware.robot \"" + configuration.hardware.robot +
+                           "\" has no model in this program");
+  }
+  if (const auto planner = configure_planner(*robot, options, state); !planner) return planner;
+  state.torque.configure(*robot, configuration, configuration.supervisor);
+  std::array<hal::FrameBus*, hal::kMaximumBuses> carried{};
+  for (std::size_t bus = 0; bus < buses.size(); ++bus) {
+    state.lockstep_buses[bus].attach(*buses[bus]);
+    carried[bus] = options.lockstep ? &state.lockstep_buses[bus] : buses[bus];
+  }
+  state.hardware.emplace(configuration::robot_wiring(configuration.hardware),
+                         demands_of(configuration.hardware, robot->constants),
+                         std::span(carried).first(buses.size()));
+  hardware::RobotHardware& hardware = *state.hardware;
+  state.torque.attach(
+      {&hardware.robot(), &hardware.robot(), &hardware.robot(), &hardware.drivers(), &hardware}, state.mail);
+  state.script.emplace(options.start, configuration.runtime.start_settle_s, options.duration_s);
+  return {};
+}
+
+void operate(ControllerState& state, const std::atomic<bool>& stop) {
+  while (const diagnostics::TickRecord* tick = state.mail.telemetry.front()) {
+    state.newest_tick = *tick;
+    if (tick->tick == 0) state.start_ns = tick->time_ns;
+    state.mail.telemetry.pop();
+  }
+  const diagnostics::TickRecord& tick = state.newest_tick;
+  const double time_s = 1e-9 * static_cast<double>(tick.time_ns - state.start_ns);
+  controller::OperatorCommand& command = state.mail.commands.writer();
+  command = state.script->command(time_s, tick.state, tick.ramp);
+  command.shut_down = command.shut_down || stop.load(std::memory_order_relaxed);
+  state.mail.commands.publish();
+}
+
+void take_figures(const ControllerState& state, Outcome& outcome) {
+  outcome.ticks = state.loop.ticks;
+  outcome.late_ticks = state.loop.late_ticks;
+  outcome.missed_periods = state.loop.missed_periods;
+  outcome.plans = state.planning.plans;
+  outcome.wakeup_us = state.loop.wakeup.percentiles();
+  outcome.execution_us = state.loop.execution.percentiles();
+  outcome.bus_round_trip_us = state.loop.bus_round_trip.percentiles();
+  outcome.solve_us = state.planning.solve.percentiles();
+  outcome.heap_allocations = state.loop.heap_allocations + state.planning.heap_allocations;
+  outcome.page_faults = state.loop.page_faults + state.planning.page_faults;
+}
+
+}  // namespace stilt::program

@@ -1,0 +1,142 @@
+#include "firmware/program/options.h"
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <charconv>
+#include <cmath>
+#include <iostream>
+#include <string_view>
+
+namespace stilt::program {
+namespace {
+
+constexpr double kLargestSpeed_m_s = 5.0;
+constexpr double kLongestRun_s = 86400.0;
+
+/// The words of the command line before they mean anything.
+struct Words {
+  std::string config_file;
+  std::string robot = "amber3m";
+  std::vector<std::string> settings;
+  std::vector<std::string> buses;
+  std::string start;
+  bool check_config = false;
+  bool print_config = false;
+};
+
+void add_configuration_options(CLI::App& app, Words& words) {
+  app.add_option("--config", words.config_file, "configuration (TOML)");
+  app.add_option("--robot", words.robot, "robot whose shipped configuration is taken without --config")
+      ->capture_default_str();
+  app.add_option("--set", words.settings,
+                 "changes one key of the configuration: section.key=value; repeatable")
+      ->allow_extra_args(false);
+  app.add_option("--bus", words.buses,
+                 "a bus, in the order of their numbers, instead of hardware.buses: can0, loopback:NAME; "
+                 "repeatable")
+      ->allow_extra_args(false);
+}
+
+std::vector<configuration::Override> overrides_of(const Words& words) {
+  std::vector<configuration::Override> overrides;
+  for (const std::string& setting : words.settings) overrides.push_back({setting});
+  std::string buses;
+  for (const std::string& bus : words.buses) buses += (buses.empty() ? "" : ",") + bus;
+  if (!buses.empty()) overrides.push_back({"hardware.buses=" + buses, "--bus"});
+  return overrides;
+}
+
+std::expected<void, std::string> read_configuration(const Words& words, Options& options) {
+  const auto overrides = overrides_of(words);
+  const bool shipped = words.config_file.empty();
+  const configuration::Result result = shipped ? configuration::load_robot(words.robot, overrides)
+                                               : configuration::load_file(words.config_file, overrides);
+  if (!result) return std::unexpected(configuration::to_string(result.error()));
+  options.configuration = *result;
+  options.source = shipped ? "the shipped configuration of " + words.robot : words.config_file;
+  return {};
+}
+
+std::expected<void, std::string> interpret(const Words& words, bool self_test, Options& options) {
+  if (self_test) options.task = Task::self_test;
+  if (words.check_config) options.task = Task::check_config;
+  if (words.print_config) options.task = Task::print_config;
+  if (!words.start.empty()) {
+    const auto start = parse_start(words.start);
+    if (!start) return std::unexpected(start.error());
+    options.start = *start;
+  }
+  if (!(options.duration_s >= 0.0 && options.duration_s <= kLongestRun_s)) {
+    return std::unexpected("--duration: must be 0 (until told to end) to 86400 s");
+  }
+  if (!(options.self_test_s > 0.0 && options.self_test_s <= kLongestRun_s)) {
+    return std::unexpected("--seconds: must be above 0 and at most 86400 s");
+  }
+  return read_configuration(words, options);
+}
+
+}  // namespace
+
+std::expected<gait::GaitCommand, std::string> parse_start(const std::string& text) {
+  const std::size_t at = text.find('@');
+  const std::string_view gait = std::string_view(text).substr(0, at);
+  const std::string_view speed = at == std::string::npos ? "" : std::string_view(text).substr(at + 1);
+  gait::GaitCommand command;
+  const auto read = std::from_chars(speed.data(), speed.data() + speed.size(), command.speed_m_s);
+  const bool has_speed = !speed.empty() && read.ec == std::errc{} && read.ptr == speed.data() + speed.size();
+  if (gait == "walk") command.kind = gait::GaitKind::walk;
+  if (gait == "step") command.kind = gait::GaitKind::step;
+  const bool known = gait == "stand" || gait == "step" || gait == "walk";
+  if (!known || (at != std::string::npos && !has_speed) || (gait == "walk" && !has_speed) ||
+      !(std::abs(command.speed_m_s) <= kLargestSpeed_m_s)) {
+    return std::unexpected(
+        "--start " + text +
+        ": expected stand, step, or walk@SPEED with a speed within 5 m/s either way, such as "
+        "walk@0.5");
+  }
+  return command;
+}
+
+std::expected<Options, std::string> read_options(int count, char** words_of_line,
+                                                 const std::string& version) {
+  CLI::App app{"Controller of a planar walking robot: plans its motion and drives its motors over CAN.",
+               "stiltd"};
+  app.set_version_flag("--version", version);
+  Words words;
+  Options options;
+  add_configuration_options(app, words);
+  app.add_option("--start", words.start,
+                 "goes there without an operator: stand, step or walk@SPEED (m/s); without it, waits idle");
+  app.add_option("--duration", options.duration_s, "sits down and ends after this time, s; 0: never");
+  app.add_flag("--lockstep", options.lockstep,
+               "takes turns with a simulated robot instead of following the clock");
+  app.add_option("--json", options.json_file, "writes figures at the end as JSON, - for standard output");
+  app.add_option("--black-box", options.black_box_file,
+                 "writes the last seconds before the first fault to this file, CSV");
+  app.add_flag("--forbid-syscalls", options.forbid_syscalls,
+               "for tests: ends at once when a real-time thread uses a system call that can make it wait");
+  app.add_flag("--check-config", words.check_config, "reads the configuration, reports on it, and ends");
+  app.add_flag("--print-config", words.print_config, "prints the configuration with every key, and ends");
+  CLI::App* self_test =
+      app.add_subcommand("selftest", "talks to all drivers at zero torque, reports replies and their times");
+  add_configuration_options(*self_test, words);
+  self_test->add_option("--seconds", options.self_test_s, "how long, s")->capture_default_str();
+  self_test->add_option("--json", options.json_file, "writes the figures as JSON, - for standard output");
+  app.footer("Exit status: 0 ended as told, 1 a fault stopped the robot or a check failed, 2 bad usage.");
+  try {
+    app.parse(count, words_of_line);
+  } catch (const CLI::Success& help_or_version) {
+    app.exit(help_or_version);
+    options.task = Task::nothing;
+    return options;
+  } catch (const CLI::ParseError& error) {
+    return std::unexpected(std::string(error.what()) + "; stiltd --help tells what is right");
+  }
+  if (const auto right = interpret(words, self_test->parsed(), options); !right) {
+    return std::unexpected(right.error());
+  }
+  return options;
+}
+
+}  // namespace stilt::program

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <expected>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "firmware/configuration/configuration.h"
+#include "mpc_core/gait/command.h"
+
+namespace stilt::program {
+
+enum class Task {
+  control,       ///< run the controller
+  self_test,     ///< talk to the drivers at zero torque and report
+  check_config,  ///< read the configuration, say what it means, and end
+  print_config,  ///< write the configuration with every key
+  nothing,       ///< --help or --version: printed already
+};
+
+/// What the command line asks for.
+struct Options {
+  Task task = Task::control;
+  configuration::Configuration configuration;
+  std::string source;                      ///< the file, or the shipped one, that it was read from
+  std::optional<gait::GaitCommand> start;  ///< go there without an operator
+  double duration_s = 0.0;                 ///< then sit down and end; 0: until told to
+  bool lockstep = false;
+  std::string json_file;         ///< "-": standard output; empty: none
+  std::string black_box_file;    ///< empty: none
+  bool forbid_syscalls = false;  ///< for proofs: see realtime::forbid_other_system_calls()
+  double self_test_s = 10.0;
+};
+
+/// Reads the command line and the configuration. The error is for the user: a sentence, or a line for each
+/// mistake of the configuration. `version`: what --version prints.
+[[nodiscard]] std::expected<Options, std::string> read_options(int count, char** words,
+                                                               const std::string& version);
+
+/// GAIT@SPEED, or stand, step: the error says what would be right.
+[[nodiscard]] std::expected<gait::GaitCommand, std::string> parse_start(const std::string& text);
+
+}  // namespace stilt::program

@@ -1,0 +1,117 @@
+#include "firmware/program/outcome.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+namespace stilt::program {
+namespace {
+
+using controller::Event;
+
+constexpr const char* kJoints[] = {"hip_L", "knee_L", "hip_R", "knee_R"};
+
+nlohmann::ordered_json json_of(const diagnostics::Percentiles& percentiles) {
+  return {{"p50", percentiles.p50_us}, {"p99", percentiles.p99_us}, {"max", percentiles.max_us}};
+}
+
+void say(double time_s, const std::string& text) {
+  std::fprintf(stderr, "%9.3f s  %s\n", time_s, text.c_str());
+}
+
+/// The entry of a fault that comes and goes; nullptr for its first time, and for latched ones.
+ReportedFault* known(const supervisor::FaultRow& row, Outcome& outcome) {
+  if (row.severity == supervisor::Severity::latched) return nullptr;
+  const auto entry = std::ranges::find(outcome.faults, row.name, &ReportedFault::name);
+  return entry == outcome.faults.end() ? nullptr : &*entry;
+}
+
+void take_fault(const Event& event, Outcome& outcome) {
+  const supervisor::FaultRow& row = supervisor::row(event.fault);
+  if (ReportedFault* entry = known(row, outcome)) {
+    ++entry->count;
+    return;
+  }
+  const char* reaction = supervisor::name(row.reaction);
+  outcome.faults.push_back({row.name, event.time_s, reaction});
+  say(event.time_s, std::string("fault ") + row.name + ": " + row.cause + "; reaction: " + reaction);
+}
+
+/// The end of what comes and goes is not worth a line.
+void take_end_of_fault(const Event& event) {
+  if (supervisor::row(event.fault).severity != supervisor::Severity::latched) return;
+  say(event.time_s, std::string("fault ") + supervisor::name(event.fault) + ": its cause is gone");
+}
+
+std::string bring_up_text(const Event& event) {
+  std::string text = std::string("driver of ") + kJoints[event.joint] +
+                     " cannot be brought up: " + hal::bring_up::name(event.failure);
+  if (event.driver_fault != hal::DriverFault::none) {
+    text.append(" (").append(hal::name(event.driver_fault)).append(")");
+  }
+  return text;
+}
+
+}  // namespace
+
+void take_events(controller::EventRing& events, Outcome& outcome) {
+  while (const Event* event = events.front()) {
+    switch (event->kind) {
+      case Event::Kind::state:
+        if (event->state != supervisor::State::off) outcome.last_state = supervisor::name(event->state);
+        outcome.state = supervisor::name(event->state);
+        say(event->time_s, supervisor::name(event->state));
+        break;
+      case Event::Kind::fault:
+        take_fault(*event, outcome);
+        break;
+      case Event::Kind::fault_gone:
+        take_end_of_fault(*event);
+        break;
+      case Event::Kind::bring_up_failed:
+        say(event->time_s, bring_up_text(*event));
+        break;
+    }
+    events.pop();
+  }
+}
+
+std::string to_json(const Outcome& outcome) {
+  nlohmann::ordered_json json;
+  json["state"] = outcome.state;
+  json["last_state"] = outcome.last_state;
+  json["faults"] = nlohmann::ordered_json::array();
+  for (const ReportedFault& fault : outcome.faults) {
+    json["faults"].push_back({{"name", fault.name},
+                              {"time_s", fault.time_s},
+                              {"reaction", fault.reaction},
+                              {"count", fault.count}});
+  }
+  json["ticks"] = outcome.ticks;
+  json["late_ticks"] = outcome.late_ticks;
+  json["missed_periods"] = outcome.missed_periods;
+  json["plans"] = outcome.plans;
+  json["wakeup_us"] = json_of(outcome.wakeup_us);
+  json["execution_us"] = json_of(outcome.execution_us);
+  json["bus_round_trip_us"] = json_of(outcome.bus_round_trip_us);
+  json["solve_us"] = json_of(outcome.solve_us);
+  json["heap_allocations"] = outcome.heap_allocations;
+  json["page_faults"] = outcome.page_faults;
+  if (outcome.not_realtime.empty()) {
+    json["realtime"] = true;
+  } else {
+    json["realtime"] = outcome.not_realtime;
+  }
+  if (!outcome.error.empty()) json["error"] = outcome.error;
+  return json.dump(2) + "\n";
+}
+
+bool write_text(const std::string& text, const std::string& file) {
+  if (file == "-") return std::fputs(text.c_str(), stdout) >= 0 && std::fflush(stdout) == 0;
+  std::FILE* stream = std::fopen(file.c_str(), "w");
+  if (stream == nullptr) return false;
+  const bool written = std::fputs(text.c_str(), stream) >= 0;
+  return std::fclose(stream) == 0 && written;
+}
+
+}  // namespace stilt::program

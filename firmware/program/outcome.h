@@ -1,0 +1,48 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "firmware/controller/events.h"
+#include "firmware/diagnostics/histogram.h"
+
+namespace stilt::program {
+
+/// A fault as the report lists it. Latched ones stand there each time; others, which come and go by
+/// themselves, once, with their number.
+struct ReportedFault {
+  std::string name;
+  double time_s = 0.0;  ///< of the first time
+  std::string reaction;
+  long long count = 1;
+};
+
+/// What a run of the controller was like.
+struct Outcome {
+  std::string state;       ///< the supervisor's at the end
+  std::string last_state;  ///< the one before it was off
+  std::vector<ReportedFault> faults;
+  long long ticks = 0;
+  long long late_ticks = 0;
+  long long missed_periods = 0;
+  long long plans = 0;
+  diagnostics::Percentiles wakeup_us;
+  diagnostics::Percentiles execution_us;
+  diagnostics::Percentiles bus_round_trip_us;
+  diagnostics::Percentiles solve_us;
+  long long heap_allocations = 0;
+  long long page_faults = 0;
+  std::string not_realtime;  ///< why the machine cannot keep time; empty: it can
+  std::string error;         ///< what ended the run from outside; empty: nothing
+};
+
+/// Takes what happened out of the ring: says it on standard error and keeps the faults.
+void take_events(controller::EventRing& events, Outcome& outcome);
+
+/// The figures as JSON text, field names as in docs/interfaces.
+[[nodiscard]] std::string to_json(const Outcome& outcome);
+
+/// Writes text to a file, or to standard output for "-". False: it could not be written.
+[[nodiscard]] bool write_text(const std::string& text, const std::string& file);
+
+}  // namespace stilt::program

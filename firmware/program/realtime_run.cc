@@ -1,0 +1,198 @@
+#include "firmware/program/realtime_run.h"
+
+#include <sys/resource.h>
+
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+#include "firmware/diagnostics/histogram_text.h"
+#include "firmware/diagnostics/tick_csv.h"
+#include "firmware/hardware/round_trip.h"
+#include "firmware/realtime/allocation_counter.h"
+#include "firmware/realtime/pace.h"
+#include "firmware/realtime/system_call_guard.h"
+#include "firmware/realtime/thread.h"
+#include "hal/clock.h"
+
+namespace stilt::program {
+namespace {
+
+/// Ticks after the supervisor is off: the last commands leave the buses.
+constexpr int kLastTicks = 5;
+/// Every so many ticks the figures go to housekeeping.
+constexpr long long kFiguresEvery = 250;
+/// Every so many ticks the round trip on the buses is measured, within this share of the tick.
+constexpr long long kRoundTripEvery = 50;
+constexpr double kRoundTripShare = 0.7;
+constexpr std::int64_t kHousekeepingPeriod_ns = 5'000'000;
+
+std::int64_t period_ns(double rate_hz) { return std::llround(1e9 / rate_hz); }
+
+long long page_faults() noexcept {
+  rusage usage{};
+  getrusage(RUSAGE_THREAD, &usage);
+  return usage.ru_minflt + usage.ru_majflt;
+}
+
+/// What the threads share beside the mailboxes.
+struct Run {
+  const Options& options;
+  ControllerState& state;
+  std::atomic<bool> torque_done = false;
+  std::atomic<bool> planner_end = false;
+  std::atomic<bool> unguarded = false;  ///< --forbid-syscalls was asked for and cannot be had
+};
+
+/// On a real-time thread, before its work.
+void guard(Run& run) noexcept {
+  if (run.options.forbid_syscalls && !realtime::forbid_other_system_calls()) run.unguarded = true;
+}
+
+void publish(ControllerState& state) noexcept {
+  state.loop_figures.writer() = state.loop;
+  state.loop_figures.publish();
+}
+
+/// Listens for the replies to what this tick has sent. @return  newest known round trip
+std::int64_t measure_round_trip(hardware::RoundTrip& meter, hal::MonotonicClock& clock, std::int64_t sent_ns,
+                                std::int64_t give_up_ns, ControllerState& state) noexcept {
+  const std::int64_t took_ns = meter.measure(clock, sent_ns, give_up_ns);
+  if (took_ns >= 0) state.loop.bus_round_trip.add_ns(took_ns);
+  return took_ns;
+}
+
+/// The torque loop: until the supervisor is off.
+void run_torque_loop(void* context) {
+  Run& run = *static_cast<Run*>(context);
+  guard(run);
+  ControllerState& state = run.state;
+  const std::int64_t late_ns = std::llround(1e9 * run.options.configuration.supervisor.torque_loop_overrun_s);
+  const realtime::AllocationScope allocations;
+  hal::MonotonicClock clock;
+  const std::int64_t tick_ns = period_ns(run.options.configuration.timing.torque_rate_hz);
+  realtime::Pace pace(clock.now_ns() + tick_ns, tick_ns);
+  hardware::RoundTrip meter(configuration::robot_wiring(run.options.configuration.hardware),
+                            state.hardware->buses());
+  const long long faults_before = page_faults();
+  controller::TickTiming timing;
+  for (int ticks_off = 0; ticks_off < kLastTicks;) {
+    timing.now_ns = clock.sleep_until(pace.next_ns());
+    timing.late_ns = timing.now_ns - pace.next_ns();
+    state.torque.tick(timing);
+    const std::int64_t done_ns = clock.now_ns();
+    timing.execution_ns = done_ns - timing.now_ns;
+    state.loop.wakeup.add_ns(timing.late_ns);
+    state.loop.execution.add_ns(timing.execution_ns);
+    ++state.loop.ticks;
+    if (timing.late_ns > late_ns) ++state.loop.late_ticks;
+    if (state.loop.ticks % kRoundTripEvery == 0 && supervisor::drives(state.torque.decision().state)) {
+      const auto wait_ns = static_cast<std::int64_t>(kRoundTripShare * static_cast<double>(tick_ns));
+      timing.round_trip_ns = measure_round_trip(meter, clock, done_ns, pace.next_ns() + wait_ns, state);
+    }
+    state.loop.missed_periods += pace.advance(clock.now_ns());
+    state.loop.heap_allocations = allocations.count();
+    if (state.loop.ticks % kFiguresEvery == 0) {
+      state.loop.page_faults = page_faults() - faults_before;
+      publish(state);
+    }
+    ticks_off = state.torque.decision().state == supervisor::State::off ? ticks_off + 1 : 0;
+  }
+  state.loop.page_faults = page_faults() - faults_before;
+  run.torque_done.store(true, std::memory_order_release);
+}
+
+/// One cycle on the newest request; nothing when it is still the last one.
+void run_cycle(ControllerState& state, hal::MonotonicClock& clock, std::int64_t& last_tick) noexcept {
+  const controller::PlanningRequest& request = state.mail.requests.newest();
+  if (request.tick == last_tick) return;
+  last_tick = request.tick;
+  const std::int64_t start_ns = clock.now_ns();
+  const bool fresh = state.planner.cycle(request, state.mail.plans.writer());
+  if (request.session == 0) return;
+  const std::int64_t solve_ns = clock.now_ns() - start_ns;
+  if (fresh) state.mail.plans.publish();
+  state.planning.solve.add_ns(solve_ns);
+  ++state.planning.plans;
+  controller::PlanningResult& result = state.mail.results.writer();
+  result = state.planner.result();
+  result.solve_ns = solve_ns;
+  state.mail.results.publish();
+}
+
+/// The planner: plan_rate_hz at most, slower when solves take longer.
+void run_planner(void* context) {
+  Run& run = *static_cast<Run*>(context);
+  guard(run);
+  ControllerState& state = run.state;
+  const realtime::AllocationScope allocations;
+  hal::MonotonicClock clock;
+  realtime::Pace pace(clock.now_ns(), period_ns(run.options.configuration.timing.plan_rate_hz));
+  const long long faults_before = page_faults();
+  std::int64_t last_tick = -1;
+  while (!run.planner_end.load(std::memory_order_acquire)) {
+    static_cast<void>(clock.sleep_until(pace.next_ns()));
+    run_cycle(state, clock, last_tick);
+    pace.advance(clock.now_ns());
+    state.planning.heap_allocations = allocations.count();
+    state.planning.page_faults = page_faults() - faults_before;
+    if (state.planning.plans % 25 == 0) {
+      state.planner_figures.writer() = state.planning;
+      state.planner_figures.publish();
+    }
+  }
+}
+
+void print_figures(ControllerState& state) {
+  const LoopFigures& loop = state.loop_figures.newest();
+  const PlannerFigures& planning = state.planner_figures.newest();
+  std::fputs(
+      (diagnostics::to_text("wake-up", loop.wakeup) + diagnostics::to_text("execution", loop.execution) +
+       diagnostics::to_text("bus round trip", loop.bus_round_trip) +
+       diagnostics::to_text("solve", planning.solve))
+          .c_str(),
+      stderr);
+}
+
+/// Once the black box has frozen: writes it, and lets it record again.
+void save_black_box(const Options& options, ControllerState& state) {
+  if (options.black_box_file.empty() || !state.mail.black_box.frozen()) return;
+  if (!state.black_box_saved) {
+    const auto written = diagnostics::write_csv(options.black_box_file, state.mail.black_box, state.start_ns);
+    std::fprintf(
+        stderr, "%s\n",
+        written ? ("black box written to " + options.black_box_file).c_str() : written.error().c_str());
+    state.black_box_saved = true;
+  }
+  state.mail.black_box.rearm();
+}
+
+}  // namespace
+
+void run_realtime(const Options& options, Signals& signals, ControllerState& state, Outcome& outcome) {
+  const configuration::RuntimeParameters& runtime = options.configuration.runtime;
+  Run run{options, state};
+  state.mail.black_box.set_aftermath(diagnostics::kBlackBoxRecords / 4);
+  realtime::Thread planner;
+  realtime::Thread torque_loop;
+  const bool started =
+      planner.start({"planner", runtime.planner_priority, runtime.planner_core}, run_planner, &run) &&
+      torque_loop.start({"torque loop", runtime.torque_priority, runtime.torque_core}, run_torque_loop, &run);
+  if (!started) outcome.error = "threads cannot be started; raise the limits of memory and processes";
+  hal::MonotonicClock clock;
+  while (started && !run.torque_done.load(std::memory_order_acquire)) {
+    operate(state, signals.stop);
+    take_events(state.mail.events, outcome);
+    save_black_box(options, state);
+    if (signals.figures.exchange(false)) print_figures(state);
+    static_cast<void>(clock.sleep_until(clock.now_ns() + kHousekeepingPeriod_ns));
+  }
+  torque_loop.join();
+  run.planner_end.store(true, std::memory_order_release);
+  planner.join();
+  if (run.unguarded) outcome.error = "--forbid-syscalls: this kernel has no seccomp filters";
+  take_events(state.mail.events, outcome);
+  save_black_box(options, state);
+}
+
+}  // namespace stilt::program

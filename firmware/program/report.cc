@@ -1,0 +1,36 @@
+#include "firmware/program/report.h"
+
+#include <vector>
+
+#include "firmware/configuration/hardware.h"
+#include "hal/wiring_load.h"
+
+namespace stilt::program {
+
+BusReport report_buses(const configuration::Configuration& configuration) {
+  BusReport report;
+  const std::vector<std::string> names = configuration::bus_names(configuration.hardware);
+  for (std::size_t bus = 0; bus < names.size(); ++bus) {
+    const hal::BusLoad load =
+        configuration::bus_load(configuration.hardware, bus, configuration.timing.torque_rate_hz);
+    report.text += hal::load_sentence(names[bus], load) + '\n';
+    report.refused = report.refused || load.verdict == hal::BusLoadVerdict::refused;
+  }
+  return report;
+}
+
+realtime::Demands demands_of(const configuration::RuntimeParameters& runtime) {
+  return {runtime.torque_priority, runtime.planner_priority, runtime.torque_core, runtime.planner_core};
+}
+
+std::string describe(const realtime::Capability& capability) {
+  std::string text = "kernel " + capability.kernel + ", " + std::to_string(capability.cores) +
+                     (capability.cores == 1 ? " processor" : " processors");
+  if (!capability.governor.empty()) text += ", governor " + capability.governor;
+  text += capability.memory_locked ? ", memory locked" : ", memory not locked";
+  text += capability.priority_allowed ? ", priority granted\n" : ", no priority\n";
+  return text + (capability.realtime() ? "real time\n"
+                                       : "not real time: " + realtime::lacking_text(capability) + '\n');
+}
+
+}  // namespace stilt::program

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+
+#include "firmware/program/options.h"
+#include "firmware/realtime/capability.h"
+
+namespace stilt::program {
+
+/// What a configuration means for the buses: a line a bus. `refused`: one is loaded beyond what works.
+struct BusReport {
+  std::string text;
+  bool refused = false;
+};
+[[nodiscard]] BusReport report_buses(const configuration::Configuration& configuration);
+
+/// What the threads of a configuration ask of the machine.
+[[nodiscard]] realtime::Demands demands_of(const configuration::RuntimeParameters& runtime);
+
+/// The machine in a few lines: kernel, processors, governor, locked memory, priority, and what is lacking.
+[[nodiscard]] std::string describe(const realtime::Capability& capability);
+
+}  // namespace stilt::program

@@ -1,0 +1,99 @@
+#include "firmware/realtime/capability.h"
+
+#include <pthread.h>
+#include <sched.h>
+#include <sys/mman.h>
+#include <sys/utsname.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+
+namespace stilt::realtime {
+namespace {
+
+std::string first_line(const std::string& path) {
+  std::ifstream stream(path);
+  std::string line;
+  std::getline(stream, line);
+  return line;
+}
+
+/// Tries the priority on this thread, and puts the old one back.
+bool may_have_priority(int priority) {
+  int policy = 0;
+  sched_param before{};
+  pthread_getschedparam(pthread_self(), &policy, &before);
+  sched_param wanted{};
+  wanted.sched_priority = priority;
+  if (pthread_setschedparam(pthread_self(), SCHED_FIFO, &wanted) != 0) return false;
+  pthread_setschedparam(pthread_self(), policy, &before);
+  return true;
+}
+
+bool usable_core(const cpu_set_t& allowed, int core) {
+  return core < 0 || (core < CPU_SETSIZE && CPU_ISSET(static_cast<std::size_t>(core), &allowed));
+}
+
+void look_at_kernel(Capability& capability, const std::string& root) {
+  utsname name{};
+  uname(&name);
+  capability.kernel = name.release;
+  const bool says_so = std::strstr(name.version, "PREEMPT_RT") != nullptr;
+  capability.realtime_kernel = says_so || first_line(root + "/sys/kernel/realtime") == "1";
+  if (!capability.realtime_kernel) {
+    capability.lacking.push_back("kernel " + capability.kernel + " is not PREEMPT_RT");
+  }
+}
+
+void look_at_processors(Capability& capability, const Demands& demands, const std::string& root) {
+  cpu_set_t allowed;
+  CPU_ZERO(&allowed);
+  sched_getaffinity(0, sizeof allowed, &allowed);
+  capability.cores = CPU_COUNT(&allowed);
+  for (const int core : {demands.torque_core, demands.planner_core}) {
+    if (usable_core(allowed, core)) continue;
+    capability.lacking.push_back("processor " + std::to_string(core) + " is not there for this program");
+  }
+  if (capability.cores < 2) {
+    capability.lacking.push_back("torque loop and planner share one processor");
+  } else if (demands.torque_core >= 0 && demands.torque_core == demands.planner_core) {
+    capability.lacking.push_back("torque loop and planner are both told to use processor " +
+                                 std::to_string(demands.torque_core));
+  }
+  const std::string folder =
+      root + "/sys/devices/system/cpu/cpu" + std::to_string(std::max(0, demands.torque_core));
+  capability.governor = first_line(folder + "/cpufreq/scaling_governor");
+  if (!capability.governor.empty() && capability.governor != "performance") {
+    capability.lacking.push_back("frequency governor is " + capability.governor + ", not performance");
+  }
+}
+
+}  // namespace
+
+Capability acquire(const Demands& demands, const std::string& root) {
+  Capability capability;
+  look_at_kernel(capability, root);
+  look_at_processors(capability, demands, root);
+  capability.memory_locked = mlockall(MCL_CURRENT | MCL_FUTURE) == 0;
+  if (!capability.memory_locked) {
+    capability.lacking.push_back(std::string("memory cannot be locked (") + std::strerror(errno) + ")");
+  }
+  const int highest = std::max(demands.torque_priority, demands.planner_priority);
+  capability.priority_allowed = highest > 0 && may_have_priority(highest);
+  if (demands.torque_priority <= 0) {
+    capability.lacking.push_back("the torque loop is told to have no priority");
+  } else if (!capability.priority_allowed) {
+    capability.lacking.push_back("SCHED_FIFO priority " + std::to_string(highest) + " is not permitted");
+  }
+  return capability;
+}
+
+std::string lacking_text(const Capability& capability) {
+  std::string text;
+  for (const std::string& sentence : capability.lacking) text += (text.empty() ? "" : "; ") + sentence;
+  return text;
+}
+
+}  // namespace stilt::realtime

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace stilt::realtime {
+
+/// What the threads of the program ask of the machine.
+struct Demands {
+  int torque_priority = 80;   ///< SCHED_FIFO; 0: none asked for
+  int planner_priority = 60;  ///< SCHED_FIFO; 0: none asked for
+  int torque_core = -1;       ///< -1: any
+  int planner_core = -1;      ///< -1: any
+};
+
+/// Whether the machine can keep the torque loop's time, from what it says of itself; measures nothing.
+/// Start-up only.
+struct Capability {
+  std::string kernel;                ///< release
+  bool realtime_kernel = false;      ///< PREEMPT_RT
+  std::string governor;              ///< of the torque loop's processor; empty: the kernel does not say
+  bool memory_locked = false;        ///< mlockall succeeded
+  bool priority_allowed = false;     ///< a thread may take SCHED_FIFO at the priorities asked for
+  int cores = 0;                     ///< processors this process may use
+  std::vector<std::string> lacking;  ///< a sentence for each thing in the way; empty: real time
+
+  [[nodiscard]] bool realtime() const noexcept { return lacking.empty(); }
+};
+
+/// Locks present and future memory of the process, tries the priorities, and reads the rest. `root`: where
+/// /sys and /proc are looked for, for tests.
+[[nodiscard]] Capability acquire(const Demands& demands, const std::string& root = "");
+
+/// What is lacking, in one line; empty for a machine that can keep time.
+[[nodiscard]] std::string lacking_text(const Capability& capability);
+
+}  // namespace stilt::realtime

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <pthread.h>
+
+#include <cstddef>
+#include <string>
+
+namespace stilt::realtime {
+
+/// Stack of a real-time thread, touched before its work begins.
+inline constexpr std::size_t kStackBytes = 512 * 1024;
+
+struct ThreadSettings {
+  const char* name = "";  ///< at most 15 characters
+  int priority = 0;       ///< SCHED_FIFO; 0: ordinary
+  int core = -1;          ///< -1: any
+};
+
+/// A thread with scheduling of its own, a stack that is in memory from the start, and no signals.
+/// Construction and join are for start-up and exit.
+class Thread {
+ public:
+  /// Starts work(context) on a new thread. Priority or processor that cannot be had are left out (acquire()
+  /// reports them); false only when there is no thread at all.
+  [[nodiscard]] bool start(const ThreadSettings& settings, void (*work)(void*), void* context);
+  void join();
+
+  Thread() = default;
+  Thread(const Thread&) = delete;
+  Thread& operator=(const Thread&) = delete;
+  ~Thread() { join(); }
+
+ private:
+  static void* run(void* self);
+
+  ThreadSettings settings_;
+  void (*work_)(void*) = nullptr;
+  void* context_ = nullptr;
+  pthread_t handle_{};
+  bool running_ = false;
+};
+
+}  // namespace stilt::realtime

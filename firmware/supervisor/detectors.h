@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+
+#include "firmware/supervisor/fault.h"
+#include "firmware/supervisor/parameters.h"
+#include "hal/base_sensor.h"
+#include "hal/emergency_stop.h"
+#include "hal/joint_bus.h"
+
+/// Pure functions from what a tick knows to faults. Every one is real-time. NaN never passes for healthy
+/// where a value must be there, and never counts where a driver need not say it (temperature, voltage,
+/// torque).
+namespace stilt::supervisor {
+
+/// What a tick knows before the torque law runs. Times are those of the torque loop's clock.
+struct Observation {
+  std::int64_t time_ns = 0;
+  hal::JointReadings joints;
+  hal::BaseReading base;
+  hal::JointBusStatus read_status = hal::JointBusStatus::ok;
+  hal::JointBusStatus write_status = hal::JointBusStatus::ok;  ///< of the last tick's commands
+  bool bus_errors = false;  ///< counters of errors, drops or malformed frames rose since the last tick
+  hal::EmergencyStopState emergency_stop = hal::EmergencyStopState::absent;
+  Pose planned_speed_rad_s{};       ///< of the plan at this time, 0 without one
+  bool controller_finite = true;    ///< estimate and torques of the last tick were finite numbers
+  bool has_plan = false;            ///< a plan that has not ended
+  double plan_age_s = 0;            ///< since the state from which the newest usable plan started
+  int failed_solves = 0;            ///< in a row
+  double solve_s = 0;               ///< of the newest solve
+  double lateness_s = 0;            ///< of this tick
+  bool heartbeat_expected = false;  ///< an operator's program gave the last command
+  double heartbeat_age_s = 0;       ///< since its last sign of life
+  bool bring_up_failed = false;
+};
+
+/// Beyond travel, speed or torque by more than the margins, or not finite; the torso too far from upright.
+/// A joint that was never heard has no position to judge.
+[[nodiscard]] FaultSet detect_limits(const Observation& seen, const JointLimits& limits,
+                                     const SupervisorParameters& parameters) noexcept;
+
+/// Sensors that repeat themselves or are silent.
+[[nodiscard]] FaultSet detect_sensors(const Observation& seen,
+                                      const SupervisorParameters& parameters) noexcept;
+
+/// Buses that err, are off, or gone.
+[[nodiscard]] FaultSet detect_buses(const Observation& seen) noexcept;
+
+/// Drivers with faults, not enabled, hot, or badly supplied.
+[[nodiscard]] FaultSet detect_drivers(const Observation& seen,
+                                      const SupervisorParameters& parameters) noexcept;
+
+/// Plans that are old, failed or slow; late ticks; numbers that are none.
+[[nodiscard]] FaultSet detect_software(const Observation& seen,
+                                       const SupervisorParameters& parameters) noexcept;
+
+/// Emergency stop and heartbeat; the outcome of the bring-up.
+[[nodiscard]] FaultSet detect_operator(const Observation& seen,
+                                       const SupervisorParameters& parameters) noexcept;
+
+/// All of the above.
+[[nodiscard]] FaultSet detect(const Observation& seen, const JointLimits& limits,
+                              const SupervisorParameters& parameters) noexcept;
+
+}  // namespace stilt::supervisor

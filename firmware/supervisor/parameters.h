@@ -1,0 +1,61 @@
+#pragma once
+
+#include <array>
+
+#include "hal/joint_bus.h"
+
+namespace stilt::supervisor {
+
+/// Joint angles of a pose, in the order hip_L, knee_L, hip_R, knee_R, rad.
+using Pose = std::array<double, hal::kJoints>;
+
+/// Limits of the supervisor and the gains of what it does itself. Joint limits are those of the robot's URDF;
+/// here are the margins beyond them.
+struct SupervisorParameters {
+  double position_margin_rad = 0.15;    ///< travel beyond the URDF's before joint_position_limit
+  double speed_margin_rad_s = 8.0;      ///< speed beyond the URDF's before joint_speed_limit
+  double torque_margin_Nm = 20.0;       ///< reported torque beyond the URDF's before joint_torque_limit
+  double base_angle_limit_rad = 0.8;    ///< lean of the torso, either way
+  int frozen_ticks = 25;                ///< equal values in a row of something that must move
+  double moving_rad_s = 0.5;            ///< a joint that is planned, or measured, faster must move
+  int missed_hold_ticks = 3;            ///< missed replies in a row before the pose is held
+  int missed_damp_ticks = 10;           ///< missed replies in a row before the joints are damped
+  double settle_s = 0.05;               ///< after the drivers came up, before replies are expected
+  double hot_C = 75.0;                  ///< driver or motor, warning
+  double overheated_C = 90.0;           ///< driver or motor, sit down
+  double low_voltage_V = 36.0;          ///< supply
+  double high_voltage_V = 56.0;         ///< supply
+  double older_plan_s = 0.03;           ///< age from which a plan counts as an older one
+  double stale_plan_s = 0.25;           ///< age from which a plan is not followed any more
+  int failed_solves = 3;                ///< in a row, warning
+  double planner_overrun_s = 0.010;     ///< time of one solve, warning
+  double torque_loop_overrun_s = 5e-4;  ///< lateness of a tick, warning
+  double torque_loop_stall_s = 0.010;   ///< lateness of a tick before the joints are damped
+  double heartbeat_timeout_s = 0.4;     ///< silence of the operator's program
+  double emergency_stop_wait_s = 1.0;   ///< after the start, for the emergency stop's first report
+  double stand_ramp_s = 1.5;            ///< time over which the torque law takes over when standing up
+  double slow_down_s = 1.5;             ///< stepping in place between walking and standing
+  double reset_window_s = 0.5;          ///< after a reset was asked for: time for every cause to be gone
+  double hold_kp_Nm_rad = 100.0;        ///< holding and sitting
+  double hold_kd_Nms_rad = 5.0;         ///< holding and sitting
+  double hold_ramp_s = 0.05;            ///< from nothing to these gains
+  double damping_kd_Nms_rad = 5.0;
+  double damping_torque_Nm = 40.0;  ///< most that damping may give, by less gain at high speed
+  double sit_s = 2.0;               ///< from the measured pose to the sitting pose
+  double sit_hip_rad = -1.1;        ///< of both legs
+  double sit_knee_rad = 2.2;        ///< of both legs
+};
+
+[[nodiscard]] constexpr Pose sitting_pose_rad(const SupervisorParameters& parameters) noexcept {
+  return {parameters.sit_hip_rad, parameters.sit_knee_rad, parameters.sit_hip_rad, parameters.sit_knee_rad};
+}
+
+/// What the joints can bear, in the order of Pose.
+struct JointLimits {
+  Pose position_min_rad{};
+  Pose position_max_rad{};
+  Pose speed_rad_s{};
+  Pose torque_Nm{};
+};
+
+}  // namespace stilt::supervisor

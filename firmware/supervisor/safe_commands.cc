@@ -1,0 +1,93 @@
+#include "firmware/supervisor/safe_commands.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace stilt::supervisor {
+
+using hal::JointCommand;
+using hal::JointCommands;
+using hal::JointReadings;
+using hal::kJoints;
+
+JointCommands damped(const JointReadings& measured, const JointLimits& limits,
+                     const SupervisorParameters& parameters) noexcept {
+  JointCommands commands{};
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    const double most_Nm = std::min(parameters.damping_torque_Nm, limits.torque_Nm[i]);
+    const double speed_rad_s = std::abs(measured[i].velocity_rad_s);
+    double kd = parameters.damping_kd_Nms_rad;
+    if (std::isfinite(speed_rad_s) && kd * speed_rad_s > most_Nm) kd = most_Nm / speed_rad_s;
+    commands[i].position_rad = std::isfinite(measured[i].position_rad) ? measured[i].position_rad : 0;
+    commands[i].kd_Nms_rad = kd;
+    commands[i].torque_limit_Nm = most_Nm;
+  }
+  return commands;
+}
+
+JointCommands held(const Pose& pose_rad, double s, const JointLimits& limits,
+                   const SupervisorParameters& parameters) noexcept {
+  JointCommands commands{};
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    commands[i].position_rad = pose_rad[i];
+    commands[i].kp_Nm_rad = s * parameters.hold_kp_Nm_rad;
+    commands[i].kd_Nms_rad = s * parameters.hold_kd_Nms_rad;
+    commands[i].torque_limit_Nm = limits.torque_Nm[i];
+  }
+  return commands;
+}
+
+Pose pose_between_rad(const Pose& from_rad, const Pose& to_rad, double s) noexcept {
+  const double t = std::clamp(s, 0.0, 1.0);
+  const double share = t * t * (3 - 2 * t);
+  Pose pose_rad;
+  for (std::size_t i = 0; i < kJoints; ++i) pose_rad[i] = from_rad[i] + share * (to_rad[i] - from_rad[i]);
+  return pose_rad;
+}
+
+JointCommands taken_over(const JointCommands& wanted, const Pose& start_rad, double s,
+                         const SupervisorParameters& parameters) noexcept {
+  if (s >= 1) return wanted;
+  JointCommands commands = wanted;
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    JointCommand& command = commands[i];
+    const double kd = s * wanted[i].kd_Nms_rad;
+    const double kd_both = kd + (1 - s) * parameters.damping_kd_Nms_rad;
+    command.position_rad = start_rad[i] + s * (wanted[i].position_rad - start_rad[i]);
+    command.velocity_rad_s = kd_both > 0 ? wanted[i].velocity_rad_s * kd / kd_both : 0;
+    command.torque_Nm *= s;
+    command.kp_Nm_rad *= s;
+    command.kd_Nms_rad = kd_both;
+  }
+  return commands;
+}
+
+bool finite(const JointCommands& commands) noexcept {
+  return std::all_of(commands.begin(), commands.end(), [](const JointCommand& command) {
+    return std::isfinite(command.position_rad) && std::isfinite(command.velocity_rad_s) &&
+           std::isfinite(command.torque_Nm) && std::isfinite(command.kp_Nm_rad) &&
+           std::isfinite(command.kd_Nms_rad) && std::isfinite(command.torque_limit_Nm);
+  });
+}
+
+JointCommands bounded(const JointCommands& commands, const JointLimits& limits) noexcept {
+  JointCommands result = commands;
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    const double limit_Nm = limits.torque_Nm[i];
+    result[i].torque_Nm = std::clamp(commands[i].torque_Nm, -limit_Nm, limit_Nm);
+    result[i].torque_limit_Nm = std::clamp(commands[i].torque_limit_Nm, 0.0, limit_Nm);
+    result[i].kp_Nm_rad = std::max(commands[i].kp_Nm_rad, 0.0);
+    result[i].kd_Nms_rad = std::max(commands[i].kd_Nms_rad, 0.0);
+  }
+  return result;
+}
+
+Pose measured_pose_rad(const JointReadings& measured, const Pose& before_rad) noexcept {
+  Pose pose_rad = before_rad;
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    if (std::isfinite(measured[i].position_rad)) pose_rad[i] = measured[i].position_rad;
+  }
+  return pose_rad;
+}
+
+}  // namespace stilt::supervisor

@@ -1,0 +1,36 @@
+#pragma once
+
+#include "firmware/supervisor/parameters.h"
+#include "hal/joint_bus.h"
+
+/// The commands the supervisor gives instead of the torque law's. Pure, real-time.
+namespace stilt::supervisor {
+
+/// tau = -kd v, kp 0, torque 0. kd is lowered so that |kd v| stays within damping_torque_Nm; a joint whose
+/// velocity is not finite is damped with the full kd by its driver.
+[[nodiscard]] hal::JointCommands damped(const hal::JointReadings& measured, const JointLimits& limits,
+                                        const SupervisorParameters& parameters) noexcept;
+
+/// tau = s (kp (pose - q) - kd v), s from 0 to 1.
+[[nodiscard]] hal::JointCommands held(const Pose& pose_rad, double s, const JointLimits& limits,
+                                      const SupervisorParameters& parameters) noexcept;
+
+/// Between two poses, at rest at both ends: q(s) = from + (to - from) s^2 (3 - 2 s), s clamped to 0 to 1.
+[[nodiscard]] Pose pose_between_rad(const Pose& from_rad, const Pose& to_rad, double s) noexcept;
+
+/// The torque law's commands while it takes over: share s of them, with the positions s of the way from
+/// `start_rad`, and damping for the rest: tau = s tau_wanted - (1 - s) kd_damping v.
+[[nodiscard]] hal::JointCommands taken_over(const hal::JointCommands& wanted, const Pose& start_rad, double s,
+                                            const SupervisorParameters& parameters) noexcept;
+
+/// No field of any joint is NaN or infinite.
+[[nodiscard]] bool finite(const hal::JointCommands& commands) noexcept;
+
+/// Torques and torque limits within the joints' limits; gains not negative.
+[[nodiscard]] hal::JointCommands bounded(const hal::JointCommands& commands,
+                                         const JointLimits& limits) noexcept;
+
+/// The measured positions where they are finite, `before_rad` where not.
+[[nodiscard]] Pose measured_pose_rad(const hal::JointReadings& measured, const Pose& before_rad) noexcept;
+
+}  // namespace stilt::supervisor

@@ -1,0 +1,134 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+/// The states of the robot, and every way from one to another, as one table.
+namespace stilt::supervisor {
+
+enum class State : std::uint8_t {
+  boot,       ///< sensors are not heard yet; nothing is sent
+  idle,       ///< drivers are left alone
+  calibrate,  ///< drivers are brought up
+  ready,      ///< drivers obey; the joints are damped
+  stand,      ///< the torque law takes over along a ramp, then stands
+  step,       ///< steps in place
+  walk,
+  sit,    ///< the pose goes to the sitting pose
+  fault,  ///< damped until reset
+  off,    ///< motors let go; the end
+};
+inline constexpr std::size_t kStates = 10;
+
+[[nodiscard]] constexpr const char* name(State state) noexcept {
+  constexpr std::array<const char*, kStates> kNames = {"boot", "idle", "calibrate", "ready", "stand",
+                                                       "step", "walk", "sit",       "fault", "off"};
+  return kNames[static_cast<std::size_t>(state)];
+}
+
+/// The torque law is in command.
+[[nodiscard]] constexpr bool tracks(State state) noexcept {
+  return state == State::stand || state == State::step || state == State::walk;
+}
+
+/// The joints may get torque that is more than damping.
+[[nodiscard]] constexpr bool has_torque(State state) noexcept { return tracks(state) || state == State::sit; }
+
+/// The drivers get commands.
+[[nodiscard]] constexpr bool drives(State state) noexcept {
+  return has_torque(state) || state == State::ready || state == State::fault;
+}
+
+/// What makes a state end.
+enum class Condition : std::uint8_t {
+  sensors_heard,      ///< the emergency stop has reported, or had its time to
+  bring_up_done,      ///< every driver is enabled
+  sit_done,           ///< the sitting pose is reached
+  damp_fault,         ///< a fault that asks for damping, or for off
+  sit_fault,          ///< a fault that asks to sit
+  slow_fault,         ///< a fault that asks not to walk
+  request_calibrate,  ///< requests: the operator's
+  request_stand,
+  request_step,
+  request_walk,
+  request_sit,
+  request_reset,
+  request_off,
+  shut_down,  ///< the program is to end
+};
+
+/// What must hold besides.
+enum class Guard : std::uint8_t {
+  always,
+  ramp_done,      ///< the torque law has taken over
+  slowed_down,    ///< stepped in place for long enough
+  causes_gone,    ///< no fault is present
+  none_latched,   ///< no fault waits for a reset
+  fault_latched,  ///< one does
+};
+
+struct Transition {
+  State from;
+  Condition condition;
+  Guard guard;
+  State to;
+};
+
+/// Every transition there is. Of those that apply the first is taken, one a tick.
+inline constexpr auto kTransitions = std::to_array<Transition>({
+    {State::boot, Condition::shut_down, Guard::always, State::off},
+    {State::boot, Condition::sensors_heard, Guard::always, State::idle},
+
+    {State::idle, Condition::damp_fault, Guard::always, State::fault},
+    {State::idle, Condition::shut_down, Guard::always, State::off},
+    {State::idle, Condition::request_off, Guard::always, State::off},
+    {State::idle, Condition::request_calibrate, Guard::always, State::calibrate},
+
+    {State::calibrate, Condition::damp_fault, Guard::always, State::fault},
+    {State::calibrate, Condition::shut_down, Guard::always, State::off},
+    {State::calibrate, Condition::request_off, Guard::always, State::off},
+    {State::calibrate, Condition::bring_up_done, Guard::always, State::ready},
+
+    {State::ready, Condition::damp_fault, Guard::always, State::fault},
+    {State::ready, Condition::sit_fault, Guard::always, State::fault},
+    {State::ready, Condition::shut_down, Guard::always, State::off},
+    {State::ready, Condition::request_off, Guard::always, State::off},
+    {State::ready, Condition::request_stand, Guard::none_latched, State::stand},
+
+    {State::stand, Condition::damp_fault, Guard::always, State::fault},
+    {State::stand, Condition::sit_fault, Guard::always, State::sit},
+    {State::stand, Condition::shut_down, Guard::always, State::sit},
+    {State::stand, Condition::request_off, Guard::always, State::sit},
+    {State::stand, Condition::request_sit, Guard::always, State::sit},
+    {State::stand, Condition::request_step, Guard::ramp_done, State::step},
+    {State::stand, Condition::request_walk, Guard::ramp_done, State::walk},
+
+    {State::step, Condition::damp_fault, Guard::always, State::fault},
+    {State::step, Condition::sit_fault, Guard::always, State::sit},
+    {State::step, Condition::shut_down, Guard::slowed_down, State::stand},
+    {State::step, Condition::slow_fault, Guard::slowed_down, State::stand},
+    {State::step, Condition::request_stand, Guard::slowed_down, State::stand},
+    {State::step, Condition::request_sit, Guard::slowed_down, State::stand},
+    {State::step, Condition::request_off, Guard::slowed_down, State::stand},
+    {State::step, Condition::request_walk, Guard::always, State::walk},
+
+    {State::walk, Condition::damp_fault, Guard::always, State::fault},
+    {State::walk, Condition::sit_fault, Guard::always, State::sit},
+    {State::walk, Condition::shut_down, Guard::always, State::step},
+    {State::walk, Condition::slow_fault, Guard::always, State::step},
+    {State::walk, Condition::request_stand, Guard::always, State::step},
+    {State::walk, Condition::request_step, Guard::always, State::step},
+    {State::walk, Condition::request_sit, Guard::always, State::step},
+    {State::walk, Condition::request_off, Guard::always, State::step},
+
+    {State::sit, Condition::damp_fault, Guard::always, State::fault},
+    {State::sit, Condition::sit_done, Guard::fault_latched, State::fault},
+    {State::sit, Condition::sit_done, Guard::none_latched, State::ready},
+
+    {State::fault, Condition::shut_down, Guard::always, State::off},
+    {State::fault, Condition::request_off, Guard::always, State::off},
+    {State::fault, Condition::request_reset, Guard::causes_gone, State::idle},
+});
+
+}  // namespace stilt::supervisor

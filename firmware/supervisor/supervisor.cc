@@ -1,0 +1,260 @@
+#include "firmware/supervisor/supervisor.h"
+
+#include <algorithm>
+
+#include "firmware/supervisor/safe_commands.h"
+
+namespace stilt::supervisor {
+namespace {
+
+constexpr FaultSet kLatching = of_severity(Severity::latched);
+
+/// Causes that show only in what drivers and sensors send; they need a moment after drivers came up.
+constexpr FaultSet kOfReplies = [] {
+  FaultSet set;
+  for (const Fault fault : {Fault::missed_replies, Fault::lost_replies, Fault::stale_base_sensor,
+                            Fault::driver_not_enabled, Fault::driver_fault}) {
+    set.add(fault);
+  }
+  return set;
+}();
+
+/// The state in which a request is met.
+State goal(RequestKind kind) noexcept {
+  switch (kind) {
+    case RequestKind::calibrate:
+      return State::calibrate;
+    case RequestKind::stand:
+      return State::stand;
+    case RequestKind::step:
+      return State::step;
+    case RequestKind::walk:
+      return State::walk;
+    case RequestKind::sit:
+      return State::sit;
+    case RequestKind::reset:
+      return State::idle;
+    case RequestKind::off:
+    case RequestKind::none:
+      return State::off;
+  }
+  return State::off;
+}
+
+gait::GaitKind gait_kind(State state) noexcept {
+  if (state == State::walk) return gait::GaitKind::walk;
+  return state == State::step ? gait::GaitKind::step : gait::GaitKind::stand;
+}
+
+}  // namespace
+
+void Supervisor::configure(const JointLimits& limits, const SupervisorParameters& parameters) noexcept {
+  *this = Supervisor();
+  limits_ = limits;
+  parameters_ = parameters;
+}
+
+double Supervisor::since_s(std::int64_t time_ns) const noexcept {
+  return 1e-9 * static_cast<double>(now_ns_ - time_ns);
+}
+
+const SupervisorOutput& Supervisor::update(const SupervisorInputs& inputs) noexcept {
+  now_ns_ = inputs.seen.time_ns;
+  if (!started_) entered_ns_ = rung_ns_ = now_ns_;
+  started_ = true;
+  measured_ = inputs.seen.joints;
+  pose_rad_ = measured_pose_rad(measured_, pose_rad_);
+  output_.entered = output_.start_controller = false;
+  find_faults(inputs);
+  void_request_after_faults(inputs.request);
+  watch_reset_window(inputs.request);
+  move(inputs);
+  choose(inputs);
+  return output_;
+}
+
+FaultSet Supervisor::looked_for(const Observation& seen) const noexcept {
+  FaultSet set;
+  if (output_.state == State::boot || output_.state == State::off) return set;
+  set = watched(Watch::always);
+  if (output_.state == State::calibrate) set = set | watched(Watch::bring_up);
+  if (drives(output_.state)) set = set | watched(Watch::driven);
+  if (tracks(output_.state)) set = set | watched(Watch::tracking);
+  if (1e-9 * static_cast<double>(seen.time_ns - driven_ns_) < parameters_.settle_s) set = set - kOfReplies;
+  if (1e-9 * static_cast<double>(seen.time_ns - tracking_ns_) < parameters_.stale_plan_s) {
+    FaultSet no_plan_yet;
+    no_plan_yet.add(Fault::stale_plan);
+    set = set - no_plan_yet;
+  }
+  return set;
+}
+
+void Supervisor::find_faults(const SupervisorInputs& inputs) noexcept {
+  FaultSet found = detect(inputs.seen, limits_, parameters_);
+  found.add_if(command_not_finite_, Fault::not_finite);
+  command_not_finite_ = false;
+  const FaultSet present = found & looked_for(inputs.seen);
+  output_.raised = present - output_.present;
+  output_.present = present;
+  output_.latched = output_.latched | (present & kLatching);
+  output_.reaction = std::max(reaction(present), reaction(output_.latched));
+}
+
+void Supervisor::void_request_after_faults(const Request& request) noexcept {
+  const bool new_latched = !(output_.raised & kLatching).empty();
+  const bool slow = output_.present.has(Fault::heartbeat_lost);
+  if (new_latched || slow) void_number_ = std::max(void_number_, request.number);
+}
+
+/// A reset that finds a cause still present when its window ends is void: nothing resets itself later.
+void Supervisor::watch_reset_window(const Request& request) noexcept {
+  const bool asked = output_.state == State::fault && requested(RequestKind::reset, request);
+  if (asked && !resetting_) reset_ns_ = now_ns_;
+  resetting_ = asked;
+  if (asked && since_s(reset_ns_) > parameters_.reset_window_s) {
+    void_number_ = request.number;
+    resetting_ = false;
+  }
+  output_.clear_buses = resetting_;
+}
+
+bool Supervisor::requested(RequestKind kind, const Request& request) const noexcept {
+  return request.kind == kind && request.number > void_number_;
+}
+
+bool Supervisor::applies(Condition condition, const SupervisorInputs& inputs) const noexcept {
+  const Request& request = inputs.request;
+  switch (condition) {
+    case Condition::sensors_heard:
+      return inputs.seen.emergency_stop != hal::EmergencyStopState::unknown ||
+             since_s(entered_ns_) >= parameters_.emergency_stop_wait_s;
+    case Condition::bring_up_done:
+      return inputs.bring_up_done;
+    case Condition::sit_done:
+      return since_s(entered_ns_) >= parameters_.sit_s;
+    case Condition::damp_fault:
+      return output_.reaction >= Reaction::damp;
+    case Condition::sit_fault:
+      return output_.reaction == Reaction::sit;
+    case Condition::slow_fault:
+      return output_.present.has(Fault::heartbeat_lost);
+    case Condition::request_calibrate:
+      return requested(RequestKind::calibrate, request);
+    case Condition::request_stand:
+      return requested(RequestKind::stand, request);
+    case Condition::request_step:
+      return requested(RequestKind::step, request);
+    case Condition::request_walk:
+      return requested(RequestKind::walk, request);
+    case Condition::request_sit:
+      return requested(RequestKind::sit, request);
+    case Condition::request_reset:
+      return requested(RequestKind::reset, request);
+    case Condition::request_off:
+      return requested(RequestKind::off, request);
+    case Condition::shut_down:
+      return inputs.shut_down;
+  }
+  return false;
+}
+
+bool Supervisor::passes(Guard guard) const noexcept {
+  switch (guard) {
+    case Guard::always:
+      return true;
+    case Guard::ramp_done:
+      return since_s(tracking_ns_) >= parameters_.stand_ramp_s;
+    case Guard::slowed_down:
+      return since_s(entered_ns_) >= parameters_.slow_down_s;
+    case Guard::causes_gone:
+      return resetting_ && now_ns_ > reset_ns_ && (output_.present & kLatching).empty();
+    case Guard::none_latched:
+      return output_.latched.empty();
+    case Guard::fault_latched:
+      return !output_.latched.empty();
+  }
+  return false;
+}
+
+void Supervisor::move(const SupervisorInputs& inputs) noexcept {
+  for (const Transition& transition : kTransitions) {
+    if (transition.from == output_.state && applies(transition.condition, inputs) &&
+        passes(transition.guard)) {
+      enter(transition.to, inputs);
+      return;
+    }
+  }
+}
+
+void Supervisor::enter(State state, const SupervisorInputs& inputs) noexcept {
+  const State before = output_.state;
+  if (state == goal(inputs.request.kind)) void_number_ = std::max(void_number_, inputs.request.number);
+  if (before == State::fault && state == State::idle) {
+    output_.latched = FaultSet();
+    output_.reaction = reaction(output_.present);
+    output_.clear_buses = resetting_ = false;
+  }
+  if (drives(state) && !drives(before)) driven_ns_ = now_ns_;
+  if (tracks(state) && !tracks(before)) {
+    tracking_ns_ = now_ns_;
+    stand_pose_rad_ = pose_rad_;
+    output_.start_controller = true;
+  }
+  output_.state = state;
+  output_.entered = true;
+  entered_ns_ = now_ns_;
+}
+
+void Supervisor::choose(const SupervisorInputs& inputs) noexcept {
+  const Rung rung = choose_rung(
+      {output_.state, output_.reaction, inputs.seen.has_plan, inputs.seen.plan_age_s}, parameters_);
+  if (rung != output_.rung) {
+    rung_ns_ = now_ns_;
+    rung_pose_rad_ = pose_rad_;
+  }
+  output_.rung = rung;
+  output_.ramp = 0;
+  if (tracks(output_.state)) {
+    output_.ramp = parameters_.stand_ramp_s > 0
+                       ? std::clamp(since_s(tracking_ns_) / parameters_.stand_ramp_s, 0.0, 1.0)
+                       : 1.0;
+  }
+  output_.gait.kind = gait_kind(output_.state);
+  const bool walks = output_.state == State::walk && inputs.request.kind == RequestKind::walk;
+  output_.gait.speed_m_s = walks ? inputs.request.speed_m_s : 0;
+}
+
+hal::JointCommands Supervisor::commands_of_rung(const hal::JointCommands& wanted) const noexcept {
+  const double hold_s =
+      parameters_.hold_ramp_s > 0 ? std::clamp(since_s(rung_ns_) / parameters_.hold_ramp_s, 0.0, 1.0) : 1.0;
+  switch (output_.rung) {
+    case Rung::new_plan:
+    case Rung::older_plan:
+      return taken_over(wanted, stand_pose_rad_, output_.ramp, parameters_);
+    case Rung::hold:
+      return held(rung_pose_rad_, hold_s, limits_, parameters_);
+    case Rung::sit: {
+      const double share = parameters_.sit_s > 0 ? since_s(rung_ns_) / parameters_.sit_s : 1.0;
+      const Pose pose_rad = pose_between_rad(rung_pose_rad_, sitting_pose_rad(parameters_), share);
+      return held(pose_rad, hold_s, limits_, parameters_);
+    }
+    case Rung::damp:
+    case Rung::off:
+      break;
+  }
+  return damped(measured_, limits_, parameters_);
+}
+
+Action Supervisor::override(const hal::JointCommands& wanted, hal::JointCommands& commands) noexcept {
+  if (!drives(output_.state) && output_.state != State::off) return Action::silent;
+  if (output_.rung == Rung::off || resetting_) return Action::disable;
+  commands = commands_of_rung(wanted);
+  if (!finite(commands)) {
+    command_not_finite_ = true;
+    commands = damped(measured_, limits_, parameters_);
+  }
+  commands = bounded(commands, limits_);
+  return Action::commands;
+}
+
+}  // namespace stilt::supervisor

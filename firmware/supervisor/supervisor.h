@@ -1,0 +1,104 @@
+#pragma once
+
+#include <cstdint>
+
+#include "firmware/supervisor/detectors.h"
+#include "firmware/supervisor/fault.h"
+#include "firmware/supervisor/ladder.h"
+#include "firmware/supervisor/parameters.h"
+#include "firmware/supervisor/state.h"
+#include "hal/joint_bus.h"
+#include "mpc_core/gait/command.h"
+
+namespace stilt::supervisor {
+
+enum class RequestKind : std::uint8_t { none, calibrate, stand, step, walk, sit, reset, off };
+
+/// What the operator wants last. A request stands until it is met, replaced by one with a higher number, or
+/// void: a fault and a lost heartbeat void what was asked for before, so that nothing moves again by itself.
+struct Request {
+  RequestKind kind = RequestKind::none;
+  std::uint32_t number = 0;  ///< counts requests from 1
+  double speed_m_s = 0;      ///< of walk; may change without a new number while walking
+};
+
+struct SupervisorInputs {
+  Observation seen;
+  Request request;
+  bool bring_up_done = false;  ///< every driver is enabled
+  bool shut_down = false;      ///< the program is to end: sit, damp, let go
+};
+
+/// What leaves override() for the drivers.
+enum class Action : std::uint8_t {
+  silent,    ///< nothing: boot and idle; in calibrate the bring-up talks
+  commands,  ///< the four commands
+  disable,   ///< JointBus::disable()
+};
+
+struct SupervisorOutput {
+  State state = State::boot;
+  Rung rung = Rung::off;
+  Reaction reaction = Reaction::none;  ///< hardest of the present and the latched faults
+  FaultSet present;                    ///< causes that are there in this tick
+  FaultSet raised;                     ///< those of them that were not there a tick before
+  FaultSet latched;                    ///< waiting for a reset
+  double ramp = 0;                     ///< share of the torque law while it takes over, 0 to 1
+  gait::GaitCommand gait;              ///< for the planner
+  bool entered = false;                ///< the state changed in this tick
+  bool start_controller = false;       ///< estimator and planner start anew from this tick's readings
+  bool clear_buses = false;            ///< a reset was asked for: forget bus-off
+};
+
+/// Decides in every tick what the joints may do: states as in kTransitions, faults as in kFaultTable, the
+/// ladder of choose_rung(). update() comes before the torque law, override() after it, and only the write may
+/// follow override(). Fixed memory; no call waits, allocates, locks or throws.
+class Supervisor {
+ public:
+  void configure(const JointLimits& limits, const SupervisorParameters& parameters) noexcept;
+
+  /// One tick: faults, transition, rung.
+  const SupervisorOutput& update(const SupervisorInputs& inputs) noexcept;
+
+  /// What to send in this tick. Torques are within the joints' limits; commands that are not finite become
+  /// damping, and a fault in the next tick.
+  /// @param wanted    of the torque law; used on the two topmost rungs only
+  /// @param commands  written when the action is `commands`
+  [[nodiscard]] Action override(const hal::JointCommands& wanted, hal::JointCommands& commands) noexcept;
+
+  [[nodiscard]] const SupervisorOutput& output() const noexcept { return output_; }
+
+ private:
+  void find_faults(const SupervisorInputs& inputs) noexcept;
+  [[nodiscard]] FaultSet looked_for(const Observation& seen) const noexcept;
+  void void_request_after_faults(const Request& request) noexcept;
+  void watch_reset_window(const Request& request) noexcept;
+  void move(const SupervisorInputs& inputs) noexcept;
+  void enter(State state, const SupervisorInputs& inputs) noexcept;
+  [[nodiscard]] bool applies(Condition condition, const SupervisorInputs& inputs) const noexcept;
+  [[nodiscard]] bool requested(RequestKind kind, const Request& request) const noexcept;
+  [[nodiscard]] bool passes(Guard guard) const noexcept;
+  void choose(const SupervisorInputs& inputs) noexcept;
+  [[nodiscard]] hal::JointCommands commands_of_rung(const hal::JointCommands& wanted) const noexcept;
+  [[nodiscard]] double since_s(std::int64_t time_ns) const noexcept;
+
+  JointLimits limits_;
+  SupervisorParameters parameters_;
+  SupervisorOutput output_;
+  hal::JointReadings measured_;
+  std::int64_t now_ns_ = 0;
+  std::int64_t entered_ns_ = 0;    ///< the state
+  std::int64_t driven_ns_ = 0;     ///< the drivers last began to get commands
+  std::int64_t tracking_ns_ = 0;   ///< the torque law last came into command
+  std::int64_t rung_ns_ = 0;       ///< the rung
+  std::int64_t reset_ns_ = 0;      ///< a reset was asked for
+  std::uint32_t void_number_ = 0;  ///< requests up to this one are met or void
+  Pose pose_rad_{};                ///< newest finite positions
+  Pose rung_pose_rad_{};           ///< pose_rad_ when the rung was reached
+  Pose stand_pose_rad_{};          ///< pose_rad_ when the torque law came into command
+  bool started_ = false;
+  bool resetting_ = false;
+  bool command_not_finite_ = false;
+};
+
+}  // namespace stilt::supervisor

@@ -1,0 +1,117 @@
+#include "host_tools/benchmark/planner_kernels.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace stilt::benchmark {
+namespace {
+
+using model::Batch;
+using model::kInputs;
+using model::kLanes;
+using model::kStates;
+
+/// Keeps the compiler from leaving out a result nobody reads.
+template <class T>
+void keep(const T& value) noexcept {
+  asm volatile("" : : "r"(&value) : "memory");
+}
+
+LinearisedProblem linearised(const control::Planner& planner) {
+  LinearisedProblem linearised;
+  linearised.linearise(planner.problem_data(), planner.problem(), planner.solution());
+  return linearised;
+}
+
+}  // namespace
+
+PlannerKernels::PlannerKernels(const control::Planner& planner)
+    : data_(planner.problem_data()),
+      problem_(planner.problem()),
+      iterate_(planner.solution()),
+      linearised_(linearised(planner)),
+      gains_(static_cast<std::size_t>(stages())),
+      steps_(gains_.size() + 1),
+      plain_(linearised_.stages(), stages(), linearised_.terminal()) {}
+
+void PlannerKernels::linearise() { linearised_.linearise(data_, problem_, iterate_); }
+
+void PlannerKernels::backward_sweep() {
+  keep(solver::backward_sweep(linearised_.stages(), stages(), linearised_.terminal(), gains_.data(),
+                              workspace_));
+}
+
+void PlannerKernels::sweep() {
+  backward_sweep();
+  solver::forward_sweep(linearised_.stages(), stages(), gains_.data(), x0_, steps_.data());
+}
+
+void PlannerKernels::evaluate() { keep(ocp::evaluate(data_, problem_, iterate_)); }
+
+void PlannerKernels::scalar_nodes() {
+  model::NodeDerivatives<double> node;
+  for (int k = 0; k < stages(); ++k) {
+    if (problem_.horizon.stage[static_cast<std::size_t>(k)].kind != ocp::StageKind::flow) continue;
+    data_.robot->scalar.node_derivatives(iterate_.x[k], iterate_.u[k], data_.joint_parameters, node);
+    keep(node);
+  }
+}
+
+void PlannerKernels::batched_nodes() {
+  model::NodeDerivatives<Batch> node;
+  Batch parameters[2 * model::kJoints];
+  for (int i = 0; i < 2 * model::kJoints; ++i) parameters[i] = Batch(data_.joint_parameters[i]);
+  for (int b = 0; b < problem_.batches; ++b) {
+    const ocp::StageBatch& batch = problem_.batch[b];
+    Batch x[kStates];
+    Batch u[kInputs];
+    for (int i = 0; i < kStates; ++i) {
+      x[i] = Batch([&](auto lane) { return iterate_.x[batch.stage[lane]][i]; });
+    }
+    for (int i = 0; i < kInputs; ++i) {
+      u[i] = Batch([&](auto lane) { return iterate_.u[batch.stage[lane]][i]; });
+    }
+    data_.robot->batch.node_derivatives(x, u, parameters, node);
+    keep(node);
+  }
+}
+
+double PlannerKernels::sweep_difference() const {
+  double worst = 0.0;
+  for (int k = 0; k < stages(); ++k) {
+    const Eigen::MatrixXd plain = plain_.gain(k);
+    double largest = 1e-300;
+    double difference = 0.0;
+    for (int i = 0; i < plain.rows(); ++i) {
+      for (int c = 0; c < kStates; ++c) {
+        largest = std::max(largest, std::abs(plain(i, c)));
+        difference =
+            std::max(difference, std::abs(plain(i, c) - gains_[static_cast<std::size_t>(k)].K[i][c]));
+      }
+    }
+    worst = std::max(worst, difference / largest);
+  }
+  return worst;
+}
+
+long long PlannerKernels::textbook_sweep_flops() const noexcept {
+  long long sum = 0;
+  for (int k = 0; k < stages(); ++k) {
+    sum += benchmark::textbook_sweep_flops(linearised_.stage(k).free_inputs);
+  }
+  return sum;
+}
+
+long long textbook_sweep_flops(int free_inputs) noexcept {
+  const long long n = kStates;
+  const long long m = free_inputs;
+  const long long products = 2 * n * n * n + 2 * n * n * m;     // P A, P B
+  const long long hessian = n * (n + 1) * n + n * (n + 1) * m;  // Q + A'(P A), - G'H^-1 G: one triangle
+  const long long inputs = 2 * n * n * m + n * m * (m + 1);     // G, H
+  const long long factor = m * m * m / 3 + 2 * n * m * m;       // L D L', K
+  const long long vectors = 2 * n * n + 2 * n * n + 6 * n * m;  // P b + p, h_x, h_u, k, p
+  const long long roll_out = 2 * n * n + 4 * n * m;             // A x + B w + b, K x + k
+  return products + hessian + inputs + factor + vectors + roll_out;
+}
+
+}  // namespace stilt::benchmark

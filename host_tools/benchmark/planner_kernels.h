@@ -1,0 +1,52 @@
+#pragma once
+
+#include <vector>
+
+#include "host_tools/benchmark/linearised_problem.h"
+#include "host_tools/benchmark/plain_sweep.h"
+#include "mpc_core/control/planner.h"
+
+namespace stilt::benchmark {
+
+/// The problem that a planner solved last, at its solution, with every kernel of the solver ready to be run
+/// alone, and plain versions of the same work beside them. Large: to be placed on the heap.
+class PlannerKernels {
+ public:
+  /// Copies problem and solution; the planner must have planned.
+  explicit PlannerKernels(const control::Planner& planner);
+
+  /// The phases of one SQP iteration.
+  void linearise();  ///< all stages
+  void sweep();      ///< backward and forward sweep over what was linearised
+  void evaluate();   ///< cost and violation of one trial step
+
+  /// Plain versions on the same data.
+  void plain_sweep() { plain_.run(); }  ///< backward only, in fixed-size Eigen
+  void backward_sweep();                ///< what plain_sweep() is to be compared with
+  void scalar_nodes();                  ///< generated derivatives of all flow stages, one by one
+  void batched_nodes();                 ///< the same, a batch at a time
+
+  [[nodiscard]] int stages() const noexcept { return problem_.horizon.stages; }
+  /// Largest difference of a gain of both sweeps, relative to the largest gain of its stage.
+  [[nodiscard]] double sweep_difference() const;
+
+  /// textbook_sweep_flops() of all stages.
+  [[nodiscard]] long long textbook_sweep_flops() const noexcept;
+
+ private:
+  ocp::ProblemData data_;
+  ocp::Problem problem_;
+  ocp::Trajectory iterate_;
+  LinearisedProblem linearised_;
+  std::vector<solver::LqGain> gains_;
+  std::vector<solver::LqStep> steps_;
+  solver::RiccatiWorkspace workspace_;
+  alignas(64) double x0_[solver::kRows] = {};
+  PlainSweep plain_;
+};
+
+/// Floating-point operations of the recursion in riccati.h at its least: dense matrices, symmetric ones by
+/// their triangle, a product and a sum counting as two. For 14 states and m inputs, per stage.
+[[nodiscard]] long long textbook_sweep_flops(int free_inputs) noexcept;
+
+}  // namespace stilt::benchmark

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <functional>
+
+/// Counts what a piece of code really executes, by running it one instruction at a time. Independent of how
+/// the code is written, of its clock and of other processes; needs no performance counters. Thousands of
+/// times slower than running. x86-64 only.
+namespace stilt::benchmark {
+
+struct ExecutedWork {
+  long long instructions = 0;
+  long long flops = 0;  ///< double-precision additions, products, divisions and roots of all lanes, padding
+                        ///< included; a fused multiply-add counts as two
+
+  ExecutedWork& operator+=(const ExecutedWork& other) noexcept {
+    instructions += other.instructions;
+    flops += other.flops;
+    return *this;
+  }
+  [[nodiscard]] ExecutedWork operator-(const ExecutedWork& other) const noexcept {
+    return {instructions - other.instructions, flops - other.flops};
+  }
+  [[nodiscard]] ExecutedWork operator*(long long times) const noexcept {
+    return {instructions * times, flops * times};
+  }
+};
+
+/// False on processors whose instructions cannot be stepped through here.
+[[nodiscard]] bool can_count_work() noexcept;
+
+/// Runs the function once and counts. Not reentrant, one thread at a time; a debugger gets in its way.
+/// All zero when can_count_work() is false (the function runs all the same).
+[[nodiscard]] ExecutedWork count_work(const std::function<void()>& function);
+
+/// Floating-point operations of the x86-64 instruction at `code`: VEX, EVEX and legacy encodings of add, sub,
+/// mul, div, sqrt, hadd and the fused multiply-adds on doubles; 0 for every other instruction.
+[[nodiscard]] int flops_of_instruction(const unsigned char* code) noexcept;
+
+}  // namespace stilt::benchmark

@@ -1,0 +1,38 @@
+#include "host_tools/benchmark/walking_planner.h"
+
+#include <stdexcept>
+
+#include "mpc_core/control/torque_loop.h"
+
+namespace stilt::benchmark {
+namespace {
+
+constexpr double kPeriod_s = 0.01;
+constexpr int kPlans = 120;
+
+}  // namespace
+
+WalkingPlanner::WalkingPlanner(double horizon_s, const model::RobotModel& robot) {
+  control::ControllerParameters parameters;
+  parameters.discretisation.horizon_s = horizon_s;
+  parameters.sqp.early_stop = false;
+  if (planner->configure(robot, parameters) != control::ConfigureStatus::ok) {
+    throw std::runtime_error("WalkingPlanner: the horizon is longer than the planner holds");
+  }
+  planner->reset(0.0);
+  input.state =
+      gait::standing_state(robot.constants, parameters.reference.base_height_m,
+                           parameters.reference.base_pitch_rad, parameters.gait.stand_half_width_m, true);
+  input.command = {gait::GaitKind::walk, 0.5};
+  bool usable = planner->plan(input, *plan).usable();
+  for (int i = 0; i < kPlans && usable; ++i) usable = plan_next().usable();
+  if (!usable) throw std::runtime_error("WalkingPlanner: a plan failed");
+}
+
+solver::SolveReport WalkingPlanner::plan_next() noexcept {
+  input.time_s += kPeriod_s;
+  input.state = control::interpolate(*plan, input.time_s).state;
+  return planner->plan(input, *plan);
+}
+
+}  // namespace stilt::benchmark

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <memory>
+
+#include "mpc_core/control/planner.h"
+
+namespace stilt::benchmark {
+
+/// A planner in the middle of a walk at 0.5 m/s along its own plans: a typical problem, without a simulator.
+struct WalkingPlanner {
+  /// Ten iterations a plan, no early stop. Throws std::runtime_error when a plan fails.
+  explicit WalkingPlanner(double horizon_s, const model::RobotModel& robot = model::amber3m());
+
+  /// Moves 10 ms on along the plan and plans from there.
+  solver::SolveReport plan_next() noexcept;
+
+  std::unique_ptr<control::Planner> planner = std::make_unique<control::Planner>();
+  std::unique_ptr<control::Plan> plan = std::make_unique<control::Plan>();
+  control::PlannerInput input;
+};
+
+}  // namespace stilt::benchmark

@@ -1,0 +1,291 @@
+#include "host_tools/cli/gait_command.h"
+
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+
+#include "firmware/configuration/gaits/gait_file.h"
+#include "host_tools/cli/controller_choice.h"
+#include "host_tools/cli/gait_json.h"
+#include "host_tools/cli/json_output.h"
+#include "host_tools/cli/progress.h"
+#include "host_tools/cli/usage_error.h"
+#include "host_tools/gait_synthesis/gait_check.h"
+#include "host_tools/gait_synthesis/gait_page.h"
+#include "host_tools/gait_synthesis/synthesize.h"
+#include "host_tools/simulator/number.h"
+
+namespace stilt::cli {
+namespace {
+
+using gait_files::GaitRecord;
+using gait_synthesis::GaitCheck;
+using gait_synthesis::StepTask;
+using simulator::number_text;
+
+constexpr double kFastest_m_s = 2.0;
+
+void change_limit(const std::string& assignment, gait::GaitLimits& limits) {
+  const std::size_t equals = assignment.find('=');
+  const std::string key = assignment.substr(0, equals);
+  std::string known;
+  for (const auto& field : gait_files::limit_fields()) {
+    known += (known.empty() ? "" : ", ") + std::string(field.key);
+    if (key != field.key || equals == std::string::npos) continue;
+    double value = 0.0;
+    const char* begin = assignment.data() + equals + 1;
+    const char* end = assignment.data() + assignment.size();
+    const auto [rest, error] = std::from_chars(begin, end, value);
+    if (error != std::errc{} || rest != end || !std::isfinite(value) || value < 0.0) {
+      throw UsageError("--limit " + assignment + ": the value must be a number of at least 0");
+    }
+    field.values(limits)[0] = value;
+    return;
+  }
+  throw UsageError("--limit " + assignment + ": KEY=VALUE is expected, with KEY one of " + known);
+}
+
+void check_speed(const char* option, double speed_m_s) {
+  if (std::isfinite(speed_m_s) && std::abs(speed_m_s) <= kFastest_m_s) return;
+  throw UsageError(std::string(option) + " " + number_text(speed_m_s) +
+                   ": the speed must be from -2 to 2 m/s");
+}
+
+StepTask task_of(const GaitOptions& options) {
+  StepTask task;
+  check_speed("--speed", options.speed_m_s);
+  task.speed_m_s = options.speed_m_s;
+  if (!(options.step_time_s >= 0.1 && options.step_time_s <= 1.5)) {
+    throw UsageError("--step-time " + number_text(options.step_time_s) +
+                     ": the step time must be from 0.1 to 1.5 s");
+  }
+  task.step_time_s = options.step_time_s;
+  if (options.output_degree < gait::kMinOutputDegree || options.output_degree > gait::kMaxOutputDegree) {
+    throw UsageError("--degree " + std::to_string(options.output_degree) +
+                     ": the degree must be from 4 to 7");
+  }
+  task.output_degree = options.output_degree;
+  const auto cost = gait_synthesis::cost_of_name(options.cost);
+  if (!cost) {
+    throw UsageError("--cost " + options.cost + ": no such cost; known are torque, power, acceleration");
+  }
+  task.cost = *cost;
+  task.phase = gait_synthesis::phase_for_speed(task.speed_m_s);
+  if (options.phase == "time") {
+    task.phase = gait::PhaseKind::time;
+  } else if (options.phase == "hip") {
+    if (task.speed_m_s == 0.0)
+      throw UsageError("--phase hip: in place the hip does not advance; take time or auto");
+    task.phase = gait::PhaseKind::hip_position;
+  } else if (options.phase != "auto") {
+    throw UsageError("--phase " + options.phase + ": no such phase; known are auto, hip, time");
+  }
+  for (const std::string& limit : options.limits) change_limit(limit, task.limits);
+  return task;
+}
+
+void write_text(const std::string& text, const std::string& path) {
+  std::ofstream stream(path, std::ios::binary | std::ios::trunc);
+  stream << text << std::flush;
+  if (!stream)
+    throw UsageError("--out " + path + ": the file cannot be written; name one in an existing folder");
+}
+
+void print(const GaitRecord& record, const GaitCheck& check) {
+  const gait_files::GaitFigures& f = check.figures;
+  std::printf("%s, %.3f m/s: step %.4f m in %.4f s, phase by %s\n", record.robot.c_str(),
+              record.gait.speed_m_s, record.gait.step_length_m, record.gait.step_time_s,
+              record.gait.outputs.phase == gait::PhaseKind::time ? "time" : "hip position");
+  std::printf("  defect %.1e, periodicity %.1e, replay %.1e, largest eigenvalue %.3f\n", f.defect_max,
+              f.periodicity_error, f.replay_error_max, f.return_map_eigenvalues[0]);
+  std::printf("  torque at most %.1f %.1f %.1f %.1f Nm, friction ratio %.3f, clearance %.3f m\n",
+              f.peak_torque_Nm[0], f.peak_torque_Nm[1], f.peak_torque_Nm[2], f.peak_torque_Nm[3],
+              f.friction_ratio_max, f.clearance_m);
+  std::printf("  %s", check.valid() ? "valid\n" : "not valid:");
+  for (const std::string& name : check.violations) std::printf(" %s", name.c_str());
+  if (!check.valid()) std::printf("\n");
+}
+
+/// Text or JSON, as asked for; the exit status.
+int report(const GaitRecord& record, const GaitCheck& check, const std::string& json_file) {
+  if (!json_file.empty()) write_json(to_json(record, check), json_file);
+  if (json_file != "-") print(record, check);
+  return check.valid() ? 0 : 1;
+}
+
+GaitRecord load(const std::string& file, const model::RobotModel** robot) {
+  auto record = gait_files::load_gait(file);
+  if (!record) throw UsageError(record.error());
+  *robot = &robot_model(record->robot);
+  return std::move(*record);
+}
+
+/// The record of a file, its motion filled in when the file has outputs alone.
+GaitRecord load_complete(const std::string& file, const model::RobotModel** robot) {
+  GaitRecord record = load(file, robot);
+  if (record.gait.motion.degree > 0) return record;
+  try {
+    gait_synthesis::complete_motion(**robot, record.gait);
+  } catch (const std::runtime_error& error) {
+    throw UsageError(file + ": " + error.what() +
+                     "; check units, signs and order of the joints (docs/gaits.md)");
+  }
+  return record;
+}
+
+int synthesize(const GaitOptions& options) {
+  check_output_file("--out", options.out);
+  const model::RobotModel& robot = robot_model(options.robot);
+  const StepTask task = task_of(options);
+  const GaitRecord record = gait_synthesis::make_record(robot, task, gait_synthesis::synthesize(robot, task));
+  write_text(gait_files::to_toml(record), options.out);
+  return report(record, gait_synthesis::check_gait(robot, record), options.json_file);
+}
+
+int check(const GaitOptions& options) {
+  const model::RobotModel* robot = nullptr;
+  const GaitRecord record = load_complete(options.file, &robot);
+  return report(record, gait_synthesis::check_gait(*robot, record), options.json_file);
+}
+
+int complete(const GaitOptions& options) {
+  check_output_file("--out", options.out);
+  const model::RobotModel* robot = nullptr;
+  GaitRecord record = load_complete(options.file, &robot);
+  const GaitCheck result = gait_synthesis::check_gait(*robot, record);
+  record.claims = result.figures;
+  write_text(gait_files::to_toml(record), options.out);
+  return report(record, result, options.json_file);
+}
+
+std::string file_name(const std::string& robot, double speed_m_s) {
+  char text[64];
+  (void)std::snprintf(text, sizeof text, "%s_%.2f.toml", robot.c_str(), speed_m_s);
+  return text;
+}
+
+int library(const GaitOptions& options) {
+  check_speed("--from", options.from_m_s);
+  check_speed("--to", options.to_m_s);
+  if (!(options.step_m_s >= 0.01) || options.to_m_s < options.from_m_s) {
+    throw UsageError("--step must be at least 0.01 m/s and --to not below --from");
+  }
+  std::error_code error;
+  std::filesystem::create_directories(options.out, error);
+  if (!std::filesystem::is_directory(options.out)) {
+    throw UsageError("--out " + options.out + ": the folder cannot be made; name one in a writable folder");
+  }
+  const model::RobotModel& robot = robot_model(options.robot);
+  const int count =
+      static_cast<int>(std::floor((options.to_m_s - options.from_m_s) / options.step_m_s + 1e-9)) + 1;
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  int status = 0;
+  Progress progress("finding gaits", count, "gaits");
+  for (int i = 0; i < count; ++i) {
+    GaitOptions one = options;
+    // Rounded, so that 0.1 m/s is 0.1 and standing still is 0.
+    one.speed_m_s = std::round((options.from_m_s + i * options.step_m_s) * 1e6) / 1e6 + 0.0;
+    const StepTask task = task_of(one);
+    const GaitRecord record =
+        gait_synthesis::make_record(robot, task, gait_synthesis::synthesize(robot, task));
+    write_text(gait_files::to_toml(record),
+               (std::filesystem::path(options.out) / file_name(record.robot, one.speed_m_s)).string());
+    const GaitCheck result = gait_synthesis::check_gait(robot, record);
+    if (!result.valid()) status = 1;
+    rows.push_back(to_json(record, result));
+    if (options.json_file != "-") print(record, result);
+    progress.update(i + 1);
+  }
+  if (!options.json_file.empty()) write_json({{"gaits", rows}}, options.json_file);
+  return status;
+}
+
+int show(const GaitOptions& options) {
+  check_output_file("--report", options.report_file);
+  const model::RobotModel* robot = nullptr;
+  const GaitRecord record = load_complete(options.file, &robot);
+  const GaitCheck result = gait_synthesis::check_gait(*robot, record);
+  write_text(gait_synthesis::render_gait_page(*robot, record, result), options.report_file);
+  return report(record, result, options.json_file);
+}
+
+void add_task_options(CLI::App& command, GaitOptions& options) {
+  command.add_option("--robot", options.robot, "robot: amber3m, rabbit")->capture_default_str();
+  command.add_option("--step-time", options.step_time_s, "duration of a step, s")->capture_default_str();
+  command
+      .add_option("--cost", options.cost,
+                  "what is made small a metre: torque (squared), power, acceleration (squared)")
+      ->capture_default_str();
+  command
+      .add_option("--phase", options.phase,
+                  "what drives the outputs: hip (position), time, or auto: hip from 0.15 m/s on")
+      ->capture_default_str();
+  command.add_option("--degree", options.output_degree, "of the outputs, 4 to 7")->capture_default_str();
+  command.add_option("--limit", options.limits, "changes a limit of the gait: KEY=VALUE; repeatable")
+      ->allow_extra_args(false);
+  std::string keys = "Keys of --limit:\n";
+  gait::GaitLimits defaults;
+  for (const auto& field : gait_files::limit_fields()) {
+    keys += std::string("  ") + field.key + " (" + number_text(field.values(defaults)[0]) +
+            "): " + field.meaning + "\n";
+  }
+  command.footer(keys + "Exit status: 0 done, 1 no such gait or a limit not kept, 2 bad usage.");
+}
+
+void add_json_option(CLI::App& command, GaitOptions& options) {
+  command
+      .add_option("--json", options.json_file,
+                  "writes the figures as JSON to a file, or - for standard output")
+      ->expected(0, 1)
+      ->default_str("-");
+}
+
+}  // namespace
+
+CLI::App* add_gait_command(CLI::App& program, GaitOptions& options) {
+  CLI::App* gait = program.add_subcommand("gait", "find, check and show periodic gaits");
+  gait->require_subcommand(1);
+  CLI::App* synthesize = gait->add_subcommand("synthesize", "find the gait of one speed");
+  synthesize->add_option("--speed", options.speed_m_s, "forward speed, m/s, negative backward")->required();
+  synthesize->add_option("--out", options.out, "gait file to write, TOML")->required();
+  add_task_options(*synthesize, options);
+  CLI::App* check = gait->add_subcommand("check", "recompute every claim of a gait file");
+  check->add_option("file", options.file, "gait file")->required();
+  CLI::App* complete =
+      gait->add_subcommand("complete", "find the motion of a file that has outputs alone, from elsewhere");
+  complete->add_option("file", options.file, "gait file with [outputs]")->required();
+  complete->add_option("--out", options.out, "gait file to write, TOML")->required();
+  CLI::App* library = gait->add_subcommand("library", "find gaits over a range of speeds, one file each");
+  library->add_option("--from", options.from_m_s, "slowest speed, m/s")->capture_default_str();
+  library->add_option("--to", options.to_m_s, "fastest speed, m/s")->capture_default_str();
+  library->add_option("--step", options.step_m_s, "between two speeds, m/s")->capture_default_str();
+  library->add_option("--out", options.out, "folder of the files")->required();
+  add_task_options(*library, options);
+  CLI::App* show = gait->add_subcommand("show", "draw a gait: phase portraits, curves, poses");
+  show->add_option("file", options.file, "gait file")->required();
+  show->add_option("--report", options.report_file, "page to write, HTML")->required();
+  for (CLI::App* command : {synthesize, check, complete, library, show}) add_json_option(*command, options);
+  return gait;
+}
+
+int run_gait(const CLI::App& gait, GaitOptions options) {
+  for (const CLI::App* command : gait.get_subcommands()) {
+    const CLI::Option* json = command->get_option("--json");
+    if (json->count() > 0 && options.json_file.empty()) options.json_file = "-";
+  }
+  try {
+    if (gait.got_subcommand("synthesize")) return synthesize(options);
+    if (gait.got_subcommand("check")) return check(options);
+    if (gait.got_subcommand("complete")) return complete(options);
+    if (gait.got_subcommand("library")) return library(options);
+    return show(options);
+  } catch (const gait_synthesis::NoGait& none) {
+    std::cerr << "stilt: " << none.what() << '\n';
+    return 1;
+  }
+}
+
+}  // namespace stilt::cli

@@ -1,0 +1,28 @@
+#include "host_tools/cli/gait_json.h"
+
+namespace stilt::cli {
+
+nlohmann::ordered_json to_json(const gait_files::GaitRecord& record, const gait_synthesis::GaitCheck& check) {
+  const bool by_time = record.gait.outputs.phase == gait::PhaseKind::time;
+  nlohmann::ordered_json json;
+  json["valid"] = check.valid();
+  json["robot"] = record.robot;
+  json["speed_m_s"] = record.gait.speed_m_s;
+  json["step_time_s"] = record.gait.step_time_s;
+  json["step_length_m"] = record.gait.step_length_m;
+  json["phase"] = by_time ? "time" : "hip_position";
+  json["return_map_spectral_radius"] = check.figures.return_map_eigenvalues[0];
+  gait_files::GaitFigures figures = check.figures;
+  for (const auto& field : gait_files::figure_fields()) {
+    const auto values = field.values(figures);
+    if (values.size() == 1) {
+      json[field.key] = values[0];
+    } else {
+      json[field.key] = std::vector<double>(values.begin(), values.end());
+    }
+  }
+  json["violations"] = check.violations;
+  return json;
+}
+
+}  // namespace stilt::cli

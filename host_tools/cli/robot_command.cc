@@ -1,0 +1,182 @@
+#include "host_tools/cli/robot_command.h"
+
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+
+#include "host_tools/cli/json_output.h"
+#include "host_tools/cli/progress.h"
+#include "host_tools/cli/robot_setup.h"
+#include "host_tools/cli/run_description.h"
+#include "host_tools/cli/summary_text.h"
+#include "host_tools/cli/usage_error.h"
+#include "host_tools/log/sample_log.h"
+#include "host_tools/report/report.h"
+#include "host_tools/robot_on_bus/runner.h"
+
+namespace stilt::cli {
+namespace {
+
+using robot_on_bus::RobotOnBus;
+using robot_on_bus::RunOutcome;
+using Json = nlohmann::ordered_json;
+
+constexpr double kEndless_s = 86400.0;
+
+std::atomic<bool> interrupted = false;
+static_assert(std::atomic<bool>::is_always_lock_free);
+
+void interrupt(int) { interrupted.store(true); }
+
+/// SIGINT and SIGTERM end the run in order; its figures are still written.
+void catch_signals() {
+  struct sigaction action {};
+  action.sa_handler = interrupt;
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+void check_outputs(const RobotOptions& options) {
+  check_output_file("--json", options.json_file);
+  check_output_file("--report", options.report_file);
+  check_output_file("--log", options.log_file);
+  check_output_file("--frames", options.frames_file);
+}
+
+Json drivers_json(const RobotOnBus& robot) {
+  Json drivers = Json::array();
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    const hal::mock::EmulatedDriver& driver = robot.drivers().driver(joint);
+    drivers.push_back({{"joint", robot_on_bus::joint_name(joint)},
+                       {"powered", driver.powered()},
+                       {"enabled", driver.enabled()},
+                       {"torque_Nm", robot.drivers().torque_Nm(joint)}});
+  }
+  return drivers;
+}
+
+Json faults_json(const RobotOnBus& robot) {
+  Json faults = Json::array();
+  for (const robot_on_bus::StruckFault& fault : robot.struck_faults()) {
+    faults.push_back({{"name", fault.name}, {"robot_time_s", fault.time_s}});
+  }
+  return faults;
+}
+
+Json robot_json(const RobotOnBus& robot, const log::RunSummary& summary, const RunOutcome& outcome) {
+  Json json = plant_json(summary);
+  const auto released_s = robot.hoist_released_s();
+  const bool fell = robot.recorder().fall() != simulator::Fall::none;
+  json["fall_reason"] = fell ? Json(simulator::fall_text(robot.recorder().fall())) : Json(nullptr);
+  json["hoist_released_s"] = released_s ? Json(*released_s) : Json(nullptr);
+  json["sat_down_s"] = robot.sat_down_s() ? Json(*robot.sat_down_s()) : Json(nullptr);
+  json["hoist"] = robot_on_bus::name(robot.hoist().state());
+  json["robot_time_s"] = robot.time_s();
+  json["ended"] = outcome.ended;
+  json["controllers"] = outcome.controllers;
+  json["drivers"] = drivers_json(robot);
+  json["faults"] = faults_json(robot);
+  json["late"] = outcome.late;
+  json["late_max_s"] = outcome.late_max_s;
+  return json;
+}
+
+std::string outcome_text(const RobotOnBus& robot, const RunOutcome& outcome) {
+  char text[200];
+  if (!robot.hoist_released_s()) {
+    std::snprintf(text, sizeof text, "result         never left the hoist in %.1f s (%s)\n", robot.time_s(),
+                  outcome.ended);
+    return text;
+  }
+  std::snprintf(text, sizeof text,
+                "hoist          let go at %.2f s\nend            %s at %.2f s, %llu late\n",
+                *robot.hoist_released_s(), outcome.ended, robot.time_s(),
+                static_cast<unsigned long long>(outcome.late));
+  return text;
+}
+
+void write_results(const RobotOptions& options, const RobotOnBus& robot, const log::RunRecord& record,
+                   const RunOutcome& outcome) {
+  if (!options.json_file.empty()) write_json(robot_json(robot, record.summary, outcome), options.json_file);
+  if (options.json_file != "-") {
+    if (robot.hoist_released_s()) {
+      std::fputs(plant_text(record.summary, robot.recorder().fall()).c_str(), stdout);
+    }
+    std::fputs(outcome_text(robot, outcome).c_str(), stdout);
+  }
+  if (!options.log_file.empty()) log::write_sample_log(record, options.log_file);
+  if (!options.report_file.empty()) report::write_report(record, options.report_file);
+}
+
+}  // namespace
+
+CLI::App* add_robot_command(CLI::App& program, RobotOptions& options) {
+  CLI::App* robot = program.add_subcommand("robot", "the simulated robot behind its motor drivers");
+  robot->add_option("--robot", options.robot, "robot: amber3m, rabbit")->capture_default_str();
+  robot->add_option("--config", options.config_file,
+                    "configuration (TOML) that names drivers and wiring, instead of the shipped one");
+  robot->add_option("--set", options.settings, "changes one key of it: section.key=value; repeatable")
+      ->allow_extra_args(false);
+  robot
+      ->add_option("--bus", options.buses,
+                   "a bus, can0, vcan0 or loopback:NAME, instead of the configuration's; repeatable")
+      ->allow_extra_args(false);
+  robot->add_flag("--lockstep", options.lockstep,
+                  "time follows the controller's turns instead of the clock: for tests");
+  robot->add_option("--duration", options.duration_s, "ends so long after the hoist has let go, s");
+  robot->add_flag("--once", options.once, "ends when the controller that came has left");
+  robot
+      ->add_option("--fault", options.faults,
+                   "a fault, NAME[:JOINT|BUS]@START[+DURATION], s after the hoist has let go; repeatable")
+      ->allow_extra_args(false);
+  robot
+      ->add_option("--push", options.pushes,
+                   "a push, N@START+DURATION[@hip|torso], positive forward; repeatable")
+      ->allow_extra_args(false);
+  robot
+      ->add_option("--plant", options.plant_settings,
+                   "changes the simulated robot or its world: KEY=VALUE; repeatable")
+      ->allow_extra_args(false);
+  robot->add_option("--seed", options.seed, "of the sensor noise")->capture_default_str();
+  robot->add_option("--json", options.json_file,
+                    "writes the figures as JSON to a file, or - for standard output");
+  robot->add_option("--report", options.report_file, "writes a page with animation and plots, HTML");
+  robot->add_option("--log", options.log_file, "writes the samples, one JSON object a line");
+  robot->add_option("--frames", options.frames_file, "writes every frame on the buses with its tick");
+  robot->footer("Faults of --fault:\n" + robot_on_bus::describe_faults() + "Keys of --plant:\n" +
+                simulator::describe_plant_options() +
+                "Times of --push, --fault and of all figures count from when the hoist has let go.\n"
+                "Exit status: 0 done, 1 the robot fell or never left the hoist, 2 bad usage.");
+  return robot;
+}
+
+int run_robot(const RobotOptions& options, const std::string& command_line) {
+  check_outputs(options);
+  const SimulatedHardware hardware = simulated_hardware(options);
+  RobotOnBus robot(hardware.setup);
+  std::vector<robot_on_bus::RobotBus> buses;
+  for (const std::string& name : hardware.bus_names) buses.emplace_back(name, hardware.fd);
+  robot_on_bus::FrameLog frames(options.frames_file);
+  catch_signals();
+  RunOutcome outcome;
+  {
+    Progress progress("walking", options.duration_s.value_or(kEndless_s), "s");
+    robot_on_bus::RunOptions run;
+    run.tick_s = hardware.setup.tick_s;
+    run.duration_s = options.duration_s;
+    run.once = options.once;
+    run.stop = &interrupted;
+    run.progress = [&](double time_s) { progress.update(time_s); };
+    outcome =
+        options.lockstep ? run_lockstep(robot, buses, frames, run) : run_realtime(robot, buses, frames, run);
+  }
+  robot.finish();
+  frames.close();
+  log::RunRecord record = robot.recorder().record();
+  record.command_line = command_line;
+  describe_run(hardware.robot->constants, robot.plant(), hardware.setup.plant, record);
+  write_results(options, robot, record, outcome);
+  return record.summary.survived ? 0 : 1;
+}
+
+}  // namespace stilt::cli

@@ -1,0 +1,88 @@
+#include "host_tools/cli/robot_setup.h"
+
+#include <algorithm>
+#include <variant>
+
+#include "firmware/configuration/configuration.h"
+#include "host_tools/cli/controller_choice.h"
+#include "host_tools/cli/run_description.h"
+#include "host_tools/cli/usage_error.h"
+#include "host_tools/simulator/closed_loop.h"
+#include "host_tools/simulator/number.h"
+#include "host_tools/simulator/simulated_robot.h"
+
+namespace stilt::cli {
+namespace {
+
+configuration::Configuration configuration_of(const RobotOptions& options) {
+  std::vector<configuration::Override> overrides;
+  for (const std::string& assignment : options.settings) overrides.push_back({assignment});
+  std::string buses;
+  for (const std::string& bus : options.buses) buses += (buses.empty() ? "" : ",") + bus;
+  if (!buses.empty()) overrides.push_back({"hardware.buses=" + buses, "--bus"});
+  return load_configuration(options.robot, options.config_file, overrides);
+}
+
+bool needs_fd(const hal::RobotWiring& wiring) {
+  return std::ranges::any_of(wiring.joints, [](const hal::JointWiring& joint) {
+    return std::holds_alternative<hal::protocol::MoteusDriver>(joint.driver);
+  });
+}
+
+std::vector<robot_on_bus::TimedFault> faults_of(const RobotOptions& options, std::size_t bus_count) {
+  std::vector<robot_on_bus::TimedFault> faults;
+  for (const std::string& text : options.faults) {
+    faults.push_back(robot_on_bus::parse_fault(text));
+    const robot_on_bus::TimedFault& fault = faults.back();
+    if (fault.bus && *fault.bus >= bus_count) {
+      throw UsageError("--fault " + text + ": there is no bus " + std::to_string(*fault.bus) +
+                       "; the buses are 0 to " + std::to_string(bus_count - 1));
+    }
+    if (fault.kind == robot_on_bus::FaultKind::disconnect && options.lockstep) {
+      throw UsageError("--fault " + text + ": a bus that is gone ends lock-step; leave --lockstep out");
+    }
+  }
+  return faults;
+}
+
+void check_numbers(const RobotOptions& options) {
+  if (options.seed < 0) {
+    throw UsageError("--seed " + std::to_string(options.seed) + ": the seed must not be negative");
+  }
+  if (options.duration_s && !(*options.duration_s > 0.0)) {
+    throw UsageError("--duration " + simulator::number_text(*options.duration_s) +
+                     ": the duration must be above 0 s");
+  }
+}
+
+}  // namespace
+
+SimulatedHardware simulated_hardware(const RobotOptions& options) {
+  check_numbers(options);
+  const configuration::Configuration configured = configuration_of(options);
+  SimulatedHardware hardware;
+  hardware.robot = &robot_model(configured.hardware.robot);
+  hardware.bus_names = configuration::bus_names(configured.hardware);
+  robot_on_bus::RobotSetup& setup = hardware.setup;
+  setup.wiring = configuration::robot_wiring(configured.hardware);
+  setup.bus_count = hardware.bus_names.size();
+  hardware.fd = needs_fd(setup.wiring);
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    setup.odrive_endpoints[joint] = configuration::odrive_endpoints(configured.hardware, joint);
+  }
+  setup.tick_s = 1.0 / configured.timing.torque_rate_hz;
+  for (const std::string& assignment : options.plant_settings) set_plant_option(setup.plant, assignment);
+  setup.plant.time_step_s = simulator::time_step_for_tick(setup.plant.time_step_s, setup.tick_s);
+  setup.model = simulator::make_plant_model(simulator::simulated_robot(configured.hardware.robot),
+                                            setup.plant, configured.reference.base_height_m);
+  setup.seed = static_cast<std::uint64_t>(options.seed);
+  const model::RobotConstants& robot = hardware.robot->constants;
+  setup.standing = standing_on_ground(setup.plant, {robot.thigh_length_m, robot.shin_length_m}, configured);
+  setup.faults = faults_of(options, setup.bus_count);
+  for (const std::string& text : options.pushes) setup.pushes.push_back(simulator::parse_push(text));
+  simulator::check_pushes(setup.pushes);
+  setup.keep_samples = !options.report_file.empty() || !options.log_file.empty();
+  return hardware;
+}
+
+}  // namespace stilt::cli

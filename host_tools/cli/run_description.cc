@@ -1,0 +1,49 @@
+#include "host_tools/cli/run_description.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace stilt::cli {
+namespace {
+
+/// The drawn torso ends this much above the hip, in heights of its centre of mass.
+constexpr double kTorsoToCom = 1.75;
+
+/// Corners of the ground's profile from a little behind the start to a little beyond the end.
+void add_ground(const simulator::Plant& plant, const simulator::PlantOptions& world, double end_x_m,
+                log::RunRecord& record) {
+  constexpr double kMargin_m = 5.0;
+  constexpr double kEdge_m = 1e-6;
+  std::vector<double> corners = {std::min(0.0, end_x_m) - kMargin_m, std::max(0.0, end_x_m) + kMargin_m};
+  const double step_m = world.step_position_m;
+  if (world.step_height_m != 0.0 && step_m > corners.front() && step_m < corners.back()) {
+    corners.insert(corners.begin() + 1, {step_m - kEdge_m, step_m});
+  }
+  for (const double x_m : corners) {
+    record.ground_x_m.push_back(x_m);
+    record.ground_z_m.push_back(plant.ground_height_m(x_m));
+  }
+}
+
+}  // namespace
+
+model::StateVector standing_on_ground(const simulator::PlantOptions& world, const simulator::LegLengths& leg,
+                                      const control::ControllerParameters& parameters) {
+  const double half_width_m = parameters.gait.stand_half_width_m;
+  return simulator::standing_state(
+      leg, parameters.reference.base_height_m, half_width_m,
+      {simulator::ground_height_m(world, half_width_m), simulator::ground_height_m(world, -half_width_m)});
+}
+
+void describe_run(const model::RobotConstants& robot, const simulator::Plant& plant,
+                  const simulator::PlantOptions& world, log::RunRecord& record) {
+  record.robot = {robot.name, kTorsoToCom * robot.torso_com_height_m, robot.thigh_length_m,
+                  robot.shin_length_m};
+  for (int joint = 0; joint < model::kJoints; ++joint) {
+    record.torque_limit_Nm[joint] = plant.torque_limit_Nm()[joint];
+  }
+  record.friction_coefficient = world.friction;
+  add_ground(plant, world, record.summary.distance_m, record);
+}
+
+}  // namespace stilt::cli

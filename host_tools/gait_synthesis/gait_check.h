@@ -1,0 +1,42 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "firmware/configuration/gaits/gait_record.h"
+#include "mpc_core/model/robot.h"
+
+namespace stilt::gait_synthesis {
+
+/// Bounds on how exactly a file has to describe its gait.
+struct CheckTolerances {
+  double defect = 1e-6;          ///< defect_max
+  double periodicity = 1e-5;     ///< periodicity_error, rad and rad/s
+  double output_rad = 1e-6;      ///< output_error_max_rad
+  double torque_Nm = 1e-2;       ///< torque_error_max_Nm
+  double replay = 1e-5;          ///< replay_error_max
+  double speed_m_s = 1e-5;       ///< speed against step length / step time
+  double claim_relative = 1e-3;  ///< a claim against what is computed, plus claim_absolute
+  double claim_absolute = 1e-4;
+};
+
+struct GaitCheck {
+  gait_files::GaitFigures figures;
+  std::vector<std::string> violations;  ///< names of limits and claims not kept, empty when valid
+  [[nodiscard]] bool valid() const { return violations.empty(); }
+};
+
+/// Computes every figure of a gait anew from outputs, feedback, states and inputs, and compares them with
+/// limits, tolerances and claims. Names of violations: those of the limits; "defect", "periodicity",
+/// "outputs", "torque_curve", "replay", "speed"; "swing_height" for a swing foot in the ground; "lift_off"
+/// for a foot that impact pushes into the ground; "return_map" also when a disturbed step falls; "claim KEY".
+[[nodiscard]] GaitCheck check_gait(const model::RobotModel& robot, const gait_files::GaitRecord& record,
+                                   const CheckTolerances& tolerances = {});
+
+/// Finds the periodic motion of a gait that has outputs alone, and fills in states, inputs, step time, step
+/// length and speed; limits and claims are left alone. Without a step time the search starts at `speed_m_s`,
+/// or as fast as stepping every 0.4 s. Throws std::runtime_error, one sentence, when the outputs give no
+/// periodic motion.
+void complete_motion(const model::RobotModel& robot, gait::HzdGait& gait);
+
+}  // namespace stilt::gait_synthesis

@@ -1,0 +1,13 @@
+#pragma once
+
+#include "firmware/configuration/gaits/gait_record.h"
+#include "mpc_core/model/robot.h"
+
+namespace stilt::gait_synthesis {
+
+/// Figures of a gait with a known motion, all computed from outputs, feedback, states and inputs. An
+/// eigenvalue of the return map is infinite when a slightly disturbed step falls, and so is the replay error
+/// of a gait that falls.
+[[nodiscard]] gait_files::GaitFigures gait_figures(const model::RobotModel& robot, const gait::HzdGait& gait);
+
+}  // namespace stilt::gait_synthesis

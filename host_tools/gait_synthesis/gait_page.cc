@@ -1,0 +1,235 @@
+#include "host_tools/gait_synthesis/gait_page.h"
+
+#include <cmath>
+#include <cstdio>
+
+#include "host_tools/gait_synthesis/svg_plot.h"
+
+namespace stilt::gait_synthesis {
+namespace {
+
+using model::kFirstJoint;
+using model::kJoints;
+using model::kPositions;
+
+constexpr int kSamples = 200;
+constexpr const char* kJointNames[kJoints] = {"stance hip", "stance knee", "swing hip", "swing knee"};
+constexpr const char* kColours[kJoints] = {"var(--a)", "var(--b)", "var(--c)", "var(--d)"};
+
+constexpr const char* kStyle = R"(
+:root{color-scheme:light dark;--text:#1c2733;--muted:#5c6b7a;--line:#dde3ea;--card:#fff;--page:#f4f6f8;
+--a:#1f6feb;--b:#0a8a5f;--c:#c2410c;--d:#9333a8;--bad:#b42318;--good:#0a8a5f}
+@media(prefers-color-scheme:dark){:root{--text:#e6edf3;--muted:#9aa7b4;--line:#2c3640;--card:#161c23;--page:#0d1116;
+--a:#6cb0ff;--b:#4ccb95;--c:#ff9a5c;--d:#d49bea;--bad:#ff8a80;--good:#4ccb95}}
+body{margin:0 auto;max-width:1440px;padding:20px;background:var(--page);color:var(--text);font:15px/1.45 system-ui,sans-serif}
+h1{font-size:22px;margin:0 0 4px}p{color:var(--muted);margin:0 0 16px}
+.grid-of-plots{display:grid;grid-template-columns:repeat(auto-fit,minmax(420px,1fr));gap:14px}
+.card{background:var(--card);border:1px solid var(--line);border-radius:8px;padding:10px;overflow-x:auto}
+.wide{grid-column:1/-1}svg{width:100%;height:auto;display:block}
+svg text{fill:var(--muted);font-size:11px}svg .title{fill:var(--text);font-size:14px;font-weight:600}
+svg .grid{stroke:var(--line);fill:none}svg .curve{fill:none;stroke-width:1.8;stroke-linejoin:round}
+table{border-collapse:collapse;width:100%}td,th{text-align:left;padding:3px 10px 3px 0;border-bottom:1px solid var(--line)}
+td.n{font-variant-numeric:tabular-nums}.bad{color:var(--bad);font-weight:600}.good{color:var(--good);font-weight:600}
+)";
+
+std::string number(double value) {
+  char text[40];
+  (void)std::snprintf(text, sizeof text, "%.4g", value);
+  return text;
+}
+
+std::string card(const std::string& content, bool wide = false) {
+  return std::string("<div class='card") + (wide ? " wide" : "") + "'>" + content + "</div>\n";
+}
+
+double fraction(int i) { return static_cast<double>(i) / kSamples; }
+
+/// A curve over the time of one step.
+template <class Value>
+Curve over_step(const gait::HzdGait& gait, const std::string& name, const char* colour, const Value& value) {
+  Curve curve{name, colour, {}, {}};
+  for (int i = 0; i <= kSamples; ++i) {
+    curve.x.push_back(fraction(i) * gait.step_time_s);
+    curve.y.push_back(value(gait::motion_at(gait, fraction(i))));
+  }
+  return curve;
+}
+
+struct Point {
+  double x, z;
+};
+
+/// Hip, knee and foot of a leg, and so on along a chain of angles, from the hip at (x, z).
+std::vector<Point> leg(const model::RobotConstants& robot, const gait::GaitPoint& point, int first_joint) {
+  const double thigh = point.position[2] + point.position[first_joint];
+  const double shin = thigh + point.position[first_joint + 1];
+  const Point hip{point.position[0], point.position[1]};
+  const Point knee{hip.x - robot.thigh_length_m * std::sin(thigh),
+                   hip.z - robot.thigh_length_m * std::cos(thigh)};
+  return {hip,
+          knee,
+          {knee.x - robot.shin_length_m * std::sin(shin), knee.z - robot.shin_length_m * std::cos(shin)}};
+}
+
+Curve line(const std::vector<Point>& points, double shift_m, const char* colour) {
+  Curve curve{"", colour, {}, {}};
+  for (const Point& point : points) {
+    curve.x.push_back(point.x + shift_m);
+    curve.y.push_back(point.z);
+  }
+  return curve;
+}
+
+std::string tiles(const model::RobotConstants& robot, const gait::HzdGait& gait) {
+  constexpr int kTiles = 9;
+  constexpr double kSpacing_m = 0.75;
+  Plot plot{"One step, posture by posture", "x, tiles set apart (m)", "z (m)", {}, true, 1380.0, 290.0};
+  plot.curves.push_back(line({{-0.5, 0.0}, {(kTiles - 1) * kSpacing_m + 0.5, 0.0}}, 0.0, "var(--line)"));
+  for (int i = 0; i < kTiles; ++i) {
+    const gait::GaitPoint point = gait::motion_at(gait, static_cast<double>(i) / (kTiles - 1));
+    const double shift_m = i * kSpacing_m;
+    const double torso_m = 2.0 * robot.torso_com_height_m;
+    const Point hip{point.position[0], point.position[1]};
+    const double pitch = point.position[2];
+    plot.curves.push_back(line(leg(robot, point, kFirstJoint + 2), shift_m, "var(--c)"));
+    plot.curves.push_back(line(leg(robot, point, kFirstJoint), shift_m, "var(--a)"));
+    plot.curves.push_back(line({hip, {hip.x + torso_m * std::sin(pitch), hip.z + torso_m * std::cos(pitch)}},
+                               shift_m, "var(--text)"));
+  }
+  return card(svg(plot), true);
+}
+
+/// Angle against rate over two steps: the joint's leg in stance, then in swing, and the jumps of the rate
+/// between.
+std::string portrait(const gait::HzdGait& gait, int joint, const char* name) {
+  Plot plot{std::string("Phase portrait of the ") + name, "angle (rad)", "rate (rad/s)", {}};
+  const int in_stance = kFirstJoint + joint;
+  const int in_swing = in_stance + 2;
+  for (const int at : {in_stance, in_swing}) {
+    const bool stance = at == in_stance;
+    Curve curve{stance ? "stance" : "swing", stance ? "var(--a)" : "var(--c)", {}, {}};
+    for (int i = 0; i <= kSamples; ++i) {
+      const gait::GaitPoint point = gait::motion_at(gait, fraction(i));
+      curve.x.push_back(point.position[at]);
+      curve.y.push_back(point.velocity[at]);
+    }
+    plot.curves.push_back(curve);
+  }
+  for (int i = 0; i < 2; ++i) {
+    const Curve& from = plot.curves[static_cast<std::size_t>(i)];
+    const Curve& to = plot.curves[static_cast<std::size_t>(1 - i)];
+    plot.curves.push_back({i == 0 ? "impact" : "",
+                           "var(--muted)",
+                           {from.x.back(), to.x.front()},
+                           {from.y.back(), to.y.front()},
+                           true});
+  }
+  return card(svg(plot));
+}
+
+std::string base_portrait(const gait::HzdGait& gait) {
+  Plot plot{"Phase portrait of the hip", "x ahead of the stance foot (m)", "forward speed (m/s)", {}};
+  Curve curve{"", "var(--a)", {}, {}};
+  for (int i = 0; i <= kSamples; ++i) {
+    const gait::GaitPoint point = gait::motion_at(gait, fraction(i));
+    curve.x.push_back(point.position[0]);
+    curve.y.push_back(point.velocity[0]);
+  }
+  plot.curves.push_back(curve);
+  return card(svg(plot));
+}
+
+template <class Value>
+std::string joint_curves(const gait::HzdGait& gait, const char* title, const char* unit, const Value& value) {
+  Plot plot{title, "time since touch-down (s)", unit, {}};
+  for (int j = 0; j < kJoints; ++j) {
+    plot.curves.push_back(over_step(gait, kJointNames[j], kColours[j],
+                                    [&](const gait::GaitPoint& point) { return value(point, j); }));
+  }
+  return card(svg(plot));
+}
+
+std::string base_curves(const model::RobotModel& robot, const gait::HzdGait& gait) {
+  const char* time = "time since touch-down (s)";
+  Plot force{"Force on the stance foot", time, "N", {}};
+  force.curves.push_back(
+      over_step(gait, "x", "var(--a)", [](const auto& point) { return point.force_N[0]; }));
+  force.curves.push_back(
+      over_step(gait, "z", "var(--b)", [](const auto& point) { return point.force_N[1]; }));
+  Plot swing{"Path of the swing foot", "x from the stance foot (m)", "z (m)", {}};
+  Curve path{"", "var(--c)", {}, {}};
+  for (int i = 0; i <= kSamples; ++i) {
+    const Point foot = leg(robot.constants, gait::motion_at(gait, fraction(i)), kFirstJoint + 2).back();
+    path.x.push_back(foot.x);
+    path.y.push_back(foot.z);
+  }
+  swing.curves.push_back(path);
+  Plot base{"Height of the hip", time, "m", {}};
+  base.curves.push_back(over_step(gait, "", "var(--a)", [](const auto& point) { return point.position[1]; }));
+  Plot pitch{"Pitch of the torso", time, "rad", {}};
+  pitch.curves.push_back(
+      over_step(gait, "", "var(--a)", [](const auto& point) { return point.position[2]; }));
+  return card(svg(force)) + card(svg(swing)) + card(svg(base)) + card(svg(pitch));
+}
+
+std::string figures_table(const gait_files::GaitRecord& record, const GaitCheck& check) {
+  std::string rows = "<table><tr><th>figure</th><th>value</th><th></th></tr>";
+  gait_files::GaitFigures figures = check.figures;
+  for (const auto& field : gait_files::figure_fields()) {
+    std::string values;
+    for (const double value : field.values(figures)) values += (values.empty() ? "" : ", ") + number(value);
+    rows += std::string("<tr><td>") + field.key + "</td><td class='n'>" + values + "</td><td>" +
+            escaped(field.meaning) + "</td></tr>";
+  }
+  rows += "</table><br><table><tr><th>limit</th><th>value</th><th></th></tr>";
+  gait::GaitLimits limits = record.limits;
+  for (const auto& field : gait_files::limit_fields()) {
+    rows += std::string("<tr><td>") + field.key + "</td><td class='n'>" + number(field.values(limits)[0]) +
+            "</td><td>" + escaped(field.meaning) + "</td></tr>";
+  }
+  rows += "</table><br><table><tr><th>how it was made</th><th></th></tr>";
+  for (const auto& [key, words] : record.origin) {
+    rows += "<tr><td>" + escaped(key) + "</td><td>" + escaped(words) + "</td></tr>";
+  }
+  return card(rows + "</table>", true);
+}
+
+std::string heading(const gait_files::GaitRecord& record, const GaitCheck& check) {
+  const gait::HzdGait& gait = record.gait;
+  std::string verdict = "<span class='good'>valid</span>";
+  if (!check.valid()) {
+    std::string names;
+    for (const std::string& name : check.violations) names += (names.empty() ? "" : ", ") + name;
+    verdict = "<span class='bad'>not valid: " + escaped(names) + "</span>";
+  }
+  return "<h1>Gait of " + escaped(record.robot) + " at " + number(gait.speed_m_s) + " m/s</h1><p>" + verdict +
+         " &middot; step of " + number(gait.step_length_m) + " m in " + number(gait.step_time_s) +
+         " s &middot; outputs of degree " + std::to_string(gait.outputs.degree) + " along the " +
+         (gait.outputs.phase == gait::PhaseKind::time ? "time" : "hip position") +
+         " &middot; largest eigenvalue of the return map " + number(check.figures.return_map_eigenvalues[0]) +
+         "</p>\n";
+}
+
+}  // namespace
+
+std::string render_gait_page(const model::RobotModel& robot, const gait_files::GaitRecord& record,
+                             const GaitCheck& check) {
+  const gait::HzdGait& gait = record.gait;
+  std::string page =
+      "<!doctype html>\n<html lang='en'><head><meta charset='utf-8'><meta name='viewport' "
+      "content='width=device-width'><title>Stilt: gait of " +
+      escaped(record.robot) + "</title><style>" + kStyle + "</style></head><body>\n";
+  page += heading(record, check) + "<div class='grid-of-plots'>\n";
+  page += tiles(robot.constants, gait);
+  page += portrait(gait, 0, "hips") + portrait(gait, 1, "knees") + base_portrait(gait);
+  page += joint_curves(gait, "Joint angles", "rad",
+                       [](const gait::GaitPoint& point, int j) { return point.position[kFirstJoint + j]; });
+  page += joint_curves(gait, "Joint rates", "rad/s",
+                       [](const gait::GaitPoint& point, int j) { return point.velocity[kFirstJoint + j]; });
+  page += joint_curves(gait, "Joint torques", "Nm",
+                       [](const gait::GaitPoint& point, int j) { return point.torque_Nm[j]; });
+  page += base_curves(robot, gait) + figures_table(record, check);
+  return page + "</div></body></html>\n";
+}
+
+}  // namespace stilt::gait_synthesis

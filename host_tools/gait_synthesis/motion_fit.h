@@ -1,0 +1,25 @@
+#pragma once
+
+#include "mpc_core/gait/hzd_gait.h"
+#include "mpc_core/model/robot.h"
+
+namespace stilt::gait_synthesis {
+
+/// Degree of the polynomials in time that describe a motion.
+inline constexpr int kMotionDegree = 25;
+
+/// Finds the periodic motion of the hybrid model under the outputs of `gait`, near `start` (just after a
+/// touch-down), by Newton's method on the return map, and writes it to gait.motion: base and joints as
+/// polynomials through the Gauss-Lobatto points of the step, torques and forces likewise. Sets step time,
+/// step length and speed to those found, which differ from the given ones by the error of the collocation
+/// only. Placement gains must be 0. Throws std::runtime_error when there is no such motion.
+void fit_motion(const model::RobotModel& robot, const model::StateVector& start, gait::HzdGait& gait);
+
+/// Sets the placement gains of a gait: 0 for a phase by hip position, whose return map is stable without; for
+/// a phase by time those that make the spectral radius of the linearised return map least.
+void place_feet(const model::RobotModel& robot, gait::HzdGait& gait);
+
+/// State just after touch-down of gait.motion.
+[[nodiscard]] model::StateVector start_of_motion(const gait::HzdGait& gait);
+
+}  // namespace stilt::gait_synthesis

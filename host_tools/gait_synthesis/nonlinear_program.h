@@ -1,0 +1,52 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+namespace stilt::gait_synthesis {
+
+/// minimise f(v) subject to lower <= g(v) <= upper and variable bounds, with sparse first and second
+/// derivatives. A matrix is a list of entries that always comes in the same order; duplicates are summed.
+class NonlinearProgram {
+ public:
+  struct Entry {
+    int row;
+    int column;
+    double value;
+  };
+  struct Bounds {
+    Eigen::VectorXd lower, upper;
+  };
+
+  virtual ~NonlinearProgram() = default;
+  [[nodiscard]] virtual Bounds variable_bounds() const = 0;
+  [[nodiscard]] virtual Bounds constraint_bounds() const = 0;
+  [[nodiscard]] virtual double objective(const Eigen::VectorXd& v) const = 0;
+  [[nodiscard]] virtual Eigen::VectorXd gradient(const Eigen::VectorXd& v) const = 0;
+  [[nodiscard]] virtual Eigen::VectorXd constraints(const Eigen::VectorXd& v) const = 0;
+  [[nodiscard]] virtual std::vector<Entry> jacobian(const Eigen::VectorXd& v) const = 0;
+  /// Lower triangle of the Hessian of factor * f + multipliers' g.
+  [[nodiscard]] virtual std::vector<Entry> hessian(const Eigen::VectorXd& v, double factor,
+                                                   const Eigen::VectorXd& multipliers) const = 0;
+};
+
+struct IpoptOptions {
+  double tolerance = 1e-8;
+  int iterations_max = 500;
+  double time_max_s = 60.0;  ///< processor time, so that a hopeless problem ends
+};
+
+struct IpoptSolution {
+  bool solved = false;
+  std::string status;  ///< in words
+  double cost = 0.0;
+  int iterations = 0;
+  Eigen::VectorXd v;
+};
+
+/// Solves from `start` by Ipopt. Not to be called from two threads at once: its linear solver shares state.
+[[nodiscard]] IpoptSolution solve(const NonlinearProgram& program, const Eigen::VectorXd& start,
+                                  const IpoptOptions& options);
+
+}  // namespace stilt::gait_synthesis

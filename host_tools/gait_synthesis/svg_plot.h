@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace stilt::gait_synthesis {
+
+/// A line of a plot.
+struct Curve {
+  std::string name;    ///< for the legend
+  std::string colour;  ///< of CSS, var(--x) included
+  std::vector<double> x, y;
+  bool dashed = false;
+};
+
+/// A plot with frame, ticks, title and legend.
+struct Plot {
+  std::string title, x_label, y_label;
+  std::vector<Curve> curves;
+  bool same_scale = false;  ///< one unit is as long in both directions
+  double width_px = 460.0, height_px = 280.0;
+};
+
+/// The plot as an SVG element. Values that are not finite break the line.
+[[nodiscard]] std::string svg(const Plot& plot);
+
+/// Text with the characters that HTML reserves replaced.
+[[nodiscard]] std::string escaped(const std::string& text);
+
+}  // namespace stilt::gait_synthesis

@@ -1,0 +1,87 @@
+#include "host_tools/gait_synthesis/synthesize.h"
+
+#include <cmath>
+#include <cstdio>
+
+#include "host_tools/gait_synthesis/first_guess.h"
+#include "host_tools/gait_synthesis/gait_figures.h"
+#include "host_tools/gait_synthesis/motion_fit.h"
+
+namespace stilt::gait_synthesis {
+namespace {
+
+struct NamedCost {
+  CostKind cost;
+  const char* name;
+  const char* meaning;
+};
+constexpr NamedCost kCosts[] = {
+    {CostKind::torque_squared, "torque", "sum of squared joint torques (1e-3 Nm^2) over time, a metre"},
+    {CostKind::mechanical_power, "power", "sum of |torque x joint speed| (1e-2 W) over time, a metre"},
+    {CostKind::acceleration_squared, "acceleration",
+     "sum of squared joint accelerations (1e-3 rad^2/s^4) over time, a metre"},
+};
+
+std::string short_text(double value) {
+  char text[40];
+  (void)std::snprintf(text, sizeof text, "%.6g", value);
+  return text;
+}
+
+}  // namespace
+
+std::optional<CostKind> cost_of_name(std::string_view name) {
+  for (const NamedCost& row : kCosts) {
+    if (row.name == name) return row.cost;
+  }
+  return std::nullopt;
+}
+
+gait::PhaseKind phase_for_speed(double speed_m_s) {
+  return std::abs(speed_m_s) < kSlowestByHip_m_s ? gait::PhaseKind::time : gait::PhaseKind::hip_position;
+}
+
+Synthesis synthesize(const model::RobotModel& robot, const StepTask& task, const Eigen::VectorXd* warm) {
+  const StepProgram program(robot, task);
+  const Eigen::VectorXd start = warm != nullptr ? *warm : first_guess(robot.constants, task, program);
+  const IpoptSolution solution = solve(program, start, {});
+  if (!solution.solved) {
+    throw NoGait("no gait at " + short_text(task.speed_m_s) + " m/s: " + solution.status +
+                 "; try another step time or wider limits");
+  }
+  Synthesis result;
+  result.gait.step_time_s = task.step_time_s;
+  result.gait.step_length_m = task.step_length_m();
+  result.gait.outputs = program.outputs(solution.v);
+  fit_motion(robot, program.start_state(solution.v), result.gait);
+  place_feet(robot, result.gait);
+  result.gait.speed_m_s = task.speed_m_s;
+  const double length_m = std::abs(task.step_length_m());
+  result.cost_per_m = solution.cost * task.step_time_s / (length_m > 0.0 ? length_m : 1.0);
+  result.iterations = solution.iterations;
+  result.solution = solution.v;
+  return result;
+}
+
+gait_files::GaitRecord make_record(const model::RobotModel& robot, const StepTask& task,
+                                   const Synthesis& synthesis) {
+  gait_files::GaitRecord record;
+  record.robot = robot.constants.name;
+  record.gait = synthesis.gait;
+  record.limits = task.limits;
+  record.claims = gait_figures(robot, record.gait);
+  const char* meaning = "";
+  for (const NamedCost& row : kCosts) meaning = row.cost == task.cost ? row.meaning : meaning;
+  record.origin = {
+      {"program", "stilt gait synthesize"},
+      {"asked", short_text(task.speed_m_s) + " m/s, step time " + short_text(task.step_time_s) + " s"},
+      {"method", "direct collocation (Lobatto IIIA, " + std::to_string(task.elements) +
+                     " elements of degree " + std::to_string(task.element_degree) + "), solved by Ipopt in " +
+                     std::to_string(synthesis.iterations) +
+                     " iterations; then the periodic motion of the hybrid model under these outputs"},
+      {"cost", short_text(synthesis.cost_per_m) + ": " + meaning},
+  };
+  return record;
+}
+
+}  // namespace stilt::gait_synthesis

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "hal/frame.h"
+#include "hal/protocol/base_sensor_table.h"
+#include "hal/robot_wiring.h"
+
+namespace stilt::robot_on_bus {
+
+/// Values of the channels, by BaseChannel, SI units.
+using BaseValues = std::array<double, hal::protocol::kBaseChannels>;
+
+/// The base sensor's side of the wiring's channel table: one frame an identifier, each as long as its
+/// channels need.
+class BaseSensorFrames {
+ public:
+  explicit BaseSensorFrames(const hal::RobotWiring& wiring);
+
+  /// Every frame of the sensor with these values, in the order of the table. Values beyond a field's range
+  /// end at its limit.
+  [[nodiscard]] const std::vector<hal::CanFrame>& encode(const BaseValues& values);
+
+ private:
+  struct Row {
+    hal::protocol::ChannelRow channel;
+    std::size_t frame = 0;
+  };
+  std::vector<Row> rows_;
+  std::vector<hal::CanFrame> frames_;
+};
+
+}  // namespace stilt::robot_on_bus

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <variant>
+
+#include "hal/bring_up/odrive_bring_up.h"
+#include "hal/mock/mit_emulator.h"
+#include "hal/mock/moteus_emulator.h"
+#include "hal/mock/odrive_emulator.h"
+#include "hal/robot_wiring.h"
+
+namespace stilt::robot_on_bus {
+
+using OdriveEndpoints = std::array<hal::bring_up::OdriveEndpoints, hal::kJoints>;
+
+/// The four emulated motor drivers of a robot, seen from its joints: the wiring's direction, ratio and offset
+/// lie between a joint and its driver's shaft.
+class JointDrivers {
+ public:
+  /// @param wiring     valid
+  /// @param endpoints  of the joints whose driver is an ODrive
+  JointDrivers(const hal::RobotWiring& wiring, const OdriveEndpoints& endpoints);
+
+  [[nodiscard]] hal::mock::EmulatedDriver& driver(std::size_t joint);
+  [[nodiscard]] const hal::mock::EmulatedDriver& driver(std::size_t joint) const;
+  [[nodiscard]] std::size_t bus(std::size_t joint) const { return wiring_.joints[joint].bus; }
+
+  /// What the encoder of the joint reads from now on, rad and rad/s at the joint.
+  void set_motion(std::size_t joint, double position_rad, double velocity_rad_s);
+
+  /// What an extra encoder at the torso reads, when the wiring has one.
+  void set_pitch(double pitch_rad, double pitch_rate_rad_s);
+
+  /// Torque of the motor at the joint, Nm, from the driver's law at the newest motion.
+  [[nodiscard]] double torque_Nm(std::size_t joint) const;
+
+  [[nodiscard]] bool all_enabled() const;
+
+ private:
+  using Emulator = std::variant<hal::mock::MitEmulator, hal::mock::MoteusEmulator, hal::mock::OdriveEmulator>;
+  [[nodiscard]] static Emulator emulator(const hal::JointWiring& wiring,
+                                         const hal::bring_up::OdriveEndpoints& endpoints);
+
+  hal::RobotWiring wiring_;
+  std::array<Emulator, hal::kJoints> emulators_;
+};
+
+}  // namespace stilt::robot_on_bus

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "host_tools/log/run_record.h"
+#include "host_tools/simulator/plant.h"
+#include "host_tools/simulator/scenario.h"
+#include "host_tools/simulator/step_detector.h"
+
+namespace stilt::robot_on_bus {
+
+/// What the plant shows of a walk, as `stilt sim` reports it: from the moment the hoist has let go until the
+/// robot falls, sits down or the run ends. Nothing of the controller: plans and estimates are not known here.
+class WalkRecorder {
+ public:
+  /// @param keep_samples  record 200 samples a second for the report
+  explicit WalkRecorder(bool keep_samples) : keep_samples_(keep_samples) {}
+
+  void begin(const simulator::Plant& plant);
+  /// After each step of the plant.
+  void observe_step(const simulator::Plant& plant);
+  /// After each tick.
+  void observe_tick(double time_s, const simulator::Plant& plant, const simulator::ActingPush& push);
+  /// The first call counts.
+  void finish(double time_s, const simulator::Plant& plant, simulator::Fall fall);
+
+  [[nodiscard]] bool running() const { return running_; }
+  [[nodiscard]] bool finished() const { return finished_; }
+  [[nodiscard]] simulator::Fall fall() const { return fall_; }
+  [[nodiscard]] const log::RunRecord& record() const { return record_; }
+
+ private:
+  void take_sample(double time_s, const simulator::Plant& plant, const simulator::ActingPush& push);
+
+  bool keep_samples_;
+  bool running_ = false;
+  bool finished_ = false;
+  simulator::Fall fall_ = simulator::Fall::none;
+  log::RunRecord record_;
+  simulator::StepDetector steps_;
+  long long ticks_ = 0;
+  double start_x_m_ = 0.0;
+  double start_slip_m_ = 0.0;
+  double settled_x_m_ = 0.0;
+  double settled_time_s_ = 0.0;
+};
+
+}  // namespace stilt::robot_on_bus

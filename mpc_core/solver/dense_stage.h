@@ -1,0 +1,37 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "mpc_core/solver/lq_problem.h"
+
+/// The factored matrices of a stage written out: what plain algorithms and tests work on. Not for real time.
+namespace stilt::solver {
+
+/// A of x_{k+1} = A x + B w + b.
+[[nodiscard]] inline Eigen::Matrix<double, kStates, kStates> dense_dynamics(const LqStage& stage) {
+  using Row = Eigen::Map<const Eigen::Matrix<double, 1, kStates>>;
+  Eigen::Matrix<double, kStates, kStates> A;
+  A.setIdentity();
+  constexpr int kHalf = kStates / 2;
+  if (stage.form == StageForm::transition) {
+    for (int i = 0; i < kHalf; ++i) A.row(kHalf + i) += Row(stage.G[i]);
+    return A;
+  }
+  for (int i = 0; i < kHalf; ++i) A(i, kHalf + i) = stage.h;
+  for (int i = 0; i < kBaseRows; ++i) A.row(kBaseRow[i]) += Row(stage.G[i]);
+  for (int r = 0; r < stage.constraints; ++r) {
+    A += Row(stage.L[r]).transpose() * Row(stage.G[kBaseRows + r]);
+  }
+  return A;
+}
+
+/// Q, both halves.
+[[nodiscard]] inline Eigen::Matrix<double, kStates, kStates> dense_hessian(const LqStage& stage) {
+  Eigen::Matrix<double, kStates, kStates> Q;
+  for (int c = 0; c < kStates; ++c) {
+    for (int r = c; r < kStates; ++r) Q(r, c) = Q(c, r) = stage.Q[c][r];
+  }
+  return Q;
+}
+
+}  // namespace stilt::solver

@@ -1,0 +1,136 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/firmware/controller/rig.h"
+
+/// Every rung of the ladder, reached through the ticks, and what the joints are told there.
+namespace stilt::controller {
+namespace {
+
+using supervisor::RequestKind;
+using supervisor::Rung;
+using supervisor::State;
+using testing::Rig;
+
+class LadderTest : public ::testing::Test {
+ protected:
+  LadderTest() : rig(std::make_unique<Rig>()) {}
+  std::unique_ptr<Rig> rig;
+};
+
+TEST_F(LadderTest, NewPlan) {
+  rig->stand();
+  EXPECT_EQ(rig->rung(), Rung::new_plan);
+}
+
+TEST_F(LadderTest, OlderPlanWithItsFeedbackGains) {
+  rig->stand();
+  rig->planning = false;
+  rig->base.reading.pitch_rad = 0.05;  // off the plan, so that feedback has something to do
+  rig->run(40);
+  ASSERT_EQ(rig->rung(), Rung::older_plan);
+  control::ControllerParameters with_feedback = rig->configuration;
+  with_feedback.torque_law.use_feedback_gains = true;
+  control::SensorReading reading;
+  reading.time_s = rig->cycle.time_s();
+  reading.joint_position_rad = rig->standing.segment<model::kJoints>(model::kFirstJoint);
+  reading.base_pitch_rad = 0.05;
+  const model::StateVector estimate =
+      Eigen::Map<const model::StateVector>(rig->record.estimated_state.data());
+  for (const bool feedback : {true, false}) {
+    control::TorqueLoop law;
+    if (feedback) {
+      law.configure(*rig->robot, with_feedback);
+    } else {
+      law.configure(*rig->robot, rig->configuration);
+    }
+    const double torque_Nm = law.tick_with_state(reading, estimate, rig->mail.plans.newest()).torque_Nm[1];
+    EXPECT_EQ(torque_Nm == rig->joints.commands[1].torque_Nm, feedback)
+        << torque_Nm << " and " << rig->joints.commands[1].torque_Nm;
+  }
+}
+
+TEST_F(LadderTest, HoldWhileRepliesAreMissedAndBackToThePlan) {
+  rig->stand();
+  const double pose_rad = rig->joints.readings[1].position_rad;
+  rig->joints.silent = true;
+  rig->run(5);
+  EXPECT_EQ(rig->rung(), Rung::hold);
+  EXPECT_EQ(rig->joints.commands[1].position_rad, pose_rad);
+  EXPECT_GT(rig->joints.commands[1].kp_Nm_rad, 0);
+  EXPECT_EQ(rig->joints.commands[1].torque_Nm, 0);
+  rig->joints.silent = false;
+  rig->run(2);
+  EXPECT_EQ(rig->rung(), Rung::new_plan);
+}
+
+TEST_F(LadderTest, SitWhenThePlannerStops) {
+  rig->stand();
+  rig->planning = false;
+  rig->run(300);
+  EXPECT_EQ(rig->state(), State::sit);
+  EXPECT_EQ(rig->rung(), Rung::sit);
+  EXPECT_EQ(rig->mail.requests.newest().session, 0u) << "no plan is wanted any more";
+  const double first_rad = rig->joints.commands[1].position_rad;
+  rig->run(1000);
+  EXPECT_GT(rig->joints.commands[1].position_rad, first_rad) << "the knees bend";
+  rig->run(2000);
+  EXPECT_EQ(rig->state(), State::fault) << "a latched cause: sitting ends in damping";
+  EXPECT_EQ(rig->rung(), Rung::damp);
+}
+
+TEST_F(LadderTest, DampWhenRepliesAreLost) {
+  rig->stand();
+  rig->joints.silent = true;
+  rig->run(11);
+  EXPECT_EQ(rig->state(), State::fault);
+  EXPECT_EQ(rig->rung(), Rung::damp);
+  for (const hal::JointCommand& command : rig->joints.commands) {
+    EXPECT_EQ(command.kp_Nm_rad, 0);
+    EXPECT_EQ(command.torque_Nm, 0);
+    EXPECT_GT(command.kd_Nms_rad, 0);
+  }
+}
+
+TEST_F(LadderTest, DampingTorqueIsBoundedAtAnySpeed) {
+  rig->stand();
+  rig->stop.state = hal::EmergencyStopState::pressed;
+  for (const double speed_rad_s : {0.1, 5.0, 17.0}) {
+    for (hal::JointReading& reading : rig->joints.readings) reading.velocity_rad_s = speed_rad_s;
+    rig->run(1);
+    for (const hal::JointCommand& command : rig->joints.commands) {
+      EXPECT_LE(command.kd_Nms_rad * speed_rad_s,
+                rig->configuration.supervisor.damping_torque_Nm * (1 + 1e-12));
+    }
+  }
+}
+
+TEST_F(LadderTest, OffAtTheEndByWayOfSitting) {
+  rig->stand();
+  rig->command.shut_down = true;
+  rig->run(1);
+  EXPECT_EQ(rig->state(), State::sit);
+  rig->run(static_cast<int>(1000 * rig->configuration.supervisor.sit_s) + 5);
+  EXPECT_EQ(rig->state(), State::off);
+  EXPECT_EQ(rig->rung(), Rung::off);
+  EXPECT_GT(rig->joints.disables, 0);
+  const int writes = rig->joints.writes;
+  rig->run(50);
+  EXPECT_EQ(rig->joints.writes, writes) << "nothing but letting go";
+}
+
+TEST_F(LadderTest, NoRungIsLeftOut) {
+  rig->stand();
+  rig->planning = false;
+  rig->run(300);
+  rig->run(static_cast<int>(1000 * rig->configuration.supervisor.sit_s) + 5);
+  rig->command.shut_down = true;
+  rig->run(5);
+  for (const Rung rung : {Rung::new_plan, Rung::older_plan, Rung::sit, Rung::damp, Rung::off}) {
+    EXPECT_NE(std::ranges::find(rig->rungs, rung), rig->rungs.end()) << supervisor::name(rung);
+  }
+}
+
+}  // namespace
+}  // namespace stilt::controller

@@ -1,0 +1,116 @@
+#include "firmware/diagnostics/tick_csv.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace stilt::diagnostics {
+namespace {
+
+std::vector<std::string> cells(const std::string& line) {
+  std::vector<std::string> result(1);
+  for (const char c : line) {
+    if (c == ',') {
+      result.emplace_back();
+    } else if (c != '\n') {
+      result.back() += c;
+    }
+  }
+  return result;
+}
+
+std::vector<std::string> header() {
+  std::ostringstream out;
+  write_tick_header(out);
+  return cells(out.str());
+}
+
+std::map<std::string, std::string> written(const TickRecord& record, std::int64_t start_ns) {
+  std::ostringstream out;
+  write_tick(out, record, start_ns);
+  const std::vector<std::string> names = header();
+  const std::vector<std::string> values = cells(out.str());
+  EXPECT_EQ(values.size(), names.size());
+  std::map<std::string, std::string> result;
+  for (std::size_t i = 0; i < names.size(); ++i) result[names[i]] = values[i];
+  return result;
+}
+
+TEST(TickCsv, ColumnsHaveNamesOfTheirOwn) {
+  const std::vector<std::string> names = header();
+  EXPECT_EQ(std::set<std::string>(names.begin(), names.end()).size(), names.size());
+}
+
+TEST(TickCsv, ARecordStandsUnderItsColumns) {
+  TickRecord record;
+  record.tick = 12;
+  record.time_ns = 5'250'000'000;
+  record.joints[1].position_rad = 0.1;
+  record.joints[3].fault = hal::DriverFault::over_current;
+  record.joints[3].state = hal::DriverState::fault;
+  record.base.pitch_rad = -0.025;
+  record.estimated_state[8] = 0.125;
+  record.sent[2].torque_Nm = -31.5;
+  record.state = supervisor::State::walk;
+  record.rung = supervisor::Rung::older_plan;
+  record.present.add(supervisor::Fault::failed_solves);
+  record.present.add(supervisor::Fault::bus_error);
+  record.wakeup_ns = 12'345;
+  const auto columns = written(record, 5'000'000'000);
+  EXPECT_EQ(columns.at("tick"), "12");
+  EXPECT_EQ(columns.at("time_s"), "0.25");
+  EXPECT_EQ(columns.at("knee_L_position_rad"), "0.1");
+  EXPECT_EQ(columns.at("hip_L_position_rad"), "nan");
+  EXPECT_EQ(columns.at("knee_R_driver_fault"), "over current");
+  EXPECT_EQ(columns.at("knee_R_driver_state"), "fault");
+  EXPECT_EQ(columns.at("base_pitch_rad"), "-0.025");
+  EXPECT_EQ(columns.at("estimated_z_b_m_s"), "0.125");
+  EXPECT_EQ(columns.at("sent_hip_R_torque_Nm"), "-31.5");
+  EXPECT_EQ(columns.at("state"), "walk");
+  EXPECT_EQ(columns.at("rung"), "older_plan");
+  EXPECT_EQ(columns.at("faults"), "bus_error+failed_solves");
+  EXPECT_EQ(columns.at("latched_faults"), "");
+  EXPECT_EQ(columns.at("wakeup_us"), "12.345");
+}
+
+TEST(TickCsv, ABlackBoxBecomesAFileWithOneLineATick) {
+  const auto box = std::make_unique<TickBlackBox>();
+  for (std::uint64_t tick = 0; tick < 2500; ++tick) {
+    TickRecord* record = box->claim();
+    ASSERT_NE(record, nullptr);
+    *record = {};
+    record->tick = tick;
+    box->commit(tick == 2499);
+  }
+  const std::string path = ::testing::TempDir() + "stilt_black_box_test.csv";
+  ASSERT_TRUE(write_csv(path, *box, 0));
+  std::ifstream file(path);
+  std::string line;
+  std::getline(file, line);
+  EXPECT_EQ(cells(line), header());
+  std::uint64_t expected = 500;
+  while (std::getline(file, line)) {
+    EXPECT_EQ(cells(line)[0], std::to_string(expected));
+    ++expected;
+  }
+  EXPECT_EQ(expected, 2500u);
+  std::remove(path.c_str());
+}
+
+TEST(TickCsv, AFileThatCannotBeWrittenIsSaidInOneSentence) {
+  const auto box = std::make_unique<TickBlackBox>();
+  const auto result = write_csv("/nonexistent/folder/box.csv", *box, 0);
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error(),
+            "/nonexistent/folder/box.csv: the black box cannot be written there (No such file or directory)");
+}
+
+}  // namespace
+}  // namespace stilt::diagnostics

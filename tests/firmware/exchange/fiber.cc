@@ -1,0 +1,60 @@
+#include "tests/firmware/exchange/fiber.h"
+
+#include <cstdint>
+
+#ifdef __SANITIZE_THREAD__
+#include <sanitizer/tsan_interface.h>
+#endif
+
+namespace stilt::exchange::model {
+
+Fiber::Fiber() : stack_(std::make_unique<char[]>(kStack_bytes)) {
+#ifdef __SANITIZE_THREAD__
+  thread_sanitizer_fiber_ = __tsan_create_fiber(0);  // it has to be told of every change of stack
+#endif
+  ::getcontext(&context_);
+  context_.uc_stack.ss_sp = stack_.get();
+  context_.uc_stack.ss_size = kStack_bytes;
+  // makecontext passes numbers of the size of int only.
+  const auto address = reinterpret_cast<std::uintptr_t>(this);
+  ::makecontext(&context_, reinterpret_cast<void (*)()>(&Fiber::run), 2, static_cast<unsigned>(address),
+                static_cast<unsigned>(address >> 32));
+}
+
+Fiber::~Fiber() {
+#ifdef __SANITIZE_THREAD__
+  __tsan_destroy_fiber(thread_sanitizer_fiber_);
+#endif
+}
+
+void Fiber::start(const std::function<void()>& body) {
+  body_ = &body;
+  ended_ = false;
+}
+
+void Fiber::run(unsigned low, unsigned high) {
+  auto* fiber =
+      reinterpret_cast<Fiber*>(static_cast<std::uintptr_t>(low) | static_cast<std::uintptr_t>(high) << 32);
+  for (;;) {  // one function after the other, so that the stack never has to be set up again
+    (*fiber->body_)();
+    fiber->ended_ = true;
+    fiber->pause();
+  }
+}
+
+void Fiber::resume() {
+#ifdef __SANITIZE_THREAD__
+  thread_sanitizer_caller_ = __tsan_get_current_fiber();
+  __tsan_switch_to_fiber(thread_sanitizer_fiber_, 0);
+#endif
+  ::swapcontext(&caller_, &context_);
+}
+
+void Fiber::pause() {
+#ifdef __SANITIZE_THREAD__
+  __tsan_switch_to_fiber(thread_sanitizer_caller_, 0);
+#endif
+  ::swapcontext(&context_, &caller_);
+}
+
+}  // namespace stilt::exchange::model

@@ -1,0 +1,117 @@
+#include "firmware/hardware/can_drivers.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+
+#include "firmware/hardware/robot_hardware.h"
+#include "tests/hal/emulated_robot.h"
+
+namespace stilt::hardware {
+namespace {
+
+using hal::testing::Kind;
+using hal::testing::kTick_ns;
+using hal::testing::Robot;
+
+/// Emulated drivers as after power-up, behind the controller's hardware.
+class Bench {
+ public:
+  explicit Bench(Kind kind) : robot(kind) {
+    for (auto& driver : robot.drivers_) driver->power_cycle();
+    for (DriverDemands& demand : demands) {
+      demand.endpoints = Robot::kEndpoints;
+      demand.options.minimum_angle_rad = -10;
+      demand.options.maximum_angle_rad = 10;
+    }
+  }
+
+  /// Ticks until the drivers are ready or one failed, at most one second.
+  DriversProgress run() {
+    const std::array<hal::FrameBus*, 2> buses{&robot.buses_[0], &robot.buses_[1]};
+    RobotHardware hardware(robot.wiring_, demands, buses);
+    return run(hardware);
+  }
+
+  DriversProgress run(RobotHardware& hardware) {
+    hardware.drivers().begin();
+    DriversProgress progress;
+    for (ticks = 0; ticks < 1000 && !progress.ready && !progress.failed; ++ticks) {
+      hal::JointReadings readings;
+      static_cast<void>(hardware.robot().read(robot.clock_.now_ns(), readings));
+      progress = hardware.drivers().step(robot.clock_.now_ns());
+      robot.clock_.advance(kTick_ns);
+    }
+    return progress;
+  }
+
+  Robot robot;
+  DemandsOfJoints demands;
+  int ticks = 0;
+};
+
+TEST(CanDrivers, BringUpAllFourOfEveryMaker) {
+  for (const Kind kind : {Kind::mit, Kind::moteus, Kind::odrive}) {
+    Bench bench(kind);
+    const DriversProgress progress = bench.run();
+    EXPECT_TRUE(progress.ready) << "stage " << name(progress.stage) << " of joint " << progress.joint << ": "
+                                << name(progress.failure);
+    for (auto& driver : bench.robot.drivers_) {
+      EXPECT_TRUE(driver->enabled());
+      EXPECT_NEAR(driver->torque_Nm(), 0, 0.0088) << "no torque but a step of the MIT mode";
+    }
+  }
+}
+
+TEST(CanDrivers, ReadyOnesAreKeptContentWhileOthersAreSlow) {
+  Bench bench(Kind::mit);
+  bench.robot.drivers_[3]->set_powered(false);
+  const std::array<hal::FrameBus*, 2> buses{&bench.robot.buses_[0], &bench.robot.buses_[1]};
+  RobotHardware hardware(bench.robot.wiring_, bench.demands, buses);
+  hardware.drivers().begin();
+  for (int tick = 0; tick < 60; ++tick) {  // three times the watchdog
+    hal::JointReadings readings;
+    static_cast<void>(hardware.robot().read(bench.robot.clock_.now_ns(), readings));
+    EXPECT_FALSE(hardware.drivers().step(bench.robot.clock_.now_ns()).ready);
+    bench.robot.clock_.advance(kTick_ns);
+  }
+  for (const std::size_t joint : {0u, 1u, 2u}) EXPECT_TRUE(bench.robot.drivers_[joint]->enabled()) << joint;
+}
+
+TEST(CanDrivers, TheOneThatFailsIsNamedWithItsStage) {
+  Bench bench(Kind::mit);
+  bench.robot.drivers_[2]->set_powered(false);
+  const DriversProgress progress = bench.run();
+  EXPECT_TRUE(progress.failed);
+  EXPECT_FALSE(progress.ready);
+  EXPECT_EQ(progress.joint, 2u);
+  EXPECT_EQ(progress.stage, hal::bring_up::Stage::failed);
+  EXPECT_EQ(progress.failure, hal::bring_up::Failure::silent);
+}
+
+TEST(CanDrivers, AnExpiredWatchdogOfTheLastRunDoesNotStandInTheWay) {
+  for (const Kind kind : {Kind::mit, Kind::moteus, Kind::odrive}) {
+    Bench bench(kind);
+    ASSERT_TRUE(bench.run().ready);
+    for (int tick = 0; tick < 200; ++tick) {  // nobody commands
+      bench.robot.clock_.advance(kTick_ns);
+      static_cast<void>(bench.robot.read());
+    }
+    for (auto& driver : bench.robot.drivers_) ASSERT_FALSE(driver->enabled()) << "the watchdog expired";
+    EXPECT_TRUE(bench.run().ready);
+  }
+}
+
+TEST(CanDrivers, StartingOverBringsThemUpAgain) {
+  Bench bench(Kind::mit);
+  const std::array<hal::FrameBus*, 2> buses{&bench.robot.buses_[0], &bench.robot.buses_[1]};
+  RobotHardware hardware(bench.robot.wiring_, bench.demands, buses);
+  ASSERT_TRUE(bench.run(hardware).ready);
+  bench.robot.drivers_[1]->power_cycle();
+  EXPECT_FALSE(bench.robot.drivers_[1]->enabled());
+  EXPECT_TRUE(bench.run(hardware).ready);
+  EXPECT_TRUE(bench.robot.drivers_[1]->enabled());
+}
+
+}  // namespace
+}  // namespace stilt::hardware

@@ -1,0 +1,31 @@
+#include "firmware/realtime/pace.h"
+
+#include <gtest/gtest.h>
+
+namespace stilt::realtime {
+namespace {
+
+TEST(Pace, ATickInTimeIsFollowedByTheNext) {
+  Pace pace(1000, 100);
+  EXPECT_EQ(pace.advance(1050), 0);
+  EXPECT_EQ(pace.next_ns(), 1100);
+  EXPECT_EQ(pace.advance(1200), 0) << "done exactly when the next is due";
+  EXPECT_EQ(pace.next_ns(), 1200);
+}
+
+TEST(Pace, AfterAnOverrunThePhaseStaysAndNothingIsCaughtUp) {
+  Pace pace(1000, 100);
+  EXPECT_EQ(pace.advance(1370), 3) << "1100, 1200 and 1300 are lost";
+  EXPECT_EQ(pace.next_ns(), 1400);
+  EXPECT_EQ(pace.advance(1450), 0);
+  EXPECT_EQ(pace.next_ns(), 1500);
+}
+
+TEST(Pace, AShortOverrunLosesOnePeriod) {
+  Pace pace(0, 1'000'000);
+  EXPECT_EQ(pace.advance(1'000'001), 1);
+  EXPECT_EQ(pace.next_ns(), 2'000'000);
+}
+
+}  // namespace
+}  // namespace stilt::realtime

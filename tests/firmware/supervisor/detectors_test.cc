@@ -1,0 +1,269 @@
+#include "firmware/supervisor/detectors.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "tests/firmware/supervisor/observations.h"
+
+namespace stilt::supervisor {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+const SupervisorParameters kParameters;
+
+FaultSet faults_of(const Observation& seen) { return detect(seen, testing::joint_limits(), kParameters); }
+
+std::string text(FaultSet set) {
+  std::string names;
+  for (const FaultRow& fault : kFaultTable) {
+    if (set.has(fault.fault)) names += std::string(fault.name) + " ";
+  }
+  return names;
+}
+
+TEST(Detectors, AHealthyRobotHasNoFault) { EXPECT_EQ(text(faults_of(testing::healthy())), ""); }
+
+TEST(Detectors, WhatADriverDoesNotSayIsNoFault) {
+  Observation seen = testing::healthy();
+  for (hal::JointReading& joint : seen.joints) {
+    joint.torque_Nm = joint.driver_temperature_C = joint.motor_temperature_C = joint.supply_V = kNan;
+    joint.state = hal::DriverState::unknown;
+  }
+  EXPECT_EQ(text(faults_of(seen)), "");
+}
+
+/// One thing out of order, the value on either side of its limit, and the faults it must give, and no other.
+struct Case {
+  const char* name;
+  std::function<void(Observation&)> inside;
+  std::function<void(Observation&)> outside;
+  std::vector<Fault> expected;
+};
+
+const std::vector<Case>& cases() {
+  static const std::vector<Case> all = {
+      {"position above",
+       [](Observation& o) { o.joints[0].position_rad = 1.74; },
+       [](Observation& o) { o.joints[0].position_rad = 1.76; },
+       {Fault::joint_position_limit}},
+      {"position below",
+       [](Observation& o) { o.joints[3].position_rad = -0.14; },
+       [](Observation& o) { o.joints[3].position_rad = -0.16; },
+       {Fault::joint_position_limit}},
+      {"position not a number",
+       [](Observation&) {},
+       [](Observation& o) { o.joints[2].position_rad = kNan; },
+       {Fault::joint_position_limit}},
+      {"speed",
+       [](Observation& o) { o.joints[1].velocity_rad_s = -17.9; },
+       [](Observation& o) { o.joints[1].velocity_rad_s = -18.1; },
+       {Fault::joint_speed_limit}},
+      {"speed infinite",
+       [](Observation&) {},
+       [](Observation& o) { o.joints[1].velocity_rad_s = kInfinity; },
+       {Fault::joint_speed_limit}},
+      {"torque",
+       [](Observation& o) { o.joints[1].torque_Nm = -99; },
+       [](Observation& o) { o.joints[1].torque_Nm = -101; },
+       {Fault::joint_torque_limit}},
+      {"lean forward",
+       [](Observation& o) { o.base.pitch_rad = 0.79; },
+       [](Observation& o) { o.base.pitch_rad = 0.81; },
+       {Fault::base_angle_limit}},
+      {"lean backward",
+       [](Observation& o) { o.base.pitch_rad = -0.79; },
+       [](Observation& o) { o.base.pitch_rad = -0.81; },
+       {Fault::base_angle_limit}},
+      {"pitch not a number",
+       [](Observation&) {},
+       [](Observation& o) { o.base.pitch_rad = kNan; },
+       {Fault::base_angle_limit}},
+      {"encoder repeats while moving",
+       [](Observation& o) {
+         o.joints[2].frozen = 24;
+         o.planned_speed_rad_s[2] = 2;
+       },
+       [](Observation& o) {
+         o.joints[2].frozen = 25;
+         o.planned_speed_rad_s[2] = -2;
+       },
+       {Fault::stale_encoder}},
+      {"encoder repeats while standing",
+       [](Observation& o) { o.joints[2].frozen = 5000; },
+       [](Observation& o) {
+         o.joints[2].frozen = 5000;
+         o.planned_speed_rad_s[2] = 0.6;
+       },
+       {Fault::stale_encoder}},
+      {"base sensor repeats",
+       [](Observation& o) { o.base.frozen = 5000; },
+       [](Observation& o) {
+         o.base.frozen = 25;
+         o.joints[0].velocity_rad_s = 0.6;
+       },
+       {Fault::stale_base_sensor}},
+      {"base sensor late",
+       [](Observation& o) { o.base.missed = 2; },
+       [](Observation& o) { o.base.missed = 3; },
+       {Fault::missed_replies}},
+      {"base sensor silent",
+       [](Observation&) {},
+       [](Observation& o) { o.base.missed = 10; },
+       {Fault::missed_replies, Fault::stale_base_sensor}},
+      {"three replies missed",
+       [](Observation& o) { o.joints[1].missed = 2; },
+       [](Observation& o) { o.joints[1].missed = 3; },
+       {Fault::missed_replies}},
+      {"ten replies missed",
+       [](Observation&) {},
+       [](Observation& o) { o.joints[1].missed = 10; },
+       {Fault::missed_replies, Fault::lost_replies}},
+      {"bus errors", [](Observation&) {}, [](Observation& o) { o.bus_errors = true; }, {Fault::bus_error}},
+      {"bus off while reading",
+       [](Observation& o) { o.read_status = hal::JointBusStatus::incomplete; },
+       [](Observation& o) { o.read_status = hal::JointBusStatus::bus_off; },
+       {Fault::bus_off}},
+      {"bus off while writing",
+       [](Observation&) {},
+       [](Observation& o) { o.write_status = hal::JointBusStatus::bus_off; },
+       {Fault::bus_off}},
+      {"bus gone",
+       [](Observation&) {},
+       [](Observation& o) { o.read_status = hal::JointBusStatus::disconnected; },
+       {Fault::bus_disconnected}},
+      {"driver fault",
+       [](Observation&) {},
+       [](Observation& o) { o.joints[3].fault = hal::DriverFault::over_current; },
+       {Fault::driver_fault}},
+      {"driver in fault state",
+       [](Observation&) {},
+       [](Observation& o) { o.joints[3].state = hal::DriverState::fault; },
+       {Fault::driver_fault}},
+      {"driver idle",
+       [](Observation& o) { o.joints[3].state = hal::DriverState::unknown; },
+       [](Observation& o) { o.joints[3].state = hal::DriverState::idle; },
+       {Fault::driver_not_enabled}},
+      {"driver hot",
+       [](Observation& o) { o.joints[0].driver_temperature_C = 74; },
+       [](Observation& o) { o.joints[0].driver_temperature_C = 76; },
+       {Fault::driver_hot}},
+      {"motor too hot",
+       [](Observation& o) { o.joints[0].motor_temperature_C = 74; },
+       [](Observation& o) { o.joints[0].motor_temperature_C = 91; },
+       {Fault::driver_hot, Fault::driver_overheated}},
+      {"low voltage",
+       [](Observation& o) { o.joints[0].supply_V = 36.1; },
+       [](Observation& o) { o.joints[0].supply_V = 35.9; },
+       {Fault::low_voltage}},
+      {"high voltage",
+       [](Observation& o) { o.joints[0].supply_V = 55.9; },
+       [](Observation& o) { o.joints[0].supply_V = 56.1; },
+       {Fault::high_voltage}},
+      {"plan too old",
+       [](Observation& o) { o.plan_age_s = 0.249; },
+       [](Observation& o) { o.plan_age_s = 0.25; },
+       {Fault::stale_plan}},
+      {"plan of unknown age",
+       [](Observation&) {},
+       [](Observation& o) { o.plan_age_s = kNan; },
+       {Fault::stale_plan}},
+      {"no plan", [](Observation&) {}, [](Observation& o) { o.has_plan = false; }, {Fault::stale_plan}},
+      {"solves fail",
+       [](Observation& o) { o.failed_solves = 2; },
+       [](Observation& o) { o.failed_solves = 3; },
+       {Fault::failed_solves}},
+      {"solve slow",
+       [](Observation& o) { o.solve_s = 0.0099; },
+       [](Observation& o) { o.solve_s = 0.0101; },
+       {Fault::planner_overrun}},
+      {"tick late",
+       [](Observation& o) { o.lateness_s = 4.9e-4; },
+       [](Observation& o) { o.lateness_s = 5.1e-4; },
+       {Fault::torque_loop_overrun}},
+      {"torque loop stood still",
+       [](Observation&) {},
+       [](Observation& o) { o.lateness_s = 0.011; },
+       {Fault::torque_loop_overrun, Fault::torque_loop_stalled}},
+      {"estimate not finite",
+       [](Observation&) {},
+       [](Observation& o) { o.controller_finite = false; },
+       {Fault::not_finite}},
+      {"command refused",
+       [](Observation&) {},
+       [](Observation& o) { o.write_status = hal::JointBusStatus::refused; },
+       {Fault::not_finite}},
+      {"heartbeat",
+       [](Observation& o) {
+         o.heartbeat_expected = true;
+         o.heartbeat_age_s = 0.39;
+       },
+       [](Observation& o) {
+         o.heartbeat_expected = true;
+         o.heartbeat_age_s = 0.41;
+       },
+       {Fault::heartbeat_lost}},
+      {"heartbeat not expected",
+       [](Observation& o) { o.heartbeat_age_s = 1e9; },
+       [](Observation& o) {
+         o.heartbeat_expected = true;
+         o.heartbeat_age_s = kNan;
+       },
+       {Fault::heartbeat_lost}},
+      {"emergency stop pressed",
+       [](Observation& o) { o.emergency_stop = hal::EmergencyStopState::absent; },
+       [](Observation& o) { o.emergency_stop = hal::EmergencyStopState::pressed; },
+       {Fault::emergency_stop}},
+      {"emergency stop silent",
+       [](Observation&) {},
+       [](Observation& o) { o.emergency_stop = hal::EmergencyStopState::unknown; },
+       {Fault::emergency_stop}},
+      {"bring-up",
+       [](Observation&) {},
+       [](Observation& o) { o.bring_up_failed = true; },
+       {Fault::bring_up_failed}},
+  };
+  return all;
+}
+
+TEST(Detectors, InsideItsLimitNothingIsAFault) {
+  for (const Case& one : cases()) {
+    Observation seen = testing::healthy();
+    one.inside(seen);
+    EXPECT_EQ(text(faults_of(seen)), "") << one.name;
+  }
+}
+
+TEST(Detectors, OutsideItsLimitEachThingGivesItsFaultsAndNoOther) {
+  for (const Case& one : cases()) {
+    Observation seen = testing::healthy();
+    one.outside(seen);
+    FaultSet expected;
+    for (const Fault fault : one.expected) expected.add(fault);
+    EXPECT_EQ(text(faults_of(seen)), text(expected)) << one.name;
+  }
+}
+
+TEST(Detectors, EveryFaultOfTheTableCanBeDetected) {
+  FaultSet found;
+  for (const Case& one : cases()) {
+    Observation seen = testing::healthy();
+    one.outside(seen);
+    found = found | faults_of(seen);
+  }
+  EXPECT_EQ(found.count(), static_cast<int>(kFaults)) << text(found);
+}
+
+TEST(Detectors, AJointThatWasNeverHeardIsAMatterOfItsReplies) {
+  Observation seen = testing::healthy();
+  seen.joints[1] = hal::JointReading{};
+  seen.joints[1].missed = 100;
+  EXPECT_EQ(text(faults_of(seen)), "missed_replies lost_replies ");
+}
+
+}  // namespace
+}  // namespace stilt::supervisor

@@ -1,0 +1,134 @@
+#include "firmware/supervisor/safe_commands.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "tests/firmware/supervisor/observations.h"
+
+namespace stilt::supervisor {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+const SupervisorParameters kParameters;
+
+double torque_Nm(const hal::JointCommand& command, double position_rad, double velocity_rad_s) {
+  return command.torque_Nm + command.kp_Nm_rad * (command.position_rad - position_rad) +
+         command.kd_Nms_rad * (command.velocity_rad_s - velocity_rad_s);
+}
+
+hal::JointCommands some_commands() {
+  hal::JointCommands commands;
+  commands.fill({.position_rad = 0.3,
+                 .velocity_rad_s = 1.5,
+                 .torque_Nm = 20,
+                 .kp_Nm_rad = 60,
+                 .kd_Nms_rad = 3,
+                 .torque_limit_Nm = 80});
+  return commands;
+}
+
+TEST(Damped, ResistsMotionAndNothingElseWithinItsBound) {
+  hal::JointReadings measured = testing::healthy().joints;
+  for (const double velocity_rad_s : {-100.0, -7.9, -1.0, 0.0, 0.5, 8.1, 1e6}) {
+    for (hal::JointReading& joint : measured) joint.velocity_rad_s = velocity_rad_s;
+    for (const hal::JointCommand& command : damped(measured, testing::joint_limits(), kParameters)) {
+      EXPECT_EQ(command.kp_Nm_rad, 0);
+      EXPECT_EQ(command.torque_Nm, 0);
+      EXPECT_EQ(command.velocity_rad_s, 0);
+      const double torque = torque_Nm(command, -5, velocity_rad_s);
+      EXPECT_LE(torque * velocity_rad_s, 0) << "never drives";
+      EXPECT_LE(std::abs(torque), kParameters.damping_torque_Nm * (1 + 1e-12));
+    }
+  }
+}
+
+TEST(Damped, IsFiniteWhateverTheSensorsSay) {
+  hal::JointReadings measured = testing::healthy().joints;
+  for (const double value : {kNan, std::numeric_limits<double>::infinity()}) {
+    measured[0].position_rad = measured[1].velocity_rad_s = value;
+    EXPECT_TRUE(finite(damped(measured, testing::joint_limits(), kParameters)));
+  }
+}
+
+TEST(Held, PullsToThePoseWithAShareOfTheGains) {
+  const Pose pose_rad{0.1, 0.2, 0.3, 0.4};
+  const hal::JointCommands half = held(pose_rad, 0.5, testing::joint_limits(), kParameters);
+  const hal::JointCommands full = held(pose_rad, 1.0, testing::joint_limits(), kParameters);
+  for (std::size_t i = 0; i < hal::kJoints; ++i) {
+    EXPECT_DOUBLE_EQ(torque_Nm(full[i], pose_rad[i], 0), 0);
+    EXPECT_DOUBLE_EQ(torque_Nm(full[i], pose_rad[i] - 0.1, 0), 0.1 * kParameters.hold_kp_Nm_rad);
+    EXPECT_DOUBLE_EQ(torque_Nm(half[i], pose_rad[i] - 0.1, 1),
+                     0.5 * torque_Nm(full[i], pose_rad[i] - 0.1, 1));
+  }
+}
+
+TEST(PoseBetween, BeginsAndEndsAtItsPosesAtRest) {
+  const Pose from{0, 1, -1, 2};
+  const Pose to{1, 0, 3, 2};
+  EXPECT_EQ(pose_between_rad(from, to, 0), from);
+  EXPECT_EQ(pose_between_rad(from, to, -1), from);
+  EXPECT_EQ(pose_between_rad(from, to, 1), to);
+  EXPECT_EQ(pose_between_rad(from, to, 7), to);
+  const double step = 1e-4;
+  EXPECT_LT(std::abs(pose_between_rad(from, to, step)[2] - from[2]), 4 * 4 * step * step);
+  EXPECT_LT(std::abs(pose_between_rad(from, to, 1 - step)[2] - to[2]), 4 * 4 * step * step);
+}
+
+TEST(TakenOver, GrowsFromDampingToTheWantedCommands) {
+  const hal::JointCommands wanted = some_commands();
+  const Pose start_rad{-0.2, 0.4, -0.2, 0.4};
+  const hal::JointCommands none = taken_over(wanted, start_rad, 0, kParameters);
+  for (std::size_t i = 0; i < hal::kJoints; ++i) {
+    EXPECT_DOUBLE_EQ(torque_Nm(none[i], 9, 2), -2 * kParameters.damping_kd_Nms_rad);
+    for (const double s : {0.25, 0.7}) {
+      const hal::JointCommand command = taken_over(wanted, start_rad, s, kParameters)[i];
+      const double at_rad = start_rad[i] + s * (wanted[i].position_rad - start_rad[i]);
+      const double expected_Nm = s * (wanted[i].torque_Nm + wanted[i].kd_Nms_rad * (1.5 - 0.4)) -
+                                 (1 - s) * kParameters.damping_kd_Nms_rad * 0.4;
+      EXPECT_NEAR(torque_Nm(command, at_rad, 0.4), expected_Nm, 1e-12);
+    }
+    const hal::JointCommand all = taken_over(wanted, start_rad, 1, kParameters)[i];
+    EXPECT_EQ(torque_Nm(all, 0.1, 0.2), torque_Nm(wanted[i], 0.1, 0.2));
+  }
+}
+
+TEST(Finite, FindsEveryFieldOfEveryJoint) {
+  EXPECT_TRUE(finite(some_commands()));
+  for (double hal::JointCommand::*field :
+       {&hal::JointCommand::position_rad, &hal::JointCommand::velocity_rad_s, &hal::JointCommand::torque_Nm,
+        &hal::JointCommand::kp_Nm_rad, &hal::JointCommand::kd_Nms_rad, &hal::JointCommand::torque_limit_Nm}) {
+    for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+      hal::JointCommands commands = some_commands();
+      commands[joint].*field = kNan;
+      EXPECT_FALSE(finite(commands));
+    }
+  }
+}
+
+TEST(Bounded, KeepsTorquesWithinTheJointsAndGainsPositive) {
+  hal::JointCommands commands = some_commands();
+  commands[0].torque_Nm = 200;
+  commands[1].torque_Nm = -200;
+  commands[2].torque_limit_Nm = 1e9;
+  commands[3].kp_Nm_rad = commands[3].kd_Nms_rad = -1;
+  const hal::JointCommands result = bounded(commands, testing::joint_limits());
+  EXPECT_EQ(result[0].torque_Nm, 80);
+  EXPECT_EQ(result[1].torque_Nm, -80);
+  EXPECT_EQ(result[2].torque_limit_Nm, 80);
+  EXPECT_EQ(result[3].kp_Nm_rad, 0);
+  EXPECT_EQ(result[3].kd_Nms_rad, 0);
+  EXPECT_EQ(result[0].kp_Nm_rad, 60) << "the rest stays";
+}
+
+TEST(MeasuredPose, KeepsTheLastFinitePosition) {
+  hal::JointReadings measured = testing::healthy().joints;
+  measured[1].position_rad = kNan;
+  const Pose pose_rad = measured_pose_rad(measured, {7, 8, 9, 10});
+  EXPECT_EQ(pose_rad[0], -0.2);
+  EXPECT_EQ(pose_rad[1], 8);
+}
+
+}  // namespace
+}  // namespace stilt::supervisor

@@ -1,0 +1,124 @@
+#include "firmware/supervisor/state.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <set>
+
+// The table of transitions, as a table.
+namespace stilt::supervisor {
+namespace {
+
+using States = std::array<bool, kStates>;
+
+std::size_t index(State state) { return static_cast<std::size_t>(state); }
+
+/// States that can be reached from one over transitions that `may_use` accepts.
+template <class Filter>
+States reachable(State from, const Filter& may_use) {
+  States seen{};
+  seen[index(from)] = true;
+  for (std::size_t round = 0; round < kStates; ++round) {
+    for (const Transition& transition : kTransitions) {
+      if (seen[index(transition.from)] && may_use(transition)) seen[index(transition.to)] = true;
+    }
+  }
+  return seen;
+}
+
+TEST(TransitionTable, EveryStateIsReachedFromBoot) {
+  const States seen = reachable(State::boot, [](const Transition&) { return true; });
+  for (std::size_t i = 0; i < kStates; ++i) EXPECT_TRUE(seen[i]) << name(static_cast<State>(i));
+}
+
+TEST(TransitionTable, EveryStateButOffHasAnExitAndOffHasNone) {
+  States has_exit{};
+  for (const Transition& transition : kTransitions) has_exit[index(transition.from)] = true;
+  for (std::size_t i = 0; i < kStates; ++i) {
+    const auto state = static_cast<State>(i);
+    EXPECT_EQ(has_exit[i], state != State::off) << name(state);
+  }
+}
+
+TEST(TransitionTable, OffIsReachedFromEveryStateByShuttingDownAndWaiting) {
+  const auto ends = [](const Transition& transition) {
+    return transition.condition == Condition::shut_down || transition.condition == Condition::sit_done ||
+           transition.condition == Condition::bring_up_done;
+  };
+  for (std::size_t i = 0; i < kStates; ++i) {
+    EXPECT_TRUE(reachable(static_cast<State>(i), ends)[index(State::off)]) << name(static_cast<State>(i));
+  }
+}
+
+TEST(TransitionTable, FromFaultThereIsNoWayToTorqueButByReset) {
+  const States seen = reachable(State::fault, [](const Transition& transition) {
+    return transition.condition != Condition::request_reset;
+  });
+  for (std::size_t i = 0; i < kStates; ++i) {
+    const auto state = static_cast<State>(i);
+    EXPECT_EQ(seen[i], state == State::fault || state == State::off) << name(state);
+  }
+}
+
+TEST(TransitionTable, AResetNeedsEveryCauseGoneAndEndsWithoutTorque) {
+  for (const Transition& transition : kTransitions) {
+    if (transition.condition != Condition::request_reset) continue;
+    EXPECT_EQ(transition.from, State::fault);
+    EXPECT_EQ(transition.guard, Guard::causes_gone);
+    EXPECT_EQ(transition.to, State::idle);
+  }
+}
+
+TEST(TransitionTable, TorqueIsReachedFromReadyByStandingUpOnly) {
+  for (const Transition& transition : kTransitions) {
+    if (has_torque(transition.from) || !has_torque(transition.to)) continue;
+    EXPECT_EQ(transition.from, State::ready);
+    EXPECT_EQ(transition.condition, Condition::request_stand);
+    EXPECT_EQ(transition.guard, Guard::none_latched);
+    EXPECT_EQ(transition.to, State::stand);
+  }
+}
+
+TEST(TransitionTable, DriversAreBroughtUpBeforeTheyAreDriven) {
+  const States without = reachable(State::boot, [](const Transition& transition) {
+    return transition.condition != Condition::bring_up_done;
+  });
+  for (std::size_t i = 0; i < kStates; ++i) {
+    const auto state = static_cast<State>(i);
+    EXPECT_FALSE(without[i] && drives(state) && state != State::fault) << name(state);
+  }
+}
+
+TEST(TransitionTable, AFaultThatDampsComesBeforeEverythingElse) {
+  std::set<State> seen;
+  for (const Transition& transition : kTransitions) {
+    const bool first = seen.insert(transition.from).second;
+    const bool exempt = transition.from == State::boot || transition.from == State::fault;
+    if (!first || exempt) continue;
+    EXPECT_EQ(transition.condition, Condition::damp_fault) << name(transition.from);
+    EXPECT_EQ(transition.guard, Guard::always) << name(transition.from);
+    EXPECT_EQ(transition.to, State::fault) << name(transition.from);
+  }
+}
+
+TEST(TransitionTable, WalkingEndsOverSteppingInPlaceUnlessAFaultForbids) {
+  for (const Transition& transition : kTransitions) {
+    if (transition.from != State::walk) continue;
+    const bool of_fault =
+        transition.condition == Condition::damp_fault || transition.condition == Condition::sit_fault;
+    EXPECT_EQ(transition.to == State::step, !of_fault);
+  }
+}
+
+TEST(TransitionTable, NoTransitionIsTwiceThereAndNoneLeadsNowhere) {
+  std::set<std::array<int, 3>> seen;
+  for (const Transition& transition : kTransitions) {
+    EXPECT_NE(transition.from, transition.to);
+    EXPECT_TRUE(seen.insert({static_cast<int>(transition.from), static_cast<int>(transition.condition),
+                             static_cast<int>(transition.guard)})
+                    .second);
+  }
+}
+
+}  // namespace
+}  // namespace stilt::supervisor
