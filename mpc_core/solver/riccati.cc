@@ -1,30 +1,10 @@
 #include "mpc_core/solver/riccati.h"
 
-#include "mpc_core/solver/simd_columns.h"
+#include "mpc_core/solver/input_elimination.h"
+#include "mpc_core/solver/stage_mode.h"
 
 namespace stilt::solver {
 namespace {
-
-/// What is known of a stage at compile time.
-template <int kFree, int kRankOne>
-struct Flow {
-  static constexpr bool kDrifts = true;  ///< h is not zero
-  static constexpr int kInputs = kFree;
-  static constexpr int kConstraints = kRankOne;
-  static constexpr int kUnits = kBaseRows;                     ///< unit rows of A
-  static constexpr int kTerms = kUnits + kConstraints;         ///< rows of G
-  static constexpr int kColumns = kInputs + kConstraints + 1;  ///< of X = P [B, L, b]
-  static constexpr int row(int unit) noexcept { return kBaseRow[unit]; }
-};
-struct Transition {
-  static constexpr bool kDrifts = false;
-  static constexpr int kInputs = 0;
-  static constexpr int kConstraints = 0;
-  static constexpr int kUnits = kHalf;
-  static constexpr int kTerms = kUnits;
-  static constexpr int kColumns = 1;
-  static constexpr int row(int unit) noexcept { return kHalf + unit; }
-};
 
 /// Column c of [B, L, b].
 template <class Mode>
@@ -64,8 +44,7 @@ struct Dots {
 template <class Mode>
 STILT_INLINE inline void value_products(const LqStage& stage, const ValueFunction& next,
                                         RiccatiWorkspace& work) noexcept {
-  for_each_tile<true, 0, Mode::kColumns>([&]<int kFirst, int kCount>(
-                                             Tile<kFirst, kCount, true>& tile) STILT_INLINE {
+  for_each_tile<0, Mode::kColumns>([&]<int kFirst, int kCount>(Tile<kFirst, kCount>& tile) STILT_INLINE {
     tile.for_each([&](auto c, auto p) STILT_INLINE {
       tile.v[c][p] = kFirst + c == Mode::kColumns - 1 ? load(next.p + p * kLanes) : Vec{};
     });
@@ -95,13 +74,7 @@ STILT_INLINE inline void scalar_products(const LqStage& stage, RiccatiWorkspace&
   });
 }
 
-/// R + B'P B (lower triangle) and r + B'(P b + p).
-template <int kInputs>
-struct InputTerms {
-  double H[kInputs][kInputs];
-  double h[kInputs];
-};
-
+/// Takes them from the scalar products.
 template <class Mode>
 STILT_INLINE inline InputTerms<Mode::kInputs> input_terms(const LqStage& stage,
                                                           const RiccatiWorkspace& work) noexcept {
@@ -115,220 +88,124 @@ STILT_INLINE inline InputTerms<Mode::kInputs> input_terms(const LqStage& stage,
   return terms;
 }
 
-/// H = L D L' in place: L below the diagonal; inverse_pivot = 1 / D.
-template <int kInputs>
-STILT_INLINE inline SweepOutcome factorise(double (&H)[kInputs][kInputs],
-                                           double (&inverse_pivot)[kInputs]) noexcept {
-  SweepOutcome outcome = SweepOutcome::kOk;
-  unroll<kInputs>([&](auto j) STILT_INLINE {
-    const double diagonal = H[j][j];
-    double pivot = diagonal;
-    double scaled[kInputs];  // L(j, :) D
-    unroll<j>([&](auto m) STILT_INLINE {
-      scaled[m] = H[j][m];
-      H[j][m] *= inverse_pivot[m];
-      pivot -= scaled[m] * H[j][m];
-    });
-    if (outcome == SweepOutcome::kOk && !(pivot > kSmallestRelativePivot * diagonal && diagonal > 0.0)) {
-      outcome = SweepOutcome::kNotPositiveDefinite;
-    }
-    if (!__builtin_isfinite(pivot)) outcome = SweepOutcome::kNotFinite;
-    inverse_pivot[j] = 1.0 / pivot;
-    unroll<kInputs - 1 - j>([&](auto below) STILT_INLINE {
-      constexpr int i = j + 1 + below;
-      unroll<j>([&](auto m) STILT_INLINE { H[i][j] -= H[i][m] * H[j][m]; });
-    });
-  });
-  return outcome;
-}
+/// The rows of [U, B, b]'P A, in this order, before and after the product with A: v' and v'E + (v'U) G'.
+template <class Mode>
+struct Rows {
+  static constexpr int kCount = Mode::kTerms + Mode::kInputs + 1;
+  const LqStage& stage;
+  const ValueFunction& next;
+  RiccatiWorkspace& work;
 
-/// Gains and the two factors y, z of -F'H^-1 F = y'z, part by part.
-template <int kInputs>
-STILT_INLINE inline void solve_gains(const InputTerms<kInputs>& terms, const double (&inverse_pivot)[kInputs],
-                                     RiccatiWorkspace& work, LqGain& gain) noexcept {
-  const auto& L = terms.H;
-  unroll<kParts>([&](auto part) STILT_INLINE {
-    constexpr int kLane = part * kLanes;
-    Vec y[kInputs], z[kInputs];
-    unroll<kInputs>([&](auto i) STILT_INLINE {
-      y[i] = load(work.F[i] + kLane);
-      unroll<i>([&](auto j) STILT_INLINE { y[i] -= L[i][j] * y[j]; });
-      z[i] = y[i] * -inverse_pivot[i];
-      store(work.y[i] + kLane, y[i]);
-      store(work.z[i] + kLane, z[i]);
-    });
-    unroll<kInputs>([&](auto from_last) STILT_INLINE {
-      constexpr int i = kInputs - 1 - from_last;
-      unroll<from_last>([&](auto above) STILT_INLINE { z[i] -= L[i + 1 + above][i] * z[i + 1 + above]; });
-      store(gain.K[i] + kLane, z[i]);
-    });
-    unroll<kMaxFreeInputs - kInputs>([&](auto i) STILT_INLINE { store(gain.K[kInputs + i] + kLane, Vec{}); });
-  });
-}
-
-/// Feed-forward part of the gain; returns in y the solution of L y = h_u.
-template <int kInputs>
-STILT_INLINE inline void solve_feedforward(const InputTerms<kInputs>& terms,
-                                           const double (&inverse_pivot)[kInputs], LqGain& gain,
-                                           double (&z)[kInputs]) noexcept {
-  const auto& L = terms.H;
-  double y[kInputs];
-  unroll<kInputs>([&](auto i) STILT_INLINE {
-    y[i] = terms.h[i];
-    unroll<i>([&](auto j) STILT_INLINE { y[i] -= L[i][j] * y[j]; });
-    z[i] = y[i] * -inverse_pivot[i];
-  });
-  unroll<kInputs>([&](auto from_last) STILT_INLINE {
-    constexpr int i = kInputs - 1 - from_last;
-    gain.k[i] = z[i];
-    unroll<from_last>([&](auto above)
-                          STILT_INLINE { gain.k[i] -= L[i + 1 + above][i] * gain.k[i + 1 + above]; });
-  });
-}
-
-/// Row i of U'P, a column of P or of X: the state row that A's term i goes to, or L_i, times P.
-template <class Mode, int i>
-STILT_INLINE inline const double* term_column(const ValueFunction& next,
-                                              const RiccatiWorkspace& work) noexcept {
-  if constexpr (i < Mode::kUnits) {
-    return next.P[Mode::row(i)];
-  } else {
-    return work.X[Mode::kInputs + i - Mode::kUnits];
+  [[nodiscard]] static constexpr int input(int row) noexcept { return row - Mode::kTerms; }
+  /// Column of X that row is the transpose of; for terms past the unit rows, inputs, and last b.
+  [[nodiscard]] static constexpr int column(int row) noexcept {
+    if (row >= Mode::kTerms + Mode::kInputs) return Mode::kColumns - 1;
+    return row >= Mode::kTerms ? input(row) : Mode::kInputs + row - Mode::kUnits;
   }
-}
+  /// v
+  template <int kRow>
+  [[nodiscard]] STILT_INLINE const double* before() const noexcept {
+    if constexpr (kRow < Mode::kUnits) {
+      return next.P[Mode::row(kRow)];
+    } else {
+      return work.X[column(kRow)];
+    }
+  }
+  /// (v'U)_j
+  template <int kRow, int j>
+  [[nodiscard]] STILT_INLINE double through() const noexcept {
+    if constexpr (j < Mode::kUnits) {
+      return before<kRow>()[Mode::row(j)];
+    } else {
+      constexpr int kL = Mode::kInputs + j - Mode::kUnits;
+      return work.dots[Dots<Mode>::at(kL, column(kRow))];
+    }
+  }
+  template <int kRow>
+  [[nodiscard]] STILT_INLINE double* after() const noexcept {
+    return kRow < Mode::kTerms ? work.W[kRow] : work.F[input(kRow)];
+  }
+};
 
-/// Rows of [B, b, U]'P A, where A = E + U G': row = v' E + (v'U) G' with v' = B'P, b'P + p', U'P. The first
-/// with S and q added are F and f_x; the last are T, with V = U'P E kept besides.
+/// W, F and f_x.
 template <class Mode>
 STILT_INLINE inline void row_products(const LqStage& stage, const ValueFunction& next, const Drift& drift,
                                       RiccatiWorkspace& work) noexcept {
-  constexpr int kInputs = Mode::kInputs, kRows_ = kInputs + 1 + Mode::kTerms;
-  const auto column = [&]<int kRow>(std::integral_constant<int, kRow>) STILT_INLINE -> const double* {
-    if constexpr (kRow < kInputs) {
-      return work.X[kRow];
-    } else if constexpr (kRow == kInputs) {
-      return work.X[Mode::kColumns - 1];
-    } else {
-      return term_column<Mode, kRow - kInputs - 1>(next, work);
-    }
-  };
-  // (v'U)_j
-  const auto through = [&]<int kRow, int j>(std::integral_constant<int, kRow> row,
-                                            std::integral_constant<int, j>) STILT_INLINE -> double {
-    if constexpr (j < Mode::kUnits) {
-      return column(row)[Mode::row(j)];
-    } else {
-      constexpr int kL = kInputs + j - Mode::kUnits;
-      constexpr int kTerm = kRow - kInputs - 1;
-      if constexpr (kRow < kInputs) {
-        return work.dots[Dots<Mode>::at(kL, kRow)];
-      } else if constexpr (kRow == kInputs) {
-        return work.dots[Dots<Mode>::at(kL, Mode::kColumns - 1)];
-      } else if constexpr (kTerm < Mode::kUnits) {
-        return work.X[kL][Mode::row(kTerm)];
-      } else {
-        return work.dots[Dots<Mode>::at(kL, kInputs + kTerm - Mode::kUnits)];
-      }
-    }
-  };
-  for_each_tile<true, 0, kRows_>([&]<int kFirst, int kCount>(Tile<kFirst, kCount, true>& tile) STILT_INLINE {
+  const Rows<Mode> rows{stage, next, work};
+  for_each_tile<0, Rows<Mode>::kCount>([&]<int kFirst, int kCount>(Tile<kFirst, kCount>& tile) STILT_INLINE {
     tile.for_each([&](auto c, auto p) STILT_INLINE {
       constexpr int kRow = kFirst + c;
-      Vec v;
+      const double* v = rows.template before<kRow>();
       if constexpr (Mode::kDrifts) {
-        v = free_motion_transposed<p>(column(std::integral_constant<int, kRow>{}), drift);
+        tile.v[c][p] = free_motion_transposed<p>(v, drift);
       } else {
-        v = load(column(std::integral_constant<int, kRow>{}) + p * kLanes);
+        tile.v[c][p] = load(v + p * kLanes);
       }
-      if constexpr (kRow < kInputs) {
-        v += load(stage.S[kRow] + p * kLanes);
-      } else if constexpr (kRow == kInputs) {
-        v += load(stage.q + p * kLanes);
-      } else if constexpr (Mode::kDrifts) {
-        store(work.V[kRow - kInputs - 1] + p * kLanes, v);
+      if constexpr (kRow == Mode::kTerms + Mode::kInputs) {
+        tile.v[c][p] += load(stage.q + p * kLanes);
+      } else if constexpr (kRow >= Mode::kTerms) {
+        tile.v[c][p] += load(stage.S[kRow - Mode::kTerms] + p * kLanes);
       }
-      tile.v[c][p] = v;
     });
     unroll<Mode::kTerms>([&](auto j) STILT_INLINE {
-      tile.add(stage.G[j],
-               [&](auto c) STILT_INLINE { return through(std::integral_constant<int, kFirst + c>{}, j); });
+      constexpr int kFrom = j < kFirst ? 0 : j - kFirst;
+      tile.template add<kFrom>(stage.G[j], [&](auto c) STILT_INLINE {
+        const double factor = rows.template through<kFirst + c, j>();
+        return kFirst + c == j ? 0.5 * factor : factor;
+      });
     });
-    tile.for_each([&](auto c, auto p) STILT_INLINE {
-      constexpr int kRow = kFirst + c;
-      store((kRow <= kInputs ? work.F[kRow] : work.T[kRow - kInputs - 1]) + p * kLanes, tile.v[c][p]);
-    });
+    tile.for_each([&](auto c, auto p)
+                      STILT_INLINE { store(rows.template after<kFirst + c>() + p * kLanes, tile.v[c][p]); });
   });
 }
 
-/// Register kPart of column kColumn of E'P E.
+/// Register kPart of column kColumn of N without the products: the shares of Q and of
+/// E'P E = P + h P J + h J'P + h^2 J'P J (J = [0 I; 0 0]), of which h P J stands whole and h J'P is its
+/// transpose.
 template <class Mode, int kColumn, int kPart>
-STILT_INLINE inline Vec free_value(const ValueFunction& next, double h, const Drift& drift) noexcept {
-  if constexpr (Mode::kDrifts) {
-    Vec v = free_motion_transposed<kPart>(next.P[kColumn], drift);
-    if constexpr (kColumn >= kHalf) {
-      v += free_motion_transposed<kPart>(next.P[kColumn - kHalf], drift) * broadcast(h);
-    }
-    return v;
-  } else {
-    return load(next.P[kColumn] + kPart * kLanes);
+STILT_INLINE inline Vec initial_half(const LqStage& stage, const ValueFunction& next,
+                                     const Drift& drift) noexcept {
+  constexpr int kDiagonal = kColumn / kLanes, kRow = kPart * kLanes;
+  constexpr bool kDrifted = Mode::kDrifts && kColumn >= kHalf;
+  const double* position = next.P[kDrifted ? kColumn - kHalf : 0];
+  Vec v{};
+  if constexpr (kPart >= kDiagonal) {
+    v = load(stage.Q[kColumn] + kRow) + load(next.P[kColumn] + kRow);
+    if constexpr (kDrifted) v += shifted_down<kPart>(position) * (drift.velocity[kPart] * broadcast(stage.h));
+    if constexpr (kPart == kDiagonal) v = lower_half<kColumn % kLanes>(v);
   }
+  if constexpr (kDrifted) v += load(position + kRow) * broadcast(stage.h);
+  return v;
 }
 
-/// Lower triangle, by whole registers, of P = Q + A'P A + y'z, with A'P A = E'P E + V'G + G'T.
+/// N by columns, with P = N + N': all of W'G, and of what is symmetric in itself (Q, E'P E, y'z) the lower
+/// triangle, the diagonal halved.
 template <class Mode>
-STILT_INLINE inline void update_hessian(const LqStage& stage, const ValueFunction& next, const Drift& drift,
-                                        const RiccatiWorkspace& work, double (*P)[kRows]) noexcept {
-  const auto update = [&]<int kFirst, int kCount>(Tile<kFirst, kCount, false>& tile) STILT_INLINE {
-    tile.for_each([&](auto c, auto p) STILT_INLINE {
-      tile.v[c][p] =
-          load(stage.Q[kFirst + c] + p * kLanes) + free_value<Mode, kFirst + c, p>(next, stage.h, drift);
-    });
-    unroll<Mode::kTerms>([&](auto i) STILT_INLINE {
-      if constexpr (kFirst > 0) {
-        const double* V = Mode::kDrifts ? work.V[i] : next.P[Mode::row(i < Mode::kUnits ? i : 0)];
-        tile.add(V, [&](auto c) STILT_INLINE { return stage.G[i][kFirst + c]; });
-      }
-      tile.add(stage.G[i], [&](auto c) STILT_INLINE { return work.T[i][kFirst + c]; });
-    });
+STILT_INLINE inline void half_hessian(const LqStage& stage, const ValueFunction& next, const Drift& drift,
+                                      const RiccatiWorkspace& work, double (*N)[kRows]) noexcept {
+  const auto update = [&]<int kFirst, int kCount>(Tile<kFirst, kCount>& tile) STILT_INLINE {
+    tile.for_each([&](auto c, auto p)
+                      STILT_INLINE { tile.v[c][p] = initial_half<Mode, kFirst + c, p>(stage, next, drift); });
+    if constexpr (kFirst > 0) {
+      unroll<Mode::kTerms>([&](auto i) STILT_INLINE {
+        tile.add(work.W[i], [&](auto c) STILT_INLINE { return stage.G[i][kFirst + c]; });
+      });
+    }
     unroll<Mode::kInputs>([&](auto i) STILT_INLINE {
-      tile.add(work.y[i], [&](auto c) STILT_INLINE { return work.z[i][kFirst + c]; });
+      unroll<kCount>([&](auto c) STILT_INLINE {
+        constexpr int kDiagonal = (kFirst + c) / kLanes;
+        const Vec z = broadcast(work.z[i][kFirst + c]);
+        tile.v[c][kDiagonal] += load(work.half_y[i] + kDiagonal * kLanes) * z;
+        unroll<kParts - 1 - kDiagonal>([&](auto below) STILT_INLINE {
+          constexpr int kPart = kDiagonal + 1 + below;
+          tile.v[c][kPart] += load(work.y[i] + kPart * kLanes) * z;
+        });
+      });
     });
-    tile.for_each([&](auto c, auto p) STILT_INLINE { store(P[kFirst + c] + p * kLanes, tile.v[c][p]); });
+    tile.for_each([&](auto c, auto p) STILT_INLINE { store(N[kFirst + c] + p * kLanes, tile.v[c][p]); });
   };
-  for_each_tile<false, 0, 1>(update);
-  for_each_tile<false, 1, kStates>(update);
-}
-
-/// Copies the lower triangle of P to the upper and clears the padding.
-STILT_INLINE inline void mirror(double (*P)[kRows]) noexcept {
-  unroll<kParts>([&](auto column_part) STILT_INLINE {
-    unroll<kParts>([&](auto row_part) STILT_INLINE {
-      constexpr int kColumn = column_part * kLanes, kRow = row_part * kLanes;
-      if constexpr (row_part >= column_part && kColumn < kStates) {
-        Block block;
-        unroll<kLanes>([&](auto c) STILT_INLINE {
-          if constexpr (kColumn + c < kStates) {
-            block.column[c] = clear_padding<kRow>(load(P[kColumn + c] + kRow));
-          } else {
-            block.column[c] = Vec{};
-          }
-        });
-        Block other = block;
-        transpose(other);
-        unroll<kLanes>([&](auto c) STILT_INLINE {
-          if constexpr (row_part == column_part) {
-            const Vec both = shuffle(other.column[c], block.column[c], FirstOfX<c>{});
-            if constexpr (kColumn + c < kStates) store(P[kColumn + c] + kRow, both);
-          } else {
-            if constexpr (kRow + kLanes > kStates && kColumn + c < kStates) {
-              store(P[kColumn + c] + kRow, block.column[c]);
-            }
-            if constexpr (kRow + c < kStates) store(P[kRow + c] + kColumn, other.column[c]);
-          }
-        });
-      }
-    });
-  });
+  for_each_tile<0, 1>(update);
+  for_each_tile<1, kStates>(update);
 }
 
 /// p = f_x + sum_i y_i z_i.
@@ -350,45 +227,26 @@ template <class Mode>
   const Drift drift(stage.h);
   value_products<Mode>(stage, next, work);
   scalar_products<Mode>(stage, work);
-  row_products<Mode>(stage, next, drift, work);
-
   SweepOutcome outcome = SweepOutcome::kOk;
   double z[kInputs > 0 ? kInputs : 1];
   if constexpr (kInputs > 0) {
     InputTerms<kInputs> terms = input_terms<Mode>(stage, work);
     double inverse_pivot[kInputs];
     outcome = factorise<kInputs>(terms.H, inverse_pivot);
+    row_products<Mode>(stage, next, drift, work);
     solve_gains<kInputs>(terms, inverse_pivot, work, gain);
     solve_feedforward<kInputs>(terms, inverse_pivot, gain, z);
   } else {
+    row_products<Mode>(stage, next, drift, work);
     std::memset(gain.K, 0, sizeof(gain.K));
   }
   unroll<kMaxFreeInputs - kInputs>([&](auto i) STILT_INLINE { gain.k[kInputs + i] = 0.0; });
 
-  update_hessian<Mode>(stage, next, drift, work, value.P);
-  mirror(value.P);
   update_gradient<kInputs>(work, z, value.p);
+  forget_values();
+  half_hessian<Mode>(stage, next, drift, work, value.P);
+  add_transpose(value.P);
   return outcome;
-}
-
-/// Calls run(mode) with the compile-time facts of a stage; false when there are none.
-template <class Run>
-STILT_INLINE inline bool dispatch(const LqStage& stage, const Run& run) noexcept {
-  const auto is = [&](StageForm form, int inputs, int constraints) STILT_INLINE {
-    return stage.form == form && stage.free_inputs == inputs && stage.constraints == constraints;
-  };
-  if (is(StageForm::flow, 3, 1)) {
-    run(Flow<3, 1>{});
-  } else if (is(StageForm::flow, 4, 2)) {
-    run(Flow<4, 2>{});
-  } else if (is(StageForm::flow, 2, 2)) {
-    run(Flow<2, 2>{});
-  } else if (is(StageForm::transition, 0, 0)) {
-    run(Transition{});
-  } else {
-    return false;
-  }
-  return true;
 }
 
 SweepOutcome sweep_any_stage(const LqStage& stage, const ValueFunction& next, ValueFunction& value,
@@ -397,6 +255,13 @@ SweepOutcome sweep_any_stage(const LqStage& stage, const ValueFunction& next, Va
   dispatch(stage, [&]<class Mode>(Mode)
                       STILT_INLINE { outcome = sweep_stage<Mode>(stage, next, value, gain, work); });
   return outcome;
+}
+
+/// The symmetric matrix whose lower triangle is Q's.
+void mirror_lower(const double (*Q)[kRows], double (*P)[kRows]) noexcept {
+  for (int c = 0; c < kStates; ++c) {
+    for (int r = 0; r < kRows; ++r) P[c][r] = r < c ? Q[r][c] : r < kStates ? Q[c][r] : 0.0;
+  }
 }
 
 /// True when every entry is finite: 0 * v is zero then, and NaN otherwise.
@@ -409,83 +274,12 @@ bool is_finite(const ValueFunction& value) noexcept {
   return sum(zero) == 0.0;
 }
 
-/// The places of a column of kRows scalar products with x: unit row i of A stands at its own state row, so
-/// that the sums can be added to the next state; gains stand at rows 3 to 6, constraints at 10 and 11.
-inline constexpr int kGainPlace = 3;
-inline constexpr int kConstraintPlace = 10;
-
-template <class Mode>
-constexpr int unit_at(int place) noexcept {
-  for (int i = 0; i < Mode::kUnits; ++i) {
-    if (Mode::row(i) == place) return i;
-  }
-  return -1;
-}
-
-/// The vector whose product with x belongs at a place, or null.
-template <class Mode, int kPlace>
-STILT_INLINE inline const double* vector_at(const LqStage& stage, const LqGain& gain) noexcept {
-  constexpr int kInput = kPlace - kGainPlace, kConstraint = kPlace - kConstraintPlace;
-  if constexpr (unit_at<Mode>(kPlace) >= 0) {
-    return stage.G[unit_at<Mode>(kPlace)];
-  } else if constexpr (kInput >= 0 && kInput < Mode::kInputs) {
-    return gain.K[kInput];
-  } else if constexpr (kConstraint >= 0 && kConstraint < Mode::kConstraints) {
-    return stage.G[Mode::kUnits + kConstraint];
-  } else {
-    return nullptr;
-  }
-}
-
-/// Keeps the places of unit rows, clears the others.
-template <class Mode, int kPart>
-struct UnitLanes {
-  static constexpr int at(int l) noexcept { return unit_at<Mode>(kPart * kLanes + l) >= 0 ? l : l + kLanes; }
-};
-
-/// steps[1].x, steps[0].w and steps[0].c from steps[0].x.
-template <class Mode>
-STILT_INLINE inline void roll_stage(const LqStage& stage, const LqGain& gain, LqStep* steps) noexcept {
-  const double* x = steps[0].x;
-  const Drift drift(stage.h);
-  alignas(64) double sums[kRows];
-  Vec next[kParts];
-  unroll<kParts>([&](auto part) STILT_INLINE {
-    Block block;
-    unroll<kLanes>([&](auto lane) STILT_INLINE {
-      const double* row = vector_at<Mode, part * kLanes + lane>(stage, gain);
-      block.column[lane] = row == nullptr ? Vec{} : lanes_of_dot(row, x);
-    });
-    const Vec total = column_sums(block);
-    store(sums + part * kLanes, total);
-    if constexpr (Mode::kDrifts) {
-      next[part] = free_motion<part>(x, drift);
-    } else {
-      next[part] = load(x + part * kLanes);
-    }
-    next[part] += load(stage.b + part * kLanes) + shuffle(total, Vec{}, UnitLanes<Mode, part>{});
-  });
-  const auto add = [&](const double* column, double factor) STILT_INLINE {
-    unroll<kParts>([&](auto part) STILT_INLINE { next[part] += load(column + part * kLanes) * factor; });
-  };
-  unroll<kMaxConstraints>([&](auto i) STILT_INLINE {
-    steps[0].c[i] = i < Mode::kConstraints ? sums[kConstraintPlace + i] : 0.0;
-    if constexpr (i < Mode::kConstraints) add(stage.L[i], steps[0].c[i]);
-  });
-  unroll<kMaxFreeInputs>([&](auto i) STILT_INLINE {
-    steps[0].w[i] = i < Mode::kInputs ? gain.k[i] + sums[kGainPlace + i] : 0.0;
-    if constexpr (i < Mode::kInputs) add(stage.B[i], steps[0].w[i]);
-  });
-  unroll<kParts>([&](auto part) STILT_INLINE { store(steps[1].x + part * kLanes, next[part]); });
-}
-
 }  // namespace
 
 SweepStatus backward_sweep(const LqStage* stages, int count, const LqTerminal& terminal, LqGain* gains,
                            RiccatiWorkspace& workspace, ValueFunction* values) noexcept {
   ValueFunction* next = &workspace.value[0];
-  std::memcpy(next->P, terminal.Q, sizeof(next->P));
-  mirror(next->P);
+  mirror_lower(terminal.Q, next->P);
   std::memcpy(next->p, terminal.q, sizeof(next->p));
   if (values != nullptr) values[count] = *next;
   for (int k = count - 1; k >= 0; --k) {
@@ -497,27 +291,6 @@ SweepStatus backward_sweep(const LqStage* stages, int count, const LqTerminal& t
   }
   if (!is_finite(*next)) return {SweepOutcome::kNotFinite, 0};
   return {};
-}
-
-void forward_sweep(const LqStage* stages, int count, const LqGain* gains, const double* x0,
-                   LqStep* steps) noexcept {
-  std::memcpy(steps[0].x, x0, sizeof(steps[0].x));
-  for (int k = 0; k < count; ++k) {
-    dispatch(stages[k],
-             [&]<class Mode>(Mode) STILT_INLINE { roll_stage<Mode>(stages[k], gains[k], steps + k); });
-  }
-  std::memset(steps[count].w, 0, sizeof(steps[count].w));
-  std::memset(steps[count].c, 0, sizeof(steps[count].c));
-}
-
-double cost_slope(const LqStage* stages, int count, const LqTerminal& terminal,
-                  const LqStep* steps) noexcept {
-  double slope = dot(terminal.q, steps[count].x);
-  for (int k = 0; k < count; ++k) {
-    slope += dot(stages[k].q, steps[k].x);
-    for (int i = 0; i < stages[k].free_inputs; ++i) slope += stages[k].r[i] * steps[k].w[i];
-  }
-  return slope;
 }
 
 }  // namespace stilt::solver

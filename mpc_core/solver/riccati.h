@@ -11,9 +11,9 @@
 ///   P <- Q + A'P A - F'H^-1 F        p <- f_x - F'H^-1 f_u
 ///
 /// With A = E + U G' in the form of lq_problem.h (U: unit columns and L) products with A become products with
-/// its 6 to 8 rows of G, and
+/// its 6 to 8 rows of G. With S = U'P U, halved on the diagonal and cut to its lower triangle in S_l,
 ///
-///   A'P A = E'P E + V'G + G'T        V = U'P E, T = U'P A = V + (U'P U) G
+///   A'P A = E'P E + W G' + G W'        W' = U'P E + S_l G'
 ///
 /// Of Q and R only the triangles Q[c][r], R[c][r] with r >= c are read, and P is made exactly symmetric at
 /// every stage: the antisymmetric part of a rounding error would otherwise grow with the open-loop dynamics.
@@ -50,12 +50,12 @@ struct alignas(64) ValueFunction {
 struct alignas(64) RiccatiWorkspace {
   ValueFunction value[2];                                 ///< of this stage and the next, in turn
   double X[kMaxFreeInputs + kMaxConstraints + 1][kRows];  ///< P [B, L] by columns, then P b + p
-  double V[kMaxDynamicsRows][kRows];                      ///< U'P E by rows
-  double T[kMaxDynamicsRows][kRows];                      ///< U'P A by rows
+  double W[kMaxDynamicsRows][kRows];                      ///< W' by rows
   double F[kMaxFreeInputs + 1][kRows];                    ///< F by rows, then f_x
   double y[kMaxFreeInputs][kRows];                        ///< L^-1 F by rows
-  double z[kMaxFreeInputs][kRows];                        ///< -D^-1 L^-1 F by rows
-  double dots[32];                                        ///< [B, L]'X
+  double half_y[kMaxFreeInputs][kRows];
+  double z[kMaxFreeInputs][kRows];  ///< -D^-1 L^-1 F by rows
+  double dots[32];                  ///< [B, L]'X, see Dots in riccati.cc
 };
 
 /// Computes the gains of all stages, last to first.

@@ -140,16 +140,6 @@ STILT_INLINE inline Vec column_sums(Block& block) noexcept {
   return block.column[0];
 }
 
-/// Registers at rows kRow ... of a column with the spare rows beyond kStates cleared.
-template <int kRow>
-STILT_INLINE inline Vec clear_padding(Vec v) noexcept {
-  if constexpr (kRow + kLanes > kStates) {
-    return shuffle(v, Vec{}, FirstOfX<kStates - kRow>{});
-  } else {
-    return v;
-  }
-}
-
 /// The free motion E = [I  h I; 0  I] moves by kHalf rows, one less than a whole number of registers.
 inline constexpr int kHalf = kStates / 2;
 static_assert((kHalf + 1) % kLanes == 0 && kStates == 2 * kHalf);
@@ -172,17 +162,32 @@ struct Drift {
   }
 };
 
+/// Register kPart of v moved down by kHalf rows; of its lanes only those of rows kHalf ... kStates - 1 are
+/// meant, the others hold some other entry of v.
+template <int kPart>
+STILT_INLINE inline Vec shifted_down(const double* v) noexcept {
+  if constexpr ((kPart + 1) * kLanes == kHalf + 1) {
+    return broadcast(v[0]);
+  } else if constexpr (has_velocity(kPart)) {
+    return load(v + kPart * kLanes - kHalf);
+  } else {
+    return Vec{};
+  }
+}
+
 /// Register kPart of E'v: v_q is added to the velocities, times h.
 template <int kPart>
 STILT_INLINE inline Vec free_motion_transposed(const double* v, const Drift& drift) noexcept {
-  Vec out = load(v + kPart * kLanes);
-  if constexpr ((kPart + 1) * kLanes == kHalf + 1) {
-    out += broadcast(v[0]) * drift.velocity[kPart];
-  } else if constexpr (has_velocity(kPart)) {
-    const double* shifted = v + kPart * kLanes - kHalf - 1;
-    out += shuffle(load(shifted), load(shifted + kLanes), Window<1>{}) * drift.velocity[kPart];
-  }
-  return out;
+  const Vec out = load(v + kPart * kLanes);
+  return has_velocity(kPart) ? out + shifted_down<kPart>(v) * drift.velocity[kPart] : out;
+}
+
+/// The lanes above kLane as they are, half of lane kLane, zero below: with its transpose, a block of such
+/// columns is the symmetric one of its lower triangle.
+template <int kLane>
+STILT_INLINE inline Vec lower_half(Vec v) noexcept {
+  const Vec lower = shuffle(v, Vec{}, LanesBetween<kLane, kLanes>{});
+  return lower * shuffle(broadcast(0.5), broadcast(1.0), FirstOfX<kLane + 1>{});
 }
 
 /// Register kPart of E v: v_v is added to the positions, times h.
@@ -196,58 +201,97 @@ STILT_INLINE inline Vec free_motion(const double* v, const Drift& drift) noexcep
   return out;
 }
 
-/// Accumulators: columns kFirst ... kFirst + kCount - 1 of a symmetric matrix, each from the register that
-/// holds its diagonal on, or (kWhole) whole.
-template <int kFirst, int kCount, bool kWhole>
+/// Keeps the compiler from carrying what was stored on in registers, which it would have to spill: cheaper to
+/// load it again.
+STILT_INLINE inline void forget_values() noexcept { asm volatile("" ::: "memory"); }
+
+/// Keeps the compiler from loading v again at each use.
+STILT_INLINE inline Vec in_register(Vec v) noexcept {
+#if defined(__AVX__)
+  asm("" : "+v"(v));
+#endif
+  return v;
+}
+
+/// Accumulators: columns kFirst ... kFirst + kCount - 1 of a product.
+template <int kFirst, int kCount>
 struct Tile {
   Vec v[kCount][kParts];
-
-  [[nodiscard]] static constexpr int first_part(int c) noexcept { return kWhole ? 0 : (kFirst + c) / kLanes; }
 
   /// body(c, part) for all registers, both integral constants; column c of the tile is kFirst + c.
   template <class Body>
   STILT_INLINE static void for_each(const Body& body) noexcept {
-    unroll<kCount>([&](auto c) STILT_INLINE {
-      unroll<kParts - first_part(c)>(
-          [&](auto p) STILT_INLINE { body(c, std::integral_constant<int, first_part(c) + p>{}); });
-    });
+    unroll<kCount>([&](auto c)
+                       STILT_INLINE { unroll<kParts>([&](auto part) STILT_INLINE { body(c, part); }); });
   }
 
-  /// Adds left * factor(c) to column c.
-  template <class Factor>
+  /// Adds left * factor(c) to the columns c of the tile from kFrom on.
+  template <int kFrom = 0, class Factor>
   STILT_INLINE void add(const double* left, const Factor& factor) noexcept {
-    Vec l[kParts];
-    unroll<kParts - first_part(0)>(
-        [&](auto p) STILT_INLINE { l[first_part(0) + p] = load(left + (first_part(0) + p) * kLanes); });
-    unroll<kCount>([&](auto c) STILT_INLINE {
-      const Vec f = broadcast(factor(c));
-      unroll<kParts - first_part(c)>(
-          [&](auto p) STILT_INLINE { v[c][first_part(c) + p] += l[first_part(c) + p] * f; });
-    });
+    if constexpr (kFrom < kCount) {
+      Vec f[kCount];
+      unroll<kCount - kFrom>([&](auto i) STILT_INLINE {
+        f[kFrom + i] = broadcast(factor(std::integral_constant<int, kFrom + i>{}));
+      });
+      unroll<kParts>([&](auto p) STILT_INLINE {
+        const Vec l = in_register(load(left + p * kLanes));
+        unroll<kCount - kFrom>([&](auto i) STILT_INLINE { v[kFrom + i][p] += l * f[kFrom + i]; });
+      });
+    }
   }
 };
 
-/// Number of columns from `first` on, up to `end`, whose accumulators fit the registers.
-template <bool kWhole>
-[[nodiscard]] constexpr int tile_width(int first, int end) noexcept {
-  int width = 0, accumulators = 0;
-  while (first + width < end) {
-    accumulators += kWhole ? kParts : kParts - (first + width) / kLanes;
-    if (width > 0 && accumulators > kMaxAccumulators) break;
-    ++width;
-  }
-  return width;
-}
-
 /// Cuts columns kFirst ... kEnd - 1 into tiles that fit the registers and calls body(tile) for each.
-template <bool kWhole, int kFirst, int kEnd, class Body>
+template <int kFirst, int kEnd, class Body>
 STILT_INLINE inline void for_each_tile(const Body& body) noexcept {
   if constexpr (kFirst < kEnd) {
-    constexpr int kCount = tile_width<kWhole>(kFirst, kEnd);
-    Tile<kFirst, kCount, kWhole> tile;
+    constexpr int kFit = kMaxAccumulators / kParts > 0 ? kMaxAccumulators / kParts : 1;
+    constexpr int kCount = kEnd - kFirst < kFit ? kEnd - kFirst : kFit;
+    Tile<kFirst, kCount> tile;
     body(tile);
-    for_each_tile<kWhole, kFirst + kCount, kEnd>(body);
+    forget_values();
+    for_each_tile<kFirst + kCount, kEnd>(body);
   }
+}
+
+/// Square block at register kPart of columns kColumn ... of a matrix of kStates columns.
+template <int kColumn, int kPart>
+STILT_INLINE inline Block load_block(const double (*P)[kRows]) noexcept {
+  Block block{};
+  unroll<kLanes>([&](auto c) STILT_INLINE {
+    if constexpr (kColumn + c < kStates) block.column[c] = load(P[kColumn + c] + kPart * kLanes);
+  });
+  return block;
+}
+
+/// Stores x + y as the block at register kPart of columns kColumn ...
+template <int kColumn, int kPart>
+STILT_INLINE inline void store_sum(double (*P)[kRows], const Block& x, const Block& y) noexcept {
+  unroll<kLanes>([&](auto c) STILT_INLINE {
+    if constexpr (kColumn + c < kStates) store(P[kColumn + c] + kPart * kLanes, x.column[c] + y.column[c]);
+  });
+}
+
+/// P = N + N' in place, exactly symmetric.
+STILT_INLINE inline void add_transpose(double (*P)[kRows]) noexcept {
+  unroll<kParts>([&](auto left) STILT_INLINE {
+    unroll<kParts - left>([&](auto distance) STILT_INLINE {
+      constexpr int kLow = left + distance;
+      const Block below = load_block<left * kLanes, kLow>(P);
+      Block below_transposed = below;
+      transpose(below_transposed);
+      if constexpr (distance == 0) {
+        store_sum<left * kLanes, left>(P, below, below_transposed);
+      } else {
+        const Block above = load_block<kLow * kLanes, left>(P);
+        Block above_transposed = above;
+        transpose(above_transposed);
+        store_sum<left * kLanes, kLow>(P, below, above_transposed);
+        store_sum<kLow * kLanes, left>(P, above, below_transposed);
+      }
+      forget_values();
+    });
+  });
 }
 
 }  // namespace stilt::solver
