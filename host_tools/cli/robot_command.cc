@@ -84,6 +84,7 @@ Json robot_json(const RobotOnBus& robot, const log::RunSummary& summary, const R
   json["controllers"] = outcome.controllers;
   json["drivers"] = drivers_json(robot);
   json["faults"] = faults_json(robot);
+  json["has_priority"] = outcome.has_priority;
   json["late"] = outcome.late;
   json["late_max_s"] = outcome.late_max_s;
   return json;
