@@ -16,7 +16,6 @@ struct Event {
   enum class Kind : std::uint8_t {
     state,           ///< the supervisor is in another state: `state`
     fault,           ///< a fault appeared: `fault`
-    fault_gone,      ///< its cause is gone: `fault`
     bring_up_failed  ///< of the driver of `joint`: `failure`, `driver_fault`
   };
   Kind kind = Kind::state;

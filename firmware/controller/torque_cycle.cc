@@ -243,12 +243,9 @@ void TorqueCycle::push(const Event& event) noexcept {
 
 void TorqueCycle::report_events() noexcept {
   const supervisor::SupervisorOutput& decision = supervisor_.output();
-  const supervisor::FaultSet gone = reported_ - decision.present;
   for (const supervisor::FaultRow& row : supervisor::kFaultTable) {
     if (decision.raised.has(row.fault)) push({.kind = Event::Kind::fault, .fault = row.fault});
-    if (gone.has(row.fault)) push({.kind = Event::Kind::fault_gone, .fault = row.fault});
   }
-  reported_ = decision.present;
   if (decision.entered || ticks_ == 0) push({.kind = Event::Kind::state, .state = decision.state});
 }
 

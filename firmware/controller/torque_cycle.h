@@ -93,7 +93,6 @@ class TorqueCycle {
   hardware::DriversProgress bring_up_;
   OperatorCommand operator_;
   diagnostics::TickRecord record_;
-  supervisor::FaultSet reported_;
   std::int64_t start_ns_ = 0;
   std::int64_t ticks_ = 0;
   std::uint64_t bus_errors_ = 0;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "firmware/realtime/allocation_counter.h"
 #include "hal/clock.h"
 
 namespace stilt::program {
@@ -80,10 +81,14 @@ void run_lockstep(const Options& options, std::size_t bus_count, Signals& signal
   for (long long tick = 0; ticks_off < kLastTicks; ++tick) {
     const std::int64_t start_ns = wall.now_ns();
     operate(state, signals.stop);
-    planner.hand_over(tick);
-    state.torque.tick({.now_ns = clock.now_ns()});
-    state.loop.execution.add_ns(wall.now_ns() - start_ns);
-    planner.plan(tick);
+    {
+      const realtime::AllocationScope allocations;
+      planner.hand_over(tick);
+      state.torque.tick({.now_ns = clock.now_ns()});
+      state.loop.execution.add_ns(wall.now_ns() - start_ns);
+      planner.plan(tick);
+      state.loop.heap_allocations += allocations.count();
+    }
     take_events(state.mail.events, outcome);
     ++state.loop.ticks;
     ticks_off = state.torque.decision().state == supervisor::State::off ? ticks_off + 1 : 0;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <span>
 
 namespace stilt::program {
 namespace {
@@ -19,16 +20,10 @@ void say(double time_s, const std::string& text) {
   std::fprintf(stderr, "%9.3f s  %s\n", time_s, text.c_str());
 }
 
-/// The entry of a fault that comes and goes; nullptr for its first time, and for latched ones.
-ReportedFault* known(const supervisor::FaultRow& row, Outcome& outcome) {
-  if (row.severity == supervisor::Severity::latched) return nullptr;
-  const auto entry = std::ranges::find(outcome.faults, row.name, &ReportedFault::name);
-  return entry == outcome.faults.end() ? nullptr : &*entry;
-}
-
 void take_fault(const Event& event, Outcome& outcome) {
   const supervisor::FaultRow& row = supervisor::row(event.fault);
-  if (ReportedFault* entry = known(row, outcome)) {
+  const auto recent = std::span(outcome.faults).subspan(outcome.faults_before_reset);
+  if (const auto entry = std::ranges::find(recent, row.name, &ReportedFault::name); entry != recent.end()) {
     ++entry->count;
     return;
   }
@@ -37,10 +32,14 @@ void take_fault(const Event& event, Outcome& outcome) {
   say(event.time_s, std::string("fault ") + row.name + ": " + row.cause + "; reaction: " + reaction);
 }
 
-/// The end of what comes and goes is not worth a line.
-void take_end_of_fault(const Event& event) {
-  if (supervisor::row(event.fault).severity != supervisor::Severity::latched) return;
-  say(event.time_s, std::string("fault ") + supervisor::name(event.fault) + ": its cause is gone");
+void take_state(const Event& event, Outcome& outcome) {
+  const std::string state = supervisor::name(event.state);
+  if (outcome.state == supervisor::name(supervisor::State::fault)) {
+    outcome.faults_before_reset = outcome.faults.size();
+  }
+  if (event.state != supervisor::State::off) outcome.last_state = state;
+  outcome.state = state;
+  say(event.time_s, state);
 }
 
 std::string bring_up_text(const Event& event) {
@@ -58,15 +57,10 @@ void take_events(controller::EventRing& events, Outcome& outcome) {
   while (const Event* event = events.front()) {
     switch (event->kind) {
       case Event::Kind::state:
-        if (event->state != supervisor::State::off) outcome.last_state = supervisor::name(event->state);
-        outcome.state = supervisor::name(event->state);
-        say(event->time_s, supervisor::name(event->state));
+        take_state(*event, outcome);
         break;
       case Event::Kind::fault:
         take_fault(*event, outcome);
-        break;
-      case Event::Kind::fault_gone:
-        take_end_of_fault(*event);
         break;
       case Event::Kind::bring_up_failed:
         say(event->time_s, bring_up_text(*event));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -8,8 +9,7 @@
 
 namespace stilt::program {
 
-/// A fault as the report lists it. Latched ones stand there each time; others, which come and go by
-/// themselves, once, with their number.
+/// A fault as the report lists it: once until the operator resets the faults, with how often its cause came.
 struct ReportedFault {
   std::string name;
   double time_s = 0.0;  ///< of the first time
@@ -22,6 +22,7 @@ struct Outcome {
   std::string state;       ///< the supervisor's at the end
   std::string last_state;  ///< the one before it was off
   std::vector<ReportedFault> faults;
+  std::size_t faults_before_reset = 0;  ///< the first of them are done with
   long long ticks = 0;
   long long late_ticks = 0;
   long long missed_periods = 0;

@@ -127,11 +127,7 @@ void on_step(int, siginfo_t*, void* context) {
   __builtin_ia32_writeeflags_u64(__builtin_ia32_readeflags_u64() & ~0x100ULL);
 }
 
-}  // namespace
-
-bool can_count_work() noexcept { return true; }
-
-ExecutedWork count_work(const std::function<void()>& function) {
+ExecutedWork stepped(const std::function<void()>& function) {
   struct sigaction action {};
   struct sigaction before {};
   action.sa_sigaction = on_step;
@@ -145,9 +141,18 @@ ExecutedWork count_work(const std::function<void()>& function) {
   return counted;
 }
 
+}  // namespace
+
+bool can_count_work() {
+  static const bool kSteps = stepped([] {}).instructions > 0;  // some sandboxes ignore the flag
+  return kSteps;
+}
+
+ExecutedWork count_work(const std::function<void()>& function) { return stepped(function); }
+
 #else
 
-bool can_count_work() noexcept { return false; }
+bool can_count_work() { return false; }
 
 ExecutedWork count_work(const std::function<void()>& function) {
   function();

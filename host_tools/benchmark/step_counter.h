@@ -25,8 +25,9 @@ struct ExecutedWork {
   }
 };
 
-/// False on processors whose instructions cannot be stepped through here.
-[[nodiscard]] bool can_count_work() noexcept;
+/// False where instructions cannot be stepped through: other processors, builds with sanitizers, some
+/// sandboxes.
+[[nodiscard]] bool can_count_work();
 
 /// Runs the function once and counts. Not reentrant, one thread at a time; a debugger gets in its way.
 /// All zero when can_count_work() is false (the function runs all the same).

@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <cmath>
 #include <cstdio>
 #include <utility>
 
@@ -28,8 +29,10 @@ Progress::~Progress() {
 void Progress::update(double done) {
   const Clock::time_point now = Clock::now();
   if (now < next_) return;
-  std::fprintf(stderr, is_terminal_ ? "\r\033[K%s: %.0f of %.0f %s" : "%s: %.0f of %.0f %s\n", what_.c_str(),
-               done, total_, unit_.c_str());
+  char goal[40] = "";
+  if (std::isfinite(total_)) std::snprintf(goal, sizeof goal, " of %.0f", total_);
+  std::fprintf(stderr, is_terminal_ ? "\r\033[K%s: %.0f%s %s" : "%s: %.0f%s %s\n", what_.c_str(), done, goal,
+               unit_.c_str());
   std::fflush(stderr);
   shown_ = true;
   next_ = now;

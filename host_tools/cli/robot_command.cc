@@ -3,6 +3,7 @@
 #include <atomic>
 #include <csignal>
 #include <cstdio>
+#include <limits>
 
 #include "host_tools/cli/json_output.h"
 #include "host_tools/cli/progress.h"
@@ -21,12 +22,19 @@ using robot_on_bus::RobotOnBus;
 using robot_on_bus::RunOutcome;
 using Json = nlohmann::ordered_json;
 
-constexpr double kEndless_s = 86400.0;
+constexpr double kEndless_s = std::numeric_limits<double>::infinity();
 
 std::atomic<bool> interrupted = false;
 static_assert(std::atomic<bool>::is_always_lock_free);
 
 void interrupt(int) { interrupted.store(true); }
+
+/// The controller may start now.
+void announce(const std::vector<std::string>& buses) {
+  std::string names;
+  for (const std::string& bus : buses) names += (names.empty() ? "" : ", ") + bus;
+  std::fprintf(stderr, "the robot hangs on its hoist, ready for a controller on %s\n", names.c_str());
+}
 
 /// SIGINT and SIGTERM end the run in order; its figures are still written.
 void catch_signals() {
@@ -76,6 +84,7 @@ Json robot_json(const RobotOnBus& robot, const log::RunSummary& summary, const R
   json["controllers"] = outcome.controllers;
   json["drivers"] = drivers_json(robot);
   json["faults"] = faults_json(robot);
+  json["has_priority"] = outcome.has_priority;
   json["late"] = outcome.late;
   json["late_max_s"] = outcome.late_max_s;
   return json;
@@ -158,6 +167,7 @@ int run_robot(const RobotOptions& options, const std::string& command_line) {
   for (const std::string& name : hardware.bus_names) buses.emplace_back(name, hardware.fd);
   robot_on_bus::FrameLog frames(options.frames_file);
   catch_signals();
+  announce(hardware.bus_names);
   RunOutcome outcome;
   {
     Progress progress("walking", options.duration_s.value_or(kEndless_s), "s");

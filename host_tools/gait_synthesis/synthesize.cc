@@ -73,13 +73,14 @@ gait_files::GaitRecord make_record(const model::RobotModel& robot, const StepTas
   const char* meaning = "";
   for (const NamedCost& row : kCosts) meaning = row.cost == task.cost ? row.meaning : meaning;
   record.origin = {
-      {"program", "stilt gait synthesize"},
+      // in the order of the alphabet, in which they are read back
       {"asked", short_text(task.speed_m_s) + " m/s, step time " + short_text(task.step_time_s) + " s"},
+      {"cost", short_text(synthesis.cost_per_m) + ": " + meaning},
       {"method", "direct collocation (Lobatto IIIA, " + std::to_string(task.elements) +
                      " elements of degree " + std::to_string(task.element_degree) + "), solved by Ipopt in " +
                      std::to_string(synthesis.iterations) +
                      " iterations; then the periodic motion of the hybrid model under these outputs"},
-      {"cost", short_text(synthesis.cost_per_m) + ": " + meaning},
+      {"program", "stilt gait synthesize"},
   };
   return record;
 }

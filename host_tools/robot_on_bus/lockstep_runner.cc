@@ -36,7 +36,7 @@ class LockstepRun {
 
  private:
   void turn() {
-    wait_for_frames(buses_, kLongestWait_ns);
+    wait_for_frames(robot_, buses_, kLongestWait_ns);
     if (exchange_.poll()) {
       quiet_since_ = SteadyClock::now();
       patience_s_ = options_.wait_s;

@@ -21,11 +21,14 @@ bool any_connected(const std::vector<RobotBus>& buses) {
   return std::ranges::any_of(buses, &RobotBus::connected);
 }
 
-void wait_for_frames(const std::vector<RobotBus>& buses, std::int64_t timeout_ns) {
+void wait_for_frames(const RobotOnBus& robot, const std::vector<RobotBus>& buses, std::int64_t timeout_ns) {
   if (timeout_ns <= 0) return;
   std::vector<pollfd> descriptors;
   descriptors.reserve(buses.size());
-  for (const RobotBus& bus : buses) descriptors.push_back({bus.descriptor(), POLLIN, 0});
+  for (std::size_t i = 0; i < buses.size(); ++i) {
+    const int descriptor = robot.disconnected(i) ? -1 : buses[i].descriptor();  // poll() skips negative ones
+    descriptors.push_back({descriptor, POLLIN, 0});
+  }
   constexpr std::int64_t kSecond_ns = 1'000'000'000;
   const timespec timeout{timeout_ns / kSecond_ns, timeout_ns % kSecond_ns};
   static_cast<void>(::ppoll(descriptors.data(), descriptors.size(), &timeout, nullptr));

@@ -17,8 +17,8 @@ namespace stilt::robot_on_bus {
 /// Whether a controller is on any bus.
 [[nodiscard]] bool any_connected(const std::vector<RobotBus>& buses);
 
-/// Sleeps until something arrives on a bus, at most that long.
-void wait_for_frames(const std::vector<RobotBus>& buses, std::int64_t timeout_ns);
+/// Sleeps until something arrives on a bus that is there, at most that long.
+void wait_for_frames(const RobotOnBus& robot, const std::vector<RobotBus>& buses, std::int64_t timeout_ns);
 
 [[nodiscard]] std::vector<hal::FrameBus*> frame_buses(std::vector<RobotBus>& buses);
 

@@ -25,6 +25,7 @@ struct RunOptions {
 
 /// How a run went.
 struct RunOutcome {
+  bool has_priority = false;      ///< real time: the kernel granted SCHED_FIFO
   const char* ended = "";         ///< why
   std::uint64_t controllers = 0;  ///< that came, as far as the buses can tell
   std::uint64_t late = 0;         ///< real time: how often the robot fell behind the clock and let it go
@@ -38,8 +39,9 @@ struct RunOutcome {
                                       const RunOptions& options);
 
 /// The robot follows CLOCK_MONOTONIC. Commands take effect when they arrive, replies leave at once, the base
-/// sensor sends once a tick. A robot that falls behind by more than 5 ms leaves the lost time out instead of
-/// catching up in a burst, and counts it.
+/// sensor sends once a tick. Takes SCHED_FIFO above any controller when the kernel grants it: motor drivers
+/// do not wait for a processor. A robot that falls behind by more than 5 ms leaves the lost time out instead
+/// of catching up in a burst, and counts it.
 [[nodiscard]] RunOutcome run_realtime(RobotOnBus& robot, std::vector<RobotBus>& buses, FrameLog& log,
                                       const RunOptions& options);
 

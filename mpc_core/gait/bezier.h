@@ -28,4 +28,59 @@ struct BezierPoint {
   return point;
 }
 
+/// The Bernstein polynomials of one degree at one parameter, for several Bezier polynomials of that degree:
+/// cheaper than evaluate_bezier() from the second one on, and equal to it up to rounding. Real-time safe.
+class BernsteinBasis {
+ public:
+  /// `degree` 0 to kMaxBezierDegree, values outside are clamped.
+  BernsteinBasis(int degree, double s) noexcept
+      : degree_(degree < 0 ? 0 : (degree > kMaxBezierDegree ? kMaxBezierDegree : degree)) {
+    fill(degree_, s, basis_);
+    fill(degree_ - 1, s, slope_basis_);
+    fill(degree_ - 2, s, curvature_basis_);
+  }
+
+  /// Value at s; `coefficients`: degree + 1 numbers.
+  [[nodiscard]] double value(const double* coefficients) const noexcept {
+    double sum = 0.0;
+    for (int i = 0; i <= degree_; ++i) sum += basis_[i] * coefficients[i];
+    return sum;
+  }
+
+  /// Value, slope and curvature at s.
+  [[nodiscard]] BezierPoint evaluate(const double* coefficients) const noexcept {
+    BezierPoint point;
+    point.value = value(coefficients);
+    const double* c = coefficients;
+    for (int i = 0; i < degree_; ++i) point.slope += slope_basis_[i] * (c[i + 1] - c[i]);
+    for (int i = 0; i + 1 < degree_; ++i) {
+      point.curvature += curvature_basis_[i] * (c[i + 2] - 2.0 * c[i + 1] + c[i]);
+    }
+    point.slope *= degree_;
+    point.curvature *= degree_ * (degree_ - 1.0);
+    return point;
+  }
+
+ private:
+  /// C(n, i) s^i (1 - s)^(n - i).
+  static void fill(int n, double s, double* basis) noexcept {
+    if (n < 0) return;
+    double factor = 1.0;
+    for (int i = 0; i <= n; ++i) {
+      basis[i] = factor;
+      factor *= s * (n - i) / (i + 1.0);
+    }
+    double rest = 1.0;
+    for (int i = n; i >= 0; --i) {
+      basis[i] *= rest;
+      rest *= 1.0 - s;
+    }
+  }
+
+  int degree_;
+  double basis_[kMaxBezierDegree + 1];
+  double slope_basis_[kMaxBezierDegree + 1];
+  double curvature_basis_[kMaxBezierDegree + 1];
+};
+
 }  // namespace stilt::gait

@@ -8,19 +8,18 @@ using model::kJoints;
 using model::kPositions;
 
 GaitPoint motion_at(const HzdGait& gait, double s) noexcept {
-  GaitPoint point;
   const GaitMotion& motion = gait.motion;
+  const BernsteinBasis basis(motion.degree, s);
   const double rate = gait.step_time_s > 0.0 ? 1.0 / gait.step_time_s : 0.0;
+  GaitPoint point;
   for (int i = 0; i < kPositions; ++i) {
-    const BezierPoint b = evaluate_bezier(motion.position[i], motion.degree, s);
+    const BezierPoint b = basis.evaluate(motion.position[i]);
     point.position[i] = b.value;
     point.velocity[i] = b.slope * rate;
     point.acceleration[i] = b.curvature * rate * rate;
   }
-  for (int j = 0; j < kJoints; ++j) {
-    point.torque_Nm[j] = evaluate_bezier(motion.torque_Nm[j], motion.degree, s).value;
-  }
-  for (int i = 0; i < 2; ++i) point.force_N[i] = evaluate_bezier(motion.force_N[i], motion.degree, s).value;
+  for (int j = 0; j < kJoints; ++j) point.torque_Nm[j] = basis.value(motion.torque_Nm[j]);
+  for (int i = 0; i < 2; ++i) point.force_N[i] = basis.value(motion.force_N[i]);
   return point;
 }
 

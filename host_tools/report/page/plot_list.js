@@ -127,6 +127,11 @@ function solverPlots(run) {
   ];
 }
 
+/** The plot without the lines that nothing is known of: the robot alone knows no plan. */
+function knownLines(plot) {
+  return { ...plot, lines: plot.lines.filter((line) => line.values.some((value) => value !== null)) };
+}
+
 /** Sections of plots; those without data are left out. */
 function plotSections(run) {
   const time = Array.from(run.samples.time);
@@ -139,6 +144,6 @@ function plotSections(run) {
     { title: 'Planner', plots: solverPlots(run) },
   ];
   return sections
-    .map((section) => ({ ...section, plots: section.plots.filter((plot) => plot.time.length > 0) }))
+    .map((section) => ({ ...section, plots: section.plots.map(knownLines).filter((plot) => plot.lines.length > 0) }))
     .filter((section) => section.plots.length > 0);
 }

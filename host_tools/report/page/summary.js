@@ -123,6 +123,7 @@ function showSummary(run) {
   const steps = group(container);
   addTable(steps, 'Steps', stepRows(s));
   addStepList(steps, s.steps);
+  if (run.solves.rows === 0) return;  // a record of the robot alone: nothing is known of its controller
   addTable(steps, 'Memory', memoryRows(s));
   addTable(group(container), 'Planner', [...plannerRows(s), ...solveEndRows(run.solves)]);
 }

@@ -1,0 +1,80 @@
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <string>
+
+#include "firmware/configuration/gaits/gait_file.h"
+#include "firmware/configuration/gaits/shipped_gaits.h"
+
+namespace stilt::gait_files {
+namespace {
+
+class LoadLibrary : public testing::Test {
+ protected:
+  void SetUp() override {
+    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
+    folder_ = std::filesystem::path(testing::TempDir()) / (std::string("stilt_gaits_") + info->name());
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  void write(const char* name, std::string_view text) const { std::ofstream(folder_ / name) << text; }
+  [[nodiscard]] std::string error() {
+    const auto loaded = load_library(folder_.string(), "amber3m", *library_);
+    return loaded ? "" : loaded.error();
+  }
+  [[nodiscard]] std::string path(const char* name) const { return (folder_ / name).string(); }
+
+  std::filesystem::path folder_;
+  std::unique_ptr<gait::GaitLibrary> library_ = std::make_unique<gait::GaitLibrary>();
+};
+
+TEST_F(LoadLibrary, HasTheShippedGaitsOfAmberFromTheSlowestOn) {
+  ASSERT_TRUE(load_shipped_library("amber3m", *library_));
+  ASSERT_EQ(library_->count(), 15);
+  EXPECT_EQ(library_->gait(0).speed_m_s, -0.4);
+  EXPECT_EQ(library_->gait(4).speed_m_s, 0.0);
+  EXPECT_EQ(library_->gait(14).speed_m_s, 1.0);
+  EXPECT_NEAR(library_->step_time_s(), 0.3, 1e-4);
+}
+
+TEST_F(LoadLibrary, SaysThatARobotHasNoGaits) {
+  EXPECT_EQ(load_shipped_library("nobody", *library_).error(),
+            "no gaits of nobody are shipped; stilt gait library makes a folder of them");
+}
+
+TEST_F(LoadLibrary, SortsTheFilesOfAFolderBySpeed) {
+  int name = 100;
+  for (const ShippedGait& shipped : shipped_gaits())
+    write((std::to_string(name--) + ".toml").c_str(), shipped.text);
+  write("notes.txt", "no gait");
+  ASSERT_EQ(error(), "");
+  EXPECT_EQ(library_->count(), 15);
+  for (int i = 1; i < 15; ++i) EXPECT_GT(library_->gait(i).speed_m_s, library_->gait(i - 1).speed_m_s);
+}
+
+TEST_F(LoadLibrary, RefusesFoldersThatMakeNoLibraryAndLeavesItEmpty) {
+  EXPECT_EQ(error(),
+            folder_.string() + ": no gait files (*.toml) here; name a folder that stilt gait library wrote");
+  const std::string_view shipped = shipped_gaits()[0].text;
+  write("a.toml", shipped);
+  write("b.toml", shipped);
+  EXPECT_NE(error().find(": another gait has the same speed; keep one of them"), std::string::npos);
+  EXPECT_EQ(library_->count(), 0);
+  auto record = parse_gait(shipped, "shipped");
+  ASSERT_TRUE(record);
+  record->gait.speed_m_s += 0.05;
+  record->gait.step_time_s += 0.1;
+  write("b.toml", to_toml(*record));
+  EXPECT_NE(error().find("step time and degree of the states must be those"), std::string::npos);
+  record->robot = "rabbit";
+  write("b.toml", to_toml(*record));
+  EXPECT_EQ(error(), path("b.toml") + ": this is a gait of rabbit; one of amber3m is needed");
+  write("b.toml", "nonsense");
+  EXPECT_NE(error().find("b.toml: line 1 is not TOML"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace stilt::gait_files

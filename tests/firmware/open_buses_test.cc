@@ -1,0 +1,61 @@
+#include "firmware/open_buses.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "firmware/configuration/configuration.h"
+#include "hal/protocol/lockstep.h"
+
+namespace stilt {
+namespace {
+
+using configuration::Configuration;
+using configuration::Override;
+
+bool receives(const hal::socketcan::BusOptions& options, std::uint32_t id, bool extended) {
+  return std::ranges::any_of(options.receive_ids, [=](const hal::socketcan::IdFilter& filter) {
+    return filter.id == id && filter.extended == extended;
+  });
+}
+
+TEST(OpenBuses, EachBusReceivesWhatItsDriversSendAndItsOwnCommands) {
+  const Configuration configuration = configuration::load_robot("amber3m").value();
+  const hal::RobotWiring wiring = configuration::robot_wiring(configuration.hardware);
+  const auto left = bus_options(wiring, 0, false);
+  for (const std::uint32_t id : {0x1u, 0x2u, 0x11u, 0x12u, 0x7ffu, 0x50u}) {
+    EXPECT_TRUE(receives(left, id, false)) << id;
+  }
+  EXPECT_FALSE(receives(left, 0x13, false)) << "on the other bus";
+  EXPECT_FALSE(left.fd);
+  const auto right = bus_options(wiring, 1, false);
+  EXPECT_TRUE(receives(right, 0x14, false));
+  EXPECT_FALSE(receives(right, 0x50, false)) << "the base sensor is on the first bus";
+}
+
+TEST(OpenBuses, SyncFramesPassInLockstepOnly) {
+  const Configuration configuration = configuration::load_robot("amber3m").value();
+  const hal::RobotWiring wiring = configuration::robot_wiring(configuration.hardware);
+  EXPECT_TRUE(receives(bus_options(wiring, 1, true), hal::protocol::kRobotSyncId, true));
+  EXPECT_FALSE(receives(bus_options(wiring, 1, false), hal::protocol::kRobotSyncId, true));
+}
+
+TEST(OpenBuses, MoteusDriversNeedFlexibleFramesAndBothDirections) {
+  const Override moteus[] = {{"hip_driver.protocol=moteus"}, {"knee_driver.protocol=moteus"}};
+  const Configuration configuration = configuration::load_robot("amber3m", moteus).value();
+  const auto options = bus_options(configuration::robot_wiring(configuration.hardware), 0, false);
+  EXPECT_TRUE(options.fd);
+  EXPECT_TRUE(receives(options, 0x8001, true));
+  EXPECT_TRUE(receives(options, 0x100, false));
+}
+
+TEST(OpenBuses, ABusThatIsNotThereIsToldInOneSentence) {
+  const Override nobody[] = {{"hardware.buses=loopback:test-nobody-a,loopback:test-nobody-b"}};
+  const Configuration configuration = configuration::load_robot("amber3m", nobody).value();
+  const auto buses = open_buses(configuration.hardware, false);
+  ASSERT_FALSE(buses);
+  EXPECT_TRUE(buses.error().starts_with("bus loopback:test-nobody-a: nobody listens there")) << buses.error();
+}
+
+}  // namespace
+}  // namespace stilt

@@ -1,0 +1,84 @@
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <cstdio>
+#include <string>
+
+/// The program as a user runs it, where it needs no robot.
+namespace stilt::program {
+namespace {
+
+struct Answer {
+  int status = -1;
+  std::string text;  ///< both outputs
+};
+
+Answer stiltd(const std::string& arguments) {
+  Answer run;
+  std::FILE* pipe = popen((std::string(STILTD) + " " + arguments + " 2>&1").c_str(), "r");
+  if (pipe == nullptr) return run;
+  char buffer[4096];
+  while (std::fgets(buffer, sizeof buffer, pipe) != nullptr) run.text += buffer;
+  run.status = WEXITSTATUS(pclose(pipe));
+  return run;
+}
+
+bool has(const Answer& run, const std::string& part) { return run.text.find(part) != std::string::npos; }
+
+TEST(Stiltd, SaysItsVersionAndTheSizeOfTheController) {
+  const Answer run = stiltd("--version");
+  EXPECT_EQ(run.status, 0);
+  EXPECT_TRUE(has(run, "controller object")) << run.text;
+}
+
+TEST(Stiltd, ChecksAConfigurationWithoutOpeningABus) {
+  const Answer run = stiltd("--check-config --config " SHIPPED);
+  EXPECT_EQ(run.status, 0);
+  EXPECT_TRUE(has(run, "amber3m.toml: right")) << run.text;
+  EXPECT_TRUE(has(run, "bus can1: worst-case load 54 %")) << run.text;
+}
+
+TEST(Stiltd, TellsEveryMistakeOfAConfigurationWithItsPlace) {
+  const std::string file = testing::TempDir() + "stiltd_test.toml";
+  std::FILE* stream = std::fopen(file.c_str(), "w");
+  ASSERT_NE(stream, nullptr);
+  std::fputs("[hardware]\nbusses = \"can0\"\n[gait]\nswing_height_m = 9\n", stream);
+  std::fclose(stream);
+  const Answer run = stiltd("--check-config --config " + file);
+  std::remove(file.c_str());
+  EXPECT_EQ(run.status, 2);
+  EXPECT_TRUE(has(run, file + ":2:1: unknown key hardware.busses; did you mean hardware.buses?")) << run.text;
+  EXPECT_TRUE(has(run, file + ":4:18: gait.swing_height_m = 9 is outside its range")) << run.text;
+}
+
+TEST(Stiltd, PrintsTheWholeConfigurationAsItWouldReadIt) {
+  const Answer printed = stiltd("--print-config --set hip_L.offset_rad=0.125");
+  EXPECT_EQ(printed.status, 0);
+  EXPECT_TRUE(has(printed, "offset_rad = 0.125"));
+  EXPECT_TRUE(has(printed, "[supervisor]"));
+  EXPECT_TRUE(has(printed, "[discretisation]"));
+}
+
+TEST(Stiltd, RefusesABusThatIsNotThereInOneSentence) {
+  const Answer run = stiltd("--bus loopback:nobody-left --bus loopback:nobody-right --lockstep");
+  EXPECT_EQ(run.status, 2);
+  EXPECT_TRUE(has(run, "stiltd: bus loopback:nobody-left: nobody listens there")) << run.text;
+}
+
+TEST(Stiltd, RefusesAMachineThatCannotKeepTimeWhenToldTo) {
+  const Answer run = stiltd(
+      "--bus loopback:nobody-left --bus loopback:nobody-right --set runtime.require_realtime=true "
+      "--set runtime.torque_priority=0 --set runtime.planner_priority=0");
+  EXPECT_EQ(run.status, 2);
+  EXPECT_TRUE(has(run, "runtime.require_realtime is true")) << run.text;
+  EXPECT_TRUE(has(run, "the torque loop is told to have no priority")) << run.text;
+}
+
+TEST(Stiltd, RefusesWrongWords) {
+  EXPECT_EQ(stiltd("--start fly@1").status, 2);
+  EXPECT_EQ(stiltd("--config /nowhere.toml").status, 2);
+  EXPECT_EQ(stiltd("--nonsense").status, 2);
+}
+
+}  // namespace
+}  // namespace stilt::program

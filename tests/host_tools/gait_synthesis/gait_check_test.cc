@@ -1,0 +1,210 @@
+#include "host_tools/gait_synthesis/gait_check.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "firmware/configuration/gaits/gait_file.h"
+#include "host_tools/gait_synthesis/gait_page.h"
+#include "host_tools/gait_synthesis/hybrid_step.h"
+#include "host_tools/gait_synthesis/return_map.h"
+#include "tests/host_tools/gait_synthesis/sample_gaits.h"
+
+namespace stilt::gait_synthesis {
+namespace {
+
+using gait_files::GaitRecord;
+
+std::string joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += name + " ";
+  return text;
+}
+
+bool violates(const GaitRecord& record, const std::string& name) {
+  const GaitCheck check = check_gait(model::amber3m(), record);
+  return std::find(check.violations.begin(), check.violations.end(), name) != check.violations.end();
+}
+
+TEST(Synthesis, FindsValidGaitsForwardInPlaceAndBackward) {
+  for (const double speed_m_s : {0.5, 0.0, -0.3}) {
+    const StepTask task = task_at(speed_m_s);
+    const GaitRecord record = make_record(model::amber3m(), task, synthesize(model::amber3m(), task));
+    const GaitCheck check = check_gait(model::amber3m(), record);
+    EXPECT_TRUE(check.valid()) << speed_m_s << " m/s: " << joined(check.violations);
+    EXPECT_NEAR(record.gait.step_length_m / record.gait.step_time_s, speed_m_s, 1e-5);
+    EXPECT_LE(check.figures.defect_max, 1e-6);
+  }
+}
+
+TEST(Synthesis, KeepsToNarrowerLimitsAtAHigherCost) {
+  StepTask task = task_at(0.5);
+  task.limits.torque_Nm = 30.0;
+  task.limits.pitch_rad = 0.02;
+  const Synthesis narrow = synthesize(model::amber3m(), task);
+  const GaitCheck check = check_gait(model::amber3m(), make_record(model::amber3m(), task, narrow));
+  EXPECT_TRUE(check.valid()) << joined(check.violations);
+  EXPECT_LE(check.figures.pitch_max_rad, 0.02);
+  EXPECT_GT(check.figures.torque_squared_per_m, walking_record().claims->torque_squared_per_m);
+}
+
+TEST(Synthesis, SaysSoWhenThereIsNoGait) {
+  StepTask task = task_at(0.5);
+  task.limits.torque_Nm = 5.0;
+  EXPECT_THROW((void)synthesize(model::amber3m(), task), NoGait);
+}
+
+TEST(Synthesis, EveryCostGivesItsOwnGait) {
+  std::vector<double> squared_torque;
+  for (const CostKind cost :
+       {CostKind::torque_squared, CostKind::mechanical_power, CostKind::acceleration_squared}) {
+    StepTask task = task_at(0.5);
+    task.cost = cost;
+    const GaitRecord record = make_record(model::amber3m(), task, synthesize(model::amber3m(), task));
+    const GaitCheck check = check_gait(model::amber3m(), record);
+    EXPECT_TRUE(check.valid()) << joined(check.violations);
+    squared_torque.push_back(record.claims->torque_squared_per_m);
+  }
+  EXPECT_LT(squared_torque[0], squared_torque[1]);
+  EXPECT_LT(squared_torque[0], squared_torque[2]);
+}
+
+TEST(Synthesis, WorksForTheOtherRobotToo) {
+  StepTask task = task_at(0.5);
+  task.step_time_s = 0.4;
+  const GaitRecord record = make_record(model::rabbit(), task, synthesize(model::rabbit(), task));
+  const GaitCheck check = check_gait(model::rabbit(), record);
+  EXPECT_TRUE(check.valid()) << joined(check.violations);
+}
+
+TEST(Replay, StaysOnTheGaitOverManyStepsAndComesBackAfterADisturbance) {
+  for (const GaitRecord* record : {&walking_record(), &stepping_record()}) {
+    const ReducedState nominal = reduce(start_of_motion(record->gait));
+    ReducedState at = nominal;
+    at[0] += 0.01;
+    at[5] -= 0.05;
+    for (int step = 0; step < 100; ++step) {
+      const auto outcome = integrate_step(model::amber3m(), record->gait, expand(model::amber3m(), at));
+      ASSERT_TRUE(outcome) << "step " << step;
+      at = reduce(outcome->after);
+    }
+    EXPECT_LT((at - nominal).cwiseAbs().maxCoeff(), 1e-4);
+  }
+}
+
+TEST(Check, NamesTheLimitThatIsNotKept) {
+  const auto with = [](auto change) {
+    GaitRecord record = walking_record();
+    change(record.limits);
+    return record;
+  };
+  EXPECT_FALSE(violates(walking_record(), "torque_Nm"));
+  EXPECT_TRUE(violates(with([](auto& l) { l.torque_Nm = 20.0; }), "torque_Nm"));
+  EXPECT_TRUE(violates(with([](auto& l) { l.joint_speed_rad_s = 1.0; }), "joint_speed_rad_s"));
+  EXPECT_TRUE(
+      violates(with([](auto& l) { l.joint_position_margin_rad = 0.5; }), "joint_position_margin_rad"));
+  EXPECT_TRUE(violates(with([](auto& l) { l.knee_min_rad = 0.5; }), "knee_min_rad"));
+  EXPECT_TRUE(violates(with([](auto& l) { l.pitch_rad = 0.01; }), "pitch_rad"));
+  EXPECT_TRUE(violates(with([](auto& l) { l.friction_ratio = 0.01; }), "friction_ratio"));
+  EXPECT_TRUE(violates(with([](auto& l) { l.normal_force_min_N = 200.0; }), "normal_force_min_N"));
+  EXPECT_TRUE(violates(with([](auto& l) { l.impulse_ratio = 0.001; }), "impulse_ratio"));
+  EXPECT_TRUE(violates(with([](auto& l) { l.clearance_m = 0.1; }), "clearance_m"));
+  EXPECT_TRUE(violates(with([](auto& l) { l.touchdown_speed_min_m_s = 0.6; }), "touchdown_speed_min_m_s"));
+  EXPECT_TRUE(violates(with([](auto& l) { l.touchdown_speed_max_m_s = 0.11; }), "touchdown_speed_max_m_s"));
+  EXPECT_TRUE(violates(with([](auto& l) { l.touchdown_slip_m_s = 0.001; }), "touchdown_slip_m_s"));
+  EXPECT_TRUE(violates(with([](auto& l) { l.return_map = 0.5; }), "return_map"));
+}
+
+TEST(Check, NamesAClaimThatIsNotTrue) {
+  GaitRecord record = walking_record();
+  record.claims->peak_torque_Nm[2] += 1.0;
+  EXPECT_TRUE(violates(record, "claim peak_torque_Nm"));
+  record.claims->return_map_eigenvalues[0] = 0.5;
+  EXPECT_TRUE(violates(record, "claim return_map_eigenvalues"));
+  record.gait.speed_m_s = 0.6;
+  EXPECT_TRUE(violates(record, "speed"));
+}
+
+TEST(Check, FindsACoefficientThatWasTamperedWith) {
+  GaitRecord record = walking_record();
+  record.gait.motion.position[2][7] += 1e-3;
+  EXPECT_TRUE(violates(record, "defect"));
+  record = walking_record();
+  record.gait.motion.torque_Nm[0][5] += 1.0;
+  EXPECT_TRUE(violates(record, "torque_curve"));
+  record = walking_record();
+  record.gait.outputs.angle_rad[1][3] += 1e-3;
+  EXPECT_TRUE(violates(record, "outputs"));
+  EXPECT_TRUE(violates(record, "replay"));
+  record = walking_record();
+  record.gait.motion.position[5][gait::kMaxMotionDegree - 2] += 1e-3;
+  EXPECT_TRUE(violates(record, "periodicity"));
+}
+
+TEST(Check, FindsAGaitThatFallsWhenDisturbedOrIsUnstable) {
+  GaitRecord record = stepping_record();
+  std::fill(std::begin(record.gait.feedback.placement), std::end(record.gait.feedback.placement), 0.0);
+  EXPECT_TRUE(violates(record, "return_map"))
+      << "by time and without foot placement it is no better than a stilt";
+}
+
+/// What is left of a gait in a file from elsewhere.
+GaitRecord bare(const GaitRecord& record) {
+  GaitRecord result;
+  result.robot = record.robot;
+  result.gait.outputs = record.gait.outputs;
+  if (record.gait.outputs.phase == gait::PhaseKind::time) result.gait.step_time_s = record.gait.step_time_s;
+  return result;
+}
+
+TEST(CompleteMotion, FindsTheMotionAgainFromOutputsAlone) {
+  for (const GaitRecord* record : {&walking_record(), &stepping_record()}) {
+    GaitRecord found = bare(*record);
+    complete_motion(model::amber3m(), found.gait);
+    EXPECT_NEAR(found.gait.speed_m_s, record->gait.speed_m_s, 1e-6);
+    EXPECT_NEAR(found.gait.step_time_s, record->gait.step_time_s, 1e-6);
+    for (int i = 0; i <= 10; ++i) {
+      const double s = 0.1 * i;
+      const auto wanted = gait::motion_at(record->gait, s);
+      const auto got = gait::motion_at(found.gait, s);
+      EXPECT_LT((got.position - wanted.position).cwiseAbs().maxCoeff(), 1e-6);
+      EXPECT_LT((got.torque_Nm - wanted.torque_Nm).cwiseAbs().maxCoeff(), 1e-2);
+    }
+  }
+}
+
+TEST(CompleteMotion, TakesOutputsOfEveryDegreeFromFourToSeven) {
+  for (int degree = 4; degree <= 7; ++degree) {
+    StepTask task = task_at(0.5);
+    task.output_degree = degree;
+    GaitRecord record = make_record(model::amber3m(), task, synthesize(model::amber3m(), task));
+    EXPECT_TRUE(check_gait(model::amber3m(), record).valid()) << "degree " << degree;
+    GaitRecord found = bare(record);
+    complete_motion(model::amber3m(), found.gait);
+    EXPECT_NEAR(found.gait.speed_m_s, 0.5, 1e-5) << "degree " << degree;
+  }
+}
+
+TEST(CompleteMotion, SaysSoWhenOutputsDoNotWalk) {
+  gait::HzdGait gait = bare(walking_record()).gait;
+  for (auto& row : gait.outputs.angle_rad) std::fill(std::begin(row), std::end(row), 0.4);
+  EXPECT_THROW(complete_motion(model::amber3m(), gait), std::runtime_error);
+}
+
+TEST(GaitPage, DrawsEverythingAndLoadsNothing) {
+  GaitRecord record = walking_record();
+  record.origin.emplace_back("note", "<script>alert(1)</script>");
+  const std::string page = render_gait_page(model::amber3m(), record, check_gait(model::amber3m(), record));
+  for (const char* title :
+       {"One step, posture by posture", "Phase portrait of the hips", "Phase portrait of the knees",
+        "Joint angles", "Joint torques", "Path of the swing foot", "Force on the stance foot"}) {
+    EXPECT_NE(page.find(title), std::string::npos) << title;
+  }
+  for (const char* loader : {"http", "src=", "<link", "@import", "<script", "nan"}) {
+    EXPECT_EQ(page.find(loader), std::string::npos) << loader;
+  }
+}
+
+}  // namespace
+}  // namespace stilt::gait_synthesis

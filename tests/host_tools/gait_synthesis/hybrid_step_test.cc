@@ -1,0 +1,173 @@
+#include "host_tools/gait_synthesis/hybrid_step.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "host_tools/gait_synthesis/return_map.h"
+#include "tests/host_tools/gait_synthesis/sample_gaits.h"
+
+namespace stilt::gait_synthesis {
+namespace {
+
+using model::kFirstJoint;
+using model::kJoints;
+using model::kPositions;
+using model::StateVector;
+
+/// Disturbed, but not so much that the phase would be held at its bound of -0.1.
+StateVector disturbed_start(const gait::HzdGait& gait) {
+  ReducedState r = reduce(start_of_motion(gait));
+  r[1] += 0.01;
+  r[3] -= 0.02;
+  r[5] += 0.1;
+  return expand(model::amber3m(), r);
+}
+
+double kinetic_energy_J(const StateVector& x) {
+  model::MassMatrixTerms<double> mass;
+  model::amber3m().scalar.mass_matrix(x.data(), model::amber3m().constants.joint_parameters, mass);
+  double energy = 0.0;
+  for (int r = 0; r < kPositions; ++r) {
+    for (int c = 0; c < kPositions; ++c)
+      energy += 0.5 * x[kPositions + r] * mass.mass_matrix[r][c] * x[kPositions + c];
+  }
+  return energy;
+}
+
+/// Power of the joint torques less that against gravity (the bias at rest), W.
+double power_W(const StateVector& x, const model::JointVector& torque_Nm) {
+  StateVector still = x;
+  still.tail<kPositions>().setZero();
+  model::BiasTerms<double> gravity;
+  model::amber3m().scalar.bias(still.data(), gravity);
+  double power = torque_Nm.dot(x.tail<kJoints>());
+  for (int i = 0; i < kPositions; ++i) power -= gravity.bias[i] * x[kPositions + i];
+  return power;
+}
+
+TEST(HybridStep, KeepsTheStanceFootAtTheOriginUnderAnyDisturbance) {
+  const gait::HzdGait& gait = walking_gait();
+  StepOptions options;
+  options.keep_samples = true;
+  const auto step = integrate_step(model::amber3m(), gait, disturbed_start(gait), options);
+  ASSERT_TRUE(step);
+  for (const StepSample& sample : step->samples) {
+    model::KinematicsTerms<double> feet;
+    model::amber3m().scalar.kinematics(sample.x.data(), feet);
+    EXPECT_NEAR(feet.foot_position[0], 0.0, 1e-9);
+    EXPECT_NEAR(feet.foot_position[1], 0.0, 1e-9);
+  }
+}
+
+TEST(HybridStep, ChangesEnergyByTheWorkOfJointsAndGravity) {
+  const gait::HzdGait& gait = walking_gait();
+  const StateVector start = disturbed_start(gait);
+  constexpr int kSamples = 2000;
+  const double end_s = 0.8 * gait.step_time_s;
+  const auto states =
+      states_at(model::amber3m(), gait, start, Eigen::VectorXd::LinSpaced(kSamples + 1, 0.0, end_s));
+  double work_J = 0.0;  // Simpson's rule
+  for (int i = 0; i <= kSamples; ++i) {
+    const StateVector& x = states[static_cast<std::size_t>(i)];
+    const double time_s = end_s * i / kSamples;
+    const auto acceleration = output_feedback(model::amber3m(), gait, x, time_s, 0.0);
+    const double power = power_W(x, stance_motion(model::amber3m(), x, acceleration).torque_Nm);
+    work_J += power * (i == 0 || i == kSamples ? 1.0 : i % 2 == 1 ? 4.0 : 2.0) * end_s / kSamples / 3.0;
+  }
+  EXPECT_NEAR(kinetic_energy_J(states.back()) - kinetic_energy_J(states.front()), work_J, 1e-6);
+}
+
+TEST(OutputFeedback, MakesTheOutputErrorDecayAsItsEquationSays) {
+  for (const gait::HzdGait* gait : {&walking_gait(), &stepping_gait()}) {
+    const double kp = gait->feedback.kp_1_s2;
+    ASSERT_DOUBLE_EQ(gait->feedback.kd_1_s, 2.0 * std::sqrt(kp)) << "critically damped";
+    const double pole = std::sqrt(kp);
+    const StateVector start = disturbed_start(*gait);
+    const Eigen::VectorXd times = Eigen::VectorXd::LinSpaced(9, 0.0, 0.2);
+    const auto states = states_at(model::amber3m(), *gait, start, times);
+    const auto error_of = [&](const StateVector& x, double time_s) -> model::JointVector {
+      return x.segment<kJoints>(kFirstJoint) -
+             gait::outputs_at(gait->outputs, phase_of(gait->outputs, x, time_s)).angle_rad;
+    };
+    constexpr double kMove_s = 1e-5;
+    const auto soon = states_at(model::amber3m(), *gait, start, Eigen::VectorXd::Constant(1, kMove_s));
+    const model::JointVector e0 = error_of(start, 0.0);
+    // The rate of the error at the start, from e(h) = e0 + h r0 - h^2 (kd r0 + kp e0) / 2.
+    const model::JointVector r0 = (error_of(soon[0], kMove_s) - e0 * (1.0 - 0.5 * kp * kMove_s * kMove_s)) /
+                                  (kMove_s * (1.0 - pole * kMove_s));
+    for (Eigen::Index i = 0; i < times.size(); ++i) {
+      const double t = times[i];
+      const model::JointVector wanted = (e0 + (r0 + pole * e0) * t) * std::exp(-pole * t);
+      const model::JointVector got = error_of(states[static_cast<std::size_t>(i)], t);
+      EXPECT_LT((got - wanted).cwiseAbs().maxCoeff(), 1e-6) << "after " << t << " s";
+    }
+  }
+}
+
+TEST(TouchDown, PutsTheNewStanceFootToRestAtTheOrigin) {
+  const gait::HzdGait& gait = walking_gait();
+  const auto step = integrate_step(model::amber3m(), gait, disturbed_start(gait));
+  ASSERT_TRUE(step);
+  model::KinematicsTerms<double> feet;
+  model::amber3m().scalar.kinematics(step->after.data(), feet);
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_NEAR(feet.foot_position[i], 0.0, 1e-12);
+    EXPECT_NEAR(feet.foot_velocity[i], 0.0, 1e-12);
+  }
+  EXPECT_EQ(step->after[kFirstJoint], step->before[kFirstJoint + 2]);
+  EXPECT_EQ(step->after[kFirstJoint + 3], step->before[kFirstJoint + 1]);
+  EXPECT_GT(step->impulse_Ns[1], 0.0);
+}
+
+TEST(IntegrateStep, TellsWhenTheRobotFalls) {
+  ReducedState r = reduce(start_of_motion(walking_gait()));
+  r[kReducedStates / 2] = -8.0;
+  EXPECT_FALSE(integrate_step(model::amber3m(), walking_gait(), expand(model::amber3m(), r)));
+}
+
+TEST(ReturnMap, HasTheEigenvalueThatTheMomentumAboutTheStanceFootGives) {
+  // On the zero dynamics half the squared momentum about the stance foot is scaled by (H+ / H-)^2 at
+  // touch-down and gains the same over every step: that ratio is the eigenvalue of the return map
+  // (Westervelt, Grizzle, Koditschek 2003); the outputs' own eigenvalues are far smaller.
+  const auto momentum = [](const StateVector& x) {  // the left foot at the origin
+    model::MassMatrixTerms<double> mass;
+    model::amber3m().scalar.mass_matrix(x.data(), model::amber3m().constants.joint_parameters, mass);
+    double p[3] = {};
+    for (int r = 0; r < 3; ++r) {
+      for (int c = 0; c < kPositions; ++c) p[r] += mass.mass_matrix[r][c] * x[kPositions + c];
+    }
+    return p[2] + x[1] * p[0] - x[0] * p[1];
+  };
+  const gait::HzdGait& gait = walking_gait();
+  const auto step = integrate_step(model::amber3m(), gait, start_of_motion(gait));
+  ASSERT_TRUE(step);
+  const double ratio = momentum(step->after) / momentum(step->before);
+  const auto map = linearise_return_map(model::amber3m(), gait, reduce(start_of_motion(gait)));
+  ASSERT_TRUE(map);
+  EXPECT_NEAR(map->spectral_radius(), ratio * ratio, 2e-3);
+  EXPECT_LT(map->eigenvalue_magnitudes[1], 0.05);
+}
+
+TEST(ReturnMap, ForetellsHowADisturbanceDecays) {
+  for (const gait::HzdGait* gait : {&walking_gait(), &stepping_gait()}) {
+    const ReducedState nominal = reduce(start_of_motion(*gait));
+    const auto map = linearise_return_map(model::amber3m(), *gait, nominal);
+    ASSERT_TRUE(map);
+    ASSERT_LT(map->spectral_radius(), 1.0);
+    ReducedState error = ReducedState::Zero();
+    error[0] = 1e-3;
+    error[6] = -5e-3;
+    ReducedState at = nominal + error;
+    for (int step = 0; step < 4; ++step) {
+      const auto outcome = integrate_step(model::amber3m(), *gait, expand(model::amber3m(), at));
+      ASSERT_TRUE(outcome);
+      error = map->jacobian * error;
+      at = reduce(outcome->after);
+      EXPECT_LT((at - nominal - error).cwiseAbs().maxCoeff(), 2e-3);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace stilt::gait_synthesis

@@ -1,0 +1,62 @@
+// The controller dies without a word: its motors must not go on.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <csignal>
+
+#include "firmware/configuration/configuration.h"
+#include "tests/two_processes/frame_record.h"
+#include "tests/two_processes/robot_and_controller.h"
+
+namespace stilt::two_processes {
+namespace {
+
+bool any_enabled(const nlohmann::json& robot) {
+  return std::ranges::any_of(robot.at("drivers"),
+                             [](const nlohmann::json& driver) { return driver.at("enabled").get<bool>(); });
+}
+
+TEST(TwoProcesses, AfterAKillTheDriversLetGoAndARestartComesUpIdle) {
+  RobotAndController run;
+  run.start_robot({"--lockstep"});
+  run.start_controller({"--lockstep", "--start", "walk@0.5"});
+  ASSERT_TRUE(wait_for_text(run.file("controller.err"), "walk", kLongestRun_s)) << run.said();
+  run.controller().signal(SIGKILL);
+  ASSERT_EQ(run.controller().wait(kLongestRun_s), 128 + SIGKILL);
+
+  run.start_controller({"--lockstep", "--duration", "2"});
+  ASSERT_EQ(run.controller().wait(kLongestRun_s), 0) << run.said();
+  const nlohmann::json controller = run.controller_json();
+  EXPECT_EQ(controller.at("last_state"), "idle");
+  EXPECT_TRUE(controller.at("faults").empty()) << controller.at("faults");
+  run.robot().signal(SIGTERM);
+  ASSERT_EQ(run.robot().wait(kLongestRun_s), 1) << "it fell\n" << run.said();
+  const nlohmann::json robot = run.robot_json();
+  EXPECT_EQ(robot.at("controllers"), 2);
+  EXPECT_FALSE(robot.at("survived"));
+  EXPECT_FALSE(any_enabled(robot));
+
+  const configuration::Result shipped = configuration::load_robot("amber3m");
+  ASSERT_TRUE(shipped);
+  const MotorTraffic traffic =
+      motor_traffic(read_frames(run.file("frames")), configuration::robot_wiring(shipped->hardware));
+  ASSERT_FALSE(traffic.commands.empty());
+  const std::uint64_t last = traffic.commands.back().tick;
+  EXPECT_TRUE(std::ranges::none_of(traffic.specials, [last](const MotorTraffic::Special& special) {
+    return special.tick > last && special.what == hal::protocol::MitSpecial::enter;
+  })) << "an idle controller enables nothing";
+}
+
+TEST(TwoProcesses, ARobotInRealTimeOutlivesItsController) {
+  RobotAndController run;
+  run.start_robot({"--once"});
+  run.start_controller({"--start", "stand"});
+  ASSERT_TRUE(wait_for_text(run.file("controller.err"), "idle", kLongestRun_s)) << run.said();
+  run.controller().signal(SIGKILL);
+  ASSERT_TRUE(run.robot().wait(kLongestRun_s)) << "a second after the controller it ends";
+  EXPECT_EQ(run.robot_json().at("ended"), "controller left");
+  EXPECT_FALSE(any_enabled(run.robot_json()));
+}
+
+}  // namespace
+}  // namespace stilt::two_processes

@@ -1,0 +1,167 @@
+// Each fault of the table strikes a walking robot: the named reaction within its deadline, and after a fault
+// that latches nothing but damping. In lock-step, so that a deadline counts ticks and not the machine's
+// speed.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "firmware/configuration/configuration.h"
+#include "tests/two_processes/frame_record.h"
+#include "tests/two_processes/robot_and_controller.h"
+
+namespace stilt::two_processes {
+namespace {
+
+using hal::protocol::MitSpecial;
+
+constexpr double kTick_s = 0.001;
+
+/// What a fault of the robot must lead to.
+struct Expectation {
+  const char* name;      ///< of the test
+  const char* fault;     ///< option of the robot
+  const char* detected;  ///< name in the controller's report; empty: any
+  const char* reaction;
+  int deadline_ticks;  ///< from the fault to its detection
+};
+
+void PrintTo(const Expectation& row, std::ostream* out) { *out << row.fault; }
+
+/// A run with a fault 4 s after the hoist has let go, in the middle of walking.
+class FaultWhileWalking : public testing::TestWithParam<Expectation> {
+ protected:
+  void run(const std::string& fault) {
+    run_.start_robot({"--lockstep", "--once", "--fault", fault});
+    run_.start_controller({"--lockstep", "--start", "walk@0.5", "--duration", "8"});
+    run_.expect_both_to_end();
+    if (HasFailure()) return;
+    ASSERT_EQ(run_.robot_json().at("faults").size(), 1u) << run_.said();
+    struck_s_ = run_.robot_json().at("faults")[0].at("robot_time_s");
+    const configuration::Result shipped = configuration::load_robot("amber3m");
+    ASSERT_TRUE(shipped);
+    configuration_ = *shipped;
+    traffic_ =
+        motor_traffic(read_frames(run_.file("frames")), configuration::robot_wiring(configuration_.hardware));
+  }
+
+  /// First entry of the controller's report with this name (any when empty) and reaction.
+  [[nodiscard]] std::optional<double> detected_s(const std::string& name, const std::string& reaction) const {
+    const nlohmann::json report = run_.controller_json();
+    for (const nlohmann::json& fault : report.at("faults")) {
+      if ((name.empty() || fault.at("name") == name) && fault.at("reaction") == reaction) {
+        return fault.at("time_s").get<double>();
+      }
+    }
+    return std::nullopt;
+  }
+
+  /// After this time the drivers are asked for damping, or let go, and for nothing else.
+  void expect_only_damping(double from_s) const {
+    const auto& supervisor = configuration_.supervisor;
+    const auto from = static_cast<std::uint64_t>(std::llround(from_s / kTick_s)) + 1;
+    std::size_t damped = 0;
+    for (const MotorTraffic::Command& command : traffic_.commands) {
+      if (command.tick < from) continue;
+      ++damped;
+      ASSERT_LT(command.asked.kp_Nm_rad, kKpStep_Nm_rad) << "tick " << command.tick;
+      ASSERT_LT(std::abs(command.asked.torque_Nm), kTorqueStep_Nm) << "tick " << command.tick;
+      ASSERT_LE(command.asked.kd_Nms_rad, supervisor.damping_kd_Nms_rad + 0.01) << "tick " << command.tick;
+    }
+    EXPECT_GT(damped, 100u);
+    for (const MotorTraffic::Special& special : traffic_.specials) {
+      if (special.tick < from) continue;
+      EXPECT_EQ(special.what, MitSpecial::leave) << "nothing enables a motor";
+    }
+  }
+
+  /// After this time the motors give damping's torque at most, as they report themselves.
+  void expect_bounded_torque(double from_s) const {
+    const auto from = static_cast<std::uint64_t>(std::llround(from_s / kTick_s)) + 2;
+    const double bound_Nm = configuration_.supervisor.damping_torque_Nm + kTorqueSlack_Nm;
+    for (const MotorTraffic::Reply& reply : traffic_.replies) {
+      if (reply.tick < from) continue;
+      ASSERT_LE(std::abs(reply.said.torque_Nm), bound_Nm)
+          << "tick " << reply.tick << " joint " << reply.joint;
+    }
+  }
+
+  RobotAndController run_;
+  configuration::Configuration configuration_;
+  MotorTraffic traffic_;
+  double struck_s_ = 0;
+
+ private:
+  static constexpr double kKpStep_Nm_rad = 0.13;  // one step of 12 bits
+  static constexpr double kTorqueStep_Nm = 0.06;
+  static constexpr double kTorqueSlack_Nm = 5.0;  // the joint moves on between reading and command
+};
+
+class LatchedFault : public FaultWhileWalking {};
+
+TEST_P(LatchedFault, IsNamedInTimeAndThenThereIsOnlyDamping) {
+  const Expectation& row = GetParam();
+  run(row.fault);
+  if (HasFailure()) return;
+  const std::optional<double> detected = detected_s(row.detected, row.reaction);
+  ASSERT_TRUE(detected) << run_.controller_json().at("faults");
+  EXPECT_GT(*detected, struck_s_);
+  EXPECT_LE(*detected, struck_s_ + (row.deadline_ticks + 0.5) * kTick_s);
+  expect_only_damping(*detected);
+  const bool replies_are_true = !std::string_view(row.fault).starts_with("corrupt");
+  if (replies_are_true) expect_bounded_torque(*detected);
+  EXPECT_EQ(run_.controller().wait(0), 1) << "a fault stopped it";
+}
+
+std::string test_name(const testing::TestParamInfo<Expectation>& row) { return row.param.name; }
+
+// Deadlines: the ticks of silence or repetition the supervisor's configuration allows, two for the way.
+INSTANTIATE_TEST_SUITE_P(
+    TwoProcesses, LatchedFault,
+    testing::Values(Expectation{"SilentJoint", "drop:knee_L@4", "lost_replies", "damp", 12},
+                    Expectation{"SilentBus", "drop:1@4", "lost_replies", "damp", 12},
+                    Expectation{"CorruptFrames", "corrupt@4", "", "damp", 20},
+                    Expectation{"BusOff", "bus-off:1@4", "bus_off", "damp", 2},
+                    Expectation{"BusOffThatRestarts", "bus-off:1@4+0.1", "bus_off", "damp", 2},
+                    Expectation{"DriverFault", "driver-fault:hip_R@4", "driver_fault", "damp", 2},
+                    Expectation{"FrozenEncoder", "encoder-freeze@4", "stale_encoder", "damp", 40},
+                    Expectation{"PowerCycle", "power-cycle@4", "lost_replies", "damp", 12},
+                    Expectation{"LowVoltage", "low-voltage@4", "driver_fault", "damp", 2},
+                    Expectation{"EmergencyStop", "emergency-stop@4", "emergency_stop", "damp", 2},
+                    Expectation{"SilentBaseSensor", "base-silent@4", "stale_base_sensor", "damp", 12},
+                    Expectation{"FrozenBaseSensor", "base-freeze@4", "stale_base_sensor", "damp", 40}),
+    test_name);
+
+class PassingFault : public FaultWhileWalking {};
+
+TEST_P(PassingFault, DoesNotEndTheWalk) {
+  const Expectation& row = GetParam();
+  run(row.fault);
+  if (HasFailure()) return;
+  EXPECT_TRUE(run_.robot_json().at("survived")) << run_.said();
+  EXPECT_EQ(run_.controller().wait(0), 0) << run_.controller_json().at("faults");
+  if (row.detected[0] != '\0') {
+    const std::optional<double> detected = detected_s(row.detected, row.reaction);
+    ASSERT_TRUE(detected) << run_.controller_json().at("faults");
+    EXPECT_LE(*detected, struck_s_ + (row.deadline_ticks + 0.5) * kTick_s);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    TwoProcesses, PassingFault,
+    testing::Values(Expectation{"FiveLostTicks", "drop:knee_L@4+0.005", "missed_replies", "hold", 5},
+                    Expectation{"LateFrames", "delay@4+0.5", "missed_replies", "hold", 5},
+                    Expectation{"DoubledFrames", "duplicate@4", "", "", 0}),
+    test_name);
+
+TEST_F(FaultWhileWalking, AnOverheatedMotorMakesItSitDownAndThenThereIsOnlyDamping) {
+  run("over-temperature:hip_L@4");
+  if (HasFailure()) return;
+  const std::optional<double> detected = detected_s("driver_overheated", "sit");
+  ASSERT_TRUE(detected) << run_.controller_json().at("faults");
+  EXPECT_LE(*detected, struck_s_ + 2.5 * kTick_s);
+  expect_only_damping(*detected + configuration_.supervisor.sit_s + 2 * kTick_s);
+}
+
+}  // namespace
+}  // namespace stilt::two_processes

@@ -1,0 +1,73 @@
+#include "tests/two_processes/robot_and_controller.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <stdexcept>
+
+namespace stilt::two_processes {
+namespace {
+
+/// Of one run on this machine.
+std::string unique_name() {
+  static int runs = 0;
+  return "stilt_two_" + std::to_string(::getpid()) + "_" + std::to_string(++runs);
+}
+
+}  // namespace
+
+RobotAndController::RobotAndController()
+    : bus_(unique_name()), folder_(std::filesystem::path(testing::TempDir()) / bus_) {
+  std::filesystem::create_directories(folder_);
+}
+
+RobotAndController::~RobotAndController() {
+  robot_.reset();
+  controller_.reset();
+  std::filesystem::remove_all(folder_);
+}
+
+std::vector<std::string> RobotAndController::words(const std::vector<std::string>& program,
+                                                   const std::vector<std::string>& options) const {
+  std::vector<std::string> all = program;
+  for (const char* leg : {".left", ".right"}) {
+    all.emplace_back("--bus");
+    all.push_back("loopback:" + bus_ + leg);
+  }
+  all.insert(all.end(), options.begin(), options.end());
+  return all;
+}
+
+void RobotAndController::start_robot(const std::vector<std::string>& options) {
+  robot_ = std::make_unique<Process>(
+      words({STILT_PROGRAM, "robot", "--json", file("robot.json"), "--frames", file("frames")}, options),
+      file("robot.out"), file("robot.err"));
+  while (!wait_for_text(file("robot.err"), "ready", 0.05)) {
+    if (robot_->wait(0)) throw std::runtime_error("the robot ended at once\n" + said());
+  }
+}
+
+void RobotAndController::start_controller(const std::vector<std::string>& options) {
+  controller_ = std::make_unique<Process>(words({STILTD_PROGRAM, "--json", file("controller.json")}, options),
+                                          file("controller.out"), file("controller.err"));
+}
+
+void RobotAndController::expect_both_to_end() {
+  EXPECT_TRUE(controller_->wait(kLongestRun_s)) << "the controller hangs\n" << said();
+  EXPECT_TRUE(robot_->wait(kLongestRun_s)) << "the robot hangs\n" << said();
+}
+
+nlohmann::json RobotAndController::json(const std::string& name) const {
+  return nlohmann::json::parse(std::ifstream(file(name)));
+}
+
+std::string RobotAndController::said() const {
+  std::string text;
+  for (const char* name : {"robot.out", "robot.err", "controller.out", "controller.err"}) {
+    text += std::string(name) + ":\n" + text_of(file(name));
+  }
+  return text;
+}
+
+}  // namespace stilt::two_processes

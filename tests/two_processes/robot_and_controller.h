@@ -1,0 +1,47 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "tests/two_processes/process.h"
+
+namespace stilt::two_processes {
+
+/// `stilt robot` and `stiltd` on two loopback buses of their own, with a folder for their files.
+class RobotAndController {
+ public:
+  RobotAndController();
+  ~RobotAndController();
+
+  /// Starts the robot and waits until it listens.
+  void start_robot(const std::vector<std::string>& options);
+  void start_controller(const std::vector<std::string>& options);
+
+  [[nodiscard]] Process& robot() { return *robot_; }
+  [[nodiscard]] Process& controller() { return *controller_; }
+
+  /// Waits for both and expects them to end in time: nothing hangs.
+  void expect_both_to_end();
+
+  [[nodiscard]] nlohmann::json robot_json() const { return json("robot.json"); }
+  [[nodiscard]] nlohmann::json controller_json() const { return json("controller.json"); }
+  [[nodiscard]] std::string file(const std::string& name) const { return (folder_ / name).string(); }
+  /// What both said, for messages.
+  [[nodiscard]] std::string said() const;
+
+ private:
+  [[nodiscard]] nlohmann::json json(const std::string& name) const;
+  [[nodiscard]] std::vector<std::string> words(const std::vector<std::string>& program,
+                                               const std::vector<std::string>& options) const;
+
+  std::string bus_;
+  std::filesystem::path folder_;
+  std::unique_ptr<Process> robot_, controller_;
+};
+
+inline constexpr double kLongestRun_s = 400.0;  ///< a bound for hanging, generous on a busy machine
+
+}  // namespace stilt::two_processes

@@ -1,0 +1,52 @@
+// The main job with two processes in lock-step: the robot and the controller know only frames of each other.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/two_processes/frame_record.h"
+#include "tests/two_processes/robot_and_controller.h"
+
+namespace stilt::two_processes {
+namespace {
+
+/// 60 s of it walking, at 0.5 m/s.
+const std::vector<std::string> kWalk = {"--lockstep", "--start", "walk@0.5", "--duration", "64"};
+
+void walk(RobotAndController& run) {
+  run.start_robot({"--lockstep", "--once"});
+  run.start_controller(kWalk);
+  run.expect_both_to_end();
+  ASSERT_EQ(run.controller().wait(0), 0) << run.said();
+  ASSERT_EQ(run.robot().wait(0), 0) << run.said();
+}
+
+nlohmann::json simulation(RobotAndController& folder) {
+  Process sim({STILT_PROGRAM, "sim", "--gait", "walk", "--speed", "0.5", "--duration", "60", "--json",
+               folder.file("sim.json")},
+              folder.file("sim.out"), folder.file("sim.err"));
+  EXPECT_EQ(sim.wait(kLongestRun_s), 0);
+  return nlohmann::json::parse(text_of(folder.file("sim.json")));
+}
+
+TEST(TwoProcesses, AMinuteOfWalkingRunsLikeTheSimulationAndRepeatsBitForBit) {
+  RobotAndController first, second;
+  walk(first);
+  walk(second);
+  if (HasFatalFailure()) return;
+
+  const nlohmann::json robot = first.robot_json();
+  EXPECT_TRUE(robot.at("survived")) << first.said();
+  EXPECT_FALSE(robot.at("sat_down_s").is_null()) << "the controller sat it down at the end";
+  EXPECT_TRUE(first.controller_json().at("faults").empty()) << first.controller_json().at("faults");
+  EXPECT_GT(robot.at("steps").size(), 180u);
+  const double mean_m_s = simulation(first).at("mean_speed_m_s");
+  EXPECT_NEAR(robot.at("mean_speed_m_s").get<double>(), mean_m_s, 0.03);
+
+  EXPECT_EQ(robot, second.robot_json());
+  const std::string frames = text_of(first.file("frames"));
+  EXPECT_GT(frames.size(), 10'000'000u);
+  EXPECT_TRUE(frames == text_of(second.file("frames"))) << "every frame on the buses, with its tick";
+}
+
+}  // namespace
+}  // namespace stilt::two_processes
