@@ -12,12 +12,11 @@ namespace stilt::solver {
   using Row = Eigen::Map<const Eigen::Matrix<double, 1, kStates>>;
   Eigen::Matrix<double, kStates, kStates> A;
   A.setIdentity();
-  constexpr int kHalf = kStates / 2;
   if (stage.form == StageForm::transition) {
-    for (int i = 0; i < kHalf; ++i) A.row(kHalf + i) += Row(stage.G[i]);
+    for (int i = 0; i < model::kPositions; ++i) A.row(model::kPositions + i) += Row(stage.G[i]);
     return A;
   }
-  for (int i = 0; i < kHalf; ++i) A(i, kHalf + i) = stage.h;
+  for (int i = 0; i < model::kPositions; ++i) A(i, model::kPositions + i) = stage.h;
   for (int i = 0; i < kBaseRows; ++i) A.row(kBaseRow[i]) += Row(stage.G[i]);
   for (int r = 0; r < stage.constraints; ++r) {
     A += Row(stage.L[r]).transpose() * Row(stage.G[kBaseRows + r]);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "mpc_core/solver/dense_stage.h"
+
 namespace stilt::solver::testing {
 namespace {
 
@@ -44,17 +46,7 @@ double relative(const std::vector<Vector>& terms) {
 PlainStage plain(const LqStage& stage) {
   const int m = stage.free_inputs;
   PlainStage out;
-  const bool flow = stage.form == StageForm::flow;
-  out.A = Matrix::Identity(kStates, kStates);
-  if (flow) out.A.topRightCorner(7, 7) = stage.h * Matrix::Identity(7, 7);
-  const Matrix G = read_columns(stage.G, flow ? kBaseRows + stage.constraints : 7);
-  for (int i = 0; i < G.cols(); ++i) {
-    if (flow && i >= kBaseRows) {
-      out.A += plain_state(stage.L[i - kBaseRows]) * G.col(i).transpose();
-    } else {
-      out.A.row(flow ? kBaseRow[i] : 7 + i) += G.col(i).transpose();
-    }
-  }
+  out.A = dense_dynamics(stage);
   out.B = read_columns(stage.B, m);
   out.Q = read_columns(stage.Q, kStates);
   out.S = read_columns(stage.S, m).transpose();
