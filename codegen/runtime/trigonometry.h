@@ -1,5 +1,7 @@
 #pragma once
 
+#include <bit>
+#include <cstdint>
 #include <experimental/simd>
 
 /// Sine and cosine for the generated functions: one algorithm for double and SIMD batches, so that a batch
@@ -19,16 +21,20 @@ inline std::experimental::simd<double, Abi> select(const std::experimental::simd
   return result;
 }
 
-/// Nearest integer (ties to even) for magnitudes below 2^51: 1.5 * 2^52 leaves no bit for a fraction.
+/// The 64-bit unsigned integers that T's bits are.
 template <class T>
-inline T nearest_integer(const T& a) noexcept {
-  constexpr double kShift = 6755399441055744.0;
-  return (a + kShift) - kShift;
-}
+struct Bits {
+  using type = std::uint64_t;
+};
+template <class Abi>
+struct Bits<std::experimental::simd<double, Abi>> {
+  using type = std::experimental::rebind_simd_t<std::uint64_t, std::experimental::simd<double, Abi>>;
+};
 
 }  // namespace detail
 
-/// sine = sin(angle), cosine = cos(angle), angle in rad. T is double or std::experimental::simd<double, Abi>.
+/// sine = sin(angle), cosine = cos(angle), angle in rad. T is double or a std::experimental::simd<double,
+/// Abi> that is one register.
 ///
 /// Error at most 2 units in the last place for |angle| <= 1e4; not a number for NaN, infinities and
 /// |angle| > 1e5, where the reduction would lose its accuracy. No branch, no table; real-time safe.
@@ -45,7 +51,10 @@ inline void sincos(const T& angle, T& sine, T& cosine) noexcept {
   constexpr double kLimit_rad = 1.0e5;
 
   const T in_range = detail::select(angle * angle <= T(kLimit_rad * kLimit_rad), angle, T(__builtin_nan("")));
-  const T n = detail::nearest_integer(T(in_range * kTwoOverPi));
+  // 1.5 * 2^52 leaves no bit for a fraction: the sum's last bits are the nearest integer's.
+  constexpr double kShift = 6755399441055744.0;
+  const T shifted = in_range * kTwoOverPi + kShift;
+  const T n = shifted - kShift;
   const T r = ((in_range - n * kHalfPi1) - n * kHalfPi2) - n * kHalfPi3;
   const T t = r * r;
 
@@ -64,14 +73,16 @@ inline void sincos(const T& angle, T& sine, T& cosine) noexcept {
   const T leading = 1.0 - half;
   const T cosine_r = leading + (((1.0 - leading) - half) + (t * t) * cosine_series);
 
-  const T quadrant = n - 4.0 * detail::nearest_integer(T(0.25 * n));  // -2, -1, 0, 1 or 2
-  const T square = quadrant * quadrant;
-  const auto odd = square == T(1.0);
-  const auto opposite = square == T(4.0);
-  const T s = detail::select(odd, cosine_r, sine_r);
-  const T c = detail::select(odd, sine_r, cosine_r);
-  sine = detail::select(opposite || quadrant == T(-1.0), T(-s), s);
-  cosine = detail::select(opposite || quadrant == T(1.0), T(-c), c);
+  // n mod 4: sine and cosine of r change places when it is odd, and change sign in two quadrants each.
+  using Integer = typename detail::Bits<T>::type;
+  const Integer quadrant = std::bit_cast<Integer>(shifted);
+  const Integer sine_bits = std::bit_cast<Integer>(sine_r);
+  const Integer cosine_bits = std::bit_cast<Integer>(cosine_r);
+  const Integer one = 1;
+  const Integer two = 2;
+  const Integer exchange = (sine_bits ^ cosine_bits) & (Integer(0) - (quadrant & one));
+  sine = std::bit_cast<T>((sine_bits ^ exchange) ^ ((quadrant & two) << 62));
+  cosine = std::bit_cast<T>((cosine_bits ^ exchange) ^ (((quadrant + one) & two) << 62));
 }
 
 }  // namespace stilt::runtime
