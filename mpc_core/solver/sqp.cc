@@ -84,38 +84,30 @@ void Sqp::expand_inputs(int stages) noexcept {
   }
 }
 
-double Sqp::step_size(int stages) const noexcept {
-  Vec size{};
-  const auto include = [&](const double* step) STILT_INLINE {
+double Sqp::take_step(const ocp::Trajectory& from, double length, int stages,
+                      ocp::Trajectory& to) const noexcept {
+  Vec largest{};
+  const auto take = [&](const double* start, const double* step, double* end) STILT_INLINE {
     const Vec v = load(step);
     const Vec magnitude = v < 0.0 ? -v : v;
-    size = magnitude > size ? magnitude : size;
+    largest = magnitude > largest ? magnitude : largest;
+    store(end, load(start) + v * broadcast(length));
   };
-  for (int k = 0; k <= stages; ++k) {
-    unroll<kParts>([&](auto part) STILT_INLINE { include(steps_[k].x + part * kLanes); });
-  }
-  for (int k = 0; k < stages; ++k) {
-    unroll<kInputParts>([&](auto part) STILT_INLINE { include(input_steps_[k] + part * kLanes); });
-  }
-  double largest = 0.0;
-  for (int lane = 0; lane < kLanes; ++lane) largest = std::max(largest, size[lane]);
-  return largest;
-}
-
-void Sqp::take_step(const ocp::Trajectory& from, double length, int stages,
-                    ocp::Trajectory& to) const noexcept {
   for (int k = 0; k <= stages; ++k) {
     unroll<kParts>([&](auto part) STILT_INLINE {
       constexpr int i = part * kLanes;
-      store(to.x[k] + i, load(from.x[k] + i) + load(steps_[k].x + i) * broadcast(length));
+      take(from.x[k] + i, steps_[k].x + i, to.x[k] + i);
     });
   }
   for (int k = 0; k < stages; ++k) {
     unroll<kInputParts>([&](auto part) STILT_INLINE {
       constexpr int i = part * kLanes;
-      store(to.u[k] + i, load(from.u[k] + i) + load(input_steps_[k] + i) * broadcast(length));
+      take(from.u[k] + i, input_steps_[k] + i, to.u[k] + i);
     });
   }
+  double size = 0.0;
+  for (int lane = 0; lane < kLanes; ++lane) size = std::max(size, largest[lane]);
+  return length * size;
 }
 
 Sqp::Search Sqp::line_search(const ocp::ProblemData& data, const ocp::Problem& problem,
@@ -125,12 +117,13 @@ Sqp::Search Sqp::line_search(const ocp::ProblemData& data, const ocp::Problem& p
   const long long start_ns = now_ns();
   Search result = Search::rejected;
   for (double length = 1.0; length >= p.step_min; length *= p.step_decrease) {
-    take_step(iterate, length, stages, trial);
+    const double step_size = take_step(iterate, length, stages, trial);
+    if (length == 1.0) full_step_size_ = step_size;
     const ocp::Merit trial_merit = ocp::evaluate(data, problem, trial);
     if (!acceptable(p, merit, trial_merit, length, slope_)) continue;
     merit = trial_merit;
     report.step_length = length;
-    report.step_size = length * step_size(stages);
+    report.step_size = step_size;
     result = Search::accepted;
     break;
   }
@@ -154,7 +147,9 @@ SolveReport Sqp::solve(const ocp::ProblemData& data, const ocp::Problem& problem
     const double cost_before = merit.cost;
     if (line_search(data, problem, p, *current, *trial, merit, report) == Search::rejected) {
       report.step_length = 0.0;
-      if (p.early_stop) report.status = SolveStatus::step_rejected;
+      // A step this small changes the cost by less than its rounding: the verdict means nothing.
+      const bool vanished = full_step_size_ < p.step_tolerance;
+      if (p.early_stop) report.status = vanished ? SolveStatus::converged : SolveStatus::step_rejected;
       continue;
     }
     std::swap(current, trial);

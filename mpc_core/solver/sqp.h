@@ -53,14 +53,16 @@ class Sqp {
   [[nodiscard]] Search line_search(const ocp::ProblemData& data, const ocp::Problem& problem,
                                    const SqpParameters& parameters, const ocp::Trajectory& iterate,
                                    ocp::Trajectory& trial, ocp::Merit& merit, SolveReport& report) noexcept;
-  void take_step(const ocp::Trajectory& from, double length, int stages, ocp::Trajectory& to) const noexcept;
+  /// Returns the largest component of the step taken.
+  double take_step(const ocp::Trajectory& from, double length, int stages,
+                   ocp::Trajectory& to) const noexcept;
   void expand_inputs(int stages) noexcept;
-  [[nodiscard]] double step_size(int stages) const noexcept;
   [[nodiscard]] long long now_ns() const noexcept { return clock_ != nullptr ? clock_() : 0; }
 
   ClockFunction clock_ = nullptr;
   PhaseTimes times_;
   double slope_ = 0.0;
+  double full_step_size_ = 0.0;  ///< largest component of the step before the line search
   LqStage stages_[ocp::kMaxStages];
   LqTerminal terminal_;
   LqGain gains_[ocp::kMaxStages];

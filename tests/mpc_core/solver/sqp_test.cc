@@ -36,11 +36,11 @@ struct Solve {
     parameters.iterations = iterations;
     return run();
   }
-  /// The solution to about ten digits.
+  /// The solution to about nine digits: the next step, smaller still, changes the cost by its rounding.
   void converge() {
     const SqpParameters before = parameters;
     parameters.cost_tolerance = 0.0;
-    parameters.step_tolerance = 1e-8;
+    parameters.step_tolerance = 1e-6;
     parameters.iterations = 100;
     EXPECT_EQ(run().status, SolveStatus::converged);
     parameters = before;
@@ -237,7 +237,7 @@ TEST(SqpFilter, AboveGMaxTakesOnlyWhatReducesTheViolation) {
   solve.parameters.g_max = 0.0;
   double before = solve.violation();
   for (int iteration = 0; iteration < 20; ++iteration) {
-    if (solve.run(1).status == SolveStatus::step_rejected) break;
+    if (solve.run(1).step_length == 0.0) break;  // no step was taken
     const double now = solve.violation();
     ASSERT_LT(now, before);
     before = now;
