@@ -16,6 +16,7 @@ struct Event {
   enum class Kind : std::uint8_t {
     state,           ///< the supervisor is in another state: `state`
     fault,           ///< a fault appeared: `fault`
+    waits_for_pose,  ///< to stand up was asked for, and the robot is not in a pose for that
     bring_up_failed  ///< of the driver of `joint`: `failure`, `driver_fault`
   };
   Kind kind = Kind::state;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mpc_core/gait/reference.h"
+
 namespace stilt::controller {
 namespace {
 
@@ -57,6 +59,14 @@ std::uint64_t malformed(const JointReadings& joints, const hal::BaseReading& bas
 void TorqueCycle::configure(const model::RobotModel& robot, const control::ControllerParameters& parameters,
                             const supervisor::SupervisorParameters& supervision) noexcept {
   limits_ = joint_limits(robot.constants);
+  supervision_ = supervision;
+  standing_pitch_rad_ = parameters.reference.base_pitch_rad;
+  for (const bool left_ahead : {true, false}) {
+    standing_rad_[left_ahead ? 0 : 1] =
+        gait::standing_state(robot.constants, parameters.reference.base_height_m, standing_pitch_rad_,
+                             parameters.gait.stand_half_width_m, left_ahead)
+            .segment<kJoints>(model::kFirstJoint);
+  }
   supervisor_.configure(limits_, supervision);
   estimator_.configure(robot, parameters.estimator);
   law_.configure(robot, parameters);
@@ -133,6 +143,19 @@ void TorqueCycle::estimate_state(const control::Plan& plan) noexcept {
   seen_.controller_finite = seen_.controller_finite && estimate_.allFinite();
 }
 
+/// False for anything that is not a number.
+bool TorqueCycle::fit_to_stand() const noexcept {
+  const double margin_rad = supervision_.stand_pose_margin_rad;
+  const auto near = [&](const model::JointVector& standing_rad) {
+    return (reading_.joint_position_rad - standing_rad).cwiseAbs().maxCoeff() <= margin_rad;
+  };
+  const bool finite = reading_.joint_position_rad.allFinite() && reading_.joint_velocity_rad_s.allFinite();
+  return finite && (near(standing_rad_[0]) || near(standing_rad_[1])) &&
+         std::abs(reading_.base_pitch_rad - standing_pitch_rad_) <= margin_rad &&
+         std::abs(reading_.base_pitch_rate_rad_s) <= supervision_.stand_speed_rad_s &&
+         reading_.joint_velocity_rad_s.cwiseAbs().maxCoeff() <= supervision_.stand_speed_rad_s;
+}
+
 void TorqueCycle::supervise() noexcept {
   supervisor::SupervisorInputs inputs;
   inputs.seen = seen_;
@@ -140,6 +163,7 @@ void TorqueCycle::supervise() noexcept {
   inputs.request = operator_.request;
   inputs.bring_up_done = bring_up_.ready;
   inputs.shut_down = operator_.shut_down;
+  inputs.fit_to_stand = fit_to_stand();
   const supervisor::SupervisorOutput& decision = supervisor_.update(inputs);
   seen_.controller_finite = true;
   if (decision.clear_buses) robot_.buses->restore();
@@ -247,6 +271,10 @@ void TorqueCycle::report_events() noexcept {
     if (decision.raised.has(row.fault)) push({.kind = Event::Kind::fault, .fault = row.fault});
   }
   if (decision.entered || ticks_ == 0) push({.kind = Event::Kind::state, .state = decision.state});
+  const bool waits = decision.state == State::ready && !decision.entered &&
+                     operator_.request.kind == supervisor::RequestKind::stand;
+  if (waits && !waiting_told_) push({.kind = Event::Kind::waits_for_pose});
+  waiting_told_ = waits;
 }
 
 }  // namespace stilt::controller

@@ -67,6 +67,7 @@ class TorqueCycle {
  private:
   void sense(const TickTiming& timing) noexcept;
   void look_at_plan(const control::Plan& plan) noexcept;
+  [[nodiscard]] bool fit_to_stand() const noexcept;
   void estimate_state(const control::Plan& plan) noexcept;
   void supervise() noexcept;
   [[nodiscard]] hal::JointCommands torque_law(const control::Plan& plan) noexcept;
@@ -82,6 +83,10 @@ class TorqueCycle {
   Mailboxes* mail_ = nullptr;
   supervisor::Supervisor supervisor_;
   supervisor::JointLimits limits_;
+  supervisor::SupervisorParameters supervision_;
+  std::array<model::JointVector, 2> standing_rad_;  ///< left foot ahead, right foot ahead
+  double standing_pitch_rad_ = 0.0;
+  bool waiting_told_ = false;
   control::Estimator estimator_;
   control::TorqueLoop law_;              ///< on a young plan
   control::TorqueLoop law_of_old_plan_;  ///< with the plan's feedback gains

@@ -62,6 +62,9 @@ void take_events(controller::EventRing& events, Outcome& outcome) {
       case Event::Kind::fault:
         take_fault(*event, outcome);
         break;
+      case Event::Kind::waits_for_pose:
+        say(event->time_s, "not in a pose to stand up from: waits until somebody puts it there");
+        break;
       case Event::Kind::bring_up_failed:
         say(event->time_s, bring_up_text(*event));
         break;

@@ -39,6 +39,7 @@ long long page_faults() noexcept {
 struct Run {
   const Options& options;
   ControllerState& state;
+  hardware::RoundTrip round_trip;
   std::atomic<bool> torque_done = false;
   std::atomic<bool> planner_end = false;
   std::atomic<bool> unguarded = false;  ///< --forbid-syscalls was asked for and cannot be had
@@ -72,8 +73,6 @@ void run_torque_loop(void* context) {
   hal::MonotonicClock clock;
   const std::int64_t tick_ns = period_ns(run.options.configuration.timing.torque_rate_hz);
   realtime::Pace pace(clock.now_ns() + tick_ns, tick_ns);
-  hardware::RoundTrip meter(configuration::robot_wiring(run.options.configuration.hardware),
-                            state.hardware->buses());
   const long long faults_before = page_faults();
   controller::TickTiming timing;
   for (int ticks_off = 0; ticks_off < kLastTicks;) {
@@ -88,7 +87,8 @@ void run_torque_loop(void* context) {
     if (timing.late_ns > late_ns) ++state.loop.late_ticks;
     if (state.loop.ticks % kRoundTripEvery == 0 && supervisor::drives(state.torque.decision().state)) {
       const auto wait_ns = static_cast<std::int64_t>(kRoundTripShare * static_cast<double>(tick_ns));
-      timing.round_trip_ns = measure_round_trip(meter, clock, done_ns, pace.next_ns() + wait_ns, state);
+      timing.round_trip_ns =
+          measure_round_trip(run.round_trip, clock, done_ns, pace.next_ns() + wait_ns, state);
     }
     state.loop.missed_periods += pace.advance(clock.now_ns());
     state.loop.heap_allocations = allocations.count();
@@ -171,7 +171,9 @@ void save_black_box(const Options& options, ControllerState& state) {
 
 void run_realtime(const Options& options, Signals& signals, ControllerState& state, Outcome& outcome) {
   const configuration::RuntimeParameters& runtime = options.configuration.runtime;
-  Run run{options, state};
+  Run run{options, state,
+          hardware::RoundTrip(configuration::robot_wiring(options.configuration.hardware),
+                              state.hardware->buses())};
   state.mail.black_box.set_aftermath(diagnostics::kBlackBoxRecords / 4);
   realtime::Thread planner;
   realtime::Thread torque_loop;

@@ -65,6 +65,7 @@ enum class Guard : std::uint8_t {
   slowed_down,    ///< stepped in place for long enough
   causes_gone,    ///< no fault is present
   none_latched,   ///< no fault waits for a reset
+  fit_to_stand,   ///< nor does one, and the robot is in a pose to stand up from
   fault_latched,  ///< one does
 };
 
@@ -94,7 +95,7 @@ inline constexpr auto kTransitions = std::to_array<Transition>({
     {State::ready, Condition::sit_fault, Guard::always, State::fault},
     {State::ready, Condition::shut_down, Guard::always, State::off},
     {State::ready, Condition::request_off, Guard::always, State::off},
-    {State::ready, Condition::request_stand, Guard::none_latched, State::stand},
+    {State::ready, Condition::request_stand, Guard::fit_to_stand, State::stand},
 
     {State::stand, Condition::damp_fault, Guard::always, State::fault},
     {State::stand, Condition::sit_fault, Guard::always, State::sit},

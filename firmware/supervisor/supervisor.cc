@@ -63,6 +63,7 @@ const SupervisorOutput& Supervisor::update(const SupervisorInputs& inputs) noexc
   if (!started_) entered_ns_ = rung_ns_ = now_ns_;
   started_ = true;
   measured_ = inputs.seen.joints;
+  fit_to_stand_ = inputs.fit_to_stand;
   pose_rad_ = measured_pose_rad(measured_, pose_rad_);
   output_.entered = output_.start_controller = false;
   find_faults(inputs);
@@ -170,6 +171,8 @@ bool Supervisor::passes(Guard guard) const noexcept {
       return resetting_ && now_ns_ > reset_ns_ && (output_.present & kLatching).empty();
     case Guard::none_latched:
       return output_.latched.empty();
+    case Guard::fit_to_stand:
+      return output_.latched.empty() && fit_to_stand_;
     case Guard::fault_latched:
       return !output_.latched.empty();
   }

@@ -27,6 +27,7 @@ struct SupervisorInputs {
   Request request;
   bool bring_up_done = false;  ///< every driver is enabled
   bool shut_down = false;      ///< the program is to end: sit, damp, let go
+  bool fit_to_stand = true;    ///< nearly at rest and near the standing pose
 };
 
 /// What leaves override() for the drivers.
@@ -99,6 +100,7 @@ class Supervisor {
   bool started_ = false;
   bool resetting_ = false;
   bool command_not_finite_ = false;
+  bool fit_to_stand_ = false;
 };
 
 }  // namespace stilt::supervisor

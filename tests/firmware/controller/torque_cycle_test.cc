@@ -112,6 +112,26 @@ TEST_F(TorqueCycleTest, TheTorqueLawTakesOverGradually) {
   }
 }
 
+TEST_F(TorqueCycleTest, StandingUpWaitsForTheStandingPose) {
+  rig->run(3);
+  rig->ask(RequestKind::calibrate);
+  rig->run(3);
+  const double knee_rad = rig->joints.readings[1].position_rad;
+  rig->joints.readings[1].position_rad = knee_rad + 0.6;
+  rig->ask(RequestKind::stand);
+  rig->run(100);
+  EXPECT_EQ(rig->state(), State::ready);
+  EXPECT_TRUE(only_damps(rig->joints.commands));
+  EXPECT_EQ(take(*rig, Event::Kind::waits_for_pose).size(), 1u);
+  rig->joints.readings[1].position_rad = knee_rad;
+  rig->joints.readings[0].velocity_rad_s = 3.0;
+  rig->run(10);
+  EXPECT_EQ(rig->state(), State::ready) << "still moving";
+  rig->joints.readings[0].velocity_rad_s = 0.0;
+  rig->run(10);
+  EXPECT_EQ(rig->state(), State::stand);
+}
+
 TEST_F(TorqueCycleTest, AWalkIsPlannedWithTheSpeedAskedFor) {
   rig->stand();
   rig->ask(RequestKind::walk, 0.3);

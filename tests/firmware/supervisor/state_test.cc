@@ -74,7 +74,7 @@ TEST(TransitionTable, TorqueIsReachedFromReadyByStandingUpOnly) {
     if (has_torque(transition.from) || !has_torque(transition.to)) continue;
     EXPECT_EQ(transition.from, State::ready);
     EXPECT_EQ(transition.condition, Condition::request_stand);
-    EXPECT_EQ(transition.guard, Guard::none_latched);
+    EXPECT_EQ(transition.guard, Guard::fit_to_stand);
     EXPECT_EQ(transition.to, State::stand);
   }
 }

@@ -51,6 +51,13 @@ class SupervisorTest : public ::testing::Test {
     run(0.1);
     ASSERT_EQ(output().state, State::ready);
   }
+  /// As bring_to_ready(), then standing up is asked for in a pose that does not allow it.
+  void ask_to_stand_where_it_cannot() {
+    bring_to_ready();
+    inputs_.fit_to_stand = false;
+    request(RequestKind::stand);
+    run(1.0);
+  }
   void bring_to_stand() {
     bring_to_ready();
     request(RequestKind::stand);
@@ -82,6 +89,15 @@ class SupervisorTest : public ::testing::Test {
   hal::JointCommands commands_;
   Action action_ = Action::silent;
 };
+
+TEST_F(SupervisorTest, StandingUpWaitsForAPoseToStandUpFrom) {
+  ask_to_stand_where_it_cannot();
+  EXPECT_EQ(output().state, State::ready);
+  EXPECT_TRUE(only_damps());
+  inputs_.fit_to_stand = true;
+  tick();
+  EXPECT_EQ(output().state, State::stand);
+}
 
 TEST_F(SupervisorTest, FromBootToWalkingStepByStep) {
   EXPECT_EQ(output().state, State::boot);
