@@ -139,7 +139,8 @@ int run_closed_loop_bench(const BenchOptions& options) {
   ControllerChoice choice = options.choice;
   choice.no_early_stop = true;
   const control::ControllerParameters parameters = controller_parameters(choice);
-  const auto controller = make_controller(benchmark::counting_model(robot_model(choice.robot)), parameters);
+  const auto controller =
+      make_controller(benchmark::counting_model(robot_model(choice.robot)), parameters, gait_library(choice));
   Measurement measurement(controller->planner());
   const PlanObserver observer{
       [&] { measurement.before(); },

@@ -2,6 +2,7 @@
 
 #include <charconv>
 
+#include "firmware/configuration/gaits/shipped_gaits.h"
 #include "host_tools/cli/usage_error.h"
 #include "host_tools/simulator/number.h"
 #include "host_tools/simulator/simulated_robot.h"
@@ -10,6 +11,9 @@ namespace stilt::cli {
 namespace {
 
 using configuration::Override;
+
+/// Weight of the terminal cost around gaits of the library, of the paper.
+constexpr double kHzdTerminalCost = 10.0;
 
 /// "section.key=value" with every digit of the value.
 Override setting(const char* key, double value, const char* option) {
@@ -20,6 +24,11 @@ Override setting(const char* key, double value, const char* option) {
 
 std::vector<Override> overrides_of(const ControllerChoice& choice) {
   std::vector<Override> overrides;
+  if (const auto library = gait_library(choice)) {  // before what the user sets, so that this can be changed
+    overrides.push_back(setting("cost.terminal", kHzdTerminalCost, "--controller mpc-hzd"));
+    overrides.push_back(setting("gait.single_support_s", library->step_time_s(), "--controller mpc-hzd"));
+    overrides.push_back(setting("gait.double_support_s", 0.0, "--controller mpc-hzd"));
+  }
   for (const std::string& assignment : choice.settings) overrides.push_back({assignment});
   if (choice.horizon_s)
     overrides.push_back(setting("discretisation.horizon_s", *choice.horizon_s, "--horizon"));
@@ -37,11 +46,13 @@ std::vector<Override> overrides_of(const ControllerChoice& choice) {
   return overrides;
 }
 
+bool follows_gaits(const std::string& controller) { return controller == "mpc-hzd"; }
+
 void check_controller(const std::string& name) {
-  if (name == "mpc-none" || name == "mpc-heuristic") return;
-  const bool planned = name == "mpc-hzd" || name == "mpc-lumped" || name == "hzd-pd";
+  if (name == "mpc-none" || name == "mpc-heuristic" || follows_gaits(name)) return;
+  const bool planned = name == "mpc-lumped" || name == "hzd-pd";
   throw UsageError("--controller " + name + (planned ? ": not in this version" : ": no such controller") +
-                   "; available are mpc-none, mpc-heuristic");
+                   "; available are mpc-none, mpc-heuristic, mpc-hzd");
 }
 
 std::string one_line(const std::vector<configuration::Diagnostic>& diagnostics) {
@@ -56,8 +67,11 @@ std::string one_line(const std::vector<configuration::Diagnostic>& diagnostics) 
 
 void add_controller_options(CLI::App& command, ControllerChoice& choice) {
   command.add_option("--robot", choice.robot, "robot: amber3m, rabbit")->capture_default_str();
-  command.add_option("--controller", choice.controller, "mpc-heuristic, or mpc-none: without terminal cost")
+  command
+      .add_option("--controller", choice.controller,
+                  "mpc-heuristic, mpc-none: without terminal cost, mpc-hzd: around the gaits of a library")
       ->capture_default_str();
+  command.add_option("--gaits", choice.gait_folder, "folder of gait files instead of the shipped ones");
   command.add_option("--config", choice.config_file,
                      "controller configuration (TOML) instead of the shipped one");
   command
@@ -89,11 +103,26 @@ control::ControllerParameters controller_parameters(const ControllerChoice& choi
   return load_configuration(choice.robot, choice.config_file, overrides_of(choice));
 }
 
+std::shared_ptr<const gait::GaitLibrary> gait_library(const ControllerChoice& choice) {
+  if (!follows_gaits(choice.controller)) {
+    if (choice.gait_folder.empty()) return nullptr;
+    throw UsageError("--gaits " + choice.gait_folder + ": only --controller mpc-hzd follows gaits");
+  }
+  auto library = std::make_shared<gait::GaitLibrary>();
+  const auto loaded = choice.gait_folder.empty()
+                          ? gait_files::load_shipped_library(choice.robot, *library)
+                          : gait_files::load_library(choice.gait_folder, choice.robot, *library);
+  if (!loaded) throw UsageError("--controller " + choice.controller + ": " + loaded.error());
+  return library;
+}
+
 std::unique_ptr<simulator::MpcController> make_controller(const model::RobotModel& robot,
-                                                          const control::ControllerParameters& parameters) {
+                                                          const control::ControllerParameters& parameters,
+                                                          std::shared_ptr<const gait::GaitLibrary> library) {
   auto controller = std::make_unique<simulator::MpcController>();
   switch (controller->configure(robot, parameters)) {
     case control::ConfigureStatus::ok:
+      if (library != nullptr) controller->follow(std::move(library));
       return controller;
     case control::ConfigureStatus::horizon_over_capacity:
       throw UsageError(

@@ -25,6 +25,7 @@ struct ControllerChoice {
   std::optional<double> plan_rate_hz;
   std::optional<double> plan_delay_s;
   bool no_early_stop = false;
+  std::string gait_folder;  ///< of --gaits; empty: the gaits shipped for the robot
 };
 
 /// Adds the options that `stilt sim` and `stilt bench` share to a command.
@@ -40,8 +41,13 @@ void add_controller_options(CLI::App& command, ControllerChoice& choice);
 /// The parameters after configuration file, --set and the options of their own, all checked.
 [[nodiscard]] control::ControllerParameters controller_parameters(const ControllerChoice& choice);
 
-/// A controller ready to run.
+/// A predictive controller ready to run. `library`: gaits to follow instead of the heuristics, or null.
 [[nodiscard]] std::unique_ptr<simulator::MpcController> make_controller(
-    const model::RobotModel& robot, const control::ControllerParameters& parameters);
+    const model::RobotModel& robot, const control::ControllerParameters& parameters,
+    std::shared_ptr<const gait::GaitLibrary> library = nullptr);
+
+/// The gaits that the chosen controller follows: those of --gaits or the shipped ones; null for one that
+/// follows none.
+[[nodiscard]] std::shared_ptr<const gait::GaitLibrary> gait_library(const ControllerChoice& choice);
 
 }  // namespace stilt::cli

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <array>
+#include <memory>
+#include <utility>
 
 #include "host_tools/simulator/controller.h"
 #include "mpc_core/control/planner.h"
@@ -15,6 +17,12 @@ class MpcController final : public Controller {
   [[nodiscard]] control::ConfigureStatus configure(const model::RobotModel& robot,
                                                    const control::ControllerParameters& parameters);
 
+  /// Steps follow the gaits of a library with at least one gait. Call after configure().
+  void follow(std::shared_ptr<const gait::GaitLibrary> library) {
+    planner_.follow(library.get());
+    library_ = std::move(library);
+  }
+
   void reset(const model::StateVector& state, double time_s) override;
   TickOutput tick(const control::SensorReading& reading, const model::StateVector* true_state) override;
   std::optional<solver::SolveReport> plan(double time_s, const gait::GaitCommand& command) override;
@@ -26,6 +34,7 @@ class MpcController final : public Controller {
   [[nodiscard]] control::Planner& planner() { return planner_; }
 
  private:
+  std::shared_ptr<const gait::GaitLibrary> library_;
   control::Planner planner_;
   control::TorqueLoop torque_loop_;
   std::array<control::Plan, 2> plans_;

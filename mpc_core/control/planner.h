@@ -29,6 +29,11 @@ class Planner {
   [[nodiscard]] ConfigureStatus configure(const model::RobotModel& robot,
                                           const ControllerParameters& parameters) noexcept;
 
+  /// From now on steps follow the gaits of the library, which outlives this object, instead of the
+  /// heuristics. Their step time should be that of the gait's parameters. Call after configure(). Null:
+  /// heuristics.
+  void follow(const gait::GaitLibrary* library) noexcept { reference_.follow(*data_.robot, library); }
+
   /// Forgets the past: standing still from `time_s` on.
   void reset(double time_s) noexcept;
 

@@ -49,13 +49,33 @@ LibraryStatus GaitLibrary::add(const HzdGait& gait) noexcept {
   return LibraryStatus::ok;
 }
 
-void GaitLibrary::blend(double speed_m_s, HzdGait& result) const noexcept {
+GaitLibrary::Neighbours GaitLibrary::around(double speed_m_s) const noexcept {
   int above = 0;
   while (above < count_ && gaits_[above].speed_m_s < speed_m_s) ++above;
-  const HzdGait& a = gaits_[std::max(above - 1, 0)];
-  const HzdGait& b = gaits_[std::min(above, count_ - 1)];
-  const double gap = b.speed_m_s - a.speed_m_s;
-  const double share = gap > 0.0 ? (speed_m_s - a.speed_m_s) / gap : 0.0;
+  const int slower = std::max(above - 1, 0);
+  const int faster = std::min(above, count_ - 1);
+  const double gap = gaits_[faster].speed_m_s - gaits_[slower].speed_m_s;
+  return {slower, faster, gap > 0.0 ? (speed_m_s - gaits_[slower].speed_m_s) / gap : 0.0};
+}
+
+GaitPoint GaitLibrary::motion_at(double speed_m_s, double s) const noexcept {
+  const Neighbours near = around(speed_m_s);
+  GaitPoint point = gait::motion_at(gaits_[near.slower], s);
+  if (near.share == 0.0) return point;
+  const GaitPoint faster = gait::motion_at(gaits_[near.faster], s);
+  point.position += near.share * (faster.position - point.position);
+  point.velocity += near.share * (faster.velocity - point.velocity);
+  point.acceleration += near.share * (faster.acceleration - point.acceleration);
+  point.torque_Nm += near.share * (faster.torque_Nm - point.torque_Nm);
+  point.force_N += near.share * (faster.force_N - point.force_N);
+  return point;
+}
+
+void GaitLibrary::blend(double speed_m_s, HzdGait& result) const noexcept {
+  const Neighbours near = around(speed_m_s);
+  const HzdGait& a = gaits_[near.slower];
+  const HzdGait& b = gaits_[near.faster];
+  const double share = near.share;
   result.speed_m_s = mix(a.speed_m_s, b.speed_m_s, share);
   result.step_time_s = mix(a.step_time_s, b.step_time_s, share);
   result.step_length_m = mix(a.step_length_m, b.step_length_m, share);

@@ -34,7 +34,17 @@ class GaitLibrary {
   /// safe.
   void blend(double speed_m_s, HzdGait& result) const noexcept;
 
+  /// The motion of blend(speed_m_s) at s = t / step time, without the outputs. Real-time safe.
+  [[nodiscard]] GaitPoint motion_at(double speed_m_s, double s) const noexcept;
+
  private:
+  /// The gaits around a speed, and the share of the faster one.
+  struct Neighbours {
+    int slower, faster;
+    double share;
+  };
+  [[nodiscard]] Neighbours around(double speed_m_s) const noexcept;
+
   HzdGait gaits_[kMaxGaits];
   int count_ = 0;
 };

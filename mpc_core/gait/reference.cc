@@ -154,6 +154,7 @@ ReferencePoint HeuristicReference::evaluate(double time_s, int phase) const noex
     point.foot_velocity_W_m_s.segment<2>(2 * foot) << x.velocity, z.velocity;
     point.foot_acceleration_W_m_s2.segment<2>(2 * foot) << x.acceleration, z.acceleration;
   }
+  if (library_ != nullptr && mode.count() == 1) follow_gait(time_s, phase, point);
   return point;
 }
 

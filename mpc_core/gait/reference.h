@@ -1,5 +1,6 @@
 #pragma once
 
+#include "mpc_core/gait/gait_library.h"
 #include "mpc_core/gait/schedule.h"
 #include "mpc_core/gait/swing.h"
 #include "mpc_core/model/robot.h"
@@ -37,6 +38,14 @@ class HeuristicReference {
                double time_s, const model::StateVector& state, const model::FeetVector& foot_position_W_m,
                double speed_m_s, double speed_trim_m_s) noexcept;
 
+  /// From now on the reference of a step on one foot is the gait of the library at the speed reference, which
+  /// has at least one gait and outlives this object; standing keeps the heuristics. Null: heuristics always.
+  /// See follow_gait().
+  void follow(const model::RobotModel& model, const GaitLibrary* library) noexcept {
+    model_ = &model;
+    library_ = library;
+  }
+
   /// Reference at a time of the contact phase `phase` (which decides which side of a switch is meant).
   [[nodiscard]] ReferencePoint evaluate(double time_s, int phase) const noexcept;
 
@@ -60,6 +69,13 @@ class HeuristicReference {
   [[nodiscard]] double foothold_x_m(int foot, const Interval& contact) const noexcept;
   void foot_reference(double time_s, int phase, int foot, Motion& x, Motion& z) const noexcept;
 
+  /// Puts the library's gait in the place of the heuristics: base, joints, their rates and accelerations,
+  /// contact forces and the swing foot are those of the gait at s = time since touch-down / duration of the
+  /// phase. In x the base keeps to the speed reference, which is anchored at the measured base, and adds what
+  /// the gait does within a step; feet are placed relative to it, a foot that stands already is left where it
+  /// is.
+  void follow_gait(double time_s, int phase, ReferencePoint& point) const noexcept;
+
   const ContactSchedule* schedule_ = nullptr;
   GaitCommand command_{};
   GaitParameters gait_{};
@@ -70,6 +86,8 @@ class HeuristicReference {
   model::StateVector nominal_ = model::StateVector::Zero();
   std::array<SpeedKnot, kMaxKnots> knots_{};
   int knot_count_ = 0;
+  const model::RobotModel* model_ = nullptr;
+  const GaitLibrary* library_ = nullptr;
 };
 
 }  // namespace stilt::gait
