@@ -119,7 +119,8 @@ void TorqueCycle::look_at_plan(const control::Plan& plan) noexcept {
   seen_.has_plan = of_session && now_s <= plan.node[plan.nodes - 1].time_s;
   seen_.plan_age_s = now_s - (of_session ? plan.start_time_s : session_start_s_);
   seen_.planned_speed_rad_s = {};
-  if (seen_.has_plan) {
+  const bool in_command = supervisor_.output().ramp >= 1.0;  // before, joints need not follow the plan
+  if (seen_.has_plan && in_command) {
     const control::PlanPoint point = control::interpolate(plan, now_s);
     for (std::size_t i = 0; i < hal::kJoints; ++i) {
       seen_.planned_speed_rad_s[i] =

@@ -112,6 +112,23 @@ TEST_F(TorqueCycleTest, TheTorqueLawTakesOverGradually) {
   }
 }
 
+TEST_F(TorqueCycleTest, AnEncoderThatStandsStillIsAFaultOnceTheTorqueLawIsInCommand) {
+  rig->run(3);
+  rig->ask(RequestKind::calibrate);
+  rig->run(3);
+  // Encoders that stick while a joint moved: plans start from that speed.
+  for (hal::JointReading& reading : rig->joints.readings) {
+    reading.velocity_rad_s = 0.9;
+    reading.frozen = 1000;
+  }
+  rig->ask(RequestKind::stand);
+  rig->run(1000);
+  EXPECT_EQ(rig->state(), State::stand) << "still taking over";
+  rig->run(1000);
+  EXPECT_EQ(rig->state(), State::fault);
+  EXPECT_TRUE(rig->decision().latched.has(Fault::stale_encoder));
+}
+
 TEST_F(TorqueCycleTest, StandingUpWaitsForTheStandingPose) {
   rig->run(3);
   rig->ask(RequestKind::calibrate);
