@@ -19,7 +19,7 @@ PhaseSpeeds measure_phases(PlannerKernels& kernels, const IterationWork& work, i
   const std::vector<double> time_s = interleaved_medians_s(
       {[&] { sink = peak_kernel(factor, 1.0); }, [&] { kernels.linearise(); }, [&] { kernels.sweep(); },
        [&] { kernels.evaluate(); }, [&] { kernels.backward_sweep(); }, [&] { kernels.plain_sweep(); },
-       [&] { kernels.batched_nodes(); }, [&] { kernels.scalar_nodes(); }},
+       [&] { kernels.batched_nodes(); }, [&] { kernels.scalar_nodes(); }, [&] { kernels.plain_linearise(); }},
       rounds);
   PhaseSpeeds speeds;
   speeds.peak_gflop_s = 1e-9 * static_cast<double>(kPeakFlops) / time_s[0];
@@ -32,6 +32,7 @@ PhaseSpeeds measure_phases(PlannerKernels& kernels, const IterationWork& work, i
   speeds.plain_sweep_us = 1e6 * time_s[5];
   speeds.batched_nodes_us = 1e6 * time_s[6];
   speeds.scalar_nodes_us = 1e6 * time_s[7];
+  speeds.plain_linearise_us = 1e6 * time_s[8];
   return speeds;
 }
 

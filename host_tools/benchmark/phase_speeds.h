@@ -20,6 +20,7 @@ struct PhaseSpeeds {
   double textbook_sweep_share = 0.0;  ///< of the peak, counting textbook_sweep_flops() instead
   double backward_sweep_us = 0.0;
   double plain_sweep_us = 0.0;
+  double plain_linearise_us = 0.0;
   double batched_nodes_us = 0.0;
   double scalar_nodes_us = 0.0;
 };

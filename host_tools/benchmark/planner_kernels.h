@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "host_tools/benchmark/linearised_problem.h"
+#include "host_tools/benchmark/plain_linearise.h"
 #include "host_tools/benchmark/plain_sweep.h"
 #include "mpc_core/control/planner.h"
 
@@ -23,12 +24,18 @@ class PlannerKernels {
   /// Plain versions on the same data.
   void plain_sweep() { plain_.run(); }  ///< backward only, in fixed-size Eigen
   void backward_sweep();                ///< what plain_sweep() is to be compared with
+  void plain_linearise();               ///< all flow stages, node by node in fixed-size Eigen
   void scalar_nodes();                  ///< generated derivatives of all flow stages, one by one
   void batched_nodes();                 ///< the same, a batch at a time
 
   [[nodiscard]] int stages() const noexcept { return problem_.horizon.stages; }
   /// Largest difference of a gain of both sweeps, relative to the largest gain of its stage.
   [[nodiscard]] double sweep_difference() const;
+
+  /// Largest difference of what both linearisations make of a flow stage, relative to the larger of the
+  /// matrices compared. They choose their free directions differently, so that what does not depend on that
+  /// choice is compared: A - B R^-1 S, Q - S'R^-1 S and B R^-1 B'. Linearises anew.
+  [[nodiscard]] double linearisation_difference();
 
   /// textbook_sweep_flops() of all stages.
   [[nodiscard]] long long textbook_sweep_flops() const noexcept;
@@ -43,6 +50,7 @@ class PlannerKernels {
   solver::RiccatiWorkspace workspace_;
   alignas(64) double x0_[solver::kRows] = {};
   PlainSweep plain_;
+  PlainModel plain_model_;
 };
 
 /// Floating-point operations of the recursion in riccati.h at its least: dense matrices, symmetric ones by

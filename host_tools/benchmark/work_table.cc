@@ -15,33 +15,37 @@ ExecutedWork settled_work(const Kernel& kernel) {
 template <class Kernel>
 ExecutedWork WorkTable::sum_of(Parts& parts, const ocp::Problem& whole, const Kernel& kernel) {
   part_ = whole;
-  part_.batches = 0;
+  // A batch is what a second one of the same adds: what is done once, if at all, belongs to no batch.
+  const auto added = [&](int& count) {
+    count = 1;
+    const ExecutedWork one = settled_work(kernel);
+    count = 2;
+    const ExecutedWork second = settled_work(kernel) - one;
+    if (!parts.fixed) parts.fixed = one - second;
+    return second;
+  };
+  ExecutedWork total;
   part_.transition_batches = 0;
-  if (!parts.fixed) parts.fixed = settled_work(kernel);
-  ExecutedWork total = *parts.fixed;
-
-  part_.batches = 1;
   for (int b = 0; b < whole.batches; ++b) {
     const model::ContactMode mode = whole.batch[b].mode;
     const auto [known, is_new] = parts.batch.try_emplace({{mode.left, mode.right}, whole.batch[b].lanes});
     if (is_new) {
-      part_.batch[0] = whole.batch[b];
-      known->second = settled_work(kernel) - *parts.fixed;
+      part_.batch[0] = part_.batch[1] = whole.batch[b];
+      known->second = added(part_.batches);
     }
     total += known->second;
   }
-
   part_.batches = 0;
-  part_.transition_batches = 1;
   for (int b = 0; b < whole.transition_batches; ++b) {
     const ocp::TransitionBatch& batch = whole.transition_batch[b];
     const auto [known, is_new] = parts.touchdown.try_emplace({batch.touchdown[0], batch.touchdown[1]});
     if (is_new) {
-      part_.transition_batch[0] = batch;
-      known->second = settled_work(kernel) - *parts.fixed;
+      part_.transition_batch[0] = part_.transition_batch[1] = batch;
+      known->second = added(part_.transition_batches);
     }
     total += known->second;
   }
+  total += *parts.fixed;
   return total;
 }
 

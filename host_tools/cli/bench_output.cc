@@ -45,6 +45,8 @@ Json speeds_json(const PhaseSpeeds& s) {
           {"backward_sweep_us", s.backward_sweep_us},
           {"eigen_sweep_us", s.plain_sweep_us},
           {"eigen_over_sweep", s.plain_sweep_us / s.backward_sweep_us},
+          {"eigen_linearise_us", s.plain_linearise_us},
+          {"eigen_over_linearise", s.plain_linearise_us / s.linearise.time_us},
           {"batched_nodes_us", s.batched_nodes_us},
           {"scalar_nodes_us", s.scalar_nodes_us},
           {"scalar_over_batched_nodes", s.scalar_nodes_us / s.batched_nodes_us}};
@@ -99,6 +101,8 @@ void print_bench(const PlannerTimings& timings, const PhaseSpeeds& s, double hor
   print_phase("trial step", s.evaluate);
   std::printf("against plain  backward sweep %.1f us, in fixed-size Eigen %.1f us: %.2f times\n",
               s.backward_sweep_us, s.plain_sweep_us, s.plain_sweep_us / s.backward_sweep_us);
+  std::printf("               linearisation %.1f us, node by node in fixed-size Eigen %.1f us: %.2f times\n",
+              s.linearise.time_us, s.plain_linearise_us, s.plain_linearise_us / s.linearise.time_us);
   std::printf("               generated derivatives %.1f us in batches, %.1f us one by one: %.2f times\n",
               s.batched_nodes_us, s.scalar_nodes_us, s.scalar_nodes_us / s.batched_nodes_us);
 }

@@ -51,6 +51,11 @@ void horizons(::benchmark::internal::Benchmark* bench) {
 void linearise(::benchmark::State& state) { run(state, &PlannerKernels::linearise); }
 BENCHMARK(linearise)->Apply(horizons);
 
+void linearise_in_eigen(::benchmark::State& state) {
+  run_beside(state, &PlannerKernels::plain_linearise, &PlannerKernels::linearise);
+}
+BENCHMARK(linearise_in_eigen)->Apply(horizons);
+
 void derivatives_in_batches(::benchmark::State& state) { run(state, &PlannerKernels::batched_nodes); }
 BENCHMARK(derivatives_in_batches)->Apply(horizons);
 

@@ -52,6 +52,12 @@ TEST_F(Kernels, BothSweepsGiveTheSameGains) {
   EXPECT_LT(kernels.sweep_difference(), 1e-9);
 }
 
+TEST_F(Kernels, BothLinearisationsGiveTheSameModel) {
+  plan_at(0.25);
+  PlannerKernels kernels(*planner_);
+  EXPECT_LT(kernels.linearisation_difference(), 1e-9);
+}
+
 TEST_F(Kernels, WorkOfThePartsIsTheWorkOfTheWhole) {
   if (!can_count_work()) GTEST_SKIP() << "this processor or build cannot be stepped through";
   plan_at(0.25);
