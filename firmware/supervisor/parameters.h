@@ -33,7 +33,7 @@ struct SupervisorParameters {
   double torque_loop_stall_s = 0.010;   ///< lateness of a tick before the joints are damped
   double heartbeat_timeout_s = 0.4;     ///< silence of the operator's program
   double emergency_stop_wait_s = 1.0;   ///< after the start, for the emergency stop's first report
-  double stand_pose_margin_rad = 0.4;   ///< joints and torso off the standing pose, at most, to stand up
+  double stand_pose_margin_rad = 0.2;   ///< joints and torso off the standing pose, at most, to stand up
   double stand_speed_rad_s = 1.0;       ///< speed of joints and torso, at most, to stand up
   double stand_ramp_s = 1.5;            ///< time over which the torque law takes over when standing up
   double slow_down_s = 1.5;             ///< stepping in place between walking and standing

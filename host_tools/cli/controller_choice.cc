@@ -4,6 +4,7 @@
 
 #include "firmware/configuration/gaits/shipped_gaits.h"
 #include "host_tools/cli/usage_error.h"
+#include "host_tools/simulator/gait_controller.h"
 #include "host_tools/simulator/number.h"
 #include "host_tools/simulator/simulated_robot.h"
 
@@ -46,13 +47,15 @@ std::vector<Override> overrides_of(const ControllerChoice& choice) {
   return overrides;
 }
 
-bool follows_gaits(const std::string& controller) { return controller == "mpc-hzd"; }
+bool follows_gaits(const std::string& controller) {
+  return controller == "mpc-hzd" || controller == "hzd-pd";
+}
 
 void check_controller(const std::string& name) {
   if (name == "mpc-none" || name == "mpc-heuristic" || follows_gaits(name)) return;
-  const bool planned = name == "mpc-lumped" || name == "hzd-pd";
+  const bool planned = name == "mpc-lumped";
   throw UsageError("--controller " + name + (planned ? ": not in this version" : ": no such controller") +
-                   "; available are mpc-none, mpc-heuristic, mpc-hzd");
+                   "; available are mpc-none, mpc-heuristic, mpc-hzd, hzd-pd");
 }
 
 std::string one_line(const std::vector<configuration::Diagnostic>& diagnostics) {
@@ -69,7 +72,8 @@ void add_controller_options(CLI::App& command, ControllerChoice& choice) {
   command.add_option("--robot", choice.robot, "robot: amber3m, rabbit")->capture_default_str();
   command
       .add_option("--controller", choice.controller,
-                  "mpc-heuristic, mpc-none: without terminal cost, mpc-hzd: around the gaits of a library")
+                  "mpc-heuristic, mpc-none: without terminal cost, mpc-hzd: around the gaits of a library, "
+                  "hzd-pd: those gaits tracked by the joints, after two seconds of mpc-hzd")
       ->capture_default_str();
   command.add_option("--gaits", choice.gait_folder, "folder of gait files instead of the shipped ones");
   command.add_option("--config", choice.config_file,
@@ -106,7 +110,7 @@ control::ControllerParameters controller_parameters(const ControllerChoice& choi
 std::shared_ptr<const gait::GaitLibrary> gait_library(const ControllerChoice& choice) {
   if (!follows_gaits(choice.controller)) {
     if (choice.gait_folder.empty()) return nullptr;
-    throw UsageError("--gaits " + choice.gait_folder + ": only --controller mpc-hzd follows gaits");
+    throw UsageError("--gaits " + choice.gait_folder + ": only --controller mpc-hzd and hzd-pd follow gaits");
   }
   auto library = std::make_shared<gait::GaitLibrary>();
   const auto loaded = choice.gait_folder.empty()
@@ -135,6 +139,17 @@ std::unique_ptr<simulator::MpcController> make_controller(const model::RobotMode
   throw UsageError(
       "cost: these weights admit no terminal cost; give every position and velocity some weight, or set "
       "cost.terminal to 0");
+}
+
+std::unique_ptr<simulator::Controller> make_any_controller(const ControllerChoice& choice,
+                                                           const model::RobotModel& robot,
+                                                           const control::ControllerParameters& parameters) {
+  constexpr double kHandOver_s = 2.0;
+  const auto library = gait_library(choice);
+  auto planning = make_controller(robot, parameters, library);
+  if (choice.controller != "hzd-pd") return planning;
+  return std::make_unique<simulator::GaitController>(robot, parameters, std::move(planning), library,
+                                                     kHandOver_s);
 }
 
 }  // namespace stilt::cli

@@ -46,6 +46,11 @@ void add_controller_options(CLI::App& command, ControllerChoice& choice);
     const model::RobotModel& robot, const control::ControllerParameters& parameters,
     std::shared_ptr<const gait::GaitLibrary> library = nullptr);
 
+/// The chosen controller, ready to run, with the gaits that it follows.
+[[nodiscard]] std::unique_ptr<simulator::Controller> make_any_controller(
+    const ControllerChoice& choice, const model::RobotModel& robot,
+    const control::ControllerParameters& parameters);
+
 /// The gaits that the chosen controller follows: those of --gaits or the shipped ones; null for one that
 /// follows none.
 [[nodiscard]] std::shared_ptr<const gait::GaitLibrary> gait_library(const ControllerChoice& choice);

@@ -127,7 +127,7 @@ int run_sim(const SimOptions& options, const std::string& command_line) {
   const control::ControllerParameters parameters = controller_parameters(options.choice);
   const PlantOptions world = plant_options(options, parameters.timing);
   RunSettings settings = run_settings(options, robot.constants, parameters);
-  const auto controller = make_controller(robot, parameters, gait_library(options.choice));
+  const auto controller = make_any_controller(options.choice, robot, parameters);
   Plant plant(simulator::make_plant_model(simulator::simulated_robot(options.choice.robot), world,
                                           parameters.reference.base_height_m),
               world, static_cast<std::uint64_t>(options.seed));

@@ -134,7 +134,7 @@ TEST_F(TorqueCycleTest, StandingUpWaitsForTheStandingPose) {
   rig->ask(RequestKind::calibrate);
   rig->run(3);
   const double knee_rad = rig->joints.readings[1].position_rad;
-  rig->joints.readings[1].position_rad = knee_rad + 0.6;
+  rig->joints.readings[1].position_rad = knee_rad + 0.3;
   rig->ask(RequestKind::stand);
   rig->run(100);
   EXPECT_EQ(rig->state(), State::ready);

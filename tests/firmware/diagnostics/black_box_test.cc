@@ -31,6 +31,7 @@ int record(Box& box, int first, int count, int trigger_at = -1) {
 template <class Box>
 std::vector<int> contents(const Box& box) {
   std::vector<int> numbers;
+  numbers.reserve(box.size());
   for (std::size_t i = 0; i < box.size(); ++i) numbers.push_back(box.record(i));
   return numbers;
 }

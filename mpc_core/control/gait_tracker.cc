@@ -1,0 +1,149 @@
+#include "mpc_core/control/gait_tracker.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace stilt::control {
+namespace {
+
+using model::JointVector;
+using model::kAngles;
+using model::kFirstAngle;
+using model::kFirstJoint;
+using model::kJoints;
+using model::kPositions;
+
+/// Joints left leg first to stance leg first, or back.
+JointVector exchange(const JointVector& joints, int stance) noexcept {
+  if (stance == model::kLeft) return joints;
+  JointVector result;
+  result << joints.tail<2>(), joints.head<2>();
+  return result;
+}
+
+bool is_finite(const SensorReading& reading) noexcept {
+  return std::isfinite(reading.time_s) && reading.joint_position_rad.allFinite() &&
+         reading.joint_velocity_rad_s.allFinite() && std::isfinite(reading.base_pitch_rad) &&
+         std::isfinite(reading.base_pitch_rate_rad_s);
+}
+
+}  // namespace
+
+void GaitTracker::configure(const model::RobotModel& robot, const GaitTrackerParameters& parameters,
+                            double torque_limit_scale, const gait::GaitLibrary& library) noexcept {
+  robot_ = &robot;
+  library_ = &library;
+  parameters_ = parameters;
+  for (int j = 0; j < kJoints; ++j)
+    torque_limit_Nm_[j] = torque_limit_scale * robot.constants.torque_limit_Nm[j];
+}
+
+void GaitTracker::start(double time_s, int stance, double foot_x_m, double speed_m_s) noexcept {
+  stance_ = stance;
+  touch_down_s_ = time_s;
+  foot_x_m_ = foot_x_m;
+  shift_rad_ = 0.0;
+  placed_ = false;
+  library_->blend(speed_m_s, gait_);
+}
+
+GaitTracker::Sensed GaitTracker::sense(const SensorReading& reading) const noexcept {
+  Sensed sensed;
+  sensed.state.setZero();
+  sensed.state[kFirstAngle] = reading.base_pitch_rad;
+  sensed.state.segment<kJoints>(kFirstJoint) = reading.joint_position_rad;
+  sensed.state[kPositions + kFirstAngle] = reading.base_pitch_rate_rad_s;
+  sensed.state.tail<kJoints>() = reading.joint_velocity_rad_s;
+  model::KinematicsTerms<double> feet;
+  robot_->scalar.kinematics(sensed.state.data(), feet);
+  for (int i = 0; i < 2; ++i) {
+    sensed.state[i] = -feet.foot_position[2 * stance_ + i];
+    sensed.state[kPositions + i] = -feet.foot_velocity[2 * stance_ + i];
+  }
+  const int swing = 1 - stance_;
+  sensed.swing_foot_x_m = sensed.state[0] + feet.foot_position[2 * swing];
+  sensed.swing_foot_z_m = sensed.state[1] + feet.foot_position[2 * swing + 1];
+  return sensed;
+}
+
+double GaitTracker::phase(const Sensed& sensed, double time_s) const noexcept {
+  const gait::GaitOutputs& outputs = gait_.outputs;
+  const double now = outputs.phase == gait::PhaseKind::time ? time_s - touch_down_s_ : sensed.state[0];
+  return std::clamp((now - outputs.phase_start) / (outputs.phase_end - outputs.phase_start), 0.0, 1.0);
+}
+
+double GaitTracker::share_of_step(const Sensed& sensed, double s) const noexcept {
+  if (gait_.outputs.phase == gait::PhaseKind::time) return s;
+  constexpr int kHalvings = 12;
+  const double direction = gait_.outputs.phase_end > gait_.outputs.phase_start ? 1.0 : -1.0;
+  double low = 0.0;
+  double high = 1.0;
+  for (int i = 0; i < kHalvings; ++i) {
+    const double middle = 0.5 * (low + high);
+    const double x_m = gait::evaluate_bezier(gait_.motion.position[0], gait_.motion.degree, middle).value;
+    (direction * (x_m - sensed.state[0]) < 0.0 ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+void GaitTracker::place_foot(const Sensed& sensed, double time_s) noexcept {
+  const double elapsed_s = time_s - touch_down_s_;
+  if (placed_ || elapsed_s < parameters_.settle_s) return;
+  placed_ = true;
+  const gait::GaitPoint nominal = gait::motion_at(gait_, elapsed_s / gait_.step_time_s);
+  const JointVector joints = exchange(sensed.state.segment<kJoints>(kFirstJoint), stance_);
+  const JointVector rates = exchange(sensed.state.tail<kJoints>(), stance_);
+  gait::ReducedState error;
+  error << sensed.state[kFirstAngle], joints, sensed.state[kPositions + kFirstAngle], rates;
+  error.head<kAngles>() -= nominal.position.tail<kAngles>();
+  error.tail<kAngles>() -= nominal.velocity.tail<kAngles>();
+  double shift_rad = 0.0;
+  for (int i = 0; i < gait::kReducedStates; ++i) shift_rad -= gait_.feedback.placement[i] * error[i];
+  constexpr double kLargestShift_rad = 0.4;
+  shift_rad_ = std::clamp(shift_rad, -kLargestShift_rad, kLargestShift_rad);
+}
+
+JointVector GaitTracker::track(const Sensed& sensed, double s) const noexcept {
+  const gait::GaitOutputs& outputs = gait_.outputs;
+  const gait::OutputPoint share = gait::placement_share(s);
+  const gait::OutputPoint y = gait::outputs_at(outputs, s);
+  const bool inside = s > 0.0 && s < 1.0;  // the phase is held at its ends
+  const double scale = 1.0 / (outputs.phase_end - outputs.phase_start);
+  const double hip_rate = outputs.phase == gait::PhaseKind::time ? 1.0 : sensed.state[kPositions];
+  const double rate = inside ? scale * hip_rate : 0.0;
+  const JointVector angle = y.angle_rad + shift_rad_ * share.angle_rad;
+  const JointVector velocity = rate * (y.slope_rad + shift_rad_ * share.slope_rad);
+  const gait::GaitPoint nominal = gait::motion_at(gait_, share_of_step(sensed, s));
+  const JointVector torque_Nm =
+      nominal.torque_Nm +
+      parameters_.joint_kp_Nm_rad * (angle - exchange(sensed.state.segment<kJoints>(kFirstJoint), stance_)) +
+      parameters_.joint_kd_Nms_rad * (velocity - exchange(sensed.state.tail<kJoints>(), stance_));
+  return exchange(torque_Nm, stance_);
+}
+
+GaitTracker::Command GaitTracker::tick(const SensorReading& reading, double speed_m_s) noexcept {
+  Command command;
+  if (is_finite(reading)) {
+    Sensed sensed = sense(reading);
+    if (sensed.swing_foot_z_m <= 0.0 && phase(sensed, reading.time_s) > 0.5) {
+      start(reading.time_s, 1 - stance_, foot_x_m_ + sensed.swing_foot_x_m, speed_m_s);
+      sensed = sense(reading);
+    }
+    place_foot(sensed, reading.time_s);
+    command.torque_Nm = track(sensed, phase(sensed, reading.time_s));
+    command.estimated_state = sensed.state;
+    command.estimated_state[0] += foot_x_m_;
+    command.finite = command.torque_Nm.allFinite();
+  }
+  for (int j = 0; j < kJoints; ++j) {
+    const double velocity = reading.joint_velocity_rad_s[j];
+    const double damping_Nm = std::isfinite(velocity) ? -parameters_.joint_kd_Nms_rad * velocity : 0.0;
+    const double torque_Nm = command.finite ? command.torque_Nm[j] : damping_Nm;
+    command.torque_Nm[j] = std::clamp(torque_Nm, -torque_limit_Nm_[j], torque_limit_Nm_[j]);
+  }
+  if (!command.finite) command.estimated_state.setConstant(std::numeric_limits<double>::quiet_NaN());
+  return command;
+}
+
+}  // namespace stilt::control
