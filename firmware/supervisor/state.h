@@ -62,7 +62,7 @@ enum class Condition : std::uint8_t {
 enum class Guard : std::uint8_t {
   always,
   ramp_done,      ///< the torque law has taken over
-  slowed_down,    ///< stepped in place for long enough
+  slowed_down,    ///< stepped in place, or stood with both feet down, for long enough
   causes_gone,    ///< no fault is present
   none_latched,   ///< no fault waits for a reset
   fit_to_stand,   ///< nor does one, and the robot is in a pose to stand up from
@@ -99,9 +99,9 @@ inline constexpr auto kTransitions = std::to_array<Transition>({
 
     {State::stand, Condition::damp_fault, Guard::always, State::fault},
     {State::stand, Condition::sit_fault, Guard::always, State::sit},
-    {State::stand, Condition::shut_down, Guard::always, State::sit},
-    {State::stand, Condition::request_off, Guard::always, State::sit},
-    {State::stand, Condition::request_sit, Guard::always, State::sit},
+    {State::stand, Condition::shut_down, Guard::slowed_down, State::sit},
+    {State::stand, Condition::request_off, Guard::slowed_down, State::sit},
+    {State::stand, Condition::request_sit, Guard::slowed_down, State::sit},
     {State::stand, Condition::request_step, Guard::ramp_done, State::step},
     {State::stand, Condition::request_walk, Guard::ramp_done, State::walk},
 

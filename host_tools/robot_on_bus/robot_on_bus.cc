@@ -13,6 +13,7 @@ constexpr double kSittingHip = 0.85;  // of the nominal height
 constexpr double kLoaded_N = 5.0;
 constexpr double kUpright_rad = 0.3;
 constexpr double kSlow_m_s = 0.5;  // a damped robot that collapses is faster
+constexpr int kSittingTicks = 20;
 constexpr double kSupply_V = 48.0;
 
 double& channel(BaseValues& values, BaseChannel which) { return values[static_cast<std::size_t>(which)]; }
@@ -170,7 +171,8 @@ void RobotOnBus::attend() {
     recorder_.begin(plant_);
   }
   recorder_.observe_tick(clock_s(), plant_, push_at(setup_.pushes, clock_s()));
-  if (sits_down()) {
+  sitting_ticks_ = sits_down() ? sitting_ticks_ + 1 : 0;
+  if (sitting_ticks_ >= kSittingTicks) {
     if (!sat_down_s_ && recorder_.running()) sat_down_s_ = clock_s();
     end_walk(simulator::Fall::none);
   } else if (plant_.fall() != simulator::Fall::none) {
@@ -179,6 +181,7 @@ void RobotOnBus::attend() {
 }
 
 void RobotOnBus::end_walk(simulator::Fall fall) {
+  sitting_ticks_ = 0;
   recorder_.finish(clock_s(), plant_, fall);
   hoist_.take(plant_.state());
 }

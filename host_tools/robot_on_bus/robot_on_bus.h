@@ -123,6 +123,7 @@ class RobotOnBus {
   std::uint64_t ticks_ = 0;
   int step_in_tick_ = 0;
   std::optional<std::uint64_t> release_tick_;
+  int sitting_ticks_ = 0;  ///< in a row
   std::optional<double> sat_down_s_;
   double fault_clock_s_ = -1.0;  ///< clock_s() at the beginning of the tick: faults begin and end with it
   std::vector<bool> fault_active_;

@@ -268,6 +268,7 @@ TEST_F(SupervisorTest, ShuttingDownSitsDampsAndLetsGo) {
   inputs_.shut_down = true;
   EXPECT_EQ(tick(), State::step);
   EXPECT_EQ(run(parameters_.slow_down_s), State::stand);
+  EXPECT_EQ(run(parameters_.slow_down_s - 0.001), State::stand) << "the swing foot has to come down first";
   EXPECT_EQ(tick(), State::sit);
   EXPECT_EQ(run(parameters_.sit_s), State::ready);
   EXPECT_TRUE(only_damps());
@@ -279,7 +280,7 @@ TEST_F(SupervisorTest, ShuttingDownSitsDampsAndLetsGo) {
 TEST_F(SupervisorTest, SwitchingOffWhileWalkingSitsDownFirst) {
   bring_to_walk();
   request(RequestKind::off);
-  EXPECT_EQ(run(parameters_.slow_down_s + 0.1), State::sit);
+  EXPECT_EQ(run(2 * parameters_.slow_down_s + 0.1), State::sit);
   EXPECT_EQ(run(parameters_.sit_s), State::off);
 }
 
