@@ -1,0 +1,110 @@
+#include "mpc_core/control/gait_tracker.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include "firmware/configuration/gaits/shipped_gaits.h"
+
+namespace stilt::control {
+namespace {
+
+using model::kFirstJoint;
+using model::kJoints;
+using model::kPositions;
+
+class Tracker : public testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_TRUE(gait_files::load_shipped_library("amber3m", *library_));
+    tracker_->configure(model::amber3m(), parameters_, 1.0, *library_);
+  }
+
+  /// What the sensors give at s of a step that began at time 0 with `stance` on the ground.
+  [[nodiscard]] SensorReading reading(double speed_m_s, double s, int stance) const {
+    const gait::GaitPoint point = library_->motion_at(speed_m_s, s);
+    SensorReading result;
+    result.time_s = s * library_->step_time_s();
+    const int first = stance == model::kLeft ? 0 : 2;
+    for (int i = 0; i < kJoints; ++i) {
+      const int joint = (first + i) % kJoints;
+      result.joint_position_rad[joint] = point.position[kFirstJoint + i];
+      result.joint_velocity_rad_s[joint] = point.velocity[kFirstJoint + i];
+    }
+    result.base_pitch_rad = point.position[2];
+    result.base_pitch_rate_rad_s = point.velocity[2];
+    return result;
+  }
+
+  GaitTrackerParameters parameters_;
+  std::unique_ptr<gait::GaitLibrary> library_ = std::make_unique<gait::GaitLibrary>();
+  std::unique_ptr<GaitTracker> tracker_ = std::make_unique<GaitTracker>();
+};
+
+TEST_F(Tracker, OnTheGaitCommandsTheGaitsTorqueAndSeesTheBaseOverTheFoot) {
+  for (const double speed_m_s : {-0.3, 0.0, 0.5, 1.0}) {
+    for (const int stance : {model::kLeft, model::kRight}) {
+      tracker_->start(0.0, stance, 2.0, speed_m_s);
+      for (const double s : {0.1, 0.35, 0.6, 0.9}) {
+        const gait::GaitPoint wanted = library_->motion_at(speed_m_s, s);
+        const auto command = tracker_->tick(reading(speed_m_s, s, stance), speed_m_s);
+        ASSERT_TRUE(command.finite);
+        const int first = stance == model::kLeft ? 0 : 2;
+        for (int i = 0; i < kJoints; ++i) {
+          EXPECT_NEAR(command.torque_Nm[(first + i) % kJoints], wanted.torque_Nm[i], 0.3)
+              << speed_m_s << " m/s, s " << s;
+        }
+        EXPECT_NEAR(command.estimated_state[0], 2.0 + wanted.position[0], 1e-6);
+        EXPECT_NEAR(command.estimated_state[kPositions], wanted.velocity[0], 1e-4);
+        EXPECT_EQ(tracker_->stance(), stance);
+      }
+    }
+  }
+}
+
+TEST_F(Tracker, PullsTheJointsBackInProportion) {
+  tracker_->start(0.0, model::kLeft, 0.0, 0.0);
+  SensorReading off = reading(0.0, 0.5, model::kLeft);
+  const auto before = tracker_->tick(off, 0.0);
+  off.joint_position_rad[2] += 0.01;  // the swing hip: no part in phase or base
+  off.joint_velocity_rad_s[3] -= 0.1;
+  const auto after = tracker_->tick(off, 0.0);
+  EXPECT_NEAR(after.torque_Nm[2] - before.torque_Nm[2], -0.01 * parameters_.joint_kp_Nm_rad, 1e-9);
+  EXPECT_NEAR(after.torque_Nm[3] - before.torque_Nm[3], 0.1 * parameters_.joint_kd_Nms_rad, 1e-9);
+  EXPECT_EQ(after.torque_Nm[0], before.torque_Nm[0]);
+}
+
+TEST_F(Tracker, SwapsTheLegsWhenTheSwingFootComesDownAndNotBefore) {
+  tracker_->start(0.0, model::kLeft, 1.0, 0.5);
+  (void)tracker_->tick(reading(0.5, 0.99, model::kLeft), 0.5);
+  EXPECT_EQ(tracker_->stance(), model::kLeft);
+  SensorReading landed = reading(0.5, 1.0, model::kLeft);
+  landed.joint_position_rad[3] -= 0.01;  // a straighter knee reaches the ground
+  const auto command = tracker_->tick(landed, 0.5);
+  EXPECT_EQ(tracker_->stance(), model::kRight);
+  EXPECT_NEAR(command.estimated_state[0], 1.0 + library_->motion_at(0.5, 1.0).position[0], 0.01);
+  tracker_->start(0.0, model::kLeft, 1.0, 0.5);
+  SensorReading scuffing = reading(0.5, 0.2, model::kLeft);
+  scuffing.joint_position_rad[3] -= 0.3;
+  (void)tracker_->tick(scuffing, 0.5);
+  EXPECT_EQ(tracker_->stance(), model::kLeft) << "the foot has only just left the ground";
+}
+
+TEST_F(Tracker, LimitsTorqueAndDampsWithoutFiniteSensors) {
+  tracker_->start(0.0, model::kLeft, 0.0, 0.5);
+  SensorReading far = reading(0.5, 0.5, model::kLeft);
+  far.joint_position_rad[2] += 1.0;
+  EXPECT_EQ(tracker_->tick(far, 0.5).torque_Nm[2], -model::amber3m().constants.torque_limit_Nm[2]);
+  SensorReading broken = reading(0.5, 0.5, model::kLeft);
+  broken.base_pitch_rad = std::numeric_limits<double>::quiet_NaN();
+  broken.joint_velocity_rad_s = {0.5, -1.0, std::numeric_limits<double>::infinity(), 0.0};
+  const auto command = tracker_->tick(broken, 0.5);
+  EXPECT_FALSE(command.finite);
+  EXPECT_EQ(command.torque_Nm, model::JointVector(-10.0, 20.0, 0.0, 0.0));
+  EXPECT_TRUE(std::isnan(command.estimated_state[0]));
+}
+
+}  // namespace
+}  // namespace stilt::control
