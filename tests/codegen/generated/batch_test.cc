@@ -62,9 +62,11 @@ void expect_batch_equals_scalar() {
   }
 }
 
-TYPED_TEST(BatchTest, FourLanesEqualTheScalar) { expect_batch_equals_scalar<TypeParam, 4>(); }
+TYPED_TEST(BatchTest, TwoLanesEqualTheScalar) { expect_batch_equals_scalar<TypeParam, 2>(); }
 
-TYPED_TEST(BatchTest, EightLanesEqualTheScalar) { expect_batch_equals_scalar<TypeParam, 8>(); }
+TYPED_TEST(BatchTest, LanesOfTheWidestRegisterEqualTheScalar) {
+  expect_batch_equals_scalar<TypeParam, stdx::native_simd<double>::size()>();
+}
 
 }  // namespace
 }  // namespace stilt::testing_support
