@@ -110,6 +110,8 @@ const char* text(Ipopt::ApplicationReturnStatus status) {
       return "iteration limit reached";
     case Ipopt::Maximum_CpuTime_Exceeded:
       return "time limit reached";
+    case Ipopt::Invalid_Problem_Definition:
+      return "the limits contradict each other or the robot's";
     case Ipopt::Restoration_Failed:
       return "no feasible point found";
     default:

@@ -38,7 +38,7 @@ using NodeHessian = Eigen::Matrix<double, kNodeVariables, kNodeVariables>;
 /// Running cost of a node. The whole cost is its integral over the step.
 enum class CostKind {
   torque_squared,        ///< sum of squared joint torques, 1e-3 Nm^2
-  mechanical_power,      ///< sum of |torque * joint speed| (W), rounded within 2 W, x 1e-2
+  mechanical_power,      ///< sum of |torque * joint speed| (W), rounded within 20 W, x 1e-2
   acceleration_squared,  ///< sum of squared joint accelerations, 1e-3 rad^2/s^4
 };
 
