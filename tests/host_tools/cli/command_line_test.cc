@@ -64,7 +64,7 @@ TEST_F(CommandLine, BadUsageIsOneSentenceAndStatusTwo) {
                                 "sim --speed nan",
                                 "sim --duration 0",
                                 "sim --duration inf",
-                                "sim --controller mpc-hzd",
+                                "sim --controller mpc-best",
                                 "sim --controller nothing",
                                 "sim --horizon 3",
                                 "sim --horizon -1",
