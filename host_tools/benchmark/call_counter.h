@@ -6,8 +6,8 @@ namespace stilt::benchmark {
 
 /// Calls of the generated functions that the solver makes once for every batch of stages.
 struct ModelCalls {
-  long long linearised_batches = 0;
-  long long evaluated_batches = 0;
+  long long linearised_batches = 0;  ///< of flow stages and of transitions
+  long long evaluated_batches = 0;   ///< of flow stages
 };
 
 /// A model that computes what `robot` does and counts. There is one at a time: a later call takes its place.

@@ -17,7 +17,7 @@ void describe_work(const control::Planner& planner, const ModelCalls& calls, Wor
       ++sample.double_support_stages;
     }
   }
-  const long long iterations = calls.linearised_batches / problem.batches;
+  const long long iterations = calls.linearised_batches / (problem.batches + problem.transition_batches);
   const long long evaluations = calls.evaluated_batches / problem.batches;
   sample.iterations = static_cast<int>(iterations);
   sample.trial_steps = static_cast<int>(evaluations - 1);  // one of the guess

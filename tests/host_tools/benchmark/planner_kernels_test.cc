@@ -84,7 +84,7 @@ TEST_F(Kernels, CallsOfTheModelTellIterationsAndTrialSteps) {
   const solver::SolveReport report = plan_at(0.25);
   const ModelCalls calls = take_model_calls();
   const int batches = planner_->problem().batches;
-  EXPECT_EQ(calls.linearised_batches, report.iterations * batches);
+  EXPECT_EQ(calls.linearised_batches, report.iterations * (batches + planner_->problem().transition_batches));
   EXPECT_GE(calls.evaluated_batches, (1 + report.iterations) * batches);
   EXPECT_EQ(calls.evaluated_batches % batches, 0);
   EXPECT_EQ(take_model_calls().evaluated_batches, 0) << "taken already";
