@@ -110,8 +110,6 @@ const char* text(Ipopt::ApplicationReturnStatus status) {
       return "iteration limit reached";
     case Ipopt::Maximum_CpuTime_Exceeded:
       return "time limit reached";
-    case Ipopt::Invalid_Problem_Definition:
-      return "the limits contradict each other or the robot's";
     case Ipopt::Restoration_Failed:
       return "no feasible point found";
     default:
@@ -119,10 +117,18 @@ const char* text(Ipopt::ApplicationReturnStatus status) {
   }
 }
 
+bool contradict(const NonlinearProgram::Bounds& bounds) {
+  return (bounds.lower.array() > bounds.upper.array()).any();
+}
+
 }  // namespace
 
 IpoptSolution solve(const NonlinearProgram& program, const VectorXd& start, const IpoptOptions& options) {
   IpoptSolution solution;
+  if (contradict(program.variable_bounds()) || contradict(program.constraint_bounds())) {
+    solution.status = "the limits contradict each other or the robot's";
+    return solution;
+  }
   const Ipopt::SmartPtr<Ipopt::IpoptApplication> application = IpoptApplicationFactory();
   application->Options()->SetIntegerValue("print_level", 0);
   application->Options()->SetStringValue("sb", "yes");
