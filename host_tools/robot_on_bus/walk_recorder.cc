@@ -1,19 +1,21 @@
 #include "host_tools/robot_on_bus/walk_recorder.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace stilt::robot_on_bus {
 namespace {
 
 constexpr double kSettled_s = 3.0;  // the mean speed counts from here, as in `stilt sim`
+constexpr double kArrived_m = 0.1;
 constexpr long long kTicksASample = 5;
 
 }  // namespace
 
 void WalkRecorder::begin(const simulator::Plant& plant) {
   running_ = true;
-  start_x_m_ = settled_x_m_ = plant.state()[0];
+  start_x_m_ = plant.state()[0];
   start_slip_m_ = plant.slip_distance_m();
 }
 
@@ -29,10 +31,7 @@ void WalkRecorder::observe_tick(double time_s, const simulator::Plant& plant,
                                 const simulator::ActingPush& push) {
   if (!running_) return;
   steps_.update(time_s, plant.contact_force_N(), plant.foot_position_m());
-  if (settled_time_s_ == 0.0 && time_s >= kSettled_s) {
-    settled_x_m_ = plant.state()[0];
-    settled_time_s_ = time_s;
-  }
+  if (time_s >= kSettled_s && ticks_ % kTicksASample == 0) way_.push_back({time_s, plant.state()[0]});
   if (keep_samples_ && ticks_ % kTicksASample == 0) take_sample(time_s, plant, push);
   ++ticks_;
 }
@@ -59,6 +58,16 @@ void WalkRecorder::take_sample(double time_s, const simulator::Plant& plant,
   record_.samples.push_back(sample);
 }
 
+double WalkRecorder::mean_speed_m_s(double time_s, double x_m) const {
+  if (way_.empty()) return time_s > 0.0 ? (x_m - start_x_m_) / time_s : 0.0;
+  const auto last = std::find_if(way_.rbegin(), way_.rend(), [x_m](const Place& place) {
+    return std::abs(x_m - place.x_m) > kArrived_m;
+  });
+  const Place& from = way_.front();
+  const Place to = last == way_.rend() || last->time_s == from.time_s ? Place{time_s, x_m} : *last;
+  return to.time_s > from.time_s ? (to.x_m - from.x_m) / (to.time_s - from.time_s) : 0.0;
+}
+
 void WalkRecorder::finish(double time_s, const simulator::Plant& plant, simulator::Fall fall) {
   if (!running_) return;
   running_ = false;
@@ -69,8 +78,7 @@ void WalkRecorder::finish(double time_s, const simulator::Plant& plant, simulato
   summary.fall_time_s = summary.survived ? -1.0 : time_s;
   summary.duration_s = time_s;
   summary.distance_m = plant.state()[0] - start_x_m_;
-  const double walked_s = time_s - settled_time_s_;
-  if (walked_s > 0.0) summary.mean_speed_m_s = (plant.state()[0] - settled_x_m_) / walked_s;
+  summary.mean_speed_m_s = mean_speed_m_s(time_s, plant.state()[0]);
   summary.steps = steps_.steps();
   if (!summary.steps.empty()) {
     const auto [shortest, longest] = std::ranges::minmax_element(summary.steps, {}, &log::Step::length_m);

@@ -11,7 +11,9 @@
 namespace stilt::robot_on_bus {
 
 /// What the plant shows of a walk, as `stilt sim` reports it: from the moment the hoist has let go until the
-/// robot falls, sits down or the run ends. Nothing of the controller: plans and estimates are not known here.
+/// robot falls, sits down or the run ends. Nothing of the controller: plans and estimates are not known here,
+/// nor when it was told to stop. The mean speed therefore counts, after the first 3 s, until the robot is
+/// within 0.1 m of where it ends.
 class WalkRecorder {
  public:
   /// @param keep_samples  record 200 samples a second for the report
@@ -42,8 +44,12 @@ class WalkRecorder {
   long long ticks_ = 0;
   double start_x_m_ = 0.0;
   double start_slip_m_ = 0.0;
-  double settled_x_m_ = 0.0;
-  double settled_time_s_ = 0.0;
+  struct Place {
+    double time_s = 0.0, x_m = 0.0;
+  };
+  [[nodiscard]] double mean_speed_m_s(double time_s, double x_m) const;
+
+  std::vector<Place> way_;  ///< after the first 3 s, of the hip
 };
 
 }  // namespace stilt::robot_on_bus

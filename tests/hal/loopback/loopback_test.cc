@@ -58,6 +58,26 @@ TEST(Loopback, FramesGoBothWaysAndCommandsAreConfirmed) {
   EXPECT_EQ(client.frames().send(commands).status, BusStatus::ok);
 }
 
+TEST(Loopback, AControllerThatWasHungUpOnComesBack) {
+  const std::string name = unique_name("hung-up");
+  LoopbackServer server;
+  ASSERT_TRUE(server.open(name));
+  LoopbackClient client;
+  ASSERT_EQ(connect(client, server, name), Connection::connected);
+  const std::uint64_t before = server.connections();
+  server.hang_up();
+  EXPECT_FALSE(server.connected());
+  static_cast<void>(receive_all(client.frames()));
+  EXPECT_FALSE(client.frames().connected());
+  Connection state = client.reconnect();
+  for (int i = 0; i < 3 && state == Connection::waiting; ++i) {
+    static_cast<void>(receive_all(server));
+    state = client.reconnect();
+  }
+  EXPECT_EQ(state, Connection::connected);
+  EXPECT_EQ(server.connections(), before + 1);
+}
+
 TEST(Loopback, OpenWaitsForTheGreeting) {
   const std::string name = unique_name("greeting");
   LoopbackServer server;

@@ -277,5 +277,29 @@ TEST(Plant, ATorqueThatIsNoNumberIsAFall) {
   EXPECT_EQ(plant.fall(), Fall::not_finite);
 }
 
+TEST(Plant, AForceOfTheSurroundingsLiftsTheWeightExactly) {
+  PlantOptions options;
+  Plant plant = amber_plant(options);
+  StateVector floating = standing_state(kAmberLeg, 0.8, 0.15);
+  floating[1] = 5.0;
+  plant.set_state(floating);
+  model::PositionVector lift = model::PositionVector::Zero();
+  lift[1] = (kMass_kg + 1.0) * model::kGravity_m_s2;
+  plant.set_surroundings_force(lift);
+  plant.step();
+  const StateVector state = plant.state();
+  const model::RobotModel& robot = model::amber3m();
+  model::MassMatrixTerms<double> mass;
+  robot.scalar.mass_matrix(state.data(), robot.constants.joint_parameters, mass);
+  double momentum_z_Ns = 0.0;
+  for (int i = 0; i < model::kPositions; ++i) {
+    momentum_z_Ns += mass.mass_matrix[1][i] * state[model::kPositions + i];
+  }
+  EXPECT_NEAR(momentum_z_Ns, model::kGravity_m_s2 * plant.time_step_s(), 1e-5);
+  plant.set_surroundings_force(model::PositionVector::Zero());
+  plant.step();
+  EXPECT_LT(plant.state()[model::kPositions + 1], state[model::kPositions + 1]) << "it falls again";
+}
+
 }  // namespace
 }  // namespace stilt::simulator
