@@ -1,0 +1,132 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+/// What a monitor shows, whoever it comes from: the live robot, a record, or a test. SI units; time_s is the
+/// controller's clock, seconds since its first tick. Ordinary threads.
+namespace stilt::monitor {
+
+inline constexpr std::size_t kStates = 14;
+inline constexpr std::size_t kJoints = 4;  ///< hip_L, knee_L, hip_R, knee_R
+
+/// One tick of the torque loop.
+struct TickSample {
+  std::uint64_t tick = 0;  ///< counts from 0; a gap is a drop
+  double time_s = 0.0;
+  std::array<double, kStates> estimated_state{};  ///< [q; v] of mpc_core/model/types.h
+  std::array<double, kJoints> commanded_position_rad{};
+  std::array<double, kJoints>
+      commanded_torque_Nm{};  ///< feed-forward and gains together, at the measured joint
+  std::array<double, kJoints> measured_torque_Nm{};  ///< as the drivers report it
+  double ramp = 0.0;                                 ///< share of the torque law, 0 to 1
+  double plan_age_s = 0.0;
+  double wakeup_us = 0.0;      ///< lateness of the tick
+  double execution_us = 0.0;   ///< of the tick before
+  double round_trip_us = 0.0;  ///< newest known, command to last reply
+  int state = 0;               ///< number of supervisor::State
+  int rung = 0;                ///< number of supervisor::Rung
+};
+
+/// One cycle of the planner.
+struct PlannerSample {
+  std::uint64_t cycle = 0;  ///< counts from 0 or 1; a gap is a drop
+  double time_s = 0.0;      ///< of the state it planned from
+  int status = 0;           ///< number of solver::SolveStatus
+  int iterations = 0;
+  double defect_max = 0.0;              ///< mixed SI units
+  double equality_violation_max = 0.0;  ///< m/s^2 or N
+  double cost = 0.0;
+  double solve_us = 0.0;  ///< 0 in lock-step
+};
+
+/// One knot of a plan, for drawing it ahead of the robot.
+struct PlanKnot {
+  double time_s = 0.0;
+  double hip_x_m = 0.0, hip_z_m = 0.0, pitch_rad = 0.0;
+  std::array<double, 4> foot_position_m{};  ///< xL, zL, xR, zR
+  std::array<double, 4> contact_force_N{};  ///< fxL, fzL, fxR, fzR, on the robot
+  bool left_carries = false, right_carries = false;
+};
+
+struct PlanSample {
+  double time_s = 0.0;  ///< of the state it starts from
+  std::vector<PlanKnot> knots;
+};
+
+/// State of the supervisor.
+struct SupervisorSample {
+  double time_s = 0.0;
+  int state = 0;               ///< number of supervisor::State
+  int rung = 0;                ///< number of supervisor::Rung
+  int reaction = 0;            ///< number of supervisor::Reaction
+  std::uint32_t present = 0;   ///< bits of supervisor::FaultSet
+  std::uint32_t latched = 0;   ///< the same, waiting for a reset
+  double ramp = 0.0;           ///< share of the torque law, 0 to 1
+  int gait = 0;                ///< in force, number of gait::GaitKind
+  double speed_m_s = 0.0;      ///< in force, of walk
+  double base_height_m = 0.0;  ///< in force; 0 when it is the configuration's
+  bool commanded = false;      ///< a commander's heartbeat is heard
+};
+
+/// Something that happened; the text is a sentence.
+struct EventSample {
+  double time_s = 0.0;
+  std::string text;
+  bool serious = false;  ///< a fault, a refusal
+};
+
+/// Bins of durations.
+struct HistogramSample {
+  std::string name;
+  double deadline_us = 0.0;  ///< 0: none
+  double p50_us = 0.0, p99_us = 0.0, p999_us = 0.0, max_us = 0.0;
+  std::uint64_t count = 0;
+  std::vector<double>
+      upper_edge_us;  ///< of the bins that hold something, ascending; infinity is written as 0
+  std::vector<std::uint64_t> in_bin;  ///< one a bin of upper_edge_us
+};
+
+struct TimingSample {
+  std::uint64_t ticks = 0, late_ticks = 0;
+  std::uint64_t dropped = 0;  ///< records that the controller's rings had no room for
+  std::vector<HistogramSample> histograms;
+};
+
+/// A value that may change while the robot walks.
+struct Tunable {
+  int number = 0;
+  std::string name, unit, description;
+  double min = 0.0, max = 0.0, value = 0.0;
+};
+
+/// Who is there.
+struct ConfigurationSample {
+  std::string session;  ///< of this run of the controller; empty: not known
+  std::string robot;    ///< amber3m, rabbit
+  std::string build;    ///< version, compiler, instruction set
+  std::string toml;     ///< configuration in force
+  double solve_budget_us = 0.0;
+  double tick_rate_hz = 1000.0;
+  std::vector<Tunable> tunables;
+};
+
+/// What only a simulation knows.
+struct TruthSample {
+  double time_s = 0.0;
+  std::array<double, 4> contact_force_N{};  ///< fxL, fzL, fxR, fzR, on the robot
+  double push_N = 0.0;                      ///< positive is forward
+  double push_above_hip_m = 0.0;            ///< where it acts, along the torso
+};
+
+/// The robot's answer to a command.
+struct ReplySample {
+  std::uint64_t commander = 0;  ///< who asked
+  std::uint32_t sequence = 0;   ///< what he asked, his own count
+  bool accepted = false;
+  std::string reason;  ///< when it is refused: one sentence
+};
+
+}  // namespace stilt::monitor
