@@ -1,4 +1,4 @@
-// Starts the page. Fragment options are described in theme.js and still.js.
+// Starts the page. Fragment options are described in still.js.
 
 function openReport(run, options) {
   const player = new Player(run.start_s, run.end_s);

@@ -20,18 +20,6 @@ function unpackColumns(packed) {
   return table;
 }
 
-/** Index of the last entry of ascending `times` that is not after `time`; 0 before the first. */
-function lastIndexUpTo(times, time) {
-  let low = 0;
-  let high = times.length;
-  while (low < high) {
-    const middle = (low + high) >> 1;
-    if (times[middle] <= time) low = middle + 1;
-    else high = middle;
-  }
-  return Math.max(0, low - 1);
-}
-
 function readRun() {
   const run = JSON.parse(document.getElementById('run-data').textContent);
   const stride = run.samples.stride;
@@ -58,13 +46,6 @@ function findPushes(samples) {
     else pushes.push({ from_s: samples.time[i], to_s: samples.time[i], force_N: force[i] });
   }
   return pushes;
-}
-
-/** Value of a column at `time`, linear between samples. */
-function interpolate(times, column, time) {
-  const i = lastIndexUpTo(times, time);
-  if (i + 1 >= times.length || time <= times[i]) return column[i];
-  return column[i] + ((time - times[i]) / (times[i + 1] - times[i])) * (column[i + 1] - column[i]);
 }
 
 /** State x (14 numbers) of one of the three state groups at `time`. */

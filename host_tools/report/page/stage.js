@@ -58,12 +58,12 @@ class Stage {
     drawGround(view, run.ground, colours, this.footprints.filter((place) => place.time <= time));
     if (this.showPlan.checked) {
       const knots = planAt(run, time);
-      drawPlannedTorso(view, run, knots, colours, time);
+      drawPlannedTorso(view, run.robot, knots, colours, time);
       drawPlannedPaths(view, knots, colours, time);
     }
     drawRobot(view, pose, colours);
-    if (this.showForces.checked) drawContactForces(view, run, pose, colours, time);
-    drawPush(view, run, pose, colours, time);
+    if (this.showForces.checked) drawForcesAt(view, run, pose, colours, time);
+    drawPushAt(view, run, pose, colours, time);
     this.writeReadout(time);
   }
 

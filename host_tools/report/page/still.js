@@ -1,6 +1,22 @@
 // A still picture for documents: #t=12.3&still shows the robot at 12.3 s, where it was before, and the motion
 // planned ahead. Options: poses=5 (how many earlier poses), spacing=0.6 (seconds between them), theme=dark.
 
+/** Options after '#': t (seconds), theme (light or dark), still, poses, spacing. */
+function readFragment() {
+  const options = new URLSearchParams(window.location.hash.slice(1));
+  const number = (name, fallback) => {
+    const value = Number.parseFloat(options.get(name));
+    return Number.isFinite(value) ? value : fallback;
+  };
+  return {
+    time_s: number('t', null),
+    still: options.has('still'),
+    theme: options.get('theme'),
+    poses: Math.min(20, Math.max(0, Math.round(number('poses', 5)))),
+    spacing_s: Math.max(0.01, number('spacing', 0.6)),
+  };
+}
+
 /** Earlier poses, oldest first: [{pose, age}] with age 1 for the newest. */
 function earlierPoses(run, time, options) {
   const list = [];
@@ -45,6 +61,6 @@ function drawStill(run, options) {
   }
   context.globalAlpha = 1;
   drawRobot(view, pose, colours);
-  drawContactForces(view, run, pose, colours, time);
-  drawPush(view, run, pose, colours, time);
+  drawForcesAt(view, run, pose, colours, time);
+  drawPushAt(view, run, pose, colours, time);
 }

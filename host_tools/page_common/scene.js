@@ -62,13 +62,13 @@ function drawSkeleton(view, pose, colours, width, dash = []) {
 }
 
 /** Planned torso poses ahead of `time`, a quarter of a second apart. */
-function drawPlannedTorso(view, run, knots, colours, time) {
+function drawPlannedTorso(view, robot, knots, colours, time) {
   const kSpacing_s = 0.25;
   view.context.globalAlpha = 0.45;
   let next = time + kSpacing_s;
   for (const knot of knots) {
     if (knot.time < next) continue;
-    drawPath(view, [knot.hip, torsoTop(run.robot, knot.hip, knot.pitch)], colours.plan, 2);
+    drawPath(view, [knot.hip, torsoTop(robot, knot.hip, knot.pitch)], colours.plan, 2);
     next += kSpacing_s;
   }
   view.context.globalAlpha = 1;
@@ -89,31 +89,26 @@ function drawPlannedPaths(view, knots, colours, time) {
   }
 }
 
-/** Contact forces as arrows from the feet; impacts are drawn with a length of kLongestForce_m. */
-function drawContactForces(view, run, pose, colours, time) {
-  const samples = run.samples;
-  const i = lastIndexUpTo(samples.time, time);
+/** Contact forces [fxL, fzL, fxR, fzR] as arrows from the feet; impacts are drawn with a length of kLongestForce_m. */
+function drawContactForces(view, pose, forces, colours) {
   ['left', 'right'].forEach((side, foot) => {
-    const [fx, fz] = [samples.contact_force_N[2 * foot][i], samples.contact_force_N[2 * foot + 1][i]];
+    const [fx, fz] = [forces[2 * foot], forces[2 * foot + 1]];
     const from = pose[side].foot;
     const scale = Math.min(kForceScale_m_N, kLongestForce_m / Math.hypot(fx, fz));
     drawArrow(view, from, { x: from.x + scale * fx, z: from.z + scale * fz }, colours.force, 3);
   });
 }
 
-/** The push as an arrow that ends where it acts, with its force written beside. */
-function drawPush(view, run, pose, colours, time) {
-  const i = lastIndexUpTo(run.samples.time, time);
-  const force = run.samples.push_N[0][i];
-  if (!force) return;
-  const up = run.samples.push_above_hip_m[0][i] / run.robot.torso_length_m;
-  const tip = { x: pose.hip.x + up * (pose.head.x - pose.hip.x), z: pose.hip.z + up * (pose.head.z - pose.hip.z) };
-  const side = Math.sign(force);
+/** A push as an arrow that ends where it acts, `share` of the torso above the hip, with its force beside. */
+function drawPush(view, pose, force_N, share, colours) {
+  if (!force_N) return;
+  const tip = { x: pose.hip.x + share * (pose.head.x - pose.hip.x), z: pose.hip.z + share * (pose.head.z - pose.hip.z) };
+  const side = Math.sign(force_N);
   const end = { x: tip.x - side * 0.06, z: tip.z };
-  const tail = { x: end.x - side * Math.max(0.12, Math.abs(kPushScale_m_N * force)), z: tip.z };
+  const tail = { x: end.x - side * Math.max(0.12, Math.abs(kPushScale_m_N * force_N)), z: tip.z };
   drawArrow(view, tail, end, colours.push, 5);
   const c = view.context;
-  const label = `${Math.abs(force).toFixed(0)} N`;
+  const label = `${Math.abs(force_N).toFixed(0)} N`;
   c.font = '600 13px system-ui, sans-serif';
   c.textAlign = 'center';
   c.textBaseline = 'bottom';
@@ -124,14 +119,4 @@ function drawPush(view, run, pose, colours, time) {
   c.strokeText(label, x, y);
   c.fillStyle = colours.push;
   c.fillText(label, x, y);
-}
-
-/** Places where feet touched down, from the summary's steps: [{foot, x, z, time}]. */
-function footprintsOf(run) {
-  return run.summary.steps.map((step) => {
-    const foot = step.foot === 'L' ? 0 : 1;
-    const i = lastIndexUpTo(run.samples.time, step.time_s);
-    const x = run.samples.foot_position_m[2 * foot][i];
-    return { foot, x, z: groundHeight(run.ground, x), time: step.time_s };
-  });
 }

@@ -1,20 +1,4 @@
-// Colours: defined once in report.css, read here for the canvases and plots.
-
-/** Options after '#': t (seconds), theme (light or dark), still, poses, spacing. */
-function readFragment() {
-  const options = new URLSearchParams(window.location.hash.slice(1));
-  const number = (name, fallback) => {
-    const value = Number.parseFloat(options.get(name));
-    return Number.isFinite(value) ? value : fallback;
-  };
-  return {
-    time_s: number('t', null),
-    still: options.has('still'),
-    theme: options.get('theme'),
-    poses: Math.min(20, Math.max(0, Math.round(number('poses', 5)))),
-    spacing_s: Math.max(0.01, number('spacing', 0.6)),
-  };
-}
+// Colours: defined once in colours.css, read here for the canvases and plots.
 
 /** Applies the theme asked for in the fragment, or the system's, and calls `changed` when that changes. */
 function followTheme(asked, changed) {

@@ -64,35 +64,6 @@ function groundHeight(ground, x) {
   return interpolate(ground.x_m, ground.z_m, x);
 }
 
-/**
- * Newest plan at `time` as knots, moved by the error of the estimate at the time it was made: the planner
- * works from the estimate, and is drawn relative to the robot.
- */
-function planAt(run, time) {
-  const plans = run.plans;
-  if (plans.time_s.length === 0 || plans.time_s[0] > time) return [];
-  const index = lastIndexUpTo(plans.time_s, time);
-  const end = index + 1 < plans.first_knot.length ? plans.first_knot[index + 1] : plans.knots.rows;
-  const i = lastIndexUpTo(run.samples.time, plans.time_s[index]);
-  const shift = [0, 1].map((k) => {
-    const error = run.samples.true_state[k][i] - run.samples.estimated_state[k][i];
-    return Number.isFinite(error) ? error : 0;
-  });
-  const table = plans.knots;
-  const knots = [];
-  for (let k = plans.first_knot[index]; k < end; ++k) {
-    const point = (x, z) => ({ x: x[k] + shift[0], z: z[k] + shift[1] });
-    const feet = table.foot_position_m;
-    knots.push({
-      time: table.time_s[0][k],
-      hip: point(table.hip_x_m[0], table.hip_z_m[0]),
-      pitch: table.pitch_rad[0][k],
-      feet: [point(feet[0], feet[1]), point(feet[2], feet[3])],
-    });
-  }
-  return knots;
-}
-
 /** Planned footholds: places where a foot rests for two knots or more. [{foot, x, z, time}], time of arrival. */
 function footholds(knots) {
   const kRestDistance_m = 0.004;
