@@ -1,0 +1,34 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace stilt::telemetry {
+
+/// What a Command asks for. `value` and `key` as said here, otherwise unused.
+enum class CommandKind : std::uint8_t {
+  heartbeat,  ///< the commander lives; at least every supervisor.heartbeat_timeout_s / 2
+  prepare,    ///< bring the motor drivers up
+  stand,      ///< stand up (bringing the drivers up first), or come to a stand
+  step,       ///< step in place
+  walk,       ///< value: forward speed, m/s
+  sit,        ///< come to a stand, sit down, damp the joints
+  stop,       ///< stand still now and forget what was asked for; of anyone with the token, whoever commands
+  reset,      ///< forget faults whose causes are gone
+  speed,      ///< value: forward speed of the walk that is on, m/s
+  height,     ///< value: height of the hip, m; 0: as configured
+  tunable,    ///< key: section.key of a live tunable; value: its new value
+  off,        ///< sit down, let go of the motors, end stiltd
+  release,    ///< the commander gives the command up and need not show that he lives
+};
+inline constexpr std::size_t kCommandKinds = 13;
+
+[[nodiscard]] constexpr const char* name(CommandKind kind) noexcept {
+  constexpr std::array<const char*, kCommandKinds> kNames = {
+      "heartbeat", "prepare", "stand",  "step",    "walk", "sit",    "stop",
+      "reset",     "speed",   "height", "tunable", "off",  "release"};
+  return kNames[static_cast<std::size_t>(kind)];
+}
+
+}  // namespace stilt::telemetry

@@ -1,0 +1,52 @@
+#include "host_tools/telemetry/commander.h"
+
+#include <cstdio>
+#include <fstream>
+#include <random>
+#include <stdexcept>
+#include <utility>
+
+namespace stilt::host_telemetry {
+
+Commander::Commander(const telemetry::Participant& participant, std::string name) : name_(std::move(name)) {
+  auto writer = telemetry::AnyWriter::open(participant, telemetry::kCommands);
+  if (!writer) throw std::runtime_error(writer.error());
+  writer_ = telemetry::Writer<telemetry::Command>(std::move(*writer));
+}
+
+void Commander::set_session(std::uint64_t session, std::string token) {
+  session_ = session;
+  token_ = std::move(token);
+}
+
+std::uint64_t Commander::send(telemetry::CommandKind kind, double value, const std::string& key) {
+  std::string its_key = key;
+  telemetry::Command command{};
+  command.session = session_;
+  command.token = token_.data();
+  command.commander = name_.data();
+  command.number = ++number_;
+  command.kind = static_cast<std::uint8_t>(kind);
+  command.value = value;
+  command.key = its_key.data();
+  writer_.write(command);
+  return number_;
+}
+
+std::string unique_name(const std::string& prefix) {
+  char digits[16];
+  std::snprintf(digits, sizeof digits, "-%06x", std::random_device{}() & 0xffffffu);
+  return prefix + digits;
+}
+
+std::string read_token(const std::string& path) {
+  std::ifstream file(path);
+  std::string token;
+  if (std::getline(file, token) && !token.empty()) return token;
+  throw std::runtime_error(
+      "token file " + path +
+      " cannot be read or is empty; stiltd prints where it writes its token, and only its "
+      "own user may read it");
+}
+
+}  // namespace stilt::host_telemetry

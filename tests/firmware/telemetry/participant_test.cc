@@ -1,0 +1,94 @@
+#include "firmware/telemetry/participant.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <functional>
+#include <thread>
+#include <vector>
+
+#include "firmware/telemetry/reader.h"
+#include "firmware/telemetry/writer.h"
+
+namespace stilt::telemetry {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// Waits for something that comes, with a limit far beyond what it takes.
+bool eventually(const std::function<bool()>& happened) {
+  const auto end = std::chrono::steady_clock::now() + 60s;
+  while (std::chrono::steady_clock::now() < end) {
+    if (happened()) return true;
+    std::this_thread::sleep_for(5ms);
+  }
+  return false;
+}
+
+/// Another domain for every process that runs this test; beyond 100 ports may be taken already.
+Network network() { return {.domain = 5 + static_cast<int>(getpid() % 90)}; }
+
+TEST(Participant, an_interface_that_does_not_exist_is_refused_with_its_name) {
+  const auto participant = Participant::open({.interface = "stilt9"});
+  ASSERT_FALSE(participant.has_value());
+  EXPECT_NE(participant.error().find("\"stilt9\" does not exist"), std::string::npos);
+}
+
+TEST(Participant, without_the_documents_security_is_refused_and_the_missing_file_named) {
+  const auto participant = Participant::open({.security_folder = "/nowhere"});
+  ASSERT_FALSE(participant.has_value());
+  EXPECT_NE(participant.error().find("/nowhere/ca_identity.pem is missing"), std::string::npos);
+}
+
+TEST(Participant, loopback_uses_no_multicast_and_meets_on_this_machine) {
+  const std::string xml = to_xml({});
+  EXPECT_NE(xml.find("NetworkInterface name=\"lo\""), std::string::npos);
+  EXPECT_NE(xml.find("<AllowMulticast>false"), std::string::npos);
+  EXPECT_NE(xml.find("<Peer address=\"127.0.0.1\"/>"), std::string::npos);
+}
+
+TEST(Participant, peers_are_taken_from_a_list_with_commas) {
+  const std::string xml = to_xml({.interface = "eth0", .peers = "10.0.0.1, 10.0.0.2 "});
+  EXPECT_NE(xml.find("<Peer address=\"10.0.0.1\"/><Peer address=\"10.0.0.2\"/>"), std::string::npos);
+}
+
+TEST(ReaderAndWriter, what_is_sent_arrives_byte_for_byte_and_in_order) {
+  const auto robot = Participant::open(network());
+  ASSERT_TRUE(robot.has_value()) << robot.error();
+  auto writer = AnyWriter::open(*robot, kPlannerCycles);
+  auto reader = Reader::open(*robot, kPlannerCycles);
+  ASSERT_TRUE(writer && reader);
+  ASSERT_TRUE(eventually([&] { return reader->senders() == 1; }));
+  PlannerCycle cycle{};
+  Cdr last;
+  for (cycle.cycle = 1; cycle.cycle <= 100; ++cycle.cycle) {
+    ASSERT_TRUE(writer->write(&cycle));
+    last = encode(cycle);
+  }
+  std::vector<Sample> samples;
+  ASSERT_TRUE(eventually([&] {
+    reader->take([&](Sample&& sample) { samples.push_back(std::move(sample)); });
+    return samples.size() >= 100;
+  }));
+  for (std::size_t i = 0; i < 100; ++i) EXPECT_EQ(samples[i].as<PlannerCycle>()->cycle, i + 1);
+  EXPECT_EQ(samples.back().cdr, last);
+  EXPECT_EQ(samples.back().topic, &kPlannerCycles);
+  EXPECT_EQ(samples.back().as<Twist>(), nullptr);
+}
+
+TEST(ReaderAndWriter, a_record_tells_late_subscribers_what_it_keeps) {
+  const auto robot = Participant::open(network());
+  ASSERT_TRUE(robot.has_value()) << robot.error();
+  auto writer = AnyWriter::open(*robot, kPlannerCycles);
+  ASSERT_TRUE(writer.has_value());
+  PlannerCycle cycle{};
+  for (cycle.cycle = 1; cycle.cycle <= 50; ++cycle.cycle) ASSERT_TRUE(writer->write(&cycle));
+  auto reader = Reader::open(*robot, kPlannerCycles);
+  ASSERT_TRUE(reader.has_value());
+  int taken = 0;
+  EXPECT_TRUE(eventually([&] { return (taken += reader->take([](Sample&&) {})) == 50; }));
+}
+
+}  // namespace
+}  // namespace stilt::telemetry
