@@ -1,0 +1,127 @@
+#include "host_tools/log/mcap/reader.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <stdexcept>
+
+#include "tests/host_tools/log/mcap/sample_file.h"
+
+namespace stilt::mcap {
+namespace {
+
+/// Reads all, and checks that the messages are the first of the sample's.
+int count_messages(Reader& reader) {
+  int count = 0;
+  while (const ReadMessage* read = reader.next()) {
+    const Message& message = read->message;
+    EXPECT_EQ(message.sequence, static_cast<std::uint32_t>(count));
+    EXPECT_EQ(message.log_time_ns, 1'000'000 + count * 100);
+    EXPECT_EQ(message.publish_time_ns, 900'000 + count);
+    EXPECT_EQ(Bytes(message.data.begin(), message.data.end()), sample_data(count));
+    EXPECT_EQ(read->channel->topic, count % 2 == 0 ? "/first" : "/second");
+    ++count;
+  }
+  return count;
+}
+
+class EveryCompression : public testing::TestWithParam<Compression> {};
+
+TEST_P(EveryCompression, GivesBackWhatTheWriterWasGiven) {
+  const TemporaryFile file("reader");
+  {
+    Writer writer(file.path(), {.compression = GetParam()});
+    write_sample(writer);
+    writer.close();
+  }
+  Reader reader(file.path());
+  EXPECT_EQ(count_messages(reader), kSampleMessages);
+  EXPECT_TRUE(reader.complete());
+  EXPECT_TRUE(reader.problems().empty());
+  ASSERT_EQ(reader.attachments().size(), 2u);
+  EXPECT_EQ(reader.attachments()[0].data, "a = 1\n");
+  EXPECT_EQ(reader.attachments()[1].name, "robot.urdf");
+  ASSERT_EQ(reader.metadata().size(), 1u);
+  EXPECT_EQ(reader.metadata()[0].entries.at("number"), "17");
+  EXPECT_EQ(reader.channels().at(0).metadata.at("frame"), "world");
+}
+
+INSTANTIATE_TEST_SUITE_P(Reader, EveryCompression,
+                         testing::Values(Compression::none, Compression::lz4, Compression::zstd));
+
+TEST(Reader, AFileCutOffAnywhereGivesAllWholeChunksBeforeTheCut) {
+  const TemporaryFile file("cut");
+  std::vector<std::uint64_t> flushed;  // sizes after each chunk
+  {
+    Writer writer(file.path());
+    const std::uint16_t channel = writer.add_channel(0, "/first", "json");
+    for (std::uint32_t i = 0; i < 20; ++i) {
+      writer.write({channel, i, i, i, sample_data(3)});
+      if (i % 5 != 4) continue;
+      writer.flush();
+      flushed.push_back(writer.bytes_written());
+    }
+    writer.close();
+  }
+  const Bytes whole = file.bytes();
+  for (std::size_t size = sizeof kMagic; size < whole.size() - sizeof kMagic; ++size) {
+    file.set_bytes(ByteView(whole).first(size));
+    Reader reader(file.path());
+    std::size_t messages = 0;
+    while (reader.next() != nullptr) ++messages;
+    const auto chunks = std::ranges::count_if(flushed, [&](std::uint64_t end) { return end <= size; });
+    EXPECT_GE(messages, static_cast<std::size_t>(chunks) * 5) << size;
+    EXPECT_EQ(messages % 5, 0u) << size;
+    EXPECT_FALSE(reader.complete()) << size;
+    EXPECT_EQ(reader.problems().size(), 1u) << size;
+  }
+}
+
+TEST(Reader, AFlippedBitAnywhereIsNoCrashAndNeverAnotherMessage) {
+  const TemporaryFile file("flip");
+  {
+    Writer writer(file.path());
+    write_sample(writer);
+  }
+  const Bytes whole = file.bytes();
+  for (std::size_t at = sizeof kMagic; at < whole.size(); ++at) {
+    Bytes damaged = whole;
+    damaged[at] = static_cast<std::uint8_t>(damaged[at] ^ (1u << (at % 8)));
+    file.set_bytes(damaged);
+    Reader reader(file.path());
+    while (const ReadMessage* read = reader.next()) {
+      const int number = static_cast<int>(read->message.sequence);
+      EXPECT_EQ(Bytes(read->message.data.begin(), read->message.data.end()), sample_data(number)) << at;
+    }
+  }
+}
+
+TEST(Reader, ADamagedChunkIsToldAndTheOthersAreRead) {
+  const TemporaryFile file("damaged");
+  {
+    Writer writer(file.path());
+    write_sample(writer);
+  }
+  Bytes bytes = file.bytes();
+  bytes[bytes.size() / 3] ^= 0x40;
+  file.set_bytes(bytes);
+  Reader reader(file.path());
+  int messages = 0;
+  while (reader.next() != nullptr) ++messages;
+  EXPECT_EQ(messages, kSampleMessages - 10);
+  EXPECT_TRUE(reader.complete());
+  ASSERT_EQ(reader.problems().size(), 1u);
+  EXPECT_NE(reader.problems()[0].find(file.path()), std::string::npos);
+}
+
+TEST(Reader, RefusesWhatIsNoRecordInOneSentence) {
+  EXPECT_THROW(Reader("/nowhere/at/all.mcap"), std::runtime_error);
+  const TemporaryFile file("other");
+  file.set_bytes(Bytes(100, 'x'));
+  EXPECT_THROW(Reader(file.path()), std::runtime_error);
+  file.set_bytes({});
+  EXPECT_THROW(Reader(file.path()), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace stilt::mcap
