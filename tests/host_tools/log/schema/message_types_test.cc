@@ -1,0 +1,112 @@
+#include "host_tools/log/schema/message_types.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+
+#include "firmware/telemetry/cdr.h"
+#include "firmware/telemetry/topics.h"
+#include "tests/host_tools/log/schema/random_cdr.h"
+#include "tests/independent_readers/run_reader.h"
+
+namespace stilt::schema {
+namespace {
+
+constexpr unsigned kSeed = 20;
+constexpr int kMessagesOfATopic = 20;
+
+std::string hex(const std::vector<std::byte>& bytes) {
+  std::string text;
+  for (const std::byte byte : bytes) {
+    text += "0123456789abcdef"[static_cast<unsigned>(byte) >> 4];
+    text += "0123456789abcdef"[static_cast<unsigned>(byte) & 15];
+  }
+  return text;
+}
+
+TEST(MessageTypes, EveryTopicHasItsMessage) {
+  for (const telemetry::Topic* topic : telemetry::topics()) {
+    EXPECT_TRUE(own_messages().contains(std::string(topic->ros_type))) << topic->name;
+  }
+}
+
+TEST(MessageTypes, AreThoseThatTheProgramSends) {
+  RandomCdr random(own_messages(), kSeed);
+  for (const telemetry::Topic* topic : telemetry::topics()) {
+    for (int i = 0; i < kMessagesOfATopic; ++i) {
+      const telemetry::Cdr cdr = random.write(std::string(topic->ros_type));
+      std::vector<std::byte> memory(topic->type->m_size);
+      ASSERT_TRUE(telemetry::internal::decode(*topic->type, cdr, memory.data()))
+          << topic->name << ", seed " << kSeed;
+      EXPECT_EQ(hex(telemetry::internal::encode(*topic->type, memory.data())), hex(cdr))
+          << topic->name << ", seed " << kSeed;
+      dds_sample_free(memory.data(), topic->type, DDS_FREE_CONTENTS);
+    }
+  }
+}
+
+TEST(MessageTypes, AreReadByOthersFromTheirText) {
+  RandomCdr random(own_messages(), kSeed + 1);
+  nlohmann::json messages;
+  for (const telemetry::Topic* topic : telemetry::topics()) {
+    const std::string name(topic->ros_type);
+    for (int i = 0; i < kMessagesOfATopic; ++i) {
+      messages.push_back({{"schema", ros2msg_text(own_messages(), name)}, {"cdr", hex(random.write(name))}});
+    }
+  }
+  const auto file =
+      std::filesystem::temp_directory_path() / ("schemas_" + std::to_string(getpid()) + ".json");
+  std::ofstream(file) << messages;
+  const nlohmann::json read = independent_readers::run_reader("rewrite_cdr.cjs", {file.string()});
+  std::filesystem::remove(file);
+  ASSERT_EQ(read.size(), messages.size());
+  for (std::size_t i = 0; i < read.size(); ++i) {
+    EXPECT_EQ(read[i]["cdr"], messages[i]["cdr"])
+        << messages[i]["schema"].get<std::string>() << read[i]["message"];
+  }
+}
+
+TEST(MessageTypes, TextIsReadBack) {
+  for (const telemetry::Topic* topic : telemetry::topics()) {
+    const std::string name(topic->ros_type);
+    const std::string text = ros2msg_text(own_messages(), name);
+    EXPECT_EQ(ros2msg_text(parse_ros2msg(text, name), name), text);
+  }
+}
+
+TEST(MessageTypes, TextIsThatOfRos) {
+  EXPECT_EQ(ros2msg_text(own_messages(), "geometry_msgs/msg/Twist"),
+            "geometry_msgs/Vector3 linear\n"
+            "geometry_msgs/Vector3 angular\n"
+            "================================================================================\n"
+            "MSG: geometry_msgs/Vector3\n"
+            "float64 x\nfloat64 y\nfloat64 z\n");
+}
+
+TEST(MessageTypes, TextByOthersIsRead) {
+  const MessageTypes types = parse_ros2msg(
+      "# a comment\nbyte LEVEL=3\nint32 OTHER = 4\n\nHeader header  # when\nPoint[] points\nbyte[<=4] flags\n"
+      "float64[9] k\n====\nMSG: std_msgs/Header\nstring frame_id\n====\nMSG: a/Point\nfloat32 x\n",
+      "a/msg/Cloud");
+  const std::vector<Field>& fields = types.at("a/msg/Cloud");
+  ASSERT_EQ(fields.size(), 4u);
+  EXPECT_EQ(fields[0].type, "std_msgs/msg/Header");
+  EXPECT_EQ(fields[1].type, "a/msg/Point");
+  EXPECT_EQ(fields[1].shape, Shape::sequence);
+  EXPECT_EQ(fields[2].type, "uint8");
+  EXPECT_EQ(fields[2].shape, Shape::sequence);
+  EXPECT_EQ(fields[3].count, 9u);
+  EXPECT_TRUE(types.contains("a/msg/Point"));
+}
+
+TEST(MessageTypes, IdlThatIsNotUnderstoodIsRefused) {
+  EXPECT_THROW(static_cast<void>(parse_idl("union U switch(long) {};")), std::runtime_error);
+  EXPECT_THROW(static_cast<void>(parse_idl("struct S_ { Unknown_ u; };")), std::runtime_error);
+  EXPECT_THROW(static_cast<void>(parse_idl("struct S_ { double d }")), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace stilt::schema
