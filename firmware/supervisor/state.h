@@ -27,6 +27,21 @@ inline constexpr std::size_t kStates = 10;
   return kNames[static_cast<std::size_t>(state)];
 }
 
+/// What the robot does there, a sentence without a full stop.
+[[nodiscard]] constexpr const char* description(State state) noexcept {
+  constexpr std::array<const char*, kStates> kTexts = {"Sensors are not heard yet, nothing is sent",
+                                                       "The motor drivers are left alone",
+                                                       "The motor drivers are brought up",
+                                                       "The drivers obey, the joints are damped",
+                                                       "The torque law takes over and stands",
+                                                       "Steps in place",
+                                                       "Walks",
+                                                       "Goes to the sitting pose",
+                                                       "Damped until the faults are reset",
+                                                       "The motors are let go, the end"};
+  return kTexts[static_cast<std::size_t>(state)];
+}
+
 /// The torque law is in command.
 [[nodiscard]] constexpr bool tracks(State state) noexcept {
   return state == State::stand || state == State::step || state == State::walk;

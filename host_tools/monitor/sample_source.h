@@ -14,7 +14,7 @@ struct Command {
   CommandKind kind = CommandKind::heartbeat;
   std::uint64_t commander = 0;  ///< one number for each operator (each open page)
   std::uint32_t sequence = 0;   ///< counts his commands
-  std::string token;            ///< of the session
+  std::string token;            ///< of the session; empty: the one that the source knows
   double value = 0.0;           ///< m/s of walk and speed, m of height, or of the tunable
   int tunable = 0;              ///< its number
 };
@@ -48,6 +48,12 @@ class SampleSource {
 
   /// One line for people: "domain 0 on lo", "walk.mcap".
   [[nodiscard]] virtual std::string describe() const = 0;
+
+  /// Samples left out so far because they are of another controller, which talks at the same time.
+  [[nodiscard]] virtual std::uint64_t of_others() const { return 0; }
+
+  /// Whether an empty token will do, because the source knows the session's.
+  [[nodiscard]] virtual bool has_token() const { return false; }
 
   /// False for a record: nothing can be commanded, and silence at its end is no fault.
   [[nodiscard]] virtual bool live() const = 0;

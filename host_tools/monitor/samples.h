@@ -108,7 +108,6 @@ struct ConfigurationSample {
   std::string robot;    ///< amber3m, rabbit
   std::string build;    ///< version, compiler, instruction set
   std::string toml;     ///< configuration in force
-  double solve_budget_us = 0.0;
   double tick_rate_hz = 1000.0;
   std::vector<Tunable> tunables;
 };

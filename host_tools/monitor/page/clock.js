@@ -1,0 +1,36 @@
+// When to show what. Samples come in batches with varying delay; the picture follows the robot's clock evenly, a
+// little behind, so that there is nearly always a sample to show.
+
+class ShowClock {
+  constructor() {
+    this.reset();
+  }
+
+  reset() {
+    this.offset_s = null;
+    this.newest_s = null;
+    this.lag_s = 0.06;
+    this.shown_s = null;
+  }
+
+  /** Samples up to `newest_s` of the robot's clock came at `now_s` of the page's. */
+  arrived(newest_s, now_s) {
+    this.newest_s = newest_s;
+    const offset = now_s - newest_s;
+    // The shortest way sets the offset; it forgets slowly, for clocks do not run alike.
+    this.offset_s = this.offset_s === null ? offset : Math.min(offset, this.offset_s + 2e-4);
+    if (offset - this.offset_s > 2) this.offset_s = offset;
+  }
+
+  /** The robot's time to show at `now_s`; null before the first sample. */
+  time(now_s) {
+    if (this.offset_s === null) return null;
+    const ideal = now_s - this.offset_s;
+    const late = ideal - this.newest_s;
+    if (late < 0.5) this.lag_s = Math.min(0.3, Math.max(late, this.lag_s * 0.9995, 0.03));
+    const wanted = Math.min(this.newest_s, ideal - this.lag_s);
+    const jumps = this.shown_s === null || Math.abs(wanted - this.shown_s) > 1;
+    this.shown_s = jumps ? wanted : Math.max(wanted, this.shown_s);
+    return this.shown_s;
+  }
+}

@@ -1,0 +1,119 @@
+// Buttons and keys, and the page's sign of life while it commands.
+
+const kAlivePeriod_ms = 100;
+const kSpeedPeriod_ms = 100;
+const kPatience_ms = 1500;
+const kKeys = { s: 'stand', t: 'step', w: 'walk', d: 'sit', r: 'reset' };
+
+class CommandPanel {
+  constructor(connection, robot) {
+    this.connection = connection;
+    this.robot = robot;
+    this.sequence = 0;
+    this.waiting = new Map();
+    this.answer = document.getElementById('answer');
+    this.token = document.getElementById('token');
+    this.speed = document.getElementById('speed');
+    this.speedSent_ms = 0;
+    const given = new URLSearchParams(window.location.hash.slice(1)).get('token');
+    this.token.value = given ?? sessionStorage.getItem('token') ?? '';
+    this.token.addEventListener('input', () => sessionStorage.setItem('token', this.token.value));
+    for (const button of document.querySelectorAll('[data-command]')) {
+      button.addEventListener('click', () => this.ask(button.dataset.command));
+    }
+    document.getElementById('stop').addEventListener('click', () => this.ask('stop'));
+    this.speed.addEventListener('input', () => this.changeSpeed());
+    this.showSpeed();
+    document.addEventListener('keydown', (event) => this.key(event), true);
+    this.beat();
+  }
+
+  greet(hello) {
+    for (const button of document.querySelectorAll('[data-command], #stop')) button.disabled = !hello.live;
+    document.getElementById('token-box').open = hello.live && !hello.has_token && this.token.value === '';
+    if (!hello.live) this.say('A record: it takes no commands.', '');
+  }
+
+  /** Sends a command; the answer appears below the buttons. */
+  ask(command, extra = {}) {
+    const sequence = ++this.sequence;
+    const message = { command, sequence, token: this.token.value, ...extra };
+    if (command === 'walk' && extra.value === undefined) message.value = Number(this.speed.value);
+    if (!this.connection.send(message)) {
+      this.say(`${command}: not sent, the monitor does not answer`, 'bad');
+      return;
+    }
+    const what = extra.what ?? (command === 'walk' ? `walk at ${signed(message.value, 2)} m/s` : command);
+    const timer = setTimeout(() => {
+      this.waiting.delete(sequence);
+      this.say(`${what}: no answer from the robot`, 'bad');
+    }, kPatience_ms);
+    this.waiting.set(sequence, { what, timer, quiet: extra.quiet });
+  }
+
+  reply(message) {
+    const asked = this.waiting.get(message.sequence);
+    if (!asked) {
+      if (!message.accepted) this.say(message.reason, 'bad');
+      return;
+    }
+    clearTimeout(asked.timer);
+    this.waiting.delete(message.sequence);
+    if (message.accepted) this.say(`${asked.what}: accepted`, 'good');
+    else this.say(`${asked.what}: refused. ${message.reason}`, 'bad');
+  }
+
+  say(text, kind) {
+    this.answer.textContent = text;
+    this.answer.className = kind;
+  }
+
+  showSpeed() {
+    document.getElementById('speed-value').textContent = `${signed(Number(this.speed.value), 2)} m/s`;
+  }
+
+  /** While the robot walks a new speed is sent at once, at most ten times a second. */
+  changeSpeed() {
+    this.showSpeed();
+    const walks = this.robot.hello?.states[this.robot.supervisor?.state]?.name === 'walk';
+    if (!walks || this.speedTimer) return;
+    const wait = Math.max(0, this.speedSent_ms + kSpeedPeriod_ms - performance.now());
+    this.speedTimer = setTimeout(() => {
+      this.speedTimer = null;
+      this.speedSent_ms = performance.now();
+      const value = Number(this.speed.value);
+      this.ask('speed', { value, what: `speed ${signed(value, 2)} m/s` });
+    }, wait);
+  }
+
+  nudge(steps) {
+    this.speed.value = String(Number(this.speed.value) + 0.05 * steps);
+    this.changeSpeed();
+  }
+
+  /** Space and Escape stop, wherever the focus is; buttons answer to Enter. */
+  key(event) {
+    if (event.ctrlKey || event.altKey || event.metaKey) return;
+    if (event.key === ' ' || event.key === 'Escape') {
+      event.preventDefault();
+      event.stopPropagation();
+      if (!event.repeat) this.ask('stop');
+      return;
+    }
+    if (event.target.closest('input:not([type=range]):not([type=checkbox]), select, textarea') || event.repeat) return;
+    const command = kKeys[event.key.toLowerCase()];
+    if (command) this.ask(command);
+    else if (event.key === 'ArrowUp' && event.target !== this.speed) this.nudge(1);
+    else if (event.key === 'ArrowDown' && event.target !== this.speed) this.nudge(-1);
+    else return;
+    event.preventDefault();
+  }
+
+  /** A worker keeps time even when the page is in the background; it stops when the page hangs. */
+  beat() {
+    const source = `setInterval(() => postMessage(0), ${kAlivePeriod_ms});`;
+    const worker = new Worker(URL.createObjectURL(new Blob([source], { type: 'text/javascript' })));
+    worker.onmessage = () => this.connection.send({ alive: true });
+    this.worker = worker;
+  }
+}

@@ -1,0 +1,107 @@
+// Which plots the page shows; the fields of a plot are described in live_plot.js.
+
+const kCommanded = { dash: [5, 4], width: 1.2 };
+const kSides = [['left', 'left', 0], ['right', 'right', 2]];
+
+function torqueLimits(robot, first) {
+  return () => {
+    const limits = robot.drawing?.torque_limit_Nm;
+    if (!limits) return [];
+    const limit = Math.min(limits[first], limits[first + 2]);
+    return [-limit, limit];
+  };
+}
+
+function motionPlots() {
+  return [
+    {
+      title: 'Forward speed', axis: 'm/s', unit: 'm/s', table: 'ticks', least: 0.4,
+      lines: [{ label: 'hip', colour: 'body', column: 'state7' },
+        { label: 'commanded', colour: 'plan', ...kCommanded, column: 'commanded_speed_m_s' }],
+    },
+    {
+      title: 'Height of the hip', axis: 'm', unit: 'm', digits: 3, table: 'ticks', least: 0.1,
+      lines: [{ label: 'hip', colour: 'body', column: 'state1' }],
+    },
+    {
+      title: 'Lean of the torso', axis: 'rad', unit: 'rad', digits: 3, table: 'ticks', least: 0.1,
+      lines: [{ label: 'pitch', colour: 'body', column: 'state2' }],
+    },
+    {
+      title: 'Height of the feet', axis: 'm', unit: 'm', digits: 3, table: 'ticks', least: 0.08,
+      lines: kSides.map(([label, colour]) => ({ label, colour, column: `${label}_foot_z_m` })),
+    },
+  ];
+}
+
+function jointPlots(robot) {
+  const angle = (k) => kSides.flatMap(([label, colour, first]) => [
+    { label, colour, column: `state${3 + first + k}` },
+    { label: 'wanted', colour, ...kCommanded, column: `commanded_position_rad${first + k}` },
+  ]);
+  const torque = (k) => kSides.map(([label, colour, first]) => (
+    { label, colour, column: `commanded_torque_Nm${first + k}` }));
+  return [
+    { title: 'Hip angle', axis: 'rad', unit: '', table: 'ticks', least: 0.2, lines: angle(0) },
+    { title: 'Knee angle', axis: 'rad', unit: '', table: 'ticks', least: 0.2, lines: angle(1) },
+    { title: 'Hip torque', axis: 'Nm', unit: 'Nm', digits: 1, table: 'ticks', limits: torqueLimits(robot, 0), lines: torque(0) },
+    { title: 'Knee torque', axis: 'Nm', unit: 'Nm', digits: 1, table: 'ticks', limits: torqueLimits(robot, 1), lines: torque(1) },
+  ];
+}
+
+function plannerPlots(robot) {
+  const budget = () => {
+    const limit_us = robot.timing?.histograms.find((one) => one.name === 'solve')?.deadline_us;
+    return limit_us > 0 ? [limit_us / 1000] : [];
+  };
+  return [
+    {
+      title: 'Solve time', axis: 'ms', unit: 'ms', table: 'planner', fromZero: true, limits: budget,
+      lines: [{ label: 'one plan', colour: 'plan', column: 'solve_ms' }],
+    },
+    {
+      title: 'Iterations', axis: '', unit: '', digits: 0, table: 'planner', fromZero: true, least: 4,
+      lines: [{ label: 'of a plan', colour: 'plan', column: 'iterations', steps: true }],
+    },
+    {
+      title: 'Violations', axis: '', unit: '', table: 'planner', logarithmic: true,
+      transform: (value) => (value > 1e-16 ? value : null),
+      lines: [{ label: 'dynamics', colour: 'plan', column: 'defect_max' },
+        { label: 'equalities', colour: 'push', column: 'equality_violation_max' }],
+    },
+    {
+      title: 'Planned contact force', axis: 'N', unit: 'N', digits: 0, table: 'force', fromZero: true, least: 100,
+      lines: kSides.map(([label, colour]) => ({ label, colour, column: `${label}_N` })),
+    },
+  ];
+}
+
+function loopPlots() {
+  return [
+    {
+      title: 'Torque loop: late by', axis: 'µs', unit: 'µs', digits: 0, table: 'ticks', fromZero: true, least: 50,
+      lines: [{ label: 'wake-up', colour: 'force', column: 'wakeup_us' }],
+    },
+    {
+      title: 'Torque loop: duration', axis: 'µs', unit: 'µs', digits: 0, table: 'ticks', fromZero: true, least: 50,
+      lines: [{ label: 'tick', colour: 'body', column: 'execution_us' }],
+    },
+    {
+      title: 'Age of the plan', axis: 'ms', unit: 'ms', digits: 1, table: 'ticks', fromZero: true, least: 10,
+      lines: [{ label: 'in use', colour: 'plan', column: 'plan_age_ms' }],
+    },
+    {
+      title: 'Bus round trip', axis: 'µs', unit: 'µs', digits: 0, table: 'ticks', fromZero: true, least: 50,
+      lines: [{ label: 'command to last reply', colour: 'push', column: 'round_trip_us', steps: true }],
+    },
+  ];
+}
+
+function plotSections(robot) {
+  return [
+    { title: 'Motion', plots: motionPlots() },
+    { title: 'Joints', plots: jointPlots(robot) },
+    { title: 'Planner', plots: plannerPlots(robot) },
+    { title: 'Loop and buses', plots: loopPlots() },
+  ];
+}

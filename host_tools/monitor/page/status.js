@@ -1,0 +1,145 @@
+// The state of the robot and of the connection, in words.
+
+const kStale_s = 0.5;
+const kReactionText = {
+  none: 'nothing', warn: 'nothing; it is only reported', slow: 'walking becomes stepping in place, and that standing',
+  hold: 'holds the pose', sit: 'sits down, then damps the joints', damp: 'damps the joints', off: 'lets go of the motors',
+};
+const kRungText = {
+  new_plan: 'following the newest plan', older_plan: 'following an older plan', hold: 'holding the pose',
+  sit: 'sitting down', damp: 'joints damped', off: 'motors left alone',
+};
+
+function element(tag, properties = {}, ...children) {
+  const node = Object.assign(document.createElement(tag), properties);
+  node.append(...children);
+  return node;
+}
+
+class StatusPanel {
+  constructor(robot) {
+    this.robot = robot;
+    this.link = null;
+    this.connected = false;
+    this.sessionChanged_s = -Infinity;
+    this.lastFaults = null;
+    this.ofOthers = 0;
+    this.othersSeen_s = -Infinity;
+  }
+
+  greet(hello) {
+    const table = element('table');
+    table.createTHead().innerHTML = '<tr><th>Number</th><th>Fault</th><th>Cause</th><th>The robot</th><th>Clears when</th></tr>';
+    const body = table.createTBody();
+    for (const fault of hello.faults) {
+      const row = body.insertRow();
+      for (const text of [fault.number, fault.name, fault.cause, kReactionText[fault.reaction], clearing(fault)]) {
+        row.insertCell().textContent = text;
+      }
+    }
+    document.getElementById('fault-table').replaceChildren(table);
+    this.lastFaults = null;
+  }
+
+  configure(configuration, isOther, now_s) {
+    document.getElementById('robot-name').textContent = configuration.robot.toUpperCase();
+    document.title = `${configuration.robot} – Stilt`;
+    document.getElementById('configuration').textContent = configuration.toml;
+    const facts = [['Session', configuration.session || 'not known'], ['Controller', configuration.build],
+      ['Source', this.robot.hello.source]];
+    document.getElementById('session-list').replaceChildren(
+      ...facts.flatMap(([name, value]) => [element('dt', { textContent: name }), element('dd', { textContent: value })]));
+    if (isOther) this.sessionChanged_s = now_s;
+  }
+
+  /** The supervisor's state, the ladder's rung and the faults. */
+  supervise(message) {
+    const { hello } = this.robot;
+    const name = hello.states[message.state].name;
+    const pill = document.getElementById('state');
+    pill.textContent = name;
+    pill.dataset.state = name;
+    document.getElementById('state-text').textContent =
+      `${hello.states[message.state].description}. Now: ${kRungText[hello.rungs[message.rung]]}.`;
+    this.showFaults(message);
+  }
+
+  showFaults(message) {
+    const key = `${message.present}/${message.latched}`;
+    if (key === this.lastFaults) return;
+    this.lastFaults = key;
+    const cards = this.robot.hello.faults.flatMap((fault, bit) => {
+      const present = (message.present >>> bit) & 1;
+      const latched = (message.latched >>> bit) & 1;
+      return present || latched ? [faultCard(fault, present, latched)] : [];
+    });
+    const list = document.getElementById('fault-list');
+    list.replaceChildren(...(cards.length > 0 ? cards : [element('p', { className: 'fine', textContent: 'None.' })]));
+    document.body.classList.toggle('faulty', message.latched !== 0);
+  }
+
+  /** Says how old the picture is; called several times a second. */
+  update(now_s) {
+    const { alarm, level } = this.alarmNow();
+    const box = document.getElementById('alarm');
+    box.hidden = alarm === null;
+    if (alarm !== null && box.textContent !== alarm) box.textContent = alarm;
+    document.body.classList.toggle('stale', level === 'stale');
+    document.body.classList.toggle('waiting', level === 'waiting');
+    document.getElementById('stage-cover').textContent = level === 'stale' ? 'OLD PICTURE' : level === 'waiting' ? 'NO DATA YET' : '';
+    const note = document.getElementById('note');
+    const fresh = now_s - this.sessionChanged_s < 15;
+    note.hidden = !fresh;
+    if (fresh) {
+      note.textContent = `Another session: the controller was started anew (${this.robot.configuration?.session}). ` +
+        'What was before it is gone from the plots, and it takes commands with its own token.';
+    }
+    this.writeLink();
+  }
+
+  alarmNow() {
+    const link = this.link;
+    if (!this.connected) {
+      return { level: 'stale', alarm: 'The monitor does not answer: stilt monitor has ended, or the network is gone. Trying again.' };
+    }
+    if (!link || !link.heard) {
+      return { level: 'waiting', alarm: `Waiting for a controller: nothing heard yet from ${this.robot.hello?.source ?? 'the source'}.` };
+    }
+    if (link.silent_s > kStale_s && this.robot.hello.live) {
+      return { level: 'stale', alarm: `No data for ${link.silent_s.toFixed(1)} s: the picture is old. stiltd has ended, or the network is gone.` };
+    }
+    if (link.of_others > this.ofOthers) this.othersSeen_s = performance.now() / 1000;
+    this.ofOthers = link.of_others;
+    if (performance.now() / 1000 - this.othersSeen_s < 3) {
+      return { level: 'live', alarm: 'Two controllers talk at once: samples of the other session are left out.' };
+    }
+    return { level: 'live', alarm: null };
+  }
+
+  writeLink() {
+    const link = this.link;
+    const lost = link ? link.missing + link.not_sent + (this.robot.timing?.dropped ?? 0) : 0;
+    const text = !this.connected ? 'monitor lost' : !link?.heard ? 'waiting'
+      : !this.robot.hello.live ? 'record'
+      : link.silent_s > kStale_s ? `silent ${link.silent_s.toFixed(0)} s` : 'live';
+    const box = document.getElementById('link-status');
+    box.textContent = lost > 0 ? `${text} · ${lost} lost` : text;
+    box.title = link ? `${link.ticks} ticks received; ${link.missing} missing on the way, ${this.robot.timing?.dropped ?? 0} ` +
+      `dropped by the controller, ${link.not_sent} messages not sent to this page because it did not keep up` : '';
+    box.classList.toggle('bad', text !== 'live' && text !== 'record');
+    box.classList.toggle('warned', lost > 0);
+  }
+}
+
+function clearing(fault) {
+  return fault.severity === 'latched' ? `${fault.clears}; then Reset` : fault.clears;
+}
+
+function faultCard(fault, present, latched) {
+  const when = present ? 'happening now' : 'over; waits for Reset';
+  return element('article', { className: `fault ${latched ? 'latched' : fault.severity}` },
+    element('h3', {}, `${fault.name} `, element('small', { textContent: `${fault.number} · ${when}` })),
+    element('p', {}, `Cause: ${fault.cause}.`),
+    element('p', {}, `The robot: ${kReactionText[fault.reaction]}.`),
+    element('p', {}, `Clears when: ${clearing(fault)}.`));
+}
