@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "firmware/supervisor/supervisor.h"
+#include "mpc_core/control/planner.h"
 #include "mpc_core/gait/command.h"
 #include "mpc_core/model/types.h"
 #include "mpc_core/solver/solve_report.h"
@@ -16,6 +17,18 @@ struct OperatorCommand {
   bool shut_down = false;           ///< end the program: sit, damp, let go
   bool heartbeat_expected = false;  ///< whoever commands shows that he lives
   std::int64_t heartbeat_ns = 0;    ///< last sign of life, clock of the torque loop
+};
+
+/// Live tunables that the torque loop uses; operator -> torque loop.
+struct TorqueTuning {
+  std::uint32_t number = 0;  ///< counts changes of live tunables; 0: the configuration
+  control::TorqueLawParameters law;
+};
+
+/// Live tunables that the planner uses; operator -> planner.
+struct PlannerTuning {
+  std::uint32_t number = 0;  ///< as above
+  control::PlannerSettings settings;
 };
 
 /// Torque loop -> planner, every tick.

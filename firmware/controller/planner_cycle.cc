@@ -9,11 +9,11 @@ bool PlannerCycle::cycle(const PlanningRequest& request, control::Plan& plan) no
     result_.session = request.session;
   }
   if (request.session == 0) return false;
-  const solver::SolveReport report = planner_.plan({request.time_s, request.state, request.command}, plan);
+  report_ = planner_.plan({request.time_s, request.state, request.command}, plan);
   ++result_.cycles;
-  result_.status = report.status;
-  result_.failures_in_a_row = report.usable() ? 0 : result_.failures_in_a_row + 1;
-  return report.usable();
+  result_.status = report_.status;
+  result_.failures_in_a_row = report_.usable() ? 0 : result_.failures_in_a_row + 1;
+  return report_.usable();
 }
 
 }  // namespace stilt::controller

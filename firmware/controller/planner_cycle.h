@@ -15,6 +15,15 @@ class PlannerCycle {
     return planner_.configure(robot, parameters);
   }
 
+  /// Plans with these settings from the next cycle on.
+  void tune(const PlannerTuning& tuning) noexcept {
+    planner_.adopt(tuning.settings);
+    tuning_ = tuning.number;
+  }
+
+  /// Number of the tuning in force; 0: what configure() was given.
+  [[nodiscard]] std::uint32_t tuning() const noexcept { return tuning_; }
+
   /// Plans from the request into `plan`, which stays as it is when there is no usable result. A request of
   /// another session than the last forgets the past: the robot stands still from then on.
   /// @return  whether `plan` is new
@@ -23,9 +32,14 @@ class PlannerCycle {
   /// About the newest cycle; solve_ns is left to who has a clock.
   [[nodiscard]] const PlanningResult& result() const noexcept { return result_; }
 
+  /// How the newest solve went.
+  [[nodiscard]] const solver::SolveReport& report() const noexcept { return report_; }
+
  private:
   control::Planner planner_;
   PlanningResult result_;
+  solver::SolveReport report_;
+  std::uint32_t tuning_ = 0;
 };
 
 }  // namespace stilt::controller

@@ -3,10 +3,7 @@
 #include <array>
 #include <cstdint>
 
-#include "firmware/controller/events.h"
-#include "firmware/controller/messages.h"
-#include "firmware/diagnostics/tick_record.h"
-#include "firmware/exchange/latest_value.h"
+#include "firmware/controller/mailboxes.h"
 #include "firmware/hardware/buses.h"
 #include "firmware/hardware/drivers.h"
 #include "firmware/supervisor/supervisor.h"
@@ -14,7 +11,6 @@
 #include "hal/emergency_stop.h"
 #include "hal/joint_bus.h"
 #include "mpc_core/control/estimator.h"
-#include "mpc_core/control/plan.h"
 #include "mpc_core/control/torque_loop.h"
 
 namespace stilt::controller {
@@ -36,17 +32,6 @@ struct TickTiming {
   std::int64_t round_trip_ns = 0;  ///< newest known, from commands to the last reply
 };
 
-/// What goes from one thread to another.
-struct Mailboxes {
-  exchange::LatestValue<OperatorCommand> commands;          ///< operator -> torque loop
-  exchange::LatestValue<PlanningRequest> requests;          ///< torque loop -> planner
-  exchange::LatestValue<control::Plan> plans;               ///< planner -> torque loop
-  exchange::LatestValue<PlanningResult> results;            ///< planner -> torque loop
-  EventRing events;                                         ///< torque loop -> housekeeping
-  exchange::Ring<diagnostics::TickRecord, 1024> telemetry;  ///< torque loop -> housekeeping
-  diagnostics::TickBlackBox black_box;                      ///< torque loop; housekeeping once it is frozen
-};
-
 /// One tick of the torque loop. Knows no thread and no clock; everything outside comes in through
 /// interfaces, so that robot, lock-step and tests run the very same ticks. Fixed memory, tick() is real-time
 /// safe.
@@ -65,6 +50,7 @@ class TorqueCycle {
   [[nodiscard]] double time_s() const noexcept { return reading_.time_s; }
 
  private:
+  void take_tuning() noexcept;
   void sense(const TickTiming& timing) noexcept;
   void look_at_plan(const control::Plan& plan) noexcept;
   [[nodiscard]] bool fit_to_stand() const noexcept;

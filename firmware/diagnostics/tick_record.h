@@ -4,21 +4,34 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "firmware/controller/messages.h"
 #include "firmware/diagnostics/black_box.h"
+#include "firmware/hardware/drivers.h"
 #include "firmware/supervisor/supervisor.h"
 #include "hal/base_sensor.h"
+#include "hal/emergency_stop.h"
 #include "hal/joint_bus.h"
 
 namespace stilt::diagnostics {
 
 inline constexpr std::size_t kStates = 14;
 
-/// What the torque loop knew and did in one tick. Fixed size, no pointers: for the black box and telemetry.
+/// What the torque loop knew and did in one tick: every input, so that a replay can run the tick again, and
+/// every output. Fixed size, no pointers: for the black box and telemetry.
 struct TickRecord {
   std::uint64_t tick = 0;    ///< counts from 0
   std::int64_t time_ns = 0;  ///< of the torque loop's clock, at the start of the tick
   hal::JointReadings joints;
   hal::BaseReading base;
+  hal::JointBusStatus read_status = hal::JointBusStatus::ok;
+  hal::JointBusStatus write_status = hal::JointBusStatus::ok;  ///< of this tick's commands
+  hal::EmergencyStopState emergency_stop = hal::EmergencyStopState::absent;
+  std::uint64_t bus_errors = 0;                   ///< counter of all buses
+  hardware::DriversProgress bring_up;             ///< newest of the drivers; changes in calibrate only
+  controller::OperatorCommand command;            ///< the operator's, in force
+  std::uint32_t tuning = 0;                       ///< number of the live tunables in force
+  controller::PlanningResult result;              ///< newest of the planner
+  long long visible_plan = -1;                    ///< sequence of the newest plan, whether or not it is used
   std::array<double, kStates> estimated_state{};  ///< [q; v], see mpc_core/model/types.h
   hal::JointCommands wanted;                      ///< of the torque law
   hal::JointCommands sent;                        ///< what left, when the action was `commands`
@@ -31,6 +44,8 @@ struct TickRecord {
   double ramp = 0;
   long long plan_sequence = -1;    ///< of the plan in use
   double plan_age_s = 0;           ///< since the state it started from
+  std::uint32_t standing = 0;      ///< counts the times the robot got on its feet; 0: no plan is wanted
+  gait::GaitCommand gait;          ///< asked of the planner
   std::int64_t wakeup_ns = 0;      ///< lateness of this tick
   std::int64_t execution_ns = 0;   ///< duration of the tick before
   std::int64_t round_trip_ns = 0;  ///< newest from command to last reply

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "firmware/controller/planning_turn.h"
 #include "firmware/realtime/allocation_counter.h"
 #include "hal/clock.h"
 
@@ -48,8 +49,9 @@ class PlanningTurns {
     if (session_ == 0 || tick < due_) return;
     if (!begins && tick % schedule_.plan_period != 0) return;
     const std::int64_t start_ns = clock_.now_ns();
-    fresh_ = state_.planner.cycle(request, state_.mail.plans.writer());
+    fresh_ = turn_.plan(state_.planner, request, state_.mail);
     state_.planning.solve.add_ns(clock_.now_ns() - start_ns);
+    turn_.tell(state_.planner, request, fresh_, 0, state_.mail);
     ++state_.planning.plans;
     due_ = tick + schedule_.plan_delay;
   }
@@ -57,6 +59,7 @@ class PlanningTurns {
  private:
   ControllerState& state_;
   Schedule schedule_;
+  controller::PlanningTurn turn_;
   hal::MonotonicClock clock_;  // for the figures only
   std::uint32_t session_ = 0;
   long long due_ = -1;

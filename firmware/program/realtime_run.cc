@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <string>
 
+#include "firmware/controller/planning_turn.h"
 #include "firmware/diagnostics/histogram_text.h"
 #include "firmware/diagnostics/tick_csv.h"
 #include "firmware/hardware/round_trip.h"
@@ -103,14 +104,16 @@ void run_torque_loop(void* context) {
 }
 
 /// One cycle on the newest request; nothing when it is still the last one.
-void run_cycle(ControllerState& state, hal::MonotonicClock& clock, std::int64_t& last_tick) noexcept {
+void run_cycle(ControllerState& state, controller::PlanningTurn& turn, hal::MonotonicClock& clock,
+               std::int64_t& last_tick) noexcept {
   const controller::PlanningRequest& request = state.mail.requests.newest();
   if (request.tick == last_tick) return;
   last_tick = request.tick;
   const std::int64_t start_ns = clock.now_ns();
-  const bool fresh = state.planner.cycle(request, state.mail.plans.writer());
+  const bool fresh = turn.plan(state.planner, request, state.mail);
   if (request.session == 0) return;
   const std::int64_t solve_ns = clock.now_ns() - start_ns;
+  turn.tell(state.planner, request, fresh, solve_ns, state.mail);
   if (fresh) state.mail.plans.publish();
   state.planning.solve.add_ns(solve_ns);
   ++state.planning.plans;
@@ -127,12 +130,13 @@ void run_planner(void* context) {
   ControllerState& state = run.state;
   const realtime::AllocationScope allocations;
   hal::MonotonicClock clock;
+  controller::PlanningTurn turn;
   realtime::Pace pace(clock.now_ns(), period_ns(run.options.configuration.timing.plan_rate_hz));
   const long long faults_before = page_faults();
   std::int64_t last_tick = -1;
   while (!run.planner_end.load(std::memory_order_acquire)) {
     static_cast<void>(clock.sleep_until(pace.next_ns()));
-    run_cycle(state, clock, last_tick);
+    run_cycle(state, turn, clock, last_tick);
     pace.advance(clock.now_ns());
     state.planning.heap_allocations = allocations.count();
     state.planning.page_faults = page_faults() - faults_before;

@@ -38,27 +38,40 @@ model::FeetVector foot_positions(const model::RobotModel& robot, const model::St
 
 }  // namespace
 
-ConfigureStatus Planner::configure(const model::RobotModel& robot,
-                                   const ControllerParameters& parameters) noexcept {
+ConfigureStatus prepare_settings(const model::RobotModel& robot, const ControllerParameters& parameters,
+                                 solver::TerminalCostWorkspace& work, PlannerSettings& settings) noexcept {
   if (!fits(parameters)) return ConfigureStatus::horizon_over_capacity;
-  parameters_ = parameters;
-  data_.robot = &robot;
-  data_.cost = parameters.cost;
-  data_.inequality = parameters.inequality;
-  data_.equality = parameters.equality;
-  data_.discretisation = parameters.discretisation;
-  data_.limits = limits_of(robot.constants, parameters.robot);
+  settings.parameters = parameters;
+  ocp::ProblemData& data = settings.data;
+  data.robot = &robot;
+  data.cost = parameters.cost;
+  data.inequality = parameters.inequality;
+  data.equality = parameters.equality;
+  data.discretisation = parameters.discretisation;
+  data.limits = limits_of(robot.constants, parameters.robot);
   for (int j = 0; j < kJoints; ++j) {
-    data_.joint_parameters[j] = parameters.robot.armature_scale * robot.constants.joint_parameters[j];
-    data_.joint_parameters[kJoints + j] = robot.constants.joint_parameters[kJoints + j];
+    data.joint_parameters[j] = parameters.robot.armature_scale * robot.constants.joint_parameters[j];
+    data.joint_parameters[kJoints + j] = robot.constants.joint_parameters[kJoints + j];
   }
-  ocp::set_weights(data_);
+  ocp::set_weights(data);
   const model::StateVector standing =
       gait::standing_state(robot.constants, parameters.reference.base_height_m,
                            parameters.reference.base_pitch_rad, parameters.gait.stand_half_width_m, true);
-  return solver::set_terminal_cost(data_, standing, terminal_cost_work_)
-             ? ConfigureStatus::ok
-             : ConfigureStatus::terminal_cost_failed;
+  return solver::set_terminal_cost(data, standing, work) ? ConfigureStatus::ok
+                                                         : ConfigureStatus::terminal_cost_failed;
+}
+
+ConfigureStatus Planner::configure(const model::RobotModel& robot,
+                                   const ControllerParameters& parameters) noexcept {
+  PlannerSettings settings;
+  const ConfigureStatus status = prepare_settings(robot, parameters, terminal_cost_work_, settings);
+  if (status != ConfigureStatus::horizon_over_capacity) adopt(settings);
+  return status;
+}
+
+void Planner::adopt(const PlannerSettings& settings) noexcept {
+  parameters_ = settings.parameters;
+  data_ = settings.data;
 }
 
 void Planner::reset(double time_s) noexcept {

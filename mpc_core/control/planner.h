@@ -21,6 +21,18 @@ enum class ConfigureStatus {
   terminal_cost_failed,   ///< the weights admit no stabilising solution of the Riccati equation
 };
 
+/// What robot and parameters come to: all that a solve uses of them. 3 kB, owns nothing.
+struct PlannerSettings {
+  ControllerParameters parameters;
+  ocp::ProblemData data;
+};
+
+/// Works the settings out; milliseconds, not real time. `settings` is complete only when it says ok.
+[[nodiscard]] ConfigureStatus prepare_settings(const model::RobotModel& robot,
+                                               const ControllerParameters& parameters,
+                                               solver::TerminalCostWorkspace& work,
+                                               PlannerSettings& settings) noexcept;
+
 /// The one entry to planning: measured state in, plan out. Keeps the contact schedule and the last solution,
 /// from which the next solve starts, shifted in time. One object of fixed size without heap; configure()
 /// takes milliseconds and is not for the real-time path, plan() is. Results depend on the inputs alone.
@@ -28,6 +40,10 @@ class Planner {
  public:
   [[nodiscard]] ConfigureStatus configure(const model::RobotModel& robot,
                                           const ControllerParameters& parameters) noexcept;
+
+  /// Plans with these settings from the next plan() on, and goes on from the last solution. They are of the
+  /// same robot and horizon as before. Real-time.
+  void adopt(const PlannerSettings& settings) noexcept;
 
   /// From now on steps follow the gaits of the library, which outlives this object, instead of the
   /// heuristics. Their step time should be that of the gait's parameters. Call after configure(). Null:

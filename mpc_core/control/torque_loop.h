@@ -44,6 +44,9 @@ class TorqueLoop {
  public:
   void configure(const model::RobotModel& robot, const ControllerParameters& parameters) noexcept;
 
+  /// Other gains, from the next tick on. Real-time.
+  void tune(const TorqueLawParameters& law) noexcept { law_ = law; }
+
   /// Starts with both feet on the ground and the base at x = base_x_m.
   void reset(const SensorReading& reading, double base_x_m) noexcept { estimator_.reset(reading, base_x_m); }
 
