@@ -1,8 +1,7 @@
-#include "firmware/controller/torque_cycle.h"
-
 #include <algorithm>
 #include <cmath>
 
+#include "firmware/controller/torque_cycle.h"
 #include "mpc_core/gait/reference.h"
 
 namespace stilt::controller {
@@ -13,8 +12,7 @@ using hal::JointReadings;
 using model::kJoints;
 using supervisor::State;
 
-supervisor::JointLimits
-joint_limits(const model::RobotConstants &robot) noexcept {
+supervisor::JointLimits joint_limits(const model::RobotConstants &robot) noexcept {
   supervisor::JointLimits limits;
   for (std::size_t i = 0; i < hal::kJoints; ++i) {
     limits.position_min_rad[i] = robot.position_min_rad[i];
@@ -25,8 +23,7 @@ joint_limits(const model::RobotConstants &robot) noexcept {
   return limits;
 }
 
-control::SensorReading sensor_reading(double time_s,
-                                      const JointReadings &joints,
+control::SensorReading sensor_reading(double time_s, const JointReadings &joints,
                                       const hal::BaseReading &base) noexcept {
   control::SensorReading reading;
   reading.time_s = time_s;
@@ -41,8 +38,7 @@ control::SensorReading sensor_reading(double time_s,
 }
 
 /// What the sensors say of the state; the hip stands still at the origin.
-model::StateVector
-measured_state(const control::SensorReading &reading) noexcept {
+model::StateVector measured_state(const control::SensorReading &reading) noexcept {
   model::StateVector state = model::StateVector::Zero();
   state[model::kFirstAngle] = reading.base_pitch_rad;
   state.segment<kJoints>(model::kFirstJoint) = reading.joint_position_rad;
@@ -51,28 +47,23 @@ measured_state(const control::SensorReading &reading) noexcept {
   return state;
 }
 
-std::uint64_t malformed(const JointReadings &joints,
-                        const hal::BaseReading &base) noexcept {
+std::uint64_t malformed(const JointReadings &joints, const hal::BaseReading &base) noexcept {
   std::uint64_t count = base.malformed;
-  for (const hal::JointReading &joint : joints)
-    count += joint.malformed;
+  for (const hal::JointReading &joint : joints) count += joint.malformed;
   return count;
 }
 
-} // namespace
+}  // namespace
 
-void TorqueCycle::configure(
-    const model::RobotModel &robot,
-    const control::ControllerParameters &parameters,
-    const supervisor::SupervisorParameters &supervision) noexcept {
+void TorqueCycle::configure(const model::RobotModel &robot, const control::ControllerParameters &parameters,
+                            const supervisor::SupervisorParameters &supervision) noexcept {
   limits_ = joint_limits(robot.constants);
   supervision_ = supervision;
   standing_pitch_rad_ = parameters.reference.base_pitch_rad;
   for (const bool left_ahead : {true, false}) {
     standing_rad_[left_ahead ? 0 : 1] =
-        gait::standing_state(
-            robot.constants, parameters.reference.base_height_m,
-            standing_pitch_rad_, parameters.gait.stand_half_width_m, left_ahead)
+        gait::standing_state(robot.constants, parameters.reference.base_height_m, standing_pitch_rad_,
+                             parameters.gait.stand_half_width_m, left_ahead)
             .segment<kJoints>(model::kFirstJoint);
   }
   supervisor_.configure(limits_, supervision);
@@ -105,8 +96,7 @@ void TorqueCycle::tick(const TickTiming &timing) noexcept {
 }
 
 void TorqueCycle::take_tuning() noexcept {
-  if (!mail_->torque_tunings.has_news())
-    return;
+  if (!mail_->torque_tunings.has_news()) return;
   const TorqueTuning &tuning = mail_->torque_tunings.newest();
   law_.tune(tuning.law);
   control::TorqueLawParameters with_feedback = tuning.law;
@@ -117,50 +107,40 @@ void TorqueCycle::take_tuning() noexcept {
 
 void TorqueCycle::sense(const TickTiming &timing) noexcept {
   const std::int64_t now_ns = timing.now_ns;
-  if (ticks_ == 0)
-    start_ns_ = now_ns;
+  if (ticks_ == 0) start_ns_ = now_ns;
   seen_.time_ns = now_ns;
   seen_.lateness_s = 1e-9 * static_cast<double>(timing.late_ns);
   seen_.read_status = robot_.joints->read(now_ns, seen_.joints);
-  static_cast<void>(robot_.base->read_base(
-      seen_.base)); // how stale it is stands in the reading
+  static_cast<void>(robot_.base->read_base(seen_.base));  // how stale it is stands in the reading
   seen_.emergency_stop = robot_.emergency_stop->read_emergency_stop(now_ns);
   record_.bus_errors = robot_.buses->errors();
-  const std::uint64_t errors =
-      record_.bus_errors + malformed(seen_.joints, seen_.base);
+  const std::uint64_t errors = record_.bus_errors + malformed(seen_.joints, seen_.base);
   seen_.bus_errors = errors > bus_errors_;
   bus_errors_ = errors;
-  reading_ = sensor_reading(1e-9 * static_cast<double>(now_ns - start_ns_),
-                            seen_.joints, seen_.base);
+  reading_ = sensor_reading(1e-9 * static_cast<double>(now_ns - start_ns_), seen_.joints, seen_.base);
   operator_ = mail_->commands.newest();
   seen_.heartbeat_expected = operator_.heartbeat_expected;
-  seen_.heartbeat_age_s =
-      1e-9 * static_cast<double>(now_ns - operator_.heartbeat_ns);
+  seen_.heartbeat_age_s = 1e-9 * static_cast<double>(now_ns - operator_.heartbeat_ns);
 }
 
 /// A plan of an earlier session, made from another place, is none.
 void TorqueCycle::look_at_plan(const control::Plan &plan) noexcept {
-  const bool of_session =
-      session_ != 0 && plan.nodes >= 2 && plan.start_time_s >= session_start_s_;
+  const bool of_session = session_ != 0 && plan.nodes >= 2 && plan.start_time_s >= session_start_s_;
   const double now_s = reading_.time_s;
   seen_.has_plan = of_session && now_s <= plan.node[plan.nodes - 1].time_s;
-  seen_.plan_age_s =
-      now_s - (of_session ? plan.start_time_s : session_start_s_);
+  seen_.plan_age_s = now_s - (of_session ? plan.start_time_s : session_start_s_);
   seen_.planned_speed_rad_s = {};
-  const bool in_command = supervisor_.output().ramp >=
-                          1.0; // before, joints need not follow the plan
+  const bool in_command = supervisor_.output().ramp >= 1.0;  // before, joints need not follow the plan
   if (seen_.has_plan && in_command) {
     const control::PlanPoint point = control::interpolate(plan, now_s);
     for (std::size_t i = 0; i < hal::kJoints; ++i) {
       seen_.planned_speed_rad_s[i] =
-          point.state[model::kPositions + model::kFirstJoint +
-                      static_cast<int>(i)];
+          point.state[model::kPositions + model::kFirstJoint + static_cast<int>(i)];
     }
   }
   const PlanningResult &result = record_.result = mail_->results.newest();
   const bool current = result.session == session_ && session_ != 0;
-  seen_.failed_solves =
-      current ? static_cast<int>(result.failures_in_a_row) : 0;
+  seen_.failed_solves = current ? static_cast<int>(result.failures_in_a_row) : 0;
   seen_.solve_s = current ? 1e-9 * static_cast<double>(result.solve_ns) : 0.0;
 }
 
@@ -170,8 +150,7 @@ void TorqueCycle::estimate_state(const control::Plan &plan) noexcept {
     return;
   }
   const model::ContactMode contact =
-      seen_.has_plan ? control::interpolate(plan, reading_.time_s).mode
-                     : model::ContactMode{true, true};
+      seen_.has_plan ? control::interpolate(plan, reading_.time_s).mode : model::ContactMode{true, true};
   estimate_ = estimator_.update(reading_, contact);
   seen_.controller_finite = seen_.controller_finite && estimate_.allFinite();
 }
@@ -180,18 +159,13 @@ void TorqueCycle::estimate_state(const control::Plan &plan) noexcept {
 bool TorqueCycle::fit_to_stand() const noexcept {
   const double margin_rad = supervision_.stand_pose_margin_rad;
   const auto near = [&](const model::JointVector &standing_rad) {
-    return (reading_.joint_position_rad - standing_rad).cwiseAbs().maxCoeff() <=
-           margin_rad;
+    return (reading_.joint_position_rad - standing_rad).cwiseAbs().maxCoeff() <= margin_rad;
   };
-  const bool finite = reading_.joint_position_rad.allFinite() &&
-                      reading_.joint_velocity_rad_s.allFinite();
+  const bool finite = reading_.joint_position_rad.allFinite() && reading_.joint_velocity_rad_s.allFinite();
   return finite && (near(standing_rad_[0]) || near(standing_rad_[1])) &&
-         std::abs(reading_.base_pitch_rad - standing_pitch_rad_) <=
-             margin_rad &&
-         std::abs(reading_.base_pitch_rate_rad_s) <=
-             supervision_.stand_speed_rad_s &&
-         reading_.joint_velocity_rad_s.cwiseAbs().maxCoeff() <=
-             supervision_.stand_speed_rad_s;
+         std::abs(reading_.base_pitch_rad - standing_pitch_rad_) <= margin_rad &&
+         std::abs(reading_.base_pitch_rate_rad_s) <= supervision_.stand_speed_rad_s &&
+         reading_.joint_velocity_rad_s.cwiseAbs().maxCoeff() <= supervision_.stand_speed_rad_s;
 }
 
 void TorqueCycle::supervise() noexcept {
@@ -204,8 +178,7 @@ void TorqueCycle::supervise() noexcept {
   inputs.fit_to_stand = fit_to_stand();
   const supervisor::SupervisorOutput &decision = supervisor_.update(inputs);
   seen_.controller_finite = true;
-  if (decision.clear_buses)
-    robot_.buses->restore();
+  if (decision.clear_buses) robot_.buses->restore();
   if (decision.entered && decision.state == State::calibrate) {
     bring_up_ = {};
     robot_.drivers->begin();
@@ -217,8 +190,7 @@ void TorqueCycle::supervise() noexcept {
     estimator_.reset(reading_, 0.0);
     estimate_ = estimator_.update(reading_, {true, true});
   }
-  if (!supervisor::tracks(decision.state))
-    session_ = 0;
+  if (!supervisor::tracks(decision.state)) session_ = 0;
 }
 
 hal::JointCommands TorqueCycle::torque_law(const control::Plan &plan) noexcept {
@@ -227,41 +199,33 @@ hal::JointCommands TorqueCycle::torque_law(const control::Plan &plan) noexcept {
     wanted[i].position_rad = seen_.joints[i].position_rad;
     wanted[i].torque_limit_Nm = limits_.torque_Nm[i];
   }
-  if (!seen_.has_plan)
-    return wanted;
+  if (!seen_.has_plan) return wanted;
   control::TorqueLoop &law =
-      supervisor_.output().rung == supervisor::Rung::older_plan
-          ? law_of_old_plan_
-          : law_;
-  const control::TorqueCommand command =
-      law.tick_with_state(reading_, estimate_, plan);
-  if (command.status == control::TorqueStatus::damping_not_finite)
-    seen_.controller_finite = false;
-  for (std::size_t i = 0; i < hal::kJoints; ++i)
-    wanted[i].torque_Nm = command.torque_Nm[static_cast<int>(i)];
+      supervisor_.output().rung == supervisor::Rung::older_plan ? law_of_old_plan_ : law_;
+  const control::TorqueCommand command = law.tick_with_state(reading_, estimate_, plan);
+  if (command.status == control::TorqueStatus::damping_not_finite) seen_.controller_finite = false;
+  for (std::size_t i = 0; i < hal::kJoints; ++i) wanted[i].torque_Nm = command.torque_Nm[static_cast<int>(i)];
   return wanted;
 }
 
 void TorqueCycle::act(supervisor::Action action) noexcept {
   switch (action) {
-  case supervisor::Action::commands:
-    seen_.write_status = robot_.joints->write(commands_);
-    break;
-  case supervisor::Action::disable:
-    seen_.write_status = robot_.joints->disable();
-    break;
-  case supervisor::Action::silent:
-    seen_.write_status = JointBusStatus::ok;
-    if (supervisor_.output().state == State::calibrate && !bring_up_.failed)
-      bring_up();
-    break;
+    case supervisor::Action::commands:
+      seen_.write_status = robot_.joints->write(commands_);
+      break;
+    case supervisor::Action::disable:
+      seen_.write_status = robot_.joints->disable();
+      break;
+    case supervisor::Action::silent:
+      seen_.write_status = JointBusStatus::ok;
+      if (supervisor_.output().state == State::calibrate && !bring_up_.failed) bring_up();
+      break;
   }
 }
 
 void TorqueCycle::bring_up() noexcept {
   bring_up_ = robot_.drivers->step(seen_.time_ns);
-  if (!bring_up_.failed)
-    return;
+  if (!bring_up_.failed) return;
   push({.kind = Event::Kind::bring_up_failed,
         .joint = static_cast<std::uint8_t>(bring_up_.joint),
         .failure = bring_up_.failure,
@@ -278,10 +242,8 @@ void TorqueCycle::ask_for_plan() noexcept {
   mail_->requests.publish();
 }
 
-void TorqueCycle::record(const TickTiming &timing,
-                         const hal::JointCommands &wanted,
-                         supervisor::Action action,
-                         const control::Plan &plan) noexcept {
+void TorqueCycle::record(const TickTiming &timing, const hal::JointCommands &wanted,
+                         supervisor::Action action, const control::Plan &plan) noexcept {
   const supervisor::SupervisorOutput &decision = supervisor_.output();
   record_.tick = static_cast<std::uint64_t>(ticks_);
   record_.time_ns = timing.now_ns;
@@ -293,8 +255,7 @@ void TorqueCycle::record(const TickTiming &timing,
   record_.bring_up = bring_up_;
   record_.command = operator_;
   record_.visible_plan = plan.sequence;
-  std::copy_n(estimate_.data(), record_.estimated_state.size(),
-              record_.estimated_state.begin());
+  std::copy_n(estimate_.data(), record_.estimated_state.size(), record_.estimated_state.begin());
   record_.wanted = wanted;
   record_.sent = commands_;
   record_.action = action;
@@ -327,16 +288,13 @@ void TorqueCycle::push(const Event &event) noexcept {
 void TorqueCycle::report_events() noexcept {
   const supervisor::SupervisorOutput &decision = supervisor_.output();
   for (const supervisor::FaultRow &row : supervisor::kFaultTable) {
-    if (decision.raised.has(row.fault))
-      push({.kind = Event::Kind::fault, .fault = row.fault});
+    if (decision.raised.has(row.fault)) push({.kind = Event::Kind::fault, .fault = row.fault});
   }
-  if (decision.entered || ticks_ == 0)
-    push({.kind = Event::Kind::state, .state = decision.state});
+  if (decision.entered || ticks_ == 0) push({.kind = Event::Kind::state, .state = decision.state});
   const bool waits = decision.state == State::ready && !decision.entered &&
                      operator_.request.kind == supervisor::RequestKind::stand;
-  if (waits && !waiting_told_)
-    push({.kind = Event::Kind::waits_for_pose});
+  if (waits && !waiting_told_) push({.kind = Event::Kind::waits_for_pose});
   waiting_told_ = waits;
 }
 
-} // namespace stilt::controller
+}  // namespace stilt::controller
