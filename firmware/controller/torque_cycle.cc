@@ -1,7 +1,8 @@
+#include "firmware/controller/torque_cycle.h"
+
 #include <algorithm>
 #include <cmath>
 
-#include "firmware/controller/torque_cycle.h"
 #include "mpc_core/gait/reference.h"
 
 namespace stilt::controller {
@@ -12,7 +13,7 @@ using hal::JointReadings;
 using model::kJoints;
 using supervisor::State;
 
-supervisor::JointLimits joint_limits(const model::RobotConstants &robot) noexcept {
+supervisor::JointLimits joint_limits(const model::RobotConstants& robot) noexcept {
   supervisor::JointLimits limits;
   for (std::size_t i = 0; i < hal::kJoints; ++i) {
     limits.position_min_rad[i] = robot.position_min_rad[i];
@@ -23,12 +24,12 @@ supervisor::JointLimits joint_limits(const model::RobotConstants &robot) noexcep
   return limits;
 }
 
-control::SensorReading sensor_reading(double time_s, const JointReadings &joints,
-                                      const hal::BaseReading &base) noexcept {
+control::SensorReading sensor_reading(double time_s, const JointReadings& joints,
+                                      const hal::BaseReading& base) noexcept {
   control::SensorReading reading;
   reading.time_s = time_s;
   for (int i = 0; i < kJoints; ++i) {
-    const auto &joint = joints[static_cast<std::size_t>(i)];
+    const auto& joint = joints[static_cast<std::size_t>(i)];
     reading.joint_position_rad[i] = joint.position_rad;
     reading.joint_velocity_rad_s[i] = joint.velocity_rad_s;
   }
@@ -38,7 +39,7 @@ control::SensorReading sensor_reading(double time_s, const JointReadings &joints
 }
 
 /// What the sensors say of the state; the hip stands still at the origin.
-model::StateVector measured_state(const control::SensorReading &reading) noexcept {
+model::StateVector measured_state(const control::SensorReading& reading) noexcept {
   model::StateVector state = model::StateVector::Zero();
   state[model::kFirstAngle] = reading.base_pitch_rad;
   state.segment<kJoints>(model::kFirstJoint) = reading.joint_position_rad;
@@ -47,16 +48,16 @@ model::StateVector measured_state(const control::SensorReading &reading) noexcep
   return state;
 }
 
-std::uint64_t malformed(const JointReadings &joints, const hal::BaseReading &base) noexcept {
+std::uint64_t malformed(const JointReadings& joints, const hal::BaseReading& base) noexcept {
   std::uint64_t count = base.malformed;
-  for (const hal::JointReading &joint : joints) count += joint.malformed;
+  for (const hal::JointReading& joint : joints) count += joint.malformed;
   return count;
 }
 
 }  // namespace
 
-void TorqueCycle::configure(const model::RobotModel &robot, const control::ControllerParameters &parameters,
-                            const supervisor::SupervisorParameters &supervision) noexcept {
+void TorqueCycle::configure(const model::RobotModel& robot, const control::ControllerParameters& parameters,
+                            const supervisor::SupervisorParameters& supervision) noexcept {
   limits_ = joint_limits(robot.constants);
   supervision_ = supervision;
   standing_pitch_rad_ = parameters.reference.base_pitch_rad;
@@ -74,15 +75,15 @@ void TorqueCycle::configure(const model::RobotModel &robot, const control::Contr
   law_of_old_plan_.configure(robot, with_feedback);
 }
 
-void TorqueCycle::attach(const Robot &robot, Mailboxes &mailboxes) noexcept {
+void TorqueCycle::attach(const Robot& robot, Mailboxes& mailboxes) noexcept {
   robot_ = robot;
   mail_ = &mailboxes;
 }
 
-void TorqueCycle::tick(const TickTiming &timing) noexcept {
+void TorqueCycle::tick(const TickTiming& timing) noexcept {
   take_tuning();
   sense(timing);
-  const control::Plan &plan = mail_->plans.newest();
+  const control::Plan& plan = mail_->plans.newest();
   look_at_plan(plan);
   estimate_state(plan);
   supervise();
@@ -97,7 +98,7 @@ void TorqueCycle::tick(const TickTiming &timing) noexcept {
 
 void TorqueCycle::take_tuning() noexcept {
   if (!mail_->torque_tunings.has_news()) return;
-  const TorqueTuning &tuning = mail_->torque_tunings.newest();
+  const TorqueTuning& tuning = mail_->torque_tunings.newest();
   law_.tune(tuning.law);
   control::TorqueLawParameters with_feedback = tuning.law;
   with_feedback.use_feedback_gains = true;
@@ -105,7 +106,7 @@ void TorqueCycle::take_tuning() noexcept {
   record_.tuning = tuning.number;
 }
 
-void TorqueCycle::sense(const TickTiming &timing) noexcept {
+void TorqueCycle::sense(const TickTiming& timing) noexcept {
   const std::int64_t now_ns = timing.now_ns;
   if (ticks_ == 0) start_ns_ = now_ns;
   seen_.time_ns = now_ns;
@@ -124,7 +125,7 @@ void TorqueCycle::sense(const TickTiming &timing) noexcept {
 }
 
 /// A plan of an earlier session, made from another place, is none.
-void TorqueCycle::look_at_plan(const control::Plan &plan) noexcept {
+void TorqueCycle::look_at_plan(const control::Plan& plan) noexcept {
   const bool of_session = session_ != 0 && plan.nodes >= 2 && plan.start_time_s >= session_start_s_;
   const double now_s = reading_.time_s;
   seen_.has_plan = of_session && now_s <= plan.node[plan.nodes - 1].time_s;
@@ -138,13 +139,13 @@ void TorqueCycle::look_at_plan(const control::Plan &plan) noexcept {
           point.state[model::kPositions + model::kFirstJoint + static_cast<int>(i)];
     }
   }
-  const PlanningResult &result = record_.result = mail_->results.newest();
+  const PlanningResult& result = record_.result = mail_->results.newest();
   const bool current = result.session == session_ && session_ != 0;
   seen_.failed_solves = current ? static_cast<int>(result.failures_in_a_row) : 0;
   seen_.solve_s = current ? 1e-9 * static_cast<double>(result.solve_ns) : 0.0;
 }
 
-void TorqueCycle::estimate_state(const control::Plan &plan) noexcept {
+void TorqueCycle::estimate_state(const control::Plan& plan) noexcept {
   if (session_ == 0) {
     estimate_ = measured_state(reading_);
     return;
@@ -158,7 +159,7 @@ void TorqueCycle::estimate_state(const control::Plan &plan) noexcept {
 /// False for anything that is not a number.
 bool TorqueCycle::fit_to_stand() const noexcept {
   const double margin_rad = supervision_.stand_pose_margin_rad;
-  const auto near = [&](const model::JointVector &standing_rad) {
+  const auto near = [&](const model::JointVector& standing_rad) {
     return (reading_.joint_position_rad - standing_rad).cwiseAbs().maxCoeff() <= margin_rad;
   };
   const bool finite = reading_.joint_position_rad.allFinite() && reading_.joint_velocity_rad_s.allFinite();
@@ -176,7 +177,7 @@ void TorqueCycle::supervise() noexcept {
   inputs.bring_up_done = bring_up_.ready;
   inputs.shut_down = operator_.shut_down;
   inputs.fit_to_stand = fit_to_stand();
-  const supervisor::SupervisorOutput &decision = supervisor_.update(inputs);
+  const supervisor::SupervisorOutput& decision = supervisor_.update(inputs);
   seen_.controller_finite = true;
   if (decision.clear_buses) robot_.buses->restore();
   if (decision.entered && decision.state == State::calibrate) {
@@ -193,14 +194,14 @@ void TorqueCycle::supervise() noexcept {
   if (!supervisor::tracks(decision.state)) session_ = 0;
 }
 
-hal::JointCommands TorqueCycle::torque_law(const control::Plan &plan) noexcept {
+hal::JointCommands TorqueCycle::torque_law(const control::Plan& plan) noexcept {
   hal::JointCommands wanted{};
   for (std::size_t i = 0; i < hal::kJoints; ++i) {
     wanted[i].position_rad = seen_.joints[i].position_rad;
     wanted[i].torque_limit_Nm = limits_.torque_Nm[i];
   }
   if (!seen_.has_plan) return wanted;
-  control::TorqueLoop &law =
+  control::TorqueLoop& law =
       supervisor_.output().rung == supervisor::Rung::older_plan ? law_of_old_plan_ : law_;
   const control::TorqueCommand command = law.tick_with_state(reading_, estimate_, plan);
   if (command.status == control::TorqueStatus::damping_not_finite) seen_.controller_finite = false;
@@ -233,7 +234,7 @@ void TorqueCycle::bring_up() noexcept {
 }
 
 void TorqueCycle::ask_for_plan() noexcept {
-  PlanningRequest &request = mail_->requests.writer();
+  PlanningRequest& request = mail_->requests.writer();
   request.tick = ticks_;
   request.time_s = reading_.time_s;
   request.session = session_;
@@ -242,9 +243,9 @@ void TorqueCycle::ask_for_plan() noexcept {
   mail_->requests.publish();
 }
 
-void TorqueCycle::record(const TickTiming &timing, const hal::JointCommands &wanted,
-                         supervisor::Action action, const control::Plan &plan) noexcept {
-  const supervisor::SupervisorOutput &decision = supervisor_.output();
+void TorqueCycle::record(const TickTiming& timing, const hal::JointCommands& wanted,
+                         supervisor::Action action, const control::Plan& plan) noexcept {
+  const supervisor::SupervisorOutput& decision = supervisor_.output();
   record_.tick = static_cast<std::uint64_t>(ticks_);
   record_.time_ns = timing.now_ns;
   record_.joints = seen_.joints;
@@ -273,21 +274,21 @@ void TorqueCycle::record(const TickTiming &timing, const hal::JointCommands &wan
   record_.execution_ns = timing.execution_ns;
   record_.round_trip_ns = timing.round_trip_ns;
   mail_->telemetry.push(record_);
-  if (diagnostics::TickRecord *kept = mail_->black_box.claim()) {
+  if (diagnostics::TickRecord* kept = mail_->black_box.claim()) {
     *kept = record_;
     mail_->black_box.commit(decision.reaction >= supervisor::Reaction::hold);
   }
 }
 
-void TorqueCycle::push(const Event &event) noexcept {
+void TorqueCycle::push(const Event& event) noexcept {
   Event timed = event;
   timed.time_s = reading_.time_s;
   mail_->events.push(timed);
 }
 
 void TorqueCycle::report_events() noexcept {
-  const supervisor::SupervisorOutput &decision = supervisor_.output();
-  for (const supervisor::FaultRow &row : supervisor::kFaultTable) {
+  const supervisor::SupervisorOutput& decision = supervisor_.output();
+  for (const supervisor::FaultRow& row : supervisor::kFaultTable) {
     if (decision.raised.has(row.fault)) push({.kind = Event::Kind::fault, .fault = row.fault});
   }
   if (decision.entered || ticks_ == 0) push({.kind = Event::Kind::state, .state = decision.state});
