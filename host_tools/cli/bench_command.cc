@@ -94,7 +94,8 @@ int run_bench(const BenchOptions& options) {
   if (options.closed_loop_plans > 0) return run_closed_loop_bench(options);
   const model::RobotModel& robot = robot_model(options.choice.robot);
   const control::ControllerParameters parameters = controller_parameters(options.choice);
-  const auto controller = make_controller(robot, parameters, gait_library(options.choice));
+  const auto controller =
+      make_controller(robot, parameters, gait_library(options.choice), planning_model(options.choice));
   ControllerChoice recorded = options.choice;
   recorded.horizon_s.reset();
   recorded.iterations.reset();

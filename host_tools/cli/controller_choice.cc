@@ -4,6 +4,7 @@
 
 #include "firmware/configuration/gaits/shipped_gaits.h"
 #include "host_tools/cli/usage_error.h"
+#include "host_tools/planning_model/lumped.h"
 #include "host_tools/simulator/gait_controller.h"
 #include "host_tools/simulator/number.h"
 #include "host_tools/simulator/simulated_robot.h"
@@ -52,10 +53,10 @@ bool follows_gaits(const std::string& controller) {
 }
 
 void check_controller(const std::string& name) {
-  if (name == "mpc-none" || name == "mpc-heuristic" || follows_gaits(name)) return;
-  const bool planned = name == "mpc-lumped";
-  throw UsageError("--controller " + name + (planned ? ": not in this version" : ": no such controller") +
-                   "; available are mpc-none, mpc-heuristic, mpc-hzd, hzd-pd");
+  if (name == "mpc-none" || name == "mpc-heuristic" || name == "mpc-lumped" || follows_gaits(name)) return;
+  throw UsageError(
+      "--controller " + name +
+      ": no such controller; available are mpc-none, mpc-heuristic, mpc-hzd, mpc-lumped, hzd-pd");
 }
 
 std::string one_line(const std::vector<configuration::Diagnostic>& diagnostics) {
@@ -72,8 +73,14 @@ void add_controller_options(CLI::App& command, ControllerChoice& choice) {
   command.add_option("--robot", choice.robot, "robot: amber3m, rabbit")->capture_default_str();
   command
       .add_option("--controller", choice.controller,
-                  "mpc-heuristic, mpc-none: without terminal cost, mpc-hzd: around the gaits of a library, "
+                  "mpc-heuristic, mpc-none: without terminal cost, mpc-lumped: plans with the legs' mass and "
+                  "inertia in the torso, mpc-hzd: around the gaits of a library, "
                   "hzd-pd: those gaits tracked by the joints, after two seconds of mpc-hzd")
+      ->capture_default_str();
+  command
+      .add_option("--lump", choice.lump,
+                  "what mpc-lumped neglects: legs (mass and inertia of the links), drives (and their "
+                  "reflected inertia), law (and both in the torque law, too)")
       ->capture_default_str();
   command.add_option("--gaits", choice.gait_folder, "folder of gait files instead of the shipped ones");
   command.add_option("--config", choice.config_file,
@@ -120,11 +127,27 @@ std::shared_ptr<const gait::GaitLibrary> gait_library(const ControllerChoice& ch
   return library;
 }
 
+const model::RobotModel* planning_model(const ControllerChoice& choice) {
+  if (choice.controller != "mpc-lumped") return nullptr;
+  if (choice.lump != "legs" && choice.lump != "drives" && choice.lump != "law") {
+    throw UsageError("--lump " + choice.lump + ": known are legs, drives, law");
+  }
+  const model::RobotModel* lumped = planning_model::lumped(
+      choice.robot, choice.lump == "legs" ? planning_model::Lump::legs : planning_model::Lump::drives);
+  if (lumped == nullptr) {
+    throw UsageError("--controller mpc-lumped: there is no such planning model of " + choice.robot +
+                     "; take --robot amber3m");
+  }
+  return lumped;
+}
+
 std::unique_ptr<simulator::MpcController> make_controller(const model::RobotModel& robot,
                                                           const control::ControllerParameters& parameters,
-                                                          std::shared_ptr<const gait::GaitLibrary> library) {
+                                                          std::shared_ptr<const gait::GaitLibrary> library,
+                                                          const model::RobotModel* planning_model) {
   auto controller = std::make_unique<simulator::MpcController>();
-  switch (controller->configure(robot, parameters)) {
+  const model::RobotModel& believed = planning_model != nullptr ? *planning_model : robot;
+  switch (controller->configure(robot, believed, parameters)) {
     case control::ConfigureStatus::ok:
       if (library != nullptr) controller->follow(std::move(library));
       return controller;
@@ -146,7 +169,9 @@ std::unique_ptr<simulator::Controller> make_any_controller(const ControllerChoic
                                                            const control::ControllerParameters& parameters) {
   constexpr double kHandOver_s = 2.0;
   const auto library = gait_library(choice);
-  auto planning = make_controller(robot, parameters, library);
+  const model::RobotModel* believed = planning_model(choice);
+  const bool in_the_law = believed != nullptr && choice.lump == "law";
+  auto planning = make_controller(in_the_law ? *believed : robot, parameters, library, believed);
   if (choice.controller != "hzd-pd") return planning;
   return std::make_unique<simulator::GaitController>(robot, parameters, std::move(planning), library,
                                                      kHandOver_s);

@@ -25,7 +25,8 @@ struct ControllerChoice {
   std::optional<double> plan_rate_hz;
   std::optional<double> plan_delay_s;
   bool no_early_stop = false;
-  std::string gait_folder;  ///< of --gaits; empty: the gaits shipped for the robot
+  std::string lump = "drives";  ///< of --lump, for mpc-lumped: legs, drives or law
+  std::string gait_folder;      ///< of --gaits; empty: the gaits shipped for the robot
 };
 
 /// Adds the options that `stilt sim` and `stilt bench` share to a command.
@@ -42,14 +43,19 @@ void add_controller_options(CLI::App& command, ControllerChoice& choice);
 [[nodiscard]] control::ControllerParameters controller_parameters(const ControllerChoice& choice);
 
 /// A predictive controller ready to run. `library`: gaits to follow instead of the heuristics, or null.
+/// `planning_model`: what the planner believes in, or null for the robot itself.
 [[nodiscard]] std::unique_ptr<simulator::MpcController> make_controller(
     const model::RobotModel& robot, const control::ControllerParameters& parameters,
-    std::shared_ptr<const gait::GaitLibrary> library = nullptr);
+    std::shared_ptr<const gait::GaitLibrary> library = nullptr,
+    const model::RobotModel* planning_model = nullptr);
 
 /// The chosen controller, ready to run, with the gaits that it follows.
 [[nodiscard]] std::unique_ptr<simulator::Controller> make_any_controller(
     const ControllerChoice& choice, const model::RobotModel& robot,
     const control::ControllerParameters& parameters);
+
+/// What the planner of the chosen controller believes in when it is not the robot itself; otherwise null.
+[[nodiscard]] const model::RobotModel* planning_model(const ControllerChoice& choice);
 
 /// The gaits that the chosen controller follows: those of --gaits or the shipped ones; null for one that
 /// follows none.

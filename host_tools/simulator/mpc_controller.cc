@@ -3,9 +3,10 @@
 namespace stilt::simulator {
 
 control::ConfigureStatus MpcController::configure(const model::RobotModel& robot,
+                                                  const model::RobotModel& planning_model,
                                                   const control::ControllerParameters& parameters) {
   torque_loop_.configure(robot, parameters);
-  return planner_.configure(robot, parameters);
+  return planner_.configure(planning_model, parameters);
 }
 
 void MpcController::reset(const model::StateVector& state, double time_s) {

@@ -15,6 +15,12 @@ namespace stilt::simulator {
 class MpcController final : public Controller {
  public:
   [[nodiscard]] control::ConfigureStatus configure(const model::RobotModel& robot,
+                                                   const control::ControllerParameters& parameters) {
+    return configure(robot, robot, parameters);
+  }
+  /// The planner believes in another model than the torque law and the estimator.
+  [[nodiscard]] control::ConfigureStatus configure(const model::RobotModel& robot,
+                                                   const model::RobotModel& planning_model,
                                                    const control::ControllerParameters& parameters);
 
   /// Steps follow the gaits of a library with at least one gait. Call after configure().
