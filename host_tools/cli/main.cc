@@ -9,6 +9,7 @@
 #include "host_tools/cli/bench_command.h"
 #include "host_tools/cli/gait_command.h"
 #include "host_tools/cli/model_evaluation.h"
+#include "host_tools/cli/record_command.h"
 #include "host_tools/cli/robot_command.h"
 #include "host_tools/cli/sim_command.h"
 #include "host_tools/cli/version.h"
@@ -43,6 +44,8 @@ int run(int count, char** words) {
   const CLI::App* robot = stilt::cli::add_robot_command(program, robot_options);
   stilt::cli::GaitOptions gait_options;
   const CLI::App* gait = stilt::cli::add_gait_command(program, gait_options);
+  stilt::cli::RecordOptions record_options;
+  const CLI::App* record = stilt::cli::add_record_command(program, record_options);
   CLI::App* model = program.add_subcommand("model", "the robot's generated dynamics");
   model->require_subcommand(1);
   CLI::App* eval = model->add_subcommand(
@@ -58,13 +61,14 @@ int run(int count, char** words) {
   } catch (const CLI::RequiredError&) {
     const std::string unknown = count > 1 ? std::string(words[count - 1]) + ": " : std::string();
     return refuse(unknown +
-                  "a command is expected: sim, robot, gait, bench or model eval; stilt --help tells more");
+                  "a command is expected: sim, robot, gait, bench, record or model eval; stilt --help tells more");
   } catch (const CLI::ParseError& error) {
     return refuse(std::string(error.what()) + "; stilt COMMAND --help tells what is right");
   }
   if (sim->parsed()) return stilt::cli::run_sim(sim_options, joined(count, words));
   if (robot->parsed()) return stilt::cli::run_robot(robot_options, joined(count, words));
   if (gait->parsed()) return stilt::cli::run_gait(*gait, gait_options);
+  if (record->parsed()) return stilt::cli::run_record(record_options);
   if (bench->parsed()) return stilt::cli::run_bench(bench_options);
   stilt::cli::evaluate_lines(stilt::cli::robot_model(model_robot), std::cin, std::cout);
   return 0;

@@ -14,6 +14,13 @@ std::vector<std::string> simulated_robot_names() {
   return names;
 }
 
+std::string_view simulated_robot_urdf(std::string_view name) {
+  for (const EmbeddedUrdf& robot : kEmbeddedUrdfs) {
+    if (robot.name == name) return robot.text;
+  }
+  return {};
+}
+
 codegen::PlanarTree simulated_robot(std::string_view name) {
   std::string known;
   for (const EmbeddedUrdf& robot : kEmbeddedUrdfs) {

@@ -13,6 +13,9 @@ namespace stilt::simulator {
 /// Names of the robots whose URDF is compiled into the program.
 [[nodiscard]] std::vector<std::string> simulated_robot_names();
 
+/// The compiled-in URDF of a robot; empty for an unknown name.
+[[nodiscard]] std::string_view simulated_robot_urdf(std::string_view name);
+
 /// The planar tree of a compiled-in URDF. Throws std::invalid_argument, one sentence, for an unknown name.
 [[nodiscard]] codegen::PlanarTree simulated_robot(std::string_view name);
 

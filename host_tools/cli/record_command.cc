@@ -1,0 +1,143 @@
+#include "host_tools/cli/record_command.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <limits>
+
+#include "host_tools/cli/json_output.h"
+#include "host_tools/cli/network_options.h"
+#include "host_tools/cli/progress.h"
+#include "host_tools/cli/usage_error.h"
+#include "host_tools/log/record/recorder.h"
+#include "host_tools/simulator/simulated_robot.h"
+#include "host_tools/telemetry/listener.h"
+
+namespace stilt::cli {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Json = nlohmann::ordered_json;
+
+constexpr std::chrono::milliseconds kFlushEvery{500};
+constexpr std::chrono::milliseconds kWait{100};
+
+std::atomic<bool> ended = false;
+static_assert(std::atomic<bool>::is_always_lock_free);
+
+void end(int) { ended.store(true); }
+
+void catch_signals() {
+  struct sigaction action {};
+  action.sa_handler = end;
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+std::int64_t time_of_day_ns() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+record::Recorder::Options recorder_options(const RecordOptions& options) {
+  record::Recorder::Options how;
+  how.compression = mcap::compression_named(options.compression == "none" ? "" : options.compression);
+  how.urdf = [](const std::string& robot) { return std::string(simulator::simulated_robot_urdf(robot)); };
+  return how;
+}
+
+/// Records; returns how long, in seconds.
+double record_all(const RecordOptions& options, record::Recorder& recorder) {
+  const std::vector<const telemetry::Topic*> topics = record::Recorder::topics();
+  const telemetry::Participant participant = host_telemetry::join(options.network);
+  host_telemetry::Listener listener(participant, topics);
+  const double longest_s =
+      options.duration_s > 0 ? options.duration_s : std::numeric_limits<double>::infinity();
+  std::fprintf(stderr, "recording to %s; end it with Ctrl-C\n", options.out_file.c_str());
+  Progress progress("recording", longest_s, "s");
+  const Clock::time_point start = Clock::now();
+  Clock::time_point flushed = start;
+  double elapsed_s = 0.0;
+  while (!ended.load() && elapsed_s < longest_s) {
+    static_cast<void>(listener.wait(kWait));
+    listener.take([&](telemetry::Sample&& sample) { recorder.take(sample, time_of_day_ns()); });
+    const Clock::time_point now = Clock::now();
+    if (now - flushed >= kFlushEvery) {
+      recorder.flush();
+      flushed = now;
+    }
+    elapsed_s = std::chrono::duration<double>(now - start).count();
+    progress.update(elapsed_s);
+  }
+  recorder.close();
+  return elapsed_s;
+}
+
+bool whole(const record::Recorder& recorder) {
+  const auto& sessions = recorder.sessions();
+  return !sessions.empty() &&
+         std::ranges::all_of(sessions, [](const auto& session) { return session.second.gaps().empty(); });
+}
+
+Json to_json(const record::Recorder& recorder, double elapsed_s) {
+  Json json;
+  json["duration_s"] = elapsed_s;
+  json["messages"] = recorder.messages();
+  json["bytes"] = recorder.bytes();
+  json["complete"] = whole(recorder);
+  json["sessions"] = Json::array();
+  for (const auto& [session, ledger] : recorder.sessions()) {
+    Json missing = Json::array();
+    for (const record::TickLedger::Gap& gap : ledger.gaps()) missing.push_back({gap.first, gap.end - 1});
+    json["sessions"].push_back({{"session", session}, {"ticks", ledger.count()}, {"missing", missing}});
+  }
+  return json;
+}
+
+void print(const RecordOptions& options, const record::Recorder& recorder, double elapsed_s) {
+  std::printf("%s: %llu messages in %.1f s, %.2f MB\n", options.out_file.c_str(),
+              static_cast<unsigned long long>(recorder.messages()), elapsed_s,
+              1e-6 * static_cast<double>(recorder.bytes()));
+  if (recorder.messages() == 0) {
+    std::printf(
+        "nothing was heard on domain %d, interface %s; does stiltd run there, with telemetry.enabled?\n",
+        options.network.domain, options.network.interface.c_str());
+  }
+  for (const auto& [session, ledger] : recorder.sessions()) {
+    std::printf("session %016llx: %s\n", static_cast<unsigned long long>(session), ledger.text().c_str());
+  }
+}
+
+}  // namespace
+
+CLI::App* add_record_command(CLI::App& program, RecordOptions& options) {
+  CLI::App* record = program.add_subcommand("record", "everything the robot says, into an MCAP file");
+  record->add_option("--out", options.out_file, "file to write")->required();
+  record->add_option("--duration", options.duration_s, "s; without: until Ctrl-C")
+      ->check(CLI::NonNegativeNumber);
+  record->add_option("--compression", options.compression, "zstd, lz4 or none")
+      ->check(CLI::IsMember({"zstd", "lz4", "none"}))
+      ->capture_default_str();
+  add_network_options(*record, options.network);
+  record->add_option("--json", options.json_file, "writes the figures as JSON; - is standard output");
+  record->footer(
+      "Start it before or soon after stiltd: it gets the last 12 s of ticks when it comes later, and stilt "
+      "replay\nneeds them from the first one on.\n"
+      "Exit status: 0 done, 1 nothing was heard or ticks are missing, 2 bad usage.");
+  return record;
+}
+
+int run_record(const RecordOptions& options) {
+  check_output_file("--json", options.json_file);
+  record::Recorder recorder(options.out_file, recorder_options(options));
+  catch_signals();
+  const double elapsed_s = record_all(options, recorder);
+  if (!options.json_file.empty()) write_json(to_json(recorder, elapsed_s), options.json_file);
+  if (options.json_file != "-") print(options, recorder, elapsed_s);
+  return whole(recorder) ? 0 : 1;
+}
+
+}  // namespace stilt::cli

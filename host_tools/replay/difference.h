@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "firmware/controller/cycle_record.h"
+#include "firmware/diagnostics/tick_record.h"
+
+namespace stilt::replay {
+
+/// Where a replay first did something else than the record tells.
+struct Difference {
+  std::uint64_t tick = 0;  ///< of the torque loop; of a plan: whose state it starts from
+  std::string what;        ///< "sent torque_Nm of knee_L"
+  std::string recorded;    ///< its value, numbers with all digits
+  std::string replayed;
+
+  /// One sentence: "tick 812: sent torque_Nm of knee_L was 1.25 and is 1.5".
+  [[nodiscard]] std::string text() const;
+};
+
+/// The first output of a tick that is not the same bit for bit, in the order in which the loop works:
+/// estimate, decision, wanted, sent.
+[[nodiscard]] std::optional<Difference> compare(const diagnostics::TickRecord& recorded,
+                                                const diagnostics::TickRecord& replayed);
+
+/// The same for a solve of the planner: how it ended, iterations, the plan's number and check sum.
+[[nodiscard]] std::optional<Difference> compare(const controller::CycleRecord& recorded,
+                                                const controller::CycleRecord& replayed);
+
+}  // namespace stilt::replay

@@ -1,0 +1,123 @@
+#include "host_tools/replay/replay.h"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <limits>
+
+#include "tests/host_tools/replay/recorded_walk.h"
+
+namespace stilt::replay {
+namespace {
+
+using controller::CycleRecord;
+using diagnostics::TickRecord;
+
+std::optional<Tunings> no_tunings(std::uint32_t) { return std::nullopt; }
+
+Outcome replayed(const std::vector<TickRecord>& ticks, const std::vector<CycleRecord>& cycles,
+                 const configuration::Configuration& configuration) {
+  Replay replay(cycles, no_tunings);
+  replay.torque().configure(model::amber3m(), configuration, configuration.supervisor);
+  EXPECT_EQ(replay.planner().configure(model::amber3m(), configuration), control::ConfigureStatus::ok);
+  for (const TickRecord& tick : ticks) {
+    if (!replay.run(tick)) break;
+  }
+  return replay.outcome();
+}
+
+class ReplayTest : public testing::Test {
+ protected:
+  [[nodiscard]] Outcome run() const { return replayed(ticks, cycles, recorded_walk().configuration); }
+
+  /// Flips the last bit.
+  static void nudge(double& number) {
+    number = std::bit_cast<double>(std::bit_cast<std::uint64_t>(number) ^ 1);
+  }
+
+  std::vector<TickRecord> ticks = recorded_walk().ticks;
+  std::vector<CycleRecord> cycles = recorded_walk().cycles;
+};
+
+TEST_F(ReplayTest, TheRecordedRunWalks) {
+  EXPECT_EQ(ticks.back().state, supervisor::State::walk);
+  EXPECT_GT(cycles.size(), 250u);
+  EXPECT_GT(ticks.back().estimated_state[0], 0.1);
+}
+
+TEST_F(ReplayTest, EveryPlanAndTorqueComesOutTheSame) {
+  const Outcome outcome = run();
+  EXPECT_TRUE(outcome.reproduced()) << outcome.problem
+                                    << (outcome.difference ? outcome.difference->text() : "");
+  EXPECT_EQ(outcome.ticks, ticks.size());
+  EXPECT_EQ(outcome.cycles, cycles.size());
+}
+
+TEST_F(ReplayTest, OneBitOfATorqueIsFound) {
+  nudge(ticks[2345].sent[3].torque_Nm);
+  const Outcome outcome = run();
+  ASSERT_TRUE(outcome.difference);
+  EXPECT_EQ(outcome.difference->tick, 2345u);
+  EXPECT_EQ(outcome.difference->what, "sent torque_Nm of knee_R");
+  EXPECT_NE(outcome.difference->recorded, outcome.difference->replayed);
+  EXPECT_EQ(outcome.ticks, 2345u);
+  EXPECT_FALSE(outcome.reproduced());
+}
+
+TEST_F(ReplayTest, OneBitOfAPlanIsFound) {
+  cycles[100].checksum ^= 1u << 20;
+  const Outcome outcome = run();
+  ASSERT_TRUE(outcome.difference);
+  EXPECT_EQ(outcome.difference->tick, static_cast<std::uint64_t>(cycles[100].tick));
+  EXPECT_EQ(outcome.difference->what, "check sum of the plan");
+}
+
+TEST_F(ReplayTest, OneBitOfASensorIsFoundInWhatFollowsFromIt) {
+  nudge(ticks[2000].joints[1].velocity_rad_s);
+  const Outcome outcome = run();
+  ASSERT_TRUE(outcome.difference);
+  EXPECT_EQ(outcome.difference->tick, 2000u);
+}
+
+TEST_F(ReplayTest, AnotherConfigurationIsFound) {
+  configuration::Configuration other = recorded_walk().configuration;
+  other.cost.terminal *= 0.5;
+  const Outcome outcome = replayed(ticks, cycles, other);
+  EXPECT_TRUE(outcome.difference);
+}
+
+TEST_F(ReplayTest, AMissingTickIsTold) {
+  ticks.erase(ticks.begin() + 1200);
+  const Outcome outcome = run();
+  EXPECT_FALSE(outcome.reproduced());
+  EXPECT_EQ(outcome.ticks, 1200u);
+  EXPECT_EQ(outcome.problem.find("tick 1200 is missing"), 0u) << outcome.problem;
+}
+
+TEST_F(ReplayTest, AMissingBeginningIsTold) {
+  ticks.erase(ticks.begin(), ticks.begin() + 50);
+  const Outcome outcome = run();
+  EXPECT_EQ(outcome.ticks, 0u);
+  EXPECT_EQ(outcome.problem.find("ticks 0 to 49 are missing"), 0u) << outcome.problem;
+}
+
+TEST_F(ReplayTest, AMissingSolveIsTold) {
+  cycles.erase(cycles.begin() + 40);
+  const Outcome outcome = run();
+  EXPECT_NE(outcome.problem.find("41"), std::string::npos) << outcome.problem;
+  EXPECT_FALSE(outcome.difference);
+}
+
+TEST_F(ReplayTest, ATuningThatTheRecordLacksIsTold) {
+  ticks[1700].tuning = 3;
+  const Outcome outcome = run();
+  EXPECT_EQ(outcome.ticks, 1700u);
+  EXPECT_NE(outcome.problem.find("tuning 3"), std::string::npos) << outcome.problem;
+}
+
+TEST_F(ReplayTest, NothingIsNotReproduced) {
+  EXPECT_FALSE(replayed({}, {}, recorded_walk().configuration).reproduced());
+}
+
+}  // namespace
+}  // namespace stilt::replay
