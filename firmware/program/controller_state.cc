@@ -1,6 +1,7 @@
 #include "firmware/program/controller_state.h"
 
 #include "firmware/configuration/hardware.h"
+#include "firmware/program/configure_cycles.h"
 
 namespace stilt::program {
 namespace {
@@ -20,36 +21,16 @@ hardware::DemandsOfJoints demands_of(const configuration::HardwareParameters& ha
   return demands;
 }
 
-std::expected<void, std::string> configure_planner(const model::RobotModel& robot, const Options& options,
-                                                   ControllerState& state) {
-  switch (state.planner.configure(robot, options.configuration)) {
-    case control::ConfigureStatus::ok:
-      return {};
-    case control::ConfigureStatus::horizon_over_capacity:
-      return std::unexpected(options.source +
-                             ": discretisation.horizon_s needs more intervals or contact switches than the "
-                             "planner holds; take a shorter horizon or a longer time step");
-    case control::ConfigureStatus::terminal_cost_failed:
-      break;
-  }
-  return std::unexpected(
-      options.source +
-      ": the weights in cost admit no terminal cost; give every position and velocity some "
-      "weight, or set cost.terminal to 0");
-}
-
 }  // namespace
 
 std::expected<void, std::string> set_up(const Options& options, std::span<hal::FrameBus* const> buses,
                                         ControllerState& state) {
   const configuration::Configuration& configuration = options.configuration;
-  const model::RobotModel* robot = model::find_robot(configuration.hardware.robot.c_str());
-  if (robot == nullptr) {
-    return std::unexpected(options.source + ": hardware.robot \"" + configuration.hardware.robot +
-                           "\" has no model in this program");
+  if (const auto ready = configure_cycles(configuration, options.source, state.planner, state.torque);
+      !ready) {
+    return ready;
   }
-  if (const auto planner = configure_planner(*robot, options, state); !planner) return planner;
-  state.torque.configure(*robot, configuration, configuration.supervisor);
+  const model::RobotModel* robot = model::find_robot(configuration.hardware.robot.c_str());
   std::array<hal::FrameBus*, hal::kMaximumBuses> carried{};
   for (std::size_t bus = 0; bus < buses.size(); ++bus) {
     state.lockstep_buses[bus].attach(*buses[bus]);

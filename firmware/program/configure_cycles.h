@@ -1,0 +1,18 @@
+#pragma once
+
+#include <expected>
+#include <string>
+
+#include "firmware/configuration/configuration.h"
+#include "firmware/controller/planner_cycle.h"
+#include "firmware/controller/torque_cycle.h"
+
+namespace stilt::program {
+
+/// Planner and torque loop as a configuration wants them: in stiltd, and when a record is replayed. `source`
+/// names the configuration in the error, one sentence for the user. Start-up only.
+[[nodiscard]] std::expected<void, std::string> configure_cycles(
+    const configuration::Configuration& configuration, const std::string& source,
+    controller::PlannerCycle& planner, controller::TorqueCycle& torque);
+
+}  // namespace stilt::program
