@@ -37,7 +37,7 @@ std::expected<PageMessage, std::string> read(const Json& json) {
   command.sequence = json.at("sequence").get<std::uint32_t>();
   command.token = member<std::string>(json, "token", "");
   command.value = member(json, "value", 0.0);
-  command.tunable = member(json, "tunable", 0);
+  command.tunable = member<std::string>(json, "tunable", "");
   if (!std::isfinite(command.value)) return std::unexpected(std::string("the value is not a number"));
   return message;
 }

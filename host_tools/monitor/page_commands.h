@@ -8,8 +8,8 @@
 #include "host_tools/monitor/sample_source.h"
 
 /// What the page sends: {"alive": true} several times a second, and
-/// {"command": "walk", "sequence": 3, "value": 0.5, "tunable": 0, "token": ""}, where only the first two must
-/// be there.
+/// {"command": "walk", "sequence": 3, "value": 0.5, "tunable": "", "token": ""}, where only the first two
+/// must be there.
 namespace stilt::monitor {
 
 /// A message of the page.

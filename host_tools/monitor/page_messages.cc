@@ -65,8 +65,7 @@ Json drawing_json(const model::RobotConstants& robot) {
 Json tunables_json(const std::vector<Tunable>& tunables) {
   Json list = Json::array();
   for (const Tunable& tunable : tunables) {
-    list.push_back({{"number", tunable.number},
-                    {"name", tunable.name},
+    list.push_back({{"name", tunable.name},
                     {"unit", tunable.unit},
                     {"description", tunable.description},
                     {"min", tunable.min},
@@ -116,7 +115,8 @@ SharedMessage supervisor_message(const SupervisorSample& sample) {
                {"gait", sample.gait},
                {"speed_m_s", sample.speed_m_s},
                {"base_height_m", sample.base_height_m},
-               {"commanded", sample.commanded}});
+               {"commander", sample.commander},
+               {"commander_alive", sample.commander_alive}});
 }
 
 SharedMessage event_message(const EventSample& sample) {

@@ -16,7 +16,7 @@ struct Command {
   std::uint32_t sequence = 0;   ///< counts his commands
   std::string token;            ///< of the session; empty: the one that the source knows
   double value = 0.0;           ///< m/s of walk and speed, m of height, or of the tunable
-  int tunable = 0;              ///< its number
+  std::string tunable;          ///< its name
 };
 
 /// Takes what a source has to say. One call a sample, in order of time within a kind.

@@ -59,16 +59,17 @@ struct PlanSample {
 /// State of the supervisor.
 struct SupervisorSample {
   double time_s = 0.0;
-  int state = 0;               ///< number of supervisor::State
-  int rung = 0;                ///< number of supervisor::Rung
-  int reaction = 0;            ///< number of supervisor::Reaction
-  std::uint32_t present = 0;   ///< bits of supervisor::FaultSet
-  std::uint32_t latched = 0;   ///< the same, waiting for a reset
-  double ramp = 0.0;           ///< share of the torque law, 0 to 1
-  int gait = 0;                ///< in force, number of gait::GaitKind
-  double speed_m_s = 0.0;      ///< in force, of walk
-  double base_height_m = 0.0;  ///< in force; 0 when it is the configuration's
-  bool commanded = false;      ///< a commander's heartbeat is heard
+  int state = 0;                 ///< number of supervisor::State
+  int rung = 0;                  ///< number of supervisor::Rung
+  int reaction = 0;              ///< number of supervisor::Reaction
+  std::uint32_t present = 0;     ///< bits of supervisor::FaultSet
+  std::uint32_t latched = 0;     ///< the same, waiting for a reset
+  double ramp = 0.0;             ///< share of the torque law, 0 to 1
+  int gait = 0;                  ///< in force, number of gait::GaitKind
+  double speed_m_s = 0.0;        ///< in force, of walk
+  double base_height_m = 0.0;    ///< in force; 0 when it is the configuration's
+  std::string commander;         ///< who is in command; empty: nobody
+  bool commander_alive = false;  ///< his heartbeat is heard
 };
 
 /// Something that happened; the text is a sentence.
@@ -97,8 +98,8 @@ struct TimingSample {
 
 /// A value that may change while the robot walks.
 struct Tunable {
-  int number = 0;
-  std::string name, unit, description;
+  std::string name;  ///< section.key
+  std::string unit, description;
   double min = 0.0, max = 0.0, value = 0.0;
 };
 

@@ -78,7 +78,7 @@ class WebServer::Implementation {
     }
     mg_server_port ports[1];
     if (mg_get_server_ports(context_, 1, static_cast<mg_server_port*>(ports)) == 1) port_ = ports[0].port;
-    mg_set_request_handler(context_, "**", &Implementation::refuse_path, this);
+    mg_set_request_handler(context_, "**", &Implementation::answer_request, this);
   }
 
   ~Implementation() {
@@ -94,10 +94,7 @@ class WebServer::Implementation {
   Implementation(const Implementation&) = delete;
   Implementation& operator=(const Implementation&) = delete;
 
-  void serve_page(std::string_view html) {
-    html_ = html;
-    mg_set_request_handler(context_, "/$", &Implementation::send_page, this);
-  }
+  void serve_page(std::string_view html) { html_ = html; }
 
   void add_endpoint(const EndpointOptions& options, Endpoint& endpoint) {
     auto& socket = sockets_.emplace_back(std::make_unique<Socket>());
@@ -130,16 +127,15 @@ class WebServer::Implementation {
     return is_loopback(host_part(header(connection, "Host")));
   }
 
-  static int refuse_path(mg_connection* connection, void*) {
-    answer(connection, "404 Not Found", "text/plain", "There is one page here, at /.\n");
-    return 404;
-  }
-
-  static int send_page(mg_connection* connection, void* self) {
+  static int answer_request(mg_connection* connection, void* self) {
     const auto& server = *static_cast<Implementation*>(self);
     if (!server.host_fits(connection)) {
       answer(connection, "403 Forbidden", "text/plain", "Open this page by its loopback address.\n");
       return 403;
+    }
+    if (mg_get_request_info(connection)->local_uri != std::string_view("/")) {
+      answer(connection, "404 Not Found", "text/plain", "There is one page here, at /.\n");
+      return 404;
     }
     answer(connection, "200 OK", "text/html", server.html_);
     return 200;

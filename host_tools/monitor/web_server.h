@@ -66,7 +66,7 @@ class WebServer {
   WebServer(const WebServer&) = delete;
   WebServer& operator=(const WebServer&) = delete;
 
-  /// The page of "/"; `html` outlives the server.
+  /// The page of "/", before anybody asks for it; `html` outlives the server.
   void serve_page(std::string_view html);
 
   /// The endpoint outlives the server.

@@ -18,6 +18,7 @@ class CommandPanel {
     const given = new URLSearchParams(window.location.hash.slice(1)).get('token');
     this.token.value = given ?? sessionStorage.getItem('token') ?? '';
     this.token.addEventListener('input', () => sessionStorage.setItem('token', this.token.value));
+    document.getElementById('token-form').addEventListener('submit', (event) => event.preventDefault());
     for (const button of document.querySelectorAll('[data-command]')) {
       button.addEventListener('click', () => this.ask(button.dataset.command));
     }

@@ -1,5 +1,5 @@
 // One plot of the last seconds. `plot`: {title, axis, unit, digits, table, lines: [{label, colour, column, dash}],
-// limits, logarithmic, fromZero}; `table` is one of RobotState.tables.
+// limits, logarithmic, fromZero}; an unnamed line has no value in the caption;; `table` is one of RobotState.tables.
 
 const kPlotHeight_px = 172;
 
@@ -15,7 +15,7 @@ class SteadyRange {
   static nice(low, high) {
     const step = 10 ** Math.floor(Math.log10(Math.max(1e-9, high - low)));
     const unit = (high - low) / step > 5 ? step : (high - low) / step > 2 ? step / 2 : step / 5;
-    return [Math.floor(low / unit - 0.05) * unit, Math.ceil(high / unit + 0.05) * unit];
+    return [Math.floor(low / unit + 0.04) * unit, Math.ceil(high / unit - 0.04) * unit];
   }
 
   range(low, high, now_s) {
@@ -70,7 +70,7 @@ class LivePlot {
     caption.append(title);
     this.legends = plot.lines.map((line) => {
       const legend = legendItem(line);
-      caption.append(legend.item);
+      if (!line.unnamed) caption.append(legend.item);
       return legend;
     });
     this.figure.append(caption);

@@ -37,15 +37,15 @@ function motionPlots() {
 function jointPlots(robot) {
   const angle = (k) => kSides.flatMap(([label, colour, first]) => [
     { label, colour, column: `state${3 + first + k}` },
-    { label: 'wanted', colour, ...kCommanded, column: `commanded_position_rad${first + k}` },
+    { label: 'wanted', colour, ...kCommanded, column: `commanded_position_rad${first + k}`, unnamed: true },
   ]);
   const torque = (k) => kSides.map(([label, colour, first]) => (
     { label, colour, column: `commanded_torque_Nm${first + k}` }));
   return [
-    { title: 'Hip angle', axis: 'rad', unit: '', table: 'ticks', least: 0.2, lines: angle(0) },
-    { title: 'Knee angle', axis: 'rad', unit: '', table: 'ticks', least: 0.2, lines: angle(1) },
-    { title: 'Hip torque', axis: 'Nm', unit: 'Nm', digits: 1, table: 'ticks', limits: torqueLimits(robot, 0), lines: torque(0) },
-    { title: 'Knee torque', axis: 'Nm', unit: 'Nm', digits: 1, table: 'ticks', limits: torqueLimits(robot, 1), lines: torque(1) },
+    { title: 'Hip angle (dashed: wanted)', axis: 'rad', unit: '', table: 'ticks', least: 0.2, lines: angle(0) },
+    { title: 'Knee angle (dashed: wanted)', axis: 'rad', unit: '', table: 'ticks', least: 0.2, lines: angle(1) },
+    { title: 'Hip torque (dotted: limit)', axis: 'Nm', unit: 'Nm', digits: 1, table: 'ticks', limits: torqueLimits(robot, 0), lines: torque(0) },
+    { title: 'Knee torque (dotted: limit)', axis: 'Nm', unit: 'Nm', digits: 1, table: 'ticks', limits: torqueLimits(robot, 1), lines: torque(1) },
   ];
 }
 

@@ -60,7 +60,9 @@ class StatusPanel {
     pill.textContent = name;
     pill.dataset.state = name;
     document.getElementById('state-text').textContent =
-      `${hello.states[message.state].description}. Now: ${kRungText[hello.rungs[message.rung]]}.`;
+      `${hello.states[message.state].description}. Now: ${kRungText[hello.rungs[message.rung]]}.` +
+      (message.commander === '' ? ' Nobody is in command.'
+        : ` In command: ${message.commander}${message.commander_alive ? '' : ', silent'}.`);
     this.showFaults(message);
   }
 
@@ -126,6 +128,7 @@ class StatusPanel {
     box.textContent = lost > 0 ? `${text} · ${lost} lost` : text;
     box.title = link ? `${link.ticks} ticks received; ${link.missing} missing on the way, ${this.robot.timing?.dropped ?? 0} ` +
       `dropped by the controller, ${link.not_sent} messages not sent to this page because it did not keep up` : '';
+    box.classList.toggle('good', lost === 0 && text === 'live');
     box.classList.toggle('bad', text !== 'live' && text !== 'record');
     box.classList.toggle('warned', lost > 0);
   }

@@ -75,7 +75,7 @@ class TunablesPanel {
     if (!this.check(entry)) return;
     const value = Number(entry.input.value);
     entry.row.classList.remove('changed');
-    this.commands.ask('tunable', { tunable: entry.tunable.number, value, what: `${entry.tunable.name} = ${value}` });
+    this.commands.ask('tunable', { tunable: entry.tunable.name, value, what: `${entry.tunable.name} = ${value}` });
   }
 
   applyFilter() {

@@ -1,0 +1,283 @@
+#include "synthetic_source.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <sstream>
+#include <stdexcept>
+
+#include "firmware/supervisor/fault.h"
+#include "firmware/supervisor/state.h"
+#include "mpc_core/model/robot.h"
+
+namespace stilt::monitor {
+namespace {
+
+using supervisor::State;
+
+constexpr double kTick_s = 0.001;
+constexpr double kStep_s = 0.3;
+constexpr double kHip_m = 0.8;
+constexpr double kAcceleration_m_s2 = 1.0;
+
+int number(State state) { return static_cast<int>(state); }
+
+/// Hip and knee angle of a leg whose foot is dx ahead of and dz above the hip.
+std::array<double, 2> leg_angles(double dx, double dz) {
+  const auto& robot = model::amber3m().constants;
+  const double a = robot.thigh_length_m, b = robot.shin_length_m;
+  const double reach = std::min(std::hypot(dx, dz), 0.999 * (a + b));
+  const double knee = std::acos(std::clamp((reach * reach - a * a - b * b) / (2 * a * b), -1.0, 1.0));
+  const double hip = std::atan2(-dx, -dz) - std::atan2(b * std::sin(knee), a + b * std::cos(knee));
+  return {hip, knee};
+}
+
+/// Foot at `phase` of its stride (0 to 1 on the ground, 1 to 2 in the air), relative to the hip's place.
+std::array<double, 2> foot_at(double phase, double speed_m_s, double lift_m, double stand_m) {
+  const double half = 0.5 * speed_m_s * kStep_s;
+  if (phase < 1.0) return {stand_m + half - 2 * half * phase, 0.0};
+  const double swing = phase - 1.0;
+  const double eased = 0.5 - 0.5 * std::cos(std::numbers::pi * swing);
+  return {stand_m - half + 2 * half * eased, lift_m * std::sin(std::numbers::pi * swing)};
+}
+
+std::uint32_t bit_of(const std::string& name) {
+  for (std::size_t row = 0; row < supervisor::kFaults; ++row) {
+    if (name == supervisor::kFaultTable[row].name) return std::uint32_t{1} << row;
+  }
+  throw std::invalid_argument("no fault is called " + name);
+}
+
+}  // namespace
+
+SyntheticSource::SyntheticSource() { tell("state: stand", false); }
+
+void SyntheticSource::tell(const std::string& text, bool serious) {
+  events_.push_back({static_cast<double>(ticks_) * kTick_s, text, serious});
+}
+
+void SyntheticSource::advance(double now_s) {
+  if (start_s_ < 0.0) start_s_ = now_s;
+  now_s_ = now_s;
+}
+
+void SyntheticSource::change(const std::string& words) {
+  std::istringstream stream(words);
+  std::string verb, argument;
+  stream >> verb >> argument;
+  if (verb == "silent") {
+    silent_ = true;
+  } else if (verb == "talk") {
+    silent_ = false;
+  } else if (verb == "fault") {
+    const std::uint32_t bit = bit_of(argument);
+    present_ |= bit;
+    if (supervisor::of_severity(supervisor::Severity::latched).bits() & bit) latched_ |= bit;
+    if (latched_ != 0) state_ = number(State::fault);
+    tell("fault: " + argument, true);
+  } else if (verb == "over") {
+    present_ &= ~bit_of(argument);
+  } else if (verb == "drop") {
+    ticks_ += std::stoull(argument);
+  } else if (verb == "session") {
+    ++session_;
+    ticks_ = 0;
+    start_s_ = now_s_;
+    introduce_ = true;
+  } else if (verb == "others") {
+    of_others_ += 100;
+  } else if (verb == "push") {
+    push_N_ = std::stod(argument);
+  } else if (verb == "record") {
+    live_ = false;
+  } else {
+    throw std::invalid_argument("not understood: " + words);
+  }
+}
+
+void SyntheticSource::poll(SampleSink& sink) {
+  if (introduce_) introduce(sink);
+  introduce_ = false;
+  for (; !replies_.empty(); replies_.pop_front()) sink.reply(replies_.front());
+  if (silent_) return;
+  for (; !events_.empty(); events_.pop_front()) sink.event(events_.front());
+  const double until_s = now_s_ - start_s_;
+  for (int k = 0; k < 2000 && static_cast<double>(ticks_) * kTick_s < until_s; ++k) tick(sink);
+}
+
+std::string SyntheticSource::refusal(const Command& command) const {
+  if (!command.token.empty() && command.token != kToken) {
+    return "The token is not that of this session.";
+  }
+  const bool fast = std::abs(command.value) > 1.0;
+  if ((command.kind == CommandKind::walk || command.kind == CommandKind::speed) && fast) {
+    return "The speed must be -1 to 1 m/s.";
+  }
+  if (command.kind == CommandKind::tunable && (command.value < 0.005 || command.value > 0.3)) {
+    return "gait.swing_height_m must be 0.005 to 0.3 m.";
+  }
+  if (state_ == number(State::fault) && command.kind != CommandKind::reset &&
+      command.kind != CommandKind::stop) {
+    return "A fault waits for a reset.";
+  }
+  return {};
+}
+
+void SyntheticSource::command(const Command& command) {
+  const std::string why = refusal(command);
+  if (why.empty()) obey(command);
+  if (command.kind == CommandKind::heartbeat) return;
+  replies_.push_back({command.commander, command.sequence, why.empty(), why});
+}
+
+void SyntheticSource::obey(const Command& command) {
+  const int before = state_;
+  switch (command.kind) {
+    case CommandKind::walk:
+    case CommandKind::speed:
+      if (command.kind == CommandKind::walk) state_ = number(State::walk);
+      wanted_m_s_ = command.value;
+      break;
+    case CommandKind::step:
+      state_ = number(State::step);
+      wanted_m_s_ = 0.0;
+      break;
+    case CommandKind::stand:
+    case CommandKind::stop:
+      if (latched_ == 0) state_ = number(State::stand);
+      wanted_m_s_ = 0.0;
+      break;
+    case CommandKind::reset:
+      latched_ = present_;
+      if (latched_ == 0) state_ = number(State::stand);
+      break;
+    case CommandKind::tunable:
+      swing_height_m_ = command.value;
+      introduce_ = true;
+      break;
+    default:
+      break;
+  }
+  if (state_ != before) tell(std::string("state: ") + name(static_cast<State>(state_)), false);
+}
+
+void SyntheticSource::tick(SampleSink& sink) {
+  const double change =
+      std::clamp(wanted_m_s_ - speed_m_s_, -kAcceleration_m_s2 * kTick_s, kAcceleration_m_s2 * kTick_s);
+  speed_m_s_ += change;
+  hip_x_m_ += speed_m_s_ * kTick_s;
+  const bool steps =
+      state_ == number(State::walk) || state_ == number(State::step) || std::abs(speed_m_s_) > 0.01;
+  if (steps) phase_ = std::fmod(phase_ + kTick_s / kStep_s, 2.0);
+  TickSample sample;
+  sample.tick = ticks_;
+  sample.time_s = static_cast<double>(ticks_) * kTick_s;
+  const PlanKnot now = knot(0.0);
+  sample.estimated_state = {now.hip_x_m, now.hip_z_m, now.pitch_rad};
+  sample.estimated_state[7] = speed_m_s_ + 0.03 * std::sin(2 * std::numbers::pi * phase_);
+  for (std::size_t foot = 0; foot < 2; ++foot) {
+    const auto angles = leg_angles(now.foot_position_m[2 * foot] - now.hip_x_m,
+                                   now.foot_position_m[2 * foot + 1] - now.hip_z_m);
+    for (std::size_t k = 0; k < 2; ++k) {
+      const std::size_t joint = 2 * foot + k;
+      sample.estimated_state[3 + joint] = angles[k] - (k == 0 ? now.pitch_rad : 0.0);
+      sample.commanded_position_rad[joint] = sample.estimated_state[3 + joint] + 0.01;
+      sample.commanded_torque_Nm[joint] =
+          30.0 * std::sin(std::numbers::pi * (phase_ + static_cast<double>(joint)));
+      sample.measured_torque_Nm[joint] = sample.commanded_torque_Nm[joint];
+    }
+  }
+  sample.ramp = 1.0;
+  sample.plan_age_s = 0.005 + kTick_s * static_cast<double>(ticks_ % 10);
+  sample.wakeup_us = 20.0 + 15.0 * std::sin(static_cast<double>(ticks_));
+  sample.execution_us = 35.0 + 5.0 * std::cos(1.3 * static_cast<double>(ticks_));
+  sample.round_trip_us = 180.0;
+  sample.state = state_;
+  sink.tick(sample);
+  if (ticks_ % 10 == 0) {
+    const double wave = std::sin(0.1 * static_cast<double>(ticks_));
+    sink.planner({ticks_ / 10, sample.time_s, 0, 4 + static_cast<int>(std::lround(wave)), 1e-5 * (2 + wave),
+                  1e-7, 12.0, 420.0 + 60.0 * wave});
+  }
+  ++ticks_;
+  if (ticks_ % 33 == 0) say_slowly(sink);
+}
+
+void SyntheticSource::say_slowly(SampleSink& sink) {
+  PlanSample plan;
+  plan.time_s = static_cast<double>(ticks_) * kTick_s;
+  for (int k = 0; k < 60; ++k) plan.knots.push_back(knot(0.02 * k));
+  sink.plan(plan);
+  sink.supervisor(supervisor_sample());
+  if (push_N_ != 0.0) {
+    TruthSample truth;
+    truth.time_s = plan.time_s;
+    truth.contact_force_N = plan.knots.front().contact_force_N;
+    truth.push_N = push_N_;
+    sink.truth(truth);
+  }
+  if (ticks_ % 990 == 0) sink.timing(timing_sample());
+}
+
+PlanKnot SyntheticSource::knot(double ahead_s) const {
+  const bool steps =
+      state_ == number(State::walk) || state_ == number(State::step) || std::abs(speed_m_s_) > 0.01;
+  const double phase = steps ? std::fmod(phase_ + ahead_s / kStep_s, 2.0) : 0.0;
+  PlanKnot knot;
+  knot.time_s = static_cast<double>(ticks_) * kTick_s + ahead_s;
+  knot.hip_x_m = hip_x_m_ + speed_m_s_ * ahead_s;
+  knot.hip_z_m = kHip_m - (steps ? 0.012 * std::cos(2 * std::numbers::pi * phase) : 0.0);
+  knot.pitch_rad = 0.05 * speed_m_s_ + (steps ? 0.02 * std::sin(std::numbers::pi * phase) : 0.0);
+  for (std::size_t foot = 0; foot < 2; ++foot) {
+    const double own = std::fmod(phase + static_cast<double>(foot), 2.0);
+    const auto place = steps ? foot_at(own, speed_m_s_, swing_height_m_, foot == 0 ? 0.02 : -0.02)
+                             : std::array<double, 2>{foot == 0 ? 0.15 : -0.15, 0.0};
+    knot.foot_position_m[2 * foot] = knot.hip_x_m + place[0];
+    knot.foot_position_m[2 * foot + 1] = place[1];
+    const bool carries = !steps || own < 1.0;
+    (foot == 0 ? knot.left_carries : knot.right_carries) = carries;
+    knot.contact_force_N[2 * foot] = carries && steps ? 20.0 - 40.0 * own : 0.0;
+    knot.contact_force_N[2 * foot + 1] = carries ? (steps ? 220.0 : 110.0) : 0.0;
+  }
+  return knot;
+}
+
+SupervisorSample SyntheticSource::supervisor_sample() const {
+  SupervisorSample sample;
+  sample.time_s = static_cast<double>(ticks_) * kTick_s;
+  sample.state = state_;
+  sample.rung = state_ == number(State::fault) ? 4 : 0;
+  sample.present = present_;
+  sample.latched = latched_;
+  sample.ramp = 1.0;
+  sample.gait = state_ == number(State::walk) ? 2 : state_ == number(State::step) ? 1 : 0;
+  sample.speed_m_s = wanted_m_s_;
+  return sample;
+}
+
+TimingSample SyntheticSource::timing_sample() const {
+  HistogramSample wakeup{"wakeup", 500.0, 21.0, 60.0, 130.0, 180.0, ticks_, {}, {}};
+  HistogramSample solve{"solve", 10000.0, 420.0, 480.0, 490.0, 500.0, ticks_ / 10, {}, {}};
+  for (double edge_us = 4.0; edge_us < 200.0; edge_us *= 1.1) {
+    const double width = std::log(edge_us / 21.0) / 0.7;
+    wakeup.upper_edge_us.push_back(edge_us);
+    wakeup.in_bin.push_back(static_cast<std::uint64_t>(2000.0 * std::exp(-width * width)));
+    solve.upper_edge_us.push_back(20.0 * edge_us);
+    solve.in_bin.push_back(wakeup.in_bin.back() / 10);
+  }
+  return {ticks_, 3, 0, {wakeup, solve}};
+}
+
+void SyntheticSource::introduce(SampleSink& sink) {
+  ConfigurationSample sample;
+  sample.session = "synthetic-" + std::to_string(session_);
+  sample.robot = "amber3m";
+  sample.build = "a test";
+  sample.toml = "# of no importance\n";
+  sample.tunables.push_back(
+      {"gait.swing_height_m", "m", "Apex of the swing foot above the ground", 0.005, 0.3, swing_height_m_});
+  sample.tunables.push_back({"cost.base_z", "1/m^2", "Height of the hip", 0.0, 1e6, 400.0});
+  sink.configuration(sample);
+}
+
+}  // namespace stilt::monitor
