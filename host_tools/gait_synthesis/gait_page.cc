@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "host_tools/gait_synthesis/svg_plot.h"
+#include "host_tools/plot/svg_plot.h"
 
 namespace stilt::gait_synthesis {
 namespace {
@@ -11,35 +11,19 @@ namespace {
 using model::kFirstJoint;
 using model::kJoints;
 using model::kPositions;
+using plot::card;
+using plot::Curve;
+using plot::escaped;
+using plot::Plot;
 
 constexpr int kSamples = 200;
 constexpr const char* kJointNames[kJoints] = {"stance hip", "stance knee", "swing hip", "swing knee"};
 constexpr const char* kColours[kJoints] = {"var(--a)", "var(--b)", "var(--c)", "var(--d)"};
 
-constexpr const char* kStyle = R"(
-:root{color-scheme:light dark;--text:#1c2733;--muted:#5c6b7a;--line:#dde3ea;--card:#fff;--page:#f4f6f8;
---a:#1f6feb;--b:#0a8a5f;--c:#c2410c;--d:#9333a8;--bad:#b42318;--good:#0a8a5f}
-@media(prefers-color-scheme:dark){:root{--text:#e6edf3;--muted:#9aa7b4;--line:#2c3640;--card:#161c23;--page:#0d1116;
---a:#6cb0ff;--b:#4ccb95;--c:#ff9a5c;--d:#d49bea;--bad:#ff8a80;--good:#4ccb95}}
-body{margin:0 auto;max-width:1440px;padding:20px;background:var(--page);color:var(--text);font:15px/1.45 system-ui,sans-serif}
-h1{font-size:22px;margin:0 0 4px}p{color:var(--muted);margin:0 0 16px}
-.grid-of-plots{display:grid;grid-template-columns:repeat(auto-fit,minmax(420px,1fr));gap:14px}
-.card{background:var(--card);border:1px solid var(--line);border-radius:8px;padding:10px;overflow-x:auto}
-.wide{grid-column:1/-1}svg{width:100%;height:auto;display:block}
-svg text{fill:var(--muted);font-size:11px}svg .title{fill:var(--text);font-size:14px;font-weight:600}
-svg .grid{stroke:var(--line);fill:none}svg .curve{fill:none;stroke-width:1.8;stroke-linejoin:round}
-table{border-collapse:collapse;width:100%}td,th{text-align:left;padding:3px 10px 3px 0;border-bottom:1px solid var(--line)}
-td.n{font-variant-numeric:tabular-nums}.bad{color:var(--bad);font-weight:600}.good{color:var(--good);font-weight:600}
-)";
-
 std::string number(double value) {
   char text[40];
   (void)std::snprintf(text, sizeof text, "%.4g", value);
   return text;
-}
-
-std::string card(const std::string& content, bool wide = false) {
-  return std::string("<div class='card") + (wide ? " wide" : "") + "'>" + content + "</div>\n";
 }
 
 double fraction(int i) { return static_cast<double>(i) / kSamples; }
@@ -83,26 +67,27 @@ Curve line(const std::vector<Point>& points, double shift_m, const char* colour)
 std::string tiles(const model::RobotConstants& robot, const gait::HzdGait& gait) {
   constexpr int kTiles = 9;
   constexpr double kSpacing_m = 0.75;
-  Plot plot{"One step, posture by posture", "x, tiles set apart (m)", "z (m)", {}, true, 1380.0, 290.0};
-  plot.curves.push_back(line({{-0.5, 0.0}, {(kTiles - 1) * kSpacing_m + 0.5, 0.0}}, 0.0, "var(--line)"));
+  Plot figure{"One step, posture by posture", "x, tiles set apart (m)", "z (m)", {}, true, 1380.0, 290.0};
+  figure.curves.push_back(line({{-0.5, 0.0}, {(kTiles - 1) * kSpacing_m + 0.5, 0.0}}, 0.0, "var(--line)"));
   for (int i = 0; i < kTiles; ++i) {
     const gait::GaitPoint point = gait::motion_at(gait, static_cast<double>(i) / (kTiles - 1));
     const double shift_m = i * kSpacing_m;
     const double torso_m = 2.0 * robot.torso_com_height_m;
     const Point hip{point.position[0], point.position[1]};
     const double pitch = point.position[2];
-    plot.curves.push_back(line(leg(robot, point, kFirstJoint + 2), shift_m, "var(--c)"));
-    plot.curves.push_back(line(leg(robot, point, kFirstJoint), shift_m, "var(--a)"));
-    plot.curves.push_back(line({hip, {hip.x + torso_m * std::sin(pitch), hip.z + torso_m * std::cos(pitch)}},
-                               shift_m, "var(--text)"));
+    figure.curves.push_back(line(leg(robot, point, kFirstJoint + 2), shift_m, "var(--c)"));
+    figure.curves.push_back(line(leg(robot, point, kFirstJoint), shift_m, "var(--a)"));
+    figure.curves.push_back(
+        line({hip, {hip.x + torso_m * std::sin(pitch), hip.z + torso_m * std::cos(pitch)}}, shift_m,
+             "var(--text)"));
   }
-  return card(svg(plot), true);
+  return card(plot::svg(figure), true);
 }
 
 /// Angle against rate over two steps: the joint's leg in stance, then in swing, and the jumps of the rate
 /// between.
 std::string portrait(const gait::HzdGait& gait, int joint, const char* name) {
-  Plot plot{std::string("Phase portrait of the ") + name, "angle (rad)", "rate (rad/s)", {}};
+  Plot figure{std::string("Phase portrait of the ") + name, "angle (rad)", "rate (rad/s)", {}};
   const int in_stance = kFirstJoint + joint;
   const int in_swing = in_stance + 2;
   for (const int at : {in_stance, in_swing}) {
@@ -113,40 +98,40 @@ std::string portrait(const gait::HzdGait& gait, int joint, const char* name) {
       curve.x.push_back(point.position[at]);
       curve.y.push_back(point.velocity[at]);
     }
-    plot.curves.push_back(curve);
+    figure.curves.push_back(curve);
   }
   for (int i = 0; i < 2; ++i) {
-    const Curve& from = plot.curves[static_cast<std::size_t>(i)];
-    const Curve& to = plot.curves[static_cast<std::size_t>(1 - i)];
-    plot.curves.push_back({i == 0 ? "impact" : "",
-                           "var(--muted)",
-                           {from.x.back(), to.x.front()},
-                           {from.y.back(), to.y.front()},
-                           true});
+    const Curve& from = figure.curves[static_cast<std::size_t>(i)];
+    const Curve& to = figure.curves[static_cast<std::size_t>(1 - i)];
+    figure.curves.push_back({i == 0 ? "impact" : "",
+                             "var(--muted)",
+                             {from.x.back(), to.x.front()},
+                             {from.y.back(), to.y.front()},
+                             true});
   }
-  return card(svg(plot));
+  return card(plot::svg(figure));
 }
 
 std::string base_portrait(const gait::HzdGait& gait) {
-  Plot plot{"Phase portrait of the hip", "x ahead of the stance foot (m)", "forward speed (m/s)", {}};
+  Plot figure{"Phase portrait of the hip", "x ahead of the stance foot (m)", "forward speed (m/s)", {}};
   Curve curve{"", "var(--a)", {}, {}};
   for (int i = 0; i <= kSamples; ++i) {
     const gait::GaitPoint point = gait::motion_at(gait, fraction(i));
     curve.x.push_back(point.position[0]);
     curve.y.push_back(point.velocity[0]);
   }
-  plot.curves.push_back(curve);
-  return card(svg(plot));
+  figure.curves.push_back(curve);
+  return card(plot::svg(figure));
 }
 
 template <class Value>
 std::string joint_curves(const gait::HzdGait& gait, const char* title, const char* unit, const Value& value) {
-  Plot plot{title, "time since touch-down (s)", unit, {}};
+  Plot figure{title, "time since touch-down (s)", unit, {}};
   for (int j = 0; j < kJoints; ++j) {
-    plot.curves.push_back(over_step(gait, kJointNames[j], kColours[j],
-                                    [&](const gait::GaitPoint& point) { return value(point, j); }));
+    figure.curves.push_back(over_step(gait, kJointNames[j], kColours[j],
+                                      [&](const gait::GaitPoint& point) { return value(point, j); }));
   }
-  return card(svg(plot));
+  return card(plot::svg(figure));
 }
 
 std::string base_curves(const model::RobotModel& robot, const gait::HzdGait& gait) {
@@ -169,7 +154,7 @@ std::string base_curves(const model::RobotModel& robot, const gait::HzdGait& gai
   Plot pitch{"Pitch of the torso", time, "rad", {}};
   pitch.curves.push_back(
       over_step(gait, "", "var(--a)", [](const auto& point) { return point.position[2]; }));
-  return card(svg(force)) + card(svg(swing)) + card(svg(base)) + card(svg(pitch));
+  return card(plot::svg(force)) + card(plot::svg(swing)) + card(plot::svg(base)) + card(plot::svg(pitch));
 }
 
 std::string figures_table(const gait_files::GaitRecord& record, const GaitCheck& check) {
@@ -215,10 +200,7 @@ std::string heading(const gait_files::GaitRecord& record, const GaitCheck& check
 std::string render_gait_page(const model::RobotModel& robot, const gait_files::GaitRecord& record,
                              const GaitCheck& check) {
   const gait::HzdGait& gait = record.gait;
-  std::string page =
-      "<!doctype html>\n<html lang='en'><head><meta charset='utf-8'><meta name='viewport' "
-      "content='width=device-width'><title>Stilt: gait of " +
-      escaped(record.robot) + "</title><style>" + kStyle + "</style></head><body>\n";
+  std::string page;
   page += heading(record, check) + "<div class='grid-of-plots'>\n";
   page += tiles(robot.constants, gait);
   page += portrait(gait, 0, "hips") + portrait(gait, 1, "knees") + base_portrait(gait);
@@ -229,7 +211,7 @@ std::string render_gait_page(const model::RobotModel& robot, const gait_files::G
   page += joint_curves(gait, "Joint torques", "Nm",
                        [](const gait::GaitPoint& point, int j) { return point.torque_Nm[j]; });
   page += base_curves(robot, gait) + figures_table(record, check);
-  return page + "</div></body></html>\n";
+  return plot::page("Stilt: gait of " + record.robot, page + "</div>");
 }
 
 }  // namespace stilt::gait_synthesis

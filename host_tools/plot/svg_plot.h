@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-namespace stilt::gait_synthesis {
+namespace stilt::plot {
 
 /// A line of a plot.
 struct Curve {
@@ -27,4 +27,11 @@ struct Plot {
 /// Text with the characters that HTML reserves replaced.
 [[nodiscard]] std::string escaped(const std::string& text);
 
-}  // namespace stilt::gait_synthesis
+/// A page of its own, light or dark as the reader's system: `body` within a title and a style that knows the
+/// colours --a to --d, --text, --muted, --line, --bad and --good, and the class grid-of-plots for cards.
+[[nodiscard]] std::string page(const std::string& title, const std::string& body);
+
+/// A framed box in a grid of plots; a wide one takes the whole row.
+[[nodiscard]] std::string card(const std::string& content, bool wide = false);
+
+}  // namespace stilt::plot

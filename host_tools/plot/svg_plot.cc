@@ -1,12 +1,28 @@
-#include "host_tools/gait_synthesis/svg_plot.h"
+#include "host_tools/plot/svg_plot.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <limits>
 
-namespace stilt::gait_synthesis {
+namespace stilt::plot {
 namespace {
+
+constexpr const char* kStyle = R"(
+:root{color-scheme:light dark;--text:#1c2733;--muted:#5c6b7a;--line:#dde3ea;--card:#fff;--page:#f4f6f8;
+--a:#1f6feb;--b:#0a8a5f;--c:#c2410c;--d:#9333a8;--bad:#b42318;--good:#0a8a5f}
+@media(prefers-color-scheme:dark){:root{--text:#e6edf3;--muted:#9aa7b4;--line:#2c3640;--card:#161c23;--page:#0d1116;
+--a:#6cb0ff;--b:#4ccb95;--c:#ff9a5c;--d:#d49bea;--bad:#ff8a80;--good:#4ccb95}}
+body{margin:0 auto;max-width:1440px;padding:20px;background:var(--page);color:var(--text);font:15px/1.45 system-ui,sans-serif}
+h1{font-size:22px;margin:0 0 4px}p{color:var(--muted);margin:0 0 16px}
+.grid-of-plots{display:grid;grid-template-columns:repeat(auto-fit,minmax(420px,1fr));gap:14px}
+.card{background:var(--card);border:1px solid var(--line);border-radius:8px;padding:10px;overflow-x:auto}
+.wide{grid-column:1/-1}svg{width:100%;height:auto;display:block}
+svg text{fill:var(--muted);font-size:11px}svg .title{fill:var(--text);font-size:14px;font-weight:600}
+svg .grid{stroke:var(--line);fill:none}svg .curve{fill:none;stroke-width:1.8;stroke-linejoin:round}
+table{border-collapse:collapse;width:100%}td,th{text-align:left;padding:3px 10px 3px 0;border-bottom:1px solid var(--line)}
+td.n{font-variant-numeric:tabular-nums}.bad{color:var(--bad);font-weight:600}.good{color:var(--good);font-weight:600}
+)";
 
 std::string number(double value) {
   char text[40];
@@ -125,6 +141,16 @@ std::string escaped(const std::string& words) {
   return result;
 }
 
+std::string page(const std::string& title, const std::string& body) {
+  return "<!doctype html>\n<html lang='en'><head><meta charset='utf-8'><meta name='viewport' "
+         "content='width=device-width'><title>" +
+         escaped(title) + "</title><style>" + kStyle + "</style></head><body>\n" + body + "</body></html>\n";
+}
+
+std::string card(const std::string& content, bool wide) {
+  return std::string("<div class='card") + (wide ? " wide" : "") + "'>" + content + "</div>\n";
+}
+
 std::string svg(const Plot& plot) {
   Axis x = axis_of(plot, false, 56.0, plot.width_px - 12.0);
   Axis y = axis_of(plot, true, plot.height_px - 40.0, 46.0);
@@ -143,4 +169,4 @@ std::string svg(const Plot& plot) {
   return result + "</svg>\n";
 }
 
-}  // namespace stilt::gait_synthesis
+}  // namespace stilt::plot
