@@ -1,0 +1,105 @@
+#include "host_tools/cli/replay_command.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "host_tools/cli/json_output.h"
+#include "host_tools/cli/progress.h"
+#include "host_tools/cli/usage_error.h"
+#include "host_tools/replay/replay_session.h"
+
+namespace stilt::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using replay::Outcome;
+using replay::SessionRecord;
+
+struct Replayed {
+  const SessionRecord* session;
+  Outcome outcome;
+};
+
+std::vector<Replayed> replay_all(const std::string& file, const replay::RecordContents& contents) {
+  std::vector<Replayed> all;
+  for (const SessionRecord& session : contents.sessions) {
+    if (session.ticks.empty()) continue;
+    Progress progress("replaying", static_cast<double>(session.ticks.next()), "ticks");
+    all.push_back({&session, replay::replay_session(file, session, [&](std::uint64_t tick) {
+                     progress.update(static_cast<double>(tick));
+                   })});
+  }
+  return all;
+}
+
+Json to_json(const Replayed& replayed) {
+  const Outcome& outcome = replayed.outcome;
+  Json json = {{"session", replayed.session->number},
+               {"robot", replayed.session->robot},
+               {"build", replayed.session->build},
+               {"reproduced", outcome.reproduced()},
+               {"ticks", outcome.ticks},
+               {"plans", outcome.cycles},
+               {"difference", nullptr},
+               {"problem", nullptr}};
+  if (outcome.difference) {
+    json["difference"] = {{"tick", outcome.difference->tick},
+                          {"what", outcome.difference->what},
+                          {"recorded", outcome.difference->recorded},
+                          {"replayed", outcome.difference->replayed}};
+  }
+  if (!outcome.problem.empty()) json["problem"] = outcome.problem;
+  return json;
+}
+
+void print(const Replayed& replayed) {
+  const Outcome& outcome = replayed.outcome;
+  std::printf("session %016llx, %s: ", static_cast<unsigned long long>(replayed.session->number),
+              replayed.session->robot.c_str());
+  const auto ticks = static_cast<unsigned long long>(outcome.ticks);
+  const auto plans = static_cast<unsigned long long>(outcome.cycles);
+  if (outcome.reproduced()) {
+    std::printf("all %llu ticks and %llu plans are the same, bit for bit\n", ticks, plans);
+    return;
+  }
+  std::printf("%llu ticks and %llu plans are the same; then %s\n", ticks, plans,
+              (outcome.difference ? outcome.difference->text() : outcome.problem).c_str());
+  if (outcome.difference) {
+    std::printf("recorded by %s; results are the same on the same build only\n",
+                replayed.session->build.c_str());
+  }
+}
+
+}  // namespace
+
+CLI::App* add_replay_command(CLI::App& program, ReplayOptions& options) {
+  CLI::App* command = program.add_subcommand(
+      "replay", "a record through the controller again: are plans and torques the same, bit for bit?");
+  command->add_option("FILE", options.file, "record of stilt record")->required();
+  command->add_option("--json", options.json_file, "writes the result as JSON; - is standard output");
+  command->footer("Exit status: 0 all is the same, 1 something differs or is missing, 2 bad usage.");
+  return command;
+}
+
+int run_replay(const ReplayOptions& options) {
+  check_output_file("--json", options.json_file);
+  const replay::RecordContents contents = replay::read_contents(options.file);
+  for (const std::string& problem : contents.problems) std::fprintf(stderr, "stilt: %s\n", problem.c_str());
+  const std::vector<Replayed> all = replay_all(options.file, contents);
+  if (all.empty())
+    throw UsageError(options.file + ": holds no ticks of stiltd; name a record of stilt record");
+  const bool reproduced =
+      std::ranges::all_of(all, [](const Replayed& one) { return one.outcome.reproduced(); });
+  if (!options.json_file.empty()) {
+    Json sessions = Json::array();
+    for (const Replayed& one : all) sessions.push_back(to_json(one));
+    write_json({{"reproduced", reproduced}, {"sessions", sessions}, {"file_problems", contents.problems}},
+               options.json_file);
+  }
+  if (options.json_file != "-") {
+    for (const Replayed& one : all) print(one);
+  }
+  return reproduced ? 0 : 1;
+}
+
+}  // namespace stilt::cli
