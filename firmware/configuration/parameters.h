@@ -2,6 +2,7 @@
 
 #include "firmware/configuration/hardware.h"
 #include "firmware/configuration/runtime.h"
+#include "firmware/configuration/telemetry.h"
 #include "firmware/supervisor/parameters.h"
 #include "mpc_core/control/parameters.h"
 
@@ -13,6 +14,7 @@ struct Configuration : control::ControllerParameters {
   HardwareParameters hardware;
   supervisor::SupervisorParameters supervisor;
   RuntimeParameters runtime;
+  TelemetryParameters telemetry;
 };
 
 }  // namespace stilt::configuration

@@ -216,7 +216,8 @@ constexpr Entry kEntries[] = {
 std::span<const Section> sections() {
   static const std::vector<Section> all = [] {
     std::vector<Section> joined(std::begin(kSections), std::end(kSections));
-    for (const auto more : {hardware_sections(), supervisor_sections(), runtime_sections()}) {
+    for (const auto more :
+         {hardware_sections(), supervisor_sections(), runtime_sections(), telemetry_sections()}) {
       joined.insert(joined.end(), more.begin(), more.end());
     }
     return joined;
@@ -227,7 +228,8 @@ std::span<const Section> sections() {
 std::span<const Entry> entries() {
   static const std::vector<Entry> all = [] {
     std::vector<Entry> joined(std::begin(kEntries), std::end(kEntries));
-    for (const auto more : {hardware_entries(), supervisor_entries(), runtime_entries()}) {
+    for (const auto more :
+         {hardware_entries(), supervisor_entries(), runtime_entries(), telemetry_entries()}) {
       joined.insert(joined.end(), more.begin(), more.end());
     }
     return joined;

@@ -13,5 +13,7 @@ namespace stilt::configuration {
 [[nodiscard]] std::span<const Entry> supervisor_entries();
 [[nodiscard]] std::span<const Section> runtime_sections();
 [[nodiscard]] std::span<const Entry> runtime_entries();
+[[nodiscard]] std::span<const Section> telemetry_sections();
+[[nodiscard]] std::span<const Entry> telemetry_entries();
 
 }  // namespace stilt::configuration

@@ -1,0 +1,217 @@
+#include "firmware/telemetry/operator_desk.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace stilt::telemetry {
+namespace {
+
+using supervisor::RequestKind;
+using supervisor::State;
+
+constexpr std::size_t kLongestName = 64;
+constexpr std::size_t kMostCommanders = 256;
+
+std::string number_text(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%g", value);
+  return text;
+}
+
+/// Compares all characters, so that time does not tell how many are right.
+bool same_secret(const std::string& a, const std::string& b) noexcept {
+  unsigned char difference = a.size() == b.size() ? 0 : 1;
+  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
+    difference |= static_cast<unsigned char>(a[i] ^ b[i]);
+  }
+  return difference == 0 && !b.empty();
+}
+
+/// Orders make whoever gives them the commander.
+bool is_order(CommandKind kind) noexcept {
+  return kind != CommandKind::heartbeat && kind != CommandKind::stop && kind != CommandKind::release;
+}
+
+bool stands_or_moves(State state) noexcept { return supervisor::tracks(state); }
+
+/// Why an order makes no sense in a state; empty: it does.
+std::string wrong_state(CommandKind kind, State state) {
+  const std::string now = std::string("the robot is in state ") + supervisor::name(state);
+  switch (kind) {
+    case CommandKind::prepare:
+      return state == State::idle ? "" : now + "; drivers are brought up from idle";
+    case CommandKind::stand:
+      return state == State::idle || state == State::calibrate || state == State::ready ||
+                     stands_or_moves(state)
+                 ? ""
+                 : now + "; it can stand up from idle or ready" +
+                       (state == State::fault ? ", after a reset" : "");
+    case CommandKind::step:
+    case CommandKind::walk:
+      return stands_or_moves(state) ? "" : now + "; it steps and walks from stand";
+    case CommandKind::speed:
+      return state == State::walk ? "" : now + "; a speed belongs to a walk";
+    case CommandKind::sit:
+      return stands_or_moves(state) ? "" : now + "; it sits down from stand";
+    case CommandKind::reset:
+      return state == State::fault ? "" : now + "; there is nothing to reset";
+    default:
+      return state == State::off ? now : "";
+  }
+}
+
+}  // namespace
+
+double OperatorDesk::silence_s(const RobotNow& now) const noexcept {
+  return 1e-9 * static_cast<double>(now.wall_ns - heartbeat_wall_ns_);
+}
+
+bool OperatorDesk::alive(const RobotNow& now) const noexcept {
+  return !commander_.empty() && silence_s(now) <= rules_.heartbeat_timeout_s;
+}
+
+void OperatorDesk::ask(RequestKind kind, double speed_m_s) noexcept {
+  request_ = {kind, request_.number + 1, speed_m_s};
+}
+
+/// Standing still is asked for where the robot is on its feet; elsewhere nothing is.
+void OperatorDesk::stop(const RobotNow& now) noexcept {
+  standing_up_ = false;
+  took_over_ = true;
+  ask(stands_or_moves(now.state) ? RequestKind::stand : RequestKind::none);
+}
+
+std::string OperatorDesk::refusal(const Asked& asked, const RobotNow& now) {
+  if (asked.session != rules_.session) {
+    return "the command is for another session of stiltd than the one that runs; take the session from the "
+           "configuration topic";
+  }
+  if (!same_secret(asked.token, rules_.token)) {
+    return "the token is wrong; it is the first line of " + rules_.token_file + " on the robot";
+  }
+  if (asked.commander.empty() || asked.commander.size() > kLongestName) {
+    return "a commander needs a name of 1 to 64 characters";
+  }
+  if (asked.kind >= kCommandKinds) {
+    return "there is no kind of command " + std::to_string(asked.kind) + "; they are 0 to " +
+           std::to_string(kCommandKinds - 1);
+  }
+  const auto last = numbers_.find(asked.commander);
+  if (last == numbers_.end() && numbers_.size() >= kMostCommanders) {
+    return "there were too many commanders in this session; start stiltd again, or use a name a second time";
+  }
+  if (last != numbers_.end() && asked.number <= last->second) {
+    return "command " + std::to_string(asked.number) + " came after " + std::to_string(last->second) +
+           ": it is late, or was sent twice";
+  }
+  numbers_[asked.commander] = asked.number;
+  const auto kind = static_cast<CommandKind>(asked.kind);
+  return is_order(kind) ? refusal_of_order(asked, kind, now) : "";
+}
+
+std::string OperatorDesk::refusal_of_order(const Asked& asked, CommandKind kind, const RobotNow& now) const {
+  if (commander_ != asked.commander && alive(now)) {
+    return commander_ + " commands the robot; it must release it or fall silent first";
+  }
+  if (!std::isfinite(asked.value)) return std::string(name(kind)) + ": the value is not a number";
+  const bool has_speed = kind == CommandKind::walk || kind == CommandKind::speed;
+  if (has_speed && std::abs(asked.value) > rules_.speed_limit_m_s) {
+    return std::string(name(kind)) + " " + number_text(asked.value) +
+           " m/s is beyond telemetry.speed_limit_m_s, " + number_text(rules_.speed_limit_m_s) +
+           " m/s either way";
+  }
+  return wrong_state(kind, now.state);
+}
+
+std::string OperatorDesk::obey(const Asked& asked, CommandKind kind, const RobotNow& now) {
+  switch (kind) {
+    case CommandKind::heartbeat:
+      return {};
+    case CommandKind::stop:
+      stop(now);
+      return {};
+    case CommandKind::release:
+      if (commander_ != asked.commander) return asked.commander + " is not in command";
+      if (now.state == State::step || now.state == State::walk) stop(now);
+      standing_up_ = false;
+      commander_.clear();
+      return {};
+    case CommandKind::height:
+      return set_tunable_("reference.base_height_m", asked.value);
+    case CommandKind::tunable:
+      return set_tunable_(asked.key, asked.value);
+    case CommandKind::speed:
+      request_.speed_m_s = asked.value;
+      return {};
+    case CommandKind::prepare:
+      ask(RequestKind::calibrate);
+      return {};
+    case CommandKind::stand:
+      standing_up_ = now.state == State::idle || now.state == State::calibrate;
+      ask(standing_up_ ? RequestKind::calibrate : RequestKind::stand);
+      return {};
+    case CommandKind::step:
+      ask(RequestKind::step);
+      return {};
+    case CommandKind::walk:
+      ask(RequestKind::walk, asked.value);
+      return {};
+    case CommandKind::sit:
+      ask(RequestKind::sit);
+      return {};
+    case CommandKind::reset:
+      ask(RequestKind::reset);
+      return {};
+    case CommandKind::off:
+      ask(RequestKind::off);
+      return {};
+  }
+  return {};
+}
+
+Answer OperatorDesk::take(const Asked& asked, const RobotNow& now) {
+  std::string reason = refusal(asked, now);
+  if (!reason.empty()) return {false, false, std::move(reason)};
+  const auto kind = static_cast<CommandKind>(asked.kind);
+  const bool moves = is_order(kind) && kind != CommandKind::height && kind != CommandKind::tunable;
+  if (moves && kind != CommandKind::stand) standing_up_ = false;
+  if (moves) {
+    commander_ = asked.commander;
+    took_over_ = true;
+  }
+  if (asked.commander == commander_) heartbeat_wall_ns_ = now.wall_ns;
+  reason = obey(asked, kind, now);
+  if (!reason.empty()) return {false, false, std::move(reason)};
+  return {true, kind == CommandKind::heartbeat, {}};
+}
+
+void OperatorDesk::twist(double speed_m_s, const RobotNow& now) {
+  const bool allowed = rules_.cmd_vel && alive(now) && now.state == State::walk;
+  if (allowed && std::abs(speed_m_s) <= rules_.speed_limit_m_s) request_.speed_m_s = speed_m_s;
+}
+
+controller::OperatorCommand OperatorDesk::command(const controller::OperatorCommand& script,
+                                                  const RobotNow& now) {
+  if (!took_over_) {
+    request_ = script.request;
+    return script;
+  }
+  if (!commander_.empty() && silence_s(now) > rules_.release_s) {
+    stop(now);
+    commander_.clear();
+  }
+  if (standing_up_ && !alive(now)) {
+    stop(now);
+  } else if (standing_up_ && now.state == State::ready) {
+    standing_up_ = false;
+    ask(RequestKind::stand);
+  }
+  controller::OperatorCommand command = script;  // the end of the program is its business
+  command.request = request_;
+  command.heartbeat_expected = !commander_.empty();
+  command.heartbeat_ns = now.clock_ns - (now.wall_ns - heartbeat_wall_ns_);
+  return command;
+}
+
+}  // namespace stilt::telemetry

@@ -1,0 +1,93 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <string>
+
+#include "firmware/controller/messages.h"
+#include "firmware/supervisor/state.h"
+#include "firmware/telemetry/command_kind.h"
+
+namespace stilt::telemetry {
+
+/// What the desk insists on.
+struct DeskRules {
+  std::uint64_t session = 0;
+  std::string token;           ///< without it nothing is accepted
+  std::string token_file;      ///< named in refusals
+  double speed_limit_m_s = 0;  ///< of walk, speed and cmd_vel, either way
+  double heartbeat_timeout_s = 0.4;
+  double release_s = 2.0;  ///< silence after which somebody is no longer the commander
+  bool cmd_vel = false;    ///< whether Twist is listened to
+};
+
+/// A command as it came.
+struct Asked {
+  std::uint64_t session = 0;
+  std::string token;
+  std::string commander;
+  std::uint64_t number = 0;
+  std::uint8_t kind = 0;  ///< CommandKind
+  double value = 0;
+  std::string key;
+};
+
+/// What became of it. A heartbeat that is fine needs no answer.
+struct Answer {
+  bool accepted = false;
+  bool silent = false;
+  std::string reason;  ///< why not, one sentence
+};
+
+/// What the desk knows of the robot: the newest tick.
+struct RobotNow {
+  std::int64_t clock_ns = 0;  ///< of the torque loop, virtual in lock-step
+  std::int64_t wall_ns = 0;   ///< CLOCK_MONOTONIC, measures heartbeats
+  supervisor::State state = supervisor::State::boot;
+};
+
+/// Who may command the robot, and what the torque loop is told. One commander at a time: whoever gave the
+/// last order of motion and shows that he lives; `stop` is taken from everybody with the token. When his
+/// heartbeats stop, the supervisor makes walking stepping and stepping standing (heartbeat_lost), and after
+/// release_s somebody else may command. Pure logic: no network, no clock, no thread. Ordinary threads.
+class OperatorDesk {
+ public:
+  /// Sets a live tunable; the answer is empty or what is wrong, one sentence.
+  using SetTunable = std::function<std::string(const std::string& key, double value)>;
+
+  OperatorDesk(DeskRules rules, SetTunable set_tunable)
+      : rules_(std::move(rules)), set_tunable_(std::move(set_tunable)) {}
+
+  /// Decides about a command.
+  [[nodiscard]] Answer take(const Asked& asked, const RobotNow& now);
+
+  /// A Twist came. It acts only where the rules allow it, while a commander lives and the robot walks.
+  void twist(double speed_m_s, const RobotNow& now);
+
+  /// What the torque loop shall do now. Until the first order came that is what `script` says.
+  [[nodiscard]] controller::OperatorCommand command(const controller::OperatorCommand& script,
+                                                    const RobotNow& now);
+
+  [[nodiscard]] const std::string& commander() const noexcept { return commander_; }
+  [[nodiscard]] bool alive(const RobotNow& now) const noexcept;
+
+ private:
+  [[nodiscard]] std::string refusal(const Asked& asked, const RobotNow& now);
+  [[nodiscard]] std::string refusal_of_order(const Asked& asked, CommandKind kind, const RobotNow& now) const;
+  [[nodiscard]] std::string obey(const Asked& asked, CommandKind kind, const RobotNow& now);
+  void ask(supervisor::RequestKind kind, double speed_m_s = 0) noexcept;
+  void stop(const RobotNow& now) noexcept;
+  [[nodiscard]] double silence_s(const RobotNow& now) const noexcept;
+
+  DeskRules rules_;
+  SetTunable set_tunable_;
+  std::map<std::string, std::uint64_t> numbers_;  ///< last of every commander
+  std::string commander_;                         ///< empty: nobody
+  std::int64_t heartbeat_wall_ns_ = 0;
+  supervisor::Request request_;
+  bool took_over_ = false;    ///< the script has no say any more
+  bool standing_up_ = false;  ///< after the bring-up: stand
+};
+
+}  // namespace stilt::telemetry

@@ -1,0 +1,298 @@
+#include "firmware/telemetry/operator_desk.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace stilt::telemetry {
+namespace {
+
+using supervisor::RequestKind;
+using supervisor::State;
+
+constexpr std::int64_t kSecond_ns = 1'000'000'000;
+
+class Desk : public testing::Test {
+ protected:
+  static DeskRules rules() {
+    return {.session = 77,
+            .token = "secret",
+            .token_file = "/run/token",
+            .speed_limit_m_s = 0.8,
+            .heartbeat_timeout_s = 0.4,
+            .release_s = 2.0,
+            .cmd_vel = true};
+  }
+
+  Asked asked(CommandKind kind, double value = 0, const std::string& commander = "anna") {
+    return {77, "secret", commander, ++number, static_cast<std::uint8_t>(kind), value, ""};
+  }
+  Answer take(const Asked& command) { return desk.take(command, now); }
+  Answer take(CommandKind kind, double value = 0, const std::string& commander = "anna") {
+    return take(asked(kind, value, commander));
+  }
+  controller::OperatorCommand command() { return desk.command(script, now); }
+  void pass(double seconds) {
+    now.wall_ns += std::llround(seconds * 1e9);
+    now.clock_ns += std::llround(seconds * 1e9);
+  }
+
+  std::vector<std::pair<std::string, double>> tunables;
+  std::string tunable_answer;
+  OperatorDesk desk{rules(), [this](const std::string& key, double value) {
+                      tunables.emplace_back(key, value);
+                      return tunable_answer;
+                    }};
+  RobotNow now{.clock_ns = 5 * kSecond_ns, .wall_ns = 900 * kSecond_ns, .state = State::stand};
+  controller::OperatorCommand script;
+  std::uint64_t number = 0;
+};
+
+/// What is wrong with a command, and a word of the answer.
+struct Refusal {
+  const char* what;
+  void (*spoil)(Asked&);
+  const char* says;
+};
+
+class Refused : public Desk, public testing::WithParamInterface<Refusal> {};
+
+TEST_P(Refused, with_a_reason_and_without_effect) {
+  Asked command = asked(CommandKind::walk, 0.3);
+  ASSERT_TRUE(take(command).accepted);
+  const std::uint32_t before = this->command().request.number;
+  command = asked(CommandKind::walk, 0.4);
+  GetParam().spoil(command);
+  const Answer answer = take(command);
+  EXPECT_FALSE(answer.accepted);
+  EXPECT_NE(answer.reason.find(GetParam().says), std::string::npos) << answer.reason;
+  EXPECT_EQ(this->command().request.number, before);
+  EXPECT_EQ(this->command().request.speed_m_s, 0.3);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Commands, Refused,
+    testing::Values(
+        Refusal{"another_session", [](Asked& c) { c.session = 78; }, "another session"},
+        Refusal{"no_token", [](Asked& c) { c.token.clear(); }, "first line of /run/token"},
+        Refusal{"wrong_token", [](Asked& c) { c.token = "secreu"; }, "token is wrong"},
+        Refusal{"half_a_token", [](Asked& c) { c.token = "secre"; }, "token is wrong"},
+        Refusal{"no_name", [](Asked& c) { c.commander.clear(); }, "needs a name"},
+        Refusal{"long_name", [](Asked& c) { c.commander.assign(65, 'a'); }, "needs a name"},
+        Refusal{"unknown_kind", [](Asked& c) { c.kind = 13; }, "no kind of command 13"},
+        Refusal{"same_number", [](Asked& c) { c.number = 1; }, "came after 1"},
+        Refusal{"older_number", [](Asked& c) { c.number = 0; }, "came after 1"},
+        Refusal{"too_fast", [](Asked& c) { c.value = 0.81; }, "beyond telemetry.speed_limit_m_s, 0.8"},
+        Refusal{"too_fast_backwards", [](Asked& c) { c.value = -0.81; }, "0.8 m/s either way"},
+        Refusal{"nan", [](Asked& c) { c.value = std::nan(""); }, "not a number"},
+        Refusal{"infinite", [](Asked& c) { c.value = std::numeric_limits<double>::infinity(); },
+                "not a number"},
+        Refusal{"another_commander", [](Asked& c) { c.commander = "bert"; }, "anna commands the robot"}),
+    [](const auto& refusal) { return refusal.param.what; });
+
+/// Which kinds are accepted in which state.
+TEST_F(Desk, takes_only_what_makes_sense_in_the_state) {
+  const std::vector<std::pair<CommandKind, std::vector<State>>> table = {
+      {CommandKind::prepare, {State::idle}},
+      {CommandKind::stand,
+       {State::idle, State::calibrate, State::ready, State::stand, State::step, State::walk}},
+      {CommandKind::step, {State::stand, State::step, State::walk}},
+      {CommandKind::walk, {State::stand, State::step, State::walk}},
+      {CommandKind::speed, {State::walk}},
+      {CommandKind::sit, {State::stand, State::step, State::walk}},
+      {CommandKind::reset, {State::fault}},
+  };
+  for (const auto& [kind, states] : table) {
+    for (std::size_t s = 0; s < supervisor::kStates; ++s) {
+      now.state = static_cast<State>(s);
+      const bool expected = std::ranges::find(states, now.state) != states.end();
+      EXPECT_EQ(take(kind).accepted, expected) << name(kind) << " in " << supervisor::name(now.state);
+    }
+  }
+}
+
+TEST_F(Desk, without_orders_the_script_goes_on_and_nobody_must_show_life) {
+  script.request = {RequestKind::walk, 4, 0.5};
+  EXPECT_TRUE(take(CommandKind::heartbeat).silent);
+  const auto told = command();
+  EXPECT_EQ(told.request.kind, RequestKind::walk);
+  EXPECT_EQ(told.request.number, 4u);
+  EXPECT_FALSE(told.heartbeat_expected);
+}
+
+TEST_F(Desk, an_order_takes_over_from_the_script_with_a_higher_number) {
+  script.request = {RequestKind::walk, 4, 0.5};
+  static_cast<void>(command());
+  ASSERT_TRUE(take(CommandKind::step).accepted);
+  const auto told = command();
+  EXPECT_EQ(told.request.kind, RequestKind::step);
+  EXPECT_EQ(told.request.number, 5u);
+  EXPECT_TRUE(told.heartbeat_expected);
+  EXPECT_EQ(desk.commander(), "anna");
+}
+
+TEST_F(Desk, the_end_of_the_program_stays_the_scripts) {
+  ASSERT_TRUE(take(CommandKind::step).accepted);
+  script.shut_down = true;
+  EXPECT_TRUE(command().shut_down);
+}
+
+TEST_F(Desk, tells_the_torque_loop_in_its_clock_when_the_commander_last_showed_life) {
+  ASSERT_TRUE(take(CommandKind::walk, 0.3).accepted);
+  pass(0.25);
+  EXPECT_EQ(command().heartbeat_ns, now.clock_ns - kSecond_ns / 4);
+  EXPECT_TRUE(take(CommandKind::heartbeat).accepted);
+  EXPECT_EQ(command().heartbeat_ns, now.clock_ns);
+}
+
+TEST_F(Desk, a_virtual_clock_does_not_age_heartbeats) {
+  ASSERT_TRUE(take(CommandKind::walk, 0.3).accepted);
+  now.clock_ns += 10 * kSecond_ns;
+  EXPECT_EQ(command().heartbeat_ns, now.clock_ns);
+}
+
+TEST_F(Desk, heartbeats_of_others_do_not_keep_a_commander_alive) {
+  ASSERT_TRUE(take(CommandKind::walk, 0.3).accepted);
+  pass(0.5);
+  static_cast<void>(take(CommandKind::heartbeat, 0, "bert"));
+  EXPECT_FALSE(desk.alive(now));
+}
+
+TEST_F(Desk, a_silent_commander_is_replaced_and_a_living_one_is_not) {
+  ASSERT_TRUE(take(CommandKind::walk, 0.3).accepted);
+  pass(0.3);
+  EXPECT_FALSE(take(CommandKind::step, 0, "bert").accepted);
+  pass(0.2);
+  EXPECT_TRUE(take(CommandKind::step, 0, "bert").accepted);
+  EXPECT_EQ(desk.commander(), "bert");
+}
+
+TEST_F(Desk, a_commander_who_stays_silent_leaves_a_robot_that_stands_and_needs_nobody) {
+  now.state = State::walk;
+  ASSERT_TRUE(take(CommandKind::walk, 0.3).accepted);
+  const auto number_before = command().request.number;
+  pass(1.9);
+  EXPECT_TRUE(command().heartbeat_expected);
+  pass(0.2);
+  const auto told = command();
+  EXPECT_FALSE(told.heartbeat_expected);
+  EXPECT_EQ(told.request.kind, RequestKind::stand);
+  EXPECT_GT(told.request.number, number_before);
+  EXPECT_EQ(desk.commander(), "");
+}
+
+TEST_F(Desk, everybody_with_the_token_may_stop) {
+  now.state = State::walk;
+  ASSERT_TRUE(take(CommandKind::walk, 0.3).accepted);
+  ASSERT_TRUE(take(CommandKind::stop, 0, "bert").accepted);
+  EXPECT_EQ(command().request.kind, RequestKind::stand);
+  Asked forged = asked(CommandKind::stop, 0, "carl");
+  forged.token = "x";
+  EXPECT_FALSE(take(forged).accepted);
+}
+
+TEST_F(Desk, stop_of_a_robot_that_is_not_on_its_feet_asks_for_nothing) {
+  now.state = State::idle;
+  ASSERT_TRUE(take(CommandKind::stand).accepted);
+  ASSERT_TRUE(take(CommandKind::stop).accepted);
+  now.state = State::ready;
+  EXPECT_EQ(command().request.kind, RequestKind::none);
+}
+
+TEST_F(Desk, stand_from_idle_brings_the_drivers_up_first) {
+  now.state = State::idle;
+  ASSERT_TRUE(take(CommandKind::stand).accepted);
+  EXPECT_EQ(command().request.kind, RequestKind::calibrate);
+  now.state = State::calibrate;
+  EXPECT_EQ(command().request.kind, RequestKind::calibrate);
+  now.state = State::ready;
+  EXPECT_EQ(command().request.kind, RequestKind::stand);
+}
+
+TEST_F(Desk, standing_up_ends_when_the_commander_falls_silent_on_the_way) {
+  now.state = State::idle;
+  ASSERT_TRUE(take(CommandKind::stand).accepted);
+  pass(0.5);
+  now.state = State::ready;
+  EXPECT_EQ(command().request.kind, RequestKind::none);
+}
+
+TEST_F(Desk, speed_changes_the_walk_that_is_on) {
+  now.state = State::walk;
+  ASSERT_TRUE(take(CommandKind::walk, 0.3).accepted);
+  const auto number_before = command().request.number;
+  ASSERT_TRUE(take(CommandKind::speed, -0.2).accepted);
+  EXPECT_EQ(command().request.speed_m_s, -0.2);
+  EXPECT_EQ(command().request.number, number_before);
+}
+
+TEST_F(Desk, release_of_a_walking_robot_lets_it_stand) {
+  now.state = State::walk;
+  ASSERT_TRUE(take(CommandKind::walk, 0.3).accepted);
+  EXPECT_FALSE(take(CommandKind::release, 0, "bert").accepted);
+  ASSERT_TRUE(take(CommandKind::release).accepted);
+  EXPECT_EQ(command().request.kind, RequestKind::stand);
+  EXPECT_FALSE(command().heartbeat_expected);
+}
+
+TEST_F(Desk, tunables_pass_on_and_their_refusals_come_back) {
+  Asked command = asked(CommandKind::tunable, 55);
+  command.key = "torque_law.joint_kp_Nm_rad";
+  EXPECT_TRUE(take(command).accepted);
+  tunable_answer = "out of range";
+  const Answer answer = take(CommandKind::height, 2.5);
+  EXPECT_FALSE(answer.accepted);
+  EXPECT_EQ(answer.reason, "out of range");
+  ASSERT_EQ(tunables.size(), 2u);
+  EXPECT_EQ(tunables[0], std::pair(std::string("torque_law.joint_kp_Nm_rad"), 55.0));
+  EXPECT_EQ(tunables[1], std::pair(std::string("reference.base_height_m"), 2.5));
+}
+
+TEST_F(Desk, who_only_tunes_does_not_command) {
+  script.request = {RequestKind::walk, 4, 0.5};
+  ASSERT_TRUE(take(CommandKind::height, 0.8).accepted);
+  EXPECT_EQ(desk.commander(), "");
+  EXPECT_EQ(command().request.number, 4u);
+}
+
+TEST_F(Desk, a_twist_acts_while_a_commander_lives_and_the_robot_walks) {
+  now.state = State::walk;
+  desk.twist(0.1, now);
+  EXPECT_EQ(command().request.speed_m_s, 0.0);
+  ASSERT_TRUE(take(CommandKind::walk, 0.3).accepted);
+  desk.twist(0.1, now);
+  EXPECT_EQ(command().request.speed_m_s, 0.1);
+  desk.twist(5.0, now);
+  desk.twist(std::nan(""), now);
+  EXPECT_EQ(command().request.speed_m_s, 0.1);
+  pass(0.5);
+  desk.twist(0.2, now);
+  EXPECT_EQ(command().request.speed_m_s, 0.1);
+}
+
+TEST_F(Desk, a_twist_does_nothing_where_the_configuration_does_not_allow_it) {
+  DeskRules strict = rules();
+  strict.cmd_vel = false;
+  OperatorDesk other(strict, {});
+  now.state = State::walk;
+  ASSERT_TRUE(other.take(asked(CommandKind::walk, 0.3), now).accepted);
+  other.twist(0.1, now);
+  EXPECT_EQ(other.command(script, now).request.speed_m_s, 0.3);
+}
+
+TEST_F(Desk, without_a_token_of_its_own_the_desk_accepts_nothing) {
+  DeskRules open = rules();
+  open.token.clear();
+  OperatorDesk other(open, {});
+  Asked command = asked(CommandKind::step);
+  command.token.clear();
+  EXPECT_FALSE(other.take(command, now).accepted);
+}
+
+}  // namespace
+}  // namespace stilt::telemetry
