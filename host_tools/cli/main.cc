@@ -9,6 +9,7 @@
 #include "host_tools/cli/bench_command.h"
 #include "host_tools/cli/gait_command.h"
 #include "host_tools/cli/model_evaluation.h"
+#include "host_tools/cli/monitor_command.h"
 #include "host_tools/cli/record_command.h"
 #include "host_tools/cli/replay_command.h"
 #include "host_tools/cli/robot_command.h"
@@ -47,6 +48,8 @@ int run(int count, char** words) {
   const CLI::App* gait = stilt::cli::add_gait_command(program, gait_options);
   stilt::cli::RecordOptions record_options;
   const CLI::App* record = stilt::cli::add_record_command(program, record_options);
+  stilt::cli::MonitorOptions monitor_options;
+  const CLI::App* monitor = stilt::cli::add_monitor_command(program, monitor_options);
   stilt::cli::ReplayOptions replay_options;
   const CLI::App* replay = stilt::cli::add_replay_command(program, replay_options);
   CLI::App* model = program.add_subcommand("model", "the robot's generated dynamics");
@@ -64,13 +67,14 @@ int run(int count, char** words) {
   } catch (const CLI::RequiredError&) {
     const std::string unknown = count > 1 ? std::string(words[count - 1]) + ": " : std::string();
     return refuse(unknown +
-                  "a command is expected: sim, robot, gait, bench, record, replay or model eval; stilt "
+                  "a command is expected: sim, robot, gait, monitor, bench, record, replay or model eval; stilt "
                   "--help tells more");
   } catch (const CLI::ParseError& error) {
     return refuse(std::string(error.what()) + "; stilt COMMAND --help tells what is right");
   }
   if (sim->parsed()) return stilt::cli::run_sim(sim_options, joined(count, words));
   if (robot->parsed()) return stilt::cli::run_robot(robot_options, joined(count, words));
+  if (monitor->parsed()) return stilt::cli::run_monitor(monitor_options);
   if (gait->parsed()) return stilt::cli::run_gait(*gait, gait_options);
   if (record->parsed()) return stilt::cli::run_record(record_options);
   if (replay->parsed()) return stilt::cli::run_replay(replay_options);

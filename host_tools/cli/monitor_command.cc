@@ -1,0 +1,64 @@
+#include "host_tools/cli/monitor_command.h"
+
+#include <atomic>
+#include <csignal>
+
+#include "host_tools/cli/network_options.h"
+#include "host_tools/cli/usage_error.h"
+#include "host_tools/monitor/dds_source.h"
+#include "host_tools/monitor/serve.h"
+#include "host_tools/monitor/terminal_view.h"
+
+namespace stilt::cli {
+namespace {
+
+std::atomic<bool> stop = false;
+
+void catch_signals() {
+  struct sigaction action {};
+  action.sa_handler = [](int) { stop.store(true); };
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+}  // namespace
+
+CLI::App* add_monitor_command(CLI::App& program, MonitorOptions& options) {
+  CLI::App* monitor = program.add_subcommand("monitor", "the live page of a running stiltd");
+  monitor->add_option("--port", options.port, "port of the page; 0: any free one")
+      ->check(CLI::Range(0, 65535))
+      ->capture_default_str();
+  monitor
+      ->add_option("--bind", options.address,
+                   "address the page is served on; with another than a loopback address everybody who "
+                   "reaches it can look, and commands with the token")
+      ->capture_default_str();
+  CLI::Option* token = monitor->add_option("--token", options.token, "token of the session, for commands");
+  monitor
+      ->add_option("--token-file", options.token_file,
+                   "file with the token; without, the one that stiltd names, when it can be read")
+      ->excludes(token);
+  monitor->add_flag("--terminal", options.terminal, "the essentials on this terminal instead; q quits");
+  monitor->add_flag("--no-browser", options.no_browser, "only prints the address");
+  add_network_options(*monitor, options.network);
+  monitor->footer(
+      "The page shows everything and commands the robot; see docs/monitor.md. Ctrl-C ends it; the robot\n"
+      "then comes to a stand.");
+  return monitor;
+}
+
+int run_monitor(const MonitorOptions& options) {
+  const std::string token =
+      options.token_file.empty() ? options.token : host_telemetry::read_token(options.token_file);
+  monitor::DdsSource source(options.network, token);
+  if (options.terminal) return monitor::run_terminal(source);
+  catch_signals();
+  monitor::ServeOptions serve;
+  serve.server = {options.address, options.port};
+  serve.open_browser = !options.no_browser;
+  serve.stop = &stop;
+  monitor::serve(source, serve);
+  return 0;
+}
+
+}  // namespace stilt::cli

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <CLI/App.hpp>
+#include <string>
+
+#include "firmware/telemetry/participant.h"
+
+namespace stilt::cli {
+
+/// Options of `stilt monitor`.
+struct MonitorOptions {
+  telemetry::Network network;
+  std::string address = "127.0.0.1";
+  int port = 8080;
+  std::string token, token_file;
+  bool terminal = false;
+  bool no_browser = false;
+};
+
+/// Adds `monitor` to the program; its options end up in `options`.
+CLI::App* add_monitor_command(CLI::App& program, MonitorOptions& options);
+
+/// Serves the page, or shows the essentials on the terminal, until it is told to stop. Returns the exit
+/// status. Throws UsageError or std::runtime_error, one sentence.
+[[nodiscard]] int run_monitor(const MonitorOptions& options);
+
+}  // namespace stilt::cli

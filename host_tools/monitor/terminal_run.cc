@@ -1,0 +1,98 @@
+#include <poll.h>
+#include <sys/ioctl.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <thread>
+
+#include "host_tools/monitor/terminal_view.h"
+
+namespace stilt::monitor {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+std::atomic<bool> interrupted = false;
+
+/// Keys come one by one and unseen while this lives; the screen is the other one.
+class RawTerminal {
+ public:
+  RawTerminal() {
+    is_terminal_ = tcgetattr(STDIN_FILENO, &before_) == 0;
+    if (is_terminal_) {
+      termios raw = before_;
+      raw.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
+      tcsetattr(STDIN_FILENO, TCSANOW, &raw);
+    }
+    std::fputs("\x1b[?1049h\x1b[?25l", stdout);
+  }
+  ~RawTerminal() {
+    std::fputs("\x1b[?25h\x1b[?1049l", stdout);
+    std::fflush(stdout);
+    if (is_terminal_) tcsetattr(STDIN_FILENO, TCSANOW, &before_);
+  }
+  RawTerminal(const RawTerminal&) = delete;
+  RawTerminal& operator=(const RawTerminal&) = delete;
+
+ private:
+  termios before_{};
+  bool is_terminal_ = false;
+};
+
+std::size_t columns() {
+  winsize size{};
+  return ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 20 ? size.ws_col : 100;
+}
+
+/// True after q, or the end of the input.
+bool wants_to_quit() {
+  pollfd input{STDIN_FILENO, POLLIN, 0};
+  while (::poll(&input, 1, 0) > 0) {
+    char key = 0;
+    if (::read(STDIN_FILENO, &key, 1) != 1 || key == 'q' || key == 'Q') return true;
+  }
+  return false;
+}
+
+/// Draws over what was there, so that nothing flickers.
+void show(const std::string& text) {
+  std::string screen = "\x1b[H";
+  for (const char letter : text) {
+    if (letter == '\n') screen += "\x1b[K";
+    screen += letter;
+  }
+  screen += "\n\x1b[Kq quits\x1b[K\x1b[J";
+  std::fputs(screen.c_str(), stdout);
+  std::fflush(stdout);
+}
+
+}  // namespace
+
+int run_terminal(SampleSource& source) {
+  constexpr auto kPoll = std::chrono::milliseconds(20);
+  constexpr double kDrawPeriod_s = 0.2;
+  struct sigaction action {};
+  action.sa_handler = [](int) { interrupted.store(true); };
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+  TerminalView view(source);
+  const RawTerminal terminal;
+  const auto start = Clock::now();
+  double drawn_s = -1.0;
+  while (!interrupted.load() && !wants_to_quit()) {
+    const double now_s = std::chrono::duration<double>(Clock::now() - start).count();
+    view.step(now_s);
+    if (now_s - drawn_s > kDrawPeriod_s) {
+      drawn_s = now_s;
+      show(view.text(columns()));
+    }
+    std::this_thread::sleep_for(kPoll);
+  }
+  return 0;
+}
+
+}  // namespace stilt::monitor

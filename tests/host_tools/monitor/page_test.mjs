@@ -1,0 +1,201 @@
+// The page in a browser, with a synthetic robot that does what the tests say: synthetic_monitor.
+
+import assert from 'node:assert/strict';
+import { after, afterEach, before, beforeEach, test } from 'node:test';
+import { hipX, openBrowser, openPage, picture, pixels, Program, shownSpeed, until } from './browser.mjs';
+
+let browser;
+let monitor;
+let page;
+
+before(async () => { browser = await openBrowser(); });
+after(async () => { await browser.close(); });
+
+beforeEach(async () => {
+  monitor = new Program(process.env.STILT_SYNTHETIC_MONITOR, []);
+  const [url] = await monitor.wrote(/http:\S+/);
+  monitor.url = url;
+  page = await openPage(browser, url);
+  await until('the robot in the picture', () => page.getAttribute('#stage-canvas', 'data-hip-x'));
+});
+
+afterEach(async () => {
+  const { problems } = page;
+  await page.close();
+  monitor.process.stdin.end();
+  await monitor.ended;
+  assert.deepEqual(problems, []);
+});
+
+const text = (selector) => page.textContent(selector);
+const answer = (pattern) => until(`an answer like ${pattern}`, async () => pattern.test(await text('#answer')));
+const state = (name) => until(`state ${name}`, async () => (await text('#state')) === name);
+
+test('the first moving picture comes soon after the page is opened', async () => {
+  const started = Date.now();
+  const another = await openPage(browser, monitor.url);
+  await until('a robot', () => another.getAttribute('#stage-canvas', 'data-hip-x'));
+  console.log(`first picture ${Date.now() - started} ms after opening`);
+  await another.close();
+});
+
+test('walk from the keyboard moves the robot, its picture and the plots', async () => {
+  const from = await hipX(page);
+  const before = await pixels(page, '#stage-canvas');
+  const plot = 'figure[data-title="Forward speed"]';
+  const plotBefore = await pixels(page, `${plot} canvas`);
+  await page.keyboard.press('w');
+  await answer(/walk at 0.50 m\/s: accepted/);
+  await state('walk');
+  await until('a metre', async () => (await hipX(page)) > from + 1);
+  assert.notEqual(await pixels(page, '#stage-canvas'), before);
+  assert.notEqual(await pixels(page, `${plot} canvas`), plotBefore);
+  await until('the speed asked for', async () => Math.abs((await shownSpeed(page)) - 0.5) < 0.05);
+  await picture(page, 'walking');
+  const rate = await until('a frame rate', () => page.getAttribute('#frame-rate', 'data-value'));
+  console.log(`${Number(rate).toFixed(1)} frames a second with all plots`);
+});
+
+test('the speed slider changes the speed while walking', async () => {
+  await page.click('[data-command=walk]');
+  await until('0.5 m/s', async () => Math.abs((await shownSpeed(page)) - 0.5) < 0.05);
+  await page.fill('#speed', '0.3');
+  await until('0.3 m/s', async () => Math.abs((await shownSpeed(page)) - 0.3) < 0.05);
+});
+
+for (const key of ['Space', 'Escape']) {
+  test(`${key} stops, even while something else has the focus`, async () => {
+    await page.keyboard.press('w');
+    await state('walk');
+    await page.focus('#tunable-filter');
+    await page.keyboard.press(key);
+    await answer(/stop: accepted/);
+    await state('stand');
+    await until('rest', async () => Math.abs(await shownSpeed(page)) < 0.01);
+  });
+}
+
+test('a wrong token is refused in words, and the right one is not', async () => {
+  await page.click('#token-box summary');
+  await page.fill('#token', 'a guess');
+  await page.click('[data-command=walk]');
+  await answer(/walk at 0.50 m\/s: refused. The token is not that of this session./);
+  await picture(page, 'wrong_token');
+  assert.equal(await text('#state'), 'stand');
+  await page.fill('#token', 'open-sesame');
+  await page.click('[data-command=walk]');
+  await answer(/accepted/);
+});
+
+test('a silent controller is told at once, and the picture is marked as old', async () => {
+  monitor.write('silent');
+  await until('the alarm', async () => /No data for .* the picture is old/.test(await text('#alarm')));
+  assert.equal(await text('#stage-cover'), 'OLD PICTURE');
+  await picture(page, 'stale');
+  monitor.write('talk');
+  await until('no alarm', async () => page.isHidden('#alarm'));
+});
+
+test('a monitor that ends is told, and one that comes back is found', async () => {
+  monitor.process.stdin.end();
+  await monitor.ended;
+  await until('the alarm', async () => /The monitor does not answer/.test(await text('#alarm')));
+});
+
+test('a fault says its cause, what the robot does and what clears it', async () => {
+  monitor.write('fault joint_speed_limit');
+  await state('fault');
+  const card = await until('the fault', () => text('.fault'));
+  assert.match(card, /joint_speed_limit 102 · happening now/);
+  assert.match(card, /Cause: a joint is faster than its limit/);
+  assert.match(card, /The robot: damps the joints/);
+  assert.match(card, /Clears when: every joint is slower; then Reset/);
+  await page.keyboard.press('w');
+  await answer(/refused/);
+  monitor.write('over joint_speed_limit');
+  await until('the cause gone', async () => /over; waits for Reset/.test(await text('.fault')));
+  await picture(page, 'fault');
+  await page.keyboard.press('r');
+  await until('none', async () => (await text('#fault-list')) === 'None.');
+});
+
+test('dropped ticks are counted', async () => {
+  monitor.write('drop 40');
+  await until('the count', async () => /live · 40 lost/.test(await text('#link-status')));
+});
+
+test('another session is told, and its plots begin anew', async () => {
+  await page.keyboard.press('w');
+  await state('walk');
+  monitor.write('session');
+  await until('the note', async () => /Another session/.test(await text('#note')));
+  await until('its name', async () => /synthetic-2/.test(await text('#session-list')));
+});
+
+test('a second controller that talks at once is told', async () => {
+  monitor.write('others');
+  await until('the alarm', async () => /Two controllers talk at once/.test(await text('#alarm')));
+});
+
+test('a tunable outside its range is not sent, and one inside takes effect', async () => {
+  const row = '[data-name="gait.swing_height_m"]';
+  await page.fill(`${row} input`, '0.9');
+  await page.press(`${row} input`, 'Enter');
+  assert.match(await text(`${row} small`), /must be 0.005 to 0.3/);
+  assert.equal(await text('#answer'), '');
+  await page.fill(`${row} input`, '0.08');
+  await page.press(`${row} input`, 'Enter');
+  await answer(/gait.swing_height_m = 0.08: accepted/);
+  await until('the value in force', async () => (await page.inputValue(`${row} input`)) === '0.08');
+});
+
+test('timing histograms show their deadline', async () => {
+  await until('a histogram', async () => /deadline 500 µs/.test((await text('#histograms')) ?? ''));
+});
+
+test('pause holds the picture, and pause again lets it go', async () => {
+  await page.keyboard.press('w');
+  await until('motion', async () => (await hipX(page)) > 0.2);
+  await page.click('#pause');
+  const still = await until('a still picture', async () => {
+    const first = await pixels(page, '#stage-canvas');
+    await page.evaluate(() => new Promise((resolve) => { setTimeout(resolve, 300); }));
+    return (await pixels(page, '#stage-canvas')) === first ? first : null;
+  });
+  await page.click('#pause');
+  await until('motion', async () => (await pixels(page, '#stage-canvas')) !== still);
+});
+
+test('on a phone in the dark the stop button is in reach and nothing is wider than the screen', async () => {
+  await page.evaluate(() => localStorage.setItem('theme', 'dark'));
+  await page.setViewportSize({ width: 390, height: 844 });
+  await page.reload();
+  await page.keyboard.press('w');
+  await until('motion', async () => (await hipX(page)) > 0.3);
+  const stop = await page.locator('#stop').boundingBox();
+  assert.ok(stop.y > 700 && stop.y + stop.height <= 844 && stop.width > 300, JSON.stringify(stop));
+  assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= window.innerWidth));
+  await picture(page, 'phone');
+  await page.evaluate(() => localStorage.clear());
+});
+
+test('every control can be reached with the keyboard, and Enter presses', async () => {
+  const reached = new Set();
+  for (let k = 0; k < 60; ++k) {
+    await page.keyboard.press('Tab');
+    reached.add(await page.evaluate(() => document.activeElement.dataset.command ?? document.activeElement.id));
+  }
+  for (const name of ['stop', 'stand', 'step', 'walk', 'sit', 'reset', 'speed', 'window', 'pause', 'tunable-filter']) {
+    assert.ok(reached.has(name), `${name} is not reached with Tab: ${[...reached]}`);
+  }
+  await page.focus('[data-command=step]');
+  await page.keyboard.press('Enter');
+  await state('step');
+});
+
+test('a record is shown as one and takes no commands', async () => {
+  monitor.write('record');
+  await page.reload();
+  await until('the words', async () => /A record: it takes no commands/.test(await text('#answer')));
+  assert.ok(await page.isDisabled('#stop'));
+});
