@@ -1,7 +1,6 @@
 #include "host_tools/cli/bench_command.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -10,8 +9,8 @@
 #include "host_tools/cli/bench_output.h"
 #include "host_tools/cli/closed_loop_bench.h"
 #include "host_tools/cli/json_output.h"
+#include "host_tools/cli/planner_timing.h"
 #include "host_tools/cli/planning_problems.h"
-#include "host_tools/cli/progress.h"
 #include "host_tools/cli/usage_error.h"
 #include "host_tools/simulator/number.h"
 
@@ -21,36 +20,6 @@ namespace {
 constexpr int kRounds = 400;
 constexpr int kMostProblems = 100000;
 constexpr double kLargestSpeed_m_s = 5.0;
-
-long long steady_ns() noexcept {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(
-             std::chrono::steady_clock::now().time_since_epoch())
-      .count();
-}
-
-PlannerTimings time_planner(control::Planner& planner, const std::vector<control::PlannerInput>& inputs) {
-  PlannerTimings timings;
-  const auto plan = std::make_unique<control::Plan>();
-  Progress progress("timing the planner", static_cast<double>(inputs.size()), "plans");
-  planner.set_clock(steady_ns);
-  planner.reset(0.0);
-  for (std::size_t i = 0; i < inputs.size(); ++i) {
-    const long long start_ns = steady_ns();
-    const solver::SolveReport report = planner.plan(inputs[i], *plan);
-    const double solve_us = 1e-3 * static_cast<double>(steady_ns() - start_ns);
-    const solver::PhaseTimes& phases = planner.phase_times();
-    timings.solve_us.push_back(solve_us);
-    timings.linearise_us.push_back(phases.linearise_us);
-    timings.riccati_us.push_back(phases.riccati_us);
-    timings.line_search_us.push_back(phases.line_search_us);
-    timings.other_us.push_back(solve_us - phases.linearise_us - phases.riccati_us - phases.line_search_us);
-    timings.iterations.push_back(report.iterations);
-    timings.nodes_max = std::max(timings.nodes_max, plan->nodes);
-    if (!report.usable()) ++timings.failed;
-    progress.update(static_cast<double>(i + 1));
-  }
-  return timings;
-}
 
 /// The phases on the last problem of the list.
 benchmark::PhaseSpeeds measure_last(const control::Planner& planner) {

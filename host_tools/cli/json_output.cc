@@ -43,6 +43,7 @@ Json plant_json(const log::RunSummary& summary) {
 
 Json to_json(const log::RunSummary& summary) {
   Json json = plant_json(summary);
+  json["saturated_s"] = summary.saturated_s;
   json["solve_time_us"] = to_json(summary.solve_time_us);
   json["sqp_iterations"] = {{"mean", summary.sqp_iterations_mean}, {"max", summary.sqp_iterations_max}};
   json["dynamics_defect_max"] = summary.dynamics_defect_max;

@@ -60,6 +60,7 @@ struct RunSummary {
   model::JointVector peak_torque_Nm = model::JointVector::Zero();
   model::JointVector peak_joint_speed_rad_s = model::JointVector::Zero();
   double slip_distance_m = 0.0;
+  double saturated_s = 0.0;  ///< time over which a motor was at its torque limit
   Percentiles solve_time_us;
   double sqp_iterations_mean = 0.0;
   int sqp_iterations_max = 0;

@@ -43,6 +43,9 @@ void RunRecorder::observe_step(const Plant& plant) {
   const model::JointVector speed = plant.state().tail<model::kJoints>().cwiseAbs();
   summary.peak_torque_Nm = summary.peak_torque_Nm.cwiseMax(plant.applied_torque_Nm().cwiseAbs());
   summary.peak_joint_speed_rad_s = summary.peak_joint_speed_rad_s.cwiseMax(speed);
+  const bool saturated =
+      (plant.applied_torque_Nm().cwiseAbs().array() >= plant.torque_limit_Nm().array()).any();
+  if (saturated) summary.saturated_s += plant.time_step_s();
 }
 
 void RunRecorder::observe_tick(double time_s, const Plant& plant, const TickOutput& output,

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <CLI/App.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host_tools/cli/experiment_walks.h"
+
+namespace stilt::cli {
+
+/// Options of `stilt experiment` and its commands.
+struct ExperimentOptions {
+  WalkSetting setting;
+  std::string folder;  ///< of --out
+  std::string json_file;
+  bool quick = false;
+  // Experiments that are made of jobs.
+  bool list_jobs = false;
+  bool merge = false;
+  std::string job;             ///< of --job
+  std::optional<int> at_once;  ///< of --processes
+  std::vector<std::string> controllers;
+  std::vector<double> horizons_s;
+  // The disturbance.
+  int phases = 8;
+  int seeds = 3;
+  double coarse_N = 10.0;
+  // The frequency.
+  int problems = 500;
+};
+
+/// Adds `experiment` with frequency, disturbance, horizon and figures; options end up in `options`.
+CLI::App* add_experiment_command(CLI::App& program, ExperimentOptions& options);
+
+/// Runs the command that was given. `words` is the command line, for the processes that jobs run in. Returns
+/// the exit status. Throws UsageError or std::invalid_argument, one sentence, for bad input.
+[[nodiscard]] int run_experiment(const CLI::App& experiment, ExperimentOptions options,
+                                 const std::vector<std::string>& words);
+
+}  // namespace stilt::cli

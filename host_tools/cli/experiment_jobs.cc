@@ -1,0 +1,71 @@
+#include "host_tools/cli/experiment_jobs.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <fstream>
+#include <thread>
+
+#include "host_tools/cli/json_output.h"
+#include "host_tools/cli/progress.h"
+#include "host_tools/cli/usage_error.h"
+#include "host_tools/experiments/job_processes.h"
+
+namespace stilt::cli {
+namespace {
+
+using experiments::Job;
+using experiments::JobFolder;
+using experiments::Json;
+
+int run_one(const JobFolder& folder, const std::vector<Job>& jobs, const std::string& id) {
+  const auto job = std::ranges::find(jobs, id, &Job::id);
+  if (job == jobs.end()) throw UsageError("--job " + id + ": no such job; --list-jobs names them");
+  if (!folder.has(id)) folder.keep(id, job->run());
+  return 0;
+}
+
+void run_missing(const ExperimentOptions& options, std::vector<std::string> words, const JobFolder& folder,
+                 const std::vector<Job>& jobs) {
+  const std::vector<std::string> ids = folder.missing(jobs);
+  const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  words.front() = "/proc/self/exe";
+  Progress progress("running", static_cast<double>(ids.size()), "jobs");
+  experiments::run_in_processes(words, ids, options.at_once.value_or(cores),
+                                [&](int done) { progress.update(done); });
+}
+
+}  // namespace
+
+Json settings_json(const ExperimentOptions& options, const char* experiment) {
+  const ControllerChoice& choice = options.setting.choice;
+  return {{"experiment", experiment},
+          {"quick", options.quick},
+          {"robot", choice.robot},
+          {"config", choice.config_file},
+          {"set", choice.settings},
+          {"lump", choice.lump},
+          {"gaits", choice.gait_folder},
+          {"plant", options.setting.plant_settings},
+          {"push_at", options.setting.push_point}};
+}
+
+int run_jobs(const ExperimentOptions& options, const std::vector<std::string>& words, const Json& settings,
+             const std::vector<Job>& jobs, const std::function<Json(const std::vector<Json>&)>& merge,
+             const std::function<std::string(const Json&)>& table) {
+  if (options.list_jobs) {
+    for (const Job& job : jobs) std::puts(job.id.c_str());
+    return 0;
+  }
+  const JobFolder folder(options.folder, settings);
+  if (!options.job.empty()) return run_one(folder, jobs, options.job);
+  if (!options.merge) run_missing(options, words, folder, jobs);
+  Json merged = merge(folder.results(jobs));
+  merged["settings"] = settings;
+  if (!options.json_file.empty()) write_json(merged, options.json_file);
+  const std::string text = table(merged);
+  std::ofstream(std::filesystem::path(options.folder) / "table.md") << text;
+  if (options.json_file != "-") std::fputs(text.c_str(), stdout);
+  return 0;
+}
+
+}  // namespace stilt::cli

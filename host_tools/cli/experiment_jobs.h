@@ -1,0 +1,24 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "host_tools/cli/experiment_command.h"
+#include "host_tools/experiments/job_folder.h"
+
+namespace stilt::cli {
+
+/// What `--list-jobs`, `--job`, `--merge` or none of them ask for: lists the jobs; runs one; merges the
+/// results; or runs all that have no result, in processes of their own, and merges. `merge` makes the figures
+/// of all results, `table` a text of them. Returns the exit status.
+[[nodiscard]] int run_jobs(
+    const ExperimentOptions& options, const std::vector<std::string>& words,
+    const experiments::Json& settings, const std::vector<experiments::Job>& jobs,
+    const std::function<experiments::Json(const std::vector<experiments::Json>&)>& merge,
+    const std::function<std::string(const experiments::Json&)>& table);
+
+/// What the results depend on, for the folder.
+[[nodiscard]] experiments::Json settings_json(const ExperimentOptions& options, const char* experiment);
+
+}  // namespace stilt::cli

@@ -1,0 +1,74 @@
+#include "host_tools/cli/experiment_walks.h"
+
+#include "host_tools/cli/run_description.h"
+#include "host_tools/simulator/closed_loop.h"
+#include "host_tools/simulator/number.h"
+#include "host_tools/simulator/simulated_robot.h"
+
+namespace stilt::cli {
+namespace {
+
+using experiments::WalkCase;
+
+ControllerChoice choice_of(const WalkSetting& setting, const std::string& controller, double horizon_s) {
+  constexpr double kPlanRate_hz = 100.0;
+  ControllerChoice choice = setting.choice;
+  choice.controller = controller;
+  choice.horizon_s = horizon_s;
+  choice.plan_rate_hz = kPlanRate_hz;
+  return choice;
+}
+
+std::vector<simulator::Push> pushes_of(const WalkSetting& setting, const WalkCase& walk) {
+  if (walk.push_N == 0.0) return {};
+  const std::string text = simulator::number_text(walk.push_N) + "@" +
+                           simulator::number_text(walk.push_start_s) + "+" +
+                           simulator::number_text(walk.push_duration_s) + "@" + setting.push_point;
+  return {simulator::parse_push(text)};
+}
+
+log::RunRecord run(const WalkSetting& setting, const WalkCase& walk) {
+  const ControllerChoice choice = choice_of(setting, walk.controller, walk.horizon_s);
+  const model::RobotModel& robot = robot_model(choice.robot);
+  const control::ControllerParameters parameters = controller_parameters(choice);
+  simulator::PlantOptions world;
+  for (const std::string& assignment : setting.plant_settings) set_plant_option(world, assignment);
+  world.time_step_s =
+      simulator::time_step_for_tick(world.time_step_s, 1.0 / parameters.timing.torque_rate_hz);
+  simulator::Plant plant(simulator::make_plant_model(simulator::simulated_robot(choice.robot), world,
+                                                     parameters.reference.base_height_m),
+                         world, walk.seed);
+  simulator::RunSettings settings;
+  settings.duration_s = walk.duration_s;
+  settings.leg = {robot.constants.thigh_length_m, robot.constants.shin_length_m};
+  settings.commands = {{0.0, {gait::GaitKind::walk, walk.speed_m_s}}};
+  settings.pushes = pushes_of(setting, walk);
+  settings.timing = parameters.timing;
+  settings.keep_samples = walk.keep_samples;
+  settings.initial_state = standing_on_ground(world, settings.leg, parameters);
+  const auto controller = make_any_controller(choice, robot, parameters);
+  log::RunRecord record = simulator::run_closed_loop(plant, *controller, settings);
+  describe_run(robot.constants, plant, world, record);
+  return record;
+}
+
+}  // namespace
+
+std::vector<std::string> experiment_noise() {
+  return {"encoder_noise_rad=0.0005", "encoder_velocity_noise_rad_s=0.02", "base_angle_noise_rad=0.001",
+          "base_rate_noise_rad_s=0.01"};
+}
+
+control::ControllerParameters walk_parameters(const WalkSetting& setting, const std::string& controller,
+                                              double horizon_s) {
+  return controller_parameters(choice_of(setting, controller, horizon_s));
+}
+
+experiments::WalkRunner walk_runner(const WalkSetting& setting) {
+  (void)simulator::parse_push("1@1+1@" + setting.push_point);
+  simulator::PlantOptions checked;
+  for (const std::string& assignment : setting.plant_settings) set_plant_option(checked, assignment);
+  return [setting](const WalkCase& walk) { return run(setting, walk); };
+}
+
+}  // namespace stilt::cli

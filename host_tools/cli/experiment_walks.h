@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host_tools/cli/controller_choice.h"
+#include "host_tools/experiments/walk_case.h"
+
+namespace stilt::cli {
+
+/// What all walks of an experiment share.
+struct WalkSetting {
+  ControllerChoice choice;  ///< controller and horizon are those of the case
+  std::vector<std::string> plant_settings;
+  std::string push_point = "hip";
+};
+
+/// Sensor noise of the experiments, so that seeds differ: joints 0.5 mrad and 20 mrad/s, base 1 mrad and
+/// 10 mrad/s. As settings of the plant.
+[[nodiscard]] std::vector<std::string> experiment_noise();
+
+/// Walks as `stilt sim` makes them, with estimated state, 100 plans a second and the configured delay of a
+/// plan. Throws UsageError when the setting is mistaken.
+[[nodiscard]] experiments::WalkRunner walk_runner(const WalkSetting& setting);
+
+/// The parameters of one controller under the setting, checked.
+[[nodiscard]] control::ControllerParameters walk_parameters(const WalkSetting& setting,
+                                                            const std::string& controller, double horizon_s);
+
+}  // namespace stilt::cli

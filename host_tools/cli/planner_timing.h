@@ -1,0 +1,15 @@
+#pragma once
+
+#include <vector>
+
+#include "host_tools/cli/bench_output.h"
+#include "mpc_core/control/planner.h"
+
+namespace stilt::cli {
+
+/// Solves a list of problems, one after another as a planner meets them in a walk, and times each by the wall
+/// clock.
+[[nodiscard]] PlannerTimings time_planner(control::Planner& planner,
+                                          const std::vector<control::PlannerInput>& inputs);
+
+}  // namespace stilt::cli

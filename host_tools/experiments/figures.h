@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host_tools/experiments/job_folder.h"
+#include "host_tools/experiments/walk_case.h"
+
+namespace stilt::experiments {
+
+/// The published figures from walks of the simulated robot.
+struct Figures {
+  std::string page;  ///< HTML, complete in itself
+  Json numbers;      ///< {push: {...}, periodicity: [{controller, horizon_s, ...}]}
+};
+
+/// The push of 20 N for 1 s under mpc-heuristic (states, torques, contact forces); postures and joint angles
+/// of mpc-heuristic at 1.0 s against mpc-hzd at 0.5 s, with the variation of the joint angles from step to
+/// step; ends of the plans of both. `duration_s`: of each walk, at least 8 s.
+[[nodiscard]] Figures make_figures(const WalkRunner& run, double duration_s);
+
+}  // namespace stilt::experiments

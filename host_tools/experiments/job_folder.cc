@@ -1,0 +1,74 @@
+#include "host_tools/experiments/job_folder.h"
+
+#include <unistd.h>
+
+#include <fstream>
+#include <stdexcept>
+
+namespace stilt::experiments {
+namespace {
+
+Json read(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  const Json json = Json::parse(stream, nullptr, false);
+  if (json.is_discarded()) {
+    throw std::runtime_error(file.string() + ": no result that can be read; remove the file and run the job");
+  }
+  return json;
+}
+
+/// Under another name first, so that nobody ever sees half a file.
+void write(const std::filesystem::path& file, const Json& json) {
+  const std::filesystem::path part = file.string() + "." + std::to_string(getpid()) + ".part";
+  std::ofstream stream(part);
+  stream << json.dump(1) << '\n' << std::flush;
+  std::error_code error;
+  if (stream) std::filesystem::rename(part, file, error);
+  if (!stream || error) throw std::runtime_error(file.string() + ": the file cannot be written");
+}
+
+}  // namespace
+
+JobFolder::JobFolder(const std::filesystem::path& folder, const Json& settings) : folder_(folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder_, error);
+  if (!std::filesystem::is_directory(folder_, error) || access(folder_.c_str(), W_OK) != 0) {
+    throw std::invalid_argument("--out " + folder.string() +
+                                ": no folder that can be written; name one in an existing, writable folder");
+  }
+  const std::filesystem::path kept = file("settings");
+  if (!std::filesystem::exists(kept)) {
+    write(kept, settings);
+  } else if (read(kept) != settings) {
+    throw std::invalid_argument("--out " + folder.string() +
+                                ": it holds results of other settings (settings.json); name another folder");
+  }
+}
+
+bool JobFolder::has(const std::string& id) const { return std::filesystem::exists(file(id)); }
+
+Json JobFolder::result(const std::string& id) const { return read(file(id)); }
+
+void JobFolder::keep(const std::string& id, const Json& result) const { write(file(id), result); }
+
+std::vector<std::string> JobFolder::missing(const std::vector<Job>& jobs) const {
+  std::vector<std::string> ids;
+  for (const Job& job : jobs) {
+    if (!has(job.id)) ids.push_back(job.id);
+  }
+  return ids;
+}
+
+std::vector<Json> JobFolder::results(const std::vector<Job>& jobs) const {
+  const std::vector<std::string> absent = missing(jobs);
+  if (!absent.empty()) {
+    throw std::invalid_argument("--merge: " + std::to_string(absent.size()) + " of " +
+                                std::to_string(jobs.size()) + " results are missing in " + folder_.string() +
+                                ", the first is " + absent.front() + "; run the jobs first");
+  }
+  std::vector<Json> all;
+  for (const Job& job : jobs) all.push_back(result(job.id));
+  return all;
+}
+
+}  // namespace stilt::experiments

@@ -1,0 +1,52 @@
+#include "host_tools/experiments/job_processes.h"
+
+#include <spawn.h>
+#include <sys/wait.h>
+
+#include <cstddef>
+#include <map>
+#include <stdexcept>
+
+extern char** environ;
+
+namespace stilt::experiments {
+namespace {
+
+pid_t start(std::vector<std::string> command, const std::string& id) {
+  command.insert(command.end(), {"--job", id});
+  std::vector<char*> words;
+  for (std::string& word : command) words.push_back(word.data());
+  words.push_back(nullptr);
+  pid_t process = 0;
+  if (posix_spawn(&process, words[0], nullptr, nullptr, words.data(), environ) != 0) {
+    throw std::runtime_error("job " + id + ": the process cannot be started");
+  }
+  return process;
+}
+
+}  // namespace
+
+void run_in_processes(const std::vector<std::string>& command, const std::vector<std::string>& ids,
+                      int at_once, const std::function<void(int)>& finished) {
+  std::map<pid_t, std::string> running;
+  std::string failed;
+  std::size_t next = 0;
+  int done = 0;
+  while (!running.empty() || (failed.empty() && next < ids.size())) {
+    if (failed.empty() && next < ids.size() && static_cast<int>(running.size()) < at_once) {
+      running.emplace(start(command, ids[next]), ids[next]);
+      ++next;
+      continue;
+    }
+    int status = 0;
+    const auto process = running.find(waitpid(-1, &status, 0));
+    if (process == running.end()) continue;
+    const bool good = WIFEXITED(status) && WEXITSTATUS(status) == 0;
+    if (!good && failed.empty()) failed = process->second;
+    running.erase(process);
+    finished(++done);
+  }
+  if (!failed.empty()) throw std::runtime_error("job " + failed + " failed; its message is above");
+}
+
+}  // namespace stilt::experiments

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "host_tools/log/run_record.h"
+
+/// The published experiments on the simulated robot. What walks it is handed in, so that nothing here knows
+/// options or configuration.
+namespace stilt::experiments {
+
+/// One walk, from standing still at time 0 on.
+struct WalkCase {
+  std::string controller = "mpc-heuristic";
+  double horizon_s = 1.0;
+  double speed_m_s = 0.5;
+  double duration_s = 10.0;
+  double push_N = 0.0;  ///< positive forward; 0: none
+  double push_start_s = 0.0;
+  double push_duration_s = 1.0;
+  std::uint64_t seed = 1;     ///< of the sensor noise
+  bool keep_samples = false;  ///< otherwise the summary alone
+};
+
+/// Runs a case. Throws when it cannot be set up.
+using WalkRunner = std::function<log::RunRecord(const WalkCase&)>;
+
+}  // namespace stilt::experiments
