@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "mpc_core/ocp/linearise_workspace.h"
+#include "mpc_core/ocp/linearise.h"
 #include "mpc_core/ocp/problem.h"
 #include "mpc_core/solver/riccati.h"
 

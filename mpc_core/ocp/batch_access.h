@@ -59,6 +59,7 @@ struct BatchIterate {
   Batch u[model::kInputs];
   Batch x_next[model::kStates];
 
+  BatchIterate() = default;
   BatchIterate(const Trajectory& iterate, const StageBatch& batch) noexcept {
     const double* rows[kLanes];
     for (int lane = 0; lane < kLanes; ++lane) rows[lane] = iterate.x[batch.stage[lane]];

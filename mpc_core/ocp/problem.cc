@@ -41,6 +41,7 @@ void fill_transition_batches(Problem& problem) noexcept {
         batch->touchdown = touchdown;
         batch->lanes = 0;
       }
+      problem.place[k] = {problem.transition_batches - 1, kGroups / 2 + feet, batch->lanes};
       batch->weight[batch->lanes] = 1.0;
       batch->stage[batch->lanes++] = k;
     }
@@ -86,6 +87,7 @@ void fill_batches(const gait::HeuristicReference& reference, Problem& problem) n
         batch->mode = contact;
         batch->lanes = 0;
       }
+      problem.place[k] = {problem.batches - 1, mode, batch->lanes};
       point = reference.evaluate(stage.time_s, stage.phase);
       set_lane(*batch, batch->lanes++, k, stage.duration_s, 1.0, point);
     }

@@ -9,8 +9,6 @@
 /// One planning problem: horizon, references and weights, laid out for batched evaluation.
 namespace stilt::ocp {
 
-struct LineariseWorkspace;  // linearise_workspace.h
-
 using model::Batch;
 using model::kLanes;
 
@@ -43,6 +41,17 @@ struct TransitionBatch {
 /// Left, right and both feet may each leave one batch partly filled, as may transitions without a touch-down.
 inline constexpr int kMaxTransitionBatches = (kMaxSwitches + kLanes - 1) / kLanes + 4;
 
+/// Stages that fill batches together: flows of a contact mode (0 to 3), transitions that put the same feet
+/// down (4 to 7). A group's batches follow one another, in the horizon as in memory.
+inline constexpr int kGroups = 8;
+
+/// Where a stage is in the batches of its kind.
+struct StagePlace {
+  int batch = 0;
+  int group = 0;
+  int lane = 0;
+};
+
 /// Weights and limits in force, with what follows from them.
 struct ProblemData {
   const model::RobotModel* robot = nullptr;
@@ -67,6 +76,7 @@ struct Problem {
   StageBatch batch[kMaxBatches];
   int transition_batches = 0;
   TransitionBatch transition_batch[kMaxTransitionBatches];
+  StagePlace place[kMaxStages];
   alignas(64) double x_initial[solver::kRows] = {};
   alignas(64) double x_ref_terminal[solver::kRows] = {};
 };
@@ -77,11 +87,5 @@ void fill_batches(const gait::HeuristicReference& reference, Problem& problem) n
 /// Merit of an iterate: running, touch-down and terminal cost, defects, equality residuals.
 [[nodiscard]] Merit evaluate(const ProblemData& data, const Problem& problem,
                              const Trajectory& iterate) noexcept;
-
-/// The quadratic model around an iterate, equalities projected out (Gauss-Newton Hessian):
-/// one LqStage and one InputProjection a stage, and the terminal cost.
-void linearise(const ProblemData& data, const Problem& problem, const Trajectory& iterate,
-               solver::LqStage* stages, InputProjection* projections, solver::LqTerminal& terminal,
-               LineariseWorkspace& work) noexcept;
 
 }  // namespace stilt::ocp

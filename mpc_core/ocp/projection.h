@@ -3,6 +3,7 @@
 #include "mpc_core/model/batch.h"
 #include "mpc_core/model/terms.h"
 #include "mpc_core/ocp/problem.h"
+#include "mpc_core/solver/simd_columns.h"
 
 /// Equality constraints of a node and their elimination, in closed form for each contact mode.
 ///
@@ -30,6 +31,12 @@ inline constexpr int kThetaColumn = 0;
 inline constexpr int kVelocityColumn = model::kPositions - model::kFirstAngle;
 inline constexpr int kOmegaColumn = model::kPositions;
 
+/// Columns of a row over (dz_b, dx, w), z substituted: the height of the base, the columns above, the free
+/// directions.
+inline constexpr int kHeightColumn = 0;
+inline constexpr int kFirstStateColumn = 1;
+inline constexpr int kFirstFree = kFirstStateColumn + kStateColumns;
+
 /// Compile-time facts of a contact mode.
 template <bool Left, bool Right>
 struct ModeTraits {
@@ -41,6 +48,7 @@ struct ModeTraits {
   static constexpr int kVariables = model::kJoints + (kStanceFeet == 2 ? 2 : 0);
   static constexpr int kFree = kVariables - kConstraints;
   static constexpr int kColumns = kStateColumns + kVariables;  ///< of a row over (dx, z)
+  static constexpr int kReducedColumns = kFirstFree + kFree;   ///< of a row over (dz_b, dx, w)
   [[nodiscard]] static constexpr bool stance(int foot) noexcept { return foot == 0 ? Left : Right; }
   /// Foot and axis of row r of step 3.
   [[nodiscard]] static constexpr int row_foot(int r) noexcept {
@@ -51,9 +59,16 @@ struct ModeTraits {
   [[nodiscard]] static constexpr int input(int v) noexcept { return v < model::kJoints ? v : v + 2; }
 };
 
-/// Largest sizes over all modes.
-inline constexpr int kMaxVariables = model::kJoints + 2;
-inline constexpr int kMaxColumns = kStateColumns + kMaxVariables;
+/// Largest size over all modes.
+inline constexpr int kMaxReducedColumns = kFirstFree + solver::kMaxFreeInputs;
+
+/// Scalar product over the variables z.
+template <class Mode>
+[[nodiscard]] STILT_INLINE inline Batch over_variables(const Batch* a, const Batch* b) noexcept {
+  Batch sum = a[0] * b[0];
+  for (int v = 1; v < Mode::kVariables; ++v) sum += a[v] * b[v];
+  return sum;
+}
 
 /// Derivatives of one quantity: by theta (5), omega (5) and u (8).
 struct Slopes {
@@ -222,27 +237,57 @@ struct ForceElimination {
     }
     return sum;
   }
+};
 
-  /// Row of a quantity over (dx, z), forces substituted; returns its step at dx = 0, z = 0.
-  Batch substitute(const Slopes& from, Batch* row) const noexcept {
-    for (int i = 0; i < model::kAngles; ++i) {
-      row[kThetaColumn + i] = from.theta[i];
-      row[kOmegaColumn + i] = from.omega[i];
-    }
-    row[kVelocityColumn] = row[kVelocityColumn + 1] = Batch(0.0);
-    for (int v = 0; v < Mode::kVariables; ++v) row[kStateColumns + v] = from.input[Mode::input(v)];
-    Batch step = swing_share(from.input);
+/// A quantity over (dx, z), forces substituted, given by its derivatives. Its entries are made where they are
+/// used, in registers.
+template <class Mode>
+struct SubstitutedRow {
+  const ForceElimination<Mode>& force;
+  const Slopes& from;
+  Batch by_force[2];
+  Batch by_z[Mode::kVariables];
+  Batch step;  ///< at dx = 0, z = 0
+
+  STILT_INLINE SubstitutedRow(const ForceElimination<Mode>& elimination, const Slopes& slopes) noexcept
+      : force(elimination), from(slopes) {
+    step = force.swing_share(from.input);
     if constexpr (Mode::kStanceFeet > 0) {
-      const Batch by_x = from.input[Mode::kFirstForce];
-      const Batch by_z = from.input[Mode::kFirstForce + 1];
-      for (int c = 0; c < Mode::kColumns; ++c) row[c] += by_x * slope[0][c] + by_z * slope[1][c];
-      step += by_x * constant[0] + by_z * constant[1];
+      for (int axis = 0; axis < 2; ++axis) by_force[axis] = from.input[Mode::kFirstForce + axis];
+      step += by_force[0] * force.constant[0] + by_force[1] * force.constant[1];
     }
-    return step;
+    solver::unroll<Mode::kVariables>([&](auto v) STILT_INLINE {
+      by_z[v] = from.input[Mode::input(v)];
+      add_force_share<kStateColumns + v>(by_z[v]);
+    });
+  }
+
+  /// Derivative by column c of dx, z held.
+  template <int c>
+  [[nodiscard]] STILT_INLINE Batch by_state() const noexcept {
+    Batch sum;
+    if constexpr (c < kVelocityColumn) {
+      sum = from.theta[c - kThetaColumn];
+    } else if constexpr (c >= kOmegaColumn) {
+      sum = from.omega[c - kOmegaColumn];
+    } else {
+      sum = Batch(0.0);
+    }
+    add_force_share<c>(sum);
+    return sum;
+  }
+
+ private:
+  template <int c>
+  STILT_INLINE void add_force_share(Batch& sum) const noexcept {
+    if constexpr (Mode::kStanceFeet > 0) {
+      sum += by_force[0] * force.slope[0][c] + by_force[1] * force.slope[1][c];
+    }
   }
 };
 
-/// Step 3: z = z0 + sum_r Y_r c_r + sum_k W_k w_k with c_r = row_r dx + by_height_r dz_b.
+/// Step 3: z = z0 + sum_r Y_r c_r + sum_k W_k w_k with c_r = row_r dx + by_height_r dz_b. The W_k are
+/// orthonormal and orthogonal to z0 and all Y_r.
 template <class Mode>
 struct ConstraintElimination {
   Batch row[Mode::kConstraints][kStateColumns];
@@ -262,12 +307,14 @@ struct ConstraintElimination {
       const int foot = Mode::row_foot(r);
       const int axis = Mode::row_axis(r);
       constraint_row(parameters, batch, Mode::stance(foot), foot, axis, node, full);
-      Batch columns[Mode::kColumns];
-      residual[r] = full.residual + force.substitute(full.slopes(), columns);
-      columns[kVelocityColumn + axis] += full.by_velocity;
+      const Slopes slopes = full.slopes();
+      const SubstitutedRow<Mode> substituted(force, slopes);
+      residual[r] = full.residual + substituted.step;
+      solver::unroll<kStateColumns>([&](auto c)
+                                        STILT_INLINE { row[r][c] = substituted.template by_state<c>(); });
+      row[r][kVelocityColumn + axis] += full.by_velocity;
       by_height[r] = full.by_height;
-      for (int c = 0; c < kStateColumns; ++c) row[r][c] = columns[c];
-      for (int v = 0; v < Mode::kVariables; ++v) m[r][v] = columns[kStateColumns + v];
+      for (int v = 0; v < Mode::kVariables; ++v) m[r][v] = substituted.by_z[v];
     }
     const detail::RowTriangularisation<kRows, Mode::kVariables> triangular(m, parameters.rank_tolerance);
     Batch range[kRows][Mode::kVariables];
@@ -284,6 +331,29 @@ struct ConstraintElimination {
       }
     }
     for (int k = 0; k < Mode::kFree; ++k) triangular.axis(kRows + k, W[k]);
+  }
+
+  /// Row over (dz_b, dx, w) of a quantity with the derivatives `by_z` and, z held, by_state(c) by column c of
+  /// dx: store(column, entry) for each. Returns its step at dx = 0, w = 0 through z.
+  template <class ByState, class Store>
+  STILT_INLINE Batch substitute(const Batch* by_z, const ByState& by_state,
+                                const Store& store) const noexcept {
+    Batch through[Mode::kConstraints];
+    Batch by_z_b = Batch(0.0);
+    for (int r = 0; r < Mode::kConstraints; ++r) {
+      through[r] = over_variables<Mode>(by_z, Y[r]);
+      by_z_b += through[r] * by_height[r];
+    }
+    store(std::integral_constant<int, kHeightColumn>{}, by_z_b);
+    solver::unroll<kStateColumns>([&](auto c) STILT_INLINE {
+      Batch sum = by_state(c);
+      for (int r = 0; r < Mode::kConstraints; ++r) sum += through[r] * row[r][c];
+      store(std::integral_constant<int, kFirstStateColumn + c>{}, sum);
+    });
+    solver::unroll<Mode::kFree>([&](auto k) STILT_INLINE {
+      store(std::integral_constant<int, kFirstFree + k>{}, over_variables<Mode>(by_z, W[k]));
+    });
+    return over_variables<Mode>(by_z, z0);
   }
 };
 

@@ -6,58 +6,79 @@
 #include "mpc_core/ocp/batch_access.h"
 #include "mpc_core/ocp/projection.h"
 
-/// Gauss-Newton cost of a batch over (dx, z), times the duration of the stage.
+/// Gauss-Newton cost of a batch over (dx, w), the equality constraints projected out, times the duration of
+/// the stage.
 ///
-/// Every term is 1/2 c (rho + r dx')^2 up to a constant (a barrier brings its own slope g and curvature c).
-/// Swing forces and the first stance force are substituted; z stays, so that joint accelerations are
-/// variables of their own and only joint torques, the swing foot's horizontal acceleration and the stance
-/// force are dense rows. The accelerations that a constraint fixes need no dense row either: for every step
-/// that fulfils the linearised constraint a = -kd v or a - a_ref = -kd (v - v_ref) - kp (p - p_ref), which
-/// depends on the state alone. Gradients are those at dx = 0 and z = z0, on the constraints.
+/// Every term is 1/2 c (rho + r d)^2 up to a constant (a barrier brings its own slope g and curvature c),
+/// with r the row of a quantity over d = (dz_b, dx, w): swing forces, the first stance force and z are
+/// substituted in the row, so that the sum over the rows is the stage's Hessian. Only joint torques, the
+/// swing foot's horizontal acceleration, the stance force and the weights of z are rows. The accelerations
+/// that a constraint fixes need none: for every step that fulfils the linearised constraint a = -kd v or a -
+/// a_ref = -kd (v - v_ref) - kp (p - p_ref), which depends on the state alone. Gradients are those at dx = 0
+/// and w = 0, on the constraints.
 namespace stilt::ocp {
 
 /// Rows of H are padded to whole blocks of four.
-inline constexpr int kPaddedColumns = (kMaxColumns + 3) / 4 * 4;
+inline constexpr int kPaddedColumns = (kMaxReducedColumns + 3) / 4 * 4;
 
-/// 1/2 d' H d + g' d over d = (theta, v, omega, z), and the terms of x_b and z_b, which meet theta and, for
-/// z_b, v and omega alone.
+/// 1/2 d' H d + g' d over d = (dz_b, theta, v, omega, w), and the terms of x_b, which meets theta alone.
 struct QuadraticCost {
   Batch H[kPaddedColumns][kPaddedColumns];  ///< lower half
   Batch g[kPaddedColumns];
-  Batch base_gradient[2];
-  Batch base_curvature[2];
-  Batch base_by_state[2][kStateColumns];  ///< of x_b only the theta part is set
+  Batch x_gradient;
+  Batch x_curvature;
+  Batch x_by_theta[model::kAngles];
   Batch drift;  ///< first-order change of the cost along the step onto the constraints
 };
 
-/// Rows that are dense over (dx, z), each with slope and curvature.
+/// The rows of a batch, each with slope and curvature.
 template <class Mode>
 class DenseRows {
  public:
+  /// Weights of z: with one constraint a row of c alone, otherwise a row each.
+  static constexpr bool kUniform = Mode::kConstraints == 1;
   /// Joint torques, the unconstrained acceleration of each swing foot, two for the first stance force.
-  static constexpr int kRows =
-      model::kJoints + (model::kFeet - Mode::kStanceFeet) + (Mode::kStanceFeet > 0 ? 2 : 0);
-  static constexpr int kColumns = (Mode::kColumns + 3) / 4 * 4;
+  static constexpr int kRows = model::kJoints + (model::kFeet - Mode::kStanceFeet) +
+                               (Mode::kStanceFeet > 0 ? 2 : 0) + (kUniform ? 1 : Mode::kVariables);
+  static constexpr int kColumns = (Mode::kReducedColumns + 3) / 4 * 4;
 
   DenseRows(const ForceElimination<Mode>& force, const ConstraintElimination<Mode>& constraint) noexcept
       : force_(force), constraint_(constraint) {}
 
   /// A quantity given by its derivatives.
   void add(const Batch& slope, const Batch& curvature, const Slopes& by) noexcept {
-    finish(slope, curvature, force_.substitute(by, rows_[count_]));
+    const SubstitutedRow<Mode> row(force_, by);
+    add_row(slope, curvature, row.step, row.by_z,
+            [&](auto c) STILT_INLINE { return row.template by_state<c>(); });
   }
 
   /// The first stance foot's force, combined: fx + by_z fz.
   void add_force(const Batch& slope, const Batch& curvature, const Batch& by_z) noexcept {
-    for (int c = 0; c < Mode::kColumns; ++c)
-      rows_[count_][c] = force_.slope[0][c] + by_z * force_.slope[1][c];
-    finish(slope, curvature, force_.constant[0] + by_z * force_.constant[1]);
+    const auto entry = [&](int c) STILT_INLINE { return force_.slope[0][c] + by_z * force_.slope[1][c]; };
+    Batch by_variables[Mode::kVariables];
+    for (int v = 0; v < Mode::kVariables; ++v) by_variables[v] = entry(kStateColumns + v);
+    add_row(slope, curvature, force_.constant[0] + by_z * force_.constant[1], by_variables, entry);
   }
 
   /// The vertical force alone.
   void add_vertical_force(const Batch& slope, const Batch& curvature) noexcept {
-    std::copy(force_.slope[1], force_.slope[1] + Mode::kColumns, rows_[count_]);
-    finish(slope, curvature, force_.constant[1]);
+    add_row(slope, curvature, force_.constant[1], force_.slope[1] + kStateColumns,
+            [&](int c) STILT_INLINE { return force_.slope[1][c]; });
+  }
+
+  /// A combination of the variables z.
+  void add_variables(const Batch& slope, const Batch& curvature, const Batch* by_z) noexcept {
+    add_row(slope, curvature, Batch(0.0), by_z, [](int) STILT_INLINE { return Batch(0.0); });
+  }
+
+  /// c_0 itself; `slope` is the one at dx = 0.
+  void add_constraint(const Batch& slope, const Batch& curvature) noexcept {
+    Batch* row = rows_[count_];
+    row[kHeightColumn] = Batch(constraint_.by_height[0]);
+    std::copy(constraint_.row[0], constraint_.row[0] + kStateColumns, row + kFirstStateColumn);
+    for (int c = kFirstFree; c < kColumns; ++c) row[c] = Batch(0.0);
+    for (int c = 0; c < kColumns; ++c) weighted_[count_][c] = curvature * row[c];
+    slope_[count_++] = slope;
   }
 
   /// Sums gradient and lower half of the Hessian over all rows, in blocks of 4 x 2 that stay in registers (of
@@ -76,14 +97,20 @@ class DenseRows {
   }
 
  private:
-  /// `step`: of the quantity at dx = 0, z = 0; that of z0 is added here.
-  void finish(const Batch& slope, const Batch& curvature, Batch step) noexcept {
+  /// `step`: at dx = 0, z = 0.
+  template <class ByState>
+  STILT_INLINE void add_row(const Batch& slope, const Batch& curvature, const Batch& step, const Batch* by_z,
+                            const ByState& by_state) noexcept {
     Batch* row = rows_[count_];
-    for (int v = 0; v < Mode::kVariables; ++v) step += row[kStateColumns + v] * constraint_.z0[v];
-    for (int c = Mode::kColumns; c < kColumns; ++c) row[c] = Batch(0.0);
-    for (int c = 0; c < kColumns; ++c) weighted_[count_][c] = curvature * row[c];
-    drift_ += slope * step;
-    slope_[count_++] = slope + curvature * step;
+    Batch* weighted = weighted_[count_];
+    const auto store = [&](auto column, const Batch& entry) STILT_INLINE {
+      row[column] = entry;
+      weighted[column] = curvature * entry;
+    };
+    const Batch reached = step + constraint_.substitute(by_z, by_state, store);
+    for (int c = Mode::kReducedColumns; c < kColumns; ++c) row[c] = weighted[c] = Batch(0.0);
+    drift_ += slope * reached;
+    slope_[count_++] = slope + curvature * reached;
   }
 
   /// Entries (i + first ... i + 3) x (j, j + 1) of the Hessian.
@@ -134,7 +161,62 @@ struct ForceCost {
   }
 };
 
-/// Terms of the inputs: dense rows, then what acts on z itself. Sets H, g and drift.
+/// Weights of the joint accelerations where one constraint is left. They are all equal (set_weights), so that
+/// the orthogonal directions Y and W_k do not meet: what Y c costs is a row of c, what w costs is diagonal.
+template <class Mode>
+class UniformWeights {
+ public:
+  UniformWeights(const ProblemData& data, const StageBatch& batch, const BatchIterate& it,
+                 const ConstraintElimination<Mode>& constraint) noexcept
+      : constraint_(constraint), weight_(batch.duration * data.input_weight[0]) {
+    for (int j = 0; j < model::kJoints; ++j) slope_[j] = weight_ * (it.u[j] - batch.u_ref[j]);
+  }
+
+  void add_constraint(DenseRows<Mode>& rows) const noexcept {
+    const Batch* Y = constraint_.Y[0];
+    rows.add_constraint(over_variables<Mode>(slope_, Y) + weight_ * over_variables<Mode>(constraint_.z0, Y),
+                        weight_ * over_variables<Mode>(Y, Y));
+  }
+
+  void add_free(QuadraticCost& out) const noexcept {
+    for (int k = 0; k < Mode::kFree; ++k) {
+      out.g[kFirstFree + k] += over_variables<Mode>(slope_, constraint_.W[k]);
+      out.H[kFirstFree + k][kFirstFree + k] += weight_;
+    }
+    out.drift += over_variables<Mode>(slope_, constraint_.z0);
+  }
+
+ private:
+  const ConstraintElimination<Mode>& constraint_;
+  Batch weight_;
+  Batch slope_[model::kJoints];
+};
+
+/// Weights of z a row each: joint accelerations, in double support the second foot's force.
+template <class Mode>
+void add_variables(const ProblemData& data, const StageBatch& batch, const BatchIterate& it,
+                   DenseRows<Mode>& rows) noexcept {
+  using model::kJoints;
+  for (int j = 0; j < kJoints; ++j) {
+    const Batch weight = batch.duration * data.input_weight[j];
+    Batch by_z[Mode::kVariables] = {};
+    by_z[j] = Batch(1.0);
+    rows.add_variables(weight * (it.u[j] - batch.u_ref[j]), weight, by_z);
+  }
+  if constexpr (Mode::kStanceFeet == 2) {
+    const ForceCost cost(data, batch, it.u, 1);
+    const Batch l = cost.hxz / cost.hxx;
+    Batch by_z[Mode::kVariables] = {};
+    by_z[kJoints] = Batch(1.0);
+    by_z[kJoints + 1] = l;
+    rows.add_variables(cost.gx, cost.hxx, by_z);
+    by_z[kJoints] = Batch(0.0);
+    by_z[kJoints + 1] = Batch(1.0);
+    rows.add_variables(cost.gz - l * cost.gx, cost.hzz - l * cost.hxz, by_z);
+  }
+}
+
+/// Terms of the inputs. Sets H, g and drift.
 template <class Mode>
 void add_input_terms(const ProblemData& data, const StageBatch& batch, const BatchIterate& it,
                      const model::NodeDerivatives<Batch>& node, const ForceElimination<Mode>& force,
@@ -165,27 +247,14 @@ void add_input_terms(const ProblemData& data, const StageBatch& batch, const Bat
     rows.add_force(cost.gx, cost.hxx, l);
     rows.add_vertical_force(cost.gz - l * cost.gx, cost.hzz - l * cost.hxz);
   }
-  rows.accumulate(out);
-
-  for (int j = 0; j < kJoints; ++j) {
-    const int v = kStateColumns + j;
-    const Batch weight = h * data.input_weight[j];
-    const Batch slope = weight * (it.u[j] - batch.u_ref[j]);
-    out.H[v][v] += weight;
-    out.g[v] += slope + weight * constraint.z0[j];
-    out.drift += slope * constraint.z0[j];
-  }
-  if constexpr (Mode::kStanceFeet == 2) {
-    const ForceCost cost(data, batch, it.u, 1);
-    const int x = kStateColumns + kJoints;
-    const Batch& x0 = constraint.z0[kJoints];
-    const Batch& z0 = constraint.z0[kJoints + 1];
-    out.H[x][x] += cost.hxx;
-    out.H[x + 1][x] += cost.hxz;
-    out.H[x + 1][x + 1] += cost.hzz;
-    out.g[x] += cost.gx + cost.hxx * x0 + cost.hxz * z0;
-    out.g[x + 1] += cost.gz + cost.hxz * x0 + cost.hzz * z0;
-    out.drift += cost.gx * x0 + cost.gz * z0;
+  if constexpr (DenseRows<Mode>::kUniform) {
+    const UniformWeights<Mode> weights(data, batch, it, constraint);
+    weights.add_constraint(rows);
+    rows.accumulate(out);
+    weights.add_free(out);
+  } else {
+    add_variables(data, batch, it, rows);
+    rows.accumulate(out);
   }
   for (int i = 0; i < 2 * model::kFeet; ++i) {
     if (Mode::stance(i / 2)) continue;
@@ -233,6 +302,16 @@ STILT_INLINE inline FootCost foot_cost(const ProblemData& data, const StageBatch
   return cost;
 }
 
+/// Columns of link i of a foot's chain.
+template <int foot>
+constexpr int theta_column(int i) noexcept {
+  return kFirstStateColumn + kThetaColumn + model::kChainAngles[foot][i];
+}
+template <int foot>
+constexpr int omega_column(int i) noexcept {
+  return kFirstStateColumn + kOmegaColumn + model::kChainAngles[foot][i];
+}
+
 /// Both axes of one foot. With p_i the derivative of a position by angle i of the chain (and of the velocity
 /// by its rate), d_i that of the velocity by the angle: theta_i moves (p, v) by (p_i, d_i), omega_i by
 /// (0, p_i), the base by (1, 0) and (0, 1).
@@ -249,12 +328,17 @@ STILT_INLINE inline void add_foot(const ProblemData& data, const StageBatch& bat
     const FootCost cost = foot_cost<kStance, axis>(data, batch, node, foot, out.drift);
     const Batch(&p)[kChain] = node.foot_position_dchain[2 * foot + axis];
     const Batch(&d)[kChain] = node.foot_velocity_dchain[2 * foot + axis];
-    constexpr int kVelocity = kVelocityColumn + axis;
-    out.base_gradient[axis] += cost.gp;
-    out.base_curvature[axis] += cost.pp;
+    constexpr int kVelocity = kFirstStateColumn + kVelocityColumn + axis;
+    if constexpr (axis == 0) {
+      out.x_gradient += cost.gp;
+      out.x_curvature += cost.pp;
+    } else {
+      out.g[kHeightColumn] += cost.gp;
+      out.H[kHeightColumn][kHeightColumn] += cost.pp;
+    }
     out.g[kVelocity] += cost.gv;
     out.H[kVelocity][kVelocity] += cost.vv;
-    if constexpr (kCoupled) out.base_by_state[axis][kVelocity] += cost.pv;
+    if constexpr (kCoupled) out.H[kVelocity][kHeightColumn] += cost.pv;
     const auto add = [](Batch& sum, const Batch& value) STILT_INLINE {
       if constexpr (axis == 0) {
         sum = value;
@@ -263,17 +347,21 @@ STILT_INLINE inline void add_foot(const ProblemData& data, const StageBatch& bat
       }
     };
     solver::unroll<kChain>([&](auto i) STILT_INLINE {
-      constexpr int kTheta = kThetaColumn + model::kChainAngles[foot][i];
-      constexpr int kOmega = kOmegaColumn + model::kChainAngles[foot][i];
+      constexpr int kTheta = theta_column<foot>(i);
+      constexpr int kOmega = omega_column<foot>(i);
       Batch p_theta = cost.pp * p[i];
       Batch v_theta = cost.vv * d[i];
       const Batch v_omega = cost.vv * p[i];
       if constexpr (kCoupled) {
         p_theta += cost.pv * d[i];
         v_theta += cost.pv * p[i];
-        out.base_by_state[axis][kOmega] += cost.pv * p[i];
+        out.H[kOmega][kHeightColumn] += cost.pv * p[i];
       }
-      out.base_by_state[axis][kTheta] += p_theta;
+      if constexpr (axis == 0) {
+        out.x_by_theta[model::kChainAngles[foot][i]] += p_theta;
+      } else {
+        out.H[kTheta][kHeightColumn] += p_theta;
+      }
       out.H[kVelocity][kTheta] += v_theta;
       out.H[kOmega][kVelocity] += v_omega;
       add(theta_gradient[i], cost.gp * p[i] + cost.gv * d[i]);
@@ -289,13 +377,13 @@ STILT_INLINE inline void add_foot(const ProblemData& data, const StageBatch& bat
     });
   });
   solver::unroll<kChain>([&](auto i) STILT_INLINE {
-    constexpr int kTheta = kThetaColumn + model::kChainAngles[foot][i];
-    constexpr int kOmega = kOmegaColumn + model::kChainAngles[foot][i];
+    constexpr int kTheta = theta_column<foot>(i);
+    constexpr int kOmega = omega_column<foot>(i);
     out.g[kTheta] += theta_gradient[i];
     out.g[kOmega] += omega_gradient[i];
     solver::unroll<kChain>([&](auto j) STILT_INLINE {
-      constexpr int kTheta_j = kThetaColumn + model::kChainAngles[foot][j];
-      constexpr int kOmega_j = kOmegaColumn + model::kChainAngles[foot][j];
+      constexpr int kTheta_j = theta_column<foot>(j);
+      constexpr int kOmega_j = omega_column<foot>(j);
       out.H[kOmega][kTheta_j] += omega_theta[i][j];
       if constexpr (j <= i) {
         out.H[kTheta][kTheta_j] += theta_theta[i][j];
@@ -306,18 +394,18 @@ STILT_INLINE inline void add_foot(const ProblemData& data, const StageBatch& bat
 }
 
 /// Terms of the state: weights, joint limits, positions and velocities of the feet, and their accelerations
-/// as far as constraints fix them. Adds to H, g and drift; sets the terms of x_b and z_b.
+/// as far as constraints fix them. Adds to H, g and drift; sets the terms of x_b.
 template <class Mode>
 void add_state_terms(const ProblemData& data, const StageBatch& batch, const BatchIterate& it,
                      const model::NodeDerivatives<Batch>& node, QuadraticCost& out) noexcept {
   using model::kPositions;
   const Batch h = batch.duration;
-  for (int axis = 0; axis < 2; ++axis) {
-    const Batch weight = h * data.state_weight[axis];
-    out.base_gradient[axis] = weight * (it.x[axis] - batch.x_ref[axis]);
-    out.base_curvature[axis] = weight;
-    for (Batch& entry : out.base_by_state[axis]) entry = Batch(0.0);
-  }
+  out.x_curvature = h * data.state_weight[0];
+  out.x_gradient = out.x_curvature * (it.x[0] - batch.x_ref[0]);
+  for (Batch& entry : out.x_by_theta) entry = Batch(0.0);
+  const Batch height_weight = h * data.state_weight[1];
+  out.H[kHeightColumn][kHeightColumn] += height_weight;
+  out.g[kHeightColumn] += height_weight * (it.x[1] - batch.x_ref[1]);
   solver::unroll<kStateColumns>([&](auto c) STILT_INLINE {
     constexpr int i = model::kFirstAngle + c;
     constexpr int kJoint = c < kVelocityColumn ? c - kThetaColumn - 1 : c - kOmegaColumn - 1;
@@ -334,8 +422,9 @@ void add_state_terms(const ProblemData& data, const StageBatch& batch, const Bat
       slope += barrier.first;
       curvature += barrier.second;
     }
-    out.g[c] += h * slope;
-    out.H[c][c] += h * curvature;
+    constexpr int kColumn = kFirstStateColumn + c;
+    out.g[kColumn] += h * slope;
+    out.H[kColumn][kColumn] += h * curvature;
   });
   add_foot<Mode, 0>(data, batch, node, out);
   add_foot<Mode, 1>(data, batch, node, out);

@@ -19,7 +19,7 @@ constexpr int unit_at(int place) noexcept {
 
 /// The vector whose product with x belongs at a place, or null.
 template <class Mode, int kPlace>
-STILT_INLINE inline const double* vector_at(const LqStage& stage, const LqGain& gain) noexcept {
+STILT_INLINE inline const double* vector_at(const LqFirstOrder& stage, const LqGain& gain) noexcept {
   constexpr int kInput = kPlace - kGainPlace, kConstraint = kPlace - kConstraintPlace;
   if constexpr (unit_at<Mode>(kPlace) >= 0) {
     return stage.G[unit_at<Mode>(kPlace)];
@@ -40,7 +40,7 @@ struct UnitLanes {
 
 /// steps[1].x, steps[0].w and steps[0].c from steps[0].x.
 template <class Mode>
-STILT_INLINE inline void roll_stage(const LqStage& stage, const LqGain& gain, LqStep* steps) noexcept {
+STILT_INLINE inline void roll_stage(const LqFirstOrder& stage, const LqGain& gain, LqStep* steps) noexcept {
   const double* x = steps[0].x;
   const Drift drift(stage.h);
   alignas(64) double sums[kRows];
@@ -74,10 +74,9 @@ STILT_INLINE inline void roll_stage(const LqStage& stage, const LqGain& gain, Lq
   unroll<kParts>([&](auto part) STILT_INLINE { store(steps[1].x + part * kLanes, next[part]); });
 }
 
-}  // namespace
-
-void forward_sweep(const LqStage* stages, int count, const LqGain* gains, const double* x0,
-                   LqStep* steps) noexcept {
+/// Stage is LqFirstOrder or LqStage.
+template <class Stage>
+void roll_out(const Stage* stages, int count, const LqGain* gains, const double* x0, LqStep* steps) noexcept {
   std::memcpy(steps[0].x, x0, sizeof(steps[0].x));
   for (int k = 0; k < count; ++k) {
     dispatch(stages[k],
@@ -87,14 +86,36 @@ void forward_sweep(const LqStage* stages, int count, const LqGain* gains, const 
   std::memset(steps[count].c, 0, sizeof(steps[count].c));
 }
 
-double cost_slope(const LqStage* stages, int count, const LqTerminal& terminal,
-                  const LqStep* steps) noexcept {
+template <class Stage>
+double slope_along(const Stage* stages, int count, const LqTerminal& terminal, const LqStep* steps) noexcept {
   double slope = dot(terminal.q, steps[count].x);
   for (int k = 0; k < count; ++k) {
     slope += dot(stages[k].q, steps[k].x);
     for (int i = 0; i < stages[k].free_inputs; ++i) slope += stages[k].r[i] * steps[k].w[i];
   }
   return slope;
+}
+
+}  // namespace
+
+void forward_sweep(const LqFirstOrder* stages, int count, const LqGain* gains, const double* x0,
+                   LqStep* steps) noexcept {
+  roll_out(stages, count, gains, x0, steps);
+}
+
+void forward_sweep(const LqStage* stages, int count, const LqGain* gains, const double* x0,
+                   LqStep* steps) noexcept {
+  roll_out(stages, count, gains, x0, steps);
+}
+
+double cost_slope(const LqFirstOrder* stages, int count, const LqTerminal& terminal,
+                  const LqStep* steps) noexcept {
+  return slope_along(stages, count, terminal, steps);
+}
+
+double cost_slope(const LqStage* stages, int count, const LqTerminal& terminal,
+                  const LqStep* steps) noexcept {
+  return slope_along(stages, count, terminal, steps);
 }
 
 }  // namespace stilt::solver

@@ -39,21 +39,28 @@ inline constexpr int kBaseRow[kBaseRows] = {0, 1, 2, 7, 8, 9};  ///< their rows 
 inline constexpr int kMaxConstraints = 2;
 inline constexpr int kMaxDynamicsRows = kBaseRows + kMaxConstraints;
 
-struct alignas(64) LqStage {
+/// Dynamics and gradient of a stage: what the forward sweep needs.
+struct alignas(64) LqFirstOrder {
   double G[kMaxDynamicsRows][kRows];  ///< G[row][state]; column 0 (x_b) is zero: nothing depends on it
   double L[kMaxConstraints][kRows];   ///< L[constraint][state row]
-  double Q[kStates][kRows];           ///< Q[column][row], symmetric; only row >= column is read
   double B[kMaxFreeInputs][kRows];    ///< B[column][row]
-  double S[kMaxFreeInputs][kRows];    ///< S[input][state]
   double b[kRows];                    ///< defect of the dynamics
   double q[kRows];
-  double R[kMaxFreeInputs][kMaxFreeInputs];  ///< only R[i][j] with j >= i is read
   double r[kMaxFreeInputs];
   double h;  ///< s
   StageForm form;
   int constraints;  ///< 0 to kMaxConstraints
   int free_inputs;  ///< 0 to kMaxFreeInputs; entries beyond are not read
 };
+
+/// Hessian of a stage's cost: the backward sweep reads it once.
+struct alignas(64) LqSecondOrder {
+  double Q[kStates][kRows];                  ///< Q[column][row], symmetric; only row >= column is read
+  double S[kMaxFreeInputs][kRows];           ///< S[input][state]
+  double R[kMaxFreeInputs][kMaxFreeInputs];  ///< only R[i][j] with j >= i is read
+};
+
+struct LqStage : LqFirstOrder, LqSecondOrder {};
 
 struct alignas(64) LqTerminal {
   double Q[kStates][kRows];

@@ -6,9 +6,15 @@
 namespace stilt::solver {
 namespace {
 
+/// Both parts of a stage.
+struct Stage {
+  const LqFirstOrder& first;
+  const LqSecondOrder& second;
+};
+
 /// Column c of [B, L, b].
 template <class Mode>
-STILT_INLINE inline const double* right_side(const LqStage& stage, int c) noexcept {
+STILT_INLINE inline const double* right_side(const LqFirstOrder& stage, int c) noexcept {
   if (c < Mode::kInputs) return stage.B[c];
   if (c < Mode::kInputs + Mode::kConstraints) return stage.L[c - Mode::kInputs];
   return stage.b;
@@ -42,7 +48,7 @@ struct Dots {
 
 /// X = P [B, L, b], and p added to the last column.
 template <class Mode>
-STILT_INLINE inline void value_products(const LqStage& stage, const ValueFunction& next,
+STILT_INLINE inline void value_products(const LqFirstOrder& stage, const ValueFunction& next,
                                         RiccatiWorkspace& work) noexcept {
   for_each_tile<0, Mode::kColumns>([&]<int kFirst, int kCount>(Tile<kFirst, kCount>& tile) STILT_INLINE {
     tile.for_each([&](auto c, auto p) STILT_INLINE {
@@ -57,7 +63,7 @@ STILT_INLINE inline void value_products(const LqStage& stage, const ValueFunctio
 
 /// [B, L]'X into work.dots.
 template <class Mode>
-STILT_INLINE inline void scalar_products(const LqStage& stage, RiccatiWorkspace& work) noexcept {
+STILT_INLINE inline void scalar_products(const LqFirstOrder& stage, RiccatiWorkspace& work) noexcept {
   constexpr int kCount = Dots<Mode>::kCount;
   unroll<(kCount + kLanes - 1) / kLanes>([&](auto group) STILT_INLINE {
     Block block;
@@ -76,14 +82,14 @@ STILT_INLINE inline void scalar_products(const LqStage& stage, RiccatiWorkspace&
 
 /// Takes them from the scalar products.
 template <class Mode>
-STILT_INLINE inline InputTerms<Mode::kInputs> input_terms(const LqStage& stage,
+STILT_INLINE inline InputTerms<Mode::kInputs> input_terms(const Stage& stage,
                                                           const RiccatiWorkspace& work) noexcept {
   constexpr int kInputs = Mode::kInputs;
   InputTerms<kInputs> terms;
   unroll<kInputs>([&](auto i) STILT_INLINE {
-    unroll<i + 1>([&](auto j)
-                      STILT_INLINE { terms.H[i][j] = stage.R[j][i] + work.dots[Dots<Mode>::at(i, j)]; });
-    terms.h[i] = stage.r[i] + work.dots[Dots<Mode>::at(i, Mode::kColumns - 1)];
+    unroll<i + 1>(
+        [&](auto j) STILT_INLINE { terms.H[i][j] = stage.second.R[j][i] + work.dots[Dots<Mode>::at(i, j)]; });
+    terms.h[i] = stage.first.r[i] + work.dots[Dots<Mode>::at(i, Mode::kColumns - 1)];
   });
   return terms;
 }
@@ -92,7 +98,6 @@ STILT_INLINE inline InputTerms<Mode::kInputs> input_terms(const LqStage& stage,
 template <class Mode>
 struct Rows {
   static constexpr int kCount = Mode::kTerms + Mode::kInputs + 1;
-  const LqStage& stage;
   const ValueFunction& next;
   RiccatiWorkspace& work;
 
@@ -129,9 +134,9 @@ struct Rows {
 
 /// W, F and f_x.
 template <class Mode>
-STILT_INLINE inline void row_products(const LqStage& stage, const ValueFunction& next, const Drift& drift,
+STILT_INLINE inline void row_products(const Stage& stage, const ValueFunction& next, const Drift& drift,
                                       RiccatiWorkspace& work) noexcept {
-  const Rows<Mode> rows{stage, next, work};
+  const Rows<Mode> rows{next, work};
   for_each_tile<0, Rows<Mode>::kCount>([&]<int kFirst, int kCount>(Tile<kFirst, kCount>& tile) STILT_INLINE {
     tile.for_each([&](auto c, auto p) STILT_INLINE {
       constexpr int kRow = kFirst + c;
@@ -142,14 +147,14 @@ STILT_INLINE inline void row_products(const LqStage& stage, const ValueFunction&
         tile.v[c][p] = load(v + p * kLanes);
       }
       if constexpr (kRow == Mode::kTerms + Mode::kInputs) {
-        tile.v[c][p] += load(stage.q + p * kLanes);
+        tile.v[c][p] += load(stage.first.q + p * kLanes);
       } else if constexpr (kRow >= Mode::kTerms) {
-        tile.v[c][p] += load(stage.S[kRow - Mode::kTerms] + p * kLanes);
+        tile.v[c][p] += load(stage.second.S[kRow - Mode::kTerms] + p * kLanes);
       }
     });
     unroll<Mode::kTerms>([&](auto j) STILT_INLINE {
       constexpr int kFrom = j < kFirst ? 0 : j - kFirst;
-      tile.template add<kFrom>(stage.G[j], [&](auto c) STILT_INLINE {
+      tile.template add<kFrom>(stage.first.G[j], [&](auto c) STILT_INLINE {
         const double factor = rows.template through<kFirst + c, j>();
         return kFirst + c == j ? 0.5 * factor : factor;
       });
@@ -163,32 +168,33 @@ STILT_INLINE inline void row_products(const LqStage& stage, const ValueFunction&
 /// E'P E = P + h P J + h J'P + h^2 J'P J (J = [0 I; 0 0]), of which h P J stands whole and h J'P is its
 /// transpose.
 template <class Mode, int kColumn, int kPart>
-STILT_INLINE inline Vec initial_half(const LqStage& stage, const ValueFunction& next,
+STILT_INLINE inline Vec initial_half(const Stage& stage, const ValueFunction& next,
                                      const Drift& drift) noexcept {
   constexpr int kDiagonal = kColumn / kLanes, kRow = kPart * kLanes;
   constexpr bool kDrifted = Mode::kDrifts && kColumn >= kHalf;
   const double* position = next.P[kDrifted ? kColumn - kHalf : 0];
   Vec v{};
   if constexpr (kPart >= kDiagonal) {
-    v = load(stage.Q[kColumn] + kRow) + load(next.P[kColumn] + kRow);
-    if constexpr (kDrifted) v += shifted_down<kPart>(position) * (drift.velocity[kPart] * broadcast(stage.h));
+    v = load(stage.second.Q[kColumn] + kRow) + load(next.P[kColumn] + kRow);
+    if constexpr (kDrifted)
+      v += shifted_down<kPart>(position) * (drift.velocity[kPart] * broadcast(stage.first.h));
     if constexpr (kPart == kDiagonal) v = lower_half<kColumn % kLanes>(v);
   }
-  if constexpr (kDrifted) v += load(position + kRow) * broadcast(stage.h);
+  if constexpr (kDrifted) v += load(position + kRow) * broadcast(stage.first.h);
   return v;
 }
 
 /// N by columns, with P = N + N': all of W'G, and of what is symmetric in itself (Q, E'P E, y'z) the lower
 /// triangle, the diagonal halved.
 template <class Mode>
-STILT_INLINE inline void half_hessian(const LqStage& stage, const ValueFunction& next, const Drift& drift,
+STILT_INLINE inline void half_hessian(const Stage& stage, const ValueFunction& next, const Drift& drift,
                                       const RiccatiWorkspace& work, double (*N)[kRows]) noexcept {
   const auto update = [&]<int kFirst, int kCount>(Tile<kFirst, kCount>& tile) STILT_INLINE {
     tile.for_each([&](auto c, auto p)
                       STILT_INLINE { tile.v[c][p] = initial_half<Mode, kFirst + c, p>(stage, next, drift); });
     if constexpr (kFirst > 0) {
       unroll<Mode::kTerms>([&](auto i) STILT_INLINE {
-        tile.add(work.W[i], [&](auto c) STILT_INLINE { return stage.G[i][kFirst + c]; });
+        tile.add(work.W[i], [&](auto c) STILT_INLINE { return stage.first.G[i][kFirst + c]; });
       });
     }
     unroll<Mode::kInputs>([&](auto i) STILT_INLINE {
@@ -220,13 +226,13 @@ STILT_INLINE inline void update_gradient(const RiccatiWorkspace& work, const dou
 
 /// One stage of the backward sweep.
 template <class Mode>
-[[gnu::noinline]] SweepOutcome sweep_stage(const LqStage& stage, const ValueFunction& next,
+[[gnu::noinline]] SweepOutcome sweep_stage(const Stage& stage, const ValueFunction& next,
                                            ValueFunction& value, LqGain& gain,
                                            RiccatiWorkspace& work) noexcept {
   constexpr int kInputs = Mode::kInputs;
-  const Drift drift(stage.h);
-  value_products<Mode>(stage, next, work);
-  scalar_products<Mode>(stage, work);
+  const Drift drift(stage.first.h);
+  value_products<Mode>(stage.first, next, work);
+  scalar_products<Mode>(stage.first, work);
   SweepOutcome outcome = SweepOutcome::kOk;
   double z[kInputs > 0 ? kInputs : 1];
   if constexpr (kInputs > 0) {
@@ -249,14 +255,6 @@ template <class Mode>
   return outcome;
 }
 
-SweepOutcome sweep_any_stage(const LqStage& stage, const ValueFunction& next, ValueFunction& value,
-                             LqGain& gain, RiccatiWorkspace& work) noexcept {
-  SweepOutcome outcome = SweepOutcome::kBadInputCount;
-  dispatch(stage, [&]<class Mode>(Mode)
-                      STILT_INLINE { outcome = sweep_stage<Mode>(stage, next, value, gain, work); });
-  return outcome;
-}
-
 /// The symmetric matrix whose lower triangle is Q's.
 void mirror_lower(const double (*Q)[kRows], double (*P)[kRows]) noexcept {
   for (int c = 0; c < kStates; ++c) {
@@ -276,20 +274,35 @@ bool is_finite(const ValueFunction& value) noexcept {
 
 }  // namespace
 
+BackwardSweep::BackwardSweep(const LqTerminal& terminal, RiccatiWorkspace& workspace) noexcept
+    : workspace_(workspace), value_(&workspace.value[0]) {
+  mirror_lower(terminal.Q, value_->P);
+  std::memcpy(value_->p, terminal.q, sizeof(value_->p));
+}
+
+SweepOutcome BackwardSweep::step(const LqFirstOrder& first, const LqSecondOrder& second,
+                                 LqGain& gain) noexcept {
+  ValueFunction* before = value_ == &workspace_.value[0] ? &workspace_.value[1] : &workspace_.value[0];
+  SweepOutcome outcome = SweepOutcome::kBadInputCount;
+  dispatch(first, [&]<class Mode>(Mode) STILT_INLINE {
+    outcome = sweep_stage<Mode>({first, second}, *value_, *before, gain, workspace_);
+  });
+  value_ = before;
+  return outcome;
+}
+
+bool BackwardSweep::finite() const noexcept { return is_finite(*value_); }
+
 SweepStatus backward_sweep(const LqStage* stages, int count, const LqTerminal& terminal, LqGain* gains,
                            RiccatiWorkspace& workspace, ValueFunction* values) noexcept {
-  ValueFunction* next = &workspace.value[0];
-  mirror_lower(terminal.Q, next->P);
-  std::memcpy(next->p, terminal.q, sizeof(next->p));
-  if (values != nullptr) values[count] = *next;
+  BackwardSweep sweep(terminal, workspace);
+  if (values != nullptr) values[count] = sweep.value();
   for (int k = count - 1; k >= 0; --k) {
-    ValueFunction* value = &workspace.value[(count - k) & 1];
-    const SweepOutcome outcome = sweep_any_stage(stages[k], *next, *value, gains[k], workspace);
+    const SweepOutcome outcome = sweep.step(stages[k], stages[k], gains[k]);
     if (outcome != SweepOutcome::kOk) return {outcome, k};
-    if (values != nullptr) values[k] = *value;
-    next = value;
+    if (values != nullptr) values[k] = sweep.value();
   }
-  if (!is_finite(*next)) return {SweepOutcome::kNotFinite, 0};
+  if (!sweep.finite()) return {SweepOutcome::kNotFinite, 0};
   return {};
 }
 

@@ -58,6 +58,25 @@ struct alignas(64) RiccatiWorkspace {
   double dots[32];                  ///< [B, L]'X, see Dots in riccati.cc
 };
 
+/// The sweep stage by stage, so that each stage can be made just before it is used, while it is in the
+/// nearest cache.
+class BackwardSweep {
+ public:
+  BackwardSweep(const LqTerminal& terminal, RiccatiWorkspace& workspace) noexcept;
+
+  /// The stage before those taken so far: see backward_sweep(). After anything but kOk the sweep is spoilt.
+  [[nodiscard]] SweepOutcome step(const LqFirstOrder& first, const LqSecondOrder& second,
+                                  LqGain& gain) noexcept;
+
+  /// Cost to go from the stage of the newest step.
+  [[nodiscard]] const ValueFunction& value() const noexcept { return *value_; }
+  [[nodiscard]] bool finite() const noexcept;  ///< whether value() is
+
+ private:
+  RiccatiWorkspace& workspace_;
+  ValueFunction* value_;
+};
+
 /// Computes the gains of all stages, last to first.
 /// \param stages  `count` stages (count >= 0): flows with (free inputs, constraints) = (3, 1) single support,
 ///                (4, 2) double support, (2, 2) flight; transitions without either
@@ -73,10 +92,14 @@ struct alignas(64) RiccatiWorkspace {
 /// those that backward_sweep accepted. \param x0     kRows values, padding zero \param steps  count + 1
 /// steps, written; w and c beyond the counts of a stage, and those of
 ///               the last step, are zero
+void forward_sweep(const LqFirstOrder* stages, int count, const LqGain* gains, const double* x0,
+                   LqStep* steps) noexcept;
 void forward_sweep(const LqStage* stages, int count, const LqGain* gains, const double* x0,
                    LqStep* steps) noexcept;
 
 /// First-order change of the cost along the steps, sum of q'x + r'w: the slope for Armijo's condition.
+[[nodiscard]] double cost_slope(const LqFirstOrder* stages, int count, const LqTerminal& terminal,
+                                const LqStep* steps) noexcept;
 [[nodiscard]] double cost_slope(const LqStage* stages, int count, const LqTerminal& terminal,
                                 const LqStep* steps) noexcept;
 

@@ -1,7 +1,6 @@
 #pragma once
 
-#include "mpc_core/ocp/linearise_workspace.h"
-#include "mpc_core/ocp/problem.h"
+#include "mpc_core/ocp/linearise.h"
 #include "mpc_core/solver/riccati.h"
 #include "mpc_core/solver/solve_report.h"
 #include "mpc_core/solver/sqp_parameters.h"
@@ -50,6 +49,19 @@ class Sqp {
 
   [[nodiscard]] bool step(const ocp::ProblemData& data, const ocp::Problem& problem,
                           const ocp::Trajectory& iterate, SolveReport& report) noexcept;
+  /// Gains of all stages. Batches are linearised when the backward sweep comes to their last stage, so that
+  /// it finds their numbers in a near cache, and few Hessians are kept at a time.
+  [[nodiscard]] SweepOutcome linearise_and_sweep(const ocp::ProblemData& data, const ocp::Problem& problem,
+                                                 const ocp::Trajectory& iterate) noexcept;
+  /// Linearises the batch of stage k, and up to kTogether - 1 of its group before it; k is its last stage.
+  void linearise_group(const ocp::ProblemData& data, const ocp::Problem& problem,
+                       const ocp::Trajectory& iterate, int k) noexcept;
+  /// Where the model of a batch of that group goes.
+  template <class AnyBatch>
+  [[nodiscard]] ocp::BatchModel places(const AnyBatch& batch, int group, int index) noexcept;
+  [[nodiscard]] LqSecondOrder* hessians(int group, int batch) noexcept {
+    return hessians_[group][batch % ocp::kTogether];
+  }
   [[nodiscard]] Search line_search(const ocp::ProblemData& data, const ocp::Problem& problem,
                                    const SqpParameters& parameters, const ocp::Trajectory& iterate,
                                    ocp::Trajectory& trial, ocp::Merit& merit, SolveReport& report) noexcept;
@@ -63,13 +75,15 @@ class Sqp {
   PhaseTimes times_;
   double slope_ = 0.0;
   double full_step_size_ = 0.0;  ///< largest component of the step before the line search
-  LqStage stages_[ocp::kMaxStages];
+  LqFirstOrder stages_[ocp::kMaxStages];
+  LqSecondOrder hessians_[ocp::kGroups][ocp::kTogether][ocp::kLanes];  ///< of the newest batches
   LqTerminal terminal_;
   LqGain gains_[ocp::kMaxStages];
   LqStep steps_[ocp::kMaxNodes];
   RiccatiWorkspace workspace_;
   ocp::InputProjection projections_[ocp::kMaxStages];
   ocp::LineariseWorkspace linearise_work_;
+  int linearised_from_[ocp::kGroups];  ///< first batch of each group that is linearised in this iteration
   alignas(64) double input_steps_[ocp::kMaxStages][model::kInputs];
   ocp::Trajectory trial_;
 };

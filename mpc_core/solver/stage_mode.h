@@ -31,7 +31,7 @@ struct Transition {
 
 /// Calls run(mode) with the compile-time facts of a stage; false when there are none.
 template <class Run>
-STILT_INLINE inline bool dispatch(const LqStage& stage, const Run& run) noexcept {
+STILT_INLINE inline bool dispatch(const LqFirstOrder& stage, const Run& run) noexcept {
   const auto is = [&](StageForm form, int inputs, int constraints) STILT_INLINE {
     return stage.form == form && stage.free_inputs == inputs && stage.constraints == constraints;
   };

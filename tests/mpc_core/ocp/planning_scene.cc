@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "mpc_core/ocp/linearise_workspace.h"
+#include "mpc_core/ocp/linearise.h"
 
 namespace stilt::testing_support {
 namespace {

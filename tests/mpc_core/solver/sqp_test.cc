@@ -317,8 +317,8 @@ TEST(Sqp, MeasuresItsPhasesWithTheClockItIsGivenAndNoneWithout) {
   solve.sqp->set_clock(&counting_clock);
   const SolveReport report = solve.run(3);
   const PhaseTimes& times = solve.sqp->phase_times();
-  EXPECT_EQ(times.linearise_us, report.iterations);
-  EXPECT_EQ(times.riccati_us, report.iterations);
+  EXPECT_GE(times.linearise_us, report.iterations) << "a group of batches at a time, beside the sweep";
+  EXPECT_GE(times.riccati_us, report.iterations);
   EXPECT_EQ(times.line_search_us, report.iterations);
   EXPECT_GE(times.total_us, times.linearise_us + times.riccati_us + times.line_search_us);
 }

@@ -1,0 +1,225 @@
+#include <algorithm>
+#include <new>
+
+#include "mpc_core/ocp/batch_access.h"
+#include "mpc_core/ocp/linearise.h"
+
+namespace stilt::ocp {
+namespace {
+
+using model::kAngles;
+using model::kFirstAngle;
+using model::kFirstJoint;
+using model::kInputs;
+using model::kJoints;
+using model::kPositions;
+using model::kStates;
+using solver::kBaseRows;
+using solver::kRows;
+using solver::LqFirstOrder;
+using solver::LqSecondOrder;
+
+/// h, form, G, L, B, b from the rows of the base and the joints' accelerations.
+template <class Mode>
+void store_dynamics(const StageBatch& batch, const BatchIterate& it, const BaseStep& step,
+                    const Eliminations<Mode>& by, const BatchModel& to) noexcept {
+  const ForceElimination<Mode>& force = by.force;
+  const ConstraintElimination<Mode>& constraint = by.constraint;
+  constexpr int kFree = Mode::kFree;
+  constexpr int kConstraints = Mode::kConstraints;
+  for (int lane = 0; lane < kLanes; ++lane) {
+    to.first[lane]->h = batch.duration[lane];
+    to.first[lane]->form = solver::StageForm::flow;
+    to.first[lane]->constraints = kConstraints;
+    to.first[lane]->free_inputs = kFree;
+  }
+  const Batch h = batch.duration;
+  const Batch half_h2 = 0.5 * h * h;
+  Batch b[kStates];
+  Batch B[kFree][kStates];
+  Batch L[kConstraints][kStates];
+  next_state(it.x, it.u, h, step, b);
+  for (int i = 0; i < kStates; ++i) b[i] -= it.x_next[i];
+
+  double* rows[kLanes];
+  for (int i = 0; i < kBaseRows; ++i) {
+    const int axis = i % 3;
+    const Batch* slope = i < 3 ? step.d_position[axis] : step.d_velocity[axis];
+    const int state = solver::kBaseRow[i];
+    const Slopes slopes{slope, slope + kAngles, slope + 2 * kAngles};
+    const SubstitutedRow<Mode> substituted(force, slopes);
+    Batch row[Mode::kReducedColumns];
+    b[state] += substituted.step +
+                constraint.substitute(
+                    substituted.by_z, [&](auto c) STILT_INLINE { return substituted.template by_state<c>(); },
+                    [&](auto c, const Batch& entry) STILT_INLINE { row[c] = entry; });
+    for (int k = 0; k < kFree; ++k) B[k][state] = row[kFirstFree + k];
+    for (int r = 0; r < kConstraints; ++r) L[r][state] = Batch(0.0);
+    to.rows([&](LqFirstOrder& stage) { return stage.G[i]; }, rows);
+    store_rows<kStates>(rows, [&](auto c) { return c == 0 ? Batch(0.0) : row[c == 0 ? 0 : c - 1]; });
+  }
+  for (int j = 0; j < kJoints; ++j) {
+    const int q = kFirstJoint + j;
+    const int v = kPositions + q;
+    b[q] += half_h2 * constraint.z0[j];
+    b[v] += h * constraint.z0[j];
+    for (int k = 0; k < kFree; ++k) {
+      B[k][q] = half_h2 * constraint.W[k][j];
+      B[k][v] = h * constraint.W[k][j];
+    }
+    for (int r = 0; r < kConstraints; ++r) {
+      L[r][q] = half_h2 * constraint.Y[r][j];
+      L[r][v] = h * constraint.Y[r][j];
+    }
+  }
+  to.rows([](LqFirstOrder& stage) { return stage.b; }, rows);
+  store_rows<kStates>(rows, [&](auto i) { return b[i]; });
+  for (int k = 0; k < kFree; ++k) {
+    to.rows([&](LqFirstOrder& stage) { return stage.B[k]; }, rows);
+    store_rows<kStates>(rows, [&](auto i) { return B[k][i]; });
+  }
+  for (int r = 0; r < kConstraints; ++r) {
+    to.rows([&](LqFirstOrder& stage) { return stage.G[kBaseRows + r]; }, rows);
+    store_rows<kStates>(rows, [&](auto c) -> Batch {
+      if constexpr (c == 0)
+        return Batch(0.0);
+      else if constexpr (c == 1)
+        return Batch(constraint.by_height[r]);
+      else
+        return constraint.row[r][c - kFirstAngle];
+    });
+    to.rows([&](LqFirstOrder& stage) { return stage.L[r]; }, rows);
+    store_rows<kStates>(rows, [&](auto i) { return L[r][i]; });
+  }
+}
+
+/// Q, S, R, q, r and the slope along u0.
+template <class Mode>
+void store_cost(const QuadraticCost& cost, const BatchModel& to) noexcept {
+  constexpr int kFree = Mode::kFree;
+  double* rows[kLanes];
+  // Column c of Q below the diagonal; states in order: x_b, then the columns of the cost.
+  solver::unroll<kStates>([&](auto column) STILT_INLINE {
+    constexpr int c = column;
+    to.rows([](LqSecondOrder& stage) { return stage.Q[c]; }, rows);
+    store_rows<kStates, c / kLanes>(rows, [&](auto state) -> Batch {
+      constexpr int d = state;
+      constexpr int kAngle = d - kFirstAngle;
+      if constexpr (d < c)
+        return Batch(0.0);
+      else if constexpr (c > 0)
+        return cost.H[d - 1][c - 1];
+      else if constexpr (d == 0)
+        return cost.x_curvature;
+      else if constexpr (kAngle >= 0 && kAngle < kAngles)
+        return cost.x_by_theta[kAngle];
+      else
+        return Batch(0.0);
+    });
+  });
+  to.rows([](LqFirstOrder& stage) { return stage.q; }, rows);
+  store_rows<kStates>(rows, [&](auto d) { return d == 0 ? cost.x_gradient : cost.g[d == 0 ? 0 : d - 1]; });
+  for (int k = 0; k < kFree; ++k) {
+    to.rows([&](LqSecondOrder& stage) { return stage.S[k]; }, rows);
+    store_rows<kStates>(
+        rows, [&](auto d) { return d == 0 ? Batch(0.0) : cost.H[kFirstFree + k][d == 0 ? 0 : d - 1]; });
+  }
+  for (int lane = 0; lane < kLanes; ++lane) {
+    to.inputs[lane]->u0_slope = cost.drift[lane];
+    for (int k = 0; k < kFree; ++k) {
+      to.first[lane]->r[k] = cost.g[kFirstFree + k][lane];
+      for (int i = k; i < kFree; ++i) to.second[lane]->R[k][i] = cost.H[kFirstFree + i][kFirstFree + k][lane];
+    }
+  }
+}
+
+/// du = u0 + Y c + W w + [0; F dx; 0].
+template <class Mode>
+void store_projection(const Eliminations<Mode>& by, const BatchModel& to) noexcept {
+  const ForceElimination<Mode>& force = by.force;
+  const ConstraintElimination<Mode>& constraint = by.constraint;
+  double* rows[kLanes];
+  // Entry i of a vector of inputs that moves z by `z` and swing forces by `swing`.
+  const auto store_inputs = [&](const Batch* z, bool constant) {
+    Batch entry[kInputs];
+    for (int i = 0; i < 2 * model::kFeet; ++i) {
+      entry[kJoints + i] = constant && !Mode::stance(i / 2) ? force.swing_step[i] : Batch(0.0);
+    }
+    for (int v = 0; v < Mode::kVariables; ++v) entry[Mode::input(v)] = z[v];
+    if constexpr (Mode::kStanceFeet > 0) {
+      for (int axis = 0; axis < 2; ++axis) {
+        Batch sum = over_variables<Mode>(force.slope[axis] + kStateColumns, z);
+        if (constant) sum += force.constant[axis];
+        entry[Mode::kFirstForce + axis] = sum;
+      }
+    }
+    store_rows<kInputs>(rows, [&](auto i) { return entry[i]; });
+  };
+  to.rows([](InputProjection& inputs) { return inputs.u0; }, rows);
+  store_inputs(constraint.z0, true);
+  for (int r = 0; r < Mode::kConstraints; ++r) {
+    to.rows([&](InputProjection& inputs) { return inputs.Y[r]; }, rows);
+    store_inputs(constraint.Y[r], false);
+  }
+  for (int k = 0; k < Mode::kFree; ++k) {
+    to.rows([&](InputProjection& inputs) { return inputs.W[k]; }, rows);
+    store_inputs(constraint.W[k], false);
+  }
+  if constexpr (Mode::kStanceFeet > 0) {
+    for (int axis = 0; axis < 2; ++axis) {
+      to.rows([&](InputProjection& inputs) { return inputs.F[axis]; }, rows);
+      store_rows<kStates>(rows, [&](auto state) -> Batch {
+        if constexpr (state < kFirstAngle)
+          return Batch(0.0);
+        else
+          return force.slope[axis][state - kFirstAngle];
+      });
+    }
+  }
+  for (int lane = 0; lane < kLanes; ++lane) {
+    to.inputs[lane]->first_force = Mode::kStanceFeet > 0 ? Mode::kFirstForce : -1;
+  }
+}
+
+template <class Mode>
+void linearise_mode(const ProblemData& data, std::span<const StageBatch> batches, const Trajectory& iterate,
+                    const BatchModel* to, LineariseWorkspace& work) noexcept {
+  const BatchParameters parameters(data);
+  const Eliminations<Mode>* by[kTogether];
+  const auto for_each = [&](const auto& step) STILT_INLINE {
+    for (std::size_t i = 0; i < batches.size(); ++i) step(batches[i], work.flow[i], by[i], to[i]);
+  };
+  for_each([&](const StageBatch& batch, LineariseWorkspace::Flow& flow, auto&, const BatchModel&) {
+    flow.it = BatchIterate(iterate, batch);
+    data.robot->batch.node_derivatives(flow.it.x, flow.it.u, parameters.value, flow.node);
+  });
+  for_each([&](const StageBatch& batch, LineariseWorkspace::Flow& flow, auto&, const BatchModel&) {
+    integrate_base_derivatives(*data.robot, data.discretisation.integrator, flow.it.x, flow.it.u,
+                               batch.duration, flow.node, flow.step, work.integrator);
+  });
+  for_each([&](const StageBatch& batch, LineariseWorkspace::Flow& flow, auto& eliminations,
+               const BatchModel& model) {
+    eliminations = new (flow.eliminations) Eliminations<Mode>(data.equality, batch, flow.it.u, flow.node);
+    store_dynamics(batch, flow.it, flow.step, *eliminations, model);
+    store_projection(*eliminations, model);
+  });
+  for_each(
+      [&](const StageBatch& batch, LineariseWorkspace::Flow& flow, auto& eliminations, const BatchModel&) {
+        add_input_terms(data, batch, flow.it, flow.node, eliminations->force, eliminations->constraint,
+                        flow.cost);
+      });
+  for_each([&](const StageBatch& batch, LineariseWorkspace::Flow& flow, auto&, const BatchModel& model) {
+    add_state_terms<Mode>(data, batch, flow.it, flow.node, flow.cost);
+    store_cost<Mode>(flow.cost, model);
+  });
+}
+
+}  // namespace
+
+void linearise(const ProblemData& data, std::span<const StageBatch> batches, const Trajectory& iterate,
+               const BatchModel* to, LineariseWorkspace& work) noexcept {
+  dispatch(batches[0].mode,
+           [&]<class Mode>(Mode) { linearise_mode<Mode>(data, batches, iterate, to, work); });
+}
+
+}  // namespace stilt::ocp
