@@ -9,6 +9,7 @@
 #include "host_tools/cli/bench_command.h"
 #include "host_tools/cli/experiment_command.h"
 #include "host_tools/cli/gait_command.h"
+#include "host_tools/cli/log_command.h"
 #include "host_tools/cli/model_evaluation.h"
 #include "host_tools/cli/monitor_command.h"
 #include "host_tools/cli/record_command.h"
@@ -55,6 +56,8 @@ int run(int count, char** words) {
   const CLI::App* replay = stilt::cli::add_replay_command(program, replay_options);
   stilt::cli::ExperimentOptions experiment_options;
   const CLI::App* experiment = stilt::cli::add_experiment_command(program, experiment_options);
+  stilt::cli::LogOptions log_options;
+  const CLI::App* log = stilt::cli::add_log_command(program, log_options);
   CLI::App* model = program.add_subcommand("model", "the robot's generated dynamics");
   model->require_subcommand(1);
   CLI::App* eval = model->add_subcommand(
@@ -69,10 +72,10 @@ int run(int count, char** words) {
     return program.exit(help_or_version);
   } catch (const CLI::RequiredError&) {
     const std::string unknown = count > 1 ? std::string(words[count - 1]) + ": " : std::string();
-    return refuse(
-        unknown +
-        "a command is expected: sim, robot, gait, experiment, monitor, bench, record, replay or model eval; "
-        "stilt --help tells more");
+    return refuse(unknown +
+                  "a command is expected: sim, robot, gait, experiment, monitor, bench, record, replay, log "
+                  "or model eval; "
+                  "stilt --help tells more");
   } catch (const CLI::ParseError& error) {
     return refuse(std::string(error.what()) + "; stilt COMMAND --help tells what is right");
   }
@@ -81,6 +84,7 @@ int run(int count, char** words) {
   if (monitor->parsed()) return stilt::cli::run_monitor(monitor_options);
   if (gait->parsed()) return stilt::cli::run_gait(*gait, gait_options);
   if (record->parsed()) return stilt::cli::run_record(record_options);
+  if (log->parsed()) return stilt::cli::run_log(log_options);
   if (replay->parsed()) return stilt::cli::run_replay(replay_options);
   if (experiment->parsed())
     return stilt::cli::run_experiment(*experiment, experiment_options, {words, words + count});

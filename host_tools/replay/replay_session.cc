@@ -1,12 +1,55 @@
 #include "host_tools/replay/replay_session.h"
 
+#include <algorithm>
+#include <memory>
+#include <optional>
+
 #include "firmware/configuration/configuration.h"
+#include "firmware/configuration/live.h"
 #include "firmware/program/configure_cycles.h"
 
 namespace stilt::replay {
 namespace {
 
 constexpr std::uint64_t kProgressEvery = 1000;
+
+/// The live tunables of a session under their numbers, worked out as stiltd does
+/// (firmware/telemetry/tuner.h).
+class TuningsOf {
+ public:
+  TuningsOf(const SessionRecord& session, const configuration::Configuration& configuration)
+      : session_(session),
+        configuration_(configuration),
+        robot_(model::find_robot(configuration.hardware.robot.c_str())),
+        work_(std::make_unique<solver::TerminalCostWorkspace>()) {}
+
+  /// Nothing when the record lacks them, or this program has other tunables.
+  [[nodiscard]] std::optional<Tunings> operator()(std::uint32_t number) const {
+    const auto values = session_.tunings.find(number);
+    if (values == session_.tunings.end() || !same_tunables()) return std::nullopt;
+    Tunings tunings;
+    const configuration::Configuration changed =
+        configuration::with_live_values(configuration_, values->second);
+    const auto status = control::prepare_settings(*robot_, changed, *work_, tunings.planner.settings);
+    if (status != control::ConfigureStatus::ok) return std::nullopt;
+    tunings.torque = {number, tunings.planner.settings.parameters.torque_law};
+    tunings.planner.number = number;
+    return tunings;
+  }
+
+ private:
+  [[nodiscard]] bool same_tunables() const {
+    const auto mine = configuration::live_tunables(configuration_);
+    return std::ranges::equal(mine, session_.tunables, [](const auto& tunable, const auto& key) {
+      return tunable.entry->name() == key;
+    });
+  }
+
+  const SessionRecord& session_;
+  const configuration::Configuration& configuration_;
+  const model::RobotModel* robot_;
+  std::unique_ptr<solver::TerminalCostWorkspace> work_;
+};
 
 Outcome failed(const std::string& problem) {
   Outcome outcome;
@@ -26,7 +69,8 @@ Outcome replay_session(const std::string& path, const SessionRecord& session,
   if (!configuration) {
     return failed(source + " is refused by this program: " + to_string(configuration.error().front()));
   }
-  Replay replay(session.cycles, [](std::uint32_t) { return std::nullopt; });
+  const TuningsOf tunings(session, *configuration);
+  Replay replay(session.cycles, [&](std::uint32_t number) { return tunings(number); });
   const auto ready = program::configure_cycles(*configuration, source, replay.planner(), replay.torque());
   if (!ready) return failed(ready.error());
   for_each_tick(path, session.number, [&](const diagnostics::TickRecord& tick) {

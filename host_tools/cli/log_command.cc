@@ -1,0 +1,31 @@
+#include "host_tools/cli/log_command.h"
+
+#include <cstdio>
+
+#include "host_tools/log/csv/record_to_csv.h"
+
+namespace stilt::cli {
+
+CLI::App* add_log_command(CLI::App& program, LogOptions& options) {
+  CLI::App* log = program.add_subcommand("log", "what is in a record");
+  log->require_subcommand(1);
+  CLI::App* csv = log->add_subcommand("csv", "a record as comma-separated values");
+  csv->add_option("FILE", options.file, "record of stilt record")->required();
+  csv->add_option("--out", options.out,
+                  "a folder for one table a topic; or a file ending in .csv, for the ticks alone")
+      ->required();
+  csv->footer(
+      "Exit status: 0 done, 1 the record was cut off or is damaged (what is whole was written), 2 bad "
+      "usage.");
+  return log;
+}
+
+int run_log(const LogOptions& options) {
+  const csv::Written written = options.out.ends_with(".csv") ? csv::ticks_to_csv(options.file, options.out)
+                                                             : csv::record_to_csv(options.file, options.out);
+  for (const std::string& problem : written.problems) std::fprintf(stderr, "stilt: %s\n", problem.c_str());
+  for (const std::string& file : written.files) std::printf("%s\n", file.c_str());
+  return written.problems.empty() ? 0 : 1;
+}
+
+}  // namespace stilt::cli

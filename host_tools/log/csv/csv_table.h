@@ -1,0 +1,32 @@
+#pragma once
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+namespace stilt::csv {
+
+/// A table of comma-separated values that grows row by row. The first row names the columns: nested fields
+/// with dots, "header.stamp.sec". Numbers are the shortest that read back the same; a list is one cell of
+/// JSON.
+class Table {
+ public:
+  /// Throws std::runtime_error, one sentence, when the file cannot be written.
+  explicit Table(const std::string& path);
+
+  /// Adds a row; all are objects with the same fields.
+  void add(const nlohmann::ordered_json& row);
+
+  /// Throws as above when not everything was written.
+  void close();
+
+ private:
+  void write(const std::vector<std::string>& cells);
+
+  std::string path_;
+  std::ofstream file_;
+  bool named_ = false;
+};
+
+}  // namespace stilt::csv

@@ -1,0 +1,106 @@
+#include "host_tools/log/csv/record_to_csv.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <sstream>
+#include <stdexcept>
+
+#include "firmware/diagnostics/tick_csv.h"
+#include "host_tools/log/csv/csv_table.h"
+#include "host_tools/log/record/recorder.h"
+#include "tests/host_tools/log/mcap/sample_file.h"
+#include "tests/host_tools/log/record_sample.h"
+
+namespace stilt::csv {
+namespace {
+
+using record::Recorder;
+
+std::vector<std::string> lines_of(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  return lines;
+}
+
+class RecordToCsv : public testing::Test {
+ protected:
+  RecordToCsv() {
+    Recorder recorder(record.path(), {});
+    recorder.take(record::ticks_sample(7, 0, 20), 1);
+    recorder.take(record::event_sample(7, "it said \"stop\", then went on"), 123);
+    recorder.take(record::ticks_sample(7, 10, 20), 2);  // ten of them again
+    recorder.take(record::ticks_sample(8, 0, 5), 3);
+  }
+  ~RecordToCsv() override { std::filesystem::remove_all(folder); }
+
+  mcap::TemporaryFile record{"csv"};
+  std::filesystem::path folder = std::filesystem::temp_directory_path() / ("csv_" + std::to_string(getpid()));
+};
+
+TEST_F(RecordToCsv, TicksAreRowsAsInABlackBox) {
+  const Written written = record_to_csv(record.path(), folder.string());
+  EXPECT_TRUE(written.problems.empty());
+  std::ostringstream expected;
+  diagnostics::write_tick_header(expected);
+  for (std::uint64_t tick = 0; tick < 30; ++tick) {
+    diagnostics::write_tick(expected, record::sample_tick(tick), record::sample_tick(0).time_ns);
+  }
+  std::ifstream in(folder / "ticks.csv");
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(in), {}), expected.str());
+  EXPECT_EQ(lines_of(folder / "ticks_2.csv").size(), 6u) << "the second session";
+}
+
+TEST_F(RecordToCsv, OtherTopicsAreTablesWithTheFieldsOfTheirMessages) {
+  static_cast<void>(record_to_csv(record.path(), folder.string()));
+  const std::vector<std::string> lines = lines_of(folder / "stilt_event.csv");
+  ASSERT_EQ(lines.size(), 2u);
+  EXPECT_EQ(lines[0].find("log_time_ns,session,number,"), 0u) << lines[0];
+  EXPECT_EQ(lines[1].find("123,7,0,0,0.1,"), 0u) << lines[1];
+  EXPECT_NE(lines[1].find(R"("it said ""stop"", then went on")"), std::string::npos) << lines[1];
+}
+
+TEST_F(RecordToCsv, AFileTakesTheTicksOfAllSessions) {
+  const std::string file = folder.string() + ".csv";
+  static_cast<void>(ticks_to_csv(record.path(), file));
+  EXPECT_EQ(lines_of(file).size(), 36u);
+  std::filesystem::remove(file);
+}
+
+TEST_F(RecordToCsv, ARecordThatWasCutOffIsWrittenAsFarAsItGoesAndThatIsTold) {
+  mcap::Bytes bytes = record.bytes();
+  bytes.resize(bytes.size() - 100);
+  record.set_bytes(bytes);
+  const Written written = record_to_csv(record.path(), folder.string());
+  EXPECT_EQ(written.problems.size(), 1u);
+  EXPECT_EQ(lines_of(folder / "ticks.csv").size(), 31u);
+}
+
+TEST_F(RecordToCsv, RefusesPlacesThatCannotBeWritten) {
+  EXPECT_THROW(static_cast<void>(record_to_csv(record.path(), "/proc/nowhere")), std::runtime_error);
+  EXPECT_THROW(static_cast<void>(ticks_to_csv(record.path(), "/nowhere/ticks.csv")), std::runtime_error);
+}
+
+TEST(Table, CellsAreReadBackTheSame) {
+  const mcap::TemporaryFile file("table");
+  {
+    Table table(file.path());
+    table.add(
+        {{"a", {{"b", 0.1}, {"c", "x,y"}}}, {"n", std::numeric_limits<double>::quiet_NaN()}, {"l", {1, 2}}});
+    table.add({{"a", {{"b", 1e-300}, {"c", ""}}}, {"n", 3}, {"l", nlohmann::ordered_json::array()}});
+    table.close();
+  }
+  const std::vector<std::string> lines = lines_of(file.path());
+  ASSERT_EQ(lines.size(), 3u);
+  EXPECT_EQ(lines[0], "a.b,a.c,n,l");
+  EXPECT_EQ(lines[1], "0.1,\"x,y\",nan,\"[1,2]\"");
+  EXPECT_EQ(lines[2], "1e-300,,3,[]");
+}
+
+}  // namespace
+}  // namespace stilt::csv

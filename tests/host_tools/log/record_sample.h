@@ -1,0 +1,54 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "firmware/diagnostics/tick_record.h"
+#include "firmware/telemetry/cdr.h"
+#include "firmware/telemetry/reader.h"
+#include "firmware/telemetry/tick_batch.h"
+#include "firmware/telemetry/topics.h"
+
+/// Samples as they come from stiltd, made without a network.
+namespace stilt::record {
+
+inline diagnostics::TickRecord sample_tick(std::uint64_t number) {
+  diagnostics::TickRecord tick;
+  tick.tick = number;
+  tick.time_ns = 5'000'000'000 + static_cast<std::int64_t>(number) * 1'000'000;
+  tick.estimated_state[1] = 0.75;
+  tick.sent[2].torque_Nm = 0.125 * static_cast<double>(number);
+  return tick;
+}
+
+inline telemetry::Sample ticks_sample(std::uint64_t session, std::uint64_t first, std::size_t count) {
+  telemetry::TickBatchBuilder batch;
+  for (std::size_t i = 0; i < count; ++i) batch.add(sample_tick(first + i));
+  batch.message().session = session;
+  return {&telemetry::kTicks, 1'000, 1, telemetry::encode(batch.message())};
+}
+
+inline telemetry::Sample configuration_sample(std::uint64_t session, std::string toml) {
+  std::string robot = "amber3m", version = "9.9", other = "x";
+  telemetry::ConfigurationInForce message{};
+  message.session = session;
+  message.robot = robot.data();
+  message.configuration = toml.data();
+  message.version = version.data();
+  for (char** text : {&message.compiler, &message.instruction_set, &message.realtime, &message.token_file}) {
+    *text = other.data();
+  }
+  return {&telemetry::kConfiguration, 2'000, 1, telemetry::encode(message)};
+}
+
+inline telemetry::Sample event_sample(std::uint64_t session, std::string text) {
+  std::string name = "walk";
+  telemetry::Event message{};
+  message.session = session;
+  message.name = name.data();
+  message.text = text.data();
+  message.time_s = 0.1;
+  return {&telemetry::kEvents, 3'000, 1, telemetry::encode(message)};
+}
+
+}  // namespace stilt::record
