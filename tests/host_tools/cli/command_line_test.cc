@@ -1,54 +1,20 @@
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <string>
+
+#include "tests/host_tools/program_test.h"
 
 namespace stilt::cli {
 namespace {
 
 using Json = nlohmann::json;
 
-struct Outcome {
-  int status = -1;
-  std::string output, errors;
-};
+using testing_support::Outcome;
+using testing_support::text_of;
 
-std::string text_of(const std::filesystem::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file).rdbuf();
-  return text.str();
-}
-
-/// Runs the program in a shell; every test has files of its own.
-class CommandLine : public testing::Test {
- protected:
-  void SetUp() override {
-    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = std::filesystem::path(testing::TempDir()) / (std::string("stilt_") + info->name());
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
-  [[nodiscard]] std::string file(const char* name) const { return (folder_ / name).string(); }
-
-  [[nodiscard]] Outcome run(const std::string& arguments, const std::string& input = "") const {
-    std::ofstream(file("in")) << input;
-    const std::string command = std::string(STILT_PROGRAM) + " " + arguments + " <" + file("in") + " >" +
-                                file("out") + " 2>" + file("err");
-    const int status = std::system(command.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text_of(file("out")), text_of(file("err"))};
-  }
-
- private:
-  std::filesystem::path folder_;
-};
+class CommandLine : public testing_support::ProgramTest {};
 
 TEST_F(CommandLine, BadUsageIsOneSentenceAndStatusTwo) {
   for (const char* arguments : {"",
@@ -66,6 +32,8 @@ TEST_F(CommandLine, BadUsageIsOneSentenceAndStatusTwo) {
                                 "sim --duration inf",
                                 "sim --controller mpc-best",
                                 "sim --controller nothing",
+                                "sim --controller mpc-lumped --robot rabbit",
+                                "sim --controller mpc-lumped --lump feet",
                                 "sim --horizon 3",
                                 "sim --horizon -1",
                                 "sim --iterations 0",

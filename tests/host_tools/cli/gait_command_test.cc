@@ -1,46 +1,25 @@
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <string>
 #include <vector>
+
+#include "tests/host_tools/program_test.h"
 
 namespace stilt::cli {
 namespace {
 
-struct Outcome {
-  int status = -1;
-  std::string output, errors;
-};
+using testing_support::Outcome;
+using testing_support::text_of;
 
-std::string text_of(const std::filesystem::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file).rdbuf();
-  return text.str();
-}
-
-class GaitCommand : public testing::Test {
+class GaitCommand : public testing_support::ProgramTest {
  protected:
-  void SetUp() override {
-    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = std::filesystem::path(testing::TempDir()) / (std::string("stilt_gait_") + info->name());
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
-  [[nodiscard]] std::string file(const char* name) const { return (folder_ / name).string(); }
   [[nodiscard]] Outcome run(const std::string& arguments) const {
-    const std::string command = std::string(STILT_PROGRAM) + " gait " + arguments + " </dev/null >" +
-                                file("out") + " 2>" + file("err");
-    const int status = std::system(command.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text_of(file("out")), text_of(file("err"))};
+    return ProgramTest::run("gait " + arguments);
   }
-  std::filesystem::path folder_;
 };
 
 const std::string kShipped = STILT_GAITS "/amber3m_0.50.toml";

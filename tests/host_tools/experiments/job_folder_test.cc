@@ -1,0 +1,57 @@
+#include "host_tools/experiments/job_folder.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <stdexcept>
+
+namespace stilt::experiments {
+namespace {
+
+class JobFolderTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
+    folder_ = std::filesystem::path(testing::TempDir()) / (std::string("stilt_jobs_") + info->name());
+    std::filesystem::remove_all(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  std::filesystem::path folder_;
+  std::vector<Job> jobs_ = {{"a",
+                             [] {
+                               return Json{{"value", 1}};
+                             }},
+                            {"b", [] {
+                               return Json{{"value", 2}};
+                             }}};
+};
+
+TEST_F(JobFolderTest, KnowsWhatIsMissingAndGivesResultsInOrderOfTheJobs) {
+  const JobFolder folder(folder_, {{"experiment", "x"}});
+  folder.keep("b", jobs_[1].run());
+  EXPECT_EQ(folder.missing(jobs_), std::vector<std::string>{"a"});
+  EXPECT_THROW((void)folder.results(jobs_), std::invalid_argument);
+  folder.keep("a", jobs_[0].run());
+  const JobFolder again(folder_, {{"experiment", "x"}});
+  EXPECT_TRUE(again.missing(jobs_).empty());
+  EXPECT_EQ(again.results(jobs_), (std::vector<Json>{{{"value", 1}}, {{"value", 2}}}));
+}
+
+TEST_F(JobFolderTest, RefusesResultsOfOtherSettings) {
+  const JobFolder folder(folder_, {{"experiment", "x"}});
+  EXPECT_THROW(JobFolder(folder_, {{"experiment", "y"}}), std::invalid_argument);
+}
+
+TEST_F(JobFolderTest, RefusesAResultThatIsDamaged) {
+  const JobFolder folder(folder_, {});
+  std::ofstream(folder_ / "a.json") << R"({"value": )";
+  EXPECT_THROW((void)folder.result("a"), std::runtime_error);
+}
+
+TEST_F(JobFolderTest, RefusesAFolderThatCannotBe) {
+  EXPECT_THROW(JobFolder("/proc/nowhere", {}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace stilt::experiments
