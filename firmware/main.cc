@@ -1,7 +1,11 @@
+#include <malloc.h>
+
 #include <atomic>
 #include <csignal>
 #include <cstdio>
 #include <expected>
+#include <limits>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -14,6 +18,7 @@
 #include "firmware/program/realtime_run.h"
 #include "firmware/program/report.h"
 #include "firmware/program/self_test.h"
+#include "firmware/telemetry/station.h"
 #include "mpc_core/model/batch.h"
 
 /// stiltd: reads the configuration, opens the buses, runs the controller, reports.
@@ -98,11 +103,37 @@ std::expected<void, std::string> connect(const program::Options& options, std::v
   return {};
 }
 
+/// Telemetry begins before memory is locked: what its threads never use needs none.
+std::expected<std::unique_ptr<telemetry::Station>, std::string> open_station(
+    const program::Options& options) {
+  if (!options.configuration.telemetry.enabled) return nullptr;
+  // One heap for all threads, which keeps what it has: nothing is given back while the robot runs.
+  mallopt(M_ARENA_MAX, 1);
+  mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
+  mallopt(M_MMAP_THRESHOLD, 32 * 1024 * 1024);  // the most that glibc takes
+  const telemetry::RunDescription run{STILT_VERSION,
+                                      "GCC " __VERSION__,
+                                      STILT_ISA,
+                                      options.lockstep,
+                                      options.lockstep ? "lock-step" : "",
+                                      ""};
+  auto station = telemetry::Station::open(options.configuration, run, controller_state.mail);
+  if (!station) return std::unexpected(station.error() + "; or set telemetry.enabled to false");
+  const configuration::TelemetryParameters& parameters = options.configuration.telemetry;
+  std::fprintf(stderr, "telemetry on %s, domain %d; token in %s\n", parameters.interface.c_str(),
+               parameters.domain, (*station)->token_file().c_str());
+  return station;
+}
+
 int run_controller(const program::Options& options) {
   program::Outcome outcome;
   std::vector<hal::AnyBus> buses;
+  const auto station = open_station(options);
+  if (!station) return refuse(station.error());
   if (const auto fit = check_start(options, outcome); !fit) return refuse(fit.error());
   if (const auto connected = connect(options, buses); !connected) return refuse(connected.error());
+  controller_state.station = station->get();
+  if (*station) (*station)->set_not_realtime(outcome.not_realtime);
   if (options.lockstep) {
     program::run_lockstep(options, buses.size(), signals, controller_state, outcome);
   } else {

@@ -2,6 +2,7 @@
 
 #include "firmware/configuration/hardware.h"
 #include "firmware/program/configure_cycles.h"
+#include "firmware/telemetry/station.h"
 
 namespace stilt::program {
 namespace {
@@ -46,18 +47,38 @@ std::expected<void, std::string> set_up(const Options& options, std::span<hal::F
   return {};
 }
 
-void operate(ControllerState& state, const std::atomic<bool>& stop) {
+namespace {
+
+void take_ticks(ControllerState& state) {
   while (const diagnostics::TickRecord* tick = state.mail.telemetry.front()) {
     state.newest_tick = *tick;
     if (tick->tick == 0) state.start_ns = tick->time_ns;
+    if (state.station != nullptr) state.station->tick(*tick);
     state.mail.telemetry.pop();
   }
+}
+
+}  // namespace
+
+void operate(ControllerState& state, const std::atomic<bool>& stop) {
+  take_ticks(state);
   const diagnostics::TickRecord& tick = state.newest_tick;
   const double time_s = 1e-9 * static_cast<double>(tick.time_ns - state.start_ns);
   controller::OperatorCommand& command = state.mail.commands.writer();
   command = state.script->command(time_s, tick.state, tick.ramp);
   command.shut_down = command.shut_down || stop.load(std::memory_order_relaxed);
+  if (state.station != nullptr) command = state.station->operate(command);
   state.mail.commands.publish();
+}
+
+void tell(ControllerState& state, const LoopFigures& loop, const PlannerFigures& planning) {
+  if (state.station != nullptr) state.station->publish(loop, planning);
+}
+
+void finish_telling(ControllerState& state) {
+  take_ticks(state);
+  tell(state, state.loop, state.planning);
+  if (state.station != nullptr) state.station->finish();
 }
 
 void take_figures(const ControllerState& state, Outcome& outcome) {

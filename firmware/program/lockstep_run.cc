@@ -84,6 +84,7 @@ void run_lockstep(const Options& options, std::size_t bus_count, Signals& signal
   for (long long tick = 0; ticks_off < kLastTicks; ++tick) {
     const std::int64_t start_ns = wall.now_ns();
     operate(state, signals.stop);
+    tell(state, state.loop, state.planning);
     {
       const realtime::AllocationScope allocations;
       planner.hand_over(tick);
@@ -92,7 +93,7 @@ void run_lockstep(const Options& options, std::size_t bus_count, Signals& signal
       planner.plan(tick);
       state.loop.heap_allocations += allocations.count();
     }
-    take_events(state.mail.events, outcome);
+    take_events(state.mail.events, outcome, state.station);
     ++state.loop.ticks;
     ticks_off = state.torque.decision().state == supervisor::State::off ? ticks_off + 1 : 0;
     next_ns += schedule.tick_ns;
@@ -102,6 +103,7 @@ void run_lockstep(const Options& options, std::size_t bus_count, Signals& signal
       break;
     }
   }
+  finish_telling(state);
 }
 
 }  // namespace stilt::program

@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
+#include "firmware/telemetry/station.h"
+
 namespace stilt::program {
 namespace {
 
@@ -53,8 +55,9 @@ std::string bring_up_text(const Event& event) {
 
 }  // namespace
 
-void take_events(controller::EventRing& events, Outcome& outcome) {
+void take_events(controller::EventRing& events, Outcome& outcome, telemetry::Station* station) {
   while (const Event* event = events.front()) {
+    if (station != nullptr) station->event(*event);
     switch (event->kind) {
       case Event::Kind::state:
         take_state(*event, outcome);

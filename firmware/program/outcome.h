@@ -7,6 +7,10 @@
 #include "firmware/controller/events.h"
 #include "firmware/diagnostics/histogram.h"
 
+namespace stilt::telemetry {
+class Station;
+}
+
 namespace stilt::program {
 
 /// A fault as the report lists it: once until the operator resets the faults, with how often its cause came.
@@ -37,8 +41,9 @@ struct Outcome {
   std::string error;         ///< what ended the run from outside; empty: nothing
 };
 
-/// Takes what happened out of the ring: says it on standard error and keeps the faults.
-void take_events(controller::EventRing& events, Outcome& outcome);
+/// Takes what happened out of the ring: says it on standard error and to telemetry, if any, and keeps the
+/// faults.
+void take_events(controller::EventRing& events, Outcome& outcome, telemetry::Station* station = nullptr);
 
 /// The figures as JSON text, field names as in docs/interfaces.
 [[nodiscard]] std::string to_json(const Outcome& outcome);

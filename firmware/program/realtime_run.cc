@@ -188,7 +188,8 @@ void run_realtime(const Options& options, Signals& signals, ControllerState& sta
   hal::MonotonicClock clock;
   while (started && !run.torque_done.load(std::memory_order_acquire)) {
     operate(state, signals.stop);
-    take_events(state.mail.events, outcome);
+    take_events(state.mail.events, outcome, state.station);
+    tell(state, state.loop_figures.newest(), state.planner_figures.newest());
     save_black_box(options, state);
     if (signals.figures.exchange(false)) print_figures(state);
     static_cast<void>(clock.sleep_until(clock.now_ns() + kHousekeepingPeriod_ns));
@@ -197,7 +198,8 @@ void run_realtime(const Options& options, Signals& signals, ControllerState& sta
   run.planner_end.store(true, std::memory_order_release);
   planner.join();
   if (run.unguarded) outcome.error = "--forbid-syscalls: this kernel has no seccomp filters";
-  take_events(state.mail.events, outcome);
+  take_events(state.mail.events, outcome, state.station);
+  finish_telling(state);
   save_black_box(options, state);
 }
 

@@ -1,0 +1,27 @@
+#pragma once
+
+#include "firmware/diagnostics/histogram.h"
+
+namespace stilt::diagnostics {
+
+/// Figures of the torque loop; a copy goes to the housekeeping thread now and then.
+struct LoopFigures {
+  Histogram wakeup;
+  Histogram execution;
+  Histogram bus_round_trip;
+  long long ticks = 0;
+  long long late_ticks = 0;      ///< began later than supervisor.torque_loop_overrun_s
+  long long missed_periods = 0;  ///< left out after an overrun
+  long long heap_allocations = 0;
+  long long page_faults = 0;
+};
+
+/// Figures of the planner.
+struct PlannerFigures {
+  Histogram solve;
+  long long plans = 0;
+  long long heap_allocations = 0;
+  long long page_faults = 0;
+};
+
+}  // namespace stilt::diagnostics

@@ -1,0 +1,316 @@
+#include "firmware/telemetry/publisher.h"
+
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "firmware/configuration/configuration.h"
+#include "firmware/telemetry/histogram_message.h"
+#include "firmware/telemetry/sequence.h"
+
+namespace stilt::telemetry {
+namespace {
+
+constexpr const char* kJoints[] = {"hip_L", "knee_L", "hip_R", "knee_R"};
+
+template <class T>
+bool open_writer(const Participant& participant, const Topic& topic, Writer<T>& writer, std::string& error) {
+  auto opened = AnyWriter::open(participant, topic);
+  if (opened) {
+    writer = Writer<T>(std::move(*opened));
+  } else {
+    error = opened.error();
+  }
+  return error.empty();
+}
+
+/// Of Event_: 4 and 5 are telemetry's own.
+std::uint8_t wire_kind(controller::Event::Kind kind) noexcept {
+  const auto number = static_cast<std::uint8_t>(kind);
+  return number < 4 ? number : static_cast<std::uint8_t>(number + 2);
+}
+
+std::string sentence_of(const controller::Event& event) {
+  switch (event.kind) {
+    case controller::Event::Kind::state:
+      return supervisor::name(event.state);
+    case controller::Event::Kind::fault: {
+      const supervisor::FaultRow& row = supervisor::row(event.fault);
+      return std::string(row.cause) + "; clears when " + row.clears;
+    }
+    case controller::Event::Kind::waits_for_pose:
+      return "not in a pose to stand up from: waits until somebody puts it there";
+    case controller::Event::Kind::bring_up_failed:
+      return std::string("driver of ") + kJoints[event.joint] +
+             " cannot be brought up: " + hal::bring_up::name(event.failure);
+    default:
+      return {};
+  }
+}
+
+std::string name_of(const controller::Event& event) {
+  switch (event.kind) {
+    case controller::Event::Kind::state:
+      return supervisor::name(event.state);
+    case controller::Event::Kind::fault:
+      return supervisor::name(event.fault);
+    case controller::Event::Kind::waits_for_pose:
+      return "waits_for_pose";
+    case controller::Event::Kind::bring_up_failed:
+      return "bring_up_failed";
+    default:
+      return {};
+  }
+}
+
+/// Numbers of a sketch, as the message wants them.
+struct SketchNumbers {
+  std::vector<float> time_s, base, joints, feet, forces, torques;
+  std::vector<std::uint8_t> contact;
+
+  void add(const controller::PlanSketch::Node& node, double start_time_s, const ocp::ProblemData& data) {
+    model::KinematicsTerms<double> feet_terms;
+    data.robot->scalar.kinematics(node.state.data(), feet_terms);
+    model::NodeTerms<double> terms;
+    data.robot->scalar.node(node.state.data(), node.input.data(), data.joint_parameters, terms);
+    time_s.push_back(static_cast<float>(node.time_s - start_time_s));
+    contact.push_back(static_cast<std::uint8_t>((node.mode[0] ? 1 : 0) + (node.mode[1] ? 2 : 0)));
+    for (int i = 0; i < model::kFirstJoint; ++i) base.push_back(static_cast<float>(node.state[i]));
+    for (int i = 0; i < model::kJoints; ++i) {
+      joints.push_back(static_cast<float>(node.state[model::kFirstJoint + i]));
+      feet.push_back(static_cast<float>(feet_terms.foot_position[i]));
+      forces.push_back(static_cast<float>(node.input[model::kJoints + i]));
+      torques.push_back(static_cast<float>(terms.joint_torque[i]));
+    }
+  }
+};
+
+}  // namespace
+
+std::expected<Publisher, std::string> Publisher::open(const Participant& participant, std::uint64_t session) {
+  Publisher made;
+  made.session_ = session;
+  made.participant_ = participant.handle();
+  std::string error;
+  const bool opened = open_writer(participant, kTicks, made.ticks_, error) &&
+                      open_writer(participant, kPlannerCycles, made.cycles_, error) &&
+                      open_writer(participant, kPlans, made.plans_, error) &&
+                      open_writer(participant, kSupervisor, made.supervisor_, error) &&
+                      open_writer(participant, kEvents, made.events_writer_, error) &&
+                      open_writer(participant, kTiming, made.timing_, error) &&
+                      open_writer(participant, kConfiguration, made.configuration_, error) &&
+                      open_writer(participant, kTuning, made.tuning_, error) &&
+                      open_writer(participant, kCommandReplies, made.replies_, error);
+  if (!opened) return std::unexpected(error);
+  return made;
+}
+
+void Publisher::configuration(const configuration::Configuration& configuration, const RunDescription& run,
+                              const Tuner& tuner, const WallTime& time) {
+  RunDescription texts = run;
+  std::string robot = configuration.hardware.robot;
+  std::string toml = configuration::to_toml(configuration, "Configuration in force.");
+  std::vector<std::array<std::string, 3>> words;
+  for (const auto& tunable : tuner.tunables()) {
+    words.push_back(
+        {tunable.entry->name(), std::string(tunable.entry->unit), std::string(tunable.entry->description)});
+  }
+  std::vector<stilt_msgs_msg_dds__Tunable_> tunables;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const auto& tunable = tuner.tunables()[i];
+    tunables.push_back({words[i][0].data(), words[i][1].data(), words[i][2].data(), tunable.minimum,
+                        tunable.maximum, tunable.start_value});
+  }
+  ConfigurationInForce message{};
+  message.session = session_;
+  lend(message.robot, robot);
+  lend(message.configuration, toml);
+  lend(message.version, texts.version);
+  lend(message.compiler, texts.compiler);
+  lend(message.instruction_set, texts.instruction_set);
+  message.start_time_ns = time.start_time_ns;
+  message.start_clock_ns = time.start_clock_ns;
+  message.lockstep = run.lockstep;
+  lend(message.realtime, texts.not_realtime);
+  message.torque_rate_hz = configuration.timing.torque_rate_hz;
+  message.plan_rate_hz = configuration.timing.plan_rate_hz;
+  lend(message.token_file, texts.token_file);
+  lend(message.tunables, tunables);
+  configuration_.write(message);
+}
+
+void Publisher::tuning(const Tuner& tuner, const std::string& key, const std::string& commander) {
+  std::string key_text = key;
+  std::string who = commander;
+  std::vector<double> values = tuner.values();
+  Tuning message{};
+  message.session = session_;
+  message.number = tuner.number();
+  lend(message.key, key_text);
+  lend(message.commander, who);
+  lend(message.values, values);
+  tuning_.write(message);
+}
+
+void Publisher::cycle(const controller::CycleRecord& record, const Drops& drops) {
+  PlannerCycle message{};
+  message.session = session_;
+  message.cycle = record.cycle;
+  message.dropped = drops.cycles;
+  message.tick = record.tick;
+  message.time_s = record.time_s;
+  message.standing = record.standing;
+  message.plan_sequence = record.plan_sequence;
+  message.status = static_cast<std::uint8_t>(record.report.status);
+  message.iterations = record.report.iterations;
+  message.failures = record.failures;
+  message.cost = record.report.cost;
+  message.dynamics_defect_max = record.report.dynamics_defect_max;
+  message.equality_violation_max = record.report.equality_violation_max;
+  message.step_length = record.report.step_length;
+  message.step_size = record.report.step_size;
+  message.nodes = record.nodes;
+  message.solve_ns = record.solve_ns;
+  message.checksum = record.checksum;
+  message.tuning = record.tuning;
+  cycles_.write(message);
+}
+
+void Publisher::plan(const controller::PlanSketch& sketch, const control::PlannerSettings& settings) {
+  SketchNumbers numbers;
+  for (int k = 0; k < sketch.count; ++k) {
+    numbers.add(sketch.node[static_cast<std::size_t>(k)], sketch.start_time_s, settings.data);
+  }
+  Plan message{};
+  message.session = session_;
+  message.plan_sequence = sketch.sequence;
+  message.start_time_s = sketch.start_time_s;
+  message.count = static_cast<std::uint32_t>(sketch.count);
+  lend(message.time_s, numbers.time_s);
+  lend(message.contact, numbers.contact);
+  lend(message.base, numbers.base);
+  lend(message.joint_position_rad, numbers.joints);
+  lend(message.foot_position_m, numbers.feet);
+  lend(message.contact_force_N, numbers.forces);
+  lend(message.joint_torque_Nm, numbers.torques);
+  plans_.write(message);
+}
+
+void Publisher::supervisor(const diagnostics::TickRecord& tick, const WallTime& time,
+                           const InCommand& in_command, double base_height_m) {
+  std::string commander = in_command.name;
+  Texts faults;
+  for (const supervisor::FaultRow& row : supervisor::kFaultTable) {
+    if (tick.present.has(row.fault) || tick.latched.has(row.fault)) faults.add(row.name);
+  }
+  Supervisor message{};
+  message.session = session_;
+  message.tick = tick.tick;
+  message.time_ns = tick.time_ns;
+  message.time_s = time.seconds(tick.time_ns);
+  message.state = static_cast<std::uint8_t>(tick.state);
+  message.rung = static_cast<std::uint8_t>(tick.rung);
+  message.reaction = static_cast<std::uint8_t>(tick.reaction);
+  message.present_faults = tick.present.bits();
+  message.latched_faults = tick.latched.bits();
+  message.ramp = tick.ramp;
+  message.request_kind = static_cast<std::uint8_t>(tick.command.request.kind);
+  message.request_number = tick.command.request.number;
+  message.request_speed_m_s = tick.command.request.speed_m_s;
+  message.base_height_m = base_height_m;
+  message.gait = static_cast<std::uint8_t>(tick.gait.kind);
+  message.speed_m_s = tick.gait.speed_m_s;
+  lend(message.commander, commander);
+  message.commander_alive = in_command.alive;
+  lend(message.state_name, supervisor::name(tick.state));
+  lend(message.rung_name, supervisor::name(tick.rung));
+  faults.lend_to(message.faults);
+  supervisor_.write(message);
+}
+
+void Publisher::send(Event& event, const Drops& drops) {
+  event.session = session_;
+  event.number = events_++;
+  event.dropped = drops.events;
+  events_writer_.write(event);
+}
+
+void Publisher::event(const controller::Event& event, const Drops& drops) {
+  std::string name = name_of(event);
+  std::string text = sentence_of(event);
+  Event message{};
+  message.time_s = event.time_s;
+  message.kind = wire_kind(event.kind);
+  message.state = static_cast<std::uint8_t>(event.state);
+  message.fault = static_cast<std::uint8_t>(event.fault);
+  if (event.kind == controller::Event::Kind::fault) {
+    message.reaction = static_cast<std::uint8_t>(supervisor::row(event.fault).reaction);
+  }
+  lend(message.name, name);
+  lend(message.text, text);
+  send(message, drops);
+}
+
+void Publisher::note(std::uint8_t kind, double time_s, const std::string& name, const std::string& text,
+                     const Drops& drops) {
+  std::string its_name = name;
+  std::string its_text = text;
+  Event message{};
+  message.time_s = time_s;
+  message.kind = kind;
+  lend(message.name, its_name);
+  lend(message.text, its_text);
+  send(message, drops);
+}
+
+void Publisher::timing(const diagnostics::LoopFigures& loop, const diagnostics::PlannerFigures& planning,
+                       const configuration::Configuration& configuration, double time_s, const Drops& drops) {
+  const double tick_us = 1e6 / configuration.timing.torque_rate_hz;
+  std::array<HistogramMessage, 4> histograms = {
+      HistogramMessage("wakeup", loop.wakeup, 1e6 * configuration.supervisor.torque_loop_overrun_s),
+      HistogramMessage("execution", loop.execution, tick_us),
+      HistogramMessage("bus_round_trip", loop.bus_round_trip, tick_us),
+      HistogramMessage("solve", planning.solve, 1e6 * configuration.supervisor.planner_overrun_s)};
+  std::vector<stilt_msgs_msg_dds__Histogram_> list;
+  for (HistogramMessage& histogram : histograms) list.push_back(histogram.message());
+  Timing message{};
+  message.session = session_;
+  message.time_s = time_s;
+  message.ticks = static_cast<std::uint64_t>(loop.ticks);
+  message.late_ticks = static_cast<std::uint64_t>(loop.late_ticks);
+  message.missed_periods = static_cast<std::uint64_t>(loop.missed_periods);
+  message.plans = static_cast<std::uint64_t>(planning.plans);
+  message.heap_allocations = static_cast<std::uint64_t>(loop.heap_allocations + planning.heap_allocations);
+  message.page_faults = static_cast<std::uint64_t>(loop.page_faults + planning.page_faults);
+  message.dropped_ticks = drops.ticks;
+  message.dropped_cycles = drops.cycles;
+  message.dropped_events = drops.events;
+  lend(message.histograms, list);
+  timing_.write(message);
+}
+
+void Publisher::reply(const std::string& commander, std::uint64_t number, bool accepted,
+                      const std::string& reason, double time_s) {
+  std::string who = commander;
+  std::string why = reason;
+  CommandReply message{};
+  message.session = session_;
+  lend(message.commander, who);
+  message.number = number;
+  message.accepted = accepted;
+  lend(message.reason, why);
+  message.time_s = time_s;
+  replies_.write(message);
+}
+
+void Publisher::ticks(TickBatchBuilder& batch, const Drops& drops) {
+  batch.message().session = session_;
+  batch.message().dropped = drops.ticks;
+  ticks_.write(batch.message());
+}
+
+void Publisher::flush(double longest_s) {
+  dds_wait_for_acks(participant_, DDS_SECS(1) * static_cast<std::int64_t>(std::ceil(longest_s)));
+}
+
+}  // namespace stilt::telemetry

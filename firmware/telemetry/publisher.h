@@ -1,0 +1,84 @@
+#pragma once
+
+#include <expected>
+#include <string>
+
+#include "firmware/controller/cycle_record.h"
+#include "firmware/controller/events.h"
+#include "firmware/diagnostics/figures.h"
+#include "firmware/diagnostics/tick_record.h"
+#include "firmware/telemetry/tick_batch.h"
+#include "firmware/telemetry/tuner.h"
+#include "firmware/telemetry/wall_time.h"
+#include "firmware/telemetry/writer.h"
+
+namespace stilt::telemetry {
+
+/// What a run of stiltd is, beside its configuration.
+struct RunDescription {
+  std::string version;
+  std::string compiler;
+  std::string instruction_set;
+  bool lockstep = false;
+  std::string not_realtime;  ///< why; empty: real time
+  std::string token_file;
+};
+
+/// Losses on the way from the real-time threads.
+struct Drops {
+  std::uint64_t ticks = 0;
+  std::uint64_t cycles = 0;
+  std::uint64_t events = 0;
+};
+
+/// Who is in command, for Supervisor.
+struct InCommand {
+  std::string name;  ///< empty: nobody
+  bool alive = false;
+};
+
+/// Fills and sends the messages of stilt_msgs.idl. Ordinary threads; everything that is given outlives the
+/// call only.
+class Publisher {
+ public:
+  [[nodiscard]] static std::expected<Publisher, std::string> open(const Participant& participant,
+                                                                  std::uint64_t session);
+
+  void configuration(const configuration::Configuration& configuration, const RunDescription& run,
+                     const Tuner& tuner, const WallTime& time);
+  void tuning(const Tuner& tuner, const std::string& key, const std::string& commander);
+  void cycle(const controller::CycleRecord& record, const Drops& drops);
+  void plan(const controller::PlanSketch& sketch, const control::PlannerSettings& settings);
+  void supervisor(const diagnostics::TickRecord& tick, const WallTime& time, const InCommand& in_command,
+                  double base_height_m);
+  void event(const controller::Event& event, const Drops& drops);
+  /// Event of kind 4 (a command) or 5 (the commander).
+  void note(std::uint8_t kind, double time_s, const std::string& name, const std::string& text,
+            const Drops& drops);
+  void timing(const diagnostics::LoopFigures& loop, const diagnostics::PlannerFigures& planning,
+              const configuration::Configuration& configuration, double time_s, const Drops& drops);
+  void reply(const std::string& commander, std::uint64_t number, bool accepted, const std::string& reason,
+             double time_s);
+  void ticks(TickBatchBuilder& batch, const Drops& drops);
+
+  /// Waits until subscribers have what was sent, at most so long.
+  void flush(double longest_s);
+
+ private:
+  void send(Event& event, const Drops& drops);
+
+  std::uint64_t session_ = 0;
+  std::uint64_t events_ = 0;
+  dds_entity_t participant_ = 0;
+  Writer<TickBatch> ticks_;
+  Writer<PlannerCycle> cycles_;
+  Writer<Plan> plans_;
+  Writer<Supervisor> supervisor_;
+  Writer<Event> events_writer_;
+  Writer<Timing> timing_;
+  Writer<ConfigurationInForce> configuration_;
+  Writer<Tuning> tuning_;
+  Writer<CommandReply> replies_;
+};
+
+}  // namespace stilt::telemetry

@@ -1,0 +1,178 @@
+#include "firmware/telemetry/ros_publisher.h"
+
+#include <cmath>
+#include <cstdio>
+#include <deque>
+#include <vector>
+
+#include "firmware/telemetry/sequence.h"
+#include "mpc_core/model/types.h"
+
+namespace stilt::telemetry {
+namespace {
+
+using diagnostics::TickRecord;
+
+constexpr const char* kJoints[] = {"hip_L", "knee_L", "hip_R", "knee_R"};
+
+enum Level : std::uint8_t { kOk = 0, kWarning = 1, kError = 2 };
+
+std::string text(double value) {
+  char digits[32];
+  std::snprintf(digits, sizeof digits, "%.6g", value);
+  return digits;
+}
+std::string text(long long value) { return std::to_string(value); }
+
+/// A status and the texts that it points to.
+struct Status {
+  std::uint8_t level = kOk;
+  std::string name;
+  std::string message;
+  std::vector<std::pair<std::string, std::string>> values;
+};
+
+/// The message of many of them; lives as long as the write.
+class Array {
+ public:
+  void add(Status status) { statuses_.push_back(std::move(status)); }
+
+  DiagnosticArray& message(const builtin_interfaces_msg_dds__Time_& stamp, std::string& hardware) {
+    for (Status& status : statuses_) {
+      pairs_.emplace_back();
+      for (auto& [key, value] : status.values) pairs_.back().push_back({key.data(), value.data()});
+      diagnostic_msgs_msg_dds__DiagnosticStatus_ entry{};
+      entry.level = status.level;
+      lend(entry.name, status.name);
+      lend(entry.message, status.message);
+      lend(entry.hardware_id, hardware);
+      lend(entry.values, pairs_.back());
+      entries_.push_back(entry);
+    }
+    message_.header.stamp = stamp;
+    lend(message_.header.frame_id, "");
+    lend(message_.status, entries_);
+    return message_;
+  }
+
+ private:
+  std::vector<Status> statuses_;
+  std::deque<std::vector<diagnostic_msgs_msg_dds__KeyValue_>> pairs_;
+  std::vector<diagnostic_msgs_msg_dds__DiagnosticStatus_> entries_;
+  DiagnosticArray message_{};
+};
+
+Status supervisor_status(const TickRecord& tick) {
+  Status status{
+      .level = kOk, .name = "stiltd: supervisor", .message = supervisor::name(tick.state), .values = {}};
+  if (tick.reaction != supervisor::Reaction::none) {
+    status.level = tick.reaction == supervisor::Reaction::warn ? kWarning : kError;
+  }
+  status.values = {{"rung", supervisor::name(tick.rung)}, {"reaction", supervisor::name(tick.reaction)}};
+  for (const supervisor::FaultRow& row : supervisor::kFaultTable) {
+    const bool present = tick.present.has(row.fault);
+    if (!present && !tick.latched.has(row.fault)) continue;
+    status.message += std::string("; ") + row.cause;
+    status.values.emplace_back(row.name, present ? "present" : "waits for a reset");
+  }
+  return status;
+}
+
+Status timing_status(const diagnostics::LoopFigures& loop, const diagnostics::PlannerFigures& planning) {
+  const long long allocations = loop.heap_allocations + planning.heap_allocations;
+  const long long faults = loop.page_faults + planning.page_faults;
+  Status status{.level = kOk, .name = "stiltd: timing", .message = "in time", .values = {}};
+  if (loop.late_ticks > 0) {
+    status.level = kWarning;
+    status.message = text(loop.late_ticks) + " late ticks";
+  }
+  status.values = {{"ticks", text(loop.ticks)},
+                   {"late_ticks", text(loop.late_ticks)},
+                   {"missed_periods", text(loop.missed_periods)},
+                   {"plans", text(planning.plans)},
+                   {"heap_allocations", text(allocations)},
+                   {"page_faults", text(faults)},
+                   {"wakeup_p99_us", text(loop.wakeup.percentile_us(0.99))},
+                   {"execution_p99_us", text(loop.execution.percentile_us(0.99))},
+                   {"solve_p99_us", text(planning.solve.percentile_us(0.99))}};
+  return status;
+}
+
+Status driver_status(const hal::JointReading& joint, std::size_t index) {
+  Status status{.level = kOk, .name = std::string("driver: ") + kJoints[index], .message = "", .values = {}};
+  status.message = hal::name(joint.fault);
+  if (joint.fault == hal::DriverFault::none) status.message = "no fault";
+  if (joint.fault != hal::DriverFault::none || joint.state == hal::DriverState::fault) status.level = kError;
+  status.values = {{"temperature_C", text(joint.driver_temperature_C)},
+                   {"motor_temperature_C", text(joint.motor_temperature_C)},
+                   {"supply_V", text(joint.supply_V)},
+                   {"missed_replies", text(static_cast<long long>(joint.missed))},
+                   {"fault_code", text(static_cast<long long>(joint.fault_code))}};
+  return status;
+}
+
+}  // namespace
+
+std::expected<RosPublisher, std::string> RosPublisher::open(const Participant& participant) {
+  RosPublisher made;
+  auto joint_states = AnyWriter::open(participant, kJointStates);
+  auto odometry = AnyWriter::open(participant, kOdometry);
+  auto diagnostics = AnyWriter::open(participant, kDiagnostics);
+  for (const auto* writer : {&joint_states, &odometry, &diagnostics}) {
+    if (!*writer) return std::unexpected(writer->error());
+  }
+  made.joint_states_ = Writer<JointState>(std::move(*joint_states));
+  made.odometry_ = Writer<Odometry>(std::move(*odometry));
+  made.diagnostics_ = Writer<DiagnosticArray>(std::move(*diagnostics));
+  return made;
+}
+
+void RosPublisher::joint_states(const TickRecord& tick, const WallTime& time) {
+  JointState message{};
+  Texts names;
+  std::vector<double> position;
+  std::vector<double> velocity;
+  std::vector<double> effort;
+  for (std::size_t i = 0; i < hal::kJoints; ++i) {
+    names.add(kJoints[i]);
+    position.push_back(tick.joints[i].position_rad);
+    velocity.push_back(tick.joints[i].velocity_rad_s);
+    effort.push_back(tick.joints[i].torque_Nm);
+  }
+  message.header.stamp = time.stamp(tick.time_ns);
+  lend(message.header.frame_id, "");
+  names.lend_to(message.name);
+  lend(message.position, position);
+  lend(message.velocity, velocity);
+  lend(message.effort, effort);
+  joint_states_.write(message);
+}
+
+void RosPublisher::odometry(const TickRecord& tick, const WallTime& time) {
+  const double* q = tick.estimated_state.data();
+  const double* v = q + model::kPositions;
+  const double cosine = std::cos(q[2]);
+  const double sine = std::sin(q[2]);
+  Odometry message{};
+  message.header.stamp = time.stamp(tick.time_ns);
+  lend(message.header.frame_id, "odom");
+  lend(message.child_frame_id, "base");
+  message.pose.pose.position = {q[0], 0.0, q[1]};
+  message.pose.pose.orientation = {0.0, std::sin(0.5 * q[2]), 0.0, std::cos(0.5 * q[2])};
+  message.twist.twist.linear = {cosine * v[0] - sine * v[1], 0.0, sine * v[0] + cosine * v[1]};
+  message.twist.twist.angular = {0.0, v[2], 0.0};
+  odometry_.write(message);
+}
+
+void RosPublisher::diagnostics(const TickRecord& tick, const diagnostics::LoopFigures& loop,
+                               const diagnostics::PlannerFigures& planning, const WallTime& time,
+                               const std::string& robot) {
+  Array array;
+  array.add(supervisor_status(tick));
+  array.add(timing_status(loop, planning));
+  for (std::size_t i = 0; i < hal::kJoints; ++i) array.add(driver_status(tick.joints[i], i));
+  std::string hardware = robot;
+  diagnostics_.write(array.message(time.stamp(tick.time_ns), hardware));
+}
+
+}  // namespace stilt::telemetry

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <string>
+
+#include "firmware/diagnostics/figures.h"
+#include "firmware/diagnostics/tick_record.h"
+#include "firmware/telemetry/wall_time.h"
+#include "firmware/telemetry/writer.h"
+
+namespace stilt::telemetry {
+
+/// What ROS 2 tools understand: joint_states, odom, diagnostics. Ordinary threads.
+///
+/// odom: frame "odom", x forward, z up, origin where the robot got on its feet; child "base", at the hip,
+/// turned by the pitch about +y; the twist is in the child's frame, as ROS 2 asks. Covariances are 0:
+/// unknown.
+class RosPublisher {
+ public:
+  [[nodiscard]] static std::expected<RosPublisher, std::string> open(const Participant& participant);
+
+  void joint_states(const diagnostics::TickRecord& tick, const WallTime& time);
+  void odometry(const diagnostics::TickRecord& tick, const WallTime& time);
+  void diagnostics(const diagnostics::TickRecord& tick, const diagnostics::LoopFigures& loop,
+                   const diagnostics::PlannerFigures& planning, const WallTime& time,
+                   const std::string& robot);
+
+ private:
+  Writer<JointState> joint_states_;
+  Writer<Odometry> odometry_;
+  Writer<DiagnosticArray> diagnostics_;
+};
+
+}  // namespace stilt::telemetry

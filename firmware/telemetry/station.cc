@@ -1,0 +1,204 @@
+#include "firmware/telemetry/station.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "firmware/telemetry/token.h"
+
+namespace stilt::telemetry {
+namespace {
+
+constexpr double kFlush_s = 1.0;
+constexpr std::uint8_t kCommandEvent = 4;
+constexpr std::uint8_t kCommanderEvent = 5;
+
+std::uint64_t ticks_of(double period_s, double rate_hz) {
+  return static_cast<std::uint64_t>(std::max(1LL, std::llround(period_s * rate_hz)));
+}
+
+std::string none_is_empty(const std::string& text) { return text == "none" ? "" : text; }
+
+Asked asked(const Command& command) {
+  return {command.session, command.token, command.commander, command.number,
+          command.kind,    command.value, command.key};
+}
+
+std::string described(const Asked& asked) {
+  const auto kind = static_cast<CommandKind>(asked.kind);
+  std::string text = asked.commander + ": " + name(kind);
+  if (kind == CommandKind::tunable) text += " " + asked.key;
+  const bool has_value = kind == CommandKind::tunable || kind == CommandKind::walk ||
+                         kind == CommandKind::speed || kind == CommandKind::height;
+  return has_value ? text + " " + configuration::number_text(asked.value) : text;
+}
+
+}  // namespace
+
+Station::Station(const configuration::Configuration& configuration, RunDescription run,
+                 controller::Mailboxes& mail, const model::RobotModel& robot)
+    : configuration_(configuration),
+      run_(std::move(run)),
+      mail_(mail),
+      session_(random_session()),
+      tuner_(configuration, robot, mail),
+      joint_states_every_(
+          ticks_of(1.0 / configuration.telemetry.joint_states_hz, configuration.timing.torque_rate_hz)),
+      supervisor_every_(
+          ticks_of(1.0 / configuration.telemetry.supervisor_hz, configuration.timing.torque_rate_hz)),
+      second_(ticks_of(1.0, configuration.timing.torque_rate_hz)) {}
+
+std::expected<std::unique_ptr<Station>, std::string> Station::open(
+    const configuration::Configuration& configuration, const RunDescription& run,
+    controller::Mailboxes& mail) {
+  const model::RobotModel* robot = model::find_robot(configuration.hardware.robot.c_str());
+  if (robot == nullptr)
+    return std::unexpected("telemetry: no model of robot " + configuration.hardware.robot);
+  std::unique_ptr<Station> station(new Station(configuration, run, mail, *robot));
+  if (const auto joined = station->join(); !joined) return std::unexpected(joined.error());
+  return station;
+}
+
+std::expected<std::string, std::string> Station::token() {
+  const configuration::TelemetryParameters& parameters = configuration_.telemetry;
+  run_.token_file = token_path(parameters.token_file, parameters.domain);
+  return parameters.fixed_token ? read_token(run_.token_file) : write_token(run_.token_file);
+}
+
+std::expected<void, std::string> Station::join() {
+  const configuration::TelemetryParameters& parameters = configuration_.telemetry;
+  auto participant =
+      Participant::open({parameters.domain, parameters.interface, none_is_empty(parameters.peers),
+                         none_is_empty(parameters.security_folder)});
+  if (!participant) return std::unexpected(participant.error());
+  participant_ = std::make_unique<Participant>(std::move(*participant));
+  auto publisher = Publisher::open(*participant_, session_);
+  if (!publisher) return std::unexpected(publisher.error());
+  publisher_ = std::make_unique<Publisher>(std::move(*publisher));
+  auto ros = RosPublisher::open(*participant_);
+  if (!ros) return std::unexpected(ros.error());
+  ros_ = std::make_unique<RosPublisher>(std::move(*ros));
+  auto commands = Reader::open(*participant_, kCommands);
+  if (!commands) return std::unexpected(commands.error());
+  commands_ = std::make_unique<Reader>(std::move(*commands));
+  auto twists = Reader::open(*participant_, kSpeedCommands);
+  if (!twists) return std::unexpected(twists.error());
+  twists_ = std::make_unique<Reader>(std::move(*twists));
+  const auto secret = token();
+  if (!secret) return std::unexpected(secret.error());
+  const DeskRules rules{session_,
+                        *secret,
+                        run_.token_file,
+                        parameters.speed_limit_m_s,
+                        configuration_.supervisor.heartbeat_timeout_s,
+                        parameters.release_s,
+                        parameters.cmd_vel};
+  desk_ = std::make_unique<OperatorDesk>(rules, [this](const std::string& key, double value) {
+    std::string wrong = tuner_.set(key, value);
+    if (wrong.empty()) publisher_->tuning(tuner_, key, tuned_by_);
+    return wrong;
+  });
+  return {};
+}
+
+Drops Station::drops() const {
+  return {mail_.telemetry.dropped(), mail_.cycles.dropped(), mail_.events.dropped()};
+}
+
+RobotNow Station::now() const {
+  const auto wall = std::chrono::steady_clock::now().time_since_epoch();
+  const std::int64_t wall_ns = std::chrono::duration_cast<std::chrono::nanoseconds>(wall).count();
+  return {run_.lockstep ? newest_.time_ns : wall_ns, wall_ns, newest_.state};
+}
+
+void Station::begin(const diagnostics::TickRecord& record) {
+  begun_ = true;
+  const auto today = std::chrono::system_clock::now().time_since_epoch();
+  time_ = {record.time_ns, std::chrono::duration_cast<std::chrono::nanoseconds>(today).count()};
+  publisher_->configuration(configuration_, run_, tuner_, time_);
+  publisher_->tuning(tuner_, "", "");
+}
+
+void Station::send_supervisor() {
+  publisher_->supervisor(newest_, time_, {desk_->commander(), desk_->alive(now())}, tuner_.base_height_m());
+}
+
+void Station::tick(const diagnostics::TickRecord& record) {
+  if (!begun_) begin(record);
+  const bool changed = record.state != newest_.state || record.rung != newest_.rung ||
+                       record.present != newest_.present || record.latched != newest_.latched;
+  changed_ = changed_ || changed;
+  newest_ = record;
+  if (!batch_.takes(record)) {
+    publisher_->ticks(batch_, drops());
+    batch_.clear();
+  }
+  batch_.add(record);
+  if (batch_.size() >= static_cast<std::size_t>(configuration_.telemetry.ticks_per_batch)) {
+    publisher_->ticks(batch_, drops());
+    batch_.clear();
+  }
+  if (changed || record.tick % supervisor_every_ == 0) send_supervisor();
+  if (record.tick % joint_states_every_ != 0) return;
+  ros_->joint_states(record, time_);
+  ros_->odometry(record, time_);
+}
+
+void Station::event(const controller::Event& event) { publisher_->event(event, drops()); }
+
+void Station::publish(const diagnostics::LoopFigures& loop, const diagnostics::PlannerFigures& planning) {
+  if (!begun_) return;
+  while (const controller::CycleRecord* cycle = mail_.cycles.front()) {
+    publisher_->cycle(*cycle, drops());
+    mail_.cycles.pop();
+  }
+  if (mail_.sketches.has_news()) publisher_->plan(mail_.sketches.newest(), tuner_.settings());
+  const bool due = newest_.tick >= figures_due_;
+  if (due) {
+    figures_due_ = newest_.tick + second_;
+    publisher_->timing(loop, planning, configuration_, time_.seconds(newest_.time_ns), drops());
+  }
+  if (due || changed_) ros_->diagnostics(newest_, loop, planning, time_, configuration_.hardware.robot);
+  changed_ = false;
+}
+
+void Station::answer(const Command& command) {
+  const Asked what = asked(command);
+  tuned_by_ = what.commander;
+  const Answer answer = desk_->take(what, now());
+  const double time_s = time_.seconds(newest_.time_ns);
+  if (!answer.silent) {
+    publisher_->reply(what.commander, what.number, answer.accepted, answer.reason, time_s);
+  }
+  if (answer.accepted && !answer.silent) {
+    publisher_->note(kCommandEvent, time_s, name(static_cast<CommandKind>(what.kind)), described(what),
+                     drops());
+  }
+}
+
+void Station::watch_commander() {
+  if (desk_->commander() == commander_) return;
+  commander_ = desk_->commander();
+  publisher_->note(kCommanderEvent, time_.seconds(newest_.time_ns), "commander",
+                   commander_.empty() ? "nobody commands" : commander_ + " commands", drops());
+}
+
+controller::OperatorCommand Station::operate(const controller::OperatorCommand& script) {
+  commands_->take([this](Sample&& sample) {
+    if (const auto command = sample.as<Command>()) answer(*command);
+  });
+  twists_->take([this](Sample&& sample) {
+    if (const auto twist = sample.as<Twist>()) desk_->twist(twist->linear.x, now());
+  });
+  const controller::OperatorCommand command = desk_->command(script, now());
+  watch_commander();
+  return command;
+}
+
+void Station::finish() {
+  if (batch_.size() > 0) publisher_->ticks(batch_, drops());
+  batch_.clear();
+  if (begun_) send_supervisor();
+  publisher_->flush(kFlush_s);
+}
+
+}  // namespace stilt::telemetry

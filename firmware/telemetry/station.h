@@ -1,0 +1,85 @@
+#pragma once
+
+#include <chrono>
+#include <expected>
+#include <memory>
+#include <string>
+
+#include "firmware/telemetry/operator_desk.h"
+#include "firmware/telemetry/publisher.h"
+#include "firmware/telemetry/reader.h"
+#include "firmware/telemetry/ros_publisher.h"
+
+namespace stilt::telemetry {
+
+/// Everything of telemetry on the robot: tells what the real-time threads left in their rings, takes
+/// commands. Works on the thread that calls it, which is an ordinary one; Cyclone's threads do the rest. What
+/// the torque loop computes does not depend on it, commands apart.
+class Station {
+ public:
+  /// Joins the network and writes the token. Before memory is locked. The error is one sentence for the user.
+  /// @param configuration, mail  outlive the station
+  [[nodiscard]] static std::expected<std::unique_ptr<Station>, std::string> open(
+      const configuration::Configuration& configuration, const RunDescription& run,
+      controller::Mailboxes& mail);
+
+  /// Why this is not real time, known after the station was opened.
+  void set_not_realtime(const std::string& reason) { run_.not_realtime = reason; }
+
+  /// A tick that was; every one, in order.
+  void tick(const diagnostics::TickRecord& record);
+
+  /// Something that happened.
+  void event(const controller::Event& event);
+
+  /// Sends what is due: solves and sketches out of the mailboxes, figures.
+  void publish(const diagnostics::LoopFigures& loop, const diagnostics::PlannerFigures& planning);
+
+  /// Takes commands.
+  /// @param script  what would be commanded without anybody
+  /// @return        what is
+  [[nodiscard]] controller::OperatorCommand operate(const controller::OperatorCommand& script);
+
+  /// Sends what is left, and waits a moment until subscribers have it.
+  void finish();
+
+  [[nodiscard]] const std::string& token_file() const noexcept { return run_.token_file; }
+
+ private:
+  Station(const configuration::Configuration& configuration, RunDescription run, controller::Mailboxes& mail,
+          const model::RobotModel& robot);
+  [[nodiscard]] std::expected<void, std::string> join();
+  [[nodiscard]] std::expected<std::string, std::string> token();
+  void begin(const diagnostics::TickRecord& record);
+  void answer(const Command& command);
+  [[nodiscard]] RobotNow now() const;
+  [[nodiscard]] Drops drops() const;
+  void send_supervisor();
+  void watch_commander();
+
+  const configuration::Configuration& configuration_;
+  RunDescription run_;
+  controller::Mailboxes& mail_;
+  std::uint64_t session_;
+  Tuner tuner_;
+  std::string tuned_by_;
+  std::unique_ptr<Participant> participant_;
+  std::unique_ptr<Publisher> publisher_;
+  std::unique_ptr<RosPublisher> ros_;
+  std::unique_ptr<Reader> commands_;
+  std::unique_ptr<Reader> twists_;
+  std::unique_ptr<OperatorDesk> desk_;
+
+  TickBatchBuilder batch_;
+  WallTime time_;
+  bool begun_ = false;
+  diagnostics::TickRecord newest_;
+  std::uint64_t joint_states_every_;  ///< ticks
+  std::uint64_t supervisor_every_;    ///< ticks
+  std::uint64_t second_;              ///< ticks
+  std::uint64_t figures_due_ = 0;     ///< tick
+  bool changed_ = false;              ///< since the last diagnostics
+  std::string commander_;             ///< when last looked
+};
+
+}  // namespace stilt::telemetry

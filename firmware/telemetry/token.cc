@@ -1,0 +1,107 @@
+#include "firmware/telemetry/token.h"
+
+#include <fcntl.h>
+#include <sys/random.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <system_error>
+
+namespace stilt::telemetry {
+namespace {
+
+constexpr std::size_t kToken_bytes = 16;
+constexpr std::size_t kShortestToken = 16;
+constexpr mode_t kOwnerOnly = 0600;
+constexpr unsigned kOfOthers = 077;
+
+std::string failure(const std::string& path, const std::string& what) {
+  return "token file " + path + ": " + what + "; name another one in telemetry.token_file";
+}
+
+std::string random_hex() {
+  std::array<unsigned char, kToken_bytes> bytes{};
+  if (getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) return {};
+  std::string text;
+  for (const unsigned char byte : bytes) {
+    text += "0123456789abcdef"[byte >> 4];
+    text += "0123456789abcdef"[byte & 15];
+  }
+  return text;
+}
+
+/// A folder of our own: nobody else may put files there.
+std::string make_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  if (std::filesystem::is_directory(folder, error)) {
+    struct stat status {};
+    const bool others_may_write = stat(folder.c_str(), &status) != 0 || (status.st_mode & 022) != 0;
+    const bool sticky = (status.st_mode & S_ISVTX) != 0;
+    if (others_may_write && !sticky) return "others may write to its folder";
+    return status.st_uid == geteuid() || status.st_uid == 0 ? "" : "its folder belongs to somebody else";
+  }
+  std::filesystem::create_directories(folder.parent_path(), error);
+  return mkdir(folder.c_str(), 0700) == 0 ? "" : std::strerror(errno);
+}
+
+}  // namespace
+
+std::string token_path(const std::string& configured, int domain) {
+  if (configured != "auto") return configured;
+  const char* runtime = std::getenv("XDG_RUNTIME_DIR");
+  const std::string folder = runtime != nullptr && *runtime == '/'
+                                 ? std::string(runtime) + "/stilt"
+                                 : "/tmp/stilt-" + std::to_string(geteuid());
+  return folder + "/token-" + std::to_string(domain);
+}
+
+std::expected<std::string, std::string> write_token(const std::string& path) {
+  const std::string wrong = make_folder(std::filesystem::path(path).parent_path());
+  if (!wrong.empty()) return std::unexpected(failure(path, wrong));
+  const std::string token = random_hex();
+  // Made beside its place and moved there: whoever reads it finds the old one or the new one.
+  const std::string beside = path + '.' + std::to_string(getpid());
+  unlink(beside.c_str());
+  const int file = open(beside.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, kOwnerOnly);
+  if (file < 0) return std::unexpected(failure(path, std::strerror(errno)));
+  const std::string line = token + '\n';
+  const bool written = write(file, line.data(), line.size()) == static_cast<ssize_t>(line.size());
+  close(file);
+  if (written && !token.empty() && rename(beside.c_str(), path.c_str()) == 0) return token;
+  unlink(beside.c_str());
+  return std::unexpected(failure(path, "cannot be written"));
+}
+
+std::expected<std::string, std::string> read_token(const std::string& path) {
+  struct stat status {};
+  if (stat(path.c_str(), &status) != 0) {
+    return std::unexpected(failure(
+        path, std::string(std::strerror(errno)) + "; telemetry.fixed_token needs a file with a token"));
+  }
+  if ((status.st_mode & kOfOthers) != 0) {
+    return std::unexpected(failure(path, "others may read or write it; chmod 600 makes it yours alone"));
+  }
+  std::ifstream stream(path);
+  std::string token;
+  std::getline(stream, token);
+  if (token.size() >= kShortestToken) return token;
+  return std::unexpected(failure(path, "its first line is no token of 16 characters or more"));
+}
+
+std::uint64_t random_session() {
+  std::uint64_t session = 0;
+  while (session == 0) {
+    if (getrandom(&session, sizeof session, 0) != static_cast<ssize_t>(sizeof session)) return 1;
+    session &= (std::uint64_t{1} << 53) - 1;
+  }
+  return session;
+}
+
+}  // namespace stilt::telemetry

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "firmware/configuration/live.h"
+#include "firmware/controller/mailboxes.h"
+#include "mpc_core/model/robot.h"
+
+namespace stilt::telemetry {
+
+/// Live tunables: checks a new value, works out what the planner needs of it (milliseconds), and hands it to
+/// torque loop and planner, which take it before their next tick and solve. Ordinary threads.
+class Tuner {
+ public:
+  /// Everything outlives this object.
+  Tuner(const configuration::Configuration& configuration, const model::RobotModel& robot,
+        controller::Mailboxes& mail);
+
+  /// Sets one. Empty, or what is wrong in one sentence; then nothing changed.
+  [[nodiscard]] std::string set(const std::string& key, double value);
+
+  [[nodiscard]] const std::vector<configuration::LiveTunable>& tunables() const noexcept { return tunables_; }
+
+  /// Counts changes; 0: as configured.
+  [[nodiscard]] std::uint32_t number() const noexcept { return number_; }
+  /// In force from this number on, in the order of tunables().
+  [[nodiscard]] const std::vector<double>& values() const noexcept { return values_; }
+  /// Of the hip, in force.
+  [[nodiscard]] double base_height_m() const noexcept { return settings_.parameters.reference.base_height_m; }
+  /// What the planner has.
+  [[nodiscard]] const control::PlannerSettings& settings() const noexcept { return settings_; }
+
+ private:
+  [[nodiscard]] bool prepare(const std::vector<double>& values);
+
+  const configuration::Configuration& configuration_;
+  const model::RobotModel& robot_;
+  controller::Mailboxes& mail_;
+  std::vector<configuration::LiveTunable> tunables_;
+  std::vector<double> values_;
+  std::uint32_t number_ = 0;
+  control::PlannerSettings settings_;
+  std::unique_ptr<solver::TerminalCostWorkspace> work_;
+};
+
+}  // namespace stilt::telemetry
