@@ -11,6 +11,8 @@ using protocol::BaseChannel;
 using protocol::DecodeStatus;
 using protocol::EncodeStatus;
 
+constexpr std::uint32_t kOldReading = 5;        // reads: then an old velocity would push instead of damp
+constexpr std::uint64_t kQuestionsEvery = 100;  // writes
 constexpr int kMaximumRounds = 8;  // batches a bus a tick: bounds the time of a read on a babbling bus
 
 bool usable(EncodeStatus status) noexcept {
@@ -77,11 +79,19 @@ JointBusStatus CanRobot::read(std::int64_t now_ns, JointReadings& readings) noex
     readings_[joint].missed = fresh_[joint] ? 0 : readings_[joint].missed + 1;
     complete = complete && fresh_[joint];
   }
-  base_.missed = base_fresh_ ? 0 : base_.missed + 1;
+  count_missed_base();
   readings = readings_;
   if (disconnected) return JointBusStatus::disconnected;
   const JointBusStatus status = bus_status();
   return status == JointBusStatus::ok && !complete ? JointBusStatus::incomplete : status;
+}
+
+/// A sensor slower than the reads is only missed once its next frame is due.
+void CanRobot::count_missed_base() noexcept {
+  base_silent_ = base_fresh_ ? 0 : base_silent_ + 1;
+  const bool by_channel = wiring_.pitch_encoder_joint < 0;
+  const auto between = static_cast<std::uint32_t>(by_channel ? wiring_.channel_period_ticks - 1 : 0);
+  base_.missed = base_silent_ > between ? base_silent_ - between : 0;
 }
 
 void CanRobot::take(std::int64_t now_ns, std::size_t bus, const CanFrame& frame) noexcept {
@@ -280,9 +290,9 @@ EncodeStatus CanRobot::encode(std::size_t joint, const JointCommand& command,
   }
   const auto* odrive = std::get_if<OdriveNode>(&wiring.driver);
   const JointReading& reading = readings_[joint];
-  const double law_Nm = command.torque_Nm +
-                        command.kp_Nm_rad * (command.position_rad - reading.position_rad) +
-                        command.kd_Nms_rad * (command.velocity_rad_s - reading.velocity_rad_s);
+  const double feedback_Nm = command.kp_Nm_rad * (command.position_rad - reading.position_rad) +
+                             command.kd_Nms_rad * (command.velocity_rad_s - reading.velocity_rad_s);
+  const double law_Nm = command.torque_Nm + (reading.missed > kOldReading ? 0 : feedback_Nm);
   const double limit_Nm = std::abs(command.torque_limit_Nm);
   const double limited_Nm = blind(joint) ? 0 : std::clamp(law_Nm, -limit_Nm, limit_Nm);
   return protocol::encode_input_torque(odrive->node, wiring.direction * limited_Nm / wiring.ratio, frame);
@@ -320,7 +330,21 @@ JointBusStatus CanRobot::write(const JointCommands& commands) noexcept {
     if (status == EncodeStatus::saturated) ++saturated_;
   }
   const JointBusStatus status = send(frames);
+  ask_drivers();
   return status == JointBusStatus::ok && !all_see ? JointBusStatus::incomplete : status;
+}
+
+/// An ODrive tells supply and temperatures only when it is asked to, or told to by its own configuration.
+void CanRobot::ask_drivers() noexcept {
+  const std::uint64_t turn = writes_++ % kQuestionsEvery;
+  const auto joint = static_cast<std::size_t>(turn / 2);
+  if (joint >= kJoints) return;
+  const auto* odrive = std::get_if<OdriveNode>(&wiring_.joints[joint].driver);
+  if (odrive == nullptr) return;
+  CanFrame frame;
+  const auto what = turn % 2 == 0 ? protocol::OdriveCommand::supply : protocol::OdriveCommand::temperature;
+  if (protocol::encode_request(odrive->node, what, frame) != EncodeStatus::ok) return;
+  static_cast<void>(buses_[wiring_.joints[joint].bus]->send(std::span(&frame, 1)));  // asked again soon
 }
 
 JointBusStatus CanRobot::disable() noexcept {

@@ -14,8 +14,9 @@ namespace stilt::hal {
 
 /// Four joints, base sensor and emergency stop over one or more buses, whatever drives them. Decodes what
 /// arrives, encodes what is commanded. Drivers without gains of their own (ODrive) get the torque of the
-/// command's law at the newest reading, and none before the first. Fixed memory; no call waits, allocates,
-/// locks or throws.
+/// command's law at the newest reading: no torque before the first, and no feedback from one that is more
+/// than a few ticks old. They are asked for supply and temperatures now and then. Fixed memory; no call
+/// waits, allocates, locks or throws.
 class CanRobot final : public JointBus, public BaseSensor, public EmergencyStop {
  public:
   /// @param wiring  valid for this many buses
@@ -35,6 +36,7 @@ class CanRobot final : public JointBus, public BaseSensor, public EmergencyStop 
   [[nodiscard]] std::uint64_t saturated() const noexcept { return saturated_; }
 
  private:
+  void count_missed_base() noexcept;
   void take(std::int64_t now_ns, std::size_t bus, const CanFrame& frame) noexcept;
   [[nodiscard]] protocol::DecodeStatus take_joint(std::int64_t now_ns, std::size_t joint,
                                                   const CanFrame& frame) noexcept;
@@ -56,6 +58,7 @@ class CanRobot final : public JointBus, public BaseSensor, public EmergencyStop 
                                               CanFrame& frame) const noexcept;
   [[nodiscard]] protocol::EncodeStatus encode_disable(std::size_t joint, CanFrame& frame) const noexcept;
   [[nodiscard]] JointBusStatus send(const std::array<CanFrame, kJoints>& frames) noexcept;
+  void ask_drivers() noexcept;
   [[nodiscard]] JointBusStatus bus_status() const noexcept;
 
   RobotWiring wiring_;
@@ -66,10 +69,12 @@ class CanRobot final : public JointBus, public BaseSensor, public EmergencyStop 
   std::array<bool, kJoints> fresh_{};
   BaseReading base_;
   bool base_fresh_ = false;
+  std::uint32_t base_silent_ = 0;  ///< reads in a row without a new angle
   bool has_emergency_stop_ = false;
   bool emergency_stop_released_ = false;
   std::int64_t emergency_stop_time_ns_ = 0;
   std::uint64_t saturated_ = 0;
+  std::uint64_t writes_ = 0;
   std::array<CanFrame, kMaximumBatch> received_;
 };
 

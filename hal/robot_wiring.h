@@ -39,6 +39,7 @@ struct RobotWiring {
   std::array<protocol::ChannelRow, kMaximumChannels> channels{};
   std::size_t channel_count = 0;
   std::uint8_t channel_bus = 0;
+  int channel_period_ticks = 1;  ///< reads from one frame of a channel to the next
   /// The joint whose moteus reports an extra encoder that measures the pitch (MoteusDriver::extra_encoder);
   /// -1: none. pitch = direction * angle + offset.
   int pitch_encoder_joint = -1;

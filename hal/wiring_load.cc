@@ -8,6 +8,7 @@ namespace stilt::hal {
 namespace {
 
 constexpr double kOdriveHeartbeat_hz = 10;
+constexpr double kOdriveQuestions = 0.02;  // a tick: supply and temperatures (CanRobot)
 
 void add(PeriodicFrames& list, const PeriodicFrame& frame) noexcept {
   if (list.count < list.frames.size()) list.frames[list.count++] = frame;
@@ -40,6 +41,9 @@ void add_odrive(PeriodicFrames& list, double tick_hz) noexcept {
   add(list, {.length = 4, .rate_hz = tick_hz});  // torque
   add(list, {.length = 8, .rate_hz = tick_hz});  // encoder estimates
   add(list, {.length = 8, .rate_hz = kOdriveHeartbeat_hz});
+  const double questions_hz = kOdriveQuestions * tick_hz;
+  add(list, {.length = 0, .rate_hz = questions_hz});  // remote frames, and the answers
+  add(list, {.length = 8, .rate_hz = questions_hz});
 }
 
 bool same_frame(const protocol::ChannelRow& a, const protocol::ChannelRow& b) noexcept {

@@ -11,7 +11,7 @@
 namespace stilt::hal {
 
 /// Most kinds of frames on one bus: command, reply and state message of each joint, and each sensor frame.
-inline constexpr std::size_t kMaximumPeriodic = 3 * kJoints + kMaximumChannels;
+inline constexpr std::size_t kMaximumPeriodic = 5 * kJoints + kMaximumChannels;
 
 struct PeriodicFrames {
   std::array<PeriodicFrame, kMaximumPeriodic> frames{};

@@ -249,6 +249,56 @@ TEST(CanRobot, TheBaseSensorAndTheEmergencyStopComeFromTheTable) {
   EXPECT_EQ(robot.robot_->read_emergency_stop(robot.clock_.now_ns()), EmergencyStopState::pressed);
 }
 
+TEST(CanRobot, ABaseSensorSlowerThanTheReadsIsMissedOnlyWhenItsFrameIsDue) {
+  Robot robot(Kind::mit);
+  robot.wiring_.channel_period_ticks = 3;
+  const std::array<FrameBus*, 2> buses{&robot.buses_[0], &robot.buses_[1]};
+  CanRobot slow(robot.wiring_, buses);
+  robot.buses_[0].script(classic_frame(0x50, 4), robot.clock_.now_ns());
+  for (const std::uint32_t missed : {0u, 0u, 0u, 1u, 2u}) {
+    static_cast<void>(slow.read(robot.clock_.now_ns(), robot.readings_));
+    BaseReading base;
+    static_cast<void>(slow.read_base(base));
+    EXPECT_EQ(base.missed, missed);
+    robot.clock_.advance(kTick_ns);
+  }
+}
+
+/// Commands and readings for a while.
+void run(Robot& robot, int ticks, const JointCommands& commands) {
+  for (int tick = 0; tick < ticks; ++tick) {
+    static_cast<void>(robot.robot_->write(commands));
+    robot.clock_.advance(kTick_ns);
+    static_cast<void>(robot.read());
+  }
+}
+
+TEST(CanRobot, AnOdriveIsAskedForSupplyAndTemperatures) {
+  Robot robot(Kind::odrive);
+  run(robot, 110, some_commands());
+  for (std::size_t joint = 0; joint < kJoints; ++joint) {
+    EXPECT_EQ(robot.readings_[joint].supply_V, 24) << joint;
+    EXPECT_EQ(robot.readings_[joint].motor_temperature_C, 30) << joint;
+    robot.drivers_[joint]->motor.supply_V = 20.5;
+  }
+  run(robot, 110, some_commands());
+  for (const JointReading& reading : robot.readings_) EXPECT_EQ(reading.supply_V, 20.5);
+}
+
+TEST(CanRobot, AnOdriveGetsNoDampingForAVelocityOfLongAgo) {
+  Robot robot(Kind::odrive);
+  robot.set_joint(1, 0.2, 3.0);
+  JointCommands damping{};
+  for (JointCommand& command : damping) command = {.torque_Nm = 1, .kd_Nms_rad = 2, .torque_limit_Nm = 50};
+  run(robot, 20, damping);
+  EXPECT_NEAR(robot.joint_torque_Nm(1), 1 - 2 * 3.0, 1e-3);
+  robot.buses_[robot.wiring_.joints[1].bus].add_fault({.id = robot.frame_ids_[1], .any_id = false});
+  run(robot, 3, damping);
+  EXPECT_NEAR(robot.joint_torque_Nm(1), 1 - 2 * 3.0, 1e-3) << "a reading of a moment ago will do";
+  run(robot, 10, damping);
+  EXPECT_NEAR(robot.joint_torque_Nm(1), 1, 1e-3);
+}
+
 TEST(CanRobot, AMoteusCanCarryTheTorsosEncoder) {
   Robot robot(Kind::moteus);
   static_cast<mock::MoteusEmulator&>(*robot.drivers_[0]).set_encoder(1, 0.2, -0.5);
