@@ -1,5 +1,6 @@
 #include "firmware/realtime/allocation_counter.h"
 
+#include <atomic>
 #include <cerrno>
 #include <cstddef>
 
@@ -12,13 +13,16 @@
 namespace {
 thread_local int open_scopes = 0;
 thread_local long long allocations = 0;
+std::atomic<bool> ends_process = false;
 }  // namespace
 
 #if STILT_COUNT_ALLOCATIONS
 
 namespace {
 void count_one() noexcept {
-  if (open_scopes > 0) ++allocations;
+  if (open_scopes == 0) return;
+  ++allocations;
+  if (ends_process.load(std::memory_order_relaxed)) __builtin_trap();
 }
 }  // namespace
 
@@ -27,10 +31,16 @@ void* __libc_malloc(std::size_t);
 void* __libc_calloc(std::size_t, std::size_t);
 void* __libc_realloc(void*, std::size_t);
 void* __libc_memalign(std::size_t, std::size_t);
+void __libc_free(void*);
 
 void* malloc(std::size_t bytes) noexcept {
   count_one();
   return __libc_malloc(bytes);
+}
+
+void free(void* block) noexcept {
+  if (block != nullptr) count_one();
+  __libc_free(block);
 }
 
 void* calloc(std::size_t items, std::size_t bytes) noexcept {
@@ -72,6 +82,8 @@ AllocationScope::AllocationScope() noexcept : start_(allocations) { ++open_scope
 AllocationScope::~AllocationScope() { --open_scopes; }
 
 long long AllocationScope::count() const noexcept { return allocations - start_; }
+
+void end_on_heap_use() noexcept { ends_process.store(true); }
 
 bool counts_allocations() noexcept { return STILT_COUNT_ALLOCATIONS != 0; }
 

@@ -2,11 +2,12 @@
 
 namespace stilt::realtime {
 
-/// Counts heap allocations of the calling thread while it lives, nothing outside.
+/// Counts calls of the heap by the calling thread while it lives, nothing outside: blocks taken, resized and
+/// given back.
 ///
-/// The file behind it replaces malloc, calloc, realloc, aligned_alloc, posix_memalign and memalign of the
-/// program with counting ones; operator new of the standard library ends there too. Under a sanitizer, which
-/// replaces the allocator itself, nothing is counted: see counts_allocations().
+/// The file behind it replaces malloc, calloc, realloc, aligned_alloc, posix_memalign, memalign and free of
+/// the program with counting ones; operator new and delete of the standard library end there too. Under a
+/// sanitizer, which replaces the allocator itself, nothing is counted: see counts_allocations().
 class AllocationScope {
  public:
   AllocationScope() noexcept;
@@ -14,12 +15,16 @@ class AllocationScope {
   AllocationScope(const AllocationScope&) = delete;
   AllocationScope& operator=(const AllocationScope&) = delete;
 
-  /// Allocations since construction.
+  /// Calls since construction.
   [[nodiscard]] long long count() const noexcept;
 
  private:
   long long start_;
 };
+
+/// From now on a call of the heap while the calling thread counts ends the process at once, in the very
+/// instruction (SIGILL or SIGTRAP): the stack of a core dump shows who it was. For proofs, not for robots.
+void end_on_heap_use() noexcept;
 
 /// Whether this build counts.
 [[nodiscard]] bool counts_allocations() noexcept;
