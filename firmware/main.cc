@@ -76,10 +76,6 @@ std::expected<void, std::string> check_start(const program::Options& options, pr
   return {};
 }
 
-void reconnect(void* buses) noexcept {
-  for (hal::AnyBus& bus : *static_cast<std::vector<hal::AnyBus>*>(buses)) static_cast<void>(bus.reconnect());
-}
-
 int report(const program::Options& options, const program::Outcome& outcome) {
   if (!outcome.error.empty()) std::fprintf(stderr, "stiltd: %s\n", outcome.error.c_str());
   if (!options.json_file.empty() && !program::write_text(program::to_json(outcome), options.json_file)) {
@@ -96,7 +92,7 @@ std::expected<void, std::string> connect(const program::Options& options, std::v
   std::vector<hal::FrameBus*> frames;
   for (hal::AnyBus& bus : buses) frames.push_back(&bus.frames());
   if (const auto ready = program::set_up(options, frames, controller_state); !ready) return ready;
-  controller_state.hardware->on_restore(reconnect, &buses);
+  controller_state.reconnect = [&buses](std::size_t bus) { static_cast<void>(buses[bus].reconnect()); };
   std::signal(SIGINT, want_stop);
   std::signal(SIGTERM, want_stop);
   std::signal(SIGUSR1, want_figures);

@@ -13,7 +13,7 @@ using hal::protocol::ChannelRow;
 using hal::protocol::RawType;
 
 constexpr std::string_view kForm =
-    "; right would be \"none\" or such as \"id 0x50 byte 0 bits 32 signed little scale 1e-8\"";
+    "; right would be \"none\" or such as \"id 0x150 byte 0 bits 24 signed little scale 1e-6\"";
 
 std::optional<std::uint32_t> whole_number(std::string_view text) {
   const bool hexadecimal = text.starts_with("0x");

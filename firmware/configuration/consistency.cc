@@ -117,6 +117,7 @@ std::vector<Contradiction> contradictions(const Configuration& parameters) {
   check_timing(parameters, found);
   check_line_search(parameters, found);
   check_hardware(parameters.hardware, found);
+  check_gains(parameters.hardware, parameters.supervisor, found);
   check_supervisor(parameters.supervisor, found);
   check_runtime(parameters.runtime, found);
   return found;

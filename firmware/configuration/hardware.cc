@@ -113,6 +113,11 @@ hal::RobotWiring robot_wiring(const HardwareParameters& hardware) {
   return wiring;
 }
 
+int base_period_ticks(const HardwareParameters& hardware, double torque_rate_hz) {
+  constexpr double kRounding = 1e-9;
+  return std::max(1, static_cast<int>(std::ceil(torque_rate_hz / hardware.base_sensor.rate_hz - kRounding)));
+}
+
 hal::bring_up::Options bring_up_options(const HardwareParameters& hardware, std::size_t joint,
                                         double minimum_rad, double maximum_rad) {
   const DriverParameters& driver = driver_of(hardware, joint);

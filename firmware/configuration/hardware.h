@@ -25,12 +25,13 @@ struct DriverParameters {
   double position_range_rad = 3.2;
   double velocity_range_rad_s = 20.0;
   double kp_range_Nm_rad = 500.0;
-  double kd_range_Nms_rad = 50.0;
+  double kd_range_Nms_rad = 5.0;
   double torque_range_Nm = 120.0;
   double reply_torque_range_Nm = 120.0;
-  /// moteus: the gains of its own configuration, at gain scale 1, and whether its data phase is faster.
-  double moteus_kp_Nm_rev = 4.0;
-  double moteus_kd_Nms_rev = 0.05;
+  /// moteus: the gains of its own configuration, at gain scale 1: the largest it can be asked for; and
+  /// whether its data phase is faster.
+  double moteus_kp_Nm_rev = 800.0;
+  double moteus_kd_Nms_rev = 40.0;
   bool bit_rate_switch = true;
   /// ODrive: numbers of two parameters in its firmware; 0: unknown.
   int odrive_watchdog_timeout_endpoint = 0;
@@ -52,14 +53,14 @@ struct JointParameters {
 /// Where the sensors of the torso are. A channel is a line of text, see parse_channel(); "none" without one.
 struct BaseSensorParameters {
   int bus = 0;
-  double rate_hz = 1000.0;
-  std::string pitch = "id 0x50 byte 0 bits 32 signed little scale 1e-8";
-  std::string pitch_rate = "id 0x50 byte 4 bits 24 signed little scale 2e-6";
+  double rate_hz = 500.0;
+  std::string pitch = "id 0x150 byte 0 bits 24 signed little scale 1e-6";
+  std::string pitch_rate = "id 0x150 byte 3 bits 16 signed little scale 5e-4";
   std::string acceleration_x = "none";
   std::string acceleration_z = "none";
   std::string left_foot_force = "none";
   std::string right_foot_force = "none";
-  std::string emergency_stop_released = "id 0x50 byte 7 bits 1 unsigned little scale 1";
+  std::string emergency_stop_released = "id 0x150 byte 5 bits 1 unsigned little scale 1";
   double emergency_stop_timeout_s = 0.1;
   int encoder_joint = -1;  ///< joint whose moteus reads the pitch with an extra encoder; -1: none
   int encoder_number = 1;  ///< of that moteus, 0 to 2
@@ -90,6 +91,9 @@ struct HardwareParameters {
 
 /// The wiring as the hardware abstraction wants it; hal::valid() for a configuration that was accepted.
 [[nodiscard]] hal::RobotWiring robot_wiring(const HardwareParameters& hardware);
+
+/// Ticks of the torque loop from one frame of the base sensor to the next, for RobotWiring.
+[[nodiscard]] int base_period_ticks(const HardwareParameters& hardware, double torque_rate_hz);
 
 /// What the bring-up of a joint's driver shall insist on.
 /// @param minimum_rad, maximum_rad  travel of the joint, margin included

@@ -9,25 +9,22 @@ namespace stilt::configuration {
 namespace {
 
 struct JointKeys {
-  std::string_view name, bus, id, reply_id;
+  std::string_view bus, id;
 };
-constexpr JointKeys kKeys[hal::kJoints] = {{"hip_L", "hip_L.bus", "hip_L.id", "hip_L.reply_id"},
-                                           {"knee_L", "knee_L.bus", "knee_L.id", "knee_L.reply_id"},
-                                           {"hip_R", "hip_R.bus", "hip_R.id", "hip_R.reply_id"},
-                                           {"knee_R", "knee_R.bus", "knee_R.id", "knee_R.reply_id"}};
+constexpr JointKeys kKeys[hal::kJoints] = {{"hip_L.bus", "hip_L.id"},
+                                           {"knee_L.bus", "knee_L.id"},
+                                           {"hip_R.bus", "hip_R.id"},
+                                           {"knee_R.bus", "knee_R.id"}};
 
 DriverProtocol protocol_of(const HardwareParameters& hardware, std::size_t joint) {
   return (joint % 2 == 0 ? hardware.hip : hardware.knee).protocol;
 }
 
-bool speaks_mit(DriverProtocol protocol) {
-  return protocol != DriverProtocol::moteus && protocol != DriverProtocol::odrive;
-}
-
 /// Largest identifier a driver can have.
 int largest_id(DriverProtocol protocol) {
   if (protocol == DriverProtocol::moteus) return hal::protocol::kMoteusMaximumId;
-  if (protocol == DriverProtocol::odrive) return hal::protocol::kOdriveMaximumNode;
+  if (protocol == DriverProtocol::odrive)
+    return hal::protocol::kOdriveMaximumNode - 1;         // the last is for all
   if (protocol == DriverProtocol::mit_damiao) return 15;  // four bits of the reply tell who answers
   return 255;                                             // a byte of the reply tells who answers
 }
@@ -48,18 +45,6 @@ void check_ids(const HardwareParameters& hardware, std::size_t i, std::vector<Co
                      std::string(kKeys[i].id) + " = " + std::to_string(joint.id) +
                          ": identifiers of this driver are " + std::to_string(least) + " to " +
                          std::to_string(largest_id(protocol))});
-  }
-  for (std::size_t j = 0; j < i; ++j) {
-    const JointParameters& other = hardware.joint[j];
-    if (other.bus != joint.bus) continue;
-    const bool same_kind = protocol_of(hardware, j) == protocol ||
-                           (speaks_mit(protocol_of(hardware, j)) && speaks_mit(protocol));
-    if (same_kind && other.id == joint.id) {
-      found.push_back({{kKeys[i].id, kKeys[j].id},
-                       std::string(kKeys[i].name) + " and " + std::string(kKeys[j].name) + " are on bus " +
-                           std::to_string(joint.bus) + " with the same id " + std::to_string(joint.id) +
-                           "; each driver needs its own"});
-    }
   }
 }
 
@@ -89,6 +74,7 @@ void check_hardware(const HardwareParameters& hardware, std::vector<Contradictio
   }
   check_bus("base_sensor.bus", hardware.base_sensor.bus, buses, found);
   check_pitch(hardware, found);
+  if (found.size() == before) check_identifiers(hardware, found);
   if (found.size() == before && !hal::valid(robot_wiring(hardware), buses)) {
     found.push_back({{"hardware.buses"}, "the wiring of the joints contradicts itself"});
   }

@@ -13,6 +13,17 @@ namespace stilt::configuration {
 /// identifiers their protocol does not have, no sensor of the pitch.
 void check_hardware(const HardwareParameters& hardware, std::vector<Contradiction>& found);
 
+/// Nodes of one bus whose frames would be taken for each other's: drivers among themselves, and drivers and
+/// base sensor. Supposes a wiring that is right in all else.
+void check_identifiers(const HardwareParameters& hardware, std::vector<Contradiction>& found);
+
+/// Gains of the supervisor (hold, sit, damp) that the drivers cannot give: a command would carry the most
+/// they give instead, and the robot would sink or fall undamped. MIT mode: ranges of the command; moteus:
+/// scales from 0 to 1 of the gains in its own configuration. ODrives take torques only: CanRobot computes
+/// their law.
+void check_gains(const HardwareParameters& hardware, const supervisor::SupervisorParameters& supervisor,
+                 std::vector<Contradiction>& found);
+
 /// Contradictions between thresholds of the supervisor: each mild reaction must come before the hard one.
 void check_supervisor(const supervisor::SupervisorParameters& supervisor, std::vector<Contradiction>& found);
 

@@ -8,9 +8,20 @@
 
 namespace stilt::configuration {
 
+/// What the planner's cost pulls to.
+enum class ReferenceKind {
+  heuristic,  ///< a walk made up from speed, step time and height
+  hzd,        ///< the gaits of the robot's library
+};
+
+struct ControllerChoice {
+  ReferenceKind reference = ReferenceKind::heuristic;
+};
+
 /// Everything a configuration file sets: the parameters of the controller, which alone matter to the
 /// simulation, and beside them what only the program on the robot needs.
 struct Configuration : control::ControllerParameters {
+  ControllerChoice controller;
   HardwareParameters hardware;
   supervisor::SupervisorParameters supervisor;
   RuntimeParameters runtime;

@@ -10,6 +10,8 @@ struct RuntimeParameters {
   int planner_core = 0;         ///< processor of the planner; -1 as above
   int torque_priority = 80;     ///< SCHED_FIFO, 1 to 99; 0: ordinary scheduling
   int planner_priority = 60;    ///< as above, below torque_priority
+  double self_test_answered_share = 0.999;  ///< of the commands of stiltd selftest, in time or late
+  double self_test_in_time_share = 0.99;    ///< of the commands, before the next one
   double start_settle_s = 2.0;  ///< stiltd --start: stands this long before it steps
 };
 

@@ -8,9 +8,20 @@ using namespace fields;
 using P = Parameters;
 using R = RuntimeParameters;
 
-constexpr Section kSections[] = {{"runtime", "How stiltd runs on its computer."}};
+constexpr std::string_view kReferences[] = {"heuristic", "hzd"};
+static_assert(static_cast<int>(ReferenceKind::hzd) == 1);
+
+constexpr Section kSections[] = {
+    {"controller", "Which controller stiltd is; stilt sim is told by --controller."},
+    {"runtime", "How stiltd runs on its computer."},
+};
 
 constexpr Entry kEntries[] = {
+    {"controller", "reference", "",
+     "What the planner's cost pulls to; hzd: gaits of the robot's library, whose times of support and "
+     "terminal "
+     "weight then hold, unless --set says otherwise",
+     choice<&P::controller, &ControllerChoice::reference>(kReferences)},
     {"runtime", "require_realtime", "",
      "Refuse to start unless kernel, priorities and locked memory make the torque loop real time",
      flag<&P::runtime, &R::require_realtime>()},
@@ -23,6 +34,12 @@ constexpr Entry kEntries[] = {
     {"runtime", "planner_priority", "1",
      "SCHED_FIFO priority of the planner, below the torque loop's; 0: ordinary scheduling",
      integer<&P::runtime, &R::planner_priority>(0, 98)},
+    {"runtime", "self_test_answered_share", "1",
+     "stiltd selftest: share of the commands on the bus that each driver must answer, in time or late",
+     real<&P::runtime, &R::self_test_answered_share>(0.0, 1.0)},
+    {"runtime", "self_test_in_time_share", "1",
+     "stiltd selftest: share of the commands that must be answered before the next one",
+     real<&P::runtime, &R::self_test_in_time_share>(0.0, 1.0)},
     {"runtime", "start_settle_s", "s", "stiltd --start: stands this long before the first step",
      real<&P::runtime, &R::start_settle_s>(0.0, 60.0)},
 };

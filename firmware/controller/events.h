@@ -14,10 +14,11 @@ namespace stilt::controller {
 /// Something that happened in the torque loop and that people want to know.
 struct Event {
   enum class Kind : std::uint8_t {
-    state,           ///< the supervisor is in another state: `state`
-    fault,           ///< a fault appeared: `fault`
-    waits_for_pose,  ///< to stand up was asked for, and the robot is not in a pose for that
-    bring_up_failed  ///< of the driver of `joint`: `failure`, `driver_fault`
+    state,            ///< the supervisor is in another state: `state`
+    fault,            ///< a fault appeared: `fault`
+    waits_for_pose,   ///< to stand up was asked for, and the robot is not in a pose for that
+    bring_up_failed,  ///< of the driver of `joint`: `failure`, `driver_fault`
+    lost_stance       ///< while it stood up the robot left the standing pose
   };
   Kind kind = Kind::state;
   double time_s = 0.0;  ///< controller's clock

@@ -15,6 +15,9 @@ class PlannerCycle {
     return planner_.configure(robot, parameters);
   }
 
+  /// From now on steps follow the gaits of the library, which outlives this object; see Planner::follow().
+  void follow(const gait::GaitLibrary& library) noexcept { planner_.follow(&library); }
+
   /// Plans with these settings from the next cycle on.
   void tune(const PlannerTuning& tuning) noexcept {
     planner_.adopt(tuning.settings);

@@ -24,8 +24,17 @@ supervisor::JointLimits joint_limits(const model::RobotConstants& robot) noexcep
   return limits;
 }
 
+/// The pitch now: the newest one, carried on with its rate when the base sensor is slower than the torque
+/// loop.
+double pitch_now_rad(const hal::BaseReading& base, std::int64_t now_ns) noexcept {
+  constexpr std::int64_t kLongest_ns = 10'000'000;
+  const std::int64_t age_ns = std::clamp<std::int64_t>(now_ns - base.time_ns, 0, kLongest_ns);
+  const double change_rad = 1e-9 * static_cast<double>(age_ns) * base.pitch_rate_rad_s;
+  return std::isfinite(change_rad) ? base.pitch_rad + change_rad : base.pitch_rad;
+}
+
 control::SensorReading sensor_reading(double time_s, const JointReadings& joints,
-                                      const hal::BaseReading& base) noexcept {
+                                      const hal::BaseReading& base, std::int64_t now_ns) noexcept {
   control::SensorReading reading;
   reading.time_s = time_s;
   for (int i = 0; i < kJoints; ++i) {
@@ -33,7 +42,7 @@ control::SensorReading sensor_reading(double time_s, const JointReadings& joints
     reading.joint_position_rad[i] = joint.position_rad;
     reading.joint_velocity_rad_s[i] = joint.velocity_rad_s;
   }
-  reading.base_pitch_rad = base.pitch_rad;
+  reading.base_pitch_rad = pitch_now_rad(base, now_ns);
   reading.base_pitch_rate_rad_s = base.pitch_rate_rad_s;
   return reading;
 }
@@ -73,6 +82,7 @@ void TorqueCycle::configure(const model::RobotModel& robot, const control::Contr
   control::ControllerParameters with_feedback = parameters;
   with_feedback.torque_law.use_feedback_gains = true;
   law_of_old_plan_.configure(robot, with_feedback);
+  gait_.configure(robot, parameters.robot.torque_limit_scale, nullptr);
 }
 
 void TorqueCycle::attach(const Robot& robot, Mailboxes& mailboxes) noexcept {
@@ -86,6 +96,7 @@ void TorqueCycle::tick(const TickTiming& timing) noexcept {
   const control::Plan& plan = mail_->plans.newest();
   look_at_plan(plan);
   estimate_state(plan);
+  follow_gait(plan);
   supervise();
   const hal::JointCommands wanted = torque_law(plan);
   const supervisor::Action action = supervisor_.override(wanted, commands_);
@@ -118,7 +129,7 @@ void TorqueCycle::sense(const TickTiming& timing) noexcept {
   const std::uint64_t errors = record_.bus_errors + malformed(seen_.joints, seen_.base);
   seen_.bus_errors = errors > bus_errors_;
   bus_errors_ = errors;
-  reading_ = sensor_reading(1e-9 * static_cast<double>(now_ns - start_ns_), seen_.joints, seen_.base);
+  reading_ = sensor_reading(1e-9 * static_cast<double>(now_ns - start_ns_), seen_.joints, seen_.base, now_ns);
   operator_ = mail_->commands.newest();
   seen_.heartbeat_expected = operator_.heartbeat_expected;
   seen_.heartbeat_age_s = 1e-9 * static_cast<double>(now_ns - operator_.heartbeat_ns);
@@ -129,6 +140,9 @@ void TorqueCycle::look_at_plan(const control::Plan& plan) noexcept {
   const bool of_session = session_ != 0 && plan.nodes >= 2 && plan.start_time_s >= session_start_s_;
   const double now_s = reading_.time_s;
   seen_.has_plan = of_session && now_s <= plan.node[plan.nodes - 1].time_s;
+  if (seen_.has_plan && supervisor_.output().rung == supervisor::Rung::gait) {  // back in step only
+    seen_.has_plan = control::interpolate(plan, now_s).mode == gait_.contact();
+  }
   seen_.plan_age_s = now_s - (of_session ? plan.start_time_s : session_start_s_);
   seen_.planned_speed_rad_s = {};
   const bool in_command = supervisor_.output().ramp >= 1.0;  // before, joints need not follow the plan
@@ -150,21 +164,40 @@ void TorqueCycle::estimate_state(const control::Plan& plan) noexcept {
     estimate_ = measured_state(reading_);
     return;
   }
-  const model::ContactMode contact =
-      seen_.has_plan ? control::interpolate(plan, reading_.time_s).mode : model::ContactMode{true, true};
-  estimate_ = estimator_.update(reading_, contact);
+  estimate_ = estimator_.update(reading_, contact(plan));
   seen_.controller_finite = seen_.controller_finite && estimate_.allFinite();
 }
 
+model::ContactMode TorqueCycle::contact(const control::Plan& plan) const noexcept {
+  if (seen_.has_plan) return control::interpolate(plan, reading_.time_s).mode;
+  return seen_.has_gait ? gait_.contact() : model::ContactMode{true, true};
+}
+
+/// The gait keeps in step with a robot that steps, whoever commands it.
+void TorqueCycle::follow_gait(const control::Plan& plan) noexcept {
+  const supervisor::SupervisorOutput& decision = supervisor_.output();
+  const bool steps = decision.state == State::step || decision.state == State::walk;
+  if (steps) {
+    const bool followed = seen_.has_plan && seen_.plan_age_s < supervision_.stale_plan_s;
+    gait_.tick(reading_, followed ? &plan : nullptr, estimate_, decision.gait.speed_m_s);
+  } else {
+    gait_.forget();
+  }
+  seen_.has_gait = steps && gait_.ready();
+}
+
 /// False for anything that is not a number.
-bool TorqueCycle::fit_to_stand() const noexcept {
-  const double margin_rad = supervision_.stand_pose_margin_rad;
+bool TorqueCycle::near_standing_pose(double margin_rad) const noexcept {
   const auto near = [&](const model::JointVector& standing_rad) {
     return (reading_.joint_position_rad - standing_rad).cwiseAbs().maxCoeff() <= margin_rad;
   };
-  const bool finite = reading_.joint_position_rad.allFinite() && reading_.joint_velocity_rad_s.allFinite();
-  return finite && (near(standing_rad_[0]) || near(standing_rad_[1])) &&
-         std::abs(reading_.base_pitch_rad - standing_pitch_rad_) <= margin_rad &&
+  return reading_.joint_position_rad.allFinite() && (near(standing_rad_[0]) || near(standing_rad_[1])) &&
+         std::abs(reading_.base_pitch_rad - standing_pitch_rad_) <= margin_rad;
+}
+
+bool TorqueCycle::fit_to_stand() const noexcept {
+  return near_standing_pose(supervision_.stand_pose_margin_rad) &&
+         reading_.joint_velocity_rad_s.allFinite() &&
          std::abs(reading_.base_pitch_rate_rad_s) <= supervision_.stand_speed_rad_s &&
          reading_.joint_velocity_rad_s.cwiseAbs().maxCoeff() <= supervision_.stand_speed_rad_s;
 }
@@ -177,6 +210,7 @@ void TorqueCycle::supervise() noexcept {
   inputs.bring_up_done = bring_up_.ready;
   inputs.shut_down = operator_.shut_down;
   inputs.fit_to_stand = fit_to_stand();
+  inputs.in_stance = near_standing_pose(supervision_.stance_margin_rad);
   const supervisor::SupervisorOutput& decision = supervisor_.update(inputs);
   seen_.controller_finite = true;
   if (decision.clear_buses) robot_.buses->restore();
@@ -199,6 +233,11 @@ hal::JointCommands TorqueCycle::torque_law(const control::Plan& plan) noexcept {
   for (std::size_t i = 0; i < hal::kJoints; ++i) {
     wanted[i].position_rad = seen_.joints[i].position_rad;
     wanted[i].torque_limit_Nm = limits_.torque_Nm[i];
+  }
+  if (supervisor_.output().rung == supervisor::Rung::gait) {
+    for (std::size_t i = 0; i < hal::kJoints; ++i)
+      wanted[i].torque_Nm = gait_.torque_Nm()[static_cast<int>(i)];
+    return wanted;
   }
   if (!seen_.has_plan) return wanted;
   control::TorqueLoop& law =
@@ -292,6 +331,9 @@ void TorqueCycle::report_events() noexcept {
     if (decision.raised.has(row.fault)) push({.kind = Event::Kind::fault, .fault = row.fault});
   }
   if (decision.entered || ticks_ == 0) push({.kind = Event::Kind::state, .state = decision.state});
+  const bool stood_up = before_ == State::stand && decision.state == State::ready;
+  if (decision.entered && stood_up) push({.kind = Event::Kind::lost_stance});
+  before_ = decision.state;
   const bool waits = decision.state == State::ready && !decision.entered &&
                      operator_.request.kind == supervisor::RequestKind::stand;
   if (waits && !waiting_told_) push({.kind = Event::Kind::waits_for_pose});

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 
+#include "firmware/controller/gait_fallback.h"
 #include "firmware/controller/mailboxes.h"
 #include "firmware/hardware/buses.h"
 #include "firmware/hardware/drivers.h"
@@ -40,6 +41,13 @@ class TorqueCycle {
   void configure(const model::RobotModel& robot, const control::ControllerParameters& parameters,
                  const supervisor::SupervisorParameters& supervision) noexcept;
 
+  /// Tracks gaits of this library, which outlives this object, when no plan can be followed. After
+  /// configure().
+  void track_without_plan(const model::RobotModel& robot, const control::ControllerParameters& parameters,
+                          const gait::GaitLibrary& library) noexcept {
+    gait_.configure(robot, parameters.robot.torque_limit_scale, &library);
+  }
+
   /// Everything outlives this object.
   void attach(const Robot& robot, Mailboxes& mailboxes) noexcept;
 
@@ -53,7 +61,10 @@ class TorqueCycle {
   void take_tuning() noexcept;
   void sense(const TickTiming& timing) noexcept;
   void look_at_plan(const control::Plan& plan) noexcept;
+  [[nodiscard]] bool near_standing_pose(double margin_rad) const noexcept;
   [[nodiscard]] bool fit_to_stand() const noexcept;
+  [[nodiscard]] model::ContactMode contact(const control::Plan& plan) const noexcept;
+  void follow_gait(const control::Plan& plan) noexcept;
   void estimate_state(const control::Plan& plan) noexcept;
   void supervise() noexcept;
   [[nodiscard]] hal::JointCommands torque_law(const control::Plan& plan) noexcept;
@@ -73,9 +84,11 @@ class TorqueCycle {
   std::array<model::JointVector, 2> standing_rad_;  ///< left foot ahead, right foot ahead
   double standing_pitch_rad_ = 0.0;
   bool waiting_told_ = false;
+  supervisor::State before_ = supervisor::State::boot;  ///< in the tick before
   control::Estimator estimator_;
   control::TorqueLoop law_;              ///< on a young plan
   control::TorqueLoop law_of_old_plan_;  ///< with the plan's feedback gains
+  GaitFallback gait_;
 
   supervisor::Observation seen_;
   control::SensorReading reading_;

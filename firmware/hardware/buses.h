@@ -11,7 +11,8 @@ class Buses {
   /// Frames lost, withheld or malformed and reports of errors, on all buses since the start.
   [[nodiscard]] virtual std::uint64_t errors() const noexcept = 0;
 
-  /// The operator wants a new start: forgets bus-off, connects again where a connection was lost.
+  /// The operator wants a new start: forgets bus-off, and has lost connections made again, later and
+  /// elsewhere. Call it every tick until that is over.
   virtual void restore() noexcept = 0;
 
  protected:

@@ -37,8 +37,10 @@ std::uint64_t RobotHardware::errors() const noexcept {
 }
 
 void RobotHardware::restore() noexcept {
-  for (TapBus& tap : buses()) tap.clear_bus_off();
-  if (restore_call_ != nullptr) restore_call_(restore_context_);
+  for (TapBus& tap : buses()) {
+    tap.clear_bus_off();
+    tap.lend_if_gone();
+  }
 }
 
 }  // namespace stilt::hardware

@@ -26,10 +26,18 @@ class RobotHardware final : public Buses {
   [[nodiscard]] CanDrivers& drivers() noexcept { return drivers_; }
   [[nodiscard]] std::uint64_t errors() const noexcept override;
   void restore() noexcept override;
-  /// What restore() does besides forgetting bus-off: connecting again, known to who opened the buses.
-  void on_restore(void (*call)(void* context) noexcept, void* context) noexcept {
-    restore_call_ = call;
-    restore_context_ = context;
+
+  /// The other half of restore(), on any thread but the torque loop's: connects the buses again that
+  /// restore() found gone. Opens sockets; not real time.
+  /// @param connect  connects a bus, known to who opened them; tried again by the next restore() when it
+  /// fails
+  template <class Connect>
+  void serve_restore(Connect&& connect) {
+    for (std::size_t bus = 0; bus < bus_count_; ++bus) {
+      if (!taps_[bus].lent()) continue;
+      connect(bus);
+      taps_[bus].give_back();
+    }
   }
 
   /// The buses as joints and sensors are read from them.
@@ -41,8 +49,6 @@ class RobotHardware final : public Buses {
   std::array<hal::FrameBus*, hal::kMaximumBuses> tap_pointers_;
   hal::CanRobot robot_;
   CanDrivers drivers_;
-  void (*restore_call_)(void*) noexcept = nullptr;
-  void* restore_context_ = nullptr;
 };
 
 }  // namespace stilt::hardware

@@ -9,33 +9,37 @@ constexpr std::int64_t kPause_ns = 10'000;
 
 }  // namespace
 
-RoundTrip::RoundTrip(const hal::RobotWiring& wiring, std::span<TapBus> taps) noexcept : taps_(taps) {
-  for (const hal::JointWiring& joint : wiring.joints) {
-    if (const auto* mit = std::get_if<hal::protocol::MitDriver>(&joint.driver)) {
-      replies_[count_++] = {joint.bus, mit->reply_id, false};
-    } else if (const auto* moteus = std::get_if<hal::protocol::MoteusDriver>(&joint.driver)) {
+std::array<ReplyFrame, hal::kJoints> reply_frames(const hal::RobotWiring& wiring) noexcept {
+  std::array<ReplyFrame, hal::kJoints> replies;
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    const hal::JointWiring& wired = wiring.joints[joint];
+    if (const auto* mit = std::get_if<hal::protocol::MitDriver>(&wired.driver)) {
+      replies[joint] = {true, wired.bus, mit->reply_id, false};
+    } else if (const auto* moteus = std::get_if<hal::protocol::MoteusDriver>(&wired.driver)) {
       const std::uint32_t id = static_cast<std::uint32_t>(moteus->id) << 8 | moteus->source;
-      replies_[count_++] = {joint.bus, id, id > hal::kMaximumStandardId};
+      replies[joint] = {true, wired.bus, id, id > hal::kMaximumStandardId};
     }
   }
+  return replies;
 }
+
+RoundTrip::RoundTrip(const hal::RobotWiring& wiring, std::span<TapBus> taps) noexcept
+    : taps_(taps), replies_(reply_frames(wiring)) {}
 
 bool RoundTrip::all_replied() noexcept {
   bool all = true;
   for (std::size_t bus = 0; bus < taps_.size(); ++bus) {
     const std::span<const hal::CanFrame> frames = taps_[bus].listen();
-    for (const Reply& reply : std::span(replies_).first(count_)) {
-      if (reply.bus != bus) continue;
-      all = all && std::ranges::any_of(frames, [&reply](const hal::CanFrame& frame) {
-              return frame.id == reply.id && frame.extended == reply.extended && !frame.error;
-            });
+    for (const ReplyFrame& reply : replies_) {
+      if (!reply.exists || reply.bus != bus) continue;
+      all = all && std::ranges::any_of(frames, [&reply](const auto& frame) { return reply.is(frame); });
     }
   }
   return all;
 }
 
 std::int64_t RoundTrip::measure(hal::Clock& clock, std::int64_t sent_ns, std::int64_t give_up_ns) noexcept {
-  if (count_ == 0) return -1;
+  if (std::ranges::none_of(replies_, &ReplyFrame::exists)) return -1;
   while (true) {
     const bool done = all_replied();
     const std::int64_t now_ns = clock.now_ns();

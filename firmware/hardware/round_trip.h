@@ -10,6 +10,21 @@
 
 namespace stilt::hardware {
 
+/// The frame with which a driver replies to a command.
+struct ReplyFrame {
+  bool exists = false;  ///< ODrives do not reply
+  std::uint8_t bus = 0;
+  std::uint32_t id = 0;
+  bool extended = false;
+
+  [[nodiscard]] bool is(const hal::CanFrame& frame) const noexcept {
+    return exists && frame.id == id && frame.extended == extended && !frame.error;
+  }
+};
+
+/// Those of the joints.
+[[nodiscard]] std::array<ReplyFrame, hal::kJoints> reply_frames(const hal::RobotWiring& wiring) noexcept;
+
 /// Measures how long it takes from commands to the last driver's reply, by listening to the buses while the
 /// torque loop has nothing else to do. ODrives do not reply to commands and are not waited for. Real-time
 /// safe.
@@ -25,16 +40,10 @@ class RoundTrip {
                                      std::int64_t give_up_ns) noexcept;
 
  private:
-  struct Reply {
-    std::uint8_t bus = 0;
-    std::uint32_t id = 0;
-    bool extended = false;
-  };
   [[nodiscard]] bool all_replied() noexcept;
 
   std::span<TapBus> taps_;
-  std::array<Reply, hal::kJoints> replies_{};
-  std::size_t count_ = 0;
+  std::array<ReplyFrame, hal::kJoints> replies_;
 };
 
 }  // namespace stilt::hardware

@@ -1,5 +1,7 @@
 #include "firmware/program/configure_cycles.h"
 
+#include "firmware/configuration/gaits/shipped_gaits.h"
+
 namespace stilt::program {
 namespace {
 
@@ -23,12 +25,27 @@ std::expected<void, std::string> configure_planner(const model::RobotModel& robo
       "weight, or set cost.terminal to 0");
 }
 
+/// Gaits for the reference of the plans, and for the rung below them. A robot without gaits has no such rung.
+std::expected<void, std::string> follow_gaits(const model::RobotModel& robot,
+                                              const configuration::Configuration& configuration,
+                                              const std::string& source, controller::PlannerCycle& planner,
+                                              controller::TorqueCycle& torque, gait::GaitLibrary& gaits) {
+  const bool planned = configuration.controller.reference == configuration::ReferenceKind::hzd;
+  const auto loaded = gait_files::load_shipped_library(configuration.hardware.robot, gaits);
+  if (!loaded && planned)
+    return std::unexpected(source + ": controller.reference is hzd, and " + loaded.error());
+  if (!loaded) return {};
+  if (planned) planner.follow(gaits);
+  if (configuration.supervisor.track_gait) torque.track_without_plan(robot, configuration, gaits);
+  return {};
+}
+
 }  // namespace
 
 std::expected<void, std::string> configure_cycles(const configuration::Configuration& configuration,
                                                   const std::string& source,
                                                   controller::PlannerCycle& planner,
-                                                  controller::TorqueCycle& torque) {
+                                                  controller::TorqueCycle& torque, gait::GaitLibrary* gaits) {
   const model::RobotModel* robot = model::find_robot(configuration.hardware.robot.c_str());
   if (robot == nullptr) {
     return std::unexpected(source + ": hardware.robot \"" + configuration.hardware.robot +
@@ -36,7 +53,8 @@ std::expected<void, std::string> configure_cycles(const configuration::Configura
   }
   if (const auto ready = configure_planner(*robot, configuration, source, planner); !ready) return ready;
   torque.configure(*robot, configuration, configuration.supervisor);
-  return {};
+  if (gaits == nullptr) return {};
+  return follow_gaits(*robot, configuration, source, planner, torque, *gaits);
 }
 
 }  // namespace stilt::program

@@ -27,7 +27,8 @@ hardware::DemandsOfJoints demands_of(const configuration::HardwareParameters& ha
 std::expected<void, std::string> set_up(const Options& options, std::span<hal::FrameBus* const> buses,
                                         ControllerState& state) {
   const configuration::Configuration& configuration = options.configuration;
-  if (const auto ready = configure_cycles(configuration, options.source, state.planner, state.torque);
+  if (const auto ready =
+          configure_cycles(configuration, options.source, state.planner, state.torque, &state.gaits);
       !ready) {
     return ready;
   }
@@ -37,8 +38,10 @@ std::expected<void, std::string> set_up(const Options& options, std::span<hal::F
     state.lockstep_buses[bus].attach(*buses[bus]);
     carried[bus] = options.lockstep ? &state.lockstep_buses[bus] : buses[bus];
   }
-  state.hardware.emplace(configuration::robot_wiring(configuration.hardware),
-                         demands_of(configuration.hardware, robot->constants),
+  hal::RobotWiring wiring = configuration::robot_wiring(configuration.hardware);
+  wiring.channel_period_ticks =
+      configuration::base_period_ticks(configuration.hardware, configuration.timing.torque_rate_hz);
+  state.hardware.emplace(wiring, demands_of(configuration.hardware, robot->constants),
                          std::span(carried).first(buses.size()));
   hardware::RobotHardware& hardware = *state.hardware;
   state.torque.attach(
@@ -69,6 +72,10 @@ void operate(ControllerState& state, const std::atomic<bool>& stop) {
   command.shut_down = command.shut_down || stop.load(std::memory_order_relaxed);
   if (state.station != nullptr) command = state.station->operate(command);
   state.mail.commands.publish();
+}
+
+void restore_buses(ControllerState& state) {
+  if (state.reconnect) state.hardware->serve_restore(state.reconnect);
 }
 
 void tell(ControllerState& state, const LoopFigures& loop, const PlannerFigures& planning) {

@@ -3,6 +3,7 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <optional>
 
 #include "firmware/controller/planner_cycle.h"
@@ -35,6 +36,9 @@ struct ControllerState {
   std::int64_t start_ns = 0;            ///< time of the first tick, known to housekeeping
   std::array<hardware::LockstepBus, hal::kMaximumBuses> lockstep_buses;
   std::optional<hardware::RobotHardware> hardware;
+  std::function<void(std::size_t bus)>
+      reconnect;                          ///< housekeeping connects a bus again, set by who opened it
+  gait::GaitLibrary gaits;                ///< shipped for the robot; loaded at start, then constant
   telemetry::Station* station = nullptr;  ///< housekeeping's; nullptr: no telemetry
   bool black_box_saved = false;
   LoopFigures loop;
@@ -52,6 +56,9 @@ struct ControllerState {
 /// The operator's side: takes what the torque loop told of its ticks, and lets the script or who sits at the
 /// host command it.
 void operate(ControllerState& state, const std::atomic<bool>& stop);
+
+/// Housekeeping's part of a reset: connects buses again that the torque loop found gone.
+void restore_buses(ControllerState& state);
 
 /// Telemetry's turn: sends what is due.
 void tell(ControllerState& state, const LoopFigures& loop, const PlannerFigures& planning);

@@ -90,10 +90,11 @@ void run_lockstep(const Options& options, std::size_t bus_count, Signals& signal
       planner.hand_over(tick);
       state.torque.tick({.now_ns = clock.now_ns()});
       state.loop.execution.add_ns(wall.now_ns() - start_ns);
-      planner.plan(tick);
+      if (options.plans_at(state.torque.time_s())) planner.plan(tick);
       state.loop.heap_allocations += allocations.count();
     }
     take_events(state.mail.events, outcome, state.station);
+    restore_buses(state);
     ++state.loop.ticks;
     ticks_off = state.torque.decision().state == supervisor::State::off ? ticks_off + 1 : 0;
     next_ns += schedule.tick_ns;

@@ -6,7 +6,11 @@
 #include <charconv>
 #include <cmath>
 #include <iostream>
+#include <memory>
 #include <string_view>
+
+#include "firmware/configuration/gaits/gait_overrides.h"
+#include "firmware/configuration/gaits/shipped_gaits.h"
 
 namespace stilt::program {
 namespace {
@@ -47,13 +51,34 @@ std::vector<configuration::Override> overrides_of(const Words& words) {
   return overrides;
 }
 
+configuration::Result load(const Words& words, const std::vector<configuration::Override>& overrides) {
+  return words.config_file.empty() ? configuration::load_robot(words.robot, overrides)
+                                   : configuration::load_file(words.config_file, overrides);
+}
+
+/// What plans around gaits of the library need, before what the command line sets.
+std::expected<std::vector<configuration::Override>, std::string> with_gaits(
+    const std::string& robot, const std::vector<configuration::Override>& overrides) {
+  const auto library = std::make_unique<gait::GaitLibrary>();
+  if (const auto loaded = gait_files::load_shipped_library(robot, *library); !loaded) {
+    return std::unexpected("controller.reference is hzd: " + loaded.error());
+  }
+  auto all = gait_files::gait_overrides(*library, "controller.reference");
+  all.insert(all.end(), overrides.begin(), overrides.end());
+  return all;
+}
+
 std::expected<void, std::string> read_configuration(const Words& words, Options& options) {
   const auto overrides = overrides_of(words);
-  const bool shipped = words.config_file.empty();
-  const configuration::Result result = shipped ? configuration::load_robot(words.robot, overrides)
-                                               : configuration::load_file(words.config_file, overrides);
+  configuration::Result result = load(words, overrides);
+  if (result && result->controller.reference == configuration::ReferenceKind::hzd) {
+    const auto all = with_gaits(result->hardware.robot, overrides);
+    if (!all) return std::unexpected(all.error());
+    result = load(words, *all);
+  }
   if (!result) return std::unexpected(configuration::to_string(result.error()));
   options.configuration = *result;
+  const bool shipped = words.config_file.empty();
   options.source = shipped ? "the shipped configuration of " + words.robot : words.config_file;
   return {};
 }
@@ -114,14 +139,20 @@ std::expected<Options, std::string> read_options(int count, char** words_of_line
   app.add_option("--json", options.json_file, "writes figures at the end as JSON, - for standard output");
   app.add_option("--black-box", options.black_box_file,
                  "writes the last seconds before the first fault to this file, CSV");
-  app.add_flag("--forbid-syscalls", options.forbid_syscalls,
-               "for tests: ends at once when a real-time thread uses a system call that can make it wait");
+  app.add_flag(
+      "--forbid-syscalls", options.forbid_syscalls,
+      "for tests: ends at once when a real-time thread uses the heap, or a system call that can make it "
+      "wait");
+  app.add_option("--planner-until", options.planner_until_s,
+                 "for tests: the planner stops working at this time, s; 0: never");
   app.add_flag("--check-config", words.check_config, "reads the configuration, reports on it, and ends");
   app.add_flag("--print-config", words.print_config, "prints the configuration with every key, and ends");
   CLI::App* self_test =
       app.add_subcommand("selftest", "talks to all drivers at zero torque, reports replies and their times");
   add_configuration_options(*self_test, words);
   self_test->add_option("--seconds", options.self_test_s, "how long, s")->capture_default_str();
+  self_test->add_flag("--lockstep", options.lockstep,
+                      "takes turns with a simulated robot instead of following the clock");
   self_test->add_option("--json", options.json_file, "writes the figures as JSON, - for standard output");
   app.footer("Exit status: 0 ended as told, 1 a fault stopped the robot or a check failed, 2 bad usage.");
   try {

@@ -29,7 +29,13 @@ struct Options {
   std::string json_file;         ///< "-": standard output; empty: none
   std::string black_box_file;    ///< empty: none
   bool forbid_syscalls = false;  ///< for proofs: see realtime::forbid_other_system_calls()
+  double planner_until_s = 0.0;  ///< for tests: no plans from states later than this; 0: always
   double self_test_s = 10.0;
+
+  /// Whether the planner still works at this time of the controller.
+  [[nodiscard]] bool plans_at(double time_s) const noexcept {
+    return planner_until_s <= 0.0 || time_s < planner_until_s;
+  }
 };
 
 /// Reads the command line and the configuration. The error is for the user: a sentence, or a line for each

@@ -71,6 +71,9 @@ void take_events(controller::EventRing& events, Outcome& outcome, telemetry::Sta
       case Event::Kind::bring_up_failed:
         say(event->time_s, bring_up_text(*event));
         break;
+      case Event::Kind::lost_stance:
+        say(event->time_s, "left the standing pose while it stood up: damped; put it there and ask again");
+        break;
     }
     events.pop();
   }

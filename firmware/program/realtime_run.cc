@@ -48,7 +48,9 @@ struct Run {
 
 /// On a real-time thread, before its work.
 void guard(Run& run) noexcept {
-  if (run.options.forbid_syscalls && !realtime::forbid_other_system_calls()) run.unguarded = true;
+  if (!run.options.forbid_syscalls) return;
+  realtime::end_on_heap_use();
+  if (!realtime::forbid_other_system_calls()) run.unguarded = true;
 }
 
 void publish(ControllerState& state) noexcept {
@@ -104,10 +106,11 @@ void run_torque_loop(void* context) {
 }
 
 /// One cycle on the newest request; nothing when it is still the last one.
-void run_cycle(ControllerState& state, controller::PlanningTurn& turn, hal::MonotonicClock& clock,
+void run_cycle(Run& run, controller::PlanningTurn& turn, hal::MonotonicClock& clock,
                std::int64_t& last_tick) noexcept {
+  ControllerState& state = run.state;
   const controller::PlanningRequest& request = state.mail.requests.newest();
-  if (request.tick == last_tick) return;
+  if (request.tick == last_tick || !run.options.plans_at(request.time_s)) return;
   last_tick = request.tick;
   const std::int64_t start_ns = clock.now_ns();
   const bool fresh = turn.plan(state.planner, request, state.mail);
@@ -136,7 +139,7 @@ void run_planner(void* context) {
   std::int64_t last_tick = -1;
   while (!run.planner_end.load(std::memory_order_acquire)) {
     static_cast<void>(clock.sleep_until(pace.next_ns()));
-    run_cycle(state, turn, clock, last_tick);
+    run_cycle(run, turn, clock, last_tick);
     pace.advance(clock.now_ns());
     state.planning.heap_allocations = allocations.count();
     state.planning.page_faults = page_faults() - faults_before;
@@ -188,6 +191,7 @@ void run_realtime(const Options& options, Signals& signals, ControllerState& sta
   hal::MonotonicClock clock;
   while (started && !run.torque_done.load(std::memory_order_acquire)) {
     operate(state, signals.stop);
+    restore_buses(state);
     take_events(state.mail.events, outcome, state.station);
     tell(state, state.loop_figures.newest(), state.planner_figures.newest());
     save_black_box(options, state);

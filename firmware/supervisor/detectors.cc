@@ -98,7 +98,9 @@ FaultSet detect_drivers(const Observation& seen, const SupervisorParameters& par
 
 FaultSet detect_software(const Observation& seen, const SupervisorParameters& parameters) noexcept {
   FaultSet faults;
-  faults.add_if(!seen.has_plan || !(seen.plan_age_s < parameters.stale_plan_s), Fault::stale_plan);
+  const bool planless = !can_follow_plan(seen, parameters);
+  faults.add_if(planless && !seen.has_gait, Fault::stale_plan);
+  faults.add_if(planless && seen.has_gait, Fault::plan_missing);
   faults.add_if(seen.failed_solves >= parameters.failed_solves, Fault::failed_solves);
   faults.add_if(seen.solve_s > parameters.planner_overrun_s, Fault::planner_overrun);
   faults.add_if(seen.lateness_s > parameters.torque_loop_overrun_s, Fault::torque_loop_overrun);
@@ -106,6 +108,10 @@ FaultSet detect_software(const Observation& seen, const SupervisorParameters& pa
   faults.add_if(!seen.controller_finite || seen.write_status == hal::JointBusStatus::refused,
                 Fault::not_finite);
   return faults;
+}
+
+bool can_follow_plan(const Observation& seen, const SupervisorParameters& parameters) noexcept {
+  return seen.has_plan && seen.plan_age_s < parameters.stale_plan_s;
 }
 
 FaultSet detect_operator(const Observation& seen, const SupervisorParameters& parameters) noexcept {

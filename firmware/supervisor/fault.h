@@ -36,8 +36,9 @@ enum class Fault : std::uint8_t {
   heartbeat_lost,
   emergency_stop,
   bring_up_failed,
+  plan_missing,
 };
-inline constexpr std::size_t kFaults = 26;
+inline constexpr std::size_t kFaults = 27;
 
 /// What a fault means for what comes after.
 enum class Severity : std::uint8_t {
@@ -51,8 +52,12 @@ enum class Reaction : std::uint8_t {
   none,
   warn,  ///< report
   slow,  ///< walking becomes stepping in place, and stepping standing
-  hold,  ///< hold the measured pose
-  sit,   ///< sit down, then damp
+  /// Hold the measured pose, for less than missed_damp_ticks: by then replies are back, or it is damped.
+  hold,
+  /// Walking becomes stepping in place at once, standing after slow_down_s, sitting after as much again, and
+  /// damping after sit_s: 5 s with the shipped configuration. Without a plan or gait to step with it sits at
+  /// once.
+  sit,
   damp,  ///< damp the joints
   off,   ///< let go of the motors
 };
@@ -113,7 +118,7 @@ inline constexpr std::array<FaultRow, kFaults> kFaultTable = {{
     {Fault::high_voltage, 406, "high_voltage", Severity::latched, Reaction::damp, Watch::driven,
      "a driver reports too much supply voltage", "all report less"},
     {Fault::stale_plan, 501, "stale_plan", Severity::latched, Reaction::sit, Watch::tracking,
-     "the newest plan is too old to follow", "the torque law is not in command"},
+     "the newest plan is too old to follow, and there is no gait to track", "the torque law is not in command"},
     {Fault::failed_solves, 502, "failed_solves", Severity::warning, Reaction::warn, Watch::tracking,
      "several solves in a row gave no plan", "a solve gave a plan"},
     {Fault::planner_overrun, 503, "planner_overrun", Severity::warning, Reaction::warn, Watch::tracking,
@@ -130,6 +135,8 @@ inline constexpr std::array<FaultRow, kFaults> kFaultTable = {{
      "the emergency stop is pressed, or silent", "it reports that it is released"},
     {Fault::bring_up_failed, 603, "bring_up_failed", Severity::latched, Reaction::off, Watch::bring_up,
      "a driver could not be brought up", "the next attempt begins"},
+    {Fault::plan_missing, 507, "plan_missing", Severity::warning, Reaction::warn, Watch::tracking,
+     "the newest plan is too old to follow: the joints track a gait instead", "a plan in step with the gait came"},
 }};
 // clang-format on
 

@@ -7,7 +7,9 @@ Rung best_while_tracking(const LadderInputs& inputs, const SupervisorParameters&
   if (inputs.reaction >= Reaction::damp) return Rung::damp;
   if (inputs.reaction == Reaction::sit) return Rung::sit;
   if (inputs.reaction == Reaction::hold) return Rung::hold;
-  if (!inputs.has_plan || !(inputs.plan_age_s < parameters.stale_plan_s)) return Rung::hold;
+  if (!inputs.has_plan || !(inputs.plan_age_s < parameters.stale_plan_s)) {
+    return inputs.has_gait ? Rung::gait : Rung::hold;
+  }
   return inputs.plan_age_s < parameters.older_plan_s ? Rung::new_plan : Rung::older_plan;
 }
 

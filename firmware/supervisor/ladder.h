@@ -12,6 +12,7 @@ namespace stilt::supervisor {
 enum class Rung : std::uint8_t {
   new_plan,    ///< the torque law on a plan as young as plans should be
   older_plan,  ///< the torque law on the plan before, with its feedback gains
+  gait,        ///< a gait of the library, tracked by the joints without planning
   hold,        ///< position control of the measured pose
   sit,         ///< position control on the way to the sitting pose
   damp,        ///< resistance only
@@ -19,14 +20,15 @@ enum class Rung : std::uint8_t {
 };
 
 [[nodiscard]] constexpr const char* name(Rung rung) noexcept {
-  constexpr const char* kNames[] = {"new_plan", "older_plan", "hold", "sit", "damp", "off"};
+  constexpr const char* kNames[] = {"new_plan", "older_plan", "gait", "hold", "sit", "damp", "off"};
   return kNames[static_cast<int>(rung)];
 }
 
 struct LadderInputs {
   State state = State::boot;
-  Reaction reaction = Reaction::none;  ///< hardest of the present and the latched faults
+  Reaction reaction = Reaction::none;  ///< to the present and the latched faults
   bool has_plan = false;               ///< a plan that has not ended
+  bool has_gait = false;               ///< a gait of the library is in step with the robot
   double plan_age_s = 0;               ///< since the state it started from; NaN counts as too old
 };
 

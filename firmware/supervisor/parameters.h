@@ -27,6 +27,7 @@ struct SupervisorParameters {
   double high_voltage_V = 56.0;         ///< supply
   double older_plan_s = 0.03;           ///< age from which a plan counts as an older one
   double stale_plan_s = 0.25;           ///< age from which a plan is not followed any more
+  bool track_gait = true;               ///< without a plan, where gaits of the robot are known
   int failed_solves = 3;                ///< in a row, warning
   double planner_overrun_s = 0.010;     ///< time of one solve, warning
   double torque_loop_overrun_s = 5e-4;  ///< lateness of a tick, warning
@@ -35,13 +36,14 @@ struct SupervisorParameters {
   double emergency_stop_wait_s = 1.0;   ///< after the start, for the emergency stop's first report
   double stand_pose_margin_rad = 0.2;   ///< joints and torso off the standing pose, at most, to stand up
   double stand_speed_rad_s = 1.0;       ///< speed of joints and torso, at most, to stand up
+  double stance_margin_rad = 0.5;       ///< while it stands up: farther off, the attempt ends
   double stand_ramp_s = 1.5;            ///< time over which the torque law takes over when standing up
   double slow_down_s = 1.5;             ///< stepping in place between walking and standing
   double reset_window_s = 0.5;          ///< after a reset was asked for: time for every cause to be gone
   double hold_kp_Nm_rad = 100.0;        ///< holding and sitting
-  double hold_kd_Nms_rad = 5.0;         ///< holding and sitting
+  double hold_kd_Nms_rad = 4.5;         ///< holding and sitting
   double hold_ramp_s = 0.05;            ///< from nothing to these gains
-  double damping_kd_Nms_rad = 5.0;
+  double damping_kd_Nms_rad = 4.5;
   double damping_torque_Nm = 40.0;  ///< most that damping may give, by less gain at high speed
   double sit_s = 2.0;               ///< from the measured pose to the sitting pose
   double sit_hip_rad = -1.1;        ///< of both legs

@@ -70,13 +70,16 @@ enum class Condition : std::uint8_t {
   request_sit,
   request_reset,
   request_off,
-  shut_down,  ///< the program is to end
+  shut_down,    ///< the program is to end
+  lost_stance,  ///< the robot is too far from the standing pose
 };
 
 /// What must hold besides.
 enum class Guard : std::uint8_t {
   always,
   ramp_done,      ///< the torque law has taken over
+  ramping,        ///< it has not yet
+  cannot_step,    ///< there is neither a plan young enough nor a gait to step with
   slowed_down,    ///< stepped in place, or stood with both feet down, for long enough
   causes_gone,    ///< no fault is present
   none_latched,   ///< no fault waits for a reset
@@ -113,7 +116,9 @@ inline constexpr auto kTransitions = std::to_array<Transition>({
     {State::ready, Condition::request_stand, Guard::fit_to_stand, State::stand},
 
     {State::stand, Condition::damp_fault, Guard::always, State::fault},
-    {State::stand, Condition::sit_fault, Guard::always, State::sit},
+    {State::stand, Condition::sit_fault, Guard::cannot_step, State::sit},
+    {State::stand, Condition::sit_fault, Guard::slowed_down, State::sit},
+    {State::stand, Condition::lost_stance, Guard::ramping, State::ready},
     {State::stand, Condition::shut_down, Guard::slowed_down, State::sit},
     {State::stand, Condition::request_off, Guard::slowed_down, State::sit},
     {State::stand, Condition::request_sit, Guard::slowed_down, State::sit},
@@ -121,7 +126,8 @@ inline constexpr auto kTransitions = std::to_array<Transition>({
     {State::stand, Condition::request_walk, Guard::ramp_done, State::walk},
 
     {State::step, Condition::damp_fault, Guard::always, State::fault},
-    {State::step, Condition::sit_fault, Guard::always, State::sit},
+    {State::step, Condition::sit_fault, Guard::cannot_step, State::sit},
+    {State::step, Condition::sit_fault, Guard::slowed_down, State::stand},
     {State::step, Condition::shut_down, Guard::slowed_down, State::stand},
     {State::step, Condition::slow_fault, Guard::slowed_down, State::stand},
     {State::step, Condition::request_stand, Guard::slowed_down, State::stand},
@@ -130,7 +136,8 @@ inline constexpr auto kTransitions = std::to_array<Transition>({
     {State::step, Condition::request_walk, Guard::always, State::walk},
 
     {State::walk, Condition::damp_fault, Guard::always, State::fault},
-    {State::walk, Condition::sit_fault, Guard::always, State::sit},
+    {State::walk, Condition::sit_fault, Guard::cannot_step, State::sit},
+    {State::walk, Condition::sit_fault, Guard::always, State::step},
     {State::walk, Condition::shut_down, Guard::always, State::step},
     {State::walk, Condition::slow_fault, Guard::always, State::step},
     {State::walk, Condition::request_stand, Guard::always, State::step},

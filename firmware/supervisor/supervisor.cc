@@ -64,6 +64,7 @@ const SupervisorOutput& Supervisor::update(const SupervisorInputs& inputs) noexc
   started_ = true;
   measured_ = inputs.seen.joints;
   fit_to_stand_ = inputs.fit_to_stand;
+  can_step_ = can_follow_plan(inputs.seen, parameters_) || inputs.seen.has_gait;
   pose_rad_ = measured_pose_rad(measured_, pose_rad_);
   output_.entered = output_.start_controller = false;
   find_faults(inputs);
@@ -120,6 +121,8 @@ void Supervisor::watch_reset_window(const Request& request) noexcept {
 }
 
 bool Supervisor::requested(RequestKind kind, const Request& request) const noexcept {
+  const bool steps = kind == RequestKind::step || kind == RequestKind::walk;
+  if (steps && !output_.latched.empty()) return false;  // on its way to sit
   return request.kind == kind && request.number > void_number_;
 }
 
@@ -155,6 +158,8 @@ bool Supervisor::applies(Condition condition, const SupervisorInputs& inputs) co
       return requested(RequestKind::off, request);
     case Condition::shut_down:
       return inputs.shut_down;
+    case Condition::lost_stance:
+      return !inputs.in_stance;
   }
   return false;
 }
@@ -165,6 +170,10 @@ bool Supervisor::passes(Guard guard) const noexcept {
       return true;
     case Guard::ramp_done:
       return since_s(tracking_ns_) >= parameters_.stand_ramp_s;
+    case Guard::ramping:
+      return since_s(tracking_ns_) < parameters_.stand_ramp_s;
+    case Guard::cannot_step:
+      return !can_step_;
     case Guard::slowed_down:
       return since_s(entered_ns_) >= parameters_.slow_down_s;
     case Guard::causes_gone:
@@ -208,9 +217,22 @@ void Supervisor::enter(State state, const SupervisorInputs& inputs) noexcept {
   entered_ns_ = now_ns_;
 }
 
+/// Faults that ask to sit change the state; until the robot sits, the rung is that of the other faults.
+Reaction Supervisor::reaction_of_rung() const noexcept {
+  if (output_.reaction != Reaction::sit || !tracks(output_.state)) return output_.reaction;
+  Reaction hardest = Reaction::none;
+  for (const FaultRow& fault : kFaultTable) {
+    if (output_.present.has(fault.fault) && fault.reaction != Reaction::sit) {
+      hardest = std::max(hardest, fault.reaction);
+    }
+  }
+  return hardest;
+}
+
 void Supervisor::choose(const SupervisorInputs& inputs) noexcept {
   const Rung rung = choose_rung(
-      {output_.state, output_.reaction, inputs.seen.has_plan, inputs.seen.plan_age_s}, parameters_);
+      {output_.state, reaction_of_rung(), inputs.seen.has_plan, inputs.seen.has_gait, inputs.seen.plan_age_s},
+      parameters_);
   if (rung != output_.rung) {
     rung_ns_ = now_ns_;
     rung_pose_rad_ = pose_rad_;
@@ -233,6 +255,7 @@ hal::JointCommands Supervisor::commands_of_rung(const hal::JointCommands& wanted
   switch (output_.rung) {
     case Rung::new_plan:
     case Rung::older_plan:
+    case Rung::gait:
       return taken_over(wanted, stand_pose_rad_, output_.ramp, parameters_);
     case Rung::hold:
       return held(rung_pose_rad_, hold_s, limits_, parameters_);

@@ -28,6 +28,7 @@ struct SupervisorInputs {
   bool bring_up_done = false;  ///< every driver is enabled
   bool shut_down = false;      ///< the program is to end: sit, damp, let go
   bool fit_to_stand = true;    ///< nearly at rest and near the standing pose
+  bool in_stance = true;       ///< still near enough to the standing pose to go on standing up
 };
 
 /// What leaves override() for the drivers.
@@ -63,7 +64,7 @@ class Supervisor {
 
   /// What to send in this tick. Torques are within the joints' limits; commands that are not finite become
   /// damping, and a fault in the next tick.
-  /// @param wanted    of the torque law; used on the two topmost rungs only
+  /// @param wanted    of the torque law or the gait; used on the three topmost rungs only
   /// @param commands  written when the action is `commands`
   [[nodiscard]] Action override(const hal::JointCommands& wanted, hal::JointCommands& commands) noexcept;
 
@@ -79,6 +80,7 @@ class Supervisor {
   [[nodiscard]] bool applies(Condition condition, const SupervisorInputs& inputs) const noexcept;
   [[nodiscard]] bool requested(RequestKind kind, const Request& request) const noexcept;
   [[nodiscard]] bool passes(Guard guard) const noexcept;
+  [[nodiscard]] Reaction reaction_of_rung() const noexcept;
   void choose(const SupervisorInputs& inputs) noexcept;
   [[nodiscard]] hal::JointCommands commands_of_rung(const hal::JointCommands& wanted) const noexcept;
   [[nodiscard]] double since_s(std::int64_t time_ns) const noexcept;
@@ -101,6 +103,7 @@ class Supervisor {
   bool resetting_ = false;
   bool command_not_finite_ = false;
   bool fit_to_stand_ = false;
+  bool can_step_ = false;
 };
 
 }  // namespace stilt::supervisor

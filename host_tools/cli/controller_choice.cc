@@ -2,6 +2,7 @@
 
 #include <charconv>
 
+#include "firmware/configuration/gaits/gait_overrides.h"
 #include "firmware/configuration/gaits/shipped_gaits.h"
 #include "host_tools/cli/usage_error.h"
 #include "host_tools/planning_model/lumped.h"
@@ -14,9 +15,6 @@ namespace {
 
 using configuration::Override;
 
-/// Weight of the terminal cost around gaits of the library, of the paper.
-constexpr double kHzdTerminalCost = 10.0;
-
 /// "section.key=value" with every digit of the value.
 Override setting(const char* key, double value, const char* option) {
   char text[40];
@@ -27,9 +25,7 @@ Override setting(const char* key, double value, const char* option) {
 std::vector<Override> overrides_of(const ControllerChoice& choice) {
   std::vector<Override> overrides;
   if (const auto library = gait_library(choice)) {  // before what the user sets, so that this can be changed
-    overrides.push_back(setting("cost.terminal", kHzdTerminalCost, "--controller mpc-hzd"));
-    overrides.push_back(setting("gait.single_support_s", library->step_time_s(), "--controller mpc-hzd"));
-    overrides.push_back(setting("gait.double_support_s", 0.0, "--controller mpc-hzd"));
+    overrides = gait_files::gait_overrides(*library, "--controller mpc-hzd");
   }
   for (const std::string& assignment : choice.settings) overrides.push_back({assignment});
   if (choice.horizon_s)

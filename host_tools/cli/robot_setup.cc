@@ -70,6 +70,9 @@ SimulatedHardware simulated_hardware(const RobotOptions& options) {
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
     setup.odrive_endpoints[joint] = configuration::odrive_endpoints(configured.hardware, joint);
   }
+  setup.base_rate_hz = configured.hardware.base_sensor.rate_hz;
+  setup.wiring.channel_period_ticks =
+      configuration::base_period_ticks(configured.hardware, configured.timing.torque_rate_hz);
   setup.tick_s = 1.0 / configured.timing.torque_rate_hz;
   for (const std::string& assignment : options.plant_settings) set_plant_option(setup.plant, assignment);
   setup.plant.time_step_s = simulator::time_step_for_tick(setup.plant.time_step_s, setup.tick_s);

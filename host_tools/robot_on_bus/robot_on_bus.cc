@@ -122,10 +122,19 @@ void RobotOnBus::run_timers(std::int64_t now_ns) {
 
 void RobotOnBus::send_base(std::int64_t now_ns) {
   const BaseValues values = base_values();
-  if (active(FaultKind::base_silent)) return;
+  if (!base_due() || active(FaultKind::base_silent)) return;
   for (const hal::CanFrame& frame : base_sensor_.encode(values)) {
     line_.send(fault_clock_s_, now_ns, {setup_.wiring.channel_bus, std::nullopt}, frame);
   }
+}
+
+/// Whether one of its periods, counted from the start, ended with this tick.
+bool RobotOnBus::base_due() {
+  constexpr double kRounding = 1e-6;
+  const auto over = static_cast<std::uint64_t>(time_s() * setup_.base_rate_hz + kRounding);
+  const bool due = over > base_frames_;
+  base_frames_ = over;
+  return due;
 }
 
 /// Specific force of the hip over the last tick, in the frame of the base: a - g, turned by the pitch.

@@ -29,6 +29,7 @@ struct RobotSetup {
   std::uint64_t seed = 1;
   model::StateVector standing = model::StateVector::Zero();  ///< starting pose, feet on the ground
   double tick_s = 0.001;
+  double base_rate_hz = 1000.0;  ///< frames a second of the base sensor, at most one a tick
   HoistParameters hoist;
   std::vector<TimedFault> faults;
   std::vector<simulator::Push> pushes;
@@ -46,7 +47,8 @@ struct StruckFault {
 ///
 /// A command takes effect when it is heard; the driver's law is evaluated at each time step of the plant, at
 /// the joint's position and velocity of that moment (with the plant's encoder noise), and limited by driver
-/// and plant. Replies show the newest time step. The base sensor sends once a tick.
+/// and plant. Replies show the newest time step. The base sensor sends at the end of a tick, at its
+/// own rate.
 class RobotOnBus {
  public:
   /// Throws std::runtime_error when the plant refuses the model.
@@ -102,6 +104,7 @@ class RobotOnBus {
   void finish_tick(std::int64_t now_ns);
   void run_timers(std::int64_t now_ns);
   void send_base(std::int64_t now_ns);
+  [[nodiscard]] bool base_due();
   [[nodiscard]] BaseValues base_values();
   void attend();
   void end_walk(simulator::Fall fall);
@@ -121,6 +124,7 @@ class RobotOnBus {
   FrameLine line_;
   WalkRecorder recorder_;
   std::uint64_t ticks_ = 0;
+  std::uint64_t base_frames_ = 0;  ///< periods of the base sensor that are over
   int step_in_tick_ = 0;
   std::optional<std::uint64_t> release_tick_;
   int sitting_ticks_ = 0;  ///< in a row

@@ -23,14 +23,14 @@ TEST(OpenBuses, EachBusReceivesWhatItsDriversSendAndItsOwnCommands) {
   const Configuration configuration = configuration::load_robot("amber3m").value();
   const hal::RobotWiring wiring = configuration::robot_wiring(configuration.hardware);
   const auto left = bus_options(wiring, 0, false);
-  for (const std::uint32_t id : {0x1u, 0x2u, 0x11u, 0x12u, 0x7ffu, 0x50u}) {
+  for (const std::uint32_t id : {0x1u, 0x2u, 0x11u, 0x12u, 0x7ffu, 0x150u}) {
     EXPECT_TRUE(receives(left, id, false)) << id;
   }
   EXPECT_FALSE(receives(left, 0x13, false)) << "on the other bus";
   EXPECT_FALSE(left.fd);
   const auto right = bus_options(wiring, 1, false);
   EXPECT_TRUE(receives(right, 0x14, false));
-  EXPECT_FALSE(receives(right, 0x50, false)) << "the base sensor is on the first bus";
+  EXPECT_FALSE(receives(right, 0x150, false)) << "the base sensor is on the first bus";
 }
 
 TEST(OpenBuses, SyncFramesPassInLockstepOnly) {

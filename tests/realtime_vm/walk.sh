@@ -1,5 +1,6 @@
-# stiltd walks the simulated robot over the kernel's CAN, both taking turns, on the real-time kernel. A second run
-# has a bus go off while walking, and loses the robot at last.
+# stiltd walks the simulated robot over the kernel's CAN, both taking turns, on the real-time kernel. In a second run
+# stiltd is killed while it stands: the drivers let go, and a restart comes up idle. A third has a bus go off, and the
+# robot killed at last.
 quick="--set runtime.start_settle_s=1.2 --set supervisor.stand_ramp_s=0.4 --set supervisor.slow_down_s=0.8"
 failed=0
 
@@ -35,6 +36,27 @@ grep -q '"heap_allocations": 0' stiltd.json || fail "the controller allocated me
 grep -q '"fall_time_s": null' robot.json || fail "the robot fell"
 steps=$(tr -d '\n' <robot.json | sed 's/.*"steps": \[\([^]]*\)\].*/\1/' | grep -o '"foot"' | wc -l)
 [ "$steps" -ge 3 ] || fail "only $steps steps"
+
+echo "stiltd is killed while it stands; another comes up idle"
+start_robot
+stiltd --bus vcan0 --bus vcan1 --start stand $quick --lockstep >stiltd.log 2>&1 &
+controller=$!
+until grep -qs ' stand$' stiltd.log; do
+  kill -0 $controller 2>/dev/null || break
+  sleep 0.2
+done
+sleep 3
+kill -KILL $controller
+wait $controller
+[ $? -eq 137 ] || fail "stiltd was not there to be killed"
+stiltd --bus vcan0 --bus vcan1 --duration 0.5 --lockstep --json stiltd.json >stiltd.log 2>&1 ||
+  fail "the second stiltd ended with status $?"
+cat stiltd.log
+grep -q '"last_state": "idle"' stiltd.json || fail "it did not come up idle"
+tr -d ' \n' <stiltd.json | grep -q '"faults":\[\]' || fail "faults: $(tr -d ' \n' <stiltd.json)"
+kill -TERM $robot
+wait $robot
+grep -q '"enabled": true' robot.json && fail "a driver is still enabled"
 
 echo "a bus goes off while standing, the controller damps; then the robot is killed"
 start_robot --fault bus-off:0@0.2

@@ -47,6 +47,23 @@ TEST(TwoProcesses, AfterAKillTheDriversLetGoAndARestartComesUpIdle) {
   })) << "an idle controller enables nothing";
 }
 
+/// The hoist lifts the robot that fell when its controller died. Standing up in the air ends damped, not in a
+/// fault, and the robot stays whole; once it hangs still, it stands up as ever.
+TEST(TwoProcesses, ARestartWhileTheRobotIsBeingLiftedEndsInNoFault) {
+  RobotAndController run;
+  run.start_robot({"--lockstep"});
+  run.start_controller({"--lockstep", "--start", "walk@0.5"});
+  ASSERT_TRUE(wait_for_text(run.file("controller.err"), "walk", kLongestRun_s)) << run.said();
+  run.controller().signal(SIGKILL);
+  ASSERT_EQ(run.controller().wait(kLongestRun_s), 128 + SIGKILL);
+  for (const char* attempt : {"at once", "later", "hanging"}) {
+    run.start_controller({"--lockstep", "--start", "stand", "--duration", "6"});
+    ASSERT_EQ(run.controller().wait(kLongestRun_s), 0) << attempt << "\n" << run.said();
+    EXPECT_TRUE(run.controller_json().at("faults").empty()) << attempt << run.controller_json().at("faults");
+  }
+  EXPECT_NE(text_of(run.file("controller.err")).find("stand"), std::string::npos) << run.said();
+}
+
 TEST(TwoProcesses, ARobotInRealTimeOutlivesItsController) {
   RobotAndController run;
   run.start_robot({"--once"});

@@ -31,9 +31,9 @@ void PrintTo(const Expectation& row, std::ostream* out) { *out << row.fault; }
 /// A run with a fault 4 s after the hoist has let go, in the middle of walking.
 class FaultWhileWalking : public testing::TestWithParam<Expectation> {
  protected:
-  void run(const std::string& fault) {
+  void run(const std::string& fault, const char* duration_s = "8") {
     run_.start_robot({"--lockstep", "--once", "--fault", fault});
-    run_.start_controller({"--lockstep", "--start", "walk@0.5", "--duration", "8"});
+    run_.start_controller({"--lockstep", "--start", "walk@0.5", "--duration", duration_s});
     run_.expect_both_to_end();
     if (HasFailure()) return;
     ASSERT_EQ(run_.robot_json().at("faults").size(), 1u) << run_.said();
@@ -154,13 +154,18 @@ INSTANTIATE_TEST_SUITE_P(
                     Expectation{"DoubledFrames", "duplicate@4", "", "", 0}),
     test_name);
 
-TEST_F(FaultWhileWalking, AnOverheatedMotorMakesItSitDownAndThenThereIsOnlyDamping) {
-  run("over-temperature:hip_L@4");
+/// Steps to a stand, sits down upright, and only then is damped, all within the time of the fault table.
+TEST_F(FaultWhileWalking, AnOverheatedMotorMakesItStandAndSitDownAndThenThereIsOnlyDamping) {
+  run("over-temperature:hip_L@4", "11");
   if (HasFailure()) return;
   const std::optional<double> detected = detected_s("driver_overheated", "sit");
   ASSERT_TRUE(detected) << run_.controller_json().at("faults");
   EXPECT_LE(*detected, struck_s_ + 2.5 * kTick_s);
-  expect_only_damping(*detected + configuration_.supervisor.sit_s + 2 * kTick_s);
+  EXPECT_TRUE(run_.robot_json().at("survived")) << run_.said();
+  EXPECT_FALSE(run_.robot_json().at("sat_down_s").is_null()) << "it did not fall, it sat down\n"
+                                                             << run_.said();
+  const auto& supervisor = configuration_.supervisor;
+  expect_only_damping(*detected + 2 * supervisor.slow_down_s + supervisor.sit_s + 4 * kTick_s);
 }
 
 }  // namespace

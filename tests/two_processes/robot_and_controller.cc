@@ -53,6 +53,12 @@ void RobotAndController::start_controller(const std::vector<std::string>& option
                                           file("controller.out"), file("controller.err"));
 }
 
+void RobotAndController::start_self_test(const std::vector<std::string>& options) {
+  controller_ = std::make_unique<Process>(
+      words({STILTD_PROGRAM, "selftest", "--json", file("controller.json")}, options), file("controller.out"),
+      file("controller.err"));
+}
+
 void RobotAndController::expect_both_to_end() {
   EXPECT_TRUE(controller_->wait(kLongestRun_s)) << "the controller hangs\n" << said();
   EXPECT_TRUE(robot_->wait(kLongestRun_s)) << "the robot hangs\n" << said();

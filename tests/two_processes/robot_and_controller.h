@@ -19,6 +19,8 @@ class RobotAndController {
   /// Starts the robot and waits until it listens.
   void start_robot(const std::vector<std::string>& options);
   void start_controller(const std::vector<std::string>& options);
+  /// stiltd selftest in the controller's place.
+  void start_self_test(const std::vector<std::string>& options);
 
   [[nodiscard]] Process& robot() { return *robot_; }
   [[nodiscard]] Process& controller() { return *controller_; }

@@ -1,7 +1,10 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <memory>
 
+#include "firmware/configuration/gaits/shipped_gaits.h"
 #include "tests/firmware/controller/rig.h"
 
 /// Every rung of the ladder, reached through the ticks, and what the joints are told there.
@@ -63,6 +66,30 @@ TEST_F(LadderTest, HoldWhileRepliesAreMissedAndBackToThePlan) {
   rig->joints.silent = false;
   rig->run(2);
   EXPECT_EQ(rig->rung(), Rung::new_plan);
+}
+
+TEST_F(LadderTest, TracksAGaitWhenThePlannerStopsWhileItWalks) {
+  const auto library = std::make_unique<gait::GaitLibrary>();
+  ASSERT_TRUE(gait_files::load_shipped_library("amber3m", *library));
+  rig->cycle.track_without_plan(*rig->robot, rig->configuration, *library);
+  rig->stand();
+  rig->ask(RequestKind::walk, 0.3);
+  rig->run(2000);  // joints that stand still; the plan steps all the same
+  ASSERT_EQ(rig->state(), State::walk);
+  ASSERT_EQ(rig->rung(), Rung::new_plan);
+  rig->planning = false;
+  rig->run(300);
+  EXPECT_EQ(rig->state(), State::walk);
+  EXPECT_EQ(rig->rung(), Rung::gait);
+  EXPECT_TRUE(rig->decision().present.has(supervisor::Fault::plan_missing));
+  EXPECT_TRUE(rig->decision().latched.empty());
+  for (const hal::JointCommand& command : rig->joints.commands) {
+    EXPECT_EQ(command.kp_Nm_rad, 0) << "the torque is computed here";
+    EXPECT_LE(std::abs(command.torque_Nm), 80);
+  }
+  const auto most = std::ranges::max_element(
+      rig->joints.commands, {}, [](const hal::JointCommand& command) { return std::abs(command.torque_Nm); });
+  EXPECT_GT(std::abs(most->torque_Nm), 1);
 }
 
 TEST_F(LadderTest, SitWhenThePlannerStops) {

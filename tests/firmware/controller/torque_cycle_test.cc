@@ -97,6 +97,17 @@ TEST_F(TorqueCycleTest, StandingTorquesAreThoseOfTheTorqueLawOnTheNewestPlan) {
   EXPECT_NEAR(estimate[1], rig->configuration.reference.base_height_m, 1e-3);
 }
 
+TEST_F(TorqueCycleTest, ThePitchIsCarriedOnWithItsRateUntilTheNextFrame) {
+  constexpr int kPitch = model::kFirstAngle;
+  rig->base.reading = {.pitch_rad = 0.1, .pitch_rate_rad_s = 2.0, .time_ns = rig->now_ns()};
+  rig->run(1);
+  EXPECT_DOUBLE_EQ(rig->record.estimated_state[kPitch], 0.1) << "fresh";
+  rig->run(1);
+  EXPECT_NEAR(rig->record.estimated_state[kPitch], 0.102, 1e-12);
+  rig->run(50);
+  EXPECT_NEAR(rig->record.estimated_state[kPitch], 0.12, 1e-12) << "for 10 ms at most";
+}
+
 TEST_F(TorqueCycleTest, TheTorqueLawTakesOverGradually) {
   rig->run(3);
   rig->ask(RequestKind::calibrate);
@@ -147,6 +158,21 @@ TEST_F(TorqueCycleTest, StandingUpWaitsForTheStandingPose) {
   rig->joints.readings[0].velocity_rad_s = 0.0;
   rig->run(10);
   EXPECT_EQ(rig->state(), State::stand);
+}
+
+TEST_F(TorqueCycleTest, LeavingTheStandingPoseWhileStandingUpEndsDampedAndIsTold) {
+  rig->run(3);
+  rig->ask(RequestKind::calibrate);
+  rig->run(3);
+  rig->ask(RequestKind::stand);
+  rig->run(500);
+  ASSERT_EQ(rig->state(), State::stand);
+  rig->joints.readings[1].position_rad += rig->configuration.supervisor.stance_margin_rad + 0.01;
+  rig->run(2);
+  EXPECT_EQ(rig->state(), State::ready);
+  EXPECT_TRUE(only_damps(rig->joints.commands));
+  EXPECT_EQ(take(*rig, Event::Kind::lost_stance).size(), 1u);
+  EXPECT_TRUE(rig->decision().latched.empty());
 }
 
 TEST_F(TorqueCycleTest, AWalkIsPlannedWithTheSpeedAskedFor) {

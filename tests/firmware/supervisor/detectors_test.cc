@@ -173,6 +173,13 @@ const std::vector<Case>& cases() {
        [](Observation& o) { o.plan_age_s = kNan; },
        {Fault::stale_plan}},
       {"no plan", [](Observation&) {}, [](Observation& o) { o.has_plan = false; }, {Fault::stale_plan}},
+      {"no plan but a gait",
+       [](Observation& o) { o.has_gait = true; },
+       [](Observation& o) {
+         o.has_plan = false;
+         o.has_gait = true;
+       },
+       {Fault::plan_missing}},
       {"solves fail",
        [](Observation& o) { o.failed_solves = 2; },
        [](Observation& o) { o.failed_solves = 3; },

@@ -50,6 +50,7 @@ TEST(FaultTable, NamesAndNumbersNeverChange) {
       {504, "torque_loop_overrun"},
       {505, "torque_loop_stalled"},
       {506, "not_finite"},
+      {507, "plan_missing"},
       {601, "heartbeat_lost"},
       {602, "emergency_stop"},
       {603, "bring_up_failed"},

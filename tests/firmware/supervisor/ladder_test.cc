@@ -9,8 +9,8 @@ namespace {
 
 const SupervisorParameters kParameters;
 
-Rung rung(State state, Reaction reaction, bool has_plan, double plan_age_s) {
-  return choose_rung({state, reaction, has_plan, plan_age_s}, kParameters);
+Rung rung(State state, Reaction reaction, bool has_plan, double plan_age_s, bool has_gait = false) {
+  return choose_rung({state, reaction, has_plan, has_gait, plan_age_s}, kParameters);
 }
 
 TEST(Ladder, ANewPlanIsFollowed) {
@@ -25,7 +25,15 @@ TEST(Ladder, AnOlderPlanIsFollowedWithItsGainsForABoundedAge) {
   EXPECT_EQ(rung(State::walk, Reaction::none, true, 0.249), Rung::older_plan);
 }
 
-TEST(Ladder, WithoutAPlanToFollowThePoseIsHeld) {
+TEST(Ladder, WithoutAPlanToFollowAGaitIsTracked) {
+  EXPECT_EQ(rung(State::walk, Reaction::warn, true, 0.25, true), Rung::gait);
+  EXPECT_EQ(rung(State::step, Reaction::none, false, 0.0, true), Rung::gait);
+  EXPECT_EQ(rung(State::walk, Reaction::none, true, 0.2, true), Rung::older_plan) << "plans come first";
+  EXPECT_EQ(rung(State::walk, Reaction::hold, false, 0.0, true), Rung::hold);
+  EXPECT_EQ(rung(State::sit, Reaction::none, false, 0.0, true), Rung::sit) << "in states that track only";
+}
+
+TEST(Ladder, WithoutAPlanOrGaitToFollowThePoseIsHeld) {
   EXPECT_EQ(rung(State::walk, Reaction::none, true, 0.25), Rung::hold);
   EXPECT_EQ(rung(State::stand, Reaction::none, false, 0.0), Rung::hold);
   EXPECT_EQ(rung(State::stand, Reaction::none, true, std::numeric_limits<double>::quiet_NaN()), Rung::hold);
@@ -65,12 +73,14 @@ TEST(Ladder, AHarderReactionNeverClimbs) {
 }
 
 TEST(Ladder, AnOlderPlanNeverClimbs) {
-  for (int state = 0; state < static_cast<int>(kStates); ++state) {
-    Rung before = Rung::new_plan;
-    for (double age_s = 0; age_s < 0.5; age_s += 0.001) {
-      const Rung now = rung(static_cast<State>(state), Reaction::none, true, age_s);
-      EXPECT_GE(now, before);
-      before = now;
+  for (const bool has_gait : {false, true}) {
+    for (int state = 0; state < static_cast<int>(kStates); ++state) {
+      Rung before = Rung::new_plan;
+      for (double age_s = 0; age_s < 0.5; age_s += 0.001) {
+        const Rung now = rung(static_cast<State>(state), Reaction::none, true, age_s, has_gait);
+        EXPECT_GE(now, before);
+        before = now;
+      }
     }
   }
 }

@@ -104,9 +104,18 @@ TEST(TransitionTable, AFaultThatDampsComesBeforeEverythingElse) {
 TEST(TransitionTable, WalkingEndsOverSteppingInPlaceUnlessAFaultForbids) {
   for (const Transition& transition : kTransitions) {
     if (transition.from != State::walk) continue;
-    const bool of_fault =
-        transition.condition == Condition::damp_fault || transition.condition == Condition::sit_fault;
-    EXPECT_EQ(transition.to == State::step, !of_fault);
+    const bool forbids =
+        transition.condition == Condition::damp_fault || transition.guard == Guard::cannot_step;
+    EXPECT_EQ(transition.to == State::step, !forbids);
+  }
+}
+
+TEST(TransitionTable, SittingBeginsFromStandingUnlessThereIsNothingToStepWith) {
+  for (const Transition& transition : kTransitions) {
+    if (transition.to != State::sit) continue;
+    const bool waits_for_both_feet =
+        transition.from == State::stand && transition.guard == Guard::slowed_down;
+    EXPECT_TRUE(waits_for_both_feet || transition.guard == Guard::cannot_step) << name(transition.from);
   }
 }
 

@@ -64,8 +64,25 @@ TEST(RobotOnBus, EqualCallsGiveEqualFrames) {
   EXPECT_GT(frames.size(), 100'000u);
 }
 
+TEST(RobotOnBus, TheBaseSensorSendsAtItsOwnRate) {
+  for (const auto& [rate_hz, frames] : {std::pair{"500", 50u}, {"300", 30u}, {"5000", 100u}}) {
+    RobotRequest request;
+    request.settings.push_back(std::string("base_sensor.rate_hz=") + rate_hz);
+    DrivenRobot driven(request);
+    std::size_t received = 0;
+    for (int i = 0; i < 100; ++i) {
+      driven.tick();
+      received += driven.received(0).size();
+      if (i > 10) EXPECT_EQ(driven.base.missed, 0u);
+    }
+    EXPECT_NEAR(static_cast<double>(received), frames, 1) << rate_hz;
+  }
+}
+
 TEST(RobotOnBus, EveryCommandIsAnsweredAndTheBaseSensorSendsOnceATick) {
-  Standing::Enabled driven({});
+  RobotRequest request;
+  request.settings.emplace_back("base_sensor.rate_hz=1000");
+  Standing::Enabled driven(request);
   const hal::JointCommands nothing{};
   for (int i = 0; i < 10; ++i) {
     driven.tick(&nothing);

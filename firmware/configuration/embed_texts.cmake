@@ -1,0 +1,31 @@
+# cmake -DROOT=... -DOUTPUT=... -DHEADER=... -DNAMESPACE=... -DTYPE=... -DFUNCTION=... -DNAMED_BY=FILE|FOLDER
+#   -P embed_texts.cmake -- FILE...
+# Writes a C++ source that defines FUNCTION of HEADER: the texts of the files, each with its robot's name, which
+# is that of the file or of its folder. FILE is relative to ROOT, the root of the project.
+set(rows "")
+math(EXPR last "${CMAKE_ARGC} - 1")
+foreach(index RANGE ${last})
+  set(path "${CMAKE_ARGV${index}}")
+  if(path MATCHES "\\.toml$")
+    get_filename_component(robot "${path}" NAME_WE)
+    if(NAMED_BY STREQUAL FOLDER)
+      get_filename_component(folder "${path}" DIRECTORY)
+      get_filename_component(robot "${folder}" NAME)
+    endif()
+    file(READ "${ROOT}/${path}" text)
+    string(APPEND rows "    {\"${robot}\", \"${path}\", R\"toml(${text})toml\"},\n")
+  endif()
+endforeach()
+file(WRITE "${OUTPUT}"
+"#include \"${HEADER}\"
+
+namespace ${NAMESPACE} {
+
+std::span<const ${TYPE}> ${FUNCTION}() {
+  static constexpr ${TYPE} kShipped[] = {
+${rows}  };
+  return kShipped;
+}
+
+}  // namespace ${NAMESPACE}
+")

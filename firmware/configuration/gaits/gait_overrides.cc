@@ -1,0 +1,21 @@
+#include "firmware/configuration/gaits/gait_overrides.h"
+
+#include "firmware/configuration/schema.h"
+
+namespace stilt::gait_files {
+namespace {
+
+constexpr double kTerminalWeight = 10.0;
+
+}  // namespace
+
+std::vector<configuration::Override> gait_overrides(const gait::GaitLibrary& library,
+                                                    const std::string& where) {
+  const auto setting = [&where](const char* key, double value) {
+    return configuration::Override{std::string(key) + "=" + configuration::number_text(value), where};
+  };
+  return {setting("cost.terminal", kTerminalWeight), setting("gait.single_support_s", library.step_time_s()),
+          setting("gait.double_support_s", 0.0)};
+}
+
+}  // namespace stilt::gait_files

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "firmware/configuration/configuration.h"
+#include "mpc_core/gait/gait_library.h"
+
+namespace stilt::gait_files {
+
+/// What plans around the gaits of a library need of the configuration, put before what the user sets so that it
+/// can be changed: times of support as in the gaits, and the terminal weight of the paper.
+/// @param where  what asked for these gaits, named in diagnostics
+[[nodiscard]] std::vector<configuration::Override> gait_overrides(const gait::GaitLibrary& library,
+                                                                  const std::string& where);
+
+}  // namespace stilt::gait_files

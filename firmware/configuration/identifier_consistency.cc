@@ -1,0 +1,83 @@
+#include <array>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "firmware/configuration/channel_text.h"
+#include "firmware/configuration/hardware_consistency.h"
+#include "hal/node_identifiers.h"
+
+namespace stilt::configuration {
+namespace {
+
+using hal::protocol::BaseChannel;
+
+/// A driver, or a frame of the base sensor, as people know it.
+struct Node {
+  std::string_view name;
+  std::string_view key;  ///< where its identifier stands
+  int bus = 0;
+  hal::NodeIdentifiers identifiers;
+};
+
+struct ChannelKey {
+  std::string_view name;
+  std::string BaseSensorParameters::*text;
+};
+constexpr ChannelKey kChannels[] = {
+    {"base_sensor.pitch", &BaseSensorParameters::pitch},
+    {"base_sensor.pitch_rate", &BaseSensorParameters::pitch_rate},
+    {"base_sensor.acceleration_x", &BaseSensorParameters::acceleration_x},
+    {"base_sensor.acceleration_z", &BaseSensorParameters::acceleration_z},
+    {"base_sensor.left_foot_force", &BaseSensorParameters::left_foot_force},
+    {"base_sensor.right_foot_force", &BaseSensorParameters::right_foot_force},
+    {"base_sensor.emergency_stop_released", &BaseSensorParameters::emergency_stop_released}};
+
+std::vector<Node> drivers(const HardwareParameters& hardware) {
+  constexpr std::array<std::pair<std::string_view, std::string_view>, hal::kJoints> kNames = {
+      {{"hip_L", "hip_L.id"}, {"knee_L", "knee_L.id"}, {"hip_R", "hip_R.id"}, {"knee_R", "knee_R.id"}}};
+  const hal::RobotWiring wiring = robot_wiring(hardware);
+  std::vector<Node> nodes;
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    nodes.push_back({kNames[joint].first, kNames[joint].second, hardware.joint[joint].bus,
+                     hal::identifiers(wiring.joints[joint])});
+  }
+  return nodes;
+}
+
+/// One a frame, named by its first channel.
+std::vector<Node> sensor_frames(const BaseSensorParameters& sensor) {
+  std::vector<Node> nodes;
+  std::set<std::pair<std::uint32_t, bool>> seen;
+  for (const ChannelKey& channel : kChannels) {
+    const auto row = parse_channel(sensor.*channel.text, BaseChannel::pitch_rad);
+    if (!row || !*row || !seen.emplace((*row)->id, (*row)->extended).second) continue;
+    nodes.push_back({channel.name, channel.name, sensor.bus, hal::identifiers(**row)});
+  }
+  return nodes;
+}
+
+/// The later node is the likelier culprit.
+void compare(const Node& earlier, const Node& later, std::vector<Contradiction>& found) {
+  if (earlier.bus != later.bus) return;
+  const auto collisions = hal::collisions(earlier.identifiers, later.identifiers);
+  if (collisions.empty()) return;
+  found.push_back({{later.key, earlier.key},
+                   std::string(later.name) + " and " + std::string(earlier.name) + " are on bus " +
+                       std::to_string(later.bus) +
+                       " and their frames collide: " + hal::describe(collisions.front().second) +
+                       " against " + hal::describe(collisions.front().first) +
+                       "; give one of them another identifier or another bus"});
+}
+
+}  // namespace
+
+void check_identifiers(const HardwareParameters& hardware, std::vector<Contradiction>& found) {
+  const std::vector<Node> joints = drivers(hardware);
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) compare(joints[j], joints[i], found);
+    for (const Node& frame : sensor_frames(hardware.base_sensor)) compare(joints[i], frame, found);
+  }
+}
+
+}  // namespace stilt::configuration

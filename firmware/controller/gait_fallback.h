@@ -1,0 +1,45 @@
+#pragma once
+
+#include "mpc_core/control/gait_tracker.h"
+#include "mpc_core/control/plan.h"
+
+namespace stilt::controller {
+
+/// The rung of the ladder below planning: a gait of the library tracked by the joints (GaitTracker). While
+/// plans come it follows the walk without commanding anything: it starts anew at each touch-down of the plan,
+/// so that it is in step when the plans end. Fixed memory, real-time safe.
+class GaitFallback {
+ public:
+  /// @param library  at least one gait, outlives this object; nullptr: there is no such rung
+  void configure(const model::RobotModel& robot, double torque_limit_scale,
+                 const gait::GaitLibrary* library) noexcept;
+
+  /// Not in step with anything: the robot does not step, or stands on other ground than before.
+  void forget() noexcept;
+
+  /// One tick of a robot that steps.
+  /// @param plan       the plan to follow now, nullptr without one
+  /// @param estimate   state to take the place of the stance foot from, see model/types.h
+  /// @param speed_m_s  commanded; 0: in place
+  void tick(const control::SensorReading& reading, const control::Plan* plan,
+            const model::StateVector& estimate, double speed_m_s) noexcept;
+
+  /// In step since a touch-down, with a command for this tick.
+  [[nodiscard]] bool ready() const noexcept { return in_step_ && command_.finite; }
+  [[nodiscard]] const model::JointVector& torque_Nm() const noexcept { return command_.torque_Nm; }
+  /// Which foot carries, by the gait; meaningful when ready().
+  [[nodiscard]] model::ContactMode contact() const noexcept;
+
+ private:
+  void look_for_touch_down(const control::SensorReading& reading, const control::Plan& plan,
+                           const model::StateVector& estimate, double speed_m_s) noexcept;
+
+  const model::RobotModel* robot_ = nullptr;
+  const gait::GaitLibrary* library_ = nullptr;
+  control::GaitTracker tracker_;
+  control::GaitTracker::Command command_;
+  model::ContactMode planned_{true, true};  ///< of the plan in the tick before
+  bool in_step_ = false;
+};
+
+}  // namespace stilt::controller

@@ -1,0 +1,80 @@
+#include <gtest/gtest.h>
+
+#include <array>
+
+#include "firmware/hardware/robot_hardware.h"
+#include "tests/hal/emulated_robot.h"
+
+// A bus that is gone is connected again by whoever may wait, never by the torque loop.
+namespace stilt::hardware {
+namespace {
+
+using hal::JointBusStatus;
+using hal::testing::Kind;
+using hal::testing::Robot;
+
+class RestoreTest : public ::testing::Test {
+ protected:
+  JointBusStatus read() {
+    hal::JointReadings readings;
+    return hardware_.robot().read(robot_.clock_.now_ns(), readings);
+  }
+  /// The other thread's turn. @return  which buses it connected
+  std::vector<std::size_t> serve(bool successfully) {
+    std::vector<std::size_t> connected;
+    hardware_.serve_restore([&](std::size_t bus) {
+      connected.push_back(bus);
+      robot_.buses_[bus].set_disconnected(!successfully);
+    });
+    return connected;
+  }
+
+  Robot robot_{Kind::mit};
+  DemandsOfJoints demands_;
+  RobotHardware hardware_{robot_.wiring_, demands_,
+                          std::array<hal::FrameBus*, 2>{&robot_.buses_[0], &robot_.buses_[1]}};
+};
+
+TEST_F(RestoreTest, NothingIsConnectedUnlessABusIsGoneAndAResetWantsIt) {
+  static_cast<void>(read());
+  hardware_.restore();
+  EXPECT_TRUE(serve(true).empty());
+  robot_.buses_[1].set_disconnected(true);
+  EXPECT_EQ(read(), JointBusStatus::disconnected);
+  EXPECT_TRUE(serve(true).empty()) << "nobody has asked yet";
+  hardware_.restore();
+  EXPECT_EQ(serve(true), std::vector<std::size_t>{1});
+  EXPECT_NE(read(), JointBusStatus::disconnected);
+}
+
+TEST_F(RestoreTest, ABusThatIsLentIsNotTouched) {
+  robot_.buses_[1].set_disconnected(true);
+  static_cast<void>(read());
+  const std::uint64_t errors = hardware_.errors();
+  hardware_.restore();
+  robot_.buses_[1].set_disconnected(false);  // by the borrower, who has not given it back yet
+  robot_.buses_[1].clear_sent();
+  EXPECT_EQ(read(), JointBusStatus::disconnected);
+  EXPECT_EQ(hardware_.robot().write({}), JointBusStatus::disconnected);
+  EXPECT_TRUE(robot_.buses_[1].sent().empty());
+  EXPECT_EQ(hardware_.errors(), errors);
+  static_cast<void>(serve(true));
+  EXPECT_EQ(hardware_.robot().write({}), JointBusStatus::ok);
+  EXPECT_FALSE(robot_.buses_[1].sent().empty());
+}
+
+TEST_F(RestoreTest, AConnectionThatFailsIsTriedAgainWithTheNextTick) {
+  robot_.buses_[0].set_disconnected(true);
+  for (int tick = 0; tick < 3; ++tick) {
+    EXPECT_EQ(read(), JointBusStatus::disconnected);
+    hardware_.restore();
+    EXPECT_EQ(serve(false), std::vector<std::size_t>{0});
+  }
+  EXPECT_EQ(read(), JointBusStatus::disconnected);
+  hardware_.restore();
+  static_cast<void>(serve(true));
+  EXPECT_NE(read(), JointBusStatus::disconnected);
+}
+
+}  // namespace
+}  // namespace stilt::hardware

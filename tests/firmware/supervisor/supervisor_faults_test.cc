@@ -1,0 +1,259 @@
+// What faults do to a robot that walks.
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+
+#include "tests/firmware/supervisor/supervisor_rig.h"
+
+namespace stilt::supervisor {
+namespace {
+
+using testing::SupervisorTest;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+TEST_F(SupervisorTest, AFaultThatAsksToSitStepsToAStandFirst) {
+  bring_to_walk();
+  inputs_.seen.joints[0].motor_temperature_C = 120;
+  EXPECT_EQ(tick(), State::step) << "at once";
+  EXPECT_EQ(output().rung, Rung::new_plan) << "the plan is followed all along";
+  EXPECT_EQ(output().gait.speed_m_s, 0);
+  EXPECT_EQ(run(parameters_.slow_down_s - 0.002), State::step);
+  EXPECT_EQ(run(0.003), State::stand);
+  EXPECT_EQ(output().rung, Rung::new_plan);
+  EXPECT_EQ(run(parameters_.slow_down_s - 0.002), State::stand) << "the swing foot has to come down";
+  EXPECT_EQ(run(0.003), State::sit);
+  EXPECT_EQ(output().rung, Rung::sit);
+  EXPECT_EQ(run(parameters_.sit_s + 0.001), State::fault) << "5 s after the fault, as the table says";
+  EXPECT_TRUE(only_damps());
+}
+
+TEST_F(SupervisorTest, OnItsWayToSitItDoesNotWalkAgain) {
+  bring_to_walk();
+  inputs_.seen.joints[0].supply_V = 30;
+  tick();
+  inputs_.seen.joints[0].supply_V = 48;
+  for (const RequestKind kind : {RequestKind::walk, RequestKind::step, RequestKind::stand}) {
+    request(kind, 0.5);
+    EXPECT_EQ(run(0.1), State::step);
+  }
+  run(2 * parameters_.slow_down_s);
+  EXPECT_EQ(output().state, State::sit);
+}
+
+TEST_F(SupervisorTest, MissedRepliesHoldThePoseOnTheWayToSitToo) {
+  bring_to_walk();
+  inputs_.seen.joints[0].motor_temperature_C = 120;
+  run(0.1);
+  inputs_.seen.joints[1].missed = 5;
+  tick();
+  EXPECT_EQ(output().rung, Rung::hold);
+  inputs_.seen.joints[1].missed = 0;
+  tick();
+  EXPECT_EQ(output().rung, Rung::new_plan);
+}
+
+TEST_F(SupervisorTest, AFaultThatAsksToSitSitsAtOnceWithNothingToStepWith) {
+  bring_to_walk();
+  inputs_.seen.joints[0].motor_temperature_C = 120;
+  EXPECT_EQ(tick(), State::step);
+  inputs_.seen.has_plan = false;
+  inputs_.seen.has_gait = true;
+  EXPECT_EQ(tick(), State::step) << "a gait will do";
+  EXPECT_EQ(output().rung, Rung::gait);
+  inputs_.seen.has_gait = false;
+  EXPECT_EQ(tick(), State::sit);
+}
+
+TEST_F(SupervisorTest, WithoutPlansItGoesOnWithAGaitAndBack) {
+  bring_to_walk();
+  run(0.3);
+  inputs_.seen.has_gait = true;
+  inputs_.seen.plan_age_s = 0.3;
+  EXPECT_EQ(tick(), State::walk);
+  EXPECT_EQ(output().rung, Rung::gait);
+  EXPECT_TRUE(output().present.has(Fault::plan_missing));
+  EXPECT_EQ(commands_[0].torque_Nm, 30) << "what the gait wants";
+  EXPECT_EQ(run(3), State::walk);
+  inputs_.seen.plan_age_s = 0.01;
+  tick();
+  EXPECT_EQ(output().rung, Rung::new_plan);
+  EXPECT_TRUE(output().latched.empty());
+}
+
+TEST_F(SupervisorTest, ALostHeartbeatStopsWalkingAndItsReturnDoesNotStartItAgain) {
+  inputs_.seen.heartbeat_expected = true;
+  bring_to_walk();
+  inputs_.seen.heartbeat_age_s = 0.5;
+  EXPECT_EQ(tick(), State::step);
+  EXPECT_EQ(output().rung, Rung::new_plan) << "and the plan is followed all along";
+  EXPECT_EQ(run(parameters_.slow_down_s + 0.01), State::stand);
+  EXPECT_TRUE(output().latched.empty());
+  inputs_.seen.heartbeat_age_s = 0;
+  EXPECT_EQ(run(1), State::stand);
+  request(RequestKind::walk, 0.3);
+  EXPECT_EQ(tick(), State::walk);
+}
+
+TEST_F(SupervisorTest, ALatchedFaultDampsUntilAResetWithTheCauseGone) {
+  bring_to_walk();
+  inputs_.seen.joints[2].fault = hal::DriverFault::over_current;
+  EXPECT_EQ(tick(), State::fault);
+  EXPECT_TRUE(output().raised.has(Fault::driver_fault));
+  EXPECT_TRUE(only_damps());
+  EXPECT_EQ(run(1), State::fault);
+  EXPECT_FALSE(output().raised.has(Fault::driver_fault)) << "raised once";
+
+  request(RequestKind::reset);
+  EXPECT_EQ(run(2 * parameters_.reset_window_s), State::fault) << "the cause is there";
+  inputs_.seen.joints[2].fault = hal::DriverFault::none;
+  EXPECT_EQ(run(1), State::fault) << "a reset that came too early is void";
+  for (const RequestKind kind :
+       {RequestKind::stand, RequestKind::walk, RequestKind::step, RequestKind::sit, RequestKind::calibrate}) {
+    request(kind, 0.5);
+    EXPECT_EQ(run(0.1), State::fault);
+    EXPECT_TRUE(only_damps());
+  }
+  request(RequestKind::reset);
+  run(0.01);
+  EXPECT_EQ(output().state, State::idle);
+  EXPECT_TRUE(output().latched.empty());
+}
+
+TEST_F(SupervisorTest, AResetLetsGoOfTheDriversSoThatTheirOwnFaultsClear) {
+  bring_to_walk();
+  inputs_.seen.joints[2].fault = hal::DriverFault::lost_communication;
+  run(0.1);
+  request(RequestKind::reset);
+  tick();
+  EXPECT_EQ(action_, Action::disable);
+  EXPECT_TRUE(output().clear_buses);
+  inputs_.seen.joints[2].fault = hal::DriverFault::none;
+  inputs_.seen.joints[2].state = hal::DriverState::idle;
+  EXPECT_EQ(tick(), State::idle);
+  EXPECT_FALSE(output().clear_buses);
+}
+
+TEST_F(SupervisorTest, NothingMovesByItselfAfterAReset) {
+  bring_to_walk();
+  inputs_.seen.emergency_stop = hal::EmergencyStopState::pressed;
+  EXPECT_EQ(tick(), State::fault);
+  inputs_.seen.emergency_stop = hal::EmergencyStopState::released;
+  request(RequestKind::reset);
+  EXPECT_EQ(run(0.01), State::idle);
+  EXPECT_EQ(run(5), State::idle);
+}
+
+TEST_F(SupervisorTest, ThreeMissedRepliesHoldThePoseAndTenDamp) {
+  bring_to_walk();
+  const double pose_rad = inputs_.seen.joints[0].position_rad;
+  for (std::uint32_t missed = 1; missed <= 9; ++missed) {
+    inputs_.seen.joints[1].missed = missed;
+    EXPECT_EQ(tick(), State::walk);
+    EXPECT_EQ(output().rung, missed < 3 ? Rung::new_plan : Rung::hold) << missed;
+  }
+  EXPECT_EQ(commands_[0].position_rad, pose_rad);
+  EXPECT_GT(commands_[0].kp_Nm_rad, 0);
+  EXPECT_EQ(commands_[0].torque_Nm, 0);
+  inputs_.seen.joints[1].missed = 10;
+  EXPECT_EQ(tick(), State::fault);
+  EXPECT_TRUE(only_damps());
+}
+
+TEST_F(SupervisorTest, RepliesThatComeBackInTimeLetItWalkOn) {
+  bring_to_walk();
+  inputs_.seen.joints[1].missed = 5;
+  tick();
+  EXPECT_EQ(output().rung, Rung::hold);
+  inputs_.seen.joints[1].missed = 0;
+  EXPECT_EQ(tick(), State::walk);
+  EXPECT_EQ(output().rung, Rung::new_plan);
+  EXPECT_EQ(commands_[0].torque_Nm, 30);
+}
+
+TEST_F(SupervisorTest, AStalePlanSitsDownAndThenDamps) {
+  bring_to_walk();
+  inputs_.seen.plan_age_s = 0.1;
+  EXPECT_EQ(tick(), State::walk);
+  EXPECT_EQ(output().rung, Rung::older_plan);
+  inputs_.seen.plan_age_s = 0.3;
+  EXPECT_EQ(tick(), State::sit);
+  EXPECT_EQ(output().rung, Rung::sit);
+  EXPECT_NEAR(commands_[1].position_rad, inputs_.seen.joints[1].position_rad, 1e-9)
+      << "from the measured pose";
+  run(parameters_.sit_s - 0.005);
+  EXPECT_EQ(output().state, State::sit);
+  EXPECT_NEAR(commands_[0].position_rad, parameters_.sit_hip_rad, 1e-3);
+  EXPECT_NEAR(commands_[1].position_rad, parameters_.sit_knee_rad, 1e-3);
+  EXPECT_EQ(run(0.01), State::fault) << "latched";
+  EXPECT_TRUE(only_damps());
+}
+
+TEST_F(SupervisorTest, CommandsThatAreNotFiniteNeverLeave) {
+  bring_to_walk();
+  wanted_[3].torque_Nm = kNan;
+  tick();
+  EXPECT_TRUE(only_damps()) << "in the very tick";
+  EXPECT_EQ(tick(), State::fault);
+  EXPECT_TRUE(output().latched.has(Fault::not_finite));
+}
+
+TEST_F(SupervisorTest, EveryLatchingFaultEndsInFaultWithoutAWayBack) {
+  struct Spoil {
+    Fault fault;
+    std::function<void(Observation&)> how;
+  };
+  const Spoil spoils[] = {
+      {Fault::joint_position_limit, [](Observation& o) { o.joints[0].position_rad = 3; }},
+      {Fault::joint_speed_limit, [](Observation& o) { o.joints[0].velocity_rad_s = 40; }},
+      {Fault::joint_torque_limit, [](Observation& o) { o.joints[0].torque_Nm = 140; }},
+      {Fault::base_angle_limit, [](Observation& o) { o.base.pitch_rad = 1; }},
+      {Fault::stale_encoder,
+       [](Observation& o) {
+         o.joints[0].frozen = 100;
+         o.planned_speed_rad_s[0] = 2;
+       }},
+      {Fault::stale_base_sensor, [](Observation& o) { o.base.missed = 20; }},
+      {Fault::lost_replies, [](Observation& o) { o.joints[0].missed = 20; }},
+      {Fault::bus_off, [](Observation& o) { o.read_status = hal::JointBusStatus::bus_off; }},
+      {Fault::bus_disconnected, [](Observation& o) { o.read_status = hal::JointBusStatus::disconnected; }},
+      {Fault::driver_fault, [](Observation& o) { o.joints[0].fault = hal::DriverFault::encoder; }},
+      {Fault::driver_not_enabled, [](Observation& o) { o.joints[0].state = hal::DriverState::idle; }},
+      {Fault::driver_overheated, [](Observation& o) { o.joints[0].motor_temperature_C = 120; }},
+      {Fault::low_voltage, [](Observation& o) { o.joints[0].supply_V = 15; }},
+      {Fault::high_voltage, [](Observation& o) { o.joints[0].supply_V = 70; }},
+      {Fault::stale_plan, [](Observation& o) { o.plan_age_s = 1; }},
+      {Fault::torque_loop_stalled, [](Observation& o) { o.lateness_s = 0.02; }},
+      {Fault::not_finite, [](Observation& o) { o.controller_finite = false; }},
+      {Fault::emergency_stop, [](Observation& o) { o.emergency_stop = hal::EmergencyStopState::pressed; }},
+  };
+  FaultSet tried;
+  for (const Spoil& spoil : spoils) {
+    SCOPED_TRACE(name(spoil.fault));
+    tried.add(spoil.fault);
+    supervisor_.configure(testing::joint_limits(), parameters_);
+    inputs_ = {};
+    inputs_.seen = testing::healthy();
+    bring_to_walk();
+    run(0.3);
+    spoil.how(inputs_.seen);
+    const State first = tick();
+    const bool sits = row(spoil.fault).reaction == Reaction::sit;
+    const bool steps = sits && spoil.fault != Fault::stale_plan;
+    EXPECT_EQ(first, steps ? State::step : sits ? State::sit : State::fault);
+    EXPECT_EQ(output().reaction, row(spoil.fault).reaction);
+    EXPECT_TRUE(output().latched.has(spoil.fault));
+    EXPECT_EQ(run(2 * parameters_.slow_down_s + parameters_.sit_s + 0.1), State::fault);
+    const std::int64_t time_ns = inputs_.seen.time_ns;
+    inputs_.seen = testing::healthy();
+    inputs_.seen.time_ns = time_ns;
+    EXPECT_EQ(run(1), State::fault) << "the cause alone going away is not enough";
+    EXPECT_TRUE(only_damps());
+  }
+  tried.add(Fault::bring_up_failed);  // in calibrate only, see above
+  EXPECT_EQ(tried, of_severity(Severity::latched));
+}
+
+}  // namespace
+}  // namespace stilt::supervisor

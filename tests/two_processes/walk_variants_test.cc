@@ -1,0 +1,110 @@
+// Walks on other rungs and with other controllers, and the self-test, with two processes in lock-step.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/two_processes/robot_and_controller.h"
+
+namespace stilt::two_processes {
+namespace {
+
+/// Steps after this time of the robot since it was let go.
+std::size_t steps_after(const nlohmann::json& robot, double time_s) {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      robot.at("steps"), [time_s](const nlohmann::json& step) { return step.at("time_s") > time_s; }));
+}
+
+/// Runs until the robot has walked this long.
+void walk(RobotAndController& run, std::vector<std::string> controller, const char* seconds) {
+  run.start_robot({"--lockstep", "--once", "--duration", seconds});
+  controller.insert(controller.end(), {"--lockstep", "--start", "walk@0.5"});
+  run.start_controller(controller);
+  run.expect_both_to_end();
+}
+
+/// The planner stops 3 s after the robot was let go.
+class WithoutPlans : public testing::TestWithParam<const char*> {};
+
+TEST_P(WithoutPlans, TheRobotGoesOnSteppingOnAGait) {
+  RobotAndController run;
+  walk(run, {"--planner-until", "9", "--set", std::string("controller.reference=") + GetParam()}, "12");
+  const nlohmann::json robot = run.robot_json();
+  EXPECT_TRUE(robot.at("survived")) << run.said();
+  const double stopped_s = 9.0 - robot.at("hoist_released_s").get<double>();
+  ASSERT_LT(stopped_s, 9.0);
+  EXPECT_GT(steps_after(robot, stopped_s + 0.3), 8u) << "on the gait";
+  const nlohmann::json faults = run.controller_json().at("faults");
+  ASSERT_EQ(faults.size(), 1u) << faults;
+  EXPECT_EQ(faults[0].at("name"), "plan_missing");
+}
+
+INSTANTIATE_TEST_SUITE_P(TwoProcesses, WithoutPlans, testing::Values("heuristic", "hzd"),
+                         [](const auto& row) { return std::string(row.param); });
+
+TEST(TwoProcesses, WithoutPlansAndWithoutGaitsItSitsDown) {
+  RobotAndController run;
+  walk(run, {"--planner-until", "9", "--set", "supervisor.track_gait=false"}, "12");
+  const nlohmann::json faults = run.controller_json().at("faults");
+  EXPECT_TRUE(std::ranges::any_of(faults, [](const nlohmann::json& fault) {
+    return fault.at("name") == "stale_plan" && fault.at("reaction") == "sit";
+  })) << faults;
+}
+
+TEST(TwoProcesses, PlansAroundGaitsOfTheLibraryWalkToo) {
+  RobotAndController run;
+  walk(run, {"--set", "controller.reference=hzd"}, "8");
+  ASSERT_EQ(run.robot().wait(0), 0) << run.said();
+  const nlohmann::json robot = run.robot_json();
+  EXPECT_TRUE(robot.at("survived"));
+  EXPECT_NEAR(robot.at("mean_speed_m_s").get<double>(), 0.5, 0.05);
+  EXPECT_GT(robot.at("steps").size(), 20u) << "steps of 0.3 s, as the gaits have";
+  EXPECT_TRUE(run.controller_json().at("faults").empty()) << run.controller_json().at("faults");
+}
+
+class SelfTest : public testing::TestWithParam<const char*> {};
+
+TEST_P(SelfTest, EveryCommandIsAnsweredInTime) {
+  RobotAndController run;
+  std::vector<std::string> settings;
+  for (const std::string driver : {"hip_driver.", "knee_driver."}) {
+    for (const std::string& setting :
+         {"protocol=" + std::string(GetParam()), std::string("odrive_watchdog_timeout_endpoint=17"),
+          std::string("odrive_enable_watchdog_endpoint=18")}) {
+      settings.insert(settings.end(), {"--set", driver + setting});
+    }
+  }
+  std::vector<std::string> robot = settings;
+  robot.insert(robot.end(), {"--lockstep", "--once"});
+  run.start_robot(robot);
+  run.start_self_test([&] {
+    std::vector<std::string> options = settings;
+    options.insert(options.end(), {"--lockstep", "--seconds", "2"});
+    return options;
+  }());
+  run.expect_both_to_end();
+  ASSERT_EQ(run.controller().wait(0), 0) << run.said();
+  const nlohmann::json report = run.controller_json();
+  EXPECT_EQ(report.at("passed"), true);
+  EXPECT_EQ(report.at("commands"), 2000);
+  for (const char* joint : {"hip_L", "knee_L", "hip_R", "knee_R"}) {
+    EXPECT_EQ(report.at("reply_share").at(joint), 1.0) << joint;
+    EXPECT_EQ(report.at("in_time_share").at(joint), 1.0) << joint;
+  }
+  EXPECT_EQ(report.at("bus_errors"), 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(TwoProcesses, SelfTest, testing::Values("mit_damiao", "moteus", "odrive"),
+                         [](const auto& row) { return std::string(row.param); });
+
+TEST(TwoProcesses, ASelfTestWithASilentDriverFails) {
+  RobotAndController run;
+  run.start_robot({"--lockstep", "--once", "--set", "knee_R.id=9"});
+  run.start_self_test({"--lockstep", "--seconds", "1"});
+  run.expect_both_to_end();
+  EXPECT_EQ(run.controller().wait(0), 1);
+  EXPECT_EQ(run.controller_json().at("passed"), false);
+  EXPECT_NE(run.controller_json().at("failure").get<std::string>().find("knee_R"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace stilt::two_processes
