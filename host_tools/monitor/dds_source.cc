@@ -9,10 +9,10 @@ namespace {
 using telemetry::Topic;
 
 /// What a monitor shows.
-constexpr std::array<const Topic*, 9> kTopics = {
-    &telemetry::kConfiguration, &telemetry::kTuning, &telemetry::kTicks,
-    &telemetry::kPlannerCycles, &telemetry::kPlans,  &telemetry::kSupervisor,
-    &telemetry::kEvents,        &telemetry::kTiming, &telemetry::kCommandReplies};
+constexpr std::array<const Topic*, 10> kTopics = {
+    &telemetry::kConfiguration,  &telemetry::kTuning,         &telemetry::kTicks,  &telemetry::kPlannerCycles,
+    &telemetry::kPlans,          &telemetry::kSupervisor,     &telemetry::kEvents, &telemetry::kTiming,
+    &telemetry::kCommandReplies, &host_telemetry::kSimulation};
 
 /// Replies that are waited for at most; the oldest is given up.
 constexpr std::size_t kAskedAtMost = 1000;

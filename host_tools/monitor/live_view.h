@@ -24,7 +24,7 @@ class LiveView final : public Endpoint, private SampleSink {
  public:
   /// Seconds without a sign of life after which a page's heartbeat is no longer passed on.
   static constexpr double kPageSilence_s = 0.5;
-  static constexpr double kHeartbeatPeriod_s = 0.1;
+  static constexpr double kHeartbeatPeriod_s = 0.08;
   static constexpr double kLinkPeriod_s = 0.2;
 
   explicit LiveView(SampleSource& source);

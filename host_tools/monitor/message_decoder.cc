@@ -1,5 +1,6 @@
 #include "host_tools/monitor/message_decoder.h"
 
+#include <algorithm>
 #include <cstdio>
 
 #include "firmware/telemetry/tick_batch.h"
@@ -50,6 +51,8 @@ void MessageDecoder::take(const telemetry::Sample& message, SampleSink& sink) {
                                    [&](const auto& state) { sink.supervisor(supervisor_sample(state)); });
   } else if (topic == &telemetry::kEvents) {
     take_as<telemetry::Event>(message, [&](const auto& event) { sink.event(event_sample(event)); });
+  } else if (topic == &host_telemetry::kSimulation) {
+    if (const auto decoded = message.as<host_telemetry::SimulationMessage>()) truth(*decoded, sink);
   } else if (topic == &telemetry::kTiming) {
     take_as<telemetry::Timing>(message, [&](const auto& timing) { sink.timing(timing_sample(timing)); });
   }
@@ -74,10 +77,22 @@ void MessageDecoder::tune(const telemetry::Tuning& message, SampleSink& sink) {
   sink.configuration(configuration_);
 }
 
+/// A simulated robot does not know the controller's clock: its news is as old as the newest tick.
+void MessageDecoder::truth(const host_telemetry::SimulationMessage& message, SampleSink& sink) const {
+  TruthSample sample;
+  sample.time_s = newest_tick_s_;
+  std::copy_n(static_cast<const double*>(message.contact_force_N), 4, sample.contact_force_N.begin());
+  sample.push_N = message.push_N;
+  sample.push_above_hip_m = message.push_above_hip_m;
+  sink.truth(sample);
+}
+
 void MessageDecoder::ticks(const telemetry::TickBatch& batch, SampleSink& sink) {
   if (!telemetry::well_formed(batch)) return;
   for (std::size_t k = 0; k < batch.count; ++k) {
-    sink.tick(tick_sample(telemetry::tick_record(batch, k), clock_start_ns_));
+    const TickSample sample = tick_sample(telemetry::tick_record(batch, k), clock_start_ns_);
+    newest_tick_s_ = sample.time_s;
+    sink.tick(sample);
   }
 }
 

@@ -5,6 +5,7 @@
 
 #include "firmware/telemetry/reader.h"
 #include "host_tools/monitor/sample_source.h"
+#include "host_tools/telemetry/simulation_publisher.h"
 
 namespace stilt::monitor {
 
@@ -29,6 +30,7 @@ class MessageDecoder {
   void configure(const telemetry::ConfigurationInForce& message, SampleSink& sink);
   void tune(const telemetry::Tuning& message, SampleSink& sink);
   void ticks(const telemetry::TickBatch& batch, SampleSink& sink);
+  void truth(const host_telemetry::SimulationMessage& message, SampleSink& sink) const;
   [[nodiscard]] bool ours(std::uint64_t session);
 
   template <class Message, class Use>
@@ -39,6 +41,7 @@ class MessageDecoder {
   std::int64_t clock_start_ns_ = 0;
   std::string token_file_;
   ConfigurationSample configuration_;
+  double newest_tick_s_ = 0.0;
   std::uint64_t of_others_ = 0;
   std::uint64_t strange_ = 0;  ///< of another session, since this one was heard last
 };

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 namespace stilt::monitor {
@@ -34,7 +35,12 @@ std::expected<PageMessage, std::string> read(const Json& json) {
   message.is_command = true;
   Command& command = message.command;
   command.kind = *kind;
-  command.sequence = json.at("sequence").get<std::uint32_t>();
+  const Json& sequence = json.at("sequence");
+  if (!sequence.is_number_unsigned() ||
+      sequence.get<std::uint64_t>() > std::numeric_limits<std::uint32_t>::max()) {
+    return std::unexpected(std::string("the sequence is no whole number of 32 bits"));
+  }
+  command.sequence = sequence.get<std::uint32_t>();
   command.token = member<std::string>(json, "token", "");
   command.value = member(json, "value", 0.0);
   command.tunable = member<std::string>(json, "tunable", "");

@@ -30,6 +30,7 @@ void WebSocketPeer::stop() {
     queue_.clear();
   }
   news_.notify_all();
+  const std::lock_guard lock(joining_);
   if (writer_.joinable()) writer_.join();
 }
 

@@ -30,7 +30,8 @@ class WebSocketPeer final : public Peer {
   [[nodiscard]] bool local() const override { return local_; }
   [[nodiscard]] const std::string& subprotocol() const override { return subprotocol_; }
 
-  /// Writes nothing more and waits for the writer; before the connection goes away.
+  /// Writes nothing more and waits for the writer; before the connection goes away. Any thread, again and
+  /// again.
   void stop();
 
  private:
@@ -45,6 +46,8 @@ class WebSocketPeer final : public Peer {
   std::size_t queued_bytes_ = 0;
   std::uint64_t dropped_ = 0;
   bool stopped_ = false;
+  std::mutex
+      joining_;  ///< the server that ends and a connection that closes may stop a peer at the same time
   std::thread writer_;
 };
 

@@ -2,7 +2,7 @@
 
 const kAlivePeriod_ms = 100;
 const kSpeedPeriod_ms = 100;
-const kPatience_ms = 1500;
+const kPatience_ms = 3000;
 const kKeys = { s: 'stand', t: 'step', w: 'walk', d: 'sit', r: 'reset' };
 
 class CommandPanel {
@@ -33,6 +33,15 @@ class CommandPanel {
     for (const button of document.querySelectorAll('[data-command], #stop')) button.disabled = !hello.live;
     document.getElementById('token-box').open = hello.live && !hello.has_token && this.token.value === '';
     if (!hello.live) this.say('A record: it takes no commands.', '');
+  }
+
+  /** The slider goes as far as the controller lets. */
+  configure(configuration) {
+    const limit = Number(configuration.toml.match(/^speed_limit_m_s = ([\d.e+-]+)/m)?.[1]);
+    if (!(limit > 0)) return;
+    this.speed.min = String(-limit);
+    this.speed.max = String(limit);
+    this.showSpeed();
   }
 
   /** Sends a command; the answer appears below the buttons. */

@@ -43,6 +43,7 @@ class Monitor {
         this.robot.configure(message);
         this.status.configure(message, before !== undefined && before !== message.session, now_s);
         this.tunables.configure(message.tunables);
+        this.commands.configure(message);
       },
       supervisor: () => {
         this.robot.supervise(message);

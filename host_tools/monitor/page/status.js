@@ -6,7 +6,8 @@ const kReactionText = {
   hold: 'holds the pose', sit: 'sits down, then damps the joints', damp: 'damps the joints', off: 'lets go of the motors',
 };
 const kRungText = {
-  new_plan: 'following the newest plan', older_plan: 'following an older plan', hold: 'holding the pose',
+  new_plan: 'following the newest plan', older_plan: 'following an older plan', gait: 'following the gait library',
+  hold: 'holding the pose',
   sit: 'sitting down', damp: 'joints damped', off: 'motors left alone',
 };
 
@@ -60,7 +61,7 @@ class StatusPanel {
     pill.textContent = name;
     pill.dataset.state = name;
     document.getElementById('state-text').textContent =
-      `${hello.states[message.state].description}. Now: ${kRungText[hello.rungs[message.rung]]}.` +
+      `${hello.states[message.state].description}. Now: ${kRungText[hello.rungs[message.rung]] ?? hello.rungs[message.rung]}.` +
       (message.commander === '' ? ' Nobody is in command.'
         : ` In command: ${message.commander}${message.commander_alive ? '' : ', silent'}.`);
     this.showFaults(message);

@@ -1,6 +1,7 @@
 // The page in a browser, with a synthetic robot that does what the tests say: synthetic_monitor.
 
 import assert from 'node:assert/strict';
+import http from 'node:http';
 import { after, afterEach, before, beforeEach, test } from 'node:test';
 import { hipX, openBrowser, openPage, picture, pixels, Program, shownSpeed, until } from './browser.mjs';
 
@@ -170,6 +171,7 @@ test('on a phone in the dark the stop button is in reach and nothing is wider th
   await page.evaluate(() => localStorage.setItem('theme', 'dark'));
   await page.setViewportSize({ width: 390, height: 844 });
   await page.reload();
+  await until('the robot again', () => page.getAttribute('#stage-canvas', 'data-hip-x'));
   await page.keyboard.press('w');
   await until('motion', async () => (await hipX(page)) > 0.3);
   const stop = await page.locator('#stop').boundingBox();
@@ -198,4 +200,29 @@ test('a record is shown as one and takes no commands', async () => {
   await page.reload();
   await until('the words', async () => /A record: it takes no commands/.test(await text('#answer')));
   assert.ok(await page.isDisabled('#stop'));
+});
+
+/** Status of a request to the monitor with other headers than a browser of this page would send. */
+function statusOf(url, path, headers) {
+  return new Promise((resolve, reject) => {
+    const request = http.request(new URL(path, url), { headers });
+    request.on('response', (response) => { response.resume(); resolve(response.statusCode); });
+    request.on('upgrade', (response, socket) => { socket.destroy(); resolve(response.statusCode); });
+    request.on('error', (error) => (error.code === 'ECONNRESET' ? resolve('closed') : reject(error)));
+    request.end();
+  });
+}
+
+const kUpgrade = {
+  Connection: 'Upgrade', Upgrade: 'websocket', 'Sec-WebSocket-Version': '13', 'Sec-WebSocket-Key': 'c3RpbHRzdGlsdHN0aWx0cw==',
+};
+
+test('pages of other sites, and other names for this machine, get nothing', async () => {
+  const { host, origin } = new URL(monitor.url);
+  assert.equal(await statusOf(monitor.url, '/live', { ...kUpgrade, Origin: origin }), 101);
+  assert.notEqual(await statusOf(monitor.url, '/live', { ...kUpgrade, Origin: 'http://example.com' }), 101);
+  assert.notEqual(await statusOf(monitor.url, '/live', { ...kUpgrade, Host: 'example.com' }), 101);
+  assert.equal(await statusOf(monitor.url, '/', { Host: host }), 200);
+  assert.equal(await statusOf(monitor.url, '/', { Host: 'example.com' }), 403);
+  assert.equal(await statusOf(monitor.url, '/../etc/passwd', {}), 404);
 });

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "firmware/supervisor/fault.h"
+#include "firmware/supervisor/ladder.h"
 #include "firmware/supervisor/state.h"
 #include "mpc_core/model/robot.h"
 
@@ -246,7 +247,8 @@ SupervisorSample SyntheticSource::supervisor_sample() const {
   SupervisorSample sample;
   sample.time_s = static_cast<double>(ticks_) * kTick_s;
   sample.state = state_;
-  sample.rung = state_ == number(State::fault) ? 4 : 0;
+  sample.rung =
+      static_cast<int>(state_ == number(State::fault) ? supervisor::Rung::damp : supervisor::Rung::new_plan);
   sample.present = present_;
   sample.latched = latched_;
   sample.ramp = 1.0;

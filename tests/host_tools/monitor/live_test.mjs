@@ -1,0 +1,131 @@
+// The whole thing: simulated robot, stiltd and monitor as programs in real time on the loopback interface, and the page
+// in a browser. The machine may be busy: late ticks and plans are only reported here.
+
+import assert from 'node:assert/strict';
+import { mkdtempSync, rmSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { after, before, test } from 'node:test';
+import { hipX, openBrowser, openPage, picture, pixels, Program, shownSpeed, until } from './browser.mjs';
+
+const kNumber = process.pid;
+const kDomain = String(100 + (kNumber % 100));
+const kBuses = ['left', 'right'].flatMap((side) => ['--bus', `loopback:stilt_monitor_${kNumber}_${side}`]);
+const kPatientSettings = ['supervisor.torque_loop_stall_s=10', 'supervisor.missed_hold_ticks=500',
+  'supervisor.missed_damp_ticks=1000', 'supervisor.stale_plan_s=5', 'supervisor.heartbeat_timeout_s=5',
+  'telemetry.release_s=10', `telemetry.domain=${kDomain}`].flatMap((setting) => ['--set', setting]);
+
+let browser;
+let folder;
+let robot;
+let controller;
+let monitor;
+let page;
+
+const text = (selector) => page.textContent(selector);
+const state = (name) => until(`state ${name}; it is`, async () => (await text('#state')) === name);
+const answer = (pattern) => until(`an answer like ${pattern}`, async () => pattern.test(await text('#answer')));
+
+function startController() {
+  return new Program(process.env.STILTD_PROGRAM, [...kBuses, ...kPatientSettings,
+    '--set', `telemetry.token_file=${join(folder, 'token')}`]);
+}
+
+function startMonitor(words = []) {
+  return new Program(process.env.STILT_PROGRAM, ['monitor', '--port', '0', '--no-browser', '--domain', kDomain, ...words]);
+}
+
+before(async () => {
+  folder = mkdtempSync(join(tmpdir(), 'stilt-live-'));
+  browser = await openBrowser();
+  robot = new Program(process.env.STILT_PROGRAM, ['robot', ...kBuses]);
+  await robot.wrote(/ready/);
+  controller = startController();
+  monitor = startMonitor();
+  const [url] = await monitor.wrote(/http:\S+/);
+  page = await openPage(browser, url);
+});
+
+after(async () => {
+  await browser.close();
+  for (const program of [monitor, controller, robot]) await program?.kill('SIGKILL');
+  for (const program of [monitor, controller, robot]) console.log(`${program?.name}: ${program?.output.slice(-1500)}`);
+  rmSync(folder, { recursive: true, force: true });
+});
+
+test('the page finds the controller and shows the robot standing up and walking', async () => {
+  await until('live data', async () => (await text('#link-status')).startsWith('live'));
+  await until('idle', async () => (await text('#state')) === 'idle');
+  const plot = 'figure[data-title="Height of the hip"] canvas';
+  const before = await pixels(page, plot);
+  await page.keyboard.press('s');
+  await answer(/stand: accepted/);
+  await state('stand');
+  await until('weight on the feet', async () => /follow/.test(await text('#state-text')));
+  await page.fill('#speed', '0.3');
+  await until('walking', async () => {
+    if ((await text('#state')) === 'walk') return true;
+    await page.keyboard.press('w');
+    await page.waitForTimeout(1000);
+    return false;
+  });
+  const from = await hipX(page);
+  const still = await pixels(page, '#stage-canvas');
+  await until('a metre', async () => (await hipX(page)) > from + 1);
+  assert.notEqual(await pixels(page, '#stage-canvas'), still);
+  assert.notEqual(await pixels(page, plot), before);
+  await until('0.3 m/s', async () => Math.abs((await shownSpeed(page)) - 0.3) < 0.08);
+});
+
+test('another speed from the page changes the measured speed', async () => {
+  await page.fill('#speed', '0.5');
+  await answer(/speed 0.50 m\/s: accepted/);
+  await until('0.5 m/s', async () => Math.abs((await shownSpeed(page)) - 0.5) < 0.08);
+  await page.waitForTimeout(3000);
+  await picture(page, 'live_walking');
+  console.log(`${Number(await page.getAttribute('#frame-rate', 'data-value')).toFixed(1)} frames a second with all plots`);
+});
+
+test('a tunable changes while the robot walks', async () => {
+  const input = '[data-name="gait.swing_height_m"] input';
+  await page.fill(input, '0.07');
+  await page.press(input, 'Enter');
+  await answer(/gait.swing_height_m = 0.07: accepted/);
+  await until('the value in force', async () => (await page.inputValue(input)) === '0.07');
+});
+
+test('a wrong token is refused in words', async () => {
+  const other = startMonitor(['--token', 'a-guess']);
+  const [url] = await other.wrote(/http:\S+/);
+  const stranger = await openPage(browser, url);
+  await until('live data', async () => (await stranger.textContent('#link-status')).startsWith('live'));
+  await stranger.keyboard.press('d');
+  const refused = await until('a refusal', async () => {
+    const said = await stranger.textContent('#answer');
+    return /refused/.test(said) ? said : null;
+  });
+  console.log(refused);
+  assert.match(refused, /token/i);
+  assert.equal(await text('#state'), 'walk');
+  await stranger.close();
+  await other.kill();
+});
+
+test('stop stops', async () => {
+  await page.bringToFront();
+  await page.keyboard.press('Space');
+  await answer(/stop: accepted/);
+  await state('stand');
+  await until('rest', async () => Math.abs(await shownSpeed(page)) < 0.03);
+});
+
+test('a killed controller leaves an old picture, marked as one, and the next is another session', async () => {
+  await controller.kill('SIGKILL');
+  await until('the alarm', async () => /No data for .* the picture is old/.test(await text('#alarm')));
+  assert.equal(await text('#stage-cover'), 'OLD PICTURE');
+  await picture(page, 'live_stale');
+  controller = startController();
+  await until('the note', async () => /Another session/.test(await text('#note')));
+  await until('live data', async () => (await text('#link-status')).startsWith('live'));
+  assert.deepEqual(page.problems, []);
+});

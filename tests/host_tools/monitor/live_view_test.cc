@@ -1,0 +1,238 @@
+#include "host_tools/monitor/live_view.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "fake_peer.h"
+#include "firmware/supervisor/fault.h"
+#include "firmware/supervisor/state.h"
+#include "synthetic_source.h"
+
+namespace stilt::monitor {
+namespace {
+
+/// A source that only remembers what it was told.
+class SilentSource final : public SampleSource {
+ public:
+  void poll(SampleSink& sink) override {
+    if (answers) {
+      for (const Command& command : commands) {
+        if (command.kind != CommandKind::heartbeat)
+          sink.reply({command.commander, command.sequence, true, ""});
+      }
+    }
+    answers = false;
+  }
+  void command(const Command& command) override { commands.push_back(command); }
+  [[nodiscard]] std::string describe() const override { return "nothing"; }
+  [[nodiscard]] bool live() const override { return true; }
+  [[nodiscard]] bool has_token() const override { return true; }
+
+  [[nodiscard]] int heartbeats() const {
+    return static_cast<int>(std::count_if(commands.begin(), commands.end(), [](const Command& command) {
+      return command.kind == CommandKind::heartbeat;
+    }));
+  }
+
+  std::vector<Command> commands;
+  bool answers = false;
+};
+
+constexpr const char* kWalk = R"({"command": "walk", "sequence": 7, "value": 0.5})";
+
+TEST(LiveView, APageIsGreetedWithTheSupervisorsTables) {
+  SilentSource source;
+  LiveView view(source);
+  const auto page = std::make_shared<FakePeer>();
+  view.opened(page);
+  view.step(0.0);
+  const auto hello = page->of_type("hello").at(0);
+  EXPECT_EQ(hello["faults"].size(), supervisor::kFaults);
+  EXPECT_EQ(hello["states"].size(), supervisor::kStates);
+  EXPECT_EQ(hello["columns"]["ticks"][1], "state0");
+}
+
+TEST(LiveView, TheHeartbeatOfAPageInCommandGoesOnAsLongAsThePageLives) {
+  SilentSource source;
+  LiveView view(source);
+  const auto page = std::make_shared<FakePeer>();
+  view.opened(page);
+  view.step(0.0);
+  EXPECT_EQ(source.heartbeats(), 0) << "a page that only looks does not command";
+  view.received(*page, false, kWalk);
+  source.answers = true;
+  view.step(0.2);
+  for (int k = 1; k <= 20; ++k) {
+    view.received(*page, false, R"({"alive": true})");
+    view.step(0.2 + 0.1 * k);
+  }
+  const int lively = source.heartbeats();
+  EXPECT_GE(lively, 19);
+  for (int k = 1; k <= 20; ++k) view.step(2.2 + 0.1 * k);
+  EXPECT_LE(source.heartbeats() - lively, 6) << "silent for longer than kPageSilence_s";
+}
+
+TEST(LiveView, AClosedPageIsNotSpokenFor) {
+  SilentSource source;
+  LiveView view(source);
+  const auto page = std::make_shared<FakePeer>();
+  view.opened(page);
+  view.received(*page, false, kWalk);
+  view.step(0.0);
+  source.answers = true;
+  view.step(0.11);
+  view.closed(*page);
+  const int before = source.heartbeats();
+  view.step(0.3);
+  view.step(0.5);
+  EXPECT_EQ(source.heartbeats(), before);
+}
+
+TEST(LiveView, ThePageWhoseCommandWasAcceptedLastIsInCommandAlone) {
+  SilentSource source;
+  LiveView view(source);
+  const auto first = std::make_shared<FakePeer>();
+  const auto second = std::make_shared<FakePeer>();
+  view.opened(first);
+  view.opened(second);
+  view.received(*first, false, kWalk);
+  view.step(0.0);
+  source.answers = true;
+  view.step(0.01);
+  view.received(*second, false, kWalk);
+  view.step(0.02);
+  source.answers = true;
+  view.step(0.03);
+  source.commands.clear();
+  for (int k = 0; k < 5; ++k) {
+    view.received(*first, false, R"({"alive": true})");
+    view.step(0.6 + 0.11 * k);  // the second page is silent
+  }
+  EXPECT_EQ(source.heartbeats(), 0);
+}
+
+TEST(LiveView, TheTokenIsLentToPagesOfThisMachineOnly) {
+  SilentSource source;
+  LiveView view(source);
+  const auto far = std::make_shared<FakePeer>(false);
+  view.opened(far);
+  view.received(*far, false, kWalk);
+  view.step(0.0);
+  EXPECT_TRUE(source.commands.empty());
+  EXPECT_FALSE(far->of_type("hello").at(0)["has_token"]);
+  const auto reply = far->of_type("reply").at(0);
+  EXPECT_FALSE(reply["accepted"]);
+  EXPECT_NE(reply["reason"].get<std::string>().find("token"), std::string::npos);
+  view.received(*far, false, R"({"command": "walk", "sequence": 8, "value": 0.5, "token": "t"})");
+  view.step(0.1);
+  ASSERT_EQ(source.commands.size(), 1u);
+  EXPECT_EQ(source.commands[0].token, "t");
+}
+
+TEST(LiveView, WhatIsNoMessageOfThePageIsRefusedAndTheViewGoesOn) {
+  for (const char* text :
+       {"", "{", "[]", "7", R"({"command": "fly", "sequence": 1})", R"({"command": "walk"})",
+        R"({"command": 5, "sequence": 1})", R"({"command": "walk", "sequence": -1e99})",
+        R"({"command": "walk", "sequence": 1, "value": "fast"})", "\xff\xfe"}) {
+    SilentSource source;
+    LiveView view(source);
+    const auto page = std::make_shared<FakePeer>();
+    view.opened(page);
+    view.received(*page, false, text);
+    view.step(0.0);
+    EXPECT_TRUE(source.commands.empty()) << text;
+    const auto replies = page->of_type("reply");
+    ASSERT_EQ(replies.size(), 1u) << text;
+    EXPECT_FALSE(replies[0]["accepted"]) << text;
+  }
+}
+
+TEST(LiveView, AGapInTheTicksIsCounted) {
+  SyntheticSource source;
+  LiveView view(source);
+  const auto page = std::make_shared<FakePeer>();
+  view.opened(page);
+  source.advance(0.0);
+  view.step(0.0);
+  source.advance(0.1);
+  view.step(0.1);
+  source.change("drop 17");
+  source.advance(0.3);
+  view.step(0.3);
+  EXPECT_EQ(page->of_type("link").back()["missing"], 17);
+}
+
+TEST(LiveView, APageThatOpensLaterGetsTheLastSeconds) {
+  SyntheticSource source;
+  LiveView view(source);
+  for (int k = 0; k <= 50; ++k) {
+    source.advance(0.1 * k);
+    view.step(0.1 * k);
+  }
+  const auto page = std::make_shared<FakePeer>();
+  view.opened(page);
+  view.step(5.01);
+  std::uint32_t ticks = 0;
+  for (const SharedMessage& message : page->messages) {
+    if (!message->binary || message->bytes[0] != static_cast<char>(Table::ticks)) continue;
+    std::uint32_t rows = 0;
+    std::memcpy(&rows, message->bytes.data() + 4, sizeof rows);
+    ticks += rows;
+  }
+  EXPECT_EQ(ticks, 5000u);
+  EXPECT_EQ(page->of_type("configuration").size(), 1u);
+  EXPECT_EQ(page->of_type("supervisor").size(), 1u);
+}
+
+TEST(LiveView, AnotherSessionLeavesNothingOfTheOneBefore) {
+  SyntheticSource source;
+  LiveView view(source);
+  source.advance(0.0);
+  view.step(0.0);
+  source.advance(1.0);
+  view.step(1.0);
+  source.change("session");
+  view.step(1.01);
+  const auto page = std::make_shared<FakePeer>();
+  view.opened(page);
+  view.step(1.02);
+  EXPECT_EQ(page->of_type("configuration").at(0)["session"], "synthetic-2");
+  for (const SharedMessage& message : page->messages) EXPECT_FALSE(message->binary);
+}
+
+TEST(LiveView, ARecordTakesNoCommands) {
+  SyntheticSource source;
+  source.change("record");
+  LiveView view(source);
+  const auto page = std::make_shared<FakePeer>();
+  view.opened(page);
+  view.received(*page, false, kWalk);
+  view.step(0.0);
+  EXPECT_FALSE(page->of_type("reply").at(0)["accepted"]);
+}
+
+TEST(LiveView, NumbersOfATableAreWhereItsHeadSays) {
+  TickSample tick;
+  tick.tick = 12;
+  tick.time_s = 3.25;
+  tick.estimated_state[7] = 0.5;
+  TickSample later = tick;
+  later.time_s = 3.5;
+  const std::vector<TickSample> ticks = {tick, later};
+  const SharedMessage message = ticks_message(ticks);
+  const auto number_at = [&](auto zero, std::size_t offset) {
+    std::memcpy(&zero, message->bytes.data() + offset, sizeof zero);
+    return zero;
+  };
+  EXPECT_EQ(number_at(std::uint32_t{}, 4), 2u);
+  EXPECT_EQ(number_at(double{}, 8), 3.25);
+  EXPECT_EQ(number_at(double{}, 16), 12.0);
+  const std::size_t row = (message->bytes.size() - 24) / 2;
+  EXPECT_EQ(number_at(float{}, 24 + row), 0.25f);
+  EXPECT_EQ(number_at(float{}, 24 + 8 * sizeof(float)), 0.5f) << "state7, after the time";
+}
+
+}  // namespace
+}  // namespace stilt::monitor
