@@ -1,11 +1,15 @@
 #include "host_tools/cli/replay_command.h"
 
 #include <algorithm>
+#include <atomic>
+#include <csignal>
 #include <cstdio>
 
 #include "host_tools/cli/json_output.h"
 #include "host_tools/cli/progress.h"
 #include "host_tools/cli/usage_error.h"
+#include "host_tools/monitor/serve.h"
+#include "host_tools/replay/record_source.h"
 #include "host_tools/replay/replay_session.h"
 
 namespace stilt::cli {
@@ -70,6 +74,24 @@ void print(const Replayed& replayed) {
   }
 }
 
+std::atomic<bool> stop = false;
+static_assert(std::atomic<bool>::is_always_lock_free);
+
+/// Plays the record in the page until it is told to stop.
+int show(const ReplayOptions& options) {
+  replay::RecordSource source(options.file);
+  struct sigaction action {};
+  action.sa_handler = [](int) { stop.store(true); };
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+  monitor::ServeOptions serve;
+  serve.server.port = options.port;
+  serve.open_browser = !options.no_browser;
+  serve.stop = &stop;
+  monitor::serve(source, serve);
+  return 0;
+}
+
 }  // namespace
 
 CLI::App* add_replay_command(CLI::App& program, ReplayOptions& options) {
@@ -77,11 +99,17 @@ CLI::App* add_replay_command(CLI::App& program, ReplayOptions& options) {
       "replay", "a record through the controller again: are plans and torques the same, bit for bit?");
   command->add_option("FILE", options.file, "record of stilt record")->required();
   command->add_option("--json", options.json_file, "writes the result as JSON; - is standard output");
+  command->add_flag("--monitor", options.monitor, "shows it in the monitor's page instead, until Ctrl-C");
+  command->add_option("--port", options.port, "port of the page; 0: any free one")
+      ->check(CLI::Range(0, 65535))
+      ->capture_default_str();
+  command->add_flag("--no-browser", options.no_browser, "only prints the address of the page");
   command->footer("Exit status: 0 all is the same, 1 something differs or is missing, 2 bad usage.");
   return command;
 }
 
 int run_replay(const ReplayOptions& options) {
+  if (options.monitor) return show(options);
   check_output_file("--json", options.json_file);
   const replay::RecordContents contents = replay::read_contents(options.file);
   for (const std::string& problem : contents.problems) std::fprintf(stderr, "stilt: %s\n", problem.c_str());

@@ -9,6 +9,9 @@ namespace stilt::cli {
 struct ReplayOptions {
   std::string file;
   std::string json_file;
+  bool monitor = false;
+  int port = 8080;
+  bool no_browser = false;
 };
 
 /// Adds `replay` to the program; its options end up in `options`.

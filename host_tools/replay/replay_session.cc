@@ -70,8 +70,10 @@ Outcome replay_session(const std::string& path, const SessionRecord& session,
     return failed(source + " is refused by this program: " + to_string(configuration.error().front()));
   }
   const TuningsOf tunings(session, *configuration);
+  const auto gaits = std::make_unique<gait::GaitLibrary>();
   Replay replay(session.cycles, [&](std::uint32_t number) { return tunings(number); });
-  const auto ready = program::configure_cycles(*configuration, source, replay.planner(), replay.torque());
+  const auto ready =
+      program::configure_cycles(*configuration, source, replay.planner(), replay.torque(), gaits.get());
   if (!ready) return failed(ready.error());
   for_each_tick(path, session.number, [&](const diagnostics::TickRecord& tick) {
     if (progress && tick.tick % kProgressEvery == 0) progress(tick.tick);
