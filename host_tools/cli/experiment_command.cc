@@ -73,15 +73,17 @@ void add_disturbance(CLI::App& experiment, ExperimentOptions& options) {
   command->add_option("--push-at", options.setting.push_point, "hip or torso")->capture_default_str();
 }
 
-/// --gaits and --lump matter to some controllers alone.
+/// The setting without what does not concern a controller: --gaits is refused by those that follow none.
+WalkSetting setting_for(const WalkSetting& setting, const std::string& controller) {
+  WalkSetting own = setting;
+  if (controller != "mpc-hzd" && controller != "hzd-pd") own.choice.gait_folder.clear();
+  return own;
+}
+
 experiments::WalkRunner runner_for_each(const WalkSetting& setting) {
-  WalkSetting plain = setting;
-  plain.choice.gait_folder.clear();
-  const experiments::WalkRunner around_gaits = walk_runner(setting);
-  const experiments::WalkRunner without = walk_runner(plain);
-  return [=](const experiments::WalkCase& walk) {
-    const bool follows = walk.controller == "mpc-hzd" || walk.controller == "hzd-pd";
-    return follows ? around_gaits(walk) : without(walk);
+  (void)walk_runner(setting);  // mistakes are told before anything runs
+  return [setting](const experiments::WalkCase& walk) {
+    return walk_runner(setting_for(setting, walk.controller))(walk);
   };
 }
 
@@ -129,11 +131,10 @@ DisturbancePlan disturbance_plan(ExperimentOptions& options) {
   plan.rows = rows_of(options);
   plan.phases = options.phases;
   plan.seeds = options.seeds;
-  WalkSetting setting = options.setting;
-  setting.choice.gait_folder.clear();
-  for (const DisturbancePlan::Row& row : plan.rows) {
-    const control::ControllerParameters parameters = walk_parameters(setting, row.controller, row.horizon_s);
-    plan.step_s = parameters.gait.single_support_s + parameters.gait.double_support_s;
+  for (DisturbancePlan::Row& row : plan.rows) {
+    const control::ControllerParameters parameters =
+        walk_parameters(setting_for(options.setting, row.controller), row.controller, row.horizon_s);
+    row.step_s = parameters.gait.single_support_s + parameters.gait.double_support_s;
   }
   return plan;
 }
@@ -161,9 +162,7 @@ int run_horizons(const ExperimentOptions& options, const std::vector<std::string
   std::ranges::sort(plan.horizons_s);
   for (const std::string& controller : plan.controllers) {
     for (const double horizon_s : plan.horizons_s) {
-      WalkSetting setting = options.setting;
-      setting.choice.gait_folder.clear();
-      (void)walk_parameters(setting, controller, horizon_s);
+      (void)walk_parameters(setting_for(options.setting, controller), controller, horizon_s);
     }
   }
   const auto jobs = experiments::horizon_jobs(plan, runner_for_each(options.setting));
@@ -215,9 +214,6 @@ CLI::App* add_experiment_command(CLI::App& program, ExperimentOptions& options) 
 int run_experiment(const CLI::App& experiment, ExperimentOptions options,
                    const std::vector<std::string>& words) {
   check_output_file("--json", options.json_file);
-  std::vector<std::string> plant = experiment_noise();
-  plant.insert(plant.end(), options.setting.plant_settings.begin(), options.setting.plant_settings.end());
-  options.setting.plant_settings = std::move(plant);
   if (experiment.got_subcommand("frequency")) return run_frequency(options);
   if (experiment.got_subcommand("horizon")) return run_horizons(options, words);
   if (experiment.got_subcommand("figures")) return run_figures(options);

@@ -19,6 +19,15 @@ ControllerChoice choice_of(const WalkSetting& setting, const std::string& contro
   return choice;
 }
 
+simulator::PlantOptions noisy_world() {
+  simulator::PlantOptions world;
+  world.encoder_noise_rad = 0.0005;
+  world.encoder_velocity_noise_rad_s = 0.02;
+  world.base_angle_noise_rad = 0.001;
+  world.base_rate_noise_rad_s = 0.01;
+  return world;
+}
+
 std::vector<simulator::Push> pushes_of(const WalkSetting& setting, const WalkCase& walk) {
   if (walk.push_N == 0.0) return {};
   const std::string text = simulator::number_text(walk.push_N) + "@" +
@@ -31,7 +40,7 @@ log::RunRecord run(const WalkSetting& setting, const WalkCase& walk) {
   const ControllerChoice choice = choice_of(setting, walk.controller, walk.horizon_s);
   const model::RobotModel& robot = robot_model(choice.robot);
   const control::ControllerParameters parameters = controller_parameters(choice);
-  simulator::PlantOptions world;
+  simulator::PlantOptions world = walk.sensor_noise ? noisy_world() : simulator::PlantOptions();
   for (const std::string& assignment : setting.plant_settings) set_plant_option(world, assignment);
   world.time_step_s =
       simulator::time_step_for_tick(world.time_step_s, 1.0 / parameters.timing.torque_rate_hz);
@@ -53,11 +62,6 @@ log::RunRecord run(const WalkSetting& setting, const WalkCase& walk) {
 }
 
 }  // namespace
-
-std::vector<std::string> experiment_noise() {
-  return {"encoder_noise_rad=0.0005", "encoder_velocity_noise_rad_s=0.02", "base_angle_noise_rad=0.001",
-          "base_rate_noise_rad_s=0.01"};
-}
 
 control::ControllerParameters walk_parameters(const WalkSetting& setting, const std::string& controller,
                                               double horizon_s) {

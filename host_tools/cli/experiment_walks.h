@@ -8,16 +8,13 @@
 
 namespace stilt::cli {
 
-/// What all walks of an experiment share.
+/// What all walks of an experiment share. Sensors are noisy, so that seeds differ, unless a case has none:
+/// joints 0.5 mrad and 20 mrad/s, base 1 mrad and 10 mrad/s; plant_settings may change that.
 struct WalkSetting {
   ControllerChoice choice;  ///< controller and horizon are those of the case
   std::vector<std::string> plant_settings;
   std::string push_point = "hip";
 };
-
-/// Sensor noise of the experiments, so that seeds differ: joints 0.5 mrad and 20 mrad/s, base 1 mrad and
-/// 10 mrad/s. As settings of the plant.
-[[nodiscard]] std::vector<std::string> experiment_noise();
 
 /// Walks as `stilt sim` makes them, with estimated state, 100 plans a second and the configured delay of a
 /// plan. Throws UsageError when the setting is mistaken.

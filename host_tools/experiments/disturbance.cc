@@ -44,7 +44,7 @@ Json run_job(const DisturbancePlan& plan, const DisturbancePlan::Row& row, int p
   walk.horizon_s = row.horizon_s;
   walk.speed_m_s = plan.speed_m_s;
   walk.seed = static_cast<std::uint64_t>(seed);
-  walk.push_start_s = push_start_s(plan, phase);
+  walk.push_start_s = push_start_s(plan, row, phase);
   walk.push_duration_s = plan.push_duration_s;
   walk.duration_s = walk.push_start_s + plan.push_duration_s + plan.recovery_s;
   const PushLimit limit = find_push_limit(plan.search, [&](double force_N) {
@@ -138,11 +138,11 @@ std::vector<DisturbancePlan::Row> published_rows() {
   return rows;
 }
 
-double push_start_s(const DisturbancePlan& plan, int phase) {
+double push_start_s(const DisturbancePlan& plan, const DisturbancePlan::Row& row, int phase) {
   constexpr double kFirstLiftOff_s = 0.3;
-  const double steps = std::ceil((plan.settled_s - kFirstLiftOff_s) / plan.step_s - 1e-9);
+  const double steps = std::ceil((plan.settled_s - kFirstLiftOff_s) / row.step_s - 1e-9);
   const double share = phase % 2 + static_cast<double>(phase) / plan.phases;
-  return kFirstLiftOff_s + plan.step_s * (steps + share);
+  return kFirstLiftOff_s + row.step_s * (steps + share);
 }
 
 std::vector<Job> disturbance_jobs(const DisturbancePlan& plan, const WalkRunner& run) {

@@ -15,11 +15,11 @@ struct DisturbancePlan {
   struct Row {
     std::string controller;
     double horizon_s = 1.0;
+    double step_s = 0.3;  ///< of the controller's gait, to place the phases
   };
   std::vector<Row> rows;
   int phases = 8;           ///< of the step, at which the push begins; odd ones with the other foot in stance
   int seeds = 3;            ///< 1, 2, ... of the sensor noise
-  double step_s = 0.3;      ///< of the controllers' gait, to place the phases
   double settled_s = 4.2;   ///< no push before
   double recovery_s = 4.5;  ///< after the push, on its feet
   double speed_m_s = 0.5;
@@ -31,7 +31,7 @@ struct DisturbancePlan {
 [[nodiscard]] std::vector<DisturbancePlan::Row> published_rows();
 
 /// Time at which the push of a phase begins.
-[[nodiscard]] double push_start_s(const DisturbancePlan& plan, int phase);
+[[nodiscard]] double push_start_s(const DisturbancePlan& plan, const DisturbancePlan::Row& row, int phase);
 
 /// One job a row, phase and seed: {controller, horizon_s, phase, seed, limit_N, trials}.
 [[nodiscard]] std::vector<Job> disturbance_jobs(const DisturbancePlan& plan, const WalkRunner& run);

@@ -129,6 +129,7 @@ Figures make_figures(const WalkRunner& run, double duration_s) {
     const char* title;
   };
   constexpr Compared kCompared[] = {{"mpc-heuristic", 1.0, "mpc-heuristic, horizon 1.0 s"},
+                                    {"mpc-heuristic", 0.5, "mpc-heuristic, horizon 0.5 s"},
                                     {"mpc-hzd", 0.5, "mpc-hzd, horizon 0.5 s"}};
   WalkCase walk;
   walk.keep_samples = true;
@@ -153,6 +154,9 @@ Figures make_figures(const WalkRunner& run, double duration_s) {
   for (const Compared& compared : kCompared) {
     walk.controller = compared.controller;
     walk.horizon_s = compared.horizon_s;
+    walk.sensor_noise = true;
+    const Periodicity noisy = periodicity(run(walk), kSettled_s);
+    walk.sensor_noise = false;
     const RunRecord record = run(walk);
     const Periodicity variation = periodicity(record, kSettled_s);
     figures.numbers["periodicity"].push_back({{"controller", compared.controller},
@@ -160,12 +164,14 @@ Figures make_figures(const WalkRunner& run, double duration_s) {
                                               {"survived", record.summary.survived},
                                               {"steps", variation.steps},
                                               {"joint_angle_std_rms_rad", variation.rms_rad},
-                                              {"joint_angle_std_max_rad", variation.largest_rad}});
+                                              {"joint_angle_std_max_rad", variation.largest_rad},
+                                              {"noisy_joint_angle_std_rms_rad", noisy.rms_rad}});
     body += std::string("<h2>") + compared.title + "</h2><p>Joint angles vary from step to step by " +
             number(variation.rms_rad) +
             " rad (standard deviation, root mean square over joints and the step; " + "largest " +
             number(variation.largest_rad) + " rad; " + std::to_string(variation.steps) +
-            " steps).</p><div class='grid-of-plots'>" + tiles(record, "Two steps, posture by posture") +
+            " steps; with sensor noise " + number(noisy.rms_rad) + " rad).</p><div class='grid-of-plots'>" +
+            tiles(record, "Two steps, posture by posture") +
             joints(record, {kSettled_s, kSettled_s + 3.0}, "Joint angles", "rad", joint_angle) +
             plan_ends(record, "Where plans end: the state under the terminal cost, a plan every 0.05 s") +
             "</div>";

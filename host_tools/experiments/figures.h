@@ -15,8 +15,8 @@ struct Figures {
 };
 
 /// The push of 20 N for 1 s under mpc-heuristic (states, torques, contact forces); postures and joint angles
-/// of mpc-heuristic at 1.0 s against mpc-hzd at 0.5 s, with the variation of the joint angles from step to
-/// step; ends of the plans of both. `duration_s`: of each walk, at least 8 s.
+/// of mpc-heuristic at 1.0 and 0.5 s against mpc-hzd at 0.5 s, with the variation of the joint angles from
+/// step to step, without and with sensor noise; ends of the plans. `duration_s`: of each walk, at least 8 s.
 [[nodiscard]] Figures make_figures(const WalkRunner& run, double duration_s);
 
 }  // namespace stilt::experiments

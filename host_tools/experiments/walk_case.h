@@ -20,6 +20,7 @@ struct WalkCase {
   double push_start_s = 0.0;
   double push_duration_s = 1.0;
   std::uint64_t seed = 1;     ///< of the sensor noise
+  bool sensor_noise = true;
   bool keep_samples = false;  ///< otherwise the summary alone
 };
 

@@ -72,11 +72,12 @@ TEST(Disturbance, EveryCaseIsAJobWithANameOfItsOwn) {
 }
 
 TEST(Disturbance, PhasesSpreadOverStepsOfBothFeet) {
-  DisturbancePlan plan;
-  const double first_s = push_start_s(plan, 0);
+  const DisturbancePlan plan;
+  const DisturbancePlan::Row row;
+  const double first_s = push_start_s(plan, row, 0);
   EXPECT_GE(first_s, plan.settled_s);
   for (int phase = 0; phase < plan.phases; ++phase) {
-    const double steps = (push_start_s(plan, phase) - first_s) / plan.step_s;
+    const double steps = (push_start_s(plan, row, phase) - first_s) / row.step_s;
     EXPECT_NEAR(steps, phase % 2 + phase / 8.0, 1e-9);
   }
 }

@@ -94,7 +94,7 @@ TEST_F(ExperimentCommand, FiguresAreAPageAndTheNumbersOnIt) {
   EXPECT_EQ(page.find("nan"), std::string::npos);
   const Json numbers = json();
   EXPECT_EQ(numbers.at("push").at("survived"), true);
-  ASSERT_EQ(numbers.at("periodicity").size(), 2u);
+  ASSERT_EQ(numbers.at("periodicity").size(), 3u);
   for (const Json& walk : numbers.at("periodicity")) {
     EXPECT_GE(walk.at("steps").get<int>(), 10);
     EXPECT_GT(walk.at("joint_angle_std_rms_rad").get<double>(), 0.0);
