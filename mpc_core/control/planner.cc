@@ -117,11 +117,14 @@ bool Planner::prepare(const PlannerInput& input) noexcept {
 
 void Planner::guess_node(double time_s, int phase, bool before_switch, double* x, double* u,
                          int& hint) const noexcept {
-  const gait::ReferencePoint point = reference_.evaluate(time_s, phase);
-  std::copy(point.input.data(), point.input.data() + kInputs, u);
+  const auto take_reference_input = [&] {
+    const gait::ReferencePoint point = reference_.evaluate(time_s, phase);
+    std::copy(point.input.data(), point.input.data() + kInputs, u);
+    return point.state;
+  };
   if (!has_solution_) {
     for (int i = 0; i < kStates; ++i) x[i] = problem_.x_initial[i];
-    x[0] = point.state[0];
+    x[0] = take_reference_input()[0];
     return;
   }
   const ocp::Trajectory& old = solution_[current_];
@@ -133,7 +136,7 @@ void Planner::guess_node(double time_s, int phase, bool before_switch, double* x
   }
   if (hint >= horizon.stages) {  // beyond the old horizon: its last posture moves on with the reference
     std::copy(old.x[horizon.stages], old.x[horizon.stages] + kStates, x);
-    x[0] += (time_s - horizon.end_s) * point.state[kPositions];
+    x[0] += (time_s - horizon.end_s) * take_reference_input()[kPositions];
     return;
   }
   const double start_s = horizon.node_time_s(hint);
@@ -143,6 +146,8 @@ void Planner::guess_node(double time_s, int phase, bool before_switch, double* x
   const ocp::Stage& stage = horizon.stage[hint];
   if (stage.kind == ocp::StageKind::flow && stage.mode == schedule_.phase(phase).mode) {
     std::copy(old.u[hint], old.u[hint] + kInputs, u);
+  } else {
+    take_reference_input();
   }
 }
 
