@@ -97,7 +97,8 @@ std::string to_xml(const Network& network) {
          "</AllowMulticast></General><Discovery><ParticipantIndex>auto</ParticipantIndex>"
          "<MaxAutoParticipantIndex>63</MaxAutoParticipantIndex>" +
          peers_xml(network, loopback) +
-         "</Discovery><Internal><Watermarks><WhcHigh>64MB</WhcHigh></Watermarks></Internal>" +
+         "</Discovery><Internal><Watermarks><WhcHigh>64MB</WhcHigh></Watermarks><Test><XmitLossiness>" +
+         std::to_string(network.lost_permille) + "</XmitLossiness></Test></Internal>" +
          (network.security_folder.empty() ? "" : security_xml(network.security_folder)) +
          "</Domain></CycloneDDS>";
 }

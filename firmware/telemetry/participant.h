@@ -36,6 +36,7 @@ struct Network {
   std::string peers = {};        ///< addresses of others, separated by commas, where multicast does not work
   /// DDS Security: folder with the documents named in docs/security.md; empty: none.
   std::string security_folder = {};
+  int lost_permille = 0;  ///< of the packets that are sent, thrown away: for tests
 };
 
 /// The configuration that a Network means, in Cyclone's XML.

@@ -9,6 +9,8 @@ namespace stilt::telemetry {
 namespace {
 
 constexpr double kFlush_s = 1.0;
+/// Fewer than the sender keeps (kTicks).
+constexpr std::uint64_t kBatchesAhead = 100;
 constexpr std::uint8_t kCommandEvent = 4;
 constexpr std::uint8_t kCommanderEvent = 5;
 
@@ -122,21 +124,23 @@ void Station::send_supervisor() {
   publisher_->supervisor(newest_, time_, {desk_->commander(), desk_->alive(now())}, tuner_.base_height_m());
 }
 
+/// In lock-step time waits for subscribers, as it does for the robot: a record has every tick, however fast
+/// the run.
+void Station::send_batch() {
+  publisher_->ticks(batch_, drops());
+  batch_.clear();
+  if (run_.lockstep && ++batches_ % kBatchesAhead == 0) publisher_->flush(kFlush_s);
+}
+
 void Station::tick(const diagnostics::TickRecord& record) {
   if (!begun_) begin(record);
   const bool changed = record.state != newest_.state || record.rung != newest_.rung ||
                        record.present != newest_.present || record.latched != newest_.latched;
   changed_ = changed_ || changed;
   newest_ = record;
-  if (!batch_.takes(record)) {
-    publisher_->ticks(batch_, drops());
-    batch_.clear();
-  }
+  if (!batch_.takes(record)) send_batch();
   batch_.add(record);
-  if (batch_.size() >= static_cast<std::size_t>(configuration_.telemetry.ticks_per_batch)) {
-    publisher_->ticks(batch_, drops());
-    batch_.clear();
-  }
+  if (batch_.size() >= static_cast<std::size_t>(configuration_.telemetry.ticks_per_batch)) send_batch();
   if (changed || record.tick % supervisor_every_ == 0) send_supervisor();
   if (record.tick % joint_states_every_ != 0) return;
   ros_->joint_states(record, time_);
@@ -195,8 +199,7 @@ controller::OperatorCommand Station::operate(const controller::OperatorCommand& 
 }
 
 void Station::finish() {
-  if (batch_.size() > 0) publisher_->ticks(batch_, drops());
-  batch_.clear();
+  if (batch_.size() > 0) send_batch();
   if (begun_) send_supervisor();
   publisher_->flush(kFlush_s);
 }

@@ -55,6 +55,7 @@ class Station {
   [[nodiscard]] RobotNow now() const;
   [[nodiscard]] Drops drops() const;
   void send_supervisor();
+  void send_batch();
   void watch_commander();
 
   const configuration::Configuration& configuration_;
@@ -71,6 +72,7 @@ class Station {
   std::unique_ptr<OperatorDesk> desk_;
 
   TickBatchBuilder batch_;
+  std::uint64_t batches_ = 0;  ///< sent
   WallTime time_;
   bool begun_ = false;
   diagnostics::TickRecord newest_;

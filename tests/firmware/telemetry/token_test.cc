@@ -1,0 +1,82 @@
+#include "firmware/telemetry/token.h"
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+namespace stilt::telemetry {
+namespace {
+
+class Token : public testing::Test {
+ protected:
+  Token() : folder(std::filesystem::path(testing::TempDir()) / ("token" + std::to_string(getpid()))) {}
+  ~Token() override { std::filesystem::remove_all(folder); }
+
+  std::filesystem::path folder;
+  std::string path = (folder / "token").string();
+};
+
+TEST_F(Token, is_written_for_its_owner_alone_and_reads_back) {
+  const auto written = write_token(path);
+  ASSERT_TRUE(written.has_value()) << written.error();
+  EXPECT_EQ(written->size(), 32u);
+  struct stat status {};
+  ASSERT_EQ(stat(path.c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 0777, 0600u);
+  EXPECT_EQ(read_token(path), written);
+}
+
+TEST_F(Token, is_another_one_every_time) {
+  const auto first = write_token(path);
+  const auto second = write_token(path);
+  ASSERT_TRUE(first && second);
+  EXPECT_NE(*first, *second);
+  EXPECT_EQ(read_token(path), second);
+}
+
+TEST_F(Token, that_others_may_read_is_refused_with_what_would_be_right) {
+  ASSERT_TRUE(write_token(path).has_value());
+  ASSERT_EQ(chmod(path.c_str(), 0644), 0);
+  const auto read = read_token(path);
+  ASSERT_FALSE(read.has_value());
+  EXPECT_NE(read.error().find("chmod 600"), std::string::npos);
+}
+
+TEST_F(Token, that_is_short_or_missing_is_refused) {
+  EXPECT_FALSE(read_token(path).has_value());
+  std::filesystem::create_directory(folder);
+  std::ofstream(path) << "short\n";
+  ASSERT_EQ(chmod(path.c_str(), 0600), 0);
+  EXPECT_NE(read_token(path).error().find("16 characters"), std::string::npos);
+}
+
+TEST_F(Token, is_not_written_where_everybody_may_write) {
+  std::filesystem::create_directory(folder);
+  ASSERT_EQ(chmod(folder.c_str(), 0777), 0);
+  const auto written = write_token(path);
+  ASSERT_FALSE(written.has_value());
+  EXPECT_NE(written.error().find("others may write"), std::string::npos);
+}
+
+TEST(TokenPath, auto_is_in_the_users_own_folder_and_other_paths_are_taken) {
+  EXPECT_EQ(token_path("/etc/stilt/token", 3), "/etc/stilt/token");
+  setenv("XDG_RUNTIME_DIR", "/run/user/7", 1);
+  EXPECT_EQ(token_path("auto", 3), "/run/user/7/stilt/token-3");
+  unsetenv("XDG_RUNTIME_DIR");
+  EXPECT_EQ(token_path("auto", 3), "/tmp/stilt-" + std::to_string(geteuid()) + "/token-3");
+}
+
+TEST(Session, is_a_number_that_javascript_holds_exactly) {
+  for (int i = 0; i < 100; ++i) {
+    const std::uint64_t session = random_session();
+    EXPECT_GT(session, 0u);
+    EXPECT_LT(session, std::uint64_t{1} << 53);
+  }
+}
+
+}  // namespace
+}  // namespace stilt::telemetry

@@ -1,0 +1,89 @@
+#include "firmware/telemetry/tuner.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+
+#include "firmware/configuration/configuration.h"
+#include "firmware/controller/planner_cycle.h"
+#include "mpc_core/gait/reference.h"
+
+namespace stilt::telemetry {
+namespace {
+
+class Tunables : public testing::Test {
+ protected:
+  configuration::Configuration configuration = configuration::load_robot("amber3m").value();
+  std::unique_ptr<controller::Mailboxes> mail = std::make_unique<controller::Mailboxes>();
+  Tuner tuner{configuration, model::amber3m(), *mail};
+};
+
+TEST_F(Tunables, are_weights_gains_and_heights_and_start_as_configured) {
+  bool weight = false, gain = false, swing = false, height = false;
+  for (const auto& tunable : tuner.tunables()) {
+    const std::string key = tunable.entry->name();
+    weight = weight || key == "cost.base_vx";
+    gain = gain || key == "torque_law.joint_kp_Nm_rad";
+    swing = swing || key == "gait.swing_height_m";
+    height = height || key == "reference.base_height_m";
+    EXPECT_LE(tunable.minimum, tunable.start_value) << key;
+    EXPECT_GE(tunable.maximum, tunable.start_value) << key;
+    EXPECT_FALSE(key.starts_with("sqp.") || key.starts_with("timing.") || key.starts_with("supervisor."))
+        << key;
+  }
+  EXPECT_TRUE(weight && gain && swing && height);
+  EXPECT_EQ(tuner.number(), 0u);
+}
+
+TEST_F(Tunables, reach_torque_loop_and_planner_under_one_number) {
+  EXPECT_EQ(tuner.set("torque_law.joint_kp_Nm_rad", 120), "");
+  EXPECT_EQ(tuner.set("cost.base_vx", 50), "");
+  ASSERT_TRUE(mail->torque_tunings.has_news());
+  const controller::TorqueTuning& torque = mail->torque_tunings.newest();
+  EXPECT_EQ(torque.number, 2u);
+  EXPECT_EQ(torque.law.joint_kp_Nm_rad, 120);
+  const controller::PlannerTuning& planner = mail->planner_tunings.newest();
+  EXPECT_EQ(planner.number, 2u);
+  EXPECT_EQ(planner.settings.parameters.cost.base_vx, 50);
+  EXPECT_EQ(planner.settings.data.cost.base_vx, 50);
+}
+
+TEST_F(Tunables, out_of_range_unknown_or_not_a_number_change_nothing_and_say_what_is_right) {
+  EXPECT_NE(tuner.set("torque_law.joint_kp_Nm_rad", 1e4).find("outside its live range"), std::string::npos);
+  EXPECT_NE(tuner.set("torque_law.joint_kp_Nm_rad", std::nan("")).find("live range"), std::string::npos);
+  EXPECT_NE(tuner.set("sqp.iterations", 5).find("no key that may change"), std::string::npos);
+  EXPECT_NE(tuner.set("nonsense", 5).find("no key that may change"), std::string::npos);
+  EXPECT_EQ(tuner.number(), 0u);
+  EXPECT_FALSE(mail->torque_tunings.has_news());
+}
+
+/// A planner that got a weight live plans like one that was configured with it.
+TEST_F(Tunables, give_the_plan_that_the_same_configuration_gives) {
+  controller::PlanningRequest request;
+  request.session = 1;
+  request.state = gait::standing_state(model::amber3m().constants, configuration.reference.base_height_m, 0,
+                                       configuration.gait.stand_half_width_m, true);
+  request.state[model::kPositions] = 0.1;
+  const auto plan_of = [&](controller::PlannerCycle& planner) {
+    auto plan = std::make_unique<control::Plan>();
+    EXPECT_TRUE(planner.cycle(request, *plan));
+    return plan;
+  };
+  auto tuned = std::make_unique<controller::PlannerCycle>();
+  auto configured = std::make_unique<controller::PlannerCycle>();
+  ASSERT_EQ(tuned->configure(model::amber3m(), configuration), control::ConfigureStatus::ok);
+  ASSERT_EQ(tuner.set("cost.base_vx", 80), "");
+  tuned->tune(mail->planner_tunings.newest());
+  EXPECT_EQ(tuned->tuning(), 1u);
+  configuration::Configuration changed = configuration;
+  changed.cost.base_vx = 80;
+  ASSERT_EQ(configured->configure(model::amber3m(), changed), control::ConfigureStatus::ok);
+  const auto a = plan_of(*tuned);
+  const auto b = plan_of(*configured);
+  ASSERT_EQ(a->nodes, b->nodes);
+  for (int k = 0; k < a->nodes; ++k) EXPECT_EQ(a->node[k].input, b->node[k].input) << k;
+}
+
+}  // namespace
+}  // namespace stilt::telemetry
