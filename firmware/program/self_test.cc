@@ -83,11 +83,14 @@ void forget(Test& test) {
   for (hardware::TapBus& bus : test.state.hardware->buses()) bus.forget();
 }
 
-/// Commands of a joint's bus that never left, since the start.
+/// Commands of a joint that never left, since the start: its part of those of its bus, whose joints are
+/// commanded together.
 long long withheld(Test& test, std::size_t joint) {
-  const std::size_t bus = configuration::robot_wiring(test.options.configuration.hardware).joints[joint].bus;
-  const hal::BusCounters& counters = test.state.hardware->buses()[bus].counters();
-  return static_cast<long long>(counters.withheld + counters.dropped_full);
+  const auto& joints = test.options.configuration.hardware.joint;
+  const int bus = joints[joint].bus;
+  const hal::BusCounters& counters = test.state.hardware->buses()[static_cast<std::size_t>(bus)].counters();
+  const auto together = std::ranges::count(joints, bus, &configuration::JointParameters::bus);
+  return static_cast<long long>(counters.withheld + counters.dropped_full) / together;
 }
 
 /// Commands zero torque, and counts; a last tick without command takes the last replies.

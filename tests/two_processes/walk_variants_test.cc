@@ -14,6 +14,15 @@ std::size_t steps_after(const nlohmann::json& robot, double time_s) {
       robot.at("steps"), [time_s](const nlohmann::json& step) { return step.at("time_s") > time_s; }));
 }
 
+/// Faults of the controller, but for the end of the run: the robot leaves first.
+nlohmann::json faults_of(const RobotAndController& run) {
+  nlohmann::json faults = nlohmann::json::array();
+  for (const nlohmann::json& fault : run.controller_json().at("faults")) {
+    if (fault.at("name") != "bus_disconnected") faults.push_back(fault);
+  }
+  return faults;
+}
+
 /// Runs until the robot has walked this long.
 void walk(RobotAndController& run, std::vector<std::string> controller, const char* seconds) {
   run.start_robot({"--lockstep", "--once", "--duration", seconds});
@@ -33,7 +42,7 @@ TEST_P(WithoutPlans, TheRobotGoesOnSteppingOnAGait) {
   const double stopped_s = 9.0 - robot.at("hoist_released_s").get<double>();
   ASSERT_LT(stopped_s, 9.0);
   EXPECT_GT(steps_after(robot, stopped_s + 0.3), 8u) << "on the gait";
-  const nlohmann::json faults = run.controller_json().at("faults");
+  const nlohmann::json faults = faults_of(run);
   ASSERT_EQ(faults.size(), 1u) << faults;
   EXPECT_EQ(faults[0].at("name"), "plan_missing");
 }
@@ -44,7 +53,7 @@ INSTANTIATE_TEST_SUITE_P(TwoProcesses, WithoutPlans, testing::Values("heuristic"
 TEST(TwoProcesses, WithoutPlansAndWithoutGaitsItSitsDown) {
   RobotAndController run;
   walk(run, {"--planner-until", "9", "--set", "supervisor.track_gait=false"}, "12");
-  const nlohmann::json faults = run.controller_json().at("faults");
+  const nlohmann::json faults = faults_of(run);
   EXPECT_TRUE(std::ranges::any_of(faults, [](const nlohmann::json& fault) {
     return fault.at("name") == "stale_plan" && fault.at("reaction") == "sit";
   })) << faults;
@@ -52,13 +61,13 @@ TEST(TwoProcesses, WithoutPlansAndWithoutGaitsItSitsDown) {
 
 TEST(TwoProcesses, PlansAroundGaitsOfTheLibraryWalkToo) {
   RobotAndController run;
-  walk(run, {"--set", "controller.reference=hzd"}, "8");
+  walk(run, {"--set", "controller.reference=hzd"}, "12");
   ASSERT_EQ(run.robot().wait(0), 0) << run.said();
   const nlohmann::json robot = run.robot_json();
   EXPECT_TRUE(robot.at("survived"));
   EXPECT_NEAR(robot.at("mean_speed_m_s").get<double>(), 0.5, 0.05);
   EXPECT_GT(robot.at("steps").size(), 20u) << "steps of 0.3 s, as the gaits have";
-  EXPECT_TRUE(run.controller_json().at("faults").empty()) << run.controller_json().at("faults");
+  EXPECT_TRUE(faults_of(run).empty()) << faults_of(run);
 }
 
 class SelfTest : public testing::TestWithParam<const char*> {};
