@@ -54,11 +54,8 @@ class CommandPanel {
       return;
     }
     const what = extra.what ?? (command === 'walk' ? `walk at ${signed(message.value, 2)} m/s` : command);
-    const timer = setTimeout(() => {
-      this.waiting.delete(sequence);
-      this.say(`${what}: no answer from the robot`, 'bad');
-    }, kPatience_ms);
-    this.waiting.set(sequence, { what, timer, quiet: extra.quiet });
+    const timer = setTimeout(() => this.say(`${what}: no answer from the robot yet`, 'bad'), kPatience_ms);
+    this.waiting.set(sequence, { what, timer });
   }
 
   reply(message) {

@@ -23,8 +23,16 @@ let monitor;
 let page;
 
 const text = (selector) => page.textContent(selector);
-const state = (name) => until(`state ${name}; it is`, async () => (await text('#state')) === name);
-const answer = (pattern) => until(`an answer like ${pattern}`, async () => pattern.test(await text('#answer')));
+/** What the page said when it was not what the test waits for. */
+const waitFor = (selector, pattern) => {
+  let seen = '';
+  return until(`${selector} to be like ${pattern}`, async () => {
+    seen = await text(selector);
+    return pattern.test(seen);
+  }).catch((error) => { throw new Error(`${error.message}; it is: ${seen}`); });
+};
+const state = (name) => waitFor('#state', new RegExp(`^${name}$`));
+const answer = (pattern) => waitFor('#answer', pattern);
 
 function startController() {
   return new Program(process.env.STILTD_PROGRAM, [...kBuses, ...kPatientSettings,
@@ -55,18 +63,16 @@ after(async () => {
 
 test('the page finds the controller and shows the robot standing up and walking', async () => {
   await until('live data', async () => (await text('#link-status')).startsWith('live'));
-  await until('idle', async () => (await text('#state')) === 'idle');
   const plot = 'figure[data-title="Height of the hip"] canvas';
   const before = await pixels(page, plot);
+  await state('idle');
   await page.keyboard.press('s');
-  await answer(/stand: accepted/);
   await state('stand');
-  await until('weight on the feet', async () => /follow/.test(await text('#state-text')));
   await page.fill('#speed', '0.3');
-  await until('walking', async () => {
+  await until('walking', async () => {  // refused until the torque law has taken over
     if ((await text('#state')) === 'walk') return true;
     await page.keyboard.press('w');
-    await page.waitForTimeout(1000);
+    await page.waitForTimeout(2000);
     return false;
   });
   const from = await hipX(page);
