@@ -93,7 +93,7 @@ void run_torque_loop(void* context) {
       timing.round_trip_ns =
           measure_round_trip(run.round_trip, clock, done_ns, pace.next_ns() + wait_ns, state);
     }
-    state.loop.missed_periods += pace.advance(clock.now_ns());
+    state.loop.missed_periods += pace.advance(timing.now_ns, clock.now_ns());
     state.loop.heap_allocations = allocations.count();
     if (state.loop.ticks % kFiguresEvery == 0) {
       state.loop.page_faults = page_faults() - faults_before;
@@ -138,9 +138,9 @@ void run_planner(void* context) {
   const long long faults_before = page_faults();
   std::int64_t last_tick = -1;
   while (!run.planner_end.load(std::memory_order_acquire)) {
-    static_cast<void>(clock.sleep_until(pace.next_ns()));
+    const std::int64_t began_ns = clock.sleep_until(pace.next_ns());
     run_cycle(run, turn, clock, last_tick);
-    pace.advance(clock.now_ns());
+    pace.advance(began_ns, clock.now_ns());
     state.planning.heap_allocations = allocations.count();
     state.planning.page_faults = page_faults() - faults_before;
     if (state.planning.plans % 25 == 0) {

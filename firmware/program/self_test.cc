@@ -52,8 +52,9 @@ bool bring_up(Test& test, realtime::Pace& pace) {
   drivers.begin();
   hardware::DriversProgress progress;
   for (long long tick = 0; tick < kBringUpTicks && !progress.ready && !progress.failed; ++tick) {
-    progress = drivers.step(begin_tick(test, pace));
-    pace.advance(test.clock.now_ns());
+    const std::int64_t began_ns = begin_tick(test, pace);
+    progress = drivers.step(began_ns);
+    pace.advance(began_ns, test.clock.now_ns());
   }
   if (progress.ready) return true;
   test.figures.failure = std::string("the driver of ") + kJoints[progress.joint] +
@@ -103,7 +104,7 @@ void talk(Test& test, realtime::Pace& pace, std::int64_t tick_ns) {
   std::array<long long, hal::kJoints> before;
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) before[joint] = withheld(test, joint);
   for (long long tick = 0; tick <= ticks; ++tick) {
-    static_cast<void>(begin_tick(test, pace));
+    const std::int64_t began_ns = begin_tick(test, pace);
     if (tick > 0) count(test);  // the first command has no predecessor
     forget(test);
     if (tick == ticks || test.stop.load()) break;
@@ -113,7 +114,7 @@ void talk(Test& test, realtime::Pace& pace, std::int64_t tick_ns) {
     const std::int64_t took_ns =
         test.options.lockstep ? -1 : round_trip.measure(test.clock, sent_ns, pace.next_ns() + wait_ns);
     if (took_ns >= 0) test.figures.round_trip.add_ns(took_ns);
-    pace.advance(test.clock.now_ns());
+    pace.advance(began_ns, test.clock.now_ns());
   }
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
     test.figures.commands[joint] = test.figures.ticks - (withheld(test, joint) - before[joint]);

@@ -7,24 +7,34 @@ namespace {
 
 TEST(Pace, ATickInTimeIsFollowedByTheNext) {
   Pace pace(1000, 100);
-  EXPECT_EQ(pace.advance(1050), 0);
+  EXPECT_EQ(pace.advance(1000, 1050), 0);
   EXPECT_EQ(pace.next_ns(), 1100);
-  EXPECT_EQ(pace.advance(1200), 0) << "done exactly when the next is due";
+  EXPECT_EQ(pace.advance(1110, 1200), 0) << "done exactly when the next is due";
   EXPECT_EQ(pace.next_ns(), 1200);
 }
 
 TEST(Pace, AfterAnOverrunThePhaseStaysAndNothingIsCaughtUp) {
   Pace pace(1000, 100);
-  EXPECT_EQ(pace.advance(1370), 3) << "1100, 1200 and 1300 are lost";
+  EXPECT_EQ(pace.advance(1000, 1370), 3) << "1100, 1200 and 1300 are lost";
   EXPECT_EQ(pace.next_ns(), 1400);
-  EXPECT_EQ(pace.advance(1450), 0);
+  EXPECT_EQ(pace.advance(1400, 1450), 0);
   EXPECT_EQ(pace.next_ns(), 1500);
 }
 
 TEST(Pace, AShortOverrunLosesOnePeriod) {
   Pace pace(0, 1'000'000);
-  EXPECT_EQ(pace.advance(1'000'001), 1);
+  EXPECT_EQ(pace.advance(10, 1'000'001), 1);
   EXPECT_EQ(pace.next_ns(), 2'000'000);
+}
+
+TEST(Pace, WhatBeginsMoreThanHalfAPeriodLateLeavesTheNextTimeOut) {
+  Pace pace(1000, 100);
+  EXPECT_EQ(pace.advance(1049, 1060), 0);
+  EXPECT_EQ(pace.next_ns(), 1100);
+  EXPECT_EQ(pace.advance(1190, 1195), 1) << "1200 would follow in a burst";
+  EXPECT_EQ(pace.next_ns(), 1300);
+  EXPECT_EQ(pace.advance(1580, 1585), 3) << "1400 and 1500 are over, 1600 is too near";
+  EXPECT_EQ(pace.next_ns(), 1700);
 }
 
 }  // namespace
