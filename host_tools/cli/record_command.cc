@@ -23,6 +23,8 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::chrono::milliseconds kFlushEvery{500};
 constexpr std::chrono::milliseconds kWait{100};
+/// Samples of a topic that may wait while a busy machine gives this program no time.
+constexpr int kKeeps = 8192;
 
 std::atomic<bool> ended = false;
 static_assert(std::atomic<bool>::is_always_lock_free);
@@ -45,6 +47,7 @@ std::int64_t time_of_day_ns() {
 record::Recorder::Options recorder_options(const RecordOptions& options) {
   record::Recorder::Options how;
   how.compression = mcap::compression_named(options.compression == "none" ? "" : options.compression);
+  if (how.compression == mcap::Compression::lz4) how.level = 0;
   how.urdf = [](const std::string& robot) { return std::string(simulator::simulated_robot_urdf(robot)); };
   return how;
 }
@@ -53,7 +56,7 @@ record::Recorder::Options recorder_options(const RecordOptions& options) {
 double record_all(const RecordOptions& options, record::Recorder& recorder) {
   const std::vector<const telemetry::Topic*> topics = record::Recorder::topics();
   const telemetry::Participant participant = host_telemetry::join(options.network);
-  host_telemetry::Listener listener(participant, topics);
+  host_telemetry::Listener listener(participant, topics, kKeeps);
   const double longest_s =
       options.duration_s > 0 ? options.duration_s : std::numeric_limits<double>::infinity();
   std::fprintf(stderr, "recording to %s; end it with Ctrl-C\n", options.out_file.c_str());
@@ -124,7 +127,8 @@ CLI::App* add_record_command(CLI::App& program, RecordOptions& options) {
   add_network_options(*record, options.network);
   record->add_option("--json", options.json_file, "writes the figures as JSON; - is standard output");
   record->footer(
-      "Start it before or soon after stiltd: it gets the last 12 s of ticks when it comes later, and stilt "
+      "Start it before or soon after stiltd: it gets the last six seconds of ticks when it comes later, and "
+      "stilt "
       "replay\nneeds them from the first one on.\n"
       "Exit status: 0 done, 1 nothing was heard or ticks are missing, 2 bad usage.");
   return record;

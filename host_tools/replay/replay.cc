@@ -37,7 +37,7 @@ bool Replay::run(const diagnostics::TickRecord& recorded) {
             : "ticks " + std::to_string(next_tick_) + " to " + std::to_string(recorded.tick - 1) + " are";
     return fail(missing +
                 " missing in the record; a replay needs every tick from tick 0 on, as the controller " +
-                "remembers: record from before stiltd starts");
+                "remembers: start stilt record before stiltd, or soon after");
   }
   if (!hand_in(recorded)) return false;
   robot_.set(recorded);

@@ -5,10 +5,11 @@
 
 namespace stilt::host_telemetry {
 
-Listener::Listener(const telemetry::Participant& participant, std::span<const telemetry::Topic* const> topics)
+Listener::Listener(const telemetry::Participant& participant, std::span<const telemetry::Topic* const> topics,
+                   int keeps)
     : waitset_(dds_create_waitset(participant.handle())) {
   for (const telemetry::Topic* topic : topics) {
-    auto reader = telemetry::Reader::open(participant, *topic);
+    auto reader = telemetry::Reader::open(participant, *topic, keeps);
     if (!reader) throw std::runtime_error(reader.error());
     conditions_.emplace_back(dds_create_readcondition(reader->handle(), DDS_ANY_STATE));
     dds_waitset_attach(waitset_.get(), conditions_.back().get(), 0);

@@ -14,8 +14,9 @@ namespace stilt::host_telemetry {
 class Listener {
  public:
   /// @param topics  which of them
+  /// @param keeps   samples of a topic that wait for take() at most; 0: as many as the sender keeps
   explicit Listener(const telemetry::Participant& participant,
-                    std::span<const telemetry::Topic* const> topics = telemetry::topics());
+                    std::span<const telemetry::Topic* const> topics = telemetry::topics(), int keeps = 0);
 
   /// Gives the new samples of all topics to `use`, in order within a topic. Returns how many.
   int take(const std::function<void(telemetry::Sample&&)>& use);

@@ -22,7 +22,7 @@ class Recorder {
  public:
   struct Options {
     mcap::Compression compression = mcap::Compression::zstd;
-    int level = 1;
+    int level = 3;  ///< of the compression; lz4: 0 is fast
     /// Model of a robot by its name, as URDF, empty when there is none; may be left out.
     std::function<std::string(const std::string& robot)> urdf;
   };

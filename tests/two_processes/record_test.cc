@@ -1,0 +1,135 @@
+// Walks in lock-step recorded by stilt record over DDS, and replayed by stilt replay.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+
+#include "tests/independent_readers/run_reader.h"
+#include "tests/two_processes/robot_and_controller.h"
+
+namespace stilt::two_processes {
+namespace {
+
+using Json = nlohmann::json;
+
+/// Of this test alone; beyond domain 100 ports may be taken already.
+std::string domain() { return std::to_string(5 + getpid() % 90); }
+
+class Recording : public testing::Test {
+ protected:
+  void start_recorder() {
+    recorder =
+        std::make_unique<Process>(std::vector<std::string>{STILT_PROGRAM, "record", "--out", file, "--domain",
+                                                           domain(), "--json", run.file("record.json")},
+                                  run.file("record.out"), run.file("record.err"));
+    ASSERT_TRUE(wait_for_text(run.file("record.err"), "recording to", kLongestRun_s)) << said();
+  }
+
+  /// @param duration_s  of the controller's run, three seconds of it standing up
+  void start_walk(const std::string& duration_s) {
+    run.start_robot({"--lockstep", "--once"});
+    run.start_controller({"--lockstep", "--start", "walk@0.5", "--duration", duration_s, "--set",
+                          "telemetry.domain=" + domain(), "--set",
+                          "telemetry.token_file=" + run.file("token")});
+  }
+
+  void end_walk() {
+    run.expect_both_to_end();
+    ASSERT_EQ(run.controller().wait(0), 0) << said();
+  }
+
+  /// Exit status of the recorder after it was told to end.
+  std::optional<int> end_recorder() {
+    recorder->signal(SIGINT);
+    return recorder->wait(kLongestRun_s);
+  }
+
+  /// Replays; gives the exit status and fills `replayed`.
+  std::optional<int> replay() {
+    Process program({STILT_PROGRAM, "replay", file, "--json", run.file("replay.json")},
+                    run.file("replay.out"), run.file("replay.err"));
+    const auto status = program.wait(kLongestRun_s);
+    replayed = Json::parse(std::ifstream(run.file("replay.json")));
+    return status;
+  }
+
+  [[nodiscard]] std::string said() const {
+    std::string text = run.said();
+    for (const char* name :
+         {"record.out", "record.err", "record.json", "replay.out", "replay.err", "replay.json"}) {
+      if (std::filesystem::exists(run.file(name)))
+        text += std::string(name) + ":\n" + text_of(run.file(name));
+    }
+    return text;
+  }
+
+  RobotAndController run;
+  std::string file = run.file("walk.mcap");
+  std::unique_ptr<Process> recorder;
+  Json replayed;
+};
+
+TEST_F(Recording, a_minute_of_walking_is_recorded_whole_and_replays_bit_for_bit) {
+  start_recorder();
+  start_walk("64");
+  end_walk();
+  EXPECT_EQ(end_recorder(), 0) << said();
+  EXPECT_EQ(replay(), 0) << said();
+  EXPECT_TRUE(replayed.at("reproduced")) << said();
+  const Json& session = replayed.at("sessions").at(0);
+  EXPECT_EQ(session.at("ticks"), run.controller_json().at("ticks")) << "every tick of the controller";
+  EXPECT_GT(session.at("plans").get<int>(), 5900);
+
+  const Json found = independent_readers::run_reader("read_mcap.cjs", {file, "index"});
+  EXPECT_EQ(found.at("attachments").size(), 2u) << "configuration and robot";
+  std::vector<std::string> topics;
+  for (const Json& message : found.at("messages")) {
+    for (const Json& channel : found.at("channels")) {
+      if (channel.at("id") == message.at("channel")) topics.push_back(channel.at("topic"));
+    }
+  }
+  for (const char* topic :
+       {"/joint_states", "/odom", "/diagnostics", "/stilt/ticks", "/stilt/planner", "/stilt/plan",
+        "/stilt/supervisor", "/stilt/event", "/stilt/timing", "/stilt/configuration"}) {
+    EXPECT_NE(std::ranges::find(topics, topic), topics.end()) << topic;
+  }
+}
+
+TEST_F(Recording, a_recorder_killed_at_work_leaves_a_record_that_opens_and_replays_to_its_end) {
+  start_recorder();
+  start_walk("20");
+  while (!std::filesystem::exists(file) || std::filesystem::file_size(file) < 1'000'000) {
+    ASSERT_FALSE(run.controller().wait(0.02)) << said();
+  }
+  recorder->signal(SIGKILL);
+  EXPECT_EQ(recorder->wait(kLongestRun_s), 128 + SIGKILL);
+  end_walk();
+  EXPECT_EQ(replay(), 0) << said();
+  EXPECT_GT(replayed.at("sessions").at(0).at("ticks").get<int>(), 500) << said();
+  EXPECT_EQ(replayed.at("file_problems").size(), 1u) << "cut off, and says so";
+  const Json found = independent_readers::run_reader("read_mcap.cjs", {file});
+  EXPECT_FALSE(found.at("ended"));
+  EXPECT_GT(found.at("messages").size(), 100u);
+}
+
+TEST_F(Recording, a_recorder_that_comes_too_late_says_what_is_missing_and_so_does_the_replay) {
+  start_walk("64");
+  while (!std::filesystem::exists(run.file("frames")) ||
+         std::filesystem::file_size(run.file("frames")) < 6'000'000) {
+    ASSERT_FALSE(run.controller().wait(0.02)) << said();
+  }
+  start_recorder();
+  end_walk();
+  EXPECT_EQ(end_recorder(), 1) << said();
+  const Json missing = Json::parse(std::ifstream(run.file("record.json"))).at("sessions").at(0).at("missing");
+  EXPECT_EQ(missing.at(0).at(0), 0) << "the beginning";
+  EXPECT_EQ(replay(), 1);
+  const std::string problem = replayed.at("sessions").at(0).at("problem");
+  EXPECT_EQ(problem.find("ticks 0 to "), 0u) << problem;
+}
+
+}  // namespace
+}  // namespace stilt::two_processes
