@@ -4,7 +4,7 @@
 #include <csignal>
 
 #include "host_tools/cli/network_options.h"
-#include "host_tools/cli/usage_error.h"
+#include "host_tools/foxglove/bridge.h"
 #include "host_tools/monitor/dds_source.h"
 #include "host_tools/monitor/serve.h"
 #include "host_tools/monitor/terminal_view.h"
@@ -42,8 +42,9 @@ CLI::App* add_monitor_command(CLI::App& program, MonitorOptions& options) {
   monitor->add_flag("--no-browser", options.no_browser, "only prints the address");
   add_network_options(*monitor, options.network);
   monitor->footer(
-      "The page shows everything and commands the robot; see docs/monitor.md. Ctrl-C ends it; the robot\n"
-      "then comes to a stand.");
+      "The page shows everything and commands the robot; see docs/monitor.md. Viewers that know the "
+      "Foxglove\n"
+      "WebSocket connect to the same port. Ctrl-C ends it; a robot it commanded then comes to a stand.");
   return monitor;
 }
 
@@ -53,10 +54,15 @@ int run_monitor(const MonitorOptions& options) {
   monitor::DdsSource source(options.network, token);
   if (options.terminal) return monitor::run_terminal(source);
   catch_signals();
+  foxglove::FoxgloveEndpoint viewers("stilt monitor");
+  const foxglove::Bridge bridge(options.network, viewers);
   monitor::ServeOptions serve;
   serve.server = {options.address, options.port};
   serve.open_browser = !options.no_browser;
   serve.stop = &stop;
+  serve.extend = [&](monitor::WebServer& server) {
+    server.add_endpoint(foxglove::FoxgloveEndpoint::options(), viewers);
+  };
   monitor::serve(source, serve);
   return 0;
 }

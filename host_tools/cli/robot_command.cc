@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "host_tools/cli/json_output.h"
+#include "host_tools/cli/network_options.h"
 #include "host_tools/cli/progress.h"
 #include "host_tools/cli/robot_setup.h"
 #include "host_tools/cli/run_description.h"
@@ -14,6 +15,7 @@
 #include "host_tools/log/sample_log.h"
 #include "host_tools/report/report.h"
 #include "host_tools/robot_on_bus/runner.h"
+#include "host_tools/telemetry/simulation_publisher.h"
 
 namespace stilt::cli {
 namespace {
@@ -117,6 +119,21 @@ void write_results(const RobotOptions& options, const RobotOnBus& robot, const l
   if (!options.report_file.empty()) report::write_report(record, options.report_file);
 }
 
+/// Contact forces and the push that acts, for the monitor's picture.
+host_telemetry::SimulationMessage truth_of(const RobotOnBus& robot,
+                                           const std::vector<simulator::Push>& pushes) {
+  host_telemetry::SimulationMessage message{};
+  message.robot_time_s = robot.time_s();
+  const model::FeetVector forces = robot.plant().contact_force_N();
+  for (int k = 0; k < 2 * model::kFeet; ++k) message.contact_force_N[k] = forces[k];
+  const simulator::ActingPush push = simulator::push_at(pushes, robot.walk_time_s().value_or(-1.0));
+  message.push_N = push.force_N;
+  if (push.point == simulator::PushPoint::torso) {
+    message.push_above_hip_m = (robot.plant().torso_com_m() - robot.plant().state().head<2>()).norm();
+  }
+  return message;
+}
+
 }  // namespace
 
 CLI::App* add_robot_command(CLI::App& program, RobotOptions& options) {
@@ -147,6 +164,9 @@ CLI::App* add_robot_command(CLI::App& program, RobotOptions& options) {
                    "changes the simulated robot or its world: KEY=VALUE; repeatable")
       ->allow_extra_args(false);
   robot->add_option("--seed", options.seed, "of the sensor noise")->capture_default_str();
+  robot->add_flag("--publish", options.publish,
+                  "tells over DDS what only a simulation knows (contact forces, pushes), for stilt monitor");
+  add_network_options(*robot, options.network);
   robot->add_option("--json", options.json_file,
                     "writes the figures as JSON to a file, or - for standard output");
   robot->add_option("--report", options.report_file, "writes a page with animation and plots, HTML");
@@ -177,6 +197,13 @@ int run_robot(const RobotOptions& options, const std::string& command_line) {
     run.once = options.once;
     run.stop = &interrupted;
     run.progress = [&](double time_s) { progress.update(time_s); };
+    std::optional<host_telemetry::SimulationPublisher> publisher;
+    if (options.publish) {
+      publisher.emplace(options.network);
+      run.watch = [&](const RobotOnBus& watched) {
+        publisher->offer(truth_of(watched, hardware.setup.pushes));
+      };
+    }
     outcome =
         options.lockstep ? run_lockstep(robot, buses, frames, run) : run_realtime(robot, buses, frames, run);
   }

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "firmware/telemetry/participant.h"
+
 namespace stilt::cli {
 
 /// Options of `stilt robot`.
@@ -19,6 +21,8 @@ struct RobotOptions {
   std::vector<std::string> faults;
   std::vector<std::string> pushes;
   std::vector<std::string> plant_settings;
+  bool publish = false;
+  telemetry::Network network;
   long long seed = 1;
   std::string json_file, report_file, log_file, frames_file;
 };

@@ -21,6 +21,7 @@ struct RunOptions {
   double next_wait_s = 10.0;         ///< lock-step: longest wait for the next controller after one has left
   const std::atomic<bool>* stop = nullptr;                      ///< set from outside to end the run
   std::function<void(double time_s)> progress = [](double) {};  ///< about once a simulated second
+  std::function<void(const RobotOnBus&)> watch = [](const RobotOnBus&) {};  ///< about every tick; quick
 };
 
 /// How a run went.

@@ -1,5 +1,6 @@
-// The whole thing: simulated robot, stiltd and monitor as programs in real time on the loopback interface, and the page
-// in a browser. The machine may be busy: late ticks and plans are only reported here.
+// The whole thing: simulated robot, stiltd and monitor as programs on the loopback interface, and the page in a browser.
+// Robot and controller take turns, so that a busy machine changes how fast they go and nothing else; with
+// STILT_LIVE_REALTIME=1 they follow the clock, and late ticks are only reported.
 
 import assert from 'node:assert/strict';
 import { mkdtempSync, rmSync } from 'node:fs';
@@ -11,9 +12,10 @@ import { hipX, openBrowser, openPage, picture, pixels, Program, shownSpeed, unti
 const kNumber = process.pid;
 const kDomain = String(100 + (kNumber % 100));
 const kBuses = ['left', 'right'].flatMap((side) => ['--bus', `loopback:stilt_monitor_${kNumber}_${side}`]);
+const kTurns = process.env.STILT_LIVE_REALTIME ? [] : ['--lockstep'];
 const kPatientSettings = ['supervisor.torque_loop_stall_s=10', 'supervisor.missed_hold_ticks=500',
-  'supervisor.missed_damp_ticks=1000', 'supervisor.stale_plan_s=5', 'supervisor.heartbeat_timeout_s=5',
-  'telemetry.release_s=10', `telemetry.domain=${kDomain}`].flatMap((setting) => ['--set', setting]);
+  'supervisor.missed_damp_ticks=1000', 'supervisor.stale_plan_s=5', 'supervisor.heartbeat_timeout_s=30',
+  'telemetry.release_s=60', `telemetry.domain=${kDomain}`].flatMap((setting) => ['--set', setting]);
 
 let browser;
 let folder;
@@ -35,7 +37,7 @@ const state = (name) => waitFor('#state', new RegExp(`^${name}$`));
 const answer = (pattern) => waitFor('#answer', pattern);
 
 function startController() {
-  return new Program(process.env.STILTD_PROGRAM, [...kBuses, ...kPatientSettings,
+  return new Program(process.env.STILTD_PROGRAM, [...kTurns, ...kBuses, ...kPatientSettings,
     '--set', `telemetry.token_file=${join(folder, 'token')}`]);
 }
 
@@ -46,7 +48,7 @@ function startMonitor(words = []) {
 before(async () => {
   folder = mkdtempSync(join(tmpdir(), 'stilt-live-'));
   browser = await openBrowser();
-  robot = new Program(process.env.STILT_PROGRAM, ['robot', ...kBuses]);
+  robot = new Program(process.env.STILT_PROGRAM, ['robot', ...kTurns, ...kBuses]);
   await robot.wrote(/ready/);
   controller = startController();
   monitor = startMonitor();
