@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <new>
 
 #include "mpc_core/ocp/batch_access.h"
 #include "mpc_core/ocp/linearise.h"
@@ -184,31 +183,30 @@ void store_projection(const Eliminations<Mode>& by, const BatchModel& to) noexce
 template <class Mode>
 void linearise_mode(const ProblemData& data, std::span<const StageBatch> batches, const Trajectory& iterate,
                     const BatchModel* to, LineariseWorkspace& work) noexcept {
+  using Flow = LineariseWorkspace::Flow;
   const BatchParameters parameters(data);
-  const Eliminations<Mode>* by[kTogether];
   const auto for_each = [&](const auto& step) STILT_INLINE {
-    for (std::size_t i = 0; i < batches.size(); ++i) step(batches[i], work.flow[i], by[i], to[i]);
+    for (std::size_t i = 0; i < batches.size(); ++i) step(batches[i], work.flow[i], to[i]);
   };
-  for_each([&](const StageBatch& batch, LineariseWorkspace::Flow& flow, auto&, const BatchModel&) {
+  for_each([&](const StageBatch& batch, Flow& flow, const BatchModel&) {
     flow.it = BatchIterate(iterate, batch);
     data.robot->batch.node_derivatives(flow.it.x, flow.it.u, parameters.value, flow.node);
   });
-  for_each([&](const StageBatch& batch, LineariseWorkspace::Flow& flow, auto&, const BatchModel&) {
+  for_each([&](const StageBatch& batch, Flow& flow, const BatchModel&) {
     integrate_base_derivatives(*data.robot, data.discretisation.integrator, flow.it.x, flow.it.u,
                                batch.duration, flow.node, flow.step, work.integrator);
   });
-  for_each([&](const StageBatch& batch, LineariseWorkspace::Flow& flow, auto& eliminations,
-               const BatchModel& model) {
-    eliminations = new (flow.eliminations) Eliminations<Mode>(data.equality, batch, flow.it.u, flow.node);
-    store_dynamics(batch, flow.it, flow.step, *eliminations, model);
-    store_projection(*eliminations, model);
+  for_each([&](const StageBatch& batch, Flow& flow, const BatchModel& model) {
+    Eliminations<Mode>& by = flow.eliminations.of<Mode>();
+    by.eliminate(data.equality, batch, flow.it.u, flow.node);
+    store_dynamics(batch, flow.it, flow.step, by, model);
+    store_projection(by, model);
   });
-  for_each(
-      [&](const StageBatch& batch, LineariseWorkspace::Flow& flow, auto& eliminations, const BatchModel&) {
-        add_input_terms(data, batch, flow.it, flow.node, eliminations->force, eliminations->constraint,
-                        flow.cost);
-      });
-  for_each([&](const StageBatch& batch, LineariseWorkspace::Flow& flow, auto&, const BatchModel& model) {
+  for_each([&](const StageBatch& batch, Flow& flow, const BatchModel&) {
+    const Eliminations<Mode>& by = flow.eliminations.of<Mode>();
+    add_input_terms(data, batch, flow.it, flow.node, by.force, by.constraint, flow.cost);
+  });
+  for_each([&](const StageBatch& batch, Flow& flow, const BatchModel& model) {
     add_state_terms<Mode>(data, batch, flow.it, flow.node, flow.cost);
     store_cost<Mode>(flow.cost, model);
   });

@@ -1,8 +1,5 @@
 #pragma once
 
-#include <algorithm>
-#include <cstddef>
-
 #include "mpc_core/ocp/integrator.h"
 #include "mpc_core/ocp/quadratic_cost.h"
 
@@ -18,9 +15,34 @@ struct Eliminations {
   ForceElimination<Mode> force;
   ConstraintElimination<Mode> constraint;
 
-  Eliminations(const EqualityParameters& parameters, const StageBatch& batch, const Batch* u,
-               const model::NodeDerivatives<Batch>& node) noexcept
-      : force(parameters, batch, u, node), constraint(parameters, batch, node, force) {}
+  void eliminate(const EqualityParameters& parameters, const StageBatch& batch, const Batch* u,
+                 const model::NodeDerivatives<Batch>& node) noexcept {
+    force.eliminate(parameters, batch, u, node);
+    constraint.eliminate(parameters, batch, node, force);
+  }
+};
+
+/// Room for the eliminations of one batch, whatever its mode.
+union AnyEliminations {
+  Eliminations<ModeTraits<true, true>> both;
+  Eliminations<ModeTraits<true, false>> left;
+  Eliminations<ModeTraits<false, true>> right;
+  Eliminations<ModeTraits<false, false>> none;
+
+  AnyEliminations() noexcept {}
+
+  template <class Mode>
+  [[nodiscard]] Eliminations<Mode>& of() noexcept {
+    if constexpr (Mode::kStanceFeet == 2) {
+      return both;
+    } else if constexpr (Mode::stance(0)) {
+      return left;
+    } else if constexpr (Mode::stance(1)) {
+      return right;
+    } else {
+      return none;
+    }
+  }
 };
 
 /// Everything linearise() writes besides its results, so that it needs little stack; contents need not be
@@ -30,10 +52,8 @@ struct LineariseWorkspace {
     BatchIterate it;
     model::NodeDerivatives<Batch> node;
     BaseStep step;
+    AnyEliminations eliminations;
     QuadraticCost cost;
-    alignas(64) std::byte eliminations[std::max({sizeof(Eliminations<ModeTraits<true, true>>),
-                                                 sizeof(Eliminations<ModeTraits<true, false>>),
-                                                 sizeof(Eliminations<ModeTraits<false, false>>)})];
   };
   Flow flow[kTogether];
   IntegratorWorkspace integrator;

@@ -193,8 +193,8 @@ struct ForceElimination {
   Batch constant[2];                   ///< first stance foot: f = constant + slope (dx, z)
   Batch slope[2][Mode::kColumns];
 
-  ForceElimination(const EqualityParameters& parameters, const StageBatch& batch, const Batch* u,
-                   const model::NodeDerivatives<Batch>& node) noexcept {
+  void eliminate(const EqualityParameters& parameters, const StageBatch& batch, const Batch* u,
+                 const model::NodeDerivatives<Batch>& node) noexcept {
     for (int i = 0; i < 2 * model::kFeet; ++i) {
       if (!Mode::stance(i / 2)) swing_step[i] = -u[model::kJoints + i];
     }
@@ -296,9 +296,8 @@ struct ConstraintElimination {
   Batch Y[Mode::kConstraints][Mode::kVariables];
   Batch W[Mode::kFree][Mode::kVariables];
 
-  ConstraintElimination(const EqualityParameters& parameters, const StageBatch& batch,
-                        const model::NodeDerivatives<Batch>& node,
-                        const ForceElimination<Mode>& force) noexcept {
+  void eliminate(const EqualityParameters& parameters, const StageBatch& batch,
+                 const model::NodeDerivatives<Batch>& node, const ForceElimination<Mode>& force) noexcept {
     constexpr int kRows = Mode::kConstraints;
     Batch residual[kRows];
     Batch m[kRows][Mode::kVariables];
