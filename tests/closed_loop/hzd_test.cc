@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <iterator>
 #include <memory>
 #include <string>
 
@@ -58,6 +61,43 @@ INSTANTIATE_TEST_SUITE_P(ClosedLoop, Speeds, testing::Values(-0.4, 0.0, 0.25, 0.
                            return (centimetres < 0 ? "Backward" : "Forward") +
                                   std::to_string(std::abs(centimetres));
                          });
+
+TEST(ClosedLoop, SpeedsCommandedWhileWalkingAreFollowedFromBackwardToFastAndThroughZero) {
+  constexpr double kHold_s = 5.0;
+  constexpr double kSpeeds_m_s[] = {0.3, 1.0, 0.4, 0.0, -0.4, 0.1, -0.1, 0.5};
+  RunRequest request = following(0.0, 0.5, kHold_s * std::size(kSpeeds_m_s));
+  request.commands.clear();
+  for (std::size_t i = 0; i < std::size(kSpeeds_m_s); ++i) {
+    request.commands.push_back({kHold_s * static_cast<double>(i), {gait::GaitKind::walk, kSpeeds_m_s[i]}});
+  }
+  request.keep_samples = true;
+  SimulatedRun run(request);
+  run.controller->follow(shipped_gaits());
+  const log::RunRecord record = run.run();
+  ASSERT_TRUE(record.summary.survived) << describe(run, record);
+
+  constexpr double kSample_s = 0.005;
+  const auto speed_m_s = [&](double from_s, double to_s) {
+    const auto at = [&](double t) {
+      return record.samples[static_cast<std::size_t>(std::lround(t / kSample_s))];
+    };
+    return (at(to_s).true_state[0] - at(from_s).true_state[0]) / (to_s - from_s);
+  };
+  constexpr double kTwoSteps_s = 0.6;
+  for (std::size_t i = 0; i < std::size(kSpeeds_m_s); ++i) {
+    const double start_s = kHold_s * static_cast<double>(i);
+    EXPECT_NEAR(speed_m_s(start_s + 3.0, start_s + 4.8), kSpeeds_m_s[i], 0.05) << "commanded at " << start_s;
+    const double before_m_s = i == 0 ? 0.0 : kSpeeds_m_s[i - 1];
+    for (double t = start_s + kTwoSteps_s; t + kTwoSteps_s < start_s + kHold_s; t += 0.1) {
+      const double now_m_s = speed_m_s(t, t + kTwoSteps_s);
+      EXPECT_GT(now_m_s, std::min(before_m_s, kSpeeds_m_s[i]) - 0.1) << "at " << t << " s";
+      EXPECT_LT(now_m_s, std::max(before_m_s, kSpeeds_m_s[i]) + 0.1) << "at " << t << " s";
+    }
+  }
+  for (const log::RunSample& sample : record.samples) {
+    EXPECT_LT(std::abs(sample.true_state[model::kFirstAngle]), 0.2) << "at " << sample.time_s << " s";
+  }
+}
 
 class Pushed : public testing::TestWithParam<int> {};
 
