@@ -89,9 +89,13 @@ JointBusStatus CanRobot::read(std::int64_t now_ns, JointReadings& readings) noex
 /// A sensor slower than the reads is only missed once its next frame is due.
 void CanRobot::count_missed_base() noexcept {
   base_silent_ = base_fresh_ ? 0 : base_silent_ + 1;
-  const bool by_channel = wiring_.pitch_encoder_joint < 0;
-  const auto between = static_cast<std::uint32_t>(by_channel ? wiring_.channel_period_ticks - 1 : 0);
+  const std::uint32_t between = base_period_reads() - 1;
   base_.missed = base_silent_ > between ? base_silent_ - between : 0;
+}
+
+std::uint32_t CanRobot::base_period_reads() const noexcept {
+  const bool by_channel = wiring_.pitch_encoder_joint < 0;
+  return by_channel ? static_cast<std::uint32_t>(wiring_.channel_period_ticks) : 1;
 }
 
 void CanRobot::take(std::int64_t now_ns, std::size_t bus, const CanFrame& frame) noexcept {
@@ -238,7 +242,7 @@ DecodeStatus CanRobot::take_odrive(std::int64_t now_ns, std::size_t joint, std::
 }
 
 void CanRobot::set_pitch(std::int64_t now_ns, double pitch_rad) noexcept {
-  base_.frozen = pitch_rad == base_.pitch_rad ? base_.frozen + 1 : 0;
+  base_.frozen = pitch_rad == base_.pitch_rad ? base_.frozen + base_period_reads() : 0;
   base_.pitch_rad = pitch_rad;
   base_.time_ns = now_ns;
   base_fresh_ = true;

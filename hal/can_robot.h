@@ -37,6 +37,7 @@ class CanRobot final : public JointBus, public BaseSensor, public EmergencyStop 
 
  private:
   void count_missed_base() noexcept;
+  [[nodiscard]] std::uint32_t base_period_reads() const noexcept;
   void take(std::int64_t now_ns, std::size_t bus, const CanFrame& frame) noexcept;
   [[nodiscard]] protocol::DecodeStatus take_joint(std::int64_t now_ns, std::size_t joint,
                                                   const CanFrame& frame) noexcept;

@@ -264,6 +264,21 @@ TEST(CanRobot, ABaseSensorSlowerThanTheReadsIsMissedOnlyWhenItsFrameIsDue) {
   }
 }
 
+TEST(CanRobot, ARepetitionOfASlowBaseSensorCountsTheReadsItLasts) {
+  Robot robot(Kind::mit);
+  robot.wiring_.channel_period_ticks = 3;
+  const std::array<FrameBus*, 2> buses{&robot.buses_[0], &robot.buses_[1]};
+  CanRobot slow(robot.wiring_, buses);
+  BaseReading base;
+  for (int tick = 0; tick < 9; ++tick) {
+    if (tick % 3 == 0) robot.buses_[0].script(classic_frame(0x50, 4), robot.clock_.now_ns());
+    static_cast<void>(slow.read(robot.clock_.now_ns(), robot.readings_));
+    static_cast<void>(slow.read_base(base));
+    robot.clock_.advance(kTick_ns);
+  }
+  EXPECT_EQ(base.frozen, 6u) << "the second and the third frame";
+}
+
 /// Commands and readings for a while.
 void run(Robot& robot, int ticks, const JointCommands& commands) {
   for (int tick = 0; tick < ticks; ++tick) {

@@ -18,11 +18,17 @@ constexpr gait::GaitCommand kStand{gait::GaitKind::stand, 0.0};
 constexpr std::size_t kKneeLeft = 1;
 constexpr double kFaultStart_s = 0.1;
 
+/// A frame of the base sensor in every tick, so that ticks can be counted.
+RobotRequest every_tick(RobotRequest request) {
+  request.settings.emplace_back("base_sensor.rate_hz=1000");
+  return request;
+}
+
 /// A robot that stands on its own, with a fault 0.1 s after the hoist has let go, advanced to just before it.
 class Standing {
  public:
   explicit Standing(const std::string& fault, RobotRequest request = {})
-      : driven((request.faults.push_back(fault + "@0.1+0.05"), request)), controller_(driven) {}
+      : driven((request.faults.push_back(fault + "@0.1+0.05"), every_tick(request))), controller_(driven) {}
 
   [[nodiscard]] bool stand() {
     for (int i = 0; i < 4000 && driven.robot.walk_time_s().value_or(-1.0) < kFaultStart_s; ++i) tick();
@@ -73,7 +79,7 @@ TEST(RobotOnBus, TheBaseSensorSendsAtItsOwnRate) {
     for (int i = 0; i < 100; ++i) {
       driven.tick();
       received += driven.received(0).size();
-      if (i > 10) EXPECT_EQ(driven.base.missed, 0u);
+      EXPECT_TRUE(i <= 10 || driven.base.missed == 0) << rate_hz;
     }
     EXPECT_NEAR(static_cast<double>(received), frames, 1) << rate_hz;
   }
