@@ -7,6 +7,8 @@ namespace stilt::record {
 namespace {
 
 constexpr std::string_view kPrefix = "rt";
+/// Plans are for drawing; their numbers hardly compress, and a replay makes them again.
+constexpr std::uint32_t kOneOfPlans = 3;
 
 }  // namespace
 
@@ -46,6 +48,7 @@ std::uint16_t Recorder::channel_of(const telemetry::Topic& topic) {
 void Recorder::take(const telemetry::Sample& sample, std::int64_t now_ns) {
   const telemetry::Topic& topic = *sample.topic;
   if (&topic == &telemetry::kCommands) return;
+  if (&topic == &telemetry::kPlans && plans_++ % kOneOfPlans != 0) return;
   const mcap::ByteView data(reinterpret_cast<const std::uint8_t*>(sample.cdr.data()), sample.cdr.size());
   writer_.write({channel_of(topic), counts_[&topic]++, now_ns, sample.source_time_ns, data});
   if (&topic == &telemetry::kConfiguration) {

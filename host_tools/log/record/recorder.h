@@ -17,7 +17,8 @@ namespace stilt::record {
 /// messages' ROS 2 definitions, configuration and robot model attached. Topics lose ROS's "rt" on the wire:
 /// /joint_states.
 ///
-/// Commands are not kept, their token is a secret; replies, events and ticks tell what was commanded.
+/// Commands are not kept, their token is a secret; replies, events and ticks tell what was commanded. Of the
+/// plans for drawing every third is kept.
 class Recorder {
  public:
   struct Options {
@@ -56,6 +57,7 @@ class Recorder {
   std::map<const telemetry::Topic*, std::uint16_t> channels_;
   std::map<const telemetry::Topic*, std::uint32_t> counts_;
   std::map<std::uint64_t, TickLedger> sessions_;
+  std::uint32_t plans_ = 0;  ///< that came
 };
 
 /// "/joint_states" of rt/joint_states.

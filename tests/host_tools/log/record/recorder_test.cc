@@ -83,6 +83,14 @@ TEST(Recorder, CommandsAreNotKeptForTheyHoldTheToken) {
   for (const telemetry::Topic* topic : Recorder::topics()) EXPECT_NE(topic, &telemetry::kCommands);
 }
 
+TEST(Recorder, KeepsEveryThirdPlanForDrawing) {
+  const TemporaryFile file("plans");
+  Recorder recorder(file.path(), options());
+  telemetry::Plan plan{};
+  for (int i = 0; i < 7; ++i) recorder.take({&telemetry::kPlans, 0, 1, telemetry::encode(plan)}, i);
+  EXPECT_EQ(recorder.messages(), 3u);
+}
+
 TEST(Recorder, KnowsWhichTicksAreMissingInWhichSession) {
   const TemporaryFile file("missing");
   Recorder recorder(file.path(), options());
