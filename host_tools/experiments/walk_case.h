@@ -19,7 +19,7 @@ struct WalkCase {
   double push_N = 0.0;  ///< positive forward; 0: none
   double push_start_s = 0.0;
   double push_duration_s = 1.0;
-  std::uint64_t seed = 1;     ///< of the sensor noise
+  std::uint64_t seed = 1;  ///< of the sensor noise
   bool sensor_noise = true;
   bool keep_samples = false;  ///< otherwise the summary alone
 };
