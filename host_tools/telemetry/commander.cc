@@ -33,6 +33,14 @@ std::uint64_t Commander::send(telemetry::CommandKind kind, double value, const s
   return number_;
 }
 
+void Commander::heartbeat() {
+  constexpr auto kApart = std::chrono::milliseconds(20);
+  const auto now = std::chrono::steady_clock::now();
+  if (now - heartbeat_ < kApart) return;
+  heartbeat_ = now;
+  send(telemetry::CommandKind::heartbeat);
+}
+
 std::string unique_name(const std::string& prefix) {
   char digits[16];
   std::snprintf(digits, sizeof digits, "-%06x", std::random_device{}() & 0xffffffu);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <string>
 
@@ -23,8 +24,9 @@ class Commander {
   /// Sends. Returns the number of the command, which its reply names.
   std::uint64_t send(telemetry::CommandKind kind, double value = 0, const std::string& key = {});
 
-  /// The commander lives.
-  void heartbeat() { send(telemetry::CommandKind::heartbeat); }
+  /// The commander lives. Sends at most fifty a second, however often it is called: more would push orders
+  /// out of what the robot keeps until it looks.
+  void heartbeat();
 
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
   [[nodiscard]] std::uint64_t session() const noexcept { return session_; }
@@ -38,6 +40,7 @@ class Commander {
   std::uint64_t session_ = 0;
   std::string token_;
   std::uint64_t number_ = 0;
+  std::chrono::steady_clock::time_point heartbeat_{};  ///< the last one
 };
 
 /// Random name for a commander: "monitor-3fa9c1".
