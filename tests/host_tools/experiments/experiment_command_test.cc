@@ -5,6 +5,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "tests/host_tools/program_test.h"
 
@@ -19,7 +20,7 @@ using testing_support::text_of;
 class ExperimentCommand : public testing_support::ProgramTest {
  protected:
   [[nodiscard]] Outcome run(const std::string& arguments) const {
-    return ProgramTest::run("experiment " + arguments);
+    return ProgramTest::run(std::string("experiment ").append(arguments));
   }
   [[nodiscard]] Json json() const { return Json::parse(text_of(file("json"))); }
 };
@@ -58,7 +59,7 @@ TEST_F(ExperimentCommand, DisturbanceGivesTheFieldsOfItsContractAndGoesOnWhereIt
   ASSERT_TRUE(std::filesystem::exists(one));
   std::string kept = text_of(one);
   const std::string limit = "\"limit_N\": ";
-  kept.replace(kept.find(limit) + limit.size(), 1, "7");  // a result that is there is not computed again
+  kept.at(kept.find(limit) + limit.size()) = '7';  // a result that is there is not computed again
   std::ofstream(one) << kept;
   ASSERT_EQ(run(command).status, 0);
   EXPECT_NE(json(), first);
@@ -103,18 +104,17 @@ TEST_F(ExperimentCommand, FiguresAreAPageAndTheNumbersOnIt) {
 
 TEST_F(ExperimentCommand, BadUsageIsOneSentenceAndStatusTwo) {
   std::ofstream(file("file")) << "no folder";
-  for (const std::string& arguments :
-       {std::string(), std::string("disturbance"), std::string("disturbance --out /proc/nowhere --merge"),
-        "disturbance --out " + file("file") + " --merge", "disturbance --out " + file("a") + " --phases 0",
-        "disturbance --out " + file("a") + " --controller nobody",
-        "disturbance --out " + file("a") + " --controller nobody --horizon 0.5",
-        "disturbance --out " + file("a") + " --horizon 9 --controller mpc-hzd",
-        "disturbance --out " + file("a") + " --plant gravity=1",
-        "disturbance --out " + file("a") + " --push-at head",
-        "disturbance --out " + file("a") + " --job nobody",
-        "disturbance --out " + file("a") + " --set cost.nothing=1",
-        "horizon --out " + file("a") + " --horizon -1",
-        "figures --out " + file("a") + " --json /nowhere/x.json"}) {
+  const std::string out = std::string("disturbance --out ").append(file("new"));
+  std::vector<std::string> mistakes = {"", "disturbance", "disturbance --out /proc/nowhere --merge"};
+  mistakes.push_back(std::string("disturbance --merge --out ").append(file("file")));
+  mistakes.push_back(std::string("horizon --horizon -1 --out ").append(file("new")));
+  mistakes.push_back(std::string("figures --json /nowhere/x.json --out ").append(file("new")));
+  for (const char* more : {" --phases 0", " --controller nobody", " --controller nobody --horizon 0.5",
+                           " --horizon 9 --controller mpc-hzd", " --plant gravity=1", " --push-at head",
+                           " --job nobody", " --set cost.nothing=1"}) {
+    mistakes.push_back(out + more);
+  }
+  for (const std::string& arguments : mistakes) {
     const Outcome outcome = run(arguments);
     EXPECT_EQ(outcome.status, 2) << arguments << ": " << outcome.errors;
     EXPECT_EQ(std::count(outcome.errors.begin(), outcome.errors.end(), '\n'), 1)
