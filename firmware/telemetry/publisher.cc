@@ -43,9 +43,10 @@ std::string sentence_of(const controller::Event& event) {
     case controller::Event::Kind::bring_up_failed:
       return std::string("driver of ") + kJoints[event.joint] +
              " cannot be brought up: " + hal::bring_up::name(event.failure);
-    default:
-      return {};
+    case controller::Event::Kind::lost_stance:
+      return "left the standing pose while it stood up: damped; put it there and ask again";
   }
+  return {};
 }
 
 std::string name_of(const controller::Event& event) {
@@ -58,9 +59,10 @@ std::string name_of(const controller::Event& event) {
       return "waits_for_pose";
     case controller::Event::Kind::bring_up_failed:
       return "bring_up_failed";
-    default:
-      return {};
+    case controller::Event::Kind::lost_stance:
+      return "lost_stance";
   }
+  return {};
 }
 
 /// Numbers of a sketch, as the message wants them.
