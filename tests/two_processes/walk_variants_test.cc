@@ -17,7 +17,8 @@ std::size_t steps_after(const nlohmann::json& robot, double time_s) {
 /// Faults of the controller, but for the end of the run: the robot leaves first.
 nlohmann::json faults_of(const RobotAndController& run) {
   nlohmann::json faults = nlohmann::json::array();
-  for (const nlohmann::json& fault : run.controller_json().at("faults")) {
+  const nlohmann::json report = run.controller_json();
+  for (const nlohmann::json& fault : report.at("faults")) {
     if (fault.at("name") != "bus_disconnected") faults.push_back(fault);
   }
   return faults;

@@ -11,7 +11,7 @@ TEST(Report, ABusThatCannotCarryTheDriversIsRefused) {
   ASSERT_TRUE(all_on_one) << configuration::to_string(all_on_one.error());
   const BusReport report = report_buses(*all_on_one);
   EXPECT_TRUE(report.refused);
-  EXPECT_NE(report.text.find("bus can0: worst-case load 122 %"), std::string::npos) << report.text;
+  EXPECT_NE(report.text.find("bus can0: worst-case load 114 %"), std::string::npos) << report.text;
   EXPECT_FALSE(report_buses(*configuration::load_robot("amber3m")).refused);
 }
 

@@ -46,8 +46,10 @@ TEST(BaseSensorFrames, AChannelBeyondEightBytesMakesAnFdFrame) {
   EXPECT_EQ(frames[0].length, 12);
 }
 
-TEST(BaseSensorFrames, TheShippedSensorShowsPitchAndSwitchEveryTick) {
-  DrivenRobot driven;
+TEST(BaseSensorFrames, TheShippedSensorAt1KilohertzShowsPitchAndSwitchEveryTick) {
+  testing_support::RobotRequest request;
+  request.settings.emplace_back("base_sensor.rate_hz=1000");
+  DrivenRobot driven(request);
   for (int i = 0; i < 5; ++i) {
     driven.tick();
     EXPECT_EQ(driven.base.missed, 0u);

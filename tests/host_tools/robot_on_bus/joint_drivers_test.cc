@@ -71,7 +71,7 @@ TEST(JointDrivers, TheDriversLawSeesTheMotionOfEachTimeStep) {
   DrivenRobot driven;
   ASSERT_TRUE(driven.enable());
   hal::JointCommands commands;
-  for (hal::JointCommand& command : commands) command = {.kd_Nms_rad = 10, .torque_limit_Nm = 80};
+  for (hal::JointCommand& command : commands) command = {.kd_Nms_rad = 4, .torque_limit_Nm = 80};
   commands[0].torque_Nm = 40;  // the left hip swings
   driven.tick(&commands);
   driven.robot.step(driven.now_ns);
@@ -80,7 +80,7 @@ TEST(JointDrivers, TheDriversLawSeesTheMotionOfEachTimeStep) {
   const double second_Nm = driven.robot.drivers().torque_Nm(0);
   const double velocity_rad_s = driven.robot.plant().state()[model::kPositions + model::kFirstJoint];
   EXPECT_NE(first_Nm, second_Nm) << "no command came in between";
-  EXPECT_NEAR(second_Nm, 40 - 10 * velocity_rad_s, 0.1);
+  EXPECT_NEAR(second_Nm, 40 - 4 * velocity_rad_s, 0.1);
 }
 
 }  // namespace
