@@ -20,10 +20,9 @@ bool any_joint_missed(const Observation& seen, int ticks) noexcept {
   });
 }
 
-bool joints_move(const Observation& seen, double moving_rad_s) noexcept {
-  return std::any_of(seen.joints.begin(), seen.joints.end(), [moving_rad_s](const JointReading& joint) {
-    return std::abs(joint.velocity_rad_s) > moving_rad_s;
-  });
+bool joints_should_move(const Observation& seen, double moving_rad_s) noexcept {
+  return std::any_of(seen.planned_speed_rad_s.begin(), seen.planned_speed_rad_s.end(),
+                     [moving_rad_s](double speed_rad_s) { return std::abs(speed_rad_s) > moving_rad_s; });
 }
 
 bool any_hotter(const Observation& seen, double limit_C) noexcept {
@@ -63,7 +62,7 @@ FaultSet detect_sensors(const Observation& seen, const SupervisorParameters& par
     const bool moves = std::abs(seen.planned_speed_rad_s[i]) > parameters.moving_rad_s;
     faults.add_if(moves && seen.joints[i].frozen >= frozen, Fault::stale_encoder);
   }
-  const bool repeats = seen.base.frozen >= frozen && joints_move(seen, parameters.moving_rad_s);
+  const bool repeats = seen.base.frozen >= frozen && joints_should_move(seen, parameters.moving_rad_s);
   faults.add_if(repeats || seen.base.missed >= damp, Fault::stale_base_sensor);
   faults.add_if(any_joint_missed(seen, parameters.missed_hold_ticks) || seen.base.missed >= hold,
                 Fault::missed_replies);

@@ -94,7 +94,7 @@ inline constexpr std::array<FaultRow, kFaults> kFaultTable = {{
     {Fault::stale_encoder, 201, "stale_encoder", Severity::latched, Reaction::damp, Watch::tracking,
      "an encoder repeats one value though the plan moves the joint", "the torque law is not in command"},
     {Fault::stale_base_sensor, 202, "stale_base_sensor", Severity::latched, Reaction::damp, Watch::driven,
-     "the base sensor is silent, or repeats one value while the joints move", "a new angle came"},
+     "the base sensor is silent, or repeats one value while the plan moves the joints", "a new angle came"},
     {Fault::missed_replies, 301, "missed_replies", Severity::degraded, Reaction::hold, Watch::driven,
      "a joint or the base sensor missed several ticks in a row", "all have sent again"},
     {Fault::lost_replies, 302, "lost_replies", Severity::latched, Reaction::damp, Watch::driven,

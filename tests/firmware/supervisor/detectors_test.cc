@@ -104,7 +104,17 @@ const std::vector<Case>& cases() {
        [](Observation& o) { o.base.frozen = 5000; },
        [](Observation& o) {
          o.base.frozen = 25;
+         o.planned_speed_rad_s[0] = 0.6;
+       },
+       {Fault::stale_base_sensor}},
+      {"base held still while joints move outside of any plan",
+       [](Observation& o) {
+         o.base.frozen = 5000;
          o.joints[0].velocity_rad_s = 0.6;
+       },
+       [](Observation& o) {
+         o.base.frozen = 5000;
+         o.planned_speed_rad_s[1] = -0.6;
        },
        {Fault::stale_base_sensor}},
       {"base sensor late",
