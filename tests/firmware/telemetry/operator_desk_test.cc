@@ -96,6 +96,20 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& refusal) { return refusal.param.what; });
 
 /// Which kinds are accepted in which state.
+TEST_F(Desk, strangers_are_answered_twenty_times_a_second_however_many_ask) {
+  int answers = 0;
+  for (int k = 0; k < 10'000; ++k) {
+    Asked guess = asked(CommandKind::walk, 0.3, "bert");
+    guess.token = "guess";
+    const Answer answer = take(guess);
+    ASSERT_FALSE(answer.accepted);
+    answers += answer.silent ? 0 : 1;
+    pass(1e-4);
+  }
+  EXPECT_EQ(answers, 20);
+  EXPECT_FALSE(take(CommandKind::walk, 0.3).silent) << "those with the token are always answered";
+}
+
 TEST_F(Desk, takes_only_what_makes_sense_in_the_state) {
   const std::vector<std::pair<CommandKind, std::vector<State>>> table = {
       {CommandKind::prepare, {State::idle}},

@@ -1,7 +1,6 @@
 #include "firmware/telemetry/participant.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <functional>
@@ -10,6 +9,7 @@
 
 #include "firmware/telemetry/reader.h"
 #include "firmware/telemetry/writer.h"
+#include "tests/own_domain.h"
 
 namespace stilt::telemetry {
 namespace {
@@ -26,8 +26,7 @@ bool eventually(const std::function<bool()>& happened) {
   return false;
 }
 
-/// Another domain for every process that runs this test; beyond 100 ports may be taken already.
-Network network() { return {.domain = 5 + static_cast<int>(getpid() % 90)}; }
+Network network() { return {.domain = tests::own_domain()}; }
 
 TEST(Participant, an_interface_that_does_not_exist_is_refused_with_its_name) {
   const auto participant = Participant::open({.interface = "stilt9"});

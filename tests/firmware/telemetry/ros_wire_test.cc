@@ -12,6 +12,7 @@
 #include "firmware/telemetry/reader.h"
 #include "firmware/telemetry/ros_publisher.h"
 #include "tests/independent_readers/run_reader.h"
+#include "tests/own_domain.h"
 
 namespace stilt::telemetry {
 namespace {
@@ -100,7 +101,7 @@ class RosWire : public testing::Test {
   }
 
   void SetUp() override {
-    participant = Participant::open({.domain = 5 + static_cast<int>(getpid() % 90)});
+    participant = Participant::open({.domain = tests::own_domain()});
     ASSERT_TRUE(participant.has_value()) << participant.error();
     auto opened = RosPublisher::open(*participant);
     ASSERT_TRUE(opened.has_value()) << opened.error();
