@@ -55,7 +55,7 @@ StepProgram::Phase StepProgram::phase(const VectorXd& v, int k) const {
   return {(v[at] - v[node_at(0)]) / length, v[at + kVelocityAt] / length, v[at + kAccelerationAt] / length};
 }
 
-NonlinearProgram::Bounds StepProgram::variable_bounds() const {
+StepProgram::Bounds StepProgram::variable_bounds() const {
   Bounds bounds{VectorXd::Constant(variables(), -kFree), VectorXd::Constant(variables(), kFree)};
   const gait::GaitLimits& limits = task_.limits;
   for (int k = 0; k < nodes_; ++k) {
@@ -103,7 +103,7 @@ void StepProgram::bound_node(int k, Bounds& bounds) const {
   }
 }
 
-NonlinearProgram::Bounds StepProgram::constraint_bounds() const {
+StepProgram::Bounds StepProgram::constraint_bounds() const {
   Bounds bounds{VectorXd::Zero(rows()), VectorXd::Zero(rows())};
   for (int k = 0; k < nodes_; ++k) bound_node(k, bounds);
   bounds.lower[period_row()] = bounds.upper[period_row()] = task_.step_length_m();
@@ -257,7 +257,7 @@ void StepProgram::add_period(const VectorXd& v, std::vector<Entry>& entries) con
   }
 }
 
-std::vector<NonlinearProgram::Entry> StepProgram::jacobian(const VectorXd& v) const {
+std::vector<StepProgram::Entry> StepProgram::jacobian(const VectorXd& v) const {
   std::vector<Entry> entries;
   for (int k = 0; k < nodes_; ++k) {
     NodeValues values;
@@ -319,8 +319,8 @@ void StepProgram::add_first_output_hessian(const VectorXd& multipliers, std::vec
   }
 }
 
-std::vector<NonlinearProgram::Entry> StepProgram::hessian(const VectorXd& v, double factor,
-                                                          const VectorXd& multipliers) const {
+std::vector<StepProgram::Entry> StepProgram::hessian(const VectorXd& v, double factor,
+                                                     const VectorXd& multipliers) const {
   std::vector<Entry> entries;
   for (int k = 0; k < nodes_; ++k) {
     const NodeHessian block =

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "host_tools/gait_synthesis/lobatto.h"
-#include "host_tools/gait_synthesis/nonlinear_program.h"
 #include "host_tools/gait_synthesis/step_node.h"
+#include "host_tools/nonlinear_program/nonlinear_program.h"
 #include "mpc_core/gait/gait_limits.h"
 #include "mpc_core/gait/hzd_gait.h"
 
@@ -33,7 +33,7 @@ struct StepTask {
 ///                period: posture after swapping the legs and rates after the impact map are those at the
 ///                start, so that the outputs are hybrid invariant; the base has moved one step length; limits
 ///                of GaitLimits.
-class StepProgram final : public NonlinearProgram {
+class StepProgram final : public nonlinear_program::NonlinearProgram {
  public:
   StepProgram(const model::RobotModel& robot, const StepTask& task);
 

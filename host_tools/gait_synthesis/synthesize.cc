@@ -44,7 +44,7 @@ gait::PhaseKind phase_for_speed(double speed_m_s) {
 Synthesis synthesize(const model::RobotModel& robot, const StepTask& task, const Eigen::VectorXd* warm) {
   const StepProgram program(robot, task);
   const Eigen::VectorXd start = warm != nullptr ? *warm : first_guess(robot.constants, task, program);
-  const IpoptSolution solution = solve(program, start, {});
+  const nonlinear_program::IpoptSolution solution = nonlinear_program::solve(program, start, {});
   if (!solution.solved) {
     throw NoGait("no gait at " + short_text(task.speed_m_s) + " m/s: " + solution.status +
                  "; try another step time or wider limits");

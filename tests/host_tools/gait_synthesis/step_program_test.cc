@@ -28,7 +28,7 @@ StepTask small_task(const Case& c) {
   return task;
 }
 
-MatrixXd dense(const std::vector<NonlinearProgram::Entry>& entries, Eigen::Index rows, Eigen::Index columns) {
+MatrixXd dense(const std::vector<StepProgram::Entry>& entries, Eigen::Index rows, Eigen::Index columns) {
   MatrixXd matrix = MatrixXd::Zero(rows, columns);
   for (const auto& entry : entries) matrix(entry.row, entry.column) += entry.value;
   return matrix;

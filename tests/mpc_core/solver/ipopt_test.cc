@@ -11,7 +11,7 @@
 namespace stilt::solver {
 namespace {
 
-using testing_support::IpoptResult;
+using nonlinear_program::IpoptSolution;
 using testing_support::PlanningNlp;
 using testing_support::Scene;
 using testing_support::SceneOptions;
@@ -64,8 +64,9 @@ TEST_P(AgainstIpopt, TheSqpFindsTheSameOptimum) {
   const PlanningNlp nlp(*scene);
   const auto iterate = std::make_unique<ocp::Trajectory>();
   const SolveReport report = solve_tightly(*scene, *iterate);
-  const IpoptResult ipopt = solve_with_ipopt(nlp, nlp.pack(scene->guess));
-  ASSERT_TRUE(ipopt.solved);
+  const IpoptSolution ipopt =
+      nonlinear_program::solve(nlp, nlp.pack(scene->guess), {.tolerance = 1e-10, .iterations_max = 100});
+  ASSERT_TRUE(ipopt.solved) << ipopt.status;
   RecordProperty("sqp_iterations", report.iterations);
   RecordProperty("ipopt_iterations", ipopt.iterations);
   // It can do no better: the step vanished, or what a step may gain is below the rounding of the cost.
@@ -88,11 +89,11 @@ TEST_P(AgainstIpopt, TheSqpEndsAtAKktPoint) {
   const auto iterate = std::make_unique<ocp::Trajectory>();
   const SolveReport report = solve_tightly(*scene, *iterate);
   const Eigen::VectorXd v = nlp.pack(*iterate);
-  EXPECT_LT(nlp.residuals(v).lpNorm<Eigen::Infinity>(), 1e-8);
+  EXPECT_LT(nlp.constraints(v).lpNorm<Eigen::Infinity>(), 1e-8);
   EXPECT_NEAR(nlp.objective(v), report.cost, 1e-11 * std::abs(report.cost));
   // The gradient must lie in the span of the constraints' gradients; multipliers by least squares.
   const Eigen::VectorXd gradient = nlp.gradient(v);
-  Eigen::MatrixXd transposed = Eigen::MatrixXd::Zero(nlp.variables(), nlp.constraints());
+  Eigen::MatrixXd transposed = Eigen::MatrixXd::Zero(nlp.variable_count(), nlp.constraint_count());
   for (const auto& [row, column, value] : nlp.jacobian(v)) transposed(column, row) += value;
   const Eigen::VectorXd multipliers = transposed.householderQr().solve(-gradient);
   EXPECT_LT((gradient + transposed * multipliers).lpNorm<Eigen::Infinity>(),
@@ -108,15 +109,15 @@ TEST(PlanningNlp, DerivativesAreDifferencesOfTheValues) {
   const PlanningNlp nlp(*scene);
   const Eigen::VectorXd v = nlp.pack(scene->guess);
   const Eigen::VectorXd direction = Eigen::VectorXd::NullaryExpr(
-      nlp.variables(), [](Eigen::Index i) { return std::sin(0.7 * static_cast<double>(i) + 0.3); });
+      nlp.variable_count(), [](Eigen::Index i) { return std::sin(0.7 * static_cast<double>(i) + 0.3); });
   constexpr double kStep = 1e-5;
   const double slope =
       (nlp.objective(v + kStep * direction) - nlp.objective(v - kStep * direction)) / (2.0 * kStep);
   EXPECT_NEAR(nlp.gradient(v).dot(direction), slope, 1e-6 * (1.0 + std::abs(slope)));
-  Eigen::VectorXd product = Eigen::VectorXd::Zero(nlp.constraints());
+  Eigen::VectorXd product = Eigen::VectorXd::Zero(nlp.constraint_count());
   for (const auto& [row, column, value] : nlp.jacobian(v)) product[row] += value * direction[column];
   const Eigen::VectorXd difference =
-      (nlp.residuals(v + kStep * direction) - nlp.residuals(v - kStep * direction)) / (2.0 * kStep);
+      (nlp.constraints(v + kStep * direction) - nlp.constraints(v - kStep * direction)) / (2.0 * kStep);
   EXPECT_LT((product - difference).norm(), 1e-6 * difference.norm());
 }
 

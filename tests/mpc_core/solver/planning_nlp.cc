@@ -74,6 +74,16 @@ std::vector<T> PlanningNlp::local(int k, const StageVector<T>& z) const {
   return values;
 }
 
+PlanningNlp::Bounds PlanningNlp::variable_bounds() const {
+  const auto unlimited = Eigen::VectorXd::Constant(variables_, 1e20);
+  return {-unlimited, unlimited};
+}
+
+PlanningNlp::Bounds PlanningNlp::constraint_bounds() const {
+  const auto zero = Eigen::VectorXd::Zero(constraints_);
+  return {zero, zero};
+}
+
 double PlanningNlp::objective(const Eigen::VectorXd& v) const {
   double cost = scalar_.terminal_cost(scene_.problem, v.data() + last_state_);
   for (std::size_t k = 0; k < blocks_.size(); ++k) {
@@ -101,7 +111,7 @@ Eigen::VectorXd PlanningNlp::gradient(const Eigen::VectorXd& v) const {
   return result;
 }
 
-Eigen::VectorXd PlanningNlp::residuals(const Eigen::VectorXd& v) const {
+Eigen::VectorXd PlanningNlp::constraints(const Eigen::VectorXd& v) const {
   Eigen::VectorXd result(constraints_);
   for (int i = 0; i < kStates; ++i) result[i] = v[i] - scene_.problem.x_initial[i];
   for (std::size_t k = 0; k < blocks_.size(); ++k) {

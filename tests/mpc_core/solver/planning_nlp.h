@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "host_tools/nonlinear_program/nonlinear_program.h"
 #include "tests/mpc_core/ocp/planning_scene.h"
 #include "tests/mpc_core/ocp/scalar_ocp.h"
 
@@ -15,30 +16,24 @@ namespace stilt::testing_support {
 ///
 /// evaluated by ScalarOcp, with exact first derivatives by complex step and second derivatives of the
 /// Lagrangian by differences of them. Scale: about 800 variables for 0.5 s.
-class PlanningNlp {
+class PlanningNlp final : public nonlinear_program::NonlinearProgram {
  public:
   explicit PlanningNlp(const Scene& scene);
 
-  [[nodiscard]] int variables() const { return variables_; }
-  [[nodiscard]] int constraints() const { return constraints_; }
+  [[nodiscard]] int variable_count() const { return variables_; }
+  [[nodiscard]] int constraint_count() const { return constraints_; }
 
   [[nodiscard]] Eigen::VectorXd pack(const ocp::Trajectory& iterate) const;
   void unpack(const Eigen::VectorXd& v, ocp::Trajectory& iterate) const;
 
-  [[nodiscard]] double objective(const Eigen::VectorXd& v) const;
-  [[nodiscard]] Eigen::VectorXd gradient(const Eigen::VectorXd& v) const;
-  [[nodiscard]] Eigen::VectorXd residuals(const Eigen::VectorXd& v) const;
-
-  struct Entry {
-    int row;
-    int column;
-    double value;
-  };
-  /// Entries always come in the same order.
-  [[nodiscard]] std::vector<Entry> jacobian(const Eigen::VectorXd& v) const;
-  /// Lower triangle of the Hessian of factor * f + multipliers' c, duplicates to be summed.
+  [[nodiscard]] Bounds variable_bounds() const override;
+  [[nodiscard]] Bounds constraint_bounds() const override;
+  [[nodiscard]] double objective(const Eigen::VectorXd& v) const override;
+  [[nodiscard]] Eigen::VectorXd gradient(const Eigen::VectorXd& v) const override;
+  [[nodiscard]] Eigen::VectorXd constraints(const Eigen::VectorXd& v) const override;
+  [[nodiscard]] std::vector<Entry> jacobian(const Eigen::VectorXd& v) const override;
   [[nodiscard]] std::vector<Entry> hessian(const Eigen::VectorXd& v, double factor,
-                                           const Eigen::VectorXd& multipliers) const;
+                                           const Eigen::VectorXd& multipliers) const override;
 
  private:
   /// Where a stage's variables and constraints stand.
@@ -61,14 +56,5 @@ class PlanningNlp {
   int variables_ = 0;
   int constraints_ = 0;
 };
-
-/// What Ipopt found.
-struct IpoptResult {
-  bool solved = false;
-  double cost = 0.0;
-  int iterations = 0;
-  Eigen::VectorXd v;
-};
-[[nodiscard]] IpoptResult solve_with_ipopt(const PlanningNlp& nlp, const Eigen::VectorXd& start);
 
 }  // namespace stilt::testing_support

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace stilt::gait_synthesis {
+namespace stilt::nonlinear_program {
 
 /// minimise f(v) subject to lower <= g(v) <= upper and variable bounds, with sparse first and second
 /// derivatives. A matrix is a list of entries that always comes in the same order; duplicates are summed.
@@ -49,4 +49,4 @@ struct IpoptSolution {
 [[nodiscard]] IpoptSolution solve(const NonlinearProgram& program, const Eigen::VectorXd& start,
                                   const IpoptOptions& options);
 
-}  // namespace stilt::gait_synthesis
+}  // namespace stilt::nonlinear_program

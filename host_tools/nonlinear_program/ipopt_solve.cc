@@ -3,9 +3,9 @@
 #include <IpTNLP.hpp>
 #include <algorithm>
 
-#include "host_tools/gait_synthesis/nonlinear_program.h"
+#include "host_tools/nonlinear_program/nonlinear_program.h"
 
-namespace stilt::gait_synthesis {
+namespace stilt::nonlinear_program {
 namespace {
 
 using Eigen::VectorXd;
@@ -105,7 +105,7 @@ const char* text(Ipopt::ApplicationReturnStatus status) {
     case Ipopt::Solved_To_Acceptable_Level:
       return "solved roughly";
     case Ipopt::Infeasible_Problem_Detected:
-      return "no gait meets the constraints";
+      return "nothing meets the constraints";
     case Ipopt::Maximum_Iterations_Exceeded:
       return "iteration limit reached";
     case Ipopt::Maximum_CpuTime_Exceeded:
@@ -148,4 +148,4 @@ IpoptSolution solve(const NonlinearProgram& program, const VectorXd& start, cons
   return solution;
 }
 
-}  // namespace stilt::gait_synthesis
+}  // namespace stilt::nonlinear_program
