@@ -27,6 +27,8 @@ class GaitFallback {
   /// In step since a touch-down, with a command for this tick.
   [[nodiscard]] bool ready() const noexcept { return in_step_ && command_.finite; }
   [[nodiscard]] const model::JointVector& torque_Nm() const noexcept { return command_.torque_Nm; }
+  /// Of the joints, as the gait wants it.
+  [[nodiscard]] const model::JointVector& velocity_rad_s() const noexcept { return command_.velocity_rad_s; }
   /// Which foot carries, by the gait; meaningful when ready().
   [[nodiscard]] model::ContactMode contact() const noexcept;
 

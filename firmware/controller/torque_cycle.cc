@@ -144,19 +144,25 @@ void TorqueCycle::look_at_plan(const control::Plan& plan) noexcept {
     seen_.has_plan = control::interpolate(plan, now_s).mode == gait_.contact();
   }
   seen_.plan_age_s = now_s - (of_session ? plan.start_time_s : session_start_s_);
-  seen_.planned_speed_rad_s = {};
-  const bool in_command = supervisor_.output().ramp >= 1.0;  // before, joints need not follow the plan
-  if (seen_.has_plan && in_command) {
-    const control::PlanPoint point = control::interpolate(plan, now_s);
-    for (std::size_t i = 0; i < hal::kJoints; ++i) {
-      seen_.planned_speed_rad_s[i] =
-          point.state[model::kPositions + model::kFirstJoint + static_cast<int>(i)];
-    }
-  }
+  seen_.planned_speed_rad_s = planned_speed_rad_s(plan);
   const PlanningResult& result = record_.result = mail_->results.newest();
   const bool current = result.session == session_ && session_ != 0;
   seen_.failed_solves = current ? static_cast<int>(result.failures_in_a_row) : 0;
   seen_.solve_s = current ? 1e-9 * static_cast<double>(result.solve_ns) : 0.0;
+}
+
+/// Of the joints by what they follow: the plan, or the gait of the tick before. 0 before they must follow.
+supervisor::Pose TorqueCycle::planned_speed_rad_s(const control::Plan& plan) const noexcept {
+  supervisor::Pose speed_rad_s{};
+  if (supervisor_.output().ramp < 1.0) return speed_rad_s;
+  model::JointVector planned = model::JointVector::Zero();
+  if (supervisor_.output().rung == supervisor::Rung::gait) {
+    planned = gait_.velocity_rad_s();
+  } else if (seen_.has_plan) {
+    planned = control::interpolate(plan, reading_.time_s).state.tail<kJoints>();
+  }
+  std::copy_n(planned.data(), speed_rad_s.size(), speed_rad_s.begin());
+  return speed_rad_s;
 }
 
 void TorqueCycle::estimate_state(const control::Plan& plan) noexcept {

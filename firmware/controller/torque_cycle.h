@@ -65,6 +65,7 @@ class TorqueCycle {
   [[nodiscard]] bool fit_to_stand() const noexcept;
   [[nodiscard]] model::ContactMode contact(const control::Plan& plan) const noexcept;
   void follow_gait(const control::Plan& plan) noexcept;
+  [[nodiscard]] supervisor::Pose planned_speed_rad_s(const control::Plan& plan) const noexcept;
   void estimate_state(const control::Plan& plan) noexcept;
   void supervise() noexcept;
   [[nodiscard]] hal::JointCommands torque_law(const control::Plan& plan) noexcept;

@@ -22,7 +22,7 @@ struct Observation {
   hal::JointBusStatus write_status = hal::JointBusStatus::ok;  ///< of the last tick's commands
   bool bus_errors = false;  ///< counters of errors, drops or malformed frames rose since the last tick
   hal::EmergencyStopState emergency_stop = hal::EmergencyStopState::absent;
-  Pose planned_speed_rad_s{};       ///< of the plan at this time, 0 while it is not followed
+  Pose planned_speed_rad_s{};       ///< of plan or gait at this time, 0 while neither is followed
   bool controller_finite = true;    ///< estimate and torques of the last tick were finite numbers
   bool has_plan = false;            ///< a plan that has not ended
   bool has_gait = false;            ///< a gait of the library is in step with the robot

@@ -104,7 +104,7 @@ void GaitTracker::place_foot(const Sensed& sensed, double time_s) noexcept {
   shift_rad_ = std::clamp(shift_rad, -kLargestShift_rad, kLargestShift_rad);
 }
 
-JointVector GaitTracker::track(const Sensed& sensed, double s) const noexcept {
+void GaitTracker::track(const Sensed& sensed, double s, Command& command) const noexcept {
   const gait::GaitOutputs& outputs = gait_.outputs;
   const gait::OutputPoint share = gait::placement_share(s);
   const gait::OutputPoint y = gait::outputs_at(outputs, s);
@@ -119,7 +119,8 @@ JointVector GaitTracker::track(const Sensed& sensed, double s) const noexcept {
       nominal.torque_Nm +
       parameters_.joint_kp_Nm_rad * (angle - exchange(sensed.state.segment<kJoints>(kFirstJoint), stance_)) +
       parameters_.joint_kd_Nms_rad * (velocity - exchange(sensed.state.tail<kJoints>(), stance_));
-  return exchange(torque_Nm, stance_);
+  command.torque_Nm = exchange(torque_Nm, stance_);
+  command.velocity_rad_s = exchange(velocity, stance_);
 }
 
 GaitTracker::Command GaitTracker::tick(const SensorReading& reading, double speed_m_s) noexcept {
@@ -131,7 +132,7 @@ GaitTracker::Command GaitTracker::tick(const SensorReading& reading, double spee
       sensed = sense(reading);
     }
     place_foot(sensed, reading.time_s);
-    command.torque_Nm = track(sensed, phase(sensed, reading.time_s));
+    track(sensed, phase(sensed, reading.time_s), command);
     command.estimated_state = sensed.state;
     command.estimated_state[0] += foot_x_m_;
     command.finite = command.torque_Nm.allFinite();

@@ -33,6 +33,9 @@ class GaitTracker {
     /// The base through the stance foot; not a number when a sensor is not finite.
     model::StateVector estimated_state = model::StateVector::Zero();
     model::JointVector torque_Nm = model::JointVector::Zero();
+    /// As the gait wants it; 0 while the phase is held at an end of the step, and when a sensor is not
+    /// finite.
+    model::JointVector velocity_rad_s = model::JointVector::Zero();
     bool finite = false;  ///< otherwise the joints are damped
   };
   [[nodiscard]] Command tick(const SensorReading& reading, double speed_m_s) noexcept;
@@ -51,7 +54,8 @@ class GaitTracker {
   /// Share of the step time at which the gait has its hip where it is sensed; for a phase by time that phase.
   [[nodiscard]] double share_of_step(const Sensed& sensed, double s) const noexcept;
   void place_foot(const Sensed& sensed, double time_s) noexcept;
-  [[nodiscard]] model::JointVector track(const Sensed& sensed, double s) const noexcept;
+  /// Torque, unlimited, and velocity of the gait.
+  void track(const Sensed& sensed, double s, Command& command) const noexcept;
 
   const model::RobotModel* robot_ = nullptr;
   const gait::GaitLibrary* library_ = nullptr;

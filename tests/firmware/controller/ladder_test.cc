@@ -68,17 +68,29 @@ TEST_F(LadderTest, HoldWhileRepliesAreMissedAndBackToThePlan) {
   EXPECT_EQ(rig->rung(), Rung::new_plan);
 }
 
-TEST_F(LadderTest, TracksAGaitWhenThePlannerStopsWhileItWalks) {
-  const auto library = std::make_unique<gait::GaitLibrary>();
-  ASSERT_TRUE(gait_files::load_shipped_library("amber3m", *library));
-  rig->cycle.track_without_plan(*rig->robot, rig->configuration, *library);
-  rig->stand();
-  rig->ask(RequestKind::walk, 0.3);
-  rig->run(2000);  // joints that stand still; the plan steps all the same
-  ASSERT_EQ(rig->state(), State::walk);
-  ASSERT_EQ(rig->rung(), Rung::new_plan);
-  rig->planning = false;
-  rig->run(300);
+class GaitRungTest : public LadderTest {
+ protected:
+  GaitRungTest() : library(std::make_unique<gait::GaitLibrary>()) {
+    EXPECT_TRUE(gait_files::load_shipped_library("amber3m", *library));
+    rig->cycle.track_without_plan(*rig->robot, rig->configuration, *library);
+  }
+
+  /// Walking, without plans since these ticks.
+  void walk_on_without_plans(double speed_m_s, int ticks) {
+    rig->stand();
+    rig->ask(RequestKind::walk, speed_m_s);
+    rig->run(2000);  // joints that stand still; the plan steps all the same
+    ASSERT_EQ(rig->state(), State::walk);
+    ASSERT_EQ(rig->rung(), Rung::new_plan);
+    rig->planning = false;
+    rig->run(ticks);
+  }
+
+  std::unique_ptr<gait::GaitLibrary> library;
+};
+
+TEST_F(GaitRungTest, TracksAGaitWhenThePlannerStopsWhileItWalks) {
+  walk_on_without_plans(0.3, 300);
   EXPECT_EQ(rig->state(), State::walk);
   EXPECT_EQ(rig->rung(), Rung::gait);
   EXPECT_TRUE(rig->decision().present.has(supervisor::Fault::plan_missing));
@@ -90,6 +102,43 @@ TEST_F(LadderTest, TracksAGaitWhenThePlannerStopsWhileItWalks) {
   const auto most = std::ranges::max_element(
       rig->joints.commands, {}, [](const hal::JointCommand& command) { return std::abs(command.torque_Nm); });
   EXPECT_GT(std::abs(most->torque_Nm), 1);
+}
+
+/// Stepping in place the phase of the gait is the time, so that it goes on though the joints stand still.
+class GaitRungSensorTest : public GaitRungTest {
+ protected:
+  GaitRungSensorTest() : frozen(static_cast<std::uint32_t>(rig->configuration.supervisor.frozen_ticks)) {
+    walk_on_without_plans(0.0, 0);
+    for (int i = 0; i < 300 && rig->rung() != Rung::gait; ++i) rig->run(1);
+  }
+  void freeze_encoders() {
+    for (hal::JointReading& reading : rig->joints.readings) reading.frozen = frozen;
+  }
+  std::uint32_t frozen;
+};
+
+TEST_F(GaitRungSensorTest, EncodersThatRepeatThemselvesWhileTheGaitMovesTheJointsAreStale) {
+  ASSERT_EQ(rig->rung(), Rung::gait);
+  freeze_encoders();
+  rig->run(2);
+  EXPECT_TRUE(rig->decision().latched.has(supervisor::Fault::stale_encoder));
+  EXPECT_EQ(rig->rung(), Rung::damp);
+}
+
+TEST_F(GaitRungSensorTest, ABaseSensorThatRepeatsItselfMeanwhileIsStale) {
+  ASSERT_EQ(rig->rung(), Rung::gait);
+  rig->base.reading.frozen = frozen;
+  rig->run(2);
+  EXPECT_TRUE(rig->decision().latched.has(supervisor::Fault::stale_base_sensor));
+}
+
+TEST_F(GaitRungSensorTest, SensorsMayRepeatThemselvesWhenTheStepIsOverAndNoFootHasLanded) {
+  rig->run(500);
+  ASSERT_EQ(rig->rung(), Rung::gait);
+  freeze_encoders();
+  rig->base.reading.frozen = frozen;
+  rig->run(2);
+  EXPECT_TRUE(rig->decision().latched.empty());
 }
 
 TEST_F(LadderTest, SitWhenThePlannerStops) {
