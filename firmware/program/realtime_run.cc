@@ -10,6 +10,7 @@
 #include "firmware/diagnostics/histogram_text.h"
 #include "firmware/diagnostics/tick_csv.h"
 #include "firmware/hardware/round_trip.h"
+#include "firmware/program/service_manager.h"
 #include "firmware/realtime/allocation_counter.h"
 #include "firmware/realtime/pace.h"
 #include "firmware/realtime/system_call_guard.h"
@@ -189,15 +190,19 @@ void run_realtime(const Options& options, Signals& signals, ControllerState& sta
       torque_loop.start({"torque loop", runtime.torque_priority, runtime.torque_core}, run_torque_loop, &run);
   if (!started) outcome.error = "threads cannot be started; raise the limits of memory and processes";
   hal::MonotonicClock clock;
+  ServiceManager service;
   while (started && !run.torque_done.load(std::memory_order_acquire)) {
     operate(state, signals.stop);
     restore_buses(state);
     take_events(state.mail.events, outcome, state.station);
     tell(state, state.loop_figures.newest(), state.planner_figures.newest());
+    service.tell(clock.now_ns(), state.loop_figures.newest().ticks,
+                 supervisor::name(state.newest_tick.state));
     save_black_box(options, state);
     if (signals.figures.exchange(false)) print_figures(state);
     static_cast<void>(clock.sleep_until(clock.now_ns() + kHousekeepingPeriod_ns));
   }
+  service.tell_end();
   torque_loop.join();
   run.planner_end.store(true, std::memory_order_release);
   planner.join();

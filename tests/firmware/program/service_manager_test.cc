@@ -1,0 +1,83 @@
+#include "firmware/program/service_manager.h"
+
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <cstring>
+#include <string>
+
+namespace stilt::program {
+namespace {
+
+constexpr std::int64_t kSecond_ns = 1'000'000'000;
+
+/// The other end of $NOTIFY_SOCKET.
+class Listener : public testing::Test {
+ protected:
+  Listener() : path_(testing::TempDir() + "stilt_notify_" + std::to_string(getpid())) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    std::strncpy(address.sun_path, path_.c_str(), sizeof address.sun_path - 1);
+    unlink(path_.c_str());
+    socket_ = socket(AF_UNIX, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+    EXPECT_EQ(bind(socket_, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+    setenv("NOTIFY_SOCKET", path_.c_str(), 1);
+  }
+  ~Listener() override {
+    unsetenv("NOTIFY_SOCKET");
+    close(socket_);
+    unlink(path_.c_str());
+  }
+
+  /// What was said since the last call.
+  std::string heard() const {
+    std::string text;
+    char message[512];
+    for (ssize_t size = 0; (size = recv(socket_, message, sizeof message, 0)) > 0;) {
+      text.append(message, static_cast<std::size_t>(size));
+    }
+    return text;
+  }
+
+ private:
+  std::string path_;
+  int socket_ = -1;
+};
+
+TEST_F(Listener, HearsThatItIsReadyOnceTheTorqueLoopTicks) {
+  ServiceManager service;
+  service.tell(kSecond_ns, 0, "boot");
+  EXPECT_EQ(heard(), "STATUS=boot\n");
+  service.tell(2 * kSecond_ns, 250, "idle");
+  EXPECT_EQ(heard(), "READY=1\nWATCHDOG=1\nSTATUS=idle\n");
+}
+
+TEST_F(Listener, HearsThatItLivesOnlyWhileTheTorqueLoopTicks) {
+  ServiceManager service;
+  service.tell(kSecond_ns, 250, "walk");
+  heard();
+  service.tell(kSecond_ns + kSecond_ns / 4, 500, "walk");
+  EXPECT_EQ(heard(), "") << "not at every turn";
+  service.tell(2 * kSecond_ns, 1000, "walk");
+  EXPECT_EQ(heard(), "WATCHDOG=1\n");
+  service.tell(3 * kSecond_ns, 1000, "walk");
+  EXPECT_EQ(heard(), "") << "it stands still";
+}
+
+TEST_F(Listener, HearsTheEnd) {
+  ServiceManager().tell_end();
+  EXPECT_EQ(heard(), "STOPPING=1");
+}
+
+TEST(ServiceManager, SaysNothingWhereNobodyListens) {
+  unsetenv("NOTIFY_SOCKET");
+  ServiceManager service;
+  service.tell(kSecond_ns, 250, "idle");
+  service.tell_end();
+}
+
+}  // namespace
+}  // namespace stilt::program
