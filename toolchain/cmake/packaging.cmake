@@ -26,13 +26,12 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_ROBOT_PACKAGE_NAME stiltd)
-set(CPACK_COMPONENT_ROBOT_DESCRIPTION "controller of a planar walking robot
- Whole-body model predictive control and torque loop over CAN, for the robot's
- computer.")
+set(CPACK_COMPONENT_ROBOT_DESCRIPTION
+  "stiltd, for the robot's computer: whole-body model predictive control and torque loop over CAN.")
 set(CPACK_DEBIAN_ROBOT_PACKAGE_CONTROL_EXTRA ${PROJECT_BINARY_DIR}/packaging/conffiles ${packaging}/postinst)
 set(CPACK_DEBIAN_ROBOT_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 set(CPACK_DEBIAN_HOST_PACKAGE_NAME stilt)
-set(CPACK_COMPONENT_HOST_DESCRIPTION "host tools of the Stilt walking controller
- Simulator, gait synthesis, experiments, monitor, recorder.")
+set(CPACK_COMPONENT_HOST_DESCRIPTION
+  "stilt, for the host: simulator, gait synthesis, experiments, monitor, recorder.")
 file(WRITE ${PROJECT_BINARY_DIR}/packaging/conffiles "/etc/stilt/stiltd.toml\n")
 include(CPack)
