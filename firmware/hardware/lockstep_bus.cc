@@ -72,9 +72,9 @@ bool LockstepClock::open() noexcept {
 }
 
 std::int64_t LockstepClock::sleep_until(std::int64_t time_ns) noexcept {
-  while (!lost_ && now_ns() < time_ns) {
-    lost_ = !take_turns(tick_ + 1);
-    if (!lost_) ++tick_;
+  while (now_ns() < time_ns) {
+    lost_ = lost_ || !take_turns(tick_ + 1);
+    ++tick_;
   }
   return now_ns();
 }

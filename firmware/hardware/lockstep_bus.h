@@ -56,8 +56,8 @@ class LockstepClock final : public hal::Clock {
   [[nodiscard]] std::int64_t now_ns() noexcept override {
     return (1 + static_cast<std::int64_t>(tick_)) * tick_ns_;
   }
-  /// Ends our turn and waits for the robot's, a tick at a time, until the time is reached. When the robot
-  /// does not answer, returns at once and lost() is true from then on.
+  /// Ends our turn and waits for the robot's, a tick at a time, until the time is reached. Once the robot
+  /// has not answered, lost() is true, and time goes on without it: nobody waits for ever.
   [[nodiscard]] std::int64_t sleep_until(std::int64_t time_ns) noexcept override;
 
   /// Opens the exchange. False: the robot does not answer in time.

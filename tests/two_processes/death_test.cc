@@ -1,4 +1,4 @@
-// The controller dies without a word: its motors must not go on.
+// One of the two dies without a word: motors must not go on without their controller, nor it without them.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -62,6 +62,21 @@ TEST(TwoProcesses, ARestartWhileTheRobotIsBeingLiftedEndsInNoFault) {
     EXPECT_TRUE(run.controller_json().at("faults").empty()) << attempt << run.controller_json().at("faults");
   }
   EXPECT_NE(text_of(run.file("controller.err")).find("stand"), std::string::npos) << run.said();
+}
+
+TEST(TwoProcesses, AControllerWhoseRobotDiesInMidWalkDampsAndEnds) {
+  RobotAndController run;
+  run.start_robot({"--lockstep"});
+  run.start_controller({"--lockstep", "--start", "walk@0.5"});
+  ASSERT_TRUE(wait_for_text(run.file("controller.err"), "walk", kLongestRun_s)) << run.said();
+  run.robot().signal(SIGKILL);
+  ASSERT_EQ(run.robot().wait(kLongestRun_s), 128 + SIGKILL);
+  ASSERT_EQ(run.controller().wait(kLongestRun_s), 1) << run.said();
+  const nlohmann::json controller = run.controller_json();
+  EXPECT_EQ(controller.at("last_state"), "fault");
+  EXPECT_EQ(controller.at("faults").at(0).at("name"), "bus_disconnected") << controller.at("faults");
+  EXPECT_EQ(controller.at("faults").at(0).at("reaction"), "damp");
+  EXPECT_NE(text_of(run.file("controller.err")).find("stopped answering"), std::string::npos) << run.said();
 }
 
 TEST(TwoProcesses, ARobotInRealTimeOutlivesItsController) {

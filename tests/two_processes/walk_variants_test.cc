@@ -14,12 +14,14 @@ std::size_t steps_after(const nlohmann::json& robot, double time_s) {
       robot.at("steps"), [time_s](const nlohmann::json& step) { return step.at("time_s") > time_s; }));
 }
 
-/// Faults of the controller, but for the end of the run: the robot leaves first.
+/// Faults of the controller until the end of the run: the robot leaves first, and what follows is its
+/// silence.
 nlohmann::json faults_of(const RobotAndController& run) {
   nlohmann::json faults = nlohmann::json::array();
   const nlohmann::json report = run.controller_json();
   for (const nlohmann::json& fault : report.at("faults")) {
-    if (fault.at("name") != "bus_disconnected") faults.push_back(fault);
+    if (fault.at("name") == "bus_disconnected") break;
+    faults.push_back(fault);
   }
   return faults;
 }

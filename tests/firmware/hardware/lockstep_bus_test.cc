@@ -88,13 +88,14 @@ TEST_F(LockstepTest, ARobotThatIsSilentOnOneBusIsLost) {
   EXPECT_TRUE(clock.lost());
 }
 
-TEST_F(LockstepTest, ABusThatGoesAwayEndsTheWaiting) {
+TEST_F(LockstepTest, ABusThatGoesAwayEndsTheWaitingAndTimeGoesOnWithoutTheRobot) {
   LockstepClock clock(buses, kTick_ns, 1000.0);
   ASSERT_TRUE(clock.open());
   robot[0].gone = true;
   const std::int64_t before_ns = clock.now_ns();
-  EXPECT_EQ(clock.sleep_until(before_ns + kTick_ns), before_ns);
+  EXPECT_EQ(clock.sleep_until(before_ns + 5 * kTick_ns), before_ns + 5 * kTick_ns);
   EXPECT_TRUE(clock.lost());
+  EXPECT_EQ(robot[1].syncs, (std::vector<std::uint64_t>{0, 1})) << "and asks nobody any more";
 }
 
 }  // namespace
