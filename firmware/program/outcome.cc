@@ -15,7 +15,10 @@ using controller::Event;
 constexpr const char* kJoints[] = {"hip_L", "knee_L", "hip_R", "knee_R"};
 
 nlohmann::ordered_json json_of(const diagnostics::Percentiles& percentiles) {
-  return {{"p50", percentiles.p50_us}, {"p99", percentiles.p99_us}, {"max", percentiles.max_us}};
+  return {{"p50", percentiles.p50_us},
+          {"p99", percentiles.p99_us},
+          {"p999", percentiles.p999_us},
+          {"max", percentiles.max_us}};
 }
 
 void say(double time_s, const std::string& text) {

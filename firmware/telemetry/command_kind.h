@@ -17,7 +17,7 @@ enum class CommandKind : std::uint8_t {
   stop,       ///< stand still now and forget what was asked for; of anyone with the token, whoever commands
   reset,      ///< forget faults whose causes are gone
   speed,      ///< value: forward speed of the walk that is on, m/s
-  height,     ///< value: height of the hip, m; 0: as configured
+  height,     ///< value: height of the hip, m
   tunable,    ///< key: section.key of a live tunable; value: its new value
   off,        ///< sit down, let go of the motors, end stiltd
   release,    ///< the commander gives the command up and need not show that he lives

@@ -12,6 +12,8 @@ using supervisor::State;
 
 constexpr std::size_t kLongestName = 64;
 constexpr std::size_t kMostCommanders = 256;
+/// Refusals of those without the token: one in this time is answered.
+constexpr std::int64_t kStrangersApart_ns = 50'000'000;
 
 std::string number_text(double value) {
   char text[32];
@@ -82,7 +84,8 @@ void OperatorDesk::stop(const RobotNow& now) noexcept {
   ask(stands_or_moves(now.state) ? RequestKind::stand : RequestKind::none);
 }
 
-std::string OperatorDesk::refusal(const Asked& asked, const RobotNow& now) {
+/// Why somebody has no say here; empty: he has the token.
+std::string OperatorDesk::refusal_of_stranger(const Asked& asked) const {
   if (asked.session != rules_.session) {
     return "the command is for another session of stiltd than the one that runs; take the session from the "
            "configuration topic";
@@ -90,6 +93,17 @@ std::string OperatorDesk::refusal(const Asked& asked, const RobotNow& now) {
   if (!same_secret(asked.token, rules_.token)) {
     return "the token is wrong; it is the first line of " + rules_.token_file + " on the robot";
   }
+  return {};
+}
+
+Answer OperatorDesk::refuse_stranger(std::string reason, const RobotNow& now) noexcept {
+  const bool silent = stranger_told_ && now.wall_ns - stranger_told_wall_ns_ < kStrangersApart_ns;
+  if (!silent) stranger_told_wall_ns_ = now.wall_ns;
+  stranger_told_ = true;
+  return {false, silent, std::move(reason)};
+}
+
+std::string OperatorDesk::refusal(const Asked& asked, const RobotNow& now) {
   if (asked.commander.empty() || asked.commander.size() > kLongestName) {
     return "a commander needs a name of 1 to 64 characters";
   }
@@ -171,7 +185,9 @@ std::string OperatorDesk::obey(const Asked& asked, CommandKind kind, const Robot
 }
 
 Answer OperatorDesk::take(const Asked& asked, const RobotNow& now) {
-  std::string reason = refusal(asked, now);
+  std::string reason = refusal_of_stranger(asked);
+  if (!reason.empty()) return refuse_stranger(std::move(reason), now);
+  reason = refusal(asked, now);
   if (!reason.empty()) return {false, false, std::move(reason)};
   const auto kind = static_cast<CommandKind>(asked.kind);
   const bool moves = is_order(kind) && kind != CommandKind::height && kind != CommandKind::tunable;

@@ -33,7 +33,8 @@ struct Asked {
   std::string key;
 };
 
-/// What became of it. A heartbeat that is fine needs no answer.
+/// What became of it. No answer is sent when it is silent: a heartbeat that is fine needs none, and those
+/// without the token get at most twenty a second, so that a flood of theirs does not become a flood of ours.
 struct Answer {
   bool accepted = false;
   bool silent = false;
@@ -73,6 +74,8 @@ class OperatorDesk {
   [[nodiscard]] bool alive(const RobotNow& now) const noexcept;
 
  private:
+  [[nodiscard]] std::string refusal_of_stranger(const Asked& asked) const;
+  [[nodiscard]] Answer refuse_stranger(std::string reason, const RobotNow& now) noexcept;
   [[nodiscard]] std::string refusal(const Asked& asked, const RobotNow& now);
   [[nodiscard]] std::string refusal_of_order(const Asked& asked, CommandKind kind, const RobotNow& now) const;
   [[nodiscard]] std::string obey(const Asked& asked, CommandKind kind, const RobotNow& now);
@@ -88,6 +91,8 @@ class OperatorDesk {
   supervisor::Request request_;
   bool took_over_ = false;    ///< the script has no say any more
   bool standing_up_ = false;  ///< after the bring-up: stand
+  bool stranger_told_ = false;
+  std::int64_t stranger_told_wall_ns_ = 0;  ///< when somebody without the token was answered last
 };
 
 }  // namespace stilt::telemetry

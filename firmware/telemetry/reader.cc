@@ -34,11 +34,11 @@ std::expected<Reader, std::string> Reader::open(const Participant& participant, 
                          dds_strretcode(made.reader_.get()));
 }
 
-int Reader::take(const std::function<void(Sample&&)>& use) {
+int Reader::take(const std::function<void(Sample&&)>& use, int at_most) {
   std::array<ddsi_serdata*, kAtOnce> data{};
   std::array<dds_sample_info_t, kAtOnce> infos{};
   int taken = 0;
-  for (;;) {
+  while (taken < at_most) {
     const dds_return_t count = dds_takecdr(reader_.get(), data.data(), kAtOnce, infos.data(), DDS_ANY_STATE);
     for (dds_return_t i = 0; i < count; ++i) {
       const auto n = static_cast<std::size_t>(i);
@@ -48,8 +48,9 @@ int Reader::take(const std::function<void(Sample&&)>& use) {
       }
       ddsi_serdata_unref(data[n]);
     }
-    if (count < static_cast<dds_return_t>(kAtOnce)) return taken;
+    if (count < static_cast<dds_return_t>(kAtOnce)) break;
   }
+  return taken;
 }
 
 int Reader::senders() const {

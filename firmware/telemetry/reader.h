@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <expected>
 #include <functional>
+#include <limits>
 #include <string>
 
 #include "firmware/telemetry/cdr.h"
@@ -32,8 +33,10 @@ class Reader {
   [[nodiscard]] static std::expected<Reader, std::string> open(const Participant& participant,
                                                                const Topic& topic, int keeps = 0);
 
-  /// Gives every new sample to `use`, oldest first. Returns how many.
-  int take(const std::function<void(Sample&&)>& use);
+  /// Gives new samples to `use`, oldest first, and returns how many. All of them; who sends faster than they
+  /// are used would keep it from returning, so a caller that must go on says how many at most, in steps
+  /// of 64.
+  int take(const std::function<void(Sample&&)>& use, int at_most = std::numeric_limits<int>::max());
 
   /// Senders that are known now.
   [[nodiscard]] int senders() const;

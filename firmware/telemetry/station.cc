@@ -11,6 +11,10 @@ namespace {
 constexpr double kFlush_s = 1.0;
 /// Fewer than the sender keeps (kTicks).
 constexpr std::uint64_t kBatchesAhead = 100;
+/// Commands that may wait, and those taken at a time. Somebody who floods the topic, token or not, neither
+/// pushes a commander's words out before they are read nor keeps this thread from its other work.
+constexpr int kCommandsWait = 4096;
+constexpr int kCommandsAtOnce = 1024;
 constexpr std::uint8_t kCommandEvent = 4;
 constexpr std::uint8_t kCommanderEvent = 5;
 
@@ -79,7 +83,7 @@ std::expected<void, std::string> Station::join() {
   auto ros = RosPublisher::open(*participant_);
   if (!ros) return std::unexpected(ros.error());
   ros_ = std::make_unique<RosPublisher>(std::move(*ros));
-  auto commands = Reader::open(*participant_, kCommands);
+  auto commands = Reader::open(*participant_, kCommands, kCommandsWait);
   if (!commands) return std::unexpected(commands.error());
   commands_ = std::make_unique<Reader>(std::move(*commands));
   auto twists = Reader::open(*participant_, kSpeedCommands);
@@ -187,12 +191,16 @@ void Station::watch_commander() {
 }
 
 controller::OperatorCommand Station::operate(const controller::OperatorCommand& script) {
-  commands_->take([this](Sample&& sample) {
-    if (const auto command = sample.as<Command>()) answer(*command);
-  });
-  twists_->take([this](Sample&& sample) {
-    if (const auto twist = sample.as<Twist>()) desk_->twist(twist->linear.x, now());
-  });
+  commands_->take(
+      [this](Sample&& sample) {
+        if (const auto command = sample.as<Command>()) answer(*command);
+      },
+      kCommandsAtOnce);
+  twists_->take(
+      [this](Sample&& sample) {
+        if (const auto twist = sample.as<Twist>()) desk_->twist(twist->linear.x, now());
+      },
+      kCommandsAtOnce);
   const controller::OperatorCommand command = desk_->command(script, now());
   watch_commander();
   return command;
