@@ -2,8 +2,10 @@
 
 #include <atomic>
 #include <csignal>
+#include <sstream>
 
 #include "host_tools/cli/network_options.h"
+#include "host_tools/cli/usage_error.h"
 #include "host_tools/foxglove/bridge.h"
 #include "host_tools/monitor/dds_source.h"
 #include "host_tools/monitor/serve.h"
@@ -19,6 +21,26 @@ void catch_signals() {
   action.sa_handler = [](int) { stop.store(true); };
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
+}
+
+monitor::Origins viewers_of(const std::string& text) {
+  if (text == "any") return {.any = true};
+  monitor::Origins origins;
+  if (text == "none") return origins;
+  std::istringstream list(text);
+  for (std::string origin; std::getline(list, origin, ',');) {
+    const std::size_t scheme = origin.find("://");
+    const bool whole = scheme != std::string::npos && scheme > 0 && scheme + 3 < origin.size() &&
+                       origin.find_first_of("/ ", scheme + 3) == std::string::npos;
+    if (!whole) {
+      throw UsageError(
+          "--viewers: \"" + origin +
+          "\" is no site; write any, none, or origins such as https://app.foxglove.dev, without a "
+          "path, separated by commas");
+    }
+    origins.named.push_back(origin);
+  }
+  return origins;
 }
 
 }  // namespace
@@ -40,6 +62,12 @@ CLI::App* add_monitor_command(CLI::App& program, MonitorOptions& options) {
       ->excludes(token);
   monitor->add_flag("--terminal", options.terminal, "the essentials on this terminal instead; q quits");
   monitor->add_flag("--no-browser", options.no_browser, "only prints the address");
+  monitor
+      ->add_option(
+          "--viewers", options.viewers,
+          "sites whose pages may look through the Foxglove WebSocket, which takes no commands: any, none, "
+          "or a list such as https://app.foxglove.dev,http://localhost:8081")
+      ->capture_default_str();
   add_network_options(*monitor, options.network);
   monitor->footer(
       "The page shows everything and commands the robot; see docs/monitor.md. Viewers that know the "
@@ -49,6 +77,7 @@ CLI::App* add_monitor_command(CLI::App& program, MonitorOptions& options) {
 }
 
 int run_monitor(const MonitorOptions& options) {
+  const monitor::Origins may_look = viewers_of(options.viewers);
   const std::string token =
       options.token_file.empty() ? options.token : host_telemetry::read_token(options.token_file);
   monitor::DdsSource source(options.network, token);
@@ -61,7 +90,7 @@ int run_monitor(const MonitorOptions& options) {
   serve.open_browser = !options.no_browser;
   serve.stop = &stop;
   serve.extend = [&](monitor::WebServer& server) {
-    server.add_endpoint(foxglove::FoxgloveEndpoint::options(), viewers);
+    server.add_endpoint(foxglove::FoxgloveEndpoint::options(may_look), viewers);
   };
   monitor::serve(source, serve);
   return 0;

@@ -13,6 +13,7 @@ struct MonitorOptions {
   std::string address = "127.0.0.1";
   int port = 8080;
   std::string token, token_file;
+  std::string viewers = "any";  ///< sites of Foxglove viewers: any, none, or origins with commas between
   bool terminal = false;
   bool no_browser = false;
 };

@@ -63,8 +63,8 @@ std::string time_text() {
 FoxgloveEndpoint::FoxgloveEndpoint(std::string name)
     : name_(std::move(name)), session_(time_text()), channels_(record::Recorder::topics()) {}
 
-monitor::EndpointOptions FoxgloveEndpoint::options() {
-  return {"/", {"foxglove.sdk.v1", "foxglove.websocket.v1"}, true};
+monitor::EndpointOptions FoxgloveEndpoint::options(monitor::Origins viewers) {
+  return {"/", {"foxglove.sdk.v1", "foxglove.websocket.v1"}, std::move(viewers)};
 }
 
 bool FoxgloveEndpoint::has_clients() const {

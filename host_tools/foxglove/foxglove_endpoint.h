@@ -24,9 +24,9 @@ class FoxgloveEndpoint final : public monitor::Endpoint {
   /// @param name  for people, shown by viewers
   explicit FoxgloveEndpoint(std::string name);
 
-  /// Where it belongs on a server: the path "/" and both names of the protocol. Viewers are pages of other
-  /// sites.
-  [[nodiscard]] static monitor::EndpointOptions options();
+  /// Where it belongs on a server: the path "/" and both names of the protocol.
+  /// @param viewers  sites whose pages may look; a viewer's page mostly comes from another one
+  [[nodiscard]] static monitor::EndpointOptions options(monitor::Origins viewers = {.any = true});
 
   /// Sends a sample to everyone who subscribed to its topic. Any thread.
   /// @param time_ns  time of day

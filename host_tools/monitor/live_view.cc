@@ -21,7 +21,7 @@ void LiveView::step(double now_s) {
   now_s_ = now_s;
   welcome_new_pages();
   obey_pages(now_s);
-  source_.poll(*this);
+  if (source_.live() || watched_) source_.poll(*this);
   flush_tables(now_s);
   send_heartbeats(now_s);
   send_link_status(now_s);
@@ -55,6 +55,7 @@ void LiveView::welcome_new_pages() {
     pages_.push_back({peer, random_number(), now_s_, {}, false});
     peer->send(hello_message(source_, lends_token(pages_.back())));
     history_.send_to(*peer);
+    watched_ = true;
   }
   std::erase_if(pages_, [&](const Page& page) {
     return std::find(closed.begin(), closed.end(), page.peer.get()) != closed.end();
@@ -81,6 +82,7 @@ void LiveView::obey(Page& page, const std::string& text, double now_s) {
     page.peer->send(reply_message(0, false, message.error()));
     return;
   }
+  if (message->again && !source_.live()) play_again();
   if (!message->is_command) return;
   Command& command = message->command;
   if (!source_.live()) {
@@ -96,6 +98,19 @@ void LiveView::obey(Page& page, const std::string& text, double now_s) {
   command.commander = page.commander;
   asked_[page.commander] = command.token;
   source_.command(command);
+}
+
+/// Everybody sees the record from its start, as if the page were opened anew.
+void LiveView::play_again() {
+  source_.play_again();
+  history_ = {};
+  ticks_.clear();
+  cycles_.clear();
+  truths_.clear();
+  session_.clear();
+  link_ = {};
+  ticks_follow_ = false;
+  for (const Page& page : pages_) page.peer->send(hello_message(source_, lends_token(page)));
 }
 
 bool LiveView::lends_token(const Page& page) const { return source_.has_token() && page.peer->local(); }

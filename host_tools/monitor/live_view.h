@@ -60,6 +60,7 @@ class LiveView final : public Endpoint, private SampleSink {
   void obey_pages(double now_s);
   void obey(Page& page, const std::string& text, double now_s);
   void flush_tables(double now_s);
+  void play_again();
   void send_heartbeats(double now_s);
   void send_link_status(double now_s);
   void send(const SharedMessage& message);
@@ -74,6 +75,7 @@ class LiveView final : public Endpoint, private SampleSink {
   LinkStatus link_;
   std::uint64_t next_tick_ = 0;
   bool ticks_follow_ = false;  ///< next_tick_ is known
+  bool watched_ = false;       ///< a page was open; a record waits for one
   double now_s_ = 0.0;
   double newest_s_ = 0.0;
   double heartbeat_s_ = -1.0;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "firmware/supervisor/fault.h"
 #include "firmware/telemetry/cdr.h"
 
 namespace stilt::monitor {
@@ -116,7 +117,10 @@ SupervisorSample supervisor_sample(const telemetry::Supervisor& message) {
 
 EventSample event_sample(const telemetry::Event& message) {
   constexpr int kFault = 1, kBringUpFailed = 3;
-  return {message.time_s, message.text, message.kind == kFault || message.kind == kBringUpFailed};
+  const bool fault = message.kind == kFault && message.fault < supervisor::kFaults;
+  const bool warning =
+      fault && supervisor::kFaultTable[message.fault].severity == supervisor::Severity::warning;
+  return {message.time_s, message.text, (fault && !warning) || message.kind == kBringUpFailed, warning};
 }
 
 TimingSample timing_sample(const telemetry::Timing& message) {

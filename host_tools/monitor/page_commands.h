@@ -9,12 +9,13 @@
 
 /// What the page sends: {"alive": true} several times a second, and
 /// {"command": "walk", "sequence": 3, "value": 0.5, "tunable": "", "token": ""}, where only the first two
-/// must be there.
+/// must be there; and {"again": true}, which a record obeys.
 namespace stilt::monitor {
 
 /// A message of the page.
 struct PageMessage {
   bool is_command = false;  ///< false: a sign of life
+  bool again = false;       ///< a record shall play from its start
   Command command;          ///< `commander` is left to the caller
 };
 

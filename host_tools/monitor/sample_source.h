@@ -46,6 +46,9 @@ class SampleSource {
   /// Sends a command; its reply comes with a later poll(). A record answers that it takes none.
   virtual void command(const Command& command) = 0;
 
+  /// A record plays from its start again; nothing happens to a live source.
+  virtual void play_again() {}
+
   /// One line for people: "domain 0 on lo", "walk.mcap".
   [[nodiscard]] virtual std::string describe() const = 0;
 

@@ -67,7 +67,7 @@ struct SupervisorSample {
   double ramp = 0.0;             ///< share of the torque law, 0 to 1
   int gait = 0;                  ///< in force, number of gait::GaitKind
   double speed_m_s = 0.0;        ///< in force, of walk
-  double base_height_m = 0.0;    ///< in force; 0 when it is the configuration's
+  double base_height_m = 0.0;    ///< of the hip, in force; 0: not known
   std::string commander;         ///< who is in command; empty: nobody
   bool commander_alive = false;  ///< his heartbeat is heard
 };
@@ -76,7 +76,8 @@ struct SupervisorSample {
 struct EventSample {
   double time_s = 0.0;
   std::string text;
-  bool serious = false;  ///< a fault, a refusal
+  bool serious = false;  ///< a fault, and more than a warning
+  bool warning = false;
 };
 
 /// Bins of durations.

@@ -34,7 +34,7 @@ void serve(SampleSource& source, const ServeOptions& options) {
   LiveView view(source);
   WebServer server(options.server);
   server.serve_page(kMonitorPage);
-  server.add_endpoint({"/live", {}, false}, view);
+  server.add_endpoint({"/live", {}, {}}, view);
   options.extend(server);
   std::printf("monitor: %s\n", server.url().c_str());
   std::fflush(stdout);

@@ -3,10 +3,12 @@
 #include <termios.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <string_view>
 #include <thread>
 
 #include "host_tools/monitor/terminal_view.h"
@@ -43,9 +45,15 @@ class RawTerminal {
   bool is_terminal_ = false;
 };
 
-std::size_t columns() {
+struct Size {
+  std::size_t columns = 100, rows = 40;
+};
+
+/// Of the terminal now: it may change while it is looked at.
+Size terminal_size() {
   winsize size{};
-  return ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 20 ? size.ws_col : 100;
+  if (ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0 || size.ws_row < 3) return {};
+  return {size.ws_col, size.ws_row};
 }
 
 /// True after q, or the end of the input.
@@ -58,14 +66,18 @@ bool wants_to_quit() {
   return false;
 }
 
-/// Draws over what was there, so that nothing flickers.
+/// Draws over what was there, so that nothing flickers. Faults stand out, and what is old.
 void show(const std::string& text) {
+  constexpr std::string_view kStandOut[] = {"FAULT", "OLD: "};
   std::string screen = "\x1b[H";
-  for (const char letter : text) {
-    if (letter == '\n') screen += "\x1b[K";
-    screen += letter;
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    const bool stands_out = std::ranges::any_of(
+        kStandOut, [&](std::string_view word) { return text.compare(at, word.size(), word) == 0; });
+    if (stands_out) screen += "\x1b[1;31m";
+    if (text[at] == '\n') screen += "\x1b[0m\x1b[K\r";
+    screen += text[at];
   }
-  screen += "\n\x1b[Kq quits\x1b[K\x1b[J";
+  screen += "\x1b[Kq quits\x1b[K\x1b[J";
   std::fputs(screen.c_str(), stdout);
   std::fflush(stdout);
 }
@@ -88,7 +100,8 @@ int run_terminal(SampleSource& source) {
     view.step(now_s);
     if (now_s - drawn_s > kDrawPeriod_s) {
       drawn_s = now_s;
-      show(view.text(columns()));
+      const Size size = terminal_size();
+      show(view.text(size.columns, size.rows - 1));
     }
     std::this_thread::sleep_for(kPoll);
   }

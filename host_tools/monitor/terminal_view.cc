@@ -20,16 +20,17 @@ std::string line(const char* format, Values... values) {
   return std::string(buffer) + "\n";
 }
 
-/// Longer lines end early; the terminal never wraps.
-std::string cut(const std::string& text, std::size_t columns) {
+/// Longer lines end early and lines below the last row are left out; the terminal neither wraps nor scrolls.
+std::string cut(const std::string& text, std::size_t columns, std::size_t rows) {
   std::string out;
-  std::size_t length = 0;
+  std::size_t length = 0, lines = 0;
   for (const char letter : text) {
     if (letter == '\n')
       length = 0;
     else if (++length > columns)
       continue;
     out += letter;
+    if (letter == '\n' && ++lines == rows) break;
   }
   return out;
 }
@@ -114,32 +115,37 @@ std::string TerminalView::timing_text() const {
   return text;
 }
 
-std::string TerminalView::text(std::size_t columns) const {
+std::string TerminalView::state_text() const {
+  const auto state = static_cast<supervisor::State>(supervisor_->state);
+  const auto rung = static_cast<supervisor::Rung>(supervisor_->rung);
+  std::string follows = name(rung);
+  std::ranges::replace(follows, '_', ' ');
+  std::string text = line("state     %s (%s); %s", name(state), description(state), follows.c_str());
+  const bool walks = supervisor_->gait == 2;
+  const char* who = supervisor_->commander.empty() ? "nobody in command" : supervisor_->commander.c_str();
+  const char* silent = supervisor_->commander.empty() || supervisor_->commander_alive ? "" : " (silent)";
+  text += walks ? line("command   walk %.2f m/s, %s%s", supervisor_->speed_m_s, who, silent)
+                : line("command   %s, %s%s", supervisor_->gait == 1 ? "step" : "stand", who, silent);
+  return text;
+}
+
+/// Most important first, as a small terminal shows no more.
+std::string TerminalView::text(std::size_t columns, std::size_t rows) const {
   std::string text =
       line("stilt monitor   %s   %s", configuration_.robot.c_str(), link_text().c_str()) + "\n";
-  if (supervisor_) {
-    const auto state = static_cast<supervisor::State>(supervisor_->state);
-    const auto rung = static_cast<supervisor::Rung>(supervisor_->rung);
-    text += line("state     %s (%s); %s", name(state), description(state), name(rung));
-    text += line("command   %s %.2f m/s, %s",
-                 supervisor_->gait == 2   ? "walk"
-                 : supervisor_->gait == 1 ? "step"
-                                          : "stand",
-                 supervisor_->gait == 2 ? supervisor_->speed_m_s : 0.0,
-                 supervisor_->commander.empty() ? "nobody in command" : supervisor_->commander.c_str());
-  }
+  if (supervisor_) text += state_text();
   if (tick_) {
     text += line("speed     %+.2f m/s   x %.2f m   hip %.3f m   lean %+.3f rad", speed_m_s_,
                  tick_->estimated_state[0], tick_->estimated_state[1], tick_->estimated_state[2]);
   }
+  if (supervisor_) text += fault_text();
   if (cycle_) {
     text += line("solver    %d iterations, %s, defect %.1e, equalities %.1e", cycle_->iterations,
                  duration(cycle_->solve_us).c_str(), cycle_->defect_max, cycle_->equality_violation_max);
   }
   if (timing_) text += timing_text();
-  if (supervisor_) text += fault_text();
   for (const EventSample& event : events_) text += line("%8.2f  %s", event.time_s, event.text.c_str());
-  return cut(text, columns);
+  return cut(text, columns, rows);
 }
 
 }  // namespace stilt::monitor

@@ -17,12 +17,12 @@ class TerminalView final : private SampleSink {
   /// Takes what is new. @param now_s  of a steady clock
   void step(double now_s);
 
-  /// The screen, lines of at most `columns` characters, each ending with a line feed.
-  [[nodiscard]] std::string text(std::size_t columns) const;
+  /// The screen: at most `rows` lines of at most `columns` characters, each ending with a line feed.
+  [[nodiscard]] std::string text(std::size_t columns, std::size_t rows) const;
 
  private:
-  /// Faults and events shown at most.
-  static constexpr std::size_t kEvents = 6;
+  /// Events shown at most.
+  static constexpr std::size_t kEvents = 12;
 
   void configuration(const ConfigurationSample& sample) override;
   void tick(const TickSample& sample) override;
@@ -35,6 +35,7 @@ class TerminalView final : private SampleSink {
   void reply(const ReplySample&) override {}
 
   [[nodiscard]] std::string link_text() const;
+  [[nodiscard]] std::string state_text() const;
   [[nodiscard]] std::string fault_text() const;
   [[nodiscard]] std::string timing_text() const;
 

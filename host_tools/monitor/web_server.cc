@@ -145,8 +145,10 @@ class WebServer::Implementation {
     const auto& socket = *static_cast<Socket*>(context);
     if (!socket.server->host_fits(connection)) return kSwitchingRefused;
     const std::string origin = header(connection, "Origin");
-    if (socket.options.any_origin || origin.empty()) return kProceed;
-    return origin == "http://" + header(connection, "Host") ? kProceed : kSwitchingRefused;
+    const Origins& others = socket.options.origins;
+    const bool welcome = origin.empty() || origin == "http://" + header(connection, "Host") || others.any ||
+                         std::ranges::find(others.named, origin) != others.named.end();
+    return welcome ? kProceed : kSwitchingRefused;
   }
 
   static void ready(mg_connection* connection, void* context) {

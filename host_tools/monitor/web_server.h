@@ -44,11 +44,17 @@ class Endpoint {
   virtual void closed(Peer& peer) = 0;
 };
 
+/// Other sites whose pages may connect, beside those of this server. Programs, which name no site, always
+/// may.
+struct Origins {
+  bool any = false;
+  std::vector<std::string> named{};  ///< "https://app.foxglove.dev"
+};
+
 struct EndpointOptions {
   std::string path;                       ///< "/live"
   std::vector<std::string> subprotocols;  ///< those accepted; empty: none is asked for
-  /// False: only pages of this server may connect, so that no other site in the user's browser can command.
-  bool any_origin = false;
+  Origins origins;  ///< none for what commands, so that no other site in the user's browser can
 };
 
 struct ServerOptions {

@@ -9,11 +9,12 @@ function makeView(context, width, height, centre_x, base_z, scale) {
   };
 }
 
-/** Fits a canvas to its box in device pixels; returns its context and size in CSS pixels. */
-function fitCanvas(canvas) {
+/**
+ * Fits a canvas to its box in device pixels; returns its context and size in CSS pixels. Who draws often gives the
+ * size of the box, as asking for it makes the browser lay the page out.
+ */
+function fitCanvas(canvas, { width, height } = { width: canvas.clientWidth, height: canvas.clientHeight }) {
   const ratio = window.devicePixelRatio || 1;
-  const width = canvas.clientWidth;
-  const height = canvas.clientHeight;
   if (canvas.width !== Math.round(width * ratio) || canvas.height !== Math.round(height * ratio)) {
     canvas.width = Math.round(width * ratio);
     canvas.height = Math.round(height * ratio);

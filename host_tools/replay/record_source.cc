@@ -20,14 +20,14 @@ telemetry::Sample sample_of(const mcap::ReadMessage& read, const telemetry::Topi
 }  // namespace
 
 RecordSource::RecordSource(const std::string& path, std::function<Clock::time_point()> now)
-    : path_(path), now_(std::move(now)), reader_(path) {}
+    : path_(path), now_(std::move(now)), reader_(std::make_unique<mcap::Reader>(path)) {}
 
 /// Takes the next message, and when it is due: ticks carry the time, everything else comes with those before
 /// it.
 void RecordSource::advance() {
   next_.reset();
   while (!next_) {
-    const mcap::ReadMessage* read = reader_.next();
+    const mcap::ReadMessage* read = reader_->next();
     if (read == nullptr) {
       ended_ = true;
       return;
@@ -59,6 +59,16 @@ void RecordSource::poll(monitor::SampleSink& sink) {
     decoder_.take(*next_, sink);
     advance();
   }
+}
+
+void RecordSource::play_again() {
+  reader_ = std::make_unique<mcap::Reader>(path_);
+  decoder_ = {};
+  start_.reset();
+  next_.reset();
+  tick_ns_.reset();
+  due_s_ = 0.0;
+  ended_ = false;
 }
 
 void RecordSource::command(const monitor::Command& command) {

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -11,7 +12,7 @@
 
 namespace stilt::replay {
 
-/// A record for the monitor, played once as fast as it happened: by the clock of the torque loop, which in
+/// A record for the monitor, played as fast as it happened: by the clock of the torque loop, which in
 /// lock-step is not that of the recording. Time in which nothing was recorded is left out.
 class RecordSource final : public monitor::SampleSource {
  public:
@@ -23,6 +24,7 @@ class RecordSource final : public monitor::SampleSource {
 
   void poll(monitor::SampleSink& sink) override;
   void command(const monitor::Command& command) override;
+  void play_again() override;
   [[nodiscard]] std::string describe() const override { return path_; }
   [[nodiscard]] bool live() const override { return false; }
 
@@ -31,7 +33,7 @@ class RecordSource final : public monitor::SampleSource {
 
   std::string path_;
   std::function<Clock::time_point()> now_;
-  mcap::Reader reader_;
+  std::unique_ptr<mcap::Reader> reader_;
   monitor::MessageDecoder decoder_;
   std::optional<Clock::time_point> start_;  ///< of playing
   std::optional<telemetry::Sample> next_;   ///< not yet due

@@ -1,13 +1,16 @@
-// node foxglove_client.cjs URL SUBPROTOCOL TOPIC...: connects as a viewer does, with @foxglove/ws-protocol, takes
-// the first message of each topic apart, and prints {protocol, info, channels, messages}.
+// node foxglove_client.cjs URL SUBPROTOCOL [--origin=SITE] TOPIC...: connects as a viewer does, as a page of SITE or as
+// a program, with @foxglove/ws-protocol, takes the first message of each topic apart, and prints {protocol, info,
+// channels, messages}.
 "use strict";
 const { WebSocket } = require("ws");
 const { FoxgloveClient } = require("@foxglove/ws-protocol");
 const { parse } = require("@foxglove/rosmsg");
 const { MessageReader } = require("@foxglove/rosmsg2-serialization");
 
-const [url, subprotocol, ...topics] = process.argv.slice(2);
-const socket = new WebSocket(url, [subprotocol]);
+const [url, subprotocol, ...rest] = process.argv.slice(2);
+const topics = rest.filter((word) => !word.startsWith("--"));
+const origin = rest.find((word) => word.startsWith("--origin="))?.slice("--origin=".length);
+const socket = new WebSocket(url, [subprotocol], { origin });
 const client = new FoxgloveClient({ ws: socket });
 const found = { info: null, channels: [], messages: {} };
 const channelOf = new Map();  // by subscription

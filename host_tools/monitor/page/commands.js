@@ -3,6 +3,7 @@
 const kAlivePeriod_ms = 100;
 const kSpeedPeriod_ms = 100;
 const kPatience_ms = 3000;
+const kHeightTunable = 'reference.base_height_m';
 const kKeys = { s: 'stand', t: 'step', w: 'walk', d: 'sit', r: 'reset' };
 
 class CommandPanel {
@@ -15,6 +16,7 @@ class CommandPanel {
     this.token = document.getElementById('token');
     this.speed = document.getElementById('speed');
     this.speedSent_ms = 0;
+    this.height = document.getElementById('height');
     const given = new URLSearchParams(window.location.hash.slice(1)).get('token');
     this.token.value = given ?? sessionStorage.getItem('token') ?? '';
     this.token.addEventListener('input', () => sessionStorage.setItem('token', this.token.value));
@@ -22,9 +24,12 @@ class CommandPanel {
     for (const button of document.querySelectorAll('[data-command]')) {
       button.addEventListener('click', () => this.ask(button.dataset.command));
     }
+    document.getElementById('again').addEventListener('click', () => this.connection.send({ again: true }));
     document.getElementById('stop').addEventListener('click', () => this.ask('stop'));
     this.speed.addEventListener('input', () => this.changeSpeed());
     this.showSpeed();
+    this.height.addEventListener('input', () => this.showHeight());
+    this.height.addEventListener('change', () => this.changeHeight());
     document.addEventListener('keydown', (event) => this.key(event), true);
     this.beat();
   }
@@ -32,16 +37,46 @@ class CommandPanel {
   greet(hello) {
     for (const button of document.querySelectorAll('[data-command], #stop')) button.disabled = !hello.live;
     document.getElementById('token-box').open = hello.live && !hello.has_token && this.token.value === '';
-    if (!hello.live) this.say('A record: it takes no commands.', '');
+    for (const id of ['gaits', 'sliders', 'token-box', 'stop']) document.getElementById(id).hidden = !hello.live;
+    document.getElementById('again').hidden = hello.live;
+    if (!hello.live) this.say(`A record: it takes no commands. ${hello.source}`, '');
   }
 
-  /** The slider goes as far as the controller lets. */
+  /** The sliders go as far as the controller lets. */
   configure(configuration) {
+    this.configureHeight(configuration.tunables.find((tunable) => tunable.name === kHeightTunable));
     const limit = Number(configuration.toml.match(/^speed_limit_m_s = ([\d.e+-]+)/m)?.[1]);
     if (!(limit > 0)) return;
     this.speed.min = String(-limit);
     this.speed.max = String(limit);
     this.showSpeed();
+  }
+
+  configureHeight(tunable) {
+    this.height.disabled = tunable === undefined || !this.robot.hello.live;
+    if (tunable === undefined) return;
+    this.height.min = String(tunable.min);
+    this.height.max = String(tunable.max);
+    this.heightInForce_m = tunable.value;
+    this.height.value = String(tunable.value);
+    this.showHeight();
+  }
+
+  showHeight() {
+    document.getElementById('height-value').textContent = `${Number(this.height.value).toFixed(3)} m`;
+  }
+
+  /** Asked for when the slider is let go, as the planner's terminal cost is worked out anew for each. */
+  changeHeight() {
+    this.showHeight();
+    const value = Number(this.height.value);
+    this.ask('height', { value, what: `hip height ${value.toFixed(3)} m` });
+  }
+
+  nudgeHeight(steps) {
+    if (this.height.disabled) return;
+    this.height.value = String(Number(this.height.value) + 0.01 * steps);
+    this.changeHeight();
   }
 
   /** Sends a command; the answer appears below the buttons. */
@@ -68,6 +103,10 @@ class CommandPanel {
     this.waiting.delete(message.sequence);
     if (message.accepted) this.say(`${asked.what}: accepted`, 'good');
     else this.say(`${asked.what}: refused. ${message.reason}`, 'bad');
+    if (!message.accepted && this.heightInForce_m !== undefined) {
+      this.height.value = String(this.heightInForce_m);
+      this.showHeight();
+    }
   }
 
   say(text, kind) {
@@ -112,6 +151,8 @@ class CommandPanel {
     if (command) this.ask(command);
     else if (event.key === 'ArrowUp' && event.target !== this.speed) this.nudge(1);
     else if (event.key === 'ArrowDown' && event.target !== this.speed) this.nudge(-1);
+    else if (event.key === '+' || event.key === '=') this.nudgeHeight(1);
+    else if (event.key === '-') this.nudgeHeight(-1);
     else return;
     event.preventDefault();
   }

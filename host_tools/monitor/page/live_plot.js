@@ -1,7 +1,9 @@
 // One plot of the last seconds. `plot`: {title, axis, unit, digits, table, lines: [{label, colour, column, dash}],
-// limits, logarithmic, fromZero}; an unnamed line has no value in the caption;; `table` is one of RobotState.tables.
+// limits, logarithmic, fromZero}; an unnamed line has no value in the caption; `table` is one of RobotState.tables.
 
 const kPlotHeight_px = 172;
+/** Wider lines take a browser without a graphics processor twice as long, more than all else on the page together. */
+const kLineWidth_px = 1;
 
 /** A y range that grows at once and shrinks only when it has long been too large, with round ends. */
 class SteadyRange {
@@ -54,10 +56,14 @@ function legendItem(line) {
 }
 
 class LivePlot {
-  constructor(group, plot, container) {
+  /** `phase`, 0 to 1: plots that move by a pixel at different times do not all have to be drawn in the same frame. */
+  constructor(group, plot, container, phase) {
     this.group = group;
     this.plot = plot;
+    this.phase = phase;
     this.visible = true;
+    this.from_s = 0;
+    this.to_s = 1;
     this.drawn = 0;
     this.wrote_s = 0;
     this.steady = new SteadyRange(plot);
@@ -88,13 +94,13 @@ class LivePlot {
     const series = plot.lines.map((line) => ({
       label: line.label,
       stroke: colours[line.colour],
-      width: line.width ?? 1.4,
+      width: kLineWidth_px,
       dash: line.dash,
       points: { show: false },
       paths: line.steps ? uPlot.paths.stepped({ align: 1 }) : undefined,
     }));
     const axes = uplotAxes(plot, colours);
-    axes[0].values = (u, ticks) => ticks.map((tick) => `${formatTick(Number((tick - group.to_s).toFixed(3)))} s`);
+    axes[0].values = (u, ticks) => ticks.map((tick) => `${formatTick(Number((tick - this.to_s).toFixed(3)))} s`);
     axes[0].splits = (u, axis, low, high) => group.splits(low, high);
     this.u = new uPlot({
       width: this.width(),
@@ -102,11 +108,12 @@ class LivePlot {
       padding: [6, 14, 0, 0],
       legend: { show: false },
       cursor: { sync: { key: 'live' }, drag: { x: false, y: false }, points: { size: 5 } },
-      scales: { x: { time: false, range: () => [group.from_s, group.to_s] }, y },
+      scales: { x: { time: false, range: () => [this.from_s, this.to_s] }, y },
       axes,
       series: [{}, ...series],
       hooks: { drawClear: [(u) => limitLines({ limits: plot.limits?.() ?? [] }, colours)(u)] },
     }, [[], ...plot.lines.map(() => [])], this.figure);
+    this.stale = true;
   }
 
   width() {
@@ -115,28 +122,44 @@ class LivePlot {
 
   resize() {
     if (this.u.width !== this.width()) this.u.setSize({ width: this.width(), height: kPlotHeight_px });
+    this.stale = true;
   }
 
-  draw() {
+  /** Shows the time up to `time_s`. False when that would be the picture that is there. */
+  draw(time_s) {
     const { group, plot } = this;
     const table = group.robot.tables?.[plot.table];
-    if (!table) return;
+    if (!table) return false;
     const columns = plot.lines.map((line) => table.column(line.column));
-    const data = windowOf(table, columns, group.from_s, group.to_s, Math.min(600, this.width()));
+    if (group.now_s - this.wrote_s > 0.25) this.writeLegend(table, columns);
+    if (!this.move(time_s)) return false;
+    const data = windowOf(table, columns, this.from_s, this.to_s, Math.round(this.u.bbox.width / devicePixelRatio));
     if (plot.transform) for (const line of data.slice(1)) line.forEach((value, i) => { line[i] = plot.transform(value); });
     this.u.batch(() => {
       this.u.setData(data, false);
-      this.u.setScale('x', { min: group.from_s, max: group.to_s });
+      this.u.setScale('x', { min: this.from_s, max: this.to_s });
     });
     ++this.drawn;
     this.figure.dataset.drawn = this.drawn;
-    if (group.now_s - this.wrote_s > 0.25) this.writeLegend(table, columns);
+    return true;
+  }
+
+  /** Moves the window in whole pixels; false when it stays where it is. */
+  move(time_s) {
+    const pixel_s = this.group.window_s / this.u.bbox.width;
+    const to_s = (Math.floor(time_s / pixel_s + this.phase) - this.phase) * pixel_s;
+    const from_s = to_s - this.group.window_s;
+    if (!this.stale && to_s === this.to_s && from_s === this.from_s) return false;
+    this.stale = false;
+    this.from_s = from_s;
+    this.to_s = to_s;
+    return true;
   }
 
   /** Values at the pointer, or else the newest. */
   writeLegend(table, columns) {
     this.wrote_s = this.group.now_s;
-    const pointed = this.u.cursor.left >= 0 ? this.u.posToVal(this.u.cursor.left, 'x') : this.group.to_s;
+    const pointed = this.u.cursor.left >= 0 ? this.u.posToVal(this.u.cursor.left, 'x') : this.to_s;
     this.legends.forEach((legend, k) => {
       const value = table.before(columns[k], pointed);
       const shown = value === null || !Number.isFinite(value) ? '–'

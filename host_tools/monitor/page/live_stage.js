@@ -13,8 +13,9 @@ class LiveStage {
     this.detail = document.getElementById('stage-detail');
     this.showPlan = document.getElementById('show-plan');
     this.showForces = document.getElementById('show-forces');
-    this.camera = null;
     this.wrote_s = 0;
+    this.size = { width: 0, height: 0 };
+    new ResizeObserver(([entry]) => { this.size = entry.contentRect; }).observe(this.canvas);
     this.recolour();
   }
 
@@ -33,7 +34,7 @@ class LiveStage {
   }
 
   draw(time, now_s) {
-    const { context, width, height } = fitCanvas(this.canvas);
+    const { context, width, height } = fitCanvas(this.canvas, this.size);
     if (width === 0) return;
     const scale = (height - kBelowGround_px - kReadout_px) / kRobotHeight_m;
     const state = time === null || !this.robot.drawing ? null : this.robot.stateAt(time);
@@ -48,12 +49,20 @@ class LiveStage {
     }
   }
 
+  /** For measuring how long it takes until the page shows a robot that moves. */
+  noteFirstMotion(state) {
+    if (this.moved) return;
+    this.firstState ??= state;
+    this.moved = state.some((value, k) => value !== this.firstState[k]);
+    if (this.moved) performance.mark('first-moving-frame');
+  }
+
   drawRobotIn(view, state, time) {
     const { robot, colours } = this;
+    this.noteFirstMotion(state);
     const pose = poseOfState(robot.drawing, state);
-    const knots = robot.plan;
-    const planIsNew = knots.length > 1 && knots.at(-1).time > time && knots[0].time > time - 1;
-    if (this.showPlan.checked && planIsNew) {
+    const knots = robot.planAt(time);
+    if (this.showPlan.checked && knots.length > 0) {
       drawPlannedTorso(view, robot.drawing, knots, colours, time);
       drawPlannedPaths(view, knots, colours, time);
     }
@@ -61,7 +70,7 @@ class LiveStage {
     const truth = robot.tables.truth;
     const known = truth.rows > 0 && Math.abs(truth.newestTime - time) < 0.5;
     if (this.showForces.checked) {
-      const forces = known ? this.truthAt('contact_force_N', 4, time) : planIsNew ? forcesOf(knots, time) : null;
+      const forces = known ? this.truthAt('contact_force_N', 4, time) : forcesOf(knots, time);
       if (forces) drawContactForces(view, pose, forces, colours);
     }
     if (known) {

@@ -2,6 +2,7 @@
 
 const kStatusPeriod_s = 0.1;
 const kEventsShown = 100;
+const kLookBackStep_s = 0.05;
 
 class Monitor {
   constructor() {
@@ -41,7 +42,9 @@ class Monitor {
       configuration: () => {
         const before = this.robot.configuration?.session;
         this.robot.configure(message);
-        this.status.configure(message, before !== undefined && before !== message.session, now_s);
+        const another = before !== undefined && before !== message.session;
+        if (another && this.paused_s !== null) document.getElementById('pause').click();
+        this.status.configure(message, another, now_s);
         this.tunables.configure(message.tunables);
         this.commands.configure(message);
       },
@@ -64,10 +67,18 @@ class Monitor {
     this.robot.take(table, performance.now() / 1000);
   }
 
+  /** Newest on top; what happens again and again is one line with a count. */
   addEvent(event) {
     const list = document.getElementById('event-list');
-    list.prepend(element('li', { className: event.serious ? 'serious' : '' },
-      element('time', { textContent: `${event.time_s.toFixed(2)} s` }), ` ${event.text}`));
+    const newest = list.firstElementChild;
+    const again = newest?.dataset.text === event.text;
+    const count = again ? Number(newest.dataset.count) + 1 : 1;
+    if (again) newest.remove();
+    const line = element('li', { className: event.serious ? 'serious' : event.warning ? 'warned' : '' },
+      element('time', { textContent: `${event.time_s.toFixed(2)} s` }),
+      element('span', { textContent: count > 1 ? `${event.text} (${count} times)` : event.text }));
+    Object.assign(line.dataset, { text: event.text, count });
+    list.prepend(line);
     while (list.children.length > kEventsShown) list.lastChild.remove();
   }
 
@@ -96,14 +107,7 @@ class Monitor {
   }
 
   bindOptions() {
-    const pause = document.getElementById('pause');
-    const togglePause = () => {
-      this.paused_s = this.paused_s === null ? this.robot.clock.shown_s : null;
-      const paused = this.paused_s !== null;
-      pause.setAttribute('aria-pressed', String(paused));
-      document.body.classList.toggle('paused', paused);
-    };
-    pause.addEventListener('click', togglePause);
+    const togglePause = this.bindPause();
     document.getElementById('window').addEventListener('change', (event) => { this.plots.window_s = Number(event.target.value); });
     const toggleTheme = () => this.setTheme(document.documentElement.dataset.theme === 'dark' ? 'light' : 'dark');
     document.getElementById('theme').addEventListener('click', toggleTheme);
@@ -115,6 +119,40 @@ class Monitor {
     const asked = new URLSearchParams(window.location.hash.slice(1)).get('theme') ?? localStorage.getItem('theme');
     followTheme(asked, () => this.recolour());
     this.recolour();
+  }
+
+  /** While the picture is paused a slider looks back, as far as the page remembers. Returns what toggles. */
+  bindPause() {
+    const pause = document.getElementById('pause');
+    const back = document.getElementById('back');
+    const look = () => {
+      this.paused_s = this.pausedAt_s + Number(back.value);
+      document.getElementById('back-value').textContent = `${signed(Number(back.value), 2)} s`;
+    };
+    const toggle = () => {
+      const pausing = this.paused_s === null && this.robot.clock.shown_s !== null;
+      this.pausedAt_s = this.robot.clock.shown_s;
+      this.paused_s = null;
+      this.robot.pauseAt(pausing ? this.pausedAt_s : null);
+      if (pausing) {
+        const { ticks } = this.robot.tables;
+        back.min = String(-Math.floor(Math.min(kLookBack_s, this.pausedAt_s - ticks.time[ticks.slot(0)])));
+        back.value = '0';
+        look();
+      }
+      pause.setAttribute('aria-pressed', String(pausing));
+      document.getElementById('look-back').hidden = !pausing;
+    };
+    pause.addEventListener('click', toggle);
+    back.addEventListener('input', look);
+    document.addEventListener('keydown', (event) => {
+      const step = { ArrowLeft: -kLookBackStep_s, ArrowRight: kLookBackStep_s }[event.key];
+      if (step === undefined || this.paused_s === null || event.target.closest('input, select')) return;
+      back.value = String(Number(back.value) + step);
+      look();
+      event.preventDefault();
+    });
+    return toggle;
   }
 
   setTheme(theme) {

@@ -1,4 +1,5 @@
-// All plots. They show the same seconds; each frame draws as many as fit into its time, in turn.
+// All plots. They show the same seconds; each frame draws those that moved by a pixel, as many as fit into its time, in
+// turn.
 
 const kBudget_ms = 8;
 
@@ -7,8 +8,6 @@ class LivePlots {
     this.robot = robot;
     this.colours = readColours();
     this.window_s = 10;
-    this.from_s = 0;
-    this.to_s = 1;
     this.now_s = 0;
     this.next = 0;
     this.panels = sections.flatMap((section) => this.addSection(section, container));
@@ -31,7 +30,7 @@ class LivePlots {
     grid.className = 'plot-grid';
     box.append(heading, grid);
     container.append(box);
-    return section.plots.map((plot) => new LivePlot(this, plot, grid));
+    return section.plots.map((plot, k) => new LivePlot(this, plot, grid, k / section.plots.length));
   }
 
   /** Marks of the time axis, at whole seconds before now. */
@@ -44,15 +43,11 @@ class LivePlots {
 
   draw(time_s, now_s) {
     this.now_s = now_s;
-    this.to_s = time_s;
-    this.from_s = time_s - this.window_s;
     const start = performance.now();
     for (let tried = 0; tried < this.panels.length; ++tried) {
       const panel = this.panels[this.next];
       this.next = (this.next + 1) % this.panels.length;
-      if (!panel.visible || panel.figure.offsetParent === null) continue;
-      panel.draw();
-      if (performance.now() - start > kBudget_ms) return;
+      if (panel.visible && panel.draw(time_s) && performance.now() - start > kBudget_ms) return;
     }
   }
 

@@ -1,6 +1,6 @@
 // Which plots the page shows; the fields of a plot are described in live_plot.js.
 
-const kCommanded = { dash: [5, 4], width: 1.2 };
+const kCommanded = { dash: [5, 4] };
 const kSides = [['left', 'left', 0], ['right', 'right', 2]];
 
 function torqueLimits(robot, first) {
@@ -21,7 +21,8 @@ function motionPlots() {
     },
     {
       title: 'Height of the hip', axis: 'm', unit: 'm', digits: 3, table: 'ticks', least: 0.1,
-      lines: [{ label: 'hip', colour: 'body', column: 'state1' }],
+      lines: [{ label: 'hip', colour: 'body', column: 'state1' },
+        { label: 'commanded', colour: 'plan', ...kCommanded, column: 'commanded_height_m' }],
     },
     {
       title: 'Lean of the torso', axis: 'rad', unit: 'rad', digits: 3, table: 'ticks', least: 0.1,

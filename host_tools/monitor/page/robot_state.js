@@ -1,8 +1,11 @@
 // What the page knows: tables of samples and the newest of everything else.
 
-const kKept_s = 62;
+/** How far one may look back, and how long the page may be paused before it takes nothing new, to keep that. */
+const kLookBack_s = 60;
+const kKept_s = 2 * kLookBack_s + 2;
+const kPlansKept = kKept_s * 30;
 const kFeetColumns = ['left_foot_z_m', 'right_foot_z_m'];
-const kAddedColumns = [...kFeetColumns, 'commanded_speed_m_s'];
+const kAddedColumns = [...kFeetColumns, 'commanded_speed_m_s', 'commanded_height_m'];
 
 /** Knots of the plan table, as kinematics.js and scene.js want them. */
 function knotsOf(table, names) {
@@ -23,6 +26,7 @@ function knotsOf(table, names) {
 
 class RobotState {
   constructor() {
+    this.pausedAt_s = null;
     this.clock = new ShowClock();
     this.hello = null;
     this.configuration = null;
@@ -33,7 +37,7 @@ class RobotState {
   /** Another session, or another monitor. */
   forget() {
     this.tables = null;
-    this.plan = [];
+    this.plans = [];
     this.supervisor = null;
     this.timing = null;
     this.footprints = [];
@@ -63,10 +67,18 @@ class RobotState {
     this.drawing = configuration.drawing;
   }
 
+  /** Called with null when the picture moves again. */
+  pauseAt(time_s) {
+    this.pausedAt_s = time_s;
+  }
+
   take(table, now_s) {
+    if (this.pausedAt_s !== null && table.base_s > this.pausedAt_s + kLookBack_s) {
+      if (table.name === 'ticks') this.clock.arrived(table.base_s, now_s);
+      return;
+    }
     if (table.name === 'plan') {
-      this.plan = knotsOf(table, this.hello.columns.plan);
-      this.keepPlannedForces(table.base_s);
+      this.keepPlan(table);
       return;
     }
     const ring = this.tables[table.name];
@@ -85,6 +97,7 @@ class RobotState {
     const pose = this.drawing ? poseOfState(this.drawing, q) : null;
     const walks = this.supervisor?.gait === 2;
     ring.column('commanded_speed_m_s')[slot] = walks ? this.supervisor.speed_m_s : 0;
+    ring.column('commanded_height_m')[slot] = this.supervisor?.base_height_m || NaN;
     const before = this.poseBefore;
     this.poseBefore = pose;
     ['left', 'right'].forEach((side, foot) => {
@@ -105,12 +118,23 @@ class RobotState {
     if (this.footprints.length > 40) this.footprints.shift();
   }
 
-  /** Planned contact forces at the start of each plan, as a line to plot. */
-  keepPlannedForces(time_s) {
-    const knot = this.plan[0];
-    const slot = this.tables.force.append(time_s);
-    this.tables.force.column('left_N')[slot] = knot.forces[1];
-    this.tables.force.column('right_N')[slot] = knot.forces[3];
+  /** Plans are kept as they came, for looking back, and taken apart when they are drawn. */
+  keepPlan(table) {
+    this.plans.push(table);
+    if (this.plans.length > kPlansKept) this.plans.shift();
+    const [first] = knotsOf({ ...table, rows: 1 }, this.hello.columns.plan);
+    const slot = this.tables.force.append(table.base_s);
+    this.tables.force.column('left_N')[slot] = first.forces[1];
+    this.tables.force.column('right_N')[slot] = first.forces[3];
+  }
+
+  /** Knots of the newest plan that had begun at `time_s`, none when it is long over. */
+  planAt(time_s) {
+    const plan = this.plans.findLast((table) => table.base_s <= time_s);
+    if (!plan || plan.base_s < time_s - 1) return [];
+    if (this.drawnPlan?.table !== plan) this.drawnPlan = { table: plan, knots: knotsOf(plan, this.hello.columns.plan) };
+    const { knots } = this.drawnPlan;
+    return knots.length > 1 && knots.at(-1).time > time_s ? knots : [];
   }
 
   supervise(message) {

@@ -1,6 +1,7 @@
 // Histograms of durations: logarithmic time, logarithmic count, deadline as a line.
 
 const kHistogramHeight_px = 120;
+const kHistogramTitles = { wakeup: 'Wake-up: late by', execution: 'Duration of a tick', bus_round_trip: 'Bus round trip', solve: 'Solve' };
 const kDecades = [0, 5];  // 1 us to 100 ms
 
 function duration(us) {
@@ -16,7 +17,7 @@ class Histogram {
     this.canvas.style.height = `${kHistogramHeight_px}px`;
     this.text = element('p', { className: 'hint' });
     this.figure.append(this.caption, this.canvas, this.text);
-    this.caption.textContent = name;
+    this.caption.textContent = kHistogramTitles[name] ?? name;
     container.append(this.figure);
   }
 

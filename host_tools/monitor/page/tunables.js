@@ -1,5 +1,10 @@
 // Values that may change while the robot moves. A value outside its range is not sent; the robot checks again.
 
+/** As many digits as tell something. */
+function shortNumber(value) {
+  return String(Number(value.toPrecision(4)));
+}
+
 class TunablesPanel {
   constructor(commands) {
     this.commands = commands;
@@ -47,7 +52,7 @@ class TunablesPanel {
 
   describe(entry) {
     const { tunable } = entry;
-    entry.say.textContent = `${tunable.min} to ${tunable.max}`;
+    entry.say.textContent = `${shortNumber(tunable.min)} to ${shortNumber(tunable.max)}`;
     entry.row.classList.remove('wrong', 'changed');
   }
 
@@ -67,7 +72,7 @@ class TunablesPanel {
     const fits = entry.input.value !== '' && Number.isFinite(value) && value >= min && value <= max;
     entry.row.classList.toggle('wrong', !fits);
     entry.row.classList.toggle('changed', fits && value !== entry.tunable.value);
-    entry.say.textContent = fits ? 'Enter applies' : `must be ${min} to ${max}`;
+    entry.say.textContent = fits ? 'Enter applies' : `must be ${shortNumber(min)} to ${shortNumber(max)}`;
     return fits;
   }
 

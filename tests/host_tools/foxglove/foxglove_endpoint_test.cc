@@ -75,6 +75,58 @@ INSTANTIATE_TEST_SUITE_P(FoxgloveEndpoint, EachName,
                            return row.param == std::string("foxglove.sdk.v1") ? "sdk" : "old";
                          });
 
+/// Something that commands, at the same address.
+class Commands final : public monitor::Endpoint {
+ public:
+  void opened(const std::shared_ptr<monitor::Peer>&) override { ++pages; }
+  void received(monitor::Peer&, bool, std::string_view) override {}
+  void closed(monitor::Peer&) override {}
+  std::atomic<int> pages = 0;
+};
+
+class PagesOfOtherSites : public testing::Test {
+ protected:
+  void serve(const monitor::Origins& viewers) {
+    server.serve_page("<p>a page</p>");
+    server.add_endpoint(FoxgloveEndpoint::options(viewers), endpoint);
+    server.add_endpoint({"/live", {}, {}}, commands);
+    endpoint.publish(event(7), 6'000'000'000);
+  }
+  /// What a page of that site finds out there.
+  [[nodiscard]] Json look(const std::string& path, const std::string& site) const {
+    return independent_readers::run_reader(
+        "foxglove_client.cjs", {"ws://127.0.0.1:" + std::to_string(server.port()) + path, "foxglove.sdk.v1",
+                                "--origin=" + site, "/stilt/event"});
+  }
+  FoxgloveEndpoint endpoint{"a robot"};
+  Commands commands;
+  monitor::WebServer server{{"127.0.0.1", 0}};
+};
+
+TEST_F(PagesOfOtherSites, MayLookAndAreOfferedNothingToPublish) {
+  serve({.any = true});
+  for (const std::string site : {"https://app.foxglove.dev", "http://localhost:8081"}) {
+    const Json found = look("/", site);
+    EXPECT_EQ(found["messages"]["/stilt/event"]["message"]["number"], "7") << site;
+    EXPECT_TRUE(found["info"]["capabilities"].empty()) << site;
+  }
+}
+
+TEST_F(PagesOfOtherSites, ReachNothingThatCommandsUnderTheViewersNameEither) {
+  serve({.any = true});
+  EXPECT_THROW(static_cast<void>(look("/live", "https://app.foxglove.dev")), std::runtime_error);
+  EXPECT_EQ(commands.pages, 0);
+}
+
+TEST_F(PagesOfOtherSites, AreLetInByNameWhereTheUserNamesThem) {
+  serve({.any = false, .named = {"https://app.foxglove.dev"}});
+  EXPECT_EQ(look("/", "https://app.foxglove.dev")["messages"].size(), 1u);
+  for (const std::string site :
+       {"https://example.com", "http://app.foxglove.dev", "https://app.foxglove.dev:81"}) {
+    EXPECT_THROW(static_cast<void>(look("/", site)), std::runtime_error) << site;
+  }
+}
+
 /// Keeps what is sent.
 class FakePeer final : public monitor::Peer {
  public:

@@ -104,6 +104,14 @@ export async function hipX(page) {
   return Number(await page.getAttribute('#stage-canvas', 'data-hip-x'));
 }
 
+/** Time from the start of the navigation to the first frame in which the robot had moved, ms. */
+export function firstMotion_ms(page) {
+  return until('a robot that moves', () => page.evaluate(() => {
+    const mark = performance.getEntriesByName('first-moving-frame')[0];
+    return mark ? Math.round(mark.startTime) : null;
+  }));
+}
+
 /** Mean forward speed over a second as the page shows it, m/s; null before it is known. */
 export async function shownSpeed(page) {
   const text = await page.getAttribute('#speed-now', 'data-value');

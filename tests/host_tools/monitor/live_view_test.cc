@@ -234,5 +234,46 @@ TEST(LiveView, NumbersOfATableAreWhereItsHeadSays) {
   EXPECT_EQ(number_at(float{}, 24 + 8 * sizeof(float)), 0.5f) << "state7, after the time";
 }
 
+/// A source that counts what is asked of a record.
+class Record final : public SampleSource {
+ public:
+  void poll(SampleSink& sink) override {
+    if (polls++ > 0) return;
+    ConfigurationSample sample;
+    sample.session = "7";
+    sink.configuration(sample);
+  }
+  void command(const Command&) override {}
+  void play_again() override { polls = 0; }
+  [[nodiscard]] std::string describe() const override { return "walk.mcap"; }
+  [[nodiscard]] bool live() const override { return false; }
+  int polls = 0;
+};
+
+TEST(LiveView, ARecordWaitsForItsFirstPage) {
+  Record source;
+  LiveView view(source);
+  view.step(0.0);
+  EXPECT_EQ(source.polls, 0);
+  view.opened(std::make_shared<FakePeer>());
+  view.step(0.1);
+  EXPECT_EQ(source.polls, 1);
+}
+
+TEST(LiveView, ARecordPlayedAgainBeginsAnewOnEveryPage) {
+  Record source;
+  LiveView view(source);
+  const auto first = std::make_shared<FakePeer>(), second = std::make_shared<FakePeer>();
+  view.opened(first);
+  view.opened(second);
+  view.step(0.0);
+  view.received(*first, false, R"({"again": true})");
+  view.step(0.1);
+  for (const auto& page : {first, second}) {
+    EXPECT_EQ(page->of_type("hello").size(), 2u);
+    EXPECT_EQ(page->of_type("configuration").size(), 2u);
+  }
+}
+
 }  // namespace
 }  // namespace stilt::monitor

@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import http from 'node:http';
 import { after, afterEach, before, beforeEach, test } from 'node:test';
-import { hipX, openBrowser, openPage, picture, pixels, Program, shownSpeed, until } from './browser.mjs';
+import { firstMotion_ms, hipX, openBrowser, openPage, picture, pixels, Program, shownSpeed, until } from './browser.mjs';
 
 let browser;
 let monitor;
@@ -33,10 +33,10 @@ const answer = (pattern) => until(`an answer like ${pattern}`, async () => patte
 const state = (name) => until(`state ${name}`, async () => (await text('#state')) === name);
 
 test('the first moving picture comes soon after the page is opened', async () => {
-  const started = Date.now();
+  await page.keyboard.press('w');
+  await state('walk');
   const another = await openPage(browser, monitor.url);
-  await until('a robot', () => another.getAttribute('#stage-canvas', 'data-hip-x'));
-  console.log(`first picture ${Date.now() - started} ms after opening`);
+  console.log(`first moving frame ${await firstMotion_ms(another)} ms after opening`);
   await another.close();
 });
 
@@ -62,6 +62,24 @@ test('the speed slider changes the speed while walking', async () => {
   await until('0.5 m/s', async () => Math.abs((await shownSpeed(page)) - 0.5) < 0.05);
   await page.fill('#speed', '0.3');
   await until('0.3 m/s', async () => Math.abs((await shownSpeed(page)) - 0.3) < 0.05);
+});
+
+/** Height of the hip as written in the picture, m. */
+async function shownHeight() {
+  return Number((await text('#stage-detail')).match(/hip ([\d.]+) m/)?.[1]);
+}
+
+test('slider and keys change the height of the hip', async () => {
+  await until('the height in force', async () => (await text('#height-value')) === '0.780 m');
+  await page.fill('#height', '0.74');
+  await answer(/hip height 0.740 m: accepted/);
+  await until('a lower hip', async () => Math.abs((await shownHeight()) - 0.74) < 0.02);
+  await page.keyboard.press('+');
+  await answer(/hip height 0.750 m: accepted/);
+  await page.keyboard.press('-');
+  await page.keyboard.press('-');
+  await answer(/hip height 0.730 m: accepted/);
+  await until('a lower hip', async () => Math.abs((await shownHeight()) - 0.73) < 0.02);
 });
 
 for (const key of ['Space', 'Escape']) {
@@ -154,7 +172,7 @@ test('timing histograms show their deadline', async () => {
   await until('a histogram', async () => /deadline 500 µs/.test((await text('#histograms')) ?? ''));
 });
 
-test('pause holds the picture, and pause again lets it go', async () => {
+test('pause holds the picture and looks back, and pause again lets it go', async () => {
   await page.keyboard.press('w');
   await until('motion', async () => (await hipX(page)) > 0.2);
   await page.click('#pause');
@@ -163,8 +181,15 @@ test('pause holds the picture, and pause again lets it go', async () => {
     await page.evaluate(() => new Promise((resolve) => { setTimeout(resolve, 300); }));
     return (await pixels(page, '#stage-canvas')) === first ? first : null;
   });
+  const there = await hipX(page);
+  await page.fill('#back', '-1');
+  await until('where it was a second ago', async () => (await hipX(page)) < there - 0.05);
+  assert.equal(await text('#back-value'), '−1.00 s');
+  await page.fill('#back', '0');
+  await until('where it was', async () => (await hipX(page)) === there);
   await page.click('#pause');
   await until('motion', async () => (await pixels(page, '#stage-canvas')) !== still);
+  assert.ok(await page.isHidden('#look-back'));
 });
 
 test('on a phone in the dark the stop button is in reach and nothing is wider than the screen', async () => {
@@ -187,7 +212,7 @@ test('every control can be reached with the keyboard, and Enter presses', async 
     await page.keyboard.press('Tab');
     reached.add(await page.evaluate(() => document.activeElement.dataset.command ?? document.activeElement.id));
   }
-  for (const name of ['stop', 'stand', 'step', 'walk', 'sit', 'reset', 'speed', 'window', 'pause', 'tunable-filter']) {
+  for (const name of ['stop', 'stand', 'step', 'walk', 'sit', 'reset', 'speed', 'height', 'window', 'pause', 'tunable-filter']) {
     assert.ok(reached.has(name), `${name} is not reached with Tab: ${[...reached]}`);
   }
   await page.focus('[data-command=step]');
@@ -199,7 +224,8 @@ test('a record is shown as one and takes no commands', async () => {
   monitor.write('record');
   await page.reload();
   await until('the words', async () => /A record: it takes no commands/.test(await text('#answer')));
-  assert.ok(await page.isDisabled('#stop'));
+  assert.ok(await page.isHidden('#stop'));
+  assert.ok(await page.isHidden('#gaits'));
 });
 
 /** Status of a request to the monitor with other headers than a browser of this page would send. */

@@ -29,7 +29,7 @@ int main() {
   LiveView view(source);
   WebServer server({"127.0.0.1", 0});
   server.serve_page(kMonitorPage);
-  server.add_endpoint({"/live", {}, false}, view);
+  server.add_endpoint({"/live", {}, {}}, view);
   std::printf("%s\n", server.url().c_str());
   std::fflush(stdout);
   const auto start = std::chrono::steady_clock::now();

@@ -18,7 +18,6 @@ using supervisor::State;
 
 constexpr double kTick_s = 0.001;
 constexpr double kStep_s = 0.3;
-constexpr double kHip_m = 0.8;
 constexpr double kAcceleration_m_s2 = 1.0;
 
 int number(State state) { return static_cast<int>(state); }
@@ -114,6 +113,9 @@ std::string SyntheticSource::refusal(const Command& command) const {
   if ((command.kind == CommandKind::walk || command.kind == CommandKind::speed) && fast) {
     return "The speed must be -1 to 1 m/s.";
   }
+  if (command.kind == CommandKind::height && (command.value < 0.72 || command.value > 0.82)) {
+    return "The hip height must be 0.72 to 0.82 m.";
+  }
   if (command.kind == CommandKind::tunable && (command.value < 0.005 || command.value > 0.3)) {
     return "gait.swing_height_m must be 0.005 to 0.3 m.";
   }
@@ -151,6 +153,10 @@ void SyntheticSource::obey(const Command& command) {
     case CommandKind::reset:
       latched_ = present_;
       if (latched_ == 0) state_ = number(State::stand);
+      break;
+    case CommandKind::height:
+      hip_height_m_ = command.value;
+      introduce_ = true;
       break;
     case CommandKind::tunable:
       swing_height_m_ = command.value;
@@ -227,7 +233,7 @@ PlanKnot SyntheticSource::knot(double ahead_s) const {
   PlanKnot knot;
   knot.time_s = static_cast<double>(ticks_) * kTick_s + ahead_s;
   knot.hip_x_m = hip_x_m_ + speed_m_s_ * ahead_s;
-  knot.hip_z_m = kHip_m - (steps ? 0.012 * std::cos(2 * std::numbers::pi * phase) : 0.0);
+  knot.hip_z_m = hip_height_m_ - (steps ? 0.012 * std::cos(2 * std::numbers::pi * phase) : 0.0);
   knot.pitch_rad = 0.05 * speed_m_s_ + (steps ? 0.02 * std::sin(std::numbers::pi * phase) : 0.0);
   for (std::size_t foot = 0; foot < 2; ++foot) {
     const double own = std::fmod(phase + static_cast<double>(foot), 2.0);
@@ -254,6 +260,7 @@ SupervisorSample SyntheticSource::supervisor_sample() const {
   sample.ramp = 1.0;
   sample.gait = state_ == number(State::walk) ? 2 : state_ == number(State::step) ? 1 : 0;
   sample.speed_m_s = wanted_m_s_;
+  sample.base_height_m = hip_height_m_;
   return sample;
 }
 
@@ -278,6 +285,8 @@ void SyntheticSource::introduce(SampleSink& sink) {
   sample.toml = "# of no importance\n";
   sample.tunables.push_back(
       {"gait.swing_height_m", "m", "Apex of the swing foot above the ground", 0.005, 0.3, swing_height_m_});
+  sample.tunables.push_back(
+      {"reference.base_height_m", "m", "Height of the hip above the ground", 0.72, 0.82, hip_height_m_});
   sample.tunables.push_back({"cost.base_z", "1/m^2", "Height of the hip", 0.0, 1e6, 400.0});
   sink.configuration(sample);
 }

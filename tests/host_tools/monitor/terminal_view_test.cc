@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "synthetic_source.h"
 
 namespace stilt::monitor {
@@ -12,7 +14,7 @@ std::string after_a_second(SyntheticSource& source, TerminalView& view) {
   view.step(0.0);
   source.advance(1.2);
   view.step(1.2);
-  return view.text(100);
+  return view.text(100, 40);
 }
 
 bool holds(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
@@ -39,11 +41,11 @@ TEST(TerminalView, AFaultSaysItsCauseAndWhatClearsIt) {
 TEST(TerminalView, OldDataAreCalledOld) {
   SyntheticSource source;
   TerminalView view(source);
-  EXPECT_TRUE(holds(view.text(100), "waiting for a controller"));
+  EXPECT_TRUE(holds(view.text(100, 40), "waiting for a controller"));
   after_a_second(source, view);
   source.change("silent");
   view.step(4.2);
-  EXPECT_TRUE(holds(view.text(100), "OLD: no data for 3.0 s")) << view.text(100);
+  EXPECT_TRUE(holds(view.text(100, 40), "OLD: no data for 3.0 s")) << view.text(100, 40);
 }
 
 TEST(TerminalView, NoLineIsLongerThanTheTerminal) {
@@ -52,10 +54,22 @@ TEST(TerminalView, NoLineIsLongerThanTheTerminal) {
   TerminalView view(source);
   after_a_second(source, view);
   std::size_t length = 0;
-  for (const char letter : view.text(40)) {
+  for (const char letter : view.text(40, 40)) {
     length = letter == '\n' ? 0 : length + 1;
     EXPECT_LE(length, 40u);
   }
+}
+
+TEST(TerminalView, ASmallTerminalShowsStateAndFaultsAndLeavesOutTheRest) {
+  SyntheticSource source;
+  source.change("fault bus_off");
+  TerminalView view(source);
+  after_a_second(source, view);
+  const std::string text = view.text(100, 7);
+  EXPECT_EQ(std::ranges::count(text, '\n'), 7);
+  EXPECT_TRUE(holds(text, "state     ")) << text;
+  EXPECT_TRUE(holds(text, "FAULT     bus_off")) << text;
+  EXPECT_FALSE(holds(text, "timing")) << text;
 }
 
 }  // namespace

@@ -71,6 +71,16 @@ TEST_F(RecordSourceTest, PlaysByTheClockOfTheTorqueLoop) {
   EXPECT_EQ(after(2000).ticks.size(), 100u) << "once";
 }
 
+TEST_F(RecordSourceTest, PlaysAgainFromItsStart) {
+  after(1000);
+  source.play_again();
+  EXPECT_EQ(after(1500).ticks.size(), 120u) << "the first batch at once";
+  EXPECT_EQ(sink.ticks[100].tick, 0u);
+  EXPECT_EQ(sink.configurations.size(), 2u);
+  EXPECT_EQ(after(1521).ticks.size(), 140u);
+  EXPECT_EQ(after(3000).ticks.size(), 200u);
+}
+
 TEST_F(RecordSourceTest, TicksKeepTheirNumbers) {
   after(1000);
   for (std::size_t i = 0; i < sink.ticks.size(); ++i) EXPECT_EQ(sink.ticks[i].tick, i);
