@@ -41,9 +41,9 @@ gait::PhaseKind phase_for_speed(double speed_m_s) {
   return std::abs(speed_m_s) < kSlowestByHip_m_s ? gait::PhaseKind::time : gait::PhaseKind::hip_position;
 }
 
-Synthesis synthesize(const model::RobotModel& robot, const StepTask& task, const Eigen::VectorXd* warm) {
+Synthesis synthesize(const model::RobotModel& robot, const StepTask& task) {
   const StepProgram program(robot, task);
-  const Eigen::VectorXd start = warm != nullptr ? *warm : first_guess(robot.constants, task, program);
+  const Eigen::VectorXd start = first_guess(robot.constants, task, program);
   const nonlinear_program::IpoptSolution solution = nonlinear_program::solve(program, start, {});
   if (!solution.solved) {
     throw NoGait("no gait at " + short_text(task.speed_m_s) + " m/s: " + solution.status +

@@ -32,11 +32,9 @@ inline constexpr double kSlowestByHip_m_s = 0.15;
 /// The cost by its name in options and files: torque, power or acceleration. Nothing for another name.
 [[nodiscard]] std::optional<CostKind> cost_of_name(std::string_view name);
 
-/// Finds the gait of a task. `warm`: solution of a similar task of the same phase and degrees. Step time and
-/// step length of the gait are those of the hybrid model's periodic motion, off the task's by the error of
-/// the collocation. Throws NoGait.
-[[nodiscard]] Synthesis synthesize(const model::RobotModel& robot, const StepTask& task,
-                                   const Eigen::VectorXd* warm = nullptr);
+/// Finds the gait of a task. Step time and step length of the gait are those of the hybrid model's periodic
+/// motion, off the task's by the error of the collocation. Throws NoGait.
+[[nodiscard]] Synthesis synthesize(const model::RobotModel& robot, const StepTask& task);
 
 /// A gait file's content: the gait, its limits, the figures computed from it as claims, and how it was made.
 [[nodiscard]] gait_files::GaitRecord make_record(const model::RobotModel& robot, const StepTask& task,
