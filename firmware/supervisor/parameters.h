@@ -25,7 +25,7 @@ struct SupervisorParameters {
   double overheated_C = 90.0;        ///< driver or motor, sit down
   double low_voltage_V = 36.0;       ///< supply
   double high_voltage_V = 56.0;      ///< supply
-  double older_plan_s = 0.03;        ///< age from which a plan counts as an older one
+  double older_plan_s = 0.1;         ///< age from which a plan counts as an older one
   double stale_plan_s = 0.25;        ///< age from which a plan is not followed any more
   bool track_gait = true;            ///< without a plan, where gaits of the robot are known
   int failed_solves = 3;             ///< in a row, warning

@@ -31,7 +31,7 @@ TEST_F(LadderTest, OlderPlanWithItsFeedbackGains) {
   rig->stand();
   rig->planning = false;
   rig->base.reading.pitch_rad = 0.05;  // off the plan, so that feedback has something to do
-  rig->run(40);
+  rig->run(static_cast<int>(1000 * rig->configuration.supervisor.older_plan_s) + 15);
   ASSERT_EQ(rig->rung(), Rung::older_plan);
   control::ControllerParameters with_feedback = rig->configuration;
   with_feedback.torque_law.use_feedback_gains = true;

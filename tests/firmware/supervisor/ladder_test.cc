@@ -15,13 +15,13 @@ Rung rung(State state, Reaction reaction, bool has_plan, double plan_age_s, bool
 
 TEST(Ladder, ANewPlanIsFollowed) {
   EXPECT_EQ(rung(State::walk, Reaction::none, true, 0.0), Rung::new_plan);
-  EXPECT_EQ(rung(State::walk, Reaction::warn, true, 0.029), Rung::new_plan) << "with a warning too";
+  EXPECT_EQ(rung(State::walk, Reaction::warn, true, 0.099), Rung::new_plan) << "with a warning too";
   EXPECT_EQ(rung(State::step, Reaction::slow, true, 0.01), Rung::new_plan)
       << "stopping is the planner's work";
 }
 
 TEST(Ladder, AnOlderPlanIsFollowedWithItsGainsForABoundedAge) {
-  EXPECT_EQ(rung(State::walk, Reaction::none, true, 0.03), Rung::older_plan);
+  EXPECT_EQ(rung(State::walk, Reaction::none, true, 0.1), Rung::older_plan);
   EXPECT_EQ(rung(State::walk, Reaction::none, true, 0.249), Rung::older_plan);
 }
 
