@@ -1,6 +1,5 @@
 // Walks in lock-step recorded by stilt record over DDS, and replayed by stilt replay.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <csignal>
@@ -8,6 +7,7 @@
 #include <fstream>
 
 #include "tests/independent_readers/run_reader.h"
+#include "tests/own_domain.h"
 #include "tests/two_processes/robot_and_controller.h"
 
 namespace stilt::two_processes {
@@ -15,25 +15,20 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// Of this test alone; beyond domain 100 ports may be taken already.
-std::string domain() { return std::to_string(5 + getpid() % 90); }
-
 class Recording : public testing::Test {
  protected:
   void start_recorder() {
-    recorder =
-        std::make_unique<Process>(std::vector<std::string>{STILT_PROGRAM, "record", "--out", file, "--domain",
-                                                           domain(), "--json", run.file("record.json")},
-                                  run.file("record.out"), run.file("record.err"));
+    recorder = std::make_unique<Process>(
+        std::vector<std::string>{STILT_PROGRAM, "record", "--out", file, "--domain",
+                                 std::to_string(tests::own_domain()), "--json", run.file("record.json")},
+        run.file("record.out"), run.file("record.err"));
     ASSERT_TRUE(wait_for_text(run.file("record.err"), "recording to", kLongestRun_s)) << said();
   }
 
   /// @param duration_s  of the controller's run, three seconds of it standing up
   void start_walk(const std::string& duration_s) {
     run.start_robot({"--lockstep", "--once"});
-    run.start_controller({"--lockstep", "--start", "walk@0.5", "--duration", duration_s, "--set",
-                          "telemetry.domain=" + domain(), "--set",
-                          "telemetry.token_file=" + run.file("token")});
+    run.start_controller({"--lockstep", "--start", "walk@0.5", "--duration", duration_s});
   }
 
   void end_walk() {

@@ -6,6 +6,8 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "tests/own_domain.h"
+
 namespace stilt::two_processes {
 namespace {
 
@@ -48,15 +50,20 @@ void RobotAndController::start_robot(const std::vector<std::string>& options) {
   }
 }
 
+void RobotAndController::start(std::vector<std::string> program, const std::vector<std::string>& options) {
+  program.insert(program.end(), {"--json", file("controller.json"), "--set",
+                                 "telemetry.domain=" + std::to_string(tests::own_domain()), "--set",
+                                 "telemetry.token_file=" + file("token")});
+  controller_ =
+      std::make_unique<Process>(words(program, options), file("controller.out"), file("controller.err"));
+}
+
 void RobotAndController::start_controller(const std::vector<std::string>& options) {
-  controller_ = std::make_unique<Process>(words({STILTD_PROGRAM, "--json", file("controller.json")}, options),
-                                          file("controller.out"), file("controller.err"));
+  start({STILTD_PROGRAM}, options);
 }
 
 void RobotAndController::start_self_test(const std::vector<std::string>& options) {
-  controller_ = std::make_unique<Process>(
-      words({STILTD_PROGRAM, "selftest", "--json", file("controller.json")}, options), file("controller.out"),
-      file("controller.err"));
+  start({STILTD_PROGRAM, "selftest"}, options);
 }
 
 void RobotAndController::expect_both_to_end() {

@@ -10,7 +10,8 @@
 
 namespace stilt::two_processes {
 
-/// `stilt robot` and `stiltd` on two loopback buses of their own, with a folder for their files.
+/// `stilt robot` and `stiltd` on two loopback buses of their own, with a folder for their files, one of them
+/// the session's token. They speak in the DDS domain of this process (tests/own_domain.h).
 class RobotAndController {
  public:
   RobotAndController();
@@ -35,6 +36,7 @@ class RobotAndController {
   [[nodiscard]] std::string said() const;
 
  private:
+  void start(std::vector<std::string> program, const std::vector<std::string>& options);
   [[nodiscard]] nlohmann::json json(const std::string& name) const;
   [[nodiscard]] std::vector<std::string> words(const std::vector<std::string>& program,
                                                const std::vector<std::string>& options) const;

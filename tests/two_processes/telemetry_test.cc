@@ -1,110 +1,28 @@
-// Robot and controller in lock-step while others listen and command over DDS, each test in a domain of its
-// own.
+// Robot and controller in lock-step, commanded over DDS.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <csignal>
-#include <functional>
-#include <map>
+#include <memory>
+#include <stdexcept>
 #include <thread>
 
-#include "firmware/supervisor/state.h"
-#include "firmware/telemetry/tick_batch.h"
-#include "host_tools/telemetry/commander.h"
-#include "host_tools/telemetry/listener.h"
+#include "tests/two_processes/host.h"
+#include "tests/two_processes/page_client.h"
 #include "tests/two_processes/robot_and_controller.h"
 
 namespace stilt::two_processes {
 namespace {
 
-using namespace std::chrono_literals;
-using host_telemetry::Commander;
-using host_telemetry::Listener;
 using supervisor::State;
 using telemetry::CommandKind;
-
-/// Beyond domain 100 ports may be taken already.
-int domain() { return 5 + static_cast<int>(getpid() % 90); }
-
-std::vector<std::string> in_domain(std::vector<std::string> options, const RobotAndController& run) {
-  options.insert(options.end(), {"--set", "telemetry.domain=" + std::to_string(domain()), "--set",
-                                 "telemetry.token_file=" + run.file("token")});
-  return options;
-}
-
-/// A commander and what the robot said last. Shows life as long as it is polled.
-class Host {
- public:
-  Host()
-      : participant_(host_telemetry::join({.domain = domain()})),
-        listener_(participant_),
-        commander_(participant_, host_telemetry::unique_name("test")) {}
-
-  /// Polls until it holds, with a limit for hanging that is generous on a busy machine.
-  [[nodiscard]] bool until(const std::function<bool()>& holds) {
-    const auto end = std::chrono::steady_clock::now() + 180s;
-    while (!holds()) {
-      if (std::chrono::steady_clock::now() > end) return false;
-      if (alive) commander_.heartbeat();
-      static_cast<void>(listener_.wait(50ms));
-      listener_.take([this](telemetry::Sample&& sample) { take(sample); });
-    }
-    return true;
-  }
-
-  [[nodiscard]] bool until_state(State wanted) {
-    return until([&] { return state == wanted; });
-  }
-
-  /// The answer to a command.
-  [[nodiscard]] std::string ask(CommandKind kind, double value = 0, const std::string& key = {}) {
-    const std::uint64_t number = commander_.send(kind, value, key);
-    if (!until([&] { return replies.contains(number); })) return "no answer";
-    return replies[number];
-  }
-
-  void learn(const std::string& token) { commander_.set_session(session, token); }
-
-  bool alive = false;
-  std::uint64_t session = 0;
-  State state = State::boot;
-  double speed_m_s = 0;
-  double ramp = 0;
-  std::uint32_t tuning = 0;
-  double kp_Nm_rad = 0;
-  std::vector<State> states;
-  std::map<std::uint64_t, std::string> replies;
-
- private:
-  void take(const telemetry::Sample& sample) {
-    if (const auto configuration = sample.as<telemetry::ConfigurationInForce>()) {
-      session = configuration->session;
-    } else if (const auto supervisor = sample.as<telemetry::Supervisor>()) {
-      speed_m_s = supervisor->speed_m_s;
-      ramp = supervisor->ramp;
-    } else if (const auto reply = sample.as<telemetry::CommandReply>()) {
-      if (reply->commander == commander_.name()) {
-        replies[reply->number] = reply->accepted ? "accepted" : reply->reason;
-      }
-    } else if (const auto event = sample.as<telemetry::Event>()) {
-      if (event->kind == 0) states.push_back(state = static_cast<State>(event->state));
-    } else if (const auto batch = sample.as<telemetry::TickBatch>()) {
-      if (batch->count > 0) tuning = batch->tuning._buffer[batch->count - 1];
-    }
-  }
-
-  telemetry::Participant participant_;
-  Listener listener_;
-  Commander commander_;
-};
 
 void start(RobotAndController& run, Host& host, const std::vector<std::string>& options) {
   std::vector<std::string> all = {"--lockstep", "--set", "supervisor.heartbeat_timeout_s=4", "--set",
                                   "telemetry.release_s=30"};
   all.insert(all.end(), options.begin(), options.end());
   run.start_robot({"--lockstep", "--once"});
-  run.start_controller(in_domain(all, run));
+  run.start_controller(all);
   ASSERT_TRUE(host.until([&] { return host.session != 0; })) << run.said();
   host.learn(host_telemetry::read_token(run.file("token")));
 }
@@ -154,50 +72,134 @@ TEST(Telemetry, a_wrong_token_is_refused_in_words_and_everybody_with_the_token_m
   run.expect_both_to_end();
 }
 
-/// Every frame on the buses of a short walk, with its tick.
-std::string frames_of_walk(RobotAndController& run, const std::vector<std::string>& settings) {
-  std::vector<std::string> options = {"--lockstep", "--start", "walk@0.5", "--duration", "8"};
-  options.insert(options.end(), settings.begin(), settings.end());
-  run.start_robot({"--lockstep", "--once"});
-  run.start_controller(in_domain(options, run));
-  run.expect_both_to_end();
-  EXPECT_EQ(run.controller().wait(0), 0) << run.said();
-  EXPECT_EQ(run.controller_json().at("heap_allocations"), 0);
-  return text_of(run.file("frames"));
-}
-
-TEST(Telemetry, ten_listeners_and_some_that_never_listen_change_no_frame_on_the_buses) {
-  RobotAndController silent, heard;
-  const std::string without = frames_of_walk(silent, {"--set", "telemetry.enabled=false"});
-  ASSERT_GT(without.size(), 100'000u);
-
-  const telemetry::Participant participant = host_telemetry::join({.domain = domain()});
-  std::vector<std::unique_ptr<Listener>> listeners;
-  for (int i = 0; i < 10; ++i) listeners.push_back(std::make_unique<Listener>(participant));
-  const Listener never_taken(participant);
-  std::vector<std::uint64_t> first_tick(listeners.size(), 1), ticks(listeners.size());
-  std::jthread listening([&](const std::stop_token& end) {
+/// A page with the token of this user's own file, in a monitor that then is killed.
+TEST(Telemetry, a_robot_walked_from_a_page_comes_to_a_stand_without_a_fault_when_the_monitor_is_killed) {
+  RobotAndController run;
+  Host host;
+  start(run, host, {"--start", "stand"});
+  if (HasFatalFailure()) return;
+  ASSERT_TRUE(host.until([&] { return host.state == State::stand && host.ramp >= 1.0; })) << run.said();
+  Process monitor({STILT_PROGRAM, "monitor", "--port", "0", "--no-browser", "--domain",
+                   std::to_string(tests::own_domain())},
+                  run.file("monitor.out"), run.file("monitor.err"));
+  PageClient page(url_of_monitor(run.file("monitor.out"), kLongestRun_s));
+  ASSERT_TRUE(page.wait_for(R"("heard":true)", kLongestRun_s));
+  std::jthread alive([&](const std::stop_token& end) {
     while (!end.stop_requested()) {
-      for (std::size_t i = 0; i < listeners.size(); ++i) {
-        listeners[i]->take([&](telemetry::Sample&& sample) {
-          const auto batch = sample.as<telemetry::TickBatch>();
-          if (batch == nullptr) return;
-          if (ticks[i] == 0) first_tick[i] = batch->first_tick;
-          ticks[i] += batch->count;
-        });
-      }
-      std::this_thread::sleep_for(1ms);
+      page.send(R"({"alive": true})");
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
     }
   });
-  const std::string with = frames_of_walk(heard, {});
-  listening.request_stop();
-  listening.join();
-  EXPECT_TRUE(with == without);
-  const auto all = heard.controller_json().at("ticks").get<std::uint64_t>();
-  for (std::size_t i = 0; i < listeners.size(); ++i) {
-    EXPECT_EQ(first_tick[i], 0u) << "listener " << i;
-    EXPECT_EQ(ticks[i], all) << "listener " << i;
+  page.send(R"({"command": "walk", "sequence": 1, "value": 0.3})");
+  ASSERT_TRUE(page.wait_for(R"("sequence":1,"accepted":true)", kLongestRun_s)) << run.said();
+  ASSERT_TRUE(host.until_state(State::walk)) << run.said();
+  alive.request_stop();
+  alive.join();
+  host.states.clear();
+  monitor.signal(SIGKILL);
+  ASSERT_EQ(monitor.wait(kLongestRun_s), 128 + SIGKILL);
+  ASSERT_TRUE(host.until_state(State::stand)) << run.said();
+  EXPECT_EQ(host.states, (std::vector{State::step, State::stand}));
+  run.controller().signal(SIGTERM);
+  run.expect_both_to_end();
+  for (const nlohmann::json& fault : run.controller_json().at("faults")) {
+    EXPECT_EQ(fault.at("name"), "heartbeat_lost");
   }
+}
+
+/// The walk of docs/security.md: a robot, a laptop of its authority, one of another, and one without
+/// documents.
+class Secured : public testing::Test {
+ protected:
+  Secured() {
+    make("ours", {"robot:stilt", "host:laptop"});
+    make("theirs", {"host:stranger"});
+  }
+
+  [[nodiscard]] std::string documents(const std::string& name) const { return run.file(name); }
+
+  /// Starts a recorder that ends after a while.
+  std::unique_ptr<Process> record(const std::string& name, const std::vector<std::string>& options) {
+    std::vector<std::string> words = {STILT_PROGRAM, "record",
+                                      "--out",       run.file(name + ".mcap"),
+                                      "--json",      run.file(name + ".json"),
+                                      "--duration",  "5",
+                                      "--domain",    std::to_string(tests::own_domain())};
+    words.insert(words.end(), options.begin(), options.end());
+    return std::make_unique<Process>(words, run.file(name + ".out"), run.file(name + ".err"));
+  }
+
+  /// Messages in the record, once the recorder has ended.
+  [[nodiscard]] int messages(const std::string& name, Process& recorder) const {
+    EXPECT_TRUE(recorder.wait(kLongestRun_s)) << name;
+    return nlohmann::json::parse(text_of(run.file(name + ".json"))).at("messages");
+  }
+
+  RobotAndController run;
+
+ private:
+  void make(const std::string& authority, std::vector<std::string> members) const {
+    members.insert(members.begin(), {MAKE_SECURITY, run.file(authority)});
+    Process made(members, run.file(authority + ".out"), run.file(authority + ".err"));
+    if (made.wait(kLongestRun_s) != 0) throw std::runtime_error(text_of(run.file(authority + ".err")));
+  }
+};
+
+TEST_F(Secured, a_monitor_with_documents_commands_and_a_recorder_of_strangers_hears_nothing) {
+  run.start_robot({"--lockstep", "--once"});
+  run.start_controller({"--lockstep", "--start", "stand", "--set", "supervisor.heartbeat_timeout_s=30",
+                        "--set", "telemetry.security_folder=" + documents("ours/stilt")});
+  Process monitor({STILT_PROGRAM, "monitor", "--port", "0", "--no-browser", "--domain",
+                   std::to_string(tests::own_domain()), "--security-folder", documents("ours/laptop")},
+                  run.file("monitor.out"), run.file("monitor.err"));
+  PageClient page(url_of_monitor(run.file("monitor.out"), kLongestRun_s));
+  ASSERT_TRUE(page.wait_for(R"("heard":true)", kLongestRun_s)) << run.said();
+  const auto laptop = record("laptop", {"--security-folder", documents("ours/laptop")});
+  const auto stranger = record("stranger", {"--security-folder", documents("theirs/stranger")});
+  const auto nobody = record("nobody", {});
+  page.send(R"({"command": "speed", "sequence": 1, "value": 9})");
+  EXPECT_TRUE(page.wait_for("beyond telemetry.speed_limit_m_s", kLongestRun_s)) << "the robot heard it";
+  page.send(R"({"command": "height", "sequence": 2, "value": 0.76})");
+  EXPECT_TRUE(page.wait_for(R"("sequence":2,"accepted":true)", kLongestRun_s)) << "and obeys";
+  EXPECT_GT(messages("laptop", *laptop), 0);
+  EXPECT_EQ(messages("stranger", *stranger), 0);
+  EXPECT_EQ(messages("nobody", *nobody), 0);
+  run.controller().signal(SIGTERM);
+  run.expect_both_to_end();
+}
+
+/// Somebody without the token, as fast as he can, in his own name and in the commander's.
+TEST(Telemetry, a_flood_of_commands_without_the_token_neither_holds_up_the_commander_nor_moves_the_robot) {
+  RobotAndController run;
+  Host host;
+  start(run, host, {"--start", "stand"});
+  if (HasFatalFailure()) return;
+  host.alive = true;
+  ASSERT_TRUE(host.until([&] { return host.state == State::stand && host.ramp >= 1.0; })) << run.said();
+  const auto start_time = std::chrono::steady_clock::now();
+  Process flood({COMMAND_FLOOD, "--domain", std::to_string(tests::own_domain()), "--name", host.name()},
+                run.file("flood.out"), run.file("flood.err"));
+  ASSERT_TRUE(wait_for_text(run.file("flood.out"), "flooding", kLongestRun_s));
+  ASSERT_EQ(host.ask(CommandKind::walk, 0.3), "accepted") << run.said();
+  ASSERT_TRUE(host.until_state(State::walk)) << run.said();
+  host.states.clear();
+  const double from_s = host.time_s;
+  ASSERT_TRUE(host.until([&] { return host.time_s > from_s + 5.0; })) << "walks on under the flood";
+  EXPECT_EQ(host.ask(CommandKind::speed, 0.4), "accepted") << run.said();
+  EXPECT_TRUE(host.until([&] { return host.speed_m_s == 0.4; }));
+  EXPECT_TRUE(host.states.empty())
+      << "no word of the flood is obeyed, and no heartbeat of the commander is lost";
+  flood.signal(SIGTERM);
+  EXPECT_EQ(flood.wait(kLongestRun_s), 0);
+  const auto sent = nlohmann::json::parse(text_of(run.file("flood.err"))).at("sent").get<std::uint64_t>();
+  EXPECT_GT(sent, 10'000u);
+  const double elapsed_s =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start_time).count();
+  EXPECT_LE(static_cast<double>(host.refused), 20.0 * elapsed_s + 2.0)
+      << "a flood is not answered with another: twenty refusals a second at most";
+  run.controller().signal(SIGTERM);
+  run.expect_both_to_end();
+  EXPECT_EQ(run.controller_json().at("heap_allocations"), 0);
 }
 
 }  // namespace

@@ -1,0 +1,80 @@
+// command_flood: somebody who knows the robot's session but not its token, and sends commands as fast as he
+// can until he is ended. Prints "flooding" once the robot listens, and at the end on standard error how many
+// were sent.
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <iterator>
+#include <stdexcept>
+#include <string>
+#include <thread>
+
+#include "firmware/telemetry/command_kind.h"
+#include "firmware/telemetry/writer.h"
+#include "host_tools/telemetry/listener.h"
+
+namespace {
+
+using namespace stilt;
+using telemetry::CommandKind;
+
+volatile std::sig_atomic_t ended = 0;
+
+std::uint64_t session_of_robot(const telemetry::Participant& participant) {
+  const telemetry::Topic* const topics[] = {&telemetry::kConfiguration};
+  host_telemetry::Listener listener(participant, topics);
+  std::uint64_t session = 0;
+  while (session == 0 && ended == 0) {
+    static_cast<void>(listener.wait(std::chrono::milliseconds(50)));
+    listener.take([&](telemetry::Sample&& sample) {
+      if (const auto message = sample.as<telemetry::ConfigurationInForce>()) session = message->session;
+    });
+  }
+  return session;
+}
+
+int flood(const telemetry::Network& network, std::string name) {
+  constexpr CommandKind kKinds[] = {CommandKind::heartbeat, CommandKind::sit, CommandKind::stop,
+                                    CommandKind::walk, CommandKind::off};
+  const telemetry::Participant participant = host_telemetry::join(network);
+  auto writer = telemetry::AnyWriter::open(participant, telemetry::kCommands);
+  if (!writer) throw std::runtime_error(writer.error());
+  std::string token = "a-guess-0000000000", key;
+  telemetry::Command command{};
+  command.session = session_of_robot(participant);
+  command.token = token.data();
+  command.commander = name.data();
+  command.key = key.data();
+  while (writer->subscribers() == 0 && ended == 0) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  std::puts("flooding");
+  std::fflush(stdout);
+  for (command.number = 1'000'000; ended == 0; ++command.number) {
+    command.kind = static_cast<std::uint8_t>(kKinds[command.number % std::size(kKinds)]);
+    writer->write(&command);
+  }
+  std::fprintf(stderr, "{\"sent\": %llu}\n", static_cast<unsigned long long>(command.number - 1'000'000));
+  return 0;
+}
+
+}  // namespace
+
+int main(int count, char** words) {
+  CLI::App app;
+  telemetry::Network network;
+  std::string name = "stranger";
+  app.add_option("--domain", network.domain);
+  app.add_option("--name", name);
+  CLI11_PARSE(app, count, words);
+  std::signal(SIGTERM, [](int) { ended = 1; });
+  try {
+    return flood(network, name);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 2;
+  }
+}

@@ -1,0 +1,86 @@
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "firmware/supervisor/state.h"
+#include "host_tools/telemetry/commander.h"
+#include "host_tools/telemetry/listener.h"
+#include "tests/own_domain.h"
+
+namespace stilt::two_processes {
+
+/// A commander and what the robot said last. Shows life as long as it is polled.
+class Host {
+ public:
+  Host()
+      : participant_(host_telemetry::join({.domain = tests::own_domain()})),
+        listener_(participant_),
+        commander_(participant_, host_telemetry::unique_name("test")) {}
+
+  /// Polls until it holds, with a limit for hanging that is generous on a busy machine.
+  [[nodiscard]] bool until(const std::function<bool()>& holds) {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(3);
+    while (!holds()) {
+      if (std::chrono::steady_clock::now() > end) return false;
+      if (alive) commander_.heartbeat();
+      static_cast<void>(listener_.wait(std::chrono::milliseconds(50)));
+      listener_.take([this](telemetry::Sample&& sample) { take(sample); });
+    }
+    return true;
+  }
+
+  [[nodiscard]] bool until_state(supervisor::State wanted) {
+    return until([&] { return state == wanted; });
+  }
+
+  /// The answer to a command.
+  [[nodiscard]] std::string ask(telemetry::CommandKind kind, double value = 0, const std::string& key = {}) {
+    const std::uint64_t number = commander_.send(kind, value, key);
+    if (!until([&] { return replies.contains(number); })) return "no answer";
+    return replies[number];
+  }
+
+  void learn(const std::string& token) { commander_.set_session(session, token); }
+  [[nodiscard]] const std::string& name() const { return commander_.name(); }
+
+  bool alive = false;
+  std::uint64_t session = 0;
+  supervisor::State state = supervisor::State::boot;
+  double speed_m_s = 0;
+  double ramp = 0;
+  double time_s = 0;  ///< of the robot
+  std::uint32_t tuning = 0;
+  std::vector<supervisor::State> states;
+  std::map<std::uint64_t, std::string> replies;
+  std::uint64_t refused = 0;  ///< commands of whomever
+
+ private:
+  void take(const telemetry::Sample& sample) {
+    if (const auto configuration = sample.as<telemetry::ConfigurationInForce>()) {
+      session = configuration->session;
+    } else if (const auto supervisor = sample.as<telemetry::Supervisor>()) {
+      speed_m_s = supervisor->speed_m_s;
+      ramp = supervisor->ramp;
+      time_s = supervisor->time_s;
+    } else if (const auto reply = sample.as<telemetry::CommandReply>()) {
+      refused += reply->accepted ? 0 : 1;
+      if (reply->commander == commander_.name()) {
+        replies[reply->number] = reply->accepted ? "accepted" : reply->reason;
+      }
+    } else if (const auto event = sample.as<telemetry::Event>()) {
+      if (event->kind == 0) states.push_back(state = static_cast<supervisor::State>(event->state));
+    } else if (const auto batch = sample.as<telemetry::TickBatch>()) {
+      if (batch->count > 0) tuning = batch->tuning._buffer[batch->count - 1];
+    }
+  }
+
+  telemetry::Participant participant_;
+  host_telemetry::Listener listener_;
+  host_telemetry::Commander commander_;
+};
+
+}  // namespace stilt::two_processes
