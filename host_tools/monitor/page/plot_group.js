@@ -1,7 +1,9 @@
-// All plots. They show the same seconds; each frame draws those that moved by a pixel, as many as fit into its time, in
-// turn.
+// All plots. They show the same seconds; a frame draws those that moved by a pixel, in turn, and not all of them where
+// drawing takes longer than the screen's rate allows: the robot moves smoothly first.
 
-const kBudget_ms = 8;
+/** However slow the machine, a frame draws this share of the plots in view. */
+const kLeastShare = 0.25;
+const kSlow = 1.4;
 
 class LivePlots {
   constructor(robot, sections, container) {
@@ -9,6 +11,8 @@ class LivePlots {
     this.colours = readColours();
     this.window_s = 10;
     this.now_s = 0;
+    this.shortest_s = 1;
+    this.atOnce = Infinity;
     this.next = 0;
     this.panels = sections.flatMap((section) => this.addSection(section, container));
     const observer = new IntersectionObserver((entries) => {
@@ -42,13 +46,24 @@ class LivePlots {
   }
 
   draw(time_s, now_s) {
+    this.setPace(now_s);
     this.now_s = now_s;
-    const start = performance.now();
-    for (let tried = 0; tried < this.panels.length; ++tried) {
+    let drawn = 0;
+    for (let tried = 0; tried < this.panels.length && drawn < this.atOnce; ++tried) {
       const panel = this.panels[this.next];
       this.next = (this.next + 1) % this.panels.length;
-      if (panel.visible && panel.draw(time_s) && performance.now() - start > kBudget_ms) return;
+      if (panel.visible && panel.draw(time_s)) ++drawn;
     }
+  }
+
+  /** How many plots a frame may draw: fewer while frames come later than the screen could show them. */
+  setPace(now_s) {
+    const took_s = now_s - this.now_s;
+    if (!(took_s > 0.001 && took_s < 0.5)) return;
+    this.shortest_s = Math.min(took_s, this.shortest_s * 1.002);
+    const inView = this.panels.filter((panel) => panel.visible).length;
+    const wanted = took_s > kSlow * this.shortest_s ? 0.85 * this.atOnce : this.atOnce + 0.2;
+    this.atOnce = Math.min(inView, Math.max(kLeastShare * inView, wanted));
   }
 
   recolour() {

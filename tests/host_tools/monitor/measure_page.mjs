@@ -57,7 +57,6 @@ async function measure(browser, url, viewport) {
   const page = await openPage(browser, url);
   await page.setViewportSize(viewport);
   const first_ms = await firstMotion_ms(page);
-  if (source === 'synthetic') await page.keyboard.press('w');
   await page.waitForTimeout(kSettle_ms);
   const rate = await frameRate(page);
   const state = await page.textContent('#state');
@@ -72,6 +71,7 @@ const { programs, url } = await start(folder);
 try {
   if (source === 'synthetic') {  // the first page to be measured finds it walking
     const page = await openPage(browser, url);
+    await until('live data', async () => (await page.textContent('#link-status')).startsWith('live'));
     await page.keyboard.press('w');
     await until('walking', async () => (await page.textContent('#state')) === 'walk');
     await page.close();
