@@ -120,8 +120,11 @@ SharedMessage supervisor_message(const SupervisorSample& sample) {
 }
 
 SharedMessage event_message(const EventSample& sample) {
-  return text(
-      {{"type", "event"}, {"time_s", sample.time_s}, {"text", sample.text}, {"serious", sample.serious}, {"warning", sample.warning}});
+  return text({{"type", "event"},
+               {"time_s", sample.time_s},
+               {"text", sample.text},
+               {"serious", sample.serious},
+               {"warning", sample.warning}});
 }
 
 SharedMessage timing_message(const TimingSample& sample) {
