@@ -9,6 +9,13 @@
 namespace stilt::realtime {
 namespace {
 
+/// What the thread sanitizer keeps for itself in each stack.
+#ifdef __SANITIZE_THREAD__
+constexpr std::size_t kSanitizerBytes = 2 * 1024 * 1024;
+#else
+constexpr std::size_t kSanitizerBytes = 0;
+#endif
+
 /// Writes to every page of the stack but the last few, which the thread's own start has touched.
 [[gnu::noinline]] void touch_stack() noexcept {
   constexpr std::size_t kPage = 4096;
@@ -48,7 +55,7 @@ bool Thread::start(const ThreadSettings& settings, void (*work)(void*), void* co
   context_ = context;
   pthread_attr_t attributes;
   pthread_attr_init(&attributes);
-  pthread_attr_setstacksize(&attributes, kStackBytes);
+  pthread_attr_setstacksize(&attributes, kStackBytes + kSanitizerBytes);
   sigset_t all;
   sigset_t before;
   sigfillset(&all);

@@ -10,8 +10,13 @@
 namespace stilt::telemetry {
 namespace {
 
-/// Of Cyclone's threads; the system's default of 8 MB would be locked whole.
+/// Of Cyclone's threads; the system's default of 8 MB would be locked whole. The thread sanitizer keeps more
+/// than 256 kB for itself in each stack, and no thread could start.
+#ifdef __SANITIZE_THREAD__
+constexpr std::size_t kStack_bytes = 8 * 1024 * 1024;
+#else
 constexpr std::size_t kStack_bytes = 256 * 1024;
+#endif
 
 /// While it lives, threads of this process get small stacks.
 class SmallStacks {
