@@ -29,7 +29,8 @@ Cdr encode(const dds_topic_descriptor_t& type, const void* message) {
 
 bool decode(const dds_topic_descriptor_t& type, std::span<const std::byte> cdr, void* message) {
   // The last two bits of the header tell how many bytes at the end only fill up.
-  if (cdr.size() < kHeader_bytes || cdr[0] != std::byte{0}) return false;
+  // No message of ours is without fields.
+  if (cdr.size() <= kHeader_bytes || cdr[0] != std::byte{0}) return false;
   const bool big_endian = cdr[1] == std::byte{0};
   if (!big_endian && cdr[1] != std::byte{1}) return false;
   std::vector<std::byte> fields(cdr.begin() + kHeader_bytes, cdr.end());
