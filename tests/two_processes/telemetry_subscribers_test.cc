@@ -22,7 +22,7 @@ using host_telemetry::Listener;
 /// @param midway    called while it walks
 std::string frames_of_walk(RobotAndController& run, const std::vector<std::string>& settings,
                            const std::function<void()>& midway) {
-  std::vector<std::string> options = {"--lockstep", "--start", "walk@0.5", "--duration", "8"};
+  std::vector<std::string> options = {"--lockstep", "--start", "walk@0.5", "--duration", "16"};
   options.insert(options.end(), settings.begin(), settings.end());
   run.start_robot({"--lockstep", "--once"});
   run.start_controller(options);

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <csignal>
+#include <filesystem>
 #include <memory>
 #include <stdexcept>
 #include <thread>
@@ -118,19 +119,31 @@ class Secured : public testing::Test {
 
   [[nodiscard]] std::string documents(const std::string& name) const { return run.file(name); }
 
-  /// Starts a recorder that ends after a while.
+  /// Starts a recorder.
   std::unique_ptr<Process> record(const std::string& name, const std::vector<std::string>& options) {
     std::vector<std::string> words = {STILT_PROGRAM, "record",
                                       "--out",       run.file(name + ".mcap"),
                                       "--json",      run.file(name + ".json"),
-                                      "--duration",  "5",
                                       "--domain",    std::to_string(tests::own_domain())};
     words.insert(words.end(), options.begin(), options.end());
     return std::make_unique<Process>(words, run.file(name + ".out"), run.file(name + ".err"));
   }
 
-  /// Messages in the record, once the recorder has ended.
+  /// Waits until a record holds some seconds of ticks: far more than what every record begins with.
+  [[nodiscard]] bool wait_for_ticks(const std::string& name) const {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(kLongestRun_s);
+    std::error_code not_there_yet;
+    while (std::chrono::steady_clock::now() < end) {
+      const auto size = std::filesystem::file_size(run.file(name + ".mcap"), not_there_yet);
+      if (!not_there_yet && size > 200'000) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+    return false;
+  }
+
+  /// Ends a recorder. Messages in its record.
   [[nodiscard]] int messages(const std::string& name, Process& recorder) const {
+    recorder.signal(SIGINT);
     EXPECT_TRUE(recorder.wait(kLongestRun_s)) << name;
     return nlohmann::json::parse(text_of(run.file(name + ".json"))).at("messages");
   }
@@ -154,13 +167,14 @@ TEST_F(Secured, a_monitor_with_documents_commands_and_a_recorder_of_strangers_he
                   run.file("monitor.out"), run.file("monitor.err"));
   PageClient page(url_of_monitor(run.file("monitor.out"), kLongestRun_s));
   ASSERT_TRUE(page.wait_for(R"("heard":true)", kLongestRun_s)) << run.said();
-  const auto laptop = record("laptop", {"--security-folder", documents("ours/laptop")});
   const auto stranger = record("stranger", {"--security-folder", documents("theirs/stranger")});
   const auto nobody = record("nobody", {});
+  const auto laptop = record("laptop", {"--security-folder", documents("ours/laptop")});
   page.send(R"({"command": "speed", "sequence": 1, "value": 9})");
   EXPECT_TRUE(page.wait_for("beyond telemetry.speed_limit_m_s", kLongestRun_s)) << "the robot heard it";
   page.send(R"({"command": "height", "sequence": 2, "value": 0.76})");
   EXPECT_TRUE(page.wait_for(R"("sequence":2,"accepted":true)", kLongestRun_s)) << "and obeys";
+  EXPECT_TRUE(wait_for_ticks("laptop")) << text_of(run.file("laptop.err"));
   EXPECT_GT(messages("laptop", *laptop), 0);
   EXPECT_EQ(messages("stranger", *stranger), 0);
   EXPECT_EQ(messages("nobody", *nobody), 0);

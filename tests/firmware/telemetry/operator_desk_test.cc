@@ -95,7 +95,6 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"another_commander", [](Asked& c) { c.commander = "bert"; }, "anna commands the robot"}),
     [](const auto& refusal) { return refusal.param.what; });
 
-/// Which kinds are accepted in which state.
 TEST_F(Desk, strangers_are_answered_twenty_times_a_second_however_many_ask) {
   int answers = 0;
   for (int k = 0; k < 10'000; ++k) {
@@ -110,6 +109,7 @@ TEST_F(Desk, strangers_are_answered_twenty_times_a_second_however_many_ask) {
   EXPECT_FALSE(take(CommandKind::walk, 0.3).silent) << "those with the token are always answered";
 }
 
+/// Which kinds are accepted in which state.
 TEST_F(Desk, takes_only_what_makes_sense_in_the_state) {
   const std::vector<std::pair<CommandKind, std::vector<State>>> table = {
       {CommandKind::prepare, {State::idle}},
