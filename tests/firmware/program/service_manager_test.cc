@@ -72,12 +72,5 @@ TEST_F(Listener, HearsTheEnd) {
   EXPECT_EQ(heard(), "STOPPING=1");
 }
 
-TEST(ServiceManager, SaysNothingWhereNobodyListens) {
-  unsetenv("NOTIFY_SOCKET");
-  ServiceManager service;
-  service.tell(kSecond_ns, 250, "idle");
-  service.tell_end();
-}
-
 }  // namespace
 }  // namespace stilt::program
