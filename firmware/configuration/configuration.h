@@ -27,7 +27,7 @@ struct Override {
   std::string where = "--set";  ///< the option it came from, named in diagnostics
 };
 
-/// A configuration compiled into the program.
+/// A configuration compiled into the program. Variants of a robot share their file.
 struct ShippedConfiguration {
   std::string_view robot;  ///< name of the robot, such as "amber3m"
   std::string_view path;   ///< of the file it was made from, relative to the root of the project

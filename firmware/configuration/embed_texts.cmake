@@ -1,13 +1,17 @@
 # cmake -DROOT=... -DOUTPUT=... -DHEADER=... -DNAMESPACE=... -DTYPE=... -DFUNCTION=... -DNAMED_BY=FILE|FOLDER
 #   -P embed_texts.cmake -- FILE...
 # Writes a C++ source that defines FUNCTION of HEADER: the texts of the files, each with its robot's name, which
-# is that of the file or of its folder. FILE is relative to ROOT, the root of the project.
+# is that of the file or of its folder. FILE is relative to ROOT, the root of the project; ROBOT=FILE names the robot.
 set(rows "")
 math(EXPR last "${CMAKE_ARGC} - 1")
 foreach(index RANGE ${last})
   set(path "${CMAKE_ARGV${index}}")
   if(path MATCHES "\\.toml$")
     get_filename_component(robot "${path}" NAME_WE)
+    if(path MATCHES "^([^=]+)=(.+)$")
+      set(robot "${CMAKE_MATCH_1}")
+      set(path "${CMAKE_MATCH_2}")
+    endif()
     if(NAMED_BY STREQUAL FOLDER)
       get_filename_component(folder "${path}" DIRECTORY)
       get_filename_component(robot "${folder}" NAME)

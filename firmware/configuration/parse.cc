@@ -241,7 +241,11 @@ Result load_file(const std::string& path, std::span<const Override> overrides) {
 Result load_robot(std::string_view robot, std::span<const Override> overrides) {
   std::string known;
   for (const ShippedConfiguration& shipped : shipped_configurations()) {
-    if (shipped.robot == robot) return parse(shipped.text, shipped.path, overrides);
+    if (shipped.robot == robot) {
+      std::vector<Override> all = {{"hardware.robot=" + std::string(robot), "--robot"}};  // a variant's file
+      all.insert(all.end(), overrides.begin(), overrides.end());
+      return parse(shipped.text, shipped.path, all);
+    }
     known += (known.empty() ? "" : ", ") + std::string(shipped.robot);
   }
   return failure("--robot",

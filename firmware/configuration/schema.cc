@@ -34,7 +34,9 @@ static_assert(static_cast<int>(ocp::Transition::identity) == 0 &&
 static_assert(control::kMaxHorizonIntervals == 134, "the description of discretisation.horizon_s names it");
 
 constexpr Section kSections[] = {
-    {"robot", "What the planner assumes of the robot besides its URDF."},
+    {"robot",
+     "What the controller assumes of the robot besides its URDF; friction and damping instead of the "
+     "URDF's."},
     {"gait", "Timing and shape of the step."},
     {"reference", "Heuristic reference of the base: what the cost pulls towards."},
     {"cost",
@@ -61,6 +63,20 @@ constexpr Entry kEntries[] = {
      real<&P::robot, &RobotParameters::torque_limit_scale>(0.05, 10.0)},
     {"robot", "velocity_limit_scale", "1", "Factor on the joint velocity limits of the URDF",
      real<&P::robot, &RobotParameters::velocity_limit_scale>(0.05, 10.0)},
+
+    {"robot", "no_load_speed_rad_s", "rad/s",
+     "Joint speed at which a drive gives no torque any more; its torque falls linearly up to there; 0: "
+     "constant",
+     real<&P::robot, &RobotParameters::no_load_speed_rad_s>(0.0, 1e3)},
+    {"robot", "hip_coulomb_friction_Nm", "Nm",
+     "Coulomb friction of a hip, see torque_law.friction_compensation",
+     real<&P::robot, &RobotParameters::hip_coulomb_friction_Nm>(0.0, 100.0)},
+    {"robot", "knee_coulomb_friction_Nm", "Nm", "Coulomb friction of a knee",
+     real<&P::robot, &RobotParameters::knee_coulomb_friction_Nm>(0.0, 100.0)},
+    {"robot", "hip_damping_Nms_rad", "Nm s/rad", "Viscous friction of a hip, part of the planned torques",
+     real<&P::robot, &RobotParameters::hip_damping_Nms_rad>(0.0, 100.0)},
+    {"robot", "knee_damping_Nms_rad", "Nm s/rad", "Viscous friction of a knee",
+     real<&P::robot, &RobotParameters::knee_damping_Nms_rad>(0.0, 100.0)},
 
     {"gait", "single_support_s", "s", "Duration of a step on one foot",
      real<&P::gait, &GaitParameters::single_support_s>(0.1, 2.0)},
@@ -120,6 +136,9 @@ constexpr Entry kEntries[] = {
      real<&P::cost, &CostParameters::touchdown_velocity>(0.0, 1e6)},
     {"cost", "terminal", "1", "rho, factor on the LQR cost-to-go at the end of the horizon; 0 drops it",
      real<&P::cost, &CostParameters::terminal>(0.0, 1e3)},
+
+    {"cost", "terminal_feet", "", "The running cost of that LQR has the weights of the feet, too",
+     flag<&P::cost, &CostParameters::terminal_feet>()},
 
     {"inequality", "friction_coefficient", "1",
      "Friction cone: |fx| <= coefficient (fz - minimum normal force)",
@@ -195,7 +214,7 @@ constexpr Entry kEntries[] = {
      real<&P::torque_law, &TorqueLawParameters::joint_kd_Nms_rad>(0.0, 1e3)},
     {"torque_law", "use_feedback_gains", "", "Add the plan's feedback K (x - x_plan) to its inputs",
      flag<&P::torque_law, &TorqueLawParameters::use_feedback_gains>()},
-    {"torque_law", "friction_compensation", "1", "Share of the URDF's Coulomb friction that is fed forward",
+    {"torque_law", "friction_compensation", "1", "Share of the joints' Coulomb friction that is fed forward",
      real<&P::torque_law, &TorqueLawParameters::friction_compensation>(0.0, 2.0)},
     {"torque_law", "friction_velocity_rad_s", "rad/s", "Width of the smoothed sign, tanh(v / width)",
      real<&P::torque_law, &TorqueLawParameters::friction_velocity_rad_s>(1e-3, 10.0)},

@@ -4,11 +4,11 @@
 
 namespace stilt::controller {
 
-void GaitFallback::configure(const model::RobotModel& robot, double torque_limit_scale,
+void GaitFallback::configure(const model::RobotModel& robot, const control::RobotParameters& assumed,
                              const gait::GaitLibrary* library) noexcept {
   robot_ = &robot;
   library_ = library;
-  if (library_ != nullptr) tracker_.configure(robot, {}, torque_limit_scale, *library_);
+  if (library_ != nullptr) tracker_.configure(robot, {}, assumed, *library_);
   forget();
 }
 

@@ -11,7 +11,7 @@ namespace stilt::controller {
 class GaitFallback {
  public:
   /// @param library  at least one gait, outlives this object; nullptr: there is no such rung
-  void configure(const model::RobotModel& robot, double torque_limit_scale,
+  void configure(const model::RobotModel& robot, const control::RobotParameters& assumed,
                  const gait::GaitLibrary* library) noexcept;
 
   /// Not in step with anything: the robot does not step, or stands on other ground than before.

@@ -82,7 +82,7 @@ void TorqueCycle::configure(const model::RobotModel& robot, const control::Contr
   control::ControllerParameters with_feedback = parameters;
   with_feedback.torque_law.use_feedback_gains = true;
   law_of_old_plan_.configure(robot, with_feedback);
-  gait_.configure(robot, parameters.robot.torque_limit_scale, nullptr);
+  gait_.configure(robot, parameters.robot, nullptr);
 }
 
 void TorqueCycle::attach(const Robot& robot, Mailboxes& mailboxes) noexcept {

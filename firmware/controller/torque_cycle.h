@@ -45,7 +45,7 @@ class TorqueCycle {
   /// configure().
   void track_without_plan(const model::RobotModel& robot, const control::ControllerParameters& parameters,
                           const gait::GaitLibrary& library) noexcept {
-    gait_.configure(robot, parameters.robot.torque_limit_scale, &library);
+    gait_.configure(robot, parameters.robot, &library);
   }
 
   /// Everything outlives this object.

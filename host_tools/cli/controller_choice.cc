@@ -66,7 +66,7 @@ std::string one_line(const std::vector<configuration::Diagnostic>& diagnostics) 
 }  // namespace
 
 void add_controller_options(CLI::App& command, ControllerChoice& choice) {
-  command.add_option("--robot", choice.robot, "robot: amber3m, rabbit")->capture_default_str();
+  command.add_option("--robot", choice.robot, "robot: amber3m, amber3m_2020, rabbit")->capture_default_str();
   command
       .add_option("--controller", choice.controller,
                   "mpc-heuristic, mpc-none: without terminal cost, mpc-lumped: plans with the legs' mass and "

@@ -213,7 +213,7 @@ int show(const GaitOptions& options) {
 }
 
 void add_task_options(CLI::App& command, GaitOptions& options) {
-  command.add_option("--robot", options.robot, "robot: amber3m, rabbit")->capture_default_str();
+  command.add_option("--robot", options.robot, "robot: amber3m, amber3m_2020, rabbit")->capture_default_str();
   command.add_option("--step-time", options.step_time_s, "duration of a step, s")->capture_default_str();
   command
       .add_option("--cost", options.cost,

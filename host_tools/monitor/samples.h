@@ -107,7 +107,7 @@ struct Tunable {
 /// Who is there.
 struct ConfigurationSample {
   std::string session;  ///< of this run of the controller; empty: not known
-  std::string robot;    ///< amber3m, rabbit
+  std::string robot;    ///< amber3m, amber3m_2020, rabbit
   std::string build;    ///< version, compiler, instruction set
   std::string toml;     ///< configuration in force
   double tick_rate_hz = 1000.0;

@@ -9,7 +9,7 @@ GaitController::GaitController(const model::RobotModel& robot,
                                std::unique_ptr<MpcController> starter,
                                std::shared_ptr<const gait::GaitLibrary> library, double hand_over_s)
     : robot_(robot), starter_(std::move(starter)), library_(std::move(library)), hand_over_s_(hand_over_s) {
-  tracker_.configure(robot, {}, parameters.robot.torque_limit_scale, *library_);
+  tracker_.configure(robot, {}, parameters.robot, *library_);
 }
 
 void GaitController::reset(const model::StateVector& state, double time_s) {

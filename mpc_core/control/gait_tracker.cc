@@ -31,12 +31,11 @@ bool is_finite(const SensorReading& reading) noexcept {
 }  // namespace
 
 void GaitTracker::configure(const model::RobotModel& robot, const GaitTrackerParameters& parameters,
-                            double torque_limit_scale, const gait::GaitLibrary& library) noexcept {
+                            const RobotParameters& assumed, const gait::GaitLibrary& library) noexcept {
   robot_ = &robot;
   library_ = &library;
   parameters_ = parameters;
-  for (int j = 0; j < kJoints; ++j)
-    torque_limit_Nm_[j] = torque_limit_scale * robot.constants.torque_limit_Nm[j];
+  drive_ = drive_model(robot.constants, assumed);
 }
 
 void GaitTracker::start(double time_s, int stance, double foot_x_m, double speed_m_s) noexcept {
@@ -141,7 +140,7 @@ GaitTracker::Command GaitTracker::tick(const SensorReading& reading, double spee
     const double velocity = reading.joint_velocity_rad_s[j];
     const double damping_Nm = std::isfinite(velocity) ? -parameters_.joint_kd_Nms_rad * velocity : 0.0;
     const double torque_Nm = command.finite ? command.torque_Nm[j] : damping_Nm;
-    command.torque_Nm[j] = std::clamp(torque_Nm, -torque_limit_Nm_[j], torque_limit_Nm_[j]);
+    command.torque_Nm[j] = drive_.limited_torque_Nm(j, torque_Nm, velocity);
   }
   if (!command.finite) command.estimated_state.setConstant(std::numeric_limits<double>::quiet_NaN());
   return command;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "mpc_core/control/drive_model.h"
 #include "mpc_core/control/estimator.h"
 #include "mpc_core/gait/gait_library.h"
 
@@ -24,7 +25,7 @@ class GaitTracker {
  public:
   /// The library has at least one gait and outlives this object.
   void configure(const model::RobotModel& robot, const GaitTrackerParameters& parameters,
-                 double torque_limit_scale, const gait::GaitLibrary& library) noexcept;
+                 const RobotParameters& assumed, const gait::GaitLibrary& library) noexcept;
 
   /// Starts just after a touch-down of the foot `stance`, which stands at x = foot_x_m in the world.
   void start(double time_s, int stance, double foot_x_m, double speed_m_s) noexcept;
@@ -60,7 +61,7 @@ class GaitTracker {
   const model::RobotModel* robot_ = nullptr;
   const gait::GaitLibrary* library_ = nullptr;
   GaitTrackerParameters parameters_;
-  double torque_limit_Nm_[model::kJoints] = {};
+  DriveModel drive_{};
   gait::HzdGait gait_;
   int stance_ = model::kLeft;
   double touch_down_s_ = 0.0;

@@ -10,20 +10,27 @@ namespace stilt::control {
 struct TorqueLawParameters {
   double joint_kp_Nm_rad = 100.0;
   double joint_kd_Nms_rad = 5.0;
-  bool use_feedback_gains = false;       ///< add the plan's feedback K (x - x_plan) to its inputs
-  double friction_compensation = 1.0;    ///< share of the robot's Coulomb friction that is fed forward
-  double friction_velocity_rad_s = 0.1;  ///< width of the smoothed sign, tanh(v / width)
+  bool use_feedback_gains = false;        ///< add the plan's feedback K (x - x_plan) to its inputs
+  double friction_compensation = 1.0;     ///< share of the joints' Coulomb friction that is fed forward
+  double friction_velocity_rad_s = 0.05;  ///< width of the smoothed sign, tanh(v / width)
 };
 
 struct EstimatorParameters {
   double blend_s = 0.02;  ///< time over which trust moves from the old stance foot to the new one
 };
 
-/// What the planner assumes of the robot besides its URDF.
+/// What the controller assumes of the robot besides its URDF; friction and damping instead of the URDF's.
 struct RobotParameters {
   double armature_scale = 1.0;  ///< factor on the reflected drive inertia; 0 plans without it
   double torque_limit_scale = 1.0;
   double velocity_limit_scale = 1.0;
+  /// Joint speed at which a drive gives no torque any more; its torque falls linearly up to there. 0:
+  /// constant.
+  double no_load_speed_rad_s = 0.0;
+  double hip_coulomb_friction_Nm = 0.0;
+  double knee_coulomb_friction_Nm = 0.0;
+  double hip_damping_Nms_rad = 0.0;
+  double knee_damping_Nms_rad = 0.0;
 };
 
 struct TimingParameters {

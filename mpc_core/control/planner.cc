@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mpc_core/control/drive_model.h"
+
 namespace stilt::control {
 namespace {
 
@@ -11,13 +13,15 @@ using model::kJoints;
 using model::kPositions;
 using model::kStates;
 
-ocp::JointLimits limits_of(const model::RobotConstants& robot, const RobotParameters& parameters) noexcept {
+ocp::JointLimits limits_of(const model::RobotConstants& robot, const RobotParameters& parameters,
+                           const DriveModel& drive) noexcept {
   ocp::JointLimits limits{};
   for (int j = 0; j < kJoints; ++j) {
     limits.position_min_rad[j] = robot.position_min_rad[j];
     limits.position_max_rad[j] = robot.position_max_rad[j];
     limits.velocity_rad_s[j] = parameters.velocity_limit_scale * robot.velocity_limit_rad_s[j];
-    limits.torque_Nm[j] = parameters.torque_limit_scale * robot.torque_limit_Nm[j];
+    limits.torque_Nm[j] = drive.torque_limit_Nm[j];
+    limits.torque_speed_slope_Nms_rad[j] = drive.torque_speed_slope_Nms_rad[j];
   }
   return limits;
 }
@@ -48,11 +52,9 @@ ConfigureStatus prepare_settings(const model::RobotModel& robot, const Controlle
   data.inequality = parameters.inequality;
   data.equality = parameters.equality;
   data.discretisation = parameters.discretisation;
-  data.limits = limits_of(robot.constants, parameters.robot);
-  for (int j = 0; j < kJoints; ++j) {
-    data.joint_parameters[j] = parameters.robot.armature_scale * robot.constants.joint_parameters[j];
-    data.joint_parameters[kJoints + j] = robot.constants.joint_parameters[kJoints + j];
-  }
+  const DriveModel drive = drive_model(robot.constants, parameters.robot);
+  data.limits = limits_of(robot.constants, parameters.robot, drive);
+  std::ranges::copy(drive.joint_parameters, data.joint_parameters);
   ocp::set_weights(data);
   const model::StateVector standing =
       gait::standing_state(robot.constants, parameters.reference.base_height_m,

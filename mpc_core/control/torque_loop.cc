@@ -32,6 +32,12 @@ PlanPoint interpolate(const Plan& plan, double time_s) noexcept {
   const double s = duration_s > 0.0 ? std::clamp((time_s - from.time_s) / duration_s, 0.0, 1.0) : 1.0;
   PlanPoint point;
   point.state = (1.0 - s) * from.state + s * to.state;
+  // Positions on the cubic with the nodes' velocities: a straight line misses it by a h^2 / 8, 3 mrad at a
+  // knee.
+  const auto rise_from = from.state.tail<kPositions>() * duration_s;
+  const auto rise_to = to.state.tail<kPositions>() * duration_s;
+  const auto chord = to.state.head<kPositions>() - from.state.head<kPositions>();
+  point.state.head<kPositions>() += s * (1.0 - s) * ((1.0 - s) * (rise_from - chord) - s * (rise_to - chord));
   const bool same_phase = from.mode == to.mode && k + 1 < last;
   point.input = from.input;
   if (same_phase) point.input += s * (to.input - from.input);
@@ -43,11 +49,7 @@ PlanPoint interpolate(const Plan& plan, double time_s) noexcept {
 void TorqueLoop::configure(const model::RobotModel& robot, const ControllerParameters& parameters) noexcept {
   robot_ = &robot;
   law_ = parameters.torque_law;
-  for (int j = 0; j < kJoints; ++j) {
-    joint_parameters_[j] = parameters.robot.armature_scale * robot.constants.joint_parameters[j];
-    joint_parameters_[kJoints + j] = robot.constants.joint_parameters[kJoints + j];
-    torque_limit_Nm_[j] = parameters.robot.torque_limit_scale * robot.constants.torque_limit_Nm[j];
-  }
+  drive_ = drive_model(robot.constants, parameters.robot);
   estimator_.configure(robot, parameters.estimator);
 }
 
@@ -72,7 +74,7 @@ TorqueCommand TorqueLoop::tick_with_state(const SensorReading& reading, const mo
       if (command.status == TorqueStatus::tracking) command.torque_Nm = torque_Nm;
     }
   }
-  limit(command);
+  limit(reading, command);
   return command;
 }
 
@@ -84,7 +86,7 @@ TorqueCommand TorqueLoop::damp_not_finite(const SensorReading& reading) const no
     const double velocity = reading.joint_velocity_rad_s[j];
     if (std::isfinite(velocity)) command.torque_Nm[j] = -law_.joint_kd_Nms_rad * velocity;
   }
-  limit(command);
+  limit(reading, command);
   return command;
 }
 
@@ -93,11 +95,11 @@ JointVector TorqueLoop::track(const SensorReading& reading, const model::StateVe
   model::InputVector input = point.input;
   if (law_.use_feedback_gains) input += point.gain->lazyProduct(state - point.state);
   model::NodeTerms<double> node;
-  robot_->scalar.node(point.state.data(), input.data(), joint_parameters_, node);
+  robot_->scalar.node(point.state.data(), input.data(), drive_.joint_parameters, node);
   JointVector torque_Nm;
   for (int j = 0; j < kJoints; ++j) {
     const double planned_velocity = point.state[kPositions + kFirstJoint + j];
-    const double friction_Nm = law_.friction_compensation * robot_->constants.coulomb_friction_Nm[j] *
+    const double friction_Nm = law_.friction_compensation * drive_.coulomb_friction_Nm[j] *
                                std::tanh(planned_velocity / law_.friction_velocity_rad_s);
     torque_Nm[j] = node.joint_torque[j] + friction_Nm +
                    law_.joint_kp_Nm_rad * (point.state[kFirstJoint + j] - reading.joint_position_rad[j]) +
@@ -106,9 +108,9 @@ JointVector TorqueLoop::track(const SensorReading& reading, const model::StateVe
   return torque_Nm;
 }
 
-void TorqueLoop::limit(TorqueCommand& command) const noexcept {
+void TorqueLoop::limit(const SensorReading& reading, TorqueCommand& command) const noexcept {
   for (int j = 0; j < kJoints; ++j) {
-    const double limited = std::clamp(command.torque_Nm[j], -torque_limit_Nm_[j], torque_limit_Nm_[j]);
+    const double limited = drive_.limited_torque_Nm(j, command.torque_Nm[j], reading.joint_velocity_rad_s[j]);
     if (limited != command.torque_Nm[j]) command.saturated = true;
     command.torque_Nm[j] = limited;
   }

@@ -1,12 +1,14 @@
 #pragma once
 
+#include "mpc_core/control/drive_model.h"
 #include "mpc_core/control/estimator.h"
 #include "mpc_core/control/plan.h"
 
 namespace stilt::control {
 
-/// The plan at one time: states interpolated linearly, inputs linearly within a contact phase and held at its
-/// end (inputs held over every interval lag behind the motion: touch-down comes early and torques peak).
+/// The plan at one time: positions on the cubic through the nodes' positions and velocities, velocities
+/// linear, inputs linear within a contact phase and held at its end (inputs held over every interval lag
+/// behind the motion: touch-down comes early and torques peak).
 struct PlanPoint {
   model::StateVector state;
   model::InputVector input;
@@ -37,9 +39,9 @@ struct TorqueCommand {
 ///   tau = tau_ff(x_plan, u) + kp (q_plan - q) + kd (v_plan - v) + friction, limited to the joint's torque
 ///   u = u_plan (+ K (x - x_plan) with use_feedback_gains)
 ///
-/// tau_ff is the torque equation of the whole-body dynamics. Without a usable plan the joints are damped,
-/// tau = -kd v (a joint whose velocity is not finite gets no torque). Never fails, never gives NaN torque.
-/// Fixed memory, real-time safe.
+/// tau_ff is the torque equation of the whole-body dynamics. The limit is the drive's at the joint's
+/// velocity. Without a usable plan the joints are damped, tau = -kd v (a joint whose velocity is not finite
+/// gets no torque). Never fails, never gives NaN torque. Fixed memory, real-time safe.
 class TorqueLoop {
  public:
   void configure(const model::RobotModel& robot, const ControllerParameters& parameters) noexcept;
@@ -61,12 +63,11 @@ class TorqueLoop {
   [[nodiscard]] model::JointVector track(const SensorReading& reading, const model::StateVector& state,
                                          const PlanPoint& point) const noexcept;
   [[nodiscard]] TorqueCommand damp_not_finite(const SensorReading& reading) const noexcept;
-  void limit(TorqueCommand& command) const noexcept;
+  void limit(const SensorReading& reading, TorqueCommand& command) const noexcept;
 
   const model::RobotModel* robot_ = nullptr;
   TorqueLawParameters law_;
-  double joint_parameters_[2 * model::kJoints] = {};
-  double torque_limit_Nm_[model::kJoints] = {};
+  DriveModel drive_{};
   Estimator estimator_;
 };
 

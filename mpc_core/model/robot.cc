@@ -5,7 +5,7 @@
 namespace stilt::model {
 
 const RobotModel* find_robot(const char* name) noexcept {
-  for (const RobotModel* robot : {&amber3m(), &rabbit()}) {
+  for (const RobotModel* robot : {&amber3m(), &amber3m_2020(), &rabbit()}) {
     if (std::string_view(robot->constants.name) == name) return robot;
   }
   return nullptr;

@@ -16,7 +16,6 @@ struct RobotConstants {
   double position_max_rad[kJoints];
   double velocity_limit_rad_s[kJoints];
   double torque_limit_Nm[kJoints];
-  double coulomb_friction_Nm[kJoints];
   double joint_parameters[2 * kJoints];  ///< armature (4) kg m^2, damping (4) Nm s/rad
 };
 
@@ -42,6 +41,8 @@ struct RobotModel {
 };
 
 [[nodiscard]] const RobotModel& amber3m() noexcept;
+/// AMBER-3M with the other published centre of mass of the torso, 0.28507 m above the hip.
+[[nodiscard]] const RobotModel& amber3m_2020() noexcept;
 [[nodiscard]] const RobotModel& rabbit() noexcept;
 
 /// The robot of that name, or nullptr.

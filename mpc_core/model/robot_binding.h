@@ -46,7 +46,6 @@
     std::ranges::copy(robot::kPositionMax_rad, c.position_max_rad);       \
     std::ranges::copy(robot::kVelocityMax_rad_s, c.velocity_limit_rad_s); \
     std::ranges::copy(robot::kTorqueMax_Nm, c.torque_limit_Nm);           \
-    std::ranges::copy(robot::kFriction_Nm, c.coulomb_friction_Nm);        \
     std::ranges::copy(robot::kJointParameters, c.joint_parameters);       \
     model.scalar = STILT_ROBOT_FUNCTIONS(robot, double);                  \
     model.batch = STILT_ROBOT_FUNCTIONS(robot, Batch);                    \

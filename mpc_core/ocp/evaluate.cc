@@ -6,6 +6,7 @@
 #include "mpc_core/ocp/integrator.h"
 #include "mpc_core/ocp/problem.h"
 #include "mpc_core/ocp/projection.h"
+#include "mpc_core/ocp/torque_limit.h"
 
 namespace stilt::ocp {
 namespace {
@@ -67,8 +68,9 @@ Batch barrier_cost(const ProblemData& data, const Barriers& barriers, const Stag
     position.add(data.limits.position_max_rad[j] - q);
     velocity.add(data.limits.velocity_rad_s[j] + v);
     velocity.add(data.limits.velocity_rad_s[j] - v);
-    torque.add(data.limits.torque_Nm[j] + node.joint_torque[j]);
-    torque.add(data.limits.torque_Nm[j] - node.joint_torque[j]);
+    const TorqueMargins margins(data.limits, j, node.joint_torque[j], v);
+    torque.add(margins.lower);
+    torque.add(margins.upper);
   }
   Batch cost = position.value() + velocity.value() + torque.value();
   if (batch.mode.count() > 0) {

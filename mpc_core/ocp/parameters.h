@@ -26,7 +26,8 @@ struct CostParameters {
   double foot_velocity = 20.0;       ///< s^2/m^2
   double foot_acceleration = 1e-4;   ///< s^4/m^2
   double touchdown_velocity = 1.0;   ///< s^2/m^2, on the horizontal velocity of a foot at touch-down
-  double terminal = 1.0;  ///< rho: factor of the LQR cost-to-go at the end of the horizon; 0 drops it
+  double terminal = 1.0;      ///< rho: factor of the LQR cost-to-go at the end of the horizon; 0 drops it
+  bool terminal_feet = true;  ///< that LQR's running cost has the weights of the feet, too
 };
 
 struct InequalityParameters {
@@ -61,7 +62,10 @@ struct JointLimits {
   double position_min_rad[model::kJoints];
   double position_max_rad[model::kJoints];
   double velocity_rad_s[model::kJoints];
-  double torque_Nm[model::kJoints];
+  double torque_Nm[model::kJoints];  ///< at standstill
+  /// Fall of the torque limit with the joint's speed in the direction of the torque: tau <= torque_Nm - slope
+  /// max(v, 0) and -tau <= torque_Nm - slope max(-v, 0).
+  double torque_speed_slope_Nms_rad[model::kJoints];
 };
 
 }  // namespace stilt::ocp

@@ -3,6 +3,7 @@
 #include "mpc_core/ocp/barrier.h"
 #include "mpc_core/ocp/batch_access.h"
 #include "mpc_core/ocp/cost_rows.h"
+#include "mpc_core/ocp/torque_limit.h"
 
 /// Gauss-Newton cost of a batch over (dx, w), the equality constraints projected out, times the duration of
 /// the stage.
@@ -15,6 +16,9 @@
 /// a_ref = -kd (v - v_ref) - kp (p - p_ref), which depends on the state alone. Gradients are those at dx = 0
 /// and w = 0, on the constraints.
 namespace stilt::ocp {
+
+/// The joints' place among the angles: pitch comes first.
+inline constexpr int kFirstJointAngle = model::kFirstJoint - model::kFirstAngle;
 
 /// Slope and Hessian of weight and friction cone over the force (fx, fz) of a stance foot.
 struct ForceCost {
@@ -99,12 +103,16 @@ void add_input_terms(const ProblemData& data, const StageBatch& batch, const Bat
   using model::kJoints;
   const Batch h = batch.duration;
   DenseRows<Mode> rows(force, constraint);
+  BarrierSlope velocity[kJoints];
   for (int j = 0; j < kJoints; ++j) {
-    const double limit = data.limits.torque_Nm[j];
-    const BarrierSlope barrier =
-        limit_slope(data.inequality.joint_torque, node.joint_torque[j], -limit, limit);
-    rows.add(h * barrier.first, h * barrier.second,
-             {node.joint_torque_dtheta[j], node.joint_torque_domega[j], node.joint_torque_du[j]});
+    const TorqueLimitCost limit(data.inequality.joint_torque, data.limits, j, node.joint_torque[j],
+                                it.x[model::kPositions + model::kFirstJoint + j]);
+    Batch by_omega[model::kAngles];
+    std::copy(node.joint_torque_domega[j], node.joint_torque_domega[j] + model::kAngles, by_omega);
+    by_omega[kFirstJointAngle + j] += limit.by_velocity;
+    rows.add(h * limit.combined.first, h * limit.combined.second,
+             {node.joint_torque_dtheta[j], by_omega, node.joint_torque_du[j]});
+    velocity[j] = limit.velocity;
   }
   const Batch acceleration_weight = h * data.cost.foot_acceleration;
   for (int foot = 0; foot < model::kFeet; ++foot) {
@@ -130,6 +138,11 @@ void add_input_terms(const ProblemData& data, const StageBatch& batch, const Bat
   } else {
     add_variables(data, batch, it, rows);
     rows.accumulate(out);
+  }
+  for (int j = 0; j < kJoints; ++j) {
+    const int column = kFirstStateColumn + kOmegaColumn + kFirstJointAngle + j;
+    out.g[column] += h * velocity[j].first;
+    out.H[column][column] += h * velocity[j].second;
   }
   for (int i = 0; i < 2 * model::kFeet; ++i) {
     if (Mode::stance(i / 2)) continue;

@@ -1,5 +1,6 @@
 #include "mpc_core/solver/terminal_cost.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 
 namespace stilt::solver {
@@ -30,6 +31,49 @@ void linearise_flow(const model::RobotModel& robot, const model::StateVector& x,
   for (int j = 0; j < kJoints; ++j) B(kPositions + kFirstJoint + j, j) = 1.0;
 }
 
+/// Adds the running cost's foot terms, 1/2 sum over feet of e' W e with the foot's position, velocity and
+/// acceleration in e, to the weights of state, input and both: 1/2 (x'Q x + 2 x'N u + u'R u).
+void add_foot_weights(const ocp::ProblemData& data, const model::StateVector& x, const model::InputVector& u,
+                      CareProblem& problem, CrossWeight& N) noexcept {
+  model::NodeDerivatives<double> node;
+  data.robot->scalar.node_derivatives(x.data(), u.data(), data.joint_parameters, node);
+  for (int i = 0; i < 2 * model::kFeet; ++i) {
+    model::StateVector position = model::StateVector::Zero();
+    model::StateVector velocity = model::StateVector::Zero();
+    model::StateVector acceleration = model::StateVector::Zero();
+    position[i % 2] = 1.0;
+    velocity[kPositions + i % 2] = 1.0;
+    for (int c = 0; c < model::kChain; ++c) {
+      const int angle = kFirstAngle + model::kChainAngles[i / 2][c];
+      position[angle] = node.foot_position_dchain[i][c];
+      velocity[angle] = node.foot_velocity_dchain[i][c];
+      velocity[kPositions + angle] = node.foot_position_dchain[i][c];
+    }
+    for (int c = 0; c < kAngles; ++c) {
+      acceleration[kFirstAngle + c] = node.foot_acceleration_dtheta[i][c];
+      acceleration[kPositions + kFirstAngle + c] = node.foot_acceleration_domega[i][c];
+    }
+    const Eigen::Map<const model::InputVector> by_input(node.foot_acceleration_du[i]);
+    const double weight = data.cost.foot_acceleration;
+    problem.Q += data.cost.foot_position * position.lazyProduct(position.transpose());
+    problem.Q += data.cost.foot_velocity * velocity.lazyProduct(velocity.transpose());
+    problem.Q += weight * acceleration.lazyProduct(acceleration.transpose());
+    problem.R += weight * by_input.lazyProduct(by_input.transpose());
+    N += weight * acceleration.lazyProduct(by_input.transpose());
+  }
+}
+
+/// Completes the square: with u = v - R^-1 N'x the cost has no product of state and input.
+[[nodiscard]] bool remove_cross_weight(const CrossWeight& N, CareProblem& problem) noexcept {
+  const Eigen::LLT<InputWeight> R(problem.R);
+  if (R.info() != Eigen::Success) return false;
+  const FeedbackMatrix shift = R.solve(N.transpose());
+  problem.A -= problem.B.lazyProduct(shift);
+  problem.Q -= N.lazyProduct(shift);
+  problem.Q = (0.5 * (problem.Q + problem.Q.transpose())).eval();
+  return true;
+}
+
 }  // namespace
 
 bool set_terminal_cost(ocp::ProblemData& data, const model::StateVector& standing,
@@ -45,6 +89,11 @@ bool set_terminal_cost(ocp::ProblemData& data, const model::StateVector& standin
   work.problem.R.setZero();
   for (int i = 0; i < kStates; ++i) work.problem.Q(i, i) = data.state_weight[i];
   for (int i = 0; i < kInputs; ++i) work.problem.R(i, i) = data.input_weight[i];
+  if (data.cost.terminal_feet) {
+    work.cross.setZero();
+    add_foot_weights(data, standing, u, work.problem, work.cross);
+    if (!remove_cross_weight(work.cross, work.problem)) return false;
+  }
   if (solve_care(work.problem, work.solution, work.care) != CareOutcome::kOk) return false;
   for (int c = 0; c < kStates; ++c) {
     for (int r = 0; r < kStates; ++r) data.terminal_weight[c][r] = data.cost.terminal * work.solution.S(r, c);

@@ -36,6 +36,8 @@ const std::vector<std::string> kSensorNoise = {"encoder_noise_rad=0.001", "encod
 std::vector<Variant> variants() {
   return {
       {.name = "Rabbit", .robot = "rabbit"},
+      {.name = "TorsoOf2020", .robot = "amber3m_2020"},
+      {.name = "TorqueSpeedLine", .settings = {"robot.no_load_speed_rad_s=10"}},
       {.name = "WithoutArmature", .settings = {"robot.armature_scale=0"}, .plant = {"armature=0"}},
       {.name = "RungeKutta4", .settings = {"discretisation.integrator=rk4"}},
       {.name = "IdentityAtTouchDown", .settings = {"discretisation.transition=identity"}},

@@ -13,7 +13,7 @@ inline constexpr const char* kFootNames[kFootCount] = {"foot_L", "foot_R"};
 inline constexpr double kMass_kg = 21.556520000000003;
 inline constexpr double kGravity_m_s2 = 9.81;
 /// centre of mass of the base link, x and z in the base frame
-inline constexpr double kBaseCom_m[2] = {0.0, 0.28507};
+inline constexpr double kBaseCom_m[2] = {0.0, 0.21483};
 /// hip to knee
 inline constexpr double kThighLength_m = 0.4064;
 /// knee to foot
@@ -25,10 +25,10 @@ inline constexpr double kVelocityMax_rad_s[kJointCount] = {10.0, 10.0, 10.0, 10.
 inline constexpr double kTorqueMax_Nm[kJointCount] = {80.0, 80.0, 80.0, 80.0};
 /// Coulomb
 inline constexpr double kFriction_Nm[kJointCount] = {0.0, 0.0, 0.0, 0.0};
-inline constexpr double kGearRatio[kJointCount] = {50.0, 50.0, 50.0, 50.0};
+inline constexpr double kGearRatio[kJointCount] = {91.4286, 91.4286, 91.4286, 91.4286};
 /// on the motor's side
-inline constexpr double kRotorInertia_kg_m2[kJointCount] = {0.0001705276, 0.0001705276, 0.0001705276, 0.0001705276};
+inline constexpr double kRotorInertia_kg_m2[kJointCount] = {5.1e-05, 5.1e-05, 5.1e-05, 5.1e-05};
 /// Default joint_parameters of the generated functions: armature (kg m^2), then damping (Nm s/rad).
-inline constexpr double kJointParameters[2 * kJointCount] = {0.426319, 0.426319, 0.426319, 0.426319, 0.0, 0.0, 0.0, 0.0};
+inline constexpr double kJointParameters[2 * kJointCount] = {0.42631863379596, 0.42631863379596, 0.42631863379596, 0.42631863379596, 0.0, 0.0, 0.0, 0.0};
 
 }  // namespace stilt::generated::amber3m

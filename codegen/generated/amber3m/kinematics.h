@@ -137,7 +137,7 @@ inline void mass_matrix(const T* x, const T* joint_parameters, Out& out) noexcep
   T c12;
   runtime::sincos(t12, s12, c12);
   const T t218 = t113 + 0.858177164 * c12;
-  const T t220 = 3.70591 * c8 - t218;
+  const T t220 = 2.79279 * c8 - t218;
   const T t10 = x_3 + x_2;
   const T t11 = x_4 + t10;
   T s11;
@@ -158,7 +158,7 @@ inline void mass_matrix(const T* x, const T* joint_parameters, Out& out) noexcep
   out.mass_matrix[1][1] = T(21.556520000000003);
   const T t111 = 0.14647352160000002 * s13;
   const T t224 = t111 + 0.858177164 * s12;
-  const T t225 = 3.70591 * s8 - t224;
+  const T t225 = 2.79279 * s8 - t224;
   const T t149 = 0.14647352160000002 * s11;
   const T t227 = t149 + 0.858177164 * s10;
   const T t228 = t225 - t227;
@@ -173,7 +173,7 @@ inline void mass_matrix(const T* x, const T* joint_parameters, Out& out) noexcep
   const T t243 = 0.2561153490696 + t242;
   const T t245 = 0.044462601260216006 + t242;
   const T t247 = t243 + t245;
-  const T t248 = 1.2504437636999999 + t247;
+  const T t248 = 0.7939750756999999 + t247;
   const T t234 = (0.4064 * c10) * t151 + (0.4064 * s10) * t149;
   const T t235 = 0.2561153490696 + t234;
   const T t237 = 0.044462601260216006 + t234;
@@ -269,7 +269,7 @@ inline void bias(const T* x, Out& out) noexcept {
   T c8;
   runtime::sincos(x_2, s8, c8);
   const T t263 = x_9 * x_9;
-  const T t328 = t319 - (3.70591 * s8) * t263;
+  const T t328 = t319 - (2.79279 * s8) * t263;
   out.bias[0] = t328;
   const T t113 = 0.14647352160000002 * c13;
   const T t283 = t113 * t280;
@@ -278,7 +278,7 @@ inline void bias(const T* x, Out& out) noexcept {
   const T t305 = t151 * t302;
   const T t318 = t305 + (0.858177164 * c10) * t264;
   const T t320 = t297 + t318;
-  const T t329 = t320 - (3.70591 * c8) * t263;
+  const T t329 = t320 - (2.79279 * c8) * t263;
   const T t331 = 211.46946120000004 + t329;
   out.bias[1] = t331;
   const T t72 = 0.4064 * c12;
@@ -288,7 +288,7 @@ inline void bias(const T* x, Out& out) noexcept {
   const T t288 = t70 * t283 - t72 * t281;
   const T t291 = t288 + 8.41871797884 * s12;
   const T t332 = t279 + t291;
-  const T t333 = 36.3549771 * s8 - t332;
+  const T t333 = 27.3972699 * s8 - t332;
   const T t40 = 0.4064 * c10;
   const T t269 = 9.81 + t40 * t264;
   const T t38 = 0.4064 * s10;

@@ -32,7 +32,7 @@ inline void flow(const T* x, const T* u, Out& out) noexcept {
   T s8;
   T c8;
   runtime::sincos(x_2, s8, c8);
-  const T t188 = 3.70591 * c8;
+  const T t188 = 2.79279 * c8;
   const T t12 = x_5 + x_2;
   const T t13 = x_6 + t12;
   T s13;
@@ -58,7 +58,7 @@ inline void flow(const T* x, const T* u, Out& out) noexcept {
   const T t221 = t151 + t168;
   const T t223 = t220 - t221;
   const T t339 = 0.04638967699795699 * t223;
-  const T t187 = 3.70591 * s8;
+  const T t187 = 2.79279 * s8;
   const T t111 = 0.14647352160000002 * s13;
   const T t131 = 0.858177164 * s12;
   const T t224 = t111 + t131;
@@ -74,7 +74,7 @@ inline void flow(const T* x, const T* u, Out& out) noexcept {
   const T t243 = 0.2561153490696 + t242;
   const T t245 = 0.044462601260216006 + t242;
   const T t247 = t243 + t245;
-  const T t248 = 1.2504437636999999 + t247;
+  const T t248 = 0.7939750756999999 + t247;
   const T t40 = 0.4064 * c10;
   const T t38 = 0.4064 * s10;
   const T t234 = t40 * t151 + t38 * t149;
@@ -128,7 +128,7 @@ inline void flow(const T* x, const T* u, Out& out) noexcept {
   const T t400 = 8.41871797884 * s12 + 0.2561153490696 * u_2;
   const T t401 = t397 - t400;
   const T t460 = t388 - t401;
-  const T t461 = 36.3549771 * s8 - t460;
+  const T t461 = 27.3972699 * s8 - t460;
   const T t365 = t40 * t264 + t38 * u_0;
   const T t366 = 9.81 + t365;
   const T t364 = t38 * t264 - t40 * u_0;
@@ -178,7 +178,7 @@ inline void flow_derivatives(const T* x, const T* u, Out& out) noexcept {
   T s8;
   T c8;
   runtime::sincos(x_2, s8, c8);
-  const T t188 = 3.70591 * c8;
+  const T t188 = 2.79279 * c8;
   const T t12 = x_5 + x_2;
   const T t13 = x_6 + t12;
   T s13;
@@ -204,7 +204,7 @@ inline void flow_derivatives(const T* x, const T* u, Out& out) noexcept {
   const T t221 = t151 + t168;
   const T t223 = t220 - t221;
   const T t339 = 0.04638967699795699 * t223;
-  const T t187 = 3.70591 * s8;
+  const T t187 = 2.79279 * s8;
   const T t111 = 0.14647352160000002 * s13;
   const T t131 = 0.858177164 * s12;
   const T t224 = t111 + t131;
@@ -220,7 +220,7 @@ inline void flow_derivatives(const T* x, const T* u, Out& out) noexcept {
   const T t243 = 0.2561153490696 + t242;
   const T t245 = 0.044462601260216006 + t242;
   const T t247 = t243 + t245;
-  const T t248 = 1.2504437636999999 + t247;
+  const T t248 = 0.7939750756999999 + t247;
   const T t40 = 0.4064 * c10;
   const T t38 = 0.4064 * s10;
   const T t234 = t40 * t151 + t38 * t149;
@@ -290,7 +290,7 @@ inline void flow_derivatives(const T* x, const T* u, Out& out) noexcept {
   const T t400 = 8.41871797884 * s12 + 0.2561153490696 * u_2;
   const T t401 = t397 - t400;
   const T t460 = t388 - t401;
-  const T t461 = 36.3549771 * s8 - t460;
+  const T t461 = 27.3972699 * s8 - t460;
   const T t267 = t40 * t264;
   const T t365 = t267 + t38 * u_0;
   const T t366 = 9.81 + t365;
@@ -563,7 +563,7 @@ inline void node(const T* x, const T* u, const T* joint_parameters, Out& out) no
   T s8;
   T c8;
   runtime::sincos(x_2, s8, c8);
-  const T t188 = 3.70591 * c8;
+  const T t188 = 2.79279 * c8;
   const T t12 = x_5 + x_2;
   const T t13 = x_6 + t12;
   T s13;
@@ -589,7 +589,7 @@ inline void node(const T* x, const T* u, const T* joint_parameters, Out& out) no
   const T t221 = t151 + t168;
   const T t223 = t220 - t221;
   const T t339 = 0.04638967699795699 * t223;
-  const T t187 = 3.70591 * s8;
+  const T t187 = 2.79279 * s8;
   const T t111 = 0.14647352160000002 * s13;
   const T t131 = 0.858177164 * s12;
   const T t224 = t111 + t131;
@@ -605,7 +605,7 @@ inline void node(const T* x, const T* u, const T* joint_parameters, Out& out) no
   const T t243 = 0.2561153490696 + t242;
   const T t245 = 0.044462601260216006 + t242;
   const T t247 = t243 + t245;
-  const T t248 = 1.2504437636999999 + t247;
+  const T t248 = 0.7939750756999999 + t247;
   const T t40 = 0.4064 * c10;
   const T t38 = 0.4064 * s10;
   const T t234 = t40 * t151 + t38 * t149;
@@ -667,7 +667,7 @@ inline void node(const T* x, const T* u, const T* joint_parameters, Out& out) no
   const T t400 = 8.41871797884 * s12 + 0.2561153490696 * u_2;
   const T t401 = t397 - t400;
   const T t460 = t388 - t401;
-  const T t461 = 36.3549771 * s8 - t460;
+  const T t461 = 27.3972699 * s8 - t460;
   const T t267 = t40 * t264;
   const T t365 = t267 + t38 * u_0;
   const T t366 = 9.81 + t365;
@@ -823,7 +823,7 @@ inline void node_derivatives(const T* x, const T* u, const T* joint_parameters, 
   T s8;
   T c8;
   runtime::sincos(x_2, s8, c8);
-  const T t188 = 3.70591 * c8;
+  const T t188 = 2.79279 * c8;
   const T t12 = x_5 + x_2;
   const T t13 = x_6 + t12;
   T s13;
@@ -849,7 +849,7 @@ inline void node_derivatives(const T* x, const T* u, const T* joint_parameters, 
   const T t221 = t151 + t168;
   const T t223 = t220 - t221;
   const T t339 = 0.04638967699795699 * t223;
-  const T t187 = 3.70591 * s8;
+  const T t187 = 2.79279 * s8;
   const T t111 = 0.14647352160000002 * s13;
   const T t131 = 0.858177164 * s12;
   const T t224 = t111 + t131;
@@ -865,7 +865,7 @@ inline void node_derivatives(const T* x, const T* u, const T* joint_parameters, 
   const T t243 = 0.2561153490696 + t242;
   const T t245 = 0.044462601260216006 + t242;
   const T t247 = t243 + t245;
-  const T t248 = 1.2504437636999999 + t247;
+  const T t248 = 0.7939750756999999 + t247;
   const T t40 = 0.4064 * c10;
   const T t38 = 0.4064 * s10;
   const T t234 = t40 * t151 + t38 * t149;
@@ -935,7 +935,7 @@ inline void node_derivatives(const T* x, const T* u, const T* joint_parameters, 
   const T t400 = 8.41871797884 * s12 + 0.2561153490696 * u_2;
   const T t401 = t397 - t400;
   const T t460 = t388 - t401;
-  const T t461 = 36.3549771 * s8 - t460;
+  const T t461 = 27.3972699 * s8 - t460;
   const T t267 = t40 * t264;
   const T t365 = t267 + t38 * u_0;
   const T t366 = 9.81 + t365;

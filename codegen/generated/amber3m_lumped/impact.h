@@ -89,7 +89,7 @@ inline void impact_left(const T* x, const T* joint_parameters, Out& out) noexcep
   T s8;
   T c8;
   runtime::sincos(x_2, s8, c8);
-  const T t220 = 1.698617923738022 * c8 - t218;
+  const T t220 = 0.7854979325394581 * c8 - t218;
   const T t223 = t220 - t221;
   const T t1926 = t223 + t1924;
   const T t1935 = t247 - t1930;
@@ -99,7 +99,7 @@ inline void impact_left(const T* x, const T* joint_parameters, Out& out) noexcep
   const T t1982 = t249 - t1977;
   const T t1996 = t1982 * t1984;
   const T t1999 = t1973 + t1979 * t1996;
-  const T t248 = 2.0888677563437827 + t247;
+  const T t248 = 1.6323990703913995 + t247;
   const T t250 = t248 + t249;
   const T t1931 = t250 - t1930;
   const T t1957 = t1931 - t1935 * t1949;
@@ -121,7 +121,7 @@ inline void impact_left(const T* x, const T* joint_parameters, Out& out) noexcep
   const T t1981 = t227 - t1974;
   const T t1990 = t1981 * t1984;
   const T t1993 = t1967 + t1979 * t1990;
-  const T t225 = 1.698617923738022 * s8 - t224;
+  const T t225 = 0.7854979325394581 * s8 - t224;
   const T t228 = t225 - t227;
   const T t1928 = t228 + t1927;
   const T t1954 = t1928 + t1934 * t1949;
@@ -325,7 +325,7 @@ inline void impact_left_derivatives(const T* x, const T* joint_parameters, Out& 
   T s8;
   T c8;
   runtime::sincos(x_2, s8, c8);
-  const T t188 = 1.698617923738022 * c8;
+  const T t188 = 0.7854979325394581 * c8;
   const T t220 = t188 - t218;
   const T t223 = t220 - t221;
   const T t1926 = t223 + t1924;
@@ -336,7 +336,7 @@ inline void impact_left_derivatives(const T* x, const T* joint_parameters, Out& 
   const T t1982 = t249 - t1977;
   const T t1996 = t1982 * t1984;
   const T t1999 = t1973 + t1979 * t1996;
-  const T t248 = 2.0888677563437827 + t247;
+  const T t248 = 1.6323990703913995 + t247;
   const T t250 = t248 + t249;
   const T t1931 = t250 - t1930;
   const T t1957 = t1931 - t1935 * t1949;
@@ -360,7 +360,7 @@ inline void impact_left_derivatives(const T* x, const T* joint_parameters, Out& 
   const T t1981 = t227 - t1974;
   const T t1990 = t1981 * t1984;
   const T t1993 = t1967 + t1979 * t1990;
-  const T t187 = 1.698617923738022 * s8;
+  const T t187 = 0.7854979325394581 * s8;
   const T t225 = t187 - t224;
   const T t228 = t225 - t227;
   const T t1928 = t228 + t1927;
@@ -1069,7 +1069,7 @@ inline void impact_right(const T* x, const T* joint_parameters, Out& out) noexce
   T s8;
   T c8;
   runtime::sincos(x_2, s8, c8);
-  const T t220 = 1.698617923738022 * c8 - t218;
+  const T t220 = 0.7854979325394581 * c8 - t218;
   const T t223 = t220 - t221;
   const T t1926 = t223 + t1924;
   const T t1935 = t247 - t1930;
@@ -1079,7 +1079,7 @@ inline void impact_right(const T* x, const T* joint_parameters, Out& out) noexce
   const T t1982 = t249 - t1977;
   const T t1996 = t1982 * t1984;
   const T t1999 = t1973 + t1979 * t1996;
-  const T t248 = 2.0888677563437827 + t247;
+  const T t248 = 1.6323990703913995 + t247;
   const T t250 = t248 + t249;
   const T t1931 = t250 - t1930;
   const T t1957 = t1931 - t1935 * t1949;
@@ -1101,7 +1101,7 @@ inline void impact_right(const T* x, const T* joint_parameters, Out& out) noexce
   const T t1981 = t227 - t1974;
   const T t1990 = t1981 * t1984;
   const T t1993 = t1967 + t1979 * t1990;
-  const T t225 = 1.698617923738022 * s8 - t224;
+  const T t225 = 0.7854979325394581 * s8 - t224;
   const T t228 = t225 - t227;
   const T t1928 = t228 + t1927;
   const T t1954 = t1928 + t1934 * t1949;
@@ -1305,7 +1305,7 @@ inline void impact_right_derivatives(const T* x, const T* joint_parameters, Out&
   T s8;
   T c8;
   runtime::sincos(x_2, s8, c8);
-  const T t188 = 1.698617923738022 * c8;
+  const T t188 = 0.7854979325394581 * c8;
   const T t220 = t188 - t218;
   const T t223 = t220 - t221;
   const T t1926 = t223 + t1924;
@@ -1316,7 +1316,7 @@ inline void impact_right_derivatives(const T* x, const T* joint_parameters, Out&
   const T t1982 = t249 - t1977;
   const T t1996 = t1982 * t1984;
   const T t1999 = t1973 + t1979 * t1996;
-  const T t248 = 2.0888677563437827 + t247;
+  const T t248 = 1.6323990703913995 + t247;
   const T t250 = t248 + t249;
   const T t1931 = t250 - t1930;
   const T t1957 = t1931 - t1935 * t1949;
@@ -1340,7 +1340,7 @@ inline void impact_right_derivatives(const T* x, const T* joint_parameters, Out&
   const T t1981 = t227 - t1974;
   const T t1990 = t1981 * t1984;
   const T t1993 = t1967 + t1979 * t1990;
-  const T t187 = 1.698617923738022 * s8;
+  const T t187 = 0.7854979325394581 * s8;
   const T t225 = t187 - t224;
   const T t228 = t225 - t227;
   const T t1928 = t228 + t1927;

@@ -144,7 +144,7 @@ gait::GaitMotion read_motion(const Table& states, const Table& inputs) {
 GaitRecord read(const Table& file) {
   GaitRecord record;
   (void)file.integer("format", 1, 1);
-  record.robot = file.word("robot", {"amber3m", "rabbit"});
+  record.robot = file.word("robot", {"amber3m", "amber3m_2020", "rabbit"});
   gait::HzdGait& gait = record.gait;
   gait.outputs = read_outputs(file.table("outputs"));
   const bool by_time = gait.outputs.phase == gait::PhaseKind::time;

@@ -24,7 +24,7 @@ TEST_P(CurrentTest, TheCommittedHeadersAreWhatTheGeneratorEmits) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Robots, CurrentTest, testing::Values("amber3m", "amber3m_lumped", "rabbit"),
+INSTANTIATE_TEST_SUITE_P(Robots, CurrentTest, testing::Values("amber3m", "amber3m_2020", "amber3m_lumped", "rabbit"),
                          [](const auto& parameter) { return std::string(parameter.param); });
 
 }  // namespace

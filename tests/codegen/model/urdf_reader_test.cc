@@ -22,12 +22,30 @@ TEST(UrdfReaderTest, Amber3mHasThePublishedNumbers) {
   for (int j = 0; j < 4; ++j) {
     const PlanarLink& link = tree.links[static_cast<std::size_t>(j) + 1];
     EXPECT_EQ(link.joint.name, joints[j]);
-    EXPECT_NEAR(link.joint.armature_kg_m2(), 0.426319, 1e-12);
+    EXPECT_NEAR(link.joint.armature_kg_m2(), 0.426319, 5e-7);  // published to six digits
   }
+  EXPECT_EQ(tree.links[0].com_m.z, 0.21483);
   ASSERT_EQ(tree.foot_count(), 2);
   EXPECT_EQ(tree.feet[0].name, "foot_L");
   EXPECT_EQ(tree.feet[1].name, "foot_R");
   EXPECT_NEAR(-tree.links[2].joint.origin_m.z - tree.feet[0].position_m.z, 0.8731, 1e-12);
+}
+
+TEST(UrdfReaderTest, TheAmber3mOf2020DiffersInTheTorsosCentreOfMassAlone) {
+  const PlanarTree tree = robot("amber3m");
+  const PlanarTree other = robot("amber3m_2020");
+  EXPECT_EQ(other.links[0].com_m.z, 0.28507);
+  ASSERT_EQ(other.link_count(), tree.link_count());
+  for (std::size_t k = 0; k < tree.links.size(); ++k) {
+    EXPECT_EQ(other.links[k].mass_kg, tree.links[k].mass_kg);
+    EXPECT_EQ(other.links[k].inertia_kg_m2, tree.links[k].inertia_kg_m2);
+    if (k == 0) continue;
+    EXPECT_EQ(other.links[k].com_m.z, tree.links[k].com_m.z);
+    EXPECT_EQ(other.links[k].joint.origin_m.z, tree.links[k].joint.origin_m.z);
+    EXPECT_EQ(other.links[k].joint.armature_kg_m2(), tree.links[k].joint.armature_kg_m2());
+    EXPECT_EQ(other.links[k].joint.torque_max_Nm, tree.links[k].joint.torque_max_Nm);
+    EXPECT_EQ(other.links[k].joint.velocity_max_rad_s, tree.links[k].joint.velocity_max_rad_s);
+  }
 }
 
 /// Mass, centre of mass (z) and moment of inertia about it of the tree at zero angles, as one rigid body.

@@ -63,7 +63,7 @@ TEST(LoadRobot, AnUnknownRobotIsRefusedWithTheKnownOnes) {
   const Result result = load_robot("atlas");
   ASSERT_FALSE(result);
   EXPECT_EQ(to_string(result.error()),
-            "--robot: there is no configuration for \"atlas\"; known robots are amber3m, rabbit");
+            "--robot: there is no configuration for \"atlas\"; known robots are amber3m, amber3m_2020, rabbit");
 }
 
 TEST(LoadRobot, OverridesApplyToTheShippedFile) {

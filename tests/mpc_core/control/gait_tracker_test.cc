@@ -19,7 +19,7 @@ class Tracker : public testing::Test {
  protected:
   void SetUp() override {
     ASSERT_TRUE(gait_files::load_shipped_library("amber3m", *library_));
-    tracker_->configure(model::amber3m(), parameters_, 1.0, *library_);
+    tracker_->configure(model::amber3m(), parameters_, {}, *library_);
   }
 
   /// What the sensors give at s of a step that began at time 0 with `stance` on the ground.

@@ -237,6 +237,45 @@ TEST_F(TorqueLoopTest, DampingIsLimitedToo) {
   for (int j = 0; j < kJoints; ++j) EXPECT_EQ(command.torque_Nm[j], -limit_Nm(j));
 }
 
+TEST_F(TorqueLoopTest, TorqueThatDrivesTheMotionFallsLinearlyToNothingAtTheNoLoadSpeed) {
+  ControllerParameters parameters = shipped("amber3m");
+  parameters.robot.no_load_speed_rad_s = 10.0;
+  configure(parameters);
+  plan_->node[1].input.setZero();
+  struct Case {
+    double velocity_rad_s;
+    double pull;   // which way a large position error pulls
+    double share;  // of the limit at standstill
+  };
+  for (const Case& c : {Case{0.0, 1.0, 1.0}, Case{4.0, 1.0, 0.6}, Case{-4.0, -1.0, 0.6}, Case{4.0, -1.0, 1.0},
+                        Case{-4.0, 1.0, 1.0}, Case{10.0, 1.0, 0.0}, Case{12.0, 1.0, 0.0}}) {
+    for (int j = 0; j < kJoints; ++j) {
+      state_ = plan_->node[1].state;
+      state_[kFirstJoint + j] -= c.pull * 100.0;
+      state_[kPositions + kFirstJoint + j] = c.velocity_rad_s;
+      const TorqueCommand command = tick();
+      EXPECT_NEAR(command.torque_Nm[j], c.pull * c.share * limit_Nm(j), 1e-9)
+          << "joint " << j << " at " << c.velocity_rad_s << " rad/s";
+      EXPECT_TRUE(command.saturated);
+    }
+  }
+}
+
+TEST_F(TorqueLoopTest, JointDampingOfTheConfigurationIsPartOfTheFeedForwardTorque) {
+  ControllerParameters parameters = unlimited("amber3m");
+  configure(parameters);
+  const JointVector without_Nm = tick().torque_Nm;
+  parameters.robot.hip_damping_Nms_rad = 1.5;
+  parameters.robot.knee_damping_Nms_rad = 0.5;
+  configure(parameters);
+  const JointVector more_Nm = tick().torque_Nm - without_Nm;
+  const model::StateVector planned = interpolate(*plan_, kNow_s).state;
+  for (int j = 0; j < kJoints; ++j) {
+    const double damping = j % 2 == 0 ? 1.5 : 0.5;
+    EXPECT_NEAR(more_Nm[j], damping * planned[kPositions + kFirstJoint + j], 1e-9) << "joint " << j;
+  }
+}
+
 TEST_F(TorqueLoopTest, PositionAndVelocityErrorsPullBackByTheGains) {
   configure(unlimited("amber3m"));
   state_ = interpolate(*plan_, kNow_s).state;
@@ -252,8 +291,9 @@ TEST_F(TorqueLoopTest, PositionAndVelocityErrorsPullBackByTheGains) {
 }
 
 TEST_F(TorqueLoopTest, FrictionCompensationHelpsThePlannedMotion) {
-  for (double& friction_Nm : robot_.constants.coulomb_friction_Nm) friction_Nm = 2.0;
   ControllerParameters parameters = unlimited("amber3m");
+  parameters.robot.hip_coulomb_friction_Nm = 2.0;
+  parameters.robot.knee_coulomb_friction_Nm = 3.0;
   parameters.torque_law.friction_compensation = 0.0;
   configure(parameters);
   const JointVector without_Nm = tick().torque_Nm;
@@ -264,7 +304,9 @@ TEST_F(TorqueLoopTest, FrictionCompensationHelpsThePlannedMotion) {
   for (int j = 0; j < kJoints; ++j) {
     const double velocity = planned[kPositions + kFirstJoint + j];
     EXPECT_GT(share_Nm[j] * velocity, 0.0) << "joint " << j;
-    EXPECT_NEAR(share_Nm[j], 0.7 * 2.0 * std::tanh(velocity / parameters.torque_law.friction_velocity_rad_s),
+    const double friction_Nm = j % 2 == 0 ? 2.0 : 3.0;
+    EXPECT_NEAR(share_Nm[j],
+                0.7 * friction_Nm * std::tanh(velocity / parameters.torque_law.friction_velocity_rad_s),
                 1e-9);
   }
 }
@@ -319,10 +361,11 @@ TEST_P(FeedForwardTest, TorqueGivesThePlannedJointAccelerations) {
     }
     const auto plan = sample_plan(kSeed);
     for (int trial = 0; trial < 200; ++trial) {
-      plan->node[1].state = plan->node[2].state = random_state(random);
+      plan->node[1].state = random_state(random);
       plan->node[1].input = random_input(random);
       const model::StateVector& state = plan->node[1].state;
-      const TorqueCommand command = loop.tick_with_state(reading_of(state, kNow_s), state, *plan);
+      const SensorReading reading = reading_of(state, plan->node[1].time_s);
+      const TorqueCommand command = loop.tick_with_state(reading, state, *plan);
       ASSERT_EQ(command.status, TorqueStatus::tracking);
       mujoco.forward(state.data(), command.torque_Nm.data(), plan->node[1].input.data() + kJoints);
       for (int j = 0; j < kJoints; ++j) {

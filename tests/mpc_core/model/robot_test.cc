@@ -11,6 +11,7 @@ namespace {
 
 TEST(Robot, IsFoundByItsName) {
   EXPECT_EQ(find_robot("amber3m"), &amber3m());
+  EXPECT_EQ(find_robot("amber3m_2020"), &amber3m_2020());
   EXPECT_EQ(find_robot("rabbit"), &rabbit());
   EXPECT_EQ(find_robot("asimo"), nullptr);
   EXPECT_EQ(find_robot(""), nullptr);
@@ -20,8 +21,24 @@ TEST(Robot, Amber3mHasItsPublishedMassAndLegLength) {
   const RobotConstants& c = amber3m().constants;
   EXPECT_NEAR(c.total_mass_kg, 13.0 + 2.0 * (3.4261 + 0.85216), 1e-9);
   EXPECT_NEAR(c.thigh_length_m + c.shin_length_m, 0.8731, 1e-9);
-  EXPECT_NEAR(c.torso_com_height_m, 0.28507, 1e-9);
-  for (int j = 0; j < kJoints; ++j) EXPECT_NEAR(c.joint_parameters[j], 0.426319, 1e-9);
+  EXPECT_NEAR(c.torso_com_height_m, 0.21483, 1e-9);
+  for (int j = 0; j < kJoints; ++j) EXPECT_NEAR(c.joint_parameters[j], 91.4286 * 91.4286 * 5.1e-5, 1e-9);
+}
+
+TEST(Robot, Amber3m2020DiffersByTheTorsosCentreOfMassAlone) {
+  RobotConstants other = amber3m_2020().constants;
+  const RobotConstants& c = amber3m().constants;
+  EXPECT_NEAR(other.torso_com_height_m, 0.28507, 1e-9);
+  EXPECT_EQ(other.total_mass_kg, c.total_mass_kg);
+  EXPECT_EQ(other.thigh_length_m, c.thigh_length_m);
+  EXPECT_EQ(other.shin_length_m, c.shin_length_m);
+  for (int j = 0; j < kJoints; ++j) {
+    EXPECT_EQ(other.position_min_rad[j], c.position_min_rad[j]);
+    EXPECT_EQ(other.position_max_rad[j], c.position_max_rad[j]);
+    EXPECT_EQ(other.velocity_limit_rad_s[j], c.velocity_limit_rad_s[j]);
+    EXPECT_EQ(other.torque_limit_Nm[j], c.torque_limit_Nm[j]);
+    EXPECT_EQ(other.joint_parameters[j], c.joint_parameters[j]);
+  }
 }
 
 class EveryRobot : public testing::TestWithParam<const RobotModel*> {};
@@ -32,7 +49,6 @@ TEST_P(EveryRobot, HasLimitsThatAdmitStanding) {
     EXPECT_LT(c.position_min_rad[j], c.position_max_rad[j]);
     EXPECT_GT(c.velocity_limit_rad_s[j], 0.0);
     EXPECT_GT(c.torque_limit_Nm[j], 0.0);
-    EXPECT_GE(c.coulomb_friction_Nm[j], 0.0);
     EXPECT_GE(c.joint_parameters[j], 0.0);
     EXPECT_GE(c.joint_parameters[kJoints + j], 0.0);
   }
@@ -121,7 +137,7 @@ TEST_P(EveryRobot, ImpactOfEachFootBringsThatFootToRest) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Robots, EveryRobot, testing::Values(&amber3m(), &rabbit()),
+INSTANTIATE_TEST_SUITE_P(Robots, EveryRobot, testing::Values(&amber3m(), &amber3m_2020(), &rabbit()),
                          [](const auto& instance) { return std::string(instance.param->constants.name); });
 
 TEST(ContactMode, CountsAndIndexesItsFeet) {

@@ -116,6 +116,9 @@ std::unique_ptr<Scene> random_scene(const model::RobotModel& robot, model::Conta
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   auto scene = std::make_unique<Scene>();
   scene->data = default_data(robot);
+  if (seed % 3 != 0) {  // a torque-speed line, which the shipped robots' defaults do not have
+    for (double& slope : scene->data.limits.torque_speed_slope_Nms_rad) slope = 10.0 + 5.0 * uniform(random);
+  }
   ocp::Problem& problem = scene->problem;
   problem.horizon.stages = stages;
   scene->points.resize(static_cast<std::size_t>(stages));

@@ -128,8 +128,13 @@ std::vector<CostTerm<T>> ScalarOcp::cost_terms(model::ContactMode mode, const ga
     limit(q.joint_position, limits.position_max_rad[j] - position);
     limit(q.joint_velocity, limits.velocity_rad_s[j] - velocity);
     limit(q.joint_velocity, limits.velocity_rad_s[j] + velocity);
-    limit(q.joint_torque, limits.torque_Nm[j] - node.joint_torque[j]);
-    limit(q.joint_torque, limits.torque_Nm[j] + node.joint_torque[j]);
+    // A drive gives less torque the faster the joint moves in the torque's direction.
+    const double slope = limits.torque_speed_slope_Nms_rad[j];
+    const bool forward = real_part(velocity) > 0.0;
+    const T up = forward ? T(limits.torque_Nm[j] - slope * velocity) : T(limits.torque_Nm[j]);
+    const T down = forward ? T(limits.torque_Nm[j]) : T(limits.torque_Nm[j] + slope * velocity);
+    limit(q.joint_torque, up - node.joint_torque[j]);
+    limit(q.joint_torque, down + node.joint_torque[j]);
   }
   for (int foot = 0; foot < kFeet; ++foot) {
     if (!mode[foot]) continue;

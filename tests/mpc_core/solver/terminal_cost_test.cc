@@ -22,11 +22,13 @@ struct Standing {
   ocp::ProblemData data;
   model::StateVector state;
   bool ok = false;
-  Matrix A, B, Q, R;
+  Matrix A, B, Q, R, N;
 
-  explicit Standing(const model::RobotModel& robot, double rho = 1.0, double base_x_weight = 5.0)
+  explicit Standing(const model::RobotModel& robot, double rho = 1.0, double base_x_weight = 5.0,
+                    bool feet = false)
       : data(testing_support::default_data(robot)) {
     data.cost.terminal = rho;
+    data.cost.terminal_feet = feet;
     data.cost.base_x = base_x_weight;
     ocp::set_weights(data);
     state = gait::standing_state(robot.constants,
@@ -44,8 +46,31 @@ struct Standing {
     const Matrix slopes = testing_support::jacobian(flow, z);
     A = slopes.leftCols<kStates>();
     B = slopes.rightCols<kInputs>();
-    Q = Eigen::Map<const model::StateVector>(data.state_weight).asDiagonal();
-    R = Eigen::Map<const model::InputVector>(data.input_weight).asDiagonal();
+    const Matrix whole = running_hessian(scalar, z, feet);
+    Q = whole.topLeftCorner<kStates, kStates>();
+    N = whole.topRightCorner<kStates, kInputs>();
+    R = whole.bottomRightCorner<kInputs, kInputs>();
+  }
+
+  /// Gauss-Newton Hessian of the running cost's squares in flight, where no barrier of a force is among them.
+  /// Squares come first: states and inputs, then the feet's positions, velocities and accelerations.
+  [[nodiscard]] static Matrix running_hessian(const testing_support::ScalarOcp& scalar,
+                                              const StageVector<double>& z, bool feet) {
+    const gait::ReferencePoint reference{};
+    const auto arguments = [&](const StageVector<testing_support::Complex>& at) {
+      std::vector<testing_support::Complex> values;
+      for (const auto& term : scalar.cost_terms({false, false}, reference, at)) {
+        if (term.barrier == nullptr) values.push_back(term.y);
+      }
+      return values;
+    };
+    const Matrix rows = testing_support::jacobian(arguments, z);
+    const auto terms = scalar.cost_terms({false, false}, reference, z);
+    Matrix hessian = Matrix::Zero(kStates + kInputs, kStates + kInputs);
+    for (Eigen::Index t = 0; t < (feet ? rows.rows() : kStates + kInputs); ++t) {
+      hessian += terms[static_cast<std::size_t>(t)].second() * rows.row(t).transpose() * rows.row(t);
+    }
+    return hessian;
   }
 
   [[nodiscard]] Matrix weight() const {
@@ -64,6 +89,20 @@ TEST_P(TerminalCost, SolvesTheRiccatiEquationAtTheStandingPosture) {
   const Matrix SGS = S * s.B * s.R.inverse() * s.B.transpose() * S;
   const double scale = 2.0 * SA.norm() + SGS.norm() + s.Q.norm();
   EXPECT_LT((SA + SA.transpose() - SGS + s.Q).norm(), 1e-10 * scale);
+}
+
+TEST_P(TerminalCost, WithFeetSolvesTheRiccatiEquationOfTheWholeRunningCost) {
+  const Standing s(*GetParam(), 1.0, 5.0, true);
+  ASSERT_TRUE(s.ok);
+  EXPECT_GT(s.N.norm(), 0.0);
+  const Matrix S = s.weight();
+  const Matrix SA = S * s.A;
+  const Matrix SBN = S * s.B + s.N;
+  const Matrix quadratic = SBN * s.R.inverse() * SBN.transpose();
+  const double scale = 2.0 * SA.norm() + quadratic.norm() + s.Q.norm();
+  EXPECT_LT((SA + SA.transpose() - quadratic + s.Q).norm(), 1e-10 * scale);
+  const Matrix K = s.R.inverse() * SBN.transpose();
+  EXPECT_LT(Matrix(s.A - s.B * K).eigenvalues().real().maxCoeff(), -1e-3);
 }
 
 TEST_P(TerminalCost, ItsFeedbackMakesTheStandingPostureStable) {

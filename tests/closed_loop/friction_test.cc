@@ -1,0 +1,44 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "tests/closed_loop/simulated_run.h"
+
+/// Joints with Coulomb friction, known to the controller or not.
+namespace stilt::simulator {
+namespace {
+
+using model::kFirstJoint;
+using model::kJoints;
+using testing_support::describe;
+using testing_support::RunRequest;
+using testing_support::SimulatedRun;
+
+/// Root mean square over time and joints of planned less true joint position, 20 s at 0.5 m/s.
+double joint_error_rms_rad(const std::vector<std::string>& settings) {
+  RunRequest request = testing_support::walking(0.5, 1.0, 20.0);
+  request.settings = settings;
+  request.plant = {"joint_friction_Nm=5"};
+  request.keep_samples = true;
+  SimulatedRun run(request);
+  const log::RunRecord record = run.run();
+  EXPECT_TRUE(record.summary.survived) << describe(run, record);
+  double sum = 0.0;
+  for (const log::RunSample& sample : record.samples) {
+    const model::StateVector error = sample.planned_state - sample.true_state;
+    sum += error.segment<kJoints>(kFirstJoint).squaredNorm();
+  }
+  return std::sqrt(sum / (kJoints * static_cast<double>(record.samples.size())));
+}
+
+TEST(Friction, CompensationOfFiveNewtonMetresHalvesTheJointError) {
+  const double without_rad = joint_error_rms_rad({});
+  const double with_rad =
+      joint_error_rms_rad({"robot.hip_coulomb_friction_Nm=5", "robot.knee_coulomb_friction_Nm=5"});
+  EXPECT_LE(with_rad, 0.5 * without_rad) << with_rad << " rad against " << without_rad;
+}
+
+}  // namespace
+}  // namespace stilt::simulator
