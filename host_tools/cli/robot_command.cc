@@ -128,9 +128,7 @@ host_telemetry::SimulationMessage truth_of(const RobotOnBus& robot,
   for (int k = 0; k < 2 * model::kFeet; ++k) message.contact_force_N[k] = forces[k];
   const simulator::ActingPush push = simulator::push_at(pushes, robot.walk_time_s().value_or(-1.0));
   message.push_N = push.force_N;
-  if (push.point == simulator::PushPoint::torso) {
-    message.push_above_hip_m = (robot.plant().torso_com_m() - robot.plant().state().head<2>()).norm();
-  }
+  message.push_above_hip_m = simulator::push_above_hip_m(push.point);
   return message;
 }
 

@@ -51,9 +51,7 @@ void WalkRecorder::take_sample(double time_s, const simulator::Plant& plant,
   sample.foot_position_m = plant.foot_position_m();
   sample.scheduled_mode = {sample.contact_force_N[1] > 0.0, sample.contact_force_N[3] > 0.0};
   sample.push_N = push.force_N;
-  if (push.point == simulator::PushPoint::torso) {
-    sample.push_above_hip_m = (plant.torso_com_m() - truth.head<2>()).norm();
-  }
+  sample.push_above_hip_m = simulator::push_above_hip_m(push.point);
   sample.commanded_speed_m_s = kUnknown;
   record_.samples.push_back(sample);
 }

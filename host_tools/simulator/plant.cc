@@ -1,5 +1,6 @@
 #include "host_tools/simulator/plant.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace stilt::simulator {
@@ -10,6 +11,16 @@ constexpr double kLowestHip = 0.6;  // of the nominal height
 constexpr double kLargestPitch_rad = 1.0;
 
 void ignore_message(const char*) {}
+
+/// Share of the way to its set point that a first-order lag goes in a time step; all of it without a lag.
+double share_of_step(double time_step_s, double time_constant_s) {
+  return time_constant_s > 0.0 ? -std::expm1(-time_step_s / time_constant_s) : 1.0;
+}
+
+/// The multiple of the resolution next to a value; the value itself when the resolution is 0.
+double quantised(double value, double resolution) {
+  return resolution > 0.0 ? resolution * std::round(value / resolution) : value;
+}
 
 }  // namespace
 
@@ -40,6 +51,7 @@ Plant::Plant(const PlantModel& model, const PlantOptions& options, std::uint64_t
   data_.reset(mj_makeData(model_.get()));
   if (options_.torque_limit_Nm) torque_limit_Nm_.setConstant(*options_.torque_limit_Nm);
   delay_line_.resize(static_cast<std::size_t>(std::lround(options_.delay_s / options_.time_step_s)));
+  drive_share_ = share_of_step(options_.time_step_s, options_.drive_time_constant_s);
   set_state(model::StateVector::Zero());
 }
 
@@ -53,8 +65,13 @@ void Plant::set_state(const model::StateVector& state) {
   measure_feet();
   contact_force_N_.setZero();
   slip_distance_m_ = 0.0;
+  for (model::JointVector& torque : delay_line_) torque.setZero();
   delay_line_filled_ = false;
   delay_next_ = 0;
+  drives_settled_ = false;
+  commanded_torque_Nm_.setZero();
+  applied_torque_Nm_.setZero();
+  saturated_ = false;
 }
 
 void Plant::command_torque(const model::JointVector& torque_Nm) {
@@ -70,7 +87,7 @@ void Plant::set_push(double force_N, PushPoint point) {
 }
 
 void Plant::step() {
-  saturate_and_delay();
+  drive();
   apply_forces();
   const model::FeetVector force_before_N = contact_force_N_;
   const model::FeetVector position_before_m = foot_position_m_;
@@ -85,13 +102,40 @@ void Plant::step() {
   }
 }
 
-void Plant::saturate_and_delay() {
-  model::JointVector torque_Nm = commanded_torque_Nm_;
-  if (!delay_line_.empty()) {
-    std::swap(torque_Nm, delay_line_[delay_next_]);
-    delay_next_ = (delay_next_ + 1) % delay_line_.size();
+/// Largest torque of each motor at its speed, in the direction of the given torque.
+model::JointVector Plant::limit_Nm(const model::JointVector& torque_Nm) const {
+  model::JointVector largest_Nm = torque_limit_Nm_;
+  if (options_.no_load_speed_rad_s == 0.0) return largest_Nm;
+  for (int joint = 0; joint < model::kJoints; ++joint) {
+    const double speed_rad_s = data_->qvel[model::kFirstJoint + joint];
+    if (torque_Nm[joint] * speed_rad_s <= 0.0) continue;  // it brakes
+    largest_Nm[joint] *= std::max(0.0, 1.0 - std::abs(speed_rad_s) / options_.no_load_speed_rad_s);
   }
-  applied_torque_Nm_ = torque_Nm.cwiseMin(torque_limit_Nm_).cwiseMax(-torque_limit_Nm_);
+  return largest_Nm;
+}
+
+model::JointVector Plant::limited(const model::JointVector& torque_Nm) const {
+  const model::JointVector largest_Nm = limit_Nm(torque_Nm);
+  return torque_Nm.cwiseMin(largest_Nm).cwiseMax(-largest_Nm);
+}
+
+model::JointVector Plant::delayed_command_Nm() {
+  model::JointVector torque_Nm = commanded_torque_Nm_;
+  if (delay_line_.empty()) return torque_Nm;
+  std::swap(torque_Nm, delay_line_[delay_next_]);
+  delay_next_ = (delay_next_ + 1) % delay_line_.size();
+  return torque_Nm;
+}
+
+void Plant::drive() {
+  const model::JointVector set_point_Nm = limited(delayed_command_Nm());
+  saturated_ = (set_point_Nm.cwiseAbs().array() >= limit_Nm(set_point_Nm).array()).any();
+  if (!drives_settled_ || drive_share_ == 1.0) {
+    applied_torque_Nm_ = set_point_Nm;
+  } else {
+    applied_torque_Nm_ = limited(applied_torque_Nm_ + drive_share_ * (set_point_Nm - applied_torque_Nm_));
+  }
+  drives_settled_ = true;
 }
 
 void Plant::apply_forces() {
@@ -102,7 +146,11 @@ void Plant::apply_forces() {
   if (push_N_ == 0.0) return;
   const mjtNum force[3] = {push_N_, 0.0, 0.0};
   const mjtNum no_torque[3] = {0.0, 0.0, 0.0};
-  const mjtNum* point = (push_point_ == PushPoint::hip ? data_->xpos : data_->xipos) + 3 * index_.torso_body;
+  const mjtNum* hip = data_->xpos + 3 * index_.torso_body;
+  const mjtNum along_torso[3] = {0.0, 0.0, push_above_hip_m(push_point_)};
+  mjtNum point[3];
+  mju_rotVecMat(point, along_torso, data_->xmat + 9 * index_.torso_body);
+  mju_addTo3(point, hip);
   mj_applyFT(model_.get(), data_.get(), force, no_torque, point, index_.torso_body, data_->qfrc_applied);
 }
 
@@ -135,15 +183,20 @@ void Plant::measure_feet() {
 control::SensorReading Plant::read_sensors() {
   control::SensorReading reading;
   reading.time_s = data_->time;
+  const auto position_rad = [this](int dof, double noise_rad) {
+    return quantised(data_->qpos[dof] + noise_rad * normal_(random_), options_.encoder_resolution_rad);
+  };
+  const auto velocity_rad_s = [this](int dof, double noise_rad_s) {
+    return quantised(data_->qvel[dof] + noise_rad_s * normal_(random_),
+                     options_.encoder_velocity_resolution_rad_s);
+  };
   for (int joint = 0; joint < model::kJoints; ++joint) {
     const int dof = model::kFirstJoint + joint;
-    reading.joint_position_rad[joint] = data_->qpos[dof] + options_.encoder_noise_rad * normal_(random_);
-    reading.joint_velocity_rad_s[joint] =
-        data_->qvel[dof] + options_.encoder_velocity_noise_rad_s * normal_(random_);
+    reading.joint_position_rad[joint] = position_rad(dof, options_.encoder_noise_rad);
+    reading.joint_velocity_rad_s[joint] = velocity_rad_s(dof, options_.encoder_velocity_noise_rad_s);
   }
-  reading.base_pitch_rad = data_->qpos[model::kFirstAngle] + options_.base_angle_noise_rad * normal_(random_);
-  reading.base_pitch_rate_rad_s =
-      data_->qvel[model::kFirstAngle] + options_.base_rate_noise_rad_s * normal_(random_);
+  reading.base_pitch_rad = position_rad(model::kFirstAngle, options_.base_angle_noise_rad);
+  reading.base_pitch_rate_rad_s = velocity_rad_s(model::kFirstAngle, options_.base_rate_noise_rad_s);
   return reading;
 }
 

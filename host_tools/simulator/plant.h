@@ -19,8 +19,17 @@ struct PlantModel {
   double nominal_hip_height_m = 0.8;
 };
 
-/// Where an external push acts, on the torso: at the hip, or at the torso's centre of mass.
+/// Where an external push acts, on the torso: at the hip, or kTorsoPushHeight_m above it.
 enum class PushPoint { hip, torso };
+
+/// The published height at which AMBER-3M's torso is pushed. It holds for every robot and every variant of
+/// the torso's centre of mass, so that one push is one experiment whatever the masses.
+inline constexpr double kTorsoPushHeight_m = 0.285;
+
+/// Distance from the hip along the torso.
+[[nodiscard]] constexpr double push_above_hip_m(PushPoint point) {
+  return point == PushPoint::torso ? kTorsoPushHeight_m : 0.0;
+}
 
 /// Why the robot counts as fallen.
 enum class Fall { none, hip_too_low, pitch_too_large, body_on_ground, not_finite };
@@ -35,10 +44,13 @@ class Plant {
   /// Throws std::runtime_error when MuJoCo refuses the model.
   Plant(const PlantModel& model, const PlantOptions& options, std::uint64_t seed);
 
-  /// Places the robot; the delay line starts empty, the first torque commanded fills it.
+  /// Places the robot; the delay line starts empty, the first torque commanded fills it, and drives with a
+  /// lag start settled.
   void set_state(const model::StateVector& state);
 
-  /// What the motors are asked for from now on; saturated at the torque limit, acting delay_s later.
+  /// What the motors are asked for from now on. It acts delay_s later, saturated at the limit of that moment,
+  /// and by the drives' lag: a drive limits its set point, so that its lag winds nothing up. What acts is
+  /// saturated again, for the winding's voltage limits the torque at the present speed.
   void command_torque(const model::JointVector& torque_Nm);
 
   /// Horizontal force on the torso from now on, positive forward.
@@ -51,15 +63,18 @@ class Plant {
   /// Advances by one time step.
   void step();
 
-  /// What the sensors show now: noise of the plant's options, drawn anew on each call.
+  /// What the sensors show now: noise of the plant's options, drawn anew on each call, then quantised.
   [[nodiscard]] control::SensorReading read_sensors();
 
   [[nodiscard]] model::StateVector state() const;
   [[nodiscard]] double time_step_s() const;
   /// Torque of the motors over the last time step.
   [[nodiscard]] const model::JointVector& applied_torque_Nm() const { return applied_torque_Nm_; }
-  /// Largest torque of each motor.
+  /// Largest torque of each motor at rest.
   [[nodiscard]] const model::JointVector& torque_limit_Nm() const { return torque_limit_Nm_; }
+  /// Whether the set point of a drive stood at the motor's limit over the last time step: that of its speed,
+  /// in its direction.
+  [[nodiscard]] bool saturated() const { return saturated_; }
   /// Force of the ground on each foot over the last time step, world frame: fx_L, fz_L, fx_R, fz_R.
   [[nodiscard]] const model::FeetVector& contact_force_N() const { return contact_force_N_; }
   /// Lowest point of each shin, world frame: xL, zL, xR, zR.
@@ -80,7 +95,10 @@ class Plant {
   [[nodiscard]] Fall fall() const;
 
  private:
-  void saturate_and_delay();
+  [[nodiscard]] model::JointVector limit_Nm(const model::JointVector& torque_Nm) const;
+  [[nodiscard]] model::JointVector limited(const model::JointVector& torque_Nm) const;
+  [[nodiscard]] model::JointVector delayed_command_Nm();
+  void drive();
   void apply_forces();
   void measure_contact();
   void measure_feet();
@@ -96,8 +114,11 @@ class Plant {
   std::vector<model::JointVector> delay_line_;  ///< one entry a time step of delay, oldest at delay_next_
   std::size_t delay_next_ = 0;
   bool delay_line_filled_ = false;
+  double drive_share_ = 1.0;  ///< of its way to the set point that a drive's torque goes in a time step
+  bool drives_settled_ = false;
   model::JointVector commanded_torque_Nm_ = model::JointVector::Zero();
   model::JointVector applied_torque_Nm_ = model::JointVector::Zero();
+  bool saturated_ = false;
   model::FeetVector contact_force_N_ = model::FeetVector::Zero();
   model::FeetVector foot_position_m_ = model::FeetVector::Zero();
   double push_N_ = 0.0;

@@ -17,11 +17,19 @@ struct PlantOptions {
   std::optional<double> joint_damping_Nms_rad;
   std::optional<double> joint_friction_Nm;
   std::optional<double> torque_limit_Nm;
+  double no_load_speed_rad_s = 0.0;    ///< of every joint; 0: the torque does not depend on the speed
+  double drive_time_constant_s = 0.0;  ///< 0: the torque follows its command at once
+  std::optional<double> torso_com_m;   ///< height above the hip
+  bool joint_stops = false;
   double foot_radius_m = 0.002;
+  double contact_time_constant_s = 0.004;  ///< MuJoCo solref[0], at least twice the time step
+  double contact_damping_ratio = 1.0;      ///< MuJoCo solref[1]
   double encoder_noise_rad = 0.0;
   double encoder_velocity_noise_rad_s = 0.0;
   double base_angle_noise_rad = 0.0;
   double base_rate_noise_rad_s = 0.0;
+  double encoder_resolution_rad = 0.0;             ///< 0: not quantised
+  double encoder_velocity_resolution_rad_s = 0.0;  ///< 0: not quantised
   double delay_s = 0.0;
   double ground_slope_rad = 0.0;
   double step_height_m = 0.0;
@@ -40,6 +48,7 @@ struct PlantOption {
   const char* default_text;
   const char* description;
   void (*set)(PlantOptions&, double);
+  bool is_switch = false;  ///< takes 0 and 1, nothing between
 };
 
 /// The table of options, in the order of the help text.

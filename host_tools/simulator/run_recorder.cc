@@ -43,9 +43,7 @@ void RunRecorder::observe_step(const Plant& plant) {
   const model::JointVector speed = plant.state().tail<model::kJoints>().cwiseAbs();
   summary.peak_torque_Nm = summary.peak_torque_Nm.cwiseMax(plant.applied_torque_Nm().cwiseAbs());
   summary.peak_joint_speed_rad_s = summary.peak_joint_speed_rad_s.cwiseMax(speed);
-  const bool saturated =
-      (plant.applied_torque_Nm().cwiseAbs().array() >= plant.torque_limit_Nm().array()).any();
-  if (saturated) summary.saturated_s += plant.time_step_s();
+  if (plant.saturated()) summary.saturated_s += plant.time_step_s();
 }
 
 void RunRecorder::observe_tick(double time_s, const Plant& plant, const TickOutput& output,
@@ -80,9 +78,7 @@ void RunRecorder::take_sample(double time_s, const Plant& plant, const TickOutpu
   }
   sample.foot_position_m = plant.foot_position_m();
   sample.push_N = push.force_N;
-  if (push.point == PushPoint::torso) {
-    sample.push_above_hip_m = (plant.torso_com_m() - truth.head<2>()).norm();
-  }
+  sample.push_above_hip_m = push_above_hip_m(push.point);
   sample.commanded_speed_m_s = command.kind == gait::GaitKind::walk ? command.speed_m_s : 0.0;
   record_.samples.push_back(sample);
 }

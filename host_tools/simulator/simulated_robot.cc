@@ -5,8 +5,21 @@
 #include "codegen/model/urdf_reader.h"
 #include "host_tools/simulator/embedded_urdf.h"
 #include "host_tools/simulator/mjcf.h"
+#include "host_tools/simulator/number.h"
 
 namespace stilt::simulator {
+namespace {
+
+/// MuJoCo takes a shorter time constant for twice the time step, without a word.
+void check_contact(const PlantOptions& options) {
+  const double shortest_s = 2.0 * options.time_step_s;
+  if (options.contact_time_constant_s >= shortest_s) return;
+  throw std::invalid_argument(
+      "--plant contact_time_constant_s=" + number_text(options.contact_time_constant_s) +
+      ": must be at least " + number_text(shortest_s) + " s, twice the time step of the physics");
+}
+
+}  // namespace
 
 std::vector<std::string> simulated_robot_names() {
   std::vector<std::string> names;
@@ -30,12 +43,17 @@ codegen::PlanarTree simulated_robot(std::string_view name) {
   throw std::invalid_argument("--robot " + std::string(name) + ": no such robot; known are " + known);
 }
 
-PlantModel make_plant_model(const codegen::PlanarTree& tree, const PlantOptions& options,
+PlantModel make_plant_model(codegen::PlanarTree tree, const PlantOptions& options,
                             double nominal_hip_height_m) {
+  check_contact(options);
+  if (options.torso_com_m) tree.links[0].com_m.z = *options.torso_com_m;
   MjcfOptions world;
   world.time_step_s = options.time_step_s;
   world.foot_radius_m = options.foot_radius_m;
   world.friction = options.friction;
+  world.contact_time_constant_s = options.contact_time_constant_s;
+  world.contact_damping_ratio = options.contact_damping_ratio;
+  world.joint_limits = options.joint_stops;
   world.ground_slope_rad = options.ground_slope_rad;
   if (options.step_height_m != 0.0) world.steps = {{options.step_position_m, options.step_height_m}};
   PlantModel model;

@@ -20,7 +20,9 @@ namespace stilt::simulator {
 [[nodiscard]] codegen::PlanarTree simulated_robot(std::string_view name);
 
 /// The plant of a robot with joints hip_L, knee_L, hip_R, knee_R in the world that the options describe.
-[[nodiscard]] PlantModel make_plant_model(const codegen::PlanarTree& tree, const PlantOptions& options,
+/// Throws std::invalid_argument, one sentence, when the robot has other joints or the contact is too stiff
+/// for the time step.
+[[nodiscard]] PlantModel make_plant_model(codegen::PlanarTree tree, const PlantOptions& options,
                                           double nominal_hip_height_m);
 
 }  // namespace stilt::simulator

@@ -34,6 +34,16 @@ TEST(PlantOptions, AssignmentsReachTheirField) {
   EXPECT_EQ(options.step_height_m, -0.02);
 }
 
+TEST(PlantOptions, ASwitchTakesZeroAndOneOnly) {
+  PlantOptions options;
+  set_plant_option(options, "joint_stops=1");
+  EXPECT_TRUE(options.joint_stops);
+  set_plant_option(options, "joint_stops=0");
+  EXPECT_FALSE(options.joint_stops);
+  EXPECT_THROW(set_plant_option(options, "joint_stops=0.5"), std::invalid_argument);
+  EXPECT_NE(describe_plant_options().find("(0 or 1; default 0)"), std::string::npos);
+}
+
 TEST(PlantOptions, UnknownKeysAndTextThatIsNoNumberAreRefusedInOneSentence) {
   for (const char* text : {"nope=1", "friction", "friction=", "friction=rough", "friction=0.4x", "=1", ""}) {
     PlantOptions options;

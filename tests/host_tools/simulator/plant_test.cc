@@ -15,14 +15,6 @@ using model::StateVector;
 
 constexpr double kMass_kg = 21.55652;
 
-/// In the air, every velocity different from zero.
-StateVector tumbling() {
-  StateVector state = standing_state(kAmberLeg, 0.8, 0.15);
-  state[1] = 5.0;
-  state.tail<7>() << 0.5, 1.0, 0.7, -1.0, 2.0, 1.5, -0.5;
-  return state;
-}
-
 /// Energy gained over 0.4 s of flight.
 double flight_energy_error_J(double time_step_s) {
   PlantOptions options;
@@ -32,25 +24,6 @@ double flight_energy_error_J(double time_step_s) {
   const double before_J = plant.energy_J();
   for (int i = 0; i < std::lround(0.4 / time_step_s); ++i) plant.step();
   return plant.energy_J() - before_J;
-}
-
-/// Momentum along x, from the generated mass matrix: independent of the physics engine.
-double momentum_x_Ns(const StateVector& state) {
-  const model::RobotModel& robot = model::amber3m();
-  model::MassMatrixTerms<double> mass;
-  robot.scalar.mass_matrix(state.data(), robot.constants.joint_parameters, mass);
-  double sum = 0.0;
-  for (int i = 0; i < model::kPositions; ++i) sum += mass.mass_matrix[0][i] * state[model::kPositions + i];
-  return sum;
-}
-
-/// Steps with the joints held by a stiff spring and damper.
-void hold(Plant& plant, const StateVector& posture, double duration_s) {
-  for (int i = 0; i < std::lround(duration_s / plant.time_step_s()); ++i) {
-    const StateVector state = plant.state();
-    plant.command_torque(800.0 * (posture - state).segment<4>(3) - 40.0 * state.tail<4>());
-    plant.step();
-  }
 }
 
 TEST(Plant, FlightKeepsEnergyInTheLimitOfSmallSteps) {
@@ -99,34 +72,6 @@ TEST(Plant, MassScaleChangesTheWeight) {
   EXPECT_NEAR(plant.contact_force_N()[1] + plant.contact_force_N()[3], 1.2 * kMass_kg * 9.81, 0.05);
 }
 
-TEST(Plant, APushGivesItsImpulseAsMomentumWhereverItActs) {
-  for (const PushPoint point : {PushPoint::hip, PushPoint::torso}) {
-    Plant plant = amber_plant();
-    StateVector state = standing_state(kAmberLeg, 0.8, 0.15);
-    state[1] = 5.0;
-    plant.set_state(state);
-    plant.set_push(40.0, point);
-    for (int i = 0; i < 400; ++i) plant.step();
-    plant.set_push(0.0, point);
-    for (int i = 0; i < 200; ++i) plant.step();
-    EXPECT_NEAR(momentum_x_Ns(plant.state()), 40.0 * 400 * plant.time_step_s(), 5e-3);
-  }
-}
-
-TEST(Plant, APushAtTheTorsosCentreOfMassPitchesForwardAndOneAtTheHipBackward) {
-  const auto pitch_after_push_rad = [](PushPoint point) {
-    Plant plant = amber_plant();
-    StateVector state = standing_state(kAmberLeg, 0.8, 0.0);
-    state[1] = 5.0;
-    plant.set_state(state);
-    plant.set_push(40.0, point);
-    for (int i = 0; i < 100; ++i) plant.step();
-    return plant.state()[2];
-  };
-  EXPECT_GT(pitch_after_push_rad(PushPoint::torso), 0.0);
-  EXPECT_LT(pitch_after_push_rad(PushPoint::hip), 0.0);
-}
-
 TEST(Plant, TheGroundStandsWhereItsOptionsSay) {
   PlantOptions up, down, slope, ahead;
   up.step_height_m = 0.05;
@@ -167,80 +112,6 @@ TEST(Plant, ContactForcesStayInTheFrictionConeAndASlippingFootIsCounted) {
   EXPECT_LE(ratio_max, 0.05 + 1e-6);
   EXPECT_GT(ratio_max, 0.049);
   EXPECT_GT(plant.slip_distance_m(), 0.005);
-}
-
-TEST(Plant, TorqueSaturatesAtTheLimitOfTheUrdfOrOfTheOption) {
-  PlantOptions weak;
-  weak.torque_limit_Nm = 30.0;
-  Plant strong_plant = amber_plant(), weak_plant = amber_plant(weak);
-  for (Plant* plant : {&strong_plant, &weak_plant}) {
-    plant->set_state(tumbling());
-    plant->command_torque(JointVector(500.0, -500.0, 10.0, -10.0));
-    plant->step();
-  }
-  EXPECT_EQ(strong_plant.applied_torque_Nm(), JointVector(80.0, -80.0, 10.0, -10.0));
-  EXPECT_EQ(weak_plant.applied_torque_Nm(), JointVector(30.0, -30.0, 10.0, -10.0));
-}
-
-TEST(Plant, TorqueActsAfterTheDelay) {
-  PlantOptions options;
-  options.delay_s = 0.003;
-  Plant plant = amber_plant(options);
-  plant.set_state(tumbling());
-  plant.command_torque(JointVector::Constant(1.0));
-  plant.step();
-  plant.command_torque(JointVector::Constant(2.0));
-  for (int i = 0; i < 6; ++i) {
-    plant.step();
-    EXPECT_EQ(plant.applied_torque_Nm()[0], 1.0) << "step " << i;
-  }
-  plant.step();
-  EXPECT_EQ(plant.applied_torque_Nm()[0], 2.0);
-}
-
-TEST(Plant, ArmatureOfTheOptionReplacesThatOfTheUrdf) {
-  const auto hip_speed_rad_s = [](double armature_kg_m2) {
-    PlantOptions options;
-    options.armature_kg_m2 = armature_kg_m2;
-    Plant plant = amber_plant(options);
-    StateVector state = standing_state(kAmberLeg, 0.8, 0.15);
-    state[1] = 5.0;
-    plant.set_state(state);
-    plant.command_torque(JointVector(5.0, 0.0, 0.0, 0.0));
-    plant.step();
-    return plant.state()[10];
-  };
-  Plant published = amber_plant();
-  EXPECT_GT(hip_speed_rad_s(0.0), 1.5 * hip_speed_rad_s(0.426319));
-}
-
-TEST(Plant, SensorsShowTheJointsAndThePitchAndNothingElse) {
-  Plant plant = amber_plant();
-  const StateVector state = tumbling();
-  plant.set_state(state);
-  const control::SensorReading reading = plant.read_sensors();
-  EXPECT_EQ(reading.joint_position_rad, JointVector(state.segment<4>(3)));
-  EXPECT_EQ(reading.joint_velocity_rad_s, JointVector(state.tail<4>()));
-  EXPECT_EQ(reading.base_pitch_rad, state[2]);
-  EXPECT_EQ(reading.base_pitch_rate_rad_s, state[9]);
-}
-
-TEST(Plant, SensorNoiseHasItsStandardDeviationAndFollowsTheSeed) {
-  PlantOptions options;
-  options.encoder_noise_rad = 0.01;
-  Plant plant = amber_plant(options, 3), same = amber_plant(options, 3), other = amber_plant(options, 4);
-  for (Plant* each : {&plant, &same, &other}) each->set_state(tumbling());
-  constexpr int kReadings = 20000;
-  double squares = 0.0;
-  bool differs = false;
-  for (int i = 0; i < kReadings; ++i) {
-    const JointVector noisy = plant.read_sensors().joint_position_rad;
-    squares += (noisy - JointVector(tumbling().segment<4>(3))).squaredNorm();
-    EXPECT_EQ(noisy, same.read_sensors().joint_position_rad);
-    differs = differs || noisy != other.read_sensors().joint_position_rad;
-  }
-  EXPECT_NEAR(std::sqrt(squares / (4.0 * kReadings)), 0.01, 1e-4);
-  EXPECT_TRUE(differs);
 }
 
 TEST(Plant, EachWayOfFallingIsRecognised) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cmath>
+
 #include "host_tools/simulator/mpc_controller.h"
 #include "host_tools/simulator/plant.h"
 #include "host_tools/simulator/simulated_robot.h"
@@ -14,6 +16,23 @@ inline constexpr double kHipHeight_m = 0.8;
 
 inline Plant amber_plant(const PlantOptions& options = {}, std::uint64_t seed = 1) {
   return Plant(make_plant_model(simulated_robot("amber3m"), options, kHipHeight_m), options, seed);
+}
+
+/// In the air, every velocity different from zero.
+inline model::StateVector tumbling() {
+  model::StateVector state = standing_state(kAmberLeg, kHipHeight_m, 0.15);
+  state[1] = 5.0;
+  state.tail<7>() << 0.5, 1.0, 0.7, -1.0, 2.0, 1.5, -0.5;
+  return state;
+}
+
+/// Steps with the joints held by a stiff spring and damper.
+inline void hold(Plant& plant, const model::StateVector& posture, double duration_s) {
+  for (int i = 0; i < std::lround(duration_s / plant.time_step_s()); ++i) {
+    const model::StateVector state = plant.state();
+    plant.command_torque(800.0 * (posture - state).segment<4>(3) - 40.0 * state.tail<4>());
+    plant.step();
+  }
 }
 
 /// Holds the joints where they were at reset.
