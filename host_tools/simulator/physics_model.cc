@@ -36,12 +36,10 @@ ModelPointer compile_mjcf(const std::string& mjcf, PhysicsIndices& indices) {
 }
 
 void apply_options(mjModel& physics, const PlantOptions& options) {
-  physics.opt.timestep = options.time_step_s;
   for (int body = 0; body < physics.nbody; ++body) {
     physics.body_mass[body] *= options.mass_scale;
     for (int axis = 0; axis < 3; ++axis) physics.body_inertia[3 * body + axis] *= options.mass_scale;
   }
-  for (int geom = 0; geom < physics.ngeom; ++geom) physics.geom_friction[3 * geom] = options.friction;
   for (int dof = model::kFirstJoint; dof < model::kPositions; ++dof) {
     if (options.armature_kg_m2) physics.dof_armature[dof] = *options.armature_kg_m2;
     if (options.joint_damping_Nms_rad) physics.dof_damping[dof] = *options.joint_damping_Nms_rad;

@@ -33,7 +33,8 @@ struct PhysicsIndices {
 /// robot in it does not have the project's seven coordinates and two feet (geoms and sites foot_L, foot_R).
 [[nodiscard]] ModelPointer compile_mjcf(const std::string& mjcf, PhysicsIndices& indices);
 
-/// Writes time step, masses, friction, armature and joint friction of the options into the model.
+/// Writes masses, armature, damping and friction of the joints into the model; the rest of the options is in
+/// its MJCF already.
 void apply_options(mjModel& physics, const PlantOptions& options);
 
 }  // namespace stilt::simulator

@@ -41,7 +41,7 @@ enum class Fall { none, hip_too_low, pitch_too_large, body_on_ground, not_finite
 /// model, options, seed and calls.
 class Plant {
  public:
-  /// Throws std::runtime_error when MuJoCo refuses the model.
+  /// `model` is make_plant_model() of the same options. Throws std::runtime_error when MuJoCo refuses it.
   Plant(const PlantModel& model, const PlantOptions& options, std::uint64_t seed);
 
   /// Places the robot; the delay line starts empty, the first torque commanded fills it, and drives with a

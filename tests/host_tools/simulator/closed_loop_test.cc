@@ -99,6 +99,20 @@ TEST(ClosedLoop, ARunEndsWhenTheRobotFalls) {
   EXPECT_EQ(summary.duration_s, summary.fall_time_s);
 }
 
+TEST(ClosedLoop, TimeAtTheTorqueLimitIsCountedAndNoOther) {
+  const auto saturated_s = [](double torque_limit_Nm) {
+    PlantOptions options;
+    options.torque_limit_Nm = torque_limit_Nm;
+    Plant plant = amber_plant(options);
+    HoldingController controller;
+    return run_closed_loop(plant, controller, standing_run(0.2)).summary.saturated_s;
+  };
+  EXPECT_EQ(saturated_s(200.0), 0.0);
+  // The holding controller asks for nothing before the joints have moved.
+  EXPECT_GT(saturated_s(0.5), 0.18);
+  EXPECT_LE(saturated_s(0.5), 0.2 + 1e-9);
+}
+
 TEST(ClosedLoop, PlansStartAtTheirRateAndWaitForTheOneBefore) {
   control::TimingParameters timing;
   timing.plan_rate_hz = 100.0;

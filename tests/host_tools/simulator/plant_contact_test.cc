@@ -94,6 +94,17 @@ TEST(PlantContact, ATorsosCentreOfMassMovesWithoutItsMassAndInertia) {
   EXPECT_NEAR(plant.torso_com_m().y(), 0.123, 1e-15);
 }
 
+TEST(PlantContact, TheEnginesConstantsFollowTheMassesOfTheOptions) {
+  EngineContact changed({});
+  PlantOptions heavy;
+  heavy.mass_scale = 2.0;
+  const double mass_kg = changed.physics->body_subtreemass[0];
+  const double inverse_kg = changed.physics->body_invweight0[2 * 1];
+  apply_options(*changed.physics, heavy);
+  EXPECT_NEAR(changed.physics->body_subtreemass[0], 2.0 * mass_kg, 1e-9);
+  EXPECT_NEAR(changed.physics->body_invweight0[2 * 1], 0.5 * inverse_kg, 0.2 * inverse_kg);
+}
+
 TEST(PlantContact, AFootThatLandsOrLiftsOffMovingForwardHasNotSlipped) {
   Plant plant = amber_plant();
   StateVector state = standing_state(kAmberLeg, kHipHeight_m, 0.15);

@@ -72,6 +72,22 @@ TEST(Plant, MassScaleChangesTheWeight) {
   EXPECT_NEAR(plant.contact_force_N()[1] + plant.contact_force_N()[3], 1.2 * kMass_kg * 9.81, 0.05);
 }
 
+TEST(Plant, MassesAndInertiasScaleTogether) {
+  // Without drive inertia, twice the mass under twice the torque moves alike.
+  PlantOptions usual, heavy;
+  usual.armature_kg_m2 = heavy.armature_kg_m2 = 0.0;
+  heavy.mass_scale = 2.0;
+  StateVector moved[2];
+  for (const bool twice : {false, true}) {
+    Plant plant = amber_plant(twice ? heavy : usual);
+    plant.set_state(tumbling());
+    plant.command_torque((twice ? 2.0 : 1.0) * model::JointVector(3.0, -2.0, 1.0, 2.0));
+    for (int i = 0; i < 100; ++i) plant.step();
+    moved[twice ? 1 : 0] = plant.state();
+  }
+  EXPECT_LT((moved[1] - moved[0]).cwiseAbs().maxCoeff(), 1e-9);
+}
+
 TEST(Plant, TheGroundStandsWhereItsOptionsSay) {
   PlantOptions up, down, slope, ahead;
   up.step_height_m = 0.05;
@@ -136,6 +152,24 @@ TEST(Plant, AKneeUnderTheGroundIsAFall) {
   StateVector state = StateVector::Zero();
   state[1] = 0.5;
   state[3] = -0.8;  // knee ahead of the hip, over the step, under its top
+  plant.set_state(state);
+  EXPECT_EQ(plant.fall(), Fall::body_on_ground);
+}
+
+TEST(Plant, ATorsosCentreOfMassUnderTheGroundIsAFall) {
+  constexpr double kLowHip_m = 0.1;
+  PlantOptions options;
+  options.step_height_m = 0.3;
+  options.step_position_m = 0.1;
+  Plant plant(make_plant_model(simulated_robot("amber3m"), options, kLowHip_m), options, 1);
+  StateVector state = StateVector::Zero();
+  state[1] = kLowHip_m;
+  state[2] = -0.9;
+  state[3] = state[5] = 2.6;  // thighs behind the hip, above the ground
+  plant.set_state(state);
+  EXPECT_EQ(plant.fall(), Fall::none) << "leaning backward, away from the step";
+  state[2] = 0.9;
+  state[3] = state[5] = 0.8;
   plant.set_state(state);
   EXPECT_EQ(plant.fall(), Fall::body_on_ground);
 }

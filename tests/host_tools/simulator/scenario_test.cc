@@ -49,6 +49,19 @@ TEST(Scenario, PushesActFromTheirStartUntilTheirEndAndAddUp) {
   EXPECT_EQ(push_at(pushes, 2.5).force_N, 0.0);
 }
 
+TEST(Scenario, PushesAndCommandsCountFromTheTickOfTheirTimeDespiteItsRounding) {
+  for (int tick = 0; tick < 20000; ++tick) {
+    const double written_s = tick / 1000.0, time_s = tick * 0.001;
+    ASSERT_EQ(push_at({{10.0, written_s, 1.0, PushPoint::hip}}, time_s).force_N, 10.0) << tick;
+    ASSERT_EQ(command_at({{written_s, {gait::GaitKind::walk, 0.5}}}, time_s).kind, gait::GaitKind::walk)
+        << tick;
+    if (tick == 0) continue;
+    const std::vector<Push> until_now = {{10.0, 0.0, written_s, PushPoint::hip}};
+    ASSERT_EQ(push_at(until_now, time_s).force_N, 0.0) << tick;
+    ASSERT_EQ(push_at(until_now, time_s - 0.001).force_N, 10.0) << tick;
+  }
+}
+
 TEST(Scenario, PushesAtTwoPointsAtOnceAreRefused) {
   const Push hip{10.0, 1.0, 1.0, PushPoint::hip};
   EXPECT_THROW(check_pushes({hip, {10.0, 1.5, 1.0, PushPoint::torso}}), std::invalid_argument);
