@@ -44,7 +44,7 @@ void add_common_options(CLI::App& command, ExperimentOptions& options) {
       ->capture_default_str();
 }
 
-void add_job_options(CLI::App& command, ExperimentOptions& options) {
+void add_job_options(CLI::App& command, ExperimentOptions& options, const char* seeds_text) {
   command.add_flag("--list-jobs", options.list_jobs, "prints the names of the jobs and runs none");
   command.add_option("--job", options.job, "runs this job alone, unless it has a result");
   command.add_flag("--merge", options.merge, "runs no job, merges the results");
@@ -54,18 +54,16 @@ void add_job_options(CLI::App& command, ExperimentOptions& options) {
       ->allow_extra_args(false);
   command.add_option("--horizon", options.horizons_s, "only this horizon, s; repeatable")
       ->allow_extra_args(false);
+  command.add_option("--seeds", options.seeds, seeds_text)->check(CLI::Range(1, 1000));
 }
 
 void add_disturbance(CLI::App& experiment, ExperimentOptions& options) {
   CLI::App* command = experiment.add_subcommand(
       "disturbance", "largest forward push of 1 s survived while walking at 0.5 m/s, five controllers");
   add_common_options(*command, options);
-  add_job_options(*command, options);
+  add_job_options(*command, options, "of the sensor noise, default 3");
   command->add_option("--phases", options.phases, "of the step, at which the push begins")
       ->check(CLI::Range(1, 64))
-      ->capture_default_str();
-  command->add_option("--seeds", options.seeds, "of the sensor noise")
-      ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   command->add_option("--coarse", options.coarse_N, "every multiple of this force is tried, N")
       ->check(CLI::Range(1.0, 100.0))
@@ -130,7 +128,7 @@ DisturbancePlan disturbance_plan(ExperimentOptions& options) {
   }
   plan.rows = rows_of(options);
   plan.phases = options.phases;
-  plan.seeds = options.seeds;
+  plan.seeds = options.seeds.value_or(plan.seeds);
   for (DisturbancePlan::Row& row : plan.rows) {
     const control::ControllerParameters parameters =
         walk_parameters(setting_for(options.setting, row.controller), row.controller, row.horizon_s);
@@ -165,6 +163,7 @@ int run_horizons(const ExperimentOptions& options, const std::vector<std::string
       (void)walk_parameters(setting_for(options.setting, controller), controller, horizon_s);
     }
   }
+  plan.seeds = options.seeds.value_or(plan.seeds);
   const auto jobs = experiments::horizon_jobs(plan, runner_for_each(options.setting));
   return run_jobs(
       options, words, settings_json(options, "horizon"), jobs,
@@ -203,7 +202,7 @@ CLI::App* add_experiment_command(CLI::App& program, ExperimentOptions& options) 
   CLI::App* horizon = experiment->add_subcommand(
       "horizon", "shortest horizon that walks 60 s at 0.5 m/s, for every predictive controller");
   add_common_options(*horizon, options);
-  add_job_options(*horizon, options);
+  add_job_options(*horizon, options, "of the sensor noise, default 1; a horizon walks when all of them walk");
   CLI::App* figures = experiment->add_subcommand(
       "figures",
       "a push over time, postures, joint angles and how they repeat, terminal states: figures.html");

@@ -22,9 +22,9 @@ struct ExperimentOptions {
   std::optional<int> at_once;  ///< of --processes
   std::vector<std::string> controllers;
   std::vector<double> horizons_s;
+  std::optional<int> seeds;
   // The disturbance.
   int phases = 8;
-  int seeds = 3;
   double coarse_N = 10.0;
   // The frequency.
   int problems = 500;

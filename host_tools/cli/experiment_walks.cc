@@ -50,7 +50,7 @@ log::RunRecord run(const WalkSetting& setting, const WalkCase& walk) {
   simulator::RunSettings settings;
   settings.duration_s = walk.duration_s;
   settings.leg = {robot.constants.thigh_length_m, robot.constants.shin_length_m};
-  settings.commands = {{0.0, {gait::GaitKind::walk, walk.speed_m_s}}};
+  settings.commands = {{0.0, walk.command}};
   settings.pushes = pushes_of(setting, walk);
   settings.timing = parameters.timing;
   settings.keep_samples = walk.keep_samples;

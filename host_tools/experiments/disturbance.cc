@@ -2,20 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <optional>
+
+#include "host_tools/experiments/table_text.h"
 
 namespace stilt::experiments {
 namespace {
 
 constexpr double kSlip_m = 0.01;
-
-std::string text(const char* format, double value) {
-  char buffer[40];
-  (void)std::snprintf(buffer, sizeof buffer, format, value);
-  return buffer;
-}
 
 PushTrial trial_of(double force_N, const log::RunSummary& summary) {
   return {force_N,
@@ -42,7 +37,7 @@ Json run_job(const DisturbancePlan& plan, const DisturbancePlan::Row& row, int p
   WalkCase walk;
   walk.controller = row.controller;
   walk.horizon_s = row.horizon_s;
-  walk.speed_m_s = plan.speed_m_s;
+  walk.command.speed_m_s = plan.speed_m_s;
   walk.seed = static_cast<std::uint64_t>(seed);
   walk.push_start_s = push_start_s(plan, row, phase);
   walk.push_duration_s = plan.push_duration_s;
@@ -120,10 +115,6 @@ class RowFigures {
   double saturated_s_ = 0.0;
   std::optional<double> first_slip_N_;
 };
-
-std::string cell(const Json& value, const char* format, const char* absent) {
-  return value.is_null() ? absent : text(format, value.get<double>());
-}
 
 }  // namespace
 

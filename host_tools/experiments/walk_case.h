@@ -5,6 +5,7 @@
 #include <string>
 
 #include "host_tools/log/run_record.h"
+#include "mpc_core/gait/command.h"
 
 /// The published experiments on the simulated robot. What walks it is handed in, so that nothing here knows
 /// options or configuration.
@@ -14,7 +15,7 @@ namespace stilt::experiments {
 struct WalkCase {
   std::string controller = "mpc-heuristic";
   double horizon_s = 1.0;
-  double speed_m_s = 0.5;
+  gait::GaitCommand command{gait::GaitKind::walk, 0.5};
   double duration_s = 10.0;
   double push_N = 0.0;  ///< positive forward; 0: none
   double push_start_s = 0.0;

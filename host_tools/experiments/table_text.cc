@@ -1,0 +1,17 @@
+#include "host_tools/experiments/table_text.h"
+
+#include <cstdio>
+
+namespace stilt::experiments {
+
+std::string text(const char* format, double value) {
+  char buffer[40];
+  (void)std::snprintf(buffer, sizeof buffer, format, value);
+  return buffer;
+}
+
+std::string cell(const Json& value, const char* format, const char* absent) {
+  return value.is_null() ? absent : text(format, value.get<double>());
+}
+
+}  // namespace stilt::experiments

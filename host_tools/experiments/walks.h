@@ -1,0 +1,15 @@
+#pragma once
+
+#include "host_tools/log/run_record.h"
+#include "mpc_core/gait/command.h"
+
+namespace stilt::experiments {
+
+/// The mean speed that a command asks for: zero for standing and for stepping in place.
+[[nodiscard]] double commanded_speed_m_s(const gait::GaitCommand& command);
+
+/// Whether a run does what it was commanded. It stays on its feet to the end, and its mean speed lies within
+/// 10 % of the command, within 0.03 m/s at zero. A robot that shall stand takes no step, too.
+[[nodiscard]] bool walks(const gait::GaitCommand& command, const log::RunSummary& summary);
+
+}  // namespace stilt::experiments
