@@ -1,5 +1,6 @@
 #include "host_tools/cli/controller_choice.h"
 
+#include <algorithm>
 #include <charconv>
 
 #include "firmware/configuration/gaits/gait_overrides.h"
@@ -48,11 +49,10 @@ bool follows_gaits(const std::string& controller) {
   return controller == "mpc-hzd" || controller == "hzd-pd";
 }
 
-void check_controller(const std::string& name) {
-  if (name == "mpc-none" || name == "mpc-heuristic" || name == "mpc-lumped" || follows_gaits(name)) return;
-  throw UsageError(
-      "--controller " + name +
-      ": no such controller; available are mpc-none, mpc-heuristic, mpc-hzd, mpc-lumped, hzd-pd");
+std::string listed(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
 }
 
 std::string one_line(const std::vector<configuration::Diagnostic>& diagnostics) {
@@ -64,6 +64,22 @@ std::string one_line(const std::vector<configuration::Diagnostic>& diagnostics) 
 }
 
 }  // namespace
+
+const std::vector<std::string>& controller_names() {
+  static const std::vector<std::string> names = {"mpc-none", "mpc-heuristic", "mpc-hzd", "mpc-lumped",
+                                                 "hzd-pd"};
+  return names;
+}
+
+const std::vector<std::string>& lump_names() {
+  static const std::vector<std::string> names = {"legs", "drives", "law"};
+  return names;
+}
+
+void check_controller(const std::string& name) {
+  if (std::ranges::find(controller_names(), name) != controller_names().end()) return;
+  throw UsageError("--controller " + name + ": no such controller; known are " + listed(controller_names()));
+}
 
 void add_controller_options(CLI::App& command, ControllerChoice& choice) {
   command.add_option("--robot", choice.robot, "robot: amber3m, amber3m_2020, rabbit")->capture_default_str();
@@ -91,10 +107,8 @@ void add_controller_options(CLI::App& command, ControllerChoice& choice) {
 
 const model::RobotModel& robot_model(const std::string& name) {
   if (const model::RobotModel* robot = model::find_robot(name.c_str())) return *robot;
-  std::string known;
-  for (const std::string& robot : simulator::simulated_robot_names())
-    known += (known.empty() ? "" : ", ") + robot;
-  throw UsageError("--robot " + name + ": no such robot; known are " + known);
+  throw UsageError("--robot " + name + ": no such robot; known are " +
+                   listed(simulator::simulated_robot_names()));
 }
 
 configuration::Configuration load_configuration(const std::string& robot, const std::string& file,
@@ -125,8 +139,8 @@ std::shared_ptr<const gait::GaitLibrary> gait_library(const ControllerChoice& ch
 
 const model::RobotModel* planning_model(const ControllerChoice& choice) {
   if (choice.controller != "mpc-lumped") return nullptr;
-  if (choice.lump != "legs" && choice.lump != "drives" && choice.lump != "law") {
-    throw UsageError("--lump " + choice.lump + ": known are legs, drives, law");
+  if (std::ranges::find(lump_names(), choice.lump) == lump_names().end()) {
+    throw UsageError("--lump " + choice.lump + ": known are " + listed(lump_names()));
   }
   const model::RobotModel* lumped = planning_model::lumped(
       choice.robot, choice.lump == "legs" ? planning_model::Lump::legs : planning_model::Lump::drives);

@@ -29,6 +29,13 @@ struct ControllerChoice {
   std::string gait_folder;      ///< of --gaits; empty: the gaits shipped for the robot
 };
 
+/// What --controller and --lump may be.
+[[nodiscard]] const std::vector<std::string>& controller_names();
+[[nodiscard]] const std::vector<std::string>& lump_names();
+
+/// Refuses a name that is none of a controller.
+void check_controller(const std::string& name);
+
 /// Adds the options that `stilt sim` and `stilt bench` share to a command.
 void add_controller_options(CLI::App& command, ControllerChoice& choice);
 

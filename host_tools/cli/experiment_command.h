@@ -24,6 +24,10 @@ struct ExperimentOptions {
   std::vector<double> horizons_s;
   std::optional<int> seeds;
   // The disturbance.
+  std::string rows_file;  ///< of --rows
+  std::string gait = "walk";
+  double speed_m_s = 0.5;
+  std::string direction = "forward";
   int phases = 8;
   double coarse_N = 10.0;
   // The frequency.

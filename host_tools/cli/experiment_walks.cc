@@ -15,7 +15,7 @@ ControllerChoice choice_of(const WalkSetting& setting, const std::string& contro
   ControllerChoice choice = setting.choice;
   choice.controller = controller;
   choice.horizon_s = horizon_s;
-  choice.plan_rate_hz = kPlanRate_hz;
+  choice.plan_rate_hz = choice.plan_rate_hz.value_or(kPlanRate_hz);
   return choice;
 }
 
@@ -52,6 +52,8 @@ log::RunRecord run(const WalkSetting& setting, const WalkCase& walk) {
   settings.leg = {robot.constants.thigh_length_m, robot.constants.shin_length_m};
   settings.commands = {{0.0, walk.command}};
   settings.pushes = pushes_of(setting, walk);
+  settings.use_true_state = simulator::parse_knows_truth(setting.state);
+  settings.measure_from_s = walk.measure_from_s;
   settings.timing = parameters.timing;
   settings.keep_samples = walk.keep_samples;
   settings.initial_state = standing_on_ground(world, settings.leg, parameters);
@@ -63,6 +65,12 @@ log::RunRecord run(const WalkSetting& setting, const WalkCase& walk) {
 
 }  // namespace
 
+WalkSetting setting_for(const WalkSetting& setting, const std::string& controller) {
+  WalkSetting own = setting;
+  if (controller != "mpc-hzd" && controller != "hzd-pd") own.choice.gait_folder.clear();
+  return own;
+}
+
 control::ControllerParameters walk_parameters(const WalkSetting& setting, const std::string& controller,
                                               double horizon_s) {
   return controller_parameters(choice_of(setting, controller, horizon_s));
@@ -70,6 +78,7 @@ control::ControllerParameters walk_parameters(const WalkSetting& setting, const 
 
 experiments::WalkRunner walk_runner(const WalkSetting& setting) {
   (void)simulator::parse_push("1@1+1@" + setting.push_point);
+  (void)simulator::parse_knows_truth(setting.state);
   simulator::PlantOptions checked;
   for (const std::string& assignment : setting.plant_settings) set_plant_option(checked, assignment);
   return [setting](const WalkCase& walk) { return run(setting, walk); };

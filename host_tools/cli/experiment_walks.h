@@ -14,10 +14,14 @@ struct WalkSetting {
   ControllerChoice choice;  ///< controller and horizon are those of the case
   std::vector<std::string> plant_settings;
   std::string push_point = "hip";
+  std::string state = "estimated";  ///< what the controller knows: estimated (from sensors) or truth
 };
 
-/// Walks as `stilt sim` makes them, with estimated state, 100 plans a second and the configured delay of a
-/// plan. Throws UsageError when the setting is mistaken.
+/// The setting without what does not concern a controller: gaits, for one that follows none.
+[[nodiscard]] WalkSetting setting_for(const WalkSetting& setting, const std::string& controller);
+
+/// Walks as `stilt sim` makes them, with 100 plans a second unless the choice says otherwise. Throws
+/// UsageError or std::invalid_argument when the setting is mistaken.
 [[nodiscard]] experiments::WalkRunner walk_runner(const WalkSetting& setting);
 
 /// The parameters of one controller under the setting, checked.

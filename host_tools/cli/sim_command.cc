@@ -48,13 +48,6 @@ std::vector<TimedCommand> commands_of(const SimOptions& options) {
   return commands;
 }
 
-bool wants_true_state(const std::string& state) {
-  if (state != "estimated" && state != "truth") {
-    throw UsageError("--state " + state + ": no such source of the state; known are estimated, truth");
-  }
-  return state == "truth";
-}
-
 RunSettings run_settings(const SimOptions& options, const model::RobotConstants& robot,
                          const control::ControllerParameters& parameters) {
   if (!(options.duration_s > 0.0 && options.duration_s <= kLongestRun_s)) {
@@ -69,7 +62,7 @@ RunSettings run_settings(const SimOptions& options, const model::RobotConstants&
   settings.commands = commands_of(options);
   for (const std::string& text : options.pushes) settings.pushes.push_back(simulator::parse_push(text));
   simulator::check_pushes(settings.pushes);
-  settings.use_true_state = wants_true_state(options.state);
+  settings.use_true_state = simulator::parse_knows_truth(options.state);
   settings.timing = parameters.timing;
   settings.keep_samples = !options.report_file.empty() || !options.log_file.empty();
   return settings;

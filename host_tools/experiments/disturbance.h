@@ -9,42 +9,68 @@
 
 namespace stilt::experiments {
 
-/// The second table of the paper: the largest forward push of one second that each controller survives while
-/// walking.
+/// One row of a table of pushes: a controller in a setting, pushed one way.
+struct PushRow {
+  std::string name;  ///< of its own in the plan; begins the names of the jobs
+  std::string robot = "amber3m";
+  std::string controller = "mpc-heuristic";
+  double horizon_s = 1.0;
+  gait::GaitCommand command{gait::GaitKind::walk, 0.5};
+  bool backward = false;  ///< direction of the push
+  double step_s = 0.3;    ///< of the controller's gait, to place the phases
+  int phases = 8;         ///< of the step, at which the push begins; odd ones with the other foot in stance
+  int seeds = 3;          ///< 1, 2, ... of the sensor noise
+  PushSearch search;
+  Json setting;     ///< what else the row depends on, for the reader; its fields become the row's
+  WalkRunner walk;  ///< walks a case of this row
+};
+
+/// The second table of the paper: the largest push of one second that each controller survives.
 struct DisturbancePlan {
-  struct Row {
-    std::string controller;
-    double horizon_s = 1.0;
-    double step_s = 0.3;  ///< of the controller's gait, to place the phases
-  };
-  std::vector<Row> rows;
-  int phases = 8;           ///< of the step, at which the push begins; odd ones with the other foot in stance
-  int seeds = 3;            ///< 1, 2, ... of the sensor noise
+  std::vector<PushRow> rows;
   double settled_s = 4.2;   ///< no push before
   double recovery_s = 4.5;  ///< after the push, on its feet
-  double speed_m_s = 0.5;
   double push_duration_s = 1.0;
-  PushSearch search;
+};
+
+/// Controller and horizon of a published row.
+struct PublishedRow {
+  std::string controller;
+  double horizon_s = 0.5;
 };
 
 /// Five controllers at horizons 2.0, 0.5 and 0.2 s; hzd-pd plans nothing and stands there once.
-[[nodiscard]] std::vector<DisturbancePlan::Row> published_rows();
+[[nodiscard]] std::vector<PublishedRow> published_rows();
 
 /// Time at which the push of a phase begins.
-[[nodiscard]] double push_start_s(const DisturbancePlan& plan, const DisturbancePlan::Row& row, int phase);
+[[nodiscard]] double push_start_s(const DisturbancePlan& plan, const PushRow& row, int phase);
 
-/// One job a row, phase and seed: {controller, horizon_s, phase, seed, limit_N, trials}.
-[[nodiscard]] std::vector<Job> disturbance_jobs(const DisturbancePlan& plan, const WalkRunner& run);
+/// One job a row, phase and seed: {name, phase, seed, limit_N, trials}.
+[[nodiscard]] std::vector<Job> disturbance_jobs(const DisturbancePlan& plan);
 
-/// The jobs' results as {rows: [{controller, horizon_s, push_all_phases_N, push_half_phases_N, paper_N,
-/// step_length_range_m, step_length_min_m, step_length_max_m, first_slip_N, saturated_s, cases, walks,
-/// limits_N}]}.
+/// The jobs' results as {rows: [...]}; fields of a row, besides those of its setting:
 ///
-/// push_all_phases_N is the smallest of the limits over phases and seeds, push_half_phases_N the largest
-/// force that half of them reach; null when those fall without a push. Step lengths: over all survived
-/// runs. first_slip_N: smallest force under which a survived run slips 10 mm farther than without a push.
-/// saturated_s: longest time in a survived run with a motor at its torque limit. walks: cases that walk
-/// without a push.
+/// name, robot, controller, horizon_s, gait, speed_m_s, direction, phases, seeds, coarse_N
+/// push_all_phases_N     smallest of the limits over phases and seeds; null when that case falls unpushed
+/// push_half_phases_N    largest force that half of the cases reach; null likewise
+/// limits_N              all limits, ascending
+/// paper_N               published limit, null where there is none
+/// unpushed_speed_m_s    mean over the cases that stay on their feet without a push
+/// walks                 all cases walk at the command without a push (see walks.h)
+/// cases_walk, cases     how many of them do, of how many
+/// step_length_min_m, step_length_max_m, step_length_range_m
+///                       of all survived runs, from the start of the push on; null without a step
+/// step_length_at_20N_m  {min, max, range} over the cases that survive 20 N, the paper's push; null when none
+///                       survived it or 20 N is no multiple of the coarse step
+/// first_slip_N          smallest force under which a survived run slips 10 mm farther, from the start of the
+///                       push on, than the unpushed run of its case over the same time
+/// saturated_s           longest time in a survived run with a motor at its torque limit, from the start of
+///                       the push on
+/// recovery_steps        {at_20N, at_80_percent}: {force_N, cases, recovered, median, max} of the steps to
+///                       recover (see steps.h) over the cases that survive 20 N, and a force of 80 % of
+///                       push_all_phases_N, rounded down to a multiple of the coarse step; median and max are
+///                       null where such a case does not recover; at_... is null for a robot that stands,
+///                       where no case survives that force, or where 20 N is no multiple of the coarse step
 [[nodiscard]] Json merge_disturbance(const DisturbancePlan& plan, const std::vector<Json>& results);
 
 /// The rows as a Markdown table.

@@ -4,6 +4,8 @@
 #include <optional>
 #include <vector>
 
+#include "host_tools/experiments/steps.h"
+
 namespace stilt::experiments {
 
 /// What one push did.
@@ -11,9 +13,12 @@ struct PushTrial {
   double force_N = 0.0;
   bool survived = false;
   double fall_time_s = -1.0;
-  double step_length_min_m = 0.0, step_length_max_m = 0.0;  ///< over the whole run
-  double slip_m = 0.0;       ///< way of loaded feet along the ground, over the whole run
-  double saturated_s = 0.0;  ///< time with a motor at its torque limit
+  bool walks = false;  ///< at the command, see walks.h; of interest without a push
+  double mean_speed_m_s = 0.0;
+  std::optional<StepRange> step_length;  ///< of steps that land after the start of the push
+  double slip_m = 0.0;                ///< way of loaded feet along the ground from the start of the push on
+  double saturated_s = 0.0;           ///< with a motor at its torque limit, from the start of the push on
+  std::optional<int> recovery_steps;  ///< see steps.h
 };
 
 /// How the forces are tried.

@@ -20,7 +20,8 @@ struct WalkCase {
   double push_N = 0.0;  ///< positive forward; 0: none
   double push_start_s = 0.0;
   double push_duration_s = 1.0;
-  std::uint64_t seed = 1;  ///< of the sensor noise
+  double measure_from_s = 0.0;  ///< slip and time at the torque limit count from here
+  std::uint64_t seed = 1;       ///< of the sensor noise
   bool sensor_noise = true;
   bool keep_samples = false;  ///< otherwise the summary alone
 };

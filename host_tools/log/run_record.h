@@ -45,6 +45,7 @@ struct Step {
   double time_s = 0.0;    ///< of touch-down
   std::string foot;       ///< "L" or "R"
   double length_m = 0.0;  ///< distance to the other foot, positive when it lands ahead
+  double hip_x_m = 0.0;   ///< where the hip is then
 };
 
 struct Percentiles {
@@ -59,8 +60,8 @@ struct RunSummary {
   double step_length_min_m = 0.0, step_length_max_m = 0.0;
   model::JointVector peak_torque_Nm = model::JointVector::Zero();
   model::JointVector peak_joint_speed_rad_s = model::JointVector::Zero();
-  double slip_distance_m = 0.0;
-  double saturated_s = 0.0;  ///< time over which a motor was at its torque limit
+  double slip_distance_m = 0.0;  ///< way of loaded feet along the ground
+  double saturated_s = 0.0;      ///< time over which a motor was at its torque limit
   Percentiles solve_time_us;
   double sqp_iterations_mean = 0.0;
   int sqp_iterations_max = 0;

@@ -30,7 +30,7 @@ void WalkRecorder::observe_step(const simulator::Plant& plant) {
 void WalkRecorder::observe_tick(double time_s, const simulator::Plant& plant,
                                 const simulator::ActingPush& push) {
   if (!running_) return;
-  steps_.update(time_s, plant.contact_force_N(), plant.foot_position_m());
+  steps_.update(time_s, plant.contact_force_N(), plant.foot_position_m(), plant.state()[0]);
   if (time_s >= kSettled_s && ticks_ % kTicksASample == 0) way_.push_back({time_s, plant.state()[0]});
   if (keep_samples_ && ticks_ % kTicksASample == 0) take_sample(time_s, plant, push);
   ++ticks_;

@@ -19,6 +19,7 @@ struct RunSettings {
   LegLengths leg;                      ///< to draw the feet of a plan
   std::vector<TimedCommand> commands;  ///< in order of time
   std::vector<Push> pushes;
+  double measure_from_s = 0.0;  ///< slip and time at the torque limit count from here
   bool use_true_state = false;  ///< the controller is given the plant's state instead of estimating it
   control::TimingParameters timing;
   bool keep_samples = true;                                     ///< false: summary and solves only

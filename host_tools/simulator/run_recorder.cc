@@ -8,7 +8,8 @@ namespace {
 
 constexpr double kSampleRate_hz = 200.0;
 constexpr double kSnapshotRate_hz = 20.0;
-constexpr double kSettled_s = 3.0;  // the mean speed counts from here
+constexpr double kSettled_s = 3.0;     // the mean speed counts from here
+constexpr double kTimeSlack_s = 1e-9;  // as pushes have, so that both begin at the same tick
 
 int every(double rate_hz, double wished_hz) {
   return std::max(1, static_cast<int>(std::lround(rate_hz / wished_hz)));
@@ -43,12 +44,16 @@ void RunRecorder::observe_step(const Plant& plant) {
   const model::JointVector speed = plant.state().tail<model::kJoints>().cwiseAbs();
   summary.peak_torque_Nm = summary.peak_torque_Nm.cwiseMax(plant.applied_torque_Nm().cwiseAbs());
   summary.peak_joint_speed_rad_s = summary.peak_joint_speed_rad_s.cwiseMax(speed);
-  if (plant.saturated()) summary.saturated_s += plant.time_step_s();
+  if (plant.saturated() && measuring_) summary.saturated_s += plant.time_step_s();
 }
 
 void RunRecorder::observe_tick(double time_s, const Plant& plant, const TickOutput& output,
                                const Controller& controller) {
-  steps_.update(time_s, plant.contact_force_N(), plant.foot_position_m());
+  steps_.update(time_s, plant.contact_force_N(), plant.foot_position_m(), plant.state()[0]);
+  if (!measuring_ && time_s >= settings_.measure_from_s - kTimeSlack_s) {
+    measuring_ = true;
+    slip_before_m_ = plant.slip_distance_m();
+  }
   if (settled_time_s_ == 0.0 && settings_.duration_s > kSettled_s && time_s >= kSettled_s) {
     settled_x_m_ = plant.state()[0];
     settled_time_s_ = time_s;
@@ -134,7 +139,7 @@ void RunRecorder::finish(double time_s, const Plant& plant, const Controller& co
     summary.step_length_min_m = first ? step.length_m : std::min(summary.step_length_min_m, step.length_m);
     summary.step_length_max_m = first ? step.length_m : std::max(summary.step_length_max_m, step.length_m);
   }
-  summary.slip_distance_m = plant.slip_distance_m();
+  if (measuring_) summary.slip_distance_m = plant.slip_distance_m() - slip_before_m_;
   summary.heap_allocations_in_loop = heap_allocations;
   summary.controller_bytes = controller.bytes();
   summarise_solves();

@@ -44,6 +44,8 @@ class RunRecorder {
   double start_x_m_ = 0.0;
   double settled_x_m_ = 0.0;  ///< hip at kSettled_s, or at the start of shorter runs
   double settled_time_s_ = 0.0;
+  bool measuring_ = false;
+  double slip_before_m_ = 0.0;  ///< before measuring began
 };
 
 }  // namespace stilt::simulator

@@ -75,6 +75,13 @@ gait::GaitKind parse_gait(std::string_view text) {
   refuse("--gait", text, "no such gait; known are stand, step, walk");
 }
 
+bool parse_knows_truth(std::string_view text) {
+  if (text != "estimated" && text != "truth") {
+    refuse("--state", text, "no such source of the state; known are estimated, truth");
+  }
+  return text == "truth";
+}
+
 void check_pushes(const std::vector<Push>& pushes) {
   for (std::size_t i = 0; i < pushes.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {

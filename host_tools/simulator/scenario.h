@@ -38,6 +38,10 @@ struct ActingPush {
 /// Throws std::invalid_argument, one sentence, unless the text is stand, step or walk.
 [[nodiscard]] gait::GaitKind parse_gait(std::string_view text);
 
+/// Whether the controller knows the plant's state: "truth" rather than "estimated". Throws
+/// std::invalid_argument, one sentence, for another text.
+[[nodiscard]] bool parse_knows_truth(std::string_view text);
+
 /// Throws std::invalid_argument when pushes at different points overlap in time.
 void check_pushes(const std::vector<Push>& pushes);
 

@@ -13,7 +13,7 @@ class StepDetector {
  public:
   /// To be called at each tick with forces and positions fx_L, fz_L, fx_R, fz_R / xL, zL, xR, zR.
   void update(double time_s, const model::FeetVector& contact_force_N,
-              const model::FeetVector& foot_position_m);
+              const model::FeetVector& foot_position_m, double hip_x_m);
 
   [[nodiscard]] const std::vector<log::Step>& steps() const { return steps_; }
 

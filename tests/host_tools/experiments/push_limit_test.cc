@@ -56,6 +56,12 @@ TEST(PushLimit, StopsAtTheLargestForce) {
   EXPECT_EQ(limit_of(robot, {10.0, 1.0, 35.0}).force_N, 30.0);
 }
 
+TEST(PushLimit, OfForcesThatAreNoBinaryFractionsStopsAtTheLargestToo) {
+  Robot robot{[](double) { return false; }};
+  EXPECT_EQ(limit_of(robot, {0.1, 0.1, 0.3}).force_N, 3 * 0.1) << "0.3 / 0.1 is a little less than 3";
+  EXPECT_EQ(robot.tried.size(), 4u);
+}
+
 TEST(PushLimit, WasSurvivedAndTheNextNewtonWasNot) {
   std::mt19937 random(7);
   for (int round = 0; round < 200; ++round) {

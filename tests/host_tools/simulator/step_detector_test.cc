@@ -12,7 +12,7 @@ class LeftFoot {
 
   void hold(bool loaded, double duration_s) {
     for (int i = 0; i < static_cast<int>(duration_s * 1000.0 + 0.5); ++i) {
-      detector_.update(time_s_, {0.0, loaded ? 100.0 : 0.0, 0.0, 100.0}, {0.7, 0.0, 0.4, 0.0});
+      detector_.update(time_s_, {0.0, loaded ? 100.0 : 0.0, 0.0, 100.0}, {0.7, 0.0, 0.4, 0.0}, 0.5);
       time_s_ += 0.001;
     }
   }
@@ -32,6 +32,7 @@ TEST(StepDetector, AStepIsTheTouchDownAfterASwing) {
   EXPECT_NEAR(detector.steps()[0].time_s, 0.5, 1e-9);
   EXPECT_EQ(detector.steps()[0].foot, "L");
   EXPECT_NEAR(detector.steps()[0].length_m, 0.3, 1e-12);
+  EXPECT_EQ(detector.steps()[0].hip_x_m, 0.5);
 }
 
 TEST(StepDetector, ABounceIsNoStep) {

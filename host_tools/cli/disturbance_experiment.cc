@@ -1,0 +1,167 @@
+#include "host_tools/cli/disturbance_experiment.h"
+
+#include <algorithm>
+
+#include "host_tools/cli/experiment_jobs.h"
+#include "host_tools/cli/experiment_rows.h"
+#include "host_tools/cli/usage_error.h"
+#include "host_tools/experiments/disturbance.h"
+#include "host_tools/experiments/table_text.h"
+#include "host_tools/simulator/scenario.h"
+
+namespace stilt::cli {
+namespace {
+
+using experiments::DisturbancePlan;
+using experiments::Json;
+using experiments::PublishedRow;
+using experiments::PushRow;
+
+constexpr double kUsualHorizon_s = 1.0;
+constexpr int kUsualSeeds = 3;
+
+/// What the options say about every row.
+RowChoice defaults_of(const ExperimentOptions& options) {
+  RowChoice row;
+  row.setting = options.setting;
+  row.gait = options.gait;
+  row.speed_m_s = options.speed_m_s;
+  row.direction = options.direction;
+  row.phases = options.phases;
+  row.seeds = options.seeds.value_or(kUsualSeeds);
+  row.coarse_N = options.coarse_N;
+  return row;
+}
+
+/// The published rows that --controller and --horizon leave, or, for horizons that are not published, those
+/// controllers at these horizons.
+std::vector<PublishedRow> chosen_rows(const ExperimentOptions& options) {
+  const auto among = [](const auto& list, const auto& value) {
+    return list.empty() || std::ranges::find(list, value) != list.end();
+  };
+  const auto any_horizon = [](const PublishedRow& row) { return row.controller == "hzd-pd"; };
+  for (const std::string& controller : options.controllers) check_controller(controller);
+  std::vector<PublishedRow> rows;
+  for (const PublishedRow& row : experiments::published_rows()) {
+    if (!among(options.controllers, row.controller)) continue;
+    if (any_horizon(row) || among(options.horizons_s, row.horizon_s)) rows.push_back(row);
+  }
+  for (const double horizon_s : options.horizons_s) {
+    for (const std::string& controller : options.controllers) {
+      const auto same = [&](const PublishedRow& row) {
+        return row.controller == controller && (any_horizon(row) || row.horizon_s == horizon_s);
+      };
+      if (std::ranges::none_of(rows, same)) rows.push_back({controller, horizon_s});
+    }
+  }
+  return rows;
+}
+
+std::vector<RowChoice> rows_of_options(const ExperimentOptions& options) {
+  std::vector<RowChoice> rows;
+  for (const auto& [controller, horizon_s] : chosen_rows(options)) {
+    RowChoice row = defaults_of(options);
+    row.setting = setting_for(options.setting, controller);
+    row.setting.choice.controller = controller;
+    row.setting.choice.horizon_s = horizon_s;
+    row.name =
+        controller == "hzd-pd" ? controller : controller + "_" + experiments::text("%.2f", horizon_s) + "s";
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+std::vector<RowChoice> rows_of(const ExperimentOptions& options) {
+  if (options.rows_file.empty()) return rows_of_options(options);
+  if (!options.controllers.empty() || !options.horizons_s.empty()) {
+    throw UsageError("--rows " + options.rows_file +
+                     ": its rows name controller and horizon; leave --controller and --horizon out");
+  }
+  return read_rows(options.rows_file, defaults_of(options));
+}
+
+/// What a row depends on besides the fields it has of its own.
+Json setting_json(const WalkSetting& setting, const control::TimingParameters& timing) {
+  Json json = {{"push_at", setting.push_point},       {"plan_rate_hz", timing.plan_rate_hz},
+               {"plan_delay_s", timing.plan_delay_s}, {"state", setting.state},
+               {"set", setting.choice.settings},      {"plant", setting.plant_settings}};
+  if (!setting.choice.gait_folder.empty()) json["gaits"] = setting.choice.gait_folder;
+  if (setting.choice.controller == "mpc-lumped") json["lump"] = setting.choice.lump;
+  return json;
+}
+
+PushRow push_row(const RowChoice& choice) {
+  const std::string& controller = choice.setting.choice.controller;
+  PushRow row;
+  row.name = choice.name;
+  row.robot = choice.setting.choice.robot;
+  row.controller = controller;
+  row.horizon_s = choice.setting.choice.horizon_s.value_or(kUsualHorizon_s);
+  row.command = {simulator::parse_gait(choice.gait), choice.speed_m_s};
+  row.backward = choice.direction == "backward";
+  row.phases = choice.phases;
+  row.seeds = choice.seeds;
+  row.search.coarse_N = choice.coarse_N;
+  const control::ControllerParameters parameters = walk_parameters(choice.setting, controller, row.horizon_s);
+  row.step_s = parameters.gait.single_support_s + parameters.gait.double_support_s;
+  row.setting = setting_json(choice.setting, parameters.timing);
+  row.walk = walk_runner(choice.setting);
+  return row;
+}
+
+/// Little of it: to see that it works.
+void cut_to_quick(DisturbancePlan& plan) {
+  plan.recovery_s = 3.0;
+  for (PushRow& row : plan.rows) {
+    row.phases = 2;
+    row.seeds = 1;
+    row.search = {20.0, 20.0, 40.0};
+  }
+}
+
+}  // namespace
+
+void add_disturbance_options(CLI::App& command, ExperimentOptions& options) {
+  command.add_option("--rows", options.rows_file,
+                     "TOML file of tables [[row]]: name and any of robot, controller, horizon_s, set, plant, "
+                     "gaits, lump, push_at, direction, gait, speed_m_s, plan_rate_hz, plan_delay_s, state, "
+                     "phases, seeds, coarse_N; other options are what rows leave out");
+  command.add_option("--phases", options.phases, "of the step, at which the push begins")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  command.add_option("--coarse", options.coarse_N, "every multiple of this force is tried, N")
+      ->check(CLI::Range(1.0, 100.0))
+      ->capture_default_str();
+  command.add_option("--gait", options.gait, "what the robot does when it is pushed: walk, step, stand")
+      ->check(CLI::IsMember({"walk", "step", "stand"}))
+      ->capture_default_str();
+  command.add_option("--speed", options.speed_m_s, "of walking, m/s, negative backward")
+      ->check(CLI::Range(-kLargestRowSpeed_m_s, kLargestRowSpeed_m_s))
+      ->capture_default_str();
+  command.add_option("--direction", options.direction, "of the push: forward, backward")
+      ->check(CLI::IsMember({"forward", "backward"}))
+      ->capture_default_str();
+  command.add_option("--push-at", options.setting.push_point, "hip or torso")->capture_default_str();
+  command.add_option("--plan-rate", options.setting.choice.plan_rate_hz, "plans a second, Hz, default 100");
+  command.add_option("--plan-delay", options.setting.choice.plan_delay_s,
+                     "simulated time that a plan takes, s");
+  command
+      .add_option("--state", options.setting.state,
+                  "what the controller knows: estimated (from sensors) or truth")
+      ->capture_default_str();
+}
+
+int run_disturbance(ExperimentOptions options, const std::vector<std::string>& words) {
+  constexpr double kHorizonOfQuick_s = 0.5;
+  (void)walk_runner(options.setting);  // mistakes are named before anything runs
+  if (options.quick && options.rows_file.empty()) options.horizons_s = {kHorizonOfQuick_s};
+  DisturbancePlan plan;
+  for (const RowChoice& choice : rows_of(options)) plan.rows.push_back(push_row(choice));
+  if (options.quick) cut_to_quick(plan);
+  return run_jobs(
+      options, words, settings_json(options, "disturbance"), disturbance_jobs(plan),
+      [&](const std::vector<Json>& results) { return merge_disturbance(plan, results); },
+      experiments::disturbance_table);
+}
+
+}  // namespace stilt::cli

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <CLI/App.hpp>
+#include <string>
+#include <vector>
+
+#include "host_tools/cli/experiment_command.h"
+
+namespace stilt::cli {
+
+/// Adds the options that `experiment disturbance` has besides those of all experiments.
+void add_disturbance_options(CLI::App& command, ExperimentOptions& options);
+
+/// The largest pushes survived: runs the jobs and writes table and figures. Returns the exit status. Throws
+/// UsageError or std::invalid_argument, one sentence, for bad input.
+[[nodiscard]] int run_disturbance(ExperimentOptions options, const std::vector<std::string>& words);
+
+}  // namespace stilt::cli

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <span>
+
+#include "host_tools/experiments/disturbance.h"
+
+namespace stilt::experiments {
+
+/// The figures of one row from the results of its cases; its fields are listed at merge_disturbance().
+[[nodiscard]] Json merged_row(const PushRow& row, std::span<const Json> cases);
+
+}  // namespace stilt::experiments
