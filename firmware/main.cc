@@ -19,6 +19,7 @@
 #include "firmware/program/report.h"
 #include "firmware/program/self_test.h"
 #include "firmware/telemetry/station.h"
+#include "firmware/version/commit.h"
 #include "mpc_core/model/batch.h"
 
 /// stiltd: reads the configuration, opens the buses, runs the controller, reports.
@@ -39,8 +40,8 @@ void want_stop(int) { signals.stop.store(true, std::memory_order_relaxed); }
 void want_figures(int) { signals.figures.store(true, std::memory_order_relaxed); }
 
 std::string version_text() {
-  return "stiltd " STILT_VERSION "\ncompiler          GCC " __VERSION__ "\ninstruction set   " STILT_ISA
-         ", " +
+  return "stiltd " STILT_VERSION "\ncommit            " + std::string(version::commit()) +
+         "\ncompiler          GCC " __VERSION__ "\ninstruction set   " STILT_ISA ", " +
          std::to_string(model::kLanes) + " lanes\ncontroller object " +
          std::to_string(sizeof controller_state) + " bytes";
 }

@@ -119,9 +119,13 @@ configuration::Configuration load_configuration(const std::string& robot, const 
   return *result;
 }
 
-control::ControllerParameters controller_parameters(const ControllerChoice& choice) {
+configuration::Configuration controller_configuration(const ControllerChoice& choice) {
   check_controller(choice.controller);
   return load_configuration(choice.robot, choice.config_file, overrides_of(choice));
+}
+
+control::ControllerParameters controller_parameters(const ControllerChoice& choice) {
+  return controller_configuration(choice);
 }
 
 std::shared_ptr<const gait::GaitLibrary> gait_library(const ControllerChoice& choice) {

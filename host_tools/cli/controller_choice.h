@@ -46,7 +46,10 @@ void add_controller_options(CLI::App& command, ControllerChoice& choice);
 [[nodiscard]] configuration::Configuration load_configuration(
     const std::string& robot, const std::string& file, const std::vector<configuration::Override>& overrides);
 
-/// The parameters after configuration file, --set and the options of their own, all checked.
+/// The configuration after file, --set and the options of their own, all checked.
+[[nodiscard]] configuration::Configuration controller_configuration(const ControllerChoice& choice);
+
+/// Its part that matters to planner and torque loop.
 [[nodiscard]] control::ControllerParameters controller_parameters(const ControllerChoice& choice);
 
 /// A predictive controller ready to run. `library`: gaits to follow instead of the heuristics, or null.

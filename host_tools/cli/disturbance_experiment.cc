@@ -1,12 +1,14 @@
 #include "host_tools/cli/disturbance_experiment.h"
 
 #include <algorithm>
+#include <map>
 
 #include "host_tools/cli/experiment_jobs.h"
 #include "host_tools/cli/experiment_rows.h"
 #include "host_tools/cli/usage_error.h"
 #include "host_tools/experiments/disturbance.h"
 #include "host_tools/experiments/table_text.h"
+#include "host_tools/simulator/number.h"
 #include "host_tools/simulator/scenario.h"
 
 namespace stilt::cli {
@@ -109,6 +111,15 @@ PushRow push_row(const RowChoice& choice) {
   return row;
 }
 
+/// What the results of a row depend on, but for phases and seeds, which are in the names of the jobs.
+std::string dependencies_of(const RowChoice& choice) {
+  const WalkSetting& setting = choice.setting;
+  const double horizon_s = setting.choice.horizon_s.value_or(kUsualHorizon_s);
+  return dependencies_text(setting, setting.choice.controller, horizon_s) + choice.gait + "\n" +
+         simulator::number_text(choice.speed_m_s) + "\n" + choice.direction + "\n" +
+         simulator::number_text(choice.coarse_N) + "\n";
+}
+
 /// Little of it: to see that it works.
 void cut_to_quick(DisturbancePlan& plan) {
   plan.recovery_s = 3.0;
@@ -156,10 +167,14 @@ int run_disturbance(ExperimentOptions options, const std::vector<std::string>& w
   (void)walk_runner(options.setting);  // mistakes are named before anything runs
   if (options.quick && options.rows_file.empty()) options.horizons_s = {kHorizonOfQuick_s};
   DisturbancePlan plan;
-  for (const RowChoice& choice : rows_of(options)) plan.rows.push_back(push_row(choice));
+  std::map<std::string, std::string> parts;
+  for (const RowChoice& choice : rows_of(options)) {
+    plan.rows.push_back(push_row(choice));
+    parts.emplace(choice.name, dependencies_of(choice));
+  }
   if (options.quick) cut_to_quick(plan);
   return run_jobs(
-      options, words, settings_json(options, "disturbance"), disturbance_jobs(plan),
+      options, words, settings_json(options, "disturbance", parts), disturbance_jobs(plan),
       [&](const std::vector<Json>& results) { return merge_disturbance(plan, results); },
       experiments::disturbance_table);
 }

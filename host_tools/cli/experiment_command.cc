@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <utility>
 
 #include "host_tools/cli/disturbance_experiment.h"
@@ -62,6 +63,17 @@ experiments::WalkRunner runner_for_each(const WalkSetting& setting) {
   };
 }
 
+/// What each controller's walks depend on, the horizon aside.
+std::map<std::string, std::string> parts_of(const WalkSetting& setting,
+                                            const std::vector<std::string>& controllers) {
+  constexpr double kAnyHorizon_s = 1.0;
+  std::map<std::string, std::string> parts;
+  for (const std::string& controller : controllers) {
+    parts[controller] = dependencies_text(setting_for(setting, controller), controller, kAnyHorizon_s);
+  }
+  return parts;
+}
+
 int run_horizons(const ExperimentOptions& options, const std::vector<std::string>& words) {
   experiments::HorizonPlan plan;
   plan.horizons_s = experiments::tried_horizons_s();
@@ -80,7 +92,7 @@ int run_horizons(const ExperimentOptions& options, const std::vector<std::string
   plan.seeds = options.seeds.value_or(plan.seeds);
   const auto jobs = experiments::horizon_jobs(plan, runner_for_each(options.setting));
   return run_jobs(
-      options, words, settings_json(options, "horizon"), jobs,
+      options, words, settings_json(options, "horizon", parts_of(options.setting, plan.controllers)), jobs,
       [&](const std::vector<Json>& results) { return merge_horizons(plan, results); },
       experiments::horizon_table);
 }
@@ -88,9 +100,12 @@ int run_horizons(const ExperimentOptions& options, const std::vector<std::string
 int run_figures(const ExperimentOptions& options) {
   constexpr double kDuration_s = 34.0;
   constexpr double kQuickDuration_s = 8.0;
-  const experiments::JobFolder folder(options.folder, settings_json(options, "figures"));
-  const experiments::Figures figures = experiments::make_figures(
-      runner_for_each(options.setting), options.quick ? kQuickDuration_s : kDuration_s);
+  const Json settings =
+      settings_json(options, "figures", parts_of(options.setting, {"mpc-heuristic", "mpc-hzd"}));
+  const experiments::JobFolder folder(options.folder, settings);
+  experiments::Figures figures = experiments::make_figures(runner_for_each(options.setting),
+                                                           options.quick ? kQuickDuration_s : kDuration_s);
+  figures.numbers["settings"] = settings;
   folder.keep("figures", figures.numbers);
   const std::filesystem::path page = std::filesystem::path(options.folder) / "figures.html";
   if (!(std::ofstream(page) << figures.page << std::flush)) {

@@ -4,11 +4,14 @@
 #include <cstdio>
 #include <fstream>
 #include <thread>
+#include <utility>
 
+#include "firmware/version/commit.h"
 #include "host_tools/cli/json_output.h"
 #include "host_tools/cli/progress.h"
 #include "host_tools/cli/usage_error.h"
 #include "host_tools/experiments/job_processes.h"
+#include "host_tools/experiments/text_hash.h"
 
 namespace stilt::cli {
 namespace {
@@ -36,9 +39,14 @@ void run_missing(const ExperimentOptions& options, std::vector<std::string> word
 
 }  // namespace
 
-Json settings_json(const ExperimentOptions& options, const char* experiment) {
+Json settings_json(const ExperimentOptions& options, const char* experiment,
+                   const std::map<std::string, std::string>& parts) {
   const ControllerChoice& choice = options.setting.choice;
+  Json configuration = Json::object();
+  for (const auto& [part, text] : parts) configuration[part] = experiments::text_hash(text);
   return {{"experiment", experiment},
+          {"version", STILT_VERSION},
+          {"commit", version::commit()},
           {"quick", options.quick},
           {"robot", choice.robot},
           {"config", choice.config_file},
@@ -46,7 +54,7 @@ Json settings_json(const ExperimentOptions& options, const char* experiment) {
           {"lump", choice.lump},
           {"gaits", choice.gait_folder},
           {"plant", options.setting.plant_settings},
-          {"push_at", options.setting.push_point}};
+          {"configuration", std::move(configuration)}};
 }
 
 int run_jobs(const ExperimentOptions& options, const std::vector<std::string>& words, const Json& settings,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -18,7 +19,9 @@ namespace stilt::cli {
     const std::function<experiments::Json(const std::vector<experiments::Json>&)>& merge,
     const std::function<std::string(const experiments::Json&)>& table);
 
-/// What the results depend on, for the folder.
-[[nodiscard]] experiments::Json settings_json(const ExperimentOptions& options, const char* experiment);
+/// What the results of an experiment depend on, for its folder and its figures: version and commit of this
+/// program, options, and the hash of each part's dependencies_text().
+[[nodiscard]] experiments::Json settings_json(const ExperimentOptions& options, const char* experiment,
+                                              const std::map<std::string, std::string>& parts);
 
 }  // namespace stilt::cli

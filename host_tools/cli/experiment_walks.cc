@@ -1,5 +1,11 @@
 #include "host_tools/cli/experiment_walks.h"
 
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <sstream>
+
+#include "firmware/configuration/gaits/shipped_gaits.h"
 #include "host_tools/cli/run_description.h"
 #include "host_tools/simulator/closed_loop.h"
 #include "host_tools/simulator/number.h"
@@ -19,13 +25,35 @@ ControllerChoice choice_of(const WalkSetting& setting, const std::string& contro
   return choice;
 }
 
+/// The noise of the sensors, as options of the plant.
+constexpr const char* kSensorNoise[] = {"encoder_noise_rad=0.0005", "encoder_velocity_noise_rad_s=0.02",
+                                        "base_angle_noise_rad=0.001", "base_rate_noise_rad_s=0.01"};
+
 simulator::PlantOptions noisy_world() {
   simulator::PlantOptions world;
-  world.encoder_noise_rad = 0.0005;
-  world.encoder_velocity_noise_rad_s = 0.02;
-  world.base_angle_noise_rad = 0.001;
-  world.base_rate_noise_rad_s = 0.01;
+  for (const char* assignment : kSensorNoise) set_plant_option(world, assignment);
   return world;
+}
+
+/// The gaits that a controller follows: name and text of each file, in order.
+std::string gaits_text(const ControllerChoice& choice) {
+  if (gait_library(choice) == nullptr) return "";
+  std::map<std::string, std::string> files;
+  if (choice.gait_folder.empty()) {
+    for (const gait_files::ShippedGait& gait : gait_files::shipped_gaits()) {
+      if (gait.robot == choice.robot) files.emplace(gait.path, gait.text);
+    }
+  } else {
+    for (const auto& entry : std::filesystem::directory_iterator(choice.gait_folder)) {
+      if (entry.path().extension() != ".toml") continue;
+      std::ostringstream text;
+      text << std::ifstream(entry.path()).rdbuf();
+      files.emplace(entry.path().filename().string(), text.str());
+    }
+  }
+  std::string all;
+  for (const auto& [name, text] : files) all += name + "\n" + text + "\n";
+  return all;
 }
 
 std::vector<simulator::Push> pushes_of(const WalkSetting& setting, const WalkCase& walk) {
@@ -69,6 +97,20 @@ WalkSetting setting_for(const WalkSetting& setting, const std::string& controlle
   WalkSetting own = setting;
   if (controller != "mpc-hzd" && controller != "hzd-pd") own.choice.gait_folder.clear();
   return own;
+}
+
+std::string dependencies_text(const WalkSetting& setting, const std::string& controller, double horizon_s) {
+  const ControllerChoice choice = choice_of(setting, controller, horizon_s);
+  std::string text = configuration::to_toml(controller_configuration(choice), "");
+  text += simulator::simulated_robot_urdf(choice.robot);
+  for (const simulator::PlantOption& option : simulator::plant_option_table()) {
+    text += std::string(option.key) + "=" + option.default_text + "\n";
+  }
+  for (const char* assignment : kSensorNoise) text += std::string(assignment) + "\n";
+  for (const std::string& assignment : setting.plant_settings) text += assignment + "\n";
+  text += gaits_text(choice);
+  if (controller == "mpc-lumped") text += "lump " + choice.lump + "\n";
+  return text + controller + "\n" + setting.push_point + "\n" + setting.state + "\n";
 }
 
 control::ControllerParameters walk_parameters(const WalkSetting& setting, const std::string& controller,

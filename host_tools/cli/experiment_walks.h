@@ -24,6 +24,11 @@ struct WalkSetting {
 /// UsageError or std::invalid_argument when the setting is mistaken.
 [[nodiscard]] experiments::WalkRunner walk_runner(const WalkSetting& setting);
 
+/// Everything that a controller's walks under the setting depend on besides the program: configuration in
+/// force, robot, plant, gaits.
+[[nodiscard]] std::string dependencies_text(const WalkSetting& setting, const std::string& controller,
+                                            double horizon_s);
+
 /// The parameters of one controller under the setting, checked.
 [[nodiscard]] control::ControllerParameters walk_parameters(const WalkSetting& setting,
                                                             const std::string& controller, double horizon_s);

@@ -56,8 +56,12 @@ std::string table_of(const Json& merged) {
 }  // namespace
 
 int run_frequency(const ExperimentOptions& options) {
-  const experiments::JobFolder folder(options.folder, settings_json(options, "frequency"));
+  constexpr double kAnyHorizon_s = 1.0;
   const ControllerChoice& choice = options.setting.choice;
+  const Json settings = settings_json(
+      options, "frequency",
+      {{choice.controller, dependencies_text(options.setting, choice.controller, kAnyHorizon_s)}});
+  const experiments::JobFolder folder(options.folder, settings);
   const int problems = options.quick ? 20 : options.problems;
   const PlanningProblems walk =
       record_walk(choice.robot, controller_parameters(choice), kSpeed_m_s, problems);
@@ -78,7 +82,7 @@ int run_frequency(const ExperimentOptions& options) {
                     {"threads", 1},
                     {"problems", problems}});
   }
-  const Json merged = {{"rows", std::move(rows)}};
+  const Json merged = {{"rows", std::move(rows)}, {"settings", settings}};
   folder.keep("frequency", merged);
   const std::string table = table_of(merged);
   std::ofstream(std::filesystem::path(options.folder) / "table.md") << table;

@@ -1,5 +1,6 @@
 #include "host_tools/cli/version.h"
 
+#include "firmware/version/commit.h"
 #include "host_tools/simulator/mpc_controller.h"
 #include "mpc_core/model/batch.h"
 
@@ -31,9 +32,9 @@ std::string instruction_set() {
 }
 
 std::string version_text() {
-  return "stilt " STILT_VERSION "\ncompiler          GCC " __VERSION__ "\ninstruction set   " +
-         instruction_set() + "\ncontroller object " + std::to_string(sizeof(simulator::MpcController)) +
-         " bytes";
+  return "stilt " STILT_VERSION "\ncommit            " + std::string(version::commit()) +
+         "\ncompiler          GCC " __VERSION__ "\ninstruction set   " + instruction_set() +
+         "\ncontroller object " + std::to_string(sizeof(simulator::MpcController)) + " bytes";
 }
 
 }  // namespace stilt::cli

@@ -27,6 +27,29 @@ void write(const std::filesystem::path& file, const Json& json) {
   if (!stream || error) throw std::runtime_error(file.string() + ": the file cannot be written");
 }
 
+constexpr const char* kParts = "configuration";
+
+std::string value_text(const Json& settings, const std::string& key) {
+  if (!settings.contains(key)) return "none";
+  return settings.at(key).is_string() ? settings.at(key).get<std::string>() : settings.at(key).dump();
+}
+
+/// What differs between kept and new settings, in words; empty when results of both may lie together.
+std::string difference(const Json& kept, const Json& settings) {
+  Json keys = settings;
+  keys.update(kept);
+  for (const auto& [key, value] : keys.items()) {
+    if (key == kParts || value_text(kept, key) == value_text(settings, key)) continue;
+    return "another " + key + " (" + value_text(kept, key) + " there, " + value_text(settings, key) +
+           " here)";
+  }
+  const Json parts = kept.value(kParts, Json::object());
+  for (const auto& [part, hash] : settings.value(kParts, Json::object()).items()) {
+    if (parts.contains(part) && parts.at(part) != hash) return "another configuration of " + part;
+  }
+  return "";
+}
+
 }  // namespace
 
 JobFolder::JobFolder(const std::filesystem::path& folder, const Json& settings) : folder_(folder) {
@@ -36,13 +59,19 @@ JobFolder::JobFolder(const std::filesystem::path& folder, const Json& settings) 
     throw std::invalid_argument("--out " + folder.string() +
                                 ": no folder that can be written; name one in an existing, writable folder");
   }
-  const std::filesystem::path kept = file("settings");
-  if (!std::filesystem::exists(kept)) {
-    write(kept, settings);
-  } else if (read(kept) != settings) {
-    throw std::invalid_argument("--out " + folder.string() +
-                                ": it holds results of other settings (settings.json); name another folder");
+  const std::filesystem::path kept_file = file("settings");
+  Json all = settings;
+  if (std::filesystem::exists(kept_file)) {
+    const Json kept = read(kept_file);
+    if (const std::string what = difference(kept, settings); !what.empty()) {
+      throw std::invalid_argument("--out " + folder.string() + ": its settings.json names " + what +
+                                  "; name another folder");
+    }
+    all = kept;
+    if (settings.contains(kParts)) all[kParts].update(settings.at(kParts));
+    if (all == kept) return;
   }
+  write(kept_file, all);
 }
 
 bool JobFolder::has(const std::string& id) const { return std::filesystem::exists(file(id)); }

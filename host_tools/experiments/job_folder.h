@@ -21,8 +21,10 @@ struct Job {
 class JobFolder {
  public:
   /// Creates the folder when there is none. `settings` describes everything the results depend on and is
-  /// kept in settings.json. Throws std::invalid_argument, one sentence, when the folder cannot be used or
-  /// holds results of other settings.
+  /// kept in settings.json. Its field `configuration` has a hash for each part of the experiment; parts that
+  /// the folder does not have yet are added, so that an experiment can be widened. Throws
+  /// std::invalid_argument, one sentence that names the difference, when the folder holds results of other
+  /// settings, and when it cannot be used.
   JobFolder(const std::filesystem::path& folder, const Json& settings);
 
   [[nodiscard]] bool has(const std::string& id) const;

@@ -2,6 +2,7 @@
 #include <sys/wait.h>
 
 #include <cstdio>
+#include <regex>
 #include <string>
 
 /// The program as a user runs it, where it needs no robot.
@@ -25,9 +26,11 @@ Answer stiltd(const std::string& arguments) {
 
 bool has(const Answer& run, const std::string& part) { return run.text.find(part) != std::string::npos; }
 
-TEST(Stiltd, SaysItsVersionAndTheSizeOfTheController) {
+TEST(Stiltd, SaysItsVersionCommitAndTheSizeOfTheController) {
   const Answer run = stiltd("--version");
   EXPECT_EQ(run.status, 0);
+  EXPECT_TRUE(std::regex_search(run.text, std::regex("\ncommit +([0-9a-f]{12,}(-dirty)?|unknown)\n")))
+      << run.text;
   EXPECT_TRUE(has(run, "controller object")) << run.text;
 }
 

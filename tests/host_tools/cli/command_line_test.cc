@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <regex>
 #include <string>
 
 #include "tests/host_tools/program_test.h"
@@ -80,6 +81,8 @@ TEST_F(CommandLine, HelpAndVersionGoToStandardOutput) {
   const Outcome version = run("--version");
   EXPECT_EQ(version.status, 0);
   EXPECT_NE(version.output.find("controller object"), std::string::npos);
+  EXPECT_TRUE(std::regex_search(version.output, std::regex("\ncommit +([0-9a-f]{12,}(-dirty)?|unknown)\n")))
+      << version.output;
 }
 
 TEST_F(CommandLine, ASimulationGivesEveryFigureOfItsContract) {

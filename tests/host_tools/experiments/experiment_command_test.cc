@@ -49,11 +49,40 @@ TEST_F(ExperimentCommand, DisturbanceGivesTheFieldsOfItsContractAndGoesOnWhereIt
   const Json first = json();
   ASSERT_EQ(first.at("rows").size(), 2u);
   for (const Json& row : first.at("rows")) {
-    for (const char* field : {"controller", "horizon_s", "push_all_phases_N", "push_half_phases_N", "paper_N",
-                              "step_length_range_m", "first_slip_N", "saturated_s"}) {
+    for (const char* field : {"name",
+                              "robot",
+                              "controller",
+                              "horizon_s",
+                              "gait",
+                              "speed_m_s",
+                              "push_at",
+                              "direction",
+                              "plan_rate_hz",
+                              "plan_delay_s",
+                              "state",
+                              "set",
+                              "plant",
+                              "push_all_phases_N",
+                              "push_half_phases_N",
+                              "paper_N",
+                              "unpushed_speed_m_s",
+                              "walks",
+                              "cases_walk",
+                              "cases",
+                              "step_length_range_m",
+                              "step_length_at_20N_m",
+                              "first_slip_N",
+                              "saturated_s",
+                              "recovery_steps"}) {
       EXPECT_TRUE(row.contains(field)) << field;
     }
+    EXPECT_EQ(row.at("walks"), true);
+    EXPECT_NEAR(row.at("unpushed_speed_m_s").get<double>(), 0.5, 0.05);
   }
+  const Json& tracked = first.at("rows")[1];
+  EXPECT_EQ(tracked.at("controller"), "hzd-pd");
+  EXPECT_LT(tracked.at("step_length_range_m").get<double>(), 0.05)
+      << "of the gait, not of the start, which takes steps of 0.05 to 0.3 m";
   EXPECT_GE(first.at("rows")[0].at("push_all_phases_N").get<double>(), 40.0);
   const auto one = std::filesystem::path(file("results")) / "mpc-heuristic_0.50s_phase0of2_seed1.json";
   ASSERT_TRUE(std::filesystem::exists(one));
@@ -78,6 +107,79 @@ TEST_F(ExperimentCommand, JobsRunOneByOneAndAreMerged) {
   EXPECT_EQ(json().at("rows").size(), 1u);
 }
 
+TEST_F(ExperimentCommand, RowsOfAFileArePushedAsTheyAskFor) {
+  std::ofstream(file("rows.toml")) << R"(
+[[row]]
+name = "stand"
+gait = "stand"
+phases = 1
+[[row]]
+name = "back"
+horizon_s = 0.5
+direction = "backward"
+push_at = "torso"
+plan_rate_hz = 200
+state = "truth"
+)";
+  const Outcome outcome = run("disturbance --quick --rows " + file("rows.toml") + " --out " +
+                              file("results") + " --json " + file("json"));
+  ASSERT_EQ(outcome.status, 0) << outcome.errors;
+  const Json result = json();
+  const Json &stand = result.at("rows")[0], &back = result.at("rows")[1];
+  EXPECT_EQ(stand.at("name"), "stand");
+  EXPECT_EQ(stand.at("gait"), "stand");
+  EXPECT_EQ(stand.at("walks"), true) << "it stands and takes no step";
+  EXPECT_EQ(stand.at("direction"), "forward");
+  EXPECT_EQ(back.at("direction"), "backward");
+  EXPECT_EQ(back.at("push_at"), "torso");
+  EXPECT_EQ(back.at("plan_rate_hz"), 200.0);
+  EXPECT_EQ(back.at("state"), "truth");
+  EXPECT_GE(back.at("push_all_phases_N").get<double>(), 0.0) << "limits are positive";
+  const auto job = Json::parse(text_of(std::filesystem::path(file("results")) / "back_phase0of2_seed1.json"));
+  EXPECT_GE(job.at("trials")[1].at("force_N").get<double>(), 0.0);
+}
+
+TEST_F(ExperimentCommand, AFolderKnowsWhatItsResultsWereMadeWith) {
+  const std::string common = "disturbance --quick --controller mpc-hzd --out " + file("results");
+  const std::string job = " --job mpc-hzd_0.50s_phase0of2_seed1";
+  ASSERT_EQ(run(common + job).status, 0) << text_of(file("err"));
+  const auto kept = std::filesystem::path(file("results")) / "settings.json";
+  const Json settings = Json::parse(text_of(kept));
+  const std::string version = ProgramTest::run("--version").output;
+  EXPECT_NE(version.find(settings.at("version").get<std::string>()), std::string::npos);
+  EXPECT_NE(version.find("commit            " + settings.at("commit").get<std::string>() + "\n"),
+            std::string::npos)
+      << version;
+  EXPECT_EQ(settings.at("configuration").at("mpc-hzd_0.50s").get<std::string>().size(), 16u);
+  EXPECT_EQ(run(common + job).status, 0) << "the same again";
+
+  // Another gait under the same options is another configuration.
+  const auto gaits = std::filesystem::path(file("gaits"));
+  std::filesystem::copy(SHIPPED_GAITS, gaits);
+  const std::string with_gaits =
+      "disturbance --quick --controller mpc-hzd --gaits " + gaits.string() + " --out " + file("others") + job;
+  ASSERT_EQ(run(with_gaits).status, 0) << text_of(file("err"));
+  std::ofstream(gaits / "amber3m_0.50.toml", std::ios::app) << "# a remark\n";
+  const Outcome refused = run(with_gaits);
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_NE(refused.errors.find("another configuration of mpc-hzd_0.50s"), std::string::npos)
+      << refused.errors;
+
+  for (const char* more :
+       {" --set sqp.iterations=5", " --plant friction=0.5", " --push-at torso", " --direction backward",
+        " --state truth", " --plan-rate 200", " --gait step", " --speed 0.4"}) {
+    EXPECT_EQ(run(common + job + more).status, 2) << more;
+  }
+
+  Json older = settings;
+  older["commit"] = "0123456789ab";
+  std::ofstream(kept) << older;
+  const Outcome other_commit = run(common + job);
+  EXPECT_EQ(other_commit.status, 2);
+  EXPECT_NE(other_commit.errors.find("another commit (0123456789ab there, "), std::string::npos)
+      << other_commit.errors;
+}
+
 TEST_F(ExperimentCommand, HorizonFindsTheShortestOneThatWalks) {
   const Outcome outcome = run("horizon --quick --controller mpc-heuristic --controller mpc-hzd --out " +
                               file("results") + " --json " + file("json"));
@@ -85,6 +187,11 @@ TEST_F(ExperimentCommand, HorizonFindsTheShortestOneThatWalks) {
   const Json result = json();
   EXPECT_EQ(result.at("rows")[0].at("shortest_horizon_s"), 0.5);
   EXPECT_EQ(result.at("rows")[1].at("shortest_horizon_s"), 0.2);
+  for (const Json& tried : result.at("rows")[1].at("tried")) {
+    EXPECT_EQ(tried.at("walks"), true);
+    EXPECT_NEAR(tried.at("mean_speed_m_s").get<double>(), 0.5, 0.05);
+  }
+  EXPECT_TRUE(result.at("settings").contains("commit"));
 }
 
 TEST_F(ExperimentCommand, FiguresAreAPageAndTheNumbersOnIt) {
@@ -109,9 +216,12 @@ TEST_F(ExperimentCommand, BadUsageIsOneSentenceAndStatusTwo) {
   mistakes.push_back(std::string("disturbance --merge --out ").append(file("file")));
   mistakes.push_back(std::string("horizon --horizon -1 --out ").append(file("new")));
   mistakes.push_back(std::string("figures --json /nowhere/x.json --out ").append(file("new")));
-  for (const char* more : {" --phases 0", " --controller nobody", " --controller nobody --horizon 0.5",
-                           " --horizon 9 --controller mpc-hzd", " --plant gravity=1", " --push-at head",
-                           " --job nobody", " --set cost.nothing=1"}) {
+  mistakes.push_back(out + " --controller mpc-hzd --rows " PUBLISHED_ROWS "/rabbit.toml");
+  for (const char* more :
+       {" --phases 0", " --controller nobody", " --controller nobody --horizon 0.5",
+        " --horizon 9 --controller mpc-hzd", " --plant gravity=1", " --push-at head", " --gait trot",
+        " --direction up", " --state guessed", " --speed 9", " --plan-rate 0", " --rows /nowhere/rows.toml",
+        " --job nobody", " --set cost.nothing=1"}) {
     mistakes.push_back(out + more);
   }
   for (const std::string& arguments : mistakes) {

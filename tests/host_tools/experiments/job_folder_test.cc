@@ -38,9 +38,41 @@ TEST_F(JobFolderTest, KnowsWhatIsMissingAndGivesResultsInOrderOfTheJobs) {
   EXPECT_EQ(again.results(jobs_), (std::vector<Json>{{{"value", 1}}, {{"value", 2}}}));
 }
 
-TEST_F(JobFolderTest, RefusesResultsOfOtherSettings) {
-  const JobFolder folder(folder_, {{"experiment", "x"}});
-  EXPECT_THROW(JobFolder(folder_, {{"experiment", "y"}}), std::invalid_argument);
+/// What a folder made with some settings says about others; empty when it accepts them.
+std::string refusal(const std::filesystem::path& folder, const Json& settings) {
+  try {
+    (void)JobFolder(folder, settings);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST_F(JobFolderTest, RefusesResultsOfOtherSettingsAndNamesTheDifference) {
+  const Json settings = {{"experiment", "x"}, {"commit", "abc"}, {"configuration", {{"row", "1"}}}};
+  const JobFolder folder(folder_, settings);
+  EXPECT_EQ(refusal(folder_, settings), "");
+  Json other = settings;
+  other["commit"] = "def";
+  EXPECT_NE(refusal(folder_, other).find("another commit (abc there, def here)"), std::string::npos);
+  other = settings;
+  other["configuration"]["row"] = "2";
+  EXPECT_NE(refusal(folder_, other).find("another configuration of row;"), std::string::npos);
+  other = settings;
+  other.erase("commit");
+  EXPECT_NE(refusal(folder_, other).find("another commit (abc there, none here)"), std::string::npos);
+  EXPECT_EQ(refusal(folder_, settings), "") << "a refused program leaves the folder as it is";
+}
+
+TEST_F(JobFolderTest, TakesFurtherPartsOfAnExperimentAndKeepsTheirConfiguration) {
+  const auto settings = [](const char* part, const char* hash) {
+    return Json{{"experiment", "x"}, {"configuration", {{part, hash}}}};
+  };
+  const JobFolder folder(folder_, settings("a", "1"));
+  EXPECT_EQ(refusal(folder_, settings("b", "2")), "");
+  EXPECT_EQ(refusal(folder_, settings("a", "1")), "");
+  EXPECT_NE(refusal(folder_, settings("a", "3")), "");
+  EXPECT_NE(refusal(folder_, settings("b", "3")), "");
 }
 
 TEST_F(JobFolderTest, RefusesAResultThatIsDamaged) {
