@@ -108,12 +108,9 @@ std::expected<std::unique_ptr<telemetry::Station>, std::string> open_station(
   mallopt(M_ARENA_MAX, 1);
   mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
   mallopt(M_MMAP_THRESHOLD, 32 * 1024 * 1024);  // the most that glibc takes
-  const telemetry::RunDescription run{STILT_VERSION,
-                                      "GCC " __VERSION__,
-                                      STILT_ISA,
-                                      options.lockstep,
-                                      options.lockstep ? "lock-step" : "",
-                                      ""};
+  const telemetry::RunDescription run{
+      STILT_VERSION, "GCC " __VERSION__, STILT_ISA, options.lockstep, options.lockstep ? "lock-step" : "", "",
+      options.source};
   auto station = telemetry::Station::open(options.configuration, run, controller_state.mail);
   if (!station) return std::unexpected(station.error() + "; or set telemetry.enabled to false");
   const configuration::TelemetryParameters& parameters = options.configuration.telemetry;

@@ -17,8 +17,8 @@
 /// For start-up and host programs: allocates, reads files; not for real time.
 namespace stilt::configuration {
 
-/// The parameters, or everything that is wrong, in the order of the file, overrides last. Contradictions
-/// between values are looked for once each value is right by itself.
+/// The parameters, or everything that is wrong, in the order of the file, then of the preset, overrides last.
+/// Contradictions between values are looked for once each value is right by itself.
 using Result = std::expected<Configuration, std::vector<Diagnostic>>;
 
 /// A change made after the file is read, under the same checks. The last one of a key counts.
@@ -37,15 +37,32 @@ struct ShippedConfiguration {
 /// The shipped configurations, by name.
 [[nodiscard]] std::span<const ShippedConfiguration> shipped_configurations();
 
-/// Reads a configuration from text; `file` names it in diagnostics.
+/// A named set of changes compiled into the program: a configuration file with only the keys that it changes.
+struct ShippedPreset {
+  std::string_view name;
+  std::string_view path;  ///< of the file it was made from, relative to the root of the project
+  std::string_view text;  ///< that file
+};
+
+/// The shipped presets, by name.
+[[nodiscard]] std::span<const ShippedPreset> shipped_presets();
+
+/// Their names, separated by commas.
+[[nodiscard]] std::string preset_names();
+
+/// Reads a configuration from text, then the preset, then the overrides; a later value of a key counts.
+/// @param file    names the text in diagnostics
+/// @param preset  name of a shipped preset; empty: none
 [[nodiscard]] Result parse(std::string_view toml, std::string_view file,
-                           std::span<const Override> overrides = {});
+                           std::span<const Override> overrides = {}, std::string_view preset = {});
 
-/// Reads a configuration file.
-[[nodiscard]] Result load_file(const std::string& path, std::span<const Override> overrides = {});
+/// Reads a configuration file, as parse() does.
+[[nodiscard]] Result load_file(const std::string& path, std::span<const Override> overrides = {},
+                               std::string_view preset = {});
 
-/// The shipped configuration of a robot.
-[[nodiscard]] Result load_robot(std::string_view robot, std::span<const Override> overrides = {});
+/// The shipped configuration of a robot, as parse() reads it.
+[[nodiscard]] Result load_robot(std::string_view robot, std::span<const Override> overrides = {},
+                                std::string_view preset = {});
 
 /// The parameters as a TOML file that parse() reads back bit for bit, with meaning, unit, range and default
 /// in a comment above each key. `heading`: text of the first lines, put into comments.

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <tuple>
 #include <utility>
 
 #include "firmware/configuration/configuration.h"
@@ -61,18 +62,21 @@ std::string unknown_section(std::string_view name) {
   return text;
 }
 
-/// Collects values and mistakes from a file and from overrides.
+/// Collects values and mistakes from a file, a preset and overrides.
 class Reader {
  public:
   explicit Reader(std::string_view file) : file_(file) {}
 
-  void read(std::string_view text);
+  /// `path` names the text in diagnostics.
+  void read(std::string_view text, std::string_view path);
+  void read_preset(std::string_view name);
   void apply(const Override& change);
   [[nodiscard]] Result finish();
 
  private:
   [[nodiscard]] Place place(const toml::source_region& source) const {
-    return {file_, static_cast<int>(source.begin.line), static_cast<int>(source.begin.column), {}};
+    const std::string& path = source.path != nullptr ? *source.path : file_;
+    return {path, static_cast<int>(source.begin.line), static_cast<int>(source.begin.column), {}};
   }
   void fail(Place place, std::string message) {
     place.message = std::move(message);
@@ -81,6 +85,11 @@ class Reader {
   void read_key(std::string_view section, const toml::key& key, const toml::node& node);
   void set(const Entry& entry, const Value& value, Place place);
   [[nodiscard]] Place place_of(const Contradiction& contradiction) const;
+  /// 0 for a place in the file, 1 in the preset, 2 in an override.
+  [[nodiscard]] int layer(const Place& place) const {
+    if (place.line == 0) return 2;
+    return place.file == file_ ? 0 : 1;
+  }
 
   std::string file_;
   Parameters parameters_;
@@ -88,10 +97,18 @@ class Reader {
   std::vector<Diagnostic> diagnostics_;
 };
 
-void Reader::read(std::string_view text) {
+void Reader::read_preset(std::string_view name) {
+  for (const ShippedPreset& preset : shipped_presets()) {
+    if (preset.name == name) return read(preset.text, preset.path);
+  }
+  fail({"--preset", 0, 0, {}},
+       "there is no preset \"" + std::string(name) + "\"; known presets are " + preset_names());
+}
+
+void Reader::read(std::string_view text, std::string_view path) {
   toml::table root;
   try {
-    root = toml::parse(text, file_);
+    root = toml::parse(text, path);
   } catch (const toml::parse_error& error) {
     fail(place(error.source()), "not valid TOML: " + std::string(error.description()));
     return;
@@ -184,24 +201,21 @@ void Reader::apply(const Override& change) {
   }
 }
 
-/// An override is the likeliest culprit, then the first of the keys that the file sets.
+/// An override is the likeliest culprit, then the preset, then the first of the keys that the file sets.
 Place Reader::place_of(const Contradiction& contradiction) const {
   const Place* best = nullptr;
   for (const std::string_view key : contradiction.keys) {
     const auto found = places_.find(key);
     if (found == places_.end()) continue;
-    const bool overridden = found->second.line == 0;
-    if (best == nullptr || (overridden && best->line > 0)) best = &found->second;
+    if (best == nullptr || layer(found->second) > layer(*best)) best = &found->second;
   }
   return best == nullptr ? Place{file_, 0, 0, {}} : *best;
 }
 
 Result Reader::finish() {
-  // Tables come by name; people read by line. Overrides have no line and stay behind the file, in order.
-  const auto in_file = std::ranges::stable_partition(
-      diagnostics_, [](const Diagnostic& diagnostic) { return diagnostic.line > 0; });
-  std::ranges::stable_sort(diagnostics_.begin(), in_file.begin(), {}, [](const Diagnostic& diagnostic) {
-    return std::pair(diagnostic.line, diagnostic.column);
+  // Tables come by name; people read by line. Overrides have no line and keep their order.
+  std::ranges::stable_sort(diagnostics_, {}, [this](const Diagnostic& diagnostic) {
+    return std::tuple(layer(diagnostic), diagnostic.line, diagnostic.column);
   });
   if (diagnostics_.empty()) {
     for (Contradiction& contradiction : contradictions(parameters_)) {
@@ -218,14 +232,24 @@ std::unexpected<std::vector<Diagnostic>> failure(std::string file, std::string m
 
 }  // namespace
 
-Result parse(std::string_view toml, std::string_view file, std::span<const Override> overrides) {
+std::string preset_names() {
+  std::string names;
+  for (const ShippedPreset& preset : shipped_presets()) {
+    names += (names.empty() ? "" : ", ") + std::string(preset.name);
+  }
+  return names;
+}
+
+Result parse(std::string_view toml, std::string_view file, std::span<const Override> overrides,
+             std::string_view preset) {
   Reader reader(file);
-  reader.read(toml);
+  reader.read(toml, file);
+  if (!preset.empty()) reader.read_preset(preset);
   for (const Override& change : overrides) reader.apply(change);
   return reader.finish();
 }
 
-Result load_file(const std::string& path, std::span<const Override> overrides) {
+Result load_file(const std::string& path, std::span<const Override> overrides, std::string_view preset) {
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored)) {
     return failure(path, "is a directory; a configuration file is needed");
@@ -235,16 +259,16 @@ Result load_file(const std::string& path, std::span<const Override> overrides) {
     return failure(path, std::string("cannot be read: ") + std::strerror(errno));
   }
   const std::string text{std::istreambuf_iterator<char>(stream), {}};
-  return parse(text, path, overrides);
+  return parse(text, path, overrides, preset);
 }
 
-Result load_robot(std::string_view robot, std::span<const Override> overrides) {
+Result load_robot(std::string_view robot, std::span<const Override> overrides, std::string_view preset) {
   std::string known;
   for (const ShippedConfiguration& shipped : shipped_configurations()) {
     if (shipped.robot == robot) {
       std::vector<Override> all = {{"hardware.robot=" + std::string(robot), "--robot"}};  // a variant's file
       all.insert(all.end(), overrides.begin(), overrides.end());
-      return parse(shipped.text, shipped.path, all);
+      return parse(shipped.text, shipped.path, all, preset);
     }
     known += (known.empty() ? "" : ", ") + std::string(shipped.robot);
   }

@@ -22,6 +22,7 @@ constexpr double kLongestRun_s = 86400.0;
 struct Words {
   std::string config_file;
   std::string robot = "amber3m";
+  std::string preset;
   std::vector<std::string> settings;
   std::vector<std::string> buses;
   std::string start;
@@ -33,6 +34,8 @@ void add_configuration_options(CLI::App& app, Words& words) {
   app.add_option("--config", words.config_file, "configuration (TOML)");
   app.add_option("--robot", words.robot, "robot whose shipped configuration is taken without --config")
       ->capture_default_str();
+  app.add_option("--preset", words.preset,
+                 "shipped changes to the configuration, before --set: " + configuration::preset_names());
   app.add_option("--set", words.settings,
                  "changes one key of the configuration: section.key=value; repeatable")
       ->allow_extra_args(false);
@@ -52,8 +55,8 @@ std::vector<configuration::Override> overrides_of(const Words& words) {
 }
 
 configuration::Result load(const Words& words, const std::vector<configuration::Override>& overrides) {
-  return words.config_file.empty() ? configuration::load_robot(words.robot, overrides)
-                                   : configuration::load_file(words.config_file, overrides);
+  return words.config_file.empty() ? configuration::load_robot(words.robot, overrides, words.preset)
+                                   : configuration::load_file(words.config_file, overrides, words.preset);
 }
 
 /// What plans around gaits of the library need, before what the command line sets.
@@ -80,6 +83,7 @@ std::expected<void, std::string> read_configuration(const Words& words, Options&
   options.configuration = *result;
   const bool shipped = words.config_file.empty();
   options.source = shipped ? "the shipped configuration of " + words.robot : words.config_file;
+  if (!words.preset.empty()) options.source += ", preset " + words.preset;
   return {};
 }
 

@@ -22,7 +22,7 @@ enum class Task {
 struct Options {
   Task task = Task::control;
   configuration::Configuration configuration;
-  std::string source;                      ///< the file, or the shipped one, that it was read from
+  std::string source;                      ///< the file, or the shipped one, that it was read from; preset
   std::optional<gait::GaitCommand> start;  ///< go there without an operator
   double duration_s = 0.0;                 ///< then sit down and end; 0: until told to
   bool lockstep = false;

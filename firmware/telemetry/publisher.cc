@@ -111,7 +111,8 @@ void Publisher::configuration(const configuration::Configuration& configuration,
                               const Tuner& tuner, const WallTime& time) {
   RunDescription texts = run;
   std::string robot = configuration.hardware.robot;
-  std::string toml = configuration::to_toml(configuration, "Configuration in force.");
+  std::string toml =
+      configuration::to_toml(configuration, "Configuration in force, from " + run.configuration_source + ".");
   std::vector<std::array<std::string, 3>> words;
   for (const auto& tunable : tuner.tunables()) {
     words.push_back(

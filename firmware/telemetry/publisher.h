@@ -22,6 +22,7 @@ struct RunDescription {
   bool lockstep = false;
   std::string not_realtime;  ///< why; empty: real time
   std::string token_file;
+  std::string configuration_source;  ///< the configuration file and the preset, for people
 };
 
 /// Losses on the way from the real-time threads.

@@ -81,6 +81,11 @@ void check_controller(const std::string& name) {
   throw UsageError("--controller " + name + ": no such controller; known are " + listed(controller_names()));
 }
 
+void add_preset_option(CLI::App& command, std::string& preset) {
+  command.add_option("--preset", preset,
+                     "shipped changes to the configuration, before --set: " + configuration::preset_names());
+}
+
 void add_controller_options(CLI::App& command, ControllerChoice& choice) {
   command.add_option("--robot", choice.robot, "robot: amber3m, amber3m_2020, rabbit")->capture_default_str();
   command
@@ -97,6 +102,7 @@ void add_controller_options(CLI::App& command, ControllerChoice& choice) {
   command.add_option("--gaits", choice.gait_folder, "folder of gait files instead of the shipped ones");
   command.add_option("--config", choice.config_file,
                      "controller configuration (TOML) instead of the shipped one");
+  add_preset_option(command, choice.preset);
   command
       .add_option("--set", choice.settings,
                   "changes one key of the configuration: section.key=value; repeatable")
@@ -112,16 +118,17 @@ const model::RobotModel& robot_model(const std::string& name) {
 }
 
 configuration::Configuration load_configuration(const std::string& robot, const std::string& file,
+                                                const std::string& preset,
                                                 const std::vector<Override>& overrides) {
-  const configuration::Result result =
-      file.empty() ? configuration::load_robot(robot, overrides) : configuration::load_file(file, overrides);
+  const configuration::Result result = file.empty() ? configuration::load_robot(robot, overrides, preset)
+                                                    : configuration::load_file(file, overrides, preset);
   if (!result) throw UsageError(one_line(result.error()));
   return *result;
 }
 
 configuration::Configuration controller_configuration(const ControllerChoice& choice) {
   check_controller(choice.controller);
-  return load_configuration(choice.robot, choice.config_file, overrides_of(choice));
+  return load_configuration(choice.robot, choice.config_file, choice.preset, overrides_of(choice));
 }
 
 control::ControllerParameters controller_parameters(const ControllerChoice& choice) {

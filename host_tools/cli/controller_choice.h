@@ -19,6 +19,7 @@ struct ControllerChoice {
   std::string robot = "amber3m";
   std::string controller = "mpc-heuristic";
   std::string config_file;            ///< empty: the one shipped for the robot
+  std::string preset;                 ///< of --preset; empty: none
   std::vector<std::string> settings;  ///< of --set
   std::optional<double> horizon_s;
   std::optional<int> iterations;
@@ -36,17 +37,22 @@ struct ControllerChoice {
 /// Refuses a name that is none of a controller.
 void check_controller(const std::string& name);
 
+/// Adds --preset to a command.
+void add_preset_option(CLI::App& command, std::string& preset);
+
 /// Adds the options that `stilt sim` and `stilt bench` share to a command.
 void add_controller_options(CLI::App& command, ControllerChoice& choice);
 
 /// The generated model of that name.
 [[nodiscard]] const model::RobotModel& robot_model(const std::string& name);
 
-/// The configuration of a file, or the shipped one of the robot when its name is empty, all checked.
+/// The configuration of a file, or the shipped one of the robot when its name is empty, changed by the
+/// preset, then by the overrides, all checked.
 [[nodiscard]] configuration::Configuration load_configuration(
-    const std::string& robot, const std::string& file, const std::vector<configuration::Override>& overrides);
+    const std::string& robot, const std::string& file, const std::string& preset,
+    const std::vector<configuration::Override>& overrides);
 
-/// The configuration after file, --set and the options of their own, all checked.
+/// The configuration after file, --preset, --set and the options of their own, all checked.
 [[nodiscard]] configuration::Configuration controller_configuration(const ControllerChoice& choice);
 
 /// Its part that matters to planner and torque loop.

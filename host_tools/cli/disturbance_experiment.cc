@@ -86,7 +86,8 @@ std::vector<RowChoice> rows_of(const ExperimentOptions& options) {
 Json setting_json(const WalkSetting& setting, const control::TimingParameters& timing) {
   Json json = {{"push_at", setting.push_point},       {"plan_rate_hz", timing.plan_rate_hz},
                {"plan_delay_s", timing.plan_delay_s}, {"state", setting.state},
-               {"set", setting.choice.settings},      {"plant", setting.plant_settings}};
+               {"preset", setting.choice.preset},     {"set", setting.choice.settings},
+               {"plant", setting.plant_settings}};
   if (!setting.choice.gait_folder.empty()) json["gaits"] = setting.choice.gait_folder;
   if (setting.choice.controller == "mpc-lumped") json["lump"] = setting.choice.lump;
   return json;
@@ -133,10 +134,11 @@ void cut_to_quick(DisturbancePlan& plan) {
 }  // namespace
 
 void add_disturbance_options(CLI::App& command, ExperimentOptions& options) {
-  command.add_option("--rows", options.rows_file,
-                     "TOML file of tables [[row]]: name and any of robot, controller, horizon_s, set, plant, "
-                     "gaits, lump, push_at, direction, gait, speed_m_s, plan_rate_hz, plan_delay_s, state, "
-                     "phases, seeds, coarse_N; other options are what rows leave out");
+  command.add_option(
+      "--rows", options.rows_file,
+      "TOML file of tables [[row]]: name and any of robot, controller, horizon_s, preset, set, plant, "
+      "gaits, lump, push_at, direction, gait, speed_m_s, plan_rate_hz, plan_delay_s, state, "
+      "phases, seeds, coarse_N; other options are what rows leave out");
   command.add_option("--phases", options.phases, "of the step, at which the push begins")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();

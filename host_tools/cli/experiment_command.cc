@@ -29,6 +29,7 @@ void add_common_options(CLI::App& command, ExperimentOptions& options) {
       ->capture_default_str();
   command.add_option("--config", options.setting.choice.config_file,
                      "controller configuration (TOML) instead of the shipped one");
+  add_preset_option(command, options.setting.choice.preset);
   command
       .add_option("--set", options.setting.choice.settings,
                   "changes one key of the configuration: section.key=value; repeatable")

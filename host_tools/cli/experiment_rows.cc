@@ -92,6 +92,7 @@ const Key kKeys[] = {
     {"controller",
      [](const Value& v, RowChoice& row) { row.setting.choice.controller = v.one_of(controller_names()); }},
     {"horizon_s", [](const Value& v, RowChoice& row) { row.setting.choice.horizon_s = v.number(0.0, kAny); }},
+    {"preset", [](const Value& v, RowChoice& row) { row.setting.choice.preset = v.text(); }},
     {"set", [](const Value& v, RowChoice& row) { v.append_to(row.setting.choice.settings); }},
     {"plant", [](const Value& v, RowChoice& row) { v.append_to(row.setting.plant_settings); }},
     {"gaits", [](const Value& v, RowChoice& row) { row.setting.choice.gait_folder = v.text(); }},
@@ -155,6 +156,9 @@ void check_values(const std::string& place, const RowChoice& row) {
   at(place, "gaits", [&] { (void)gait_library(choice); });
   at(place, "controller", [&] { (void)planning_model(choice); });
   choice.horizon_s = choice.plan_rate_hz = choice.plan_delay_s = std::nullopt;
+  choice.settings.clear();
+  at(place, "preset", parameters);
+  choice.settings = wished.settings;
   at(place, "set", parameters);
   choice.horizon_s = wished.horizon_s;
   at(place, "horizon_s", parameters);

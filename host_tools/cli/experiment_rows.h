@@ -23,9 +23,9 @@ struct RowChoice {
 inline constexpr double kLargestRowSpeed_m_s = 5.0;
 
 /// The rows of a TOML file: an array of tables [[row]] with `name` and any of robot, controller, horizon_s,
-/// set, plant, gaits, lump, push_at, direction, gait, speed_m_s, plan_rate_hz, plan_delay_s, state, phases,
-/// seeds, coarse_N. A key that a row leaves out is that of `defaults`; what its lists set and plant hold is
-/// added. Everything checked. Throws UsageError, one sentence that names file, row and key.
+/// preset, set, plant, gaits, lump, push_at, direction, gait, speed_m_s, plan_rate_hz, plan_delay_s, state,
+/// phases, seeds, coarse_N. A key that a row leaves out is that of `defaults`; what its lists set and plant
+/// hold is added. Everything checked. Throws UsageError, one sentence that names file, row and key.
 [[nodiscard]] std::vector<RowChoice> read_rows(const std::string& file, const RowChoice& defaults);
 
 }  // namespace stilt::cli

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "host_tools/cli/controller_choice.h"
 #include "host_tools/cli/json_output.h"
 #include "host_tools/cli/network_options.h"
 #include "host_tools/cli/progress.h"
@@ -139,6 +140,7 @@ CLI::App* add_robot_command(CLI::App& program, RobotOptions& options) {
   robot->add_option("--robot", options.robot, "robot: amber3m, amber3m_2020, rabbit")->capture_default_str();
   robot->add_option("--config", options.config_file,
                     "configuration (TOML) that names drivers and wiring, instead of the shipped one");
+  add_preset_option(*robot, options.preset);
   robot->add_option("--set", options.settings, "changes one key of it: section.key=value; repeatable")
       ->allow_extra_args(false);
   robot

@@ -13,6 +13,7 @@ namespace stilt::cli {
 struct RobotOptions {
   std::string robot = "amber3m";
   std::string config_file;            ///< empty: the one shipped for the robot
+  std::string preset;                 ///< of --preset; empty: none
   std::vector<std::string> settings;  ///< of --set
   std::vector<std::string> buses;     ///< of --bus; empty: those of the configuration
   bool lockstep = false;

@@ -20,7 +20,7 @@ configuration::Configuration configuration_of(const RobotOptions& options) {
   std::string buses;
   for (const std::string& bus : options.buses) buses += (buses.empty() ? "" : ",") + bus;
   if (!buses.empty()) overrides.push_back({"hardware.buses=" + buses, "--bus"});
-  return load_configuration(options.robot, options.config_file, overrides);
+  return load_configuration(options.robot, options.config_file, options.preset, overrides);
 }
 
 bool needs_fd(const hal::RobotWiring& wiring) {

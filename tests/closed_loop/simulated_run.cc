@@ -36,7 +36,7 @@ control::ControllerParameters parameters_of(const RunRequest& request) {
   std::vector<configuration::Override> overrides;
   overrides.push_back({"discretisation.horizon_s=" + std::to_string(request.horizon_s)});
   for (const std::string& assignment : request.settings) overrides.push_back({assignment});
-  const configuration::Result result = configuration::load_robot(request.robot, overrides);
+  const configuration::Result result = configuration::load_robot(request.robot, overrides, request.preset);
   if (!result) throw std::runtime_error(configuration::to_string(result.error().front()));
   return *result;
 }

@@ -17,6 +17,7 @@ namespace stilt::testing_support {
 /// What a run changes of the shipped configuration and of the nominal world.
 struct RunRequest {
   std::string robot = "amber3m";
+  std::string preset = {};  ///< shipped changes of the controller's configuration; empty: none
   double horizon_s = 1.0;
   std::vector<std::string> settings = {};  ///< "section.key=value" of the controller's configuration
   std::vector<std::string> plant = {};     ///< "key=value" of the simulated robot

@@ -21,6 +21,7 @@ constexpr double kDuration_s = 30.0;
 struct Variant {
   const char* name;
   const char* robot = "amber3m";
+  const char* preset = "";
   std::vector<std::string> settings = {};
   std::vector<std::string> plant = {};
   std::uint64_t seed = 1;
@@ -38,6 +39,7 @@ std::vector<Variant> variants() {
       {.name = "Rabbit", .robot = "rabbit"},
       {.name = "TorsoOf2020", .robot = "amber3m_2020"},
       {.name = "TorqueSpeedLine", .settings = {"robot.no_load_speed_rad_s=10"}},
+      {.name = "PaperPreset", .preset = "paper"},
       {.name = "WithoutArmature", .settings = {"robot.armature_scale=0"}, .plant = {"armature=0"}},
       {.name = "RungeKutta4", .settings = {"discretisation.integrator=rk4"}},
       {.name = "IdentityAtTouchDown", .settings = {"discretisation.transition=identity"}},
@@ -65,6 +67,7 @@ TEST_P(Variants, Walks) {
   const auto& [variant, horizon_s] = GetParam();
   RunRequest request = testing_support::walking(kSpeed_m_s, horizon_s, kDuration_s);
   request.robot = variant.robot;
+  request.preset = variant.preset;
   request.settings = variant.settings;
   request.plant = variant.plant;
   request.seed = variant.seed;

@@ -79,7 +79,11 @@ TEST_F(Recording, a_minute_of_walking_is_recorded_whole_and_replays_bit_for_bit)
   EXPECT_GT(session.at("plans").get<int>(), 5900);
 
   const Json found = independent_readers::run_reader("read_mcap.cjs", {file, "index"});
-  EXPECT_EQ(found.at("attachments").size(), 2u) << "configuration and robot";
+  ASSERT_EQ(found.at("attachments").size(), 2u) << "configuration and robot";
+  EXPECT_TRUE(std::ranges::any_of(found.at("attachments"), [](const Json& attachment) {
+    const std::string text = attachment.at("text");
+    return text.starts_with("# Configuration in force, from the shipped configuration of amber3m.\n");
+  })) << found.at("attachments");
   std::vector<std::string> topics;
   for (const Json& message : found.at("messages")) {
     for (const Json& channel : found.at("channels")) {

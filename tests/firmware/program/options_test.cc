@@ -62,6 +62,25 @@ TEST(Options, MistakesOfTheConfigurationAreAllTold) {
             std::string::npos);
 }
 
+TEST(Options, APresetChangesTheConfigurationBeforeTheGaitsAndWhatTheUserSets) {
+  const auto paper = read({"--preset", "paper", "--set", "cost.terminal=3"});
+  ASSERT_TRUE(paper) << paper.error();
+  EXPECT_EQ(paper->configuration.discretisation.transition, ocp::Transition::identity);
+  EXPECT_EQ(paper->configuration.gait.single_support_s, 0.4);
+  EXPECT_EQ(paper->configuration.cost.terminal, 3.0);
+  EXPECT_EQ(paper->source, "the shipped configuration of amber3m, preset paper");
+  const auto around_gaits = read({"--preset", "paper", "--set", "controller.reference=hzd"});
+  ASSERT_TRUE(around_gaits) << around_gaits.error();
+  EXPECT_EQ(around_gaits->configuration.discretisation.transition, ocp::Transition::identity);
+  EXPECT_EQ(around_gaits->configuration.gait.single_support_s, 0.3) << "the step time of the shipped gaits";
+  EXPECT_EQ(around_gaits->configuration.cost.terminal, 10.0);
+}
+
+TEST(Options, AnUnknownPresetIsRefusedWithTheKnownOnes) {
+  EXPECT_EQ(mistake({"--preset", "nonsense"}),
+            "--preset: there is no preset \"nonsense\"; known presets are paper");
+}
+
 TEST(Options, NumbersOutOfRangeAreRefused) {
   EXPECT_NE(mistake({"--duration", "-1"}), "");
   EXPECT_NE(mistake({"--duration", "nan"}), "");

@@ -48,6 +48,9 @@ TEST_F(CommandLine, BadUsageIsOneSentenceAndStatusTwo) {
                                 "sim --set cost.nothing=1",
                                 "sim --set cost.base_x",
                                 "sim --config /nowhere/amber3m.toml",
+                                "sim --preset nonsense",
+                                "bench --preset nonsense",
+                                "robot --preset nonsense --bus loopback:none",
                                 "sim --plant nothing=1",
                                 "sim --plant friction=99",
                                 "sim --json /nowhere/run.json",
@@ -123,6 +126,18 @@ TEST_F(CommandLine, ARunLeavesReportAndLog) {
   const std::string log = text_of(file("run.jsonl"));
   EXPECT_EQ(std::count(log.begin(), log.end(), '\n'), 100);
   EXPECT_EQ(Json::parse(log.substr(0, log.find('\n')))["true_state"].size(), 14u);
+}
+
+TEST_F(CommandLine, APresetChangesTheRunAndWhatTheUserSetsChangesThePreset) {
+  const std::string walk = "sim --duration 3 --json - ";
+  const auto steps = [&](const std::string& options) {
+    const Outcome outcome = run(walk + options);
+    EXPECT_EQ(outcome.status, 0) << outcome.errors;
+    return Json::parse(outcome.output).at("steps");
+  };
+  const Json paper = steps("--preset paper");
+  EXPECT_EQ(paper, steps("--set discretisation.transition=identity --set gait.single_support_s=0.4"));
+  EXPECT_LT(paper.size(), steps("--preset paper --set gait.single_support_s=0.3").size());
 }
 
 TEST_F(CommandLine, ANegativeSpeedAndABackwardPushAreUnderstood) {

@@ -38,6 +38,7 @@ name = "first_1.0"
 robot = "amber3m"
 controller = "mpc-hzd"
 horizon_s = 0.5
+preset = "paper"
 set = ["cost.terminal=2", "sqp.iterations=7"]
 plant = ["friction=0.3"]
 gaits = ")" + gaits + R"("
@@ -60,6 +61,7 @@ coarse_N = 5
   EXPECT_EQ(choice.robot, "amber3m");
   EXPECT_EQ(choice.controller, "mpc-hzd");
   EXPECT_EQ(choice.horizon_s, 0.5);
+  EXPECT_EQ(choice.preset, "paper");
   EXPECT_EQ(choice.settings, (std::vector<std::string>{"cost.terminal=2", "sqp.iterations=7"}));
   EXPECT_EQ(row.setting.plant_settings, std::vector<std::string>{"friction=0.3"});
   EXPECT_EQ(choice.gait_folder, gaits);
@@ -117,6 +119,7 @@ TEST_F(ExperimentRows, AMistakeIsOneSentenceThatNamesFileRowAndKey) {
                                {"horizon_s = 9.0", "horizon_s", "2"},
                                {"horizon_s = \"long\"", "horizon_s", "number"},
                                {"horizon_s = nan", "horizon_s", "number"},
+                               {"preset = \"nonsense\"", "preset", "paper"},
                                {"set = [\"cost.nothing=1\"]", "set", "cost.nothing"},
                                {"set = \"cost.terminal=1\"", "set", "list"},
                                {"set = [1]", "set", "list"},

@@ -105,6 +105,8 @@ TEST_F(ExperimentCommand, JobsRunOneByOneAndAreMerged) {
   EXPECT_EQ(run(common + "--job mpc-hzd_0.50s_phase1of2_seed1").status, 0);
   EXPECT_EQ(run(common + "--merge --json " + file("json")).status, 0);
   EXPECT_EQ(json().at("rows").size(), 1u);
+  EXPECT_EQ(json().at("settings").at("preset"), "");
+  EXPECT_EQ(run(common + "--preset paper --merge").status, 2) << "results of another setting";
 }
 
 TEST_F(ExperimentCommand, RowsOfAFileArePushedAsTheyAskFor) {
@@ -221,7 +223,7 @@ TEST_F(ExperimentCommand, BadUsageIsOneSentenceAndStatusTwo) {
        {" --phases 0", " --controller nobody", " --controller nobody --horizon 0.5",
         " --horizon 9 --controller mpc-hzd", " --plant gravity=1", " --push-at head", " --gait trot",
         " --direction up", " --state guessed", " --speed 9", " --plan-rate 0", " --rows /nowhere/rows.toml",
-        " --job nobody", " --set cost.nothing=1"}) {
+        " --job nobody", " --set cost.nothing=1", " --preset nonsense"}) {
     mistakes.push_back(out + more);
   }
   for (const std::string& arguments : mistakes) {
