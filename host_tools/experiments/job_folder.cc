@@ -44,7 +44,8 @@ std::string difference(const Json& kept, const Json& settings) {
            " here)";
   }
   const Json parts = kept.value(kParts, Json::object());
-  for (const auto& [part, hash] : settings.value(kParts, Json::object()).items()) {
+  const Json new_parts = settings.value(kParts, Json::object());
+  for (const auto& [part, hash] : new_parts.items()) {
     if (parts.contains(part) && parts.at(part) != hash) return "another configuration of " + part;
   }
   return "";
