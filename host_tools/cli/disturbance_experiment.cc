@@ -164,6 +164,12 @@ void add_disturbance_options(CLI::App& command, ExperimentOptions& options) {
       ->capture_default_str();
 }
 
+experiments::DisturbancePlan plan_of_rows(const std::string& rows_file) {
+  DisturbancePlan plan;
+  for (const RowChoice& choice : read_rows(rows_file, defaults_of({}))) plan.rows.push_back(push_row(choice));
+  return plan;
+}
+
 int run_disturbance(ExperimentOptions options, const std::vector<std::string>& words) {
   constexpr double kHorizonOfQuick_s = 0.5;
   (void)walk_runner(options.setting);  // mistakes are named before anything runs

@@ -5,11 +5,16 @@
 #include <vector>
 
 #include "host_tools/cli/experiment_command.h"
+#include "host_tools/experiments/disturbance.h"
 
 namespace stilt::cli {
 
 /// Adds the options that `experiment disturbance` has besides those of all experiments.
 void add_disturbance_options(CLI::App& command, ExperimentOptions& options);
+
+/// The rows of a file as `experiment disturbance --rows FILE` pushes them. Throws UsageError or
+/// std::invalid_argument, one sentence.
+[[nodiscard]] experiments::DisturbancePlan plan_of_rows(const std::string& rows_file);
 
 /// The largest pushes survived: runs the jobs and writes table and figures. Returns the exit status. Throws
 /// UsageError or std::invalid_argument, one sentence, for bad input.

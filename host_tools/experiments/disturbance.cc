@@ -29,7 +29,8 @@ Json to_json(const PushTrial& trial) {
 /// Walks one case under forces of either direction.
 class Case {
  public:
-  Case(const DisturbancePlan& plan, const PushRow& row, int phase, int seed) : row_(row) {
+  Case(const DisturbancePlan& plan, const PushRow& row, int phase, int seed)
+      : row_(row), unpushed_speed_m_s_(commanded_speed_m_s(row.command)) {
     walk_.controller = row.controller;
     walk_.horizon_s = row.horizon_s;
     walk_.command = row.command;
@@ -63,7 +64,7 @@ class Case {
  private:
   const PushRow& row_;
   WalkCase walk_;
-  double unpushed_speed_m_s_ = 0.0;
+  double unpushed_speed_m_s_;
 };
 
 Json run_job(const DisturbancePlan& plan, const PushRow& row, int phase, int seed) {
@@ -96,6 +97,10 @@ double push_start_s(const DisturbancePlan& plan, const PushRow& row, int phase) 
   const double steps = std::ceil((plan.settled_s - kFirstLiftOff_s) / row.step_s - 1e-9);
   const double share = phase % 2 + static_cast<double>(phase) / row.phases;
   return kFirstLiftOff_s + row.step_s * (steps + share);
+}
+
+PushTrial push_case(const DisturbancePlan& plan, const PushRow& row, int phase, int seed, double force_N) {
+  return Case(plan, row, phase, seed).push(force_N);
 }
 
 std::vector<Job> disturbance_jobs(const DisturbancePlan& plan) {

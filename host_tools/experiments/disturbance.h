@@ -45,6 +45,10 @@ struct PublishedRow {
 /// Time at which the push of a phase begins.
 [[nodiscard]] double push_start_s(const DisturbancePlan& plan, const PushRow& row, int phase);
 
+/// One push of a case. Its recovery in steps is compared with the commanded speed.
+[[nodiscard]] PushTrial push_case(const DisturbancePlan& plan, const PushRow& row, int phase, int seed,
+                                  double force_N);
+
 /// One job a row, phase and seed: {name, phase, seed, limit_N, trials}.
 [[nodiscard]] std::vector<Job> disturbance_jobs(const DisturbancePlan& plan);
 
@@ -54,6 +58,7 @@ struct PublishedRow {
 /// push_all_phases_N     smallest of the limits over phases and seeds; null when that case falls unpushed
 /// push_half_phases_N    largest force that half of the cases reach; null likewise
 /// limits_N              all limits, ascending
+/// worst_cases           [{phase, seed, limit_N}]: the two cases with the smallest limits
 /// paper_N               published limit, null where there is none
 /// unpushed_speed_m_s    mean over the cases that stay on their feet without a push
 /// walks                 all cases walk at the command without a push (see walks.h)

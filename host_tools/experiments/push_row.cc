@@ -62,6 +62,23 @@ std::vector<Json> survived(const Json& one, std::optional<double> force_N = std:
 }
 
 /// The limits of all cases, ascending; nothing, for those that fall unpushed, comes first.
+/// Phase and seed of the two cases with the smallest limits.
+Json worst_cases(std::span<const Json> cases) {
+  std::vector<const Json*> ascending;
+  for (const Json& one : cases) ascending.push_back(&one);
+  const auto limit_N = [](const Json* one) {
+    return one->at("limit_N").is_null() ? -1.0 : one->at("limit_N").get<double>();
+  };
+  std::ranges::stable_sort(ascending, {}, limit_N);
+  ascending.resize(std::min<std::size_t>(2, ascending.size()));
+  Json worst = Json::array();
+  for (const Json* one : ascending) {
+    worst.push_back(
+        {{"phase", one->at("phase")}, {"seed", one->at("seed")}, {"limit_N", one->at("limit_N")}});
+  }
+  return worst;
+}
+
 std::vector<std::optional<double>> limits_of(std::span<const Json> cases) {
   std::vector<std::optional<double>> limits;
   for (const Json& one : cases) limits.push_back(optional<double>(one.at("limit_N")));
@@ -187,6 +204,7 @@ Json merged_row(const PushRow& row, std::span<const Json> cases) {
   json["push_all_phases_N"] = or_null(limits_N.front());
   json["push_half_phases_N"] = or_null(limits_N[limits_N.size() / 2]);
   json["limits_N"] = std::move(all_N);
+  json["worst_cases"] = worst_cases(cases);
   json["paper_N"] = or_null(paper_N(row));
   json["unpushed_speed_m_s"] = or_null(mean_unpushed_speed_m_s(cases));
   json["walks"] = static_cast<std::size_t>(cases_walk) == cases.size();
