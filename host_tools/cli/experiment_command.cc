@@ -4,13 +4,13 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <map>
 #include <utility>
 
 #include "host_tools/cli/disturbance_experiment.h"
 #include "host_tools/cli/experiment_jobs.h"
 #include "host_tools/cli/frequency_experiment.h"
 #include "host_tools/cli/json_output.h"
+#include "host_tools/cli/limits_experiment.h"
 #include "host_tools/cli/usage_error.h"
 #include "host_tools/experiments/figures.h"
 #include "host_tools/experiments/shortest_horizon.h"
@@ -55,24 +55,6 @@ void add_job_options(CLI::App& command, ExperimentOptions& options, const char* 
   command.add_option("--horizon", options.horizons_s, "only this horizon, s; repeatable")
       ->allow_extra_args(false);
   command.add_option("--seeds", options.seeds, seeds_text)->check(CLI::Range(1, 1000));
-}
-
-experiments::WalkRunner runner_for_each(const WalkSetting& setting) {
-  (void)walk_runner(setting);  // mistakes are told before anything runs
-  return [setting](const experiments::WalkCase& walk) {
-    return walk_runner(setting_for(setting, walk.controller))(walk);
-  };
-}
-
-/// What each controller's walks depend on, the horizon aside.
-std::map<std::string, std::string> parts_of(const WalkSetting& setting,
-                                            const std::vector<std::string>& controllers) {
-  constexpr double kAnyHorizon_s = 1.0;
-  std::map<std::string, std::string> parts;
-  for (const std::string& controller : controllers) {
-    parts[controller] = dependencies_text(setting_for(setting, controller), controller, kAnyHorizon_s);
-  }
-  return parts;
 }
 
 int run_horizons(const ExperimentOptions& options, const std::vector<std::string>& words) {
@@ -138,6 +120,12 @@ CLI::App* add_experiment_command(CLI::App& program, ExperimentOptions& options) 
       "horizon", "shortest horizon that walks 60 s at 0.5 m/s, for every predictive controller");
   add_common_options(*horizon, options);
   add_job_options(*horizon, options, "of the sensor noise, default 1; a horizon walks when all of them walk");
+  CLI::App* limits = experiment->add_subcommand(
+      "limits",
+      "ground, speed, friction, mass and delays that are survived unannounced, and random commands");
+  add_common_options(*limits, options);
+  add_job_options(*limits, options, "of the sensor noise, default 3");
+  add_limit_options(*limits, options);
   CLI::App* figures = experiment->add_subcommand(
       "figures",
       "a push over time, postures, joint angles and how they repeat, terminal states: figures.html");
@@ -150,6 +138,7 @@ int run_experiment(const CLI::App& experiment, ExperimentOptions options,
   check_output_file("--json", options.json_file);
   if (experiment.got_subcommand("frequency")) return run_frequency(options);
   if (experiment.got_subcommand("horizon")) return run_horizons(options, words);
+  if (experiment.got_subcommand("limits")) return run_limits(options, words);
   if (experiment.got_subcommand("figures")) return run_figures(options);
   return run_disturbance(std::move(options), words);
 }

@@ -30,11 +30,13 @@ struct ExperimentOptions {
   std::string direction = "forward";
   int phases = 8;
   double coarse_N = 10.0;
+  // The blind limits.
+  std::vector<std::string> quantities;  ///< of --quantity; empty: all, and random commands
   // The frequency.
   int problems = 500;
 };
 
-/// Adds `experiment` with frequency, disturbance, horizon and figures; options end up in `options`.
+/// Adds `experiment` with frequency, disturbance, horizon, limits and figures; options end up in `options`.
 CLI::App* add_experiment_command(CLI::App& program, ExperimentOptions& options);
 
 /// Runs the command that was given. `words` is the command line, for the processes that jobs run in. Returns

@@ -25,14 +25,30 @@ ControllerChoice choice_of(const WalkSetting& setting, const std::string& contro
   return choice;
 }
 
+ControllerChoice choice_of(const WalkSetting& setting, const WalkCase& walk) {
+  ControllerChoice choice = choice_of(setting, walk.controller, walk.horizon_s);
+  choice.settings.insert(choice.settings.end(), walk.settings.begin(), walk.settings.end());
+  return choice;
+}
+
 /// The noise of the sensors, as options of the plant.
 constexpr const char* kSensorNoise[] = {"encoder_noise_rad=0.0005", "encoder_velocity_noise_rad_s=0.02",
                                         "base_angle_noise_rad=0.001", "base_rate_noise_rad_s=0.01"};
 
-simulator::PlantOptions noisy_world() {
+simulator::PlantOptions world_of(const WalkSetting& setting, const WalkCase& walk) {
   simulator::PlantOptions world;
-  for (const char* assignment : kSensorNoise) set_plant_option(world, assignment);
+  if (walk.sensor_noise) {
+    for (const char* assignment : kSensorNoise) set_plant_option(world, assignment);
+  }
+  for (const std::string& assignment : setting.plant_settings) set_plant_option(world, assignment);
+  for (const std::string& assignment : walk.plant) set_plant_option(world, assignment);
   return world;
+}
+
+std::vector<simulator::TimedCommand> commands_of(const WalkCase& walk) {
+  std::vector<simulator::TimedCommand> commands = {{0.0, walk.command}};
+  commands.insert(commands.end(), walk.later_commands.begin(), walk.later_commands.end());
+  return commands;
 }
 
 /// The gaits that a controller follows: name and text of each file, in order.
@@ -65,11 +81,10 @@ std::vector<simulator::Push> pushes_of(const WalkSetting& setting, const WalkCas
 }
 
 log::RunRecord run(const WalkSetting& setting, const WalkCase& walk) {
-  const ControllerChoice choice = choice_of(setting, walk.controller, walk.horizon_s);
+  const ControllerChoice choice = choice_of(setting, walk);
   const model::RobotModel& robot = robot_model(choice.robot);
   const control::ControllerParameters parameters = controller_parameters(choice);
-  simulator::PlantOptions world = walk.sensor_noise ? noisy_world() : simulator::PlantOptions();
-  for (const std::string& assignment : setting.plant_settings) set_plant_option(world, assignment);
+  simulator::PlantOptions world = world_of(setting, walk);
   world.time_step_s =
       simulator::time_step_for_tick(world.time_step_s, 1.0 / parameters.timing.torque_rate_hz);
   simulator::Plant plant(simulator::make_plant_model(simulator::simulated_robot(choice.robot), world,
@@ -78,7 +93,7 @@ log::RunRecord run(const WalkSetting& setting, const WalkCase& walk) {
   simulator::RunSettings settings;
   settings.duration_s = walk.duration_s;
   settings.leg = {robot.constants.thigh_length_m, robot.constants.shin_length_m};
-  settings.commands = {{0.0, walk.command}};
+  settings.commands = commands_of(walk);
   settings.pushes = pushes_of(setting, walk);
   settings.use_true_state = simulator::parse_knows_truth(setting.state);
   settings.measure_from_s = walk.measure_from_s;
@@ -113,6 +128,16 @@ std::string dependencies_text(const WalkSetting& setting, const std::string& con
   return text + controller + "\n" + setting.push_point + "\n" + setting.state + "\n";
 }
 
+std::map<std::string, std::string> parts_of(const WalkSetting& setting,
+                                            const std::vector<std::string>& controllers) {
+  constexpr double kAnyHorizon_s = 1.0;
+  std::map<std::string, std::string> parts;
+  for (const std::string& controller : controllers) {
+    parts[controller] = dependencies_text(setting_for(setting, controller), controller, kAnyHorizon_s);
+  }
+  return parts;
+}
+
 control::ControllerParameters walk_parameters(const WalkSetting& setting, const std::string& controller,
                                               double horizon_s) {
   return controller_parameters(choice_of(setting, controller, horizon_s));
@@ -124,6 +149,11 @@ experiments::WalkRunner walk_runner(const WalkSetting& setting) {
   simulator::PlantOptions checked;
   for (const std::string& assignment : setting.plant_settings) set_plant_option(checked, assignment);
   return [setting](const WalkCase& walk) { return run(setting, walk); };
+}
+
+experiments::WalkRunner runner_for_each(const WalkSetting& setting) {
+  (void)walk_runner(setting);  // mistakes are named before anything runs
+  return [setting](const WalkCase& walk) { return run(setting_for(setting, walk.controller), walk); };
 }
 
 }  // namespace stilt::cli

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -24,10 +25,17 @@ struct WalkSetting {
 /// UsageError or std::invalid_argument when the setting is mistaken.
 [[nodiscard]] experiments::WalkRunner walk_runner(const WalkSetting& setting);
 
+/// The same for walks of any controller.
+[[nodiscard]] experiments::WalkRunner runner_for_each(const WalkSetting& setting);
+
 /// Everything that a controller's walks under the setting depend on besides the program: configuration in
 /// force, robot, plant, gaits.
 [[nodiscard]] std::string dependencies_text(const WalkSetting& setting, const std::string& controller,
                                             double horizon_s);
+
+/// The same of each of these controllers, by name, the horizon aside.
+[[nodiscard]] std::map<std::string, std::string> parts_of(const WalkSetting& setting,
+                                                          const std::vector<std::string>& controllers);
 
 /// The parameters of one controller under the setting, checked.
 [[nodiscard]] control::ControllerParameters walk_parameters(const WalkSetting& setting,

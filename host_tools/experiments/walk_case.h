@@ -3,8 +3,10 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "host_tools/log/run_record.h"
+#include "host_tools/simulator/scenario.h"
 #include "mpc_core/gait/command.h"
 
 /// The published experiments on the simulated robot. What walks it is handed in, so that nothing here knows
@@ -16,12 +18,15 @@ struct WalkCase {
   std::string controller = "mpc-heuristic";
   double horizon_s = 1.0;
   gait::GaitCommand command{gait::GaitKind::walk, 0.5};
+  std::vector<simulator::TimedCommand> later_commands;  ///< in order of time
   double duration_s = 10.0;
   double push_N = 0.0;  ///< positive forward; 0: none
   double push_start_s = 0.0;
   double push_duration_s = 1.0;
-  double measure_from_s = 0.0;  ///< slip and time at the torque limit count from here
-  std::uint64_t seed = 1;       ///< of the sensor noise
+  double measure_from_s = 0.0;        ///< slip and time at the torque limit count from here
+  std::vector<std::string> settings;  ///< "section.key=value" of the configuration, after the user's
+  std::vector<std::string> plant;     ///< "KEY=VALUE" of the simulated robot or its world, after the user's
+  std::uint64_t seed = 1;             ///< of the sensor noise
   bool sensor_noise = true;
   bool keep_samples = false;  ///< otherwise the summary alone
 };
