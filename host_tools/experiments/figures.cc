@@ -1,11 +1,13 @@
 #include "host_tools/experiments/figures.h"
 
 #include <cmath>
-#include <cstdio>
 #include <functional>
 
 #include "host_tools/experiments/periodicity.h"
 #include "host_tools/experiments/postures.h"
+#include "host_tools/experiments/recovery_tiles.h"
+#include "host_tools/experiments/steps.h"
+#include "host_tools/experiments/table_text.h"
 
 namespace stilt::experiments {
 namespace {
@@ -18,7 +20,15 @@ using Value = std::function<double(const RunSample&)>;
 
 constexpr double kSettled_s = 4.0;
 constexpr double kPushStart_s = 4.2;
+constexpr double kPushDuration_s = 1.0;
 constexpr double kPush_N = 20.0;
+constexpr double kLargePush_N = 85.0;  // about 80 % of the largest that is survived at every phase
+constexpr const char* kRecoveries =
+    "<h2>Recoveries: steps that do not repeat themselves</h2><p>Postures at the touch-downs, from the last "
+    "one "
+    "before the push to the one from which the walk is as fast as before it. Above: time from the start of "
+    "the "
+    "push; below: length of the step; red while the push acts.</p>";
 constexpr const char* kJointNames[model::kJoints] = {"hip L", "knee L", "hip R", "knee R"};
 constexpr const char* kColours[model::kJoints] = {"var(--a)", "var(--b)", "var(--c)", "var(--d)"};
 
@@ -114,10 +124,17 @@ std::string plan_ends(const RunRecord& record, const std::string& title) {
   return plot::card(plot::svg(figure), true);
 }
 
-std::string number(double value) {
-  char text[32];
-  (void)std::snprintf(text, sizeof text, "%.4f", value);
-  return text;
+struct Recovery {
+  std::string card;
+  Json numbers;
+};
+
+Recovery recovery(const RunRecord& record, double force_N, double unpushed_m_s) {
+  const double end_s = kPushStart_s + kPushDuration_s;
+  const PushedWalk push{force_N, kPushStart_s, end_s,
+                        recovery_steps(record.summary.steps, end_s, unpushed_m_s)};
+  const std::string title = text("Touch-downs around a push of %.0f N for 1 s", force_N);
+  return {plot::card(plot::svg(recovery_tiles(record, push, title)), true), recovery_json(record, push)};
 }
 
 }  // namespace
@@ -136,12 +153,20 @@ Figures make_figures(const WalkRunner& run, double duration_s) {
   walk.duration_s = duration_s;
   walk.push_N = kPush_N;
   walk.push_start_s = kPushStart_s;
+  walk.push_duration_s = kPushDuration_s;
   const RunRecord pushed = run(walk);
+  walk.push_N = kLargePush_N;
+  const RunRecord pushed_hard = run(walk);
+  walk.push_N = 0.0;
+  const double unpushed_m_s = run(walk).summary.mean_speed_m_s;
+  const Recovery small = recovery(pushed, kPush_N, unpushed_m_s);
+  const Recovery large = recovery(pushed_hard, kLargePush_N, unpushed_m_s);
   std::string body =
       "<h1>Walking at 0.5 m/s, as published</h1><p>Simulated robot, sensors alone, 100 plans a "
       "second.</p><h2>A push of 20 N for 1 s (mpc-heuristic, horizon 1.0 s)</h2>"
       "<div class='grid-of-plots'>" +
-      push_plots(pushed) + "</div>";
+      push_plots(pushed) + "</div>" + kRecoveries + "<div class='grid-of-plots'>" + small.card + large.card +
+      "</div>";
   Figures figures;
   figures.numbers["push"] = {{"force_N", kPush_N},
                              {"survived", pushed.summary.survived},
@@ -149,8 +174,8 @@ Figures make_figures(const WalkRunner& run, double duration_s) {
                              {"saturated_s", pushed.summary.saturated_s},
                              {"step_length_min_m", pushed.summary.step_length_min_m},
                              {"step_length_max_m", pushed.summary.step_length_max_m}};
+  figures.numbers["recovery"] = Json::array({small.numbers, large.numbers});
   figures.numbers["periodicity"] = Json::array();
-  walk.push_N = 0.0;
   for (const Compared& compared : kCompared) {
     walk.controller = compared.controller;
     walk.horizon_s = compared.horizon_s;
@@ -167,11 +192,11 @@ Figures make_figures(const WalkRunner& run, double duration_s) {
                                               {"joint_angle_std_max_rad", variation.largest_rad},
                                               {"noisy_joint_angle_std_rms_rad", noisy.rms_rad}});
     body += std::string("<h2>") + compared.title + "</h2><p>Joint angles vary from step to step by " +
-            number(variation.rms_rad) +
+            text("%.4f", variation.rms_rad) +
             " rad (standard deviation, root mean square over joints and the step; " + "largest " +
-            number(variation.largest_rad) + " rad; " + std::to_string(variation.steps) +
-            " steps; with sensor noise " + number(noisy.rms_rad) + " rad).</p><div class='grid-of-plots'>" +
-            tiles(record, "Two steps, posture by posture") +
+            text("%.4f", variation.largest_rad) + " rad; " + std::to_string(variation.steps) +
+            " steps; with sensor noise " + text("%.4f", noisy.rms_rad) +
+            " rad).</p><div class='grid-of-plots'>" + tiles(record, "Two steps, posture by posture") +
             joints(record, {kSettled_s, kSettled_s + 3.0}, "Joint angles", "rad", joint_angle) +
             plan_ends(record, "Where plans end: the state under the terminal cost, a plan every 0.05 s") +
             "</div>";

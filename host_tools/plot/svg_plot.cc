@@ -42,13 +42,13 @@ struct Axis {
 Axis axis_of(const Plot& plot, bool vertical, double from_px, double to_px) {
   double low = std::numeric_limits<double>::infinity();
   double high = -low;
-  for (const Curve& curve : plot.curves) {
-    for (const double value : vertical ? curve.y : curve.x) {
-      if (!std::isfinite(value)) continue;
-      low = std::min(low, value);
-      high = std::max(high, value);
-    }
-  }
+  const auto hold = [&](double value) {
+    if (!std::isfinite(value)) return;
+    low = std::min(low, value);
+    high = std::max(high, value);
+  };
+  for (const Curve& curve : plot.curves) std::ranges::for_each(vertical ? curve.y : curve.x, hold);
+  for (const Label& label : plot.labels) hold(vertical ? label.y : label.x);
   if (!(low <= high)) low = 0.0, high = 1.0;
   const double room = high > low ? 0.04 * (high - low) : 0.5;
   return {low - room, high + room, from_px, to_px};
@@ -84,6 +84,8 @@ std::string text(double x, double y, const char* anchor, const std::string& word
   return "<text x='" + number(x) + "' y='" + number(y) + "' text-anchor='" + anchor + "' " + more + ">" +
          escaped(words) + "</text>";
 }
+
+std::string fill(const std::string& colour) { return "style='fill:" + colour + "'"; }
 
 std::string path(const Curve& curve, const Axis& x, const Axis& y) {
   std::string d;
@@ -162,10 +164,13 @@ std::string svg(const Plot& plot) {
   double legend_px = x.to_px;
   for (auto curve = plot.curves.rbegin(); curve != plot.curves.rend(); ++curve) {
     if (curve->name.empty()) continue;
-    result += text(legend_px, 34.0, "end", curve->name, ("style='fill:" + curve->colour + "'").c_str());
+    result += text(legend_px, 34.0, "end", curve->name, fill(curve->colour).c_str());
     legend_px -= 8.0 + 6.6 * static_cast<double>(curve->name.size());
   }
   for (const Curve& curve : plot.curves) result += path(curve, x, y);
+  for (const Label& label : plot.labels) {
+    result += text(x.px(label.x), y.px(label.y), "middle", label.words, fill(label.colour).c_str());
+  }
   return result + "</svg>\n";
 }
 

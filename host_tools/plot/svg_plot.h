@@ -13,12 +13,20 @@ struct Curve {
   bool dashed = false;
 };
 
+/// Words in a plot, centred at a point of it.
+struct Label {
+  double x = 0.0, y = 0.0;
+  std::string words;
+  std::string colour;  ///< as that of a curve
+};
+
 /// A plot with frame, ticks, title and legend.
 struct Plot {
   std::string title, x_label, y_label;
   std::vector<Curve> curves;
   bool same_scale = false;  ///< one unit is as long in both directions
   double width_px = 460.0, height_px = 280.0;
+  std::vector<Label> labels = {};
 };
 
 /// The plot as an SVG element. Values that are not finite break the line.

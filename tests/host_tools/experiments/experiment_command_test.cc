@@ -204,6 +204,13 @@ TEST_F(ExperimentCommand, FiguresAreAPageAndTheNumbersOnIt) {
   EXPECT_EQ(page.find("nan"), std::string::npos);
   const Json numbers = json();
   EXPECT_EQ(numbers.at("push").at("survived"), true);
+  ASSERT_EQ(numbers.at("recovery").size(), 2u);
+  for (const Json& push : numbers.at("recovery")) {
+    EXPECT_EQ(push.at("survived"), true) << push;
+    ASSERT_FALSE(push.at("recovery_steps").is_null()) << push;
+    const std::string length = text("%.2f m", push.at("steps").back().at("length_m").get<double>());
+    EXPECT_NE(page.find(">" + length + "<"), std::string::npos) << length;
+  }
   ASSERT_EQ(numbers.at("periodicity").size(), 3u);
   for (const Json& walk : numbers.at("periodicity")) {
     EXPECT_GE(walk.at("steps").get<int>(), 10);
