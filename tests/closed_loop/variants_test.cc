@@ -34,6 +34,9 @@ struct Variant {
 const std::vector<std::string> kSensorNoise = {"encoder_noise_rad=0.001", "encoder_velocity_noise_rad_s=0.05",
                                                "base_angle_noise_rad=0.001", "base_rate_noise_rad_s=0.05"};
 
+const std::vector<std::string> kEncodersOf14Bits = {"encoder_resolution_rad=0.000383495",
+                                                    "encoder_velocity_resolution_rad_s=0.01"};
+
 std::vector<Variant> variants() {
   return {
       {.name = "Rabbit", .robot = "rabbit"},
@@ -58,6 +61,14 @@ std::vector<Variant> variants() {
       {.name = "AStepUp", .plant = {"step_height_m=0.01"}},
       {.name = "AStepDown", .plant = {"step_height_m=-0.01"}},
       {.name = "TorqueTwoMillisecondsLate", .plant = {"delay_s=0.002"}},
+      {.name = "MotorsThatEndAt5RadPerSecond", .plant = {"no_load_speed_rad_s=5"}},
+      {.name = "DrivesWithALagOf5Milliseconds", .plant = {"drive_time_constant_s=0.005"}},
+      {.name = "EncodersOf14Bits", .plant = kEncodersOf14Bits},
+      {.name = "JointFrictionOf2Nm", .plant = {"joint_friction_Nm=2"}},
+      {.name = "StifferContact", .plant = {"contact_time_constant_s=0.001"}},
+      {.name = "SofterContact", .plant = {"contact_time_constant_s=0.016"}},
+      {.name = "PhysicsStepOf100Microseconds", .plant = {"time_step_s=0.0001"}},
+      {.name = "JointStops", .plant = {"joint_stops=1"}},
   };
 }
 
