@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <string>
 #include <vector>
 
 #include "hal/mock/moteus_emulator.h"
@@ -17,27 +16,12 @@ using mock::FrameFault;
 using stilt::hal::testing::RandomValues;
 
 using stilt::hal::testing::Kind;
+using stilt::hal::testing::kind_name;
 using stilt::hal::testing::kTick_ns;
 using stilt::hal::testing::Robot;
-
-JointCommands some_commands() {
-  JointCommands commands;
-  commands.fill({.position_rad = 0.4, .kp_Nm_rad = 100, .kd_Nms_rad = 2, .torque_limit_Nm = 50});
-  return commands;
-}
+using stilt::hal::testing::some_commands;
 
 class EveryProtocol : public ::testing::TestWithParam<Kind> {};
-std::string kind_name(const ::testing::TestParamInfo<Kind>& parameter) {
-  switch (parameter.param) {
-    case Kind::mit:
-      return "Mit";
-    case Kind::moteus:
-      return "Moteus";
-    case Kind::odrive:
-      return "Odrive";
-  }
-  return "Unknown";
-}
 INSTANTIATE_TEST_SUITE_P(CanRobot, EveryProtocol, ::testing::Values(Kind::mit, Kind::moteus, Kind::odrive),
                          kind_name);
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <memory>
 #include <span>
+#include <string>
 
 #include "hal/bring_up/mit_bring_up.h"
 #include "hal/bring_up/moteus_bring_up.h"
@@ -21,6 +22,24 @@ inline constexpr std::int64_t kTick_ns = 1'000'000;
 
 enum class Kind { mit, moteus, odrive };
 
+inline std::string kind_name(const ::testing::TestParamInfo<Kind>& parameter) {
+  switch (parameter.param) {
+    case Kind::mit:
+      return "Mit";
+    case Kind::moteus:
+      return "Moteus";
+    case Kind::odrive:
+      return "Odrive";
+  }
+  return "Unknown";
+}
+
+inline JointCommands some_commands() {
+  JointCommands commands;
+  commands.fill({.position_rad = 0.4, .kp_Nm_rad = 100, .kd_Nms_rad = 2, .torque_limit_Nm = 50});
+  return commands;
+}
+
 /// Two buses, one a leg, with four emulated drivers of one kind and a base sensor on the first bus.
 class Robot {
  public:
@@ -29,7 +48,7 @@ class Robot {
       JointWiring& wiring = wiring_.joints[joint];
       wiring.bus = static_cast<std::uint8_t>(joint / 2);
       wiring.direction = joint % 2 == 0 ? 1 : -1;
-      wiring.ratio = kind == Kind::odrive ? 8 : 1;
+      wiring.ratio = kind == Kind::odrive ? 8 : 2;
       wiring.offset_rad = 0.25;
       const auto number = static_cast<std::uint8_t>(1 + joint % 2);
       if (kind == Kind::mit) {

@@ -160,13 +160,23 @@ TEST(MitMode, RepliesOfEveryLayoutComeBack) {
   }
 }
 
-TEST(MitMode, TheRangeOfARepliedTorqueMayDifferFromTheCommands) {
+TEST(MitMode, TheRangesOfAReplyMayDifferFromTheCommands) {
   MitDriver driver;
-  driver.reply_torque_Nm = {-40, 40};
+  driver.reply_position_rad = {-3, 5};
+  driver.reply_velocity_rad_s = {-20, 30};
+  driver.reply_torque_Nm = {-40, 50};
   MitReply reply;
-  ASSERT_EQ(decode_reply(driver, with_payload(classic_frame(0, 6), "01 8000 800 fff"), reply),
+  ASSERT_EQ(decode_reply(driver, with_payload(classic_frame(0, 6), "01 ffff fff fff"), reply),
             DecodeStatus::ok);
-  EXPECT_DOUBLE_EQ(reply.torque_Nm, 40);
+  EXPECT_DOUBLE_EQ(reply.position_rad, 5);
+  EXPECT_DOUBLE_EQ(reply.velocity_rad_s, 30);
+  EXPECT_DOUBLE_EQ(reply.torque_Nm, 50);
+  reply.position_rad = 5;
+  reply.velocity_rad_s = 30;
+  reply.torque_Nm = 50;
+  CanFrame frame;
+  ASSERT_EQ(encode_reply(driver, reply, frame), EncodeStatus::ok);
+  EXPECT_EQ(hex(frame), "01ffffffffff");
 }
 
 TEST(MitMode, MiniCheetahsTellTheirSupplyWhenTheyHaveASeventhByte) {

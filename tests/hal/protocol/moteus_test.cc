@@ -214,8 +214,27 @@ TEST(Moteus, ValuesBeyondTheResolutionSaturateAndNeverTurnIntoUnset) {
   EXPECT_EQ(encode_command({.kp_Nm_rev = 1}, {.kp_Nm_rad = 1}, frame), EncodeStatus::saturated)
       << "a gain above the driver's own";
   EXPECT_EQ(encode_command({}, {.kp_Nm_rad = -1}, frame), EncodeStatus::saturated);
-  EXPECT_EQ(encode_command({}, {.watchdog_s = 0}, frame), EncodeStatus::saturated)
-      << "zero would mean the driver's default";
+}
+
+TEST(Moteus, AWatchdogBelowOneMillisecondIsWrittenAsOne) {
+  // Zero would mean the driver's default; the register's unit is 1 ms.
+  const auto written_s = [](const CanFrame& frame) {
+    Registers registers;
+    CanFrame answer;
+    bool answered = false;
+    EXPECT_EQ(serve_frame({}, frame, &registers, Registers::read, Registers::write, answer, answered),
+              DecodeStatus::ok);
+    return registers.value.at(0x027);
+  };
+  CanFrame frame;
+  for (const double watchdog_s : {0.0, -1.0, 0.0004}) {
+    EXPECT_EQ(encode_command({}, {.watchdog_s = watchdog_s}, frame), EncodeStatus::saturated);
+    EXPECT_DOUBLE_EQ(written_s(frame), 0.001);
+    EXPECT_EQ(encode_watchdog({}, watchdog_s, frame), EncodeStatus::saturated);
+    EXPECT_DOUBLE_EQ(written_s(frame), 0.001);
+  }
+  EXPECT_EQ(encode_watchdog({}, 0.02, frame), EncodeStatus::ok);
+  EXPECT_DOUBLE_EQ(written_s(frame), 0.02);
 }
 
 TEST(Moteus, WhatIsNotFiniteIsNotSent) {

@@ -144,6 +144,28 @@ TEST_F(FrameSocketTest, EnobufsIsAFullQueue) {
   EXPECT_TRUE(sender.connected());
 }
 
+int too_long(int, mmsghdr*, unsigned, int) {
+  errno = EMSGSIZE;
+  return -1;
+}
+int no_device(int, mmsghdr*, unsigned, int) {
+  errno = ENODEV;
+  return -1;
+}
+
+TEST_F(FrameSocketTest, AFrameTheInterfaceCannotCarryIsNamedAndAVanishedInterfaceIsADisconnection) {
+  const CanFrame frame = classic_frame(1, 8);
+  FrameSocket classic(ends_[0], Echo::none, {.send_many = too_long});
+  EXPECT_EQ(classic.send(std::span(&frame, 1)).status, BusStatus::malformed);
+  EXPECT_EQ(classic.counters().malformed, 1u);
+  EXPECT_EQ(classic.counters().dropped_full, 0u);
+  EXPECT_TRUE(classic.connected());
+  FrameSocket unplugged(ends_[0], Echo::none, {.send_many = no_device});
+  EXPECT_EQ(unplugged.send(std::span(&frame, 1)).status, BusStatus::disconnected);
+  EXPECT_FALSE(unplugged.connected());
+  EXPECT_EQ(unplugged.counters().disconnections, 1u);
+}
+
 TEST_F(FrameSocketTest, TooLongABatchIsCutAndCounted) {
   FrameSocket sender(ends_[0]);
   const std::vector<CanFrame> frames(kMaximumBatch + 3, classic_frame(1, 8));
@@ -267,6 +289,47 @@ TEST_F(FrameSocketTest, BusOffIsAFaultThatAnAutomaticRestartDoesNotUndo) {
   EXPECT_EQ(socket.counters().error_frames, 3u);
   socket.clear_bus_off();
   EXPECT_EQ(socket.health(), BusHealth::active);
+}
+
+TEST_F(FrameSocketTest, ABusThatWentOffNeverEchoesAndTheNextCommandsGoOut) {
+  FrameSocket socket(ends_[0], Echo::kernel);
+  FrameSocket peer(ends_[1]);
+  const CanFrame command = classic_frame(1, 8);
+  ASSERT_EQ(socket.send(std::span(&command, 1)).sent, 1u);
+  ASSERT_EQ(socket.send(std::span(&command, 1)).status, BusStatus::unconfirmed);
+  const CanFrame off = error_frame(CAN_ERR_BUSOFF);
+  ASSERT_EQ(peer.send(std::span(&off, 1)).sent, 1u);
+  static_cast<void>(receive_all(socket));
+  EXPECT_EQ(socket.unconfirmed(), 0u);
+  socket.clear_bus_off();
+  EXPECT_EQ(socket.send(std::span(&command, 1)).status, BusStatus::ok);
+}
+
+TEST_F(FrameSocketTest, AnotherDescriptorStartsWithNothingUnconfirmedAndKeepsTheCounters) {
+  FrameSocket socket(ends_[0], Echo::kernel);
+  const CanFrame command = classic_frame(1, 8);
+  ASSERT_EQ(socket.send(std::span(&command, 1)).sent, 1u);
+  close_end(1);
+  static_cast<void>(receive_all(socket));
+  ASSERT_FALSE(socket.connected());
+  ASSERT_EQ(socket.counters().disconnections, 1u);
+  close_end(0);
+  ASSERT_EQ(::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK, 0, ends_), 0);
+  socket.reset(ends_[0]);
+  EXPECT_TRUE(socket.connected());
+  EXPECT_EQ(socket.unconfirmed(), 0u);
+  EXPECT_EQ(socket.send(std::span(&command, 1)).status, BusStatus::ok);
+  EXPECT_EQ(socket.counters().sent, 2u);
+  EXPECT_EQ(socket.counters().disconnections, 1u);
+}
+
+TEST_F(FrameSocketTest, SoManyUnconfirmedCommandsAsTheTableHoldsAndNoMore) {
+  FrameSocket socket(ends_[0], Echo::kernel);
+  std::vector<CanFrame> commands;
+  for (std::uint32_t id = 0; id < Confirmations::kCapacity; ++id) commands.push_back(classic_frame(id, 1));
+  EXPECT_EQ(socket.send(commands).sent, Confirmations::kCapacity);
+  const CanFrame one_more = classic_frame(0x100, 1);
+  EXPECT_EQ(socket.send(std::span(&one_more, 1)).status, BusStatus::unconfirmed);
 }
 
 TEST_F(FrameSocketTest, WarningAndPassiveFollowTheController) {

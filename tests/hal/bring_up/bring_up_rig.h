@@ -1,0 +1,52 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <span>
+
+#include "hal/bring_up/mit_bring_up.h"
+#include "hal/bring_up/moteus_bring_up.h"
+#include "hal/bring_up/odrive_bring_up.h"
+#include "hal/mock/mit_emulator.h"
+#include "hal/mock/mock_bus.h"
+#include "hal/mock/moteus_emulator.h"
+#include "hal/mock/odrive_emulator.h"
+
+namespace stilt::hal::bring_up {
+
+inline constexpr std::int64_t kTick_ns = 1'000'000;
+inline constexpr OdriveEndpoints kEndpoints{0x191, 0x192};
+
+/// Ticks until the bring-up has ended one way or the other; a bound instead of a hang.
+inline StepResult run(BringUp& bring_up, mock::MockBus& bus, mock::MockClock& clock, int ticks = 2000) {
+  StepResult result;
+  for (int tick = 0; tick < ticks; ++tick) {
+    clock.advance(kTick_ns);
+    std::array<CanFrame, kMaximumBatch> received;
+    const std::size_t count = bus.receive(received).received;
+    result = bring_up.step(clock.now_ns(), std::span(received).first(count));
+    if (result.send) {
+      EXPECT_EQ(bus.send(std::span(&result.frame, 1)).sent, 1u);
+    }
+    if (result.stage == Stage::ready || result.stage == Stage::failed) break;
+  }
+  return result;
+}
+
+inline protocol::MitDriver damiao() {
+  protocol::MitDriver driver;
+  driver.command_id = 1;
+  driver.reply_id = 0x11;
+  driver.layout = protocol::ReplyLayout::damiao;
+  return driver;
+}
+
+class BringUpTest : public ::testing::Test {
+ protected:
+  mock::MockClock clock_;
+  mock::MockBus bus_{clock_};
+  Options options_;
+};
+
+}  // namespace stilt::hal::bring_up
