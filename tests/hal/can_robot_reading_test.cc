@@ -206,6 +206,8 @@ TEST(CanRobot, EveryChannelOfTheBaseSensorHasItsOwnPlace) {
 
 TEST(CanRobot, AnEmergencyStopCountsUpToItsTimeoutAndNotAfter) {
   Robot robot(Kind::mit);
+  EXPECT_EQ(robot.robot_->read_emergency_stop(kTick_ns), EmergencyStopState::unknown)
+      << "a clock that has just started, as in lockstep";
   CanFrame frame = classic_frame(0x50, 4);
   frame.data[2] = 1;
   robot.buses_[0].script(frame, robot.clock_.now_ns());

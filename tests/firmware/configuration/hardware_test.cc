@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -94,11 +95,42 @@ TEST(Hardware, NodesWhoseFramesCollideAreRefused) {
                 .find("identifier 0x50 against identifiers 0x40 to 0x5f"),
             std::string::npos)
       << "ODrive 2";
-  EXPECT_NE(mistakes("[hip_L]\nreply_id = 2\n"), "") << "the answer is another's command";
+  EXPECT_EQ(mistakes("[hip_L]\nreply_id = 2\n"),
+            "robot.toml: knee_L and hip_L are on bus 0 and their frames collide: identifier 0x2 against "
+            "identifier 0x2; give one of them another identifier or another bus")
+      << "the answer is another's command";
   EXPECT_EQ(mistakes("[hip_L]\nreply_id = 3\n"), "") << "on another bus";
   EXPECT_EQ(mistakes("[hip_L]\nreply_id = 0x12\n"), "") << "Damiao: a byte tells who answers";
-  EXPECT_NE(mistakes("[base_sensor]\npitch = \"id 0x7ff byte 0 bits 32\"\n"), "") << "Damiao registers";
-  EXPECT_NE(mistakes(with_drivers("odrive", "", "[hip_L]\nid = 63\n")), "") << "every ODrive hears it";
+  EXPECT_NE(mistakes("[base_sensor]\npitch = \"id 0x7ff byte 0 bits 32\"\n")
+                .find("base_sensor.pitch and hip_L are on bus 0 and their frames collide: identifier 0x7ff"),
+            std::string::npos)
+      << "Damiao registers";
+}
+
+TEST(Hardware, IdentifiersEndWhereTheProtocolEnds) {
+  // Node 63 of ODrives means all of them; a moteus has no identifier 0.
+  for (const auto& [protocol, least, most] : {std::tuple("odrive", 0, 62),
+                                              {"moteus", 1, 127},
+                                              {"mit_damiao", 0, 15},
+                                              {"mit_ak", 0, 255},
+                                              {"mit_mini_cheetah", 0, 255}}) {
+    const auto with_id = [&](int id) {
+      // Alone on its bus: nothing collides.
+      return mistakes(with_drivers(protocol, "",
+                                   "[hardware]\nbuses = \"a,b,c\"\n[base_sensor]\nbus = 1\n[hip_L]\nbus = 2\n"
+                                   "reply_id = 0x7a0\nid = " +
+                                       std::to_string(id) + "\n"));
+    };
+    const std::string range =
+        ": identifiers of this driver are " + std::to_string(least) + " to " + std::to_string(most);
+    EXPECT_EQ(with_id(least), "") << protocol;
+    EXPECT_EQ(with_id(most), "") << protocol;
+    EXPECT_NE(with_id(most + 1).find("hip_L.id = " + std::to_string(most + 1) + range), std::string::npos)
+        << protocol << with_id(most + 1);
+    if (least > 0) {
+      EXPECT_NE(with_id(least - 1).find(range), std::string::npos) << protocol;
+    }
+  }
 }
 
 TEST(Hardware, EveryProtocolWorksWithTheShippedIdentifiersAndGains) {
@@ -153,9 +185,14 @@ TEST(Hardware, TextsThatAreNotUnderstoodSayWhatWouldBeRight) {
             "robot.toml:2:9: hardware.robot must be text, the name of a robot, not a whole number");
   EXPECT_EQ(mistakes("[hardware]\nbuses = \"can0,can0\"\n"),
             "robot.toml:2:9: hardware.buses: names the bus can0 twice");
-  EXPECT_NE(mistakes("[hardware]\nbuses = \"can0,\"\n"), "");
-  EXPECT_NE(mistakes("[hardware]\nbuses = \"a,b,c,d,e\"\n"), "");
-  EXPECT_NE(mistakes("[hardware]\nbuses = \"can\\\"0\"\n"), "");
+  EXPECT_EQ(mistakes("[hardware]\nbuses = \"can0,\"\n"),
+            "robot.toml:2:9: hardware.buses: \"\" is not the name of a bus; right is an interface such as "
+            "can0, or loopback:NAME");
+  EXPECT_EQ(mistakes("[hardware]\nbuses = \"a,b,c,d,e\"\n"),
+            "robot.toml:2:9: hardware.buses: \"a,b,c,d,e\" names 5 buses; right are 1 to 4, separated by "
+            "commas, such as \"can0,can1\"");
+  EXPECT_EQ(mistakes("[hardware]\nbuses = \"can\\\"0\"\n"),
+            "robot.toml:2:9: hardware.buses must not hold quotes, backslashes or control characters");
   EXPECT_NE(mistakes("[base_sensor]\npitch = \"id 0x900 byte 0 bits 32\"\n").find("no frame holds"),
             std::string::npos);
 }

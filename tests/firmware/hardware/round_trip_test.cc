@@ -48,6 +48,41 @@ TEST(RoundTrip, IsOverWhenEveryDriverHasReplied) {
   }
 }
 
+TEST(RoundTrip, AReplyOnAnotherBusIsNotTheDrivers) {
+  TappedRobot tapped(Kind::mit);
+  // The frame of the missing driver comes, with all identifiers alike on both buses.
+  tapped.robot.drivers_[3]->set_powered(false);
+  RoundTrip meter(tapped.robot.wiring_, tapped.taps);
+  const std::int64_t sent_ns = tapped.robot.clock_.now_ns();
+  ASSERT_EQ(tapped.robot.frame_ids_[1], tapped.robot.frame_ids_[3]);
+  static_cast<void>(tapped.joints->write({}));
+  EXPECT_EQ(meter.measure(tapped.robot.clock_, sent_ns, sent_ns + kTick_ns), -1);
+}
+
+TEST(RoundTrip, EachReplyIsAwaitedOnItsOwnBusAlone) {
+  Robot robot(Kind::mit);
+  // Identifiers of their own on the second bus, and drivers to them.
+  std::array<std::shared_ptr<hal::mock::MitEmulator>, 2> drivers;
+  hal::mock::MockBus second(robot.clock_);
+  for (std::size_t joint = 2; joint < hal::kJoints; ++joint) {
+    auto& driver = std::get<hal::protocol::MitDriver>(robot.wiring_.joints[joint].driver);
+    driver.command_id = static_cast<std::uint16_t>(joint + 1);
+    driver.driver_id = static_cast<std::uint8_t>(joint + 1);
+    driver.reply_id = static_cast<std::uint16_t>(0x10 + driver.command_id);
+    drivers[joint - 2] = std::make_shared<hal::mock::MitEmulator>(driver);
+    second.attach(*drivers[joint - 2]);
+  }
+  std::array<TapBus, 2> taps;
+  taps[0].attach(robot.buses_[0]);
+  taps[1].attach(second);
+  const std::array<hal::FrameBus*, 2> pointers{&taps[0], &taps[1]};
+  hal::CanRobot joints(robot.wiring_, pointers);
+  RoundTrip meter(robot.wiring_, taps);
+  const std::int64_t sent_ns = robot.clock_.now_ns();
+  ASSERT_EQ(joints.write({}), hal::JointBusStatus::ok);
+  EXPECT_EQ(meter.measure(robot.clock_, sent_ns, sent_ns + kTick_ns), 0) << "all have replied at once";
+}
+
 TEST(RoundTrip, GivesUpInTime) {
   TappedRobot tapped(Kind::mit);
   RoundTrip meter(tapped.robot.wiring_, tapped.taps);

@@ -245,13 +245,80 @@ TEST_F(Desk, speed_changes_the_walk_that_is_on) {
   EXPECT_EQ(command().request.number, number_before);
 }
 
-TEST_F(Desk, release_of_a_walking_robot_lets_it_stand) {
+TEST_F(Desk, release_of_a_walking_or_stepping_robot_lets_it_stand) {
+  for (const auto& [state, order] :
+       {std::pair(State::walk, CommandKind::walk), {State::step, CommandKind::step}}) {
+    now.state = state;
+    ASSERT_TRUE(take(order, 0.3).accepted);
+    EXPECT_FALSE(take(CommandKind::release, 0, "bert").accepted);
+    ASSERT_TRUE(take(CommandKind::release).accepted);
+    EXPECT_EQ(command().request.kind, RequestKind::stand) << supervisor::name(state);
+    EXPECT_FALSE(command().heartbeat_expected);
+    EXPECT_EQ(desk.commander(), "");
+  }
+}
+
+TEST_F(Desk, release_of_a_robot_at_rest_asks_for_nothing_new) {
+  now.state = State::stand;
+  ASSERT_TRUE(take(CommandKind::stand).accepted);
+  const std::uint32_t before = command().request.number;
+  ASSERT_TRUE(take(CommandKind::release).accepted);
+  EXPECT_EQ(command().request.number, before);
+}
+
+TEST_F(Desk, release_on_the_way_up_from_idle_ends_the_way_up) {
+  now.state = State::idle;
+  ASSERT_TRUE(take(CommandKind::stand).accepted);
+  now.state = State::calibrate;
+  ASSERT_TRUE(take(CommandKind::release).accepted);
+  now.state = State::ready;
+  EXPECT_EQ(command().request.kind, RequestKind::calibrate) << "and not stand";
+}
+
+TEST_F(Desk, another_order_on_the_way_up_from_idle_ends_the_way_up) {
+  now.state = State::idle;
+  ASSERT_TRUE(take(CommandKind::stand).accepted);
+  ASSERT_TRUE(take(CommandKind::off).accepted);
+  now.state = State::ready;
+  EXPECT_EQ(command().request.kind, RequestKind::off);
+}
+
+TEST_F(Desk, an_order_makes_who_gives_it_alive) {
+  ASSERT_TRUE(take(CommandKind::stand).accepted);
+  pass(0.39);
+  ASSERT_TRUE(take(CommandKind::stand).accepted);
+  pass(0.39);
+  EXPECT_TRUE(desk.alive(now));
+  pass(0.02);
+  EXPECT_FALSE(desk.alive(now));
+}
+
+TEST_F(Desk, a_commander_that_stays_alive_is_never_relieved) {
   now.state = State::walk;
   ASSERT_TRUE(take(CommandKind::walk, 0.3).accepted);
-  EXPECT_FALSE(take(CommandKind::release, 0, "bert").accepted);
-  ASSERT_TRUE(take(CommandKind::release).accepted);
-  EXPECT_EQ(command().request.kind, RequestKind::stand);
-  EXPECT_FALSE(command().heartbeat_expected);
+  for (int beat = 0; beat < 30; ++beat) {
+    pass(0.3);
+    ASSERT_TRUE(take(CommandKind::heartbeat).accepted);
+    ASSERT_EQ(command().request.kind, RequestKind::walk);
+  }
+  EXPECT_EQ(desk.commander(), "anna");
+}
+
+TEST_F(Desk, numbers_of_different_commanders_do_not_mix) {
+  ASSERT_TRUE(take(asked(CommandKind::heartbeat, 0, "anna")).accepted);
+  Asked other = asked(CommandKind::heartbeat, 0, "bert");
+  other.number = 1;
+  EXPECT_TRUE(take(other).accepted);
+}
+
+TEST_F(Desk, the_257th_commander_of_a_session_is_refused_and_the_first_is_not) {
+  for (int i = 0; i < 256; ++i) {
+    ASSERT_TRUE(take(CommandKind::heartbeat, 0, "commander " + std::to_string(i)).accepted) << i;
+  }
+  const Answer answer = take(CommandKind::heartbeat, 0, "one more");
+  EXPECT_FALSE(answer.accepted);
+  EXPECT_NE(answer.reason.find("too many commanders"), std::string::npos);
+  EXPECT_TRUE(take(CommandKind::heartbeat, 0, "commander 0").accepted);
 }
 
 TEST_F(Desk, tunables_pass_on_and_their_refusals_come_back) {
