@@ -219,6 +219,7 @@ TEST(CanRobot, AnEmergencyStopCountsUpToItsTimeoutAndNotAfter) {
 
 TEST(CanRobot, ThePitchOfATorsoEncoderHasItsDirectionAndOffset) {
   Robot robot(Kind::moteus);
+  robot.wiring_.channel_period_ticks = 3;  // means channels, not the encoder
   robot.wiring_.pitch_direction = -1;
   robot.wiring_.pitch_offset_rad = 0.5;
   const std::array<FrameBus*, 2> buses{&robot.buses_[0], &robot.buses_[1]};
@@ -231,6 +232,9 @@ TEST(CanRobot, ThePitchOfATorsoEncoderHasItsDirectionAndOffset) {
   ASSERT_EQ(leaning.read_base(base), BaseSensorStatus::ok);
   EXPECT_NEAR(base.pitch_rad, 0.3, 1e-4);
   EXPECT_NEAR(base.pitch_rate_rad_s, 0.5, 1e-4);
+  static_cast<void>(leaning.read(robot.clock_.now_ns(), robot.readings_));
+  static_cast<void>(leaning.read_base(base));
+  EXPECT_EQ(base.missed, 1u) << "due with every read";
 }
 
 /// Frames of no joint, without end.

@@ -54,6 +54,27 @@ TEST(WiringLoad, TheFramesOfARunningRobotAreThoseForeseen) {
   }
 }
 
+TEST(WiringLoad, FramesHaveTheIdentifiersAndKindsThatTheCodecsSend) {
+  RobotWiring wiring = Robot(Kind::moteus).wiring_;
+  for (const std::uint8_t id : {std::uint8_t{7}, std::uint8_t{8}}) {  // a reply's identifier is id * 256: 0x700, 0x800
+    std::get<protocol::MoteusDriver>(wiring.joints[2].driver).id = id;
+    const PeriodicFrames frames = periodic_frames(wiring, 1, 1000, 0);
+    EXPECT_TRUE(frames.frames[0].extended) << "command";
+    EXPECT_EQ(frames.frames[1].extended, id == 8) << "reply";
+    EXPECT_EQ(frames.frames[0].length, 32);
+    EXPECT_EQ(frames.frames[1].length, 20);
+  }
+  const PeriodicFrames with_encoder = periodic_frames(wiring, 0, 1000, 0);
+  EXPECT_EQ(with_encoder.frames[1].length, 32) << "the reply of joint 0 carries the torso's encoder, too";
+  wiring.channels[1].byte_offset = 10;
+  const PeriodicFrames long_sensor = periodic_frames(wiring, 0, 1000, 200);
+  EXPECT_EQ(long_sensor.frames[long_sensor.count - 1].length, 12);
+  EXPECT_TRUE(long_sensor.frames[long_sensor.count - 1].fd) << "a classic frame has 8 bytes";
+  wiring.channels[1].byte_offset = 6;
+  const PeriodicFrames short_sensor = periodic_frames(wiring, 0, 1000, 200);
+  EXPECT_FALSE(short_sensor.frames[short_sensor.count - 1].fd);
+}
+
 TEST(WiringLoad, SensorFramesCountOnceAFrame) {
   const RobotWiring wiring = Robot(Kind::mit).wiring_;  // two channels in one frame on bus 0
   const PeriodicFrames with = periodic_frames(wiring, 0, 1000, 200);

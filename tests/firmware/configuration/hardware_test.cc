@@ -197,6 +197,33 @@ TEST(Hardware, TextsThatAreNotUnderstoodSayWhatWouldBeRight) {
             std::string::npos);
 }
 
+TEST(Hardware, BringUpAndWiringHaveTheNumbersOfTheFile) {
+  const Result result = parse(
+      "[hardware]\ndriver_watchdog_s = 0.05\n"
+      "[knee_driver]\nminimum_version = 77\nencoder_period_rad = 0.75\naccept_missing_watchdog = true\n"
+      "torque_range_Nm = 40\nreply_torque_range_Nm = 45\n"
+      "[base_sensor]\nemergency_stop_timeout_s = 0.25\nencoder_offset_rad = 0.125\n",
+      "robot.toml");
+  ASSERT_TRUE(result) << to_string(result.error());
+  const hal::bring_up::Options knee = bring_up_options(result->hardware, 1, 0, 1);
+  EXPECT_EQ(knee.minimum_version, 77u);
+  EXPECT_EQ(knee.encoder_period_rad, 0.75);
+  EXPECT_TRUE(knee.accept_missing_watchdog);
+  EXPECT_EQ(knee.watchdog_s, 0.05);
+  const hal::bring_up::Options hip = bring_up_options(result->hardware, 0, 0, 1);
+  EXPECT_EQ(hip.minimum_version, 0u);
+  EXPECT_EQ(hip.encoder_period_rad, 0);
+  EXPECT_FALSE(hip.accept_missing_watchdog);
+  const hal::RobotWiring wiring = robot_wiring(result->hardware);
+  EXPECT_EQ(wiring.driver_watchdog_s, 0.05);
+  EXPECT_EQ(wiring.emergency_stop_timeout_ns, 250'000'000);
+  EXPECT_EQ(wiring.pitch_offset_rad, 0.125);
+  const auto& driver = std::get<hal::protocol::MitDriver>(wiring.joints[1].driver);
+  EXPECT_EQ(driver.torque_Nm.maximum, 40);
+  EXPECT_EQ(driver.reply_torque_Nm.maximum, 45);
+  EXPECT_EQ(driver.reply_torque_Nm.minimum, -45);
+}
+
 TEST(Hardware, TravelOfAReversedJointIsThatOfItsShaft) {
   HardwareParameters hardware;
   hardware.knee.ratio = 2;

@@ -102,6 +102,49 @@ TEST(CanDrivers, AnExpiredWatchdogOfTheLastRunDoesNotStandInTheWay) {
   }
 }
 
+TEST(CanDrivers, OfTwoThatFailTheFirstIsNamed) {
+  Bench bench(Kind::moteus);
+  for (const std::size_t joint : {0u, 2u}) bench.robot.drivers_[joint]->set_powered(false);
+  const DriversProgress progress = bench.run();
+  EXPECT_TRUE(progress.failed);
+  EXPECT_EQ(progress.joint, 0u);
+}
+
+TEST(CanDrivers, JointsOfOneBusComeUpOneAfterTheOther) {
+  Bench bench(Kind::mit);
+  bench.robot.drivers_[0]->set_powered(false);  // for ever in its first stage
+  const std::array<hal::FrameBus*, 2> buses{&bench.robot.buses_[0], &bench.robot.buses_[1]};
+  RobotHardware hardware(bench.robot.wiring_, bench.demands, buses);
+  hardware.drivers().begin();
+  for (int tick = 0; tick < 40; ++tick) {
+    hal::JointReadings readings;
+    static_cast<void>(hardware.robot().read(bench.robot.clock_.now_ns(), readings));
+    EXPECT_FALSE(hardware.drivers().step(bench.robot.clock_.now_ns()).ready);
+    bench.robot.clock_.advance(kTick_ns);
+  }
+  EXPECT_FALSE(bench.robot.drivers_[1]->enabled()) << "behind the first one of its bus";
+  EXPECT_TRUE(bench.robot.drivers_[2]->enabled());
+  EXPECT_TRUE(bench.robot.drivers_[3]->enabled());
+}
+
+TEST(CanDrivers, TheTurnFoundAtBringUpIsInTheReadings) {
+  Bench bench(Kind::moteus);
+  const hal::JointWiring& wiring = bench.robot.wiring_.joints[1];
+  // The shaft at 0.1 rad of an encoder that repeats every 2 rad, in a travel of 3 to 4.5 rad: truly at 4.1
+  // rad.
+  bench.demands[1].options.encoder_period_rad = 2;
+  bench.demands[1].options.minimum_angle_rad = 3;
+  bench.demands[1].options.maximum_angle_rad = 4.5;
+  bench.robot.drivers_[1]->motor.position_rad = 0.1;
+  const std::array<hal::FrameBus*, 2> buses{&bench.robot.buses_[0], &bench.robot.buses_[1]};
+  RobotHardware hardware(bench.robot.wiring_, bench.demands, buses);
+  ASSERT_TRUE(bench.run(hardware).ready);
+  ASSERT_EQ(hardware.robot().write({}), hal::JointBusStatus::ok);
+  hal::JointReadings readings;
+  static_cast<void>(hardware.robot().read(bench.robot.clock_.now_ns(), readings));
+  EXPECT_NEAR(readings[1].position_rad, wiring.direction * 4.1 / wiring.ratio + wiring.offset_rad, 1e-4);
+}
+
 TEST(CanDrivers, StartingOverBringsThemUpAgain) {
   Bench bench(Kind::mit);
   const std::array<hal::FrameBus*, 2> buses{&bench.robot.buses_[0], &bench.robot.buses_[1]};

@@ -63,6 +63,36 @@ TEST_F(RestoreTest, ABusThatIsLentIsNotTouched) {
   EXPECT_FALSE(robot_.buses_[1].sent().empty());
 }
 
+/// A bus with counters and nothing else.
+class CountingBus final : public hal::FrameBus {
+ public:
+  hal::BusCounters count;
+  hal::SendResult send(std::span<const hal::CanFrame> frames) noexcept override { return {frames.size()}; }
+  hal::ReceiveResult receive(std::span<hal::CanFrame>) noexcept override { return {}; }
+  hal::BusHealth health() const noexcept override { return hal::BusHealth::active; }
+  void clear_bus_off() noexcept override {}
+  const hal::BusCounters& counters() const noexcept override { return count; }
+};
+
+TEST(RobotHardware, ErrorsAreThoseOfAllBusesAndOfEveryKind) {
+  std::array<CountingBus, 2> buses;
+  const Robot robot(Kind::mit);
+  const RobotHardware hardware(robot.wiring_, DemandsOfJoints{},
+                               std::array<hal::FrameBus*, 2>{&buses[0], &buses[1]});
+  EXPECT_EQ(hardware.errors(), 0u);
+  buses[0].count = {};
+  buses[0].count.sent = buses[0].count.received = buses[0].count.confirmed = 1000;
+  EXPECT_EQ(hardware.errors(), 0u) << "traffic is no error";
+  buses[0].count.dropped_full = 1;
+  buses[0].count.withheld = 20;
+  buses[0].count.dropped_received = 300;
+  buses[0].count.malformed = 4000;
+  buses[0].count.error_frames = 50000;
+  EXPECT_EQ(hardware.errors(), 54321u);
+  buses[1].count = buses[0].count;
+  EXPECT_EQ(hardware.errors(), 2 * 54321u);
+}
+
 TEST_F(RestoreTest, AConnectionThatFailsIsTriedAgainWithTheNextTick) {
   robot_.buses_[0].set_disconnected(true);
   for (int tick = 0; tick < 3; ++tick) {

@@ -101,6 +101,24 @@ TEST(RoundTrip, DoesNotWaitForDriversThatDoNotReply) {
   EXPECT_EQ(tapped.robot.clock_.now_ns(), now_ns);
 }
 
+TEST(TapBus, WhatWasListenedToOnALostConnectionNeverComes) {
+  hal::mock::MockClock clock;
+  hal::mock::MockBus bus(clock);
+  TapBus tap;
+  tap.attach(bus);
+  bus.script(hal::classic_frame(1, 1), clock.now_ns());
+  ASSERT_EQ(tap.listen().size(), 1u);
+  bus.set_disconnected(true);
+  const hal::CanFrame command = hal::classic_frame(2, 1);
+  ASSERT_EQ(tap.send(std::span(&command, 1)).status, hal::BusStatus::disconnected);
+  tap.lend_if_gone();
+  ASSERT_TRUE(tap.lent());
+  bus.set_disconnected(false);
+  tap.give_back();
+  std::array<hal::CanFrame, 2> two;
+  EXPECT_EQ(tap.receive(two).received, 0u);
+}
+
 TEST(TapBus, WhatWasListenedToComesFirstAndInOrder) {
   hal::mock::MockClock clock;
   hal::mock::MockBus bus(clock);

@@ -4,8 +4,11 @@
 
 #include <cmath>
 #include <memory>
+#include <tuple>
+#include <variant>
 
 #include "firmware/configuration/configuration.h"
+#include "firmware/configuration/schema.h"
 #include "firmware/controller/planner_cycle.h"
 #include "mpc_core/gait/reference.h"
 
@@ -47,6 +50,36 @@ TEST_F(Tunables, reach_torque_loop_and_planner_under_one_number) {
   EXPECT_EQ(planner.number, 2u);
   EXPECT_EQ(planner.settings.parameters.cost.base_vx, 50);
   EXPECT_EQ(planner.settings.data.cost.base_vx, 50);
+}
+
+TEST_F(Tunables, may_change_by_a_factor_of_four_and_a_height_by_centimetres) {
+  const double kp = configuration.torque_law.joint_kp_Nm_rad;
+  const double height_m = configuration.reference.base_height_m;
+  for (const auto& [key, right, wrong] :
+       {std::tuple("torque_law.joint_kp_Nm_rad", 4 * kp, 4.01 * kp),
+        {"torque_law.joint_kp_Nm_rad", kp / 4, kp / 4.01},
+        {"reference.base_height_m", height_m + 0.0199, height_m + 0.0201},
+        {"reference.base_height_m", height_m - 0.0799, height_m - 0.0801}}) {
+    EXPECT_EQ(tuner.set(key, right), "");
+    EXPECT_NE(tuner.set(key, wrong).find("outside its live range"), std::string::npos) << key << " " << wrong;
+  }
+}
+
+TEST_F(Tunables, stay_within_the_range_of_their_key) {
+  for (const auto& tunable : tuner.tunables()) {
+    const auto& field = std::get<configuration::RealField>(tunable.entry->field);
+    EXPECT_GE(tunable.minimum, field.min) << tunable.entry->name();
+    EXPECT_LE(tunable.maximum, field.max) << tunable.entry->name();
+  }
+  // A key whose range ends within the factor.
+  configuration::Configuration extreme = configuration;
+  for (const configuration::Entry& entry : configuration::entries()) {
+    if (entry.name() != "torque_law.joint_kp_Nm_rad") continue;
+    const auto& field = std::get<configuration::RealField>(entry.field);
+    field.set(extreme, field.max);
+  }
+  Tuner other(extreme, model::amber3m(), *mail);
+  EXPECT_NE(other.set("torque_law.joint_kp_Nm_rad", 1.01 * extreme.torque_law.joint_kp_Nm_rad), "");
 }
 
 TEST_F(Tunables, out_of_range_unknown_or_not_a_number_change_nothing_and_say_what_is_right) {
