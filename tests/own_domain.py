@@ -1,6 +1,11 @@
-"""A DDS domain that no other test process of this machine has, as in tests/own_domain.h."""
+#!/usr/bin/env python3
+"""A DDS domain that no other test process of this machine has, as in tests/own_domain.h.
+
+  own_domain.py COMMAND...    runs the command with the number of the domain in $STILT_TEST_DOMAIN
+"""
 import fcntl
 import os
+import sys
 
 _held = []
 
@@ -17,3 +22,9 @@ def own_domain():
         _held.append(file)
         return str(domain)
     raise RuntimeError('no DDS domain is free for this test: /tmp/stilt-test-domain-* are all locked')
+
+
+if __name__ == '__main__':
+    os.environ['STILT_TEST_DOMAIN'] = own_domain()
+    os.set_inheritable(_held[0], True)  # the command holds the domain on
+    os.execvp(sys.argv[1], sys.argv[1:])

@@ -1,6 +1,5 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -9,6 +8,8 @@
 #include <fstream>
 #include <iterator>
 #include <string>
+
+#include "tests/own_folder.h"
 
 namespace {
 
@@ -38,10 +39,8 @@ std::string read(const fs::path& path) {
 
 class ProgramTest : public testing::Test {
  protected:
-  ProgramTest() { fs::remove_all(out); }
-  ~ProgramTest() override { fs::remove_all(out); }
-
-  fs::path out = fs::path(testing::TempDir()) / ("stilt_codegen_program_test." + std::to_string(getpid()));
+  tests::OwnFolder folder;
+  fs::path out = folder.path() / "out";
 };
 
 TEST_F(ProgramTest, ItWritesTheCommittedHeaders) {
@@ -78,7 +77,8 @@ struct BadInput {
 class BadInputTest : public testing::TestWithParam<BadInput> {};
 
 TEST_P(BadInputTest, IsOneSentenceAndStatusTwo) {
-  const fs::path out = fs::path(testing::TempDir()) / (std::string("stilt_codegen_bad_") + GetParam().name);
+  const tests::OwnFolder folder;
+  const fs::path out = folder.path() / "out";
   const std::string file = std::string(STILT_SOURCE_DIR "/tests/codegen/data/") + GetParam().name + ".urdf";
   const Outcome outcome = run("--urdf " + file + " --robot robot --out " + out.string());
   EXPECT_EQ(outcome.exit_status, 2);

@@ -9,6 +9,8 @@
 #include <sstream>
 #include <string>
 
+#include "tests/own_folder.h"
+
 namespace stilt::testing_support {
 
 /// What a run of the program left: exit status (-1: it did not exit by itself), standard output and errors.
@@ -26,17 +28,8 @@ struct Outcome {
 /// Runs the program STILT_PROGRAM in a shell; every test has an empty folder of its own.
 class ProgramTest : public testing::Test {
  protected:
-  void SetUp() override {
-    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = std::filesystem::path(testing::TempDir()) /
-              (std::string("stilt_") + info->test_suite_name() + "_" + info->name());
-    std::filesystem::remove_all(folder_);
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
   /// A path in the test's folder.
-  [[nodiscard]] std::string file(const std::string& name) const { return (folder_ / name).string(); }
+  [[nodiscard]] std::string file(const std::string& name) const { return folder_.file(name); }
 
   [[nodiscard]] Outcome run(const std::string& arguments, const std::string& input = "") const {
     std::ofstream(file("in")) << input;
@@ -47,7 +40,7 @@ class ProgramTest : public testing::Test {
   }
 
  private:
-  std::filesystem::path folder_;
+  tests::OwnFolder folder_;
 };
 
 }  // namespace stilt::testing_support

@@ -1,7 +1,6 @@
 #include "tests/two_processes/robot_and_controller.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <fstream>
 #include <stdexcept>
@@ -9,25 +8,9 @@
 #include "tests/own_domain.h"
 
 namespace stilt::two_processes {
-namespace {
-
-/// Of one run on this machine.
-std::string unique_name() {
-  static int runs = 0;
-  return "stilt_two_" + std::to_string(::getpid()) + "_" + std::to_string(++runs);
-}
-
-}  // namespace
-
-RobotAndController::RobotAndController()
-    : bus_(unique_name()), folder_(std::filesystem::path(testing::TempDir()) / bus_) {
-  std::filesystem::create_directories(folder_);
-}
-
 RobotAndController::~RobotAndController() {
   robot_.reset();
   controller_.reset();
-  std::filesystem::remove_all(folder_);
 }
 
 std::vector<std::string> RobotAndController::words(const std::vector<std::string>& program,

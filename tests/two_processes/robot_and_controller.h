@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/own_folder.h"
 #include "tests/two_processes/process.h"
 
 namespace stilt::two_processes {
@@ -14,7 +15,7 @@ namespace stilt::two_processes {
 /// the session's token. They speak in the DDS domain of this process (tests/own_domain.h).
 class RobotAndController {
  public:
-  RobotAndController();
+  RobotAndController() = default;
   ~RobotAndController();
 
   /// Starts the robot and waits until it listens.
@@ -31,7 +32,7 @@ class RobotAndController {
 
   [[nodiscard]] nlohmann::json robot_json() const { return json("robot.json"); }
   [[nodiscard]] nlohmann::json controller_json() const { return json("controller.json"); }
-  [[nodiscard]] std::string file(const std::string& name) const { return (folder_ / name).string(); }
+  [[nodiscard]] std::string file(const std::string& name) const { return folder_.file(name); }
   /// What both said, for messages.
   [[nodiscard]] std::string said() const;
 
@@ -41,8 +42,8 @@ class RobotAndController {
   [[nodiscard]] std::vector<std::string> words(const std::vector<std::string>& program,
                                                const std::vector<std::string>& options) const;
 
-  std::string bus_;
-  std::filesystem::path folder_;
+  tests::OwnFolder folder_;
+  std::string bus_ = folder_.path().filename().string();  ///< a name that no other run has
   std::unique_ptr<Process> robot_, controller_;
 };
 

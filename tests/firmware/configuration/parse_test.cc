@@ -9,6 +9,7 @@
 
 #include "firmware/configuration/configuration.h"
 #include "firmware/configuration/schema.h"
+#include "tests/own_folder.h"
 
 namespace stilt::configuration {
 namespace {
@@ -177,17 +178,17 @@ TEST(Load, AFileThatCannotBeReadIsNamed) {
   const Result missing = load_file("no/such/robot.toml");
   ASSERT_FALSE(missing);
   EXPECT_EQ(to_string(missing.error()), "no/such/robot.toml: cannot be read: No such file or directory");
-  const std::string folder = testing::TempDir();
+  const std::string folder = std::filesystem::temp_directory_path().string();
   const Result directory = load_file(folder);
   ASSERT_FALSE(directory);
   EXPECT_EQ(to_string(directory.error()), folder + ": is a directory; a configuration file is needed");
 }
 
 TEST(Load, AFileIsReadLikeItsText) {
-  const std::string path = testing::TempDir() + "configuration_load_test.toml";
+  const tests::OwnFolder folder;
+  const std::string path = folder.file("robot.toml");
   std::ofstream(path) << "[gait]\nsingle_support_s = 0.35\n";
   const Result result = load_file(path);
-  std::filesystem::remove(path);
   ASSERT_TRUE(result) << to_string(result.error());
   EXPECT_EQ(result->gait.single_support_s, 0.35);
 }

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdio>
 #include <fstream>
 #include <map>
 #include <memory>
@@ -10,6 +9,8 @@
 #include <sstream>
 #include <string>
 #include <vector>
+
+#include "tests/own_folder.h"
 
 namespace stilt::diagnostics {
 namespace {
@@ -89,7 +90,8 @@ TEST(TickCsv, ABlackBoxBecomesAFileWithOneLineATick) {
     record->tick = tick;
     box->commit(tick == 2499);
   }
-  const std::string path = ::testing::TempDir() + "stilt_black_box_test.csv";
+  const tests::OwnFolder folder;
+  const std::string path = folder.file("box.csv");
   ASSERT_TRUE(write_csv(path, *box, 0));
   std::ifstream file(path);
   std::string line;
@@ -101,7 +103,6 @@ TEST(TickCsv, ABlackBoxBecomesAFileWithOneLineATick) {
     ++expected;
   }
   EXPECT_EQ(expected, 2500u);
-  std::remove(path.c_str());
 }
 
 TEST(TickCsv, AFileThatCannotBeWrittenIsSaidInOneSentence) {

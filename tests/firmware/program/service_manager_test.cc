@@ -9,6 +9,8 @@
 #include <cstring>
 #include <string>
 
+#include "tests/own_folder.h"
+
 namespace stilt::program {
 namespace {
 
@@ -17,11 +19,10 @@ constexpr std::int64_t kSecond_ns = 1'000'000'000;
 /// The other end of $NOTIFY_SOCKET.
 class Listener : public testing::Test {
  protected:
-  Listener() : path_(testing::TempDir() + "stilt_notify_" + std::to_string(getpid())) {
+  Listener() {
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
     std::strncpy(address.sun_path, path_.c_str(), sizeof address.sun_path - 1);
-    unlink(path_.c_str());
     socket_ = socket(AF_UNIX, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
     EXPECT_EQ(bind(socket_, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
     setenv("NOTIFY_SOCKET", path_.c_str(), 1);
@@ -29,7 +30,6 @@ class Listener : public testing::Test {
   ~Listener() override {
     unsetenv("NOTIFY_SOCKET");
     close(socket_);
-    unlink(path_.c_str());
   }
 
   /// What was said since the last call.
@@ -43,7 +43,8 @@ class Listener : public testing::Test {
   }
 
  private:
-  std::string path_;
+  tests::OwnFolder folder_;
+  std::string path_ = folder_.file("notify");
   int socket_ = -1;
 };
 

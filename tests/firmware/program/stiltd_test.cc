@@ -2,8 +2,11 @@
 #include <sys/wait.h>
 
 #include <cstdio>
+#include <fstream>
 #include <regex>
 #include <string>
+
+#include "tests/own_folder.h"
 
 /// The program as a user runs it, where it needs no robot.
 namespace stilt::program {
@@ -42,13 +45,10 @@ TEST(Stiltd, ChecksAConfigurationWithoutOpeningABus) {
 }
 
 TEST(Stiltd, TellsEveryMistakeOfAConfigurationWithItsPlace) {
-  const std::string file = testing::TempDir() + "stiltd_test.toml";
-  std::FILE* stream = std::fopen(file.c_str(), "w");
-  ASSERT_NE(stream, nullptr);
-  std::fputs("[hardware]\nbusses = \"can0\"\n[gait]\nswing_height_m = 9\n", stream);
-  std::fclose(stream);
+  const tests::OwnFolder folder;
+  const std::string file = folder.file("robot.toml");
+  std::ofstream(file) << "[hardware]\nbusses = \"can0\"\n[gait]\nswing_height_m = 9\n";
   const Answer run = stiltd("--check-config --config " + file);
-  std::remove(file.c_str());
   EXPECT_EQ(run.status, 2);
   EXPECT_TRUE(has(run, file + ":2:1: unknown key hardware.busses; did you mean hardware.buses?")) << run.text;
   EXPECT_TRUE(has(run, file + ":4:18: gait.swing_height_m = 9 is outside its range")) << run.text;

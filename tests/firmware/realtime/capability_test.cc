@@ -6,18 +6,14 @@
 #include <filesystem>
 #include <fstream>
 
+#include "tests/own_folder.h"
+
 namespace stilt::realtime {
 namespace {
 
 /// A machine's files under a folder of its own.
 class Machine : public testing::Test {
  protected:
-  Machine()
-      : root_(testing::TempDir() + "capability_" +
-              testing::UnitTest::GetInstance()->current_test_info()->name()) {
-    std::filesystem::remove_all(root_);
-  }
-  ~Machine() override { std::filesystem::remove_all(root_); }
   void write(const std::string& path, const std::string& text) {
     const std::filesystem::path file = root_ + path;
     std::filesystem::create_directories(file.parent_path());
@@ -28,7 +24,8 @@ class Machine : public testing::Test {
       return sentence.find(part) != std::string::npos;
     });
   }
-  std::string root_;
+  tests::OwnFolder folder_;
+  std::string root_ = folder_.path().string();
 };
 
 TEST_F(Machine, ARealTimeKernelIsKnownByItsFile) {

@@ -1,7 +1,6 @@
 // What ROS 2 tools get to see, read by a reader that other people wrote, with the definitions as ROS 2
 // publishes them.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <cmath>
@@ -13,6 +12,7 @@
 #include "firmware/telemetry/ros_publisher.h"
 #include "tests/independent_readers/run_reader.h"
 #include "tests/own_domain.h"
+#include "tests/own_folder.h"
 
 namespace stilt::telemetry {
 namespace {
@@ -75,11 +75,11 @@ Cdr without_filling(Cdr cdr) {
 /// The message as the independent reader sees it; its own bytes for it must be those of the sample.
 nlohmann::json read_elsewhere(std::string_view topic, const Cdr& sample) {
   const Cdr cdr = without_filling(sample);
-  const std::string file = testing::TempDir() + "ros_wire_" + std::to_string(getpid()) + ".json";
+  const tests::OwnFolder folder;
+  const std::string file = folder.file("question.json");
   const nlohmann::json question = {{{"schema", kDefinitions.at(topic)}, {"cdr", hex(cdr)}}};
   std::ofstream(file) << question;
   const nlohmann::json answer = independent_readers::run_reader("rewrite_cdr.cjs", {file}).at(0);
-  unlink(file.c_str());
   EXPECT_EQ(answer.at("cdr"), hex(cdr)) << topic;
   return answer.at("message");
 }

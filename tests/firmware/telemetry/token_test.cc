@@ -8,15 +8,15 @@
 #include <filesystem>
 #include <fstream>
 
+#include "tests/own_folder.h"
+
 namespace stilt::telemetry {
 namespace {
 
 class Token : public testing::Test {
  protected:
-  Token() : folder(std::filesystem::path(testing::TempDir()) / ("token" + std::to_string(getpid()))) {}
-  ~Token() override { std::filesystem::remove_all(folder); }
-
-  std::filesystem::path folder;
+  tests::OwnFolder own;
+  std::filesystem::path folder = own.path() / "stilt";  ///< made with the token
   std::string path = (folder / "token").string();
 };
 
@@ -38,12 +38,16 @@ TEST_F(Token, is_another_one_every_time) {
   EXPECT_EQ(read_token(path), second);
 }
 
-TEST_F(Token, that_others_may_read_is_refused_with_what_would_be_right) {
+TEST_F(Token, that_others_may_read_or_write_is_refused_with_what_would_be_right) {
   ASSERT_TRUE(write_token(path).has_value());
-  ASSERT_EQ(chmod(path.c_str(), 0644), 0);
-  const auto read = read_token(path);
-  ASSERT_FALSE(read.has_value());
-  EXPECT_NE(read.error().find("chmod 600"), std::string::npos);
+  for (const mode_t mode : {0644, 0640, 0604, 0620, 0602}) {
+    ASSERT_EQ(chmod(path.c_str(), mode), 0);
+    const auto read = read_token(path);
+    ASSERT_FALSE(read.has_value()) << mode;
+    EXPECT_NE(read.error().find("chmod 600"), std::string::npos);
+  }
+  ASSERT_EQ(chmod(path.c_str(), 0400), 0);
+  EXPECT_TRUE(read_token(path).has_value());
 }
 
 TEST_F(Token, that_is_short_or_missing_is_refused) {
@@ -52,14 +56,30 @@ TEST_F(Token, that_is_short_or_missing_is_refused) {
   std::ofstream(path) << "short\n";
   ASSERT_EQ(chmod(path.c_str(), 0600), 0);
   EXPECT_NE(read_token(path).error().find("16 characters"), std::string::npos);
+  std::ofstream(path) << "fifteen letters\n";
+  EXPECT_FALSE(read_token(path).has_value());
+  std::ofstream(path) << "sixteen  letters\n";
+  EXPECT_TRUE(read_token(path).has_value());
 }
 
-TEST_F(Token, is_not_written_where_everybody_may_write) {
+TEST_F(Token, is_not_written_where_others_may_write) {
   std::filesystem::create_directory(folder);
-  ASSERT_EQ(chmod(folder.c_str(), 0777), 0);
-  const auto written = write_token(path);
-  ASSERT_FALSE(written.has_value());
-  EXPECT_NE(written.error().find("others may write"), std::string::npos);
+  for (const mode_t mode : {0777, 0770, 0707}) {
+    ASSERT_EQ(chmod(folder.c_str(), mode), 0);
+    const auto written = write_token(path);
+    ASSERT_FALSE(written.has_value()) << mode;
+    EXPECT_NE(written.error().find("others may write"), std::string::npos);
+  }
+  ASSERT_EQ(chmod(folder.c_str(), 01777), 0) << "as /tmp: files stay their owners'";
+  EXPECT_TRUE(write_token(path).has_value());
+}
+
+TEST_F(Token, leaves_nothing_beside_it_and_its_new_folder_to_its_owner_alone) {
+  ASSERT_TRUE(write_token(path).has_value());
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);
+  struct stat status {};
+  ASSERT_EQ(stat(folder.c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 0777, 0700u);
 }
 
 TEST(TokenPath, auto_is_in_the_users_own_folder_and_other_paths_are_taken) {

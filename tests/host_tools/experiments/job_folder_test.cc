@@ -5,19 +5,15 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "tests/own_folder.h"
+
 namespace stilt::experiments {
 namespace {
 
 class JobFolderTest : public testing::Test {
  protected:
-  void SetUp() override {
-    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = std::filesystem::path(testing::TempDir()) / (std::string("stilt_jobs_") + info->name());
-    std::filesystem::remove_all(folder_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
-  std::filesystem::path folder_;
+  tests::OwnFolder own_;
+  std::filesystem::path folder_ = own_.path() / "jobs";  ///< made by the first JobFolder
   std::vector<Job> jobs_ = {{"a",
                              [] {
                                return Json{{"value", 1}};

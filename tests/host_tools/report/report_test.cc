@@ -15,6 +15,7 @@
 #include "host_tools/report/packed_columns.h"
 #include "host_tools/report/run_data.h"
 #include "tests/host_tools/report/synthetic_walk.h"
+#include "tests/own_folder.h"
 
 namespace stilt::report {
 namespace {
@@ -271,11 +272,11 @@ TEST(Report, AFileThatCannotBeWrittenIsNamed) {
 
 TEST(Report, TheFileHoldsTheRenderedPage) {
   const log::RunRecord record = synthetic_walk(1.0);
-  const auto file = std::filesystem::path(testing::TempDir()) / "stilt_report_test.html";
+  const tests::OwnFolder folder;
+  const auto file = folder.path() / "report.html";
   write_report(record, file);
   std::stringstream content;
   content << std::ifstream(file, std::ios::binary).rdbuf();
-  std::filesystem::remove(file);
   EXPECT_EQ(content.str(), render_report(record));
 }
 

@@ -2,9 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include <filesystem>
 #include <fstream>
 #include <sstream>
+
+#include "tests/own_folder.h"
 
 namespace stilt::robot_on_bus {
 namespace {
@@ -34,7 +35,8 @@ TEST(FrameLog, FramesReadAsCanUtilsWritesThem) {
 }
 
 TEST(FrameLog, ALineHasTickBusAndSender) {
-  const std::string file = testing::TempDir() + "stilt_frame_log_test";
+  const tests::OwnFolder folder;
+  const std::string file = folder.file("frames");
   FrameLog log(file);
   log.write(7, 1, FrameLog::Sender::controller, frame(1, {0xff}));
   log.write(8, 0, FrameLog::Sender::robot, frame(0x11, {}));
@@ -42,7 +44,6 @@ TEST(FrameLog, ALineHasTickBusAndSender) {
   std::ostringstream text;
   text << std::ifstream(file).rdbuf();
   EXPECT_EQ(text.str(), "7 1 controller 001#FF\n8 0 robot 011#\n");
-  std::filesystem::remove(file);
 }
 
 TEST(FrameLog, WithoutANameNothingIsWritten) {

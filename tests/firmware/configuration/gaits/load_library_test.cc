@@ -7,19 +7,13 @@
 
 #include "firmware/configuration/gaits/gait_file.h"
 #include "firmware/configuration/gaits/shipped_gaits.h"
+#include "tests/own_folder.h"
 
 namespace stilt::gait_files {
 namespace {
 
 class LoadLibrary : public testing::Test {
  protected:
-  void SetUp() override {
-    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = std::filesystem::path(testing::TempDir()) / (std::string("stilt_gaits_") + info->name());
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
   void write(const char* name, std::string_view text) const { std::ofstream(folder_ / name) << text; }
   [[nodiscard]] std::string error() {
     const auto loaded = load_library(folder_.string(), "amber3m", *library_);
@@ -27,7 +21,8 @@ class LoadLibrary : public testing::Test {
   }
   [[nodiscard]] std::string path(const char* name) const { return (folder_ / name).string(); }
 
-  std::filesystem::path folder_;
+  tests::OwnFolder own_;
+  std::filesystem::path folder_ = own_.path();
   std::unique_ptr<gait::GaitLibrary> library_ = std::make_unique<gait::GaitLibrary>();
 };
 

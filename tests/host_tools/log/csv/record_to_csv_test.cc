@@ -1,7 +1,6 @@
 #include "host_tools/log/csv/record_to_csv.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -15,6 +14,7 @@
 #include "host_tools/log/record/recorder.h"
 #include "tests/host_tools/log/mcap/sample_file.h"
 #include "tests/host_tools/log/record_sample.h"
+#include "tests/own_folder.h"
 
 namespace stilt::csv {
 namespace {
@@ -37,10 +37,10 @@ class RecordToCsv : public testing::Test {
     recorder.take(record::ticks_sample(7, 10, 20), 2);  // ten of them again
     recorder.take(record::ticks_sample(8, 0, 5), 3);
   }
-  ~RecordToCsv() override { std::filesystem::remove_all(folder); }
 
   mcap::TemporaryFile record{"csv"};
-  std::filesystem::path folder = std::filesystem::temp_directory_path() / ("csv_" + std::to_string(getpid()));
+  tests::OwnFolder own;
+  std::filesystem::path folder = own.path() / "tables";
 };
 
 TEST_F(RecordToCsv, TicksAreRowsAsInABlackBox) {

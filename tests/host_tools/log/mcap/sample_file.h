@@ -7,18 +7,14 @@
 #include <string>
 
 #include "host_tools/log/mcap/writer.h"
+#include "tests/own_folder.h"
 
 namespace stilt::mcap {
 
 /// A file of this test's own, gone with the object.
 class TemporaryFile {
  public:
-  explicit TemporaryFile(const std::string& name)
-      : path_((std::filesystem::temp_directory_path() / (name + "_" + std::to_string(getpid()) + ".mcap"))
-                  .string()) {}
-  ~TemporaryFile() { std::filesystem::remove(path_); }
-  TemporaryFile(const TemporaryFile&) = delete;
-  TemporaryFile& operator=(const TemporaryFile&) = delete;
+  explicit TemporaryFile(const std::string& name) : path_(folder_.file(name + ".mcap")) {}
 
   [[nodiscard]] const std::string& path() const { return path_; }
   [[nodiscard]] Bytes bytes() const {
@@ -31,6 +27,7 @@ class TemporaryFile {
   }
 
  private:
+  tests::OwnFolder folder_;
   std::string path_;
 };
 

@@ -1,9 +1,7 @@
 #include "host_tools/log/schema/message_types.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
-#include <filesystem>
 #include <fstream>
 #include <stdexcept>
 
@@ -11,6 +9,7 @@
 #include "firmware/telemetry/topics.h"
 #include "tests/host_tools/log/schema/random_cdr.h"
 #include "tests/independent_readers/run_reader.h"
+#include "tests/own_folder.h"
 
 namespace stilt::schema {
 namespace {
@@ -57,11 +56,10 @@ TEST(MessageTypes, AreReadByOthersFromTheirText) {
       messages.push_back({{"schema", ros2msg_text(own_messages(), name)}, {"cdr", hex(random.write(name))}});
     }
   }
-  const auto file =
-      std::filesystem::temp_directory_path() / ("schemas_" + std::to_string(getpid()) + ".json");
+  const tests::OwnFolder folder;
+  const std::string file = folder.file("messages.json");
   std::ofstream(file) << messages;
-  const nlohmann::json read = independent_readers::run_reader("rewrite_cdr.cjs", {file.string()});
-  std::filesystem::remove(file);
+  const nlohmann::json read = independent_readers::run_reader("rewrite_cdr.cjs", {file});
   ASSERT_EQ(read.size(), messages.size());
   for (std::size_t i = 0; i < read.size(); ++i) {
     EXPECT_EQ(read[i]["cdr"], messages[i]["cdr"])
