@@ -44,6 +44,17 @@ TEST(Damped, ResistsMotionAndNothingElseWithinItsBound) {
   }
 }
 
+TEST(Damped, StaysWithinTheTorqueOfAWeakJoint) {
+  JointLimits weak = testing::joint_limits();
+  weak.torque_Nm[2] = 0.25 * kParameters.damping_torque_Nm;
+  hal::JointReadings measured = testing::healthy().joints;
+  for (hal::JointReading& joint : measured) joint.velocity_rad_s = 1e3;
+  const hal::JointCommands commands = damped(measured, weak, kParameters);
+  EXPECT_NEAR(torque_Nm(commands[2], 0, 1e3), -weak.torque_Nm[2], 1e-9);
+  EXPECT_EQ(commands[2].torque_limit_Nm, weak.torque_Nm[2]);
+  EXPECT_NEAR(torque_Nm(commands[1], 0, 1e3), -kParameters.damping_torque_Nm, 1e-9);
+}
+
 TEST(Damped, IsFiniteWhateverTheSensorsSay) {
   hal::JointReadings measured = testing::healthy().joints;
   for (const double value : {kNan, std::numeric_limits<double>::infinity()}) {
@@ -92,6 +103,14 @@ TEST(TakenOver, GrowsFromDampingToTheWantedCommands) {
     const hal::JointCommand all = taken_over(wanted, start_rad, 1, kParameters)[i];
     EXPECT_EQ(torque_Nm(all, 0.1, 0.2), torque_Nm(wanted[i], 0.1, 0.2));
   }
+}
+
+TEST(TakenOver, IsFiniteWithoutAnyDamping) {
+  SupervisorParameters undamped = kParameters;
+  undamped.damping_kd_Nms_rad = 0;
+  hal::JointCommands wanted = some_commands();
+  for (hal::JointCommand& command : wanted) command.kd_Nms_rad = 0;
+  for (const double s : {0.0, 0.5}) EXPECT_TRUE(finite(taken_over(wanted, {}, s, undamped)));
 }
 
 TEST(Finite, FindsEveryFieldOfEveryJoint) {

@@ -11,14 +11,20 @@ namespace stilt::supervisor::testing {
 class SupervisorTest : public ::testing::Test {
  protected:
   SupervisorTest() {
-    inputs_.seen = healthy();
-    supervisor_.configure(joint_limits(), parameters_);
+    power_on();
     wanted_.fill({.position_rad = 0.3,
                   .velocity_rad_s = 0,
                   .torque_Nm = 30,
                   .kp_Nm_rad = 0,
                   .kd_Nms_rad = 0,
                   .torque_limit_Nm = 80});
+  }
+
+  /// A new start: boot, nothing asked for, nothing out of order.
+  void power_on() {
+    supervisor_.configure(joint_limits(), parameters_);
+    inputs_ = {};
+    inputs_.seen = healthy();
   }
 
   State tick() {

@@ -48,10 +48,14 @@ TEST_F(SupervisorTest, FromBootToWalkingStepByStep) {
 
 TEST_F(SupervisorTest, TheTorqueLawTakesOverAlongARamp) {
   bring_to_ready();
+  const double start_rad = inputs_.seen.joints[0].position_rad;
   request(RequestKind::stand);
   double before_Nm = -1;
   for (int i = 0; i < 1500; ++i) {
     tick();
+    inputs_.seen.joints[0].position_rad += 1e-5;  // the ramp keeps the pose in which it began
+    const double expected_rad = start_rad + output().ramp * (wanted_[0].position_rad - start_rad);
+    EXPECT_NEAR(commands_[0].position_rad, expected_rad, 1e-12);
     EXPECT_GT(commands_[0].torque_Nm, before_Nm);
     EXPECT_LT(commands_[0].torque_Nm - before_Nm, 1.1);
     before_Nm = commands_[0].torque_Nm;

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <array>
+
+#include "firmware/supervisor/detectors.h"
+#include "firmware/supervisor/fault.h"
+
+/// One cause of every fault, in the order of the table.
+namespace stilt::supervisor::testing {
+
+struct Spoil {
+  Fault fault;
+  void (*apply)(Observation&);  ///< to what a healthy robot shows
+};
+
+inline constexpr std::array<Spoil, kFaults> kSpoils = {{
+    {Fault::joint_position_limit, [](Observation& o) { o.joints[0].position_rad = 3; }},
+    {Fault::joint_speed_limit, [](Observation& o) { o.joints[0].velocity_rad_s = 40; }},
+    {Fault::joint_torque_limit, [](Observation& o) { o.joints[0].torque_Nm = 140; }},
+    {Fault::base_angle_limit, [](Observation& o) { o.base.pitch_rad = 1; }},
+    {Fault::stale_encoder,
+     [](Observation& o) {
+       o.joints[0].frozen = 100;
+       o.planned_speed_rad_s[0] = 2;
+     }},
+    {Fault::stale_base_sensor, [](Observation& o) { o.base.missed = 20; }},
+    {Fault::missed_replies, [](Observation& o) { o.joints[0].missed = 5; }},
+    {Fault::lost_replies, [](Observation& o) { o.joints[0].missed = 20; }},
+    {Fault::bus_error, [](Observation& o) { o.bus_errors = true; }},
+    {Fault::bus_off, [](Observation& o) { o.read_status = hal::JointBusStatus::bus_off; }},
+    {Fault::bus_disconnected, [](Observation& o) { o.read_status = hal::JointBusStatus::disconnected; }},
+    {Fault::driver_fault, [](Observation& o) { o.joints[0].fault = hal::DriverFault::encoder; }},
+    {Fault::driver_not_enabled, [](Observation& o) { o.joints[0].state = hal::DriverState::idle; }},
+    {Fault::driver_hot, [](Observation& o) { o.joints[0].motor_temperature_C = 80; }},
+    {Fault::driver_overheated, [](Observation& o) { o.joints[0].motor_temperature_C = 120; }},
+    {Fault::low_voltage, [](Observation& o) { o.joints[0].supply_V = 15; }},
+    {Fault::high_voltage, [](Observation& o) { o.joints[0].supply_V = 70; }},
+    {Fault::stale_plan, [](Observation& o) { o.plan_age_s = 1; }},
+    {Fault::failed_solves, [](Observation& o) { o.failed_solves = 3; }},
+    {Fault::planner_overrun, [](Observation& o) { o.solve_s = 0.02; }},
+    {Fault::torque_loop_overrun, [](Observation& o) { o.lateness_s = 0.001; }},
+    {Fault::torque_loop_stalled, [](Observation& o) { o.lateness_s = 0.02; }},
+    {Fault::not_finite, [](Observation& o) { o.controller_finite = false; }},
+    {Fault::heartbeat_lost,
+     [](Observation& o) {
+       o.heartbeat_expected = true;
+       o.heartbeat_age_s = 1;
+     }},
+    {Fault::emergency_stop, [](Observation& o) { o.emergency_stop = hal::EmergencyStopState::pressed; }},
+    {Fault::bring_up_failed, [](Observation& o) { o.bring_up_failed = true; }},
+    {Fault::plan_missing,
+     [](Observation& o) {
+       o.plan_age_s = 1;
+       o.has_gait = true;
+     }},
+}};
+
+}  // namespace stilt::supervisor::testing
