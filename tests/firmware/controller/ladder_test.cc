@@ -104,6 +104,35 @@ TEST_F(GaitRungTest, TracksAGaitWhenThePlannerStopsWhileItWalks) {
   EXPECT_GT(std::abs(most->torque_Nm), 1);
 }
 
+TEST_F(GaitRungTest, WithoutPlansInDoubleSupportThereIsNoGaitToGoOnWith) {
+  walk_on_without_plans(0.3, 0);
+  rig->plan_once_more([](control::Plan& plan) {
+    for (control::PlanNode& node : plan.node) node.mode = {true, true};
+  });
+  rig->run(300);
+  EXPECT_EQ(rig->rung(), Rung::sit);
+  EXPECT_EQ(std::ranges::find(rig->rungs, Rung::gait), rig->rungs.end());
+}
+
+TEST_F(GaitRungTest, APlanIsFollowedAgainOnlyWithTheFootOfTheGaitOnTheGround) {
+  walk_on_without_plans(0.3, 300);
+  ASSERT_EQ(rig->rung(), Rung::gait);
+  int followed = 0;
+  const auto offer = [&](model::ContactMode mode) {
+    rig->plan_once_more([&](control::Plan& plan) {
+      plan.start_time_s = rig->cycle.time_s();
+      for (control::PlanNode& node : plan.node) node.mode = mode;
+    });
+    rig->run(1);
+    if (rig->rung() == Rung::new_plan) ++followed;
+  };
+  offer({true, true});
+  EXPECT_EQ(followed, 0);
+  offer({true, false});
+  if (followed == 0) offer({false, true});
+  EXPECT_EQ(followed, 1);
+}
+
 /// Stepping in place the phase of the gait is the time, so that it goes on though the joints stand still.
 class GaitRungSensorTest : public GaitRungTest {
  protected:

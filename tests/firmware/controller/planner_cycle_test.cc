@@ -62,6 +62,15 @@ TEST_F(PlannerCycleTest, FailuresAreCountedAndLeaveThePlanAlone) {
   EXPECT_EQ(planner->result().failures_in_a_row, 0u);
 }
 
+TEST_F(PlannerCycleTest, ANewSessionCountsItsFailuresFromTheBeginning) {
+  request.state[2] = NAN;
+  EXPECT_FALSE(planner->cycle(request, *plan));
+  EXPECT_FALSE(planner->cycle(request, *plan));
+  request.session = 2;
+  EXPECT_FALSE(planner->cycle(request, *plan));
+  EXPECT_EQ(planner->result().failures_in_a_row, 1u);
+}
+
 TEST_F(PlannerCycleTest, ANewSessionForgetsTheStepsOfTheLast) {
   ASSERT_TRUE(planner->cycle(request, *plan));
   request.command = {gait::GaitKind::walk, 0.5};

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <memory>
 #include <vector>
 
@@ -20,6 +21,7 @@ class ScriptedJoints final : public hal::JointBus {
  public:
   hal::JointReadings readings;
   hal::JointBusStatus read_status = hal::JointBusStatus::ok;
+  hal::JointBusStatus write_status = hal::JointBusStatus::ok;
   bool silent = false;
   int writes = 0;
   int disables = 0;
@@ -36,7 +38,7 @@ class ScriptedJoints final : public hal::JointBus {
   hal::JointBusStatus write(const hal::JointCommands& wanted) noexcept override {
     commands = wanted;
     ++writes;
-    return hal::JointBusStatus::ok;
+    return write_status;
   }
   hal::JointBusStatus disable() noexcept override {
     ++disables;
@@ -120,15 +122,60 @@ class Rig {
     }
   }
 
-  /// From power-on to standing with the torque law fully in command.
-  void stand() {
+  /// From power-on to drivers that came up.
+  void get_ready() {
     run(3);
     ask(supervisor::RequestKind::calibrate);
     run(3);
+    ASSERT_EQ(state(), supervisor::State::ready);
+  }
+
+  /// From power-on to standing with the torque law fully in command.
+  void stand() {
+    get_ready();
     ask(supervisor::RequestKind::stand);
     run(static_cast<int>(1000 * configuration.supervisor.stand_ramp_s) + 100);
     ASSERT_EQ(state(), supervisor::State::stand);
     ASSERT_EQ(decision().ramp, 1.0);
+  }
+
+  /// The emergency stop ends what the robot does; then reset and bring-up.
+  void fall_and_get_ready() {
+    stop.state = hal::EmergencyStopState::pressed;
+    run(10);
+    stop.state = hal::EmergencyStopState::released;
+    ask(supervisor::RequestKind::reset);
+    run(10);
+    ask(supervisor::RequestKind::calibrate);
+    run(5);
+    ASSERT_EQ(state(), supervisor::State::ready);
+  }
+
+  /// The planner ends, and this is its last plan: the newest one, changed.
+  template <class Change>
+  void plan_once_more(const Change& change) {
+    planning = fresh = false;
+    control::Plan& plan = mail.plans.writer();
+    plan = mail.plans.newest();
+    change(plan);
+    mail.plans.publish();
+  }
+
+  /// Events of a kind that wait in the ring; all others are dropped.
+  [[nodiscard]] std::vector<Event> take(Event::Kind kind) {
+    std::vector<Event> events;
+    while (const Event* event = mail.events.front()) {
+      if (event->kind == kind) events.push_back(*event);
+      mail.events.pop();
+    }
+    return events;
+  }
+
+  /// All four commands only damp.
+  [[nodiscard]] bool only_damps() const {
+    return std::ranges::all_of(joints.commands, [](const hal::JointCommand& joint) {
+      return joint.kp_Nm_rad == 0 && joint.torque_Nm == 0 && joint.velocity_rad_s == 0;
+    });
   }
 
   [[nodiscard]] std::int64_t now_ns() const { return 1'000'000'000 + tick * kTick_ns; }

@@ -23,23 +23,6 @@ class TorqueCycleTest : public ::testing::Test {
   std::unique_ptr<Rig> rig;
 };
 
-bool only_damps(const hal::JointCommands& commands) {
-  for (const hal::JointCommand& command : commands) {
-    if (command.kp_Nm_rad != 0 || command.torque_Nm != 0 || command.velocity_rad_s != 0) return false;
-  }
-  return true;
-}
-
-/// Events of a kind that wait in the ring.
-std::vector<Event> take(Rig& rig, Event::Kind kind) {
-  std::vector<Event> events;
-  while (const Event* event = rig.mail.events.front()) {
-    if (event->kind == kind) events.push_back(*event);
-    rig.mail.events.pop();
-  }
-  return events;
-}
-
 TEST_F(TorqueCycleTest, NothingIsSentBeforeSomebodyAsks) {
   rig->run(200);
   EXPECT_EQ(rig->state(), State::idle);
@@ -55,7 +38,7 @@ TEST_F(TorqueCycleTest, DriversThatCameUpAreDampedAndNoMore) {
   EXPECT_EQ(rig->state(), State::ready);
   EXPECT_EQ(rig->drivers.begun, 1);
   EXPECT_GT(rig->joints.writes, 40);
-  EXPECT_TRUE(only_damps(rig->joints.commands));
+  EXPECT_TRUE(rig->only_damps());
 }
 
 TEST_F(TorqueCycleTest, ADriverThatCannotBeBroughtUpIsNamedAndEndsInAFault) {
@@ -68,10 +51,26 @@ TEST_F(TorqueCycleTest, ADriverThatCannotBeBroughtUpIsNamedAndEndsInAFault) {
   rig->run(10);
   EXPECT_EQ(rig->state(), State::fault);
   EXPECT_EQ(rig->drivers.steps, 1) << "the others are not asked any further";
-  const auto events = take(*rig, Event::Kind::bring_up_failed);
+  const auto events = rig->take(Event::Kind::bring_up_failed);
   ASSERT_EQ(events.size(), 1u);
   EXPECT_EQ(events[0].joint, 3);
   EXPECT_EQ(events[0].failure, hal::bring_up::Failure::not_home);
+}
+
+TEST_F(TorqueCycleTest, AfterAFailedBringUpTheNextOneMaySucceed) {
+  const hardware::DriversProgress success = rig->drivers.outcome;
+  rig->drivers.outcome = {.failed = true, .stage = hal::bring_up::Stage::failed};
+  rig->run(3);
+  rig->ask(RequestKind::calibrate);
+  rig->run(10);
+  ASSERT_EQ(rig->state(), State::fault);
+  rig->drivers.outcome = success;
+  rig->ask(RequestKind::reset);
+  rig->run(5);
+  rig->ask(RequestKind::calibrate);
+  rig->run(5);
+  EXPECT_EQ(rig->state(), State::ready);
+  EXPECT_EQ(rig->drivers.begun, 2);
 }
 
 TEST_F(TorqueCycleTest, StandingTorquesAreThoseOfTheTorqueLawOnTheNewestPlan) {
@@ -106,12 +105,13 @@ TEST_F(TorqueCycleTest, ThePitchIsCarriedOnWithItsRateUntilTheNextFrame) {
   EXPECT_NEAR(rig->record.estimated_state[kPitch], 0.102, 1e-12);
   rig->run(50);
   EXPECT_NEAR(rig->record.estimated_state[kPitch], 0.12, 1e-12) << "for 10 ms at most";
+  rig->base.reading.time_ns = rig->now_ns() + 5'000'000;
+  rig->run(1);
+  EXPECT_DOUBLE_EQ(rig->record.estimated_state[kPitch], 0.1) << "never back";
 }
 
 TEST_F(TorqueCycleTest, TheTorqueLawTakesOverGradually) {
-  rig->run(3);
-  rig->ask(RequestKind::calibrate);
-  rig->run(3);
+  rig->get_ready();
   rig->ask(RequestKind::stand);
   rig->run(30);
   double before_Nm = 0;
@@ -124,9 +124,7 @@ TEST_F(TorqueCycleTest, TheTorqueLawTakesOverGradually) {
 }
 
 TEST_F(TorqueCycleTest, AnEncoderThatStandsStillIsAFaultOnceTheTorqueLawIsInCommand) {
-  rig->run(3);
-  rig->ask(RequestKind::calibrate);
-  rig->run(3);
+  rig->get_ready();
   // Encoders that stick while a joint moved: plans start from that speed.
   for (hal::JointReading& reading : rig->joints.readings) {
     reading.velocity_rad_s = 0.9;
@@ -138,41 +136,6 @@ TEST_F(TorqueCycleTest, AnEncoderThatStandsStillIsAFaultOnceTheTorqueLawIsInComm
   rig->run(1000);
   EXPECT_EQ(rig->state(), State::fault);
   EXPECT_TRUE(rig->decision().latched.has(Fault::stale_encoder));
-}
-
-TEST_F(TorqueCycleTest, StandingUpWaitsForTheStandingPose) {
-  rig->run(3);
-  rig->ask(RequestKind::calibrate);
-  rig->run(3);
-  const double knee_rad = rig->joints.readings[1].position_rad;
-  rig->joints.readings[1].position_rad = knee_rad + 0.3;
-  rig->ask(RequestKind::stand);
-  rig->run(100);
-  EXPECT_EQ(rig->state(), State::ready);
-  EXPECT_TRUE(only_damps(rig->joints.commands));
-  EXPECT_EQ(take(*rig, Event::Kind::waits_for_pose).size(), 1u);
-  rig->joints.readings[1].position_rad = knee_rad;
-  rig->joints.readings[0].velocity_rad_s = 3.0;
-  rig->run(10);
-  EXPECT_EQ(rig->state(), State::ready) << "still moving";
-  rig->joints.readings[0].velocity_rad_s = 0.0;
-  rig->run(10);
-  EXPECT_EQ(rig->state(), State::stand);
-}
-
-TEST_F(TorqueCycleTest, LeavingTheStandingPoseWhileStandingUpEndsDampedAndIsTold) {
-  rig->run(3);
-  rig->ask(RequestKind::calibrate);
-  rig->run(3);
-  rig->ask(RequestKind::stand);
-  rig->run(500);
-  ASSERT_EQ(rig->state(), State::stand);
-  rig->joints.readings[1].position_rad += rig->configuration.supervisor.stance_margin_rad + 0.01;
-  rig->run(2);
-  EXPECT_EQ(rig->state(), State::ready);
-  EXPECT_TRUE(only_damps(rig->joints.commands));
-  EXPECT_EQ(take(*rig, Event::Kind::lost_stance).size(), 1u);
-  EXPECT_TRUE(rig->decision().latched.empty());
 }
 
 TEST_F(TorqueCycleTest, AWalkIsPlannedWithTheSpeedAskedFor) {
@@ -191,7 +154,7 @@ TEST_F(TorqueCycleTest, ASensorThatIsNotANumberDampsAtOnceWithFiniteCommands) {
   rig->base.reading.pitch_rad = std::numeric_limits<double>::quiet_NaN();
   rig->run(1);
   EXPECT_EQ(rig->state(), State::fault);
-  EXPECT_TRUE(only_damps(rig->joints.commands));
+  EXPECT_TRUE(rig->only_damps());
   for (const hal::JointCommand& command : rig->joints.commands) {
     EXPECT_TRUE(std::isfinite(command.position_rad) && std::isfinite(command.kd_Nms_rad));
   }
@@ -199,11 +162,9 @@ TEST_F(TorqueCycleTest, ASensorThatIsNotANumberDampsAtOnceWithFiniteCommands) {
 
 TEST_F(TorqueCycleTest, APlanThatIsNotANumberNeverReachesTheJoints) {
   rig->stand();
-  rig->planning = false;
-  control::Plan& bad = rig->mail.plans.writer();
-  bad = rig->mail.plans.newest();
-  for (int k = 0; k < bad.nodes; ++k) bad.node[static_cast<std::size_t>(k)].input.setConstant(NAN);
-  rig->mail.plans.publish();
+  rig->plan_once_more([](control::Plan& bad) {
+    for (control::PlanNode& node : bad.node) node.input.setConstant(NAN);
+  });
   rig->run(1);
   for (const hal::JointCommand& command : rig->joints.commands) {
     EXPECT_TRUE(std::isfinite(command.torque_Nm));
@@ -211,7 +172,78 @@ TEST_F(TorqueCycleTest, APlanThatIsNotANumberNeverReachesTheJoints) {
   rig->run(1);
   EXPECT_EQ(rig->state(), State::fault);
   EXPECT_TRUE(rig->decision().latched.has(Fault::not_finite));
-  EXPECT_TRUE(only_damps(rig->joints.commands));
+  EXPECT_TRUE(rig->only_damps());
+}
+
+TEST_F(TorqueCycleTest, APlanIsFollowedToItsEndAndNotBeyond) {
+  rig->stand();
+  double end_s = 0.0;
+  rig->plan_once_more([&](control::Plan& plan) {
+    plan.nodes = 4;
+    end_s = plan.node[3].time_s;
+  });
+  rig->run(1);
+  ASSERT_LT(rig->cycle.time_s(), end_s);
+  for (; rig->cycle.time_s() + 0.0005 < end_s; rig->run(1)) ASSERT_EQ(rig->rung(), Rung::new_plan);
+  rig->run(2);
+  EXPECT_EQ(rig->rung(), Rung::sit) << "young enough, but at its end";
+}
+
+TEST_F(TorqueCycleTest, OtherGainsAreInForceFromTheNextTickOnAndAreRecorded) {
+  rig->stand();
+  rig->plan_once_more([](control::Plan&) {});
+  rig->joints.readings[1].position_rad += 0.01;
+  rig->run(1);
+  EXPECT_EQ(rig->record.tuning, 0u);
+  const double before_Nm = rig->joints.commands[1].torque_Nm;
+  TorqueTuning& tuning = rig->mail.torque_tunings.writer();
+  tuning = {.number = 3, .law = rig->configuration.torque_law};
+  tuning.law.joint_kp_Nm_rad += 100.0;
+  rig->mail.torque_tunings.publish();
+  rig->run(1);
+  EXPECT_EQ(rig->record.tuning, 3u);
+  EXPECT_NEAR(rig->joints.commands[1].torque_Nm - before_Nm, -0.01 * 100.0, 0.1);
+}
+
+TEST_F(TorqueCycleTest, TheEstimateRestsOnTheFeetThatThePlanHasOnTheGround) {
+  rig->stand();
+  for (const bool left_stands : {true, false}) {
+    rig->plan_once_more([&](control::Plan& plan) {
+      plan.start_time_s = rig->cycle.time_s();
+      for (control::PlanNode& node : plan.node) node.mode = {left_stands, !left_stands};
+    });
+    rig->run(60);
+    const double height_m = rig->record.estimated_state[1];
+    const std::size_t swing_knee = left_stands ? 3 : 1;
+    const std::size_t stance_knee = left_stands ? 1 : 3;
+    rig->joints.readings[swing_knee].position_rad += 0.1;
+    rig->run(1);
+    EXPECT_NEAR(rig->record.estimated_state[1], height_m, 1e-12);
+    rig->joints.readings[stance_knee].position_rad += 0.1;
+    rig->run(1);
+    EXPECT_LT(rig->record.estimated_state[1], height_m - 0.005);
+  }
+}
+
+TEST_F(TorqueCycleTest, ACommandThatTheBusRefusesIsAFault) {
+  rig->stand();
+  rig->joints.write_status = hal::JointBusStatus::refused;
+  rig->run(2);
+  EXPECT_EQ(rig->state(), State::fault);
+  EXPECT_TRUE(rig->decision().latched.has(Fault::not_finite));
+}
+
+TEST_F(TorqueCycleTest, ALostHeartbeatEndsAWalk) {
+  rig->stand();
+  rig->ask(RequestKind::walk, 0.3);
+  rig->command.heartbeat_expected = true;
+  rig->command.heartbeat_ns = rig->now_ns();
+  const int timeout = static_cast<int>(1000 * rig->configuration.supervisor.heartbeat_timeout_s);
+  rig->run(timeout - 2);
+  EXPECT_EQ(rig->state(), State::walk);
+  rig->run(4);
+  EXPECT_EQ(rig->state(), State::step);
+  EXPECT_TRUE(rig->decision().present.has(Fault::heartbeat_lost));
 }
 
 TEST_F(TorqueCycleTest, AfterALatchedFaultNothingButDampingIsSentWhateverIsAsked) {
@@ -219,36 +251,19 @@ TEST_F(TorqueCycleTest, AfterALatchedFaultNothingButDampingIsSentWhateverIsAsked
   rig->stop.state = hal::EmergencyStopState::pressed;
   rig->run(1);
   EXPECT_EQ(rig->state(), State::fault);
-  EXPECT_TRUE(only_damps(rig->joints.commands)) << "in the very tick";
+  EXPECT_TRUE(rig->only_damps()) << "in the very tick";
   rig->stop.state = hal::EmergencyStopState::released;
   for (const RequestKind kind :
        {RequestKind::stand, RequestKind::walk, RequestKind::calibrate, RequestKind::sit}) {
     rig->ask(kind);
     rig->run(20);
     EXPECT_EQ(rig->state(), State::fault);
-    EXPECT_TRUE(only_damps(rig->joints.commands));
+    EXPECT_TRUE(rig->only_damps());
   }
   rig->ask(RequestKind::reset);
   rig->run(20);
   EXPECT_EQ(rig->state(), State::idle);
   EXPECT_GE(rig->buses.restored, 1);
-}
-
-TEST_F(TorqueCycleTest, APlanFromBeforeTheLastFallIsNotFollowed) {
-  rig->stand();
-  rig->stop.state = hal::EmergencyStopState::pressed;
-  rig->run(10);
-  rig->stop.state = hal::EmergencyStopState::released;
-  rig->ask(RequestKind::reset);
-  rig->run(10);
-  rig->ask(RequestKind::calibrate);
-  rig->run(5);
-  rig->planning = false;
-  rig->ask(RequestKind::stand);
-  rig->run(20);
-  EXPECT_EQ(rig->state(), State::stand);
-  EXPECT_EQ(rig->mail.requests.newest().session, 2u);
-  EXPECT_EQ(rig->rung(), Rung::hold) << "the old plan has not ended yet, but belongs to another place";
 }
 
 TEST_F(TorqueCycleTest, BusErrorsAreNoticedInTheTickTheyAreCounted) {
@@ -260,6 +275,13 @@ TEST_F(TorqueCycleTest, BusErrorsAreNoticedInTheTickTheyAreCounted) {
   EXPECT_TRUE(rig->decision().present.has(Fault::bus_error));
   rig->run(1);
   EXPECT_FALSE(rig->decision().present.has(Fault::bus_error));
+  for (std::uint32_t* malformed : {&rig->joints.readings[2].malformed, &rig->base.reading.malformed}) {
+    ++*malformed;
+    rig->run(1);
+    EXPECT_TRUE(rig->decision().present.has(Fault::bus_error));
+    rig->run(1);
+    EXPECT_FALSE(rig->decision().present.has(Fault::bus_error));
+  }
 }
 
 TEST_F(TorqueCycleTest, ALongTickIsAFault) {
@@ -272,12 +294,12 @@ TEST_F(TorqueCycleTest, ALongTickIsAFault) {
 
 TEST_F(TorqueCycleTest, FaultsAndStatesAreTold) {
   rig->stand();
-  const auto states = take(*rig, Event::Kind::state);
+  const auto states = rig->take(Event::Kind::state);
   ASSERT_GE(states.size(), 4u);
   EXPECT_EQ(states.back().state, State::stand);
   rig->stop.state = hal::EmergencyStopState::pressed;
   rig->run(5);
-  const auto faults = take(*rig, Event::Kind::fault);
+  const auto faults = rig->take(Event::Kind::fault);
   ASSERT_EQ(faults.size(), 1u) << "told once";
   EXPECT_EQ(faults[0].fault, Fault::emergency_stop);
   EXPECT_NEAR(faults[0].time_s, 1e-3 * static_cast<double>(rig->tick - 5), 1e-9);
@@ -297,6 +319,36 @@ TEST_F(TorqueCycleTest, TheBlackBoxFreezesAfterAFaultWithWhatWasBefore) {
   EXPECT_EQ(last.tick, static_cast<std::uint64_t>(tick_of_fault + 100));
   EXPECT_EQ(last.state, State::fault);
   EXPECT_EQ(box.record(box.size() - 1 - 101).state, State::stand);
+}
+
+TEST_F(TorqueCycleTest, TheBlackBoxFreezesWhenThePoseIsHeldAndNotForAWarning) {
+  rig->mail.black_box.set_aftermath(20);
+  rig->stand();
+  ++rig->buses.error_count;
+  rig->run(50);
+  EXPECT_FALSE(rig->mail.black_box.frozen()) << "a warning";
+  rig->joints.silent = true;
+  rig->run(5);
+  ASSERT_EQ(rig->rung(), Rung::hold);
+  rig->joints.silent = false;
+  rig->run(50);
+  EXPECT_EQ(rig->state(), State::stand);
+  EXPECT_TRUE(rig->mail.black_box.frozen());
+}
+
+TEST_F(TorqueCycleTest, ARecordHoldsTheTimesOfItsTickAndWhatLeft) {
+  rig->stand();
+  rig->cycle.tick({.now_ns = rig->now_ns(), .late_ns = 1000, .execution_ns = 2000, .round_trip_ns = 3000});
+  const diagnostics::TickRecord& record = *rig->mail.telemetry.front();
+  EXPECT_EQ(record.tick, static_cast<std::uint64_t>(rig->tick));
+  EXPECT_EQ(record.time_ns, rig->now_ns());
+  EXPECT_EQ(record.wakeup_ns, 1000);
+  EXPECT_EQ(record.execution_ns, 2000);
+  EXPECT_EQ(record.round_trip_ns, 3000);
+  EXPECT_EQ(record.action, supervisor::Action::commands);
+  EXPECT_EQ(record.sent[1].torque_Nm, rig->joints.commands[1].torque_Nm);
+  EXPECT_EQ(record.plan_sequence, rig->mail.plans.newest().sequence);
+  EXPECT_NEAR(record.plan_age_s, rig->cycle.time_s() - rig->mail.plans.newest().start_time_s, 1e-12);
 }
 
 TEST_F(TorqueCycleTest, NoTickAllocates) {
