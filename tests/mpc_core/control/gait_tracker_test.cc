@@ -76,6 +76,21 @@ TEST_F(Tracker, PullsTheJointsBackInProportion) {
   EXPECT_EQ(after.torque_Nm[0], before.torque_Nm[0]);
 }
 
+TEST_F(Tracker, PlacesTheFootOnceInAStepAndAnewInEveryStep) {
+  const auto torque_of_a_lean_Nm = [&] {
+    SensorReading leaning = reading(0.0, 0.4, model::kLeft);
+    leaning.base_pitch_rad += 0.05;
+    return tracker_->tick(leaning, 0.0).torque_Nm;
+  };
+  tracker_->start(0.0, model::kLeft, 0.0, 0.0);
+  const model::JointVector placed_Nm = torque_of_a_lean_Nm();
+  tracker_->start(0.0, model::kLeft, 0.0, 0.0);
+  (void)tracker_->tick(reading(0.0, 0.1, model::kLeft), 0.0);  // on the gait: nothing to correct
+  EXPECT_GT((placed_Nm - torque_of_a_lean_Nm()).cwiseAbs().maxCoeff(), 0.5) << "once in a step";
+  tracker_->start(0.0, model::kLeft, 0.0, 0.0);
+  EXPECT_EQ(torque_of_a_lean_Nm(), placed_Nm);
+}
+
 TEST_F(Tracker, SwapsTheLegsWhenTheSwingFootComesDownAndNotBefore) {
   tracker_->start(0.0, model::kLeft, 1.0, 0.5);
   (void)tracker_->tick(reading(0.5, 0.99, model::kLeft), 0.5);

@@ -16,6 +16,7 @@ struct Options {
   double speed_m_s = 0.5;
   double trim_m_s = 0.0;
   double double_support_s = 0.0;
+  double standing_since_s = 0.0;
 };
 
 /// A reference under way: walking was commanded at 0, the first lift-off is at 0.3.
@@ -30,7 +31,7 @@ struct Walk {
 
   explicit Walk(const Options& options) : end_s(options.time_s + 2.0) {
     gait.double_support_s = options.double_support_s;
-    schedule.reset(0.0);
+    schedule.reset(options.standing_since_s);
     for (const double time_s : {0.0, options.time_s}) {
       schedule.update(time_s, end_s + 2.0, options.command, gait, parameters, options.speed_m_s, true);
     }
@@ -183,19 +184,37 @@ TEST(Reference, SwingFootMeetsTheGroundWithTheTouchDownVelocity) {
   }
 }
 
-TEST(Reference, ComingToAStandPutsTheFeetApartAroundTheHip) {
-  Walk walk({});
-  const GaitCommand stand{GaitKind::stand, 0.0};
-  walk.schedule.update(0.45, 4.0, stand, walk.gait, walk.parameters, 0.5, true);
-  walk.reference.prepare(model::amber3m().constants, walk.schedule, stand, walk.gait, walk.parameters, 0.45,
-                         walk.state, walk.feet, 0.5, 0.0);
-  const int last = walk.schedule.count() - 1;
-  ASSERT_EQ(walk.schedule.phase(last).gait, GaitKind::stand);
-  const ReferencePoint point = walk.at(walk.schedule.phase(last).start_s + 0.1);
-  const model::FeetVector& feet = point.foot_position_W_m;
-  EXPECT_NEAR(std::abs(feet[0] - feet[2]), 2.0 * walk.gait.stand_half_width_m, 1e-9);
-  EXPECT_NEAR(0.5 * (feet[0] + feet[2]), point.state[0], 1e-9);
-  EXPECT_NEAR(point.state[kPositions], 0.0, 1e-12);
+TEST(Reference, ComingToAStandTheFootThatLandsLastStandsAheadUnlessTheRobotWalksBackward) {
+  for (const double speed_m_s : {0.0, 0.5, -0.3}) {
+    for (const double stop_s : {0.45, 0.85}) {  // on either foot
+      Walk walk({.time_s = stop_s});
+      const GaitCommand stand{GaitKind::stand, speed_m_s};
+      walk.schedule.update(stop_s, 4.0, stand, walk.gait, walk.parameters, 0.5, true);
+      walk.reference.prepare(model::amber3m().constants, walk.schedule, stand, walk.gait, walk.parameters,
+                             stop_s, walk.state, walk.feet, 0.5, 0.0);
+      const int last = walk.schedule.count() - 1;
+      ASSERT_EQ(walk.schedule.phase(last).gait, GaitKind::stand);
+      const int lands_last = walk.schedule.phase(last - 1).mode.left ? 1 : 0;
+      const int ahead = speed_m_s >= 0.0 ? lands_last : 1 - lands_last;
+      const ReferencePoint point = walk.at(walk.schedule.phase(last).start_s + 0.1);
+      const model::FeetVector& feet = point.foot_position_W_m;
+      EXPECT_NEAR(feet[2 * ahead], point.state[0] + walk.gait.stand_half_width_m, 1e-9);
+      EXPECT_NEAR(feet[2 * (1 - ahead)], point.state[0] - walk.gait.stand_half_width_m, 1e-9);
+      EXPECT_NEAR(point.state[kPositions], 0.0, 1e-12);
+    }
+  }
+}
+
+TEST(Reference, AFootThatLiftedOffCameFromBelowTheHipHalfAStepBeforeHoweverLongItStood) {
+  for (const double standing_since_s : {-0.1, -1.0, -60.0}) {
+    const Walk walk({.standing_since_s = standing_since_s});
+    const int phase = walk.schedule.index_at(0.4);
+    const int swing = walk.schedule.phase(phase).mode.left ? 1 : 0;
+    const double lift_off_s = walk.schedule.phase(phase).start_s;
+    const double hip_m = walk.state[0] + 0.5 * (lift_off_s - 0.5 * walk.gait.single_support_s - 0.4);
+    EXPECT_NEAR(walk.reference.evaluate(lift_off_s, phase).foot_position_W_m[2 * swing], hip_m, 1e-12)
+        << "standing since " << standing_since_s;
+  }
 }
 
 TEST(Reference, NominalJointsStandTheFeetBelowTheHip) {

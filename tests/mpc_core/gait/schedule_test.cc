@@ -209,6 +209,8 @@ TEST(Schedule, AStopTakesTheStepsThatTheDecelerationNeeds) {
       const double ramp_s = std::abs(speed_m_s) / driver.reference.speed_ramp_m_s2;
       const double step_s = 0.4 + double_support_s;
       EXPECT_GE(stand_s, command_s + ramp_s) << speed_m_s;
+      EXPECT_GE(driver.lived[driver.lived.size() - 2].start_s, command_s + ramp_s)
+          << speed_m_s << ": the last step settles";
       EXPECT_LE(stand_s, command_s + ramp_s + 3.0 * step_s) << speed_m_s;
     }
   }

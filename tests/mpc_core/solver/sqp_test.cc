@@ -103,6 +103,25 @@ TEST(Sqp, RejectsAStepThatTheFilterRefusesAndLeavesTheIterateAlone) {
   EXPECT_TRUE(same_bits(*solve.iterate, solve.scene->guess, solve.stages()));
 }
 
+TEST(Sqp, ARejectedLastStepHasNoLengthWhateverWasTakenBefore) {
+  const auto prepared = [] {
+    Solve solve;
+    solve.parameters.early_stop = false;
+    solve.parameters.armijo = 1e6;  // no step below g_min is good enough
+    solve.parameters.g_min = 1e-3 * solve.violation();
+    return solve;
+  };
+  Solve one_by_one = prepared();
+  int accepted = 0;
+  while (one_by_one.run(1).step_length > 0.0) ASSERT_LT(++accepted, 20);
+  ASSERT_GT(accepted, 0);
+  Solve together = prepared();
+  const SolveReport report = together.run(accepted + 1);
+  EXPECT_EQ(report.iterations, accepted + 1);
+  EXPECT_EQ(report.step_length, 0.0);
+  EXPECT_TRUE(same_bits(*together.iterate, *one_by_one.iterate, together.stages()));
+}
+
 TEST(Sqp, SaysNotFiniteForEveryPlaceANumberCanBeMissing) {
   for (const double bad :
        {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
@@ -256,6 +275,22 @@ TEST(SqpFilter, BelowGMinAsksForDescentOfTheCost) {
   };
   EXPECT_EQ(status(1e-4), SolveStatus::iteration_limit);
   EXPECT_EQ(status(1e6), SolveStatus::step_rejected);
+}
+
+TEST(SqpFilter, BelowGMinAShorterStepNeedsDescendLessInProportion) {
+  // Of a quadratic cost a full step gains half of what its slope promises, half a step three quarters.
+  const auto step_length = [](double armijo) {
+    Solve solve;
+    solve.converge();
+    solve.scene->data.cost.foot_velocity *= 1.01;
+    solve.parameters.g_min = 1e3;
+    solve.parameters.armijo = armijo;
+    return solve.run(1).step_length;
+  };
+  EXPECT_EQ(step_length(0.45), 1.0);
+  EXPECT_EQ(step_length(0.55), 0.5);
+  EXPECT_EQ(step_length(0.70), 0.5);
+  EXPECT_EQ(step_length(0.80), 0.25);
 }
 
 TEST(SqpFilter, OtherwiseTakesEitherASmallerViolationOrASmallerCost) {

@@ -1,0 +1,195 @@
+// Where a solve starts from, and the trim of the speed reference: what the planner does before it solves.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "tests/mpc_core/control/planning.h"
+
+namespace stilt::control {
+namespace {
+
+using gait::GaitKind;
+using model::kInputs;
+using model::kPositions;
+using model::StateVector;
+using testing_support::kPeriod_s;
+using testing_support::kStand;
+using testing_support::kWalk;
+using testing_support::Planning;
+using testing_support::shipped;
+
+/// From now on a solve ends before its first iteration: its plan is its first guess.
+void guess_only(Planning& planning) {
+  ControllerParameters parameters = planning.parameters;
+  parameters.sqp.iterations = 0;
+  const auto settings = std::make_unique<PlannerSettings>();
+  const auto work = std::make_unique<solver::TerminalCostWorkspace>();
+  ASSERT_EQ(prepare_settings(model::amber3m(), parameters, *work, *settings), ConfigureStatus::ok);
+  planning.planner->adopt(*settings);
+}
+
+bool same_time(const PlanNode& a, const PlanNode& b) { return std::abs(a.time_s - b.time_s) < 1e-9; }
+
+/// Node k is the first, or the second, of the two nodes of a touch-down.
+bool before_touchdown(const Plan& plan, int k) {
+  return k + 1 < plan.nodes &&
+         same_time(plan.node[static_cast<std::size_t>(k)], plan.node[static_cast<std::size_t>(k + 1)]);
+}
+bool after_touchdown(const Plan& plan, int k) { return k > 0 && before_touchdown(plan, k - 1); }
+
+/// The old plan at a time: its own node at a touch-down on that side, interpolated between nodes otherwise.
+StateVector old_state(const Plan& old, double time_s, bool before, bool after) {
+  for (int j = 0; j < old.nodes; ++j) {
+    const PlanNode& node = old.node[static_cast<std::size_t>(j)];
+    if (std::abs(node.time_s - time_s) > 1e-9) continue;
+    if ((before && before_touchdown(old, j)) || (after && after_touchdown(old, j))) return node.state;
+  }
+  int j = 0;
+  while (j + 2 < old.nodes && old.node[static_cast<std::size_t>(j + 1)].time_s <= time_s) ++j;
+  const PlanNode& from = old.node[static_cast<std::size_t>(j)];
+  const PlanNode& to = old.node[static_cast<std::size_t>(j + 1)];
+  const double share = (time_s - from.time_s) / (to.time_s - from.time_s);
+  return from.state + share * (to.state - from.state);
+}
+
+TEST(FirstGuess, IsThePlanBeforeWithBothSidesOfItsTouchDowns) {
+  Planning planning(shipped());
+  planning.advance(kWalk, 60);
+  ASSERT_TRUE(planning.solve(kWalk).usable());
+  const auto old = std::make_unique<Plan>(*planning.plan);
+  planning.follow();
+  guess_only(planning);
+  ASSERT_TRUE(planning.solve(kWalk).usable());
+  const Plan& guess = *planning.plan;
+  const double old_end_s = old->node[static_cast<std::size_t>(old->nodes - 1)].time_s;
+  double largest_jump_rad_s = 0.0;
+  for (int k = 1; k < guess.nodes; ++k) {
+    const PlanNode& node = guess.node[static_cast<std::size_t>(k)];
+    if (node.time_s > old_end_s - 1e-9) continue;
+    const bool before = before_touchdown(guess, k);
+    const bool after = after_touchdown(guess, k);
+    const StateVector expected = old_state(*old, node.time_s, before, after);
+    EXPECT_LT((node.state - expected).cwiseAbs().maxCoeff(), 1e-9) << "node " << k << " at " << node.time_s;
+    if (after) {
+      const StateVector& earlier = guess.node[static_cast<std::size_t>(k - 1)].state;
+      largest_jump_rad_s = std::max(largest_jump_rad_s, (node.state - earlier).cwiseAbs().maxCoeff());
+    }
+  }
+  EXPECT_GT(largest_jump_rad_s, 0.1) << "the sides of a touch-down differ, so that a confusion shows";
+}
+
+TEST(FirstGuess, TakesTheInputsOfThePlanBeforeWhereTheFeetAreTheSame) {
+  Planning planning(shipped());
+  planning.advance(kWalk, 60);
+  ASSERT_TRUE(planning.solve(kWalk).usable());
+  const auto old = std::make_unique<Plan>(*planning.plan);
+  planning.follow();
+  guess_only(planning);
+  ASSERT_TRUE(planning.solve(kWalk).usable());
+  const Plan& guess = *planning.plan;
+  const double old_end_s = old->node[static_cast<std::size_t>(old->nodes - 1)].time_s;
+  for (int k = 0; k + 1 < guess.nodes; ++k) {
+    const PlanNode& node = guess.node[static_cast<std::size_t>(k)];
+    if (node.time_s > old_end_s - 1e-9) break;
+    if (before_touchdown(guess, k)) {
+      EXPECT_EQ(node.input, model::InputVector::Zero()) << "node " << k;
+      continue;
+    }
+    int j = 0;
+    while (old->node[static_cast<std::size_t>(j + 1)].time_s <= node.time_s) ++j;
+    ASSERT_TRUE(old->node[static_cast<std::size_t>(j)].mode == node.mode);
+    EXPECT_EQ(node.input, old->node[static_cast<std::size_t>(j)].input) << "node " << k;
+  }
+}
+
+TEST(FirstGuess, BeyondThePlanBeforeItsLastPostureMovesOnAtTheReferenceSpeed) {
+  Planning planning(shipped());
+  planning.advance(kWalk, 150);
+  ASSERT_TRUE(planning.solve(kWalk).usable());
+  const PlanNode end = planning.plan->node[static_cast<std::size_t>(planning.plan->nodes - 1)];
+  planning.time_s += 0.1;
+  planning.state = interpolate(*planning.plan, planning.time_s).state;
+  guess_only(planning);
+  ASSERT_TRUE(planning.solve(kWalk).usable());
+  const double speed_m_s = planning.planner->problem().x_ref_terminal[kPositions];
+  EXPECT_NEAR(speed_m_s, kWalk.speed_m_s, planning.parameters.reference.speed_trim_max_m_s);
+  int beyond = 0;
+  for (int k = 0; k < planning.plan->nodes; ++k) {
+    const PlanNode& node = planning.plan->node[static_cast<std::size_t>(k)];
+    if (node.time_s < end.time_s + 1e-9) continue;
+    ++beyond;
+    StateVector expected = end.state;
+    expected[0] += (node.time_s - end.time_s) * speed_m_s;
+    EXPECT_LT((node.state - expected).cwiseAbs().maxCoeff(), 1e-9) << "node " << k;
+  }
+  EXPECT_GE(beyond, 6);
+}
+
+TEST(FirstGuess, WithoutAPlanBeforeIsTheStateOnItsWayWithTheReference) {
+  Planning planning(shipped());
+  guess_only(planning);
+  ASSERT_TRUE(planning.solve(kWalk).usable());
+  const ocp::Problem& problem = planning.planner->problem();
+  for (int k = 1; k + 1 < planning.plan->nodes; ++k) {
+    const PlanNode& node = planning.plan->node[static_cast<std::size_t>(k)];
+    EXPECT_EQ(node.state.tail<model::kStates - 1>(), planning.state.tail<model::kStates - 1>());
+    if (problem.horizon.stage[static_cast<std::size_t>(k)].kind != ocp::StageKind::flow) continue;
+    const ocp::StagePlace& place = problem.place[k];
+    EXPECT_EQ(node.state[0], problem.batch[place.batch].x_ref[0][place.lane]) << "node " << k;
+    for (int i = 0; i < kInputs; ++i) {
+      EXPECT_EQ(node.input[i], problem.batch[place.batch].u_ref[i][place.lane]) << "node " << k;
+    }
+  }
+}
+
+/// Walking at a steady speed, then guesses alone, the base going at the commanded speed: what is shown here
+/// happens before the solver.
+class TrimTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    planning_.advance(kWalk, 150);
+    guess_only(planning_);
+  }
+
+  /// Speed reference at the end of the next plan, when the base is that much ahead of its steady motion.
+  double speed_after_a_shift_of(double ahead_m, const gait::GaitCommand& command = kWalk) {
+    planning_.time_s += kPeriod_s;
+    planning_.state[0] += kPeriod_s * command.speed_m_s + ahead_m;
+    EXPECT_TRUE(planning_.solve(command).usable());
+    return planning_.planner->problem().x_ref_terminal[kPositions];
+  }
+
+  Planning planning_{shipped()};
+  const gait::ReferenceParameters& parameters_ = planning_.parameters.reference;
+};
+
+TEST_F(TrimTest, WorksOffTheLagBehindTheCommandedProgress) {
+  constexpr double kLag_m = 0.05;
+  const double before_m_s = speed_after_a_shift_of(0.0);
+  const double behind_m_s = speed_after_a_shift_of(-kLag_m);
+  EXPECT_NEAR(behind_m_s - before_m_s, parameters_.speed_trim_1_s * kLag_m, 1e-9);
+  EXPECT_NEAR(speed_after_a_shift_of(kLag_m), before_m_s, 1e-9);
+}
+
+TEST_F(TrimTest, IsBoundedEitherWayWhateverTheLag) {
+  EXPECT_NEAR(speed_after_a_shift_of(-5.0), kWalk.speed_m_s + parameters_.speed_trim_max_m_s, 1e-9);
+  EXPECT_NEAR(speed_after_a_shift_of(1.0), kWalk.speed_m_s - parameters_.speed_trim_max_m_s, 1e-9)
+      << "the lag to make up is bounded too, so that a metre ahead outweighs it";
+}
+
+TEST_F(TrimTest, IsForgottenInAStand) {
+  speed_after_a_shift_of(-5.0);
+  for (int cycle = 0; cycle < 300; ++cycle) speed_after_a_shift_of(0.0, kStand);
+  ASSERT_EQ(planning_.plan->gait, GaitKind::stand);
+  EXPECT_EQ(speed_after_a_shift_of(-1.0, kStand), 0.0);
+  const double of_one_period_m_s = parameters_.speed_trim_1_s * kPeriod_s * kWalk.speed_m_s;
+  while (planning_.plan->gait == GaitKind::stand) {
+    EXPECT_NEAR(speed_after_a_shift_of(0.0), kWalk.speed_m_s, 1.01 * of_one_period_m_s);
+    ASSERT_LT(planning_.time_s, 10.0);
+  }
+}
+
+}  // namespace
+}  // namespace stilt::control
