@@ -106,7 +106,16 @@ std::optional<Difference> compare(const controller::CycleRecord& recorded,
   comparison.add("time_s", recorded.time_s, replayed.time_s, "the plan's request");
   comparison.add("status", recorded.report.status, replayed.report.status, "the solve");
   comparison.add("iterations", recorded.report.iterations, replayed.report.iterations, "the solve");
+  comparison.add("cost", recorded.report.cost, replayed.report.cost, "the solve");
+  comparison.add("dynamics_defect_max", recorded.report.dynamics_defect_max,
+                 replayed.report.dynamics_defect_max, "the solve");
+  comparison.add("equality_violation_max", recorded.report.equality_violation_max,
+                 replayed.report.equality_violation_max, "the solve");
+  comparison.add("step_length", recorded.report.step_length, replayed.report.step_length, "the solve");
+  comparison.add("step_size", recorded.report.step_size, replayed.report.step_size, "the solve");
+  comparison.add("failures in a row", recorded.failures, replayed.failures);
   comparison.add("sequence", recorded.plan_sequence, replayed.plan_sequence, "the plan");
+  comparison.add("nodes", recorded.nodes, replayed.nodes, "the plan");
   comparison.add("check sum", recorded.checksum, replayed.checksum, "the plan");
   return comparison.result();
 }

@@ -25,7 +25,8 @@ struct Difference {
 [[nodiscard]] std::optional<Difference> compare(const diagnostics::TickRecord& recorded,
                                                 const diagnostics::TickRecord& replayed);
 
-/// The same for a solve of the planner: how it ended, iterations, the plan's number and check sum.
+/// The same for a solve of the planner: the request it answers, how it ended, the plan's number and check
+/// sum. Its duration and the number of its tuning are inputs of the replay.
 [[nodiscard]] std::optional<Difference> compare(const controller::CycleRecord& recorded,
                                                 const controller::CycleRecord& replayed);
 

@@ -113,7 +113,9 @@ bool Replay::run_cycle(const controller::CycleRecord& recorded) {
   replayed.cycle = planner_->result().cycles;
   replayed.time_s = request.time_s;
   replayed.standing = request.session;
+  replayed.failures = planner_->result().failures_in_a_row;
   replayed.plan_sequence = fresh ? plan->sequence : -1;
+  replayed.nodes = fresh ? plan->nodes : 0;
   replayed.checksum = fresh ? controller::plan_checksum(*plan) : 0;
   replayed.report = planner_->report();
   if (const auto difference = compare(recorded, replayed)) return differ(*difference);

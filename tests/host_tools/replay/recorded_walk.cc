@@ -31,6 +31,22 @@ class Run {
     ++command_.request.number;
   }
 
+  /// Changes live tunables of torque law and planner.
+  void tune(std::uint32_t number, double joint_kd_Nms_rad, double swing_height_m) {
+    configuration::Configuration changed = walk_.configuration;
+    changed.torque_law.joint_kd_Nms_rad = joint_kd_Nms_rad;
+    changed.gait.swing_height_m = swing_height_m;
+    Tunings& tunings = walk_.tunings[number];
+    const auto work = std::make_unique<solver::TerminalCostWorkspace>();
+    static_cast<void>(control::prepare_settings(model::amber3m(), changed, *work, tunings.planner.settings));
+    tunings.planner.number = number;
+    tunings.torque = {number, changed.torque_law};
+    mail_->torque_tunings.writer() = tunings.torque;
+    mail_->torque_tunings.publish();
+    mail_->planner_tunings.writer() = tunings.planner;
+    mail_->planner_tunings.publish();
+  }
+
   void run(int ticks) {
     for (int i = 0; i < ticks; ++i) run_tick();
   }
@@ -123,7 +139,11 @@ RecordedWalk walk() {
   run->ask(supervisor::RequestKind::step);
   run->run(700);
   run->ask(supervisor::RequestKind::walk, 0.4);
-  run->run(1500);
+  run->run(700);
+  run->tune(1, 7.0, 0.08);
+  run->run(400);
+  run->tune(2, 4.0, 0.06);
+  run->run(400);
   return run->take();
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <map>
 #include <vector>
 
 #include "firmware/configuration/configuration.h"
@@ -8,15 +10,17 @@
 #include "firmware/controller/planning_turn.h"
 #include "firmware/controller/torque_cycle.h"
 #include "host_tools/replay/recorded_robot.h"
+#include "host_tools/replay/replay.h"
 
 namespace stilt::replay {
 
 /// A run of the controller on a robot that does exactly what was planned, a little noise on the sensors:
-/// drivers up, standing, stepping, walking. Everything it recorded.
+/// drivers up, standing, stepping, walking, and live tunables changed on the way. Everything it recorded.
 struct RecordedWalk {
   configuration::Configuration configuration;
   std::vector<diagnostics::TickRecord> ticks;
   std::vector<controller::CycleRecord> cycles;
+  std::map<std::uint32_t, Tunings> tunings;  ///< by their number
 };
 
 inline constexpr unsigned kWalkSeed = 5;

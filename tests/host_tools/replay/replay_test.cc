@@ -3,7 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <bit>
-#include <limits>
+#include <functional>
+#include <utility>
 
 #include "tests/host_tools/replay/recorded_walk.h"
 
@@ -13,11 +14,14 @@ namespace {
 using controller::CycleRecord;
 using diagnostics::TickRecord;
 
-std::optional<Tunings> no_tunings(std::uint32_t) { return std::nullopt; }
+std::optional<Tunings> recorded_tunings(std::uint32_t number) {
+  const auto found = recorded_walk().tunings.find(number);
+  return found == recorded_walk().tunings.end() ? std::nullopt : std::optional(found->second);
+}
 
 Outcome replayed(const std::vector<TickRecord>& ticks, const std::vector<CycleRecord>& cycles,
                  const configuration::Configuration& configuration) {
-  Replay replay(cycles, no_tunings);
+  Replay replay(cycles, recorded_tunings);
   replay.torque().configure(model::amber3m(), configuration, configuration.supervisor);
   EXPECT_EQ(replay.planner().configure(model::amber3m(), configuration), control::ConfigureStatus::ok);
   for (const TickRecord& tick : ticks) {
@@ -43,6 +47,8 @@ TEST_F(ReplayTest, TheRecordedRunWalks) {
   EXPECT_EQ(ticks.back().state, supervisor::State::walk);
   EXPECT_GT(cycles.size(), 250u);
   EXPECT_GT(ticks.back().estimated_state[0], 0.1);
+  EXPECT_EQ(ticks.back().tuning, 2u);
+  EXPECT_EQ(cycles.back().tuning, 2u);
 }
 
 TEST_F(ReplayTest, EveryPlanAndTorqueComesOutTheSame) {
@@ -53,7 +59,7 @@ TEST_F(ReplayTest, EveryPlanAndTorqueComesOutTheSame) {
   EXPECT_EQ(outcome.cycles, cycles.size());
 }
 
-TEST_F(ReplayTest, OneBitOfATorqueIsFound) {
+TEST_F(ReplayTest, OneBitOfATorqueIsFoundInItsTick) {
   nudge(ticks[2345].sent[3].torque_Nm);
   const Outcome outcome = run();
   ASSERT_TRUE(outcome.difference);
@@ -64,12 +70,33 @@ TEST_F(ReplayTest, OneBitOfATorqueIsFound) {
   EXPECT_FALSE(outcome.reproduced());
 }
 
-TEST_F(ReplayTest, OneBitOfAPlanIsFound) {
+TEST_F(ReplayTest, OneBitOfAPlanIsFoundInTheTickItStartsFrom) {
   cycles[100].checksum ^= 1u << 20;
   const Outcome outcome = run();
   ASSERT_TRUE(outcome.difference);
   EXPECT_EQ(outcome.difference->tick, static_cast<std::uint64_t>(cycles[100].tick));
   EXPECT_EQ(outcome.difference->what, "check sum of the plan");
+}
+
+/// What the controller gives for a solve is its own, not the record's.
+TEST_F(ReplayTest, ASolveThatTheRecordTellsOtherwiseIsFound) {
+  const std::pair<const char*, std::function<void(CycleRecord&)>> changes[] = {
+      {"time_s of the plan's request", [](CycleRecord& solve) { nudge(solve.time_s); }},
+      {"standing of the plan's request", [](CycleRecord& solve) { ++solve.standing; }},
+      {"status of the solve",
+       [](CycleRecord& solve) { solve.report.status = solver::SolveStatus::not_convex; }},
+      {"failures in a row", [](CycleRecord& solve) { ++solve.failures; }},
+      {"sequence of the plan", [](CycleRecord& solve) { ++solve.plan_sequence; }},
+      {"nodes of the plan", [](CycleRecord& solve) { ++solve.nodes; }},
+  };
+  for (const auto& [what, change] : changes) {
+    cycles = recorded_walk().cycles;
+    change(cycles[100]);
+    const Outcome outcome = run();
+    ASSERT_TRUE(outcome.difference) << what;
+    EXPECT_EQ(outcome.difference->what, what);
+    EXPECT_EQ(outcome.cycles, 100u) << what;
+  }
 }
 
 TEST_F(ReplayTest, OneBitOfASensorIsFoundInWhatFollowsFromIt) {
@@ -113,6 +140,28 @@ TEST_F(ReplayTest, ATuningThatTheRecordLacksIsTold) {
   const Outcome outcome = run();
   EXPECT_EQ(outcome.ticks, 1700u);
   EXPECT_NE(outcome.problem.find("tuning 3"), std::string::npos) << outcome.problem;
+}
+
+TEST_F(ReplayTest, ATuningOfASolveThatTheRecordLacksIsTold) {
+  cycles[60].tuning = 9;
+  const Outcome outcome = run();
+  EXPECT_EQ(outcome.cycles, 60u);
+  EXPECT_NE(outcome.problem.find("tuning 9 of solve 61"), std::string::npos) << outcome.problem;
+}
+
+TEST_F(ReplayTest, ASolveOfATickThatIsOverIsToldToBeOutOfOrder) {
+  cycles[60].tick = cycles[59].tick - 1;
+  const Outcome outcome = run();
+  EXPECT_EQ(outcome.cycles, 60u);
+  EXPECT_NE(outcome.problem.find("solve 61 of the planner belongs to tick"), std::string::npos)
+      << outcome.problem;
+}
+
+TEST_F(ReplayTest, APlanThatNoSolveHasMadeIsTold) {
+  ticks[900].visible_plan += 1'000'000;
+  const Outcome outcome = run();
+  EXPECT_EQ(outcome.ticks, 900u);
+  EXPECT_NE(outcome.problem.find("there in tick 900, is missing"), std::string::npos) << outcome.problem;
 }
 
 TEST_F(ReplayTest, NothingIsNotReproduced) {
