@@ -38,8 +38,13 @@ function describeAttachment(attachment) {
   };
 }
 
+/** A group of records of one kind in the summary. */
+function describeGroup(offset) {
+  return { op: offset.groupOpcode, start: Number(offset.groupStart), length: Number(offset.groupLength) };
+}
+
 function readFromFront(bytes, decompressHandlers) {
-  const found = { channels: [], messages: [], attachments: [], metadata: [], ended: false, chunks: 0 };
+  const found = { channels: [], messages: [], attachments: [], metadata: [], groups: [], ended: false, chunks: 0 };
   const schemas = new Map();
   const reader = new McapStreamReader({ validateCrcs: true, decompressHandlers, includeChunks: true });
   reader.append(bytes);
@@ -52,9 +57,23 @@ function readFromFront(bytes, decompressHandlers) {
     if (record.type === "Message") found.messages.push(describeMessage(record));
     if (record.type === "Attachment") found.attachments.push(describeAttachment(record));
     if (record.type === "Metadata") found.metadata.push([record.name, Object.fromEntries(record.metadata)]);
+    if (record.type === "SummaryOffset") found.groups.push(describeGroup(record));
     if (record.type === "Footer") found.ended = true;
   }
   return found;
+}
+
+function describeStatistics(statistics) {
+  return {
+    messages: Number(statistics.messageCount),
+    schemas: statistics.schemaCount,
+    channels: statistics.channelCount,
+    attachments: statistics.attachmentCount,
+    metadata: statistics.metadataCount,
+    chunks: statistics.chunkCount,
+    times_ns: [Number(statistics.messageStartTime), Number(statistics.messageEndTime)],
+    messages_of_channel: [...statistics.channelMessageCounts].map(([id, count]) => [id, Number(count)]),
+  };
 }
 
 async function readByIndex(bytes, decompressHandlers) {
@@ -76,7 +95,8 @@ async function readByIndex(bytes, decompressHandlers) {
   for await (const metadata of reader.readMetadata()) {
     found.metadata.push([metadata.name, Object.fromEntries(metadata.metadata)]);
   }
-  found.statistics = { messages: Number(reader.statistics.messageCount), chunks: reader.statistics.chunkCount };
+  found.statistics = describeStatistics(reader.statistics);
+  found.chunk_times_ns = reader.chunkIndexes.map((chunk) => [Number(chunk.messageStartTime), Number(chunk.messageEndTime)]);
   return found;
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "tests/host_tools/log/mcap/sample_file.h"
@@ -20,6 +21,7 @@ int count_messages(Reader& reader) {
     EXPECT_EQ(message.publish_time_ns, 900'000 + count);
     EXPECT_EQ(Bytes(message.data.begin(), message.data.end()), sample_data(count));
     EXPECT_EQ(read->channel->topic, count % 2 == 0 ? "/first" : "/second");
+    EXPECT_EQ(read->schema == nullptr ? "" : read->schema->name, count % 2 == 0 ? "pkg/msg/Number" : "");
     ++count;
   }
   return count;
@@ -44,6 +46,8 @@ TEST_P(EveryCompression, GivesBackWhatTheWriterWasGiven) {
   ASSERT_EQ(reader.metadata().size(), 1u);
   EXPECT_EQ(reader.metadata()[0].entries.at("number"), "17");
   EXPECT_EQ(reader.channels().at(0).metadata.at("frame"), "world");
+  EXPECT_EQ(reader.channels().at(0).schema_id, 1u);
+  EXPECT_EQ(reader.channels().at(1).schema_id, 0u);
 }
 
 INSTANTIATE_TEST_SUITE_P(Reader, EveryCompression,
@@ -112,6 +116,28 @@ TEST(Reader, ADamagedChunkIsToldAndTheOthersAreRead) {
   EXPECT_TRUE(reader.complete());
   ASSERT_EQ(reader.problems().size(), 1u);
   EXPECT_NE(reader.problems()[0].find(file.path()), std::string::npos);
+}
+
+TEST(Reader, ADamagedAttachmentIsToldAndLeftOut) {
+  const TemporaryFile file("attachment");
+  {
+    Writer writer(file.path());
+    write_sample(writer);
+  }
+  Bytes bytes = file.bytes();
+  const Bytes text = {'a', ' ', '=', ' ', '1', '\n'};
+  const auto at = std::ranges::search(bytes, text).begin();
+  ASSERT_NE(at, bytes.end());
+  at[4] ^= 0x02;  // a = 3
+  file.set_bytes(bytes);
+  Reader reader(file.path());
+  EXPECT_EQ(count_messages(reader), kSampleMessages);
+  ASSERT_EQ(reader.problems().size(), 1u);
+  EXPECT_NE(reader.problems()[0].find("an attachment's check sum is wrong"), std::string::npos);
+  ASSERT_EQ(reader.attachments().size(), 1u);
+  EXPECT_EQ(reader.attachments()[0].name, "robot.urdf");
+  EXPECT_EQ(reader.attachments()[0].log_time_ns, 7);
+  EXPECT_EQ(reader.attachments()[0].create_time_ns, 8);
 }
 
 TEST(Reader, RefusesWhatIsNoRecordInOneSentence) {

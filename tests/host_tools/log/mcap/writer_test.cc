@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cstdint>
 #include <stdexcept>
+#include <vector>
 
 #include "host_tools/log/mcap/crc32.h"
 #include "tests/host_tools/log/mcap/sample_file.h"
@@ -47,8 +49,10 @@ TEST_P(ACompression, IsReadByOthersFromFrontAndByIndex) {
   }
   const Json by_index = run_reader("read_mcap.cjs", {file.path(), "index"});
   expect_sample(by_index, kSampleMessages);
-  EXPECT_EQ(by_index["statistics"]["messages"], kSampleMessages);
   EXPECT_EQ(by_index["chunks"], kSampleChunks);
+  EXPECT_EQ(by_index["statistics"], Json::parse(R"({
+    "messages": 90, "schemas": 1, "channels": 2, "attachments": 2, "metadata": 1, "chunks": 9,
+    "times_ns": [1000000, 1008900], "messages_of_channel": [[0, 45], [1, 45]]})"));
   const Json from_front = run_reader("read_mcap.cjs", {file.path()});
   expect_sample(from_front, kSampleMessages);
   EXPECT_TRUE(from_front["ended"]);
@@ -77,12 +81,77 @@ TEST(Writer, AFileNeverClosedIsReadByOthersUpToTheLastFlush) {
   EXPECT_FALSE(found["ended"]);
 }
 
-TEST(Writer, AnEmptyRecordIsWhole) {
+TEST(Writer, TimesOutOfOrderGiveChunksAndStatisticsTheirEarliestAndLatest) {
+  const TemporaryFile file("order");
+  {
+    Writer writer(file.path());
+    const std::uint16_t channel = writer.add_channel(0, "/first", "json");
+    std::uint32_t sequence = 0;
+    for (const auto& chunk : {std::vector<std::int64_t>{50, 70, 40, 60}, {30, 90, 80}, {55}}) {
+      for (const std::int64_t time_ns : chunk) writer.write({channel, sequence++, time_ns, 0, {}});
+      writer.flush();
+    }
+  }
+  const Json found = run_reader("read_mcap.cjs", {file.path(), "index"});
+  EXPECT_EQ(found["chunk_times_ns"], Json::parse("[[40, 70], [30, 90], [55, 55]]"));
+  EXPECT_EQ(found["statistics"]["times_ns"], Json::parse("[30, 90]"));
+  EXPECT_EQ(found["messages"].size(), 8u);
+}
+
+/// The op codes of the groups in the summary. Each begins with a record of its kind, where the one before
+/// ends.
+std::vector<int> groups_of(const Json& found, const Bytes& bytes) {
+  std::vector<int> ops;
+  std::size_t end = 0;
+  for (const Json& group : found["groups"]) {
+    const auto start = group["start"].get<std::size_t>();
+    const auto length = group["length"].get<std::size_t>();
+    EXPECT_GT(length, 0u) << group;
+    EXPECT_EQ(bytes.at(start), group["op"]) << group;
+    EXPECT_TRUE(end == 0 || start == end) << group;
+    end = start + length;
+    ops.push_back(group["op"]);
+  }
+  return ops;
+}
+
+TEST(Writer, TheSummaryListsTheGroupsThatItHas) {
+  const TemporaryFile file("groups");
+  {
+    Writer writer(file.path());
+    write_sample(writer);
+  }
+  const std::vector<int> all{0x03, 0x04, 0x0B, 0x08, 0x0A, 0x0D};
+  EXPECT_EQ(groups_of(run_reader("read_mcap.cjs", {file.path()}), file.bytes()), all);
+}
+
+TEST(Writer, AnEmptyRecordIsWholeAndItsSummaryHasStatisticsAlone) {
   const TemporaryFile file("empty");
   { Writer writer(file.path()); }
   const Json found = run_reader("read_mcap.cjs", {file.path()});
   EXPECT_TRUE(found["messages"].empty());
   EXPECT_TRUE(found["ended"]);
+  EXPECT_EQ(groups_of(found, file.bytes()), std::vector<int>{0x0B});
+}
+
+TEST(Writer, AChunkIsWrittenWhenItHasGrownToItsSize) {
+  const TemporaryFile file("grown");
+  Writer writer(file.path(), {.compression = Compression::none, .chunk_bytes = 1000});
+  const std::uint16_t channel = writer.add_channel(0, "/first", "json");
+  const Bytes data(400, 7);
+  writer.write({channel, 0, 1, 1, data});
+  writer.write({channel, 1, 2, 2, data});
+  EXPECT_EQ(writer.statistics().chunks, 0u);
+  writer.write({channel, 2, 3, 3, data});
+  EXPECT_EQ(writer.statistics().chunks, 1u);
+  EXPECT_EQ(file.bytes().size(), writer.bytes_written());
+}
+
+TEST(Writer, RefusesMessagesOfNoChannelAndChannelsOfNoSchema) {
+  const TemporaryFile file("unknown");
+  Writer writer(file.path());
+  EXPECT_THROW(writer.add_channel(1, "/first", "cdr"), std::runtime_error);
+  EXPECT_THROW(writer.write({0, 0, 0, 0, {}}), std::runtime_error);
 }
 
 TEST(Writer, AFileThatCannotBeMadeIsRefusedByName) {
