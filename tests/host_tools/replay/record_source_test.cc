@@ -95,11 +95,41 @@ TEST_F(RecordSourceTest, TakesNoCommandsAndSaysSo) {
   walk.commander = 3;
   walk.sequence = 9;
   source.command(walk);
+  monitor::Command heartbeat = walk;
+  heartbeat.kind = monitor::CommandKind::heartbeat;
+  heartbeat.sequence = 10;
+  source.command(heartbeat);
   ASSERT_EQ(after(0).replies.size(), 1u);
   EXPECT_FALSE(sink.replies[0].accepted);
   EXPECT_EQ(sink.replies[0].commander, 3u);
   EXPECT_EQ(sink.replies[0].sequence, 9u);
   EXPECT_EQ(after(1).replies.size(), 1u);
+}
+
+/// Ticks 0 to 19, 5000 to 5019, and 0 to 19 of another run, whose clock begins anew.
+TEST(RecordSource, HolesAndOtherRunsTakeHalfASecondAtMost) {
+  const mcap::TemporaryFile file("holes");
+  {
+    record::Recorder recorder(file.path(), {});
+    recorder.take(record::configuration_sample(7, ""), 1);
+    recorder.take(record::ticks_sample(7, 0, 20), 2);
+    recorder.take(record::ticks_sample(7, 5000, 20), 2);
+    recorder.take(record::ticks_sample(7, 0, 20), 2);
+    recorder.take(record::ticks_sample(7, 20, 20), 2);
+  }
+  RecordSource::Clock::time_point now{};
+  RecordSource source{file.path(), [&now] { return now; }};
+  Sink sink;
+  const auto ticks_after = [&](int time_ms) {
+    now = RecordSource::Clock::time_point(std::chrono::milliseconds(time_ms));
+    source.poll(sink);
+    return sink.ticks.size();
+  };
+  EXPECT_EQ(ticks_after(0), 20u);
+  EXPECT_EQ(ticks_after(499), 20u);
+  EXPECT_EQ(ticks_after(501), 60u) << "the other run at once";
+  EXPECT_EQ(ticks_after(519), 60u);
+  EXPECT_EQ(ticks_after(521), 80u);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <memory>
 #include <random>
 
+#include "firmware/configuration/live.h"
 #include "mpc_core/gait/reference.h"
 
 namespace stilt::replay {
@@ -33,14 +34,20 @@ class Run {
 
   /// Changes live tunables of torque law and planner.
   void tune(std::uint32_t number, double joint_kd_Nms_rad, double swing_height_m) {
-    configuration::Configuration changed = walk_.configuration;
-    changed.torque_law.joint_kd_Nms_rad = joint_kd_Nms_rad;
-    changed.gait.swing_height_m = swing_height_m;
+    std::vector<double>& values = walk_.live_values[number];
+    for (const configuration::LiveTunable& tunable : configuration::live_tunables(walk_.configuration)) {
+      const std::string name = tunable.entry->name();
+      values.push_back(name == "torque_law.joint_kd_Nms_rad" ? joint_kd_Nms_rad
+                       : name == "gait.swing_height_m"       ? swing_height_m
+                                                             : tunable.start_value);
+    }
     Tunings& tunings = walk_.tunings[number];
     const auto work = std::make_unique<solver::TerminalCostWorkspace>();
-    static_cast<void>(control::prepare_settings(model::amber3m(), changed, *work, tunings.planner.settings));
+    static_cast<void>(control::prepare_settings(model::amber3m(),
+                                                configuration::with_live_values(walk_.configuration, values),
+                                                *work, tunings.planner.settings));
     tunings.planner.number = number;
-    tunings.torque = {number, changed.torque_law};
+    tunings.torque = {number, tunings.planner.settings.parameters.torque_law};
     mail_->torque_tunings.writer() = tunings.torque;
     mail_->torque_tunings.publish();
     mail_->planner_tunings.writer() = tunings.planner;

@@ -20,7 +20,8 @@ struct RecordedWalk {
   configuration::Configuration configuration;
   std::vector<diagnostics::TickRecord> ticks;
   std::vector<controller::CycleRecord> cycles;
-  std::map<std::uint32_t, Tunings> tunings;  ///< by their number
+  std::map<std::uint32_t, Tunings> tunings;                  ///< by their number
+  std::map<std::uint32_t, std::vector<double>> live_values;  ///< the same, in the order of live_tunables()
 };
 
 inline constexpr unsigned kWalkSeed = 5;
