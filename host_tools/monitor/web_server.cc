@@ -1,6 +1,8 @@
 #include "host_tools/monitor/web_server.h"
 
+#include <arpa/inet.h>
 #include <civetweb.h>
+#include <netinet/in.h>
 
 #include <algorithm>
 #include <cstring>
@@ -16,8 +18,11 @@ namespace {
 constexpr int kSwitchingRefused = 1;
 constexpr int kProceed = 0;
 
-bool is_loopback(const std::string& address) {
-  return address.starts_with("127.") || address == "localhost" || address == "::1" || address == "[::1]";
+/// Numbers and "localhost"; a name such as 127.example.com leads wherever its owner wants.
+bool is_loopback(const std::string& host) {
+  in_addr number{};
+  if (inet_pton(AF_INET, host.c_str(), &number) == 1) return (ntohl(number.s_addr) >> 24U) == IN_LOOPBACKNET;
+  return host == "localhost" || host == "::1" || host == "[::1]";
 }
 
 std::string in_brackets(const std::string& address) {

@@ -135,6 +135,9 @@ TEST(LiveView, WhatIsNoMessageOfThePageIsRefusedAndTheViewGoesOn) {
   for (const char* text :
        {"", "{", "[]", "7", R"({"command": "fly", "sequence": 1})", R"({"command": "walk"})",
         R"({"command": 5, "sequence": 1})", R"({"command": "walk", "sequence": -1e99})",
+        R"({"command": "walk", "sequence": 4294967296})",
+        R"({"command": "walk", "sequence": 1, "value": 1e999})", R"({"command": "walk", "sequence": 1.5})",
+        R"({"command": "walk", "sequence": 1, "token": 7})",
         R"({"command": "walk", "sequence": 1, "value": "fast"})", "\xff\xfe"}) {
     SilentSource source;
     LiveView view(source);
@@ -146,6 +149,31 @@ TEST(LiveView, WhatIsNoMessageOfThePageIsRefusedAndTheViewGoesOn) {
     const auto replies = page->of_type("reply");
     ASSERT_EQ(replies.size(), 1u) << text;
     EXPECT_FALSE(replies[0]["accepted"]) << text;
+  }
+}
+
+TEST(LiveView, EveryCommandGoesOnWithItsNumbers) {
+  const std::pair<const char*, CommandKind> kinds[] = {
+      {"stand", CommandKind::stand},     {"step", CommandKind::step},
+      {"walk", CommandKind::walk},       {"speed", CommandKind::speed},
+      {"height", CommandKind::height},   {"sit", CommandKind::sit},
+      {"stop", CommandKind::stop},       {"reset", CommandKind::reset},
+      {"tunable", CommandKind::tunable}, {"heartbeat", CommandKind::heartbeat}};
+  for (const auto& [text, kind] : kinds) {
+    SilentSource source;
+    LiveView view(source);
+    const auto page = std::make_shared<FakePeer>();
+    view.opened(page);
+    view.received(*page, false,
+                  std::string(R"({"command": ")") + text +
+                      R"(", "sequence": 4294967295, "value": -0.25, "tunable": "cost.base_z"})");
+    view.step(0.0);
+    ASSERT_EQ(source.commands.size(), 1u) << text;
+    EXPECT_EQ(source.commands[0].kind, kind);
+    EXPECT_EQ(source.commands[0].sequence, 4294967295u);
+    EXPECT_EQ(source.commands[0].value, -0.25);
+    EXPECT_EQ(source.commands[0].tunable, "cost.base_z");
+    EXPECT_NE(source.commands[0].commander, 0u);
   }
 }
 

@@ -247,6 +247,7 @@ test('pages of other sites, and other names for this machine, get nothing', asyn
   const { host, origin } = new URL(monitor.url);
   assert.equal(await statusOf(monitor.url, '/live', { ...kUpgrade, Origin: origin }), 101);
   assert.notEqual(await statusOf(monitor.url, '/live', { ...kUpgrade, Origin: 'http://example.com' }), 101);
+  assert.notEqual(await statusOf(monitor.url, '/live', { ...kUpgrade, Origin: `http://evil${host}` }), 101);
   assert.notEqual(await statusOf(monitor.url, '/live', { ...kUpgrade, Host: 'example.com' }), 101);
   assert.equal(await statusOf(monitor.url, '/', { Host: host }), 200);
   assert.equal(await statusOf(monitor.url, '/', { Host: 'example.com' }), 403);
