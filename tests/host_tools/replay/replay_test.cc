@@ -130,7 +130,7 @@ TEST_F(ReplayTest, AMissingBeginningIsTold) {
 
 TEST_F(ReplayTest, AMissingSolveIsTold) {
   cycles.erase(cycles.begin() + 40);
-  EXPECT_EQ(run().problem.find("plan 41, there in tick "), 0u) << run().problem;
+  EXPECT_EQ(run().problem.find("plan 40, there in tick "), 0u) << run().problem;
   cycles[40].tick = recorded_walk().cycles[40].tick;  // before its plan would come into use
   const Outcome outcome = run();
   EXPECT_EQ(outcome.problem.find("solve 41 of the planner is missing"), 0u) << outcome.problem;
