@@ -1,10 +1,14 @@
 #include <toml++/toml.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <initializer_list>
 #include <iterator>
+#include <span>
 #include <stdexcept>
+#include <string_view>
+#include <vector>
 
 #include "firmware/configuration/gaits/gait_file.h"
 #include "firmware/configuration/gaits/gait_names.h"
@@ -80,12 +84,23 @@ class Table {
         numbers(row.key, values);
       }
     }
+    std::vector<std::string_view> keys;
+    for (const Field<T>& row : rows) keys.emplace_back(row.key);
+    know(keys);
+  }
+
+  /// Refuses every other key.
+  void know(std::span<const std::string_view> keys) const {
     for (const auto& [key, node] : table_) {
-      bool known = false;
-      for (const Field<T>& row : rows) known = known || key.str() == row.key;
-      if (!known)
+      if (std::ranges::find(keys, key.str()) == keys.end()) {
         throw Wrong(place(std::string(key.str()).c_str()) + " is not known; docs/gaits.md lists the keys");
+      }
     }
+  }
+  void know(std::initializer_list<std::string_view> keys, std::span<const char* const> more = {}) const {
+    std::vector<std::string_view> all(keys);
+    all.insert(all.end(), more.begin(), more.end());
+    know(all);
   }
 
   [[nodiscard]] Table table(const char* key) const {
@@ -107,8 +122,11 @@ gait::GaitOutputs read_outputs(const Table& table) {
   gait::GaitOutputs outputs;
   const bool by_time = table.word("phase", {"time", "hip_position"}) == "time";
   outputs.phase = by_time ? gait::PhaseKind::time : gait::PhaseKind::hip_position;
-  outputs.phase_start = table.number(by_time ? "phase_start_s" : "phase_start_m");
-  outputs.phase_end = table.number(by_time ? "phase_end_s" : "phase_end_m");
+  const char* start_key = by_time ? "phase_start_s" : "phase_start_m";
+  const char* end_key = by_time ? "phase_end_s" : "phase_end_m";
+  table.know({"phase", start_key, end_key, "degree"}, kJointKeys);
+  outputs.phase_start = table.number(start_key);
+  outputs.phase_end = table.number(end_key);
   if (outputs.phase_start == outputs.phase_end || (by_time && outputs.phase_end < outputs.phase_start)) {
     throw Wrong(by_time ? "outputs.phase_end_s must be later than phase_start_s"
                         : "outputs.phase_end_m must differ from phase_start_m");
@@ -121,6 +139,7 @@ gait::GaitOutputs read_outputs(const Table& table) {
 }
 
 gait::OutputFeedback read_feedback(const Table& table) {
+  table.know({"kp_1_s2", "kd_1_s", "placement"});
   gait::OutputFeedback feedback;
   feedback.kp_1_s2 = table.number("kp_1_s2");
   feedback.kd_1_s = table.number("kd_1_s");
@@ -132,6 +151,10 @@ gait::OutputFeedback read_feedback(const Table& table) {
 }
 
 gait::GaitMotion read_motion(const Table& states, const Table& inputs) {
+  states.know({"degree"}, kPositionKeys);
+  std::vector<const char*> input_keys(std::begin(kTorqueKeys), std::end(kTorqueKeys));
+  input_keys.insert(input_keys.end(), std::begin(kForceKeys), std::end(kForceKeys));
+  inputs.know({}, input_keys);
   gait::GaitMotion motion;
   motion.degree = states.integer("degree", 2, gait::kMaxMotionDegree);
   const auto count = static_cast<std::size_t>(motion.degree) + 1;
@@ -144,6 +167,8 @@ gait::GaitMotion read_motion(const Table& states, const Table& inputs) {
 GaitRecord read(const Table& file) {
   GaitRecord record;
   (void)file.integer("format", 1, 1);
+  file.know({"format", "robot", "speed_m_s", "step_time_s", "step_length_m", "origin", "limits", "claims",
+             "outputs", "feedback", "states", "inputs"});
   record.robot = file.word("robot", {"amber3m", "amber3m_2020", "rabbit"});
   gait::HzdGait& gait = record.gait;
   gait.outputs = read_outputs(file.table("outputs"));
@@ -155,7 +180,7 @@ GaitRecord read(const Table& file) {
       file.number_or("speed_m_s", gait.step_time_s > 0.0 ? gait.step_length_m / gait.step_time_s : 0.0);
   if (gait.step_time_s < 0.0) throw Wrong("step_time_s must be above 0");
   if (file.has("feedback")) gait.feedback = read_feedback(file.table("feedback"));
-  if (file.has("states")) {
+  if (file.has("states") || file.has("inputs")) {
     gait.motion = read_motion(file.table("states"), file.table("inputs"));
     if (gait.step_time_s == 0.0) throw Wrong("step_time_s must be given with [states]");
   }

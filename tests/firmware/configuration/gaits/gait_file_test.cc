@@ -4,6 +4,7 @@
 
 #include <cstring>
 #include <string>
+#include <utility>
 
 #include "firmware/configuration/gaits/shipped_gaits.h"
 
@@ -89,14 +90,41 @@ TEST(GaitFile, SaysWhatIsWrongWhereAndWhatWouldBeRight) {
             "gait.toml: outputs.phase_end_m must differ from phase_start_m");
   EXPECT_EQ(error_of(replaced(kBare, "\"hip_position\"", "\"knee\"")),
             "gait.toml: outputs.phase must be \"time\" or \"hip_position\"");
-  EXPECT_EQ(error_of(replaced(kBare, "[outputs]", "[output]")), "gait.toml: the table [outputs] is missing");
+  EXPECT_EQ(error_of(replaced(kBare, "[outputs]", "[output]")),
+            "gait.toml: output is not known; docs/gaits.md lists the keys");
+  EXPECT_EQ(error_of("format = 1\nrobot = \"amber3m\"\n"), "gait.toml: the table [outputs] is missing");
   EXPECT_EQ(error_of(kBare + "[limits]\ntorque_nm = 3\n"),
             "gait.toml: limits.torque_nm is not known; docs/gaits.md lists the keys");
   EXPECT_EQ(error_of(kBare + "[states]\ndegree = 2\n"), "gait.toml: the table [inputs] is missing");
+  EXPECT_EQ(error_of(kBare + "[inputs]\n"), "gait.toml: the table [states] is missing");
   EXPECT_EQ(error_of("format = "), error_of("format = "));
   EXPECT_NE(error_of("format = ").find("gait.toml: line 1 is not TOML"), std::string::npos);
   EXPECT_EQ(load_gait("/nowhere/gait.toml").error(),
             "/nowhere/gait.toml: the gait file cannot be read; name an existing file");
+}
+
+/// A key with a slip of the pen must not be taken for one that was left out.
+TEST(GaitFile, AKeyThatIsNotKnownIsRefusedByNameInEveryTable) {
+  const std::string whole = std::string(shipped_gaits()[0].text);
+  ASSERT_EQ(error_of(whole), "no error");
+  const std::pair<const char*, const char*> slips[] = {
+      {"speed_m_s = ", "sped_m_s"},           {"step_time_s = ", "step_time"},
+      {"degree = ", "outputs.order"},         {"stance_hip_rad = ", "outputs.torso_rad"},
+      {"placement = ", "feedback.placment"},  {"kd_1_s = ", "feedback.kd"},
+      {"z_m = ", "states.height_m"},          {"stance_force_x_N = ", "inputs.force"},
+      {"clearance_m = ", "limits.clearance"}, {"defect_max = ", "claims.defect"}};
+  for (const auto& [line, key] : slips) {
+    const std::string name(key);
+    const std::string other = name.substr(name.find('.') == std::string::npos ? 0 : name.find('.') + 1);
+    // A line more: what is needed is there.
+    const std::string text = replaced(whole, std::string("\n") + line, "\n" + other + " = 1.0\n" + line);
+    EXPECT_EQ(error_of(text), "gait.toml: " + name + " is not known; docs/gaits.md lists the keys");
+  }
+}
+
+TEST(GaitFile, TheEndsOfAPhaseAreThoseOfItsKind) {
+  EXPECT_EQ(error_of(replaced(kBare, "phase_end_m", "phase_end_s = 0.3\nphase_end_m")),
+            "gait.toml: outputs.phase_end_s is not known; docs/gaits.md lists the keys");
 }
 
 }  // namespace
