@@ -150,6 +150,7 @@ TEST(RecordFile, TicksAreThoseOfTheirSessionUntilTheyAreEnough) {
     recorder.take(record::ticks_sample(8, 0, 5), 1);
     recorder.take(record::ticks_sample(kSession, 0, 20), 1);
     recorder.take(record::ticks_sample(8, 5, 5), 1);
+    recorder.take(record::ticks_sample(kSession, 20, 20), 1);
   }
   EXPECT_EQ(read_contents(file.path()).sessions.size(), 2u);
   int ticks = 0;

@@ -70,6 +70,20 @@ TEST_F(ReplayTest, OneBitOfATorqueIsFoundInItsTick) {
   EXPECT_FALSE(outcome.reproduced());
 }
 
+TEST_F(ReplayTest, NothingIsRunAfterADifference) {
+  Replay replay(cycles, recorded_tunings);
+  const configuration::Configuration& configuration = recorded_walk().configuration;
+  replay.torque().configure(model::amber3m(), configuration, configuration.supervisor);
+  ASSERT_EQ(replay.planner().configure(model::amber3m(), configuration), control::ConfigureStatus::ok);
+  nudge(ticks[20].sent[0].position_rad);
+  for (std::size_t tick = 0; tick < 20; ++tick) ASSERT_TRUE(replay.run(ticks[tick]));
+  for (std::size_t tick = 20; tick < 30; ++tick) EXPECT_FALSE(replay.run(ticks[tick]));
+  ASSERT_TRUE(replay.outcome().difference);
+  EXPECT_EQ(replay.outcome().difference->tick, 20u);
+  EXPECT_EQ(replay.outcome().ticks, 20u);
+  EXPECT_EQ(replay.outcome().problem, "");
+}
+
 TEST_F(ReplayTest, OneBitOfAPlanIsFoundInTheTickItStartsFrom) {
   cycles[100].checksum ^= 1u << 20;
   const Outcome outcome = run();

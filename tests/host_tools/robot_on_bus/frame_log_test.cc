@@ -4,6 +4,7 @@
 
 #include <fstream>
 #include <sstream>
+#include <stdexcept>
 
 #include "tests/own_folder.h"
 
@@ -47,9 +48,28 @@ TEST(FrameLog, ALineHasTickBusAndSender) {
 }
 
 TEST(FrameLog, WithoutANameNothingIsWritten) {
+  const std::filesystem::path before = std::filesystem::current_path();
+  const std::filesystem::path folder = testing::TempDir() + "stilt_frame_log_test_folder";
+  std::filesystem::create_directory(folder);
+  std::filesystem::current_path(folder);  // where a file with any relative name would appear
   FrameLog log("");
   log.write(1, 0, FrameLog::Sender::robot, frame(1, {}));
-  EXPECT_NO_THROW(log.close());
+  log.close();
+  EXPECT_TRUE(std::filesystem::is_empty(folder));
+  std::filesystem::current_path(before);
+  std::filesystem::remove_all(folder);
+}
+
+TEST(FrameLog, AFileThatCannotBeMadeOrFilledIsToldByName) {
+  EXPECT_THROW(FrameLog("/nowhere/at/all"), std::runtime_error);
+  FrameLog log("/dev/full");
+  log.write(1, 0, FrameLog::Sender::robot, frame(1, {}));
+  try {
+    log.close();
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find("--frames /dev/full"), std::string::npos);
+  }
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <limits>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 #include "firmware/diagnostics/tick_csv.h"
 #include "host_tools/log/csv/csv_table.h"
@@ -46,14 +47,15 @@ class RecordToCsv : public testing::Test {
 TEST_F(RecordToCsv, TicksAreRowsAsInABlackBox) {
   const Written written = record_to_csv(record.path(), folder.string());
   EXPECT_TRUE(written.problems.empty());
-  std::ostringstream expected;
-  diagnostics::write_tick_header(expected);
-  for (std::uint64_t tick = 0; tick < 30; ++tick) {
-    diagnostics::write_tick(expected, record::sample_tick(tick), record::sample_tick(0).time_ns);
+  for (const auto& [file, ticks] : {std::pair{"ticks.csv", 30u}, {"ticks_2.csv", 5u}}) {  // a session each
+    std::ostringstream expected;
+    diagnostics::write_tick_header(expected);
+    for (std::uint64_t tick = 0; tick < ticks; ++tick) {
+      diagnostics::write_tick(expected, record::sample_tick(tick), record::sample_tick(0).time_ns);
+    }
+    std::ifstream in(folder / file);
+    EXPECT_EQ(std::string(std::istreambuf_iterator<char>(in), {}), expected.str()) << file;
   }
-  std::ifstream in(folder / "ticks.csv");
-  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(in), {}), expected.str());
-  EXPECT_EQ(lines_of(folder / "ticks_2.csv").size(), 6u) << "the second session";
 }
 
 TEST_F(RecordToCsv, OtherTopicsAreTablesWithTheFieldsOfTheirMessages) {

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <iterator>
 #include <stdexcept>
 
 #include "tests/host_tools/log/mcap/sample_file.h"
@@ -138,6 +139,26 @@ TEST(Reader, ADamagedAttachmentIsToldAndLeftOut) {
   EXPECT_EQ(reader.attachments()[0].name, "robot.urdf");
   EXPECT_EQ(reader.attachments()[0].log_time_ns, 7);
   EXPECT_EQ(reader.attachments()[0].create_time_ns, 8);
+}
+
+/// Other programs may write such files; nothing here tells whether the message is damaged.
+TEST(Reader, AMessageOutsideOfAChunkIsToldAndLeftOut) {
+  const TemporaryFile file("outside");
+  Bytes bytes(std::begin(kMagic), std::end(kMagic));
+  const auto put = [&bytes](Op op, std::size_t size) {
+    bytes.push_back(static_cast<std::uint8_t>(op));
+    bytes.push_back(static_cast<std::uint8_t>(size));
+    bytes.insert(bytes.end(), 7 + size, 0);
+  };
+  put(Op::message, 30);
+  put(Op::footer, 20);
+  bytes.insert(bytes.end(), std::begin(kMagic), std::end(kMagic));
+  file.set_bytes(bytes);
+  Reader reader(file.path());
+  EXPECT_EQ(reader.next(), nullptr);
+  EXPECT_TRUE(reader.complete());
+  ASSERT_EQ(reader.problems().size(), 1u);
+  EXPECT_NE(reader.problems()[0].find("a message outside of a chunk"), std::string::npos);
 }
 
 TEST(Reader, RefusesWhatIsNoRecordInOneSentence) {

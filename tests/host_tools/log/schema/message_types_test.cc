@@ -7,6 +7,7 @@
 
 #include "firmware/telemetry/cdr.h"
 #include "firmware/telemetry/topics.h"
+#include "host_tools/log/schema/decode.h"
 #include "tests/host_tools/log/schema/random_cdr.h"
 #include "tests/independent_readers/run_reader.h"
 #include "tests/own_folder.h"
@@ -98,6 +99,50 @@ TEST(MessageTypes, TextByOthersIsRead) {
   EXPECT_EQ(fields[2].shape, Shape::sequence);
   EXPECT_EQ(fields[3].count, 9u);
   EXPECT_TRUE(types.contains("a/msg/Point"));
+}
+
+/// A message of every basic type, an array and a sequence, in CDR by hand.
+TEST(Decode, EveryTypeIsReadWhereItsAlignmentPutsIt) {
+  const MessageTypes types = parse_ros2msg(
+      "bool b\nint8 a\nuint16 c\nint32 d\nuint64 e\nfloat32 f\nfloat64 g\nstring s\nint16[2] h\nuint8[] k\n",
+      "a/msg/All");
+  const std::vector<std::uint8_t> cdr = {0,    1,    0,    0,                           // little endian
+                                         1,    0xff, 2,    1,                           // true, -1, 0x0102
+                                         0xfe, 0xff, 0xff, 0xff,                        // -2
+                                         7,    0,    0,    0,    0,   0,   0,    1,     // 2^56 + 7
+                                         0xcd, 0xcc, 0xcc, 0x3d,                        // 0.1 as float
+                                         0,    0,    0,    0,                           // padding
+                                         0,    0,    0,    0,    0,   0,   0xf8, 0xbf,  // -1.5
+                                         3,    0,    0,    0,    'h', 'i', 0,           // "hi"
+                                         0,                                             // padding
+                                         0xff, 0x7f, 0,    0x80,                        // 32767, -32768
+                                         2,    0,    0,    0,    8,   9};
+  const auto json = decode(types, "a/msg/All", cdr);
+  EXPECT_EQ(json, nlohmann::ordered_json::parse(
+                      R"({"b": true, "a": -1, "c": 258, "d": -2, "e": 72057594037927943, "f": 0.1, "g": -1.5,
+                          "s": "hi", "h": [32767, -32768], "k": [8, 9]})"));
+}
+
+TEST(Decode, WhatEndsTooEarlyOrIsBigEndianIsRefused) {
+  const MessageTypes types = parse_ros2msg("Nothing[] many\nuint32 n\n====\nMSG: a/Nothing\n", "a/msg/Short");
+  const auto refuses = [&types](const std::vector<std::uint8_t>& cdr) {
+    EXPECT_THROW(static_cast<void>(decode(types, "a/msg/Short", cdr)), std::runtime_error);
+  };
+  EXPECT_EQ(decode(types, "a/msg/Short", std::vector<std::uint8_t>{0, 1, 0, 0, 0, 0, 0, 0, 5, 0, 0, 0})["n"],
+            5);
+  refuses({});
+  refuses({0, 1, 0});
+  refuses({0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 5});    // big endian
+  refuses({0, 1, 0, 0, 0, 0, 0, 0, 5, 0, 0});       // three bytes of four
+  refuses({0, 1, 0, 0, 100, 0, 0, 0, 5, 0, 0, 0});  // a hundred empty messages in eight bytes
+}
+
+TEST(MessageTypes, AMessageUsedTwiceIsDescribedOnce) {
+  const std::string text = ros2msg_text(own_messages(), "nav_msgs/msg/Odometry");
+  const std::string heading = "MSG: geometry_msgs/Vector3\n";
+  const std::size_t first = text.find(heading);
+  ASSERT_NE(first, std::string::npos);
+  EXPECT_EQ(text.find(heading, first + 1), std::string::npos);
 }
 
 TEST(MessageTypes, IdlThatIsNotUnderstoodIsRefused) {
