@@ -15,6 +15,7 @@
 #include "host_tools/cli/usage_error.h"
 #include "host_tools/gait_synthesis/gait_check.h"
 #include "host_tools/gait_synthesis/gait_page.h"
+#include "host_tools/gait_synthesis/likely_mistake.h"
 #include "host_tools/gait_synthesis/synthesize.h"
 #include "host_tools/simulator/number.h"
 
@@ -104,9 +105,12 @@ void print(const GaitRecord& record, const GaitCheck& check) {
   std::printf("  torque at most %.1f %.1f %.1f %.1f Nm, friction ratio %.3f, clearance %.3f m\n",
               f.peak_torque_Nm[0], f.peak_torque_Nm[1], f.peak_torque_Nm[2], f.peak_torque_Nm[3],
               f.friction_ratio_max, f.clearance_m);
-  std::printf("  %s", check.valid() ? "valid\n" : "not valid:");
-  for (const std::string& name : check.violations) std::printf(" %s", name.c_str());
-  if (!check.valid()) std::printf("\n");
+  std::printf("  touch-down at %.3f m/s, slip %.3f m/s, outputs within %.1e rad\n", f.touchdown_speed_m_s,
+              f.touchdown_slip_m_s, f.output_error_max_rad);
+  std::printf("  %s\n", check.valid() ? "valid" : "not valid:");
+  for (const gait_synthesis::Violation& violation : check.violations) {
+    std::printf("    %s\n", violation.text().c_str());
+  }
 }
 
 /// Text or JSON, as asked for; the exit status.
@@ -130,8 +134,11 @@ GaitRecord load_complete(const std::string& file, const model::RobotModel** robo
   try {
     gait_synthesis::complete_motion(**robot, record.gait);
   } catch (const std::runtime_error& error) {
-    throw UsageError(file + ": " + error.what() +
-                     "; check units, signs and order of the joints (docs/gaits.md)");
+    const auto mistake = gait_synthesis::likely_mistake(**robot, record.gait);
+    throw UsageError(
+        file + ": " + error.what() +
+        (mistake ? "; there is one when " + *mistake : "; check units, signs and order of the joints") +
+        " (docs/gaits.md)");
   }
   return record;
 }
@@ -264,6 +271,11 @@ CLI::App* add_gait_command(CLI::App& program, GaitOptions& options) {
   library->add_option("--step", options.step_m_s, "between two speeds, m/s")->capture_default_str();
   library->add_option("--out", options.out, "folder of the files")->required();
   add_task_options(*library, options);
+  check->footer(
+      "Exit status: 0 valid, 1 a limit, tolerance or claim not kept, 2 bad usage or no such motion.");
+  complete->footer(
+      "Exit status: 0 written and valid, 1 written and not valid, 2 bad usage or no such motion: nothing "
+      "written.");
   CLI::App* show = gait->add_subcommand("show", "draw a gait: phase portraits, curves, poses");
   show->add_option("file", options.file, "gait file")->required();
   show->add_option("--report", options.report_file, "page to write, HTML")->required();

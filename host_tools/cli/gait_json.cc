@@ -21,7 +21,15 @@ nlohmann::ordered_json to_json(const gait_files::GaitRecord& record, const gait_
       json[field.key] = std::vector<double>(values.begin(), values.end());
     }
   }
-  json["violations"] = check.violations;
+  json["violations"] = nlohmann::ordered_json::array();
+  json["violated_bounds"] = nlohmann::ordered_json::array();
+  for (const gait_synthesis::Violation& violation : check.violations) {
+    json["violations"].push_back(violation.name);
+    json["violated_bounds"].push_back({{"name", violation.name},
+                                       {"value", violation.value},
+                                       {"kind", gait_synthesis::name(violation.kind)},
+                                       {"bound", violation.bound}});
+  }
   return json;
 }
 

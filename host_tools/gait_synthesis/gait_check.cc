@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
+#include <cstdio>
 
 #include "host_tools/gait_synthesis/gait_figures.h"
 #include "host_tools/gait_synthesis/hybrid_step.h"
@@ -15,50 +15,58 @@ namespace {
 using gait_files::GaitFigures;
 using model::kJoints;
 
+using enum Violation::Bound;
+
+/// Collects what is not kept; a figure that is not a number keeps no bound.
 class Verdict {
  public:
-  /// The name of a limit when it is not kept; a figure that is not a number keeps none.
-  void need(bool kept, const std::string& name) {
-    if (!kept) names_.push_back(name);
+  void at_most(const std::string& name, double value, double bound) {
+    if (!(value <= bound)) violations_.push_back({name, value, Violation::Bound::at_most, bound});
   }
-  [[nodiscard]] std::vector<std::string> names() const { return names_; }
+  void at_least(const std::string& name, double value, double bound) {
+    if (!(value >= bound)) violations_.push_back({name, value, Violation::Bound::at_least, bound});
+  }
+  void as_claimed(const std::string& name, double value, double claim, double tolerance) {
+    if (!(std::abs(value - claim) <= tolerance)) violations_.push_back({name, value, claimed, claim});
+  }
+  [[nodiscard]] const std::vector<Violation>& violations() const { return violations_; }
 
  private:
-  std::vector<std::string> names_;
+  std::vector<Violation> violations_;
 };
 
 void check_limits(const GaitFigures& f, const gait::GaitLimits& limits, Verdict& verdict) {
   const auto largest = [](const double* values) { return *std::max_element(values, values + kJoints); };
-  verdict.need(largest(f.peak_torque_Nm) <= limits.torque_Nm, "torque_Nm");
-  verdict.need(f.joint_position_margin_rad >= limits.joint_position_margin_rad, "joint_position_margin_rad");
-  verdict.need(f.knee_min_rad >= limits.knee_min_rad, "knee_min_rad");
-  verdict.need(largest(f.peak_joint_speed_rad_s) <= limits.joint_speed_rad_s, "joint_speed_rad_s");
-  verdict.need(f.pitch_max_rad <= limits.pitch_rad, "pitch_rad");
-  verdict.need(f.friction_ratio_max <= limits.friction_ratio, "friction_ratio");
-  verdict.need(f.normal_force_min_N >= limits.normal_force_min_N, "normal_force_min_N");
-  verdict.need(f.impulse_ratio <= limits.impulse_ratio, "impulse_ratio");
-  verdict.need(f.clearance_m >= limits.clearance_m, "clearance_m");
-  verdict.need(f.swing_height_min_m >= 0.0, "swing_height");
-  verdict.need(f.touchdown_speed_m_s >= limits.touchdown_speed_min_m_s, "touchdown_speed_min_m_s");
-  verdict.need(f.touchdown_speed_m_s <= limits.touchdown_speed_max_m_s, "touchdown_speed_max_m_s");
-  verdict.need(std::abs(f.touchdown_slip_m_s) <= limits.touchdown_slip_m_s, "touchdown_slip_m_s");
-  verdict.need(f.return_map_eigenvalues[0] <= limits.return_map, "return_map");
+  verdict.at_most("torque_Nm", largest(f.peak_torque_Nm), limits.torque_Nm);
+  verdict.at_least("joint_position_margin_rad", f.joint_position_margin_rad,
+                   limits.joint_position_margin_rad);
+  verdict.at_least("knee_min_rad", f.knee_min_rad, limits.knee_min_rad);
+  verdict.at_most("joint_speed_rad_s", largest(f.peak_joint_speed_rad_s), limits.joint_speed_rad_s);
+  verdict.at_most("pitch_rad", f.pitch_max_rad, limits.pitch_rad);
+  verdict.at_most("friction_ratio", f.friction_ratio_max, limits.friction_ratio);
+  verdict.at_least("normal_force_min_N", f.normal_force_min_N, limits.normal_force_min_N);
+  verdict.at_most("impulse_ratio", f.impulse_ratio, limits.impulse_ratio);
+  verdict.at_least("clearance_m", f.clearance_m, limits.clearance_m);
+  verdict.at_least("swing_height", f.swing_height_min_m, 0.0);
+  verdict.at_least("touchdown_speed_min_m_s", f.touchdown_speed_m_s, limits.touchdown_speed_min_m_s);
+  verdict.at_most("touchdown_speed_max_m_s", f.touchdown_speed_m_s, limits.touchdown_speed_max_m_s);
+  verdict.at_most("touchdown_slip_m_s", std::abs(f.touchdown_slip_m_s), limits.touchdown_slip_m_s);
+  verdict.at_most("return_map", f.return_map_eigenvalues[0], limits.return_map);
 }
 
-/// Claims of accuracy are upper bounds; the others are values.
+/// Of several values the first that is not as claimed.
 void check_claims(const GaitFigures& figures, const GaitFigures& claims, const CheckTolerances& tolerances,
                   Verdict& verdict) {
   GaitFigures computed = figures;
-  GaitFigures claimed = claims;
+  GaitFigures claimed_figures = claims;
   for (const auto& field : gait_files::figure_fields()) {
     const auto values = field.values(computed);
-    const auto wanted = field.values(claimed);
-    bool same = true;
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      const double room = tolerances.claim_absolute + tolerances.claim_relative * std::abs(wanted[i]);
-      same = same && std::abs(values[i] - wanted[i]) <= room;
+    const auto wanted = field.values(claimed_figures);
+    const std::size_t before = verdict.violations().size();
+    for (std::size_t i = 0; i < values.size() && verdict.violations().size() == before; ++i) {
+      verdict.as_claimed(std::string("claim ") + field.key, values[i], wanted[i],
+                         tolerances.claim_absolute + tolerances.claim_relative * std::abs(wanted[i]));
     }
-    verdict.need(same, std::string("claim ") + field.key);
   }
 }
 
@@ -84,6 +92,24 @@ double pitch_on_both_feet(const model::RobotModel& robot, const model::JointVect
 
 }  // namespace
 
+const char* name(Violation::Bound kind) {
+  switch (kind) {
+    case at_most:
+      return "at most";
+    case at_least:
+      return "at least";
+    case claimed:
+      break;
+  }
+  return "claimed";
+}
+
+std::string Violation::text() const {
+  char numbers[80];
+  (void)std::snprintf(numbers, sizeof numbers, " %.4g, %s %.4g", value, gait_synthesis::name(kind), bound);
+  return name + numbers;
+}
+
 GaitCheck check_gait(const model::RobotModel& robot, const gait_files::GaitRecord& record,
                      const CheckTolerances& tolerances) {
   GaitCheck check;
@@ -91,16 +117,16 @@ GaitCheck check_gait(const model::RobotModel& robot, const gait_files::GaitRecor
   const GaitFigures& f = check.figures;
   const gait::HzdGait& gait = record.gait;
   Verdict verdict;
-  verdict.need(f.defect_max <= tolerances.defect, "defect");
-  verdict.need(f.periodicity_error <= tolerances.periodicity, "periodicity");
-  verdict.need(f.output_error_max_rad <= tolerances.output_rad, "outputs");
-  verdict.need(f.torque_error_max_Nm <= tolerances.torque_Nm, "torque_curve");
-  verdict.need(f.replay_error_max <= tolerances.replay, "replay");
-  verdict.need(std::abs(gait.speed_m_s - gait.step_length_m / gait.step_time_s) <= tolerances.speed_m_s,
-               "speed");
+  verdict.at_most("defect", f.defect_max, tolerances.defect);
+  verdict.at_most("periodicity", f.periodicity_error, tolerances.periodicity);
+  verdict.at_most("outputs", f.output_error_max_rad, tolerances.output_rad);
+  verdict.at_most("torque_curve", f.torque_error_max_Nm, tolerances.torque_Nm);
+  verdict.at_most("replay", f.replay_error_max, tolerances.replay);
+  verdict.at_most("speed", std::abs(gait.speed_m_s - gait.step_length_m / gait.step_time_s),
+                  tolerances.speed_m_s);
   check_limits(f, record.limits, verdict);
   if (record.claims) check_claims(f, *record.claims, tolerances, verdict);
-  check.violations = verdict.names();
+  check.violations = verdict.violations();
   return check;
 }
 

@@ -20,16 +20,31 @@ struct CheckTolerances {
   double claim_absolute = 1e-4;
 };
 
+/// A limit, tolerance or claim that a gait does not keep.
+struct Violation {
+  enum class Bound { at_most, at_least, claimed };
+  std::string name;
+  double value = 0.0;  ///< computed; of several joints the worst
+  Bound kind = Bound::at_most;
+  double bound = 0.0;
+
+  /// "clearance_m 0.008, at least 0.01"
+  [[nodiscard]] std::string text() const;
+};
+
+/// "at most", "at least", "claimed".
+[[nodiscard]] const char* name(Violation::Bound kind);
+
 struct GaitCheck {
   gait_files::GaitFigures figures;
-  std::vector<std::string> violations;  ///< names of limits and claims not kept, empty when valid
+  std::vector<Violation> violations;  ///< of limits and claims, empty when valid
   [[nodiscard]] bool valid() const { return violations.empty(); }
 };
 
 /// Computes every figure of a gait anew from outputs, feedback, states and inputs, and compares them with
 /// limits, tolerances and claims. Names of violations: those of the limits; "defect", "periodicity",
-/// "outputs", "torque_curve", "replay", "speed"; "swing_height" for a swing foot in the ground; "lift_off"
-/// for a foot that impact pushes into the ground; "return_map" also when a disturbed step falls; "claim KEY".
+/// "outputs", "torque_curve", "replay", "speed" (its difference from step length / step time); "swing_height"
+/// for a swing foot in the ground; "return_map" also when a disturbed step falls; "claim KEY".
 [[nodiscard]] GaitCheck check_gait(const model::RobotModel& robot, const gait_files::GaitRecord& record,
                                    const CheckTolerances& tolerances = {});
 

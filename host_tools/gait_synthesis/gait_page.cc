@@ -184,7 +184,9 @@ std::string heading(const gait_files::GaitRecord& record, const GaitCheck& check
   std::string verdict = "<span class='good'>valid</span>";
   if (!check.valid()) {
     std::string names;
-    for (const std::string& name : check.violations) names += (names.empty() ? "" : ", ") + name;
+    for (const Violation& violation : check.violations) {
+      names += (names.empty() ? "" : "; ") + violation.text();
+    }
     verdict = "<span class='bad'>not valid: " + escaped(names) + "</span>";
   }
   return "<h1>Gait of " + escaped(record.robot) + " at " + number(gait.speed_m_s) + " m/s</h1><p>" + verdict +

@@ -61,7 +61,7 @@ StateVector start_of_motion(const gait::HzdGait& gait) {
 
 void fit_motion(const model::RobotModel& robot, const StateVector& start, gait::HzdGait& gait) {
   const auto fixed_point = find_fixed_point(robot, gait, reduce(start));
-  if (!fixed_point) throw std::runtime_error("the outputs give no periodic motion near the one found");
+  if (!fixed_point) throw std::runtime_error("the outputs give no periodic motion");
   const StateVector first = expand(robot, *fixed_point);
   const auto step = integrate_step(robot, gait, first);
   gait.step_time_s = step->duration_s;

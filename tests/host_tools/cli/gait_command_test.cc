@@ -1,10 +1,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/host_tools/program_test.h"
@@ -49,6 +51,14 @@ TEST_F(GaitCommand, CheckOfAGaitThatBreaksItsLimitsIsStatusOneAndNamesThem) {
   const auto json = nlohmann::json::parse(outcome.output);
   EXPECT_EQ(json.at("valid"), false);
   EXPECT_EQ(json.at("violations"), nlohmann::json({"torque_Nm"}));
+  const auto& violated = json.at("violated_bounds").at(0);
+  EXPECT_EQ(violated.at("name"), "torque_Nm");
+  EXPECT_EQ(violated.at("kind"), "at most");
+  EXPECT_EQ(violated.at("bound"), 20.0);
+  EXPECT_GT(violated.at("value"), 20.0);
+  const Outcome text = run("check " + file("weak.toml"));
+  EXPECT_NE(text.output.find("\n  not valid:\n    torque_Nm "), std::string::npos) << text.output;
+  EXPECT_NE(text.output.find(", at most 20\n"), std::string::npos) << text.output;
 }
 
 TEST_F(GaitCommand, SynthesizesChecksAndShowsAGait) {
@@ -73,6 +83,25 @@ TEST_F(GaitCommand, CompletesAGaitFromElsewhere) {
                                    << text.substr(outputs, feedback - outputs);
   ASSERT_EQ(run("complete " + file("bare.toml") + " --out " + file("full.toml")).status, 0);
   EXPECT_EQ(run("check " + file("full.toml")).status, 0);
+}
+
+TEST_F(GaitCommand, AGaitFromElsewhereWithoutAMotionIsRefusedWithTheMistakeThatWasMade) {
+  const std::string text = text_of(kShipped);
+  const std::size_t outputs = text.find("[outputs]");
+  std::string bare =
+      "format = 1\nrobot = \"amber3m\"\n" + text.substr(outputs, text.find("[feedback]") - outputs);
+  for (const auto& [from, to] : {std::pair{"stance_", "?"}, {"swing_", "stance_"}, {"?", "swing_"}}) {
+    for (std::size_t at = 0; (at = bare.find(from)) != std::string::npos;)
+      bare.replace(at, std::strlen(from), to);
+  }
+  std::ofstream(file("swapped.toml")) << bare;
+  const Outcome outcome = run("check " + file("swapped.toml"));
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_NE(
+      outcome.errors.find("swapped.toml: the outputs give no periodic motion; there is one when stance and "
+                          "swing leg are exchanged (docs/gaits.md)\n"),
+      std::string::npos)
+      << outcome.errors;
 }
 
 TEST_F(GaitCommand, BadInputIsOneSentenceAndStatusTwo) {

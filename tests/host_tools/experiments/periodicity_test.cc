@@ -48,6 +48,35 @@ TEST(Periodicity, IsTheStandardDeviationOverSteps) {
   EXPECT_NEAR(result.rms_rad, 0.05 / std::sqrt(2.0), 0.003);
 }
 
+/// Two steps of a ramp, the second twice as long and 0.1 rad higher at the end of its first joint: at share u
+/// the joint of the stance leg is u and 1.1 u.
+TEST(Periodicity, OfTwoStepsIsTheirDifferenceOverTheRootOfTwoAtTheSameShare) {
+  log::RunRecord record;
+  const auto add = [&record](double time_s, int stance, double angle_rad) {
+    log::RunSample& sample = record.samples.emplace_back();
+    sample.time_s = time_s;
+    sample.true_state.setZero();
+    sample.true_state[model::kFirstJoint + 2 * stance] = angle_rad;
+  };
+  for (int i = 0; i < 1000; ++i) add(0.0004 * i, 0, 0.001 * i);
+  for (int i = 0; i <= 1000; ++i) add(0.4 + 0.0008 * i, 1, 0.0011 * i);
+  record.summary.steps = {{0.0, "L", 0.2}, {0.4, "R", 0.2}, {1.2, "L", 0.2}};
+  const Periodicity result = periodicity(record, 0.0);
+  ASSERT_EQ(result.steps, 2);
+  EXPECT_NEAR(result.largest_rad, 0.1 * 0.98 / std::sqrt(2.0), 1e-9) << "shares end at 49 / 50";
+  double squares = 0.0;
+  for (int i = 0; i < 50; ++i) squares += 0.5 * std::pow(0.1 * i / 50.0, 2);
+  EXPECT_NEAR(result.rms_rad, std::sqrt(squares / (4 * 50)), 1e-9);
+}
+
+TEST(Periodicity, StepsBeforeTheTimeAskedForAndOfOneFootTwiceAreLeftOut) {
+  log::RunRecord record = steps_with(0.05);
+  EXPECT_EQ(periodicity(record, 0.8).steps, 22);
+  EXPECT_EQ(periodicity(record, 0.8 + 1e-6).steps, 21);
+  record.summary.steps[10].foot = record.summary.steps[9].foot;
+  EXPECT_EQ(periodicity(record, 0.8).steps, 20);
+}
+
 TEST(Periodicity, OfFewerThanTwoStepsIsUnknown) {
   EXPECT_EQ(periodicity(steps_with(0.1), 9.5).rms_rad, 0.0);
   EXPECT_EQ(periodicity({}, 0.0).steps, 0);

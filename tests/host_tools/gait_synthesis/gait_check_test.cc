@@ -4,10 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <utility>
 
 #include "firmware/configuration/gaits/gait_file.h"
 #include "host_tools/gait_synthesis/gait_page.h"
 #include "host_tools/gait_synthesis/hybrid_step.h"
+#include "host_tools/gait_synthesis/likely_mistake.h"
 #include "host_tools/gait_synthesis/return_map.h"
 #include "tests/host_tools/gait_synthesis/sample_gaits.h"
 
@@ -16,15 +19,15 @@ namespace {
 
 using gait_files::GaitRecord;
 
-std::string joined(const std::vector<std::string>& names) {
+std::string joined(const std::vector<Violation>& violations) {
   std::string text;
-  for (const std::string& name : names) text += name + " ";
+  for (const Violation& violation : violations) text += violation.text() + "; ";
   return text;
 }
 
 bool violates(const GaitRecord& record, const std::string& name) {
   const GaitCheck check = check_gait(model::amber3m(), record);
-  return std::find(check.violations.begin(), check.violations.end(), name) != check.violations.end();
+  return std::ranges::find(check.violations, name, &Violation::name) != check.violations.end();
 }
 
 TEST(Synthesis, FindsValidGaitsForwardInPlaceAndBackward) {
@@ -116,6 +119,49 @@ TEST(Check, NamesTheLimitThatIsNotKept) {
   EXPECT_TRUE(violates(with([](auto& l) { l.return_map = 0.5; }), "return_map"));
 }
 
+TEST(Check, ABackwardGaitSlipsBackwardAndIsBoundAsWell) {
+  const StepTask task = task_at(-0.3);
+  GaitRecord record = make_record(model::amber3m(), task, synthesize(model::amber3m(), task));
+  ASSERT_LT(record.claims->touchdown_slip_m_s, -0.1);
+  EXPECT_FALSE(violates(record, "touchdown_slip_m_s"));
+  record.limits.touchdown_slip_m_s = 0.05;
+  EXPECT_TRUE(violates(record, "touchdown_slip_m_s"));
+}
+
+TEST(Check, AViolationHasTheValueThatWasComputedAndItsBound) {
+  GaitRecord record = walking_record();
+  const gait_files::GaitFigures figures = *record.claims;
+  record.limits.torque_Nm = 20.0;
+  record.limits.clearance_m = 0.1;
+  record.claims->peak_torque_Nm[2] += 1.0;
+  record.gait.speed_m_s += 0.125;
+  const std::vector<Violation> found = check_gait(model::amber3m(), record).violations;
+  ASSERT_EQ(found.size(), 4u) << joined(found);
+  EXPECT_EQ(found[0].name, "speed");
+  EXPECT_NEAR(found[0].value, 0.125, 1e-5);
+  EXPECT_EQ(found[0].text(), "speed 0.125, at most 1e-05");
+  EXPECT_EQ(found[1].name, "torque_Nm");
+  EXPECT_NEAR(found[1].value, *std::ranges::max_element(figures.peak_torque_Nm), 1e-9);
+  EXPECT_EQ(found[1].bound, 20.0);
+  EXPECT_STREQ(name(found[1].kind), "at most");
+  EXPECT_EQ(found[2].name, "clearance_m");
+  EXPECT_NEAR(found[2].value, figures.clearance_m, 1e-9);
+  EXPECT_STREQ(name(found[2].kind), "at least");
+  EXPECT_EQ(found[3].name, "claim peak_torque_Nm");
+  EXPECT_NEAR(found[3].value + 1.0, found[3].bound, 1e-9);
+  EXPECT_STREQ(name(found[3].kind), "claimed");
+}
+
+TEST(Check, WhatIsNotANumberKeepsNoBoundAndMakesNoClaimTrue) {
+  GaitRecord record = walking_record();
+  record.limits.torque_Nm = record.limits.knee_min_rad = record.claims->pitch_max_rad = std::nan("");
+  const GaitCheck check = check_gait(model::amber3m(), record);
+  ASSERT_EQ(check.violations.size(), 3u) << joined(check.violations);
+  EXPECT_EQ(check.violations[0].name, "torque_Nm");
+  EXPECT_EQ(check.violations[1].name, "knee_min_rad");
+  EXPECT_EQ(check.violations[2].name, "claim pitch_max_rad");
+}
+
 TEST(Check, NamesAClaimThatIsNotTrue) {
   GaitRecord record = walking_record();
   record.claims->peak_torque_Nm[2] += 1.0;
@@ -190,6 +236,57 @@ TEST(CompleteMotion, SaysSoWhenOutputsDoNotWalk) {
   gait::HzdGait gait = bare(walking_record()).gait;
   for (auto& row : gait.outputs.angle_rad) std::fill(std::begin(row), std::end(row), 0.4);
   EXPECT_THROW(complete_motion(model::amber3m(), gait), std::runtime_error);
+}
+
+/// Outputs as a user may get them wrong, by the correction that is to be named.
+TEST(LikelyMistake, IsTheOneThatWasMade) {
+  using gait::GaitOutputs;
+  const auto scale = [](GaitOutputs& o, double factor) {
+    for (auto& row : o.angle_rad) {
+      for (double& angle : row) angle *= factor;
+    }
+  };
+  const std::pair<const char*, std::function<void(GaitOutputs&)>> mistakes[] = {
+      {"the angles are taken as degrees", [&](GaitOutputs& o) { scale(o, 57.29577951308232); }},
+      {"the signs of all angles are changed", [&](GaitOutputs& o) { scale(o, -1.0); }},
+      {"stance and swing leg are exchanged",
+       [](GaitOutputs& o) {
+         std::swap(o.angle_rad[0], o.angle_rad[2]);
+         std::swap(o.angle_rad[1], o.angle_rad[3]);
+       }},
+      {"hip and knee of the stance leg are exchanged",
+       [](GaitOutputs& o) { std::swap(o.angle_rad[0], o.angle_rad[1]); }},
+      {"hip and knee of both legs are exchanged",
+       [](GaitOutputs& o) {
+         std::swap(o.angle_rad[0], o.angle_rad[1]);
+         std::swap(o.angle_rad[2], o.angle_rad[3]);
+       }},
+      {"the angles of the knees are taken from the torso, not from the thigh",
+       [](GaitOutputs& o) {
+         for (int i = 0; i <= o.degree; ++i) {
+           o.angle_rad[1][i] += o.angle_rad[0][i];
+           o.angle_rad[3][i] += o.angle_rad[2][i];
+         }
+       }},
+      {"start and end of the phase are exchanged",
+       [](GaitOutputs& o) { std::swap(o.phase_start, o.phase_end); }},
+      {"the phase is taken as centimetres",
+       [](GaitOutputs& o) {
+         o.phase_start *= 100.0;
+         o.phase_end *= 100.0;
+       }},
+  };
+  for (const auto& [name, make] : mistakes) {
+    gait::HzdGait gait = bare(walking_record()).gait;
+    make(gait.outputs);
+    EXPECT_EQ(likely_mistake(model::amber3m(), gait).value_or("none"), name);
+  }
+}
+
+TEST(LikelyMistake, IsNoneOfOutputsThatNoCorrectionMakesWalk) {
+  gait::HzdGait gait = bare(walking_record()).gait;
+  for (auto& row : gait.outputs.angle_rad) std::fill(std::begin(row), std::end(row), 0.4);
+  EXPECT_FALSE(likely_mistake(model::amber3m(), gait));
 }
 
 TEST(GaitPage, DrawsEverythingAndLoadsNothing) {

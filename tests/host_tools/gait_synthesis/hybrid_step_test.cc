@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 
 #include "host_tools/gait_synthesis/return_map.h"
 #include "tests/host_tools/gait_synthesis/sample_gaits.h"
@@ -118,6 +119,41 @@ TEST(TouchDown, PutsTheNewStanceFootToRestAtTheOrigin) {
   EXPECT_EQ(step->after[kFirstJoint], step->before[kFirstJoint + 2]);
   EXPECT_EQ(step->after[kFirstJoint + 3], step->before[kFirstJoint + 1]);
   EXPECT_GT(step->impulse_Ns[1], 0.0);
+}
+
+TEST(Phase, GoesFromZeroToOneOverTheStepAndIsHeldATenthBeyond) {
+  for (const gait::HzdGait* gait : {&walking_gait(), &stepping_gait()}) {
+    const gait::GaitOutputs& outputs = gait->outputs;
+    const double span = outputs.phase_end - outputs.phase_start;
+    for (const auto& [share, phase] :
+         {std::pair{0.0, 0.0}, {0.25, 0.25}, {1.0, 1.0}, {-0.05, -0.05}, {-0.2, -0.1}, {1.3, 1.1}}) {
+      StateVector x = StateVector::Zero();
+      x[0] = outputs.phase_start + share * span;
+      EXPECT_NEAR(phase_of(outputs, x, x[0]), phase, 1e-12) << share;
+    }
+  }
+}
+
+/// A swing foot that comes down just after it has left the ground stumbles, and does not end the step.
+TEST(IntegrateStep, OnlyTheSecondHalfOfTheStepEndsWithTouchDown) {
+  ReducedState r = reduce(start_of_motion(walking_gait()));
+  r[4] += 0.01;
+  r[9] -= 9.0;
+  StepOptions options;
+  options.keep_samples = true;
+  const auto step = integrate_step(model::amber3m(), walking_gait(), expand(model::amber3m(), r), options);
+  ASSERT_TRUE(step);
+  const auto height_m = [](const StepSample& sample) {
+    model::KinematicsTerms<double> feet;
+    model::amber3m().scalar.kinematics(sample.x.data(), feet);
+    return feet.foot_position[3];
+  };
+  int early_contacts = 0;
+  for (std::size_t i = 1; i < step->samples.size() && step->samples[i].time_s < 0.4 * step->duration_s; ++i) {
+    if (height_m(step->samples[i - 1]) > 0.0 && height_m(step->samples[i]) <= 0.0) ++early_contacts;
+  }
+  EXPECT_EQ(early_contacts, 1);
+  EXPECT_GT(step->duration_s, 0.6 * walking_gait().step_time_s);
 }
 
 TEST(IntegrateStep, TellsWhenTheRobotFalls) {

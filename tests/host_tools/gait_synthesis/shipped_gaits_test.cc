@@ -32,7 +32,7 @@ TEST_P(ShippedGaitTest, IsValidAndClaimsNothingThatIsNotSo) {
   ASSERT_TRUE(shipped.claims);
   const GaitCheck check = check_gait(robot(), shipped);
   std::string names;
-  for (const std::string& name : check.violations) names += name + " ";
+  for (const Violation& violation : check.violations) names += violation.text() + "; ";
   EXPECT_TRUE(check.valid()) << names;
 }
 
