@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
 #include <vector>
+
+#include "codegen/model/urdf_document.h"
 
 namespace stilt::codegen {
 namespace {
@@ -126,6 +129,48 @@ TEST(UrdfReaderTest, JointsKeepDirectionLossesAndLimits) {
   EXPECT_EQ(tree.links[2].joint.friction_Nm, 0.2);
   EXPECT_EQ(tree.links[2].joint.armature_kg_m2(), 0.0);
   EXPECT_EQ(tree.links[2].joint.torque_max_Nm, 60.0);
+}
+
+/// A body with a foot, its inertia given in a frame that is turned by `yaw_rad`.
+std::string body_with_inertia(double yaw_rad) {
+  return R"(<robot name="body"><link name="body"><inertial><origin xyz="0 0 0.2" rpy="0 0 )" +
+         std::to_string(yaw_rad) +
+         R"("/><mass value="5"/><inertia ixx="0.3" ixy="-0.04" ixz="0.01" iyy="0.2" iyz="0.02" izz="0.25"/>
+            </inertial></link><link name="foot_L"/><joint name="sole" type="fixed"><parent link="body"/>
+            <child link="foot_L"/></joint></robot>)";
+}
+
+TEST(UrdfReaderTest, InertiaIsThatAboutTheLateralAxisWhateverItsFrame) {
+  for (const double yaw_rad : {0.0, 0.5, -1.25}) {
+    const double s = std::sin(yaw_rad), c = std::cos(yaw_rad);
+    // The lateral axis is (s, c, 0) in the frame of the inertia.
+    const double expected = 0.3 * s * s + 2.0 * -0.04 * s * c + 0.2 * c * c;
+    EXPECT_NEAR(parse_urdf(body_with_inertia(yaw_rad), "body").links[0].inertia_kg_m2, expected, 1e-12)
+        << yaw_rad;
+  }
+}
+
+/// The odd tree with another text in place of one of its own.
+std::string error_of_odd_tree(const std::string& from, const std::string& to) {
+  std::string text = read_text(STILT_SOURCE_DIR "/tests/codegen/data/odd_tree.urdf");
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  try {
+    static_cast<void>(parse_urdf(text.replace(at, from.size(), to), "odd"));
+  } catch (const UrdfError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(UrdfReaderTest, LossesThatDriveAndRangesThatAreEmptyAreRefused) {
+  EXPECT_EQ(error_of_odd_tree("damping=\"0.3\"", "damping=\"0.3\""), "no error");
+  const std::string losses =
+      "odd: joint 'hip_R' has negative damping or friction; <dynamics> needs numbers that are not negative.";
+  EXPECT_EQ(error_of_odd_tree("damping=\"0.3\"", "damping=\"-0.3\""), losses);
+  EXPECT_EQ(error_of_odd_tree("friction=\"0.2\"", "friction=\"-0.2\""), losses);
+  EXPECT_EQ(error_of_odd_tree("lower=\"-2\" upper=\"2\"", "lower=\"2\" upper=\"2\""),
+            "odd: joint 'hip_R' has an empty range; <limit> needs lower below upper.");
 }
 
 }  // namespace

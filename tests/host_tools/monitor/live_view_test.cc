@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cstring>
+#include <functional>
+#include <utility>
 
 #include "fake_peer.h"
 #include "firmware/supervisor/fault.h"
@@ -20,10 +22,12 @@ class SilentSource final : public SampleSource {
     if (answers) {
       for (const Command& command : commands) {
         if (command.kind != CommandKind::heartbeat)
-          sink.reply({command.commander, command.sequence, true, ""});
+          sink.reply({command.commander, command.sequence, refusal.empty(), refusal});
       }
     }
     answers = false;
+    if (news) news(sink);
+    news = nullptr;
   }
   void command(const Command& command) override { commands.push_back(command); }
   [[nodiscard]] std::string describe() const override { return "nothing"; }
@@ -38,6 +42,8 @@ class SilentSource final : public SampleSource {
 
   std::vector<Command> commands;
   bool answers = false;
+  std::string refusal;                    ///< of all commands; empty: accepted
+  std::function<void(SampleSink&)> news;  ///< given once
 };
 
 constexpr const char* kWalk = R"({"command": "walk", "sequence": 7, "value": 0.5})";
@@ -72,6 +78,65 @@ TEST(LiveView, TheHeartbeatOfAPageInCommandGoesOnAsLongAsThePageLives) {
   EXPECT_GE(lively, 19);
   for (int k = 1; k <= 20; ++k) view.step(2.2 + 0.1 * k);
   EXPECT_LE(source.heartbeats() - lively, 6) << "silent for longer than kPageSilence_s";
+}
+
+TEST(LiveView, AHeartbeatHasTheTokenOfThePagesCommand) {
+  SilentSource source;
+  LiveView view(source);
+  const auto page = std::make_shared<FakePeer>(false);
+  view.opened(page);
+  view.received(*page, false, R"({"command": "walk", "sequence": 7, "value": 0.5, "token": "of the page"})");
+  source.answers = true;
+  view.step(0.0);
+  view.step(0.2);
+  ASSERT_EQ(source.commands.back().kind, CommandKind::heartbeat);
+  EXPECT_EQ(source.commands.back().token, "of the page");
+  EXPECT_EQ(source.commands.back().commander, source.commands[0].commander);
+}
+
+TEST(LiveView, ARefusedCommandPutsNoPageInCommand) {
+  SilentSource source;
+  source.refusal = "the robot has fallen";
+  LiveView view(source);
+  const auto page = std::make_shared<FakePeer>();
+  view.opened(page);
+  view.received(*page, false, kWalk);
+  source.answers = true;
+  view.step(0.0);
+  view.step(0.2);
+  EXPECT_EQ(source.heartbeats(), 0);
+  EXPECT_EQ(page->of_type("reply").at(0)["reason"], "the robot has fallen");
+}
+
+TEST(LiveView, AnotherSessionTakesTheCommandFromThePageAndBeginsItsTicksAnew) {
+  SilentSource source;
+  LiveView view(source);
+  const auto page = std::make_shared<FakePeer>();
+  view.opened(page);
+  view.received(*page, false, kWalk);
+  source.answers = true;
+  const auto begin = [](const char* session, std::uint64_t tick) {
+    return [=](SampleSink& sink) {
+      ConfigurationSample configuration;
+      configuration.session = session;
+      sink.configuration(configuration);
+      TickSample sample;
+      sample.tick = tick;
+      sink.tick(sample);
+    };
+  };
+  source.news = begin("1", 5);
+  view.step(0.0);
+  view.received(*page, false, kWalk);
+  source.answers = true;
+  view.step(0.2);
+  ASSERT_EQ(source.heartbeats(), 1) << "in command";
+  source.news = begin("2", 100);
+  view.step(0.3);
+  view.received(*page, false, R"({"alive": true})");
+  view.step(0.5);
+  EXPECT_EQ(source.heartbeats(), 1);
+  EXPECT_EQ(page->of_type("link").back()["missing"], 0);
 }
 
 TEST(LiveView, AClosedPageIsNotSpokenFor) {
@@ -192,6 +257,17 @@ TEST(LiveView, AGapInTheTicksIsCounted) {
   EXPECT_EQ(page->of_type("link").back()["missing"], 17);
 }
 
+std::uint32_t rows_of_ticks(const FakePeer& page) {
+  std::uint32_t ticks = 0;
+  for (const SharedMessage& message : page.messages) {
+    if (!message->binary || message->bytes[0] != static_cast<char>(Table::ticks)) continue;
+    std::uint32_t rows = 0;
+    std::memcpy(&rows, message->bytes.data() + 4, sizeof rows);
+    ticks += rows;
+  }
+  return ticks;
+}
+
 TEST(LiveView, APageThatOpensLaterGetsTheLastSeconds) {
   SyntheticSource source;
   LiveView view(source);
@@ -202,16 +278,22 @@ TEST(LiveView, APageThatOpensLaterGetsTheLastSeconds) {
   const auto page = std::make_shared<FakePeer>();
   view.opened(page);
   view.step(5.01);
-  std::uint32_t ticks = 0;
-  for (const SharedMessage& message : page->messages) {
-    if (!message->binary || message->bytes[0] != static_cast<char>(Table::ticks)) continue;
-    std::uint32_t rows = 0;
-    std::memcpy(&rows, message->bytes.data() + 4, sizeof rows);
-    ticks += rows;
-  }
-  EXPECT_EQ(ticks, 5000u);
+  EXPECT_EQ(rows_of_ticks(*page), 5000u);
   EXPECT_EQ(page->of_type("configuration").size(), 1u);
   EXPECT_EQ(page->of_type("supervisor").size(), 1u);
+}
+
+TEST(LiveView, APageThatOpensLaterGetsNoMoreThanTheLastTwelveSeconds) {
+  SyntheticSource source;
+  LiveView view(source);
+  for (int k = 0; k <= 200; ++k) {
+    source.advance(0.1 * k);
+    view.step(0.1 * k);
+  }
+  const auto page = std::make_shared<FakePeer>();
+  view.opened(page);
+  view.step(20.0);
+  EXPECT_NEAR(rows_of_ticks(*page), 12'000, 200);
 }
 
 TEST(LiveView, AnotherSessionLeavesNothingOfTheOneBefore) {
@@ -228,6 +310,7 @@ TEST(LiveView, AnotherSessionLeavesNothingOfTheOneBefore) {
   view.step(1.02);
   EXPECT_EQ(page->of_type("configuration").at(0)["session"], "synthetic-2");
   for (const SharedMessage& message : page->messages) EXPECT_FALSE(message->binary);
+  EXPECT_TRUE(page->of_type("supervisor").empty());
 }
 
 TEST(LiveView, ARecordTakesNoCommands) {
@@ -270,6 +353,7 @@ class Record final : public SampleSource {
     ConfigurationSample sample;
     sample.session = "7";
     sink.configuration(sample);
+    sink.event({});
   }
   void command(const Command&) override {}
   void play_again() override { polls = 0; }
@@ -301,6 +385,10 @@ TEST(LiveView, ARecordPlayedAgainBeginsAnewOnEveryPage) {
     EXPECT_EQ(page->of_type("hello").size(), 2u);
     EXPECT_EQ(page->of_type("configuration").size(), 2u);
   }
+  const auto third = std::make_shared<FakePeer>();
+  view.opened(third);
+  view.step(0.2);
+  EXPECT_EQ(third->of_type("event").size(), 1u) << "of this time alone";
 }
 
 }  // namespace

@@ -133,6 +133,9 @@ TEST(MessageDecoder, TunablesThatChangeComeAsTheConfigurationAnew) {
   ASSERT_EQ(kept.configurations.size(), 2u);
   EXPECT_EQ(kept.configurations[0].tunables.at(0).value, 400.0);
   EXPECT_EQ(kept.configurations[1].tunables.at(0).value, 350.0);
+  tuning.values._length = 0;
+  decoder.take(on(telemetry::kTuning, tuning), kept);
+  EXPECT_EQ(kept.configurations.size(), 2u) << "as many values as tunables, or none of them";
 }
 
 TEST(MessageDecoder, BytesThatAreNoMessageAreLeftOut) {
@@ -155,6 +158,34 @@ TEST(MessageSamples, APlanWhoseSequencesContradictEachOtherHasNoKnots) {
   message.base._buffer = base.data();
   message.base._length = 3;
   EXPECT_TRUE(plan_sample(message).knots.empty());
+}
+
+TEST(MessageSamples, AKnotOfAPlanHasItsTimeBaseFeetForcesAndWhatCarries) {
+  std::array<float, 2> times{0.0f, 0.25f};
+  std::array<std::uint8_t, 2> contact{1, 2};
+  std::array<float, 6> base{0.0f, 0.75f, 0.5f, 1.0f, 0.875f, -0.5f};
+  std::array<float, 8> feet{1, 2, 3, 4, 5, 6, 7, 8}, forces{10, 20, 30, 40, 50, 60, 70, 80};
+  const auto lend = [](auto& sequence, auto& numbers) {
+    sequence._buffer = numbers.data();
+    sequence._length = static_cast<std::uint32_t>(numbers.size());
+  };
+  telemetry::Plan message{};
+  message.start_time_s = 2.0;
+  lend(message.time_s, times);
+  lend(message.contact, contact);
+  lend(message.base, base);
+  lend(message.foot_position_m, feet);
+  lend(message.contact_force_N, forces);
+  const std::vector<PlanKnot> knots = plan_sample(message).knots;
+  ASSERT_EQ(knots.size(), 2u);
+  EXPECT_TRUE(knots[0].left_carries && !knots[0].right_carries);
+  EXPECT_TRUE(!knots[1].left_carries && knots[1].right_carries);
+  EXPECT_EQ(knots[1].time_s, 2.25);
+  EXPECT_EQ(knots[1].hip_x_m, 1.0);
+  EXPECT_EQ(knots[1].hip_z_m, 0.875);
+  EXPECT_EQ(knots[1].pitch_rad, -0.5);
+  EXPECT_EQ(knots[1].foot_position_m[3], 8.0);
+  EXPECT_EQ(knots[1].contact_force_N[0], 50.0);
 }
 
 TEST(MessageSamples, EmptyBinsOfAHistogramAreLeftOutAndEdgesStayTheirs) {

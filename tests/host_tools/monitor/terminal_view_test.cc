@@ -38,6 +38,17 @@ TEST(TerminalView, AFaultSaysItsCauseAndWhatClearsIt) {
   EXPECT_TRUE(holds(text, "clears when: every bus is on; then reset")) << text;
 }
 
+TEST(TerminalView, AFaultThatIsOverWaitsForItsReset) {
+  SyntheticSource source;
+  source.change("fault bus_off");
+  TerminalView view(source);
+  after_a_second(source, view);
+  source.change("over bus_off");
+  source.advance(1.4);
+  view.step(1.4);
+  EXPECT_TRUE(holds(view.text(100, 40), "FAULT     bus_off (waits for reset)")) << view.text(100, 40);
+}
+
 TEST(TerminalView, OldDataAreCalledOld) {
   SyntheticSource source;
   TerminalView view(source);
