@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/host_tools/robot_on_bus/driven_robot.h"
 
 namespace stilt::robot_on_bus {
@@ -46,6 +48,17 @@ TEST(BaseSensorFrames, AChannelBeyondEightBytesMakesAnFdFrame) {
   EXPECT_EQ(frames[0].length, 12);
 }
 
+TEST(BaseSensorFrames, ANumberIsTwoIdentifiersWhenOneIsExtended) {
+  hal::RobotWiring wiring;
+  wiring.channels[0] = {.id = 0x50, .channel = BaseChannel::pitch_rad};
+  wiring.channels[1] = {.id = 0x50, .extended = true, .channel = BaseChannel::pitch_rate_rad_s};
+  wiring.channel_count = 2;
+  const std::vector<hal::CanFrame> frames = BaseSensorFrames(wiring).encode({});
+  ASSERT_EQ(frames.size(), 2u);
+  EXPECT_FALSE(frames[0].extended);
+  EXPECT_TRUE(frames[1].extended);
+}
+
 TEST(BaseSensorFrames, TheShippedSensorAt1KilohertzShowsPitchAndSwitchEveryTick) {
   testing_support::RobotRequest request;
   request.settings.emplace_back("base_sensor.rate_hz=1000");
@@ -66,6 +79,31 @@ TEST(BaseSensorFrames, AHangingRobotAtRestFeelsItsWeight) {
   for (int i = 0; i < 2000; ++i) driven.tick();
   EXPECT_NEAR(driven.base.acceleration_z_m_s2, 9.81, 0.05);
   EXPECT_NEAR(driven.base.acceleration_x_m_s2, 0.0, 0.05);
+}
+
+/// Leaning forward, +x of the base points downward as well, against which a body at rest is pushed.
+TEST(BaseSensorFrames, ARobotThatHangsAskewFeelsItsWeightInTheFrameOfItsBase) {
+  testing_support::RobotRequest request;
+  request.settings.emplace_back("base_sensor.rate_hz=1000");
+  request.settings.emplace_back("base_sensor.acceleration_x=id 0x51 byte 0 bits 16 signed little scale 1e-3");
+  request.settings.emplace_back("base_sensor.acceleration_z=id 0x51 byte 2 bits 16 signed little scale 1e-3");
+  RobotSetup setup = testing_support::setup_of(request);
+  setup.standing[model::kFirstAngle] = 0.3;
+  RobotOnBus robot(setup);
+  hal::protocol::ChannelValues values;
+  std::int64_t now_ns = 1'000'000'000;
+  for (int i = 0; i < 3000; ++i) {
+    robot.tick(now_ns += testing_support::kTick_ns);
+    for (const hal::CanFrame& frame : robot.take_outgoing(now_ns, setup.wiring.channel_bus)) {
+      if (frame.id != 0x51) continue;
+      static_cast<void>(
+          decode(std::span(setup.wiring.channels).first(setup.wiring.channel_count), frame, values));
+    }
+  }
+  const double pitch_rad = robot.plant().state()[model::kFirstAngle];
+  ASSERT_GT(pitch_rad, 0.2);
+  EXPECT_NEAR(values[BaseChannel::acceleration_x_m_s2], -9.81 * std::sin(pitch_rad), 0.05);
+  EXPECT_NEAR(values[BaseChannel::acceleration_z_m_s2], 9.81 * std::cos(pitch_rad), 0.05);
 }
 
 }  // namespace

@@ -109,6 +109,23 @@ TEST(Hoist, TheRopeIsTakenInAgainWhenTheMotorsGiveUp) {
   EXPECT_DOUBLE_EQ(stand.force(hanging)[1], kWeight_N);
 }
 
+TEST(Hoist, TheRopeIsPaidOutAtItsSpeedAndOnlySoFar) {
+  Hoist stand = hoist();
+  const HoistParameters parameters;
+  model::StateVector sunk = stand.hanging();  // as low as the rope ends, so it carries to the end
+  sunk[1] -= parameters.lowering_limit_m;
+  model::StateVector higher = stand.hanging();
+  higher[1] -= 0.01;
+  elapse(stand, sunk, true, parameters.torque_on_s);
+  const double before_N = stand.force(higher)[1];
+  elapse(stand, sunk, true, 0.01);
+  EXPECT_NEAR(before_N - stand.force(higher)[1],
+              0.01 * parameters.lowering_speed_m_s * parameters.rope_stiffness_N_m, 1e-6);
+  elapse(stand, sunk, true, 100.0);
+  EXPECT_EQ(stand.state(), HoistState::lowering);
+  EXPECT_NEAR(stand.force(sunk)[1], kWeight_N, 1e-6);
+}
+
 TEST(Hoist, AFallenRobotIsLiftedToWhereItHangs) {
   Hoist stand = hoist();
   elapse(stand, carried(), true, 1.0);
