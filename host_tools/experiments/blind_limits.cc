@@ -35,12 +35,9 @@ double value_of(const BlindQuantity& quantity, double tried) { return rounded(qu
 
 Json run_limit(const LimitPlan& plan, const LimitPlan::Controller& controller, const BlindQuantity& quantity,
                int phase, int seed, const WalkRunner& run) {
-  const double step_m = plan.speed_m_s * controller.step_s;
-  const double phase_m = step_m * (phase % 2 + static_cast<double>(phase) / plan.phases);
   Json trials = Json::array();
   const Limit limit = find_limit(quantity.search, [&](double tried) {
-    WalkCase walk = walk_of(plan, controller, seed);
-    quantity.apply(value_of(quantity, tried), phase_m, walk);
+    const WalkCase walk = limit_case(plan, controller, quantity, phase, seed, value_of(quantity, tried));
     const log::RunSummary summary = run(walk).summary;
     const bool passed = quantity.passes(walk, summary);
     trials.push_back({{"value", value_of(quantity, tried)},
@@ -53,7 +50,11 @@ Json run_limit(const LimitPlan& plan, const LimitPlan::Controller& controller, c
   const auto value = [&](const std::optional<double>& tried) {
     return tried ? Json(value_of(quantity, *tried)) : Json(nullptr);
   };
-  return {{"limit", value(limit.passed)}, {"first_fall", value(limit.failed)}, {"trials", std::move(trials)}};
+  return {{"phase", phase},
+          {"seed", seed},
+          {"limit", value(limit.passed)},
+          {"first_fall", value(limit.failed)},
+          {"trials", std::move(trials)}};
 }
 
 const char* gait_name(gait::GaitKind kind) {
@@ -63,15 +64,11 @@ const char* gait_name(gait::GaitKind kind) {
 
 Json run_sequence(const LimitPlan& plan, const LimitPlan::Controller& controller, int seed,
                   const WalkRunner& run) {
-  WalkCase walk = walk_of(plan, controller, seed);
-  walk.duration_s = plan.sequence_s;
-  const std::vector<simulator::TimedCommand> sequence =
-      random_commands(static_cast<std::uint32_t>(seed), plan.sequence_s);
-  walk.command = sequence.front().command;
-  walk.later_commands.assign(sequence.begin() + 1, sequence.end());
+  const WalkCase walk = sequence_case(plan, controller, seed);
   const log::RunSummary summary = run(walk).summary;
-  Json commands = Json::array();
-  for (const simulator::TimedCommand& timed : sequence) {
+  Json commands = {
+      {{"start_s", 0.0}, {"gait", gait_name(walk.command.kind)}, {"speed_m_s", walk.command.speed_m_s}}};
+  for (const simulator::TimedCommand& timed : walk.later_commands) {
     commands.push_back({{"start_s", timed.start_s},
                         {"gait", gait_name(timed.command.kind)},
                         {"speed_m_s", timed.command.speed_m_s}});
@@ -90,7 +87,8 @@ int phases_of(const LimitPlan& plan, const BlindQuantity& quantity) {
 class RowFigures {
  public:
   void add(const Json& result) {
-    limits_.push_back(result.at("limit"));
+    cases_.push_back(
+        {{"phase", result.at("phase")}, {"seed", result.at("seed")}, {"limit", result.at("limit")}});
     if (!result.at("first_fall").is_null()) ++falls_;
     for (const Json& trial : result.at("trials")) {
       if (trial.at("value") != result.at("limit")) continue;
@@ -100,10 +98,14 @@ class RowFigures {
     }
   }
 
-  [[nodiscard]] Json row(const LimitPlan::Controller& controller, const BlindQuantity& quantity) {
-    std::ranges::sort(limits_, {}, [&](const Json& limit) {
+  [[nodiscard]] Json row(const LimitPlan::Controller& controller, const BlindQuantity& quantity, int phases) {
+    std::ranges::stable_sort(cases_, {}, [&](const Json& one) {
+      const Json& limit = one.at("limit");
       return limit.is_null() ? -1.0 : std::abs(limit.get<double>() - quantity.nominal);
     });
+    Json limits = Json::array();
+    for (const Json& one : cases_) limits.push_back(one.at("limit"));
+    const Json worst(cases_.begin(), cases_.begin() + std::min<std::ptrdiff_t>(2, std::ssize(cases_)));
     const LimitSearch& search = quantity.search;
     const double steps = std::floor(search.largest / search.coarse + 1e-9);
     const bool any = speed_max_m_s_ >= speed_min_m_s_;
@@ -114,26 +116,47 @@ class RowFigures {
             {"unit", quantity.unit},
             {"direction", quantity.direction},
             {"nominal", quantity.nominal},
-            {"limit_all", limits_.front()},
-            {"limit_half", limits_[limits_.size() / 2]},
-            {"cases", limits_.size()},
+            {"limit_all", limits.front()},
+            {"limit_half", limits[limits.size() / 2]},
+            {"phases", phases},
+            {"cases", limits.size()},
             {"falls", falls_},
             {"coarse", std::abs(search.coarse)},
             {"fine", std::abs(search.fine)},
             {"last_tried", value_of(quantity, steps * search.coarse)},
             {"speed_min_m_s", any ? Json(speed_min_m_s_) : Json(nullptr)},
             {"speed_max_m_s", any ? Json(speed_max_m_s_) : Json(nullptr)},
-            {"limits", limits_}};
+            {"limits", limits},
+            {"worst_cases", worst}};
   }
 
  private:
-  std::vector<Json> limits_;
+  std::vector<Json> cases_;
   int falls_ = 0;
   double speed_min_m_s_ = std::numeric_limits<double>::max();
   double speed_max_m_s_ = std::numeric_limits<double>::lowest();
 };
 
 }  // namespace
+
+WalkCase limit_case(const LimitPlan& plan, const LimitPlan::Controller& controller,
+                    const BlindQuantity& quantity, int phase, int seed, double value) {
+  const double step_m = plan.speed_m_s * controller.step_s;
+  const double phase_m = step_m * (phase % 2 + static_cast<double>(phase) / plan.phases);
+  WalkCase walk = walk_of(plan, controller, seed);
+  quantity.apply(value, phase_m, walk);
+  return walk;
+}
+
+WalkCase sequence_case(const LimitPlan& plan, const LimitPlan::Controller& controller, int seed) {
+  WalkCase walk = walk_of(plan, controller, seed);
+  walk.duration_s = plan.sequence_s;
+  const std::vector<simulator::TimedCommand> sequence =
+      random_commands(static_cast<std::uint32_t>(seed), plan.sequence_s);
+  walk.command = sequence.front().command;
+  walk.later_commands.assign(sequence.begin() + 1, sequence.end());
+  return walk;
+}
 
 std::vector<Job> limit_jobs(const LimitPlan& plan, const WalkRunner& run) {
   std::vector<Job> jobs;
@@ -164,7 +187,7 @@ Json merge_limits(const LimitPlan& plan, const std::vector<Json>& results) {
     for (const BlindQuantity& quantity : plan.quantities) {
       RowFigures figures;
       for (int i = 0; i < phases_of(plan, quantity) * plan.seeds; ++i) figures.add(*result++);
-      rows.push_back(figures.row(controller, quantity));
+      rows.push_back(figures.row(controller, quantity, plan.phases));
     }
     if (plan.sequences == 0) continue;
     int survived = 0;

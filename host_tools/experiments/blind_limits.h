@@ -42,13 +42,22 @@ struct LimitPlan {
   double sequence_s = 60.0;
 };
 
-/// One job a controller, quantity, phase and seed: {limit, first_fall, trials: [{value, passed, survived,
-/// fall_time_s, mean_speed_m_s}]}, then one a controller and sequence: {seed, survived, fall_time_s,
-/// commands: [{start_s, gait, speed_m_s}]}.
+/// The walk of one case at a value of the quantity.
+[[nodiscard]] WalkCase limit_case(const LimitPlan& plan, const LimitPlan::Controller& controller,
+                                  const BlindQuantity& quantity, int phase, int seed, double value);
+
+/// The walk of one random sequence of commands.
+[[nodiscard]] WalkCase sequence_case(const LimitPlan& plan, const LimitPlan::Controller& controller,
+                                     int seed);
+
+/// One job a controller, quantity, phase and seed: {phase, seed, limit, first_fall, trials: [{value, passed,
+/// survived, fall_time_s, mean_speed_m_s}]}, then one a controller and sequence: {seed, survived,
+/// fall_time_s, commands: [{start_s, gait, speed_m_s}]}.
 [[nodiscard]] std::vector<Job> limit_jobs(const LimitPlan& plan, const WalkRunner& run);
 
-/// {rows: [{controller, horizon_s, name, quantity, unit, direction, nominal, limit_all, limit_half, cases,
-/// falls, coarse, fine, last_tried, speed_min_m_s, speed_max_m_s, limits}], sequences: [{controller,
+/// {rows: [{controller, horizon_s, name, quantity, unit, direction, nominal, limit_all, limit_half, phases,
+/// cases, falls, coarse, fine, last_tried, speed_min_m_s, speed_max_m_s, limits, worst_cases: [{phase, seed,
+/// limit}]}], sequences: [{controller,
 /// horizon_s, survived, of, duration_s, runs}]}.
 ///
 /// limit_all is the value that every case passes, limit_half the one that half of them pass; null when those

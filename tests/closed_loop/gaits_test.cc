@@ -112,7 +112,7 @@ TEST_P(Walks, AMinuteAtTheCommandedSpeed) {
   SimulatedRun run(walking(GetParam().speed_m_s, GetParam().horizon_s, kMinute_s));
   const log::RunRecord record = run.run();
   expect_sound(run, record);
-  EXPECT_NEAR(record.summary.mean_speed_m_s, GetParam().speed_m_s, 0.05);
+  EXPECT_NEAR(record.summary.mean_speed_m_s, GetParam().speed_m_s, 0.02);
   EXPECT_GE(steps(record), 0.97 * expected_steps(run)) << describe(run, record);
 }
 

@@ -1,0 +1,147 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "host_tools/cli/experiment_walks.h"
+#include "host_tools/experiments/blind_limits.h"
+#include "host_tools/experiments/walks.h"
+
+/// Guards of the published limits, sequences of commands and shortest horizons (docs/results).
+namespace stilt::experiments {
+namespace {
+
+constexpr double kShare = 0.85;
+constexpr double kSameSpeed_m_s = 0.02;
+
+/// A row of a table, and the file's settings.
+struct Published {
+  std::string name;
+  Json figures;
+  Json settings;
+
+  friend std::ostream& operator<<(std::ostream& stream, const Published& row) { return stream << row.name; }
+};
+
+Json results_of(const std::string& table) {
+  std::ifstream file(STILT_RESULTS "/" + table + ".json");
+  return Json::parse(file);
+}
+
+WalkRunner runner_of(const Json& settings) {
+  cli::WalkSetting setting;
+  setting.choice.settings = settings.at("set").get<std::vector<std::string>>();
+  setting.plant_settings = settings.at("plant").get<std::vector<std::string>>();
+  return cli::runner_for_each(setting);
+}
+
+LimitPlan::Controller controller_of(const Json& figures) {
+  return {figures.at("controller").get<std::string>(), figures.at("horizon_s").get<double>()};
+}
+
+std::string test_name(const ::testing::TestParamInfo<Published>& test) {
+  std::string name = test.param.name;
+  std::ranges::replace_if(
+      name, [](unsigned char c) { return std::isalnum(c) == 0; }, '_');
+  return name;
+}
+
+std::vector<Published> published_limits() {
+  std::vector<Published> rows;
+  for (const char* table : {"limits", "limits_motors"}) {
+    const Json json = results_of(table);
+    for (const Json& row : json.at("rows")) {
+      if (row.at("limit_all").is_null()) continue;
+      rows.push_back(
+          {std::string(table) + "_" + row.at("name").get<std::string>(), row, json.at("settings")});
+    }
+  }
+  return rows;
+}
+
+class PublishedLimits : public ::testing::TestWithParam<Published> {};
+
+TEST_P(PublishedLimits, TheTwoWorstCasesPassAt85PercentOfTheMargin) {
+  const Json& figures = GetParam().figures;
+  const std::vector<BlindQuantity>& quantities = blind_quantities();
+  const auto quantity = std::ranges::find(quantities, figures.at("name"), &BlindQuantity::name);
+  ASSERT_NE(quantity, quantities.end());
+  LimitPlan plan;
+  plan.phases = figures.at("phases").get<int>();
+  const double margin = figures.at("limit_all").get<double>() - quantity->nominal;
+  const double value = quantity->nominal + kShare * margin;
+  const WalkRunner run = runner_of(GetParam().settings);
+  for (const Json& worst : figures.at("worst_cases")) {
+    const WalkCase walk = limit_case(plan, controller_of(figures), *quantity, worst.at("phase").get<int>(),
+                                     worst.at("seed").get<int>(), value);
+    const log::RunSummary summary = run(walk).summary;
+    EXPECT_TRUE(quantity->passes(walk, summary))
+        << value << " " << quantity->unit << ", " << worst << ": "
+        << (summary.survived ? "survives" : "falls") << ", mean speed " << summary.mean_speed_m_s << " m/s";
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(ClosedLoop, PublishedLimits, ::testing::ValuesIn(published_limits()), test_name);
+
+std::vector<Published> published_sequences() {
+  std::vector<Published> rows;
+  const Json json = results_of("limits");
+  for (const Json& sequence : json.at("sequences")) {
+    for (const Json& run : sequence.at("runs")) {
+      if (!run.at("survived").get<bool>()) continue;
+      Json figures = run;
+      figures["controller"] = sequence.at("controller");
+      figures["horizon_s"] = sequence.at("horizon_s");
+      rows.push_back({"sequence_" + run.at("seed").dump(), figures, json.at("settings")});
+    }
+  }
+  return rows;
+}
+
+class PublishedSequences : public ::testing::TestWithParam<Published> {};
+
+TEST_P(PublishedSequences, AMinuteOfRandomCommandsIsWalked) {
+  const Json& figures = GetParam().figures;
+  const WalkCase walk = sequence_case({}, controller_of(figures), figures.at("seed").get<int>());
+  const log::RunSummary summary = runner_of(GetParam().settings)(walk).summary;
+  EXPECT_TRUE(summary.survived) << "falls at " << summary.fall_time_s << " s";
+}
+
+INSTANTIATE_TEST_SUITE_P(ClosedLoop, PublishedSequences, ::testing::ValuesIn(published_sequences()),
+                         test_name);
+
+std::vector<Published> published_horizons() {
+  std::vector<Published> rows;
+  const Json json = results_of("horizons");
+  for (const Json& row : json.at("rows")) {
+    for (const Json& tried : row.at("tried")) {
+      if (row.at("shortest_horizon_s") != tried.at("horizon_s")) continue;
+      Json figures = tried;
+      figures["duration_s"] = row.at("duration_s");
+      figures["controller"] = row.at("controller");
+      rows.push_back({row.at("controller").get<std::string>(), figures, json.at("settings")});
+    }
+  }
+  return rows;
+}
+
+class PublishedHorizons : public ::testing::TestWithParam<Published> {};
+
+TEST_P(PublishedHorizons, WalkAMinuteAtTheCommandedSpeed) {
+  const Json& figures = GetParam().figures;
+  WalkCase walk;
+  walk.controller = figures.at("controller").get<std::string>();
+  walk.horizon_s = figures.at("horizon_s").get<double>();
+  walk.duration_s = figures.at("duration_s").get<double>();
+  const log::RunSummary summary = runner_of(GetParam().settings)(walk).summary;
+  EXPECT_TRUE(walks(walk.command, summary)) << summary.mean_speed_m_s << " m/s";
+  EXPECT_NEAR(summary.mean_speed_m_s, figures.at("mean_speed_m_s").get<double>(), kSameSpeed_m_s);
+}
+
+INSTANTIATE_TEST_SUITE_P(ClosedLoop, PublishedHorizons, ::testing::ValuesIn(published_horizons()), test_name);
+
+}  // namespace
+}  // namespace stilt::experiments
