@@ -61,7 +61,6 @@ std::vector<Json> survived(const Json& one, std::optional<double> force_N = std:
   return trials;
 }
 
-/// The limits of all cases, ascending; nothing, for those that fall unpushed, comes first.
 /// Phase and seed of the two cases with the smallest limits.
 Json worst_cases(std::span<const Json> cases) {
   std::vector<const Json*> ascending;
@@ -79,6 +78,7 @@ Json worst_cases(std::span<const Json> cases) {
   return worst;
 }
 
+/// The limits of all cases, ascending; nothing, for those that fall unpushed, comes first.
 std::vector<std::optional<double>> limits_of(std::span<const Json> cases) {
   std::vector<std::optional<double>> limits;
   for (const Json& one : cases) limits.push_back(optional<double>(one.at("limit_N")));

@@ -12,6 +12,7 @@ constexpr std::size_t kStride = 2;  // steps, one of each leg
 constexpr int kStays = 4;           // touch-downs in a row
 constexpr double kShare = 0.1;
 constexpr double kLeastTolerance_m_s = 0.03;
+constexpr double kRounding_m_s = 1e-9;
 
 /// The steps from the last one that landed at or before a time on; none when there is no such step.
 std::span<const log::Step> from_last_before(std::span<const log::Step> steps, double time_s) {
@@ -36,7 +37,8 @@ std::optional<StepRange> step_range(std::span<const log::Step> steps, double fro
 
 std::optional<int> recovery_steps(std::span<const log::Step> steps, double push_end_s,
                                   double unpushed_speed_m_s) {
-  const double tolerance_m_s = std::max(kShare * std::abs(unpushed_speed_m_s), kLeastTolerance_m_s);
+  const double tolerance_m_s =
+      std::max(kShare * std::abs(unpushed_speed_m_s), kLeastTolerance_m_s) + kRounding_m_s;
   const std::span<const log::Step> left = from_last_before(steps, push_end_s);
   int in_a_row = 0;
   for (std::size_t n = 0; n + kStride < left.size(); ++n) {
