@@ -43,6 +43,12 @@ class Value {
     return *value;
   }
 
+  [[nodiscard]] double number() const {
+    const auto value = node_.value<double>();
+    if (!node_.is_number() || !std::isfinite(*value)) throw UsageError("must be a number");
+    return *value;
+  }
+
   [[nodiscard]] double number(double least, double most) const {
     const auto value = node_.value<double>();
     if (!node_.is_number() || !(*value >= least && *value <= most)) {
@@ -81,8 +87,6 @@ struct Key {
   void (*read)(const Value&, RowChoice&);
 };
 
-constexpr double kAny = 1e9;  // the configuration has narrower bounds
-
 const Key kKeys[] = {
     {"name", [](const Value& v, RowChoice& row) { row.name = v.text(); }},
     {"robot",
@@ -91,7 +95,7 @@ const Key kKeys[] = {
      }},
     {"controller",
      [](const Value& v, RowChoice& row) { row.setting.choice.controller = v.one_of(controller_names()); }},
-    {"horizon_s", [](const Value& v, RowChoice& row) { row.setting.choice.horizon_s = v.number(0.0, kAny); }},
+    {"horizon_s", [](const Value& v, RowChoice& row) { row.setting.choice.horizon_s = v.number(); }},
     {"preset", [](const Value& v, RowChoice& row) { row.setting.choice.preset = v.text(); }},
     {"set", [](const Value& v, RowChoice& row) { v.append_to(row.setting.choice.settings); }},
     {"plant", [](const Value& v, RowChoice& row) { v.append_to(row.setting.plant_settings); }},
@@ -113,10 +117,8 @@ const Key kKeys[] = {
      [](const Value& v, RowChoice& row) {
        row.speed_m_s = v.number(-kLargestRowSpeed_m_s, kLargestRowSpeed_m_s);
      }},
-    {"plan_rate_hz",
-     [](const Value& v, RowChoice& row) { row.setting.choice.plan_rate_hz = v.number(0.0, kAny); }},
-    {"plan_delay_s",
-     [](const Value& v, RowChoice& row) { row.setting.choice.plan_delay_s = v.number(0.0, kAny); }},
+    {"plan_rate_hz", [](const Value& v, RowChoice& row) { row.setting.choice.plan_rate_hz = v.number(); }},
+    {"plan_delay_s", [](const Value& v, RowChoice& row) { row.setting.choice.plan_delay_s = v.number(); }},
     {"state",
      [](const Value& v, RowChoice& row) {
        row.setting.state = v.one_of({"estimated", "truth"});

@@ -132,7 +132,7 @@ TEST_F(ExperimentRows, AMistakeIsOneSentenceThatNamesFileRowAndKey) {
                                {"gait = \"trot\"", "gait", "stand"},
                                {"speed_m_s = 6.0", "speed_m_s", "5"},
                                {"speed_m_s = true", "speed_m_s", "number"},
-                               {"plan_rate_hz = 0.0", "plan_rate_hz", "must be"},
+                               {"plan_rate_hz = 0.0", "plan_rate_hz", "1 to 2000 Hz"},
                                {"plan_delay_s = -1.0", "plan_delay_s", "0"},
                                {"state = \"guessed\"", "state", "truth"},
                                {"phases = 0", "phases", "1"},
