@@ -11,6 +11,7 @@
 #include "host_tools/cli/frequency_experiment.h"
 #include "host_tools/cli/json_output.h"
 #include "host_tools/cli/limits_experiment.h"
+#include "host_tools/cli/published_command.h"
 #include "host_tools/cli/usage_error.h"
 #include "host_tools/experiments/figures.h"
 #include "host_tools/experiments/shortest_horizon.h"
@@ -88,6 +89,7 @@ int run_figures(const ExperimentOptions& options) {
   const experiments::JobFolder folder(options.folder, settings);
   experiments::Figures figures = experiments::make_figures(runner_for_each(options.setting),
                                                            options.quick ? kQuickDuration_s : kDuration_s);
+  figures.numbers["command"] = options.command;
   figures.numbers["settings"] = settings;
   folder.keep("figures", figures.numbers);
   const std::filesystem::path page = std::filesystem::path(options.folder) / "figures.html";
@@ -136,6 +138,7 @@ CLI::App* add_experiment_command(CLI::App& program, ExperimentOptions& options) 
 int run_experiment(const CLI::App& experiment, ExperimentOptions options,
                    const std::vector<std::string>& words) {
   check_output_file("--json", options.json_file);
+  options.command = published_command(words);
   if (experiment.got_subcommand("frequency")) return run_frequency(options);
   if (experiment.got_subcommand("horizon")) return run_horizons(options, words);
   if (experiment.got_subcommand("limits")) return run_limits(options, words);

@@ -12,7 +12,8 @@ namespace stilt::cli {
 /// Options of `stilt experiment` and its commands.
 struct ExperimentOptions {
   WalkSetting setting;
-  std::string folder;  ///< of --out
+  std::string command;  ///< that gives the figures again, kept with them
+  std::string folder;   ///< of --out
   std::string json_file;
   bool quick = false;
   // Experiments that are made of jobs.

@@ -69,6 +69,7 @@ int run_jobs(const ExperimentOptions& options, const std::vector<std::string>& w
   if (!options.job.empty()) return run_one(folder, jobs, options.job);
   if (!options.merge) run_missing(options, words, folder, jobs);
   Json merged = merge(folder.results(jobs));
+  merged["command"] = options.command;
   merged["settings"] = settings;
   if (!options.json_file.empty()) write_json(merged, options.json_file);
   const std::string text = table(merged);

@@ -82,7 +82,7 @@ int run_frequency(const ExperimentOptions& options) {
                     {"threads", 1},
                     {"problems", problems}});
   }
-  const Json merged = {{"rows", std::move(rows)}, {"settings", settings}};
+  const Json merged = {{"rows", std::move(rows)}, {"command", options.command}, {"settings", settings}};
   folder.keep("frequency", merged);
   const std::string table = table_of(merged);
   std::ofstream(std::filesystem::path(options.folder) / "table.md") << table;

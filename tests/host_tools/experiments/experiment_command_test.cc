@@ -217,6 +217,9 @@ TEST_F(ExperimentCommand, LimitsGivesTheFieldsOfItsContract) {
   ASSERT_EQ(result.at("sequences").size(), 1u);
   EXPECT_EQ(result.at("sequences")[0].at("of"), 1);
   EXPECT_NE(outcome.output.find("random sequences of commands"), std::string::npos);
+  EXPECT_EQ(result.at("command"),
+            "stilt experiment limits --quick --horizon 0.5 --quantity step_down --quantity friction "
+            "--quantity commands --out DIR");
 }
 
 TEST_F(ExperimentCommand, FiguresAreAPageAndTheNumbersOnIt) {
