@@ -56,9 +56,9 @@ TEST_F(GaitCommand, CheckOfAGaitThatBreaksItsLimitsIsStatusOneAndNamesThem) {
   EXPECT_EQ(violated.at("kind"), "at most");
   EXPECT_EQ(violated.at("bound"), 20.0);
   EXPECT_GT(violated.at("value"), 20.0);
-  const Outcome text = run("check " + file("weak.toml"));
-  EXPECT_NE(text.output.find("\n  not valid:\n    torque_Nm "), std::string::npos) << text.output;
-  EXPECT_NE(text.output.find(", at most 20\n"), std::string::npos) << text.output;
+  const std::string printed = run("check " + file("weak.toml")).output;
+  EXPECT_NE(printed.find("\n  not valid:\n    torque_Nm "), std::string::npos) << printed;
+  EXPECT_NE(printed.find(", at most 20\n"), std::string::npos) << printed;
 }
 
 TEST_F(GaitCommand, SynthesizesChecksAndShowsAGait) {
