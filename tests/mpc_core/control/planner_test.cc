@@ -54,6 +54,25 @@ void expect_identical(const Plan& a, const Plan& b) {
   }
 }
 
+TEST(PlannerSettings, LimitsAreTheRobotsScaledByTheConfiguration) {
+  ControllerParameters parameters = shipped();
+  parameters.robot.velocity_limit_scale = 0.5;
+  parameters.robot.torque_limit_scale = 0.75;
+  parameters.robot.no_load_speed_rad_s = 8.0;
+  const auto settings = std::make_unique<PlannerSettings>();
+  const auto work = std::make_unique<solver::TerminalCostWorkspace>();
+  const model::RobotConstants& robot = model::amber3m().constants;
+  ASSERT_EQ(prepare_settings(model::amber3m(), parameters, *work, *settings), ConfigureStatus::ok);
+  const ocp::JointLimits& limits = settings->data.limits;
+  for (int j = 0; j < model::kJoints; ++j) {
+    EXPECT_EQ(limits.velocity_rad_s[j], 0.5 * robot.velocity_limit_rad_s[j]);
+    EXPECT_EQ(limits.torque_Nm[j], 0.75 * robot.torque_limit_Nm[j]);
+    EXPECT_EQ(limits.torque_speed_slope_Nms_rad[j], 0.75 * robot.torque_limit_Nm[j] / 8.0);
+    EXPECT_EQ(limits.position_min_rad[j], robot.position_min_rad[j]);
+    EXPECT_EQ(limits.position_max_rad[j], robot.position_max_rad[j]);
+  }
+}
+
 TEST(Planner, RefusesNonFiniteInputAndLeavesThePlanUntouched) {
   Planning planning(shipped());
   planning.advance(kWalk, 50);
