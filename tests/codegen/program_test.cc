@@ -39,7 +39,7 @@ std::string read(const fs::path& path) {
 
 class ProgramTest : public testing::Test {
  protected:
-  tests::OwnFolder folder;
+  stilt::tests::OwnFolder folder;
   fs::path out = folder.path() / "out";
 };
 
@@ -77,7 +77,7 @@ struct BadInput {
 class BadInputTest : public testing::TestWithParam<BadInput> {};
 
 TEST_P(BadInputTest, IsOneSentenceAndStatusTwo) {
-  const tests::OwnFolder folder;
+  const stilt::tests::OwnFolder folder;
   const fs::path out = folder.path() / "out";
   const std::string file = std::string(STILT_SOURCE_DIR "/tests/codegen/data/") + GetParam().name + ".urdf";
   const Outcome outcome = run("--urdf " + file + " --robot robot --out " + out.string());

@@ -12,7 +12,7 @@ using mock::FrameFault;
 using mock::FrameSink;
 using mock::MockBus;
 
-/// A Damiao between its bus and the test: writes to registers get lost, or most of its frames.
+/// A Damiao that confirms writes to its registers and forgets them, or whose answers get lost.
 class BadDamiao final : public EmulatedDriver {
  public:
   explicit BadDamiao(const protocol::MitDriver& driver) : inner_(driver), driver_(driver) {}
@@ -21,8 +21,10 @@ class BadDamiao final : public EmulatedDriver {
 
   void take(std::int64_t now_ns, const CanFrame& frame, FrameSink& replies) noexcept override {
     protocol::DamiaoRegisterMessage message;
-    if (decode_register_request(driver_, frame, message) == protocol::DecodeStatus::ok && message.write &&
-        forgets_writes) {
+    if (forgets_writes && message_of(frame, message) && message.write) {
+      CanFrame confirmation;
+      if (encode_register_answer(driver_, message, confirmation) == protocol::EncodeStatus::ok)
+        replies.push(confirmation);
       return;
     }
     FrameSink all;
@@ -38,6 +40,10 @@ class BadDamiao final : public EmulatedDriver {
   void power_cycle() noexcept override { inner_.power_cycle(); }
 
  private:
+  bool message_of(const CanFrame& frame, protocol::DamiaoRegisterMessage& message) const noexcept {
+    return decode_register_request(driver_, frame, message) == protocol::DecodeStatus::ok;
+  }
+
   mock::MitEmulator inner_;
   protocol::MitDriver driver_;
   unsigned requests_ = 0;
@@ -175,11 +181,11 @@ TEST_F(BringUpRefusal, ADriverThatAnswersAndDoesNotEnableIsNotSilent) {
   OdriveBringUp bring_up(3, kEndpoints, options_);
   mock::OdriveEmulator driver(3, kEndpoints);
   bus_.attach(driver);
-  // Its heartbeat says idle for ever: bit 3 is what closed loop (8) has and idle (1) has not.
+  // Its heartbeat never says closed loop (8): one bit makes it 12.
   bus_.add_fault({.fault = FrameFault::corrupt,
                   .id = 3u << 5 | static_cast<std::uint32_t>(protocol::OdriveCommand::heartbeat),
                   .any_id = false,
-                  .bit = 32 + 3});
+                  .bit = 32 + 2});
   EXPECT_EQ(run(bring_up, bus_, clock_).failure, Failure::unwilling);
 }
 
