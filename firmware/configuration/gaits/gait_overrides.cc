@@ -14,7 +14,9 @@ std::vector<configuration::Override> gait_overrides(const gait::GaitLibrary& lib
   const auto setting = [&where](const char* key, double value) {
     return configuration::Override{std::string(key) + "=" + configuration::number_text(value), where};
   };
-  return {setting("cost.terminal", kTerminalWeight), setting("gait.single_support_s", library.step_time_s()),
+  return {setting("cost.terminal", kTerminalWeight),
+          {"cost.terminal_feet=false", where},
+          setting("gait.single_support_s", library.step_time_s()),
           setting("gait.double_support_s", 0.0)};
 }
 
