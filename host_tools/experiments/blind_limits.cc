@@ -104,8 +104,11 @@ class RowFigures {
       return limit.is_null() ? -1.0 : std::abs(limit.get<double>() - quantity.nominal);
     });
     Json limits = Json::array();
-    for (const Json& one : cases_) limits.push_back(one.at("limit"));
-    const Json worst(cases_.begin(), cases_.begin() + std::min<std::ptrdiff_t>(2, std::ssize(cases_)));
+    Json worst = Json::array();
+    for (const Json& one : cases_) {
+      limits.push_back(one.at("limit"));
+      if (worst.size() < 2) worst.push_back(one);
+    }
     const LimitSearch& search = quantity.search;
     const double steps = std::floor(search.largest / search.coarse + 1e-9);
     const bool any = speed_max_m_s_ >= speed_min_m_s_;
