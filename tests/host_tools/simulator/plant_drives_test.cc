@@ -215,6 +215,16 @@ TEST(PlantDrives, CoulombFrictionHoldsAJointBelowItAndTakesItsPartOfMoreTorque) 
   }
 }
 
+TEST(PlantDrives, ViscousFrictionEndsARunUpAtTheTorqueOverTheDamping) {
+  PlantOptions options;
+  options.joint_damping_Nms_rad = 20.0;
+  const double time_constant_s = kHeavyArmature_kg_m2 / 20.0;
+  for (const double duration_s : {0.1, 0.5}) {
+    const double expected_rad_s = 30.0 / 20.0 * (1.0 - std::exp(-duration_s / time_constant_s));
+    EXPECT_NEAR(knee_speed_rad_s(options, 30.0, duration_s), expected_rad_s, 0.02 * expected_rad_s);
+  }
+}
+
 TEST(PlantDrives, AJointEndsAtItsStopOnlyWhenStopsAreAskedFor) {
   PlantOptions stops;
   stops.joint_stops = true;
