@@ -141,6 +141,13 @@ TEST_F(BringUpTest, AMoteusWhosePositionMeansNothingIsRefused) {
   driver.set_home(protocol::MoteusHome::rotor);
   MoteusBringUp rotor({}, options_);
   EXPECT_EQ(run(rotor, bus_, clock_).failure, Failure::not_home) << "one of many turns of the rotor";
+  driver.set_home(protocol::MoteusHome::relative);
+  options_.encoder_period_rad = 0.7;
+  options_.minimum_angle_rad = -0.3;
+  options_.maximum_angle_rad = 0.3;
+  MoteusBringUp relative({}, options_);
+  EXPECT_EQ(run(relative, bus_, clock_).failure, Failure::not_home)
+      << "counted from where it was switched on";
 }
 
 TEST_F(BringUpTest, ExactlyOneTurnOfTheEncoderMustFitTheTravel) {

@@ -49,9 +49,30 @@ class BadDamiao final : public EmulatedDriver {
   unsigned requests_ = 0;
 };
 
+/// A moteus that answers position commands and stays stopped.
+class StoppedMoteus final : public EmulatedDriver {
+ public:
+  void take(std::int64_t now_ns, const CanFrame& frame, FrameSink& replies) noexcept override {
+    constexpr std::uint8_t kPositionMode_bytes = 32;
+    CanFrame instead = frame;
+    if (frame.length == kPositionMode_bytes)
+      static_cast<void>(encode_query({}, protocol::MoteusQuery::state, instead));
+    inner_.take(now_ns, instead, replies);
+  }
+  void elapse(std::int64_t now_ns, FrameSink& replies) noexcept override { inner_.elapse(now_ns, replies); }
+  [[nodiscard]] double torque_Nm() const noexcept override { return inner_.torque_Nm(); }
+  [[nodiscard]] bool enabled() const noexcept override { return inner_.enabled(); }
+  [[nodiscard]] bool reports_supply() const noexcept override { return inner_.reports_supply(); }
+  void raise(DriverFault fault) noexcept override { inner_.raise(fault); }
+  void power_cycle() noexcept override { inner_.power_cycle(); }
+
+ private:
+  mock::MoteusEmulator inner_{{}};
+};
+
 class BringUpRefusal : public BringUpTest {
  protected:
-  StepResult moteus(mock::MoteusEmulator& driver) {
+  StepResult moteus(EmulatedDriver& driver) {
     MoteusBringUp bring_up({}, options_);
     return end(bring_up, driver);
   }
@@ -187,6 +208,8 @@ TEST_F(BringUpRefusal, ADriverThatAnswersAndDoesNotEnableIsNotSilent) {
                   .any_id = false,
                   .bit = 32 + 2});
   EXPECT_EQ(run(bring_up, bus_, clock_).failure, Failure::unwilling);
+  StoppedMoteus stopped;
+  EXPECT_EQ(moteus(stopped).failure, Failure::unwilling);
 }
 
 TEST_F(BringUpRefusal, WatchdogsFrom5To100MillisecondsAreAllowed) {

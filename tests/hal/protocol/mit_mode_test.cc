@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <string>
 
 #include "tests/hal/hex.h"
 #include "tests/hal/random_values.h"
@@ -75,6 +76,10 @@ TEST(MitMode, NoCommandCanBeMistakenForASpecialFrame) {
     ASSERT_TRUE(status == EncodeStatus::ok || status == EncodeStatus::saturated);
     MitSpecial special{};
     EXPECT_EQ(decode_special(driver, frame, special), DecodeStatus::malformed) << hex(frame);
+    const std::string bytes = hex(frame);
+    EXPECT_FALSE(bytes.starts_with("ffffffffffffff") && bytes >= "fffffffffffffffb" &&
+                 bytes <= "fffffffffffffffe")
+        << bytes;
     MitCommand back;
     ASSERT_EQ(decode_command(driver, frame, back), DecodeStatus::ok);
     EXPECT_NEAR(back.torque_Nm, torque_Nm, 1e-9);
