@@ -43,7 +43,8 @@ std::vector<PublishedRow> published_rows_with_a_push() {
 class PublishedPushes : public ::testing::TestWithParam<PublishedRow> {
  protected:
   PublishedPushes() : plan_(cli::plan_of_rows(STILT_RESULTS "/" + GetParam().table + ".toml")) {
-    const auto named = std::ranges::find(plan_.rows, GetParam().figures.at("name"), &PushRow::name);
+    const auto named =
+        std::ranges::find(plan_.rows, GetParam().figures.at("name").get<std::string>(), &PushRow::name);
     if (named == plan_.rows.end()) throw std::runtime_error("the table has no such row any more");
     row_ = *named;
     row_.phases = GetParam().figures.at("phases").get<int>();

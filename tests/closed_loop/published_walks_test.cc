@@ -67,7 +67,8 @@ class PublishedLimits : public ::testing::TestWithParam<Published> {};
 TEST_P(PublishedLimits, TheTwoWorstCasesPassAt85PercentOfTheMargin) {
   const Json& figures = GetParam().figures;
   const std::vector<BlindQuantity>& quantities = blind_quantities();
-  const auto quantity = std::ranges::find(quantities, figures.at("name"), &BlindQuantity::name);
+  const auto quantity =
+      std::ranges::find(quantities, figures.at("name").get<std::string>(), &BlindQuantity::name);
   ASSERT_NE(quantity, quantities.end());
   LimitPlan plan;
   plan.phases = figures.at("phases").get<int>();

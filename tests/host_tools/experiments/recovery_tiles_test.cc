@@ -12,18 +12,13 @@ namespace {
 log::RunRecord walk(int touch_downs) {
   log::RunRecord record;
   for (int n = 1; n <= touch_downs; ++n) {
-    log::Step step;
-    step.time_s = 0.3 * n;
-    step.foot = n % 2 == 0 ? "L" : "R";
-    step.length_m = 0.1 * n;
-    record.summary.steps.push_back(step);
+    record.summary.steps.push_back({0.3 * n, std::string(1, n % 2 == 0 ? 'L' : 'R'), 0.1 * n});
   }
   record.summary.survived = true;
   for (double time_s = 0.0; time_s < 0.3 * touch_downs + 0.1; time_s += 0.005) {
-    log::RunSample sample;
+    log::RunSample& sample = record.samples.emplace_back();
     sample.time_s = time_s;
     sample.true_state.setZero();
-    record.samples.push_back(sample);
   }
   return record;
 }
