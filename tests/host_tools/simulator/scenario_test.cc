@@ -20,8 +20,9 @@ TEST(Scenario, APushIsReadWithForceTimesAndPoint) {
 }
 
 TEST(Scenario, APushOfAnotherShapeIsRefused) {
-  for (const char* text : {"", "40", "40@1", "40@1+", "40@1+0", "40@1+-1", "40@-1+1", "x@1+1", "40@1+1@knee",
-                           "nan@1+1", "40@inf+1", "1e6@1+1", "40 @1+1", "40@1+1@"}) {
+  for (const char* text :
+       {"", "40", "40@1", "40@1+", "40@1+0", "40@1+-1", "40@-1+1", "x@1+1", "40@1+1@knee", "nan@1+1",
+        "40@inf+1", "1e6@1+1", "10001@1+1", "-10001@1+1", "40 @1+1", "40@1+1@"}) {
     EXPECT_THROW((void)parse_push(text), std::invalid_argument) << text;
   }
 }
@@ -49,16 +50,23 @@ TEST(Scenario, PushesActFromTheirStartUntilTheirEndAndAddUp) {
   EXPECT_EQ(push_at(pushes, 2.5).force_N, 0.0);
 }
 
-TEST(Scenario, PushesAndCommandsCountFromTheTickOfTheirTimeDespiteItsRounding) {
-  for (int tick = 0; tick < 20000; ++tick) {
-    const double written_s = tick / 1000.0, time_s = tick * 0.001;
-    ASSERT_EQ(push_at({{10.0, written_s, 1.0, PushPoint::hip}}, time_s).force_N, 10.0) << tick;
-    ASSERT_EQ(command_at({{written_s, {gait::GaitKind::walk, 0.5}}}, time_s).kind, gait::GaitKind::walk)
-        << tick;
-    if (tick == 0) continue;
-    const std::vector<Push> until_now = {{10.0, 0.0, written_s, PushPoint::hip}};
-    ASSERT_EQ(push_at(until_now, time_s).force_N, 0.0) << tick;
-    ASSERT_EQ(push_at(until_now, time_s - 0.001).force_N, 10.0) << tick;
+TEST(Scenario, PushesAndCommandsKeepToTheirTicksDespiteRounding) {
+  for (const double rate_hz : {1000.0, 700.0, 600.0}) {
+    const double tick_s = 1.0 / rate_hz;
+    for (int tick = 1; tick < 5000; ++tick) {
+      SCOPED_TRACE(testing::Message() << "tick " << tick << " at " << rate_hz << " Hz");
+      const double written_s = tick / rate_hz;
+      const std::vector<Push> pushes = {{10.0, written_s, 1.0, PushPoint::hip}};
+      const auto force_N = [&](int later) { return push_at(pushes, (tick + later) * tick_s).force_N; };
+      const int last = static_cast<int>(rate_hz) - 1;
+      ASSERT_EQ(force_N(-1), 0.0);
+      ASSERT_EQ(force_N(0), 10.0);
+      ASSERT_EQ(force_N(last), 10.0);
+      ASSERT_EQ(force_N(last + 1), 0.0);
+      const std::vector<TimedCommand> commands = {{written_s, {gait::GaitKind::walk, 0.5}}};
+      ASSERT_EQ(command_at(commands, (tick - 1) * tick_s).kind, gait::GaitKind::stand);
+      ASSERT_EQ(command_at(commands, tick * tick_s).kind, gait::GaitKind::walk);
+    }
   }
 }
 
