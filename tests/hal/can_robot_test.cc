@@ -140,11 +140,15 @@ TEST_P(EveryProtocol, ADriverFaultIsReportedByItsName) {
 TEST_P(EveryProtocol, NothingIsSentWhenACommandIsNotFinite) {
   Robot robot(GetParam());
   static_cast<void>(robot.read());
-  JointCommands commands = some_commands();
-  commands[2].torque_Nm = std::nan("");
-  EXPECT_EQ(robot.robot_->write(commands), JointBusStatus::refused);
-  EXPECT_TRUE(robot.buses_[0].sent().empty());
-  EXPECT_TRUE(robot.buses_[1].sent().empty());
+  for (double JointCommand::*field :
+       {&JointCommand::position_rad, &JointCommand::velocity_rad_s, &JointCommand::torque_Nm,
+        &JointCommand::kp_Nm_rad, &JointCommand::kd_Nms_rad, &JointCommand::torque_limit_Nm}) {
+    JointCommands commands = some_commands();
+    commands[2].*field = std::nan("");
+    EXPECT_EQ(robot.robot_->write(commands), JointBusStatus::refused);
+    EXPECT_TRUE(robot.buses_[0].sent().empty());
+    EXPECT_TRUE(robot.buses_[1].sent().empty());
+  }
 }
 
 TEST_P(EveryProtocol, DisableLetsEveryMotorGo) {

@@ -105,6 +105,9 @@ TEST_F(BringUpRefusal, AWatchdogThatReadsBackDifferentlyIsRefused) {
   BadDamiao forgetful(damiao());
   forgetful.forgets_writes = true;
   EXPECT_EQ(damiao_driver(forgetful).failure, Failure::wrong_watchdog);
+  fault_ = mock::FaultRule{.fault = FrameFault::delay, .delay_ns = 3 * kTick_ns};
+  EXPECT_EQ(damiao_driver(forgetful).failure, Failure::wrong_watchdog)
+      << "the confirmation comes when the value is awaited";
 
   // Bits of an ODrive's answer: a float's exponent; bit 0 of the switch, which is a float's last bit, too.
   for (const std::uint16_t bit : {std::uint16_t{32 + 23}, std::uint16_t{32}}) {
