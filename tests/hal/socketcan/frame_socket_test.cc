@@ -321,6 +321,9 @@ TEST_F(FrameSocketTest, AnotherDescriptorStartsWithNothingUnconfirmedAndKeepsThe
   EXPECT_EQ(socket.send(std::span(&command, 1)).status, BusStatus::ok);
   EXPECT_EQ(socket.counters().sent, 2u);
   EXPECT_EQ(socket.counters().disconnections, 1u);
+  ASSERT_EQ(socket.unconfirmed(), 1u);
+  socket.reset(ends_[0]);
+  EXPECT_EQ(socket.unconfirmed(), 0u) << "also without a loss before";
 }
 
 TEST_F(FrameSocketTest, SoManyUnconfirmedCommandsAsTheTableHoldsAndNoMore) {
