@@ -125,6 +125,22 @@ TEST(Writer, TheSummaryListsTheGroupsThatItHas) {
   EXPECT_EQ(groups_of(run_reader("read_mcap.cjs", {file.path()}), file.bytes()), all);
 }
 
+/// @mcap/core does not look at it; the specification has it cover all before the record that holds it.
+TEST(Writer, TheSumOfTheDataCoversTheFileUpToItsRecord) {
+  const TemporaryFile file("sum");
+  {
+    Writer writer(file.path());
+    write_sample(writer);
+  }
+  const Json found = run_reader("read_mcap.cjs", {file.path()});
+  const Bytes bytes = file.bytes();
+  const auto end = found["groups"][0]["start"].get<std::size_t>();  // of the data
+  const std::size_t record = end - kRecordHead_bytes - 4;
+  ASSERT_EQ(bytes.at(record), static_cast<std::uint8_t>(Op::data_end));
+  EXPECT_EQ(ByteReader(ByteView(bytes).subspan(end - 4)).take<std::uint32_t>(),
+            crc32(ByteView(bytes).first(record)));
+}
+
 TEST(Writer, AnEmptyRecordIsWholeAndItsSummaryHasStatisticsAlone) {
   const TemporaryFile file("empty");
   { Writer writer(file.path()); }

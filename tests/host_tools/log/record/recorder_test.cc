@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <utility>
+
 #include "host_tools/log/mcap/reader.h"
 #include "tests/host_tools/log/mcap/sample_file.h"
 #include "tests/host_tools/log/record_sample.h"
@@ -39,6 +41,9 @@ TEST(Recorder, WhatItWroteIsReadByOthers) {
   }
   const Json found = independent_readers::run_reader("read_mcap.cjs", {file.path(), "index"});
   ASSERT_EQ(found["messages"].size(), 4u);
+  for (const auto& [message, sequence] : {std::pair{0u, 0}, {1u, 0}, {2u, 1}, {3u, 0}}) {  // by topic
+    EXPECT_EQ(found["messages"][message]["sequence"], sequence) << message;
+  }
   EXPECT_EQ(found["messages"][1]["log_time_ns"], "200");
   EXPECT_EQ(found["messages"][1]["publish_time_ns"], "1000");
   const Json& ticks = channel_of(found, "/stilt/ticks");
