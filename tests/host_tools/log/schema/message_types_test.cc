@@ -137,6 +137,17 @@ TEST(Decode, WhatEndsTooEarlyOrIsBigEndianIsRefused) {
   refuses({0, 1, 0, 0, 100, 0, 0, 0, 5, 0, 0, 0});  // a hundred empty messages in eight bytes
 }
 
+TEST(MessageTypes, TypesOfIdlHaveTheirNamesOfRos) {
+  const MessageTypes types = parse_idl(
+      "module a { module msg { module dds_ { @topic struct All_ { // all of them\n"
+      "boolean b; octet o; short s; unsigned short t; long l; unsigned long m; long long n; unsigned long "
+      "long p;\n"
+      "float f; double d; string w; sequence<unsigned long> q; double x[3]; }; /* done */ }; }; };");
+  EXPECT_EQ(ros2msg_text(types, "a/msg/All"),
+            "bool b\nuint8 o\nint16 s\nuint16 t\nint32 l\nuint32 m\nint64 n\nuint64 p\nfloat32 f\nfloat64 d\n"
+            "string w\nuint32[] q\nfloat64[3] x\n");
+}
+
 TEST(MessageTypes, AMessageUsedTwiceIsDescribedOnce) {
   const std::string text = ros2msg_text(own_messages(), "nav_msgs/msg/Odometry");
   const std::string heading = "MSG: geometry_msgs/Vector3\n";
