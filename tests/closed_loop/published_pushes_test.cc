@@ -1,22 +1,25 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <filesystem>
-#include <fstream>
 #include <ostream>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "host_tools/cli/disturbance_experiment.h"
-#include "host_tools/experiments/walks.h"
+#include "tests/closed_loop/published_results.h"
 
 /// Guards of the published pushes: of each row of docs/results the two worst cases survive 85 % of the
 /// published force, and the robot walks without a push at the published speed.
 namespace stilt::experiments {
 namespace {
 
-constexpr double kShare = 0.85;
-constexpr double kSameSpeed_m_s = 0.02;
+using testing_support::kGuardedShare;
+using testing_support::kSameSpeed_m_s;
+using testing_support::results_of;
+
+constexpr const char* kTables[] = {"pushes",  "directions", "motors",   "changes", "paper",
+                                   "realism", "rabbit",     "terminal", "tuning"};
 
 struct PublishedRow {
   std::string table;
@@ -27,17 +30,20 @@ struct PublishedRow {
   }
 };
 
-/// The rows with a push, of every table of pushes that has results.
+/// The rows with a push, of every table of pushes.
 std::vector<PublishedRow> published_rows_with_a_push() {
   std::vector<PublishedRow> rows;
-  for (const char* table : {"pushes", "directions", "motors", "changes", "paper", "realism", "rabbit"}) {
-    std::ifstream file(std::string(STILT_RESULTS "/") + table + ".json");
-    const Json json = Json::parse(file);
-    for (const Json& row : json.at("rows")) {
+  for (const char* table : kTables) {
+    const Json results = results_of(table);
+    for (const Json& row : results.at("rows")) {
       if (!row.at("push_all_phases_N").is_null()) rows.push_back({table, row});
     }
   }
   return rows;
+}
+
+TEST(PublishedTables, HaveResults) {
+  for (const char* table : kTables) EXPECT_FALSE(results_of(table).at("rows").empty()) << table;
 }
 
 class PublishedPushes : public ::testing::TestWithParam<PublishedRow> {
@@ -56,7 +62,7 @@ class PublishedPushes : public ::testing::TestWithParam<PublishedRow> {
 
 TEST_P(PublishedPushes, TheTwoWorstCasesSurvive85PercentAndTheSpeedIsTheOnePublished) {
   const Json& figures = GetParam().figures;
-  const double force_N = kShare * figures.at("push_all_phases_N").get<double>();
+  const double force_N = kGuardedShare * figures.at("push_all_phases_N").get<double>();
   ASSERT_FALSE(figures.at("worst_cases").empty());
   for (const Json& worst : figures.at("worst_cases")) {
     const int phase = worst.at("phase").get<int>();
@@ -75,13 +81,12 @@ TEST_P(PublishedPushes, TheTwoWorstCasesSurvive85PercentAndTheSpeedIsTheOnePubli
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    ClosedLoop, PublishedPushes, ::testing::ValuesIn(published_rows_with_a_push()), [](const auto& test) {
-      std::string name = test.param.table + "_" + test.param.figures.at("name").template get<std::string>();
-      std::ranges::replace_if(
-          name, [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
-      return name;
-    });
+INSTANTIATE_TEST_SUITE_P(ClosedLoop, PublishedPushes, ::testing::ValuesIn(published_rows_with_a_push()),
+                         [](const auto& test) {
+                           return testing_support::test_name(
+                               test.param.table + "_" +
+                               test.param.figures.at("name").template get<std::string>());
+                         });
 
 }  // namespace
 }  // namespace stilt::experiments

@@ -1,7 +1,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <fstream>
 #include <ostream>
 #include <string>
 #include <vector>
@@ -9,13 +8,15 @@
 #include "host_tools/cli/experiment_walks.h"
 #include "host_tools/experiments/blind_limits.h"
 #include "host_tools/experiments/walks.h"
+#include "tests/closed_loop/published_results.h"
 
 /// Guards of the published limits, sequences of commands and shortest horizons (docs/results).
 namespace stilt::experiments {
 namespace {
 
-constexpr double kShare = 0.85;
-constexpr double kSameSpeed_m_s = 0.02;
+using testing_support::kGuardedShare;
+using testing_support::kSameSpeed_m_s;
+using testing_support::results_of;
 
 /// A row of a table, and the file's settings.
 struct Published {
@@ -25,11 +26,6 @@ struct Published {
 
   friend std::ostream& operator<<(std::ostream& stream, const Published& row) { return stream << row.name; }
 };
-
-Json results_of(const std::string& table) {
-  std::ifstream file(STILT_RESULTS "/" + table + ".json");
-  return Json::parse(file);
-}
 
 WalkRunner runner_of(const Json& settings) {
   cli::WalkSetting setting;
@@ -43,10 +39,13 @@ LimitPlan::Controller controller_of(const Json& figures) {
 }
 
 std::string test_name(const ::testing::TestParamInfo<Published>& test) {
-  std::string name = test.param.name;
-  std::ranges::replace_if(
-      name, [](unsigned char c) { return std::isalnum(c) == 0; }, '_');
-  return name;
+  return testing_support::test_name(test.param.name);
+}
+
+TEST(PublishedTables, HaveResults) {
+  for (const char* table : {"limits", "limits_motors", "horizons"}) {
+    EXPECT_FALSE(results_of(table).at("rows").empty()) << table;
+  }
 }
 
 std::vector<Published> published_limits() {
@@ -73,7 +72,7 @@ TEST_P(PublishedLimits, TheTwoWorstCasesPassAt85PercentOfTheMargin) {
   LimitPlan plan;
   plan.phases = figures.at("phases").get<int>();
   const double margin = figures.at("limit_all").get<double>() - quantity->nominal;
-  const double value = quantity->nominal + kShare * margin;
+  const double value = quantity->nominal + kGuardedShare * margin;
   const WalkRunner run = runner_of(GetParam().settings);
   for (const Json& worst : figures.at("worst_cases")) {
     const WalkCase walk = limit_case(plan, controller_of(figures), *quantity, worst.at("phase").get<int>(),
