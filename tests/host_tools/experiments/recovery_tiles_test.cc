@@ -49,7 +49,8 @@ TEST(RecoveryTiles, MarkTheTouchDownsUnderThePush) {
   const log::RunRecord record = walk(12);
   const PushedWalk push{20.0, 0.7, 1.7, 2};
   std::vector<bool> pushed;
-  for (const Json& step : recovery_json(record, push).at("steps")) pushed.push_back(step.at("pushed"));
+  const Json recovery = recovery_json(record, push);
+  for (const Json& step : recovery.at("steps")) pushed.push_back(step.at("pushed"));
   EXPECT_EQ(pushed, (std::vector<bool>{false, true, true, true, false, false}));
   int red = 0;
   for (const plot::Label& label : recovery_tiles(record, push, "").labels)
