@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "mpc_core/solver/small_solve.h"
+
 namespace stilt::solver {
 namespace {
 
@@ -23,33 +25,6 @@ void symmetrise(StateMatrix& m) noexcept {
   for (int c = 0; c < kN; ++c) {
     for (int r = 0; r < c; ++r) m(r, c) = m(c, r) = 0.5 * (m(r, c) + m(c, r));
   }
-}
-
-/// Gaussian elimination with partial pivoting: right = left^-1 right; left is destroyed. False when singular.
-template <class Left, class Right>
-[[nodiscard]] bool solve_in_place(Left& left, Right& right) noexcept {
-  constexpr int kSize = Left::RowsAtCompileTime;
-  for (int k = 0; k < kSize; ++k) {
-    int best = k;
-    for (int r = k + 1; r < kSize; ++r) {
-      if (std::abs(left(r, k)) > std::abs(left(best, k))) best = r;
-    }
-    if (!(std::abs(left(best, k)) > 0.0) || !std::isfinite(left(best, k))) return false;
-    if (best != k) {
-      left.row(k).swap(left.row(best));
-      right.row(k).swap(right.row(best));
-    }
-    for (int r = k + 1; r < kSize; ++r) {
-      const double factor = left(r, k) / left(k, k);
-      left.row(r) -= factor * left.row(k);
-      right.row(r) -= factor * right.row(k);
-    }
-  }
-  for (int k = kSize - 1; k >= 0; --k) {
-    right.row(k) /= left(k, k);
-    for (int r = 0; r < k; ++r) right.row(r) -= left(r, k) * right.row(k);
-  }
-  return true;
 }
 
 /// True when Gaussian elimination without exchanges meets positive pivots only.

@@ -1,7 +1,8 @@
 #include "mpc_core/solver/terminal_cost.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
+
+#include "mpc_core/solver/small_solve.h"
 
 namespace stilt::solver {
 namespace {
@@ -65,9 +66,9 @@ void add_foot_weights(const ocp::ProblemData& data, const model::StateVector& x,
 
 /// Completes the square: with u = v - R^-1 N'x the cost has no product of state and input.
 [[nodiscard]] bool remove_cross_weight(const CrossWeight& N, CareProblem& problem) noexcept {
-  const Eigen::LLT<InputWeight> R(problem.R);
-  if (R.info() != Eigen::Success) return false;
-  const FeedbackMatrix shift = R.solve(N.transpose());
+  InputWeight R = problem.R;
+  FeedbackMatrix shift = N.transpose();
+  if (!solve_in_place(R, shift)) return false;
   problem.A -= problem.B.lazyProduct(shift);
   problem.Q -= N.lazyProduct(shift);
   problem.Q = (0.5 * (problem.Q + problem.Q.transpose())).eval();

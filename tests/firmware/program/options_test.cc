@@ -72,7 +72,8 @@ TEST(Options, APresetChangesTheConfigurationBeforeTheGaitsAndWhatTheUserSets) {
   const auto around_gaits = read({"--preset", "paper", "--set", "controller.reference=hzd"});
   ASSERT_TRUE(around_gaits) << around_gaits.error();
   EXPECT_EQ(around_gaits->configuration.discretisation.transition, ocp::Transition::identity);
-  EXPECT_EQ(around_gaits->configuration.gait.single_support_s, 0.3) << "the step time of the shipped gaits";
+  EXPECT_NEAR(around_gaits->configuration.gait.single_support_s, 0.3, 1e-6)
+      << "step time of the shipped gaits";
   EXPECT_EQ(around_gaits->configuration.cost.terminal, 10.0);
 }
 

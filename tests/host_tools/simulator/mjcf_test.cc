@@ -113,7 +113,7 @@ TEST(MjcfTest, ArmatureAndStopsCanBeChosen) {
   EXPECT_EQ(plain.model->dof_armature[3], 0.0);
   EXPECT_EQ(plain.model->jnt_limited[4], 0);
   const World limited({.joint_limits = true});
-  EXPECT_NEAR(limited.model->dof_armature[3], 0.426319, 1e-12);
+  EXPECT_NEAR(limited.model->dof_armature[3], 91.4286 * 91.4286 * 5.1e-5, 1e-12);
   EXPECT_EQ(limited.model->jnt_limited[4], 1);
   EXPECT_EQ(limited.model->jnt_range[2 * 4], 0.0);
 }
