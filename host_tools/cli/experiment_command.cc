@@ -83,7 +83,7 @@ int run_horizons(const ExperimentOptions& options, const std::vector<std::string
 
 int run_figures(const ExperimentOptions& options) {
   constexpr double kDuration_s = 34.0;
-  constexpr double kQuickDuration_s = 8.0;
+  constexpr double kQuickDuration_s = 12.0;
   const Json settings =
       settings_json(options, "figures", parts_of(options.setting, {"mpc-heuristic", "mpc-hzd"}));
   const experiments::JobFolder folder(options.folder, settings);

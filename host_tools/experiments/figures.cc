@@ -133,7 +133,7 @@ Recovery recovery(const RunRecord& record, double force_N, double unpushed_m_s) 
   const double end_s = kPushStart_s + kPushDuration_s;
   const PushedWalk push{force_N, kPushStart_s, end_s,
                         recovery_steps(record.summary.steps, end_s, unpushed_m_s)};
-  const std::string title = text("Touch-downs around a push of %.0f N for 1 s", force_N);
+  const std::string title = "Touch-downs around a push of " + text("%.0f N for 1 s", force_N);
   return {plot::card(plot::svg(recovery_tiles(record, push, title)), true), recovery_json(record, push)};
 }
 
