@@ -27,11 +27,19 @@ TEST(EmitTest, AFunctionIsATemplateOverScalarAndOutput) {
 
 TEST(EmitTest, ASharedSubexpressionIsComputedOnce) {
   Graph graph;
-  const Expression p = graph.symbol("x[0]") * graph.symbol("x[1]");
+  const Expression first = graph.symbol("x[0]");  // made before the other, so written before it
+  const Expression p = first * graph.symbol("x[1]");
   const EmittedFunction f = emit({{"y[0]", p + graph.constant(1.0)}, {"y[1]", p * p}});
   EXPECT_EQ(f.count.multiplications, 2);
   EXPECT_EQ(f.count.additions, 1);
-  EXPECT_EQ(f.text.find("x_0 * x_1"), f.text.rfind("x_0 * x_1"));
+  ASSERT_TRUE(contains(f.text, "x_0 * x_1")) << f.text;
+  EXPECT_EQ(f.text.find("x_0 * x_1"), f.text.rfind("x_0 * x_1")) << f.text;
+}
+
+TEST(EmitTest, ANegativeConstantStandsInParentheses) {
+  Graph graph;
+  const std::string text = emit({{"y", graph.symbol("x[0]") + graph.constant(-3.0)}}).text;
+  EXPECT_TRUE(contains(text, "(-3.0) + x_0")) << text;
 }
 
 TEST(EmitTest, DeadNodesAreNotEmitted) {
