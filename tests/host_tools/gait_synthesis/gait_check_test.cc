@@ -82,7 +82,9 @@ TEST(Synthesis, WorksForTheOtherRobotToo) {
 }
 
 TEST(Replay, StaysOnTheGaitOverManyStepsAndComesBackAfterADisturbance) {
-  for (const GaitRecord* record : {&walking_record(), &stepping_record()}) {
+  const StepTask slow = task_at(0.1);  // along the time, so with foot placement
+  const GaitRecord slow_record = make_record(model::amber3m(), slow, synthesize(model::amber3m(), slow));
+  for (const GaitRecord* record : {&walking_record(), &stepping_record(), &slow_record}) {
     const ReducedState nominal = reduce(start_of_motion(record->gait));
     ReducedState at = nominal;
     at[0] += 0.01;
