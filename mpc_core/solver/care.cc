@@ -11,7 +11,8 @@ constexpr int kN = model::kStates;
 constexpr int kMostDoublings = 50;   ///< resolves a closed-loop pole 1e-13 of the shift
 constexpr double kVanished = 1e-12;  ///< norm of the Cayley power at which doubling ends
 constexpr int kRefinements = 3;
-constexpr double kGoodResidual = 1e-14;  ///< no refinement below
+constexpr double kGoodResidual = 1e-14;   ///< no refinement below
+constexpr double kSmallestPivot = 1e-12;  ///< of an input weight scaled to a unit diagonal
 /// Shifts tried in turn, relative to the square root of the Hamiltonian's norm.
 constexpr double kShiftFactors[] = {1.0, 8.0, 1.0 / 8.0, 64.0, 1.0 / 64.0};
 
@@ -27,10 +28,22 @@ void symmetrise(StateMatrix& m) noexcept {
   }
 }
 
-/// True when Gaussian elimination without exchanges meets positive pivots only.
+/// Cholesky elimination with diagonal pivoting of R, scaled to a unit diagonal. A singular R leaves pivots
+/// that are zero but for rounding, of either sign.
 [[nodiscard]] bool positive_definite(InputWeight R) noexcept {
+  const auto diagonal = R.diagonal().eval();
+  if (!(diagonal.minCoeff() > 0.0)) return false;
+  for (int c = 0; c < model::kInputs; ++c) {
+    for (int r = 0; r < model::kInputs; ++r) R(r, c) /= std::sqrt(diagonal[r] * diagonal[c]);
+  }
   for (int k = 0; k < model::kInputs; ++k) {
-    if (!(R(k, k) > 0.0)) return false;
+    int largest = k;
+    for (int i = k + 1; i < model::kInputs; ++i) {
+      if (R(i, i) > R(largest, largest)) largest = i;
+    }
+    R.row(k).swap(R.row(largest));
+    R.col(k).swap(R.col(largest));
+    if (!(R(k, k) > kSmallestPivot)) return false;
     for (int r = k + 1; r < model::kInputs; ++r) {
       const double factor = R(r, k) / R(k, k);
       R.row(r) -= factor * R.row(k);

@@ -170,6 +170,20 @@ TEST(Care, ImpossibleCostsAreRefused) {
   EXPECT_EQ(solve(problem, solution), CareOutcome::kBadCost);
 }
 
+/// Such a weight has pivots of either sign and about 1e-16: whether all are positive is chance.
+TEST(Care, AnInputWeightThatLacksOneDirectionIsRefused) {
+  for (std::uint64_t seed = 1; seed <= 100; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    std::mt19937_64 random(seed);
+    CareProblem problem = random_problem(seed);
+    const Eigen::Matrix<double, kM, kM - 1> factor = gaussian<Eigen::Matrix<double, kM, kM - 1>>(random);
+    problem.R = factor * factor.transpose();
+    problem.R = (0.5 * (problem.R + problem.R.transpose())).eval();
+    CareSolution solution;
+    EXPECT_EQ(solve(problem, solution), CareOutcome::kBadCost);
+  }
+}
+
 TEST(Care, NaNAndInfinityAreReported) {
   for (const double bad :
        {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
