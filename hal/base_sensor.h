@@ -24,14 +24,4 @@ enum class BaseSensorStatus : std::uint8_t {
   stale,  ///< nothing new
 };
 
-/// Sensor of the torso. No call waits, allocates, locks or throws.
-class BaseSensor {
- public:
-  /// Newest reading. Call after JointBus::read when both share a bus.
-  [[nodiscard]] virtual BaseSensorStatus read_base(BaseReading& reading) noexcept = 0;
-
- protected:
-  ~BaseSensor() = default;
-};
-
 }  // namespace stilt::hal

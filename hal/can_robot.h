@@ -17,17 +17,21 @@ namespace stilt::hal {
 /// command's law at the newest reading: no torque before the first, and no feedback from one that is more
 /// than a few ticks old. They are asked for supply and temperatures now and then. Fixed memory; no call
 /// waits, allocates, locks or throws.
-class CanRobot final : public JointBus, public BaseSensor, public EmergencyStop {
+class CanRobot final {
  public:
   /// @param wiring  valid for this many buses
   /// @param buses   at most kMaximumBuses, outlive this object
   CanRobot(const RobotWiring& wiring, std::span<FrameBus* const> buses) noexcept;
 
-  [[nodiscard]] JointBusStatus read(std::int64_t now_ns, JointReadings& readings) noexcept override;
-  [[nodiscard]] JointBusStatus write(const JointCommands& commands) noexcept override;
-  [[nodiscard]] JointBusStatus disable() noexcept override;
-  [[nodiscard]] BaseSensorStatus read_base(BaseReading& reading) noexcept override;
-  [[nodiscard]] EmergencyStopState read_emergency_stop(std::int64_t now_ns) noexcept override;
+  /// Takes everything that has arrived. Values of joints without news stay as they were.
+  [[nodiscard]] JointBusStatus read(std::int64_t now_ns, JointReadings& readings) noexcept;
+  /// Sends all four commands, in one batch per bus.
+  [[nodiscard]] JointBusStatus write(const JointCommands& commands) noexcept;
+  /// Disables every driver. Sent even after refused commands.
+  [[nodiscard]] JointBusStatus disable() noexcept;
+  /// Newest reading of the torso. Call after read(): both share the buses.
+  [[nodiscard]] BaseSensorStatus read_base(BaseReading& reading) noexcept;
+  [[nodiscard]] EmergencyStopState read_emergency_stop(std::int64_t now_ns) noexcept;
 
   /// Whole encoder periods found at bring-up, at the driver's shaft (StepResult::turn_offset_rad).
   void set_turn_offset(std::size_t joint, double shaft_rad) noexcept { turn_offset_rad_[joint] = shaft_rad; }

@@ -58,22 +58,4 @@ enum class JointBusStatus : std::uint8_t {
   disconnected,  ///< a bus is gone
 };
 
-/// The four joints, whatever drives them. No call waits, allocates, locks or throws.
-class JointBus {
- public:
-  /// Takes everything that has arrived. Values of joints without news stay as they were.
-  /// @param now_ns  CLOCK_MONOTONIC, stamps what carries no stamp of its own
-  [[nodiscard]] virtual JointBusStatus read(std::int64_t now_ns, JointReadings& readings) noexcept = 0;
-
-  /// Sends all four commands, in one batch a bus.
-  [[nodiscard]] virtual JointBusStatus write(const JointCommands& commands) noexcept = 0;
-
-  /// Asks every driver to let go of its motor (idle, or its own safe state). Sent even after refused
-  /// commands.
-  [[nodiscard]] virtual JointBusStatus disable() noexcept = 0;
-
- protected:
-  ~JointBus() = default;
-};
-
 }  // namespace stilt::hal

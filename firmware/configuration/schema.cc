@@ -10,6 +10,7 @@ namespace stilt::configuration {
 namespace {
 
 using control::EstimatorParameters;
+using control::GaitTrackerParameters;
 using control::RobotParameters;
 using control::TimingParameters;
 using control::TorqueLawParameters;
@@ -52,6 +53,9 @@ constexpr Section kSections[] = {
      "constraints."},
     {"torque_law",
      "torque = feed-forward + kp (q_plan - q) + kd (v_plan - v) + friction compensation, saturated."},
+    {"gait_tracker",
+     "A gait of the library tracked by the joints without planning: torque of the gait, kp and kd.\n"
+     "See supervisor.track_gait and supervisor.select_gait."},
     {"estimator", "State of the base from joint encoders and base angle."},
     {"timing", "Rates of the two loops."},
 };
@@ -218,6 +222,13 @@ constexpr Entry kEntries[] = {
      real<&P::torque_law, &TorqueLawParameters::friction_compensation>(0.0, 2.0)},
     {"torque_law", "friction_velocity_rad_s", "rad/s", "Width of the smoothed sign, tanh(v / width)",
      real<&P::torque_law, &TorqueLawParameters::friction_velocity_rad_s>(1e-3, 10.0)},
+
+    {"gait_tracker", "joint_kp_Nm_rad", "Nm/rad", "kp of every joint",
+     real<&P::gait_tracker, &GaitTrackerParameters::joint_kp_Nm_rad>(0.0, 1e4)},
+    {"gait_tracker", "joint_kd_Nms_rad", "Nm s/rad", "kd of every joint",
+     real<&P::gait_tracker, &GaitTrackerParameters::joint_kd_Nms_rad>(0.0, 1e3)},
+    {"gait_tracker", "settle_s", "s", "Foot placement uses the state this long after touch-down",
+     real<&P::gait_tracker, &GaitTrackerParameters::settle_s>(0.0, 0.5)},
 
     {"estimator", "blend_s", "s", "Time over which trust moves from the old stance foot to the new one",
      real<&P::estimator, &EstimatorParameters::blend_s>(0.0, 0.5)},

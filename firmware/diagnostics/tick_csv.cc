@@ -13,7 +13,7 @@ namespace {
 using supervisor::FaultSet;
 
 constexpr std::array<const char*, hal::kJoints> kJoints = {"hip_L", "knee_L", "hip_R", "knee_R"};
-constexpr std::array<const char*, kStates> kStateNames = {
+constexpr std::array<const char*, model::kStates> kStateNames = {
     "x_b_m",   "z_b_m",   "pitch_b_rad",   "hip_L_rad",   "knee_L_rad",   "hip_R_rad",   "knee_R_rad",
     "x_b_m_s", "z_b_m_s", "pitch_b_rad_s", "hip_L_rad_s", "knee_L_rad_s", "hip_R_rad_s", "knee_R_rad_s"};
 constexpr std::array<const char*, 3> kActions = {"silent", "commands", "disable"};
@@ -93,11 +93,11 @@ void add_command(Line& line, const std::string& prefix, const hal::JointCommand&
   line.add(prefix, "_kd_Nms_rad", command.kd_Nms_rad);
 }
 
-void add_all(Line& line, const TickRecord& record, std::int64_t start_ns) {
+void add_all(Line& line, const control_loop::TickRecord& record, std::int64_t start_ns) {
   line.add("", "tick", record.tick);
   line.add("", "time_s", 1e-9 * static_cast<double>(record.time_ns - start_ns));
   line.add("", "state", supervisor::name(record.state));
-  line.add("", "rung", supervisor::name(record.rung));
+  line.add("", "rung", supervisor::name(record.level));
   line.add("", "reaction", supervisor::name(record.reaction));
   line.add("", "action", kActions[static_cast<std::size_t>(record.action)]);
   line.add("", "faults", names(record.present));
@@ -110,7 +110,7 @@ void add_all(Line& line, const TickRecord& record, std::int64_t start_ns) {
   line.add("", "bus_round_trip_us", 1e-3 * static_cast<double>(record.round_trip_ns));
   for (std::size_t i = 0; i < hal::kJoints; ++i) add_reading(line, kJoints[i], record.joints[i]);
   add_base(line, record.base);
-  for (std::size_t i = 0; i < kStates; ++i) {
+  for (std::size_t i = 0; i < model::kStates; ++i) {
     line.add("estimated_", kStateNames[i], record.estimated_state[i]);
   }
   for (std::size_t i = 0; i < hal::kJoints; ++i) {
@@ -125,17 +125,17 @@ void add_all(Line& line, const TickRecord& record, std::int64_t start_ns) {
 
 void write_tick_header(std::ostream& out) {
   Line line(out, true);
-  add_all(line, TickRecord(), 0);
+  add_all(line, control_loop::TickRecord(), 0);
   out << '\n';
 }
 
-void write_tick(std::ostream& out, const TickRecord& record, std::int64_t start_ns) {
+void write_tick(std::ostream& out, const control_loop::TickRecord& record, std::int64_t start_ns) {
   Line line(out, false);
   add_all(line, record, start_ns);
   out << '\n';
 }
 
-std::expected<void, std::string> write_csv(const std::string& path, const TickBlackBox& box,
+std::expected<void, std::string> write_csv(const std::string& path, const control_loop::TickBlackBox& box,
                                            std::int64_t start_ns) {
   errno = 0;
   std::ofstream out(path);

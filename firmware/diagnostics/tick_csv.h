@@ -5,7 +5,7 @@
 #include <span>
 #include <string>
 
-#include "firmware/diagnostics/tick_record.h"
+#include "firmware/control_loop/tick_record.h"
 
 /// Records of ticks as text, for ordinary threads.
 ///
@@ -19,12 +19,13 @@ namespace stilt::diagnostics {
 void write_tick_header(std::ostream& out);
 
 /// The line of one tick. time_s counts from `start_ns`.
-void write_tick(std::ostream& out, const TickRecord& record, std::int64_t start_ns);
+void write_tick(std::ostream& out, const control_loop::TickRecord& record, std::int64_t start_ns);
 
 /// Everything in a black box, which is frozen or not recorded into any more.
 /// @param start_ns  time that shall be 0 in the file
 /// @return what is wrong when the file cannot be written, in one sentence
-[[nodiscard]] std::expected<void, std::string> write_csv(const std::string& path, const TickBlackBox& box,
+[[nodiscard]] std::expected<void, std::string> write_csv(const std::string& path,
+                                                         const control_loop::TickBlackBox& box,
                                                          std::int64_t start_ns);
 
 }  // namespace stilt::diagnostics

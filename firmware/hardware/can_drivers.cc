@@ -56,7 +56,7 @@ bool CanDrivers::must_wait(std::size_t joint) noexcept {
   return false;
 }
 
-void CanDrivers::step_joint(std::int64_t now_ns, std::size_t joint, DriversProgress& progress) noexcept {
+void CanDrivers::step_joint(std::int64_t now_ns, std::size_t joint, hal::BringUpProgress& progress) noexcept {
   TapBus& tap = taps_[wiring_.joints[joint].bus];
   const hal::bring_up::StepResult result = of(joint).step(now_ns, tap.kept());
   if (result.send) static_cast<void>(tap.send(std::span(&result.frame, 1)));
@@ -73,8 +73,8 @@ void CanDrivers::step_joint(std::int64_t now_ns, std::size_t joint, DriversProgr
   progress.fault = result.driver_fault;
 }
 
-DriversProgress CanDrivers::step(std::int64_t now_ns) noexcept {
-  DriversProgress progress;
+hal::BringUpProgress CanDrivers::step(std::int64_t now_ns) noexcept {
+  hal::BringUpProgress progress;
   progress.stage = Stage::ready;
   progress.ready = true;
   if (beginning_) {

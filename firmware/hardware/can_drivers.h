@@ -5,12 +5,12 @@
 #include <span>
 #include <variant>
 
-#include "firmware/hardware/drivers.h"
 #include "firmware/hardware/tap_bus.h"
 #include "hal/bring_up/mit_bring_up.h"
 #include "hal/bring_up/moteus_bring_up.h"
 #include "hal/bring_up/odrive_bring_up.h"
 #include "hal/can_robot.h"
+#include "hal/robot.h"
 #include "hal/robot_wiring.h"
 
 namespace stilt::hardware {
@@ -25,15 +25,17 @@ using DemandsOfJoints = std::array<DriverDemands, hal::kJoints>;
 
 /// Drivers on buses: the step functions of hal/bring_up, one driver a bus at a time (drivers of one maker
 /// share identifiers while they are asked for registers). Fixed memory.
-class CanDrivers final : public Drivers {
+class CanDrivers final {
  public:
   /// @param taps   one a bus, read by `robot`; outlive this object
   /// @param robot  told about whole turns of the encoders
   CanDrivers(const hal::RobotWiring& wiring, const DemandsOfJoints& demands, std::span<TapBus> taps,
              hal::CanRobot& robot) noexcept;
 
-  void begin() noexcept override;
-  [[nodiscard]] DriversProgress step(std::int64_t now_ns) noexcept override;
+  /// Starts over, from whatever state the drivers are in.
+  void begin() noexcept;
+  /// One step, once per tick, after the buses were read and instead of a command.
+  [[nodiscard]] hal::BringUpProgress step(std::int64_t now_ns) noexcept;
 
  private:
   using AnyBringUp =
@@ -44,7 +46,7 @@ class CanDrivers final : public Drivers {
   void clear_latched_faults() noexcept;
   /// Whether an earlier driver on the same bus is still at work.
   [[nodiscard]] bool must_wait(std::size_t joint) noexcept;
-  void step_joint(std::int64_t now_ns, std::size_t joint, DriversProgress& progress) noexcept;
+  void step_joint(std::int64_t now_ns, std::size_t joint, hal::BringUpProgress& progress) noexcept;
 
   hal::RobotWiring wiring_;
   std::span<TapBus> taps_;

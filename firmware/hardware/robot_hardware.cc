@@ -36,7 +36,14 @@ std::uint64_t RobotHardware::errors() const noexcept {
   return count;
 }
 
-void RobotHardware::restore() noexcept {
+void RobotHardware::read(std::int64_t now_ns, hal::RobotReadings& readings) noexcept {
+  readings.status = robot_.read(now_ns, readings.joints);
+  static_cast<void>(robot_.read_base(readings.base));  // its age is in the reading
+  readings.emergency_stop = robot_.read_emergency_stop(now_ns);
+  readings.bus_errors = errors();
+}
+
+void RobotHardware::restore_buses() noexcept {
   for (TapBus& tap : buses()) {
     tap.clear_bus_off();
     tap.lend_if_gone();

@@ -5,16 +5,16 @@
 #include <cstdint>
 #include <span>
 
-#include "firmware/hardware/buses.h"
 #include "firmware/hardware/can_drivers.h"
 #include "firmware/hardware/tap_bus.h"
 #include "hal/can_robot.h"
+#include "hal/robot.h"
 
 namespace stilt::hardware {
 
 /// The robot behind its buses, whatever carries them: joints, sensors of the torso, emergency stop, bring-up
 /// of the drivers. Fixed memory, does not move.
-class RobotHardware final : public Buses {
+class RobotHardware final : public hal::Robot {
  public:
   /// @param buses  in the order of their numbers in the wiring, outlive this object
   RobotHardware(const hal::RobotWiring& wiring, const DemandsOfJoints& demands,
@@ -22,15 +22,24 @@ class RobotHardware final : public Buses {
   RobotHardware(const RobotHardware&) = delete;
   RobotHardware& operator=(const RobotHardware&) = delete;
 
-  [[nodiscard]] hal::CanRobot& robot() noexcept { return robot_; }
-  [[nodiscard]] CanDrivers& drivers() noexcept { return drivers_; }
-  [[nodiscard]] std::uint64_t errors() const noexcept override;
-  void restore() noexcept override;
+  void read(std::int64_t now_ns, hal::RobotReadings& readings) noexcept override;
+  [[nodiscard]] hal::JointBusStatus write(const hal::JointCommands& commands) noexcept override {
+    return robot_.write(commands);
+  }
+  [[nodiscard]] hal::JointBusStatus disable() noexcept override { return robot_.disable(); }
+  void begin_bring_up() noexcept override { drivers_.begin(); }
+  [[nodiscard]] hal::BringUpProgress bring_up(std::int64_t now_ns) noexcept override {
+    return drivers_.step(now_ns);
+  }
+  void restore_buses() noexcept override;
 
-  /// The other half of restore(), on any thread but the torque loop's: connects the buses again that
-  /// restore() found gone. Opens sockets; not real time.
-  /// @param connect  connects a bus, known to who opened them; tried again by the next restore() when it
-  /// fails
+  /// Frames lost, withheld or malformed and error reports, on all buses since the start.
+  [[nodiscard]] std::uint64_t errors() const noexcept;
+
+  /// The other half of restore_buses(), on any thread but the torque loop's: connects the buses again that
+  /// restore_buses() found gone. Opens sockets; not real time.
+  /// @param connect  connects a bus, known to who opened them; tried again by the next restore_buses() when
+  /// it fails
   template <class Connect>
   void serve_restore(Connect&& connect) {
     for (std::size_t bus = 0; bus < bus_count_; ++bus) {

@@ -8,7 +8,7 @@ namespace {
 std::expected<void, std::string> configure_planner(const model::RobotModel& robot,
                                                    const configuration::Configuration& configuration,
                                                    const std::string& source,
-                                                   controller::PlannerCycle& planner) {
+                                                   control_loop::PlannerTask& planner) {
   switch (planner.configure(robot, configuration)) {
     case control::ConfigureStatus::ok:
       return {};
@@ -25,18 +25,19 @@ std::expected<void, std::string> configure_planner(const model::RobotModel& robo
       "weight, or set cost.terminal to 0");
 }
 
-/// Gaits for the reference of the plans, and for the rung below them. A robot without gaits has no such rung.
+/// Gaits for the reference of the plans, and for the level below them. A robot without gaits has no such
+/// level.
 std::expected<void, std::string> follow_gaits(const model::RobotModel& robot,
                                               const configuration::Configuration& configuration,
-                                              const std::string& source, controller::PlannerCycle& planner,
-                                              controller::TorqueCycle& torque, gait::GaitLibrary& gaits) {
+                                              const std::string& source, control_loop::PlannerTask& planner,
+                                              control_loop::ControlLoop& loop, gait::GaitLibrary& gaits) {
   const bool planned = configuration.controller.reference == configuration::ReferenceKind::hzd;
   const auto loaded = gait_files::load_shipped_library(configuration.hardware.robot, gaits);
   if (!loaded && planned)
     return std::unexpected(source + ": controller.reference is hzd, and " + loaded.error());
   if (!loaded) return {};
   if (planned) planner.follow(gaits);
-  if (configuration.supervisor.track_gait) torque.track_without_plan(robot, configuration, gaits);
+  if (configuration.supervisor.track_gait) loop.track_without_plan(robot, configuration, gaits);
   return {};
 }
 
@@ -44,17 +45,17 @@ std::expected<void, std::string> follow_gaits(const model::RobotModel& robot,
 
 std::expected<void, std::string> configure_cycles(const configuration::Configuration& configuration,
                                                   const std::string& source,
-                                                  controller::PlannerCycle& planner,
-                                                  controller::TorqueCycle& torque, gait::GaitLibrary* gaits) {
+                                                  control_loop::PlannerTask& planner,
+                                                  control_loop::ControlLoop& loop, gait::GaitLibrary* gaits) {
   const model::RobotModel* robot = model::find_robot(configuration.hardware.robot.c_str());
   if (robot == nullptr) {
     return std::unexpected(source + ": hardware.robot \"" + configuration.hardware.robot +
                            "\" has no model in this program");
   }
   if (const auto ready = configure_planner(*robot, configuration, source, planner); !ready) return ready;
-  torque.configure(*robot, configuration, configuration.supervisor);
+  loop.configure(*robot, configuration, configuration.supervisor);
   if (gaits == nullptr) return {};
-  return follow_gaits(*robot, configuration, source, planner, torque, *gaits);
+  return follow_gaits(*robot, configuration, source, planner, loop, *gaits);
 }
 
 }  // namespace stilt::program

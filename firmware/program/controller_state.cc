@@ -28,7 +28,7 @@ std::expected<void, std::string> set_up(const Options& options, std::span<hal::F
                                         ControllerState& state) {
   const configuration::Configuration& configuration = options.configuration;
   if (const auto ready =
-          configure_cycles(configuration, options.source, state.planner, state.torque, &state.gaits);
+          configure_cycles(configuration, options.source, state.planner, state.control, &state.gaits);
       !ready) {
     return ready;
   }
@@ -43,9 +43,7 @@ std::expected<void, std::string> set_up(const Options& options, std::span<hal::F
       configuration::base_period_ticks(configuration.hardware, configuration.timing.torque_rate_hz);
   state.hardware.emplace(wiring, demands_of(configuration.hardware, robot->constants),
                          std::span(carried).first(buses.size()));
-  hardware::RobotHardware& hardware = *state.hardware;
-  state.torque.attach(
-      {&hardware.robot(), &hardware.robot(), &hardware.robot(), &hardware.drivers(), &hardware}, state.mail);
+  state.control.attach(*state.hardware, state.mail);
   state.script.emplace(options.start, configuration.runtime.start_settle_s, options.duration_s);
   return {};
 }
@@ -53,7 +51,7 @@ std::expected<void, std::string> set_up(const Options& options, std::span<hal::F
 namespace {
 
 void take_ticks(ControllerState& state) {
-  while (const diagnostics::TickRecord* tick = state.mail.telemetry.front()) {
+  while (const control_loop::TickRecord* tick = state.mail.telemetry.front()) {
     state.newest_tick = *tick;
     if (tick->tick == 0) state.start_ns = tick->time_ns;
     if (state.station != nullptr) state.station->tick(*tick);
@@ -65,9 +63,9 @@ void take_ticks(ControllerState& state) {
 
 void operate(ControllerState& state, const std::atomic<bool>& stop) {
   take_ticks(state);
-  const diagnostics::TickRecord& tick = state.newest_tick;
+  const control_loop::TickRecord& tick = state.newest_tick;
   const double time_s = 1e-9 * static_cast<double>(tick.time_ns - state.start_ns);
-  controller::OperatorCommand& command = state.mail.commands.writer();
+  control_loop::OperatorCommand& command = state.mail.commands.writer();
   command = state.script->command(time_s, tick.state, tick.ramp);
   command.shut_down = command.shut_down || stop.load(std::memory_order_relaxed);
   if (state.station != nullptr) command = state.station->operate(command);

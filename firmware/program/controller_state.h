@@ -6,9 +6,9 @@
 #include <functional>
 #include <optional>
 
-#include "firmware/controller/planner_cycle.h"
-#include "firmware/controller/start_script.h"
-#include "firmware/controller/torque_cycle.h"
+#include "firmware/control_loop/control_loop.h"
+#include "firmware/control_loop/planner_task.h"
+#include "firmware/control_loop/start_script.h"
 #include "firmware/diagnostics/figures.h"
 #include "firmware/exchange/latest_value.h"
 #include "firmware/hardware/lockstep_bus.h"
@@ -28,12 +28,12 @@ using diagnostics::PlannerFigures;
 /// All state of the controller: one object of fixed size, placed statically, which nothing outgrows. Its
 /// parts belong to the threads that use them; what crosses between threads goes through the mailboxes.
 struct ControllerState {
-  controller::Mailboxes mail;
-  controller::TorqueCycle torque;
-  controller::PlannerCycle planner;
-  std::optional<controller::StartScript> script;
-  diagnostics::TickRecord newest_tick;  ///< that housekeeping knows of
-  std::int64_t start_ns = 0;            ///< time of the first tick, known to housekeeping
+  control_loop::Mailboxes mail;
+  control_loop::ControlLoop control;
+  control_loop::PlannerTask planner;
+  std::optional<control_loop::StartScript> script;
+  control_loop::TickRecord newest_tick;  ///< that housekeeping knows of
+  std::int64_t start_ns = 0;             ///< time of the first tick, known to housekeeping
   std::array<hardware::LockstepBus, hal::kMaximumBuses> lockstep_buses;
   std::optional<hardware::RobotHardware> hardware;
   std::function<void(std::size_t bus)>

@@ -10,7 +10,7 @@
 namespace stilt::program {
 namespace {
 
-using controller::Event;
+using control_loop::Event;
 
 constexpr const char* kJoints[] = {"hip_L", "knee_L", "hip_R", "knee_R"};
 
@@ -58,7 +58,7 @@ std::string bring_up_text(const Event& event) {
 
 }  // namespace
 
-void take_events(controller::EventRing& events, Outcome& outcome, telemetry::Station* station) {
+void take_events(control_loop::EventRing& events, Outcome& outcome, telemetry::Station* station) {
   while (const Event* event = events.front()) {
     if (station != nullptr) station->event(*event);
     switch (event->kind) {

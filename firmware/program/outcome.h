@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "firmware/controller/events.h"
+#include "firmware/control_loop/events.h"
 #include "firmware/diagnostics/histogram.h"
 
 namespace stilt::telemetry {
@@ -43,7 +43,7 @@ struct Outcome {
 
 /// Takes what happened out of the ring: says it on standard error and to telemetry, if any, and keeps the
 /// faults.
-void take_events(controller::EventRing& events, Outcome& outcome, telemetry::Station* station = nullptr);
+void take_events(control_loop::EventRing& events, Outcome& outcome, telemetry::Station* station = nullptr);
 
 /// The figures as JSON text, field names as in docs/interfaces.
 [[nodiscard]] std::string to_json(const Outcome& outcome);

@@ -6,7 +6,6 @@
 #include <cstdio>
 #include <string>
 
-#include "firmware/controller/planning_turn.h"
 #include "firmware/diagnostics/histogram_text.h"
 #include "firmware/diagnostics/tick_csv.h"
 #include "firmware/hardware/round_trip.h"
@@ -78,18 +77,18 @@ void run_torque_loop(void* context) {
   const std::int64_t tick_ns = period_ns(run.options.configuration.timing.torque_rate_hz);
   realtime::Pace pace(clock.now_ns() + tick_ns, tick_ns);
   const long long faults_before = page_faults();
-  controller::TickTiming timing;
+  control_loop::TickTiming timing;
   for (int ticks_off = 0; ticks_off < kLastTicks;) {
     timing.now_ns = clock.sleep_until(pace.next_ns());
     timing.late_ns = timing.now_ns - pace.next_ns();
-    state.torque.tick(timing);
+    state.control.tick(timing);
     const std::int64_t done_ns = clock.now_ns();
     timing.execution_ns = done_ns - timing.now_ns;
     state.loop.wakeup.add_ns(timing.late_ns);
     state.loop.execution.add_ns(timing.execution_ns);
     ++state.loop.ticks;
     if (timing.late_ns > late_ns) ++state.loop.late_ticks;
-    if (state.loop.ticks % kRoundTripEvery == 0 && supervisor::drives(state.torque.decision().state)) {
+    if (state.loop.ticks % kRoundTripEvery == 0 && supervisor::drives(state.control.decision().state)) {
       const auto wait_ns = static_cast<std::int64_t>(kRoundTripShare * static_cast<double>(tick_ns));
       timing.round_trip_ns =
           measure_round_trip(run.round_trip, clock, done_ns, pace.next_ns() + wait_ns, state);
@@ -100,28 +99,27 @@ void run_torque_loop(void* context) {
       state.loop.page_faults = page_faults() - faults_before;
       publish(state);
     }
-    ticks_off = state.torque.decision().state == supervisor::State::off ? ticks_off + 1 : 0;
+    ticks_off = state.control.decision().state == supervisor::State::off ? ticks_off + 1 : 0;
   }
   state.loop.page_faults = page_faults() - faults_before;
   run.torque_done.store(true, std::memory_order_release);
 }
 
 /// One cycle on the newest request; nothing when it is still the last one.
-void run_cycle(Run& run, controller::PlanningTurn& turn, hal::MonotonicClock& clock,
-               std::int64_t& last_tick) noexcept {
+void run_cycle(Run& run, hal::MonotonicClock& clock, std::int64_t& last_tick) noexcept {
   ControllerState& state = run.state;
-  const controller::PlanningRequest& request = state.mail.requests.newest();
+  const control_loop::PlanningRequest& request = state.mail.requests.newest();
   if (request.tick == last_tick || !run.options.plans_at(request.time_s)) return;
   last_tick = request.tick;
   const std::int64_t start_ns = clock.now_ns();
-  const bool fresh = turn.plan(state.planner, request, state.mail);
+  const bool fresh = state.planner.plan(request, state.mail);
   if (request.session == 0) return;
   const std::int64_t solve_ns = clock.now_ns() - start_ns;
-  turn.tell(state.planner, request, fresh, solve_ns, state.mail);
+  state.planner.record(request, fresh, solve_ns, state.mail);
   if (fresh) state.mail.plans.publish();
   state.planning.solve.add_ns(solve_ns);
   ++state.planning.plans;
-  controller::PlanningResult& result = state.mail.results.writer();
+  control_loop::PlanningResult& result = state.mail.results.writer();
   result = state.planner.result();
   result.solve_ns = solve_ns;
   state.mail.results.publish();
@@ -134,13 +132,12 @@ void run_planner(void* context) {
   ControllerState& state = run.state;
   const realtime::AllocationScope allocations;
   hal::MonotonicClock clock;
-  controller::PlanningTurn turn;
   realtime::Pace pace(clock.now_ns(), period_ns(run.options.configuration.timing.plan_rate_hz));
   const long long faults_before = page_faults();
   std::int64_t last_tick = -1;
   while (!run.planner_end.load(std::memory_order_acquire)) {
     const std::int64_t began_ns = clock.sleep_until(pace.next_ns());
-    run_cycle(run, turn, clock, last_tick);
+    run_cycle(run, clock, last_tick);
     pace.advance(began_ns, clock.now_ns());
     state.planning.heap_allocations = allocations.count();
     state.planning.page_faults = page_faults() - faults_before;
@@ -182,7 +179,7 @@ void run_realtime(const Options& options, Signals& signals, ControllerState& sta
   Run run{options, state,
           hardware::RoundTrip(configuration::robot_wiring(options.configuration.hardware),
                               state.hardware->buses())};
-  state.mail.black_box.set_aftermath(diagnostics::kBlackBoxRecords / 4);
+  state.mail.black_box.set_aftermath(control_loop::kBlackBoxRecords / 4);
   realtime::Thread planner;
   realtime::Thread torque_loop;
   const bool started =

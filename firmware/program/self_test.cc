@@ -36,24 +36,27 @@ struct Test {
   hal::Clock& clock;
   std::array<hardware::ReplyFrame, hal::kJoints> replies;
   SelfTestFigures figures;
-  hal::JointReadings readings;
+  hal::RobotReadings readings;
+  bool base_is_new = false;
 };
 
 /// One tick: sleeps, reads. Returns its time.
 std::int64_t begin_tick(Test& test, realtime::Pace& pace) {
   const std::int64_t now_ns = test.clock.sleep_until(pace.next_ns());
   test.figures.wakeup.add_ns(now_ns - pace.next_ns());
-  static_cast<void>(test.state.hardware->robot().read(now_ns, test.readings));
+  const std::int64_t newest_base_ns = test.readings.base.time_ns;
+  test.state.hardware->read(now_ns, test.readings);
+  test.base_is_new = test.readings.base.time_ns != newest_base_ns;
   return now_ns;
 }
 
 bool bring_up(Test& test, realtime::Pace& pace) {
-  hardware::CanDrivers& drivers = test.state.hardware->drivers();
-  drivers.begin();
-  hardware::DriversProgress progress;
+  hardware::RobotHardware& hardware = *test.state.hardware;
+  hardware.begin_bring_up();
+  hal::BringUpProgress progress;
   for (long long tick = 0; tick < kBringUpTicks && !progress.ready && !progress.failed; ++tick) {
     const std::int64_t began_ns = begin_tick(test, pace);
-    progress = drivers.step(began_ns);
+    progress = hardware.bring_up(began_ns);
     pace.advance(began_ns, test.clock.now_ns());
   }
   if (progress.ready) return true;
@@ -68,7 +71,7 @@ void count(Test& test) {
   ++figures.ticks;
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
     const hardware::ReplyFrame& reply = test.replies[joint];
-    const bool in_time = test.readings[joint].missed == 0;
+    const bool in_time = test.readings.joints[joint].missed == 0;
     if (in_time) ++figures.in_time[joint];
     if (!reply.exists && in_time) ++figures.answered[joint];
     if (!reply.exists) continue;
@@ -76,8 +79,7 @@ void count(Test& test) {
     figures.answered[joint] +=
         std::ranges::count_if(kept, [&reply](const hal::CanFrame& frame) { return reply.is(frame); });
   }
-  hal::BaseReading base;
-  if (test.state.hardware->robot().read_base(base) == hal::BaseSensorStatus::ok) ++figures.base_readings;
+  if (test.base_is_new) ++figures.base_readings;
 }
 
 void forget(Test& test) {
@@ -108,7 +110,7 @@ void talk(Test& test, realtime::Pace& pace, std::int64_t tick_ns) {
     if (tick > 0) count(test);  // the first command has no predecessor
     forget(test);
     if (tick == ticks || test.stop.load()) break;
-    static_cast<void>(hardware.robot().write({}));
+    static_cast<void>(hardware.write({}));
     const std::int64_t sent_ns = test.clock.now_ns();
     const auto wait_ns = std::llround(kReplyShare * static_cast<double>(tick_ns));
     const std::int64_t took_ns =
@@ -127,7 +129,7 @@ void run(void* context) {
   const auto tick_ns = std::llround(1e9 / test.options.configuration.timing.torque_rate_hz);
   realtime::Pace pace(test.clock.now_ns() + tick_ns, tick_ns);
   if (bring_up(test, pace)) talk(test, pace, tick_ns);
-  static_cast<void>(test.state.hardware->robot().disable());
+  static_cast<void>(test.state.hardware->disable());
 }
 
 void run_in_turns(Test& test, hardware::LockstepClock& clock) {

@@ -97,9 +97,10 @@ FaultSet detect_drivers(const Observation& seen, const SupervisorParameters& par
 
 FaultSet detect_software(const Observation& seen, const SupervisorParameters& parameters) noexcept {
   FaultSet faults;
-  const bool planless = !can_follow_plan(seen, parameters);
-  faults.add_if(planless && !seen.has_gait, Fault::stale_plan);
-  faults.add_if(planless && seen.has_gait, Fault::plan_missing);
+  const Followable& followable = seen.followable;
+  const bool wants_plan = followable.plan == PlanUse::none && !followable.gait_selected;
+  faults.add_if(followable.plan == PlanUse::none && !followable.gait, Fault::stale_plan);
+  faults.add_if(wants_plan && followable.gait, Fault::plan_missing);
   faults.add_if(seen.failed_solves >= parameters.failed_solves, Fault::failed_solves);
   faults.add_if(seen.solve_s > parameters.planner_overrun_s, Fault::planner_overrun);
   faults.add_if(seen.lateness_s > parameters.torque_loop_overrun_s, Fault::torque_loop_overrun);
@@ -107,10 +108,6 @@ FaultSet detect_software(const Observation& seen, const SupervisorParameters& pa
   faults.add_if(!seen.controller_finite || seen.write_status == hal::JointBusStatus::refused,
                 Fault::not_finite);
   return faults;
-}
-
-bool can_follow_plan(const Observation& seen, const SupervisorParameters& parameters) noexcept {
-  return seen.has_plan && seen.plan_age_s < parameters.stale_plan_s;
 }
 
 FaultSet detect_operator(const Observation& seen, const SupervisorParameters& parameters) noexcept {

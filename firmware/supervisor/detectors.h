@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "firmware/supervisor/fallback.h"
 #include "firmware/supervisor/fault.h"
 #include "firmware/supervisor/parameters.h"
 #include "hal/base_sensor.h"
@@ -24,9 +25,7 @@ struct Observation {
   hal::EmergencyStopState emergency_stop = hal::EmergencyStopState::absent;
   Pose planned_speed_rad_s{};       ///< of plan or gait at this time, 0 while neither is followed
   bool controller_finite = true;    ///< estimate and torques of the last tick were finite numbers
-  bool has_plan = false;            ///< a plan that has not ended
-  bool has_gait = false;            ///< a gait of the library is in step with the robot
-  double plan_age_s = 0;            ///< since the state from which the newest usable plan started
+  Followable followable;            ///< plan and gait
   int failed_solves = 0;            ///< in a row
   double solve_s = 0;               ///< of the newest solve
   double lateness_s = 0;            ///< of this tick
@@ -58,9 +57,6 @@ struct Observation {
 /// Emergency stop and heartbeat; the outcome of the bring-up.
 [[nodiscard]] FaultSet detect_operator(const Observation& seen,
                                        const SupervisorParameters& parameters) noexcept;
-
-/// Whether there is a plan young enough to follow.
-[[nodiscard]] bool can_follow_plan(const Observation& seen, const SupervisorParameters& parameters) noexcept;
 
 /// All of the above.
 [[nodiscard]] FaultSet detect(const Observation& seen, const JointLimits& limits,

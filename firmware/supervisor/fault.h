@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "firmware/supervisor/fallback.h"
+
 /// Everything that can go wrong, as one table: what it is called, what is done, when it is over.
 namespace stilt::supervisor {
 
@@ -45,21 +47,6 @@ enum class Severity : std::uint8_t {
   warning,   ///< reported, nothing changes
   degraded,  ///< the reaction lasts as long as the cause
   latched,   ///< the reaction stays until the operator resets it with every cause gone
-};
-
-/// What is done about a fault, the harder the later.
-enum class Reaction : std::uint8_t {
-  none,
-  warn,  ///< report
-  slow,  ///< walking becomes stepping in place, and stepping standing
-  /// Hold the measured pose, for less than missed_damp_ticks: by then replies are back, or it is damped.
-  hold,
-  /// Walking becomes stepping in place at once, standing after slow_down_s, sitting after as much again, and
-  /// damping after sit_s: 5 s with the shipped configuration. Without a plan or gait to step with it sits at
-  /// once.
-  sit,
-  damp,  ///< damp the joints
-  off,   ///< let go of the motors
 };
 
 /// When a fault is looked for.
@@ -144,11 +131,6 @@ inline constexpr std::array<FaultRow, kFaults> kFaultTable = {{
   return kFaultTable[static_cast<std::size_t>(fault)];
 }
 [[nodiscard]] constexpr const char* name(Fault fault) noexcept { return row(fault).name; }
-
-[[nodiscard]] constexpr const char* name(Reaction reaction) noexcept {
-  constexpr std::array<const char*, 7> kNames = {"none", "warn", "slow", "hold", "sit", "damp", "off"};
-  return kNames[static_cast<std::size_t>(reaction)];
-}
 
 /// Any number of faults. Bit n is the fault in row n of the table.
 class FaultSet {

@@ -28,6 +28,8 @@ struct SupervisorParameters {
   double older_plan_s = 0.1;         ///< age from which a plan counts as an older one
   double stale_plan_s = 0.25;        ///< age from which a plan is not followed any more
   bool track_gait = true;            ///< without a plan, where gaits of the robot are known
+  bool select_gait = false;          ///< prefer the gait to plans, from a touch-down on
+  double select_gait_after_s = 2.0;  ///< not before the robot has stepped for so long
   int failed_solves = 3;             ///< in a row, warning
   double planner_overrun_s = 0.010;  ///< time of one solve, warning
   double torque_loop_overrun_s = 5e-4;  ///< lateness of a tick, warning

@@ -54,17 +54,28 @@ void Supervisor::configure(const JointLimits& limits, const SupervisorParameters
   parameters_ = parameters;
 }
 
+void Supervisor::begin_standing(std::int64_t now_ns) noexcept {
+  const double longest_s = std::max({parameters_.stand_ramp_s, parameters_.slow_down_s, parameters_.settle_s,
+                                     parameters_.stale_plan_s, parameters_.hold_ramp_s});
+  entered_ns_ = driven_ns_ = tracking_ns_ = level_ns_ =
+      now_ns - static_cast<std::int64_t>(1e9 * (1.0 + longest_s));
+  started_ = true;
+  output_.state = State::stand;
+  output_.level = FallbackLevel::plan;
+  output_.ramp = 1.0;
+}
+
 double Supervisor::since_s(std::int64_t time_ns) const noexcept {
   return 1e-9 * static_cast<double>(now_ns_ - time_ns);
 }
 
 const SupervisorOutput& Supervisor::update(const SupervisorInputs& inputs) noexcept {
   now_ns_ = inputs.seen.time_ns;
-  if (!started_) entered_ns_ = rung_ns_ = now_ns_;
+  if (!started_) entered_ns_ = level_ns_ = now_ns_;
   started_ = true;
   measured_ = inputs.seen.joints;
   fit_to_stand_ = inputs.fit_to_stand;
-  can_step_ = can_follow_plan(inputs.seen, parameters_) || inputs.seen.has_gait;
+  can_step_ = inputs.seen.followable.plan != PlanUse::none || inputs.seen.followable.gait;
   pose_rad_ = measured_pose_rad(measured_, pose_rad_);
   output_.entered = output_.start_controller = false;
   find_faults(inputs);
@@ -217,8 +228,8 @@ void Supervisor::enter(State state, const SupervisorInputs& inputs) noexcept {
   entered_ns_ = now_ns_;
 }
 
-/// Faults that ask to sit change the state; until the robot sits, the rung is that of the other faults.
-Reaction Supervisor::reaction_of_rung() const noexcept {
+/// Faults that ask to sit change the state; until the robot sits, the level is that of the other faults.
+Reaction Supervisor::reaction_of_level() const noexcept {
   if (output_.reaction != Reaction::sit || !tracks(output_.state)) return output_.reaction;
   Reaction hardest = Reaction::none;
   for (const FaultRow& fault : kFaultTable) {
@@ -230,14 +241,12 @@ Reaction Supervisor::reaction_of_rung() const noexcept {
 }
 
 void Supervisor::choose(const SupervisorInputs& inputs) noexcept {
-  const Rung rung = choose_rung(
-      {output_.state, reaction_of_rung(), inputs.seen.has_plan, inputs.seen.has_gait, inputs.seen.plan_age_s},
-      parameters_);
-  if (rung != output_.rung) {
-    rung_ns_ = now_ns_;
-    rung_pose_rad_ = pose_rad_;
+  const FallbackLevel level = select_level(output_.state, reaction_of_level(), inputs.seen.followable);
+  if (level != output_.level) {
+    level_ns_ = now_ns_;
+    level_pose_rad_ = pose_rad_;
   }
-  output_.rung = rung;
+  output_.level = level;
   output_.ramp = 0;
   if (tracks(output_.state)) {
     output_.ramp = parameters_.stand_ramp_s > 0
@@ -249,32 +258,32 @@ void Supervisor::choose(const SupervisorInputs& inputs) noexcept {
   output_.gait.speed_m_s = walks ? inputs.request.speed_m_s : 0;
 }
 
-hal::JointCommands Supervisor::commands_of_rung(const hal::JointCommands& wanted) const noexcept {
+hal::JointCommands Supervisor::commands_of_level(const hal::JointCommands& wanted) const noexcept {
   const double hold_s =
-      parameters_.hold_ramp_s > 0 ? std::clamp(since_s(rung_ns_) / parameters_.hold_ramp_s, 0.0, 1.0) : 1.0;
-  switch (output_.rung) {
-    case Rung::new_plan:
-    case Rung::older_plan:
-    case Rung::gait:
+      parameters_.hold_ramp_s > 0 ? std::clamp(since_s(level_ns_) / parameters_.hold_ramp_s, 0.0, 1.0) : 1.0;
+  switch (output_.level) {
+    case FallbackLevel::plan:
+    case FallbackLevel::plan_feedback:
+    case FallbackLevel::gait:
       return taken_over(wanted, stand_pose_rad_, output_.ramp, parameters_);
-    case Rung::hold:
-      return held(rung_pose_rad_, hold_s, limits_, parameters_);
-    case Rung::sit: {
-      const double share = parameters_.sit_s > 0 ? since_s(rung_ns_) / parameters_.sit_s : 1.0;
-      const Pose pose_rad = pose_between_rad(rung_pose_rad_, sitting_pose_rad(parameters_), share);
+    case FallbackLevel::hold:
+      return held(level_pose_rad_, hold_s, limits_, parameters_);
+    case FallbackLevel::sit: {
+      const double share = parameters_.sit_s > 0 ? since_s(level_ns_) / parameters_.sit_s : 1.0;
+      const Pose pose_rad = pose_between_rad(level_pose_rad_, sitting_pose_rad(parameters_), share);
       return held(pose_rad, hold_s, limits_, parameters_);
     }
-    case Rung::damp:
-    case Rung::off:
+    case FallbackLevel::damp:
+    case FallbackLevel::off:
       break;
   }
   return damped(measured_, limits_, parameters_);
 }
 
-Action Supervisor::override(const hal::JointCommands& wanted, hal::JointCommands& commands) noexcept {
+Action Supervisor::bound(const hal::JointCommands& wanted, hal::JointCommands& commands) noexcept {
   if (!drives(output_.state) && output_.state != State::off) return Action::silent;
-  if (output_.rung == Rung::off || resetting_) return Action::disable;
-  commands = commands_of_rung(wanted);
+  if (output_.level == FallbackLevel::off || resetting_) return Action::disable;
+  commands = commands_of_level(wanted);
   if (!finite(commands)) {
     command_not_finite_ = true;
     commands = damped(measured_, limits_, parameters_);

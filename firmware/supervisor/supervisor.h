@@ -3,8 +3,8 @@
 #include <cstdint>
 
 #include "firmware/supervisor/detectors.h"
+#include "firmware/supervisor/fallback.h"
 #include "firmware/supervisor/fault.h"
-#include "firmware/supervisor/ladder.h"
 #include "firmware/supervisor/parameters.h"
 #include "firmware/supervisor/state.h"
 #include "hal/joint_bus.h"
@@ -31,7 +31,7 @@ struct SupervisorInputs {
   bool in_stance = true;       ///< still near enough to the standing pose to go on standing up
 };
 
-/// What leaves override() for the drivers.
+/// What leaves bound() for the drivers.
 enum class Action : std::uint8_t {
   silent,    ///< nothing: boot and idle; in calibrate the bring-up talks
   commands,  ///< the four commands
@@ -40,7 +40,7 @@ enum class Action : std::uint8_t {
 
 struct SupervisorOutput {
   State state = State::boot;
-  Rung rung = Rung::off;
+  FallbackLevel level = FallbackLevel::off;
   Reaction reaction = Reaction::none;  ///< hardest of the present and the latched faults
   FaultSet present;                    ///< causes that are there in this tick
   FaultSet raised;                     ///< those of them that were not there a tick before
@@ -52,21 +52,25 @@ struct SupervisorOutput {
   bool clear_buses = false;            ///< a reset was asked for: forget bus-off
 };
 
-/// Decides in every tick what the joints may do: states as in kTransitions, faults as in kFaultTable, the
-/// ladder of choose_rung(). update() comes before the torque law, override() after it, and only the write may
-/// follow override(). Fixed memory; no call waits, allocates, locks or throws.
+/// Decides in every tick what the joints may do: states as in kTransitions, faults as in kFaultTable, levels
+/// as in fallback.h. update() comes before the torque law, bound() after it, and only the write may follow
+/// bound(). Fixed memory; no call waits, allocates, locks or throws.
 class Supervisor {
  public:
   void configure(const JointLimits& limits, const SupervisorParameters& parameters) noexcept;
 
-  /// One tick: faults, transition, rung.
+  /// Instead of the states before: the robot stands on its feet, its drivers are enabled, and the torque law
+  /// has been in command long enough for any request. For simulations that begin there.
+  void begin_standing(std::int64_t now_ns) noexcept;
+
+  /// One tick: faults, transition, level.
   const SupervisorOutput& update(const SupervisorInputs& inputs) noexcept;
 
   /// What to send in this tick. Torques are within the joints' limits; commands that are not finite become
   /// damping, and a fault in the next tick.
-  /// @param wanted    of the torque law or the gait; used on the three topmost rungs only
+  /// @param wanted    of the torque law or the gait; used at the levels plan, plan_feedback and gait only
   /// @param commands  written when the action is `commands`
-  [[nodiscard]] Action override(const hal::JointCommands& wanted, hal::JointCommands& commands) noexcept;
+  [[nodiscard]] Action bound(const hal::JointCommands& wanted, hal::JointCommands& commands) noexcept;
 
   [[nodiscard]] const SupervisorOutput& output() const noexcept { return output_; }
 
@@ -80,9 +84,9 @@ class Supervisor {
   [[nodiscard]] bool applies(Condition condition, const SupervisorInputs& inputs) const noexcept;
   [[nodiscard]] bool requested(RequestKind kind, const Request& request) const noexcept;
   [[nodiscard]] bool passes(Guard guard) const noexcept;
-  [[nodiscard]] Reaction reaction_of_rung() const noexcept;
+  [[nodiscard]] Reaction reaction_of_level() const noexcept;
   void choose(const SupervisorInputs& inputs) noexcept;
-  [[nodiscard]] hal::JointCommands commands_of_rung(const hal::JointCommands& wanted) const noexcept;
+  [[nodiscard]] hal::JointCommands commands_of_level(const hal::JointCommands& wanted) const noexcept;
   [[nodiscard]] double since_s(std::int64_t time_ns) const noexcept;
 
   JointLimits limits_;
@@ -93,11 +97,11 @@ class Supervisor {
   std::int64_t entered_ns_ = 0;    ///< the state
   std::int64_t driven_ns_ = 0;     ///< the drivers last began to get commands
   std::int64_t tracking_ns_ = 0;   ///< the torque law last came into command
-  std::int64_t rung_ns_ = 0;       ///< the rung
+  std::int64_t level_ns_ = 0;      ///< the level
   std::int64_t reset_ns_ = 0;      ///< a reset was asked for
   std::uint32_t void_number_ = 0;  ///< requests up to this one are met or void
   Pose pose_rad_{};                ///< newest finite positions
-  Pose rung_pose_rad_{};           ///< pose_rad_ when the rung was reached
+  Pose level_pose_rad_{};          ///< pose_rad_ when the level was reached
   Pose stand_pose_rad_{};          ///< pose_rad_ when the torque law came into command
   bool started_ = false;
   bool resetting_ = false;

@@ -207,8 +207,8 @@ void OperatorDesk::twist(double speed_m_s, const RobotNow& now) {
   if (allowed && std::abs(speed_m_s) <= rules_.speed_limit_m_s) request_.speed_m_s = speed_m_s;
 }
 
-controller::OperatorCommand OperatorDesk::command(const controller::OperatorCommand& script,
-                                                  const RobotNow& now) {
+control_loop::OperatorCommand OperatorDesk::command(const control_loop::OperatorCommand& script,
+                                                    const RobotNow& now) {
   if (!took_over_) {
     request_ = script.request;
     return script;
@@ -223,7 +223,7 @@ controller::OperatorCommand OperatorDesk::command(const controller::OperatorComm
     standing_up_ = false;
     ask(RequestKind::stand);
   }
-  controller::OperatorCommand command = script;  // the end of the program is its business
+  control_loop::OperatorCommand command = script;  // the end of the program is its business
   command.request = request_;
   command.heartbeat_expected = !commander_.empty();
   command.heartbeat_ns = now.clock_ns - (now.wall_ns - heartbeat_wall_ns_);

@@ -5,7 +5,7 @@
 #include <map>
 #include <string>
 
-#include "firmware/controller/messages.h"
+#include "firmware/control_loop/messages.h"
 #include "firmware/supervisor/state.h"
 #include "firmware/telemetry/command_kind.h"
 
@@ -67,7 +67,7 @@ class OperatorDesk {
   void twist(double speed_m_s, const RobotNow& now);
 
   /// What the torque loop shall do now. Until the first order came that is what `script` says.
-  [[nodiscard]] controller::OperatorCommand command(const controller::OperatorCommand& script,
+  [[nodiscard]] control_loop::OperatorCommand command(const control_loop::OperatorCommand& script,
                                                     const RobotNow& now);
 
   [[nodiscard]] const std::string& commander() const noexcept { return commander_; }

@@ -25,41 +25,41 @@ bool open_writer(const Participant& participant, const Topic& topic, Writer<T>& 
 }
 
 /// Of Event_: 4 and 5 are telemetry's own.
-std::uint8_t wire_kind(controller::Event::Kind kind) noexcept {
+std::uint8_t wire_kind(control_loop::Event::Kind kind) noexcept {
   const auto number = static_cast<std::uint8_t>(kind);
   return number < 4 ? number : static_cast<std::uint8_t>(number + 2);
 }
 
-std::string sentence_of(const controller::Event& event) {
+std::string sentence_of(const control_loop::Event& event) {
   switch (event.kind) {
-    case controller::Event::Kind::state:
+    case control_loop::Event::Kind::state:
       return supervisor::name(event.state);
-    case controller::Event::Kind::fault: {
+    case control_loop::Event::Kind::fault: {
       const supervisor::FaultRow& row = supervisor::row(event.fault);
       return std::string(row.cause) + "; clears when " + row.clears;
     }
-    case controller::Event::Kind::waits_for_pose:
+    case control_loop::Event::Kind::waits_for_pose:
       return "not in a pose to stand up from: waits until somebody puts it there";
-    case controller::Event::Kind::bring_up_failed:
+    case control_loop::Event::Kind::bring_up_failed:
       return std::string("driver of ") + kJoints[event.joint] +
              " cannot be brought up: " + hal::bring_up::name(event.failure);
-    case controller::Event::Kind::lost_stance:
+    case control_loop::Event::Kind::lost_stance:
       return "left the standing pose while it stood up: damped; put it there and ask again";
   }
   return {};
 }
 
-std::string name_of(const controller::Event& event) {
+std::string name_of(const control_loop::Event& event) {
   switch (event.kind) {
-    case controller::Event::Kind::state:
+    case control_loop::Event::Kind::state:
       return supervisor::name(event.state);
-    case controller::Event::Kind::fault:
+    case control_loop::Event::Kind::fault:
       return supervisor::name(event.fault);
-    case controller::Event::Kind::waits_for_pose:
+    case control_loop::Event::Kind::waits_for_pose:
       return "waits_for_pose";
-    case controller::Event::Kind::bring_up_failed:
+    case control_loop::Event::Kind::bring_up_failed:
       return "bring_up_failed";
-    case controller::Event::Kind::lost_stance:
+    case control_loop::Event::Kind::lost_stance:
       return "lost_stance";
   }
   return {};
@@ -70,7 +70,7 @@ struct SketchNumbers {
   std::vector<float> time_s, base, joints, feet, forces, torques;
   std::vector<std::uint8_t> contact;
 
-  void add(const controller::PlanSketch::Node& node, double start_time_s, const ocp::ProblemData& data) {
+  void add(const control_loop::PlanSketch::Node& node, double start_time_s, const ocp::ProblemData& data) {
     model::KinematicsTerms<double> feet_terms;
     data.robot->scalar.kinematics(node.state.data(), feet_terms);
     model::NodeTerms<double> terms;
@@ -155,7 +155,7 @@ void Publisher::tuning(const Tuner& tuner, const std::string& key, const std::st
   tuning_.write(message);
 }
 
-void Publisher::cycle(const controller::CycleRecord& record, const Drops& drops) {
+void Publisher::cycle(const control_loop::CycleRecord& record, const Drops& drops) {
   PlannerCycle message{};
   message.session = session_;
   message.cycle = record.cycle;
@@ -179,7 +179,7 @@ void Publisher::cycle(const controller::CycleRecord& record, const Drops& drops)
   cycles_.write(message);
 }
 
-void Publisher::plan(const controller::PlanSketch& sketch, const control::PlannerSettings& settings) {
+void Publisher::plan(const control_loop::PlanSketch& sketch, const control::PlannerSettings& settings) {
   SketchNumbers numbers;
   for (int k = 0; k < sketch.count; ++k) {
     numbers.add(sketch.node[static_cast<std::size_t>(k)], sketch.start_time_s, settings.data);
@@ -199,7 +199,7 @@ void Publisher::plan(const controller::PlanSketch& sketch, const control::Planne
   plans_.write(message);
 }
 
-void Publisher::supervisor(const diagnostics::TickRecord& tick, const WallTime& time,
+void Publisher::supervisor(const control_loop::TickRecord& tick, const WallTime& time,
                            const InCommand& in_command, double base_height_m) {
   std::string commander = in_command.name;
   Texts faults;
@@ -212,7 +212,7 @@ void Publisher::supervisor(const diagnostics::TickRecord& tick, const WallTime& 
   message.time_ns = tick.time_ns;
   message.time_s = time.seconds(tick.time_ns);
   message.state = static_cast<std::uint8_t>(tick.state);
-  message.rung = static_cast<std::uint8_t>(tick.rung);
+  message.rung = static_cast<std::uint8_t>(tick.level);
   message.reaction = static_cast<std::uint8_t>(tick.reaction);
   message.present_faults = tick.present.bits();
   message.latched_faults = tick.latched.bits();
@@ -226,7 +226,7 @@ void Publisher::supervisor(const diagnostics::TickRecord& tick, const WallTime& 
   lend(message.commander, commander);
   message.commander_alive = in_command.alive;
   lend(message.state_name, supervisor::name(tick.state));
-  lend(message.rung_name, supervisor::name(tick.rung));
+  lend(message.rung_name, supervisor::name(tick.level));
   faults.lend_to(message.faults);
   supervisor_.write(message);
 }
@@ -238,7 +238,7 @@ void Publisher::send(Event& event, const Drops& drops) {
   events_writer_.write(event);
 }
 
-void Publisher::event(const controller::Event& event, const Drops& drops) {
+void Publisher::event(const control_loop::Event& event, const Drops& drops) {
   std::string name = name_of(event);
   std::string text = sentence_of(event);
   Event message{};
@@ -246,7 +246,7 @@ void Publisher::event(const controller::Event& event, const Drops& drops) {
   message.kind = wire_kind(event.kind);
   message.state = static_cast<std::uint8_t>(event.state);
   message.fault = static_cast<std::uint8_t>(event.fault);
-  if (event.kind == controller::Event::Kind::fault) {
+  if (event.kind == control_loop::Event::Kind::fault) {
     message.reaction = static_cast<std::uint8_t>(supervisor::row(event.fault).reaction);
   }
   lend(message.name, name);

@@ -3,10 +3,10 @@
 #include <expected>
 #include <string>
 
-#include "firmware/controller/cycle_record.h"
-#include "firmware/controller/events.h"
+#include "firmware/control_loop/cycle_record.h"
+#include "firmware/control_loop/events.h"
 #include "firmware/diagnostics/figures.h"
-#include "firmware/diagnostics/tick_record.h"
+#include "firmware/control_loop/tick_record.h"
 #include "firmware/telemetry/tick_batch.h"
 #include "firmware/telemetry/tuner.h"
 #include "firmware/telemetry/wall_time.h"
@@ -48,11 +48,11 @@ class Publisher {
   void configuration(const configuration::Configuration& configuration, const RunDescription& run,
                      const Tuner& tuner, const WallTime& time);
   void tuning(const Tuner& tuner, const std::string& key, const std::string& commander);
-  void cycle(const controller::CycleRecord& record, const Drops& drops);
-  void plan(const controller::PlanSketch& sketch, const control::PlannerSettings& settings);
-  void supervisor(const diagnostics::TickRecord& tick, const WallTime& time, const InCommand& in_command,
+  void cycle(const control_loop::CycleRecord& record, const Drops& drops);
+  void plan(const control_loop::PlanSketch& sketch, const control::PlannerSettings& settings);
+  void supervisor(const control_loop::TickRecord& tick, const WallTime& time, const InCommand& in_command,
                   double base_height_m);
-  void event(const controller::Event& event, const Drops& drops);
+  void event(const control_loop::Event& event, const Drops& drops);
   /// Event of kind 4 (a command) or 5 (the commander).
   void note(std::uint8_t kind, double time_s, const std::string& name, const std::string& text,
             const Drops& drops);

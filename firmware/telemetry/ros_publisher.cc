@@ -11,7 +11,7 @@
 namespace stilt::telemetry {
 namespace {
 
-using diagnostics::TickRecord;
+using control_loop::TickRecord;
 
 constexpr const char* kJoints[] = {"hip_L", "knee_L", "hip_R", "knee_R"};
 
@@ -68,7 +68,7 @@ Status supervisor_status(const TickRecord& tick) {
   if (tick.reaction != supervisor::Reaction::none) {
     status.level = tick.reaction == supervisor::Reaction::warn ? kWarning : kError;
   }
-  status.values = {{"rung", supervisor::name(tick.rung)}, {"reaction", supervisor::name(tick.reaction)}};
+  status.values = {{"rung", supervisor::name(tick.level)}, {"reaction", supervisor::name(tick.reaction)}};
   for (const supervisor::FaultRow& row : supervisor::kFaultTable) {
     const bool present = tick.present.has(row.fault);
     if (!present && !tick.latched.has(row.fault)) continue;

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "firmware/diagnostics/figures.h"
-#include "firmware/diagnostics/tick_record.h"
+#include "firmware/control_loop/tick_record.h"
 #include "firmware/telemetry/wall_time.h"
 #include "firmware/telemetry/writer.h"
 
@@ -18,9 +18,9 @@ class RosPublisher {
  public:
   [[nodiscard]] static std::expected<RosPublisher, std::string> open(const Participant& participant);
 
-  void joint_states(const diagnostics::TickRecord& tick, const WallTime& time);
-  void odometry(const diagnostics::TickRecord& tick, const WallTime& time);
-  void diagnostics(const diagnostics::TickRecord& tick, const diagnostics::LoopFigures& loop,
+  void joint_states(const control_loop::TickRecord& tick, const WallTime& time);
+  void odometry(const control_loop::TickRecord& tick, const WallTime& time);
+  void diagnostics(const control_loop::TickRecord& tick, const diagnostics::LoopFigures& loop,
                    const diagnostics::PlannerFigures& planning, const WallTime& time,
                    const std::string& robot);
 

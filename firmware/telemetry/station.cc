@@ -41,7 +41,7 @@ std::string described(const Asked& asked) {
 }  // namespace
 
 Station::Station(const configuration::Configuration& configuration, RunDescription run,
-                 controller::Mailboxes& mail, const model::RobotModel& robot)
+                 control_loop::Mailboxes& mail, const model::RobotModel& robot)
     : configuration_(configuration),
       run_(std::move(run)),
       mail_(mail),
@@ -55,7 +55,7 @@ Station::Station(const configuration::Configuration& configuration, RunDescripti
 
 std::expected<std::unique_ptr<Station>, std::string> Station::open(
     const configuration::Configuration& configuration, const RunDescription& run,
-    controller::Mailboxes& mail) {
+    control_loop::Mailboxes& mail) {
   const model::RobotModel* robot = model::find_robot(configuration.hardware.robot.c_str());
   if (robot == nullptr)
     return std::unexpected("telemetry: no model of robot " + configuration.hardware.robot);
@@ -116,7 +116,7 @@ RobotNow Station::now() const {
   return {run_.lockstep ? newest_.time_ns : wall_ns, wall_ns, newest_.state};
 }
 
-void Station::begin(const diagnostics::TickRecord& record) {
+void Station::begin(const control_loop::TickRecord& record) {
   begun_ = true;
   const auto today = std::chrono::system_clock::now().time_since_epoch();
   time_ = {record.time_ns, std::chrono::duration_cast<std::chrono::nanoseconds>(today).count()};
@@ -136,9 +136,9 @@ void Station::send_batch() {
   if (run_.lockstep && ++batches_ % kBatchesAhead == 0) publisher_->flush(kFlush_s);
 }
 
-void Station::tick(const diagnostics::TickRecord& record) {
+void Station::tick(const control_loop::TickRecord& record) {
   if (!begun_) begin(record);
-  const bool changed = record.state != newest_.state || record.rung != newest_.rung ||
+  const bool changed = record.state != newest_.state || record.level != newest_.level ||
                        record.present != newest_.present || record.latched != newest_.latched;
   changed_ = changed_ || changed;
   newest_ = record;
@@ -151,11 +151,11 @@ void Station::tick(const diagnostics::TickRecord& record) {
   ros_->odometry(record, time_);
 }
 
-void Station::event(const controller::Event& event) { publisher_->event(event, drops()); }
+void Station::event(const control_loop::Event& event) { publisher_->event(event, drops()); }
 
 void Station::publish(const diagnostics::LoopFigures& loop, const diagnostics::PlannerFigures& planning) {
   if (!begun_) return;
-  while (const controller::CycleRecord* cycle = mail_.cycles.front()) {
+  while (const control_loop::CycleRecord* cycle = mail_.cycles.front()) {
     publisher_->cycle(*cycle, drops());
     mail_.cycles.pop();
   }
@@ -190,7 +190,7 @@ void Station::watch_commander() {
                    commander_.empty() ? "nobody commands" : commander_ + " commands", drops());
 }
 
-controller::OperatorCommand Station::operate(const controller::OperatorCommand& script) {
+control_loop::OperatorCommand Station::operate(const control_loop::OperatorCommand& script) {
   commands_->take(
       [this](Sample&& sample) {
         if (const auto command = sample.as<Command>()) answer(*command);
@@ -201,7 +201,7 @@ controller::OperatorCommand Station::operate(const controller::OperatorCommand& 
         if (const auto twist = sample.as<Twist>()) desk_->twist(twist->linear.x, now());
       },
       kCommandsAtOnce);
-  const controller::OperatorCommand command = desk_->command(script, now());
+  const control_loop::OperatorCommand command = desk_->command(script, now());
   watch_commander();
   return command;
 }

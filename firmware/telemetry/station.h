@@ -21,16 +21,16 @@ class Station {
   /// @param configuration, mail  outlive the station
   [[nodiscard]] static std::expected<std::unique_ptr<Station>, std::string> open(
       const configuration::Configuration& configuration, const RunDescription& run,
-      controller::Mailboxes& mail);
+      control_loop::Mailboxes& mail);
 
   /// Why this is not real time, known after the station was opened.
   void set_not_realtime(const std::string& reason) { run_.not_realtime = reason; }
 
   /// A tick that was; every one, in order.
-  void tick(const diagnostics::TickRecord& record);
+  void tick(const control_loop::TickRecord& record);
 
   /// Something that happened.
-  void event(const controller::Event& event);
+  void event(const control_loop::Event& event);
 
   /// Sends what is due: solves and sketches out of the mailboxes, figures.
   void publish(const diagnostics::LoopFigures& loop, const diagnostics::PlannerFigures& planning);
@@ -38,7 +38,7 @@ class Station {
   /// Takes commands.
   /// @param script  what would be commanded without anybody
   /// @return        what is
-  [[nodiscard]] controller::OperatorCommand operate(const controller::OperatorCommand& script);
+  [[nodiscard]] control_loop::OperatorCommand operate(const control_loop::OperatorCommand& script);
 
   /// Sends what is left, and waits a moment until subscribers have it.
   void finish();
@@ -46,11 +46,11 @@ class Station {
   [[nodiscard]] const std::string& token_file() const noexcept { return run_.token_file; }
 
  private:
-  Station(const configuration::Configuration& configuration, RunDescription run, controller::Mailboxes& mail,
+  Station(const configuration::Configuration& configuration, RunDescription run, control_loop::Mailboxes& mail,
           const model::RobotModel& robot);
   [[nodiscard]] std::expected<void, std::string> join();
   [[nodiscard]] std::expected<std::string, std::string> token();
-  void begin(const diagnostics::TickRecord& record);
+  void begin(const control_loop::TickRecord& record);
   void answer(const Command& command);
   [[nodiscard]] RobotNow now() const;
   [[nodiscard]] Drops drops() const;
@@ -60,7 +60,7 @@ class Station {
 
   const configuration::Configuration& configuration_;
   RunDescription run_;
-  controller::Mailboxes& mail_;
+  control_loop::Mailboxes& mail_;
   std::uint64_t session_;
   Tuner tuner_;
   std::string tuned_by_;
@@ -75,7 +75,7 @@ class Station {
   std::uint64_t batches_ = 0;  ///< sent
   WallTime time_;
   bool begun_ = false;
-  diagnostics::TickRecord newest_;
+  control_loop::TickRecord newest_;
   std::uint64_t joint_states_every_;  ///< ticks
   std::uint64_t supervisor_every_;    ///< ticks
   std::uint64_t second_;              ///< ticks

@@ -7,7 +7,7 @@
 namespace stilt::telemetry {
 namespace {
 
-using diagnostics::TickRecord;
+using control_loop::TickRecord;
 
 constexpr std::size_t kJoints = hal::kJoints;
 
@@ -88,7 +88,7 @@ void visit_outputs(Batch& b, Record& r, Column&& column) {
         sequence, kJoints, [&list, member ](std::size_t i) -> auto& { return list[i].*member; });
   };
   column(
-      b.estimated_state, diagnostics::kStates, [&](std::size_t i) -> auto& { return r.estimated_state[i]; });
+      b.estimated_state, model::kStates, [&](std::size_t i) -> auto& { return r.estimated_state[i]; });
   commands(b.wanted_position_rad, r.wanted, &hal::JointCommand::position_rad);
   commands(b.wanted_velocity_rad_s, r.wanted, &hal::JointCommand::velocity_rad_s);
   commands(b.wanted_torque_Nm, r.wanted, &hal::JointCommand::torque_Nm);
@@ -103,7 +103,7 @@ void visit_outputs(Batch& b, Record& r, Column&& column) {
   commands(b.sent_torque_limit_Nm, r.sent, &hal::JointCommand::torque_limit_Nm);
   one(b.action, r.action);
   one(b.state, r.state);
-  one(b.rung, r.rung);
+  one(b.rung, r.level);
   one(b.reaction, r.reaction);
   one(b.present_faults, r.present);
   one(b.latched_faults, r.latched);

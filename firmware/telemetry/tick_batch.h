@@ -4,7 +4,7 @@
 #include <memory>
 #include <span>
 
-#include "firmware/diagnostics/tick_record.h"
+#include "firmware/control_loop/tick_record.h"
 #include "firmware/telemetry/messages.h"
 
 /// Ticks as records and as the message that carries many of them.
@@ -22,8 +22,8 @@ class TickBatchBuilder {
   TickBatchBuilder& operator=(const TickBatchBuilder&) = delete;
 
   /// Whether this tick may be added: there is room, and it follows the last one.
-  [[nodiscard]] bool takes(const diagnostics::TickRecord& record) const noexcept;
-  void add(const diagnostics::TickRecord& record);
+  [[nodiscard]] bool takes(const control_loop::TickRecord& record) const noexcept;
+  void add(const control_loop::TickRecord& record);
   void clear() noexcept;
   [[nodiscard]] std::size_t size() const noexcept { return message().count; }
 
@@ -42,6 +42,6 @@ class TickBatchBuilder {
 
 /// The record of a tick, bit for bit what TickBatchBuilder::add() was given.
 /// @param index  0 to batch.count - 1 of a message that is well_formed()
-[[nodiscard]] diagnostics::TickRecord tick_record(const TickBatch& batch, std::size_t index) noexcept;
+[[nodiscard]] control_loop::TickRecord tick_record(const TickBatch& batch, std::size_t index) noexcept;
 
 }  // namespace stilt::telemetry

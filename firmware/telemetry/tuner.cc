@@ -9,7 +9,7 @@ using configuration::LiveTunable;
 using configuration::number_text;
 
 Tuner::Tuner(const configuration::Configuration& configuration, const model::RobotModel& robot,
-             controller::Mailboxes& mail)
+             control_loop::Mailboxes& mail)
     : configuration_(configuration),
       robot_(robot),
       mail_(mail),

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "firmware/configuration/live.h"
-#include "firmware/controller/mailboxes.h"
+#include "firmware/control_loop/mailboxes.h"
 #include "mpc_core/model/robot.h"
 
 namespace stilt::telemetry {
@@ -17,7 +17,7 @@ class Tuner {
  public:
   /// Everything outlives this object.
   Tuner(const configuration::Configuration& configuration, const model::RobotModel& robot,
-        controller::Mailboxes& mail);
+        control_loop::Mailboxes& mail);
 
   /// Sets one. Empty, or what is wrong in one sentence; then nothing changed.
   [[nodiscard]] std::string set(const std::string& key, double value);
@@ -38,7 +38,7 @@ class Tuner {
 
   const configuration::Configuration& configuration_;
   const model::RobotModel& robot_;
-  controller::Mailboxes& mail_;
+  control_loop::Mailboxes& mail_;
   std::vector<configuration::LiveTunable> tunables_;
   std::vector<double> values_;
   std::uint32_t number_ = 0;

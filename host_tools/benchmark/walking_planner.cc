@@ -2,7 +2,7 @@
 
 #include <stdexcept>
 
-#include "mpc_core/control/torque_loop.h"
+#include "mpc_core/control/torque_law.h"
 
 namespace stilt::benchmark {
 namespace {

@@ -62,15 +62,13 @@ int run_bench(const BenchOptions& options) {
   check_output_file("--json", options.json_file);
   if (options.closed_loop_plans > 0) return run_closed_loop_bench(options);
   const model::RobotModel& robot = robot_model(options.choice.robot);
-  const control::ControllerParameters parameters = controller_parameters(options.choice);
-  const auto controller =
-      make_controller(robot, parameters, gait_library(options.choice), planning_model(options.choice));
+  const configuration::Configuration parameters = controller_configuration(options.choice);
+  const auto controller = make_controller(controller_setup(options.choice, robot, parameters));
   ControllerChoice recorded = options.choice;
   recorded.horizon_s.reset();
   recorded.iterations.reset();
   recorded.no_early_stop = false;
-  const PlanningProblems problems =
-      record_walk(options.choice.robot, controller_parameters(recorded), options.speed_m_s, options.problems);
+  const PlanningProblems problems = record_walk(recorded, options.speed_m_s, options.problems);
   const PlannerTimings timings = time_planner(controller->planner(), problems.inputs);
   const benchmark::PhaseSpeeds speeds = measure_last(controller->planner());
   if (!options.json_file.empty()) write_json(bench_json(timings, speeds), options.json_file);

@@ -138,15 +138,12 @@ void print(const Summary& summary, const std::vector<PlanSample>& samples) {
 int run_closed_loop_bench(const BenchOptions& options) {
   ControllerChoice choice = options.choice;
   choice.no_early_stop = true;
-  const control::ControllerParameters parameters = controller_parameters(choice);
-  const auto controller =
-      make_controller(benchmark::counting_model(robot_model(choice.robot)), parameters, gait_library(choice));
+  const auto controller = make_controller(controller_setup(
+      choice, benchmark::counting_model(robot_model(choice.robot)), controller_configuration(choice)));
   Measurement measurement(controller->planner());
-  const PlanObserver observer{
-      [&] { measurement.before(); },
-      [&](const control::PlannerInput& input, const solver::SolveReport&) { measurement.after(input); }};
-  const bool survived =
-      walk(choice.robot, parameters, options.speed_m_s, options.closed_loop_plans, *controller, observer);
+  const PlanObserver observer{[&] { measurement.before(); },
+                              [&](const control::PlannerInput& input) { measurement.after(input); }};
+  const bool survived = walk(choice, options.speed_m_s, options.closed_loop_plans, *controller, observer);
   const Summary summary = summarise(measurement.samples);
   if (!options.json_file.empty()) write_json(to_json(summary, measurement.samples), options.json_file);
   if (options.json_file != "-") print(summary, measurement.samples);

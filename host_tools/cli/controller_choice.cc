@@ -7,7 +7,6 @@
 #include "firmware/configuration/gaits/shipped_gaits.h"
 #include "host_tools/cli/usage_error.h"
 #include "host_tools/planning_model/lumped.h"
-#include "host_tools/simulator/gait_controller.h"
 #include "host_tools/simulator/number.h"
 #include "host_tools/simulator/simulated_robot.h"
 
@@ -41,12 +40,22 @@ std::vector<Override> overrides_of(const ControllerChoice& choice) {
     overrides.push_back(setting("timing.plan_delay_s", *choice.plan_delay_s, "--plan-delay"));
   }
   if (choice.no_early_stop) overrides.push_back({"sqp.early_stop=false", "--no-early-stop"});
+  if (choice.controller == "hzd-pd") {
+    overrides.push_back({"supervisor.select_gait=true", "--controller hzd-pd"});
+  }
   if (choice.controller == "mpc-none") overrides.push_back({"cost.terminal=0", "--controller mpc-none"});
   return overrides;
 }
 
 bool follows_gaits(const std::string& controller) {
   return controller == "mpc-hzd" || controller == "hzd-pd";
+}
+
+/// The gaits shipped for a robot; null when there are none.
+std::shared_ptr<const gait::GaitLibrary> shipped_library(const std::string& robot) {
+  auto library = std::make_shared<gait::GaitLibrary>();
+  if (!gait_files::load_shipped_library(robot, *library)) return nullptr;
+  return library;
 }
 
 std::string listed(const std::vector<std::string>& words) {
@@ -162,19 +171,30 @@ const model::RobotModel* planning_model(const ControllerChoice& choice) {
   return lumped;
 }
 
-std::unique_ptr<simulator::MpcController> make_controller(const model::RobotModel& robot,
-                                                          const control::ControllerParameters& parameters,
-                                                          std::shared_ptr<const gait::GaitLibrary> library,
-                                                          const model::RobotModel* planning_model) {
-  auto controller = std::make_unique<simulator::MpcController>();
-  const model::RobotModel& believed = planning_model != nullptr ? *planning_model : robot;
-  switch (controller->configure(robot, believed, parameters)) {
+simulator::ControllerSetup controller_setup(const ControllerChoice& choice, const model::RobotModel& robot,
+                                            const configuration::Configuration& configuration) {
+  simulator::ControllerSetup setup;
+  setup.planning_model = planning_model(choice);
+  const bool lumped_law = setup.planning_model != nullptr && choice.lump == "law";
+  setup.robot = lumped_law ? setup.planning_model : &robot;
+  setup.parameters = configuration;
+  setup.supervision = configuration.supervisor;
+  setup.reference_gaits = gait_library(choice);
+  if (configuration.supervisor.track_gait) {
+    setup.fallback_gaits =
+        setup.reference_gaits != nullptr ? setup.reference_gaits : shipped_library(choice.robot);
+  }
+  return setup;
+}
+
+std::unique_ptr<simulator::SimulatedController> make_controller(const simulator::ControllerSetup& setup) {
+  auto controller = std::make_unique<simulator::SimulatedController>();
+  switch (controller->configure(setup)) {
     case control::ConfigureStatus::ok:
-      if (library != nullptr) controller->follow(std::move(library));
       return controller;
     case control::ConfigureStatus::horizon_over_capacity:
       throw UsageError(
-          "discretisation.horizon_s " + simulator::number_text(parameters.discretisation.horizon_s) +
+          "discretisation.horizon_s " + simulator::number_text(setup.parameters.discretisation.horizon_s) +
           ": the horizon needs more intervals or contact switches than the planner holds; take a "
           "shorter horizon or a longer time step");
     case control::ConfigureStatus::terminal_cost_failed:
@@ -183,19 +203,6 @@ std::unique_ptr<simulator::MpcController> make_controller(const model::RobotMode
   throw UsageError(
       "cost: these weights admit no terminal cost; give every position and velocity some weight, or set "
       "cost.terminal to 0");
-}
-
-std::unique_ptr<simulator::Controller> make_any_controller(const ControllerChoice& choice,
-                                                           const model::RobotModel& robot,
-                                                           const control::ControllerParameters& parameters) {
-  constexpr double kHandOver_s = 2.0;
-  const auto library = gait_library(choice);
-  const model::RobotModel* believed = planning_model(choice);
-  const bool in_the_law = believed != nullptr && choice.lump == "law";
-  auto planning = make_controller(in_the_law ? *believed : robot, parameters, library, believed);
-  if (choice.controller != "hzd-pd") return planning;
-  return std::make_unique<simulator::GaitController>(robot, parameters, std::move(planning), library,
-                                                     kHandOver_s);
 }
 
 }  // namespace stilt::cli

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "firmware/configuration/configuration.h"
-#include "host_tools/simulator/mpc_controller.h"
+#include "host_tools/simulator/simulated_controller.h"
 #include "mpc_core/control/parameters.h"
 #include "mpc_core/model/robot.h"
 
@@ -55,22 +55,19 @@ void add_controller_options(CLI::App& command, ControllerChoice& choice);
 /// The configuration after file, --preset, --set and the options of their own, all checked.
 [[nodiscard]] configuration::Configuration controller_configuration(const ControllerChoice& choice);
 
-/// Its part that matters to planner and torque loop.
+/// Its part that matters to planner and torque law.
 [[nodiscard]] control::ControllerParameters controller_parameters(const ControllerChoice& choice);
 
-/// A predictive controller ready to run. `library`: gaits to follow instead of the heuristics, or null.
-/// `planning_model`: what the planner believes in, or null for the robot itself.
-[[nodiscard]] std::unique_ptr<simulator::MpcController> make_controller(
-    const model::RobotModel& robot, const control::ControllerParameters& parameters,
-    std::shared_ptr<const gait::GaitLibrary> library = nullptr,
-    const model::RobotModel* planning_model = nullptr);
+/// The chosen controller of a robot with the gaits that it follows, to be configured.
+[[nodiscard]] simulator::ControllerSetup controller_setup(const ControllerChoice& choice,
+                                                          const model::RobotModel& robot,
+                                                          const configuration::Configuration& configuration);
 
-/// The chosen controller, ready to run, with the gaits that it follows.
-[[nodiscard]] std::unique_ptr<simulator::Controller> make_any_controller(
-    const ControllerChoice& choice, const model::RobotModel& robot,
-    const control::ControllerParameters& parameters);
+/// A controller ready to run.
+[[nodiscard]] std::unique_ptr<simulator::SimulatedController> make_controller(
+    const simulator::ControllerSetup& setup);
 
-/// What the planner of the chosen controller believes in when it is not the robot itself; otherwise null.
+/// The model of the chosen controller's planner when it is not the robot itself; otherwise null.
 [[nodiscard]] const model::RobotModel* planning_model(const ControllerChoice& choice);
 
 /// The gaits that the chosen controller follows: those of --gaits or the shipped ones; null for one that

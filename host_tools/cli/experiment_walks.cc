@@ -83,7 +83,7 @@ std::vector<simulator::Push> pushes_of(const WalkSetting& setting, const WalkCas
 log::RunRecord run(const WalkSetting& setting, const WalkCase& walk) {
   const ControllerChoice choice = choice_of(setting, walk);
   const model::RobotModel& robot = robot_model(choice.robot);
-  const control::ControllerParameters parameters = controller_parameters(choice);
+  const configuration::Configuration parameters = controller_configuration(choice);
   simulator::PlantOptions world = world_of(setting, walk);
   world.time_step_s =
       simulator::time_step_for_tick(world.time_step_s, 1.0 / parameters.timing.torque_rate_hz);
@@ -97,10 +97,9 @@ log::RunRecord run(const WalkSetting& setting, const WalkCase& walk) {
   settings.pushes = pushes_of(setting, walk);
   settings.use_true_state = simulator::parse_knows_truth(setting.state);
   settings.measure_from_s = walk.measure_from_s;
-  settings.timing = parameters.timing;
   settings.keep_samples = walk.keep_samples;
   settings.initial_state = standing_on_ground(world, settings.leg, parameters);
-  const auto controller = make_any_controller(choice, robot, parameters);
+  const auto controller = make_controller(controller_setup(choice, robot, parameters));
   log::RunRecord record = simulator::run_closed_loop(plant, *controller, settings);
   describe_run(robot.constants, plant, world, record);
   return record;

@@ -25,7 +25,8 @@ PlannerTimings timings_of(ControllerChoice choice, double horizon_s, bool early_
   choice.horizon_s = horizon_s;
   choice.iterations = kIterations;
   choice.no_early_stop = !early_stop;
-  const auto controller = make_controller(robot_model(choice.robot), controller_parameters(choice));
+  const auto controller =
+      make_controller(controller_setup(choice, robot_model(choice.robot), controller_configuration(choice)));
   return time_planner(controller->planner(), inputs);
 }
 
@@ -63,8 +64,7 @@ int run_frequency(const ExperimentOptions& options) {
       {{choice.controller, dependencies_text(options.setting, choice.controller, kAnyHorizon_s)}});
   const experiments::JobFolder folder(options.folder, settings);
   const int problems = options.quick ? 20 : options.problems;
-  const PlanningProblems walk =
-      record_walk(choice.robot, controller_parameters(choice), kSpeed_m_s, problems);
+  const PlanningProblems walk = record_walk(choice, kSpeed_m_s, problems);
   Json rows = Json::array();
   int failed = 0;
   for (const auto& [horizon_s, paper_hz] : kPaper) {

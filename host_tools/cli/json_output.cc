@@ -50,6 +50,10 @@ Json to_json(const log::RunSummary& summary) {
   json["equality_violation_max"] = summary.equality_violation_max;
   json["heap_allocations_in_loop"] = summary.heap_allocations_in_loop;
   json["controller_bytes"] = summary.controller_bytes;
+  for (std::size_t level = 0; level < supervisor::kFallbackLevels; ++level) {
+    json["fallback_s"][supervisor::name(static_cast<supervisor::FallbackLevel>(level))] =
+        summary.fallback_s[level];
+  }
   return json;
 }
 

@@ -14,23 +14,19 @@ struct PlanningProblems {
   bool survived = false;
 };
 
-/// Walks the simulated robot for `count` plans of its planner and records what the planner was asked. The
-/// same each time.
-[[nodiscard]] PlanningProblems record_walk(const std::string& robot,
-                                           const control::ControllerParameters& parameters, double speed_m_s,
-                                           int count);
+/// Walks the simulated robot under the chosen controller for `count` plans of its planner and records the
+/// planner's inputs. The same each time.
+[[nodiscard]] PlanningProblems record_walk(const ControllerChoice& choice, double speed_m_s, int count);
 
-/// What is done around each plan of a walk.
+/// Called around each plan of a walk.
 struct PlanObserver {
   std::function<void()> before = [] {};
-  std::function<void(const control::PlannerInput&, const solver::SolveReport&)> after =
-      [](const control::PlannerInput&, const solver::SolveReport&) {};
+  std::function<void(const control::PlannerInput&)> after = [](const control::PlannerInput&) {};
 };
 
-/// Walks the simulated robot under `controller`, configured with the same parameters, for `count` plans of
-/// its planner, from standing still at time 0 on. True when the robot did not fall.
-[[nodiscard]] bool walk(const std::string& robot, const control::ControllerParameters& parameters,
-                        double speed_m_s, int count, simulator::Controller& controller,
-                        const PlanObserver& observer);
+/// Walks the simulated robot under `controller`, set up by `choice`, for `count` plans of its planner, from
+/// standing still at time 0 on. True when the robot did not fall.
+[[nodiscard]] bool walk(const ControllerChoice& choice, double speed_m_s, int count,
+                        simulator::SimulatedController& controller, const PlanObserver& observer);
 
 }  // namespace stilt::cli

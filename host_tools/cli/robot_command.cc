@@ -58,7 +58,7 @@ Json drivers_json(const RobotOnBus& robot) {
   Json drivers = Json::array();
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
     const hal::mock::EmulatedDriver& driver = robot.drivers().driver(joint);
-    drivers.push_back({{"joint", robot_on_bus::joint_name(joint)},
+    drivers.push_back({{"joint", simulator::joint_name(joint)},
                        {"powered", driver.powered()},
                        {"enabled", driver.enabled()},
                        {"torque_Nm", robot.drivers().torque_Nm(joint)}});
@@ -172,8 +172,8 @@ CLI::App* add_robot_command(CLI::App& program, RobotOptions& options) {
   robot->add_option("--report", options.report_file, "writes a page with animation and plots, HTML");
   robot->add_option("--log", options.log_file, "writes the samples, one JSON object a line");
   robot->add_option("--frames", options.frames_file, "writes every frame on the buses with its tick");
-  robot->footer("Faults of --fault:\n" + robot_on_bus::describe_faults() + "Keys of --plant:\n" +
-                simulator::describe_plant_options() +
+  robot->footer("Faults of --fault:\n" + simulator::describe_faults(simulator::FaultsOf::robot_on_buses) +
+                "Keys of --plant:\n" + simulator::describe_plant_options() +
                 "Times of --push, --fault and of all figures count from when the hoist has let go.\n"
                 "Exit status: 0 done, 1 the robot fell or never left the hoist, 2 bad usage.");
   return robot;

@@ -29,16 +29,16 @@ bool needs_fd(const hal::RobotWiring& wiring) {
   });
 }
 
-std::vector<robot_on_bus::TimedFault> faults_of(const RobotOptions& options, std::size_t bus_count) {
-  std::vector<robot_on_bus::TimedFault> faults;
+std::vector<simulator::TimedFault> faults_of(const RobotOptions& options, std::size_t bus_count) {
+  std::vector<simulator::TimedFault> faults;
   for (const std::string& text : options.faults) {
-    faults.push_back(robot_on_bus::parse_fault(text));
-    const robot_on_bus::TimedFault& fault = faults.back();
+    faults.push_back(simulator::parse_fault(text));
+    const simulator::TimedFault& fault = faults.back();
     if (fault.bus && *fault.bus >= bus_count) {
       throw UsageError("--fault " + text + ": there is no bus " + std::to_string(*fault.bus) +
                        "; the buses are 0 to " + std::to_string(bus_count - 1));
     }
-    if (fault.kind == robot_on_bus::FaultKind::disconnect && options.lockstep) {
+    if (fault.kind == simulator::FaultKind::disconnect && options.lockstep) {
       throw UsageError("--fault " + text + ": a bus that is gone ends lock-step; leave --lockstep out");
     }
   }

@@ -48,8 +48,18 @@ std::vector<TimedCommand> commands_of(const SimOptions& options) {
   return commands;
 }
 
-RunSettings run_settings(const SimOptions& options, const model::RobotConstants& robot,
-                         const control::ControllerParameters& parameters) {
+std::vector<simulator::TimedFault> faults_of(const SimOptions& options) {
+  std::vector<simulator::TimedFault> faults;
+  for (const std::string& text : options.faults) {
+    faults.push_back(simulator::parse_fault(text));
+    if (!simulator::describe(faults.back().kind).needs_bus && !faults.back().bus) continue;
+    throw UsageError("--fault " + text +
+                     ": this fault needs buses, which stilt sim has not; take stilt robot");
+  }
+  return faults;
+}
+
+RunSettings run_settings(const SimOptions& options, const model::RobotConstants& robot) {
   if (!(options.duration_s > 0.0 && options.duration_s <= kLongestRun_s)) {
     throw UsageError("--duration " + simulator::number_text(options.duration_s) +
                      ": the duration must be above 0 and at most 86400 s");
@@ -63,7 +73,12 @@ RunSettings run_settings(const SimOptions& options, const model::RobotConstants&
   for (const std::string& text : options.pushes) settings.pushes.push_back(simulator::parse_push(text));
   simulator::check_pushes(settings.pushes);
   settings.use_true_state = simulator::parse_knows_truth(options.state);
-  settings.timing = parameters.timing;
+  settings.faults = faults_of(options);
+  if (options.planner_until_s && !(*options.planner_until_s > 0.0)) {
+    throw UsageError("--planner-until " + simulator::number_text(*options.planner_until_s) +
+                     ": the time must be above 0 s");
+  }
+  if (options.planner_until_s) settings.planner_until_s = *options.planner_until_s;
   settings.keep_samples = !options.report_file.empty() || !options.log_file.empty();
   return settings;
 }
@@ -99,6 +114,10 @@ CLI::App* add_sim_command(CLI::App& program, SimOptions& options) {
       ->allow_extra_args(false);
   sim->add_option("--state", options.state, "what the controller knows: estimated (from sensors) or truth")
       ->capture_default_str();
+  sim->add_option("--planner-until", options.planner_until_s, "the planner stops at this time, s");
+  sim->add_option("--fault", options.faults,
+                  "a fault of the robot, NAME[:JOINT]@START[+DURATION], s from the start; repeatable")
+      ->allow_extra_args(false);
   sim->add_option("--seed", options.seed, "of the sensor noise")->capture_default_str();
   sim->add_option("--plant", options.plant_settings,
                   "changes the simulated robot or its world: KEY=VALUE; repeatable")
@@ -107,7 +126,8 @@ CLI::App* add_sim_command(CLI::App& program, SimOptions& options) {
                   "writes the figures as JSON to a file, or - for standard output");
   sim->add_option("--report", options.report_file, "writes a page with animation and plots, HTML");
   sim->add_option("--log", options.log_file, "writes the samples, one JSON object a line");
-  sim->footer("Keys of --plant:\n" + simulator::describe_plant_options() +
+  sim->footer("Keys of --plant:\n" + simulator::describe_plant_options() + "Faults:\n" +
+              simulator::describe_faults(simulator::FaultsOf::plant) +
               "Exit status: 0 done, 1 the robot fell, 2 bad usage.");
   return sim;
 }
@@ -117,10 +137,10 @@ int run_sim(const SimOptions& options, const std::string& command_line) {
   check_output_file("--report", options.report_file);
   check_output_file("--log", options.log_file);
   const model::RobotModel& robot = robot_model(options.choice.robot);
-  const control::ControllerParameters parameters = controller_parameters(options.choice);
+  const configuration::Configuration parameters = controller_configuration(options.choice);
   const PlantOptions world = plant_options(options, parameters.timing);
-  RunSettings settings = run_settings(options, robot.constants, parameters);
-  const auto controller = make_any_controller(options.choice, robot, parameters);
+  RunSettings settings = run_settings(options, robot.constants);
+  const auto controller = make_controller(controller_setup(options.choice, robot, parameters));
   Plant plant(simulator::make_plant_model(simulator::simulated_robot(options.choice.robot), world,
                                           parameters.reference.base_height_m),
               world, static_cast<std::uint64_t>(options.seed));

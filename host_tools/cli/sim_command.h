@@ -1,6 +1,7 @@
 #pragma once
 
 #include <CLI/App.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,8 @@ struct SimOptions {
   std::vector<std::string> pushes;
   std::vector<std::string> later_commands;  ///< of --then
   std::string state = "estimated";
+  std::optional<double> planner_until_s;
+  std::vector<std::string> faults;
   long long seed = 1;
   std::vector<std::string> plant_settings;
   std::string json_file, report_file, log_file;

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
+#include "firmware/supervisor/fallback.h"
 #include "mpc_core/control/plan.h"
 #include "mpc_core/model/types.h"
 
@@ -66,6 +68,8 @@ struct RunSummary {
   double sqp_iterations_mean = 0.0;
   int sqp_iterations_max = 0;
   double dynamics_defect_max = 0.0, equality_violation_max = 0.0;
+  /// Time at each fallback level, s.
+  std::array<double, supervisor::kFallbackLevels> fallback_s{};
   long long heap_allocations_in_loop = 0;
   std::size_t controller_bytes = 0;
 };

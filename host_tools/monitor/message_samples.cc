@@ -33,7 +33,7 @@ void copy_bins(const stilt_msgs_msg_dds__Histogram_& message, HistogramSample& s
 
 }  // namespace
 
-TickSample tick_sample(const diagnostics::TickRecord& record, std::int64_t clock_start_ns) {
+TickSample tick_sample(const control_loop::TickRecord& record, std::int64_t clock_start_ns) {
   TickSample sample;
   sample.tick = record.tick;
   sample.time_s = 1e-9 * static_cast<double>(record.time_ns - clock_start_ns);
@@ -51,7 +51,7 @@ TickSample tick_sample(const diagnostics::TickRecord& record, std::int64_t clock
   sample.execution_us = 1e-3 * static_cast<double>(record.execution_ns);
   sample.round_trip_us = 1e-3 * static_cast<double>(record.round_trip_ns);
   sample.state = static_cast<int>(record.state);
-  sample.rung = static_cast<int>(record.rung);
+  sample.rung = static_cast<int>(record.level);
   return sample;
 }
 

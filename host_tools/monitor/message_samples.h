@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "firmware/diagnostics/tick_record.h"
+#include "firmware/control_loop/tick_record.h"
 #include "firmware/telemetry/messages.h"
 #include "host_tools/monitor/samples.h"
 
@@ -10,7 +10,7 @@
 namespace stilt::monitor {
 
 /// @param clock_start_ns  time_ns of tick 0
-[[nodiscard]] TickSample tick_sample(const diagnostics::TickRecord& record, std::int64_t clock_start_ns);
+[[nodiscard]] TickSample tick_sample(const control_loop::TickRecord& record, std::int64_t clock_start_ns);
 
 [[nodiscard]] PlannerSample planner_sample(const telemetry::PlannerCycle& message);
 

@@ -1,7 +1,7 @@
 #include "host_tools/monitor/page_messages.h"
 
 #include "firmware/supervisor/fault.h"
-#include "firmware/supervisor/ladder.h"
+#include "firmware/supervisor/fallback.h"
 #include "firmware/supervisor/state.h"
 #include "host_tools/monitor/page_tables.h"
 #include "mpc_core/model/robot.h"
@@ -83,7 +83,7 @@ SharedMessage hello_message(const SampleSource& source, bool has_token) {
                {"live", source.live()},
                {"has_token", has_token},
                {"states", states_json()},
-               {"rungs", names_up_to(supervisor::Rung::off)},
+               {"rungs", names_up_to(supervisor::FallbackLevel::off)},
                {"reactions", names_up_to(supervisor::Reaction::off)},
                {"statuses", {"converged", "iteration limit", "step rejected", "not finite", "not convex"}},
                {"gaits", {"stand", "step", "walk"}},

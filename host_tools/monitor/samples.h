@@ -27,7 +27,7 @@ struct TickSample {
   double execution_us = 0.0;   ///< of the tick before
   double round_trip_us = 0.0;  ///< newest known, command to last reply
   int state = 0;               ///< number of supervisor::State
-  int rung = 0;                ///< number of supervisor::Rung
+  int rung = 0;                ///< number of supervisor::FallbackLevel
 };
 
 /// One cycle of the planner.
@@ -60,7 +60,7 @@ struct PlanSample {
 struct SupervisorSample {
   double time_s = 0.0;
   int state = 0;                 ///< number of supervisor::State
-  int rung = 0;                  ///< number of supervisor::Rung
+  int rung = 0;                  ///< number of supervisor::FallbackLevel
   int reaction = 0;              ///< number of supervisor::Reaction
   std::uint32_t present = 0;     ///< bits of supervisor::FaultSet
   std::uint32_t latched = 0;     ///< the same, waiting for a reset

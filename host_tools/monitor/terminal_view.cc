@@ -4,7 +4,7 @@
 #include <cstdio>
 
 #include "firmware/supervisor/fault.h"
-#include "firmware/supervisor/ladder.h"
+#include "firmware/supervisor/fallback.h"
 #include "firmware/supervisor/state.h"
 
 namespace stilt::monitor {
@@ -117,7 +117,7 @@ std::string TerminalView::timing_text() const {
 
 std::string TerminalView::state_text() const {
   const auto state = static_cast<supervisor::State>(supervisor_->state);
-  const auto rung = static_cast<supervisor::Rung>(supervisor_->rung);
+  const auto rung = static_cast<supervisor::FallbackLevel>(supervisor_->rung);
   std::string follows = name(rung);
   std::ranges::replace(follows, '_', ' ');
   std::string text = line("state     %s (%s); %s", name(state), description(state), follows.c_str());

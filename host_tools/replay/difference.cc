@@ -71,8 +71,8 @@ std::string Difference::text() const {
   return "tick " + std::to_string(tick) + ": " + what + " was " + recorded + " and is " + replayed;
 }
 
-std::optional<Difference> compare(const diagnostics::TickRecord& recorded,
-                                  const diagnostics::TickRecord& replayed) {
+std::optional<Difference> compare(const control_loop::TickRecord& recorded,
+                                  const control_loop::TickRecord& replayed) {
   Comparison comparison(recorded.tick);
   comparison.add("tick", recorded.tick, replayed.tick);
   for (std::size_t i = 0; i < recorded.estimated_state.size(); ++i) {
@@ -84,7 +84,7 @@ std::optional<Difference> compare(const diagnostics::TickRecord& recorded,
   comparison.add("latched faults", recorded.latched.bits(), replayed.latched.bits());
   comparison.add("reaction", recorded.reaction, replayed.reaction);
   comparison.add("state", recorded.state, replayed.state);
-  comparison.add("rung", recorded.rung, replayed.rung);
+  comparison.add("rung", recorded.level, replayed.level);
   comparison.add("ramp", recorded.ramp, replayed.ramp);
   comparison.add("standing", recorded.standing, replayed.standing);
   comparison.add("gait", recorded.gait.kind, replayed.gait.kind);
@@ -98,8 +98,8 @@ std::optional<Difference> compare(const diagnostics::TickRecord& recorded,
   return comparison.result();
 }
 
-std::optional<Difference> compare(const controller::CycleRecord& recorded,
-                                  const controller::CycleRecord& replayed) {
+std::optional<Difference> compare(const control_loop::CycleRecord& recorded,
+                                  const control_loop::CycleRecord& replayed) {
   Comparison comparison(static_cast<std::uint64_t>(recorded.tick));
   comparison.add("number of solves", recorded.cycle, replayed.cycle);
   comparison.add("standing", recorded.standing, replayed.standing, "the plan's request");

@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
-#include "firmware/controller/cycle_record.h"
-#include "firmware/diagnostics/tick_record.h"
+#include "firmware/control_loop/cycle_record.h"
+#include "firmware/control_loop/tick_record.h"
 
 namespace stilt::replay {
 
@@ -22,12 +22,12 @@ struct Difference {
 
 /// The first output of a tick that is not the same bit for bit, in the order in which the loop works:
 /// estimate, decision, wanted, sent.
-[[nodiscard]] std::optional<Difference> compare(const diagnostics::TickRecord& recorded,
-                                                const diagnostics::TickRecord& replayed);
+[[nodiscard]] std::optional<Difference> compare(const control_loop::TickRecord& recorded,
+                                                const control_loop::TickRecord& replayed);
 
 /// The same for a solve of the planner: the request it answers, how it ended, the plan's number and check
 /// sum. Its duration and the number of its tuning are inputs of the replay.
-[[nodiscard]] std::optional<Difference> compare(const controller::CycleRecord& recorded,
-                                                const controller::CycleRecord& replayed);
+[[nodiscard]] std::optional<Difference> compare(const control_loop::CycleRecord& recorded,
+                                                const control_loop::CycleRecord& replayed);
 
 }  // namespace stilt::replay

@@ -70,7 +70,7 @@ RecordContents read_contents(const std::string& path) {
 }
 
 void for_each_tick(const std::string& path, std::uint64_t session,
-                   const std::function<bool(const diagnostics::TickRecord&)>& use) {
+                   const std::function<bool(const control_loop::TickRecord&)>& use) {
   mcap::Reader reader(path);
   std::uint64_t next = 0;
   while (const mcap::ReadMessage* read = reader.next()) {
@@ -84,8 +84,8 @@ void for_each_tick(const std::string& path, std::uint64_t session,
   }
 }
 
-controller::CycleRecord cycle_record(const PlannerCycle& message) {
-  controller::CycleRecord record;
+control_loop::CycleRecord cycle_record(const PlannerCycle& message) {
+  control_loop::CycleRecord record;
   record.cycle = message.cycle;
   record.tick = message.tick;
   record.time_s = message.time_s;

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "firmware/controller/cycle_record.h"
-#include "firmware/diagnostics/tick_record.h"
+#include "firmware/control_loop/cycle_record.h"
+#include "firmware/control_loop/tick_record.h"
 #include "firmware/telemetry/messages.h"
 #include "host_tools/log/record/tick_ledger.h"
 
@@ -21,7 +21,7 @@ struct SessionRecord {
   std::string configuration;          ///< TOML
   std::string build;                  ///< version, compiler, instruction set
   std::vector<std::string> tunables;  ///< keys, in the order of the values of tunings
-  std::vector<controller::CycleRecord> cycles;
+  std::vector<control_loop::CycleRecord> cycles;
   std::map<std::uint32_t, std::vector<double>> tunings;
   record::TickLedger ticks;
 };
@@ -36,9 +36,9 @@ struct RecordContents {
 
 /// Gives the ticks of a session to `use`, in order and each once, until it returns false. Throws as above.
 void for_each_tick(const std::string& path, std::uint64_t session,
-                   const std::function<bool(const diagnostics::TickRecord&)>& use);
+                   const std::function<bool(const control_loop::TickRecord&)>& use);
 
 /// The record of a solve in its message.
-[[nodiscard]] controller::CycleRecord cycle_record(const telemetry::PlannerCycle& message);
+[[nodiscard]] control_loop::CycleRecord cycle_record(const telemetry::PlannerCycle& message);
 
 }  // namespace stilt::replay

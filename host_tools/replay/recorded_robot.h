@@ -1,45 +1,30 @@
 #pragma once
 
-#include "firmware/controller/torque_cycle.h"
-#include "firmware/diagnostics/tick_record.h"
+#include "firmware/control_loop/tick_record.h"
+#include "hal/robot.h"
 
 namespace stilt::replay {
 
-/// The robot as it was in a recorded tick: the torque loop reads what it read then, and its commands come to
+/// The robot as it was in a recorded tick: the control loop reads what it read then, and its commands come to
 /// nothing.
-class RecordedRobot final : public hal::JointBus,
-                            public hal::BaseSensor,
-                            public hal::EmergencyStop,
-                            public hardware::Drivers,
-                            public hardware::Buses {
+class RecordedRobot final : public hal::Robot {
  public:
   /// The tick that is to run; outlives it.
-  void set(const diagnostics::TickRecord& tick) noexcept { tick_ = &tick; }
+  void set(const control_loop::TickRecord& tick) noexcept { tick_ = &tick; }
 
-  [[nodiscard]] controller::Robot parts() noexcept { return {this, this, this, this, this}; }
-
-  [[nodiscard]] hal::JointBusStatus read(std::int64_t, hal::JointReadings& readings) noexcept override {
-    readings = tick_->joints;
-    return tick_->read_status;
+  void read(std::int64_t, hal::RobotReadings& readings) noexcept override {
+    readings = {tick_->joints, tick_->base, tick_->read_status, tick_->emergency_stop, tick_->bus_errors};
   }
   [[nodiscard]] hal::JointBusStatus write(const hal::JointCommands&) noexcept override {
     return tick_->write_status;
   }
   [[nodiscard]] hal::JointBusStatus disable() noexcept override { return tick_->write_status; }
-  [[nodiscard]] hal::BaseSensorStatus read_base(hal::BaseReading& reading) noexcept override {
-    reading = tick_->base;
-    return reading.missed == 0 ? hal::BaseSensorStatus::ok : hal::BaseSensorStatus::stale;
-  }
-  [[nodiscard]] hal::EmergencyStopState read_emergency_stop(std::int64_t) noexcept override {
-    return tick_->emergency_stop;
-  }
-  void begin() noexcept override {}
-  [[nodiscard]] hardware::DriversProgress step(std::int64_t) noexcept override { return tick_->bring_up; }
-  [[nodiscard]] std::uint64_t errors() const noexcept override { return tick_->bus_errors; }
-  void restore() noexcept override {}
+  void begin_bring_up() noexcept override {}
+  [[nodiscard]] hal::BringUpProgress bring_up(std::int64_t) noexcept override { return tick_->bring_up; }
+  void restore_buses() noexcept override {}
 
  private:
-  const diagnostics::TickRecord* tick_ = nullptr;
+  const control_loop::TickRecord* tick_ = nullptr;
 };
 
 }  // namespace stilt::replay

@@ -2,18 +2,18 @@
 
 #include <utility>
 
-#include "firmware/controller/plan_checksum.h"
+#include "firmware/control_loop/plan_checksum.h"
 
 namespace stilt::replay {
 
-Replay::Replay(std::vector<controller::CycleRecord> cycles,
+Replay::Replay(std::vector<control_loop::CycleRecord> cycles,
                std::function<std::optional<Tunings>(std::uint32_t)> tunings)
     : cycles_(std::move(cycles)),
       tunings_(std::move(tunings)),
-      mail_(std::make_unique<controller::Mailboxes>()),
-      torque_(std::make_unique<controller::TorqueCycle>()),
-      planner_(std::make_unique<controller::PlannerCycle>()) {
-  torque_->attach(robot_.parts(), *mail_);
+      mail_(std::make_unique<control_loop::Mailboxes>()),
+      loop_(std::make_unique<control_loop::ControlLoop>()),
+      planner_(std::make_unique<control_loop::PlannerTask>()) {
+  loop_->attach(robot_, *mail_);
 }
 
 bool Replay::fail(const std::string& problem) {
@@ -28,7 +28,7 @@ bool Replay::differ(const Difference& difference) {
   return false;
 }
 
-bool Replay::run(const diagnostics::TickRecord& recorded) {
+bool Replay::run(const control_loop::TickRecord& recorded) {
   if (ended_) return false;
   if (recorded.tick != next_tick_) {
     const std::string missing =
@@ -41,8 +41,8 @@ bool Replay::run(const diagnostics::TickRecord& recorded) {
   }
   if (!hand_in(recorded)) return false;
   robot_.set(recorded);
-  torque_->tick({recorded.time_ns, recorded.wakeup_ns, recorded.execution_ns, recorded.round_trip_ns});
-  const diagnostics::TickRecord replayed = *mail_->telemetry.front();
+  loop_->tick({recorded.time_ns, recorded.wakeup_ns, recorded.execution_ns, recorded.round_trip_ns});
+  const control_loop::TickRecord replayed = *mail_->telemetry.front();
   mail_->telemetry.pop();
   while (mail_->events.front() != nullptr) mail_->events.pop();
   if (const auto difference = compare(recorded, replayed)) return differ(*difference);
@@ -56,7 +56,7 @@ bool Replay::run(const diagnostics::TickRecord& recorded) {
 }
 
 /// Everything the torque loop finds in its mailboxes.
-bool Replay::hand_in(const diagnostics::TickRecord& recorded) {
+bool Replay::hand_in(const control_loop::TickRecord& recorded) {
   mail_->commands.writer() = recorded.command;
   mail_->commands.publish();
   mail_->results.writer() = recorded.result;
@@ -73,7 +73,7 @@ bool Replay::hand_in(const diagnostics::TickRecord& recorded) {
   return hand_in_plan(recorded);
 }
 
-bool Replay::hand_in_plan(const diagnostics::TickRecord& recorded) {
+bool Replay::hand_in_plan(const control_loop::TickRecord& recorded) {
   if (recorded.visible_plan == visible_plan_) return true;
   const auto plan = plans_.find(recorded.visible_plan);
   if (plan == plans_.end()) {
@@ -88,13 +88,13 @@ bool Replay::hand_in_plan(const diagnostics::TickRecord& recorded) {
 }
 
 /// Solves as the planner did with the request that the last tick has made.
-bool Replay::run_cycle(const controller::CycleRecord& recorded) {
+bool Replay::run_cycle(const control_loop::CycleRecord& recorded) {
   if (recorded.cycle != solves_ + 1) {
     return fail("solve " + std::to_string(solves_ + 1) +
                 " of the planner is missing in the record, which has " + std::to_string(recorded.cycle) +
                 " next");
   }
-  const controller::PlanningRequest& request = mail_->requests.newest();
+  const control_loop::PlanningRequest& request = mail_->requests.newest();
   if (recorded.tick != request.tick) {
     return fail("solve " + std::to_string(recorded.cycle) + " of the planner belongs to tick " +
                 std::to_string(recorded.tick) + ", out of order in the record");
@@ -109,14 +109,14 @@ bool Replay::run_cycle(const controller::CycleRecord& recorded) {
   auto plan = std::make_unique<control::Plan>();
   const bool fresh = planner_->cycle(request, *plan);
   ++solves_;
-  controller::CycleRecord replayed = recorded;
+  control_loop::CycleRecord replayed = recorded;
   replayed.cycle = planner_->result().cycles;
   replayed.time_s = request.time_s;
   replayed.standing = request.session;
   replayed.failures = planner_->result().failures_in_a_row;
   replayed.plan_sequence = fresh ? plan->sequence : -1;
   replayed.nodes = fresh ? plan->nodes : 0;
-  replayed.checksum = fresh ? controller::plan_checksum(*plan) : 0;
+  replayed.checksum = fresh ? control_loop::plan_checksum(*plan) : 0;
   replayed.report = planner_->report();
   if (const auto difference = compare(recorded, replayed)) return differ(*difference);
   ++outcome_.cycles;

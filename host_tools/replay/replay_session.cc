@@ -73,9 +73,9 @@ Outcome replay_session(const std::string& path, const SessionRecord& session,
   const auto gaits = std::make_unique<gait::GaitLibrary>();
   Replay replay(session.cycles, [&](std::uint32_t number) { return tunings(number); });
   const auto ready =
-      program::configure_cycles(*configuration, source, replay.planner(), replay.torque(), gaits.get());
+      program::configure_cycles(*configuration, source, replay.planner(), replay.loop(), gaits.get());
   if (!ready) return failed(ready.error());
-  for_each_tick(path, session.number, [&](const diagnostics::TickRecord& tick) {
+  for_each_tick(path, session.number, [&](const control_loop::TickRecord& tick) {
     if (progress && tick.tick % kProgressEvery == 0) progress(tick.tick);
     return replay.run(tick);
   });

@@ -9,19 +9,19 @@ void FrameLine::send(double time_s, std::int64_t now_ns, const FrameSource& sour
   hal::CanFrame arriving = frame;
   std::int64_t due_ns = now_ns;
   int copies = 1;
-  for (const TimedFault& fault : faults_) {
+  for (const simulator::TimedFault& fault : faults_) {
     if (!fault.active(time_s) || !fault.strikes(source.bus, source.joint)) continue;
-    if (fault.kind == FaultKind::drop) return;
-    if (fault.kind == FaultKind::delay) due_ns += kFrameDelay_ns;
-    if (fault.kind == FaultKind::duplicate) ++copies;
-    if (fault.kind == FaultKind::corrupt) arriving = corrupted(arriving);
+    if (fault.kind == simulator::FaultKind::drop) return;
+    if (fault.kind == simulator::FaultKind::delay) due_ns += kFrameDelay_ns;
+    if (fault.kind == simulator::FaultKind::duplicate) ++copies;
+    if (fault.kind == simulator::FaultKind::corrupt) arriving = corrupted(arriving);
   }
   for (; copies > 0; --copies) pending_.push_back({source.bus, due_ns, arriving});
 }
 
 bool FrameLine::lost(double time_s, std::size_t bus, std::size_t joint) const {
-  return std::ranges::any_of(faults_, [&](const TimedFault& fault) {
-    return fault.kind == FaultKind::drop && fault.active(time_s) && fault.strikes(bus, joint);
+  return std::ranges::any_of(faults_, [&](const simulator::TimedFault& fault) {
+    return fault.kind == simulator::FaultKind::drop && fault.active(time_s) && fault.strikes(bus, joint);
   });
 }
 

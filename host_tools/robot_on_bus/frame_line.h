@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "hal/frame.h"
-#include "host_tools/robot_on_bus/fault_plan.h"
+#include "host_tools/simulator/fault_plan.h"
 
 namespace stilt::robot_on_bus {
 
@@ -21,7 +21,7 @@ struct FrameSource {
 /// that nothing delays keep their order. Deterministic.
 class FrameLine {
  public:
-  explicit FrameLine(std::span<const TimedFault> faults) : faults_(faults.begin(), faults.end()) {}
+  explicit FrameLine(std::span<const simulator::TimedFault> faults) : faults_(faults.begin(), faults.end()) {}
 
   /// Faults are those that are active at `time_s`.
   void send(double time_s, std::int64_t now_ns, const FrameSource& source, const hal::CanFrame& frame);
@@ -40,7 +40,7 @@ class FrameLine {
   };
   [[nodiscard]] hal::CanFrame corrupted(hal::CanFrame frame);
 
-  std::vector<TimedFault> faults_;
+  std::vector<simulator::TimedFault> faults_;
   std::vector<Pending> pending_;
   std::uint64_t corruptions_ = 0;
 };

@@ -23,8 +23,8 @@ hal::CanFrame error_frame(std::uint32_t error_class) {
 
 }  // namespace
 
-bool RobotOnBus::active(FaultKind kind) const {
-  return std::ranges::any_of(setup_.faults, [&](const TimedFault& fault) {
+bool RobotOnBus::active(simulator::FaultKind kind) const {
+  return std::ranges::any_of(setup_.faults, [&](const simulator::TimedFault& fault) {
     return fault.kind == kind && fault.active(fault_clock_s_);
   });
 }
@@ -32,12 +32,12 @@ bool RobotOnBus::active(FaultKind kind) const {
 void RobotOnBus::strike_faults(std::int64_t now_ns) {
   fault_clock_s_ = clock_s();
   for (std::size_t i = 0; i < setup_.faults.size(); ++i) {
-    const TimedFault& fault = setup_.faults[i];
+    const simulator::TimedFault& fault = setup_.faults[i];
     const bool active_now = fault.active(fault_clock_s_);
     if (active_now == fault_active_[i]) continue;
     fault_active_[i] = active_now;
     if (active_now) {
-      struck_.push_back({describe(fault.kind).name, time_s()});
+      struck_.push_back({simulator::describe(fault.kind).name, time_s()});
       begin_fault(now_ns, fault);
     } else {
       end_fault(now_ns, fault);
@@ -46,34 +46,34 @@ void RobotOnBus::strike_faults(std::int64_t now_ns) {
 }
 
 template <class Action>
-void RobotOnBus::for_each_driver(const TimedFault& fault, Action&& action) {
+void RobotOnBus::for_each_driver(const simulator::TimedFault& fault, Action&& action) {
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
     if (fault.strikes(drivers_.bus(joint), joint)) action(drivers_.driver(joint));
   }
 }
 
-void RobotOnBus::begin_fault(std::int64_t now_ns, const TimedFault& fault) {
+void RobotOnBus::begin_fault(std::int64_t now_ns, const simulator::TimedFault& fault) {
   using Driver = hal::mock::EmulatedDriver;
   switch (fault.kind) {
-    case FaultKind::bus_off:
+    case simulator::FaultKind::bus_off:
       set_bus_off(now_ns, *fault.bus, true);
       break;
-    case FaultKind::disconnect:
+    case simulator::FaultKind::disconnect:
       bus_gone_[*fault.bus] = true;
       break;
-    case FaultKind::driver_fault:
+    case simulator::FaultKind::driver_fault:
       for_each_driver(fault, [](Driver& driver) { driver.raise(hal::DriverFault::over_current); });
       break;
-    case FaultKind::encoder_freeze:
+    case simulator::FaultKind::encoder_freeze:
       for_each_driver(fault, [](Driver& driver) { driver.freeze_encoder(true); });
       break;
-    case FaultKind::power_cycle:
+    case simulator::FaultKind::power_cycle:
       for_each_driver(fault, [](Driver& driver) { driver.set_powered(false); });
       break;
-    case FaultKind::low_voltage:
+    case simulator::FaultKind::low_voltage:
       lower_supply(fault);
       break;
-    case FaultKind::over_temperature:
+    case simulator::FaultKind::over_temperature:
       for_each_driver(fault, [](Driver& driver) { driver.motor.temperature_C = kHot_C; });
       break;
     default:  // faults of frames, base sensor and switch act while they are active
@@ -81,28 +81,28 @@ void RobotOnBus::begin_fault(std::int64_t now_ns, const TimedFault& fault) {
   }
 }
 
-void RobotOnBus::end_fault(std::int64_t now_ns, const TimedFault& fault) {
+void RobotOnBus::end_fault(std::int64_t now_ns, const simulator::TimedFault& fault) {
   using Driver = hal::mock::EmulatedDriver;
   switch (fault.kind) {
-    case FaultKind::bus_off:
+    case simulator::FaultKind::bus_off:
       set_bus_off(now_ns, *fault.bus, false);
       break;
-    case FaultKind::disconnect:
+    case simulator::FaultKind::disconnect:
       bus_gone_[*fault.bus] = false;
       break;
-    case FaultKind::encoder_freeze:
+    case simulator::FaultKind::encoder_freeze:
       for_each_driver(fault, [](Driver& driver) { driver.freeze_encoder(false); });
       break;
-    case FaultKind::power_cycle:
+    case simulator::FaultKind::power_cycle:
       for_each_driver(fault, [](Driver& driver) {
         driver.set_powered(true);
         driver.power_cycle();
       });
       break;
-    case FaultKind::low_voltage:
+    case simulator::FaultKind::low_voltage:
       for_each_driver(fault, [](Driver& driver) { driver.motor.supply_V = kNominalSupply_V; });
       break;
-    case FaultKind::over_temperature:
+    case simulator::FaultKind::over_temperature:
       for_each_driver(fault, [](Driver& driver) { driver.motor.temperature_C = kNominalTemperature_C; });
       break;
     default:
@@ -111,7 +111,7 @@ void RobotOnBus::end_fault(std::int64_t now_ns, const TimedFault& fault) {
 }
 
 /// Drivers that measure their supply report it, the others let go with an under-voltage.
-void RobotOnBus::lower_supply(const TimedFault& fault) {
+void RobotOnBus::lower_supply(const simulator::TimedFault& fault) {
   for_each_driver(fault, [](hal::mock::EmulatedDriver& driver) {
     driver.motor.supply_V = kLowSupply_V;
     if (!driver.reports_supply()) driver.raise(hal::DriverFault::under_voltage);

@@ -85,7 +85,7 @@ void RobotOnBus::read_encoders() {
     drivers_.set_motion(static_cast<std::size_t>(joint), reading.joint_position_rad[joint],
                         reading.joint_velocity_rad_s[joint]);
   }
-  if (active(FaultKind::base_freeze)) return;
+  if (active(simulator::FaultKind::base_freeze)) return;
   drivers_.set_pitch(reading.base_pitch_rad, reading.base_pitch_rate_rad_s);
   channel(base_values_, BaseChannel::pitch_rad) = reading.base_pitch_rad;
   channel(base_values_, BaseChannel::pitch_rate_rad_s) = reading.base_pitch_rate_rad_s;
@@ -122,7 +122,7 @@ void RobotOnBus::run_timers(std::int64_t now_ns) {
 
 void RobotOnBus::send_base(std::int64_t now_ns) {
   const BaseValues values = base_values();
-  if (!base_due() || active(FaultKind::base_silent)) return;
+  if (!base_due() || active(simulator::FaultKind::base_silent)) return;
   for (const hal::CanFrame& frame : base_sensor_.encode(values)) {
     line_.send(fault_clock_s_, now_ns, {setup_.wiring.channel_bus, std::nullopt}, frame);
   }
@@ -145,8 +145,9 @@ BaseValues RobotOnBus::base_values() {
   const double az = (vz - base_velocity_m_s_[1]) / setup_.tick_s + model::kGravity_m_s2;
   base_velocity_m_s_[0] = vx;
   base_velocity_m_s_[1] = vz;
-  channel(base_values_, BaseChannel::emergency_stop_released) = active(FaultKind::emergency_stop) ? 0.0 : 1.0;
-  if (active(FaultKind::base_freeze)) return base_values_;
+  channel(base_values_, BaseChannel::emergency_stop_released) =
+      active(simulator::FaultKind::emergency_stop) ? 0.0 : 1.0;
+  if (active(simulator::FaultKind::base_freeze)) return base_values_;
   const double sine = std::sin(state[model::kFirstAngle]), cosine = std::cos(state[model::kFirstAngle]);
   channel(base_values_, BaseChannel::acceleration_x_m_s2) = cosine * ax - sine * az;
   channel(base_values_, BaseChannel::acceleration_z_m_s2) = sine * ax + cosine * az;

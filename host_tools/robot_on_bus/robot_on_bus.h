@@ -9,11 +9,11 @@
 #include "hal/frame.h"
 #include "hal/robot_wiring.h"
 #include "host_tools/robot_on_bus/base_sensor_frames.h"
-#include "host_tools/robot_on_bus/fault_plan.h"
 #include "host_tools/robot_on_bus/frame_line.h"
 #include "host_tools/robot_on_bus/hoist.h"
 #include "host_tools/robot_on_bus/joint_drivers.h"
 #include "host_tools/robot_on_bus/walk_recorder.h"
+#include "host_tools/simulator/fault_plan.h"
 #include "host_tools/simulator/plant.h"
 #include "host_tools/simulator/scenario.h"
 
@@ -31,7 +31,7 @@ struct RobotSetup {
   double tick_s = 0.001;
   double base_rate_hz = 1000.0;  ///< frames a second of the base sensor, at most one a tick
   HoistParameters hoist;
-  std::vector<TimedFault> faults;
+  std::vector<simulator::TimedFault> faults;
   std::vector<simulator::Push> pushes;
   bool keep_samples = false;
 };
@@ -94,11 +94,11 @@ class RobotOnBus {
 
  private:
   void strike_faults(std::int64_t now_ns);
-  void begin_fault(std::int64_t now_ns, const TimedFault& fault);
-  void end_fault(std::int64_t now_ns, const TimedFault& fault);
-  void lower_supply(const TimedFault& fault);
+  void begin_fault(std::int64_t now_ns, const simulator::TimedFault& fault);
+  void end_fault(std::int64_t now_ns, const simulator::TimedFault& fault);
+  void lower_supply(const simulator::TimedFault& fault);
   void set_bus_off(std::int64_t now_ns, std::size_t bus, bool off);
-  [[nodiscard]] bool active(FaultKind kind) const;
+  [[nodiscard]] bool active(simulator::FaultKind kind) const;
   void read_encoders();
   void act();
   void finish_tick(std::int64_t now_ns);
@@ -113,7 +113,7 @@ class RobotOnBus {
   /// Negative before the hoist has let go.
   [[nodiscard]] double clock_s() const { return walk_time_s().value_or(-1.0); }
   template <class Action>
-  void for_each_driver(const TimedFault& fault, Action&& action);
+  void for_each_driver(const simulator::TimedFault& fault, Action&& action);
 
   RobotSetup setup_;
   simulator::Plant plant_;

@@ -7,7 +7,7 @@
 
 #include "host_tools/simulator/physics_model.h"
 #include "host_tools/simulator/plant_options.h"
-#include "mpc_core/control/torque_loop.h"
+#include "mpc_core/control/torque_law.h"
 #include "mpc_core/model/types.h"
 
 namespace stilt::simulator {

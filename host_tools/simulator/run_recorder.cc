@@ -28,12 +28,12 @@ log::Percentiles percentiles(const std::vector<double>& values) {
   return {percentile(values, 0.5), percentile(values, 0.99), percentile(values, 1.0)};
 }
 
-RunRecorder::RunRecorder(const RunSettings& settings, log::RunRecord& record)
-    : settings_(settings), record_(record) {
-  const TickSchedule schedule(settings.timing);
-  const double tick_rate_hz = 1.0 / schedule.tick_s;
-  ticks_a_sample_ = every(tick_rate_hz, kSampleRate_hz);
-  plans_a_snapshot_ = every(tick_rate_hz / schedule.plan_period_ticks, kSnapshotRate_hz);
+RunRecorder::RunRecorder(const RunSettings& settings, const control_loop::PlanTiming& timing,
+                         log::RunRecord& record)
+    : settings_(settings), record_(record), tick_s_(1e-9 * static_cast<double>(timing.tick_ns)) {
+  const double tick_rate_hz = 1.0 / tick_s_;
+  ticks_per_sample_ = every(tick_rate_hz, kSampleRate_hz);
+  plans_per_snapshot_ = every(tick_rate_hz / static_cast<double>(timing.period_ticks), kSnapshotRate_hz);
   start_x_m_ = settled_x_m_ = settings.initial_state[0];
   record_.summary.peak_torque_Nm.setZero();
   record_.summary.peak_joint_speed_rad_s.setZero();
@@ -47,8 +47,9 @@ void RunRecorder::observe_step(const Plant& plant) {
   if (plant.saturated() && measuring_) summary.saturated_s += plant.time_step_s();
 }
 
-void RunRecorder::observe_tick(double time_s, const Plant& plant, const TickOutput& output,
-                               const Controller& controller) {
+void RunRecorder::observe_tick(double time_s, const Plant& plant, const control_loop::TickRecord& tick,
+                               const control::Plan& active_plan) {
+  record_.summary.fallback_s[static_cast<std::size_t>(tick.level)] += tick_s_;
   steps_.update(time_s, plant.contact_force_N(), plant.foot_position_m(), plant.state()[0]);
   if (!measuring_ && time_s >= settings_.measure_from_s - kTimeSlack_s) {
     measuring_ = true;
@@ -58,25 +59,26 @@ void RunRecorder::observe_tick(double time_s, const Plant& plant, const TickOutp
     settled_x_m_ = plant.state()[0];
     settled_time_s_ = time_s;
   }
-  if (settings_.keep_samples && ticks_ % ticks_a_sample_ == 0) take_sample(time_s, plant, output, controller);
+  if (settings_.keep_samples && ticks_ % ticks_per_sample_ == 0)
+    take_sample(time_s, plant, tick, active_plan);
   ++ticks_;
 }
 
-void RunRecorder::take_sample(double time_s, const Plant& plant, const TickOutput& output,
-                              const Controller& controller) {
+void RunRecorder::take_sample(double time_s, const Plant& plant, const control_loop::TickRecord& tick,
+                              const control::Plan& active_plan) {
   const ActingPush push = push_at(settings_.pushes, time_s);
   const gait::GaitCommand command = command_at(settings_.commands, time_s);
   const model::StateVector truth = plant.state();
   log::RunSample sample;
   sample.time_s = time_s;
   sample.true_state = truth;
-  sample.estimated_state = output.estimated_state;
+  sample.estimated_state = Eigen::Map<const model::StateVector>(tick.estimated_state.data());
   sample.torque_Nm = plant.applied_torque_Nm();
   sample.contact_force_N = plant.contact_force_N();
   sample.planned_state.setZero();
   sample.planned_contact_force_N.setZero();
-  if (const control::Plan& plan = controller.plan_in_use(); plan.nodes >= 2) {
-    const control::PlanPoint planned = control::interpolate(plan, time_s);
+  if (tick.plan_sequence >= 0) {
+    const control::PlanPoint planned = control::interpolate(active_plan, time_s);
     sample.planned_state = planned.state;
     sample.planned_contact_force_N = planned.input.tail<2 * model::kFeet>();
     sample.scheduled_mode = planned.mode;
@@ -90,7 +92,8 @@ void RunRecorder::take_sample(double time_s, const Plant& plant, const TickOutpu
 
 void RunRecorder::observe_plan(const log::SolveSample& solve, const control::Plan& plan) {
   record_.solves.push_back(solve);
-  if (settings_.keep_samples && solve.report.usable() && plans_ % plans_a_snapshot_ == 0) take_snapshot(plan);
+  if (settings_.keep_samples && solve.report.usable() && plans_ % plans_per_snapshot_ == 0)
+    take_snapshot(plan);
   ++plans_;
 }
 
@@ -124,8 +127,7 @@ void RunRecorder::summarise_solves() {
   if (!times_us.empty()) summary.sqp_iterations_mean = iterations / static_cast<double>(times_us.size());
 }
 
-void RunRecorder::finish(double time_s, const Plant& plant, const Controller& controller,
-                         long long heap_allocations) {
+void RunRecorder::finish(double time_s, const Plant& plant, long long heap_allocations) {
   log::RunSummary& summary = record_.summary;
   summary.survived = plant.fall() == Fall::none;
   summary.fall_time_s = summary.survived ? -1.0 : time_s;
@@ -141,7 +143,7 @@ void RunRecorder::finish(double time_s, const Plant& plant, const Controller& co
   }
   if (measuring_) summary.slip_distance_m = plant.slip_distance_m() - slip_before_m_;
   summary.heap_allocations_in_loop = heap_allocations;
-  summary.controller_bytes = controller.bytes();
+  summary.controller_bytes = SimulatedController::bytes();
   summarise_solves();
 }
 

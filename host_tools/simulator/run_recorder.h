@@ -2,7 +2,6 @@
 
 #include "host_tools/log/run_record.h"
 #include "host_tools/simulator/closed_loop.h"
-#include "host_tools/simulator/controller.h"
 #include "host_tools/simulator/plant.h"
 #include "host_tools/simulator/step_detector.h"
 
@@ -17,28 +16,31 @@ namespace stilt::simulator {
 /// Watches a run and writes its record.
 class RunRecorder {
  public:
-  RunRecorder(const RunSettings& settings, log::RunRecord& record);
+  RunRecorder(const RunSettings& settings, const control_loop::PlanTiming& timing, log::RunRecord& record);
 
   /// After each step of the plant.
   void observe_step(const Plant& plant);
   /// At each tick, after the controller's.
-  void observe_tick(double time_s, const Plant& plant, const TickOutput& output,
-                    const Controller& controller);
+  /// @param active_plan  without nodes when there is none
+  void observe_tick(double time_s, const Plant& plant, const control_loop::TickRecord& tick,
+                    const control::Plan& active_plan);
   /// After each plan of the planner.
   void observe_plan(const log::SolveSample& solve, const control::Plan& newest_plan);
   /// At the end: writes the summary.
-  void finish(double time_s, const Plant& plant, const Controller& controller, long long heap_allocations);
+  void finish(double time_s, const Plant& plant, long long heap_allocations);
 
  private:
-  void take_sample(double time_s, const Plant& plant, const TickOutput& output, const Controller& controller);
+  void take_sample(double time_s, const Plant& plant, const control_loop::TickRecord& tick,
+                   const control::Plan& active_plan);
   void take_snapshot(const control::Plan& plan);
   void summarise_solves();
 
   const RunSettings& settings_;
   log::RunRecord& record_;
   StepDetector steps_;
-  int ticks_a_sample_ = 5;
-  int plans_a_snapshot_ = 5;
+  double tick_s_;
+  int ticks_per_sample_ = 5;
+  int plans_per_snapshot_ = 5;
   long long ticks_ = 0;
   long long plans_ = 0;
   double start_x_m_ = 0.0;

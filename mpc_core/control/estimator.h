@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cmath>
+
 #include "mpc_core/control/parameters.h"
 #include "mpc_core/model/robot.h"
 
@@ -13,6 +15,12 @@ struct SensorReading {
   double base_pitch_rad = 0.0;
   double base_pitch_rate_rad_s = 0.0;
 };
+
+[[nodiscard]] inline bool is_finite(const SensorReading& reading) noexcept {
+  return std::isfinite(reading.time_s) && reading.joint_position_rad.allFinite() &&
+         reading.joint_velocity_rad_s.allFinite() && std::isfinite(reading.base_pitch_rad) &&
+         std::isfinite(reading.base_pitch_rate_rad_s);
+}
 
 /// Linear position and velocity of the base through the stance feet:
 ///

@@ -22,12 +22,6 @@ JointVector exchange(const JointVector& joints, int stance) noexcept {
   return result;
 }
 
-bool is_finite(const SensorReading& reading) noexcept {
-  return std::isfinite(reading.time_s) && reading.joint_position_rad.allFinite() &&
-         reading.joint_velocity_rad_s.allFinite() && std::isfinite(reading.base_pitch_rad) &&
-         std::isfinite(reading.base_pitch_rate_rad_s);
-}
-
 }  // namespace
 
 void GaitTracker::configure(const model::RobotModel& robot, const GaitTrackerParameters& parameters,

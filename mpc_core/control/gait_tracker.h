@@ -6,13 +6,6 @@
 
 namespace stilt::control {
 
-struct GaitTrackerParameters {
-  double joint_kp_Nm_rad = 400.0;
-  double joint_kd_Nms_rad = 20.0;
-  /// Foot placement looks at the state this long after touch-down, when the impact has passed.
-  double settle_s = 0.015;
-};
-
 /// A gait tracked by the joints without planning:
 ///
 ///   tau = tau_gait(s) + kp (y(s) - q) + kd (dy/ds ds/dt - v), limited to the joint's torque

@@ -15,6 +15,13 @@ struct TorqueLawParameters {
   double friction_velocity_rad_s = 0.05;  ///< width of the smoothed sign, tanh(v / width)
 };
 
+struct GaitTrackerParameters {
+  double joint_kp_Nm_rad = 400.0;
+  double joint_kd_Nms_rad = 20.0;
+  /// Foot placement uses the state this long after touch-down, when the impact has passed.
+  double settle_s = 0.015;
+};
+
 struct EstimatorParameters {
   double blend_s = 0.02;  ///< time over which trust moves from the old stance foot to the new one
 };
@@ -50,6 +57,7 @@ struct ControllerParameters {
   ocp::DiscretisationParameters discretisation;
   solver::SqpParameters sqp;
   TorqueLawParameters torque_law;
+  GaitTrackerParameters gait_tracker;
   EstimatorParameters estimator;
   TimingParameters timing;
 };

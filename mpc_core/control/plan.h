@@ -35,4 +35,17 @@ struct Plan {
   solver::SolveReport report;
 };
 
+/// The plan at one time: positions on the cubic through the nodes' positions and velocities, velocities
+/// linear, inputs linear within a contact phase and held at its end (inputs held over every interval lag
+/// behind the motion: touch-down comes early and torques peak).
+struct PlanPoint {
+  model::StateVector state = model::StateVector::Zero();
+  model::InputVector input = model::InputVector::Zero();
+  const FeedbackGain* gain = nullptr;  ///< of the plan's node, as long as the plan lasts
+  model::ContactMode mode;
+};
+
+/// Plan at a time, clamped to its ends. The plan has at least two nodes. Real-time safe.
+[[nodiscard]] PlanPoint interpolate(const Plan& plan, double time_s) noexcept;
+
 }  // namespace stilt::control

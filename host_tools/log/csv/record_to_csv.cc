@@ -32,7 +32,7 @@ class TickTables {
     auto [session, is_new] = sessions_.try_emplace(batch.session);
     if (is_new) open(session->second);
     for (std::size_t i = 0; i < batch.count; ++i) {
-      const diagnostics::TickRecord tick = telemetry::tick_record(batch, i);
+      const control_loop::TickRecord tick = telemetry::tick_record(batch, i);
       if (tick.tick < session->second.next) continue;
       if (session->second.next == 0) session->second.start_ns = tick.time_ns;
       session->second.next = tick.tick + 1;

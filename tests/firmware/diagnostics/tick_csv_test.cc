@@ -60,7 +60,7 @@ TEST(TickCsv, ARecordStandsUnderItsColumns) {
   record.estimated_state[8] = 0.125;
   record.sent[2].torque_Nm = -31.5;
   record.state = supervisor::State::walk;
-  record.rung = supervisor::Rung::older_plan;
+  record.level = supervisor::FallbackLevel::plan_feedback;
   record.present.add(supervisor::Fault::failed_solves);
   record.present.add(supervisor::Fault::bus_error);
   record.wakeup_ns = 12'345;

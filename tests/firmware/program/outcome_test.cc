@@ -8,20 +8,20 @@
 namespace stilt::program {
 namespace {
 
-using controller::Event;
+using control_loop::Event;
 using supervisor::Fault;
 using supervisor::State;
 
 class OutcomeTest : public testing::Test {
  protected:
-  OutcomeTest() : events(std::make_unique<controller::EventRing>()) {}
+  OutcomeTest() : events(std::make_unique<control_loop::EventRing>()) {}
   void state(double time_s, State state) {
     events->push({.kind = Event::Kind::state, .time_s = time_s, .state = state});
   }
   void fault(double time_s, Fault fault) {
     events->push({.kind = Event::Kind::fault, .time_s = time_s, .fault = fault});
   }
-  std::unique_ptr<controller::EventRing> events;
+  std::unique_ptr<control_loop::EventRing> events;
   Outcome outcome;
 };
 

@@ -20,14 +20,14 @@ TEST_F(SupervisorTest, AFaultThatAsksToSitStepsToAStandFirst) {
   bring_to_walk();
   inputs_.seen.joints[0].motor_temperature_C = 120;
   EXPECT_EQ(tick(), State::step) << "at once";
-  EXPECT_EQ(output().rung, Rung::new_plan) << "the plan is followed all along";
+  EXPECT_EQ(output().level, FallbackLevel::plan) << "the plan is followed all along";
   EXPECT_EQ(output().gait.speed_m_s, 0);
   EXPECT_EQ(run(parameters_.slow_down_s - 0.002), State::step);
   EXPECT_EQ(run(0.003), State::stand);
-  EXPECT_EQ(output().rung, Rung::new_plan);
+  EXPECT_EQ(output().level, FallbackLevel::plan);
   EXPECT_EQ(run(parameters_.slow_down_s - 0.002), State::stand) << "the swing foot has to come down";
   EXPECT_EQ(run(0.003), State::sit);
-  EXPECT_EQ(output().rung, Rung::sit);
+  EXPECT_EQ(output().level, FallbackLevel::sit);
   EXPECT_EQ(run(parameters_.sit_s + 0.001), State::fault) << "5 s after the fault, as the table says";
   EXPECT_TRUE(only_damps());
 }
@@ -51,10 +51,10 @@ TEST_F(SupervisorTest, MissedRepliesHoldThePoseOnTheWayToSitToo) {
   run(0.1);
   inputs_.seen.joints[1].missed = 5;
   tick();
-  EXPECT_EQ(output().rung, Rung::hold);
+  EXPECT_EQ(output().level, FallbackLevel::hold);
   inputs_.seen.joints[1].missed = 0;
   tick();
-  EXPECT_EQ(output().rung, Rung::new_plan);
+  EXPECT_EQ(output().level, FallbackLevel::plan);
 }
 
 TEST_F(SupervisorTest, AFaultThatAsksToSitSitsAtOnceWithNothingToStepWith) {
@@ -64,7 +64,7 @@ TEST_F(SupervisorTest, AFaultThatAsksToSitSitsAtOnceWithNothingToStepWith) {
   inputs_.seen.has_plan = false;
   inputs_.seen.has_gait = true;
   EXPECT_EQ(tick(), State::step) << "a gait will do";
-  EXPECT_EQ(output().rung, Rung::gait);
+  EXPECT_EQ(output().level, FallbackLevel::gait);
   inputs_.seen.has_gait = false;
   EXPECT_EQ(tick(), State::sit);
 }
@@ -75,13 +75,13 @@ TEST_F(SupervisorTest, WithoutPlansItGoesOnWithAGaitAndBack) {
   inputs_.seen.has_gait = true;
   inputs_.seen.plan_age_s = 0.3;
   EXPECT_EQ(tick(), State::walk);
-  EXPECT_EQ(output().rung, Rung::gait);
+  EXPECT_EQ(output().level, FallbackLevel::gait);
   EXPECT_TRUE(output().present.has(Fault::plan_missing));
   EXPECT_EQ(commands_[0].torque_Nm, 30) << "what the gait wants";
   EXPECT_EQ(run(3), State::walk);
   inputs_.seen.plan_age_s = 0.01;
   tick();
-  EXPECT_EQ(output().rung, Rung::new_plan);
+  EXPECT_EQ(output().level, FallbackLevel::plan);
   EXPECT_TRUE(output().latched.empty());
 }
 
@@ -90,7 +90,7 @@ TEST_F(SupervisorTest, ALostHeartbeatStopsWalkingAndItsReturnDoesNotStartItAgain
   bring_to_walk();
   inputs_.seen.heartbeat_age_s = 0.5;
   EXPECT_EQ(tick(), State::step);
-  EXPECT_EQ(output().rung, Rung::new_plan) << "and the plan is followed all along";
+  EXPECT_EQ(output().level, FallbackLevel::plan) << "and the plan is followed all along";
   EXPECT_EQ(run(parameters_.slow_down_s - 0.002), State::step) << "in place, until it has slowed down";
   EXPECT_EQ(run(0.012), State::stand);
   EXPECT_TRUE(output().latched.empty());
@@ -155,7 +155,7 @@ TEST_F(SupervisorTest, ThreeMissedRepliesHoldThePoseAndTenDamp) {
   for (std::uint32_t missed = 1; missed <= 9; ++missed) {
     inputs_.seen.joints[1].missed = missed;
     EXPECT_EQ(tick(), State::walk);
-    EXPECT_EQ(output().rung, missed < 3 ? Rung::new_plan : Rung::hold) << missed;
+    EXPECT_EQ(output().level, missed < 3 ? FallbackLevel::plan : FallbackLevel::hold) << missed;
     const double held_s = 1e-3 * (static_cast<double>(missed) - 3);
     const double share = std::clamp(held_s / parameters_.hold_ramp_s, 0.0, 1.0);
     if (missed >= 3) {
@@ -175,10 +175,10 @@ TEST_F(SupervisorTest, RepliesThatComeBackInTimeLetItWalkOn) {
   bring_to_walk();
   inputs_.seen.joints[1].missed = 5;
   tick();
-  EXPECT_EQ(output().rung, Rung::hold);
+  EXPECT_EQ(output().level, FallbackLevel::hold);
   inputs_.seen.joints[1].missed = 0;
   EXPECT_EQ(tick(), State::walk);
-  EXPECT_EQ(output().rung, Rung::new_plan);
+  EXPECT_EQ(output().level, FallbackLevel::plan);
   EXPECT_EQ(commands_[0].torque_Nm, 30);
 }
 
@@ -186,10 +186,10 @@ TEST_F(SupervisorTest, AStalePlanSitsDownAndThenDamps) {
   bring_to_walk();
   inputs_.seen.plan_age_s = 0.1;
   EXPECT_EQ(tick(), State::walk);
-  EXPECT_EQ(output().rung, Rung::older_plan);
+  EXPECT_EQ(output().level, FallbackLevel::plan_feedback);
   inputs_.seen.plan_age_s = 0.3;
   EXPECT_EQ(tick(), State::sit);
-  EXPECT_EQ(output().rung, Rung::sit);
+  EXPECT_EQ(output().level, FallbackLevel::sit);
   EXPECT_NEAR(commands_[1].position_rad, inputs_.seen.joints[1].position_rad, 1e-9)
       << "from the measured pose";
   run(parameters_.sit_s - 0.005);

@@ -80,7 +80,7 @@ TEST_F(SupervisorTest, StandingUpWaitsForTheFirstPlanWithoutAFault) {
   inputs_.seen.has_plan = false;
   request(RequestKind::stand);
   EXPECT_EQ(run(0.2), State::stand);
-  EXPECT_EQ(output().rung, Rung::hold);
+  EXPECT_EQ(output().level, FallbackLevel::hold);
   EXPECT_EQ(run(0.1), State::sit) << "but not for ever";
 }
 
@@ -136,7 +136,7 @@ TEST_F(SupervisorTest, AFailedBringUpLetsGoOfTheDrivers) {
   tick();
   inputs_.seen.bring_up_failed = true;
   EXPECT_EQ(tick(), State::fault);
-  EXPECT_EQ(output().rung, Rung::off);
+  EXPECT_EQ(output().level, FallbackLevel::off);
   EXPECT_EQ(action_, Action::disable);
   request(RequestKind::reset);
   EXPECT_EQ(run(0.01), State::idle);

@@ -36,7 +36,7 @@ class Desk : public testing::Test {
   Answer take(CommandKind kind, double value = 0, const std::string& commander = "anna") {
     return take(asked(kind, value, commander));
   }
-  controller::OperatorCommand command() { return desk.command(script, now); }
+  control_loop::OperatorCommand command() { return desk.command(script, now); }
   void pass(double seconds) {
     now.wall_ns += std::llround(seconds * 1e9);
     now.clock_ns += std::llround(seconds * 1e9);
@@ -49,7 +49,7 @@ class Desk : public testing::Test {
                       return tunable_answer;
                     }};
   RobotNow now{.clock_ns = 5 * kSecond_ns, .wall_ns = 900 * kSecond_ns, .state = State::stand};
-  controller::OperatorCommand script;
+  control_loop::OperatorCommand script;
   std::uint64_t number = 0;
 };
 

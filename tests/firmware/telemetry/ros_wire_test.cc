@@ -117,7 +117,7 @@ class RosWire : public testing::Test {
 
   std::expected<Participant, std::string> participant;
   RosPublisher publisher;
-  diagnostics::TickRecord tick;
+  control_loop::TickRecord tick;
   WallTime time{.start_clock_ns = 500'000'000, .start_time_ns = 1'700'000'000'250'000'000};
 };
 

@@ -14,7 +14,7 @@
 namespace stilt::telemetry {
 namespace {
 
-using diagnostics::TickRecord;
+using control_loop::TickRecord;
 
 /// Every field that is not an enumerator or a counter with a meaning of its own gets random bits.
 class RandomTicks {
@@ -66,7 +66,7 @@ class RandomTicks {
     }
     r.action = supervisor::Action::disable;
     r.state = supervisor::State::walk;
-    r.rung = supervisor::Rung::older_plan;
+    r.rung = supervisor::FallbackLevel::plan_feedback;
     r.reaction = supervisor::Reaction::sit;
     r.present = supervisor::FaultSet(small());
     r.latched = supervisor::FaultSet(small());

@@ -9,7 +9,7 @@
 
 #include "firmware/configuration/configuration.h"
 #include "firmware/configuration/schema.h"
-#include "firmware/controller/planner_cycle.h"
+#include "firmware/control_loop/planner_task.h"
 #include "mpc_core/gait/reference.h"
 
 namespace stilt::telemetry {
@@ -18,7 +18,7 @@ namespace {
 class Tunables : public testing::Test {
  protected:
   configuration::Configuration configuration = configuration::load_robot("amber3m").value();
-  std::unique_ptr<controller::Mailboxes> mail = std::make_unique<controller::Mailboxes>();
+  std::unique_ptr<control_loop::Mailboxes> mail = std::make_unique<control_loop::Mailboxes>();
   Tuner tuner{configuration, model::amber3m(), *mail};
 };
 
@@ -43,10 +43,10 @@ TEST_F(Tunables, reach_torque_loop_and_planner_under_one_number) {
   EXPECT_EQ(tuner.set("torque_law.joint_kp_Nm_rad", 120), "");
   EXPECT_EQ(tuner.set("cost.base_vx", 50), "");
   ASSERT_TRUE(mail->torque_tunings.has_news());
-  const controller::TorqueTuning& torque = mail->torque_tunings.newest();
+  const control_loop::TorqueTuning& torque = mail->torque_tunings.newest();
   EXPECT_EQ(torque.number, 2u);
   EXPECT_EQ(torque.law.joint_kp_Nm_rad, 120);
-  const controller::PlannerTuning& planner = mail->planner_tunings.newest();
+  const control_loop::PlannerTuning& planner = mail->planner_tunings.newest();
   EXPECT_EQ(planner.number, 2u);
   EXPECT_EQ(planner.settings.parameters.cost.base_vx, 50);
   EXPECT_EQ(planner.settings.data.cost.base_vx, 50);
@@ -93,18 +93,18 @@ TEST_F(Tunables, out_of_range_unknown_or_not_a_number_change_nothing_and_say_wha
 
 /// A planner that got a weight live plans like one that was configured with it.
 TEST_F(Tunables, give_the_plan_that_the_same_configuration_gives) {
-  controller::PlanningRequest request;
+  control_loop::PlanningRequest request;
   request.session = 1;
   request.state = gait::standing_state(model::amber3m().constants, configuration.reference.base_height_m, 0,
                                        configuration.gait.stand_half_width_m, true);
   request.state[model::kPositions] = 0.1;
-  const auto plan_of = [&](controller::PlannerCycle& planner) {
+  const auto plan_of = [&](control_loop::PlannerCycle& planner) {
     auto plan = std::make_unique<control::Plan>();
     EXPECT_TRUE(planner.cycle(request, *plan));
     return plan;
   };
-  auto tuned = std::make_unique<controller::PlannerCycle>();
-  auto configured = std::make_unique<controller::PlannerCycle>();
+  auto tuned = std::make_unique<control_loop::PlannerCycle>();
+  auto configured = std::make_unique<control_loop::PlannerCycle>();
   ASSERT_EQ(tuned->configure(model::amber3m(), configuration), control::ConfigureStatus::ok);
   ASSERT_EQ(tuner.set("cost.base_vx", 80), "");
   tuned->tune(mail->planner_tunings.newest());

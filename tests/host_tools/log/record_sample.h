@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "firmware/diagnostics/tick_record.h"
+#include "firmware/control_loop/tick_record.h"
 #include "firmware/telemetry/cdr.h"
 #include "firmware/telemetry/reader.h"
 #include "firmware/telemetry/tick_batch.h"
@@ -12,8 +12,8 @@
 /// Samples as they come from stiltd, made without a network.
 namespace stilt::record {
 
-inline diagnostics::TickRecord sample_tick(std::uint64_t number) {
-  diagnostics::TickRecord tick;
+inline control_loop::TickRecord sample_tick(std::uint64_t number) {
+  control_loop::TickRecord tick;
   tick.tick = number;
   tick.time_ns = 5'000'000'000 + static_cast<std::int64_t>(number) * 1'000'000;
   tick.estimated_state[1] = 0.75;

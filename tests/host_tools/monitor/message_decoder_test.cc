@@ -54,7 +54,7 @@ telemetry::Sample configuration(std::uint64_t session, std::int64_t start_time_n
 
 telemetry::Sample one_tick(std::uint64_t session, std::uint64_t tick) {
   telemetry::TickBatchBuilder builder;
-  diagnostics::TickRecord record;
+  control_loop::TickRecord record;
   record.tick = tick;
   record.time_ns = 5'000'000'000 + static_cast<std::int64_t>(tick) * 1'000'000;
   record.action = supervisor::Action::commands;

@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "firmware/supervisor/fault.h"
-#include "firmware/supervisor/ladder.h"
+#include "firmware/supervisor/fallback.h"
 #include "firmware/supervisor/state.h"
 #include "mpc_core/model/robot.h"
 
@@ -254,7 +254,7 @@ SupervisorSample SyntheticSource::supervisor_sample() const {
   sample.time_s = static_cast<double>(ticks_) * kTick_s;
   sample.state = state_;
   sample.rung =
-      static_cast<int>(state_ == number(State::fault) ? supervisor::Rung::damp : supervisor::Rung::new_plan);
+      static_cast<int>(state_ == number(State::fault) ? supervisor::FallbackLevel::damp : supervisor::FallbackLevel::plan);
   sample.present = present_;
   sample.latched = latched_;
   sample.ramp = 1.0;

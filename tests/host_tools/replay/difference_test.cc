@@ -11,8 +11,8 @@
 namespace stilt::replay {
 namespace {
 
-using controller::CycleRecord;
-using diagnostics::TickRecord;
+using control_loop::CycleRecord;
+using control_loop::TickRecord;
 
 /// A field of a record: what a replay calls it, and a change of it. An empty name: an input of the replay.
 template <class Record>

@@ -20,7 +20,7 @@ namespace {
 constexpr std::uint64_t kSession = 7;
 constexpr std::size_t kBatch = 20;
 
-telemetry::Sample cycle_sample(std::uint64_t session, const controller::CycleRecord& record) {
+telemetry::Sample cycle_sample(std::uint64_t session, const control_loop::CycleRecord& record) {
   telemetry::PlannerCycle message{};
   message.session = session;
   message.cycle = record.cycle;
@@ -53,9 +53,9 @@ telemetry::Sample tuning_sample(std::uint64_t session, std::uint32_t number, std
   return {&telemetry::kTuning, 0, 1, telemetry::encode(message)};
 }
 
-telemetry::Sample batch_sample(std::uint64_t session, std::span<const diagnostics::TickRecord> ticks) {
+telemetry::Sample batch_sample(std::uint64_t session, std::span<const control_loop::TickRecord> ticks) {
   telemetry::TickBatchBuilder batch;
-  for (const diagnostics::TickRecord& tick : ticks) batch.add(tick);
+  for (const control_loop::TickRecord& tick : ticks) batch.add(tick);
   batch.message().session = session;
   return {&telemetry::kTicks, 0, 1, telemetry::encode(batch.message())};
 }
@@ -83,11 +83,11 @@ telemetry::Sample configuration_sample(std::uint64_t session, const configuratio
 
 /// Ticks and solves of the recorded walk; the rest is the test's.
 void take_run(record::Recorder& recorder, std::uint64_t session) {
-  const std::span<const diagnostics::TickRecord> ticks = recorded_walk().ticks;
+  const std::span<const control_loop::TickRecord> ticks = recorded_walk().ticks;
   for (std::size_t first = 0; first < ticks.size(); first += kBatch) {
     recorder.take(batch_sample(session, ticks.subspan(first, std::min(kBatch, ticks.size() - first))), 1);
   }
-  for (const controller::CycleRecord& cycle : recorded_walk().cycles) {
+  for (const control_loop::CycleRecord& cycle : recorded_walk().cycles) {
     recorder.take(cycle_sample(session, cycle), 2);
   }
 }
@@ -114,7 +114,7 @@ TEST(RecordFile, ASessionHasConfigurationTuningsSolvesAndTicks) {
   EXPECT_EQ(session.tunings.at(3), (std::vector{1.5, 2.5}));
   EXPECT_EQ(session.ticks.count(), 20u);
   ASSERT_EQ(session.cycles.size(), 1u);
-  const controller::CycleRecord &found = session.cycles[0], &wanted = recorded_walk().cycles[40];
+  const control_loop::CycleRecord &found = session.cycles[0], &wanted = recorded_walk().cycles[40];
   EXPECT_FALSE(compare(wanted, found));
   EXPECT_EQ(found.tick, wanted.tick);
   EXPECT_EQ(found.tuning, wanted.tuning);
@@ -136,7 +136,7 @@ TEST(RecordFile, SolvesAndTicksThatComeTwiceAreTakenOnce) {
   ASSERT_EQ(contents.sessions.at(0).cycles.size(), 3u);
   EXPECT_FALSE(contents.sessions[0].configured);
   std::uint64_t next = 0;
-  for_each_tick(file.path(), kSession, [&](const diagnostics::TickRecord& tick) {
+  for_each_tick(file.path(), kSession, [&](const control_loop::TickRecord& tick) {
     EXPECT_EQ(tick.tick, next++);
     return true;
   });
@@ -154,9 +154,9 @@ TEST(RecordFile, TicksAreThoseOfTheirSessionUntilTheyAreEnough) {
   }
   EXPECT_EQ(read_contents(file.path()).sessions.size(), 2u);
   int ticks = 0;
-  for_each_tick(file.path(), 8, [&](const diagnostics::TickRecord&) { return ++ticks < 100; });
+  for_each_tick(file.path(), 8, [&](const control_loop::TickRecord&) { return ++ticks < 100; });
   EXPECT_EQ(ticks, 10);
-  for_each_tick(file.path(), kSession, [&](const diagnostics::TickRecord&) { return ++ticks < 13; });
+  for_each_tick(file.path(), kSession, [&](const control_loop::TickRecord&) { return ++ticks < 13; });
   EXPECT_EQ(ticks, 13);
 }
 

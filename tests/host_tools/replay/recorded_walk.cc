@@ -16,7 +16,7 @@ constexpr double kNoise_rad = 1e-5;
 
 class Run {
  public:
-  Run() : mail_(std::make_unique<controller::Mailboxes>()) {
+  Run() : mail_(std::make_unique<control_loop::Mailboxes>()) {
     walk_.configuration = configuration::load_robot("amber3m").value();
     const model::RobotModel& robot = model::amber3m();
     static_cast<void>(planner_.configure(robot, walk_.configuration));
@@ -66,7 +66,7 @@ class Run {
     mail_->commands.publish();
     if (tick_ == due_) hand_over();
     const std::int64_t now_ns = 1'000'000'000 + tick_ * kTick_ns;
-    const diagnostics::TickRecord sensed = sense(now_ns);
+    const control_loop::TickRecord sensed = sense(now_ns);
     robot_.set(sensed);
     torque_.tick({.now_ns = now_ns, .late_ns = tick_ % 7});
     walk_.ticks.push_back(*mail_->telemetry.front());
@@ -86,7 +86,7 @@ class Run {
   }
 
   void plan() {
-    const controller::PlanningRequest& request = mail_->requests.newest();
+    const control_loop::PlanningRequest& request = mail_->requests.newest();
     if (request.session == 0 || tick_ % kPlanPeriod != 0) return;
     fresh_ = turn_.plan(planner_, request, *mail_);
     turn_.tell(planner_, request, fresh_, 0, *mail_);
@@ -96,12 +96,12 @@ class Run {
   }
 
   /// The planned state of this moment, as sensors would see it.
-  diagnostics::TickRecord sense(std::int64_t now_ns) {
+  control_loop::TickRecord sense(std::int64_t now_ns) {
     const double time_s = 1e-3 * static_cast<double>(tick_);
     if (followed_.nodes >= 2 && time_s >= followed_.start_time_s) {
       state_ = control::interpolate(followed_, time_s).state;
     }
-    diagnostics::TickRecord sensed;
+    control_loop::TickRecord sensed;
     sensed.emergency_stop = hal::EmergencyStopState::released;
     sensed.bring_up = {.ready = true, .stage = hal::bring_up::Stage::ready};
     for (std::size_t i = 0; i < hal::kJoints; ++i) {
@@ -122,12 +122,12 @@ class Run {
   double noise() { return kNoise_rad * std::normal_distribution<>()(random_); }
 
   RecordedWalk walk_;
-  std::unique_ptr<controller::Mailboxes> mail_;
-  controller::PlannerCycle planner_;
-  controller::PlanningTurn turn_;
-  controller::TorqueCycle torque_;
+  std::unique_ptr<control_loop::Mailboxes> mail_;
+  control_loop::PlannerCycle planner_;
+  control_loop::PlanningTurn turn_;
+  control_loop::TorqueCycle torque_;
   RecordedRobot robot_;
-  controller::OperatorCommand command_;
+  control_loop::OperatorCommand command_;
   control::Plan followed_;
   model::StateVector state_;
   std::mt19937 random_{kWalkSeed};

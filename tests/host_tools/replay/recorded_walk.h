@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "firmware/configuration/configuration.h"
-#include "firmware/controller/mailboxes.h"
-#include "firmware/controller/planner_cycle.h"
-#include "firmware/controller/planning_turn.h"
-#include "firmware/controller/torque_cycle.h"
+#include "firmware/control_loop/mailboxes.h"
+#include "firmware/control_loop/planner_task.h"
+#include "firmware/control_loop/planner_task.h"
+#include "firmware/control_loop/control_loop.h"
 #include "host_tools/replay/recorded_robot.h"
 #include "host_tools/replay/replay.h"
 
@@ -18,8 +18,8 @@ namespace stilt::replay {
 /// drivers up, standing, stepping, walking, and live tunables changed on the way. Everything it recorded.
 struct RecordedWalk {
   configuration::Configuration configuration;
-  std::vector<diagnostics::TickRecord> ticks;
-  std::vector<controller::CycleRecord> cycles;
+  std::vector<control_loop::TickRecord> ticks;
+  std::vector<control_loop::CycleRecord> cycles;
   std::map<std::uint32_t, Tunings> tunings;                  ///< by their number
   std::map<std::uint32_t, std::vector<double>> live_values;  ///< the same, in the order of live_tunables()
 };

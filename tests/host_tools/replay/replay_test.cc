@@ -11,8 +11,8 @@
 namespace stilt::replay {
 namespace {
 
-using controller::CycleRecord;
-using diagnostics::TickRecord;
+using control_loop::CycleRecord;
+using control_loop::TickRecord;
 
 std::optional<Tunings> recorded_tunings(std::uint32_t number) {
   const auto found = recorded_walk().tunings.find(number);
@@ -22,7 +22,7 @@ std::optional<Tunings> recorded_tunings(std::uint32_t number) {
 Outcome replayed(const std::vector<TickRecord>& ticks, const std::vector<CycleRecord>& cycles,
                  const configuration::Configuration& configuration) {
   Replay replay(cycles, recorded_tunings);
-  replay.torque().configure(model::amber3m(), configuration, configuration.supervisor);
+  replay.loop().configure(model::amber3m(), configuration, configuration.supervisor);
   EXPECT_EQ(replay.planner().configure(model::amber3m(), configuration), control::ConfigureStatus::ok);
   for (const TickRecord& tick : ticks) {
     if (!replay.run(tick)) break;
@@ -73,7 +73,7 @@ TEST_F(ReplayTest, OneBitOfATorqueIsFoundInItsTick) {
 TEST_F(ReplayTest, NothingIsRunAfterADifference) {
   Replay replay(cycles, recorded_tunings);
   const configuration::Configuration& configuration = recorded_walk().configuration;
-  replay.torque().configure(model::amber3m(), configuration, configuration.supervisor);
+  replay.loop().configure(model::amber3m(), configuration, configuration.supervisor);
   ASSERT_EQ(replay.planner().configure(model::amber3m(), configuration), control::ConfigureStatus::ok);
   nudge(ticks[20].sent[0].position_rad);
   for (std::size_t tick = 0; tick < 20; ++tick) ASSERT_TRUE(replay.run(ticks[tick]));

@@ -11,7 +11,7 @@ constexpr std::int64_t kNow_ns = 1'000'000'000;
 
 hal::CanFrame numbered(std::uint32_t id) { return hal::classic_frame(id, 8); }
 
-FrameLine line(const char* fault) { return FrameLine(std::vector{parse_fault(fault)}); }
+FrameLine line(const char* fault) { return FrameLine(std::vector{simulator::parse_fault(fault)}); }
 
 TEST(FrameLine, FramesArriveInOrderOnTheirBus) {
   FrameLine faultless({});

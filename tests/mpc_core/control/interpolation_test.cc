@@ -2,7 +2,7 @@
 
 #include <random>
 
-#include "mpc_core/control/torque_loop.h"
+#include "mpc_core/control/torque_law.h"
 #include "tests/mpc_core/control/sample_plan.h"
 
 namespace stilt::control {

@@ -7,7 +7,7 @@
 #include "firmware/configuration/configuration.h"
 #include "firmware/realtime/allocation_counter.h"
 #include "mpc_core/control/planner.h"
-#include "mpc_core/control/torque_loop.h"
+#include "mpc_core/control/torque_law.h"
 #include "tests/closed_loop/simulated_run.h"
 
 /// The controller's memory: fixed, small, touched once.

@@ -6,7 +6,7 @@
 
 #include "firmware/configuration/configuration.h"
 #include "mpc_core/control/planner.h"
-#include "mpc_core/control/torque_loop.h"
+#include "mpc_core/control/torque_law.h"
 
 /// A planner on its own, without sensors, torque loop or simulator.
 namespace stilt::testing_support {

@@ -14,7 +14,7 @@
 #include <random>
 
 #include "mpc_core/control/planner.h"
-#include "mpc_core/control/torque_loop.h"
+#include "mpc_core/control/torque_law.h"
 #include "tests/mpc_core/control/recorded_problems.h"
 
 namespace stilt::testing_support {

@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "mpc_core/control/planner.h"
-#include "mpc_core/control/torque_loop.h"
+#include "mpc_core/control/torque_law.h"
 #include "tests/mpc_core/control/recorded_problems.h"
 
 #if defined(__SSE2__)

@@ -1,0 +1,363 @@
+#include "firmware/control_loop/control_loop.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace stilt::control_loop {
+namespace {
+
+using model::kJoints;
+using supervisor::FallbackLevel;
+using supervisor::State;
+
+supervisor::JointLimits joint_limits(const model::RobotConstants& robot) noexcept {
+  supervisor::JointLimits limits;
+  for (std::size_t i = 0; i < hal::kJoints; ++i) {
+    limits.position_min_rad[i] = robot.position_min_rad[i];
+    limits.position_max_rad[i] = robot.position_max_rad[i];
+    limits.speed_rad_s[i] = robot.velocity_limit_rad_s[i];
+    limits.torque_Nm[i] = robot.torque_limit_Nm[i];
+  }
+  return limits;
+}
+
+/// The pitch now: the newest one, extrapolated with its rate when the base sensor is slower than the torque
+/// loop.
+double pitch_now_rad(const hal::BaseReading& base, std::int64_t now_ns) noexcept {
+  constexpr std::int64_t kLongest_ns = 10'000'000;
+  const std::int64_t age_ns = std::clamp<std::int64_t>(now_ns - base.time_ns, 0, kLongest_ns);
+  const double change_rad = 1e-9 * static_cast<double>(age_ns) * base.pitch_rate_rad_s;
+  return std::isfinite(change_rad) ? base.pitch_rad + change_rad : base.pitch_rad;
+}
+
+control::SensorReading sensor_reading(double time_s, const hal::RobotReadings& readings,
+                                      std::int64_t now_ns) noexcept {
+  control::SensorReading reading;
+  reading.time_s = time_s;
+  for (int i = 0; i < kJoints; ++i) {
+    const hal::JointReading& joint = readings.joints[static_cast<std::size_t>(i)];
+    reading.joint_position_rad[i] = joint.position_rad;
+    reading.joint_velocity_rad_s[i] = joint.velocity_rad_s;
+  }
+  reading.base_pitch_rad = pitch_now_rad(readings.base, now_ns);
+  reading.base_pitch_rate_rad_s = readings.base.pitch_rate_rad_s;
+  return reading;
+}
+
+/// The sensors as a state; the hip stands still at the origin.
+model::StateVector measured_state(const control::SensorReading& reading) noexcept {
+  model::StateVector state = model::StateVector::Zero();
+  state[model::kFirstAngle] = reading.base_pitch_rad;
+  state.segment<kJoints>(model::kFirstJoint) = reading.joint_position_rad;
+  state[model::kPositions + model::kFirstAngle] = reading.base_pitch_rate_rad_s;
+  state.tail<kJoints>() = reading.joint_velocity_rad_s;
+  return state;
+}
+
+std::uint64_t error_count(const hal::RobotReadings& readings) noexcept {
+  std::uint64_t count = readings.bus_errors + readings.base.malformed;
+  for (const hal::JointReading& joint : readings.joints) count += joint.malformed;
+  return count;
+}
+
+hal::JointCommands feed_forward(const model::JointVector& torque_Nm, const hal::RobotReadings& readings,
+                                const supervisor::JointLimits& limits) noexcept {
+  hal::JointCommands commands{};
+  for (std::size_t i = 0; i < hal::kJoints; ++i) {
+    commands[i].position_rad = readings.joints[i].position_rad;
+    commands[i].torque_Nm = torque_Nm[static_cast<int>(i)];
+    commands[i].torque_limit_Nm = limits.torque_Nm[i];
+  }
+  return commands;
+}
+
+}  // namespace
+
+void ControlLoop::configure(const model::RobotModel& robot, const control::ControllerParameters& parameters,
+                            const supervisor::SupervisorParameters& supervision) noexcept {
+  limits_ = joint_limits(robot.constants);
+  supervision_ = supervision;
+  standing_ = StandingPose(robot, parameters);
+  supervisor_.configure(limits_, supervision);
+  estimator_.configure(robot, parameters.estimator);
+  law_.configure(robot, parameters);
+  gait_.configure(robot, parameters, nullptr);
+}
+
+void ControlLoop::attach(hal::Robot& robot, Mailboxes& mailboxes) noexcept {
+  robot_ = &robot;
+  mail_ = &mailboxes;
+}
+
+void ControlLoop::begin_standing(std::int64_t now_ns, const gait::GaitCommand& command,
+                                 const model::StateVector* known_state) noexcept {
+  supervisor_.begin_standing(now_ns);
+  const control::SensorReading reading = read(now_ns);
+  request_plan(reading.time_s, begin_stance_episode(reading, known_state), command);
+}
+
+void ControlLoop::tick(const TickTiming& timing, const model::StateVector* known_state) noexcept {
+  take_tuning();
+  const OperatorCommand& command = mail_->commands.newest();
+  const PlanningResult& result = mail_->results.newest();
+
+  const control::SensorReading reading = read(timing.now_ns);
+  const PlanView plan = plan_at(reading.time_s);
+  model::StateVector estimate = estimate_state(reading, plan, known_state);
+  const supervisor::Followable followable = track_gait(reading, plan, estimate);
+  const supervisor::Observation seen = observe(timing, command, result, plan, estimate, followable);
+  const supervisor::SupervisorOutput& decision = supervise(seen, command, reading);
+  if (decision.start_controller) estimate = begin_stance_episode(reading, known_state);
+  const hal::JointCommands wanted = torques(decision.level, reading, plan, estimate);
+  const supervisor::Action action = supervisor_.bound(wanted, commands_);
+  send(action, timing.now_ns);
+
+  request_plan(reading.time_s, estimate, decision.gait);
+  record(timing, command, result, plan, estimate, wanted, action);
+  report_events(command);
+  ++ticks_;
+}
+
+void ControlLoop::take_tuning() noexcept {
+  if (!mail_->torque_tunings.has_news()) return;
+  const TorqueTuning& tuning = mail_->torque_tunings.newest();
+  law_.tune(tuning.law);
+  tuning_ = tuning.number;
+}
+
+control::SensorReading ControlLoop::read(std::int64_t now_ns) noexcept {
+  if (ticks_ == 0) start_ns_ = now_ns;
+  time_s_ = 1e-9 * static_cast<double>(now_ns - start_ns_);
+  robot_->read(now_ns, readings_);
+  return sensor_reading(time_s_, readings_, now_ns);
+}
+
+/// A plan of an earlier stance episode was made from another place. After a gait a plan is followed again
+/// only with the gait's foot on the ground.
+ControlLoop::PlanView ControlLoop::plan_at(double time_s) const noexcept {
+  const control::Plan& plan = mail_->plans.newest();
+  const bool of_episode = episode_ != 0 && plan.nodes >= 2 && plan.start_time_s >= episode_start_s_;
+  PlanView view;
+  view.sequence = plan.sequence;
+  view.age_s = time_s - (of_episode ? plan.start_time_s : episode_start_s_);
+  if (!of_episode || time_s > plan.node[plan.nodes - 1].time_s) return view;
+  view.point = control::interpolate(plan, time_s);
+  view.exists = supervisor_.output().level != FallbackLevel::gait || view.point.mode == gait_.contact();
+  view.use = supervisor::plan_use(view.exists, view.age_s, supervision_);
+  return view;
+}
+
+/// The feet on the ground are the plan's, without one the gait's.
+model::StateVector ControlLoop::estimate_state(const control::SensorReading& reading, const PlanView& plan,
+                                               const model::StateVector* known_state) noexcept {
+  if (known_state != nullptr) return *known_state;
+  if (episode_ == 0) return measured_state(reading);
+  model::ContactMode contact{true, true};
+  if (plan.exists) {
+    contact = plan.point.mode;
+  } else if (gait_.ready()) {
+    contact = gait_.contact();
+  }
+  return estimator_.update(reading, contact);
+}
+
+/// The gait keeps in step with a robot that steps, whatever commands it.
+supervisor::Followable ControlLoop::track_gait(const control::SensorReading& reading, const PlanView& plan,
+                                               const model::StateVector& estimate) noexcept {
+  const supervisor::SupervisorOutput& decision = supervisor_.output();
+  if (decision.state != State::step && decision.state != State::walk) {
+    gait_.forget();
+    gait_selected_ = false;
+    stepping_since_s_ = reading.time_s;
+    return {.plan = plan.use};
+  }
+  const bool led = plan.use != supervisor::PlanUse::none && !gait_selected_;
+  gait_.tick(reading, led ? &plan.point.mode : nullptr, estimate, decision.gait.speed_m_s);
+  const bool may_select =
+      supervision_.select_gait && reading.time_s - stepping_since_s_ >= supervision_.select_gait_after_s;
+  gait_selected_ = gait_selected_ || (may_select && gait_.landed());
+  return {.plan = plan.use, .gait = gait_.ready(), .gait_selected = gait_selected_};
+}
+
+supervisor::Observation ControlLoop::observe(const TickTiming& timing, const OperatorCommand& command,
+                                             const PlanningResult& result, const PlanView& plan,
+                                             const model::StateVector& estimate,
+                                             const supervisor::Followable& followable) noexcept {
+  const std::uint64_t errors = error_count(readings_);
+  const bool of_episode = result.session == episode_ && episode_ != 0;
+  supervisor::Observation seen;
+  seen.time_ns = timing.now_ns;
+  seen.joints = readings_.joints;
+  seen.base = readings_.base;
+  seen.read_status = readings_.status;
+  seen.write_status = write_status_;
+  seen.bus_errors = errors > errors_;
+  seen.emergency_stop = readings_.emergency_stop;
+  seen.planned_speed_rad_s = planned_speed_rad_s(plan);
+  seen.controller_finite = torques_finite_ && (episode_ == 0 || estimate.allFinite());
+  seen.followable = followable;
+  seen.failed_solves = of_episode ? static_cast<int>(result.failures_in_a_row) : 0;
+  seen.solve_s = of_episode ? 1e-9 * static_cast<double>(result.solve_ns) : 0.0;
+  seen.lateness_s = 1e-9 * static_cast<double>(timing.late_ns);
+  seen.heartbeat_expected = command.heartbeat_expected;
+  seen.heartbeat_age_s = 1e-9 * static_cast<double>(timing.now_ns - command.heartbeat_ns);
+  seen.bring_up_failed = bring_up_.failed;
+  errors_ = errors;
+  return seen;
+}
+
+/// Of the joints by what they follow. 0 before they must follow.
+supervisor::Pose ControlLoop::planned_speed_rad_s(const PlanView& plan) const noexcept {
+  supervisor::Pose speed_rad_s{};
+  if (supervisor_.output().ramp < 1.0) return speed_rad_s;
+  model::JointVector planned = model::JointVector::Zero();
+  if (supervisor_.output().level == FallbackLevel::gait) {
+    planned = gait_.velocity_rad_s();
+  } else if (plan.exists) {
+    planned = plan.point.state.tail<kJoints>();
+  }
+  std::copy_n(planned.data(), speed_rad_s.size(), speed_rad_s.begin());
+  return speed_rad_s;
+}
+
+const supervisor::SupervisorOutput& ControlLoop::supervise(const supervisor::Observation& seen,
+                                                           const OperatorCommand& command,
+                                                           const control::SensorReading& reading) noexcept {
+  const supervisor::SupervisorOutput& decision =
+      supervisor_.update({.seen = seen,
+                          .request = command.request,
+                          .bring_up_done = bring_up_.ready,
+                          .shut_down = command.shut_down,
+                          .fit_to_stand = standing_.near(reading, supervision_.stand_pose_margin_rad) &&
+                                          slower_than(reading, supervision_.stand_speed_rad_s),
+                          .in_stance = standing_.near(reading, supervision_.stance_margin_rad)});
+  if (decision.clear_buses) robot_->restore_buses();
+  if (decision.entered && decision.state == State::calibrate) {
+    bring_up_ = {};
+    robot_->begin_bring_up();
+  }
+  if (!supervisor::tracks(decision.state)) episode_ = 0;
+  return decision;
+}
+
+model::StateVector ControlLoop::begin_stance_episode(const control::SensorReading& reading,
+                                                     const model::StateVector* known_state) noexcept {
+  episode_ = ++episodes_;
+  episode_start_s_ = reading.time_s;
+  estimator_.reset(reading, 0.0);
+  return known_state != nullptr ? *known_state : estimator_.update(reading, {true, true});
+}
+
+hal::JointCommands ControlLoop::torques(FallbackLevel level, const control::SensorReading& reading,
+                                        const PlanView& plan, const model::StateVector& estimate) noexcept {
+  torques_finite_ = true;
+  if (level == FallbackLevel::gait) return feed_forward(gait_.torque_Nm(), readings_, limits_);
+  if (level > FallbackLevel::plan_feedback) {
+    return feed_forward(model::JointVector::Zero(), readings_, limits_);
+  }
+  const auto feedback = level == FallbackLevel::plan_feedback ? control::Feedback::plan_gains
+                                                              : control::Feedback::as_configured;
+  const control::TorqueCommand torque = law_.follow(reading, estimate, plan.point, feedback);
+  torques_finite_ = torque.finite;
+  return feed_forward(torque.torque_Nm, readings_, limits_);
+}
+
+void ControlLoop::send(supervisor::Action action, std::int64_t now_ns) noexcept {
+  switch (action) {
+    case supervisor::Action::commands:
+      write_status_ = robot_->write(commands_);
+      break;
+    case supervisor::Action::disable:
+      write_status_ = robot_->disable();
+      break;
+    case supervisor::Action::silent:
+      write_status_ = hal::JointBusStatus::ok;
+      if (supervisor_.output().state == State::calibrate && !bring_up_.failed) bring_up(now_ns);
+      break;
+  }
+}
+
+void ControlLoop::bring_up(std::int64_t now_ns) noexcept {
+  bring_up_ = robot_->bring_up(now_ns);
+  if (!bring_up_.failed) return;
+  push({.kind = Event::Kind::bring_up_failed,
+        .joint = static_cast<std::uint8_t>(bring_up_.joint),
+        .failure = bring_up_.failure,
+        .driver_fault = bring_up_.fault});
+}
+
+void ControlLoop::request_plan(double time_s, const model::StateVector& estimate,
+                               const gait::GaitCommand& command) noexcept {
+  PlanningRequest& request = mail_->requests.writer();
+  request.tick = ticks_;
+  request.time_s = time_s;
+  request.session = episode_;
+  request.state = estimate;
+  request.command = command;
+  mail_->requests.publish();
+}
+
+void ControlLoop::record(const TickTiming& timing, const OperatorCommand& command,
+                         const PlanningResult& result, const PlanView& plan,
+                         const model::StateVector& estimate, const hal::JointCommands& wanted,
+                         supervisor::Action action) noexcept {
+  const supervisor::SupervisorOutput& decision = supervisor_.output();
+  record_.tick = static_cast<std::uint64_t>(ticks_);
+  record_.time_ns = timing.now_ns;
+  record_.joints = readings_.joints;
+  record_.base = readings_.base;
+  record_.read_status = readings_.status;
+  record_.write_status = write_status_;
+  record_.emergency_stop = readings_.emergency_stop;
+  record_.bus_errors = readings_.bus_errors;
+  record_.bring_up = bring_up_;
+  record_.command = command;
+  record_.tuning = tuning_;
+  record_.result = result;
+  record_.visible_plan = plan.sequence;
+  std::copy_n(estimate.data(), record_.estimated_state.size(), record_.estimated_state.begin());
+  record_.wanted = wanted;
+  record_.sent = commands_;
+  record_.action = action;
+  record_.state = decision.state;
+  record_.level = decision.level;
+  record_.reaction = decision.reaction;
+  record_.present = decision.present;
+  record_.latched = decision.latched;
+  record_.ramp = decision.ramp;
+  record_.plan_sequence = decision.level <= FallbackLevel::plan_feedback ? plan.sequence : -1;
+  record_.plan_age_s = plan.age_s;
+  record_.standing = episode_;
+  record_.gait = decision.gait;
+  record_.wakeup_ns = timing.late_ns;
+  record_.execution_ns = timing.execution_ns;
+  record_.round_trip_ns = timing.round_trip_ns;
+  mail_->telemetry.push(record_);
+  if (TickRecord* kept = mail_->black_box.claim()) {
+    *kept = record_;
+    mail_->black_box.commit(decision.reaction >= supervisor::Reaction::hold);
+  }
+}
+
+void ControlLoop::push(const Event& event) noexcept {
+  Event timed = event;
+  timed.time_s = time_s_;
+  mail_->events.push(timed);
+}
+
+void ControlLoop::report_events(const OperatorCommand& command) noexcept {
+  const supervisor::SupervisorOutput& decision = supervisor_.output();
+  for (const supervisor::FaultRow& row : supervisor::kFaultTable) {
+    if (decision.raised.has(row.fault)) push({.kind = Event::Kind::fault, .fault = row.fault});
+  }
+  if (decision.entered || ticks_ == 0) push({.kind = Event::Kind::state, .state = decision.state});
+  const bool stood_up = before_ == State::stand && decision.state == State::ready;
+  if (decision.entered && stood_up) push({.kind = Event::Kind::lost_stance});
+  before_ = decision.state;
+  const bool waits = decision.state == State::ready && !decision.entered &&
+                     command.request.kind == supervisor::RequestKind::stand;
+  if (waits && !waiting_reported_) push({.kind = Event::Kind::waits_for_pose});
+  waiting_reported_ = waits;
+}
+
+}  // namespace stilt::control_loop

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+
+#include "firmware/supervisor/supervisor.h"
+#include "mpc_core/control/planner.h"
+#include "mpc_core/gait/command.h"
+#include "mpc_core/model/types.h"
+#include "mpc_core/solver/solve_report.h"
+
+/// What the threads of the controller hand each other.
+namespace stilt::control_loop {
+
+/// Operator -> torque loop.
+struct OperatorCommand {
+  supervisor::Request request;
+  bool shut_down = false;           ///< end the program: sit, damp, let go
+  bool heartbeat_expected = false;  ///< whoever commands shows that he lives
+  std::int64_t heartbeat_ns = 0;    ///< last sign of life, clock of the torque loop
+};
+
+/// Live tunables that the torque loop uses; operator -> torque loop.
+struct TorqueTuning {
+  std::uint32_t number = 0;  ///< counts changes of live tunables; 0: the configuration
+  control::TorqueLawParameters law;
+};
+
+/// Live tunables that the planner uses; operator -> planner.
+struct PlannerTuning {
+  std::uint32_t number = 0;  ///< as above
+  control::PlannerSettings settings;
+};
+
+/// Torque loop -> planner, every tick.
+struct PlanningRequest {
+  std::int64_t tick = -1;
+  double time_s = 0.0;        ///< of the state, controller's clock
+  std::uint32_t session = 0;  ///< counts the times the robot got on its feet; 0: no plan is wanted
+  model::StateVector state = model::StateVector::Zero();
+  gait::GaitCommand command;
+};
+
+/// Planner -> torque loop, after every cycle.
+struct PlanningResult {
+  std::uint64_t cycles = 0;             ///< solves since the start
+  std::uint32_t failures_in_a_row = 0;  ///< solves without a usable plan
+  std::uint32_t session = 0;            ///< of the request it answers
+  std::int64_t solve_ns = 0;            ///< duration of the newest solve; 0 in lock-step
+  solver::SolveStatus status = solver::SolveStatus::iteration_limit;
+};
+
+}  // namespace stilt::control_loop

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "firmware/control_loop/messages.h"
+#include "firmware/exchange/black_box.h"
+#include "firmware/supervisor/supervisor.h"
+#include "hal/robot.h"
+
+namespace stilt::control_loop {
+
+/// What the torque loop knew and did in one tick: every input, so that a replay can run the tick again, and
+/// every output. Fixed size, no pointers: for the black box and telemetry.
+struct TickRecord {
+  std::uint64_t tick = 0;    ///< counts from 0
+  std::int64_t time_ns = 0;  ///< of the torque loop's clock, at the start of the tick
+  hal::JointReadings joints;
+  hal::BaseReading base;
+  hal::JointBusStatus read_status = hal::JointBusStatus::ok;
+  hal::JointBusStatus write_status = hal::JointBusStatus::ok;  ///< of this tick's commands
+  hal::EmergencyStopState emergency_stop = hal::EmergencyStopState::absent;
+  std::uint64_t bus_errors = 0;   ///< counter of all buses
+  hal::BringUpProgress bring_up;  ///< newest of the drivers; changes in calibrate only
+  OperatorCommand command;        ///< the operator's, in force
+  std::uint32_t tuning = 0;       ///< number of the live tunables in force
+  PlanningResult result;          ///< newest of the planner
+  long long visible_plan = -1;    ///< sequence of the newest plan, whether or not it is used
+  std::array<double, model::kStates> estimated_state{};  ///< [q; v], see mpc_core/model/types.h
+  hal::JointCommands wanted;                             ///< of the torque law
+  hal::JointCommands sent;                               ///< what left, when the action was `commands`
+  supervisor::Action action = supervisor::Action::silent;
+  supervisor::State state = supervisor::State::boot;
+  supervisor::FallbackLevel level = supervisor::FallbackLevel::off;
+  supervisor::Reaction reaction = supervisor::Reaction::none;
+  supervisor::FaultSet present;
+  supervisor::FaultSet latched;
+  double ramp = 0;
+  long long plan_sequence = -1;    ///< of the plan that is followed, -1: none
+  double plan_age_s = 0;           ///< since the state it started from
+  std::uint32_t standing = 0;      ///< counts the times the robot got on its feet; 0: no plan is wanted
+  gait::GaitCommand gait;          ///< asked of the planner
+  std::int64_t wakeup_ns = 0;      ///< lateness of this tick
+  std::int64_t execution_ns = 0;   ///< duration of the tick before
+  std::int64_t round_trip_ns = 0;  ///< newest from command to last reply
+};
+
+/// Two seconds at 1 kHz.
+inline constexpr std::size_t kBlackBoxRecords = 2000;
+using TickBlackBox = exchange::BlackBox<TickRecord, kBlackBoxRecords>;
+
+}  // namespace stilt::control_loop

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "hal/robot.h"
+#include "host_tools/simulator/fault_plan.h"
+#include "host_tools/simulator/plant.h"
+
+namespace stilt::simulator {
+
+/// The plant behind the interface of the robot: ideal motor drivers and sensors without buses. Readings are
+/// taken at the tick. A driver evaluates the law of its command at each time step of the plant.
+class PlantRobot final : public hal::Robot {
+ public:
+  /// @param plant   outlives this object
+  /// @param faults  that need no bus, see needs_bus(); times in seconds from the start of the run
+  PlantRobot(Plant& plant, std::vector<TimedFault> faults);
+
+  /// Before each tick of the control loop: faults begin and end.
+  void set_time(double time_s);
+
+  /// Before each time step of the plant: the drivers' torques.
+  void drive();
+
+  void read(std::int64_t now_ns, hal::RobotReadings& readings) noexcept override;
+  [[nodiscard]] hal::JointBusStatus write(const hal::JointCommands& commands) noexcept override;
+  [[nodiscard]] hal::JointBusStatus disable() noexcept override;
+  void begin_bring_up() noexcept override {}
+  [[nodiscard]] hal::BringUpProgress bring_up(std::int64_t now_ns) noexcept override;
+  void restore_buses() noexcept override {}
+
+ private:
+  [[nodiscard]] bool active(FaultKind kind) const noexcept;
+  [[nodiscard]] bool active(FaultKind kind, std::size_t joint) const noexcept;
+  void read_joint(std::size_t joint, std::int64_t now_ns, const control::SensorReading& sensors,
+                  hal::JointReading& reading) const noexcept;
+  void read_base(std::int64_t now_ns, const control::SensorReading& sensors,
+                 hal::BaseReading& reading) const noexcept;
+
+  Plant& plant_;
+  std::vector<TimedFault> faults_;
+  double time_s_ = 0.0;
+  hal::JointCommands commands_{};
+  std::array<bool, hal::kJoints> enabled_;
+};
+
+}  // namespace stilt::simulator

@@ -1,0 +1,56 @@
+#include "mpc_core/control/torque_law.h"
+
+#include <cmath>
+
+namespace stilt::control {
+namespace {
+
+using model::JointVector;
+using model::kFirstJoint;
+using model::kJoints;
+using model::kPositions;
+
+}  // namespace
+
+void TorqueLaw::configure(const model::RobotModel& robot, const ControllerParameters& parameters) noexcept {
+  robot_ = &robot;
+  law_ = parameters.torque_law;
+  drive_ = drive_model(robot.constants, parameters.robot);
+}
+
+TorqueCommand TorqueLaw::follow(const SensorReading& reading, const model::StateVector& state,
+                                const PlanPoint& point, Feedback feedback) const noexcept {
+  model::InputVector input = point.input;
+  if (feedback == Feedback::plan_gains || law_.use_feedback_gains) {
+    input += point.gain->lazyProduct(state - point.state);
+  }
+  TorqueCommand command;
+  command.torque_Nm = track(reading, point.state, input);
+  command.finite = command.torque_Nm.allFinite() && is_finite(reading) && state.allFinite();
+  for (int j = 0; j < kJoints; ++j) {
+    const double velocity = reading.joint_velocity_rad_s[j];
+    const double damping_Nm = std::isfinite(velocity) ? -law_.joint_kd_Nms_rad * velocity : 0.0;
+    const double wanted_Nm = command.finite ? command.torque_Nm[j] : damping_Nm;
+    command.torque_Nm[j] = drive_.limited_torque_Nm(j, wanted_Nm, velocity);
+    if (command.torque_Nm[j] != wanted_Nm) command.saturated = true;
+  }
+  return command;
+}
+
+JointVector TorqueLaw::track(const SensorReading& reading, const model::StateVector& planned,
+                             const model::InputVector& input) const noexcept {
+  model::NodeTerms<double> node;
+  robot_->scalar.node(planned.data(), input.data(), drive_.joint_parameters, node);
+  JointVector torque_Nm;
+  for (int j = 0; j < kJoints; ++j) {
+    const double planned_velocity = planned[kPositions + kFirstJoint + j];
+    const double friction_Nm = law_.friction_compensation * drive_.coulomb_friction_Nm[j] *
+                               std::tanh(planned_velocity / law_.friction_velocity_rad_s);
+    torque_Nm[j] = node.joint_torque[j] + friction_Nm +
+                   law_.joint_kp_Nm_rad * (planned[kFirstJoint + j] - reading.joint_position_rad[j]) +
+                   law_.joint_kd_Nms_rad * (planned_velocity - reading.joint_velocity_rad_s[j]);
+  }
+  return torque_Nm;
+}
+
+}  // namespace stilt::control

@@ -1,0 +1,368 @@
+#include "firmware/control_loop/control_loop.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "firmware/realtime/allocation_counter.h"
+#include "tests/firmware/control_loop/rig.h"
+
+namespace stilt::control_loop {
+namespace {
+
+using supervisor::Fault;
+using supervisor::RequestKind;
+using supervisor::FallbackLevel;
+using supervisor::State;
+using testing::Rig;
+
+class TorqueCycleTest : public ::testing::Test {
+ protected:
+  TorqueCycleTest() : rig(std::make_unique<Rig>()) {}
+  std::unique_ptr<Rig> rig;
+};
+
+TEST_F(TorqueCycleTest, NothingIsSentBeforeSomebodyAsks) {
+  rig->run(200);
+  EXPECT_EQ(rig->state(), State::idle);
+  EXPECT_EQ(rig->joints.writes, 0);
+  EXPECT_EQ(rig->joints.disables, 0);
+  EXPECT_EQ(rig->drivers.steps, 0);
+}
+
+TEST_F(TorqueCycleTest, DriversThatCameUpAreDampedAndNoMore) {
+  rig->run(3);
+  rig->ask(RequestKind::calibrate);
+  rig->run(50);
+  EXPECT_EQ(rig->state(), State::ready);
+  EXPECT_EQ(rig->drivers.begun, 1);
+  EXPECT_GT(rig->joints.writes, 40);
+  EXPECT_TRUE(rig->only_damps());
+}
+
+TEST_F(TorqueCycleTest, ADriverThatCannotBeBroughtUpIsNamedAndEndsInAFault) {
+  rig->drivers.outcome = {.failed = true,
+                          .joint = 3,
+                          .stage = hal::bring_up::Stage::failed,
+                          .failure = hal::bring_up::Failure::not_home};
+  rig->run(3);
+  rig->ask(RequestKind::calibrate);
+  rig->run(10);
+  EXPECT_EQ(rig->state(), State::fault);
+  EXPECT_EQ(rig->drivers.steps, 1) << "the others are not asked any further";
+  const auto events = rig->take(Event::Kind::bring_up_failed);
+  ASSERT_EQ(events.size(), 1u);
+  EXPECT_EQ(events[0].joint, 3);
+  EXPECT_EQ(events[0].failure, hal::bring_up::Failure::not_home);
+}
+
+TEST_F(TorqueCycleTest, AfterAFailedBringUpTheNextOneMaySucceed) {
+  const hal::BringUpProgress success = rig->drivers.outcome;
+  rig->drivers.outcome = {.failed = true, .stage = hal::bring_up::Stage::failed};
+  rig->run(3);
+  rig->ask(RequestKind::calibrate);
+  rig->run(10);
+  ASSERT_EQ(rig->state(), State::fault);
+  rig->drivers.outcome = success;
+  rig->ask(RequestKind::reset);
+  rig->run(5);
+  rig->ask(RequestKind::calibrate);
+  rig->run(5);
+  EXPECT_EQ(rig->state(), State::ready);
+  EXPECT_EQ(rig->drivers.begun, 2);
+}
+
+TEST_F(TorqueCycleTest, StandingTorquesAreThoseOfTheTorqueLawOnTheNewestPlan) {
+  rig->stand();
+  const control::Plan& plan = rig->mail.plans.newest();
+  control::TorqueLoop law;
+  law.configure(*rig->robot, rig->configuration);
+  control::SensorReading reading;
+  reading.time_s = rig->cycle.time_s();
+  reading.joint_position_rad = rig->standing.segment<model::kJoints>(model::kFirstJoint);
+  const model::StateVector estimate =
+      Eigen::Map<const model::StateVector>(rig->record.estimated_state.data());
+  const control::TorqueCommand wanted = law.tick_with_state(reading, estimate, plan);
+  ASSERT_EQ(wanted.status, control::TorqueStatus::tracking);
+  double carried_Nm = 0;
+  for (std::size_t i = 0; i < hal::kJoints; ++i) {
+    EXPECT_EQ(rig->joints.commands[i].torque_Nm, wanted.torque_Nm[static_cast<int>(i)]);
+    EXPECT_EQ(rig->joints.commands[i].kp_Nm_rad, 0) << "the law is evaluated here, not in the driver";
+    EXPECT_EQ(rig->joints.commands[i].kd_Nms_rad, 0);
+    carried_Nm += std::abs(wanted.torque_Nm[static_cast<int>(i)]);
+  }
+  EXPECT_GT(carried_Nm, 10.0) << "the legs carry the body";
+  EXPECT_NEAR(estimate[1], rig->configuration.reference.base_height_m, 1e-3);
+}
+
+TEST_F(TorqueCycleTest, ThePitchIsCarriedOnWithItsRateUntilTheNextFrame) {
+  constexpr int kPitch = model::kFirstAngle;
+  rig->base.reading = {.pitch_rad = 0.1, .pitch_rate_rad_s = 2.0, .time_ns = rig->now_ns()};
+  rig->run(1);
+  EXPECT_DOUBLE_EQ(rig->record.estimated_state[kPitch], 0.1) << "fresh";
+  rig->run(1);
+  EXPECT_NEAR(rig->record.estimated_state[kPitch], 0.102, 1e-12);
+  rig->run(50);
+  EXPECT_NEAR(rig->record.estimated_state[kPitch], 0.12, 1e-12) << "for 10 ms at most";
+  rig->base.reading.time_ns = rig->now_ns() + 5'000'000;
+  rig->run(1);
+  EXPECT_DOUBLE_EQ(rig->record.estimated_state[kPitch], 0.1) << "never back";
+}
+
+TEST_F(TorqueCycleTest, TheTorqueLawTakesOverGradually) {
+  rig->get_ready();
+  rig->ask(RequestKind::stand);
+  rig->run(30);
+  double before_Nm = 0;
+  for (int part = 0; part < 5; ++part) {
+    rig->run(250);
+    const double torque_Nm = std::abs(rig->joints.commands[1].torque_Nm);
+    EXPECT_GT(torque_Nm, before_Nm) << part;
+    before_Nm = torque_Nm;
+  }
+}
+
+TEST_F(TorqueCycleTest, AnEncoderThatStandsStillIsAFaultOnceTheTorqueLawIsInCommand) {
+  rig->get_ready();
+  // Encoders that stick while a joint moved: plans start from that speed.
+  for (hal::JointReading& reading : rig->joints.readings) {
+    reading.velocity_rad_s = 0.9;
+    reading.frozen = 1000;
+  }
+  rig->ask(RequestKind::stand);
+  rig->run(1000);
+  EXPECT_EQ(rig->state(), State::stand) << "still taking over";
+  rig->run(1000);
+  EXPECT_EQ(rig->state(), State::fault);
+  EXPECT_TRUE(rig->decision().latched.has(Fault::stale_encoder));
+}
+
+TEST_F(TorqueCycleTest, AWalkIsPlannedWithTheSpeedAskedFor) {
+  rig->stand();
+  rig->ask(RequestKind::walk, 0.3);
+  rig->run(2);
+  EXPECT_EQ(rig->state(), State::walk);
+  const PlanningRequest& request = rig->mail.requests.newest();
+  EXPECT_EQ(request.command.kind, gait::GaitKind::walk);
+  EXPECT_EQ(request.command.speed_m_s, 0.3);
+  EXPECT_EQ(request.session, 1u);
+}
+
+TEST_F(TorqueCycleTest, ASensorThatIsNotANumberDampsAtOnceWithFiniteCommands) {
+  rig->stand();
+  rig->base.reading.pitch_rad = std::numeric_limits<double>::quiet_NaN();
+  rig->run(1);
+  EXPECT_EQ(rig->state(), State::fault);
+  EXPECT_TRUE(rig->only_damps());
+  for (const hal::JointCommand& command : rig->joints.commands) {
+    EXPECT_TRUE(std::isfinite(command.position_rad) && std::isfinite(command.kd_Nms_rad));
+  }
+}
+
+TEST_F(TorqueCycleTest, APlanThatIsNotANumberNeverReachesTheJoints) {
+  rig->stand();
+  rig->plan_once_more([](control::Plan& bad) {
+    for (control::PlanNode& node : bad.node) node.input.setConstant(NAN);
+  });
+  rig->run(1);
+  for (const hal::JointCommand& command : rig->joints.commands) {
+    EXPECT_TRUE(std::isfinite(command.torque_Nm));
+  }
+  rig->run(1);
+  EXPECT_EQ(rig->state(), State::fault);
+  EXPECT_TRUE(rig->decision().latched.has(Fault::not_finite));
+  EXPECT_TRUE(rig->only_damps());
+}
+
+TEST_F(TorqueCycleTest, APlanIsFollowedToItsEndAndNotBeyond) {
+  rig->stand();
+  double end_s = 0.0;
+  rig->plan_once_more([&](control::Plan& plan) {
+    plan.nodes = 4;
+    end_s = plan.node[3].time_s;
+  });
+  rig->run(1);
+  ASSERT_LT(rig->cycle.time_s(), end_s);
+  for (; rig->cycle.time_s() + 0.0005 < end_s; rig->run(1)) ASSERT_EQ(rig->level(), FallbackLevel::plan);
+  rig->run(2);
+  EXPECT_EQ(rig->level(), FallbackLevel::sit) << "young enough, but at its end";
+}
+
+TEST_F(TorqueCycleTest, OtherGainsAreInForceFromTheNextTickOnAndAreRecorded) {
+  rig->stand();
+  rig->plan_once_more([](control::Plan&) {});
+  rig->joints.readings[1].position_rad += 0.01;
+  rig->run(1);
+  EXPECT_EQ(rig->record.tuning, 0u);
+  const double before_Nm = rig->joints.commands[1].torque_Nm;
+  TorqueTuning& tuning = rig->mail.torque_tunings.writer();
+  tuning = {.number = 3, .law = rig->configuration.torque_law};
+  tuning.law.joint_kp_Nm_rad += 100.0;
+  rig->mail.torque_tunings.publish();
+  rig->run(1);
+  EXPECT_EQ(rig->record.tuning, 3u);
+  EXPECT_NEAR(rig->joints.commands[1].torque_Nm - before_Nm, -0.01 * 100.0, 0.1);
+}
+
+TEST_F(TorqueCycleTest, TheEstimateRestsOnTheFeetThatThePlanHasOnTheGround) {
+  rig->stand();
+  for (const bool left_stands : {true, false}) {
+    rig->plan_once_more([&](control::Plan& plan) {
+      plan.start_time_s = rig->cycle.time_s();
+      for (control::PlanNode& node : plan.node) node.mode = {left_stands, !left_stands};
+    });
+    rig->run(60);
+    const double height_m = rig->record.estimated_state[1];
+    const std::size_t swing_knee = left_stands ? 3 : 1;
+    const std::size_t stance_knee = left_stands ? 1 : 3;
+    rig->joints.readings[swing_knee].position_rad += 0.1;
+    rig->run(1);
+    EXPECT_NEAR(rig->record.estimated_state[1], height_m, 1e-12);
+    rig->joints.readings[stance_knee].position_rad += 0.1;
+    rig->run(1);
+    EXPECT_LT(rig->record.estimated_state[1], height_m - 0.005);
+  }
+}
+
+TEST_F(TorqueCycleTest, ACommandThatTheBusRefusesIsAFault) {
+  rig->stand();
+  rig->joints.write_status = hal::JointBusStatus::refused;
+  rig->run(2);
+  EXPECT_EQ(rig->state(), State::fault);
+  EXPECT_TRUE(rig->decision().latched.has(Fault::not_finite));
+}
+
+TEST_F(TorqueCycleTest, ALostHeartbeatEndsAWalk) {
+  rig->stand();
+  rig->ask(RequestKind::walk, 0.3);
+  rig->command.heartbeat_expected = true;
+  rig->command.heartbeat_ns = rig->now_ns();
+  const int timeout = static_cast<int>(1000 * rig->configuration.supervisor.heartbeat_timeout_s);
+  rig->run(timeout - 2);
+  EXPECT_EQ(rig->state(), State::walk);
+  rig->run(4);
+  EXPECT_EQ(rig->state(), State::step);
+  EXPECT_TRUE(rig->decision().present.has(Fault::heartbeat_lost));
+}
+
+TEST_F(TorqueCycleTest, AfterALatchedFaultNothingButDampingIsSentWhateverIsAsked) {
+  rig->stand();
+  rig->stop.state = hal::EmergencyStopState::pressed;
+  rig->run(1);
+  EXPECT_EQ(rig->state(), State::fault);
+  EXPECT_TRUE(rig->only_damps()) << "in the very tick";
+  rig->stop.state = hal::EmergencyStopState::released;
+  for (const RequestKind kind :
+       {RequestKind::stand, RequestKind::walk, RequestKind::calibrate, RequestKind::sit}) {
+    rig->ask(kind);
+    rig->run(20);
+    EXPECT_EQ(rig->state(), State::fault);
+    EXPECT_TRUE(rig->only_damps());
+  }
+  rig->ask(RequestKind::reset);
+  rig->run(20);
+  EXPECT_EQ(rig->state(), State::idle);
+  EXPECT_GE(rig->buses.restored, 1);
+}
+
+TEST_F(TorqueCycleTest, BusErrorsAreNoticedInTheTickTheyAreCounted) {
+  rig->stand();
+  rig->run(5);
+  EXPECT_FALSE(rig->decision().present.has(Fault::bus_error));
+  rig->buses.error_count += 3;
+  rig->run(1);
+  EXPECT_TRUE(rig->decision().present.has(Fault::bus_error));
+  rig->run(1);
+  EXPECT_FALSE(rig->decision().present.has(Fault::bus_error));
+  for (std::uint32_t* malformed : {&rig->joints.readings[2].malformed, &rig->base.reading.malformed}) {
+    ++*malformed;
+    rig->run(1);
+    EXPECT_TRUE(rig->decision().present.has(Fault::bus_error));
+    rig->run(1);
+    EXPECT_FALSE(rig->decision().present.has(Fault::bus_error));
+  }
+}
+
+TEST_F(TorqueCycleTest, ALongTickIsAFault) {
+  rig->stand();
+  rig->late_ns = 20'000'000;
+  rig->run(1);
+  EXPECT_EQ(rig->state(), State::fault);
+  EXPECT_TRUE(rig->decision().latched.has(Fault::torque_loop_stalled));
+}
+
+TEST_F(TorqueCycleTest, FaultsAndStatesAreTold) {
+  rig->stand();
+  const auto states = rig->take(Event::Kind::state);
+  ASSERT_GE(states.size(), 4u);
+  EXPECT_EQ(states.back().state, State::stand);
+  rig->stop.state = hal::EmergencyStopState::pressed;
+  rig->run(5);
+  const auto faults = rig->take(Event::Kind::fault);
+  ASSERT_EQ(faults.size(), 1u) << "told once";
+  EXPECT_EQ(faults[0].fault, Fault::emergency_stop);
+  EXPECT_NEAR(faults[0].time_s, 1e-3 * static_cast<double>(rig->tick - 5), 1e-9);
+}
+
+TEST_F(TorqueCycleTest, TheBlackBoxFreezesAfterAFaultWithWhatWasBefore) {
+  rig->mail.black_box.set_aftermath(100);
+  rig->stand();
+  rig->stop.state = hal::EmergencyStopState::pressed;
+  const long long tick_of_fault = rig->tick;
+  rig->run(99);
+  EXPECT_FALSE(rig->mail.black_box.frozen());
+  rig->run(200);
+  ASSERT_TRUE(rig->mail.black_box.frozen());
+  const auto& box = rig->mail.black_box;
+  const auto& last = box.record(box.size() - 1);
+  EXPECT_EQ(last.tick, static_cast<std::uint64_t>(tick_of_fault + 100));
+  EXPECT_EQ(last.state, State::fault);
+  EXPECT_EQ(box.record(box.size() - 1 - 101).state, State::stand);
+}
+
+TEST_F(TorqueCycleTest, TheBlackBoxFreezesWhenThePoseIsHeldAndNotForAWarning) {
+  rig->mail.black_box.set_aftermath(20);
+  rig->stand();
+  ++rig->buses.error_count;
+  rig->run(50);
+  EXPECT_FALSE(rig->mail.black_box.frozen()) << "a warning";
+  rig->joints.silent = true;
+  rig->run(5);
+  ASSERT_EQ(rig->level(), FallbackLevel::hold);
+  rig->joints.silent = false;
+  rig->run(50);
+  EXPECT_EQ(rig->state(), State::stand);
+  EXPECT_TRUE(rig->mail.black_box.frozen());
+}
+
+TEST_F(TorqueCycleTest, ARecordHoldsTheTimesOfItsTickAndWhatLeft) {
+  rig->stand();
+  rig->cycle.tick({.now_ns = rig->now_ns(), .late_ns = 1000, .execution_ns = 2000, .round_trip_ns = 3000});
+  const control_loop::TickRecord& record = *rig->mail.telemetry.front();
+  EXPECT_EQ(record.tick, static_cast<std::uint64_t>(rig->tick));
+  EXPECT_EQ(record.time_ns, rig->now_ns());
+  EXPECT_EQ(record.wakeup_ns, 1000);
+  EXPECT_EQ(record.execution_ns, 2000);
+  EXPECT_EQ(record.round_trip_ns, 3000);
+  EXPECT_EQ(record.action, supervisor::Action::commands);
+  EXPECT_EQ(record.sent[1].torque_Nm, rig->joints.commands[1].torque_Nm);
+  EXPECT_EQ(record.plan_sequence, rig->mail.plans.newest().sequence);
+  EXPECT_NEAR(record.plan_age_s, rig->cycle.time_s() - rig->mail.plans.newest().start_time_s, 1e-12);
+}
+
+TEST_F(TorqueCycleTest, NoTickAllocates) {
+  if (!realtime::counts_allocations()) GTEST_SKIP() << "a sanitizer owns the allocator";
+  rig->stand();
+  rig->levels.reserve(10000);
+  const realtime::AllocationScope allocations;
+  rig->ask(RequestKind::step);
+  rig->run(300);
+  rig->joints.silent = true;
+  rig->run(50);
+  EXPECT_EQ(rig->state(), State::fault);
+  EXPECT_EQ(allocations.count(), 0);
+}
+
+}  // namespace
+}  // namespace stilt::control_loop

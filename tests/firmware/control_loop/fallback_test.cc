@@ -1,0 +1,241 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "firmware/configuration/gaits/shipped_gaits.h"
+#include "tests/firmware/control_loop/rig.h"
+
+/// Every rung of the ladder, reached through the ticks, and what the joints are told there.
+namespace stilt::control_loop {
+namespace {
+
+using supervisor::RequestKind;
+using supervisor::FallbackLevel;
+using supervisor::State;
+using testing::Rig;
+
+class LadderTest : public ::testing::Test {
+ protected:
+  LadderTest() : rig(std::make_unique<Rig>()) {}
+  std::unique_ptr<Rig> rig;
+};
+
+TEST_F(LadderTest, NewPlan) {
+  rig->stand();
+  EXPECT_EQ(rig->level(), FallbackLevel::plan);
+}
+
+TEST_F(LadderTest, OlderPlanWithItsFeedbackGains) {
+  rig->stand();
+  rig->planning = false;
+  rig->base.reading.pitch_rad = 0.05;  // off the plan, so that feedback has something to do
+  rig->run(static_cast<int>(1000 * rig->configuration.supervisor.older_plan_s) + 15);
+  ASSERT_EQ(rig->level(), FallbackLevel::plan_feedback);
+  control::ControllerParameters with_feedback = rig->configuration;
+  with_feedback.torque_law.use_feedback_gains = true;
+  control::SensorReading reading;
+  reading.time_s = rig->cycle.time_s();
+  reading.joint_position_rad = rig->standing.segment<model::kJoints>(model::kFirstJoint);
+  reading.base_pitch_rad = 0.05;
+  const model::StateVector estimate =
+      Eigen::Map<const model::StateVector>(rig->record.estimated_state.data());
+  for (const bool feedback : {true, false}) {
+    control::TorqueLoop law;
+    if (feedback) {
+      law.configure(*rig->robot, with_feedback);
+    } else {
+      law.configure(*rig->robot, rig->configuration);
+    }
+    const double torque_Nm = law.tick_with_state(reading, estimate, rig->mail.plans.newest()).torque_Nm[1];
+    EXPECT_EQ(torque_Nm == rig->joints.commands[1].torque_Nm, feedback)
+        << torque_Nm << " and " << rig->joints.commands[1].torque_Nm;
+  }
+}
+
+TEST_F(LadderTest, HoldWhileRepliesAreMissedAndBackToThePlan) {
+  rig->stand();
+  const double pose_rad = rig->joints.readings[1].position_rad;
+  rig->joints.silent = true;
+  rig->run(5);
+  EXPECT_EQ(rig->level(), FallbackLevel::hold);
+  EXPECT_EQ(rig->joints.commands[1].position_rad, pose_rad);
+  EXPECT_GT(rig->joints.commands[1].kp_Nm_rad, 0);
+  EXPECT_EQ(rig->joints.commands[1].torque_Nm, 0);
+  rig->joints.silent = false;
+  rig->run(2);
+  EXPECT_EQ(rig->level(), FallbackLevel::plan);
+}
+
+class GaitRungTest : public LadderTest {
+ protected:
+  GaitRungTest() : library(std::make_unique<gait::GaitLibrary>()) {
+    EXPECT_TRUE(gait_files::load_shipped_library("amber3m", *library));
+    rig->cycle.track_without_plan(*rig->robot, rig->configuration, *library);
+  }
+
+  /// Walking, without plans since these ticks.
+  void walk_on_without_plans(double speed_m_s, int ticks) {
+    rig->stand();
+    rig->ask(RequestKind::walk, speed_m_s);
+    rig->run(2000);  // joints that stand still; the plan steps all the same
+    ASSERT_EQ(rig->state(), State::walk);
+    ASSERT_EQ(rig->level(), FallbackLevel::plan);
+    rig->planning = false;
+    rig->run(ticks);
+  }
+
+  std::unique_ptr<gait::GaitLibrary> library;
+};
+
+TEST_F(GaitRungTest, TracksAGaitWhenThePlannerStopsWhileItWalks) {
+  walk_on_without_plans(0.3, 300);
+  EXPECT_EQ(rig->state(), State::walk);
+  EXPECT_EQ(rig->level(), FallbackLevel::gait);
+  EXPECT_TRUE(rig->decision().present.has(supervisor::Fault::plan_missing));
+  EXPECT_TRUE(rig->decision().latched.empty());
+  for (const hal::JointCommand& command : rig->joints.commands) {
+    EXPECT_EQ(command.kp_Nm_rad, 0) << "the torque is computed here";
+    EXPECT_LE(std::abs(command.torque_Nm), 80);
+  }
+  const auto most = std::ranges::max_element(
+      rig->joints.commands, {}, [](const hal::JointCommand& command) { return std::abs(command.torque_Nm); });
+  EXPECT_GT(std::abs(most->torque_Nm), 1);
+}
+
+TEST_F(GaitRungTest, WithoutPlansInDoubleSupportThereIsNoGaitToGoOnWith) {
+  walk_on_without_plans(0.3, 0);
+  rig->plan_once_more([](control::Plan& plan) {
+    for (control::PlanNode& node : plan.node) node.mode = {true, true};
+  });
+  rig->run(300);
+  EXPECT_EQ(rig->level(), FallbackLevel::sit);
+  EXPECT_EQ(std::ranges::find(rig->levels, FallbackLevel::gait), rig->levels.end());
+}
+
+TEST_F(GaitRungTest, APlanIsFollowedAgainOnlyWithTheFootOfTheGaitOnTheGround) {
+  walk_on_without_plans(0.3, 300);
+  ASSERT_EQ(rig->level(), FallbackLevel::gait);
+  int followed = 0;
+  const auto offer = [&](model::ContactMode mode) {
+    rig->plan_once_more([&](control::Plan& plan) {
+      plan.start_time_s = rig->cycle.time_s();
+      for (control::PlanNode& node : plan.node) node.mode = mode;
+    });
+    rig->run(1);
+    if (rig->level() == FallbackLevel::plan) ++followed;
+  };
+  offer({true, true});
+  EXPECT_EQ(followed, 0);
+  offer({true, false});
+  if (followed == 0) offer({false, true});
+  EXPECT_EQ(followed, 1);
+}
+
+/// Stepping in place the phase of the gait is the time, so that it goes on though the joints stand still.
+class GaitRungSensorTest : public GaitRungTest {
+ protected:
+  GaitRungSensorTest() : frozen(static_cast<std::uint32_t>(rig->configuration.supervisor.frozen_ticks)) {
+    walk_on_without_plans(0.0, 0);
+    for (int i = 0; i < 300 && rig->level() != FallbackLevel::gait; ++i) rig->run(1);
+  }
+  void freeze_encoders() {
+    for (hal::JointReading& reading : rig->joints.readings) reading.frozen = frozen;
+  }
+  std::uint32_t frozen;
+};
+
+TEST_F(GaitRungSensorTest, EncodersThatRepeatThemselvesWhileTheGaitMovesTheJointsAreStale) {
+  ASSERT_EQ(rig->level(), FallbackLevel::gait);
+  freeze_encoders();
+  rig->run(2);
+  EXPECT_TRUE(rig->decision().latched.has(supervisor::Fault::stale_encoder));
+  EXPECT_EQ(rig->level(), FallbackLevel::damp);
+}
+
+TEST_F(GaitRungSensorTest, ABaseSensorThatRepeatsItselfMeanwhileIsStale) {
+  ASSERT_EQ(rig->level(), FallbackLevel::gait);
+  rig->base.reading.frozen = frozen;
+  rig->run(2);
+  EXPECT_TRUE(rig->decision().latched.has(supervisor::Fault::stale_base_sensor));
+}
+
+TEST_F(GaitRungSensorTest, SensorsMayRepeatThemselvesWhenTheStepIsOverAndNoFootHasLanded) {
+  rig->run(500);
+  ASSERT_EQ(rig->level(), FallbackLevel::gait);
+  freeze_encoders();
+  rig->base.reading.frozen = frozen;
+  rig->run(2);
+  EXPECT_TRUE(rig->decision().latched.empty());
+}
+
+TEST_F(LadderTest, SitWhenThePlannerStops) {
+  rig->stand();
+  rig->planning = false;
+  rig->run(300);
+  EXPECT_EQ(rig->state(), State::sit);
+  EXPECT_EQ(rig->level(), FallbackLevel::sit);
+  EXPECT_EQ(rig->mail.requests.newest().session, 0u) << "no plan is wanted any more";
+  const double first_rad = rig->joints.commands[1].position_rad;
+  rig->run(1000);
+  EXPECT_GT(rig->joints.commands[1].position_rad, first_rad) << "the knees bend";
+  rig->run(2000);
+  EXPECT_EQ(rig->state(), State::fault) << "a latched cause: sitting ends in damping";
+  EXPECT_EQ(rig->level(), FallbackLevel::damp);
+}
+
+TEST_F(LadderTest, DampWhenRepliesAreLost) {
+  rig->stand();
+  rig->joints.silent = true;
+  rig->run(11);
+  EXPECT_EQ(rig->state(), State::fault);
+  EXPECT_EQ(rig->level(), FallbackLevel::damp);
+  for (const hal::JointCommand& command : rig->joints.commands) {
+    EXPECT_EQ(command.kp_Nm_rad, 0);
+    EXPECT_EQ(command.torque_Nm, 0);
+    EXPECT_GT(command.kd_Nms_rad, 0);
+  }
+}
+
+TEST_F(LadderTest, DampingTorqueIsBoundedAtAnySpeed) {
+  rig->stand();
+  rig->stop.state = hal::EmergencyStopState::pressed;
+  for (const double speed_rad_s : {0.1, 5.0, 17.0}) {
+    for (hal::JointReading& reading : rig->joints.readings) reading.velocity_rad_s = speed_rad_s;
+    rig->run(1);
+    for (const hal::JointCommand& command : rig->joints.commands) {
+      EXPECT_LE(command.kd_Nms_rad * speed_rad_s,
+                rig->configuration.supervisor.damping_torque_Nm * (1 + 1e-12));
+    }
+  }
+}
+
+TEST_F(LadderTest, OffAtTheEndByWayOfSitting) {
+  rig->stand();
+  rig->command.shut_down = true;
+  rig->run(1);
+  EXPECT_EQ(rig->state(), State::sit);
+  rig->run(static_cast<int>(1000 * rig->configuration.supervisor.sit_s) + 5);
+  EXPECT_EQ(rig->state(), State::off);
+  EXPECT_EQ(rig->level(), FallbackLevel::off);
+  EXPECT_GT(rig->joints.disables, 0);
+  const int writes = rig->joints.writes;
+  rig->run(50);
+  EXPECT_EQ(rig->joints.writes, writes) << "nothing but letting go";
+}
+
+TEST_F(LadderTest, NoRungIsLeftOut) {
+  rig->stand();
+  rig->planning = false;
+  rig->run(300);
+  rig->run(static_cast<int>(1000 * rig->configuration.supervisor.sit_s) + 5);
+  rig->command.shut_down = true;
+  rig->run(5);
+  for (const FallbackLevel rung : {FallbackLevel::plan, FallbackLevel::plan_feedback, FallbackLevel::sit, FallbackLevel::damp, FallbackLevel::off}) {
+    EXPECT_NE(std::ranges::find(rig->levels, rung), rig->levels.end()) << supervisor::name(rung);
+  }
+}
+
+}  // namespace
+}  // namespace stilt::control_loop

@@ -1,0 +1,209 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <memory>
+#include <vector>
+
+#include "firmware/configuration/configuration.h"
+#include "firmware/control_loop/planner_task.h"
+#include "firmware/control_loop/control_loop.h"
+#include "mpc_core/gait/reference.h"
+
+/// The torque cycle and the planner over a scripted robot, without threads and clocks.
+namespace stilt::control_loop::testing {
+
+inline constexpr std::int64_t kTick_ns = 1'000'000;
+
+/// Joints that stand still where they are put, and remember what is asked of them.
+class ScriptedJoints final : public hal::JointBus {
+ public:
+  hal::JointReadings readings;
+  hal::JointBusStatus read_status = hal::JointBusStatus::ok;
+  hal::JointBusStatus write_status = hal::JointBusStatus::ok;
+  bool silent = false;
+  int writes = 0;
+  int disables = 0;
+  hal::JointCommands commands;
+
+  hal::JointBusStatus read(std::int64_t now_ns, hal::JointReadings& taken) noexcept override {
+    for (hal::JointReading& reading : readings) {
+      reading.missed = silent ? reading.missed + 1 : 0;
+      if (!silent) reading.time_ns = now_ns;
+    }
+    taken = readings;
+    return read_status;
+  }
+  hal::JointBusStatus write(const hal::JointCommands& wanted) noexcept override {
+    commands = wanted;
+    ++writes;
+    return write_status;
+  }
+  hal::JointBusStatus disable() noexcept override {
+    ++disables;
+    return hal::JointBusStatus::ok;
+  }
+};
+
+class ScriptedBase final : public hal::BaseSensor {
+ public:
+  hal::BaseReading reading;
+  hal::BaseSensorStatus read_base(hal::BaseReading& taken) noexcept override {
+    taken = reading;
+    return hal::BaseSensorStatus::ok;
+  }
+};
+
+class ScriptedStop final : public hal::EmergencyStop {
+ public:
+  hal::EmergencyStopState state = hal::EmergencyStopState::released;
+  hal::EmergencyStopState read_emergency_stop(std::int64_t) noexcept override { return state; }
+};
+
+class ScriptedDrivers final : public hardware::Drivers {
+ public:
+  int begun = 0;
+  int steps = 0;
+  hal::BringUpProgress outcome{.ready = true, .stage = hal::bring_up::Stage::ready};
+  void begin() noexcept override { ++begun; }
+  hal::BringUpProgress step(std::int64_t) noexcept override {
+    ++steps;
+    return outcome;
+  }
+};
+
+class ScriptedBuses final : public hardware::Buses {
+ public:
+  std::uint64_t error_count = 0;
+  int restored = 0;
+  std::uint64_t errors() const noexcept override { return error_count; }
+  void restore() noexcept override { ++restored; }
+};
+
+class Rig {
+ public:
+  Rig() {
+    robot = &model::amber3m();
+    configuration = configuration::load_robot("amber3m").value();
+    EXPECT_EQ(planner.configure(*robot, configuration), control::ConfigureStatus::ok);
+    cycle.configure(*robot, configuration, configuration.supervisor);
+    cycle.attach({&joints, &base, &stop, &drivers, &buses}, mail);
+    standing = gait::standing_state(robot->constants, configuration.reference.base_height_m, 0.0,
+                                    configuration.gait.stand_half_width_m, true);
+    for (std::size_t i = 0; i < hal::kJoints; ++i) {
+      joints.readings[i].position_rad = standing[model::kFirstJoint + static_cast<int>(i)];
+      joints.readings[i].velocity_rad_s = 0.0;
+      joints.readings[i].state = hal::DriverState::enabled;
+    }
+    base.reading.pitch_rad = 0.0;
+    base.reading.pitch_rate_rad_s = 0.0;
+  }
+
+  void ask(supervisor::RequestKind kind, double speed_m_s = 0.0) {
+    command.request = {kind, command.request.number + 1, speed_m_s};
+  }
+
+  /// Ticks, with a plan every ten ticks in use five ticks later, unless the planner is off.
+  void run(int ticks) {
+    for (int i = 0; i < ticks; ++i) {
+      mail.commands.writer() = command;
+      mail.commands.publish();
+      if (tick == due && fresh) mail.plans.publish();
+      cycle.tick({.now_ns = now_ns(), .late_ns = late_ns});
+      rungs.push_back(decision().rung);
+      record = *mail.telemetry.front();
+      mail.telemetry.pop();
+      if (planning && tick % 10 == 0) {
+        fresh = planner.cycle(mail.requests.newest(), mail.plans.writer());
+        due = tick + 5;
+      }
+      ++tick;
+    }
+  }
+
+  /// From power-on to drivers that came up.
+  void get_ready() {
+    run(3);
+    ask(supervisor::RequestKind::calibrate);
+    run(3);
+    ASSERT_EQ(state(), supervisor::State::ready);
+  }
+
+  /// From power-on to standing with the torque law fully in command.
+  void stand() {
+    get_ready();
+    ask(supervisor::RequestKind::stand);
+    run(static_cast<int>(1000 * configuration.supervisor.stand_ramp_s) + 100);
+    ASSERT_EQ(state(), supervisor::State::stand);
+    ASSERT_EQ(decision().ramp, 1.0);
+  }
+
+  /// The emergency stop ends what the robot does; then reset and bring-up.
+  void fall_and_get_ready() {
+    stop.state = hal::EmergencyStopState::pressed;
+    run(10);
+    stop.state = hal::EmergencyStopState::released;
+    ask(supervisor::RequestKind::reset);
+    run(10);
+    ask(supervisor::RequestKind::calibrate);
+    run(5);
+    ASSERT_EQ(state(), supervisor::State::ready);
+  }
+
+  /// The planner ends, and this is its last plan: the newest one, changed.
+  template <class Change>
+  void plan_once_more(const Change& change) {
+    planning = fresh = false;
+    control::Plan& plan = mail.plans.writer();
+    plan = mail.plans.newest();
+    change(plan);
+    mail.plans.publish();
+  }
+
+  /// Events of a kind that wait in the ring; all others are dropped.
+  [[nodiscard]] std::vector<Event> take(Event::Kind kind) {
+    std::vector<Event> events;
+    while (const Event* event = mail.events.front()) {
+      if (event->kind == kind) events.push_back(*event);
+      mail.events.pop();
+    }
+    return events;
+  }
+
+  /// All four commands only damp.
+  [[nodiscard]] bool only_damps() const {
+    return std::ranges::all_of(joints.commands, [](const hal::JointCommand& joint) {
+      return joint.kp_Nm_rad == 0 && joint.torque_Nm == 0 && joint.velocity_rad_s == 0;
+    });
+  }
+
+  [[nodiscard]] std::int64_t now_ns() const { return 1'000'000'000 + tick * kTick_ns; }
+  [[nodiscard]] const supervisor::SupervisorOutput& decision() const { return cycle.decision(); }
+  [[nodiscard]] supervisor::State state() const { return cycle.decision().state; }
+  [[nodiscard]] supervisor::FallbackLevel rung() const { return cycle.decision().rung; }
+
+  const model::RobotModel* robot;
+  configuration::Configuration configuration;
+  Mailboxes mail;
+  PlannerCycle planner;
+  TorqueCycle cycle;
+  ScriptedJoints joints;
+  ScriptedBase base;
+  ScriptedStop stop;
+  ScriptedDrivers drivers;
+  ScriptedBuses buses;
+  OperatorCommand command;
+  model::StateVector standing;
+  control_loop::TickRecord record;  ///< of the newest tick
+  std::vector<supervisor::FallbackLevel> rungs;
+  bool planning = true;
+  std::int64_t late_ns = 0;
+  long long tick = 0;
+
+ private:
+  long long due = -1;
+  bool fresh = false;
+};
+
+}  // namespace stilt::control_loop::testing

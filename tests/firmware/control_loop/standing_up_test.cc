@@ -1,0 +1,150 @@
+// From damped joints to standing: in which pose it begins, and what of an earlier session counts then.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include "tests/firmware/control_loop/rig.h"
+
+namespace stilt::control_loop {
+namespace {
+
+using supervisor::Fault;
+using supervisor::RequestKind;
+using supervisor::FallbackLevel;
+using supervisor::State;
+using testing::Rig;
+
+class StandingUpTest : public ::testing::Test {
+ protected:
+  std::unique_ptr<Rig> rig = std::make_unique<Rig>();
+};
+
+TEST_F(StandingUpTest, WaitsForTheStandingPose) {
+  rig->get_ready();
+  rig->joints.readings[1].position_rad += 0.3;
+  rig->ask(RequestKind::stand);
+  rig->run(100);
+  EXPECT_EQ(rig->state(), State::ready);
+  EXPECT_TRUE(rig->only_damps());
+  EXPECT_EQ(rig->take(Event::Kind::waits_for_pose).size(), 1u);
+  rig->joints.readings[1].position_rad -= 0.3;
+  rig->run(10);
+  EXPECT_EQ(rig->state(), State::stand);
+}
+
+TEST_F(StandingUpTest, WaitsUntilNothingMovesEitherWay) {
+  rig->get_ready();
+  rig->ask(RequestKind::stand);
+  const double fast_rad_s = 1.1 * rig->configuration.supervisor.stand_speed_rad_s;
+  for (double* velocity_rad_s :
+       {&rig->joints.readings[0].velocity_rad_s, &rig->joints.readings[3].velocity_rad_s,
+        &rig->base.reading.pitch_rate_rad_s}) {
+    for (const double side : {-1.0, 1.0}) {
+      *velocity_rad_s = side * fast_rad_s;
+      rig->run(10);
+      EXPECT_EQ(rig->state(), State::ready);
+    }
+    *velocity_rad_s = 0.0;
+  }
+  rig->run(10);
+  EXPECT_EQ(rig->state(), State::stand);
+}
+
+TEST_F(StandingUpTest, WaitsForAnUprightTorso) {
+  rig->get_ready();
+  rig->ask(RequestKind::stand);
+  const double margin_rad = rig->configuration.supervisor.stand_pose_margin_rad;
+  for (const double side : {-1.0, 1.0}) {
+    rig->base.reading.pitch_rad = side * 1.1 * margin_rad;
+    rig->run(10);
+    EXPECT_EQ(rig->state(), State::ready);
+  }
+  rig->base.reading.pitch_rad = -0.9 * margin_rad;
+  rig->run(10);
+  EXPECT_EQ(rig->state(), State::stand);
+}
+
+TEST_F(StandingUpTest, EitherFootMayBeAhead) {
+  rig->get_ready();
+  for (const std::size_t left : {0U, 1U}) {
+    std::swap(rig->joints.readings[left].position_rad, rig->joints.readings[left + 2].position_rad);
+  }
+  ASSERT_GT(std::abs(rig->joints.readings[0].position_rad - rig->joints.readings[2].position_rad),
+            rig->configuration.supervisor.stand_pose_margin_rad)
+      << "one pose is not near the other";
+  rig->ask(RequestKind::stand);
+  rig->run(10);
+  EXPECT_EQ(rig->state(), State::stand);
+}
+
+TEST_F(StandingUpTest, EveryWaitForThePoseIsReported) {
+  rig->get_ready();
+  rig->joints.readings[1].position_rad += 0.3;
+  for (int wait = 0; wait < 2; ++wait) {
+    rig->ask(RequestKind::stand);
+    rig->run(20);
+    EXPECT_EQ(rig->take(Event::Kind::waits_for_pose).size(), 1u) << "wait " << wait;
+    rig->ask(RequestKind::sit);
+    rig->run(5);
+  }
+}
+
+TEST_F(StandingUpTest, LeavingTheStandingPoseEndsDampedAndIsReported) {
+  rig->get_ready();
+  rig->ask(RequestKind::stand);
+  rig->run(500);
+  ASSERT_EQ(rig->state(), State::stand);
+  rig->joints.readings[1].position_rad += rig->configuration.supervisor.stance_margin_rad + 0.01;
+  rig->run(2);
+  EXPECT_EQ(rig->state(), State::ready);
+  EXPECT_TRUE(rig->only_damps());
+  EXPECT_EQ(rig->take(Event::Kind::lost_stance).size(), 1u);
+  EXPECT_TRUE(rig->decision().latched.empty());
+}
+
+TEST_F(StandingUpTest, APlanFromBeforeTheLastFallIsNotFollowed) {
+  rig->stand();
+  rig->fall_and_get_ready();
+  rig->planning = false;
+  rig->ask(RequestKind::stand);
+  rig->run(20);
+  EXPECT_EQ(rig->state(), State::stand);
+  EXPECT_EQ(rig->mail.requests.newest().session, 2u);
+  EXPECT_EQ(rig->level(), FallbackLevel::hold) << "the old plan has not ended yet, but belongs to another place";
+}
+
+TEST_F(StandingUpTest, TheSolvesBeforeTheLastFallDoNotCount) {
+  rig->stand();
+  PlanningResult& result = rig->mail.results.writer();
+  result.session = 1;
+  result.failures_in_a_row = 10;
+  result.solve_ns = 50'000'000;
+  rig->mail.results.publish();
+  rig->run(1);
+  EXPECT_TRUE(rig->decision().present.has(Fault::failed_solves));
+  EXPECT_TRUE(rig->decision().present.has(Fault::planner_overrun));
+  rig->fall_and_get_ready();
+  rig->ask(RequestKind::stand);
+  rig->run(20);
+  EXPECT_EQ(rig->state(), State::stand);
+  EXPECT_TRUE(rig->decision().present.empty());
+}
+
+TEST_F(StandingUpTest, TheEstimateBeginsAtTheOriginEveryTime) {
+  rig->stand();
+  EXPECT_NEAR(rig->record.estimated_state[0], 0.0, 1e-12);
+  rig->fall_and_get_ready();
+  // Both legs backward: the base is ahead of where it was over the feet of before.
+  for (const std::size_t hip : {0U, 2U}) rig->joints.readings[hip].position_rad += 0.1;
+  rig->ask(RequestKind::stand);
+  for (int tick = 0; tick < 30; ++tick) {
+    rig->run(1);
+    EXPECT_NEAR(rig->record.estimated_state[0], 0.0, 1e-12) << "tick " << tick;
+  }
+  EXPECT_EQ(rig->state(), State::stand);
+}
+
+}  // namespace
+}  // namespace stilt::control_loop
