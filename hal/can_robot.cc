@@ -241,8 +241,13 @@ DecodeStatus CanRobot::take_odrive(std::int64_t now_ns, std::size_t joint, std::
   }
 }
 
+/// After the rate of the same moment. A pitch alone stays equal over many readings of a coarse sensor.
 void CanRobot::set_pitch(std::int64_t now_ns, double pitch_rad) noexcept {
-  base_.frozen = pitch_rad == base_.pitch_rad ? base_.frozen + base_period_reads() : 0;
+  const double rate_rad_s = base_.pitch_rate_rad_s;
+  const bool same_rate = rate_rad_s == rate_at_pitch_rad_s_ || std::isnan(rate_rad_s);
+  const bool same = pitch_rad == base_.pitch_rad && same_rate;
+  base_.frozen = same ? base_.frozen + base_period_reads() : 0;
+  rate_at_pitch_rad_s_ = rate_rad_s;
   base_.pitch_rad = pitch_rad;
   base_.time_ns = now_ns;
   base_fresh_ = true;

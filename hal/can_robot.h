@@ -73,6 +73,7 @@ class CanRobot final {
   JointReadings readings_;
   std::array<bool, kJoints> fresh_{};
   BaseReading base_;
+  double rate_at_pitch_rad_s_ = 0.0;  ///< of the base, when its newest pitch came
   bool base_fresh_ = false;
   std::uint32_t base_silent_ = 0;  ///< reads in a row without a new angle
   bool has_emergency_stop_ = false;

@@ -84,7 +84,7 @@ std::optional<Difference> compare(const control_loop::TickRecord& recorded,
   comparison.add("latched faults", recorded.latched.bits(), replayed.latched.bits());
   comparison.add("reaction", recorded.reaction, replayed.reaction);
   comparison.add("state", recorded.state, replayed.state);
-  comparison.add("rung", recorded.level, replayed.level);
+  comparison.add("level", recorded.level, replayed.level);
   comparison.add("ramp", recorded.ramp, replayed.ramp);
   comparison.add("standing", recorded.standing, replayed.standing);
   comparison.add("gait", recorded.gait.kind, replayed.gait.kind);

@@ -183,20 +183,25 @@ void Plant::measure_feet() {
 control::SensorReading Plant::read_sensors() {
   control::SensorReading reading;
   reading.time_s = data_->time;
-  const auto position_rad = [this](int dof, double noise_rad) {
-    return quantised(data_->qpos[dof] + noise_rad * normal_(random_), options_.encoder_resolution_rad);
+  const PlantOptions& o = options_;
+  const auto position_rad = [this](int dof, double noise_rad, double resolution_rad) {
+    return quantised(data_->qpos[dof] + noise_rad * normal_(random_), resolution_rad);
   };
-  const auto velocity_rad_s = [this](int dof, double noise_rad_s) {
-    return quantised(data_->qvel[dof] + noise_rad_s * normal_(random_),
-                     options_.encoder_velocity_resolution_rad_s);
+  const auto velocity_rad_s = [this](int dof, double noise_rad_s, double resolution_rad_s) {
+    return quantised(data_->qvel[dof] + noise_rad_s * normal_(random_), resolution_rad_s);
   };
+  const auto own_or = [](double own, double common) { return own > 0.0 ? own : common; };
   for (int joint = 0; joint < model::kJoints; ++joint) {
     const int dof = model::kFirstJoint + joint;
-    reading.joint_position_rad[joint] = position_rad(dof, options_.encoder_noise_rad);
-    reading.joint_velocity_rad_s[joint] = velocity_rad_s(dof, options_.encoder_velocity_noise_rad_s);
+    reading.joint_position_rad[joint] = position_rad(dof, o.encoder_noise_rad, o.encoder_resolution_rad);
+    reading.joint_velocity_rad_s[joint] =
+        velocity_rad_s(dof, o.encoder_velocity_noise_rad_s, o.encoder_velocity_resolution_rad_s);
   }
-  reading.base_pitch_rad = position_rad(model::kFirstAngle, options_.base_angle_noise_rad);
-  reading.base_pitch_rate_rad_s = velocity_rad_s(model::kFirstAngle, options_.base_rate_noise_rad_s);
+  reading.base_pitch_rad = position_rad(model::kFirstAngle, o.base_angle_noise_rad,
+                                        own_or(o.base_resolution_rad, o.encoder_resolution_rad));
+  reading.base_pitch_rate_rad_s =
+      velocity_rad_s(model::kFirstAngle, o.base_rate_noise_rad_s,
+                     own_or(o.base_rate_resolution_rad_s, o.encoder_velocity_resolution_rad_s));
   return reading;
 }
 

@@ -70,6 +70,8 @@ class Plant {
   [[nodiscard]] double time_step_s() const;
   /// Torque of the motors over the last time step.
   [[nodiscard]] const model::JointVector& applied_torque_Nm() const { return applied_torque_Nm_; }
+  /// Age of the readings that the controller gets.
+  [[nodiscard]] double reading_delay_s() const { return options_.reading_delay_s; }
   /// Largest torque of each motor at rest.
   [[nodiscard]] const model::JointVector& torque_limit_Nm() const { return torque_limit_Nm_; }
   /// Whether the set point of a drive stood at the motor's limit over the last time step: that of its speed,

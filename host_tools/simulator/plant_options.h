@@ -17,9 +17,12 @@ struct PlantOptions {
   std::optional<double> joint_damping_Nms_rad;
   std::optional<double> joint_friction_Nm;
   std::optional<double> torque_limit_Nm;
-  double no_load_speed_rad_s = 0.0;    ///< of every joint; 0: the torque does not depend on the speed
-  double drive_time_constant_s = 0.0;  ///< 0: the torque follows its command at once
-  std::optional<double> torso_com_m;   ///< height above the hip
+  double no_load_speed_rad_s = 0.0;         ///< of every joint; 0: the torque does not depend on the speed
+  double base_resolution_rad = 0.0;         ///< of the base pitch; 0: that of the encoders
+  double base_rate_resolution_rad_s = 0.0;  ///< of its rate; 0: that of the encoders
+  double reading_delay_s = 0.0;             ///< age of the readings that the controller gets, in whole ticks
+  double drive_time_constant_s = 0.0;       ///< 0: the torque follows its command at once
+  std::optional<double> torso_com_m;        ///< height above the hip
   bool joint_stops = false;
   double foot_radius_m = 0.002;
   double contact_time_constant_s = 0.004;  ///< MuJoCo solref[0], at least twice the time step

@@ -20,8 +20,10 @@ bool finite(const hal::JointCommand& command) {
 
 }  // namespace
 
-PlantRobot::PlantRobot(Plant& plant, std::vector<TimedFault> faults)
-    : plant_(plant), faults_(std::move(faults)) {
+PlantRobot::PlantRobot(Plant& plant, std::vector<TimedFault> faults, double tick_s)
+    : plant_(plant),
+      faults_(std::move(faults)),
+      sensed_(1 + static_cast<std::size_t>(std::lround(plant.reading_delay_s() / tick_s))) {
   enabled_.fill(true);
 }
 
@@ -68,9 +70,8 @@ void PlantRobot::read_joint(std::size_t joint, std::int64_t now_ns, const contro
     ++reading.missed;
     return;
   }
-  const bool repeats = active(FaultKind::encoder_freeze, joint) && reading.time_ns != 0;
-  const double position_rad = repeats ? reading.position_rad : sensors.joint_position_rad[j];
-  const double velocity_rad_s = repeats ? reading.velocity_rad_s : sensors.joint_velocity_rad_s[j];
+  const double position_rad = sensors.joint_position_rad[j];
+  const double velocity_rad_s = sensors.joint_velocity_rad_s[j];
   const bool same = position_rad == reading.position_rad && velocity_rad_s == reading.velocity_rad_s;
   reading.frozen = same ? reading.frozen + 1 : 0;
   reading.position_rad = position_rad;
@@ -93,17 +94,38 @@ void PlantRobot::read_base(std::int64_t now_ns, const control::SensorReading& se
     ++reading.missed;
     return;
   }
-  const bool repeats = active(FaultKind::base_freeze) && reading.time_ns != 0;
-  const double pitch_rad = repeats ? reading.pitch_rad : sensors.base_pitch_rad;
-  reading.frozen = pitch_rad == reading.pitch_rad ? reading.frozen + 1 : 0;
-  reading.pitch_rad = pitch_rad;
-  if (!repeats) reading.pitch_rate_rad_s = sensors.base_pitch_rate_rad_s;
+  const bool same = sensors.base_pitch_rad == reading.pitch_rad &&
+                    sensors.base_pitch_rate_rad_s == reading.pitch_rate_rad_s;
+  reading.frozen = same ? reading.frozen + 1 : 0;
+  reading.pitch_rad = sensors.base_pitch_rad;
+  reading.pitch_rate_rad_s = sensors.base_pitch_rate_rad_s;
   reading.time_ns = now_ns;
   reading.missed = 0;
 }
 
+/// The sensors now; frozen ones as before. They fill the delay line when they are read for the first time.
+void PlantRobot::sense() {
+  control::SensorReading now = plant_.read_sensors();
+  const control::SensorReading& before = sensed_[(next_ + sensed_.size() - 1) % sensed_.size()];
+  for (std::size_t joint = 0; sensing_ && joint < hal::kJoints; ++joint) {
+    if (!active(FaultKind::encoder_freeze, joint)) continue;
+    const auto j = static_cast<int>(joint);
+    now.joint_position_rad[j] = before.joint_position_rad[j];
+    now.joint_velocity_rad_s[j] = before.joint_velocity_rad_s[j];
+  }
+  if (sensing_ && active(FaultKind::base_freeze)) {
+    now.base_pitch_rad = before.base_pitch_rad;
+    now.base_pitch_rate_rad_s = before.base_pitch_rate_rad_s;
+  }
+  if (!sensing_) std::ranges::fill(sensed_, now);
+  sensing_ = true;
+  sensed_[next_] = now;
+  next_ = (next_ + 1) % sensed_.size();
+}
+
 void PlantRobot::read(std::int64_t now_ns, hal::RobotReadings& readings) noexcept {
-  const control::SensorReading sensors = plant_.read_sensors();
+  sense();
+  const control::SensorReading& sensors = sensed_[next_];
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
     read_joint(joint, now_ns, sensors, readings.joints[joint]);
   }

@@ -26,6 +26,7 @@ std::size_t SimulatedController::bytes() {
 
 control::ConfigureStatus SimulatedController::configure(ControllerSetup setup) {
   setup_ = std::move(setup);
+  schedule_ = control_loop::PlannerSchedule(setup_.parameters.timing);
   const model::RobotModel* planned = setup_.planning_model != nullptr ? setup_.planning_model : setup_.robot;
   const control::ConfigureStatus status = planner_->configure(*planned, setup_.parameters);
   if (setup_.reference_gaits != nullptr) planner_->follow(*setup_.reference_gaits);

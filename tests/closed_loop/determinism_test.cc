@@ -4,14 +4,12 @@
 #include <cstring>
 #include <thread>
 
-#include "tests/closed_loop/forwarding_controller.h"
 #include "tests/closed_loop/simulated_run.h"
 
 /// A run depends on its settings and its seed alone.
 namespace stilt::simulator {
 namespace {
 
-using testing_support::ForwardingController;
 using testing_support::RunRequest;
 using testing_support::SimulatedRun;
 
@@ -55,20 +53,6 @@ void expect_identical(const log::RunRecord& a, const log::RunRecord& b) {
   }
 }
 
-/// A machine that is now and then slow to plan, on the wall clock.
-class SlowPlanner final : public ForwardingController {
- public:
-  using ForwardingController::ForwardingController;
-
-  std::optional<solver::SolveReport> plan(double time_s, const gait::GaitCommand& command) override {
-    if (++plans_ % 60 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    return ForwardingController::plan(time_s, command);
-  }
-
- private:
-  int plans_ = 0;
-};
-
 TEST(Determinism, TwoRunsAreIdenticalBitForBit) {
   SimulatedRun first(eventful(7));
   SimulatedRun second(eventful(7));
@@ -86,8 +70,12 @@ TEST(Determinism, AControllerUsedBeforeRepeatsTheRunOfANewOne) {
 TEST(Determinism, ASlowPlannerChangesNothing) {
   SimulatedRun first(eventful(7));
   SimulatedRun second(eventful(7));
-  SlowPlanner slow(*second.controller);
-  expect_identical(first.run(), run_closed_loop(second.plant, slow, second.settings));
+  int turns = 0;
+  second.settings.observer.plans = [&turns](double) {
+    if (++turns % 600 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    return true;
+  };
+  expect_identical(first.run(), second.run());
 }
 
 TEST(Determinism, AnotherSeedGivesAnotherRun) {

@@ -1,110 +1,105 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
+#include <utility>
+#include <vector>
 
-#include "tests/closed_loop/forwarding_controller.h"
 #include "tests/closed_loop/simulated_run.h"
 
-/// What the robot does when planning fails for a while: it goes on with the older plan.
+/// What the robot does when plans are missing for a while.
 namespace stilt::simulator {
 namespace {
 
+using supervisor::FallbackLevel;
+using supervisor::State;
 using testing_support::describe;
-using testing_support::ForwardingController;
+using testing_support::RunRequest;
 using testing_support::SimulatedRun;
 using testing_support::walking;
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kPlanPeriod_s = 0.01;
 constexpr double kTick_s = 0.001;
 
 bool within(double time_s, double start_s, double duration_s) {
   return time_s > start_s - 0.5 * kTick_s && time_s < start_s + duration_s - 0.5 * kTick_s;
 }
 
-int failed_plans(const log::RunRecord& record) {
-  int failed = 0;
-  for (const log::SolveSample& solve : record.solves) failed += solve.report.usable() ? 0 : 1;
-  return failed;
+/// The planner rests for a while each second from 5 s on.
+log::RunRecord walk_with_rests(SimulatedRun& run, double rest_s) {
+  run.settings.observer.plans = [rest_s](double time_s) {
+    return time_s < 5.0 || !within(time_s - std::floor(time_s + 0.5 * kTick_s), 0.2, rest_s);
+  };
+  return run.run();
 }
 
-/// Gives the planner a command that is no number, for a while each second from 5 s on.
-class MissingPlans final : public ForwardingController {
- public:
-  MissingPlans(Controller& inner, int cycles) : ForwardingController(inner), cycles_(cycles) {}
-
-  std::optional<solver::SolveReport> plan(double time_s, const gait::GaitCommand& command) override {
-    const double in_second_s = time_s - std::floor(time_s + 0.5 * kTick_s);
-    if (time_s < 5.0 || !within(in_second_s, 0.2, cycles_ * kPlanPeriod_s)) {
-      return ForwardingController::plan(time_s, command);
-    }
-    const long long before = plan_in_use().sequence;
-    const auto report = ForwardingController::plan(time_s, {command.kind, kNan});
-    EXPECT_EQ(newest_plan().sequence, before) << "a failed plan must not be the newest";
-    return report;
-  }
-
- private:
-  int cycles_;
-};
-
-/// Changes the sensors of single ticks, at which a plan starts, once a second from 5 s on.
-class BadSensors final : public ForwardingController {
- public:
-  BadSensors(Controller& inner, double joint_velocity_rad_s)
-      : ForwardingController(inner), joint_velocity_rad_s_(joint_velocity_rad_s) {}
-
-  TickOutput tick(const control::SensorReading& reading, const model::StateVector* truth) override {
-    const double in_second_s = reading.time_s - std::floor(reading.time_s + 0.5 * kTick_s);
-    if (reading.time_s < 5.0 || !within(in_second_s, 0.3, kTick_s)) {
-      return ForwardingController::tick(reading, truth);
-    }
-    control::SensorReading bad = reading;
-    bad.joint_velocity_rad_s[2] = joint_velocity_rad_s_;
-    const TickOutput output = ForwardingController::tick(bad, truth);
-    EXPECT_TRUE(output.torque_Nm.allFinite());
-    return output;
-  }
-
- private:
-  double joint_velocity_rad_s_;
-};
+double time_at(const log::RunRecord& record, FallbackLevel level) {
+  return record.summary.fallback_s[static_cast<std::size_t>(level)];
+}
 
 TEST(Fallback, APlanMissingNowAndThenIsReplacedByTheOlderOne) {
   SimulatedRun run(walking(0.5, 1.0, 15.0));
-  MissingPlans controller(*run.controller, 1);
-  const log::RunRecord record = run_closed_loop(run.plant, controller, run.settings);
-  EXPECT_EQ(failed_plans(record), 10);
+  const log::RunRecord record = walk_with_rests(run, 0.01);
+  EXPECT_EQ(record.solves.size(), 1490u);
   EXPECT_TRUE(record.summary.survived) << describe(run, record);
   EXPECT_NEAR(record.summary.mean_speed_m_s, 0.5, 0.05);
+  EXPECT_NEAR(time_at(record, FallbackLevel::plan), 15.0, 1e-6);
 }
 
-TEST(Fallback, AHundredMillisecondsWithoutAPlanAreWalkedOnTheOlderOne) {
+TEST(Fallback, AHundredMillisecondsWithoutAPlanAreWalkedOnTheOlderOneWithItsGains) {
   SimulatedRun run(walking(0.5, 1.0, 15.0));
-  MissingPlans controller(*run.controller, 10);
-  const log::RunRecord record = run_closed_loop(run.plant, controller, run.settings);
-  EXPECT_EQ(failed_plans(record), 100);
+  const log::RunRecord record = walk_with_rests(run, 0.1);
+  EXPECT_EQ(record.solves.size(), 1400u);
   EXPECT_TRUE(record.summary.survived) << describe(run, record);
   EXPECT_NEAR(record.summary.mean_speed_m_s, 0.5, 0.05);
+  EXPECT_GT(time_at(record, FallbackLevel::plan_feedback), 0.1);
+  EXPECT_EQ(time_at(record, FallbackLevel::gait), 0.0);
 }
 
-TEST(Fallback, AStateThatIsNoNumberCostsOnePlan) {
+TEST(Fallback, HalfASecondWithoutAPlanIsWalkedOnAGait) {
   SimulatedRun run(walking(0.5, 1.0, 15.0));
-  BadSensors controller(*run.controller, kNan);
-  const log::RunRecord record = run_closed_loop(run.plant, controller, run.settings);
-  EXPECT_EQ(failed_plans(record), 10);
+  const log::RunRecord record = walk_with_rests(run, 0.5);
   EXPECT_TRUE(record.summary.survived) << describe(run, record);
-  EXPECT_NEAR(record.summary.mean_speed_m_s, 0.5, 0.05);
+  EXPECT_GT(time_at(record, FallbackLevel::gait), 2.0);
+  EXPECT_GT(time_at(record, FallbackLevel::plan), 5.0) << "and plans are followed again";
 }
 
-TEST(Fallback, ASolveThatOverflowsCostsOnePlan) {
-  SimulatedRun run(walking(0.5, 1.0, 15.0));
-  BadSensors controller(*run.controller, 1e200);
-  const log::RunRecord record = run_closed_loop(run.plant, controller, run.settings);
-  EXPECT_EQ(failed_plans(record), 10);
-  EXPECT_TRUE(record.summary.survived) << describe(run, record);
-  EXPECT_NEAR(record.summary.mean_speed_m_s, 0.5, 0.05);
+/// A tick at which state, level or faults change.
+struct Change {
+  std::uint64_t tick;
+  State state;
+  FallbackLevel level;
+  std::uint32_t faults;
+};
+
+std::vector<Change> changes(const RunRequest& request, const RunSettings& faults) {
+  SimulatedRun run(request);
+  run.settings.planner_until_s = faults.planner_until_s;
+  run.settings.faults = faults.faults;
+  std::vector<Change> found;
+  run.settings.observer.ticked = [&](const control_loop::TickRecord& tick) {
+    const Change now{tick.tick, tick.state, tick.level, tick.present.bits()};
+    const bool same = !found.empty() && found.back().state == now.state && found.back().level == now.level &&
+                      found.back().faults == now.faults;
+    if (!same) found.push_back(now);
+  };
+  (void)run.run();
+  return found;
+}
+
+TEST(Fallback, APlannerThatStopsAndAnEncoderThatFreezesLeadDownToDamping) {
+  RunSettings faults;
+  faults.planner_until_s = 5.0;
+  faults.faults = {parse_fault("encoder-freeze:knee_L@8")};
+  const std::vector<Change> seen = changes(walking(0.5, 1.0, 12.0), faults);
+  std::vector<FallbackLevel> levels;
+  for (const Change& change : seen) {
+    if (levels.empty() || levels.back() != change.level) levels.push_back(change.level);
+  }
+  EXPECT_EQ(levels, (std::vector{FallbackLevel::plan, FallbackLevel::plan_feedback, FallbackLevel::gait,
+                                 FallbackLevel::damp}));
+  ASSERT_FALSE(seen.empty());
+  EXPECT_EQ(seen.back().state, State::fault);
+  EXPECT_EQ(seen[1].tick, 5090u) << "the last plan is of 4.99 s";
+  EXPECT_EQ(seen[2].tick, 5240u);
 }
 
 }  // namespace

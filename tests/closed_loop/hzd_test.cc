@@ -3,11 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <memory>
 #include <string>
 
-#include "firmware/configuration/gaits/shipped_gaits.h"
-#include "host_tools/simulator/gait_controller.h"
 #include "tests/closed_loop/simulated_run.h"
 
 /// Walking along the shipped gaits: as the reference of the planner, and tracked by the joints alone.
@@ -18,17 +15,12 @@ using testing_support::describe;
 using testing_support::RunRequest;
 using testing_support::SimulatedRun;
 
-std::shared_ptr<const gait::GaitLibrary> shipped_gaits() {
-  auto library = std::make_shared<gait::GaitLibrary>();
-  EXPECT_TRUE(gait_files::load_shipped_library("amber3m", *library));
-  return library;
-}
-
 /// As `stilt sim --controller mpc-hzd`.
 RunRequest following(double speed_m_s, double horizon_s, double duration_s) {
   RunRequest request = testing_support::walking(speed_m_s, horizon_s, duration_s);
   request.settings = {"cost.terminal=10", "cost.terminal_feet=false", "gait.single_support_s=0.3",
                       "gait.double_support_s=0"};
+  request.follow_gaits = true;
   return request;
 }
 
@@ -36,7 +28,6 @@ class Speeds : public testing::TestWithParam<double> {};
 
 TEST_P(Speeds, ThePlannerWalksAroundTheGaitsWithAShortHorizon) {
   SimulatedRun run(following(GetParam(), 0.2, 12.0));
-  run.controller->follow(shipped_gaits());
   const log::RunRecord record = run.run();
   ASSERT_TRUE(record.summary.survived) << describe(run, record);
   EXPECT_NEAR(record.summary.mean_speed_m_s, GetParam(), 0.06) << describe(run, record);
@@ -44,15 +35,14 @@ TEST_P(Speeds, ThePlannerWalksAroundTheGaitsWithAShortHorizon) {
 }
 
 TEST_P(Speeds, TheJointsAloneTrackTheGaits) {
-  constexpr double kHandOver_s = 2.0;
-  SimulatedRun run(following(GetParam(), 0.5, 15.0));
-  const auto library = shipped_gaits();
-  run.controller->follow(library);
-  GaitController controller(run.robot, run.parameters, std::move(run.controller), library, kHandOver_s);
-  const log::RunRecord record = run_closed_loop(run.plant, controller, run.settings);
+  RunRequest request = following(GetParam(), 0.5, 15.0);
+  request.settings.emplace_back("supervisor.select_gait=true");
+  SimulatedRun run(request);
+  const log::RunRecord record = run.run();
   ASSERT_TRUE(record.summary.survived) << describe(run, record);
   EXPECT_NEAR(record.summary.mean_speed_m_s, GetParam(), 0.03) << describe(run, record);
-  EXPECT_EQ(controller.plan_in_use().nodes, 0) << "nothing is planned any more";
+  const auto gait = static_cast<std::size_t>(supervisor::FallbackLevel::gait);
+  EXPECT_GT(record.summary.fallback_s[gait], 12.0) << "after two seconds no plan is followed";
   EXPECT_EQ(record.summary.heap_allocations_in_loop, 0);
 }
 
@@ -73,7 +63,6 @@ TEST(ClosedLoop, SpeedsCommandedWhileWalkingAreFollowedFromBackwardToFastAndThro
   }
   request.keep_samples = true;
   SimulatedRun run(request);
-  run.controller->follow(shipped_gaits());
   const log::RunRecord record = run.run();
   ASSERT_TRUE(record.summary.survived) << describe(run, record);
 
@@ -108,7 +97,6 @@ TEST_P(Pushed, AroundAGaitAHorizonOfTwoTenthsSurvivesFortyNewtons) {
   const double start_s = 4.2 + 0.3 * (GetParam() % 2 + static_cast<double>(GetParam()) / kPhases);
   request.pushes = {{40.0, start_s, 1.0, PushPoint::hip}};
   SimulatedRun run(request);
-  run.controller->follow(shipped_gaits());
   const log::RunRecord record = run.run();
   EXPECT_TRUE(record.summary.survived) << "pushed at " << start_s << " s: " << describe(run, record);
 }

@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <stdexcept>
 
-#include "firmware/configuration/configuration.h"
+#include "firmware/configuration/gaits/shipped_gaits.h"
 #include "host_tools/simulator/simulated_robot.h"
 #include "host_tools/simulator/stance.h"
 
@@ -23,6 +23,19 @@ simulator::PlantOptions plant_options(const RunRequest& request, const control::
   return options;
 }
 
+simulator::ControllerSetup controller_setup(const RunRequest& request, const model::RobotModel& robot,
+                                            const configuration::Configuration& configuration) {
+  simulator::ControllerSetup setup;
+  setup.robot = &robot;
+  setup.parameters = configuration;
+  setup.supervision = configuration.supervisor;
+  auto gaits = std::make_shared<gait::GaitLibrary>();
+  const bool shipped = gait_files::load_shipped_library(request.robot, *gaits).has_value();
+  if (shipped && configuration.supervisor.track_gait) setup.fallback_gaits = gaits;
+  if (shipped && request.follow_gaits) setup.reference_gaits = gaits;
+  return setup;
+}
+
 simulator::Plant make_plant(const RunRequest& request, const control::ControllerParameters& parameters) {
   const simulator::PlantOptions options = plant_options(request, parameters.timing);
   const simulator::PlantModel model = simulator::make_plant_model(
@@ -32,7 +45,7 @@ simulator::Plant make_plant(const RunRequest& request, const control::Controller
 
 }  // namespace
 
-control::ControllerParameters parameters_of(const RunRequest& request) {
+configuration::Configuration parameters_of(const RunRequest& request) {
   std::vector<configuration::Override> overrides;
   overrides.push_back({"discretisation.horizon_s=" + std::to_string(request.horizon_s)});
   for (const std::string& assignment : request.settings) overrides.push_back({assignment});
@@ -44,9 +57,9 @@ control::ControllerParameters parameters_of(const RunRequest& request) {
 SimulatedRun::SimulatedRun(const RunRequest& request)
     : robot(robot_model(request.robot)),
       parameters(parameters_of(request)),
-      controller(std::make_unique<simulator::MpcController>()),
+      controller(std::make_unique<simulator::SimulatedController>()),
       plant(make_plant(request, parameters)) {
-  if (controller->configure(robot, parameters) != control::ConfigureStatus::ok) {
+  if (controller->configure(controller_setup(request, robot, parameters)) != control::ConfigureStatus::ok) {
     throw std::runtime_error("the planner refuses the configuration");
   }
   const double half_width_m = parameters.gait.stand_half_width_m;
@@ -58,7 +71,6 @@ SimulatedRun::SimulatedRun(const RunRequest& request)
   settings.commands = request.commands;
   settings.pushes = request.pushes;
   settings.use_true_state = request.use_true_state;
-  settings.timing = parameters.timing;
   settings.keep_samples = request.keep_samples;
 }
 

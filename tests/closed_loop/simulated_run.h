@@ -5,13 +5,14 @@
 #include <string>
 #include <vector>
 
+#include "firmware/configuration/configuration.h"
 #include "host_tools/simulator/closed_loop.h"
-#include "host_tools/simulator/mpc_controller.h"
 #include "host_tools/simulator/plant.h"
 #include "mpc_core/control/parameters.h"
 #include "mpc_core/model/robot.h"
 
-/// Runs of the simulated robot as `stilt sim` makes them: shipped configuration, sensors only, 5 ms delay.
+/// Runs of the simulated robot as `stilt sim` makes them: shipped configuration and gaits, sensors only, 5 ms
+/// delay.
 namespace stilt::testing_support {
 
 /// What a run changes of the shipped configuration and of the nominal world.
@@ -27,10 +28,11 @@ struct RunRequest {
   std::uint64_t seed = 1;
   bool use_true_state = false;
   bool keep_samples = false;
+  bool follow_gaits = false;  ///< the shipped ones are the planner's reference
 };
 
 /// Shipped configuration of the request's robot with the request's changes.
-[[nodiscard]] control::ControllerParameters parameters_of(const RunRequest& request);
+[[nodiscard]] configuration::Configuration parameters_of(const RunRequest& request);
 
 /// Plant, controller and settings, ready to run. Throws std::runtime_error when the request is mistaken.
 struct SimulatedRun {
@@ -40,8 +42,8 @@ struct SimulatedRun {
   [[nodiscard]] log::RunRecord run() { return simulator::run_closed_loop(plant, *controller, settings); }
 
   const model::RobotModel& robot;
-  control::ControllerParameters parameters;
-  std::unique_ptr<simulator::MpcController> controller;
+  configuration::Configuration parameters;
+  std::unique_ptr<simulator::SimulatedController> controller;
   simulator::Plant plant;
   simulator::RunSettings settings;
 };

@@ -18,19 +18,19 @@ std::vector<benchmark::PlanSample> measured_walk(int plans) {
   ControllerChoice choice;
   choice.no_early_stop = true;
   choice.iterations = 10;
-  const control::ControllerParameters parameters = controller_parameters(choice);
-  const auto controller = make_controller(benchmark::counting_model(robot_model(choice.robot)), parameters);
+  const auto controller = make_controller(controller_setup(
+      choice, benchmark::counting_model(robot_model(choice.robot)), controller_configuration(choice)));
   const auto table = std::make_unique<benchmark::WorkTable>();
   std::vector<benchmark::PlanSample> samples;
   const PlanObserver observer{[] { (void)benchmark::take_model_calls(); },
-                              [&](const control::PlannerInput& input, const solver::SolveReport&) {
+                              [&](const control::PlannerInput& input) {
                                 benchmark::PlanSample sample;
                                 sample.time_s = input.time_s;
                                 benchmark::describe_work(controller->planner(), benchmark::take_model_calls(),
                                                          *table, sample);
                                 samples.push_back(sample);
                               }};
-  EXPECT_TRUE(walk(choice.robot, parameters, 0.5, plans, *controller, observer)) << "the robot fell";
+  EXPECT_TRUE(walk(choice, 0.5, plans, *controller, observer)) << "the robot fell";
   return samples;
 }
 

@@ -267,6 +267,30 @@ TEST(CanRobot, ARepetitionOfASlowBaseSensorCountsTheReadsItLasts) {
   EXPECT_EQ(base.frozen, 6u) << "the second and the third frame";
 }
 
+TEST(CanRobot, ABaseSensorWhosePitchStaysEqualWhileItsRateChangesIsNotFrozen) {
+  Robot robot(Kind::mit);
+  robot.wiring_.channels[2] = {
+      .id = 0x50, .byte_offset = 4, .scale = 1e-3, .channel = protocol::BaseChannel::pitch_rate_rad_s};
+  robot.wiring_.channel_count = 3;
+  const std::array<FrameBus*, 2> buses{&robot.buses_[0], &robot.buses_[1]};
+  CanRobot with_rate(robot.wiring_, buses);
+  BaseReading base;
+  const auto frozen_after = [&](std::uint8_t rate) {
+    CanFrame frame = classic_frame(0x50, 8);
+    frame.data[4] = rate;
+    robot.buses_[0].script(frame, robot.clock_.now_ns());
+    static_cast<void>(with_rate.read(robot.clock_.now_ns(), robot.readings_));
+    static_cast<void>(with_rate.read_base(base));
+    robot.clock_.advance(kTick_ns);
+    return base.frozen;
+  };
+  EXPECT_EQ(frozen_after(1), 0u);
+  EXPECT_EQ(frozen_after(2), 0u);
+  EXPECT_EQ(frozen_after(2), 1u);
+  EXPECT_EQ(frozen_after(2), 2u);
+  EXPECT_EQ(frozen_after(1), 0u);
+}
+
 /// Commands and readings for a while.
 void run(Robot& robot, int ticks, const JointCommands& commands) {
   for (int tick = 0; tick < ticks; ++tick) {

@@ -7,8 +7,7 @@
 #include <fstream>
 
 #include "tests/independent_readers/run_reader.h"
-#include "tests/own_domain.h"
-#include "tests/two_processes/robot_and_controller.h"
+#include "tests/two_processes/recorder.h"
 
 namespace stilt::two_processes {
 namespace {
@@ -18,11 +17,8 @@ using Json = nlohmann::json;
 class Recording : public testing::Test {
  protected:
   void start_recorder() {
-    recorder = std::make_unique<Process>(
-        std::vector<std::string>{STILT_PROGRAM, "record", "--out", file, "--domain",
-                                 std::to_string(tests::own_domain()), "--json", run.file("record.json")},
-        run.file("record.out"), run.file("record.err"));
-    ASSERT_TRUE(wait_for_text(run.file("record.err"), "recording to", kLongestRun_s)) << said();
+    recorder = std::make_unique<Recorder>(run, file);
+    ASSERT_TRUE(recorder->records()) << said();
   }
 
   /// @param duration_s  of the controller's run, three seconds of it standing up
@@ -37,10 +33,7 @@ class Recording : public testing::Test {
   }
 
   /// Exit status of the recorder after it was told to end.
-  std::optional<int> end_recorder() {
-    recorder->signal(SIGINT);
-    return recorder->wait(kLongestRun_s);
-  }
+  std::optional<int> end_recorder() { return recorder->end(); }
 
   /// Replays; gives the exit status and fills `replayed`.
   std::optional<int> replay() {
@@ -63,7 +56,7 @@ class Recording : public testing::Test {
 
   RobotAndController run;
   std::string file = run.file("walk.mcap");
-  std::unique_ptr<Process> recorder;
+  std::unique_ptr<Recorder> recorder;
   Json replayed;
 };
 
@@ -103,8 +96,8 @@ TEST_F(Recording, a_recorder_killed_at_work_leaves_a_record_that_opens_and_repla
   while (!std::filesystem::exists(file) || std::filesystem::file_size(file) < 1'000'000) {
     ASSERT_FALSE(run.controller().wait(0.02)) << said();
   }
-  recorder->signal(SIGKILL);
-  EXPECT_EQ(recorder->wait(kLongestRun_s), 128 + SIGKILL);
+  recorder->process().signal(SIGKILL);
+  EXPECT_EQ(recorder->process().wait(kLongestRun_s), 128 + SIGKILL);
   end_walk();
   EXPECT_EQ(replay(), 0) << said();
   EXPECT_GT(replayed.at("sessions").at(0).at("ticks").get<int>(), 500) << said();

@@ -7,54 +7,49 @@
 #include "firmware/configuration/gaits/shipped_gaits.h"
 #include "tests/firmware/control_loop/rig.h"
 
-/// Every rung of the ladder, reached through the ticks, and what the joints are told there.
+/// Every fallback level, reached through the ticks, and the commands there.
 namespace stilt::control_loop {
 namespace {
 
-using supervisor::RequestKind;
 using supervisor::FallbackLevel;
+using supervisor::RequestKind;
 using supervisor::State;
 using testing::Rig;
 
-class LadderTest : public ::testing::Test {
+class FallbackTest : public ::testing::Test {
  protected:
-  LadderTest() : rig(std::make_unique<Rig>()) {}
+  FallbackTest() : rig(std::make_unique<Rig>()) {}
   std::unique_ptr<Rig> rig;
 };
 
-TEST_F(LadderTest, NewPlan) {
+TEST_F(FallbackTest, NewPlan) {
   rig->stand();
   EXPECT_EQ(rig->level(), FallbackLevel::plan);
 }
 
-TEST_F(LadderTest, OlderPlanWithItsFeedbackGains) {
+TEST_F(FallbackTest, OlderPlanWithItsFeedbackGains) {
   rig->stand();
   rig->planning = false;
-  rig->base.reading.pitch_rad = 0.05;  // off the plan, so that feedback has something to do
+  rig->joints.base.pitch_rad = 0.05;  // off the plan, so that feedback has something to do
   rig->run(static_cast<int>(1000 * rig->configuration.supervisor.older_plan_s) + 15);
   ASSERT_EQ(rig->level(), FallbackLevel::plan_feedback);
-  control::ControllerParameters with_feedback = rig->configuration;
-  with_feedback.torque_law.use_feedback_gains = true;
   control::SensorReading reading;
   reading.time_s = rig->cycle.time_s();
   reading.joint_position_rad = rig->standing.segment<model::kJoints>(model::kFirstJoint);
   reading.base_pitch_rad = 0.05;
   const model::StateVector estimate =
       Eigen::Map<const model::StateVector>(rig->record.estimated_state.data());
-  for (const bool feedback : {true, false}) {
-    control::TorqueLoop law;
-    if (feedback) {
-      law.configure(*rig->robot, with_feedback);
-    } else {
-      law.configure(*rig->robot, rig->configuration);
-    }
-    const double torque_Nm = law.tick_with_state(reading, estimate, rig->mail.plans.newest()).torque_Nm[1];
-    EXPECT_EQ(torque_Nm == rig->joints.commands[1].torque_Nm, feedback)
+  control::TorqueLaw law;
+  law.configure(*rig->robot, rig->configuration);
+  const control::PlanPoint point = control::interpolate(rig->mail.plans.newest(), reading.time_s);
+  for (const auto feedback : {control::Feedback::plan_gains, control::Feedback::as_configured}) {
+    const double torque_Nm = law.follow(reading, estimate, point, feedback).torque_Nm[1];
+    EXPECT_EQ(torque_Nm == rig->joints.commands[1].torque_Nm, feedback == control::Feedback::plan_gains)
         << torque_Nm << " and " << rig->joints.commands[1].torque_Nm;
   }
 }
 
-TEST_F(LadderTest, HoldWhileRepliesAreMissedAndBackToThePlan) {
+TEST_F(FallbackTest, HoldWhileRepliesAreMissedAndBackToThePlan) {
   rig->stand();
   const double pose_rad = rig->joints.readings[1].position_rad;
   rig->joints.silent = true;
@@ -68,9 +63,9 @@ TEST_F(LadderTest, HoldWhileRepliesAreMissedAndBackToThePlan) {
   EXPECT_EQ(rig->level(), FallbackLevel::plan);
 }
 
-class GaitRungTest : public LadderTest {
+class GaitLevelTest : public FallbackTest {
  protected:
-  GaitRungTest() : library(std::make_unique<gait::GaitLibrary>()) {
+  GaitLevelTest() : library(std::make_unique<gait::GaitLibrary>()) {
     EXPECT_TRUE(gait_files::load_shipped_library("amber3m", *library));
     rig->cycle.track_without_plan(*rig->robot, rig->configuration, *library);
   }
@@ -89,7 +84,7 @@ class GaitRungTest : public LadderTest {
   std::unique_ptr<gait::GaitLibrary> library;
 };
 
-TEST_F(GaitRungTest, TracksAGaitWhenThePlannerStopsWhileItWalks) {
+TEST_F(GaitLevelTest, TracksAGaitWhenThePlannerStopsWhileItWalks) {
   walk_on_without_plans(0.3, 300);
   EXPECT_EQ(rig->state(), State::walk);
   EXPECT_EQ(rig->level(), FallbackLevel::gait);
@@ -104,7 +99,31 @@ TEST_F(GaitRungTest, TracksAGaitWhenThePlannerStopsWhileItWalks) {
   EXPECT_GT(std::abs(most->torque_Nm), 1);
 }
 
-TEST_F(GaitRungTest, WithoutPlansInDoubleSupportThereIsNoGaitToGoOnWith) {
+TEST_F(GaitLevelTest, IsSelectedOnPurposeAtTheFirstTouchDownAfterItsTimeUntilTheRobotStands) {
+  rig->configuration.supervisor.select_gait = true;
+  rig->configuration.supervisor.select_gait_after_s = 1.0;
+  rig->cycle.configure(*rig->robot, rig->configuration, rig->configuration.supervisor);
+  rig->cycle.track_without_plan(*rig->robot, rig->configuration, *library);
+  rig->stand();
+  rig->ask(RequestKind::step);
+  rig->run(1000);
+  EXPECT_EQ(rig->level(), FallbackLevel::plan) << "not before";
+  rig->run(700);
+  EXPECT_EQ(rig->level(), FallbackLevel::gait);
+  EXPECT_EQ(rig->record.plan_sequence, -1);
+  EXPECT_TRUE(rig->decision().present.empty()) << "it is no fault";
+  rig->ask(RequestKind::stand);
+  rig->run(static_cast<int>(1000 * rig->configuration.supervisor.slow_down_s) + 100);
+  EXPECT_EQ(rig->state(), State::stand);
+  EXPECT_EQ(rig->level(), FallbackLevel::plan);
+  rig->ask(RequestKind::step);
+  rig->run(500);
+  EXPECT_EQ(rig->level(), FallbackLevel::plan) << "it counts anew";
+  rig->run(1200);
+  EXPECT_EQ(rig->level(), FallbackLevel::gait);
+}
+
+TEST_F(GaitLevelTest, WithoutPlansInDoubleSupportThereIsNoGaitToGoOnWith) {
   walk_on_without_plans(0.3, 0);
   rig->plan_once_more([](control::Plan& plan) {
     for (control::PlanNode& node : plan.node) node.mode = {true, true};
@@ -114,7 +133,7 @@ TEST_F(GaitRungTest, WithoutPlansInDoubleSupportThereIsNoGaitToGoOnWith) {
   EXPECT_EQ(std::ranges::find(rig->levels, FallbackLevel::gait), rig->levels.end());
 }
 
-TEST_F(GaitRungTest, APlanIsFollowedAgainOnlyWithTheFootOfTheGaitOnTheGround) {
+TEST_F(GaitLevelTest, APlanIsFollowedAgainOnlyWithTheFootOfTheGaitOnTheGround) {
   walk_on_without_plans(0.3, 300);
   ASSERT_EQ(rig->level(), FallbackLevel::gait);
   int followed = 0;
@@ -134,9 +153,9 @@ TEST_F(GaitRungTest, APlanIsFollowedAgainOnlyWithTheFootOfTheGaitOnTheGround) {
 }
 
 /// Stepping in place the phase of the gait is the time, so that it goes on though the joints stand still.
-class GaitRungSensorTest : public GaitRungTest {
+class GaitLevelSensorTest : public GaitLevelTest {
  protected:
-  GaitRungSensorTest() : frozen(static_cast<std::uint32_t>(rig->configuration.supervisor.frozen_ticks)) {
+  GaitLevelSensorTest() : frozen(static_cast<std::uint32_t>(rig->configuration.supervisor.frozen_ticks)) {
     walk_on_without_plans(0.0, 0);
     for (int i = 0; i < 300 && rig->level() != FallbackLevel::gait; ++i) rig->run(1);
   }
@@ -146,7 +165,7 @@ class GaitRungSensorTest : public GaitRungTest {
   std::uint32_t frozen;
 };
 
-TEST_F(GaitRungSensorTest, EncodersThatRepeatThemselvesWhileTheGaitMovesTheJointsAreStale) {
+TEST_F(GaitLevelSensorTest, EncodersThatRepeatThemselvesWhileTheGaitMovesTheJointsAreStale) {
   ASSERT_EQ(rig->level(), FallbackLevel::gait);
   freeze_encoders();
   rig->run(2);
@@ -154,23 +173,23 @@ TEST_F(GaitRungSensorTest, EncodersThatRepeatThemselvesWhileTheGaitMovesTheJoint
   EXPECT_EQ(rig->level(), FallbackLevel::damp);
 }
 
-TEST_F(GaitRungSensorTest, ABaseSensorThatRepeatsItselfMeanwhileIsStale) {
+TEST_F(GaitLevelSensorTest, ABaseSensorThatRepeatsItselfMeanwhileIsStale) {
   ASSERT_EQ(rig->level(), FallbackLevel::gait);
-  rig->base.reading.frozen = frozen;
+  rig->joints.base.frozen = frozen;
   rig->run(2);
   EXPECT_TRUE(rig->decision().latched.has(supervisor::Fault::stale_base_sensor));
 }
 
-TEST_F(GaitRungSensorTest, SensorsMayRepeatThemselvesWhenTheStepIsOverAndNoFootHasLanded) {
+TEST_F(GaitLevelSensorTest, SensorsMayRepeatThemselvesWhenTheStepIsOverAndNoFootHasLanded) {
   rig->run(500);
   ASSERT_EQ(rig->level(), FallbackLevel::gait);
   freeze_encoders();
-  rig->base.reading.frozen = frozen;
+  rig->joints.base.frozen = frozen;
   rig->run(2);
   EXPECT_TRUE(rig->decision().latched.empty());
 }
 
-TEST_F(LadderTest, SitWhenThePlannerStops) {
+TEST_F(FallbackTest, SitWhenThePlannerStops) {
   rig->stand();
   rig->planning = false;
   rig->run(300);
@@ -185,7 +204,7 @@ TEST_F(LadderTest, SitWhenThePlannerStops) {
   EXPECT_EQ(rig->level(), FallbackLevel::damp);
 }
 
-TEST_F(LadderTest, DampWhenRepliesAreLost) {
+TEST_F(FallbackTest, DampWhenRepliesAreLost) {
   rig->stand();
   rig->joints.silent = true;
   rig->run(11);
@@ -198,9 +217,9 @@ TEST_F(LadderTest, DampWhenRepliesAreLost) {
   }
 }
 
-TEST_F(LadderTest, DampingTorqueIsBoundedAtAnySpeed) {
+TEST_F(FallbackTest, DampingTorqueIsBoundedAtAnySpeed) {
   rig->stand();
-  rig->stop.state = hal::EmergencyStopState::pressed;
+  rig->joints.emergency_stop = hal::EmergencyStopState::pressed;
   for (const double speed_rad_s : {0.1, 5.0, 17.0}) {
     for (hal::JointReading& reading : rig->joints.readings) reading.velocity_rad_s = speed_rad_s;
     rig->run(1);
@@ -211,7 +230,7 @@ TEST_F(LadderTest, DampingTorqueIsBoundedAtAnySpeed) {
   }
 }
 
-TEST_F(LadderTest, OffAtTheEndByWayOfSitting) {
+TEST_F(FallbackTest, OffAtTheEndByWayOfSitting) {
   rig->stand();
   rig->command.shut_down = true;
   rig->run(1);
@@ -225,15 +244,16 @@ TEST_F(LadderTest, OffAtTheEndByWayOfSitting) {
   EXPECT_EQ(rig->joints.writes, writes) << "nothing but letting go";
 }
 
-TEST_F(LadderTest, NoRungIsLeftOut) {
+TEST_F(FallbackTest, NoLevelIsLeftOut) {
   rig->stand();
   rig->planning = false;
   rig->run(300);
   rig->run(static_cast<int>(1000 * rig->configuration.supervisor.sit_s) + 5);
   rig->command.shut_down = true;
   rig->run(5);
-  for (const FallbackLevel rung : {FallbackLevel::plan, FallbackLevel::plan_feedback, FallbackLevel::sit, FallbackLevel::damp, FallbackLevel::off}) {
-    EXPECT_NE(std::ranges::find(rig->levels, rung), rig->levels.end()) << supervisor::name(rung);
+  for (const FallbackLevel level : {FallbackLevel::plan, FallbackLevel::plan_feedback, FallbackLevel::sit,
+                                    FallbackLevel::damp, FallbackLevel::off}) {
+    EXPECT_NE(std::ranges::find(rig->levels, level), rig->levels.end()) << supervisor::name(level);
   }
 }
 

@@ -1,5 +1,3 @@
-#include "firmware/control_loop/planner_task.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -7,6 +5,7 @@
 #include <utility>
 
 #include "firmware/control_loop/plan_checksum.h"
+#include "firmware/control_loop/planner_task.h"
 
 namespace stilt::control_loop {
 namespace {
@@ -79,32 +78,31 @@ TEST(PlanSketch, of_the_longest_plan_fits) {
             plan->node[control::kMaxNodes - 1].time_s);
 }
 
-/// A turn without solving: the plan in the mailbox is made by hand.
-class PlanningTurnTest : public testing::Test {
+/// Records without solving: the plan in the mailbox is made by hand.
+class PlannerTaskRecordTest : public testing::Test {
  protected:
-  PlanningTurnTest() { mail->plans.writer() = *some_plan(10, 0.015); }
+  PlannerTaskRecordTest() { mail->plans.writer() = *some_plan(10, 0.015); }
 
-  /// Telemetry after a turn at that time; fresh: with a usable plan.
-  void tell(double time_s, bool fresh = true) {
+  /// Records after a cycle at that time; fresh: with a usable plan.
+  void record(double time_s, bool fresh = true) {
     PlanningRequest request;
     request.tick = 40;
     request.time_s = time_s;
     request.session = 2;
-    turn.tell(*planner, request, fresh, 700'000, *mail);
+    planner->record(request, fresh, 700'000, *mail);
   }
   bool sketches_at(double time_s, bool fresh = true) {
     static_cast<void>(mail->sketches.newest());
-    tell(time_s, fresh);
+    record(time_s, fresh);
     return mail->sketches.has_news();
   }
 
   std::unique_ptr<Mailboxes> mail = std::make_unique<Mailboxes>();
-  std::unique_ptr<PlannerCycle> planner = std::make_unique<PlannerCycle>();
-  PlanningTurn turn;
+  std::unique_ptr<PlannerTask> planner = std::make_unique<PlannerTask>();
 };
 
-TEST_F(PlanningTurnTest, records_what_a_solve_was_given_and_came_to) {
-  tell(3.0);
+TEST_F(PlannerTaskRecordTest, records_what_a_solve_was_given_and_came_to) {
+  record(3.0);
   const CycleRecord* record = mail->cycles.front();
   ASSERT_NE(record, nullptr);
   EXPECT_EQ(record->tick, 40);
@@ -116,8 +114,8 @@ TEST_F(PlanningTurnTest, records_what_a_solve_was_given_and_came_to) {
   EXPECT_EQ(record->solve_ns, 700'000);
 }
 
-TEST_F(PlanningTurnTest, records_no_plan_for_a_solve_that_gave_none) {
-  tell(3.0, false);
+TEST_F(PlannerTaskRecordTest, records_no_plan_for_a_solve_that_gave_none) {
+  record(3.0, false);
   const CycleRecord* record = mail->cycles.front();
   ASSERT_NE(record, nullptr);
   EXPECT_EQ(record->plan_sequence, -1);
@@ -125,7 +123,7 @@ TEST_F(PlanningTurnTest, records_no_plan_for_a_solve_that_gave_none) {
   EXPECT_EQ(record->checksum, 0u);
 }
 
-TEST_F(PlanningTurnTest, sketches_new_plans_at_most_thirty_times_a_second) {
+TEST_F(PlannerTaskRecordTest, sketches_new_plans_at_most_thirty_times_a_second) {
   int sketches = 0;
   for (int cycle = 0; cycle < 300; ++cycle) sketches += sketches_at(3.0 + 0.01 * cycle) ? 1 : 0;
   EXPECT_EQ(sketches, 75) << "every fourth of 100 plans a second";
@@ -134,7 +132,7 @@ TEST_F(PlanningTurnTest, sketches_new_plans_at_most_thirty_times_a_second) {
   EXPECT_FALSE(sketches_at(7.0, false)) << "no new plan";
 }
 
-TEST_F(PlanningTurnTest, sketches_again_when_time_goes_back) {
+TEST_F(PlannerTaskRecordTest, sketches_again_when_time_goes_back) {
   EXPECT_TRUE(sketches_at(8.0));
   EXPECT_TRUE(sketches_at(1.0));
   EXPECT_FALSE(sketches_at(1.01));

@@ -11,11 +11,11 @@
 namespace stilt::control_loop {
 namespace {
 
-class PlannerCycleTest : public testing::Test {
+class PlannerTaskTest : public testing::Test {
  protected:
-  PlannerCycleTest()
+  PlannerTaskTest()
       : configuration(configuration::load_robot("amber3m").value()),
-        planner(std::make_unique<PlannerCycle>()),
+        planner(std::make_unique<PlannerTask>()),
         plan(std::make_unique<control::Plan>()) {
     EXPECT_EQ(planner->configure(model::amber3m(), configuration), control::ConfigureStatus::ok);
     request.tick = 1;
@@ -25,12 +25,12 @@ class PlannerCycleTest : public testing::Test {
                                          0.0, configuration.gait.stand_half_width_m, true);
   }
   configuration::Configuration configuration;
-  std::unique_ptr<PlannerCycle> planner;
+  std::unique_ptr<PlannerTask> planner;
   std::unique_ptr<control::Plan> plan;
   PlanningRequest request;
 };
 
-TEST_F(PlannerCycleTest, ARequestGivesAPlanFromItsStateAndTime) {
+TEST_F(PlannerTaskTest, ARequestGivesAPlanFromItsStateAndTime) {
   ASSERT_TRUE(planner->cycle(request, *plan));
   EXPECT_GE(plan->nodes, 2);
   EXPECT_EQ(plan->start_time_s, 5.0);
@@ -39,13 +39,13 @@ TEST_F(PlannerCycleTest, ARequestGivesAPlanFromItsStateAndTime) {
   EXPECT_EQ(planner->result().failures_in_a_row, 0u);
 }
 
-TEST_F(PlannerCycleTest, WithoutASessionNothingIsPlanned) {
+TEST_F(PlannerTaskTest, WithoutASessionNothingIsPlanned) {
   request.session = 0;
   EXPECT_FALSE(planner->cycle(request, *plan));
   EXPECT_EQ(planner->result().cycles, 0u);
 }
 
-TEST_F(PlannerCycleTest, FailuresAreCountedAndLeaveThePlanAlone) {
+TEST_F(PlannerTaskTest, FailuresAreCountedAndLeaveThePlanAlone) {
   ASSERT_TRUE(planner->cycle(request, *plan));
   const long long sequence = plan->sequence;
   request.state[2] = NAN;
@@ -62,7 +62,7 @@ TEST_F(PlannerCycleTest, FailuresAreCountedAndLeaveThePlanAlone) {
   EXPECT_EQ(planner->result().failures_in_a_row, 0u);
 }
 
-TEST_F(PlannerCycleTest, ANewSessionCountsItsFailuresFromTheBeginning) {
+TEST_F(PlannerTaskTest, ANewSessionCountsItsFailuresFromTheBeginning) {
   request.state[2] = NAN;
   EXPECT_FALSE(planner->cycle(request, *plan));
   EXPECT_FALSE(planner->cycle(request, *plan));
@@ -71,7 +71,7 @@ TEST_F(PlannerCycleTest, ANewSessionCountsItsFailuresFromTheBeginning) {
   EXPECT_EQ(planner->result().failures_in_a_row, 1u);
 }
 
-TEST_F(PlannerCycleTest, ANewSessionForgetsTheStepsOfTheLast) {
+TEST_F(PlannerTaskTest, ANewSessionForgetsTheStepsOfTheLast) {
   ASSERT_TRUE(planner->cycle(request, *plan));
   request.command = {gait::GaitKind::walk, 0.5};
   for (int cycle = 0; cycle < 60; ++cycle) {

@@ -7,33 +7,39 @@
 #include <vector>
 
 #include "firmware/configuration/configuration.h"
-#include "firmware/control_loop/planner_task.h"
 #include "firmware/control_loop/control_loop.h"
+#include "firmware/control_loop/planner_task.h"
 #include "mpc_core/gait/reference.h"
 
-/// The torque cycle and the planner over a scripted robot, without threads and clocks.
+/// The control loop and the planner over a scripted robot, without threads and clocks.
 namespace stilt::control_loop::testing {
 
 inline constexpr std::int64_t kTick_ns = 1'000'000;
 
-/// Joints that stand still where they are put, and remember what is asked of them.
-class ScriptedJoints final : public hal::JointBus {
+/// A robot that stands still where it is put, and remembers what is asked of it.
+class ScriptedRobot final : public hal::Robot {
  public:
   hal::JointReadings readings;
+  hal::BaseReading base;
   hal::JointBusStatus read_status = hal::JointBusStatus::ok;
   hal::JointBusStatus write_status = hal::JointBusStatus::ok;
+  hal::EmergencyStopState emergency_stop = hal::EmergencyStopState::released;
+  hal::BringUpProgress outcome{.ready = true, .stage = hal::bring_up::Stage::ready};
+  std::uint64_t error_count = 0;
   bool silent = false;
   int writes = 0;
   int disables = 0;
+  int begun = 0;
+  int steps = 0;
+  int restored = 0;
   hal::JointCommands commands;
 
-  hal::JointBusStatus read(std::int64_t now_ns, hal::JointReadings& taken) noexcept override {
+  void read(std::int64_t now_ns, hal::RobotReadings& taken) noexcept override {
     for (hal::JointReading& reading : readings) {
       reading.missed = silent ? reading.missed + 1 : 0;
       if (!silent) reading.time_ns = now_ns;
     }
-    taken = readings;
-    return read_status;
+    taken = {readings, base, read_status, emergency_stop, error_count};
   }
   hal::JointBusStatus write(const hal::JointCommands& wanted) noexcept override {
     commands = wanted;
@@ -44,41 +50,12 @@ class ScriptedJoints final : public hal::JointBus {
     ++disables;
     return hal::JointBusStatus::ok;
   }
-};
-
-class ScriptedBase final : public hal::BaseSensor {
- public:
-  hal::BaseReading reading;
-  hal::BaseSensorStatus read_base(hal::BaseReading& taken) noexcept override {
-    taken = reading;
-    return hal::BaseSensorStatus::ok;
-  }
-};
-
-class ScriptedStop final : public hal::EmergencyStop {
- public:
-  hal::EmergencyStopState state = hal::EmergencyStopState::released;
-  hal::EmergencyStopState read_emergency_stop(std::int64_t) noexcept override { return state; }
-};
-
-class ScriptedDrivers final : public hardware::Drivers {
- public:
-  int begun = 0;
-  int steps = 0;
-  hal::BringUpProgress outcome{.ready = true, .stage = hal::bring_up::Stage::ready};
-  void begin() noexcept override { ++begun; }
-  hal::BringUpProgress step(std::int64_t) noexcept override {
+  void begin_bring_up() noexcept override { ++begun; }
+  hal::BringUpProgress bring_up(std::int64_t) noexcept override {
     ++steps;
     return outcome;
   }
-};
-
-class ScriptedBuses final : public hardware::Buses {
- public:
-  std::uint64_t error_count = 0;
-  int restored = 0;
-  std::uint64_t errors() const noexcept override { return error_count; }
-  void restore() noexcept override { ++restored; }
+  void restore_buses() noexcept override { ++restored; }
 };
 
 class Rig {
@@ -88,7 +65,7 @@ class Rig {
     configuration = configuration::load_robot("amber3m").value();
     EXPECT_EQ(planner.configure(*robot, configuration), control::ConfigureStatus::ok);
     cycle.configure(*robot, configuration, configuration.supervisor);
-    cycle.attach({&joints, &base, &stop, &drivers, &buses}, mail);
+    cycle.attach(joints, mail);
     standing = gait::standing_state(robot->constants, configuration.reference.base_height_m, 0.0,
                                     configuration.gait.stand_half_width_m, true);
     for (std::size_t i = 0; i < hal::kJoints; ++i) {
@@ -96,8 +73,8 @@ class Rig {
       joints.readings[i].velocity_rad_s = 0.0;
       joints.readings[i].state = hal::DriverState::enabled;
     }
-    base.reading.pitch_rad = 0.0;
-    base.reading.pitch_rate_rad_s = 0.0;
+    joints.base.pitch_rad = 0.0;
+    joints.base.pitch_rate_rad_s = 0.0;
   }
 
   void ask(supervisor::RequestKind kind, double speed_m_s = 0.0) {
@@ -111,7 +88,7 @@ class Rig {
       mail.commands.publish();
       if (tick == due && fresh) mail.plans.publish();
       cycle.tick({.now_ns = now_ns(), .late_ns = late_ns});
-      rungs.push_back(decision().rung);
+      levels.push_back(decision().level);
       record = *mail.telemetry.front();
       mail.telemetry.pop();
       if (planning && tick % 10 == 0) {
@@ -141,9 +118,9 @@ class Rig {
 
   /// The emergency stop ends what the robot does; then reset and bring-up.
   void fall_and_get_ready() {
-    stop.state = hal::EmergencyStopState::pressed;
+    joints.emergency_stop = hal::EmergencyStopState::pressed;
     run(10);
-    stop.state = hal::EmergencyStopState::released;
+    joints.emergency_stop = hal::EmergencyStopState::released;
     ask(supervisor::RequestKind::reset);
     run(10);
     ask(supervisor::RequestKind::calibrate);
@@ -181,22 +158,18 @@ class Rig {
   [[nodiscard]] std::int64_t now_ns() const { return 1'000'000'000 + tick * kTick_ns; }
   [[nodiscard]] const supervisor::SupervisorOutput& decision() const { return cycle.decision(); }
   [[nodiscard]] supervisor::State state() const { return cycle.decision().state; }
-  [[nodiscard]] supervisor::FallbackLevel rung() const { return cycle.decision().rung; }
+  [[nodiscard]] supervisor::FallbackLevel level() const { return cycle.decision().level; }
 
   const model::RobotModel* robot;
   configuration::Configuration configuration;
   Mailboxes mail;
-  PlannerCycle planner;
-  TorqueCycle cycle;
-  ScriptedJoints joints;
-  ScriptedBase base;
-  ScriptedStop stop;
-  ScriptedDrivers drivers;
-  ScriptedBuses buses;
+  PlannerTask planner;
+  ControlLoop cycle;
+  ScriptedRobot joints;  ///< and torso, drivers, buses
   OperatorCommand command;
   model::StateVector standing;
   control_loop::TickRecord record;  ///< of the newest tick
-  std::vector<supervisor::FallbackLevel> rungs;
+  std::vector<supervisor::FallbackLevel> levels;
   bool planning = true;
   std::int64_t late_ns = 0;
   long long tick = 0;

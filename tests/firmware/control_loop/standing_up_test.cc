@@ -10,9 +10,9 @@
 namespace stilt::control_loop {
 namespace {
 
+using supervisor::FallbackLevel;
 using supervisor::Fault;
 using supervisor::RequestKind;
-using supervisor::FallbackLevel;
 using supervisor::State;
 using testing::Rig;
 
@@ -40,7 +40,7 @@ TEST_F(StandingUpTest, WaitsUntilNothingMovesEitherWay) {
   const double fast_rad_s = 1.1 * rig->configuration.supervisor.stand_speed_rad_s;
   for (double* velocity_rad_s :
        {&rig->joints.readings[0].velocity_rad_s, &rig->joints.readings[3].velocity_rad_s,
-        &rig->base.reading.pitch_rate_rad_s}) {
+        &rig->joints.base.pitch_rate_rad_s}) {
     for (const double side : {-1.0, 1.0}) {
       *velocity_rad_s = side * fast_rad_s;
       rig->run(10);
@@ -57,11 +57,11 @@ TEST_F(StandingUpTest, WaitsForAnUprightTorso) {
   rig->ask(RequestKind::stand);
   const double margin_rad = rig->configuration.supervisor.stand_pose_margin_rad;
   for (const double side : {-1.0, 1.0}) {
-    rig->base.reading.pitch_rad = side * 1.1 * margin_rad;
+    rig->joints.base.pitch_rad = side * 1.1 * margin_rad;
     rig->run(10);
     EXPECT_EQ(rig->state(), State::ready);
   }
-  rig->base.reading.pitch_rad = -0.9 * margin_rad;
+  rig->joints.base.pitch_rad = -0.9 * margin_rad;
   rig->run(10);
   EXPECT_EQ(rig->state(), State::stand);
 }
@@ -112,7 +112,8 @@ TEST_F(StandingUpTest, APlanFromBeforeTheLastFallIsNotFollowed) {
   rig->run(20);
   EXPECT_EQ(rig->state(), State::stand);
   EXPECT_EQ(rig->mail.requests.newest().session, 2u);
-  EXPECT_EQ(rig->level(), FallbackLevel::hold) << "the old plan has not ended yet, but belongs to another place";
+  EXPECT_EQ(rig->level(), FallbackLevel::hold)
+      << "the old plan has not ended yet, but belongs to another place";
 }
 
 TEST_F(StandingUpTest, TheSolvesBeforeTheLastFallDoNotCount) {

@@ -33,7 +33,7 @@ std::vector<std::string> header() {
   return cells(out.str());
 }
 
-std::map<std::string, std::string> written(const TickRecord& record, std::int64_t start_ns) {
+std::map<std::string, std::string> written(const control_loop::TickRecord& record, std::int64_t start_ns) {
   std::ostringstream out;
   write_tick(out, record, start_ns);
   const std::vector<std::string> names = header();
@@ -50,7 +50,7 @@ TEST(TickCsv, ColumnsHaveNamesOfTheirOwn) {
 }
 
 TEST(TickCsv, ARecordStandsUnderItsColumns) {
-  TickRecord record;
+  control_loop::TickRecord record;
   record.tick = 12;
   record.time_ns = 5'250'000'000;
   record.joints[1].position_rad = 0.1;
@@ -75,16 +75,16 @@ TEST(TickCsv, ARecordStandsUnderItsColumns) {
   EXPECT_EQ(columns.at("estimated_z_b_m_s"), "0.125");
   EXPECT_EQ(columns.at("sent_hip_R_torque_Nm"), "-31.5");
   EXPECT_EQ(columns.at("state"), "walk");
-  EXPECT_EQ(columns.at("rung"), "older_plan");
+  EXPECT_EQ(columns.at("rung"), "plan_feedback");
   EXPECT_EQ(columns.at("faults"), "bus_error+failed_solves");
   EXPECT_EQ(columns.at("latched_faults"), "");
   EXPECT_EQ(columns.at("wakeup_us"), "12.345");
 }
 
 TEST(TickCsv, ABlackBoxBecomesAFileWithOneLineATick) {
-  const auto box = std::make_unique<TickBlackBox>();
+  const auto box = std::make_unique<control_loop::TickBlackBox>();
   for (std::uint64_t tick = 0; tick < 2500; ++tick) {
-    TickRecord* record = box->claim();
+    control_loop::TickRecord* record = box->claim();
     ASSERT_NE(record, nullptr);
     *record = {};
     record->tick = tick;
@@ -106,7 +106,7 @@ TEST(TickCsv, ABlackBoxBecomesAFileWithOneLineATick) {
 }
 
 TEST(TickCsv, AFileThatCannotBeWrittenIsSaidInOneSentence) {
-  const auto box = std::make_unique<TickBlackBox>();
+  const auto box = std::make_unique<control_loop::TickBlackBox>();
   const auto result = write_csv("/nonexistent/folder/box.csv", *box, 0);
   ASSERT_FALSE(result);
   EXPECT_EQ(result.error(),

@@ -27,19 +27,19 @@ class Bench {
   }
 
   /// Ticks until the drivers are ready or one failed, at most one second.
-  DriversProgress run() {
+  hal::BringUpProgress run() {
     const std::array<hal::FrameBus*, 2> buses{&robot.buses_[0], &robot.buses_[1]};
     RobotHardware hardware(robot.wiring_, demands, buses);
     return run(hardware);
   }
 
-  DriversProgress run(RobotHardware& hardware) {
-    hardware.drivers().begin();
-    DriversProgress progress;
+  hal::BringUpProgress run(RobotHardware& hardware) {
+    hardware.begin_bring_up();
+    hal::BringUpProgress progress;
     for (ticks = 0; ticks < 1000 && !progress.ready && !progress.failed; ++ticks) {
-      hal::JointReadings readings;
-      static_cast<void>(hardware.robot().read(robot.clock_.now_ns(), readings));
-      progress = hardware.drivers().step(robot.clock_.now_ns());
+      hal::RobotReadings readings;
+      hardware.read(robot.clock_.now_ns(), readings);
+      progress = hardware.bring_up(robot.clock_.now_ns());
       robot.clock_.advance(kTick_ns);
     }
     return progress;
@@ -53,7 +53,7 @@ class Bench {
 TEST(CanDrivers, BringUpAllFourOfEveryMaker) {
   for (const Kind kind : {Kind::mit, Kind::moteus, Kind::odrive}) {
     Bench bench(kind);
-    const DriversProgress progress = bench.run();
+    const hal::BringUpProgress progress = bench.run();
     EXPECT_TRUE(progress.ready) << "stage " << name(progress.stage) << " of joint " << progress.joint << ": "
                                 << name(progress.failure);
     for (auto& driver : bench.robot.drivers_) {
@@ -68,11 +68,11 @@ TEST(CanDrivers, ReadyOnesAreKeptContentWhileOthersAreSlow) {
   bench.robot.drivers_[3]->set_powered(false);
   const std::array<hal::FrameBus*, 2> buses{&bench.robot.buses_[0], &bench.robot.buses_[1]};
   RobotHardware hardware(bench.robot.wiring_, bench.demands, buses);
-  hardware.drivers().begin();
+  hardware.begin_bring_up();
   for (int tick = 0; tick < 60; ++tick) {  // three times the watchdog
-    hal::JointReadings readings;
-    static_cast<void>(hardware.robot().read(bench.robot.clock_.now_ns(), readings));
-    EXPECT_FALSE(hardware.drivers().step(bench.robot.clock_.now_ns()).ready);
+    hal::RobotReadings readings;
+    hardware.read(bench.robot.clock_.now_ns(), readings);
+    EXPECT_FALSE(hardware.bring_up(bench.robot.clock_.now_ns()).ready);
     bench.robot.clock_.advance(kTick_ns);
   }
   for (const std::size_t joint : {0u, 1u, 2u}) EXPECT_TRUE(bench.robot.drivers_[joint]->enabled()) << joint;
@@ -81,7 +81,7 @@ TEST(CanDrivers, ReadyOnesAreKeptContentWhileOthersAreSlow) {
 TEST(CanDrivers, TheOneThatFailsIsNamedWithItsStage) {
   Bench bench(Kind::mit);
   bench.robot.drivers_[2]->set_powered(false);
-  const DriversProgress progress = bench.run();
+  const hal::BringUpProgress progress = bench.run();
   EXPECT_TRUE(progress.failed);
   EXPECT_FALSE(progress.ready);
   EXPECT_EQ(progress.joint, 2u);
@@ -105,7 +105,7 @@ TEST(CanDrivers, AnExpiredWatchdogOfTheLastRunDoesNotStandInTheWay) {
 TEST(CanDrivers, OfTwoThatFailTheFirstIsNamed) {
   Bench bench(Kind::moteus);
   for (const std::size_t joint : {0u, 2u}) bench.robot.drivers_[joint]->set_powered(false);
-  const DriversProgress progress = bench.run();
+  const hal::BringUpProgress progress = bench.run();
   EXPECT_TRUE(progress.failed);
   EXPECT_EQ(progress.joint, 0u);
 }
@@ -115,11 +115,11 @@ TEST(CanDrivers, JointsOfOneBusComeUpOneAfterTheOther) {
   bench.robot.drivers_[0]->set_powered(false);  // for ever in its first stage
   const std::array<hal::FrameBus*, 2> buses{&bench.robot.buses_[0], &bench.robot.buses_[1]};
   RobotHardware hardware(bench.robot.wiring_, bench.demands, buses);
-  hardware.drivers().begin();
+  hardware.begin_bring_up();
   for (int tick = 0; tick < 40; ++tick) {
-    hal::JointReadings readings;
-    static_cast<void>(hardware.robot().read(bench.robot.clock_.now_ns(), readings));
-    EXPECT_FALSE(hardware.drivers().step(bench.robot.clock_.now_ns()).ready);
+    hal::RobotReadings readings;
+    hardware.read(bench.robot.clock_.now_ns(), readings);
+    EXPECT_FALSE(hardware.bring_up(bench.robot.clock_.now_ns()).ready);
     bench.robot.clock_.advance(kTick_ns);
   }
   EXPECT_FALSE(bench.robot.drivers_[1]->enabled()) << "behind the first one of its bus";
@@ -139,10 +139,11 @@ TEST(CanDrivers, TheTurnFoundAtBringUpIsInTheReadings) {
   const std::array<hal::FrameBus*, 2> buses{&bench.robot.buses_[0], &bench.robot.buses_[1]};
   RobotHardware hardware(bench.robot.wiring_, bench.demands, buses);
   ASSERT_TRUE(bench.run(hardware).ready);
-  ASSERT_EQ(hardware.robot().write({}), hal::JointBusStatus::ok);
-  hal::JointReadings readings;
-  static_cast<void>(hardware.robot().read(bench.robot.clock_.now_ns(), readings));
-  EXPECT_NEAR(readings[1].position_rad, wiring.direction * 4.1 / wiring.ratio + wiring.offset_rad, 1e-4);
+  ASSERT_EQ(hardware.write({}), hal::JointBusStatus::ok);
+  hal::RobotReadings readings;
+  hardware.read(bench.robot.clock_.now_ns(), readings);
+  EXPECT_NEAR(readings.joints[1].position_rad, wiring.direction * 4.1 / wiring.ratio + wiring.offset_rad,
+              1e-4);
 }
 
 TEST(CanDrivers, StartingOverBringsThemUpAgain) {

@@ -16,8 +16,9 @@ using hal::testing::Robot;
 class RestoreTest : public ::testing::Test {
  protected:
   JointBusStatus read() {
-    hal::JointReadings readings;
-    return hardware_.robot().read(robot_.clock_.now_ns(), readings);
+    hal::RobotReadings readings;
+    hardware_.read(robot_.clock_.now_ns(), readings);
+    return readings.status;
   }
   /// The other thread's turn. @return  which buses it connected
   std::vector<std::size_t> serve(bool successfully) {
@@ -37,12 +38,12 @@ class RestoreTest : public ::testing::Test {
 
 TEST_F(RestoreTest, NothingIsConnectedUnlessABusIsGoneAndAResetWantsIt) {
   static_cast<void>(read());
-  hardware_.restore();
+  hardware_.restore_buses();
   EXPECT_TRUE(serve(true).empty());
   robot_.buses_[1].set_disconnected(true);
   EXPECT_EQ(read(), JointBusStatus::disconnected);
   EXPECT_TRUE(serve(true).empty()) << "nobody has asked yet";
-  hardware_.restore();
+  hardware_.restore_buses();
   EXPECT_EQ(serve(true), std::vector<std::size_t>{1});
   EXPECT_NE(read(), JointBusStatus::disconnected);
 }
@@ -51,15 +52,15 @@ TEST_F(RestoreTest, ABusThatIsLentIsNotTouched) {
   robot_.buses_[1].set_disconnected(true);
   static_cast<void>(read());
   const std::uint64_t errors = hardware_.errors();
-  hardware_.restore();
+  hardware_.restore_buses();
   robot_.buses_[1].set_disconnected(false);  // by the borrower, who has not given it back yet
   robot_.buses_[1].clear_sent();
   EXPECT_EQ(read(), JointBusStatus::disconnected);
-  EXPECT_EQ(hardware_.robot().write({}), JointBusStatus::disconnected);
+  EXPECT_EQ(hardware_.write({}), JointBusStatus::disconnected);
   EXPECT_TRUE(robot_.buses_[1].sent().empty());
   EXPECT_EQ(hardware_.errors(), errors);
   static_cast<void>(serve(true));
-  EXPECT_EQ(hardware_.robot().write({}), JointBusStatus::ok);
+  EXPECT_EQ(hardware_.write({}), JointBusStatus::ok);
   EXPECT_FALSE(robot_.buses_[1].sent().empty());
 }
 
@@ -97,11 +98,11 @@ TEST_F(RestoreTest, AConnectionThatFailsIsTriedAgainWithTheNextTick) {
   robot_.buses_[0].set_disconnected(true);
   for (int tick = 0; tick < 3; ++tick) {
     EXPECT_EQ(read(), JointBusStatus::disconnected);
-    hardware_.restore();
+    hardware_.restore_buses();
     EXPECT_EQ(serve(false), std::vector<std::size_t>{0});
   }
   EXPECT_EQ(read(), JointBusStatus::disconnected);
-  hardware_.restore();
+  hardware_.restore_buses();
   static_cast<void>(serve(true));
   EXPECT_NE(read(), JointBusStatus::disconnected);
 }

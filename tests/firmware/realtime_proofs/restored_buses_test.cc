@@ -70,16 +70,17 @@ void run_torque_loop(void* context) {
   if (!forbid_other_system_calls()) std::_Exit(5);
   auto& scene = *static_cast<Scene*>(context);
   hal::MonotonicClock clock;
-  hal::JointReadings readings;
+  hal::RobotReadings readings;
   for (int tick = 0; tick < kMostTicks; ++tick) {
     const std::int64_t now_ns = clock.sleep_until(clock.now_ns() + kTick_ns);
-    const bool gone = scene.hardware->robot().read(now_ns, readings) == hal::JointBusStatus::disconnected;
+    scene.hardware->read(now_ns, readings);
+    const bool gone = readings.status == hal::JointBusStatus::disconnected;
     if (scene.lost && !gone) {
       scene.done = true;
       return;
     }
     scene.lost = scene.lost || gone;
-    if (gone && scene.helped) scene.hardware->restore();
+    if (gone && scene.helped) scene.hardware->restore_buses();
     if (gone && !scene.helped) static_cast<void>(scene.bus.reconnect());
   }
 }

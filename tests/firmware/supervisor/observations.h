@@ -32,8 +32,7 @@ inline constexpr std::int64_t kTick_ns = 1'000'000;
   seen.base.pitch_rate_rad_s = 0.1;
   seen.base.time_ns = seen.time_ns;
   seen.emergency_stop = hal::EmergencyStopState::released;
-  seen.has_plan = true;
-  seen.plan_age_s = 0.01;
+  seen.followable.plan = PlanUse::as_it_is;
   return seen;
 }
 

@@ -35,7 +35,7 @@ inline constexpr std::array<Spoil, kFaults> kSpoils = {{
     {Fault::driver_overheated, [](Observation& o) { o.joints[0].motor_temperature_C = 120; }},
     {Fault::low_voltage, [](Observation& o) { o.joints[0].supply_V = 15; }},
     {Fault::high_voltage, [](Observation& o) { o.joints[0].supply_V = 70; }},
-    {Fault::stale_plan, [](Observation& o) { o.plan_age_s = 1; }},
+    {Fault::stale_plan, [](Observation& o) { o.followable.plan = PlanUse::none; }},
     {Fault::failed_solves, [](Observation& o) { o.failed_solves = 3; }},
     {Fault::planner_overrun, [](Observation& o) { o.solve_s = 0.02; }},
     {Fault::torque_loop_overrun, [](Observation& o) { o.lateness_s = 0.001; }},
@@ -48,11 +48,7 @@ inline constexpr std::array<Spoil, kFaults> kSpoils = {{
      }},
     {Fault::emergency_stop, [](Observation& o) { o.emergency_stop = hal::EmergencyStopState::pressed; }},
     {Fault::bring_up_failed, [](Observation& o) { o.bring_up_failed = true; }},
-    {Fault::plan_missing,
-     [](Observation& o) {
-       o.plan_age_s = 1;
-       o.has_gait = true;
-     }},
+    {Fault::plan_missing, [](Observation& o) { o.followable = {.plan = PlanUse::none, .gait = true}; }},
 }};
 
 }  // namespace stilt::supervisor::testing

@@ -61,25 +61,25 @@ TEST_F(SupervisorTest, AFaultThatAsksToSitSitsAtOnceWithNothingToStepWith) {
   bring_to_walk();
   inputs_.seen.joints[0].motor_temperature_C = 120;
   EXPECT_EQ(tick(), State::step);
-  inputs_.seen.has_plan = false;
-  inputs_.seen.has_gait = true;
+  inputs_.seen.followable.plan = PlanUse::none;
+  inputs_.seen.followable.gait = true;
   EXPECT_EQ(tick(), State::step) << "a gait will do";
   EXPECT_EQ(output().level, FallbackLevel::gait);
-  inputs_.seen.has_gait = false;
+  inputs_.seen.followable.gait = false;
   EXPECT_EQ(tick(), State::sit);
 }
 
 TEST_F(SupervisorTest, WithoutPlansItGoesOnWithAGaitAndBack) {
   bring_to_walk();
   run(0.3);
-  inputs_.seen.has_gait = true;
-  inputs_.seen.plan_age_s = 0.3;
+  inputs_.seen.followable.gait = true;
+  inputs_.seen.followable.plan = PlanUse::none;
   EXPECT_EQ(tick(), State::walk);
   EXPECT_EQ(output().level, FallbackLevel::gait);
   EXPECT_TRUE(output().present.has(Fault::plan_missing));
   EXPECT_EQ(commands_[0].torque_Nm, 30) << "what the gait wants";
   EXPECT_EQ(run(3), State::walk);
-  inputs_.seen.plan_age_s = 0.01;
+  inputs_.seen.followable.plan = PlanUse::as_it_is;
   tick();
   EXPECT_EQ(output().level, FallbackLevel::plan);
   EXPECT_TRUE(output().latched.empty());
@@ -184,10 +184,10 @@ TEST_F(SupervisorTest, RepliesThatComeBackInTimeLetItWalkOn) {
 
 TEST_F(SupervisorTest, AStalePlanSitsDownAndThenDamps) {
   bring_to_walk();
-  inputs_.seen.plan_age_s = 0.1;
+  inputs_.seen.followable.plan = PlanUse::with_feedback;
   EXPECT_EQ(tick(), State::walk);
   EXPECT_EQ(output().level, FallbackLevel::plan_feedback);
-  inputs_.seen.plan_age_s = 0.3;
+  inputs_.seen.followable.plan = PlanUse::none;
   EXPECT_EQ(tick(), State::sit);
   EXPECT_EQ(output().level, FallbackLevel::sit);
   EXPECT_NEAR(commands_[1].position_rad, inputs_.seen.joints[1].position_rad, 1e-9)

@@ -31,7 +31,7 @@ class SupervisorTest : public ::testing::Test {
     inputs_.seen.time_ns += kTick_ns;
     supervisor_.update(inputs_);
     commands_.fill({});
-    action_ = supervisor_.override(wanted_, commands_);
+    action_ = supervisor_.bound(wanted_, commands_);
     return output().state;
   }
   State run(double duration_s) {

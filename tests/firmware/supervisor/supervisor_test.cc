@@ -77,7 +77,7 @@ TEST_F(SupervisorTest, WalkingBecomesStandingOverSteppingInPlace) {
 
 TEST_F(SupervisorTest, StandingUpWaitsForTheFirstPlanWithoutAFault) {
   bring_to_ready();
-  inputs_.seen.has_plan = false;
+  inputs_.seen.followable.plan = PlanUse::none;
   request(RequestKind::stand);
   EXPECT_EQ(run(0.2), State::stand);
   EXPECT_EQ(output().level, FallbackLevel::hold);
@@ -173,7 +173,7 @@ TEST_F(SupervisorTest, RandomInputsNeverBreakTheRules) {
     if (chance == 2) inputs_.seen.emergency_stop = hal::EmergencyStopState::pressed;
     if (chance == 3) inputs_.seen.base.pitch_rad = kNan;
     if (chance == 4) wanted_[2].torque_Nm = kNan;
-    if (chance == 5) inputs_.seen.plan_age_s = 0.3;
+    if (chance == 5) inputs_.seen.followable.plan = PlanUse::none;
     if (chance >= 6 && chance < 20) {
       const std::int64_t time_ns = inputs_.seen.time_ns;
       inputs_.seen = testing::healthy();

@@ -66,7 +66,7 @@ class RandomTicks {
     }
     r.action = supervisor::Action::disable;
     r.state = supervisor::State::walk;
-    r.rung = supervisor::FallbackLevel::plan_feedback;
+    r.level = supervisor::FallbackLevel::plan_feedback;
     r.reaction = supervisor::Reaction::sit;
     r.present = supervisor::FaultSet(small());
     r.latched = supervisor::FaultSet(small());

@@ -98,13 +98,13 @@ TEST_F(Tunables, give_the_plan_that_the_same_configuration_gives) {
   request.state = gait::standing_state(model::amber3m().constants, configuration.reference.base_height_m, 0,
                                        configuration.gait.stand_half_width_m, true);
   request.state[model::kPositions] = 0.1;
-  const auto plan_of = [&](control_loop::PlannerCycle& planner) {
+  const auto plan_of = [&](control_loop::PlannerTask& planner) {
     auto plan = std::make_unique<control::Plan>();
     EXPECT_TRUE(planner.cycle(request, *plan));
     return plan;
   };
-  auto tuned = std::make_unique<control_loop::PlannerCycle>();
-  auto configured = std::make_unique<control_loop::PlannerCycle>();
+  auto tuned = std::make_unique<control_loop::PlannerTask>();
+  auto configured = std::make_unique<control_loop::PlannerTask>();
   ASSERT_EQ(tuned->configure(model::amber3m(), configuration), control::ConfigureStatus::ok);
   ASSERT_EQ(tuner.set("cost.base_vx", 80), "");
   tuned->tune(mail->planner_tunings.newest());

@@ -59,7 +59,7 @@ const std::vector<Change<TickRecord>> kTickFields = {
     {"sent torque_limit_Nm of knee_L", [](TickRecord& r) { change(r.sent[1].torque_limit_Nm); }},
     {"action", [](TickRecord& r) { change(r.action); }},
     {"state", [](TickRecord& r) { change(r.state); }},
-    {"rung", [](TickRecord& r) { change(r.rung); }},
+    {"level", [](TickRecord& r) { change(r.level); }},
     {"reaction", [](TickRecord& r) { change(r.reaction); }},
     {"present faults", [](TickRecord& r) { change(r.present); }},
     {"latched faults", [](TickRecord& r) { change(r.latched); }},
@@ -114,7 +114,7 @@ TEST(Difference, OneBitOfAnyOutputOfASolveIsFoundAndNamed) { expect_every_output
 /// Does not compile once a record has another field, which then is missing in the tables above.
 TEST(Difference, TheTablesAboveHaveEveryFieldOfTheRecords) {
   const auto& [tick, time, joints, base, read, write, stop, errors, bring_up, command, tuning, result,
-               visible, state, wanted, sent, action, supervisor_state, rung, reaction, present, latched, ramp,
+               visible, state, wanted, sent, action, supervisor_state, level, reaction, present, latched, ramp,
                sequence, age, standing, gait, wakeup, execution, round_trip] = TickRecord{};
   const auto& [cycle, of_tick, cycle_time, cycle_standing, plan, failures, cycle_tuning, nodes, checksum,
                solve, report] = CycleRecord{};

@@ -20,8 +20,8 @@ class Run {
     walk_.configuration = configuration::load_robot("amber3m").value();
     const model::RobotModel& robot = model::amber3m();
     static_cast<void>(planner_.configure(robot, walk_.configuration));
-    torque_.configure(robot, walk_.configuration, walk_.configuration.supervisor);
-    torque_.attach(robot_.parts(), *mail_);
+    loop_.configure(robot, walk_.configuration, walk_.configuration.supervisor);
+    loop_.attach(robot_, *mail_);
     state_ = gait::standing_state(robot.constants, walk_.configuration.reference.base_height_m, 0.0,
                                   walk_.configuration.gait.stand_half_width_m, true);
   }
@@ -68,7 +68,7 @@ class Run {
     const std::int64_t now_ns = 1'000'000'000 + tick_ * kTick_ns;
     const control_loop::TickRecord sensed = sense(now_ns);
     robot_.set(sensed);
-    torque_.tick({.now_ns = now_ns, .late_ns = tick_ % 7});
+    loop_.tick({.now_ns = now_ns, .late_ns = tick_ % 7});
     walk_.ticks.push_back(*mail_->telemetry.front());
     mail_->telemetry.pop();
     plan();
@@ -88,8 +88,8 @@ class Run {
   void plan() {
     const control_loop::PlanningRequest& request = mail_->requests.newest();
     if (request.session == 0 || tick_ % kPlanPeriod != 0) return;
-    fresh_ = turn_.plan(planner_, request, *mail_);
-    turn_.tell(planner_, request, fresh_, 0, *mail_);
+    fresh_ = planner_.plan(request, *mail_);
+    planner_.record(request, fresh_, 0, *mail_);
     walk_.cycles.push_back(*mail_->cycles.front());
     mail_->cycles.pop();
     due_ = tick_ + kPlanDelay;
@@ -123,9 +123,8 @@ class Run {
 
   RecordedWalk walk_;
   std::unique_ptr<control_loop::Mailboxes> mail_;
-  control_loop::PlannerCycle planner_;
-  control_loop::PlanningTurn turn_;
-  control_loop::TorqueCycle torque_;
+  control_loop::PlannerTask planner_;
+  control_loop::ControlLoop loop_;
   RecordedRobot robot_;
   control_loop::OperatorCommand command_;
   control::Plan followed_;

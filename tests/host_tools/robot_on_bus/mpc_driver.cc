@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 namespace stilt::robot_on_bus::testing_support {
 namespace {
@@ -10,15 +11,14 @@ constexpr double kRamp_s = 0.5;
 
 }  // namespace
 
-MpcDriver::MpcDriver(DrivenRobot& robot) : robot_(robot), schedule_(robot.configuration.timing) {
-  if (controller_->configure(model::amber3m(), robot.configuration) != control::ConfigureStatus::ok) {
+MpcDriver::MpcDriver(DrivenRobot& robot) : robot_(robot), timing_(robot.configuration.timing) {
+  if (planner_->configure(model::amber3m(), robot.configuration) != control::ConfigureStatus::ok) {
     throw std::runtime_error("the planner refuses the configuration");
   }
-  const control::SensorReading now = reading();
-  model::StateVector state = model::StateVector::Zero();
-  state[model::kFirstAngle] = now.base_pitch_rad;
-  state.segment<model::kJoints>(model::kFirstJoint) = now.joint_position_rad;
-  controller_->reset(state, 0.0);
+  estimator_.configure(model::amber3m(), robot.configuration.estimator);
+  law_.configure(model::amber3m(), robot.configuration);
+  estimator_.reset(reading(), 0.0);
+  planner_->reset(0.0);
 }
 
 control::SensorReading MpcDriver::reading() const {
@@ -34,16 +34,24 @@ control::SensorReading MpcDriver::reading() const {
 }
 
 void MpcDriver::tick(const gait::GaitCommand& command) {
-  if (ticks_ == adopt_at_) controller_->adopt_plan();
-  const simulator::TickOutput output = controller_->tick(reading(), nullptr);
-  if (ticks_ % schedule_.plan_period_ticks == 0) {
-    static_cast<void>(controller_->plan(time_s(), command));
-    adopt_at_ = ticks_ + schedule_.plan_delay_ticks;
+  if (ticks_ == next_at_) std::swap(active_, next_);
+  const control::SensorReading now = reading();
+  control::PlanPoint point;
+  point.mode = {true, true};
+  if (active_->nodes >= 2) point = control::interpolate(*active_, now.time_s);
+  const model::StateVector estimate = estimator_.update(now, point.mode);
+  model::JointVector torque_Nm = model::JointVector::Zero();
+  if (active_->nodes >= 2) {
+    torque_Nm = law_.follow(now, estimate, point, control::Feedback::as_configured).torque_Nm;
+  }
+  if (ticks_ % timing_.period_ticks == 0) {
+    const bool usable = planner_->plan({now.time_s, estimate, command}, *next_).usable();
+    next_at_ = usable ? ticks_ + timing_.delay_ticks : -1;
   }
   const double ramp = std::min(1.0, time_s() / kRamp_s);
   hal::JointCommands commands;
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
-    commands[joint].torque_Nm = ramp * output.torque_Nm[static_cast<int>(joint)];
+    commands[joint].torque_Nm = ramp * torque_Nm[static_cast<int>(joint)];
     commands[joint].torque_limit_Nm = 80.0;
   }
   robot_.tick(&commands);

@@ -2,8 +2,10 @@
 
 #include <memory>
 
-#include "host_tools/simulator/closed_loop.h"
-#include "host_tools/simulator/mpc_controller.h"
+#include "firmware/control_loop/planner_schedule.h"
+#include "mpc_core/control/estimator.h"
+#include "mpc_core/control/planner.h"
+#include "mpc_core/control/torque_law.h"
 #include "tests/host_tools/robot_on_bus/driven_robot.h"
 
 namespace stilt::robot_on_bus::testing_support {
@@ -19,13 +21,17 @@ class MpcDriver {
 
  private:
   [[nodiscard]] control::SensorReading reading() const;
-  [[nodiscard]] double time_s() const { return static_cast<double>(ticks_) * schedule_.tick_s; }
+  [[nodiscard]] double time_s() const { return 1e-9 * static_cast<double>(ticks_ * timing_.tick_ns); }
 
   DrivenRobot& robot_;
-  std::unique_ptr<simulator::MpcController> controller_ = std::make_unique<simulator::MpcController>();
-  simulator::TickSchedule schedule_;
+  control_loop::PlanTiming timing_;
+  std::unique_ptr<control::Planner> planner_ = std::make_unique<control::Planner>();
+  control::Estimator estimator_;
+  control::TorqueLaw law_;
+  std::unique_ptr<control::Plan> active_ = std::make_unique<control::Plan>();
+  std::unique_ptr<control::Plan> next_ = std::make_unique<control::Plan>();
   long long ticks_ = 0;
-  long long adopt_at_ = 0;
+  long long next_at_ = -1;
 };
 
 }  // namespace stilt::robot_on_bus::testing_support

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include <cstring>
-#include <memory>
+#include <algorithm>
+#include <vector>
 
 #include "host_tools/simulator/run_recorder.h"
 #include "tests/host_tools/simulator/test_robots.h"
@@ -31,9 +31,7 @@ log::RunRecord noisy_walk(std::uint64_t seed, double duration_s) {
   options.encoder_noise_rad = 1e-3;
   options.encoder_velocity_noise_rad_s = 0.05;
   Plant plant = amber_plant(options, seed);
-  const auto controller = std::make_unique<MpcController>();
-  EXPECT_EQ(controller->configure(model::amber3m(), {}), control::ConfigureStatus::ok);
-  return run_closed_loop(plant, *controller, walking_run(duration_s));
+  return run_closed_loop(plant, *amber_controller(), walking_run(duration_s));
 }
 
 TEST(ClosedLoop, TwoRunsOfTheSameSeedAreIdenticalAndAnotherSeedDiffers) {
@@ -76,23 +74,28 @@ TEST(ClosedLoop, AWalkIsSummedUpAsItHappened) {
   EXPECT_GE(summary.sqp_iterations_max, 1);
 }
 
-TEST(ClosedLoop, TheTorqueLoopTicksEachMillisecondOfSimulatedTime) {
+TEST(ClosedLoop, TheControlLoopTicksEachMillisecondOfSimulatedTime) {
   Plant plant = amber_plant();
-  HoldingController controller;
-  const log::RunRecord record = run_closed_loop(plant, controller, standing_run(0.5));
-  EXPECT_EQ(controller.ticks, 500);
-  EXPECT_NEAR(controller.last_reading.time_s, 0.499, 1e-12);
+  RunSettings settings = standing_run(0.5);
+  int ticks = 0;
+  std::int64_t last_ns = 0;
+  settings.observer.ticked = [&](const control_loop::TickRecord& tick) {
+    EXPECT_EQ(tick.tick, static_cast<std::uint64_t>(ticks++));
+    EXPECT_EQ(tick.time_ns - last_ns, 1'000'000);
+    last_ns = tick.time_ns;
+  };
+  const log::RunRecord record = run_closed_loop(plant, *amber_controller(), settings);
+  EXPECT_EQ(ticks, 500);
   EXPECT_EQ(record.samples.size(), 100u);
-  EXPECT_TRUE(record.solves.empty());
-  EXPECT_TRUE(record.plans.empty());
+  EXPECT_EQ(record.solves.size(), 50u);
+  EXPECT_EQ(record.plans.size(), 10u);
 }
 
 TEST(ClosedLoop, ARunEndsWhenTheRobotFalls) {
   Plant plant = amber_plant();
-  HoldingController controller;
   RunSettings settings = standing_run(5.0);
   settings.pushes = {{300.0, 0.5, 1.0, PushPoint::hip}};
-  const log::RunSummary summary = run_closed_loop(plant, controller, settings).summary;
+  const log::RunSummary summary = run_closed_loop(plant, *amber_controller(), settings).summary;
   EXPECT_FALSE(summary.survived);
   EXPECT_GT(summary.fall_time_s, 0.5);
   EXPECT_LT(summary.fall_time_s, 3.0);
@@ -104,64 +107,73 @@ TEST(ClosedLoop, TimeAtTheTorqueLimitIsCountedAndNoOther) {
     PlantOptions options;
     options.torque_limit_Nm = torque_limit_Nm;
     Plant plant = amber_plant(options);
-    HoldingController controller;
-    return run_closed_loop(plant, controller, standing_run(0.2)).summary.saturated_s;
+    return run_closed_loop(plant, *amber_controller(), standing_run(0.2)).summary.saturated_s;
   };
   EXPECT_EQ(saturated_s(200.0), 0.0);
-  // The holding controller asks for nothing before the joints have moved.
   EXPECT_GT(saturated_s(0.5), 0.18);
   EXPECT_LE(saturated_s(0.5), 0.2 + 1e-9);
 }
 
 TEST(ClosedLoop, PlansStartAtTheirRateAndWaitForTheOneBefore) {
+  using control_loop::PlanTiming;
   control::TimingParameters timing;
   timing.plan_rate_hz = 100.0;
   timing.plan_delay_s = 0.005;
-  EXPECT_EQ(TickSchedule(timing).plan_period_ticks, 10);
-  EXPECT_EQ(TickSchedule(timing).plan_delay_ticks, 5);
+  EXPECT_EQ(PlanTiming(timing).period_ticks, 10);
+  EXPECT_EQ(PlanTiming(timing).delay_ticks, 5);
   timing.plan_delay_s = 0.025;
-  EXPECT_EQ(TickSchedule(timing).plan_period_ticks, 25);
+  EXPECT_EQ(PlanTiming(timing).period_ticks, 25);
   timing.plan_delay_s = 0.0;
-  EXPECT_EQ(TickSchedule(timing).plan_delay_ticks, 1);
+  EXPECT_EQ(PlanTiming(timing).delay_ticks, 1);
 }
 
-/// Notes when each plan was made and when it came into use.
-class PlanWatcher final : public Controller {
- public:
-  void reset(const model::StateVector&, double) override {}
-  TickOutput tick(const control::SensorReading& reading, const model::StateVector*) override {
-    now_s_ = reading.time_s;
-    if (adopted_) used_after_s.push_back(now_s_ - planned_at_s_);
-    adopted_ = false;
-    return {};
-  }
-  std::optional<solver::SolveReport> plan(double time_s, const gait::GaitCommand&) override {
-    planned_at_s_ = time_s;
-    return std::nullopt;
-  }
-  void adopt_plan() override { adopted_ = true; }
-  [[nodiscard]] const control::Plan& newest_plan() const override { return plan_; }
-  [[nodiscard]] const control::Plan& plan_in_use() const override { return plan_; }
-  [[nodiscard]] std::size_t bytes() const override { return 0; }
-
-  std::vector<double> used_after_s;
-
- private:
-  control::Plan plan_;
-  double now_s_ = 0.0;
-  double planned_at_s_ = 0.0;
-  bool adopted_ = false;
-};
-
-TEST(ClosedLoop, APlanComesIntoUseAfterThePlanningDelay) {
+TEST(ClosedLoop, APlanIsActiveAfterThePlanningDelayTheFirstAtOnce) {
   Plant plant = amber_plant();
-  const auto controller = std::make_unique<PlanWatcher>();
+  ControllerSetup setup;
+  setup.parameters.timing.plan_delay_s = 0.007;
   RunSettings settings = standing_run(0.1);
-  settings.timing.plan_delay_s = 0.007;
-  (void)run_closed_loop(plant, *controller, settings);
-  ASSERT_EQ(controller->used_after_s.size(), 10u);
-  EXPECT_EQ(controller->used_after_s[0], 0.0);
-  for (std::size_t i = 1; i < 10; ++i) EXPECT_NEAR(controller->used_after_s[i], 0.007, 1e-9);
+  std::vector<double> first_age_s;
+  long long sequence = -1;
+  settings.observer.ticked = [&](const control_loop::TickRecord& tick) {
+    EXPECT_GE(tick.plan_sequence, 0);
+    if (tick.plan_sequence != sequence) first_age_s.push_back(tick.plan_age_s);
+    sequence = tick.plan_sequence;
+  };
+  (void)run_closed_loop(plant, *amber_controller(setup), settings);
+  ASSERT_EQ(first_age_s.size(), 10u);
+  EXPECT_EQ(first_age_s[0], 0.0);
+  for (std::size_t i = 1; i < 10; ++i) EXPECT_NEAR(first_age_s[i], 0.007, 1e-9);
+}
+
+TEST(ClosedLoop, AKnownStateReplacesTheEstimate) {
+  for (const bool known : {false, true}) {
+    PlantOptions options;
+    options.base_angle_noise_rad = 0.01;
+    Plant plant = amber_plant(options);
+    RunSettings settings = standing_run(0.2);
+    settings.use_true_state = known;
+    double largest_error = 0.0;
+    const log::RunRecord record = run_closed_loop(plant, *amber_controller(), settings);
+    for (const log::RunSample& sample : record.samples) {
+      largest_error =
+          std::max(largest_error, (sample.estimated_state - sample.true_state).cwiseAbs().maxCoeff());
+    }
+    EXPECT_EQ(largest_error == 0.0, known) << largest_error;
+  }
+}
+
+TEST(ClosedLoop, WithoutItsPlannerTheRobotFallsBackLevelByLevel) {
+  Plant plant = amber_plant();
+  RunSettings settings = walking_run(3.0);
+  settings.planner_until_s = 2.0;
+  const log::RunSummary summary = run_closed_loop(plant, *amber_controller(), settings).summary;
+  const auto at = [&](supervisor::FallbackLevel level) {
+    return summary.fallback_s[static_cast<std::size_t>(level)];
+  };
+  EXPECT_NEAR(at(supervisor::FallbackLevel::plan), 2.09, 0.0015) << "the last plan is of 1.99 s";
+  EXPECT_NEAR(at(supervisor::FallbackLevel::plan_feedback), 0.15, 0.0015);
+  EXPECT_EQ(at(supervisor::FallbackLevel::gait), 0.0) << "it has none";
+  EXPECT_GT(at(supervisor::FallbackLevel::sit), 0.1);
 }
 
 TEST(ClosedLoop, TheTimeStepOfThePhysicsDividesTheTick) {

@@ -93,13 +93,12 @@ TEST(PlantPushes, APushAtTheTorsoActsAtOneHeightOnEveryRobotAndVariant) {
 
 TEST(PlantPushes, ARecordShowsWhereThePushActs) {
   Plant plant = amber_plant();
-  HoldingController controller;
   RunSettings settings;
   settings.duration_s = 0.5;
   settings.leg = kAmberLeg;
   settings.initial_state = standing_state(kAmberLeg, kHipHeight_m, 0.15);
   settings.pushes = {{5.0, 0.1, 0.1, PushPoint::torso}, {-6.0, 0.3, 0.1, PushPoint::hip}};
-  const log::RunRecord record = run_closed_loop(plant, controller, settings);
+  const log::RunRecord record = run_closed_loop(plant, *amber_controller(), settings);
   ASSERT_EQ(record.samples.size(), 100u);
   EXPECT_EQ(record.samples[10].push_N, 0.0);
   EXPECT_EQ(record.samples[10].push_above_hip_m, 0.0);

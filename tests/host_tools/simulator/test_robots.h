@@ -1,9 +1,12 @@
 #pragma once
 
-#include <cmath>
+#include <gtest/gtest.h>
 
-#include "host_tools/simulator/mpc_controller.h"
+#include <cmath>
+#include <memory>
+
 #include "host_tools/simulator/plant.h"
+#include "host_tools/simulator/simulated_controller.h"
 #include "host_tools/simulator/simulated_robot.h"
 #include "host_tools/simulator/stance.h"
 #include "mpc_core/model/robot.h"
@@ -35,29 +38,13 @@ inline void hold(Plant& plant, const model::StateVector& posture, double duratio
   }
 }
 
-/// Holds the joints where they were at reset.
-class HoldingController final : public Controller {
- public:
-  void reset(const model::StateVector& state, double) override { held_ = state; }
-  TickOutput tick(const control::SensorReading& reading, const model::StateVector*) override {
-    ++ticks;
-    last_reading = reading;
-    const model::JointVector error_rad =
-        held_.segment<model::kJoints>(model::kFirstJoint) - reading.joint_position_rad;
-    return {held_, 800.0 * error_rad - 40.0 * reading.joint_velocity_rad_s};
-  }
-  std::optional<solver::SolveReport> plan(double, const gait::GaitCommand&) override { return std::nullopt; }
-  void adopt_plan() override {}
-  [[nodiscard]] const control::Plan& newest_plan() const override { return no_plan_; }
-  [[nodiscard]] const control::Plan& plan_in_use() const override { return no_plan_; }
-  [[nodiscard]] std::size_t bytes() const override { return sizeof *this; }
-
-  int ticks = 0;
-  control::SensorReading last_reading;
-
- private:
-  model::StateVector held_ = model::StateVector::Zero();
-  control::Plan no_plan_;
-};
+/// The controller of AMBER-3M with default parameters, without gaits.
+inline std::unique_ptr<SimulatedController> amber_controller(const ControllerSetup& changes = {}) {
+  ControllerSetup setup = changes;
+  setup.robot = &model::amber3m();
+  auto controller = std::make_unique<SimulatedController>();
+  EXPECT_EQ(controller->configure(setup), control::ConfigureStatus::ok);
+  return controller;
+}
 
 }  // namespace stilt::simulator

@@ -25,12 +25,12 @@ long page_faults() {
   return usage.ru_minflt + usage.ru_majflt;
 }
 
-TEST(Memory, OfPlannerPlanAndTorqueLoopIsSmall) {
-  std::printf("planner %zu, plan %zu, torque loop with estimator %zu bytes\n", sizeof(Planner), sizeof(Plan),
-              sizeof(TorqueLoop));
+TEST(Memory, OfPlannerPlanAndTorqueLawIsSmall) {
+  std::printf("planner %zu, plan %zu, torque law %zu bytes\n", sizeof(Planner), sizeof(Plan),
+              sizeof(TorqueLaw));
   EXPECT_LE(sizeof(Planner), 2 * kMebibyte);
   EXPECT_LE(sizeof(Plan), kMebibyte / 2);
-  EXPECT_LE(sizeof(TorqueLoop), 4096U);
+  EXPECT_LE(sizeof(TorqueLaw), 4096U);
 }
 
 TEST(Memory, AWholeWalkAllocatesNothing) {
@@ -70,7 +70,7 @@ TEST(Memory, EveryEndOfASolveAllocatesNothing) {
 
 /// The operating system may take pages back at any time, so that one quiet stretch out of several proves it.
 TEST(Memory, APlannerInUseTouchesNoNewPage) {
-  const auto run = [](Planner& planner, TorqueLoop& loop, Plan& plan, double& time_s) {
+  const auto run = [](Planner& planner, const TorqueLaw& law, Plan& plan, double& time_s) {
     const model::RobotModel& robot = model::amber3m();
     const model::StateVector standing = gait::standing_state(robot.constants, 0.8, 0.0, 0.15, true);
     SensorReading reading;
@@ -79,21 +79,21 @@ TEST(Memory, APlannerInUseTouchesNoNewPage) {
     for (int cycle = 0; cycle < 50; ++cycle, time_s += 0.01) {
       (void)planner.plan({time_s, standing, {gait::GaitKind::step, 0.0}}, plan);
       reading.time_s = time_s;
-      (void)loop.tick(reading, plan);
+      (void)law.follow(reading, standing, interpolate(plan, time_s), Feedback::plan_gains);
     }
     return page_faults() - before;
   };
   const ControllerParameters parameters = configuration::load_robot("amber3m").value();
   const auto planner = std::make_unique<Planner>();
   const auto plan = std::make_unique<Plan>();
-  TorqueLoop loop;
+  TorqueLaw law;
   ASSERT_EQ(planner->configure(model::amber3m(), parameters), ConfigureStatus::ok);
-  loop.configure(model::amber3m(), parameters);
+  law.configure(model::amber3m(), parameters);
   planner->reset(0.0);
   double time_s = 0.0;
-  (void)run(*planner, loop, *plan, time_s);
+  (void)run(*planner, law, *plan, time_s);
   long faults = 1;
-  for (int attempt = 0; attempt < 10 && faults > 0; ++attempt) faults = run(*planner, loop, *plan, time_s);
+  for (int attempt = 0; attempt < 10 && faults > 0; ++attempt) faults = run(*planner, law, *plan, time_s);
   EXPECT_EQ(faults, 0);
 }
 

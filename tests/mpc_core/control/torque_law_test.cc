@@ -21,7 +21,6 @@ using model::kInputs;
 using model::kJoints;
 using model::kPositions;
 using model::kStates;
-using testing_support::kPlanEnd_s;
 using testing_support::random_input;
 using testing_support::random_state;
 using testing_support::reading_of;
@@ -40,16 +39,17 @@ ControllerParameters unlimited(const char* robot) {
   return parameters;
 }
 
-class TorqueLoopTest : public ::testing::Test {
+class TorqueLawTest : public ::testing::Test {
  protected:
   void configure(const ControllerParameters& parameters) {
     parameters_ = parameters;
-    loop_.configure(robot_, parameters);
-    loop_.reset(reading_of(state_, kNow_s), 0.0);
+    law_.configure(robot_, parameters);
   }
 
-  TorqueCommand tick(double time_s = kNow_s) {
-    return loop_.tick_with_state(reading_of(state_, time_s), state_, *plan_);
+  TorqueCommand tick(double time_s = kNow_s) { return follow(reading_of(state_, time_s), state_); }
+
+  [[nodiscard]] TorqueCommand follow(const SensorReading& reading, const model::StateVector& state) const {
+    return law_.follow(reading, state, interpolate(*plan_, kNow_s), Feedback::as_configured);
   }
 
   [[nodiscard]] double limit_Nm(int joint) const {
@@ -75,33 +75,10 @@ class TorqueLoopTest : public ::testing::Test {
   model::StateVector state_ = random_state(random_);
   std::unique_ptr<Plan> plan_ = sample_plan(11);
   ControllerParameters parameters_;
-  TorqueLoop loop_;
+  TorqueLaw law_;
 };
 
-TEST_F(TorqueLoopTest, WithoutAPlanTheJointsAreDamped) {
-  configure(shipped("amber3m"));
-  plan_->nodes = 0;
-  const TorqueCommand command = tick();
-  EXPECT_EQ(command.status, TorqueStatus::damping_no_plan);
-  EXPECT_FALSE(command.saturated);
-  expect_damping(command);
-}
-
-TEST_F(TorqueLoopTest, APlanOfOneNodeIsNoPlan) {
-  configure(shipped("amber3m"));
-  plan_->nodes = 1;
-  EXPECT_EQ(tick().status, TorqueStatus::damping_no_plan);
-}
-
-TEST_F(TorqueLoopTest, AStalePlanDampsTheJoints) {
-  configure(shipped("amber3m"));
-  EXPECT_EQ(tick(kPlanEnd_s).status, TorqueStatus::tracking);
-  const TorqueCommand command = tick(kPlanEnd_s + 1e-6);
-  EXPECT_EQ(command.status, TorqueStatus::damping_stale_plan);
-  expect_damping(command);
-}
-
-TEST_F(TorqueLoopTest, ANonFiniteSensorGivesBoundedTorqueAndItsName) {
+TEST_F(TorqueLawTest, ANonFiniteSensorGivesBoundedTorqueAndItsName) {
   configure(shipped("amber3m"));
   const auto spoil = [](SensorReading& reading, int field, double value) {
     if (field < 4) reading.joint_position_rad[field] = value;
@@ -117,58 +94,36 @@ TEST_F(TorqueLoopTest, ANonFiniteSensorGivesBoundedTorqueAndItsName) {
         SensorReading reading = reading_of(state_, kNow_s);
         spoil(reading, field, value);
         const std::string what = "field " + std::to_string(field) + " is " + std::to_string(value);
-        for (const TorqueCommand& command :
-             {loop_.tick(reading, *plan_), loop_.tick_with_state(reading, state_, *plan_)}) {
-          EXPECT_EQ(command.status, TorqueStatus::damping_not_finite) << what;
-          expect_safe(command, what);
-        }
+        const TorqueCommand command = follow(reading, state_);
+        EXPECT_FALSE(command.finite) << what;
+        expect_safe(command, what);
       }
     }
   }
 }
 
-TEST_F(TorqueLoopTest, WithOneVelocityMissingTheOtherJointsAreDamped) {
+TEST_F(TorqueLawTest, WithOneVelocityMissingTheOtherJointsAreDamped) {
   configure(shipped("amber3m"));
   SensorReading reading = reading_of(state_, kNow_s);
   reading.joint_velocity_rad_s[1] = kNan;
-  const TorqueCommand command = loop_.tick(reading, *plan_);
+  const TorqueCommand command = follow(reading, state_);
   const double kd = parameters_.torque_law.joint_kd_Nms_rad;
   for (const int j : {0, 2, 3}) EXPECT_EQ(command.torque_Nm[j], -kd * reading.joint_velocity_rad_s[j]);
   EXPECT_EQ(command.torque_Nm[1], 0.0);
 }
 
-TEST_F(TorqueLoopTest, ANonFiniteSensorYieldsNoStateToPlanFrom) {
-  configure(shipped("amber3m"));
-  SensorReading reading = reading_of(state_, kNow_s);
-  reading.base_pitch_rad = kNan;
-  EXPECT_FALSE(loop_.tick(reading, *plan_).estimated_state.allFinite());
-}
-
-TEST_F(TorqueLoopTest, ANonFiniteStateGivesBoundedTorqueAndItsName) {
+TEST_F(TorqueLawTest, ANonFiniteStateGivesBoundedTorqueAndItsName) {
   configure(shipped("amber3m"));
   for (int i = 0; i < kStates; ++i) {
     model::StateVector state = state_;
     state[i] = kNan;
-    const TorqueCommand command = loop_.tick_with_state(reading_of(state_, kNow_s), state, *plan_);
-    EXPECT_EQ(command.status, TorqueStatus::damping_not_finite);
+    const TorqueCommand command = follow(reading_of(state_, kNow_s), state);
+    EXPECT_FALSE(command.finite);
     expect_safe(command, "state " + std::to_string(i));
   }
 }
 
-TEST_F(TorqueLoopTest, AGoodReadingAfterABadOneIsAsIfTheBadOneHadNotBeen) {
-  configure(shipped("amber3m"));
-  TorqueLoop untouched = loop_;
-  SensorReading bad = reading_of(state_, kNow_s);
-  bad.joint_position_rad[2] = kNan;
-  (void)loop_.tick(bad, *plan_);
-  const TorqueCommand command = loop_.tick(reading_of(state_, kNow_s + 0.001), *plan_);
-  const TorqueCommand expected = untouched.tick(reading_of(state_, kNow_s + 0.001), *plan_);
-  EXPECT_EQ(command.status, TorqueStatus::tracking);
-  EXPECT_TRUE(command.torque_Nm == expected.torque_Nm);
-  EXPECT_TRUE(command.estimated_state == expected.estimated_state);
-}
-
-TEST_F(TorqueLoopTest, ANonFinitePlanGivesBoundedTorque) {
+TEST_F(TorqueLawTest, ANonFinitePlanGivesBoundedTorque) {
   ControllerParameters parameters = shipped("amber3m");
   parameters.torque_law.use_feedback_gains = true;
   configure(parameters);
@@ -188,7 +143,7 @@ TEST_F(TorqueLoopTest, ANonFinitePlanGivesBoundedTorque) {
   }
 }
 
-TEST_F(TorqueLoopTest, ANonFinitePlanIsNamedWhereverItReachesTheTorque) {
+TEST_F(TorqueLawTest, ANonFinitePlanIsNamedWhereverItReachesTheTorque) {
   ControllerParameters parameters = shipped("amber3m");
   parameters.torque_law.use_feedback_gains = true;
   configure(parameters);
@@ -196,9 +151,8 @@ TEST_F(TorqueLoopTest, ANonFinitePlanIsNamedWhereverItReachesTheTorque) {
   const PlanNode kept = node;
   const auto expect_named = [&](const std::string& what) {
     const TorqueCommand command = tick();
-    EXPECT_EQ(command.status, TorqueStatus::damping_not_finite) << what;
+    EXPECT_FALSE(command.finite) << what;
     expect_damping(command);
-    EXPECT_TRUE(command.estimated_state == state_) << "the state is good, only the plan is not";
     node = kept;
   };
   for (int i = 0; i < kStates; ++i) {
@@ -213,7 +167,7 @@ TEST_F(TorqueLoopTest, ANonFinitePlanIsNamedWhereverItReachesTheTorque) {
   expect_named("gain");
 }
 
-TEST_F(TorqueLoopTest, TorqueNeverExceedsTheLimitOfItsJoint) {
+TEST_F(TorqueLawTest, TorqueNeverExceedsTheLimitOfItsJoint) {
   for (const double scale : {1.0, 0.5}) {
     ControllerParameters parameters = shipped("amber3m");
     parameters.robot.torque_limit_scale = scale;
@@ -231,16 +185,16 @@ TEST_F(TorqueLoopTest, TorqueNeverExceedsTheLimitOfItsJoint) {
   }
 }
 
-TEST_F(TorqueLoopTest, DampingIsLimitedToo) {
+TEST_F(TorqueLawTest, DampingIsLimitedToo) {
   configure(shipped("amber3m"));
-  plan_->nodes = 0;
+  plan_->node[1].input[0] = kNan;
   state_.tail<kJoints>().setConstant(1e6);
   const TorqueCommand command = tick();
   EXPECT_TRUE(command.saturated);
   for (int j = 0; j < kJoints; ++j) EXPECT_EQ(command.torque_Nm[j], -limit_Nm(j));
 }
 
-TEST_F(TorqueLoopTest, TorqueThatDrivesTheMotionFallsLinearlyToNothingAtTheNoLoadSpeed) {
+TEST_F(TorqueLawTest, TorqueThatDrivesTheMotionFallsLinearlyToNothingAtTheNoLoadSpeed) {
   ControllerParameters parameters = shipped("amber3m");
   parameters.robot.no_load_speed_rad_s = 10.0;
   configure(parameters);
@@ -264,7 +218,7 @@ TEST_F(TorqueLoopTest, TorqueThatDrivesTheMotionFallsLinearlyToNothingAtTheNoLoa
   }
 }
 
-TEST_F(TorqueLoopTest, JointDampingOfTheConfigurationIsPartOfTheFeedForwardTorque) {
+TEST_F(TorqueLawTest, JointDampingOfTheConfigurationIsPartOfTheFeedForwardTorque) {
   ControllerParameters parameters = unlimited("amber3m");
   configure(parameters);
   const JointVector without_Nm = tick().torque_Nm;
@@ -279,7 +233,7 @@ TEST_F(TorqueLoopTest, JointDampingOfTheConfigurationIsPartOfTheFeedForwardTorqu
   }
 }
 
-TEST_F(TorqueLoopTest, PositionAndVelocityErrorsPullBackByTheGains) {
+TEST_F(TorqueLawTest, PositionAndVelocityErrorsPullBackByTheGains) {
   configure(unlimited("amber3m"));
   state_ = interpolate(*plan_, kNow_s).state;
   const JointVector at_plan_Nm = tick().torque_Nm;
@@ -293,7 +247,7 @@ TEST_F(TorqueLoopTest, PositionAndVelocityErrorsPullBackByTheGains) {
   }
 }
 
-TEST_F(TorqueLoopTest, FrictionCompensationHelpsThePlannedMotion) {
+TEST_F(TorqueLawTest, FrictionCompensationHelpsThePlannedMotion) {
   ControllerParameters parameters = unlimited("amber3m");
   parameters.robot.hip_coulomb_friction_Nm = 2.0;
   parameters.robot.knee_coulomb_friction_Nm = 3.0;
@@ -314,7 +268,7 @@ TEST_F(TorqueLoopTest, FrictionCompensationHelpsThePlannedMotion) {
   }
 }
 
-TEST_F(TorqueLoopTest, FeedbackGainsActOnlyWhenTheyAreOn) {
+TEST_F(TorqueLawTest, FeedbackGainsActOnlyWhenTheyAreOn) {
   ControllerParameters parameters = unlimited("amber3m");
   parameters.torque_law.use_feedback_gains = false;
   configure(parameters);
@@ -334,14 +288,17 @@ TEST_F(TorqueLoopTest, FeedbackGainsActOnlyWhenTheyAreOn) {
   EXPECT_GT((on_Nm - off_Nm).cwiseAbs().maxCoeff(), 0.1);
 }
 
-TEST_F(TorqueLoopTest, TheEstimatorsStateIsTheOneTracked) {
-  configure(shipped("amber3m"));
-  TorqueLoop other = loop_;
-  const TorqueCommand estimated = loop_.tick(reading_of(state_, kNow_s), *plan_);
-  const TorqueCommand given =
-      other.tick_with_state(reading_of(state_, kNow_s), estimated.estimated_state, *plan_);
-  EXPECT_EQ(estimated.status, TorqueStatus::tracking);
-  EXPECT_TRUE(estimated.torque_Nm == given.torque_Nm);
+TEST_F(TorqueLawTest, TheGainsOfAnAgedPlanActWhateverIsConfigured) {
+  ControllerParameters parameters = unlimited("amber3m");
+  parameters.torque_law.use_feedback_gains = true;
+  configure(parameters);
+  const JointVector on_Nm = tick().torque_Nm;
+  parameters.torque_law.use_feedback_gains = false;
+  configure(parameters);
+  const PlanPoint point = interpolate(*plan_, kNow_s);
+  const SensorReading reading = reading_of(state_, kNow_s);
+  EXPECT_TRUE(law_.follow(reading, state_, point, Feedback::plan_gains).torque_Nm == on_Nm);
+  EXPECT_FALSE(law_.follow(reading, state_, point, Feedback::as_configured).torque_Nm == on_Nm);
 }
 
 class FeedForwardTest : public ::testing::TestWithParam<const char*> {};
@@ -355,8 +312,8 @@ TEST_P(FeedForwardTest, TorqueGivesThePlannedJointAccelerations) {
     ControllerParameters parameters = unlimited(GetParam());
     parameters.robot.armature_scale = armature_scale;
     parameters.torque_law.friction_compensation = 0.0;
-    TorqueLoop loop;
-    loop.configure(robot, parameters);
+    TorqueLaw law;
+    law.configure(robot, parameters);
     testing_support::MujocoRobot mujoco(simulator::simulated_robot(GetParam()));
     for (int j = 0; j < kJoints; ++j) {
       mujoco.set_joint(j, armature_scale * robot.constants.joint_parameters[j],
@@ -368,8 +325,9 @@ TEST_P(FeedForwardTest, TorqueGivesThePlannedJointAccelerations) {
       plan->node[1].input = random_input(random);
       const model::StateVector& state = plan->node[1].state;
       const SensorReading reading = reading_of(state, plan->node[1].time_s);
-      const TorqueCommand command = loop.tick_with_state(reading, state, *plan);
-      ASSERT_EQ(command.status, TorqueStatus::tracking);
+      const TorqueCommand command =
+          law.follow(reading, state, interpolate(*plan, reading.time_s), Feedback::as_configured);
+      ASSERT_TRUE(command.finite);
       mujoco.forward(state.data(), command.torque_Nm.data(), plan->node[1].input.data() + kJoints);
       for (int j = 0; j < kJoints; ++j) {
         EXPECT_NEAR(mujoco.acceleration()[kFirstJoint + j], plan->node[1].input[j], 1e-8)
