@@ -73,8 +73,12 @@ TEST(Hardware, EveryContradictionOfTheWiringPointsAtItsLine) {
             "robot.toml:2:6: knee_L.id = 16: identifiers of this driver are 0 to 15");
   EXPECT_TRUE(mistakes("[base_sensor]\npitch = \"none\"\n").starts_with("robot.toml:2:9: nothing measures"));
   EXPECT_TRUE(mistakes("[base_sensor]\nencoder_joint = 1\n").starts_with("robot.toml:2:17: base_sensor."));
-  EXPECT_TRUE(mistakes("[runtime]\nplanner_priority = 85\n")
-                  .starts_with("robot.toml:2:20: runtime.planner_priority"));
+  for (const char* priority : {"80", "85"}) {
+    EXPECT_TRUE(
+        mistakes("[runtime]\ntorque_priority = 80\nplanner_priority = " + std::string(priority) + "\n")
+            .starts_with("robot.toml:3:20: runtime.planner_priority"))
+        << priority;
+  }
 }
 
 /// The configuration with drivers of one protocol everywhere, and more lines of other sections.
@@ -180,7 +184,8 @@ TEST(Hardware, AMildReactionMustComeBeforeTheHardOne) {
 
 TEST(Hardware, TextsThatAreNotUnderstoodSayWhatWouldBeRight) {
   EXPECT_EQ(mistakes("[hardware]\nrobot = \"atlas\"\n"),
-            "robot.toml:2:9: hardware.robot: there is no robot \"atlas\"; known robots are amber3m, amber3m_2020, rabbit");
+            "robot.toml:2:9: hardware.robot: there is no robot \"atlas\"; known robots are amber3m, "
+            "amber3m_2020, rabbit");
   EXPECT_EQ(mistakes("[hardware]\nrobot = 3\n"),
             "robot.toml:2:9: hardware.robot must be text, the name of a robot, not a whole number");
   EXPECT_EQ(mistakes("[hardware]\nbuses = \"can0,can0\"\n"),
@@ -259,7 +264,7 @@ TEST(Channel, EveryWordSetsItsPart) {
 TEST(Channel, NoneGivesNothingAndNonsenseIsNamed) {
   EXPECT_EQ(parse_channel("none", BaseChannel::pitch_rad), std::nullopt);
   for (const char* wrong : {"", "byte 0 bits 8", "id", "id x", "id 0x50 bits 40", "id 0x50 float bits 16",
-                            "id 0x50 colour 3", "id 0x50 scale 0", "id 0x50 bits 300"}) {
+                            "id 0x50 colour 3", "id 0x50 scale 0", "id 0x50 bits 300", "id 0x50 bits 264"}) {
     EXPECT_FALSE(parse_channel(wrong, BaseChannel::pitch_rad)) << wrong;
   }
   EXPECT_TRUE(parse_channel("id 0x50 colour 3", BaseChannel::pitch_rad)

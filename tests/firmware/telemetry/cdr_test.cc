@@ -47,6 +47,22 @@ TEST(Cdr, a_reply_is_aligned_as_plain_cdr_asks) {
                    0, 0, 0, 0, 0,   0,   0xf0, 0x3f}));
 }
 
+TEST(Cdr, a_reply_of_a_big_endian_peer_reads_the_same) {
+  const auto reply = decode<CommandReply>(
+      bytes({0, 0, 0, 0,                  //
+             0, 0, 0, 0, 0,   0,   1, 2,  // session
+             0, 0, 0, 3, 'a', 'b', 0, 0,  // commander
+             0, 0, 0, 0, 0,   0,   0, 7,  // number
+             1, 0, 0, 0, 0,   0,   0, 3, 'n', 'o', 0, 0, 0, 0, 0, 0, 0x3f, 0xf0, 0, 0, 0, 0, 0, 0}));
+  ASSERT_NE(reply, nullptr);
+  EXPECT_EQ(reply->session, 0x0102u);
+  EXPECT_STREQ(reply->commander, "ab");
+  EXPECT_EQ(reply->number, 7u);
+  EXPECT_TRUE(reply->accepted);
+  EXPECT_STREQ(reply->reason, "no");
+  EXPECT_EQ(reply->time_s, 1.0);
+}
+
 TEST(Cdr, a_message_reads_back) {
   PlannerCycle cycle{};
   cycle.session = 0xfedcba9876543210;

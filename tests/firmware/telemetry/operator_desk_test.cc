@@ -243,6 +243,8 @@ TEST_F(Desk, speed_changes_the_walk_that_is_on) {
   ASSERT_TRUE(take(CommandKind::speed, -0.2).accepted);
   EXPECT_EQ(command().request.speed_m_s, -0.2);
   EXPECT_EQ(command().request.number, number_before);
+  EXPECT_FALSE(take(CommandKind::speed, 0.81).accepted) << "0.8 m/s is the limit";
+  EXPECT_EQ(command().request.speed_m_s, -0.2);
 }
 
 TEST_F(Desk, release_of_a_walking_or_stepping_robot_lets_it_stand) {
