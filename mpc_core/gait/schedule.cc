@@ -48,6 +48,15 @@ Interval ContactSchedule::foot_interval(int index, int foot) const noexcept {
   return {phases_[first].start_s, end_s(last)};
 }
 
+/// The last foot but one that lands before a stand makes room between the feet; one in the second half of its
+/// swing cannot do so any more.
+bool ContactSchedule::about_to_land(double time_s, const GaitParameters& parameters) const noexcept {
+  constexpr double kPlaceable = 0.5;
+  const ContactPhase& present = phases_[count_ - 1];
+  const double elapsed_s = time_s - present.start_s;
+  return is_single(present.mode) && elapsed_s > (1.0 - kPlaceable) * parameters.single_support_s;
+}
+
 void ContactSchedule::drop_past(double time_s) noexcept {
   constexpr int kKeptPast = 6;  // covers the contact before the current swing, with double support
   const int drop = index_at(time_s) - kKeptPast;
@@ -91,6 +100,7 @@ void ContactSchedule::update(double time_s, double until_s, const GaitCommand& c
   if (command.kind != command_.kind) {
     count_ = index_at(time_s) + 1;  // the present phase stays, the future is planned anew
     steps_before_stand_ = steps_to_stop(reference_speed_m_s, parameters, reference);
+    if (about_to_land(time_s, parameters)) ++steps_before_stand_;
   }
   command_ = command;
   const double earliest_start_s = time_s + parameters.switch_lead_s;

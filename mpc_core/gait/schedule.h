@@ -56,6 +56,7 @@ class ContactSchedule {
  private:
   void append(double start_s, model::ContactMode mode, GaitKind gait) noexcept;
   void append_next(double earliest_start_s, const GaitParameters& parameters, bool left_ahead) noexcept;
+  [[nodiscard]] bool about_to_land(double time_s, const GaitParameters& parameters) const noexcept;
   void drop_past(double time_s) noexcept;
 
   std::array<ContactPhase, kMaxPhases> phases_{};

@@ -125,5 +125,26 @@ INSTANTIATE_TEST_SUITE_P(ClosedLoop, Walks,
                                   name_of(test.param.horizon_s);
                          });
 
+class StandsAfterSteps : public ::testing::TestWithParam<double> {};
+
+/// Two point feet at one place carry no robot: it would lean slowly until its legs are straight.
+TEST_P(StandsAfterSteps, WithItsFeetApartWheneverTheStandIsCommanded) {
+  RunRequest request = walking(0.0, 1.0, 10.0);
+  request.commands = {{0.0, {GaitKind::step, 0.0}}, {GetParam(), {GaitKind::stand, 0.0}}};
+  request.keep_samples = true;
+  SimulatedRun run(request);
+  const log::RunRecord record = run.run();
+  expect_sound(run, record);
+  const log::RunSample& end = record.samples.back();
+  EXPECT_GT(std::abs(end.foot_position_m[0] - end.foot_position_m[2]), 0.1);
+  EXPECT_LT(std::abs(end.true_state[model::kFirstAngle]), 0.02);
+  EXPECT_NEAR(end.true_state[1], run.parameters.reference.base_height_m, 0.01);
+}
+
+INSTANTIATE_TEST_SUITE_P(ClosedLoop, StandsAfterSteps,
+                         ::testing::Values(3.0, 3.1, 3.2, 3.25, 3.279, 3.29, 3.3), [](const auto& test) {
+                           return "At" + std::to_string(std::lround(1000.0 * test.param));
+                         });
+
 }  // namespace
 }  // namespace stilt::simulator
