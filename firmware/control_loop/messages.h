@@ -6,7 +6,7 @@
 #include "mpc_core/control/planner.h"
 #include "mpc_core/gait/command.h"
 #include "mpc_core/model/types.h"
-#include "mpc_core/solver/solve_report.h"
+#include "mpc_core/sqp/solve_report.h"
 
 /// What the threads of the controller hand each other.
 namespace stilt::control_loop {

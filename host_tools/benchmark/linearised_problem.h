@@ -2,9 +2,9 @@
 
 #include <vector>
 
+#include "mpc_core/lq/riccati.h"
 #include "mpc_core/ocp/linearise.h"
 #include "mpc_core/ocp/problem.h"
-#include "mpc_core/solver/riccati.h"
 
 namespace stilt::benchmark {
 

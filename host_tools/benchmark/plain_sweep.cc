@@ -6,7 +6,7 @@
 #include <string>
 #include <type_traits>
 
-#include "mpc_core/solver/dense_stage.h"
+#include "mpc_core/lq/dense_stage.h"
 
 namespace stilt::benchmark {
 namespace {

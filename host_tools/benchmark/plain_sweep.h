@@ -4,7 +4,7 @@
 #include <variant>
 #include <vector>
 
-#include "mpc_core/solver/riccati.h"
+#include "mpc_core/lq/riccati.h"
 
 /// The Riccati recursion of riccati.h as one writes it with fixed-size Eigen: what the project's sweep is
 /// timed against, on the same data.

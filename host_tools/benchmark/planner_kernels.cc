@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mpc_core/solver/dense_stage.h"
+#include "mpc_core/lq/dense_stage.h"
 
 namespace stilt::benchmark {
 namespace {

@@ -2,7 +2,7 @@
 
 #include "mpc_core/gait/parameters.h"
 #include "mpc_core/ocp/parameters.h"
-#include "mpc_core/solver/sqp_parameters.h"
+#include "mpc_core/sqp/sqp_parameters.h"
 
 namespace stilt::control {
 

@@ -5,7 +5,7 @@
 #include "mpc_core/gait/command.h"
 #include "mpc_core/model/types.h"
 #include "mpc_core/ocp/horizon.h"
-#include "mpc_core/solver/solve_report.h"
+#include "mpc_core/sqp/solve_report.h"
 
 namespace stilt::control {
 

@@ -4,8 +4,8 @@
 #include "mpc_core/control/plan.h"
 #include "mpc_core/gait/reference.h"
 #include "mpc_core/model/robot.h"
-#include "mpc_core/solver/sqp.h"
-#include "mpc_core/solver/terminal_cost.h"
+#include "mpc_core/sqp/sqp.h"
+#include "mpc_core/sqp/terminal_cost.h"
 
 namespace stilt::control {
 

@@ -2,9 +2,9 @@
 
 #include <bit>
 
+#include "mpc_core/lq/simd_columns.h"
 #include "mpc_core/ocp/problem.h"
 #include "mpc_core/ocp/projection.h"
-#include "mpc_core/solver/simd_columns.h"
 
 /// Moving numbers between per-stage rows and batches.
 namespace stilt::ocp {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "mpc_core/solver/simd_columns.h"
+#include "mpc_core/lq/simd_columns.h"
 
 namespace stilt::ocp {
 namespace {

@@ -1,9 +1,9 @@
 #pragma once
 
+#include "mpc_core/lq/simd_columns.h"
 #include "mpc_core/model/batch.h"
 #include "mpc_core/model/terms.h"
 #include "mpc_core/ocp/problem.h"
-#include "mpc_core/solver/simd_columns.h"
 
 /// Equality constraints of a node and their elimination, in closed form for each contact mode.
 ///
@@ -19,7 +19,7 @@
 ///      z = z0 + Y c'dx + W w by Householder reflections over z; the reflected unit vectors W span their null
 ///      space: 3 free directions in single support, 4 in double support, 2 in flight.
 /// The one or two products c'dx are all of dx that reaches z: with the base rows they make the factored
-/// dynamics of solver/lq_problem.h.
+/// dynamics of lq/lq_problem.h.
 /// Rank: step 3 is singular where the row vanishes, as for two straight legs side by side. A diagonal entry s
 /// below `rank_tolerance` is inverted as s / tolerance^2, so that the constraint fades instead of exploding.
 namespace stilt::ocp {

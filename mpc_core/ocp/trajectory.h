@@ -1,7 +1,7 @@
 #pragma once
 
+#include "mpc_core/lq/lq_problem.h"
 #include "mpc_core/ocp/horizon.h"
-#include "mpc_core/solver/lq_problem.h"
 
 namespace stilt::ocp {
 

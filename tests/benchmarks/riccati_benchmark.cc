@@ -3,9 +3,9 @@
 #include <vector>
 
 #include "host_tools/benchmark/plain_sweep.h"
-#include "mpc_core/solver/care.h"
-#include "mpc_core/solver/riccati.h"
-#include "tests/mpc_core/solver/random_lq.h"
+#include "mpc_core/lq/care.h"
+#include "mpc_core/lq/riccati.h"
+#include "tests/mpc_core/lq/random_lq.h"
 
 /// The Riccati sweep against the same recursion in fixed-size Eigen, on the same data in the same run: 134
 /// stages (2 s at 15 ms), 14 states. Arguments: the kind of every stage, an index into

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "mpc_core/solver/terminal_cost.h"
+#include "mpc_core/sqp/terminal_cost.h"
 
 namespace stilt::testing_support {
 namespace {

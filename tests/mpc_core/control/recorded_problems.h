@@ -6,7 +6,7 @@
 
 #include "mpc_core/gait/reference.h"
 #include "mpc_core/ocp/problem.h"
-#include "mpc_core/solver/sqp.h"
+#include "mpc_core/sqp/sqp.h"
 
 /// Planning problems with their optimum, kept in tests/data/recorded_problems.txt: whatever is done to the
 /// solver for speed, it has to find these optima again. The weights and limits in force are those of

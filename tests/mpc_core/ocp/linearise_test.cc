@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "mpc_core/solver/riccati.h"
+#include "mpc_core/lq/riccati.h"
 #include "tests/mpc_core/ocp/planning_scene.h"
 #include "tests/mpc_core/ocp/scalar_ocp.h"
 

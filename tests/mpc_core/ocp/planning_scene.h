@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "mpc_core/gait/reference.h"
+#include "mpc_core/lq/dense_stage.h"
 #include "mpc_core/model/robot.h"
 #include "mpc_core/ocp/problem.h"
-#include "mpc_core/solver/dense_stage.h"
 
 /// Planning problems for tests: the ones a walking robot meets, and random ones of a single contact mode.
 namespace stilt::testing_support {

@@ -1,5 +1,5 @@
-#include "mpc_core/solver/riccati.h"
-#include "mpc_core/solver/stage_mode.h"
+#include "mpc_core/lq/riccati.h"
+#include "mpc_core/lq/stage_mode.h"
 
 namespace stilt::solver {
 namespace {

@@ -1,4 +1,4 @@
-#include "mpc_core/solver/terminal_cost.h"
+#include "mpc_core/sqp/terminal_cost.h"
 
 #include <gtest/gtest.h>
 

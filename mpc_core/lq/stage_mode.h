@@ -1,6 +1,6 @@
 #pragma once
 
-#include "mpc_core/solver/simd_columns.h"
+#include "mpc_core/lq/simd_columns.h"
 
 /// The kinds of stages the Riccati sweeps have kernels for, as types. Real-time safe.
 namespace stilt::solver {

@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "mpc_core/solver/riccati.h"
+#include "mpc_core/lq/riccati.h"
 
 /// Seeded random LQ problems and what a test knows about their solution independently of the sweep.
 namespace stilt::solver::testing {

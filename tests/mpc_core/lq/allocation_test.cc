@@ -5,8 +5,8 @@
 #include <memory>
 
 #include "firmware/realtime/allocation_counter.h"
-#include "mpc_core/solver/care.h"
-#include "tests/mpc_core/solver/random_lq.h"
+#include "mpc_core/lq/care.h"
+#include "tests/mpc_core/lq/random_lq.h"
 
 namespace stilt::solver {
 namespace {

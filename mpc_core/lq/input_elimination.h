@@ -1,7 +1,7 @@
 #pragma once
 
-#include "mpc_core/solver/riccati.h"
-#include "mpc_core/solver/simd_columns.h"
+#include "mpc_core/lq/riccati.h"
+#include "mpc_core/lq/simd_columns.h"
 
 /// The small dense system of a Riccati stage: H w = -(F x + f_u) by H = L D L'. Real-time safe.
 namespace stilt::solver {

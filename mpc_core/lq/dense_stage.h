@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-#include "mpc_core/solver/lq_problem.h"
+#include "mpc_core/lq/lq_problem.h"
 
 /// The factored matrices of a stage written out: what plain algorithms and tests work on. Not for real time.
 namespace stilt::solver {

@@ -1,11 +1,11 @@
-#include "tests/mpc_core/solver/random_lq.h"
+#include "tests/mpc_core/lq/random_lq.h"
 
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 
-#include "mpc_core/solver/dense_stage.h"
+#include "mpc_core/lq/dense_stage.h"
 
 namespace stilt::solver::testing {
 namespace {

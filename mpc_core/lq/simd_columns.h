@@ -4,7 +4,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "mpc_core/solver/lq_problem.h"
+#include "mpc_core/lq/lq_problem.h"
 
 /// Columns of kRows doubles as a few SIMD registers, and the operations the Riccati sweep is made of.
 ///

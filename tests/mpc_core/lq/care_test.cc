@@ -1,4 +1,4 @@
-#include "mpc_core/solver/care.h"
+#include "mpc_core/lq/care.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "mpc_core/solver/lq_problem.h"
+#include "mpc_core/lq/lq_problem.h"
 
 /// Riccati recursion for the LQ problem of lq_problem.h. With the cost to go of stage k+1
 /// V(x) = 1/2 x' P x + p' x:

@@ -1,4 +1,4 @@
-#include "tests/mpc_core/solver/planning_nlp.h"
+#include "tests/mpc_core/sqp/planning_nlp.h"
 
 #include <algorithm>
 

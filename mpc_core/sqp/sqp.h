@@ -1,9 +1,9 @@
 #pragma once
 
+#include "mpc_core/lq/riccati.h"
 #include "mpc_core/ocp/linearise.h"
-#include "mpc_core/solver/riccati.h"
-#include "mpc_core/solver/solve_report.h"
-#include "mpc_core/solver/sqp_parameters.h"
+#include "mpc_core/sqp/solve_report.h"
+#include "mpc_core/sqp/sqp_parameters.h"
 
 namespace stilt::solver {
 

@@ -1,8 +1,8 @@
-#include "mpc_core/solver/terminal_cost.h"
+#include "mpc_core/sqp/terminal_cost.h"
 
 #include <algorithm>
 
-#include "mpc_core/solver/small_solve.h"
+#include "mpc_core/lq/small_solve.h"
 
 namespace stilt::solver {
 namespace {

@@ -1,7 +1,7 @@
-#include "mpc_core/solver/riccati.h"
+#include "mpc_core/lq/riccati.h"
 
-#include "mpc_core/solver/input_elimination.h"
-#include "mpc_core/solver/stage_mode.h"
+#include "mpc_core/lq/input_elimination.h"
+#include "mpc_core/lq/stage_mode.h"
 
 namespace stilt::solver {
 namespace {

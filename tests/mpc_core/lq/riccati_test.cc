@@ -1,4 +1,4 @@
-#include "mpc_core/solver/riccati.h"
+#include "mpc_core/lq/riccati.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <cstring>
 #include <limits>
 
-#include "tests/mpc_core/solver/random_lq.h"
+#include "tests/mpc_core/lq/random_lq.h"
 
 namespace stilt::solver {
 namespace {

@@ -1,8 +1,8 @@
-#include "mpc_core/solver/care.h"
+#include "mpc_core/lq/care.h"
 
 #include <cmath>
 
-#include "mpc_core/solver/small_solve.h"
+#include "mpc_core/lq/small_solve.h"
 
 namespace stilt::solver {
 namespace {

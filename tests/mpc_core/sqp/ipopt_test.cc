@@ -4,9 +4,9 @@
 #include <cmath>
 #include <memory>
 
-#include "mpc_core/solver/sqp.h"
-#include "mpc_core/solver/terminal_cost.h"
-#include "tests/mpc_core/solver/planning_nlp.h"
+#include "mpc_core/sqp/sqp.h"
+#include "mpc_core/sqp/terminal_cost.h"
+#include "tests/mpc_core/sqp/planning_nlp.h"
 
 namespace stilt::solver {
 namespace {

@@ -1,10 +1,10 @@
-#include "mpc_core/solver/sqp.h"
+#include "mpc_core/sqp/sqp.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "mpc_core/solver/simd_columns.h"
+#include "mpc_core/lq/simd_columns.h"
 
 namespace stilt::solver {
 namespace {

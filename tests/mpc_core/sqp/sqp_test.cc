@@ -1,4 +1,4 @@
-#include "mpc_core/solver/sqp.h"
+#include "mpc_core/sqp/sqp.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <limits>
 #include <memory>
 
-#include "mpc_core/solver/terminal_cost.h"
+#include "mpc_core/sqp/terminal_cost.h"
 #include "tests/mpc_core/ocp/planning_scene.h"
 
 namespace stilt::solver {
