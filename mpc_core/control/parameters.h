@@ -55,7 +55,7 @@ struct ControllerParameters {
   ocp::InequalityParameters inequality;
   ocp::EqualityParameters equality;
   ocp::DiscretisationParameters discretisation;
-  solver::SqpParameters sqp;
+  sqp::SqpParameters sqp;
   TorqueLawParameters torque_law;
   GaitTrackerParameters gait_tracker;
   EstimatorParameters estimator;

@@ -4,7 +4,7 @@
 
 #include "mpc_core/lq/small_solve.h"
 
-namespace stilt::solver {
+namespace stilt::lq {
 namespace {
 
 constexpr int kN = model::kStates;
@@ -155,24 +155,24 @@ void symmetrise(StateMatrix& m) noexcept {
 
 [[nodiscard]] CareOutcome check(const CareProblem& problem) noexcept {
   if (!problem.A.allFinite() || !problem.B.allFinite() || !problem.Q.allFinite() || !problem.R.allFinite()) {
-    return CareOutcome::kNotFinite;
+    return CareOutcome::not_finite;
   }
   for (int c = 0; c < kN; ++c) {
-    if (problem.Q(c, c) < 0.0) return CareOutcome::kBadCost;
+    if (problem.Q(c, c) < 0.0) return CareOutcome::bad_cost;
     for (int r = 0; r < c; ++r) {
-      if (problem.Q(r, c) != problem.Q(c, r)) return CareOutcome::kBadCost;
+      if (problem.Q(r, c) != problem.Q(c, r)) return CareOutcome::bad_cost;
     }
   }
-  return positive_definite(problem.R) ? CareOutcome::kOk : CareOutcome::kBadCost;
+  return positive_definite(problem.R) ? CareOutcome::ok : CareOutcome::bad_cost;
 }
 
 }  // namespace
 
 CareOutcome solve_care(const CareProblem& problem, CareSolution& solution, CareWorkspace& work) noexcept {
-  if (const CareOutcome outcome = check(problem); outcome != CareOutcome::kOk) return outcome;
+  if (const CareOutcome outcome = check(problem); outcome != CareOutcome::ok) return outcome;
   InputWeight R = problem.R;
   FeedbackMatrix weighted = problem.B.transpose();  // R^-1 B'
-  if (!solve_in_place(R, weighted)) return CareOutcome::kBadCost;
+  if (!solve_in_place(R, weighted)) return CareOutcome::bad_cost;
   multiply(work.G, problem.B, weighted);
   symmetrise(work.G);
 
@@ -185,9 +185,9 @@ CareOutcome solve_care(const CareProblem& problem, CareSolution& solution, CareW
     if (!refine(problem, gamma, solution, work)) continue;
     if (!(solution.residual <= kCareTolerance)) continue;
     multiply(solution.K, weighted, solution.S);
-    return CareOutcome::kOk;
+    return CareOutcome::ok;
   }
-  return CareOutcome::kNoStabilisingSolution;
+  return CareOutcome::no_stabilising_solution;
 }
 
-}  // namespace stilt::solver
+}  // namespace stilt::lq

@@ -19,7 +19,7 @@
 ///
 /// No heap, no exceptions, bounded work (about a millisecond): for start-up and changes of weights, not for
 /// the torque loop.
-namespace stilt::solver {
+namespace stilt::lq {
 
 using StateMatrix = Eigen::Matrix<double, model::kStates, model::kStates>;
 using InputMatrix = Eigen::Matrix<double, model::kStates, model::kInputs>;
@@ -40,13 +40,13 @@ struct CareSolution {
 };
 
 enum class CareOutcome {
-  kOk,
-  kBadCost,                ///< Q not symmetric or with a negative diagonal, or R not positive definite
-  kNotFinite,              ///< NaN or infinity in the problem
-  kNoStabilisingSolution,  ///< an unstable or marginal mode is out of reach of B, or a marginal one of Q
+  ok,
+  bad_cost,                 ///< Q not symmetric or with a negative diagonal, or R not positive definite
+  not_finite,               ///< NaN or infinity in the problem
+  no_stabilising_solution,  ///< an unstable or marginal mode is out of reach of B, or a marginal one of Q
 };
 
-/// Largest residual returned with kOk.
+/// Largest residual returned with ok.
 inline constexpr double kCareTolerance = 1e-10;
 
 /// Scratch of solve_care (about 20 kB); contents need not be initialised.
@@ -59,8 +59,8 @@ struct CareWorkspace {
   Eigen::Matrix<double, model::kStates, 2 * model::kStates> right;  ///< its right-hand sides, then solutions
 };
 
-/// Solves the CARE. `solution` is meaningful only with kOk.
+/// Solves the CARE. `solution` is meaningful only with ok.
 [[nodiscard]] CareOutcome solve_care(const CareProblem& problem, CareSolution& solution,
                                      CareWorkspace& work) noexcept;
 
-}  // namespace stilt::solver
+}  // namespace stilt::lq

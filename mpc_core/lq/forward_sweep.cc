@@ -1,7 +1,7 @@
 #include "mpc_core/lq/riccati.h"
 #include "mpc_core/lq/stage_mode.h"
 
-namespace stilt::solver {
+namespace stilt::lq {
 namespace {
 
 /// The places of a column of kRows scalar products with x: unit row i of A stands at its own state row, so
@@ -74,9 +74,10 @@ STILT_INLINE inline void roll_stage(const LqFirstOrder& stage, const LqGain& gai
   unroll<kParts>([&](auto part) STILT_INLINE { store(steps[1].x + part * kLanes, next[part]); });
 }
 
-/// Stage is LqFirstOrder or LqStage.
-template <class Stage>
-void roll_out(const Stage* stages, int count, const LqGain* gains, const double* x0, LqStep* steps) noexcept {
+}  // namespace
+
+void forward_sweep(const LqFirstOrder* stages, int count, const LqGain* gains, const double* x0,
+                   LqStep* steps) noexcept {
   std::memcpy(steps[0].x, x0, sizeof(steps[0].x));
   for (int k = 0; k < count; ++k) {
     dispatch(stages[k],
@@ -86,8 +87,8 @@ void roll_out(const Stage* stages, int count, const LqGain* gains, const double*
   std::memset(steps[count].c, 0, sizeof(steps[count].c));
 }
 
-template <class Stage>
-double slope_along(const Stage* stages, int count, const LqTerminal& terminal, const LqStep* steps) noexcept {
+double cost_slope(const LqFirstOrder* stages, int count, const LqTerminal& terminal,
+                  const LqStep* steps) noexcept {
   double slope = dot(terminal.q, steps[count].x);
   for (int k = 0; k < count; ++k) {
     slope += dot(stages[k].q, steps[k].x);
@@ -96,26 +97,4 @@ double slope_along(const Stage* stages, int count, const LqTerminal& terminal, c
   return slope;
 }
 
-}  // namespace
-
-void forward_sweep(const LqFirstOrder* stages, int count, const LqGain* gains, const double* x0,
-                   LqStep* steps) noexcept {
-  roll_out(stages, count, gains, x0, steps);
-}
-
-void forward_sweep(const LqStage* stages, int count, const LqGain* gains, const double* x0,
-                   LqStep* steps) noexcept {
-  roll_out(stages, count, gains, x0, steps);
-}
-
-double cost_slope(const LqFirstOrder* stages, int count, const LqTerminal& terminal,
-                  const LqStep* steps) noexcept {
-  return slope_along(stages, count, terminal, steps);
-}
-
-double cost_slope(const LqStage* stages, int count, const LqTerminal& terminal,
-                  const LqStep* steps) noexcept {
-  return slope_along(stages, count, terminal, steps);
-}
-
-}  // namespace stilt::solver
+}  // namespace stilt::lq

@@ -4,7 +4,7 @@
 #include "mpc_core/lq/simd_columns.h"
 
 /// The small dense system of a Riccati stage: H w = -(F x + f_u) by H = L D L'. Real-time safe.
-namespace stilt::solver {
+namespace stilt::lq {
 
 /// R + B'P B (lower triangle) and r + B'(P b + p).
 template <int kInputs>
@@ -17,7 +17,7 @@ struct InputTerms {
 template <int kInputs>
 STILT_INLINE inline SweepOutcome factorise(double (&H)[kInputs][kInputs],
                                            double (&inverse_pivot)[kInputs]) noexcept {
-  SweepOutcome outcome = SweepOutcome::kOk;
+  SweepOutcome outcome = SweepOutcome::ok;
   unroll<kInputs>([&](auto j) STILT_INLINE {
     const double diagonal = H[j][j];
     double pivot = diagonal;
@@ -27,10 +27,10 @@ STILT_INLINE inline SweepOutcome factorise(double (&H)[kInputs][kInputs],
       H[j][m] *= inverse_pivot[m];
       pivot -= scaled[m] * H[j][m];
     });
-    if (outcome == SweepOutcome::kOk && !(pivot > kSmallestRelativePivot * diagonal && diagonal > 0.0)) {
-      outcome = SweepOutcome::kNotPositiveDefinite;
+    if (outcome == SweepOutcome::ok && !(pivot > kSmallestRelativePivot * diagonal && diagonal > 0.0)) {
+      outcome = SweepOutcome::not_positive_definite;
     }
-    if (!__builtin_isfinite(pivot)) outcome = SweepOutcome::kNotFinite;
+    if (!__builtin_isfinite(pivot)) outcome = SweepOutcome::not_finite;
     inverse_pivot[j] = 1.0 / pivot;
     unroll<kInputs - 1 - j>([&](auto below) STILT_INLINE {
       constexpr int i = j + 1 + below;
@@ -85,4 +85,4 @@ STILT_INLINE inline void solve_feedforward(const InputTerms<kInputs>& terms,
   });
 }
 
-}  // namespace stilt::solver
+}  // namespace stilt::lq

@@ -23,7 +23,7 @@
 ///
 /// Vectors over the state are kRows = 16 doubles (14 used, the padding is zero), so that each is a whole
 /// number of SIMD registers.
-namespace stilt::solver {
+namespace stilt::lq {
 
 inline constexpr int kStates = model::kStates;
 inline constexpr int kRows = 16;
@@ -60,8 +60,6 @@ struct alignas(64) LqSecondOrder {
   double R[kMaxFreeInputs][kMaxFreeInputs];  ///< only R[i][j] with j >= i is read
 };
 
-struct LqStage : LqFirstOrder, LqSecondOrder {};
-
 struct alignas(64) LqTerminal {
   double Q[kStates][kRows];
   double q[kRows];
@@ -80,4 +78,4 @@ struct alignas(64) LqStep {
   double c[kMaxConstraints];  ///< G_{6+i} x of a flow: how far the constraints ask the joints to move
 };
 
-}  // namespace stilt::solver
+}  // namespace stilt::lq

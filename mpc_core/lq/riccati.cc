@@ -3,7 +3,7 @@
 #include "mpc_core/lq/input_elimination.h"
 #include "mpc_core/lq/stage_mode.h"
 
-namespace stilt::solver {
+namespace stilt::lq {
 namespace {
 
 /// Both parts of a stage.
@@ -233,7 +233,7 @@ template <class Mode>
   const Drift drift(stage.first.h);
   value_products<Mode>(stage.first, next, work);
   scalar_products<Mode>(stage.first, work);
-  SweepOutcome outcome = SweepOutcome::kOk;
+  SweepOutcome outcome = SweepOutcome::ok;
   double z[kInputs > 0 ? kInputs : 1];
   if constexpr (kInputs > 0) {
     InputTerms<kInputs> terms = input_terms<Mode>(stage, work);
@@ -283,7 +283,7 @@ BackwardSweep::BackwardSweep(const LqTerminal& terminal, RiccatiWorkspace& works
 SweepOutcome BackwardSweep::step(const LqFirstOrder& first, const LqSecondOrder& second,
                                  LqGain& gain) noexcept {
   ValueFunction* before = value_ == &workspace_.value[0] ? &workspace_.value[1] : &workspace_.value[0];
-  SweepOutcome outcome = SweepOutcome::kBadInputCount;
+  SweepOutcome outcome = SweepOutcome::bad_input_count;
   dispatch(first, [&]<class Mode>(Mode) STILT_INLINE {
     outcome = sweep_stage<Mode>({first, second}, *value_, *before, gain, workspace_);
   });
@@ -293,17 +293,4 @@ SweepOutcome BackwardSweep::step(const LqFirstOrder& first, const LqSecondOrder&
 
 bool BackwardSweep::finite() const noexcept { return is_finite(*value_); }
 
-SweepStatus backward_sweep(const LqStage* stages, int count, const LqTerminal& terminal, LqGain* gains,
-                           RiccatiWorkspace& workspace, ValueFunction* values) noexcept {
-  BackwardSweep sweep(terminal, workspace);
-  if (values != nullptr) values[count] = sweep.value();
-  for (int k = count - 1; k >= 0; --k) {
-    const SweepOutcome outcome = sweep.step(stages[k], stages[k], gains[k]);
-    if (outcome != SweepOutcome::kOk) return {outcome, k};
-    if (values != nullptr) values[k] = sweep.value();
-  }
-  if (!sweep.finite()) return {SweepOutcome::kNotFinite, 0};
-  return {};
-}
-
-}  // namespace stilt::solver
+}  // namespace stilt::lq

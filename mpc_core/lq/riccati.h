@@ -20,20 +20,14 @@
 /// Real-time safe: bounded time, no heap, no libm. The same input gives the same bits on the same build.
 /// Source: Rawlings, Mayne, Diehl, Model Predictive Control (2nd ed.), section 8.8.3; layout in
 /// docs/decisions/0002-riccati-sweep.md.
-namespace stilt::solver {
+namespace stilt::lq {
 
 enum class SweepOutcome {
-  kOk,
-  kNotPositiveDefinite,  ///< R + B'P B is not positive definite: add to R and sweep again, or reject the step
-  kNotFinite,            ///< NaN or infinity reached a pivot or the final cost to go
-  kBadInputCount,  ///< form, free_inputs and constraints are not those of a contact mode, see backward_sweep
-};
-
-struct SweepStatus {
-  SweepOutcome outcome = SweepOutcome::kOk;
-  int stage = -1;  ///< where it was noticed; the cause of kNotFinite may lie at any later stage
-
-  [[nodiscard]] constexpr bool ok() const noexcept { return outcome == SweepOutcome::kOk; }
+  ok,
+  not_positive_definite,  ///< R + B'P B is not positive definite: add to R and sweep again, or reject the
+                          ///< step
+  not_finite,             ///< NaN or infinity reached a pivot or the final cost to go
+  bad_input_count,        ///< form, free_inputs and constraints are not those of a contact mode
 };
 
 /// A pivot of L D L' counts as positive when it exceeds this fraction of its diagonal entry of R + B'P B.
@@ -58,13 +52,15 @@ struct alignas(64) RiccatiWorkspace {
   double dots[32];                  ///< [B, L]'X, see Dots in riccati.cc
 };
 
-/// The sweep stage by stage, so that each stage can be made just before it is used, while it is in the
-/// nearest cache.
+/// The backward sweep, stage by stage, so that each stage can be made just before it is used, while it is in
+/// the nearest cache.
 class BackwardSweep {
  public:
   BackwardSweep(const LqTerminal& terminal, RiccatiWorkspace& workspace) noexcept;
 
-  /// The stage before those taken so far: see backward_sweep(). After anything but kOk the sweep is spoilt.
+  /// Computes the gain of the stage before those taken so far; its entries beyond free_inputs are zero.
+  /// Flows have (free inputs, constraints) = (3, 1) in single support, (4, 2) in double support, (2, 2) in
+  /// flight; transitions have neither. After anything but ok the sweep is spoilt.
   [[nodiscard]] SweepOutcome step(const LqFirstOrder& first, const LqSecondOrder& second,
                                   LqGain& gain) noexcept;
 
@@ -77,30 +73,16 @@ class BackwardSweep {
   ValueFunction* value_;
 };
 
-/// Computes the gains of all stages, last to first.
-/// \param stages  `count` stages (count >= 0): flows with (free inputs, constraints) = (3, 1) single support,
-///                (4, 2) double support, (2, 2) flight; transitions without either
-/// \param gains   `count` gains, written; entries beyond free_inputs are zero
-/// \param values  null, or room for count + 1 cost-to-go functions, written
-/// \return kOk, or what went wrong and where; the gains of that stage and earlier ones are then not to be
-/// used
-[[nodiscard]] SweepStatus backward_sweep(const LqStage* stages, int count, const LqTerminal& terminal,
-                                         LqGain* gains, RiccatiWorkspace& workspace,
-                                         ValueFunction* values = nullptr) noexcept;
-
-/// Rolls the solution out: x_{k+1} = A x + B w + b with w = k + K x, c = rows 6, 7 of G x. The stages are
-/// those that backward_sweep accepted. \param x0     kRows values, padding zero \param steps  count + 1
-/// steps, written; w and c beyond the counts of a stage, and those of
-///               the last step, are zero
+/// Rolls the solution out: x_{k+1} = A x + B w + b with w = k + K x, c = rows 6, 7 of G x.
+/// \param stages  `count` stages, accepted by the backward sweep
+/// \param x0      kRows values, padding zero
+/// \param steps   count + 1 steps, written; w and c beyond the counts of a stage, and those of the last step,
+///                are zero
 void forward_sweep(const LqFirstOrder* stages, int count, const LqGain* gains, const double* x0,
-                   LqStep* steps) noexcept;
-void forward_sweep(const LqStage* stages, int count, const LqGain* gains, const double* x0,
                    LqStep* steps) noexcept;
 
 /// First-order change of the cost along the steps, sum of q'x + r'w: the slope for Armijo's condition.
 [[nodiscard]] double cost_slope(const LqFirstOrder* stages, int count, const LqTerminal& terminal,
                                 const LqStep* steps) noexcept;
-[[nodiscard]] double cost_slope(const LqStage* stages, int count, const LqTerminal& terminal,
-                                const LqStep* steps) noexcept;
 
-}  // namespace stilt::solver
+}  // namespace stilt::lq

@@ -11,7 +11,7 @@
 /// Written with the vector extensions common to GCC and Clang: 8 lanes with AVX-512, 4 with AVX, 2 otherwise.
 /// All loops over registers are unrolled at compile time, so that accumulators stay in registers. Real-time
 /// safe throughout.
-namespace stilt::solver {
+namespace stilt::lq {
 
 #if defined(__AVX512F__)
 inline constexpr int kLanes = 8;
@@ -294,4 +294,4 @@ STILT_INLINE inline void add_transpose(double (*P)[kRows]) noexcept {
   });
 }
 
-}  // namespace stilt::solver
+}  // namespace stilt::lq

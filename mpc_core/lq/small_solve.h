@@ -4,7 +4,7 @@
 
 /// Linear systems of a fixed, small size. Eigen's own solves look up the sizes of the caches, which takes a
 /// lock.
-namespace stilt::solver {
+namespace stilt::lq {
 
 /// Gaussian elimination with partial pivoting: right = left^-1 right; left is destroyed. False when singular.
 template <class Left, class Right>
@@ -33,4 +33,4 @@ template <class Left, class Right>
   return true;
 }
 
-}  // namespace stilt::solver
+}  // namespace stilt::lq

@@ -3,7 +3,7 @@
 #include "mpc_core/lq/simd_columns.h"
 
 /// The kinds of stages the Riccati sweeps have kernels for, as types. Real-time safe.
-namespace stilt::solver {
+namespace stilt::lq {
 
 /// A flow with kFree inputs and kRankOne constraints. All modes tell the same facts: A is E (with h = 0
 /// unless kDrifts) plus kUnits unit rows row(i) G_i' plus kConstraints terms L_i G_{kUnits + i}'.
@@ -49,4 +49,4 @@ STILT_INLINE inline bool dispatch(const LqFirstOrder& stage, const Run& run) noe
   return true;
 }
 
-}  // namespace stilt::solver
+}  // namespace stilt::lq

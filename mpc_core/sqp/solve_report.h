@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-namespace stilt::solver {
+namespace stilt::sqp {
 
 /// Why a solve ended.
 enum class SolveStatus : std::uint8_t {
@@ -29,4 +29,4 @@ struct SolveReport {
   }
 };
 
-}  // namespace stilt::solver
+}  // namespace stilt::sqp

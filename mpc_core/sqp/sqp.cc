@@ -6,10 +6,22 @@
 
 #include "mpc_core/lq/simd_columns.h"
 
-namespace stilt::solver {
+namespace stilt::sqp {
 namespace {
 
+using lq::broadcast;
+using lq::dot;
+using lq::kBaseRows;
+using lq::kLanes;
+using lq::kParts;
+using lq::kRows;
+using lq::load;
+using lq::store;
+using lq::SweepOutcome;
+using lq::unroll;
+using lq::Vec;
 using model::kInputs;
+using model::kStates;
 
 constexpr int kInputParts = kInputs / kLanes;  ///< registers of the input
 
@@ -31,57 +43,18 @@ bool acceptable(const SqpParameters& p, const ocp::Merit& now, const ocp::Merit&
 
 }  // namespace
 
-template <class AnyBatch>
-ocp::BatchModel Sqp::places(const AnyBatch& batch, int group, int index) noexcept {
-  ocp::BatchModel to;
-  for (int lane = 0; lane < kLanes; ++lane) {
-    const int k = batch.stage[lane];
-    to.first[lane] = stages_ + k;
-    to.second[lane] = hessians(group, index) + std::min(lane, batch.lanes - 1);
-    to.inputs[lane] = projections_ + k;
-  }
-  return to;
-}
-
-void Sqp::linearise_group(const ocp::ProblemData& data, const ocp::Problem& problem,
-                          const ocp::Trajectory& iterate, int k) noexcept {
-  const auto [last, group, lane] = problem.place[k];
-  if (problem.horizon.stage[k].kind == ocp::StageKind::transition) {
-    const ocp::TransitionBatch& batch = problem.transition_batch[last];
-    ocp::linearise(data, batch, iterate, places(batch, group, last), linearise_work_);
-    linearised_from_[group] = last;
-    return;
-  }
-  int first = last;
-  while (first > 0 && last - first + 1 < ocp::kTogether &&
-         problem.batch[first - 1].mode == problem.batch[last].mode) {
-    --first;
-  }
-  ocp::BatchModel to[ocp::kTogether];
-  for (int b = first; b <= last; ++b) to[b - first] = places(problem.batch[b], group, b);
-  ocp::linearise(data, {problem.batch + first, static_cast<std::size_t>(last - first + 1)}, iterate, to,
-                 linearise_work_);
-  linearised_from_[group] = first;
-}
-
-SweepOutcome Sqp::linearise_and_sweep(const ocp::ProblemData& data, const ocp::Problem& problem,
-                                      const ocp::Trajectory& iterate) noexcept {
+SweepOutcome Sqp::sweep_backward(const ocp::ProblemData& data, const ocp::Problem& problem,
+                                 const ocp::Trajectory& iterate) noexcept {
   const long long start_ns = now_ns();
-  long long linearising_ns = 0;
-  std::fill(std::begin(linearised_from_), std::end(linearised_from_), ocp::kMaxBatches);
-  ocp::linearise_terminal(data, problem, iterate, terminal_);
-  BackwardSweep sweep(terminal_, workspace_);
-  SweepOutcome outcome = SweepOutcome::kOk;
-  for (int k = problem.horizon.stages - 1; k >= 0 && outcome == SweepOutcome::kOk; --k) {
-    const auto [batch, group, lane] = problem.place[k];
-    if (batch < linearised_from_[group]) {
-      const long long begin_ns = now_ns();
-      linearise_group(data, problem, iterate, k);
-      linearising_ns += now_ns() - begin_ns;
-    }
-    outcome = sweep.step(stages_[k], hessians(group, batch)[lane], gains_[k]);
+  models_.begin(data, problem, iterate);
+  lq::BackwardSweep sweep(models_.terminal(), workspace_);
+  SweepOutcome outcome = SweepOutcome::ok;
+  for (int k = problem.horizon.stages - 1; k >= 0 && outcome == SweepOutcome::ok; --k) {
+    const ocp::StageModel stage = models_.at(k);
+    outcome = sweep.step(stage.first, stage.second, gains_[k]);
   }
-  if (outcome == SweepOutcome::kOk && !sweep.finite()) outcome = SweepOutcome::kNotFinite;
+  if (outcome == SweepOutcome::ok && !sweep.finite()) outcome = SweepOutcome::not_finite;
+  const long long linearising_ns = models_.linearising_ns();
   times_.linearise_us += 1e-3 * static_cast<double>(linearising_ns);
   times_.riccati_us += 1e-3 * static_cast<double>(now_ns() - start_ns - linearising_ns);
   return outcome;
@@ -90,20 +63,20 @@ SweepOutcome Sqp::linearise_and_sweep(const ocp::ProblemData& data, const ocp::P
 bool Sqp::step(const ocp::ProblemData& data, const ocp::Problem& problem, const ocp::Trajectory& iterate,
                SolveReport& report) noexcept {
   const int stages = problem.horizon.stages;
-  const SweepOutcome outcome = linearise_and_sweep(data, problem, iterate);
-  if (outcome != SweepOutcome::kOk) {
+  const SweepOutcome outcome = sweep_backward(data, problem, iterate);
+  if (outcome != SweepOutcome::ok) {
     report.status =
-        outcome == SweepOutcome::kNotPositiveDefinite ? SolveStatus::not_convex : SolveStatus::not_finite;
+        outcome == SweepOutcome::not_positive_definite ? SolveStatus::not_convex : SolveStatus::not_finite;
     return false;
   }
   const long long start_ns = now_ns();
   alignas(64) double x0[kRows] = {};
   for (int i = 0; i < kStates; ++i) x0[i] = problem.x_initial[i] - iterate.x[0][i];
-  forward_sweep(stages_, stages, gains_, x0, steps_);
+  lq::forward_sweep(models_.stages(), stages, gains_, x0, steps_);
   expand_inputs(stages);
   // The inputs also move along u0, onto the equality constraints, which the LQ problem does not see.
-  slope_ = cost_slope(stages_, stages, terminal_, steps_);
-  for (int k = 0; k < stages; ++k) slope_ += projections_[k].u0_slope;
+  slope_ = lq::cost_slope(models_.stages(), stages, models_.terminal(), steps_);
+  for (int k = 0; k < stages; ++k) slope_ += models_.inputs(k).u0_slope;
   times_.riccati_us += 1e-3 * static_cast<double>(now_ns() - start_ns);
   // The sweep checks all but the measured state, which enters here; a bad number in any step spoils the
   // slope.
@@ -116,9 +89,9 @@ bool Sqp::step(const ocp::ProblemData& data, const ocp::Problem& problem, const 
 
 void Sqp::expand_inputs(int stages) noexcept {
   for (int k = 0; k < stages; ++k) {
-    const ocp::InputProjection& projection = projections_[k];
-    const LqFirstOrder& stage = stages_[k];
-    const LqStep& step = steps_[k];
+    const ocp::InputProjection& projection = models_.inputs(k);
+    const lq::LqFirstOrder& stage = models_.stages()[k];
+    const lq::LqStep& step = steps_[k];
     unroll<kInputParts>([&](auto part) STILT_INLINE {
       Vec du = load(projection.u0 + part * kLanes);
       for (int r = 0; r < stage.constraints; ++r) {
@@ -223,8 +196,8 @@ SolveReport Sqp::solve(const ocp::ProblemData& data, const ocp::Problem& problem
 }
 
 void Sqp::feedback_gain(int k, Eigen::Matrix<double, kInputs, kStates>& gain) const noexcept {
-  const ocp::InputProjection& projection = projections_[k];
-  const LqFirstOrder& stage = stages_[k];
+  const ocp::InputProjection& projection = models_.inputs(k);
+  const lq::LqFirstOrder& stage = models_.stages()[k];
   for (int c = 0; c < kStates; ++c) {
     double* column = gain.data() + c * kInputs;
     unroll<kInputParts>([&](auto part) STILT_INLINE {
@@ -243,4 +216,4 @@ void Sqp::feedback_gain(int k, Eigen::Matrix<double, kInputs, kStates>& gain) co
   }
 }
 
-}  // namespace stilt::solver
+}  // namespace stilt::sqp

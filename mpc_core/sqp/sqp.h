@@ -1,11 +1,11 @@
 #pragma once
 
 #include "mpc_core/lq/riccati.h"
-#include "mpc_core/ocp/linearise.h"
+#include "mpc_core/ocp/stage_models.h"
 #include "mpc_core/sqp/solve_report.h"
 #include "mpc_core/sqp/sqp_parameters.h"
 
-namespace stilt::solver {
+namespace stilt::sqp {
 
 /// Time spent in each phase of a solve; microseconds.
 struct PhaseTimes {
@@ -15,8 +15,7 @@ struct PhaseTimes {
   double total_us = 0.0;
 };
 
-/// A monotonic clock in nanoseconds, for measurements only: results never depend on it.
-using ClockFunction = long long (*)() noexcept;
+using ocp::ClockFunction;
 
 /// Gauss-Newton sequential quadratic programming by multiple shooting. Each iteration linearises all stages
 /// with the equality constraints projected out, solves the remaining unconstrained LQ problem by one Riccati
@@ -41,7 +40,10 @@ class Sqp {
   /// Feedback of the last solve at stage k: du = K dx.
   void feedback_gain(int stage, Eigen::Matrix<double, model::kInputs, model::kStates>& gain) const noexcept;
 
-  void set_clock(ClockFunction clock) noexcept { clock_ = clock; }
+  void set_clock(ClockFunction clock) noexcept {
+    clock_ = clock;
+    models_.set_clock(clock);
+  }
   [[nodiscard]] const PhaseTimes& phase_times() const noexcept { return times_; }
 
  private:
@@ -49,19 +51,9 @@ class Sqp {
 
   [[nodiscard]] bool step(const ocp::ProblemData& data, const ocp::Problem& problem,
                           const ocp::Trajectory& iterate, SolveReport& report) noexcept;
-  /// Gains of all stages. Batches are linearised when the backward sweep comes to their last stage, so that
-  /// it finds their numbers in a near cache, and few Hessians are kept at a time.
-  [[nodiscard]] SweepOutcome linearise_and_sweep(const ocp::ProblemData& data, const ocp::Problem& problem,
-                                                 const ocp::Trajectory& iterate) noexcept;
-  /// Linearises the batch of stage k, and up to kTogether - 1 of its group before it; k is its last stage.
-  void linearise_group(const ocp::ProblemData& data, const ocp::Problem& problem,
-                       const ocp::Trajectory& iterate, int k) noexcept;
-  /// Where the model of a batch of that group goes.
-  template <class AnyBatch>
-  [[nodiscard]] ocp::BatchModel places(const AnyBatch& batch, int group, int index) noexcept;
-  [[nodiscard]] LqSecondOrder* hessians(int group, int batch) noexcept {
-    return hessians_[group][batch % ocp::kTogether];
-  }
+  /// Linearises all stages and computes their gains, last to first.
+  [[nodiscard]] lq::SweepOutcome sweep_backward(const ocp::ProblemData& data, const ocp::Problem& problem,
+                                                const ocp::Trajectory& iterate) noexcept;
   [[nodiscard]] Search line_search(const ocp::ProblemData& data, const ocp::Problem& problem,
                                    const SqpParameters& parameters, const ocp::Trajectory& iterate,
                                    ocp::Trajectory& trial, ocp::Merit& merit, SolveReport& report) noexcept;
@@ -75,17 +67,12 @@ class Sqp {
   PhaseTimes times_;
   double slope_ = 0.0;
   double full_step_size_ = 0.0;  ///< largest component of the step before the line search
-  LqFirstOrder stages_[ocp::kMaxStages];
-  LqSecondOrder hessians_[ocp::kGroups][ocp::kTogether][ocp::kLanes];  ///< of the newest batches
-  LqTerminal terminal_;
-  LqGain gains_[ocp::kMaxStages];
-  LqStep steps_[ocp::kMaxNodes];
-  RiccatiWorkspace workspace_;
-  ocp::InputProjection projections_[ocp::kMaxStages];
-  ocp::LineariseWorkspace linearise_work_;
-  int linearised_from_[ocp::kGroups];  ///< first batch of each group that is linearised in this iteration
+  ocp::StageModels models_;
+  lq::LqGain gains_[ocp::kMaxStages];
+  lq::LqStep steps_[ocp::kMaxNodes];
+  lq::RiccatiWorkspace workspace_;
   alignas(64) double input_steps_[ocp::kMaxStages][model::kInputs];
   ocp::Trajectory trial_;
 };
 
-}  // namespace stilt::solver
+}  // namespace stilt::sqp

@@ -1,6 +1,6 @@
 #pragma once
 
-namespace stilt::solver {
+namespace stilt::sqp {
 
 /// Iteration limits and tolerances of the SQP; g is the root of the summed squared defects of dynamics and
 /// equality constraints.
@@ -18,4 +18,4 @@ struct SqpParameters {
   double armijo = 1e-4;
 };
 
-}  // namespace stilt::solver
+}  // namespace stilt::sqp

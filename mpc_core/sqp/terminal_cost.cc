@@ -4,19 +4,21 @@
 
 #include "mpc_core/lq/small_solve.h"
 
-namespace stilt::solver {
+namespace stilt::sqp {
 namespace {
 
+using lq::kRows;
 using model::kAngles;
 using model::kFirstAngle;
 using model::kFirstJoint;
 using model::kInputs;
 using model::kJoints;
 using model::kPositions;
+using model::kStates;
 
 /// A and B of x' = [v; a_b(x, u); u_j].
 void linearise_flow(const model::RobotModel& robot, const model::StateVector& x, const model::InputVector& u,
-                    StateMatrix& A, InputMatrix& B) noexcept {
+                    lq::StateMatrix& A, lq::InputMatrix& B) noexcept {
   model::FlowDerivatives<double> flow;
   robot.scalar.flow_derivatives(x.data(), u.data(), flow);
   A.setZero();
@@ -35,7 +37,7 @@ void linearise_flow(const model::RobotModel& robot, const model::StateVector& x,
 /// Adds the running cost's foot terms, 1/2 sum over feet of e' W e with the foot's position, velocity and
 /// acceleration in e, to the weights of state, input and both: 1/2 (x'Q x + 2 x'N u + u'R u).
 void add_foot_weights(const ocp::ProblemData& data, const model::StateVector& x, const model::InputVector& u,
-                      CareProblem& problem, CrossWeight& N) noexcept {
+                      lq::CareProblem& problem, CrossWeight& N) noexcept {
   model::NodeDerivatives<double> node;
   data.robot->scalar.node_derivatives(x.data(), u.data(), data.joint_parameters, node);
   for (int i = 0; i < 2 * model::kFeet; ++i) {
@@ -65,10 +67,10 @@ void add_foot_weights(const ocp::ProblemData& data, const model::StateVector& x,
 }
 
 /// Completes the square: with u = v - R^-1 N'x the cost has no product of state and input.
-[[nodiscard]] bool remove_cross_weight(const CrossWeight& N, CareProblem& problem) noexcept {
-  InputWeight R = problem.R;
-  FeedbackMatrix shift = N.transpose();
-  if (!solve_in_place(R, shift)) return false;
+[[nodiscard]] bool remove_cross_weight(const CrossWeight& N, lq::CareProblem& problem) noexcept {
+  lq::InputWeight R = problem.R;
+  lq::FeedbackMatrix shift = N.transpose();
+  if (!lq::solve_in_place(R, shift)) return false;
   problem.A -= problem.B.lazyProduct(shift);
   problem.Q -= N.lazyProduct(shift);
   problem.Q = (0.5 * (problem.Q + problem.Q.transpose())).eval();
@@ -95,11 +97,11 @@ bool set_terminal_cost(ocp::ProblemData& data, const model::StateVector& standin
     add_foot_weights(data, standing, u, work.problem, work.cross);
     if (!remove_cross_weight(work.cross, work.problem)) return false;
   }
-  if (solve_care(work.problem, work.solution, work.care) != CareOutcome::kOk) return false;
+  if (lq::solve_care(work.problem, work.solution, work.care) != lq::CareOutcome::ok) return false;
   for (int c = 0; c < kStates; ++c) {
     for (int r = 0; r < kStates; ++r) data.terminal_weight[c][r] = data.cost.terminal * work.solution.S(r, c);
   }
   return true;
 }
 
-}  // namespace stilt::solver
+}  // namespace stilt::sqp

@@ -3,17 +3,17 @@
 #include "mpc_core/lq/care.h"
 #include "mpc_core/ocp/problem.h"
 
-namespace stilt::solver {
+namespace stilt::sqp {
 
 /// Weight of the product of state and input.
 using CrossWeight = Eigen::Matrix<double, model::kStates, model::kInputs>;
 
 /// Scratch of set_terminal_cost (about 30 kB); contents need not be initialised.
 struct TerminalCostWorkspace {
-  CareProblem problem;
+  lq::CareProblem problem;
   CrossWeight cross;
-  CareSolution solution;
-  CareWorkspace care;
+  lq::CareSolution solution;
+  lq::CareWorkspace care;
 };
 
 /// Terminal weight rho S: S solves the continuous-time algebraic Riccati equation for the linearisation
@@ -27,4 +27,4 @@ struct TerminalCostWorkspace {
 [[nodiscard]] bool set_terminal_cost(ocp::ProblemData& data, const model::StateVector& standing,
                                      TerminalCostWorkspace& work) noexcept;
 
-}  // namespace stilt::solver
+}  // namespace stilt::sqp

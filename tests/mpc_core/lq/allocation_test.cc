@@ -8,7 +8,7 @@
 #include "mpc_core/lq/care.h"
 #include "tests/mpc_core/lq/random_lq.h"
 
-namespace stilt::solver {
+namespace stilt::lq {
 namespace {
 
 TEST(SolverMemory, TheCounterSeesABlockTakenAndGivenBack) {
@@ -22,16 +22,14 @@ TEST(SolverMemory, TheCounterSeesABlockTakenAndGivenBack) {
 TEST(SolverMemory, SweepsAndSlopeAllocateNothing) {
   if (!realtime::counts_allocations()) GTEST_SKIP() << "a sanitizer owns the allocator";
   const testing::LqProblem problem = testing::random_problem(1, 134);
-  SweepStatus status;
+  testing::SweepStatus status;
   testing::LqSolution solution = testing::solve(problem, status);
   const auto workspace = std::make_unique<RiccatiWorkspace>();
+  const std::vector<LqFirstOrder> stages = problem.first_orders();
   const realtime::AllocationScope scope;
-  status = backward_sweep(problem.stages.data(), problem.count(), problem.terminal, solution.gains.data(),
-                          *workspace, solution.values.data());
-  forward_sweep(problem.stages.data(), problem.count(), solution.gains.data(), problem.x0,
-                solution.steps.data());
-  const double slope =
-      cost_slope(problem.stages.data(), problem.count(), problem.terminal, solution.steps.data());
+  status = testing::backward_sweep(problem, solution.gains.data(), *workspace, solution.values.data());
+  forward_sweep(stages.data(), problem.count(), solution.gains.data(), problem.x0, solution.steps.data());
+  const double slope = cost_slope(stages.data(), problem.count(), problem.terminal, solution.steps.data());
   EXPECT_EQ(scope.count(), 0);
   EXPECT_TRUE(status.ok());
   EXPECT_TRUE(std::isfinite(slope));
@@ -48,8 +46,8 @@ TEST(SolverMemory, TheAlgebraicRiccatiEquationAllocatesNothing) {
   const realtime::AllocationScope scope;
   const CareOutcome outcome = solve_care(problem, solution, *workspace);
   EXPECT_EQ(scope.count(), 0);
-  EXPECT_EQ(outcome, CareOutcome::kOk);
+  EXPECT_EQ(outcome, CareOutcome::ok);
 }
 
 }  // namespace
-}  // namespace stilt::solver
+}  // namespace stilt::lq

@@ -8,7 +8,7 @@
 #include <limits>
 #include <random>
 
-namespace stilt::solver {
+namespace stilt::lq {
 namespace {
 
 constexpr int kN = model::kStates;
@@ -65,7 +65,7 @@ Dense solution_by_eigenvectors(const CareProblem& problem) {
 
 void expect_good(const CareProblem& problem) {
   CareSolution solution;
-  ASSERT_EQ(solve(problem, solution), CareOutcome::kOk);
+  ASSERT_EQ(solve(problem, solution), CareOutcome::ok);
   EXPECT_LE(residual(problem, solution.S), 1e-11);
   EXPECT_NEAR(solution.residual, residual(problem, solution.S), 1e-13);
   EXPECT_EQ(solution.S, solution.S.transpose());
@@ -86,7 +86,7 @@ TEST(Care, AgreesWithTheStableEigenvectorsOfTheHamiltonian) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     const CareProblem problem = random_problem(seed);
     CareSolution solution;
-    ASSERT_EQ(solve(problem, solution), CareOutcome::kOk);
+    ASSERT_EQ(solve(problem, solution), CareOutcome::ok);
     const Dense expected = solution_by_eigenvectors(problem);
     EXPECT_LE((solution.S - expected).norm(), 1e-8 * expected.norm());
   }
@@ -110,7 +110,7 @@ TEST(Care, DoubleIntegratorsHaveTheirClosedFormSolution) {
   const CareProblem problem = double_integrators();
   expect_good(problem);
   CareSolution solution;
-  ASSERT_EQ(solve(problem, solution), CareOutcome::kOk);
+  ASSERT_EQ(solve(problem, solution), CareOutcome::ok);
   for (int i = 0; i < 7; ++i) {
     const double q = problem.Q(i, i), d = problem.Q(7 + i, 7 + i), r = problem.R(i, i);
     const double position = std::sqrt(q / r), velocity = std::sqrt(d / r + 2.0 * position);
@@ -143,7 +143,7 @@ TEST(Care, AnUnstableModeOutOfReachIsReported) {
     problem.A(4, 4) = 0.7;
     problem.B.row(4).setZero();
     CareSolution solution;
-    EXPECT_EQ(solve(problem, solution), CareOutcome::kNoStabilisingSolution) << "seed " << seed;
+    EXPECT_EQ(solve(problem, solution), CareOutcome::no_stabilising_solution) << "seed " << seed;
   }
 }
 
@@ -151,23 +151,23 @@ TEST(Care, AnIntegratorWithoutWeightIsReported) {
   CareProblem problem = double_integrators();
   problem.Q(2, 2) = 0.0;
   CareSolution solution;
-  EXPECT_EQ(solve(problem, solution), CareOutcome::kNoStabilisingSolution);
+  EXPECT_EQ(solve(problem, solution), CareOutcome::no_stabilising_solution);
 }
 
 TEST(Care, ImpossibleCostsAreRefused) {
   CareSolution solution;
   CareProblem problem = random_problem(1);
   problem.R(3, 3) = 0.0;
-  EXPECT_EQ(solve(problem, solution), CareOutcome::kBadCost);
+  EXPECT_EQ(solve(problem, solution), CareOutcome::bad_cost);
   problem = random_problem(1);
   problem.R(0, 1) = problem.R(1, 0) = 1e3;
-  EXPECT_EQ(solve(problem, solution), CareOutcome::kBadCost);
+  EXPECT_EQ(solve(problem, solution), CareOutcome::bad_cost);
   problem = random_problem(1);
   problem.Q(5, 5) = -1.0;
-  EXPECT_EQ(solve(problem, solution), CareOutcome::kBadCost);
+  EXPECT_EQ(solve(problem, solution), CareOutcome::bad_cost);
   problem = random_problem(1);
   problem.Q(5, 6) = 1.0;
-  EXPECT_EQ(solve(problem, solution), CareOutcome::kBadCost);
+  EXPECT_EQ(solve(problem, solution), CareOutcome::bad_cost);
 }
 
 /// Such a weight has pivots of either sign and about 1e-16: whether all are positive is chance.
@@ -180,7 +180,7 @@ TEST(Care, AnInputWeightThatLacksOneDirectionIsRefused) {
     problem.R = factor * factor.transpose();
     problem.R = (0.5 * (problem.R + problem.R.transpose())).eval();
     CareSolution solution;
-    EXPECT_EQ(solve(problem, solution), CareOutcome::kBadCost);
+    EXPECT_EQ(solve(problem, solution), CareOutcome::bad_cost);
   }
 }
 
@@ -190,18 +190,18 @@ TEST(Care, NaNAndInfinityAreReported) {
     CareSolution solution;
     CareProblem problem = random_problem(1);
     problem.A(3, 4) = bad;
-    EXPECT_EQ(solve(problem, solution), CareOutcome::kNotFinite);
+    EXPECT_EQ(solve(problem, solution), CareOutcome::not_finite);
     problem = random_problem(1);
     problem.B(3, 4) = bad;
-    EXPECT_EQ(solve(problem, solution), CareOutcome::kNotFinite);
+    EXPECT_EQ(solve(problem, solution), CareOutcome::not_finite);
     problem = random_problem(1);
     problem.Q(3, 3) = bad;
-    EXPECT_EQ(solve(problem, solution), CareOutcome::kNotFinite);
+    EXPECT_EQ(solve(problem, solution), CareOutcome::not_finite);
     problem = random_problem(1);
     problem.R(3, 3) = bad;
-    EXPECT_EQ(solve(problem, solution), CareOutcome::kNotFinite);
+    EXPECT_EQ(solve(problem, solution), CareOutcome::not_finite);
   }
 }
 
 }  // namespace
-}  // namespace stilt::solver
+}  // namespace stilt::lq

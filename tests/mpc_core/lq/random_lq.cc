@@ -5,9 +5,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "mpc_core/lq/dense_stage.h"
-
-namespace stilt::solver::testing {
+namespace stilt::lq::testing {
 namespace {
 
 Matrix gaussian(std::mt19937_64& random, int rows, int columns) {
@@ -46,7 +44,7 @@ double relative(const std::vector<Vector>& terms) {
 PlainStage plain(const LqStage& stage) {
   const int m = stage.free_inputs;
   PlainStage out;
-  out.A = dense_dynamics(stage);
+  out.A = benchmark::dense_dynamics(stage);
   out.B = read_columns(stage.B, m);
   out.Q = read_columns(stage.Q, kStates);
   out.S = read_columns(stage.S, m).transpose();
@@ -103,16 +101,31 @@ LqProblem random_problem(std::uint64_t seed, int count) {
   return problem;
 }
 
+SweepStatus backward_sweep(const LqProblem& problem, LqGain* gains, RiccatiWorkspace& workspace,
+                           ValueFunction* values) {
+  const int count = problem.count();
+  BackwardSweep sweep(problem.terminal, workspace);
+  if (values != nullptr) values[count] = sweep.value();
+  for (int k = count - 1; k >= 0; --k) {
+    const LqStage& stage = problem.stages[static_cast<std::size_t>(k)];
+    const SweepOutcome outcome = sweep.step(stage, stage, gains[k]);
+    if (outcome != SweepOutcome::ok) return {outcome, k};
+    if (values != nullptr) values[k] = sweep.value();
+  }
+  if (!sweep.finite()) return {SweepOutcome::not_finite, 0};
+  return {};
+}
+
 LqSolution solve(const LqProblem& problem, SweepStatus& status) {
   const int count = problem.count();
   LqSolution solution{std::vector<LqGain>(count), std::vector<ValueFunction>(count + 1),
                       std::vector<LqStep>(count + 1)};
   RiccatiWorkspace workspace;
   std::memset(&workspace, 0xff, sizeof(workspace));  // all NaN: nothing may be read before it is written
-  status = backward_sweep(problem.stages.data(), count, problem.terminal, solution.gains.data(), workspace,
-                          solution.values.data());
+  status = backward_sweep(problem, solution.gains.data(), workspace, solution.values.data());
   if (status.ok()) {
-    forward_sweep(problem.stages.data(), count, solution.gains.data(), problem.x0, solution.steps.data());
+    forward_sweep(problem.first_orders().data(), count, solution.gains.data(), problem.x0,
+                  solution.steps.data());
   }
   return solution;
 }
@@ -175,4 +188,4 @@ Vector dense_kkt_solution(const LqProblem& problem) {
   return kkt.partialPivLu().solve(right).head(variables);
 }
 
-}  // namespace stilt::solver::testing
+}  // namespace stilt::lq::testing

@@ -5,13 +5,15 @@
 #include <random>
 #include <vector>
 
+#include "host_tools/benchmark/lq_stage.h"
 #include "mpc_core/lq/riccati.h"
 
 /// Seeded random LQ problems and what a test knows about their solution independently of the sweep.
-namespace stilt::solver::testing {
+namespace stilt::lq::testing {
 
 using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;
+using benchmark::LqStage;
 
 struct LqProblem {
   std::vector<LqStage> stages;
@@ -19,6 +21,16 @@ struct LqProblem {
   alignas(64) double x0[kRows]{};
 
   [[nodiscard]] int count() const { return static_cast<int>(stages.size()); }
+  /// What the forward sweep reads, in a row.
+  [[nodiscard]] std::vector<LqFirstOrder> first_orders() const { return {stages.begin(), stages.end()}; }
+};
+
+/// How a backward sweep over all stages ended.
+struct SweepStatus {
+  SweepOutcome outcome = SweepOutcome::ok;
+  int stage = -1;  ///< where it was noticed; the cause of not_finite may lie at any later stage
+
+  [[nodiscard]] bool ok() const { return outcome == SweepOutcome::ok; }
 };
 
 struct LqSolution {
@@ -54,6 +66,10 @@ inline constexpr StageKind kKinds[] = {kTransition, kFlight, kSingleSupport, kDo
 /// `count` stages of kinds drawn from kKinds and a common coupling in [0.02, 0.3].
 [[nodiscard]] LqProblem random_problem(std::uint64_t seed, int count);
 
+/// The backward sweep over all stages; `values`: null, or room for the count + 1 cost-to-go functions.
+[[nodiscard]] SweepStatus backward_sweep(const LqProblem& problem, LqGain* gains, RiccatiWorkspace& workspace,
+                                         ValueFunction* values = nullptr);
+
 /// Backward and forward sweep; the status is returned through `status`.
 [[nodiscard]] LqSolution solve(const LqProblem& problem, SweepStatus& status);
 
@@ -71,4 +87,4 @@ struct KktResidual {
 /// All steps of the solution, [w_0, x_1, w_1, x_2, ... x_N], from one dense LU of the KKT matrix.
 [[nodiscard]] Vector dense_kkt_solution(const LqProblem& problem);
 
-}  // namespace stilt::solver::testing
+}  // namespace stilt::lq::testing

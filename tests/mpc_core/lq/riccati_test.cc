@@ -8,7 +8,7 @@
 
 #include "tests/mpc_core/lq/random_lq.h"
 
-namespace stilt::solver {
+namespace stilt::lq {
 namespace {
 
 using namespace testing;
@@ -150,7 +150,7 @@ TEST(Riccati, TheStepIsADescentDirectionWhoseSlopeMatchesDifferences) {
   const LqSolution solution = solve(problem, status);
   ASSERT_TRUE(status.ok());
   const double slope =
-      cost_slope(problem.stages.data(), problem.count(), problem.terminal, solution.steps.data());
+      cost_slope(problem.first_orders().data(), problem.count(), problem.terminal, solution.steps.data());
   double curvature = 0.0;  // at the optimum of a problem without offsets it is minus the slope
   for (int k = 0; k < problem.count(); ++k) {
     const PlainStage s = plain(problem.stages[k]);
@@ -200,7 +200,7 @@ TEST(Riccati, AnIndefiniteStageIsNamed) {
   }
   problem.stages[bad].R[0][0] = -1e6;
   const SweepStatus status = status_of(problem);
-  EXPECT_EQ(status.outcome, SweepOutcome::kNotPositiveDefinite);
+  EXPECT_EQ(status.outcome, SweepOutcome::not_positive_definite);
   EXPECT_EQ(status.stage, bad);
 }
 
@@ -213,7 +213,7 @@ TEST(Riccati, ASingularInputHessianCountsAsNotPositiveDefinite) {
     for (double& entry : column) entry = 1.0;
   }
   const SweepStatus status = status_of(problem);
-  EXPECT_EQ(status.outcome, SweepOutcome::kNotPositiveDefinite);
+  EXPECT_EQ(status.outcome, SweepOutcome::not_positive_definite);
   EXPECT_EQ(status.stage, bad);
 }
 
@@ -227,7 +227,7 @@ TEST(Riccati, NaNOrInfinityAnywhereIsReported) {
         const SweepStatus status = status_of(problem);
         EXPECT_FALSE(status.ok()) << where << ", stage " << k << ", value " << bad;
         if (std::isnan(bad)) {
-          EXPECT_EQ(status.outcome, SweepOutcome::kNotFinite) << where << ", stage " << k;
+          EXPECT_EQ(status.outcome, SweepOutcome::not_finite) << where << ", stage " << k;
         }
       }
     }
@@ -261,10 +261,10 @@ TEST(Riccati, AStageThatIsNoContactModeIsRefused) {
     problem.stages[4].free_inputs = kind.free_inputs;
     problem.stages[4].constraints = kind.constraints;
     const SweepStatus status = status_of(problem);
-    EXPECT_EQ(status.outcome, SweepOutcome::kBadInputCount);
+    EXPECT_EQ(status.outcome, SweepOutcome::bad_input_count);
     EXPECT_EQ(status.stage, 4);
   }
 }
 
 }  // namespace
-}  // namespace stilt::solver
+}  // namespace stilt::lq

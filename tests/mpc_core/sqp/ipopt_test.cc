@@ -8,9 +8,10 @@
 #include "mpc_core/sqp/terminal_cost.h"
 #include "tests/mpc_core/sqp/planning_nlp.h"
 
-namespace stilt::solver {
+namespace stilt::sqp {
 namespace {
 
+using model::kStates;
 using nonlinear_program::IpoptSolution;
 using testing_support::PlanningNlp;
 using testing_support::Scene;
@@ -122,4 +123,4 @@ TEST(PlanningNlp, DerivativesAreDifferencesOfTheValues) {
 }
 
 }  // namespace
-}  // namespace stilt::solver
+}  // namespace stilt::sqp

@@ -10,10 +10,11 @@
 #include "mpc_core/sqp/terminal_cost.h"
 #include "tests/mpc_core/ocp/planning_scene.h"
 
-namespace stilt::solver {
+namespace stilt::sqp {
 namespace {
 
 using model::kInputs;
+using model::kStates;
 using testing_support::Scene;
 
 /// A walking problem with its terminal cost, a solver, and an iterate that starts from the guess.
@@ -359,4 +360,4 @@ TEST(Sqp, MeasuresItsPhasesWithTheClockItIsGivenAndNoneWithout) {
 }
 
 }  // namespace
-}  // namespace stilt::solver
+}  // namespace stilt::sqp

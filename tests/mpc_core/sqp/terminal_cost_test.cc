@@ -10,10 +10,11 @@
 #include "tests/mpc_core/ocp/planning_scene.h"
 #include "tests/mpc_core/ocp/scalar_ocp.h"
 
-namespace stilt::solver {
+namespace stilt::sqp {
 namespace {
 
 using model::kInputs;
+using model::kStates;
 using testing_support::StageVector;
 using Matrix = Eigen::MatrixXd;
 
@@ -74,7 +75,7 @@ struct Standing {
   }
 
   [[nodiscard]] Matrix weight() const {
-    return Eigen::Map<const Eigen::Matrix<double, kRows, kStates>>(&data.terminal_weight[0][0])
+    return Eigen::Map<const Eigen::Matrix<double, lq::kRows, kStates>>(&data.terminal_weight[0][0])
         .topRows<kStates>();
   }
 };
@@ -118,7 +119,7 @@ TEST_P(TerminalCost, IsSymmetricPositiveDefiniteWithZeroPadding) {
   EXPECT_LT((S - S.transpose()).norm(), 1e-14 * S.norm());
   EXPECT_GT(Eigen::SelfAdjointEigenSolver<Matrix>(S).eigenvalues().minCoeff(), 0.0);
   for (int c = 0; c < kStates; ++c) {
-    for (int r = kStates; r < kRows; ++r) EXPECT_EQ(s.data.terminal_weight[c][r], 0.0);
+    for (int r = kStates; r < lq::kRows; ++r) EXPECT_EQ(s.data.terminal_weight[c][r], 0.0);
   }
 }
 
@@ -144,4 +145,4 @@ INSTANTIATE_TEST_SUITE_P(Robots, TerminalCost, testing::Values(&model::amber3m()
                          [](const auto& instance) { return std::string(instance.param->constants.name); });
 
 }  // namespace
-}  // namespace stilt::solver
+}  // namespace stilt::sqp
