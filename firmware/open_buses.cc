@@ -3,8 +3,8 @@
 #include <span>
 #include <utility>
 
-#include "hal/protocol/damiao_registers.h"
-#include "hal/protocol/lockstep.h"
+#include "hal/can/lockstep.h"
+#include "hal/mit/damiao_registers.h"
 
 namespace stilt {
 namespace {
@@ -19,7 +19,7 @@ void add_mit(const hal::protocol::MitDriver& driver, BusOptions& options) {
   }
 }
 
-/// Identifier = source << 8 | destination, the top bit asks for a reply (hal/protocol/moteus.h).
+/// Identifier = source << 8 | destination, the top bit asks for a reply (hal/moteus/moteus.h).
 void add_moteus(const hal::protocol::MoteusDriver& driver, BusOptions& options) {
   const std::uint32_t reply = static_cast<std::uint32_t>(driver.id) << 8 | driver.source;
   const std::uint32_t command = static_cast<std::uint32_t>(driver.source) << 8 | driver.id;

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "hal/joint_bus.h"
+#include "hal/robot/joint_bus.h"
 
 namespace stilt::hal {
 

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "firmware/configuration/channel_text.h"
-#include "hal/wiring_load.h"
+#include "hal/robot/wiring_load.h"
 
 namespace stilt::configuration {
 namespace {

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "hal/bring_up/bring_up.h"
-#include "hal/bring_up/odrive_bring_up.h"
-#include "hal/bus_load.h"
-#include "hal/robot_wiring.h"
+#include "hal/can/bus_load.h"
+#include "hal/odrive/odrive_bring_up.h"
+#include "hal/robot/robot_wiring.h"
 
 /// The hardware of a robot as its configuration names it: buses, motor drivers, wiring of the joints, sensors
 /// of the torso. Start-up and host programs only.

@@ -5,7 +5,7 @@
 
 #include "firmware/configuration/channel_text.h"
 #include "firmware/configuration/hardware_consistency.h"
-#include "hal/node_identifiers.h"
+#include "hal/robot/node_identifiers.h"
 
 namespace stilt::configuration {
 namespace {

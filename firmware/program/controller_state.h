@@ -11,10 +11,10 @@
 #include "firmware/control_loop/start_script.h"
 #include "firmware/diagnostics/figures.h"
 #include "firmware/exchange/latest_value.h"
-#include "firmware/hardware/lockstep_bus.h"
-#include "firmware/hardware/robot_hardware.h"
 #include "firmware/program/options.h"
 #include "firmware/program/outcome.h"
+#include "hal/robot/lockstep_bus.h"
+#include "hal/robot/robot_hardware.h"
 
 namespace stilt::telemetry {
 class Station;

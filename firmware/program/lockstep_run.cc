@@ -2,7 +2,7 @@
 
 #include "firmware/control_loop/planner_schedule.h"
 #include "firmware/realtime/allocation_counter.h"
-#include "hal/clock.h"
+#include "hal/robot/clock.h"
 
 namespace stilt::program {
 namespace {

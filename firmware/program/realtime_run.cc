@@ -8,13 +8,13 @@
 
 #include "firmware/diagnostics/histogram_text.h"
 #include "firmware/diagnostics/tick_csv.h"
-#include "firmware/hardware/round_trip.h"
 #include "firmware/program/service_manager.h"
 #include "firmware/realtime/allocation_counter.h"
 #include "firmware/realtime/pace.h"
 #include "firmware/realtime/system_call_guard.h"
 #include "firmware/realtime/thread.h"
-#include "hal/clock.h"
+#include "hal/robot/clock.h"
+#include "hal/robot/round_trip.h"
 
 namespace stilt::program {
 namespace {

@@ -5,10 +5,10 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "firmware/hardware/round_trip.h"
 #include "firmware/realtime/pace.h"
 #include "firmware/realtime/thread.h"
-#include "hal/clock.h"
+#include "hal/robot/clock.h"
+#include "hal/robot/round_trip.h"
 
 namespace stilt::program {
 namespace {

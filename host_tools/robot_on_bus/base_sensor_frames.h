@@ -3,9 +3,9 @@
 #include <array>
 #include <vector>
 
-#include "hal/frame.h"
-#include "hal/protocol/base_sensor_table.h"
-#include "hal/robot_wiring.h"
+#include "hal/can/frame.h"
+#include "hal/robot/robot_wiring.h"
+#include "hal/sensors/base_sensor_table.h"
 
 namespace stilt::robot_on_bus {
 

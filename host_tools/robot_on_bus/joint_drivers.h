@@ -4,11 +4,11 @@
 #include <cstddef>
 #include <variant>
 
-#include "hal/bring_up/odrive_bring_up.h"
-#include "hal/mock/mit_emulator.h"
-#include "hal/mock/moteus_emulator.h"
-#include "hal/mock/odrive_emulator.h"
-#include "hal/robot_wiring.h"
+#include "hal/mit/mit_emulator.h"
+#include "hal/moteus/moteus_emulator.h"
+#include "hal/odrive/odrive_bring_up.h"
+#include "hal/odrive/odrive_emulator.h"
+#include "hal/robot/robot_wiring.h"
 
 namespace stilt::robot_on_bus {
 

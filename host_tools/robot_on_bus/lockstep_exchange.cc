@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "hal/protocol/lockstep.h"
+#include "hal/can/lockstep.h"
 
 namespace stilt::robot_on_bus {
 namespace {

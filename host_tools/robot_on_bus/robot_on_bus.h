@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "hal/frame.h"
-#include "hal/robot_wiring.h"
+#include "hal/can/frame.h"
+#include "hal/robot/robot_wiring.h"
 #include "host_tools/robot_on_bus/base_sensor_frames.h"
 #include "host_tools/robot_on_bus/frame_line.h"
 #include "host_tools/robot_on_bus/hoist.h"

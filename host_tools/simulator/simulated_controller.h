@@ -7,7 +7,7 @@
 #include "firmware/control_loop/control_loop.h"
 #include "firmware/control_loop/planner_schedule.h"
 #include "firmware/control_loop/planner_task.h"
-#include "hal/clock.h"
+#include "hal/robot/clock.h"
 
 namespace stilt::simulator {
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "firmware/configuration/configuration.h"
-#include "hal/protocol/lockstep.h"
+#include "hal/can/lockstep.h"
 
 namespace stilt {
 namespace {

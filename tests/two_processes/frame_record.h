@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "hal/protocol/mit_mode.h"
-#include "hal/robot_wiring.h"
+#include "hal/mit/mit_mode.h"
+#include "hal/robot/robot_wiring.h"
 
 namespace stilt::two_processes {
 

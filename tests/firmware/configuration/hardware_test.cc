@@ -9,7 +9,7 @@
 
 #include "firmware/configuration/channel_text.h"
 #include "firmware/configuration/configuration.h"
-#include "hal/bus_load.h"
+#include "hal/can/bus_load.h"
 
 namespace stilt::configuration {
 namespace {

@@ -8,12 +8,12 @@
 #include <optional>
 #include <string>
 
-#include "firmware/hardware/robot_hardware.h"
 #include "firmware/realtime/system_call_guard.h"
 #include "firmware/realtime/thread.h"
 #include "hal/any_bus.h"
-#include "hal/clock.h"
 #include "hal/loopback/loopback_server.h"
+#include "hal/robot/clock.h"
+#include "hal/robot/robot_hardware.h"
 
 // A torque loop under the system-call guard loses its bus and gets it back. In a process of its own: a guard
 // is never taken off.

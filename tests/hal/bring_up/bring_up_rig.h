@@ -5,13 +5,13 @@
 #include <array>
 #include <span>
 
-#include "hal/bring_up/mit_bring_up.h"
-#include "hal/bring_up/moteus_bring_up.h"
-#include "hal/bring_up/odrive_bring_up.h"
-#include "hal/mock/mit_emulator.h"
-#include "hal/mock/mock_bus.h"
-#include "hal/mock/moteus_emulator.h"
-#include "hal/mock/odrive_emulator.h"
+#include "hal/mit/mit_bring_up.h"
+#include "hal/mit/mit_emulator.h"
+#include "hal/moteus/moteus_bring_up.h"
+#include "hal/moteus/moteus_emulator.h"
+#include "hal/odrive/odrive_bring_up.h"
+#include "hal/odrive/odrive_emulator.h"
+#include "tests/hal/mock/mock_bus.h"
 
 namespace stilt::hal::bring_up {
 

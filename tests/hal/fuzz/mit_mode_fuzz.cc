@@ -1,5 +1,5 @@
-#include "hal/protocol/damiao_registers.h"
-#include "hal/protocol/mit_mode.h"
+#include "hal/mit/damiao_registers.h"
+#include "hal/mit/mit_mode.h"
 #include "tests/hal/fuzz/fuzz_input.h"
 
 using namespace stilt::hal;

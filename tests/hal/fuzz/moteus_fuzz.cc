@@ -1,7 +1,7 @@
 #include <array>
 #include <limits>
 
-#include "hal/protocol/moteus.h"
+#include "hal/moteus/moteus.h"
 #include "tests/hal/fuzz/fuzz_input.h"
 
 using namespace stilt::hal;

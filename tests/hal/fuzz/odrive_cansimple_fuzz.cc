@@ -1,4 +1,4 @@
-#include "hal/protocol/odrive_cansimple.h"
+#include "hal/odrive/odrive_cansimple.h"
 #include "tests/hal/fuzz/fuzz_input.h"
 
 using namespace stilt::hal;

@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "firmware/configuration/configuration.h"
-#include "hal/bring_up/mit_bring_up.h"
-#include "hal/bring_up/moteus_bring_up.h"
-#include "hal/bring_up/odrive_bring_up.h"
-#include "hal/can_robot.h"
+#include "hal/mit/mit_bring_up.h"
+#include "hal/moteus/moteus_bring_up.h"
+#include "hal/odrive/odrive_bring_up.h"
+#include "hal/robot/can_robot.h"
 #include "host_tools/robot_on_bus/robot_on_bus.h"
 
 namespace stilt::robot_on_bus::testing_support {

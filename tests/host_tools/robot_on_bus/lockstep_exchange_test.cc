@@ -5,7 +5,7 @@
 #include <deque>
 #include <stdexcept>
 
-#include "hal/protocol/lockstep.h"
+#include "hal/can/lockstep.h"
 #include "tests/host_tools/robot_on_bus/driven_robot.h"
 
 namespace stilt::robot_on_bus {
