@@ -1,6 +1,6 @@
 #pragma once
 
-namespace stilt::gait {
+namespace stilt::gait_files {
 
 /// What a gait has to keep to. Defaults leave room below the robot's own limits for what disturbs it. The
 /// ranges of the joints are the robot's.
@@ -20,4 +20,4 @@ struct GaitLimits {
   double return_map = 0.95;              ///< spectral radius of the return map
 };
 
-}  // namespace stilt::gait
+}  // namespace stilt::gait_files
