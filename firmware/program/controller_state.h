@@ -34,8 +34,8 @@ struct ControllerState {
   std::optional<control_loop::StartScript> script;
   control_loop::TickRecord newest_tick;  ///< that housekeeping knows of
   std::int64_t start_ns = 0;             ///< time of the first tick, known to housekeeping
-  std::array<hardware::LockstepBus, hal::kMaximumBuses> lockstep_buses;
-  std::optional<hardware::RobotHardware> hardware;
+  std::array<hal::LockstepBus, hal::kMaximumBuses> lockstep_buses;
+  std::optional<hal::RobotHardware> hardware;
   std::function<void(std::size_t bus)>
       reconnect;                          ///< housekeeping connects a bus again, set by who opened it
   gait::GaitLibrary gaits;                ///< shipped for the robot; loaded at start, then constant

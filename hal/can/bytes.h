@@ -7,7 +7,7 @@
 #include <numbers>
 #include <span>
 
-namespace stilt::hal::protocol {
+namespace stilt::hal {
 
 inline constexpr double kRadiansPerRevolution = 2 * std::numbers::pi;
 
@@ -40,4 +40,4 @@ constexpr void store_float(std::span<std::uint8_t> four_bytes, float value) noex
   store_little(four_bytes, std::bit_cast<std::uint32_t>(value));
 }
 
-}  // namespace stilt::hal::protocol
+}  // namespace stilt::hal

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-namespace stilt::hal::protocol {
+namespace stilt::hal {
 
 /// What came of decoding a frame. On anything but ok the output is untouched.
 enum class DecodeStatus : std::uint8_t {
@@ -23,4 +23,4 @@ enum class EncodeStatus : std::uint8_t {
   invalid,     ///< identifiers or ranges of the driver make no sense
 };
 
-}  // namespace stilt::hal::protocol
+}  // namespace stilt::hal

@@ -31,6 +31,11 @@ struct CanFrame {
   friend bool operator==(const CanFrame&, const CanFrame&) = default;
 };
 
+struct FrameId {
+  std::uint32_t id = 0;
+  bool extended = false;  ///< 29 bits instead of 11
+};
+
 /// Smallest length a CAN FD frame can have for this many bytes; 0 when none holds them (more than 64).
 [[nodiscard]] constexpr std::uint8_t fd_length(std::size_t bytes) noexcept {
   if (bytes <= kClassicFrameBytes) return static_cast<std::uint8_t>(bytes);

@@ -17,7 +17,7 @@
 /// Tick 0 opens the exchange: the robot answers it without advancing. Identifier extended, and of the lowest
 /// priority there is; payload: k, 8 bytes, little endian. Such frames are on no real robot's bus. Real-time
 /// safe, without state.
-namespace stilt::hal::protocol {
+namespace stilt::hal {
 
 inline constexpr std::uint32_t kControllerSyncId = 0x1ffffff0;  ///< controller -> robot
 inline constexpr std::uint32_t kRobotSyncId = 0x1ffffff1;       ///< robot -> controller
@@ -42,4 +42,4 @@ inline constexpr std::uint8_t kSyncBytes = 8;
   return DecodeStatus::ok;
 }
 
-}  // namespace stilt::hal::protocol
+}  // namespace stilt::hal

@@ -8,7 +8,7 @@
 #include "hal/can/frame.h"
 #include "hal/driver/driver_fault.h"
 
-namespace stilt::hal::mock {
+namespace stilt::hal {
 
 /// Frames a driver sends, bounded; what does not fit is lost, as on a full bus.
 class FrameSink {
@@ -45,6 +45,8 @@ class EmulatedDriver {
   [[nodiscard]] virtual bool enabled() const noexcept = 0;
   /// Whether its frames tell the supply voltage.
   [[nodiscard]] virtual bool reports_supply() const noexcept = 0;
+  /// Position and velocity of an extra encoder; without effect on a driver that has none.
+  virtual void set_encoder(std::size_t, double, double) noexcept {}
   /// Raises a fault: the motor is let go and the driver reports it in its own way.
   virtual void raise(DriverFault fault) noexcept = 0;
   /// As after a loss of power: everything configured at run time is gone, motor off.
@@ -70,4 +72,4 @@ class EmulatedDriver {
   Motor frozen_motor_;
 };
 
-}  // namespace stilt::hal::mock
+}  // namespace stilt::hal

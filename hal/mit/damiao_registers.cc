@@ -4,7 +4,7 @@
 
 #include "hal/can/bytes.h"
 
-namespace stilt::hal::protocol {
+namespace stilt::hal::mit {
 namespace {
 
 constexpr std::uint8_t kRead = 0x33;
@@ -56,4 +56,4 @@ EncodeStatus encode_register_answer(const MitDriver& driver, const DamiaoRegiste
   return encode(driver.reply_id, driver.command_id, message, frame);
 }
 
-}  // namespace stilt::hal::protocol
+}  // namespace stilt::hal::mit

@@ -10,7 +10,7 @@
 /// identifier of the driver's replies. Only for bring-up with the motor off: a reply with position near one
 /// end of its range can look like a register answer. Facts: github.com/jia-xie/python-damiao-driver,
 /// docs/concept/communication-protocol.md and docs/concept/registers.md. Real-time safe, without state.
-namespace stilt::hal::protocol {
+namespace stilt::hal::mit {
 
 inline constexpr std::uint32_t kDamiaoRegisterId = 0x7ff;
 inline constexpr double kDamiaoTimeoutUnit_s = 50e-6;  ///< one unit of the register TIMEOUT
@@ -46,4 +46,4 @@ struct DamiaoRegisterMessage {
                                                   const DamiaoRegisterMessage& message,
                                                   CanFrame& frame) noexcept;
 
-}  // namespace stilt::hal::protocol
+}  // namespace stilt::hal::mit

@@ -4,12 +4,12 @@
 #include <bit>
 #include <cmath>
 
-namespace stilt::hal::bring_up {
+namespace stilt::hal::mit {
 namespace {
 
-using protocol::DamiaoRegister;
-using protocol::DecodeStatus;
-using protocol::EncodeStatus;
+using bring_up::BringUp;
+using bring_up::Failure;
+using bring_up::Stage;
 
 constexpr std::uint32_t kMitControlMode = 1;
 constexpr double kRangeTolerance = 1e-4;  // relative; the registers are floats
@@ -33,19 +33,19 @@ DamiaoRegister asked_register(Stage stage, unsigned part) noexcept {
   }
 }
 
-bool symmetric(const protocol::Range& range, double maximum) noexcept {
+bool symmetric(const Range& range, double maximum) noexcept {
   return std::abs(range.maximum - maximum) <= kRangeTolerance * maximum &&
          std::abs(range.minimum + maximum) <= kRangeTolerance * maximum;
 }
 
 std::uint32_t timeout_units(double watchdog_s) noexcept {
-  return static_cast<std::uint32_t>(std::lround(watchdog_s / protocol::kDamiaoTimeoutUnit_s));
+  return static_cast<std::uint32_t>(std::lround(watchdog_s / kDamiaoTimeoutUnit_s));
 }
 
 }  // namespace
 
 BringUp::Ask MitBringUp::ask_register(DamiaoRegister number, CanFrame& frame) const noexcept {
-  const protocol::DamiaoRegisterMessage message{.number = static_cast<std::uint8_t>(number)};
+  const DamiaoRegisterMessage message{.number = static_cast<std::uint8_t>(number)};
   return encode_register_request(driver_, message, frame) == EncodeStatus::ok ? Ask::wait_for_answer
                                                                               : Ask::fail;
 }
@@ -58,7 +58,7 @@ BringUp::Ask MitBringUp::ask(Stage stage, unsigned part, CanFrame& frame) noexce
   switch (stage) {
     case Stage::identify:
       if (has_registers()) return ask_register(asked_register(stage, part), frame);
-      frame = special_frame(driver_, protocol::MitSpecial::leave);
+      frame = special_frame(driver_, MitSpecial::leave);
       return Ask::wait_for_answer;
     case Stage::version:
     case Stage::scaling:
@@ -70,18 +70,18 @@ BringUp::Ask MitBringUp::ask(Stage stage, unsigned part, CanFrame& frame) noexce
         return Ask::fail;
       }
       if (part > 0) return Ask::skip;  // written; the next stage reads it back
-      const protocol::DamiaoRegisterMessage message{true, static_cast<std::uint8_t>(DamiaoRegister::timeout),
-                                                    timeout_units(options().watchdog_s)};
+      const DamiaoRegisterMessage message{true, static_cast<std::uint8_t>(DamiaoRegister::timeout),
+                                          timeout_units(options().watchdog_s)};
       return encode_register_request(driver_, message, frame) == EncodeStatus::ok ? Ask::send_only
                                                                                   : Ask::fail;
     }
     case Stage::watchdog_read:
       return has_registers() ? ask_register(DamiaoRegister::timeout, frame) : Ask::skip;
     case Stage::home:
-      frame = special_frame(driver_, protocol::MitSpecial::leave);
+      frame = special_frame(driver_, MitSpecial::leave);
       return Ask::wait_for_answer;
     case Stage::enable:
-      frame = special_frame(driver_, protocol::MitSpecial::enter);
+      frame = special_frame(driver_, MitSpecial::enter);
       return Ask::wait_for_answer;
     case Stage::ready:
     case Stage::failed:
@@ -96,7 +96,7 @@ BringUp::Verdict MitBringUp::judge(Stage stage, unsigned part, const CanFrame& f
 }
 
 BringUp::Verdict MitBringUp::judge_state(Stage stage, const CanFrame& frame) noexcept {
-  protocol::MitReply reply;
+  MitReply reply;
   if (decode_reply(driver_, frame, reply) != DecodeStatus::ok) return Verdict::ignore;
   if (reply.fault != DriverFault::none) {
     failure(Failure::driver_fault, reply.fault);
@@ -108,10 +108,10 @@ BringUp::Verdict MitBringUp::judge_state(Stage stage, const CanFrame& frame) noe
 }
 
 BringUp::Verdict MitBringUp::judge_range(unsigned part, double maximum) noexcept {
-  const std::array<const protocol::Range*, 3> command{&driver_.position_rad, &driver_.velocity_rad_s,
-                                                      &driver_.torque_Nm};
-  const std::array<const protocol::Range*, 3> reply{&driver_.reply_position_rad,
-                                                    &driver_.reply_velocity_rad_s, &driver_.reply_torque_Nm};
+  const std::array<const Range*, 3> command{&driver_.position_rad, &driver_.velocity_rad_s,
+                                            &driver_.torque_Nm};
+  const std::array<const Range*, 3> reply{&driver_.reply_position_rad, &driver_.reply_velocity_rad_s,
+                                          &driver_.reply_torque_Nm};
   if (!symmetric(*command[part], maximum) || !symmetric(*reply[part], maximum)) {
     failure(Failure::wrong_scaling);
     return Verdict::fail;
@@ -120,7 +120,7 @@ BringUp::Verdict MitBringUp::judge_range(unsigned part, double maximum) noexcept
 }
 
 BringUp::Verdict MitBringUp::judge_register(Stage stage, unsigned part, const CanFrame& frame) noexcept {
-  protocol::DamiaoRegisterMessage message;
+  DamiaoRegisterMessage message;
   if (decode_register_answer(driver_, frame, message) != DecodeStatus::ok || message.write ||
       message.number != static_cast<std::uint8_t>(asked_register(stage, part))) {
     return Verdict::ignore;
@@ -151,4 +151,4 @@ bool MitBringUp::keep_alive(CanFrame& frame) noexcept {
   return encode_command(driver_, {}, frame) == EncodeStatus::ok;
 }
 
-}  // namespace stilt::hal::bring_up
+}  // namespace stilt::hal::mit

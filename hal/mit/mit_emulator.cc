@@ -3,12 +3,8 @@
 #include <algorithm>
 #include <bit>
 
-namespace stilt::hal::mock {
+namespace stilt::hal::mit {
 namespace {
-
-using protocol::DamiaoRegister;
-using protocol::DecodeStatus;
-using protocol::ReplyLayout;
 
 constexpr std::uint8_t kDamiaoLostCommunication = 0xd;
 
@@ -76,7 +72,7 @@ double MitEmulator::torque_Nm() const noexcept {
 }
 
 void MitEmulator::reply(FrameSink& replies) const noexcept {
-  protocol::MitReply state;
+  MitReply state;
   state.position_rad = sensed().position_rad;
   state.velocity_rad_s = sensed().velocity_rad_s;
   state.torque_Nm = torque_Nm();
@@ -85,23 +81,22 @@ void MitEmulator::reply(FrameSink& replies) const noexcept {
   state.fault_code = fault_code_;
   if (driver_.layout == ReplyLayout::damiao && fault_code_ == 0) state.fault_code = enabled_ ? 1 : 0;
   CanFrame frame;
-  const protocol::EncodeStatus status = encode_reply(driver_, state, frame);
-  if (status == protocol::EncodeStatus::ok || status == protocol::EncodeStatus::saturated)
-    replies.push(frame);
+  const EncodeStatus status = encode_reply(driver_, state, frame);
+  if (status == EncodeStatus::ok || status == EncodeStatus::saturated) replies.push(frame);
 }
 
-void MitEmulator::take_special(protocol::MitSpecial special) noexcept {
+void MitEmulator::take_special(MitSpecial special) noexcept {
   switch (special) {
-    case protocol::MitSpecial::enter:
+    case MitSpecial::enter:
       enabled_ = fault_code_ == 0;
       break;
-    case protocol::MitSpecial::leave:
+    case MitSpecial::leave:
       enabled_ = false;
       break;
-    case protocol::MitSpecial::clear_error:
+    case MitSpecial::clear_error:
       fault_code_ = 0;
       break;
-    case protocol::MitSpecial::set_zero:
+    case MitSpecial::set_zero:
       motor.position_rad = 0;
       break;
   }
@@ -131,25 +126,25 @@ std::uint32_t MitEmulator::register_bits(std::uint8_t number) const noexcept {
   return 0;
 }
 
-void MitEmulator::take_register(protocol::DamiaoRegisterMessage message, FrameSink& replies) noexcept {
+void MitEmulator::take_register(DamiaoRegisterMessage message, FrameSink& replies) noexcept {
   if (message.write) {
     if (message.number == static_cast<std::uint8_t>(DamiaoRegister::timeout)) timeout_units_ = message.bits;
   } else {
     message.bits = register_bits(message.number);
   }
   CanFrame frame;
-  if (encode_register_answer(driver_, message, frame) == protocol::EncodeStatus::ok) replies.push(frame);
+  if (encode_register_answer(driver_, message, frame) == EncodeStatus::ok) replies.push(frame);
 }
 
 void MitEmulator::take(std::int64_t now_ns, const CanFrame& frame, FrameSink& replies) noexcept {
   if (!powered()) return;
-  protocol::DamiaoRegisterMessage message;
+  DamiaoRegisterMessage message;
   if (driver_.layout == ReplyLayout::damiao &&
       decode_register_request(driver_, frame, message) == DecodeStatus::ok) {
     take_register(message, replies);
     return;
   }
-  protocol::MitSpecial special{};
+  MitSpecial special{};
   if (decode_special(driver_, frame, special) == DecodeStatus::ok) {
     take_special(special);
   } else if (decode_command(driver_, frame, command_) != DecodeStatus::ok) {
@@ -161,10 +156,10 @@ void MitEmulator::take(std::int64_t now_ns, const CanFrame& frame, FrameSink& re
 
 void MitEmulator::elapse(std::int64_t now_ns, FrameSink& /*replies*/) noexcept {
   const double silence_s = static_cast<double>(now_ns - last_command_ns_) * 1e-9;
-  if (enabled_ && timeout_units_ > 0 && silence_s > timeout_units_ * protocol::kDamiaoTimeoutUnit_s) {
+  if (enabled_ && timeout_units_ > 0 && silence_s > timeout_units_ * kDamiaoTimeoutUnit_s) {
     enabled_ = false;
     fault_code_ = kDamiaoLostCommunication;
   }
 }
 
-}  // namespace stilt::hal::mock
+}  // namespace stilt::hal::mit

@@ -4,13 +4,13 @@
 #include "hal/mit/damiao_registers.h"
 #include "hal/mit/mit_mode.h"
 
-namespace stilt::hal::mock {
+namespace stilt::hal::mit {
 
 /// A driver in MIT mode. With the Damiao layout it has registers and a timeout (off until written) after
 /// which it lets go and reports lost communication; with the others it has neither.
 class MitEmulator final : public EmulatedDriver {
  public:
-  explicit MitEmulator(const protocol::MitDriver& driver, std::uint32_t software_version = 5) noexcept
+  explicit MitEmulator(const MitDriver& driver, std::uint32_t software_version = 5) noexcept
       : driver_(driver), software_version_(software_version) {}
 
   void take(std::int64_t now_ns, const CanFrame& frame, FrameSink& replies) noexcept override;
@@ -18,7 +18,7 @@ class MitEmulator final : public EmulatedDriver {
   [[nodiscard]] double torque_Nm() const noexcept override;
   [[nodiscard]] bool enabled() const noexcept override { return enabled_; }
   [[nodiscard]] bool reports_supply() const noexcept override {
-    return driver_.layout == protocol::ReplyLayout::mini_cheetah;
+    return driver_.layout == ReplyLayout::mini_cheetah;
   }
   void raise(DriverFault fault) noexcept override;
   void power_cycle() noexcept override;
@@ -28,13 +28,13 @@ class MitEmulator final : public EmulatedDriver {
 
  private:
   void reply(FrameSink& replies) const noexcept;
-  void take_special(protocol::MitSpecial special) noexcept;
-  void take_register(protocol::DamiaoRegisterMessage message, FrameSink& replies) noexcept;
+  void take_special(MitSpecial special) noexcept;
+  void take_register(DamiaoRegisterMessage message, FrameSink& replies) noexcept;
   [[nodiscard]] std::uint32_t register_bits(std::uint8_t number) const noexcept;
 
-  protocol::MitDriver driver_;
+  MitDriver driver_;
   std::uint32_t software_version_;
-  protocol::MitCommand command_;
+  MitCommand command_;
   double reported_torque_Nm_ = 0;
   bool enabled_ = false;
   std::uint8_t fault_code_ = 0;
@@ -42,4 +42,8 @@ class MitEmulator final : public EmulatedDriver {
   std::int64_t last_command_ns_ = 0;
 };
 
-}  // namespace stilt::hal::mock
+[[nodiscard]] inline MitEmulator make_emulator(const MitDriver& driver) noexcept {
+  return MitEmulator(driver);
+}
+
+}  // namespace stilt::hal::mit

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <span>
 
-namespace stilt::hal::protocol {
+namespace stilt::hal::mit {
 namespace {
 
 constexpr std::uint8_t kDamiaoDisabled = 0x0;
@@ -259,4 +259,4 @@ DecodeStatus decode_special(const MitDriver& driver, const CanFrame& frame, MitS
   return DecodeStatus::ok;
 }
 
-}  // namespace stilt::hal::protocol
+}  // namespace stilt::hal::mit

@@ -21,7 +21,7 @@
 /// Facts: B. Katz, HKC_MiniCheetah CAN_com.cpp (layout, cut-off); CubeMars AK series manual 1.0.8,
 /// section 5.3 (8-byte reply); Damiao DM-J manuals and github.com/jia-xie/python-damiao-driver,
 /// docs/concept/communication-protocol.md. Everything here is real-time safe and keeps no state.
-namespace stilt::hal::protocol {
+namespace stilt::hal::mit {
 
 struct Range {
   double minimum;
@@ -105,4 +105,4 @@ enum class MitSpecial : std::uint8_t {
   return (range.maximum - range.minimum) / static_cast<double>((1u << bits) - 1);
 }
 
-}  // namespace stilt::hal::protocol
+}  // namespace stilt::hal::mit

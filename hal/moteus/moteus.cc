@@ -6,7 +6,7 @@
 
 #include "hal/can/bytes.h"
 
-namespace stilt::hal::protocol {
+namespace stilt::hal::moteus {
 namespace {
 
 constexpr std::uint32_t kReplyBit = 0x8000;
@@ -279,4 +279,4 @@ DecodeStatus serve_frame(const MoteusDriver& driver, const CanFrame& frame, void
   return DecodeStatus::ok;
 }
 
-}  // namespace stilt::hal::protocol
+}  // namespace stilt::hal::moteus

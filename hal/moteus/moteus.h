@@ -18,7 +18,7 @@
 /// watchdog; when that expires the driver latches mode `timeout`, damps, and obeys nothing but a stop. Facts:
 /// github.com/mjbots/moteus, docs/protocol/can.md, docs/protocol/registers.md,
 /// docs/reference/configuration.md. Real-time safe, without state.
-namespace stilt::hal::protocol {
+namespace stilt::hal::moteus {
 
 inline constexpr std::uint8_t kMoteusMaximumId = 0x7f;
 inline constexpr std::uint8_t kMoteusEncoders = 3;
@@ -122,4 +122,4 @@ using MoteusRegisterWriter = void (*)(void* context, std::uint32_t register_numb
                                        MoteusRegisterReader read, MoteusRegisterWriter write,
                                        CanFrame& answer, bool& answered) noexcept;
 
-}  // namespace stilt::hal::protocol
+}  // namespace stilt::hal::moteus

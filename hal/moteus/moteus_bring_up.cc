@@ -2,17 +2,16 @@
 
 #include <cmath>
 
-namespace stilt::hal::bring_up {
+namespace stilt::hal::moteus {
 namespace {
 
-using protocol::DecodeStatus;
-using protocol::EncodeStatus;
-using protocol::MoteusMode;
-using protocol::MoteusQuery;
+using bring_up::BringUp;
+using bring_up::Failure;
+using bring_up::Stage;
 
 constexpr double kWatchdogTolerance_s = 0.0005;  // half a step of the register
 
-bool is_mode(const protocol::MoteusReply& reply, MoteusMode mode) noexcept {
+bool is_mode(const MoteusReply& reply, MoteusMode mode) noexcept {
   return reply.has_mode && reply.mode == static_cast<std::uint8_t>(mode);
 }
 
@@ -52,7 +51,7 @@ BringUp::Verdict MoteusBringUp::wrong(Failure what, DriverFault fault) noexcept 
   return Verdict::fail;
 }
 
-BringUp::Verdict MoteusBringUp::judge_home(const protocol::MoteusReply& reply) noexcept {
+BringUp::Verdict MoteusBringUp::judge_home(const MoteusReply& reply) noexcept {
   const bool one_turn = rotor_referenced_ && options().encoder_period_rad > 0;
   if (!output_referenced_ && !one_turn) return wrong(Failure::not_home);
   if (!std::isfinite(reply.position_rad)) return wrong(Failure::not_home);
@@ -60,18 +59,17 @@ BringUp::Verdict MoteusBringUp::judge_home(const protocol::MoteusReply& reply) n
 }
 
 BringUp::Verdict MoteusBringUp::judge(Stage stage, unsigned /*part*/, const CanFrame& frame) noexcept {
-  protocol::MoteusReply reply;
+  MoteusReply reply;
   if (decode_reply(driver_, frame, reply) != DecodeStatus::ok || !reply.has_mode) return Verdict::ignore;
-  if (is_mode(reply, MoteusMode::fault))
-    return wrong(Failure::driver_fault, protocol::moteus_fault(reply.fault_code));
+  if (is_mode(reply, MoteusMode::fault)) return wrong(Failure::driver_fault, moteus_fault(reply.fault_code));
   switch (stage) {
     case Stage::identify:
       return is_mode(reply, MoteusMode::stopped) ? Verdict::next_stage : Verdict::not_yet;
     case Stage::version:
       if (!reply.has_firmware_version) return Verdict::ignore;
       if (reply.firmware_version < options().minimum_version) return wrong(Failure::old_version);
-      output_referenced_ = reply.home == static_cast<std::uint8_t>(protocol::MoteusHome::output);
-      rotor_referenced_ = reply.home == static_cast<std::uint8_t>(protocol::MoteusHome::rotor);
+      output_referenced_ = reply.home == static_cast<std::uint8_t>(MoteusHome::output);
+      rotor_referenced_ = reply.home == static_cast<std::uint8_t>(MoteusHome::rotor);
       return Verdict::next_stage;
     case Stage::watchdog_write:
       return Verdict::next_stage;
@@ -93,10 +91,10 @@ BringUp::Verdict MoteusBringUp::judge(Stage stage, unsigned /*part*/, const CanF
 }
 
 bool MoteusBringUp::keep_alive(CanFrame& frame) noexcept {
-  protocol::MoteusCommand limp;
+  MoteusCommand limp;
   limp.maximum_torque_Nm = 0;
   limp.watchdog_s = options().watchdog_s;
   return encode_command(driver_, limp, frame) == EncodeStatus::ok;
 }
 
-}  // namespace stilt::hal::bring_up
+}  // namespace stilt::hal::moteus

@@ -6,12 +6,8 @@
 
 #include "hal/can/bytes.h"
 
-namespace stilt::hal::mock {
+namespace stilt::hal::moteus {
 namespace {
-
-using protocol::kRadiansPerRevolution;
-using protocol::MoteusMode;
-using protocol::MoteusRegister;
 
 constexpr std::uint32_t kFirstCommand = static_cast<std::uint32_t>(MoteusRegister::command_position);
 constexpr std::uint32_t kFirstEncoder = static_cast<std::uint32_t>(MoteusRegister::encoder_0_position);
@@ -47,7 +43,7 @@ std::uint8_t code_of(DriverFault fault) noexcept {
 
 }  // namespace
 
-MoteusEmulator::MoteusEmulator(const protocol::MoteusDriver& driver, std::uint32_t firmware_version) noexcept
+MoteusEmulator::MoteusEmulator(const MoteusDriver& driver, std::uint32_t firmware_version) noexcept
     : driver_(driver), firmware_version_(firmware_version), command_(kUnspecified) {}
 
 void MoteusEmulator::power_cycle() noexcept {
@@ -87,7 +83,7 @@ double MoteusEmulator::read(const void* context, std::uint32_t number) noexcept 
   if (number >= kFirstCommand && number < kFirstCommand + driver.command_.size()) {
     return driver.command_[number - kFirstCommand];
   }
-  if (number >= kFirstEncoder && number < kFirstEncoder + 2 * protocol::kMoteusEncoders) {
+  if (number >= kFirstEncoder && number < kFirstEncoder + 2 * kMoteusEncoders) {
     return driver.encoder_register(number - kFirstEncoder);
   }
   switch (static_cast<MoteusRegister>(number)) {
@@ -139,7 +135,7 @@ void MoteusEmulator::take(std::int64_t now_ns, const CanFrame& frame, FrameSink&
   if (!powered()) return;
   CanFrame answer;
   bool answered = false;
-  if (serve_frame(driver_, frame, this, read, write, answer, answered) != protocol::DecodeStatus::ok) return;
+  if (serve_frame(driver_, frame, this, read, write, answer, answered) != DecodeStatus::ok) return;
   last_command_ns_ = now_ns;
   if (answered) replies.push(answer);
 }
@@ -150,4 +146,4 @@ void MoteusEmulator::elapse(std::int64_t now_ns, FrameSink& /*replies*/) noexcep
   if (static_cast<double>(now_ns - last_command_ns_) * 1e-9 > allowed_s) mode_ = MoteusMode::timeout;
 }
 
-}  // namespace stilt::hal::mock
+}  // namespace stilt::hal::moteus

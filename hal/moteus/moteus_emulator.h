@@ -5,27 +5,25 @@
 #include "hal/driver/emulated_driver.h"
 #include "hal/moteus/moteus.h"
 
-namespace stilt::hal::mock {
+namespace stilt::hal::moteus {
 
 /// moteus: registers, position mode, and the watchdog that latches mode `timeout` and damps until a stop
 /// arrives.
 class MoteusEmulator final : public EmulatedDriver {
  public:
-  explicit MoteusEmulator(const protocol::MoteusDriver& driver,
-                          std::uint32_t firmware_version = 0x010304) noexcept;
+  explicit MoteusEmulator(const MoteusDriver& driver, std::uint32_t firmware_version = 0x010304) noexcept;
 
   void take(std::int64_t now_ns, const CanFrame& frame, FrameSink& replies) noexcept override;
   void elapse(std::int64_t now_ns, FrameSink& replies) noexcept override;
   [[nodiscard]] double torque_Nm() const noexcept override;
-  [[nodiscard]] bool enabled() const noexcept override { return mode() == protocol::MoteusMode::position; }
+  [[nodiscard]] bool enabled() const noexcept override { return mode() == MoteusMode::position; }
   [[nodiscard]] bool reports_supply() const noexcept override { return true; }
   void raise(DriverFault fault) noexcept override;
   void power_cycle() noexcept override;
 
-  [[nodiscard]] protocol::MoteusMode mode() const noexcept { return mode_; }
-  void set_home(protocol::MoteusHome home) noexcept { home_ = home; }
-  /// Position and velocity of an extra encoder (0 to 2).
-  void set_encoder(std::size_t encoder, double position_rad, double velocity_rad_s) noexcept {
+  [[nodiscard]] MoteusMode mode() const noexcept { return mode_; }
+  void set_home(MoteusHome home) noexcept { home_ = home; }
+  void set_encoder(std::size_t encoder, double position_rad, double velocity_rad_s) noexcept override {
     encoders_[encoder] = {position_rad, velocity_rad_s};
   }
   /// A firmware that does not keep the watchdog written to it.
@@ -40,15 +38,19 @@ class MoteusEmulator final : public EmulatedDriver {
   static void write(void* context, std::uint32_t number, double value) noexcept;
   [[nodiscard]] double encoder_register(std::uint32_t offset) const noexcept;
 
-  protocol::MoteusDriver driver_;
+  MoteusDriver driver_;
   std::uint32_t firmware_version_;
-  protocol::MoteusMode mode_ = protocol::MoteusMode::stopped;
-  protocol::MoteusHome home_ = protocol::MoteusHome::output;
+  MoteusMode mode_ = MoteusMode::stopped;
+  MoteusHome home_ = MoteusHome::output;
   std::uint8_t fault_code_ = 0;
   std::array<double, 8> command_{};  ///< registers 0x020 to 0x027
-  std::array<Encoder, protocol::kMoteusEncoders> encoders_{};
+  std::array<Encoder, kMoteusEncoders> encoders_{};
   bool ignore_watchdog_ = false;
   std::int64_t last_command_ns_ = 0;
 };
 
-}  // namespace stilt::hal::mock
+[[nodiscard]] inline MoteusEmulator make_emulator(const MoteusDriver& driver) noexcept {
+  return MoteusEmulator(driver);
+}
+
+}  // namespace stilt::hal::moteus

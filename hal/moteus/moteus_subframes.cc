@@ -6,7 +6,7 @@
 
 #include "hal/can/bytes.h"
 
-namespace stilt::hal::protocol {
+namespace stilt::hal::moteus {
 namespace {
 
 constexpr std::uint8_t kTypeMask = 0xf0;
@@ -32,84 +32,54 @@ enum class Quantity : std::uint8_t {
   acceleration
 };
 
-Quantity quantity_of(std::uint32_t register_number) noexcept {
-  switch (register_number) {
-    case 0x001:
-    case 0x006:
-    case 0x020:
-    case 0x026:
-    case 0x038:
-    case 0x03b:
-    case 0x040:
-    case 0x041:
-    case 0x050:
-    case 0x052:
-    case 0x054:
-    case 0x130:
-    case 0x131:
-      return Quantity::position;
-    case 0x002:
-    case 0x01e:
-    case 0x021:
-    case 0x028:
-    case 0x039:
-    case 0x03c:
-    case 0x051:
-    case 0x053:
-    case 0x055:
-      return Quantity::velocity;
-    case 0x003:
-    case 0x022:
-    case 0x025:
-    case 0x030:
-    case 0x031:
-    case 0x032:
-    case 0x033:
-    case 0x034:
-    case 0x03a:
-    case 0x03d:
-    case 0x042:
-    case 0x045:
-      return Quantity::torque;
-    case 0x004:
-    case 0x005:
-    case 0x01c:
-    case 0x01d:
-    case 0x02c:
-      return Quantity::current;
-    case 0x00d:
-    case 0x014:
-    case 0x015:
-    case 0x016:
-    case 0x019:
-    case 0x01a:
-    case 0x01b:
-    case 0x02a:
-      return Quantity::voltage;
-    case 0x00a:
-    case 0x00e:
-      return Quantity::temperature;
-    case 0x027:
-    case 0x046:
-      return Quantity::time;
-    case 0x010:
-    case 0x011:
-    case 0x012:
-    case 0x018:
-    case 0x023:
-    case 0x024:
-    case 0x02b:
-    case 0x043:
-    case 0x044:
-    case 0x047:
-      return Quantity::fraction;
-    case 0x007:
-      return Quantity::power;
-    case 0x029:
-      return Quantity::acceleration;
-    default:
-      return Quantity::plain;
+struct RegisterRange {
+  std::uint32_t first;
+  std::uint32_t last;
+  Quantity quantity;
+};
+
+/// What the registers measure; all others are plain numbers: docs/protocol/registers.md.
+constexpr RegisterRange kRanges[] = {
+    {0x001, 0x001, Quantity::position},    {0x002, 0x002, Quantity::velocity},
+    {0x003, 0x003, Quantity::torque},      {0x004, 0x005, Quantity::current},
+    {0x006, 0x006, Quantity::position},    {0x007, 0x007, Quantity::power},
+    {0x00a, 0x00a, Quantity::temperature}, {0x00d, 0x00d, Quantity::voltage},
+    {0x00e, 0x00e, Quantity::temperature}, {0x010, 0x012, Quantity::fraction},
+    {0x014, 0x016, Quantity::voltage},     {0x018, 0x018, Quantity::fraction},
+    {0x019, 0x01b, Quantity::voltage},     {0x01c, 0x01d, Quantity::current},
+    {0x01e, 0x01e, Quantity::velocity},    {0x020, 0x020, Quantity::position},
+    {0x021, 0x021, Quantity::velocity},    {0x022, 0x022, Quantity::torque},
+    {0x023, 0x024, Quantity::fraction},    {0x025, 0x025, Quantity::torque},
+    {0x026, 0x026, Quantity::position},    {0x027, 0x027, Quantity::time},
+    {0x028, 0x028, Quantity::velocity},    {0x029, 0x029, Quantity::acceleration},
+    {0x02a, 0x02a, Quantity::voltage},     {0x02b, 0x02b, Quantity::fraction},
+    {0x02c, 0x02c, Quantity::current},     {0x030, 0x034, Quantity::torque},
+    {0x038, 0x038, Quantity::position},    {0x039, 0x039, Quantity::velocity},
+    {0x03a, 0x03a, Quantity::torque},      {0x03b, 0x03b, Quantity::position},
+    {0x03c, 0x03c, Quantity::velocity},    {0x03d, 0x03d, Quantity::torque},
+    {0x040, 0x041, Quantity::position},    {0x042, 0x042, Quantity::torque},
+    {0x043, 0x044, Quantity::fraction},    {0x045, 0x045, Quantity::torque},
+    {0x046, 0x046, Quantity::time},        {0x047, 0x047, Quantity::fraction},
+    {0x050, 0x050, Quantity::position},    {0x051, 0x051, Quantity::velocity},
+    {0x052, 0x052, Quantity::position},    {0x053, 0x053, Quantity::velocity},
+    {0x054, 0x054, Quantity::position},    {0x055, 0x055, Quantity::velocity},
+    {0x130, 0x131, Quantity::position},
+};
+
+constexpr std::size_t kRegisters = 0x132;
+
+constexpr std::array<Quantity, kRegisters> kQuantities = [] {
+  std::array<Quantity, kRegisters> quantities{};
+  for (const RegisterRange& range : kRanges) {
+    for (std::uint32_t number = range.first; number <= range.last; ++number) {
+      quantities[number] = range.quantity;
+    }
   }
+  return quantities;
+}();
+
+Quantity quantity_of(std::uint32_t register_number) noexcept {
+  return register_number < kRegisters ? kQuantities[register_number] : Quantity::plain;
 }
 
 /// Value of the least significant bit in int8, int16 and int32: docs/protocol/registers.md, "Mappings".
@@ -119,33 +89,20 @@ struct Units {
   double int32;
 };
 
-Units units_of(Quantity quantity) noexcept {
-  switch (quantity) {
-    case Quantity::plain:
-      return {1, 1, 1};
-    case Quantity::position:
-      return {0.01, 0.0001, 0.00001};
-    case Quantity::velocity:
-      return {0.1, 0.00025, 0.00001};
-    case Quantity::torque:
-      return {0.5, 0.01, 0.001};
-    case Quantity::current:
-      return {1, 0.1, 0.001};
-    case Quantity::voltage:
-      return {0.5, 0.1, 0.001};
-    case Quantity::temperature:
-      return {1, 0.1, 0.001};
-    case Quantity::time:
-      return {0.01, 0.001, 0.000001};
-    case Quantity::fraction:
-      return {1.0 / 127, 1.0 / 32767, 1.0 / 2147483647};
-    case Quantity::power:
-      return {10, 0.05, 0.0001};
-    case Quantity::acceleration:
-      return {0.05, 0.001, 0.00001};
-  }
-  return {1, 1, 1};
-}
+/// By Quantity.
+constexpr Units kUnits[] = {
+    {1, 1, 1},                                   // plain
+    {0.01, 0.0001, 0.00001},                     // position
+    {0.1, 0.00025, 0.00001},                     // velocity
+    {0.5, 0.01, 0.001},                          // torque
+    {1, 0.1, 0.001},                             // current
+    {0.5, 0.1, 0.001},                           // voltage
+    {1, 0.1, 0.001},                             // temperature
+    {0.01, 0.001, 0.000001},                     // time
+    {1.0 / 127, 1.0 / 32767, 1.0 / 2147483647},  // fraction
+    {10, 0.05, 0.0001},                          // power
+    {0.05, 0.001, 0.00001},                      // acceleration
+};
 
 /// The integer of a value; NaN becomes the most negative one.
 std::int64_t integer_of(double value, double unit, Resolution resolution, bool& saturated) noexcept {
@@ -169,7 +126,7 @@ float real_of(double value, bool& saturated) noexcept {
 }  // namespace
 
 double unit_of(std::uint32_t register_number, Resolution resolution) noexcept {
-  const Units units = units_of(quantity_of(register_number));
+  const Units& units = kUnits[static_cast<std::size_t>(quantity_of(register_number))];
   switch (resolution) {
     case Resolution::int8:
       return units.int8;
@@ -318,4 +275,4 @@ EncodeStatus SubframeWriter::finish() noexcept {
   return saturated_ ? EncodeStatus::saturated : EncodeStatus::ok;
 }
 
-}  // namespace stilt::hal::protocol
+}  // namespace stilt::hal::moteus

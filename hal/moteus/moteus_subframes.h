@@ -18,7 +18,7 @@
 /// Numbers are variable-length unsigned integers (7 bits a byte, least significant first, at most 5 bytes),
 /// values little endian. Facts: github.com/mjbots/moteus, docs/protocol/can.md and
 /// docs/protocol/registers.md. Real-time safe.
-namespace stilt::hal::protocol {
+namespace stilt::hal::moteus {
 
 enum class MoteusRegister : std::uint16_t {
   mode = 0x000,
@@ -116,4 +116,4 @@ class SubframeWriter {
   bool overflow_ = false;
 };
 
-}  // namespace stilt::hal::protocol
+}  // namespace stilt::hal::moteus

@@ -6,7 +6,7 @@
 
 #include "hal/can/bytes.h"
 
-namespace stilt::hal::protocol {
+namespace stilt::hal::odrive {
 namespace {
 
 constexpr std::uint8_t kOpcodeRead = 0x00;
@@ -381,4 +381,4 @@ DecodeStatus decode_input_position(std::uint8_t node, const CanFrame& frame,
   return status;
 }
 
-}  // namespace stilt::hal::protocol
+}  // namespace stilt::hal::odrive

@@ -14,7 +14,7 @@
 /// off by default. Facts: docs.odriverobotics.com/v/latest/manual/can-protocol.html;
 /// github.com/odriverobotics/ODrive, tools/odrive-cansimple.dbc; github.com/odriverobotics/ODriveResources,
 /// examples/can_param_access.py. Real-time safe, without state.
-namespace stilt::hal::protocol {
+namespace stilt::hal::odrive {
 
 enum class OdriveCommand : std::uint8_t {
   version = 0x00,
@@ -35,6 +35,17 @@ enum class OdriveCommand : std::uint8_t {
 };
 
 inline constexpr std::uint8_t kOdriveMaximumNode = 0x3f;
+
+/// Numbers of the parameters, from flat_endpoints.json of the firmware's release; 0: unknown.
+struct OdriveEndpoints {
+  std::uint16_t watchdog_timeout = 0;  ///< axis0.config.watchdog_timeout, float, s
+  std::uint16_t enable_watchdog = 0;   ///< axis0.config.enable_watchdog, bool
+};
+
+struct OdriveDriver {
+  std::uint8_t node = 1;
+  OdriveEndpoints endpoints;
+};
 
 enum class OdriveState : std::uint8_t { undefined = 0, idle = 1, closed_loop = 8 };  ///< others exist
 enum class OdriveControlMode : std::uint8_t { torque = 1, velocity = 2, position = 3 };
@@ -98,6 +109,10 @@ struct OdriveParameter {
 /// Most serious of the error bits. None for 0.
 [[nodiscard]] DriverFault odrive_fault(std::uint32_t errors) noexcept;
 
+[[nodiscard]] constexpr bool valid(const OdriveDriver& driver) noexcept {
+  return driver.node <= kOdriveMaximumNode;
+}
+
 // To the driver. invalid: node above 63.
 [[nodiscard]] EncodeStatus encode_request(std::uint8_t node, OdriveCommand what, CanFrame& frame) noexcept;
 [[nodiscard]] EncodeStatus encode_set_state(std::uint8_t node, std::uint32_t state, CanFrame& frame) noexcept;
@@ -160,4 +175,4 @@ struct OdriveInputPosition {
 [[nodiscard]] DecodeStatus decode_parameter_request(std::uint8_t node, const CanFrame& frame,
                                                     OdriveParameter& parameter) noexcept;
 
-}  // namespace stilt::hal::protocol
+}  // namespace stilt::hal::odrive

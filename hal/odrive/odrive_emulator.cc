@@ -2,12 +2,8 @@
 
 #include <bit>
 
-namespace stilt::hal::mock {
+namespace stilt::hal::odrive {
 namespace {
-
-using protocol::DecodeStatus;
-using protocol::OdriveCommand;
-using protocol::OdriveState;
 
 constexpr std::uint32_t kWatchdogExpired = 0x01000000;
 
@@ -39,9 +35,8 @@ std::uint32_t bit_of(DriverFault fault) noexcept {
 template <class Message>
 void push(std::uint8_t node, const Message& message, FrameSink& replies) noexcept {
   CanFrame frame;
-  const protocol::EncodeStatus status = encode(node, message, frame);
-  if (status == protocol::EncodeStatus::ok || status == protocol::EncodeStatus::saturated)
-    replies.push(frame);
+  const EncodeStatus status = encode(node, message, frame);
+  if (status == EncodeStatus::ok || status == EncodeStatus::saturated) replies.push(frame);
 }
 
 }  // namespace
@@ -71,32 +66,32 @@ void OdriveEmulator::answer_request(OdriveCommand what, FrameSink& replies) cons
       push(node_, version_, replies);
       break;
     case OdriveCommand::heartbeat:
-      push(node_, protocol::OdriveHeartbeat{errors_, static_cast<std::uint8_t>(state_), 0, false}, replies);
+      push(node_, OdriveHeartbeat{errors_, static_cast<std::uint8_t>(state_), 0, false}, replies);
       break;
     case OdriveCommand::errors:
-      push(node_, protocol::OdriveErrors{errors_, errors_}, replies);
+      push(node_, OdriveErrors{errors_, errors_}, replies);
       break;
     case OdriveCommand::encoder_estimates:
-      push(node_, protocol::OdriveEstimates{sensed().position_rad, sensed().velocity_rad_s}, replies);
+      push(node_, OdriveEstimates{sensed().position_rad, sensed().velocity_rad_s}, replies);
       break;
     case OdriveCommand::torques:
-      push(node_, protocol::OdriveTorques{torque_Nm_, torque_Nm()}, replies);
+      push(node_, OdriveTorques{torque_Nm_, torque_Nm()}, replies);
       break;
     case OdriveCommand::temperature:
-      push(node_, protocol::OdriveTemperatures{motor.temperature_C, motor.temperature_C}, replies);
+      push(node_, OdriveTemperatures{motor.temperature_C, motor.temperature_C}, replies);
       break;
     case OdriveCommand::supply:
-      push(node_, protocol::OdriveSupply{motor.supply_V, 0}, replies);
+      push(node_, OdriveSupply{motor.supply_V, 0}, replies);
       break;
     default:
       break;
   }
 }
 
-void OdriveEmulator::take_parameter(const protocol::OdriveParameter& request, FrameSink& replies) noexcept {
+void OdriveEmulator::take_parameter(const OdriveParameter& request, FrameSink& replies) noexcept {
   const bool timeout = request.endpoint == endpoints_.watchdog_timeout;
   const bool enable = request.endpoint == endpoints_.enable_watchdog;
-  protocol::OdriveParameter answer{false, request.endpoint, 0, 0};
+  OdriveParameter answer{false, request.endpoint, 0, 0};
   if (request.write) {
     if (timeout) watchdog_s_ = std::bit_cast<float>(request.bits);
     if (enable) watchdog_enabled_ = request.bits != 0;
@@ -108,28 +103,27 @@ void OdriveEmulator::take_parameter(const protocol::OdriveParameter& request, Fr
     answer.value_bytes = 1;
   }
   CanFrame frame;
-  if (protocol::encode_parameter_answer(node_, answer, frame) == protocol::EncodeStatus::ok)
-    replies.push(frame);
+  if (encode_parameter_answer(node_, answer, frame) == EncodeStatus::ok) replies.push(frame);
 }
 
 void OdriveEmulator::take_command(std::int64_t now_ns, OdriveCommand command, const CanFrame& frame,
                                   FrameSink& replies) noexcept {
-  protocol::OdriveParameter parameter;
+  OdriveParameter parameter;
   switch (command) {
     case OdriveCommand::parameter_request:
-      if (protocol::decode_parameter_request(node_, frame, parameter) == DecodeStatus::ok) {
+      if (decode_parameter_request(node_, frame, parameter) == DecodeStatus::ok) {
         take_parameter(parameter, replies);
       }
       break;
     case OdriveCommand::set_state:
-      if (protocol::decode_set_state(node_, frame, state_) == DecodeStatus::ok) {
+      if (decode_set_state(node_, frame, state_) == DecodeStatus::ok) {
         if (errors_ != 0) state_ = static_cast<std::uint32_t>(OdriveState::idle);
         torque_Nm_ = 0;
         fed_ns_ = now_ns;
       }
       break;
     case OdriveCommand::set_input_torque:
-      if (protocol::decode_input_torque(node_, frame, torque_Nm_) == DecodeStatus::ok) fed_ns_ = now_ns;
+      if (decode_input_torque(node_, frame, torque_Nm_) == DecodeStatus::ok) fed_ns_ = now_ns;
       break;
     case OdriveCommand::clear_errors:
       errors_ = 0;
@@ -145,7 +139,7 @@ void OdriveEmulator::take_command(std::int64_t now_ns, OdriveCommand command, co
 
 void OdriveEmulator::take(std::int64_t now_ns, const CanFrame& frame, FrameSink& replies) noexcept {
   OdriveCommand command{};
-  if (!powered() || protocol::decode_command(node_, frame, command) != DecodeStatus::ok) return;
+  if (!powered() || decode_command(node_, frame, command) != DecodeStatus::ok) return;
   if (frame.remote) {
     answer_request(command, replies);
   } else {
@@ -167,4 +161,4 @@ void OdriveEmulator::elapse(std::int64_t now_ns, FrameSink& replies) noexcept {
   }
 }
 
-}  // namespace stilt::hal::mock
+}  // namespace stilt::hal::odrive

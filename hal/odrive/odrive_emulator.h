@@ -1,18 +1,17 @@
 #pragma once
 
 #include "hal/driver/emulated_driver.h"
-#include "hal/odrive/odrive_bring_up.h"
 #include "hal/odrive/odrive_cansimple.h"
 
-namespace stilt::hal::mock {
+namespace stilt::hal::odrive {
 
 /// ODrive with torque control: heartbeat and estimates on a timer, parameters for the watchdog, which is off
 /// at first and disarms the axis when it expires.
 class OdriveEmulator final : public EmulatedDriver {
  public:
-  OdriveEmulator(std::uint8_t node, const bring_up::OdriveEndpoints& endpoints,
-                 const protocol::OdriveVersion& version = {2, 4, 4, 58, 0, 6, 11, 0}) noexcept
-      : node_(node), endpoints_(endpoints), version_(version) {}
+  explicit OdriveEmulator(const OdriveDriver& driver,
+                          const OdriveVersion& version = {2, 4, 4, 58, 0, 6, 11, 0}) noexcept
+      : node_(driver.node), endpoints_(driver.endpoints), version_(version) {}
 
   void take(std::int64_t now_ns, const CanFrame& frame, FrameSink& replies) noexcept override;
   void elapse(std::int64_t now_ns, FrameSink& replies) noexcept override;
@@ -27,16 +26,16 @@ class OdriveEmulator final : public EmulatedDriver {
 
  private:
   void disarm(std::uint32_t error) noexcept;
-  void answer_request(protocol::OdriveCommand what, FrameSink& replies) const noexcept;
-  void take_parameter(const protocol::OdriveParameter& request, FrameSink& replies) noexcept;
-  void take_command(std::int64_t now_ns, protocol::OdriveCommand command, const CanFrame& frame,
+  void answer_request(OdriveCommand what, FrameSink& replies) const noexcept;
+  void take_parameter(const OdriveParameter& request, FrameSink& replies) noexcept;
+  void take_command(std::int64_t now_ns, OdriveCommand command, const CanFrame& frame,
                     FrameSink& replies) noexcept;
 
   std::uint8_t node_;
-  bring_up::OdriveEndpoints endpoints_;
-  protocol::OdriveVersion version_;
+  OdriveEndpoints endpoints_;
+  OdriveVersion version_;
   std::uint32_t errors_ = 0;
-  std::uint32_t state_ = static_cast<std::uint32_t>(protocol::OdriveState::idle);
+  std::uint32_t state_ = static_cast<std::uint32_t>(OdriveState::idle);
   double torque_Nm_ = 0;
   float watchdog_s_ = 0;
   bool watchdog_enabled_ = false;
@@ -45,4 +44,8 @@ class OdriveEmulator final : public EmulatedDriver {
   std::int64_t next_heartbeat_ns_ = 0;
 };
 
-}  // namespace stilt::hal::mock
+[[nodiscard]] inline OdriveEmulator make_emulator(const OdriveDriver& driver) noexcept {
+  return OdriveEmulator(driver);
+}
+
+}  // namespace stilt::hal::odrive

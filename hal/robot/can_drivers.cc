@@ -1,50 +1,42 @@
 #include "hal/robot/can_drivers.h"
 
-namespace stilt::hardware {
+#include <optional>
 
-using hal::bring_up::Stage;
+namespace stilt::hal {
 
-CanDrivers::AnyBringUp CanDrivers::make(const hal::JointWiring& wiring,
-                                        const DriverDemands& demands) noexcept {
-  if (const auto* mit = std::get_if<hal::protocol::MitDriver>(&wiring.driver)) {
-    return hal::bring_up::MitBringUp(*mit, demands.options);
-  }
-  if (const auto* moteus = std::get_if<hal::protocol::MoteusDriver>(&wiring.driver)) {
-    return hal::bring_up::MoteusBringUp(*moteus, demands.options);
-  }
-  const auto* odrive = std::get_if<hal::OdriveNode>(&wiring.driver);
-  return hal::bring_up::OdriveBringUp(odrive->node, demands.endpoints, demands.options);
+using bring_up::Stage;
+
+namespace {
+
+JointBringUp make(const JointDriver& driver, const bring_up::Options& options) noexcept {
+  return visit_driver(driver, [&](const auto& any) -> JointBringUp { return make_bring_up(any, options); });
 }
 
-CanDrivers::CanDrivers(const hal::RobotWiring& wiring, const DemandsOfJoints& demands, std::span<TapBus> taps,
-                       hal::CanRobot& robot) noexcept
+}  // namespace
+
+CanDrivers::CanDrivers(const RobotWiring& wiring, const BringUpOptions& options, std::span<TapBus> taps,
+                       CanRobot& robot) noexcept
     : wiring_(wiring),
       taps_(taps),
       robot_(robot),
-      bring_up_{make(wiring.joints[0], demands[0]), make(wiring.joints[1], demands[1]),
-                make(wiring.joints[2], demands[2]), make(wiring.joints[3], demands[3])} {}
+      bring_up_{make(wiring.joints[0].driver, options[0]), make(wiring.joints[1].driver, options[1]),
+                make(wiring.joints[2].driver, options[2]), make(wiring.joints[3].driver, options[3])} {}
 
-hal::bring_up::BringUp& CanDrivers::of(std::size_t joint) noexcept {
-  AnyBringUp& any = bring_up_[joint];
-  if (auto* mit = std::get_if<hal::bring_up::MitBringUp>(&any)) return *mit;
-  if (auto* moteus = std::get_if<hal::bring_up::MoteusBringUp>(&any)) return *moteus;
-  return *std::get_if<hal::bring_up::OdriveBringUp>(&any);
+bring_up::BringUp& CanDrivers::of(std::size_t joint) noexcept {
+  return visit_driver(bring_up_[joint], [](auto& any) -> bring_up::BringUp& { return any; });
 }
 
 void CanDrivers::begin() noexcept {
-  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) of(joint).restart();
+  for (std::size_t joint = 0; joint < kJoints; ++joint) of(joint).restart();
   for (TapBus& tap : taps_) tap.forget();
   beginning_ = true;
 }
 
-/// A Damiao keeps the expiry of its watchdog until it is told otherwise; the others clear faults when
-/// stopped.
 void CanDrivers::clear_latched_faults() noexcept {
-  for (const hal::JointWiring& joint : wiring_.joints) {
-    const auto* mit = std::get_if<hal::protocol::MitDriver>(&joint.driver);
-    if (mit == nullptr || mit->layout != hal::protocol::ReplyLayout::damiao) continue;
-    const hal::CanFrame frame = special_frame(*mit, hal::protocol::MitSpecial::clear_error);
-    static_cast<void>(taps_[joint.bus].send(std::span(&frame, 1)));
+  for (const JointWiring& joint : wiring_.joints) {
+    const std::optional<CanFrame> frame =
+        visit_driver(joint.driver, [](const auto& driver) { return fault_reset_frame(driver); });
+    if (frame) static_cast<void>(taps_[joint.bus].send(std::span(&*frame, 1)));
   }
 }
 
@@ -56,9 +48,9 @@ bool CanDrivers::must_wait(std::size_t joint) noexcept {
   return false;
 }
 
-void CanDrivers::step_joint(std::int64_t now_ns, std::size_t joint, hal::BringUpProgress& progress) noexcept {
+void CanDrivers::step_joint(std::int64_t now_ns, std::size_t joint, BringUpProgress& progress) noexcept {
   TapBus& tap = taps_[wiring_.joints[joint].bus];
-  const hal::bring_up::StepResult result = of(joint).step(now_ns, tap.kept());
+  const bring_up::StepResult result = of(joint).step(now_ns, tap.kept());
   if (result.send) static_cast<void>(tap.send(std::span(&result.frame, 1)));
   if (result.stage == Stage::ready) {
     robot_.set_turn_offset(joint, result.turn_offset_rad);
@@ -73,8 +65,8 @@ void CanDrivers::step_joint(std::int64_t now_ns, std::size_t joint, hal::BringUp
   progress.fault = result.driver_fault;
 }
 
-hal::BringUpProgress CanDrivers::step(std::int64_t now_ns) noexcept {
-  hal::BringUpProgress progress;
+BringUpProgress CanDrivers::step(std::int64_t now_ns) noexcept {
+  BringUpProgress progress;
   progress.stage = Stage::ready;
   progress.ready = true;
   if (beginning_) {
@@ -83,7 +75,7 @@ hal::BringUpProgress CanDrivers::step(std::int64_t now_ns) noexcept {
     progress.ready = false;
     progress.stage = Stage::identify;
   } else {
-    for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    for (std::size_t joint = 0; joint < kJoints; ++joint) {
       if (!must_wait(joint)) step_joint(now_ns, joint, progress);
     }
   }
@@ -91,4 +83,4 @@ hal::BringUpProgress CanDrivers::step(std::int64_t now_ns) noexcept {
   return progress;
 }
 
-}  // namespace stilt::hardware
+}  // namespace stilt::hal

@@ -42,26 +42,15 @@ class CanRobot final {
  private:
   void count_missed_base() noexcept;
   [[nodiscard]] std::uint32_t base_period_reads() const noexcept;
-  void take(std::int64_t now_ns, std::size_t bus, const CanFrame& frame) noexcept;
-  [[nodiscard]] protocol::DecodeStatus take_joint(std::int64_t now_ns, std::size_t joint,
-                                                  const CanFrame& frame) noexcept;
-  [[nodiscard]] protocol::DecodeStatus take_mit(std::int64_t now_ns, std::size_t joint,
-                                                const protocol::MitDriver& driver,
-                                                const CanFrame& frame) noexcept;
-  [[nodiscard]] protocol::DecodeStatus take_moteus(std::int64_t now_ns, std::size_t joint,
-                                                   const protocol::MoteusDriver& driver,
-                                                   const CanFrame& frame) noexcept;
-  [[nodiscard]] protocol::DecodeStatus take_odrive(std::int64_t now_ns, std::size_t joint, std::uint8_t node,
-                                                   const CanFrame& frame) noexcept;
+  void receive(std::int64_t now_ns, std::size_t bus, const CanFrame& frame) noexcept;
+  [[nodiscard]] DecodeStatus take_joint(std::int64_t now_ns, std::size_t joint,
+                                        const CanFrame& frame) noexcept;
   void take_channels(std::int64_t now_ns, const CanFrame& frame) noexcept;
-  void set_motion(std::int64_t now_ns, std::size_t joint, double shaft_position_rad,
-                  double shaft_velocity_rad_s, double shaft_torque_Nm) noexcept;
+  void set_motion(std::int64_t now_ns, std::size_t joint) noexcept;
   void set_pitch(std::int64_t now_ns, double pitch_rad) noexcept;
 
   [[nodiscard]] bool blind(std::size_t joint) const noexcept;
-  [[nodiscard]] protocol::EncodeStatus encode(std::size_t joint, const JointCommand& command,
-                                              CanFrame& frame) const noexcept;
-  [[nodiscard]] protocol::EncodeStatus encode_disable(std::size_t joint, CanFrame& frame) const noexcept;
+  [[nodiscard]] DriverCommand at_shaft(std::size_t joint, const JointCommand& command) const noexcept;
   [[nodiscard]] JointBusStatus send(const std::array<CanFrame, kJoints>& frames) noexcept;
   void ask_drivers() noexcept;
   [[nodiscard]] JointBusStatus bus_status() const noexcept;
@@ -70,6 +59,7 @@ class CanRobot final {
   std::array<FrameBus*, kMaximumBuses> buses_{};
   std::size_t bus_count_ = 0;
   std::array<double, kJoints> turn_offset_rad_{};
+  std::array<DriverReading, kJoints> shafts_;
   JointReadings readings_;
   std::array<bool, kJoints> fresh_{};
   BaseReading base_;

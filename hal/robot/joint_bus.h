@@ -5,18 +5,11 @@
 #include <cstdint>
 #include <limits>
 
-#include "hal/driver/driver_fault.h"
+#include "hal/driver/driver_reading.h"
 
 namespace stilt::hal {
 
 inline constexpr std::size_t kJoints = 4;  ///< hip_L, knee_L, hip_R, knee_R
-
-enum class DriverState : std::uint8_t {
-  unknown,  ///< has not answered yet, or does not say
-  idle,     ///< powered, no torque
-  enabled,  ///< follows commands
-  fault,    ///< see JointReading::fault
-};
 
 /// What is known of one joint. Rotations about +y of the world as everywhere (positive swings the lower link
 /// to -x).

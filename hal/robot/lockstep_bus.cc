@@ -6,49 +6,48 @@
 
 #include "hal/can/lockstep.h"
 
-namespace stilt::hardware {
+namespace stilt::hal {
 
-hal::SendResult LockstepBus::send_sync(std::uint64_t tick) noexcept {
-  const hal::CanFrame frame = hal::protocol::sync_frame(hal::protocol::kControllerSyncId, tick);
+SendResult LockstepBus::send_sync(std::uint64_t tick) noexcept {
+  const CanFrame frame = sync_frame(kControllerSyncId, tick);
   return inner_->send(std::span(&frame, 1));
 }
 
 bool LockstepBus::listen() noexcept {
   if (first_ == last_) first_ = last_ = 0;
-  std::array<hal::CanFrame, hal::kMaximumBatch> batch;
+  std::array<CanFrame, kMaximumBatch> batch;
   while (true) {
-    const hal::ReceiveResult result = inner_->receive(batch);
-    for (const hal::CanFrame& frame : std::span(batch).first(result.received)) {
+    const ReceiveResult result = inner_->receive(batch);
+    for (const CanFrame& frame : std::span(batch).first(result.received)) {
       std::uint64_t tick = 0;
-      if (hal::protocol::decode_sync(hal::protocol::kRobotSyncId, frame, tick) ==
-          hal::protocol::DecodeStatus::ok) {
+      if (decode_sync(kRobotSyncId, frame, tick) == DecodeStatus::ok) {
         robot_tick_ = static_cast<std::int64_t>(tick);
       } else if (last_ < kKept) {
         kept_[last_++] = frame;
       }
     }
-    if (result.status == hal::BusStatus::disconnected) return false;
-    if (result.status != hal::BusStatus::more) return true;
+    if (result.status == BusStatus::disconnected) return false;
+    if (result.status != BusStatus::more) return true;
   }
 }
 
-hal::ReceiveResult LockstepBus::receive(std::span<hal::CanFrame> frames) noexcept {
-  hal::ReceiveResult result;
+ReceiveResult LockstepBus::receive(std::span<CanFrame> frames) noexcept {
+  ReceiveResult result;
   const bool connected = listen();
   result.received = std::min(frames.size(), last_ - first_);
   std::copy_n(kept_.begin() + static_cast<std::ptrdiff_t>(first_), result.received, frames.begin());
   first_ += result.received;
   if (!connected) {
-    result.status = hal::BusStatus::disconnected;
+    result.status = BusStatus::disconnected;
   } else if (first_ < last_) {
-    result.status = hal::BusStatus::more;
+    result.status = BusStatus::more;
   }
   return result;
 }
 
 bool LockstepClock::take_turns(std::uint64_t tick) noexcept {
   constexpr std::int64_t kPause_ns = 20'000;
-  hal::MonotonicClock clock;
+  MonotonicClock clock;
   const std::int64_t give_up_ns = clock.now_ns() + std::llround(1e9 * patience_s_);
   for (LockstepBus& bus : buses_) {
     if (bus.send_sync(tick).sent != 1) return false;
@@ -79,4 +78,4 @@ std::int64_t LockstepClock::sleep_until(std::int64_t time_ns) noexcept {
   return now_ns();
 }
 
-}  // namespace stilt::hardware
+}  // namespace stilt::hal

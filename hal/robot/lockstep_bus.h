@@ -8,43 +8,43 @@
 #include "hal/can/frame_bus.h"
 #include "hal/robot/clock.h"
 
-namespace stilt::hardware {
+namespace stilt::hal {
 
 /// A bus on which controller and simulated robot take turns (hal/can/lockstep.h): takes the robot's sync
 /// frames out of what is received, and sends ours.
-class LockstepBus final : public hal::FrameBus {
+class LockstepBus final : public FrameBus {
  public:
   /// @param inner  outlives this object
-  void attach(hal::FrameBus& inner) noexcept { inner_ = &inner; }
+  void attach(FrameBus& inner) noexcept { inner_ = &inner; }
 
   /// "All my frames of this tick are sent".
-  [[nodiscard]] hal::SendResult send_sync(std::uint64_t tick) noexcept;
+  [[nodiscard]] SendResult send_sync(std::uint64_t tick) noexcept;
   /// Newest tick the robot has finished; -1: none yet.
   [[nodiscard]] std::int64_t robot_tick() const noexcept { return robot_tick_; }
   /// Looks for the robot's sync without giving frames away: they come with the next receive(). False: the bus
   /// is gone.
   [[nodiscard]] bool listen() noexcept;
 
-  [[nodiscard]] hal::SendResult send(std::span<const hal::CanFrame> frames) noexcept override {
+  [[nodiscard]] SendResult send(std::span<const CanFrame> frames) noexcept override {
     return inner_->send(frames);
   }
-  [[nodiscard]] hal::ReceiveResult receive(std::span<hal::CanFrame> frames) noexcept override;
-  [[nodiscard]] hal::BusHealth health() const noexcept override { return inner_->health(); }
+  [[nodiscard]] ReceiveResult receive(std::span<CanFrame> frames) noexcept override;
+  [[nodiscard]] BusHealth health() const noexcept override { return inner_->health(); }
   void clear_bus_off() noexcept override { inner_->clear_bus_off(); }
-  [[nodiscard]] const hal::BusCounters& counters() const noexcept override { return inner_->counters(); }
+  [[nodiscard]] const BusCounters& counters() const noexcept override { return inner_->counters(); }
 
  private:
   static constexpr std::size_t kKept = 256;
 
-  hal::FrameBus* inner_ = nullptr;
+  FrameBus* inner_ = nullptr;
   std::int64_t robot_tick_ = -1;
-  std::array<hal::CanFrame, kKept> kept_{};
+  std::array<CanFrame, kKept> kept_{};
   std::size_t first_ = 0;
   std::size_t last_ = 0;
 };
 
 /// Virtual time: a tick is a millisecond of the robot, however long it takes.
-class LockstepClock final : public hal::Clock {
+class LockstepClock final : public Clock {
  public:
   /// @param buses       of the robot, outlive this object
   /// @param tick_ns     duration of a tick
@@ -74,4 +74,4 @@ class LockstepClock final : public hal::Clock {
   bool lost_ = false;
 };
 
-}  // namespace stilt::hardware
+}  // namespace stilt::hal

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 
-namespace stilt::hardware {
+namespace stilt::hal {
 namespace {
 
-using BusPointers = std::array<hal::FrameBus*, hal::kMaximumBuses>;
+using BusPointers = std::array<FrameBus*, kMaximumBuses>;
 
 /// Puts the taps before the buses.
-BusPointers tapped(std::span<TapBus> taps, std::span<hal::FrameBus* const> buses) noexcept {
+BusPointers tapped(std::span<TapBus> taps, std::span<FrameBus* const> buses) noexcept {
   BusPointers pointers{};
   for (std::size_t bus = 0; bus < buses.size(); ++bus) {
     taps[bus].attach(*buses[bus]);
@@ -19,24 +19,24 @@ BusPointers tapped(std::span<TapBus> taps, std::span<hal::FrameBus* const> buses
 
 }  // namespace
 
-RobotHardware::RobotHardware(const hal::RobotWiring& wiring, const DemandsOfJoints& demands,
-                             std::span<hal::FrameBus* const> buses) noexcept
-    : bus_count_(std::min(buses.size(), hal::kMaximumBuses)),
+RobotHardware::RobotHardware(const RobotWiring& wiring, const BringUpOptions& options,
+                             std::span<FrameBus* const> buses) noexcept
+    : bus_count_(std::min(buses.size(), kMaximumBuses)),
       tap_pointers_(tapped(taps_, buses.first(bus_count_))),
       robot_(wiring, std::span(tap_pointers_).first(bus_count_)),
-      drivers_(wiring, demands, std::span(taps_).first(bus_count_), robot_) {}
+      drivers_(wiring, options, std::span(taps_).first(bus_count_), robot_) {}
 
 std::uint64_t RobotHardware::errors() const noexcept {
   std::uint64_t count = 0;
   for (const TapBus& tap : std::span(taps_).first(bus_count_)) {
-    const hal::BusCounters& counters = tap.counters();
+    const BusCounters& counters = tap.counters();
     count += counters.dropped_full + counters.withheld + counters.dropped_received + counters.malformed +
              counters.error_frames;
   }
   return count;
 }
 
-void RobotHardware::read(std::int64_t now_ns, hal::RobotReadings& readings) noexcept {
+void RobotHardware::read(std::int64_t now_ns, RobotReadings& readings) noexcept {
   readings.status = robot_.read(now_ns, readings.joints);
   static_cast<void>(robot_.read_base(readings.base));  // its age is in the reading
   readings.emergency_stop = robot_.read_emergency_stop(now_ns);
@@ -50,4 +50,4 @@ void RobotHardware::restore_buses() noexcept {
   }
 }
 
-}  // namespace stilt::hardware
+}  // namespace stilt::hal

@@ -10,25 +10,25 @@
 #include "hal/robot/robot.h"
 #include "hal/robot/tap_bus.h"
 
-namespace stilt::hardware {
+namespace stilt::hal {
 
 /// The robot behind its buses, whatever carries them: joints, sensors of the torso, emergency stop, bring-up
 /// of the drivers. Fixed memory, does not move.
-class RobotHardware final : public hal::Robot {
+class RobotHardware final : public Robot {
  public:
   /// @param buses  in the order of their numbers in the wiring, outlive this object
-  RobotHardware(const hal::RobotWiring& wiring, const DemandsOfJoints& demands,
-                std::span<hal::FrameBus* const> buses) noexcept;
+  RobotHardware(const RobotWiring& wiring, const BringUpOptions& options,
+                std::span<FrameBus* const> buses) noexcept;
   RobotHardware(const RobotHardware&) = delete;
   RobotHardware& operator=(const RobotHardware&) = delete;
 
-  void read(std::int64_t now_ns, hal::RobotReadings& readings) noexcept override;
-  [[nodiscard]] hal::JointBusStatus write(const hal::JointCommands& commands) noexcept override {
+  void read(std::int64_t now_ns, RobotReadings& readings) noexcept override;
+  [[nodiscard]] JointBusStatus write(const JointCommands& commands) noexcept override {
     return robot_.write(commands);
   }
-  [[nodiscard]] hal::JointBusStatus disable() noexcept override { return robot_.disable(); }
+  [[nodiscard]] JointBusStatus disable() noexcept override { return robot_.disable(); }
   void begin_bring_up() noexcept override { drivers_.begin(); }
-  [[nodiscard]] hal::BringUpProgress bring_up(std::int64_t now_ns) noexcept override {
+  [[nodiscard]] BringUpProgress bring_up(std::int64_t now_ns) noexcept override {
     return drivers_.step(now_ns);
   }
   void restore_buses() noexcept override;
@@ -54,10 +54,10 @@ class RobotHardware final : public hal::Robot {
 
  private:
   std::size_t bus_count_;
-  std::array<TapBus, hal::kMaximumBuses> taps_;
-  std::array<hal::FrameBus*, hal::kMaximumBuses> tap_pointers_;
-  hal::CanRobot robot_;
+  std::array<TapBus, kMaximumBuses> taps_;
+  std::array<FrameBus*, kMaximumBuses> tap_pointers_;
+  CanRobot robot_;
   CanDrivers drivers_;
 };
 
-}  // namespace stilt::hardware
+}  // namespace stilt::hal

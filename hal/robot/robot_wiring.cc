@@ -8,23 +8,22 @@ namespace stilt::hal {
 namespace {
 
 bool valid_driver(const JointWiring& joint) noexcept {
-  if (const auto* mit = std::get_if<protocol::MitDriver>(&joint.driver)) return protocol::valid(*mit);
-  if (const auto* moteus = std::get_if<protocol::MoteusDriver>(&joint.driver))
-    return protocol::valid(*moteus);
-  const auto* odrive = std::get_if<OdriveNode>(&joint.driver);
-  return odrive != nullptr && odrive->node <= protocol::kOdriveMaximumNode;
+  return visit_driver(joint.driver, [](const auto& driver) { return valid(driver); });
 }
 
-/// Kind of protocol and identifier a driver listens to: equal means the same driver.
-std::uint32_t address(const JointWiring& joint) noexcept {
-  const auto kind = static_cast<std::uint32_t>(joint.driver.index()) << 16;
-  if (const auto* mit = std::get_if<protocol::MitDriver>(&joint.driver)) return kind | mit->command_id;
-  if (const auto* moteus = std::get_if<protocol::MoteusDriver>(&joint.driver)) return kind | moteus->id;
-  const auto* odrive = std::get_if<OdriveNode>(&joint.driver);
-  return kind | (odrive != nullptr ? odrive->node : 0u);
+/// Equal means the same driver.
+bool same_driver(const JointWiring& a, const JointWiring& b) noexcept {
+  const auto address_of = [](const JointWiring& joint) {
+    return visit_driver(joint.driver, [](const auto& driver) { return address(driver); });
+  };
+  return a.bus == b.bus && a.driver.index() == b.driver.index() && address_of(a) == address_of(b);
 }
 
 }  // namespace
+
+int extra_encoder_of(const JointWiring& joint) noexcept {
+  return visit_driver(joint.driver, [](const auto& driver) { return extra_encoder(driver); });
+}
 
 bool valid(const RobotWiring& wiring, std::size_t bus_count) noexcept {
   if (bus_count == 0 || bus_count > kMaximumBuses || wiring.channel_count > kMaximumChannels ||
@@ -38,18 +37,16 @@ bool valid(const RobotWiring& wiring, std::size_t bus_count) noexcept {
       return false;
     }
     for (std::size_t j = 0; j < i; ++j) {
-      if (wiring.joints[j].bus == joint.bus && address(wiring.joints[j]) == address(joint)) return false;
+      if (same_driver(wiring.joints[j], joint)) return false;
     }
   }
   if (wiring.pitch_encoder_joint >= 0) {
-    const auto* moteus = std::get_if<protocol::MoteusDriver>(
-        &wiring.joints[static_cast<std::size_t>(wiring.pitch_encoder_joint)].driver);
-    if (moteus == nullptr || moteus->extra_encoder < 0) return false;
+    const JointWiring& joint = wiring.joints[static_cast<std::size_t>(wiring.pitch_encoder_joint)];
+    if (extra_encoder_of(joint) < 0) return false;
   }
   const auto rows = std::span(wiring.channels).first(wiring.channel_count);
   return std::abs(wiring.pitch_direction) == 1 && std::isfinite(wiring.pitch_offset_rad) &&
-         std::all_of(rows.begin(), rows.end(),
-                     [](const protocol::ChannelRow& row) { return protocol::valid(row); });
+         std::all_of(rows.begin(), rows.end(), [](const ChannelRow& row) { return valid(row); });
 }
 
 }  // namespace stilt::hal

@@ -1,35 +1,33 @@
 #include "hal/robot/round_trip.h"
 
 #include <algorithm>
+#include <optional>
 
-namespace stilt::hardware {
+namespace stilt::hal {
 namespace {
 
 constexpr std::int64_t kPause_ns = 10'000;
 
 }  // namespace
 
-std::array<ReplyFrame, hal::kJoints> reply_frames(const hal::RobotWiring& wiring) noexcept {
-  std::array<ReplyFrame, hal::kJoints> replies;
-  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
-    const hal::JointWiring& wired = wiring.joints[joint];
-    if (const auto* mit = std::get_if<hal::protocol::MitDriver>(&wired.driver)) {
-      replies[joint] = {true, wired.bus, mit->reply_id, false};
-    } else if (const auto* moteus = std::get_if<hal::protocol::MoteusDriver>(&wired.driver)) {
-      const std::uint32_t id = static_cast<std::uint32_t>(moteus->id) << 8 | moteus->source;
-      replies[joint] = {true, wired.bus, id, id > hal::kMaximumStandardId};
-    }
+std::array<ReplyFrame, kJoints> reply_frames(const RobotWiring& wiring) noexcept {
+  std::array<ReplyFrame, kJoints> replies;
+  for (std::size_t joint = 0; joint < kJoints; ++joint) {
+    const JointWiring& wired = wiring.joints[joint];
+    const std::optional<FrameId> reply =
+        visit_driver(wired.driver, [](const auto& driver) { return reply_id(driver); });
+    if (reply) replies[joint] = {true, wired.bus, reply->id, reply->extended};
   }
   return replies;
 }
 
-RoundTrip::RoundTrip(const hal::RobotWiring& wiring, std::span<TapBus> taps) noexcept
+RoundTrip::RoundTrip(const RobotWiring& wiring, std::span<TapBus> taps) noexcept
     : taps_(taps), replies_(reply_frames(wiring)) {}
 
 bool RoundTrip::all_replied() noexcept {
   bool all = true;
   for (std::size_t bus = 0; bus < taps_.size(); ++bus) {
-    const std::span<const hal::CanFrame> frames = taps_[bus].listen();
+    const std::span<const CanFrame> frames = taps_[bus].listen();
     for (const ReplyFrame& reply : replies_) {
       if (!reply.exists || reply.bus != bus) continue;
       all = all && std::ranges::any_of(frames, [&reply](const auto& frame) { return reply.is(frame); });
@@ -38,7 +36,7 @@ bool RoundTrip::all_replied() noexcept {
   return all;
 }
 
-std::int64_t RoundTrip::measure(hal::Clock& clock, std::int64_t sent_ns, std::int64_t give_up_ns) noexcept {
+std::int64_t RoundTrip::measure(Clock& clock, std::int64_t sent_ns, std::int64_t give_up_ns) noexcept {
   if (std::ranges::none_of(replies_, &ReplyFrame::exists)) return -1;
   while (true) {
     const bool done = all_replied();
@@ -49,4 +47,4 @@ std::int64_t RoundTrip::measure(hal::Clock& clock, std::int64_t sent_ns, std::in
   }
 }
 
-}  // namespace stilt::hardware
+}  // namespace stilt::hal

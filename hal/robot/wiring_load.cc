@@ -7,86 +7,73 @@
 namespace stilt::hal {
 namespace {
 
-constexpr double kOdriveHeartbeat_hz = 10;
-constexpr double kOdriveQuestions = 0.02;  // a tick: supply and temperatures (CanRobot)
-
-void add(PeriodicFrames& list, const PeriodicFrame& frame) noexcept {
-  if (list.count < list.frames.size()) list.frames[list.count++] = frame;
-}
-
-void add_mit(PeriodicFrames& list, const protocol::MitDriver& driver, double tick_hz) noexcept {
-  add(list, {.length = 8, .rate_hz = tick_hz});
-  const std::uint8_t reply =
-      driver.layout == protocol::ReplyLayout::mini_cheetah ? 7 : 8;  // with supply voltage
-  add(list, {.length = reply, .rate_hz = tick_hz});
-}
-
-/// Command of 32 bytes with an extended identifier; the reply's is standard for drivers up to 7.
-void add_moteus(PeriodicFrames& list, const protocol::MoteusDriver& driver, double tick_hz) noexcept {
-  const std::uint8_t reply = driver.extra_encoder >= 0 ? 32 : 20;
-  const std::uint32_t reply_id = static_cast<std::uint32_t>(driver.id) << 8 | driver.source;
-  add(list, {.length = 32,
-             .extended = true,
-             .fd = true,
-             .bit_rate_switch = driver.bit_rate_switch,
-             .rate_hz = tick_hz});
-  add(list, {.length = reply,
-             .extended = reply_id > kMaximumStandardId,
-             .fd = true,
-             .bit_rate_switch = driver.bit_rate_switch,
-             .rate_hz = tick_hz});
-}
-
-void add_odrive(PeriodicFrames& list, double tick_hz) noexcept {
-  add(list, {.length = 4, .rate_hz = tick_hz});  // torque
-  add(list, {.length = 8, .rate_hz = tick_hz});  // encoder estimates
-  add(list, {.length = 8, .rate_hz = kOdriveHeartbeat_hz});
-  const double questions_hz = kOdriveQuestions * tick_hz;
-  add(list, {.length = 0, .rate_hz = questions_hz});  // remote frames, and the answers
-  add(list, {.length = 8, .rate_hz = questions_hz});
-}
-
-bool same_frame(const protocol::ChannelRow& a, const protocol::ChannelRow& b) noexcept {
+bool same_frame(const ChannelRow& a, const ChannelRow& b) noexcept {
   return a.id == b.id && a.extended == b.extended;
 }
 
-void add_channels(PeriodicFrames& list, std::span<const protocol::ChannelRow> rows,
-                  double sensor_hz) noexcept {
+void add_channels(std::vector<PeriodicFrame>& list, std::span<const ChannelRow> rows, double sensor_hz) {
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    const auto is_first = [&](const protocol::ChannelRow& row) { return same_frame(row, rows[i]); };
+    const auto is_first = [&](const ChannelRow& row) { return same_frame(row, rows[i]); };
     if (std::any_of(rows.begin(), rows.begin() + static_cast<std::ptrdiff_t>(i), is_first)) continue;
     std::size_t bytes = 0;
-    for (const protocol::ChannelRow& row : rows) {
+    for (const ChannelRow& row : rows) {
       if (!same_frame(row, rows[i])) continue;
       bytes = std::max<std::size_t>(bytes, row.byte_offset + (row.bits + row.bit_offset + 7u) / 8u);
     }
     const std::uint8_t length = fd_length(bytes);
-    add(list, {.length = length,
-               .extended = rows[i].extended,
-               .fd = length > kClassicFrameBytes,
-               .rate_hz = sensor_hz});
+    list.push_back({.length = length,
+                    .extended = rows[i].extended,
+                    .fd = length > kClassicFrameBytes,
+                    .rate_hz = sensor_hz});
   }
 }
 
 }  // namespace
 
-PeriodicFrames periodic_frames(const RobotWiring& wiring, std::size_t bus, double tick_hz,
-                               double sensor_hz) noexcept {
-  PeriodicFrames list;
+std::vector<PeriodicFrame> periodic_frames(const RobotWiring& wiring, std::size_t bus, double tick_hz,
+                                           double sensor_hz) {
+  std::vector<PeriodicFrame> list;
   for (const JointWiring& joint : wiring.joints) {
     if (joint.bus != bus) continue;
-    if (const auto* mit = std::get_if<protocol::MitDriver>(&joint.driver)) {
-      add_mit(list, *mit, tick_hz);
-    } else if (const auto* moteus = std::get_if<protocol::MoteusDriver>(&joint.driver)) {
-      add_moteus(list, *moteus, tick_hz);
-    } else {
-      add_odrive(list, tick_hz);
-    }
+    const std::vector<PeriodicFrame> frames =
+        visit_driver(joint.driver, [&](const auto& driver) { return periodic_frames(driver, tick_hz); });
+    list.insert(list.end(), frames.begin(), frames.end());
   }
   if (wiring.channel_bus == bus) {
     add_channels(list, std::span(wiring.channels).first(wiring.channel_count), sensor_hz);
   }
   return list;
+}
+
+NodeIdentifiers identifiers(const JointDriver& driver) {
+  return visit_driver(driver, [](const auto& any) { return identifiers(any); });
+}
+
+NodeIdentifiers identifiers(const ChannelRow& channel) {
+  const IdPattern frame{.value = channel.id, .standard = !channel.extended, .extended = channel.extended};
+  return {{}, {}, {frame}, {}};
+}
+
+std::vector<FrameId> receive_ids(const RobotWiring& wiring, std::size_t bus) {
+  std::vector<FrameId> all;
+  for (const JointWiring& joint : wiring.joints) {
+    if (joint.bus != bus) continue;
+    const std::vector<FrameId> ids =
+        visit_driver(joint.driver, [](const auto& driver) { return receive_ids(driver); });
+    all.insert(all.end(), ids.begin(), ids.end());
+  }
+  if (wiring.channel_bus == bus) {
+    for (const ChannelRow& row : std::span(wiring.channels).first(wiring.channel_count)) {
+      all.push_back({row.id, row.extended});
+    }
+  }
+  return all;
+}
+
+bool uses_fd(const RobotWiring& wiring, std::size_t bus) noexcept {
+  return std::any_of(wiring.joints.begin(), wiring.joints.end(), [bus](const JointWiring& joint) {
+    return joint.bus == bus && visit_driver(joint.driver, [](const auto& driver) { return uses_fd(driver); });
+  });
 }
 
 std::string load_sentence(const std::string& bus_name, const BusLoad& load) {

@@ -7,7 +7,7 @@
 
 #include "hal/can/bytes.h"
 
-namespace stilt::hal::protocol {
+namespace stilt::hal {
 namespace {
 
 std::size_t touched_bytes(const ChannelRow& row) noexcept {
@@ -129,4 +129,4 @@ EncodeStatus encode(const ChannelRow& row, double value, CanFrame& frame) noexce
   return saturated ? EncodeStatus::saturated : EncodeStatus::ok;
 }
 
-}  // namespace stilt::hal::protocol
+}  // namespace stilt::hal

@@ -13,7 +13,7 @@
 ///   value = scale * raw + offset
 ///
 /// Real-time safe, without state.
-namespace stilt::hal::protocol {
+namespace stilt::hal {
 
 enum class BaseChannel : std::uint8_t {
   pitch_rad,
@@ -77,4 +77,4 @@ struct ChannelValues {
 /// range.
 [[nodiscard]] EncodeStatus encode(const ChannelRow& row, double value, CanFrame& frame) noexcept;
 
-}  // namespace stilt::hal::protocol
+}  // namespace stilt::hal

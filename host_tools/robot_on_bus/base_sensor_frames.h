@@ -10,7 +10,7 @@
 namespace stilt::robot_on_bus {
 
 /// Values of the channels, by BaseChannel, SI units.
-using BaseValues = std::array<double, hal::protocol::kBaseChannels>;
+using BaseValues = std::array<double, hal::kBaseChannels>;
 
 /// The base sensor's side of the wiring's channel table: one frame an identifier, each as long as its
 /// channels need.
@@ -24,7 +24,7 @@ class BaseSensorFrames {
 
  private:
   struct Row {
-    hal::protocol::ChannelRow channel;
+    hal::ChannelRow channel;
     std::size_t frame = 0;
   };
   std::vector<Row> rows_;

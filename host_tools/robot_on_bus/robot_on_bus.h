@@ -23,7 +23,6 @@ namespace stilt::robot_on_bus {
 struct RobotSetup {
   hal::RobotWiring wiring;  ///< valid for bus_count
   std::size_t bus_count = 1;
-  OdriveEndpoints odrive_endpoints{};
   simulator::PlantModel model;
   simulator::PlantOptions plant;
   std::uint64_t seed = 1;

@@ -25,17 +25,17 @@ struct MotorTraffic {
   struct Command {
     std::uint64_t tick = 0;
     std::size_t joint = 0;
-    hal::protocol::MitCommand asked;
+    hal::mit::MitCommand asked;
   };
   struct Special {
     std::uint64_t tick = 0;
     std::size_t joint = 0;
-    hal::protocol::MitSpecial what{};
+    hal::mit::MitSpecial what{};
   };
   struct Reply {
     std::uint64_t tick = 0;
     std::size_t joint = 0;
-    hal::protocol::MitReply said;
+    hal::mit::MitReply said;
   };
   std::vector<Command> commands;
   std::vector<Special> specials;

@@ -25,7 +25,7 @@ Attempt fail(Step step) noexcept { return {Descriptor{}, step, errno}; }
 std::vector<can_filter> kernel_filters(const BusOptions& options) {
   std::vector<can_filter> filters;
   filters.reserve(options.receive_ids.size());
-  for (const IdFilter& wanted : options.receive_ids) {
+  for (const FrameId& wanted : options.receive_ids) {
     // The format flag is part of the mask: a standard identifier must not match an extended one.
     filters.push_back(wanted.extended ? can_filter{wanted.id | CAN_EFF_FLAG, CAN_EFF_MASK | CAN_EFF_FLAG}
                                       : can_filter{wanted.id, CAN_SFF_MASK | CAN_EFF_FLAG});

@@ -10,15 +10,10 @@
 
 namespace stilt::hal::socketcan {
 
-struct IdFilter {
-  std::uint32_t id = 0;
-  bool extended = false;
-};
-
 struct BusOptions {
   /// Identifiers to receive. Must hold those we send too: the kernel filters echoes like other frames.
   /// Empty: everything.
-  std::vector<IdFilter> receive_ids;
+  std::vector<FrameId> receive_ids;
   bool fd = false;                        ///< the interface must carry CAN FD frames
   int receive_buffer_bytes = 256 * 1024;  ///< room for housekeeping pauses; the kernel doubles it
 };

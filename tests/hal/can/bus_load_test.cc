@@ -44,8 +44,7 @@ TEST(BusLoad, AnFdFrameOf64BytesHasTheDataPhaseOfItsAnalysis) {
 
 TEST(BusLoad, FourMitJointsDoNotFitOnOneBus) {
   CanFrame command;
-  ASSERT_EQ(encode_command(protocol::MitDriver{}, protocol::MitCommand{}, command),
-            protocol::EncodeStatus::ok);
+  ASSERT_EQ(encode_command(mit::MitDriver{}, mit::MitCommand{}, command), EncodeStatus::ok);
   const BusLoad six_byte_replies = four_joints(command, classic_frame(0, 6));
   EXPECT_NEAR(six_byte_replies.fraction, 1.00, 1e-12);
   const BusLoad eight_byte_replies = four_joints(command, classic_frame(0, 8));
@@ -56,15 +55,14 @@ TEST(BusLoad, FourMitJointsDoNotFitOnOneBus) {
 TEST(BusLoad, FourOdriveJointsDoNotFitOnOneBus) {
   CanFrame command;
   CanFrame reply;
-  ASSERT_EQ(protocol::encode_input_position(1, 0, 0, 0, command), protocol::EncodeStatus::ok);
-  ASSERT_EQ(protocol::encode(1, protocol::OdriveEstimates{}, reply), protocol::EncodeStatus::ok);
+  ASSERT_EQ(odrive::encode_input_position(1, 0, 0, 0, command), EncodeStatus::ok);
+  ASSERT_EQ(odrive::encode(1, odrive::OdriveEstimates{}, reply), EncodeStatus::ok);
   EXPECT_NEAR(four_joints(command, reply).fraction, 1.08, 1e-12);
 }
 
 TEST(BusLoad, FourMoteusJointsTake84PercentOfAnFdBus) {
   CanFrame command;
-  ASSERT_EQ(encode_command(protocol::MoteusDriver{}, protocol::MoteusCommand{}, command),
-            protocol::EncodeStatus::ok);
+  ASSERT_EQ(encode_command(moteus::MoteusDriver{}, moteus::MoteusCommand{}, command), EncodeStatus::ok);
   CanFrame reply;
   reply.fd = reply.bit_rate_switch = true;
   reply.length = 20;

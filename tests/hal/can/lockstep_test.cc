@@ -4,7 +4,7 @@
 
 #include "tests/hal/hex.h"
 
-namespace stilt::hal::protocol {
+namespace stilt::hal {
 namespace {
 
 using stilt::hal::testing::hex;
@@ -49,4 +49,4 @@ TEST(Lockstep, FramesThatOnlyLookAlikeAreRefused) {
 }
 
 }  // namespace
-}  // namespace stilt::hal::protocol
+}  // namespace stilt::hal

@@ -15,7 +15,8 @@
 #include "tests/hal/random_values.h"
 
 using namespace stilt::hal;
-using namespace stilt::hal::protocol;
+using namespace stilt::hal::mit;
+using namespace stilt::hal::odrive;
 
 namespace {
 

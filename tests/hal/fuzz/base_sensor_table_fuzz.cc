@@ -5,7 +5,6 @@
 #include "tests/hal/fuzz/fuzz_input.h"
 
 using namespace stilt::hal;
-using namespace stilt::hal::protocol;
 
 namespace {
 

@@ -3,7 +3,7 @@
 #include "tests/hal/fuzz/fuzz_input.h"
 
 using namespace stilt::hal;
-using namespace stilt::hal::protocol;
+using namespace stilt::hal::mit;
 
 namespace {
 

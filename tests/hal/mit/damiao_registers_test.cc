@@ -7,7 +7,7 @@
 #include "tests/hal/hex.h"
 #include "tests/hal/random_values.h"
 
-namespace stilt::hal::protocol {
+namespace stilt::hal::mit {
 namespace {
 
 using stilt::hal::testing::hex;
@@ -69,4 +69,4 @@ TEST(DamiaoRegisters, OtherFramesOfTheReplyIdentifierAreForeign) {
 }
 
 }  // namespace
-}  // namespace stilt::hal::protocol
+}  // namespace stilt::hal::mit

@@ -10,7 +10,7 @@
 #include "tests/hal/hex.h"
 #include "tests/hal/random_values.h"
 
-namespace stilt::hal::protocol {
+namespace stilt::hal::mit {
 namespace {
 
 using stilt::hal::testing::hex;
@@ -283,4 +283,4 @@ TEST(MitMode, RepliesThatDoNotFitAreNamed) {
 }
 
 }  // namespace
-}  // namespace stilt::hal::protocol
+}  // namespace stilt::hal::mit

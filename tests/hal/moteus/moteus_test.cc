@@ -9,7 +9,7 @@
 #include "tests/hal/hex.h"
 #include "tests/hal/random_values.h"
 
-namespace stilt::hal::protocol {
+namespace stilt::hal::moteus {
 namespace {
 
 using stilt::hal::testing::hex;
@@ -286,4 +286,4 @@ TEST(Moteus, FaultCodesFrom96AreLimitsNotFaults) {
 }
 
 }  // namespace
-}  // namespace stilt::hal::protocol
+}  // namespace stilt::hal::moteus

@@ -8,7 +8,7 @@
 #include "tests/hal/hex.h"
 #include "tests/hal/random_values.h"
 
-namespace stilt::hal::protocol {
+namespace stilt::hal::odrive {
 namespace {
 
 using stilt::hal::testing::hex;
@@ -193,4 +193,4 @@ TEST(Odrive, AnExpiredWatchdogIsLostCommunication) {
 }
 
 }  // namespace
-}  // namespace stilt::hal::protocol
+}  // namespace stilt::hal::odrive

@@ -44,7 +44,7 @@ TEST(CanRobot, ATorqueCommandedAtTheJointIsTheTorqueReadAtTheJoint) {
 TEST(CanRobot, AnOdrivesTorqueEstimateIsReadAtTheJoint) {
   Robot robot(Kind::odrive);
   CanFrame frame;
-  ASSERT_EQ(protocol::encode(2, protocol::OdriveTorques{3, 0.5}, frame), protocol::EncodeStatus::ok);
+  ASSERT_EQ(odrive::encode(2, odrive::OdriveTorques{3, 0.5}, frame), EncodeStatus::ok);
   robot.buses_[0].script(frame, robot.clock_.now_ns());
   static_cast<void>(robot.read());
   EXPECT_DOUBLE_EQ(robot.readings_[1].torque_Nm, -8 * 0.5) << "direction -1, ratio 8";
@@ -170,7 +170,6 @@ TEST(CanRobot, AMoteusInFaultModeHasAFaultWhateverItsCode) {
 
 TEST(CanRobot, EveryChannelOfTheBaseSensorHasItsOwnPlace) {
   Robot robot(Kind::mit);
-  using protocol::BaseChannel;
   const std::array<BaseChannel, 6> channels{
       BaseChannel::pitch_rad,           BaseChannel::pitch_rate_rad_s,  BaseChannel::acceleration_x_m_s2,
       BaseChannel::acceleration_z_m_s2, BaseChannel::left_foot_force_N, BaseChannel::right_foot_force_N};
@@ -224,7 +223,7 @@ TEST(CanRobot, ThePitchOfATorsoEncoderHasItsDirectionAndOffset) {
   robot.wiring_.pitch_offset_rad = 0.5;
   const std::array<FrameBus*, 2> buses{&robot.buses_[0], &robot.buses_[1]};
   CanRobot leaning(robot.wiring_, buses);
-  static_cast<mock::MoteusEmulator&>(*robot.drivers_[0]).set_encoder(1, 0.2, -0.5);
+  static_cast<moteus::MoteusEmulator&>(*robot.drivers_[0]).set_encoder(1, 0.2, -0.5);
   ASSERT_EQ(leaning.write(some_commands()), JointBusStatus::ok);
   robot.clock_.advance(kTick_ns);
   static_cast<void>(leaning.read(robot.clock_.now_ns(), robot.readings_));

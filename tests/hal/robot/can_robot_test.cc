@@ -270,7 +270,7 @@ TEST(CanRobot, ARepetitionOfASlowBaseSensorCountsTheReadsItLasts) {
 TEST(CanRobot, ABaseSensorWhosePitchStaysEqualWhileItsRateChangesIsNotFrozen) {
   Robot robot(Kind::mit);
   robot.wiring_.channels[2] = {
-      .id = 0x50, .byte_offset = 4, .scale = 1e-3, .channel = protocol::BaseChannel::pitch_rate_rad_s};
+      .id = 0x50, .byte_offset = 4, .scale = 1e-3, .channel = BaseChannel::pitch_rate_rad_s};
   robot.wiring_.channel_count = 3;
   const std::array<FrameBus*, 2> buses{&robot.buses_[0], &robot.buses_[1]};
   CanRobot with_rate(robot.wiring_, buses);
@@ -328,7 +328,7 @@ TEST(CanRobot, AnOdriveGetsNoDampingForAVelocityOfLongAgo) {
 
 TEST(CanRobot, AMoteusCanCarryTheTorsosEncoder) {
   Robot robot(Kind::moteus);
-  static_cast<mock::MoteusEmulator&>(*robot.drivers_[0]).set_encoder(1, 0.2, -0.5);
+  static_cast<moteus::MoteusEmulator&>(*robot.drivers_[0]).set_encoder(1, 0.2, -0.5);
   static_cast<void>(robot.robot_->write(some_commands()));
   robot.clock_.advance(kTick_ns);
   static_cast<void>(robot.read());

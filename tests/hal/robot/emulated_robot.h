@@ -52,34 +52,34 @@ class Robot {
       wiring.offset_rad = 0.25;
       const auto number = static_cast<std::uint8_t>(1 + joint % 2);
       if (kind == Kind::mit) {
-        protocol::MitDriver driver;
+        mit::MitDriver driver;
         driver.command_id = number;
         driver.reply_id = static_cast<std::uint16_t>(0x10 + number);
         driver.driver_id = number;
-        driver.layout = protocol::ReplyLayout::damiao;
+        driver.layout = mit::ReplyLayout::damiao;
         wiring.driver = driver;
-        drivers_[joint] = std::make_shared<mock::MitEmulator>(driver);
+        drivers_[joint] = std::make_shared<mit::MitEmulator>(driver);
         frame_ids_[joint] = driver.reply_id;
       } else if (kind == Kind::moteus) {
-        protocol::MoteusDriver driver;
+        moteus::MoteusDriver driver;
         driver.id = number;
         driver.kp_Nm_rev = 2000;
         driver.kd_Nm_s_rev = 60;
         if (joint == 0) driver.extra_encoder = 1;
         wiring.driver = driver;
-        drivers_[joint] = std::make_shared<mock::MoteusEmulator>(driver);
+        drivers_[joint] = std::make_shared<moteus::MoteusEmulator>(driver);
         frame_ids_[joint] = static_cast<std::uint32_t>(number) << 8;
       } else {
-        wiring.driver = OdriveNode{number};
-        drivers_[joint] = std::make_shared<mock::OdriveEmulator>(number, kEndpoints);
+        const odrive::OdriveDriver driver{number, kEndpoints};
+        wiring.driver = driver;
+        drivers_[joint] = std::make_shared<odrive::OdriveEmulator>(driver);
         frame_ids_[joint] = static_cast<std::uint32_t>(number) << 5 | 9;
       }
       buses_[wiring.bus].attach(*drivers_[joint]);
     }
     if (kind == Kind::moteus) wiring_.pitch_encoder_joint = 0;
-    wiring_.channels[0] = {.id = 0x50, .scale = 1e-3, .channel = protocol::BaseChannel::pitch_rad};
-    wiring_.channels[1] = {
-        .id = 0x50, .byte_offset = 2, .channel = protocol::BaseChannel::emergency_stop_released};
+    wiring_.channels[0] = {.id = 0x50, .scale = 1e-3, .channel = BaseChannel::pitch_rad};
+    wiring_.channels[1] = {.id = 0x50, .byte_offset = 2, .channel = BaseChannel::emergency_stop_released};
     wiring_.channel_count = 2;
     EXPECT_TRUE(valid(wiring_, 2));
     const std::array<FrameBus*, 2> buses{&buses_[0], &buses_[1]};
@@ -95,16 +95,10 @@ class Robot {
   void enable() {
     for (std::size_t joint = 0; joint < kJoints; ++joint) {
       const JointWiring& wiring = wiring_.joints[joint];
-      if (const auto* mit = std::get_if<protocol::MitDriver>(&wiring.driver)) {
-        bring_up::MitBringUp up(*mit, {});
+      visit_driver(wiring.driver, [&](const auto& driver) {
+        auto up = make_bring_up(driver, bring_up::Options{});
         run(up, wiring.bus);
-      } else if (const auto* moteus = std::get_if<protocol::MoteusDriver>(&wiring.driver)) {
-        bring_up::MoteusBringUp up(*moteus, {});
-        run(up, wiring.bus);
-      } else {
-        bring_up::OdriveBringUp up(std::get<OdriveNode>(wiring.driver).node, kEndpoints, {});
-        run(up, wiring.bus);
-      }
+      });
     }
     for (auto& bus : buses_) bus.clear_sent();
   }
@@ -119,11 +113,11 @@ class Robot {
     return wiring_.joints[joint].direction * wiring_.joints[joint].ratio * drivers_[joint]->torque_Nm();
   }
 
-  static constexpr bring_up::OdriveEndpoints kEndpoints{0x191, 0x192};
+  static constexpr odrive::OdriveEndpoints kEndpoints{0x191, 0x192};
   mock::MockClock clock_;
   std::array<mock::MockBus, 2> buses_{mock::MockBus(clock_), mock::MockBus(clock_)};
   RobotWiring wiring_;
-  std::array<std::shared_ptr<mock::EmulatedDriver>, kJoints> drivers_;
+  std::array<std::shared_ptr<EmulatedDriver>, kJoints> drivers_;
   std::array<std::uint32_t, kJoints> frame_ids_{};
   std::unique_ptr<CanRobot> robot_;
   JointReadings readings_;

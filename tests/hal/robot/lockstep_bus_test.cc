@@ -8,43 +8,41 @@
 
 #include "hal/can/lockstep.h"
 
-namespace stilt::hardware {
+namespace stilt::hal {
 namespace {
 
 /// A robot that answers each sync with two frames of its own and its sync.
-class AnsweringBus final : public hal::FrameBus {
+class AnsweringBus final : public FrameBus {
  public:
   bool silent = false;
   bool gone = false;
   std::vector<std::uint64_t> syncs;
-  std::vector<hal::CanFrame> waiting;
+  std::vector<CanFrame> waiting;
 
-  hal::SendResult send(std::span<const hal::CanFrame> frames) noexcept override {
-    for (const hal::CanFrame& frame : frames) {
+  SendResult send(std::span<const CanFrame> frames) noexcept override {
+    for (const CanFrame& frame : frames) {
       std::uint64_t tick = 0;
-      if (hal::protocol::decode_sync(hal::protocol::kControllerSyncId, frame, tick) !=
-          hal::protocol::DecodeStatus::ok)
-        continue;
+      if (decode_sync(kControllerSyncId, frame, tick) != DecodeStatus::ok) continue;
       syncs.push_back(tick);
       if (silent) continue;
-      for (const std::uint32_t id : {0x11u, 0x12u}) waiting.push_back(hal::classic_frame(id, 8));
-      waiting.push_back(hal::protocol::sync_frame(hal::protocol::kRobotSyncId, tick));
+      for (const std::uint32_t id : {0x11u, 0x12u}) waiting.push_back(classic_frame(id, 8));
+      waiting.push_back(sync_frame(kRobotSyncId, tick));
     }
-    return {frames.size(), hal::BusStatus::ok};
+    return {frames.size(), BusStatus::ok};
   }
-  hal::ReceiveResult receive(std::span<hal::CanFrame> frames) noexcept override {
-    if (gone) return {0, hal::BusStatus::disconnected};
+  ReceiveResult receive(std::span<CanFrame> frames) noexcept override {
+    if (gone) return {0, BusStatus::disconnected};
     const std::size_t count = std::min(frames.size(), waiting.size());
     std::copy_n(waiting.begin(), count, frames.begin());
     waiting.erase(waiting.begin(), waiting.begin() + static_cast<std::ptrdiff_t>(count));
-    return {count, waiting.empty() ? hal::BusStatus::ok : hal::BusStatus::more};
+    return {count, waiting.empty() ? BusStatus::ok : BusStatus::more};
   }
-  hal::BusHealth health() const noexcept override { return hal::BusHealth::active; }
+  BusHealth health() const noexcept override { return BusHealth::active; }
   void clear_bus_off() noexcept override {}
-  const hal::BusCounters& counters() const noexcept override { return counters_; }
+  const BusCounters& counters() const noexcept override { return counters_; }
 
  private:
-  hal::BusCounters counters_;
+  BusCounters counters_;
 };
 
 constexpr std::int64_t kTick_ns = 1'000'000;
@@ -71,12 +69,12 @@ TEST_F(LockstepTest, TimeIsTheNumberOfTurnsTaken) {
 TEST_F(LockstepTest, FramesOfTheRobotComeThroughAndSyncFramesDoNot) {
   LockstepClock clock(buses, kTick_ns, 10.0);
   ASSERT_TRUE(clock.open());
-  std::array<hal::CanFrame, 1> one;
+  std::array<CanFrame, 1> one;
   ASSERT_EQ(buses[0].receive(one).received, 1u);
   EXPECT_EQ(one[0].id, 0x11u);
-  const hal::ReceiveResult last = buses[0].receive(one);
+  const ReceiveResult last = buses[0].receive(one);
   EXPECT_EQ(last.received, 1u);
-  EXPECT_EQ(last.status, hal::BusStatus::ok);
+  EXPECT_EQ(last.status, BusStatus::ok);
   EXPECT_EQ(one[0].id, 0x12u);
   EXPECT_EQ(buses[0].receive(one).received, 0u);
 }
@@ -99,4 +97,4 @@ TEST_F(LockstepTest, ABusThatGoesAwayEndsTheWaitingAndTimeGoesOnWithoutTheRobot)
 }
 
 }  // namespace
-}  // namespace stilt::hardware
+}  // namespace stilt::hal

@@ -6,17 +6,16 @@
 #include "tests/hal/robot/emulated_robot.h"
 
 // A bus that is gone is connected again by whoever may wait, never by the torque loop.
-namespace stilt::hardware {
+namespace stilt::hal {
 namespace {
 
-using hal::JointBusStatus;
-using hal::testing::Kind;
-using hal::testing::Robot;
+using testing::Kind;
+using testing::Robot;
 
 class RestoreTest : public ::testing::Test {
  protected:
   JointBusStatus read() {
-    hal::RobotReadings readings;
+    RobotReadings readings;
     hardware_.read(robot_.clock_.now_ns(), readings);
     return readings.status;
   }
@@ -31,9 +30,9 @@ class RestoreTest : public ::testing::Test {
   }
 
   Robot robot_{Kind::mit};
-  DemandsOfJoints demands_;
-  RobotHardware hardware_{robot_.wiring_, demands_,
-                          std::array<hal::FrameBus*, 2>{&robot_.buses_[0], &robot_.buses_[1]}};
+  BringUpOptions options_;
+  RobotHardware hardware_{robot_.wiring_, options_,
+                          std::array<FrameBus*, 2>{&robot_.buses_[0], &robot_.buses_[1]}};
 };
 
 TEST_F(RestoreTest, NothingIsConnectedUnlessABusIsGoneAndAResetWantsIt) {
@@ -65,21 +64,21 @@ TEST_F(RestoreTest, ABusThatIsLentIsNotTouched) {
 }
 
 /// A bus with counters and nothing else.
-class CountingBus final : public hal::FrameBus {
+class CountingBus final : public FrameBus {
  public:
-  hal::BusCounters count;
-  hal::SendResult send(std::span<const hal::CanFrame> frames) noexcept override { return {frames.size()}; }
-  hal::ReceiveResult receive(std::span<hal::CanFrame>) noexcept override { return {}; }
-  hal::BusHealth health() const noexcept override { return hal::BusHealth::active; }
+  BusCounters count;
+  SendResult send(std::span<const CanFrame> frames) noexcept override { return {frames.size()}; }
+  ReceiveResult receive(std::span<CanFrame>) noexcept override { return {}; }
+  BusHealth health() const noexcept override { return BusHealth::active; }
   void clear_bus_off() noexcept override {}
-  const hal::BusCounters& counters() const noexcept override { return count; }
+  const BusCounters& counters() const noexcept override { return count; }
 };
 
 TEST(RobotHardware, ErrorsAreThoseOfAllBusesAndOfEveryKind) {
   std::array<CountingBus, 2> buses;
   const Robot robot(Kind::mit);
-  const RobotHardware hardware(robot.wiring_, DemandsOfJoints{},
-                               std::array<hal::FrameBus*, 2>{&buses[0], &buses[1]});
+  const RobotHardware hardware(robot.wiring_, BringUpOptions{},
+                               std::array<FrameBus*, 2>{&buses[0], &buses[1]});
   EXPECT_EQ(hardware.errors(), 0u);
   buses[0].count = {};
   buses[0].count.sent = buses[0].count.received = buses[0].count.confirmed = 1000;
@@ -108,4 +107,4 @@ TEST_F(RestoreTest, AConnectionThatFailsIsTriedAgainWithTheNextTick) {
 }
 
 }  // namespace
-}  // namespace stilt::hardware
+}  // namespace stilt::hal

@@ -30,8 +30,7 @@ TEST(RobotWiring, EachThingWithoutSenseIsRefusedByItself) {
       {"negative ratio", [](RobotWiring& w) { w.joints[0].ratio = -2; }},
       {"endless ratio", [kInfinity](RobotWiring& w) { w.joints[0].ratio = kInfinity; }},
       {"offset that is no number", [kNaN](RobotWiring& w) { w.joints[0].offset_rad = kNaN; }},
-      {"driver that is invalid",
-       [](RobotWiring& w) { w.joints[2].driver = protocol::MoteusDriver{.id = 0}; }},
+      {"driver that is invalid", [](RobotWiring& w) { w.joints[2].driver = moteus::MoteusDriver{.id = 0}; }},
       {"two joints at one driver", [](RobotWiring& w) { w.joints[3].driver = w.joints[2].driver; }},
       {"half a direction of the pitch", [](RobotWiring& w) { w.pitch_direction = 0.5; }},
       {"offset of the pitch that is no number", [kNaN](RobotWiring& w) { w.pitch_offset_rad = kNaN; }},
@@ -39,10 +38,11 @@ TEST(RobotWiring, EachThingWithoutSenseIsRefusedByItself) {
       {"torso encoder at a driver that reports none", [](RobotWiring& w) { w.pitch_encoder_joint = 1; }},
       {"torso encoder at an ODrive",
        [](RobotWiring& w) {
-         w.joints[3].driver = OdriveNode{1};
+         w.joints[3].driver = odrive::OdriveDriver{.node = 1, .endpoints = {}};
          w.pitch_encoder_joint = 3;
        }},
-      {"ODrive beyond the nodes there are", [](RobotWiring& w) { w.joints[3].driver = OdriveNode{64}; }},
+      {"ODrive beyond the nodes there are",
+       [](RobotWiring& w) { w.joints[3].driver = odrive::OdriveDriver{.node = 64, .endpoints = {}}; }},
   };
   for (const auto& [name, fault] : faults) {
     RobotWiring wiring = good;
@@ -55,10 +55,10 @@ TEST(RobotWiring, EachThingWithoutSenseIsRefusedByItself) {
 
 TEST(RobotWiring, OneIdentifierOnTwoBusesIsTwoDrivers) {
   RobotWiring wiring = Robot(Kind::moteus).wiring_;
-  EXPECT_EQ(std::get<protocol::MoteusDriver>(wiring.joints[1].driver).id,
-            std::get<protocol::MoteusDriver>(wiring.joints[3].driver).id);
+  EXPECT_EQ(std::get<moteus::MoteusDriver>(wiring.joints[1].driver).id,
+            std::get<moteus::MoteusDriver>(wiring.joints[3].driver).id);
   EXPECT_TRUE(valid(wiring, 2));
-  wiring.joints[1].driver = OdriveNode{1};
+  wiring.joints[1].driver = odrive::OdriveDriver{.node = 1, .endpoints = {}};
   EXPECT_TRUE(valid(wiring, 2)) << "node 1 beside moteus 1";
 }
 

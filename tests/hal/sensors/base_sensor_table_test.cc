@@ -9,7 +9,7 @@
 #include "tests/hal/hex.h"
 #include "tests/hal/random_values.h"
 
-namespace stilt::hal::protocol {
+namespace stilt::hal {
 namespace {
 
 using stilt::hal::testing::hex;
@@ -150,4 +150,4 @@ TEST(BaseSensorTable, RowsWithoutSenseAreRefused) {
 }
 
 }  // namespace
-}  // namespace stilt::hal::protocol
+}  // namespace stilt::hal

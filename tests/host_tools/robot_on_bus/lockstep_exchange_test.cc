@@ -12,9 +12,9 @@ namespace stilt::robot_on_bus {
 namespace {
 
 using hal::CanFrame;
-using hal::protocol::kControllerSyncId;
-using hal::protocol::kRobotSyncId;
-using hal::protocol::sync_frame;
+using hal::kControllerSyncId;
+using hal::kRobotSyncId;
+using hal::sync_frame;
 using testing_support::RobotRequest;
 using testing_support::setup_of;
 

@@ -1,15 +1,12 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "hal/robot/robot_wiring.h"
-#include "hal/sensors/base_sensor_table.h"
+#include "hal/can/frame.h"
 
-/// Which CAN identifiers a node of the robot uses, so that two nodes of a bus do not use the same. At
-/// start-up only.
+/// Which CAN identifiers a node uses, so that two nodes of a bus do not use the same. At start-up only.
 namespace stilt::hal {
 
 /// Identifiers whose bits under `mask` are those of `value`.
@@ -30,16 +27,10 @@ struct NodeIdentifiers {
   std::vector<IdPattern> commands;  ///< we send them to this node
   std::vector<IdPattern> hears;     ///< it would take them as meant for itself, whoever sends them
   std::vector<IdPattern> sends;     ///< it sends them to us
-  /// Its frames tell who sent them: others of this layout may send the same identifier.
-  std::optional<protocol::ReplyLayout> named_senders;
+  /// Name of a frame format that says who sent it: other nodes of that format may send the same identifier.
+  /// Empty: none.
+  std::string sender_format;
 };
-
-/// MIT mode: two identifiers, of a Damiao also that of its registers. moteus: hears whatever has its own
-/// number in the last 8 bits. ODrive: 32 a node, and those of node 63, which every ODrive hears.
-[[nodiscard]] NodeIdentifiers identifiers(const JointWiring& joint);
-
-/// The frame of a sensor.
-[[nodiscard]] NodeIdentifiers identifiers(const protocol::ChannelRow& channel);
 
 /// A frame that fits both may be misunderstood.
 struct IdCollision {
