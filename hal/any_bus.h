@@ -5,9 +5,9 @@
 #include <string>
 #include <variant>
 
-#include "hal/frame_bus.h"
+#include "hal/can/frame_bus.h"
+#include "hal/can/socketcan/socketcan_bus.h"
 #include "hal/loopback/loopback_client.h"
-#include "hal/socketcan/socketcan_bus.h"
 
 namespace stilt::hal {
 

@@ -8,9 +8,9 @@
 namespace stilt::configuration {
 namespace {
 
-using hal::protocol::ByteOrder;
-using hal::protocol::ChannelRow;
-using hal::protocol::RawType;
+using hal::ByteOrder;
+using hal::ChannelRow;
+using hal::RawType;
 
 constexpr std::string_view kForm =
     "; right would be \"none\" or such as \"id 0x150 byte 0 bits 24 signed little scale 1e-6\"";
@@ -85,7 +85,7 @@ bool take_number(std::string_view word, std::string_view number, ChannelRow& row
 }  // namespace
 
 std::expected<std::optional<ChannelRow>, std::string> parse_channel(std::string_view text,
-                                                                    hal::protocol::BaseChannel channel) {
+                                                                    hal::BaseChannel channel) {
   if (text == "none") return std::nullopt;
   std::istringstream stream{std::string(text)};
   std::vector<std::string> words;
@@ -105,7 +105,7 @@ std::expected<std::optional<ChannelRow>, std::string> parse_channel(std::string_
     ++i;
   }
   if (!has_id) return std::unexpected("the identifier of the frame is missing" + std::string(kForm));
-  if (!hal::protocol::valid(row)) {
+  if (!hal::valid(row)) {
     return std::unexpected(
         "no frame holds this field: identifiers end at 0x7ff (0x1fffffff extended), fields have 1 to 32 bits "
         "(a float 32) within 64 bytes, and a scale that is not 0" +

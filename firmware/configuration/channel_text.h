@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "hal/protocol/base_sensor_table.h"
+#include "hal/sensors/base_sensor_table.h"
 
 namespace stilt::configuration {
 
@@ -16,7 +16,7 @@ namespace stilt::configuration {
 ///   [invalid N]
 ///
 /// The error says what is wrong. Start-up only.
-[[nodiscard]] std::expected<std::optional<hal::protocol::ChannelRow>, std::string> parse_channel(
-    std::string_view text, hal::protocol::BaseChannel channel);
+[[nodiscard]] std::expected<std::optional<hal::ChannelRow>, std::string> parse_channel(
+    std::string_view text, hal::BaseChannel channel);
 
 }  // namespace stilt::configuration

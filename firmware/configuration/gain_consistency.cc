@@ -1,8 +1,9 @@
-#include <numbers>
+#include <optional>
 #include <string>
 
 #include "firmware/configuration/hardware_consistency.h"
 #include "firmware/configuration/schema.h"
+#include "hal/robot/robot_wiring.h"
 
 namespace stilt::configuration {
 namespace {
@@ -44,26 +45,26 @@ void check(const Gain& gain, const Limit& limit, const DriverKeys& keys, double 
                        std::string(gain.key) + " to at most " + number_text(limit.most / scale)});
 }
 
-void check_driver(const DriverParameters& driver, const DriverKeys& keys,
+void check_driver(const hal::JointDriver& driver, double ratio, const DriverKeys& keys,
                   const supervisor::SupervisorParameters& supervisor, std::vector<Contradiction>& found) {
-  if (driver.protocol == DriverProtocol::odrive) return;  // its law is computed here, without ranges
-  const bool moteus = driver.protocol == DriverProtocol::moteus;
-  constexpr double kTurn_rad = 2 * std::numbers::pi;
-  const Limit kp = moteus ? Limit{keys.moteus_kp, "Nm/rev", driver.moteus_kp_Nm_rev, kTurn_rad}
-                          : Limit{keys.kp_range, "Nm/rad", driver.kp_range_Nm_rad};
-  const Limit kd = moteus ? Limit{keys.moteus_kd, "Nm s/rev", driver.moteus_kd_Nms_rev, kTurn_rad}
-                          : Limit{keys.kd_range, "Nm s/rad", driver.kd_range_Nms_rad};
-  check({"supervisor.hold_kp_Nm_rad", supervisor.hold_kp_Nm_rad}, kp, keys, driver.ratio, found);
-  check({"supervisor.hold_kd_Nms_rad", supervisor.hold_kd_Nms_rad}, kd, keys, driver.ratio, found);
-  check({"supervisor.damping_kd_Nms_rad", supervisor.damping_kd_Nms_rad}, kd, keys, driver.ratio, found);
+  const std::optional<hal::GainLimits> limits =
+      hal::visit_driver(driver, [](const auto& any) { return gain_limits(any); });
+  if (!limits) return;
+  const bool moteus = std::holds_alternative<hal::moteus::MoteusDriver>(driver);
+  const Limit kp = {moteus ? keys.moteus_kp : keys.kp_range, limits->kp_unit, limits->kp, limits->unit_rad};
+  const Limit kd = {moteus ? keys.moteus_kd : keys.kd_range, limits->kd_unit, limits->kd, limits->unit_rad};
+  check({"supervisor.hold_kp_Nm_rad", supervisor.hold_kp_Nm_rad}, kp, keys, ratio, found);
+  check({"supervisor.hold_kd_Nms_rad", supervisor.hold_kd_Nms_rad}, kd, keys, ratio, found);
+  check({"supervisor.damping_kd_Nms_rad", supervisor.damping_kd_Nms_rad}, kd, keys, ratio, found);
 }
 
 }  // namespace
 
 void check_gains(const HardwareParameters& hardware, const supervisor::SupervisorParameters& supervisor,
                  std::vector<Contradiction>& found) {
-  check_driver(hardware.hip, kHip, supervisor, found);
-  check_driver(hardware.knee, kKnee, supervisor, found);
+  const hal::RobotWiring wiring = robot_wiring(hardware);
+  check_driver(wiring.joints[0].driver, hardware.hip.ratio, kHip, supervisor, found);
+  check_driver(wiring.joints[1].driver, hardware.knee.ratio, kKnee, supervisor, found);
 }
 
 }  // namespace stilt::configuration

@@ -6,27 +6,27 @@
 #include <utility>
 
 #include "firmware/configuration/channel_text.h"
-#include "hal/wiring_load.h"
+#include "hal/robot/wiring_load.h"
 
 namespace stilt::configuration {
 namespace {
 
-using hal::protocol::BaseChannel;
+using hal::BaseChannel;
 
 const DriverParameters& driver_of(const HardwareParameters& hardware, std::size_t joint) {
   return joint % 2 == 0 ? hardware.hip : hardware.knee;
 }
 
-hal::protocol::ReplyLayout layout_of(DriverProtocol protocol) {
-  if (protocol == DriverProtocol::mit_ak) return hal::protocol::ReplyLayout::ak;
-  if (protocol == DriverProtocol::mit_damiao) return hal::protocol::ReplyLayout::damiao;
-  return hal::protocol::ReplyLayout::mini_cheetah;
+hal::mit::ReplyLayout layout_of(DriverProtocol protocol) {
+  if (protocol == DriverProtocol::mit_ak) return hal::mit::ReplyLayout::ak;
+  if (protocol == DriverProtocol::mit_damiao) return hal::mit::ReplyLayout::damiao;
+  return hal::mit::ReplyLayout::mini_cheetah;
 }
 
-hal::protocol::Range around_zero(double maximum) { return {-maximum, maximum}; }
+hal::mit::Range around_zero(double maximum) { return {-maximum, maximum}; }
 
-hal::protocol::MitDriver mit_driver(const DriverParameters& driver, const JointParameters& joint) {
-  hal::protocol::MitDriver mit;
+hal::mit::MitDriver mit_driver(const DriverParameters& driver, const JointParameters& joint) {
+  hal::mit::MitDriver mit;
   mit.command_id = static_cast<std::uint16_t>(joint.id);
   mit.reply_id = static_cast<std::uint16_t>(joint.reply_id);
   mit.driver_id = static_cast<std::uint8_t>(joint.id);
@@ -40,16 +40,23 @@ hal::protocol::MitDriver mit_driver(const DriverParameters& driver, const JointP
   return mit;
 }
 
-hal::protocol::MoteusDriver moteus_driver(const HardwareParameters& hardware, std::size_t joint) {
+hal::moteus::MoteusDriver moteus_driver(const HardwareParameters& hardware, std::size_t joint) {
   const DriverParameters& driver = driver_of(hardware, joint);
   const BaseSensorParameters& sensor = hardware.base_sensor;
-  hal::protocol::MoteusDriver moteus;
+  hal::moteus::MoteusDriver moteus;
   moteus.id = static_cast<std::uint8_t>(hardware.joint[joint].id);
   moteus.bit_rate_switch = driver.bit_rate_switch;
   moteus.kp_Nm_rev = driver.moteus_kp_Nm_rev;
   moteus.kd_Nm_s_rev = driver.moteus_kd_Nms_rev;
   moteus.extra_encoder = sensor.encoder_joint == static_cast<int>(joint) ? sensor.encoder_number : -1;
   return moteus;
+}
+
+hal::odrive::OdriveDriver odrive_driver(const DriverParameters& driver, const JointParameters& joint) {
+  return {
+      .node = static_cast<std::uint8_t>(joint.id),
+      .endpoints = {.watchdog_timeout = static_cast<std::uint16_t>(driver.odrive_watchdog_timeout_endpoint),
+                    .enable_watchdog = static_cast<std::uint16_t>(driver.odrive_enable_watchdog_endpoint)}};
 }
 
 hal::JointWiring joint_wiring(const HardwareParameters& hardware, std::size_t joint) {
@@ -63,7 +70,7 @@ hal::JointWiring joint_wiring(const HardwareParameters& hardware, std::size_t jo
   if (driver.protocol == DriverProtocol::moteus) {
     wiring.driver = moteus_driver(hardware, joint);
   } else if (driver.protocol == DriverProtocol::odrive) {
-    wiring.driver = hal::OdriveNode{static_cast<std::uint8_t>(place.id)};
+    wiring.driver = odrive_driver(driver, place);
   } else {
     wiring.driver = mit_driver(driver, place);
   }
@@ -135,16 +142,10 @@ hal::bring_up::Options bring_up_options(const HardwareParameters& hardware, std:
   return options;
 }
 
-hal::bring_up::OdriveEndpoints odrive_endpoints(const HardwareParameters& hardware, std::size_t joint) {
-  const DriverParameters& driver = driver_of(hardware, joint);
-  return {static_cast<std::uint16_t>(driver.odrive_watchdog_timeout_endpoint),
-          static_cast<std::uint16_t>(driver.odrive_enable_watchdog_endpoint)};
-}
-
 hal::BusLoad bus_load(const HardwareParameters& hardware, std::size_t bus, double torque_rate_hz) {
-  const hal::PeriodicFrames frames =
+  const std::vector<hal::PeriodicFrame> frames =
       hal::periodic_frames(robot_wiring(hardware), bus, torque_rate_hz, hardware.base_sensor.rate_hz);
-  return hal::bus_load(frames.all(), {hardware.bit_rate_bit_s, hardware.data_bit_rate_bit_s});
+  return hal::bus_load(frames, {hardware.bit_rate_bit_s, hardware.data_bit_rate_bit_s});
 }
 
 }  // namespace stilt::configuration

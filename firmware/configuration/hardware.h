@@ -5,9 +5,8 @@
 #include <vector>
 
 #include "hal/bring_up/bring_up.h"
-#include "hal/bring_up/odrive_bring_up.h"
-#include "hal/bus_load.h"
-#include "hal/robot_wiring.h"
+#include "hal/can/bus_load.h"
+#include "hal/robot/robot_wiring.h"
 
 /// The hardware of a robot as its configuration names it: buses, motor drivers, wiring of the joints, sensors
 /// of the torso. Start-up and host programs only.
@@ -99,10 +98,6 @@ struct HardwareParameters {
 /// @param minimum_rad, maximum_rad  travel of the joint, margin included
 [[nodiscard]] hal::bring_up::Options bring_up_options(const HardwareParameters& hardware, std::size_t joint,
                                                       double minimum_rad, double maximum_rad);
-
-/// Parameter numbers of a joint's ODrive.
-[[nodiscard]] hal::bring_up::OdriveEndpoints odrive_endpoints(const HardwareParameters& hardware,
-                                                              std::size_t joint);
 
 /// Worst-case load of a bus with the torque loop at this rate.
 [[nodiscard]] hal::BusLoad bus_load(const HardwareParameters& hardware, std::size_t bus,

@@ -22,9 +22,8 @@ DriverProtocol protocol_of(const HardwareParameters& hardware, std::size_t joint
 
 /// Largest identifier a driver can have.
 int largest_id(DriverProtocol protocol) {
-  if (protocol == DriverProtocol::moteus) return hal::protocol::kMoteusMaximumId;
-  if (protocol == DriverProtocol::odrive)
-    return hal::protocol::kOdriveMaximumNode - 1;         // the last is for all
+  if (protocol == DriverProtocol::moteus) return hal::moteus::kMoteusMaximumId;
+  if (protocol == DriverProtocol::odrive) return hal::odrive::kOdriveMaximumNode - 1;  // the last is for all
   if (protocol == DriverProtocol::mit_damiao) return 15;  // four bits of the reply tell who answers
   return 255;                                             // a byte of the reply tells who answers
 }

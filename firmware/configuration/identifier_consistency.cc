@@ -5,12 +5,12 @@
 
 #include "firmware/configuration/channel_text.h"
 #include "firmware/configuration/hardware_consistency.h"
-#include "hal/node_identifiers.h"
+#include "hal/robot/wiring_load.h"
 
 namespace stilt::configuration {
 namespace {
 
-using hal::protocol::BaseChannel;
+using hal::BaseChannel;
 
 /// A driver, or a frame of the base sensor, as people know it.
 struct Node {
@@ -40,7 +40,7 @@ std::vector<Node> drivers(const HardwareParameters& hardware) {
   std::vector<Node> nodes;
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
     nodes.push_back({kNames[joint].first, kNames[joint].second, hardware.joint[joint].bus,
-                     hal::identifiers(wiring.joints[joint])});
+                     hal::identifiers(wiring.joints[joint].driver)});
   }
   return nodes;
 }

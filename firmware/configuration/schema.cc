@@ -21,7 +21,7 @@ using ocp::CostParameters;
 using ocp::DiscretisationParameters;
 using ocp::EqualityParameters;
 using ocp::InequalityParameters;
-using solver::SqpParameters;
+using sqp::SqpParameters;
 using P = Parameters;
 using namespace fields;
 

@@ -64,7 +64,7 @@ std::optional<std::string> buses_mistake(const std::string& line) {
 }
 
 std::optional<std::string> channel_mistake(const std::string& line) {
-  const auto row = parse_channel(line, hal::protocol::BaseChannel::pitch_rad);
+  const auto row = parse_channel(line, hal::BaseChannel::pitch_rad);
   return row ? std::nullopt : std::optional(row.error());
 }
 

@@ -6,7 +6,7 @@
 #include "firmware/control_loop/mailboxes.h"
 #include "firmware/control_loop/standing_pose.h"
 #include "firmware/supervisor/supervisor.h"
-#include "hal/robot.h"
+#include "hal/robot/robot.h"
 #include "mpc_core/control/estimator.h"
 #include "mpc_core/control/torque_law.h"
 

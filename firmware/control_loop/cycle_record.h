@@ -20,7 +20,7 @@ struct CycleRecord {
   int nodes = 0;
   std::uint64_t checksum = 0;  ///< see plan_checksum(); 0 without a plan
   std::int64_t solve_ns = 0;   ///< 0 in lock-step
-  solver::SolveReport report;
+  sqp::SolveReport report;
 };
 
 /// Some nodes of a plan, for drawing.

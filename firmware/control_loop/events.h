@@ -7,7 +7,7 @@
 #include "firmware/supervisor/fault.h"
 #include "firmware/supervisor/state.h"
 #include "hal/bring_up/bring_up.h"
-#include "hal/driver_fault.h"
+#include "hal/driver/driver_fault.h"
 
 namespace stilt::control_loop {
 

@@ -6,7 +6,7 @@
 #include "mpc_core/control/planner.h"
 #include "mpc_core/gait/command.h"
 #include "mpc_core/model/types.h"
-#include "mpc_core/solver/solve_report.h"
+#include "mpc_core/sqp/solve_report.h"
 
 /// What the threads of the controller hand each other.
 namespace stilt::control_loop {
@@ -46,7 +46,7 @@ struct PlanningResult {
   std::uint32_t failures_in_a_row = 0;  ///< solves without a usable plan
   std::uint32_t session = 0;            ///< of the request it answers
   std::int64_t solve_ns = 0;            ///< duration of the newest solve; 0 in lock-step
-  solver::SolveStatus status = solver::SolveStatus::iteration_limit;
+  sqp::SolveStatus status = sqp::SolveStatus::iteration_limit;
 };
 
 }  // namespace stilt::control_loop

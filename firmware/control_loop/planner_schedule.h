@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "firmware/control_loop/planner_task.h"
-#include "hal/clock.h"
+#include "hal/robot/clock.h"
 
 namespace stilt::control_loop {
 

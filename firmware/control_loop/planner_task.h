@@ -61,14 +61,14 @@ class PlannerTask {
   [[nodiscard]] const PlanningResult& result() const noexcept { return result_; }
 
   /// Of the newest solve.
-  [[nodiscard]] const solver::SolveReport& report() const noexcept { return report_; }
+  [[nodiscard]] const sqp::SolveReport& report() const noexcept { return report_; }
 
   [[nodiscard]] control::Planner& planner() noexcept { return planner_; }
 
  private:
   control::Planner planner_;
   PlanningResult result_;
-  solver::SolveReport report_;
+  sqp::SolveReport report_;
   std::uint32_t tuning_ = 0;
   double previewed_s_ = -1.0;  ///< start of the newest preview
 };

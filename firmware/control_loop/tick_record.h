@@ -7,7 +7,7 @@
 #include "firmware/control_loop/messages.h"
 #include "firmware/exchange/black_box.h"
 #include "firmware/supervisor/supervisor.h"
-#include "hal/robot.h"
+#include "hal/robot/robot.h"
 
 namespace stilt::control_loop {
 

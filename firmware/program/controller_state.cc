@@ -10,16 +10,15 @@ namespace {
 /// Joints may be found a little beyond their travel.
 constexpr double kTravelMargin_rad = 0.1;
 
-hardware::DemandsOfJoints demands_of(const configuration::HardwareParameters& hardware,
+hal::BringUpOptions bring_up_options(const configuration::HardwareParameters& hardware,
                                      const model::RobotConstants& robot) {
-  hardware::DemandsOfJoints demands;
+  hal::BringUpOptions options;
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
-    demands[joint].options =
+    options[joint] =
         configuration::bring_up_options(hardware, joint, robot.position_min_rad[joint] - kTravelMargin_rad,
                                         robot.position_max_rad[joint] + kTravelMargin_rad);
-    demands[joint].endpoints = configuration::odrive_endpoints(hardware, joint);
   }
-  return demands;
+  return options;
 }
 
 }  // namespace
@@ -41,7 +40,7 @@ std::expected<void, std::string> set_up(const Options& options, std::span<hal::F
   hal::RobotWiring wiring = configuration::robot_wiring(configuration.hardware);
   wiring.channel_period_ticks =
       configuration::base_period_ticks(configuration.hardware, configuration.timing.torque_rate_hz);
-  state.hardware.emplace(wiring, demands_of(configuration.hardware, robot->constants),
+  state.hardware.emplace(wiring, bring_up_options(configuration.hardware, robot->constants),
                          std::span(carried).first(buses.size()));
   state.control.attach(*state.hardware, state.mail);
   state.script.emplace(options.start, configuration.runtime.start_settle_s, options.duration_s);

@@ -11,10 +11,10 @@
 #include "firmware/control_loop/start_script.h"
 #include "firmware/diagnostics/figures.h"
 #include "firmware/exchange/latest_value.h"
-#include "firmware/hardware/lockstep_bus.h"
-#include "firmware/hardware/robot_hardware.h"
 #include "firmware/program/options.h"
 #include "firmware/program/outcome.h"
+#include "hal/robot/lockstep_bus.h"
+#include "hal/robot/robot_hardware.h"
 
 namespace stilt::telemetry {
 class Station;
@@ -34,8 +34,8 @@ struct ControllerState {
   std::optional<control_loop::StartScript> script;
   control_loop::TickRecord newest_tick;  ///< that housekeeping knows of
   std::int64_t start_ns = 0;             ///< time of the first tick, known to housekeeping
-  std::array<hardware::LockstepBus, hal::kMaximumBuses> lockstep_buses;
-  std::optional<hardware::RobotHardware> hardware;
+  std::array<hal::LockstepBus, hal::kMaximumBuses> lockstep_buses;
+  std::optional<hal::RobotHardware> hardware;
   std::function<void(std::size_t bus)>
       reconnect;                          ///< housekeeping connects a bus again, set by who opened it
   gait::GaitLibrary gaits;                ///< shipped for the robot; loaded at start, then constant

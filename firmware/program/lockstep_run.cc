@@ -2,7 +2,7 @@
 
 #include "firmware/control_loop/planner_schedule.h"
 #include "firmware/realtime/allocation_counter.h"
-#include "hal/clock.h"
+#include "hal/robot/clock.h"
 
 namespace stilt::program {
 namespace {
@@ -20,7 +20,7 @@ void run_lockstep(const Options& options, std::size_t bus_count, Signals& signal
                   Outcome& outcome) {
   control_loop::PlannerSchedule schedule(options.configuration.timing);
   const std::int64_t tick_ns = schedule.timing().tick_ns;
-  hardware::LockstepClock clock(std::span(state.lockstep_buses).first(bus_count), tick_ns, kPatience_s);
+  hal::LockstepClock clock(std::span(state.lockstep_buses).first(bus_count), tick_ns, kPatience_s);
   hal::MonotonicClock wall;
   if (!clock.open()) {
     outcome.error = "the simulated robot does not answer in lock-step; start stilt robot with --lockstep too";

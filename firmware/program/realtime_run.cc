@@ -8,13 +8,13 @@
 
 #include "firmware/diagnostics/histogram_text.h"
 #include "firmware/diagnostics/tick_csv.h"
-#include "firmware/hardware/round_trip.h"
 #include "firmware/program/service_manager.h"
 #include "firmware/realtime/allocation_counter.h"
 #include "firmware/realtime/pace.h"
 #include "firmware/realtime/system_call_guard.h"
 #include "firmware/realtime/thread.h"
-#include "hal/clock.h"
+#include "hal/robot/clock.h"
+#include "hal/robot/round_trip.h"
 
 namespace stilt::program {
 namespace {
@@ -40,7 +40,7 @@ long long page_faults() noexcept {
 struct Run {
   const Options& options;
   ControllerState& state;
-  hardware::RoundTrip round_trip;
+  hal::RoundTrip round_trip;
   std::atomic<bool> torque_done = false;
   std::atomic<bool> planner_end = false;
   std::atomic<bool> unguarded = false;  ///< --forbid-syscalls was asked for and cannot be had
@@ -59,7 +59,7 @@ void publish(ControllerState& state) noexcept {
 }
 
 /// Listens for the replies to what this tick has sent. @return  newest known round trip
-std::int64_t measure_round_trip(hardware::RoundTrip& meter, hal::MonotonicClock& clock, std::int64_t sent_ns,
+std::int64_t measure_round_trip(hal::RoundTrip& meter, hal::MonotonicClock& clock, std::int64_t sent_ns,
                                 std::int64_t give_up_ns, ControllerState& state) noexcept {
   const std::int64_t took_ns = meter.measure(clock, sent_ns, give_up_ns);
   if (took_ns >= 0) state.loop.bus_round_trip.add_ns(took_ns);
@@ -176,9 +176,9 @@ void save_black_box(const Options& options, ControllerState& state) {
 
 void run_realtime(const Options& options, Signals& signals, ControllerState& state, Outcome& outcome) {
   const configuration::RuntimeParameters& runtime = options.configuration.runtime;
-  Run run{options, state,
-          hardware::RoundTrip(configuration::robot_wiring(options.configuration.hardware),
-                              state.hardware->buses())};
+  Run run{
+      options, state,
+      hal::RoundTrip(configuration::robot_wiring(options.configuration.hardware), state.hardware->buses())};
   state.mail.black_box.set_aftermath(control_loop::kBlackBoxRecords / 4);
   realtime::Thread planner;
   realtime::Thread torque_loop;

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "firmware/configuration/hardware.h"
-#include "hal/wiring_load.h"
+#include "hal/robot/wiring_load.h"
 
 namespace stilt::program {
 

@@ -5,10 +5,10 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "firmware/hardware/round_trip.h"
 #include "firmware/realtime/pace.h"
 #include "firmware/realtime/thread.h"
-#include "hal/clock.h"
+#include "hal/robot/clock.h"
+#include "hal/robot/round_trip.h"
 
 namespace stilt::program {
 namespace {
@@ -25,7 +25,7 @@ struct Test {
         state(controller),
         stop(end),
         clock(time),
-        replies(hardware::reply_frames(configuration::robot_wiring(asked.configuration.hardware))) {
+        replies(hal::reply_frames(configuration::robot_wiring(asked.configuration.hardware))) {
     figures.enough_answered = asked.configuration.runtime.self_test_answered_share;
     figures.enough_in_time = asked.configuration.runtime.self_test_in_time_share;
   }
@@ -34,7 +34,7 @@ struct Test {
   ControllerState& state;
   const std::atomic<bool>& stop;
   hal::Clock& clock;
-  std::array<hardware::ReplyFrame, hal::kJoints> replies;
+  std::array<hal::ReplyFrame, hal::kJoints> replies;
   SelfTestFigures figures;
   hal::RobotReadings readings;
   bool base_is_new = false;
@@ -51,7 +51,7 @@ std::int64_t begin_tick(Test& test, realtime::Pace& pace) {
 }
 
 bool bring_up(Test& test, realtime::Pace& pace) {
-  hardware::RobotHardware& hardware = *test.state.hardware;
+  hal::RobotHardware& hardware = *test.state.hardware;
   hardware.begin_bring_up();
   hal::BringUpProgress progress;
   for (long long tick = 0; tick < kBringUpTicks && !progress.ready && !progress.failed; ++tick) {
@@ -70,7 +70,7 @@ void count(Test& test) {
   SelfTestFigures& figures = test.figures;
   ++figures.ticks;
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
-    const hardware::ReplyFrame& reply = test.replies[joint];
+    const hal::ReplyFrame& reply = test.replies[joint];
     const bool in_time = test.readings.joints[joint].missed == 0;
     if (in_time) ++figures.in_time[joint];
     if (!reply.exists && in_time) ++figures.answered[joint];
@@ -83,7 +83,7 @@ void count(Test& test) {
 }
 
 void forget(Test& test) {
-  for (hardware::TapBus& bus : test.state.hardware->buses()) bus.forget();
+  for (hal::TapBus& bus : test.state.hardware->buses()) bus.forget();
 }
 
 /// Commands of a joint that never left, since the start: its part of those of its bus, whose joints are
@@ -98,9 +98,9 @@ long long withheld(Test& test, std::size_t joint) {
 
 /// Commands zero torque, and counts; a last tick without command takes the last replies.
 void talk(Test& test, realtime::Pace& pace, std::int64_t tick_ns) {
-  hardware::RobotHardware& hardware = *test.state.hardware;
-  hardware::RoundTrip round_trip(configuration::robot_wiring(test.options.configuration.hardware),
-                                 hardware.buses());
+  hal::RobotHardware& hardware = *test.state.hardware;
+  hal::RoundTrip round_trip(configuration::robot_wiring(test.options.configuration.hardware),
+                            hardware.buses());
   const long long ticks = std::llround(test.options.self_test_s * 1e9 / static_cast<double>(tick_ns));
   const std::uint64_t errors = hardware.errors();
   std::array<long long, hal::kJoints> before;
@@ -132,7 +132,7 @@ void run(void* context) {
   static_cast<void>(test.state.hardware->disable());
 }
 
-void run_in_turns(Test& test, hardware::LockstepClock& clock) {
+void run_in_turns(Test& test, hal::LockstepClock& clock) {
   if (!clock.open()) {
     test.figures.failure = "the simulated robot does not answer in lock-step; start it with --lockstep too";
     return;
@@ -186,8 +186,8 @@ SelfTestFigures run_self_test(const Options& options, ControllerState& state, co
   }
   constexpr double kPatience_s = 10.0;
   const std::size_t buses = configuration::bus_names(options.configuration.hardware).size();
-  hardware::LockstepClock clock(std::span(state.lockstep_buses).first(buses),
-                                std::llround(1e9 / options.configuration.timing.torque_rate_hz), kPatience_s);
+  hal::LockstepClock clock(std::span(state.lockstep_buses).first(buses),
+                           std::llround(1e9 / options.configuration.timing.torque_rate_hz), kPatience_s);
   Test test(options, state, stop, clock);
   run_in_turns(test, clock);
   return test.figures;

@@ -5,9 +5,9 @@
 #include "firmware/supervisor/fallback.h"
 #include "firmware/supervisor/fault.h"
 #include "firmware/supervisor/parameters.h"
-#include "hal/base_sensor.h"
-#include "hal/emergency_stop.h"
-#include "hal/joint_bus.h"
+#include "hal/robot/joint_bus.h"
+#include "hal/sensors/base_sensor.h"
+#include "hal/sensors/emergency_stop.h"
 
 /// Pure functions from what a tick knows to faults. Every one is real-time. NaN never passes for healthy
 /// where a value must be there, and never counts where a driver need not say it (temperature, voltage,

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "firmware/supervisor/parameters.h"
-#include "hal/joint_bus.h"
+#include "hal/robot/joint_bus.h"
 
 /// The commands the supervisor gives instead of the torque law's. Pure, real-time.
 namespace stilt::supervisor {

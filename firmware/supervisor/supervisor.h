@@ -7,7 +7,7 @@
 #include "firmware/supervisor/fault.h"
 #include "firmware/supervisor/parameters.h"
 #include "firmware/supervisor/state.h"
-#include "hal/joint_bus.h"
+#include "hal/robot/joint_bus.h"
 #include "mpc_core/gait/command.h"
 
 namespace stilt::supervisor {

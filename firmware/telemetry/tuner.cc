@@ -14,7 +14,7 @@ Tuner::Tuner(const configuration::Configuration& configuration, const model::Rob
       robot_(robot),
       mail_(mail),
       tunables_(configuration::live_tunables(configuration)),
-      work_(std::make_unique<solver::TerminalCostWorkspace>()) {
+      work_(std::make_unique<sqp::TerminalCostWorkspace>()) {
   for (const LiveTunable& tunable : tunables_) values_.push_back(tunable.start_value);
   static_cast<void>(prepare(values_));  // the planner was configured with them already
 }

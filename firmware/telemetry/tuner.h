@@ -43,7 +43,7 @@ class Tuner {
   std::vector<double> values_;
   std::uint32_t number_ = 0;
   control::PlannerSettings settings_;
-  std::unique_ptr<solver::TerminalCostWorkspace> work_;
+  std::unique_ptr<sqp::TerminalCostWorkspace> work_;
 };
 
 }  // namespace stilt::telemetry

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "hal/absolute_turn.h"
+#include "hal/bring_up/absolute_turn.h"
 
 namespace stilt::hal::bring_up {
 namespace {

@@ -4,8 +4,8 @@
 #include <limits>
 #include <span>
 
-#include "hal/driver_fault.h"
-#include "hal/frame.h"
+#include "hal/can/frame.h"
+#include "hal/driver/driver_fault.h"
 
 /// From a driver that has power to one that obeys: identify it, check its version and scaling, write its
 /// watchdog and read it back, check that its position means something, enable it without torque. Pure step

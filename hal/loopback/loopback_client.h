@@ -3,9 +3,9 @@
 #include <expected>
 #include <string>
 
+#include "hal/can/socketcan/descriptor.h"
+#include "hal/can/socketcan/frame_socket.h"
 #include "hal/loopback/loopback_address.h"
-#include "hal/socketcan/descriptor.h"
-#include "hal/socketcan/frame_socket.h"
 
 namespace stilt::hal::loopback {
 

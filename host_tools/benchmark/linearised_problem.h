@@ -2,34 +2,41 @@
 
 #include <vector>
 
-#include "mpc_core/ocp/linearise.h"
-#include "mpc_core/ocp/problem.h"
-#include "mpc_core/solver/riccati.h"
+#include "host_tools/benchmark/lq_stage.h"
+#include "mpc_core/ocp/stage_models.h"
 
 namespace stilt::benchmark {
 
-/// Room for the quadratic model of any planning problem. Large: to be placed on the heap.
-class LinearisedProblem {
- public:
-  LinearisedProblem() : stages_(ocp::kMaxStages), projections_(ocp::kMaxStages) {}
+/// Linearises all stages, as the backward sweep has it done.
+inline void linearise_all(ocp::StageModels& models, const ocp::ProblemData& data, const ocp::Problem& problem,
+                          const ocp::Trajectory& iterate) noexcept {
+  models.begin(data, problem, iterate);
+  for (int k = problem.horizon.stages - 1; k >= 0; --k) {
+    const ocp::StageModel model = models.at(k);
+    asm volatile("" : : "r"(&model.first), "r"(&model.second) : "memory");
+  }
+}
 
-  /// Linearises all stages around the iterate.
-  void linearise(const ocp::ProblemData& data, const ocp::Problem& problem,
-                 const ocp::Trajectory& iterate) noexcept {
-    ocp::linearise(data, problem, iterate, stages_.data(), projections_.data(), terminal_, workspace_);
+/// The quadratic model of a whole horizon: what a backward sweep reads of StageModels, kept.
+struct LinearisedProblem {
+  std::vector<LqStage> stages;
+  std::vector<ocp::InputProjection> projections;
+  lq::LqTerminal terminal;
+
+  LinearisedProblem(ocp::StageModels& models, const ocp::ProblemData& data, const ocp::Problem& problem,
+                    const ocp::Trajectory& iterate)
+      : stages(static_cast<std::size_t>(problem.horizon.stages)) {
+    models.begin(data, problem, iterate);
+    for (int k = problem.horizon.stages - 1; k >= 0; --k) {
+      const ocp::StageModel model = models.at(k);
+      stages[static_cast<std::size_t>(k)] = {model.first, model.second};
+    }
+    for (int k = 0; k < problem.horizon.stages; ++k) projections.push_back(models.inputs(k));
+    terminal = models.terminal();
   }
 
-  [[nodiscard]] const solver::LqStage* stages() const noexcept { return stages_.data(); }
-  [[nodiscard]] const solver::LqStage& stage(int k) const noexcept {
-    return stages_[static_cast<std::size_t>(k)];
-  }
-  [[nodiscard]] const solver::LqTerminal& terminal() const noexcept { return terminal_; }
-
- private:
-  std::vector<solver::LqStage> stages_;
-  std::vector<ocp::InputProjection> projections_;
-  solver::LqTerminal terminal_;
-  ocp::LineariseWorkspace workspace_;
+  /// What the forward sweep reads, in a row.
+  [[nodiscard]] std::vector<lq::LqFirstOrder> first_orders() const { return {stages.begin(), stages.end()}; }
 };
 
 }  // namespace stilt::benchmark

@@ -6,14 +6,10 @@
 #include <string>
 #include <type_traits>
 
-#include "mpc_core/solver/dense_stage.h"
-
 namespace stilt::benchmark {
 namespace {
 
-using solver::kRows;
-using solver::kStates;
-using solver::LqStage;
+using lq::kRows;
 
 template <class Vector>
 void copy_vector(const double* from, Vector& to) {
@@ -37,8 +33,8 @@ void copy_symmetric(const double (*from)[kRows], Matrix& to) {
 
 template <class Stage>
 void copy_state_part(const LqStage& from, Stage& to) {
-  to.A = solver::dense_dynamics(from);
-  to.Q = solver::dense_hessian(from);
+  to.A = dense_dynamics(from);
+  to.Q = dense_hessian(from);
   copy_vector(from.b, to.b);
   copy_vector(from.q, to.q);
 }
@@ -58,26 +54,26 @@ PlainStage<kInputs> plain_stage(const LqStage& from) {
 
 }  // namespace
 
-PlainSweep::PlainSweep(const LqStage* stages, int count, const solver::LqTerminal& terminal) {
-  for (int k = 0; k < count; ++k) {
-    switch (stages[k].free_inputs) {
+PlainSweep::PlainSweep(std::span<const LqStage> stages, const lq::LqTerminal& terminal) {
+  for (const LqStage& stage : stages) {
+    switch (stage.free_inputs) {
       case 0: {
         Transition to;
-        copy_state_part(stages[k], to);
+        copy_state_part(stage, to);
         stages_.emplace_back(to);
         break;
       }
       case 2:
-        stages_.emplace_back(plain_stage<2>(stages[k]));
+        stages_.emplace_back(plain_stage<2>(stage));
         break;
       case 3:
-        stages_.emplace_back(plain_stage<3>(stages[k]));
+        stages_.emplace_back(plain_stage<3>(stage));
         break;
       case 4:
-        stages_.emplace_back(plain_stage<4>(stages[k]));
+        stages_.emplace_back(plain_stage<4>(stage));
         break;
       default:
-        throw std::invalid_argument("PlainSweep: a stage has " + std::to_string(stages[k].free_inputs) +
+        throw std::invalid_argument("PlainSweep: a stage has " + std::to_string(stage.free_inputs) +
                                     " free inputs; 0, 2, 3 or 4 are known");
     }
   }

@@ -1,10 +1,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <span>
 #include <variant>
 #include <vector>
 
-#include "mpc_core/solver/riccati.h"
+#include "host_tools/benchmark/lq_stage.h"
 
 /// The Riccati recursion of riccati.h as one writes it with fixed-size Eigen: what the project's sweep is
 /// timed against, on the same data.
@@ -13,18 +14,18 @@ namespace stilt::benchmark {
 /// One stage with `kInputs` free inputs, in Eigen's own layout.
 template <int kInputs>
 struct PlainStage {
-  Eigen::Matrix<double, solver::kStates, solver::kStates> A, Q;
-  Eigen::Matrix<double, solver::kStates, kInputs> B;
-  Eigen::Matrix<double, kInputs, solver::kStates> S, K;
+  Eigen::Matrix<double, lq::kStates, lq::kStates> A, Q;
+  Eigen::Matrix<double, lq::kStates, kInputs> B;
+  Eigen::Matrix<double, kInputs, lq::kStates> S, K;
   Eigen::Matrix<double, kInputs, kInputs> R;
-  Eigen::Matrix<double, solver::kStates, 1> b, q;
+  Eigen::Matrix<double, lq::kStates, 1> b, q;
   Eigen::Matrix<double, kInputs, 1> r, k;
 };
 
 class PlainSweep {
  public:
   /// Copies the problem. Throws std::invalid_argument for a stage with 1 or more than 4 free inputs.
-  PlainSweep(const solver::LqStage* stages, int count, const solver::LqTerminal& terminal);
+  PlainSweep(std::span<const LqStage> stages, const lq::LqTerminal& terminal);
 
   /// The backward sweep; gains stay in the stages.
   void run();
@@ -34,8 +35,8 @@ class PlainSweep {
 
  private:
   struct Transition {  ///< no inputs
-    Eigen::Matrix<double, solver::kStates, solver::kStates> A, Q;
-    Eigen::Matrix<double, solver::kStates, 1> b, q;
+    Eigen::Matrix<double, lq::kStates, lq::kStates> A, Q;
+    Eigen::Matrix<double, lq::kStates, 1> b, q;
   };
   using Stage = std::variant<Transition, PlainStage<2>, PlainStage<3>, PlainStage<4>>;
 
@@ -44,8 +45,8 @@ class PlainSweep {
   void step(PlainStage<kInputs>& stage);
 
   std::vector<Stage> stages_;
-  Eigen::Matrix<double, solver::kStates, solver::kStates> terminal_, P_, PA_;
-  Eigen::Matrix<double, solver::kStates, 1> terminal_gradient_, p_, pb_;
+  Eigen::Matrix<double, lq::kStates, lq::kStates> terminal_, P_, PA_;
+  Eigen::Matrix<double, lq::kStates, 1> terminal_gradient_, p_, pb_;
 };
 
 }  // namespace stilt::benchmark

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mpc_core/solver/dense_stage.h"
+#include "mpc_core/lq/riccati.h"
 
 namespace stilt::benchmark {
 namespace {
@@ -36,17 +36,16 @@ struct EssentialModel {
   explicit EssentialModel(const PlainModel& m)
       : EssentialModel(m.A, m.B.leftCols(m.free), m.Q, m.S.topRows(m.free),
                        m.R.topLeftCorner(m.free, m.free)) {}
-  explicit EssentialModel(const solver::LqStage& stage)
-      : EssentialModel(solver::dense_dynamics(stage), columns(stage.B, stage.free_inputs),
-                       solver::dense_hessian(stage), columns(stage.S, stage.free_inputs).transpose(),
-                       input_hessian(stage)) {}
+  explicit EssentialModel(const LqStage& stage)
+      : EssentialModel(dense_dynamics(stage), columns(stage.B, stage.free_inputs), dense_hessian(stage),
+                       columns(stage.S, stage.free_inputs).transpose(), input_hessian(stage)) {}
 
  private:
-  static Eigen::MatrixXd columns(const double (*from)[solver::kRows], int count) {
-    using Padded = Eigen::Map<const Eigen::Matrix<double, solver::kRows, Eigen::Dynamic>>;
-    return Padded(&from[0][0], solver::kRows, count).topRows(kStates);
+  static Eigen::MatrixXd columns(const double (*from)[lq::kRows], int count) {
+    using Padded = Eigen::Map<const Eigen::Matrix<double, lq::kRows, Eigen::Dynamic>>;
+    return Padded(&from[0][0], lq::kRows, count).topRows(kStates);
   }
-  static Eigen::MatrixXd input_hessian(const solver::LqStage& stage) {
+  static Eigen::MatrixXd input_hessian(const LqStage& stage) {
     Eigen::MatrixXd R(stage.free_inputs, stage.free_inputs);
     for (int i = 0; i < stage.free_inputs; ++i) {
       for (int j = i; j < stage.free_inputs; ++j) R(i, j) = R(j, i) = stage.R[i][j];
@@ -63,33 +62,41 @@ double difference(const EssentialModel& a, const EssentialModel& b) {
       {relative(a.dynamics, b.dynamics), relative(a.hessian, b.hessian), relative(a.influence, b.influence)});
 }
 
-LinearisedProblem linearised(const control::Planner& planner) {
-  LinearisedProblem linearised;
-  linearised.linearise(planner.problem_data(), planner.problem(), planner.solution());
-  return linearised;
-}
-
 }  // namespace
 
 PlannerKernels::PlannerKernels(const control::Planner& planner)
     : data_(planner.problem_data()),
       problem_(planner.problem()),
       iterate_(planner.solution()),
-      linearised_(linearised(planner)),
+      linearised_(models_, data_, problem_, iterate_),
+      first_orders_(linearised_.first_orders()),
       gains_(static_cast<std::size_t>(stages())),
       steps_(gains_.size() + 1),
-      plain_(linearised_.stages(), stages(), linearised_.terminal()) {}
+      plain_(linearised_.stages, linearised_.terminal) {}
 
-void PlannerKernels::linearise() { linearised_.linearise(data_, problem_, iterate_); }
+void PlannerKernels::linearise() { linearise_all(models_, data_, problem_, iterate_); }
+
+void PlannerKernels::linearise_and_sweep() {
+  models_.begin(data_, problem_, iterate_);
+  lq::BackwardSweep sweep(models_.terminal(), workspace_);
+  for (int k = stages() - 1; k >= 0; --k) {
+    const ocp::StageModel stage = models_.at(k);
+    keep(sweep.step(stage.first, stage.second, gains_[static_cast<std::size_t>(k)]));
+  }
+  lq::forward_sweep(models_.stages(), stages(), gains_.data(), x0_, steps_.data());
+}
 
 void PlannerKernels::backward_sweep() {
-  keep(solver::backward_sweep(linearised_.stages(), stages(), linearised_.terminal(), gains_.data(),
-                              workspace_));
+  lq::BackwardSweep sweep(linearised_.terminal, workspace_);
+  for (int k = stages() - 1; k >= 0; --k) {
+    const auto i = static_cast<std::size_t>(k);
+    keep(sweep.step(linearised_.stages[i], linearised_.stages[i], gains_[i]));
+  }
 }
 
 void PlannerKernels::sweep() {
   backward_sweep();
-  solver::forward_sweep(linearised_.stages(), stages(), gains_.data(), x0_, steps_.data());
+  lq::forward_sweep(first_orders_.data(), stages(), gains_.data(), x0_, steps_.data());
 }
 
 void PlannerKernels::evaluate() { keep(ocp::evaluate(data_, problem_, iterate_)); }
@@ -133,14 +140,14 @@ void PlannerKernels::batched_nodes() {
 }
 
 double PlannerKernels::linearisation_difference() {
-  linearise();
   double worst = 0.0;
   for (int b = 0; b < problem_.batches; ++b) {
     const ocp::StageBatch& batch = problem_.batch[b];
     for (int lane = 0; lane < batch.lanes; ++lane) {
       benchmark::plain_linearise(data_, batch, lane, iterate_, plain_model_);
-      worst = std::max(worst, difference(EssentialModel(linearised_.stage(batch.stage[lane])),
-                                         EssentialModel(plain_model_)));
+      worst = std::max(
+          worst, difference(EssentialModel(linearised_.stages[static_cast<std::size_t>(batch.stage[lane])]),
+                            EssentialModel(plain_model_)));
     }
   }
   return worst;
@@ -166,9 +173,7 @@ double PlannerKernels::sweep_difference() const {
 
 long long PlannerKernels::textbook_sweep_flops() const noexcept {
   long long sum = 0;
-  for (int k = 0; k < stages(); ++k) {
-    sum += benchmark::textbook_sweep_flops(linearised_.stage(k).free_inputs);
-  }
+  for (const LqStage& stage : linearised_.stages) sum += benchmark::textbook_sweep_flops(stage.free_inputs);
   return sum;
 }
 

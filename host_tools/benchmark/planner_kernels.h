@@ -16,14 +16,17 @@ class PlannerKernels {
   /// Copies problem and solution; the planner must have planned.
   explicit PlannerKernels(const control::Planner& planner);
 
-  /// The phases of one SQP iteration.
-  void linearise();  ///< all stages
-  void sweep();      ///< backward and forward sweep over what was linearised
-  void evaluate();   ///< cost and violation of one trial step
+  /// The phases of one SQP iteration, as the planner runs them.
+  void linearise();            ///< all stages
+  void linearise_and_sweep();  ///< all stages, each swept when it is linearised; then the forward sweep
+  void evaluate();             ///< cost and violation of one trial step
+
+  /// Both sweeps alone, over stages that were linearised before.
+  void sweep();
+  void backward_sweep();
 
   /// Plain versions on the same data.
   void plain_sweep() { plain_.run(); }  ///< backward only, in fixed-size Eigen
-  void backward_sweep();                ///< what plain_sweep() is to be compared with
   void plain_linearise();               ///< all flow stages, node by node in fixed-size Eigen
   void scalar_nodes();                  ///< generated derivatives of all flow stages, one by one
   void batched_nodes();                 ///< the same, a batch at a time
@@ -34,7 +37,7 @@ class PlannerKernels {
 
   /// Largest difference of what both linearisations make of a flow stage, relative to the larger of the
   /// matrices compared. They choose their free directions differently, so that what does not depend on that
-  /// choice is compared: A - B R^-1 S, Q - S'R^-1 S and B R^-1 B'. Linearises anew.
+  /// choice is compared: A - B R^-1 S, Q - S'R^-1 S and B R^-1 B'.
   [[nodiscard]] double linearisation_difference();
 
   /// textbook_sweep_flops() of all stages.
@@ -44,11 +47,13 @@ class PlannerKernels {
   ocp::ProblemData data_;
   ocp::Problem problem_;
   ocp::Trajectory iterate_;
+  ocp::StageModels models_;
   LinearisedProblem linearised_;
-  std::vector<solver::LqGain> gains_;
-  std::vector<solver::LqStep> steps_;
-  solver::RiccatiWorkspace workspace_;
-  alignas(64) double x0_[solver::kRows] = {};
+  std::vector<lq::LqFirstOrder> first_orders_;
+  std::vector<lq::LqGain> gains_;
+  std::vector<lq::LqStep> steps_;
+  lq::RiccatiWorkspace workspace_;
+  alignas(64) double x0_[lq::kRows] = {};
   PlainSweep plain_;
   PlainModel plain_model_;
 };

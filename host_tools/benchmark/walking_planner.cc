@@ -29,7 +29,7 @@ WalkingPlanner::WalkingPlanner(double horizon_s, const model::RobotModel& robot)
   if (!usable) throw std::runtime_error("WalkingPlanner: a plan failed");
 }
 
-solver::SolveReport WalkingPlanner::plan_next() noexcept {
+sqp::SolveReport WalkingPlanner::plan_next() noexcept {
   input.time_s += kPeriod_s;
   input.state = control::interpolate(*plan, input.time_s).state;
   return planner->plan(input, *plan);

@@ -12,7 +12,7 @@ struct WalkingPlanner {
   explicit WalkingPlanner(double horizon_s, const model::RobotModel& robot = model::amber3m());
 
   /// Moves 10 ms on along the plan and plans from there.
-  solver::SolveReport plan_next() noexcept;
+  sqp::SolveReport plan_next() noexcept;
 
   std::unique_ptr<control::Planner> planner = std::make_unique<control::Planner>();
   std::unique_ptr<control::Plan> plan = std::make_unique<control::Plan>();

@@ -1,5 +1,7 @@
 #include "host_tools/benchmark/work_table.h"
 
+#include <algorithm>
+
 namespace stilt::benchmark {
 namespace {
 
@@ -12,53 +14,66 @@ ExecutedWork settled_work(const Kernel& kernel) {
 
 }  // namespace
 
+template <class AnyBatch>
+void WorkTable::repeat(const ocp::Problem& whole, const AnyBatch& batch, int count, AnyBatch* batches,
+                       int& size) {
+  const int example = batch.stage[0];
+  part_.batches = part_.transition_batches = 0;
+  size = count;
+  part_.horizon.stages = count * batch.lanes;
+  for (int b = 0; b < count; ++b) {
+    batches[b] = batch;
+    for (int lane = 0; lane < model::kLanes; ++lane) {
+      const int k = b * batch.lanes + std::min(lane, batch.lanes - 1);
+      batches[b].stage[lane] = k;
+      part_.horizon.stage[static_cast<std::size_t>(k)] =
+          whole.horizon.stage[static_cast<std::size_t>(example)];
+      if (lane < batch.lanes) part_.place[k] = {b, whole.place[example].group, lane};
+    }
+  }
+}
+
 template <class Kernel>
 ExecutedWork WorkTable::sum_of(Parts& parts, const ocp::Problem& whole, const Kernel& kernel) {
   part_ = whole;
   // A batch is what a second one of the same adds: what is done once, if at all, belongs to no batch.
-  const auto added = [&](int& count) {
-    count = 1;
+  const auto added = [&](const auto& batch, auto* batches, int& size) {
+    repeat(whole, batch, 1, batches, size);
     const ExecutedWork one = settled_work(kernel);
-    count = 2;
+    repeat(whole, batch, 2, batches, size);
     const ExecutedWork second = settled_work(kernel) - one;
     if (!parts.fixed) parts.fixed = one - second;
     return second;
   };
   ExecutedWork total;
-  part_.transition_batches = 0;
   for (int b = 0; b < whole.batches; ++b) {
-    const model::ContactMode mode = whole.batch[b].mode;
-    const auto [known, is_new] = parts.batch.try_emplace({{mode.left, mode.right}, whole.batch[b].lanes});
-    if (is_new) {
-      part_.batch[0] = part_.batch[1] = whole.batch[b];
-      known->second = added(part_.batches);
-    }
+    const ocp::StageBatch& batch = whole.batch[b];
+    const auto [known, is_new] = parts.batch.try_emplace({{batch.mode.left, batch.mode.right}, batch.lanes});
+    if (is_new) known->second = added(batch, part_.batch, part_.batches);
     total += known->second;
   }
-  part_.batches = 0;
   for (int b = 0; b < whole.transition_batches; ++b) {
     const ocp::TransitionBatch& batch = whole.transition_batch[b];
-    const auto [known, is_new] = parts.touchdown.try_emplace({batch.touchdown[0], batch.touchdown[1]});
-    if (is_new) {
-      part_.transition_batch[0] = part_.transition_batch[1] = batch;
-      known->second = added(part_.transition_batches);
-    }
+    const auto [known, is_new] =
+        parts.touchdown.try_emplace({{batch.touchdown[0], batch.touchdown[1]}, batch.lanes});
+    if (is_new) known->second = added(batch, part_.transition_batch, part_.transition_batches);
     total += known->second;
   }
   total += *parts.fixed;
   return total;
 }
 
-ExecutedWork WorkTable::sweep_of(int inputs, const solver::LqStage& stage) {
-  const auto [known, is_new] = sweep_.try_emplace(inputs);
+ExecutedWork WorkTable::sweep_of(const ocp::StageModel& stage) {
+  const auto [known, is_new] = sweep_.try_emplace(stage.first.free_inputs);
   if (is_new) {
-    solver::LqGain gain;
-    solver::LqStep steps[2];
-    alignas(64) const double x0[solver::kRows] = {};
+    lq::LqGain gain;
+    lq::LqStep steps[2];
+    alignas(64) const double x0[lq::kRows] = {};
     const auto sweep = [&](int count) {
       return settled_work([&] {
-        (void)solver::backward_sweep(&stage, count, linearised_.terminal(), &gain, workspace_);
-        solver::forward_sweep(&stage, count, &gain, x0, steps);
+        lq::BackwardSweep backward(models_.terminal(), workspace_);
+        if (count > 0) (void)backward.step(stage.first, stage.second, gain);
+        lq::forward_sweep(&stage.first, count, &gain, x0, steps);
       });
     };
     empty_sweep_ = sweep(0);
@@ -72,13 +87,10 @@ IterationWork WorkTable::work_of(const control::Planner& planner) {
   const ocp::Problem& problem = planner.problem();
   const ocp::Trajectory& iterate = planner.solution();
   IterationWork work;
-  work.linearise = sum_of(linearise_, problem, [&] { linearised_.linearise(data, part_, iterate); });
+  work.linearise = sum_of(linearise_, problem, [&] { linearise_all(models_, data, part_, iterate); });
   work.evaluate = sum_of(evaluate_, problem, [&] { (void)ocp::evaluate(data, part_, iterate); });
-  linearised_.linearise(data, problem, iterate);
-  for (int k = 0; k < problem.horizon.stages; ++k) {
-    const solver::LqStage& stage = linearised_.stage(k);
-    work.sweep += sweep_of(stage.free_inputs, stage);
-  }
+  models_.begin(data, problem, iterate);
+  for (int k = problem.horizon.stages - 1; k >= 0; --k) work.sweep += sweep_of(models_.at(k));
   work.sweep += empty_sweep_;
   return work;
 }

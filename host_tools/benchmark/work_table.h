@@ -29,20 +29,23 @@ class WorkTable {
   using Feet = std::pair<bool, bool>;
   struct Parts {
     std::optional<ExecutedWork> fixed;
-    std::map<std::pair<Feet, int>, ExecutedWork> batch;  ///< by feet on the ground and lanes in use
-    std::map<Feet, ExecutedWork> touchdown;
+    std::map<std::pair<Feet, int>, ExecutedWork> batch;      ///< by feet on the ground and lanes in use
+    std::map<std::pair<Feet, int>, ExecutedWork> touchdown;  ///< by feet that land and lanes in use
   };
 
   template <class Kernel>
   [[nodiscard]] ExecutedWork sum_of(Parts& parts, const ocp::Problem& whole, const Kernel& kernel);
-  [[nodiscard]] ExecutedWork sweep_of(int inputs, const solver::LqStage& stage);
+  [[nodiscard]] ExecutedWork sweep_of(const ocp::StageModel& stage);
+  /// Makes part_ a problem of `count` batches like this one of the whole; `batches` are those of part_.
+  template <class AnyBatch>
+  void repeat(const ocp::Problem& whole, const AnyBatch& batch, int count, AnyBatch* batches, int& size);
 
   Parts linearise_, evaluate_;
   std::map<int, ExecutedWork> sweep_;  ///< by free inputs
   ExecutedWork empty_sweep_;
   ocp::Problem part_;  ///< a part of the problem
-  LinearisedProblem linearised_;
-  solver::RiccatiWorkspace workspace_;
+  ocp::StageModels models_;
+  lq::RiccatiWorkspace workspace_;
 };
 
 }  // namespace stilt::benchmark

@@ -29,7 +29,7 @@ using simulator::number_text;
 
 constexpr double kFastest_m_s = 2.0;
 
-void change_limit(const std::string& assignment, gait::GaitLimits& limits) {
+void change_limit(const std::string& assignment, gait_files::GaitLimits& limits) {
   const std::size_t equals = assignment.find('=');
   const std::string key = assignment.substr(0, equals);
   std::string known;
@@ -234,7 +234,7 @@ void add_task_options(CLI::App& command, GaitOptions& options) {
   command.add_option("--limit", options.limits, "changes a limit of the gait: KEY=VALUE; repeatable")
       ->allow_extra_args(false);
   std::string keys = "Keys of --limit:\n";
-  gait::GaitLimits defaults;
+  gait_files::GaitLimits defaults;
   for (const auto& field : gait_files::limit_fields()) {
     keys += std::string("  ") + field.key + " (" + number_text(field.values(defaults)[0]) +
             "): " + field.meaning + "\n";

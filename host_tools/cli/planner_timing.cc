@@ -25,9 +25,9 @@ PlannerTimings time_planner(control::Planner& planner, const std::vector<control
   planner.reset(0.0);
   for (std::size_t i = 0; i < inputs.size(); ++i) {
     const long long start_ns = steady_ns();
-    const solver::SolveReport report = planner.plan(inputs[i], *plan);
+    const sqp::SolveReport report = planner.plan(inputs[i], *plan);
     const double solve_us = 1e-3 * static_cast<double>(steady_ns() - start_ns);
-    const solver::PhaseTimes& phases = planner.phase_times();
+    const sqp::PhaseTimes& phases = planner.phase_times();
     timings.solve_us.push_back(solve_us);
     timings.linearise_us.push_back(phases.linearise_us);
     timings.riccati_us.push_back(phases.riccati_us);

@@ -31,7 +31,7 @@ bool walk(const ControllerChoice& choice, double speed_m_s, int count,
     observer.before();
     return true;
   };
-  settings.observer.planned = [&](const control_loop::PlanningRequest& request, const solver::SolveReport&) {
+  settings.observer.planned = [&](const control_loop::PlanningRequest& request, const sqp::SolveReport&) {
     observer.after({request.time_s, request.state, request.command});
   };
   return simulator::run_closed_loop(plant, controller, settings).summary.survived;

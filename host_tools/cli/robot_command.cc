@@ -57,7 +57,7 @@ void check_outputs(const RobotOptions& options) {
 Json drivers_json(const RobotOnBus& robot) {
   Json drivers = Json::array();
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
-    const hal::mock::EmulatedDriver& driver = robot.drivers().driver(joint);
+    const hal::EmulatedDriver& driver = robot.drivers().driver(joint);
     drivers.push_back({{"joint", simulator::joint_name(joint)},
                        {"powered", driver.powered()},
                        {"enabled", driver.enabled()},

@@ -4,6 +4,7 @@
 #include <variant>
 
 #include "firmware/configuration/configuration.h"
+#include "hal/robot/wiring_load.h"
 #include "host_tools/cli/controller_choice.h"
 #include "host_tools/cli/run_description.h"
 #include "host_tools/cli/usage_error.h"
@@ -21,12 +22,6 @@ configuration::Configuration configuration_of(const RobotOptions& options) {
   for (const std::string& bus : options.buses) buses += (buses.empty() ? "" : ",") + bus;
   if (!buses.empty()) overrides.push_back({"hardware.buses=" + buses, "--bus"});
   return load_configuration(options.robot, options.config_file, options.preset, overrides);
-}
-
-bool needs_fd(const hal::RobotWiring& wiring) {
-  return std::ranges::any_of(wiring.joints, [](const hal::JointWiring& joint) {
-    return std::holds_alternative<hal::protocol::MoteusDriver>(joint.driver);
-  });
 }
 
 std::vector<simulator::TimedFault> faults_of(const RobotOptions& options, std::size_t bus_count) {
@@ -66,9 +61,8 @@ SimulatedHardware simulated_hardware(const RobotOptions& options) {
   robot_on_bus::RobotSetup& setup = hardware.setup;
   setup.wiring = configuration::robot_wiring(configured.hardware);
   setup.bus_count = hardware.bus_names.size();
-  hardware.fd = needs_fd(setup.wiring);
-  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
-    setup.odrive_endpoints[joint] = configuration::odrive_endpoints(configured.hardware, joint);
+  for (std::size_t bus = 0; bus < setup.bus_count; ++bus) {
+    hardware.fd = hardware.fd || hal::uses_fd(setup.wiring, bus);
   }
   setup.base_rate_hz = configured.hardware.base_sensor.rate_hz;
   setup.wiring.channel_period_ticks =

@@ -35,7 +35,7 @@ class Verdict {
   std::vector<Violation> violations_;
 };
 
-void check_limits(const GaitFigures& f, const gait::GaitLimits& limits, Verdict& verdict) {
+void check_limits(const GaitFigures& f, const gait_files::GaitLimits& limits, Verdict& verdict) {
   const auto largest = [](const double* values) { return *std::max_element(values, values + kJoints); };
   verdict.at_most("torque_Nm", largest(f.peak_torque_Nm), limits.torque_Nm);
   verdict.at_least("joint_position_margin_rad", f.joint_position_margin_rad,

@@ -167,7 +167,7 @@ std::string figures_table(const gait_files::GaitRecord& record, const GaitCheck&
             escaped(field.meaning) + "</td></tr>";
   }
   rows += "</table><br><table><tr><th>limit</th><th>value</th><th></th></tr>";
-  gait::GaitLimits limits = record.limits;
+  gait_files::GaitLimits limits = record.limits;
   for (const auto& field : gait_files::limit_fields()) {
     rows += std::string("<tr><td>") + field.key + "</td><td class='n'>" + number(field.values(limits)[0]) +
             "</td><td>" + escaped(field.meaning) + "</td></tr>";

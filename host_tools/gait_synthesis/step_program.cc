@@ -57,7 +57,7 @@ StepProgram::Phase StepProgram::phase(const VectorXd& v, int k) const {
 
 StepProgram::Bounds StepProgram::variable_bounds() const {
   Bounds bounds{VectorXd::Constant(variables(), -kFree), VectorXd::Constant(variables(), kFree)};
-  const gait::GaitLimits& limits = task_.limits;
+  const gait_files::GaitLimits& limits = task_.limits;
   for (int k = 0; k < nodes_; ++k) {
     const int at = node_at(k);
     bounds.lower[at + kFirstAngle] = -kShare * limits.pitch_rad;
@@ -76,7 +76,7 @@ StepProgram::Bounds StepProgram::variable_bounds() const {
 }
 
 void StepProgram::bound_node(int k, Bounds& bounds) const {
-  const gait::GaitLimits& limits = task_.limits;
+  const gait_files::GaitLimits& limits = task_.limits;
   const bool first = k == 0;
   const bool last = k == nodes_ - 1;
   const auto set = [&](int row, double lower, double upper) {

@@ -1,9 +1,9 @@
 #pragma once
 
+#include "firmware/configuration/gaits/gait_limits.h"
 #include "host_tools/gait_synthesis/lobatto.h"
 #include "host_tools/gait_synthesis/step_node.h"
 #include "host_tools/nonlinear_program/nonlinear_program.h"
-#include "mpc_core/gait/gait_limits.h"
 #include "mpc_core/gait/hzd_gait.h"
 
 namespace stilt::gait_synthesis {
@@ -17,7 +17,7 @@ struct StepTask {
   int elements = 8;        ///< equal parts of the step
   int element_degree = 4;  ///< of the polynomials within one; order of accuracy twice that
   CostKind cost = CostKind::torque_squared;
-  gait::GaitLimits limits;
+  gait_files::GaitLimits limits;
 
   [[nodiscard]] double step_length_m() const { return speed_m_s * step_time_s; }
 };

@@ -40,7 +40,7 @@ struct PlanSnapshot {
 struct SolveSample {
   double time_s = 0.0;
   double solve_us = 0.0;
-  solver::SolveReport report;
+  sqp::SolveReport report;
 };
 
 struct Step {

@@ -34,7 +34,7 @@ struct TickSample {
 struct PlannerSample {
   std::uint64_t cycle = 0;  ///< counts from 0 or 1; a gap is a drop
   double time_s = 0.0;      ///< of the state it planned from
-  int status = 0;           ///< number of solver::SolveStatus
+  int status = 0;           ///< number of sqp::SolveStatus
   int iterations = 0;
   double defect_max = 0.0;              ///< mixed SI units
   double equality_violation_max = 0.0;  ///< m/s^2 or N

@@ -96,7 +96,7 @@ control_loop::CycleRecord cycle_record(const PlannerCycle& message) {
   record.nodes = message.nodes;
   record.checksum = message.checksum;
   record.solve_ns = message.solve_ns;
-  record.report.status = static_cast<solver::SolveStatus>(message.status);
+  record.report.status = static_cast<sqp::SolveStatus>(message.status);
   record.report.iterations = message.iterations;
   record.report.cost = message.cost;
   record.report.dynamics_defect_max = message.dynamics_defect_max;

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "firmware/control_loop/tick_record.h"
-#include "hal/robot.h"
+#include "hal/robot/robot.h"
 
 namespace stilt::replay {
 

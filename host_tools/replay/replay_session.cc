@@ -21,7 +21,7 @@ class TuningsOf {
       : session_(session),
         configuration_(configuration),
         robot_(model::find_robot(configuration.hardware.robot.c_str())),
-        work_(std::make_unique<solver::TerminalCostWorkspace>()) {}
+        work_(std::make_unique<sqp::TerminalCostWorkspace>()) {}
 
   /// Nothing when the record lacks them, or this program has other tunables.
   [[nodiscard]] std::optional<Tunings> operator()(std::uint32_t number) const {
@@ -48,7 +48,7 @@ class TuningsOf {
   const SessionRecord& session_;
   const configuration::Configuration& configuration_;
   const model::RobotModel* robot_;
-  std::unique_ptr<solver::TerminalCostWorkspace> work_;
+  std::unique_ptr<sqp::TerminalCostWorkspace> work_;
 };
 
 Outcome failed(const std::string& problem) {

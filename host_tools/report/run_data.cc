@@ -133,7 +133,7 @@ Json solves_json(const std::vector<log::SolveSample>& solves) {
   add("dynamics_defect_max", [](const Solve& s) { return s.report.dynamics_defect_max; });
   add("equality_violation_max", [](const Solve& s) { return s.report.equality_violation_max; });
   Json json = columns.json();
-  // In the order of solver::SolveStatus.
+  // In the order of sqp::SolveStatus.
   json["status_names"] = {"converged", "iteration limit", "step rejected", "not finite", "not convex"};
   return json;
 }

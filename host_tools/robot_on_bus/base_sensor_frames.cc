@@ -5,7 +5,7 @@
 namespace stilt::robot_on_bus {
 namespace {
 
-std::size_t end_byte(const hal::protocol::ChannelRow& row) {
+std::size_t end_byte(const hal::ChannelRow& row) {
   return row.byte_offset + (static_cast<std::size_t>(row.bits) + row.bit_offset + 7) / 8;
 }
 
@@ -13,7 +13,7 @@ std::size_t end_byte(const hal::protocol::ChannelRow& row) {
 
 BaseSensorFrames::BaseSensorFrames(const hal::RobotWiring& wiring) {
   for (std::size_t i = 0; i < wiring.channel_count; ++i) {
-    const hal::protocol::ChannelRow& row = wiring.channels[i];
+    const hal::ChannelRow& row = wiring.channels[i];
     const auto same = std::ranges::find_if(frames_, [&row](const hal::CanFrame& frame) {
       return frame.id == row.id && frame.extended == row.extended;
     });
@@ -32,8 +32,7 @@ BaseSensorFrames::BaseSensorFrames(const hal::RobotWiring& wiring) {
 const std::vector<hal::CanFrame>& BaseSensorFrames::encode(const BaseValues& values) {
   for (const Row& row : rows_) {
     const double value = values[static_cast<std::size_t>(row.channel.channel)];
-    static_cast<void>(
-        hal::protocol::encode(row.channel, value, frames_[row.frame]));  // valid row, finite value
+    static_cast<void>(hal::encode(row.channel, value, frames_[row.frame]));  // valid row, finite value
   }
   return frames_;
 }

@@ -3,14 +3,14 @@
 #include <array>
 #include <vector>
 
-#include "hal/frame.h"
-#include "hal/protocol/base_sensor_table.h"
-#include "hal/robot_wiring.h"
+#include "hal/can/frame.h"
+#include "hal/robot/robot_wiring.h"
+#include "hal/sensors/base_sensor_table.h"
 
 namespace stilt::robot_on_bus {
 
 /// Values of the channels, by BaseChannel, SI units.
-using BaseValues = std::array<double, hal::protocol::kBaseChannels>;
+using BaseValues = std::array<double, hal::kBaseChannels>;
 
 /// The base sensor's side of the wiring's channel table: one frame an identifier, each as long as its
 /// channels need.
@@ -24,7 +24,7 @@ class BaseSensorFrames {
 
  private:
   struct Row {
-    hal::protocol::ChannelRow channel;
+    hal::ChannelRow channel;
     std::size_t frame = 0;
   };
   std::vector<Row> rows_;

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "hal/frame_bus.h"
+#include "hal/can/frame_bus.h"
 #include "host_tools/robot_on_bus/frame_log.h"
 #include "host_tools/robot_on_bus/robot_on_bus.h"
 

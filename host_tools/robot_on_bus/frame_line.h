@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "hal/frame.h"
+#include "hal/can/frame.h"
 #include "host_tools/simulator/fault_plan.h"
 
 namespace stilt::robot_on_bus {

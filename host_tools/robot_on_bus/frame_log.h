@@ -4,7 +4,7 @@
 #include <fstream>
 #include <string>
 
-#include "hal/frame.h"
+#include "hal/can/frame.h"
 
 namespace stilt::robot_on_bus {
 

@@ -2,28 +2,21 @@
 
 #include <array>
 #include <cstddef>
-#include <variant>
 
-#include "hal/bring_up/odrive_bring_up.h"
-#include "hal/mock/mit_emulator.h"
-#include "hal/mock/moteus_emulator.h"
-#include "hal/mock/odrive_emulator.h"
-#include "hal/robot_wiring.h"
+#include "hal/robot/emulated_joint.h"
+#include "hal/robot/robot_wiring.h"
 
 namespace stilt::robot_on_bus {
-
-using OdriveEndpoints = std::array<hal::bring_up::OdriveEndpoints, hal::kJoints>;
 
 /// The four emulated motor drivers of a robot, seen from its joints: the wiring's direction, ratio and offset
 /// lie between a joint and its driver's shaft.
 class JointDrivers {
  public:
-  /// @param wiring     valid
-  /// @param endpoints  of the joints whose driver is an ODrive
-  JointDrivers(const hal::RobotWiring& wiring, const OdriveEndpoints& endpoints);
+  /// @param wiring  valid
+  explicit JointDrivers(const hal::RobotWiring& wiring);
 
-  [[nodiscard]] hal::mock::EmulatedDriver& driver(std::size_t joint);
-  [[nodiscard]] const hal::mock::EmulatedDriver& driver(std::size_t joint) const;
+  [[nodiscard]] hal::EmulatedDriver& driver(std::size_t joint);
+  [[nodiscard]] const hal::EmulatedDriver& driver(std::size_t joint) const;
   [[nodiscard]] std::size_t bus(std::size_t joint) const { return wiring_.joints[joint].bus; }
 
   /// What the encoder of the joint reads from now on, rad and rad/s at the joint.
@@ -38,12 +31,8 @@ class JointDrivers {
   [[nodiscard]] bool all_enabled() const;
 
  private:
-  using Emulator = std::variant<hal::mock::MitEmulator, hal::mock::MoteusEmulator, hal::mock::OdriveEmulator>;
-  [[nodiscard]] static Emulator emulator(const hal::JointWiring& wiring,
-                                         const hal::bring_up::OdriveEndpoints& endpoints);
-
   hal::RobotWiring wiring_;
-  std::array<Emulator, hal::kJoints> emulators_;
+  std::array<hal::JointEmulator, hal::kJoints> emulators_;
 };
 
 }  // namespace stilt::robot_on_bus

@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "hal/protocol/lockstep.h"
+#include "hal/can/lockstep.h"
 
 namespace stilt::robot_on_bus {
 namespace {
@@ -26,8 +26,7 @@ void LockstepExchange::take(std::size_t bus) {
   Turn& turn = turns_[bus];
   for (const hal::CanFrame& frame : ends_.receive(bus)) {
     std::uint64_t tick = 0;
-    if (hal::protocol::decode_sync(hal::protocol::kControllerSyncId, frame, tick) ==
-        hal::protocol::DecodeStatus::ok) {
+    if (hal::decode_sync(hal::kControllerSyncId, frame, tick) == hal::DecodeStatus::ok) {
       turn.ended = tick;
     } else {
       turn.frames.push_back(frame);
@@ -61,7 +60,7 @@ bool LockstepExchange::poll() {
   if (*tick_ > 0) robot_.tick(now_ns() + tick_ns_);
   ends_.send_outgoing(now_ns());
   for (std::size_t bus = 0; bus < turns_.size(); ++bus) {
-    ends_.send(bus, hal::protocol::sync_frame(hal::protocol::kRobotSyncId, *tick_));
+    ends_.send(bus, hal::sync_frame(hal::kRobotSyncId, *tick_));
   }
   return true;
 }

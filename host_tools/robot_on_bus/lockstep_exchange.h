@@ -8,7 +8,7 @@
 
 namespace stilt::robot_on_bus {
 
-/// The robot's side of lock-step (hal/protocol/lockstep.h). Time is virtual: one tick for each sync frame of
+/// The robot's side of lock-step (hal/can/lockstep.h). Time is virtual: one tick for each sync frame of
 /// the controller, so that nothing depends on how fast either side runs. Frames are delivered bus by bus once
 /// the controller has ended its turn on all of them, so that nothing depends on their order in time either.
 ///

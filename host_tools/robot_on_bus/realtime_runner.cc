@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hal/clock.h"
+#include "hal/robot/clock.h"
 #include "host_tools/robot_on_bus/run_end.h"
 #include "host_tools/robot_on_bus/runner.h"
 

@@ -53,7 +53,7 @@ void RobotOnBus::for_each_driver(const simulator::TimedFault& fault, Action&& ac
 }
 
 void RobotOnBus::begin_fault(std::int64_t now_ns, const simulator::TimedFault& fault) {
-  using Driver = hal::mock::EmulatedDriver;
+  using Driver = hal::EmulatedDriver;
   switch (fault.kind) {
     case simulator::FaultKind::bus_off:
       set_bus_off(now_ns, *fault.bus, true);
@@ -82,7 +82,7 @@ void RobotOnBus::begin_fault(std::int64_t now_ns, const simulator::TimedFault& f
 }
 
 void RobotOnBus::end_fault(std::int64_t now_ns, const simulator::TimedFault& fault) {
-  using Driver = hal::mock::EmulatedDriver;
+  using Driver = hal::EmulatedDriver;
   switch (fault.kind) {
     case simulator::FaultKind::bus_off:
       set_bus_off(now_ns, *fault.bus, false);
@@ -112,7 +112,7 @@ void RobotOnBus::end_fault(std::int64_t now_ns, const simulator::TimedFault& fau
 
 /// Drivers that measure their supply report it, the others let go with an under-voltage.
 void RobotOnBus::lower_supply(const simulator::TimedFault& fault) {
-  for_each_driver(fault, [](hal::mock::EmulatedDriver& driver) {
+  for_each_driver(fault, [](hal::EmulatedDriver& driver) {
     driver.motor.supply_V = kLowSupply_V;
     if (!driver.reports_supply()) driver.raise(hal::DriverFault::under_voltage);
   });

@@ -6,7 +6,7 @@
 namespace stilt::robot_on_bus {
 namespace {
 
-using hal::protocol::BaseChannel;
+using hal::BaseChannel;
 
 constexpr double kTorqueOn_Nm = 3.0;  // more than a damped, hanging leg asks for
 constexpr double kSittingHip = 0.85;  // of the nominal height
@@ -24,7 +24,7 @@ RobotOnBus::RobotOnBus(const RobotSetup& setup)
     : setup_(setup),
       plant_(setup.model, setup.plant, setup.seed),
       steps_a_tick_(static_cast<int>(std::lround(setup.tick_s / plant_.time_step_s()))),
-      drivers_(setup.wiring, setup.odrive_endpoints),
+      drivers_(setup.wiring),
       base_sensor_(setup.wiring),
       hoist_(setup.hoist, setup.standing, plant_.mass_kg() * model::kGravity_m_s2),
       line_(setup.faults),
@@ -50,7 +50,7 @@ void RobotOnBus::hear(std::int64_t now_ns, std::size_t bus, const hal::CanFrame&
   if (bus_off_[bus]) return;
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
     if (drivers_.bus(joint) != bus || line_.lost(fault_clock_s_, bus, joint)) continue;
-    hal::mock::FrameSink replies;
+    hal::FrameSink replies;
     drivers_.driver(joint).take(now_ns, frame, replies);
     for (const hal::CanFrame& reply : replies.frames())
       line_.send(fault_clock_s_, now_ns, {bus, joint}, reply);
@@ -112,7 +112,7 @@ void RobotOnBus::finish_tick(std::int64_t now_ns) {
 
 void RobotOnBus::run_timers(std::int64_t now_ns) {
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
-    hal::mock::FrameSink frames;
+    hal::FrameSink frames;
     drivers_.driver(joint).elapse(now_ns, frames);
     for (const hal::CanFrame& frame : frames.frames()) {
       line_.send(fault_clock_s_, now_ns, {drivers_.bus(joint), joint}, frame);

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "hal/frame.h"
-#include "hal/robot_wiring.h"
+#include "hal/can/frame.h"
+#include "hal/robot/robot_wiring.h"
 #include "host_tools/robot_on_bus/base_sensor_frames.h"
 #include "host_tools/robot_on_bus/frame_line.h"
 #include "host_tools/robot_on_bus/hoist.h"
@@ -23,7 +23,6 @@ namespace stilt::robot_on_bus {
 struct RobotSetup {
   hal::RobotWiring wiring;  ///< valid for bus_count
   std::size_t bus_count = 1;
-  OdriveEndpoints odrive_endpoints{};
   simulator::PlantModel model;
   simulator::PlantOptions plant;
   std::uint64_t seed = 1;

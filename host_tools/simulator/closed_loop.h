@@ -18,8 +18,8 @@ struct RunObserver {
   /// Called just before each of the planner's turns: false keeps it from planning. The first plan is made in
   /// any case.
   std::function<bool(double time_s)> plans = [](double) { return true; };
-  std::function<void(const control_loop::PlanningRequest&, const solver::SolveReport&)> planned =
-      [](const control_loop::PlanningRequest&, const solver::SolveReport&) {};
+  std::function<void(const control_loop::PlanningRequest&, const sqp::SolveReport&)> planned =
+      [](const control_loop::PlanningRequest&, const sqp::SolveReport&) {};
   std::function<void(const control_loop::TickRecord&)> ticked = [](const control_loop::TickRecord&) {};
 };
 

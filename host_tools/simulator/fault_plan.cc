@@ -5,7 +5,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "hal/robot_wiring.h"
+#include "hal/robot/robot_wiring.h"
 #include "host_tools/simulator/number.h"
 
 namespace stilt::simulator {

@@ -3,7 +3,7 @@
 #include <array>
 #include <vector>
 
-#include "hal/robot.h"
+#include "hal/robot/robot.h"
 #include "host_tools/simulator/fault_plan.h"
 #include "host_tools/simulator/plant.h"
 

@@ -7,7 +7,7 @@
 #include "firmware/control_loop/control_loop.h"
 #include "firmware/control_loop/planner_schedule.h"
 #include "firmware/control_loop/planner_task.h"
-#include "hal/clock.h"
+#include "hal/robot/clock.h"
 
 namespace stilt::simulator {
 
@@ -49,7 +49,7 @@ class SimulatedController {
   /// Of the newest tick.
   [[nodiscard]] const control_loop::PlanningRequest& request() const { return mail_->requests.newest(); }
   /// Of the newest solve.
-  [[nodiscard]] const solver::SolveReport& report() const { return planner_->report(); }
+  [[nodiscard]] const sqp::SolveReport& report() const { return planner_->report(); }
   [[nodiscard]] const control_loop::PlanTiming& timing() const { return schedule_.timing(); }
   [[nodiscard]] control::Planner& planner() { return planner_->planner(); }
 

@@ -2,7 +2,7 @@
 
 #include "mpc_core/gait/parameters.h"
 #include "mpc_core/ocp/parameters.h"
-#include "mpc_core/solver/sqp_parameters.h"
+#include "mpc_core/sqp/sqp_parameters.h"
 
 namespace stilt::control {
 
@@ -55,7 +55,7 @@ struct ControllerParameters {
   ocp::InequalityParameters inequality;
   ocp::EqualityParameters equality;
   ocp::DiscretisationParameters discretisation;
-  solver::SqpParameters sqp;
+  sqp::SqpParameters sqp;
   TorqueLawParameters torque_law;
   GaitTrackerParameters gait_tracker;
   EstimatorParameters estimator;

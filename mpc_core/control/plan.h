@@ -5,7 +5,7 @@
 #include "mpc_core/gait/command.h"
 #include "mpc_core/model/types.h"
 #include "mpc_core/ocp/horizon.h"
-#include "mpc_core/solver/solve_report.h"
+#include "mpc_core/sqp/solve_report.h"
 
 namespace stilt::control {
 
@@ -32,7 +32,7 @@ struct Plan {
   gait::GaitKind gait = gait::GaitKind::stand;  ///< gait in force at start_time_s
   double phase_end_s = 0.0;                     ///< end of the contact phase in force at start_time_s
   std::array<PlanNode, kMaxNodes> node;
-  solver::SolveReport report;
+  sqp::SolveReport report;
 };
 
 /// The plan at one time: positions on the cubic through the nodes' positions and velocities, velocities

@@ -43,7 +43,7 @@ model::FeetVector foot_positions(const model::RobotModel& robot, const model::St
 }  // namespace
 
 ConfigureStatus prepare_settings(const model::RobotModel& robot, const ControllerParameters& parameters,
-                                 solver::TerminalCostWorkspace& work, PlannerSettings& settings) noexcept {
+                                 sqp::TerminalCostWorkspace& work, PlannerSettings& settings) noexcept {
   if (!fits(parameters)) return ConfigureStatus::horizon_over_capacity;
   settings.parameters = parameters;
   ocp::ProblemData& data = settings.data;
@@ -59,8 +59,8 @@ ConfigureStatus prepare_settings(const model::RobotModel& robot, const Controlle
   const model::StateVector standing =
       gait::standing_state(robot.constants, parameters.reference.base_height_m,
                            parameters.reference.base_pitch_rad, parameters.gait.stand_half_width_m, true);
-  return solver::set_terminal_cost(data, standing, work) ? ConfigureStatus::ok
-                                                         : ConfigureStatus::terminal_cost_failed;
+  return sqp::set_terminal_cost(data, standing, work) ? ConfigureStatus::ok
+                                                      : ConfigureStatus::terminal_cost_failed;
 }
 
 ConfigureStatus Planner::configure(const model::RobotModel& robot,
@@ -165,11 +165,11 @@ void Planner::warm_start(const PlannerInput& input, ocp::Trajectory& guess) cons
   double unused[kInputs];
   guess_node(horizon.end_s, horizon.end_phase, false, guess.x[horizon.stages], unused, hint);
   std::copy(input.state.data(), input.state.data() + kStates, guess.x[0]);
-  for (int k = 0; k <= horizon.stages; ++k) std::fill(guess.x[k] + kStates, guess.x[k] + solver::kRows, 0.0);
+  for (int k = 0; k <= horizon.stages; ++k) std::fill(guess.x[k] + kStates, guess.x[k] + lq::kRows, 0.0);
 }
 
-solver::SolveReport Planner::plan(const PlannerInput& input, Plan& plan) noexcept {
-  solver::SolveReport report;
+sqp::SolveReport Planner::plan(const PlannerInput& input, Plan& plan) noexcept {
+  sqp::SolveReport report;
   const bool finite =
       std::isfinite(input.time_s) && input.state.allFinite() && std::isfinite(input.command.speed_m_s);
   if (!finite || !prepare(input)) return report;
@@ -187,7 +187,7 @@ solver::SolveReport Planner::plan(const PlannerInput& input, Plan& plan) noexcep
   return report;
 }
 
-void Planner::write_plan(const PlannerInput& input, const solver::SolveReport& report, Plan& plan) noexcept {
+void Planner::write_plan(const PlannerInput& input, const sqp::SolveReport& report, Plan& plan) noexcept {
   const ocp::Horizon& horizon = problem_.horizon;
   const ocp::Trajectory& solution = solution_[current_];
   const int phase = schedule_.index_at(input.time_s);

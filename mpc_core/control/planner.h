@@ -4,8 +4,8 @@
 #include "mpc_core/control/plan.h"
 #include "mpc_core/gait/reference.h"
 #include "mpc_core/model/robot.h"
-#include "mpc_core/solver/sqp.h"
-#include "mpc_core/solver/terminal_cost.h"
+#include "mpc_core/sqp/sqp.h"
+#include "mpc_core/sqp/terminal_cost.h"
 
 namespace stilt::control {
 
@@ -30,7 +30,7 @@ struct PlannerSettings {
 /// Works the settings out; milliseconds, not real time. `settings` is complete only when it says ok.
 [[nodiscard]] ConfigureStatus prepare_settings(const model::RobotModel& robot,
                                                const ControllerParameters& parameters,
-                                               solver::TerminalCostWorkspace& work,
+                                               sqp::TerminalCostWorkspace& work,
                                                PlannerSettings& settings) noexcept;
 
 /// The one entry to planning: measured state in, plan out. Keeps the contact schedule and the last solution,
@@ -55,11 +55,11 @@ class Planner {
 
   /// Plans from the input's state. A solve that fails reports so in the result and leaves `plan` untouched
   /// otherwise: the caller goes on with the older plan.
-  solver::SolveReport plan(const PlannerInput& input, Plan& plan) noexcept;
+  sqp::SolveReport plan(const PlannerInput& input, Plan& plan) noexcept;
 
   /// Clock for phase_times(); null (the default) measures nothing.
-  void set_clock(solver::ClockFunction clock) noexcept { sqp_.set_clock(clock); }
-  [[nodiscard]] const solver::PhaseTimes& phase_times() const noexcept { return sqp_.phase_times(); }
+  void set_clock(sqp::ClockFunction clock) noexcept { sqp_.set_clock(clock); }
+  [[nodiscard]] const sqp::PhaseTimes& phase_times() const noexcept { return sqp_.phase_times(); }
 
   /// The problem and its data as last solved, for tests and diagnostics.
   [[nodiscard]] const ocp::Problem& problem() const noexcept { return problem_; }
@@ -74,7 +74,7 @@ class Planner {
   [[nodiscard]] bool prepare(const PlannerInput& input) noexcept;
   void warm_start(const PlannerInput& input, ocp::Trajectory& guess) const noexcept;
   void guess_node(double time_s, int phase, bool is_end, double* x, double* u, int& hint) const noexcept;
-  void write_plan(const PlannerInput& input, const solver::SolveReport& report, Plan& plan) noexcept;
+  void write_plan(const PlannerInput& input, const sqp::SolveReport& report, Plan& plan) noexcept;
 
   ControllerParameters parameters_;
   ocp::ProblemData data_;
@@ -86,9 +86,9 @@ class Planner {
   double last_x_m_ = 0.0;
   long long sequence_ = 0;
 
-  solver::TerminalCostWorkspace terminal_cost_work_;
+  sqp::TerminalCostWorkspace terminal_cost_work_;
   ocp::Problem problem_;
-  solver::Sqp sqp_;
+  sqp::Sqp sqp_;
   ocp::Trajectory solution_[2];  ///< the last usable solution and the one in work
   ocp::Horizon solved_horizon_;  ///< of the last usable solution
   int current_ = 0;

@@ -2,29 +2,27 @@
 
 #include <bit>
 
+#include "mpc_core/lq/simd_columns.h"
 #include "mpc_core/ocp/problem.h"
 #include "mpc_core/ocp/projection.h"
-#include "mpc_core/solver/simd_columns.h"
 
 /// Moving numbers between per-stage rows and batches.
 namespace stilt::ocp {
 
 /// One register of a batch as the solver's vectors see it; both have the lanes of the target.
-static_assert(kLanes == solver::kLanes && sizeof(Batch) == sizeof(solver::Vec));
-[[nodiscard]] inline solver::Vec as_vector(const Batch& batch) noexcept {
-  return std::bit_cast<solver::Vec>(batch);
-}
+static_assert(kLanes == lq::kLanes && sizeof(Batch) == sizeof(lq::Vec));
+[[nodiscard]] inline lq::Vec as_vector(const Batch& batch) noexcept { return std::bit_cast<lq::Vec>(batch); }
 
 /// Reads kCount numbers of each lane's row into kCount batches, by transposing squares of registers. Rows are
 /// padded to whole registers.
 template <int kCount>
 STILT_INLINE inline void load_rows(const double* const (&rows)[kLanes], Batch* out) noexcept {
-  solver::unroll<(kCount + kLanes - 1) / kLanes>([&](auto part) STILT_INLINE {
-    solver::Block block;
-    solver::unroll<kLanes>(
-        [&](auto lane) STILT_INLINE { block.column[lane] = solver::load(rows[lane] + part * kLanes); });
-    solver::transpose(block);
-    solver::unroll<kLanes>([&](auto i) STILT_INLINE {
+  lq::unroll<(kCount + kLanes - 1) / kLanes>([&](auto part) STILT_INLINE {
+    lq::Block block;
+    lq::unroll<kLanes>([&](auto lane)
+                           STILT_INLINE { block.column[lane] = lq::load(rows[lane] + part * kLanes); });
+    lq::transpose(block);
+    lq::unroll<kLanes>([&](auto i) STILT_INLINE {
       if constexpr (part * kLanes + i < kCount) {
         out[part * kLanes + i] = std::bit_cast<Batch>(block.column[i]);
       }
@@ -37,19 +35,19 @@ STILT_INLINE inline void load_rows(const double* const (&rows)[kLanes], Batch* o
 template <int kCount, int kFirstPart = 0, class Entry>
 STILT_INLINE inline void store_rows(double* const (&rows)[kLanes], const Entry& entry) noexcept {
   constexpr int kParts = (kCount + kLanes - 1) / kLanes;
-  solver::unroll<kParts - kFirstPart>([&](auto index) STILT_INLINE {
+  lq::unroll<kParts - kFirstPart>([&](auto index) STILT_INLINE {
     constexpr int kPart = index + kFirstPart;
-    solver::Block block;
-    solver::unroll<kLanes>([&](auto i) STILT_INLINE {
+    lq::Block block;
+    lq::unroll<kLanes>([&](auto i) STILT_INLINE {
       if constexpr (kPart * kLanes + i < kCount) {
         block.column[i] = as_vector(entry(std::integral_constant<int, kPart * kLanes + i>{}));
       } else {
-        block.column[i] = solver::Vec{};
+        block.column[i] = lq::Vec{};
       }
     });
-    solver::transpose(block);
-    solver::unroll<kLanes>(
-        [&](auto lane) STILT_INLINE { solver::store(rows[lane] + kPart * kLanes, block.column[lane]); });
+    lq::transpose(block);
+    lq::unroll<kLanes>([&](auto lane)
+                           STILT_INLINE { lq::store(rows[lane] + kPart * kLanes, block.column[lane]); });
   });
 }
 
@@ -64,7 +62,7 @@ struct BatchIterate {
     const double* rows[kLanes];
     for (int lane = 0; lane < kLanes; ++lane) rows[lane] = iterate.x[batch.stage[lane]];
     load_rows<model::kStates>(rows, x);
-    for (int lane = 0; lane < kLanes; ++lane) rows[lane] += solver::kRows;
+    for (int lane = 0; lane < kLanes; ++lane) rows[lane] += lq::kRows;
     load_rows<model::kStates>(rows, x_next);
     for (int lane = 0; lane < kLanes; ++lane) rows[lane] = iterate.u[batch.stage[lane]];
     load_rows<model::kInputs>(rows, u);
@@ -80,7 +78,7 @@ struct BatchTransition {
     const double* rows[kLanes];
     for (int lane = 0; lane < kLanes; ++lane) rows[lane] = iterate.x[batch.stage[lane]];
     load_rows<model::kStates>(rows, x);
-    for (int lane = 0; lane < kLanes; ++lane) rows[lane] += solver::kRows;
+    for (int lane = 0; lane < kLanes; ++lane) rows[lane] += lq::kRows;
     load_rows<model::kStates>(rows, x_next);
   }
 };

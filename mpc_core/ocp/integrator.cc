@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "mpc_core/solver/simd_columns.h"
+#include "mpc_core/lq/simd_columns.h"
 
 namespace stilt::ocp {
 namespace {
@@ -126,7 +126,7 @@ void average_derivatives(const model::RobotModel& robot, const Batch* x, const B
     step.for_velocity[r] = t.b[0] * first.base_acceleration[r];
   }
 
-  solver::unroll<t.stages - 1>([&](auto stage) STILT_INLINE {
+  lq::unroll<t.stages - 1>([&](auto stage) STILT_INLINE {
     constexpr int i = stage + 1;
     constexpr bool kMovesPosition = position_weight(t, i) != 0.0;
     Batch xi[kStates];
@@ -147,7 +147,7 @@ void average_derivatives(const model::RobotModel& robot, const Batch* x, const B
                         flow.base_acceleration_du[r]};
       const Batch first_position = position_weight(t, 0) * h2;
       const Batch first_velocity = t.b[0] * h;
-      solver::unroll<kColumns>([&](auto column) STILT_INLINE {
+      lq::unroll<kColumns>([&](auto column) STILT_INLINE {
         constexpr int c = column;
         const Batch slope = stage_slope<t, i>(row, ch, cch, pitch_slope, c);
         if constexpr (i == 1) {

@@ -12,17 +12,17 @@ namespace stilt::ocp {
 
 /// Where the model of each lane's stage goes; unused lanes repeat the last one and write the same.
 struct BatchModel {
-  solver::LqFirstOrder* first[kLanes];
-  solver::LqSecondOrder* second[kLanes];
+  lq::LqFirstOrder* first[kLanes];
+  lq::LqSecondOrder* second[kLanes];
   InputProjection* inputs[kLanes];
 
   /// Where one vector of each lane's stage lies. `member` takes the part that has it.
   template <class Member>
   void rows(const Member& member, double* (&out)[kLanes]) const noexcept {
     for (int lane = 0; lane < kLanes; ++lane) {
-      if constexpr (std::is_invocable_v<Member, solver::LqFirstOrder&>) {
+      if constexpr (std::is_invocable_v<Member, lq::LqFirstOrder&>) {
         out[lane] = member(*first[lane]);
-      } else if constexpr (std::is_invocable_v<Member, solver::LqSecondOrder&>) {
+      } else if constexpr (std::is_invocable_v<Member, lq::LqSecondOrder&>) {
         out[lane] = member(*second[lane]);
       } else {
         out[lane] = member(*inputs[lane]);
@@ -38,14 +38,5 @@ void linearise(const ProblemData& data, std::span<const StageBatch> batches, con
 /// Those of a batch of transitions.
 void linearise(const ProblemData& data, const TransitionBatch& batch, const Trajectory& iterate,
                const BatchModel& to, LineariseWorkspace& work) noexcept;
-
-/// The terminal cost.
-void linearise_terminal(const ProblemData& data, const Problem& problem, const Trajectory& iterate,
-                        solver::LqTerminal& terminal) noexcept;
-
-/// All of it: one LqStage and one InputProjection a stage, and the terminal cost.
-void linearise(const ProblemData& data, const Problem& problem, const Trajectory& iterate,
-               solver::LqStage* stages, InputProjection* projections, solver::LqTerminal& terminal,
-               LineariseWorkspace& work) noexcept;
 
 }  // namespace stilt::ocp

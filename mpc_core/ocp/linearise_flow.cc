@@ -6,6 +6,10 @@
 namespace stilt::ocp {
 namespace {
 
+using lq::kBaseRows;
+using lq::kRows;
+using lq::LqFirstOrder;
+using lq::LqSecondOrder;
 using model::kAngles;
 using model::kFirstAngle;
 using model::kFirstJoint;
@@ -13,10 +17,6 @@ using model::kInputs;
 using model::kJoints;
 using model::kPositions;
 using model::kStates;
-using solver::kBaseRows;
-using solver::kRows;
-using solver::LqFirstOrder;
-using solver::LqSecondOrder;
 
 /// h, form, G, L, B, b from the rows of the base and the joints' accelerations.
 template <class Mode>
@@ -28,7 +28,7 @@ void store_dynamics(const StageBatch& batch, const BatchIterate& it, const BaseS
   constexpr int kConstraints = Mode::kConstraints;
   for (int lane = 0; lane < kLanes; ++lane) {
     to.first[lane]->h = batch.duration[lane];
-    to.first[lane]->form = solver::StageForm::flow;
+    to.first[lane]->form = lq::StageForm::flow;
     to.first[lane]->constraints = kConstraints;
     to.first[lane]->free_inputs = kFree;
   }
@@ -44,7 +44,7 @@ void store_dynamics(const StageBatch& batch, const BatchIterate& it, const BaseS
   for (int i = 0; i < kBaseRows; ++i) {
     const int axis = i % 3;
     const Batch* slope = i < 3 ? step.d_position[axis] : step.d_velocity[axis];
-    const int state = solver::kBaseRow[i];
+    const int state = lq::kBaseRow[i];
     const Slopes slopes{slope, slope + kAngles, slope + 2 * kAngles};
     const SubstitutedRow<Mode> substituted(force, slopes);
     Batch row[Mode::kReducedColumns];
@@ -98,7 +98,7 @@ void store_cost(const QuadraticCost& cost, const BatchModel& to) noexcept {
   constexpr int kFree = Mode::kFree;
   double* rows[kLanes];
   // Column c of Q below the diagonal; states in order: x_b, then the columns of the cost.
-  solver::unroll<kStates>([&](auto column) STILT_INLINE {
+  lq::unroll<kStates>([&](auto column) STILT_INLINE {
     constexpr int c = column;
     to.rows([](LqSecondOrder& stage) { return stage.Q[c]; }, rows);
     store_rows<kStates, c / kLanes>(rows, [&](auto state) -> Batch {

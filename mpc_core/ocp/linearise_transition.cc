@@ -6,13 +6,13 @@
 namespace stilt::ocp {
 namespace {
 
+using lq::LqFirstOrder;
+using lq::LqSecondOrder;
 using model::kAngles;
 using model::kFirstAngle;
 using model::kInputs;
 using model::kPositions;
 using model::kStates;
-using solver::LqFirstOrder;
-using solver::LqSecondOrder;
 
 /// Velocity after the touch-downs of a batch, one foot after the other when two land, with its derivatives by
 /// the state before: rows of A for the velocities.
@@ -58,7 +58,7 @@ void linearise(const ProblemData& data, const TransitionBatch& batch, const Traj
   for (int lane = 0; lane < kLanes; ++lane) {
     LqFirstOrder& stage = *to.first[lane];
     stage.h = 0.0;
-    stage.form = solver::StageForm::transition;
+    stage.form = lq::StageForm::transition;
     stage.constraints = stage.free_inputs = 0;
     InputProjection& inputs = *to.inputs[lane];
     std::fill(inputs.u0, inputs.u0 + kInputs, 0.0);

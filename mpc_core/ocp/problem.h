@@ -63,7 +63,7 @@ struct ProblemData {
   double joint_parameters[2 * model::kJoints] = {};
   double state_weight[model::kStates] = {};
   double input_weight[model::kInputs] = {};
-  double terminal_weight[model::kStates][solver::kRows] = {};  ///< rho S, by columns
+  double terminal_weight[model::kStates][lq::kRows] = {};  ///< rho S, by columns
 };
 
 /// Fills the diagonal weights from the named ones.
@@ -77,8 +77,8 @@ struct Problem {
   int transition_batches = 0;
   TransitionBatch transition_batch[kMaxTransitionBatches];
   StagePlace place[kMaxStages];
-  alignas(64) double x_initial[solver::kRows] = {};
-  alignas(64) double x_ref_terminal[solver::kRows] = {};
+  alignas(64) double x_initial[lq::kRows] = {};
+  alignas(64) double x_ref_terminal[lq::kRows] = {};
 };
 
 /// Sorts the stages of the horizon into batches and evaluates the reference at each.

@@ -1,9 +1,9 @@
 #pragma once
 
+#include "mpc_core/lq/simd_columns.h"
 #include "mpc_core/model/batch.h"
 #include "mpc_core/model/terms.h"
 #include "mpc_core/ocp/problem.h"
-#include "mpc_core/solver/simd_columns.h"
 
 /// Equality constraints of a node and their elimination, in closed form for each contact mode.
 ///
@@ -19,7 +19,7 @@
 ///      z = z0 + Y c'dx + W w by Householder reflections over z; the reflected unit vectors W span their null
 ///      space: 3 free directions in single support, 4 in double support, 2 in flight.
 /// The one or two products c'dx are all of dx that reaches z: with the base rows they make the factored
-/// dynamics of solver/lq_problem.h.
+/// dynamics of lq/lq_problem.h.
 /// Rank: step 3 is singular where the row vanishes, as for two straight legs side by side. A diagonal entry s
 /// below `rank_tolerance` is inverted as s / tolerance^2, so that the constraint fades instead of exploding.
 namespace stilt::ocp {
@@ -60,7 +60,7 @@ struct ModeTraits {
 };
 
 /// Largest size over all modes.
-inline constexpr int kMaxReducedColumns = kFirstFree + solver::kMaxFreeInputs;
+inline constexpr int kMaxReducedColumns = kFirstFree + lq::kMaxFreeInputs;
 
 /// Scalar product over the variables z.
 template <class Mode>
@@ -256,7 +256,7 @@ struct SubstitutedRow {
       for (int axis = 0; axis < 2; ++axis) by_force[axis] = from.input[Mode::kFirstForce + axis];
       step += by_force[0] * force.constant[0] + by_force[1] * force.constant[1];
     }
-    solver::unroll<Mode::kVariables>([&](auto v) STILT_INLINE {
+    lq::unroll<Mode::kVariables>([&](auto v) STILT_INLINE {
       by_z[v] = from.input[Mode::input(v)];
       add_force_share<kStateColumns + v>(by_z[v]);
     });
@@ -309,8 +309,7 @@ struct ConstraintElimination {
       const Slopes slopes = full.slopes();
       const SubstitutedRow<Mode> substituted(force, slopes);
       residual[r] = full.residual + substituted.step;
-      solver::unroll<kStateColumns>([&](auto c)
-                                        STILT_INLINE { row[r][c] = substituted.template by_state<c>(); });
+      lq::unroll<kStateColumns>([&](auto c) STILT_INLINE { row[r][c] = substituted.template by_state<c>(); });
       row[r][kVelocityColumn + axis] += full.by_velocity;
       by_height[r] = full.by_height;
       for (int v = 0; v < Mode::kVariables; ++v) m[r][v] = substituted.by_z[v];
@@ -344,12 +343,12 @@ struct ConstraintElimination {
       by_z_b += through[r] * by_height[r];
     }
     store(std::integral_constant<int, kHeightColumn>{}, by_z_b);
-    solver::unroll<kStateColumns>([&](auto c) STILT_INLINE {
+    lq::unroll<kStateColumns>([&](auto c) STILT_INLINE {
       Batch sum = by_state(c);
       for (int r = 0; r < Mode::kConstraints; ++r) sum += through[r] * row[r][c];
       store(std::integral_constant<int, kFirstStateColumn + c>{}, sum);
     });
-    solver::unroll<Mode::kFree>([&](auto k) STILT_INLINE {
+    lq::unroll<Mode::kFree>([&](auto k) STILT_INLINE {
       store(std::integral_constant<int, kFirstFree + k>{}, over_variables<Mode>(by_z, W[k]));
     });
     return over_variables<Mode>(by_z, z0);

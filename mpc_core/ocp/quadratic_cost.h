@@ -210,7 +210,7 @@ STILT_INLINE inline void add_foot(const ProblemData& data, const StageBatch& bat
   constexpr bool kStance = Mode::stance(foot);
   Batch theta_theta[kChain][kChain], omega_theta[kChain][kChain], omega_omega[kChain][kChain];
   Batch theta_gradient[kChain], omega_gradient[kChain];
-  solver::unroll<2>([&](auto axis_constant) STILT_INLINE {
+  lq::unroll<2>([&](auto axis_constant) STILT_INLINE {
     constexpr int axis = axis_constant;
     constexpr bool kCoupled = !kStance && axis == 1;  // p and v meet in the swing foot's height alone
     const FootCost cost = foot_cost<kStance, axis>(data, batch, node, foot, out.drift);
@@ -234,7 +234,7 @@ STILT_INLINE inline void add_foot(const ProblemData& data, const StageBatch& bat
         sum += value;
       }
     };
-    solver::unroll<kChain>([&](auto i) STILT_INLINE {
+    lq::unroll<kChain>([&](auto i) STILT_INLINE {
       constexpr int kTheta = theta_column<foot>(i);
       constexpr int kOmega = omega_column<foot>(i);
       Batch p_theta = cost.pp * p[i];
@@ -254,7 +254,7 @@ STILT_INLINE inline void add_foot(const ProblemData& data, const StageBatch& bat
       out.H[kOmega][kVelocity] += v_omega;
       add(theta_gradient[i], cost.gp * p[i] + cost.gv * d[i]);
       add(omega_gradient[i], cost.gv * p[i]);
-      solver::unroll<kChain>([&](auto j) STILT_INLINE {
+      lq::unroll<kChain>([&](auto j) STILT_INLINE {
         add(omega_theta[i][j], v_omega * d[j]);
         if constexpr (kCoupled) omega_theta[i][j] += (cost.pv * p[i]) * p[j];
         if constexpr (j <= i) {
@@ -264,12 +264,12 @@ STILT_INLINE inline void add_foot(const ProblemData& data, const StageBatch& bat
       });
     });
   });
-  solver::unroll<kChain>([&](auto i) STILT_INLINE {
+  lq::unroll<kChain>([&](auto i) STILT_INLINE {
     constexpr int kTheta = theta_column<foot>(i);
     constexpr int kOmega = omega_column<foot>(i);
     out.g[kTheta] += theta_gradient[i];
     out.g[kOmega] += omega_gradient[i];
-    solver::unroll<kChain>([&](auto j) STILT_INLINE {
+    lq::unroll<kChain>([&](auto j) STILT_INLINE {
       constexpr int kTheta_j = theta_column<foot>(j);
       constexpr int kOmega_j = omega_column<foot>(j);
       out.H[kOmega][kTheta_j] += omega_theta[i][j];
@@ -294,7 +294,7 @@ void add_state_terms(const ProblemData& data, const StageBatch& batch, const Bat
   const Batch height_weight = h * data.state_weight[1];
   out.H[kHeightColumn][kHeightColumn] += height_weight;
   out.g[kHeightColumn] += height_weight * (it.x[1] - batch.x_ref[1]);
-  solver::unroll<kStateColumns>([&](auto c) STILT_INLINE {
+  lq::unroll<kStateColumns>([&](auto c) STILT_INLINE {
     constexpr int i = model::kFirstAngle + c;
     constexpr int kJoint = c < kVelocityColumn ? c - kThetaColumn - 1 : c - kOmegaColumn - 1;
     Batch slope = data.state_weight[i] * (it.x[i] - batch.x_ref[i]);

@@ -1,13 +1,13 @@
 #pragma once
 
+#include "mpc_core/lq/lq_problem.h"
 #include "mpc_core/ocp/horizon.h"
-#include "mpc_core/solver/lq_problem.h"
 
 namespace stilt::ocp {
 
 /// States at the nodes and inputs of the stages; the iterate of the SQP. Rows padded to whole cache lines.
 struct alignas(64) Trajectory {
-  double x[kMaxNodes][solver::kRows];
+  double x[kMaxNodes][lq::kRows];
   double u[kMaxStages][model::kInputs];
 };
 
@@ -19,9 +19,9 @@ struct alignas(64) Trajectory {
 /// the stance constraint fixes, at u[first_force] and the one after. Columns of eight inputs.
 struct alignas(64) InputProjection {
   double u0[model::kInputs];
-  double Y[solver::kMaxConstraints][model::kInputs];
-  double W[solver::kMaxFreeInputs][model::kInputs];
-  double F[2][solver::kRows];
+  double Y[lq::kMaxConstraints][model::kInputs];
+  double W[lq::kMaxFreeInputs][model::kInputs];
+  double F[2][lq::kRows];
   double u0_slope;  ///< first-order change of the stage's cost along u0
   int first_force;  ///< -1: no foot on the ground, or no flow
 };

@@ -3,14 +3,14 @@
 #include <vector>
 
 #include "host_tools/benchmark/plain_sweep.h"
-#include "mpc_core/solver/care.h"
-#include "mpc_core/solver/riccati.h"
-#include "tests/mpc_core/solver/random_lq.h"
+#include "mpc_core/lq/care.h"
+#include "mpc_core/lq/riccati.h"
+#include "tests/mpc_core/lq/random_lq.h"
 
 /// The Riccati sweep against the same recursion in fixed-size Eigen, on the same data in the same run: 134
 /// stages (2 s at 15 ms), 14 states. Arguments: the kind of every stage, an index into
 /// testing::kKinds.
-namespace stilt::solver {
+namespace stilt::lq {
 namespace {
 
 constexpr int kStages = 134;
@@ -40,8 +40,7 @@ void run_backward(::benchmark::State& state, const testing::LqProblem& problem) 
   std::vector<LqGain> gains(problem.stages.size());
   RiccatiWorkspace workspace;
   for (auto _ : state) {
-    const SweepStatus status =
-        backward_sweep(problem.stages.data(), problem.count(), problem.terminal, gains.data(), workspace);
+    const testing::SweepStatus status = testing::backward_sweep(problem, gains.data(), workspace);
     if (!status.ok()) state.SkipWithError("sweep failed");
     ::benchmark::DoNotOptimize(gains.data());
     ::benchmark::ClobberMemory();
@@ -58,10 +57,11 @@ BENCHMARK(BM_backward_walking)->Unit(::benchmark::kMicrosecond);
 
 void BM_forward_walking(::benchmark::State& state) {
   const testing::LqProblem problem = walking_problem();
-  SweepStatus status;
+  testing::SweepStatus status;
   testing::LqSolution solution = testing::solve(problem, status);
+  const std::vector<LqFirstOrder> stages = problem.first_orders();
   for (auto _ : state) {
-    forward_sweep(problem.stages.data(), kStages, solution.gains.data(), problem.x0, solution.steps.data());
+    forward_sweep(stages.data(), kStages, solution.gains.data(), problem.x0, solution.steps.data());
     ::benchmark::ClobberMemory();
   }
 }
@@ -69,11 +69,11 @@ BENCHMARK(BM_forward_walking)->Unit(::benchmark::kMicrosecond);
 
 void BM_cost_slope_walking(::benchmark::State& state) {
   const testing::LqProblem problem = walking_problem();
-  SweepStatus status;
+  testing::SweepStatus status;
   const testing::LqSolution solution = testing::solve(problem, status);
+  const std::vector<LqFirstOrder> stages = problem.first_orders();
   for (auto _ : state) {
-    ::benchmark::DoNotOptimize(
-        cost_slope(problem.stages.data(), kStages, problem.terminal, solution.steps.data()));
+    ::benchmark::DoNotOptimize(cost_slope(stages.data(), kStages, problem.terminal, solution.steps.data()));
   }
 }
 BENCHMARK(BM_cost_slope_walking)->Unit(::benchmark::kMicrosecond);
@@ -81,7 +81,7 @@ BENCHMARK(BM_cost_slope_walking)->Unit(::benchmark::kMicrosecond);
 /// The textbook recursion in fixed-size Eigen.
 void BM_backward_eigen(::benchmark::State& state) {
   const testing::LqProblem problem = problem_with(testing::kKinds[state.range(0)]);
-  stilt::benchmark::PlainSweep sweep(problem.stages.data(), problem.count(), problem.terminal);
+  stilt::benchmark::PlainSweep sweep(problem.stages, problem.terminal);
   for (auto _ : state) {
     sweep.run();
     ::benchmark::ClobberMemory();
@@ -98,10 +98,10 @@ void BM_care(::benchmark::State& state) {
   CareSolution solution;
   CareWorkspace workspace;
   for (auto _ : state) {
-    if (solve_care(problem, solution, workspace) != CareOutcome::kOk) state.SkipWithError("no solution");
+    if (solve_care(problem, solution, workspace) != CareOutcome::ok) state.SkipWithError("no solution");
   }
 }
 BENCHMARK(BM_care)->Unit(::benchmark::kMicrosecond);
 
 }  // namespace
-}  // namespace stilt::solver
+}  // namespace stilt::lq

@@ -36,7 +36,7 @@ bool same(const log::RunSample& a, const log::RunSample& b) {
          same_bits(a.planned_contact_force_N, b.planned_contact_force_N);
 }
 
-bool same(const solver::SolveReport& a, const solver::SolveReport& b) {
+bool same(const sqp::SolveReport& a, const sqp::SolveReport& b) {
   return a.status == b.status && a.iterations == b.iterations && same_bits(a.cost, b.cost) &&
          same_bits(a.dynamics_defect_max, b.dynamics_defect_max) && same_bits(a.step_size, b.step_size) &&
          same_bits(a.equality_violation_max, b.equality_violation_max);

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "firmware/configuration/configuration.h"
-#include "hal/protocol/lockstep.h"
+#include "hal/can/lockstep.h"
 
 namespace stilt {
 namespace {
@@ -14,7 +14,7 @@ using configuration::Configuration;
 using configuration::Override;
 
 bool receives(const hal::socketcan::BusOptions& options, std::uint32_t id, bool extended) {
-  return std::ranges::any_of(options.receive_ids, [=](const hal::socketcan::IdFilter& filter) {
+  return std::ranges::any_of(options.receive_ids, [=](const hal::FrameId& filter) {
     return filter.id == id && filter.extended == extended;
   });
 }
@@ -36,8 +36,8 @@ TEST(OpenBuses, EachBusReceivesWhatItsDriversSendAndItsOwnCommands) {
 TEST(OpenBuses, SyncFramesPassInLockstepOnly) {
   const Configuration configuration = configuration::load_robot("amber3m").value();
   const hal::RobotWiring wiring = configuration::robot_wiring(configuration.hardware);
-  EXPECT_TRUE(receives(bus_options(wiring, 1, true), hal::protocol::kRobotSyncId, true));
-  EXPECT_FALSE(receives(bus_options(wiring, 1, false), hal::protocol::kRobotSyncId, true));
+  EXPECT_TRUE(receives(bus_options(wiring, 1, true), hal::kRobotSyncId, true));
+  EXPECT_FALSE(receives(bus_options(wiring, 1, false), hal::kRobotSyncId, true));
 }
 
 TEST(OpenBuses, MoteusDriversNeedFlexibleFramesAndBothDirections) {

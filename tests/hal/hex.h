@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "hal/frame.h"
+#include "hal/can/frame.h"
 
 namespace stilt::hal::testing {
 

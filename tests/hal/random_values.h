@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <random>
 
-#include "hal/frame.h"
+#include "hal/can/frame.h"
 
 namespace stilt::hal::testing {
 

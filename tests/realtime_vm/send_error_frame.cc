@@ -4,7 +4,7 @@
 #include <span>
 #include <string_view>
 
-#include "hal/socketcan/socketcan_bus.h"
+#include "hal/can/socketcan/socketcan_bus.h"
 
 /// send_error_frame INTERFACE warning|passive|bus-off: what a CAN controller says of itself, for everyone on
 /// the interface to hear. For vcan, which has no controller.

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "hal/any_bus.h"
-#include "hal/socketcan/socketcan_bus.h"
+#include "hal/can/socketcan/socketcan_bus.h"
 
 // The kernel's own CAN, which only the virtual machine has: queues that fill, interfaces that go, error
 // frames. Runs as root beside the programs ip and tc, with interfaces vcan0 and vcan1.

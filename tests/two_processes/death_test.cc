@@ -43,7 +43,7 @@ TEST(TwoProcesses, AfterAKillTheDriversLetGoAndARestartComesUpIdle) {
   ASSERT_FALSE(traffic.commands.empty());
   const std::uint64_t last = traffic.commands.back().tick;
   EXPECT_TRUE(std::ranges::none_of(traffic.specials, [last](const MotorTraffic::Special& special) {
-    return special.tick > last && special.what == hal::protocol::MitSpecial::enter;
+    return special.tick > last && special.what == hal::mit::MitSpecial::enter;
   })) << "an idle controller enables nothing";
 }
 

@@ -13,7 +13,7 @@
 namespace stilt::two_processes {
 namespace {
 
-using hal::protocol::MitSpecial;
+using hal::mit::MitSpecial;
 
 constexpr double kTick_s = 0.001;
 

@@ -8,8 +8,8 @@
 namespace stilt::two_processes {
 namespace {
 
-using hal::protocol::DecodeStatus;
-using hal::protocol::MitDriver;
+using hal::DecodeStatus;
+using hal::mit::MitDriver;
 
 hal::CanFrame parse_frame(const std::string& text) {
   const std::size_t hash = text.find('#');
@@ -26,9 +26,9 @@ hal::CanFrame parse_frame(const std::string& text) {
 }
 
 void take(const RecordedFrame& recorded, std::size_t joint, const MitDriver& driver, MotorTraffic& traffic) {
-  hal::protocol::MitCommand command;
-  hal::protocol::MitSpecial special{};
-  hal::protocol::MitReply reply;
+  hal::mit::MitCommand command;
+  hal::mit::MitSpecial special{};
+  hal::mit::MitReply reply;
   if (recorded.from_controller) {
     if (decode_special(driver, recorded.frame, special) == DecodeStatus::ok) {
       traffic.specials.push_back({recorded.tick, joint, special});

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "hal/protocol/mit_mode.h"
-#include "hal/robot_wiring.h"
+#include "hal/mit/mit_mode.h"
+#include "hal/robot/robot_wiring.h"
 
 namespace stilt::two_processes {
 
@@ -25,17 +25,17 @@ struct MotorTraffic {
   struct Command {
     std::uint64_t tick = 0;
     std::size_t joint = 0;
-    hal::protocol::MitCommand asked;
+    hal::mit::MitCommand asked;
   };
   struct Special {
     std::uint64_t tick = 0;
     std::size_t joint = 0;
-    hal::protocol::MitSpecial what{};
+    hal::mit::MitSpecial what{};
   };
   struct Reply {
     std::uint64_t tick = 0;
     std::size_t joint = 0;
-    hal::protocol::MitReply said;
+    hal::mit::MitReply said;
   };
   std::vector<Command> commands;
   std::vector<Special> specials;

@@ -13,7 +13,7 @@ std::span<double> member(T& object) {
   }
 }
 
-using Limits = gait::GaitLimits;
+using Limits = GaitLimits;
 using Figures = GaitFigures;
 
 template <auto Member>
@@ -69,7 +69,7 @@ constexpr Field<Figures> kFigures[] = {
 
 }  // namespace
 
-std::span<const Field<gait::GaitLimits>> limit_fields() { return kLimits; }
+std::span<const Field<GaitLimits>> limit_fields() { return kLimits; }
 std::span<const Field<GaitFigures>> figure_fields() { return kFigures; }
 
 }  // namespace stilt::gait_files

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "mpc_core/gait/gait_limits.h"
+#include "firmware/configuration/gaits/gait_limits.h"
 #include "mpc_core/gait/hzd_gait.h"
 
 namespace stilt::gait_files {
@@ -48,7 +48,7 @@ struct GaitFigures {
 struct GaitRecord {
   std::string robot;
   gait::HzdGait gait;
-  gait::GaitLimits limits;
+  GaitLimits limits;
   std::optional<GaitFigures> claims;
   std::vector<std::pair<std::string, std::string>> origin;  ///< how it was made: key, text
 };
@@ -61,7 +61,7 @@ struct Field {
   std::span<double> (*values)(T&);
 };
 
-[[nodiscard]] std::span<const Field<gait::GaitLimits>> limit_fields();
+[[nodiscard]] std::span<const Field<GaitLimits>> limit_fields();
 [[nodiscard]] std::span<const Field<GaitFigures>> figure_fields();
 
 }  // namespace stilt::gait_files

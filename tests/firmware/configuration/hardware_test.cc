@@ -9,12 +9,12 @@
 
 #include "firmware/configuration/channel_text.h"
 #include "firmware/configuration/configuration.h"
-#include "hal/bus_load.h"
+#include "hal/can/bus_load.h"
 
 namespace stilt::configuration {
 namespace {
 
-using hal::protocol::BaseChannel;
+using hal::BaseChannel;
 
 /// All diagnostics of a file, "" when it is accepted.
 std::string mistakes(std::string_view toml) {
@@ -47,7 +47,7 @@ TEST(Hardware, AWiringIsReadKeyByKey) {
   ASSERT_TRUE(result) << to_string(result.error());
   EXPECT_EQ(bus_names(result->hardware), (std::vector<std::string>{"vcan0", "loopback:right"}));
   const hal::RobotWiring wiring = robot_wiring(result->hardware);
-  const auto& hip = std::get<hal::protocol::MoteusDriver>(wiring.joints[2].driver);
+  const auto& hip = std::get<hal::moteus::MoteusDriver>(wiring.joints[2].driver);
   EXPECT_EQ(hip.id, 7);
   EXPECT_EQ(hip.kp_Nm_rev, 2000);
   EXPECT_EQ(hip.extra_encoder, 2);
@@ -55,8 +55,9 @@ TEST(Hardware, AWiringIsReadKeyByKey) {
   EXPECT_EQ(wiring.joints[2].ratio, 6);
   EXPECT_EQ(wiring.joints[2].direction, 1);
   EXPECT_EQ(wiring.joints[2].offset_rad, 0.5);
-  EXPECT_EQ(std::get<hal::OdriveNode>(wiring.joints[1].driver).node, 2);
-  EXPECT_EQ(odrive_endpoints(result->hardware, 1).watchdog_timeout, 401);
+  const auto& odrive = std::get<hal::odrive::OdriveDriver>(wiring.joints[1].driver);
+  EXPECT_EQ(odrive.node, 2);
+  EXPECT_EQ(odrive.endpoints.watchdog_timeout, 401);
   EXPECT_EQ(wiring.pitch_encoder_joint, 2);
   EXPECT_EQ(wiring.pitch_direction, -1);
   EXPECT_EQ(wiring.channel_count, 2u) << "pitch rate and emergency stop are left";
@@ -223,7 +224,7 @@ TEST(Hardware, BringUpAndWiringHaveTheNumbersOfTheFile) {
   EXPECT_EQ(wiring.driver_watchdog_s, 0.05);
   EXPECT_EQ(wiring.emergency_stop_timeout_ns, 250'000'000);
   EXPECT_EQ(wiring.pitch_offset_rad, 0.125);
-  const auto& driver = std::get<hal::protocol::MitDriver>(wiring.joints[1].driver);
+  const auto& driver = std::get<hal::mit::MitDriver>(wiring.joints[1].driver);
   EXPECT_EQ(driver.torque_Nm.maximum, 40);
   EXPECT_EQ(driver.reply_torque_Nm.maximum, 45);
   EXPECT_EQ(driver.reply_torque_Nm.minimum, -45);
@@ -246,14 +247,14 @@ TEST(Channel, EveryWordSetsItsPart) {
       "id 0x123456 extended byte 3 bit 2 bits 12 unsigned big scale -0.5 offset 1e2 invalid 0xfff",
       BaseChannel::pitch_rate_rad_s);
   ASSERT_TRUE(parsed && *parsed);
-  const hal::protocol::ChannelRow& row = **parsed;
+  const hal::ChannelRow& row = **parsed;
   EXPECT_EQ(row.id, 0x123456u);
   EXPECT_TRUE(row.extended);
   EXPECT_EQ(row.byte_offset, 3);
   EXPECT_EQ(row.bit_offset, 2);
   EXPECT_EQ(row.bits, 12);
-  EXPECT_EQ(row.type, hal::protocol::RawType::unsigned_integer);
-  EXPECT_EQ(row.order, hal::protocol::ByteOrder::big);
+  EXPECT_EQ(row.type, hal::RawType::unsigned_integer);
+  EXPECT_EQ(row.order, hal::ByteOrder::big);
   EXPECT_EQ(row.scale, -0.5);
   EXPECT_EQ(row.offset, 100);
   EXPECT_TRUE(row.has_invalid);

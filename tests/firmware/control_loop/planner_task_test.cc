@@ -53,7 +53,7 @@ TEST_F(PlannerTaskTest, FailuresAreCountedAndLeaveThePlanAlone) {
     request.time_s += 0.01;
     EXPECT_FALSE(planner->cycle(request, *plan));
     EXPECT_EQ(planner->result().failures_in_a_row, failure);
-    EXPECT_EQ(planner->result().status, solver::SolveStatus::not_finite);
+    EXPECT_EQ(planner->result().status, sqp::SolveStatus::not_finite);
   }
   EXPECT_EQ(plan->sequence, sequence);
   request.state[2] = 0.0;

@@ -119,7 +119,7 @@ TEST(BlackBox, BetweenThreadsTheReaderSeesRecordsThatStandStill) {
 
 template <template <class> class Atomic>
 exchange::model::Outcome explore_box() {
-  using exchange::model::ModelCell;
+  using model::ModelCell;
   std::optional<BlackBox<ModelCell, 2, Atomic>> box;
   return exchange::model::explore({.setup = [&] { box.emplace(); },
                                    .first =

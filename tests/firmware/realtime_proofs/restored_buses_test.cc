@@ -8,12 +8,12 @@
 #include <optional>
 #include <string>
 
-#include "firmware/hardware/robot_hardware.h"
 #include "firmware/realtime/system_call_guard.h"
 #include "firmware/realtime/thread.h"
 #include "hal/any_bus.h"
-#include "hal/clock.h"
 #include "hal/loopback/loopback_server.h"
+#include "hal/robot/clock.h"
+#include "hal/robot/robot_hardware.h"
 
 // A torque loop under the system-call guard loses its bus and gets it back. In a process of its own: a guard
 // is never taken off.
@@ -28,7 +28,7 @@ struct Scene {
   hal::loopback::LoopbackServer server;
   hal::AnyBus bus;
   hal::RobotWiring wiring;
-  std::optional<hardware::RobotHardware> hardware;
+  std::optional<hal::RobotHardware> hardware;
   std::atomic<bool> lost = false;
   std::atomic<bool> done = false;
   bool helped = true;  ///< somebody else connects again
@@ -54,10 +54,10 @@ struct Scene {
     host.join();
     if (!open) std::_Exit(4);
     for (std::uint16_t joint = 0; joint < hal::kJoints; ++joint) {
-      wiring.joints[joint].driver = hal::protocol::MitDriver{.command_id = joint};
+      wiring.joints[joint].driver = hal::mit::MitDriver{.command_id = joint};
     }
     const std::array<hal::FrameBus*, 1> buses{&bus.frames()};
-    hardware.emplace(wiring, hardware::DemandsOfJoints{}, buses);
+    hardware.emplace(wiring, hal::BringUpOptions{}, buses);
   }
 
   static void serve(hal::loopback::LoopbackServer& server) {

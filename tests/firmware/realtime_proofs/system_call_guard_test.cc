@@ -11,7 +11,7 @@
 #include <cstdlib>
 
 #include "firmware/realtime/thread.h"
-#include "hal/clock.h"
+#include "hal/robot/clock.h"
 
 // Every guarded thread lives in a process of its own: a guard is never taken off.
 namespace stilt::realtime {

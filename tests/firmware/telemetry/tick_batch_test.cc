@@ -58,7 +58,7 @@ class RandomTicks {
     r.command.heartbeat_expected = (small() & 1) != 0;
     r.command.heartbeat_ns = integer();
     r.tuning = small();
-    r.result = {small(), small(), small(), integer(), solver::SolveStatus::step_rejected};
+    r.result = {small(), small(), small(), integer(), sqp::SolveStatus::step_rejected};
     r.visible_plan = integer();
     for (double& number : r.estimated_state) number = real();
     for (hal::JointCommands* commands : {&r.wanted, &r.sent}) {

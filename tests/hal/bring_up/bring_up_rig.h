@@ -5,18 +5,25 @@
 #include <array>
 #include <span>
 
-#include "hal/bring_up/mit_bring_up.h"
-#include "hal/bring_up/moteus_bring_up.h"
-#include "hal/bring_up/odrive_bring_up.h"
-#include "hal/mock/mit_emulator.h"
-#include "hal/mock/mock_bus.h"
-#include "hal/mock/moteus_emulator.h"
-#include "hal/mock/odrive_emulator.h"
+#include "hal/mit/mit_bring_up.h"
+#include "hal/mit/mit_emulator.h"
+#include "hal/moteus/moteus_bring_up.h"
+#include "hal/moteus/moteus_emulator.h"
+#include "hal/odrive/odrive_bring_up.h"
+#include "hal/odrive/odrive_emulator.h"
+#include "tests/hal/mock/mock_bus.h"
 
 namespace stilt::hal::bring_up {
 
+using mit::MitBringUp;
+using mit::MitEmulator;
+using moteus::MoteusBringUp;
+using moteus::MoteusEmulator;
+using odrive::OdriveBringUp;
+using odrive::OdriveEmulator;
+
 inline constexpr std::int64_t kTick_ns = 1'000'000;
-inline constexpr OdriveEndpoints kEndpoints{0x191, 0x192};
+inline constexpr odrive::OdriveEndpoints kEndpoints{0x191, 0x192};
 
 /// Ticks until the bring-up has ended one way or the other; a bound instead of a hang.
 inline StepResult run(BringUp& bring_up, mock::MockBus& bus, mock::MockClock& clock, int ticks = 2000) {
@@ -34,11 +41,11 @@ inline StepResult run(BringUp& bring_up, mock::MockBus& bus, mock::MockClock& cl
   return result;
 }
 
-inline protocol::MitDriver damiao() {
-  protocol::MitDriver driver;
+inline mit::MitDriver damiao() {
+  mit::MitDriver driver;
   driver.command_id = 1;
   driver.reply_id = 0x11;
-  driver.layout = protocol::ReplyLayout::damiao;
+  driver.layout = mit::ReplyLayout::damiao;
   return driver;
 }
 

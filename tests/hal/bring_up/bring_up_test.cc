@@ -11,7 +11,7 @@ using mock::FrameFault;
 using mock::MockBus;
 
 TEST_F(BringUpTest, AMoteusComesUpWithItsWatchdogAndWithoutTorque) {
-  mock::MoteusEmulator driver({});
+  moteus::MoteusEmulator driver({});
   driver.motor.position_rad = 1.25;
   bus_.attach(driver);
   MoteusBringUp bring_up({}, options_);
@@ -23,7 +23,7 @@ TEST_F(BringUpTest, AMoteusComesUpWithItsWatchdogAndWithoutTorque) {
 }
 
 TEST_F(BringUpTest, ADamiaoComesUpWithItsWatchdogAndWithoutTorque) {
-  mock::MitEmulator driver(damiao());
+  mit::MitEmulator driver(damiao());
   driver.motor.position_rad = 1.25;
   bus_.attach(driver);
   MitBringUp bring_up(damiao(), options_);
@@ -35,10 +35,10 @@ TEST_F(BringUpTest, ADamiaoComesUpWithItsWatchdogAndWithoutTorque) {
 }
 
 TEST_F(BringUpTest, AnOdriveComesUpWithItsWatchdogAndWithoutTorque) {
-  mock::OdriveEmulator driver(3, kEndpoints);
+  odrive::OdriveEmulator driver({3, kEndpoints});
   driver.motor.position_rad = 1.25;
   bus_.attach(driver);
-  OdriveBringUp bring_up(3, kEndpoints, options_);
+  OdriveBringUp bring_up({3, kEndpoints}, options_);
   const StepResult result = run(bring_up, bus_, clock_);
   EXPECT_EQ(result.stage, Stage::ready) << name(result.failure);
   EXPECT_TRUE(driver.enabled());
@@ -47,13 +47,13 @@ TEST_F(BringUpTest, AnOdriveComesUpWithItsWatchdogAndWithoutTorque) {
 }
 
 TEST_F(BringUpTest, AReadyDriverStaysEnabledAsLongAsStepsGoOnAndLetsGoAfterwards) {
-  mock::MoteusEmulator moteus({});
-  mock::MitEmulator mit(damiao());
-  mock::OdriveEmulator odrive(3, kEndpoints);
+  moteus::MoteusEmulator moteus({});
+  mit::MitEmulator mit(damiao());
+  odrive::OdriveEmulator odrive({3, kEndpoints});
   MoteusBringUp moteus_up({}, options_);
   MitBringUp mit_up(damiao(), options_);
-  OdriveBringUp odrive_up(3, kEndpoints, options_);
-  const auto check = [this](mock::EmulatedDriver& driver, BringUp& bring_up) {
+  OdriveBringUp odrive_up({3, kEndpoints}, options_);
+  const auto check = [this](EmulatedDriver& driver, BringUp& bring_up) {
     MockBus bus(clock_);
     bus.attach(driver);
     ASSERT_EQ(run(bring_up, bus, clock_).stage, Stage::ready);
@@ -69,7 +69,7 @@ TEST_F(BringUpTest, AReadyDriverStaysEnabledAsLongAsStepsGoOnAndLetsGoAfterwards
   check(moteus, moteus_up);
   check(mit, mit_up);
   check(odrive, odrive_up);
-  EXPECT_EQ(moteus.mode(), protocol::MoteusMode::timeout) << "which damps";
+  EXPECT_EQ(moteus.mode(), moteus::MoteusMode::timeout) << "which damps";
 }
 
 TEST_F(BringUpTest, AnAbsentDriverFailsInTheStageThatGotNoAnswer) {
@@ -83,7 +83,7 @@ TEST_F(BringUpTest, AnAbsentDriverFailsInTheStageThatGotNoAnswer) {
 }
 
 TEST_F(BringUpTest, LostAnswersAreAskedForAgain) {
-  mock::MoteusEmulator driver({});
+  moteus::MoteusEmulator driver({});
   bus_.attach(driver);
   bus_.add_fault({.fault = FrameFault::lose, .until_ns = clock_.now_ns() + 45'000'000});
   MoteusBringUp bring_up({}, options_);
@@ -92,13 +92,13 @@ TEST_F(BringUpTest, LostAnswersAreAskedForAgain) {
 
 TEST_F(BringUpTest, LateAndDoubledAnswersDoNotConfuseTheStages) {
   for (const FrameFault fault : {FrameFault::delay, FrameFault::duplicate}) {
-    mock::MoteusEmulator moteus({});
-    mock::MitEmulator mit(damiao());
-    mock::OdriveEmulator odrive(3, kEndpoints);
+    moteus::MoteusEmulator moteus({});
+    mit::MitEmulator mit(damiao());
+    odrive::OdriveEmulator odrive({3, kEndpoints});
     MoteusBringUp moteus_up({}, options_);
     MitBringUp mit_up(damiao(), options_);
-    OdriveBringUp odrive_up(3, kEndpoints, options_);
-    const auto check = [&](mock::EmulatedDriver& driver, BringUp& bring_up) {
+    OdriveBringUp odrive_up({3, kEndpoints}, options_);
+    const auto check = [&](EmulatedDriver& driver, BringUp& bring_up) {
       MockBus bus(clock_);
       bus.attach(driver);
       bus.add_fault({.fault = fault, .delay_ns = 7'300'000});
@@ -113,7 +113,7 @@ TEST_F(BringUpTest, LateAndDoubledAnswersDoNotConfuseTheStages) {
 }
 
 TEST_F(BringUpTest, DriversWithoutAWatchdogAreRefusedUnlessTheConfigurationAcceptsThem) {
-  mock::MitEmulator driver({});
+  mit::MitEmulator driver({});
   bus_.attach(driver);
   MitBringUp strict({}, options_);
   EXPECT_EQ(run(strict, bus_, clock_).failure, Failure::no_watchdog);
@@ -125,23 +125,23 @@ TEST_F(BringUpTest, DriversWithoutAWatchdogAreRefusedUnlessTheConfigurationAccep
 }
 
 TEST_F(BringUpTest, AnOdriveWithUnknownEndpointsHasNoWatchdogToPromise) {
-  mock::OdriveEmulator driver(3, kEndpoints);
+  odrive::OdriveEmulator driver({3, kEndpoints});
   bus_.attach(driver);
-  OdriveBringUp strict(3, {}, options_);
+  OdriveBringUp strict({3, {}}, options_);
   EXPECT_EQ(run(strict, bus_, clock_).failure, Failure::no_watchdog);
   EXPECT_FALSE(driver.enabled());
 }
 
 TEST_F(BringUpTest, AMoteusWhosePositionMeansNothingIsRefused) {
-  mock::MoteusEmulator driver({});
-  driver.set_home(protocol::MoteusHome::relative);
+  moteus::MoteusEmulator driver({});
+  driver.set_home(moteus::MoteusHome::relative);
   bus_.attach(driver);
   MoteusBringUp bring_up({}, options_);
   EXPECT_EQ(run(bring_up, bus_, clock_).failure, Failure::not_home);
-  driver.set_home(protocol::MoteusHome::rotor);
+  driver.set_home(moteus::MoteusHome::rotor);
   MoteusBringUp rotor({}, options_);
   EXPECT_EQ(run(rotor, bus_, clock_).failure, Failure::not_home) << "one of many turns of the rotor";
-  driver.set_home(protocol::MoteusHome::relative);
+  driver.set_home(moteus::MoteusHome::relative);
   options_.encoder_period_rad = 0.7;
   options_.minimum_angle_rad = -0.3;
   options_.maximum_angle_rad = 0.3;
@@ -151,8 +151,8 @@ TEST_F(BringUpTest, AMoteusWhosePositionMeansNothingIsRefused) {
 }
 
 TEST_F(BringUpTest, ExactlyOneTurnOfTheEncoderMustFitTheTravel) {
-  mock::MoteusEmulator driver({});
-  driver.set_home(protocol::MoteusHome::rotor);
+  moteus::MoteusEmulator driver({});
+  driver.set_home(moteus::MoteusHome::rotor);
   driver.motor.position_rad = 0.1;
   bus_.attach(driver);
   options_.encoder_period_rad = 0.7;
@@ -169,7 +169,7 @@ TEST_F(BringUpTest, ExactlyOneTurnOfTheEncoderMustFitTheTravel) {
 }
 
 TEST_F(BringUpTest, AJointOutsideItsTravelIsNotEnabled) {
-  mock::MitEmulator driver(damiao());
+  mit::MitEmulator driver(damiao());
   driver.motor.position_rad = 3;
   bus_.attach(driver);
   options_.minimum_angle_rad = -1;
@@ -180,7 +180,7 @@ TEST_F(BringUpTest, AJointOutsideItsTravelIsNotEnabled) {
 }
 
 TEST_F(BringUpTest, ADriverWithAFaultNamesIt) {
-  mock::MitEmulator driver(damiao());
+  mit::MitEmulator driver(damiao());
   driver.raise(DriverFault::over_voltage);
   bus_.attach(driver);
   MitBringUp bring_up(damiao(), options_);
@@ -190,14 +190,14 @@ TEST_F(BringUpTest, ADriverWithAFaultNamesIt) {
 }
 
 TEST_F(BringUpTest, AnExpiredWatchdogIsClearedByBringingUpAgain) {
-  mock::MoteusEmulator driver({});
+  moteus::MoteusEmulator driver({});
   bus_.attach(driver);
   MoteusBringUp bring_up({}, options_);
   ASSERT_EQ(run(bring_up, bus_, clock_).stage, Stage::ready);
   clock_.advance(1'000'000'000);
   std::array<CanFrame, 4> received;
   static_cast<void>(bus_.receive(received));
-  ASSERT_EQ(driver.mode(), protocol::MoteusMode::timeout);
+  ASSERT_EQ(driver.mode(), moteus::MoteusMode::timeout);
   bring_up.restart();
   EXPECT_EQ(run(bring_up, bus_, clock_).stage, Stage::ready);
   EXPECT_TRUE(driver.enabled());

@@ -7,23 +7,21 @@
 namespace stilt::hal::bring_up {
 namespace {
 
-using mock::EmulatedDriver;
 using mock::FrameFault;
-using mock::FrameSink;
 using mock::MockBus;
 
 /// A Damiao that confirms writes to its registers and forgets them, or whose answers get lost.
 class BadDamiao final : public EmulatedDriver {
  public:
-  explicit BadDamiao(const protocol::MitDriver& driver) : inner_(driver), driver_(driver) {}
+  explicit BadDamiao(const mit::MitDriver& driver) : inner_(driver), driver_(driver) {}
   bool forgets_writes = false;
   unsigned answers_every = 1;  ///< request
 
   void take(std::int64_t now_ns, const CanFrame& frame, FrameSink& replies) noexcept override {
-    protocol::DamiaoRegisterMessage message;
+    mit::DamiaoRegisterMessage message;
     if (forgets_writes && message_of(frame, message) && message.write) {
       CanFrame confirmation;
-      if (encode_register_answer(driver_, message, confirmation) == protocol::EncodeStatus::ok)
+      if (encode_register_answer(driver_, message, confirmation) == EncodeStatus::ok)
         replies.push(confirmation);
       return;
     }
@@ -40,12 +38,12 @@ class BadDamiao final : public EmulatedDriver {
   void power_cycle() noexcept override { inner_.power_cycle(); }
 
  private:
-  bool message_of(const CanFrame& frame, protocol::DamiaoRegisterMessage& message) const noexcept {
-    return decode_register_request(driver_, frame, message) == protocol::DecodeStatus::ok;
+  bool message_of(const CanFrame& frame, mit::DamiaoRegisterMessage& message) const noexcept {
+    return decode_register_request(driver_, frame, message) == DecodeStatus::ok;
   }
 
-  mock::MitEmulator inner_;
-  protocol::MitDriver driver_;
+  mit::MitEmulator inner_;
+  mit::MitDriver driver_;
   unsigned requests_ = 0;
 };
 
@@ -56,7 +54,7 @@ class StoppedMoteus final : public EmulatedDriver {
     constexpr std::uint8_t kPositionMode_bytes = 32;
     CanFrame instead = frame;
     if (frame.length == kPositionMode_bytes)
-      static_cast<void>(encode_query({}, protocol::MoteusQuery::state, instead));
+      static_cast<void>(encode_query({}, moteus::MoteusQuery::state, instead));
     inner_.take(now_ns, instead, replies);
   }
   void elapse(std::int64_t now_ns, FrameSink& replies) noexcept override { inner_.elapse(now_ns, replies); }
@@ -67,7 +65,7 @@ class StoppedMoteus final : public EmulatedDriver {
   void power_cycle() noexcept override { inner_.power_cycle(); }
 
  private:
-  mock::MoteusEmulator inner_{{}};
+  moteus::MoteusEmulator inner_{{}};
 };
 
 class BringUpRefusal : public BringUpTest {
@@ -76,12 +74,12 @@ class BringUpRefusal : public BringUpTest {
     MoteusBringUp bring_up({}, options_);
     return end(bring_up, driver);
   }
-  StepResult damiao_driver(EmulatedDriver& driver, const protocol::MitDriver& configured = damiao()) {
+  StepResult damiao_driver(EmulatedDriver& driver, const mit::MitDriver& configured = damiao()) {
     MitBringUp bring_up(configured, options_);
     return end(bring_up, driver);
   }
-  StepResult odrive(mock::OdriveEmulator& driver) {
-    OdriveBringUp bring_up(3, kEndpoints, options_);
+  StepResult odrive(odrive::OdriveEmulator& driver) {
+    OdriveBringUp bring_up({3, kEndpoints}, options_);
     return end(bring_up, driver);
   }
   std::optional<mock::FaultRule> fault_;
@@ -98,7 +96,7 @@ class BringUpRefusal : public BringUpTest {
 };
 
 TEST_F(BringUpRefusal, AWatchdogThatReadsBackDifferentlyIsRefused) {
-  mock::MoteusEmulator moteus_driver({});
+  moteus::MoteusEmulator moteus_driver({});
   moteus_driver.ignore_watchdog(true);
   EXPECT_EQ(moteus(moteus_driver).failure, Failure::wrong_watchdog);
 
@@ -113,10 +111,10 @@ TEST_F(BringUpRefusal, AWatchdogThatReadsBackDifferentlyIsRefused) {
   for (const std::uint16_t bit : {std::uint16_t{32 + 23}, std::uint16_t{32}}) {
     fault_ =
         mock::FaultRule{.fault = FrameFault::corrupt,
-                        .id = 3u << 5 | static_cast<std::uint32_t>(protocol::OdriveCommand::parameter_answer),
+                        .id = 3u << 5 | static_cast<std::uint32_t>(odrive::OdriveCommand::parameter_answer),
                         .any_id = false,
                         .bit = bit};
-    mock::OdriveEmulator odrive_driver(3, kEndpoints);
+    odrive::OdriveEmulator odrive_driver({3, kEndpoints});
     EXPECT_EQ(odrive(odrive_driver).failure, Failure::wrong_watchdog) << bit;
   }
 }
@@ -125,50 +123,50 @@ TEST_F(BringUpRefusal, FirmwareBelowTheMinimumIsRefusedAndTheMinimumIsNot) {
   for (const bool old : {true, false}) {
     const Failure expected = old ? Failure::old_version : Failure::none;
     options_.minimum_version = 0x010305;
-    mock::MoteusEmulator moteus_driver({}, old ? 0x010304 : 0x010305);
+    moteus::MoteusEmulator moteus_driver({}, old ? 0x010304 : 0x010305);
     EXPECT_EQ(moteus(moteus_driver).failure, expected);
-    mock::OdriveEmulator odrive_driver(3, kEndpoints,
-                                       {2, 4, 4, 58, 1, 3, static_cast<std::uint8_t>(old ? 4 : 5), 0});
+    odrive::OdriveEmulator odrive_driver({3, kEndpoints},
+                                         {2, 4, 4, 58, 1, 3, static_cast<std::uint8_t>(old ? 4 : 5), 0});
     EXPECT_EQ(odrive(odrive_driver).failure, expected);
     options_.minimum_version = 8;
-    mock::MitEmulator mit_driver(damiao(), old ? 7 : 8);
+    mit::MitEmulator mit_driver(damiao(), old ? 7 : 8);
     EXPECT_EQ(damiao_driver(mit_driver).failure, expected);
   }
 }
 
 TEST_F(BringUpRefusal, AnyRangeThatDiffersFromTheConfigurationIsRefused) {
-  using protocol::MitDriver;
-  for (protocol::Range MitDriver::*range :
+  using mit::MitDriver;
+  for (mit::Range MitDriver::*range :
        {&MitDriver::position_rad, &MitDriver::velocity_rad_s, &MitDriver::torque_Nm,
         &MitDriver::reply_position_rad, &MitDriver::reply_velocity_rad_s, &MitDriver::reply_torque_Nm}) {
     for (const bool lower : {false, true}) {
       MitDriver configured = damiao();
       (lower ? (configured.*range).minimum : (configured.*range).maximum) *= 1.01;
-      mock::MitEmulator driver(damiao());
+      mit::MitEmulator driver(damiao());
       EXPECT_EQ(damiao_driver(driver, configured).failure, Failure::wrong_scaling);
     }
   }
-  mock::MitEmulator driver(damiao());
+  mit::MitEmulator driver(damiao());
   driver.report_torque_range(28);
   EXPECT_EQ(damiao_driver(driver).failure, Failure::wrong_scaling);
 }
 
 TEST_F(BringUpRefusal, ADamiaoInAnotherModeOrOfAnotherIdentifierIsRefused) {
-  const auto with_register = [this](protocol::DamiaoRegister number, std::uint32_t bits) {
+  const auto with_register = [this](mit::DamiaoRegister number, std::uint32_t bits) {
     MitBringUp bring_up(damiao(), options_);
     CanFrame answer;
     StepResult result = bring_up.step(clock_.now_ns(), {});
     for (int part = 0; part < 2 && result.stage != Stage::failed; ++part) {
-      protocol::DamiaoRegisterMessage asked;
-      EXPECT_EQ(decode_register_request(damiao(), result.frame, asked), protocol::DecodeStatus::ok);
+      mit::DamiaoRegisterMessage asked;
+      EXPECT_EQ(decode_register_request(damiao(), result.frame, asked), DecodeStatus::ok);
       asked.bits = 1;  // identifier 1, MIT mode
       if (asked.number == static_cast<std::uint8_t>(number)) asked.bits = bits;
-      EXPECT_EQ(encode_register_answer(damiao(), asked, answer), protocol::EncodeStatus::ok);
+      EXPECT_EQ(encode_register_answer(damiao(), asked, answer), EncodeStatus::ok);
       result = bring_up.step(clock_.now_ns(), std::span(&answer, 1));
     }
     return result;
   };
-  using protocol::DamiaoRegister;
+  using mit::DamiaoRegister;
   EXPECT_EQ(with_register(DamiaoRegister::control_mode, 1).failure, Failure::none);
   EXPECT_EQ(with_register(DamiaoRegister::control_mode, 2).failure, Failure::wrong_identity);
   EXPECT_EQ(with_register(DamiaoRegister::command_id, 2).failure, Failure::wrong_identity);
@@ -176,15 +174,15 @@ TEST_F(BringUpRefusal, ADamiaoInAnotherModeOrOfAnotherIdentifierIsRefused) {
 
 TEST_F(BringUpRefusal, ATimeoutGoesOutInTheNearestUnit) {
   options_.watchdog_s = 0.00505;  // 101 units of 50 us; the quotient of the two doubles is below 101
-  ASSERT_LT(options_.watchdog_s / protocol::kDamiaoTimeoutUnit_s, 101);
-  mock::MitEmulator driver(damiao());
+  ASSERT_LT(options_.watchdog_s / mit::kDamiaoTimeoutUnit_s, 101);
+  mit::MitEmulator driver(damiao());
   bus_.attach(driver);
   MitBringUp bring_up(damiao(), options_);
   ASSERT_EQ(run(bring_up, bus_, clock_).stage, Stage::ready);
   std::optional<std::uint32_t> written;
   for (const CanFrame& frame : bus_.sent()) {
-    protocol::DamiaoRegisterMessage message;
-    if (decode_register_request(damiao(), frame, message) == protocol::DecodeStatus::ok && message.write)
+    mit::DamiaoRegisterMessage message;
+    if (decode_register_request(damiao(), frame, message) == DecodeStatus::ok && message.write)
       written = message.bits;
   }
   EXPECT_EQ(written, 101u);
@@ -202,12 +200,12 @@ TEST_F(BringUpRefusal, EachRequestHasItsOwnTries) {
 TEST_F(BringUpRefusal, ADriverThatAnswersAndDoesNotEnableIsNotSilent) {
   options_.watchdog_s = 0.1;  // does not expire meanwhile
   options_.answer_timeout_ns = 5 * kTick_ns;
-  OdriveBringUp bring_up(3, kEndpoints, options_);
-  mock::OdriveEmulator driver(3, kEndpoints);
+  OdriveBringUp bring_up({3, kEndpoints}, options_);
+  odrive::OdriveEmulator driver({3, kEndpoints});
   bus_.attach(driver);
   // Its heartbeat never says closed loop (8): one bit makes it 12.
   bus_.add_fault({.fault = FrameFault::corrupt,
-                  .id = 3u << 5 | static_cast<std::uint32_t>(protocol::OdriveCommand::heartbeat),
+                  .id = 3u << 5 | static_cast<std::uint32_t>(odrive::OdriveCommand::heartbeat),
                   .any_id = false,
                   .bit = 32 + 2});
   EXPECT_EQ(run(bring_up, bus_, clock_).failure, Failure::unwilling);
@@ -218,27 +216,27 @@ TEST_F(BringUpRefusal, ADriverThatAnswersAndDoesNotEnableIsNotSilent) {
 TEST_F(BringUpRefusal, WatchdogsFrom5To100MillisecondsAreAllowed) {
   for (const double allowed_s : {0.005, 0.1}) {
     options_.watchdog_s = allowed_s;
-    mock::MoteusEmulator driver({});
+    moteus::MoteusEmulator driver({});
     EXPECT_EQ(moteus(driver).failure, Failure::none) << allowed_s;
   }
   for (const double refused_s : {0.0049, 0.1001, std::nan("")}) {
     options_.watchdog_s = refused_s;
-    mock::MoteusEmulator driver({});
+    moteus::MoteusEmulator driver({});
     EXPECT_EQ(moteus(driver).failure, Failure::invalid) << refused_s;
   }
 }
 
 TEST_F(BringUpRefusal, AnOdriveWithAnErrorNamesItAfterItWasCleared) {
-  mock::OdriveEmulator driver(3, kEndpoints);
+  odrive::OdriveEmulator driver({3, kEndpoints});
   driver.raise(DriverFault::over_voltage);
   EXPECT_EQ(odrive(driver).failure, Failure::none) << "cleared";
   // Bit 8 of the heartbeat's errors: over voltage, whatever is cleared.
   fault_ = mock::FaultRule{.fault = FrameFault::corrupt,
-                           .id = 3u << 5 | static_cast<std::uint32_t>(protocol::OdriveCommand::heartbeat),
+                           .id = 3u << 5 | static_cast<std::uint32_t>(odrive::OdriveCommand::heartbeat),
                            .any_id = false,
                            .bit = 8};
-  mock::OdriveEmulator faulty(3, kEndpoints);
-  OdriveBringUp bring_up(3, kEndpoints, options_);
+  odrive::OdriveEmulator faulty({3, kEndpoints});
+  OdriveBringUp bring_up({3, kEndpoints}, options_);
   bus_.attach(faulty);
   bus_.add_fault(*fault_);
   const StepResult result = run(bring_up, bus_, clock_);
@@ -249,7 +247,7 @@ TEST_F(BringUpRefusal, AnOdriveWithAnErrorNamesItAfterItWasCleared) {
 TEST_F(BringUpRefusal, BeginningAgainForgetsTheFailureAndThePlace) {
   options_.minimum_angle_rad = 1;
   options_.maximum_angle_rad = 2;
-  mock::MoteusEmulator driver({});
+  moteus::MoteusEmulator driver({});
   driver.motor.position_rad = 3;
   bus_.attach(driver);
   MoteusBringUp bring_up({}, options_);

@@ -1,11 +1,10 @@
 #include <array>
 #include <bit>
 
-#include "hal/protocol/base_sensor_table.h"
+#include "hal/sensors/base_sensor_table.h"
 #include "tests/hal/fuzz/fuzz_input.h"
 
 using namespace stilt::hal;
-using namespace stilt::hal::protocol;
 
 namespace {
 

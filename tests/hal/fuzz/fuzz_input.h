@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <span>
 
-#include "hal/frame.h"
+#include "hal/can/frame.h"
 
 namespace stilt::hal::fuzz {
 

@@ -1,9 +1,9 @@
-#include "hal/protocol/damiao_registers.h"
-#include "hal/protocol/mit_mode.h"
+#include "hal/mit/damiao_registers.h"
+#include "hal/mit/mit_mode.h"
 #include "tests/hal/fuzz/fuzz_input.h"
 
 using namespace stilt::hal;
-using namespace stilt::hal::protocol;
+using namespace stilt::hal::mit;
 
 namespace {
 

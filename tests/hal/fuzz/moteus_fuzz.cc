@@ -1,11 +1,11 @@
 #include <array>
 #include <limits>
 
-#include "hal/protocol/moteus.h"
+#include "hal/moteus/moteus.h"
 #include "tests/hal/fuzz/fuzz_input.h"
 
 using namespace stilt::hal;
-using namespace stilt::hal::protocol;
+using namespace stilt::hal::moteus;
 
 namespace {
 

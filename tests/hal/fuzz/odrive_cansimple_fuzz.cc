@@ -1,8 +1,8 @@
-#include "hal/protocol/odrive_cansimple.h"
+#include "hal/odrive/odrive_cansimple.h"
 #include "tests/hal/fuzz/fuzz_input.h"
 
 using namespace stilt::hal;
-using namespace stilt::hal::protocol;
+using namespace stilt::hal::odrive;
 
 namespace {
 

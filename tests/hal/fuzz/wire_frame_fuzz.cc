@@ -1,5 +1,5 @@
+#include "hal/can/socketcan/wire_frame.h"
 #include "hal/loopback/loopback_address.h"
-#include "hal/socketcan/wire_frame.h"
 #include "tests/hal/fuzz/fuzz_input.h"
 
 using namespace stilt::hal;

@@ -45,7 +45,7 @@ TEST(PlanSample, DescribesWhatAPlanConsistedOf) {
   ASSERT_EQ(planner->configure(counting_model(model::amber3m()), parameters), control::ConfigureStatus::ok);
   planner->reset(0.0);
   (void)take_model_calls();
-  const solver::SolveReport report =
+  const sqp::SolveReport report =
       planner->plan({0.0, gait::standing_state(model::amber3m().constants, 0.8, 0.0, 0.15, true), {}}, *plan);
   ASSERT_TRUE(report.usable());
   PlanSample sample;

@@ -32,7 +32,7 @@ class Kernels : public ::testing::Test {
     plan_at(0.0);
   }
 
-  solver::SolveReport plan_at(double time_s) {
+  sqp::SolveReport plan_at(double time_s) {
     const control::PlannerInput input{time_s,
                                       gait::standing_state(model::amber3m().constants, 0.8, 0.0, 0.15, true),
                                       {GaitKind::walk, 0.4}};
@@ -81,7 +81,7 @@ TEST_F(Kernels, WorkOfThePartsIsTheWorkOfTheWhole) {
 }
 
 TEST_F(Kernels, CallsOfTheModelTellIterationsAndTrialSteps) {
-  const solver::SolveReport report = plan_at(0.25);
+  const sqp::SolveReport report = plan_at(0.25);
   const ModelCalls calls = take_model_calls();
   const int batches = planner_->problem().batches;
   EXPECT_EQ(calls.linearised_batches, report.iterations * (batches + planner_->problem().transition_batches));

@@ -42,7 +42,7 @@ class Run {
                                                              : tunable.start_value);
     }
     Tunings& tunings = walk_.tunings[number];
-    const auto work = std::make_unique<solver::TerminalCostWorkspace>();
+    const auto work = std::make_unique<sqp::TerminalCostWorkspace>();
     static_cast<void>(control::prepare_settings(model::amber3m(),
                                                 configuration::with_live_values(walk_.configuration, values),
                                                 *work, tunings.planner.settings));

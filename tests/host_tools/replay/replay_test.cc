@@ -97,8 +97,7 @@ TEST_F(ReplayTest, ASolveThatTheRecordTellsOtherwiseIsFound) {
   const std::pair<const char*, std::function<void(CycleRecord&)>> changes[] = {
       {"time_s of the plan's request", [](CycleRecord& solve) { nudge(solve.time_s); }},
       {"standing of the plan's request", [](CycleRecord& solve) { ++solve.standing; }},
-      {"status of the solve",
-       [](CycleRecord& solve) { solve.report.status = solver::SolveStatus::not_convex; }},
+      {"status of the solve", [](CycleRecord& solve) { solve.report.status = sqp::SolveStatus::not_convex; }},
       {"failures in a row", [](CycleRecord& solve) { ++solve.failures; }},
       {"sequence of the plan", [](CycleRecord& solve) { ++solve.plan_sequence; }},
       {"nodes of the plan", [](CycleRecord& solve) { ++solve.nodes; }},

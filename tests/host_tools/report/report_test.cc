@@ -103,7 +103,7 @@ TEST(Report, TheEmbeddedSamplesAreTheRecordInSinglePrecision) {
 
 TEST(Report, TheEmbeddedSolvesAreTheRecord) {
   log::RunRecord record = synthetic_walk(1.0);
-  record.solves[7].report.status = solver::SolveStatus::not_convex;
+  record.solves[7].report.status = sqp::SolveStatus::not_convex;
   const json data = embedded_data(render_report(record))["solves"];
   const Columns columns = unpack(data);
   ASSERT_EQ(columns.at("time_s")[0].size(), record.solves.size());

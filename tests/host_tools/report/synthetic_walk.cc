@@ -120,7 +120,7 @@ log::SolveSample solve(double time_s) {
   const double wave = std::sin(11.0 * time_s) * std::sin(2.3 * time_s);
   s.time_s = time_s;
   s.solve_us = 1400.0 + 500.0 * wave;
-  s.report.status = solver::SolveStatus::converged;
+  s.report.status = sqp::SolveStatus::converged;
   s.report.iterations = 2 + static_cast<int>(std::lround(1.4 * std::max(0.0, wave)));
   s.report.dynamics_defect_max = 1e-5 * (1.1 + wave);
   s.report.equality_violation_max = 1e-4 * (1.2 - wave);

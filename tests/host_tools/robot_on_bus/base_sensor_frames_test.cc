@@ -9,7 +9,7 @@
 namespace stilt::robot_on_bus {
 namespace {
 
-using hal::protocol::BaseChannel;
+using hal::BaseChannel;
 using testing_support::DrivenRobot;
 
 constexpr double kDegree_rad = 0.017453292519943295;
@@ -22,18 +22,18 @@ TEST(BaseSensorFrames, TheTableReadsBackEveryChannelFromAFrameAnIdentifier) {
   wiring.channels[2] = {.id = 0x51,
                         .extended = true,
                         .byte_offset = 6,
-                        .order = hal::protocol::ByteOrder::big,
+                        .order = hal::ByteOrder::big,
                         .scale = 1e-2,
                         .channel = BaseChannel::acceleration_z_m_s2};
   wiring.channel_count = 3;
   BaseSensorFrames sensor(wiring);
   const std::vector<hal::CanFrame>& frames = sensor.encode({0.25, -1.5, 0, 9.81, 0, 0, 1});
   ASSERT_EQ(frames.size(), 2u);
-  hal::protocol::ChannelValues values;
-  ASSERT_EQ(decode(std::span(wiring.channels).first(3), frames[0], values), hal::protocol::DecodeStatus::ok);
+  hal::ChannelValues values;
+  ASSERT_EQ(decode(std::span(wiring.channels).first(3), frames[0], values), hal::DecodeStatus::ok);
   EXPECT_NEAR(values[BaseChannel::pitch_rad], 0.25, 1e-6);
   EXPECT_NEAR(values[BaseChannel::pitch_rate_rad_s], -1.5, 1e-5);
-  ASSERT_EQ(decode(std::span(wiring.channels).first(3), frames[1], values), hal::protocol::DecodeStatus::ok);
+  ASSERT_EQ(decode(std::span(wiring.channels).first(3), frames[1], values), hal::DecodeStatus::ok);
   EXPECT_NEAR(values[BaseChannel::acceleration_z_m_s2], 9.81, 1e-2);
   for (const hal::CanFrame& frame : frames) EXPECT_TRUE(well_formed(frame));
 }
@@ -90,7 +90,7 @@ TEST(BaseSensorFrames, ARobotThatHangsAskewFeelsItsWeightInTheFrameOfItsBase) {
   RobotSetup setup = testing_support::setup_of(request);
   setup.standing[model::kFirstAngle] = 0.3;
   RobotOnBus robot(setup);
-  hal::protocol::ChannelValues values;
+  hal::ChannelValues values;
   std::int64_t now_ns = 1'000'000'000;
   for (int i = 0; i < 3000; ++i) {
     robot.tick(now_ns += testing_support::kTick_ns);

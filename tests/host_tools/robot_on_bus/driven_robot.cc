@@ -55,23 +55,17 @@ void DrivenRobot::tick(const hal::JointCommands* commands) {
   static_cast<void>(can.read_base(base));
 }
 
-DrivenRobot::AnyBringUp DrivenRobot::bring_up(std::size_t joint) const {
+hal::JointBringUp DrivenRobot::bring_up(std::size_t joint) const {
   const auto options = configuration::bring_up_options(configuration.hardware, joint, -3.2, 3.2);
-  const auto& driver = setup.wiring.joints[joint].driver;
-  if (const auto* mit = std::get_if<hal::protocol::MitDriver>(&driver)) {
-    return hal::bring_up::MitBringUp(*mit, options);
-  }
-  if (const auto* moteus = std::get_if<hal::protocol::MoteusDriver>(&driver)) {
-    return hal::bring_up::MoteusBringUp(*moteus, options);
-  }
-  return hal::bring_up::OdriveBringUp(std::get<hal::OdriveNode>(driver).node, setup.odrive_endpoints[joint],
-                                      options);
+  return hal::visit_driver(setup.wiring.joints[joint].driver, [&](const auto& driver) -> hal::JointBringUp {
+    return make_bring_up(driver, options);
+  });
 }
 
 bool DrivenRobot::enable() {
   constexpr int kMostTicks = 500;
-  std::array<AnyBringUp, hal::kJoints> ups{bring_up(0), bring_up(1), bring_up(2), bring_up(3)};
-  const auto base_of = [](AnyBringUp& up) -> hal::bring_up::BringUp& {
+  std::array<hal::JointBringUp, hal::kJoints> ups{bring_up(0), bring_up(1), bring_up(2), bring_up(3)};
+  const auto base_of = [](hal::JointBringUp& up) -> hal::bring_up::BringUp& {
     return std::visit([](auto& any) -> hal::bring_up::BringUp& { return any; }, up);
   };
   for (int i = 0; i < kMostTicks; ++i) {

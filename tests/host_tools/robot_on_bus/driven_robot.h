@@ -7,10 +7,7 @@
 #include <vector>
 
 #include "firmware/configuration/configuration.h"
-#include "hal/bring_up/mit_bring_up.h"
-#include "hal/bring_up/moteus_bring_up.h"
-#include "hal/bring_up/odrive_bring_up.h"
-#include "hal/can_robot.h"
+#include "hal/robot/can_robot.h"
 #include "host_tools/robot_on_bus/robot_on_bus.h"
 
 namespace stilt::robot_on_bus::testing_support {
@@ -73,9 +70,7 @@ class DrivenRobot {
   hal::BaseReading base;
 
  private:
-  using AnyBringUp =
-      std::variant<hal::bring_up::MitBringUp, hal::bring_up::MoteusBringUp, hal::bring_up::OdriveBringUp>;
-  [[nodiscard]] AnyBringUp bring_up(std::size_t joint) const;
+  [[nodiscard]] hal::JointBringUp bring_up(std::size_t joint) const;
 
   std::array<std::vector<hal::CanFrame>, 2> received_;
 };

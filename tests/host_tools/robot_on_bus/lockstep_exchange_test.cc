@@ -5,16 +5,16 @@
 #include <deque>
 #include <stdexcept>
 
-#include "hal/protocol/lockstep.h"
+#include "hal/can/lockstep.h"
 #include "tests/host_tools/robot_on_bus/driven_robot.h"
 
 namespace stilt::robot_on_bus {
 namespace {
 
 using hal::CanFrame;
-using hal::protocol::kControllerSyncId;
-using hal::protocol::kRobotSyncId;
-using hal::protocol::sync_frame;
+using hal::kControllerSyncId;
+using hal::kRobotSyncId;
+using hal::sync_frame;
 using testing_support::RobotRequest;
 using testing_support::setup_of;
 

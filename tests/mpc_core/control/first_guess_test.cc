@@ -25,7 +25,7 @@ void guess_only(Planning& planning) {
   ControllerParameters parameters = planning.parameters;
   parameters.sqp.iterations = 0;
   const auto settings = std::make_unique<PlannerSettings>();
-  const auto work = std::make_unique<solver::TerminalCostWorkspace>();
+  const auto work = std::make_unique<sqp::TerminalCostWorkspace>();
   ASSERT_EQ(prepare_settings(model::amber3m(), parameters, *work, *settings), ConfigureStatus::ok);
   planning.planner->adopt(*settings);
 }

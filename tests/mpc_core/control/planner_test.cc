@@ -18,8 +18,8 @@ namespace {
 using gait::GaitKind;
 using model::kStates;
 using model::StateVector;
-using solver::SolveReport;
-using solver::SolveStatus;
+using sqp::SolveReport;
+using sqp::SolveStatus;
 using testing_support::kStand;
 using testing_support::kWalk;
 using testing_support::Planning;
@@ -60,7 +60,7 @@ TEST(PlannerSettings, LimitsAreTheRobotsScaledByTheConfiguration) {
   parameters.robot.torque_limit_scale = 0.75;
   parameters.robot.no_load_speed_rad_s = 8.0;
   const auto settings = std::make_unique<PlannerSettings>();
-  const auto work = std::make_unique<solver::TerminalCostWorkspace>();
+  const auto work = std::make_unique<sqp::TerminalCostWorkspace>();
   const model::RobotConstants& robot = model::amber3m().constants;
   ASSERT_EQ(prepare_settings(model::amber3m(), parameters, *work, *settings), ConfigureStatus::ok);
   const ocp::JointLimits& limits = settings->data.limits;

@@ -18,7 +18,7 @@ using control::Planner;
 using gait::GaitCommand;
 using gait::GaitKind;
 using model::StateVector;
-using solver::SolveReport;
+using sqp::SolveReport;
 
 inline constexpr double kPeriod_s = 0.01;
 inline constexpr GaitCommand kStand{GaitKind::stand, 0.0};

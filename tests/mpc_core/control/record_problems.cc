@@ -109,7 +109,7 @@ void disturb_guess(int number, Random& random, const ocp::Horizon& horizon, ocp:
   }
 }
 
-bool answer(Random& random, RecordedProblem& problem, solver::Sqp& sqp) {
+bool answer(Random& random, RecordedProblem& problem, sqp::Sqp& sqp) {
   const auto prepared = prepare(problem.question);
   const auto iterate = std::make_unique<ocp::Trajectory>(prepared->guess);
   const HardSolve solve = solve_hard(*prepared, sqp, *iterate);
@@ -128,7 +128,7 @@ bool answer(Random& random, RecordedProblem& problem, solver::Sqp& sqp) {
 }
 
 int record(const std::string& path) {
-  const auto sqp = std::make_unique<solver::Sqp>();
+  const auto sqp = std::make_unique<sqp::Sqp>();
   std::vector<RecordedProblem> problems;
   int seed = 0;
   int fell = 0;

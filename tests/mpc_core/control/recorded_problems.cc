@@ -4,7 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "mpc_core/solver/terminal_cost.h"
+#include "mpc_core/sqp/terminal_cost.h"
 
 namespace stilt::testing_support {
 namespace {
@@ -83,8 +83,8 @@ ocp::ProblemData data_of(const PlanningQuestion& question, const model::RobotMod
   const model::StateVector standing =
       gait::standing_state(robot.constants, reference.base_height_m, reference.base_pitch_rad,
                            gait_of(question).stand_half_width_m, true);
-  const auto work = std::make_unique<solver::TerminalCostWorkspace>();
-  if (!solver::set_terminal_cost(data, standing, *work)) {
+  const auto work = std::make_unique<sqp::TerminalCostWorkspace>();
+  if (!sqp::set_terminal_cost(data, standing, *work)) {
     throw std::invalid_argument("recorded problem: the weights admit no terminal cost");
   }
   return data;
@@ -125,7 +125,7 @@ void fill_guess(const gait::HeuristicReference& reference, PreparedProblem& prep
   }
 }
 
-solver::SqpParameters with_line_search() {
+sqp::SqpParameters with_line_search() {
   return {.iterations = kSearchIterations,
           .early_stop = true,
           .cost_tolerance = 0.0,
@@ -140,8 +140,8 @@ solver::SqpParameters with_line_search() {
 }
 
 /// Any finite step passes: a negative gamma_c lets the violation grow.
-solver::SqpParameters full_step() {
-  solver::SqpParameters parameters = with_line_search();
+sqp::SqpParameters full_step() {
+  sqp::SqpParameters parameters = with_line_search();
   parameters.iterations = 1;
   parameters.early_stop = false;
   parameters.g_min = 0.0;
@@ -183,11 +183,11 @@ std::unique_ptr<PreparedProblem> prepare(const PlanningQuestion& question) {
   return prepared;
 }
 
-HardSolve solve_hard(const PreparedProblem& prepared, solver::Sqp& sqp, ocp::Trajectory& iterate) {
-  const auto solve = [&](const solver::SqpParameters& parameters) {
+HardSolve solve_hard(const PreparedProblem& prepared, sqp::Sqp& sqp, ocp::Trajectory& iterate) {
+  const auto solve = [&](const sqp::SqpParameters& parameters) {
     return sqp.solve(prepared.data, prepared.problem, parameters, iterate);
   };
-  solver::SolveReport report = solve(with_line_search());
+  sqp::SolveReport report = solve(with_line_search());
   int iterations = report.iterations;
   double last_step = report.step_size;
   for (int i = 0; report.usable() && i < kPolishIterations; ++i, ++iterations) {

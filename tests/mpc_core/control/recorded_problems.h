@@ -6,7 +6,7 @@
 
 #include "mpc_core/gait/reference.h"
 #include "mpc_core/ocp/problem.h"
-#include "mpc_core/solver/sqp.h"
+#include "mpc_core/sqp/sqp.h"
 
 /// Planning problems with their optimum, kept in tests/data/recorded_problems.txt: whatever is done to the
 /// solver for speed, it has to find these optima again. The weights and limits in force are those of
@@ -72,8 +72,7 @@ struct HardSolve {
 /// Solves until rounding stops the progress: at most `kSearchIterations` with line search until the step is
 /// below `kSearchStep`, then at most `kPolishIterations` full steps until the step is below `kPolishStep`.
 /// (The line search compares costs, whose rounding hides steps below the root of the precision.)
-[[nodiscard]] HardSolve solve_hard(const PreparedProblem& prepared, solver::Sqp& sqp,
-                                   ocp::Trajectory& iterate);
+[[nodiscard]] HardSolve solve_hard(const PreparedProblem& prepared, sqp::Sqp& sqp, ocp::Trajectory& iterate);
 
 inline constexpr int kSearchIterations = 60;
 inline constexpr double kSearchStep = 1e-5;

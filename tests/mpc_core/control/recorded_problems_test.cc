@@ -23,7 +23,7 @@ class RecordedProblems : public ::testing::Test {
     return kProblems;
   }
 
-  const std::unique_ptr<solver::Sqp> sqp_ = std::make_unique<solver::Sqp>();
+  const std::unique_ptr<sqp::Sqp> sqp_ = std::make_unique<sqp::Sqp>();
 };
 
 TEST_F(RecordedProblems, AreManyAndVaried) {

@@ -50,13 +50,13 @@ TEST_F(Subnormals, TheFlagsTell) {
 }
 
 TEST_F(Subnormals, NoneIsMetInTheRecordedProblems) {
-  const auto sqp = std::make_unique<solver::Sqp>();
+  const auto sqp = std::make_unique<sqp::Sqp>();
   int number = 0;
   for (const RecordedProblem& recorded : read_problems(STILT_TEST_DATA "/recorded_problems.txt")) {
     const auto prepared = prepare(recorded.question);
     clear_flags();
-    const solver::SolveReport report =
-        sqp->solve(prepared->data, prepared->problem, solver::SqpParameters{}, prepared->guess);
+    const sqp::SolveReport report =
+        sqp->solve(prepared->data, prepared->problem, sqp::SqpParameters{}, prepared->guess);
     EXPECT_FALSE(met_subnormals()) << "problem " << number;
     EXPECT_TRUE(report.usable());
     ++number;
@@ -88,9 +88,9 @@ TEST_F(Subnormals, AMeasurementThatIsOneChangesNothingElse) {
   const auto solved = [&](double rate_rad_s) {
     question.state.tail<model::kPositions>().setConstant(rate_rad_s);
     auto prepared = prepare(question);
-    const auto sqp = std::make_unique<solver::Sqp>();
-    const solver::SolveReport report =
-        sqp->solve(prepared->data, prepared->problem, solver::SqpParameters{}, prepared->guess);
+    const auto sqp = std::make_unique<sqp::Sqp>();
+    const sqp::SolveReport report =
+        sqp->solve(prepared->data, prepared->problem, sqp::SqpParameters{}, prepared->guess);
     return std::pair(report, sampled(*prepared, prepared->guess, report.cost));
   };
   const auto [still_report, still] = solved(0.0);

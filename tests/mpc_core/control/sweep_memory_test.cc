@@ -6,24 +6,26 @@
 
 /// The data that one Riccati sweep walks through stay in the second-level cache of the processors in question
 /// (1 MiB a core) at the longest horizon, so that the sweep never waits for main memory.
-namespace stilt::solver {
+namespace stilt::lq {
 namespace {
 
 constexpr std::size_t kKibibyte = 1024;
 constexpr std::size_t kSecondLevelCache = 1024 * kKibibyte;
 constexpr std::size_t kNodes = 134;  ///< 2.0 s at 15 ms
 
+constexpr std::size_t kStage = sizeof(LqFirstOrder) + sizeof(LqSecondOrder);
+
 /// Backward: reads a stage, writes its gain. Forward: reads both, writes the step.
 constexpr std::size_t kBackward =
-    kNodes * (sizeof(LqStage) + sizeof(LqGain)) + sizeof(LqTerminal) + sizeof(RiccatiWorkspace);
-constexpr std::size_t kForward = kNodes * (sizeof(LqStage) + sizeof(LqGain) + sizeof(LqStep));
+    kNodes * (kStage + sizeof(LqGain)) + sizeof(LqTerminal) + sizeof(RiccatiWorkspace);
+constexpr std::size_t kForward = kNodes * (sizeof(LqFirstOrder) + sizeof(LqGain) + sizeof(LqStep));
 
 TEST(SweepMemory, OfTheLongestHorizonFitsTheSecondLevelCache) {
   std::printf("one sweep at %zu nodes: backward %zu, forward %zu of %zu KiB; a stage %zu bytes\n", kNodes,
-              kBackward / kKibibyte, kForward / kKibibyte, kSecondLevelCache / kKibibyte, sizeof(LqStage));
+              kBackward / kKibibyte, kForward / kKibibyte, kSecondLevelCache / kKibibyte, kStage);
   EXPECT_LE(kBackward, kSecondLevelCache);
   EXPECT_LE(kForward, kSecondLevelCache);
 }
 
 }  // namespace
-}  // namespace stilt::solver
+}  // namespace stilt::lq

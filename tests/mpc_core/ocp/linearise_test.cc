@@ -4,18 +4,19 @@
 #include <cmath>
 #include <random>
 
-#include "mpc_core/solver/riccati.h"
+#include "mpc_core/lq/riccati.h"
 #include "tests/mpc_core/ocp/planning_scene.h"
 #include "tests/mpc_core/ocp/scalar_ocp.h"
 
 namespace stilt::ocp {
 namespace {
 
+using lq::kRows;
 using model::kInputs;
 using model::kStates;
-using solver::kRows;
 using testing_support::kStageVariables;
 using testing_support::Linearisation;
+using testing_support::LqStage;
 using testing_support::ScalarOcp;
 using testing_support::Scene;
 using testing_support::StageVector;
@@ -34,28 +35,28 @@ struct PlainStage {
   Matrix basis;
   StageVector<double> offset;
 
-  PlainStage(const solver::LqStage& lq, const InputProjection& p) {
-    const int free = lq.free_inputs;
+  PlainStage(const LqStage& lq_stage, const InputProjection& p) {
+    const int free = lq_stage.free_inputs;
     const int n = kStates + free;
     dynamics.resize(kStates, n);
-    dynamics << solver::dense_dynamics(lq), Padded(&lq.B[0][0], kRows, free).topRows(kStates);
-    defect = Eigen::Map<const Vector>(lq.b, kStates);
+    dynamics << benchmark::dense_dynamics(lq_stage), Padded(&lq_stage.B[0][0], kRows, free).topRows(kStates);
+    defect = Eigen::Map<const Vector>(lq_stage.b, kStates);
     hessian.resize(n, n);
-    hessian.topLeftCorner(kStates, kStates) = solver::dense_hessian(lq);
-    hessian.topRightCorner(kStates, free) = Padded(&lq.S[0][0], kRows, free).topRows(kStates);
+    hessian.topLeftCorner(kStates, kStates) = benchmark::dense_hessian(lq_stage);
+    hessian.topRightCorner(kStates, free) = Padded(&lq_stage.S[0][0], kRows, free).topRows(kStates);
     hessian.bottomLeftCorner(free, kStates) = hessian.topRightCorner(kStates, free).transpose();
     gradient.resize(n);
-    gradient.head(kStates) = Eigen::Map<const Vector>(lq.q, kStates);
+    gradient.head(kStates) = Eigen::Map<const Vector>(lq_stage.q, kStates);
     for (int i = 0; i < free; ++i) {
-      gradient[kStates + i] = lq.r[i];
+      gradient[kStates + i] = lq_stage.r[i];
       for (int j = i; j < free; ++j) {
-        hessian(kStates + i, kStates + j) = hessian(kStates + j, kStates + i) = lq.R[i][j];
+        hessian(kStates + i, kStates + j) = hessian(kStates + j, kStates + i) = lq_stage.R[i][j];
       }
     }
     basis = Matrix::Zero(kStageVariables, n);
     basis.topLeftCorner(kStates, kStates).setIdentity();
-    basis.bottomLeftCorner(kInputs, kStates) = testing_support::inputs_by_state(lq, p);
-    basis.bottomRightCorner(kInputs, free) = testing_support::inputs_by_free(lq, p);
+    basis.bottomLeftCorner(kInputs, kStates) = testing_support::inputs_by_state(lq_stage, p);
+    basis.bottomRightCorner(kInputs, free) = testing_support::inputs_by_free(lq_stage, p);
     offset << model::StateVector::Zero(), Eigen::Map<const model::InputVector>(p.u0);
   }
 };
@@ -152,10 +153,10 @@ TEST(Linearise, HessianIsPositiveSemidefinite) {
 TEST(Linearise, LeavesThePaddingZero) {
   const auto scene = testing_support::random_scene(model::amber3m(), {true, false}, 3, 9);
   const Linearisation model(scene->data, scene->problem, scene->guess);
-  for (const solver::LqStage& stage : model.stages) {
+  for (const LqStage& stage : model.stages) {
     for (int r = kStates; r < kRows; ++r) {
       for (int c = 0; c < kStates; ++c) EXPECT_EQ(stage.Q[c][r], 0.0);
-      for (int i = 0; i < solver::kBaseRows + stage.constraints; ++i) EXPECT_EQ(stage.G[i][r], 0.0);
+      for (int i = 0; i < lq::kBaseRows + stage.constraints; ++i) EXPECT_EQ(stage.G[i][r], 0.0);
       for (int i = 0; i < stage.constraints; ++i) EXPECT_EQ(stage.L[i][r], 0.0);
       for (int i = 0; i < stage.free_inputs; ++i) {
         EXPECT_EQ(stage.B[i][r], 0.0);
@@ -193,12 +194,12 @@ TEST(Linearise, SlopeAlongFreeDirectionsIsTheDifferenceOfTheEvaluatedCost) {
       for (std::uint64_t seed = 1; seed <= 10; ++seed) {
         std::mt19937_64 random(seed);
         std::normal_distribution<double> normal;
-        std::vector<solver::LqStep> steps(static_cast<std::size_t>(stages) + 1);
+        std::vector<lq::LqStep> steps(static_cast<std::size_t>(stages) + 1);
         Trajectory forward = scene->guess;
         Trajectory backward = scene->guess;
         constexpr double kStep = 1e-5;
         for (int k = 0; k <= stages; ++k) {
-          solver::LqStep& step = steps[static_cast<std::size_t>(k)];
+          lq::LqStep& step = steps[static_cast<std::size_t>(k)];
           step = {};
           for (int i = 0; i < kStates; ++i) {
             step.x[i] = normal(random);
@@ -206,18 +207,20 @@ TEST(Linearise, SlopeAlongFreeDirectionsIsTheDifferenceOfTheEvaluatedCost) {
             backward.x[k][i] -= kStep * step.x[i];
           }
           if (k == stages) break;
-          const solver::LqStage& lq = model.stages[static_cast<std::size_t>(k)];
+          const LqStage& lq_stage = model.stages[static_cast<std::size_t>(k)];
           const InputProjection& p = model.projections[static_cast<std::size_t>(k)];
-          for (int c = 0; c < lq.free_inputs; ++c) step.w[c] = normal(random);
+          for (int c = 0; c < lq_stage.free_inputs; ++c) step.w[c] = normal(random);
           const model::InputVector du =
-              testing_support::inputs_by_state(lq, p) * Eigen::Map<const model::StateVector>(step.x) +
-              testing_support::inputs_by_free(lq, p) * Eigen::Map<const Vector>(step.w, lq.free_inputs);
+              testing_support::inputs_by_state(lq_stage, p) * Eigen::Map<const model::StateVector>(step.x) +
+              testing_support::inputs_by_free(lq_stage, p) *
+                  Eigen::Map<const Vector>(step.w, lq_stage.free_inputs);
           for (int i = 0; i < kInputs; ++i) {
             forward.u[k][i] += kStep * du[i];
             backward.u[k][i] -= kStep * du[i];
           }
         }
-        const double slope = solver::cost_slope(model.stages.data(), stages, model.terminal, steps.data());
+        const double slope =
+            lq::cost_slope(model.first_orders().data(), stages, model.terminal, steps.data());
         const double difference = (evaluate(scene->data, scene->problem, forward).cost -
                                    evaluate(scene->data, scene->problem, backward).cost) /
                                   (2.0 * kStep);

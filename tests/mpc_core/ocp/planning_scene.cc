@@ -53,7 +53,7 @@ void fill_guess(Scene& scene) {
     const ocp::Stage& stage = horizon.stage[static_cast<std::size_t>(std::min(k, horizon.stages - 1))];
     const gait::ReferencePoint point =
         scene.reference.evaluate(end ? horizon.end_s : stage.time_s, end ? horizon.end_phase : stage.phase);
-    std::copy(scene.problem.x_initial, scene.problem.x_initial + solver::kRows, scene.guess.x[k]);
+    std::copy(scene.problem.x_initial, scene.problem.x_initial + lq::kRows, scene.guess.x[k]);
     scene.guess.x[k][0] += point.state[0] - scene.problem.x_initial[0];
     if (end) break;
     scene.points.push_back(point);
@@ -139,6 +139,7 @@ std::unique_ptr<Scene> random_scene(const model::RobotModel& robot, model::Conta
     ocp::StageBatch& batch = problem.batch[problem.batches - 1];
     batch.mode = mode;
     batch.lanes = lane + 1;
+    problem.place[k] = {problem.batches - 1, (mode.left ? 1 : 0) + (mode.right ? 2 : 0), lane};
     // The last stage also fills the lanes that stay unused.
     for (int fill = lane; fill < ocp::kLanes; ++fill) {
       batch.stage[fill] = k;
@@ -179,22 +180,14 @@ void disturb(ocp::Trajectory& iterate, int stages, double size, std::uint64_t se
   }
 }
 
-Linearisation::Linearisation(const ocp::ProblemData& data, const ocp::Problem& problem,
-                             const ocp::Trajectory& iterate)
-    : stages(static_cast<std::size_t>(problem.horizon.stages)),
-      projections(static_cast<std::size_t>(problem.horizon.stages)) {
-  const auto work = std::make_unique<ocp::LineariseWorkspace>();
-  ocp::linearise(data, problem, iterate, stages.data(), projections.data(), terminal, *work);
-}
-
 Eigen::Matrix<double, model::kInputs, model::kStates> inputs_by_state(
-    const solver::LqStage& stage, const ocp::InputProjection& projection) {
+    const LqStage& stage, const ocp::InputProjection& projection) {
   using InputColumn = Eigen::Map<const model::InputVector>;
   using StateRow = Eigen::Map<const Eigen::Matrix<double, 1, model::kStates>>;
   Eigen::Matrix<double, model::kInputs, model::kStates> X;
   X.setZero();
   for (int r = 0; r < stage.constraints; ++r) {
-    X += InputColumn(projection.Y[r]) * StateRow(stage.G[solver::kBaseRows + r]);
+    X += InputColumn(projection.Y[r]) * StateRow(stage.G[lq::kBaseRows + r]);
   }
   if (projection.first_force >= 0) {
     for (int axis = 0; axis < 2; ++axis) X.row(projection.first_force + axis) += StateRow(projection.F[axis]);
@@ -202,7 +195,7 @@ Eigen::Matrix<double, model::kInputs, model::kStates> inputs_by_state(
   return X;
 }
 
-Eigen::Matrix<double, model::kInputs, Eigen::Dynamic> inputs_by_free(const solver::LqStage& stage,
+Eigen::Matrix<double, model::kInputs, Eigen::Dynamic> inputs_by_free(const LqStage& stage,
                                                                      const ocp::InputProjection& projection) {
   return Eigen::Map<const Eigen::Matrix<double, model::kInputs, Eigen::Dynamic>>(
       &projection.W[0][0], model::kInputs, stage.free_inputs);

@@ -5,10 +5,10 @@
 #include <random>
 #include <vector>
 
+#include "host_tools/benchmark/linearised_problem.h"
 #include "mpc_core/gait/reference.h"
 #include "mpc_core/model/robot.h"
 #include "mpc_core/ocp/problem.h"
-#include "mpc_core/solver/dense_stage.h"
 
 /// Planning problems for tests: the ones a walking robot meets, and random ones of a single contact mode.
 namespace stilt::testing_support {
@@ -48,20 +48,19 @@ struct Scene {
 /// Adds noise to all states and inputs of the iterate; forces by ten times as much per newton.
 void disturb(ocp::Trajectory& iterate, int stages, double size, std::uint64_t seed);
 
-/// The quadratic model that linearise() writes.
-struct Linearisation {
-  std::vector<solver::LqStage> stages;
-  std::vector<ocp::InputProjection> projections;
-  solver::LqTerminal terminal{};
+using benchmark::LqStage;
 
-  Linearisation(const ocp::ProblemData& data, const ocp::Problem& problem, const ocp::Trajectory& iterate);
+/// The quadratic model that StageModels gives.
+struct Linearisation : benchmark::LinearisedProblem {
+  Linearisation(const ocp::ProblemData& data, const ocp::Problem& problem, const ocp::Trajectory& iterate)
+      : LinearisedProblem(*std::make_unique<ocp::StageModels>(), data, problem, iterate) {}
 };
 
 /// X and W of du = u0 + X dx + W w, from their factors.
 [[nodiscard]] Eigen::Matrix<double, model::kInputs, model::kStates> inputs_by_state(
-    const solver::LqStage& stage, const ocp::InputProjection& projection);
+    const LqStage& stage, const ocp::InputProjection& projection);
 [[nodiscard]] Eigen::Matrix<double, model::kInputs, Eigen::Dynamic> inputs_by_free(
-    const solver::LqStage& stage, const ocp::InputProjection& projection);
+    const LqStage& stage, const ocp::InputProjection& projection);
 
 inline constexpr model::ContactMode kAllModes[] = {
     {true, true}, {true, false}, {false, true}, {false, false}};

@@ -17,6 +17,7 @@ using model::kJoints;
 using model::kPositions;
 using model::kStates;
 using testing_support::Linearisation;
+using testing_support::LqStage;
 using testing_support::ScalarOcp;
 using testing_support::Scene;
 using testing_support::StageVector;
@@ -47,14 +48,14 @@ TEST(Projection, EveryStepItAllowsFulfilsTheLinearisedEqualities) {
         std::normal_distribution<double> normal;
         for (int k = 0; k < scene->problem.horizon.stages; ++k) {
           const InputProjection& p = model.projections[static_cast<std::size_t>(k)];
-          const solver::LqStage& lq = model.stages[static_cast<std::size_t>(k)];
-          const int free = lq.free_inputs;
+          const LqStage& lq_stage = model.stages[static_cast<std::size_t>(k)];
+          const int free = lq_stage.free_inputs;
           const Eigen::VectorXd w = 10.0 * Eigen::VectorXd::NullaryExpr(free, [&] { return normal(random); });
           StageVector<double> step;
           for (int i = 0; i < kStates; ++i) step[i] = normal(random);
           step.tail<kInputs>() = Eigen::Map<const model::InputVector>(p.u0) +
-                                 testing_support::inputs_by_state(lq, p) * step.head<kStates>() +
-                                 testing_support::inputs_by_free(lq, p) * w;
+                                 testing_support::inputs_by_state(lq_stage, p) * step.head<kStates>() +
+                                 testing_support::inputs_by_free(lq_stage, p) * w;
           // Terms of the sum are of the size of the step times derivatives up to about 100.
           const double scale = 1.0 + step.lpNorm<Eigen::Infinity>();
           ASSERT_LT(linearised_equalities(*scene, k, step).lpNorm<Eigen::Infinity>(), 1e-9 * scale)
@@ -72,10 +73,10 @@ TEST(Projection, LeavesThreeDirectionsInSingleSupportFourInDoubleSupportTwoInFli
     const Linearisation model(scene->data, scene->problem, scene->guess);
     const int expected = 2 + mode.count();
     for (int k = 0; k < kLanes; ++k) {
-      const solver::LqStage& lq = model.stages[static_cast<std::size_t>(k)];
-      ASSERT_EQ(lq.free_inputs, expected);
+      const LqStage& lq_stage = model.stages[static_cast<std::size_t>(k)];
+      ASSERT_EQ(lq_stage.free_inputs, expected);
       const Eigen::MatrixXd W =
-          testing_support::inputs_by_free(lq, model.projections[static_cast<std::size_t>(k)]);
+          testing_support::inputs_by_free(lq_stage, model.projections[static_cast<std::size_t>(k)]);
       const Eigen::VectorXd singular = Eigen::JacobiSVD<Eigen::MatrixXd>(W).singularValues();
       EXPECT_GE(singular[expected - 1], 1.0 - 1e-12);  // unit vectors over the joint accelerations, or longer
     }
@@ -88,12 +89,12 @@ TEST(Projection, NeverMovesTheForceOfASwingFootFromZero) {
     const Linearisation model(scene->data, scene->problem, scene->guess);
     for (int k = 0; k < 3; ++k) {
       const InputProjection& p = model.projections[static_cast<std::size_t>(k)];
-      const solver::LqStage& lq = model.stages[static_cast<std::size_t>(k)];
+      const LqStage& lq_stage = model.stages[static_cast<std::size_t>(k)];
       for (int i = kJoints; i < kInputs; ++i) {
         if (mode[(i - kJoints) / 2]) continue;
         EXPECT_EQ(p.u0[i], -scene->guess.u[k][i]);
-        EXPECT_TRUE(testing_support::inputs_by_state(lq, p).row(i).isZero(0.0));
-        EXPECT_TRUE(testing_support::inputs_by_free(lq, p).row(i).isZero(0.0));
+        EXPECT_TRUE(testing_support::inputs_by_state(lq_stage, p).row(i).isZero(0.0));
+        EXPECT_TRUE(testing_support::inputs_by_free(lq_stage, p).row(i).isZero(0.0));
       }
     }
   }
@@ -120,14 +121,14 @@ TEST(Projection, StaysFiniteAndBoundedWithBothLegsStraightAndFeetTogether) {
       const double bound = 1e4 / scene->data.equality.rank_tolerance;
       for (int k = 0; k < kLanes; ++k) {
         const InputProjection& p = model.projections[static_cast<std::size_t>(k)];
-        const solver::LqStage& lq = model.stages[static_cast<std::size_t>(k)];
+        const LqStage& lq_stage = model.stages[static_cast<std::size_t>(k)];
         SCOPED_TRACE(testing::Message() << "bend " << bend_rad);
         const auto largest = [](const Eigen::MatrixXd& m) {
           return m.cwiseAbs().maxCoeff<Eigen::PropagateNaN>();
         };
         ASSERT_LT(largest(Eigen::Map<const model::InputVector>(p.u0)), bound);
-        ASSERT_LT(largest(testing_support::inputs_by_state(lq, p)), bound);
-        ASSERT_LT(largest(testing_support::inputs_by_free(lq, p)), 1e4);
+        ASSERT_LT(largest(testing_support::inputs_by_state(lq_stage, p)), bound);
+        ASSERT_LT(largest(testing_support::inputs_by_free(lq_stage, p)), 1e4);
       }
     }
   }

@@ -13,6 +13,7 @@ using model::kStates;
 using testing_support::Complex;
 using testing_support::kStageVariables;
 using testing_support::Linearisation;
+using testing_support::LqStage;
 using testing_support::ScalarOcp;
 using testing_support::StageVector;
 
@@ -55,7 +56,7 @@ void for_random_touchdowns(const Check& check) {
 TEST(Transition, DerivativesAreThoseOfTheImpactMap) {
   for_random_touchdowns([](const testing_support::Scene& scene) {
     const Linearisation model(scene.data, scene.problem, scene.guess);
-    const solver::LqStage& lq = model.stages[0];
+    const LqStage& lq_stage = model.stages[0];
     const ScalarOcp scalar(scene.data);
     const Stage& stage = scene.problem.horizon.stage[0];
     const auto after = [&](const auto& z) {
@@ -64,10 +65,10 @@ TEST(Transition, DerivativesAreThoseOfTheImpactMap) {
     StageVector<double> z = testing_support::stage_variables(scene.guess, 0);
     const Eigen::MatrixXd expected = testing_support::jacobian(after, z);
     const model::StateVector reached = after(z);
-    ASSERT_EQ(lq.free_inputs, 0);
-    const auto dynamics = solver::dense_dynamics(lq);
+    ASSERT_EQ(lq_stage.free_inputs, 0);
+    const auto dynamics = benchmark::dense_dynamics(lq_stage);
     for (int r = 0; r < kStates; ++r) {
-      EXPECT_NEAR(lq.b[r], reached[r] - scene.guess.x[1][r], 1e-11 * (1.0 + std::abs(reached[r])));
+      EXPECT_NEAR(lq_stage.b[r], reached[r] - scene.guess.x[1][r], 1e-11 * (1.0 + std::abs(reached[r])));
       for (int c = 0; c < kStates; ++c) {
         EXPECT_NEAR(dynamics(r, c), expected(r, c), 1e-10 * (1.0 + expected.norm()))
             << "row " << r << " column " << c;
@@ -79,7 +80,7 @@ TEST(Transition, DerivativesAreThoseOfTheImpactMap) {
 TEST(Transition, CostIsTheSquaredHorizontalVelocityBeforeTheTouchDown) {
   for_random_touchdowns([](const testing_support::Scene& scene) {
     const Linearisation model(scene.data, scene.problem, scene.guess);
-    const solver::LqStage& lq = model.stages[0];
+    const LqStage& lq_stage = model.stages[0];
     const Stage& stage = scene.problem.horizon.stage[0];
     const ScalarOcp scalar(scene.data);
     const auto cost = [&](const StageVector<Complex>& z) {
@@ -88,8 +89,9 @@ TEST(Transition, CostIsTheSquaredHorizontalVelocityBeforeTheTouchDown) {
     };
     const Eigen::MatrixXd gradient =
         testing_support::jacobian(cost, testing_support::stage_variables(scene.guess, 0));
-    const auto hessian = solver::dense_hessian(lq);
-    for (int c = 0; c < kStates; ++c) EXPECT_NEAR(lq.q[c], gradient(0, c), 1e-11 * (1.0 + gradient.norm()));
+    const auto hessian = benchmark::dense_hessian(lq_stage);
+    for (int c = 0; c < kStates; ++c)
+      EXPECT_NEAR(lq_stage.q[c], gradient(0, c), 1e-11 * (1.0 + gradient.norm()));
     // The Gauss-Newton model of a squared linear form: its value at the velocities is the cost itself.
     model::StateVector velocities = model::StateVector::Zero();
     velocities.tail<kPositions>() = Eigen::Map<const model::StateVector>(scene.guess.x[0]).tail<kPositions>();
@@ -104,7 +106,7 @@ TEST(Transition, IdentityLeavesTheStateAlone) {
   const auto scene = touchdown_scene(model::amber3m(), true, false, 3);
   scene->data.discretisation.transition = Transition::identity;
   const Linearisation model(scene->data, scene->problem, scene->guess);
-  EXPECT_TRUE(solver::dense_dynamics(model.stages[0]).isIdentity(0.0));
+  EXPECT_TRUE(benchmark::dense_dynamics(model.stages[0]).isIdentity(0.0));
   for (int c = 0; c < kStates; ++c) {
     EXPECT_EQ(model.stages[0].b[c], scene->guess.x[0][c] - scene->guess.x[1][c]);
   }

@@ -61,7 +61,7 @@ TEST(GaitFile, MayHoldOutputsAloneAndTakesDefaultsForTheRest) {
   EXPECT_DOUBLE_EQ(record->gait.step_length_m, 0.15);
   EXPECT_EQ(record->gait.outputs.degree, 4);
   EXPECT_EQ(record->gait.outputs.angle_rad[3][4], 0.4);
-  EXPECT_EQ(record->limits.torque_Nm, gait::GaitLimits{}.torque_Nm);
+  EXPECT_EQ(record->limits.torque_Nm, gait_files::GaitLimits{}.torque_Nm);
   EXPECT_FALSE(record->claims);
 }
 

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <string_view>
+
+namespace stilt::hal {
+
+/// The largest gains that a driver gives, at its own shaft and in its own unit.
+struct GainLimits {
+  double kp = 0;
+  double kd = 0;
+  double unit_rad = 1;  ///< the angle that the gains count in: 1, or 2 pi for gains per revolution
+  std::string_view kp_unit = "Nm/rad";
+  std::string_view kd_unit = "Nm s/rad";
+};
+
+}  // namespace stilt::hal

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+
+#include "hal/driver/driver_fault.h"
+
+namespace stilt::hal {
+
+enum class DriverState : std::uint8_t {
+  unknown,  ///< has not answered yet, or does not say
+  idle,     ///< powered, no torque
+  enabled,  ///< follows commands
+  fault,    ///< see the fault
+};
+
+/// What a driver has reported, at its own shaft; NaN: not reported.
+struct DriverReading {
+  static constexpr double kNotReported = std::numeric_limits<double>::quiet_NaN();
+
+  double position_rad = kNotReported;
+  double velocity_rad_s = kNotReported;
+  double torque_Nm = kNotReported;  ///< estimated
+  double driver_temperature_C = kNotReported;
+  double motor_temperature_C = kNotReported;
+  double supply_V = kNotReported;
+  DriverState state = DriverState::unknown;
+  DriverFault fault = DriverFault::none;
+  std::uint32_t fault_code = 0;  ///< the maker's number
+
+  /// Of the newest frame alone.
+  bool has_motion = false;                       ///< position and velocity are new
+  double encoder_position_rad = kNotReported;    ///< of an extra encoder
+  double encoder_velocity_rad_s = kNotReported;  ///< of an extra encoder
+
+  void begin_frame() noexcept {
+    has_motion = false;
+    encoder_position_rad = encoder_velocity_rad_s = kNotReported;
+  }
+  /// A fault outweighs what the driver says of its state.
+  void set_state(DriverState reported, DriverFault reported_fault, std::uint32_t code) noexcept {
+    state = reported_fault == DriverFault::none ? reported : DriverState::fault;
+    fault = reported_fault;
+    fault_code = code;
+  }
+};
+
+/// What a driver shall do, at its own shaft: tau = torque_Nm + kp (position - q) + kd (velocity - v).
+struct DriverCommand {
+  double position_rad = 0;
+  double velocity_rad_s = 0;
+  double torque_Nm = 0;
+  double kp_Nm_rad = 0;
+  double kd_Nms_rad = 0;
+  double torque_limit_Nm = 0;
+  double watchdog_s = 0;
+  double law_Nm = 0;  ///< tau at the newest reading, limited: for drivers without gains of their own
+};
+
+}  // namespace stilt::hal

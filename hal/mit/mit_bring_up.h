@@ -1,0 +1,31 @@
+#pragma once
+
+#include "hal/bring_up/bring_up.h"
+#include "hal/mit/damiao_registers.h"
+#include "hal/mit/mit_mode.h"
+
+namespace stilt::hal::mit {
+
+/// Drivers in MIT mode. Damiao: everything through its registers (identifier, MIT mode, version, ranges,
+/// timeout). Mini-cheetah and AK can only be asked for their state: no version, no scaling and no watchdog to
+/// promise, so they are refused unless Options::accept_missing_watchdog.
+class MitBringUp final : public bring_up::BringUp {
+ public:
+  MitBringUp(const MitDriver& driver, const bring_up::Options& options) noexcept
+      : BringUp(options), driver_(driver) {}
+
+ private:
+  [[nodiscard]] Ask ask(bring_up::Stage stage, unsigned part, CanFrame& frame) noexcept override;
+  [[nodiscard]] Verdict judge(bring_up::Stage stage, unsigned part, const CanFrame& frame) noexcept override;
+  [[nodiscard]] bool keep_alive(CanFrame& frame) noexcept override;
+
+  [[nodiscard]] bool has_registers() const noexcept { return driver_.layout == ReplyLayout::damiao; }
+  [[nodiscard]] Ask ask_register(DamiaoRegister number, CanFrame& frame) const noexcept;
+  [[nodiscard]] Verdict judge_state(bring_up::Stage stage, const CanFrame& frame) noexcept;
+  [[nodiscard]] Verdict judge_register(bring_up::Stage stage, unsigned part, const CanFrame& frame) noexcept;
+  [[nodiscard]] Verdict judge_range(unsigned part, double maximum) noexcept;
+
+  MitDriver driver_;
+};
+
+}  // namespace stilt::hal::mit

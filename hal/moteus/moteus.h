@@ -1,0 +1,125 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+
+#include "hal/can/codec_status.h"
+#include "hal/can/frame.h"
+#include "hal/driver/driver_fault.h"
+#include "hal/moteus/moteus_subframes.h"
+
+/// moteus over CAN FD (1 and 5 Mbit/s). Identifier = source << 8 | destination; the top bit of the source
+/// asks for a reply; extended beyond 11 bits. The driver computes, in position mode,
+///
+///   tau = kp_scale kp (position - q) + kd_scale kd (velocity - v) + torque, |tau| <= maximum torque
+///
+/// with kp and kd from its own configuration, so both are data here. Each command restarts the driver's
+/// watchdog; when that expires the driver latches mode `timeout`, damps, and obeys nothing but a stop. Facts:
+/// github.com/mjbots/moteus, docs/protocol/can.md, docs/protocol/registers.md,
+/// docs/reference/configuration.md. Real-time safe, without state.
+namespace stilt::hal::moteus {
+
+inline constexpr std::uint8_t kMoteusMaximumId = 0x7f;
+inline constexpr std::uint8_t kMoteusEncoders = 3;
+
+enum class MoteusMode : std::uint8_t {
+  stopped = 0,
+  fault = 1,
+  position = 10,
+  timeout = 11,
+  zero_velocity = 12,  ///< damps with the driver's own kd
+};
+
+enum class MoteusHome : std::uint8_t { relative = 0, rotor = 1, output = 2 };
+
+struct MoteusDriver {
+  std::uint8_t id = 1;      ///< 1 to 127
+  std::uint8_t source = 0;  ///< ours, 0 to 127
+  bool bit_rate_switch = true;
+  double kp_Nm_rev = 4.0;     ///< servo.pid_position.kp: gain at kp_scale 1, Nm a revolution
+  double kd_Nm_s_rev = 0.05;  ///< servo.pid_position.kd: gain at kd_scale 1, Nm a revolution a second
+  int extra_encoder = -1;     ///< 0 to 2: also ask for this encoder (one at the torso, say); -1: none
+};
+
+/// Unset (NaN): position_rad - stay at the present one; maximum_torque_Nm - the driver's own limit.
+struct MoteusCommand {
+  double position_rad = std::numeric_limits<double>::quiet_NaN();
+  double velocity_rad_s = 0;
+  double torque_Nm = 0;
+  double kp_Nm_rad = 0;
+  double kd_Nms_rad = 0;
+  double maximum_torque_Nm = std::numeric_limits<double>::quiet_NaN();
+  double watchdog_s = 0.02;  ///< validity of this command, in steps of 1 ms; at least one step
+};
+
+/// What a reply said; values it did not carry are NaN, or absent from `has`.
+struct MoteusReply {
+  double position_rad = std::numeric_limits<double>::quiet_NaN();
+  double velocity_rad_s = std::numeric_limits<double>::quiet_NaN();
+  double torque_Nm = std::numeric_limits<double>::quiet_NaN();
+  double voltage_V = std::numeric_limits<double>::quiet_NaN();
+  double temperature_C = std::numeric_limits<double>::quiet_NaN();
+  double motor_temperature_C = std::numeric_limits<double>::quiet_NaN();
+  std::array<double, kMoteusEncoders> encoder_position_rad{std::numeric_limits<double>::quiet_NaN(),
+                                                           std::numeric_limits<double>::quiet_NaN(),
+                                                           std::numeric_limits<double>::quiet_NaN()};
+  std::array<double, kMoteusEncoders> encoder_velocity_rad_s{std::numeric_limits<double>::quiet_NaN(),
+                                                             std::numeric_limits<double>::quiet_NaN(),
+                                                             std::numeric_limits<double>::quiet_NaN()};
+  bool has_mode = false;
+  bool has_fault = false;
+  bool has_home = false;
+  bool has_firmware_version = false;
+  bool has_register_map_version = false;
+  bool register_error = false;  ///< the driver refused to read or write a register
+  std::uint8_t mode = 0;        ///< MoteusMode, or another number of the reference
+  std::uint8_t fault_code = 0;
+  std::uint8_t home = 0;  ///< MoteusHome
+  std::uint32_t firmware_version = 0;
+  std::uint32_t register_map_version = 0;
+  double watchdog_s = std::numeric_limits<double>::quiet_NaN();
+};
+
+/// What to ask for beside a stop or alone.
+enum class MoteusQuery : std::uint8_t {
+  state,     ///< mode, position, velocity, torque, voltage, temperature, fault
+  identity,  ///< mode, home state, fault, firmware and register map version, watchdog
+};
+
+[[nodiscard]] bool valid(const MoteusDriver& driver) noexcept;
+
+/// Number of the reference -> common name. Codes from 96 name what limits the output: no fault.
+[[nodiscard]] DriverFault moteus_fault(std::uint8_t code) noexcept;
+
+/// Position mode and a query of the state (with the extra encoder): 32 bytes, answered with 20 (32 with
+/// encoder). Position, velocity, torque, gains and limit are int16: 0.63 mrad, 1.6 mrad/s, 0.01 Nm, 1/32767;
+/// +-3.27 revolutions.
+[[nodiscard]] EncodeStatus encode_command(const MoteusDriver& driver, const MoteusCommand& command,
+                                          CanFrame& frame) noexcept;
+/// Stop: motor off, faults and an expired watchdog cleared.
+[[nodiscard]] EncodeStatus encode_stop(const MoteusDriver& driver, MoteusQuery query,
+                                       CanFrame& frame) noexcept;
+[[nodiscard]] EncodeStatus encode_query(const MoteusDriver& driver, MoteusQuery query,
+                                        CanFrame& frame) noexcept;
+/// Writes the watchdog register alone, to be read back: seconds, steps of 1 ms.
+[[nodiscard]] EncodeStatus encode_watchdog(const MoteusDriver& driver, double watchdog_s,
+                                           CanFrame& frame) noexcept;
+
+[[nodiscard]] DecodeStatus decode_reply(const MoteusDriver& driver, const CanFrame& frame,
+                                        MoteusReply& reply) noexcept;
+
+// The driver's side: for emulated drivers and tests.
+
+/// One register of the driver as it keeps it, by number; NaN for one it does not have.
+using MoteusRegisterReader = double (*)(const void* context, std::uint32_t register_number) noexcept;
+using MoteusRegisterWriter = void (*)(void* context, std::uint32_t register_number, double value) noexcept;
+
+/// Applies the writes of a frame in order, through `write`, and fills `answer` with what its reads ask for,
+/// through `read`. Units are those of the registers (revolutions). answered tells whether the frame wants an
+/// answer.
+[[nodiscard]] DecodeStatus serve_frame(const MoteusDriver& driver, const CanFrame& frame, void* context,
+                                       MoteusRegisterReader read, MoteusRegisterWriter write,
+                                       CanFrame& answer, bool& answered) noexcept;
+
+}  // namespace stilt::hal::moteus

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <numbers>
+#include <optional>
+#include <vector>
+
+#include "hal/can/bus_load.h"
+#include "hal/can/identifiers.h"
+#include "hal/driver/driver_limits.h"
+#include "hal/driver/driver_reading.h"
+#include "hal/moteus/moteus.h"
+#include "hal/moteus/moteus_bring_up.h"
+
+/// A moteus as any driver of a joint: the functions of hal/README.md.
+namespace stilt::hal::moteus {
+
+[[nodiscard]] DecodeStatus take_frame(const MoteusDriver& driver, const CanFrame& frame,
+                                      DriverReading& reading) noexcept;
+[[nodiscard]] EncodeStatus command_frame(const MoteusDriver& driver, const DriverCommand& command,
+                                         CanFrame& frame) noexcept;
+[[nodiscard]] EncodeStatus disable_frame(const MoteusDriver& driver, CanFrame& frame) noexcept;
+
+/// A stop clears faults: bring-up sends one.
+[[nodiscard]] constexpr std::optional<CanFrame> fault_reset_frame(const MoteusDriver&) noexcept {
+  return std::nullopt;
+}
+[[nodiscard]] constexpr std::optional<CanFrame> question_frame(const MoteusDriver&, unsigned) noexcept {
+  return std::nullopt;
+}
+[[nodiscard]] constexpr bool has_own_gains(const MoteusDriver&) noexcept { return true; }
+[[nodiscard]] constexpr int extra_encoder(const MoteusDriver& driver) noexcept {
+  return driver.extra_encoder;
+}
+[[nodiscard]] constexpr std::uint32_t address(const MoteusDriver& driver) noexcept { return driver.id; }
+[[nodiscard]] constexpr std::optional<FrameId> reply_id(const MoteusDriver& driver) noexcept {
+  const std::uint32_t id = static_cast<std::uint32_t>(driver.id) << 8 | driver.source;
+  return FrameId{id, id > kMaximumStandardId};
+}
+[[nodiscard]] inline MoteusBringUp make_bring_up(const MoteusDriver& driver,
+                                                 const bring_up::Options& options) noexcept {
+  return {driver, options};
+}
+
+/// Hears whatever has its own number in the last 8 bits.
+[[nodiscard]] NodeIdentifiers identifiers(const MoteusDriver& driver);
+[[nodiscard]] std::vector<FrameId> receive_ids(const MoteusDriver& driver);
+[[nodiscard]] std::vector<PeriodicFrame> periodic_frames(const MoteusDriver& driver, double tick_hz);
+[[nodiscard]] constexpr bool uses_fd(const MoteusDriver&) noexcept { return true; }
+[[nodiscard]] constexpr std::optional<GainLimits> gain_limits(const MoteusDriver& driver) noexcept {
+  return GainLimits{driver.kp_Nm_rev, driver.kd_Nm_s_rev, 2 * std::numbers::pi, "Nm/rev", "Nm s/rev"};
+}
+
+}  // namespace stilt::hal::moteus

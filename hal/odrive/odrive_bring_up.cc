@@ -1,0 +1,147 @@
+#include "hal/odrive/odrive_bring_up.h"
+
+#include <bit>
+#include <cmath>
+
+namespace stilt::hal::odrive {
+namespace {
+
+using bring_up::BringUp;
+using bring_up::Failure;
+using bring_up::Stage;
+
+constexpr double kWatchdogTolerance_s = 1e-6;
+constexpr unsigned kHeartbeatPart = 2;  // of enable: after clearing errors and setting the state
+
+}  // namespace
+
+BringUp::Ask OdriveBringUp::asked(EncodeStatus status, Ask kind) noexcept {
+  if (status == EncodeStatus::ok) return kind;
+  failure(Failure::invalid);
+  return Ask::fail;
+}
+
+BringUp::Ask OdriveBringUp::ask(Stage stage, unsigned part, CanFrame& frame) noexcept {
+  switch (stage) {
+    case Stage::identify:
+      if (part == 0) {  // let go first, whatever it was doing
+        return asked(encode_set_state(node_, static_cast<std::uint32_t>(OdriveState::idle), frame),
+                     Ask::send_only);
+      }
+      return asked(encode_request(node_, OdriveCommand::heartbeat, frame), Ask::wait_for_answer);
+    case Stage::version:
+      return asked(encode_request(node_, OdriveCommand::version, frame), Ask::wait_for_answer);
+    case Stage::scaling:
+      if (part > 0) return Ask::skip;
+      return asked(
+          encode_set_controller_mode(node_, OdriveControlMode::torque, OdriveInputMode::passthrough, frame),
+          Ask::send_only);
+    case Stage::watchdog_write:
+    case Stage::watchdog_read:
+      return ask_watchdog(stage, part, frame);
+    case Stage::home:
+      return asked(encode_request(node_, OdriveCommand::encoder_estimates, frame), Ask::wait_for_answer);
+    case Stage::enable:
+      return ask_enable(part, frame);
+    case Stage::ready:
+    case Stage::failed:
+      break;
+  }
+  return Ask::skip;
+}
+
+BringUp::Ask OdriveBringUp::ask_watchdog(Stage stage, unsigned part, CanFrame& frame) noexcept {
+  if (!knows_endpoints()) {
+    if (options().accept_missing_watchdog) return Ask::skip;
+    failure(Failure::no_watchdog);
+    return Ask::fail;
+  }
+  if (part > 1) return Ask::skip;
+  const bool write = stage == Stage::watchdog_write;
+  const OdriveParameter timeout{write, endpoints_.watchdog_timeout,
+                                std::bit_cast<std::uint32_t>(static_cast<float>(options().watchdog_s)), 4};
+  const OdriveParameter enable{write, endpoints_.enable_watchdog, 1, 1};
+  return asked(encode_parameter_request(node_, part == 0 ? timeout : enable, frame),
+               write ? Ask::send_only : Ask::wait_for_answer);
+}
+
+/// A watchdog enabled before the first command has expired meanwhile: clear, enable, and look at the state.
+BringUp::Ask OdriveBringUp::ask_enable(unsigned part, CanFrame& frame) noexcept {
+  if (part == 0) return asked(encode_clear_errors(node_, frame), Ask::send_only);
+  if (part < kHeartbeatPart) {
+    return asked(encode_set_state(node_, static_cast<std::uint32_t>(OdriveState::closed_loop), frame),
+                 Ask::send_only);
+  }
+  return asked(encode_request(node_, OdriveCommand::heartbeat, frame), Ask::wait_for_answer);
+}
+
+BringUp::Verdict OdriveBringUp::judge(Stage stage, unsigned part, const CanFrame& frame) noexcept {
+  switch (stage) {
+    case Stage::identify: {
+      OdriveHeartbeat heartbeat;
+      return decode(node_, frame, heartbeat) == DecodeStatus::ok ? Verdict::next_stage : Verdict::ignore;
+    }
+    case Stage::version:
+      return judge_version(frame);
+    case Stage::watchdog_read:
+      return judge_watchdog(part, frame);
+    case Stage::home: {
+      OdriveEstimates estimates;
+      if (decode(node_, frame, estimates) != DecodeStatus::ok) return Verdict::ignore;
+      return check_home(estimates.position_rad) ? Verdict::next_stage : Verdict::fail;
+    }
+    case Stage::enable:
+      return judge_enable(frame);
+    case Stage::scaling:
+    case Stage::watchdog_write:
+    case Stage::ready:
+    case Stage::failed:
+      break;
+  }
+  return Verdict::ignore;
+}
+
+BringUp::Verdict OdriveBringUp::judge_version(const CanFrame& frame) noexcept {
+  OdriveVersion version;
+  if (decode(node_, frame, version) != DecodeStatus::ok) return Verdict::ignore;
+  const std::uint32_t number = static_cast<std::uint32_t>(version.firmware_major) << 16 |
+                               static_cast<std::uint32_t>(version.firmware_minor) << 8 |
+                               version.firmware_revision;
+  if (number >= options().minimum_version) return Verdict::next_stage;
+  failure(Failure::old_version);
+  return Verdict::fail;
+}
+
+/// Firmware from 0.6.11 also confirms writes, without a value: those are not the answer.
+BringUp::Verdict OdriveBringUp::judge_watchdog(unsigned part, const CanFrame& frame) noexcept {
+  OdriveParameter answer;
+  const std::uint16_t endpoint = part == 0 ? endpoints_.watchdog_timeout : endpoints_.enable_watchdog;
+  if (decode_parameter_answer(node_, frame, answer) != DecodeStatus::ok || answer.endpoint != endpoint ||
+      answer.value_bytes == 0) {
+    return Verdict::ignore;
+  }
+  const bool right =
+      part == 0 ? answer.value_bytes == 4 && std::abs(static_cast<double>(std::bit_cast<float>(answer.bits)) -
+                                                      options().watchdog_s) <= kWatchdogTolerance_s
+                : (answer.bits & 0xff) == 1;
+  if (right) return part == 0 ? Verdict::next_part : Verdict::next_stage;
+  failure(Failure::wrong_watchdog);
+  return Verdict::fail;
+}
+
+BringUp::Verdict OdriveBringUp::judge_enable(const CanFrame& frame) noexcept {
+  OdriveHeartbeat heartbeat;
+  if (decode(node_, frame, heartbeat) != DecodeStatus::ok) return Verdict::ignore;
+  if (heartbeat.errors != 0) {
+    failure(Failure::driver_fault, odrive_fault(heartbeat.errors));
+    return Verdict::fail;
+  }
+  return heartbeat.state == static_cast<std::uint8_t>(OdriveState::closed_loop) ? Verdict::next_stage
+                                                                                : Verdict::not_yet;
+}
+
+bool OdriveBringUp::keep_alive(CanFrame& frame) noexcept {
+  return encode_input_torque(node_, 0, frame) == EncodeStatus::ok;
+}
+
+}  // namespace stilt::hal::odrive

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "hal/can/bus_load.h"
+#include "hal/can/identifiers.h"
+#include "hal/driver/driver_limits.h"
+#include "hal/driver/driver_reading.h"
+#include "hal/odrive/odrive_bring_up.h"
+#include "hal/odrive/odrive_cansimple.h"
+
+/// An ODrive as any driver of a joint: the functions of hal/README.md. It has no gains of its own and gets
+/// the torque of the law; it is asked for supply and temperatures now and then.
+namespace stilt::hal::odrive {
+
+[[nodiscard]] DecodeStatus take_frame(const OdriveDriver& driver, const CanFrame& frame,
+                                      DriverReading& reading) noexcept;
+[[nodiscard]] EncodeStatus command_frame(const OdriveDriver& driver, const DriverCommand& command,
+                                         CanFrame& frame) noexcept;
+[[nodiscard]] EncodeStatus disable_frame(const OdriveDriver& driver, CanFrame& frame) noexcept;
+
+/// Bring-up clears errors.
+[[nodiscard]] constexpr std::optional<CanFrame> fault_reset_frame(const OdriveDriver&) noexcept {
+  return std::nullopt;
+}
+/// It tells supply and temperatures only when it is asked, or when its own configuration says so.
+[[nodiscard]] std::optional<CanFrame> question_frame(const OdriveDriver& driver, unsigned question) noexcept;
+[[nodiscard]] constexpr bool has_own_gains(const OdriveDriver&) noexcept { return false; }
+[[nodiscard]] constexpr int extra_encoder(const OdriveDriver&) noexcept { return -1; }
+[[nodiscard]] constexpr std::uint32_t address(const OdriveDriver& driver) noexcept { return driver.node; }
+[[nodiscard]] constexpr std::optional<FrameId> reply_id(const OdriveDriver&) noexcept { return std::nullopt; }
+[[nodiscard]] inline OdriveBringUp make_bring_up(const OdriveDriver& driver,
+                                                 const bring_up::Options& options) noexcept {
+  return {driver, options};
+}
+
+/// 32 identifiers per node, and those of node 63, which every ODrive hears.
+[[nodiscard]] NodeIdentifiers identifiers(const OdriveDriver& driver);
+[[nodiscard]] std::vector<FrameId> receive_ids(const OdriveDriver& driver);
+[[nodiscard]] std::vector<PeriodicFrame> periodic_frames(const OdriveDriver& driver, double tick_hz);
+[[nodiscard]] constexpr bool uses_fd(const OdriveDriver&) noexcept { return false; }
+/// The law is computed here, without ranges.
+[[nodiscard]] constexpr std::optional<GainLimits> gain_limits(const OdriveDriver&) noexcept {
+  return std::nullopt;
+}
+
+}  // namespace stilt::hal::odrive

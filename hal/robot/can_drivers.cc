@@ -1,0 +1,86 @@
+#include "hal/robot/can_drivers.h"
+
+#include <optional>
+
+namespace stilt::hal {
+
+using bring_up::Stage;
+
+namespace {
+
+JointBringUp make(const JointDriver& driver, const bring_up::Options& options) noexcept {
+  return visit_driver(driver, [&](const auto& any) -> JointBringUp { return make_bring_up(any, options); });
+}
+
+}  // namespace
+
+CanDrivers::CanDrivers(const RobotWiring& wiring, const BringUpOptions& options, std::span<TapBus> taps,
+                       CanRobot& robot) noexcept
+    : wiring_(wiring),
+      taps_(taps),
+      robot_(robot),
+      bring_up_{make(wiring.joints[0].driver, options[0]), make(wiring.joints[1].driver, options[1]),
+                make(wiring.joints[2].driver, options[2]), make(wiring.joints[3].driver, options[3])} {}
+
+bring_up::BringUp& CanDrivers::of(std::size_t joint) noexcept {
+  return visit_driver(bring_up_[joint], [](auto& any) -> bring_up::BringUp& { return any; });
+}
+
+void CanDrivers::begin() noexcept {
+  for (std::size_t joint = 0; joint < kJoints; ++joint) of(joint).restart();
+  for (TapBus& tap : taps_) tap.forget();
+  beginning_ = true;
+}
+
+void CanDrivers::clear_latched_faults() noexcept {
+  for (const JointWiring& joint : wiring_.joints) {
+    const std::optional<CanFrame> frame =
+        visit_driver(joint.driver, [](const auto& driver) { return fault_reset_frame(driver); });
+    if (frame) static_cast<void>(taps_[joint.bus].send(std::span(&*frame, 1)));
+  }
+}
+
+bool CanDrivers::must_wait(std::size_t joint) noexcept {
+  for (std::size_t other = 0; other < joint; ++other) {
+    if (wiring_.joints[other].bus == wiring_.joints[joint].bus && of(other).stage() != Stage::ready)
+      return true;
+  }
+  return false;
+}
+
+void CanDrivers::step_joint(std::int64_t now_ns, std::size_t joint, BringUpProgress& progress) noexcept {
+  TapBus& tap = taps_[wiring_.joints[joint].bus];
+  const bring_up::StepResult result = of(joint).step(now_ns, tap.kept());
+  if (result.send) static_cast<void>(tap.send(std::span(&result.frame, 1)));
+  if (result.stage == Stage::ready) {
+    robot_.set_turn_offset(joint, result.turn_offset_rad);
+    return;
+  }
+  progress.ready = false;
+  if (progress.failed) return;
+  progress.failed = result.stage == Stage::failed;
+  progress.joint = joint;
+  progress.stage = result.stage;
+  progress.failure = result.failure;
+  progress.fault = result.driver_fault;
+}
+
+BringUpProgress CanDrivers::step(std::int64_t now_ns) noexcept {
+  BringUpProgress progress;
+  progress.stage = Stage::ready;
+  progress.ready = true;
+  if (beginning_) {
+    clear_latched_faults();
+    beginning_ = false;
+    progress.ready = false;
+    progress.stage = Stage::identify;
+  } else {
+    for (std::size_t joint = 0; joint < kJoints; ++joint) {
+      if (!must_wait(joint)) step_joint(now_ns, joint, progress);
+    }
+  }
+  for (TapBus& tap : taps_) tap.forget();
+  return progress;
+}
+
+}  // namespace stilt::hal

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "hal/mit/mit_bring_up.h"
+#include "hal/moteus/moteus_bring_up.h"
+#include "hal/odrive/odrive_bring_up.h"
+#include "hal/robot/can_robot.h"
+#include "hal/robot/robot.h"
+#include "hal/robot/robot_wiring.h"
+#include "hal/robot/tap_bus.h"
+
+namespace stilt::hal {
+
+/// What the bring-up of each joint's driver shall insist on.
+using BringUpOptions = std::array<bring_up::Options, kJoints>;
+
+/// Drivers on buses: the step functions of hal/bring_up, one driver a bus at a time (drivers of one maker
+/// share identifiers while they are asked for registers). Fixed memory.
+class CanDrivers final {
+ public:
+  /// @param taps   one a bus, read by `robot`; outlive this object
+  /// @param robot  told about whole turns of the encoders
+  CanDrivers(const RobotWiring& wiring, const BringUpOptions& options, std::span<TapBus> taps,
+             CanRobot& robot) noexcept;
+
+  /// Starts over, from whatever state the drivers are in.
+  void begin() noexcept;
+  /// One step, once per tick, after the buses were read and instead of a command.
+  [[nodiscard]] BringUpProgress step(std::int64_t now_ns) noexcept;
+
+ private:
+  [[nodiscard]] bring_up::BringUp& of(std::size_t joint) noexcept;
+  /// Of drivers that keep a fault until they are told otherwise; the others clear theirs when stopped.
+  void clear_latched_faults() noexcept;
+  /// Whether an earlier driver on the same bus is still at work.
+  [[nodiscard]] bool must_wait(std::size_t joint) noexcept;
+  void step_joint(std::int64_t now_ns, std::size_t joint, BringUpProgress& progress) noexcept;
+
+  RobotWiring wiring_;
+  std::span<TapBus> taps_;
+  CanRobot& robot_;
+  std::array<JointBringUp, kJoints> bring_up_;
+  bool beginning_ = true;
+};
+
+}  // namespace stilt::hal

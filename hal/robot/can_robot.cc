@@ -1,0 +1,265 @@
+#include "hal/robot/can_robot.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace stilt::hal {
+namespace {
+
+constexpr std::uint32_t kOldReading = 5;        // reads: then an old velocity would push instead of damp
+constexpr std::uint64_t kQuestionsEvery = 100;  // writes
+constexpr unsigned kQuestions = 2;              // to each driver
+constexpr int kMaximumRounds = 8;  // batches a bus a tick: bounds the time of a read on a babbling bus
+
+bool usable(EncodeStatus status) noexcept {
+  return status == EncodeStatus::ok || status == EncodeStatus::saturated;
+}
+
+bool finite(const JointCommand& command) noexcept {
+  return std::isfinite(command.position_rad) && std::isfinite(command.velocity_rad_s) &&
+         std::isfinite(command.torque_Nm) && std::isfinite(command.kp_Nm_rad) &&
+         std::isfinite(command.kd_Nms_rad) && std::isfinite(command.torque_limit_Nm);
+}
+
+}  // namespace
+
+CanRobot::CanRobot(const RobotWiring& wiring, std::span<FrameBus* const> buses) noexcept : wiring_(wiring) {
+  bus_count_ = std::min(buses.size(), buses_.size());
+  std::copy_n(buses.begin(), bus_count_, buses_.begin());
+  const auto rows = std::span(wiring_.channels).first(wiring_.channel_count);
+  has_emergency_stop_ = std::any_of(rows.begin(), rows.end(), [](const ChannelRow& row) {
+    return row.channel == BaseChannel::emergency_stop_released;
+  });
+}
+
+JointBusStatus CanRobot::bus_status() const noexcept {
+  JointBusStatus status = JointBusStatus::ok;
+  for (const FrameBus* bus : std::span(buses_).first(bus_count_)) {
+    if (bus->health() == BusHealth::off) status = JointBusStatus::bus_off;
+  }
+  return status;
+}
+
+JointBusStatus CanRobot::read(std::int64_t now_ns, JointReadings& readings) noexcept {
+  fresh_.fill(false);
+  base_fresh_ = false;
+  bool disconnected = false;
+  for (std::size_t bus = 0; bus < bus_count_; ++bus) {
+    for (int round = 0; round < kMaximumRounds; ++round) {
+      const ReceiveResult result = buses_[bus]->receive(received_);
+      for (const CanFrame& frame : std::span(received_).first(result.received)) receive(now_ns, bus, frame);
+      disconnected = disconnected || result.status == BusStatus::disconnected;
+      if (result.status != BusStatus::more) break;
+    }
+  }
+  bool complete = true;
+  for (std::size_t joint = 0; joint < kJoints; ++joint) {
+    readings_[joint].missed = fresh_[joint] ? 0 : readings_[joint].missed + 1;
+    complete = complete && fresh_[joint];
+  }
+  count_missed_base();
+  readings = readings_;
+  if (disconnected) return JointBusStatus::disconnected;
+  const JointBusStatus status = bus_status();
+  return status == JointBusStatus::ok && !complete ? JointBusStatus::incomplete : status;
+}
+
+/// A sensor slower than the reads is only missed once its next frame is due.
+void CanRobot::count_missed_base() noexcept {
+  base_silent_ = base_fresh_ ? 0 : base_silent_ + 1;
+  const std::uint32_t between = base_period_reads() - 1;
+  base_.missed = base_silent_ > between ? base_silent_ - between : 0;
+}
+
+std::uint32_t CanRobot::base_period_reads() const noexcept {
+  const bool by_channel = wiring_.pitch_encoder_joint < 0;
+  return by_channel ? static_cast<std::uint32_t>(wiring_.channel_period_ticks) : 1;
+}
+
+void CanRobot::receive(std::int64_t now_ns, std::size_t bus, const CanFrame& frame) noexcept {
+  for (std::size_t joint = 0; joint < kJoints; ++joint) {
+    if (wiring_.joints[joint].bus != bus) continue;
+    const DecodeStatus status = take_joint(now_ns, joint, frame);
+    if (status == DecodeStatus::foreign) continue;
+    if (status != DecodeStatus::ok) ++readings_[joint].malformed;
+    return;
+  }
+  if (bus == wiring_.channel_bus) take_channels(now_ns, frame);
+}
+
+DecodeStatus CanRobot::take_joint(std::int64_t now_ns, std::size_t joint, const CanFrame& frame) noexcept {
+  const JointWiring& wiring = wiring_.joints[joint];
+  DriverReading& shaft = shafts_[joint];
+  shaft.begin_frame();
+  const DecodeStatus status =
+      visit_driver(wiring.driver, [&](const auto& driver) { return take_frame(driver, frame, shaft); });
+  if (status != DecodeStatus::ok) return status;
+  JointReading& reading = readings_[joint];
+  if (shaft.has_motion) set_motion(now_ns, joint);
+  if (!std::isnan(shaft.torque_Nm)) reading.torque_Nm = wiring.direction * wiring.ratio * shaft.torque_Nm;
+  reading.driver_temperature_C = shaft.driver_temperature_C;
+  reading.motor_temperature_C = shaft.motor_temperature_C;
+  reading.supply_V = shaft.supply_V;
+  reading.state = shaft.state;
+  reading.fault = shaft.fault;
+  reading.fault_code = shaft.fault_code;
+  if (wiring_.pitch_encoder_joint == static_cast<int>(joint) && std::isfinite(shaft.encoder_position_rad)) {
+    if (std::isfinite(shaft.encoder_velocity_rad_s)) {
+      base_.pitch_rate_rad_s = wiring_.pitch_direction * shaft.encoder_velocity_rad_s;
+    }
+    set_pitch(now_ns, wiring_.pitch_direction * shaft.encoder_position_rad + wiring_.pitch_offset_rad);
+  }
+  return status;
+}
+
+void CanRobot::set_motion(std::int64_t now_ns, std::size_t joint) noexcept {
+  const JointWiring& wiring = wiring_.joints[joint];
+  const DriverReading& shaft = shafts_[joint];
+  JointReading& reading = readings_[joint];
+  const double position_rad =
+      wiring.direction * (shaft.position_rad + turn_offset_rad_[joint]) / wiring.ratio + wiring.offset_rad;
+  const double velocity_rad_s = wiring.direction * shaft.velocity_rad_s / wiring.ratio;
+  const bool same = position_rad == reading.position_rad && velocity_rad_s == reading.velocity_rad_s;
+  reading.frozen = same ? reading.frozen + 1 : 0;
+  reading.position_rad = position_rad;
+  reading.velocity_rad_s = velocity_rad_s;
+  reading.time_ns = now_ns;
+  fresh_[joint] = true;
+}
+
+/// After the rate of the same moment. A pitch alone stays equal over many readings of a coarse sensor.
+void CanRobot::set_pitch(std::int64_t now_ns, double pitch_rad) noexcept {
+  const double rate_rad_s = base_.pitch_rate_rad_s;
+  const bool same_rate = rate_rad_s == rate_at_pitch_rad_s_ || std::isnan(rate_rad_s);
+  const bool same = pitch_rad == base_.pitch_rad && same_rate;
+  base_.frozen = same ? base_.frozen + base_period_reads() : 0;
+  rate_at_pitch_rad_s_ = rate_rad_s;
+  base_.pitch_rad = pitch_rad;
+  base_.time_ns = now_ns;
+  base_fresh_ = true;
+}
+
+void CanRobot::take_channels(std::int64_t now_ns, const CanFrame& frame) noexcept {
+  ChannelValues values;
+  const DecodeStatus status = decode(std::span(wiring_.channels).first(wiring_.channel_count), frame, values);
+  if (status == DecodeStatus::foreign) return;
+  if (status != DecodeStatus::ok) {
+    ++base_.malformed;
+    return;
+  }
+  const auto set = [&values](BaseChannel channel, double& field) {
+    if (values.has(channel)) field = values[channel];
+  };
+  set(BaseChannel::pitch_rate_rad_s, base_.pitch_rate_rad_s);
+  set(BaseChannel::acceleration_x_m_s2, base_.acceleration_x_m_s2);
+  set(BaseChannel::acceleration_z_m_s2, base_.acceleration_z_m_s2);
+  set(BaseChannel::left_foot_force_N, base_.left_foot_force_N);
+  set(BaseChannel::right_foot_force_N, base_.right_foot_force_N);
+  if (values.has(BaseChannel::pitch_rad)) set_pitch(now_ns, values[BaseChannel::pitch_rad]);
+  if (values.has(BaseChannel::emergency_stop_released)) {
+    emergency_stop_released_ = values[BaseChannel::emergency_stop_released] != 0;
+    emergency_stop_time_ns_ = now_ns;
+  }
+}
+
+DriverCommand CanRobot::at_shaft(std::size_t joint, const JointCommand& command) const noexcept {
+  const JointWiring& wiring = wiring_.joints[joint];
+  const JointReading& reading = readings_[joint];
+  const double turns = wiring.direction * wiring.ratio;
+  const double squared_ratio = wiring.ratio * wiring.ratio;
+  const double limit_Nm = std::abs(command.torque_limit_Nm);
+  const double feedback_Nm = command.kp_Nm_rad * (command.position_rad - reading.position_rad) +
+                             command.kd_Nms_rad * (command.velocity_rad_s - reading.velocity_rad_s);
+  const double law_Nm = command.torque_Nm + (reading.missed > kOldReading ? 0 : feedback_Nm);
+  const double limited_Nm = blind(joint) ? 0 : std::clamp(law_Nm, -limit_Nm, limit_Nm);
+  return {.position_rad = turns * (command.position_rad - wiring.offset_rad) - turn_offset_rad_[joint],
+          .velocity_rad_s = turns * command.velocity_rad_s,
+          .torque_Nm = wiring.direction * command.torque_Nm / wiring.ratio,
+          .kp_Nm_rad = command.kp_Nm_rad / squared_ratio,
+          .kd_Nms_rad = command.kd_Nms_rad / squared_ratio,
+          .torque_limit_Nm = limit_Nm / wiring.ratio,
+          .watchdog_s = wiring_.driver_watchdog_s,
+          .law_Nm = wiring.direction * limited_Nm / wiring.ratio};
+}
+
+/// Whether the law of this joint is computed here, and there is no reading to compute it with.
+bool CanRobot::blind(std::size_t joint) const noexcept {
+  const JointReading& reading = readings_[joint];
+  const bool has_gains =
+      visit_driver(wiring_.joints[joint].driver, [](const auto& driver) { return has_own_gains(driver); });
+  return !has_gains && !(std::isfinite(reading.position_rad) && std::isfinite(reading.velocity_rad_s));
+}
+
+JointBusStatus CanRobot::write(const JointCommands& commands) noexcept {
+  if (!std::all_of(commands.begin(), commands.end(), finite)) return JointBusStatus::refused;
+  std::array<CanFrame, kJoints> frames;
+  bool all_see = true;
+  for (std::size_t joint = 0; joint < kJoints; ++joint) {
+    all_see = all_see && !blind(joint);
+    const DriverCommand command = at_shaft(joint, commands[joint]);
+    const EncodeStatus status = visit_driver(wiring_.joints[joint].driver, [&](const auto& driver) {
+      return command_frame(driver, command, frames[joint]);
+    });
+    if (!usable(status)) return JointBusStatus::refused;
+    if (status == EncodeStatus::saturated) ++saturated_;
+  }
+  const JointBusStatus status = send(frames);
+  ask_drivers();
+  return status == JointBusStatus::ok && !all_see ? JointBusStatus::incomplete : status;
+}
+
+/// One question per write, to one driver after the other.
+void CanRobot::ask_drivers() noexcept {
+  const std::uint64_t turn = writes_++ % kQuestionsEvery;
+  const auto joint = static_cast<std::size_t>(turn / kQuestions);
+  if (joint >= kJoints) return;
+  const JointWiring& wiring = wiring_.joints[joint];
+  const auto question = static_cast<unsigned>(turn % kQuestions);
+  const std::optional<CanFrame> frame = visit_driver(
+      wiring.driver, [question](const auto& driver) { return question_frame(driver, question); });
+  if (!frame) return;
+  static_cast<void>(buses_[wiring.bus]->send(std::span(&*frame, 1)));  // asked again soon
+}
+
+JointBusStatus CanRobot::disable() noexcept {
+  std::array<CanFrame, kJoints> frames;
+  for (std::size_t joint = 0; joint < kJoints; ++joint) {
+    const EncodeStatus status = visit_driver(wiring_.joints[joint].driver, [&](const auto& driver) {
+      return disable_frame(driver, frames[joint]);
+    });
+    if (!usable(status)) return JointBusStatus::refused;  // only with invalid wiring
+  }
+  return send(frames);
+}
+
+JointBusStatus CanRobot::send(const std::array<CanFrame, kJoints>& frames) noexcept {
+  JointBusStatus status = bus_status();
+  for (std::size_t bus = 0; bus < bus_count_; ++bus) {
+    std::array<CanFrame, kJoints> batch;
+    std::size_t count = 0;
+    for (std::size_t joint = 0; joint < kJoints; ++joint) {
+      if (wiring_.joints[joint].bus == bus) batch[count++] = frames[joint];
+    }
+    if (count == 0) continue;
+    const SendResult result = buses_[bus]->send(std::span(batch).first(count));
+    if (result.status == BusStatus::disconnected) status = JointBusStatus::disconnected;
+    if (result.sent < count && status == JointBusStatus::ok) status = JointBusStatus::incomplete;
+  }
+  return status;
+}
+
+BaseSensorStatus CanRobot::read_base(BaseReading& reading) noexcept {
+  reading = base_;
+  return base_fresh_ ? BaseSensorStatus::ok : BaseSensorStatus::stale;
+}
+
+EmergencyStopState CanRobot::read_emergency_stop(std::int64_t now_ns) noexcept {
+  if (!has_emergency_stop_) return EmergencyStopState::absent;
+  const bool recent =
+      emergency_stop_time_ns_ != 0 && now_ns - emergency_stop_time_ns_ <= wiring_.emergency_stop_timeout_ns;
+  if (!recent) return EmergencyStopState::unknown;
+  return emergency_stop_released_ ? EmergencyStopState::released : EmergencyStopState::pressed;
+}
+
+}  // namespace stilt::hal

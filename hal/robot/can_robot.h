@@ -1,0 +1,77 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "hal/can/frame_bus.h"
+#include "hal/robot/joint_bus.h"
+#include "hal/robot/robot_wiring.h"
+#include "hal/sensors/base_sensor.h"
+#include "hal/sensors/emergency_stop.h"
+
+namespace stilt::hal {
+
+/// Four joints, base sensor and emergency stop over one or more buses, whatever drives them. Decodes what
+/// arrives, encodes what is commanded. Drivers without gains of their own (ODrive) get the torque of the
+/// command's law at the newest reading: no torque before the first, and no feedback from one that is more
+/// than a few ticks old. They are asked for supply and temperatures now and then. Fixed memory; no call
+/// waits, allocates, locks or throws.
+class CanRobot final {
+ public:
+  /// @param wiring  valid for this many buses
+  /// @param buses   at most kMaximumBuses, outlive this object
+  CanRobot(const RobotWiring& wiring, std::span<FrameBus* const> buses) noexcept;
+
+  /// Takes everything that has arrived. Values of joints without news stay as they were.
+  [[nodiscard]] JointBusStatus read(std::int64_t now_ns, JointReadings& readings) noexcept;
+  /// Sends all four commands, in one batch per bus.
+  [[nodiscard]] JointBusStatus write(const JointCommands& commands) noexcept;
+  /// Disables every driver. Sent even after refused commands.
+  [[nodiscard]] JointBusStatus disable() noexcept;
+  /// Newest reading of the torso. Call after read(): both share the buses.
+  [[nodiscard]] BaseSensorStatus read_base(BaseReading& reading) noexcept;
+  [[nodiscard]] EmergencyStopState read_emergency_stop(std::int64_t now_ns) noexcept;
+
+  /// Whole encoder periods found at bring-up, at the driver's shaft (StepResult::turn_offset_rad).
+  void set_turn_offset(std::size_t joint, double shaft_rad) noexcept { turn_offset_rad_[joint] = shaft_rad; }
+
+  /// Commands that reached the end of a range, since start.
+  [[nodiscard]] std::uint64_t saturated() const noexcept { return saturated_; }
+
+ private:
+  void count_missed_base() noexcept;
+  [[nodiscard]] std::uint32_t base_period_reads() const noexcept;
+  void receive(std::int64_t now_ns, std::size_t bus, const CanFrame& frame) noexcept;
+  [[nodiscard]] DecodeStatus take_joint(std::int64_t now_ns, std::size_t joint,
+                                        const CanFrame& frame) noexcept;
+  void take_channels(std::int64_t now_ns, const CanFrame& frame) noexcept;
+  void set_motion(std::int64_t now_ns, std::size_t joint) noexcept;
+  void set_pitch(std::int64_t now_ns, double pitch_rad) noexcept;
+
+  [[nodiscard]] bool blind(std::size_t joint) const noexcept;
+  [[nodiscard]] DriverCommand at_shaft(std::size_t joint, const JointCommand& command) const noexcept;
+  [[nodiscard]] JointBusStatus send(const std::array<CanFrame, kJoints>& frames) noexcept;
+  void ask_drivers() noexcept;
+  [[nodiscard]] JointBusStatus bus_status() const noexcept;
+
+  RobotWiring wiring_;
+  std::array<FrameBus*, kMaximumBuses> buses_{};
+  std::size_t bus_count_ = 0;
+  std::array<double, kJoints> turn_offset_rad_{};
+  std::array<DriverReading, kJoints> shafts_;
+  JointReadings readings_;
+  std::array<bool, kJoints> fresh_{};
+  BaseReading base_;
+  double rate_at_pitch_rad_s_ = 0.0;  ///< of the base, when its newest pitch came
+  bool base_fresh_ = false;
+  std::uint32_t base_silent_ = 0;  ///< reads in a row without a new angle
+  bool has_emergency_stop_ = false;
+  bool emergency_stop_released_ = false;
+  std::int64_t emergency_stop_time_ns_ = 0;
+  std::uint64_t saturated_ = 0;
+  std::uint64_t writes_ = 0;
+  std::array<CanFrame, kMaximumBatch> received_;
+};
+
+}  // namespace stilt::hal

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#include "hal/driver/driver_reading.h"
+
+namespace stilt::hal {
+
+inline constexpr std::size_t kJoints = 4;  ///< hip_L, knee_L, hip_R, knee_R
+
+/// What is known of one joint. Rotations about +y of the world as everywhere (positive swings the lower link
+/// to -x).
+struct JointReading {
+  double position_rad = std::numeric_limits<double>::quiet_NaN();
+  double velocity_rad_s = std::numeric_limits<double>::quiet_NaN();
+  double torque_Nm = std::numeric_limits<double>::quiet_NaN();  ///< at the joint, as the driver estimates it
+  double driver_temperature_C = std::numeric_limits<double>::quiet_NaN();  ///< NaN: driver does not say
+  double motor_temperature_C = std::numeric_limits<double>::quiet_NaN();   ///< NaN: driver does not say
+  double supply_V = std::numeric_limits<double>::quiet_NaN();              ///< NaN: driver does not say
+  std::int64_t time_ns = 0;     ///< when the position arrived, CLOCK_MONOTONIC; 0: never
+  std::uint32_t missed = 0;     ///< reads in a row without a new position
+  std::uint32_t frozen = 0;     ///< new positions in a row with the very same bits
+  std::uint32_t malformed = 0;  ///< frames of this joint that could not be decoded, since start
+  DriverState state = DriverState::unknown;
+  DriverFault fault = DriverFault::none;
+  std::uint32_t fault_code = 0;  ///< the maker's number
+};
+
+/// What one joint shall do: tau = torque_Nm + kp (position - q) + kd (velocity - v), within the torque limit.
+struct JointCommand {
+  double position_rad = 0;
+  double velocity_rad_s = 0;
+  double torque_Nm = 0;
+  double kp_Nm_rad = 0;
+  double kd_Nms_rad = 0;
+  double torque_limit_Nm = 0;  ///< for drivers that take one; the caller limits torque_Nm itself
+};
+
+using JointReadings = std::array<JointReading, kJoints>;
+using JointCommands = std::array<JointCommand, kJoints>;
+
+enum class JointBusStatus : std::uint8_t {
+  ok,
+  incomplete,    ///< read: a joint sent nothing new. write: a command was withheld or dropped, or its driver
+                 ///< has not been heard
+  refused,       ///< write: a command is not finite; nothing at all was sent
+  bus_off,       ///< a bus is off
+  disconnected,  ///< a bus is gone
+};
+
+}  // namespace stilt::hal

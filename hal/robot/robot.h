@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "hal/bring_up/bring_up.h"
+#include "hal/driver/driver_fault.h"
+#include "hal/robot/joint_bus.h"
+#include "hal/sensors/base_sensor.h"
+#include "hal/sensors/emergency_stop.h"
+
+namespace stilt::hal {
+
+/// Newest reading of every channel. A channel without news keeps its values and counts what it missed.
+struct RobotReadings {
+  JointReadings joints;
+  BaseReading base;
+  JointBusStatus status = JointBusStatus::ok;
+  EmergencyStopState emergency_stop = EmergencyStopState::absent;
+  std::uint64_t bus_errors = 0;  ///< frames lost, withheld or malformed and error reports, since the start
+};
+
+/// Progress of the motor drivers from powered to enabled.
+struct BringUpProgress {
+  bool ready = false;   ///< all four are enabled, at zero torque
+  bool failed = false;  ///< one cannot be; the others are not asked any further
+  /// The driver at work, or the one that failed, and where.
+  std::size_t joint = 0;
+  bring_up::Stage stage = bring_up::Stage::identify;
+  bring_up::Failure failure = bring_up::Failure::none;
+  DriverFault fault = DriverFault::none;
+};
+
+/// A robot as the control loop uses it: readings in, commands out. Implemented by motor drivers on CAN buses,
+/// by the simulated plant, and by recordings. No call waits, allocates, locks or throws.
+class Robot {
+ public:
+  /// Once per tick, first. Takes everything that has arrived.
+  /// @param now_ns  CLOCK_MONOTONIC, stamps what carries no stamp of its own
+  virtual void read(std::int64_t now_ns, RobotReadings& readings) noexcept = 0;
+
+  /// Sends all four commands, in one batch per bus.
+  [[nodiscard]] virtual JointBusStatus write(const JointCommands& commands) noexcept = 0;
+
+  /// Disables every driver (idle, or its own safe state). Sent even after refused commands.
+  [[nodiscard]] virtual JointBusStatus disable() noexcept = 0;
+
+  /// Starts the bring-up of the drivers over, from whatever state they are in.
+  virtual void begin_bring_up() noexcept = 0;
+
+  /// One step of it, once per tick, instead of a command. Services the watchdogs of drivers that are ready
+  /// with commands of zero torque.
+  [[nodiscard]] virtual BringUpProgress bring_up(std::int64_t now_ns) noexcept = 0;
+
+  /// The operator asked for a reset: clears bus-off, and has lost connections made again, later and
+  /// elsewhere. Called every tick until that is over.
+  virtual void restore_buses() noexcept = 0;
+
+ protected:
+  ~Robot() = default;
+};
+
+}  // namespace stilt::hal

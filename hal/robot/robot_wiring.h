@@ -1,0 +1,52 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "hal/robot/joint_bus.h"
+#include "hal/robot/joint_driver.h"
+#include "hal/sensors/base_sensor_table.h"
+
+namespace stilt::hal {
+
+inline constexpr std::size_t kMaximumBuses = 4;
+inline constexpr std::size_t kMaximumChannels = 16;
+
+/// Where a joint's driver is and how its shaft relates to the joint:
+///
+///   joint = direction * shaft / ratio + offset_rad,  torque_joint = direction * ratio * torque_shaft
+///
+/// and gains at the shaft are those of the joint divided by ratio^2.
+struct JointWiring {
+  std::uint8_t bus = 0;
+  JointDriver driver;
+  double direction = 1;  ///< 1 or -1
+  double ratio = 1;  ///< turns of the driver's shaft a turn of the joint; 1 when the driver counts its output
+  double offset_rad = 0;
+};
+
+/// Number of the extra encoder that the joint's driver reports; -1: none.
+[[nodiscard]] int extra_encoder_of(const JointWiring& joint) noexcept;
+
+/// What is on which bus. Checked by valid().
+struct RobotWiring {
+  std::array<JointWiring, kJoints> joints;
+  std::array<ChannelRow, kMaximumChannels> channels{};
+  std::size_t channel_count = 0;
+  std::uint8_t channel_bus = 0;
+  int channel_period_ticks = 1;  ///< reads from one frame of a channel to the next
+  /// The joint whose driver reports an extra encoder that measures the pitch; -1: none. pitch = direction *
+  /// angle + offset.
+  int pitch_encoder_joint = -1;
+  double pitch_direction = 1;
+  double pitch_offset_rad = 0;
+  double driver_watchdog_s = 0.02;  ///< in every moteus command
+  std::int64_t emergency_stop_timeout_ns = 100'000'000;
+};
+
+/// Buses exist, directions are 1 or -1, ratios positive, drivers and channels valid, and no two joints share
+/// a driver's identifier on a bus.
+[[nodiscard]] bool valid(const RobotWiring& wiring, std::size_t bus_count) noexcept;
+
+}  // namespace stilt::hal

@@ -1,0 +1,92 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <span>
+
+#include "hal/can/frame_bus.h"
+
+namespace stilt::hal {
+
+/// A bus whose received frames are also kept, so that bring-up sees what the readings are decoded from, and
+/// that can be listened to before they are received. Keeps the first kKept frames since forget(). Real-time
+/// safe.
+class TapBus final : public FrameBus {
+ public:
+  static constexpr std::size_t kKept = 64;
+
+  /// @param inner  outlives this object
+  void attach(FrameBus& inner) noexcept { inner_ = &inner; }
+
+  [[nodiscard]] SendResult send(std::span<const CanFrame> frames) noexcept override {
+    if (lent()) return {0, BusStatus::disconnected};
+    const SendResult result = inner_->send(frames);
+    disconnected_ = result.status == BusStatus::disconnected;
+    return result;
+  }
+  [[nodiscard]] ReceiveResult receive(std::span<CanFrame> frames) noexcept override {
+    if (lent()) return {0, BusStatus::disconnected};
+    ReceiveResult result = early_count_ > 0 ? take_early(frames) : inner_->receive(frames);
+    disconnected_ = result.status == BusStatus::disconnected;
+    const std::size_t taken = std::min(result.received, kKept - count_);
+    std::copy_n(frames.begin(), taken, kept_.begin() + static_cast<std::ptrdiff_t>(count_));
+    count_ += taken;
+    return result;
+  }
+
+  /// Looks for frames without giving them away: they come with the next receive(), before later ones.
+  /// @return  all that wait so
+  [[nodiscard]] std::span<const CanFrame> listen() noexcept {
+    const auto room = std::span(early_).subspan(early_count_);
+    if (!room.empty() && !lent()) early_count_ += inner_->receive(room).received;
+    return std::span(early_).first(early_count_);
+  }
+  [[nodiscard]] BusHealth health() const noexcept override {
+    return lent() ? BusHealth::active : inner_->health();
+  }
+  void clear_bus_off() noexcept override {
+    if (!lent()) inner_->clear_bus_off();
+  }
+  [[nodiscard]] const BusCounters& counters() const noexcept override {
+    return lent() ? counters_when_lent_ : inner_->counters();
+  }
+
+  /// Hands a bus that is gone to whoever connects it again, outside the torque loop: until give_back() it is
+  /// disconnected here and not touched. Nothing when it is there, or lent already.
+  void lend_if_gone() noexcept {
+    if (!disconnected_ || lent()) return;
+    counters_when_lent_ = inner_->counters();
+    early_count_ = 0;
+    lent_.store(true, std::memory_order_release);
+  }
+  /// Whether it is lent. The borrower has the inner bus to itself then.
+  [[nodiscard]] bool lent() const noexcept { return lent_.load(std::memory_order_acquire); }
+  /// The borrower is done, whatever came of it.
+  void give_back() noexcept { lent_.store(false, std::memory_order_release); }
+
+  [[nodiscard]] std::span<const CanFrame> kept() const noexcept { return std::span(kept_).first(count_); }
+  void forget() noexcept { count_ = 0; }
+
+ private:
+  [[nodiscard]] ReceiveResult take_early(std::span<CanFrame> frames) noexcept {
+    const std::size_t taken = std::min(frames.size(), early_count_);
+    std::copy_n(early_.begin(), taken, frames.begin());
+    std::copy(early_.begin() + static_cast<std::ptrdiff_t>(taken),
+              early_.begin() + static_cast<std::ptrdiff_t>(early_count_), early_.begin());
+    early_count_ -= taken;
+    return {taken, BusStatus::more};
+  }
+
+  FrameBus* inner_ = nullptr;
+  bool disconnected_ = false;  ///< by the newest call
+  std::atomic<bool> lent_ = false;
+  BusCounters counters_when_lent_;
+  std::size_t early_count_ = 0;
+  std::array<CanFrame, kMaximumBatch> early_{};
+  std::size_t count_ = 0;
+  std::array<CanFrame, kKept> kept_{};
+};
+
+}  // namespace stilt::hal

@@ -1,0 +1,296 @@
+#include "mpc_core/lq/riccati.h"
+
+#include "mpc_core/lq/input_elimination.h"
+#include "mpc_core/lq/stage_mode.h"
+
+namespace stilt::lq {
+namespace {
+
+/// Both parts of a stage.
+struct Stage {
+  const LqFirstOrder& first;
+  const LqSecondOrder& second;
+};
+
+/// Column c of [B, L, b].
+template <class Mode>
+STILT_INLINE inline const double* right_side(const LqFirstOrder& stage, int c) noexcept {
+  if (c < Mode::kInputs) return stage.B[c];
+  if (c < Mode::kInputs + Mode::kConstraints) return stage.L[c - Mode::kInputs];
+  return stage.b;
+}
+
+/// The scalar products of columns of [B, L] with columns of X that are needed, as a list of pairs.
+template <class Mode>
+struct Dots {
+  static constexpr int kLeft = Mode::kInputs + Mode::kConstraints;  ///< columns of [B, L]
+  static constexpr int kCount = kLeft * (kLeft + 1) / 2 + kLeft;
+  /// Place of [B, L]_i'X_j; the matrix [B, L]'P [B, L] is symmetric, and stored for j <= i alone.
+  static constexpr int at(int i, int j) noexcept {
+    if (j < kLeft && j > i) return at(j, i);
+    return j < kLeft ? i * (i + 1) / 2 + j : kLeft * (kLeft + 1) / 2 + i;
+  }
+  static constexpr int left(int place) noexcept {
+    for (int i = 0; i < kLeft; ++i) {
+      for (int j = 0; j <= kLeft; ++j) {
+        if ((j <= i || j == kLeft) && at(i, j) == place) return i;
+      }
+    }
+    return -1;
+  }
+  static constexpr int right(int place) noexcept {
+    for (int j = 0; j <= kLeft; ++j) {
+      if ((j <= left(place) || j == kLeft) && at(left(place), j) == place) return j;
+    }
+    return -1;
+  }
+};
+
+/// X = P [B, L, b], and p added to the last column.
+template <class Mode>
+STILT_INLINE inline void value_products(const LqFirstOrder& stage, const ValueFunction& next,
+                                        RiccatiWorkspace& work) noexcept {
+  for_each_tile<0, Mode::kColumns>([&]<int kFirst, int kCount>(Tile<kFirst, kCount>& tile) STILT_INLINE {
+    tile.for_each([&](auto c, auto p) STILT_INLINE {
+      tile.v[c][p] = kFirst + c == Mode::kColumns - 1 ? load(next.p + p * kLanes) : Vec{};
+    });
+    for (int k = 0; k < kStates; ++k) {
+      tile.add(next.P[k], [&](auto c) STILT_INLINE { return right_side<Mode>(stage, kFirst + c)[k]; });
+    }
+    tile.for_each([&](auto c, auto p) STILT_INLINE { store(work.X[kFirst + c] + p * kLanes, tile.v[c][p]); });
+  });
+}
+
+/// [B, L]'X into work.dots.
+template <class Mode>
+STILT_INLINE inline void scalar_products(const LqFirstOrder& stage, RiccatiWorkspace& work) noexcept {
+  constexpr int kCount = Dots<Mode>::kCount;
+  unroll<(kCount + kLanes - 1) / kLanes>([&](auto group) STILT_INLINE {
+    Block block;
+    unroll<kLanes>([&](auto lane) STILT_INLINE {
+      constexpr int kPlace = group * kLanes + lane;
+      if constexpr (kPlace < kCount) {
+        block.column[lane] = lanes_of_dot(right_side<Mode>(stage, Dots<Mode>::left(kPlace)),
+                                          work.X[Dots<Mode>::right(kPlace)]);
+      } else {
+        block.column[lane] = Vec{};
+      }
+    });
+    store(work.dots + group * kLanes, column_sums(block));
+  });
+}
+
+/// Takes them from the scalar products.
+template <class Mode>
+STILT_INLINE inline InputTerms<Mode::kInputs> input_terms(const Stage& stage,
+                                                          const RiccatiWorkspace& work) noexcept {
+  constexpr int kInputs = Mode::kInputs;
+  InputTerms<kInputs> terms;
+  unroll<kInputs>([&](auto i) STILT_INLINE {
+    unroll<i + 1>(
+        [&](auto j) STILT_INLINE { terms.H[i][j] = stage.second.R[j][i] + work.dots[Dots<Mode>::at(i, j)]; });
+    terms.h[i] = stage.first.r[i] + work.dots[Dots<Mode>::at(i, Mode::kColumns - 1)];
+  });
+  return terms;
+}
+
+/// The rows of [U, B, b]'P A, in this order, before and after the product with A: v' and v'E + (v'U) G'.
+template <class Mode>
+struct Rows {
+  static constexpr int kCount = Mode::kTerms + Mode::kInputs + 1;
+  const ValueFunction& next;
+  RiccatiWorkspace& work;
+
+  [[nodiscard]] static constexpr int input(int row) noexcept { return row - Mode::kTerms; }
+  /// Column of X that row is the transpose of; for terms past the unit rows, inputs, and last b.
+  [[nodiscard]] static constexpr int column(int row) noexcept {
+    if (row >= Mode::kTerms + Mode::kInputs) return Mode::kColumns - 1;
+    return row >= Mode::kTerms ? input(row) : Mode::kInputs + row - Mode::kUnits;
+  }
+  /// v
+  template <int kRow>
+  [[nodiscard]] STILT_INLINE const double* before() const noexcept {
+    if constexpr (kRow < Mode::kUnits) {
+      return next.P[Mode::row(kRow)];
+    } else {
+      return work.X[column(kRow)];
+    }
+  }
+  /// (v'U)_j
+  template <int kRow, int j>
+  [[nodiscard]] STILT_INLINE double through() const noexcept {
+    if constexpr (j < Mode::kUnits) {
+      return before<kRow>()[Mode::row(j)];
+    } else {
+      constexpr int kL = Mode::kInputs + j - Mode::kUnits;
+      return work.dots[Dots<Mode>::at(kL, column(kRow))];
+    }
+  }
+  template <int kRow>
+  [[nodiscard]] STILT_INLINE double* after() const noexcept {
+    return kRow < Mode::kTerms ? work.W[kRow] : work.F[input(kRow)];
+  }
+};
+
+/// W, F and f_x.
+template <class Mode>
+STILT_INLINE inline void row_products(const Stage& stage, const ValueFunction& next, const Drift& drift,
+                                      RiccatiWorkspace& work) noexcept {
+  const Rows<Mode> rows{next, work};
+  for_each_tile<0, Rows<Mode>::kCount>([&]<int kFirst, int kCount>(Tile<kFirst, kCount>& tile) STILT_INLINE {
+    tile.for_each([&](auto c, auto p) STILT_INLINE {
+      constexpr int kRow = kFirst + c;
+      const double* v = rows.template before<kRow>();
+      if constexpr (Mode::kDrifts) {
+        tile.v[c][p] = free_motion_transposed<p>(v, drift);
+      } else {
+        tile.v[c][p] = load(v + p * kLanes);
+      }
+      if constexpr (kRow == Mode::kTerms + Mode::kInputs) {
+        tile.v[c][p] += load(stage.first.q + p * kLanes);
+      } else if constexpr (kRow >= Mode::kTerms) {
+        tile.v[c][p] += load(stage.second.S[kRow - Mode::kTerms] + p * kLanes);
+      }
+    });
+    unroll<Mode::kTerms>([&](auto j) STILT_INLINE {
+      constexpr int kFrom = j < kFirst ? 0 : j - kFirst;
+      tile.template add<kFrom>(stage.first.G[j], [&](auto c) STILT_INLINE {
+        const double factor = rows.template through<kFirst + c, j>();
+        return kFirst + c == j ? 0.5 * factor : factor;
+      });
+    });
+    tile.for_each([&](auto c, auto p)
+                      STILT_INLINE { store(rows.template after<kFirst + c>() + p * kLanes, tile.v[c][p]); });
+  });
+}
+
+/// Register kPart of column kColumn of N without the products: the shares of Q and of
+/// E'P E = P + h P J + h J'P + h^2 J'P J (J = [0 I; 0 0]), of which h P J stands whole and h J'P is its
+/// transpose.
+template <class Mode, int kColumn, int kPart>
+STILT_INLINE inline Vec initial_half(const Stage& stage, const ValueFunction& next,
+                                     const Drift& drift) noexcept {
+  constexpr int kDiagonal = kColumn / kLanes, kRow = kPart * kLanes;
+  constexpr bool kDrifted = Mode::kDrifts && kColumn >= kHalf;
+  const double* position = next.P[kDrifted ? kColumn - kHalf : 0];
+  Vec v{};
+  if constexpr (kPart >= kDiagonal) {
+    v = load(stage.second.Q[kColumn] + kRow) + load(next.P[kColumn] + kRow);
+    if constexpr (kDrifted)
+      v += shifted_down<kPart>(position) * (drift.velocity[kPart] * broadcast(stage.first.h));
+    if constexpr (kPart == kDiagonal) v = lower_half<kColumn % kLanes>(v);
+  }
+  if constexpr (kDrifted) v += load(position + kRow) * broadcast(stage.first.h);
+  return v;
+}
+
+/// N by columns, with P = N + N': all of W'G, and of what is symmetric in itself (Q, E'P E, y'z) the lower
+/// triangle, the diagonal halved.
+template <class Mode>
+STILT_INLINE inline void half_hessian(const Stage& stage, const ValueFunction& next, const Drift& drift,
+                                      const RiccatiWorkspace& work, double (*N)[kRows]) noexcept {
+  const auto update = [&]<int kFirst, int kCount>(Tile<kFirst, kCount>& tile) STILT_INLINE {
+    tile.for_each([&](auto c, auto p)
+                      STILT_INLINE { tile.v[c][p] = initial_half<Mode, kFirst + c, p>(stage, next, drift); });
+    if constexpr (kFirst > 0) {
+      unroll<Mode::kTerms>([&](auto i) STILT_INLINE {
+        tile.add(work.W[i], [&](auto c) STILT_INLINE { return stage.first.G[i][kFirst + c]; });
+      });
+    }
+    unroll<Mode::kInputs>([&](auto i) STILT_INLINE {
+      unroll<kCount>([&](auto c) STILT_INLINE {
+        constexpr int kDiagonal = (kFirst + c) / kLanes;
+        const Vec z = broadcast(work.z[i][kFirst + c]);
+        tile.v[c][kDiagonal] += load(work.half_y[i] + kDiagonal * kLanes) * z;
+        unroll<kParts - 1 - kDiagonal>([&](auto below) STILT_INLINE {
+          constexpr int kPart = kDiagonal + 1 + below;
+          tile.v[c][kPart] += load(work.y[i] + kPart * kLanes) * z;
+        });
+      });
+    });
+    tile.for_each([&](auto c, auto p) STILT_INLINE { store(N[kFirst + c] + p * kLanes, tile.v[c][p]); });
+  };
+  for_each_tile<0, 1>(update);
+  for_each_tile<1, kStates>(update);
+}
+
+/// p = f_x + sum_i y_i z_i.
+template <int kInputs>
+STILT_INLINE inline void update_gradient(const RiccatiWorkspace& work, const double* z, double* p) noexcept {
+  unroll<kParts>([&](auto part) STILT_INLINE {
+    Vec v = load(work.F[kInputs] + part * kLanes);
+    unroll<kInputs>([&](auto i) STILT_INLINE { v += load(work.y[i] + part * kLanes) * broadcast(z[i]); });
+    store(p + part * kLanes, v);
+  });
+}
+
+/// One stage of the backward sweep.
+template <class Mode>
+[[gnu::noinline]] SweepOutcome sweep_stage(const Stage& stage, const ValueFunction& next,
+                                           ValueFunction& value, LqGain& gain,
+                                           RiccatiWorkspace& work) noexcept {
+  constexpr int kInputs = Mode::kInputs;
+  const Drift drift(stage.first.h);
+  value_products<Mode>(stage.first, next, work);
+  scalar_products<Mode>(stage.first, work);
+  SweepOutcome outcome = SweepOutcome::ok;
+  double z[kInputs > 0 ? kInputs : 1];
+  if constexpr (kInputs > 0) {
+    InputTerms<kInputs> terms = input_terms<Mode>(stage, work);
+    double inverse_pivot[kInputs];
+    outcome = factorise<kInputs>(terms.H, inverse_pivot);
+    row_products<Mode>(stage, next, drift, work);
+    solve_gains<kInputs>(terms, inverse_pivot, work, gain);
+    solve_feedforward<kInputs>(terms, inverse_pivot, gain, z);
+  } else {
+    row_products<Mode>(stage, next, drift, work);
+    std::memset(gain.K, 0, sizeof(gain.K));
+  }
+  unroll<kMaxFreeInputs - kInputs>([&](auto i) STILT_INLINE { gain.k[kInputs + i] = 0.0; });
+
+  update_gradient<kInputs>(work, z, value.p);
+  forget_values();
+  half_hessian<Mode>(stage, next, drift, work, value.P);
+  add_transpose(value.P);
+  return outcome;
+}
+
+/// The symmetric matrix whose lower triangle is Q's.
+void mirror_lower(const double (*Q)[kRows], double (*P)[kRows]) noexcept {
+  for (int c = 0; c < kStates; ++c) {
+    for (int r = 0; r < kRows; ++r) P[c][r] = r < c ? Q[r][c] : r < kStates ? Q[c][r] : 0.0;
+  }
+}
+
+/// True when every entry is finite: 0 * v is zero then, and NaN otherwise.
+bool is_finite(const ValueFunction& value) noexcept {
+  Vec zero{};
+  for (const auto& column : value.P) {
+    unroll<kParts>([&](auto part) STILT_INLINE { zero += load(column + part * kLanes) * broadcast(0.0); });
+  }
+  unroll<kParts>([&](auto part) STILT_INLINE { zero += load(value.p + part * kLanes) * broadcast(0.0); });
+  return sum(zero) == 0.0;
+}
+
+}  // namespace
+
+BackwardSweep::BackwardSweep(const LqTerminal& terminal, RiccatiWorkspace& workspace) noexcept
+    : workspace_(workspace), value_(&workspace.value[0]) {
+  mirror_lower(terminal.Q, value_->P);
+  std::memcpy(value_->p, terminal.q, sizeof(value_->p));
+}
+
+SweepOutcome BackwardSweep::step(const LqFirstOrder& first, const LqSecondOrder& second,
+                                 LqGain& gain) noexcept {
+  ValueFunction* before = value_ == &workspace_.value[0] ? &workspace_.value[1] : &workspace_.value[0];
+  SweepOutcome outcome = SweepOutcome::bad_input_count;
+  dispatch(first, [&]<class Mode>(Mode) STILT_INLINE {
+    outcome = sweep_stage<Mode>({first, second}, *value_, *before, gain, workspace_);
+  });
+  value_ = before;
+  return outcome;
+}
+
+bool BackwardSweep::finite() const noexcept { return is_finite(*value_); }
+
+}  // namespace stilt::lq

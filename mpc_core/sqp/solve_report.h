@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+
+namespace stilt::sqp {
+
+/// Why a solve ended.
+enum class SolveStatus : std::uint8_t {
+  converged,        ///< cost change and violation below tolerance, or the step vanished (taken or not)
+  iteration_limit,  ///< used all iterations; the plan is usable
+  step_rejected,    ///< the line search found no acceptable step; the last accepted iterate is the plan
+  not_finite,       ///< NaN or infinity in input, linearisation or step: no plan
+  not_convex,       ///< a reduced Hessian was not positive definite: no plan
+};
+
+/// What one solve did.
+struct SolveReport {
+  SolveStatus status = SolveStatus::not_finite;
+  int iterations = 0;
+  double cost = 0.0;
+  double dynamics_defect_max = 0.0;     ///< largest |x_{k+1} - F(x_k, u_k)|, mixed SI units
+  double equality_violation_max = 0.0;  ///< largest equality residual, m/s^2 or N
+  double step_length = 0.0;             ///< of the last iteration
+  double step_size = 0.0;               ///< largest component of the last accepted step
+
+  /// True when the plan may be executed.
+  [[nodiscard]] constexpr bool usable() const noexcept {
+    return status != SolveStatus::not_finite && status != SolveStatus::not_convex;
+  }
+};
+
+}  // namespace stilt::sqp

@@ -1,0 +1,78 @@
+#pragma once
+
+#include "mpc_core/lq/riccati.h"
+#include "mpc_core/ocp/stage_models.h"
+#include "mpc_core/sqp/solve_report.h"
+#include "mpc_core/sqp/sqp_parameters.h"
+
+namespace stilt::sqp {
+
+/// Time spent in each phase of a solve; microseconds.
+struct PhaseTimes {
+  double linearise_us = 0.0;
+  double riccati_us = 0.0;
+  double line_search_us = 0.0;
+  double total_us = 0.0;
+};
+
+using ocp::ClockFunction;
+
+/// Gauss-Newton sequential quadratic programming by multiple shooting. Each iteration linearises all stages
+/// with the equality constraints projected out, solves the remaining unconstrained LQ problem by one Riccati
+/// sweep, and searches along the step with a filter of cost and violation
+///
+///   g = sqrt(sum defects^2 + sum (duration * equality residual)^2)
+///
+/// (the residual of an acceleration constraint, held for an interval, is a velocity: the unit of most
+/// defects). A trial step is accepted, compared with the current iterate, when
+///   g_new > g_max:                              g_new < (1 - gamma_c) g
+///   g, g_new < g_min and the slope is downhill: cost_new <= cost + armijo * step * slope
+///   otherwise:                                  cost_new < cost - gamma_c g  or  g_new < (1 - gamma_c) g
+/// Source: Galliker et al. 2022, section III; Grandia et al. 2022, "Perceptive locomotion through nonlinear
+/// model predictive control", appendix B. Fixed memory, no heap, bounded time: real-time safe.
+class Sqp {
+ public:
+  /// Improves `iterate` in place. Set its first state to the problem's initial state beforehand: a full step
+  /// would move it there, but the line search does not count the gap and may refuse that step.
+  [[nodiscard]] SolveReport solve(const ocp::ProblemData& data, const ocp::Problem& problem,
+                                  const SqpParameters& parameters, ocp::Trajectory& iterate) noexcept;
+
+  /// Feedback of the last solve at stage k: du = K dx.
+  void feedback_gain(int stage, Eigen::Matrix<double, model::kInputs, model::kStates>& gain) const noexcept;
+
+  void set_clock(ClockFunction clock) noexcept {
+    clock_ = clock;
+    models_.set_clock(clock);
+  }
+  [[nodiscard]] const PhaseTimes& phase_times() const noexcept { return times_; }
+
+ private:
+  enum class Search { accepted, rejected };
+
+  [[nodiscard]] bool step(const ocp::ProblemData& data, const ocp::Problem& problem,
+                          const ocp::Trajectory& iterate, SolveReport& report) noexcept;
+  /// Linearises all stages and computes their gains, last to first.
+  [[nodiscard]] lq::SweepOutcome sweep_backward(const ocp::ProblemData& data, const ocp::Problem& problem,
+                                                const ocp::Trajectory& iterate) noexcept;
+  [[nodiscard]] Search line_search(const ocp::ProblemData& data, const ocp::Problem& problem,
+                                   const SqpParameters& parameters, const ocp::Trajectory& iterate,
+                                   ocp::Trajectory& trial, ocp::Merit& merit, SolveReport& report) noexcept;
+  /// Returns the largest component of the step taken.
+  double take_step(const ocp::Trajectory& from, double length, int stages,
+                   ocp::Trajectory& to) const noexcept;
+  void expand_inputs(int stages) noexcept;
+  [[nodiscard]] long long now_ns() const noexcept { return clock_ != nullptr ? clock_() : 0; }
+
+  ClockFunction clock_ = nullptr;
+  PhaseTimes times_;
+  double slope_ = 0.0;
+  double full_step_size_ = 0.0;  ///< largest component of the step before the line search
+  ocp::StageModels models_;
+  lq::LqGain gains_[ocp::kMaxStages];
+  lq::LqStep steps_[ocp::kMaxNodes];
+  lq::RiccatiWorkspace workspace_;
+  alignas(64) double input_steps_[ocp::kMaxStages][model::kInputs];
+  ocp::Trajectory trial_;
+};
+
+}  // namespace stilt::sqp

@@ -1,0 +1,140 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "hal/mit/mit_bring_up.h"
+#include "hal/mit/mit_emulator.h"
+#include "hal/moteus/moteus_bring_up.h"
+#include "hal/moteus/moteus_emulator.h"
+#include "hal/odrive/odrive_bring_up.h"
+#include "hal/odrive/odrive_emulator.h"
+#include "hal/robot/can_robot.h"
+#include "tests/hal/mock/mock_bus.h"
+
+namespace stilt::hal::testing {
+
+inline constexpr std::int64_t kTick_ns = 1'000'000;
+
+enum class Kind { mit, moteus, odrive };
+
+inline std::string kind_name(const ::testing::TestParamInfo<Kind>& parameter) {
+  switch (parameter.param) {
+    case Kind::mit:
+      return "Mit";
+    case Kind::moteus:
+      return "Moteus";
+    case Kind::odrive:
+      return "Odrive";
+  }
+  return "Unknown";
+}
+
+inline JointCommands some_commands() {
+  JointCommands commands;
+  commands.fill({.position_rad = 0.4, .kp_Nm_rad = 100, .kd_Nms_rad = 2, .torque_limit_Nm = 50});
+  return commands;
+}
+
+/// Two buses, one a leg, with four emulated drivers of one kind and a base sensor on the first bus.
+class Robot {
+ public:
+  explicit Robot(Kind kind) {
+    for (std::size_t joint = 0; joint < kJoints; ++joint) {
+      JointWiring& wiring = wiring_.joints[joint];
+      wiring.bus = static_cast<std::uint8_t>(joint / 2);
+      wiring.direction = joint % 2 == 0 ? 1 : -1;
+      wiring.ratio = kind == Kind::odrive ? 8 : 2;
+      wiring.offset_rad = 0.25;
+      const auto number = static_cast<std::uint8_t>(1 + joint % 2);
+      if (kind == Kind::mit) {
+        mit::MitDriver driver;
+        driver.command_id = number;
+        driver.reply_id = static_cast<std::uint16_t>(0x10 + number);
+        driver.driver_id = number;
+        driver.layout = mit::ReplyLayout::damiao;
+        wiring.driver = driver;
+        drivers_[joint] = std::make_shared<mit::MitEmulator>(driver);
+        frame_ids_[joint] = driver.reply_id;
+      } else if (kind == Kind::moteus) {
+        moteus::MoteusDriver driver;
+        driver.id = number;
+        driver.kp_Nm_rev = 2000;
+        driver.kd_Nm_s_rev = 60;
+        if (joint == 0) driver.extra_encoder = 1;
+        wiring.driver = driver;
+        drivers_[joint] = std::make_shared<moteus::MoteusEmulator>(driver);
+        frame_ids_[joint] = static_cast<std::uint32_t>(number) << 8;
+      } else {
+        const odrive::OdriveDriver driver{number, kEndpoints};
+        wiring.driver = driver;
+        drivers_[joint] = std::make_shared<odrive::OdriveEmulator>(driver);
+        frame_ids_[joint] = static_cast<std::uint32_t>(number) << 5 | 9;
+      }
+      buses_[wiring.bus].attach(*drivers_[joint]);
+    }
+    if (kind == Kind::moteus) wiring_.pitch_encoder_joint = 0;
+    wiring_.channels[0] = {.id = 0x50, .scale = 1e-3, .channel = BaseChannel::pitch_rad};
+    wiring_.channels[1] = {.id = 0x50, .byte_offset = 2, .channel = BaseChannel::emergency_stop_released};
+    wiring_.channel_count = 2;
+    EXPECT_TRUE(valid(wiring_, 2));
+    const std::array<FrameBus*, 2> buses{&buses_[0], &buses_[1]};
+    robot_ = std::make_unique<CanRobot>(wiring_, buses);
+    enable();
+    clock_.advance(kTick_ns);
+    static_cast<void>(read());
+  }
+
+  JointBusStatus read() { return robot_->read(clock_.now_ns(), readings_); }
+
+  /// Brings every driver up, as the controller does.
+  void enable() {
+    for (std::size_t joint = 0; joint < kJoints; ++joint) {
+      const JointWiring& wiring = wiring_.joints[joint];
+      visit_driver(wiring.driver, [&](const auto& driver) {
+        auto up = make_bring_up(driver, bring_up::Options{});
+        run(up, wiring.bus);
+      });
+    }
+    for (auto& bus : buses_) bus.clear_sent();
+  }
+
+  void set_joint(std::size_t joint, double position_rad, double velocity_rad_s) {
+    const JointWiring& wiring = wiring_.joints[joint];
+    drivers_[joint]->motor.position_rad =
+        wiring.direction * wiring.ratio * (position_rad - wiring.offset_rad);
+    drivers_[joint]->motor.velocity_rad_s = wiring.direction * wiring.ratio * velocity_rad_s;
+  }
+  double joint_torque_Nm(std::size_t joint) const {
+    return wiring_.joints[joint].direction * wiring_.joints[joint].ratio * drivers_[joint]->torque_Nm();
+  }
+
+  static constexpr odrive::OdriveEndpoints kEndpoints{0x191, 0x192};
+  mock::MockClock clock_;
+  std::array<mock::MockBus, 2> buses_{mock::MockBus(clock_), mock::MockBus(clock_)};
+  RobotWiring wiring_;
+  std::array<std::shared_ptr<EmulatedDriver>, kJoints> drivers_;
+  std::array<std::uint32_t, kJoints> frame_ids_{};
+  std::unique_ptr<CanRobot> robot_;
+  JointReadings readings_;
+
+ private:
+  /// Time stands still meanwhile: no driver's watchdog expires while the others are brought up.
+  void run(bring_up::BringUp& up, std::size_t bus) {
+    std::array<CanFrame, kMaximumBatch> received;
+    for (int tick = 0; tick < 1000 && up.stage() != bring_up::Stage::ready; ++tick) {
+      const std::size_t count = buses_[bus].receive(received).received;
+      const bring_up::StepResult result = up.step(clock_.now_ns(), std::span(received).first(count));
+      if (result.send) {
+        EXPECT_EQ(buses_[bus].send(std::span(&result.frame, 1)).sent, 1u);
+      }
+    }
+    EXPECT_EQ(up.stage(), bring_up::Stage::ready);
+  }
+};
+
+}  // namespace stilt::hal::testing
