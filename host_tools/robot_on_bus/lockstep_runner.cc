@@ -1,6 +1,7 @@
 #include <chrono>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "host_tools/robot_on_bus/lockstep_exchange.h"
 #include "host_tools/robot_on_bus/run_end.h"
@@ -37,11 +38,14 @@ class LockstepRun {
  private:
   void turn() {
     wait_for_frames(robot_, buses_, kLongestWait_ns);
-    if (exchange_.poll()) {
+    const bool waits_for_controller = !exchange_.tick();
+    const bool advanced = exchange_.poll();
+    if (waits_for_controller && exchange_.tick()) controller_ = connections();
+    if (advanced) {
       quiet_since_ = SteadyClock::now();
       patience_s_ = options_.wait_s;
       progress_.update(robot_, options_);
-    } else if (exchange_.tick() && !all_connected(buses_)) {
+    } else if (exchange_.tick() && controller_left()) {
       lose_controller();
     } else if (seconds_since(quiet_since_) > patience_s_) {
       give_up();
@@ -49,9 +53,23 @@ class LockstepRun {
     if (const char* reason = reason_to_end(robot_, options_)) outcome_.ended = reason;
   }
 
+  [[nodiscard]] std::vector<std::uint64_t> connections() const {
+    std::vector<std::uint64_t> count;
+    for (const RobotBus& bus : buses_) count.push_back(bus.connections());
+    return count;
+  }
+
+  /// One of its buses is gone, or the next controller is on it already.
+  [[nodiscard]] bool controller_left() const {
+    return !all_connected(buses_) || connections() != controller_;
+  }
+
+  /// The connections of a controller that came meanwhile stay.
   void lose_controller() {
     exchange_.forget_controller();
-    for (RobotBus& bus : buses_) bus.hang_up();
+    for (std::size_t bus = 0; bus < buses_.size(); ++bus) {
+      if (buses_[bus].connections() == controller_[bus]) buses_[bus].hang_up();
+    }
     const auto ticks = static_cast<int>(kAlone_s / options_.tick_s);
     for (int i = 0; i < ticks && reason_to_end(robot_, options_) == nullptr; ++i) exchange_.advance_alone();
     quiet_since_ = SteadyClock::now();
@@ -75,6 +93,7 @@ class LockstepRun {
   LockstepExchange exchange_;
   ProgressTicks progress_;
   RunOutcome outcome_;
+  std::vector<std::uint64_t> controller_;  ///< connections() when it began to take turns
   SteadyClock::time_point quiet_since_ = SteadyClock::now();
   double patience_s_ = options_.wait_s;
 };
