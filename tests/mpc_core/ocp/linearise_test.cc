@@ -86,6 +86,9 @@ struct GaussNewton {
   }
 };
 
+/// One group of batches that are linearised together, and a stage of the next.
+constexpr int kStages = kTogether * kLanes + 1;
+
 template <class Check>
 void for_random_stages(const Check& check) {
   for (const model::RobotModel* robot : {&model::amber3m(), &model::rabbit()}) {
@@ -93,7 +96,7 @@ void for_random_stages(const Check& check) {
       for (std::uint64_t seed = 1; seed <= 6; ++seed) {
         SCOPED_TRACE(testing::Message()
                      << robot->constants.name << " L" << mode.left << " R" << mode.right << " seed " << seed);
-        const auto scene = testing_support::random_scene(*robot, mode, kLanes + 1, seed);
+        const auto scene = testing_support::random_scene(*robot, mode, kStages, seed);
         scene->data.discretisation.integrator = seed % 2 == 0 ? Integrator::rk2 : Integrator::rk4;
         const Linearisation model(scene->data, scene->problem, scene->guess);
         for (int k = 0; k < scene->problem.horizon.stages; ++k) {
