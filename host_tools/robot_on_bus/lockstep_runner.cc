@@ -40,7 +40,7 @@ class LockstepRun {
     wait_for_frames(robot_, buses_, kLongestWait_ns);
     const bool waits_for_controller = !exchange_.tick();
     const bool advanced = exchange_.poll();
-    if (waits_for_controller && exchange_.tick()) controller_ = connections();
+    if (advanced || (waits_for_controller && exchange_.tick())) controller_ = connections();
     if (advanced) {
       quiet_since_ = SteadyClock::now();
       patience_s_ = options_.wait_s;
@@ -93,7 +93,7 @@ class LockstepRun {
   LockstepExchange exchange_;
   ProgressTicks progress_;
   RunOutcome outcome_;
-  std::vector<std::uint64_t> controller_;  ///< connections() when it began to take turns
+  std::vector<std::uint64_t> controller_;  ///< connections() when it last took its turn
   SteadyClock::time_point quiet_since_ = SteadyClock::now();
   double patience_s_ = options_.wait_s;
 };
