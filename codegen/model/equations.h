@@ -4,7 +4,7 @@
 
 #include "codegen/expression/differentiate.h"
 #include "codegen/expression/graph.h"
-#include "codegen/model/planar_tree.h"
+#include "codegen/urdf/planar_tree.h"
 
 namespace stilt::codegen {
 

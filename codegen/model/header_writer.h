@@ -3,7 +3,7 @@
 #include <map>
 #include <string>
 
-#include "codegen/model/planar_tree.h"
+#include "codegen/urdf/planar_tree.h"
 
 namespace stilt::codegen {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "codegen/model/planar_tree.h"
+#include "codegen/urdf/planar_tree.h"
 
 /// The robot of a URDF as a MuJoCo model, so that the plant and the controller's model have one source.
 namespace stilt::simulator {

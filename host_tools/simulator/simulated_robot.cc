@@ -2,7 +2,7 @@
 
 #include <stdexcept>
 
-#include "codegen/model/urdf_reader.h"
+#include "codegen/urdf/urdf_reader.h"
 #include "host_tools/simulator/embedded_urdf.h"
 #include "host_tools/simulator/mjcf.h"
 #include "host_tools/simulator/number.h"

@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "codegen/model/planar_tree.h"
+#include "codegen/urdf/planar_tree.h"
 #include "host_tools/simulator/plant.h"
 #include "host_tools/simulator/plant_options.h"
 

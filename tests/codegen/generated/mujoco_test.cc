@@ -2,7 +2,7 @@
 #include <cmath>
 #include <string>
 
-#include "codegen/model/urdf_reader.h"
+#include "codegen/urdf/urdf_reader.h"
 #include "tests/codegen/generated/robots.h"
 #include "tests/codegen/model/mujoco_robot.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "codegen/model/header_writer.h"
-#include "codegen/model/urdf_reader.h"
+#include "codegen/urdf/urdf_reader.h"
 
 namespace stilt::codegen {
 namespace {

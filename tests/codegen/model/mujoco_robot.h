@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "codegen/model/planar_tree.h"
+#include "codegen/urdf/planar_tree.h"
 #include "host_tools/simulator/mjcf.h"
 
 namespace stilt::testing_support {

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "codegen/model/functions.h"
-#include "codegen/model/urdf_reader.h"
+#include "codegen/urdf/urdf_reader.h"
 #include "tests/codegen/model/mujoco_robot.h"
 
 namespace stilt::codegen {

@@ -8,7 +8,7 @@
 #include <memory>
 #include <stdexcept>
 
-#include "codegen/model/urdf_reader.h"
+#include "codegen/urdf/urdf_reader.h"
 
 namespace stilt::simulator {
 namespace {

@@ -1,4 +1,4 @@
-#include "codegen/model/urdf_document.h"
+#include "codegen/urdf/urdf_document.h"
 
 #include <tinyxml2.h>
 
@@ -7,7 +7,7 @@
 #include <iterator>
 #include <set>
 
-#include "codegen/model/urdf_reader.h"
+#include "codegen/urdf/urdf_error.h"
 
 namespace stilt::codegen {
 namespace {

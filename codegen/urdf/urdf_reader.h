@@ -1,17 +1,11 @@
 #pragma once
 
-#include <stdexcept>
 #include <string>
 
-#include "codegen/model/planar_tree.h"
+#include "codegen/urdf/planar_tree.h"
+#include "codegen/urdf/urdf_error.h"
 
 namespace stilt::codegen {
-
-/// A URDF that cannot be used; what() is one sentence: where, what, what would be right.
-class UrdfError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
 
 /// Reads a URDF file and reduces it to a planar tree.
 ///

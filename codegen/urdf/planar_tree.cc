@@ -1,4 +1,4 @@
-#include "codegen/model/planar_tree.h"
+#include "codegen/urdf/planar_tree.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "codegen/model/urdf_reader.h"
+#include "codegen/urdf/urdf_reader.h"
 
 #include <console_bridge/console.h>
 #include <urdf_model/model.h>
@@ -8,7 +8,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "codegen/model/urdf_document.h"
+#include "codegen/urdf/urdf_document.h"
 
 namespace stilt::codegen {
 namespace {

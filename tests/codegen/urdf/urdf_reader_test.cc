@@ -1,4 +1,4 @@
-#include "codegen/model/urdf_reader.h"
+#include "codegen/urdf/urdf_reader.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "codegen/model/urdf_document.h"
+#include "codegen/urdf/urdf_document.h"
 
 namespace stilt::codegen {
 namespace {
