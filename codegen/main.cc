@@ -13,18 +13,19 @@
 namespace {
 
 constexpr const char* kUsage =
-    "usage: stilt_codegen --urdf FILE --robot NAME --out DIR\n"
-    "Writes DIR/NAME/{constants,kinematics,node,impact}.h: dynamics and derivatives of the planar robot in "
-    "FILE.\n";
+    "usage: stilt_codegen --urdf FILE --shape NAME --out DIR\n"
+    "Writes DIR/NAME/{constants,kinematics,node,impact}.h: dynamics and derivatives of all planar robots "
+    "with "
+    "the links and joints of the robot in FILE.\n";
 
 struct Arguments {
   std::string urdf;
-  std::string robot;
+  std::string shape;
   std::string out;
 };
 
 Arguments parse(int argc, char** argv) {
-  std::map<std::string, std::string> values{{"--urdf", ""}, {"--robot", ""}, {"--out", ""}};
+  std::map<std::string, std::string> values{{"--urdf", ""}, {"--shape", ""}, {"--out", ""}};
   for (int i = 1; i < argc; i += 2) {
     const auto entry = values.find(argv[i]);
     if (entry == values.end())
@@ -35,13 +36,13 @@ Arguments parse(int argc, char** argv) {
   for (const auto& [name, value] : values) {
     if (value.empty()) throw std::invalid_argument("option " + name + " is missing; --help shows the usage");
   }
-  const std::string& robot = values["--robot"];
-  bool identifier = std::isalpha(static_cast<unsigned char>(robot[0])) != 0;
-  for (const char c : robot)
+  const std::string& shape = values["--shape"];
+  bool identifier = std::isalpha(static_cast<unsigned char>(shape[0])) != 0;
+  for (const char c : shape)
     identifier = identifier && (std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_');
   if (!identifier)
-    throw std::invalid_argument("robot name '" + robot + "' must be letters, digits and _, a letter first");
-  return {.urdf = values["--urdf"], .robot = robot, .out = values["--out"]};
+    throw std::invalid_argument("shape '" + shape + "' must be letters, digits and _, a letter first");
+  return {.urdf = values["--urdf"], .shape = shape, .out = values["--out"]};
 }
 
 void write_file(const std::filesystem::path& path, const std::string& text) {
@@ -54,11 +55,11 @@ void write_file(const std::filesystem::path& path, const std::string& text) {
 
 void generate(const Arguments& arguments) {
   const stilt::codegen::PlanarTree tree = stilt::codegen::read_urdf(arguments.urdf);
-  const std::string source = std::filesystem::path(arguments.urdf).filename().string();
-  const std::filesystem::path folder = std::filesystem::path(arguments.out) / arguments.robot;
+  const auto headers = stilt::codegen::write_headers(tree, arguments.urdf, arguments.shape);
+  const std::filesystem::path folder = std::filesystem::path(arguments.out) / arguments.shape;
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  for (const auto& [name, text] : stilt::codegen::write_headers(tree, arguments.robot, source)) {
+  for (const auto& [name, text] : headers) {
     write_file(folder / name, text);
   }
 }

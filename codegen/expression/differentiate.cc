@@ -5,24 +5,22 @@
 namespace stilt::codegen {
 namespace {
 
-/// variable = factor * node, node neither a negation nor a product with a constant.
+/// variable = factor * node, node neither a negation nor a product with a coefficient.
 struct Cut {
   Expression node;
-  double factor = 1.0;
+  Expression factor;
 };
 
 Cut cut_of(Expression variable) {
   Graph& graph = variable.graph();
-  Cut cut{.node = variable};
+  Cut cut{.node = variable, .factor = graph.constant(1.0)};
   while (true) {
-    const Node& n = graph.node(cut.node.id());
-    if (n.operation == Operation::kConstant) {
-      throw std::invalid_argument("differentiation by an expression that is a constant");
-    }
+    const Node n = graph.node(cut.node.id());  // a copy: making a factor may move the nodes
+    if (n.coefficient) throw std::invalid_argument("differentiation by an expression that is a constant");
     if (n.operation == Operation::kNegate) {
       cut = {.node = {&graph, n.left}, .factor = -cut.factor};
-    } else if (n.operation == Operation::kMultiply && graph.is_constant({&graph, n.left})) {
-      cut = {.node = {&graph, n.right}, .factor = cut.factor * graph.node(n.left).value};
+    } else if (n.operation == Operation::kMultiply && graph.is_coefficient({&graph, n.left})) {
+      cut = {.node = {&graph, n.right}, .factor = cut.factor * Expression(&graph, n.left)};
     } else {
       return cut;
     }
@@ -40,7 +38,7 @@ Expression Differentiator::operator()(Expression expression, Expression variable
   if (!variables_.contains(cut.node.id())) {
     throw std::invalid_argument("differentiation by an expression that is not among the variables");
   }
-  return (1.0 / cut.factor) * derive(expression, cut.node);
+  return derive(expression, cut.node) / cut.factor;
 }
 
 Expression Differentiator::derive(Expression e, Expression variable) {

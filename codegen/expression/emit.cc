@@ -21,7 +21,8 @@ std::string numbered(std::string_view prefix, int id) { return concat({prefix, s
 /// Writes the statements of one function.
 class Emitter {
  public:
-  explicit Emitter(const FunctionSpec& spec) : spec_(spec) {}
+  Emitter(const FunctionSpec& spec, CoefficientTable* coefficients)
+      : spec_(spec), coefficients_(coefficients) {}
 
   EmittedFunction run() {
     for (const Output& output : spec_.outputs) count_uses(output.value);
@@ -39,8 +40,13 @@ class Emitter {
     return n.operation == Operation::kSine || n.operation == Operation::kCosine;
   }
 
+  /// Whether `e` is read from the array of coefficients.
+  bool is_loaded(Expression e) const {
+    return coefficients_ != nullptr && e.graph().is_coefficient(e) && !e.graph().is_constant(e);
+  }
+
   void count_uses(Expression e) {
-    if (uses_[e.id()]++ > 0) return;
+    if (uses_[e.id()]++ > 0 || is_loaded(e)) return;
     const Node& n = node_of(e);
     if (n.left >= 0) count_uses(child(e, n.left));
     if (n.right >= 0) count_uses(child(e, n.right));
@@ -49,14 +55,14 @@ class Emitter {
   /// A product or negation used once is written inside its user's statement.
   bool is_inlined(Expression e) const {
     const Node& n = node_of(e);
-    return n.operation == Operation::kNegate ||
-           (n.operation == Operation::kMultiply && uses_.at(e.id()) == 1);
+    return !is_loaded(e) && (n.operation == Operation::kNegate ||
+                             (n.operation == Operation::kMultiply && uses_.at(e.id()) == 1));
   }
 
   /// Emits the statements that `e` needs before its text can stand in an expression.
   void require(Expression e) {
     const Node& n = node_of(e);
-    if (n.operation == Operation::kConstant || done_.contains(e.id())) return;
+    if (n.operation == Operation::kConstant || is_loaded(e) || done_.contains(e.id())) return;
     if (n.left >= 0) require(child(e, n.left));
     if (n.right >= 0) require(child(e, n.right));
     done_.insert(e.id());
@@ -110,6 +116,7 @@ class Emitter {
 
   /// `e` as an operand.
   std::string text(Expression e) const {
+    if (is_loaded(e)) return concat({"k[", std::to_string(coefficients_->place(e)), "]"});
     const Node& n = node_of(e);
     switch (n.operation) {
       case Operation::kConstant:
@@ -173,6 +180,7 @@ class Emitter {
   }
 
   const FunctionSpec& spec_;
+  CoefficientTable* coefficients_;
   std::map<int, int> uses_;
   std::set<int> done_;
   std::set<int> angles_;
@@ -183,7 +191,15 @@ class Emitter {
 
 }  // namespace
 
-EmittedFunction emit_function(const FunctionSpec& spec) { return Emitter(spec).run(); }
+int CoefficientTable::place(Expression coefficient) {
+  const auto [entry, inserted] = places_.try_emplace(coefficient.id(), static_cast<int>(entries_.size()));
+  if (inserted) entries_.push_back(coefficient);
+  return entry->second;
+}
+
+EmittedFunction emit_function(const FunctionSpec& spec, CoefficientTable* coefficients) {
+  return Emitter(spec, coefficients).run();
+}
 
 std::string number_text(double value) {
   char buffer[40];

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -40,7 +41,22 @@ struct EmittedFunction {
   OperationCount count;
 };
 
-[[nodiscard]] EmittedFunction emit_function(const FunctionSpec& spec);
+/// Coefficients that emitted functions read from an array instead of computing them, each once.
+class CoefficientTable {
+ public:
+  /// The place of a coefficient, the next free one when it has none yet.
+  int place(Expression coefficient);
+  [[nodiscard]] const std::vector<Expression>& entries() const { return entries_; }
+
+ private:
+  std::vector<Expression> entries_;
+  std::map<int, int> places_;
+};
+
+/// With a table, the largest coefficients that are no constants are elements of the parameter `k`, and are
+/// entered into the table; without one they are computed like everything else.
+[[nodiscard]] EmittedFunction emit_function(const FunctionSpec& spec,
+                                            CoefficientTable* coefficients = nullptr);
 
 /// The shortest decimal text that reads back as the same double, always with a point or exponent.
 [[nodiscard]] std::string number_text(double value);

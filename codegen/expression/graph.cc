@@ -2,14 +2,22 @@
 
 #include <cmath>
 #include <stdexcept>
+#include <tuple>
 #include <utility>
 
 namespace stilt::codegen {
 
 Expression Graph::intern(Operation operation, int left, int right) {
   const auto [entry, inserted] = index_.try_emplace({operation, left, right}, size());
-  if (inserted)
-    nodes_.push_back({.operation = operation, .left = left, .right = right, .value = 0.0, .name = {}});
+  if (inserted) {
+    const bool coefficient = node(left).coefficient && (right < 0 || node(right).coefficient);
+    nodes_.push_back({.operation = operation,
+                      .left = left,
+                      .right = right,
+                      .value = 0.0,
+                      .name = {},
+                      .coefficient = coefficient});
+  }
   return {this, entry->second};
 }
 
@@ -18,8 +26,12 @@ Expression Graph::constant(double value) {
   const double canonical = value == 0.0 ? 0.0 : value;  // one zero, without sign
   const auto [entry, inserted] = constants_.try_emplace(canonical, size());
   if (inserted) {
-    nodes_.push_back(
-        {.operation = Operation::kConstant, .left = -1, .right = -1, .value = canonical, .name = {}});
+    nodes_.push_back({.operation = Operation::kConstant,
+                      .left = -1,
+                      .right = -1,
+                      .value = canonical,
+                      .name = {},
+                      .coefficient = true});
   }
   return {this, entry->second};
 }
@@ -27,9 +39,20 @@ Expression Graph::constant(double value) {
 Expression Graph::symbol(const std::string& name) {
   const auto [entry, inserted] = symbols_.try_emplace(name, size());
   if (inserted) {
-    nodes_.push_back({.operation = Operation::kSymbol, .left = -1, .right = -1, .value = 0.0, .name = name});
+    nodes_.push_back({.operation = Operation::kSymbol,
+                      .left = -1,
+                      .right = -1,
+                      .value = 0.0,
+                      .name = name,
+                      .coefficient = false});
   }
   return {this, entry->second};
+}
+
+Expression Graph::parameter(const std::string& name) {
+  const Expression result = symbol(name);
+  nodes_[static_cast<std::size_t>(result.id())].coefficient = true;
+  return result;
 }
 
 bool Graph::is_constant(Expression a) const { return node(a.id()).operation == Operation::kConstant; }
@@ -38,16 +61,23 @@ bool Graph::is_constant(Expression a, double value) const {
   return is_constant(a) && node(a.id()).value == value;
 }
 
+bool Graph::is_coefficient(Expression a) const { return node(a.id()).coefficient; }
+
 bool Graph::is_negation(Expression a) const { return node(a.id()).operation == Operation::kNegate; }
 
 Expression Graph::operand(Expression a) const { return {const_cast<Graph*>(this), node(a.id()).left}; }
 
-Graph::Scaled Graph::split(Expression a) const {
-  const Node& n = node(a.id());
-  if (n.operation == Operation::kMultiply && node(n.left).operation == Operation::kConstant) {
-    return {node(n.left).value, n.right};
+bool Graph::precedes(Expression a, Expression b) const {
+  const auto rank = [this](Expression e) { return std::tuple(!is_constant(e), !is_coefficient(e), e.id()); };
+  return rank(a) < rank(b);
+}
+
+Graph::Scaled Graph::split(Expression a) {
+  const Node n = node(a.id());
+  if (n.operation == Operation::kMultiply && !n.coefficient && node(n.left).coefficient) {
+    return {{this, n.left}, {this, n.right}};
   }
-  return {1.0, a.id()};
+  return {constant(1.0), a};
 }
 
 Expression Graph::add(Expression a, Expression b) {
@@ -58,9 +88,9 @@ Expression Graph::add(Expression a, Expression b) {
   if (is_negation(b)) return subtract(a, operand(b));
   if (is_negation(a)) return subtract(b, operand(a));
   if (const Scaled l = split(a), r = split(b); l.rest == r.rest) {
-    return multiply(constant(l.factor + r.factor), {this, l.rest});
+    return multiply(add(l.factor, r.factor), l.rest);
   }
-  if (is_constant(b) || (!is_constant(a) && b.id() < a.id())) std::swap(a, b);
+  if (precedes(b, a)) std::swap(a, b);
   return intern(Operation::kAdd, a.id(), b.id());
 }
 
@@ -71,9 +101,10 @@ Expression Graph::subtract(Expression a, Expression b) {
   if (is_negation(b)) return add(a, operand(b));
   if (is_negation(a)) return negate(add(operand(a), b));
   if (const Scaled l = split(a), r = split(b); l.rest == r.rest) {
-    return multiply(constant(l.factor - r.factor), {this, l.rest});
+    return multiply(subtract(l.factor, r.factor), l.rest);
   }
-  if (b.id() < a.id()) return negate(intern(Operation::kSubtract, b.id(), a.id()));
+  const bool both_exist = is_coefficient(a) != is_coefficient(b);
+  if (!both_exist && b.id() < a.id()) return negate(intern(Operation::kSubtract, b.id(), a.id()));
   return intern(Operation::kSubtract, a.id(), b.id());
 }
 
@@ -87,13 +118,9 @@ Expression Graph::multiply(Expression a, Expression b) {
   }
   if (is_negation(a)) return negate(multiply(operand(a), b));
   if (is_negation(b)) return negate(multiply(a, operand(b)));
-  if (is_constant(a)) {
-    const Node right = node(b.id());  // a copy: making a constant may move the nodes
-    if (right.operation == Operation::kMultiply && node(right.left).operation == Operation::kConstant) {
-      return multiply(constant(node(a.id()).value * node(right.left).value), {this, right.right});
-    }
-  } else if (b.id() < a.id()) {
-    std::swap(a, b);
+  if (precedes(b, a)) std::swap(a, b);
+  if (const Scaled right = split(b); is_coefficient(a) && !(right.rest == b)) {
+    return multiply(multiply(a, right.factor), right.rest);
   }
   return intern(Operation::kMultiply, a.id(), b.id());
 }
@@ -104,6 +131,7 @@ Expression Graph::divide(Expression a, Expression b) {
     return multiply(constant(1.0 / node(b.id()).value), a);
   }
   if (is_constant(a, 0.0)) return a;
+  if (is_coefficient(b) && !is_coefficient(a)) return multiply(divide(constant(1.0), b), a);
   if (a == b) return constant(1.0);
   if (is_negation(a)) return negate(divide(operand(a), b));
   if (is_negation(b)) return negate(divide(a, operand(b)));

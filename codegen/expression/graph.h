@@ -40,25 +40,31 @@ struct Node {
   Operation operation;
   int left = -1;
   int right = -1;
-  double value = 0.0;  ///< of a constant
-  std::string name;    ///< of a symbol, as the emitted code spells it
+  double value = 0.0;        ///< of a constant
+  std::string name;          ///< of a symbol, as the emitted code spells it
+  bool coefficient = false;  ///< made of constants and parameters alone
 };
 
 /// Hash-consed expression graph: building an expression that exists already returns the existing node, so
 /// every equal subexpression is computed once.
 ///
 /// Canonical form, established while building:
-///  - constants are folded; x + 0, x * 1, x * 0, x / 1, x - x vanish; division by a constant multiplies;
-///  - operands of + and * stand in order of creation, a constant first;
-///  - constant factors are positive and joined: c1 (c2 x) = (c1 c2) x, (-c) x = -(c x), c1 x + c2 x = (c1 +
-///  c2) x;
+///  - constants are folded; x + 0, x * 1, x * 0, x / 1, x - x vanish; division by a coefficient multiplies;
+///  - operands of + and * stand in order of creation, a constant first, then a coefficient;
+///  - coefficients are joined: c1 (c2 x) = (c1 c2) x, c1 x + c2 x = (c1 + c2) x; constant factors are
+///  positive:
+///    (-c) x = -(c x);
 ///  - negations move outwards through * and /, and turn + into - and back; of a - b and b - a only the one
 ///    whose first operand is older exists, the other is its negation.
-/// Ids grow from operands to results: ascending order is an order of evaluation.
+/// A coefficient is a constant, a parameter, or an expression of these alone: a number that a caller can work
+/// out once for many evaluations. Ids grow from operands to results: ascending order is an order of
+/// evaluation.
 class Graph {
  public:
   [[nodiscard]] Expression constant(double value);
   [[nodiscard]] Expression symbol(const std::string& name);
+  /// A symbol whose value stays the same over many evaluations.
+  [[nodiscard]] Expression parameter(const std::string& name);
   [[nodiscard]] Expression add(Expression a, Expression b);
   [[nodiscard]] Expression subtract(Expression a, Expression b);
   [[nodiscard]] Expression multiply(Expression a, Expression b);
@@ -71,6 +77,7 @@ class Graph {
   [[nodiscard]] int size() const { return static_cast<int>(nodes_.size()); }
   [[nodiscard]] bool is_constant(Expression a) const;
   [[nodiscard]] bool is_constant(Expression a, double value) const;
+  [[nodiscard]] bool is_coefficient(Expression a) const;
 
   /// Value of an expression for given values of the symbols; for tests.
   [[nodiscard]] double evaluate(Expression a, const std::map<std::string, double>& symbols) const;
@@ -80,12 +87,15 @@ class Graph {
   [[nodiscard]] bool is_negation(Expression a) const;
   [[nodiscard]] Expression operand(Expression a) const;
 
-  /// factor * rest, the factor one unless the expression is a product with a constant.
+  /// Whether a stands before b in sums and products.
+  [[nodiscard]] bool precedes(Expression a, Expression b) const;
+
+  /// factor * rest, the factor one unless the expression is a product with a coefficient.
   struct Scaled {
-    double factor;
-    int rest;
+    Expression factor;
+    Expression rest;
   };
-  [[nodiscard]] Scaled split(Expression a) const;
+  [[nodiscard]] Scaled split(Expression a);
 
   std::vector<Node> nodes_;
   std::map<std::tuple<Operation, int, int>, int> index_;

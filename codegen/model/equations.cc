@@ -1,6 +1,7 @@
 #include "codegen/model/equations.h"
 
 #include <cstddef>
+#include <utility>
 
 namespace stilt::codegen {
 namespace {
@@ -22,38 +23,61 @@ PlanarExpression operator*(const Expression& a, const PlanarExpression& b) { ret
 
 }  // namespace
 
-Equations::Equations(Graph& graph, const PlanarTree& tree) : graph_(graph), tree_(tree) {
+TreeNumbers constant_numbers(Graph& graph, const PlanarTree& tree) {
+  const auto vector = [&](PlanarVector v) {
+    return PlanarExpression{graph.constant(v.x), graph.constant(v.z)};
+  };
+  TreeNumbers numbers;
+  for (const PlanarLink& link : tree.links) {
+    numbers.links.push_back({.mass_kg = graph.constant(link.mass_kg),
+                             .com_m = vector(link.com_m),
+                             .inertia_kg_m2 = graph.constant(link.inertia_kg_m2),
+                             .origin_m = vector(link.joint.origin_m),
+                             .angle_offset_rad = graph.constant(link.joint.angle_offset_rad)});
+  }
+  for (const PlanarFoot& foot : tree.feet) numbers.feet_m.push_back(vector(foot.position_m));
+  return numbers;
+}
+
+Equations::Equations(Graph& graph, const PlanarTree& tree)
+    : Equations(graph, tree, constant_numbers(graph, tree)) {}
+
+Equations::Equations(Graph& graph, const PlanarTree& shape, TreeNumbers numbers)
+    : graph_(graph), tree_(shape), numbers_(std::move(numbers)) {
   Row joints;
   Row joint_rates;
-  for (int j = 0; j < tree.joint_count(); ++j) {
+  for (int j = 0; j < tree_.joint_count(); ++j) {
     joints.push_back(position(3 + j));
     joint_rates.push_back(velocity(3 + j));
   }
   angle_ = chain_sums(position(2), joints);
   rate_ = chain_sums(velocity(2), joint_rates);
-  augmented_moment_.resize(tree.links.size());
-  augmented_inertia_.resize(tree.links.size());
-  std::vector<double> subtree_mass(tree.links.size(), 0.0);
-  for (int k = tree.link_count() - 1; k >= 0; --k) {
-    const PlanarLink& link = tree.links[at(k)];
-    PlanarVector& moment = augmented_moment_[at(k)];
-    const auto attach = [&](double mass, PlanarVector r) {
-      moment.x += mass * r.x;
-      moment.z += mass * r.z;
+  const Expression zero = graph.constant(0.0);
+  augmented_moment_.assign(tree_.links.size(), {zero, zero});
+  augmented_inertia_.assign(tree_.links.size(), zero);
+  Row subtree_mass(tree_.links.size(), zero);
+  mass_ = zero;
+  for (const TreeNumbers::Link& link : numbers_.links) mass_ += link.mass_kg;
+  for (int k = tree_.link_count() - 1; k >= 0; --k) {
+    const TreeNumbers::Link& link = numbers_.links[at(k)];
+    PlanarExpression& moment = augmented_moment_[at(k)];
+    const auto attach = [&](const Expression& mass, const PlanarExpression& r) {
+      moment = moment + mass * r;
       augmented_inertia_[at(k)] += mass * (r.x * r.x + r.z * r.z);
     };
     attach(link.mass_kg, link.com_m);
     augmented_inertia_[at(k)] += link.inertia_kg_m2;
     subtree_mass[at(k)] += link.mass_kg;
-    for (int c = k + 1; c < tree.link_count(); ++c) {
-      if (tree.links[at(c)].parent == k) attach(subtree_mass[at(c)], tree.links[at(c)].joint.origin_m);
+    for (int c = k + 1; c < tree_.link_count(); ++c) {
+      if (tree_.links[at(c)].parent == k) attach(subtree_mass[at(c)], numbers_.links[at(c)].origin_m);
     }
-    if (link.parent >= 0) subtree_mass[at(link.parent)] += subtree_mass[at(k)];
+    const int parent = tree_.links[at(k)].parent;
+    if (parent >= 0) subtree_mass[at(parent)] += subtree_mass[at(k)];
   }
-  for (int k = 0; k < tree.link_count(); ++k) {
-    double offset = 0.0;
-    for (const int i : tree.path_to(k)) offset += tree.links[at(i)].joint.angle_offset_rad;
-    angle_[at(k)] += graph.constant(offset);
+  for (int k = 0; k < tree_.link_count(); ++k) {
+    Expression offset = zero;
+    for (const int i : tree_.path_to(k)) offset += numbers_.links[at(i)].angle_offset_rad;
+    angle_[at(k)] += offset;
     sine_.push_back(graph.sine(angle_[at(k)]));
     cosine_.push_back(graph.cosine(angle_[at(k)]));
   }
@@ -97,14 +121,14 @@ Matrix Equations::jacobian(const Row& rows, const Row& variables, Differentiator
   return result;
 }
 
-PlanarExpression Equations::rotate(int link, PlanarVector v) const {
+PlanarExpression Equations::rotate(int link, const PlanarExpression& v) const {
   const Expression s = sine_[at(link)];
   const Expression c = cosine_[at(link)];
   return {v.x * c + v.z * s, v.z * c - v.x * s};
 }
 
 /// alpha T(r) - omega^2 r: acceleration of the tip of body-fixed r against its foot.
-PlanarExpression Equations::turn(int link, PlanarVector v, const AbsoluteMotion& motion) const {
+PlanarExpression Equations::turn(int link, const PlanarExpression& v, const AbsoluteMotion& motion) const {
   const PlanarExpression r = rotate(link, v);
   const Expression rate = motion.rate[at(link)];
   return motion.acceleration[at(link)] * tangent(r) - (rate * rate) * r;
@@ -113,8 +137,8 @@ PlanarExpression Equations::turn(int link, PlanarVector v, const AbsoluteMotion&
 std::vector<PlanarExpression> Equations::origin_accelerations(const AbsoluteMotion& motion) const {
   std::vector<PlanarExpression> result{motion.base_acceleration};
   for (int k = 1; k < tree_.link_count(); ++k) {
-    const PlanarLink& link = tree_.links[at(k)];
-    result.push_back(result[at(link.parent)] + turn(link.parent, link.joint.origin_m, motion));
+    const int parent = tree_.links[at(k)].parent;
+    result.push_back(result[at(parent)] + turn(parent, numbers_.links[at(k)].origin_m, motion));
   }
   return result;
 }
@@ -127,23 +151,24 @@ EquationRows Equations::equations(const AbsoluteMotion& motion) const {
   Row moment(links, zero);
   for (int k = tree_.link_count() - 1; k >= 0; --k) {
     const PlanarLink& link = tree_.links[at(k)];
-    const PlanarVector d = augmented_moment_[at(k)];
+    const PlanarExpression& d = augmented_moment_[at(k)];
     moment[at(k)] +=
         augmented_inertia_[at(k)] * motion.acceleration[at(k)] + dot(tangent(rotate(k, d)), origin[at(k)]);
     net_force[at(k)] = turn(k, d, motion) + net_force[at(k)];
     for (int f = 0; f < tree_.foot_count(); ++f) {
       if (tree_.feet[at(f)].link != k) continue;
-      const PlanarExpression arm = tangent(rotate(k, tree_.feet[at(f)].position_m));
+      const PlanarExpression arm = tangent(rotate(k, numbers_.feet_m[at(f)]));
       moment[at(k)] -= dot(arm, motion.force[at(f)]);
       net_force[at(k)] = net_force[at(k)] - motion.force[at(f)];
     }
     if (link.parent < 0) continue;
-    moment[at(link.parent)] += dot(tangent(rotate(link.parent, link.joint.origin_m)), net_force[at(k)]);
+    moment[at(link.parent)] +=
+        dot(tangent(rotate(link.parent, numbers_.links[at(k)].origin_m)), net_force[at(k)]);
     net_force[at(link.parent)] = net_force[at(link.parent)] + net_force[at(k)];
   }
   EquationRows result;
-  result.row.push_back(tree_.mass_kg() * motion.base_acceleration.x + net_force[0].x);
-  result.row.push_back(tree_.mass_kg() * motion.base_acceleration.z + net_force[0].z);
+  result.row.push_back(mass_ * motion.base_acceleration.x + net_force[0].x);
+  result.row.push_back(mass_ * motion.base_acceleration.z + net_force[0].z);
   for (const Expression& row : subtree_sums(moment)) result.row.push_back(row);
   return result;
 }
@@ -175,9 +200,9 @@ Matrix Equations::mass_matrix() const {
 
 PlanarExpression Equations::foot_position(int foot) const {
   const PlanarFoot& f = tree_.feet[at(foot)];
-  PlanarExpression relative = rotate(f.link, f.position_m);
+  PlanarExpression relative = rotate(f.link, numbers_.feet_m[at(foot)]);
   for (int k = f.link; k > 0; k = tree_.links[at(k)].parent) {
-    relative = rotate(tree_.links[at(k)].parent, tree_.links[at(k)].joint.origin_m) + relative;
+    relative = rotate(tree_.links[at(k)].parent, numbers_.links[at(k)].origin_m) + relative;
   }
   return PlanarExpression{position(0), position(1)} + relative;
 }
@@ -188,7 +213,7 @@ PlanarExpression Equations::foot_velocity(int foot) const {
   const std::vector<int> path = tree_.path_to(f.link);
   for (std::size_t i = 0; i < path.size(); ++i) {
     const bool last = i + 1 == path.size();
-    const PlanarVector arm = last ? f.position_m : tree_.links[at(path[i + 1])].joint.origin_m;
+    const PlanarExpression& arm = last ? numbers_.feet_m[at(foot)] : numbers_.links[at(path[i + 1])].origin_m;
     v = v + rate_[at(path[i])] * tangent(rotate(path[i], arm));
   }
   return v;
@@ -196,7 +221,8 @@ PlanarExpression Equations::foot_velocity(int foot) const {
 
 PlanarExpression Equations::foot_acceleration(int foot, const AbsoluteMotion& motion) const {
   const PlanarFoot& f = tree_.feet[at(foot)];
-  PlanarExpression a = origin_accelerations(motion)[at(f.link)] + turn(f.link, f.position_m, motion);
+  PlanarExpression a =
+      origin_accelerations(motion)[at(f.link)] + turn(f.link, numbers_.feet_m[at(foot)], motion);
   a.z -= graph_.constant(kGravity_m_s2);
   return a;
 }

@@ -25,6 +25,23 @@ struct AbsoluteMotion {
   std::vector<PlanarExpression> force;  ///< on each foot, world frame
 };
 
+/// The numbers of a planar tree as expressions: constants of one robot, or parameters for every robot of a
+/// shape.
+struct TreeNumbers {
+  struct Link {
+    Expression mass_kg;
+    PlanarExpression com_m;       ///< in the link's frame
+    Expression inertia_kg_m2;     ///< about the centre of mass
+    PlanarExpression origin_m;    ///< of its joint, in the parent's frame
+    Expression angle_offset_rad;  ///< against the parent's frame at joint angle zero
+  };
+  std::vector<Link> links;
+  std::vector<PlanarExpression> feet_m;  ///< in the frames of their links
+};
+
+/// The numbers of one robot as constants.
+[[nodiscard]] TreeNumbers constant_numbers(Graph& graph, const PlanarTree& tree);
+
 /// Left-hand sides of the equations of motion, M a + bias - J' f, by the robot's coordinates.
 struct EquationRows {
   Row row;  ///< x, z, pitch of the base, then the joints; armature and damping not included
@@ -45,7 +62,10 @@ struct EquationRows {
 ///   N_k over the links beyond the joint = motor torque
 class Equations {
  public:
+  /// Of one robot.
   Equations(Graph& graph, const PlanarTree& tree);
+  /// Of every robot with the links, joints and feet of `shape`, whose numbers `numbers` takes the place of.
+  Equations(Graph& graph, const PlanarTree& shape, TreeNumbers numbers);
 
   [[nodiscard]] Graph& graph() const { return graph_; }
   [[nodiscard]] const PlanarTree& tree() const { return tree_; }
@@ -78,18 +98,21 @@ class Equations {
   [[nodiscard]] Matrix foot_jacobian(int foot) const;
 
  private:
-  [[nodiscard]] PlanarExpression rotate(int link, PlanarVector v) const;
-  [[nodiscard]] PlanarExpression turn(int link, PlanarVector v, const AbsoluteMotion& motion) const;
+  [[nodiscard]] PlanarExpression rotate(int link, const PlanarExpression& v) const;
+  [[nodiscard]] PlanarExpression turn(int link, const PlanarExpression& v,
+                                      const AbsoluteMotion& motion) const;
   [[nodiscard]] std::vector<PlanarExpression> origin_accelerations(const AbsoluteMotion& motion) const;
 
   Graph& graph_;
   const PlanarTree& tree_;
+  TreeNumbers numbers_;
+  Expression mass_;
   Row angle_;
   Row sine_;
   Row cosine_;
   Row rate_;
-  std::vector<PlanarVector> augmented_moment_;  ///< D_k in the link's frame
-  std::vector<double> augmented_inertia_;       ///< H_k
+  std::vector<PlanarExpression> augmented_moment_;  ///< D_k in the link's frame
+  Row augmented_inertia_;                           ///< H_k
 };
 
 inline constexpr double kGravity_m_s2 = 9.81;

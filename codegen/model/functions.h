@@ -13,8 +13,8 @@ namespace stilt::codegen {
     const Equations& equations);  ///< kinematics, mass matrix, bias
 [[nodiscard]] std::vector<FunctionSpec> node_functions(
     const Equations& equations);  ///< flow, node, derivatives
-[[nodiscard]] std::vector<FunctionSpec> impact_functions(
-    const Equations& equations);  ///< both maps of each foot
+[[nodiscard]] std::vector<FunctionSpec> impact_functions(const Equations& equations,
+                                                         int foot);  ///< map and derivatives
 
 /// "[1]", "[1][2]".
 [[nodiscard]] std::string element(const std::string& name, int row);

@@ -7,10 +7,12 @@
 
 namespace stilt::codegen {
 
-/// The generated headers of a robot: file name -> text. `source` is the URDF's path as the first lines quote
-/// it, `robot` the namespace inside stilt::generated.
+/// The generated headers of a shape: file name -> text. `tree` is any robot of the shape, `source` begins the
+/// errors of shape_numbers(), `shape` is the namespace inside stilt::generated. The functions take the
+/// coefficients of a robot, which prepare() works out from its numbers. Of two equal legs only the left one's
+/// impact is written.
 [[nodiscard]] std::map<std::string, std::string> write_headers(const PlanarTree& tree,
-                                                               const std::string& robot,
-                                                               const std::string& source);
+                                                               const std::string& source,
+                                                               const std::string& shape);
 
 }  // namespace stilt::codegen

@@ -194,28 +194,25 @@ std::string side_name(const std::string& foot) {
 
 }  // namespace
 
-std::vector<FunctionSpec> impact_functions(const Equations& equations) {
-  std::vector<FunctionSpec> specs;
-  for (int f = 0; f < equations.tree().foot_count(); ++f) {
-    const std::string name = "impact_" + side_name(equations.tree().feet[at(f)].name);
-    const std::string text =
-        "Rigid impact without slip or rebound of " + equations.tree().feet[at(f)].name +
-        ": x holds q and the velocities before,\nvelocity_after those after (SI), impulse "
-        "[x, z] in Ns acts on the robot; M velocity_after - J' impulse = M v,\n"
-        "J velocity_after = 0. joint_parameters: armature of each joint (kg m^2) enters M.";
-    const ImpactModel model(equations, f);
-    FunctionSpec values{
-        .name = name, .documentation = text, .parameters = {"x", "joint_parameters"}, .outputs = {}};
-    model.append_values(values.outputs);
-    FunctionSpec derivatives = values;
-    derivatives.name += "_derivatives";
-    derivatives.documentation += "\nDerivatives: _dtheta by [pitch, joints], _dv by the velocities before.";
-    model.append_velocity_columns(derivatives.outputs);
-    model.append_angle_columns(derivatives.outputs);
-    specs.push_back(values);
-    specs.push_back(derivatives);
-  }
-  return specs;
+std::vector<FunctionSpec> impact_functions(const Equations& equations, int foot) {
+  const std::string& foot_name = equations.tree().feet[at(foot)].name;
+  const std::string text =
+      "Rigid impact without slip or rebound of " + foot_name +
+      ": x holds q and the velocities before,\nvelocity_after those after (SI), impulse "
+      "[x, z] in Ns acts on the robot; M velocity_after - J' impulse = M v,\n"
+      "J velocity_after = 0. joint_parameters: armature of each joint (kg m^2) enters M.";
+  const ImpactModel model(equations, foot);
+  FunctionSpec values{.name = "impact_" + side_name(foot_name),
+                      .documentation = text,
+                      .parameters = {"x", "joint_parameters"},
+                      .outputs = {}};
+  model.append_values(values.outputs);
+  FunctionSpec derivatives = values;
+  derivatives.name += "_derivatives";
+  derivatives.documentation += "\nDerivatives: _dtheta by [pitch, joints], _dv by the velocities before.";
+  model.append_velocity_columns(derivatives.outputs);
+  model.append_angle_columns(derivatives.outputs);
+  return {values, derivatives};
 }
 
 }  // namespace stilt::codegen

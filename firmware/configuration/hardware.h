@@ -69,7 +69,7 @@ struct BaseSensorParameters {
 
 /// Everything on the far side of the buses.
 struct HardwareParameters {
-  std::string robot = "amber3m";    ///< the robot this configuration is for
+  std::string robot = "amber3m";    ///< name of a shipped robot, or a URDF file
   std::string buses = "can0,can1";  ///< names, in the order of their numbers
   double bit_rate_bit_s = 1e6;
   double data_bit_rate_bit_s = 5e6;

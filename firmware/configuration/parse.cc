@@ -14,6 +14,7 @@
 #include "firmware/configuration/configuration.h"
 #include "firmware/configuration/consistency.h"
 #include "firmware/configuration/schema.h"
+#include "firmware/robots/robots.h"
 
 namespace stilt::configuration {
 namespace {
@@ -230,6 +231,22 @@ std::unexpected<std::vector<Diagnostic>> failure(std::string file, std::string m
   return std::unexpected(std::vector{Diagnostic{std::move(file), 0, 0, std::move(message)}});
 }
 
+/// Stance of a robot without a configuration, as shares of the length of its legs: those of the shipped
+/// robots.
+constexpr double kHeightShare = 0.916;
+constexpr double kHalfWidthShare = 0.172;
+
+/// What a robot's configuration says before anything else: its name, and for one without a file its stance.
+std::vector<Override> robot_overrides(const robots::Robot& robot, bool derived) {
+  std::vector<Override> overrides = {{"hardware.robot=" + robot.name, "--robot"}};
+  if (!derived) return overrides;
+  const model::RobotConstants& constants = robot.model.constants;
+  const double leg_m = constants.thigh_length_m + constants.shin_length_m;
+  overrides.push_back({"reference.base_height_m=" + number_text(kHeightShare * leg_m), "--robot"});
+  overrides.push_back({"gait.stand_half_width_m=" + number_text(kHalfWidthShare * leg_m), "--robot"});
+  return overrides;
+}
+
 }  // namespace
 
 std::string preset_names() {
@@ -262,18 +279,22 @@ Result load_file(const std::string& path, std::span<const Override> overrides, s
   return parse(text, path, overrides, preset);
 }
 
+std::string file_beside(std::string_view urdf) {
+  return std::filesystem::path(urdf).replace_extension(".toml").string();
+}
+
 Result load_robot(std::string_view robot, std::span<const Override> overrides, std::string_view preset) {
-  std::string known;
+  const auto found = robots::find(robot);
+  if (!found) return failure("--robot", found.error());
+  const std::string beside = file_beside(robot);
+  const bool has_file = robots::is_file(robot) && std::filesystem::exists(beside);
+  std::vector<Override> all = robot_overrides(**found, robots::is_file(robot) && !has_file);
+  all.insert(all.end(), overrides.begin(), overrides.end());
+  if (has_file) return load_file(beside, all, preset);
   for (const ShippedConfiguration& shipped : shipped_configurations()) {
-    if (shipped.robot == robot) {
-      std::vector<Override> all = {{"hardware.robot=" + std::string(robot), "--robot"}};  // a variant's file
-      all.insert(all.end(), overrides.begin(), overrides.end());
-      return parse(shipped.text, shipped.path, all, preset);
-    }
-    known += (known.empty() ? "" : ", ") + std::string(shipped.robot);
+    if (shipped.robot == robot) return parse(shipped.text, shipped.path, all, preset);
   }
-  return failure("--robot",
-                 "there is no configuration for \"" + std::string(robot) + "\"; known robots are " + known);
+  return parse("", "the defaults", all, preset);
 }
 
 }  // namespace stilt::configuration

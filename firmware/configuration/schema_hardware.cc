@@ -4,6 +4,7 @@
 #include "firmware/configuration/configuration.h"
 #include "firmware/configuration/schema_fields.h"
 #include "firmware/configuration/schema_tables.h"
+#include "firmware/robots/robots.h"
 
 namespace stilt::configuration {
 namespace {
@@ -34,12 +35,8 @@ constexpr Section kSections[] = {
 };
 
 std::optional<std::string> robot_mistake(const std::string& name) {
-  std::string known;
-  for (const ShippedConfiguration& shipped : shipped_configurations()) {
-    if (shipped.robot == name) return std::nullopt;
-    known += (known.empty() ? "" : ", ") + std::string(shipped.robot);
-  }
-  return "there is no robot \"" + name + "\"; known robots are " + known;
+  const auto robot = robots::find(name);
+  return robot ? std::nullopt : std::optional(robot.error());
 }
 
 std::optional<std::string> buses_mistake(const std::string& line) {
@@ -138,8 +135,8 @@ void add_joint(std::string_view section, std::vector<Entry>& rows) {
 }
 
 const Entry kHardware[] = {
-    {"hardware", "robot", "", "The robot that this configuration is for",
-     text<&P::hardware, &H::robot>("the name of a robot", robot_mistake)},
+    {"hardware", "robot", "", "The robot: the name of a shipped one, or a URDF file",
+     text<&P::hardware, &H::robot>("the name of a robot or a file that ends in .urdf", robot_mistake)},
     {"hardware", "buses", "",
      "Names of the buses, separated by commas: interfaces such as can0, or loopback:NAME",
      text<&P::hardware, &H::buses>("1 to 4 names", buses_mistake)},

@@ -36,7 +36,7 @@ void GaitFallback::look_for_touch_down(const control::SensorReading& reading, mo
   if (!landed_) return;
   const int stance = planned.left ? model::kLeft : model::kRight;
   model::KinematicsTerms<double> feet;
-  robot_->scalar.kinematics(estimate.data(), feet);
+  robot_->kinematics(estimate.data(), feet);
   tracker_.start(reading.time_s, stance, feet.foot_position[2 * stance], speed_m_s);
   in_step_ = true;
 }

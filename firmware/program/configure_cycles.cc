@@ -1,6 +1,7 @@
 #include "firmware/program/configure_cycles.h"
 
 #include "firmware/configuration/gaits/shipped_gaits.h"
+#include "firmware/robots/robots.h"
 
 namespace stilt::program {
 namespace {
@@ -47,15 +48,13 @@ std::expected<void, std::string> configure_cycles(const configuration::Configura
                                                   const std::string& source,
                                                   control_loop::PlannerTask& planner,
                                                   control_loop::ControlLoop& loop, gait::GaitLibrary* gaits) {
-  const model::RobotModel* robot = model::find_robot(configuration.hardware.robot.c_str());
-  if (robot == nullptr) {
-    return std::unexpected(source + ": hardware.robot \"" + configuration.hardware.robot +
-                           "\" has no model in this program");
-  }
-  if (const auto ready = configure_planner(*robot, configuration, source, planner); !ready) return ready;
-  loop.configure(*robot, configuration, configuration.supervisor);
+  const auto found = robots::find(configuration.hardware.robot);
+  if (!found) return std::unexpected(source + ": hardware.robot: " + found.error());
+  const model::RobotModel& robot = (*found)->model;
+  if (const auto ready = configure_planner(robot, configuration, source, planner); !ready) return ready;
+  loop.configure(robot, configuration, configuration.supervisor);
   if (gaits == nullptr) return {};
-  return follow_gaits(*robot, configuration, source, planner, loop, *gaits);
+  return follow_gaits(robot, configuration, source, planner, loop, *gaits);
 }
 
 }  // namespace stilt::program

@@ -2,6 +2,7 @@
 
 #include "firmware/configuration/hardware.h"
 #include "firmware/program/configure_cycles.h"
+#include "firmware/robots/robots.h"
 #include "firmware/telemetry/station.h"
 
 namespace stilt::program {
@@ -31,7 +32,8 @@ std::expected<void, std::string> set_up(const Options& options, std::span<hal::F
       !ready) {
     return ready;
   }
-  const model::RobotModel* robot = model::find_robot(configuration.hardware.robot.c_str());
+  const auto robot = robots::find(configuration.hardware.robot);
+  if (!robot) return std::unexpected(options.source + ": hardware.robot: " + robot.error());
   std::array<hal::FrameBus*, hal::kMaximumBuses> carried{};
   for (std::size_t bus = 0; bus < buses.size(); ++bus) {
     state.lockstep_buses[bus].attach(*buses[bus]);
@@ -40,7 +42,7 @@ std::expected<void, std::string> set_up(const Options& options, std::span<hal::F
   hal::RobotWiring wiring = configuration::robot_wiring(configuration.hardware);
   wiring.channel_period_ticks =
       configuration::base_period_ticks(configuration.hardware, configuration.timing.torque_rate_hz);
-  state.hardware.emplace(wiring, bring_up_options(configuration.hardware, robot->constants),
+  state.hardware.emplace(wiring, bring_up_options(configuration.hardware, (*robot)->model.constants),
                          std::span(carried).first(buses.size()));
   state.control.attach(*state.hardware, state.mail);
   state.script.emplace(options.start, configuration.runtime.start_settle_s, options.duration_s);

@@ -5,12 +5,14 @@
 #include <CLI/Formatter.hpp>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <string_view>
 
 #include "firmware/configuration/gaits/gait_overrides.h"
 #include "firmware/configuration/gaits/shipped_gaits.h"
+#include "firmware/robots/robots.h"
 
 namespace stilt::program {
 namespace {
@@ -32,7 +34,10 @@ struct Words {
 
 void add_configuration_options(CLI::App& app, Words& words) {
   app.add_option("--config", words.config_file, "configuration (TOML)");
-  app.add_option("--robot", words.robot, "robot whose shipped configuration is taken without --config")
+  app.add_option("--robot", words.robot,
+                 "robot: " + robots::shipped_names() +
+                     ", or a URDF file; its configuration is taken without --config: the shipped one, or the "
+                     "TOML of the same stem beside the URDF")
       ->capture_default_str();
   app.add_option("--preset", words.preset,
                  "shipped changes to the configuration, before --set: " + configuration::preset_names());
@@ -47,6 +52,9 @@ void add_configuration_options(CLI::App& app, Words& words) {
 
 std::vector<configuration::Override> overrides_of(const Words& words) {
   std::vector<configuration::Override> overrides;
+  if (!words.config_file.empty() && robots::is_file(words.robot)) {
+    overrides.push_back({"hardware.robot=" + words.robot, "--robot"});
+  }
   for (const std::string& setting : words.settings) overrides.push_back({setting});
   std::string buses;
   for (const std::string& bus : words.buses) buses += (buses.empty() ? "" : ",") + bus;
@@ -71,6 +79,14 @@ std::expected<std::vector<configuration::Override>, std::string> with_gaits(
   return all;
 }
 
+/// What the configuration is read from.
+std::string source_of(const Words& words) {
+  if (!words.config_file.empty()) return words.config_file;
+  if (!robots::is_file(words.robot)) return "the shipped configuration of " + words.robot;
+  const std::string beside = configuration::file_beside(words.robot);
+  return std::filesystem::exists(beside) ? beside : "the default configuration of " + words.robot;
+}
+
 std::expected<void, std::string> read_configuration(const Words& words, Options& options) {
   const auto overrides = overrides_of(words);
   configuration::Result result = load(words, overrides);
@@ -81,8 +97,7 @@ std::expected<void, std::string> read_configuration(const Words& words, Options&
   }
   if (!result) return std::unexpected(configuration::to_string(result.error()));
   options.configuration = *result;
-  const bool shipped = words.config_file.empty();
-  options.source = shipped ? "the shipped configuration of " + words.robot : words.config_file;
+  options.source = source_of(words);
   if (!words.preset.empty()) options.source += ", preset " + words.preset;
   return {};
 }

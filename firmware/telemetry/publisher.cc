@@ -72,9 +72,9 @@ struct SketchNumbers {
 
   void add(const control_loop::PlanSketch::Node& node, double start_time_s, const ocp::ProblemData& data) {
     model::KinematicsTerms<double> feet_terms;
-    data.robot->scalar.kinematics(node.state.data(), feet_terms);
+    data.robot->kinematics(node.state.data(), feet_terms);
     model::NodeTerms<double> terms;
-    data.robot->scalar.node(node.state.data(), node.input.data(), data.joint_parameters, terms);
+    data.robot->node(node.state.data(), node.input.data(), data.joint_parameters, terms);
     time_s.push_back(static_cast<float>(node.time_s - start_time_s));
     contact.push_back(static_cast<std::uint8_t>((node.mode[0] ? 1 : 0) + (node.mode[1] ? 2 : 0)));
     for (int i = 0; i < model::kFirstJoint; ++i) base.push_back(static_cast<float>(node.state[i]));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "firmware/robots/robots.h"
 #include "firmware/telemetry/token.h"
 
 namespace stilt::telemetry {
@@ -56,10 +57,9 @@ Station::Station(const configuration::Configuration& configuration, RunDescripti
 std::expected<std::unique_ptr<Station>, std::string> Station::open(
     const configuration::Configuration& configuration, const RunDescription& run,
     control_loop::Mailboxes& mail) {
-  const model::RobotModel* robot = model::find_robot(configuration.hardware.robot.c_str());
-  if (robot == nullptr)
-    return std::unexpected("telemetry: no model of robot " + configuration.hardware.robot);
-  std::unique_ptr<Station> station(new Station(configuration, run, mail, *robot));
+  const auto robot = robots::find(configuration.hardware.robot);
+  if (!robot) return std::unexpected("telemetry: " + robot.error());
+  std::unique_ptr<Station> station(new Station(configuration, run, mail, (*robot)->model));
   if (const auto joined = station->join(); !joined) return std::unexpected(joined.error());
   return station;
 }

@@ -82,7 +82,7 @@ Slope limits(const ocp::BarrierParameters& p, double value, double lower, double
 void flow_of(const model::RobotModel& robot, const double* x, const double* u, model::StateVector& rate,
              Dynamics& by) {
   model::FlowDerivatives<double> flow;
-  robot.scalar.flow_derivatives(x, u, flow);
+  robot.flow_derivatives(x, u, flow);
   by.setZero();
   for (int i = 0; i < kPositions; ++i) {
     rate[i] = x[kPositions + i];
@@ -269,7 +269,7 @@ void plain_linearise(const ocp::ProblemData& data, const ocp::StageBatch& batch,
                      const ocp::Trajectory& iterate, PlainModel& out) {
   const int k = batch.stage[lane];
   PlainStageData s{data, batch, lane, iterate.x[k], iterate.u[k], {}};
-  data.robot->scalar.node_derivatives(s.x, s.u, data.joint_parameters, s.node);
+  data.robot->node_derivatives(s.x, s.u, data.joint_parameters, s.node);
   const double h = s.value(batch.duration);
   Dynamics step;
   model::StateVector reached;

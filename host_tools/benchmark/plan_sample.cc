@@ -5,7 +5,7 @@
 
 namespace stilt::benchmark {
 
-void describe_work(const control::Planner& planner, const ModelCalls& calls, WorkTable& table,
+void describe_work(const control::Planner& planner, const sqp::SolveReport& report, WorkTable& table,
                    PlanSample& sample) {
   const ocp::Problem& problem = planner.problem();
   sample.stages = problem.horizon.stages;
@@ -17,12 +17,11 @@ void describe_work(const control::Planner& planner, const ModelCalls& calls, Wor
       ++sample.double_support_stages;
     }
   }
-  const long long iterations = calls.linearised_batches / (problem.batches + problem.transition_batches);
-  const long long evaluations = calls.evaluated_batches / problem.batches;
-  sample.iterations = static_cast<int>(iterations);
-  sample.trial_steps = static_cast<int>(evaluations - 1);  // one of the guess
+  sample.iterations = report.iterations;
+  sample.trial_steps = report.trial_steps;
+  const long long evaluations = report.trial_steps + 1;  // one of the guess
   const IterationWork work = table.work_of(planner);
-  sample.instructions = iterations * (work.linearise.instructions + work.sweep.instructions) +
+  sample.instructions = report.iterations * (work.linearise.instructions + work.sweep.instructions) +
                         evaluations * work.evaluate.instructions;
 }
 

@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <vector>
 
-#include "host_tools/benchmark/call_counter.h"
 #include "host_tools/benchmark/work_table.h"
 
 namespace stilt::benchmark {
@@ -21,9 +20,9 @@ struct PlanSample {
   long long instructions = 0;  ///< in linearisations, sweeps and evaluations
 };
 
-/// Fills in all but times and preemption, from the problem that the planner solved last and the calls that
-/// this solve made of a counting_model().
-void describe_work(const control::Planner& planner, const ModelCalls& calls, WorkTable& table,
+/// Fills in all but times and preemption, from the problem that the planner solved last and the report of
+/// this solve.
+void describe_work(const control::Planner& planner, const sqp::SolveReport& report, WorkTable& table,
                    PlanSample& sample);
 
 struct Tail {

@@ -115,7 +115,7 @@ void PlannerKernels::scalar_nodes() {
   model::NodeDerivatives<double> node;
   for (int k = 0; k < stages(); ++k) {
     if (problem_.horizon.stage[static_cast<std::size_t>(k)].kind != ocp::StageKind::flow) continue;
-    data_.robot->scalar.node_derivatives(iterate_.x[k], iterate_.u[k], data_.joint_parameters, node);
+    data_.robot->node_derivatives(iterate_.x[k], iterate_.u[k], data_.joint_parameters, node);
     keep(node);
   }
 }
@@ -134,7 +134,7 @@ void PlannerKernels::batched_nodes() {
     for (int i = 0; i < kInputs; ++i) {
       u[i] = Batch([&](auto lane) { return iterate_.u[batch.stage[lane]][i]; });
     }
-    data_.robot->batch.node_derivatives(x, u, parameters, node);
+    data_.robot->node_derivatives(x, u, parameters, node);
     keep(node);
   }
 }

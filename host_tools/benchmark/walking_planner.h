@@ -9,7 +9,7 @@ namespace stilt::benchmark {
 /// A planner in the middle of a walk at 0.5 m/s along its own plans: a typical problem, without a simulator.
 struct WalkingPlanner {
   /// Ten iterations a plan, no early stop. Throws std::runtime_error when a plan fails.
-  explicit WalkingPlanner(double horizon_s, const model::RobotModel& robot = model::amber3m());
+  explicit WalkingPlanner(double horizon_s, const model::RobotModel& robot);
 
   /// Moves 10 ms on along the plan and plans from there.
   sqp::SolveReport plan_next() noexcept;

@@ -33,17 +33,16 @@ class Measurement {
   explicit Measurement(const control::Planner& planner) : planner_(planner) {}
 
   void before() {
-    (void)benchmark::take_model_calls();
     preemptions_ = preemptions();
     start_ = Clock::now();
   }
 
-  void after(const control::PlannerInput& input) {
+  void after(const control::PlannerInput& input, const sqp::SolveReport& report) {
     PlanSample sample;
     sample.solve_us = 1e6 * std::chrono::duration<double>(Clock::now() - start_).count();
     sample.preempted = preemptions() != preemptions_;
     sample.time_s = input.time_s;
-    benchmark::describe_work(planner_, benchmark::take_model_calls(), *table_, sample);
+    benchmark::describe_work(planner_, report, *table_, sample);
     samples.push_back(sample);
   }
 
@@ -138,11 +137,12 @@ void print(const Summary& summary, const std::vector<PlanSample>& samples) {
 int run_closed_loop_bench(const BenchOptions& options) {
   ControllerChoice choice = options.choice;
   choice.no_early_stop = true;
-  const auto controller = make_controller(controller_setup(
-      choice, benchmark::counting_model(robot_model(choice.robot)), controller_configuration(choice)));
+  const auto controller =
+      make_controller(controller_setup(choice, robot_model(choice.robot), controller_configuration(choice)));
   Measurement measurement(controller->planner());
-  const PlanObserver observer{[&] { measurement.before(); },
-                              [&](const control::PlannerInput& input) { measurement.after(input); }};
+  const PlanObserver observer{
+      [&] { measurement.before(); },
+      [&](const control::PlannerInput& input) { measurement.after(input, controller->report()); }};
   const bool survived = walk(choice, options.speed_m_s, options.closed_loop_plans, *controller, observer);
   const Summary summary = summarise(measurement.samples);
   if (!options.json_file.empty()) write_json(to_json(summary, measurement.samples), options.json_file);

@@ -8,7 +8,6 @@
 #include "host_tools/cli/usage_error.h"
 #include "host_tools/planning_model/lumped.h"
 #include "host_tools/simulator/number.h"
-#include "host_tools/simulator/simulated_robot.h"
 
 namespace stilt::cli {
 namespace {
@@ -96,7 +95,7 @@ void add_preset_option(CLI::App& command, std::string& preset) {
 }
 
 void add_controller_options(CLI::App& command, ControllerChoice& choice) {
-  command.add_option("--robot", choice.robot, "robot: amber3m, amber3m_2020, rabbit")->capture_default_str();
+  command.add_option("--robot", choice.robot, robot_help())->capture_default_str();
   command
       .add_option("--controller", choice.controller,
                   "mpc-heuristic, mpc-none: without terminal cost, mpc-lumped: plans with the legs' mass and "
@@ -120,17 +119,24 @@ void add_controller_options(CLI::App& command, ControllerChoice& choice) {
   command.add_option("--iterations", choice.iterations, "most SQP iterations a plan");
 }
 
-const model::RobotModel& robot_model(const std::string& name) {
-  if (const model::RobotModel* robot = model::find_robot(name.c_str())) return *robot;
-  throw UsageError("--robot " + name + ": no such robot; known are " +
-                   listed(simulator::simulated_robot_names()));
+std::string robot_help() { return "robot: " + robots::shipped_names() + ", or a URDF file"; }
+
+const robots::Robot& find_robot(const std::string& name) {
+  const auto robot = robots::find(name);
+  if (!robot) throw UsageError("--robot: " + robot.error());
+  return **robot;
 }
+
+const model::RobotModel& robot_model(const std::string& name) { return find_robot(name).model; }
 
 configuration::Configuration load_configuration(const std::string& robot, const std::string& file,
                                                 const std::string& preset,
                                                 const std::vector<Override>& overrides) {
-  const configuration::Result result = file.empty() ? configuration::load_robot(robot, overrides, preset)
-                                                    : configuration::load_file(file, overrides, preset);
+  std::vector<Override> all;
+  if (!file.empty() && robots::is_file(robot)) all.push_back({"hardware.robot=" + robot, "--robot"});
+  all.insert(all.end(), overrides.begin(), overrides.end());
+  const configuration::Result result = file.empty() ? configuration::load_robot(robot, all, preset)
+                                                    : configuration::load_file(file, all, preset);
   if (!result) throw UsageError(one_line(result.error()));
   return *result;
 }
@@ -162,13 +168,8 @@ const model::RobotModel* planning_model(const ControllerChoice& choice) {
   if (std::ranges::find(lump_names(), choice.lump) == lump_names().end()) {
     throw UsageError("--lump " + choice.lump + ": known are " + listed(lump_names()));
   }
-  const model::RobotModel* lumped = planning_model::lumped(
-      choice.robot, choice.lump == "legs" ? planning_model::Lump::legs : planning_model::Lump::drives);
-  if (lumped == nullptr) {
-    throw UsageError("--controller mpc-lumped: there is no such planning model of " + choice.robot +
-                     "; take --robot amber3m");
-  }
-  return lumped;
+  const auto lump = choice.lump == "legs" ? planning_model::Lump::legs : planning_model::Lump::drives;
+  return &planning_model::lumped(robot_model(choice.robot), lump);
 }
 
 simulator::ControllerSetup controller_setup(const ControllerChoice& choice, const model::RobotModel& robot,

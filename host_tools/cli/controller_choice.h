@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "firmware/configuration/configuration.h"
+#include "firmware/robots/robots.h"
 #include "host_tools/simulator/simulated_controller.h"
 #include "mpc_core/control/parameters.h"
 #include "mpc_core/model/robot.h"
@@ -43,7 +44,11 @@ void add_preset_option(CLI::App& command, std::string& preset);
 /// Adds the options that `stilt sim` and `stilt bench` share to a command.
 void add_controller_options(CLI::App& command, ControllerChoice& choice);
 
-/// The generated model of that name.
+/// What --robot may be, for its help.
+[[nodiscard]] std::string robot_help();
+
+/// The robot of that name or URDF file, and its model.
+[[nodiscard]] const robots::Robot& find_robot(const std::string& name);
 [[nodiscard]] const model::RobotModel& robot_model(const std::string& name);
 
 /// The configuration of a file, or the shipped one of the robot when its name is empty, changed by the

@@ -26,8 +26,7 @@ void add_common_options(CLI::App& command, ExperimentOptions& options) {
   command.add_option("--json", options.json_file,
                      "writes the figures as JSON to a file, or - for standard output");
   command.add_flag("--quick", options.quick, "a small part of it, to see that it works");
-  command.add_option("--robot", options.setting.choice.robot, "robot: amber3m, amber3m_2020, rabbit")
-      ->capture_default_str();
+  command.add_option("--robot", options.setting.choice.robot, robot_help())->capture_default_str();
   command.add_option("--config", options.setting.choice.config_file,
                      "controller configuration (TOML) instead of the shipped one");
   add_preset_option(command, options.setting.choice.preset);

@@ -9,9 +9,9 @@
 #include <iterator>
 #include <set>
 
+#include "firmware/robots/robots.h"
 #include "host_tools/cli/usage_error.h"
 #include "host_tools/simulator/number.h"
-#include "host_tools/simulator/simulated_robot.h"
 
 namespace stilt::cli {
 namespace {
@@ -41,6 +41,12 @@ class Value {
       throw UsageError("must be one of " + listed(known));
     }
     return *value;
+  }
+
+  [[nodiscard]] std::string robot() const {
+    const std::string name = text();
+    if (const auto found = robots::find(name); !found) throw UsageError("is wrong: " + found.error());
+    return name;
   }
 
   [[nodiscard]] double number() const {
@@ -89,10 +95,7 @@ struct Key {
 
 const Key kKeys[] = {
     {"name", [](const Value& v, RowChoice& row) { row.name = v.text(); }},
-    {"robot",
-     [](const Value& v, RowChoice& row) {
-       row.setting.choice.robot = v.one_of(simulator::simulated_robot_names());
-     }},
+    {"robot", [](const Value& v, RowChoice& row) { row.setting.choice.robot = v.robot(); }},
     {"controller",
      [](const Value& v, RowChoice& row) { row.setting.choice.controller = v.one_of(controller_names()); }},
     {"horizon_s", [](const Value& v, RowChoice& row) { row.setting.choice.horizon_s = v.number(); }},

@@ -87,9 +87,9 @@ log::RunRecord run(const WalkSetting& setting, const WalkCase& walk) {
   simulator::PlantOptions world = world_of(setting, walk);
   world.time_step_s =
       simulator::time_step_for_tick(world.time_step_s, 1.0 / parameters.timing.torque_rate_hz);
-  simulator::Plant plant(simulator::make_plant_model(simulator::simulated_robot(choice.robot), world,
-                                                     parameters.reference.base_height_m),
-                         world, walk.seed);
+  simulator::Plant plant(
+      simulator::make_plant_model(find_robot(choice.robot).tree, world, parameters.reference.base_height_m),
+      world, walk.seed);
   simulator::RunSettings settings;
   settings.duration_s = walk.duration_s;
   settings.leg = {robot.constants.thigh_length_m, robot.constants.shin_length_m};
@@ -116,7 +116,7 @@ WalkSetting setting_for(const WalkSetting& setting, const std::string& controlle
 std::string dependencies_text(const WalkSetting& setting, const std::string& controller, double horizon_s) {
   const ControllerChoice choice = choice_of(setting, controller, horizon_s);
   std::string text = configuration::to_toml(controller_configuration(choice), "");
-  text += simulator::simulated_robot_urdf(choice.robot);
+  text += find_robot(choice.robot).urdf;
   for (const simulator::PlantOption& option : simulator::plant_option_table()) {
     text += std::string(option.key) + "=" + option.default_text + "\n";
   }

@@ -170,8 +170,8 @@ int complete(const GaitOptions& options) {
 
 std::string file_name(const std::string& robot, double speed_m_s) {
   char text[64];
-  (void)std::snprintf(text, sizeof text, "%s_%.2f.toml", robot.c_str(), speed_m_s);
-  return text;
+  (void)std::snprintf(text, sizeof text, "_%.2f.toml", speed_m_s);
+  return std::filesystem::path(robot).stem().string() + text;
 }
 
 int library(const GaitOptions& options) {
@@ -220,7 +220,7 @@ int show(const GaitOptions& options) {
 }
 
 void add_task_options(CLI::App& command, GaitOptions& options) {
-  command.add_option("--robot", options.robot, "robot: amber3m, amber3m_2020, rabbit")->capture_default_str();
+  command.add_option("--robot", options.robot, robot_help())->capture_default_str();
   command.add_option("--step-time", options.step_time_s, "duration of a step, s")->capture_default_str();
   command
       .add_option("--cost", options.cost,

@@ -64,7 +64,7 @@ int run(int count, char** words) {
       "eval",
       "reads {\"x\": [14], \"u\": [8]} a line from standard input, writes all terms as JSON, one line each");
   std::string model_robot = "amber3m";
-  eval->add_option("--robot", model_robot, "robot: amber3m, amber3m_2020, rabbit")->capture_default_str();
+  eval->add_option("--robot", model_robot, stilt::cli::robot_help())->capture_default_str();
 
   try {
     program.parse(count, words);

@@ -77,7 +77,7 @@ void add_flow(Json& result, const model::StateVector& x, const model::InputVecto
 
 Json impact(const model::RobotModel& robot, int foot, const model::StateVector& x) {
   model::ImpactTerms<double> terms;
-  robot.scalar.impact[foot](x.data(), robot.constants.joint_parameters, terms);
+  robot.impact(foot, x.data(), robot.constants.joint_parameters, terms);
   return {{"velocity_after", row(terms.velocity_after)}, {"impulse", row(terms.impulse)}};
 }
 
@@ -106,10 +106,10 @@ Json evaluate_model(const model::RobotModel& robot, const model::StateVector& x,
   model::BiasTerms<double> bias;
   model::KinematicsTerms<double> feet;
   model::NodeDerivatives<double> node;
-  robot.scalar.mass_matrix(x.data(), parameters, mass);
-  robot.scalar.bias(x.data(), bias);
-  robot.scalar.kinematics(x.data(), feet);
-  robot.scalar.node_derivatives(x.data(), u.data(), parameters, node);
+  robot.mass_matrix(x.data(), parameters, mass);
+  robot.bias(x.data(), bias);
+  robot.kinematics(x.data(), feet);
+  robot.node_derivatives(x.data(), u.data(), parameters, node);
   Json result;
   result["mass_matrix"] = rows(matrix(mass.mass_matrix));
   result["bias"] = row(bias.bias);

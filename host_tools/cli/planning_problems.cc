@@ -13,9 +13,9 @@ bool walk(const ControllerChoice& choice, double speed_m_s, int count,
   simulator::PlantOptions world;
   world.time_step_s =
       simulator::time_step_for_tick(world.time_step_s, 1.0 / parameters.timing.torque_rate_hz);
-  simulator::Plant plant(simulator::make_plant_model(simulator::simulated_robot(choice.robot), world,
-                                                     parameters.reference.base_height_m),
-                         world, 1);
+  simulator::Plant plant(
+      simulator::make_plant_model(find_robot(choice.robot).tree, world, parameters.reference.base_height_m),
+      world, 1);
   const control_loop::PlanTiming timing(parameters.timing);
   simulator::RunSettings settings;
   settings.duration_s =

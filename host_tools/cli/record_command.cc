@@ -7,12 +7,12 @@
 #include <cstdio>
 #include <limits>
 
+#include "firmware/robots/robots.h"
 #include "host_tools/cli/json_output.h"
 #include "host_tools/cli/network_options.h"
 #include "host_tools/cli/progress.h"
 #include "host_tools/cli/usage_error.h"
 #include "host_tools/log/record/recorder.h"
-#include "host_tools/simulator/simulated_robot.h"
 #include "host_tools/telemetry/listener.h"
 
 namespace stilt::cli {
@@ -48,7 +48,10 @@ record::Recorder::Options recorder_options(const RecordOptions& options) {
   record::Recorder::Options how;
   how.compression = mcap::compression_named(options.compression == "none" ? "" : options.compression);
   if (how.compression == mcap::Compression::lz4) how.level = 0;
-  how.urdf = [](const std::string& robot) { return std::string(simulator::simulated_robot_urdf(robot)); };
+  how.urdf = [](const std::string& robot) {
+    const auto found = robots::find(robot);
+    return found ? (*found)->urdf : std::string();
+  };
   return how;
 }
 

@@ -137,7 +137,7 @@ host_telemetry::SimulationMessage truth_of(const RobotOnBus& robot,
 
 CLI::App* add_robot_command(CLI::App& program, RobotOptions& options) {
   CLI::App* robot = program.add_subcommand("robot", "the simulated robot behind its motor drivers");
-  robot->add_option("--robot", options.robot, "robot: amber3m, amber3m_2020, rabbit")->capture_default_str();
+  robot->add_option("--robot", options.robot, robot_help())->capture_default_str();
   robot->add_option("--config", options.config_file,
                     "configuration (TOML) that names drivers and wiring, instead of the shipped one");
   add_preset_option(*robot, options.preset);

@@ -70,8 +70,8 @@ SimulatedHardware simulated_hardware(const RobotOptions& options) {
   setup.tick_s = 1.0 / configured.timing.torque_rate_hz;
   for (const std::string& assignment : options.plant_settings) set_plant_option(setup.plant, assignment);
   setup.plant.time_step_s = simulator::time_step_for_tick(setup.plant.time_step_s, setup.tick_s);
-  setup.model = simulator::make_plant_model(simulator::simulated_robot(configured.hardware.robot),
-                                            setup.plant, configured.reference.base_height_m);
+  setup.model = simulator::make_plant_model(find_robot(configured.hardware.robot).tree, setup.plant,
+                                            configured.reference.base_height_m);
   setup.seed = static_cast<std::uint64_t>(options.seed);
   const model::RobotConstants& robot = hardware.robot->constants;
   setup.standing = standing_on_ground(setup.plant, {robot.thigh_length_m, robot.shin_length_m}, configured);

@@ -141,7 +141,7 @@ int run_sim(const SimOptions& options, const std::string& command_line) {
   const PlantOptions world = plant_options(options, parameters.timing);
   RunSettings settings = run_settings(options, robot.constants);
   const auto controller = make_controller(controller_setup(options.choice, robot, parameters));
-  Plant plant(simulator::make_plant_model(simulator::simulated_robot(options.choice.robot), world,
+  Plant plant(simulator::make_plant_model(find_robot(options.choice.robot).tree, world,
                                           parameters.reference.base_height_m),
               world, static_cast<std::uint64_t>(options.seed));
   settings.initial_state = standing_on_ground(world, settings.leg, parameters);

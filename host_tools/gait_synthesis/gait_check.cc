@@ -77,7 +77,7 @@ double pitch_on_both_feet(const model::RobotModel& robot, const model::JointVect
   const auto height = [&](double pitch) {
     r[0] = pitch;
     model::KinematicsTerms<double> feet;
-    robot.scalar.kinematics(expand(robot, r).data(), feet);
+    robot.kinematics(expand(robot, r).data(), feet);
     return feet.foot_position[3];
   };
   constexpr double kMove = 1e-6;

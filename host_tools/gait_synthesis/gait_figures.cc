@@ -38,7 +38,7 @@ class FileFlow {
     u.head<kJoints>() = point.acceleration.tail<kJoints>();
     u.segment<2>(kJoints) = point.force_N;
     model::FlowTerms<double> flow;
-    robot_.scalar.flow(x.data(), u.data(), flow);
+    robot_.flow(x.data(), u.data(), flow);
     StateVector d;
     d << x.tail<kPositions>(), Eigen::Vector3d(flow.base_acceleration), u.head<kJoints>();
     return d;
@@ -110,7 +110,7 @@ void sample_motion(const model::RobotModel& robot, const gait::HzdGait& gait, Ga
         motion.force_N[1] > 0.0 ? std::abs(motion.force_N[0]) / motion.force_N[1] : kInfinity;
     figures.friction_ratio_max = std::max(figures.friction_ratio_max, ratio);
     model::KinematicsTerms<double> feet;
-    robot.scalar.kinematics(x.data(), feet);
+    robot.kinematics(x.data(), feet);
     const double height_m = feet.foot_position[3];
     if (s >= 0.25 && s <= 0.75) figures.clearance_m = std::min(figures.clearance_m, height_m);
     if (s >= 0.05 && s <= 0.95) figures.swing_height_min_m = std::min(figures.swing_height_min_m, height_m);
@@ -132,7 +132,7 @@ void sample_touch_down(const model::RobotModel& robot, const gait::HzdGait& gait
   figures.periodicity_error = std::max(shape, ends);
   figures.impulse_ratio = impulse_Ns[1] > 0.0 ? std::abs(impulse_Ns[0]) / impulse_Ns[1] : kInfinity;
   model::KinematicsTerms<double> feet;
-  robot.scalar.kinematics(end.data(), feet);
+  robot.kinematics(end.data(), feet);
   figures.touchdown_slip_m_s = feet.foot_velocity[2];
   figures.touchdown_speed_m_s = -feet.foot_velocity[3];
 }

@@ -26,7 +26,7 @@ model::InputVector input_of(const JointVector& acceleration, const Eigen::Vector
 
 double swing_height_m(const model::RobotModel& robot, const StateVector& x) {
   model::KinematicsTerms<double> feet;
-  robot.scalar.kinematics(x.data(), feet);
+  robot.kinematics(x.data(), feet);
   return feet.foot_position[kSwingFootZ];
 }
 
@@ -95,7 +95,7 @@ double time_to_ground(const model::RobotModel& robot, const FeedbackFlow& flow, 
 StanceMap stance_map(const model::RobotModel& robot, const StateVector& x) {
   const model::InputVector none = model::InputVector::Zero();
   model::NodeDerivatives<double> n;
-  robot.scalar.node_derivatives(x.data(), none.data(), robot.constants.joint_parameters, n);
+  robot.node_derivatives(x.data(), none.data(), robot.constants.joint_parameters, n);
   using Rows2 = Eigen::Matrix<double, 2 * model::kFeet, kInputs, Eigen::RowMajor>;
   using Rows3 = Eigen::Matrix<double, 3, kInputs, Eigen::RowMajor>;
   const Eigen::Map<const Rows2> foot(&n.foot_acceleration_du[0][0]);
@@ -118,7 +118,7 @@ StanceMotion stance_motion(const model::RobotModel& robot, const StateVector& x,
   motion.force_N = map.force_bias + map.force_gain * acceleration;
   const model::InputVector u = input_of(acceleration, motion.force_N);
   model::NodeTerms<double> terms;
-  robot.scalar.node(x.data(), u.data(), robot.constants.joint_parameters, terms);
+  robot.node(x.data(), u.data(), robot.constants.joint_parameters, terms);
   motion.base_acceleration = Eigen::Vector3d(terms.base_acceleration);
   motion.torque_Nm = JointVector(terms.joint_torque);
   return motion;
@@ -171,8 +171,8 @@ StateVector touch_down(const model::RobotModel& robot, const StateVector& before
                        Eigen::Vector2d* impulse_Ns) {
   model::ImpactTerms<double> impact;
   model::KinematicsTerms<double> feet;
-  robot.scalar.impact[model::kRight](before.data(), robot.constants.joint_parameters, impact);
-  robot.scalar.kinematics(before.data(), feet);
+  robot.impact(model::kRight, before.data(), robot.constants.joint_parameters, impact);
+  robot.kinematics(before.data(), feet);
   if (impulse_Ns != nullptr) *impulse_Ns = Eigen::Vector2d(impact.impulse);
   constexpr int kSwapped[kPositions] = {0, 1, 2, 5, 6, 3, 4};
   StateVector after;

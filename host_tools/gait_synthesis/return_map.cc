@@ -49,7 +49,7 @@ model::StateVector expand(const model::RobotModel& robot, const ReducedState& re
   x.segment<model::kAngles>(model::kFirstAngle) = reduced.head<model::kAngles>();
   x.tail<model::kAngles>() = reduced.tail<model::kAngles>();
   model::KinematicsTerms<double> feet;
-  robot.scalar.kinematics(x.data(), feet);
+  robot.kinematics(x.data(), feet);
   for (int i = 0; i < 2; ++i) {
     x[i] = -feet.foot_position[i];
     x[model::kPositions + i] = -feet.foot_velocity[i];

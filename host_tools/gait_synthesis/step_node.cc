@@ -58,7 +58,7 @@ void StepNode::evaluate(const NodeVector& z, NodeValues& rows, NodeSlopes& slope
   double u[kInputs];
   split(z, x, u);
   model::NodeDerivatives<double> n;
-  robot_.scalar.node_derivatives(x, u, robot_.constants.joint_parameters, n);
+  robot_.node_derivatives(x, u, robot_.constants.joint_parameters, n);
   slopes.setZero();
   for (int r = 0; r < 3; ++r) {
     rows[kDynamicsRow + r] = n.base_acceleration[r] - z[kAccelerationAt + r];
@@ -170,9 +170,9 @@ double StepImpact::momentum_row(const ImpactVector& y) const {
   model::MassMatrixTerms<double> mass;
   model::KinematicsTerms<double> feet;
   model::ImpactTerms<double> impact;
-  robot_.scalar.mass_matrix(y.data(), robot_.constants.joint_parameters, mass);
-  robot_.scalar.kinematics(y.data(), feet);
-  robot_.scalar.impact[model::kRight](y.data(), robot_.constants.joint_parameters, impact);
+  robot_.mass_matrix(y.data(), robot_.constants.joint_parameters, mass);
+  robot_.kinematics(y.data(), feet);
+  robot_.impact(model::kRight, y.data(), robot_.constants.joint_parameters, impact);
   // Momentum of the base coordinates: x, z and, about the hip, rotation about +y.
   const auto momentum_about = [&](const double* velocity, int foot) {
     double p[3] = {0.0, 0.0, 0.0};
@@ -190,7 +190,7 @@ double StepImpact::momentum_row(const ImpactVector& y) const {
 
 void StepImpact::evaluate(const ImpactVector& y, ImpactValues& rows, ImpactSlopes& slopes) const {
   model::ImpactDerivatives<double> impact;
-  robot_.scalar.impact_derivatives[model::kRight](y.data(), robot_.constants.joint_parameters, impact);
+  robot_.impact_derivatives(model::kRight, y.data(), robot_.constants.joint_parameters, impact);
   slopes.setZero();
   for (int r = 0; r < kAngles; ++r) {
     rows[kRateRow + r] = impact.velocity_after[kFirstAngle + r];

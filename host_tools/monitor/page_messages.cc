@@ -1,7 +1,8 @@
 #include "host_tools/monitor/page_messages.h"
 
-#include "firmware/supervisor/fault.h"
+#include "firmware/robots/robots.h"
 #include "firmware/supervisor/fallback.h"
+#include "firmware/supervisor/fault.h"
 #include "firmware/supervisor/state.h"
 #include "host_tools/monitor/page_tables.h"
 #include "mpc_core/model/robot.h"
@@ -92,14 +93,15 @@ SharedMessage hello_message(const SampleSource& source, bool has_token) {
 }
 
 SharedMessage configuration_message(const ConfigurationSample& sample) {
-  const model::RobotModel* robot = model::find_robot(sample.robot.c_str());
+  const auto named = robots::find(sample.robot);  // a URDF file may be on another computer
+  const auto robot = named ? named : robots::find(robots::shipped_urdfs().front().name);
   return text({{"type", "configuration"},
                {"session", sample.session},
                {"robot", sample.robot},
                {"build", sample.build},
                {"toml", sample.toml},
                {"tick_rate_hz", sample.tick_rate_hz},
-               {"drawing", drawing_json((robot == nullptr ? model::amber3m() : *robot).constants)},
+               {"drawing", drawing_json((*robot)->model.constants)},
                {"tunables", tunables_json(sample.tunables)}});
 }
 

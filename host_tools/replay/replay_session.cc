@@ -7,6 +7,7 @@
 #include "firmware/configuration/configuration.h"
 #include "firmware/configuration/live.h"
 #include "firmware/program/configure_cycles.h"
+#include "firmware/robots/robots.h"
 
 namespace stilt::replay {
 namespace {
@@ -20,7 +21,7 @@ class TuningsOf {
   TuningsOf(const SessionRecord& session, const configuration::Configuration& configuration)
       : session_(session),
         configuration_(configuration),
-        robot_(model::find_robot(configuration.hardware.robot.c_str())),
+        robot_(&robots::find(configuration.hardware.robot).value()->model),
         work_(std::make_unique<sqp::TerminalCostWorkspace>()) {}
 
   /// Nothing when the record lacks them, or this program has other tunables.

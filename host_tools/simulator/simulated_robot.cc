@@ -2,8 +2,6 @@
 
 #include <stdexcept>
 
-#include "codegen/urdf/urdf_reader.h"
-#include "host_tools/simulator/embedded_urdf.h"
 #include "host_tools/simulator/mjcf.h"
 #include "host_tools/simulator/number.h"
 
@@ -20,28 +18,6 @@ void check_contact(const PlantOptions& options) {
 }
 
 }  // namespace
-
-std::vector<std::string> simulated_robot_names() {
-  std::vector<std::string> names;
-  for (const EmbeddedUrdf& robot : kEmbeddedUrdfs) names.emplace_back(robot.name);
-  return names;
-}
-
-std::string_view simulated_robot_urdf(std::string_view name) {
-  for (const EmbeddedUrdf& robot : kEmbeddedUrdfs) {
-    if (robot.name == name) return robot.text;
-  }
-  return {};
-}
-
-codegen::PlanarTree simulated_robot(std::string_view name) {
-  std::string known;
-  for (const EmbeddedUrdf& robot : kEmbeddedUrdfs) {
-    if (robot.name == name) return codegen::parse_urdf(std::string(robot.text), std::string(name) + ".urdf");
-    known += (known.empty() ? "" : ", ") + std::string(robot.name);
-  }
-  throw std::invalid_argument("--robot " + std::string(name) + ": no such robot; known are " + known);
-}
 
 PlantModel make_plant_model(codegen::PlanarTree tree, const PlantOptions& options,
                             double nominal_hip_height_m) {

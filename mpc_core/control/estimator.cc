@@ -31,7 +31,7 @@ void Estimator::configure(const model::RobotModel& robot, const EstimatorParamet
 void Estimator::reset(const SensorReading& reading, double base_x_m) noexcept {
   const model::StateVector state = state_at_origin(reading);
   model::KinematicsTerms<double> feet;
-  robot_->scalar.kinematics(state.data(), feet);
+  robot_->kinematics(state.data(), feet);
   last_time_s_ = reading.time_s;
   base_x_m_ = base_x_m;
   for (int foot = 0; foot < kFeet; ++foot) {
@@ -66,7 +66,7 @@ void Estimator::follow_contacts(const model::KinematicsTerms<double>& feet, doub
 model::StateVector Estimator::update(const SensorReading& reading, model::ContactMode contact) noexcept {
   model::StateVector state = state_at_origin(reading);
   model::KinematicsTerms<double> feet;
-  robot_->scalar.kinematics(state.data(), feet);
+  robot_->kinematics(state.data(), feet);
   follow_contacts(feet, reading.time_s - last_time_s_, contact);
   last_time_s_ = reading.time_s;
   base_x_m_ = base_x_m(feet);

@@ -49,7 +49,7 @@ GaitTracker::Sensed GaitTracker::sense(const SensorReading& reading) const noexc
   sensed.state[kPositions + kFirstAngle] = reading.base_pitch_rate_rad_s;
   sensed.state.tail<kJoints>() = reading.joint_velocity_rad_s;
   model::KinematicsTerms<double> feet;
-  robot_->scalar.kinematics(sensed.state.data(), feet);
+  robot_->kinematics(sensed.state.data(), feet);
   for (int i = 0; i < 2; ++i) {
     sensed.state[i] = -feet.foot_position[2 * stance_ + i];
     sensed.state[kPositions + i] = -feet.foot_velocity[2 * stance_ + i];

@@ -36,7 +36,7 @@ bool fits(const ControllerParameters& p) noexcept {
 
 model::FeetVector foot_positions(const model::RobotModel& robot, const model::StateVector& state) noexcept {
   model::KinematicsTerms<double> feet;
-  robot.scalar.kinematics(state.data(), feet);
+  robot.kinematics(state.data(), feet);
   return model::FeetVector(feet.foot_position);
 }
 

@@ -40,7 +40,7 @@ TorqueCommand TorqueLaw::follow(const SensorReading& reading, const model::State
 JointVector TorqueLaw::track(const SensorReading& reading, const model::StateVector& planned,
                              const model::InputVector& input) const noexcept {
   model::NodeTerms<double> node;
-  robot_->scalar.node(planned.data(), input.data(), drive_.joint_parameters, node);
+  robot_->node(planned.data(), input.data(), drive_.joint_parameters, node);
   JointVector torque_Nm;
   for (int j = 0; j < kJoints; ++j) {
     const double planned_velocity = planned[kPositions + kFirstJoint + j];

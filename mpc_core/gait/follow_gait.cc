@@ -42,7 +42,7 @@ void HeuristicReference::follow_gait(double time_s, int phase, ReferencePoint& p
   point.input.segment<2>(kJoints + 2 * stance) = gait.force_N;
 
   model::NodeTerms<double> terms;
-  model_->scalar.node(point.state.data(), point.input.data(), model_->constants.joint_parameters, terms);
+  model_->node(point.state.data(), point.input.data(), model_->constants.joint_parameters, terms);
   for (int i = 0; i < 2; ++i) {
     point.foot_position_W_m[2 * swing + i] = terms.foot_position[2 * swing + i];
     point.foot_velocity_W_m_s[2 * swing + i] = terms.foot_velocity[2 * swing + i];

@@ -1,14 +1,25 @@
 #include "mpc_core/model/robot.h"
 
-#include <string_view>
+#include <algorithm>
 
+// Compiled without contraction: the coefficients of a robot are the same on every machine.
 namespace stilt::model {
 
-const RobotModel* find_robot(const char* name) noexcept {
-  for (const RobotModel* robot : {&amber3m(), &amber3m_2020(), &rabbit()}) {
-    if (std::string_view(robot->constants.name) == name) return robot;
+RobotModel make_robot(RobotConstants constants) noexcept {
+  using enum Number;
+  const double* numbers = constants.numbers;
+  constants.total_mass_kg = numbers[torso_mass_kg];
+  for (int leg = 0; leg < kFeet; ++leg) {
+    constants.total_mass_kg += numbers[thigh_mass_kg];
+    constants.total_mass_kg += numbers[shin_mass_kg];
   }
-  return nullptr;
+  constants.thigh_length_m = numbers[thigh_length_m];
+  constants.shin_length_m = numbers[shin_length_m];
+  constants.torso_com_height_m = numbers[torso_com_m];
+  RobotModel robot{.constants = constants, .scalar = {}, .batch = {}};
+  generated::five_link::prepare(numbers, robot.scalar);
+  std::ranges::copy(robot.scalar.coefficient, robot.batch.coefficient);
+  return robot;
 }
 
 }  // namespace stilt::model

@@ -1,13 +1,19 @@
 #pragma once
 
+#include "codegen/generated/five_link/constants.h"
 #include "mpc_core/model/batch.h"
 #include "mpc_core/model/terms.h"
 
 namespace stilt::model {
 
-/// Constants of a robot, from its URDF. Joints in the order hip_L, knee_L, hip_R, knee_R.
+/// Numbers of a five-link robot, by generated::five_link::Number (SI).
+inline constexpr int kNumbers = generated::five_link::kNumberCount;
+using generated::five_link::Number;
+
+/// What describes one robot: joints in the order hip_L, knee_L, hip_R, knee_R, both legs equal.
 struct RobotConstants {
   const char* name;
+  double numbers[kNumbers];  ///< masses, lengths, centres of mass, inertias
   double total_mass_kg;
   double thigh_length_m;
   double shin_length_m;
@@ -19,33 +25,41 @@ struct RobotConstants {
   double joint_parameters[2 * kJoints];  ///< armature (4) kg m^2, damping (4) Nm s/rad
 };
 
-/// Generated dynamics of one robot, for one node and for a batch of nodes. Real-time safe.
-/// Arguments: x[14], u[8], p[8] = {armature[4], damping[4]}; see terms.h for the results.
+/// What the generated functions take besides state and input, worked out once from a robot's numbers.
 template <class T>
-struct RobotFunctions {
-  void (*flow)(const T* x, const T* u, FlowTerms<T>&) noexcept;
-  void (*flow_derivatives)(const T* x, const T* u, FlowDerivatives<T>&) noexcept;
-  void (*node)(const T* x, const T* u, const T* p, NodeTerms<T>&) noexcept;
-  void (*node_derivatives)(const T* x, const T* u, const T* p, NodeDerivatives<T>&) noexcept;
-  void (*kinematics)(const T* x, KinematicsTerms<T>&) noexcept;
-  void (*impact[kFeet])(const T* x, const T* p, ImpactTerms<T>&) noexcept;
-  void (*impact_derivatives[kFeet])(const T* x, const T* p, ImpactDerivatives<T>&) noexcept;
-  void (*mass_matrix)(const T* x, const T* p, MassMatrixTerms<T>&) noexcept;
-  void (*bias)(const T* x, BiasTerms<T>&) noexcept;
+struct Coefficients {
+  T coefficient[generated::five_link::kCoefficientCount];
 };
 
+/// A robot and its dynamics: plain data, and functions that are the same for all robots. T is double or
+/// Batch. Arguments: x[14], u[8], p[8] = {armature[4], damping[4]}; see terms.h for the results. Real-time
+/// safe.
 struct RobotModel {
   RobotConstants constants;
-  RobotFunctions<double> scalar;
-  RobotFunctions<Batch> batch;
+  Coefficients<double> scalar;
+  Coefficients<Batch> batch;
+
+  template <class T>
+  void flow(const T* x, const T* u, FlowTerms<T>& out) const noexcept;
+  template <class T>
+  void flow_derivatives(const T* x, const T* u, FlowDerivatives<T>& out) const noexcept;
+  template <class T>
+  void node(const T* x, const T* u, const T* p, NodeTerms<T>& out) const noexcept;
+  template <class T>
+  void node_derivatives(const T* x, const T* u, const T* p, NodeDerivatives<T>& out) const noexcept;
+  template <class T>
+  void kinematics(const T* x, KinematicsTerms<T>& out) const noexcept;
+  template <class T>
+  void impact(int foot, const T* x, const T* p, ImpactTerms<T>& out) const noexcept;
+  template <class T>
+  void impact_derivatives(int foot, const T* x, const T* p, ImpactDerivatives<T>& out) const noexcept;
+  template <class T>
+  void mass_matrix(const T* x, const T* p, MassMatrixTerms<T>& out) const noexcept;
+  template <class T>
+  void bias(const T* x, BiasTerms<T>& out) const noexcept;
 };
 
-[[nodiscard]] const RobotModel& amber3m() noexcept;
-/// AMBER-3M with the other published centre of mass of the torso, 0.28507 m above the hip.
-[[nodiscard]] const RobotModel& amber3m_2020() noexcept;
-[[nodiscard]] const RobotModel& rabbit() noexcept;
-
-/// The robot of that name, or nullptr.
-[[nodiscard]] const RobotModel* find_robot(const char* name) noexcept;
+/// The robot of these constants. Mass, lengths and height of the centre of mass are taken from the numbers.
+[[nodiscard]] RobotModel make_robot(RobotConstants constants) noexcept;
 
 }  // namespace stilt::model

@@ -3,6 +3,8 @@
 #include <Eigen/Core>
 #include <cstddef>
 
+#include "codegen/generated/five_link/constants.h"
+
 /// Sizes and vector types shared by everything in mpc_core.
 ///
 /// Coordinates: q = [x_b, z_b, pitch_b, hip_L, knee_L, hip_R, knee_R], v = dq/dt, state x = [q; v];
@@ -10,13 +12,13 @@
 /// World: x forward, z up. Angles are rotations about +y.
 namespace stilt::model {
 
-inline constexpr int kJoints = 4;
-inline constexpr int kPositions = 7;
-inline constexpr int kStates = 14;
-inline constexpr int kInputs = 8;
-inline constexpr int kFeet = 2;
+inline constexpr int kJoints = generated::five_link::kJointCount;
+inline constexpr int kPositions = generated::five_link::kPositionCount;
+inline constexpr int kStates = 2 * kPositions;
+inline constexpr int kFeet = generated::five_link::kFootCount;
+inline constexpr int kInputs = kJoints + 2 * kFeet;
 /// theta = [pitch_b, hip_L, knee_L, hip_R, knee_R]: all that the dynamics depend on besides their rates.
-inline constexpr int kAngles = 5;
+inline constexpr int kAngles = 1 + kJoints;
 /// Angles on the path from the base to a foot: pitch, own hip, own knee.
 inline constexpr int kChain = 3;
 /// Indices into theta of the chain of each foot.
@@ -26,7 +28,7 @@ inline constexpr int kFirstAngle = 2;
 /// Index in q of the first joint.
 inline constexpr int kFirstJoint = 3;
 
-inline constexpr double kGravity_m_s2 = 9.81;
+inline constexpr double kGravity_m_s2 = generated::five_link::kGravity_m_s2;
 
 using StateVector = Eigen::Matrix<double, kStates, 1>;
 using InputVector = Eigen::Matrix<double, kInputs, 1>;

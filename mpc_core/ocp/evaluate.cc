@@ -131,7 +131,7 @@ void add_transitions(const ProblemData& data, const BatchParameters& parameters,
                      const Trajectory& iterate, BatchMerit& merit) noexcept {
   const BatchTransition it(iterate, batch);
   model::KinematicsTerms<Batch> feet;
-  data.robot->batch.kinematics(it.x, feet);
+  data.robot->kinematics(it.x, feet);
   Batch after[kStates];
   std::copy(it.x, it.x + kStates, after);
   for (int foot = 0; foot < kFeet; ++foot) {
@@ -140,7 +140,7 @@ void add_transitions(const ProblemData& data, const BatchParameters& parameters,
     merit.cost += batch.weight * (0.5 * data.cost.touchdown_velocity) * slip_m_s * slip_m_s;
     if (data.discretisation.transition == Transition::impact) {
       model::ImpactTerms<Batch> impact;
-      data.robot->batch.impact[foot](after, parameters.value, impact);
+      data.robot->impact(foot, after, parameters.value, impact);
       std::copy(impact.velocity_after, impact.velocity_after + kPositions, after + kPositions);
     }
   }
@@ -175,7 +175,7 @@ Merit evaluate(const ProblemData& data, const Problem& problem, const Trajectory
     const StageBatch& batch = problem.batch[b];
     const BatchIterate it(iterate, batch);
     model::NodeTerms<Batch> node;
-    data.robot->batch.node(it.x, it.u, parameters.value, node);
+    data.robot->node(it.x, it.u, parameters.value, node);
     sums.cost += batch.weight * batch.duration *
                  (quadratic_cost(data, batch, it, node) + barrier_cost(data, barriers, batch, it, node));
     add_defects(data, batch, it, node, sums);

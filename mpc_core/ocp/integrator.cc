@@ -63,7 +63,7 @@ void average(const model::RobotModel& robot, const Batch* x, const Batch* u, con
     Batch xi[kStates];
     stage_state(t, i, x, u, h, pitch_acceleration, xi);
     model::FlowTerms<Batch> flow;
-    robot.batch.flow(xi, u, flow);
+    robot.flow(xi, u, flow);
     pitch_acceleration[i] = flow.base_acceleration[2];
     for (int r = 0; r < 3; ++r) {
       if (position_weight(t, i) != 0.0) {
@@ -132,7 +132,7 @@ void average_derivatives(const model::RobotModel& robot, const Batch* x, const B
     Batch xi[kStates];
     stage_state(t, i, x, u, h, pitch_acceleration, xi);
     const model::FlowDerivatives<Batch>& flow = work.flow;
-    robot.batch.flow_derivatives(xi, u, work.flow);
+    robot.flow_derivatives(xi, u, work.flow);
     pitch_acceleration[i] = flow.base_acceleration[2];
     const Batch ch = t.c[i] * h;
     const Batch cch = t.c[i] * t.c[i - 1] * h2;

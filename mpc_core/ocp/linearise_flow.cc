@@ -190,7 +190,7 @@ void linearise_mode(const ProblemData& data, std::span<const StageBatch> batches
   };
   for_each([&](const StageBatch& batch, Flow& flow, const BatchModel&) {
     flow.it = BatchIterate(iterate, batch);
-    data.robot->batch.node_derivatives(flow.it.x, flow.it.u, parameters.value, flow.node);
+    data.robot->node_derivatives(flow.it.x, flow.it.u, parameters.value, flow.node);
   });
   for_each([&](const StageBatch& batch, Flow& flow, const BatchModel&) {
     integrate_base_derivatives(*data.robot, data.discretisation.integrator, flow.it.x, flow.it.u,

@@ -35,7 +35,7 @@ struct TouchDown {
  private:
   void follow(const ProblemData& data, const BatchParameters& parameters, int foot) noexcept {
     model::ImpactDerivatives<Batch> impact;
-    data.robot->batch.impact_derivatives[foot](after, parameters.value, impact);
+    data.robot->impact_derivatives(foot, after, parameters.value, impact);
     for (int c = 0; c < kStates; ++c) {
       Batch column[kPositions];
       for (int r = 0; r < kPositions; ++r) {
@@ -74,7 +74,7 @@ void linearise(const ProblemData& data, const TransitionBatch& batch, const Traj
   Batch row[model::kFeet][kStates] = {};
   Batch speed[model::kFeet] = {};
   Batch no_input[kInputs] = {};
-  data.robot->batch.node_derivatives(it.x, no_input, parameters.value, node);
+  data.robot->node_derivatives(it.x, no_input, parameters.value, node);
   for (int foot = 0; foot < model::kFeet; ++foot) {
     if (!batch.touchdown[foot]) continue;
     speed[foot] = node.foot_velocity[2 * foot];

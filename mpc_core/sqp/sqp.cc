@@ -142,6 +142,7 @@ Sqp::Search Sqp::line_search(const ocp::ProblemData& data, const ocp::Problem& p
   const long long start_ns = now_ns();
   Search result = Search::rejected;
   for (double length = 1.0; length >= p.step_min; length *= p.step_decrease) {
+    ++report.trial_steps;
     const double step_size = take_step(iterate, length, stages, trial);
     if (length == 1.0) full_step_size_ = step_size;
     const ocp::Merit trial_merit = ocp::evaluate(data, problem, trial);

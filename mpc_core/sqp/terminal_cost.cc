@@ -20,7 +20,7 @@ using model::kStates;
 void linearise_flow(const model::RobotModel& robot, const model::StateVector& x, const model::InputVector& u,
                     lq::StateMatrix& A, lq::InputMatrix& B) noexcept {
   model::FlowDerivatives<double> flow;
-  robot.scalar.flow_derivatives(x.data(), u.data(), flow);
+  robot.flow_derivatives(x.data(), u.data(), flow);
   A.setZero();
   B.setZero();
   for (int i = 0; i < kPositions; ++i) A(i, kPositions + i) = 1.0;
@@ -39,7 +39,7 @@ void linearise_flow(const model::RobotModel& robot, const model::StateVector& x,
 void add_foot_weights(const ocp::ProblemData& data, const model::StateVector& x, const model::InputVector& u,
                       lq::CareProblem& problem, CrossWeight& N) noexcept {
   model::NodeDerivatives<double> node;
-  data.robot->scalar.node_derivatives(x.data(), u.data(), data.joint_parameters, node);
+  data.robot->node_derivatives(x.data(), u.data(), data.joint_parameters, node);
   for (int i = 0; i < 2 * model::kFeet; ++i) {
     model::StateVector position = model::StateVector::Zero();
     model::StateVector velocity = model::StateVector::Zero();

@@ -6,6 +6,7 @@
 #include "host_tools/benchmark/interleaved.h"
 #include "host_tools/benchmark/planner_kernels.h"
 #include "host_tools/benchmark/walking_planner.h"
+#include "tests/robots.h"
 
 /// Phases of the planner and the whole plan, on the problem of a walking robot at several horizons, with the
 /// plain version of the same work beside them. Argument: horizon, ms. A plain version's counter
@@ -21,7 +22,9 @@ double horizon_s(const ::benchmark::State& state) { return 1e-3 * static_cast<do
 PlannerKernels& kernels_for(const ::benchmark::State& state) {
   static std::map<std::int64_t, std::unique_ptr<PlannerKernels>> known;
   std::unique_ptr<PlannerKernels>& kernels = known[state.range(0)];
-  if (!kernels) kernels = std::make_unique<PlannerKernels>(*WalkingPlanner(horizon_s(state)).planner);
+  if (!kernels)
+    kernels = std::make_unique<PlannerKernels>(
+        *WalkingPlanner(horizon_s(state), testing_support::amber3m()).planner);
   return *kernels;
 }
 
@@ -80,7 +83,7 @@ BENCHMARK(riccati_backward_in_eigen)->Apply(horizons);
 
 /// Ten iterations, warm-started, the robot walking on exactly as planned.
 void whole_plan(::benchmark::State& state) {
-  WalkingPlanner walking(horizon_s(state));
+  WalkingPlanner walking(horizon_s(state), testing_support::amber3m());
   for (auto _ : state) {
     if (!walking.plan_next().usable()) state.SkipWithError("no plan");
   }

@@ -4,17 +4,12 @@
 #include <stdexcept>
 
 #include "firmware/configuration/gaits/shipped_gaits.h"
+#include "firmware/robots/robots.h"
 #include "host_tools/simulator/simulated_robot.h"
 #include "host_tools/simulator/stance.h"
 
 namespace stilt::testing_support {
 namespace {
-
-const model::RobotModel& robot_model(const std::string& name) {
-  const model::RobotModel* robot = model::find_robot(name.c_str());
-  if (robot == nullptr) throw std::runtime_error("no robot named " + name);
-  return *robot;
-}
 
 simulator::PlantOptions plant_options(const RunRequest& request, const control::TimingParameters& timing) {
   simulator::PlantOptions options;
@@ -39,7 +34,7 @@ simulator::ControllerSetup controller_setup(const RunRequest& request, const mod
 simulator::Plant make_plant(const RunRequest& request, const control::ControllerParameters& parameters) {
   const simulator::PlantOptions options = plant_options(request, parameters.timing);
   const simulator::PlantModel model = simulator::make_plant_model(
-      simulator::simulated_robot(request.robot), options, parameters.reference.base_height_m);
+      robots::find(request.robot).value()->tree, options, parameters.reference.base_height_m);
   return {model, options, request.seed};
 }
 
@@ -55,7 +50,7 @@ configuration::Configuration parameters_of(const RunRequest& request) {
 }
 
 SimulatedRun::SimulatedRun(const RunRequest& request)
-    : robot(robot_model(request.robot)),
+    : robot(robots::find(request.robot).value()->model),
       parameters(parameters_of(request)),
       controller(std::make_unique<simulator::SimulatedController>()),
       plant(make_plant(request, parameters)) {

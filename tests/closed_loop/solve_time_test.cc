@@ -18,16 +18,16 @@ std::vector<benchmark::PlanSample> measured_walk(int plans) {
   ControllerChoice choice;
   choice.no_early_stop = true;
   choice.iterations = 10;
-  const auto controller = make_controller(controller_setup(
-      choice, benchmark::counting_model(robot_model(choice.robot)), controller_configuration(choice)));
+  const auto controller =
+      make_controller(controller_setup(choice, robot_model(choice.robot), controller_configuration(choice)));
   const auto table = std::make_unique<benchmark::WorkTable>();
   std::vector<benchmark::PlanSample> samples;
-  const PlanObserver observer{[] { (void)benchmark::take_model_calls(); },
+  const PlanObserver observer{[] {},
                               [&](const control::PlannerInput& input) {
                                 benchmark::PlanSample sample;
                                 sample.time_s = input.time_s;
-                                benchmark::describe_work(controller->planner(), benchmark::take_model_calls(),
-                                                         *table, sample);
+                                benchmark::describe_work(controller->planner(), controller->report(), *table,
+                                                         sample);
                                 samples.push_back(sample);
                               }};
   EXPECT_TRUE(walk(choice, 0.5, plans, *controller, observer)) << "the robot fell";

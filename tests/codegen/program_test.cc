@@ -45,24 +45,24 @@ class ProgramTest : public testing::Test {
 
 TEST_F(ProgramTest, ItWritesTheCommittedHeaders) {
   const Outcome outcome =
-      run("--urdf " STILT_SOURCE_DIR "/codegen/robots/amber3m.urdf --robot amber3m --out " + out.string());
+      run("--urdf " STILT_SOURCE_DIR "/codegen/robots/amber3m.urdf --shape five_link --out " + out.string());
   EXPECT_EQ(outcome.exit_status, 0);
   EXPECT_EQ(outcome.text, "");
   for (const char* name : {"constants.h", "kinematics.h", "node.h", "impact.h"}) {
-    EXPECT_TRUE(read(out / "amber3m" / name) ==
-                read(fs::path(STILT_SOURCE_DIR "/codegen/generated/amber3m") / name));
+    EXPECT_TRUE(read(out / "five_link" / name) ==
+                read(fs::path(STILT_SOURCE_DIR "/codegen/generated/five_link") / name));
   }
 }
 
 TEST_F(ProgramTest, HelpShowsTheUsage) {
   const Outcome outcome = run("--help");
   EXPECT_EQ(outcome.exit_status, 0);
-  EXPECT_NE(outcome.text.find("usage: stilt_codegen --urdf FILE --robot NAME --out DIR"), std::string::npos);
+  EXPECT_NE(outcome.text.find("usage: stilt_codegen --urdf FILE --shape NAME --out DIR"), std::string::npos);
 }
 
 TEST_F(ProgramTest, BadUsageIsOneSentenceAndStatusTwo) {
   for (const char* arguments :
-       {"", "--urdf a.urdf", "--urdf", "--color red", "--urdf a.urdf --robot 3m --out ."}) {
+       {"", "--urdf a.urdf", "--urdf", "--color red", "--urdf a.urdf --shape 3m --out ."}) {
     const Outcome outcome = run(arguments);
     EXPECT_EQ(outcome.exit_status, 2) << arguments;
     EXPECT_EQ(std::ranges::count(outcome.text, '\n'), 1) << outcome.text;
@@ -80,7 +80,7 @@ TEST_P(BadInputTest, IsOneSentenceAndStatusTwo) {
   const stilt::tests::OwnFolder folder;
   const fs::path out = folder.path() / "out";
   const std::string file = std::string(STILT_SOURCE_DIR "/tests/codegen/data/") + GetParam().name + ".urdf";
-  const Outcome outcome = run("--urdf " + file + " --robot robot --out " + out.string());
+  const Outcome outcome = run("--urdf " + file + " --shape robot --out " + out.string());
   EXPECT_EQ(outcome.exit_status, 2);
   EXPECT_EQ(std::ranges::count(outcome.text, '\n'), 1) << outcome.text;
   EXPECT_NE(outcome.text.find(GetParam().sentence), std::string::npos) << outcome.text;

@@ -6,7 +6,8 @@ install(TARGETS stiltd DESTINATION bin COMPONENT robot)
 install(FILES firmware/configuration/amber3m.toml DESTINATION /etc/stilt RENAME stiltd.toml COMPONENT robot)
 install(FILES ${packaging}/stiltd.service DESTINATION lib/systemd/system COMPONENT robot)
 install(FILES ${packaging}/stilt.sysusers DESTINATION lib/sysusers.d RENAME stilt.conf COMPONENT robot)
-install(FILES ${packaging}/80-can0.network ${packaging}/80-can.rules firmware/configuration/rabbit.toml
+install(FILES ${packaging}/80-can0.network ${packaging}/80-can.rules
+  codegen/robots/amber3m.urdf codegen/robots/rabbit.urdf firmware/configuration/rabbit.toml
   DESTINATION share/doc/stiltd/examples COMPONENT robot)
 install(FILES docs/deployment.md docs/security.md LICENSE DESTINATION share/doc/stiltd COMPONENT robot)
 

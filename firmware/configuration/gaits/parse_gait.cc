@@ -12,6 +12,7 @@
 
 #include "firmware/configuration/gaits/gait_file.h"
 #include "firmware/configuration/gaits/gait_names.h"
+#include "firmware/robots/robots.h"
 
 namespace stilt::gait_files {
 namespace {
@@ -59,6 +60,14 @@ class Table {
       all += (all.empty() ? "\"" : " or \"") + std::string(one) + "\"";
     }
     throw Wrong(place(key) + " must be " + (all.empty() ? "a text" : all));
+  }
+
+  [[nodiscard]] std::string robot(const char* key) const {
+    const toml::node* node = table_.get(key);
+    const auto value = node != nullptr ? node->value_exact<std::string>() : std::nullopt;
+    if (!value) throw Wrong(place(key) + " must be the name of a robot or a URDF file");
+    if (const auto found = robots::find(*value); !found) throw Wrong(place(key) + ": " + found.error());
+    return *value;
   }
 
   void numbers(const char* key, std::span<double> values) const {
@@ -169,7 +178,7 @@ GaitRecord read(const Table& file) {
   (void)file.integer("format", 1, 1);
   file.know({"format", "robot", "speed_m_s", "step_time_s", "step_length_m", "origin", "limits", "claims",
              "outputs", "feedback", "states", "inputs"});
-  record.robot = file.word("robot", {"amber3m", "amber3m_2020", "rabbit"});
+  record.robot = file.robot("robot");
   gait::HzdGait& gait = record.gait;
   gait.outputs = read_outputs(file.table("outputs"));
   const bool by_time = gait.outputs.phase == gait::PhaseKind::time;

@@ -36,6 +36,27 @@ TEST(EmitTest, ASharedSubexpressionIsComputedOnce) {
   EXPECT_EQ(f.text.find("x_0 * x_1"), f.text.rfind("x_0 * x_1")) << f.text;
 }
 
+TEST(EmitTest, CoefficientsAreReadFromOneTableForAllFunctions) {
+  Graph graph;
+  const Expression x = graph.symbol("x[0]");
+  const Expression product = graph.parameter("p[0]") * graph.parameter("p[1]");
+  const Expression inverse = graph.constant(1.0) / graph.parameter("p[0]");
+  CoefficientTable table;
+  const auto text = [&](const Expression& value) {
+    return emit_function(
+        {.name = "f", .documentation = "", .parameters = {"x", "k"}, .outputs = {{"y", value}}}, &table);
+  };
+  const EmittedFunction first = text(product * x);
+  EXPECT_TRUE(contains(first.text, "out.y = k[0] * x_0;")) << first.text;
+  EXPECT_FALSE(contains(first.text, "p[")) << first.text;
+  EXPECT_EQ(first.count.total(), 1);
+  EXPECT_TRUE(contains(text(inverse * x + product).text, "k[0] + k[1] * x_0"))
+      << "its terms keep their places";
+  ASSERT_EQ(table.entries().size(), 2U);
+  EXPECT_EQ(table.entries()[0], product);
+  EXPECT_EQ(table.entries()[1], inverse);
+}
+
 TEST(EmitTest, ANegativeConstantStandsInParentheses) {
   Graph graph;
   const std::string text = emit({{"y", graph.symbol("x[0]") + graph.constant(-3.0)}}).text;

@@ -52,6 +52,28 @@ TEST_F(GraphTest, NeutralAndAbsorbingElementsVanish) {
   EXPECT_EQ(a / a, one);
 }
 
+TEST_F(GraphTest, WhatIsMadeOfConstantsAndParametersAloneIsACoefficient) {
+  const Expression m = graph.parameter("m");
+  const Expression l = graph.parameter("l");
+  EXPECT_TRUE(graph.is_coefficient(one));
+  EXPECT_TRUE(graph.is_coefficient(m * l + m * (l * l)));
+  EXPECT_TRUE(graph.is_coefficient(-graph.sine(one / m)));
+  EXPECT_FALSE(graph.is_coefficient(a));
+  EXPECT_FALSE(graph.is_coefficient(m * a));
+  EXPECT_FALSE(graph.is_coefficient(a + l));
+}
+
+TEST_F(GraphTest, CoefficientsOfOneVariableAreJoined) {
+  const Expression m = graph.parameter("m");
+  const Expression l = graph.parameter("l");
+  EXPECT_EQ(m * (l * a), (m * l) * a);
+  EXPECT_EQ((a * m) * l, (m * l) * a);
+  EXPECT_EQ(m * a + l * a, (m + l) * a);
+  EXPECT_EQ(m * a - l * a, (m - l) * a);
+  EXPECT_EQ(a / m, (one / m) * a);
+  EXPECT_EQ(m * (a * b), (a * b) * m);
+}
+
 TEST_F(GraphTest, SignsMoveOutwards) {
   EXPECT_EQ(-(-a), a);
   EXPECT_EQ((-a) * b, -(a * b));

@@ -32,7 +32,7 @@ template <class Robot>
 class MujocoTest : public testing::Test {
  protected:
   static codegen::PlanarTree tree() {
-    return codegen::read_urdf(std::string(STILT_SOURCE_DIR "/codegen/robots/") + Robot::kName + ".urdf");
+    return codegen::read_urdf(std::string(STILT_SOURCE_DIR "/codegen/robots/") + Robot::name() + ".urdf");
   }
 };
 TYPED_TEST_SUITE(MujocoTest, Robots);
@@ -80,8 +80,8 @@ TYPED_TEST(MujocoTest, TheDefaultJointParametersAreThoseOfTheUrdf) {
   const codegen::PlanarTree robot = this->tree();
   for (int j = 0; j < kJoints; ++j) {
     const codegen::PlanarJoint& joint = robot.links[static_cast<std::size_t>(j) + 1].joint;
-    EXPECT_EQ(TypeParam::kJointParameters[j], joint.armature_kg_m2());
-    EXPECT_EQ(TypeParam::kJointParameters[kJoints + j], joint.damping_Nm_s);
+    EXPECT_EQ(TypeParam::joint_parameters()[j], joint.armature_kg_m2());
+    EXPECT_EQ(TypeParam::joint_parameters()[kJoints + j], joint.damping_Nm_s);
   }
 }
 

@@ -115,9 +115,9 @@ TYPED_TEST(PhysicsTest, AnImpactChangesMomentumByItsImpulseAlone) {
 TYPED_TEST(PhysicsTest, StandingStillOnStraightLegsNeedsNoTorqueAndHalfTheWeightOnEachFoot) {
   double x[kStates] = {};
   double u[model::kInputs] = {};
-  double mass = TypeParam::mass_matrix(x, TypeParam::kJointParameters).mass_matrix[0][0];
+  double mass = TypeParam::mass_matrix(x, TypeParam::joint_parameters()).mass_matrix[0][0];
   u[5] = u[7] = 0.5 * mass * 9.81;
-  const model::NodeTerms<double> node = TypeParam::node(x, u, TypeParam::kJointParameters);
+  const model::NodeTerms<double> node = TypeParam::node(x, u, TypeParam::joint_parameters());
   for (const double acceleration : node.base_acceleration) EXPECT_NEAR(acceleration, 0.0, 1e-12);
   for (const double torque : node.joint_torque) EXPECT_NEAR(torque, 0.0, 1e-12);
 }

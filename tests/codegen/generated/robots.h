@@ -17,85 +17,123 @@ inline void sincos(const std::complex<double>& angle, std::complex<double>& sine
 #include <array>
 #include <random>
 
-#include "codegen/generated/amber3m/constants.h"
-#include "codegen/generated/amber3m/impact.h"
-#include "codegen/generated/amber3m/kinematics.h"
-#include "codegen/generated/amber3m/node.h"
-#include "codegen/generated/rabbit/constants.h"
-#include "codegen/generated/rabbit/impact.h"
-#include "codegen/generated/rabbit/kinematics.h"
-#include "codegen/generated/rabbit/node.h"
-#include "mpc_core/model/terms.h"
+#include "codegen/generated/five_link/impact.h"
+#include "codegen/generated/five_link/kinematics.h"
+#include "codegen/generated/five_link/node.h"
+#include "mpc_core/model/leg_exchange.h"
+#include "tests/robots.h"
 
-/// Both generated robots behind one interface for typed tests.
+/// The generated functions of a robot over any scalar: double, batches of any width, complex numbers.
 namespace stilt::testing_support {
 
-/// Every generated function with the structs it writes; `robot` is a namespace in stilt::generated.
-#define STILT_TEST_ROBOT(Type, robot)                                                         \
-  struct Type {                                                                               \
-    static constexpr const char* kName = generated::robot::kRobotName;                        \
-    static constexpr const double* kJointParameters = generated::robot::kJointParameters;     \
-    template <class T>                                                                        \
-    static model::MassMatrixTerms<T> mass_matrix(const T* x, const T* p) {                    \
-      model::MassMatrixTerms<T> out;                                                          \
-      generated::robot::mass_matrix(x, p, out);                                               \
-      return out;                                                                             \
-    }                                                                                         \
-    template <class T>                                                                        \
-    static model::BiasTerms<T> bias(const T* x) {                                             \
-      model::BiasTerms<T> out;                                                                \
-      generated::robot::bias(x, out);                                                         \
-      return out;                                                                             \
-    }                                                                                         \
-    template <class T>                                                                        \
-    static model::KinematicsTerms<T> kinematics(const T* x) {                                 \
-      model::KinematicsTerms<T> out;                                                          \
-      generated::robot::kinematics(x, out);                                                   \
-      return out;                                                                             \
-    }                                                                                         \
-    template <class T>                                                                        \
-    static model::FlowTerms<T> flow(const T* x, const T* u) {                                 \
-      model::FlowTerms<T> out;                                                                \
-      generated::robot::flow(x, u, out);                                                      \
-      return out;                                                                             \
-    }                                                                                         \
-    template <class T>                                                                        \
-    static model::FlowDerivatives<T> flow_derivatives(const T* x, const T* u) {               \
-      model::FlowDerivatives<T> out;                                                          \
-      generated::robot::flow_derivatives(x, u, out);                                          \
-      return out;                                                                             \
-    }                                                                                         \
-    template <class T>                                                                        \
-    static model::NodeTerms<T> node(const T* x, const T* u, const T* p) {                     \
-      model::NodeTerms<T> out;                                                                \
-      generated::robot::node(x, u, p, out);                                                   \
-      return out;                                                                             \
-    }                                                                                         \
-    template <class T>                                                                        \
-    static model::NodeDerivatives<T> node_derivatives(const T* x, const T* u, const T* p) {   \
-      model::NodeDerivatives<T> out;                                                          \
-      generated::robot::node_derivatives(x, u, p, out);                                       \
-      return out;                                                                             \
-    }                                                                                         \
-    template <class T>                                                                        \
-    static model::ImpactTerms<T> impact(int foot, const T* x, const T* p) {                   \
-      model::ImpactTerms<T> out;                                                              \
-      foot == model::kLeft ? generated::robot::impact_left(x, p, out)                         \
-                           : generated::robot::impact_right(x, p, out);                       \
-      return out;                                                                             \
-    }                                                                                         \
-    template <class T>                                                                        \
-    static model::ImpactDerivatives<T> impact_derivatives(int foot, const T* x, const T* p) { \
-      model::ImpactDerivatives<T> out;                                                        \
-      foot == model::kLeft ? generated::robot::impact_left_derivatives(x, p, out)             \
-                           : generated::robot::impact_right_derivatives(x, p, out);           \
-      return out;                                                                             \
-    }                                                                                         \
+class AnyScalarRobot {
+ public:
+  explicit AnyScalarRobot(const model::RobotModel& robot) : robot_(robot) {}
+
+  template <class T>
+  model::MassMatrixTerms<T> mass_matrix(const T* x, const T* p) const {
+    model::MassMatrixTerms<T> out;
+    generated::five_link::mass_matrix(x, p, coefficients<T>().data(), out);
+    return out;
+  }
+  template <class T>
+  model::BiasTerms<T> bias(const T* x) const {
+    model::BiasTerms<T> out;
+    generated::five_link::bias(x, coefficients<T>().data(), out);
+    return out;
+  }
+  template <class T>
+  model::KinematicsTerms<T> kinematics(const T* x) const {
+    model::KinematicsTerms<T> out;
+    generated::five_link::kinematics(x, coefficients<T>().data(), out);
+    return out;
+  }
+  template <class T>
+  model::FlowTerms<T> flow(const T* x, const T* u) const {
+    model::FlowTerms<T> out;
+    generated::five_link::flow(x, u, coefficients<T>().data(), out);
+    return out;
+  }
+  template <class T>
+  model::FlowDerivatives<T> flow_derivatives(const T* x, const T* u) const {
+    model::FlowDerivatives<T> out;
+    generated::five_link::flow_derivatives(x, u, coefficients<T>().data(), out);
+    return out;
+  }
+  template <class T>
+  model::NodeTerms<T> node(const T* x, const T* u, const T* p) const {
+    model::NodeTerms<T> out;
+    generated::five_link::node(x, u, p, coefficients<T>().data(), out);
+    return out;
+  }
+  template <class T>
+  model::NodeDerivatives<T> node_derivatives(const T* x, const T* u, const T* p) const {
+    model::NodeDerivatives<T> out;
+    generated::five_link::node_derivatives(x, u, p, coefficients<T>().data(), out);
+    return out;
+  }
+  template <class T>
+  model::ImpactTerms<T> impact(int foot, const T* x, const T* p) const {
+    return of_foot<model::ImpactTerms<T>>(foot, x, p, [this](const T* state, const T* joints, auto& out) {
+      generated::five_link::impact_left(state, joints, coefficients<T>().data(), out);
+    });
+  }
+  template <class T>
+  model::ImpactDerivatives<T> impact_derivatives(int foot, const T* x, const T* p) const {
+    return of_foot<model::ImpactDerivatives<T>>(
+        foot, x, p, [this](const T* state, const T* joints, auto& out) {
+          generated::five_link::impact_left_derivatives(state, joints, coefficients<T>().data(), out);
+        });
   }
 
-STILT_TEST_ROBOT(Amber3m, amber3m);
-STILT_TEST_ROBOT(Rabbit, rabbit);
-#undef STILT_TEST_ROBOT
+ private:
+  template <class T>
+  std::array<T, generated::five_link::kCoefficientCount> coefficients() const {
+    std::array<T, generated::five_link::kCoefficientCount> values;
+    std::ranges::copy(robot_.scalar.coefficient, values.begin());
+    return values;
+  }
+
+  template <class Terms, class T, class Left>
+  static Terms of_foot(int foot, const T* x, const T* p, const Left& left_foot) {
+    Terms left;
+    if (foot == model::kLeft) {
+      left_foot(x, p, left);
+      return left;
+    }
+    const model::ExchangedArguments<T> mirrored(x, p);
+    left_foot(mirrored.x, mirrored.p, left);
+    Terms right;
+    model::exchange_legs(left, right);
+    return right;
+  }
+
+  const model::RobotModel& robot_;
+};
+
+/// One robot as a type, for typed tests.
+template <const model::RobotModel& (*Robot)()>
+struct GeneratedRobot {
+  static const char* name() { return Robot().constants.name; }
+  static const double* joint_parameters() { return Robot().constants.joint_parameters; }
+  static AnyScalarRobot robot() { return AnyScalarRobot(Robot()); }
+  static auto mass_matrix(const auto* x, const auto* p) { return robot().mass_matrix(x, p); }
+  static auto bias(const auto* x) { return robot().bias(x); }
+  static auto kinematics(const auto* x) { return robot().kinematics(x); }
+  static auto flow(const auto* x, const auto* u) { return robot().flow(x, u); }
+  static auto flow_derivatives(const auto* x, const auto* u) { return robot().flow_derivatives(x, u); }
+  static auto node(const auto* x, const auto* u, const auto* p) { return robot().node(x, u, p); }
+  static auto node_derivatives(const auto* x, const auto* u, const auto* p) {
+    return robot().node_derivatives(x, u, p);
+  }
+  static auto impact(int foot, const auto* x, const auto* p) { return robot().impact(foot, x, p); }
+  static auto impact_derivatives(int foot, const auto* x, const auto* p) {
+    return robot().impact_derivatives(foot, x, p);
+  }
+};
+
+using Amber3m = GeneratedRobot<amber3m>;
+using Rabbit = GeneratedRobot<rabbit>;
 
 using Robots = testing::Types<Amber3m, Rabbit>;
 

@@ -17,8 +17,8 @@ namespace {
 class OddTreeTest : public testing::Test {
  protected:
   OddTreeTest() {
-    for (const auto& specs :
-         {kinematic_functions(equations), node_functions(equations), impact_functions(equations)}) {
+    for (const auto& specs : {kinematic_functions(equations), node_functions(equations),
+                              impact_functions(equations, 0), impact_functions(equations, 1)}) {
       for (const FunctionSpec& spec : specs) functions.emplace(spec.name, spec);
     }
   }

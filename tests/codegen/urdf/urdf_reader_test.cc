@@ -51,47 +51,6 @@ TEST(UrdfReaderTest, TheAmber3mOf2020DiffersInTheTorsosCentreOfMassAlone) {
   }
 }
 
-/// Mass, centre of mass (z) and moment of inertia about it of the tree at zero angles, as one rigid body.
-struct RigidBody {
-  double mass_kg = 0.0, com_z_m = 0.0, inertia_kg_m2 = 0.0;
-};
-
-RigidBody frozen(const PlanarTree& tree) {
-  RigidBody body;
-  std::vector<double> com_z_m;
-  for (int k = 0; k < tree.link_count(); ++k) {
-    const PlanarLink& link = tree.links[static_cast<std::size_t>(k)];
-    double z_m = link.com_m.z;
-    for (const int i : tree.path_to(k)) z_m += tree.links[static_cast<std::size_t>(i)].joint.origin_m.z;
-    com_z_m.push_back(z_m);
-    body.mass_kg += link.mass_kg;
-    body.com_z_m += link.mass_kg * z_m;
-  }
-  body.com_z_m /= body.mass_kg;
-  for (std::size_t k = 0; k < com_z_m.size(); ++k) {
-    const PlanarLink& link = tree.links[k];
-    body.inertia_kg_m2 += link.inertia_kg_m2 + link.mass_kg * std::pow(com_z_m[k] - body.com_z_m, 2);
-  }
-  return body;
-}
-
-TEST(UrdfReaderTest, TheLumpedAmber3mIsOneBodyWithTheSameMassAndInertia) {
-  const PlanarTree whole = robot("amber3m");
-  const PlanarTree lumped = robot("amber3m_lumped");
-  EXPECT_NEAR(frozen(lumped).mass_kg, frozen(whole).mass_kg, 1e-8);
-  EXPECT_NEAR(frozen(lumped).com_z_m, frozen(whole).com_z_m, 1e-8);
-  EXPECT_NEAR(frozen(lumped).inertia_kg_m2, frozen(whole).inertia_kg_m2, 1e-8);
-  EXPECT_LT((lumped.mass_kg() - lumped.links[0].mass_kg) / lumped.mass_kg(), 5e-4);
-  EXPECT_LT(lumped.links[0].com_m.z, whole.links[0].com_m.z);
-  for (std::size_t k = 1; k < whole.links.size(); ++k) {
-    EXPECT_EQ(lumped.links[k].joint.name, whole.links[k].joint.name);
-    EXPECT_EQ(lumped.links[k].joint.origin_m.z, whole.links[k].joint.origin_m.z);
-    EXPECT_EQ(lumped.links[k].joint.armature_kg_m2(), whole.links[k].joint.armature_kg_m2());
-    EXPECT_EQ(lumped.links[k].joint.torque_max_Nm, whole.links[k].joint.torque_max_Nm);
-    EXPECT_LT(lumped.links[k].inertia_kg_m2, 0.002 * whole.links[k].inertia_kg_m2);
-  }
-}
-
 TEST(UrdfReaderTest, RabbitHasThePublishedNumbers) {
   const PlanarTree tree = robot("rabbit");
   EXPECT_DOUBLE_EQ(tree.mass_kg(), 32.0);

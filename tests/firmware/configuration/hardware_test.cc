@@ -186,9 +186,11 @@ TEST(Hardware, AMildReactionMustComeBeforeTheHardOne) {
 TEST(Hardware, TextsThatAreNotUnderstoodSayWhatWouldBeRight) {
   EXPECT_EQ(mistakes("[hardware]\nrobot = \"atlas\"\n"),
             "robot.toml:2:9: hardware.robot: there is no robot \"atlas\"; known robots are amber3m, "
-            "amber3m_2020, rabbit");
+            "amber3m_2020, rabbit; "
+            "or give a file that ends in .urdf");
   EXPECT_EQ(mistakes("[hardware]\nrobot = 3\n"),
-            "robot.toml:2:9: hardware.robot must be text, the name of a robot, not a whole number");
+            "robot.toml:2:9: hardware.robot must be text, the name of a robot or a file that ends in .urdf, "
+            "not a whole number");
   EXPECT_EQ(mistakes("[hardware]\nbuses = \"can0,can0\"\n"),
             "robot.toml:2:9: hardware.buses: names the bus can0 twice");
   EXPECT_EQ(mistakes("[hardware]\nbuses = \"can0,\"\n"),

@@ -7,6 +7,7 @@
 
 #include "firmware/configuration/configuration.h"
 #include "mpc_core/gait/reference.h"
+#include "tests/robots.h"
 
 namespace stilt::control_loop {
 namespace {
@@ -17,12 +18,13 @@ class PlannerTaskTest : public testing::Test {
       : configuration(configuration::load_robot("amber3m").value()),
         planner(std::make_unique<PlannerTask>()),
         plan(std::make_unique<control::Plan>()) {
-    EXPECT_EQ(planner->configure(model::amber3m(), configuration), control::ConfigureStatus::ok);
+    EXPECT_EQ(planner->configure(testing_support::amber3m(), configuration), control::ConfigureStatus::ok);
     request.tick = 1;
     request.session = 1;
     request.time_s = 5.0;
-    request.state = gait::standing_state(model::amber3m().constants, configuration.reference.base_height_m,
-                                         0.0, configuration.gait.stand_half_width_m, true);
+    request.state =
+        gait::standing_state(testing_support::amber3m().constants, configuration.reference.base_height_m, 0.0,
+                             configuration.gait.stand_half_width_m, true);
   }
   configuration::Configuration configuration;
   std::unique_ptr<PlannerTask> planner;

@@ -10,6 +10,7 @@
 #include "firmware/control_loop/control_loop.h"
 #include "firmware/control_loop/planner_task.h"
 #include "mpc_core/gait/reference.h"
+#include "tests/robots.h"
 
 /// The control loop and the planner over a scripted robot, without threads and clocks.
 namespace stilt::control_loop::testing {
@@ -61,7 +62,7 @@ class ScriptedRobot final : public hal::Robot {
 class Rig {
  public:
   Rig() {
-    robot = &model::amber3m();
+    robot = &testing_support::amber3m();
     configuration = configuration::load_robot("amber3m").value();
     EXPECT_EQ(planner.configure(*robot, configuration), control::ConfigureStatus::ok);
     cycle.configure(*robot, configuration, configuration.supervisor);

@@ -11,6 +11,7 @@
 #include "firmware/configuration/schema.h"
 #include "firmware/control_loop/planner_task.h"
 #include "mpc_core/gait/reference.h"
+#include "tests/robots.h"
 
 namespace stilt::telemetry {
 namespace {
@@ -19,7 +20,7 @@ class Tunables : public testing::Test {
  protected:
   configuration::Configuration configuration = configuration::load_robot("amber3m").value();
   std::unique_ptr<control_loop::Mailboxes> mail = std::make_unique<control_loop::Mailboxes>();
-  Tuner tuner{configuration, model::amber3m(), *mail};
+  Tuner tuner{configuration, testing_support::amber3m(), *mail};
 };
 
 TEST_F(Tunables, are_weights_gains_and_heights_and_start_as_configured) {
@@ -78,7 +79,7 @@ TEST_F(Tunables, stay_within_the_range_of_their_key) {
     const auto& field = std::get<configuration::RealField>(entry.field);
     field.set(extreme, field.max);
   }
-  Tuner other(extreme, model::amber3m(), *mail);
+  Tuner other(extreme, testing_support::amber3m(), *mail);
   EXPECT_NE(other.set("torque_law.joint_kp_Nm_rad", 1.01 * extreme.torque_law.joint_kp_Nm_rad), "");
 }
 
@@ -95,8 +96,9 @@ TEST_F(Tunables, out_of_range_unknown_or_not_a_number_change_nothing_and_say_wha
 TEST_F(Tunables, give_the_plan_that_the_same_configuration_gives) {
   control_loop::PlanningRequest request;
   request.session = 1;
-  request.state = gait::standing_state(model::amber3m().constants, configuration.reference.base_height_m, 0,
-                                       configuration.gait.stand_half_width_m, true);
+  request.state =
+      gait::standing_state(testing_support::amber3m().constants, configuration.reference.base_height_m, 0,
+                           configuration.gait.stand_half_width_m, true);
   request.state[model::kPositions] = 0.1;
   const auto plan_of = [&](control_loop::PlannerTask& planner) {
     auto plan = std::make_unique<control::Plan>();
@@ -105,13 +107,13 @@ TEST_F(Tunables, give_the_plan_that_the_same_configuration_gives) {
   };
   auto tuned = std::make_unique<control_loop::PlannerTask>();
   auto configured = std::make_unique<control_loop::PlannerTask>();
-  ASSERT_EQ(tuned->configure(model::amber3m(), configuration), control::ConfigureStatus::ok);
+  ASSERT_EQ(tuned->configure(testing_support::amber3m(), configuration), control::ConfigureStatus::ok);
   ASSERT_EQ(tuner.set("cost.base_vx", 80), "");
   tuned->tune(mail->planner_tunings.newest());
   EXPECT_EQ(tuned->tuning(), 1u);
   configuration::Configuration changed = configuration;
   changed.cost.base_vx = 80;
-  ASSERT_EQ(configured->configure(model::amber3m(), changed), control::ConfigureStatus::ok);
+  ASSERT_EQ(configured->configure(testing_support::amber3m(), changed), control::ConfigureStatus::ok);
   const auto a = plan_of(*tuned);
   const auto b = plan_of(*configured);
   ASSERT_EQ(a->nodes, b->nodes);

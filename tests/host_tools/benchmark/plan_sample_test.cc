@@ -5,6 +5,8 @@
 #include <memory>
 #include <numeric>
 
+#include "tests/robots.h"
+
 namespace stilt::benchmark {
 namespace {
 
@@ -42,14 +44,13 @@ TEST(PlanSample, DescribesWhatAPlanConsistedOf) {
   const auto planner = std::make_unique<control::Planner>();
   const auto plan = std::make_unique<control::Plan>();
   const auto table = std::make_unique<WorkTable>();
-  ASSERT_EQ(planner->configure(counting_model(model::amber3m()), parameters), control::ConfigureStatus::ok);
+  ASSERT_EQ(planner->configure(testing_support::amber3m(), parameters), control::ConfigureStatus::ok);
   planner->reset(0.0);
-  (void)take_model_calls();
-  const sqp::SolveReport report =
-      planner->plan({0.0, gait::standing_state(model::amber3m().constants, 0.8, 0.0, 0.15, true), {}}, *plan);
+  const sqp::SolveReport report = planner->plan(
+      {0.0, gait::standing_state(testing_support::amber3m().constants, 0.8, 0.0, 0.15, true), {}}, *plan);
   ASSERT_TRUE(report.usable());
   PlanSample sample;
-  describe_work(*planner, take_model_calls(), *table, sample);
+  describe_work(*planner, report, *table, sample);
   EXPECT_EQ(sample.iterations, 4);
   EXPECT_GE(sample.trial_steps, 4);
   EXPECT_EQ(sample.stages, 40);

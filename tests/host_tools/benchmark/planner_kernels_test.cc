@@ -4,8 +4,8 @@
 
 #include <memory>
 
-#include "host_tools/benchmark/call_counter.h"
 #include "host_tools/benchmark/phase_speeds.h"
+#include "tests/robots.h"
 
 namespace stilt::benchmark {
 namespace {
@@ -26,17 +26,16 @@ control::ControllerParameters short_horizon() {
 class Kernels : public ::testing::Test {
  protected:
   void SetUp() override {
-    ASSERT_EQ(planner_->configure(counting_model(model::amber3m()), short_horizon()),
-              control::ConfigureStatus::ok);
+    ASSERT_EQ(planner_->configure(testing_support::amber3m(), short_horizon()), control::ConfigureStatus::ok);
     planner_->reset(0.0);
     plan_at(0.0);
   }
 
   sqp::SolveReport plan_at(double time_s) {
-    const control::PlannerInput input{time_s,
-                                      gait::standing_state(model::amber3m().constants, 0.8, 0.0, 0.15, true),
-                                      {GaitKind::walk, 0.4}};
-    (void)take_model_calls();
+    const control::PlannerInput input{
+        time_s,
+        gait::standing_state(testing_support::amber3m().constants, 0.8, 0.0, 0.15, true),
+        {GaitKind::walk, 0.4}};
     return planner_->plan(input, *plan_);
   }
 
@@ -80,14 +79,10 @@ TEST_F(Kernels, WorkOfThePartsIsTheWorkOfTheWhole) {
   expect_same(work.sweep, count_work([&] { kernels.sweep(); }), "sweep");
 }
 
-TEST_F(Kernels, CallsOfTheModelTellIterationsAndTrialSteps) {
+TEST_F(Kernels, EveryIterationTriesAtLeastOneStep) {
   const sqp::SolveReport report = plan_at(0.25);
-  const ModelCalls calls = take_model_calls();
-  const int batches = planner_->problem().batches;
-  EXPECT_EQ(calls.linearised_batches, report.iterations * (batches + planner_->problem().transition_batches));
-  EXPECT_GE(calls.evaluated_batches, (1 + report.iterations) * batches);
-  EXPECT_EQ(calls.evaluated_batches % batches, 0);
-  EXPECT_EQ(take_model_calls().evaluated_batches, 0) << "taken already";
+  EXPECT_EQ(report.iterations, 3);
+  EXPECT_GE(report.trial_steps, report.iterations);
 }
 
 TEST_F(Kernels, TheTextbookSweepNeedsMoreOperationsWithMoreInputs) {

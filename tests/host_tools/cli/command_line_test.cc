@@ -33,7 +33,6 @@ TEST_F(CommandLine, BadUsageIsOneSentenceAndStatusTwo) {
                                 "sim --duration inf",
                                 "sim --controller mpc-best",
                                 "sim --controller nothing",
-                                "sim --controller mpc-lumped --robot rabbit",
                                 "sim --controller mpc-lumped --lump feet",
                                 "sim --horizon 3",
                                 "sim --horizon -1",
@@ -71,6 +70,22 @@ TEST_F(CommandLine, BadUsageIsOneSentenceAndStatusTwo) {
     EXPECT_EQ(std::count(outcome.errors.begin(), outcome.errors.end(), '\n'), 1)
         << arguments << outcome.errors;
     EXPECT_EQ(outcome.errors.rfind("stilt: ", 0), 0u) << arguments << outcome.errors;
+  }
+}
+
+TEST_F(CommandLine, ARobotWithAHipOffsetIsRefusedByEveryCommandThatTakesARobot) {
+  const std::string robot = " --robot " STILT_TEST_DATA "/robots/hip_offset.urdf";
+  for (const std::string command :
+       {"sim", "bench", "model eval", "gait synthesize --speed 0.5 --out /dev/null",
+        "robot --bus loopback:none"}) {
+    const Outcome outcome = run(command + robot);
+    EXPECT_EQ(outcome.status, 2) << command;
+    EXPECT_NE(outcome.errors.find(
+                  "hip_offset.urdf: joint 'hip_L' stands at x 0.03 m, z 0 m of link 'torso'; both hips "
+                  "must stand at its origin"),
+              std::string::npos)
+        << command << ": " << outcome.errors;
+    EXPECT_EQ(std::count(outcome.errors.begin(), outcome.errors.end(), '\n'), 1) << command << outcome.errors;
   }
 }
 

@@ -6,10 +6,11 @@
 #include <random>
 #include <sstream>
 
+#include "firmware/robots/robots.h"
 #include "host_tools/cli/usage_error.h"
 #include "host_tools/simulator/mjcf.h"
 #include "host_tools/simulator/physics_model.h"
-#include "host_tools/simulator/simulated_robot.h"
+#include "tests/robots.h"
 
 namespace stilt::cli {
 namespace {
@@ -27,7 +28,7 @@ class Oracle {
     simulator::MjcfOptions options;
     options.contacts = false;
     physics_ =
-        simulator::compile_mjcf(simulator::to_mjcf(simulator::simulated_robot(robot), options), index_);
+        simulator::compile_mjcf(simulator::to_mjcf(robots::find(robot).value()->tree, options), index_);
     data_.reset(mj_makeData(physics_.get()));
   }
 
@@ -101,7 +102,7 @@ TEST_P(ModelEvaluation, AgreesWithMuJoCo) {
   Oracle oracle(GetParam());
   for (int trial = 0; trial < 50; ++trial) {
     draw();
-    const Json result = evaluate_model(*model::find_robot(GetParam()), x_, u_);
+    const Json result = evaluate_model(*testing_support::find_robot(GetParam()), x_, u_);
     oracle.set(x_);
     const auto mass = oracle.mass_matrix();
     for (std::size_t i = 0; i < kPositions; ++i) {
@@ -133,7 +134,7 @@ TEST_P(ModelEvaluation, AgreesWithMuJoCo) {
 
 TEST_P(ModelEvaluation, DerivativesAgreeWithCentralDifferences) {
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
-  const model::RobotModel& robot = *model::find_robot(GetParam());
+  const model::RobotModel& robot = *testing_support::find_robot(GetParam());
   constexpr double kStep = 1e-5;
   draw();
   const Json at = evaluate_model(robot, x_, u_);
@@ -163,7 +164,7 @@ TEST_P(ModelEvaluation, DerivativesAgreeWithCentralDifferences) {
 TEST_P(ModelEvaluation, AnImpactLeavesTheStruckFootAtRestAndBalancesMomentum) {
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   draw();
-  const Json result = evaluate_model(*model::find_robot(GetParam()), x_, u_);
+  const Json result = evaluate_model(*testing_support::find_robot(GetParam()), x_, u_);
   for (const auto& [side, first_row] : {std::pair{"left", 0}, {"right", 2}}) {
     const Json& impact = result["impact"][side];
     for (int axis = 0; axis < 2; ++axis) {
@@ -196,7 +197,7 @@ TEST(ModelLines, EachLineIsAnsweredByOneLine) {
   const std::string line = "{\"x\": " + zeros14 + ", \"u\": " + zeros8 + "}\n";
   std::istringstream input(line + "\n" + line);
   std::ostringstream output;
-  evaluate_lines(model::amber3m(), input, output);
+  evaluate_lines(testing_support::amber3m(), input, output);
   std::istringstream lines(output.str());
   std::string text;
   int count = 0;
@@ -216,7 +217,7 @@ TEST(ModelLines, ALineThatIsNotSuchAnObjectIsRefusedWithItsNumber) {
     std::istringstream input(good + "\n" + bad + "\n");
     std::ostringstream output;
     try {
-      evaluate_lines(model::amber3m(), input, output);
+      evaluate_lines(testing_support::amber3m(), input, output);
       ADD_FAILURE() << bad;
     } catch (const UsageError& error) {
       EXPECT_NE(std::string(error.what()).find("line 2"), std::string::npos) << error.what();

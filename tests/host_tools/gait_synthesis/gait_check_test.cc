@@ -13,6 +13,7 @@
 #include "host_tools/gait_synthesis/likely_mistake.h"
 #include "host_tools/gait_synthesis/return_map.h"
 #include "tests/host_tools/gait_synthesis/sample_gaits.h"
+#include "tests/robots.h"
 
 namespace stilt::gait_synthesis {
 namespace {
@@ -26,15 +27,16 @@ std::string joined(const std::vector<Violation>& violations) {
 }
 
 bool violates(const GaitRecord& record, const std::string& name) {
-  const GaitCheck check = check_gait(model::amber3m(), record);
+  const GaitCheck check = check_gait(testing_support::amber3m(), record);
   return std::ranges::find(check.violations, name, &Violation::name) != check.violations.end();
 }
 
 TEST(Synthesis, FindsValidGaitsForwardInPlaceAndBackward) {
   for (const double speed_m_s : {0.5, 0.0, -0.3}) {
     const StepTask task = task_at(speed_m_s);
-    const GaitRecord record = make_record(model::amber3m(), task, synthesize(model::amber3m(), task));
-    const GaitCheck check = check_gait(model::amber3m(), record);
+    const GaitRecord record =
+        make_record(testing_support::amber3m(), task, synthesize(testing_support::amber3m(), task));
+    const GaitCheck check = check_gait(testing_support::amber3m(), record);
     EXPECT_TRUE(check.valid()) << speed_m_s << " m/s: " << joined(check.violations);
     EXPECT_NEAR(record.gait.step_length_m / record.gait.step_time_s, speed_m_s, 1e-5);
     EXPECT_LE(check.figures.defect_max, 1e-6);
@@ -45,8 +47,9 @@ TEST(Synthesis, KeepsToNarrowerLimitsAtAHigherCost) {
   StepTask task = task_at(0.5);
   task.limits.torque_Nm = 30.0;
   task.limits.pitch_rad = 0.02;
-  const Synthesis narrow = synthesize(model::amber3m(), task);
-  const GaitCheck check = check_gait(model::amber3m(), make_record(model::amber3m(), task, narrow));
+  const Synthesis narrow = synthesize(testing_support::amber3m(), task);
+  const GaitCheck check =
+      check_gait(testing_support::amber3m(), make_record(testing_support::amber3m(), task, narrow));
   EXPECT_TRUE(check.valid()) << joined(check.violations);
   EXPECT_LE(check.figures.pitch_max_rad, 0.02);
   EXPECT_GT(check.figures.torque_squared_per_m, walking_record().claims->torque_squared_per_m);
@@ -55,7 +58,7 @@ TEST(Synthesis, KeepsToNarrowerLimitsAtAHigherCost) {
 TEST(Synthesis, SaysSoWhenThereIsNoGait) {
   StepTask task = task_at(0.5);
   task.limits.torque_Nm = 5.0;
-  EXPECT_THROW((void)synthesize(model::amber3m(), task), NoGait);
+  EXPECT_THROW((void)synthesize(testing_support::amber3m(), task), NoGait);
 }
 
 TEST(Synthesis, EveryCostGivesItsOwnGait) {
@@ -64,8 +67,9 @@ TEST(Synthesis, EveryCostGivesItsOwnGait) {
        {CostKind::torque_squared, CostKind::mechanical_power, CostKind::acceleration_squared}) {
     StepTask task = task_at(0.5);
     task.cost = cost;
-    const GaitRecord record = make_record(model::amber3m(), task, synthesize(model::amber3m(), task));
-    const GaitCheck check = check_gait(model::amber3m(), record);
+    const GaitRecord record =
+        make_record(testing_support::amber3m(), task, synthesize(testing_support::amber3m(), task));
+    const GaitCheck check = check_gait(testing_support::amber3m(), record);
     EXPECT_TRUE(check.valid()) << joined(check.violations);
     squared_torque.push_back(record.claims->torque_squared_per_m);
   }
@@ -76,21 +80,24 @@ TEST(Synthesis, EveryCostGivesItsOwnGait) {
 TEST(Synthesis, WorksForTheOtherRobotToo) {
   StepTask task = task_at(0.5);
   task.step_time_s = 0.4;
-  const GaitRecord record = make_record(model::rabbit(), task, synthesize(model::rabbit(), task));
-  const GaitCheck check = check_gait(model::rabbit(), record);
+  const GaitRecord record =
+      make_record(testing_support::rabbit(), task, synthesize(testing_support::rabbit(), task));
+  const GaitCheck check = check_gait(testing_support::rabbit(), record);
   EXPECT_TRUE(check.valid()) << joined(check.violations);
 }
 
 TEST(Replay, StaysOnTheGaitOverManyStepsAndComesBackAfterADisturbance) {
   const StepTask slow = task_at(0.1);  // along the time, so with foot placement
-  const GaitRecord slow_record = make_record(model::amber3m(), slow, synthesize(model::amber3m(), slow));
+  const GaitRecord slow_record =
+      make_record(testing_support::amber3m(), slow, synthesize(testing_support::amber3m(), slow));
   for (const GaitRecord* record : {&walking_record(), &stepping_record(), &slow_record}) {
     const ReducedState nominal = reduce(start_of_motion(record->gait));
     ReducedState at = nominal;
     at[0] += 0.01;
     at[5] -= 0.05;
     for (int step = 0; step < 100; ++step) {
-      const auto outcome = integrate_step(model::amber3m(), record->gait, expand(model::amber3m(), at));
+      const auto outcome =
+          integrate_step(testing_support::amber3m(), record->gait, expand(testing_support::amber3m(), at));
       ASSERT_TRUE(outcome) << "step " << step;
       at = reduce(outcome->after);
     }
@@ -123,7 +130,8 @@ TEST(Check, NamesTheLimitThatIsNotKept) {
 
 TEST(Check, ABackwardGaitSlipsBackwardAndIsBoundAsWell) {
   const StepTask task = task_at(-0.3);
-  GaitRecord record = make_record(model::amber3m(), task, synthesize(model::amber3m(), task));
+  GaitRecord record =
+      make_record(testing_support::amber3m(), task, synthesize(testing_support::amber3m(), task));
   ASSERT_LT(record.claims->touchdown_slip_m_s, -0.1);
   EXPECT_FALSE(violates(record, "touchdown_slip_m_s"));
   record.limits.touchdown_slip_m_s = 0.05;
@@ -137,7 +145,7 @@ TEST(Check, AViolationHasTheValueThatWasComputedAndItsBound) {
   record.limits.clearance_m = 0.1;
   record.claims->peak_torque_Nm[2] += 1.0;
   record.gait.speed_m_s += 0.125;
-  const std::vector<Violation> found = check_gait(model::amber3m(), record).violations;
+  const std::vector<Violation> found = check_gait(testing_support::amber3m(), record).violations;
   ASSERT_EQ(found.size(), 4u) << joined(found);
   EXPECT_EQ(found[0].name, "speed");
   EXPECT_NEAR(found[0].value, 0.125, 1e-5);
@@ -157,7 +165,7 @@ TEST(Check, AViolationHasTheValueThatWasComputedAndItsBound) {
 TEST(Check, WhatIsNotANumberKeepsNoBoundAndMakesNoClaimTrue) {
   GaitRecord record = walking_record();
   record.limits.torque_Nm = record.limits.knee_min_rad = record.claims->pitch_max_rad = std::nan("");
-  const GaitCheck check = check_gait(model::amber3m(), record);
+  const GaitCheck check = check_gait(testing_support::amber3m(), record);
   ASSERT_EQ(check.violations.size(), 3u) << joined(check.violations);
   EXPECT_EQ(check.violations[0].name, "torque_Nm");
   EXPECT_EQ(check.violations[1].name, "knee_min_rad");
@@ -209,7 +217,7 @@ GaitRecord bare(const GaitRecord& record) {
 TEST(CompleteMotion, FindsTheMotionAgainFromOutputsAlone) {
   for (const GaitRecord* record : {&walking_record(), &stepping_record()}) {
     GaitRecord found = bare(*record);
-    complete_motion(model::amber3m(), found.gait);
+    complete_motion(testing_support::amber3m(), found.gait);
     EXPECT_NEAR(found.gait.speed_m_s, record->gait.speed_m_s, 1e-6);
     EXPECT_NEAR(found.gait.step_time_s, record->gait.step_time_s, 1e-6);
     for (int i = 0; i <= 10; ++i) {
@@ -226,10 +234,11 @@ TEST(CompleteMotion, TakesOutputsOfEveryDegreeFromFourToSeven) {
   for (int degree = 4; degree <= 7; ++degree) {
     StepTask task = task_at(0.5);
     task.output_degree = degree;
-    GaitRecord record = make_record(model::amber3m(), task, synthesize(model::amber3m(), task));
-    EXPECT_TRUE(check_gait(model::amber3m(), record).valid()) << "degree " << degree;
+    GaitRecord record =
+        make_record(testing_support::amber3m(), task, synthesize(testing_support::amber3m(), task));
+    EXPECT_TRUE(check_gait(testing_support::amber3m(), record).valid()) << "degree " << degree;
     GaitRecord found = bare(record);
-    complete_motion(model::amber3m(), found.gait);
+    complete_motion(testing_support::amber3m(), found.gait);
     EXPECT_NEAR(found.gait.speed_m_s, 0.5, 1e-5) << "degree " << degree;
   }
 }
@@ -237,7 +246,7 @@ TEST(CompleteMotion, TakesOutputsOfEveryDegreeFromFourToSeven) {
 TEST(CompleteMotion, SaysSoWhenOutputsDoNotWalk) {
   gait::HzdGait gait = bare(walking_record()).gait;
   for (auto& row : gait.outputs.angle_rad) std::fill(std::begin(row), std::end(row), 0.4);
-  EXPECT_THROW(complete_motion(model::amber3m(), gait), std::runtime_error);
+  EXPECT_THROW(complete_motion(testing_support::amber3m(), gait), std::runtime_error);
 }
 
 /// Outputs as a user may get them wrong, by the correction that is to be named.
@@ -281,20 +290,21 @@ TEST(LikelyMistake, IsTheOneThatWasMade) {
   for (const auto& [name, make] : mistakes) {
     gait::HzdGait gait = bare(walking_record()).gait;
     make(gait.outputs);
-    EXPECT_EQ(likely_mistake(model::amber3m(), gait).value_or("none"), name);
+    EXPECT_EQ(likely_mistake(testing_support::amber3m(), gait).value_or("none"), name);
   }
 }
 
 TEST(LikelyMistake, IsNoneOfOutputsThatNoCorrectionMakesWalk) {
   gait::HzdGait gait = bare(walking_record()).gait;
   for (auto& row : gait.outputs.angle_rad) std::fill(std::begin(row), std::end(row), 0.4);
-  EXPECT_FALSE(likely_mistake(model::amber3m(), gait));
+  EXPECT_FALSE(likely_mistake(testing_support::amber3m(), gait));
 }
 
 TEST(GaitPage, DrawsEverythingAndLoadsNothing) {
   GaitRecord record = walking_record();
   record.origin.emplace_back("note", "<script>alert(1)</script>");
-  const std::string page = render_gait_page(model::amber3m(), record, check_gait(model::amber3m(), record));
+  const std::string page =
+      render_gait_page(testing_support::amber3m(), record, check_gait(testing_support::amber3m(), record));
   for (const char* title :
        {"One step, posture by posture", "Phase portrait of the hips", "Phase portrait of the knees",
         "Joint angles", "Joint torques", "Path of the swing foot", "Force on the stance foot"}) {

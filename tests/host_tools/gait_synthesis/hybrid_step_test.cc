@@ -7,6 +7,7 @@
 
 #include "host_tools/gait_synthesis/return_map.h"
 #include "tests/host_tools/gait_synthesis/sample_gaits.h"
+#include "tests/robots.h"
 
 namespace stilt::gait_synthesis {
 namespace {
@@ -22,12 +23,13 @@ StateVector disturbed_start(const gait::HzdGait& gait) {
   r[1] += 0.01;
   r[3] -= 0.02;
   r[5] += 0.1;
-  return expand(model::amber3m(), r);
+  return expand(testing_support::amber3m(), r);
 }
 
 double kinetic_energy_J(const StateVector& x) {
   model::MassMatrixTerms<double> mass;
-  model::amber3m().scalar.mass_matrix(x.data(), model::amber3m().constants.joint_parameters, mass);
+  testing_support::amber3m().mass_matrix(x.data(), testing_support::amber3m().constants.joint_parameters,
+                                         mass);
   double energy = 0.0;
   for (int r = 0; r < kPositions; ++r) {
     for (int c = 0; c < kPositions; ++c)
@@ -41,7 +43,7 @@ double power_W(const StateVector& x, const model::JointVector& torque_Nm) {
   StateVector still = x;
   still.tail<kPositions>().setZero();
   model::BiasTerms<double> gravity;
-  model::amber3m().scalar.bias(still.data(), gravity);
+  testing_support::amber3m().bias(still.data(), gravity);
   double power = torque_Nm.dot(x.tail<kJoints>());
   for (int i = 0; i < kPositions; ++i) power -= gravity.bias[i] * x[kPositions + i];
   return power;
@@ -51,11 +53,11 @@ TEST(HybridStep, KeepsTheStanceFootAtTheOriginUnderAnyDisturbance) {
   const gait::HzdGait& gait = walking_gait();
   StepOptions options;
   options.keep_samples = true;
-  const auto step = integrate_step(model::amber3m(), gait, disturbed_start(gait), options);
+  const auto step = integrate_step(testing_support::amber3m(), gait, disturbed_start(gait), options);
   ASSERT_TRUE(step);
   for (const StepSample& sample : step->samples) {
     model::KinematicsTerms<double> feet;
-    model::amber3m().scalar.kinematics(sample.x.data(), feet);
+    testing_support::amber3m().kinematics(sample.x.data(), feet);
     EXPECT_NEAR(feet.foot_position[0], 0.0, 1e-9);
     EXPECT_NEAR(feet.foot_position[1], 0.0, 1e-9);
   }
@@ -66,14 +68,14 @@ TEST(HybridStep, ChangesEnergyByTheWorkOfJointsAndGravity) {
   const StateVector start = disturbed_start(gait);
   constexpr int kSamples = 2000;
   const double end_s = 0.8 * gait.step_time_s;
-  const auto states =
-      states_at(model::amber3m(), gait, start, Eigen::VectorXd::LinSpaced(kSamples + 1, 0.0, end_s));
+  const auto states = states_at(testing_support::amber3m(), gait, start,
+                                Eigen::VectorXd::LinSpaced(kSamples + 1, 0.0, end_s));
   double work_J = 0.0;  // Simpson's rule
   for (int i = 0; i <= kSamples; ++i) {
     const StateVector& x = states[static_cast<std::size_t>(i)];
     const double time_s = end_s * i / kSamples;
-    const auto acceleration = output_feedback(model::amber3m(), gait, x, time_s, 0.0);
-    const double power = power_W(x, stance_motion(model::amber3m(), x, acceleration).torque_Nm);
+    const auto acceleration = output_feedback(testing_support::amber3m(), gait, x, time_s, 0.0);
+    const double power = power_W(x, stance_motion(testing_support::amber3m(), x, acceleration).torque_Nm);
     work_J += power * (i == 0 || i == kSamples ? 1.0 : i % 2 == 1 ? 4.0 : 2.0) * end_s / kSamples / 3.0;
   }
   EXPECT_NEAR(kinetic_energy_J(states.back()) - kinetic_energy_J(states.front()), work_J, 1e-6);
@@ -86,13 +88,14 @@ TEST(OutputFeedback, MakesTheOutputErrorDecayAsItsEquationSays) {
     const double pole = std::sqrt(kp);
     const StateVector start = disturbed_start(*gait);
     const Eigen::VectorXd times = Eigen::VectorXd::LinSpaced(9, 0.0, 0.2);
-    const auto states = states_at(model::amber3m(), *gait, start, times);
+    const auto states = states_at(testing_support::amber3m(), *gait, start, times);
     const auto error_of = [&](const StateVector& x, double time_s) -> model::JointVector {
       return x.segment<kJoints>(kFirstJoint) -
              gait::outputs_at(gait->outputs, phase_of(gait->outputs, x, time_s)).angle_rad;
     };
     constexpr double kMove_s = 1e-5;
-    const auto soon = states_at(model::amber3m(), *gait, start, Eigen::VectorXd::Constant(1, kMove_s));
+    const auto soon =
+        states_at(testing_support::amber3m(), *gait, start, Eigen::VectorXd::Constant(1, kMove_s));
     const model::JointVector e0 = error_of(start, 0.0);
     // The rate of the error at the start, from e(h) = e0 + h r0 - h^2 (kd r0 + kp e0) / 2.
     const model::JointVector r0 = (error_of(soon[0], kMove_s) - e0 * (1.0 - 0.5 * kp * kMove_s * kMove_s)) /
@@ -108,10 +111,10 @@ TEST(OutputFeedback, MakesTheOutputErrorDecayAsItsEquationSays) {
 
 TEST(TouchDown, PutsTheNewStanceFootToRestAtTheOrigin) {
   const gait::HzdGait& gait = walking_gait();
-  const auto step = integrate_step(model::amber3m(), gait, disturbed_start(gait));
+  const auto step = integrate_step(testing_support::amber3m(), gait, disturbed_start(gait));
   ASSERT_TRUE(step);
   model::KinematicsTerms<double> feet;
-  model::amber3m().scalar.kinematics(step->after.data(), feet);
+  testing_support::amber3m().kinematics(step->after.data(), feet);
   for (int i = 0; i < 2; ++i) {
     EXPECT_NEAR(feet.foot_position[i], 0.0, 1e-12);
     EXPECT_NEAR(feet.foot_velocity[i], 0.0, 1e-12);
@@ -141,11 +144,12 @@ TEST(IntegrateStep, OnlyTheSecondHalfOfTheStepEndsWithTouchDown) {
   r[9] -= 9.0;
   StepOptions options;
   options.keep_samples = true;
-  const auto step = integrate_step(model::amber3m(), walking_gait(), expand(model::amber3m(), r), options);
+  const auto step = integrate_step(testing_support::amber3m(), walking_gait(),
+                                   expand(testing_support::amber3m(), r), options);
   ASSERT_TRUE(step);
   const auto height_m = [](const StepSample& sample) {
     model::KinematicsTerms<double> feet;
-    model::amber3m().scalar.kinematics(sample.x.data(), feet);
+    testing_support::amber3m().kinematics(sample.x.data(), feet);
     return feet.foot_position[3];
   };
   int early_contacts = 0;
@@ -159,7 +163,8 @@ TEST(IntegrateStep, OnlyTheSecondHalfOfTheStepEndsWithTouchDown) {
 TEST(IntegrateStep, TellsWhenTheRobotFalls) {
   ReducedState r = reduce(start_of_motion(walking_gait()));
   r[kReducedStates / 2] = -8.0;
-  EXPECT_FALSE(integrate_step(model::amber3m(), walking_gait(), expand(model::amber3m(), r)));
+  EXPECT_FALSE(
+      integrate_step(testing_support::amber3m(), walking_gait(), expand(testing_support::amber3m(), r)));
 }
 
 TEST(ReturnMap, HasTheEigenvalueThatTheMomentumAboutTheStanceFootGives) {
@@ -168,7 +173,8 @@ TEST(ReturnMap, HasTheEigenvalueThatTheMomentumAboutTheStanceFootGives) {
   // (Westervelt, Grizzle, Koditschek 2003); the outputs' own eigenvalues are far smaller.
   const auto momentum = [](const StateVector& x) {  // the left foot at the origin
     model::MassMatrixTerms<double> mass;
-    model::amber3m().scalar.mass_matrix(x.data(), model::amber3m().constants.joint_parameters, mass);
+    testing_support::amber3m().mass_matrix(x.data(), testing_support::amber3m().constants.joint_parameters,
+                                           mass);
     double p[3] = {};
     for (int r = 0; r < 3; ++r) {
       for (int c = 0; c < kPositions; ++c) p[r] += mass.mass_matrix[r][c] * x[kPositions + c];
@@ -176,10 +182,10 @@ TEST(ReturnMap, HasTheEigenvalueThatTheMomentumAboutTheStanceFootGives) {
     return p[2] + x[1] * p[0] - x[0] * p[1];
   };
   const gait::HzdGait& gait = walking_gait();
-  const auto step = integrate_step(model::amber3m(), gait, start_of_motion(gait));
+  const auto step = integrate_step(testing_support::amber3m(), gait, start_of_motion(gait));
   ASSERT_TRUE(step);
   const double ratio = momentum(step->after) / momentum(step->before);
-  const auto map = linearise_return_map(model::amber3m(), gait, reduce(start_of_motion(gait)));
+  const auto map = linearise_return_map(testing_support::amber3m(), gait, reduce(start_of_motion(gait)));
   ASSERT_TRUE(map);
   EXPECT_NEAR(map->spectral_radius(), ratio * ratio, 2e-3);
   EXPECT_LT(map->eigenvalue_magnitudes[1], 0.05);
@@ -188,7 +194,7 @@ TEST(ReturnMap, HasTheEigenvalueThatTheMomentumAboutTheStanceFootGives) {
 TEST(ReturnMap, ForetellsHowADisturbanceDecays) {
   for (const gait::HzdGait* gait : {&walking_gait(), &stepping_gait()}) {
     const ReducedState nominal = reduce(start_of_motion(*gait));
-    const auto map = linearise_return_map(model::amber3m(), *gait, nominal);
+    const auto map = linearise_return_map(testing_support::amber3m(), *gait, nominal);
     ASSERT_TRUE(map);
     ASSERT_LT(map->spectral_radius(), 1.0);
     ReducedState error = ReducedState::Zero();
@@ -196,7 +202,8 @@ TEST(ReturnMap, ForetellsHowADisturbanceDecays) {
     error[6] = -5e-3;
     ReducedState at = nominal + error;
     for (int step = 0; step < 4; ++step) {
-      const auto outcome = integrate_step(model::amber3m(), *gait, expand(model::amber3m(), at));
+      const auto outcome =
+          integrate_step(testing_support::amber3m(), *gait, expand(testing_support::amber3m(), at));
       ASSERT_TRUE(outcome);
       error = map->jacobian * error;
       at = reduce(outcome->after);

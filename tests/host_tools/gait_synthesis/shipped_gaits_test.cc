@@ -8,6 +8,7 @@
 #include "firmware/configuration/gaits/gait_file.h"
 #include "host_tools/gait_synthesis/gait_check.h"
 #include "host_tools/gait_synthesis/synthesize.h"
+#include "tests/robots.h"
 
 namespace stilt::gait_synthesis {
 namespace {
@@ -23,7 +24,7 @@ class ShippedGaitTest : public testing::TestWithParam<ShippedGait> {
     return std::move(*parsed);
   }
   [[nodiscard]] const model::RobotModel& robot() const {
-    return *model::find_robot(std::string(GetParam().robot).c_str());
+    return *testing_support::find_robot(std::string(GetParam().robot));
   }
 };
 
@@ -79,7 +80,7 @@ TEST(ShippedLibrary, BlendsToMotionsThatNearlyKeepTheFootAndTheDynamics) {
       model::StateVector x;
       x << point.position, point.velocity;
       model::KinematicsTerms<double> feet;
-      model::amber3m().scalar.kinematics(x.data(), feet);
+      testing_support::amber3m().kinematics(x.data(), feet);
       EXPECT_NEAR(feet.foot_position[0], 0.0, 1e-3) << speed_m_s << " m/s, stance foot";
       EXPECT_NEAR(feet.foot_position[1], 0.0, 1e-3) << speed_m_s << " m/s, stance foot";
       EXPECT_LT(std::hypot(feet.foot_velocity[0], feet.foot_velocity[1]), 0.05)

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "host_tools/gait_synthesis/first_guess.h"
+#include "tests/robots.h"
 
 namespace stilt::gait_synthesis {
 namespace {
@@ -38,13 +39,13 @@ class StepProgramTest : public testing::TestWithParam<Case> {
  protected:
   /// A step off its first guess, so that nothing vanishes by symmetry.
   void SetUp() override {
-    start_ = first_guess(model::amber3m().constants, task_, program_);
+    start_ = first_guess(testing_support::amber3m().constants, task_, program_);
     std::mt19937 random(7);
     std::uniform_real_distribution<double> move(-0.02, 0.02);
     for (double& value : start_) value += move(random);
   }
   const StepTask task_ = small_task(GetParam());
-  const StepProgram program_{model::amber3m(), task_};
+  const StepProgram program_{testing_support::amber3m(), task_};
   VectorXd start_;
 };
 

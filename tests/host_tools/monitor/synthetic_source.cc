@@ -6,10 +6,11 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "firmware/supervisor/fault.h"
 #include "firmware/supervisor/fallback.h"
+#include "firmware/supervisor/fault.h"
 #include "firmware/supervisor/state.h"
 #include "mpc_core/model/robot.h"
+#include "tests/robots.h"
 
 namespace stilt::monitor {
 namespace {
@@ -24,7 +25,7 @@ int number(State state) { return static_cast<int>(state); }
 
 /// Hip and knee angle of a leg whose foot is dx ahead of and dz above the hip.
 std::array<double, 2> leg_angles(double dx, double dz) {
-  const auto& robot = model::amber3m().constants;
+  const auto& robot = testing_support::amber3m().constants;
   const double a = robot.thigh_length_m, b = robot.shin_length_m;
   const double reach = std::min(std::hypot(dx, dz), 0.999 * (a + b));
   const double knee = std::acos(std::clamp((reach * reach - a * a - b * b) / (2 * a * b), -1.0, 1.0));
@@ -253,8 +254,8 @@ SupervisorSample SyntheticSource::supervisor_sample() const {
   SupervisorSample sample;
   sample.time_s = static_cast<double>(ticks_) * kTick_s;
   sample.state = state_;
-  sample.rung =
-      static_cast<int>(state_ == number(State::fault) ? supervisor::FallbackLevel::damp : supervisor::FallbackLevel::plan);
+  sample.rung = static_cast<int>(state_ == number(State::fault) ? supervisor::FallbackLevel::damp
+                                                                : supervisor::FallbackLevel::plan);
   sample.present = present_;
   sample.latched = latched_;
   sample.ramp = 1.0;

@@ -5,6 +5,7 @@
 
 #include "firmware/configuration/live.h"
 #include "mpc_core/gait/reference.h"
+#include "tests/robots.h"
 
 namespace stilt::replay {
 namespace {
@@ -18,7 +19,7 @@ class Run {
  public:
   Run() : mail_(std::make_unique<control_loop::Mailboxes>()) {
     walk_.configuration = configuration::load_robot("amber3m").value();
-    const model::RobotModel& robot = model::amber3m();
+    const model::RobotModel& robot = testing_support::amber3m();
     static_cast<void>(planner_.configure(robot, walk_.configuration));
     loop_.configure(robot, walk_.configuration, walk_.configuration.supervisor);
     loop_.attach(robot_, *mail_);
@@ -43,7 +44,7 @@ class Run {
     }
     Tunings& tunings = walk_.tunings[number];
     const auto work = std::make_unique<sqp::TerminalCostWorkspace>();
-    static_cast<void>(control::prepare_settings(model::amber3m(),
+    static_cast<void>(control::prepare_settings(testing_support::amber3m(),
                                                 configuration::with_live_values(walk_.configuration, values),
                                                 *work, tunings.planner.settings));
     tunings.planner.number = number;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "tests/host_tools/replay/recorded_walk.h"
+#include "tests/robots.h"
 
 namespace stilt::replay {
 namespace {
@@ -22,8 +23,9 @@ std::optional<Tunings> recorded_tunings(std::uint32_t number) {
 Outcome replayed(const std::vector<TickRecord>& ticks, const std::vector<CycleRecord>& cycles,
                  const configuration::Configuration& configuration) {
   Replay replay(cycles, recorded_tunings);
-  replay.loop().configure(model::amber3m(), configuration, configuration.supervisor);
-  EXPECT_EQ(replay.planner().configure(model::amber3m(), configuration), control::ConfigureStatus::ok);
+  replay.loop().configure(testing_support::amber3m(), configuration, configuration.supervisor);
+  EXPECT_EQ(replay.planner().configure(testing_support::amber3m(), configuration),
+            control::ConfigureStatus::ok);
   for (const TickRecord& tick : ticks) {
     if (!replay.run(tick)) break;
   }
@@ -73,8 +75,9 @@ TEST_F(ReplayTest, OneBitOfATorqueIsFoundInItsTick) {
 TEST_F(ReplayTest, NothingIsRunAfterADifference) {
   Replay replay(cycles, recorded_tunings);
   const configuration::Configuration& configuration = recorded_walk().configuration;
-  replay.loop().configure(model::amber3m(), configuration, configuration.supervisor);
-  ASSERT_EQ(replay.planner().configure(model::amber3m(), configuration), control::ConfigureStatus::ok);
+  replay.loop().configure(testing_support::amber3m(), configuration, configuration.supervisor);
+  ASSERT_EQ(replay.planner().configure(testing_support::amber3m(), configuration),
+            control::ConfigureStatus::ok);
   nudge(ticks[20].sent[0].position_rad);
   for (std::size_t tick = 0; tick < 20; ++tick) ASSERT_TRUE(replay.run(ticks[tick]));
   for (std::size_t tick = 20; tick < 30; ++tick) EXPECT_FALSE(replay.run(ticks[tick]));

@@ -4,6 +4,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "tests/robots.h"
+
 namespace stilt::robot_on_bus::testing_support {
 namespace {
 
@@ -12,11 +14,12 @@ constexpr double kRamp_s = 0.5;
 }  // namespace
 
 MpcDriver::MpcDriver(DrivenRobot& robot) : robot_(robot), timing_(robot.configuration.timing) {
-  if (planner_->configure(model::amber3m(), robot.configuration) != control::ConfigureStatus::ok) {
+  if (planner_->configure(stilt::testing_support::amber3m(), robot.configuration) !=
+      control::ConfigureStatus::ok) {
     throw std::runtime_error("the planner refuses the configuration");
   }
-  estimator_.configure(model::amber3m(), robot.configuration.estimator);
-  law_.configure(model::amber3m(), robot.configuration);
+  estimator_.configure(stilt::testing_support::amber3m(), robot.configuration.estimator);
+  law_.configure(stilt::testing_support::amber3m(), robot.configuration);
   estimator_.reset(reading(), 0.0);
   planner_->reset(0.0);
 }

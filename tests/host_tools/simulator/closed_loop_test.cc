@@ -7,6 +7,7 @@
 
 #include "host_tools/simulator/run_recorder.h"
 #include "tests/host_tools/simulator/test_robots.h"
+#include "tests/robots.h"
 
 namespace stilt::simulator {
 namespace {

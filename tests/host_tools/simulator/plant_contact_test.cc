@@ -15,7 +15,7 @@ using model::StateVector;
 struct EngineContact {
   explicit EngineContact(const PlantOptions& options) {
     PhysicsIndices index;
-    physics = compile_mjcf(make_plant_model(simulated_robot("amber3m"), options, kHipHeight_m).mjcf, index);
+    physics = compile_mjcf(make_plant_model(robot_tree("amber3m"), options, kHipHeight_m).mjcf, index);
     data.reset(mj_makeData(physics.get()));
     data->qpos[1] = 0.87;  // straight legs, 3 mm into the ground
     mj_forward(physics.get(), data.get());

@@ -229,7 +229,7 @@ TEST(PlantDrives, AJointEndsAtItsStopOnlyWhenStopsAreAskedFor) {
   PlantOptions stops;
   stops.joint_stops = true;
   Plant free = amber_plant(), stopped = amber_plant(stops);
-  const codegen::PlanarJoint& knee = simulated_robot("amber3m").links[kKneeL + 1].joint;
+  const codegen::PlanarJoint& knee = robot_tree("amber3m").links[kKneeL + 1].joint;
   for (const double sign : {1.0, -1.0}) {
     double free_range_rad = 0.0, stopped_beyond_rad = 0.0;
     for (Plant* plant : {&free, &stopped}) {

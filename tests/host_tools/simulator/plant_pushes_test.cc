@@ -6,6 +6,7 @@
 #include "host_tools/simulator/closed_loop.h"
 #include "host_tools/simulator/plant.h"
 #include "tests/host_tools/simulator/test_robots.h"
+#include "tests/robots.h"
 
 namespace stilt::simulator {
 namespace {
@@ -15,9 +16,9 @@ using model::StateVector;
 
 /// Momentum along x, from the generated mass matrix: independent of the physics engine.
 double momentum_x_Ns(const StateVector& state) {
-  const model::RobotModel& robot = model::amber3m();
+  const model::RobotModel& robot = testing_support::amber3m();
   model::MassMatrixTerms<double> mass;
-  robot.scalar.mass_matrix(state.data(), robot.constants.joint_parameters, mass);
+  robot.mass_matrix(state.data(), robot.constants.joint_parameters, mass);
   double sum = 0.0;
   for (int i = 0; i < model::kPositions; ++i) sum += mass.mass_matrix[0][i] * state[model::kPositions + i];
   return sum;
@@ -81,7 +82,7 @@ TEST(PlantPushes, APushAtTheTorsoActsAtOneHeightOnEveryRobotAndVariant) {
   state.head<7>() << 0.3, 5.0, 0.4, -0.5, 0.7, 0.2, 0.9;
   for (const std::string robot : {"amber3m", "rabbit"}) {
     for (const PlantOptions& options : {PlantOptions(), low, high, heavy}) {
-      const PlantModel model = make_plant_model(simulated_robot(robot), options, kHipHeight_m);
+      const PlantModel model = make_plant_model(robot_tree(robot), options, kHipHeight_m);
       PositionVector expected = PositionVector::Zero();
       expected[0] = 40.0;
       EXPECT_LT((force_from_rest(model, options, state, 40.0, PushPoint::hip) - expected).norm(), 1e-7);

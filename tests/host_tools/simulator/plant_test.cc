@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "tests/host_tools/simulator/test_robots.h"
+#include "tests/robots.h"
 
 namespace stilt::simulator {
 namespace {
@@ -161,7 +162,7 @@ TEST(Plant, ATorsosCentreOfMassUnderTheGroundIsAFall) {
   PlantOptions options;
   options.step_height_m = 0.3;
   options.step_position_m = 0.1;
-  Plant plant(make_plant_model(simulated_robot("amber3m"), options, kLowHip_m), options, 1);
+  Plant plant(make_plant_model(robot_tree("amber3m"), options, kLowHip_m), options, 1);
   StateVector state = StateVector::Zero();
   state[1] = kLowHip_m;
   state[2] = -0.9;
@@ -193,9 +194,9 @@ TEST(Plant, AForceOfTheSurroundingsLiftsTheWeightExactly) {
   plant.set_surroundings_force(lift);
   plant.step();
   const StateVector state = plant.state();
-  const model::RobotModel& robot = model::amber3m();
+  const model::RobotModel& robot = testing_support::amber3m();
   model::MassMatrixTerms<double> mass;
-  robot.scalar.mass_matrix(state.data(), robot.constants.joint_parameters, mass);
+  robot.mass_matrix(state.data(), robot.constants.joint_parameters, mass);
   double momentum_z_Ns = 0.0;
   for (int i = 0; i < model::kPositions; ++i) {
     momentum_z_Ns += mass.mass_matrix[1][i] * state[model::kPositions + i];

@@ -7,6 +7,7 @@
 
 #include "mpc_core/model/robot.h"
 #include "tests/host_tools/simulator/test_robots.h"
+#include "tests/robots.h"
 
 namespace stilt::simulator {
 namespace {
@@ -24,7 +25,7 @@ TEST(Stance, LegAnglesPlaceTheFootWhereAskedWithTheKneeBentForward) {
     state[5] = leg.hip_rad;
     state[6] = leg.knee_rad;
     model::KinematicsTerms<double> feet;
-    model::amber3m().scalar.kinematics(state.data(), feet);
+    testing_support::amber3m().kinematics(state.data(), feet);
     EXPECT_NEAR(feet.foot_position[2], x, 1e-12);
     EXPECT_NEAR(feet.foot_position[3], -z, 1e-12);
     EXPECT_GE(leg.knee_rad, 0.0);
@@ -34,7 +35,7 @@ TEST(Stance, LegAnglesPlaceTheFootWhereAskedWithTheKneeBentForward) {
 TEST(Stance, StandingPutsTheLeftFootAheadAndBothOnTheirGround) {
   const model::StateVector state = standing_state(kAmberLeg, 0.8, 0.15, {0.01, -0.02});
   model::KinematicsTerms<double> feet;
-  model::amber3m().scalar.kinematics(state.data(), feet);
+  testing_support::amber3m().kinematics(state.data(), feet);
   EXPECT_NEAR(feet.foot_position[0], 0.15, 1e-12);
   EXPECT_NEAR(feet.foot_position[1], 0.01, 1e-12);
   EXPECT_NEAR(feet.foot_position[2], -0.15, 1e-12);
@@ -51,7 +52,7 @@ TEST(Stance, FootPositionsAgreeWithTheGeneratedKinematics) {
   model::StateVector state;
   state << 0.3, 0.75, 0.2, -0.4, 0.6, 0.1, 0.9, 0, 0, 0, 0, 0, 0, 0;
   model::KinematicsTerms<double> feet;
-  model::amber3m().scalar.kinematics(state.data(), feet);
+  testing_support::amber3m().kinematics(state.data(), feet);
   const model::FeetVector positions_m = foot_positions(kAmberLeg, state);
   for (int i = 0; i < 4; ++i) EXPECT_NEAR(positions_m[i], feet.foot_position[i], 1e-12);
 }

@@ -5,11 +5,13 @@
 #include <cmath>
 #include <memory>
 
+#include "firmware/robots/robots.h"
 #include "host_tools/simulator/plant.h"
 #include "host_tools/simulator/simulated_controller.h"
 #include "host_tools/simulator/simulated_robot.h"
 #include "host_tools/simulator/stance.h"
 #include "mpc_core/model/robot.h"
+#include "tests/robots.h"
 
 /// Robots and controllers that several tests of the simulator use.
 namespace stilt::simulator {
@@ -17,8 +19,12 @@ namespace stilt::simulator {
 inline constexpr LegLengths kAmberLeg{0.4064, 0.4667};
 inline constexpr double kHipHeight_m = 0.8;
 
+inline const codegen::PlanarTree& robot_tree(std::string_view name) {
+  return robots::find(name).value()->tree;
+}
+
 inline Plant amber_plant(const PlantOptions& options = {}, std::uint64_t seed = 1) {
-  return Plant(make_plant_model(simulated_robot("amber3m"), options, kHipHeight_m), options, seed);
+  return Plant(make_plant_model(robot_tree("amber3m"), options, kHipHeight_m), options, seed);
 }
 
 /// In the air, every velocity different from zero.
@@ -41,7 +47,7 @@ inline void hold(Plant& plant, const model::StateVector& posture, double duratio
 /// The controller of AMBER-3M with default parameters, without gaits.
 inline std::unique_ptr<SimulatedController> amber_controller(const ControllerSetup& changes = {}) {
   ControllerSetup setup = changes;
-  setup.robot = &model::amber3m();
+  setup.robot = &testing_support::amber3m();
   auto controller = std::make_unique<SimulatedController>();
   EXPECT_EQ(controller->configure(setup), control::ConfigureStatus::ok);
   return controller;

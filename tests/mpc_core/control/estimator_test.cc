@@ -9,6 +9,7 @@
 #include "mpc_core/gait/reference.h"
 #include "mpc_core/gait/swing.h"
 #include "tests/mpc_core/control/sample_plan.h"
+#include "tests/robots.h"
 
 namespace stilt::control {
 namespace {
@@ -35,7 +36,7 @@ constexpr ContactMode kBoth{true, true};
 struct RelativeFeet {
   explicit RelativeFeet(const model::RobotModel& robot, StateVector state) {
     state[0] = state[1] = state[kPositions] = state[kPositions + 1] = 0.0;
-    robot.scalar.kinematics(state.data(), terms);
+    robot.kinematics(state.data(), terms);
   }
   /// Base velocity if that foot stands still.
   [[nodiscard]] double vx_m_s(int foot) const { return -terms.foot_velocity[2 * foot]; }
@@ -102,7 +103,7 @@ class KinematicWalk {
     state[joint] = angles[0] - state[2];
     state[joint + 1] = angles[1];
     model::KinematicsTerms<double> terms;
-    robot_.scalar.kinematics(state.data(), terms);
+    robot_.kinematics(state.data(), terms);
     Eigen::Matrix2d jacobian;
     Eigen::Vector2d missing(x.velocity, z.velocity);
     for (int axis = 0; axis < 2; ++axis) {
@@ -121,7 +122,7 @@ class EstimatorTest : public ::testing::Test {
  protected:
   void configure(double blend_s) { estimator_.configure(robot_, EstimatorParameters{blend_s}); }
 
-  const model::RobotModel& robot_ = model::amber3m();
+  const model::RobotModel& robot_ = testing_support::amber3m();
   Estimator estimator_;
 };
 

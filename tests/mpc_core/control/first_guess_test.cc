@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "tests/mpc_core/control/planning.h"
+#include "tests/robots.h"
 
 namespace stilt::control {
 namespace {
@@ -26,7 +27,7 @@ void guess_only(Planning& planning) {
   parameters.sqp.iterations = 0;
   const auto settings = std::make_unique<PlannerSettings>();
   const auto work = std::make_unique<sqp::TerminalCostWorkspace>();
-  ASSERT_EQ(prepare_settings(model::amber3m(), parameters, *work, *settings), ConfigureStatus::ok);
+  ASSERT_EQ(prepare_settings(testing_support::amber3m(), parameters, *work, *settings), ConfigureStatus::ok);
   planning.planner->adopt(*settings);
 }
 

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "firmware/configuration/gaits/shipped_gaits.h"
+#include "tests/robots.h"
 
 namespace stilt::control {
 namespace {
@@ -19,7 +20,7 @@ class Tracker : public testing::Test {
  protected:
   void SetUp() override {
     ASSERT_TRUE(gait_files::load_shipped_library("amber3m", *library_));
-    tracker_->configure(model::amber3m(), parameters_, {}, *library_);
+    tracker_->configure(testing_support::amber3m(), parameters_, {}, *library_);
   }
 
   /// What the sensors give at s of a step that began at time 0 with `stance` on the ground.
@@ -111,7 +112,7 @@ TEST_F(Tracker, LimitsTorqueAndDampsWithoutFiniteSensors) {
   tracker_->start(0.0, model::kLeft, 0.0, 0.5);
   SensorReading far = reading(0.5, 0.5, model::kLeft);
   far.joint_position_rad[2] += 1.0;
-  EXPECT_EQ(tracker_->tick(far, 0.5).torque_Nm[2], -model::amber3m().constants.torque_limit_Nm[2]);
+  EXPECT_EQ(tracker_->tick(far, 0.5).torque_Nm[2], -testing_support::amber3m().constants.torque_limit_Nm[2]);
   SensorReading broken = reading(0.5, 0.5, model::kLeft);
   broken.base_pitch_rad = std::numeric_limits<double>::quiet_NaN();
   broken.joint_velocity_rad_s = {0.5, -1.0, std::numeric_limits<double>::infinity(), 0.0};

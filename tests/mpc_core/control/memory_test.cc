@@ -9,6 +9,7 @@
 #include "mpc_core/control/planner.h"
 #include "mpc_core/control/torque_law.h"
 #include "tests/closed_loop/simulated_run.h"
+#include "tests/robots.h"
 
 /// The controller's memory: fixed, small, touched once.
 namespace stilt::control {
@@ -49,7 +50,7 @@ TEST(Memory, AWholeWalkAllocatesNothing) {
 
 TEST(Memory, EveryEndOfASolveAllocatesNothing) {
   if (!counts_allocations()) GTEST_SKIP() << "this build's allocator cannot be counted";
-  const model::RobotModel& robot = model::amber3m();
+  const model::RobotModel& robot = testing_support::amber3m();
   ControllerParameters parameters = configuration::load_robot("amber3m").value();
   const auto planner = std::make_unique<Planner>();
   const auto plan = std::make_unique<Plan>();
@@ -71,7 +72,7 @@ TEST(Memory, EveryEndOfASolveAllocatesNothing) {
 /// The operating system may take pages back at any time, so that one quiet stretch out of several proves it.
 TEST(Memory, APlannerInUseTouchesNoNewPage) {
   const auto run = [](Planner& planner, const TorqueLaw& law, Plan& plan, double& time_s) {
-    const model::RobotModel& robot = model::amber3m();
+    const model::RobotModel& robot = testing_support::amber3m();
     const model::StateVector standing = gait::standing_state(robot.constants, 0.8, 0.0, 0.15, true);
     SensorReading reading;
     reading.joint_position_rad = standing.segment<model::kJoints>(model::kFirstJoint);
@@ -87,8 +88,8 @@ TEST(Memory, APlannerInUseTouchesNoNewPage) {
   const auto planner = std::make_unique<Planner>();
   const auto plan = std::make_unique<Plan>();
   TorqueLaw law;
-  ASSERT_EQ(planner->configure(model::amber3m(), parameters), ConfigureStatus::ok);
-  law.configure(model::amber3m(), parameters);
+  ASSERT_EQ(planner->configure(testing_support::amber3m(), parameters), ConfigureStatus::ok);
+  law.configure(testing_support::amber3m(), parameters);
   planner->reset(0.0);
   double time_s = 0.0;
   (void)run(*planner, law, *plan, time_s);

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "tests/mpc_core/control/planning.h"
+#include "tests/robots.h"
 
 namespace stilt::control {
 namespace {
@@ -61,8 +62,8 @@ TEST(PlannerSettings, LimitsAreTheRobotsScaledByTheConfiguration) {
   parameters.robot.no_load_speed_rad_s = 8.0;
   const auto settings = std::make_unique<PlannerSettings>();
   const auto work = std::make_unique<sqp::TerminalCostWorkspace>();
-  const model::RobotConstants& robot = model::amber3m().constants;
-  ASSERT_EQ(prepare_settings(model::amber3m(), parameters, *work, *settings), ConfigureStatus::ok);
+  const model::RobotConstants& robot = testing_support::amber3m().constants;
+  ASSERT_EQ(prepare_settings(testing_support::amber3m(), parameters, *work, *settings), ConfigureStatus::ok);
   const ocp::JointLimits& limits = settings->data.limits;
   for (int j = 0; j < model::kJoints; ++j) {
     EXPECT_EQ(limits.velocity_rad_s[j], 0.5 * robot.velocity_limit_rad_s[j]);
@@ -241,7 +242,7 @@ TEST(Planner, SwingFeetCarryNoForceAndStanceFeetStayOnTheGround) {
     const PlanNode& node = plan.node[static_cast<std::size_t>(k)];
     if (plan.node[static_cast<std::size_t>(k + 1)].time_s == node.time_s) continue;  // a transition
     model::KinematicsTerms<double> feet;
-    model::amber3m().scalar.kinematics(node.state.data(), feet);
+    testing_support::amber3m().kinematics(node.state.data(), feet);
     for (int foot = 0; foot < model::kFeet; ++foot) {
       const auto force_N = node.input.segment<2>(model::kJoints + 2 * foot);
       if (node.mode[foot]) {

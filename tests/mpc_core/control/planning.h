@@ -7,6 +7,7 @@
 #include "firmware/configuration/configuration.h"
 #include "mpc_core/control/planner.h"
 #include "mpc_core/control/torque_law.h"
+#include "tests/robots.h"
 
 /// A planner on its own, without sensors, torque loop or simulator.
 namespace stilt::testing_support {
@@ -29,10 +30,10 @@ inline ControllerParameters shipped() { return configuration::load_robot("amber3
 /// A planner and the plan it fills, on the heap for their size.
 struct Planning {
   explicit Planning(const ControllerParameters& chosen) : parameters(chosen) {
-    status = planner->configure(model::amber3m(), parameters);
+    status = planner->configure(testing_support::amber3m(), parameters);
     planner->reset(0.0);
     state =
-        gait::standing_state(model::amber3m().constants, parameters.reference.base_height_m,
+        gait::standing_state(testing_support::amber3m().constants, parameters.reference.base_height_m,
                              parameters.reference.base_pitch_rad, parameters.gait.stand_half_width_m, true);
   }
 

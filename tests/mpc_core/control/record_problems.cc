@@ -16,6 +16,7 @@
 #include "mpc_core/control/planner.h"
 #include "mpc_core/control/torque_law.h"
 #include "tests/mpc_core/control/recorded_problems.h"
+#include "tests/robots.h"
 
 namespace stilt::testing_support {
 namespace {
@@ -74,7 +75,7 @@ control::ControllerParameters planner_parameters(const PlanningQuestion& q) {
 
 /// Walks to the question's time and sets its state and speed reference. False when a plan failed.
 bool walk_there(Random& random, PlanningQuestion& q) {
-  const model::RobotModel& robot = *model::find_robot(q.robot.c_str());
+  const model::RobotModel& robot = *testing_support::find_robot(q.robot);
   const control::ControllerParameters parameters = planner_parameters(q);
   const auto planner = std::make_unique<control::Planner>();
   const auto plan = std::make_unique<control::Plan>();

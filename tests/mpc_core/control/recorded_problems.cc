@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "mpc_core/sqp/terminal_cost.h"
+#include "tests/robots.h"
 
 namespace stilt::testing_support {
 namespace {
@@ -160,13 +161,13 @@ double entry(const OptimalNode& node, int i) { return i < kStates ? node.state[i
 }  // namespace
 
 std::unique_ptr<PreparedProblem> prepare(const PlanningQuestion& question) {
-  const model::RobotModel* robot = model::find_robot(question.robot.c_str());
+  const model::RobotModel* robot = testing_support::find_robot(question.robot);
   if (robot == nullptr) throw std::invalid_argument("recorded problem: no robot " + question.robot);
   auto prepared = std::make_unique<PreparedProblem>();
   prepared->data = data_of(question, *robot);
   const gait::ContactSchedule schedule = schedule_of(question);
   model::KinematicsTerms<double> feet;
-  robot->scalar.kinematics(question.state.data(), feet);
+  robot->kinematics(question.state.data(), feet);
   const bool stops = question.stop_time_s >= 0.0 && question.stop_time_s <= question.time_s;
   gait::HeuristicReference reference;
   reference.prepare(robot->constants, schedule, stops ? gait::GaitCommand{} : question.command,

@@ -7,6 +7,7 @@
 #include "mpc_core/control/planner.h"
 #include "mpc_core/control/torque_law.h"
 #include "tests/mpc_core/control/recorded_problems.h"
+#include "tests/robots.h"
 
 #if defined(__SSE2__)
 #include <xmmintrin.h>
@@ -68,11 +69,12 @@ TEST_F(Subnormals, NoneIsMetInAWalkHoweverLongTheSolverGoesOn) {
   parameters.sqp.early_stop = false;
   const auto planner = std::make_unique<control::Planner>();
   const auto plan = std::make_unique<control::Plan>();
-  ASSERT_EQ(planner->configure(model::amber3m(), parameters), control::ConfigureStatus::ok);
+  ASSERT_EQ(planner->configure(testing_support::amber3m(), parameters), control::ConfigureStatus::ok);
   planner->reset(0.0);
-  control::PlannerInput input{0.0,
-                              gait::standing_state(model::amber3m().constants, 0.8, 0.0, 0.15, true),
-                              {gait::GaitKind::walk, 0.5}};
+  control::PlannerInput input{
+      0.0,
+      gait::standing_state(testing_support::amber3m().constants, 0.8, 0.0, 0.15, true),
+      {gait::GaitKind::walk, 0.5}};
   for (int i = 0; i < 150; ++i) {
     clear_flags();
     ASSERT_TRUE(planner->plan(input, *plan).usable());
@@ -84,7 +86,7 @@ TEST_F(Subnormals, NoneIsMetInAWalkHoweverLongTheSolverGoesOn) {
 
 TEST_F(Subnormals, AMeasurementThatIsOneChangesNothingElse) {
   PlanningQuestion question;
-  question.state = gait::standing_state(model::amber3m().constants, 0.8, 0.0, 0.15, true);
+  question.state = gait::standing_state(testing_support::amber3m().constants, 0.8, 0.0, 0.15, true);
   const auto solved = [&](double rate_rad_s) {
     question.state.tail<model::kPositions>().setConstant(rate_rad_s);
     auto prepared = prepare(question);

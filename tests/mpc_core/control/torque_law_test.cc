@@ -8,9 +8,10 @@
 #include <string>
 
 #include "firmware/configuration/configuration.h"
-#include "host_tools/simulator/simulated_robot.h"
+#include "firmware/robots/robots.h"
 #include "tests/codegen/model/mujoco_robot.h"
 #include "tests/mpc_core/control/sample_plan.h"
+#include "tests/robots.h"
 
 namespace stilt::control {
 namespace {
@@ -70,7 +71,7 @@ class TorqueLawTest : public ::testing::Test {
     }
   }
 
-  model::RobotModel robot_ = model::amber3m();
+  model::RobotModel robot_ = testing_support::amber3m();
   std::mt19937_64 random_{20240611};
   model::StateVector state_ = random_state(random_);
   std::unique_ptr<Plan> plan_ = sample_plan(11);
@@ -307,14 +308,14 @@ class FeedForwardTest : public ::testing::TestWithParam<const char*> {};
 TEST_P(FeedForwardTest, TorqueGivesThePlannedJointAccelerations) {
   constexpr std::uint64_t kSeed = 5;
   std::mt19937_64 random(kSeed);
-  const model::RobotModel& robot = *model::find_robot(GetParam());
+  const model::RobotModel& robot = *testing_support::find_robot(GetParam());
   for (const double armature_scale : {1.0, 0.0}) {
     ControllerParameters parameters = unlimited(GetParam());
     parameters.robot.armature_scale = armature_scale;
     parameters.torque_law.friction_compensation = 0.0;
     TorqueLaw law;
     law.configure(robot, parameters);
-    testing_support::MujocoRobot mujoco(simulator::simulated_robot(GetParam()));
+    testing_support::MujocoRobot mujoco(robots::find(GetParam()).value()->tree);
     for (int j = 0; j < kJoints; ++j) {
       mujoco.set_joint(j, armature_scale * robot.constants.joint_parameters[j],
                        robot.constants.joint_parameters[kJoints + j]);

@@ -5,6 +5,7 @@
 
 #include "firmware/configuration/gaits/shipped_gaits.h"
 #include "mpc_core/gait/reference.h"
+#include "tests/robots.h"
 
 namespace stilt::gait {
 namespace {
@@ -39,10 +40,10 @@ struct Walk {
     }
     model::StateVector state = model::StateVector::Zero();
     state[0] = 0.4;
-    following.follow(model::amber3m(), &library());
+    following.follow(testing_support::amber3m(), &library());
     for (HeuristicReference* reference : {&heuristic, &following}) {
-      reference->prepare(model::amber3m().constants, schedule, command, gait, parameters, now_s, state,
-                         {0.45, 0.0, 0.3, 0.0}, speed_m_s, 0.0);
+      reference->prepare(testing_support::amber3m().constants, schedule, command, gait, parameters, now_s,
+                         state, {0.45, 0.0, 0.3, 0.0}, speed_m_s, 0.0);
     }
   }
 };
@@ -112,12 +113,12 @@ INSTANTIATE_TEST_SUITE_P(Speeds, FollowGait, testing::Values(-0.4, 0.0, 0.5, 0.7
 TEST(FollowGait, StandingKeepsTheHeuristics) {
   HeuristicReference heuristic;
   HeuristicReference following;
-  following.follow(model::amber3m(), &library());
+  following.follow(testing_support::amber3m(), &library());
   ContactSchedule schedule;
   schedule.reset(0.0);
   for (HeuristicReference* reference : {&heuristic, &following}) {
-    reference->prepare(model::amber3m().constants, schedule, {}, {}, {}, 0.0, model::StateVector::Zero(),
-                       {0.15, 0.0, -0.15, 0.0}, 0.0, 0.0);
+    reference->prepare(testing_support::amber3m().constants, schedule, {}, {}, {}, 0.0,
+                       model::StateVector::Zero(), {0.15, 0.0, -0.15, 0.0}, 0.0, 0.0);
   }
   EXPECT_EQ(heuristic.evaluate(0.3, 0).state, following.evaluate(0.3, 0).state);
   EXPECT_EQ(heuristic.evaluate(0.3, 0).foot_position_W_m, following.evaluate(0.3, 0).foot_position_W_m);

@@ -4,6 +4,7 @@
 #include <random>
 
 #include "mpc_core/gait/reference.h"
+#include "tests/robots.h"
 
 namespace stilt::gait {
 namespace {
@@ -14,7 +15,7 @@ using model::kRight;
 /// Feet of a state, world frame.
 model::FeetVector feet(const model::RobotModel& robot, const model::StateVector& state) {
   model::KinematicsTerms<double> terms;
-  robot.scalar.kinematics(state.data(), terms);
+  robot.kinematics(state.data(), terms);
   return model::FeetVector(terms.foot_position);
 }
 
@@ -81,7 +82,8 @@ TEST_P(LegAngles, StandingStatePutsTheFeetEitherSideOfTheHipAtAnyPitch) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Robots, LegAngles, testing::Values(&model::amber3m(), &model::rabbit()),
+INSTANTIATE_TEST_SUITE_P(Robots, LegAngles,
+                         testing::Values(&testing_support::amber3m(), &testing_support::rabbit()),
                          [](const auto& instance) { return std::string(instance.param->constants.name); });
 
 }  // namespace

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "tests/robots.h"
+
 namespace stilt::gait {
 namespace {
 
@@ -37,8 +39,8 @@ struct Walk {
     }
     state[0] = 0.07;
     state[kPositions] = 0.3;
-    reference.prepare(model::amber3m().constants, schedule, options.command, gait, parameters, options.time_s,
-                      state, feet, options.speed_m_s, options.trim_m_s);
+    reference.prepare(testing_support::amber3m().constants, schedule, options.command, gait, parameters,
+                      options.time_s, state, feet, options.speed_m_s, options.trim_m_s);
   }
 
   [[nodiscard]] ReferencePoint at(double time_s) const {
@@ -83,7 +85,7 @@ TEST(Reference, BaseProgressIntegratesTheSpeedThroughRampsSwitchesAndTrim) {
 TEST(Reference, ForcesOfTheStanceFeetShareTheWeight) {
   for (const double double_support_s : {0.0, 0.06}) {
     const Walk walk({.double_support_s = double_support_s});
-    const double weight_N = model::amber3m().constants.total_mass_kg * model::kGravity_m_s2;
+    const double weight_N = testing_support::amber3m().constants.total_mass_kg * model::kGravity_m_s2;
     for (double t = 0.4; t < walk.end_s; t += 0.01) {
       const ReferencePoint point = walk.at(t);
       const model::ContactMode mode = walk.schedule.phase(walk.schedule.index_at(t)).mode;
@@ -190,8 +192,8 @@ TEST(Reference, ComingToAStandTheFootThatLandsLastStandsAheadUnlessTheRobotWalks
       Walk walk({.time_s = stop_s});
       const GaitCommand stand{GaitKind::stand, speed_m_s};
       walk.schedule.update(stop_s, 4.0, stand, walk.gait, walk.parameters, 0.5, true);
-      walk.reference.prepare(model::amber3m().constants, walk.schedule, stand, walk.gait, walk.parameters,
-                             stop_s, walk.state, walk.feet, 0.5, 0.0);
+      walk.reference.prepare(testing_support::amber3m().constants, walk.schedule, stand, walk.gait,
+                             walk.parameters, stop_s, walk.state, walk.feet, 0.5, 0.0);
       const int last = walk.schedule.count() - 1;
       ASSERT_EQ(walk.schedule.phase(last).gait, GaitKind::stand);
       const int lands_last = walk.schedule.phase(last - 1).mode.left ? 1 : 0;
@@ -221,7 +223,7 @@ TEST(Reference, NominalJointsStandTheFeetBelowTheHip) {
   const Walk walk({});
   model::KinematicsTerms<double> feet;
   model::StateVector state = walk.at(0.4).state;
-  model::amber3m().scalar.kinematics(state.data(), feet);
+  testing_support::amber3m().kinematics(state.data(), feet);
   for (const int foot : {0, 1}) {
     EXPECT_NEAR(feet.foot_position[2 * foot], state[0], 1e-9);
     EXPECT_NEAR(feet.foot_position[2 * foot + 1], 0.0, 1e-9);

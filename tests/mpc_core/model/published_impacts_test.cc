@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "mpc_core/model/robot.h"
+#include "tests/robots.h"
 
 namespace stilt::model {
 namespace {
@@ -55,7 +56,7 @@ double largest_error(const RobotModel& robot, PublishedImpact published, int foo
     exchange_legs(published.velocity_after);
   }
   ImpactTerms<double> impact;
-  robot.scalar.impact[foot](published.before, robot.constants.joint_parameters, impact);
+  robot.impact(foot, published.before, robot.constants.joint_parameters, impact);
   double largest = 0.0;
   for (int i = 0; i < kPositions; ++i) {
     largest = std::max(largest, std::abs(impact.velocity_after[i] - published.velocity_after[i]));
@@ -74,7 +75,8 @@ TEST(PublishedImpacts, OfTheSameTorsoMassAreAmber3ms) {
   for (const PublishedImpact& published : published_impacts()) {
     if (published.torso_mass_kg != kTorsoMass_kg) continue;
     for (const int foot : {kLeft, kRight}) {
-      EXPECT_LT(largest_error(amber3m(), published, foot), 1e-4) << published.gait << " foot " << foot;
+      EXPECT_LT(largest_error(testing_support::amber3m(), published, foot), 1e-4)
+          << published.gait << " foot " << foot;
     }
   }
 }
@@ -83,8 +85,10 @@ TEST(PublishedImpacts, OfTheSameTorsoMassAreAmber3ms) {
 TEST(PublishedImpacts, FitAmber3mInEveryGaitAndAmber3m2020InNone) {
   for (const PublishedImpact& published : published_impacts()) {
     for (const int foot : {kLeft, kRight}) {
-      EXPECT_LT(largest_error(amber3m(), published, foot), 0.01) << published.gait << " foot " << foot;
-      EXPECT_GT(largest_error(amber3m_2020(), published, foot), 0.04) << published.gait << " foot " << foot;
+      EXPECT_LT(largest_error(testing_support::amber3m(), published, foot), 0.01)
+          << published.gait << " foot " << foot;
+      EXPECT_GT(largest_error(testing_support::amber3m_2020(), published, foot), 0.04)
+          << published.gait << " foot " << foot;
     }
   }
 }

@@ -6,19 +6,13 @@
 #include <random>
 #include <string>
 
+#include "tests/robots.h"
+
 namespace stilt::model {
 namespace {
 
-TEST(Robot, IsFoundByItsName) {
-  EXPECT_EQ(find_robot("amber3m"), &amber3m());
-  EXPECT_EQ(find_robot("amber3m_2020"), &amber3m_2020());
-  EXPECT_EQ(find_robot("rabbit"), &rabbit());
-  EXPECT_EQ(find_robot("asimo"), nullptr);
-  EXPECT_EQ(find_robot(""), nullptr);
-}
-
 TEST(Robot, Amber3mHasItsPublishedMassAndLegLength) {
-  const RobotConstants& c = amber3m().constants;
+  const RobotConstants& c = testing_support::amber3m().constants;
   EXPECT_NEAR(c.total_mass_kg, 13.0 + 2.0 * (3.4261 + 0.85216), 1e-9);
   EXPECT_NEAR(c.thigh_length_m + c.shin_length_m, 0.8731, 1e-9);
   EXPECT_NEAR(c.torso_com_height_m, 0.21483, 1e-9);
@@ -26,8 +20,8 @@ TEST(Robot, Amber3mHasItsPublishedMassAndLegLength) {
 }
 
 TEST(Robot, Amber3m2020DiffersByTheTorsosCentreOfMassAlone) {
-  RobotConstants other = amber3m_2020().constants;
-  const RobotConstants& c = amber3m().constants;
+  RobotConstants other = testing_support::amber3m_2020().constants;
+  const RobotConstants& c = testing_support::amber3m().constants;
   EXPECT_NEAR(other.torso_com_height_m, 0.28507, 1e-9);
   EXPECT_EQ(other.total_mass_kg, c.total_mass_kg);
   EXPECT_EQ(other.thigh_length_m, c.thigh_length_m);
@@ -54,8 +48,7 @@ TEST_P(EveryRobot, HasLimitsThatAdmitStanding) {
   }
 }
 
-/// Every lane of a batch gets a state of its own; the table of functions must lead to the same robot and
-/// foot.
+/// Every lane of a batch gets a state of its own.
 TEST_P(EveryRobot, BatchFunctionsAreTheScalarOnesLaneByLane) {
   constexpr std::uint64_t kSeed = 8;
   std::mt19937_64 random(kSeed);
@@ -73,8 +66,7 @@ TEST_P(EveryRobot, BatchFunctionsAreTheScalarOnesLaneByLane) {
   for (int i = 0; i < kInputs; ++i) us[i] = Batch([&](auto lane) { return u[lane][i]; });
   const double* p = GetParam()->constants.joint_parameters;
   for (int i = 0; i < 2 * kJoints; ++i) ps[i] = Batch(p[i]);
-  const RobotFunctions<double>& scalar = GetParam()->scalar;
-  const RobotFunctions<Batch>& batch = GetParam()->batch;
+  const RobotModel& robot = *GetParam();
   const auto same = [](const auto& batched, const auto& alone, int lane) {
     constexpr auto kEntries = sizeof(alone) / sizeof(double);
     const auto* many = reinterpret_cast<const Batch*>(&batched);
@@ -90,23 +82,23 @@ TEST_P(EveryRobot, BatchFunctionsAreTheScalarOnesLaneByLane) {
   MassMatrixTerms<Batch> mass_b;
   BiasTerms<Batch> bias_b;
   ImpactTerms<Batch> impact_b[kFeet];
-  batch.flow(xs, us, flow_b);
-  batch.node(xs, us, ps, node_b);
-  batch.kinematics(xs, kinematics_b);
-  batch.mass_matrix(xs, ps, mass_b);
-  batch.bias(xs, bias_b);
-  for (int foot = 0; foot < kFeet; ++foot) batch.impact[foot](xs, ps, impact_b[foot]);
+  robot.flow(xs, us, flow_b);
+  robot.node(xs, us, ps, node_b);
+  robot.kinematics(xs, kinematics_b);
+  robot.mass_matrix(xs, ps, mass_b);
+  robot.bias(xs, bias_b);
+  for (int foot = 0; foot < kFeet; ++foot) robot.impact(foot, xs, ps, impact_b[foot]);
   for (int lane = 0; lane < kLanes; ++lane) {
     FlowTerms<double> flow;
     NodeTerms<double> node;
     KinematicsTerms<double> kinematics;
     MassMatrixTerms<double> mass;
     BiasTerms<double> bias;
-    scalar.flow(x[lane], u[lane], flow);
-    scalar.node(x[lane], u[lane], p, node);
-    scalar.kinematics(x[lane], kinematics);
-    scalar.mass_matrix(x[lane], p, mass);
-    scalar.bias(x[lane], bias);
+    robot.flow(x[lane], u[lane], flow);
+    robot.node(x[lane], u[lane], p, node);
+    robot.kinematics(x[lane], kinematics);
+    robot.mass_matrix(x[lane], p, mass);
+    robot.bias(x[lane], bias);
     same(flow_b, flow, lane);
     same(node_b, node, lane);
     same(kinematics_b, kinematics, lane);
@@ -114,7 +106,7 @@ TEST_P(EveryRobot, BatchFunctionsAreTheScalarOnesLaneByLane) {
     same(bias_b, bias, lane);
     for (int foot = 0; foot < kFeet; ++foot) {
       ImpactTerms<double> impact;
-      scalar.impact[foot](x[lane], p, impact);
+      robot.impact(foot, x[lane], p, impact);
       same(impact_b[foot], impact, lane);
     }
   }
@@ -126,18 +118,20 @@ TEST_P(EveryRobot, ImpactOfEachFootBringsThatFootToRest) {
   double x[kStates] = {0.0, 0.8, 0.1, -0.4, 0.7, 0.2, 0.5, 0.6, -0.4, 0.3, 1.0, -0.7, 0.4, 0.9};
   for (int foot = 0; foot < kFeet; ++foot) {
     ImpactTerms<double> impact;
-    GetParam()->scalar.impact[foot](x, p, impact);
+    GetParam()->impact(foot, x, p, impact);
     double after[kStates];
     std::copy(x, x + kPositions, after);
     std::copy(impact.velocity_after, impact.velocity_after + kPositions, after + kPositions);
     KinematicsTerms<double> feet;
-    GetParam()->scalar.kinematics(after, feet);
+    GetParam()->kinematics(after, feet);
     EXPECT_NEAR(std::hypot(feet.foot_velocity[2 * foot], feet.foot_velocity[2 * foot + 1]), 0.0, 1e-12);
     EXPECT_GT(std::hypot(feet.foot_velocity[2 - 2 * foot], feet.foot_velocity[3 - 2 * foot]), 0.1);
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Robots, EveryRobot, testing::Values(&amber3m(), &amber3m_2020(), &rabbit()),
+INSTANTIATE_TEST_SUITE_P(Robots, EveryRobot,
+                         testing::Values(&testing_support::amber3m(), &testing_support::amber3m_2020(),
+                                         &testing_support::rabbit()),
                          [](const auto& instance) { return std::string(instance.param->constants.name); });
 
 TEST(ContactMode, CountsAndIndexesItsFeet) {

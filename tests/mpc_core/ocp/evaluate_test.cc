@@ -4,6 +4,7 @@
 
 #include "tests/mpc_core/ocp/planning_scene.h"
 #include "tests/mpc_core/ocp/scalar_ocp.h"
+#include "tests/robots.h"
 
 namespace stilt::ocp {
 namespace {
@@ -34,7 +35,7 @@ void set_terminal_weight(ProblemData& data) {
 }
 
 TEST(Evaluate, OfEveryContactModeAgreesWithAScalarEvaluation) {
-  for (const model::RobotModel* robot : {&model::amber3m(), &model::rabbit()}) {
+  for (const model::RobotModel* robot : {&testing_support::amber3m(), &testing_support::rabbit()}) {
     for (const model::ContactMode mode : testing_support::kAllModes) {
       for (std::uint64_t seed = 1; seed <= 20; ++seed) {
         SCOPED_TRACE(testing::Message()
@@ -51,7 +52,7 @@ TEST(Evaluate, OfEveryContactModeAgreesWithAScalarEvaluation) {
 TEST(Evaluate, CountsNothingForTheUnusedLanesOfABatch) {
   for (int stages = 1; stages <= 2 * kLanes + 1; ++stages) {
     SCOPED_TRACE(testing::Message() << stages << " stages");
-    expect_same(*testing_support::random_scene(model::amber3m(), {true, false}, stages, 31));
+    expect_same(*testing_support::random_scene(testing_support::amber3m(), {true, false}, stages, 31));
   }
 }
 
@@ -75,7 +76,7 @@ TEST(Evaluate, OfAWholeWalkingHorizonAgreesWithAScalarEvaluation) {
 }
 
 TEST(Evaluate, WeighsTheRunningCostByItsDurationAndTheTerminalCostByOne) {
-  const auto scene = testing_support::random_scene(model::amber3m(), {true, true}, 1, 51);
+  const auto scene = testing_support::random_scene(testing_support::amber3m(), {true, true}, 1, 51);
   const double once = evaluate(scene->data, scene->problem, scene->guess).cost;
   scene->problem.batch[0].duration *= 2.0;
   EXPECT_NEAR(evaluate(scene->data, scene->problem, scene->guess).cost, 2.0 * once, 1e-12 * std::abs(once));
@@ -88,10 +89,10 @@ TEST(Evaluate, WeighsTheRunningCostByItsDurationAndTheTerminalCostByOne) {
 
 TEST(Evaluate, ShowsWhatIsNotFinite) {
   for (const double bad : {std::nan(""), HUGE_VAL}) {
-    auto scene = testing_support::random_scene(model::amber3m(), {true, false}, 3, 61);
+    auto scene = testing_support::random_scene(testing_support::amber3m(), {true, false}, 3, 61);
     scene->guess.u[1][5] = bad;
     EXPECT_FALSE(std::isfinite(evaluate(scene->data, scene->problem, scene->guess).cost));
-    scene = testing_support::random_scene(model::amber3m(), {true, false}, 3, 61);
+    scene = testing_support::random_scene(testing_support::amber3m(), {true, false}, 3, 61);
     scene->guess.x[2][3] = bad;
     const Merit merit = evaluate(scene->data, scene->problem, scene->guess);
     EXPECT_FALSE(std::isfinite(merit.cost) && std::isfinite(merit.violation_squared));

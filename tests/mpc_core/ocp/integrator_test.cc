@@ -7,6 +7,7 @@
 
 #include "tests/mpc_core/ocp/planning_scene.h"
 #include "tests/mpc_core/ocp/scalar_ocp.h"
+#include "tests/robots.h"
 
 namespace stilt::ocp {
 namespace {
@@ -41,7 +42,7 @@ class BatchedStep {
     for (int i = 0; i < kInputs; ++i) u_[i] = Batch([&](auto lane) { return z[lane][kStates + i]; });
     Batch p[2 * kJoints];
     for (int i = 0; i < 2 * kJoints; ++i) p[i] = Batch(data.joint_parameters[i]);
-    data.robot->batch.node_derivatives(x_, u_, p, node_);
+    data.robot->node_derivatives(x_, u_, p, node_);
     integrate_base(*data.robot, data.discretisation.integrator, x_, u_, h_, node_.base_acceleration, plain_);
     integrate_base_derivatives(*data.robot, data.discretisation.integrator, x_, u_, h_, node_, step_, work_);
     next_state(x_, u_, h_, plain_, reached_);
@@ -68,7 +69,7 @@ class BatchedStep {
 
 TEST(Integrator, StepsLikeTheTextbookMethodOnAllFourteenStates) {
   std::mt19937_64 random(kSeed);
-  for (const model::RobotModel* robot : {&model::amber3m(), &model::rabbit()}) {
+  for (const model::RobotModel* robot : {&testing_support::amber3m(), &testing_support::rabbit()}) {
     ProblemData data = testing_support::default_data(*robot);
     for (const Integrator integrator : kIntegrators) {
       data.discretisation.integrator = integrator;
@@ -93,7 +94,7 @@ TEST(Integrator, StepsLikeTheTextbookMethodOnAllFourteenStates) {
 
 TEST(Integrator, WithDerivativesTakesTheSameStep) {
   std::mt19937_64 random(kSeed);
-  ProblemData data = testing_support::default_data(model::amber3m());
+  ProblemData data = testing_support::default_data(testing_support::amber3m());
   for (const Integrator integrator : kIntegrators) {
     data.discretisation.integrator = integrator;
     StageVector<double> z[kLanes];
@@ -119,7 +120,7 @@ TEST(Integrator, WithDerivativesTakesTheSameStep) {
 /// Distance of one long motion with constant inputs, cut into `steps`, from its limit (many RK4 steps).
 double global_error(Integrator integrator, int steps) {
   constexpr double kDuration_s = 0.2;
-  ProblemData data = testing_support::default_data(model::amber3m());
+  ProblemData data = testing_support::default_data(testing_support::amber3m());
   StageVector<double> start;
   start << 0.0, 0.8, 0.1, -0.5, 0.9, -0.2, 0.8, 0.4, 0.1, 0.5, -1.0, 2.0, 1.0, -1.5, 8.0, -12.0, 10.0, 5.0,
       15.0, 120.0, -10.0, 90.0;

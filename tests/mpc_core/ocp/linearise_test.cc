@@ -7,6 +7,7 @@
 #include "mpc_core/lq/riccati.h"
 #include "tests/mpc_core/ocp/planning_scene.h"
 #include "tests/mpc_core/ocp/scalar_ocp.h"
+#include "tests/robots.h"
 
 namespace stilt::ocp {
 namespace {
@@ -91,7 +92,7 @@ constexpr int kStages = kTogether * kLanes + 1;
 
 template <class Check>
 void for_random_stages(const Check& check) {
-  for (const model::RobotModel* robot : {&model::amber3m(), &model::rabbit()}) {
+  for (const model::RobotModel* robot : {&testing_support::amber3m(), &testing_support::rabbit()}) {
     for (const model::ContactMode mode : testing_support::kAllModes) {
       for (std::uint64_t seed = 1; seed <= 6; ++seed) {
         SCOPED_TRACE(testing::Message()
@@ -135,7 +136,7 @@ TEST(Linearise, CostIsTheGaussNewtonModelOfEveryTermInTheFreeDirections) {
 
 TEST(Linearise, SlopeAlongTheStepOntoTheConstraintsIsTheGradientsShare) {
   for (const model::ContactMode mode : testing_support::kAllModes) {
-    const auto scene = testing_support::random_scene(model::amber3m(), mode, kLanes + 1, 8);
+    const auto scene = testing_support::random_scene(testing_support::amber3m(), mode, kLanes + 1, 8);
     const Linearisation model(scene->data, scene->problem, scene->guess);
     for (int k = 0; k < scene->problem.horizon.stages; ++k) {
       const InputProjection& p = model.projections[static_cast<std::size_t>(k)];
@@ -154,7 +155,7 @@ TEST(Linearise, HessianIsPositiveSemidefinite) {
 }
 
 TEST(Linearise, LeavesThePaddingZero) {
-  const auto scene = testing_support::random_scene(model::amber3m(), {true, false}, 3, 9);
+  const auto scene = testing_support::random_scene(testing_support::amber3m(), {true, false}, 3, 9);
   const Linearisation model(scene->data, scene->problem, scene->guess);
   for (const LqStage& stage : model.stages) {
     for (int r = kStates; r < kRows; ++r) {

@@ -19,7 +19,7 @@ using model::kStates;
 void set_joint_rates(const model::RobotModel& robot, const model::FeetVector& foot_velocity_W_m_s,
                      model::StateVector& state) {
   model::KinematicsTerms<double> feet;
-  robot.scalar.kinematics(state.data(), feet);
+  robot.kinematics(state.data(), feet);
   Eigen::Matrix<double, 2 * kFeet, kPositions> jacobian;
   for (int r = 0; r < 2 * kFeet; ++r) {
     for (int c = 0; c < kPositions; ++c) jacobian(r, c) = feet.foot_jacobian[r][c];
@@ -96,7 +96,7 @@ std::unique_ptr<Scene> walking_scene(const SceneOptions& options) {
       (options.time_s - contact.start_s) / (scene->schedule.end_s(phase) - contact.start_s);
   const model::StateVector state = mid_stride(options, contact.mode, progress);
   model::KinematicsTerms<double> feet;
-  options.robot->scalar.kinematics(state.data(), feet);
+  options.robot->kinematics(state.data(), feet);
   scene->reference.prepare(options.robot->constants, scene->schedule, options.command, options.gait,
                            options.reference, options.time_s, state, model::FeetVector(feet.foot_position),
                            state[kPositions], 0.0);

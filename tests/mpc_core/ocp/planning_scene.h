@@ -9,6 +9,7 @@
 #include "mpc_core/gait/reference.h"
 #include "mpc_core/model/robot.h"
 #include "mpc_core/ocp/problem.h"
+#include "tests/robots.h"
 
 /// Planning problems for tests: the ones a walking robot meets, and random ones of a single contact mode.
 namespace stilt::testing_support {
@@ -17,7 +18,7 @@ namespace stilt::testing_support {
 [[nodiscard]] ocp::ProblemData default_data(const model::RobotModel& robot);
 
 struct SceneOptions {
-  const model::RobotModel* robot = &model::amber3m();
+  const model::RobotModel* robot = &testing_support::amber3m();
   gait::GaitCommand command{gait::GaitKind::walk, 0.4};
   gait::GaitParameters gait{.single_support_s = 0.4};
   gait::ReferenceParameters reference;

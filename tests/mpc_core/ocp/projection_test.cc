@@ -8,6 +8,7 @@
 
 #include "tests/mpc_core/ocp/planning_scene.h"
 #include "tests/mpc_core/ocp/scalar_ocp.h"
+#include "tests/robots.h"
 
 namespace stilt::ocp {
 namespace {
@@ -39,7 +40,7 @@ Eigen::VectorXd linearised_equalities(const Scene& scene, int k, const StageVect
 }
 
 TEST(Projection, EveryStepItAllowsFulfilsTheLinearisedEqualities) {
-  for (const model::RobotModel* robot : {&model::amber3m(), &model::rabbit()}) {
+  for (const model::RobotModel* robot : {&testing_support::amber3m(), &testing_support::rabbit()}) {
     for (const model::ContactMode mode : testing_support::kAllModes) {
       for (std::uint64_t seed = 1; seed <= 25; ++seed) {
         const auto scene = testing_support::random_scene(*robot, mode, kLanes + 1, seed);
@@ -69,7 +70,7 @@ TEST(Projection, EveryStepItAllowsFulfilsTheLinearisedEqualities) {
 
 TEST(Projection, LeavesThreeDirectionsInSingleSupportFourInDoubleSupportTwoInFlight) {
   for (const model::ContactMode mode : testing_support::kAllModes) {
-    const auto scene = testing_support::random_scene(model::amber3m(), mode, kLanes, 5);
+    const auto scene = testing_support::random_scene(testing_support::amber3m(), mode, kLanes, 5);
     const Linearisation model(scene->data, scene->problem, scene->guess);
     const int expected = 2 + mode.count();
     for (int k = 0; k < kLanes; ++k) {
@@ -85,7 +86,7 @@ TEST(Projection, LeavesThreeDirectionsInSingleSupportFourInDoubleSupportTwoInFli
 
 TEST(Projection, NeverMovesTheForceOfASwingFootFromZero) {
   for (const model::ContactMode mode : testing_support::kAllModes) {
-    const auto scene = testing_support::random_scene(model::amber3m(), mode, 3, 6);
+    const auto scene = testing_support::random_scene(testing_support::amber3m(), mode, 3, 6);
     const Linearisation model(scene->data, scene->problem, scene->guess);
     for (int k = 0; k < 3; ++k) {
       const InputProjection& p = model.projections[static_cast<std::size_t>(k)];
@@ -103,7 +104,7 @@ TEST(Projection, NeverMovesTheForceOfASwingFootFromZero) {
 /// Legs as straight as `bend_rad` says and side by side: the swing foot's height no longer follows from the
 /// joint accelerations, and in double support the feet cannot move apart vertically.
 std::unique_ptr<Scene> straight_legs(model::ContactMode mode, double bend_rad) {
-  auto scene = testing_support::random_scene(model::amber3m(), mode, kLanes, 7);
+  auto scene = testing_support::random_scene(testing_support::amber3m(), mode, kLanes, 7);
   for (int k = 0; k <= kLanes; ++k) {
     double* x = scene->guess.x[k];
     std::fill(x + 2, x + kPositions, 0.0);

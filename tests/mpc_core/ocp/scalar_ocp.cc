@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 #include "tests/codegen/generated/robots.h"
 
@@ -19,14 +18,6 @@ using model::kStates;
 double real_part(double value) { return value; }
 double real_part(const Complex& value) { return value.real(); }
 
-/// Calls `call(Amber3m{})` or `call(Rabbit{})`.
-template <class Call>
-auto with_robot(const ocp::ProblemData& data, const Call& call) {
-  if (data.robot == &model::amber3m()) return call(Amber3m{});
-  if (data.robot == &model::rabbit()) return call(Rabbit{});
-  throw std::invalid_argument("ScalarOcp knows amber3m and rabbit");
-}
-
 template <class T>
 std::array<T, 2 * kJoints> joint_parameters(const ocp::ProblemData& data) {
   std::array<T, 2 * kJoints> p;
@@ -37,8 +28,7 @@ std::array<T, 2 * kJoints> joint_parameters(const ocp::ProblemData& data) {
 template <class T>
 model::NodeTerms<T> node_terms(const ocp::ProblemData& data, const StageVector<T>& z) {
   const auto p = joint_parameters<T>(data);
-  return with_robot(
-      data, [&](auto robot) { return decltype(robot)::node(z.data(), z.data() + kStates, p.data()); });
+  return AnyScalarRobot(*data.robot).node(z.data(), z.data() + kStates, p.data());
 }
 
 }  // namespace
@@ -68,8 +58,7 @@ double CostTerm<T>::second() const {
 
 template <class T>
 StateOf<T> ScalarOcp::flow(const StateOf<T>& x, const T* u) const {
-  const model::FlowTerms<T> terms =
-      with_robot(data_, [&](auto robot) { return decltype(robot)::flow(x.data(), u); });
+  const model::FlowTerms<T> terms = AnyScalarRobot(*data_.robot).flow(x.data(), u);
   StateOf<T> rate;
   for (int i = 0; i < kPositions; ++i) rate[i] = x[kPositions + i];
   for (int r = 0; r < 3; ++r) rate[kPositions + r] = terms.base_acceleration[r];
@@ -184,8 +173,7 @@ StateOf<T> ScalarOcp::transition(const ocp::Stage& stage, const StateOf<T>& x) c
   const auto p = joint_parameters<T>(data_);
   for (int foot = 0; foot < kFeet; ++foot) {
     if (!stage.touchdown[static_cast<std::size_t>(foot)]) continue;
-    const model::ImpactTerms<T> impact =
-        with_robot(data_, [&](auto robot) { return decltype(robot)::impact(foot, after.data(), p.data()); });
+    const model::ImpactTerms<T> impact = AnyScalarRobot(*data_.robot).impact(foot, after.data(), p.data());
     for (int i = 0; i < kPositions; ++i) after[kPositions + i] = impact.velocity_after[i];
   }
   return after;
@@ -193,8 +181,7 @@ StateOf<T> ScalarOcp::transition(const ocp::Stage& stage, const StateOf<T>& x) c
 
 template <class T>
 T ScalarOcp::touchdown_cost(const ocp::Stage& stage, const StateOf<T>& x) const {
-  const model::KinematicsTerms<T> feet =
-      with_robot(data_, [&](auto robot) { return decltype(robot)::kinematics(x.data()); });
+  const model::KinematicsTerms<T> feet = AnyScalarRobot(*data_.robot).kinematics(x.data());
   T cost = 0.0;
   for (int foot = 0; foot < kFeet; ++foot) {
     const T slip = feet.foot_velocity[2 * foot];

@@ -4,6 +4,7 @@
 
 #include "tests/mpc_core/ocp/planning_scene.h"
 #include "tests/mpc_core/ocp/scalar_ocp.h"
+#include "tests/robots.h"
 
 namespace stilt::ocp {
 namespace {
@@ -36,7 +37,7 @@ std::unique_ptr<testing_support::Scene> touchdown_scene(const model::RobotModel&
 
 template <class Check>
 void for_random_touchdowns(const Check& check) {
-  for (const model::RobotModel* robot : {&model::amber3m(), &model::rabbit()}) {
+  for (const model::RobotModel* robot : {&testing_support::amber3m(), &testing_support::rabbit()}) {
     for (const auto& [left, right] :
          {std::pair{true, false}, std::pair{false, true}, std::pair{true, true}}) {
       for (const Transition kind : {Transition::identity, Transition::impact}) {
@@ -103,7 +104,7 @@ TEST(Transition, CostIsTheSquaredHorizontalVelocityBeforeTheTouchDown) {
 }
 
 TEST(Transition, IdentityLeavesTheStateAlone) {
-  const auto scene = touchdown_scene(model::amber3m(), true, false, 3);
+  const auto scene = touchdown_scene(testing_support::amber3m(), true, false, 3);
   scene->data.discretisation.transition = Transition::identity;
   const Linearisation model(scene->data, scene->problem, scene->guess);
   EXPECT_TRUE(benchmark::dense_dynamics(model.stages[0]).isIdentity(0.0));
@@ -113,13 +114,13 @@ TEST(Transition, IdentityLeavesTheStateAlone) {
 }
 
 TEST(Transition, ImpactBringsTheFootToRest) {
-  auto scene = touchdown_scene(model::amber3m(), false, true, 4);
+  auto scene = touchdown_scene(testing_support::amber3m(), false, true, 4);
   scene->data.discretisation.transition = Transition::impact;
   const Linearisation model(scene->data, scene->problem, scene->guess);
   model::StateVector after = Eigen::Map<const model::StateVector>(scene->guess.x[1]) +
                              Eigen::Map<const model::StateVector>(model.stages[0].b);
   model::KinematicsTerms<double> feet;
-  model::amber3m().scalar.kinematics(after.data(), feet);
+  testing_support::amber3m().kinematics(after.data(), feet);
   EXPECT_NEAR(feet.foot_velocity[2], 0.0, 1e-11);
   EXPECT_NEAR(feet.foot_velocity[3], 0.0, 1e-11);
 }

@@ -7,6 +7,7 @@
 #include "mpc_core/sqp/sqp.h"
 #include "mpc_core/sqp/terminal_cost.h"
 #include "tests/mpc_core/sqp/planning_nlp.h"
+#include "tests/robots.h"
 
 namespace stilt::sqp {
 namespace {
@@ -34,7 +35,7 @@ std::vector<Case> cases() {
   all[3].options.integrator = ocp::Integrator::rk4;
   all[3].options.command.speed_m_s = -0.3;
   all[3].options.time_s = 0.75;
-  all[4].options.robot = &model::rabbit();
+  all[4].options.robot = &testing_support::rabbit();
   all[4].options.reference.base_height_m = 0.72;  // its legs are 0.8 m long
   return all;
 }

@@ -9,6 +9,7 @@
 #include "mpc_core/gait/reference.h"
 #include "tests/mpc_core/ocp/planning_scene.h"
 #include "tests/mpc_core/ocp/scalar_ocp.h"
+#include "tests/robots.h"
 
 namespace stilt::sqp {
 namespace {
@@ -141,7 +142,8 @@ TEST_P(TerminalCost, IsRefusedWhenTheWeightsLeaveTheBasePositionFree) {
   EXPECT_EQ(s.weight().norm(), 0.0);
 }
 
-INSTANTIATE_TEST_SUITE_P(Robots, TerminalCost, testing::Values(&model::amber3m(), &model::rabbit()),
+INSTANTIATE_TEST_SUITE_P(Robots, TerminalCost,
+                         testing::Values(&testing_support::amber3m(), &testing_support::rabbit()),
                          [](const auto& instance) { return std::string(instance.param->constants.name); });
 
 }  // namespace

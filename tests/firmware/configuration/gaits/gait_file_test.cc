@@ -79,7 +79,9 @@ TEST(GaitFile, SaysWhatIsWrongWhereAndWhatWouldBeRight) {
   EXPECT_EQ(error_of(replaced(kBare, "format = 1", "format = 2")),
             "gait.toml: format must be a whole number from 1 to 1");
   EXPECT_EQ(error_of(replaced(kBare, "amber3m", "atlas")),
-            "gait.toml: robot must be \"amber3m\" or \"amber3m_2020\" or \"rabbit\"");
+            "gait.toml: robot: there is no robot \"atlas\"; known robots are amber3m, amber3m_2020, rabbit; "
+            "or give a "
+            "file that ends in .urdf");
   EXPECT_EQ(error_of(replaced(kBare, "degree = 4", "degree = 8")),
             "gait.toml: outputs.degree must be a whole number from 4 to 7");
   EXPECT_EQ(error_of(replaced(kBare, "degree = 4", "degree = 5")),

@@ -1,0 +1,130 @@
+#include "firmware/robots/robots.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <list>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "codegen/urdf/shape_numbers.h"
+#include "codegen/urdf/urdf_document.h"
+#include "codegen/urdf/urdf_error.h"
+#include "codegen/urdf/urdf_reader.h"
+
+namespace stilt::robots {
+namespace {
+
+namespace five_link = generated::five_link;
+
+/// The error's sentence without its full stop, as all messages of programs are.
+std::string sentence(const codegen::UrdfError& error) {
+  std::string text = error.what();
+  if (text.ends_with('.')) text.pop_back();
+  return text;
+}
+
+/// What is wrong with the joints or links, as the sentence's rest; nothing when names and order are right.
+std::optional<std::string> wrong_names(const codegen::PlanarTree& tree,
+                                       const std::vector<codegen::ShapeNumber>& numbers) {
+  std::string found;
+  std::string right;
+  bool same = tree.joint_count() == model::kJoints;
+  for (int j = 0; j < tree.joint_count(); ++j) {
+    const std::string& name = tree.links[static_cast<std::size_t>(j) + 1].joint.name;
+    found += (j > 0 ? ", " : "") + name;
+    same = same && name == five_link::kJointNames[j];
+  }
+  for (int j = 0; j < model::kJoints; ++j)
+    right += (j > 0 ? ", " : "") + std::string(five_link::kJointNames[j]);
+  if (!same) return "the joints are " + found + "; they must be " + right;
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    if (numbers[i].name != five_link::kNumberNames[i])
+      return "there is " + numbers[i].name + " in place of " + five_link::kNumberNames[i] +
+             "; links must be torso, thigh_L, shin_L, thigh_R, shin_R";
+  }
+  return std::nullopt;
+}
+
+model::RobotConstants constants_of(const codegen::PlanarTree& tree,
+                                   const std::vector<codegen::ShapeNumber>& numbers) {
+  model::RobotConstants constants{};
+  for (std::size_t i = 0; i < numbers.size(); ++i) constants.numbers[i] = numbers[i].value;
+  for (int j = 0; j < model::kJoints; ++j) {
+    const codegen::PlanarJoint& joint = tree.links[static_cast<std::size_t>(j) + 1].joint;
+    constants.position_min_rad[j] = joint.position_min_rad;
+    constants.position_max_rad[j] = joint.position_max_rad;
+    constants.velocity_limit_rad_s[j] = joint.velocity_max_rad_s;
+    constants.torque_limit_Nm[j] = joint.torque_max_Nm;
+    constants.joint_parameters[j] = joint.armature_kg_m2();
+    constants.joint_parameters[model::kJoints + j] = joint.damping_Nm_s;
+  }
+  return constants;
+}
+
+/// Robots that were found, for the life of the program.
+class Registry {
+ public:
+  std::expected<const Robot*, std::string> find(std::string_view name) {
+    const std::lock_guard lock(mutex_);
+    const auto known = std::ranges::find(robots_, name, &Robot::name);
+    if (known != robots_.end()) return &*known;
+    std::expected<Robot, std::string> robot = read(name);
+    if (!robot) return std::unexpected(robot.error());
+    Robot& kept = robots_.emplace_back(std::move(*robot));
+    kept.model.constants.name = kept.name.c_str();
+    return &kept;
+  }
+
+ private:
+  static std::expected<Robot, std::string> read(std::string_view name) {
+    if (is_file(name)) {
+      try {
+        return parse(name, codegen::read_text(std::string(name)));
+      } catch (const codegen::UrdfError& error) {
+        return std::unexpected(sentence(error));
+      }
+    }
+    for (const ShippedUrdf& shipped : shipped_urdfs()) {
+      if (shipped.name == name) return parse(name, shipped.text);
+    }
+    return std::unexpected("there is no robot \"" + std::string(name) + "\"; known robots are " +
+                           shipped_names() + "; or give a file that ends in .urdf");
+  }
+
+  std::mutex mutex_;
+  std::list<Robot> robots_;
+};
+
+}  // namespace
+
+std::string shipped_names() {
+  std::string names;
+  for (const ShippedUrdf& shipped : shipped_urdfs())
+    names += (names.empty() ? "" : ", ") + std::string(shipped.name);
+  return names;
+}
+
+bool is_file(std::string_view robot) noexcept { return robot.ends_with(".urdf"); }
+
+std::expected<Robot, std::string> parse(std::string_view name, std::string_view urdf) {
+  Robot robot{.name = std::string(name), .urdf = std::string(urdf), .tree = {}, .model = {}};
+  try {
+    robot.tree = codegen::parse_urdf(robot.urdf, robot.name);
+    const std::vector<codegen::ShapeNumber> numbers = codegen::shape_numbers(robot.tree, robot.name);
+    if (const auto wrong = wrong_names(robot.tree, numbers)) {
+      return std::unexpected(robot.name + ": " + *wrong);
+    }
+    robot.model = model::make_robot(constants_of(robot.tree, numbers));
+  } catch (const codegen::UrdfError& error) {
+    return std::unexpected(sentence(error));
+  }
+  return robot;
+}
+
+std::expected<const Robot*, std::string> find(std::string_view robot) {
+  static Registry registry;
+  return registry.find(robot);
+}
+
+}  // namespace stilt::robots

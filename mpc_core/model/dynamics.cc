@@ -1,0 +1,108 @@
+#include <type_traits>
+
+#include "codegen/generated/five_link/impact.h"
+#include "codegen/generated/five_link/kinematics.h"
+#include "codegen/generated/five_link/node.h"
+#include "mpc_core/model/leg_exchange.h"
+#include "mpc_core/model/robot.h"
+
+/// The generated functions of a robot, compiled once for double and once for batches.
+namespace stilt::model {
+namespace {
+
+namespace five_link = generated::five_link;
+
+template <class T>
+const T* coefficients(const RobotModel& robot) noexcept {
+  if constexpr (std::is_same_v<T, Batch>) {
+    return robot.batch.coefficient;
+  } else {
+    return robot.scalar.coefficient;
+  }
+}
+
+}  // namespace
+
+template <class T>
+void RobotModel::flow(const T* x, const T* u, FlowTerms<T>& out) const noexcept {
+  five_link::flow(x, u, coefficients<T>(*this), out);
+}
+
+template <class T>
+void RobotModel::flow_derivatives(const T* x, const T* u, FlowDerivatives<T>& out) const noexcept {
+  five_link::flow_derivatives(x, u, coefficients<T>(*this), out);
+}
+
+template <class T>
+void RobotModel::node(const T* x, const T* u, const T* p, NodeTerms<T>& out) const noexcept {
+  five_link::node(x, u, p, coefficients<T>(*this), out);
+}
+
+template <class T>
+void RobotModel::node_derivatives(const T* x, const T* u, const T* p,
+                                  NodeDerivatives<T>& out) const noexcept {
+  five_link::node_derivatives(x, u, p, coefficients<T>(*this), out);
+}
+
+template <class T>
+void RobotModel::kinematics(const T* x, KinematicsTerms<T>& out) const noexcept {
+  five_link::kinematics(x, coefficients<T>(*this), out);
+}
+
+template <class T>
+void RobotModel::impact(int foot, const T* x, const T* p, ImpactTerms<T>& out) const noexcept {
+  if (foot == kLeft) return five_link::impact_left(x, p, coefficients<T>(*this), out);
+  const ExchangedArguments<T> mirrored(x, p);
+  ImpactTerms<T> left;
+  five_link::impact_left(mirrored.x, mirrored.p, coefficients<T>(*this), left);
+  exchange_legs(left, out);
+}
+
+template <class T>
+void RobotModel::impact_derivatives(int foot, const T* x, const T* p,
+                                    ImpactDerivatives<T>& out) const noexcept {
+  if (foot == kLeft) return five_link::impact_left_derivatives(x, p, coefficients<T>(*this), out);
+  const ExchangedArguments<T> mirrored(x, p);
+  ImpactDerivatives<T> left;
+  five_link::impact_left_derivatives(mirrored.x, mirrored.p, coefficients<T>(*this), left);
+  exchange_legs(left, out);
+}
+
+template <class T>
+void RobotModel::mass_matrix(const T* x, const T* p, MassMatrixTerms<T>& out) const noexcept {
+  five_link::mass_matrix(x, p, coefficients<T>(*this), out);
+}
+
+template <class T>
+void RobotModel::bias(const T* x, BiasTerms<T>& out) const noexcept {
+  five_link::bias(x, coefficients<T>(*this), out);
+}
+
+template void RobotModel::flow(const double*, const double*, FlowTerms<double>&) const noexcept;
+template void RobotModel::flow_derivatives(const double*, const double*,
+                                           FlowDerivatives<double>&) const noexcept;
+template void RobotModel::node(const double*, const double*, const double*,
+                               NodeTerms<double>&) const noexcept;
+template void RobotModel::node_derivatives(const double*, const double*, const double*,
+                                           NodeDerivatives<double>&) const noexcept;
+template void RobotModel::kinematics(const double*, KinematicsTerms<double>&) const noexcept;
+template void RobotModel::impact(int, const double*, const double*, ImpactTerms<double>&) const noexcept;
+template void RobotModel::impact_derivatives(int, const double*, const double*,
+                                             ImpactDerivatives<double>&) const noexcept;
+template void RobotModel::mass_matrix(const double*, const double*, MassMatrixTerms<double>&) const noexcept;
+template void RobotModel::bias(const double*, BiasTerms<double>&) const noexcept;
+
+template void RobotModel::flow(const Batch*, const Batch*, FlowTerms<Batch>&) const noexcept;
+template void RobotModel::flow_derivatives(const Batch*, const Batch*,
+                                           FlowDerivatives<Batch>&) const noexcept;
+template void RobotModel::node(const Batch*, const Batch*, const Batch*, NodeTerms<Batch>&) const noexcept;
+template void RobotModel::node_derivatives(const Batch*, const Batch*, const Batch*,
+                                           NodeDerivatives<Batch>&) const noexcept;
+template void RobotModel::kinematics(const Batch*, KinematicsTerms<Batch>&) const noexcept;
+template void RobotModel::impact(int, const Batch*, const Batch*, ImpactTerms<Batch>&) const noexcept;
+template void RobotModel::impact_derivatives(int, const Batch*, const Batch*,
+                                             ImpactDerivatives<Batch>&) const noexcept;
+template void RobotModel::mass_matrix(const Batch*, const Batch*, MassMatrixTerms<Batch>&) const noexcept;
+template void RobotModel::bias(const Batch*, BiasTerms<Batch>&) const noexcept;
+
+}  // namespace stilt::model

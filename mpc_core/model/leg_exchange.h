@@ -1,0 +1,68 @@
+#pragma once
+
+#include <algorithm>
+
+#include "mpc_core/model/terms.h"
+
+/// Left and right exchanged. The legs of a robot are equal, so the impact of the right foot is that of the
+/// left foot of the mirrored robot: f_R(x, p) = S f_L(S x, S p), S the exchange. Real-time safe.
+namespace stilt::model {
+
+/// Index of the same quantity of the other leg.
+[[nodiscard]] constexpr int other_leg(int index, int first_joint) noexcept {
+  constexpr int kLegJoints = kJoints / kFeet;
+  if (index < first_joint) return index;
+  return index < first_joint + kLegJoints ? index + kLegJoints : index - kLegJoints;
+}
+
+/// State, then armature and damping of the joints, both with the legs exchanged.
+template <class T>
+struct ExchangedArguments {
+  T x[kStates];
+  T p[2 * kJoints];
+
+  ExchangedArguments(const T* state, const T* parameters) noexcept {
+    for (int i = 0; i < kPositions; ++i) {
+      const int other = other_leg(i, kFirstJoint);
+      x[i] = state[other];
+      x[kPositions + i] = state[kPositions + other];
+    }
+    for (int j = 0; j < kJoints; ++j) {
+      p[j] = parameters[other_leg(j, 0)];
+      p[kJoints + j] = parameters[kJoints + other_leg(j, 0)];
+    }
+  }
+};
+
+namespace detail {
+
+template <class T, int kColumns>
+void exchange_columns(const T (&from)[kColumns], T (&to)[kColumns]) noexcept {
+  constexpr int kFirst = kColumns - kJoints;
+  for (int c = 0; c < kColumns; ++c) to[c] = from[other_leg(c, kFirst)];
+}
+
+}  // namespace detail
+
+template <class T>
+void exchange_legs(const ImpactTerms<T>& from, ImpactTerms<T>& to) noexcept {
+  detail::exchange_columns(from.velocity_after, to.velocity_after);
+  std::copy(from.impulse, from.impulse + 2, to.impulse);
+}
+
+template <class T>
+void exchange_legs(const ImpactDerivatives<T>& from, ImpactDerivatives<T>& to) noexcept {
+  detail::exchange_columns(from.velocity_after, to.velocity_after);
+  for (int r = 0; r < kPositions; ++r) {
+    const int other = other_leg(r, kFirstJoint);
+    detail::exchange_columns(from.velocity_after_dtheta[other], to.velocity_after_dtheta[r]);
+    detail::exchange_columns(from.velocity_after_dv[other], to.velocity_after_dv[r]);
+  }
+  for (int r = 0; r < 2; ++r) {
+    to.impulse[r] = from.impulse[r];
+    detail::exchange_columns(from.impulse_dtheta[r], to.impulse_dtheta[r]);
+    detail::exchange_columns(from.impulse_dv[r], to.impulse_dv[r]);
+  }
+}
+
+}  // namespace stilt::model
