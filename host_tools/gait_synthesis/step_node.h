@@ -37,8 +37,9 @@ using NodeHessian = Eigen::Matrix<double, kNodeVariables, kNodeVariables>;
 
 /// Running cost of a node. The whole cost is its integral over the step.
 enum class CostKind {
-  torque_squared,        ///< sum of squared joint torques, 1e-3 Nm^2
-  mechanical_power,      ///< sum of |torque * joint speed| (W), rounded within 20 W, x 1e-2
+  torque_squared,    ///< sum of squared joint torques, 1e-3 Nm^2
+  mechanical_power,  ///< sum of |torque * joint speed|, 1e-2 W, rounded within 20 W, and squared torque, 3e-4
+                     ///< Nm^2
   acceleration_squared,  ///< sum of squared joint accelerations, 1e-3 rad^2/s^4
 };
 

@@ -17,7 +17,8 @@ struct NamedCost {
 };
 constexpr NamedCost kCosts[] = {
     {CostKind::torque_squared, "torque", "sum of squared joint torques (1e-3 Nm^2) over time, a metre"},
-    {CostKind::mechanical_power, "power", "sum of |torque x joint speed| (1e-2 W) over time, a metre"},
+    {CostKind::mechanical_power, "power",
+     "sum of |torque x joint speed| (1e-2 W) and squared torque (3e-4 Nm^2) over time, a metre"},
     {CostKind::acceleration_squared, "acceleration",
      "sum of squared joint accelerations (1e-3 rad^2/s^4) over time, a metre"},
 };
