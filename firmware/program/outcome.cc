@@ -5,14 +5,13 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
+#include "firmware/control_loop/joint_names.h"
 #include "firmware/telemetry/station.h"
 
 namespace stilt::program {
 namespace {
 
 using control_loop::Event;
-
-constexpr const char* kJoints[] = {"hip_L", "knee_L", "hip_R", "knee_R"};
 
 nlohmann::ordered_json json_of(const diagnostics::Percentiles& percentiles) {
   return {{"p50", percentiles.p50_us},
@@ -48,7 +47,7 @@ void take_state(const Event& event, Outcome& outcome) {
 }
 
 std::string bring_up_text(const Event& event) {
-  std::string text = std::string("driver of ") + kJoints[event.joint] +
+  std::string text = std::string("driver of ") + control_loop::kJointNames[event.joint] +
                      " cannot be brought up: " + hal::bring_up::name(event.failure);
   if (event.driver_fault != hal::DriverFault::none) {
     text.append(" (").append(hal::name(event.driver_fault)).append(")");

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "firmware/control_loop/joint_names.h"
 #include "firmware/realtime/pace.h"
 #include "firmware/realtime/thread.h"
 #include "hal/robot/clock.h"
@@ -13,7 +14,8 @@
 namespace stilt::program {
 namespace {
 
-constexpr const char* kJoints[] = {"hip_L", "knee_L", "hip_R", "knee_R"};
+using control_loop::kJointNames;
+
 constexpr long long kBringUpTicks = 5000;
 /// Share of a tick in which replies must come.
 constexpr double kReplyShare = 0.8;
@@ -60,7 +62,7 @@ bool bring_up(Test& test, realtime::Pace& pace) {
     pace.advance(began_ns, test.clock.now_ns());
   }
   if (progress.ready) return true;
-  test.figures.failure = std::string("the driver of ") + kJoints[progress.joint] +
+  test.figures.failure = std::string("the driver of ") + kJointNames[progress.joint] +
                          " cannot be brought up: " + hal::bring_up::name(progress.failure);
   return false;
 }
@@ -199,7 +201,7 @@ std::string to_text(const SelfTestFigures& figures) {
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
     char replies[160];
     std::snprintf(replies, sizeof replies, "%-14s %.2f %% of %lld commands answered, %.2f %% in time\n",
-                  kJoints[joint], 100 * share(figures.answered[joint], figures.commands[joint]),
+                  kJointNames[joint], 100 * share(figures.answered[joint], figures.commands[joint]),
                   figures.commands[joint], 100 * share(figures.in_time[joint], figures.ticks));
     text += replies;
   }
@@ -226,8 +228,8 @@ std::string to_json(const SelfTestFigures& figures) {
   if (!figures.failure.empty()) json["failure"] = figures.failure;
   json["commands"] = figures.ticks;
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
-    json["reply_share"][kJoints[joint]] = share(figures.answered[joint], figures.commands[joint]);
-    json["in_time_share"][kJoints[joint]] = share(figures.in_time[joint], figures.ticks);
+    json["reply_share"][kJointNames[joint]] = share(figures.answered[joint], figures.commands[joint]);
+    json["in_time_share"][kJointNames[joint]] = share(figures.in_time[joint], figures.ticks);
   }
   json["base_readings"] = figures.base_readings;
   json["bus_errors"] = figures.bus_errors;

@@ -5,13 +5,13 @@
 #include <vector>
 
 #include "firmware/configuration/configuration.h"
+#include "firmware/control_loop/joint_names.h"
+#include "firmware/telemetry/cycle_message.h"
 #include "firmware/telemetry/histogram_message.h"
 #include "firmware/telemetry/sequence.h"
 
 namespace stilt::telemetry {
 namespace {
-
-constexpr const char* kJoints[] = {"hip_L", "knee_L", "hip_R", "knee_R"};
 
 template <class T>
 bool open_writer(const Participant& participant, const Topic& topic, Writer<T>& writer, std::string& error) {
@@ -41,7 +41,7 @@ std::string sentence_of(const control_loop::Event& event) {
     case control_loop::Event::Kind::waits_for_pose:
       return "not in a pose to stand up from: waits until somebody puts it there";
     case control_loop::Event::Kind::bring_up_failed:
-      return std::string("driver of ") + kJoints[event.joint] +
+      return std::string("driver of ") + control_loop::kJointNames[event.joint] +
              " cannot be brought up: " + hal::bring_up::name(event.failure);
     case control_loop::Event::Kind::lost_stance:
       return "left the standing pose while it stood up: damped; put it there and ask again";
@@ -156,26 +156,9 @@ void Publisher::tuning(const Tuner& tuner, const std::string& key, const std::st
 }
 
 void Publisher::cycle(const control_loop::CycleRecord& record, const Drops& drops) {
-  PlannerCycle message{};
+  PlannerCycle message = cycle_message(record);
   message.session = session_;
-  message.cycle = record.cycle;
   message.dropped = drops.cycles;
-  message.tick = record.tick;
-  message.time_s = record.time_s;
-  message.standing = record.standing;
-  message.plan_sequence = record.plan_sequence;
-  message.status = static_cast<std::uint8_t>(record.report.status);
-  message.iterations = record.report.iterations;
-  message.failures = record.failures;
-  message.cost = record.report.cost;
-  message.dynamics_defect_max = record.report.dynamics_defect_max;
-  message.equality_violation_max = record.report.equality_violation_max;
-  message.step_length = record.report.step_length;
-  message.step_size = record.report.step_size;
-  message.nodes = record.nodes;
-  message.solve_ns = record.solve_ns;
-  message.checksum = record.checksum;
-  message.tuning = record.tuning;
   cycles_.write(message);
 }
 

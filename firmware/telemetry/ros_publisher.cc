@@ -5,15 +5,15 @@
 #include <deque>
 #include <vector>
 
+#include "firmware/control_loop/joint_names.h"
 #include "firmware/telemetry/sequence.h"
 #include "mpc_core/model/types.h"
 
 namespace stilt::telemetry {
 namespace {
 
+using control_loop::kJointNames;
 using control_loop::TickRecord;
-
-constexpr const char* kJoints[] = {"hip_L", "knee_L", "hip_R", "knee_R"};
 
 enum Level : std::uint8_t { kOk = 0, kWarning = 1, kError = 2 };
 
@@ -99,7 +99,8 @@ Status timing_status(const diagnostics::LoopFigures& loop, const diagnostics::Pl
 }
 
 Status driver_status(const hal::JointReading& joint, std::size_t index) {
-  Status status{.level = kOk, .name = std::string("driver: ") + kJoints[index], .message = "", .values = {}};
+  Status status{
+      .level = kOk, .name = std::string("driver: ") + kJointNames[index], .message = "", .values = {}};
   status.message = hal::name(joint.fault);
   if (joint.fault == hal::DriverFault::none) status.message = "no fault";
   if (joint.fault != hal::DriverFault::none || joint.state == hal::DriverState::fault) status.level = kError;
@@ -134,7 +135,7 @@ void RosPublisher::joint_states(const TickRecord& tick, const WallTime& time) {
   std::vector<double> velocity;
   std::vector<double> effort;
   for (std::size_t i = 0; i < hal::kJoints; ++i) {
-    names.add(kJoints[i]);
+    names.add(kJointNames[i]);
     position.push_back(tick.joints[i].position_rad);
     velocity.push_back(tick.joints[i].velocity_rad_s);
     effort.push_back(tick.joints[i].torque_Nm);

@@ -134,9 +134,9 @@ void LiveView::configuration(const ConfigurationSample& sample) {
 }
 
 void LiveView::tick(const TickSample& sample) {
-  if (ticks_follow_ && sample.tick > next_tick_) link_.missing += sample.tick - next_tick_;
+  if (ticks_follow_ && sample.record.tick > next_tick_) link_.missing += sample.record.tick - next_tick_;
   ticks_follow_ = true;
-  next_tick_ = sample.tick + 1;
+  next_tick_ = sample.record.tick + 1;
   ++link_.ticks;
   link_.heard = true;
   newest_s_ = now_s_;

@@ -1,7 +1,6 @@
 #include "host_tools/monitor/message_samples.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "firmware/supervisor/fault.h"
 #include "firmware/telemetry/cdr.h"
@@ -10,12 +9,6 @@ namespace stilt::monitor {
 namespace {
 
 using telemetry::span_of;
-
-/// Torque that a command means at the measured position and velocity.
-double torque_Nm(const hal::JointCommand& command, const hal::JointReading& reading) {
-  return command.torque_Nm + command.kp_Nm_rad * (command.position_rad - reading.position_rad) +
-         command.kd_Nms_rad * (command.velocity_rad_s - reading.velocity_rad_s);
-}
 
 /// Upper edges and counts of the bins that hold something, from lower edges of bins in a row.
 void copy_bins(const stilt_msgs_msg_dds__Histogram_& message, HistogramSample& sample) {
@@ -32,28 +25,6 @@ void copy_bins(const stilt_msgs_msg_dds__Histogram_& message, HistogramSample& s
 }
 
 }  // namespace
-
-TickSample tick_sample(const control_loop::TickRecord& record, std::int64_t clock_start_ns) {
-  TickSample sample;
-  sample.tick = record.tick;
-  sample.time_s = 1e-9 * static_cast<double>(record.time_ns - clock_start_ns);
-  sample.estimated_state = record.estimated_state;
-  const bool commands = record.action == supervisor::Action::commands;
-  for (std::size_t k = 0; k < kJoints; ++k) {
-    sample.commanded_position_rad[k] =
-        commands ? record.sent[k].position_rad : std::numeric_limits<double>::quiet_NaN();
-    sample.commanded_torque_Nm[k] = commands ? torque_Nm(record.sent[k], record.joints[k]) : 0.0;
-    sample.measured_torque_Nm[k] = record.joints[k].torque_Nm;
-  }
-  sample.ramp = record.ramp;
-  sample.plan_age_s = record.plan_age_s;
-  sample.wakeup_us = 1e-3 * static_cast<double>(record.wakeup_ns);
-  sample.execution_us = 1e-3 * static_cast<double>(record.execution_ns);
-  sample.round_trip_us = 1e-3 * static_cast<double>(record.round_trip_ns);
-  sample.state = static_cast<int>(record.state);
-  sample.rung = static_cast<int>(record.level);
-  return sample;
-}
 
 PlannerSample planner_sample(const telemetry::PlannerCycle& message) {
   PlannerSample sample;

@@ -1,78 +1,103 @@
 #include "host_tools/monitor/page_tables.h"
 
-#include <array>
+#include <limits>
+#include <string>
+#include <vector>
 
+#include "firmware/control_loop/tick_fields.h"
 #include "host_tools/monitor/table_message.h"
 
 namespace stilt::monitor {
 namespace {
 
-constexpr std::array kTickColumns = {
-    Column<TickSample>{"state", [](const TickSample& t, std::size_t k) { return t.estimated_state[k]; },
-                       kStates},
-    Column<TickSample>{"commanded_position_rad",
-                       [](const TickSample& t, std::size_t k) { return t.commanded_position_rad[k]; },
-                       kJoints},
-    Column<TickSample>{"commanded_torque_Nm",
-                       [](const TickSample& t, std::size_t k) { return t.commanded_torque_Nm[k]; }, kJoints},
-    Column<TickSample>{"measured_torque_Nm",
-                       [](const TickSample& t, std::size_t k) { return t.measured_torque_Nm[k]; }, kJoints},
-    Column<TickSample>{"ramp", [](const TickSample& t, std::size_t) { return t.ramp; }},
-    Column<TickSample>{"plan_age_ms", [](const TickSample& t, std::size_t) { return 1e3 * t.plan_age_s; }},
-    Column<TickSample>{"wakeup_us", [](const TickSample& t, std::size_t) { return t.wakeup_us; }},
-    Column<TickSample>{"execution_us", [](const TickSample& t, std::size_t) { return t.execution_us; }},
-    Column<TickSample>{"round_trip_us", [](const TickSample& t, std::size_t) { return t.round_trip_us; }},
-    Column<TickSample>{"state_number",
-                       [](const TickSample& t, std::size_t) { return static_cast<double>(t.state); }},
-    Column<TickSample>{"rung", [](const TickSample& t, std::size_t) { return static_cast<double>(t.rung); }},
+using control_loop::TickGroup;
+using control_loop::TickRecord;
+using TickColumns = std::vector<Column<TickSample>>;
+
+/// Adds the fields of a group that have a name on the page.
+template <TickGroup kGroup>
+void add_fields(TickColumns& columns) {
+  control_loop::for_each_field_of<kGroup>([&](const auto& field) {
+    if (field.names.page.empty()) return;
+    const double factor = control_loop::unit_factor(field.wire, field.names.page);
+    columns.push_back({std::string(field.names.page),
+                       [=](const TickSample& tick, std::size_t index) {
+                         return factor * static_cast<double>(field.at(tick.record, index));
+                       },
+                       field.count()});
+  });
+}
+
+/// NaN when no commands were sent.
+double commanded_position_rad(const TickSample& tick, std::size_t joint) {
+  return tick.record.action == supervisor::Action::commands ? tick.record.sent[joint].position_rad
+                                                            : std::numeric_limits<double>::quiet_NaN();
+}
+
+/// Feed-forward and gains together, at the measured joint; 0 when no commands were sent.
+double commanded_torque_Nm(const TickSample& tick, std::size_t joint) {
+  if (tick.record.action != supervisor::Action::commands) return 0.0;
+  const hal::JointCommand& command = tick.record.sent[joint];
+  const hal::JointReading& reading = tick.record.joints[joint];
+  return command.torque_Nm + command.kp_Nm_rad * (command.position_rad - reading.position_rad) +
+         command.kd_Nms_rad * (command.velocity_rad_s - reading.velocity_rad_s);
+}
+
+TickColumns make_tick_columns() {
+  TickColumns columns;
+  add_fields<TickGroup::estimate>(columns);
+  columns.push_back({"commanded_position_rad", commanded_position_rad, hal::kJoints});
+  columns.push_back({"commanded_torque_Nm", commanded_torque_Nm, hal::kJoints});
+  add_fields<TickGroup::joints>(columns);
+  add_fields<TickGroup::ramp>(columns);
+  add_fields<TickGroup::plan>(columns);
+  add_fields<TickGroup::timing>(columns);
+  add_fields<TickGroup::decision>(columns);
+  return columns;
+}
+
+const TickColumns& tick_columns() {
+  static const TickColumns columns = make_tick_columns();
+  return columns;
+}
+
+const std::vector<Column<PlannerSample>> kPlannerColumns = {
+    {"status", [](const PlannerSample& c, std::size_t) { return static_cast<double>(c.status); }},
+    {"iterations", [](const PlannerSample& c, std::size_t) { return static_cast<double>(c.iterations); }},
+    {"defect_max", [](const PlannerSample& c, std::size_t) { return c.defect_max; }},
+    {"equality_violation_max", [](const PlannerSample& c, std::size_t) { return c.equality_violation_max; }},
+    {"cost", [](const PlannerSample& c, std::size_t) { return c.cost; }},
+    {"solve_ms", [](const PlannerSample& c, std::size_t) { return 1e-3 * c.solve_us; }},
 };
 
-constexpr std::array kPlannerColumns = {
-    Column<PlannerSample>{"status",
-                          [](const PlannerSample& c, std::size_t) { return static_cast<double>(c.status); }},
-    Column<PlannerSample>{
-        "iterations", [](const PlannerSample& c, std::size_t) { return static_cast<double>(c.iterations); }},
-    Column<PlannerSample>{"defect_max", [](const PlannerSample& c, std::size_t) { return c.defect_max; }},
-    Column<PlannerSample>{"equality_violation_max",
-                          [](const PlannerSample& c, std::size_t) { return c.equality_violation_max; }},
-    Column<PlannerSample>{"cost", [](const PlannerSample& c, std::size_t) { return c.cost; }},
-    Column<PlannerSample>{"solve_ms", [](const PlannerSample& c, std::size_t) { return 1e-3 * c.solve_us; }},
+const std::vector<Column<PlanKnot>> kPlanColumns = {
+    {"hip_x_m", [](const PlanKnot& n, std::size_t) { return n.hip_x_m; }},
+    {"hip_z_m", [](const PlanKnot& n, std::size_t) { return n.hip_z_m; }},
+    {"pitch_rad", [](const PlanKnot& n, std::size_t) { return n.pitch_rad; }},
+    {"foot_position_m", [](const PlanKnot& n, std::size_t k) { return n.foot_position_m[k]; }, 4},
+    {"contact_force_N", [](const PlanKnot& n, std::size_t k) { return n.contact_force_N[k]; }, 4},
+    {"carries",
+     [](const PlanKnot& n, std::size_t k) { return (k == 0 ? n.left_carries : n.right_carries) ? 1.0 : 0.0; },
+     2},
 };
 
-constexpr std::array kPlanColumns = {
-    Column<PlanKnot>{"hip_x_m", [](const PlanKnot& n, std::size_t) { return n.hip_x_m; }},
-    Column<PlanKnot>{"hip_z_m", [](const PlanKnot& n, std::size_t) { return n.hip_z_m; }},
-    Column<PlanKnot>{"pitch_rad", [](const PlanKnot& n, std::size_t) { return n.pitch_rad; }},
-    Column<PlanKnot>{"foot_position_m", [](const PlanKnot& n, std::size_t k) { return n.foot_position_m[k]; },
-                     4},
-    Column<PlanKnot>{"contact_force_N", [](const PlanKnot& n, std::size_t k) { return n.contact_force_N[k]; },
-                     4},
-    Column<PlanKnot>{"carries",
-                     [](const PlanKnot& n, std::size_t k) {
-                       return (k == 0 ? n.left_carries : n.right_carries) ? 1.0 : 0.0;
-                     },
-                     2},
-};
-
-constexpr std::array kTruthColumns = {
-    Column<TruthSample>{"contact_force_N",
-                        [](const TruthSample& t, std::size_t k) { return t.contact_force_N[k]; }, 4},
-    Column<TruthSample>{"push_N", [](const TruthSample& t, std::size_t) { return t.push_N; }},
-    Column<TruthSample>{"push_above_hip_m",
-                        [](const TruthSample& t, std::size_t) { return t.push_above_hip_m; }},
+const std::vector<Column<TruthSample>> kTruthColumns = {
+    {"contact_force_N", [](const TruthSample& t, std::size_t k) { return t.contact_force_N[k]; }, 4},
+    {"push_N", [](const TruthSample& t, std::size_t) { return t.push_N; }},
+    {"push_above_hip_m", [](const TruthSample& t, std::size_t) { return t.push_above_hip_m; }},
 };
 
 }  // namespace
 
 nlohmann::ordered_json all_column_names() {
-  return {{"ticks", column_names(kTickColumns)},
+  return {{"ticks", column_names(tick_columns())},
           {"planner", column_names(kPlannerColumns)},
           {"plan", column_names(kPlanColumns)},
           {"truth", column_names(kTruthColumns)}};
 }
 
 SharedMessage ticks_message(std::span<const TickSample> ticks) {
-  return table_message(Table::ticks, ticks.front().time_s, ticks.front().tick, ticks, kTickColumns);
+  return table_message(Table::ticks, ticks.front().time_s, ticks.front().record.tick, ticks, tick_columns());
 }
 
 SharedMessage planner_message(std::span<const PlannerSample> cycles) {

@@ -5,29 +5,16 @@
 #include <string>
 #include <vector>
 
+#include "firmware/control_loop/tick_record.h"
+
 /// What a monitor shows, whoever it comes from: the live robot, a record, or a test. SI units; time_s is the
 /// controller's clock, seconds since its first tick. Ordinary threads.
 namespace stilt::monitor {
 
-inline constexpr std::size_t kStates = 14;
-inline constexpr std::size_t kJoints = 4;  ///< hip_L, knee_L, hip_R, knee_R
-
 /// One tick of the torque loop.
 struct TickSample {
-  std::uint64_t tick = 0;  ///< counts from 0; a gap is a drop
   double time_s = 0.0;
-  std::array<double, kStates> estimated_state{};  ///< [q; v] of mpc_core/model/types.h
-  std::array<double, kJoints> commanded_position_rad{};
-  std::array<double, kJoints>
-      commanded_torque_Nm{};  ///< feed-forward and gains together, at the measured joint
-  std::array<double, kJoints> measured_torque_Nm{};  ///< as the drivers report it
-  double ramp = 0.0;                                 ///< share of the torque law, 0 to 1
-  double plan_age_s = 0.0;
-  double wakeup_us = 0.0;      ///< lateness of the tick
-  double execution_us = 0.0;   ///< of the tick before
-  double round_trip_us = 0.0;  ///< newest known, command to last reply
-  int state = 0;               ///< number of supervisor::State
-  int rung = 0;                ///< number of supervisor::FallbackLevel
+  control_loop::TickRecord record;
 };
 
 /// One cycle of the planner.

@@ -1,11 +1,12 @@
 #pragma once
 
-#include <array>
 #include <bit>
 #include <cstdint>
 #include <cstring>
+#include <functional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "host_tools/monitor/page_messages.h"
 
@@ -19,16 +20,15 @@ inline constexpr std::size_t kTableHead_bytes = 24;
 /// A column of a table: its name on the page, and where its value comes from.
 template <class Sample>
 struct Column {
-  const char* name;
-  double (*value)(const Sample&, std::size_t index);
+  std::string name;
+  std::function<double(const Sample&, std::size_t index)> value;
   std::size_t width = 1;  ///< numbers; `index` counts them, and they are named name0, name1, ...
 };
 
 /// The message of `samples`; columns as given, after the time since the first sample.
-template <class Sample, std::size_t kColumns>
+template <class Sample>
 SharedMessage table_message(Table table, double base_time_s, std::uint64_t first_number,
-                            std::span<const Sample> samples,
-                            const std::array<Column<Sample>, kColumns>& columns) {
+                            std::span<const Sample> samples, const std::vector<Column<Sample>>& columns) {
   std::string bytes(kTableHead_bytes, '\0');
   bytes[0] = static_cast<char>(table);
   const auto rows = static_cast<std::uint32_t>(samples.size());
@@ -52,8 +52,8 @@ SharedMessage table_message(Table table, double base_time_s, std::uint64_t first
 }
 
 /// Names of all columns with the time in front.
-template <class Sample, std::size_t kColumns>
-nlohmann::ordered_json column_names(const std::array<Column<Sample>, kColumns>& columns) {
+template <class Sample>
+nlohmann::ordered_json column_names(const std::vector<Column<Sample>>& columns) {
   auto names = nlohmann::ordered_json::array({"time_s"});
   for (const Column<Sample>& column : columns) {
     for (std::size_t k = 0; k < column.width; ++k) {

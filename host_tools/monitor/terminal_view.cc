@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "firmware/supervisor/fault.h"
 #include "firmware/supervisor/fallback.h"
+#include "firmware/supervisor/fault.h"
 #include "firmware/supervisor/state.h"
 
 namespace stilt::monitor {
@@ -60,9 +60,10 @@ void TerminalView::configuration(const ConfigurationSample& sample) {
 }
 
 void TerminalView::tick(const TickSample& sample) {
-  if (tick_ && sample.tick > tick_->tick + 1) missing_ += sample.tick - tick_->tick - 1;
+  const std::uint64_t number = sample.record.tick;
+  if (tick_ && number > tick_->record.tick + 1) missing_ += number - tick_->record.tick - 1;
   const double share = tick_ ? std::clamp((sample.time_s - tick_->time_s) / kSpeedMemory_s, 0.0, 1.0) : 1.0;
-  speed_m_s_ += share * (sample.estimated_state[7] - speed_m_s_);
+  speed_m_s_ += share * (sample.record.estimated_state[7] - speed_m_s_);
   tick_ = sample;
   heard_s_ = now_s_;
 }
@@ -135,8 +136,9 @@ std::string TerminalView::text(std::size_t columns, std::size_t rows) const {
       line("stilt monitor   %s   %s", configuration_.robot.c_str(), link_text().c_str()) + "\n";
   if (supervisor_) text += state_text();
   if (tick_) {
-    text += line("speed     %+.2f m/s   x %.2f m   hip %.3f m   lean %+.3f rad", speed_m_s_,
-                 tick_->estimated_state[0], tick_->estimated_state[1], tick_->estimated_state[2]);
+    const auto& state = tick_->record.estimated_state;
+    text += line("speed     %+.2f m/s   x %.2f m   hip %.3f m   lean %+.3f rad", speed_m_s_, state[0],
+                 state[1], state[2]);
   }
   if (supervisor_) text += fault_text();
   if (cycle_) {

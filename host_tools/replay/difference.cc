@@ -4,15 +4,18 @@
 #include <charconv>
 #include <type_traits>
 
+#include "firmware/control_loop/joint_names.h"
+#include "firmware/control_loop/tick_fields.h"
+
 namespace stilt::replay {
 namespace {
-
-constexpr const char* kJoints[] = {"hip_L", "knee_L", "hip_R", "knee_R"};
 
 template <class T>
 std::string text_of(T value) {
   if constexpr (std::is_enum_v<T>) {
     return std::to_string(static_cast<long long>(value));
+  } else if constexpr (std::is_same_v<T, supervisor::FaultSet>) {
+    return std::to_string(value.bits());
   } else {
     char text[40];
     const auto end = std::to_chars(text, text + sizeof text, value).ptr;
@@ -35,25 +38,22 @@ class Comparison {
   explicit Comparison(std::uint64_t tick) { difference_.tick = tick; }
 
   template <class T>
-  void add(const char* what, T recorded, T replayed, const char* of = nullptr) {
-    if (found_ || same(recorded, replayed)) return;
-    found_ = true;
-    difference_.what = of == nullptr ? what : std::string(what) + " of " + of;
-    difference_.recorded = text_of(recorded);
-    difference_.replayed = text_of(replayed);
+  void add(const char* what, T recorded, T replayed, const char* of) {
+    add(recorded, replayed, [&] { return what + (" of " + std::string(of)); });
+  }
+  template <class T>
+  void add(const char* what, T recorded, T replayed) {
+    add(recorded, replayed, [&] { return what; });
   }
 
-  void add_commands(const std::string& name, const hal::JointCommands& recorded,
-                    const hal::JointCommands& replayed) {
-    for (std::size_t i = 0; i < hal::kJoints; ++i) {
-      const hal::JointCommand &a = recorded[i], &b = replayed[i];
-      add((name + " torque_Nm").c_str(), a.torque_Nm, b.torque_Nm, kJoints[i]);
-      add((name + " position_rad").c_str(), a.position_rad, b.position_rad, kJoints[i]);
-      add((name + " velocity_rad_s").c_str(), a.velocity_rad_s, b.velocity_rad_s, kJoints[i]);
-      add((name + " kp_Nm_rad").c_str(), a.kp_Nm_rad, b.kp_Nm_rad, kJoints[i]);
-      add((name + " kd_Nms_rad").c_str(), a.kd_Nms_rad, b.kd_Nms_rad, kJoints[i]);
-      add((name + " torque_limit_Nm").c_str(), a.torque_limit_Nm, b.torque_limit_Nm, kJoints[i]);
-    }
+  /// @param what  makes the name, asked only when the values differ
+  template <class T, class MakeName>
+  void add(T recorded, T replayed, MakeName what) {
+    if (found_ || same(recorded, replayed)) return;
+    found_ = true;
+    difference_.what = what();
+    difference_.recorded = text_of(recorded);
+    difference_.replayed = text_of(replayed);
   }
 
   [[nodiscard]] std::optional<Difference> result() const {
@@ -65,6 +65,17 @@ class Comparison {
   bool found_ = false;
 };
 
+/// Name of an output in a sentence: "ramp", "sent torque_Nm of knee_L", "estimated state of 3".
+std::string name_of(std::string_view wire, std::string_view replay, std::size_t count, std::size_t index) {
+  std::string name(replay.empty() ? wire : replay);
+  if (const std::size_t first = name.find('_'); replay.empty() && first != std::string::npos) {
+    name[first] = ' ';
+  }
+  if (count == hal::kJoints) name += std::string(" of ") + control_loop::kJointNames[index];
+  if (count == model::kStates) name += " of " + std::to_string(index);
+  return name;
+}
+
 }  // namespace
 
 std::string Difference::text() const {
@@ -75,26 +86,10 @@ std::optional<Difference> compare(const control_loop::TickRecord& recorded,
                                   const control_loop::TickRecord& replayed) {
   Comparison comparison(recorded.tick);
   comparison.add("tick", recorded.tick, replayed.tick);
-  for (std::size_t i = 0; i < recorded.estimated_state.size(); ++i) {
-    const std::string number = std::to_string(i);
-    comparison.add("estimated state", recorded.estimated_state[i], replayed.estimated_state[i],
-                   number.c_str());
-  }
-  comparison.add("present faults", recorded.present.bits(), replayed.present.bits());
-  comparison.add("latched faults", recorded.latched.bits(), replayed.latched.bits());
-  comparison.add("reaction", recorded.reaction, replayed.reaction);
-  comparison.add("state", recorded.state, replayed.state);
-  comparison.add("level", recorded.level, replayed.level);
-  comparison.add("ramp", recorded.ramp, replayed.ramp);
-  comparison.add("standing", recorded.standing, replayed.standing);
-  comparison.add("gait", recorded.gait.kind, replayed.gait.kind);
-  comparison.add("gait speed_m_s", recorded.gait.speed_m_s, replayed.gait.speed_m_s);
-  comparison.add("sequence of the plan in use", recorded.plan_sequence, replayed.plan_sequence);
-  comparison.add("plan_age_s", recorded.plan_age_s, replayed.plan_age_s);
-  comparison.add("tuning", recorded.tuning, replayed.tuning);
-  comparison.add_commands("wanted", recorded.wanted, replayed.wanted);
-  comparison.add("action", recorded.action, replayed.action);
-  comparison.add_commands("sent", recorded.sent, replayed.sent);
+  control_loop::for_each_output([&](const auto& field, std::size_t index) {
+    comparison.add(field.at(recorded, index), field.at(replayed, index),
+                   [&] { return name_of(field.wire, field.names.replay, field.count(), index); });
+  });
   return comparison.result();
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "firmware/telemetry/cdr.h"
+#include "firmware/telemetry/cycle_message.h"
 #include "firmware/telemetry/tick_batch.h"
 #include "firmware/telemetry/topics.h"
 #include "host_tools/log/mcap/reader.h"
@@ -43,7 +44,7 @@ void take_configuration(const ConfigurationInForce& message, SessionRecord& sess
 /// A subscriber that comes late may get a solve twice; numbers rise.
 void take_cycle(const PlannerCycle& message, SessionRecord& session) {
   if (!session.cycles.empty() && message.cycle <= session.cycles.back().cycle) return;
-  session.cycles.push_back(cycle_record(message));
+  session.cycles.push_back(telemetry::cycle_record(message));
 }
 
 void take(const mcap::ReadMessage& read, RecordContents& contents) {
@@ -82,28 +83,6 @@ void for_each_tick(const std::string& path, std::uint64_t session,
       if (!use(telemetry::tick_record(*ticks, i))) return;
     }
   }
-}
-
-control_loop::CycleRecord cycle_record(const PlannerCycle& message) {
-  control_loop::CycleRecord record;
-  record.cycle = message.cycle;
-  record.tick = message.tick;
-  record.time_s = message.time_s;
-  record.standing = message.standing;
-  record.plan_sequence = message.plan_sequence;
-  record.failures = message.failures;
-  record.tuning = message.tuning;
-  record.nodes = message.nodes;
-  record.checksum = message.checksum;
-  record.solve_ns = message.solve_ns;
-  record.report.status = static_cast<sqp::SolveStatus>(message.status);
-  record.report.iterations = message.iterations;
-  record.report.cost = message.cost;
-  record.report.dynamics_defect_max = message.dynamics_defect_max;
-  record.report.equality_violation_max = message.equality_violation_max;
-  record.report.step_length = message.step_length;
-  record.report.step_size = message.step_size;
-  return record;
 }
 
 }  // namespace stilt::replay

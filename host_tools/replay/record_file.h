@@ -38,7 +38,4 @@ struct RecordContents {
 void for_each_tick(const std::string& path, std::uint64_t session,
                    const std::function<bool(const control_loop::TickRecord&)>& use);
 
-/// The record of a solve in its message.
-[[nodiscard]] control_loop::CycleRecord cycle_record(const telemetry::PlannerCycle& message);
-
 }  // namespace stilt::replay

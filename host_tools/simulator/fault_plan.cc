@@ -5,14 +5,16 @@
 #include <limits>
 #include <stdexcept>
 
+#include "firmware/control_loop/joint_names.h"
 #include "hal/robot/robot_wiring.h"
 #include "host_tools/simulator/number.h"
 
 namespace stilt::simulator {
 namespace {
 
+using control_loop::kJointNames;
+
 constexpr double kForever_s = std::numeric_limits<double>::infinity();
-constexpr std::array<const char*, hal::kJoints> kJointNames{"hip_L", "knee_L", "hip_R", "knee_R"};
 constexpr std::size_t kDefaultJoint = 1;  // a knee: it carries the body
 
 using enum FaultKind;

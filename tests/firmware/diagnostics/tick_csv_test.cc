@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <map>
 #include <memory>
 #include <set>
+#include <span>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -47,6 +49,19 @@ std::map<std::string, std::string> written(const control_loop::TickRecord& recor
 TEST(TickCsv, ColumnsHaveNamesOfTheirOwn) {
   const std::vector<std::string> names = header();
   EXPECT_EQ(std::set<std::string>(names.begin(), names.end()).size(), names.size());
+}
+
+TEST(TickCsv, ColumnsBeginWithTheDecisionAndGoOnJointByJoint) {
+  const std::vector<std::string> names = header();
+  ASSERT_EQ(names.size(), 2u + 12 + 4 * 11 + 8 + 14 + 2 * 4 * 5);
+  const std::vector<std::string> first = {"tick",         "time_s",           "state",      "rung",
+                                          "reaction",     "action",           "faults",     "latched_faults",
+                                          "ramp",         "plan_sequence",    "plan_age_s", "wakeup_us",
+                                          "execution_us", "bus_round_trip_us"};
+  EXPECT_TRUE(std::ranges::equal(std::span(names).first(14), first));
+  EXPECT_EQ(names[14 + 11 + 6], "knee_L_missed_replies");
+  EXPECT_EQ(names[14 + 4 * 11 + 7], "base_repeated_replies");
+  EXPECT_EQ(names.back(), "sent_knee_R_kd_Nms_rad");
 }
 
 TEST(TickCsv, ARecordStandsUnderItsColumns) {

@@ -2,130 +2,61 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
-#include <limits>
 #include <random>
-#include <sstream>
+#include <regex>
 #include <vector>
 
-#include "firmware/diagnostics/tick_csv.h"
+#include "firmware/control_loop/tick_fields.h"
 #include "firmware/telemetry/cdr.h"
+#include "host_tools/log/schema/decode.h"
+#include "host_tools/log/schema/idl_texts.h"
 
 namespace stilt::telemetry {
 namespace {
 
+using control_loop::for_each_tick_field;
 using control_loop::TickRecord;
 
-/// Every field that is not an enumerator or a counter with a meaning of its own gets random bits.
+constexpr const char* kType = "stilt_msgs/msg/TickBatch";
+
+/// Records with random bits in every field; small numbers where the message has fewer bits than the record.
 class RandomTicks {
  public:
   explicit RandomTicks(unsigned seed) : random_(seed) {}
 
   TickRecord next(std::uint64_t tick) {
-    TickRecord r;
-    r.tick = tick;
-    for (std::int64_t* time : {&r.time_ns, &r.wakeup_ns, &r.execution_ns, &r.round_trip_ns})
-      *time = integer();
-    for (hal::JointReading& joint : r.joints) {
-      for (double* number : {&joint.position_rad, &joint.velocity_rad_s, &joint.torque_Nm,
-                             &joint.driver_temperature_C, &joint.supply_V}) {
-        *number = real();
-      }  // motor temperature stays NaN
-      joint.time_ns = integer();
-      joint.missed = small();
-      joint.frozen = small();
-      joint.malformed = small();
-      joint.state = hal::DriverState::enabled;
-      joint.fault = hal::DriverFault::over_current;
-      joint.fault_code = small();
-    }
-    for (double* number :
-         {&r.base.pitch_rad, &r.base.pitch_rate_rad_s, &r.base.acceleration_x_m_s2, &r.base.left_foot_force_N,
-          &r.ramp, &r.plan_age_s, &r.gait.speed_m_s, &r.command.request.speed_m_s}) {
-      *number = real();
-    }
-    r.base.time_ns = integer();
-    r.base.missed = small();
-    r.read_status = hal::JointBusStatus::incomplete;
-    r.write_status = hal::JointBusStatus::bus_off;
-    r.emergency_stop = hal::EmergencyStopState::pressed;
-    r.bus_errors = small();
-    r.bring_up = {
-        true, true, 3, hal::bring_up::Stage::home, hal::bring_up::Failure::silent, hal::DriverFault::encoder};
-    r.command.request.kind = supervisor::RequestKind::walk;
-    r.command.request.number = small();
-    r.command.shut_down = (small() & 1) != 0;
-    r.command.heartbeat_expected = (small() & 1) != 0;
-    r.command.heartbeat_ns = integer();
-    r.tuning = small();
-    r.result = {small(), small(), small(), integer(), sqp::SolveStatus::step_rejected};
-    r.visible_plan = integer();
-    for (double& number : r.estimated_state) number = real();
-    for (hal::JointCommands* commands : {&r.wanted, &r.sent}) {
-      for (hal::JointCommand& command : *commands) command = {real(), real(), real(), real(), real(), real()};
-    }
-    r.action = supervisor::Action::disable;
-    r.state = supervisor::State::walk;
-    r.level = supervisor::FallbackLevel::plan_feedback;
-    r.reaction = supervisor::Reaction::sit;
-    r.present = supervisor::FaultSet(small());
-    r.latched = supervisor::FaultSet(small());
-    r.plan_sequence = integer();
-    r.standing = small();
-    r.gait.kind = gait::GaitKind::walk;
-    return r;
+    TickRecord record;
+    record.tick = tick;
+    for_each_tick_field([&](const auto& field) {
+      for (std::size_t i = 0; i < field.count(); ++i) fill(field.at(record, i));
+    });
+    record.bring_up.joint &= 255;
+    return record;
   }
 
  private:
-  double real() { return std::normal_distribution<>()(random_); }
-  std::int64_t integer() { return static_cast<std::int64_t>(random_()); }
-  std::uint32_t small() { return static_cast<std::uint32_t>(random_() >> 40); }
+  template <class Value>
+  void fill(Value& value) {
+    if constexpr (std::is_same_v<Value, bool>) {
+      value = (random_() & 1) != 0;
+    } else {
+      const std::uint64_t bits = random_();
+      std::memcpy(static_cast<void*>(&value), &bits, sizeof value);
+    }
+  }
 
   std::mt19937_64 random_;
 };
 
-/// A record and what became of it, written by the code for the black box: every digit of every number.
-std::string text(const TickRecord& record) {
-  std::ostringstream out;
-  diagnostics::write_tick(out, record, 0);
-  return out.str();
-}
-
-void expect_same(const TickRecord& a, const TickRecord& b) {
-  EXPECT_EQ(text(a), text(b));
-  EXPECT_EQ(a.read_status, b.read_status);
-  EXPECT_EQ(a.write_status, b.write_status);
-  EXPECT_EQ(a.emergency_stop, b.emergency_stop);
-  EXPECT_EQ(a.bus_errors, b.bus_errors);
-  EXPECT_EQ(a.bring_up.ready, b.bring_up.ready);
-  EXPECT_EQ(a.bring_up.failed, b.bring_up.failed);
-  EXPECT_EQ(a.bring_up.joint, b.bring_up.joint);
-  EXPECT_EQ(a.bring_up.stage, b.bring_up.stage);
-  EXPECT_EQ(a.bring_up.failure, b.bring_up.failure);
-  EXPECT_EQ(a.bring_up.fault, b.bring_up.fault);
-  EXPECT_EQ(a.command.request.kind, b.command.request.kind);
-  EXPECT_EQ(a.command.request.number, b.command.request.number);
-  EXPECT_EQ(a.command.request.speed_m_s, b.command.request.speed_m_s);
-  EXPECT_EQ(a.command.shut_down, b.command.shut_down);
-  EXPECT_EQ(a.command.heartbeat_expected, b.command.heartbeat_expected);
-  EXPECT_EQ(a.command.heartbeat_ns, b.command.heartbeat_ns);
-  EXPECT_EQ(a.tuning, b.tuning);
-  EXPECT_EQ(a.result.cycles, b.result.cycles);
-  EXPECT_EQ(a.result.failures_in_a_row, b.result.failures_in_a_row);
-  EXPECT_EQ(a.result.session, b.result.session);
-  EXPECT_EQ(a.result.solve_ns, b.result.solve_ns);
-  EXPECT_EQ(a.result.status, b.result.status);
-  EXPECT_EQ(a.visible_plan, b.visible_plan);
-  EXPECT_EQ(a.standing, b.standing);
-  EXPECT_EQ(a.gait.kind, b.gait.kind);
-  EXPECT_EQ(a.gait.speed_m_s, b.gait.speed_m_s);
-  EXPECT_EQ(a.base.time_ns, b.base.time_ns);
-  EXPECT_EQ(a.sent[3].torque_limit_Nm, b.sent[3].torque_limit_Nm);
-  EXPECT_EQ(a.wanted[0].torque_limit_Nm, b.wanted[0].torque_limit_Nm);
-  for (std::size_t i = 0; i < hal::kJoints; ++i) {
-    EXPECT_EQ(a.joints[i].time_ns, b.joints[i].time_ns);
-    EXPECT_EQ(a.joints[i].malformed, b.joints[i].malformed);
-  }
+void expect_same_bits(const TickRecord& a, const TickRecord& b) {
+  EXPECT_EQ(a.tick, b.tick);
+  for_each_tick_field([&](const auto& field) {
+    for (std::size_t i = 0; i < field.count(); ++i) {
+      EXPECT_EQ(std::memcmp(&field.at(a, i), &field.at(b, i), sizeof field.at(a, i)), 0) << field.wire;
+    }
+  });
 }
 
 TEST(TickBatch, EveryFieldOfEveryTickComesBackOverTheWire) {
@@ -145,8 +76,75 @@ TEST(TickBatch, EveryFieldOfEveryTickComesBackOverTheWire) {
     ASSERT_NE(batch, nullptr);
     ASSERT_TRUE(well_formed(*batch));
     ASSERT_EQ(batch->count, kTicksPerBatch);
-    for (std::size_t i = 0; i < records.size(); ++i) expect_same(records[i], tick_record(*batch, i));
+    for (std::size_t i = 0; i < records.size(); ++i) expect_same_bits(records[i], tick_record(*batch, i));
   }
+}
+
+/// How many numbers a tick has in a sequence, as the comment of the IDL says: "// 4, ...".
+std::size_t count_in_idl(const std::string& name) {
+  const std::string idl(schema::kStiltIdl);
+  std::smatch found;
+  const bool several = std::regex_search(idl, found, std::regex("> " + name + "; *// ([0-9]+)(,|:|\n)"));
+  return several ? std::stoul(found[1]) : 1;
+}
+
+TEST(TickBatch, TheIdlHasTheFieldsOfTheTableInItsOrder) {
+  const std::vector<schema::Field>& idl = schema::own_messages().at(kType);
+  std::size_t at = idl.size() - control_loop::kTickFieldCount;
+  EXPECT_EQ(idl.at(at - 1).name, "count") << "sequences begin after it";
+  for_each_tick_field([&](const auto& field) {
+    const schema::Field& expected = idl.at(at++);
+    EXPECT_EQ(field.wire, expected.name);
+    EXPECT_EQ(expected.shape, schema::Shape::sequence) << field.wire;
+    EXPECT_EQ(field.count(), count_in_idl(expected.name)) << field.wire;
+  });
+}
+
+/// Read by names, with the types of the IDL.
+TEST(TickBatch, NumbersAreUnderTheirNamesInTheMessage) {
+  constexpr unsigned kSeed = 8;
+  SCOPED_TRACE(kSeed);
+  RandomTicks ticks(kSeed);
+  TickBatchBuilder builder;
+  builder.add(ticks.next(1));
+  const TickRecord r = ticks.next(2);
+  builder.add(r);
+  const Cdr cdr = encode(builder.message());
+  const auto message = schema::decode(schema::own_messages(), kType,
+                                      {reinterpret_cast<const std::uint8_t*>(cdr.data()), cdr.size()});
+  const auto expect = [&]<class Value>(const char* name, const Value& value, std::size_t count = 1,
+                                       std::size_t index = 0) {
+    const auto& numbers = message.at(name);
+    ASSERT_EQ(numbers.size(), 2 * count) << name;
+    const auto number = numbers.at(count + index).template get<Value>();
+    EXPECT_EQ(std::memcmp(&number, &value, sizeof value), 0) << name;
+  };
+  expect("late_ns", r.wakeup_ns);
+  expect("execution_ns", r.execution_ns);
+  expect("write_status", static_cast<std::uint8_t>(r.write_status));
+  expect("joint_velocity_rad_s", r.joints[3].velocity_rad_s, 4, 3);
+  expect("motor_temperature_C", r.joints[0].motor_temperature_C, 4, 0);
+  expect("joint_missed", r.joints[1].missed, 4, 1);
+  expect("joint_frozen", r.joints[1].frozen, 4, 1);
+  expect("driver_fault", static_cast<std::uint8_t>(r.joints[2].fault), 4, 2);
+  expect("base_acceleration_z_m_s2", r.base.acceleration_z_m_s2);
+  expect("right_foot_force_N", r.base.right_foot_force_N);
+  expect("base_frozen", r.base.frozen);
+  expect("bring_up_joint", static_cast<std::uint8_t>(r.bring_up.joint));
+  expect("bring_up_failure", static_cast<std::uint8_t>(r.bring_up.failure));
+  expect("request_speed_m_s", r.command.request.speed_m_s);
+  expect("visible_plan", r.visible_plan);
+  expect("result_failures", r.result.failures_in_a_row);
+  expect("result_standing", r.result.session);
+  expect("estimated_state", r.estimated_state[8], 14, 8);
+  expect("wanted_kp_Nm_rad", r.wanted[3].kp_Nm_rad, 4, 3);
+  expect("sent_kd_Nms_rad", r.sent[1].kd_Nms_rad, 4, 1);
+  expect("sent_torque_limit_Nm", r.sent[1].torque_limit_Nm, 4, 1);
+  expect("rung", static_cast<std::uint8_t>(r.level));
+  expect("latched_faults", r.latched.bits());
+  expect("plan_sequence", r.plan_sequence);
+  expect("standing", r.standing);
+  expect("gait", static_cast<std::uint8_t>(r.gait.kind));
 }
 
 TEST(TickBatch, TakesOnlyWhatFollowsAndOnlySoMany) {

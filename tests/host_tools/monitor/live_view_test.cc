@@ -121,7 +121,7 @@ TEST(LiveView, AnotherSessionTakesTheCommandFromThePageAndBeginsItsTicksAnew) {
       configuration.session = session;
       sink.configuration(configuration);
       TickSample sample;
-      sample.tick = tick;
+      sample.record.tick = tick;
       sink.tick(sample);
     };
   };
@@ -322,27 +322,6 @@ TEST(LiveView, ARecordTakesNoCommands) {
   view.received(*page, false, kWalk);
   view.step(0.0);
   EXPECT_FALSE(page->of_type("reply").at(0)["accepted"]);
-}
-
-TEST(LiveView, NumbersOfATableAreWhereItsHeadSays) {
-  TickSample tick;
-  tick.tick = 12;
-  tick.time_s = 3.25;
-  tick.estimated_state[7] = 0.5;
-  TickSample later = tick;
-  later.time_s = 3.5;
-  const std::vector<TickSample> ticks = {tick, later};
-  const SharedMessage message = ticks_message(ticks);
-  const auto number_at = [&](auto zero, std::size_t offset) {
-    std::memcpy(&zero, message->bytes.data() + offset, sizeof zero);
-    return zero;
-  };
-  EXPECT_EQ(number_at(std::uint32_t{}, 4), 2u);
-  EXPECT_EQ(number_at(double{}, 8), 3.25);
-  EXPECT_EQ(number_at(double{}, 16), 12.0);
-  const std::size_t row = (message->bytes.size() - 24) / 2;
-  EXPECT_EQ(number_at(float{}, 24 + row), 0.25f);
-  EXPECT_EQ(number_at(float{}, 24 + 8 * sizeof(float)), 0.5f) << "state7, after the time";
 }
 
 /// A source that counts what is asked of a record.

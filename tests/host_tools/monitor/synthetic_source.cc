@@ -178,29 +178,33 @@ void SyntheticSource::tick(SampleSink& sink) {
       state_ == number(State::walk) || state_ == number(State::step) || std::abs(speed_m_s_) > 0.01;
   if (steps) phase_ = std::fmod(phase_ + kTick_s / kStep_s, 2.0);
   TickSample sample;
-  sample.tick = ticks_;
+  control_loop::TickRecord& record = sample.record;
+  record.tick = ticks_;
   sample.time_s = static_cast<double>(ticks_) * kTick_s;
   const PlanKnot now = knot(0.0);
-  sample.estimated_state = {now.hip_x_m, now.hip_z_m, now.pitch_rad};
-  sample.estimated_state[7] = speed_m_s_ + 0.03 * std::sin(2 * std::numbers::pi * phase_);
+  record.estimated_state = {now.hip_x_m, now.hip_z_m, now.pitch_rad};
+  record.estimated_state[7] = speed_m_s_ + 0.03 * std::sin(2 * std::numbers::pi * phase_);
   for (std::size_t foot = 0; foot < 2; ++foot) {
     const auto angles = leg_angles(now.foot_position_m[2 * foot] - now.hip_x_m,
                                    now.foot_position_m[2 * foot + 1] - now.hip_z_m);
     for (std::size_t k = 0; k < 2; ++k) {
       const std::size_t joint = 2 * foot + k;
-      sample.estimated_state[3 + joint] = angles[k] - (k == 0 ? now.pitch_rad : 0.0);
-      sample.commanded_position_rad[joint] = sample.estimated_state[3 + joint] + 0.01;
-      sample.commanded_torque_Nm[joint] =
+      record.estimated_state[3 + joint] = angles[k] - (k == 0 ? now.pitch_rad : 0.0);
+      record.sent[joint].position_rad = record.estimated_state[3 + joint] + 0.01;
+      record.sent[joint].torque_Nm =
           30.0 * std::sin(std::numbers::pi * (phase_ + static_cast<double>(joint)));
-      sample.measured_torque_Nm[joint] = sample.commanded_torque_Nm[joint];
+      record.joints[joint].position_rad = record.estimated_state[3 + joint];
+      record.joints[joint].velocity_rad_s = 0.0;
+      record.joints[joint].torque_Nm = record.sent[joint].torque_Nm;
     }
   }
-  sample.ramp = 1.0;
-  sample.plan_age_s = 0.005 + kTick_s * static_cast<double>(ticks_ % 10);
-  sample.wakeup_us = 20.0 + 15.0 * std::sin(static_cast<double>(ticks_));
-  sample.execution_us = 35.0 + 5.0 * std::cos(1.3 * static_cast<double>(ticks_));
-  sample.round_trip_us = 180.0;
-  sample.state = state_;
+  record.ramp = 1.0;
+  record.plan_age_s = 0.005 + kTick_s * static_cast<double>(ticks_ % 10);
+  record.wakeup_ns = 20'000 + std::lround(15e3 * std::sin(static_cast<double>(ticks_)));
+  record.execution_ns = 35'000 + std::lround(5e3 * std::cos(1.3 * static_cast<double>(ticks_)));
+  record.round_trip_ns = 180'000;
+  record.action = supervisor::Action::commands;
+  record.state = static_cast<supervisor::State>(state_);
   sink.tick(sample);
   if (ticks_ % 10 == 0) {
     const double wave = std::sin(0.1 * static_cast<double>(ticks_));

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "firmware/configuration/live.h"
+#include "firmware/telemetry/cycle_message.h"
 #include "firmware/telemetry/sequence.h"
 #include "host_tools/log/record/recorder.h"
 #include "host_tools/replay/replay_session.h"
@@ -21,25 +22,8 @@ constexpr std::uint64_t kSession = 7;
 constexpr std::size_t kBatch = 20;
 
 telemetry::Sample cycle_sample(std::uint64_t session, const control_loop::CycleRecord& record) {
-  telemetry::PlannerCycle message{};
+  telemetry::PlannerCycle message = telemetry::cycle_message(record);
   message.session = session;
-  message.cycle = record.cycle;
-  message.tick = record.tick;
-  message.time_s = record.time_s;
-  message.standing = record.standing;
-  message.plan_sequence = record.plan_sequence;
-  message.status = static_cast<std::uint8_t>(record.report.status);
-  message.iterations = record.report.iterations;
-  message.failures = record.failures;
-  message.cost = record.report.cost;
-  message.dynamics_defect_max = record.report.dynamics_defect_max;
-  message.equality_violation_max = record.report.equality_violation_max;
-  message.step_length = record.report.step_length;
-  message.step_size = record.report.step_size;
-  message.nodes = record.nodes;
-  message.solve_ns = record.solve_ns;
-  message.checksum = record.checksum;
-  message.tuning = record.tuning;
   return {&telemetry::kPlannerCycles, 0, 1, telemetry::encode(message)};
 }
 

@@ -76,7 +76,7 @@ TEST_F(RecordSourceTest, PlaysAgainFromItsStart) {
   ASSERT_EQ(after(1000).ticks.size(), 100u);
   source.play_again();
   EXPECT_EQ(after(1500).ticks.size(), 120u) << "the first batch at once";
-  EXPECT_EQ(sink.ticks[100].tick, 0u);
+  EXPECT_EQ(sink.ticks[100].record.tick, 0u);
   EXPECT_EQ(sink.configurations.size(), 2u);
   EXPECT_EQ(after(1521).ticks.size(), 140u);
   EXPECT_EQ(after(3000).ticks.size(), 200u);
@@ -85,7 +85,7 @@ TEST_F(RecordSourceTest, PlaysAgainFromItsStart) {
 TEST_F(RecordSourceTest, TicksKeepTheirNumbers) {
   after(0);
   ASSERT_EQ(after(1000).ticks.size(), 100u);
-  for (std::size_t i = 0; i < sink.ticks.size(); ++i) EXPECT_EQ(sink.ticks[i].tick, i);
+  for (std::size_t i = 0; i < sink.ticks.size(); ++i) EXPECT_EQ(sink.ticks[i].record.tick, i);
 }
 
 TEST_F(RecordSourceTest, TakesNoCommandsAndSaysSo) {

@@ -1,0 +1,43 @@
+#include "firmware/telemetry/cycle_message.h"
+
+#include <gtest/gtest.h>
+
+#include "firmware/telemetry/cdr.h"
+#include "host_tools/log/schema/decode.h"
+
+namespace stilt::telemetry {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// The message with the names and types of the IDL.
+Json read_by_names(const PlannerCycle& message) {
+  const Cdr cdr = encode(message);
+  return schema::decode(schema::own_messages(), "stilt_msgs/msg/PlannerCycle",
+                        {reinterpret_cast<const std::uint8_t*>(cdr.data()), cdr.size()});
+}
+
+TEST(CycleMessage, EveryFieldOfASolveIsUnderItsNameAndComesBack) {
+  control_loop::CycleRecord record;
+  record.cycle = 1;
+  record.tick = 2;
+  record.time_s = 3.5;
+  record.standing = 4;
+  record.plan_sequence = 5;
+  record.report = {sqp::SolveStatus::step_rejected, 7, 8.5, 9.5, 10.5, 11.5, 12.5};
+  record.failures = 13;
+  record.nodes = 14;
+  record.solve_ns = 15;
+  record.checksum = 16;
+  record.tuning = 17;
+  const PlannerCycle message = cycle_message(record);
+  const Json expected = Json::parse(R"({"session": 0, "cycle": 1, "dropped": 0, "tick": 2, "time_s": 3.5,
+      "standing": 4, "plan_sequence": 5, "status": 3, "iterations": 7, "failures": 13, "cost": 8.5,
+      "dynamics_defect_max": 9.5, "equality_violation_max": 10.5, "step_length": 11.5, "step_size": 12.5,
+      "nodes": 14, "solve_ns": 15, "checksum": 16, "tuning": 17})");
+  EXPECT_EQ(read_by_names(message), expected);
+  EXPECT_EQ(read_by_names(cycle_message(cycle_record(message))), expected);
+}
+
+}  // namespace
+}  // namespace stilt::telemetry
