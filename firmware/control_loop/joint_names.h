@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "hal/joint_bus.h"
+#include "hal/robot/joint_bus.h"
 
 namespace stilt::control_loop {
 

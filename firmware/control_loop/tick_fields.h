@@ -17,28 +17,14 @@
 /// number of the tick is not in the table: it counts the rows of them all.
 namespace stilt::control_loop {
 
-/// Fields that belong together, in the order in which a tick works. All fields of a group have equally many
-/// values.
+// clang-format off
+/// Fields that belong together, in the order in which a tick works; outputs from the estimate on. All fields of a
+/// group have equally many values.
 enum class TickGroup : std::uint8_t {
-  clock,
-  timing,
-  drivers,
-  joints,
-  base,
-  request,
-  planner,
-  estimate,  ///< the first of the outputs
-  faults,
-  reaction,
-  decision,
-  ramp,
-  gait,
-  plan,
-  tuning,
-  wanted,
-  action,
-  sent,
+  clock, timing, drivers, joints, base, request, planner,
+  estimate, faults, reaction, decision, ramp, gait, plan, tuning, wanted, action, sent,
 };
+// clang-format on
 
 inline constexpr auto kFirstOutput = static_cast<std::size_t>(TickGroup::estimate);
 inline constexpr auto kTickGroups = static_cast<std::size_t>(TickGroup::sent) + 1;
@@ -125,22 +111,14 @@ constexpr auto tick_fields() noexcept {
   using BringUp = hal::BringUpProgress;
   using Result = PlanningResult;
   using Command = hal::JointCommand;
-  const auto joint = [](std::string_view wire, TickFieldNames names, auto member) {
-    return field<G::joints>(wire, names, &R::joints, member);
-  };
-  const auto base = [](std::string_view wire, TickFieldNames names, auto member) {
-    return field<G::base>(wire, names, &R::base, member);
-  };
-  const auto request = [](std::string_view wire, auto... members) {
-    return field<G::request>(wire, {}, &R::command, members...);
-  };
-  const auto wanted = [](std::string_view wire, TickFieldNames names, auto member) {
-    return field<G::wanted>(wire, names, &R::wanted, member);
-  };
-  const auto sent = [](std::string_view wire, TickFieldNames names, auto member) {
-    return field<G::sent>(wire, names, &R::sent, member);
-  };
+  using Names = TickFieldNames;
+  using Text = std::string_view;
   // clang-format off
+  const auto joint = [](Text wire, Names names, auto member) { return field<G::joints>(wire, names, &R::joints, member); };
+  const auto base = [](Text wire, Names names, auto member) { return field<G::base>(wire, names, &R::base, member); };
+  const auto request = [](Text wire, auto... members) { return field<G::request>(wire, {}, &R::command, members...); };
+  const auto wanted = [](Text wire, Names names, auto member) { return field<G::wanted>(wire, names, &R::wanted, member); };
+  const auto sent = [](Text wire, Names names, auto member) { return field<G::sent>(wire, names, &R::sent, member); };
   return std::tuple{
       field<G::clock>("time_ns", {}, &R::time_ns),
       field<G::timing>("late_ns", {.csv = "wakeup_us", .page = "wakeup_us"}, &R::wakeup_ns),
