@@ -1,9 +1,5 @@
 #include "host_tools/benchmark/planner_kernels.h"
 
-#include <Eigen/Cholesky>
-#include <algorithm>
-#include <cmath>
-
 #include "mpc_core/lq/riccati.h"
 
 namespace stilt::benchmark {
@@ -18,48 +14,6 @@ using model::kStates;
 template <class T>
 void keep(const T& value) noexcept {
   asm volatile("" : : "r"(&value) : "memory");
-}
-
-/// What of a stage's model does not depend on the choice of its free directions.
-struct EssentialModel {
-  Eigen::MatrixXd dynamics;   ///< A - B R^-1 S
-  Eigen::MatrixXd hessian;    ///< Q - S'R^-1 S
-  Eigen::MatrixXd influence;  ///< B R^-1 B'
-
-  EssentialModel(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, const Eigen::MatrixXd& Q,
-                 const Eigen::MatrixXd& S, const Eigen::MatrixXd& R) {
-    const Eigen::LDLT<Eigen::MatrixXd> factor(R);
-    dynamics = A - B * factor.solve(S);
-    hessian = Q - S.transpose() * factor.solve(S);
-    influence = B * factor.solve(B.transpose());
-  }
-  explicit EssentialModel(const PlainModel& m)
-      : EssentialModel(m.A, m.B.leftCols(m.free), m.Q, m.S.topRows(m.free),
-                       m.R.topLeftCorner(m.free, m.free)) {}
-  explicit EssentialModel(const LqStage& stage)
-      : EssentialModel(dense_dynamics(stage), columns(stage.B, stage.free_inputs), dense_hessian(stage),
-                       columns(stage.S, stage.free_inputs).transpose(), input_hessian(stage)) {}
-
- private:
-  static Eigen::MatrixXd columns(const double (*from)[lq::kRows], int count) {
-    using Padded = Eigen::Map<const Eigen::Matrix<double, lq::kRows, Eigen::Dynamic>>;
-    return Padded(&from[0][0], lq::kRows, count).topRows(kStates);
-  }
-  static Eigen::MatrixXd input_hessian(const LqStage& stage) {
-    Eigen::MatrixXd R(stage.free_inputs, stage.free_inputs);
-    for (int i = 0; i < stage.free_inputs; ++i) {
-      for (int j = i; j < stage.free_inputs; ++j) R(i, j) = R(j, i) = stage.R[i][j];
-    }
-    return R;
-  }
-};
-
-double difference(const EssentialModel& a, const EssentialModel& b) {
-  const auto relative = [](const Eigen::MatrixXd& x, const Eigen::MatrixXd& y) {
-    return (x - y).norm() / y.norm();
-  };
-  return std::max(
-      {relative(a.dynamics, b.dynamics), relative(a.hessian, b.hessian), relative(a.influence, b.influence)});
 }
 
 }  // namespace
@@ -137,38 +91,6 @@ void PlannerKernels::batched_nodes() {
     data_.robot->node_derivatives(x, u, parameters, node);
     keep(node);
   }
-}
-
-double PlannerKernels::linearisation_difference() {
-  double worst = 0.0;
-  for (int b = 0; b < problem_.batches; ++b) {
-    const ocp::StageBatch& batch = problem_.batch[b];
-    for (int lane = 0; lane < batch.lanes; ++lane) {
-      benchmark::plain_linearise(data_, batch, lane, iterate_, plain_model_);
-      worst = std::max(
-          worst, difference(EssentialModel(linearised_.stages[static_cast<std::size_t>(batch.stage[lane])]),
-                            EssentialModel(plain_model_)));
-    }
-  }
-  return worst;
-}
-
-double PlannerKernels::sweep_difference() const {
-  double worst = 0.0;
-  for (int k = 0; k < stages(); ++k) {
-    const Eigen::MatrixXd plain = plain_.gain(k);
-    double largest = 1e-300;
-    double difference = 0.0;
-    for (int i = 0; i < plain.rows(); ++i) {
-      for (int c = 0; c < kStates; ++c) {
-        largest = std::max(largest, std::abs(plain(i, c)));
-        difference =
-            std::max(difference, std::abs(plain(i, c) - gains_[static_cast<std::size_t>(k)].K[i][c]));
-      }
-    }
-    worst = std::max(worst, difference / largest);
-  }
-  return worst;
 }
 
 long long PlannerKernels::textbook_sweep_flops() const noexcept {

@@ -32,13 +32,6 @@ class PlannerKernels {
   void batched_nodes();                 ///< the same, a batch at a time
 
   [[nodiscard]] int stages() const noexcept { return problem_.horizon.stages; }
-  /// Largest difference of a gain of both sweeps, relative to the largest gain of its stage.
-  [[nodiscard]] double sweep_difference() const;
-
-  /// Largest difference of what both linearisations make of a flow stage, relative to the larger of the
-  /// matrices compared. They choose their free directions differently, so that what does not depend on that
-  /// choice is compared: A - B R^-1 S, Q - S'R^-1 S and B R^-1 B'.
-  [[nodiscard]] double linearisation_difference();
 
   /// textbook_sweep_flops() of all stages.
   [[nodiscard]] long long textbook_sweep_flops() const noexcept;
