@@ -2,43 +2,45 @@
 
 #include <gtest/gtest.h>
 
-#include <cstring>
+#include <algorithm>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
 namespace stilt::control_loop {
 namespace {
 
-/// 255 in every byte of a record that belongs to a value, 0 in those between them. The compiler knows which.
-std::vector<unsigned char> bytes_of_values() {
-  alignas(TickRecord) unsigned char memory[sizeof(TickRecord)];
-  std::memset(memory, 255, sizeof memory);
-  __builtin_clear_padding(reinterpret_cast<TickRecord*>(memory));
-  return {memory, memory + sizeof memory};
+struct Anything {
+  template <class Value>
+  operator Value() const;  // NOLINT(google-explicit-constructor)
+};
+
+/// Number of members of an aggregate: as many as it can be initialised with.
+template <class Aggregate, class... Values>
+consteval std::size_t members(Values... values) {
+  if constexpr (requires { Aggregate{values..., Anything()}; }) {
+    return members<Aggregate>(values..., Anything());
+  } else {
+    return sizeof...(Values);
+  }
 }
 
-TEST(TickFields, HaveEveryByteOfARecordOnce) {
+constexpr std::size_t kStructures = 8;  // joints, base, bring_up, command, result, wanted, sent, gait
+constexpr std::size_t kMembersOfARecord =
+    members<TickRecord>() - kStructures + members<hal::JointReading>() + members<hal::BaseReading>() +
+    members<hal::BringUpProgress>() + members<OperatorCommand>() - 1 + members<supervisor::Request>() +
+    members<PlanningResult>() + 2 * members<hal::JointCommand>() + members<gait::GaitCommand>();
+
+TEST(TickFields, AreAllMembersOfARecordEachOnce) {
+  EXPECT_EQ(kTickFieldCount + 1, kMembersOfARecord) << "one for the number of the tick";
   const TickRecord record;
-  std::vector<unsigned char> left = bytes_of_values();
-  const auto take = [&](const auto& value, std::string_view name) {
-    const auto first = static_cast<std::size_t>(reinterpret_cast<const unsigned char*>(&value) -
-                                                reinterpret_cast<const unsigned char*>(&record));
-    auto value_only = value;
-    std::memset(static_cast<void*>(&value_only), 255, sizeof value_only);
-    __builtin_clear_padding(&value_only);
-    for (std::size_t i = 0; i < sizeof value; ++i) {
-      EXPECT_EQ(left.at(first + i), reinterpret_cast<const unsigned char*>(&value_only)[i]) << name;
-      left[first + i] = 0;
-    }
-  };
-  take(record.tick, "tick");
+  std::set<const void*> places = {&record.tick};
   for_each_tick_field([&](const auto& field) {
-    for (std::size_t i = 0; i < field.count(); ++i) take(field.at(record, i), field.wire);
+    for (std::size_t i = 0; i < field.count(); ++i) {
+      EXPECT_TRUE(places.insert(&field.at(record, i)).second) << field.wire << " is there twice";
+    }
   });
-  for (std::size_t i = 0; i < left.size(); ++i) {
-    EXPECT_EQ(left[i], 0) << "byte " << i << " of a record is in no field";
-  }
 }
 
 TEST(TickFields, OfAGroupHaveEquallyManyValues) {
