@@ -13,8 +13,9 @@
 
 /// The fields of a TickRecord in one table. From it follow the message (firmware/telemetry/tick_batch.h), the
 /// CSV file (firmware/diagnostics/tick_csv.h), the columns of the monitor's page
-/// (host_tools/monitor/page_tables.h) and the comparison of a replay (host_tools/replay/difference.h). The
-/// number of the tick is not in the table: it counts the rows of them all.
+/// (host_tools/web/monitor/page_tables.h) and the comparison of a replay
+/// (host_tools/recording/replay/difference.h). The number of the tick is not in the table: it counts the rows
+/// of them all.
 namespace stilt::control_loop {
 
 // clang-format off

@@ -12,7 +12,7 @@
 #include "host_tools/cli/planner_timing.h"
 #include "host_tools/cli/planning_problems.h"
 #include "host_tools/cli/usage_error.h"
-#include "host_tools/simulator/number.h"
+#include "host_tools/simulation/plant/number.h"
 
 namespace stilt::cli {
 namespace {
@@ -52,7 +52,7 @@ int run_bench(const BenchOptions& options) {
                      std::to_string(kMostProblems));
   }
   if (!(std::abs(options.speed_m_s) <= kLargestSpeed_m_s)) {
-    throw UsageError("--speed " + simulator::number_text(options.speed_m_s) +
+    throw UsageError("--speed " + simulation::number_text(options.speed_m_s) +
                      ": the speed must lie within 5 m/s either way");
   }
   if (options.closed_loop_plans < 0 || options.closed_loop_plans > kMostProblems) {

@@ -6,7 +6,7 @@
 
 #include "host_tools/cli/json_output.h"
 #include "host_tools/cli/version.h"
-#include "host_tools/simulator/run_recorder.h"
+#include "host_tools/simulation/closed_loop/run_recorder.h"
 
 namespace stilt::cli {
 namespace {
@@ -67,7 +67,7 @@ void print_phase(const char* name, const PhaseSpeed& speed) {
 Json bench_json(const PlannerTimings& timings, const PhaseSpeeds& speeds) {
   Json json;
   json["nodes"] = timings.nodes_max;
-  json["solve_us"] = to_json(simulator::percentiles(timings.solve_us));
+  json["solve_us"] = to_json(simulation::percentiles(timings.solve_us));
   json["rate_hz"] = 1e6 / mean(timings.solve_us);
   json["phases_us"] = {{"linearise", mean(timings.linearise_us)},
                        {"riccati", mean(timings.riccati_us)},
@@ -84,7 +84,7 @@ Json bench_json(const PlannerTimings& timings, const PhaseSpeeds& speeds) {
 }
 
 void print_bench(const PlannerTimings& timings, const PhaseSpeeds& s, double horizon_s) {
-  const log::Percentiles solve_us = simulator::percentiles(timings.solve_us);
+  const log::Percentiles solve_us = simulation::percentiles(timings.solve_us);
   std::printf("planner        %zu problems of a walk, horizon %.2f s, at most %d nodes, %s, 1 thread\n",
               timings.solve_us.size(), horizon_s, timings.nodes_max, instruction_set().c_str());
   std::printf("solve          p50 %.0f, p99 %.0f, max %.0f us; %.0f solves a second on average\n",

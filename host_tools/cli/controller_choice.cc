@@ -6,8 +6,8 @@
 #include "firmware/configuration/gaits/gait_overrides.h"
 #include "firmware/configuration/gaits/shipped_gaits.h"
 #include "host_tools/cli/usage_error.h"
-#include "host_tools/planning_model/lumped.h"
-#include "host_tools/simulator/number.h"
+#include "host_tools/experiments/planning_model/lumped.h"
+#include "host_tools/simulation/plant/number.h"
 
 namespace stilt::cli {
 namespace {
@@ -172,9 +172,9 @@ const model::RobotModel* planning_model(const ControllerChoice& choice) {
   return &planning_model::lumped(robot_model(choice.robot), lump);
 }
 
-simulator::ControllerSetup controller_setup(const ControllerChoice& choice, const model::RobotModel& robot,
-                                            const configuration::Configuration& configuration) {
-  simulator::ControllerSetup setup;
+simulation::ControllerSetup controller_setup(const ControllerChoice& choice, const model::RobotModel& robot,
+                                             const configuration::Configuration& configuration) {
+  simulation::ControllerSetup setup;
   setup.planning_model = planning_model(choice);
   const bool lumped_law = setup.planning_model != nullptr && choice.lump == "law";
   setup.robot = lumped_law ? setup.planning_model : &robot;
@@ -188,14 +188,14 @@ simulator::ControllerSetup controller_setup(const ControllerChoice& choice, cons
   return setup;
 }
 
-std::unique_ptr<simulator::SimulatedController> make_controller(const simulator::ControllerSetup& setup) {
-  auto controller = std::make_unique<simulator::SimulatedController>();
+std::unique_ptr<simulation::SimulatedController> make_controller(const simulation::ControllerSetup& setup) {
+  auto controller = std::make_unique<simulation::SimulatedController>();
   switch (controller->configure(setup)) {
     case control::ConfigureStatus::ok:
       return controller;
     case control::ConfigureStatus::horizon_over_capacity:
       throw UsageError(
-          "discretisation.horizon_s " + simulator::number_text(setup.parameters.discretisation.horizon_s) +
+          "discretisation.horizon_s " + simulation::number_text(setup.parameters.discretisation.horizon_s) +
           ": the horizon needs more intervals or contact switches than the planner holds; take a "
           "shorter horizon or a longer time step");
     case control::ConfigureStatus::terminal_cost_failed:

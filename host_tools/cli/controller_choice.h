@@ -8,7 +8,7 @@
 
 #include "firmware/configuration/configuration.h"
 #include "firmware/robots/robots.h"
-#include "host_tools/simulator/simulated_controller.h"
+#include "host_tools/simulation/closed_loop/simulated_controller.h"
 #include "mpc_core/control/parameters.h"
 #include "mpc_core/model/robot.h"
 
@@ -64,13 +64,13 @@ void add_controller_options(CLI::App& command, ControllerChoice& choice);
 [[nodiscard]] control::ControllerParameters controller_parameters(const ControllerChoice& choice);
 
 /// The chosen controller of a robot with the gaits that it follows, to be configured.
-[[nodiscard]] simulator::ControllerSetup controller_setup(const ControllerChoice& choice,
-                                                          const model::RobotModel& robot,
-                                                          const configuration::Configuration& configuration);
+[[nodiscard]] simulation::ControllerSetup controller_setup(const ControllerChoice& choice,
+                                                           const model::RobotModel& robot,
+                                                           const configuration::Configuration& configuration);
 
 /// A controller ready to run.
-[[nodiscard]] std::unique_ptr<simulator::SimulatedController> make_controller(
-    const simulator::ControllerSetup& setup);
+[[nodiscard]] std::unique_ptr<simulation::SimulatedController> make_controller(
+    const simulation::ControllerSetup& setup);
 
 /// The model of the chosen controller's planner when it is not the robot itself; otherwise null.
 [[nodiscard]] const model::RobotModel* planning_model(const ControllerChoice& choice);

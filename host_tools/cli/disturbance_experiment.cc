@@ -8,8 +8,8 @@
 #include "host_tools/cli/usage_error.h"
 #include "host_tools/experiments/disturbance.h"
 #include "host_tools/experiments/table_text.h"
-#include "host_tools/simulator/number.h"
-#include "host_tools/simulator/scenario.h"
+#include "host_tools/simulation/closed_loop/scenario.h"
+#include "host_tools/simulation/plant/number.h"
 
 namespace stilt::cli {
 namespace {
@@ -100,7 +100,7 @@ PushRow push_row(const RowChoice& choice) {
   row.robot = choice.setting.choice.robot;
   row.controller = controller;
   row.horizon_s = choice.setting.choice.horizon_s.value_or(kUsualHorizon_s);
-  row.command = {simulator::parse_gait(choice.gait), choice.speed_m_s};
+  row.command = {simulation::parse_gait(choice.gait), choice.speed_m_s};
   row.backward = choice.direction == "backward";
   row.phases = choice.phases;
   row.seeds = choice.seeds;
@@ -117,8 +117,8 @@ std::string dependencies_of(const RowChoice& choice) {
   const WalkSetting& setting = choice.setting;
   const double horizon_s = setting.choice.horizon_s.value_or(kUsualHorizon_s);
   return dependencies_text(setting, setting.choice.controller, horizon_s) + choice.gait + "\n" +
-         simulator::number_text(choice.speed_m_s) + "\n" + choice.direction + "\n" +
-         simulator::number_text(choice.coarse_N) + "\n";
+         simulation::number_text(choice.speed_m_s) + "\n" + choice.direction + "\n" +
+         simulation::number_text(choice.coarse_N) + "\n";
 }
 
 /// Little of it: to see that it works.

@@ -11,7 +11,7 @@
 
 #include "firmware/robots/robots.h"
 #include "host_tools/cli/usage_error.h"
-#include "host_tools/simulator/number.h"
+#include "host_tools/simulation/plant/number.h"
 
 namespace stilt::cli {
 namespace {
@@ -58,8 +58,8 @@ class Value {
   [[nodiscard]] double number(double least, double most) const {
     const auto value = node_.value<double>();
     if (!node_.is_number() || !(*value >= least && *value <= most)) {
-      throw UsageError("must be a number from " + simulator::number_text(least) + " to " +
-                       simulator::number_text(most));
+      throw UsageError("must be a number from " + simulation::number_text(least) + " to " +
+                       simulation::number_text(most));
     }
     return *value;
   }
@@ -155,7 +155,7 @@ void check_values(const std::string& place, const RowChoice& row) {
   const ControllerChoice& wished = row.setting.choice;
   const auto parameters = [&] { (void)controller_parameters(choice); };
   at(place, "plant", [&] {
-    simulator::PlantOptions options;
+    simulation::PlantOptions options;
     for (const std::string& assignment : setting.plant_settings) set_plant_option(options, assignment);
   });
   at(place, "gaits", [&] { (void)gait_library(choice); });

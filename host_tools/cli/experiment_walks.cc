@@ -7,9 +7,9 @@
 
 #include "firmware/configuration/gaits/shipped_gaits.h"
 #include "host_tools/cli/run_description.h"
-#include "host_tools/simulator/closed_loop.h"
-#include "host_tools/simulator/number.h"
-#include "host_tools/simulator/simulated_robot.h"
+#include "host_tools/simulation/closed_loop/closed_loop.h"
+#include "host_tools/simulation/plant/number.h"
+#include "host_tools/simulation/plant/simulated_robot.h"
 
 namespace stilt::cli {
 namespace {
@@ -35,8 +35,8 @@ ControllerChoice choice_of(const WalkSetting& setting, const WalkCase& walk) {
 constexpr const char* kSensorNoise[] = {"encoder_noise_rad=0.0005", "encoder_velocity_noise_rad_s=0.02",
                                         "base_angle_noise_rad=0.001", "base_rate_noise_rad_s=0.01"};
 
-simulator::PlantOptions world_of(const WalkSetting& setting, const WalkCase& walk) {
-  simulator::PlantOptions world;
+simulation::PlantOptions world_of(const WalkSetting& setting, const WalkCase& walk) {
+  simulation::PlantOptions world;
   if (walk.sensor_noise) {
     for (const char* assignment : kSensorNoise) set_plant_option(world, assignment);
   }
@@ -45,8 +45,8 @@ simulator::PlantOptions world_of(const WalkSetting& setting, const WalkCase& wal
   return world;
 }
 
-std::vector<simulator::TimedCommand> commands_of(const WalkCase& walk) {
-  std::vector<simulator::TimedCommand> commands = {{0.0, walk.command}};
+std::vector<simulation::TimedCommand> commands_of(const WalkCase& walk) {
+  std::vector<simulation::TimedCommand> commands = {{0.0, walk.command}};
   commands.insert(commands.end(), walk.later_commands.begin(), walk.later_commands.end());
   return commands;
 }
@@ -72,35 +72,35 @@ std::string gaits_text(const ControllerChoice& choice) {
   return all;
 }
 
-std::vector<simulator::Push> pushes_of(const WalkSetting& setting, const WalkCase& walk) {
+std::vector<simulation::Push> pushes_of(const WalkSetting& setting, const WalkCase& walk) {
   if (walk.push_N == 0.0) return {};
-  const std::string text = simulator::number_text(walk.push_N) + "@" +
-                           simulator::number_text(walk.push_start_s) + "+" +
-                           simulator::number_text(walk.push_duration_s) + "@" + setting.push_point;
-  return {simulator::parse_push(text)};
+  const std::string text = simulation::number_text(walk.push_N) + "@" +
+                           simulation::number_text(walk.push_start_s) + "+" +
+                           simulation::number_text(walk.push_duration_s) + "@" + setting.push_point;
+  return {simulation::parse_push(text)};
 }
 
 log::RunRecord run(const WalkSetting& setting, const WalkCase& walk) {
   const ControllerChoice choice = choice_of(setting, walk);
   const model::RobotModel& robot = robot_model(choice.robot);
   const configuration::Configuration parameters = controller_configuration(choice);
-  simulator::PlantOptions world = world_of(setting, walk);
+  simulation::PlantOptions world = world_of(setting, walk);
   world.time_step_s =
-      simulator::time_step_for_tick(world.time_step_s, 1.0 / parameters.timing.torque_rate_hz);
-  simulator::Plant plant(
-      simulator::make_plant_model(find_robot(choice.robot).tree, world, parameters.reference.base_height_m),
+      simulation::time_step_for_tick(world.time_step_s, 1.0 / parameters.timing.torque_rate_hz);
+  simulation::Plant plant(
+      simulation::make_plant_model(find_robot(choice.robot).tree, world, parameters.reference.base_height_m),
       world, walk.seed);
-  simulator::RunSettings settings;
+  simulation::RunSettings settings;
   settings.duration_s = walk.duration_s;
   settings.leg = {robot.constants.thigh_length_m, robot.constants.shin_length_m};
   settings.commands = commands_of(walk);
   settings.pushes = pushes_of(setting, walk);
-  settings.use_true_state = simulator::parse_knows_truth(setting.state);
+  settings.use_true_state = simulation::parse_knows_truth(setting.state);
   settings.measure_from_s = walk.measure_from_s;
   settings.keep_samples = walk.keep_samples;
   settings.initial_state = standing_on_ground(world, settings.leg, parameters);
   const auto controller = make_controller(controller_setup(choice, robot, parameters));
-  log::RunRecord record = simulator::run_closed_loop(plant, *controller, settings);
+  log::RunRecord record = simulation::run_closed_loop(plant, *controller, settings);
   describe_run(robot.constants, plant, world, record);
   return record;
 }
@@ -117,7 +117,7 @@ std::string dependencies_text(const WalkSetting& setting, const std::string& con
   const ControllerChoice choice = choice_of(setting, controller, horizon_s);
   std::string text = configuration::to_toml(controller_configuration(choice), "");
   text += find_robot(choice.robot).urdf;
-  for (const simulator::PlantOption& option : simulator::plant_option_table()) {
+  for (const simulation::PlantOption& option : simulation::plant_option_table()) {
     text += std::string(option.key) + "=" + option.default_text + "\n";
   }
   for (const char* assignment : kSensorNoise) text += std::string(assignment) + "\n";
@@ -143,9 +143,9 @@ control::ControllerParameters walk_parameters(const WalkSetting& setting, const 
 }
 
 experiments::WalkRunner walk_runner(const WalkSetting& setting) {
-  (void)simulator::parse_push("1@1+1@" + setting.push_point);
-  (void)simulator::parse_knows_truth(setting.state);
-  simulator::PlantOptions checked;
+  (void)simulation::parse_push("1@1+1@" + setting.push_point);
+  (void)simulation::parse_knows_truth(setting.state);
+  simulation::PlantOptions checked;
   for (const std::string& assignment : setting.plant_settings) set_plant_option(checked, assignment);
   return [setting](const WalkCase& walk) { return run(setting, walk); };
 }

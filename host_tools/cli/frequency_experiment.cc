@@ -9,7 +9,7 @@
 #include "host_tools/cli/json_output.h"
 #include "host_tools/cli/planner_timing.h"
 #include "host_tools/cli/planning_problems.h"
-#include "host_tools/simulator/run_recorder.h"
+#include "host_tools/simulation/closed_loop/run_recorder.h"
 
 namespace stilt::cli {
 namespace {
@@ -36,7 +36,7 @@ double mean(const std::vector<double>& values) {
   return values.empty() ? 0.0 : sum / static_cast<double>(values.size());
 }
 
-double rate_hz(const PlannerTimings& timings) { return 1e6 / simulator::percentile(timings.solve_us, 0.5); }
+double rate_hz(const PlannerTimings& timings) { return 1e6 / simulation::percentile(timings.solve_us, 0.5); }
 
 std::string table_of(const Json& merged) {
   std::string table =
@@ -77,8 +77,8 @@ int run_frequency(const ExperimentOptions& options) {
                     {"rate_early_stop_hz", rate_hz(early)},
                     {"iterations_mean", mean(early.iterations)},
                     {"paper_hz", paper_hz},
-                    {"solve_us", to_json(simulator::percentiles(all.solve_us))},
-                    {"solve_early_stop_us", to_json(simulator::percentiles(early.solve_us))},
+                    {"solve_us", to_json(simulation::percentiles(all.solve_us))},
+                    {"solve_early_stop_us", to_json(simulation::percentiles(early.solve_us))},
                     {"threads", 1},
                     {"problems", problems}});
   }

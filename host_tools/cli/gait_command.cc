@@ -17,7 +17,7 @@
 #include "host_tools/gait_synthesis/gait_page.h"
 #include "host_tools/gait_synthesis/likely_mistake.h"
 #include "host_tools/gait_synthesis/synthesize.h"
-#include "host_tools/simulator/number.h"
+#include "host_tools/simulation/plant/number.h"
 
 namespace stilt::cli {
 namespace {
@@ -25,7 +25,7 @@ namespace {
 using gait_files::GaitRecord;
 using gait_synthesis::GaitCheck;
 using gait_synthesis::StepTask;
-using simulator::number_text;
+using simulation::number_text;
 
 constexpr double kFastest_m_s = 2.0;
 

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "host_tools/log/run_record.h"
+#include "host_tools/recording/run_record.h"
 
 namespace stilt::cli {
 

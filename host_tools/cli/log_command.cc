@@ -2,7 +2,7 @@
 
 #include <cstdio>
 
-#include "host_tools/log/csv/record_to_csv.h"
+#include "host_tools/recording/csv/record_to_csv.h"
 
 namespace stilt::cli {
 

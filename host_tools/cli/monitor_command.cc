@@ -6,10 +6,10 @@
 
 #include "host_tools/cli/network_options.h"
 #include "host_tools/cli/usage_error.h"
-#include "host_tools/foxglove/bridge.h"
-#include "host_tools/monitor/dds_source.h"
-#include "host_tools/monitor/serve.h"
-#include "host_tools/monitor/terminal_view.h"
+#include "host_tools/web/foxglove/bridge.h"
+#include "host_tools/web/monitor/dds_source.h"
+#include "host_tools/web/monitor/serve.h"
+#include "host_tools/web/monitor/terminal_view.h"
 
 namespace stilt::cli {
 namespace {

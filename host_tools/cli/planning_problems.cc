@@ -1,28 +1,28 @@
 #include "host_tools/cli/planning_problems.h"
 
 #include "host_tools/cli/progress.h"
-#include "host_tools/simulator/closed_loop.h"
-#include "host_tools/simulator/simulated_robot.h"
+#include "host_tools/simulation/closed_loop/closed_loop.h"
+#include "host_tools/simulation/plant/simulated_robot.h"
 
 namespace stilt::cli {
 
 bool walk(const ControllerChoice& choice, double speed_m_s, int count,
-          simulator::SimulatedController& controller, const PlanObserver& observer) {
+          simulation::SimulatedController& controller, const PlanObserver& observer) {
   const model::RobotModel& robot = robot_model(choice.robot);
   const control::ControllerParameters parameters = controller_parameters(choice);
-  simulator::PlantOptions world;
+  simulation::PlantOptions world;
   world.time_step_s =
-      simulator::time_step_for_tick(world.time_step_s, 1.0 / parameters.timing.torque_rate_hz);
-  simulator::Plant plant(
-      simulator::make_plant_model(find_robot(choice.robot).tree, world, parameters.reference.base_height_m),
+      simulation::time_step_for_tick(world.time_step_s, 1.0 / parameters.timing.torque_rate_hz);
+  simulation::Plant plant(
+      simulation::make_plant_model(find_robot(choice.robot).tree, world, parameters.reference.base_height_m),
       world, 1);
   const control_loop::PlanTiming timing(parameters.timing);
-  simulator::RunSettings settings;
+  simulation::RunSettings settings;
   settings.duration_s =
       1e-9 * static_cast<double>(count * timing.period_ticks * static_cast<long long>(timing.tick_ns));
   settings.leg = {robot.constants.thigh_length_m, robot.constants.shin_length_m};
-  settings.initial_state = simulator::standing_state(settings.leg, parameters.reference.base_height_m,
-                                                     parameters.gait.stand_half_width_m);
+  settings.initial_state = simulation::standing_state(settings.leg, parameters.reference.base_height_m,
+                                                      parameters.gait.stand_half_width_m);
   settings.commands = {{0.0, {gait::GaitKind::walk, speed_m_s}}};
   settings.keep_samples = false;
   Progress progress("walking", settings.duration_s, "s");
@@ -34,7 +34,7 @@ bool walk(const ControllerChoice& choice, double speed_m_s, int count,
   settings.observer.planned = [&](const control_loop::PlanningRequest& request, const sqp::SolveReport&) {
     observer.after({request.time_s, request.state, request.command});
   };
-  return simulator::run_closed_loop(plant, controller, settings).summary.survived;
+  return simulation::run_closed_loop(plant, controller, settings).summary.survived;
 }
 
 PlanningProblems record_walk(const ControllerChoice& choice, double speed_m_s, int count) {

@@ -27,6 +27,6 @@ struct PlanObserver {
 /// Walks the simulated robot under `controller`, set up by `choice`, for `count` plans of its planner, from
 /// standing still at time 0 on. True when the robot did not fall.
 [[nodiscard]] bool walk(const ControllerChoice& choice, double speed_m_s, int count,
-                        simulator::SimulatedController& controller, const PlanObserver& observer);
+                        simulation::SimulatedController& controller, const PlanObserver& observer);
 
 }  // namespace stilt::cli

@@ -12,7 +12,7 @@
 #include "host_tools/cli/network_options.h"
 #include "host_tools/cli/progress.h"
 #include "host_tools/cli/usage_error.h"
-#include "host_tools/log/record/recorder.h"
+#include "host_tools/recording/record/recorder.h"
 #include "host_tools/telemetry/listener.h"
 
 namespace stilt::cli {

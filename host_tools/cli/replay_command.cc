@@ -8,9 +8,9 @@
 #include "host_tools/cli/json_output.h"
 #include "host_tools/cli/progress.h"
 #include "host_tools/cli/usage_error.h"
-#include "host_tools/monitor/serve.h"
-#include "host_tools/replay/record_source.h"
-#include "host_tools/replay/replay_session.h"
+#include "host_tools/recording/replay/record_source.h"
+#include "host_tools/recording/replay/replay_session.h"
+#include "host_tools/web/monitor/serve.h"
 
 namespace stilt::cli {
 namespace {

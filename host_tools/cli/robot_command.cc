@@ -13,10 +13,10 @@
 #include "host_tools/cli/run_description.h"
 #include "host_tools/cli/summary_text.h"
 #include "host_tools/cli/usage_error.h"
-#include "host_tools/log/sample_log.h"
-#include "host_tools/report/report.h"
-#include "host_tools/robot_on_bus/runner.h"
+#include "host_tools/recording/sample_log.h"
+#include "host_tools/simulation/robot_on_bus/runner.h"
 #include "host_tools/telemetry/simulation_publisher.h"
+#include "host_tools/web/report/report.h"
 
 namespace stilt::cli {
 namespace {
@@ -58,7 +58,7 @@ Json drivers_json(const RobotOnBus& robot) {
   Json drivers = Json::array();
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
     const hal::EmulatedDriver& driver = robot.drivers().driver(joint);
-    drivers.push_back({{"joint", simulator::joint_name(joint)},
+    drivers.push_back({{"joint", simulation::joint_name(joint)},
                        {"powered", driver.powered()},
                        {"enabled", driver.enabled()},
                        {"torque_Nm", robot.drivers().torque_Nm(joint)}});
@@ -77,8 +77,8 @@ Json faults_json(const RobotOnBus& robot) {
 Json robot_json(const RobotOnBus& robot, const log::RunSummary& summary, const RunOutcome& outcome) {
   Json json = plant_json(summary);
   const auto released_s = robot.hoist_released_s();
-  const bool fell = robot.recorder().fall() != simulator::Fall::none;
-  json["fall_reason"] = fell ? Json(simulator::fall_text(robot.recorder().fall())) : Json(nullptr);
+  const bool fell = robot.recorder().fall() != simulation::Fall::none;
+  json["fall_reason"] = fell ? Json(simulation::fall_text(robot.recorder().fall())) : Json(nullptr);
   json["hoist_released_s"] = released_s ? Json(*released_s) : Json(nullptr);
   json["sat_down_s"] = robot.sat_down_s() ? Json(*robot.sat_down_s()) : Json(nullptr);
   json["hoist"] = robot_on_bus::name(robot.hoist().state());
@@ -122,14 +122,14 @@ void write_results(const RobotOptions& options, const RobotOnBus& robot, const l
 
 /// Contact forces and the push that acts, for the monitor's picture.
 host_telemetry::SimulationMessage truth_of(const RobotOnBus& robot,
-                                           const std::vector<simulator::Push>& pushes) {
+                                           const std::vector<simulation::Push>& pushes) {
   host_telemetry::SimulationMessage message{};
   message.robot_time_s = robot.time_s();
   const model::FeetVector forces = robot.plant().contact_force_N();
   for (int k = 0; k < 2 * model::kFeet; ++k) message.contact_force_N[k] = forces[k];
-  const simulator::ActingPush push = simulator::push_at(pushes, robot.walk_time_s().value_or(-1.0));
+  const simulation::ActingPush push = simulation::push_at(pushes, robot.walk_time_s().value_or(-1.0));
   message.push_N = push.force_N;
-  message.push_above_hip_m = simulator::push_above_hip_m(push.point);
+  message.push_above_hip_m = simulation::push_above_hip_m(push.point);
   return message;
 }
 
@@ -172,8 +172,8 @@ CLI::App* add_robot_command(CLI::App& program, RobotOptions& options) {
   robot->add_option("--report", options.report_file, "writes a page with animation and plots, HTML");
   robot->add_option("--log", options.log_file, "writes the samples, one JSON object a line");
   robot->add_option("--frames", options.frames_file, "writes every frame on the buses with its tick");
-  robot->footer("Faults of --fault:\n" + simulator::describe_faults(simulator::FaultsOf::robot_on_buses) +
-                "Keys of --plant:\n" + simulator::describe_plant_options() +
+  robot->footer("Faults of --fault:\n" + simulation::describe_faults(simulation::FaultsOf::robot_on_buses) +
+                "Keys of --plant:\n" + simulation::describe_plant_options() +
                 "Times of --push, --fault and of all figures count from when the hoist has let go.\n"
                 "Exit status: 0 done, 1 the robot fell or never left the hoist, 2 bad usage.");
   return robot;

@@ -8,9 +8,9 @@
 #include "host_tools/cli/controller_choice.h"
 #include "host_tools/cli/run_description.h"
 #include "host_tools/cli/usage_error.h"
-#include "host_tools/simulator/closed_loop.h"
-#include "host_tools/simulator/number.h"
-#include "host_tools/simulator/simulated_robot.h"
+#include "host_tools/simulation/closed_loop/closed_loop.h"
+#include "host_tools/simulation/plant/number.h"
+#include "host_tools/simulation/plant/simulated_robot.h"
 
 namespace stilt::cli {
 namespace {
@@ -24,16 +24,16 @@ configuration::Configuration configuration_of(const RobotOptions& options) {
   return load_configuration(options.robot, options.config_file, options.preset, overrides);
 }
 
-std::vector<simulator::TimedFault> faults_of(const RobotOptions& options, std::size_t bus_count) {
-  std::vector<simulator::TimedFault> faults;
+std::vector<simulation::TimedFault> faults_of(const RobotOptions& options, std::size_t bus_count) {
+  std::vector<simulation::TimedFault> faults;
   for (const std::string& text : options.faults) {
-    faults.push_back(simulator::parse_fault(text));
-    const simulator::TimedFault& fault = faults.back();
+    faults.push_back(simulation::parse_fault(text));
+    const simulation::TimedFault& fault = faults.back();
     if (fault.bus && *fault.bus >= bus_count) {
       throw UsageError("--fault " + text + ": there is no bus " + std::to_string(*fault.bus) +
                        "; the buses are 0 to " + std::to_string(bus_count - 1));
     }
-    if (fault.kind == simulator::FaultKind::disconnect && options.lockstep) {
+    if (fault.kind == simulation::FaultKind::disconnect && options.lockstep) {
       throw UsageError("--fault " + text + ": a bus that is gone ends lock-step; leave --lockstep out");
     }
   }
@@ -45,7 +45,7 @@ void check_numbers(const RobotOptions& options) {
     throw UsageError("--seed " + std::to_string(options.seed) + ": the seed must not be negative");
   }
   if (options.duration_s && !(*options.duration_s > 0.0)) {
-    throw UsageError("--duration " + simulator::number_text(*options.duration_s) +
+    throw UsageError("--duration " + simulation::number_text(*options.duration_s) +
                      ": the duration must be above 0 s");
   }
 }
@@ -69,15 +69,15 @@ SimulatedHardware simulated_hardware(const RobotOptions& options) {
       configuration::base_period_ticks(configured.hardware, configured.timing.torque_rate_hz);
   setup.tick_s = 1.0 / configured.timing.torque_rate_hz;
   for (const std::string& assignment : options.plant_settings) set_plant_option(setup.plant, assignment);
-  setup.plant.time_step_s = simulator::time_step_for_tick(setup.plant.time_step_s, setup.tick_s);
-  setup.model = simulator::make_plant_model(find_robot(configured.hardware.robot).tree, setup.plant,
-                                            configured.reference.base_height_m);
+  setup.plant.time_step_s = simulation::time_step_for_tick(setup.plant.time_step_s, setup.tick_s);
+  setup.model = simulation::make_plant_model(find_robot(configured.hardware.robot).tree, setup.plant,
+                                             configured.reference.base_height_m);
   setup.seed = static_cast<std::uint64_t>(options.seed);
   const model::RobotConstants& robot = hardware.robot->constants;
   setup.standing = standing_on_ground(setup.plant, {robot.thigh_length_m, robot.shin_length_m}, configured);
   setup.faults = faults_of(options, setup.bus_count);
-  for (const std::string& text : options.pushes) setup.pushes.push_back(simulator::parse_push(text));
-  simulator::check_pushes(setup.pushes);
+  for (const std::string& text : options.pushes) setup.pushes.push_back(simulation::parse_push(text));
+  simulation::check_pushes(setup.pushes);
   setup.keep_samples = !options.report_file.empty() || !options.log_file.empty();
   return hardware;
 }

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "host_tools/cli/robot_command.h"
-#include "host_tools/robot_on_bus/robot_on_bus.h"
+#include "host_tools/simulation/robot_on_bus/robot_on_bus.h"
 #include "mpc_core/model/robot.h"
 
 namespace stilt::cli {

@@ -10,7 +10,7 @@ namespace {
 constexpr double kTorsoToCom = 1.75;
 
 /// Corners of the ground's profile from a little behind the start to a little beyond the end.
-void add_ground(const simulator::Plant& plant, const simulator::PlantOptions& world, double end_x_m,
+void add_ground(const simulation::Plant& plant, const simulation::PlantOptions& world, double end_x_m,
                 log::RunRecord& record) {
   constexpr double kMargin_m = 5.0;
   constexpr double kEdge_m = 1e-6;
@@ -27,16 +27,17 @@ void add_ground(const simulator::Plant& plant, const simulator::PlantOptions& wo
 
 }  // namespace
 
-model::StateVector standing_on_ground(const simulator::PlantOptions& world, const simulator::LegLengths& leg,
+model::StateVector standing_on_ground(const simulation::PlantOptions& world,
+                                      const simulation::LegLengths& leg,
                                       const control::ControllerParameters& parameters) {
   const double half_width_m = parameters.gait.stand_half_width_m;
-  return simulator::standing_state(
+  return simulation::standing_state(
       leg, parameters.reference.base_height_m, half_width_m,
-      {simulator::ground_height_m(world, half_width_m), simulator::ground_height_m(world, -half_width_m)});
+      {simulation::ground_height_m(world, half_width_m), simulation::ground_height_m(world, -half_width_m)});
 }
 
-void describe_run(const model::RobotConstants& robot, const simulator::Plant& plant,
-                  const simulator::PlantOptions& world, log::RunRecord& record) {
+void describe_run(const model::RobotConstants& robot, const simulation::Plant& plant,
+                  const simulation::PlantOptions& world, log::RunRecord& record) {
   record.robot = {robot.name, kTorsoToCom * robot.torso_com_height_m, robot.thigh_length_m,
                   robot.shin_length_m};
   for (int joint = 0; joint < model::kJoints; ++joint) {

@@ -11,48 +11,49 @@
 #include "host_tools/cli/run_description.h"
 #include "host_tools/cli/summary_text.h"
 #include "host_tools/cli/usage_error.h"
-#include "host_tools/log/sample_log.h"
-#include "host_tools/report/report.h"
-#include "host_tools/simulator/closed_loop.h"
-#include "host_tools/simulator/number.h"
-#include "host_tools/simulator/simulated_robot.h"
+#include "host_tools/recording/sample_log.h"
+#include "host_tools/simulation/closed_loop/closed_loop.h"
+#include "host_tools/simulation/plant/number.h"
+#include "host_tools/simulation/plant/simulated_robot.h"
+#include "host_tools/web/report/report.h"
 
 namespace stilt::cli {
 namespace {
 
-using simulator::Plant;
-using simulator::PlantOptions;
-using simulator::RunSettings;
-using simulator::TimedCommand;
+using simulation::Plant;
+using simulation::PlantOptions;
+using simulation::RunSettings;
+using simulation::TimedCommand;
 
 constexpr double kLargestSpeed_m_s = 5.0;
 constexpr double kLongestRun_s = 86400.0;
 
 PlantOptions plant_options(const SimOptions& options, const control::TimingParameters& timing) {
   PlantOptions plant;
-  for (const std::string& assignment : options.plant_settings) simulator::set_plant_option(plant, assignment);
-  plant.time_step_s = simulator::time_step_for_tick(plant.time_step_s, 1.0 / timing.torque_rate_hz);
+  for (const std::string& assignment : options.plant_settings)
+    simulation::set_plant_option(plant, assignment);
+  plant.time_step_s = simulation::time_step_for_tick(plant.time_step_s, 1.0 / timing.torque_rate_hz);
   return plant;
 }
 
 std::vector<TimedCommand> commands_of(const SimOptions& options) {
   if (!(std::abs(options.speed_m_s) <= kLargestSpeed_m_s)) {
-    throw UsageError("--speed " + simulator::number_text(options.speed_m_s) +
+    throw UsageError("--speed " + simulation::number_text(options.speed_m_s) +
                      ": the speed must lie within 5 m/s either way");
   }
-  std::vector<TimedCommand> commands = {{0.0, {simulator::parse_gait(options.gait), options.speed_m_s}}};
+  std::vector<TimedCommand> commands = {{0.0, {simulation::parse_gait(options.gait), options.speed_m_s}}};
   for (const std::string& text : options.later_commands)
-    commands.push_back(simulator::parse_timed_command(text));
+    commands.push_back(simulation::parse_timed_command(text));
   std::stable_sort(commands.begin(), commands.end(),
                    [](const TimedCommand& a, const TimedCommand& b) { return a.start_s < b.start_s; });
   return commands;
 }
 
-std::vector<simulator::TimedFault> faults_of(const SimOptions& options) {
-  std::vector<simulator::TimedFault> faults;
+std::vector<simulation::TimedFault> faults_of(const SimOptions& options) {
+  std::vector<simulation::TimedFault> faults;
   for (const std::string& text : options.faults) {
-    faults.push_back(simulator::parse_fault(text));
-    if (!simulator::describe(faults.back().kind).needs_bus && !faults.back().bus) continue;
+    faults.push_back(simulation::parse_fault(text));
+    if (!simulation::describe(faults.back().kind).needs_bus && !faults.back().bus) continue;
     throw UsageError("--fault " + text +
                      ": this fault needs buses, which stilt sim has not; take stilt robot");
   }
@@ -61,7 +62,7 @@ std::vector<simulator::TimedFault> faults_of(const SimOptions& options) {
 
 RunSettings run_settings(const SimOptions& options, const model::RobotConstants& robot) {
   if (!(options.duration_s > 0.0 && options.duration_s <= kLongestRun_s)) {
-    throw UsageError("--duration " + simulator::number_text(options.duration_s) +
+    throw UsageError("--duration " + simulation::number_text(options.duration_s) +
                      ": the duration must be above 0 and at most 86400 s");
   }
   if (options.seed < 0)
@@ -70,12 +71,12 @@ RunSettings run_settings(const SimOptions& options, const model::RobotConstants&
   settings.duration_s = options.duration_s;
   settings.leg = {robot.thigh_length_m, robot.shin_length_m};
   settings.commands = commands_of(options);
-  for (const std::string& text : options.pushes) settings.pushes.push_back(simulator::parse_push(text));
-  simulator::check_pushes(settings.pushes);
-  settings.use_true_state = simulator::parse_knows_truth(options.state);
+  for (const std::string& text : options.pushes) settings.pushes.push_back(simulation::parse_push(text));
+  simulation::check_pushes(settings.pushes);
+  settings.use_true_state = simulation::parse_knows_truth(options.state);
   settings.faults = faults_of(options);
   if (options.planner_until_s && !(*options.planner_until_s > 0.0)) {
-    throw UsageError("--planner-until " + simulator::number_text(*options.planner_until_s) +
+    throw UsageError("--planner-until " + simulation::number_text(*options.planner_until_s) +
                      ": the time must be above 0 s");
   }
   if (options.planner_until_s) settings.planner_until_s = *options.planner_until_s;
@@ -83,11 +84,11 @@ RunSettings run_settings(const SimOptions& options, const model::RobotConstants&
   return settings;
 }
 
-void write_results(const SimOptions& options, const log::RunRecord& record, simulator::Fall fall) {
+void write_results(const SimOptions& options, const log::RunRecord& record, simulation::Fall fall) {
   if (!options.json_file.empty()) {
     nlohmann::ordered_json json = to_json(record.summary);
     json["fall_reason"] = record.summary.survived ? nlohmann::ordered_json(nullptr)
-                                                  : nlohmann::ordered_json(simulator::fall_text(fall));
+                                                  : nlohmann::ordered_json(simulation::fall_text(fall));
     write_json(json, options.json_file);
   }
   if (options.json_file != "-") std::fputs(summary_text(record.summary, fall).c_str(), stdout);
@@ -126,8 +127,8 @@ CLI::App* add_sim_command(CLI::App& program, SimOptions& options) {
                   "writes the figures as JSON to a file, or - for standard output");
   sim->add_option("--report", options.report_file, "writes a page with animation and plots, HTML");
   sim->add_option("--log", options.log_file, "writes the samples, one JSON object a line");
-  sim->footer("Keys of --plant:\n" + simulator::describe_plant_options() + "Faults:\n" +
-              simulator::describe_faults(simulator::FaultsOf::plant) +
+  sim->footer("Keys of --plant:\n" + simulation::describe_plant_options() + "Faults:\n" +
+              simulation::describe_faults(simulation::FaultsOf::plant) +
               "Exit status: 0 done, 1 the robot fell, 2 bad usage.");
   return sim;
 }
@@ -141,15 +142,15 @@ int run_sim(const SimOptions& options, const std::string& command_line) {
   const PlantOptions world = plant_options(options, parameters.timing);
   RunSettings settings = run_settings(options, robot.constants);
   const auto controller = make_controller(controller_setup(options.choice, robot, parameters));
-  Plant plant(simulator::make_plant_model(find_robot(options.choice.robot).tree, world,
-                                          parameters.reference.base_height_m),
+  Plant plant(simulation::make_plant_model(find_robot(options.choice.robot).tree, world,
+                                           parameters.reference.base_height_m),
               world, static_cast<std::uint64_t>(options.seed));
   settings.initial_state = standing_on_ground(world, settings.leg, parameters);
   log::RunRecord record;
   {
     Progress progress("simulating", options.duration_s, "s");
     settings.progress = [&](double time_s) { progress.update(time_s); };
-    record = simulator::run_closed_loop(plant, *controller, settings);
+    record = simulation::run_closed_loop(plant, *controller, settings);
   }
   record.command_line = command_line;
   describe_run(robot.constants, plant, world, record);

@@ -23,11 +23,11 @@ std::string steps_line(const log::RunSummary& summary) {
 
 }  // namespace
 
-std::string plant_text(const log::RunSummary& summary, simulator::Fall fall) {
-  std::string text =
-      summary.survived
-          ? formatted("result         on its feet after %.1f s\n", summary.duration_s)
-          : formatted("result         FELL at %.2f s: %s\n", summary.fall_time_s, simulator::fall_text(fall));
+std::string plant_text(const log::RunSummary& summary, simulation::Fall fall) {
+  std::string text = summary.survived
+                         ? formatted("result         on its feet after %.1f s\n", summary.duration_s)
+                         : formatted("result         FELL at %.2f s: %s\n", summary.fall_time_s,
+                                     simulation::fall_text(fall));
   const model::JointVector& torque = summary.peak_torque_Nm;
   const model::JointVector& speed = summary.peak_joint_speed_rad_s;
   text += formatted("distance       %.2f m, mean speed %.3f m/s after the first 3 s\n", summary.distance_m,
@@ -40,7 +40,7 @@ std::string plant_text(const log::RunSummary& summary, simulator::Fall fall) {
   return text + formatted("slip           %.3f m of both feet while loaded\n", summary.slip_distance_m);
 }
 
-std::string summary_text(const log::RunSummary& summary, simulator::Fall fall) {
+std::string summary_text(const log::RunSummary& summary, simulation::Fall fall) {
   std::string text = plant_text(summary, fall);
   text +=
       formatted("planning       p50 %.0f, p99 %.0f, max %.0f us; %.1f iterations on average, %d at most\n",

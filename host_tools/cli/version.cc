@@ -1,7 +1,7 @@
 #include "host_tools/cli/version.h"
 
 #include "firmware/version/commit.h"
-#include "host_tools/simulator/simulated_controller.h"
+#include "host_tools/simulation/closed_loop/simulated_controller.h"
 #include "mpc_core/model/batch.h"
 
 namespace stilt::cli {
@@ -34,7 +34,7 @@ std::string instruction_set() {
 std::string version_text() {
   return "stilt " STILT_VERSION "\ncommit            " + std::string(version::commit()) +
          "\ncompiler          GCC " __VERSION__ "\ninstruction set   " + instruction_set() +
-         "\ncontroller object " + std::to_string(simulator::SimulatedController::bytes()) + " bytes";
+         "\ncontroller object " + std::to_string(simulation::SimulatedController::bytes()) + " bytes";
 }
 
 }  // namespace stilt::cli

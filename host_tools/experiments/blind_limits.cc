@@ -68,7 +68,7 @@ Json run_sequence(const LimitPlan& plan, const LimitPlan::Controller& controller
   const log::RunSummary summary = run(walk).summary;
   Json commands = {
       {{"start_s", 0.0}, {"gait", gait_name(walk.command.kind)}, {"speed_m_s", walk.command.speed_m_s}}};
-  for (const simulator::TimedCommand& timed : walk.later_commands) {
+  for (const simulation::TimedCommand& timed : walk.later_commands) {
     commands.push_back({{"start_s", timed.start_s},
                         {"gait", gait_name(timed.command.kind)},
                         {"speed_m_s", timed.command.speed_m_s}});
@@ -154,7 +154,7 @@ WalkCase limit_case(const LimitPlan& plan, const LimitPlan::Controller& controll
 WalkCase sequence_case(const LimitPlan& plan, const LimitPlan::Controller& controller, int seed) {
   WalkCase walk = walk_of(plan, controller, seed);
   walk.duration_s = plan.sequence_s;
-  const std::vector<simulator::TimedCommand> sequence =
+  const std::vector<simulation::TimedCommand> sequence =
       random_commands(static_cast<std::uint32_t>(seed), plan.sequence_s);
   walk.command = sequence.front().command;
   walk.later_commands.assign(sequence.begin() + 1, sequence.end());

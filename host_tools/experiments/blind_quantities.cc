@@ -1,6 +1,6 @@
 #include "host_tools/experiments/blind_limits.h"
 #include "host_tools/experiments/walks.h"
-#include "host_tools/simulator/number.h"
+#include "host_tools/simulation/plant/number.h"
 
 namespace stilt::experiments {
 namespace {
@@ -9,7 +9,7 @@ constexpr double kStepPosition_m = 2.0;
 constexpr double kBeyondStep_m = 1.0;
 
 std::string assignment(const char* key, double value) {
-  return std::string(key) + "=" + simulator::number_text(value);
+  return std::string(key) + "=" + simulation::number_text(value);
 }
 
 bool survives(const WalkCase&, const log::RunSummary& summary) { return summary.survived; }

@@ -4,14 +4,14 @@
 
 namespace stilt::experiments {
 
-std::vector<simulator::TimedCommand> random_commands(std::uint32_t seed, double duration_s) {
+std::vector<simulation::TimedCommand> random_commands(std::uint32_t seed, double duration_s) {
   constexpr gait::GaitKind kKinds[] = {gait::GaitKind::stand, gait::GaitKind::step, gait::GaitKind::walk};
   std::mt19937 random(seed);
   // The distributions of the standard library differ from one library to the next.
   const auto between = [&](double low, double high) {
     return low + (high - low) * static_cast<double>(random()) / 4294967296.0;
   };
-  std::vector<simulator::TimedCommand> commands;
+  std::vector<simulation::TimedCommand> commands;
   for (double time_s = 0.0; time_s < duration_s; time_s += between(3.0, 8.0)) {
     const gait::GaitKind kind = kKinds[random() % 3];
     commands.push_back({time_s, {kind, kind == gait::GaitKind::walk ? between(-0.4, 0.8) : 0.0}});

@@ -3,12 +3,12 @@
 #include <cstdint>
 #include <vector>
 
-#include "host_tools/simulator/scenario.h"
+#include "host_tools/simulation/closed_loop/scenario.h"
 
 namespace stilt::experiments {
 
 /// A random sequence of commands from time 0 on: stand, step or walk with equal chances, walking at -0.4 to
 /// 0.8 m/s, each held for 3 to 8 s. The same for the same seed, with every compiler.
-[[nodiscard]] std::vector<simulator::TimedCommand> random_commands(std::uint32_t seed, double duration_s);
+[[nodiscard]] std::vector<simulation::TimedCommand> random_commands(std::uint32_t seed, double duration_s);
 
 }  // namespace stilt::experiments

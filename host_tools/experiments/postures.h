@@ -1,7 +1,7 @@
 #pragma once
 
-#include "host_tools/log/run_record.h"
-#include "host_tools/plot/svg_plot.h"
+#include "host_tools/recording/run_record.h"
+#include "host_tools/web/plot/svg_plot.h"
 
 namespace stilt::experiments {
 

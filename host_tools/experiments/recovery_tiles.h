@@ -4,8 +4,8 @@
 #include <string>
 
 #include "host_tools/experiments/job_folder.h"
-#include "host_tools/log/run_record.h"
-#include "host_tools/plot/svg_plot.h"
+#include "host_tools/recording/run_record.h"
+#include "host_tools/web/plot/svg_plot.h"
 
 namespace stilt::experiments {
 

@@ -3,7 +3,7 @@
 #include <optional>
 #include <span>
 
-#include "host_tools/log/run_record.h"
+#include "host_tools/recording/run_record.h"
 
 /// What is read off the touch-downs of a walk.
 namespace stilt::experiments {

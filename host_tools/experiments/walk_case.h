@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/log/run_record.h"
-#include "host_tools/simulator/scenario.h"
+#include "host_tools/recording/run_record.h"
+#include "host_tools/simulation/closed_loop/scenario.h"
 #include "mpc_core/gait/command.h"
 
 /// The published experiments on the simulated robot. What walks it is handed in, so that nothing here knows
@@ -18,7 +18,7 @@ struct WalkCase {
   std::string controller = "mpc-heuristic";
   double horizon_s = 1.0;
   gait::GaitCommand command{gait::GaitKind::walk, 0.5};
-  std::vector<simulator::TimedCommand> later_commands;  ///< in order of time
+  std::vector<simulation::TimedCommand> later_commands;  ///< in order of time
   double duration_s = 10.0;
   double push_N = 0.0;  ///< positive forward; 0: none
   double push_start_s = 0.0;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "host_tools/log/run_record.h"
+#include "host_tools/recording/run_record.h"
 #include "mpc_core/gait/command.h"
 
 namespace stilt::experiments {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "host_tools/plot/svg_plot.h"
+#include "host_tools/web/plot/svg_plot.h"
 
 namespace stilt::gait_synthesis {
 namespace {

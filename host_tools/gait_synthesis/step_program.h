@@ -2,8 +2,8 @@
 
 #include "firmware/configuration/gaits/gait_limits.h"
 #include "host_tools/gait_synthesis/lobatto.h"
+#include "host_tools/gait_synthesis/nonlinear_program/nonlinear_program.h"
 #include "host_tools/gait_synthesis/step_node.h"
-#include "host_tools/nonlinear_program/nonlinear_program.h"
 #include "mpc_core/gait/hzd_gait.h"
 
 namespace stilt::gait_synthesis {

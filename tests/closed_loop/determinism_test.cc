@@ -7,7 +7,7 @@
 #include "tests/closed_loop/simulated_run.h"
 
 /// A run depends on its settings and its seed alone.
-namespace stilt::simulator {
+namespace stilt::simulation {
 namespace {
 
 using testing_support::RunRequest;
@@ -88,4 +88,4 @@ TEST(Determinism, AnotherSeedGivesAnotherRun) {
 }
 
 }  // namespace
-}  // namespace stilt::simulator
+}  // namespace stilt::simulation

@@ -7,7 +7,7 @@
 #include "tests/closed_loop/simulated_run.h"
 
 /// How far the estimator, from joint encoders and base angle alone, leaves the truth in a minute of walking.
-namespace stilt::simulator {
+namespace stilt::simulation {
 namespace {
 
 using model::kPositions;
@@ -56,4 +56,4 @@ INSTANTIATE_TEST_SUITE_P(ClosedLoop, EstimatorDrift, ::testing::Values(-0.3, 0.0
                          });
 
 }  // namespace
-}  // namespace stilt::simulator
+}  // namespace stilt::simulation

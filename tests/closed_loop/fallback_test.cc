@@ -7,7 +7,7 @@
 #include "tests/closed_loop/simulated_run.h"
 
 /// What the robot does when plans are missing for a while.
-namespace stilt::simulator {
+namespace stilt::simulation {
 namespace {
 
 using supervisor::FallbackLevel;
@@ -103,4 +103,4 @@ TEST(Fallback, APlannerThatStopsAndAnEncoderThatFreezesLeadDownToDamping) {
 }
 
 }  // namespace
-}  // namespace stilt::simulator
+}  // namespace stilt::simulation

@@ -7,7 +7,7 @@
 #include "tests/closed_loop/simulated_run.h"
 
 /// Joints with Coulomb friction, known to the controller or not.
-namespace stilt::simulator {
+namespace stilt::simulation {
 namespace {
 
 using model::kFirstJoint;
@@ -41,4 +41,4 @@ TEST(Friction, CompensationOfFiveNewtonMetresHalvesTheJointError) {
 }
 
 }  // namespace
-}  // namespace stilt::simulator
+}  // namespace stilt::simulation

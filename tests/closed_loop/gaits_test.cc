@@ -9,7 +9,7 @@
 
 /// Each gait for a minute as a user gets it: shipped configuration, estimated state, a plan every 10 ms that
 /// comes into use 5 ms later.
-namespace stilt::simulator {
+namespace stilt::simulation {
 namespace {
 
 using gait::GaitKind;
@@ -147,4 +147,4 @@ INSTANTIATE_TEST_SUITE_P(ClosedLoop, StandsAfterSteps,
                          });
 
 }  // namespace
-}  // namespace stilt::simulator
+}  // namespace stilt::simulation

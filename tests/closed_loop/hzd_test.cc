@@ -8,7 +8,7 @@
 #include "tests/closed_loop/simulated_run.h"
 
 /// Walking along the shipped gaits: as the reference of the planner, and tracked by the joints alone.
-namespace stilt::simulator {
+namespace stilt::simulation {
 namespace {
 
 using testing_support::describe;
@@ -104,4 +104,4 @@ TEST_P(Pushed, AroundAGaitAHorizonOfTwoTenthsSurvivesFortyNewtons) {
 INSTANTIATE_TEST_SUITE_P(ClosedLoop, Pushed, testing::Range(0, 6));
 
 }  // namespace
-}  // namespace stilt::simulator
+}  // namespace stilt::simulation

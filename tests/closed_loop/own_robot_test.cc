@@ -2,7 +2,7 @@
 
 #include "tests/closed_loop/simulated_run.h"
 
-namespace stilt::simulator {
+namespace stilt::simulation {
 namespace {
 
 using testing_support::describe;
@@ -22,4 +22,4 @@ TEST(OwnRobot, WalksHalfAMinuteThroughThirtyFiveNewtons) {
 }
 
 }  // namespace
-}  // namespace stilt::simulator
+}  // namespace stilt::simulation

@@ -4,7 +4,7 @@
 
 #include "tests/closed_loop/simulated_run.h"
 
-namespace stilt::simulator {
+namespace stilt::simulation {
 namespace {
 
 using testing_support::describe;
@@ -46,4 +46,4 @@ INSTANTIATE_TEST_SUITE_P(ClosedLoop, Pushes,
                          });
 
 }  // namespace
-}  // namespace stilt::simulator
+}  // namespace stilt::simulation

@@ -5,22 +5,22 @@
 
 #include "firmware/configuration/gaits/shipped_gaits.h"
 #include "firmware/robots/robots.h"
-#include "host_tools/simulator/simulated_robot.h"
-#include "host_tools/simulator/stance.h"
+#include "host_tools/simulation/plant/simulated_robot.h"
+#include "host_tools/simulation/plant/stance.h"
 
 namespace stilt::testing_support {
 namespace {
 
-simulator::PlantOptions plant_options(const RunRequest& request, const control::TimingParameters& timing) {
-  simulator::PlantOptions options;
-  for (const std::string& assignment : request.plant) simulator::set_plant_option(options, assignment);
-  options.time_step_s = simulator::time_step_for_tick(options.time_step_s, 1.0 / timing.torque_rate_hz);
+simulation::PlantOptions plant_options(const RunRequest& request, const control::TimingParameters& timing) {
+  simulation::PlantOptions options;
+  for (const std::string& assignment : request.plant) simulation::set_plant_option(options, assignment);
+  options.time_step_s = simulation::time_step_for_tick(options.time_step_s, 1.0 / timing.torque_rate_hz);
   return options;
 }
 
-simulator::ControllerSetup controller_setup(const RunRequest& request, const model::RobotModel& robot,
-                                            const configuration::Configuration& configuration) {
-  simulator::ControllerSetup setup;
+simulation::ControllerSetup controller_setup(const RunRequest& request, const model::RobotModel& robot,
+                                             const configuration::Configuration& configuration) {
+  simulation::ControllerSetup setup;
   setup.robot = &robot;
   setup.parameters = configuration;
   setup.supervision = configuration.supervisor;
@@ -31,9 +31,9 @@ simulator::ControllerSetup controller_setup(const RunRequest& request, const mod
   return setup;
 }
 
-simulator::Plant make_plant(const RunRequest& request, const control::ControllerParameters& parameters) {
-  const simulator::PlantOptions options = plant_options(request, parameters.timing);
-  const simulator::PlantModel model = simulator::make_plant_model(
+simulation::Plant make_plant(const RunRequest& request, const control::ControllerParameters& parameters) {
+  const simulation::PlantOptions options = plant_options(request, parameters.timing);
+  const simulation::PlantModel model = simulation::make_plant_model(
       robots::find(request.robot).value()->tree, options, parameters.reference.base_height_m);
   return {model, options, request.seed};
 }
@@ -52,7 +52,7 @@ configuration::Configuration parameters_of(const RunRequest& request) {
 SimulatedRun::SimulatedRun(const RunRequest& request)
     : robot(robots::find(request.robot).value()->model),
       parameters(parameters_of(request)),
-      controller(std::make_unique<simulator::SimulatedController>()),
+      controller(std::make_unique<simulation::SimulatedController>()),
       plant(make_plant(request, parameters)) {
   if (controller->configure(controller_setup(request, robot, parameters)) != control::ConfigureStatus::ok) {
     throw std::runtime_error("the planner refuses the configuration");
@@ -61,8 +61,8 @@ SimulatedRun::SimulatedRun(const RunRequest& request)
   settings.duration_s = request.duration_s;
   settings.leg = {robot.constants.thigh_length_m, robot.constants.shin_length_m};
   settings.initial_state =
-      simulator::standing_state(settings.leg, parameters.reference.base_height_m, half_width_m,
-                                {plant.ground_height_m(half_width_m), plant.ground_height_m(-half_width_m)});
+      simulation::standing_state(settings.leg, parameters.reference.base_height_m, half_width_m,
+                                 {plant.ground_height_m(half_width_m), plant.ground_height_m(-half_width_m)});
   settings.commands = request.commands;
   settings.pushes = request.pushes;
   settings.use_true_state = request.use_true_state;
@@ -81,7 +81,7 @@ std::string describe(const SimulatedRun& run, const log::RunRecord& record) {
   const log::RunSummary& summary = record.summary;
   char text[200];
   std::snprintf(text, sizeof text, "%s at %.3f s; mean speed %.3f m/s, %zu steps of %.3f to %.3f m",
-                simulator::fall_text(run.plant.fall()), summary.duration_s, summary.mean_speed_m_s,
+                simulation::fall_text(run.plant.fall()), summary.duration_s, summary.mean_speed_m_s,
                 summary.steps.size(), summary.step_length_min_m, summary.step_length_max_m);
   return text;
 }

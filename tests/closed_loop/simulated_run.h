@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "firmware/configuration/configuration.h"
-#include "host_tools/simulator/closed_loop.h"
-#include "host_tools/simulator/plant.h"
+#include "host_tools/simulation/closed_loop/closed_loop.h"
+#include "host_tools/simulation/plant/plant.h"
 #include "mpc_core/control/parameters.h"
 #include "mpc_core/model/robot.h"
 
@@ -22,8 +22,8 @@ struct RunRequest {
   double horizon_s = 1.0;
   std::vector<std::string> settings = {};  ///< "section.key=value" of the controller's configuration
   std::vector<std::string> plant = {};     ///< "key=value" of the simulated robot
-  std::vector<simulator::TimedCommand> commands = {};
-  std::vector<simulator::Push> pushes = {};
+  std::vector<simulation::TimedCommand> commands = {};
+  std::vector<simulation::Push> pushes = {};
   double duration_s = 20.0;
   std::uint64_t seed = 1;
   bool use_true_state = false;
@@ -39,13 +39,13 @@ struct SimulatedRun {
   explicit SimulatedRun(const RunRequest& request);
 
   /// The whole run under the controller of the robot.
-  [[nodiscard]] log::RunRecord run() { return simulator::run_closed_loop(plant, *controller, settings); }
+  [[nodiscard]] log::RunRecord run() { return simulation::run_closed_loop(plant, *controller, settings); }
 
   const model::RobotModel& robot;
   configuration::Configuration parameters;
-  std::unique_ptr<simulator::SimulatedController> controller;
-  simulator::Plant plant;
-  simulator::RunSettings settings;
+  std::unique_ptr<simulation::SimulatedController> controller;
+  simulation::Plant plant;
+  simulation::RunSettings settings;
 };
 
 /// Walking from time 0 on.

@@ -8,7 +8,7 @@
 #include "tests/closed_loop/simulated_run.h"
 
 /// Half a minute at 0.5 m/s with one thing changed: robot, planner, or the world it does not know of.
-namespace stilt::simulator {
+namespace stilt::simulation {
 namespace {
 
 using testing_support::describe;
@@ -96,4 +96,4 @@ INSTANTIATE_TEST_SUITE_P(ClosedLoop, Variants,
                          });
 
 }  // namespace
-}  // namespace stilt::simulator
+}  // namespace stilt::simulation

@@ -4,7 +4,7 @@
 
 #include <ostream>
 
-#include "host_tools/replay/record_file.h"
+#include "host_tools/recording/replay/record_file.h"
 #include "tests/closed_loop/simulated_run.h"
 #include "tests/two_processes/recorder.h"
 
@@ -95,7 +95,7 @@ std::vector<Change> run_simulation(double walks_s) {
   testing_support::SimulatedRun run(request);
   run.settings.planner_until_s = walks_s + kPlannerStops_s;
   run.settings.faults = {
-      simulator::parse_fault("encoder-freeze:knee_L@" + std::to_string(walks_s + kFreezes_s))};
+      simulation::parse_fault("encoder-freeze:knee_L@" + std::to_string(walks_s + kFreezes_s))};
   Changes changes;
   run.settings.observer.ticked = [&](const TickRecord& tick) { changes.add(tick); };
   (void)run.run();

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "codegen/urdf/planar_tree.h"
-#include "host_tools/simulator/mjcf.h"
+#include "host_tools/simulation/plant/mjcf.h"
 
 namespace stilt::testing_support {
 
@@ -17,10 +17,10 @@ namespace stilt::testing_support {
 class MujocoRobot {
  public:
   explicit MujocoRobot(const codegen::PlanarTree& tree) {
-    simulator::MjcfOptions options;
+    simulation::MjcfOptions options;
     options.contacts = false;
     options.joint_losses = false;  // Coulomb friction is no part of the generated dynamics
-    const std::string text = simulator::to_mjcf(tree, options);
+    const std::string text = simulation::to_mjcf(tree, options);
     const auto files = std::make_unique<mjVFS>();
     mj_defaultVFS(files.get());
     mj_makeEmptyFileVFS(files.get(), "robot.xml", static_cast<int>(text.size()));

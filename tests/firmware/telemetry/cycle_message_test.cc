@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "firmware/telemetry/cdr.h"
-#include "host_tools/log/schema/decode.h"
+#include "host_tools/recording/schema/decode.h"
 
 namespace stilt::telemetry {
 namespace {

@@ -10,8 +10,8 @@
 
 #include "firmware/control_loop/tick_fields.h"
 #include "firmware/telemetry/cdr.h"
-#include "host_tools/log/schema/decode.h"
-#include "host_tools/log/schema/idl_texts.h"
+#include "host_tools/recording/schema/decode.h"
+#include "host_tools/recording/schema/idl_texts.h"
 
 namespace stilt::telemetry {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "firmware/robots/robots.h"
 #include "host_tools/cli/usage_error.h"
-#include "host_tools/simulator/mjcf.h"
-#include "host_tools/simulator/physics_model.h"
+#include "host_tools/simulation/plant/mjcf.h"
+#include "host_tools/simulation/plant/physics_model.h"
 #include "tests/robots.h"
 
 namespace stilt::cli {
@@ -25,10 +25,10 @@ using model::kStates;
 class Oracle {
  public:
   explicit Oracle(const char* robot) {
-    simulator::MjcfOptions options;
+    simulation::MjcfOptions options;
     options.contacts = false;
     physics_ =
-        simulator::compile_mjcf(simulator::to_mjcf(robots::find(robot).value()->tree, options), index_);
+        simulation::compile_mjcf(simulation::to_mjcf(robots::find(robot).value()->tree, options), index_);
     data_.reset(mj_makeData(physics_.get()));
   }
 
@@ -74,9 +74,9 @@ class Oracle {
   }
 
  private:
-  simulator::PhysicsIndices index_;
-  simulator::ModelPointer physics_;
-  simulator::DataPointer data_;
+  simulation::PhysicsIndices index_;
+  simulation::ModelPointer physics_;
+  simulation::DataPointer data_;
 };
 
 void expect_close(double value, double expected, const char* what) {

@@ -8,16 +8,16 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/simulator/plant_options.h"
+#include "host_tools/simulation/plant/plant_options.h"
 
 namespace stilt::experiments {
 namespace {
 
-using simulator::PlantOptions;
+using simulation::PlantOptions;
 
 PlantOptions world_of(const WalkCase& walk) {
   PlantOptions world;
-  for (const std::string& assignment : walk.plant) simulator::set_plant_option(world, assignment);
+  for (const std::string& assignment : walk.plant) simulation::set_plant_option(world, assignment);
   return world;
 }
 

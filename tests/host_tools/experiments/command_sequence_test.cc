@@ -9,7 +9,7 @@ namespace stilt::experiments {
 namespace {
 
 using gait::GaitKind;
-using simulator::TimedCommand;
+using simulation::TimedCommand;
 
 TEST(CommandSequence, HoldsEveryCommandForThreeToEightSecondsWithinTheSpeeds) {
   std::set<GaitKind> kinds;

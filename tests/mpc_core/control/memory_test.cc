@@ -41,7 +41,7 @@ TEST(Memory, AWholeWalkAllocatesNothing) {
                       {1.0, {gait::GaitKind::step, 0.0}},
                       {4.0, {gait::GaitKind::walk, 0.5}},
                       {15.0, {gait::GaitKind::stand, 0.0}}};
-  request.pushes = {{30.0, 8.0, 1.0, simulator::PushPoint::hip}};
+  request.pushes = {{30.0, 8.0, 1.0, simulation::PushPoint::hip}};
   testing_support::SimulatedRun run(request);
   const log::RunRecord record = run.run();
   EXPECT_TRUE(record.summary.survived);

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "host_tools/nonlinear_program/nonlinear_program.h"
+#include "host_tools/gait_synthesis/nonlinear_program/nonlinear_program.h"
 #include "tests/mpc_core/ocp/planning_scene.h"
 #include "tests/mpc_core/ocp/scalar_ocp.h"
 

@@ -1,0 +1,160 @@
+#include "host_tools/recording/csv/record_to_csv.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <stdexcept>
+
+#include "firmware/diagnostics/tick_csv.h"
+#include "firmware/telemetry/cdr.h"
+#include "firmware/telemetry/tick_batch.h"
+#include "firmware/telemetry/topics.h"
+#include "host_tools/recording/csv/csv_table.h"
+#include "host_tools/recording/mcap/reader.h"
+#include "host_tools/recording/record/recorder.h"
+#include "host_tools/recording/schema/decode.h"
+
+namespace stilt::csv {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Rows of ticks, sessions in one file or in one each.
+class TickTables {
+ public:
+  TickTables(std::string first_path, bool one_each)
+      : first_path_(std::move(first_path)), one_each_(one_each) {}
+
+  void add(const telemetry::TickBatch& batch) {
+    if (!telemetry::well_formed(batch)) return;
+    auto [session, is_new] = sessions_.try_emplace(batch.session);
+    if (is_new) open(session->second);
+    for (std::size_t i = 0; i < batch.count; ++i) {
+      const control_loop::TickRecord tick = telemetry::tick_record(batch, i);
+      if (tick.tick < session->second.next) continue;
+      if (session->second.next == 0) session->second.start_ns = tick.time_ns;
+      session->second.next = tick.tick + 1;
+      diagnostics::write_tick(*session->second.file, tick, session->second.start_ns);
+    }
+  }
+
+  void close(std::vector<std::string>& files) {
+    for (const auto& file : files_) file->close();
+    if (std::ranges::any_of(files_, [](const auto& file) { return !*file; })) {
+      throw std::runtime_error(first_path_ + ": cannot be written any further; is there room on the disk?");
+    }
+    files.insert(files.end(), paths_.begin(), paths_.end());
+  }
+
+ private:
+  struct Session {
+    std::ofstream* file = nullptr;
+    std::uint64_t next = 0;
+    std::int64_t start_ns = 0;
+  };
+
+  void open(Session& session) {
+    if (files_.empty() || one_each_) {
+      std::filesystem::path path = first_path_;
+      if (!files_.empty()) path.replace_filename("ticks_" + std::to_string(files_.size() + 1) + ".csv");
+      paths_.push_back(path.string());
+      files_.push_back(std::make_unique<std::ofstream>(path));
+      if (!*files_.back()) {
+        throw std::runtime_error(path.string() + ": cannot be written; name a place that exists");
+      }
+      diagnostics::write_tick_header(*files_.back());
+    }
+    session.file = files_.back().get();
+  }
+
+  std::string first_path_;
+  bool one_each_;
+  std::map<std::uint64_t, Session> sessions_;
+  std::vector<std::unique_ptr<std::ofstream>> files_;
+  std::vector<std::string> paths_;
+};
+
+bool is_ticks(const mcap::ReadMessage& read) {
+  return record::topic_of_record(read.channel->topic) == &telemetry::kTicks;
+}
+
+void add_ticks(const mcap::ReadMessage& read, TickTables& ticks) {
+  const auto batch = telemetry::decode<telemetry::TickBatch>(std::as_bytes(read.message.data));
+  if (batch) ticks.add(*batch);
+}
+
+std::string file_name(std::string topic) {
+  topic.erase(0, topic.find_first_not_of('/'));
+  std::ranges::replace(topic, '/', '_');
+  return topic + ".csv";
+}
+
+/// Tables of all other topics.
+class TopicTables {
+ public:
+  explicit TopicTables(std::filesystem::path folder) : folder_(std::move(folder)) {}
+
+  void add(const mcap::ReadMessage& read) {
+    if (read.schema == nullptr || read.schema->encoding != "ros2msg") return;
+    const std::string& type = read.schema->name;
+    if (!types_.contains(type)) types_[type] = schema::parse_ros2msg(read.schema->text, type);
+    Json row = {{"log_time_ns", read.message.log_time_ns}};
+    row.update(schema::decode(types_.at(type), type, read.message.data));
+    auto& table = tables_[read.channel->topic];
+    if (!table) {
+      paths_.push_back((folder_ / file_name(read.channel->topic)).string());
+      table = std::make_unique<Table>(paths_.back());
+    }
+    table->add(row);
+  }
+
+  void close(std::vector<std::string>& files) {
+    for (const auto& [topic, table] : tables_) table->close();
+    files.insert(files.end(), paths_.begin(), paths_.end());
+  }
+
+ private:
+  std::filesystem::path folder_;
+  std::map<std::string, schema::MessageTypes> types_;
+  std::map<std::string, std::unique_ptr<Table>> tables_;
+  std::vector<std::string> paths_;
+};
+
+}  // namespace
+
+Written record_to_csv(const std::string& record, const std::string& folder) {
+  mcap::Reader reader(record);
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (!std::filesystem::is_directory(folder)) {
+    throw std::runtime_error(folder + ": cannot be made; name a folder where one may be");
+  }
+  TickTables ticks((std::filesystem::path(folder) / "ticks.csv").string(), true);
+  TopicTables topics(folder);
+  while (const mcap::ReadMessage* read = reader.next()) {
+    if (is_ticks(*read)) {
+      add_ticks(*read, ticks);
+    } else {
+      topics.add(*read);
+    }
+  }
+  Written written{{}, reader.problems()};
+  ticks.close(written.files);
+  topics.close(written.files);
+  return written;
+}
+
+Written ticks_to_csv(const std::string& record, const std::string& file) {
+  mcap::Reader reader(record);
+  TickTables ticks(file, false);
+  while (const mcap::ReadMessage* read = reader.next()) {
+    if (is_ticks(*read)) add_ticks(*read, ticks);
+  }
+  Written written{{}, reader.problems()};
+  ticks.close(written.files);
+  return written;
+}
+
+}  // namespace stilt::csv

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "host_tools/recording/mcap/records.h"
+
+namespace stilt::mcap {
+
+enum class Compression { none, lz4, zstd };
+
+/// The name in a file: empty, lz4, zstd.
+[[nodiscard]] std::string_view name(Compression compression);
+
+/// Throws std::runtime_error for a compression that is not known here.
+[[nodiscard]] Compression compression_named(std::string_view name);
+
+/// One frame of the compression's own format.
+[[nodiscard]] Bytes compress(ByteView data, Compression compression, int level);
+
+/// The inverse. Throws std::runtime_error when `data` is damaged or does not give `size` bytes.
+[[nodiscard]] Bytes decompress(ByteView data, Compression compression, std::uint64_t size);
+
+}  // namespace stilt::mcap

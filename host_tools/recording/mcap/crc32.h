@@ -1,0 +1,12 @@
+#pragma once
+
+#include <cstdint>
+
+#include "host_tools/recording/mcap/records.h"
+
+namespace stilt::mcap {
+
+/// CRC-32 as of zlib and Ethernet (reflected polynomial 0xEDB88320). `before`: the sum of what came before.
+[[nodiscard]] std::uint32_t crc32(ByteView data, std::uint32_t before = 0);
+
+}  // namespace stilt::mcap

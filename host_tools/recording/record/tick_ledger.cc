@@ -1,0 +1,34 @@
+#include "host_tools/recording/record/tick_ledger.h"
+
+namespace stilt::record {
+namespace {
+
+constexpr std::size_t kGapsTold = 5;
+
+std::string range(std::uint64_t first, std::uint64_t end) {
+  return std::to_string(first) + (end - first > 1 ? " to " + std::to_string(end - 1) : "");
+}
+
+}  // namespace
+
+void TickLedger::add(std::uint64_t first, std::uint64_t count) {
+  if (first + count <= next_) return;
+  if (first > next_) gaps_.push_back({next_, first});
+  count_ += first + count - (first > next_ ? first : next_);
+  next_ = first + count;
+}
+
+std::string TickLedger::text() const {
+  if (empty()) return "no ticks";
+  const std::uint64_t begin = gaps_.empty() || gaps_.front().first != 0 ? 0 : gaps_.front().end;
+  std::string text = "ticks " + range(begin, next_) + ", ";
+  if (gaps_.empty()) return text + "none missing";
+  text += "missing: ";
+  for (std::size_t i = 0; i < gaps_.size() && i < kGapsTold; ++i) {
+    text += (i > 0 ? ", " : "") + range(gaps_[i].first, gaps_[i].end);
+  }
+  if (gaps_.size() > kGapsTold) text += " and " + std::to_string(gaps_.size() - kGapsTold) + " more gaps";
+  return text;
+}
+
+}  // namespace stilt::record

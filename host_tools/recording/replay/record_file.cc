@@ -1,0 +1,88 @@
+#include "host_tools/recording/replay/record_file.h"
+
+#include <algorithm>
+
+#include "firmware/telemetry/cdr.h"
+#include "firmware/telemetry/cycle_message.h"
+#include "firmware/telemetry/tick_batch.h"
+#include "firmware/telemetry/topics.h"
+#include "host_tools/recording/mcap/reader.h"
+#include "host_tools/recording/record/recorder.h"
+
+namespace stilt::replay {
+namespace {
+
+using telemetry::ConfigurationInForce;
+using telemetry::PlannerCycle;
+using telemetry::TickBatch;
+using telemetry::Tuning;
+
+/// The message when it is of this topic, else null.
+template <class T>
+telemetry::Owned<T> message_of(const mcap::ReadMessage& read, const telemetry::Topic& topic) {
+  if (record::topic_of_record(read.channel->topic) != &topic)
+    return {nullptr, telemetry::internal::Free{nullptr}};
+  return telemetry::decode<T>(std::as_bytes(read.message.data));
+}
+
+SessionRecord& session_of(RecordContents& contents, std::uint64_t number) {
+  const auto known = std::ranges::find(contents.sessions, number, &SessionRecord::number);
+  if (known != contents.sessions.end()) return *known;
+  contents.sessions.emplace_back().number = number;
+  return contents.sessions.back();
+}
+
+void take_configuration(const ConfigurationInForce& message, SessionRecord& session) {
+  session.configured = true;
+  session.robot = message.robot;
+  session.configuration = message.configuration;
+  session.build = std::string(message.version) + ", " + message.compiler + ", " + message.instruction_set;
+  session.tunables.clear();
+  for (const auto& tunable : telemetry::span_of(message.tunables)) session.tunables.emplace_back(tunable.key);
+}
+
+/// A subscriber that comes late may get a solve twice; numbers rise.
+void take_cycle(const PlannerCycle& message, SessionRecord& session) {
+  if (!session.cycles.empty() && message.cycle <= session.cycles.back().cycle) return;
+  session.cycles.push_back(telemetry::cycle_record(message));
+}
+
+void take(const mcap::ReadMessage& read, RecordContents& contents) {
+  if (const auto cycle = message_of<PlannerCycle>(read, telemetry::kPlannerCycles)) {
+    take_cycle(*cycle, session_of(contents, cycle->session));
+  } else if (const auto ticks = message_of<TickBatch>(read, telemetry::kTicks)) {
+    session_of(contents, ticks->session).ticks.add(ticks->first_tick, ticks->count);
+  } else if (const auto configuration = message_of<ConfigurationInForce>(read, telemetry::kConfiguration)) {
+    take_configuration(*configuration, session_of(contents, configuration->session));
+  } else if (const auto tuning = message_of<Tuning>(read, telemetry::kTuning)) {
+    const auto values = telemetry::span_of(tuning->values);
+    session_of(contents, tuning->session).tunings[tuning->number] = {values.begin(), values.end()};
+  }
+}
+
+}  // namespace
+
+RecordContents read_contents(const std::string& path) {
+  RecordContents contents;
+  mcap::Reader reader(path);
+  while (const mcap::ReadMessage* read = reader.next()) take(*read, contents);
+  contents.problems = reader.problems();
+  return contents;
+}
+
+void for_each_tick(const std::string& path, std::uint64_t session,
+                   const std::function<bool(const control_loop::TickRecord&)>& use) {
+  mcap::Reader reader(path);
+  std::uint64_t next = 0;
+  while (const mcap::ReadMessage* read = reader.next()) {
+    const auto ticks = message_of<TickBatch>(*read, telemetry::kTicks);
+    if (!ticks || ticks->session != session || !telemetry::well_formed(*ticks)) continue;
+    for (std::size_t i = 0; i < ticks->count; ++i) {
+      if (ticks->first_tick + i < next) continue;
+      next = ticks->first_tick + i + 1;
+      if (!use(telemetry::tick_record(*ticks, i))) return;
+    }
+  }
+}
+
+}  // namespace stilt::replay

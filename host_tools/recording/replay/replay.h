@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "firmware/control_loop/control_loop.h"
+#include "firmware/control_loop/mailboxes.h"
+#include "firmware/control_loop/planner_task.h"
+#include "host_tools/recording/replay/difference.h"
+#include "host_tools/recording/replay/recorded_robot.h"
+
+/// A recorded run of the controller, run again from its inputs: the control loop and planner of stiltd,
+/// tick by tick, their outputs held against the record bit for bit. Host only.
+namespace stilt::replay {
+
+/// Live tunables under one number.
+struct Tunings {
+  control_loop::TorqueTuning torque;
+  control_loop::PlannerTuning planner;
+};
+
+struct Outcome {
+  std::uint64_t ticks = 0;   ///< that came out the same
+  std::uint64_t cycles = 0;  ///< solves of the planner that came out the same
+  std::optional<Difference> difference;
+  std::string problem;  ///< what the record lacks, one sentence; empty: nothing
+
+  [[nodiscard]] bool reproduced() const { return ticks > 0 && !difference && problem.empty(); }
+};
+
+/// One session.
+class Replay {
+ public:
+  /// @param cycles   all solves of the session, in their order
+  /// @param tunings  live tunables by their number; nothing when the record lacks them
+  Replay(std::vector<control_loop::CycleRecord> cycles,
+         std::function<std::optional<Tunings>(std::uint32_t number)> tunings);
+
+  /// To be configured as in the run, before the first tick.
+  [[nodiscard]] control_loop::ControlLoop& loop() { return *loop_; }
+  [[nodiscard]] control_loop::PlannerTask& planner() { return *planner_; }
+
+  /// Runs the next tick and what the planner did with its state. False, and nothing more happens: something
+  /// differs or is missing, see outcome().
+  bool run(const control_loop::TickRecord& recorded);
+
+  [[nodiscard]] const Outcome& outcome() const { return outcome_; }
+
+ private:
+  bool hand_in(const control_loop::TickRecord& recorded);
+  bool hand_in_plan(const control_loop::TickRecord& recorded);
+  bool run_cycle(const control_loop::CycleRecord& recorded);
+  bool fail(const std::string& problem);
+  bool differ(const Difference& difference);
+
+  std::vector<control_loop::CycleRecord> cycles_;
+  std::size_t next_cycle_ = 0;
+  std::function<std::optional<Tunings>(std::uint32_t)> tunings_;
+  RecordedRobot robot_;
+  std::unique_ptr<control_loop::Mailboxes> mail_;
+  std::unique_ptr<control_loop::ControlLoop> loop_;
+  std::unique_ptr<control_loop::PlannerTask> planner_;
+  std::map<long long, std::unique_ptr<control::Plan>> plans_;  ///< that may still come into use
+  std::uint64_t next_tick_ = 0;
+  std::uint64_t solves_ = 0;
+  long long visible_plan_ = -1;
+  std::uint32_t torque_tuning_ = 0;
+  bool ended_ = false;
+  Outcome outcome_;
+};
+
+}  // namespace stilt::replay

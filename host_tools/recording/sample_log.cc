@@ -1,0 +1,45 @@
+#include "host_tools/recording/sample_log.h"
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+namespace stilt::log {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+template <class Vector>
+Json array(const Vector& values) {
+  Json result = Json::array();
+  for (const double value : values) result.push_back(value);
+  return result;
+}
+
+Json to_json(const RunSample& sample) {
+  Json json;
+  json["time_s"] = sample.time_s;
+  json["true_state"] = array(sample.true_state);
+  json["estimated_state"] = array(sample.estimated_state);
+  json["planned_state"] = array(sample.planned_state);
+  json["torque_Nm"] = array(sample.torque_Nm);
+  json["contact_force_N"] = array(sample.contact_force_N);
+  json["planned_contact_force_N"] = array(sample.planned_contact_force_N);
+  json["foot_position_m"] = array(sample.foot_position_m);
+  json["scheduled_contact"] = {sample.scheduled_mode.left, sample.scheduled_mode.right};
+  json["push_N"] = sample.push_N;
+  json["commanded_speed_m_s"] = sample.commanded_speed_m_s;
+  return json;
+}
+
+}  // namespace
+
+void write_sample_log(const RunRecord& record, const std::filesystem::path& file) {
+  std::ofstream output(file);
+  for (const RunSample& sample : record.samples) output << to_json(sample).dump() << '\n';
+  output.flush();
+  if (!output)
+    throw std::runtime_error(file.string() + ": the log cannot be written; name a file in a writable folder");
+}
+
+}  // namespace stilt::log

@@ -1,0 +1,53 @@
+#pragma once
+
+#include "host_tools/recording/run_record.h"
+#include "host_tools/simulation/closed_loop/closed_loop.h"
+#include "host_tools/simulation/closed_loop/step_detector.h"
+#include "host_tools/simulation/plant/plant.h"
+
+namespace stilt::simulation {
+
+/// Smallest value with at least that share of all values at or below it (nearest rank); 0 without values.
+[[nodiscard]] double percentile(std::vector<double> values, double share);
+
+/// p50, p99 and maximum; zeros without values.
+[[nodiscard]] log::Percentiles percentiles(const std::vector<double>& values);
+
+/// Watches a run and writes its record.
+class RunRecorder {
+ public:
+  RunRecorder(const RunSettings& settings, const control_loop::PlanTiming& timing, log::RunRecord& record);
+
+  /// After each step of the plant.
+  void observe_step(const Plant& plant);
+  /// At each tick, after the controller's.
+  /// @param active_plan  without nodes when there is none
+  void observe_tick(double time_s, const Plant& plant, const control_loop::TickRecord& tick,
+                    const control::Plan& active_plan);
+  /// After each plan of the planner.
+  void observe_plan(const log::SolveSample& solve, const control::Plan& newest_plan);
+  /// At the end: writes the summary.
+  void finish(double time_s, const Plant& plant, long long heap_allocations);
+
+ private:
+  void take_sample(double time_s, const Plant& plant, const control_loop::TickRecord& tick,
+                   const control::Plan& active_plan);
+  void take_snapshot(const control::Plan& plan);
+  void summarise_solves();
+
+  const RunSettings& settings_;
+  log::RunRecord& record_;
+  StepDetector steps_;
+  double tick_s_;
+  int ticks_per_sample_ = 5;
+  int plans_per_snapshot_ = 5;
+  long long ticks_ = 0;
+  long long plans_ = 0;
+  double start_x_m_ = 0.0;
+  double settled_x_m_ = 0.0;  ///< hip at kSettled_s, or at the start of shorter runs
+  double settled_time_s_ = 0.0;
+  bool measuring_ = false;
+  double slip_before_m_ = 0.0;  ///< before measuring began
+};
+
+}  // namespace stilt::simulation

@@ -1,0 +1,116 @@
+#include "host_tools/simulation/robot_on_bus/hoist.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace stilt::robot_on_bus {
+namespace {
+
+constexpr int kX = 0, kZ = 1, kPitch = model::kFirstAngle;
+
+/// One step towards a value, no further than it.
+double approach(double value, double goal, double step) {
+  return value + std::clamp(goal - value, -step, step);
+}
+
+}  // namespace
+
+const char* name(HoistState state) {
+  switch (state) {
+    case HoistState::holding:
+      return "holding";
+    case HoistState::lowering:
+      return "lowering";
+    case HoistState::releasing:
+      return "releasing";
+    case HoistState::off:
+      return "off";
+    case HoistState::lifting:
+      return "lifting";
+  }
+  return "";
+}
+
+Hoist::Hoist(const HoistParameters& parameters, const model::StateVector& standing, double weight_N)
+    : parameters_(parameters), target_(standing.head<model::kPositions>()), weight_N_(weight_N) {
+  target_[kZ] += parameters_.clearance_m;
+  hanging_ = target_;
+}
+
+model::StateVector Hoist::hanging() const {
+  model::StateVector state = model::StateVector::Zero();
+  state.head<model::kPositions>() = hanging_;
+  return state;
+}
+
+double Hoist::rope_N(const model::StateVector& state) const {
+  const double length_m = target_[kZ] - paid_out_m_ - state[kZ];
+  const double force_N = weight_N_ + parameters_.rope_stiffness_N_m * length_m -
+                         parameters_.rope_damping_Ns_m * state[model::kPositions + kZ];
+  return std::clamp(force_N, 0.0, parameters_.rope_strength * weight_N_);
+}
+
+model::PositionVector Hoist::force(const model::StateVector& state) const {
+  model::PositionVector force = model::PositionVector::Zero();
+  if (state_ == HoistState::off) return force;
+  const auto spring = [&](int i, double stiffness, double damping) {
+    return stiffness * (target_[i] - state[i]) - damping * state[model::kPositions + i];
+  };
+  force[kX] = spring(kX, parameters_.guide_stiffness_N_m, parameters_.guide_damping_Ns_m);
+  force[kZ] = rope_N(state);
+  force[kPitch] = spring(kPitch, parameters_.pitch_stiffness_Nm_rad, parameters_.pitch_damping_Nms_rad);
+  for (int i = model::kFirstJoint; i < model::kPositions; ++i) {
+    force[i] = std::clamp(spring(i, parameters_.rest_stiffness_Nm_rad, parameters_.rest_damping_Nms_rad),
+                          -parameters_.rest_limit_Nm, parameters_.rest_limit_Nm);
+  }
+  return strength_ * force;
+}
+
+void Hoist::elapse(const model::StateVector& state, bool torque_on, double duration_s) {
+  switch (state_) {
+    case HoistState::off:
+      return;
+    case HoistState::lifting:
+      lift(duration_s);
+      return;
+    case HoistState::releasing:
+      strength_ -= duration_s / parameters_.release_s;
+      if (strength_ > 0.0) return;
+      strength_ = 0.0;
+      state_ = HoistState::off;
+      ++releases_;
+      return;
+    case HoistState::holding:
+    case HoistState::lowering:
+      break;
+  }
+  pay_out(torque_on, duration_s);
+  const bool carried = torque_on && rope_N(state) < parameters_.carried_share * weight_N_;
+  carried_s_ = carried ? carried_s_ + duration_s : 0.0;
+  if (carried_s_ >= parameters_.carried_s) state_ = HoistState::releasing;
+}
+
+void Hoist::pay_out(bool torque_on, double duration_s) {
+  torque_on_s_ = torque_on ? torque_on_s_ + duration_s : 0.0;
+  const bool lowering = torque_on_s_ >= parameters_.torque_on_s;
+  state_ = lowering ? HoistState::lowering : HoistState::holding;
+  paid_out_m_ = approach(paid_out_m_, lowering ? parameters_.lowering_limit_m : 0.0,
+                         parameters_.lowering_speed_m_s * duration_s);
+}
+
+void Hoist::take(const model::StateVector& state) {
+  target_ = hanging_;
+  target_.head<model::kFirstJoint>() = state.head<model::kFirstJoint>();
+  state_ = HoistState::lifting;
+  paid_out_m_ = 0.0;
+  strength_ = 1.0;
+  torque_on_s_ = carried_s_ = 0.0;
+}
+
+void Hoist::lift(double duration_s) {
+  target_[kZ] = approach(target_[kZ], hanging_[kZ], parameters_.lifting_speed_m_s * duration_s);
+  target_[kPitch] = approach(target_[kPitch], hanging_[kPitch], parameters_.lifting_rate_rad_s * duration_s);
+  if (target_[kZ] == hanging_[kZ] && target_[kPitch] == hanging_[kPitch]) state_ = HoistState::holding;
+}
+
+}  // namespace stilt::robot_on_bus

@@ -1,0 +1,108 @@
+#include <chrono>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "host_tools/simulation/robot_on_bus/lockstep_exchange.h"
+#include "host_tools/simulation/robot_on_bus/run_end.h"
+#include "host_tools/simulation/robot_on_bus/runner.h"
+
+namespace stilt::robot_on_bus {
+namespace {
+
+using SteadyClock = std::chrono::steady_clock;
+
+constexpr std::int64_t kLongestWait_ns = 50'000'000;  // to look at the stop flag
+constexpr double kAlone_s = 1.0;
+
+double seconds_since(SteadyClock::time_point start) {
+  return std::chrono::duration<double>(SteadyClock::now() - start).count();
+}
+
+/// One run, with what it remembers between two looks at the buses.
+class LockstepRun {
+ public:
+  LockstepRun(RobotOnBus& robot, std::vector<RobotBus>& buses, FrameLog& log, const RunOptions& options)
+      : robot_(robot),
+        buses_(buses),
+        options_(options),
+        ends_(robot, frame_buses(buses), log),
+        exchange_(robot, ends_, options.tick_s) {}
+
+  RunOutcome run() {
+    while (outcome_.ended[0] == '\0') turn();
+    outcome_.controllers = buses_.front().connections();
+    return outcome_;
+  }
+
+ private:
+  void turn() {
+    wait_for_frames(robot_, buses_, kLongestWait_ns);
+    const bool waits_for_controller = !exchange_.tick();
+    const bool advanced = exchange_.poll();
+    if (advanced || (waits_for_controller && exchange_.tick())) controller_ = connections();
+    if (advanced) {
+      quiet_since_ = SteadyClock::now();
+      patience_s_ = options_.wait_s;
+      progress_.update(robot_, options_);
+    } else if (exchange_.tick() && controller_left()) {
+      lose_controller();
+    } else if (seconds_since(quiet_since_) > patience_s_) {
+      give_up();
+    }
+    if (const char* reason = reason_to_end(robot_, options_)) outcome_.ended = reason;
+  }
+
+  [[nodiscard]] std::vector<std::uint64_t> connections() const {
+    std::vector<std::uint64_t> count;
+    for (const RobotBus& bus : buses_) count.push_back(bus.connections());
+    return count;
+  }
+
+  /// One of its buses is gone, or the next controller is on it already.
+  [[nodiscard]] bool controller_left() const {
+    return !all_connected(buses_) || connections() != controller_;
+  }
+
+  /// The connections of a controller that came meanwhile stay.
+  void lose_controller() {
+    exchange_.forget_controller();
+    for (std::size_t bus = 0; bus < buses_.size(); ++bus) {
+      if (buses_[bus].connections() == controller_[bus]) buses_[bus].hang_up();
+    }
+    const auto ticks = static_cast<int>(kAlone_s / options_.tick_s);
+    for (int i = 0; i < ticks && reason_to_end(robot_, options_) == nullptr; ++i) exchange_.advance_alone();
+    quiet_since_ = SteadyClock::now();
+    patience_s_ = options_.next_wait_s;
+    if (options_.once) outcome_.ended = "controller left";
+  }
+
+  void give_up() {
+    if (exchange_.tick()) {
+      throw std::runtime_error("lock-step: the controller has said nothing for " +
+                               std::to_string(static_cast<int>(options_.wait_s)) + " s after tick " +
+                               std::to_string(*exchange_.tick()) + "; is it stopped?");
+    }
+    outcome_.ended = "no controller";
+  }
+
+  RobotOnBus& robot_;
+  std::vector<RobotBus>& buses_;
+  const RunOptions& options_;
+  BusEnds ends_;
+  LockstepExchange exchange_;
+  ProgressTicks progress_;
+  RunOutcome outcome_;
+  std::vector<std::uint64_t> controller_;  ///< connections() when it last took its turn
+  SteadyClock::time_point quiet_since_ = SteadyClock::now();
+  double patience_s_ = options_.wait_s;
+};
+
+}  // namespace
+
+RunOutcome run_lockstep(RobotOnBus& robot, std::vector<RobotBus>& buses, FrameLog& log,
+                        const RunOptions& options) {
+  return LockstepRun(robot, buses, log, options).run();
+}
+
+}  // namespace stilt::robot_on_bus

@@ -1,0 +1,101 @@
+#include <sched.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "hal/robot/clock.h"
+#include "host_tools/simulation/robot_on_bus/run_end.h"
+#include "host_tools/simulation/robot_on_bus/runner.h"
+
+namespace stilt::robot_on_bus {
+namespace {
+
+constexpr std::int64_t kMostBehind_ns = 5'000'000;
+constexpr int kPriority = 90;    // above any controller: motor drivers do not wait for a processor
+constexpr double kLeft_s = 1.0;  // the robot's time after the controller has left, with --once
+
+bool take_priority() {
+  const sched_param parameters{.sched_priority = kPriority};
+  return sched_setscheduler(0, SCHED_FIFO, &parameters) == 0;
+}
+
+class RealtimeRun {
+ public:
+  RealtimeRun(RobotOnBus& robot, std::vector<RobotBus>& buses, FrameLog& log, const RunOptions& options)
+      : robot_(robot),
+        buses_(buses),
+        options_(options),
+        ends_(robot, frame_buses(buses), log),
+        step_ns_(std::llround(robot.time_step_s() * 1e9)),
+        next_ns_(clock_.now_ns() + step_ns_) {}
+
+  RunOutcome run() {
+    outcome_.has_priority = take_priority();
+    while (outcome_.ended[0] == '\0') {
+      listen();
+      advance();
+      look_for_end();
+      wait_for_frames(robot_, buses_, next_ns_ - clock_.now_ns());
+    }
+    outcome_.controllers = buses_.front().connections();
+    return outcome_;
+  }
+
+ private:
+  void listen() {
+    for (std::size_t bus = 0; bus < buses_.size(); ++bus) {
+      if (robot_.disconnected(bus)) {
+        buses_[bus].hang_up();
+        continue;
+      }
+      for (const hal::CanFrame& frame : ends_.receive(bus)) ends_.deliver(clock_.now_ns(), bus, frame);
+    }
+    ends_.send_outgoing(clock_.now_ns());
+  }
+
+  void advance() {
+    const std::int64_t behind_ns = clock_.now_ns() - next_ns_;
+    if (behind_ns > kMostBehind_ns) {
+      ++outcome_.late;
+      outcome_.late_max_s = std::max(outcome_.late_max_s, static_cast<double>(behind_ns) * 1e-9);
+      next_ns_ += behind_ns;
+    }
+    while (next_ns_ <= clock_.now_ns()) {
+      robot_.step(clock_.now_ns());
+      next_ns_ += step_ns_;
+      ends_.send_outgoing(clock_.now_ns());
+    }
+    progress_.update(robot_, options_);
+  }
+
+  void look_for_end() {
+    if (const char* reason = reason_to_end(robot_, options_)) outcome_.ended = reason;
+    if (any_connected(buses_)) {
+      came_ = true;
+      last_seen_s_ = robot_.time_s();
+    } else if (options_.once && came_ && robot_.time_s() - last_seen_s_ >= kLeft_s) {
+      outcome_.ended = "controller left";
+    }
+  }
+
+  RobotOnBus& robot_;
+  std::vector<RobotBus>& buses_;
+  const RunOptions& options_;
+  BusEnds ends_;
+  hal::MonotonicClock clock_;
+  std::int64_t step_ns_;
+  std::int64_t next_ns_;
+  bool came_ = false;
+  double last_seen_s_ = 0.0;
+  ProgressTicks progress_;
+  RunOutcome outcome_;
+};
+
+}  // namespace
+
+RunOutcome run_realtime(RobotOnBus& robot, std::vector<RobotBus>& buses, FrameLog& log,
+                        const RunOptions& options) {
+  return RealtimeRun(robot, buses, log, options).run();
+}
+
+}  // namespace stilt::robot_on_bus

@@ -1,0 +1,140 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hal/can/frame.h"
+#include "hal/robot/robot_wiring.h"
+#include "host_tools/simulation/closed_loop/fault_plan.h"
+#include "host_tools/simulation/closed_loop/scenario.h"
+#include "host_tools/simulation/plant/plant.h"
+#include "host_tools/simulation/robot_on_bus/base_sensor_frames.h"
+#include "host_tools/simulation/robot_on_bus/frame_line.h"
+#include "host_tools/simulation/robot_on_bus/hoist.h"
+#include "host_tools/simulation/robot_on_bus/joint_drivers.h"
+#include "host_tools/simulation/robot_on_bus/walk_recorder.h"
+
+namespace stilt::robot_on_bus {
+
+/// Everything that makes one simulated robot.
+struct RobotSetup {
+  hal::RobotWiring wiring;  ///< valid for bus_count
+  std::size_t bus_count = 1;
+  simulation::PlantModel model;
+  simulation::PlantOptions plant;
+  std::uint64_t seed = 1;
+  model::StateVector standing = model::StateVector::Zero();  ///< starting pose, feet on the ground
+  double tick_s = 0.001;
+  double base_rate_hz = 1000.0;  ///< frames a second of the base sensor, at most one a tick
+  HoistParameters hoist;
+  std::vector<simulation::TimedFault> faults;
+  std::vector<simulation::Push> pushes;
+  bool keep_samples = false;
+};
+
+/// A fault that came about.
+struct StruckFault {
+  std::string name;
+  double time_s = 0.0;  ///< since the robot was switched on
+};
+
+/// MuJoCo behind emulated motor drivers and an emulated base sensor: frames in, frames out, and between them
+/// the robot. Knows neither sockets nor clocks; equal calls give equal frames, bit for bit.
+///
+/// A command takes effect when it is heard; the driver's law is evaluated at each time step of the plant, at
+/// the joint's position and velocity of that moment (with the plant's encoder noise), and limited by driver
+/// and plant. Replies show the newest time step. The base sensor sends at the end of a tick, at its
+/// own rate.
+class RobotOnBus {
+ public:
+  /// Throws std::runtime_error when the plant refuses the model.
+  explicit RobotOnBus(const RobotSetup& setup);
+
+  /// A frame of the controller.
+  void hear(std::int64_t now_ns, std::size_t bus, const hal::CanFrame& frame);
+
+  /// Advances by one time step of the plant; after the last one of a tick, drivers' timers run and the base
+  /// sensor sends.
+  void step(std::int64_t now_ns);
+
+  /// Advances by a whole tick.
+  void tick(std::int64_t now_ns);
+
+  /// Takes the frames that the robot's nodes put on a bus by now.
+  [[nodiscard]] std::vector<hal::CanFrame> take_outgoing(std::int64_t now_ns, std::size_t bus);
+
+  /// The bus is gone, by a fault.
+  [[nodiscard]] bool disconnected(std::size_t bus) const { return bus_gone_[bus]; }
+
+  [[nodiscard]] std::uint64_t ticks() const { return ticks_; }
+  [[nodiscard]] int steps_a_tick() const { return steps_a_tick_; }
+  [[nodiscard]] double time_step_s() const { return plant_.time_step_s(); }
+  /// Since the robot was switched on.
+  [[nodiscard]] double time_s() const { return static_cast<double>(ticks_) * setup_.tick_s; }
+  /// Since the hoist let go for the first time; nothing before.
+  [[nodiscard]] std::optional<double> walk_time_s() const;
+  /// When that was, since the robot was switched on.
+  [[nodiscard]] std::optional<double> hoist_released_s() const;
+
+  /// Since the hoist let go: when the robot sat down in order and was taken on the rope again.
+  [[nodiscard]] std::optional<double> sat_down_s() const { return sat_down_s_; }
+
+  [[nodiscard]] const simulation::Plant& plant() const { return plant_; }
+  [[nodiscard]] const JointDrivers& drivers() const { return drivers_; }
+  [[nodiscard]] const Hoist& hoist() const { return hoist_; }
+  [[nodiscard]] const WalkRecorder& recorder() const { return recorder_; }
+  [[nodiscard]] const std::vector<StruckFault>& struck_faults() const { return struck_; }
+
+  /// The run ends: closes the statistics.
+  void finish();
+
+ private:
+  void strike_faults(std::int64_t now_ns);
+  void begin_fault(std::int64_t now_ns, const simulation::TimedFault& fault);
+  void end_fault(std::int64_t now_ns, const simulation::TimedFault& fault);
+  void lower_supply(const simulation::TimedFault& fault);
+  void set_bus_off(std::int64_t now_ns, std::size_t bus, bool off);
+  [[nodiscard]] bool active(simulation::FaultKind kind) const;
+  void read_encoders();
+  void act();
+  void finish_tick(std::int64_t now_ns);
+  void run_timers(std::int64_t now_ns);
+  void send_base(std::int64_t now_ns);
+  [[nodiscard]] bool base_due();
+  [[nodiscard]] BaseValues base_values();
+  void attend();
+  void end_walk(simulation::Fall fall);
+  [[nodiscard]] bool sits_down() const;
+  [[nodiscard]] bool torque_on() const;
+  /// Negative before the hoist has let go.
+  [[nodiscard]] double clock_s() const { return walk_time_s().value_or(-1.0); }
+  template <class Action>
+  void for_each_driver(const simulation::TimedFault& fault, Action&& action);
+
+  RobotSetup setup_;
+  simulation::Plant plant_;
+  int steps_a_tick_;
+  JointDrivers drivers_;
+  BaseSensorFrames base_sensor_;
+  Hoist hoist_;
+  FrameLine line_;
+  WalkRecorder recorder_;
+  std::uint64_t ticks_ = 0;
+  std::uint64_t base_frames_ = 0;  ///< periods of the base sensor that are over
+  int step_in_tick_ = 0;
+  std::optional<std::uint64_t> release_tick_;
+  int sitting_ticks_ = 0;  ///< in a row
+  std::optional<double> sat_down_s_;
+  double fault_clock_s_ = -1.0;  ///< clock_s() at the beginning of the tick: faults begin and end with it
+  std::vector<bool> fault_active_;
+  std::vector<StruckFault> struck_;
+  std::array<bool, hal::kMaximumBuses> bus_off_{};
+  std::array<bool, hal::kMaximumBuses> bus_gone_{};
+  BaseValues base_values_{};
+  double base_velocity_m_s_[2] = {};
+};
+
+}  // namespace stilt::robot_on_bus

@@ -1,0 +1,101 @@
+#include "host_tools/web/monitor/dds_source.h"
+
+#include <array>
+#include <stdexcept>
+
+namespace stilt::monitor {
+namespace {
+
+using telemetry::Topic;
+
+/// What a monitor shows.
+constexpr std::array<const Topic*, 10> kTopics = {
+    &telemetry::kConfiguration,  &telemetry::kTuning,         &telemetry::kTicks,  &telemetry::kPlannerCycles,
+    &telemetry::kPlans,          &telemetry::kSupervisor,     &telemetry::kEvents, &telemetry::kTiming,
+    &telemetry::kCommandReplies, &host_telemetry::kSimulation};
+
+/// Replies that are waited for at most; the oldest is given up.
+constexpr std::size_t kAskedAtMost = 1000;
+
+telemetry::CommandKind wire_kind(CommandKind kind) {
+  switch (kind) {
+    case CommandKind::stand:
+      return telemetry::CommandKind::stand;
+    case CommandKind::step:
+      return telemetry::CommandKind::step;
+    case CommandKind::walk:
+      return telemetry::CommandKind::walk;
+    case CommandKind::speed:
+      return telemetry::CommandKind::speed;
+    case CommandKind::height:
+      return telemetry::CommandKind::height;
+    case CommandKind::sit:
+      return telemetry::CommandKind::sit;
+    case CommandKind::stop:
+      return telemetry::CommandKind::stop;
+    case CommandKind::reset:
+      return telemetry::CommandKind::reset;
+    case CommandKind::tunable:
+      return telemetry::CommandKind::tunable;
+    case CommandKind::heartbeat:
+      break;
+  }
+  return telemetry::CommandKind::heartbeat;
+}
+
+}  // namespace
+
+DdsSource::DdsSource(const telemetry::Network& network, std::string token)
+    : network_(network),
+      participant_(host_telemetry::join(network)),
+      listener_(participant_, kTopics),
+      commander_(participant_, host_telemetry::unique_name("monitor")),
+      token_(std::move(token)) {}
+
+std::string DdsSource::describe() const {
+  return "stiltd on interface " + network_.interface + ", domain " + std::to_string(network_.domain);
+}
+
+void DdsSource::poll(SampleSink& sink) {
+  listener_.take([&](const telemetry::Sample& message) { take(message, sink); });
+}
+
+void DdsSource::take(const telemetry::Sample& message, SampleSink& sink) {
+  if (message.topic != &telemetry::kCommandReplies) {
+    decoder_.take(message, sink);
+    if (message.topic == &telemetry::kConfiguration) learn_token();
+    return;
+  }
+  if (const auto reply = message.as<telemetry::CommandReply>()) answer(*reply, sink);
+}
+
+/// A new session has a new token.
+void DdsSource::learn_token() {
+  if (decoder_.session() == session_) return;
+  session_ = decoder_.session();
+  token_in_force_ = token_;
+  if (!token_.empty()) return;
+  try {
+    token_in_force_ = host_telemetry::read_token(decoder_.token_file());
+  } catch (const std::runtime_error&) {
+    token_in_force_.clear();  // whoever commands has to give it
+  }
+}
+
+void DdsSource::answer(const telemetry::CommandReply& reply, SampleSink& sink) {
+  if (commander_.name() != reply.commander) return;
+  const auto asked = asked_.find(reply.number);
+  if (asked == asked_.end()) return;
+  sink.reply({asked->second.commander, asked->second.sequence, reply.accepted, reply.reason});
+  asked_.erase(asked);
+}
+
+void DdsSource::command(const Command& command) {
+  commander_.set_session(decoder_.session(), command.token.empty() ? token_in_force_ : command.token);
+  const std::uint64_t number = commander_.send(wire_kind(command.kind), command.value, command.tunable);
+  if (command.kind == CommandKind::heartbeat) return;
+  asked_[number] = {command.commander, command.sequence};
+  if (asked_.size() > kAskedAtMost) asked_.erase(asked_.begin());
+}
+
+}  // namespace stilt::monitor

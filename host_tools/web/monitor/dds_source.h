@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+
+#include "host_tools/telemetry/commander.h"
+#include "host_tools/telemetry/listener.h"
+#include "host_tools/web/monitor/message_decoder.h"
+#include "host_tools/web/monitor/sample_source.h"
+
+namespace stilt::monitor {
+
+/// The live robot on the network.
+class DdsSource final : public SampleSource {
+ public:
+  /// @param token  of the session; empty: the one in the file that stiltd names, where that can be read.
+  /// Throws
+  ///               std::runtime_error with a sentence when the network cannot be joined.
+  DdsSource(const telemetry::Network& network, std::string token);
+
+  void poll(SampleSink& sink) override;
+  void command(const Command& command) override;
+  [[nodiscard]] std::string describe() const override;
+  [[nodiscard]] bool live() const override { return true; }
+  [[nodiscard]] bool has_token() const override { return !token_in_force_.empty(); }
+  [[nodiscard]] std::uint64_t of_others() const override { return decoder_.of_others(); }
+
+ private:
+  /// Who waits for the reply to a command.
+  struct Asked {
+    std::uint64_t commander;
+    std::uint32_t sequence;
+  };
+
+  void take(const telemetry::Sample& message, SampleSink& sink);
+  void answer(const telemetry::CommandReply& reply, SampleSink& sink);
+  void learn_token();
+
+  telemetry::Network network_;
+  telemetry::Participant participant_;
+  host_telemetry::Listener listener_;
+  host_telemetry::Commander commander_;
+  MessageDecoder decoder_;
+  std::string token_;           ///< given by the user
+  std::string token_in_force_;  ///< that, or the one in the file
+  std::uint64_t session_ = 0;   ///< of token_in_force_
+  std::map<std::uint64_t, Asked> asked_;
+};
+
+}  // namespace stilt::monitor

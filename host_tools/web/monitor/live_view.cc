@@ -1,0 +1,223 @@
+#include "host_tools/web/monitor/live_view.h"
+
+#include <algorithm>
+#include <random>
+
+#include "host_tools/web/monitor/page_commands.h"
+
+namespace stilt::monitor {
+namespace {
+
+std::uint64_t random_number() {
+  std::random_device device;
+  return (static_cast<std::uint64_t>(device()) << 32U) | device();
+}
+
+}  // namespace
+
+LiveView::LiveView(SampleSource& source) : source_(source) {}
+
+void LiveView::step(double now_s) {
+  now_s_ = now_s;
+  welcome_new_pages();
+  obey_pages(now_s);
+  if (source_.live() || watched_) source_.poll(*this);
+  flush_tables(now_s);
+  send_heartbeats(now_s);
+  send_link_status(now_s);
+}
+
+void LiveView::opened(const std::shared_ptr<Peer>& peer) {
+  const std::lock_guard lock(mutex_);
+  opened_.push_back(peer);
+}
+
+void LiveView::received(Peer& peer, bool binary, std::string_view data) {
+  if (binary) return;
+  const std::lock_guard lock(mutex_);
+  inbox_.emplace_back(&peer, data);
+}
+
+void LiveView::closed(Peer& peer) {
+  const std::lock_guard lock(mutex_);
+  closed_.push_back(&peer);
+}
+
+void LiveView::welcome_new_pages() {
+  std::vector<std::shared_ptr<Peer>> opened;
+  std::vector<Peer*> closed;
+  {
+    const std::lock_guard lock(mutex_);
+    opened.swap(opened_);
+    closed.swap(closed_);
+  }
+  for (auto& peer : opened) {
+    pages_.push_back({peer, random_number(), now_s_, {}, false});
+    peer->send(hello_message(source_, lends_token(pages_.back())));
+    history_.send_to(*peer);
+    watched_ = true;
+  }
+  std::erase_if(pages_, [&](const Page& page) {
+    return std::find(closed.begin(), closed.end(), page.peer.get()) != closed.end();
+  });
+}
+
+void LiveView::obey_pages(double now_s) {
+  std::vector<std::pair<Peer*, std::string>> inbox;
+  {
+    const std::lock_guard lock(mutex_);
+    inbox.swap(inbox_);
+  }
+  for (const auto& [peer, text] : inbox) {
+    const auto page = std::find_if(pages_.begin(), pages_.end(),
+                                   [wanted = peer](const Page& one) { return one.peer.get() == wanted; });
+    if (page != pages_.end()) obey(*page, text, now_s);
+  }
+}
+
+void LiveView::obey(Page& page, const std::string& text, double now_s) {
+  page.alive_s = now_s;
+  auto message = parse_page_message(text);
+  if (!message) {
+    page.peer->send(reply_message(0, false, message.error()));
+    return;
+  }
+  if (message->again && !source_.live()) play_again();
+  if (!message->is_command) return;
+  Command& command = message->command;
+  if (!source_.live()) {
+    page.peer->send(reply_message(command.sequence, false, "This is a record: it takes no commands."));
+    return;
+  }
+  if (command.token.empty() && !lends_token(page)) {
+    page.peer->send(reply_message(
+        command.sequence, false,
+        "A token is needed: enter the one of the session, or open the page on the machine of the monitor."));
+    return;
+  }
+  command.commander = page.commander;
+  asked_[page.commander] = command.token;
+  source_.command(command);
+}
+
+/// Everybody sees the record from its start, as if the page were opened anew.
+void LiveView::play_again() {
+  source_.play_again();
+  history_ = {};
+  ticks_.clear();
+  cycles_.clear();
+  truths_.clear();
+  session_.clear();
+  link_ = {};
+  ticks_follow_ = false;
+  for (const Page& page : pages_) page.peer->send(hello_message(source_, lends_token(page)));
+}
+
+bool LiveView::lends_token(const Page& page) const { return source_.has_token() && page.peer->local(); }
+
+void LiveView::send(const SharedMessage& message) {
+  for (const Page& page : pages_) page.peer->send(message);
+}
+
+void LiveView::configuration(const ConfigurationSample& sample) {
+  if (sample.session != session_) {
+    flush_tables(now_s_);
+    history_.clear_tables();
+    session_ = sample.session;
+    ticks_follow_ = false;
+    ++link_.sessions;
+    for (Page& page : pages_) page.in_command = false;
+  }
+  const SharedMessage message = configuration_message(sample);
+  history_.configuration(message);
+  send(message);
+}
+
+void LiveView::tick(const TickSample& sample) {
+  if (ticks_follow_ && sample.record.tick > next_tick_) link_.missing += sample.record.tick - next_tick_;
+  ticks_follow_ = true;
+  next_tick_ = sample.record.tick + 1;
+  ++link_.ticks;
+  link_.heard = true;
+  newest_s_ = now_s_;
+  ticks_.push_back(sample);
+}
+
+void LiveView::plan(const PlanSample& sample) {
+  if (sample.knots.empty()) return;
+  const SharedMessage message = plan_message(sample);
+  history_.plan(message);
+  send(message);
+}
+
+void LiveView::planner(const PlannerSample& sample) { cycles_.push_back(sample); }
+
+void LiveView::truth(const TruthSample& sample) { truths_.push_back(sample); }
+
+void LiveView::supervisor(const SupervisorSample& sample) {
+  const SharedMessage message = supervisor_message(sample);
+  history_.supervisor(message);
+  send(message);
+}
+
+void LiveView::event(const EventSample& sample) {
+  const SharedMessage message = event_message(sample);
+  history_.event(message);
+  send(message);
+}
+
+void LiveView::timing(const TimingSample& sample) {
+  const SharedMessage message = timing_message(sample);
+  history_.timing(message);
+  send(message);
+}
+
+void LiveView::reply(const ReplySample& sample) {
+  const auto page = std::find_if(pages_.begin(), pages_.end(),
+                                 [&](const Page& one) { return one.commander == sample.commander; });
+  if (page == pages_.end()) return;
+  if (sample.accepted) {
+    for (Page& other : pages_) other.in_command = false;
+    page->in_command = true;
+    page->token = asked_[sample.commander];
+  }
+  page->peer->send(reply_message(sample.sequence, sample.accepted, sample.reason));
+}
+
+void LiveView::flush_tables(double now_s) {
+  const auto flush = [&](auto& samples, auto message_of) {
+    if (samples.empty()) return;
+    const SharedMessage message = message_of(samples);
+    history_.table(now_s, message);
+    send(message);
+    samples.clear();
+  };
+  flush(ticks_, [](const auto& samples) { return ticks_message(samples); });
+  flush(cycles_, [](const auto& samples) { return planner_message(samples); });
+  flush(truths_, [](const auto& samples) { return truth_message(samples); });
+}
+
+void LiveView::send_heartbeats(double now_s) {
+  if (now_s - heartbeat_s_ < kHeartbeatPeriod_s) return;
+  heartbeat_s_ = now_s;
+  for (const Page& page : pages_) {
+    if (!page.in_command || now_s - page.alive_s > kPageSilence_s) continue;
+    Command heartbeat;
+    heartbeat.commander = page.commander;
+    heartbeat.token = page.token;
+    source_.command(heartbeat);
+  }
+}
+
+void LiveView::send_link_status(double now_s) {
+  if (now_s - link_s_ < kLinkPeriod_s) return;
+  link_s_ = now_s;
+  link_.of_others = source_.of_others();
+  link_.silent_s = link_.heard ? now_s - newest_s_ : 0.0;
+  for (const Page& page : pages_) {
+    link_.not_sent = page.peer->dropped();
+    page.peer->send(link_message(link_));
+  }
+}
+
+}  // namespace stilt::monitor

@@ -1,0 +1,92 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host_tools/web/monitor/history.h"
+#include "host_tools/web/monitor/page_messages.h"
+#include "host_tools/web/monitor/sample_source.h"
+#include "host_tools/web/monitor/web_server.h"
+
+namespace stilt::monitor {
+
+/// The WebSocket /live: passes samples on to every open page, and the pages' commands to the source.
+///
+/// Who may command: whoever gives the session's token; for pages on this machine the one that the source
+/// knows will do. The page whose command was accepted last is in command. It shows that it lives several
+/// times a second; as long as it does, a heartbeat goes to the robot.
+class LiveView final : public Endpoint, private SampleSink {
+ public:
+  /// Seconds without a sign of life after which a page's heartbeat is no longer passed on.
+  static constexpr double kPageSilence_s = 0.5;
+  static constexpr double kHeartbeatPeriod_s = 0.08;
+  static constexpr double kLinkPeriod_s = 0.2;
+
+  explicit LiveView(SampleSource& source);
+
+  /// Takes what is new and sends it on; some hundred times a second, from one thread.
+  /// @param now_s  of a steady clock
+  void step(double now_s);
+
+  void opened(const std::shared_ptr<Peer>& peer) override;
+  void received(Peer& peer, bool binary, std::string_view data) override;
+  void closed(Peer& peer) override;
+
+ private:
+  struct Page {
+    std::shared_ptr<Peer> peer;
+    std::uint64_t commander = 0;
+    double alive_s = 0.0;
+    std::string token;  ///< of its last accepted command
+    bool in_command = false;
+  };
+
+  void configuration(const ConfigurationSample& sample) override;
+  void tick(const TickSample& sample) override;
+  void plan(const PlanSample& sample) override;
+  void planner(const PlannerSample& sample) override;
+  void supervisor(const SupervisorSample& sample) override;
+  void event(const EventSample& sample) override;
+  void timing(const TimingSample& sample) override;
+  void truth(const TruthSample& sample) override;
+  void reply(const ReplySample& sample) override;
+
+  void welcome_new_pages();
+  void obey_pages(double now_s);
+  void obey(Page& page, const std::string& text, double now_s);
+  void flush_tables(double now_s);
+  void play_again();
+  void send_heartbeats(double now_s);
+  void send_link_status(double now_s);
+  void send(const SharedMessage& message);
+  [[nodiscard]] bool lends_token(const Page& page) const;
+
+  SampleSource& source_;
+  History history_;
+  std::vector<TickSample> ticks_;
+  std::vector<PlannerSample> cycles_;
+  std::vector<TruthSample> truths_;
+  std::string session_;
+  LinkStatus link_;
+  std::uint64_t next_tick_ = 0;
+  bool ticks_follow_ = false;  ///< next_tick_ is known
+  bool watched_ = false;       ///< a page was open; a record waits for one
+  double now_s_ = 0.0;
+  double newest_s_ = 0.0;
+  double heartbeat_s_ = -1.0;
+  double link_s_ = -1.0;
+  std::vector<Page> pages_;
+  std::map<std::uint64_t, std::string> asked_;  ///< token by commander, until the reply
+
+  std::mutex mutex_;  ///< of what follows
+  std::vector<std::shared_ptr<Peer>> opened_;
+  std::vector<Peer*> closed_;
+  std::vector<std::pair<Peer*, std::string>> inbox_;
+};
+
+}  // namespace stilt::monitor

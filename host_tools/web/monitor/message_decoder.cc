@@ -1,0 +1,100 @@
+#include "host_tools/web/monitor/message_decoder.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "firmware/telemetry/tick_batch.h"
+#include "host_tools/web/monitor/message_samples.h"
+
+namespace stilt::monitor {
+namespace {
+
+std::string session_text(std::uint64_t session) {
+  char digits[20];
+  std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(session));
+  return digits;
+}
+
+}  // namespace
+
+bool MessageDecoder::ours(std::uint64_t session) {
+  if (session == session_ && session_ != 0) {
+    of_others_ += strange_;
+    strange_ = 0;
+    return true;
+  }
+  if (session_ != 0) ++strange_;
+  return false;
+}
+
+template <class Message, class Use>
+void MessageDecoder::take_as(const telemetry::Sample& message, Use use) {
+  const auto decoded = message.as<Message>();
+  if (decoded && ours(decoded->session)) use(*decoded);
+}
+
+void MessageDecoder::take(const telemetry::Sample& message, SampleSink& sink) {
+  const telemetry::Topic* topic = message.topic;
+  if (topic == &telemetry::kConfiguration) {
+    if (const auto decoded = message.as<telemetry::ConfigurationInForce>()) configure(*decoded, sink);
+  } else if (topic == &telemetry::kTuning) {
+    take_as<telemetry::Tuning>(message, [&](const auto& tuning) { tune(tuning, sink); });
+  } else if (topic == &telemetry::kTicks) {
+    take_as<telemetry::TickBatch>(message, [&](const auto& batch) { ticks(batch, sink); });
+  } else if (topic == &telemetry::kPlannerCycles) {
+    take_as<telemetry::PlannerCycle>(message,
+                                     [&](const auto& cycle) { sink.planner(planner_sample(cycle)); });
+  } else if (topic == &telemetry::kPlans) {
+    take_as<telemetry::Plan>(message, [&](const auto& plan) { sink.plan(plan_sample(plan)); });
+  } else if (topic == &telemetry::kSupervisor) {
+    take_as<telemetry::Supervisor>(message,
+                                   [&](const auto& state) { sink.supervisor(supervisor_sample(state)); });
+  } else if (topic == &telemetry::kEvents) {
+    take_as<telemetry::Event>(message, [&](const auto& event) { sink.event(event_sample(event)); });
+  } else if (topic == &host_telemetry::kSimulation) {
+    if (const auto decoded = message.as<host_telemetry::SimulationMessage>()) truth(*decoded, sink);
+  } else if (topic == &telemetry::kTiming) {
+    take_as<telemetry::Timing>(message, [&](const auto& timing) { sink.timing(timing_sample(timing)); });
+  }
+}
+
+void MessageDecoder::configure(const telemetry::ConfigurationInForce& message, SampleSink& sink) {
+  if (message.session == session_ || message.start_time_ns < session_start_ns_) return;
+  session_ = message.session;
+  session_start_ns_ = message.start_time_ns;
+  clock_start_ns_ = message.start_clock_ns;
+  token_file_ = message.token_file;
+  strange_ = 0;
+  configuration_ = configuration_sample(message);
+  configuration_.session = session_text(session_);
+  sink.configuration(configuration_);
+}
+
+void MessageDecoder::tune(const telemetry::Tuning& message, SampleSink& sink) {
+  const auto values = telemetry::span_of(message.values);
+  if (values.size() != configuration_.tunables.size()) return;
+  for (std::size_t k = 0; k < values.size(); ++k) configuration_.tunables[k].value = values[k];
+  sink.configuration(configuration_);
+}
+
+/// A simulated robot does not know the controller's clock: its news is as old as the newest tick.
+void MessageDecoder::truth(const host_telemetry::SimulationMessage& message, SampleSink& sink) const {
+  TruthSample sample;
+  sample.time_s = newest_tick_s_;
+  std::copy_n(static_cast<const double*>(message.contact_force_N), 4, sample.contact_force_N.begin());
+  sample.push_N = message.push_N;
+  sample.push_above_hip_m = message.push_above_hip_m;
+  sink.truth(sample);
+}
+
+void MessageDecoder::ticks(const telemetry::TickBatch& batch, SampleSink& sink) {
+  if (!telemetry::well_formed(batch)) return;
+  for (std::size_t k = 0; k < batch.count; ++k) {
+    TickSample sample{0.0, telemetry::tick_record(batch, k)};
+    sample.time_s = 1e-9 * static_cast<double>(sample.record.time_ns - clock_start_ns_);
+    newest_tick_s_ = sample.time_s;
+    sink.tick(sample);
+  }
+}
+
+}  // namespace stilt::monitor

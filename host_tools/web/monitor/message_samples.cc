@@ -1,0 +1,133 @@
+#include "host_tools/web/monitor/message_samples.h"
+
+#include <algorithm>
+
+#include "firmware/supervisor/fault.h"
+#include "firmware/telemetry/cdr.h"
+
+namespace stilt::monitor {
+namespace {
+
+using telemetry::span_of;
+
+/// Upper edges and counts of the bins that hold something, from lower edges of bins in a row.
+void copy_bins(const stilt_msgs_msg_dds__Histogram_& message, HistogramSample& sample) {
+  const auto edges = span_of(message.lower_edge_us);
+  const auto counts = span_of(message.bin);
+  constexpr double kLastBin = 1.125;  // the bins are eighths of a factor of two
+  for (std::size_t k = 0; k < std::min(edges.size(), counts.size()); ++k) {
+    if (counts[k] == 0) continue;
+    const double lower_us = static_cast<double>(edges[k]);
+    sample.upper_edge_us.push_back(k + 1 < edges.size() ? static_cast<double>(edges[k + 1])
+                                                        : lower_us * kLastBin);
+    sample.in_bin.push_back(counts[k]);
+  }
+}
+
+}  // namespace
+
+PlannerSample planner_sample(const telemetry::PlannerCycle& message) {
+  PlannerSample sample;
+  sample.cycle = message.cycle;
+  sample.time_s = message.time_s;
+  sample.status = message.status;
+  sample.iterations = message.iterations;
+  sample.defect_max = message.dynamics_defect_max;
+  sample.equality_violation_max = message.equality_violation_max;
+  sample.cost = message.cost;
+  sample.solve_us = 1e-3 * static_cast<double>(message.solve_ns);
+  return sample;
+}
+
+PlanSample plan_sample(const telemetry::Plan& message) {
+  PlanSample sample;
+  sample.time_s = message.start_time_s;
+  const auto times = span_of(message.time_s);
+  const auto contacts = span_of(message.contact);
+  const auto base = span_of(message.base);
+  const auto feet = span_of(message.foot_position_m);
+  const auto forces = span_of(message.contact_force_N);
+  const std::size_t count = times.size();
+  if (contacts.size() != count || base.size() != 3 * count || feet.size() != 4 * count ||
+      forces.size() != 4 * count) {
+    return sample;
+  }
+  for (std::size_t k = 0; k < count; ++k) {
+    PlanKnot knot;
+    knot.time_s = message.start_time_s + static_cast<double>(times[k]);
+    knot.hip_x_m = static_cast<double>(base[3 * k]);
+    knot.hip_z_m = static_cast<double>(base[3 * k + 1]);
+    knot.pitch_rad = static_cast<double>(base[3 * k + 2]);
+    for (std::size_t i = 0; i < 4; ++i) {
+      knot.foot_position_m[i] = static_cast<double>(feet[4 * k + i]);
+      knot.contact_force_N[i] = static_cast<double>(forces[4 * k + i]);
+    }
+    knot.left_carries = (contacts[k] & 1) != 0;
+    knot.right_carries = (contacts[k] & 2) != 0;
+    sample.knots.push_back(knot);
+  }
+  return sample;
+}
+
+SupervisorSample supervisor_sample(const telemetry::Supervisor& message) {
+  SupervisorSample sample;
+  sample.time_s = message.time_s;
+  sample.state = message.state;
+  sample.rung = message.rung;
+  sample.reaction = message.reaction;
+  sample.present = message.present_faults;
+  sample.latched = message.latched_faults;
+  sample.ramp = message.ramp;
+  sample.gait = message.gait;
+  sample.speed_m_s = message.speed_m_s;
+  sample.base_height_m = message.base_height_m;
+  sample.commander = message.commander;
+  sample.commander_alive = message.commander_alive;
+  return sample;
+}
+
+EventSample event_sample(const telemetry::Event& message) {
+  constexpr int kFault = 1, kBringUpFailed = 3;
+  const bool fault = message.kind == kFault && message.fault < supervisor::kFaults;
+  const bool warning =
+      fault && supervisor::kFaultTable[message.fault].severity == supervisor::Severity::warning;
+  return {message.time_s, message.text, (fault && !warning) || message.kind == kBringUpFailed, warning};
+}
+
+TimingSample timing_sample(const telemetry::Timing& message) {
+  TimingSample sample;
+  sample.ticks = message.ticks;
+  sample.late_ticks = message.late_ticks;
+  sample.dropped = message.dropped_ticks + message.dropped_cycles + message.dropped_events;
+  for (const stilt_msgs_msg_dds__Histogram_& histogram : span_of(message.histograms)) {
+    HistogramSample copy;
+    copy.name = histogram.name;
+    copy.deadline_us = histogram.deadline_us;
+    copy.p50_us = histogram.p50_us;
+    copy.p99_us = histogram.p99_us;
+    copy.p999_us = histogram.p999_us;
+    copy.max_us = histogram.max_us;
+    copy.count = histogram.count;
+    copy_bins(histogram, copy);
+    sample.histograms.push_back(std::move(copy));
+  }
+  return sample;
+}
+
+ConfigurationSample configuration_sample(const telemetry::ConfigurationInForce& message) {
+  ConfigurationSample sample;
+  sample.robot = message.robot;
+  sample.build = std::string(message.version) + ", " + message.compiler + ", " + message.instruction_set;
+  if (message.lockstep) sample.build += ", lock-step";
+  const std::string why_not = message.realtime;
+  sample.build += why_not.empty() ? ", real time" : ", not real time: " + why_not;
+  sample.toml = message.configuration;
+  sample.tick_rate_hz = message.torque_rate_hz;
+  for (const stilt_msgs_msg_dds__Tunable_& tunable : span_of(message.tunables)) {
+    sample.tunables.push_back({tunable.key, tunable.unit, tunable.description, tunable.minimum,
+                               tunable.maximum, tunable.start_value});
+  }
+  return sample;
+}
+
+}  // namespace stilt::monitor

@@ -1,0 +1,10 @@
+#pragma once
+
+#include <string_view>
+
+namespace stilt::monitor {
+
+/// The page as text, assembled from host_tools/web/monitor/page/ when the project is built.
+extern const std::string_view kMonitorPage;
+
+}  // namespace stilt::monitor

@@ -1,0 +1,66 @@
+#include "host_tools/web/monitor/page_commands.h"
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+namespace stilt::monitor {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::array<const char*, 10> kNames = {"stand", "step", "walk",  "speed",   "height",
+                                                "sit",   "stop", "reset", "tunable", "heartbeat"};
+
+/// The member of that name, or the fallback; throws Json::exception when it is of another type.
+template <class Value>
+Value member(const Json& json, const char* key, Value fallback) {
+  return json.contains(key) ? json.at(key).get<Value>() : fallback;
+}
+
+std::expected<CommandKind, std::string> kind_of(const std::string& text) {
+  for (std::size_t k = 0; k < kNames.size(); ++k) {
+    if (text == kNames[k]) return static_cast<CommandKind>(k);
+  }
+  return std::unexpected(
+      "'" + text + "' is no command; stand, step, walk, speed, height, sit, stop, reset and tunable are");
+}
+
+std::expected<PageMessage, std::string> read(const Json& json) {
+  PageMessage message;
+  message.again = member(json, "again", false);
+  if (!json.contains("command")) return message;
+  const auto kind = kind_of(json.at("command").get<std::string>());
+  if (!kind) return std::unexpected(kind.error());
+  message.is_command = true;
+  Command& command = message.command;
+  command.kind = *kind;
+  const Json& sequence = json.at("sequence");
+  if (!sequence.is_number_unsigned() ||
+      sequence.get<std::uint64_t>() > std::numeric_limits<std::uint32_t>::max()) {
+    return std::unexpected(std::string("the sequence is no whole number of 32 bits"));
+  }
+  command.sequence = sequence.get<std::uint32_t>();
+  command.token = member<std::string>(json, "token", "");
+  command.value = member(json, "value", 0.0);
+  command.tunable = member<std::string>(json, "tunable", "");
+  if (!std::isfinite(command.value)) return std::unexpected(std::string("the value is not a number"));
+  return message;
+}
+
+}  // namespace
+
+std::expected<PageMessage, std::string> parse_page_message(std::string_view text) {
+  try {
+    const Json json = Json::parse(text);
+    if (!json.is_object()) return std::unexpected(std::string("a message of the page is a JSON object"));
+    return read(json);
+  } catch (const Json::exception& error) {
+    return std::unexpected(std::string("not a message of the page: ") + error.what());
+  }
+}
+
+const char* name(CommandKind kind) { return kNames[static_cast<std::size_t>(kind)]; }
+
+}  // namespace stilt::monitor

@@ -1,0 +1,115 @@
+#include "host_tools/web/monitor/page_tables.h"
+
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "firmware/control_loop/tick_fields.h"
+#include "host_tools/web/monitor/table_message.h"
+
+namespace stilt::monitor {
+namespace {
+
+using control_loop::TickGroup;
+using control_loop::TickRecord;
+using TickColumns = std::vector<Column<TickSample>>;
+
+/// Adds the fields of a group that have a name on the page.
+template <TickGroup kGroup>
+void add_fields(TickColumns& columns) {
+  control_loop::for_each_field_of<kGroup>([&](const auto& field) {
+    if (field.names.page.empty()) return;
+    const double factor = control_loop::unit_factor(field.wire, field.names.page);
+    columns.push_back({std::string(field.names.page),
+                       [=](const TickSample& tick, std::size_t index) {
+                         return factor * static_cast<double>(field.at(tick.record, index));
+                       },
+                       field.count()});
+  });
+}
+
+/// NaN when no commands were sent.
+double commanded_position_rad(const TickSample& tick, std::size_t joint) {
+  return tick.record.action == supervisor::Action::commands ? tick.record.sent[joint].position_rad
+                                                            : std::numeric_limits<double>::quiet_NaN();
+}
+
+/// Feed-forward and gains together, at the measured joint; 0 when no commands were sent.
+double commanded_torque_Nm(const TickSample& tick, std::size_t joint) {
+  if (tick.record.action != supervisor::Action::commands) return 0.0;
+  const hal::JointCommand& command = tick.record.sent[joint];
+  const hal::JointReading& reading = tick.record.joints[joint];
+  return command.torque_Nm + command.kp_Nm_rad * (command.position_rad - reading.position_rad) +
+         command.kd_Nms_rad * (command.velocity_rad_s - reading.velocity_rad_s);
+}
+
+TickColumns make_tick_columns() {
+  TickColumns columns;
+  add_fields<TickGroup::estimate>(columns);
+  columns.push_back({"commanded_position_rad", commanded_position_rad, hal::kJoints});
+  columns.push_back({"commanded_torque_Nm", commanded_torque_Nm, hal::kJoints});
+  add_fields<TickGroup::joints>(columns);
+  add_fields<TickGroup::ramp>(columns);
+  add_fields<TickGroup::plan>(columns);
+  add_fields<TickGroup::timing>(columns);
+  add_fields<TickGroup::decision>(columns);
+  return columns;
+}
+
+const TickColumns& tick_columns() {
+  static const TickColumns columns = make_tick_columns();
+  return columns;
+}
+
+const std::vector<Column<PlannerSample>> kPlannerColumns = {
+    {"status", [](const PlannerSample& c, std::size_t) { return static_cast<double>(c.status); }},
+    {"iterations", [](const PlannerSample& c, std::size_t) { return static_cast<double>(c.iterations); }},
+    {"defect_max", [](const PlannerSample& c, std::size_t) { return c.defect_max; }},
+    {"equality_violation_max", [](const PlannerSample& c, std::size_t) { return c.equality_violation_max; }},
+    {"cost", [](const PlannerSample& c, std::size_t) { return c.cost; }},
+    {"solve_ms", [](const PlannerSample& c, std::size_t) { return 1e-3 * c.solve_us; }},
+};
+
+const std::vector<Column<PlanKnot>> kPlanColumns = {
+    {"hip_x_m", [](const PlanKnot& n, std::size_t) { return n.hip_x_m; }},
+    {"hip_z_m", [](const PlanKnot& n, std::size_t) { return n.hip_z_m; }},
+    {"pitch_rad", [](const PlanKnot& n, std::size_t) { return n.pitch_rad; }},
+    {"foot_position_m", [](const PlanKnot& n, std::size_t k) { return n.foot_position_m[k]; }, 4},
+    {"contact_force_N", [](const PlanKnot& n, std::size_t k) { return n.contact_force_N[k]; }, 4},
+    {"carries",
+     [](const PlanKnot& n, std::size_t k) { return (k == 0 ? n.left_carries : n.right_carries) ? 1.0 : 0.0; },
+     2},
+};
+
+const std::vector<Column<TruthSample>> kTruthColumns = {
+    {"contact_force_N", [](const TruthSample& t, std::size_t k) { return t.contact_force_N[k]; }, 4},
+    {"push_N", [](const TruthSample& t, std::size_t) { return t.push_N; }},
+    {"push_above_hip_m", [](const TruthSample& t, std::size_t) { return t.push_above_hip_m; }},
+};
+
+}  // namespace
+
+nlohmann::ordered_json all_column_names() {
+  return {{"ticks", column_names(tick_columns())},
+          {"planner", column_names(kPlannerColumns)},
+          {"plan", column_names(kPlanColumns)},
+          {"truth", column_names(kTruthColumns)}};
+}
+
+SharedMessage ticks_message(std::span<const TickSample> ticks) {
+  return table_message(Table::ticks, ticks.front().time_s, ticks.front().record.tick, ticks, tick_columns());
+}
+
+SharedMessage planner_message(std::span<const PlannerSample> cycles) {
+  return table_message(Table::planner, cycles.front().time_s, cycles.front().cycle, cycles, kPlannerColumns);
+}
+
+SharedMessage plan_message(const PlanSample& plan) {
+  return table_message(Table::plan, plan.time_s, 0, std::span<const PlanKnot>(plan.knots), kPlanColumns);
+}
+
+SharedMessage truth_message(std::span<const TruthSample> samples) {
+  return table_message(Table::truth, samples.front().time_s, 0, samples, kTruthColumns);
+}
+
+}  // namespace stilt::monitor

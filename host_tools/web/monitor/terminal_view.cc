@@ -1,0 +1,153 @@
+#include "host_tools/web/monitor/terminal_view.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "firmware/supervisor/fallback.h"
+#include "firmware/supervisor/fault.h"
+#include "firmware/supervisor/state.h"
+
+namespace stilt::monitor {
+namespace {
+
+constexpr double kStale_s = 0.5;
+constexpr double kSpeedMemory_s = 0.5;
+
+template <class... Values>
+std::string line(const char* format, Values... values) {
+  char buffer[300];
+  std::snprintf(buffer, sizeof buffer, format, values...);
+  return std::string(buffer) + "\n";
+}
+
+/// Longer lines end early and lines below the last row are left out; the terminal neither wraps nor scrolls.
+std::string cut(const std::string& text, std::size_t columns, std::size_t rows) {
+  std::string out;
+  std::size_t length = 0, lines = 0;
+  for (const char letter : text) {
+    if (letter == '\n')
+      length = 0;
+    else if (++length > columns)
+      continue;
+    out += letter;
+    if (letter == '\n' && ++lines == rows) break;
+  }
+  return out;
+}
+
+std::string duration(double us) {
+  char buffer[32];
+  std::snprintf(buffer, sizeof buffer, us < 1000.0 ? "%.0f us" : "%.2f ms", us < 1000.0 ? us : 1e-3 * us);
+  return buffer;
+}
+
+}  // namespace
+
+void TerminalView::step(double now_s) {
+  now_s_ = now_s;
+  source_.poll(*this);
+}
+
+void TerminalView::configuration(const ConfigurationSample& sample) {
+  if (sample.session != configuration_.session) {
+    tick_.reset();
+    cycle_.reset();
+    supervisor_.reset();
+    timing_.reset();
+    events_.clear();
+  }
+  configuration_ = sample;
+}
+
+void TerminalView::tick(const TickSample& sample) {
+  const std::uint64_t number = sample.record.tick;
+  if (tick_ && number > tick_->record.tick + 1) missing_ += number - tick_->record.tick - 1;
+  const double share = tick_ ? std::clamp((sample.time_s - tick_->time_s) / kSpeedMemory_s, 0.0, 1.0) : 1.0;
+  speed_m_s_ += share * (sample.record.estimated_state[7] - speed_m_s_);
+  tick_ = sample;
+  heard_s_ = now_s_;
+}
+
+void TerminalView::event(const EventSample& sample) {
+  events_.push_front(sample);
+  if (events_.size() > kEvents) events_.pop_back();
+}
+
+std::string TerminalView::link_text() const {
+  if (!tick_) return "waiting for a controller: nothing heard yet from " + source_.describe();
+  const double silent_s = now_s_ - heard_s_;
+  if (source_.live() && silent_s > kStale_s) {
+    char text[80];
+    std::snprintf(text, sizeof text, "OLD: no data for %.1f s", silent_s);
+    return text;
+  }
+  std::string text = source_.live() ? "live" : "record";
+  const std::uint64_t lost = missing_ + (timing_ ? timing_->dropped : 0);
+  if (lost > 0) text += ", " + std::to_string(lost) + " lost";
+  if (source_.of_others() > 0) text += ", another controller talks, too";
+  return text;
+}
+
+std::string TerminalView::fault_text() const {
+  const std::uint32_t any = supervisor_->present | supervisor_->latched;
+  if (any == 0) return "faults    none\n";
+  std::string text;
+  for (std::size_t row = 0; row < supervisor::kFaults; ++row) {
+    const std::uint32_t bit = std::uint32_t{1} << row;
+    if ((any & bit) == 0) continue;
+    const supervisor::FaultRow& fault = supervisor::kFaultTable[row];
+    text += line("FAULT     %s (%s): %s", fault.name,
+                 (supervisor_->present & bit) ? "now" : "waits for reset", fault.cause);
+    text += line("          clears when: %s%s", fault.clears,
+                 fault.severity == supervisor::Severity::latched ? "; then reset" : "");
+  }
+  return text;
+}
+
+std::string TerminalView::timing_text() const {
+  std::string text = line("timing    %llu ticks, %llu late", static_cast<unsigned long long>(timing_->ticks),
+                          static_cast<unsigned long long>(timing_->late_ticks));
+  for (const HistogramSample& histogram : timing_->histograms) {
+    text += line("          %-15s p50 %-9s p99 %-9s max %-9s deadline %s", histogram.name.c_str(),
+                 duration(histogram.p50_us).c_str(), duration(histogram.p99_us).c_str(),
+                 duration(histogram.max_us).c_str(),
+                 histogram.deadline_us > 0.0 ? duration(histogram.deadline_us).c_str() : "-");
+  }
+  return text;
+}
+
+std::string TerminalView::state_text() const {
+  const auto state = static_cast<supervisor::State>(supervisor_->state);
+  const auto rung = static_cast<supervisor::FallbackLevel>(supervisor_->rung);
+  std::string follows = name(rung);
+  std::ranges::replace(follows, '_', ' ');
+  std::string text = line("state     %s (%s); %s", name(state), description(state), follows.c_str());
+  const bool walks = supervisor_->gait == 2;
+  const char* who = supervisor_->commander.empty() ? "nobody in command" : supervisor_->commander.c_str();
+  const char* silent = supervisor_->commander.empty() || supervisor_->commander_alive ? "" : " (silent)";
+  text += walks ? line("command   walk %.2f m/s, %s%s", supervisor_->speed_m_s, who, silent)
+                : line("command   %s, %s%s", supervisor_->gait == 1 ? "step" : "stand", who, silent);
+  return text;
+}
+
+/// Most important first, as a small terminal shows no more.
+std::string TerminalView::text(std::size_t columns, std::size_t rows) const {
+  std::string text =
+      line("stilt monitor   %s   %s", configuration_.robot.c_str(), link_text().c_str()) + "\n";
+  if (supervisor_) text += state_text();
+  if (tick_) {
+    const auto& state = tick_->record.estimated_state;
+    text += line("speed     %+.2f m/s   x %.2f m   hip %.3f m   lean %+.3f rad", speed_m_s_, state[0],
+                 state[1], state[2]);
+  }
+  if (supervisor_) text += fault_text();
+  if (cycle_) {
+    text += line("solver    %d iterations, %s, defect %.1e, equalities %.1e", cycle_->iterations,
+                 duration(cycle_->solve_us).c_str(), cycle_->defect_max, cycle_->equality_violation_max);
+  }
+  if (timing_) text += timing_text();
+  for (const EventSample& event : events_) text += line("%8.2f  %s", event.time_s, event.text.c_str());
+  return cut(text, columns, rows);
+}
+
+}  // namespace stilt::monitor

@@ -1,0 +1,164 @@
+#include "host_tools/web/report/run_data.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "host_tools/web/report/packed_columns.h"
+
+namespace stilt::report {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::size_t ceiling_ratio(std::size_t numerator, std::size_t denominator) {
+  return std::max<std::size_t>(1, (numerator + denominator - 1) / denominator);
+}
+
+Json joints_json(const model::JointVector& joints) {
+  return Json::array({joints[0], joints[1], joints[2], joints[3]});
+}
+
+Json percentiles_json(const log::Percentiles& percentiles) {
+  return {{"p50", percentiles.p50}, {"p99", percentiles.p99}, {"max", percentiles.max}};
+}
+
+Json steps_json(const std::vector<log::Step>& steps) {
+  Json list = Json::array();
+  for (const log::Step& step : steps) {
+    list.push_back({{"time_s", step.time_s}, {"foot", step.foot}, {"length_m", step.length_m}});
+  }
+  return list;
+}
+
+Json summary_json(const log::RunSummary& summary) {
+  return {
+      {"survived", summary.survived},
+      {"fall_time_s", summary.fall_time_s < 0.0 ? Json(nullptr) : Json(summary.fall_time_s)},
+      {"duration_s", summary.duration_s},
+      {"distance_m", summary.distance_m},
+      {"mean_speed_m_s", summary.mean_speed_m_s},
+      {"steps", steps_json(summary.steps)},
+      {"step_length_min_m", summary.step_length_min_m},
+      {"step_length_max_m", summary.step_length_max_m},
+      {"peak_torque_Nm", joints_json(summary.peak_torque_Nm)},
+      {"peak_joint_speed_rad_s", joints_json(summary.peak_joint_speed_rad_s)},
+      {"slip_distance_m", summary.slip_distance_m},
+      {"solve_time_us", percentiles_json(summary.solve_time_us)},
+      {"sqp_iterations", {{"mean", summary.sqp_iterations_mean}, {"max", summary.sqp_iterations_max}}},
+      {"dynamics_defect_max", summary.dynamics_defect_max},
+      {"equality_violation_max", summary.equality_violation_max},
+      {"heap_allocations_in_loop", summary.heap_allocations_in_loop},
+      {"controller_bytes", summary.controller_bytes},
+  };
+}
+
+Json samples_json(const std::vector<log::RunSample>& all) {
+  const std::size_t stride = ceiling_ratio(all.size(), kMaxSamples);
+  PackedColumns columns(ceiling_ratio(all.size(), stride) * (all.empty() ? 0 : 1));
+  const auto add = [&](const char* name, int width, auto value) {
+    columns.add(name, width, [&](std::size_t row, int k) { return value(all[row * stride], k); });
+  };
+  using Sample = log::RunSample;
+  add("time_s", 1, [](const Sample& s, int) { return s.time_s; });
+  add("true_state", model::kStates, [](const Sample& s, int k) { return s.true_state[k]; });
+  add("estimated_state", model::kStates, [](const Sample& s, int k) { return s.estimated_state[k]; });
+  add("planned_state", model::kStates, [](const Sample& s, int k) { return s.planned_state[k]; });
+  add("torque_Nm", model::kJoints, [](const Sample& s, int k) { return s.torque_Nm[k]; });
+  add("contact_force_N", 4, [](const Sample& s, int k) { return s.contact_force_N[k]; });
+  add("planned_contact_force_N", 4, [](const Sample& s, int k) { return s.planned_contact_force_N[k]; });
+  add("foot_position_m", 4, [](const Sample& s, int k) { return s.foot_position_m[k]; });
+  add("scheduled_mode", model::kFeet, [](const Sample& s, int k) { return int{s.scheduled_mode[k]}; });
+  add("push_N", 1, [](const Sample& s, int) { return s.push_N; });
+  add("push_above_hip_m", 1, [](const Sample& s, int) { return s.push_above_hip_m; });
+  add("commanded_speed_m_s", 1, [](const Sample& s, int) { return s.commanded_speed_m_s; });
+  Json json = columns.json();
+  json["stride"] = stride;
+  return json;
+}
+
+/// Indices of the knots kept for drawing.
+std::vector<std::size_t> drawn_knots(const log::PlanSnapshot& plan) {
+  const std::size_t count = std::min({plan.knot_time_s.size(), plan.hip_x_m.size(), plan.hip_z_m.size(),
+                                      plan.pitch_rad.size(), plan.foot_position_m.size()});
+  std::vector<std::size_t> kept;
+  for (std::size_t k = 0; k < count; ++k) {
+    const bool far_enough =
+        kept.empty() || plan.knot_time_s[k] >= plan.knot_time_s[kept.back()] + kPlanKnotSpacing_s;
+    if (far_enough || k + 1 == count) kept.push_back(k);
+  }
+  return kept;
+}
+
+struct KnotReference {
+  const log::PlanSnapshot* plan;
+  std::size_t knot;
+};
+
+Json plans_json(const std::vector<log::PlanSnapshot>& plans) {
+  std::size_t all_knots = 0;
+  for (const log::PlanSnapshot& plan : plans) all_knots += drawn_knots(plan).size();
+  const std::size_t stride = ceiling_ratio(all_knots, kMaxPlanKnots);
+
+  std::vector<KnotReference> knots;
+  Json plan_time = Json::array();
+  Json first_knot = Json::array();
+  for (std::size_t i = 0; i < plans.size(); i += stride) {
+    plan_time.push_back(plans[i].time_s);
+    first_knot.push_back(knots.size());
+    for (const std::size_t knot : drawn_knots(plans[i])) knots.push_back({&plans[i], knot});
+  }
+
+  PackedColumns columns(knots.size());
+  const auto at = [&](std::size_t row) -> const KnotReference& { return knots[row]; };
+  columns.add("time_s", 1, [&](std::size_t row, int) { return at(row).plan->knot_time_s[at(row).knot]; });
+  columns.add("hip_x_m", 1, [&](std::size_t row, int) { return at(row).plan->hip_x_m[at(row).knot]; });
+  columns.add("hip_z_m", 1, [&](std::size_t row, int) { return at(row).plan->hip_z_m[at(row).knot]; });
+  columns.add("pitch_rad", 1, [&](std::size_t row, int) { return at(row).plan->pitch_rad[at(row).knot]; });
+  columns.add("foot_position_m", 4,
+              [&](std::size_t row, int k) { return at(row).plan->foot_position_m[at(row).knot][k]; });
+  return {{"time_s", plan_time}, {"first_knot", first_knot}, {"stride", stride}, {"knots", columns.json()}};
+}
+
+Json solves_json(const std::vector<log::SolveSample>& solves) {
+  PackedColumns columns(solves.size());
+  const auto add = [&](const char* name, auto value) {
+    columns.add(name, 1, [&](std::size_t row, int) { return value(solves[row]); });
+  };
+  using Solve = log::SolveSample;
+  add("time_s", [](const Solve& s) { return s.time_s; });
+  add("solve_us", [](const Solve& s) { return s.solve_us; });
+  add("status", [](const Solve& s) { return static_cast<int>(s.report.status); });
+  add("iterations", [](const Solve& s) { return s.report.iterations; });
+  add("dynamics_defect_max", [](const Solve& s) { return s.report.dynamics_defect_max; });
+  add("equality_violation_max", [](const Solve& s) { return s.report.equality_violation_max; });
+  Json json = columns.json();
+  // In the order of sqp::SolveStatus.
+  json["status_names"] = {"converged", "iteration limit", "step rejected", "not finite", "not convex"};
+  return json;
+}
+
+}  // namespace
+
+std::string run_data_json(const log::RunRecord& record) {
+  const Json json = {
+      {"command_line", record.command_line},
+      {"robot",
+       {{"name", record.robot.name},
+        {"torso_length_m", record.robot.torso_length_m},
+        {"thigh_length_m", record.robot.thigh_length_m},
+        {"shin_length_m", record.robot.shin_length_m}}},
+      {"torque_limit_Nm", record.torque_limit_Nm},
+      {"friction_coefficient", record.friction_coefficient},
+      {"ground", {{"x_m", record.ground_x_m}, {"z_m", record.ground_z_m}}},
+      {"summary", summary_json(record.summary)},
+      {"samples", samples_json(record.samples)},
+      {"plans", plans_json(record.plans)},
+      {"solves", solves_json(record.solves)},
+  };
+  constexpr int kNoIndent = -1;
+  constexpr bool kAsciiOnly = true;
+  return json.dump(kNoIndent, ' ', kAsciiOnly, Json::error_handler_t::replace);
+}
+
+}  // namespace stilt::report

@@ -1,0 +1,108 @@
+#include "host_tools/recording/csv/record_to_csv.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <sstream>
+#include <stdexcept>
+#include <utility>
+
+#include "firmware/diagnostics/tick_csv.h"
+#include "host_tools/recording/csv/csv_table.h"
+#include "host_tools/recording/record/recorder.h"
+#include "tests/host_tools/recording/mcap/sample_file.h"
+#include "tests/host_tools/recording/record_sample.h"
+#include "tests/own_folder.h"
+
+namespace stilt::csv {
+namespace {
+
+using record::Recorder;
+
+std::vector<std::string> lines_of(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  return lines;
+}
+
+class RecordToCsv : public testing::Test {
+ protected:
+  RecordToCsv() {
+    Recorder recorder(record.path(), {});
+    recorder.take(record::ticks_sample(7, 0, 20), 1);
+    recorder.take(record::event_sample(7, "it said \"stop\", then went on"), 123);
+    recorder.take(record::ticks_sample(7, 10, 20), 2);  // ten of them again
+    recorder.take(record::ticks_sample(8, 0, 5), 3);
+  }
+
+  mcap::TemporaryFile record{"csv"};
+  tests::OwnFolder own;
+  std::filesystem::path folder = own.path() / "tables";
+};
+
+TEST_F(RecordToCsv, TicksAreRowsAsInABlackBox) {
+  const Written written = record_to_csv(record.path(), folder.string());
+  EXPECT_TRUE(written.problems.empty());
+  for (const auto& [file, ticks] : {std::pair{"ticks.csv", 30u}, {"ticks_2.csv", 5u}}) {  // a session each
+    std::ostringstream expected;
+    diagnostics::write_tick_header(expected);
+    for (std::uint64_t tick = 0; tick < ticks; ++tick) {
+      diagnostics::write_tick(expected, record::sample_tick(tick), record::sample_tick(0).time_ns);
+    }
+    std::ifstream in(folder / file);
+    EXPECT_EQ(std::string(std::istreambuf_iterator<char>(in), {}), expected.str()) << file;
+  }
+}
+
+TEST_F(RecordToCsv, OtherTopicsAreTablesWithTheFieldsOfTheirMessages) {
+  static_cast<void>(record_to_csv(record.path(), folder.string()));
+  const std::vector<std::string> lines = lines_of(folder / "stilt_event.csv");
+  ASSERT_EQ(lines.size(), 2u);
+  EXPECT_EQ(lines[0].find("log_time_ns,session,number,"), 0u) << lines[0];
+  EXPECT_EQ(lines[1].find("123,7,0,0,0.1,"), 0u) << lines[1];
+  EXPECT_NE(lines[1].find(R"("it said ""stop"", then went on")"), std::string::npos) << lines[1];
+}
+
+TEST_F(RecordToCsv, AFileTakesTheTicksOfAllSessions) {
+  const std::string file = folder.string() + ".csv";
+  static_cast<void>(ticks_to_csv(record.path(), file));
+  EXPECT_EQ(lines_of(file).size(), 36u);
+  std::filesystem::remove(file);
+}
+
+TEST_F(RecordToCsv, ARecordThatWasCutOffIsWrittenAsFarAsItGoesAndThatIsTold) {
+  mcap::Bytes bytes = record.bytes();
+  bytes.resize(bytes.size() - 100);
+  record.set_bytes(bytes);
+  const Written written = record_to_csv(record.path(), folder.string());
+  EXPECT_EQ(written.problems.size(), 1u);
+  EXPECT_EQ(lines_of(folder / "ticks.csv").size(), 31u);
+}
+
+TEST_F(RecordToCsv, RefusesPlacesThatCannotBeWritten) {
+  EXPECT_THROW(static_cast<void>(record_to_csv(record.path(), "/proc/nowhere")), std::runtime_error);
+  EXPECT_THROW(static_cast<void>(ticks_to_csv(record.path(), "/nowhere/ticks.csv")), std::runtime_error);
+}
+
+TEST(Table, CellsAreReadBackTheSame) {
+  const mcap::TemporaryFile file("table");
+  {
+    Table table(file.path());
+    table.add(
+        {{"a", {{"b", 0.1}, {"c", "x,y"}}}, {"n", std::numeric_limits<double>::quiet_NaN()}, {"l", {1, 2}}});
+    table.add({{"a", {{"b", 1e-300}, {"c", ""}}}, {"n", 3}, {"l", nlohmann::ordered_json::array()}});
+    table.close();
+  }
+  const std::vector<std::string> lines = lines_of(file.path());
+  ASSERT_EQ(lines.size(), 3u);
+  EXPECT_EQ(lines[0], "a.b,a.c,n,l");
+  EXPECT_EQ(lines[1], "0.1,\"x,y\",nan,\"[1,2]\"");
+  EXPECT_EQ(lines[2], "1e-300,,3,[]");
+}
+
+}  // namespace
+}  // namespace stilt::csv

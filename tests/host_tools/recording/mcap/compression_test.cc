@@ -1,0 +1,54 @@
+#include "host_tools/recording/mcap/compression.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <stdexcept>
+
+namespace stilt::mcap {
+namespace {
+
+Bytes sample(std::size_t size) {
+  std::mt19937 random(7);
+  Bytes data(size);
+  for (std::size_t i = 0; i < size; ++i) data[i] = static_cast<std::uint8_t>(i % 3 == 0 ? random() : i / 100);
+  return data;
+}
+
+class EachCompression : public testing::TestWithParam<Compression> {};
+
+TEST_P(EachCompression, GivesBackWhatItTook) {
+  for (const std::size_t size : {0u, 1u, 1000u, 300'000u, 5'000'000u}) {
+    const Bytes data = sample(size);
+    EXPECT_EQ(decompress(compress(data, GetParam(), 1), GetParam(), size), data) << size;
+  }
+}
+
+TEST_P(EachCompression, RefusesAnotherSizeThanSaid) {
+  const Bytes compressed = compress(sample(1000), GetParam(), 1);
+  EXPECT_THROW(static_cast<void>(decompress(compressed, GetParam(), 999)), std::runtime_error);
+  EXPECT_THROW(static_cast<void>(decompress(compressed, GetParam(), 1001)), std::runtime_error);
+}
+
+TEST_P(EachCompression, RefusesWhatWasCutOff) {
+  Bytes compressed = compress(sample(1000), GetParam(), 1);
+  compressed.pop_back();
+  EXPECT_THROW(static_cast<void>(decompress(compressed, GetParam(), 1000)), std::runtime_error);
+}
+
+TEST_P(EachCompression, HasItsName) { EXPECT_EQ(compression_named(name(GetParam())), GetParam()); }
+
+INSTANTIATE_TEST_SUITE_P(Compression, EachCompression,
+                         testing::Values(Compression::none, Compression::lz4, Compression::zstd));
+
+TEST(Compression, AnUnknownOneIsNamedInTheRefusal) {
+  try {
+    static_cast<void>(compression_named("brotli"));
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find("brotli"), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace stilt::mcap

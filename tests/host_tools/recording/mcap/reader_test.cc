@@ -1,0 +1,175 @@
+#include "host_tools/recording/mcap/reader.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <iterator>
+#include <stdexcept>
+
+#include "tests/host_tools/recording/mcap/sample_file.h"
+
+namespace stilt::mcap {
+namespace {
+
+/// Reads all, and checks that the messages are the first of the sample's.
+int count_messages(Reader& reader) {
+  int count = 0;
+  while (const ReadMessage* read = reader.next()) {
+    const Message& message = read->message;
+    EXPECT_EQ(message.sequence, static_cast<std::uint32_t>(count));
+    EXPECT_EQ(message.log_time_ns, 1'000'000 + count * 100);
+    EXPECT_EQ(message.publish_time_ns, 900'000 + count);
+    EXPECT_EQ(Bytes(message.data.begin(), message.data.end()), sample_data(count));
+    EXPECT_EQ(read->channel->topic, count % 2 == 0 ? "/first" : "/second");
+    EXPECT_EQ(read->schema == nullptr ? "" : read->schema->name, count % 2 == 0 ? "pkg/msg/Number" : "");
+    ++count;
+  }
+  return count;
+}
+
+class EveryCompression : public testing::TestWithParam<Compression> {};
+
+TEST_P(EveryCompression, GivesBackWhatTheWriterWasGiven) {
+  const TemporaryFile file("reader");
+  {
+    Writer writer(file.path(), {.compression = GetParam()});
+    write_sample(writer);
+    writer.close();
+  }
+  Reader reader(file.path());
+  EXPECT_EQ(count_messages(reader), kSampleMessages);
+  EXPECT_TRUE(reader.complete());
+  EXPECT_TRUE(reader.problems().empty());
+  ASSERT_EQ(reader.attachments().size(), 2u);
+  EXPECT_EQ(reader.attachments()[0].data, "a = 1\n");
+  EXPECT_EQ(reader.attachments()[1].name, "robot.urdf");
+  ASSERT_EQ(reader.metadata().size(), 1u);
+  EXPECT_EQ(reader.metadata()[0].entries.at("number"), "17");
+  EXPECT_EQ(reader.channels().at(0).metadata.at("frame"), "world");
+  EXPECT_EQ(reader.channels().at(0).schema_id, 1u);
+  EXPECT_EQ(reader.channels().at(1).schema_id, 0u);
+}
+
+INSTANTIATE_TEST_SUITE_P(Reader, EveryCompression,
+                         testing::Values(Compression::none, Compression::lz4, Compression::zstd));
+
+TEST(Reader, AFileCutOffAnywhereGivesAllWholeChunksBeforeTheCut) {
+  const TemporaryFile file("cut");
+  std::vector<std::uint64_t> flushed;  // sizes after each chunk
+  {
+    Writer writer(file.path());
+    const std::uint16_t channel = writer.add_channel(0, "/first", "json");
+    for (std::uint32_t i = 0; i < 20; ++i) {
+      writer.write({channel, i, i, i, sample_data(3)});
+      if (i % 5 != 4) continue;
+      writer.flush();
+      flushed.push_back(writer.bytes_written());
+    }
+    writer.close();
+  }
+  const Bytes whole = file.bytes();
+  for (std::size_t size = sizeof kMagic; size < whole.size() - sizeof kMagic; ++size) {
+    file.set_bytes(ByteView(whole).first(size));
+    Reader reader(file.path());
+    std::size_t messages = 0;
+    while (reader.next() != nullptr) ++messages;
+    const auto chunks = std::ranges::count_if(flushed, [&](std::uint64_t end) { return end <= size; });
+    EXPECT_GE(messages, static_cast<std::size_t>(chunks) * 5) << size;
+    EXPECT_EQ(messages % 5, 0u) << size;
+    EXPECT_FALSE(reader.complete()) << size;
+    ASSERT_EQ(reader.problems().size(), 1u) << size;
+    EXPECT_NE(reader.problems()[0].find(": was cut off "), std::string::npos) << reader.problems()[0];
+  }
+}
+
+TEST(Reader, AFlippedBitAnywhereIsNoCrashAndNeverAnotherMessage) {
+  const TemporaryFile file("flip");
+  {
+    Writer writer(file.path());
+    write_sample(writer);
+  }
+  const Bytes whole = file.bytes();
+  for (std::size_t at = sizeof kMagic; at < whole.size(); ++at) {
+    Bytes damaged = whole;
+    damaged[at] = static_cast<std::uint8_t>(damaged[at] ^ (1u << (at % 8)));
+    file.set_bytes(damaged);
+    Reader reader(file.path());
+    while (const ReadMessage* read = reader.next()) {
+      const int number = static_cast<int>(read->message.sequence);
+      EXPECT_EQ(Bytes(read->message.data.begin(), read->message.data.end()), sample_data(number)) << at;
+    }
+  }
+}
+
+TEST(Reader, ADamagedChunkIsToldAndTheOthersAreRead) {
+  const TemporaryFile file("damaged");
+  {
+    Writer writer(file.path());
+    write_sample(writer);
+  }
+  Bytes bytes = file.bytes();
+  bytes[bytes.size() / 3] ^= 0x40;
+  file.set_bytes(bytes);
+  Reader reader(file.path());
+  int messages = 0;
+  while (reader.next() != nullptr) ++messages;
+  EXPECT_EQ(messages, kSampleMessages - 10);
+  EXPECT_TRUE(reader.complete());
+  ASSERT_EQ(reader.problems().size(), 1u);
+  EXPECT_NE(reader.problems()[0].find(file.path()), std::string::npos);
+}
+
+TEST(Reader, ADamagedAttachmentIsToldAndLeftOut) {
+  const TemporaryFile file("attachment");
+  {
+    Writer writer(file.path());
+    write_sample(writer);
+  }
+  Bytes bytes = file.bytes();
+  const Bytes text = {'a', ' ', '=', ' ', '1', '\n'};
+  const auto at = std::ranges::search(bytes, text).begin();
+  ASSERT_NE(at, bytes.end());
+  at[4] ^= 0x02;  // a = 3
+  file.set_bytes(bytes);
+  Reader reader(file.path());
+  EXPECT_EQ(count_messages(reader), kSampleMessages);
+  ASSERT_EQ(reader.problems().size(), 1u);
+  EXPECT_NE(reader.problems()[0].find("an attachment's check sum is wrong"), std::string::npos);
+  ASSERT_EQ(reader.attachments().size(), 1u);
+  EXPECT_EQ(reader.attachments()[0].name, "robot.urdf");
+  EXPECT_EQ(reader.attachments()[0].log_time_ns, 7);
+  EXPECT_EQ(reader.attachments()[0].create_time_ns, 8);
+}
+
+/// Other programs may write such files; nothing here tells whether the message is damaged.
+TEST(Reader, AMessageOutsideOfAChunkIsToldAndLeftOut) {
+  const TemporaryFile file("outside");
+  Bytes bytes(std::begin(kMagic), std::end(kMagic));
+  const auto put = [&bytes](Op op, std::size_t size) {
+    bytes.push_back(static_cast<std::uint8_t>(op));
+    bytes.push_back(static_cast<std::uint8_t>(size));
+    bytes.insert(bytes.end(), 7 + size, 0);
+  };
+  put(Op::message, 30);
+  put(Op::footer, 20);
+  bytes.insert(bytes.end(), std::begin(kMagic), std::end(kMagic));
+  file.set_bytes(bytes);
+  Reader reader(file.path());
+  EXPECT_EQ(reader.next(), nullptr);
+  EXPECT_TRUE(reader.complete());
+  ASSERT_EQ(reader.problems().size(), 1u);
+  EXPECT_NE(reader.problems()[0].find("a message outside of a chunk"), std::string::npos);
+}
+
+TEST(Reader, RefusesWhatIsNoRecordInOneSentence) {
+  EXPECT_THROW(Reader("/nowhere/at/all.mcap"), std::runtime_error);
+  const TemporaryFile file("other");
+  file.set_bytes(Bytes(100, 'x'));
+  EXPECT_THROW(Reader(file.path()), std::runtime_error);
+  file.set_bytes({});
+  EXPECT_THROW(Reader(file.path()), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace stilt::mcap

@@ -1,0 +1,136 @@
+#include "host_tools/recording/replay/record_source.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <vector>
+
+#include "host_tools/recording/record/recorder.h"
+#include "tests/host_tools/recording/mcap/sample_file.h"
+#include "tests/host_tools/recording/record_sample.h"
+
+namespace stilt::replay {
+namespace {
+
+/// Keeps what comes.
+class Sink final : public monitor::SampleSink {
+ public:
+  std::vector<monitor::ConfigurationSample> configurations;
+  std::vector<monitor::TickSample> ticks;
+  std::vector<monitor::EventSample> events;
+  std::vector<monitor::ReplySample> replies;
+
+  void configuration(const monitor::ConfigurationSample& sample) override {
+    configurations.push_back(sample);
+  }
+  void tick(const monitor::TickSample& sample) override { ticks.push_back(sample); }
+  void plan(const monitor::PlanSample&) override {}
+  void planner(const monitor::PlannerSample&) override {}
+  void supervisor(const monitor::SupervisorSample&) override {}
+  void event(const monitor::EventSample& sample) override { events.push_back(sample); }
+  void timing(const monitor::TimingSample&) override {}
+  void truth(const monitor::TruthSample&) override {}
+  void reply(const monitor::ReplySample& sample) override { replies.push_back(sample); }
+};
+
+/// A record made in no time, as in lock-step.
+std::string write_record(const std::string& path) {
+  record::Recorder recorder(path, {});
+  recorder.take(record::configuration_sample(7, ""), 1);
+  for (std::uint64_t first = 0; first < 100; first += 20) {
+    recorder.take(record::ticks_sample(7, first, 20), 2);
+    if (first == 40) recorder.take(record::event_sample(7, "the robot walks"), 2);
+  }
+  return path;
+}
+
+class RecordSourceTest : public testing::Test {
+ protected:
+  /// What has come after so many milliseconds of playing.
+  const Sink& after(int time_ms) {
+    now = RecordSource::Clock::time_point(std::chrono::milliseconds(time_ms));
+    source.poll(sink);
+    return sink;
+  }
+
+  mcap::TemporaryFile file{"source"};
+  RecordSource::Clock::time_point now{};
+  RecordSource source{write_record(file.path()), [this] { return now; }};
+  Sink sink;
+};
+
+TEST_F(RecordSourceTest, PlaysByTheClockOfTheTorqueLoop) {
+  EXPECT_EQ(after(0).configurations.size(), 1u);
+  EXPECT_EQ(sink.ticks.size(), 20u);
+  EXPECT_EQ(after(19).ticks.size(), 20u);
+  EXPECT_EQ(after(21).ticks.size(), 40u);
+  EXPECT_TRUE(sink.events.empty());
+  EXPECT_EQ(after(41).ticks.size(), 60u);
+  EXPECT_EQ(sink.events.size(), 1u) << "with the ticks before it";
+  EXPECT_EQ(after(1000).ticks.size(), 100u);
+  EXPECT_EQ(after(2000).ticks.size(), 100u) << "once";
+}
+
+TEST_F(RecordSourceTest, PlaysAgainFromItsStart) {
+  after(0);
+  ASSERT_EQ(after(1000).ticks.size(), 100u);
+  source.play_again();
+  EXPECT_EQ(after(1500).ticks.size(), 120u) << "the first batch at once";
+  EXPECT_EQ(sink.ticks[100].record.tick, 0u);
+  EXPECT_EQ(sink.configurations.size(), 2u);
+  EXPECT_EQ(after(1521).ticks.size(), 140u);
+  EXPECT_EQ(after(3000).ticks.size(), 200u);
+}
+
+TEST_F(RecordSourceTest, TicksKeepTheirNumbers) {
+  after(0);
+  ASSERT_EQ(after(1000).ticks.size(), 100u);
+  for (std::size_t i = 0; i < sink.ticks.size(); ++i) EXPECT_EQ(sink.ticks[i].record.tick, i);
+}
+
+TEST_F(RecordSourceTest, TakesNoCommandsAndSaysSo) {
+  EXPECT_FALSE(source.live());
+  monitor::Command walk;
+  walk.kind = monitor::CommandKind::walk;
+  walk.commander = 3;
+  walk.sequence = 9;
+  source.command(walk);
+  monitor::Command heartbeat = walk;
+  heartbeat.kind = monitor::CommandKind::heartbeat;
+  heartbeat.sequence = 10;
+  source.command(heartbeat);
+  ASSERT_EQ(after(0).replies.size(), 1u);
+  EXPECT_FALSE(sink.replies[0].accepted);
+  EXPECT_EQ(sink.replies[0].commander, 3u);
+  EXPECT_EQ(sink.replies[0].sequence, 9u);
+  EXPECT_EQ(after(1).replies.size(), 1u);
+}
+
+/// Ticks 0 to 19, 5000 to 5019, and 0 to 19 of another run, whose clock begins anew.
+TEST(RecordSource, HolesAndOtherRunsTakeHalfASecondAtMost) {
+  const mcap::TemporaryFile file("holes");
+  {
+    record::Recorder recorder(file.path(), {});
+    recorder.take(record::configuration_sample(7, ""), 1);
+    recorder.take(record::ticks_sample(7, 0, 20), 2);
+    recorder.take(record::ticks_sample(7, 5000, 20), 2);
+    recorder.take(record::ticks_sample(7, 0, 20), 2);
+    recorder.take(record::ticks_sample(7, 20, 20), 2);
+  }
+  RecordSource::Clock::time_point now{};
+  RecordSource source{file.path(), [&now] { return now; }};
+  Sink sink;
+  const auto ticks_after = [&](int time_ms) {
+    now = RecordSource::Clock::time_point(std::chrono::milliseconds(time_ms));
+    source.poll(sink);
+    return sink.ticks.size();
+  };
+  EXPECT_EQ(ticks_after(0), 20u);
+  EXPECT_EQ(ticks_after(499), 20u);
+  EXPECT_EQ(ticks_after(501), 60u) << "the other run at once";
+  EXPECT_EQ(ticks_after(519), 60u);
+  EXPECT_EQ(ticks_after(521), 80u);
+}
+
+}  // namespace
+}  // namespace stilt::replay

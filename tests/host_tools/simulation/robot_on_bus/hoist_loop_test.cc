@@ -1,0 +1,65 @@
+// The stand with a robot in it, under the predictive controller or without any.
+#include <gtest/gtest.h>
+
+#include "tests/host_tools/simulation/robot_on_bus/mpc_driver.h"
+
+namespace stilt::robot_on_bus {
+namespace {
+
+using testing_support::DrivenRobot;
+using testing_support::MpcDriver;
+
+constexpr gait::GaitCommand kStand{gait::GaitKind::stand, 0.0};
+constexpr gait::GaitCommand kWalk{gait::GaitKind::walk, 0.5};
+
+TEST(HoistLoop, WithoutAControllerTheRobotHangsStill) {
+  DrivenRobot driven;
+  for (int i = 0; i < 5000; ++i) driven.tick();
+  EXPECT_EQ(driven.robot.hoist().state(), HoistState::holding);
+  const model::StateVector hanging = driven.robot.hoist().hanging();
+  EXPECT_LT((driven.robot.plant().state() - hanging).cwiseAbs().maxCoeff(), 0.05);
+  EXPECT_GT(driven.robot.plant().foot_position_m()[1], 0.0);
+  EXPECT_GT(driven.robot.plant().foot_position_m()[3], 0.0);
+}
+
+TEST(HoistLoop, DriversWithoutTorqueDoNotEndIt) {
+  DrivenRobot driven;
+  ASSERT_TRUE(driven.enable());
+  const hal::JointCommands nothing{};
+  for (int i = 0; i < 5000; ++i) driven.tick(&nothing);
+  EXPECT_EQ(driven.robot.hoist().state(), HoistState::holding);
+}
+
+TEST(HoistLoop, ARobotThatStandsIsLetGoAndWalksAway) {
+  DrivenRobot driven;
+  ASSERT_TRUE(driven.enable());
+  MpcDriver controller(driven);
+  for (int i = 0; i < 2500; ++i) controller.tick(kStand);
+  ASSERT_TRUE(driven.robot.hoist_released_s());
+  EXPECT_LT(*driven.robot.hoist_released_s(), 2.0);
+  for (int i = 0; i < 10'000; ++i) controller.tick(kWalk);
+  driven.robot.finish();
+  const log::RunSummary& summary = driven.robot.recorder().record().summary;
+  EXPECT_TRUE(summary.survived) << simulation::fall_text(driven.robot.recorder().fall());
+  EXPECT_NEAR(summary.mean_speed_m_s, 0.5, 0.03);
+  EXPECT_GT(summary.steps.size(), 25u);
+}
+
+TEST(HoistLoop, ARobotWhoseControllerFallsSilentFallsAndIsLiftedAgain) {
+  DrivenRobot driven;
+  ASSERT_TRUE(driven.enable());
+  MpcDriver controller(driven);
+  for (int i = 0; i < 2500; ++i) controller.tick(kStand);
+  for (int i = 0; i < 1000; ++i) controller.tick(kWalk);
+  for (int i = 0; i < 25; ++i) driven.tick();
+  EXPECT_FALSE(driven.robot.drivers().all_enabled()) << "watchdogs of 20 ms";
+  for (int i = 0; i < 8000; ++i) driven.tick();
+  const log::RunSummary& summary = driven.robot.recorder().record().summary;
+  EXPECT_FALSE(summary.survived);
+  EXPECT_GT(summary.fall_time_s, 1.0);
+  EXPECT_EQ(driven.robot.hoist().state(), HoistState::holding);
+  EXPECT_NEAR(driven.robot.plant().state()[1], driven.robot.hoist().hanging()[1], 0.02);
+}
+
+}  // namespace
+}  // namespace stilt::robot_on_bus

@@ -1,0 +1,148 @@
+#include "host_tools/simulation/robot_on_bus/hoist.h"
+
+#include <gtest/gtest.h>
+
+namespace stilt::robot_on_bus {
+namespace {
+
+constexpr double kWeight_N = 200.0;
+constexpr double kTick_s = 0.001;
+
+model::StateVector standing() {
+  model::StateVector state = model::StateVector::Zero();
+  state[1] = 0.8;
+  state.segment<4>(model::kFirstJoint) << -0.5, 0.7, -0.2, 0.6;
+  return state;
+}
+
+Hoist hoist() { return {HoistParameters{}, standing(), kWeight_N}; }
+
+void elapse(Hoist& hoist, const model::StateVector& state, bool torque_on, double duration_s) {
+  for (int i = 0; i < static_cast<int>(duration_s / kTick_s + 0.5); ++i) {
+    hoist.elapse(state, torque_on, kTick_s);
+  }
+}
+
+/// A hip so high that the rope is slack.
+model::StateVector carried() {
+  model::StateVector state = standing();
+  state[1] += 0.05;
+  return state;
+}
+
+TEST(Hoist, TheHangingRobotIsInEquilibriumJustAboveTheGround) {
+  const Hoist stand = hoist();
+  const model::StateVector hanging = stand.hanging();
+  EXPECT_DOUBLE_EQ(hanging[1], 0.805);
+  model::PositionVector weight = model::PositionVector::Zero();
+  weight[1] = kWeight_N;
+  EXPECT_TRUE(stand.force(hanging).isApprox(weight));
+}
+
+TEST(Hoist, TheRopeOnlyPulls) {
+  const Hoist stand = hoist();
+  EXPECT_EQ(stand.force(carried())[1], 0.0);
+}
+
+TEST(Hoist, TheLegRestsAreTooWeakToStandOn) {
+  const Hoist stand = hoist();
+  model::StateVector bent = stand.hanging();
+  bent[model::kFirstJoint] += 1.0;
+  EXPECT_EQ(stand.force(bent)[model::kFirstJoint], -HoistParameters{}.rest_limit_Nm);
+}
+
+TEST(Hoist, ARobotWithoutTorqueIsHeldEvenWhenTheRopeIsSlack) {
+  Hoist stand = hoist();
+  elapse(stand, carried(), false, 60.0);
+  EXPECT_EQ(stand.state(), HoistState::holding);
+  EXPECT_EQ(stand.releases(), 0);
+}
+
+TEST(Hoist, ARobotThatCarriesItselfIsLetGo) {
+  Hoist stand = hoist();
+  elapse(stand, carried(), true, 0.25);
+  EXPECT_EQ(stand.state(), HoistState::lowering) << "not before it has carried itself for 0.3 s";
+  elapse(stand, carried(), true, 0.1);
+  EXPECT_EQ(stand.state(), HoistState::releasing);
+  elapse(stand, carried(), true, 0.2);
+  EXPECT_EQ(stand.state(), HoistState::off);
+  EXPECT_EQ(stand.releases(), 1);
+  EXPECT_TRUE(stand.force(standing()).isZero());
+}
+
+TEST(Hoist, AShortReliefOfTheRopeIsNotEnough) {
+  Hoist stand = hoist();
+  model::StateVector sunk = standing();
+  sunk[1] -= 0.1;
+  for (int i = 0; i < 10; ++i) {
+    elapse(stand, carried(), true, 0.25);
+    elapse(stand, sunk, true, 0.01);
+  }
+  EXPECT_EQ(stand.releases(), 0);
+}
+
+TEST(Hoist, ItLetsGoWithoutAJolt) {
+  Hoist stand = hoist();
+  model::StateVector leaning = carried();
+  leaning[model::kFirstAngle] = 0.05;
+  elapse(stand, leaning, true, 0.32);
+  double before_Nm = stand.force(leaning)[model::kFirstAngle];
+  const double whole_Nm = 0.05 * HoistParameters{}.pitch_stiffness_Nm_rad;
+  const double step_Nm = 1.01 * whole_Nm * kTick_s / HoistParameters{}.release_s;
+  while (stand.state() != HoistState::off) {
+    stand.elapse(leaning, true, kTick_s);
+    const double now_Nm = stand.force(leaning)[model::kFirstAngle];
+    ASSERT_LE(std::abs(now_Nm - before_Nm), step_Nm);
+    before_Nm = now_Nm;
+  }
+  EXPECT_EQ(before_Nm, 0.0);
+}
+
+TEST(Hoist, TheRopeIsTakenInAgainWhenTheMotorsGiveUp) {
+  Hoist stand = hoist();
+  const model::StateVector hanging = stand.hanging();
+  elapse(stand, hanging, true, 0.5);
+  EXPECT_EQ(stand.state(), HoistState::lowering);
+  EXPECT_LT(stand.force(hanging)[1], kWeight_N);
+  elapse(stand, hanging, false, 5.0);
+  EXPECT_EQ(stand.state(), HoistState::holding);
+  EXPECT_DOUBLE_EQ(stand.force(hanging)[1], kWeight_N);
+}
+
+TEST(Hoist, TheRopeIsPaidOutAtItsSpeedAndOnlySoFar) {
+  Hoist stand = hoist();
+  const HoistParameters parameters;
+  model::StateVector sunk = stand.hanging();  // as low as the rope ends, so it carries to the end
+  sunk[1] -= parameters.lowering_limit_m;
+  model::StateVector higher = stand.hanging();
+  higher[1] -= 0.01;
+  elapse(stand, sunk, true, parameters.torque_on_s);
+  const double before_N = stand.force(higher)[1];
+  elapse(stand, sunk, true, 0.01);
+  EXPECT_NEAR(before_N - stand.force(higher)[1],
+              0.01 * parameters.lowering_speed_m_s * parameters.rope_stiffness_N_m, 1e-6);
+  elapse(stand, sunk, true, 100.0);
+  EXPECT_EQ(stand.state(), HoistState::lowering);
+  EXPECT_NEAR(stand.force(sunk)[1], kWeight_N, 1e-6);
+}
+
+TEST(Hoist, AFallenRobotIsLiftedToWhereItHangs) {
+  Hoist stand = hoist();
+  elapse(stand, carried(), true, 1.0);
+  ASSERT_EQ(stand.state(), HoistState::off);
+  model::StateVector fallen = standing();
+  fallen[0] = 3.0;
+  fallen[1] = 0.3;
+  fallen[2] = 1.1;
+  stand.take(fallen);
+  EXPECT_EQ(stand.state(), HoistState::lifting);
+  EXPECT_NEAR(stand.force(fallen)[2], 0.0, 1e-9) << "no jerk when it is taken";
+  elapse(stand, fallen, true, 10.0);
+  model::StateVector hanging = stand.hanging();
+  hanging[0] = 3.0;
+  EXPECT_NEAR(stand.force(hanging)[0], 0.0, 1e-9) << "it hangs where it fell";
+  EXPECT_NEAR(stand.force(hanging)[2], 0.0, 1e-9);
+}
+
+}  // namespace
+}  // namespace stilt::robot_on_bus

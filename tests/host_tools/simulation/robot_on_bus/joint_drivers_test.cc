@@ -1,0 +1,106 @@
+#include "host_tools/simulation/robot_on_bus/joint_drivers.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/host_tools/simulation/robot_on_bus/driven_robot.h"
+
+namespace stilt::robot_on_bus {
+namespace {
+
+using testing_support::DrivenRobot;
+using testing_support::RobotRequest;
+
+/// The shipped wiring with other drivers.
+RobotRequest drivers(const std::string& protocol, const std::string& ratio) {
+  RobotRequest request;
+  for (const std::string which : {"hip_driver", "knee_driver"}) {
+    request.settings.push_back(which + ".protocol=" + protocol);
+    request.settings.push_back(which + ".ratio=" + ratio);
+    request.settings.push_back(which + ".position_range_rad=40");
+    request.settings.push_back(which + ".moteus_kp_Nm_rev=4000");
+    request.settings.push_back(which + ".moteus_kd_Nms_rev=400");
+    request.settings.push_back(which + ".odrive_watchdog_timeout_endpoint=17");
+    request.settings.push_back(which + ".odrive_enable_watchdog_endpoint=18");
+  }
+  request.settings.emplace_back("knee_L.offset_rad=0.4");
+  return request;
+}
+
+class JointDriversOf : public testing::TestWithParam<const char*> {};
+
+TEST_P(JointDriversOf, WhatIsCommandedAtTheJointArrivesAtTheJoint) {
+  DrivenRobot driven(drivers(GetParam(), "6"));
+  ASSERT_TRUE(driven.enable());
+  hal::JointCommands commands;
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    commands[joint] = {.torque_Nm = joint % 2 == 0 ? 5.0 : -7.0, .torque_limit_Nm = 80};
+  }
+  driven.tick(&commands);
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    EXPECT_NEAR(driven.robot.drivers().torque_Nm(joint), commands[joint].torque_Nm, 0.4) << joint;
+  }
+}
+
+TEST_P(JointDriversOf, TheMotionOfTheJointComesBack) {
+  DrivenRobot driven(drivers(GetParam(), "6"));
+  ASSERT_TRUE(driven.enable());
+  const hal::JointCommands nothing{};
+  for (int i = 0; i < 3; ++i) driven.tick(&nothing);
+  const model::StateVector state = driven.robot.plant().state();
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    const auto q = static_cast<int>(model::kFirstJoint + joint);
+    EXPECT_NEAR(driven.readings[joint].position_rad, state[q], 1e-3) << joint;
+    EXPECT_NEAR(driven.readings[joint].velocity_rad_s, state[model::kPositions + q], 0.02) << joint;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(EveryProtocol, JointDriversOf, testing::Values("mit_damiao", "moteus", "odrive"),
+                         [](const auto& row) { return std::string(row.param); });
+
+/// The pitch as an extra encoder of a joint's driver, whichever way it is mounted.
+TEST(JointDrivers, AnExtraEncoderShowsThePitchOfTheBase) {
+  for (const char* reversed : {"false", "true"}) {
+    RobotRequest request = drivers("moteus", "6");
+    request.settings.emplace_back("base_sensor.encoder_joint=2");
+    request.settings.emplace_back(std::string("base_sensor.encoder_reversed=") + reversed);
+    request.settings.emplace_back("base_sensor.encoder_offset_rad=0.15");
+    DrivenRobot driven(request);
+    ASSERT_TRUE(driven.enable());
+    const hal::JointCommands nothing{};
+    for (int i = 0; i < 3; ++i) driven.tick(&nothing);
+    const model::StateVector state = driven.robot.plant().state();
+    EXPECT_EQ(driven.base.missed, 0u);
+    EXPECT_NEAR(driven.base.pitch_rad, state[model::kFirstAngle], 1e-3) << reversed;
+    EXPECT_NEAR(driven.base.pitch_rate_rad_s, state[model::kPositions + model::kFirstAngle], 0.02)
+        << reversed;
+  }
+}
+
+TEST(JointDrivers, ADriverThatIsNotEnabledGivesNoTorque) {
+  DrivenRobot driven;
+  hal::JointCommands commands;
+  for (hal::JointCommand& command : commands) command = {.torque_Nm = 20, .torque_limit_Nm = 80};
+  driven.tick(&commands);
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    EXPECT_EQ(driven.robot.drivers().torque_Nm(joint), 0.0);
+  }
+}
+
+TEST(JointDrivers, TheDriversLawSeesTheMotionOfEachTimeStep) {
+  DrivenRobot driven;
+  ASSERT_TRUE(driven.enable());
+  hal::JointCommands commands;
+  for (hal::JointCommand& command : commands) command = {.kd_Nms_rad = 4, .torque_limit_Nm = 80};
+  commands[0].torque_Nm = 40;  // the left hip swings
+  driven.tick(&commands);
+  driven.robot.step(driven.now_ns);
+  const double first_Nm = driven.robot.drivers().torque_Nm(0);
+  driven.robot.step(driven.now_ns);
+  const double second_Nm = driven.robot.drivers().torque_Nm(0);
+  const double velocity_rad_s = driven.robot.plant().state()[model::kPositions + model::kFirstJoint];
+  EXPECT_NE(first_Nm, second_Nm) << "no command came in between";
+  EXPECT_NEAR(second_Nm, 40 - 4 * velocity_rad_s, 0.1);
+}
+
+}  // namespace
+}  // namespace stilt::robot_on_bus

@@ -1,0 +1,148 @@
+#include "host_tools/simulation/robot_on_bus/lockstep_exchange.h"
+
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <stdexcept>
+
+#include "hal/can/lockstep.h"
+#include "tests/host_tools/simulation/robot_on_bus/driven_robot.h"
+
+namespace stilt::robot_on_bus {
+namespace {
+
+using hal::CanFrame;
+using hal::kControllerSyncId;
+using hal::kRobotSyncId;
+using hal::sync_frame;
+using testing_support::RobotRequest;
+using testing_support::setup_of;
+
+/// The robot's end of a bus in memory; the test is the controller.
+class MemoryBus final : public hal::FrameBus {
+ public:
+  [[nodiscard]] hal::SendResult send(std::span<const CanFrame> frames) noexcept override {
+    const std::size_t taken = std::min(frames.size(), room);
+    room -= taken;
+    to_controller.insert(to_controller.end(), frames.begin(),
+                         frames.begin() + static_cast<std::ptrdiff_t>(taken));
+    return {taken, taken < frames.size() ? hal::BusStatus::queue_full : hal::BusStatus::ok};
+  }
+  [[nodiscard]] hal::ReceiveResult receive(std::span<CanFrame> frames) noexcept override {
+    const std::size_t count = std::min(frames.size(), to_robot.size());
+    std::copy_n(to_robot.begin(), count, frames.begin());
+    to_robot.erase(to_robot.begin(), to_robot.begin() + static_cast<std::ptrdiff_t>(count));
+    return {count, to_robot.empty() ? hal::BusStatus::ok : hal::BusStatus::more};
+  }
+  [[nodiscard]] hal::BusHealth health() const noexcept override { return hal::BusHealth::active; }
+  void clear_bus_off() noexcept override {}
+  [[nodiscard]] const hal::BusCounters& counters() const noexcept override { return counters_; }
+
+  std::deque<CanFrame> to_robot, to_controller;
+  std::size_t room = 1000;
+
+ private:
+  hal::BusCounters counters_;
+};
+
+class LockstepExchangeTest : public testing::Test {
+ protected:
+  void end_turn(std::uint64_t tick) {
+    for (MemoryBus& bus : buses_) bus.to_robot.push_back(sync_frame(kControllerSyncId, tick));
+  }
+  [[nodiscard]] static bool ends_with_sync(const MemoryBus& bus, std::uint64_t tick) {
+    return !bus.to_controller.empty() && bus.to_controller.back() == sync_frame(kRobotSyncId, tick);
+  }
+
+  std::array<MemoryBus, 2> buses_;
+  FrameLog log_{""};
+  RobotOnBus robot_{setup_of({{"base_sensor.rate_hz=1000"}, {}, {}, {}})};  ///< a frame a tick
+  std::array<hal::FrameBus*, 2> ends_of_buses_{&buses_[0], &buses_[1]};
+  BusEnds ends_{robot_, ends_of_buses_, log_};
+  LockstepExchange exchange_{robot_, ends_, 0.001};
+};
+
+TEST_F(LockstepExchangeTest, TickZeroIsAnsweredWithoutAdvancing) {
+  end_turn(0);
+  EXPECT_TRUE(exchange_.poll());
+  EXPECT_EQ(robot_.ticks(), 0u);
+  for (const MemoryBus& bus : buses_) EXPECT_TRUE(ends_with_sync(bus, 0));
+}
+
+TEST_F(LockstepExchangeTest, EachLaterTickAdvancesByOneAndEndsWithSync) {
+  for (std::uint64_t tick = 0; tick < 5; ++tick) {
+    end_turn(tick);
+    ASSERT_TRUE(exchange_.poll());
+    EXPECT_EQ(robot_.ticks(), tick);
+    for (const MemoryBus& bus : buses_) EXPECT_TRUE(ends_with_sync(bus, tick));
+  }
+  EXPECT_EQ(buses_[0].to_controller.size(), 5u + 4u) << "syncs, and the base sensor from tick 1 on";
+}
+
+TEST_F(LockstepExchangeTest, NothingHappensBeforeEveryBusHasEndedItsTurn) {
+  end_turn(0);
+  ASSERT_TRUE(exchange_.poll());
+  buses_[0].to_robot.push_back(sync_frame(kControllerSyncId, 1));
+  EXPECT_FALSE(exchange_.poll());
+  EXPECT_EQ(robot_.ticks(), 0u);
+  buses_[1].to_robot.push_back(sync_frame(kControllerSyncId, 1));
+  EXPECT_TRUE(exchange_.poll());
+  EXPECT_EQ(robot_.ticks(), 1u);
+}
+
+TEST_F(LockstepExchangeTest, CommandsAreAnsweredInTheirTick) {
+  end_turn(0);
+  ASSERT_TRUE(exchange_.poll());
+  buses_[0].to_controller.clear();
+  CanFrame enter = hal::classic_frame(1, 8);
+  enter.data = {0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xfc};
+  buses_[0].to_robot.push_back(enter);
+  EXPECT_FALSE(exchange_.poll());
+  EXPECT_TRUE(buses_[0].to_controller.empty()) << "not before the turn is over";
+  end_turn(1);
+  ASSERT_TRUE(exchange_.poll());
+  ASSERT_EQ(buses_[0].to_controller.size(), 3u);
+  EXPECT_EQ(buses_[0].to_controller[0].id, 0x11u) << "the driver's reply";
+}
+
+TEST_F(LockstepExchangeTest, AControllerThatLosesCountIsToldSo) {
+  end_turn(0);
+  ASSERT_TRUE(exchange_.poll());
+  end_turn(2);
+  EXPECT_THROW(exchange_.poll(), std::runtime_error);
+}
+
+TEST_F(LockstepExchangeTest, AControllerCannotBeginInTheMiddle) {
+  end_turn(7);
+  EXPECT_THROW(exchange_.poll(), std::runtime_error);
+}
+
+TEST_F(LockstepExchangeTest, ANewControllerBeginsAtZeroAndTheRobotsTimeGoesOn) {
+  for (std::uint64_t tick = 0; tick < 4; ++tick) {
+    end_turn(tick);
+    ASSERT_TRUE(exchange_.poll());
+  }
+  exchange_.forget_controller();
+  exchange_.advance_alone();
+  for (std::uint64_t tick = 0; tick < 2; ++tick) {
+    end_turn(tick);
+    ASSERT_TRUE(exchange_.poll());
+  }
+  EXPECT_EQ(robot_.ticks(), 3u + 1u + 1u);
+}
+
+TEST_F(LockstepExchangeTest, AFullQueueDelaysTheTurnButLosesNothing) {
+  end_turn(0);
+  ASSERT_TRUE(exchange_.poll());
+  end_turn(1);
+  buses_[0].room = 1;
+  ASSERT_TRUE(exchange_.poll());
+  EXPECT_FALSE(ends_with_sync(buses_[0], 1));
+  buses_[0].room = 1000;
+  EXPECT_FALSE(exchange_.poll());
+  EXPECT_TRUE(ends_with_sync(buses_[0], 1));
+  EXPECT_EQ(buses_[0].to_controller.size(), 3u);
+}
+
+}  // namespace
+}  // namespace stilt::robot_on_bus

@@ -1,0 +1,374 @@
+#include "host_tools/web/monitor/live_view.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <functional>
+#include <utility>
+
+#include "fake_peer.h"
+#include "firmware/supervisor/fault.h"
+#include "firmware/supervisor/state.h"
+#include "synthetic_source.h"
+
+namespace stilt::monitor {
+namespace {
+
+/// A source that only remembers what it was told.
+class SilentSource final : public SampleSource {
+ public:
+  void poll(SampleSink& sink) override {
+    if (answers) {
+      for (const Command& command : commands) {
+        if (command.kind != CommandKind::heartbeat)
+          sink.reply({command.commander, command.sequence, refusal.empty(), refusal});
+      }
+    }
+    answers = false;
+    if (news) news(sink);
+    news = nullptr;
+  }
+  void command(const Command& command) override { commands.push_back(command); }
+  [[nodiscard]] std::string describe() const override { return "nothing"; }
+  [[nodiscard]] bool live() const override { return true; }
+  [[nodiscard]] bool has_token() const override { return true; }
+
+  [[nodiscard]] int heartbeats() const {
+    return static_cast<int>(std::count_if(commands.begin(), commands.end(), [](const Command& command) {
+      return command.kind == CommandKind::heartbeat;
+    }));
+  }
+
+  std::vector<Command> commands;
+  bool answers = false;
+  std::string refusal;                    ///< of all commands; empty: accepted
+  std::function<void(SampleSink&)> news;  ///< given once
+};
+
+constexpr const char* kWalk = R"({"command": "walk", "sequence": 7, "value": 0.5})";
+
+TEST(LiveView, APageIsGreetedWithTheSupervisorsTables) {
+  SilentSource source;
+  LiveView view(source);
+  const auto page = std::make_shared<FakePeer>();
+  view.opened(page);
+  view.step(0.0);
+  const auto hello = page->of_type("hello").at(0);
+  EXPECT_EQ(hello["faults"].size(), supervisor::kFaults);
+  EXPECT_EQ(hello["states"].size(), supervisor::kStates);
+  EXPECT_EQ(hello["columns"]["ticks"][1], "state0");
+}
+
+TEST(LiveView, TheHeartbeatOfAPageInCommandGoesOnAsLongAsThePageLives) {
+  SilentSource source;
+  LiveView view(source);
+  const auto page = std::make_shared<FakePeer>();
+  view.opened(page);
+  view.step(0.0);
+  EXPECT_EQ(source.heartbeats(), 0) << "a page that only looks does not command";
+  view.received(*page, false, kWalk);
+  source.answers = true;
+  view.step(0.2);
+  for (int k = 1; k <= 20; ++k) {
+    view.received(*page, false, R"({"alive": true})");
+    view.step(0.2 + 0.1 * k);
+  }
+  const int lively = source.heartbeats();
+  EXPECT_GE(lively, 19);
+  for (int k = 1; k <= 20; ++k) view.step(2.2 + 0.1 * k);
+  EXPECT_LE(source.heartbeats() - lively, 6) << "silent for longer than kPageSilence_s";
+}
+
+TEST(LiveView, AHeartbeatHasTheTokenOfThePagesCommand) {
+  SilentSource source;
+  LiveView view(source);
+  const auto page = std::make_shared<FakePeer>(false);
+  view.opened(page);
+  view.received(*page, false, R"({"command": "walk", "sequence": 7, "value": 0.5, "token": "of the page"})");
+  source.answers = true;
+  view.step(0.0);
+  view.step(0.2);
+  ASSERT_EQ(source.commands.back().kind, CommandKind::heartbeat);
+  EXPECT_EQ(source.commands.back().token, "of the page");
+  EXPECT_EQ(source.commands.back().commander, source.commands[0].commander);
+}
+
+TEST(LiveView, ARefusedCommandPutsNoPageInCommand) {
+  SilentSource source;
+  source.refusal = "the robot has fallen";
+  LiveView view(source);
+  const auto page = std::make_shared<FakePeer>();
+  view.opened(page);
+  view.received(*page, false, kWalk);
+  source.answers = true;
+  view.step(0.0);
+  view.step(0.2);
+  EXPECT_EQ(source.heartbeats(), 0);
+  EXPECT_EQ(page->of_type("reply").at(0)["reason"], "the robot has fallen");
+}
+
+TEST(LiveView, AnotherSessionTakesTheCommandFromThePageAndBeginsItsTicksAnew) {
+  SilentSource source;
+  LiveView view(source);
+  const auto page = std::make_shared<FakePeer>();
+  view.opened(page);
+  view.received(*page, false, kWalk);
+  source.answers = true;
+  const auto begin = [](const char* session, std::uint64_t tick) {
+    return [=](SampleSink& sink) {
+      ConfigurationSample configuration;
+      configuration.session = session;
+      sink.configuration(configuration);
+      TickSample sample;
+      sample.record.tick = tick;
+      sink.tick(sample);
+    };
+  };
+  source.news = begin("1", 5);
+  view.step(0.0);
+  view.received(*page, false, kWalk);
+  source.answers = true;
+  view.step(0.2);
+  ASSERT_EQ(source.heartbeats(), 1) << "in command";
+  source.news = begin("2", 100);
+  view.step(0.3);
+  view.received(*page, false, R"({"alive": true})");
+  view.step(0.5);
+  EXPECT_EQ(source.heartbeats(), 1);
+  EXPECT_EQ(page->of_type("link").back()["missing"], 0);
+}
+
+TEST(LiveView, AClosedPageIsNotSpokenFor) {
+  SilentSource source;
+  LiveView view(source);
+  const auto page = std::make_shared<FakePeer>();
+  view.opened(page);
+  view.received(*page, false, kWalk);
+  view.step(0.0);
+  source.answers = true;
+  view.step(0.11);
+  view.closed(*page);
+  const int before = source.heartbeats();
+  view.step(0.3);
+  view.step(0.5);
+  EXPECT_EQ(source.heartbeats(), before);
+}
+
+TEST(LiveView, ThePageWhoseCommandWasAcceptedLastIsInCommandAlone) {
+  SilentSource source;
+  LiveView view(source);
+  const auto first = std::make_shared<FakePeer>();
+  const auto second = std::make_shared<FakePeer>();
+  view.opened(first);
+  view.opened(second);
+  view.received(*first, false, kWalk);
+  view.step(0.0);
+  source.answers = true;
+  view.step(0.01);
+  view.received(*second, false, kWalk);
+  view.step(0.02);
+  source.answers = true;
+  view.step(0.03);
+  source.commands.clear();
+  for (int k = 0; k < 5; ++k) {
+    view.received(*first, false, R"({"alive": true})");
+    view.step(0.6 + 0.11 * k);  // the second page is silent
+  }
+  EXPECT_EQ(source.heartbeats(), 0);
+}
+
+TEST(LiveView, TheTokenIsLentToPagesOfThisMachineOnly) {
+  SilentSource source;
+  LiveView view(source);
+  const auto far = std::make_shared<FakePeer>(false);
+  view.opened(far);
+  view.received(*far, false, kWalk);
+  view.step(0.0);
+  EXPECT_TRUE(source.commands.empty());
+  EXPECT_FALSE(far->of_type("hello").at(0)["has_token"]);
+  const auto reply = far->of_type("reply").at(0);
+  EXPECT_FALSE(reply["accepted"]);
+  EXPECT_NE(reply["reason"].get<std::string>().find("token"), std::string::npos);
+  view.received(*far, false, R"({"command": "walk", "sequence": 8, "value": 0.5, "token": "t"})");
+  view.step(0.1);
+  ASSERT_EQ(source.commands.size(), 1u);
+  EXPECT_EQ(source.commands[0].token, "t");
+}
+
+TEST(LiveView, WhatIsNoMessageOfThePageIsRefusedAndTheViewGoesOn) {
+  for (const char* text :
+       {"", "{", "[]", "7", R"({"command": "fly", "sequence": 1})", R"({"command": "walk"})",
+        R"({"command": 5, "sequence": 1})", R"({"command": "walk", "sequence": -1e99})",
+        R"({"command": "walk", "sequence": 4294967296})",
+        R"({"command": "walk", "sequence": 1, "value": 1e999})", R"({"command": "walk", "sequence": 1.5})",
+        R"({"command": "walk", "sequence": 1, "token": 7})",
+        R"({"command": "walk", "sequence": 1, "value": "fast"})", "\xff\xfe"}) {
+    SilentSource source;
+    LiveView view(source);
+    const auto page = std::make_shared<FakePeer>();
+    view.opened(page);
+    view.received(*page, false, text);
+    view.step(0.0);
+    EXPECT_TRUE(source.commands.empty()) << text;
+    const auto replies = page->of_type("reply");
+    ASSERT_EQ(replies.size(), 1u) << text;
+    EXPECT_FALSE(replies[0]["accepted"]) << text;
+  }
+}
+
+TEST(LiveView, EveryCommandGoesOnWithItsNumbers) {
+  const std::pair<const char*, CommandKind> kinds[] = {
+      {"stand", CommandKind::stand},     {"step", CommandKind::step},
+      {"walk", CommandKind::walk},       {"speed", CommandKind::speed},
+      {"height", CommandKind::height},   {"sit", CommandKind::sit},
+      {"stop", CommandKind::stop},       {"reset", CommandKind::reset},
+      {"tunable", CommandKind::tunable}, {"heartbeat", CommandKind::heartbeat}};
+  for (const auto& [text, kind] : kinds) {
+    SilentSource source;
+    LiveView view(source);
+    const auto page = std::make_shared<FakePeer>();
+    view.opened(page);
+    view.received(*page, false,
+                  std::string(R"({"command": ")") + text +
+                      R"(", "sequence": 4294967295, "value": -0.25, "tunable": "cost.base_z"})");
+    view.step(0.0);
+    ASSERT_EQ(source.commands.size(), 1u) << text;
+    EXPECT_EQ(source.commands[0].kind, kind);
+    EXPECT_EQ(source.commands[0].sequence, 4294967295u);
+    EXPECT_EQ(source.commands[0].value, -0.25);
+    EXPECT_EQ(source.commands[0].tunable, "cost.base_z");
+    EXPECT_NE(source.commands[0].commander, 0u);
+  }
+}
+
+TEST(LiveView, AGapInTheTicksIsCounted) {
+  SyntheticSource source;
+  LiveView view(source);
+  const auto page = std::make_shared<FakePeer>();
+  view.opened(page);
+  source.advance(0.0);
+  view.step(0.0);
+  source.advance(0.1);
+  view.step(0.1);
+  source.change("drop 17");
+  source.advance(0.3);
+  view.step(0.3);
+  EXPECT_EQ(page->of_type("link").back()["missing"], 17);
+}
+
+std::uint32_t rows_of_ticks(const FakePeer& page) {
+  std::uint32_t ticks = 0;
+  for (const SharedMessage& message : page.messages) {
+    if (!message->binary || message->bytes[0] != static_cast<char>(Table::ticks)) continue;
+    std::uint32_t rows = 0;
+    std::memcpy(&rows, message->bytes.data() + 4, sizeof rows);
+    ticks += rows;
+  }
+  return ticks;
+}
+
+TEST(LiveView, APageThatOpensLaterGetsTheLastSeconds) {
+  SyntheticSource source;
+  LiveView view(source);
+  for (int k = 0; k <= 50; ++k) {
+    source.advance(0.1 * k);
+    view.step(0.1 * k);
+  }
+  const auto page = std::make_shared<FakePeer>();
+  view.opened(page);
+  view.step(5.01);
+  EXPECT_EQ(rows_of_ticks(*page), 5000u);
+  EXPECT_EQ(page->of_type("configuration").size(), 1u);
+  EXPECT_EQ(page->of_type("supervisor").size(), 1u);
+}
+
+TEST(LiveView, APageThatOpensLaterGetsNoMoreThanTheLastTwelveSeconds) {
+  SyntheticSource source;
+  LiveView view(source);
+  for (int k = 0; k <= 200; ++k) {
+    source.advance(0.1 * k);
+    view.step(0.1 * k);
+  }
+  const auto page = std::make_shared<FakePeer>();
+  view.opened(page);
+  view.step(20.0);
+  EXPECT_NEAR(rows_of_ticks(*page), 12'000, 200);
+}
+
+TEST(LiveView, AnotherSessionLeavesNothingOfTheOneBefore) {
+  SyntheticSource source;
+  LiveView view(source);
+  source.advance(0.0);
+  view.step(0.0);
+  source.advance(1.0);
+  view.step(1.0);
+  source.change("session");
+  view.step(1.01);
+  const auto page = std::make_shared<FakePeer>();
+  view.opened(page);
+  view.step(1.02);
+  EXPECT_EQ(page->of_type("configuration").at(0)["session"], "synthetic-2");
+  for (const SharedMessage& message : page->messages) EXPECT_FALSE(message->binary);
+  EXPECT_TRUE(page->of_type("supervisor").empty());
+}
+
+TEST(LiveView, ARecordTakesNoCommands) {
+  SyntheticSource source;
+  source.change("record");
+  LiveView view(source);
+  const auto page = std::make_shared<FakePeer>();
+  view.opened(page);
+  view.received(*page, false, kWalk);
+  view.step(0.0);
+  EXPECT_FALSE(page->of_type("reply").at(0)["accepted"]);
+}
+
+/// A source that counts what is asked of a record.
+class Record final : public SampleSource {
+ public:
+  void poll(SampleSink& sink) override {
+    if (polls++ > 0) return;
+    ConfigurationSample sample;
+    sample.session = "7";
+    sink.configuration(sample);
+    sink.event({});
+  }
+  void command(const Command&) override {}
+  void play_again() override { polls = 0; }
+  [[nodiscard]] std::string describe() const override { return "walk.mcap"; }
+  [[nodiscard]] bool live() const override { return false; }
+  int polls = 0;
+};
+
+TEST(LiveView, ARecordWaitsForItsFirstPage) {
+  Record source;
+  LiveView view(source);
+  view.step(0.0);
+  EXPECT_EQ(source.polls, 0);
+  view.opened(std::make_shared<FakePeer>());
+  view.step(0.1);
+  EXPECT_EQ(source.polls, 1);
+}
+
+TEST(LiveView, ARecordPlayedAgainBeginsAnewOnEveryPage) {
+  Record source;
+  LiveView view(source);
+  const auto first = std::make_shared<FakePeer>(), second = std::make_shared<FakePeer>();
+  view.opened(first);
+  view.opened(second);
+  view.step(0.0);
+  view.received(*first, false, R"({"again": true})");
+  view.step(0.1);
+  for (const auto& page : {first, second}) {
+    EXPECT_EQ(page->of_type("hello").size(), 2u);
+    EXPECT_EQ(page->of_type("configuration").size(), 2u);
+  }
+  const auto third = std::make_shared<FakePeer>();
+  view.opened(third);
+  view.step(0.2);
+  EXPECT_EQ(third->of_type("event").size(), 1u) << "of this time alone";
+}
+
+}  // namespace
+}  // namespace stilt::monitor

@@ -1,0 +1,197 @@
+#include "host_tools/web/monitor/message_decoder.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+
+#include "firmware/telemetry/tick_batch.h"
+#include "host_tools/web/monitor/message_samples.h"
+
+namespace stilt::monitor {
+namespace {
+
+/// Keeps what it is given.
+class Kept final : public SampleSink {
+ public:
+  void configuration(const ConfigurationSample& sample) override { configurations.push_back(sample); }
+  void tick(const TickSample& sample) override { ticks.push_back(sample); }
+  void plan(const PlanSample&) override {}
+  void planner(const PlannerSample&) override {}
+  void supervisor(const SupervisorSample&) override {}
+  void event(const EventSample&) override {}
+  void timing(const TimingSample&) override {}
+  void truth(const TruthSample&) override {}
+  void reply(const ReplySample&) override {}
+
+  std::vector<ConfigurationSample> configurations;
+  std::vector<TickSample> ticks;
+};
+
+template <class Message>
+telemetry::Sample on(const telemetry::Topic& topic, const Message& message) {
+  telemetry::Sample sample;
+  sample.topic = &topic;
+  sample.cdr = telemetry::encode(message);
+  return sample;
+}
+
+/// stiltd of that session, started at that time of day, its clock beginning at 5 s, with one tunable.
+telemetry::Sample configuration(std::uint64_t session, std::int64_t start_time_ns) {
+  char empty[] = "", robot[] = "amber3m", key[] = "cost.base_z", file[] = "/run/token";
+  std::array<stilt_msgs_msg_dds__Tunable_, 1> tunables{{{key, empty, empty, 0.0, 1000.0, 400.0}}};
+  telemetry::ConfigurationInForce message{};
+  message.session = session;
+  message.start_time_ns = start_time_ns;
+  message.start_clock_ns = 5'000'000'000;
+  message.robot = robot;
+  message.configuration = message.version = message.compiler = message.instruction_set = message.realtime =
+      empty;
+  message.token_file = file;
+  message.tunables._buffer = tunables.data();
+  message.tunables._length = message.tunables._maximum = 1;
+  return on(telemetry::kConfiguration, message);
+}
+
+telemetry::Sample one_tick(std::uint64_t session, std::uint64_t tick) {
+  telemetry::TickBatchBuilder builder;
+  control_loop::TickRecord record;
+  record.tick = tick;
+  record.time_ns = 5'000'000'000 + static_cast<std::int64_t>(tick) * 1'000'000;
+  builder.add(record);
+  builder.message().session = session;
+  return on(telemetry::kTicks, builder.message());
+}
+
+TEST(MessageDecoder, TicksCountTheirTimeFromTheControllersStart) {
+  MessageDecoder decoder;
+  Kept kept;
+  decoder.take(configuration(1, 100), kept);
+  decoder.take(one_tick(1, 250), kept);
+  ASSERT_EQ(kept.ticks.size(), 1u);
+  EXPECT_NEAR(kept.ticks[0].time_s, 0.25, 1e-12);
+  EXPECT_EQ(kept.ticks[0].record.tick, 250u);
+}
+
+TEST(MessageDecoder, SamplesWithoutAKnownSessionAreLeftOutAndNotCalledAnothers) {
+  MessageDecoder decoder;
+  Kept kept;
+  decoder.take(one_tick(1, 0), kept);
+  EXPECT_TRUE(kept.ticks.empty());
+  EXPECT_EQ(decoder.of_others(), 0u);
+}
+
+TEST(MessageDecoder, ANewerSessionTakesOverAndAnOlderOneDoesNot) {
+  MessageDecoder decoder;
+  Kept kept;
+  decoder.take(configuration(1, 100), kept);
+  decoder.take(configuration(2, 200), kept);
+  decoder.take(configuration(3, 150), kept);
+  EXPECT_EQ(decoder.session(), 2u);
+  ASSERT_EQ(kept.configurations.size(), 2u);
+  EXPECT_EQ(kept.configurations[1].session, "0000000000000002");
+}
+
+TEST(MessageDecoder, OnlyASecondControllerThatTalksWhileTheFirstDoesIsCounted) {
+  MessageDecoder decoder;
+  Kept kept;
+  decoder.take(configuration(1, 100), kept);
+  decoder.take(one_tick(1, 0), kept);
+  decoder.take(one_tick(9, 0), kept);
+  EXPECT_EQ(decoder.of_others(), 0u) << "it may be the next session, whose configuration is on its way";
+  decoder.take(one_tick(1, 1), kept);
+  EXPECT_EQ(decoder.of_others(), 1u);
+  EXPECT_EQ(kept.ticks.size(), 2u);
+}
+
+TEST(MessageDecoder, TunablesThatChangeComeAsTheConfigurationAnew) {
+  MessageDecoder decoder;
+  Kept kept;
+  decoder.take(configuration(1, 100), kept);
+  char empty[] = "";
+  double value = 350.0;
+  telemetry::Tuning tuning{};
+  tuning.session = 1;
+  tuning.number = 1;
+  tuning.key = tuning.commander = empty;
+  tuning.values._buffer = &value;
+  tuning.values._length = tuning.values._maximum = 1;
+  decoder.take(on(telemetry::kTuning, tuning), kept);
+  ASSERT_EQ(kept.configurations.size(), 2u);
+  EXPECT_EQ(kept.configurations[0].tunables.at(0).value, 400.0);
+  EXPECT_EQ(kept.configurations[1].tunables.at(0).value, 350.0);
+  tuning.values._length = 0;
+  decoder.take(on(telemetry::kTuning, tuning), kept);
+  EXPECT_EQ(kept.configurations.size(), 2u) << "as many values as tunables, or none of them";
+}
+
+TEST(MessageDecoder, BytesThatAreNoMessageAreLeftOut) {
+  MessageDecoder decoder;
+  Kept kept;
+  decoder.take(configuration(1, 100), kept);
+  telemetry::Sample sample = one_tick(1, 0);
+  sample.cdr.resize(sample.cdr.size() / 2);
+  decoder.take(sample, kept);
+  sample.cdr.clear();
+  decoder.take(sample, kept);
+  EXPECT_TRUE(kept.ticks.empty());
+}
+
+TEST(MessageSamples, APlanWhoseSequencesContradictEachOtherHasNoKnots) {
+  std::array<float, 3> times{0.0f, 0.1f, 0.2f}, base{0.0f, 0.8f, 0.0f};
+  telemetry::Plan message{};
+  message.time_s._buffer = times.data();
+  message.time_s._length = 3;
+  message.base._buffer = base.data();
+  message.base._length = 3;
+  EXPECT_TRUE(plan_sample(message).knots.empty());
+}
+
+TEST(MessageSamples, AKnotOfAPlanHasItsTimeBaseFeetForcesAndWhatCarries) {
+  std::array<float, 2> times{0.0f, 0.25f};
+  std::array<std::uint8_t, 2> contact{1, 2};
+  std::array<float, 6> base{0.0f, 0.75f, 0.5f, 1.0f, 0.875f, -0.5f};
+  std::array<float, 8> feet{1, 2, 3, 4, 5, 6, 7, 8}, forces{10, 20, 30, 40, 50, 60, 70, 80};
+  const auto lend = [](auto& sequence, auto& numbers) {
+    sequence._buffer = numbers.data();
+    sequence._length = static_cast<std::uint32_t>(numbers.size());
+  };
+  telemetry::Plan message{};
+  message.start_time_s = 2.0;
+  lend(message.time_s, times);
+  lend(message.contact, contact);
+  lend(message.base, base);
+  lend(message.foot_position_m, feet);
+  lend(message.contact_force_N, forces);
+  const std::vector<PlanKnot> knots = plan_sample(message).knots;
+  ASSERT_EQ(knots.size(), 2u);
+  EXPECT_TRUE(knots[0].left_carries && !knots[0].right_carries);
+  EXPECT_TRUE(!knots[1].left_carries && knots[1].right_carries);
+  EXPECT_EQ(knots[1].time_s, 2.25);
+  EXPECT_EQ(knots[1].hip_x_m, 1.0);
+  EXPECT_EQ(knots[1].hip_z_m, 0.875);
+  EXPECT_EQ(knots[1].pitch_rad, -0.5);
+  EXPECT_EQ(knots[1].foot_position_m[3], 8.0);
+  EXPECT_EQ(knots[1].contact_force_N[0], 50.0);
+}
+
+TEST(MessageSamples, EmptyBinsOfAHistogramAreLeftOutAndEdgesStayTheirs) {
+  std::array<float, 3> edges{64.0f, 72.0f, 80.0f};
+  std::array<std::uint64_t, 3> counts{5, 0, 7};
+  char name[] = "wakeup";
+  stilt_msgs_msg_dds__Histogram_ histogram{};
+  histogram.name = name;
+  histogram.lower_edge_us._buffer = edges.data();
+  histogram.lower_edge_us._length = 3;
+  histogram.bin._buffer = counts.data();
+  histogram.bin._length = 3;
+  telemetry::Timing message{};
+  message.histograms._buffer = &histogram;
+  message.histograms._length = 1;
+  const TimingSample sample = timing_sample(message);
+  ASSERT_EQ(sample.histograms.size(), 1u);
+  EXPECT_EQ(sample.histograms[0].upper_edge_us, (std::vector<double>{72.0, 90.0}));
+  EXPECT_EQ(sample.histograms[0].in_bin, (std::vector<std::uint64_t>{5, 7}));
+}
+
+}  // namespace
+}  // namespace stilt::monitor

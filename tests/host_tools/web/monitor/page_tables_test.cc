@@ -1,0 +1,99 @@
+#include "host_tools/web/monitor/page_tables.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "host_tools/web/monitor/page_messages.h"
+
+namespace stilt::monitor {
+namespace {
+
+/// The number in a column of a tick's only row.
+double shown(const control_loop::TickRecord& record, const std::string& column) {
+  const std::vector<TickSample> ticks = {{0.0, record}};
+  const SharedMessage message = ticks_message(ticks);
+  const auto names = all_column_names().at("ticks").get<std::vector<std::string>>();
+  const auto found = std::ranges::find(names, column);
+  if (found == names.end()) throw std::out_of_range("no column " + column);
+  float number;
+  std::memcpy(&number,
+              message->bytes.data() + 24 + sizeof number * static_cast<std::size_t>(found - names.begin()),
+              sizeof number);
+  return static_cast<double>(number);
+}
+
+TEST(PageTables, NumbersOfATableAreWhereItsHeadSays) {
+  TickSample tick;
+  tick.record.tick = 12;
+  tick.time_s = 3.25;
+  tick.record.estimated_state[7] = 0.5;
+  TickSample later = tick;
+  later.time_s = 3.5;
+  const std::vector<TickSample> ticks = {tick, later};
+  const SharedMessage message = ticks_message(ticks);
+  const auto number_at = [&](auto zero, std::size_t offset) {
+    std::memcpy(&zero, message->bytes.data() + offset, sizeof zero);
+    return zero;
+  };
+  EXPECT_EQ(number_at(std::uint32_t{}, 4), 2u);
+  EXPECT_EQ(number_at(double{}, 8), 3.25);
+  EXPECT_EQ(number_at(double{}, 16), 12.0);
+  const std::size_t row = (message->bytes.size() - 24) / 2;
+  EXPECT_EQ(number_at(float{}, 24 + row), 0.25f);
+  EXPECT_EQ(number_at(float{}, 24 + 8 * sizeof(float)), 0.5f) << "state7, after the time";
+}
+
+TEST(PageTables, ColumnsOfATickAreThoseThatThePageKnows) {
+  std::vector<std::string> names = {"time_s"};
+  const auto add = [&](const std::string& name, int count) {
+    for (int k = 0; k < count; ++k) names.push_back(name + std::to_string(k));
+  };
+  add("state", 14);
+  add("commanded_position_rad", 4);
+  add("commanded_torque_Nm", 4);
+  add("measured_torque_Nm", 4);
+  for (const char* name :
+       {"ramp", "plan_age_ms", "wakeup_us", "execution_us", "round_trip_us", "state_number", "rung"}) {
+    names.emplace_back(name);
+  }
+  EXPECT_EQ(all_column_names().at("ticks").get<std::vector<std::string>>(), names);
+}
+
+TEST(PageTables, AFieldStandsUnderItsColumnInItsUnit) {
+  control_loop::TickRecord record;
+  record.estimated_state[13] = 0.5;
+  record.joints[2].torque_Nm = -3.0;
+  record.plan_age_s = 0.0625;
+  record.wakeup_ns = 12'500;
+  record.execution_ns = 1'000;
+  record.round_trip_ns = 250'000;
+  record.state = supervisor::State::walk;
+  record.level = supervisor::FallbackLevel::plan_feedback;
+  EXPECT_EQ(shown(record, "state13"), 0.5);
+  EXPECT_EQ(shown(record, "measured_torque_Nm2"), -3.0);
+  EXPECT_EQ(shown(record, "plan_age_ms"), 62.5);
+  EXPECT_EQ(shown(record, "wakeup_us"), 12.5);
+  EXPECT_EQ(shown(record, "execution_us"), 1.0);
+  EXPECT_EQ(shown(record, "round_trip_us"), 250.0);
+  EXPECT_EQ(shown(record, "state_number"), static_cast<double>(supervisor::State::walk));
+  EXPECT_EQ(shown(record, "rung"), static_cast<double>(supervisor::FallbackLevel::plan_feedback));
+}
+
+TEST(PageTables, TheTorqueOfACommandIsItsFeedForwardAndItsGains) {
+  control_loop::TickRecord record;
+  record.joints[2].position_rad = 0.125;
+  record.joints[2].velocity_rad_s = 0.5;
+  record.sent[2] = {0.375, 1.0, 2.0, 100.0, 5.0, 80.0};
+  EXPECT_EQ(shown(record, "commanded_torque_Nm2"), 0.0) << "nothing was sent";
+  EXPECT_TRUE(std::isnan(shown(record, "commanded_position_rad2")));
+  record.action = supervisor::Action::commands;
+  EXPECT_EQ(shown(record, "commanded_torque_Nm2"), 2.0 + 100.0 * 0.25 + 5.0 * 0.5);
+  EXPECT_EQ(shown(record, "commanded_position_rad2"), 0.375);
+}
+
+}  // namespace
+}  // namespace stilt::monitor

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <deque>
+#include <string>
+
+#include "host_tools/web/monitor/sample_source.h"
+
+namespace stilt::monitor {
+
+/// A robot made of a few sines instead of physics: it stands, steps and walks when it is told to, at the
+/// speed it is told, and speaks like stiltd. For tests of the page. Its time is that given to advance().
+class SyntheticSource final : public SampleSource {
+ public:
+  static constexpr const char* kToken = "open-sesame";
+
+  SyntheticSource();
+
+  /// Ticks up to `now_s` of any steady clock are there at the next poll().
+  void advance(double now_s);
+
+  /// Changes something, in words: "silent", "talk", "fault NAME", "over NAME", "drop N", "session",
+  /// "others", "push N", "record". Throws std::invalid_argument when it is none of them.
+  void change(const std::string& words);
+
+  void poll(SampleSink& sink) override;
+  void command(const Command& command) override;
+  [[nodiscard]] std::string describe() const override { return "a synthetic robot"; }
+  [[nodiscard]] bool live() const override { return live_; }
+  [[nodiscard]] bool has_token() const override { return true; }
+  [[nodiscard]] std::uint64_t of_others() const override { return of_others_; }
+
+ private:
+  [[nodiscard]] std::string refusal(const Command& command) const;
+  void obey(const Command& command);
+  void tick(SampleSink& sink);
+  void introduce(SampleSink& sink);
+  void say_slowly(SampleSink& sink);
+  void tell(const std::string& text, bool serious);
+  [[nodiscard]] PlanKnot knot(double ahead_s) const;
+  [[nodiscard]] SupervisorSample supervisor_sample() const;
+  [[nodiscard]] TimingSample timing_sample() const;
+
+  double now_s_ = -1.0, start_s_ = -1.0;
+  bool silent_ = false, live_ = true, introduce_ = true;
+  int session_ = 1;
+  std::uint64_t ticks_ = 0, of_others_ = 0;
+  double hip_x_m_ = 0.0, speed_m_s_ = 0.0, wanted_m_s_ = 0.0, phase_ = 0.0, push_N_ = 0.0;
+  int state_ = 4;  ///< stands
+  std::uint32_t present_ = 0, latched_ = 0;
+  double swing_height_m_ = 0.06, hip_height_m_ = 0.78;
+  std::deque<ReplySample> replies_;
+  std::deque<EventSample> events_;
+};
+
+}  // namespace stilt::monitor

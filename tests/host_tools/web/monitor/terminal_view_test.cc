@@ -1,0 +1,87 @@
+#include "host_tools/web/monitor/terminal_view.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "synthetic_source.h"
+
+namespace stilt::monitor {
+namespace {
+
+std::string after_a_second(SyntheticSource& source, TerminalView& view) {
+  source.advance(0.0);
+  view.step(0.0);
+  source.advance(1.2);
+  view.step(1.2);
+  return view.text(100, 40);
+}
+
+bool holds(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+TEST(TerminalView, ShowsStateSpeedSolverTimingAndThatNoFaultIsThere) {
+  SyntheticSource source;
+  TerminalView view(source);
+  const std::string text = after_a_second(source, view);
+  for (const char* part : {"amber3m   live", "state     stand", "speed     +0.00 m/s", "solver    ", "wakeup",
+                           "deadline 500 us", "faults    none"}) {
+    EXPECT_TRUE(holds(text, part)) << part << " is not in\n" << text;
+  }
+}
+
+TEST(TerminalView, AFaultSaysItsCauseAndWhatClearsIt) {
+  SyntheticSource source;
+  source.change("fault bus_off");
+  TerminalView view(source);
+  const std::string text = after_a_second(source, view);
+  EXPECT_TRUE(holds(text, "FAULT     bus_off (now): the controller of a bus took itself off")) << text;
+  EXPECT_TRUE(holds(text, "clears when: every bus is on; then reset")) << text;
+}
+
+TEST(TerminalView, AFaultThatIsOverWaitsForItsReset) {
+  SyntheticSource source;
+  source.change("fault bus_off");
+  TerminalView view(source);
+  after_a_second(source, view);
+  source.change("over bus_off");
+  source.advance(1.4);
+  view.step(1.4);
+  EXPECT_TRUE(holds(view.text(100, 40), "FAULT     bus_off (waits for reset)")) << view.text(100, 40);
+}
+
+TEST(TerminalView, OldDataAreCalledOld) {
+  SyntheticSource source;
+  TerminalView view(source);
+  EXPECT_TRUE(holds(view.text(100, 40), "waiting for a controller"));
+  after_a_second(source, view);
+  source.change("silent");
+  view.step(4.2);
+  EXPECT_TRUE(holds(view.text(100, 40), "OLD: no data for 3.0 s")) << view.text(100, 40);
+}
+
+TEST(TerminalView, NoLineIsLongerThanTheTerminal) {
+  SyntheticSource source;
+  source.change("fault joint_torque_limit");
+  TerminalView view(source);
+  after_a_second(source, view);
+  std::size_t length = 0;
+  for (const char letter : view.text(40, 40)) {
+    length = letter == '\n' ? 0 : length + 1;
+    EXPECT_LE(length, 40u);
+  }
+}
+
+TEST(TerminalView, ASmallTerminalShowsStateAndFaultsAndLeavesOutTheRest) {
+  SyntheticSource source;
+  source.change("fault bus_off");
+  TerminalView view(source);
+  after_a_second(source, view);
+  const std::string text = view.text(100, 7);
+  EXPECT_EQ(std::ranges::count(text, '\n'), 7);
+  EXPECT_TRUE(holds(text, "state     ")) << text;
+  EXPECT_TRUE(holds(text, "FAULT     bus_off")) << text;
+  EXPECT_FALSE(holds(text, "timing")) << text;
+}
+
+}  // namespace
+}  // namespace stilt::monitor
