@@ -13,18 +13,13 @@ struct PhaseSpeed {
   double peak_share = 0.0;
 };
 
-/// The phases on one problem, the machine's peak and the plain versions, all measured in turns.
+/// The phases on one problem and the machine's peak, measured in turns.
 struct PhaseSpeeds {
   double peak_gflop_s = 0.0;
   PhaseSpeed linearise;
   PhaseSpeed sweep;  ///< what linearise_and_sweep() takes beyond linearise()
   PhaseSpeed evaluate;
   double textbook_sweep_share = 0.0;  ///< of the peak, counting textbook_sweep_flops() instead
-  double backward_sweep_us = 0.0;     ///< alone, as plain_sweep_us
-  double plain_sweep_us = 0.0;
-  double plain_linearise_us = 0.0;
-  double batched_nodes_us = 0.0;
-  double scalar_nodes_us = 0.0;
 };
 
 /// Medians over that many rounds (a fraction of a millisecond each). `work`: of one run of each phase.

@@ -5,9 +5,6 @@
 namespace stilt::benchmark {
 namespace {
 
-using model::Batch;
-using model::kInputs;
-using model::kLanes;
 using model::kStates;
 
 /// Keeps the compiler from leaving out a result nobody reads.
@@ -25,8 +22,7 @@ PlannerKernels::PlannerKernels(const control::Planner& planner)
       linearised_(models_, data_, problem_, iterate_),
       first_orders_(linearised_.first_orders()),
       gains_(static_cast<std::size_t>(stages())),
-      steps_(gains_.size() + 1),
-      plain_(linearised_.stages, linearised_.terminal) {}
+      steps_(gains_.size() + 1) {}
 
 void PlannerKernels::linearise() { linearise_all(models_, data_, problem_, iterate_); }
 
@@ -54,44 +50,6 @@ void PlannerKernels::sweep() {
 }
 
 void PlannerKernels::evaluate() { keep(ocp::evaluate(data_, problem_, iterate_)); }
-
-void PlannerKernels::plain_linearise() {
-  for (int b = 0; b < problem_.batches; ++b) {
-    const ocp::StageBatch& batch = problem_.batch[b];
-    for (int lane = 0; lane < batch.lanes; ++lane) {
-      benchmark::plain_linearise(data_, batch, lane, iterate_, plain_model_);
-      keep(plain_model_);
-    }
-  }
-}
-
-void PlannerKernels::scalar_nodes() {
-  model::NodeDerivatives<double> node;
-  for (int k = 0; k < stages(); ++k) {
-    if (problem_.horizon.stage[static_cast<std::size_t>(k)].kind != ocp::StageKind::flow) continue;
-    data_.robot->node_derivatives(iterate_.x[k], iterate_.u[k], data_.joint_parameters, node);
-    keep(node);
-  }
-}
-
-void PlannerKernels::batched_nodes() {
-  model::NodeDerivatives<Batch> node;
-  Batch parameters[2 * model::kJoints];
-  for (int i = 0; i < 2 * model::kJoints; ++i) parameters[i] = Batch(data_.joint_parameters[i]);
-  for (int b = 0; b < problem_.batches; ++b) {
-    const ocp::StageBatch& batch = problem_.batch[b];
-    Batch x[kStates];
-    Batch u[kInputs];
-    for (int i = 0; i < kStates; ++i) {
-      x[i] = Batch([&](auto lane) { return iterate_.x[batch.stage[lane]][i]; });
-    }
-    for (int i = 0; i < kInputs; ++i) {
-      u[i] = Batch([&](auto lane) { return iterate_.u[batch.stage[lane]][i]; });
-    }
-    data_.robot->node_derivatives(x, u, parameters, node);
-    keep(node);
-  }
-}
 
 long long PlannerKernels::textbook_sweep_flops() const noexcept {
   long long sum = 0;

@@ -3,14 +3,12 @@
 #include <vector>
 
 #include "host_tools/benchmark/linearised_problem.h"
-#include "host_tools/benchmark/plain_linearise.h"
-#include "host_tools/benchmark/plain_sweep.h"
 #include "mpc_core/control/planner.h"
 
 namespace stilt::benchmark {
 
 /// The problem that a planner solved last, at its solution, with every kernel of the solver ready to be run
-/// alone, and plain versions of the same work beside them. Large: to be placed on the heap.
+/// alone. Large: to be placed on the heap.
 class PlannerKernels {
  public:
   /// Copies problem and solution; the planner must have planned.
@@ -25,11 +23,11 @@ class PlannerKernels {
   void sweep();
   void backward_sweep();
 
-  /// Plain versions on the same data.
-  void plain_sweep() { plain_.run(); }  ///< backward only, in fixed-size Eigen
-  void plain_linearise();               ///< all flow stages, node by node in fixed-size Eigen
-  void scalar_nodes();                  ///< generated derivatives of all flow stages, one by one
-  void batched_nodes();                 ///< the same, a batch at a time
+  /// What the kernels work on.
+  [[nodiscard]] const ocp::ProblemData& data() const noexcept { return data_; }
+  [[nodiscard]] const ocp::Problem& problem() const noexcept { return problem_; }
+  [[nodiscard]] const ocp::Trajectory& iterate() const noexcept { return iterate_; }
+  [[nodiscard]] const LinearisedProblem& linearised() const noexcept { return linearised_; }
 
   [[nodiscard]] int stages() const noexcept { return problem_.horizon.stages; }
 
@@ -47,8 +45,6 @@ class PlannerKernels {
   std::vector<lq::LqStep> steps_;
   lq::RiccatiWorkspace workspace_;
   alignas(64) double x0_[lq::kRows] = {};
-  PlainSweep plain_;
-  PlainModel plain_model_;
 };
 
 /// Floating-point operations of the recursion in riccati.h at its least: dense matrices, symmetric ones by

@@ -41,15 +41,7 @@ Json speeds_json(const PhaseSpeeds& s) {
           {"linearise", phase_json(s.linearise)},
           {"riccati", phase_json(s.sweep)},
           {"line_search_step", phase_json(s.evaluate)},
-          {"riccati_textbook_peak_share", s.textbook_sweep_share},
-          {"backward_sweep_us", s.backward_sweep_us},
-          {"eigen_sweep_us", s.plain_sweep_us},
-          {"eigen_over_sweep", s.plain_sweep_us / s.backward_sweep_us},
-          {"eigen_linearise_us", s.plain_linearise_us},
-          {"eigen_over_linearise", s.plain_linearise_us / s.linearise.time_us},
-          {"batched_nodes_us", s.batched_nodes_us},
-          {"scalar_nodes_us", s.scalar_nodes_us},
-          {"scalar_over_batched_nodes", s.scalar_nodes_us / s.batched_nodes_us}};
+          {"riccati_textbook_peak_share", s.textbook_sweep_share}};
 }
 
 void print_phase(const char* name, const PhaseSpeed& speed) {
@@ -99,12 +91,6 @@ void print_bench(const PlannerTimings& timings, const PhaseSpeeds& s, double hor
   print_phase("linearise", s.linearise);
   print_phase("riccati", s.sweep);
   print_phase("trial step", s.evaluate);
-  std::printf("against plain  backward sweep %.1f us, in fixed-size Eigen %.1f us: %.2f times\n",
-              s.backward_sweep_us, s.plain_sweep_us, s.plain_sweep_us / s.backward_sweep_us);
-  std::printf("               linearisation %.1f us, node by node in fixed-size Eigen %.1f us: %.2f times\n",
-              s.linearise.time_us, s.plain_linearise_us, s.plain_linearise_us / s.linearise.time_us);
-  std::printf("               generated derivatives %.1f us in batches, %.1f us one by one: %.2f times\n",
-              s.batched_nodes_us, s.scalar_nodes_us, s.scalar_nodes_us / s.batched_nodes_us);
 }
 
 }  // namespace stilt::cli

@@ -1,11 +1,13 @@
 #include <benchmark/benchmark.h>
 
+#include <functional>
 #include <map>
 #include <memory>
 
 #include "host_tools/benchmark/interleaved.h"
 #include "host_tools/benchmark/planner_kernels.h"
 #include "host_tools/benchmark/walking_planner.h"
+#include "tests/benchmarks/plain_kernels.h"
 #include "tests/robots.h"
 
 /// Phases of the planner and the whole plan, on the problem of a walking robot at several horizons, with the
@@ -15,35 +17,42 @@
 namespace stilt::benchmark {
 namespace {
 
-using Kernel = void (PlannerKernels::*)();
+/// Both versions of the kernels on one problem.
+struct Versions {
+  PlannerKernels fast;
+  PlainKernels plain;
+};
+using Kernel = std::function<void(Versions&)>;
 
 double horizon_s(const ::benchmark::State& state) { return 1e-3 * static_cast<double>(state.range(0)); }
 
-PlannerKernels& kernels_for(const ::benchmark::State& state) {
-  static std::map<std::int64_t, std::unique_ptr<PlannerKernels>> known;
-  std::unique_ptr<PlannerKernels>& kernels = known[state.range(0)];
-  if (!kernels)
-    kernels = std::make_unique<PlannerKernels>(
-        *WalkingPlanner(horizon_s(state), testing_support::amber3m()).planner);
-  return *kernels;
+Versions& versions_for(const ::benchmark::State& state) {
+  static std::map<std::int64_t, std::unique_ptr<Versions>> known;
+  std::unique_ptr<Versions>& versions = known[state.range(0)];
+  if (!versions) {
+    const WalkingPlanner walking(horizon_s(state), testing_support::amber3m());
+    const auto kernels = std::make_unique<PlannerKernels>(*walking.planner);
+    versions = std::make_unique<Versions>(*kernels, PlainKernels(*kernels));
+  }
+  return *versions;
 }
 
-void run(::benchmark::State& state, Kernel kernel) {
-  PlannerKernels& kernels = kernels_for(state);
+void run(::benchmark::State& state, const Kernel& kernel) {
+  Versions& versions = versions_for(state);
   for (auto _ : state) {
-    (kernels.*kernel)();
+    kernel(versions);
     ::benchmark::ClobberMemory();
   }
-  state.counters["stages"] = kernels.stages();
+  state.counters["stages"] = versions.fast.stages();
 }
 
 /// Times `plain`, and the ratio to `fast` over as many turns as it ran.
-void run_beside(::benchmark::State& state, Kernel plain, Kernel fast) {
+void run_beside(::benchmark::State& state, const Kernel& plain, const Kernel& fast) {
   constexpr int kRounds = 200;
-  PlannerKernels& kernels = kernels_for(state);
+  Versions& versions = versions_for(state);
   run(state, plain);
   const std::vector<double> time_s =
-      interleaved_medians_s({[&] { (kernels.*plain)(); }, [&] { (kernels.*fast)(); }}, kRounds);
+      interleaved_medians_s({[&] { plain(versions); }, [&] { fast(versions); }}, kRounds);
   state.counters["times_slower"] = time_s[0] / time_s[1];
 }
 
@@ -51,33 +60,46 @@ void horizons(::benchmark::internal::Benchmark* bench) {
   bench->ArgName("ms")->Arg(200)->Arg(500)->Arg(1000)->Arg(2000)->Unit(::benchmark::kMicrosecond);
 }
 
-void linearise(::benchmark::State& state) { run(state, &PlannerKernels::linearise); }
+void linearise(::benchmark::State& state) {
+  run(state, [](Versions& on) { on.fast.linearise(); });
+}
 BENCHMARK(linearise)->Apply(horizons);
 
 void linearise_in_eigen(::benchmark::State& state) {
-  run_beside(state, &PlannerKernels::plain_linearise, &PlannerKernels::linearise);
+  run_beside(
+      state, [](Versions& on) { on.plain.linearise(); }, [](Versions& on) { on.fast.linearise(); });
 }
 BENCHMARK(linearise_in_eigen)->Apply(horizons);
 
-void derivatives_in_batches(::benchmark::State& state) { run(state, &PlannerKernels::batched_nodes); }
+void derivatives_in_batches(::benchmark::State& state) {
+  run(state, [](Versions& on) { on.plain.batched_nodes(); });
+}
 BENCHMARK(derivatives_in_batches)->Apply(horizons);
 
 void derivatives_one_by_one(::benchmark::State& state) {
-  run_beside(state, &PlannerKernels::scalar_nodes, &PlannerKernels::batched_nodes);
+  run_beside(
+      state, [](Versions& on) { on.plain.scalar_nodes(); }, [](Versions& on) { on.plain.batched_nodes(); });
 }
 BENCHMARK(derivatives_one_by_one)->Apply(horizons);
 
-void evaluate(::benchmark::State& state) { run(state, &PlannerKernels::evaluate); }
+void evaluate(::benchmark::State& state) {
+  run(state, [](Versions& on) { on.fast.evaluate(); });
+}
 BENCHMARK(evaluate)->Apply(horizons);
 
-void riccati(::benchmark::State& state) { run(state, &PlannerKernels::sweep); }
+void riccati(::benchmark::State& state) {
+  run(state, [](Versions& on) { on.fast.sweep(); });
+}
 BENCHMARK(riccati)->Apply(horizons);
 
-void riccati_backward(::benchmark::State& state) { run(state, &PlannerKernels::backward_sweep); }
+void riccati_backward(::benchmark::State& state) {
+  run(state, [](Versions& on) { on.fast.backward_sweep(); });
+}
 BENCHMARK(riccati_backward)->Apply(horizons);
 
 void riccati_backward_in_eigen(::benchmark::State& state) {
-  run_beside(state, &PlannerKernels::plain_sweep, &PlannerKernels::backward_sweep);
+  run_beside(
+      state, [](Versions& on) { on.plain.sweep(); }, [](Versions& on) { on.fast.backward_sweep(); });
 }
 BENCHMARK(riccati_backward_in_eigen)->Apply(horizons);
 

@@ -2,9 +2,9 @@
 
 #include <vector>
 
-#include "host_tools/benchmark/plain_sweep.h"
 #include "mpc_core/lq/care.h"
 #include "mpc_core/lq/riccati.h"
+#include "tests/benchmarks/plain_sweep.h"
 #include "tests/mpc_core/lq/random_lq.h"
 
 /// The Riccati sweep against the same recursion in fixed-size Eigen, on the same data in the same run: 134

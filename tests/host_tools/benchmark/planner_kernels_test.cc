@@ -7,6 +7,9 @@
 #include <memory>
 
 #include "host_tools/benchmark/phase_speeds.h"
+#include "tests/benchmarks/plain_linearise.h"
+#include "tests/benchmarks/plain_sweep.h"
+#include "tests/mpc_core/lq/dense_stage.h"
 #include "tests/robots.h"
 
 namespace stilt::benchmark {
@@ -32,8 +35,9 @@ struct EssentialModel {
       : EssentialModel(m.A, m.B.leftCols(m.free), m.Q, m.S.topRows(m.free),
                        m.R.topLeftCorner(m.free, m.free)) {}
   explicit EssentialModel(const LqStage& stage)
-      : EssentialModel(dense_dynamics(stage), columns(stage.B, stage.free_inputs), dense_hessian(stage),
-                       columns(stage.S, stage.free_inputs).transpose(), input_hessian(stage)) {}
+      : EssentialModel(lq::testing::dense_dynamics(stage), columns(stage.B, stage.free_inputs),
+                       lq::testing::dense_hessian(stage), columns(stage.S, stage.free_inputs).transpose(),
+                       input_hessian(stage)) {}
 
  private:
   static Eigen::MatrixXd columns(const double (*from)[lq::kRows], int count) {

@@ -44,7 +44,7 @@ double relative(const std::vector<Vector>& terms) {
 PlainStage plain(const LqStage& stage) {
   const int m = stage.free_inputs;
   PlainStage out;
-  out.A = benchmark::dense_dynamics(stage);
+  out.A = dense_dynamics(stage);
   out.B = read_columns(stage.B, m);
   out.Q = read_columns(stage.Q, kStates);
   out.S = read_columns(stage.S, m).transpose();

@@ -7,6 +7,7 @@
 
 #include "host_tools/benchmark/lq_stage.h"
 #include "mpc_core/lq/riccati.h"
+#include "tests/mpc_core/lq/dense_stage.h"
 
 /// Seeded random LQ problems and what a test knows about their solution independently of the sweep.
 namespace stilt::lq::testing {

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "mpc_core/lq/riccati.h"
+#include "tests/mpc_core/lq/dense_stage.h"
 #include "tests/mpc_core/ocp/planning_scene.h"
 #include "tests/mpc_core/ocp/scalar_ocp.h"
 #include "tests/robots.h"
@@ -40,10 +41,10 @@ struct PlainStage {
     const int free = lq_stage.free_inputs;
     const int n = kStates + free;
     dynamics.resize(kStates, n);
-    dynamics << benchmark::dense_dynamics(lq_stage), Padded(&lq_stage.B[0][0], kRows, free).topRows(kStates);
+    dynamics << lq::testing::dense_dynamics(lq_stage), Padded(&lq_stage.B[0][0], kRows, free).topRows(kStates);
     defect = Eigen::Map<const Vector>(lq_stage.b, kStates);
     hessian.resize(n, n);
-    hessian.topLeftCorner(kStates, kStates) = benchmark::dense_hessian(lq_stage);
+    hessian.topLeftCorner(kStates, kStates) = lq::testing::dense_hessian(lq_stage);
     hessian.topRightCorner(kStates, free) = Padded(&lq_stage.S[0][0], kRows, free).topRows(kStates);
     hessian.bottomLeftCorner(free, kStates) = hessian.topRightCorner(kStates, free).transpose();
     gradient.resize(n);

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "tests/mpc_core/lq/dense_stage.h"
 #include "tests/mpc_core/ocp/planning_scene.h"
 #include "tests/mpc_core/ocp/scalar_ocp.h"
 #include "tests/robots.h"
@@ -67,7 +68,7 @@ TEST(Transition, DerivativesAreThoseOfTheImpactMap) {
     const Eigen::MatrixXd expected = testing_support::jacobian(after, z);
     const model::StateVector reached = after(z);
     ASSERT_EQ(lq_stage.free_inputs, 0);
-    const auto dynamics = benchmark::dense_dynamics(lq_stage);
+    const auto dynamics = lq::testing::dense_dynamics(lq_stage);
     for (int r = 0; r < kStates; ++r) {
       EXPECT_NEAR(lq_stage.b[r], reached[r] - scene.guess.x[1][r], 1e-11 * (1.0 + std::abs(reached[r])));
       for (int c = 0; c < kStates; ++c) {
@@ -90,7 +91,7 @@ TEST(Transition, CostIsTheSquaredHorizontalVelocityBeforeTheTouchDown) {
     };
     const Eigen::MatrixXd gradient =
         testing_support::jacobian(cost, testing_support::stage_variables(scene.guess, 0));
-    const auto hessian = benchmark::dense_hessian(lq_stage);
+    const auto hessian = lq::testing::dense_hessian(lq_stage);
     for (int c = 0; c < kStates; ++c)
       EXPECT_NEAR(lq_stage.q[c], gradient(0, c), 1e-11 * (1.0 + gradient.norm()));
     // The Gauss-Newton model of a squared linear form: its value at the velocities is the cost itself.
@@ -107,7 +108,7 @@ TEST(Transition, IdentityLeavesTheStateAlone) {
   const auto scene = touchdown_scene(testing_support::amber3m(), true, false, 3);
   scene->data.discretisation.transition = Transition::identity;
   const Linearisation model(scene->data, scene->problem, scene->guess);
-  EXPECT_TRUE(benchmark::dense_dynamics(model.stages[0]).isIdentity(0.0));
+  EXPECT_TRUE(lq::testing::dense_dynamics(model.stages[0]).isIdentity(0.0));
   for (int c = 0; c < kStates; ++c) {
     EXPECT_EQ(model.stages[0].b[c], scene->guess.x[0][c] - scene->guess.x[1][c]);
   }

@@ -1,4 +1,4 @@
-#include "host_tools/benchmark/plain_linearise.h"
+#include "tests/benchmarks/plain_linearise.h"
 
 #include <Eigen/QR>
 #include <cmath>

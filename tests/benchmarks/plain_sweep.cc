@@ -1,10 +1,12 @@
-#include "host_tools/benchmark/plain_sweep.h"
+#include "tests/benchmarks/plain_sweep.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
+
+#include "tests/mpc_core/lq/dense_stage.h"
 
 namespace stilt::benchmark {
 namespace {
@@ -33,8 +35,8 @@ void copy_symmetric(const double (*from)[kRows], Matrix& to) {
 
 template <class Stage>
 void copy_state_part(const LqStage& from, Stage& to) {
-  to.A = dense_dynamics(from);
-  to.Q = dense_hessian(from);
+  to.A = lq::testing::dense_dynamics(from);
+  to.Q = lq::testing::dense_hessian(from);
   copy_vector(from.b, to.b);
   copy_vector(from.q, to.q);
 }
