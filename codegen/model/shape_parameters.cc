@@ -4,6 +4,7 @@
 
 #include "codegen/urdf/shape_numbers.h"
 
+// Numbers of a robot as arguments: docs/decisions/0016-robots-as-data.md
 namespace stilt::codegen {
 
 TreeNumbers shape_parameters(Graph& graph, const PlanarTree& tree) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+// One control loop for robot, simulation and replay: docs/decisions/0015-one-control-loop.md
 namespace stilt::control_loop {
 namespace {
 

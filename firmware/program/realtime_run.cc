@@ -16,6 +16,7 @@
 #include "hal/robot/clock.h"
 #include "hal/robot/round_trip.h"
 
+// Threads and mailboxes: docs/decisions/0005-stiltd.md
 namespace stilt::program {
 namespace {
 

@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 
+// Proofs of real time: docs/decisions/0006-supervision-and-real-time-proofs.md
 namespace stilt::realtime {
 namespace {
 

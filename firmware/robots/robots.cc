@@ -12,6 +12,7 @@
 #include "codegen/urdf/urdf_error.h"
 #include "codegen/urdf/urdf_reader.h"
 
+// Robots as data: docs/decisions/0016-robots-as-data.md
 namespace stilt::robots {
 namespace {
 

@@ -4,6 +4,7 @@
 
 #include "firmware/supervisor/safe_commands.h"
 
+// States, faults and levels: docs/decisions/0006-supervision-and-real-time-proofs.md
 namespace stilt::supervisor {
 namespace {
 

@@ -6,6 +6,7 @@
 #include "firmware/robots/robots.h"
 #include "firmware/telemetry/token.h"
 
+// Thread, delivery and commands of telemetry: docs/decisions/0009-telemetry.md
 namespace stilt::telemetry {
 namespace {
 

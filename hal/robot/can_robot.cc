@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+// Layers of the hardware abstraction: docs/decisions/0004-hardware-abstraction.md
 namespace stilt::hal {
 namespace {
 

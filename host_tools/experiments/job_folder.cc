@@ -5,6 +5,7 @@
 #include <fstream>
 #include <stdexcept>
 
+// Jobs of an experiment: docs/decisions/0013-experiments.md
 namespace stilt::experiments {
 namespace {
 

@@ -3,6 +3,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 
+// Method, phase and step time of the gaits: docs/decisions/0008-gait-synthesis.md
 namespace stilt::gait_synthesis {
 namespace {
 

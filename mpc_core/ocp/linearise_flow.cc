@@ -3,6 +3,7 @@
 #include "mpc_core/ocp/batch_access.h"
 #include "mpc_core/ocp/linearise.h"
 
+// Projection of the constraints, stages in SIMD lanes: docs/decisions/0003-projected-multiple-shooting.md
 namespace stilt::ocp {
 namespace {
 

@@ -1,4 +1,5 @@
-# Debian packages (toolchain/package): stiltd for the robot's computer, stilt for the host.
+# Debian packages (toolchain/package): stiltd for the robot's computer, stilt for the host
+# (docs/decisions/0012-packages.md).
 include(GNUInstallDirs)
 set(packaging ${PROJECT_SOURCE_DIR}/toolchain/packaging)
 
@@ -12,7 +13,7 @@ install(FILES ${packaging}/80-can0.network ${packaging}/80-can.rules
 install(FILES docs/deployment.md docs/security.md LICENSE DESTINATION share/doc/stiltd COMPONENT robot)
 
 install(TARGETS stilt DESTINATION bin COMPONENT host)
-install(DIRECTORY docs/ DESTINATION share/doc/stilt COMPONENT host)
+install(DIRECTORY docs/ DESTINATION share/doc/stilt COMPONENT host PATTERN *.py EXCLUDE)
 install(FILES README.md LICENSE DESTINATION share/doc/stilt COMPONENT host)
 
 set(CPACK_GENERATOR DEB)

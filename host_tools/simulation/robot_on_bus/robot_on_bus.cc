@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+// Simulated robot behind its buses: docs/decisions/0007-robot-on-the-bus.md
 namespace stilt::robot_on_bus {
 namespace {
 

@@ -12,6 +12,7 @@
 
 #include "host_tools/web/monitor/web_socket_peer.h"
 
+// One page, one socket, who may command: docs/decisions/0011-monitor.md
 namespace stilt::monitor {
 namespace {
 
