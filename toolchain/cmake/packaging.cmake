@@ -13,7 +13,7 @@ install(FILES ${packaging}/80-can0.network ${packaging}/80-can.rules
 install(FILES docs/deployment.md docs/security.md LICENSE DESTINATION share/doc/stiltd COMPONENT robot)
 
 install(TARGETS stilt DESTINATION bin COMPONENT host)
-install(DIRECTORY docs/ DESTINATION share/doc/stilt COMPONENT host PATTERN *.py EXCLUDE)
+install(DIRECTORY docs DESTINATION share/doc/stilt COMPONENT host PATTERN *.py EXCLUDE)
 install(FILES README.md LICENSE DESTINATION share/doc/stilt COMPONENT host)
 
 set(CPACK_GENERATOR DEB)
