@@ -2,8 +2,8 @@
 import sources
 import svg
 
-# Messages between threads: control_loop/mailboxes.h.
-RING_TICKS = 2048
+MAILBOXES = 'firmware/control_loop/mailboxes.h'
+REALTIME_RUN = 'firmware/program/realtime_run.cc'
 
 
 def draw(root):
@@ -12,7 +12,8 @@ def draw(root):
     robots(d)
     torque_loop(d, c)
     planner(d, c)
-    housekeeping(d)
+    housekeeping(d, sources.constant(root, MAILBOXES, r'Ring<control_loop::TickRecord, (\d+)>'),
+                 1e-9 * sources.constant(root, REALTIME_RUN, r"kHousekeepingPeriod_ns = ([\d']+)"))
     levels(d, c)
     return d.svg()
 
@@ -57,9 +58,11 @@ def planner(d, c):
     d.text(x + 10, 54, f'SCHED_FIFO {r["planner_priority"]}, processor {r["planner_core"]}', 12, svg.GREY)
     steps = (('1', 'newest request: state, command'), ('2', 'contact schedule, reference'),
              ('3', f'grid: {grid["horizon_s"]:g} s in steps of {sources.milliseconds(grid["time_step_s"])}'),
-             ('4', 'last solution, shifted: first iterate'), ('5', f'SQP, at most {c["sqp"]["iterations"]} iterations:'),
+             ('4', 'last solution, shifted: first iterate'),
+             ('5', f'SQP, at most {c["sqp"]["iterations"]} iterations:'),
              ('', 'linearise, project constraints,'), ('', 'Riccati sweep, line search'),
-             ('6', 'record of the cycle'), ('7', 'usable: plan with gains to the'), ('', 'torque loop; else the older stays'))
+             ('6', 'record of the cycle'), ('7', 'usable: plan with gains to the'),
+             ('', 'torque loop; else the older stays'))
     for i, (number, words) in enumerate(steps):
         y = 84 + 24 * i
         if number:
@@ -73,16 +76,18 @@ def planner(d, c):
     d.text(658, 311, 'every tick', 12, svg.GREY, 'middle', italic=True)
 
 
-def housekeeping(d):
-    d.box(300, 428, 684, 92, 'Housekeeping: program/realtime_run.cc, ordinary thread, every 5 ms', (
-        'commands of the monitor (telemetry/station.h) or of --start', 'events to the log, black box and figures to files',
+def housekeeping(d, ring_ticks, period_s):
+    period = sources.milliseconds(period_s)
+    d.box(300, 428, 684, 92, f'Housekeeping: program/realtime_run.cc, ordinary thread, every {period}', (
+        'commands of the monitor (telemetry/station.h) or of --start',
+        'events to the log, black box and figures to files',
         'telemetry over DDS; connects lost buses again after a reset'), svg.GREY)
     d.arrow([(340, 428), (340, 352)], svg.GREY)
     d.text(348, 384, 'commands,', 12, svg.GREY)
     d.text(348, 400, 'torque_tunings', 12, svg.GREY)
     d.arrow([(470, 352), (470, 428)], svg.BLUE)
     d.text(478, 376, 'events,', 12, svg.BLUE)
-    d.text(478, 392, f'ring of {RING_TICKS} ticks,', 12, svg.BLUE)
+    d.text(478, 392, f'ring of {ring_ticks:g} ticks,', 12, svg.BLUE)
     d.text(478, 408, 'black_box', 12, svg.BLUE)
     d.arrow([(740, 428), (740, 352)], svg.GREY)
     d.text(748, 392, 'planner_tunings', 12, svg.GREY)
@@ -90,8 +95,8 @@ def housekeeping(d):
     d.text(888, 384, 'cycles,', 12, svg.GREEN)
     d.text(888, 400, 'sketches', 12, svg.GREEN)
     d.text(16, 446, 'Mailboxes', 13, svg.INK, bold=True)
-    for i, words in enumerate(('Latest value of three slots, or a', 'ring that drops when it is full:', 'no thread waits for another',
-                               '(exchange/, decision 0006).')):
+    for i, words in enumerate(('Latest value of three slots, or a', 'ring that drops when it is full:',
+                               'no thread waits for another', '(exchange/, decision 0006).')):
         d.text(16, 466 + 18 * i, words, 12)
 
 
@@ -101,12 +106,12 @@ def levels(d, c):
     tracker = c['gait_tracker']
     top = 600
     d.text(16, 560, 'Fallback levels, the best first', 14, svg.INK, bold=True)
-    d.text(16, 580, 'supervisor/fallback.h: every tick takes the best level that its state, its faults and the age of the plan '
-           'allow. kp in Nm/rad, kd in Nm s/rad.', 12)
-    rows = (('plan', svg.GREEN, (f'plan younger', f'than {older}'), ('torque law of', 'the plan')),
+    d.text(16, 580, 'supervisor/fallback.h: every tick takes the best level that its state, its faults and the age of '
+           'the plan allow. kp in Nm/rad, kd in Nm s/rad.', 12)
+    rows = (('plan', svg.GREEN, ('plan younger', f'than {older}'), ('torque law of', 'the plan')),
             ('plan_feedback', svg.GREEN, (f'plan of {older}', f'to {stale}'), ('and the plan\'s', 'feedback gains')),
-            ('gait', svg.BLUE, (f'no plan below', f'{stale}; a gait', 'is in step'),
-             ('joint PD on the', 'gait, kp ' + f'{tracker["joint_kp_Nm_rad"]:g},', f'kd {tracker["joint_kd_Nms_rad"]:g}')),
+            ('gait', svg.BLUE, ('no plan below', f'{stale}; a gait', 'is in step'),
+             ('joint PD on the', f'gait, kp {tracker["joint_kp_Nm_rad"]:g},', f'kd {tracker["joint_kd_Nms_rad"]:g}')),
             ('hold', svg.ORANGE, (f'{s["missed_hold_ticks"]} missed replies', 'in a row'),
              ('measured pose,', f'kp {s["hold_kp_Nm_rad"]:g}, kd {s["hold_kd_Nms_rad"]:g}', 'in the driver')),
             ('sit', svg.ORANGE, ('neither plan', 'nor gait; heat;', 'low voltage'),
@@ -125,7 +130,7 @@ def levels(d, c):
         for line, words in enumerate(what):
             d.text(x + 10, top + 146 + 17 * line, words, 12)
     watchdog = sources.milliseconds(c['hardware']['driver_watchdog_s'])
-    d.text(16, 826, f'No command for {watchdog} (stiltd has ended, the cable is cut): the watchdog of every driver lets go or damps, '
-           'without stiltd.', 12, svg.RED)
-    d.text(16, 846, f'No heartbeat of the operator for {s["heartbeat_timeout_s"]:g} s: walk, step in place for {s["slow_down_s"]:g} s, '
-           'stand.', 12, svg.RED)
+    d.text(16, 826, f'No command for {watchdog} (stiltd has ended, the cable is cut): the watchdog of every '
+           'driver disables or damps it, without stiltd.', 12, svg.RED)
+    d.text(16, 846, f'No heartbeat of the operator for {s["heartbeat_timeout_s"]:g} s: walk, step in place for '
+           f'{s["slow_down_s"]:g} s, stand.', 12, svg.RED)

@@ -83,7 +83,9 @@ class Horizon:
         time_step = sources.milliseconds(self.grid['time_step_s'])
         d.box(16, 300, 310, 84, 'Stance foot', ('x, z: constraint, a + kd v = 0', 'force: friction cone, barrier',
                                                 'all of its motion: cost'), svg.BLUE)
-        d.box(345, 300, 310, 84, 'Swing foot', ('z: constraint, follows the curve', 'x: cost alone: the foothold is free',
+        d.box(345, 300, 310, 84, 'Swing foot', ('z: constraint, follows the curve',
+                                                'x: cost alone: the foothold is free',
                                                 'force: constraint, f = 0'), svg.GREEN)
-        d.box(674, 300, 310, 84, 'Touch-down', ('impact map: velocity after the impact', 'cost on v_x of the foot before it',
+        d.box(674, 300, 310, 84, 'Touch-down', ('impact map: velocity after the impact',
+                                                'cost on v_x of the foot before it',
                                                 f'a node of its own beside the {time_step}'), svg.RED)

@@ -7,7 +7,7 @@ import svg
 SCALE = 400.0  # pixels per metre
 GROUND = 590.0  # y of the ground
 HIP_X = 330.0
-PUSH_HEIGHT_m = 0.285  # simulation/plant/plant.h, kTorsoPushHeight_m
+PLANT = 'host_tools/simulation/plant/plant.h'
 
 # Pose of the large picture: every angle but the right hip is positive.
 PITCH_rad = 0.22
@@ -23,12 +23,12 @@ def along(x, y, angle_rad, length_m):
 class Pose:
     """Points of the picture, from the hip down and up."""
 
-    def __init__(self, robot, hip_x, hip_y, pitch_rad, left_rad, right_rad):
-        self.hip = (hip_x, hip_y)
+    def __init__(self, robot, push_height_m, hip, pitch_rad, left_rad, right_rad):
+        self.hip = hip
         self.pitch_rad = pitch_rad
         self.top = along(*self.hip, pitch_rad + math.pi, robot.torso_m)
         self.com = along(*self.hip, pitch_rad + math.pi, robot.com_m)
-        self.push = along(*self.hip, pitch_rad + math.pi, PUSH_HEIGHT_m)
+        self.push = along(*self.hip, pitch_rad + math.pi, push_height_m)
         self.legs = []
         for hip_rad, knee_rad in (left_rad, right_rad):
             thigh_rad = pitch_rad + hip_rad
@@ -80,10 +80,10 @@ def world_frame(d):
     d.text(20, GROUND + 18, 'ground, z = 0', 12, svg.GREY)
 
 
-def forces(d, pose, robot):
+def forces(d, pose, robot, push_height_m):
     d.arrow([(pose.push[0] - 86, pose.push[1]), (pose.push[0] - 8, pose.push[1])], svg.ORANGE, 2.4)
     d.text(pose.push[0] - 92, pose.push[1] - 4, 'push at the torso,', 12, svg.ORANGE, 'end')
-    d.text(pose.push[0] - 92, pose.push[1] + 12, f'{PUSH_HEIGHT_m:g} m above the hip', 12, svg.ORANGE, 'end')
+    d.text(pose.push[0] - 92, pose.push[1] + 12, f'{push_height_m:g} m above the hip', 12, svg.ORANGE, 'end')
     d.arrow([(pose.hip[0] - 96, pose.hip[1]), (pose.hip[0] - 14, pose.hip[1])], svg.ORANGE, 2.4)
     d.text(pose.hip[0] - 102, pose.hip[1] + 4, 'push at the hip', 12, svg.ORANGE, 'end')
     d.circle(*pose.com, 6, svg.INK, '#ffffff', 2)
@@ -109,7 +109,8 @@ def text_panel(d, robot):
         'u = [joint accelerations (4);', '  fx_L, fz_L, fx_R, fz_R]',
         f'hips {hips[0]:g} to {hips[1]:g} rad', f'knees {knees[0]:g} to {knees[1]:g} rad, bent backward',
         f'thigh {robot.thigh_m:.4f} m, shin {robot.shin_m:.4f} m', f'torque at most {robot.torque_Nm:g} Nm a joint',
-        'Angles are rotations about +y:', 'clockwise in this view from the', 'right. Forces act on the robot.'), svg.INK)
+        'Angles are rotations about +y:', 'clockwise in this view from the',
+        'right. Forces act on the robot.'), svg.INK)
 
 
 def zero_pose(d, robot):
@@ -131,12 +132,14 @@ def zero_pose(d, robot):
 def draw(root):
     robot = sources.Robot(root)
     d = svg.Drawing(1000, 622, 'AMBER-3M from its right side: frames, coordinates, positive directions')
-    probe = Pose(robot, 0.0, 0.0, PITCH_rad, LEFT_rad, RIGHT_rad)
-    pose = Pose(robot, HIP_X, GROUND - probe.legs[1][1][1] - 4.0, PITCH_rad, LEFT_rad, RIGHT_rad)
+    push_height_m = sources.constant(root, PLANT, r'kTorsoPushHeight_m = ([\d.]+)')
+    angles_rad = (PITCH_rad, LEFT_rad, RIGHT_rad)
+    below_hip = Pose(robot, push_height_m, (0.0, 0.0), *angles_rad).legs[1][1][1]
+    pose = Pose(robot, push_height_m, (HIP_X, GROUND - below_hip - 4.0), *angles_rad)
     world_frame(d)
     angles(d, pose)
     links(d, pose, 9)
-    forces(d, pose, robot)
+    forces(d, pose, robot, push_height_m)
     zero_pose(d, robot)
     text_panel(d, robot)
     return d.svg()

@@ -1,4 +1,5 @@
 """What the drawings take from the project, so that a changed default changes the drawing."""
+import re
 import tomllib
 import xml.etree.ElementTree
 
@@ -6,6 +7,14 @@ import xml.etree.ElementTree
 def configuration(root):
     """The shipped configuration, sections of keys."""
     return tomllib.loads((root / 'firmware' / 'configuration' / 'amber3m.toml').read_text())
+
+
+def constant(root, file, pattern):
+    """A number of the code: the group of a pattern that the file has once."""
+    found = re.findall(pattern, (root / file).read_text())
+    if len(found) != 1:
+        raise LookupError(f'{file} has {pattern!r} {len(found)} times')
+    return float(found[0].replace("'", ''))
 
 
 class Robot:
