@@ -24,7 +24,13 @@ TEST(CycleMessage, EveryFieldOfASolveIsUnderItsNameAndComesBack) {
   record.time_s = 3.5;
   record.standing = 4;
   record.plan_sequence = 5;
-  record.report = {sqp::SolveStatus::step_rejected, 7, 8.5, 9.5, 10.5, 11.5, 12.5};
+  record.report = {.status = sqp::SolveStatus::step_rejected,
+                   .iterations = 7,
+                   .cost = 8.5,
+                   .dynamics_defect_max = 9.5,
+                   .equality_violation_max = 10.5,
+                   .step_length = 11.5,
+                   .step_size = 12.5};
   record.failures = 13;
   record.nodes = 14;
   record.solve_ns = 15;
