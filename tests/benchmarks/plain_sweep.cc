@@ -12,6 +12,7 @@ namespace stilt::benchmark {
 namespace {
 
 using lq::kRows;
+using model::kStates;
 
 template <class Vector>
 void copy_vector(const double* from, Vector& to) {
