@@ -1,4 +1,4 @@
-// Colours: defined once in colours.css, read here for the canvases and plots.
+// Colours: defined once in page.css, read here for the canvases and plots.
 
 /** Applies the theme asked for in the fragment, or the system's, and calls `changed` when that changes. */
 function followTheme(asked, changed) {
