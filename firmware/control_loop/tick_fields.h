@@ -172,7 +172,7 @@ constexpr auto tick_fields() noexcept {
       field<G::planner>("result_solve_ns", {}, &R::result, &Result::solve_ns),
       field<G::planner>("result_status", {}, &R::result, &Result::status),
 
-      field<G::estimate>("estimated_state", {.csv = "estimated_*", .page = "state"}, &R::estimated_state),
+      field<G::estimate>("estimated_state", {.csv = "estimated_*", .page = "estimated_state"}, &R::estimated_state),
       wanted("wanted_position_rad", {.csv = "wanted_*_position_rad"}, &Command::position_rad),
       wanted("wanted_velocity_rad_s", {.csv = "wanted_*_velocity_rad_s"}, &Command::velocity_rad_s),
       wanted("wanted_torque_Nm", {.csv = "wanted_*_torque_Nm"}, &Command::torque_Nm),

@@ -64,7 +64,7 @@ const TickColumns& tick_columns() {
 const std::vector<Column<PlannerSample>> kPlannerColumns = {
     {"status", [](const PlannerSample& c, std::size_t) { return static_cast<double>(c.status); }},
     {"iterations", [](const PlannerSample& c, std::size_t) { return static_cast<double>(c.iterations); }},
-    {"defect_max", [](const PlannerSample& c, std::size_t) { return c.defect_max; }},
+    {"dynamics_defect_max", [](const PlannerSample& c, std::size_t) { return c.defect_max; }},
     {"equality_violation_max", [](const PlannerSample& c, std::size_t) { return c.equality_violation_max; }},
     {"cost", [](const PlannerSample& c, std::size_t) { return c.cost; }},
     {"solve_ms", [](const PlannerSample& c, std::size_t) { return 1e-3 * c.solve_us; }},

@@ -1,9 +1,10 @@
 # Writes OUTPUT, a C++ source that defines a page as one string, VARIABLE (stilt::x::kName) as declared in HEADER:
-# PAGE with the lists STYLES and SCRIPTS and the plot library in UPLOT_DIR put in place of its marks.
+# PAGE with the PARTS of all pages, the lists STYLES and SCRIPTS and the plot library in UPLOT_DIR put in place of its
+# marks.
 
 if(NOT EXISTS ${UPLOT_DIR}/dist/uPlot.iife.min.js)
   message(FATAL_ERROR "The plot library is missing at ${UPLOT_DIR}. "
-    "Run toolchain/setup, or: npm ci --prefix host_tools/web/report")
+    "Run toolchain/setup, or: npm ci --prefix host_tools/web/page")
 endif()
 
 # Texts of the files, one after the other.
@@ -17,6 +18,11 @@ function(join_files output)
 endfunction()
 
 file(READ ${PAGE} page)
+foreach(part IN LISTS PARTS)
+  get_filename_component(mark ${part} NAME_WE)
+  file(READ ${part} text)
+  string(REPLACE "{{${mark}}}\n" "${text}" page "${page}")
+endforeach()
 join_files(style ${STYLES})
 join_files(script ${SCRIPTS})
 file(READ ${UPLOT_DIR}/dist/uPlot.iife.min.js uplot_script)

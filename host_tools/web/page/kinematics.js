@@ -55,13 +55,12 @@ function poseOfKnot(robot, knot) {
   };
 }
 
-/** Height of the drawn ground at x. */
-function groundHeight(ground, x) {
-  const count = Math.min(ground.x_m.length, ground.z_m.length);
-  if (count === 0) return 0;
-  if (x <= ground.x_m[0]) return ground.z_m[0];
-  if (x >= ground.x_m[count - 1]) return ground.z_m[count - 1];
-  return interpolate(ground.x_m, ground.z_m, x);
+/** Height of the drawn ground at x: linear between the points of its profile, level beyond them and without any. */
+function groundHeight({ x_m, z_m }, x) {
+  const next = x_m.findIndex((at) => at > x);
+  if (next <= 0) return (next < 0 ? z_m.at(-1) : z_m[0]) ?? 0;
+  const share = (x - x_m[next - 1]) / (x_m[next] - x_m[next - 1]);
+  return z_m[next - 1] + share * (z_m[next] - z_m[next - 1]);
 }
 
 /** Planned footholds: places where a foot rests for two knots or more. [{foot, x, z, time}], time of arrival. */

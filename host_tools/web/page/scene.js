@@ -120,3 +120,12 @@ function drawPush(view, pose, force_N, share, colours) {
   c.fillStyle = colours.push;
   c.fillText(label, x, y);
 }
+
+/** The robot at `time_s` with the push on it and, when wanted, its contact forces. */
+function drawRobotAt(view, data, pose, colours, time_s, withForces = true) {
+  drawRobot(view, pose, colours);
+  const forces = withForces && data.forcesAt(time_s);
+  if (forces) drawContactForces(view, pose, forces, colours);
+  const push = data.pushAt(time_s);
+  if (push) drawPush(view, pose, push.force_N, push.above_hip_m / data.geometry.torso_length_m, colours);
+}

@@ -1,114 +1,61 @@
-// The robot now: drawn anew for every frame.
+// The animation: the camera follows the hip.
 
 const kBelowGround_px = 40;
 const kReadout_px = 34;
 const kRobotHeight_m = 1.42;
-const kLevelGround = { x_m: [], z_m: [] };
 
-class LiveStage {
-  constructor(robot) {
-    this.robot = robot;
+class Stage {
+  constructor(data) {
+    this.data = data;
     this.canvas = document.getElementById('stage-canvas');
-    this.speed = document.getElementById('speed-now');
-    this.detail = document.getElementById('stage-detail');
     this.showPlan = document.getElementById('show-plan');
     this.showForces = document.getElementById('show-forces');
-    this.wrote_s = 0;
     this.size = { width: 0, height: 0 };
-    new ResizeObserver(([entry]) => { this.size = entry.contentRect; }).observe(this.canvas);
+    for (const box of [this.showPlan, this.showForces]) box.addEventListener('change', () => { this.stale = true; });
+    new ResizeObserver(([entry]) => {
+      this.size = entry.contentRect;
+      this.stale = true;
+    }).observe(this.canvas);
     this.recolour();
   }
 
   recolour() {
     this.colours = readColours();
+    this.stale = true;
   }
 
-  /** Mean hip position around now, so that the camera glides. */
-  cameraX(time) {
-    const x = this.robot.tables.ticks.column('state0');
-    const offsets = [-0.6, -0.45, -0.3, -0.15, 0];
-    const sum = offsets.reduce((total, offset) => total + (this.robot.tables.ticks.at(x, time + offset) ?? NaN), 0);
-    const behind = sum / offsets.length;
-    const state = this.robot.stateAt(time);
-    return Number.isFinite(behind) ? behind + 0.3 * (this.robot.speedAt(time) ?? 0) : state[0];
-  }
-
-  draw(time, now_s) {
+  /** Draws the robot at `time_s`, unless that is the picture that is there. Returns its state, null when not known. */
+  draw(time_s) {
+    const { data } = this;
+    if (!this.stale && time_s === this.time_s && data.geometry === this.geometry) return this.state;
+    this.stale = false;
+    this.time_s = time_s;
+    this.geometry = data.geometry;
+    this.state = time_s === null || !data.geometry ? null : data.stateAt(time_s);
     const { context, width, height } = fitCanvas(this.canvas, this.size);
-    if (width === 0) return;
+    if (width === 0) return this.state;
+    const camera = this.state ? this.cameraX() : 0;
     const scale = (height - kBelowGround_px - kReadout_px) / kRobotHeight_m;
-    const state = time === null || !this.robot.drawing ? null : this.robot.stateAt(time);
-    const camera = state ? this.cameraX(time) : 0;
+    const base_z = groundHeight(data.ground, camera) - kBelowGround_px / scale;
     const lead_m = Math.min(0.35, (0.18 * width) / scale);
-    const view = makeView(context, width, height, camera + lead_m, -kBelowGround_px / scale, scale);
-    drawGround(view, kLevelGround, this.colours, this.robot.footprints.filter((place) => place.time <= time));
-    if (state) this.drawRobotIn(view, state, time);
-    if (now_s - this.wrote_s > 0.2) {
-      this.wrote_s = now_s;
-      this.write(state, time);
+    const view = makeView(context, width, height, camera + lead_m, base_z, scale);
+    drawGround(view, data.ground, this.colours, data.footprintsUpTo(time_s));
+    if (!this.state) return null;
+    if (this.showPlan.checked) {
+      drawPlannedTorso(view, data.geometry, data.planAt(time_s), this.colours, time_s);
+      drawPlannedPaths(view, data.planAt(time_s), this.colours, time_s);
     }
+    drawRobotAt(view, data, poseOfState(data.geometry, this.state), this.colours, time_s, this.showForces.checked);
+    return this.state;
   }
 
-  /** For measuring how long it takes until the page shows a robot that moves. */
-  noteFirstMotion(state) {
-    if (this.moved) return;
-    this.firstState ??= state;
-    this.moved = state.some((value, k) => value !== this.firstState[k]);
-    if (this.moved) performance.mark('first-moving-frame');
+  /** Mean hip position of late, moved ahead with the speed, so that the camera glides. */
+  cameraX() {
+    const { ticks } = this.data.tables;
+    const x = ticks.group(this.data.stateGroup).slice(0, 1);
+    const offsets = [-0.6, -0.45, -0.3, -0.15, 0];
+    const sum = offsets.reduce((total, offset) => total + (ticks.at(x, this.time_s + offset)?.[0] ?? NaN), 0);
+    const behind = sum / offsets.length;
+    return Number.isFinite(behind) ? behind + 0.3 * (this.data.speedAt(this.time_s) ?? 0) : this.state[0];
   }
-
-  drawRobotIn(view, state, time) {
-    const { robot, colours } = this;
-    this.noteFirstMotion(state);
-    const pose = poseOfState(robot.drawing, state);
-    const knots = robot.planAt(time);
-    if (this.showPlan.checked && knots.length > 0) {
-      drawPlannedTorso(view, robot.drawing, knots, colours, time);
-      drawPlannedPaths(view, knots, colours, time);
-    }
-    drawRobot(view, pose, colours);
-    const truth = robot.tables.truth;
-    const known = truth.rows > 0 && Math.abs(truth.newestTime - time) < 0.5;
-    if (this.showForces.checked) {
-      const forces = known ? this.truthAt('contact_force_N', 4, time) : forcesOf(knots, time);
-      if (forces) drawContactForces(view, pose, forces, colours);
-    }
-    if (known) {
-      const share = truth.before(truth.column('push_above_hip_m'), time) / robot.drawing.torso_length_m;
-      drawPush(view, pose, truth.before(truth.column('push_N'), time), share, colours);
-    }
-  }
-
-  truthAt(name, width, time) {
-    const truth = this.robot.tables.truth;
-    const values = Array.from({ length: width }, (_, k) => truth.before(truth.column(`${name}${k}`), time));
-    return values[0] === null ? null : values;
-  }
-
-  write(state, time) {
-    const speed = state ? this.robot.speedAt(time) : null;
-    this.speed.textContent = speed === null ? '–' : signed(speed, 2);
-    this.speed.dataset.value = speed ?? '';
-    if (!state) {
-      this.detail.textContent = '';
-      return;
-    }
-    this.canvas.dataset.hipX = state[0];
-    this.detail.textContent = `x ${signed(state[0], 2)} m · hip ${state[1].toFixed(3)} m high · ` +
-      `lean ${signed((state[2] * 180) / Math.PI, 1)}°`;
-  }
-}
-
-/** Planned contact forces at `time`: those of the knot before it. */
-function forcesOf(knots, time) {
-  let found = null;
-  for (const knot of knots) {
-    if (knot.time > time) break;
-    found = knot;
-  }
-  return found?.forces ?? null;
-}
-
-function signed(value, digits) {
-  return value.toFixed(digits).replace('-', '−');
 }

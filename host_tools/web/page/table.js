@@ -1,20 +1,26 @@
-// The last seconds of a stream of samples: columns of numbers in rings, ascending in time.
+// Samples over time: columns of numbers, ascending in time.
 
-class RingTable {
-  /** `columns`: names, the first is the time; `capacity`: rows kept. */
-  constructor(columns, capacity) {
-    this.columns = columns;
-    this.index = new Map(columns.map((name, k) => [name, k]));
+/** Rows of numbers in a ring: when it is full, a new row takes the place of the oldest. */
+class Table {
+  /** `names` of the columns, the first is the time; `capacity`: rows kept. */
+  constructor(names, capacity) {
+    this.index = new Map(names.map((name, k) => [name, k]));
+    this.groups = new Map();
     this.capacity = capacity;
-    this.time = new Float64Array(capacity);
-    this.values = columns.map((_, k) => (k === 0 ? this.time : new Float32Array(capacity)));
-    this.clear();
-  }
-
-  clear() {
+    this.values = names.map((_, k) => (k === 0 ? new Float64Array(capacity) : new Float32Array(capacity)));
     this.rows = 0;
     this.next = 0;
     this.appended = 0;
+  }
+
+  /** A table that is full from the start. */
+  static of(names, values) {
+    const rows = values[0].length;
+    return Object.assign(new Table(names, 0), { values, capacity: rows, rows, appended: rows });
+  }
+
+  get time() {
+    return this.values[0];
   }
 
   /** Column of that name; throws when there is none, so that a misspelling is seen at once. */
@@ -22,6 +28,20 @@ class RingTable {
     const k = this.index.get(name);
     if (k === undefined) throw new Error(`no column ${name}`);
     return this.values[k];
+  }
+
+  /** The columns name0, name1, ... */
+  group(name) {
+    if (!this.groups.has(name)) {
+      const columns = [];
+      while (this.index.has(name + columns.length)) columns.push(this.column(name + columns.length));
+      this.groups.set(name, columns);
+    }
+    return this.groups.get(name);
+  }
+
+  addColumn(name, values) {
+    this.index.set(name, this.values.push(values) - 1);
   }
 
   /** Opens a row at `time_s` and returns where it is; the caller writes the other columns there. */
@@ -34,11 +54,14 @@ class RingTable {
     return slot;
   }
 
-  /** Slot of the row `row`, 0 the oldest. */
+  /** Where row `row` is, 0 the oldest. */
   slot(row) {
-    const first = this.next - this.rows;
-    const slot = first + row;
+    const slot = this.next - this.rows + row;
     return slot < 0 ? slot + this.capacity : slot;
+  }
+
+  get oldestTime() {
+    return this.rows > 0 ? this.time[this.slot(0)] : null;
   }
 
   get newestTime() {
@@ -57,26 +80,27 @@ class RingTable {
     return low - 1;
   }
 
-  /** Value of a column at `time_s`, linear between samples; null without samples up to then. */
-  at(values, time_s) {
+  /** Values of `columns` at `time_s`, linear between samples; null without samples up to then. */
+  at(columns, time_s) {
     const row = this.lastRowUpTo(time_s);
     if (row < 0) return null;
     const a = this.slot(row);
-    if (row + 1 >= this.rows) return values[a];
+    if (row + 1 >= this.rows) return columns.map((values) => values[a]);
     const b = this.slot(row + 1);
     const share = (time_s - this.time[a]) / Math.max(1e-9, this.time[b] - this.time[a]);
-    return values[a] + share * (values[b] - values[a]);
+    return columns.map((values) => values[a] + share * (values[b] - values[a]));
   }
 
-  /** Newest value up to `time_s`; null without. */
-  before(values, time_s) {
+  /** Newest values of `columns` up to `time_s`; null without. */
+  before(columns, time_s) {
     const row = this.lastRowUpTo(time_s);
-    return row < 0 ? null : values[this.slot(row)];
+    return row < 0 ? null : columns.map((values) => values[this.slot(row)]);
   }
 }
 
 /** One line of a plot as two points a bucket, smallest and largest in the order they came. */
-function extremesInto(out, table, values, firstRow, bounds) {
+function extremes(table, values, firstRow, bounds) {
+  const out = new Array(2 * bounds.length);
   let row = firstRow;
   for (let bucket = 0; bucket < bounds.length; ++bucket) {
     let low = Infinity;
@@ -92,23 +116,23 @@ function extremesInto(out, table, values, firstRow, bounds) {
     out[2 * bucket] = found ? (lowRow <= highRow ? low : high) : null;
     out[2 * bucket + 1] = found ? (lowRow <= highRow ? high : low) : null;
   }
+  return out;
 }
 
 /**
- * Data for uPlot of the rows between two times: all of them when they are few, otherwise smallest and largest of
- * each of `buckets` equal times, which begin at multiples of their length so that lines do not shimmer.
+ * Data for uPlot of the rows between two times and of one row on either side: all of them when they are few, otherwise
+ * smallest and largest of each of `buckets` equal times, which begin at multiples of their length so that lines do not
+ * shimmer. What is not finite becomes a gap.
  */
 function windowOf(table, columns, from_s, to_s, buckets) {
   const first = Math.max(0, table.lastRowUpTo(from_s));
-  const last = table.lastRowUpTo(to_s);
+  const last = Math.min(table.rows - 1, table.lastRowUpTo(to_s) + 1);
   const count = last - first + 1;
-  if (count <= 0) return [[], ...columns.map(() => [])];
   if (count <= 2 * buckets) {
-    const pick = (values) => Array.from({ length: count }, (_, k) => {
+    return [table.time, ...columns].map((values) => Array.from({ length: count }, (_, k) => {
       const value = values[table.slot(first + k)];
       return Number.isFinite(value) ? value : null;
-    });
-    return [pick(table.time), ...columns.map(pick)];
+    }));
   }
   const width = (to_s - from_s) / buckets;
   const start = Math.floor(from_s / width);
@@ -119,9 +143,5 @@ function windowOf(table, columns, from_s, to_s, buckets) {
     bounds.push(Math.min(last, table.lastRowUpTo(end)) + 1);
     times.push(end - 0.75 * width, end - 0.25 * width);
   }
-  return [times, ...columns.map((values) => {
-    const out = new Array(times.length);
-    extremesInto(out, table, values, first, bounds);
-    return out;
-  })];
+  return [times, ...columns.map((values) => extremes(table, values, first, bounds))];
 }

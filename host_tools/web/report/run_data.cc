@@ -53,7 +53,7 @@ Json summary_json(const log::RunSummary& summary) {
   };
 }
 
-Json samples_json(const std::vector<log::RunSample>& all) {
+Json ticks_json(const std::vector<log::RunSample>& all) {
   const std::size_t stride = ceiling_ratio(all.size(), kMaxSamples);
   PackedColumns columns(ceiling_ratio(all.size(), stride) * (all.empty() ? 0 : 1));
   const auto add = [&](const char* name, int width, auto value) {
@@ -120,14 +120,14 @@ Json plans_json(const std::vector<log::PlanSnapshot>& plans) {
   return {{"time_s", plan_time}, {"first_knot", first_knot}, {"stride", stride}, {"knots", columns.json()}};
 }
 
-Json solves_json(const std::vector<log::SolveSample>& solves) {
+Json planner_json(const std::vector<log::SolveSample>& solves) {
   PackedColumns columns(solves.size());
   const auto add = [&](const char* name, auto value) {
     columns.add(name, 1, [&](std::size_t row, int) { return value(solves[row]); });
   };
   using Solve = log::SolveSample;
   add("time_s", [](const Solve& s) { return s.time_s; });
-  add("solve_us", [](const Solve& s) { return s.solve_us; });
+  add("solve_ms", [](const Solve& s) { return 1e-3 * s.solve_us; });
   add("status", [](const Solve& s) { return static_cast<int>(s.report.status); });
   add("iterations", [](const Solve& s) { return s.report.iterations; });
   add("dynamics_defect_max", [](const Solve& s) { return s.report.dynamics_defect_max; });
@@ -152,9 +152,9 @@ std::string run_data_json(const log::RunRecord& record) {
       {"friction_coefficient", record.friction_coefficient},
       {"ground", {{"x_m", record.ground_x_m}, {"z_m", record.ground_z_m}}},
       {"summary", summary_json(record.summary)},
-      {"samples", samples_json(record.samples)},
+      {"ticks", ticks_json(record.samples)},
       {"plans", plans_json(record.plans)},
-      {"solves", solves_json(record.solves)},
+      {"planner", planner_json(record.solves)},
   };
   constexpr int kNoIndent = -1;
   constexpr bool kAsciiOnly = true;

@@ -1,20 +1,27 @@
-// When to show what. Samples come in batches with varying delay; the picture follows the robot's clock evenly, a
-// little behind, so that there is nearly always a sample to show.
+// When to show what (a clock, see viewer.js). Samples come in batches with varying delay; the picture follows the
+// robot's clock evenly, a little behind, so that there is nearly always a sample to show. Paused, it looks back.
 
-class ShowClock {
+/** How far one may look back, and how long the page may be paused before it takes nothing new, to keep that. */
+const kLookBack_s = 60;
+
+class LiveClock {
   constructor() {
     this.reset();
   }
 
   reset() {
     this.offset_s = null;
+    this.oldest_s = null;
     this.newest_s = null;
     this.lag_s = 0.06;
     this.shown_s = null;
+    this.pausedAt_s = null;
+    this.held_s = null;
   }
 
-  /** Samples up to `newest_s` of the robot's clock came at `now_s` of the page's. */
-  arrived(newest_s, now_s) {
+  /** Samples from `oldest_s` to `newest_s` of the robot's clock are there at `now_s` of the page's. */
+  arrived(oldest_s, newest_s, now_s) {
+    this.oldest_s = oldest_s;
     this.newest_s = newest_s;
     const offset = now_s - newest_s;
     // The shortest way sets the offset; it forgets slowly, for clocks do not run alike.
@@ -22,8 +29,32 @@ class ShowClock {
     if (offset - this.offset_s > 2) this.offset_s = offset;
   }
 
+  get start_s() {
+    return Math.max(this.oldest_s, this.end_s - kLookBack_s);
+  }
+
+  get end_s() {
+    return this.pausedAt_s ?? this.shown_s;
+  }
+
+  get playing() {
+    return this.held_s === null;
+  }
+
+  /** Pauses at the time shown, or moves on. */
+  toggle() {
+    this.pausedAt_s = this.playing ? this.shown_s : null;
+    this.held_s = this.pausedAt_s;
+  }
+
+  /** Moves a paused clock. */
+  seek(time_s) {
+    if (!this.playing) this.held_s = Math.min(this.end_s, Math.max(this.start_s, time_s));
+  }
+
   /** The robot's time to show at `now_s`; null before the first sample. */
   time(now_s) {
+    if (!this.playing) return this.held_s;
     if (this.offset_s === null) return null;
     const ideal = now_s - this.offset_s;
     const late = ideal - this.newest_s;

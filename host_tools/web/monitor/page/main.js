@@ -1,6 +1,9 @@
 // Starts the page and draws its frames.
 
 const kStatusPeriod_s = 0.1;
+const kNumbersPeriod_s = 0.2;
+/** Wider lines take a browser without a graphics processor twice as long, more than all else on the page together. */
+const kLineWidth_px = 1;
 const kEventsShown = 100;
 const kLookBackStep_s = 0.05;
 
@@ -8,17 +11,21 @@ class Monitor {
   constructor() {
     this.robot = new RobotState();
     this.status = new StatusPanel(this.robot);
-    this.stage = new LiveStage(this.robot);
-    this.plots = new LivePlots(this.robot, plotSections(this.robot), document.getElementById('plots'));
+    this.plots = new PlotGroup({
+      data: this.robot, clock: this.robot.clock, sections: plotSections(this.robot),
+      container: document.getElementById('plots'), follow_s: 10, lineWidth_px: kLineWidth_px,
+    });
+    this.viewer = new Viewer({
+      data: this.robot, clock: this.robot.clock, plots: this.plots, drawn: (...frame) => this.drawn(...frame),
+    });
     this.timing = new TimingPanel();
     this.connection = new Connection(this);
     this.commands = new CommandPanel(this.connection, this.robot);
     this.tunables = new TunablesPanel(this.commands);
-    this.paused_s = null;
-    this.frames = [];
+    this.frames_s = [];
+    this.numbers_s = 0;
     this.status_s = 0;
     this.bindOptions();
-    requestAnimationFrame((now_ms) => this.frame(now_ms));
   }
 
   opened() {
@@ -43,13 +50,12 @@ class Monitor {
         const before = this.robot.configuration?.session;
         this.robot.configure(message);
         const another = before !== undefined && before !== message.session;
-        if (another && this.paused_s !== null) document.getElementById('pause').click();
         this.status.configure(message, another, now_s);
         this.tunables.configure(message.tunables);
         this.commands.configure(message);
       },
       supervisor: () => {
-        this.robot.supervise(message);
+        this.robot.supervisor = message;
         this.status.supervise(message);
       },
       event: () => this.addEvent(message),
@@ -82,38 +88,58 @@ class Monitor {
     while (list.children.length > kEventsShown) list.lastChild.remove();
   }
 
-  frame(now_ms) {
-    const now_s = now_ms / 1000;
-    const time = this.paused_s ?? this.robot.clock.time(performance.now() / 1000);
-    this.stage.draw(time, now_s);
-    if (time !== null) this.plots.draw(time, now_s);
+  /** What changes with every frame beside stage and plots. */
+  drawn(time_s, state, now_s) {
+    this.noteFirstMotion(state);
+    this.showPause();
+    if (now_s - this.numbers_s > kNumbersPeriod_s) {
+      this.numbers_s = now_s;
+      this.writeNumbers(time_s, state);
+    }
     if (now_s - this.status_s > kStatusPeriod_s) {
       this.status_s = now_s;
       this.status.update(now_s);
-      this.countFrames(now_ms);
+      this.countFrames(now_s);
     }
-    this.frames.push(now_ms);
-    requestAnimationFrame((next_ms) => this.frame(next_ms));
+    this.frames_s.push(now_s);
   }
 
-  countFrames(now_ms) {
-    const kOver_ms = 2000;
-    while (this.frames.length > 0 && this.frames[0] < now_ms - kOver_ms) this.frames.shift();
-    if (this.frames.length < 2) return;
-    const rate = ((this.frames.length - 1) * 1000) / (this.frames.at(-1) - this.frames[0]);
+  /** For measuring how long it takes until the page shows a robot that moves. */
+  noteFirstMotion(state) {
+    if (this.moved || !state) return;
+    this.firstState ??= state;
+    this.moved = state.some((value, k) => value !== this.firstState[k]);
+    if (this.moved) performance.mark('first-moving-frame');
+  }
+
+  writeNumbers(time_s, state) {
+    const speed = state ? this.robot.speedAt(time_s) : null;
+    const box = document.getElementById('speed-now');
+    box.textContent = speed === null ? '–' : signed(speed, 2);
+    box.dataset.value = speed ?? '';
+    if (state) document.getElementById('stage-canvas').dataset.hipX = state[0];
+    document.getElementById('stage-detail').textContent = state
+      ? `x ${signed(state[0], 2)} m · hip ${state[1].toFixed(3)} m high · lean ${signed((state[2] * 180) / Math.PI, 1)}°` : '';
+  }
+
+  countFrames(now_s) {
+    const kOver_s = 2;
+    while (this.frames_s.length > 0 && this.frames_s[0] < now_s - kOver_s) this.frames_s.shift();
+    if (this.frames_s.length < 2) return;
+    const rate = (this.frames_s.length - 1) / (this.frames_s.at(-1) - this.frames_s[0]);
     const box = document.getElementById('frame-rate');
     box.textContent = `${rate.toFixed(0)} frames/s`;
     box.dataset.value = rate;
   }
 
   bindOptions() {
-    const togglePause = this.bindPause();
-    document.getElementById('window').addEventListener('change', (event) => { this.plots.window_s = Number(event.target.value); });
+    this.bindPause();
+    document.getElementById('window').addEventListener('change', (event) => { this.plots.follow_s = Number(event.target.value); });
     const toggleTheme = () => this.setTheme(document.documentElement.dataset.theme === 'dark' ? 'light' : 'dark');
     document.getElementById('theme').addEventListener('click', toggleTheme);
     document.addEventListener('keydown', (event) => {
       if (event.ctrlKey || event.altKey || event.metaKey || event.target.closest('input, select')) return;
-      if (event.key === 'p') togglePause();
+      if (event.key === 'p') this.robot.clock.toggle();
       if (event.key === 'l') toggleTheme();
     });
     const asked = new URLSearchParams(window.location.hash.slice(1)).get('theme') ?? localStorage.getItem('theme');
@@ -121,38 +147,31 @@ class Monitor {
     this.recolour();
   }
 
-  /** While the picture is paused a slider looks back, as far as the page remembers. Returns what toggles. */
+  /** While the picture is paused a slider looks back, as far as the page remembers. */
   bindPause() {
-    const pause = document.getElementById('pause');
-    const back = document.getElementById('back');
-    const look = () => {
-      this.paused_s = this.pausedAt_s + Number(back.value);
-      document.getElementById('back-value').textContent = `${signed(Number(back.value), 2)} s`;
-    };
-    const toggle = () => {
-      const pausing = this.paused_s === null && this.robot.clock.shown_s !== null;
-      this.pausedAt_s = this.robot.clock.shown_s;
-      this.paused_s = null;
-      this.robot.pauseAt(pausing ? this.pausedAt_s : null);
-      if (pausing) {
-        const { ticks } = this.robot.tables;
-        back.min = String(-Math.floor(Math.min(kLookBack_s, this.pausedAt_s - ticks.time[ticks.slot(0)])));
-        back.value = '0';
-        look();
-      }
-      pause.setAttribute('aria-pressed', String(pausing));
-      document.getElementById('look-back').hidden = !pausing;
-    };
-    pause.addEventListener('click', toggle);
-    back.addEventListener('input', look);
+    const { clock } = this.robot;
+    this.back = document.getElementById('back');
+    document.getElementById('pause').addEventListener('click', () => clock.toggle());
+    this.back.addEventListener('input', () => clock.seek(clock.end_s + Number(this.back.value)));
     document.addEventListener('keydown', (event) => {
-      const step = { ArrowLeft: -kLookBackStep_s, ArrowRight: kLookBackStep_s }[event.key];
-      if (step === undefined || this.paused_s === null || event.target.closest('input, select')) return;
-      back.value = String(Number(back.value) + step);
-      look();
+      const step_s = { ArrowLeft: -kLookBackStep_s, ArrowRight: kLookBackStep_s }[event.key];
+      if (step_s === undefined || clock.playing || event.target.closest('input, select')) return;
+      clock.seek(clock.held_s + step_s);
       event.preventDefault();
     });
-    return toggle;
+  }
+
+  showPause() {
+    const { clock } = this.robot;
+    if (clock.held_s === this.shownHeld_s) return;
+    this.shownHeld_s = clock.held_s;
+    document.getElementById('pause').setAttribute('aria-pressed', String(!clock.playing));
+    document.getElementById('look-back').hidden = clock.playing;
+    if (clock.playing) return;
+    const back_s = clock.held_s - clock.end_s;
+    this.back.min = String(-Math.floor(clock.end_s - clock.start_s));
+    this.back.value = String(back_s);
+    document.getElementById('back-value').textContent = `${signed(back_s, 2)} s`;
   }
 
   setTheme(theme) {
@@ -162,8 +181,7 @@ class Monitor {
   }
 
   recolour() {
-    this.stage.recolour();
-    this.plots.recolour();
+    this.viewer.recolour();
     this.timing.recolour();
   }
 }

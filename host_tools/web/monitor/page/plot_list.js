@@ -1,32 +1,23 @@
-// Which plots the page shows; the fields of a plot are described in live_plot.js.
+// Which plots the page shows; the fields of a plot are described in plot.js.
 
 const kCommanded = { dash: [5, 4] };
 const kSides = [['left', 'left', 0], ['right', 'right', 2]];
-
-function torqueLimits(robot, first) {
-  return () => {
-    const limits = robot.drawing?.torque_limit_Nm;
-    if (!limits) return [];
-    const limit = Math.min(limits[first], limits[first + 2]);
-    return [-limit, limit];
-  };
-}
 
 function motionPlots() {
   return [
     {
       title: 'Forward speed', axis: 'm/s', unit: 'm/s', table: 'ticks', least: 0.4,
-      lines: [{ label: 'hip', colour: 'body', column: 'state7' },
+      lines: [{ label: 'hip', colour: 'body', column: 'estimated_state7' },
         { label: 'commanded', colour: 'plan', ...kCommanded, column: 'commanded_speed_m_s' }],
     },
     {
       title: 'Height of the hip', axis: 'm', unit: 'm', digits: 3, table: 'ticks', least: 0.1,
-      lines: [{ label: 'hip', colour: 'body', column: 'state1' },
+      lines: [{ label: 'hip', colour: 'body', column: 'estimated_state1' },
         { label: 'commanded', colour: 'plan', ...kCommanded, column: 'commanded_height_m' }],
     },
     {
       title: 'Lean of the torso', axis: 'rad', unit: 'rad', digits: 3, table: 'ticks', least: 0.1,
-      lines: [{ label: 'pitch', colour: 'body', column: 'state2' }],
+      lines: [{ label: 'pitch', colour: 'body', column: 'estimated_state2' }],
     },
     {
       title: 'Height of the feet', axis: 'm', unit: 'm', digits: 3, table: 'ticks', least: 0.08,
@@ -37,7 +28,7 @@ function motionPlots() {
 
 function jointPlots(robot) {
   const angle = (k) => kSides.flatMap(([label, colour, first]) => [
-    { label, colour, column: `state${3 + first + k}` },
+    { label, colour, column: `estimated_state${3 + first + k}` },
     { label: 'wanted', colour, ...kCommanded, column: `commanded_position_rad${first + k}`, unnamed: true },
   ]);
   const torque = (k) => kSides.map(([label, colour, first]) => (
@@ -45,8 +36,8 @@ function jointPlots(robot) {
   return [
     { title: 'Hip angle (dashed: wanted)', axis: 'rad', unit: '', table: 'ticks', least: 0.2, lines: angle(0) },
     { title: 'Knee angle (dashed: wanted)', axis: 'rad', unit: '', table: 'ticks', least: 0.2, lines: angle(1) },
-    { title: 'Hip torque (dotted: limit)', axis: 'Nm', unit: 'Nm', digits: 1, table: 'ticks', limits: torqueLimits(robot, 0), lines: torque(0) },
-    { title: 'Knee torque (dotted: limit)', axis: 'Nm', unit: 'Nm', digits: 1, table: 'ticks', limits: torqueLimits(robot, 1), lines: torque(1) },
+    { title: 'Hip torque (dotted: limit)', axis: 'Nm', unit: 'Nm', digits: 1, table: 'ticks', limits: () => torqueLimits(robot, 0), lines: torque(0) },
+    { title: 'Knee torque (dotted: limit)', axis: 'Nm', unit: 'Nm', digits: 1, table: 'ticks', limits: () => torqueLimits(robot, 1), lines: torque(1) },
   ];
 }
 
@@ -66,8 +57,7 @@ function plannerPlots(robot) {
     },
     {
       title: 'Violations', axis: '', unit: '', table: 'planner', logarithmic: true,
-      transform: (value) => (value > 1e-16 ? value : null),
-      lines: [{ label: 'dynamics', colour: 'plan', column: 'defect_max' },
+      lines: [{ label: 'dynamics', colour: 'plan', column: 'dynamics_defect_max' },
         { label: 'equalities', colour: 'push', column: 'equality_violation_max' }],
     },
     {

@@ -6,16 +6,10 @@ const kReactionText = {
   hold: 'holds the pose', sit: 'sits down, then damps the joints', damp: 'damps the joints', off: 'lets go of the motors',
 };
 const kRungText = {
-  new_plan: 'following the newest plan', older_plan: 'following an older plan', gait: 'following the gait library',
+  plan: 'following the newest plan', plan_feedback: 'following an older plan', gait: 'following the gait library',
   hold: 'holding the pose',
   sit: 'sitting down', damp: 'joints damped', off: 'motors left alone',
 };
-
-function element(tag, properties = {}, ...children) {
-  const node = Object.assign(document.createElement(tag), properties);
-  node.append(...children);
-  return node;
-}
 
 class StatusPanel {
   constructor(robot) {

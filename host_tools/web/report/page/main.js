@@ -1,19 +1,42 @@
 // Starts the page. Fragment options are described in still.js.
 
-function openReport(run, options) {
-  const player = new Player(run.start_s, run.end_s);
-  showHeader(run);
-  showSummary(run);
-  if (run.samples.rows > 0) bindKeyboard(player);
-  bindControls(player);
-  const stage = new Stage(run, player);
-  const plots = new PlotGroup(run, player, plotSections(run), document.getElementById('plots'));
-  followTheme(options.theme, () => { stage.recolour(); plots.recolour(); });
-  if (options.time_s !== null) player.seek(options.time_s);
-  else if (run.samples.rows > 0 && !window.matchMedia('(prefers-reduced-motion: reduce)').matches) player.toggle();
+const kStances = ['no foot', 'left foot', 'right foot', 'both feet'];
+
+/** Speed, command and stance at `time_s` as text. */
+function readout(run, time_s) {
+  const { ticks } = run.tables;
+  const columns = ['true_state7', 'commanded_speed_m_s', 'scheduled_mode0', 'scheduled_mode1'];
+  const [speed, command, left, right] = ticks.before(columns.map((name) => ticks.column(name)), time_s);
+  return `${signed(speed, 2)} m/s (commanded ${signed(command, 2)}) · stance: ${kStances[(left ? 1 : 0) + (right ? 2 : 0)]}`;
 }
 
-const run = readRun();
+function openReport(run, options) {
+  const player = new Player(run.start_s, run.end_s);
+  const filled = run.tables.ticks.rows > 0;
+  showHeader(run);
+  showSummary(run);
+  if (filled) bindKeyboard(player);
+  const showPlayer = bindControls(player);
+  const views = viewsOf(run);
+  const { window: fixed } = views[Math.min(1, views.length - 1)];
+  const plots = new PlotGroup({
+    data: run, clock: player, sections: plotSections(run), container: document.getElementById('plots'),
+    fixed, lineWidth_px: 1.5,
+  });
+  addViewButtons(views, plots);
+  const detail = document.getElementById('stage-detail');
+  const viewer = new Viewer({
+    data: run, clock: player, plots,
+    drawn: (time_s) => {
+      if (showPlayer() && filled) detail.textContent = readout(run, time_s);
+    },
+  });
+  followTheme(options.theme, () => viewer.recolour());
+  player.seek(options.time_s ?? fixed[0]);
+  if (options.time_s === null && filled && !window.matchMedia('(prefers-reduced-motion: reduce)').matches) player.toggle();
+}
+
+const run = new RecordedRun(JSON.parse(document.getElementById('run-data').textContent));
 const options = readFragment();
 followTheme(options.theme, () => {});
 if (options.still) {

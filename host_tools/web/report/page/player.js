@@ -1,4 +1,4 @@
-// The clock of the page: current time, playing, speed. Everything that shows the time listens to it.
+// The clock of the page (see viewer.js) and its controls.
 
 const kSpeeds = [0.1, 0.25, 0.5, 1, 2];
 
@@ -9,49 +9,29 @@ class Player {
     this.time_s = start_s;
     this.speed = 1;
     this.playing = false;
-    this.listeners = [];
-    this.lastFrame_ms = null;
-  }
-
-  /** `listener(player)` is called after each change of time, speed or playing. */
-  listen(listener) {
-    this.listeners.push(listener);
-    listener(this);
-  }
-
-  notify() {
-    for (const listener of this.listeners) listener(this);
+    this.before_s = 0;
   }
 
   seek(time_s) {
     this.time_s = Math.min(this.end_s, Math.max(this.start_s, time_s));
-    this.notify();
   }
 
   changeSpeed(places) {
     const index = kSpeeds.indexOf(this.speed) + places;
     this.speed = kSpeeds[Math.min(kSpeeds.length - 1, Math.max(0, index))];
-    this.notify();
   }
 
   toggle() {
     this.playing = !this.playing;
-    if (this.playing) {
-      if (this.time_s >= this.end_s) this.time_s = this.start_s;
-      this.lastFrame_ms = null;
-      requestAnimationFrame((now) => this.frame(now));
-    }
-    this.notify();
+    if (this.playing && this.time_s >= this.end_s) this.time_s = this.start_s;
   }
 
-  frame(now_ms) {
-    if (!this.playing) return;
-    const elapsed_ms = this.lastFrame_ms === null ? 0 : Math.min(100, now_ms - this.lastFrame_ms);
-    this.lastFrame_ms = now_ms;
-    this.time_s = Math.min(this.end_s, this.time_s + (this.speed * elapsed_ms) / 1000);
+  /** The run's time to show at `now_s`. */
+  time(now_s) {
+    if (this.playing) this.seek(this.time_s + this.speed * Math.min(0.1, now_s - this.before_s));
     if (this.time_s >= this.end_s) this.playing = false;
-    this.notify();
-    if (this.playing) requestAnimationFrame((now) => this.frame(now));
+    this.before_s = now_s;
+    return this.time_s;
   }
 }
 
@@ -75,27 +55,24 @@ function bindKeyboard(player) {
   });
 }
 
-/** Connects buttons, scrubber and speed list. */
+/** Connects buttons, scrubber and speed list. Returns what shows the player there; that is false when all is shown. */
 function bindControls(player) {
-  const play = document.getElementById('play');
-  const scrubber = document.getElementById('scrubber');
-  const clock = document.getElementById('clock');
-  const speed = document.getElementById('speed');
+  const [play, scrubber, clock, speed] = ['play', 'scrubber', 'clock', 'speed'].map((id) => document.getElementById(id));
   for (const factor of kSpeeds) speed.append(new Option(`${factor}×`, String(factor)));
-  scrubber.min = player.start_s;
-  scrubber.max = player.end_s;
-  scrubber.step = 'any';
+  Object.assign(scrubber, { min: player.start_s, max: player.end_s, step: 'any' });
   play.addEventListener('click', () => player.toggle());
   scrubber.addEventListener('input', () => player.seek(Number(scrubber.value)));
-  speed.addEventListener('change', () => {
-    player.speed = Number(speed.value);
-    player.notify();
-  });
-  player.listen(() => {
+  speed.addEventListener('change', () => { player.speed = Number(speed.value); });
+  let shown = '';
+  return () => {
+    const now = `${player.time_s} ${player.playing} ${player.speed}`;
+    if (now === shown) return false;
+    shown = now;
     play.textContent = player.playing ? '❚❚' : '▶';
     play.setAttribute('aria-label', player.playing ? 'Pause' : 'Play');
     scrubber.value = player.time_s;
     clock.textContent = `${player.time_s.toFixed(2)} / ${player.end_s.toFixed(1)} s`;
     speed.value = String(player.speed);
-  });
+    return true;
+  };
 }

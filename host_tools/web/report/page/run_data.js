@@ -1,54 +1,81 @@
 // Reads the run that host_tools/web/report/run_data.cc wrote into the page.
 
-/** Decodes packed columns into {group name: [Float32Array a column]}. */
-function unpackColumns(packed) {
+/** Decodes packed columns into a table; a group of several columns is named name0, name1, ... */
+function unpackTable(packed) {
   const bytes = Uint8Array.from(atob(packed.float32_base64), (c) => c.charCodeAt(0));
   const view = new DataView(bytes.buffer);
   const littleEndian = new Uint8Array(new Uint16Array([1]).buffer)[0] === 1;
   const numbers = littleEndian
     ? new Float32Array(bytes.buffer)
     : Float32Array.from({ length: bytes.length / 4 }, (_, i) => view.getFloat32(4 * i, true));
-  const table = { rows: packed.rows };
-  let next = 0;
-  for (const group of packed.groups) {
-    table[group.name] = [];
-    for (let column = 0; column < group.width; ++column) {
-      table[group.name].push(numbers.subarray(next, next + packed.rows));
-      next += packed.rows;
-    }
+  const names = packed.groups.flatMap(({ name, width }) => (
+    width === 1 ? [name] : Array.from({ length: width }, (_, k) => name + k)));
+  return Table.of(names, names.map((_, k) => numbers.subarray(k * packed.rows, (k + 1) * packed.rows)));
+}
+
+class RecordedRun extends RobotData {
+  constructor(run) {
+    super('true_state', Infinity);
+    this.robot_name = run.robot.name;
+    this.command_line = run.command_line;
+    this.summary = run.summary;
+    this.stride = run.ticks.stride;
+    this.status_names = run.planner.status_names;
+    this.friction_coefficient = run.friction_coefficient;
+    this.geometry = { ...run.robot, torque_limit_Nm: run.torque_limit_Nm };
+    this.ground = run.ground;
+    const ticks = unpackTable(run.ticks);
+    // A simulation samples controller and robot together.
+    this.tables = { ticks, truth: ticks, planner: unpackTable(run.planner), plan: unpackTable(run.plans.knots) };
+    this.start_s = ticks.oldestTime ?? 0;
+    this.end_s = Math.max(ticks.newestTime ?? 1, this.start_s + 1e-3);
+    const ends = [...run.plans.first_knot.slice(1), this.tables.plan.rows];
+    this.plans = run.plans.time_s.map((time_s, i) => {
+      const first = run.plans.first_knot[i];
+      return { time_s, first, count: ends[i] - first };
+    });
+    ticks.column('push_N').forEach((force_N, i) => this.notePush(ticks.time[i], force_N));
+    this.addSteps();
+    addErrors(ticks);
+    addFrictionRatios(ticks);
   }
-  return table;
-}
 
-function readRun() {
-  const run = JSON.parse(document.getElementById('run-data').textContent);
-  const stride = run.samples.stride;
-  run.samples = unpackColumns(run.samples);
-  run.samples.stride = stride;
-  run.samples.time = run.samples.time_s[0];
-  run.plans.knots = unpackColumns(run.plans.knots);
-  run.solves = { ...unpackColumns(run.solves), status_names: run.solves.status_names };
-  const times = run.samples.time;
-  run.start_s = times.length ? times[0] : 0;
-  run.end_s = times.length ? times[times.length - 1] : 1;
-  run.pushes = findPushes(run.samples);
-  return run;
-}
-
-/** Intervals of non-zero push: [{from_s, to_s, force_N}]. */
-function findPushes(samples) {
-  const pushes = [];
-  const force = samples.push_N[0];
-  for (let i = 0; i < samples.rows; ++i) {
-    if (force[i] === 0) continue;
-    const last = pushes[pushes.length - 1];
-    if (i > 0 && last && force[i] === force[i - 1]) last.to_s = samples.time[i];
-    else pushes.push({ from_s: samples.time[i], to_s: samples.time[i], force_N: force[i] });
+  /** Footprints, and the table of step lengths at touch-down. */
+  addSteps() {
+    const { steps } = this.summary;
+    const { ticks } = this.tables;
+    const feet = ticks.group('foot_position_m');
+    this.footprints = steps.map((step) => {
+      const foot = step.foot === 'L' ? 0 : 1;
+      const x = ticks.before(feet, step.time_s)?.[2 * foot] ?? 0;
+      return { foot, x, z: groundHeight(this.ground, x), time: step.time_s };
+    });
+    const lengths = (foot) => steps.map((step) => (step.foot === foot ? step.length_m ?? NaN : NaN));
+    this.tables.steps = Table.of(['time_s', 'left_m', 'right_m'],
+      [steps.map((step) => step.time_s), lengths('L'), lengths('R')]);
   }
-  return pushes;
 }
 
-/** State x (14 numbers) of one of the three state groups at `time`. */
-function stateAt(run, group, time) {
-  return run.samples[group].map((column) => interpolate(run.samples.time, column, time));
+/** Adds columns of the estimate's error: position in mm, velocity in m/s; forward and up. */
+function addErrors(ticks) {
+  const error = (k, factor) => {
+    const truth = ticks.column(`true_state${k}`);
+    return ticks.column(`estimated_state${k}`).map((value, i) => factor * (value - truth[i]));
+  };
+  [0, 1].forEach((k) => ticks.addColumn(`position_error_mm${k}`, error(k, 1000)));
+  [0, 1].forEach((k) => ticks.addColumn(`velocity_error_m_s${k}`, error(7 + k, 1)));
+}
+
+const kLoaded_N = 10;
+
+/** Adds columns of the ratio of tangential to normal force, of feet that carry over kLoaded_N. */
+function addFrictionRatios(ticks) {
+  for (const planned of ['', 'planned_']) {
+    const forces = ticks.group(`${planned}contact_force_N`);
+    [0, 1].forEach((foot) => {
+      const normal = forces[2 * foot + 1];
+      const ratio = forces[2 * foot].map((fx, i) => (normal[i] > kLoaded_N ? fx / normal[i] : NaN));
+      ticks.addColumn(`${planned}friction_ratio${foot}`, ratio);
+    });
+  }
 }

@@ -22,7 +22,8 @@ function earlierPoses(run, time, options) {
   const list = [];
   for (let age = options.poses; age >= 1; --age) {
     const then = time - age * options.spacing_s;
-    if (then >= run.start_s) list.push({ pose: poseOfState(run.robot, stateAt(run, 'true_state', then)), age });
+    const state = then >= run.start_s ? run.stateAt(then) : null;
+    if (state) list.push({ pose: poseOfState(run.geometry, state), age });
   }
   return list;
 }
@@ -31,12 +32,13 @@ function drawStill(run, options) {
   document.body.classList.add('still');
   document.getElementById('still').hidden = false;
   const { context, width, height } = fitCanvas(document.getElementById('still-canvas'));
-  if (run.samples.rows === 0) return;
-  const colours = readColours();
   const time = Math.min(run.end_s, Math.max(run.start_s, options.time_s ?? run.end_s));
-  const pose = poseOfState(run.robot, stateAt(run, 'true_state', time));
+  const state = run.stateAt(time);
+  if (!state) return;
+  const colours = readColours();
+  const pose = poseOfState(run.geometry, state);
   const earlier = earlierPoses(run, time, options);
-  const knots = planAt(run, time);
+  const knots = run.planAt(time);
   const footX = [pose, ...earlier.map((entry) => entry.pose)].flatMap((p) => [p.hip.x, p.left.foot.x, p.right.foot.x]);
   const planX = knots.flatMap((knot) => [knot.hip.x, knot.feet[0].x, knot.feet[1].x]);
   const from = Math.min(...footX, ...planX) - 0.25;
@@ -48,7 +50,7 @@ function drawStill(run, options) {
 
   context.fillStyle = colours.sky;
   context.fillRect(0, 0, width, height);
-  drawGround(view, run.ground, colours, footprintsOf(run).filter((place) => place.time <= time));
+  drawGround(view, run.ground, colours, run.footprintsUpTo(time));
   for (const { pose: ghost, age } of earlier) {
     const faded = fadeColours(colours, 0.45 + (0.4 * age) / (options.poses + 1));
     drawRobot(view, ghost, { ...faded, card: colours.sky });
@@ -56,11 +58,9 @@ function drawStill(run, options) {
   drawPlannedPaths(view, knots, colours, time);
   context.globalAlpha = 0.5;
   for (let k = 1; time + k * options.spacing_s < (knots.at(-1)?.time ?? 0); ++k) {
-    const knot = knots[lastIndexUpTo(knots.map((one) => one.time), time + k * options.spacing_s)];
-    drawSkeleton(view, poseOfKnot(run.robot, knot), colours, 3);
+    const knot = knots.findLast((one) => one.time <= time + k * options.spacing_s) ?? knots[0];
+    drawSkeleton(view, poseOfKnot(run.geometry, knot), colours, 3);
   }
   context.globalAlpha = 1;
-  drawRobot(view, pose, colours);
-  drawForcesAt(view, run, pose, colours, time);
-  drawPushAt(view, run, pose, colours, time);
+  drawRobotAt(view, run, pose, colours, time);
 }

@@ -2,7 +2,7 @@
 
 function number(value, digits, unit = '') {
   if (value === null || value === undefined || !Number.isFinite(value)) return '–';
-  return `${value.toFixed(digits).replace('-', '−')}${unit && ` ${unit}`}`;
+  return `${signed(value, digits)}${unit && ` ${unit}`}`;
 }
 
 function exponent(value) {
@@ -51,9 +51,10 @@ function plannerRows(s) {
 }
 
 /** How solves ended: rows of name and count, those that happened. */
-function solveEndRows(solves) {
-  return solves.status_names
-    .map((name, status) => [`Solves: ${name}`, String(solves.status[0].filter((value) => value === status).length)])
+function solveEndRows(run) {
+  const ends = run.tables.planner.column('status');
+  return run.status_names
+    .map((name, status) => [`Solves: ${name}`, String(ends.filter((value) => value === status).length)])
     .filter(([, count]) => count !== '0');
 }
 
@@ -65,25 +66,19 @@ function memoryRows(s) {
 }
 
 function addTable(container, title, rows, heads = []) {
-  const table = document.createElement('table');
-  table.createCaption().textContent = title;
+  const table = element('table', {}, element('caption', { textContent: title }));
   if (heads.length > 0) {
-    const row = table.createTHead().insertRow();
-    for (const head of heads) row.append(Object.assign(document.createElement('th'), { textContent: head, scope: 'col' }));
+    table.createTHead().insertRow().append(...heads.map((head) => element('th', { textContent: head, scope: 'col' })));
   }
-  const body = table.createTBody();
-  for (const [name, ...values] of rows) {
-    const row = body.insertRow();
-    row.append(Object.assign(document.createElement('th'), { textContent: name, scope: 'row' }));
-    for (const value of values) row.insertCell().textContent = value;
-  }
+  const cells = ([name, ...values]) => (
+    [element('th', { textContent: name, scope: 'row' }), ...values.map((value) => element('td', { textContent: value }))]);
+  table.append(element('tbody', {}, ...rows.map((row) => element('tr', {}, ...cells(row)))));
   container.append(table);
 }
 
 function addStepList(container, steps) {
   if (steps.length === 0) return;
-  const details = document.createElement('details');
-  details.append(Object.assign(document.createElement('summary'), { textContent: `All ${steps.length} steps` }));
+  const details = element('details', {}, element('summary', { textContent: `All ${steps.length} steps` }));
   const rows = steps.map((step) => (
     [number(step.time_s, 3, 's'), step.foot === 'L' ? 'left' : 'right', number(step.length_m, 3, 'm')]));
   addTable(details, '', rows, ['Touch-down', 'Foot', 'Length']);
@@ -91,14 +86,14 @@ function addStepList(container, steps) {
 }
 
 function group(container) {
-  const box = document.createElement('div');
+  const box = element('div');
   container.append(box);
   return box;
 }
 
 function showHeader(run) {
   const s = run.summary;
-  document.getElementById('robot-name').textContent = run.robot.name;
+  document.getElementById('robot-name').textContent = run.robot_name;
   const badge = document.getElementById('outcome');
   badge.textContent = s.survived ? 'survived' : s.fall_time_s === null ? 'did not survive' : `fell at ${number(s.fall_time_s, 2, 's')}`;
   badge.classList.add(s.survived ? 'good' : 'bad');
@@ -107,10 +102,10 @@ function showHeader(run) {
     `${number(s.duration_s, 1, 's')}, ${number(s.distance_m, 1, 'm')}, ${s.steps.length} steps, ` +
     `mean speed ${number(s.mean_speed_m_s, 2, 'm/s')}, ${pushes}`;
   document.getElementById('command-line').textContent = run.command_line;
-  if (run.samples.stride > 1) {
+  if (run.stride > 1) {
     const note = document.getElementById('thinned');
     note.hidden = false;
-    note.textContent = `A long run: plots and animation show every ${run.samples.stride}th sample; ` +
+    note.textContent = `A long run: plots and animation show every ${run.stride}th sample; ` +
       'the summary is of all of them.';
   }
 }
@@ -123,7 +118,7 @@ function showSummary(run) {
   const steps = group(container);
   addTable(steps, 'Steps', stepRows(s));
   addStepList(steps, s.steps);
-  if (run.solves.rows === 0) return;  // a record of the robot alone: nothing is known of its controller
+  if (run.tables.planner.rows === 0) return;  // a record of the robot alone: nothing is known of its controller
   addTable(steps, 'Memory', memoryRows(s));
-  addTable(group(container), 'Planner', [...plannerRows(s), ...solveEndRows(run.solves)]);
+  addTable(group(container), 'Planner', [...plannerRows(s), ...solveEndRows(run)]);
 }

@@ -57,7 +57,7 @@ TEST(LiveView, APageIsGreetedWithTheSupervisorsTables) {
   const auto hello = page->of_type("hello").at(0);
   EXPECT_EQ(hello["faults"].size(), supervisor::kFaults);
   EXPECT_EQ(hello["states"].size(), supervisor::kStates);
-  EXPECT_EQ(hello["columns"]["ticks"][1], "state0");
+  EXPECT_EQ(hello["columns"]["ticks"][1], "estimated_state0");
 }
 
 TEST(LiveView, TheHeartbeatOfAPageInCommandGoesOnAsLongAsThePageLives) {

@@ -44,7 +44,7 @@ TEST(PageTables, NumbersOfATableAreWhereItsHeadSays) {
   EXPECT_EQ(number_at(double{}, 16), 12.0);
   const std::size_t row = (message->bytes.size() - 24) / 2;
   EXPECT_EQ(number_at(float{}, 24 + row), 0.25f);
-  EXPECT_EQ(number_at(float{}, 24 + 8 * sizeof(float)), 0.5f) << "state7, after the time";
+  EXPECT_EQ(number_at(float{}, 24 + 8 * sizeof(float)), 0.5f) << "estimated_state7, after the time";
 }
 
 TEST(PageTables, ColumnsOfATickAreThoseThatThePageKnows) {
@@ -52,7 +52,7 @@ TEST(PageTables, ColumnsOfATickAreThoseThatThePageKnows) {
   const auto add = [&](const std::string& name, int count) {
     for (int k = 0; k < count; ++k) names.push_back(name + std::to_string(k));
   };
-  add("state", 14);
+  add("estimated_state", 14);
   add("commanded_position_rad", 4);
   add("commanded_torque_Nm", 4);
   add("measured_torque_Nm", 4);
@@ -73,7 +73,7 @@ TEST(PageTables, AFieldStandsUnderItsColumnInItsUnit) {
   record.round_trip_ns = 250'000;
   record.state = supervisor::State::walk;
   record.level = supervisor::FallbackLevel::plan_feedback;
-  EXPECT_EQ(shown(record, "state13"), 0.5);
+  EXPECT_EQ(shown(record, "estimated_state13"), 0.5);
   EXPECT_EQ(shown(record, "measured_torque_Nm2"), -3.0);
   EXPECT_EQ(shown(record, "plan_age_ms"), 62.5);
   EXPECT_EQ(shown(record, "wakeup_us"), 12.5);
