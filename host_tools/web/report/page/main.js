@@ -7,7 +7,8 @@ function readout(run, time_s) {
   const { ticks } = run.tables;
   const columns = ['true_state7', 'commanded_speed_m_s', 'scheduled_mode0', 'scheduled_mode1'];
   const [speed, command, left, right] = ticks.before(columns.map((name) => ticks.column(name)), time_s);
-  return `${signed(speed, 2)} m/s (commanded ${signed(command, 2)}) · stance: ${kStances[(left ? 1 : 0) + (right ? 2 : 0)]}`;
+  const commanded = Number.isFinite(command) ? ` (commanded ${signed(command, 2)})` : '';
+  return `${signed(speed, 2)} m/s${commanded} · stance: ${kStances[(left ? 1 : 0) + (right ? 2 : 0)]}`;
 }
 
 function openReport(run, options) {

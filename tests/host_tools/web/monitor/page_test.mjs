@@ -192,6 +192,30 @@ test('pause holds the picture and looks back, and pause again lets it go', async
   assert.ok(await page.isHidden('#look-back'));
 });
 
+test('dragging over a plot zooms only while paused, and a click there shows that moment', async () => {
+  await page.keyboard.press('w');
+  await until('motion', async () => (await hipX(page)) > 0.5);
+  const box = await page.locator('figure[data-title="Forward speed"] .u-over').boundingBox();
+  const plot = 'figure[data-title="Height of the hip"] canvas';
+  const drag = async () => {
+    await page.mouse.move(box.x + 0.85 * box.width, box.y + 50);
+    await page.mouse.down();
+    await page.mouse.move(box.x + 0.95 * box.width, box.y + 50, { steps: 5 });
+    await page.mouse.up();
+    await page.mouse.move(0, 0);
+  };
+  await drag();
+  await page.click('#pause');
+  await until('the newest moment at the right edge', async () => (await text('#back-value')) === '0.00 s');
+  const still = () => pixels(page, plot);
+  const all = await still();
+  await drag();
+  await until('zoomed plots', async () => (await still()) !== all);
+  await until('the start of the window', async () => Math.abs(parseFloat((await text('#back-value')).replace('−', '-')) + 1.5) < 0.1);
+  await page.mouse.click(box.x + 0.5 * box.width, box.y + 50);
+  await until('its middle', async () => Math.abs(parseFloat((await text('#back-value')).replace('−', '-')) + 1) < 0.1);
+});
+
 test('on a phone in the dark the stop button is in reach and nothing is wider than the screen', async () => {
   await page.evaluate(() => localStorage.setItem('theme', 'dark'));
   await page.setViewportSize({ width: 390, height: 844 });

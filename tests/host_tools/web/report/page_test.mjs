@@ -1,0 +1,114 @@
+// The page of a run in a browser: a short walk with a push.
+
+import assert from 'node:assert/strict';
+import { mkdtempSync, rmSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { pathToFileURL } from 'node:url';
+import { after, afterEach, before, test } from 'node:test';
+import { openBrowser, openPage, picture, pixels, Program, until } from '../monitor/browser.mjs';
+
+const kSpeed = 'figure[data-title="Forward speed of the base"]';
+
+let browser;
+let folder;
+let url;
+let page;
+
+before(async () => {
+  folder = mkdtempSync(join(tmpdir(), 'stilt-report-'));
+  const file = join(folder, 'run.html');
+  const words = ['sim', '--gait', 'walk', '--speed', '0.5', '--duration', '3', '--push', '30@2+0.2', '--report', file];
+  const run = new Program(process.env.STILT_PROGRAM, words);
+  assert.equal(await run.ended, 0, run.output);
+  url = pathToFileURL(file).href;
+  browser = await openBrowser();
+});
+
+after(async () => {
+  await browser?.close();
+  rmSync(folder, { recursive: true, force: true });
+});
+
+afterEach(async () => {
+  const { problems } = page;
+  await page.close();
+  assert.deepEqual(problems, []);
+});
+
+/** The time that the page shows, s. */
+const shownTime = async () => Number((await page.textContent('#clock')).split(' ')[0]);
+const kPixel_s = 0.02;
+const shows = (time_s) => until(`${time_s} s`, async () => Math.abs((await shownTime()) - time_s) < kPixel_s);
+const caption = () => page.textContent(`${kSpeed} figcaption`);
+
+/** Place of a time in the plot of the speed while the whole run is shown. */
+async function placeOf(time_s) {
+  const box = await page.locator(`${kSpeed} .u-over`).boundingBox();
+  return { x: box.x + (box.width * time_s) / 3, y: box.y + box.height / 2 };
+}
+
+test('a run plays when its page is opened, and space pauses it', async () => {
+  page = await openPage(browser, url);
+  await until('motion', async () => (await shownTime()) > 0.3);
+  await page.keyboard.press('Space');
+  const paused_s = await shownTime();
+  await page.waitForTimeout(300);
+  assert.ok((await shownTime()) - paused_s < 0.1);
+});
+
+test('the robot, the values and the push are those of the time shown', async () => {
+  page = await openPage(browser, url, '#t=2.1');
+  await shows(2.1);
+  await until('the speed commanded', async () => /commanded 0.50 m\/s/.test(await caption()));
+  const pushed = await pixels(page, '#stage-canvas');
+  await picture(page, 'report');
+  await page.keyboard.press('Home');
+  await shows(0);
+  await until('another picture', async () => (await pixels(page, '#stage-canvas')) !== pushed);
+});
+
+test('a click on a plot moves the time, dragging zooms all plots, a double click shows the whole run', async () => {
+  page = await openPage(browser, url, '#t=0');
+  const other = 'figure[data-title="Foot height"] canvas';
+  await page.locator(kSpeed).scrollIntoViewIfNeeded();
+  const middle = await placeOf(1.5);
+  await page.mouse.click(middle.x, middle.y);
+  await shows(1.5);
+  await page.mouse.move(0, 0);
+  const whole = await pixels(page, other);
+  const [from, to] = [await placeOf(1), await placeOf(2)];
+  await page.mouse.move(from.x, from.y);
+  await page.mouse.down();
+  await page.mouse.move(to.x, to.y, { steps: 5 });
+  await page.mouse.up();
+  await until('zoomed plots', async () => (await pixels(page, other)) !== whole);
+  await page.mouse.dblclick(to.x, to.y);
+  await page.mouse.move(0, 0);
+  await until('the whole run', async () => (await pixels(page, other)) === whole);
+});
+
+test('a click on a name hides its line and shows it again', async () => {
+  page = await openPage(browser, url, '#t=1');
+  await shows(1);
+  const canvas = `${kSpeed} canvas`;
+  await until('values', async () => /true −?\d/.test(await caption()));
+  const both = await pixels(page, canvas);
+  await page.click(`${kSpeed} .legend`);
+  await until('a line less', async () => (await pixels(page, canvas)) !== both);
+  await page.click(`${kSpeed} .legend`);
+  await until('the line', async () => (await pixels(page, canvas)) === both);
+});
+
+test('the still picture shows the robot without the page around it', async () => {
+  page = await openPage(browser, url, '#t=2.1&still');
+  assert.ok(await page.isHidden('#plots'));
+  const empty = await page.evaluate(() => {
+    const canvas = document.getElementById('still-canvas');
+    const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+    const colours = new Set();
+    for (let i = 0; i < data.length; i += 4) colours.add((data[i] << 16) | (data[i + 1] << 8) | data[i + 2]);
+    return colours.size < 10;
+  });
+  assert.ok(!empty);
+});
