@@ -7,17 +7,17 @@
 
 namespace stilt::control {
 
-/// Drives of the joints as the controller models them: the URDF's, scaled and completed by the configuration.
+/// The controller's model of the joint drives: values of the URDF, scaled and completed by the configuration.
 /// Joints in the order hip_L, knee_L, hip_R, knee_R. Real-time safe.
 struct DriveModel {
   double joint_parameters[2 * model::kJoints];  ///< armature (4) kg m^2, damping (4) Nm s/rad
   double coulomb_friction_Nm[model::kJoints];
   double torque_limit_Nm[model::kJoints];  ///< at standstill
-  /// Fall of the torque limit with the joint's speed in the direction of the torque; 0: none.
+  /// Torque limit lost per unit of joint speed in the direction of the torque; 0: constant limit.
   double torque_speed_slope_Nms_rad[model::kJoints];
 
-  /// The torque within what the drive gives at a velocity: |tau| <= limit - slope |v| where it drives the
-  /// motion, |tau| <= limit where it brakes it. A velocity that is not a number counts as 0.
+  /// The torque, clamped to what the drive can give at a velocity: |tau| <= limit - slope |v| while it drives
+  /// the motion, |tau| <= limit while it brakes. A NaN velocity counts as 0.
   [[nodiscard]] double limited_torque_Nm(int joint, double torque_Nm, double velocity_rad_s) const noexcept {
     const double limit_Nm = torque_limit_Nm[joint];
     const double slope = torque_speed_slope_Nms_rad[joint];

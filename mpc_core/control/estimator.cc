@@ -10,8 +10,8 @@ using model::kFirstAngle;
 using model::kFirstJoint;
 using model::kPositions;
 
-/// State with the base at the origin at rest: the feet's positions and velocities are then relative to the
-/// base.
+/// State with the base at rest at the origin. The positions and velocities of the feet are then relative to
+/// the base.
 model::StateVector state_at_origin(const SensorReading& reading) noexcept {
   model::StateVector state = model::StateVector::Zero();
   state[kFirstAngle] = reading.base_pitch_rad;
@@ -53,7 +53,7 @@ double Estimator::base_x_m(const model::KinematicsTerms<double>& feet) const noe
 
 void Estimator::follow_contacts(const model::KinematicsTerms<double>& feet, double elapsed_s,
                                 model::ContactMode contact) noexcept {
-  const double seen_x_m = base_x_m(feet);  // through the feet trusted so far
+  const double seen_x_m = base_x_m(feet);  // base from the feet trusted so far
   const double change =
       parameters_.blend_s > 0.0 ? std::clamp(elapsed_s / parameters_.blend_s, 0.0, 1.0) : 1.0;
   for (int foot = 0; foot < kFeet; ++foot) {

@@ -7,7 +7,7 @@
 
 namespace stilt::control {
 
-/// What the sensors give at one tick: four joint encoders and the angle of the base.
+/// Sensor readings of one tick: four joint encoders and the pitch of the base.
 struct SensorReading {
   double time_s = 0.0;
   model::JointVector joint_position_rad = model::JointVector::Zero();
@@ -22,27 +22,28 @@ struct SensorReading {
          std::isfinite(reading.base_pitch_rate_rad_s);
 }
 
-/// Linear position and velocity of the base through the stance feet:
+/// Estimates the linear position and velocity of the base from the stance feet, in the world frame:
 ///
 ///   p_b = sum_f w_f (anchor_f - r_f(q)) / sum_f w_f,   v_b = - sum_f w_f dr_f/dt / sum_f w_f
 ///
-/// where r_f is the foot relative to the base and anchor_f the place where it was when its scheduled contact
-/// began, on the ground z = 0. The weights w_f rise and fall linearly over `blend_s` at a scheduled switch;
-/// no impact sensing. Drifts in x by the slip of the feet, does not drift in z. Real-time safe.
+/// r_f is the position of foot f relative to the base. anchor_f is its position on the ground, z = 0, at the
+/// start of its scheduled contact. The weights w_f rise and fall linearly over `blend_s` at a scheduled
+/// switch; impacts are not sensed. The estimate drifts in x by the slip of the feet, and does not drift in z.
+/// Real-time safe.
 class Estimator {
  public:
   void configure(const model::RobotModel& robot, const EstimatorParameters& parameters) noexcept;
 
-  /// Starts with both feet on the ground and the base at x = base_x_m.
+  /// Starts with both feet on the ground and the base at x = base_x_m (m, world).
   void reset(const SensorReading& reading, double base_x_m) noexcept;
 
-  /// One tick: reading and scheduled contacts in, state out.
+  /// Processes one tick: takes the readings and the scheduled contacts, returns the state.
   [[nodiscard]] model::StateVector update(const SensorReading& reading, model::ContactMode contact) noexcept;
 
  private:
-  /// Base position in x as the trusted feet see it; the last one without any.
+  /// Base position in x from the trusted feet, m; the last estimate when no foot is trusted.
   [[nodiscard]] double base_x_m(const model::KinematicsTerms<double>& feet) const noexcept;
-  /// Anchors a foot whose contact begins, and moves the weights.
+  /// Anchors each foot whose contact begins, and updates the weights.
   void follow_contacts(const model::KinematicsTerms<double>& feet, double elapsed_s,
                        model::ContactMode contact) noexcept;
 

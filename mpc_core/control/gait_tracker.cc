@@ -14,7 +14,7 @@ using model::kFirstJoint;
 using model::kJoints;
 using model::kPositions;
 
-/// Joints left leg first to stance leg first, or back.
+/// Converts joints from left leg first to stance leg first, or back.
 JointVector exchange(const JointVector& joints, int stance) noexcept {
   if (stance == model::kLeft) return joints;
   JointVector result;
@@ -101,7 +101,7 @@ void GaitTracker::track(const Sensed& sensed, double s, Command& command) const 
   const gait::GaitOutputs& outputs = gait_.outputs;
   const gait::OutputPoint share = gait::placement_share(s);
   const gait::OutputPoint y = gait::outputs_at(outputs, s);
-  const bool inside = s > 0.0 && s < 1.0;  // the phase is held at its ends
+  const bool inside = s > 0.0 && s < 1.0;  // the phase saturates at 0 and 1
   const double scale = 1.0 / (outputs.phase_end - outputs.phase_start);
   const double hip_rate = outputs.phase == gait::PhaseKind::time ? 1.0 : sensed.state[kPositions];
   const double rate = inside ? scale * hip_rate : 0.0;

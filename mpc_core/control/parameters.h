@@ -6,33 +6,36 @@
 
 namespace stilt::control {
 
-/// torque = feed-forward + kp (q_plan - q) + kd (v_plan - v) + friction compensation, saturated.
+/// Gains of the law: torque = feed-forward + kp (q_plan - q) + kd (v_plan - v) + friction compensation,
+/// limited to the drive's torque.
 struct TorqueLawParameters {
   double joint_kp_Nm_rad = 100.0;
   double joint_kd_Nms_rad = 5.0;
-  bool use_feedback_gains = false;        ///< add the plan's feedback K (x - x_plan) to its inputs
-  double friction_compensation = 1.0;     ///< share of the joints' Coulomb friction that is fed forward
+  bool use_feedback_gains = false;        ///< share of the Coulomb friction fed forward
+  double friction_compensation = 1.0;     ///< share of the joints' Coulomb friction that is fed forward, 0 to
+                                          ///< 1
   double friction_velocity_rad_s = 0.05;  ///< width of the smoothed sign, tanh(v / width)
 };
 
 struct GaitTrackerParameters {
   double joint_kp_Nm_rad = 400.0;
   double joint_kd_Nms_rad = 20.0;
-  /// Foot placement uses the state this long after touch-down, when the impact has passed.
+  /// Foot placement uses the state this long after touch-down, once the impact has decayed.
   double settle_s = 0.015;
 };
 
 struct EstimatorParameters {
-  double blend_s = 0.02;  ///< time over which trust moves from the old stance foot to the new one
+  double blend_s = 0.02;  ///< time over which the weight moves from the old stance foot to the new one
 };
 
-/// What the controller assumes of the robot besides its URDF; friction and damping instead of the URDF's.
+/// Robot parameters that the controller assumes besides the URDF. Friction and damping replace those of the
+/// URDF.
 struct RobotParameters {
   double armature_scale = 1.0;  ///< factor on the reflected drive inertia; 0 plans without it
   double torque_limit_scale = 1.0;
   double velocity_limit_scale = 1.0;
-  /// Joint speed at which a drive gives no torque any more; its torque falls linearly up to there. 0:
-  /// constant.
+  /// Joint speed at which the drive's torque limit reaches zero; the limit falls linearly up to there. 0: the
+  /// limit is constant.
   double no_load_speed_rad_s = 0.0;
   double hip_coulomb_friction_Nm = 0.0;
   double knee_coulomb_friction_Nm = 0.0;
@@ -43,10 +46,11 @@ struct RobotParameters {
 struct TimingParameters {
   double torque_rate_hz = 1000.0;
   double plan_rate_hz = 100.0;
-  double plan_delay_s = 0.005;  ///< simulated time between the state a plan starts from and its first use
+  double plan_delay_s = 0.005;  ///< simulated time from the state that a plan starts from until the plan
+                                ///< becomes active
 };
 
-/// Everything tunable. One TOML file a robot sets it (firmware/configuration).
+/// All tunable parameters. One TOML file per robot sets them (firmware/configuration).
 struct ControllerParameters {
   RobotParameters robot;
   gait::GaitParameters gait;

@@ -16,8 +16,8 @@ PlanPoint interpolate(const Plan& plan, double time_s) noexcept {
   const double s = duration_s > 0.0 ? std::clamp((time_s - from.time_s) / duration_s, 0.0, 1.0) : 1.0;
   PlanPoint point;
   point.state = (1.0 - s) * from.state + s * to.state;
-  // Positions on the cubic with the nodes' velocities: a straight line misses it by a h^2 / 8, 3 mrad at a
-  // knee.
+  // Positions follow the cubic through the nodes' positions and velocities. A straight line misses it by a
+  // h^2 / 8, 3 mrad at a knee.
   const auto rise_from = from.state.tail<kPositions>() * duration_s;
   const auto rise_to = to.state.tail<kPositions>() * duration_s;
   const auto chord = to.state.head<kPositions>() - from.state.head<kPositions>();

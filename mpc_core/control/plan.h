@@ -19,29 +19,30 @@ using FeedbackGain = Eigen::Matrix<double, model::kInputs, model::kStates>;
 struct PlanNode {
   double time_s = 0.0;
   model::StateVector state = model::StateVector::Zero();
-  model::InputVector input = model::InputVector::Zero();  ///< held by the model until the next node
+  model::InputVector input = model::InputVector::Zero();  ///< the model holds it until the next node
   FeedbackGain gain = FeedbackGain::Zero();               ///< input += gain (x - state)
-  model::ContactMode mode;                                ///< of the interval that starts here
+  model::ContactMode mode;                                ///< of the interval that starts at this node
 };
 
-/// Two seconds of motion, and how well it was found. Time is the controller's clock, seconds.
+/// State and input trajectory over the horizon, and the report of the solve that computed it. Times are those
+/// of the controller's clock, s.
 struct Plan {
-  long long sequence = -1;  ///< counts solves; -1: no plan yet
+  long long sequence = -1;  ///< number of the solve; -1: no plan yet
   int nodes = 0;
   double start_time_s = 0.0;
-  gait::GaitKind gait = gait::GaitKind::stand;  ///< gait in force at start_time_s
-  double phase_end_s = 0.0;                     ///< end of the contact phase in force at start_time_s
+  gait::GaitKind gait = gait::GaitKind::stand;  ///< active gait at start_time_s
+  double phase_end_s = 0.0;                     ///< end of the contact phase that is active at start_time_s
   std::array<PlanNode, kMaxNodes> node;
   sqp::SolveReport report;
 };
 
-/// The plan at one time: positions on the cubic through the nodes' positions and velocities, velocities
-/// linear, inputs linear within a contact phase and held at its end (inputs held over every interval lag
-/// behind the motion: touch-down comes early and torques peak).
+/// The plan at one time. Positions follow the cubic through the nodes' positions and velocities; velocities
+/// are linear. Inputs are linear within a contact phase and held at its end: inputs held over every interval
+/// lag behind the motion, so that touch-down comes early and torques peak.
 struct PlanPoint {
   model::StateVector state = model::StateVector::Zero();
   model::InputVector input = model::InputVector::Zero();
-  const FeedbackGain* gain = nullptr;  ///< of the plan's node, as long as the plan lasts
+  const FeedbackGain* gain = nullptr;  ///< of the plan's node; points into the plan
   model::ContactMode mode;
 };
 

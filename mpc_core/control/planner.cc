@@ -101,7 +101,7 @@ void Planner::update_trim(const PlannerInput& input, bool stepping) noexcept {
 bool Planner::prepare(const PlannerInput& input) noexcept {
   const model::FeetVector feet = foot_positions(*data_.robot, input.state);
   if (has_solution_) speed_reference_m_s_ = reference_.speed_at(input.time_s);
-  // A swing that starts within the horizon needs its next contact, and that contact's middle.
+  // A swing that starts within the horizon needs its next contact and the middle of that contact.
   const double beyond_s = 4.0 * (parameters_.gait.single_support_s + parameters_.gait.double_support_s);
   schedule_.update(input.time_s, input.time_s + parameters_.discretisation.horizon_s + beyond_s,
                    input.command, parameters_.gait, parameters_.reference, speed_reference_m_s_,
@@ -131,12 +131,12 @@ void Planner::guess_node(double time_s, int phase, bool before_switch, double* x
   }
   const ocp::Trajectory& old = solution_[current_];
   const ocp::Horizon& horizon = solved_horizon_;
-  // Last old node not after this time; at a switch the node on the wanted side.
+  // Last old node not after this time. At a switch: the node on the requested side.
   while (hint < horizon.stages && (horizon.node_time_s(hint + 1) < time_s ||
                                    (!before_switch && horizon.node_time_s(hint + 1) == time_s))) {
     ++hint;
   }
-  if (hint >= horizon.stages) {  // beyond the old horizon: its last posture moves on with the reference
+  if (hint >= horizon.stages) {  // beyond the old horizon: its last posture moves with the reference
     std::copy(old.x[horizon.stages], old.x[horizon.stages] + kStates, x);
     x[0] += (time_s - horizon.end_s) * take_reference_input()[kPositions];
     return;
@@ -177,7 +177,7 @@ sqp::SolveReport Planner::plan(const PlannerInput& input, Plan& plan) noexcept {
   warm_start(input, work);
   report = sqp_.solve(data_, problem_, parameters_.sqp, work);
   if (!report.usable()) {
-    has_solution_ = false;  // the next solve starts afresh
+    has_solution_ = false;  // the next solve does not start from the last solution
     return report;
   }
   current_ = 1 - current_;

@@ -10,7 +10,7 @@
 namespace stilt::control {
 
 struct PlannerInput {
-  double time_s = 0.0;       ///< of the state; must not decrease from call to call
+  double time_s = 0.0;       ///< time of the state; must not decrease from call to call
   model::StateVector state;  ///< measured or estimated
   gait::GaitCommand command;
 };
@@ -21,55 +21,56 @@ enum class ConfigureStatus {
   terminal_cost_failed,   ///< the weights admit no stabilising solution of the Riccati equation
 };
 
-/// What robot and parameters come to: all that a solve uses of them. 3 kB, owns nothing.
+/// Robot and parameters in the form that a solve uses. 3 kB, owns nothing.
 struct PlannerSettings {
   ControllerParameters parameters;
   ocp::ProblemData data;
 };
 
-/// Works the settings out; milliseconds, not real time. `settings` is complete only when it says ok.
+/// Computes the settings. Takes milliseconds, not real-time safe. `settings` is complete only when the result
+/// is ok.
 [[nodiscard]] ConfigureStatus prepare_settings(const model::RobotModel& robot,
                                                const ControllerParameters& parameters,
                                                sqp::TerminalCostWorkspace& work,
                                                PlannerSettings& settings) noexcept;
 
-/// The one entry to planning: measured state in, plan out. Keeps the contact schedule and the last solution,
-/// from which the next solve starts, shifted in time. One object of fixed size without heap; configure()
-/// takes milliseconds and is not for the real-time path, plan() is. Results depend on the inputs alone.
+/// The interface of the planner: measured state in, plan out. Keeps the contact schedule and the last
+/// solution; the next solve starts from that solution, shifted in time. Fixed size, no heap. configure()
+/// takes milliseconds and is not real-time safe; plan() is. Results depend on the inputs alone.
 class Planner {
  public:
   [[nodiscard]] ConfigureStatus configure(const model::RobotModel& robot,
                                           const ControllerParameters& parameters) noexcept;
 
-  /// Plans with these settings from the next plan() on, and goes on from the last solution. They are of the
-  /// same robot and horizon as before. Real-time.
+  /// Uses these settings from the next plan() on, and keeps the last solution. They must be for the same
+  /// robot and horizon as before. Real-time safe.
   void adopt(const PlannerSettings& settings) noexcept;
 
-  /// From now on steps follow the gaits of the library, which outlives this object, instead of the
-  /// heuristics. Their step time should be that of the gait's parameters. Call after configure(). Null:
-  /// heuristics.
+  /// Steps follow the gaits of the library, instead of the heuristics, from the next plan() on. The library
+  /// must outlive this object; its step time should be that of the gait parameters. Call after configure().
+  /// Null: heuristics.
   void follow(const gait::GaitLibrary* library) noexcept { reference_.follow(*data_.robot, library); }
 
-  /// Forgets the past: standing still from `time_s` on.
+  /// Discards schedule and solution: the robot stands still from `time_s` on.
   void reset(double time_s) noexcept;
 
-  /// Plans from the input's state. A solve that fails reports so in the result and leaves `plan` untouched
-  /// otherwise: the caller goes on with the older plan.
+  /// Plans from the input's state. When a solve fails, the report says so and `plan` stays as it was: the
+  /// caller keeps using the older plan.
   sqp::SolveReport plan(const PlannerInput& input, Plan& plan) noexcept;
 
-  /// Clock for phase_times(); null (the default) measures nothing.
+  /// Clock for phase_times(). Null, the default: nothing is measured.
   void set_clock(sqp::ClockFunction clock) noexcept { sqp_.set_clock(clock); }
   [[nodiscard]] const sqp::PhaseTimes& phase_times() const noexcept { return sqp_.phase_times(); }
 
-  /// The problem and its data as last solved, for tests and diagnostics.
+  /// Problem and data of the last solve, for tests and diagnostics.
   [[nodiscard]] const ocp::Problem& problem() const noexcept { return problem_; }
   [[nodiscard]] const ocp::ProblemData& problem_data() const noexcept { return data_; }
   [[nodiscard]] const ocp::Trajectory& solution() const noexcept { return solution_[current_]; }
 
  private:
-  /// Steps track the commanded speed with a bias, a compromise between the terms of the cost. The distance by
-  /// which the base lags behind the commanded progress, bounded, is worked off by a trim of the speed
-  /// reference.
+  /// Updates the trim of the speed reference. Steps track the commanded speed with a bias, a compromise
+  /// between the terms of the cost. The trim reduces the bounded distance by which the base lags behind the
+  /// commanded progress.
   void update_trim(const PlannerInput& input, bool stepping) noexcept;
   [[nodiscard]] bool prepare(const PlannerInput& input) noexcept;
   void warm_start(const PlannerInput& input, ocp::Trajectory& guess) const noexcept;
@@ -89,8 +90,8 @@ class Planner {
   sqp::TerminalCostWorkspace terminal_cost_work_;
   ocp::Problem problem_;
   sqp::Sqp sqp_;
-  ocp::Trajectory solution_[2];  ///< the last usable solution and the one in work
-  ocp::Horizon solved_horizon_;  ///< of the last usable solution
+  ocp::Trajectory solution_[2];  ///< the last usable solution, and the trial
+  ocp::Horizon solved_horizon_;  ///< horizon of the last usable solution
   int current_ = 0;
   bool has_solution_ = false;
 };

@@ -4,22 +4,22 @@ namespace stilt::gait {
 
 inline constexpr int kMaxBezierDegree = 27;
 
-/// Value of a polynomial and its first and second derivative with respect to its parameter.
+/// Value of a polynomial with its first and second derivative by its parameter.
 struct BezierPoint {
   double value = 0.0;
   double slope = 0.0;
   double curvature = 0.0;
 };
 
-/// Bezier polynomial b(s) = sum_i C(n, i) s^i (1 - s)^(n - i) c_i at s (meant for [0, 1], a polynomial
-/// beyond), with b'(s) and b''(s), by de Casteljau's scheme. `coefficients`: degree + 1 numbers;
-/// degree: 0 to kMaxBezierDegree, values outside are clamped. Real-time safe.
+/// Evaluates the Bezier polynomial b(s) = sum_i C(n, i) s^i (1 - s)^(n - i) c_i with b'(s) and b''(s), by de
+/// Casteljau's scheme. s is meant for [0, 1]; beyond, the polynomial continues. `coefficients`: degree + 1
+/// numbers. `degree`: 0 to kMaxBezierDegree, clamped to that range. Real-time safe.
 [[nodiscard]] inline BezierPoint evaluate_bezier(const double* coefficients, int degree, double s) noexcept {
   const int n = degree < 0 ? 0 : (degree > kMaxBezierDegree ? kMaxBezierDegree : degree);
   double b[kMaxBezierDegree + 1];
   for (int i = 0; i <= n; ++i) b[i] = coefficients[i];
   BezierPoint point;
-  for (int left = n; left > 0; --left) {  // left + 1 points are left
+  for (int left = n; left > 0; --left) {  // left + 1 points remain
     if (left == 2) point.curvature = n * (n - 1.0) * (b[2] - 2.0 * b[1] + b[0]);
     if (left == 1) point.slope = n * (b[1] - b[0]);
     for (int i = 0; i < left; ++i) b[i] += s * (b[i + 1] - b[i]);
@@ -28,11 +28,12 @@ struct BezierPoint {
   return point;
 }
 
-/// The Bernstein polynomials of one degree at one parameter, for several Bezier polynomials of that degree:
-/// cheaper than evaluate_bezier() from the second one on, and equal to it up to rounding. Real-time safe.
+/// The Bernstein polynomials of one degree at one parameter, shared by several Bezier polynomials of that
+/// degree. Cheaper than evaluate_bezier() from the second polynomial on, and equal to it up to rounding.
+/// Real-time safe.
 class BernsteinBasis {
  public:
-  /// `degree` 0 to kMaxBezierDegree, values outside are clamped.
+  /// `degree`: 0 to kMaxBezierDegree, clamped to that range.
   BernsteinBasis(int degree, double s) noexcept
       : degree_(degree < 0 ? 0 : (degree > kMaxBezierDegree ? kMaxBezierDegree : degree)) {
     fill(degree_, s, basis_);
@@ -40,14 +41,14 @@ class BernsteinBasis {
     fill(degree_ - 2, s, curvature_basis_);
   }
 
-  /// Value at s; `coefficients`: degree + 1 numbers.
+  /// Value at s. `coefficients`: degree + 1 numbers.
   [[nodiscard]] double value(const double* coefficients) const noexcept {
     double sum = 0.0;
     for (int i = 0; i <= degree_; ++i) sum += basis_[i] * coefficients[i];
     return sum;
   }
 
-  /// Value, slope and curvature at s.
+  /// Value, first and second derivative at s.
   [[nodiscard]] BezierPoint evaluate(const double* coefficients) const noexcept {
     BezierPoint point;
     point.value = value(coefficients);

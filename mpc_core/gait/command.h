@@ -6,8 +6,8 @@ namespace stilt::gait {
 
 enum class GaitKind : std::uint8_t { stand, step, walk };
 
-/// What the operator asks for. Another kind of gait begins at a contact boundary; another speed within a walk
-/// is approached at once, along the ramp.
+/// The operator's command. A change of the kind of gait becomes active at a contact boundary. A change of
+/// speed within a walk starts at once and follows the ramp.
 struct GaitCommand {
   GaitKind kind = GaitKind::stand;
   double speed_m_s = 0.0;  ///< forward speed of the base; used by walk only

@@ -9,7 +9,7 @@ using model::kFirstJoint;
 using model::kJoints;
 using model::kPositions;
 
-/// Joints of a gait, stance leg first, in the order left, right.
+/// Converts the joints of a gait from stance leg first to left leg first.
 model::JointVector by_side(const model::PositionVector& gait, bool left_stance) noexcept {
   model::JointVector joints = gait.tail<kJoints>();
   if (!left_stance) joints << gait.tail<2>(), gait.segment<2>(kFirstJoint);
@@ -30,7 +30,7 @@ void HeuristicReference::follow_gait(double time_s, int phase, ReferencePoint& p
   const int stance = contact.mode.left ? model::kLeft : model::kRight;
   const int swing = 1 - stance;
 
-  // Within a step the base leads or lags its mean progress, counted from the middle of the step.
+  // Lead of the base over its mean progress within a step, counted from the middle of the step.
   const double middle_x_m = library_->motion_at(speed_m_s, 0.5).position[0];
   const double lead_m = gait.position[0] - middle_x_m - speed_m_s * duration_s * (s - 0.5);
   const double x_m = base_at(time_s).x_m + lead_m;

@@ -6,15 +6,15 @@ namespace stilt::gait {
 
 enum class LibraryStatus {
   ok,
-  full,               ///< kMaxGaits are in it
-  motion_unknown,     ///< the gait has outputs alone
-  speeds_not_rising,  ///< not faster than the one before
-  another_shape,      ///< step time or degree of the motion differs from that of the first
+  full,               ///< the library holds kMaxGaits
+  motion_unknown,     ///< the gait has outputs but no motion
+  speeds_not_rising,  ///< the speed is not above that of the gait before
+  another_shape,      ///< step time or degree of the motion differs from those of the first gait
 };
 
-/// Gaits over a range of speeds, slowest first, all of one step time and one degree of the motion, so that a
-/// gait for any speed between is a blend of its two neighbours' coefficients. Fixed memory: filled at
-/// start-up, read in real time.
+/// Gaits over a range of speeds, slowest first, all with the same step time and degree of the motion. A gait
+/// for a speed in between blends the coefficients of its two neighbours. Fixed memory: filled at start-up,
+/// read in real time.
 class GaitLibrary {
  public:
   static constexpr int kMaxGaits = 32;
@@ -25,20 +25,20 @@ class GaitLibrary {
 
   [[nodiscard]] int count() const noexcept { return count_; }
   [[nodiscard]] const HzdGait& gait(int index) const noexcept { return gaits_[index]; }
-  /// Of the first gait; 0 when empty.
+  /// Step time of the first gait, s; 0 when the library is empty.
   [[nodiscard]] double step_time_s() const noexcept { return count_ > 0 ? gaits_[0].step_time_s : 0.0; }
 
-  /// The gait for a speed, in `result`: motion, speed, step length and step time are blended linearly, speeds
-  /// beyond the range take the gait at its end. Outputs and feedback are blended when both neighbours have
-  /// the same phase and degree, and are those of the nearer one otherwise. Needs at least one gait. Real-time
-  /// safe.
+  /// Computes the gait for a speed. Motion, speed, step length and step time are blended linearly. Outputs
+  /// and feedback are blended when both neighbours have the same phase and degree; otherwise those of the
+  /// nearer neighbour are used. A speed beyond the range gives the gait at its end. Needs at least one gait.
+  /// Real-time safe.
   void blend(double speed_m_s, HzdGait& result) const noexcept;
 
-  /// The motion of blend(speed_m_s) at s = t / step time, without the outputs. Real-time safe.
+  /// The motion of blend(speed_m_s) at s = t / step time, without outputs. Real-time safe.
   [[nodiscard]] GaitPoint motion_at(double speed_m_s, double s) const noexcept;
 
  private:
-  /// The gaits around a speed, and the share of the faster one.
+  /// The two gaits around a speed, and the weight of the faster one.
   struct Neighbours {
     int slower, faster;
     double share;

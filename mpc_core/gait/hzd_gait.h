@@ -5,14 +5,14 @@
 #include "mpc_core/gait/bezier.h"
 #include "mpc_core/model/types.h"
 
-/// A periodic gait found off line: joint angles as polynomials of a phase, and the motion they give.
+/// A periodic gait computed off line: joint angles as polynomials of a phase, and the motion that results.
 ///
-/// Everything is written for one step that begins just after a touch-down. Coordinates of a gait:
-/// [x, z, pitch, stance hip, stance knee, swing hip, swing knee], x and z of the base (at the hip) from the
+/// Everything describes one step, which begins just after a touch-down. Coordinates of a gait: [x, z, pitch,
+/// stance hip, stance knee, swing hip, swing knee], where x and z are those of the base (at the hip) from the
 /// stance foot. With the left foot in stance they are the coordinates of model/types.h.
 namespace stilt::gait {
 
-/// What drives the outputs from s = 0 to s = 1.
+/// Quantity that moves the phase of the outputs from s = 0 to s = 1.
 enum class PhaseKind : std::uint8_t {
   time,          ///< s = (time since touch-down - start) / (end - start), in s
   hip_position,  ///< s = (x - start) / (end - start), x of the hip ahead of the stance foot, in m
@@ -26,31 +26,30 @@ inline constexpr int kMaxMotionDegree = kMaxBezierDegree;
 /// stance hip, stance knee, swing hip, swing knee.
 struct GaitOutputs {
   PhaseKind phase = PhaseKind::time;
-  double phase_start = 0.0;  ///< s or m, after PhaseKind
+  double phase_start = 0.0;  ///< in the unit of the phase: s or m
   double phase_end = 0.0;
   int degree = 0;  ///< kMinOutputDegree to kMaxOutputDegree
   double angle_rad[model::kJoints][kMaxOutputDegree + 1] = {};
 };
 
-/// What a step depends on, just after touch-down: pitch, stance hip, stance knee, swing hip, swing knee (rad)
-/// and their rates (rad/s); the base follows from the stance foot.
+/// Reduced state just after touch-down: pitch, stance hip, stance knee, swing hip, swing knee (rad) and their
+/// rates (rad/s). The base follows from the stance foot.
 inline constexpr int kReducedStates = 2 * model::kAngles;
 using ReducedState = Eigen::Matrix<double, kReducedStates, 1>;
 
-/// How the outputs are tracked: output error e obeys e'' + kd e' + kp e = 0. Foot placement moves the output
-/// of the swing hip at touch-down by -placement' (r - r0), blended in over the step, r and r0 being the
-/// reduced states just after the last touch-down, measured and of the gait.
+/// Tracking of the outputs: the output error e satisfies e'' + kd e' + kp e = 0. Foot placement moves the
+/// swing hip's output at touch-down by -placement' (r - r0), blended in over the step. r is the measured
+/// reduced state just after the last touch-down, r0 that of the gait.
 struct OutputFeedback {
   double kp_1_s2 = 900.0;
   double kd_1_s = 60.0;
   double placement[kReducedStates] = {};  ///< rad/rad and rad/(rad/s)
 };
 
-/// The motion against t / step time: Bezier coefficients of the coordinates of a gait (m, rad), of the joint
-/// torques (Nm, stance hip, stance knee, swing hip, swing knee) and of the force on the stance foot (N, x,
-/// z).
+/// The motion against t / step time, as Bezier coefficients: coordinates of a gait (m, rad); joint torques
+/// (Nm; stance hip, stance knee, swing hip, swing knee); force on the stance foot (N; x, z).
 struct GaitMotion {
-  int degree = 0;  ///< 0 when unknown, at most kMaxMotionDegree
+  int degree = 0;  ///< 0: no motion; at most kMaxMotionDegree
   double position[model::kPositions][kMaxMotionDegree + 1] = {};
   double torque_Nm[model::kJoints][kMaxMotionDegree + 1] = {};
   double force_N[2][kMaxMotionDegree + 1] = {};
@@ -65,7 +64,7 @@ struct HzdGait {
   GaitMotion motion;
 };
 
-/// The motion of a gait at one time, in coordinates of a gait, SI.
+/// The motion of a gait at one time, in the coordinates of a gait, SI units.
 struct GaitPoint {
   model::PositionVector position = model::PositionVector::Zero();
   model::PositionVector velocity = model::PositionVector::Zero();
@@ -85,8 +84,8 @@ struct OutputPoint {
 };
 [[nodiscard]] OutputPoint outputs_at(const GaitOutputs& outputs, double s) noexcept;
 
-/// Share of a shifted foothold that the swing hip has taken over at phase s: 0 at s = 0, 1 at s = 1, flat at
-/// both ends: 10 s^3 - 15 s^4 + 6 s^5 within [0, 1], constant beyond.
+/// Share of a shifted foothold applied to the swing hip at phase s, with its derivatives: 10 s^3 - 15 s^4 + 6
+/// s^5 within [0, 1], constant beyond. It rises from 0 to 1 and is flat at both ends.
 [[nodiscard]] OutputPoint placement_share(double s) noexcept;
 
 }  // namespace stilt::gait

@@ -2,15 +2,15 @@
 
 namespace stilt::gait {
 
-/// Timing and shape of the step. Source of the defaults: docs/tuning.md.
+/// Timing and shape of a step. Source of the defaults: docs/tuning.md.
 struct GaitParameters {
-  double single_support_s = 0.3;  ///< duration of a step on one foot
-  double double_support_s = 0.0;  ///< time on both feet between two steps; 0 swaps the feet at once
-  double swing_height_m = 0.06;   ///< height of the swing foot above the ground, half way through the swing
+  double single_support_s = 0.3;  ///< duration of single support
+  double double_support_s = 0.0;  ///< duration of double support between two steps; 0: the feet swap at once
+  double swing_height_m = 0.06;   ///< height of the swing foot above the ground at mid-swing
   double touchdown_velocity_m_s = -0.2;  ///< vertical velocity of the swing reference at touch-down
-  double stand_half_width_m = 0.15;  ///< standing: distance of each foot from the hip, one ahead, one behind
+  double stand_half_width_m = 0.15;      ///< standing: distance of each foot from the hip, one foot ahead
   double switch_lead_s =
-      0.3;  ///< standing to stepping: least time between the command and the first lift-off
+      0.3;  ///< least time from the command to the first lift-off, from standing to stepping
 };
 
 /// Heuristic reference of the base.

@@ -16,11 +16,12 @@ bool stands(const ContactPhase& phase) noexcept { return phase.gait == GaitKind:
 Eigen::Vector2d leg_angles(double foot_x_m, double foot_z_m, double thigh_m, double shin_m) noexcept {
   const double reach = std::hypot(foot_x_m, foot_z_m);
   const double d = std::clamp(reach, std::abs(thigh_m - shin_m) + 1e-9, thigh_m + shin_m - 1e-9);
-  // Triangle hip, knee, foot: the angle between thigh and hip-foot line, and the bend of the knee.
+  // Triangle of hip, knee and foot: the angle between the thigh and the hip-foot line, and the bend of the
+  // knee.
   const double at_hip = std::acos((thigh_m * thigh_m + d * d - shin_m * shin_m) / (2.0 * thigh_m * d));
   const double at_knee = std::acos((thigh_m * thigh_m + shin_m * shin_m - d * d) / (2.0 * thigh_m * shin_m));
   constexpr double kPi = 3.14159265358979323846;
-  const double line = std::atan2(-foot_x_m, -foot_z_m);  // a foot at -x is a positive rotation about +y
+  const double line = std::atan2(-foot_x_m, -foot_z_m);  // a foot at -x: positive rotation about +y
   return {line - at_hip, kPi - at_knee};
 }
 
@@ -52,7 +53,8 @@ void HeuristicReference::prepare(const model::RobotConstants& robot, const Conta
   weight_N_ = robot.total_mass_kg * model::kGravity_m_s2;
   measured_feet_ = foot_position_W_m;
   nominal_ = standing_state(robot, parameters.base_height_m, parameters.base_pitch_rad, 0.0, true);
-  // Standing, the base belongs between the feet; stepping, the reference moves with the measured base.
+  // When standing, the reference of the base lies midway between the feet; when stepping, it starts at the
+  // measured base.
   const bool standing = stands(schedule.phase(schedule.index_at(time_s)));
   const double x_m = standing ? 0.5 * (foot_position_W_m[0] + foot_position_W_m[2]) : state[0];
   prepare_speed(time_s, x_m, speed_m_s, speed_trim_m_s);
@@ -100,7 +102,7 @@ const HeuristicReference::SpeedKnot& HeuristicReference::knot_at(double time_s) 
 double HeuristicReference::speed_at(double time_s) const noexcept { return base_at(time_s).speed_m_s; }
 
 double HeuristicReference::foothold_x_m(int foot, const Interval& contact) const noexcept {
-  if (contact.end_s <= time_s_) {  // lifted off already: below the hip half a step before
+  if (contact.end_s <= time_s_) {  // already lifted off: it stood below the hip half a step earlier
     const double duration_s = std::min(contact.end_s - contact.start_s, gait_.single_support_s);
     return base_at(contact.end_s - 0.5 * duration_s).x_m;
   }
@@ -108,7 +110,7 @@ double HeuristicReference::foothold_x_m(int foot, const Interval& contact) const
   const int first = schedule_->index_at(contact.start_s);
   for (int phase = first; phase < schedule_->count() && schedule_->phase(phase).mode[foot]; ++phase) {
     if (!stands(schedule_->phase(phase))) continue;
-    // Coming to a stand: the foot that lands last stands ahead when moving forward.
+    // Before a stand: the foot that lands last is placed ahead when moving forward.
     const bool lands_last = phase == first;
     const bool ahead = lands_last == (command_.speed_m_s >= 0.0);
     const double offset_m = ahead ? gait_.stand_half_width_m : -gait_.stand_half_width_m;

@@ -7,7 +7,7 @@
 
 namespace stilt::gait {
 
-/// Reference at one time: what the running cost pulls towards, and what the swing constraint follows.
+/// Reference at one time, tracked by the running cost and by the swing constraint.
 struct ReferencePoint {
   model::StateVector state = model::StateVector::Zero();
   model::InputVector input = model::InputVector::Zero();
@@ -16,45 +16,45 @@ struct ReferencePoint {
   model::FeetVector foot_acceleration_W_m_s2 = model::FeetVector::Zero();
 };
 
-/// Joint angles [hip, knee] that put a foot at (x, z) relative to the hip with the torso upright, knee bent
-/// to a positive angle. A point out of reach gives the straight leg towards it.
+/// Joint angles [hip, knee], rad, that put a foot at (x, z) relative to the hip (m, torso upright), with a
+/// positive knee angle. A point out of reach gives the straight leg towards it.
 [[nodiscard]] Eigen::Vector2d leg_angles(double foot_x_m, double foot_z_m, double thigh_m,
                                          double shin_m) noexcept;
 
-/// State that stands still with one foot `half_width_m` ahead of the hip and the other as far behind.
+/// State that stands still with one foot `half_width_m` ahead of the hip and the other as far behind it.
 [[nodiscard]] model::StateVector standing_state(const model::RobotConstants& robot, double base_height_m,
                                                 double pitch_rad, double half_width_m,
                                                 bool left_ahead) noexcept;
 
 /// The heuristic reference of the paper: commanded height, pitch and speed, nominal joints, weight shared
-/// among the stance feet, footholds below the hip at mid-contact. Computed once a plan, evaluated at every
-/// node. Fixed memory, real-time safe.
+/// among the stance feet, footholds below the hip at mid-contact. prepare() runs once per plan, evaluate()
+/// once per node. Fixed memory, real-time safe.
 class HeuristicReference {
  public:
-  /// `state`: measured, anchors the reference in x. `speed_m_s`: speed reference in force at time_s.
+  /// `state`: measured; anchors the reference in x. `speed_m_s`: speed reference at time_s.
   /// `foot_position_W_m`: measured [xL, zL, xR, zR]. `speed_trim_m_s`: added to the speed while stepping.
   void prepare(const model::RobotConstants& robot, const ContactSchedule& schedule,
                const GaitCommand& command, const GaitParameters& gait, const ReferenceParameters& parameters,
                double time_s, const model::StateVector& state, const model::FeetVector& foot_position_W_m,
                double speed_m_s, double speed_trim_m_s) noexcept;
 
-  /// From now on the reference of a step on one foot is the gait of the library at the speed reference, which
-  /// has at least one gait and outlives this object; standing keeps the heuristics. Null: heuristics always.
-  /// See follow_gait().
+  /// In single support the reference follows the library's gait for the speed reference, from the next call
+  /// on; standing keeps the heuristics. The library must hold at least one gait and outlive this object.
+  /// Null: heuristics always. See follow_gait().
   void follow(const model::RobotModel& model, const GaitLibrary* library) noexcept {
     model_ = &model;
     library_ = library;
   }
 
-  /// Reference at a time of the contact phase `phase` (which decides which side of a switch is meant).
+  /// Reference at a time in the contact phase `phase`, which selects the side of a switch.
   [[nodiscard]] ReferencePoint evaluate(double time_s, int phase) const noexcept;
 
-  /// Speed reference without trim, at a time not before the one given to prepare().
+  /// Speed reference without trim. `time_s`: not before the time given to prepare().
   [[nodiscard]] double speed_at(double time_s) const noexcept;
 
  private:
   static constexpr int kMaxKnots = ContactSchedule::kMaxPhases + 1;
-  /// Speed changes at a constant rate from a knot until it reaches the knot's target.
+  /// Speed that changes at a constant rate from a knot on until it reaches the knot's target.
   struct SpeedKnot {
     double time_s, x_m, speed_m_s, target_m_s, trim_m_s;
   };
@@ -69,11 +69,10 @@ class HeuristicReference {
   [[nodiscard]] double foothold_x_m(int foot, const Interval& contact) const noexcept;
   void foot_reference(double time_s, int phase, int foot, Motion& x, Motion& z) const noexcept;
 
-  /// Puts the library's gait in the place of the heuristics: base, joints, their rates and accelerations,
-  /// contact forces and the swing foot are those of the gait at s = time since touch-down / duration of the
-  /// phase. In x the base keeps to the speed reference, which is anchored at the measured base, and adds what
-  /// the gait does within a step; feet are placed relative to it, a foot that stands already is left where it
-  /// is.
+  /// Replaces the heuristics by the library's gait: base, joints, their rates and accelerations, contact
+  /// forces and swing foot are those of the gait at s = time since touch-down / duration of the phase. In x
+  /// the base follows the speed reference, anchored at the measured base, plus the gait's lead within a step.
+  /// Feet are placed relative to that; a foot in contact stays where it is.
   void follow_gait(double time_s, int phase, ReferencePoint& point) const noexcept;
 
   const ContactSchedule* schedule_ = nullptr;

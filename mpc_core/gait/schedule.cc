@@ -12,7 +12,7 @@ bool is_single(const model::ContactMode& mode) noexcept { return mode.count() ==
 
 model::ContactMode other(const model::ContactMode& mode) noexcept { return {mode.right, mode.left}; }
 
-/// Steps that a stop needs: the deceleration, one to settle.
+/// Number of steps that a stop needs: those of the deceleration, and one to settle.
 int steps_to_stop(double speed_m_s, const GaitParameters& gait,
                   const ReferenceParameters& reference) noexcept {
   const double step_s = gait.single_support_s + gait.double_support_s;
@@ -48,8 +48,8 @@ Interval ContactSchedule::foot_interval(int index, int foot) const noexcept {
   return {phases_[first].start_s, end_s(last)};
 }
 
-/// The last foot but one that lands before a stand makes room between the feet; one in the second half of its
-/// swing cannot do so any more.
+/// Whether the present swing is in its second half, too late to move its foothold. The last foot but one to
+/// land before a stand is placed to make room between the feet.
 bool ContactSchedule::about_to_land(double time_s, const GaitParameters& parameters) const noexcept {
   constexpr double kPlaceable = 0.5;
   const ContactPhase& present = phases_[count_ - 1];
@@ -69,7 +69,7 @@ void ContactSchedule::append_next(double earliest_start_s, const GaitParameters&
                                   bool left_ahead) noexcept {
   const ContactPhase& last = phases_[count_ - 1];
   if (last.gait == GaitKind::stand) {
-    // The leading foot steps first when walking forward: the robot then falls the way it wants to go.
+    // When walking forward the leading foot steps first: the robot then falls forward.
     const bool lift_left = (command_.speed_m_s >= 0.0) == left_ahead;
     const double start_s = std::max(earliest_start_s, last.start_s + parameters.switch_lead_s);
     append(start_s, {!lift_left, lift_left}, command_.kind);
@@ -98,7 +98,7 @@ void ContactSchedule::update(double time_s, double until_s, const GaitCommand& c
                              double reference_speed_m_s, bool left_ahead) noexcept {
   drop_past(time_s);
   if (command.kind != command_.kind) {
-    count_ = index_at(time_s) + 1;  // the present phase stays, the future is planned anew
+    count_ = index_at(time_s) + 1;  // keeps the present phase, schedules the future anew
     steps_before_stand_ = steps_to_stop(reference_speed_m_s, parameters, reference);
     if (about_to_land(time_s, parameters)) ++steps_before_stand_;
   }

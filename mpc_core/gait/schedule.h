@@ -8,7 +8,7 @@
 
 namespace stilt::gait {
 
-/// A stretch of time with one set of feet on the ground. It ends where the next one starts; the last one of a
+/// An interval with one set of feet on the ground. It ends where the next one starts. The last phase of a
 /// schedule that stands has no end.
 struct ContactPhase {
   double start_s = 0.0;
@@ -22,23 +22,23 @@ struct Interval {
   double end_s;
 };
 
-/// Sequence of contact phases around the present: a little of the past (the lift-off points of swinging feet
-/// need it), the present, and everything up to the end of the horizon. Fixed memory, real-time safe.
+/// Sequence of contact phases around the present: enough of the past for the lift-off points of the swing
+/// feet, the present, and all phases up to the end of the horizon. Fixed memory, real-time safe.
 ///
-/// Commands take effect at contact boundaries: stepping starts `switch_lead_s` after the command at the
-/// earliest; a change between step and walk at the next step; standing after the steps that the deceleration
-/// needs.
+/// Commands become active at contact boundaries. Stepping starts `switch_lead_s` after the command at the
+/// earliest. A change between step and walk starts at the next step; standing starts after the steps that the
+/// deceleration needs.
 class ContactSchedule {
  public:
   static constexpr int kMaxPhases = 64;
-  static constexpr double kNever_s = 1e9;  ///< end of a phase that has none
+  static constexpr double kNever_s = 1e9;  ///< end of a phase without end
 
   /// Stands on both feet from `time_s` on.
   void reset(double time_s) noexcept;
 
-  /// Follows the command, forgets what is long past, and extends the schedule beyond `until_s`.
-  /// `reference_speed_m_s`: the speed reference in force now, from which a stop decelerates.
-  /// `left_ahead`: the left foot stands ahead of the right one (decides which foot steps first).
+  /// Applies the command, drops old phases, and extends the schedule beyond `until_s`. `reference_speed_m_s`:
+  /// the present speed reference, from which a stop decelerates. `left_ahead`: whether the left foot stands
+  /// ahead of the right one; decides which foot steps first.
   void update(double time_s, double until_s, const GaitCommand& command, const GaitParameters& parameters,
               const ReferenceParameters& reference, double reference_speed_m_s, bool left_ahead) noexcept;
 
@@ -47,10 +47,10 @@ class ContactSchedule {
   [[nodiscard]] double end_s(int index) const noexcept {
     return index + 1 < count_ ? phases_[index + 1].start_s : kNever_s;
   }
-  /// Index of the phase in force at that time; a boundary belongs to the later phase.
+  /// Index of the phase that is active at a time; a boundary belongs to the later phase.
   [[nodiscard]] int index_at(double time_s) const noexcept;
 
-  /// The stretch around phase `index` during which the foot keeps its state (contact or swing) of that phase.
+  /// The interval around phase `index` in which the foot keeps its state (contact or swing) of that phase.
   [[nodiscard]] Interval foot_interval(int index, int foot) const noexcept;
 
  private:

@@ -8,10 +8,10 @@ namespace stilt::lq {
 namespace {
 
 constexpr int kN = model::kStates;
-constexpr int kMostDoublings = 50;   ///< resolves a closed-loop pole 1e-13 of the shift
+constexpr int kMostDoublings = 50;   ///< resolves a closed-loop pole 1e-13 times the shift
 constexpr double kVanished = 1e-12;  ///< norm of the Cayley power at which doubling ends
 constexpr int kRefinements = 3;
-constexpr double kGoodResidual = 1e-14;   ///< no refinement below
+constexpr double kGoodResidual = 1e-14;   ///< below it no refinement
 constexpr double kSmallestPivot = 1e-12;  ///< of an input weight scaled to a unit diagonal
 /// Shifts tried in turn, relative to the square root of the Hamiltonian's norm.
 constexpr double kShiftFactors[] = {1.0, 8.0, 1.0 / 8.0, 64.0, 1.0 / 64.0};
@@ -28,8 +28,8 @@ void symmetrise(StateMatrix& m) noexcept {
   }
 }
 
-/// Cholesky elimination with diagonal pivoting of R, scaled to a unit diagonal. A singular R leaves pivots
-/// that are zero but for rounding, of either sign.
+/// Whether R is positive definite: Cholesky elimination with diagonal pivoting of R scaled to a unit
+/// diagonal. A singular R leaves pivots that are zero up to rounding, of either sign.
 [[nodiscard]] bool positive_definite(InputWeight R) noexcept {
   const auto diagonal = R.diagonal().eval();
   if (!(diagonal.minCoeff() > 0.0)) return false;
@@ -52,7 +52,7 @@ void symmetrise(StateMatrix& m) noexcept {
   return true;
 }
 
-/// Left half of work.right: the inverse of `m`.
+/// Writes the inverse of `m` to the left half of work.right. False when `m` is singular.
 [[nodiscard]] bool invert(const StateMatrix& m, CareWorkspace& work) noexcept {
   work.pivots = m;
   work.right.leftCols<kN>().setIdentity();
@@ -60,7 +60,7 @@ void symmetrise(StateMatrix& m) noexcept {
   return solve_in_place(work.pivots, inverse);
 }
 
-/// Cayley transform of the Hamiltonian [A, -G; -H, -A'] with shift `gamma`: start of the doubling,
+/// Cayley transform of the Hamiltonian [A, -G; -H, -A'] with shift `gamma`, where doubling starts:
 ///   W = (A - gamma I)' + H (A - gamma I)^-1 G,
 ///   A_0 = I + 2 gamma W^-T, G_0 = 2 gamma (A - gamma I)^-1 G W^-1, H_0 = 2 gamma W^-1 H (A - gamma I)^-1.
 [[nodiscard]] bool start_doubling(const StateMatrix& A, const StateMatrix& G, const StateMatrix& H,
@@ -106,7 +106,7 @@ void symmetrise(StateMatrix& m) noexcept {
   return true;
 }
 
-/// Leaves in work.Hk the stabilising X of A'X + X A - X G X + H = 0; false when the iteration does not end.
+/// Writes the stabilising X of A'X + X A - X G X + H = 0 to work.Hk. False when the iteration does not end.
 [[nodiscard]] bool solve_by_doubling(const StateMatrix& A, const StateMatrix& G, const StateMatrix& H,
                                      double gamma, CareWorkspace& work) noexcept {
   if (!start_doubling(A, G, H, gamma, work)) return false;
@@ -119,7 +119,7 @@ void symmetrise(StateMatrix& m) noexcept {
   return false;
 }
 
-/// work.residual = A'S + S A - S G S + Q and work.loop = A - G S; returns the relative residual.
+/// Computes work.residual = A'S + S A - S G S + Q and work.loop = A - G S. Returns the relative residual.
 [[nodiscard]] double evaluate(const CareProblem& problem, const StateMatrix& S,
                               CareWorkspace& work) noexcept {
   multiply(work.t, work.G, S);
@@ -135,13 +135,13 @@ void symmetrise(StateMatrix& m) noexcept {
   return scale > 0.0 ? work.residual.norm() / scale : 0.0;
 }
 
-/// Newton-Kleinman: S <- S + D with (A - G S)'D + D (A - G S) + residual = 0, while that helps. False when a
-/// closed loop turns out unstable.
+/// Newton-Kleinman steps S <- S + D with (A - G S)'D + D (A - G S) + residual = 0, as long as they reduce the
+/// residual. False when a closed loop is unstable.
 [[nodiscard]] bool refine(const CareProblem& problem, double gamma, CareSolution& solution,
                           CareWorkspace& work) noexcept {
   solution.residual = evaluate(problem, solution.S, work);
   for (int i = 0; i < kRefinements; ++i) {
-    // With G = 0 doubling solves the Lyapunov equation and, by ending, shows that the loop is stable.
+    // With G = 0 doubling solves the Lyapunov equation; that it ends proves that the loop is stable.
     if (!solve_by_doubling(work.loop, StateMatrix::Zero(), work.residual, gamma, work)) return false;
     if (solution.residual <= kGoodResidual) return true;
     work.correction = solution.S + work.Hk;

@@ -6,18 +6,18 @@
 
 /// Continuous-time algebraic Riccati equation (CARE) for 14 states and 8 inputs:
 ///
-///   A'S + S A - S B R^-1 B' S + Q = 0,   A - B K stable with K = R^-1 B'S,
+///   A'S + S A - S B R^-1 B' S + Q = 0,   A - B K stable with K = R^-1 B'S.
 ///
-/// so that x'S x / 2 is the cost to go of x' = A x + B u, integrand (x'Q x + u'R u) / 2, and u = -K x its
+/// x'S x / 2 is the cost to go of x' = A x + B u with the integrand (x'Q x + u'R u) / 2, and u = -K x is the
 /// optimal feedback.
 ///
-/// Method: structure-preserving doubling, then Newton-Kleinman steps whose Lyapunov equations the same
-/// doubling solves (it is the case B = 0). Doubling ends when a power of the closed loop's Cayley transform
-/// has vanished, which is also the proof that the closed loop is stable. Source: Chu, Fan, Lin, "A
+/// Method: structure-preserving doubling, then Newton-Kleinman steps. The same doubling solves the Lyapunov
+/// equations of those steps (the case B = 0). Doubling ends when a power of the closed loop's Cayley
+/// transform has vanished, which also proves that the closed loop is stable. Sources: Chu, Fan, Lin, "A
 /// structure-preserving doubling algorithm for continuous-time algebraic Riccati equations", Linear Algebra
 /// and its Applications 396 (2005); Kleinman, IEEE Trans. Automatic Control 13 (1968).
 ///
-/// No heap, no exceptions, bounded work (about a millisecond): for start-up and changes of weights, not for
+/// No heap, no exceptions, bounded work (about a millisecond): for start-up and changes of weights. Not for
 /// the torque loop.
 namespace stilt::lq {
 
@@ -43,10 +43,10 @@ enum class CareOutcome {
   ok,
   bad_cost,                 ///< Q not symmetric or with a negative diagonal, or R not positive definite
   not_finite,               ///< NaN or infinity in the problem
-  no_stabilising_solution,  ///< an unstable or marginal mode is out of reach of B, or a marginal one of Q
+  no_stabilising_solution,  ///< B cannot reach an unstable or marginal mode, or Q a marginal one
 };
 
-/// Largest residual returned with ok.
+/// Largest residual returned with ok, relative (see CareSolution).
 inline constexpr double kCareTolerance = 1e-10;
 
 /// Scratch of solve_care (about 20 kB); contents need not be initialised.
@@ -55,11 +55,11 @@ struct CareWorkspace {
   StateMatrix residual, loop, correction;
   StateMatrix Ak, Gk, Hk;  ///< the doubling's three sequences
   StateMatrix t, u;        ///< products
-  StateMatrix pivots;      ///< left-hand side of a linear solve, destroyed by it
+  StateMatrix pivots;      ///< left-hand side of a linear solve, overwritten by it
   Eigen::Matrix<double, model::kStates, 2 * model::kStates> right;  ///< its right-hand sides, then solutions
 };
 
-/// Solves the CARE. `solution` is meaningful only with ok.
+/// Solves the CARE. `solution` is meaningful only when the outcome is ok.
 [[nodiscard]] CareOutcome solve_care(const CareProblem& problem, CareSolution& solution,
                                      CareWorkspace& work) noexcept;
 

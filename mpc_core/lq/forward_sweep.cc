@@ -4,8 +4,8 @@
 namespace stilt::lq {
 namespace {
 
-/// The places of a column of kRows scalar products with x: unit row i of A stands at its own state row, so
-/// that the sums can be added to the next state; gains stand at rows 3 to 6, constraints at 10 and 11.
+/// Positions in a column of kRows scalar products with x. Unit row i of A is at its own state row, so that
+/// the column can be added to the next state. Gains are at rows 3 to 6, constraints at 10 and 11.
 inline constexpr int kGainPlace = 3;
 inline constexpr int kConstraintPlace = 10;
 
@@ -17,7 +17,7 @@ constexpr int unit_at(int place) noexcept {
   return -1;
 }
 
-/// The vector whose product with x belongs at a place, or null.
+/// The vector whose product with x belongs at position kPlace, or null.
 template <class Mode, int kPlace>
 STILT_INLINE inline const double* vector_at(const LqFirstOrder& stage, const LqGain& gain) noexcept {
   constexpr int kInput = kPlace - kGainPlace, kConstraint = kPlace - kConstraintPlace;
@@ -32,13 +32,13 @@ STILT_INLINE inline const double* vector_at(const LqFirstOrder& stage, const LqG
   }
 }
 
-/// Keeps the places of unit rows, clears the others.
+/// Selects the positions of unit rows, clears the others.
 template <class Mode, int kPart>
 struct UnitLanes {
   static constexpr int at(int l) noexcept { return unit_at<Mode>(kPart * kLanes + l) >= 0 ? l : l + kLanes; }
 };
 
-/// steps[1].x, steps[0].w and steps[0].c from steps[0].x.
+/// Computes steps[1].x, steps[0].w and steps[0].c from steps[0].x.
 template <class Mode>
 STILT_INLINE inline void roll_stage(const LqFirstOrder& stage, const LqGain& gain, LqStep* steps) noexcept {
   const double* x = steps[0].x;

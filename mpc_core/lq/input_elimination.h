@@ -3,17 +3,17 @@
 #include "mpc_core/lq/riccati.h"
 #include "mpc_core/lq/simd_columns.h"
 
-/// The small dense system of a Riccati stage: H w = -(F x + f_u) by H = L D L'. Real-time safe.
+/// The small dense system of a Riccati stage: H w = -(F x + f_u), solved by H = L D L'. Real-time safe.
 namespace stilt::lq {
 
-/// R + B'P B (lower triangle) and r + B'(P b + p).
+/// H = R + B'P B (lower triangle) and f_u = r + B'(P b + p).
 template <int kInputs>
 struct InputTerms {
   double H[kInputs][kInputs];
   double h[kInputs];
 };
 
-/// H = L D L' in place: L below the diagonal; inverse_pivot = 1 / D.
+/// Factorises H = L D L' in place: L below the diagonal, inverse_pivot = 1 / D.
 template <int kInputs>
 STILT_INLINE inline SweepOutcome factorise(double (&H)[kInputs][kInputs],
                                            double (&inverse_pivot)[kInputs]) noexcept {
@@ -40,7 +40,7 @@ STILT_INLINE inline SweepOutcome factorise(double (&H)[kInputs][kInputs],
   return outcome;
 }
 
-/// Gains and the two factors y = L^-1 F, z = -D^-1 y of -F'H^-1 F = y'z, part by part.
+/// Computes the gains K and, part by part, the two factors y = L^-1 F and z = -D^-1 y of -F'H^-1 F = y'z.
 template <int kInputs>
 STILT_INLINE inline void solve_gains(const InputTerms<kInputs>& terms, const double (&inverse_pivot)[kInputs],
                                      RiccatiWorkspace& work, LqGain& gain) noexcept {
@@ -65,7 +65,7 @@ STILT_INLINE inline void solve_gains(const InputTerms<kInputs>& terms, const dou
   });
 }
 
-/// Feed-forward part of the gain; in z the same factor as above, -D^-1 L^-1 f_u.
+/// Computes the feed-forward k of the gain, and z = -D^-1 L^-1 f_u.
 template <int kInputs>
 STILT_INLINE inline void solve_feedforward(const InputTerms<kInputs>& terms,
                                            const double (&inverse_pivot)[kInputs], LqGain& gain,

@@ -2,27 +2,27 @@
 
 #include "mpc_core/model/types.h"
 
-/// The quadratic subproblem of one SQP iteration, after the equality constraints have been projected out:
+/// The quadratic subproblem of one SQP iteration, after projection of the equality constraints:
 ///
 ///   minimise  sum_k 1/2 x_k' Q_k x_k + q_k' x_k + 1/2 w_k' R_k w_k + r_k' w_k + w_k' S_k x_k
-///             + 1/2 x_N' Q_N x_N + q_N' x_N
+///         + 1/2 x_N' Q_N x_N + q_N' x_N
 ///   subject to x_{k+1} = A_k x_k + B_k w_k + b_k,  x_0 given
 ///
-/// where x (14) is the step of the state and w the step along the free directions of the input: 3 in single
+/// x (14) is the step of the state and w the step along the free directions of the input: 3 in single
 /// support, 4 in double support, 2 in flight, 0 at a contact transition.
 ///
-/// A is never formed. The joints are double integrators moved by accelerations that are inputs, so A differs
-/// from the free motion E only in the few rows of the base and, through the equality constraints, along one
-/// or two directions of the joints:
+/// A is never formed. The joints are double integrators whose accelerations are inputs. A therefore differs
+/// from the free motion E only in the base rows and, through the equality constraints, along one or two
+/// directions of the joints:
 ///
 ///   A = E + sum_{i < 6} e_row(i) G_i' + sum_{i >= 6} L_{i-6} G_i'     E = [I  h I; 0  I]
 ///
-/// with row(i) the base rows 0, 1, 2 (position) and 7, 8, 9 (velocity) and one term of the second sum a
-/// constraint: 7 rows of G in single support, 8 in double support and flight. A contact transition has h = 0
-/// and row(i) = 7 + i, i < 7: an impact changes velocities alone.
+/// row(i) are the base rows 0, 1, 2 (position) and 7, 8, 9 (velocity); each term of the second sum is one
+/// constraint. G has 7 rows in single support, 8 in double support and flight. A contact transition has h = 0
+/// and row(i) = 7 + i, i < 7: an impact changes only velocities.
 ///
-/// Vectors over the state are kRows = 16 doubles (14 used, the padding is zero), so that each is a whole
-/// number of SIMD registers.
+/// Vectors over the state are kRows = 16 doubles (14 used, the padding is zero), a whole number of SIMD
+/// registers.
 namespace stilt::lq {
 
 inline constexpr int kStates = model::kStates;
@@ -39,9 +39,9 @@ inline constexpr int kBaseRow[kBaseRows] = {0, 1, 2, 7, 8, 9};  ///< their rows 
 inline constexpr int kMaxConstraints = 2;
 inline constexpr int kMaxDynamicsRows = kBaseRows + kMaxConstraints;
 
-/// Dynamics and gradient of a stage: what the forward sweep needs.
+/// Dynamics and gradient of a stage, as read by the forward sweep.
 struct alignas(64) LqFirstOrder {
-  double G[kMaxDynamicsRows][kRows];  ///< G[row][state]; column 0 (x_b) is zero: nothing depends on it
+  double G[kMaxDynamicsRows][kRows];  ///< G[row][state]; column 0 (x_b) is zero: no term depends on x_b
   double L[kMaxConstraints][kRows];   ///< L[constraint][state row]
   double B[kMaxFreeInputs][kRows];    ///< B[column][row]
   double b[kRows];                    ///< defect of the dynamics
@@ -53,7 +53,7 @@ struct alignas(64) LqFirstOrder {
   int free_inputs;  ///< 0 to kMaxFreeInputs; entries beyond are not read
 };
 
-/// Hessian of a stage's cost: the backward sweep reads it once.
+/// Hessian of a stage's cost; the backward sweep reads it once.
 struct alignas(64) LqSecondOrder {
   double Q[kStates][kRows];                  ///< Q[column][row], symmetric; only row >= column is read
   double S[kMaxFreeInputs][kRows];           ///< S[input][state]
@@ -71,11 +71,11 @@ struct alignas(64) LqGain {
   double k[kMaxFreeInputs];
 };
 
-/// Solution of a stage.
+/// Solution of one stage.
 struct alignas(64) LqStep {
   double x[kRows];
   double w[kMaxFreeInputs];
-  double c[kMaxConstraints];  ///< G_{6+i} x of a flow: how far the constraints ask the joints to move
+  double c[kMaxConstraints];  ///< G_{6+i} x of a flow: what constraint i requires of the joints
 };
 
 }  // namespace stilt::lq

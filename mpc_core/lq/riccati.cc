@@ -6,7 +6,7 @@
 namespace stilt::lq {
 namespace {
 
-/// Both parts of a stage.
+/// Both parts of one stage.
 struct Stage {
   const LqFirstOrder& first;
   const LqSecondOrder& second;
@@ -20,12 +20,12 @@ STILT_INLINE inline const double* right_side(const LqFirstOrder& stage, int c) n
   return stage.b;
 }
 
-/// The scalar products of columns of [B, L] with columns of X that are needed, as a list of pairs.
+/// The scalar products needed of columns of [B, L] with columns of X, as a list of pairs.
 template <class Mode>
 struct Dots {
   static constexpr int kLeft = Mode::kInputs + Mode::kConstraints;  ///< columns of [B, L]
   static constexpr int kCount = kLeft * (kLeft + 1) / 2 + kLeft;
-  /// Place of [B, L]_i'X_j; the matrix [B, L]'P [B, L] is symmetric, and stored for j <= i alone.
+  /// Index of [B, L]_i'X_j. The matrix [B, L]'P [B, L] is symmetric; only j <= i is stored.
   static constexpr int at(int i, int j) noexcept {
     if (j < kLeft && j > i) return at(j, i);
     return j < kLeft ? i * (i + 1) / 2 + j : kLeft * (kLeft + 1) / 2 + i;
@@ -46,7 +46,7 @@ struct Dots {
   }
 };
 
-/// X = P [B, L, b], and p added to the last column.
+/// Computes X = P [B, L, b], and adds p to the last column.
 template <class Mode>
 STILT_INLINE inline void value_products(const LqFirstOrder& stage, const ValueFunction& next,
                                         RiccatiWorkspace& work) noexcept {
@@ -61,7 +61,7 @@ STILT_INLINE inline void value_products(const LqFirstOrder& stage, const ValueFu
   });
 }
 
-/// [B, L]'X into work.dots.
+/// Writes [B, L]'X to work.dots.
 template <class Mode>
 STILT_INLINE inline void scalar_products(const LqFirstOrder& stage, RiccatiWorkspace& work) noexcept {
   constexpr int kCount = Dots<Mode>::kCount;
@@ -80,7 +80,7 @@ STILT_INLINE inline void scalar_products(const LqFirstOrder& stage, RiccatiWorks
   });
 }
 
-/// Takes them from the scalar products.
+/// Reads H and f_u from the scalar products.
 template <class Mode>
 STILT_INLINE inline InputTerms<Mode::kInputs> input_terms(const Stage& stage,
                                                           const RiccatiWorkspace& work) noexcept {
@@ -94,7 +94,7 @@ STILT_INLINE inline InputTerms<Mode::kInputs> input_terms(const Stage& stage,
   return terms;
 }
 
-/// The rows of [U, B, b]'P A, in this order, before and after the product with A: v' and v'E + (v'U) G'.
+/// The rows of [U, B, b]'P A, in this order: before() is v', after() is v'A = v'E + (v'U) G'.
 template <class Mode>
 struct Rows {
   static constexpr int kCount = Mode::kTerms + Mode::kInputs + 1;
@@ -102,7 +102,7 @@ struct Rows {
   RiccatiWorkspace& work;
 
   [[nodiscard]] static constexpr int input(int row) noexcept { return row - Mode::kTerms; }
-  /// Column of X that row is the transpose of; for terms past the unit rows, inputs, and last b.
+  /// Column of X of which the row is the transpose: for constraint terms, inputs, and last b.
   [[nodiscard]] static constexpr int column(int row) noexcept {
     if (row >= Mode::kTerms + Mode::kInputs) return Mode::kColumns - 1;
     return row >= Mode::kTerms ? input(row) : Mode::kInputs + row - Mode::kUnits;
@@ -132,7 +132,7 @@ struct Rows {
   }
 };
 
-/// W, F and f_x.
+/// Computes W, F and f_x.
 template <class Mode>
 STILT_INLINE inline void row_products(const Stage& stage, const ValueFunction& next, const Drift& drift,
                                       RiccatiWorkspace& work) noexcept {
@@ -164,9 +164,9 @@ STILT_INLINE inline void row_products(const Stage& stage, const ValueFunction& n
   });
 }
 
-/// Register kPart of column kColumn of N without the products: the shares of Q and of
-/// E'P E = P + h P J + h J'P + h^2 J'P J (J = [0 I; 0 0]), of which h P J stands whole and h J'P is its
-/// transpose.
+/// Register kPart of column kColumn of N without the products: the shares of Q and of E'P E,
+///   E'P E = P + h P J + h J'P + h^2 J'P J,  J = [0 I; 0 0].
+/// The share takes h P J whole, because h J'P is its transpose.
 template <class Mode, int kColumn, int kPart>
 STILT_INLINE inline Vec initial_half(const Stage& stage, const ValueFunction& next,
                                      const Drift& drift) noexcept {
@@ -184,8 +184,8 @@ STILT_INLINE inline Vec initial_half(const Stage& stage, const ValueFunction& ne
   return v;
 }
 
-/// N by columns, with P = N + N': all of W'G, and of what is symmetric in itself (Q, E'P E, y'z) the lower
-/// triangle, the diagonal halved.
+/// Computes N by columns, with P = N + N'. N takes all of W'G. Of each symmetric term (Q, E'P E, y'z) it
+/// takes the lower triangle with the diagonal halved.
 template <class Mode>
 STILT_INLINE inline void half_hessian(const Stage& stage, const ValueFunction& next, const Drift& drift,
                                       const RiccatiWorkspace& work, double (*N)[kRows]) noexcept {
@@ -224,7 +224,7 @@ STILT_INLINE inline void update_gradient(const RiccatiWorkspace& work, const dou
   });
 }
 
-/// One stage of the backward sweep.
+/// Runs one stage of the backward sweep.
 template <class Mode>
 [[gnu::noinline]] SweepOutcome sweep_stage(const Stage& stage, const ValueFunction& next,
                                            ValueFunction& value, LqGain& gain,
@@ -255,14 +255,14 @@ template <class Mode>
   return outcome;
 }
 
-/// The symmetric matrix whose lower triangle is Q's.
+/// Copies the lower triangle of Q to both triangles of P.
 void mirror_lower(const double (*Q)[kRows], double (*P)[kRows]) noexcept {
   for (int c = 0; c < kStates; ++c) {
     for (int r = 0; r < kRows; ++r) P[c][r] = r < c ? Q[r][c] : r < kStates ? Q[c][r] : 0.0;
   }
 }
 
-/// True when every entry is finite: 0 * v is zero then, and NaN otherwise.
+/// Whether every entry is finite: 0 * v is then zero, and otherwise NaN.
 bool is_finite(const ValueFunction& value) noexcept {
   Vec zero{};
   for (const auto& column : value.P) {

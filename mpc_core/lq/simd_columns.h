@@ -6,11 +6,10 @@
 
 #include "mpc_core/lq/lq_problem.h"
 
-/// Columns of kRows doubles as a few SIMD registers, and the operations the Riccati sweep is made of.
+/// Columns of kRows doubles as a few SIMD registers, with the operations of the Riccati sweep.
 ///
-/// Written with the vector extensions common to GCC and Clang: 8 lanes with AVX-512, 4 with AVX, 2 otherwise.
-/// All loops over registers are unrolled at compile time, so that accumulators stay in registers. Real-time
-/// safe throughout.
+/// Uses the vector extensions common to GCC and Clang: 8 lanes with AVX-512, 4 with AVX, 2 otherwise. All
+/// loops over registers are unrolled at compile time, so that accumulators stay in registers. Real-time safe.
 namespace stilt::lq {
 
 #if defined(__AVX512F__)
@@ -23,12 +22,12 @@ inline constexpr int kMaxAccumulators = 12;  ///< 16, minus operands
 inline constexpr int kLanes = 2;
 inline constexpr int kMaxAccumulators = 12;
 #endif
-inline constexpr int kParts = kRows / kLanes;  ///< registers a column
+inline constexpr int kParts = kRows / kLanes;  ///< registers per column
 
 typedef double Vec __attribute__((vector_size(kLanes * sizeof(double))));
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define STILT_INLINE  // instrumented kernels of one piece would take minutes to compile
+#define STILT_INLINE  // with instrumentation, fully inlined kernels would take minutes to compile
 #else
 #define STILT_INLINE __attribute__((always_inline))
 #endif
@@ -63,19 +62,19 @@ struct Swap {  ///< exchanges lanes at a distance
   static constexpr int at(int l) noexcept { return l ^ kDistance; }
 };
 template <int kDistance>
-struct LowHalves {  ///< of x and y, of every pair of groups of kDistance lanes the lower
+struct LowHalves {  ///< of x and y: the lower of every pair of groups of kDistance lanes
   static constexpr int at(int l) noexcept { return (l & kDistance) == 0 ? l : l - kDistance + kLanes; }
 };
 template <int kDistance>
-struct HighHalves {  ///< the same, the upper
+struct HighHalves {  ///< of x and y: the upper of every pair of groups of kDistance lanes
   static constexpr int at(int l) noexcept { return (l & kDistance) == 0 ? l + kDistance : l + kLanes; }
 };
 template <int kCount>
-struct FirstOfX {  ///< the first kCount lanes of x, the others of y
+struct FirstOfX {  ///< the first kCount lanes of x, the other lanes of y
   static constexpr int at(int l) noexcept { return l < kCount ? l : l + kLanes; }
 };
 template <int kFirst, int kEnd>
-struct LanesBetween {  ///< lanes kFirst ... kEnd - 1 of x, the others of y
+struct LanesBetween {  ///< lanes kFirst ... kEnd - 1 of x, the other lanes of y
   static constexpr int at(int l) noexcept { return l >= kFirst && l < kEnd ? l : l + kLanes; }
 };
 template <int kFirst>
@@ -91,7 +90,8 @@ STILT_INLINE inline double sum(Vec v) noexcept {
   return v[0];
 }
 
-/// Lane by lane product of two columns, summed over the registers: its lanes add up to the scalar product.
+/// Lane-by-lane product of two columns, summed over the registers. The sum of its lanes is the scalar
+/// product.
 STILT_INLINE inline Vec lanes_of_dot(const double* a, const double* b) noexcept {
   Vec total = load(a) * load(b);
   unroll<kParts - 1>([&](auto i)
@@ -107,8 +107,8 @@ struct Block {
   Vec column[kLanes];
 };
 
-/// One step of a transposition: exchanges, within every pair of columns c and c + kDistance, the halves that
-/// lie on the wrong side of the diagonal of their 2 kDistance square.
+/// One step of a transposition. In every pair of columns c and c + kDistance, exchanges the halves on the
+/// wrong side of the diagonal of their 2 kDistance square.
 template <int kDistance>
 STILT_INLINE inline void exchange(Block& block) noexcept {
   unroll<kLanes>([&](auto c) STILT_INLINE {
@@ -140,7 +140,7 @@ STILT_INLINE inline Vec column_sums(Block& block) noexcept {
   return block.column[0];
 }
 
-/// The free motion E = [I  h I; 0  I] moves by kHalf rows, one less than a whole number of registers.
+/// The free motion E = [I  h I; 0  I] moves entries by kHalf rows, one less than a whole number of registers.
 inline constexpr int kHalf = kStates / 2;
 static_assert((kHalf + 1) % kLanes == 0 && kStates == 2 * kHalf);
 
@@ -148,7 +148,7 @@ static_assert((kHalf + 1) % kLanes == 0 && kStates == 2 * kHalf);
 [[nodiscard]] constexpr bool has_velocity(int part) noexcept { return (part + 1) * kLanes > kHalf; }
 [[nodiscard]] constexpr bool has_position(int part) noexcept { return part * kLanes < kHalf; }
 
-/// h in the rows of the velocities, or of the positions, zero elsewhere.
+/// h in the rows of the velocities or of the positions, zero elsewhere.
 struct Drift {
   Vec velocity[kParts];
   Vec position[kParts];
@@ -162,8 +162,8 @@ struct Drift {
   }
 };
 
-/// Register kPart of v moved down by kHalf rows; of its lanes only those of rows kHalf ... kStates - 1 are
-/// meant, the others hold some other entry of v.
+/// Register kPart of v moved down by kHalf rows. Only the lanes of rows kHalf ... kStates - 1 are valid; the
+/// others hold some other entry of v.
 template <int kPart>
 STILT_INLINE inline Vec shifted_down(const double* v) noexcept {
   if constexpr ((kPart + 1) * kLanes == kHalf + 1) {
@@ -175,22 +175,22 @@ STILT_INLINE inline Vec shifted_down(const double* v) noexcept {
   }
 }
 
-/// Register kPart of E'v: v_q is added to the velocities, times h.
+/// Register kPart of E'v: adds h v_q to the velocities.
 template <int kPart>
 STILT_INLINE inline Vec free_motion_transposed(const double* v, const Drift& drift) noexcept {
   const Vec out = load(v + kPart * kLanes);
   return has_velocity(kPart) ? out + shifted_down<kPart>(v) * drift.velocity[kPart] : out;
 }
 
-/// The lanes above kLane as they are, half of lane kLane, zero below: with its transpose, a block of such
-/// columns is the symmetric one of its lower triangle.
+/// The lanes above kLane unchanged, half of lane kLane, zero below. A block of such columns plus its
+/// transpose is the symmetric block with the same lower triangle.
 template <int kLane>
 STILT_INLINE inline Vec lower_half(Vec v) noexcept {
   const Vec lower = shuffle(v, Vec{}, LanesBetween<kLane, kLanes>{});
   return lower * shuffle(broadcast(0.5), broadcast(1.0), FirstOfX<kLane + 1>{});
 }
 
-/// Register kPart of E v: v_v is added to the positions, times h.
+/// Register kPart of E v: adds h v_v to the positions.
 template <int kPart>
 STILT_INLINE inline Vec free_motion(const double* v, const Drift& drift) noexcept {
   Vec out = load(v + kPart * kLanes);
@@ -201,11 +201,11 @@ STILT_INLINE inline Vec free_motion(const double* v, const Drift& drift) noexcep
   return out;
 }
 
-/// Keeps the compiler from carrying what was stored on in registers, which it would have to spill: cheaper to
-/// load it again.
+/// Prevents the compiler from keeping stored values in registers, which it would have to spill. Loading them
+/// again costs less.
 STILT_INLINE inline void forget_values() noexcept { asm volatile("" ::: "memory"); }
 
-/// Keeps the compiler from loading v again at each use.
+/// Prevents the compiler from loading v again at each use.
 STILT_INLINE inline Vec in_register(Vec v) noexcept {
 #if defined(__AVX__)
   asm("" : "+v"(v));
@@ -218,7 +218,7 @@ template <int kFirst, int kCount>
 struct Tile {
   Vec v[kCount][kParts];
 
-  /// body(c, part) for all registers, both integral constants; column c of the tile is kFirst + c.
+  /// Calls body(c, part) for all registers, with integral constants; column c of the tile is kFirst + c.
   template <class Body>
   STILT_INLINE static void for_each(const Body& body) noexcept {
     unroll<kCount>([&](auto c)
@@ -241,7 +241,7 @@ struct Tile {
   }
 };
 
-/// Cuts columns kFirst ... kEnd - 1 into tiles that fit the registers and calls body(tile) for each.
+/// Splits columns kFirst ... kEnd - 1 into tiles that fit the registers and calls body(tile) for each.
 template <int kFirst, int kEnd, class Body>
 STILT_INLINE inline void for_each_tile(const Body& body) noexcept {
   if constexpr (kFirst < kEnd) {

@@ -2,11 +2,11 @@
 
 #include <cmath>
 
-/// Linear systems of a fixed, small size. Eigen's own solves look up the sizes of the caches, which takes a
-/// lock.
+/// Linear systems of a fixed, small size. Eigen's solvers query the sizes of the caches, which takes a lock.
 namespace stilt::lq {
 
-/// Gaussian elimination with partial pivoting: right = left^-1 right; left is destroyed. False when singular.
+/// Gaussian elimination with partial pivoting: right = left^-1 right. Overwrites left. False when left is
+/// singular.
 template <class Left, class Right>
 [[nodiscard]] bool solve_in_place(Left& left, Right& right) noexcept {
   constexpr int kSize = Left::RowsAtCompileTime;

@@ -2,10 +2,10 @@
 
 #include "mpc_core/lq/simd_columns.h"
 
-/// The kinds of stages the Riccati sweeps have kernels for, as types. Real-time safe.
+/// The kinds of stages for which the Riccati sweeps have kernels, as types. Real-time safe.
 namespace stilt::lq {
 
-/// A flow with kFree inputs and kRankOne constraints. All modes tell the same facts: A is E (with h = 0
+/// A flow with kFree inputs and kRankOne constraints. All modes have the same members: A is E (with h = 0
 /// unless kDrifts) plus kUnits unit rows row(i) G_i' plus kConstraints terms L_i G_{kUnits + i}'.
 template <int kFree, int kRankOne>
 struct Flow {
@@ -29,7 +29,7 @@ struct Transition {
   static constexpr int row(int unit) noexcept { return kHalf + unit; }
 };
 
-/// Calls run(mode) with the compile-time facts of a stage; false when there are none.
+/// Calls run(mode) with the mode of a stage; false when no mode matches.
 template <class Run>
 STILT_INLINE inline bool dispatch(const LqFirstOrder& stage, const Run& run) noexcept {
   const auto is = [&](StageForm form, int inputs, int constraints) STILT_INLINE {

@@ -4,18 +4,18 @@
 
 #include "mpc_core/model/terms.h"
 
-/// Left and right exchanged. The legs of a robot are equal, so the impact of the right foot is that of the
-/// left foot of the mirrored robot: f_R(x, p) = S f_L(S x, S p), S the exchange. Real-time safe.
+/// Exchange of left and right. Both legs of a robot are equal. The impact of the right foot is therefore that
+/// of the left foot of the mirrored robot: f_R(x, p) = S f_L(S x, S p) with S the exchange. Real-time safe.
 namespace stilt::model {
 
-/// Index of the same quantity of the other leg.
+/// Index of the same quantity in the other leg.
 [[nodiscard]] constexpr int other_leg(int index, int first_joint) noexcept {
   constexpr int kLegJoints = kJoints / kFeet;
   if (index < first_joint) return index;
   return index < first_joint + kLegJoints ? index + kLegJoints : index - kLegJoints;
 }
 
-/// State, then armature and damping of the joints, both with the legs exchanged.
+/// State, armature and damping of the joints with the legs exchanged.
 template <class T>
 struct ExchangedArguments {
   T x[kStates];

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-// Compiled without contraction: the coefficients of a robot are the same on every machine.
+// Compiled without contraction, so that a robot's coefficients are the same on every machine.
 namespace stilt::model {
 
 RobotModel make_robot(RobotConstants constants) noexcept {

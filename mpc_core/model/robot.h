@@ -6,18 +6,18 @@
 
 namespace stilt::model {
 
-/// Numbers of a five-link robot, by generated::five_link::Number (SI).
+/// Numbers of a five-link robot, indexed by generated::five_link::Number (SI units).
 inline constexpr int kNumbers = generated::five_link::kNumberCount;
 using generated::five_link::Number;
 
-/// What describes one robot: joints in the order hip_L, knee_L, hip_R, knee_R, both legs equal.
+/// Constants of one robot: joints in the order hip_L, knee_L, hip_R, knee_R, both legs equal.
 struct RobotConstants {
   const char* name;
   double numbers[kNumbers];  ///< masses, lengths, centres of mass, inertias
   double total_mass_kg;
   double thigh_length_m;
   double shin_length_m;
-  double torso_com_height_m;  ///< of the torso link's centre of mass above the hip, base frame
+  double torso_com_height_m;  ///< centre of mass of the torso link above the hip, base frame
   double position_min_rad[kJoints];
   double position_max_rad[kJoints];
   double velocity_limit_rad_s[kJoints];
@@ -25,15 +25,15 @@ struct RobotConstants {
   double joint_parameters[2 * kJoints];  ///< armature (4) kg m^2, damping (4) Nm s/rad
 };
 
-/// What the generated functions take besides state and input, worked out once from a robot's numbers.
+/// Arguments of the generated functions besides state and input, computed once from a robot's numbers.
 template <class T>
 struct Coefficients {
   T coefficient[generated::five_link::kCoefficientCount];
 };
 
 /// A robot and its dynamics: plain data, and functions that are the same for all robots. T is double or
-/// Batch. Arguments: x[14], u[8], p[8] = {armature[4], damping[4]}; see terms.h for the results. Real-time
-/// safe.
+/// Batch. Arguments: x[14], u[8], p[8] = {armature[4] (kg m^2), damping[4] (Nm s/rad)}; results: terms.h.
+/// Real-time safe.
 struct RobotModel {
   RobotConstants constants;
   Coefficients<double> scalar;
@@ -59,7 +59,8 @@ struct RobotModel {
   void bias(const T* x, BiasTerms<T>& out) const noexcept;
 };
 
-/// The robot of these constants. Mass, lengths and height of the centre of mass are taken from the numbers.
+/// Makes the robot with these constants. Mass, lengths and height of the centre of mass follow from the
+/// numbers.
 [[nodiscard]] RobotModel make_robot(RobotConstants constants) noexcept;
 
 }  // namespace stilt::model

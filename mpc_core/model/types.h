@@ -5,11 +5,11 @@
 
 #include "codegen/generated/five_link/constants.h"
 
-/// Sizes and vector types shared by everything in mpc_core.
+/// Sizes and vector types shared by all of mpc_core.
 ///
-/// Coordinates: q = [x_b, z_b, pitch_b, hip_L, knee_L, hip_R, knee_R], v = dq/dt, state x = [q; v];
-/// input u = [joint accelerations (4); contact forces fx_L, fz_L, fx_R, fz_R (world frame, on the robot)].
-/// World: x forward, z up. Angles are rotations about +y.
+/// Coordinates: q = [x_b, z_b, pitch_b, hip_L, knee_L, hip_R, knee_R] (m, rad), v = dq/dt, state x = [q; v].
+/// Input u = [joint accelerations (4), rad/s^2; contact forces fx_L, fz_L, fx_R, fz_R, N (world frame, on the
+/// robot)]. World: x forward, z up. Angles are rotations about +y.
 namespace stilt::model {
 
 inline constexpr int kJoints = generated::five_link::kJointCount;
@@ -17,13 +17,13 @@ inline constexpr int kPositions = generated::five_link::kPositionCount;
 inline constexpr int kStates = 2 * kPositions;
 inline constexpr int kFeet = generated::five_link::kFootCount;
 inline constexpr int kInputs = kJoints + 2 * kFeet;
-/// theta = [pitch_b, hip_L, knee_L, hip_R, knee_R]: all that the dynamics depend on besides their rates.
+/// theta = [pitch_b, hip_L, knee_L, hip_R, knee_R]: the dynamics depend on theta and its rates only.
 inline constexpr int kAngles = 1 + kJoints;
-/// Angles on the path from the base to a foot: pitch, own hip, own knee.
+/// Angles from the base to a foot: pitch, own hip, own knee.
 inline constexpr int kChain = 3;
 /// Indices into theta of the chain of each foot.
 inline constexpr int kChainAngles[kFeet][kChain] = {{0, 1, 2}, {0, 3, 4}};
-/// Index in q of the first angle; its rate stands at kPositions + kFirstAngle in x.
+/// Index in q of the first angle; its rate is at kPositions + kFirstAngle in x.
 inline constexpr int kFirstAngle = 2;
 /// Index in q of the first joint.
 inline constexpr int kFirstJoint = 3;

@@ -9,10 +9,10 @@
 /// Relaxed logarithmic barriers for inequalities h >= 0 on batches of nodes:
 ///
 ///   B(h) = -mu ln h                                        h > delta
-///        = mu (-ln delta + ((h - 2 delta)/delta)^2 / 2 - 1/2)   otherwise
+///    = mu (-ln delta + ((h - 2 delta)/delta)^2 / 2 - 1/2)   otherwise
 ///
-/// twice continuously differentiable, finite for every h. Source: Hauser and Saccon 2006, "A barrier function
-/// method for the optimization of trajectory functionals with constraints". Real-time safe.
+/// B is twice continuously differentiable and finite for every h. Source: Hauser and Saccon 2006, "A barrier
+/// function method for the optimization of trajectory functionals with constraints". Real-time safe.
 namespace stilt::ocp {
 
 using model::Batch;
@@ -44,9 +44,9 @@ struct BarrierSlope {
   Batch second;
 };
 
-/// First and second derivatives of two barriers that share their parameters, each by its own argument. One
-/// division for both: h is cut off at delta, where the second derivative of the quadratic is the
-/// logarithm's, and the first lacks mu / delta^2 (h - delta).
+/// First and second derivatives of two barriers that share their parameters, each by its own argument. Both
+/// use one division: h is clamped at delta. There the quadratic has the second derivative of the logarithm,
+/// and the first derivative needs the correction mu / delta^2 (h - delta).
 struct BarrierPair {
   BarrierSlope a;
   BarrierSlope b;
@@ -70,7 +70,7 @@ struct BarrierPair {
   return {pair.a.first - pair.b.first, pair.a.second + pair.b.second};
 }
 
-/// A kind of barrier with its logarithm of delta, by the routine that serves the lanes.
+/// Parameters of a barrier, and the logarithm of delta by the routine used for the lanes.
 struct BarrierConstants {
   explicit BarrierConstants(const BarrierParameters& parameters) noexcept
       : p(parameters), inverse_delta(1.0 / p.delta), log_delta(logarithm(Batch(p.delta))) {}
@@ -80,7 +80,7 @@ struct BarrierConstants {
   Batch log_delta;
 };
 
-/// Sum of barriers that share their parameters: one logarithm for the product of up to 16 of them.
+/// Sum of barriers that share their parameters: one logarithm of the product for up to 16 of them.
 class BarrierSum {
  public:
   explicit BarrierSum(const BarrierConstants& constants) noexcept : constants_(constants) {}

@@ -6,15 +6,15 @@
 #include "mpc_core/ocp/problem.h"
 #include "mpc_core/ocp/projection.h"
 
-/// Moving numbers between per-stage rows and batches.
+/// Copies between per-stage rows and batches.
 namespace stilt::ocp {
 
-/// One register of a batch as the solver's vectors see it; both have the lanes of the target.
+/// A batch as a register of the LQ solver; both have the lanes of the target.
 static_assert(kLanes == lq::kLanes && sizeof(Batch) == sizeof(lq::Vec));
 [[nodiscard]] inline lq::Vec as_vector(const Batch& batch) noexcept { return std::bit_cast<lq::Vec>(batch); }
 
-/// Reads kCount numbers of each lane's row into kCount batches, by transposing squares of registers. Rows are
-/// padded to whole registers.
+/// Reads kCount numbers of each lane's row into kCount batches, by transposing squares of registers. Rows
+/// must be padded to whole registers.
 template <int kCount>
 STILT_INLINE inline void load_rows(const double* const (&rows)[kLanes], Batch* out) noexcept {
   lq::unroll<(kCount + kLanes - 1) / kLanes>([&](auto part) STILT_INLINE {
@@ -30,8 +30,8 @@ STILT_INLINE inline void load_rows(const double* const (&rows)[kLanes], Batch* o
   });
 }
 
-/// Writes kCount batches to each lane's row, zeros up to a whole number of registers, beginning with register
-/// kFirstPart; `entry(i)` gives batch i.
+/// Writes kCount batches to each lane's row, beginning with register kFirstPart, and zeros up to a whole
+/// number of registers. `entry(i)` gives batch i.
 template <int kCount, int kFirstPart = 0, class Entry>
 STILT_INLINE inline void store_rows(double* const (&rows)[kLanes], const Entry& entry) noexcept {
   constexpr int kParts = (kCount + kLanes - 1) / kLanes;

@@ -4,13 +4,14 @@
 
 #include "mpc_core/ocp/projection.h"
 
-/// The rows whose sum is the Hessian of a batch's cost, see quadratic_cost.h.
+/// The rows whose weighted outer products add up to the Hessian of a batch's cost, see quadratic_cost.h.
 namespace stilt::ocp {
 
 /// Rows of H are padded to whole blocks of four.
 inline constexpr int kPaddedColumns = (kMaxReducedColumns + 3) / 4 * 4;
 
-/// 1/2 d' H d + g' d over d = (dz_b, theta, v, omega, w), and the terms of x_b, which meets theta alone.
+/// 1/2 d' H d + g' d over d = (dz_b, theta, v, omega, w), and the terms of x_b, which couples with theta
+/// only.
 struct QuadraticCost {
   Batch H[kPaddedColumns][kPaddedColumns];  ///< lower half
   Batch g[kPaddedColumns];
@@ -20,11 +21,11 @@ struct QuadraticCost {
   Batch drift;  ///< first-order change of the cost along the step onto the constraints
 };
 
-/// The rows of a batch, each with slope and curvature.
+/// The rows of a batch, each with slope and curvature of its cost term.
 template <class Mode>
 class DenseRows {
  public:
-  /// Weights of z: with one constraint a row of c alone, otherwise a row each.
+  /// Weights of z: with one constraint a single row for c, otherwise one row per variable.
   static constexpr bool kUniform = Mode::kConstraints == 1;
   /// Joint torques, the unconstrained acceleration of each swing foot, two for the first stance force.
   static constexpr int kRows = model::kJoints + (model::kFeet - Mode::kStanceFeet) +
@@ -34,14 +35,14 @@ class DenseRows {
   DenseRows(const ForceElimination<Mode>& force, const ConstraintElimination<Mode>& constraint) noexcept
       : force_(force), constraint_(constraint) {}
 
-  /// A quantity given by its derivatives.
+  /// Adds the row of a quantity given by its derivatives.
   void add(const Batch& slope, const Batch& curvature, const Slopes& by) noexcept {
     const SubstitutedRow<Mode> row(force_, by);
     add_row(slope, curvature, row.step, row.by_z,
             [&](auto c) STILT_INLINE { return row.template by_state<c>(); });
   }
 
-  /// The first stance foot's force, combined: fx + by_z fz.
+  /// Adds the combined force of the first stance foot, fx + by_z fz.
   void add_force(const Batch& slope, const Batch& curvature, const Batch& by_z) noexcept {
     const auto entry = [&](int c) STILT_INLINE { return force_.slope[0][c] + by_z * force_.slope[1][c]; };
     Batch by_variables[Mode::kVariables];
@@ -49,18 +50,18 @@ class DenseRows {
     add_row(slope, curvature, force_.constant[0] + by_z * force_.constant[1], by_variables, entry);
   }
 
-  /// The vertical force alone.
+  /// Adds the vertical force of the first stance foot.
   void add_vertical_force(const Batch& slope, const Batch& curvature) noexcept {
     add_row(slope, curvature, force_.constant[1], force_.slope[1] + kStateColumns,
             [&](int c) STILT_INLINE { return force_.slope[1][c]; });
   }
 
-  /// A combination of the variables z.
+  /// Adds a combination of the variables z.
   void add_variables(const Batch& slope, const Batch& curvature, const Batch* by_z) noexcept {
     add_row(slope, curvature, Batch(0.0), by_z, [](int) STILT_INLINE { return Batch(0.0); });
   }
 
-  /// c_0 itself; `slope` is the one at dx = 0.
+  /// Adds c_0 itself; `slope` is the slope at dx = 0.
   void add_constraint(const Batch& slope, const Batch& curvature) noexcept {
     Batch* row = rows_[count_];
     row[kHeightColumn] = Batch(constraint_.by_height[0]);
@@ -70,8 +71,8 @@ class DenseRows {
     slope_[count_++] = slope;
   }
 
-  /// Sums gradient and lower half of the Hessian over all rows, in blocks of 4 x 2 that stay in registers (of
-  /// the block whose upper half lies above the diagonal, the lower half).
+  /// Sums gradient and lower half of the Hessian over all rows, in blocks of 4 x 2 that stay in registers. Of
+  /// a block on the diagonal only the lower half is valid.
   void accumulate(QuadraticCost& out) const noexcept {
     for (int c = 0; c < kColumns; ++c) {
       Batch sum = slope_[0] * rows_[0][c];
@@ -86,7 +87,7 @@ class DenseRows {
   }
 
  private:
-  /// `step`: at dx = 0, z = 0.
+  /// `step`: value of the quantity's step at dx = 0, z = 0.
   template <class ByState>
   STILT_INLINE void add_row(const Batch& slope, const Batch& curvature, const Batch& step, const Batch* by_z,
                             const ByState& by_state) noexcept {

@@ -18,7 +18,7 @@ using model::kJoints;
 using model::kPositions;
 using model::kStates;
 
-/// Sums over batches, one lane a stage; reduced at the end.
+/// Sums over batches, one lane per stage; reduced at the end.
 struct BatchMerit {
   Batch cost = Batch(0.0);
   Batch violation_squared = Batch(0.0);

@@ -34,7 +34,7 @@ bool build_horizon(const gait::ContactSchedule& schedule, double start_s, const 
     while (start_s + grid * p.time_step_s <= time_s + p.merge_below_s) ++grid;
     double next_s = start_s + grid * p.time_step_s;
     if (next_s > end_s - p.merge_below_s) next_s = end_s;
-    // A switch just before the end would leave a sliver behind it: it stays beyond the horizon.
+    // A switch just before the end would leave a sliver behind it: such a switch is left beyond the horizon.
     if (switch_s < std::min(next_s + p.merge_below_s, end_s - p.merge_below_s)) next_s = switch_s;
     stage.kind = StageKind::flow;
     stage.phase = phase;

@@ -16,7 +16,7 @@ inline constexpr int kMaxNodes = kMaxStages + 1;
 
 enum class StageKind : std::uint8_t {
   flow,        ///< motion over an interval with one set of feet on the ground
-  transition,  ///< touch-down of a foot, at an instant
+  transition,  ///< touch-down of feet at an instant
 };
 
 struct Stage {
@@ -24,7 +24,8 @@ struct Stage {
   double duration_s = 0.0;  ///< 0 for a transition
   int phase = 0;            ///< index into the contact schedule
   StageKind kind = StageKind::flow;
-  model::ContactMode mode;                     ///< of a flow; after a transition
+  model::ContactMode mode;                     ///< contact mode of a flow; after a transition, the mode that
+                                               ///< follows
   std::array<bool, model::kFeet> touchdown{};  ///< feet that a transition puts down
 };
 
@@ -40,8 +41,9 @@ struct Horizon {
   }
 };
 
-/// Places nodes at start + k time_step, at the end, and at every contact switch; intervals shorter than
-/// `merge_below_s` are merged. The grid slides with the start. False when the capacity does not suffice.
+/// Builds the time grid: nodes at start + k time_step, at the end, and at every contact switch. Intervals
+/// shorter than `merge_below_s` are merged. The grid moves with the start. False when the capacity is too
+/// small.
 [[nodiscard]] bool build_horizon(const gait::ContactSchedule& schedule, double start_s,
                                  const DiscretisationParameters& parameters, Horizon& horizon) noexcept;
 

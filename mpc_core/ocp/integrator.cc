@@ -29,8 +29,8 @@ constexpr double position_weight(const Tableau& t, int i) noexcept {
   return i + 1 < t.stages ? t.b[i + 1] * t.c[i + 1] : 0.0;
 }
 
-/// State of stage i from the accelerations of the two stages before; base x and z do not matter to the
-/// dynamics.
+/// State of stage i from the accelerations of the two stages before. The dynamics do not depend on x and z of
+/// the base.
 void stage_state(const Tableau& t, int i, const Batch* x, const Batch* u, const Batch& h,
                  const Batch pitch_acceleration[4], Batch* xi) noexcept {
   const Batch ch = t.c[i] * h;
@@ -81,9 +81,10 @@ struct FlowRow {
   const Batch* input;
 };
 
-/// That row of stage i by the state at the start of the step: through the stage's angles and rates as they
-/// follow from theta, omega and the joint accelerations, and through the pitch, moved by the accelerations of
-/// the stages before. `pitch_slope[m]`: derivatives of stage m's pitch acceleration.
+/// Derivatives of that row at stage i by the state at the start of the step. They act through the stage's
+/// angles and rates, which follow from theta, omega and the joint accelerations. They also act through the
+/// pitch, moved by the accelerations of the stages before. `pitch_slope[m]`: derivatives of stage m's pitch
+/// acceleration.
 template <const Tableau& t, int i>
 STILT_INLINE inline Batch stage_slope(const FlowRow& row, const Batch& ch, const Batch& cch,
                                       const Batch* const* pitch_slope, int c) noexcept {
@@ -113,7 +114,7 @@ void average_derivatives(const model::RobotModel& robot, const Batch* x, const B
   const Batch h2 = h * h;
   Batch pitch_acceleration[4];
   pitch_acceleration[0] = first.base_acceleration[2];
-  // The pitch row comes first: the others follow it.
+  // The pitch row comes first: the other rows need its slopes.
   const Batch* pitch_slope[4] = {work.pitch_slope[0], work.pitch_slope[1], work.pitch_slope[2], nullptr};
   std::copy(first.base_acceleration_dtheta[2], first.base_acceleration_dtheta[2] + kAngles,
             work.pitch_slope[0]);

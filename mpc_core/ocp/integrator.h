@@ -8,26 +8,27 @@
 /// In second-order form the stages of a tableau with a_{i,i-1} = c_i (Heun's RK2, the classical RK4) are
 ///   V_i = v + c_i h A_{i-1},  Q_i = q + c_i h V_{i-1},  A_i = a(Q_i, V_i, u)
 ///   q+ = q + h v + h^2 sum_i b_{i+1} c_{i+1} A_i,  v+ = v + h sum_i b_i A_i.
-/// Joint accelerations are inputs, so only the three base rows are nonlinear, and of the integrated base only
+/// Joint accelerations are inputs: only the three base rows are nonlinear, and of the integrated base only
 /// the pitch feeds back. Real-time safe.
 namespace stilt::ocp {
 
 using model::Batch;
 
-/// Accelerations of the base, averaged over a step for position (times h^2) and for velocity (times h).
+/// Accelerations of the base averaged over a step: for the position (times h^2) and for the velocity (times
+/// h).
 struct BaseMotion {
   Batch for_position[3];
   Batch for_velocity[3];
 };
 
-/// With the derivatives of the step itself: of h^2 for_position and h for_velocity.
+/// With the derivatives of the step itself, i.e. of h^2 for_position and h for_velocity.
 struct BaseStep : BaseMotion {
   static constexpr int kColumns = 2 * model::kAngles + model::kInputs;
   Batch d_position[3][kColumns];  ///< columns: theta (5), omega (5), u (8)
   Batch d_velocity[3][kColumns];
 };
 
-/// What integrate_base_derivatives needs besides its result; contents need not be initialised.
+/// Scratch of integrate_base_derivatives; contents need not be initialised.
 struct IntegratorWorkspace {
   model::FlowDerivatives<Batch> flow;
   Batch pitch_slope[4][BaseStep::kColumns];  ///< derivative of each stage's pitch acceleration

@@ -6,17 +6,17 @@
 #include "mpc_core/ocp/linearise_workspace.h"
 #include "mpc_core/ocp/problem.h"
 
-/// The quadratic model around an iterate, equalities projected out (Gauss-Newton Hessian). Fixed memory, no
-/// heap: real-time safe.
+/// The quadratic model around an iterate after projection of the equality constraints (Gauss-Newton Hessian).
+/// Fixed memory, no heap: real-time safe.
 namespace stilt::ocp {
 
-/// Where the model of each lane's stage goes; unused lanes repeat the last one and write the same.
+/// Outputs of a batch, one stage per lane; unused lanes repeat the last stage and write the same values.
 struct BatchModel {
   lq::LqFirstOrder* first[kLanes];
   lq::LqSecondOrder* second[kLanes];
   InputProjection* inputs[kLanes];
 
-  /// Where one vector of each lane's stage lies. `member` takes the part that has it.
+  /// Addresses of one vector of each lane's stage. `member` selects the part that holds it.
   template <class Member>
   void rows(const Member& member, double* (&out)[kLanes]) const noexcept {
     for (int lane = 0; lane < kLanes; ++lane) {
@@ -31,11 +31,11 @@ struct BatchModel {
   }
 };
 
-/// The stages of up to kTogether batches of one contact mode.
+/// Linearises the flow stages of up to kTogether batches of one contact mode.
 void linearise(const ProblemData& data, std::span<const StageBatch> batches, const Trajectory& iterate,
                const BatchModel* to, LineariseWorkspace& work) noexcept;
 
-/// Those of a batch of transitions.
+/// Linearises the stages of a batch of transitions.
 void linearise(const ProblemData& data, const TransitionBatch& batch, const Trajectory& iterate,
                const BatchModel& to, LineariseWorkspace& work) noexcept;
 

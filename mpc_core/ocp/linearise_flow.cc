@@ -19,7 +19,7 @@ using model::kJoints;
 using model::kPositions;
 using model::kStates;
 
-/// h, form, G, L, B, b from the rows of the base and the joints' accelerations.
+/// Stores h, form, G, L, B and b from the rows of the base and the joints' accelerations.
 template <class Mode>
 void store_dynamics(const StageBatch& batch, const BatchIterate& it, const BaseStep& step,
                     const Eliminations<Mode>& by, const BatchModel& to) noexcept {
@@ -93,12 +93,12 @@ void store_dynamics(const StageBatch& batch, const BatchIterate& it, const BaseS
   }
 }
 
-/// Q, S, R, q, r and the slope along u0.
+/// Stores Q, S, R, q, r and the slope along u0.
 template <class Mode>
 void store_cost(const QuadraticCost& cost, const BatchModel& to) noexcept {
   constexpr int kFree = Mode::kFree;
   double* rows[kLanes];
-  // Column c of Q below the diagonal; states in order: x_b, then the columns of the cost.
+  // Column c of Q below the diagonal. Order of the states: x_b, then the columns of the cost.
   lq::unroll<kStates>([&](auto column) STILT_INLINE {
     constexpr int c = column;
     to.rows([](LqSecondOrder& stage) { return stage.Q[c]; }, rows);
@@ -133,13 +133,13 @@ void store_cost(const QuadraticCost& cost, const BatchModel& to) noexcept {
   }
 }
 
-/// du = u0 + Y c + W w + [0; F dx; 0].
+/// Stores the projection du = u0 + Y c + W w + [0; F dx; 0].
 template <class Mode>
 void store_projection(const Eliminations<Mode>& by, const BatchModel& to) noexcept {
   const ForceElimination<Mode>& force = by.force;
   const ConstraintElimination<Mode>& constraint = by.constraint;
   double* rows[kLanes];
-  // Entry i of a vector of inputs that moves z by `z` and swing forces by `swing`.
+  // Stores a vector of inputs that moves z by `z` and the swing forces by `swing`.
   const auto store_inputs = [&](const Batch* z, bool constant) {
     Batch entry[kInputs];
     for (int i = 0; i < 2 * model::kFeet; ++i) {

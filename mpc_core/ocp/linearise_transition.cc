@@ -14,8 +14,8 @@ using model::kInputs;
 using model::kPositions;
 using model::kStates;
 
-/// Velocity after the touch-downs of a batch, one foot after the other when two land, with its derivatives by
-/// the state before: rows of A for the velocities.
+/// Velocity after the touch-downs of a batch, with its derivatives by the state before: rows of A for the
+/// velocities. When two feet land, their impacts are applied one after the other.
 struct TouchDown {
   Batch after[kStates];
   Batch A[kPositions][kStates];
@@ -51,8 +51,8 @@ struct TouchDown {
 
 }  // namespace
 
-/// x+ = x with the velocity possibly changed by the impact of the feet that touch down; cost on their
-/// horizontal velocity before it.
+/// Linearises x+ = x, with the velocity changed by the impact of the feet that touch down when impacts are
+/// modelled. Adds the cost on the horizontal velocity of these feet before the impact.
 void linearise(const ProblemData& data, const TransitionBatch& batch, const Trajectory& iterate,
                const BatchModel& to, LineariseWorkspace& work) noexcept {
   for (int lane = 0; lane < kLanes; ++lane) {

@@ -5,11 +5,11 @@
 
 namespace stilt::ocp {
 
-/// Batches of a contact mode that are linearised together, one step of the work after the other: its code,
-/// far larger than the instruction cache as a whole, then comes from the next level once for all of them.
+/// Number of batches of a contact mode that are linearised together, step by step. The code is far larger
+/// than the instruction cache; each step is then loaded once for all of them.
 inline constexpr int kTogether = 4;
 
-/// The eliminations of both kinds for one batch.
+/// The force elimination and the constraint elimination of one batch.
 template <class Mode>
 struct Eliminations {
   ForceElimination<Mode> force;
@@ -22,7 +22,7 @@ struct Eliminations {
   }
 };
 
-/// Room for the eliminations of one batch, whatever its mode.
+/// Memory for the eliminations of one batch of any mode.
 union AnyEliminations {
   Eliminations<ModeTraits<true, true>> both;
   Eliminations<ModeTraits<true, false>> left;
@@ -45,8 +45,7 @@ union AnyEliminations {
   }
 };
 
-/// Everything linearise() writes besides its results, so that it needs little stack; contents need not be
-/// initialised.
+/// Scratch of linearise(), kept off the stack; contents need not be initialised.
 struct LineariseWorkspace {
   struct Flow {
     BatchIterate it;

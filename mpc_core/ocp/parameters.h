@@ -4,13 +4,14 @@
 
 namespace stilt::ocp {
 
-/// Relaxed logarithmic barrier, B(h) = -mu ln h for h > delta, its quadratic continuation below.
+/// Relaxed logarithmic barrier: B(h) = -mu ln h for h > delta, its quadratic continuation below. mu is a
+/// weight in units of the cost (dimensionless).
 struct BarrierParameters {
   double mu = 0.1;
   double delta = 0.1;  ///< in the unit of the constrained quantity
 };
 
-/// Diagonal weights of 1/2 (e_x' Q e_x + e_u' R e_u + sum_feet e' W e).
+/// Diagonal weights of 1/2 (e_x' Q e_x + e_u' R e_u + sum_feet e' W e), the cost per second of horizon.
 struct CostParameters {
   double base_x = 5.0;               ///< 1/m^2
   double base_z = 400.0;             ///< 1/m^2
@@ -26,8 +27,9 @@ struct CostParameters {
   double foot_velocity = 20.0;       ///< s^2/m^2
   double foot_acceleration = 1e-4;   ///< s^4/m^2
   double touchdown_velocity = 1.0;   ///< s^2/m^2, on the horizontal velocity of a foot at touch-down
-  double terminal = 1.0;      ///< rho: factor of the LQR cost-to-go at the end of the horizon; 0 drops it
-  bool terminal_feet = true;  ///< that LQR's running cost has the weights of the feet, too
+  double terminal = 1.0;      ///< rho, dimensionless: factor of the LQR cost-to-go at the end of the horizon;
+                              ///< 0: none
+  bool terminal_feet = true;  ///< whether the running cost of that LQR includes the weights of the feet
 };
 
 struct InequalityParameters {
@@ -43,7 +45,8 @@ struct EqualityParameters {
   double stance_kd_1_s = 20.0;   ///< stance foot: a + kd v = 0
   double swing_kp_1_s2 = 200.0;  ///< swing foot, vertical: a - a_ref + kd (v - v_ref) + kp (p - p_ref) = 0
   double swing_kd_1_s = 20.0;
-  double rank_tolerance = 1e-3;  ///< below this norm of its reduced row a constraint fades (projection.h)
+  double rank_tolerance = 1e-3;  ///< a constraint fades when its reduced row has a smaller norm
+                                 ///< (projection.h)
 };
 
 enum class Integrator { rk2, rk4 };
@@ -57,14 +60,14 @@ struct DiscretisationParameters {
   Transition transition = Transition::impact;
 };
 
-/// Limits of the robot as the planner sees them.
+/// Joint limits used by the planner.
 struct JointLimits {
   double position_min_rad[model::kJoints];
   double position_max_rad[model::kJoints];
   double velocity_rad_s[model::kJoints];
   double torque_Nm[model::kJoints];  ///< at standstill
-  /// Fall of the torque limit with the joint's speed in the direction of the torque: tau <= torque_Nm - slope
-  /// max(v, 0) and -tau <= torque_Nm - slope max(-v, 0).
+  /// Torque limit lost per unit of joint speed in the direction of the torque:
+  ///   tau <= torque_Nm - slope max(v, 0),   -tau <= torque_Nm - slope max(-v, 0).
   double torque_speed_slope_Nms_rad[model::kJoints];
 };
 

@@ -26,7 +26,7 @@ void set_lane(StageBatch& batch, int lane, int stage, double duration_s, double 
   }
 }
 
-/// Transitions that put the same feet down fill batches together.
+/// Transitions with the same feet touching down share batches.
 void fill_transition_batches(Problem& problem) noexcept {
   const Horizon& horizon = problem.horizon;
   problem.transition_batches = 0;
@@ -74,7 +74,7 @@ void set_weights(ProblemData& data) noexcept {
 void fill_batches(const gait::HeuristicReference& reference, Problem& problem) noexcept {
   const Horizon& horizon = problem.horizon;
   problem.batches = 0;
-  // Stages of one mode fill batches together, from wherever in the horizon they come.
+  // Stages of one mode share batches, wherever they are in the horizon.
   for (int mode = 0; mode < 4; ++mode) {
     const model::ContactMode contact{(mode & 1) != 0, (mode & 2) != 0};
     StageBatch* batch = nullptr;

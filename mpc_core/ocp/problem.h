@@ -6,14 +6,14 @@
 #include "mpc_core/ocp/parameters.h"
 #include "mpc_core/ocp/trajectory.h"
 
-/// One planning problem: horizon, references and weights, laid out for batched evaluation.
+/// One planning problem: horizon, references and weights, stored for batched evaluation.
 namespace stilt::ocp {
 
 using model::Batch;
 using model::kLanes;
 
-/// Up to kLanes flow stages with the same feet on the ground, with everything about them that stays the same
-/// during the solve. Unused lanes repeat the last stage with weight 0.
+/// Up to kLanes flow stages with the same feet on the ground, with all their data that is constant during the
+/// solve. Unused lanes repeat the last stage with weight 0.
 struct StageBatch {
   model::ContactMode mode;
   int lanes = 0;
@@ -27,10 +27,11 @@ struct StageBatch {
   Batch foot_acceleration_ref[2 * model::kFeet];
 };
 
-/// Every contact mode may leave one batch partly filled.
+/// Each contact mode can leave one batch partly filled.
 inline constexpr int kMaxBatches = (kMaxStages + kLanes - 1) / kLanes + 4;
 
-/// Up to kLanes transitions that put the same feet down. Unused lanes repeat the last stage with weight 0.
+/// Up to kLanes transitions with the same feet touching down. Unused lanes repeat the last stage with weight
+/// 0.
 struct TransitionBatch {
   std::array<bool, model::kFeet> touchdown{};
   int lanes = 0;
@@ -38,21 +39,22 @@ struct TransitionBatch {
   Batch weight;
 };
 
-/// Left, right and both feet may each leave one batch partly filled, as may transitions without a touch-down.
+/// Left, right and both feet can each leave one batch partly filled, and so can transitions without a
+/// touch-down.
 inline constexpr int kMaxTransitionBatches = (kMaxSwitches + kLanes - 1) / kLanes + 4;
 
-/// Stages that fill batches together: flows of a contact mode (0 to 3), transitions that put the same feet
-/// down (4 to 7). A group's batches follow one another, in the horizon as in memory.
+/// Groups of stages that share batches: flows of a contact mode (0 to 3), transitions with the same feet
+/// touching down (4 to 7). The batches of a group are consecutive, in the horizon and in memory.
 inline constexpr int kGroups = 8;
 
-/// Where a stage is in the batches of its kind.
+/// Position of a stage in the batches of its kind.
 struct StagePlace {
   int batch = 0;
   int group = 0;
   int lane = 0;
 };
 
-/// Weights and limits in force, with what follows from them.
+/// Active weights and limits, and values derived from them.
 struct ProblemData {
   const model::RobotModel* robot = nullptr;
   CostParameters cost;
@@ -66,7 +68,7 @@ struct ProblemData {
   double terminal_weight[model::kStates][lq::kRows] = {};  ///< rho S, by columns
 };
 
-/// Fills the diagonal weights from the named ones.
+/// Sets the diagonal weights from the named ones.
 void set_weights(ProblemData& data) noexcept;
 
 /// Horizon, references and initial state of one plan.

@@ -13,26 +13,26 @@
 /// Elimination:
 ///   1. swing forces go to zero;
 ///   2. the force of the first stance foot follows from its two rows: their 2 x 2 block J_b M_bb^-1 J_b' is
-///      symmetric positive definite in every posture. What is left are the variables z: the joint
-///      accelerations, and in double support the force of the other foot;
+///  symmetric positive definite in every posture. The variables z remain: the joint accelerations, and in
+///  double support the force of the other foot;
 ///   3. the remaining rows c'dx + m'z + rho = 0 (the swing foot's height, or the other stance foot) give
-///      z = z0 + Y c'dx + W w by Householder reflections over z; the reflected unit vectors W span their null
-///      space: 3 free directions in single support, 4 in double support, 2 in flight.
-/// The one or two products c'dx are all of dx that reaches z: with the base rows they make the factored
-/// dynamics of lq/lq_problem.h.
-/// Rank: step 3 is singular where the row vanishes, as for two straight legs side by side. A diagonal entry s
-/// below `rank_tolerance` is inverted as s / tolerance^2, so that the constraint fades instead of exploding.
+///  z = z0 + Y c'dx + W w by Householder reflections over z; the reflected unit vectors W span their null
+///  space: 3 free directions in single support, 4 in double support, 2 in flight.
+/// dx affects z only through the one or two products c'dx. Together with the base rows they are the factored
+/// dynamics of lq/lq_problem.h. Rank: step 3 is singular where the row vanishes, as for two straight legs
+/// side by side. A diagonal entry s below `rank_tolerance` is inverted as s / tolerance^2: the constraint
+/// fades, and the inverse stays bounded.
 namespace stilt::ocp {
 
-/// Columns of the state that everything but the height constraint and the costs of x_b and z_b depends on:
-/// theta (5), base velocity (2), omega (5); column c is state kFirstAngle + c.
+/// Columns of the state on which all terms depend but the height constraint and the costs of x_b and z_b:
+/// theta (5), base velocity (2), omega (5). Column c is state kFirstAngle + c.
 inline constexpr int kStateColumns = model::kStates - model::kFirstAngle;
 inline constexpr int kThetaColumn = 0;
 inline constexpr int kVelocityColumn = model::kPositions - model::kFirstAngle;
 inline constexpr int kOmegaColumn = model::kPositions;
 
-/// Columns of a row over (dz_b, dx, w), z substituted: the height of the base, the columns above, the free
-/// directions.
+/// Columns of a row over (dz_b, dx, w) after substitution of z: the height of the base, the columns above,
+/// the free directions.
 inline constexpr int kHeightColumn = 0;
 inline constexpr int kFirstStateColumn = 1;
 inline constexpr int kFirstFree = kFirstStateColumn + kStateColumns;
@@ -77,19 +77,19 @@ struct Slopes {
   const Batch* input;
 };
 
-/// One constraint row: residual and derivatives; those by base velocity and height are constants.
+/// One constraint row: residual and derivatives; the derivatives by base velocity and height are constants.
 struct ConstraintRow {
   Batch residual;
   Batch theta[model::kAngles];
   Batch omega[model::kAngles];
   const Batch* input = nullptr;
-  double by_velocity = 0.0;  ///< of the row's own axis
+  double by_velocity = 0.0;  ///< derivative by the base velocity along the row's axis
   double by_height = 0.0;
 
   [[nodiscard]] Slopes slopes() const noexcept { return {theta, omega, input}; }
 };
 
-/// Residual of the row of foot `foot`, direction `axis` (0: x, 1: z).
+/// Residual of the row of foot `foot` along `axis` (0: x, 1: z).
 inline Batch constraint_residual(const EqualityParameters& p, const StageBatch& batch, bool stance, int foot,
                                  int axis, const Batch* position, const Batch* velocity,
                                  const Batch* acceleration) noexcept {
@@ -123,7 +123,7 @@ inline void constraint_row(const EqualityParameters& p, const StageBatch& batch,
 
 namespace detail {
 
-/// 1/s, fading to s/tolerance^2 below the tolerance.
+/// 1/s; below the tolerance s/tolerance^2, which fades to zero.
 inline Batch damped_inverse(const Batch& s, double tolerance) noexcept {
   Batch inverse = s * (1.0 / (tolerance * tolerance));
   const auto regular = abs(s) > tolerance;
@@ -131,7 +131,8 @@ inline Batch damped_inverse(const Batch& s, double tolerance) noexcept {
   return inverse;
 }
 
-/// Solves the R rows M z = rhs over N variables: reflections H_1..H_R with M H_1..H_R lower triangular.
+/// Solves the R rows M z = rhs over N variables, with reflections H_1..H_R that make M H_1..H_R lower
+/// triangular.
 template <int R, int N>
 class RowTriangularisation {
  public:
@@ -186,7 +187,7 @@ class RowTriangularisation {
 
 }  // namespace detail
 
-/// Steps 1 and 2: the forces as affine functions of (dx, z).
+/// Steps 1 and 2: computes the forces as affine functions of (dx, z).
 template <class Mode>
 struct ForceElimination {
   Batch swing_step[2 * model::kFeet];  ///< step of the forces of feet in the air
@@ -229,7 +230,7 @@ struct ForceElimination {
     }
   }
 
-  /// A quantity's step by the swing forces alone.
+  /// Step of a quantity by the swing forces alone.
   [[nodiscard]] Batch swing_share(const Batch* by_input) const noexcept {
     Batch sum = Batch(0.0);
     for (int i = 0; i < 2 * model::kFeet; ++i) {
@@ -239,8 +240,8 @@ struct ForceElimination {
   }
 };
 
-/// A quantity over (dx, z), forces substituted, given by its derivatives. Its entries are made where they are
-/// used, in registers.
+/// Row of a quantity over (dx, z) with the forces substituted, from its derivatives. Its entries are computed
+/// in registers where they are used.
 template <class Mode>
 struct SubstitutedRow {
   const ForceElimination<Mode>& force;
@@ -262,7 +263,7 @@ struct SubstitutedRow {
     });
   }
 
-  /// Derivative by column c of dx, z held.
+  /// Derivative by column c of dx with z constant.
   template <int c>
   [[nodiscard]] STILT_INLINE Batch by_state() const noexcept {
     Batch sum;
@@ -331,8 +332,9 @@ struct ConstraintElimination {
     for (int k = 0; k < Mode::kFree; ++k) triangular.axis(kRows + k, W[k]);
   }
 
-  /// Row over (dz_b, dx, w) of a quantity with the derivatives `by_z` and, z held, by_state(c) by column c of
-  /// dx: store(column, entry) for each. Returns its step at dx = 0, w = 0 through z.
+  /// Row over (dz_b, dx, w) of a quantity, from its derivatives `by_z` and, with z constant, by_state(c) by
+  /// column c of dx. Calls store(column, entry) for each column. Returns the quantity's step through z at dx
+  /// = 0, w = 0.
   template <class ByState, class Store>
   STILT_INLINE Batch substitute(const Batch* by_z, const ByState& by_state,
                                 const Store& store) const noexcept {

@@ -5,19 +5,19 @@
 #include "mpc_core/ocp/cost_rows.h"
 #include "mpc_core/ocp/torque_limit.h"
 
-/// Gauss-Newton cost of a batch over (dx, w), the equality constraints projected out, times the duration of
-/// the stage.
+/// Gauss-Newton cost of a batch over (dx, w) after projection of the equality constraints, times the duration
+/// of the stage.
 ///
-/// Every term is 1/2 c (rho + r d)^2 up to a constant (a barrier brings its own slope g and curvature c),
-/// with r the row of a quantity over d = (dz_b, dx, w): swing forces, the first stance force and z are
-/// substituted in the row, so that the sum over the rows is the stage's Hessian. Only joint torques, the
-/// swing foot's horizontal acceleration, the stance force and the weights of z are rows. The accelerations
-/// that a constraint fixes need none: for every step that fulfils the linearised constraint a = -kd v or a -
-/// a_ref = -kd (v - v_ref) - kp (p - p_ref), which depends on the state alone. Gradients are those at dx = 0
-/// and w = 0, on the constraints.
+/// Every term is 1/2 c (rho + r d)^2 up to a constant, with r the row of a quantity over d = (dz_b, dx, w); a
+/// barrier has its own slope g and curvature c. Swing forces, the first stance force and z are substituted in
+/// the row, so that the sum over the rows is the stage's Hessian. Only joint torques, the swing foot's
+/// horizontal acceleration, the stance force and the weights of z are rows. Accelerations fixed by a
+/// constraint need none: the linearised constraint gives them as functions of the state alone,
+///   a = -kd v   or   a - a_ref = -kd (v - v_ref) - kp (p - p_ref).
+/// Gradients are those on the constraints, at dx = 0 and w = 0.
 namespace stilt::ocp {
 
-/// The joints' place among the angles: pitch comes first.
+/// Index of the first joint among the angles; pitch comes first.
 inline constexpr int kFirstJointAngle = model::kFirstJoint - model::kFirstAngle;
 
 /// Slope and Hessian of weight and friction cone over the force (fx, fz) of a stance foot.
@@ -40,8 +40,8 @@ struct ForceCost {
   }
 };
 
-/// Weights of the joint accelerations where one constraint is left. They are all equal (set_weights), so that
-/// the orthogonal directions Y and W_k do not meet: what Y c costs is a row of c, what w costs is diagonal.
+/// Weights of the joint accelerations when one constraint remains. All are equal (set_weights), so that the
+/// orthogonal directions Y and W_k decouple: the cost of Y c is one row of c, the cost of w is diagonal.
 template <class Mode>
 class UniformWeights {
  public:
@@ -71,7 +71,7 @@ class UniformWeights {
   Batch slope_[model::kJoints];
 };
 
-/// Weights of z a row each: joint accelerations, in double support the second foot's force.
+/// Adds the weights of z, one row each: joint accelerations, in double support the second foot's force.
 template <class Mode>
 void add_variables(const ProblemData& data, const StageBatch& batch, const BatchIterate& it,
                    DenseRows<Mode>& rows) noexcept {
@@ -95,7 +95,7 @@ void add_variables(const ProblemData& data, const StageBatch& batch, const Batch
   }
 }
 
-/// Terms of the inputs. Sets H, g and drift.
+/// Computes the terms of the inputs. Sets H, g and drift.
 template <class Mode>
 void add_input_terms(const ProblemData& data, const StageBatch& batch, const BatchIterate& it,
                      const model::NodeDerivatives<Batch>& node, const ForceElimination<Mode>& force,
@@ -156,8 +156,8 @@ struct FootCost {
   Batch pp, pv, vv, gp, gv;
 };
 
-/// Position, velocity, and the acceleration as far as a constraint fixes it (all but a swing foot's x): there
-/// a - a_ref = -(kd dv + kp dp + e), and the step onto the constraint takes away the residual, error + e.
+/// Position, velocity, and the acceleration when a constraint fixes it (all but a swing foot's x). There a -
+/// a_ref = -(kd dv + kp dp + e); the step onto the constraint removes the residual, which is error + e.
 template <bool stance, int axis>
 STILT_INLINE inline FootCost foot_cost(const ProblemData& data, const StageBatch& batch,
                                        const model::NodeDerivatives<Batch>& node, int foot,
@@ -200,9 +200,9 @@ constexpr int omega_column(int i) noexcept {
   return kFirstStateColumn + kOmegaColumn + model::kChainAngles[foot][i];
 }
 
-/// Both axes of one foot. With p_i the derivative of a position by angle i of the chain (and of the velocity
-/// by its rate), d_i that of the velocity by the angle: theta_i moves (p, v) by (p_i, d_i), omega_i by
-/// (0, p_i), the base by (1, 0) and (0, 1).
+/// Adds both axes of one foot. p_i: derivative of a position by angle i of the chain, and of the velocity by
+/// that angle's rate. d_i: derivative of the velocity by the angle. theta_i moves (p, v) by (p_i, d_i),
+/// omega_i by (0, p_i), the base by (1, 0) and (0, 1).
 template <class Mode, int foot>
 STILT_INLINE inline void add_foot(const ProblemData& data, const StageBatch& batch,
                                   const model::NodeDerivatives<Batch>& node, QuadraticCost& out) noexcept {
@@ -212,7 +212,7 @@ STILT_INLINE inline void add_foot(const ProblemData& data, const StageBatch& bat
   Batch theta_gradient[kChain], omega_gradient[kChain];
   lq::unroll<2>([&](auto axis_constant) STILT_INLINE {
     constexpr int axis = axis_constant;
-    constexpr bool kCoupled = !kStance && axis == 1;  // p and v meet in the swing foot's height alone
+    constexpr bool kCoupled = !kStance && axis == 1;  // p and v couple in the swing foot's height only
     const FootCost cost = foot_cost<kStance, axis>(data, batch, node, foot, out.drift);
     const Batch(&p)[kChain] = node.foot_position_dchain[2 * foot + axis];
     const Batch(&d)[kChain] = node.foot_velocity_dchain[2 * foot + axis];
@@ -281,8 +281,8 @@ STILT_INLINE inline void add_foot(const ProblemData& data, const StageBatch& bat
   });
 }
 
-/// Terms of the state: weights, joint limits, positions and velocities of the feet, and their accelerations
-/// as far as constraints fix them. Adds to H, g and drift; sets the terms of x_b.
+/// Adds the terms of the state: weights, joint limits, positions and velocities of the feet, and
+/// accelerations of the feet where constraints fix them. Adds to H, g and drift; sets the terms of x_b.
 template <class Mode>
 void add_state_terms(const ProblemData& data, const StageBatch& batch, const BatchIterate& it,
                      const model::NodeDerivatives<Batch>& node, QuadraticCost& out) noexcept {

@@ -8,7 +8,7 @@ namespace {
 using lq::kRows;
 using model::kStates;
 
-/// 1/2 (x - x_ref)' W (x - x_ref) around the last state of the iterate.
+/// Writes 1/2 (x - x_ref)' W (x - x_ref) around the last state of the iterate.
 void write_terminal(const ProblemData& data, const Problem& problem, const Trajectory& iterate,
                     lq::LqTerminal& terminal) noexcept {
   const double* x = iterate.x[problem.horizon.stages];

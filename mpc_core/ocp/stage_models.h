@@ -13,35 +13,35 @@ struct StageModel {
   const lq::LqSecondOrder& second;
 };
 
-/// The quadratic model of all stages of a horizon, for a sweep from the last stage to the first. A batch is
-/// linearised when the sweep comes to its last stage, together with up to kTogether - 1 batches of its
-/// contact mode before it: the sweep then finds its numbers in a near cache, and few Hessians are kept at a
-/// time. Fixed memory, no heap: real-time safe.
+/// The quadratic model of all stages of a horizon, for a sweep from the last stage to the first. When the
+/// sweep reaches the last stage of a batch, the batch is linearised with up to kTogether - 1 earlier batches
+/// of its contact mode. The sweep then reads from a near cache, and few Hessians are kept at a time. Fixed
+/// memory, no heap: real-time safe.
 class StageModels {
  public:
   /// Starts a pass and writes the terminal cost. The arguments must outlive the pass.
   void begin(const ProblemData& data, const Problem& problem, const Trajectory& iterate) noexcept;
 
-  /// Model of stage k; to be called for every stage, in descending order. `second` is valid until the next
-  /// call, `first` until the next pass.
+  /// Model of stage k. Call it for every stage, in descending order. `second` is valid until the next call,
+  /// `first` until the next pass.
   [[nodiscard]] StageModel at(int k) noexcept {
     const StagePlace& place = problem_->place[k];
     if (place.batch < linearised_from_[place.group]) linearise_group(k);
     return {stages_[k], hessians(place.group, place.batch)[place.lane]};
   }
 
-  /// What the whole pass has written: stages in ascending order, their inputs, the terminal cost.
+  /// Results of the whole pass: stages in ascending order, projections of their inputs, the terminal cost.
   [[nodiscard]] const lq::LqFirstOrder* stages() const noexcept { return stages_; }
   [[nodiscard]] const InputProjection& inputs(int k) const noexcept { return projections_[k]; }
   [[nodiscard]] const lq::LqTerminal& terminal() const noexcept { return terminal_; }
 
-  /// Measures linearising_ns() from the next pass on; null measures nothing.
+  /// Sets the clock of linearising_ns() from the next pass on. Null: nothing is measured.
   void set_clock(ClockFunction clock) noexcept { clock_ = clock; }
-  /// Time that this pass has spent in linearising, ns.
+  /// Time spent in linearising during this pass, ns.
   [[nodiscard]] long long linearising_ns() const noexcept { return linearising_ns_; }
 
  private:
-  /// Linearises the batch whose last stage is k, and those before it in its group.
+  /// Linearises the batch whose last stage is k, and earlier batches of its group.
   void linearise_group(int k) noexcept;
   void linearise_batches(int k) noexcept;
   template <class AnyBatch>

@@ -6,7 +6,7 @@
 /// safe.
 namespace stilt::ocp {
 
-/// Distances of a joint's torque from its two limits:
+/// Distances of a joint's torque from its two limits, Nm:
 ///   lower = limit + tau - slope max(-v, 0),   upper = limit - tau - slope max(v, 0).
 struct TorqueMargins {
   Batch lower;
@@ -19,17 +19,18 @@ struct TorqueMargins {
               limits.torque_speed_slope_Nms_rad[joint] * max(velocity, Batch(0.0))) {}
 };
 
-/// First and second derivatives of both barriers of a joint's torque, by torque and velocity. With a and b
-/// the curvatures of the lower and the upper barrier, which move with tau + s_a v and tau + s_b v,
+/// First and second derivatives of both barriers of a joint's torque, by torque and velocity. a and b are the
+/// curvatures of the lower and the upper barrier, whose arguments move with tau + s_a v and tau + s_b v:
 ///
 ///   a (dtau + s_a dv)^2 + b (dtau + s_b dv)^2
-///       = (a + b) (dtau + m dv)^2 + (a (s_a - m)^2 + b (s_b - m)^2) dv^2,   m = (a s_a + b s_b) / (a + b):
+///   = (a + b) (dtau + m dv)^2 + (a (s_a - m)^2 + b (s_b - m)^2) dv^2,   m = (a s_a + b s_b) / (a + b).
 ///
-/// one row over torque and velocity, and a diagonal term of the velocity. Gradients split alike.
+/// The result is one row over torque and velocity, and a diagonal term of the velocity. Gradients split in
+/// the same way.
 struct TorqueLimitCost {
   Batch by_velocity;      ///< m
   BarrierSlope combined;  ///< by tau + m v
-  BarrierSlope velocity;  ///< by v alone, what remains
+  BarrierSlope velocity;  ///< by v alone, the remaining term
 
   TorqueLimitCost(const BarrierParameters& p, const JointLimits& limits, int joint, const Batch& torque,
                   const Batch& v) noexcept {

@@ -5,18 +5,19 @@
 
 namespace stilt::ocp {
 
-/// States at the nodes and inputs of the stages; the iterate of the SQP. Rows padded to whole cache lines.
+/// States at the nodes and inputs of the stages: the iterate of the SQP. Rows are padded to whole cache
+/// lines.
 struct alignas(64) Trajectory {
   double x[kMaxNodes][lq::kRows];
   double u[kMaxStages][model::kInputs];
 };
 
-/// How the step of the input follows from the step of the state and the free directions:
+/// Step of the input as a function of the step of the state and of the free directions:
 ///
 ///   du = u0 + Y c + W w + [0; F dx; 0]
 ///
-/// with the products c of the stage's constraint rows and dx (LqStep::c), and F the rows of the force that
-/// the stance constraint fixes, at u[first_force] and the one after. Columns of eight inputs.
+/// c are the products of the stage's constraint rows with dx (LqStep::c). F are the rows of the force that
+/// the stance constraint fixes, at u[first_force] and the next entry. Columns of eight inputs.
 struct alignas(64) InputProjection {
   double u0[model::kInputs];
   double Y[lq::kMaxConstraints][model::kInputs];
@@ -26,7 +27,7 @@ struct alignas(64) InputProjection {
   int first_force;  ///< -1: no foot on the ground, or no flow
 };
 
-/// What the line search compares.
+/// Quantities that the line search compares.
 struct Merit {
   double cost = 0.0;
   double violation_squared = 0.0;  ///< defects^2 + (duration * equality residual)^2, summed

@@ -13,11 +13,11 @@ enum class SolveStatus : std::uint8_t {
   not_convex,       ///< a reduced Hessian was not positive definite: no plan
 };
 
-/// What one solve did.
+/// Result of one solve.
 struct SolveReport {
   SolveStatus status = SolveStatus::not_finite;
   int iterations = 0;
-  int trial_steps = 0;  ///< of all line searches together
+  int trial_steps = 0;  ///< over all line searches
   double cost = 0.0;
   double dynamics_defect_max = 0.0;     ///< largest |x_{k+1} - F(x_k, u_k)|, mixed SI units
   double equality_violation_max = 0.0;  ///< largest equality residual, m/s^2 or N

@@ -23,13 +23,13 @@ using lq::Vec;
 using model::kInputs;
 using model::kStates;
 
-constexpr int kInputParts = kInputs / kLanes;  ///< registers of the input
+constexpr int kInputParts = kInputs / kLanes;  ///< registers per input
 
 bool is_finite(const ocp::Merit& merit) noexcept {
   return std::isfinite(merit.cost) && std::isfinite(merit.violation_squared);
 }
 
-/// The filter of the class comment.
+/// Whether the filter of class Sqp accepts the trial step.
 bool acceptable(const SqpParameters& p, const ocp::Merit& now, const ocp::Merit& trial, double length,
                 double slope) noexcept {
   if (!is_finite(trial)) return false;
@@ -74,12 +74,12 @@ bool Sqp::step(const ocp::ProblemData& data, const ocp::Problem& problem, const 
   for (int i = 0; i < kStates; ++i) x0[i] = problem.x_initial[i] - iterate.x[0][i];
   lq::forward_sweep(models_.stages(), stages, gains_, x0, steps_);
   expand_inputs(stages);
-  // The inputs also move along u0, onto the equality constraints, which the LQ problem does not see.
+  // The inputs also move along u0, onto the equality constraints; the LQ problem does not contain u0.
   slope_ = lq::cost_slope(models_.stages(), stages, models_.terminal(), steps_);
   for (int k = 0; k < stages; ++k) slope_ += models_.inputs(k).u0_slope;
   times_.riccati_us += 1e-3 * static_cast<double>(now_ns() - start_ns);
-  // The sweep checks all but the measured state, which enters here; a bad number in any step spoils the
-  // slope.
+  // The sweep checks everything but the measured state, which enters here. A non-finite number in any step
+  // makes the slope non-finite.
   if (!std::isfinite(slope_)) {
     report.status = SolveStatus::not_finite;
     return false;
@@ -162,7 +162,7 @@ SolveReport Sqp::solve(const ocp::ProblemData& data, const ocp::Problem& problem
   SolveReport report;
   times_ = PhaseTimes{};
   const long long start_ns = now_ns();
-  // The iterate and the trial change places when a step is accepted.
+  // The iterate and the trial are exchanged when a step is accepted.
   ocp::Trajectory* current = &iterate;
   ocp::Trajectory* trial = &trial_;
   ocp::Merit merit = ocp::evaluate(data, problem, iterate);
@@ -173,7 +173,7 @@ SolveReport Sqp::solve(const ocp::ProblemData& data, const ocp::Problem& problem
     const double cost_before = merit.cost;
     if (line_search(data, problem, p, *current, *trial, merit, report) == Search::rejected) {
       report.step_length = 0.0;
-      // A step this small changes the cost by less than its rounding: the verdict means nothing.
+      // A step this small changes the cost by less than rounding: acceptance means nothing.
       const bool vanished = full_step_size_ < p.step_tolerance;
       if (p.early_stop) report.status = vanished ? SolveStatus::converged : SolveStatus::step_rejected;
       continue;

@@ -7,7 +7,7 @@
 
 namespace stilt::sqp {
 
-/// Time spent in each phase of a solve; microseconds.
+/// Time spent in each phase of a solve, microseconds.
 struct PhaseTimes {
   double linearise_us = 0.0;
   double riccati_us = 0.0;
@@ -18,22 +18,22 @@ struct PhaseTimes {
 using ocp::ClockFunction;
 
 /// Gauss-Newton sequential quadratic programming by multiple shooting. Each iteration linearises all stages
-/// with the equality constraints projected out, solves the remaining unconstrained LQ problem by one Riccati
-/// sweep, and searches along the step with a filter of cost and violation
+/// with the equality constraints projected out, and solves the remaining unconstrained LQ problem by one
+/// Riccati sweep. It then searches along the step with a filter of cost and violation
 ///
 ///   g = sqrt(sum defects^2 + sum (duration * equality residual)^2)
 ///
 /// (the residual of an acceleration constraint, held for an interval, is a velocity: the unit of most
-/// defects). A trial step is accepted, compared with the current iterate, when
+/// defects). A trial step is compared with the current iterate and accepted when
 ///   g_new > g_max:                              g_new < (1 - gamma_c) g
 ///   g, g_new < g_min and the slope is downhill: cost_new <= cost + armijo * step * slope
 ///   otherwise:                                  cost_new < cost - gamma_c g  or  g_new < (1 - gamma_c) g
-/// Source: Galliker et al. 2022, section III; Grandia et al. 2022, "Perceptive locomotion through nonlinear
+/// Sources: Galliker et al. 2022, section III; Grandia et al. 2022, "Perceptive locomotion through nonlinear
 /// model predictive control", appendix B. Fixed memory, no heap, bounded time: real-time safe.
 class Sqp {
  public:
-  /// Improves `iterate` in place. Set its first state to the problem's initial state beforehand: a full step
-  /// would move it there, but the line search does not count the gap and may refuse that step.
+  /// Improves `iterate` in place. Its first state must be the problem's initial state: a full step would move
+  /// it there, but the line search does not count the gap and may reject that step.
   [[nodiscard]] SolveReport solve(const ocp::ProblemData& data, const ocp::Problem& problem,
                                   const SqpParameters& parameters, ocp::Trajectory& iterate) noexcept;
 
@@ -51,13 +51,13 @@ class Sqp {
 
   [[nodiscard]] bool step(const ocp::ProblemData& data, const ocp::Problem& problem,
                           const ocp::Trajectory& iterate, SolveReport& report) noexcept;
-  /// Linearises all stages and computes their gains, last to first.
+  /// Linearises all stages and computes their gains, from last to first.
   [[nodiscard]] lq::SweepOutcome sweep_backward(const ocp::ProblemData& data, const ocp::Problem& problem,
                                                 const ocp::Trajectory& iterate) noexcept;
   [[nodiscard]] Search line_search(const ocp::ProblemData& data, const ocp::Problem& problem,
                                    const SqpParameters& parameters, const ocp::Trajectory& iterate,
                                    ocp::Trajectory& trial, ocp::Merit& merit, SolveReport& report) noexcept;
-  /// Returns the largest component of the step taken.
+  /// Writes the trial iterate. Returns the largest component of the step taken.
   double take_step(const ocp::Trajectory& from, double length, int stages,
                    ocp::Trajectory& to) const noexcept;
   void expand_inputs(int stages) noexcept;

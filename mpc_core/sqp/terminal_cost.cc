@@ -16,7 +16,7 @@ using model::kJoints;
 using model::kPositions;
 using model::kStates;
 
-/// A and B of x' = [v; a_b(x, u); u_j].
+/// Computes A and B of x' = [v; a_b(x, u); u_j].
 void linearise_flow(const model::RobotModel& robot, const model::StateVector& x, const model::InputVector& u,
                     lq::StateMatrix& A, lq::InputMatrix& B) noexcept {
   model::FlowDerivatives<double> flow;
@@ -34,8 +34,8 @@ void linearise_flow(const model::RobotModel& robot, const model::StateVector& x,
   for (int j = 0; j < kJoints; ++j) B(kPositions + kFirstJoint + j, j) = 1.0;
 }
 
-/// Adds the running cost's foot terms, 1/2 sum over feet of e' W e with the foot's position, velocity and
-/// acceleration in e, to the weights of state, input and both: 1/2 (x'Q x + 2 x'N u + u'R u).
+/// Adds the foot terms of the running cost, 1/2 sum over feet of e' W e, to the weights of state, input and
+/// both: 1/2 (x'Q x + 2 x'N u + u'R u). e holds position, velocity and acceleration of the foot.
 void add_foot_weights(const ocp::ProblemData& data, const model::StateVector& x, const model::InputVector& u,
                       lq::CareProblem& problem, CrossWeight& N) noexcept {
   model::NodeDerivatives<double> node;
@@ -66,7 +66,8 @@ void add_foot_weights(const ocp::ProblemData& data, const model::StateVector& x,
   }
 }
 
-/// Completes the square: with u = v - R^-1 N'x the cost has no product of state and input.
+/// Completes the square: with u = v - R^-1 N'x the cost has no product of state and input. False when R is
+/// singular.
 [[nodiscard]] bool remove_cross_weight(const CrossWeight& N, lq::CareProblem& problem) noexcept {
   lq::InputWeight R = problem.R;
   lq::FeedbackMatrix shift = N.transpose();
