@@ -5,7 +5,7 @@
 namespace stilt::codegen {
 namespace {
 
-/// variable = factor * node, node neither a negation nor a product with a coefficient.
+/// variable = factor * node, where node is neither a negation nor a product with a coefficient.
 struct Cut {
   Expression node;
   Expression factor;
@@ -15,7 +15,7 @@ Cut cut_of(Expression variable) {
   Graph& graph = variable.graph();
   Cut cut{.node = variable, .factor = graph.constant(1.0)};
   while (true) {
-    const Node n = graph.node(cut.node.id());  // a copy: making a factor may move the nodes
+    const Node n = graph.node(cut.node.id());  // a copy: making a factor may reallocate the nodes
     if (n.coefficient) throw std::invalid_argument("differentiation by an expression that is a constant");
     if (n.operation == Operation::kNegate) {
       cut = {.node = {&graph, n.left}, .factor = -cut.factor};

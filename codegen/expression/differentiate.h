@@ -11,11 +11,11 @@ namespace stilt::codegen {
 
 /// Exact symbolic differentiation with shared results.
 ///
-/// The variables given are *cut nodes*: any node may be one (a symbol, a sum of angles, a solved
-/// acceleration). A variable's derivative with respect to itself is one and with respect to the other
-/// variables zero, whatever stands beneath it, so chains can be applied by hand where structure makes that
-/// cheaper. Other symbols are held constant. The canonical form of the graph moves signs and constant factors
-/// out of a variable -a or c a, so the node that is cut is a.
+/// The variables given are *cut nodes*. Any node may be one: a symbol, a sum of angles, a solved
+/// acceleration. A variable's derivative is one with respect to itself and zero with respect to the other
+/// variables, whatever it is computed from. Where structure makes the chain rule cheaper, the caller can
+/// apply it by hand. Other symbols are held constant. The canonical form of the graph moves signs and
+/// constant factors out of a variable -a or c a, so that the node cut is a.
 class Differentiator {
  public:
   /// @throws std::invalid_argument if a variable is a constant.

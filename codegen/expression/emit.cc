@@ -40,7 +40,7 @@ class Emitter {
     return n.operation == Operation::kSine || n.operation == Operation::kCosine;
   }
 
-  /// Whether `e` is read from the array of coefficients.
+  /// Whether the emitted code reads `e` from the array of coefficients.
   bool is_loaded(Expression e) const {
     return coefficients_ != nullptr && e.graph().is_coefficient(e) && !e.graph().is_constant(e);
   }
@@ -52,7 +52,7 @@ class Emitter {
     if (n.right >= 0) count_uses(child(e, n.right));
   }
 
-  /// A product or negation used once is written inside its user's statement.
+  /// Whether `e` is written inside the statement that uses it: a product or negation used once.
   bool is_inlined(Expression e) const {
     const Node& n = node_of(e);
     return !is_loaded(e) && (n.operation == Operation::kNegate ||
@@ -114,7 +114,7 @@ class Emitter {
     return name;
   }
 
-  /// `e` as an operand.
+  /// Text of `e` as an operand.
   std::string text(Expression e) const {
     if (is_loaded(e)) return concat({"k[", std::to_string(coefficients_->place(e)), "]"});
     const Node& n = node_of(e);
@@ -134,7 +134,7 @@ class Emitter {
     }
   }
 
-  /// A product used once stands in a sum without parentheses.
+  /// Text of `e` as a term of a sum: a product used once needs no parentheses.
   std::string term_text(Expression e) const {
     if (node_of(e).operation == Operation::kMultiply && is_inlined(e)) return expression_text(e);
     return text(e);

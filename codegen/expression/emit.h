@@ -14,9 +14,9 @@ struct Output {
   Expression value;
 };
 
-/// Floating-point work of a function, each operation counted by itself (a fused multiply-add is two).
+/// Floating-point operations of a function. Every operation counts as one, a fused multiply-add as two.
 struct OperationCount {
-  int additions = 0;  ///< and subtractions
+  int additions = 0;  ///< with subtractions
   int multiplications = 0;
   int divisions = 0;
   int negations = 0;
@@ -33,18 +33,18 @@ struct FunctionSpec {
   std::vector<Output> outputs;
 };
 
-/// A function as C++ text: straight-line, branch-free, only live nodes, each once, in depth-first order of
-/// the outputs so that values are used soon after they are computed. A template over the scalar T and the
-/// output struct Out. Sines and cosines call `sincos(angle, sine, cosine)`.
+/// A function as C++ text: straight-line and branch-free. It computes each live node once, in depth-first
+/// order of the outputs, so that values are used soon after they are computed. A template over the scalar T
+/// and the output struct Out. Sines and cosines call `sincos(angle, sine, cosine)`.
 struct EmittedFunction {
   std::string text;
   OperationCount count;
 };
 
-/// Coefficients that emitted functions read from an array instead of computing them, each once.
+/// Coefficients that emitted functions read from an array instead of computing them; each is stored once.
 class CoefficientTable {
  public:
-  /// The place of a coefficient, the next free one when it has none yet.
+  /// Index of a coefficient; a new coefficient is appended.
   int place(Expression coefficient);
   [[nodiscard]] const std::vector<Expression>& entries() const { return entries_; }
 
@@ -53,12 +53,12 @@ class CoefficientTable {
   std::map<int, int> places_;
 };
 
-/// With a table, the largest coefficients that are no constants are elements of the parameter `k`, and are
-/// entered into the table; without one they are computed like everything else.
+/// Emits a function. With a table, the largest coefficients that are not constants become elements of the
+/// parameter `k` and entries of the table. Without a table they are computed like all other nodes.
 [[nodiscard]] EmittedFunction emit_function(const FunctionSpec& spec,
                                             CoefficientTable* coefficients = nullptr);
 
-/// The shortest decimal text that reads back as the same double, always with a point or exponent.
+/// The shortest decimal text that reads back as the same double, always with a decimal point or an exponent.
 [[nodiscard]] std::string number_text(double value);
 
 }  // namespace stilt::codegen

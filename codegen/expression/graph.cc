@@ -23,7 +23,7 @@ Expression Graph::intern(Operation operation, int left, int right) {
 
 Expression Graph::constant(double value) {
   if (!std::isfinite(value)) throw std::invalid_argument("an expression has a constant that is not finite");
-  const double canonical = value == 0.0 ? 0.0 : value;  // one zero, without sign
+  const double canonical = value == 0.0 ? 0.0 : value;  // a single zero, without sign
   const auto [entry, inserted] = constants_.try_emplace(canonical, size());
   if (inserted) {
     nodes_.push_back({.operation = Operation::kConstant,

@@ -11,11 +11,11 @@ namespace stilt::codegen {
 
 class Graph;
 
-/// What a node computes. Subtraction and negation are kept apart so that signs move outwards.
+/// Operation of a node. Subtraction and negation are separate, so that signs can move outwards.
 enum class Operation { kConstant, kSymbol, kAdd, kSubtract, kMultiply, kDivide, kNegate, kSine, kCosine };
 
-/// Handle to one node of a Graph. Copies are cheap; two equal expressions of a graph are the same node.
-/// Default-constructed, it belongs to no graph and may only be assigned to.
+/// Handle of one node of a Graph. Copies are cheap; two equal expressions of a graph are the same node. A
+/// default-constructed handle belongs to no graph and may only be assigned to.
 class Expression {
  public:
   Expression() = default;
@@ -35,35 +35,37 @@ class Expression {
   int id_ = -1;
 };
 
-/// One node: an operation and the ids of what it acts on (-1 where unused).
+/// One node: an operation and the ids of its operands (-1 where unused).
 struct Node {
   Operation operation;
   int left = -1;
   int right = -1;
   double value = 0.0;        ///< of a constant
   std::string name;          ///< of a symbol, as the emitted code spells it
-  bool coefficient = false;  ///< made of constants and parameters alone
+  bool coefficient = false;  ///< computed from constants and parameters only
 };
 
+// clang-format off
 /// Hash-consed expression graph: building an expression that exists already returns the existing node, so
-/// every equal subexpression is computed once.
+/// that every equal subexpression is computed once.
 ///
 /// Canonical form, established while building:
 ///  - constants are folded; x + 0, x * 1, x * 0, x / 1, x - x vanish; division by a coefficient multiplies;
-///  - operands of + and * stand in order of creation, a constant first, then a coefficient;
-///  - coefficients are joined: c1 (c2 x) = (c1 c2) x, c1 x + c2 x = (c1 + c2) x; constant factors are
-///  positive:
-///    (-c) x = -(c x);
+///  - operands of + and * are in order of creation, a constant first, then a coefficient;
+///  - coefficients are joined: c1 (c2 x) = (c1 c2) x, c1 x + c2 x = (c1 + c2) x;
+///  - constant factors are positive: (-c) x = -(c x);
 ///  - negations move outwards through * and /, and turn + into - and back; of a - b and b - a only the one
 ///    whose first operand is older exists, the other is its negation.
-/// A coefficient is a constant, a parameter, or an expression of these alone: a number that a caller can work
-/// out once for many evaluations. Ids grow from operands to results: ascending order is an order of
-/// evaluation.
+///
+/// A coefficient is a constant, a parameter, or an expression of these alone: a number that a caller can
+/// compute once for many evaluations. Ids grow from operands to results:
+/// ascending order is an order of evaluation.
+// clang-format on
 class Graph {
  public:
   [[nodiscard]] Expression constant(double value);
   [[nodiscard]] Expression symbol(const std::string& name);
-  /// A symbol whose value stays the same over many evaluations.
+  /// A symbol whose value is the same for many evaluations.
   [[nodiscard]] Expression parameter(const std::string& name);
   [[nodiscard]] Expression add(Expression a, Expression b);
   [[nodiscard]] Expression subtract(Expression a, Expression b);
@@ -87,10 +89,10 @@ class Graph {
   [[nodiscard]] bool is_negation(Expression a) const;
   [[nodiscard]] Expression operand(Expression a) const;
 
-  /// Whether a stands before b in sums and products.
+  /// Whether a precedes b in the canonical order of sums and products.
   [[nodiscard]] bool precedes(Expression a, Expression b) const;
 
-  /// factor * rest, the factor one unless the expression is a product with a coefficient.
+  /// factor * rest; the factor is one unless the expression is a product with a coefficient.
   struct Scaled {
     Expression factor;
     Expression rest;

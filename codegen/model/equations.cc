@@ -8,7 +8,7 @@ namespace {
 
 std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
-/// T(r): the derivative of a body-fixed vector by its link's angle.
+/// T(r): derivative of a body-fixed vector by the angle of its link.
 PlanarExpression tangent(const PlanarExpression& r) { return {r.z, -r.x}; }
 
 Expression dot(const PlanarExpression& a, const PlanarExpression& b) { return a.x * b.x + a.z * b.z; }
@@ -127,7 +127,7 @@ PlanarExpression Equations::rotate(int link, const PlanarExpression& v) const {
   return {v.x * c + v.z * s, v.z * c - v.x * s};
 }
 
-/// alpha T(r) - omega^2 r: acceleration of the tip of body-fixed r against its foot.
+/// alpha T(r) - omega^2 r: acceleration of the tip of the body-fixed vector r relative to its foot.
 PlanarExpression Equations::turn(int link, const PlanarExpression& v, const AbsoluteMotion& motion) const {
   const PlanarExpression r = rotate(link, v);
   const Expression rate = motion.rate[at(link)];

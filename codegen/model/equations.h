@@ -17,15 +17,16 @@ struct PlanarExpression {
   Expression z;
 };
 
-/// Accelerations (or, at an impact, velocity jumps) and forces (or impulses) in absolute link coordinates.
+/// Accelerations (at an impact: velocity jumps) and forces (at an impact: impulses) in absolute link
+/// coordinates.
 struct AbsoluteMotion {
-  PlanarExpression base_acceleration;   ///< of the base frame's origin, gravity g added to z
+  PlanarExpression base_acceleration;   ///< of the origin of the base frame, with gravity g added to z
   Row rate;                             ///< absolute angular rate of each link
   Row acceleration;                     ///< absolute angular acceleration of each link
   std::vector<PlanarExpression> force;  ///< on each foot, world frame
 };
 
-/// The numbers of a planar tree as expressions: constants of one robot, or parameters for every robot of a
+/// The numbers of a planar tree as expressions: constants of one robot, or parameters for all robots of a
 /// shape.
 struct TreeNumbers {
   struct Link {
@@ -33,7 +34,7 @@ struct TreeNumbers {
     PlanarExpression com_m;       ///< in the link's frame
     Expression inertia_kg_m2;     ///< about the centre of mass
     PlanarExpression origin_m;    ///< of its joint, in the parent's frame
-    Expression angle_offset_rad;  ///< against the parent's frame at joint angle zero
+    Expression angle_offset_rad;  ///< relative to the parent's frame at joint angle zero
   };
   std::vector<Link> links;
   std::vector<PlanarExpression> feet_m;  ///< in the frames of their links
@@ -42,57 +43,59 @@ struct TreeNumbers {
 /// The numbers of one robot as constants.
 [[nodiscard]] TreeNumbers constant_numbers(Graph& graph, const PlanarTree& tree);
 
-/// Left-hand sides of the equations of motion, M a + bias - J' f, by the robot's coordinates.
+/// Left-hand sides of the equations of motion, M a + bias - J' f, one per coordinate of the robot.
 struct EquationRows {
-  Row row;  ///< x, z, pitch of the base, then the joints; armature and damping not included
+  Row row;  ///< x, z, pitch of the base, then the joints; without armature and damping
 };
 
+// clang-format off
 /// Equations of motion of a planar tree over expressions.
 ///
-/// They are written in absolute link angles (each sine and cosine once per link, rates and accelerations are
-/// sums along the chains) with augmented bodies: for link k with the masses of all its subtrees attached at
-/// its joints, D_k is the first moment about the link's joint and H_k the second moment. With T(r) = (r_z,
-/// -r_x), the derivative of a body-fixed vector by its angle, and O_kc the body-fixed vector from k's joint
-/// to child c's:
+/// They use absolute link angles: each sine and cosine occurs once per link, and rates and accelerations are
+/// sums along the chains. They use augmented bodies: link k carries the masses of all its subtrees at its
+/// joints, D_k is the first moment about the link's joint and H_k the second moment. T(r) = (r_z, -r_x) is
+/// the derivative of a body-fixed vector by its angle, O_kc the body-fixed vector from k's joint to child c's.
+///
 ///   inertial force of the link     A_k = alpha_k T(D_k) - omega_k^2 D_k
 ///   net force on a subtree         W_k = A_k + sum over children W_c - sum over own feet f
 ///   acceleration of child's joint  a_c = a_k + alpha_k T(O_kc) - omega_k^2 O_kc
-///   moment about k's joint         N_k = H_k alpha_k + T(D_k).a_k + sum T(O_kc).W_c - sum over own feet
-///   T(O_f).f base rows                      m a_root + W_root = 0, sum of all N_k = 0 row of joint i sum of
-///   N_k over the links beyond the joint = motor torque
+///   moment about k's joint         N_k = H_k alpha_k + T(D_k).a_k + sum T(O_kc).W_c - sum over feet T(O_f).f
+///   base rows                      m a_root + W_root = 0, sum of all N_k = 0
+///   row of joint i                 sum of N_k over the links beyond the joint = motor torque
+// clang-format on
 class Equations {
  public:
-  /// Of one robot.
+  /// Equations of one robot.
   Equations(Graph& graph, const PlanarTree& tree);
-  /// Of every robot with the links, joints and feet of `shape`, whose numbers `numbers` takes the place of.
+  /// Equations of every robot with the links, joints and feet of `shape`; `numbers` replaces its numbers.
   Equations(Graph& graph, const PlanarTree& shape, TreeNumbers numbers);
 
   [[nodiscard]] Graph& graph() const { return graph_; }
   [[nodiscard]] const PlanarTree& tree() const { return tree_; }
-  [[nodiscard]] const Row& angles() const { return angle_; }  ///< absolute, one a link
-  [[nodiscard]] const Row& rates() const { return rate_; }    ///< absolute, one a link
+  [[nodiscard]] const Row& angles() const { return angle_; }  ///< absolute, one per link
+  [[nodiscard]] const Row& rates() const { return rate_; }    ///< absolute, one per link
 
-  /// Symbols of the emitted functions' arguments.
+  /// Symbols for the arguments of the emitted functions.
   [[nodiscard]] Expression position(int index) const;
   [[nodiscard]] Expression velocity(int index) const;
   [[nodiscard]] Expression input(int index) const;
   [[nodiscard]] Expression armature(int joint) const;
   [[nodiscard]] Expression damping(int joint) const;
 
-  /// Sums along the chains: absolute values of all links from the root's and the joints' values.
+  /// Sums along the chains: absolute values of all links from the values of the root and the joints.
   [[nodiscard]] Row chain_sums(Expression root, const Row& joints) const;
-  /// Sums over subtrees: derivatives by (or forces along) pitch and joints from those by absolute angles.
+  /// Sums over subtrees: converts derivatives by absolute angles (or forces along them) to pitch and joints.
   [[nodiscard]] Row subtree_sums(const Row& by_link) const;
-  /// d rows / d variable of each link, columns summed to pitch and joints.
+  /// d rows / d variable of each link, with columns summed to pitch and joints.
   [[nodiscard]] Matrix jacobian(const Row& rows, const Row& variables, Differentiator& differentiate) const;
 
   [[nodiscard]] EquationRows equations(const AbsoluteMotion& motion) const;
-  /// Mass matrix over all coordinates; armature not included.
+  /// Mass matrix over all coordinates, without armature.
   [[nodiscard]] Matrix mass_matrix() const;
 
   [[nodiscard]] PlanarExpression foot_position(int foot) const;
   [[nodiscard]] PlanarExpression foot_velocity(int foot) const;
-  /// Acceleration of a foot under a motion whose base acceleration contains gravity (subtracted again).
+  /// Acceleration of a foot. The base acceleration of the motion contains gravity, which is subtracted.
   [[nodiscard]] PlanarExpression foot_acceleration(int foot, const AbsoluteMotion& motion) const;
   /// d foot position / d coordinates, two rows.
   [[nodiscard]] Matrix foot_jacobian(int foot) const;

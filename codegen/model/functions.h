@@ -7,8 +7,8 @@
 
 namespace stilt::codegen {
 
-/// Specifications of the generated functions. The expressions live in the graph of `equations`, which must
-/// outlive them. Shapes and meaning are in each specification's documentation.
+/// Specifications of the generated functions. The graph of `equations` holds the expressions and must outlive
+/// them. Each specification documents shapes and meaning.
 [[nodiscard]] std::vector<FunctionSpec> kinematic_functions(
     const Equations& equations);  ///< kinematics, mass matrix, bias
 [[nodiscard]] std::vector<FunctionSpec> node_functions(
@@ -16,7 +16,7 @@ namespace stilt::codegen {
 [[nodiscard]] std::vector<FunctionSpec> impact_functions(const Equations& equations,
                                                          int foot);  ///< map and derivatives
 
-/// "[1]", "[1][2]".
+/// Text "name[1]" or "name[1][2]".
 [[nodiscard]] std::string element(const std::string& name, int row);
 [[nodiscard]] std::string element(const std::string& name, int row, int column);
 

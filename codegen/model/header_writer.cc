@@ -72,7 +72,7 @@ class FunctionWriter {
     return text + closing(shape_);
   }
 
-  /// prepare(), after all functions are written.
+  /// Text of prepare(). Call after all functions are written.
   [[nodiscard]] std::string preparation() const {
     FunctionSpec spec{.name = "prepare",
                       .documentation = "Coefficients of a robot from its numbers p[Number].",

@@ -7,8 +7,8 @@ namespace {
 
 std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
-/// M = L D L' eliminated from the last coordinate (the leaves) to the first: on a tree that order fills no
-/// zero.
+/// M = L D L', eliminated from the last coordinate (the leaves) to the first. On a tree this order creates no
+/// fill-in.
 class TreeFactorisation {
  public:
   explicit TreeFactorisation(Matrix m) : factor_(std::move(m)) {

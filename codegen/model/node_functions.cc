@@ -10,7 +10,7 @@ std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 using BaseColumn = std::array<Expression, 3>;  ///< x, z, pitch
 
-/// Solves M_bb y = r. The base block of the mass matrix is [m 0 a; 0 m b; a b I]: eliminating the two linear
+/// Solves M_bb y = r. The base block of the mass matrix is [m 0 a; 0 m b; a b I]. Eliminating the two linear
 /// rows leaves one equation for the pitch.
 class BaseSolver {
  public:
@@ -34,8 +34,8 @@ class BaseSolver {
   PlanarExpression scaled_;
 };
 
-/// Everything about one node of the reparametrised dynamics: inputs are joint accelerations a and contact
-/// forces f, the base rows give the base acceleration, the joint rows the motor torques.
+/// One node of the reparametrised dynamics. Inputs are joint accelerations a and contact forces f; the base
+/// rows give the base acceleration, the joint rows the motor torques.
 class NodeModel {
  public:
   explicit NodeModel(const Equations& equations)
@@ -97,8 +97,8 @@ class NodeModel {
     }
   }
 
-  /// Columns by theta ("_dtheta", variables: absolute angles) or omega ("_domega", absolute rates). With
-  /// `full`, foot acceleration and joint torque too.
+  /// Columns by theta ("_dtheta", variables: absolute angles) or omega ("_domega", absolute rates). `full`
+  /// adds foot acceleration and joint torque.
   void append_state_columns(std::vector<Output>& out, const std::string& suffix, const Row& variables,
                             bool full) const {
     Row cuts = equations_.angles();
@@ -124,10 +124,10 @@ class NodeModel {
     }
   }
 
-  /// Columns by the input. The full matrix is, with Y = M_bb^-1 M_bj and Z = M_bb^-1 J_b',
+  /// Columns by the input. With Y = M_bb^-1 M_bj and Z = M_bb^-1 J_b', the full matrix is
   ///   base acceleration [-Y, Z];  foot acceleration [J_j - J_b Y, J_b Z];
-  ///   joint torque [M_jj - M_jb Y + armature, -(J_j - J_b Y)'],
-  /// so that only one triangle of each symmetric block and one of the two mixed blocks are computed.
+  ///   joint torque [M_jj - M_jb Y + armature, -(J_j - J_b Y)'].
+  /// Only one triangle of each symmetric block and one of the two mixed blocks are therefore computed.
   void append_input_columns(std::vector<Output>& out, bool full) const {
     const std::string foot = "foot_acceleration_du";
     const std::string torque = "joint_torque_du";
@@ -168,7 +168,7 @@ class NodeModel {
     for (int f = 0; f < feet_; ++f) {
       motion_.force.push_back({equations_.input(joints_ + 2 * f), equations_.input(joints_ + 2 * f + 1)});
     }
-    const EquationRows held = equations_.equations(motion_);  // the base held still
+    const EquationRows held = equations_.equations(motion_);  // for a base at rest
     base_acceleration_ = solver_.solve({-held.row[0], -held.row[1], -held.row[2]});
     motion_.base_acceleration.x += base_acceleration_[0];
     motion_.base_acceleration.z += base_acceleration_[1];

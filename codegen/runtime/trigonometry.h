@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <experimental/simd>
 
-/// Sine and cosine for the generated functions: one algorithm for double and SIMD batches, so that a batch
-/// and its lanes one by one give the same result.
+/// Sine and cosine for the generated functions. Double and SIMD batches use one algorithm, so that a batch
+/// gives the same results as its lanes one by one.
 namespace stilt::runtime {
 
 namespace detail {
@@ -21,7 +21,7 @@ inline std::experimental::simd<double, Abi> select(const std::experimental::simd
   return result;
 }
 
-/// The 64-bit unsigned integers that T's bits are.
+/// Type of the 64-bit unsigned integers with the bits of T.
 template <class T>
 struct Bits {
   using type = std::uint64_t;
@@ -34,14 +34,15 @@ struct Bits<std::experimental::simd<double, Abi>> {
 }  // namespace detail
 
 /// sine = sin(angle), cosine = cos(angle), angle in rad. T is double or a std::experimental::simd<double,
-/// Abi> that is one register.
+/// Abi> of one register.
 ///
-/// Error at most 2 units in the last place for |angle| <= 1e4; not a number for NaN, infinities and
-/// |angle| > 1e5, where the reduction would lose its accuracy. No branch, no table; real-time safe.
+/// The error is at most 2 units in the last place for |angle| <= 1e4. The result is NaN for NaN, infinities
+/// and
+/// angle| > 1e5, where the reduction would lose accuracy. No branch, no table; real-time safe.
 ///
-/// angle = n pi/2 + r with |r| <= pi/4: pi/2 is a sum of two parts of 33 bits, whose products with n are
-/// exact, and a rest. sin r and cos r are polynomials in r^2, fitted at Chebyshev nodes with an error below
-/// 2^-55.
+/// angle = n pi/2 + r with |r| <= pi/4. pi/2 is the sum of two parts of 33 bits, whose products with n are
+/// exact, and a remainder. sin r and cos r are polynomials in r^2, fitted at Chebyshev nodes with an error
+/// below 2^-55.
 template <class T>
 inline void sincos(const T& angle, T& sine, T& cosine) noexcept {
   constexpr double kTwoOverPi = 0.6366197723675814;
@@ -51,7 +52,7 @@ inline void sincos(const T& angle, T& sine, T& cosine) noexcept {
   constexpr double kLimit_rad = 1.0e5;
 
   const T in_range = detail::select(angle * angle <= T(kLimit_rad * kLimit_rad), angle, T(__builtin_nan("")));
-  // 1.5 * 2^52 leaves no bit for a fraction: the sum's last bits are the nearest integer's.
+  // 1.5 * 2^52 leaves no fraction bits: the last bits of the sum are the nearest integer.
   constexpr double kShift = 6755399441055744.0;
   const T shifted = in_range * kTwoOverPi + kShift;
   const T n = shifted - kShift;
@@ -73,7 +74,7 @@ inline void sincos(const T& angle, T& sine, T& cosine) noexcept {
   const T leading = 1.0 - half;
   const T cosine_r = leading + (((1.0 - leading) - half) + (t * t) * cosine_series);
 
-  // n mod 4: sine and cosine of r change places when it is odd, and change sign in two quadrants each.
+  // n mod 4: sine and cosine of r are exchanged when it is odd, and each changes its sign in two quadrants.
   using Integer = typename detail::Bits<T>::type;
   const Integer quadrant = std::bit_cast<Integer>(shifted);
   const Integer sine_bits = std::bit_cast<Integer>(sine_r);

@@ -3,10 +3,10 @@
 #include <string>
 #include <vector>
 
-/// A planar robot as the generator sees it: a tree of rigid links in the x-z plane on a floating base.
+/// A planar robot: a tree of rigid links in the x-z plane on a floating base.
 ///
-/// World: x forward, z up. Angles are rotations about +y: a vector (x, z) turned by a is
-/// (x cos a + z sin a, -x sin a + z cos a), so a link that hangs down swings to -x at positive angles.
+/// World: x forward, z up. Angles are rotations about +y: a vector (x, z) turned by a is (x cos a + z sin a,
+/// -x sin a + z cos a). A link that hangs down therefore swings to -x at positive angles.
 namespace stilt::codegen {
 
 struct PlanarVector {
@@ -14,11 +14,11 @@ struct PlanarVector {
   double z = 0.0;
 };
 
-/// The joint that carries a link: about +y (direction 1) or -y (direction -1).
+/// The joint that carries a link, about +y (direction 1) or -y (direction -1).
 struct PlanarJoint {
   std::string name;
   PlanarVector origin_m;          ///< in the parent link's frame
-  double angle_offset_rad = 0.0;  ///< of the link's frame against the parent's at joint angle zero
+  double angle_offset_rad = 0.0;  ///< of the link's frame relative to the parent's at joint angle zero
   double direction = 1.0;
   double position_min_rad = 0.0;
   double position_max_rad = 0.0;
@@ -33,10 +33,10 @@ struct PlanarJoint {
   [[nodiscard]] double armature_kg_m2() const { return gear_ratio * gear_ratio * rotor_inertia_kg_m2; }
 };
 
-/// A rigid body with everything fixed to it merged in.
+/// A rigid body, with all links fixed to it merged in.
 struct PlanarLink {
   std::string name;
-  int parent = -1;    ///< index of the parent link, always smaller than the own; -1 for the root
+  int parent = -1;    ///< index of the parent link, smaller than the link's own; -1 for the root
   PlanarJoint joint;  ///< to the parent; unused for the root
   double mass_kg = 0.0;
   PlanarVector com_m;          ///< in the link's frame

@@ -25,7 +25,7 @@ std::string_view without_side(std::string_view name) {
   return name.ends_with("_L") || name.ends_with("_R") ? name.substr(0, name.size() - 2) : name;
 }
 
-/// Reads the numbers of one tree, checking each.
+/// Reads and checks the numbers of one tree.
 class ShapeReader {
  public:
   ShapeReader(const PlanarTree& tree, const std::string& source) : tree_(tree), source_(source) {}
@@ -88,7 +88,7 @@ class ShapeReader {
     return numbers;
   }
 
-  /// The link that `index` carries; -1 for the last of a leg.
+  /// The link that `index` carries; -1 for the last link of a leg.
   [[nodiscard]] int next(int index) const {
     int result = -1;
     for (int k = index + 1; k < tree_.link_count(); ++k) {

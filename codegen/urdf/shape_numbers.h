@@ -7,13 +7,13 @@
 
 namespace stilt::codegen {
 
-/// A number of a robot that the generated functions of its shape take as an argument.
+/// A number of a robot that the generated functions take as an argument.
 struct ShapeNumber {
   std::string name;  ///< link and quantity: "thigh_mass_kg"
   double value = 0.0;
 };
 
-/// Where a number of a tree comes from, for both sides.
+/// Quantities of a link that are numbers of the shape, for both sides.
 enum class ShapeQuantity {
   mass_kg,
   com_m,          ///< distance of the centre of mass from the link's joint: above it for the base, else below
@@ -21,15 +21,16 @@ enum class ShapeQuantity {
   length_m,       ///< distance of the link's next joint, or of its foot, below its own joint
 };
 
-/// "thigh_mass_kg" for link thigh_L or thigh_R.
+/// Name of a number: "thigh_mass_kg" for link thigh_L or thigh_R.
 [[nodiscard]] std::string number_name(const PlanarLink& link, ShapeQuantity quantity);
 
-/// Numbers of a robot with straight links and two equal legs: of the base, then of each link of the left leg,
-/// from the hip down. Links and coordinates are those of a PlanarTree; `source` begins every error.
-/// @throws UrdfError, one sentence that names the element and what would be right, for a robot that these
-/// numbers do not describe: joints about -y, joints of the base beside its origin, bent or turned links,
-/// centres of mass beside the line of the joints, branches other than at the base, a leg without a foot at
-/// its end, legs that differ.
+/// Numbers of a robot with straight links and two equal legs: those of the base, then those of each link of
+/// the left leg, from the hip down. Links and coordinates are those of a PlanarTree; `source` begins every
+/// error message.
+/// @throws UrdfError for a robot that these numbers do not describe. The message is one sentence with the
+/// element and what would be right. Refused: joints about -y, joints of the base off its origin, bent or
+/// turned links, centres of mass off the line of the joints, branches other than at the base, a leg without a
+/// foot at its end, legs that differ.
 [[nodiscard]] std::vector<ShapeNumber> shape_numbers(const PlanarTree& tree, const std::string& source);
 
 }  // namespace stilt::codegen

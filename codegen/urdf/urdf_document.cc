@@ -88,7 +88,7 @@ class DocumentReader {
     }
   }
 
-  /// One root, and every link's chain of parents ends there.
+  /// Checks that there is one root, at which the chain of parents of every link ends.
   void check_connected() const {
     std::vector<std::string> roots;
     for (const std::string& link : links_) {

@@ -6,23 +6,23 @@
 
 namespace stilt::codegen {
 
-/// What <transmission> says about a joint's motor.
+/// Data of a joint's motor in <transmission>.
 struct Transmission {
   double gear_ratio = 1.0;
   double rotor_inertia_kg_m2 = 0.0;
 };
 
-/// What the XML says before any geometry is interpreted.
+/// Content of the XML before its geometry is interpreted.
 struct UrdfDocument {
   std::vector<std::string> joint_names;  ///< in the order of the document
   std::map<std::string, Transmission> transmissions;
 };
 
-/// The text of a file. @throws UrdfError if it cannot be read or is empty.
+/// Reads a file as text. @throws UrdfError if it cannot be read or is empty.
 [[nodiscard]] std::string read_text(const std::string& file);
 
-/// Parses the XML of a URDF, checks that links and joints form one tree and collects the transmissions.
-/// @throws UrdfError with one sentence, which `source` begins.
+/// Parses the XML of a URDF, checks that links and joints form one tree, and collects the transmissions.
+/// @throws UrdfError with one sentence that begins with `source`.
 [[nodiscard]] UrdfDocument parse_urdf_document(const std::string& text, const std::string& source);
 
 }  // namespace stilt::codegen

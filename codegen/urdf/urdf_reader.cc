@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kPlanarTolerance = 1e-9;
 
-/// A frame in the plane: position and angle against the frame of the moving link.
+/// A frame in the plane: position and angle relative to the frame of the moving link.
 struct PlanarPose {
   PlanarVector position_m;
   double angle_rad = 0.0;
@@ -37,14 +37,14 @@ int side(const std::string& name) {
   return 2;
 }
 
-/// Second moment about the y axis of the link's own frame, whatever the inertial frame's orientation.
+/// Second moment about the y axis of the link's own frame, for any orientation of the inertial frame.
 double inertia_about_y(const urdf::Inertial& inertial) {
   const urdf::Vector3 y = inertial.origin.rotation.GetInverse() * urdf::Vector3(0.0, 1.0, 0.0);
   return inertial.ixx * y.x * y.x + inertial.iyy * y.y * y.y + inertial.izz * y.z * y.z +
          2.0 * (inertial.ixy * y.x * y.y + inertial.ixz * y.x * y.z + inertial.iyz * y.y * y.z);
 }
 
-/// Keeps the first error that the URDF parser reports: some malformed elements it only logs and leaves out.
+/// Keeps the first error of the URDF parser, which only logs some malformed elements and skips them.
 class ErrorRecorder : public console_bridge::OutputHandler {
  public:
   void log(const std::string& text, console_bridge::LogLevel level, const char*, int) override {
@@ -83,7 +83,7 @@ class TreeBuilder {
  private:
   [[noreturn]] void fail(const std::string& what) const { throw UrdfError(source_ + ": " + what + "."); }
 
-  /// Adds `link`, at `pose` in moving link `index`, and everything it carries.
+  /// Adds `link`, at `pose` in moving link `index`, and all links that it carries.
   void visit(const urdf::Link& link, int index, const PlanarPose& pose) {
     merge(link, index, pose);
     if (link.name.starts_with("foot_")) add_foot(link, index, pose);

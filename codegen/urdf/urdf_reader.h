@@ -9,21 +9,21 @@ namespace stilt::codegen {
 
 /// Reads a URDF file and reduces it to a planar tree.
 ///
-/// The root link is the floating base. Every moving joint must turn about +y or -y (revolute or continuous)
-/// and fixed joints may turn about y only; offsets along y are dropped. Links behind fixed joints are merged
-/// into the link that carries them. Feet are massless links named foot_... behind fixed joints, foot_L first,
-/// then foot_R. Joints stand in depth-first order, at each link in the order of the document with names
-/// ending in _L before those ending in _R.
+/// The root link is the floating base. Every moving joint must turn about +y or -y (revolute or continuous).
+/// Fixed joints may turn about y only; offsets along y are dropped. Links behind fixed joints are merged into
+/// the link that carries them. Feet are massless links named foot_... behind fixed joints: foot_L first, then
+/// foot_R. Joints are in depth-first order, and at each link in the order of the document, with names ending
+/// in _L before those ending in _R.
 ///
 /// Limits, damping and Coulomb friction are the URDF's. The reflected rotor inertia is that of the joint's
 /// <transmission>: <mechanicalReduction> and, in the same <actuator>, the element <rotorInertia> (kg m^2 on
-/// the motor's side; an extension of this project). A joint without a transmission reflects none.
+/// the motor's side; an extension of this project). Without a transmission there is no reflected inertia.
 ///
-/// @throws UrdfError for a file that cannot be read, is not a URDF, is not a tree, not planar, has a massless
-/// moving link, a joint without limits, or no foot.
+/// @throws UrdfError for a file that cannot be read, is not a URDF, not a tree or not planar, or has a
+/// massless moving link, a joint without limits, or no foot.
 [[nodiscard]] PlanarTree read_urdf(const std::string& file);
 
-/// The same from the text of a URDF; `source` names it in error messages.
+/// Reads the text of a URDF in the same way; `source` names it in error messages.
 [[nodiscard]] PlanarTree parse_urdf(const std::string& text, const std::string& source);
 
 }  // namespace stilt::codegen

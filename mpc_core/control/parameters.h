@@ -46,8 +46,7 @@ struct RobotParameters {
 struct TimingParameters {
   double torque_rate_hz = 1000.0;
   double plan_rate_hz = 100.0;
-  double plan_delay_s = 0.005;  ///< simulated time from the state that a plan starts from until the plan
-                                ///< becomes active
+  double plan_delay_s = 0.005;  ///< from the state a plan starts from until it becomes active, simulated
 };
 
 /// All tunable parameters. One TOML file per robot sets them (firmware/configuration).

@@ -72,7 +72,7 @@ class DenseRows {
   }
 
   /// Sums gradient and lower half of the Hessian over all rows, in blocks of 4 x 2 that stay in registers. Of
-  /// a block on the diagonal only the lower half is valid.
+  /// the second block on the diagonal only the lower half is computed.
   void accumulate(QuadraticCost& out) const noexcept {
     for (int c = 0; c < kColumns; ++c) {
       Batch sum = slope_[0] * rows_[0][c];
