@@ -54,7 +54,8 @@ struct EquationRows {
 /// They use absolute link angles: each sine and cosine occurs once per link, and rates and accelerations are
 /// sums along the chains. They use augmented bodies: link k carries the masses of all its subtrees at its
 /// joints, D_k is the first moment about the link's joint and H_k the second moment. T(r) = (r_z, -r_x) is
-/// the derivative of a body-fixed vector by its angle, O_kc the body-fixed vector from k's joint to child c's.
+/// the derivative of a body-fixed vector by its angle. O_kc is the body-fixed vector from k's joint to
+/// child c's.
 ///
 ///   inertial force of the link     A_k = alpha_k T(D_k) - omega_k^2 D_k
 ///   net force on a subtree         W_k = A_k + sum over children W_c - sum over own feet f
