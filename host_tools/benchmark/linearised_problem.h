@@ -7,7 +7,7 @@
 
 namespace stilt::benchmark {
 
-/// Linearises all stages, as the backward sweep has it done.
+/// Linearises all stages in the order of the backward sweep.
 inline void linearise_all(ocp::StageModels& models, const ocp::ProblemData& data, const ocp::Problem& problem,
                           const ocp::Trajectory& iterate) noexcept {
   models.begin(data, problem, iterate);
@@ -17,7 +17,7 @@ inline void linearise_all(ocp::StageModels& models, const ocp::ProblemData& data
   }
 }
 
-/// The quadratic model of a whole horizon: what a backward sweep reads of StageModels, kept.
+/// The quadratic model of a whole horizon: the data that a backward sweep reads from StageModels, stored.
 struct LinearisedProblem {
   std::vector<LqStage> stages;
   std::vector<ocp::InputProjection> projections;
@@ -35,7 +35,7 @@ struct LinearisedProblem {
     terminal = models.terminal();
   }
 
-  /// What the forward sweep reads, in a row.
+  /// The inputs of the forward sweep, in order.
   [[nodiscard]] std::vector<lq::LqFirstOrder> first_orders() const { return {stages.begin(), stages.end()}; }
 };
 

@@ -4,7 +4,7 @@
 
 namespace stilt::benchmark {
 
-/// A stage's model in one piece.
+/// The complete model of one stage.
 struct LqStage : lq::LqFirstOrder, lq::LqSecondOrder {};
 
 }  // namespace stilt::benchmark

@@ -5,7 +5,7 @@
 
 namespace stilt::benchmark {
 
-/// How fast one phase of an SQP iteration runs.
+/// Speed of one phase of an SQP iteration.
 struct PhaseSpeed {
   double time_us = 0.0;
   ExecutedWork work;
@@ -13,16 +13,17 @@ struct PhaseSpeed {
   double peak_share = 0.0;
 };
 
-/// The phases on one problem and the machine's peak, measured in turns.
+/// Speeds of the phases on one problem and the machine's peak, measured in turns.
 struct PhaseSpeeds {
   double peak_gflop_s = 0.0;
   PhaseSpeed linearise;
-  PhaseSpeed sweep;  ///< what linearise_and_sweep() takes beyond linearise()
+  PhaseSpeed sweep;  ///< time of linearise_and_sweep() beyond that of linearise()
   PhaseSpeed evaluate;
-  double textbook_sweep_share = 0.0;  ///< of the peak, counting textbook_sweep_flops() instead
+  double textbook_sweep_share = 0.0;  ///< share of the peak, counting textbook_sweep_flops() instead
 };
 
-/// Medians over that many rounds (a fraction of a millisecond each). `work`: of one run of each phase.
+/// Measures medians over that many rounds (a fraction of a millisecond each). `work`: work of one run of each
+/// phase.
 [[nodiscard]] PhaseSpeeds measure_phases(PlannerKernels& kernels, const IterationWork& work, int rounds);
 
 }  // namespace stilt::benchmark

@@ -19,7 +19,7 @@ void describe_work(const control::Planner& planner, const sqp::SolveReport& repo
   }
   sample.iterations = report.iterations;
   sample.trial_steps = report.trial_steps;
-  const long long evaluations = report.trial_steps + 1;  // one of the guess
+  const long long evaluations = report.trial_steps + 1;  // plus the one of the initial guess
   const IterationWork work = table.work_of(planner);
   sample.instructions = report.iterations * (work.linearise.instructions + work.sweep.instructions) +
                         evaluations * work.evaluate.instructions;

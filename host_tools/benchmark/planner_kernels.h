@@ -7,23 +7,23 @@
 
 namespace stilt::benchmark {
 
-/// The problem that a planner solved last, at its solution, with every kernel of the solver ready to be run
-/// alone. Large: to be placed on the heap.
+/// The last problem of a planner, at its solution, with every kernel of the solver ready to run alone. Large:
+/// place it on the heap.
 class PlannerKernels {
  public:
-  /// Copies problem and solution; the planner must have planned.
+  /// Copies problem and solution. The planner must have solved at least one problem.
   explicit PlannerKernels(const control::Planner& planner);
 
   /// The phases of one SQP iteration, as the planner runs them.
   void linearise();            ///< all stages
-  void linearise_and_sweep();  ///< all stages, each swept when it is linearised; then the forward sweep
+  void linearise_and_sweep();  ///< all stages, each swept as soon as it is linearised; then the forward sweep
   void evaluate();             ///< cost and violation of one trial step
 
-  /// Both sweeps alone, over stages that were linearised before.
+  /// Both sweeps alone, over stages linearised before.
   void sweep();
   void backward_sweep();
 
-  /// What the kernels work on.
+  /// Inputs of the kernels.
   [[nodiscard]] const ocp::ProblemData& data() const noexcept { return data_; }
   [[nodiscard]] const ocp::Problem& problem() const noexcept { return problem_; }
   [[nodiscard]] const ocp::Trajectory& iterate() const noexcept { return iterate_; }
@@ -31,7 +31,7 @@ class PlannerKernels {
 
   [[nodiscard]] int stages() const noexcept { return problem_.horizon.stages; }
 
-  /// textbook_sweep_flops() of all stages.
+  /// Sum of textbook_sweep_flops() over all stages.
   [[nodiscard]] long long textbook_sweep_flops() const noexcept;
 
  private:
@@ -47,8 +47,8 @@ class PlannerKernels {
   alignas(64) double x0_[lq::kRows] = {};
 };
 
-/// Floating-point operations of the recursion in riccati.h at its least: dense matrices, symmetric ones by
-/// their triangle, a product and a sum counting as two. For 14 states and m inputs, per stage.
+/// Least number of floating-point operations of the recursion in riccati.h per stage, for 14 states and m
+/// inputs: dense matrices, one triangle of symmetric ones; a product and a sum count as two.
 [[nodiscard]] long long textbook_sweep_flops(int free_inputs) noexcept;
 
 }  // namespace stilt::benchmark

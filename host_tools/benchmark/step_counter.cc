@@ -9,7 +9,7 @@
 namespace stilt::benchmark {
 namespace {
 
-/// The fields of an instruction that decide its operation, common to all three encodings.
+/// The fields of an instruction that determine its operation, common to all three encodings.
 struct Encoding {
   int map = 0;      ///< 1: 0F, 2: 0F 38
   int prefix = 0;   ///< 0: none, 1: 66, 2: F3, 3: F2
@@ -89,7 +89,7 @@ int flops_of_map1(const Encoding& e) noexcept {
   }
 }
 
-/// Fused multiply-adds: opcodes 96-9F, A6-AF, B6-BF; those ending in 9, B, D, F are scalar.
+/// Operations of the fused multiply-adds: opcodes 96-9F, A6-AF, B6-BF; those ending in 9, B, D, F are scalar.
 int flops_of_map2(const Encoding& e) noexcept {
   const int high = e.opcode >> 4;
   const int low = e.opcode & 0xF;
@@ -119,7 +119,7 @@ void on_step(int, siginfo_t*, void* context) {
   counted.flops += flops_of_instruction(reinterpret_cast<const unsigned char*>(registers[REG_RIP]));
 }
 
-/// The processor's trap flag: after each instruction it raises a signal.
+/// Sets the processor's trap flag, which raises a signal after each instruction.
 [[gnu::noinline]] void start_stepping() noexcept {
   __builtin_ia32_writeeflags_u64(__builtin_ia32_readeflags_u64() | 0x100U);
 }

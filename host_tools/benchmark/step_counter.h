@@ -2,9 +2,9 @@
 
 #include <functional>
 
-/// Counts what a piece of code really executes, by running it one instruction at a time. Independent of how
-/// the code is written, of its clock and of other processes; needs no performance counters. Thousands of
-/// times slower than running. x86-64 only.
+/// Counts the instructions that a piece of code executes, by single-stepping it. The count does not depend on
+/// the clock or on other processes, and needs no performance counters. Thousands of times slower than the
+/// code. x86-64 only.
 namespace stilt::benchmark {
 
 struct ExecutedWork {
@@ -25,16 +25,15 @@ struct ExecutedWork {
   }
 };
 
-/// False where instructions cannot be stepped through: other processors, builds with sanitizers, some
-/// sandboxes.
+/// False where single-stepping is impossible: other processors, builds with sanitizers, some sandboxes.
 [[nodiscard]] bool can_count_work();
 
-/// Runs the function once and counts. Not reentrant, one thread at a time; a debugger gets in its way.
-/// All zero when can_count_work() is false (the function runs all the same).
+/// Runs the function once and counts. Not reentrant, one thread at a time, not under a debugger. All counts
+/// are zero when can_count_work() is false; the function runs nevertheless.
 [[nodiscard]] ExecutedWork count_work(const std::function<void()>& function);
 
 /// Floating-point operations of the x86-64 instruction at `code`: VEX, EVEX and legacy encodings of add, sub,
-/// mul, div, sqrt, hadd and the fused multiply-adds on doubles; 0 for every other instruction.
+/// mul, div, sqrt, hadd and the fused multiply-adds on doubles. 0 for every other instruction.
 [[nodiscard]] int flops_of_instruction(const unsigned char* code) noexcept;
 
 }  // namespace stilt::benchmark

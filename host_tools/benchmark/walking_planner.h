@@ -6,12 +6,13 @@
 
 namespace stilt::benchmark {
 
-/// A planner in the middle of a walk at 0.5 m/s along its own plans: a typical problem, without a simulator.
+/// A planner in the middle of a walk at 0.5 m/s that follows its own plans: a typical problem, without a
+/// simulator.
 struct WalkingPlanner {
-  /// Ten iterations a plan, no early stop. Throws std::runtime_error when a plan fails.
+  /// Ten iterations per plan, no early stop. Throws std::runtime_error when a plan fails.
   explicit WalkingPlanner(double horizon_s, const model::RobotModel& robot);
 
-  /// Moves 10 ms on along the plan and plans from there.
+  /// Moves 10 ms along the plan and plans from there.
   sqp::SolveReport plan_next() noexcept;
 
   std::unique_ptr<control::Planner> planner = std::make_unique<control::Planner>();

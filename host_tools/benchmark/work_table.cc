@@ -5,7 +5,7 @@
 namespace stilt::benchmark {
 namespace {
 
-/// Work of a second run: the first one may have symbols looked up and pages mapped.
+/// Work of a second run: the first one can include symbol resolution and page faults.
 template <class Kernel>
 ExecutedWork settled_work(const Kernel& kernel) {
   kernel();
@@ -36,7 +36,8 @@ void WorkTable::repeat(const ocp::Problem& whole, const AnyBatch& batch, int cou
 template <class Kernel>
 ExecutedWork WorkTable::sum_of(Parts& parts, const ocp::Problem& whole, const Kernel& kernel) {
   part_ = whole;
-  // A batch is what a second one of the same adds: what is done once, if at all, belongs to no batch.
+  // The work of a batch is what a second batch of the same kind adds, so that work done once belongs to no
+  // batch.
   const auto added = [&](const auto& batch, auto* batches, int& size) {
     repeat(whole, batch, 1, batches, size);
     const ExecutedWork one = settled_work(kernel);

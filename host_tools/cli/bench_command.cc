@@ -21,7 +21,7 @@ constexpr int kRounds = 400;
 constexpr int kMostProblems = 100000;
 constexpr double kLargestSpeed_m_s = 5.0;
 
-/// The phases on the last problem of the list.
+/// Measures the phases on the last problem of the list.
 benchmark::PhaseSpeeds measure_last(const control::Planner& planner) {
   const auto work = std::make_unique<benchmark::WorkTable>();
   const auto kernels = std::make_unique<benchmark::PlannerKernels>(planner);

@@ -7,19 +7,19 @@
 
 namespace stilt::cli {
 
-/// Times of a planner over a list of problems: one list a quantity, one entry a problem.
+/// Times of a planner over a list of problems: one list per quantity, one entry per problem.
 struct PlannerTimings {
   std::vector<double> solve_us, linearise_us, riccati_us, line_search_us, other_us, iterations;
   int nodes_max = 0;
   int failed = 0;
 };
 
-/// The JSON of `stilt bench`. `speeds.linearise.work` without instructions means that this processor's work
-/// cannot be counted: operations and rates are then null.
+/// The JSON of `stilt bench`. When `speeds.linearise.work` has no instructions, the work cannot be counted on
+/// this processor; operations and rates are then null.
 [[nodiscard]] nlohmann::ordered_json bench_json(const PlannerTimings& timings,
                                                 const benchmark::PhaseSpeeds& speeds);
 
-/// The same for people, on standard output.
+/// Prints the same as text on standard output.
 void print_bench(const PlannerTimings& timings, const benchmark::PhaseSpeeds& speeds, double horizon_s);
 
 }  // namespace stilt::cli

@@ -14,7 +14,7 @@ namespace {
 
 using configuration::Override;
 
-/// "section.key=value" with every digit of the value.
+/// "section.key=value" with all digits of the value.
 Override setting(const char* key, double value, const char* option) {
   char text[40];
   const auto [end, error] = std::to_chars(text, text + sizeof text, value);
@@ -23,7 +23,7 @@ Override setting(const char* key, double value, const char* option) {
 
 std::vector<Override> overrides_of(const ControllerChoice& choice) {
   std::vector<Override> overrides;
-  if (const auto library = gait_library(choice)) {  // before what the user sets, so that this can be changed
+  if (const auto library = gait_library(choice)) {  // before the user's settings, which may change it
     overrides = gait_files::gait_overrides(*library, "--controller mpc-hzd");
   }
   for (const std::string& assignment : choice.settings) overrides.push_back({assignment});

@@ -12,14 +12,14 @@
 #include "mpc_core/control/parameters.h"
 #include "mpc_core/model/robot.h"
 
-/// From what the user names to a configured controller. Everything here throws UsageError, one sentence.
+/// Configures a controller from the user's options. All functions throw UsageError, one sentence.
 namespace stilt::cli {
 
-/// The options that choose robot, controller and its parameters.
+/// The options that choose robot, controller and parameters.
 struct ControllerChoice {
   std::string robot = "amber3m";
   std::string controller = "mpc-heuristic";
-  std::string config_file;            ///< empty: the one shipped for the robot
+  std::string config_file;            ///< empty: the file shipped for the robot
   std::string preset;                 ///< of --preset; empty: none
   std::vector<std::string> settings;  ///< of --set
   std::optional<double> horizon_s;
@@ -31,11 +31,11 @@ struct ControllerChoice {
   std::string gait_folder;      ///< of --gaits; empty: the gaits shipped for the robot
 };
 
-/// What --controller and --lump may be.
+/// Valid values of --controller and --lump.
 [[nodiscard]] const std::vector<std::string>& controller_names();
 [[nodiscard]] const std::vector<std::string>& lump_names();
 
-/// Refuses a name that is none of a controller.
+/// Throws UsageError unless `name` is the name of a controller.
 void check_controller(const std::string& name);
 
 /// Adds --preset to a command.
@@ -44,39 +44,39 @@ void add_preset_option(CLI::App& command, std::string& preset);
 /// Adds the options that `stilt sim` and `stilt bench` share to a command.
 void add_controller_options(CLI::App& command, ControllerChoice& choice);
 
-/// What --robot may be, for its help.
+/// Help text of --robot: its valid values.
 [[nodiscard]] std::string robot_help();
 
 /// The robot of that name or URDF file, and its model.
 [[nodiscard]] const robots::Robot& find_robot(const std::string& name);
 [[nodiscard]] const model::RobotModel& robot_model(const std::string& name);
 
-/// The configuration of a file, or the shipped one of the robot when its name is empty, changed by the
-/// preset, then by the overrides, all checked.
+/// The configuration of a file, or that shipped for the robot when the name is empty. The preset changes it,
+/// then the overrides. All values are checked.
 [[nodiscard]] configuration::Configuration load_configuration(
     const std::string& robot, const std::string& file, const std::string& preset,
     const std::vector<configuration::Override>& overrides);
 
-/// The configuration after file, --preset, --set and the options of their own, all checked.
+/// The configuration from the file, --preset, --set and the other options, checked.
 [[nodiscard]] configuration::Configuration controller_configuration(const ControllerChoice& choice);
 
-/// Its part that matters to planner and torque law.
+/// The part of it that planner and torque law use.
 [[nodiscard]] control::ControllerParameters controller_parameters(const ControllerChoice& choice);
 
-/// The chosen controller of a robot with the gaits that it follows, to be configured.
+/// The chosen controller of a robot and the gaits that it follows, as input of make_controller().
 [[nodiscard]] simulation::ControllerSetup controller_setup(const ControllerChoice& choice,
                                                            const model::RobotModel& robot,
                                                            const configuration::Configuration& configuration);
 
-/// A controller ready to run.
+/// A configured controller.
 [[nodiscard]] std::unique_ptr<simulation::SimulatedController> make_controller(
     const simulation::ControllerSetup& setup);
 
-/// The model of the chosen controller's planner when it is not the robot itself; otherwise null.
+/// The planner's model when it is not that of the robot; otherwise null.
 [[nodiscard]] const model::RobotModel* planning_model(const ControllerChoice& choice);
 
-/// The gaits that the chosen controller follows: those of --gaits or the shipped ones; null for one that
-/// follows none.
+/// The gaits that the chosen controller follows: those of --gaits or the shipped ones. Null for a controller
+/// that follows none.
 [[nodiscard]] std::shared_ptr<const gait::GaitLibrary> gait_library(const ControllerChoice& choice);
 
 }  // namespace stilt::cli

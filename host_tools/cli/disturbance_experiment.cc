@@ -22,7 +22,7 @@ using experiments::PushRow;
 constexpr double kUsualHorizon_s = 1.0;
 constexpr int kUsualSeeds = 3;
 
-/// What the options say about every row.
+/// The options that apply to every row.
 RowChoice defaults_of(const ExperimentOptions& options) {
   RowChoice row;
   row.setting = options.setting;
@@ -35,7 +35,7 @@ RowChoice defaults_of(const ExperimentOptions& options) {
   return row;
 }
 
-/// The published rows that --controller and --horizon leave, or, for horizons that are not published, those
+/// The published rows selected by --controller and --horizon. For horizons that are not published: those
 /// controllers at these horizons.
 std::vector<PublishedRow> chosen_rows(const ExperimentOptions& options) {
   const auto among = [](const auto& list, const auto& value) {
@@ -82,7 +82,7 @@ std::vector<RowChoice> rows_of(const ExperimentOptions& options) {
   return read_rows(options.rows_file, defaults_of(options));
 }
 
-/// What a row depends on besides the fields it has of its own.
+/// The settings that a row depends on besides its own fields.
 Json setting_json(const WalkSetting& setting, const control::TimingParameters& timing) {
   Json json = {{"push_at", setting.push_point},       {"plan_rate_hz", timing.plan_rate_hz},
                {"plan_delay_s", timing.plan_delay_s}, {"state", setting.state},
@@ -112,7 +112,8 @@ PushRow push_row(const RowChoice& choice) {
   return row;
 }
 
-/// What the results of a row depend on, but for phases and seeds, which are in the names of the jobs.
+/// The settings that the results of a row depend on, except phases and seeds, which are in the names of the
+/// jobs.
 std::string dependencies_of(const RowChoice& choice) {
   const WalkSetting& setting = choice.setting;
   const double horizon_s = setting.choice.horizon_s.value_or(kUsualHorizon_s);
@@ -121,7 +122,7 @@ std::string dependencies_of(const RowChoice& choice) {
          simulation::number_text(choice.coarse_N) + "\n";
 }
 
-/// Little of it: to see that it works.
+/// Shortens the experiment to a quick check that it runs.
 void cut_to_quick(DisturbancePlan& plan) {
   plan.recovery_s = 3.0;
   for (PushRow& row : plan.rows) {
@@ -172,7 +173,7 @@ experiments::DisturbancePlan plan_of_rows(const std::string& rows_file) {
 
 int run_disturbance(ExperimentOptions options, const std::vector<std::string>& words) {
   constexpr double kHorizonOfQuick_s = 0.5;
-  (void)walk_runner(options.setting);  // mistakes are named before anything runs
+  (void)walk_runner(options.setting);  // reports errors of the settings before anything runs
   if (options.quick && options.rows_file.empty()) options.horizons_s = {kHorizonOfQuick_s};
   DisturbancePlan plan;
   std::map<std::string, std::string> parts;

@@ -9,15 +9,15 @@
 
 namespace stilt::cli {
 
-/// Adds the options that `experiment disturbance` has besides those of all experiments.
+/// Adds the options of `experiment disturbance` that other experiments do not have.
 void add_disturbance_options(CLI::App& command, ExperimentOptions& options);
 
-/// The rows of a file as `experiment disturbance --rows FILE` pushes them. Throws UsageError or
-/// std::invalid_argument, one sentence.
+/// The rows of a file for `experiment disturbance --rows FILE`. Throws UsageError or std::invalid_argument,
+/// one sentence.
 [[nodiscard]] experiments::DisturbancePlan plan_of_rows(const std::string& rows_file);
 
-/// The largest pushes survived: runs the jobs and writes table and figures. Returns the exit status. Throws
-/// UsageError or std::invalid_argument, one sentence, for bad input.
+/// Measures the largest pushes survived: runs the jobs and writes table and figures. Returns the exit status.
+/// Throws UsageError or std::invalid_argument, one sentence, for bad input.
 [[nodiscard]] int run_disturbance(ExperimentOptions options, const std::vector<std::string>& words);
 
 }  // namespace stilt::cli

@@ -10,17 +10,17 @@
 
 namespace stilt::cli {
 
-/// What `--list-jobs`, `--job`, `--merge` or none of them ask for: lists the jobs; runs one; merges the
-/// results; or runs all that have no result, in processes of their own, and merges. `merge` makes the figures
-/// of all results, `table` a text of them. Returns the exit status.
+/// Handles `--list-jobs`, `--job` and `--merge`: lists the jobs, runs one, or merges the results. Without
+/// these options it runs all jobs without a result, each in its own process, and merges. `merge` computes the
+/// figures from all results, `table` prints them as text. Returns the exit status.
 [[nodiscard]] int run_jobs(
     const ExperimentOptions& options, const std::vector<std::string>& words,
     const experiments::Json& settings, const std::vector<experiments::Job>& jobs,
     const std::function<experiments::Json(const std::vector<experiments::Json>&)>& merge,
     const std::function<std::string(const experiments::Json&)>& table);
 
-/// What the results of an experiment depend on, for its folder and its figures: version and commit of this
-/// program, options, and the hash of each part's dependencies_text().
+/// The settings that the results of an experiment depend on, for its folder and its figures: version and
+/// commit of this program, options, and the hash of each part's dependencies_text().
 [[nodiscard]] experiments::Json settings_json(const ExperimentOptions& options, const char* experiment,
                                               const std::map<std::string, std::string>& parts);
 

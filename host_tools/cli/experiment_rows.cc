@@ -24,7 +24,7 @@ std::string listed(const Words& words) {
   return text;
 }
 
-/// The value of a key; what is wrong with it becomes a UsageError without the place.
+/// The value of a key. Throws UsageError without the location when it is invalid.
 class Value {
  public:
   explicit Value(const toml::node& node) : node_(node) {}
@@ -73,7 +73,7 @@ class Value {
     return static_cast<int>(*value);
   }
 
-  /// Adds the texts of a list.
+  /// Appends the texts of a list.
   void append_to(Words& words) const {
     const toml::array* array = node_.as_array();
     if (array == nullptr) throw UsageError("must be a list of texts");
@@ -131,7 +131,7 @@ const Key kKeys[] = {
     {"coarse_N", [](const Value& v, RowChoice& row) { row.coarse_N = v.number(1.0, 100.0); }},
 };
 
-/// Does something for a key, and names it when that fails.
+/// Runs `act` for a key, and adds the location to its errors.
 void at(const std::string& place, const char* key, const std::function<void()>& act) {
   try {
     act();
@@ -148,7 +148,8 @@ void check_name(const std::string& place, const RowChoice& row, std::set<std::st
   if (!names.insert(row.name).second) throw UsageError(place + ", name: another row has this name");
 }
 
-/// Hands the values on to those who check them, one key after the other, so that the wrong one is named.
+/// Passes the values on to the functions that check them, one key after the other, so that errors name the
+/// key.
 void check_values(const std::string& place, const RowChoice& row) {
   WalkSetting setting = row.setting;
   ControllerChoice& choice = setting.choice;

@@ -9,7 +9,7 @@ namespace stilt::cli {
 
 /// One row of `experiment disturbance`, from options or from a file of rows.
 struct RowChoice {
-  std::string name;  ///< letters, digits, point, minus, underscore
+  std::string name;  ///< letters, digits, '.', '-', '_'
   WalkSetting setting;
   std::string gait = "walk";
   double speed_m_s = 0.5;
@@ -19,13 +19,13 @@ struct RowChoice {
   double coarse_N = 10.0;
 };
 
-/// Longest speed of a row, either way.
+/// Largest speed of a row, in both directions.
 inline constexpr double kLargestRowSpeed_m_s = 5.0;
 
-/// The rows of a TOML file: an array of tables [[row]] with `name` and any of robot, controller, horizon_s,
-/// preset, set, plant, gaits, lump, push_at, direction, gait, speed_m_s, plan_rate_hz, plan_delay_s, state,
-/// phases, seeds, coarse_N. A key that a row leaves out is that of `defaults`; what its lists set and plant
-/// hold is added. Everything checked. Throws UsageError, one sentence that names file, row and key.
+/// Reads the rows of a TOML file: an array of tables [[row]] with `name` and any of robot, controller,
+/// horizon_s, preset, set, plant, gaits, lump, push_at, direction, gait, speed_m_s, plan_rate_hz,
+/// plan_delay_s, state, phases, seeds, coarse_N. `defaults` gives the missing keys; the lists set and plant
+/// are appended to its lists. All values are checked. Throws UsageError, one sentence with file, row and key.
 [[nodiscard]] std::vector<RowChoice> read_rows(const std::string& file, const RowChoice& defaults);
 
 }  // namespace stilt::cli

@@ -31,7 +31,7 @@ ControllerChoice choice_of(const WalkSetting& setting, const WalkCase& walk) {
   return choice;
 }
 
-/// The noise of the sensors, as options of the plant.
+/// Sensor noise, as options of the plant.
 constexpr const char* kSensorNoise[] = {"encoder_noise_rad=0.0005", "encoder_velocity_noise_rad_s=0.02",
                                         "base_angle_noise_rad=0.001", "base_rate_noise_rad_s=0.01"};
 
@@ -151,7 +151,7 @@ experiments::WalkRunner walk_runner(const WalkSetting& setting) {
 }
 
 experiments::WalkRunner runner_for_each(const WalkSetting& setting) {
-  (void)walk_runner(setting);  // mistakes are named before anything runs
+  (void)walk_runner(setting);  // reports errors of the settings before anything runs
   return [setting](const WalkCase& walk) { return run(setting_for(setting, walk.controller), walk); };
 }
 

@@ -9,31 +9,31 @@
 
 namespace stilt::cli {
 
-/// What all walks of an experiment share. Sensors are noisy, so that seeds differ, unless a case has none:
-/// joints 0.5 mrad and 20 mrad/s, base 1 mrad and 10 mrad/s; plant_settings may change that.
+/// Settings common to all walks of an experiment. Unless a case has none, the sensors have noise, so that
+/// seeds differ: joints 0.5 mrad and 20 mrad/s, base 1 mrad and 10 mrad/s. plant_settings may change it.
 struct WalkSetting {
-  ControllerChoice choice;  ///< controller and horizon are those of the case
+  ControllerChoice choice;  ///< each case sets controller and horizon
   std::vector<std::string> plant_settings;
   std::string push_point = "hip";
-  std::string state = "estimated";  ///< what the controller knows: estimated (from sensors) or truth
+  std::string state = "estimated";  ///< state that the controller gets: estimated (from sensors) or truth
 };
 
-/// The setting without what does not concern a controller: gaits, for one that follows none.
+/// The setting without values that the controller does not use: gaits, for one that follows none.
 [[nodiscard]] WalkSetting setting_for(const WalkSetting& setting, const std::string& controller);
 
-/// Walks as `stilt sim` makes them, with 100 plans a second unless the choice says otherwise. Throws
-/// UsageError or std::invalid_argument when the setting is mistaken.
+/// Runs walks as `stilt sim` does, with 100 plans per second unless the choice says otherwise. Throws
+/// UsageError or std::invalid_argument for an invalid setting.
 [[nodiscard]] experiments::WalkRunner walk_runner(const WalkSetting& setting);
 
-/// The same for walks of any controller.
+/// The same for walks of several controllers.
 [[nodiscard]] experiments::WalkRunner runner_for_each(const WalkSetting& setting);
 
-/// Everything that a controller's walks under the setting depend on besides the program: configuration in
-/// force, robot, plant, gaits.
+/// All data that the walks of a controller under the setting depend on besides the program: active
+/// configuration, robot, plant, gaits.
 [[nodiscard]] std::string dependencies_text(const WalkSetting& setting, const std::string& controller,
                                             double horizon_s);
 
-/// The same of each of these controllers, by name, the horizon aside.
+/// The same for each of these controllers, by name, without the horizon.
 [[nodiscard]] std::map<std::string, std::string> parts_of(const WalkSetting& setting,
                                                           const std::vector<std::string>& controllers);
 

@@ -113,7 +113,7 @@ void print(const GaitRecord& record, const GaitCheck& check) {
   }
 }
 
-/// Text or JSON, as asked for; the exit status.
+/// Prints text or JSON as requested. Returns the exit status.
 int report(const GaitRecord& record, const GaitCheck& check, const std::string& json_file) {
   if (!json_file.empty()) write_json(to_json(record, check), json_file);
   if (json_file != "-") print(record, check);
@@ -127,7 +127,7 @@ GaitRecord load(const std::string& file, const model::RobotModel** robot) {
   return std::move(*record);
 }
 
-/// The record of a file, its motion filled in when the file has outputs alone.
+/// The record of a file. Completes the motion of a file that has only outputs.
 GaitRecord load_complete(const std::string& file, const model::RobotModel** robot) {
   GaitRecord record = load(file, robot);
   if (record.gait.motion.degree > 0) return record;

@@ -18,16 +18,16 @@ struct GaitOptions {
   double from_m_s = -0.4;
   double to_m_s = 1.0;
   double step_m_s = 0.1;
-  std::string file;  ///< that check, complete and show read
-  std::string out;   ///< file, or folder of library
+  std::string file;  ///< input of check, complete and show
+  std::string out;   ///< output file, or folder of library
   std::string json_file;
   std::string report_file;
 };
 
-/// Adds `gait` with synthesize, check, complete, library and show; options end up in `options`.
+/// Adds `gait` with synthesize, check, complete, library and show; stores the options in `options`.
 CLI::App* add_gait_command(CLI::App& program, GaitOptions& options);
 
-/// Runs the command that was given. Returns the exit status: 0, or 1 when there is no such gait or a check
+/// Runs the command that was given. Returns the exit status: 0, or 1 when no gait was found or a check
 /// failed. Throws UsageError, one sentence, for bad input.
 [[nodiscard]] int run_gait(const CLI::App& gait, GaitOptions options);
 

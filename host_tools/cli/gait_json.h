@@ -7,7 +7,7 @@
 
 namespace stilt::cli {
 
-/// What `stilt gait check --json` writes; numbers that are not finite become null.
+/// The output of `stilt gait check --json`; non-finite numbers become null.
 [[nodiscard]] nlohmann::ordered_json to_json(const gait_files::GaitRecord& record,
                                              const gait_synthesis::GaitCheck& check);
 

@@ -7,17 +7,18 @@
 
 namespace stilt::cli {
 
-/// {p50, p99, max}.
+/// JSON object {p50, p99, max}.
 [[nodiscard]] nlohmann::ordered_json to_json(const log::Percentiles& percentiles);
 
-/// The part of it that the plant alone knows: how far, how fast, with what torque, and whether it fell.
+/// The fields that the plant alone determines: distance, speed, torque, and whether the robot fell.
 [[nodiscard]] nlohmann::ordered_json plant_json(const log::RunSummary& summary);
 
-/// What `stilt sim --json` writes: the fields of docs/interfaces.
+/// The output of `stilt sim --json`, with the fields of docs/interfaces.
 [[nodiscard]] nlohmann::ordered_json to_json(const log::RunSummary& summary);
 
-/// Throws UsageError unless a file of that name could be written: its folder exists and is writable, and it
-/// is no folder itself. Empty names and "-" pass. For commands that compute for long before they write.
+/// Throws UsageError unless a file of that name can be written: its folder exists and is writable, and the
+/// name is not that of a folder. Accepts empty names and "-". For commands that compute for a long time
+/// before they write.
 void check_output_file(const std::string& option, const std::string& path);
 
 /// Writes indented JSON to a file, or to standard output when the path is "-". Throws UsageError when the

@@ -15,7 +15,7 @@ using experiments::LimitPlan;
 
 constexpr const char* kCommands = "commands";  ///< the name of the random sequences for --quantity
 
-/// Those that --quantity leaves.
+/// Keeps the quantities selected by --quantity.
 void choose_quantities(const std::vector<std::string>& chosen, LimitPlan& plan) {
   if (chosen.empty()) return;
   std::vector<BlindQuantity> left;

@@ -8,12 +8,12 @@
 
 namespace stilt::cli {
 
-/// Adds the options that `experiment limits` has besides those of all experiments.
+/// Adds the options of `experiment limits` that other experiments do not have.
 void add_limit_options(CLI::App& command, ExperimentOptions& options);
 
-/// Seeks what the robot survives unannounced (host_tools/experiments/blind_limits.h), every quantity or those
-/// that were chosen. `words` as for run_jobs(). Returns the exit status. Throws
-/// UsageError or std::invalid_argument, one sentence, for bad input.
+/// Searches the limits that the robot survives unannounced (host_tools/experiments/blind_limits.h), of all
+/// quantities or of those chosen. `words` as for run_jobs(). Returns the exit status. Throws UsageError or
+/// std::invalid_argument, one sentence, for bad input.
 [[nodiscard]] int run_limits(const ExperimentOptions& options, const std::vector<std::string>& words);
 
 }  // namespace stilt::cli

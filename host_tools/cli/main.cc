@@ -28,7 +28,7 @@ std::string joined(int count, char** words) {
   return text;
 }
 
-/// One sentence on standard error.
+/// Prints one sentence on standard error. Returns exit status 2.
 int refuse(std::string message) {
   std::replace(message.begin(), message.end(), '\n', ' ');
   std::cerr << "stilt: " << message << '\n';

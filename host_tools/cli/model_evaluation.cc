@@ -47,7 +47,7 @@ auto matrix(const double (&values)[Rows][Columns]) {
   return result;
 }
 
-/// Derivative by the whole state from those by the angles and their rates; the others are zero.
+/// Derivative by the whole state from the derivatives by the angles and their rates; the others are zero.
 template <std::size_t Rows>
 auto by_state(const double (&by_theta)[Rows][kAngles], const double (&by_omega)[Rows][kAngles]) {
   Matrix<static_cast<int>(Rows), kStates> result;
@@ -57,7 +57,7 @@ auto by_state(const double (&by_theta)[Rows][kAngles], const double (&by_omega)[
   return result;
 }
 
-/// x' = [v; base acceleration; joint accelerations], and its derivatives.
+/// Adds x' = [v; base acceleration; joint accelerations] and its derivatives.
 void add_flow(Json& result, const model::StateVector& x, const model::InputVector& u,
               const model::NodeDerivatives<double>& node) {
   constexpr int kBaseRow = kPositions;
@@ -81,7 +81,7 @@ Json impact(const model::RobotModel& robot, int foot, const model::StateVector& 
   return {{"velocity_after", row(terms.velocity_after)}, {"impulse", row(terms.impulse)}};
 }
 
-/// The vector under `key`, of exactly `size` numbers.
+/// The vector of exactly `size` numbers under `key`.
 template <int Size>
 Matrix<Size, 1> vector_field(const Json& object, const char* key, const std::string& where) {
   const std::string expected =

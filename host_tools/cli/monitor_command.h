@@ -13,16 +13,16 @@ struct MonitorOptions {
   std::string address = "127.0.0.1";
   int port = 8080;
   std::string token, token_file;
-  std::string viewers = "any";  ///< sites of Foxglove viewers: any, none, or origins with commas between
+  std::string viewers = "any";  ///< web sites of Foxglove viewers: any, none, or origins separated by commas
   bool terminal = false;
   bool no_browser = false;
 };
 
-/// Adds `monitor` to the program; its options end up in `options`.
+/// Adds `monitor` to the program; stores its options in `options`.
 CLI::App* add_monitor_command(CLI::App& program, MonitorOptions& options);
 
-/// Serves the page, or shows the essentials on the terminal, until it is told to stop. Returns the exit
-/// status. Throws UsageError or std::runtime_error, one sentence.
+/// Serves the page, or shows a summary on the terminal, until it is stopped. Returns the exit status. Throws
+/// UsageError or std::runtime_error, one sentence.
 [[nodiscard]] int run_monitor(const MonitorOptions& options);
 
 }  // namespace stilt::cli

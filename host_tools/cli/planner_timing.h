@@ -7,8 +7,7 @@
 
 namespace stilt::cli {
 
-/// Solves a list of problems, one after another as a planner meets them in a walk, and times each by the wall
-/// clock.
+/// Solves a list of problems in order, as a planner does in a walk, and times each by the wall clock.
 [[nodiscard]] PlannerTimings time_planner(control::Planner& planner,
                                           const std::vector<control::PlannerInput>& inputs);
 

@@ -5,18 +5,18 @@
 
 namespace stilt::cli {
 
-/// Progress of a long command on standard error: nothing in the first second; then one line that is rewritten
-/// on a terminal, or a plain line every five seconds elsewhere.
+/// Progress of a long command on standard error. Prints nothing in the first second, then one line: rewritten
+/// on a terminal, or printed every five seconds elsewhere.
 class Progress {
  public:
-  /// `what` names the work, `total` is its size in `unit`; infinite: nobody knows.
+  /// `what` names the work, `total` is its size in `unit`; infinite when it is unknown.
   Progress(std::string what, double total, std::string unit);
   /// Clears the line on a terminal.
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// So much is done.
+  /// Reports the amount done, in `unit`.
   void update(double done);
 
  private:

@@ -9,7 +9,7 @@ std::string published_command(const std::vector<std::string>& words) {
     const std::string option = word.substr(0, word.find('='));
     const bool has_value = option == "--out" || option == "--json" || option == "--processes";
     if (option == "--out") command += " --out DIR";
-    if (has_value && option == word) ++i;  // its value is a word of its own
+    if (has_value && option == word) ++i;  // its value is the next word
     if (!has_value && option != "--merge") command += " " + word;
   }
   return command;

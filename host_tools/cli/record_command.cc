@@ -23,7 +23,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::chrono::milliseconds kFlushEvery{500};
 constexpr std::chrono::milliseconds kWait{100};
-/// Samples of a topic that may wait while a busy machine gives this program no time.
+/// Samples of a topic that are kept while a busy machine delays this program.
 constexpr int kKeeps = 8192;
 
 std::atomic<bool> ended = false;
@@ -55,7 +55,7 @@ record::Recorder::Options recorder_options(const RecordOptions& options) {
   return how;
 }
 
-/// Records; returns how long, in seconds.
+/// Records. Returns the duration, s.
 double record_all(const RecordOptions& options, record::Recorder& recorder) {
   const std::vector<const telemetry::Topic*> topics = record::Recorder::topics();
   const telemetry::Participant participant = host_telemetry::join(options.network);

@@ -14,12 +14,12 @@ struct ReplayOptions {
   bool no_browser = false;
 };
 
-/// Adds `replay` to the program; its options end up in `options`.
+/// Adds `replay` to the program; stores its options in `options`.
 CLI::App* add_replay_command(CLI::App& program, ReplayOptions& options);
 
-/// Runs every session of a record through the controller again and says whether all plans and torques came
-/// out the same. Returns the exit status: 0 they did, 1 something differs or is missing. Throws UsageError or
-/// std::runtime_error, one sentence.
+/// Runs every session of a recording through the controller again, and prints whether all plans and torques
+/// are equal. Returns the exit status: 0 when they are, 1 when something differs or is missing. Throws
+/// UsageError or std::runtime_error, one sentence.
 [[nodiscard]] int run_replay(const ReplayOptions& options);
 
 }  // namespace stilt::cli

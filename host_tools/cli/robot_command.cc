@@ -32,7 +32,7 @@ static_assert(std::atomic<bool>::is_always_lock_free);
 
 void interrupt(int) { interrupted.store(true); }
 
-/// The controller may start now.
+/// Announces that the controller can start.
 void announce(const std::vector<std::string>& buses) {
   std::string names;
   for (const std::string& bus : buses) names += (names.empty() ? "" : ", ") + bus;
@@ -120,7 +120,7 @@ void write_results(const RobotOptions& options, const RobotOnBus& robot, const l
   if (!options.report_file.empty()) report::write_report(record, options.report_file);
 }
 
-/// Contact forces and the push that acts, for the monitor's picture.
+/// Contact forces and the active push, for the monitor's picture.
 host_telemetry::SimulationMessage truth_of(const RobotOnBus& robot,
                                            const std::vector<simulation::Push>& pushes) {
   host_telemetry::SimulationMessage message{};

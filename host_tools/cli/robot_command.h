@@ -12,10 +12,10 @@ namespace stilt::cli {
 /// Options of `stilt robot`.
 struct RobotOptions {
   std::string robot = "amber3m";
-  std::string config_file;            ///< empty: the one shipped for the robot
+  std::string config_file;            ///< empty: the file shipped for the robot
   std::string preset;                 ///< of --preset; empty: none
   std::vector<std::string> settings;  ///< of --set
-  std::vector<std::string> buses;     ///< of --bus; empty: those of the configuration
+  std::vector<std::string> buses;     ///< of --bus; empty: buses of the configuration
   bool lockstep = false;
   bool once = false;
   std::optional<double> duration_s;
@@ -28,12 +28,12 @@ struct RobotOptions {
   std::string json_file, report_file, log_file, frames_file;
 };
 
-/// Adds `robot` to the program; its options end up in `options`.
+/// Adds `robot` to the program; stores its options in `options`.
 CLI::App* add_robot_command(CLI::App& program, RobotOptions& options);
 
-/// Is the robot behind its motor drivers until the run is over, and writes what was asked for. Returns the
-/// exit status: 0 when it walked or stood on its own to the end, 1 when it fell or never left the hoist.
-/// Throws UsageError, std::invalid_argument or std::runtime_error, one sentence.
+/// Simulates the robot behind its motor drivers until the run is over, and writes the requested files.
+/// Returns the exit status: 0 when the robot walked or stood on its own to the end, 1 when it fell or never
+/// left the hoist. Throws UsageError, std::invalid_argument or std::runtime_error, one sentence.
 [[nodiscard]] int run_robot(const RobotOptions& options, const std::string& command_line);
 
 }  // namespace stilt::cli

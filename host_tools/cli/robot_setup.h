@@ -9,15 +9,15 @@
 
 namespace stilt::cli {
 
-/// What `stilt robot` simulates, from its options: the robot, and the buses it is on.
+/// The robot that `stilt robot` simulates, and its buses.
 struct SimulatedHardware {
   robot_on_bus::RobotSetup setup;
   std::vector<std::string> bus_names;
-  bool fd = false;  ///< a driver speaks CAN FD
+  bool fd = false;  ///< whether a driver uses CAN FD
   const model::RobotModel* robot = nullptr;
 };
 
-/// Everything checked. Throws UsageError or std::invalid_argument, one sentence.
+/// Reads and checks the options. Throws UsageError or std::invalid_argument, one sentence.
 [[nodiscard]] SimulatedHardware simulated_hardware(const RobotOptions& options);
 
 }  // namespace stilt::cli

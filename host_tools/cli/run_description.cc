@@ -6,10 +6,10 @@
 namespace stilt::cli {
 namespace {
 
-/// The drawn torso ends this much above the hip, in heights of its centre of mass.
+/// Height of the drawn torso above the hip, in heights of its centre of mass.
 constexpr double kTorsoToCom = 1.75;
 
-/// Corners of the ground's profile from a little behind the start to a little beyond the end.
+/// Adds corners of the ground's profile, from slightly behind the start to slightly beyond the end.
 void add_ground(const simulation::Plant& plant, const simulation::PlantOptions& world, double end_x_m,
                 log::RunRecord& record) {
   constexpr double kMargin_m = 5.0;

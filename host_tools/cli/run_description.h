@@ -8,13 +8,12 @@
 
 namespace stilt::cli {
 
-/// Standing on the plant's ground at x 0, feet apart as the gait wants.
+/// State that stands on the plant's ground at x = 0, with the feet apart as the gait parameters require.
 [[nodiscard]] model::StateVector standing_on_ground(const simulation::PlantOptions& world,
                                                     const simulation::LegLengths& leg,
                                                     const control::ControllerParameters& parameters);
 
-/// Adds to a record what the report needs to draw the run: robot, limits, friction and the ground it walked
-/// on.
+/// Adds the data that the report needs for drawing the run: robot, limits, friction and ground.
 void describe_run(const model::RobotConstants& robot, const simulation::Plant& plant,
                   const simulation::PlantOptions& world, log::RunRecord& record);
 

@@ -25,10 +25,10 @@ struct SimOptions {
   std::string json_file, report_file, log_file;
 };
 
-/// Adds `sim` to the program; its options end up in `options`.
+/// Adds `sim` to the program; stores its options in `options`.
 CLI::App* add_sim_command(CLI::App& program, SimOptions& options);
 
-/// Runs the simulated robot and writes what was asked for. Returns the exit status: 0, or 1 when the robot
+/// Runs the simulated robot and writes the requested files. Returns the exit status: 0, or 1 when the robot
 /// fell. Throws UsageError or std::invalid_argument, one sentence, for bad input.
 [[nodiscard]] int run_sim(const SimOptions& options, const std::string& command_line);
 

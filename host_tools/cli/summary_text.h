@@ -7,10 +7,10 @@
 
 namespace stilt::cli {
 
-/// What the plant shows of a run, for people.
+/// The plant's part of a run's summary as text.
 [[nodiscard]] std::string plant_text(const log::RunSummary& summary, simulation::Fall fall);
 
-/// The summary of a run for people, a few lines.
+/// The summary of a run as a few lines of text.
 [[nodiscard]] std::string summary_text(const log::RunSummary& summary, simulation::Fall fall);
 
 }  // namespace stilt::cli

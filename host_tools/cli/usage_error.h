@@ -4,7 +4,7 @@
 
 namespace stilt::cli {
 
-/// Bad usage or bad input; the message is one sentence: what, where, what would be right. Exit status 2.
+/// Bad usage or bad input; exit status 2. The message is one sentence: what, where, and what would be right.
 class UsageError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -8,7 +8,7 @@ namespace stilt::cli {
 
 namespace {
 
-/// The SIMD instructions the compiler was allowed to use: what "native" stands for.
+/// The SIMD instructions of the compiler's target, which "native" stands for.
 constexpr const char* simd_family() {
 #if defined(__AVX512F__)
   return "AVX-512";

@@ -10,7 +10,7 @@
 namespace stilt::experiments {
 namespace {
 
-/// Without the last digits of a sum of decimal fractions.
+/// Removes the last digits of a sum of decimal fractions.
 double rounded(double value) { return std::round(value * 1e9) / 1e9; }
 
 Json fall_json(const log::RunSummary& summary) {
@@ -83,7 +83,7 @@ int phases_of(const LimitPlan& plan, const BlindQuantity& quantity) {
   return quantity.has_phases ? plan.phases : 1;
 }
 
-/// What the cases of one quantity have in common.
+/// Figures of the cases of one quantity.
 class RowFigures {
  public:
   void add(const Json& result) {

@@ -7,17 +7,17 @@
 #include "host_tools/experiments/limit_search.h"
 #include "host_tools/experiments/walk_case.h"
 
-/// What the robot survives although its controller knows nothing of it.
+/// Changes of the plant that the robot survives although its controller does not know them.
 namespace stilt::experiments {
 
 /// One quantity that changes in one direction.
 struct BlindQuantity {
-  std::string name;  ///< of jobs and of --quantity
+  std::string name;  ///< for jobs and --quantity
   std::string quantity, unit, direction;
   double nominal = 0.0;
-  LimitSearch search;       ///< of the difference from nominal
-  bool has_phases = false;  ///< met at every phase of the step
-  /// Changes the case; `phase_m`: how much farther it is met, of quantities with phases.
+  LimitSearch search;       ///< search over the difference from nominal
+  bool has_phases = false;  ///< whether the change occurs at every phase of the step
+  /// Changes the case. `phase_m`: additional distance to the change, for quantities with phases.
   void (*apply)(double value, double phase_m, WalkCase& walk);
   bool (*passes)(const WalkCase& walk, const log::RunSummary& summary);
 };
@@ -25,19 +25,19 @@ struct BlindQuantity {
 /// Height of a step in the ground, slope, speed, friction, mass, delay of the plan and of the torque.
 [[nodiscard]] const std::vector<BlindQuantity>& blind_quantities();
 
-/// Which limits are sought, and how.
+/// The limits to search, and the settings of the search.
 struct LimitPlan {
   struct Controller {
     std::string name = "mpc-heuristic";
     double horizon_s = 1.0;
-    double step_s = 0.3;  ///< of its gait, to place the phases
+    double step_s = 0.3;  ///< step time of its gait, to place the phases
   };
   std::vector<Controller> controllers = {{}};
   std::vector<BlindQuantity> quantities = blind_quantities();
-  int phases = 8;  ///< of the step; odd ones with the other foot
+  int phases = 8;  ///< phases of the step; odd ones with the other foot
   int seeds = 3;   ///< 1, 2, ... of the sensor noise
   double duration_s = 20.0;
-  double speed_m_s = 0.5;  ///< commanded, unless it is the quantity
+  double speed_m_s = 0.5;  ///< commanded, except when it is the quantity
   int sequences = 10;      ///< of random commands, seeds 1, 2, ...
   double sequence_s = 60.0;
 };
@@ -50,19 +50,19 @@ struct LimitPlan {
 [[nodiscard]] WalkCase sequence_case(const LimitPlan& plan, const LimitPlan::Controller& controller,
                                      int seed);
 
-/// One job a controller, quantity, phase and seed: {phase, seed, limit, first_fall, trials: [{value, passed,
-/// survived, fall_time_s, mean_speed_m_s}]}, then one a controller and sequence: {seed, survived,
-/// fall_time_s, commands: [{start_s, gait, speed_m_s}]}.
+/// One job per controller, quantity, phase and seed: {phase, seed, limit, first_fall, trials: [{value,
+/// passed, survived, fall_time_s, mean_speed_m_s}]}. Then one job per controller and sequence: {seed,
+/// survived, fall_time_s, commands: [{start_s, gait, speed_m_s}]}.
 [[nodiscard]] std::vector<Job> limit_jobs(const LimitPlan& plan, const WalkRunner& run);
 
-/// {rows: [{controller, horizon_s, name, quantity, unit, direction, nominal, limit_all, limit_half, phases,
-/// cases, falls, coarse, fine, last_tried, speed_min_m_s, speed_max_m_s, limits, worst_cases: [{phase, seed,
-/// limit}]}], sequences: [{controller,
-/// horizon_s, survived, of, duration_s, runs}]}.
+/// Merges the results to {rows: [{controller, horizon_s, name, quantity, unit, direction, nominal, limit_all,
+/// limit_half, phases, cases, falls, coarse, fine, last_tried, speed_min_m_s, speed_max_m_s, limits,
+/// worst_cases: [{phase, seed, limit}]}], sequences: [{controller, horizon_s, survived, of, duration_s,
+/// runs}]}.
 ///
-/// limit_all is the value that every case passes, limit_half the one that half of them pass; null when those
-/// fail at the nominal value. falls: cases whose first failure was found; the others pass up to last_tried.
-/// Speeds: mean speeds of the walks at their own limits.
+/// limit_all is the value that every case passes, limit_half the value that half of them pass; null when
+/// those fail at the nominal value. falls: number of cases with a first failure; the others pass up to
+/// last_tried. Speeds: mean speeds of the walks at their own limits.
 [[nodiscard]] Json merge_limits(const LimitPlan& plan, const std::vector<Json>& results);
 
 /// Rows and sequences as Markdown tables.

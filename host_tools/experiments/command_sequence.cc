@@ -7,7 +7,7 @@ namespace stilt::experiments {
 std::vector<simulation::TimedCommand> random_commands(std::uint32_t seed, double duration_s) {
   constexpr gait::GaitKind kKinds[] = {gait::GaitKind::stand, gait::GaitKind::step, gait::GaitKind::walk};
   std::mt19937 random(seed);
-  // The distributions of the standard library differ from one library to the next.
+  // Not a distribution of the standard library: those differ between libraries.
   const auto between = [&](double low, double high) {
     return low + (high - low) * static_cast<double>(random()) / 4294967296.0;
   };

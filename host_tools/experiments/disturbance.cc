@@ -26,7 +26,7 @@ Json to_json(const PushTrial& trial) {
           {"recovery_steps", trial.recovery_steps ? Json(*trial.recovery_steps) : Json(nullptr)}};
 }
 
-/// Walks one case under forces of either direction.
+/// Walks one case under forces of one direction.
 class Case {
  public:
   Case(const DisturbancePlan& plan, const PushRow& row, int phase, int seed)
@@ -40,7 +40,7 @@ class Case {
     walk_.duration_s = walk_.push_start_s + plan.push_duration_s + plan.recovery_s;
   }
 
-  /// The first trial is without a push: the others are compared with its speed.
+  /// The first trial has no push: its speed is the reference for the others.
   PushTrial push(double force_N) {
     walk_.push_N = row_.backward ? -force_N : force_N;
     const log::RunSummary summary = row_.walk(walk_).summary;

@@ -9,27 +9,28 @@
 
 namespace stilt::experiments {
 
-/// One row of a table of pushes: a controller in a setting, pushed one way.
+/// One row of a table of pushes: a controller, its setting, and the direction of the push.
 struct PushRow {
-  std::string name;  ///< of its own in the plan; begins the names of the jobs
+  std::string name;  ///< unique in the plan; begins the names of the jobs
   std::string robot = "amber3m";
   std::string controller = "mpc-heuristic";
   double horizon_s = 1.0;
   gait::GaitCommand command{gait::GaitKind::walk, 0.5};
   bool backward = false;  ///< direction of the push
-  double step_s = 0.3;    ///< of the controller's gait, to place the phases
-  int phases = 8;         ///< of the step, at which the push begins; odd ones with the other foot in stance
+  double step_s = 0.3;    ///< step time of the controller's gait, to place the phases
+  int phases = 8;         ///< phases of the step at which the push begins; odd ones with the other foot in
+                          ///< stance
   int seeds = 3;          ///< 1, 2, ... of the sensor noise
   PushSearch search;
-  Json setting;     ///< what else the row depends on, for the reader; its fields become the row's
-  WalkRunner walk;  ///< walks a case of this row
+  Json setting;     ///< other settings of the row, for the reader; its fields become the row's
+  WalkRunner walk;  ///< runs a walk of this row
 };
 
 /// The second table of the paper: the largest push of one second that each controller survives.
 struct DisturbancePlan {
   std::vector<PushRow> rows;
-  double settled_s = 4.2;   ///< no push before
-  double recovery_s = 4.5;  ///< after the push, on its feet
+  double settled_s = 4.2;   ///< earliest start of a push
+  double recovery_s = 4.5;  ///< time that the robot must stay on its feet after the push
   double push_duration_s = 1.0;
 };
 
@@ -39,17 +40,17 @@ struct PublishedRow {
   double horizon_s = 0.5;
 };
 
-/// Five controllers at horizons 2.0, 0.5 and 0.2 s; hzd-pd plans nothing and stands there once.
+/// Five controllers at horizons 2.0, 0.5 and 0.2 s; hzd-pd plans nothing and occurs once.
 [[nodiscard]] std::vector<PublishedRow> published_rows();
 
-/// Time at which the push of a phase begins.
+/// Start time of the push at a phase.
 [[nodiscard]] double push_start_s(const DisturbancePlan& plan, const PushRow& row, int phase);
 
-/// One push of a case. Its recovery in steps is compared with the commanded speed.
+/// Runs one push of a case. Its recovery in steps is measured by the commanded speed.
 [[nodiscard]] PushTrial push_case(const DisturbancePlan& plan, const PushRow& row, int phase, int seed,
                                   double force_N);
 
-/// One job a row, phase and seed: {name, phase, seed, limit_N, trials}.
+/// One job per row, phase and seed: {name, phase, seed, limit_N, trials}.
 [[nodiscard]] std::vector<Job> disturbance_jobs(const DisturbancePlan& plan);
 
 /// The jobs' results as {rows: [...]}; fields of a row, besides those of its setting:

@@ -4,7 +4,7 @@
 namespace stilt::experiments {
 namespace {
 
-/// "0.502", or, for a row that does not walk at its command, "0.707, not at the command".
+/// "0.502", or "0.707, not at the command" for a row that does not reach its command.
 std::string speed(const Json& row) {
   const std::string measured = cell(row.at("unpushed_speed_m_s"), "%.3f");
   return row.at("walks").get<bool>() ? measured : measured + ", not at the command";
@@ -26,7 +26,7 @@ std::string steps_at_20N(const Json& row) {
   return range.is_null() ? "-" : cell(range.at("range"), "%.2f");
 }
 
-/// "1, 3 at 80 N": median and largest, and after which push.
+/// "1, 3 at 80 N": median and largest number of steps, and the push.
 std::string recovery(const Json& steps) {
   if (steps.is_null()) return "-";
   return cell(steps.at("median"), "%.0f", "none") + ", " + cell(steps.at("max"), "%.0f", "none") + " at " +

@@ -22,7 +22,7 @@ constexpr double kSettled_s = 4.0;
 constexpr double kPushStart_s = 4.2;
 constexpr double kPushDuration_s = 1.0;
 constexpr double kPush_N = 20.0;
-constexpr double kLargePush_N = 85.0;  // about 80 % of the largest that is survived at every phase
+constexpr double kLargePush_N = 85.0;  // about 80 % of the largest push survived at every phase
 constexpr const char* kRecoveries =
     "<h2>Recoveries: steps that do not repeat themselves</h2><p>Postures at the touch-downs, from the last "
     "one "
@@ -47,7 +47,7 @@ Curve curve(const RunRecord& record, Window window, const char* name, const char
   return line;
 }
 
-/// One quantity of each joint over time.
+/// Plots one quantity of each joint over time.
 std::string joints(const RunRecord& record, Window window, const std::string& title, const char* unit,
                    const std::function<double(const RunSample&, int joint)>& value) {
   Plot figure{title, "time (s)", unit, {}};
@@ -93,7 +93,7 @@ std::string push_plots(const RunRecord& record) {
   return plots + plot::card(plot::svg(forces));
 }
 
-/// Postures of two steps, set apart.
+/// Draws the postures of two steps side by side.
 std::string tiles(const RunRecord& record, const std::string& title) {
   constexpr int kTiles = 9;
   constexpr double kApart_m = 0.75;
@@ -109,7 +109,7 @@ std::string tiles(const RunRecord& record, const std::string& title) {
   return plot::card(plot::svg(figure), true);
 }
 
-/// Ends of the plans made in two steps.
+/// Draws the ends of the plans of two steps.
 std::string plan_ends(const RunRecord& record, const std::string& title) {
   constexpr double kApart_m = 0.75;
   constexpr int kShown = 9;

@@ -8,16 +8,16 @@
 
 namespace stilt::experiments {
 
-/// The published figures from walks of the simulated robot.
+/// The published figures, computed from walks of the simulated robot.
 struct Figures {
   std::string page;  ///< HTML, complete in itself
   Json numbers;      ///< {push: {...}, recovery: [{...}], periodicity: [{controller, ...}]}
 };
 
-/// The push of 20 N for 1 s under mpc-heuristic (states, torques, contact forces), and its touch-downs beside
-/// those of a push of 85 N (recovery_tiles.h); postures and joint angles of mpc-heuristic at 1.0 and 0.5 s
-/// against mpc-hzd at 0.5 s, with the variation of the joint angles from step to step, without and with
-/// sensor noise; ends of the plans. `duration_s`: of each walk, at least 8 s.
+/// Computes the figures: the push of 20 N for 1 s under mpc-heuristic (states, torques, contact forces), with
+/// its touch-downs and those of a push of 85 N (recovery_tiles.h); postures and joint angles of mpc-heuristic
+/// at 1.0 and 0.5 s and of mpc-hzd at 0.5 s; the variation of the joint angles from step to step, without and
+/// with sensor noise; ends of the plans. `duration_s`: duration of each walk, at least 8 s.
 [[nodiscard]] Figures make_figures(const WalkRunner& run, double duration_s);
 
 }  // namespace stilt::experiments

@@ -18,7 +18,7 @@ Json read(const std::filesystem::path& file) {
   return json;
 }
 
-/// Under another name first, so that nobody ever sees half a file.
+/// Writes under another name first, so that no reader sees half a file.
 void write(const std::filesystem::path& file, const Json& json) {
   const std::filesystem::path part = file.string() + "." + std::to_string(getpid()) + ".part";
   std::ofstream stream(part);
@@ -35,7 +35,7 @@ std::string value_text(const Json& settings, const std::string& key) {
   return settings.at(key).is_string() ? settings.at(key).get<std::string>() : settings.at(key).dump();
 }
 
-/// What differs between kept and new settings, in words; empty when results of both may lie together.
+/// The difference between stored and new settings as text; empty when their results are compatible.
 std::string difference(const Json& kept, const Json& settings) {
   Json keys = settings;
   keys.update(kept);

@@ -6,9 +6,9 @@
 
 namespace stilt::experiments {
 
-/// Runs `command` followed by "--job" and an id, for every id, as processes of their own, at most `at_once`
-/// at a time. `finished` is told how many are done. Throws std::runtime_error, one sentence, when one cannot
-/// be started or fails; the others under way are waited for.
+/// Runs `command` followed by "--job" and an id, for every id, in separate processes, at most `at_once` at a
+/// time. Calls `finished` with the number of finished jobs. Throws std::runtime_error, one sentence, when a
+/// process cannot start or fails, after the running ones have ended.
 void run_in_processes(const std::vector<std::string>& command, const std::vector<std::string>& ids,
                       int at_once, const std::function<void(int done)>& finished);
 

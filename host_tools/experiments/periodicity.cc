@@ -10,7 +10,7 @@ namespace {
 constexpr int kShares = 50;
 using Shape = Eigen::Matrix<double, model::kJoints, kShares>;
 
-/// Joint angles at a time, interpolated between the samples around it.
+/// Joint angles at a time, interpolated between neighbouring samples.
 model::JointVector angles_at(const std::vector<log::RunSample>& samples, double time_s) {
   const auto after = std::ranges::lower_bound(samples, time_s, {}, &log::RunSample::time_s);
   const auto later = std::clamp(after, samples.begin() + 1, samples.end() - 1);
@@ -23,7 +23,7 @@ model::JointVector angles_at(const std::vector<log::RunSample>& samples, double 
   return (1.0 - share) * joints(a) + share * joints(b);
 }
 
-/// The step that begins when `stance_is_left` comes down, stance leg first.
+/// Shape of the step that begins when the stance foot comes down, stance leg first.
 Shape shape_of(const std::vector<log::RunSample>& samples, double start_s, double end_s,
                bool stance_is_left) {
   Shape shape;

@@ -4,17 +4,17 @@
 
 namespace stilt::experiments {
 
-/// How much a walk's joint angles differ from step to step.
+/// Variation of a walk's joint angles from step to step.
 struct Periodicity {
-  int steps = 0;  ///< compared
+  int steps = 0;  ///< number compared
   /// Standard deviation of a joint's angle at the same share of the step, over the steps: root mean square
   /// over joints and shares, and the largest.
   double rms_rad = 0.0;
   double largest_rad = 0.0;
 };
 
-/// Compares the steps between measured touch-downs after `from_s`, joints in the order of stance and swing
-/// leg, at 50 shares of each step's duration. Needs samples; zeros with fewer than two steps.
+/// Compares the steps between measured touch-downs after `from_s`, with the joints in the order of stance and
+/// swing leg, at 50 shares of each step's duration. Needs samples; zeros with fewer than two steps.
 [[nodiscard]] Periodicity periodicity(const log::RunRecord& record, double from_s);
 
 }  // namespace stilt::experiments

@@ -27,7 +27,7 @@ Posture end_posture(const log::RobotDrawing& robot, const log::PlanSnapshot& pla
     const double reach_m = std::hypot(x_m, z_m);
     const double a = robot.thigh_length_m;
     const double b = robot.shin_length_m;
-    // Knee on the way from hip to foot, and beside it, ahead of the line (the shin swings backward).
+    // The knee lies along the line from hip to foot, and ahead of it (the shin swings backward).
     const double along_m = (a * a - b * b + reach_m * reach_m) / (2.0 * reach_m);
     const double aside_m = std::sqrt(std::max(0.0, a * a - along_m * along_m));
     posture.knee_x_m[leg] = posture.hip_x_m + (along_m * x_m - aside_m * z_m) / reach_m;

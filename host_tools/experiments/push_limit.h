@@ -8,36 +8,37 @@
 
 namespace stilt::experiments {
 
-/// What one push did.
+/// Result of one push.
 struct PushTrial {
   double force_N = 0.0;
   bool survived = false;
   double fall_time_s = -1.0;
-  bool walks = false;  ///< at the command, see walks.h; of interest without a push
+  bool walks = false;  ///< whether it follows the command, see walks.h; relevant without a push
   double mean_speed_m_s = 0.0;
   std::optional<StepRange> step_length;  ///< of steps that land after the start of the push
-  double slip_m = 0.0;                ///< way of loaded feet along the ground from the start of the push on
-  double saturated_s = 0.0;           ///< with a motor at its torque limit, from the start of the push on
+  double slip_m = 0.0;                ///< distance that loaded feet slid along the ground since the start of
+                                      ///< the push
+  double saturated_s = 0.0;           ///< time with a motor at its torque limit since the start of the push
   std::optional<int> recovery_steps;  ///< see steps.h
 };
 
-/// How the forces are tried.
+/// Forces to try.
 struct PushSearch {
-  double coarse_N = 10.0;  ///< every multiple of it is tried until one fails
-  double fine_N = 1.0;     ///< the limit is found to this
+  double coarse_N = 10.0;  ///< the search tries its multiples until one fails
+  double fine_N = 1.0;     ///< resolution of the limit
   double largest_N = 300.0;
 };
 
 struct PushLimit {
-  /// Largest force survived, with every smaller one that was tried survived, too; nothing when the robot
+  /// Largest force survived, such that every smaller force tried was survived too; nothing when the robot
   /// falls without a push.
   std::optional<double> force_N;
-  std::vector<PushTrial> trials;  ///< in the order of the attempts, the first without a push
+  std::vector<PushTrial> trials;  ///< in the order of the attempts, the first one without a push
 };
 
-/// The limit of one case (controller, phase of the step, seed). Survival is not monotone in the force: all
-/// multiples of coarse_N are tried from 0 up to the first that is not survived, then the interval below that
-/// one is halved until it is fine_N wide.
+/// Finds the limit of one case (controller, phase of the step, seed). Survival is not monotone in the force:
+/// the search tries all multiples of coarse_N from 0 up to the first that is not survived, then halves the
+/// interval below that one to a width of fine_N.
 [[nodiscard]] PushLimit find_push_limit(const PushSearch& search,
                                         const std::function<PushTrial(double force_N)>& attempt);
 

@@ -23,7 +23,7 @@ std::optional<T> optional(const Json& value) {
   return value.is_null() ? std::nullopt : std::optional(value.get<T>());
 }
 
-/// Published largest push; nothing where the paper shows none.
+/// Largest push in the paper; nothing where the paper shows none.
 std::optional<double> paper_N(const PushRow& row) {
   static const std::map<std::pair<std::string, int>, double> kPaper = {
       {{"mpc-lumped", 20}, 2.0},    {{"mpc-none", 20}, 22.0}, {{"mpc-heuristic", 20}, 22.0},
@@ -51,7 +51,7 @@ const char* name_of(gait::GaitKind kind) {
 
 const Json& unpushed(const Json& one) { return one.at("trials").at(0); }
 
-/// The survived trials of a case, or those with one force alone.
+/// The survived trials of a case; with force_N only those with that force.
 std::vector<Json> survived(const Json& one, std::optional<double> force_N = std::nullopt) {
   std::vector<Json> trials;
   for (const Json& trial : one.at("trials")) {
@@ -78,7 +78,7 @@ Json worst_cases(std::span<const Json> cases) {
   return worst;
 }
 
-/// The limits of all cases, ascending; nothing, for those that fall unpushed, comes first.
+/// The limits of all cases, ascending. Cases that fall without a push have no limit and come first.
 std::vector<std::optional<double>> limits_of(std::span<const Json> cases) {
   std::vector<std::optional<double>> limits;
   for (const Json& one : cases) limits.push_back(optional<double>(one.at("limit_N")));
@@ -97,7 +97,7 @@ std::optional<double> mean_unpushed_speed_m_s(std::span<const Json> cases) {
   return count > 0 ? std::optional(sum_m_s / count) : std::nullopt;
 }
 
-/// Over the survived trials, or those with one force alone.
+/// Range of step lengths over the survived trials; with force_N only over those with that force.
 std::optional<StepRange> steps_of(std::span<const Json> cases, std::optional<double> force_N = std::nullopt) {
   std::optional<StepRange> range;
   for (const Json& one : cases) {
@@ -154,7 +154,7 @@ Json recovery(std::span<const Json> cases, double force_N) {
           {"max", steps.size() == survivors ? Json(steps.back()) : Json(nullptr)}};
 }
 
-/// Multiples of the coarse step are tried with every case that survives the ones below.
+/// Largest multiple of the coarse step below a force; every case that survives the smaller ones tries it.
 double coarse_below_N(const PushRow& row, double force_N) {
   return std::floor(force_N / row.search.coarse_N + 1e-9) * row.search.coarse_N;
 }

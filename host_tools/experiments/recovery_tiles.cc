@@ -17,7 +17,7 @@ std::size_t landed_by(std::span<const log::Step> steps, double time_s) {
                                   steps.begin());
 }
 
-/// The touch-downs that are shown.
+/// The touch-downs to draw.
 std::span<const log::Step> shown(const log::RunRecord& record, const PushedWalk& push) {
   const std::span<const log::Step> steps = record.summary.steps;
   const std::size_t before = landed_by(steps, push.start_s);

@@ -9,20 +9,21 @@
 
 namespace stilt::experiments {
 
-/// How a walk was pushed and when it had recovered.
+/// The push of a walk, and its recovery.
 struct PushedWalk {
   double force_N = 0.0;
   double start_s = 0.0, end_s = 0.0;  ///< of the push
-  std::optional<int> recovery_steps;  ///< after the push (steps.h); nothing: never
+  std::optional<int> recovery_steps;  ///< number of steps after the push (steps.h); nothing: no recovery
 };
 
-/// The touch-downs of a recovery as tiles: a posture at each one, from the last before the push to the one at
-/// which the walk has recovered, or to the end of the run, at most 16. Under each its step length in m, above
-/// it the time from the start of the push in s; both stand out while the push acts. Needs samples.
+/// The touch-downs of a recovery as tiles, at most 16. Each is a posture at a touch-down, from the last one
+/// before the push to the one at which the walk has recovered, or to the end of the run. Below it is the step
+/// length in m, above it the time from the start of the push in s; both are highlighted during the push.
+/// Needs samples.
 [[nodiscard]] plot::Plot recovery_tiles(const log::RunRecord& record, const PushedWalk& push,
                                         const std::string& title);
 
-/// What the tiles show: {force_N, survived, recovery_steps, steps: [{time_s, foot, length_m, pushed}]}.
+/// The data of the tiles: {force_N, survived, recovery_steps, steps: [{time_s, foot, length_m, pushed}]}.
 [[nodiscard]] Json recovery_json(const log::RunRecord& record, const PushedWalk& push);
 
 }  // namespace stilt::experiments

@@ -28,7 +28,7 @@ Json run_job(const HorizonPlan& plan, const std::string& controller, double hori
           {"walks", walks(plan.command, summary)}};
 }
 
-/// What the seeds of one horizon have in common.
+/// Summary over the seeds of one horizon.
 Json tried_horizon(std::span<const Json> seeds) {
   bool all_walk = true;
   int survivors = 0;
@@ -50,7 +50,7 @@ Json tried_horizon(std::span<const Json> seeds) {
           {"walks", all_walk}};
 }
 
-/// Why a horizon that was tried does not count: "0.25 (falls after 6.5 s), 0.35 (0.745 m/s)".
+/// Reasons why tried horizons do not count: "0.25 (falls after 6.5 s), 0.35 (0.745 m/s)".
 std::string failures(const Json& row) {
   std::string text;
   for (const Json& horizon : row.at("tried")) {

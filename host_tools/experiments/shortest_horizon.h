@@ -8,7 +8,7 @@
 
 namespace stilt::experiments {
 
-/// With which horizons each predictive controller walks.
+/// Experiment: the horizons with which each predictive controller walks.
 struct HorizonPlan {
   std::vector<std::string> controllers = {"mpc-lumped", "mpc-none", "mpc-heuristic", "mpc-hzd"};
   std::vector<double> horizons_s;  ///< ascending
@@ -17,20 +17,20 @@ struct HorizonPlan {
   gait::GaitCommand command{gait::GaitKind::walk, 0.5};
 };
 
-/// 0.10 to 0.60 s in steps of 0.05, then 0.8, 1.0, 1.5 and 2.0 s.
+/// 0.10 to 0.60 s in steps of 0.05 s, then 0.8, 1.0, 1.5 and 2.0 s.
 [[nodiscard]] std::vector<double> tried_horizons_s();
 
-/// One job a controller, horizon and seed: {controller, horizon_s, seed, survived, fall_time_s,
+/// One job per controller, horizon and seed: {controller, horizon_s, seed, survived, fall_time_s,
 /// mean_speed_m_s, walks}.
 [[nodiscard]] std::vector<Job> horizon_jobs(const HorizonPlan& plan, const WalkRunner& run);
 
-/// {rows: [{controller, shortest_horizon_s, mean_speed_m_s, commanded_speed_m_s, duration_s, seeds,
-/// tried: [{horizon_s, survived, fall_time_s, mean_speed_m_s, walks}]}]}.
+/// Merges the results to {rows: [{controller, shortest_horizon_s, mean_speed_m_s, commanded_speed_m_s,
+/// duration_s, seeds, tried: [{horizon_s, survived, fall_time_s, mean_speed_m_s, walks}]}]}.
 ///
-/// A horizon that was tried survives and walks (see walks.h) when every seed does; its fall_time_s is the
-/// earliest, its mean_speed_m_s the mean over the seeds that survive, null without one. shortest_horizon_s:
-/// the shortest one that walks, with every longer one that was tried walking, too; null when the longest one
-/// does not walk. mean_speed_m_s of a row: that of its shortest horizon.
+/// A tried horizon survives and walks (see walks.h) when every seed does. Its fall_time_s is the earliest
+/// one. Its mean_speed_m_s is the mean over the seeds that survive, null without one. shortest_horizon_s is
+/// the shortest horizon that walks, such that every longer tried one walks too; null when the longest one
+/// does not walk. mean_speed_m_s of a row is that of its shortest horizon.
 [[nodiscard]] Json merge_horizons(const HorizonPlan& plan, const std::vector<Json>& results);
 
 /// The rows as a Markdown table.

@@ -9,12 +9,12 @@ namespace {
 
 constexpr double kTimeSlack_s = 1e-9;
 constexpr std::size_t kStride = 2;  // steps, one of each leg
-constexpr int kStays = 4;           // touch-downs in a row
+constexpr int kStays = 4;           // consecutive touch-downs
 constexpr double kShare = 0.1;
 constexpr double kLeastTolerance_m_s = 0.03;
 constexpr double kRounding_m_s = 1e-9;
 
-/// The steps from the last one that landed at or before a time on; none when there is no such step.
+/// The steps from the last one that landed at or before a time; empty when there is none.
 std::span<const log::Step> from_last_before(std::span<const log::Step> steps, double time_s) {
   const auto after =
       std::ranges::find_if(steps, [=](const log::Step& step) { return step.time_s > time_s + kTimeSlack_s; });

@@ -5,21 +5,21 @@
 
 #include "host_tools/recording/run_record.h"
 
-/// What is read off the touch-downs of a walk.
+/// Quantities computed from the touch-downs of a walk.
 namespace stilt::experiments {
 
 struct StepRange {
   double min_m = 0.0, max_m = 0.0;
 };
 
-/// Shortest and longest of the steps that land at `from_s` or later; nothing without one.
+/// Shortest and longest of the steps that land at `from_s` or later; nothing when there are none.
 [[nodiscard]] std::optional<StepRange> step_range(std::span<const log::Step> steps, double from_s);
 
-/// Steps until a pushed walk is again as fast as an unpushed one.
+/// Number of steps until a pushed walk is as fast again as an unpushed one.
 ///
-/// Touch-down 0 is the last one at or before the end of the push, touch-downs 1, 2, ... follow. The speed at
+/// Touch-down 0 is the last one at or before the end of the push; touch-downs 1, 2, ... follow. The speed at
 /// touch-down n is the mean speed of the hip over the two steps that begin there. The walk has recovered at
-/// the smallest n at which this speed, and that at the next three touch-downs, too, lies within 10 % of
+/// the smallest n at which this speed and those at the next three touch-downs are within 10 % of
 /// `unpushed_speed_m_s`, or within 0.03 m/s where that is more. Nothing when there is no such n.
 [[nodiscard]] std::optional<int> recovery_steps(std::span<const log::Step> steps, double push_end_s,
                                                 double unpushed_speed_m_s);

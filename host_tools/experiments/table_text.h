@@ -7,7 +7,7 @@
 /// Pieces of the experiments' tables.
 namespace stilt::experiments {
 
-/// A number in a format of printf for one double.
+/// A number in a printf format for one double.
 [[nodiscard]] std::string text(const char* format, double value);
 
 /// The same for a value that may be null.

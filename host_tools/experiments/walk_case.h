@@ -9,11 +9,11 @@
 #include "host_tools/simulation/closed_loop/scenario.h"
 #include "mpc_core/gait/command.h"
 
-/// The published experiments on the simulated robot. What walks it is handed in, so that nothing here knows
-/// options or configuration.
+/// The published experiments on the simulated robot. The caller passes the function that runs a walk, so that
+/// this folder depends on neither options nor configuration.
 namespace stilt::experiments {
 
-/// One walk, from standing still at time 0 on.
+/// One walk that starts standing at time 0.
 struct WalkCase {
   std::string controller = "mpc-heuristic";
   double horizon_s = 1.0;
@@ -23,15 +23,16 @@ struct WalkCase {
   double push_N = 0.0;  ///< positive forward; 0: none
   double push_start_s = 0.0;
   double push_duration_s = 1.0;
-  double measure_from_s = 0.0;        ///< slip and time at the torque limit count from here
-  std::vector<std::string> settings;  ///< "section.key=value" of the configuration, after the user's
-  std::vector<std::string> plant;     ///< "KEY=VALUE" of the simulated robot or its world, after the user's
+  double measure_from_s = 0.0;        ///< slip and time at the torque limit count from this time
+  std::vector<std::string> settings;  ///< "section.key=value" of the configuration, applied after the user's
+  std::vector<std::string> plant;     ///< "KEY=VALUE" of the simulated robot or its world, applied after the
+                                      ///< user's
   std::uint64_t seed = 1;             ///< of the sensor noise
   bool sensor_noise = true;
-  bool keep_samples = false;  ///< otherwise the summary alone
+  bool keep_samples = false;  ///< false: only the summary
 };
 
-/// Runs a case. Throws when it cannot be set up.
+/// Runs a case. Throws when the case cannot be set up.
 using WalkRunner = std::function<log::RunRecord(const WalkCase&)>;
 
 }  // namespace stilt::experiments

@@ -5,11 +5,11 @@
 
 namespace stilt::experiments {
 
-/// The mean speed that a command asks for: zero for standing and for stepping in place.
+/// The mean speed that a command requires: zero for standing and for stepping in place.
 [[nodiscard]] double commanded_speed_m_s(const gait::GaitCommand& command);
 
-/// Whether a run does what it was commanded. It stays on its feet to the end, and its mean speed lies within
-/// 10 % of the command, within 0.03 m/s at zero. A robot that shall stand takes no step, too.
+/// Whether a run followed its command: the robot stays on its feet to the end, and its mean speed is within
+/// 10 % of the command, within 0.03 m/s at zero. A robot commanded to stand must take no step.
 [[nodiscard]] bool walks(const gait::GaitCommand& command, const log::RunSummary& summary);
 
 }  // namespace stilt::experiments

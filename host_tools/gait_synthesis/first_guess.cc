@@ -9,7 +9,7 @@ namespace stilt::gait_synthesis {
 namespace {
 
 model::PositionVector position_at(const model::RobotConstants& robot, const StepTask& task, double s) {
-  constexpr double kHeightShare = 0.92;  // of the straight leg: knees a little bent
+  constexpr double kHeightShare = 0.92;  // share of the straight leg: slightly bent knees
   const double height_m = kHeightShare * (robot.thigh_length_m + robot.shin_length_m);
   const double pole_1_s = std::sqrt(model::kGravity_m_s2 / height_m);
   const double length_m = task.step_length_m();

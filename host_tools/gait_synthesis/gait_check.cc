@@ -17,7 +17,7 @@ using model::kJoints;
 
 using enum Violation::Bound;
 
-/// Collects what is not kept; a figure that is not a number keeps no bound.
+/// Collects violations; a NaN value violates every bound.
 class Verdict {
  public:
   void at_most(const std::string& name, double value, double bound) {
@@ -54,7 +54,7 @@ void check_limits(const GaitFigures& f, const gait_files::GaitLimits& limits, Ve
   verdict.at_most("return_map", f.return_map_eigenvalues[0], limits.return_map);
 }
 
-/// Of several values the first that is not as claimed.
+/// Adds the first of several values that differs from its claim.
 void check_claims(const GaitFigures& figures, const GaitFigures& claims, const CheckTolerances& tolerances,
                   Verdict& verdict) {
   GaitFigures computed = figures;
@@ -70,7 +70,7 @@ void check_claims(const GaitFigures& figures, const GaitFigures& claims, const C
   }
 }
 
-/// Pitch that puts both feet on the same height for given joints: by Newton's method from upright.
+/// Pitch that puts both feet at the same height for given joints, by Newton's method from upright.
 double pitch_on_both_feet(const model::RobotModel& robot, const model::JointVector& joints) {
   ReducedState r = ReducedState::Zero();
   r.segment<kJoints>(1) = joints;
@@ -84,7 +84,7 @@ double pitch_on_both_feet(const model::RobotModel& robot, const model::JointVect
   double pitch = 0.0;
   for (int i = 0; i < 30; ++i) {
     const double slope = (height(pitch + kMove) - height(pitch - kMove)) / (2.0 * kMove);
-    if (std::abs(slope) < 1e-3) break;  // feet together: any pitch will do
+    if (std::abs(slope) < 1e-3) break;  // feet together: every pitch is a solution
     pitch -= height(pitch) / slope;
   }
   return std::clamp(pitch, -1.0, 1.0);
@@ -143,7 +143,7 @@ void complete_motion(const model::RobotModel& robot, gait::HzdGait& gait) {
   start.segment<kJoints>(1) = first.angle_rad;
   start.tail<kJoints>() = first.slope_rad / (by_time ? span : gait.step_time_s);
   start[0] = pitch_on_both_feet(robot, first.angle_rad);
-  // Rate of the pitch that moves the hip at the mean speed; the speed of the hip is affine in it.
+  // Rate of the pitch for which the hip moves at the mean speed; the speed of the hip is affine in it.
   const double speed_m_s = by_time ? gait.speed_m_s : span / gait.step_time_s;
   const double at_rest = expand(robot, start)[model::kPositions];
   start[model::kAngles] = 1.0;

@@ -8,7 +8,7 @@
 
 namespace stilt::gait_synthesis {
 
-/// Bounds on how exactly a file has to describe its gait.
+/// Tolerances for the values that a gait file states about its gait.
 struct CheckTolerances {
   double defect = 1e-6;          ///< defect_max
   double periodicity = 1e-5;     ///< periodicity_error, rad and rad/s
@@ -16,15 +16,15 @@ struct CheckTolerances {
   double torque_Nm = 1e-2;       ///< torque_error_max_Nm
   double replay = 1e-5;          ///< replay_error_max
   double speed_m_s = 1e-5;       ///< speed against step length / step time
-  double claim_relative = 1e-3;  ///< a claim against what is computed, plus claim_absolute
+  double claim_relative = 1e-3;  ///< claim against the computed value, plus claim_absolute
   double claim_absolute = 1e-4;
 };
 
-/// A limit, tolerance or claim that a gait does not keep.
+/// A limit, tolerance or claim that a gait violates.
 struct Violation {
   enum class Bound { at_most, at_least, claimed };
   std::string name;
-  double value = 0.0;  ///< computed; of several joints the worst
+  double value = 0.0;  ///< computed; of several joints the worst one
   Bound kind = Bound::at_most;
   double bound = 0.0;
 
@@ -32,26 +32,26 @@ struct Violation {
   [[nodiscard]] std::string text() const;
 };
 
-/// "at most", "at least", "claimed".
+/// Text of a bound: "at most", "at least", "claimed".
 [[nodiscard]] const char* name(Violation::Bound kind);
 
 struct GaitCheck {
   gait_files::GaitFigures figures;
-  std::vector<Violation> violations;  ///< of limits and claims, empty when valid
+  std::vector<Violation> violations;  ///< of limits and claims; empty when valid
   [[nodiscard]] bool valid() const { return violations.empty(); }
 };
 
-/// Computes every figure of a gait anew from outputs, feedback, states and inputs, and compares them with
-/// limits, tolerances and claims. Names of violations: those of the limits; "defect", "periodicity",
-/// "outputs", "torque_curve", "replay", "speed" (its difference from step length / step time); "swing_height"
-/// for a swing foot in the ground; "return_map" also when a disturbed step falls; "claim KEY".
+/// Computes every figure of a gait from outputs, feedback, states and inputs, and compares them with limits,
+/// tolerances and claims. Names of violations: those of the limits; "defect", "periodicity", "outputs",
+/// "torque_curve", "replay", "speed" (its difference from step length / step time); "swing_height" for a
+/// swing foot below the ground; "return_map", also when a disturbed step falls; "claim KEY".
 [[nodiscard]] GaitCheck check_gait(const model::RobotModel& robot, const gait_files::GaitRecord& record,
                                    const CheckTolerances& tolerances = {});
 
-/// Finds the periodic motion of a gait that has outputs alone, and fills in states, inputs, step time, step
-/// length and speed; limits and claims are left alone. Without a step time the search starts at `speed_m_s`,
-/// or as fast as stepping every 0.4 s. Throws std::runtime_error, one sentence, when the outputs give no
-/// periodic motion.
+/// Finds the periodic motion of a gait that has only outputs, and fills in states, inputs, step time, step
+/// length and speed. Limits and claims stay as they are. Without a step time the search starts at
+/// `speed_m_s`, or at the speed of one step per 0.4 s. Throws std::runtime_error, one sentence, when the
+/// outputs give no periodic motion.
 void complete_motion(const model::RobotModel& robot, gait::HzdGait& gait);
 
 }  // namespace stilt::gait_synthesis

@@ -44,7 +44,7 @@ class FileFlow {
     return d;
   }
 
-  /// Runge-Kutta of order 4, `steps` of them over [s, s + ds].
+  /// Integrates over [s, s + ds] with `steps` Runge-Kutta steps of order 4.
   [[nodiscard]] StateVector integrate(StateVector x, double s, double ds, int steps) const {
     const double part = ds / steps;
     const double h = part * gait_.step_time_s;
@@ -79,7 +79,7 @@ double largest_defect(const model::RobotModel& robot, const gait::HzdGait& gait)
   return largest;
 }
 
-/// What the curves of the motion reach.
+/// Computes the extremes of the motion's curves.
 void sample_motion(const model::RobotModel& robot, const gait::HzdGait& gait, GaitFigures& figures) {
   const model::RobotConstants& limits = robot.constants;
   figures.joint_position_margin_rad = figures.knee_min_rad = kInfinity;

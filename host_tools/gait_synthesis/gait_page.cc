@@ -43,7 +43,7 @@ struct Point {
   double x, z;
 };
 
-/// Hip, knee and foot of a leg, and so on along a chain of angles, from the hip at (x, z).
+/// Points from the hip at (x, z) along a chain of angles: hip, knee, foot.
 std::vector<Point> leg(const model::RobotConstants& robot, const gait::GaitPoint& point, int first_joint) {
   const double thigh = point.position[2] + point.position[first_joint];
   const double shin = thigh + point.position[first_joint + 1];
@@ -84,8 +84,8 @@ std::string tiles(const model::RobotConstants& robot, const gait::HzdGait& gait)
   return card(plot::svg(figure), true);
 }
 
-/// Angle against rate over two steps: the joint's leg in stance, then in swing, and the jumps of the rate
-/// between.
+/// Plots angle against rate over two steps: the joint's leg in stance, then in swing, with the jumps of the
+/// rate in between.
 std::string portrait(const gait::HzdGait& gait, int joint, const char* name) {
   Plot figure{std::string("Phase portrait of the ") + name, "angle (rad)", "rate (rad/s)", {}};
   const int in_stance = kFirstJoint + joint;

@@ -66,7 +66,8 @@ bool fallen(const StateVector& x) {
   return !x.allFinite() || x[1] < kLowest_m || std::abs(x[2]) > kLargestPitch_rad;
 }
 
-/// Part of the step h after which the swing foot meets the ground: regula falsi with bisection (Illinois).
+/// Part of the step h after which the swing foot reaches the ground, by regula falsi with bisection
+/// (Illinois).
 double time_to_ground(const model::RobotModel& robot, const FeedbackFlow& flow, const StateVector& x,
                       double time_s, double h) {
   double a = 0.0;
@@ -158,8 +159,8 @@ JointVector output_feedback(const model::RobotModel& robot, const gait::HzdGait&
   const JointVector wanted =
       rate * rate * y.curvature_rad - gait.feedback.kd_1_s * error_rate - gait.feedback.kp_1_s2 * error;
   if (by_time) return wanted;
-  // Along the hip position the outputs accelerate with the hip, which answers to the joints:
-  // a = wanted + g (bias + gain' a), g = scale dy/ds; a rank-one system.
+  // With the phase by hip position the outputs accelerate with the hip, which depends on the joints: a =
+  // wanted + g (bias + gain' a), g = scale dy/ds. This is a rank-one system.
   const StanceMap map = stance_map(robot, x);
   const JointVector g = scale * y.slope_rad;
   const JointVector gain = map.base_gain.row(0).transpose();

@@ -7,11 +7,11 @@
 #include "mpc_core/gait/hzd_gait.h"
 #include "mpc_core/model/robot.h"
 
-/// The hybrid model of walking, integrated: single support on the left foot without slip, then the rigid
-/// impact of the right foot and the swap of the legs.
+/// Integration of the hybrid model of walking: single support on the left foot without slip, then the rigid
+/// impact of the right foot and the exchange of the legs.
 namespace stilt::gait_synthesis {
 
-/// Joint accelerations and the force on the stance foot that hold it, with what follows.
+/// Joint accelerations, the force that keeps the stance foot at rest, and the resulting accelerations.
 struct StanceMotion {
   model::JointVector joint_acceleration_rad_s2;
   Eigen::Vector2d force_N;
@@ -19,8 +19,8 @@ struct StanceMotion {
   model::JointVector torque_Nm;
 };
 
-/// Acceleration of the stance foot and of the base as affine functions of the joint accelerations, the force
-/// that holds the foot eliminated: base = base_bias + base_gain a, force = force_bias + force_gain a.
+/// Acceleration of the base and force on the stance foot as affine functions of the joint accelerations a,
+/// for a stance foot at rest: base = base_bias + base_gain a, force = force_bias + force_gain a.
 struct StanceMap {
   Eigen::Vector3d base_bias;
   Eigen::Matrix<double, 3, model::kJoints> base_gain;
@@ -30,18 +30,18 @@ struct StanceMap {
 
 [[nodiscard]] StanceMap stance_map(const model::RobotModel& robot, const model::StateVector& x);
 
-/// The motion under given joint accelerations.
+/// The motion for given joint accelerations.
 [[nodiscard]] StanceMotion stance_motion(const model::RobotModel& robot, const model::StateVector& x,
                                          const model::JointVector& joint_acceleration_rad_s2);
 
-/// Shift of the swing hip's output for a step that starts in `start` just after a touch-down, rad.
+/// Shift of the swing hip's output for a step that starts in `start`, just after a touch-down, rad.
 [[nodiscard]] double placement_shift_rad(const gait::HzdGait& gait, const model::StateVector& start);
 
-/// Phase of a state, `time_s` since touch-down; beyond [-0.1, 1.1] it is held there.
+/// Phase of a state at `time_s` since touch-down, clamped to [-0.1, 1.1].
 [[nodiscard]] double phase_of(const gait::GaitOutputs& outputs, const model::StateVector& x, double time_s);
 
-/// Joint accelerations under the gait's output feedback: e'' + kd e' + kp e = 0 for the output error e.
-/// `shift` (rad) is the shift of the swing hip for this step.
+/// Joint accelerations of the gait's output feedback: e'' + kd e' + kp e = 0 for the output error e. `shift`
+/// (rad) is the shift of the swing hip's output in this step.
 [[nodiscard]] model::JointVector output_feedback(const model::RobotModel& robot, const gait::HzdGait& gait,
                                                  const model::StateVector& x, double time_s,
                                                  double shift_rad);
@@ -55,31 +55,31 @@ struct StepOutcome {
   double duration_s = 0.0;
   model::StateVector before;        ///< just before touch-down
   model::StateVector after;         ///< just after, legs swapped, stance foot at the origin
-  Eigen::Vector2d impulse_Ns;       ///< on the foot that lands
-  std::vector<StepSample> samples;  ///< at every step of the integration, when asked for
+  Eigen::Vector2d impulse_Ns;       ///< on the foot that touches down
+  std::vector<StepSample> samples;  ///< at every step of the integration, when requested
 };
 
 struct StepOptions {
   int integration_steps = 300;  ///< over the gait's step time; Runge-Kutta of order 4
   bool keep_samples = false;
-  /// Instead of the shift that the gait's placement gains ask for.
+  /// Replaces the shift by the gait's placement gains.
   std::optional<double> shift_rad;
 };
 
-/// Rigid touch-down of the right foot, swap of the legs, stance foot moved to the origin.
+/// Rigid touch-down of the right foot, exchange of the legs, stance foot moved to the origin.
 [[nodiscard]] model::StateVector touch_down(const model::RobotModel& robot, const model::StateVector& before,
                                             Eigen::Vector2d* impulse_Ns = nullptr);
 
-/// Integrates from just after a touch-down, under the gait's output feedback, to just after the next: when
-/// the swing foot comes down to the ground in the second half of the step. Nothing when it never does within
-/// two step times, or the robot has fallen.
+/// Integrates under the gait's output feedback from just after a touch-down to just after the next, which is
+/// when the swing foot reaches the ground in the second half of the step. Nothing when it does not within two
+/// step times, or when the robot has fallen.
 [[nodiscard]] std::optional<StepOutcome> integrate_step(const model::RobotModel& robot,
                                                         const gait::HzdGait& gait,
                                                         const model::StateVector& start,
                                                         const StepOptions& options = {});
 
 /// States at ascending times (s, from 0) of a step without touch-down, under the gait's output feedback
-/// unshifted.
+/// without shift.
 [[nodiscard]] std::vector<model::StateVector> states_at(const model::RobotModel& robot,
                                                         const gait::HzdGait& gait,
                                                         const model::StateVector& start,

@@ -24,7 +24,7 @@ void from_thigh(GaitOutputs& outputs, int hip, int knee) {
   for (int i = 0; i <= outputs.degree; ++i) outputs.angle_rad[knee][i] -= outputs.angle_rad[hip][i];
 }
 
-/// A correction of the outputs, and what it takes for granted.
+/// A correction of the outputs, and the mistake that it assumes.
 struct Correction {
   const char* when;
   void (*apply)(GaitOutputs&);

@@ -19,7 +19,7 @@ Legendre legendre(int n, double x) {
   return p;
 }
 
-/// Point near `x` in [-1, 1] where (1 - x^2) P_n'(x) = n (P_{n-1} - x P_n) vanishes.
+/// Point near `x` in [-1, 1] where (1 - x^2) P_n'(x) = n (P_{n-1} - x P_n) is zero.
 double extremum(int n, double x) {
   for (int iteration = 0; iteration < 50; ++iteration) {
     const Legendre p = legendre(n, x);

@@ -4,7 +4,7 @@
 
 namespace stilt::gait_synthesis {
 
-/// Polynomials of one degree n on [0, 1] through their values at the n + 1 Legendre-Gauss-Lobatto points.
+/// Polynomials of one degree n on [0, 1], by their values at the n + 1 Legendre-Gauss-Lobatto points.
 struct LobattoBasis {
   Eigen::VectorXd node;             ///< [n + 1], from 0 to 1
   Eigen::VectorXd weight;           ///< [n + 1], quadrature over [0, 1], exact to degree 2 n - 1
@@ -13,14 +13,15 @@ struct LobattoBasis {
   Eigen::MatrixXd integration;
 };
 
-/// `degree` at least 2. Nodes are 0, 1 and the extrema of the Legendre polynomial P_n, by Newton's method.
+/// Basis of a degree of at least 2. Nodes are 0, 1 and the extrema of the Legendre polynomial P_n, by
+/// Newton's method.
 [[nodiscard]] LobattoBasis lobatto_basis(int degree);
 
 /// Row r: the Bernstein polynomials of `degree` at the parameter s[r].
 [[nodiscard]] Eigen::MatrixXd bernstein_matrix(const Eigen::VectorXd& s, int degree);
 
-/// Row d: derivatives of order d, 0 to `orders`, of the Bernstein polynomials of `degree` at s, so that
-/// row d times the coefficients of a Bezier polynomial is its derivative of order d.
+/// Row d: derivatives of order d, 0 to `orders`, of the Bernstein polynomials of `degree` at s. Row d times
+/// the coefficients of a Bezier polynomial is its derivative of order d.
 [[nodiscard]] Eigen::MatrixXd bernstein_derivatives(double s, int degree, int orders);
 
 }  // namespace stilt::gait_synthesis

@@ -17,7 +17,7 @@ using model::kPositions;
 using model::StateVector;
 using Square = Eigen::Matrix<double, kReducedStates, kReducedStates>;
 
-/// Dependence of the state after a step on the shift of the swing hip.
+/// Derivative of the state after a step by the shift of the swing hip.
 ReducedState shift_effect(const model::RobotModel& robot, const gait::HzdGait& gait,
                           const StateVector& start) {
   constexpr double kMove_rad = 1e-5;
@@ -31,8 +31,8 @@ ReducedState shift_effect(const model::RobotModel& robot, const gait::HzdGait& g
   return (reduce(after_ahead->after) - reduce(after_behind->after)) / (2.0 * kMove_rad);
 }
 
-/// Gains K of u = -K r that minimise the sum of weight |r|^2 + u^2 under r+ = A r + b u: the Riccati
-/// difference equation, iterated until it stands still.
+/// Gains K of u = -K r that minimise the sum of weight |r|^2 + u^2 under r+ = A r + b u, by iterating the
+/// Riccati difference equation until it converges.
 ReducedState regulator(const Square& a, const ReducedState& b, double weight) {
   constexpr int kIterations = 2000;
   constexpr double kStill = 1e-13;

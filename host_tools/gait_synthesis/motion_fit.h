@@ -9,14 +9,14 @@ namespace stilt::gait_synthesis {
 inline constexpr int kMotionDegree = 25;
 
 /// Finds the periodic motion of the hybrid model under the outputs of `gait`, near `start` (just after a
-/// touch-down), by Newton's method on the return map, and writes it to gait.motion: base and joints as
+/// touch-down), by Newton's method on the return map. Writes it to gait.motion: base and joints as
 /// polynomials through the Gauss-Lobatto points of the step, torques and forces likewise. Sets step time,
-/// step length and speed to those found, which differ from the given ones by the error of the collocation
-/// only. Placement gains must be 0. Throws std::runtime_error when there is no such motion.
+/// step length and speed to the values found; they differ from the given ones only by the error of the
+/// collocation. Placement gains must be 0. Throws std::runtime_error when there is no such motion.
 void fit_motion(const model::RobotModel& robot, const model::StateVector& start, gait::HzdGait& gait);
 
-/// Sets the placement gains of a gait: 0 for a phase by hip position, whose return map is stable without; for
-/// a phase by time those that make the spectral radius of the linearised return map least.
+/// Sets the placement gains of a gait. They are 0 for a phase by hip position, whose return map is stable
+/// without them. For a phase by time they minimise the spectral radius of the linearised return map.
 void place_feet(const model::RobotModel& robot, gait::HzdGait& gait);
 
 /// State just after touch-down of gait.motion.

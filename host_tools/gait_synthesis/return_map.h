@@ -9,7 +9,7 @@
 
 namespace stilt::gait_synthesis {
 
-/// What a step depends on: pitch and joints, then their rates, just after touch-down; base by the stance
+/// Reduced state just after touch-down: pitch and joints, then their rates. The base follows from the stance
 /// foot.
 inline constexpr int kReducedStates = 2 * model::kAngles;
 using ReducedState = Eigen::Matrix<double, kReducedStates, 1>;
@@ -25,14 +25,14 @@ struct ReturnMap {
 };
 
 /// Return map from just after one touch-down to just after the next, under the gait's output feedback,
-/// linearised at `fixed_point` by central differences. The section is the touch-down of a foot; starts off
+/// linearised at `fixed_point` by central differences. The section is the touch-down of a foot. Starts off
 /// the section are allowed, which adds an eigenvalue 0 to those of the map on the section. Nothing when a
 /// perturbed step falls.
 [[nodiscard]] std::optional<ReturnMap> linearise_return_map(const model::RobotModel& robot,
                                                             const gait::HzdGait& gait,
                                                             const ReducedState& fixed_point);
 
-/// Fixed point of the return map near `start` by Newton's method. Nothing when there is none in reach.
+/// Fixed point of the return map near `start`, by Newton's method. Nothing when it does not converge.
 [[nodiscard]] std::optional<ReducedState> find_fixed_point(const model::RobotModel& robot,
                                                            const gait::HzdGait& gait,
                                                            const ReducedState& start);

@@ -17,12 +17,13 @@ constexpr double kDifference = 1e-5;
 constexpr double kTorqueScale = 1e-3;
 constexpr double kPowerScale = 1e-2;
 constexpr double kPowerRounding_W = 20.0;  // at 2 W the kinks cost Ipopt up to 500 iterations instead of 50
-/// Squared torque in the cost of power. Power alone is flat along torques at rest and indefinite: Ipopt needs
-/// 33 to more than 500 iterations, decided by rounding; with it 33 to 87 over 15 speeds and step times.
+/// Squared torque in the cost of power. Power alone is flat along torques at rest and indefinite; Ipopt then
+/// needs 33 to more than 500 iterations, depending on rounding. With squared torque it needs 33 to 87 over 15
+/// speeds and step times.
 constexpr double kPowerTorqueScale = 3e-4;
 constexpr double kAccelerationScale = 1e-3;
 
-/// Right foot free, left foot loaded.
+/// Converts the node's variables to state and input: right foot free, left foot loaded.
 void split(const NodeVector& z, double* x, double* u) {
   std::copy(z.data(), z.data() + kStates, x);
   std::copy(z.data() + kAccelerationAt + model::kFirstJoint, z.data() + kForceAt, u);
@@ -162,7 +163,7 @@ NodeHessian StepNode::hessian(const NodeVector& z, double factor, const NodeValu
         (lagrangian_gradient(ahead, factor, multipliers) - lagrangian_gradient(behind, factor, multipliers)) /
         (2.0 * move);
   };
-  // Linear in the rest: position and velocity of the base, its acceleration.
+  // The dependence on position, velocity and acceleration of the base is linear.
   for (int c = kFirstAngle; c < kPositions; ++c) along(c);
   for (int c = kFirstAngle; c < kPositions; ++c) along(kVelocityAt + c);
   for (int c = model::kFirstJoint; c < kPositions; ++c) along(kAccelerationAt + c);
@@ -177,7 +178,7 @@ double StepImpact::momentum_row(const ImpactVector& y) const {
   robot_.mass_matrix(y.data(), robot_.constants.joint_parameters, mass);
   robot_.kinematics(y.data(), feet);
   robot_.impact(model::kRight, y.data(), robot_.constants.joint_parameters, impact);
-  // Momentum of the base coordinates: x, z and, about the hip, rotation about +y.
+  // Momentum of the base coordinates: x, z and the rotation about +y at the hip.
   const auto momentum_about = [&](const double* velocity, int foot) {
     double p[3] = {0.0, 0.0, 0.0};
     for (int r = 0; r < 3; ++r) {
@@ -228,7 +229,7 @@ void StepImpact::evaluate(const ImpactVector& y, ImpactValues& rows, ImpactSlope
 
 ImpactHessian StepImpact::hessian(const ImpactVector& y, const ImpactValues& multipliers) const {
   ImpactHessian hessian = ImpactHessian::Zero();
-  constexpr double kMove = 1e-4;  // the momentum row's slopes are differences themselves
+  constexpr double kMove = 1e-4;  // the momentum row's slopes are differences too
   for (int c = kFirstAngle; c < kImpactVariables; ++c) {
     ImpactValues rows;
     ImpactSlopes slopes;

@@ -5,7 +5,7 @@
 #include "mpc_core/model/robot.h"
 
 /// The two nonlinear functions of the robot in the optimisation of a step with the left foot in stance at the
-/// origin: one of every node of the grid, one of the touch-down of the right foot. First derivatives are
+/// origin: one for every node of the grid, one for the touch-down of the right foot. First derivatives are
 /// exact (generated); second derivatives are central differences of them.
 namespace stilt::gait_synthesis {
 
@@ -15,9 +15,9 @@ inline constexpr int kVelocityAt = 7;
 inline constexpr int kAccelerationAt = 14;
 inline constexpr int kForceAt = 21;
 
-/// Rows: three rows of the equations of motion (base acceleration that the dynamics give, less the node's),
-/// acceleration, position and velocity of the stance foot, position and velocity of the swing foot (x z
-/// each), joint torques [4], friction ratio * fz - fx and + fx.
+/// Rows: three rows of the equations of motion (base acceleration of the dynamics minus the node's);
+/// acceleration, position and velocity of the stance foot; position and velocity of the swing foot (x z
+/// each); joint torques [4]; friction ratio * fz - fx and friction ratio * fz + fx.
 inline constexpr int kNodeRows = 19;
 enum NodeRow {
   kDynamicsRow = 0,
@@ -37,10 +37,10 @@ using NodeHessian = Eigen::Matrix<double, kNodeVariables, kNodeVariables>;
 
 /// Running cost of a node. The whole cost is its integral over the step.
 enum class CostKind {
-  torque_squared,    ///< sum of squared joint torques, 1e-3 Nm^2
-  mechanical_power,  ///< sum of |torque * joint speed|, 1e-2 W, rounded within 20 W, and squared torque, 3e-4
-                     ///< Nm^2
-  acceleration_squared,  ///< sum of squared joint accelerations, 1e-3 rad^2/s^4
+  torque_squared,    ///< 1e-3 (Nm)^-2 times the sum of squared joint torques
+  mechanical_power,  ///< 1e-2 W^-1 times the sum of |torque * joint speed|, smoothed within 20 W, plus 3e-4
+                     ///< (Nm)^-2 times the sum of squared joint torques
+  acceleration_squared,  ///< 1e-3 s^4/rad^2 times the sum of squared joint accelerations
 };
 
 class StepNode {
@@ -67,9 +67,10 @@ class StepNode {
 };
 
 /// Variables of the touch-down: q [7], v [7] just before it. Rows: rates after it of pitch, hip_L, knee_L,
-/// hip_R, knee_R; ratio * Jz - Jx, ratio * Jz + Jx, Jz of the impulse J; momentum kept: radius * |H-| - |H+|
-/// with the angular momenta about the old stance foot before and the new one after, both counted in the
-/// direction of travel, and radius the square root of the largest eigenvalue allowed.
+/// hip_R, knee_R; ratio * Jz - Jx, ratio * Jz + Jx and Jz of the impulse J; margin of the momentum, radius *
+/// |H-| - |H+|. H- and H+ are the angular momenta about the old stance foot before the impact and about the
+/// new one after it, positive in the direction of travel. radius is the square root of the largest eigenvalue
+/// allowed.
 inline constexpr int kImpactVariables = 14;
 inline constexpr int kImpactRows = 9;
 enum ImpactRow { kRateRow = 0, kImpulseRow = 5, kMomentumRow = 8 };

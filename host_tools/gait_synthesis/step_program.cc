@@ -14,13 +14,14 @@ using model::kJoints;
 using model::kPositions;
 
 constexpr double kFree = 1e20;
-/// Index in q after the legs have swapped: hip_L <- hip_R and so on.
+/// Index in q after the exchange of the legs: hip_L <- hip_R and so on.
 constexpr int kSwapped[kPositions] = {0, 1, 2, 5, 6, 3, 4};
-/// Room kept in the program, so that the gait meets its limits between the nodes as well.
+/// Margins of the program, so that the gait meets its limits between the nodes as well.
 constexpr double kShare = 0.98;
 constexpr double kClearanceRoom_m = 0.001;
 
-/// Least height of the swing foot at t / step time = s: a plateau over the middle half, parabolas beside it.
+/// Least height of the swing foot at t / step time = s: a plateau over the middle half, parabolas at both
+/// ends.
 double least_height(double s, double clearance_m) {
   const double from_end = 4.0 * std::min(s, 1.0 - s);
   return from_end >= 1.0 ? clearance_m + kClearanceRoom_m : clearance_m * from_end * from_end;
@@ -295,7 +296,7 @@ void StepProgram::add_output_hessian(const VectorXd& v, int k, const VectorXd& m
       entries.push_back({coefficient_at(j, i), x + kAccelerationAt, once * shape(1, i)});
     }
     if (k == 0) continue;
-    // The phase depends on x less that of the first node.
+    // The phase depends on x minus that of the first node.
     const auto both = [&](int row, double value) {
       entries.push_back({row, x, value});
       entries.push_back({row, first, -value});

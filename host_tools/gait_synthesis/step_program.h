@@ -8,31 +8,35 @@
 
 namespace stilt::gait_synthesis {
 
-/// What is to be found.
+/// The step to find.
 struct StepTask {
   double speed_m_s = 0.5;
   double step_time_s = 0.3;
   gait::PhaseKind phase = gait::PhaseKind::hip_position;
   int output_degree = 6;
   int elements = 8;        ///< equal parts of the step
-  int element_degree = 4;  ///< of the polynomials within one; order of accuracy twice that
+  int element_degree = 4;  ///< of the polynomials within one element; the order of accuracy is twice that
   CostKind cost = CostKind::torque_squared;
   gait_files::GaitLimits limits;
 
   [[nodiscard]] double step_length_m() const { return speed_m_s * step_time_s; }
 };
 
+// clang-format off
 /// One periodic step on the left foot as a nonlinear program, by direct collocation (Lobatto IIIA, of which
 /// Hermite-Simpson is the case of degree 2):
 ///
 ///   variables    at every node q, v, dv/dt and the force on the stance foot; Bezier coefficients of the
-///   outputs constraints  q and v are the integrals of v and dv/dt over each element;
-///                equations of motion, stance foot and outputs at every node: the base rows of the dynamics
-///                hold, the stance foot does not accelerate, every joint accelerates as its Bezier polynomial
-///                of the phase does; at the first node foot and outputs hold in position and velocity too;
-///                period: posture after swapping the legs and rates after the impact map are those at the
-///                start, so that the outputs are hybrid invariant; the base has moved one step length; limits
-///                of GaitLimits.
+///                outputs
+///   constraints  integrals: q and v are the integrals of v and dv/dt over each element;
+///                nodes: the base rows of the dynamics hold, the stance foot does not accelerate, every joint
+///                accelerates as its Bezier polynomial of the phase does;
+///                first node: stance foot and outputs also hold in position and velocity;
+///                period: the posture after the exchange of the legs and the rates after the impact map equal
+///                those at the start, so that the outputs are hybrid invariant; the base has moved
+///                one step length;
+///                limits: those of GaitLimits.
+// clang-format on
 class StepProgram final : public nonlinear_program::NonlinearProgram {
  public:
   StepProgram(const model::RobotModel& robot, const StepTask& task);
@@ -49,7 +53,7 @@ class StepProgram final : public nonlinear_program::NonlinearProgram {
   /// Times of the nodes / step time, from 0 to 1.
   [[nodiscard]] const Eigen::VectorXd& node_times() const { return time_; }
 
-  /// Variables of a motion given at the nodes: q, v, dv/dt [7, nodes] each. Outputs are fitted.
+  /// Variables of a motion given at the nodes: q, v, dv/dt [7, nodes] each. Fits the outputs.
   [[nodiscard]] Eigen::VectorXd pack(const Eigen::MatrixXd& q, const Eigen::MatrixXd& v,
                                      const Eigen::MatrixXd& a) const;
   /// The outputs of a solution, and its state just after touch-down.
@@ -59,14 +63,14 @@ class StepProgram final : public nonlinear_program::NonlinearProgram {
   }
 
  private:
-  // Where things stand among variables and rows.
+  // Indices of variables and rows.
   [[nodiscard]] int node_at(int node) const { return node * kNodeVariables; }
   [[nodiscard]] int coefficient_at(int joint, int i) const {
     return nodes_ * kNodeVariables + joint * (task_.output_degree + 1) + i;
   }
   [[nodiscard]] int variables() const { return coefficient_at(model::kJoints, 0); }
   [[nodiscard]] int node_rows_at(int node) const { return node * kNodeRows; }
-  [[nodiscard]] int integral_row(int node) const {  // of all nodes but the first
+  [[nodiscard]] int integral_row(int node) const {  // for all nodes but the first
     return nodes_ * kNodeRows + (node - 1) * model::kStates;
   }
   [[nodiscard]] int output_row(int node) const { return integral_row(nodes_) + node * model::kJoints; }

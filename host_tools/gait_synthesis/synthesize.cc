@@ -74,7 +74,7 @@ gait_files::GaitRecord make_record(const model::RobotModel& robot, const StepTas
   const char* meaning = "";
   for (const NamedCost& row : kCosts) meaning = row.cost == task.cost ? row.meaning : meaning;
   record.origin = {
-      // in the order of the alphabet, in which they are read back
+      // in alphabetical order, in which they are read back
       {"asked", short_text(task.speed_m_s) + " m/s, step time " + short_text(task.step_time_s) + " s"},
       {"cost", short_text(synthesis.cost_per_m) + ": " + meaning},
       {"method", "direct collocation (Lobatto IIIA, " + std::to_string(task.elements) +

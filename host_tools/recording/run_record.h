@@ -8,8 +8,8 @@
 #include "mpc_core/control/plan.h"
 #include "mpc_core/model/types.h"
 
-/// What one run of the simulated robot leaves behind: samples for plots and animation, and the summary that
-/// `stilt sim --json` prints.
+/// Data of one run of the simulated robot: samples for plots and animation, and the summary that `stilt sim
+/// --json` prints.
 namespace stilt::log {
 
 /// One sample of plant and controller, every few milliseconds.
@@ -17,18 +17,18 @@ struct RunSample {
   double time_s = 0.0;
   model::StateVector true_state;
   model::StateVector estimated_state;
-  model::StateVector planned_state;   ///< the plan, at this time
+  model::StateVector planned_state;   ///< the active plan at this time
   model::JointVector torque_Nm;       ///< applied by the motors
   model::FeetVector contact_force_N;  ///< measured in the plant: fx_L, fz_L, fx_R, fz_R
   model::FeetVector planned_contact_force_N;
   model::FeetVector foot_position_m;
   model::ContactMode scheduled_mode;
   double push_N = 0.0;            ///< positive is forward
-  double push_above_hip_m = 0.0;  ///< where it acts: distance from the hip along the torso
+  double push_above_hip_m = 0.0;  ///< distance of its point from the hip along the torso
   double commanded_speed_m_s = 0.0;
 };
 
-/// The geometry of a plan, for drawing it ahead of the robot.
+/// Geometry of a plan, for drawing it ahead of the robot.
 struct PlanSnapshot {
   double time_s = 0.0;
   std::vector<double> knot_time_s;
@@ -47,7 +47,7 @@ struct Step {
   double time_s = 0.0;    ///< of touch-down
   std::string foot;       ///< "L" or "R"
   double length_m = 0.0;  ///< distance to the other foot, positive when it lands ahead
-  double hip_x_m = 0.0;   ///< where the hip is then
+  double hip_x_m = 0.0;   ///< position of the hip at touch-down
 };
 
 struct Percentiles {
@@ -56,13 +56,13 @@ struct Percentiles {
 
 struct RunSummary {
   bool survived = false;
-  double fall_time_s = -1.0;  ///< negative when it did not fall
+  double fall_time_s = -1.0;  ///< negative when the robot did not fall
   double duration_s = 0.0, distance_m = 0.0, mean_speed_m_s = 0.0;
   std::vector<Step> steps;
   double step_length_min_m = 0.0, step_length_max_m = 0.0;
   model::JointVector peak_torque_Nm = model::JointVector::Zero();
   model::JointVector peak_joint_speed_rad_s = model::JointVector::Zero();
-  double slip_distance_m = 0.0;  ///< way of loaded feet along the ground
+  double slip_distance_m = 0.0;  ///< distance that loaded feet slid along the ground
   double saturated_s = 0.0;      ///< time over which a motor was at its torque limit
   Percentiles solve_time_us;
   double sqp_iterations_mean = 0.0;
@@ -74,7 +74,7 @@ struct RunSummary {
   std::size_t controller_bytes = 0;
 };
 
-/// Lengths that the drawing needs.
+/// Lengths for drawing the robot.
 struct RobotDrawing {
   std::string name;
   double torso_length_m = 0.5, thigh_length_m = 0.4, shin_length_m = 0.4;

@@ -9,29 +9,31 @@
 
 namespace stilt::host_telemetry {
 
-/// Commands the robot. Replies come as CommandReply on telemetry::kCommandReplies, with this commander's name
-/// and the command's number. Call heartbeat() at least every 100 ms while in command: the robot slows down
-/// without.
+/// Sends commands to the robot. Replies arrive as CommandReply on telemetry::kCommandReplies, with this
+/// commander's name and the command's number. While in command, call heartbeat() at least every 100 ms:
+/// otherwise the robot slows down.
 class Commander {
  public:
-  /// @param name  of this commander, unique: somebody else of that name would get the replies too. Throws
-  ///              std::runtime_error with a sentence when it cannot start.
+  /// @param name  unique name of this commander: another commander with this name would get the replies too.
+  /// Throws
+  ///              std::runtime_error with one sentence when it cannot start.
   Commander(const telemetry::Participant& participant, std::string name);
 
-  /// Session of the robot, from ConfigurationInForce, and its token, from the token file or the user.
+  /// Sets the session of the robot, from ConfigurationInForce, and its token, from the token file or the
+  /// user.
   void set_session(std::uint64_t session, std::string token);
 
-  /// Sends. Returns the number of the command, which its reply names.
+  /// Sends a command. Returns its number, which the reply contains.
   std::uint64_t send(telemetry::CommandKind kind, double value = 0, const std::string& key = {});
 
-  /// The commander lives. Sends at most fifty a second, however often it is called: more would push orders
-  /// out of what the robot keeps until it looks.
+  /// Sends a heartbeat, at most fifty per second for any rate of calls. More would push commands out of the
+  /// queue that the robot reads.
   void heartbeat();
 
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
   [[nodiscard]] std::uint64_t session() const noexcept { return session_; }
 
-  /// A robot listens.
+  /// Whether a robot subscribes to the commands.
   [[nodiscard]] bool heard() const { return writer_.subscribers() > 0; }
 
  private:
@@ -43,10 +45,10 @@ class Commander {
   std::chrono::steady_clock::time_point heartbeat_{};  ///< the last one
 };
 
-/// Random name for a commander: "monitor-3fa9c1".
+/// A random name for a commander: "monitor-3fa9c1".
 [[nodiscard]] std::string unique_name(const std::string& prefix);
 
-/// The token in a file: its first line. Throws std::runtime_error with a sentence.
+/// The token in a file: its first line. Throws std::runtime_error with one sentence.
 [[nodiscard]] std::string read_token(const std::string& path);
 
 }  // namespace stilt::host_telemetry

@@ -9,25 +9,25 @@
 
 namespace stilt::host_telemetry {
 
-/// Hears what the robot says: every sample of every topic, as bytes; Sample::as<T>() gives the message. One
-/// thread at a time. Throws std::runtime_error with a sentence for the user when it cannot start.
+/// Subscribes to the robot's topics and receives every sample as bytes; Sample::as<T>() gives the message.
+/// One thread at a time. Throws std::runtime_error with one sentence for the user when it cannot start.
 class Listener {
  public:
-  /// @param topics  which of them
-  /// @param keeps   samples of a topic that wait for take() at most; 0: as many as the sender keeps
+  /// @param topics  topics to subscribe to
+  /// @param keeps   largest number of samples per topic that wait for take(); 0: as many as the sender keeps
   explicit Listener(const telemetry::Participant& participant,
                     std::span<const telemetry::Topic* const> topics = telemetry::topics(), int keeps = 0);
 
-  /// Gives the new samples of all topics to `use`, in order within a topic. Returns how many.
+  /// Passes the new samples of all topics to `use`, in order within a topic. Returns their number.
   int take(const std::function<void(telemetry::Sample&&)>& use);
 
-  /// Waits until something came, at most so long. False: nothing did.
+  /// Waits for a sample, at most `longest`. False when none has arrived.
   bool wait(std::chrono::milliseconds longest);
 
-  /// Whether somebody sends this topic.
+  /// Whether the topic has a publisher.
   [[nodiscard]] bool hears(const telemetry::Topic& topic) const;
 
-  /// Samples lost on the way, all topics.
+  /// Samples lost in transmission, over all topics.
   [[nodiscard]] std::uint64_t lost() const;
 
  private:
@@ -36,7 +36,7 @@ class Listener {
   std::vector<telemetry::Entity> conditions_;
 };
 
-/// The participant of a host program; throws std::runtime_error like Listener.
+/// Joins the network as a host program. Throws std::runtime_error like Listener.
 [[nodiscard]] telemetry::Participant join(const telemetry::Network& network);
 
 }  // namespace stilt::host_telemetry

@@ -18,22 +18,21 @@ template <>
 
 }  // namespace stilt::telemetry
 
-/// What only a simulated robot knows, on the network.
+/// Publisher of the data that exist only in a simulation.
 namespace stilt::host_telemetry {
 
-/// rt/stilt/simulation: best effort, keeps the newest.
+/// rt/stilt/simulation: best effort, keeps the newest sample.
 extern const telemetry::Topic kSimulation;
 
 using SimulationMessage = stilt_msgs_msg_dds__Simulation_;
 
-/// Sends it 50 times a second from a thread of its own, so that the robot's clock never waits for the
-/// network.
+/// Sends 50 times per second from its own thread, so that the robot's clock never waits for the network.
 class SimulationPublisher {
  public:
-  /// Throws std::runtime_error with a sentence when the network cannot be joined.
+  /// Throws std::runtime_error with one sentence when the network cannot be joined.
   explicit SimulationPublisher(const telemetry::Network& network);
 
-  /// The newest; from one thread, wait-free.
+  /// Sets the newest message. One thread only; wait-free.
   void offer(const SimulationMessage& message) noexcept {
     newest_.writer() = message;
     newest_.publish();
@@ -44,7 +43,7 @@ class SimulationPublisher {
 
   telemetry::Participant participant_;
   exchange::LatestValue<SimulationMessage> newest_;
-  std::jthread thread_;  ///< last: it uses the others
+  std::jthread thread_;  ///< last: it uses the other members
 };
 
 }  // namespace stilt::host_telemetry

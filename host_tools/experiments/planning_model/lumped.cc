@@ -9,9 +9,9 @@ namespace {
 
 using enum model::Number;
 
-constexpr double kLeft = 0.001;  ///< share of the legs' mass and inertia that stays in them
+constexpr double kLeft = 0.001;  ///< share of the legs' mass and inertia that remains in them
 
-/// A rigid body that others are added to, along the line of the straight robot.
+/// A rigid body to which others are added, along the line of the straight robot.
 struct Body {
   double mass_kg;
   double com_m;          ///< above the hip

@@ -4,17 +4,17 @@
 
 namespace stilt::planning_model {
 
-/// What a planner neglects that takes the legs for weightless.
+/// Properties that a planner with weightless legs neglects.
 enum class Lump {
   legs,    ///< mass and inertia of thighs and shins are part of the torso
-  drives,  ///< and the joints' reflected drive inertia is left out
+  drives,  ///< additionally the joints' reflected drive inertia is left out
 };
 
-/// The robot as a planner sees it that neglects its legs' motion. Mass and inertia of thighs and shins are
-/// moved into the torso, as one rigid body with the legs hanging straight: total mass, centre of mass and
-/// moment of inertia of that posture stay, as do kinematics and limits. A thousandth of each link stays in
-/// the legs: with none the impact map would divide by zero where the drives' inertia is left out. `robot`
-/// must outlive the program's use of it; the result lives as long as the program. Thread-safe.
+/// The model of a planner that neglects the motion of the legs. Mass and inertia of thighs and shins move
+/// into the torso, as one rigid body with the legs straight down. Total mass, centre of mass and moment of
+/// inertia of that posture are kept, and so are kinematics and limits. A thousandth of each link remains in
+/// the legs: otherwise the impact map would divide by zero without the drives' inertia. `robot` must live as
+/// long as the result is used; the result lives as long as the program. Thread-safe.
 [[nodiscard]] const model::RobotModel& lumped(const model::RobotModel& robot, Lump lump);
 
 }  // namespace stilt::planning_model

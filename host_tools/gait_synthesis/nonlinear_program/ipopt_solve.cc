@@ -12,7 +12,7 @@ using Eigen::VectorXd;
 using Ipopt::Index;
 using Ipopt::Number;
 
-/// A NonlinearProgram in Ipopt's interface.
+/// Adapts a NonlinearProgram to Ipopt's interface.
 class Adapter : public Ipopt::TNLP {
  public:
   Adapter(const NonlinearProgram& program, const VectorXd& start, IpoptSolution& solution)
@@ -83,7 +83,7 @@ class Adapter : public Ipopt::TNLP {
  private:
   static VectorXd view(const Number* values, Index count) { return VectorXd::Map(values, count); }
 
-  /// Ipopt asks for the places first, for the values later.
+  /// Ipopt requests the positions first, the values later.
   static void write(const std::vector<NonlinearProgram::Entry>& entries, Index* rows, Index* columns,
                     Number* values) {
     for (std::size_t i = 0; i < entries.size(); ++i) {

@@ -7,7 +7,7 @@
 namespace stilt::nonlinear_program {
 
 /// minimise f(v) subject to lower <= g(v) <= upper and variable bounds, with sparse first and second
-/// derivatives. A matrix is a list of entries that always comes in the same order; duplicates are summed.
+/// derivatives. A matrix is a list of entries, always in the same order; duplicates are summed.
 class NonlinearProgram {
  public:
   struct Entry {
@@ -34,7 +34,7 @@ class NonlinearProgram {
 struct IpoptOptions {
   double tolerance = 1e-8;
   int iterations_max = 500;
-  double time_max_s = 60.0;  ///< processor time, so that a hopeless problem ends
+  double time_max_s = 60.0;  ///< processor time, limits problems without solution
 };
 
 struct IpoptSolution {
@@ -45,7 +45,7 @@ struct IpoptSolution {
   Eigen::VectorXd v;
 };
 
-/// Solves from `start` by Ipopt. Not to be called from two threads at once: its linear solver shares state.
+/// Solves from `start` by Ipopt. Not thread-safe: its linear solver has shared state.
 [[nodiscard]] IpoptSolution solve(const NonlinearProgram& program, const Eigen::VectorXd& start,
                                   const IpoptOptions& options);
 

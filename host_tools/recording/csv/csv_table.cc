@@ -10,7 +10,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Use = std::function<void(const std::string& name, const Json& value)>;
 
-/// Every value of a row that is no object, with its full name.
+/// Calls `use` for every value of a row that is no object, with its full name.
 void visit(const Json& row, const std::string& prefix, const Use& use) {
   for (const auto& [key, value] : row.items()) {
     if (value.is_object()) {

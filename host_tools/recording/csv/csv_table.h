@@ -7,18 +7,18 @@
 
 namespace stilt::csv {
 
-/// A table of comma-separated values that grows row by row. The first row names the columns: nested fields
-/// with dots, "header.stamp.sec". Numbers are the shortest that read back the same; a list is one cell of
+/// A table of comma-separated values that grows row by row. The first row names the columns; nested fields
+/// have dots, "header.stamp.sec". Numbers are the shortest that read back the same; a list is one cell of
 /// JSON.
 class Table {
  public:
   /// Throws std::runtime_error, one sentence, when the file cannot be written.
   explicit Table(const std::string& path);
 
-  /// Adds a row; all are objects with the same fields.
+  /// Adds a row. All rows are objects with the same fields.
   void add(const nlohmann::ordered_json& row);
 
-  /// Throws as above when not everything was written.
+  /// Closes the file. Throws std::runtime_error, one sentence, when a part was not written.
   void close();
 
  private:

@@ -21,7 +21,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Rows of ticks, sessions in one file or in one each.
+/// Tables of ticks: all sessions in one file, or one file per session.
 class TickTables {
  public:
   TickTables(std::string first_path, bool one_each)

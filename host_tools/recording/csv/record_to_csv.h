@@ -5,18 +5,19 @@
 
 namespace stilt::csv {
 
-/// What came of writing a record as tables.
+/// Result of writing a recording as tables.
 struct Written {
   std::vector<std::string> files;
-  std::vector<std::string> problems;  ///< of the record, a sentence each
+  std::vector<std::string> problems;  ///< of the recording, one sentence each
 };
 
-/// A folder of tables, one a topic: /stilt/planner becomes stilt_planner.csv, with the time of day in the
-/// first column. Ticks become ticks.csv, one row a tick, as in a black box (firmware/diagnostics/tick_csv.h);
-/// those of further sessions ticks_2.csv and so on. Throws std::runtime_error, one sentence.
+/// Writes a folder of tables, one per topic: /stilt/planner becomes stilt_planner.csv, with the time of day
+/// in the first column. Ticks become ticks.csv with one row per tick, as in a black box
+/// (firmware/diagnostics/tick_csv.h); those of further sessions become ticks_2.csv and so on. Throws
+/// std::runtime_error, one sentence.
 [[nodiscard]] Written record_to_csv(const std::string& record, const std::string& folder);
 
-/// The ticks alone, of all sessions, to one file.
+/// Writes only the ticks, of all sessions, to one file.
 [[nodiscard]] Written ticks_to_csv(const std::string& record, const std::string& file);
 
 }  // namespace stilt::csv

@@ -14,7 +14,7 @@
 
 namespace stilt::mcap {
 
-/// Appends numbers, little endian, and strings to bytes.
+/// Appends little-endian numbers and strings to bytes.
 class ByteWriter {
  public:
   template <std::unsigned_integral T>
@@ -47,7 +47,7 @@ class ByteWriter {
     put(static_cast<std::uint32_t>(entries.bytes().size()));
     put_raw(entries.bytes());
   }
-  /// Numbers to numbers, with the length in bytes before them.
+  /// Appends a map of numbers to numbers, after its length in bytes.
   template <std::unsigned_integral Key, std::unsigned_integral Value>
   void put_map(const std::map<Key, Value>& map) {
     put(static_cast<std::uint32_t>(map.size() * (sizeof(Key) + sizeof(Value))));
@@ -64,7 +64,7 @@ class ByteWriter {
   Bytes bytes_;
 };
 
-/// Takes numbers, little endian, and strings off bytes. Throws std::runtime_error when they end too early.
+/// Reads little-endian numbers and strings from bytes. Throws std::runtime_error when they end too early.
 class ByteReader {
  public:
   explicit ByteReader(ByteView data) : data_(data) {}

@@ -8,7 +8,7 @@
 namespace stilt::mcap {
 namespace {
 
-/// lz4 makes nothing smaller than this share of what it was.
+/// lz4 compresses by at most this factor.
 constexpr std::uint64_t kLz4Limit = 255;
 
 Bytes compress_zstd(ByteView data, int level) {
@@ -30,7 +30,7 @@ Bytes compress_lz4(ByteView data, int level) {
   return out;
 }
 
-/// @return  bytes written
+/// @return  number of bytes written
 std::size_t decompress_lz4(ByteView data, Bytes& out) {
   LZ4F_dctx* context = nullptr;
   if (LZ4F_isError(LZ4F_createDecompressionContext(&context, LZ4F_VERSION)) != 0) throw std::bad_alloc();

@@ -9,16 +9,16 @@ namespace stilt::mcap {
 
 enum class Compression { none, lz4, zstd };
 
-/// The name in a file: empty, lz4, zstd.
+/// The name of a compression in a file: empty, lz4, zstd.
 [[nodiscard]] std::string_view name(Compression compression);
 
-/// Throws std::runtime_error for a compression that is not known here.
+/// The compression with that name. Throws std::runtime_error for an unknown name.
 [[nodiscard]] Compression compression_named(std::string_view name);
 
-/// One frame of the compression's own format.
+/// Compresses to one frame of the compression's own format.
 [[nodiscard]] Bytes compress(ByteView data, Compression compression, int level);
 
-/// The inverse. Throws std::runtime_error when `data` is damaged or does not give `size` bytes.
+/// The inverse of compress(). Throws std::runtime_error when `data` is damaged or does not give `size` bytes.
 [[nodiscard]] Bytes decompress(ByteView data, Compression compression, std::uint64_t size);
 
 }  // namespace stilt::mcap

@@ -7,7 +7,7 @@ namespace {
 
 using Table = std::array<std::uint32_t, 256>;
 
-/// tables[k][b]: the sum of byte b with k zero bytes behind it.
+/// tables[k][b]: the checksum of byte b followed by k zero bytes.
 constexpr std::array<Table, 8> make_tables() {
   std::array<Table, 8> tables{};
   for (std::uint32_t byte = 0; byte < 256; ++byte) {

@@ -6,7 +6,7 @@
 
 namespace stilt::mcap {
 
-/// CRC-32 as of zlib and Ethernet (reflected polynomial 0xEDB88320). `before`: the sum of what came before.
+/// CRC-32 of zlib and Ethernet (reflected polynomial 0xEDB88320). `before`: checksum of the preceding bytes.
 [[nodiscard]] std::uint32_t crc32(ByteView data, std::uint32_t before = 0);
 
 }  // namespace stilt::mcap

@@ -7,22 +7,22 @@
 
 namespace stilt::mcap {
 
-/// A file that grows by whole pieces, without a buffer of this process in between: what append() returned
-/// from survives its death.
+/// A file that grows by whole pieces, without a buffer in this process. After append() returns, the piece
+/// survives a crash of the process.
 class OutputFile {
  public:
-  /// Makes the file, or empties it. Throws when it cannot.
+  /// Creates or empties the file. Throws when it cannot.
   explicit OutputFile(const std::string& path);
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
-  /// Throws when the file cannot be written any further.
+  /// Throws when the piece cannot be written.
   void append(ByteView data);
 
   [[nodiscard]] std::uint64_t size() const { return size_; }
 
-  /// Sum of all bytes since the last restart_sum(), see crc32().
+  /// CRC-32 of all bytes since the last restart_sum(), see crc32().
   [[nodiscard]] std::uint32_t sum() const { return sum_; }
   void restart_sum() { sum_ = 0; }
 

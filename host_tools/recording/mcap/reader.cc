@@ -39,7 +39,7 @@ const ReadMessage* Reader::next() {
   return &message_;
 }
 
-/// @return  false at the end of what is whole
+/// @return  false at the end of the complete records
 bool Reader::read_record() {
   const std::string place = "byte " + std::to_string(at_);
   char head[kRecordHead_bytes];
@@ -86,7 +86,7 @@ void Reader::take_record(Op op, ByteView body) {
       complete_ = true;
       return end("");
     default:
-      return;  // index and summary; records that future versions add
+      return;  // index and summary; records of future versions
   }
 }
 
@@ -137,7 +137,7 @@ void Reader::take_chunk(ByteView body) {
   chunk_at_ = 0;
 }
 
-/// Goes on in the open chunk up to its next message.
+/// Continues in the open chunk up to its next message.
 bool Reader::next_in_chunk() {
   while (chunk_at_ < chunk_.size()) {
     try {

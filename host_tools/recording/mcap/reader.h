@@ -10,18 +10,18 @@
 
 namespace stilt::mcap {
 
-/// A message with what it belongs to. Valid until the next one is taken.
+/// A message with its channel and schema. Valid until the next call of next().
 struct ReadMessage {
   const Channel* channel = nullptr;
-  const Schema* schema = nullptr;  ///< null: the channel names none
+  const Schema* schema = nullptr;  ///< null: the channel has none
   Message message;
 };
 
-/// Reads a file from front to end, as far as it is whole: one that was cut off gives everything up to its
-/// last whole record. Uses no index.
+/// Reads a file from beginning to end without its index. A file that was cut off is read up to its last
+/// complete record.
 class Reader {
  public:
-  /// Throws when the file cannot be read or is no MCAP file.
+  /// Throws when the file cannot be read or is not an MCAP file.
   explicit Reader(const std::string& path);
 
   /// The next message in the order of the file; null at the end.
@@ -32,9 +32,9 @@ class Reader {
   [[nodiscard]] const std::vector<Attachment>& attachments() const { return attachments_; }
   [[nodiscard]] const std::vector<Metadata>& metadata() const { return metadata_; }
 
-  /// After the end: the file was closed in order.
+  /// At the end of the file: whether it was closed properly.
   [[nodiscard]] bool complete() const { return complete_; }
-  /// What is wrong with the file, a sentence each; a file that was cut off has one.
+  /// Defects of the file, one sentence each; a file that was cut off has one.
   [[nodiscard]] const std::vector<std::string>& problems() const { return problems_; }
 
  private:
@@ -54,7 +54,7 @@ class Reader {
   std::ifstream file_;
   std::uint64_t size_ = 0;
   std::uint64_t at_ = 0;  ///< of the next record
-  Bytes body_;            ///< of the newest record
+  Bytes body_;            ///< of the record read last
   Bytes chunk_;           ///< records of the open chunk
   std::uint64_t chunk_at_ = 0;
   bool has_message_ = false;

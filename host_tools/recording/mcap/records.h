@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-/// MCAP, a container of time-stamped messages (https://mcap.dev/spec): own reader and writer. Host only,
-/// everything here may throw std::runtime_error with one sentence that names the file.
+/// MCAP, a container of time-stamped messages (https://mcap.dev/spec): own reader and writer. Host only. All
+/// functions may throw std::runtime_error with one sentence that names the file.
 ///
-/// A file is magic, records of one byte operation code and a 64-bit length, magic again; all numbers are
-/// little endian, strings have a 32-bit length before them, times are nanoseconds.
+/// A file consists of magic bytes, records of a one-byte operation code and a 64-bit length, and magic bytes.
+/// All numbers are little endian, strings follow their 32-bit length, times are nanoseconds.
 namespace stilt::mcap {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -40,11 +40,11 @@ enum class Op : std::uint8_t {
   data_end = 0x0F,
 };
 
-/// How the messages of a channel are laid out, such as a ROS 2 message definition.
+/// Layout of the messages of a channel, such as a ROS 2 message definition.
 struct Schema {
   std::uint16_t id = 0;  ///< from 1
-  std::string name;      ///< such as sensor_msgs/msg/JointState
-  std::string encoding;  ///< such as ros2msg
+  std::string name;      ///< for example sensor_msgs/msg/JointState
+  std::string encoding;  ///< for example ros2msg
   std::string text;
 };
 
@@ -52,19 +52,19 @@ struct Channel {
   std::uint16_t id = 0;
   std::uint16_t schema_id = 0;  ///< 0: none
   std::string topic;
-  std::string message_encoding;  ///< such as cdr
+  std::string message_encoding;  ///< for example cdr
   StringMap metadata;
 };
 
 struct Message {
   std::uint16_t channel_id = 0;
   std::uint32_t sequence = 0;
-  std::int64_t log_time_ns = 0;      ///< when it was recorded
-  std::int64_t publish_time_ns = 0;  ///< when it was sent
-  ByteView data;                     ///< belongs to whoever gave the message
+  std::int64_t log_time_ns = 0;      ///< time of recording
+  std::int64_t publish_time_ns = 0;  ///< time of sending
+  ByteView data;                     ///< owned by the source of the message
 };
 
-/// A file within the file.
+/// A file inside the file.
 struct Attachment {
   std::int64_t log_time_ns = 0;
   std::int64_t create_time_ns = 0;

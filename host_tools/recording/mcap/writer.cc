@@ -67,7 +67,7 @@ Writer::Writer(const std::string& path, const WriterOptions& options) : options_
 Writer::~Writer() {
   try {
     close();
-  } catch (const std::exception&) {  // a destructor has nobody to tell; close() does
+  } catch (const std::exception&) {  // a destructor cannot report it; close() does
   }
 }
 
@@ -87,7 +87,7 @@ std::uint16_t Writer::add_channel(std::uint16_t schema_id, const std::string& to
   return channels_.back().id;
 }
 
-/// A reader without the index learns of a channel before its first message.
+/// Without the index, a reader finds a channel before its first message.
 void Writer::introduce(std::uint16_t channel_id) {
   if (!introduced_channels_.insert(channel_id).second) return;
   const Channel& channel = channels_.at(channel_id);
@@ -261,7 +261,7 @@ void Writer::close() {
   write_summary();
   const std::uint64_t offsets_start = file_.size();
   for (const Bytes& offset : summary_offsets_) file_.append(offset);
-  ByteWriter footer;  // its sum covers itself up to the sum
+  ByteWriter footer;  // its checksum covers the footer up to the checksum
   footer.put(static_cast<std::uint8_t>(Op::footer));
   footer.put(std::uint64_t{20});
   footer.put(summary_start);

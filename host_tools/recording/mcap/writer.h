@@ -17,16 +17,16 @@ struct WriterOptions {
   std::string library = "stilt";
   Compression compression = Compression::zstd;
   int level = 1;
-  std::size_t chunk_bytes = 4u << 20;  ///< a chunk is written when it has grown to this
+  std::size_t chunk_bytes = 4u << 20;  ///< a chunk is written when it reaches this size
 };
 
-/// Writes one file. Messages are kept in memory until their chunk is written: flush() often. What was flushed
-/// is whole for readers whatever happens to this process afterwards; close() adds index and statistics.
+/// Writes one file. Messages stay in memory until their chunk is written: call flush() often. Flushed data
+/// stay readable if the process crashes. close() adds index and statistics.
 class Writer {
  public:
   /// Throws when the file cannot be written.
   explicit Writer(const std::string& path, const WriterOptions& options = {});
-  /// Closes, and ignores that it cannot.
+  /// Closes the file and ignores errors.
   ~Writer();
   Writer(const Writer&) = delete;
   Writer& operator=(const Writer&) = delete;
@@ -38,14 +38,14 @@ class Writer {
                             const std::string& message_encoding, const StringMap& metadata = {});
 
   void write(const Message& message);
-  /// Written at once, behind what was flushed.
+  /// Written at once, after the flushed data.
   void attach(const Attachment& attachment);
   void write_metadata(const Metadata& metadata);
 
-  /// Writes the messages so far as one chunk; nothing when there are none.
+  /// Writes the messages so far as one chunk. No effect without messages.
   void flush();
 
-  /// Writes the rest, index and statistics. Nothing may be written afterwards.
+  /// Writes the remaining messages, index and statistics. Nothing may be written afterwards.
   void close();
 
   [[nodiscard]] std::uint64_t bytes_written() const { return file_.size(); }

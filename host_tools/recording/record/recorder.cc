@@ -7,7 +7,7 @@ namespace stilt::record {
 namespace {
 
 constexpr std::string_view kPrefix = "rt";
-/// Plans are for drawing; their numbers hardly compress, and a replay makes them again.
+/// Plans are for drawing only. Their numbers hardly compress, and a replay computes them again.
 constexpr std::uint32_t kOneOfPlans = 3;
 
 }  // namespace

@@ -13,34 +13,33 @@
 
 namespace stilt::record {
 
-/// What a recorder does with samples of the robot: an MCAP file of their CDR bytes as they came, with the
-/// messages' ROS 2 definitions, configuration and robot model attached. Topics lose ROS's "rt" on the wire:
-/// /joint_states.
+/// Writes samples of the robot to an MCAP file: their CDR bytes unchanged, with the messages' ROS 2
+/// definitions; configuration and robot model are attached. Topics lose ROS's prefix "rt": /joint_states.
 ///
-/// Commands are not kept, their token is a secret; replies, events and ticks tell what was commanded. Of the
-/// plans for drawing every third is kept.
+/// Commands are not recorded because their token is a secret; replies, events and ticks show what was
+/// commanded. Every third plan for drawing is recorded.
 class Recorder {
  public:
   struct Options {
     mcap::Compression compression = mcap::Compression::zstd;
-    int level = 3;  ///< of the compression; lz4: 0 is fast
-    /// Model of a robot by its name, as URDF, empty when there is none; may be left out.
+    int level = 3;  ///< of the compression; lz4: 0 is the fastest
+    /// The URDF of a robot by its name, empty when there is none. May be left empty.
     std::function<std::string(const std::string& robot)> urdf;
   };
 
-  /// What is kept.
+  /// The topics that are recorded.
   [[nodiscard]] static std::vector<const telemetry::Topic*> topics();
 
-  /// Throws std::runtime_error, one sentence, when the file cannot be written; so do the others.
+  /// Throws std::runtime_error, one sentence, when the file cannot be written, as do the other functions.
   Recorder(const std::string& path, const Options& options);
 
-  /// @param now_ns  time of day
+  /// @param now_ns  time of day, ns
   void take(const telemetry::Sample& sample, std::int64_t now_ns);
 
-  /// Writes what came so far; call at least once a second.
+  /// Writes the samples so far. Call at least once per second.
   void flush() { writer_.flush(); }
 
-  /// Ends the file in order.
+  /// Closes the file properly.
   void close();
 
   [[nodiscard]] std::uint64_t messages() const { return writer_.statistics().messages; }
@@ -57,13 +56,13 @@ class Recorder {
   std::map<const telemetry::Topic*, std::uint16_t> channels_;
   std::map<const telemetry::Topic*, std::uint32_t> counts_;
   std::map<std::uint64_t, TickLedger> sessions_;
-  std::uint32_t plans_ = 0;  ///< that came
+  std::uint32_t plans_ = 0;  ///< number received
 };
 
-/// "/joint_states" of rt/joint_states.
+/// Name of a topic in a recording: "/joint_states" for rt/joint_states.
 [[nodiscard]] std::string topic_in_record(const telemetry::Topic& topic);
 
-/// The inverse; null when it is none of Stilt's.
+/// The inverse of topic_in_record(); null for other names.
 [[nodiscard]] const telemetry::Topic* topic_of_record(const std::string& name);
 
 /// Name of the attachment with the configuration of a session.

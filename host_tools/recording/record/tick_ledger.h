@@ -6,22 +6,22 @@
 
 namespace stilt::record {
 
-/// Which ticks of a session were met, in order.
+/// Numbers of the ticks received in a session, in order.
 class TickLedger {
  public:
-  /// Ticks `first` to `first + count - 1`; those met already are no news.
+  /// Adds ticks `first` to `first + count - 1`; ticks already received are ignored.
   void add(std::uint64_t first, std::uint64_t count);
 
   [[nodiscard]] bool empty() const { return next_ == 0; }
-  /// Ticks met.
+  /// Number of ticks received.
   [[nodiscard]] std::uint64_t count() const { return count_; }
-  /// Behind the last tick met.
+  /// Number after the last tick received.
   [[nodiscard]] std::uint64_t next() const { return next_; }
 
   struct Gap {
-    std::uint64_t first = 0, end = 0;  ///< first missing, first there again
+    std::uint64_t first = 0, end = 0;  ///< first missing tick, first tick after the gap
   };
-  /// What is missing before the last tick, the beginning included.
+  /// Gaps before the last tick, including one at the beginning.
   [[nodiscard]] const std::vector<Gap>& gaps() const { return gaps_; }
 
   /// One sentence: "ticks 0 to 63999, none missing", "..., missing: 0 to 99, 500".

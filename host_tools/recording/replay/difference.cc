@@ -32,7 +32,7 @@ bool same(T a, T b) {
   }
 }
 
-/// Remembers the first pair that differs.
+/// Stores the first pair that differs.
 class Comparison {
  public:
   explicit Comparison(std::uint64_t tick) { difference_.tick = tick; }
@@ -46,7 +46,7 @@ class Comparison {
     add(recorded, replayed, [&] { return what; });
   }
 
-  /// @param what  makes the name, asked only when the values differ
+  /// @param what  returns the name, called only when the values differ
   template <class T, class MakeName>
   void add(T recorded, T replayed, MakeName what) {
     if (found_ || same(recorded, replayed)) return;

@@ -9,24 +9,24 @@
 
 namespace stilt::replay {
 
-/// Where a replay first did something else than the record tells.
+/// The first output of a replay that differs from the recording.
 struct Difference {
-  std::uint64_t tick = 0;  ///< of the torque loop; of a plan: whose state it starts from
+  std::uint64_t tick = 0;  ///< of the control loop; for a plan: the tick of its state
   std::string what;        ///< "sent torque_Nm of knee_L"
-  std::string recorded;    ///< its value, numbers with all digits
+  std::string recorded;    ///< its value, with all digits of numbers
   std::string replayed;
 
   /// One sentence: "tick 812: sent torque_Nm of knee_L was 1.25 and is 1.5".
   [[nodiscard]] std::string text() const;
 };
 
-/// The first output of a tick that is not the same bit for bit, in the order in which the loop works:
-/// estimate, decision, wanted, sent.
+/// The first output of a tick that is not equal bit for bit, in the order of the loop: estimate, decision,
+/// wanted, sent.
 [[nodiscard]] std::optional<Difference> compare(const control_loop::TickRecord& recorded,
                                                 const control_loop::TickRecord& replayed);
 
-/// The same for a solve of the planner: the request it answers, how it ended, the plan's number and check
-/// sum. Its duration and the number of its tuning are inputs of the replay.
+/// The same for a solve of the planner: its request, its status, the plan's number and checksum. The duration
+/// and the number of the tuning are inputs of the replay and not compared.
 [[nodiscard]] std::optional<Difference> compare(const control_loop::CycleRecord& recorded,
                                                 const control_loop::CycleRecord& replayed);
 

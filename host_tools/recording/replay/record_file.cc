@@ -17,7 +17,7 @@ using telemetry::PlannerCycle;
 using telemetry::TickBatch;
 using telemetry::Tuning;
 
-/// The message when it is of this topic, else null.
+/// The message when it has this topic, otherwise null.
 template <class T>
 telemetry::Owned<T> message_of(const mcap::ReadMessage& read, const telemetry::Topic& topic) {
   if (record::topic_of_record(read.channel->topic) != &topic)
@@ -41,7 +41,7 @@ void take_configuration(const ConfigurationInForce& message, SessionRecord& sess
   for (const auto& tunable : telemetry::span_of(message.tunables)) session.tunables.emplace_back(tunable.key);
 }
 
-/// A subscriber that comes late may get a solve twice; numbers rise.
+/// A subscriber that joins late can receive a solve twice; numbers rise.
 void take_cycle(const PlannerCycle& message, SessionRecord& session) {
   if (!session.cycles.empty() && message.cycle <= session.cycles.back().cycle) return;
   session.cycles.push_back(telemetry::cycle_record(message));

@@ -13,10 +13,10 @@
 
 namespace stilt::replay {
 
-/// What a record holds of one run of stiltd, but for its ticks.
+/// Content of a recording for one run of stiltd, without its ticks.
 struct SessionRecord {
   std::uint64_t number = 0;
-  bool configured = false;  ///< its configuration is in the record, and with it what follows
+  bool configured = false;  ///< whether the recording has its configuration and the fields below
   std::string robot;
   std::string configuration;          ///< TOML
   std::string build;                  ///< version, compiler, instruction set
@@ -27,14 +27,16 @@ struct SessionRecord {
 };
 
 struct RecordContents {
-  std::vector<SessionRecord> sessions;  ///< in the order in which they are met
-  std::vector<std::string> problems;    ///< of the file, a sentence each
+  std::vector<SessionRecord> sessions;  ///< in the order of the recording
+  std::vector<std::string> problems;    ///< of the file, one sentence each
 };
 
-/// Reads all of a record but the ticks. Throws std::runtime_error, one sentence, when the file is no record.
+/// Reads a recording without its ticks. Throws std::runtime_error, one sentence, when the file is not a
+/// recording.
 [[nodiscard]] RecordContents read_contents(const std::string& path);
 
-/// Gives the ticks of a session to `use`, in order and each once, until it returns false. Throws as above.
+/// Passes the ticks of a session to `use`, in order and each once, until it returns false. Throws like
+/// read_contents().
 void for_each_tick(const std::string& path, std::uint64_t session,
                    const std::function<bool(const control_loop::TickRecord&)>& use);
 

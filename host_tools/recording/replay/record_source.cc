@@ -9,7 +9,7 @@
 namespace stilt::replay {
 namespace {
 
-/// Ticks are further apart only where the record has a hole, or another run begins.
+/// Ticks are further apart only at a gap of the recording or at the start of another run.
 constexpr double kLongestPause_s = 0.5;
 
 telemetry::Sample sample_of(const mcap::ReadMessage& read, const telemetry::Topic& topic) {
@@ -22,8 +22,8 @@ telemetry::Sample sample_of(const mcap::ReadMessage& read, const telemetry::Topi
 RecordSource::RecordSource(const std::string& path, std::function<Clock::time_point()> now)
     : path_(path), now_(std::move(now)), reader_(std::make_unique<mcap::Reader>(path)) {}
 
-/// Takes the next message, and when it is due: ticks carry the time, everything else comes with those before
-/// it.
+/// Reads the next message and its due time. Ticks have a time; other messages are due with the ticks before
+/// them.
 void RecordSource::advance() {
   next_.reset();
   while (!next_) {

@@ -12,14 +12,14 @@
 
 namespace stilt::replay {
 
-/// A record for the monitor, played as fast as it happened: by the clock of the torque loop, which in
-/// lock-step is not that of the recording. Time in which nothing was recorded is left out.
+/// Plays a recording for the monitor in real time, by the clock of the control loop. In lock-step that clock
+/// is not the clock of the recording. Gaps without messages are skipped.
 class RecordSource final : public monitor::SampleSource {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// Throws std::runtime_error, one sentence, when the file is no record.
-  /// @param now  the clock to play by
+  /// Throws std::runtime_error, one sentence, when the file is not a recording.
+  /// @param now  clock of the playback
   explicit RecordSource(const std::string& path, std::function<Clock::time_point()> now = &Clock::now);
 
   void poll(monitor::SampleSink& sink) override;
@@ -35,11 +35,11 @@ class RecordSource final : public monitor::SampleSource {
   std::function<Clock::time_point()> now_;
   std::unique_ptr<mcap::Reader> reader_;
   monitor::MessageDecoder decoder_;
-  std::optional<Clock::time_point> start_;  ///< of playing
+  std::optional<Clock::time_point> start_;  ///< of the playback
   std::optional<telemetry::Sample> next_;   ///< not yet due
   double due_s_ = 0.0;                      ///< of next_, since the start
-  std::optional<std::int64_t> tick_ns_;     ///< of the newest tick met
-  std::optional<monitor::Command> asked_;   ///< to be answered
+  std::optional<std::int64_t> tick_ns_;     ///< of the tick read last
+  std::optional<monitor::Command> asked_;   ///< command to reply to
   bool ended_ = false;
 };
 

@@ -5,11 +5,10 @@
 
 namespace stilt::replay {
 
-/// The robot as it was in a recorded tick: the control loop reads what it read then, and its commands come to
-/// nothing.
+/// The robot in a recorded tick: the control loop reads the recorded inputs, and its commands are discarded.
 class RecordedRobot final : public hal::Robot {
  public:
-  /// The tick that is to run; outlives it.
+  /// Sets the tick to run, which must outlive its use.
   void set(const control_loop::TickRecord& tick) noexcept { tick_ = &tick; }
 
   void read(std::int64_t, hal::RobotReadings& readings) noexcept override {

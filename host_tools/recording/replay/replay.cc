@@ -56,7 +56,7 @@ bool Replay::run(const control_loop::TickRecord& recorded) {
   return true;
 }
 
-/// Everything the torque loop finds in its mailboxes.
+/// Writes all recorded inputs to the mailboxes of the control loop.
 bool Replay::hand_in(const control_loop::TickRecord& recorded) {
   mail_->commands.writer() = recorded.command;
   mail_->commands.publish();
@@ -88,7 +88,7 @@ bool Replay::hand_in_plan(const control_loop::TickRecord& recorded) {
   return true;
 }
 
-/// Solves as the planner did with the request that the last tick has made.
+/// Solves as the planner did, with the request of the last tick.
 bool Replay::run_cycle(const control_loop::CycleRecord& recorded) {
   if (recorded.cycle != solves_ + 1) {
     return fail("solve " + std::to_string(solves_ + 1) +

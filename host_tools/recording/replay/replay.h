@@ -14,39 +14,39 @@
 #include "host_tools/recording/replay/difference.h"
 #include "host_tools/recording/replay/recorded_robot.h"
 
-/// A recorded run of the controller, run again from its inputs: the control loop and planner of stiltd,
-/// tick by tick, their outputs held against the record bit for bit. Host only.
+/// Replay of a recorded run: control loop and planner of stiltd run tick by tick from the recorded inputs,
+/// and their outputs are compared with the recording bit for bit. Host only.
 namespace stilt::replay {
 
-/// Live tunables under one number.
+/// Live tunables with a common number.
 struct Tunings {
   control_loop::TorqueTuning torque;
   control_loop::PlannerTuning planner;
 };
 
 struct Outcome {
-  std::uint64_t ticks = 0;   ///< that came out the same
-  std::uint64_t cycles = 0;  ///< solves of the planner that came out the same
+  std::uint64_t ticks = 0;   ///< number of equal ticks
+  std::uint64_t cycles = 0;  ///< number of equal solves of the planner
   std::optional<Difference> difference;
-  std::string problem;  ///< what the record lacks, one sentence; empty: nothing
+  std::string problem;  ///< missing data of the recording, one sentence; empty: none
 
   [[nodiscard]] bool reproduced() const { return ticks > 0 && !difference && problem.empty(); }
 };
 
-/// One session.
+/// Replay of one session.
 class Replay {
  public:
-  /// @param cycles   all solves of the session, in their order
-  /// @param tunings  live tunables by their number; nothing when the record lacks them
+  /// @param cycles   all solves of the session, in order
+  /// @param tunings  live tunables by their number; nothing when the recording lacks them
   Replay(std::vector<control_loop::CycleRecord> cycles,
          std::function<std::optional<Tunings>(std::uint32_t number)> tunings);
 
-  /// To be configured as in the run, before the first tick.
+  /// Configure it as in the run before the first tick.
   [[nodiscard]] control_loop::ControlLoop& loop() { return *loop_; }
   [[nodiscard]] control_loop::PlannerTask& planner() { return *planner_; }
 
-  /// Runs the next tick and what the planner did with its state. False, and nothing more happens: something
-  /// differs or is missing, see outcome().
+  /// Runs the next tick, and the planner's work on its state. False when something differs or is missing, see
+  /// outcome(); the replay then stops.
   bool run(const control_loop::TickRecord& recorded);
 
   [[nodiscard]] const Outcome& outcome() const { return outcome_; }
@@ -65,7 +65,7 @@ class Replay {
   std::unique_ptr<control_loop::Mailboxes> mail_;
   std::unique_ptr<control_loop::ControlLoop> loop_;
   std::unique_ptr<control_loop::PlannerTask> planner_;
-  std::map<long long, std::unique_ptr<control::Plan>> plans_;  ///< that may still come into use
+  std::map<long long, std::unique_ptr<control::Plan>> plans_;  ///< that can still become active
   std::uint64_t next_tick_ = 0;
   std::uint64_t solves_ = 0;
   long long visible_plan_ = -1;

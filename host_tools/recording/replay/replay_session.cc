@@ -14,8 +14,7 @@ namespace {
 
 constexpr std::uint64_t kProgressEvery = 1000;
 
-/// The live tunables of a session under their numbers, worked out as stiltd does
-/// (firmware/telemetry/tuner.h).
+/// The live tunables of a session by their numbers, computed as in stiltd (firmware/telemetry/tuner.h).
 class TuningsOf {
  public:
   TuningsOf(const SessionRecord& session, const configuration::Configuration& configuration)
@@ -24,7 +23,7 @@ class TuningsOf {
         robot_(&robots::find(configuration.hardware.robot).value()->model),
         work_(std::make_unique<sqp::TerminalCostWorkspace>()) {}
 
-  /// Nothing when the record lacks them, or this program has other tunables.
+  /// Nothing when the recording lacks them, or when this program has other tunables.
   [[nodiscard]] std::optional<Tunings> operator()(std::uint32_t number) const {
     const auto values = session_.tunings.find(number);
     if (values == session_.tunings.end() || !same_tunables()) return std::nullopt;

@@ -9,10 +9,10 @@
 
 namespace stilt::replay {
 
-/// Replays one session of a record: its configuration into planner and torque loop, its ticks and solves
-/// through them. A record without the session's configuration, or with one this program refuses, is a problem
-/// in the outcome. Throws std::runtime_error when the file cannot be read.
-/// @param progress  gets the number of the tick now and then; may be empty
+/// Replays one session of a recording: configures planner and control loop, and runs its ticks and solves. A
+/// missing or invalid configuration is a problem in the outcome. Throws std::runtime_error when the file
+/// cannot be read.
+/// @param progress  called with the number of the tick from time to time; may be empty
 [[nodiscard]] Outcome replay_session(const std::string& path, const SessionRecord& session,
                                      const std::function<void(std::uint64_t tick)>& progress = {});
 

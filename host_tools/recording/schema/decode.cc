@@ -11,7 +11,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kHeader_bytes = 4;
 
-/// The decimal number that people mean by a short one: 0.1, not 0.10000000149.
+/// The shortest decimal number with the same float value: 0.1, not 0.10000000149.
 double as_double(float value) {
   char text[32];
   const auto end = std::to_chars(text, text + sizeof text, value).ptr;
@@ -62,7 +62,7 @@ class Decoder {
     return bytes_.subspan(at_ - count, count);
   }
 
-  /// Numbers stand at multiples of their size.
+  /// Reads a number, aligned to a multiple of its size.
   template <class T>
   T number() {
     static_cast<void>(take((sizeof(T) - at_ % sizeof(T)) % sizeof(T)));

@@ -9,9 +9,9 @@
 
 namespace stilt::schema {
 
-/// A message of any type as JSON, its fields in their order. Numbers that are not finite stay what they are.
-/// Throws std::runtime_error when the bytes are not a message of that type.
-/// @param cdr  with the four bytes that name the encoding; little endian, plain CDR
+/// Decodes a message of any type to JSON, with its fields in order. Non-finite numbers are kept. Throws
+/// std::runtime_error when the bytes are not a message of that type.
+/// @param cdr  with the four bytes of the encoding; little endian, plain CDR
 [[nodiscard]] nlohmann::ordered_json decode(const MessageTypes& types, const std::string& name,
                                             std::span<const std::uint8_t> cdr);
 

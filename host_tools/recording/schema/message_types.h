@@ -5,14 +5,14 @@
 #include <string_view>
 #include <vector>
 
-/// Types of ROS 2 messages: from IDL, from and to ROS's own notation. Host only, throws std::runtime_error
-/// with one sentence.
+/// Types of ROS 2 messages: read from IDL, converted from and to ROS's notation. Host only. Throws
+/// std::runtime_error with one sentence.
 namespace stilt::schema {
 
 enum class Shape {
   single,
-  array,     ///< a fixed number of them
-  sequence,  ///< any number of them
+  array,     ///< a fixed number of values
+  sequence,  ///< any number of values
 };
 
 struct Field {
@@ -23,25 +23,24 @@ struct Field {
   std::size_t count = 1;  ///< of an array
 };
 
-/// A field of the basic types.
+/// Whether `type` is a basic type.
 [[nodiscard]] bool is_basic(const std::string& type);
 
-/// Messages by name, such as "sensor_msgs/msg/JointState", fields in their order.
+/// Messages by name, such as "sensor_msgs/msg/JointState", with their fields in order.
 using MessageTypes = std::map<std::string, std::vector<Field>>;
 
-/// The messages of IDL as ROS 2 writes it: struct Type_ in modules pkg, msg, dds_. Knows what such messages
-/// use: basic types, strings, sequences, arrays, structures.
+/// The messages of IDL in the style of ROS 2: struct Type_ in modules pkg, msg, dds_. Supports basic types,
+/// strings, sequences, arrays and structures.
 [[nodiscard]] MessageTypes parse_idl(std::string_view idl);
 
-/// A message in the notation of .msg files, with all messages it uses behind it, as recorders and viewers
-/// expect it
-/// ("ros2msg"). ROS allows no capital letters in the names of fields: torque_Nm is torque_nm there.
+/// A message in the notation of .msg files, followed by all messages it uses, as recorders and viewers expect
+/// it ("ros2msg"). ROS allows no capital letters in the names of fields: torque_Nm becomes torque_nm.
 [[nodiscard]] std::string ros2msg_text(const MessageTypes& types, const std::string& name);
 
-/// The inverse: the message `name` and those it uses.
+/// The inverse of ros2msg_text(): the message `name` and those it uses.
 [[nodiscard]] MessageTypes parse_ros2msg(std::string_view text, const std::string& name);
 
-/// The messages of this program: those of firmware/telemetry.
+/// The messages of this program, defined in firmware/telemetry.
 [[nodiscard]] const MessageTypes& own_messages();
 
 }  // namespace stilt::schema

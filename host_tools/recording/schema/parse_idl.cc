@@ -6,7 +6,7 @@
 namespace stilt::schema {
 namespace {
 
-/// Words and signs, without comments and annotations.
+/// Words and signs of IDL, without comments and annotations.
 class Tokens {
  public:
   explicit Tokens(std::string_view text) : text_(text) { advance(); }

@@ -11,7 +11,7 @@ constexpr std::string_view kHeading = "MSG: ";
 
 std::string separator() { return std::string(80, '=') + '\n'; }
 
-/// "std_msgs/msg/Header" -> "std_msgs/Header", as one message names another.
+/// "std_msgs/msg/Header" -> "std_msgs/Header", the form inside other messages.
 std::string short_name(std::string name) {
   if (const std::size_t at = name.find("/msg/"); at != std::string::npos) name.erase(at, 4);
   return name;
@@ -23,7 +23,7 @@ std::string long_name(std::string name) {
   return name;
 }
 
-/// ROS 2 allows small letters only: torque_Nm becomes torque_nm.
+/// ROS 2 allows only lower-case letters: torque_Nm becomes torque_nm.
 std::string field_name(std::string name) {
   std::ranges::transform(name, name.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c; });
   return name;
@@ -40,7 +40,7 @@ std::string fields_text(const std::vector<Field>& fields) {
   return text;
 }
 
-/// The messages that `name` uses, in the order in which they are met.
+/// Appends the messages that `name` uses, in order of occurrence.
 void collect(const MessageTypes& types, const std::string& name, std::vector<std::string>& used) {
   for (const Field& field : types.at(name)) {
     if (is_basic(field.type) || std::ranges::find(used, field.type) != used.end()) continue;
@@ -49,7 +49,7 @@ void collect(const MessageTypes& types, const std::string& name, std::vector<std
   }
 }
 
-/// One line "type name", or "type[n] name", "type[] name"; constants give none.
+/// Parses one line "type name", "type[n] name" or "type[] name"; constants give no field.
 std::vector<Field> parse_line(std::string line) {
   line.erase(std::find(line.begin(), line.end(), '#'), line.end());
   std::istringstream words(line);
@@ -70,7 +70,7 @@ std::vector<Field> parse_line(std::string line) {
   return {field};
 }
 
-/// A message may leave its own package out when it names another.
+/// The full name of a type: a message may omit its own package.
 std::string resolved(const std::string& type, const std::string& user) {
   if (is_basic(type)) return type;
   if (type == "Header") return "std_msgs/msg/Header";

@@ -13,39 +13,38 @@
 
 namespace stilt::simulation {
 
-/// Watches a run from outside. Changes nothing, but for `plans`.
+/// Observes a run. Has no effect on it, except through `plans`.
 struct RunObserver {
-  /// Called just before each of the planner's turns: false keeps it from planning. The first plan is made in
-  /// any case.
+  /// Called just before each of the planner's turns; false skips the turn. The first plan is always made.
   std::function<bool(double time_s)> plans = [](double) { return true; };
   std::function<void(const control_loop::PlanningRequest&, const sqp::SolveReport&)> planned =
       [](const control_loop::PlanningRequest&, const sqp::SolveReport&) {};
   std::function<void(const control_loop::TickRecord&)> ticked = [](const control_loop::TickRecord&) {};
 };
 
-/// One run of the simulated robot under its controller.
+/// Settings of one run of the simulated robot under its controller.
 struct RunSettings {
   double duration_s = 10.0;
   model::StateVector initial_state = model::StateVector::Zero();
-  LegLengths leg;                      ///< to draw the feet of a plan
+  LegLengths leg;                      ///< for drawing the feet of a plan
   std::vector<TimedCommand> commands;  ///< in order of time
   std::vector<Push> pushes;
-  std::vector<TimedFault> faults;                                    ///< that need no bus
+  std::vector<TimedFault> faults;                                    ///< faults without buses
   double planner_until_s = std::numeric_limits<double>::infinity();  ///< then the planner stops
-  double measure_from_s = 0.0;  ///< slip and time at the torque limit count from here
-  bool use_true_state = false;  ///< the controller is given the plant's state instead of estimating it
+  double measure_from_s = 0.0;  ///< slip and time at the torque limit count from this time
+  bool use_true_state = false;  ///< the controller gets the plant's state instead of estimating it
   bool keep_samples = true;     ///< false: summary and solves only
   std::function<void(double time_s)> progress = [](double) {};  ///< called once per simulated second
   RunObserver observer;
 };
 
-/// Longest time step, at most the wished one, that divides the tick.
+/// Longest time step, not above `wished_s`, that divides the tick.
 [[nodiscard]] double time_step_for_tick(double wished_s, double tick_s);
 
-/// Runs until the duration is over or the robot falls. The robot begins on its feet and the first plan is
-/// active in the first tick; each later one starts from the state of its tick and becomes active plan_delay_s
-/// later. Solve times are measured on the wall clock and influence nothing. The record has no command line
-/// and no drawing.
+/// Runs until the duration is over or the robot falls. The robot begins on its feet, and the first plan is
+/// active in the first tick. Each later plan starts from the state of its tick and becomes active
+/// plan_delay_s later. Solve times are measured by the wall clock and have no effect. The record has no
+/// command line and no drawing.
 [[nodiscard]] log::RunRecord run_closed_loop(Plant& plant, SimulatedController& controller,
                                              const RunSettings& settings);
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-/// Faults of the simulated robot on request: what breaks, where, when and for how long.
+/// Injected faults of the simulated robot: what fails, where, when and for how long.
 namespace stilt::simulation {
 
 enum class FaultKind {
@@ -25,12 +25,12 @@ enum class FaultKind {
   base_freeze,
 };
 
-/// What a fault can strike.
+/// Target of a fault.
 enum class FaultTarget {
-  frames,   ///< those of one joint, of one bus, or all
+  frames,   ///< frames of one joint, of one bus, or all
   bus,      ///< one bus
   joint,    ///< one joint's driver
-  drivers,  ///< one joint's driver, those on one bus, or all
+  drivers,  ///< driver of one joint, drivers on one bus, or all drivers
   robot,    ///< the whole robot
 };
 
@@ -39,23 +39,23 @@ struct FaultDescription {
   FaultKind kind;
   const char* name;
   FaultTarget target;
-  bool needs_bus;             ///< strikes frames or buses; a plant without them cannot have it
-  double default_duration_s;  ///< infinite: to the end of the run
+  bool needs_bus;             ///< affects frames or buses; not available for a plant without them
+  double default_duration_s;  ///< infinite: until the end of the run
   const char* description;
 };
 
 [[nodiscard]] std::span<const FaultDescription> fault_table();
 [[nodiscard]] const FaultDescription& describe(FaultKind kind);
-/// Which faults a robot can have.
+/// Selects the faults that a robot can have.
 enum class FaultsOf { plant, robot_on_buses };
 /// The table as text, one fault per line.
 [[nodiscard]] std::string describe_faults(FaultsOf which);
 
-/// A fault with its time, counted from the moment the hoist has let go.
+/// A fault with its time, counted from the release of the hoist.
 struct TimedFault {
   FaultKind kind = FaultKind::drop;
-  std::optional<std::size_t> bus;    ///< only there
-  std::optional<std::size_t> joint;  ///< only there
+  std::optional<std::size_t> bus;    ///< none: all buses
+  std::optional<std::size_t> joint;  ///< none: all joints
   double start_s = 0.0;
   double duration_s = 0.0;
 
@@ -63,14 +63,14 @@ struct TimedFault {
     constexpr double kRounding_s = 1e-7;  // of times counted in ticks
     return time_s > start_s - kRounding_s && time_s < start_s + duration_s - kRounding_s;
   }
-  /// Whether it strikes a joint that is on a bus, or, without a joint, what else is on that bus.
+  /// Whether the fault affects a joint on a bus, or, without a joint, the rest of that bus.
   [[nodiscard]] bool strikes(std::size_t on_bus, std::optional<std::size_t> at_joint) const {
     return (!bus || *bus == on_bus) && (!joint || joint == at_joint);
   }
 };
 
-/// Reads NAME[:TARGET]@START[+DURATION]; TARGET is a joint (hip_L, knee_L, hip_R, knee_R) or the number of a
-/// bus. Throws std::invalid_argument, one sentence, when the text is something else.
+/// Parses NAME[:TARGET]@START[+DURATION]. TARGET is a joint (hip_L, knee_L, hip_R, knee_R) or the number of a
+/// bus. Throws std::invalid_argument, one sentence, for any other text.
 [[nodiscard]] TimedFault parse_fault(std::string_view text);
 
 /// hip_L, knee_L, hip_R, knee_R.

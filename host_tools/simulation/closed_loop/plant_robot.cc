@@ -103,7 +103,7 @@ void PlantRobot::read_base(std::int64_t now_ns, const control::SensorReading& se
   reading.missed = 0;
 }
 
-/// The sensors now; frozen ones as before. They fill the delay line when they are read for the first time.
+/// Reads the sensors now; frozen sensors keep their values. The first readings fill the delay line.
 void PlantRobot::sense() {
   control::SensorReading now = plant_.read_sensors();
   const control::SensorReading& before = sensed_[(next_ + sensed_.size() - 1) % sensed_.size()];

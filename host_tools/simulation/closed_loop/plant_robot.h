@@ -9,19 +9,19 @@
 
 namespace stilt::simulation {
 
-/// The plant behind the interface of the robot: ideal motor drivers and sensors without buses. Readings are
-/// of the tick, or as old as the plant's option says. A driver evaluates the law of its command at each time
-/// step of the plant.
+/// The plant behind the interface of the robot, with ideal motor drivers and sensors without buses. Readings
+/// are those of the tick, or delayed by the plant's option. A driver evaluates the law of its command at each
+/// time step of the plant.
 class PlantRobot final : public hal::Robot {
  public:
-  /// @param plant   outlives this object
-  /// @param faults  that need no bus, see needs_bus(); times in seconds from the start of the run
+  /// @param plant   must outlive this object
+  /// @param faults  faults without buses, see needs_bus(); times in seconds from the start of the run
   PlantRobot(Plant& plant, std::vector<TimedFault> faults, double tick_s);
 
-  /// After each tick of the control loop: faults begin and end with the time steps that follow.
+  /// Call after each tick of the control loop. Faults begin and end with the time steps that follow.
   void set_time(double time_s);
 
-  /// Before each time step of the plant: the drivers' torques.
+  /// Call before each time step of the plant: applies the drivers' torques.
   void drive();
 
   void read(std::int64_t now_ns, hal::RobotReadings& readings) noexcept override;
@@ -44,7 +44,7 @@ class PlantRobot final : public hal::Robot {
   std::vector<TimedFault> faults_;
   double time_s_ = 0.0;
   hal::JointCommands commands_{};
-  /// Sensors of the newest ticks in turn; sensed_[next_] is the oldest.
+  /// Readings of the newest ticks in a ring; sensed_[next_] is the oldest.
   std::vector<control::SensorReading> sensed_;
   std::size_t next_ = 0;
   bool sensing_ = false;

@@ -8,8 +8,8 @@ namespace {
 
 constexpr double kSampleRate_hz = 200.0;
 constexpr double kSnapshotRate_hz = 20.0;
-constexpr double kSettled_s = 3.0;     // the mean speed counts from here
-constexpr double kTimeSlack_s = 1e-9;  // as pushes have, so that both begin at the same tick
+constexpr double kSettled_s = 3.0;     // the mean speed counts from this time
+constexpr double kTimeSlack_s = 1e-9;  // equal to that of pushes, so that both begin at the same tick
 
 int every(double rate_hz, double wished_hz) {
   return std::max(1, static_cast<int>(std::lround(rate_hz / wished_hz)));

@@ -7,26 +7,27 @@
 
 namespace stilt::simulation {
 
-/// Smallest value with at least that share of all values at or below it (nearest rank); 0 without values.
+/// Percentile by nearest rank: the smallest value that at least that share of all values does not exceed. 0
+/// for an empty list.
 [[nodiscard]] double percentile(std::vector<double> values, double share);
 
-/// p50, p99 and maximum; zeros without values.
+/// p50, p99 and maximum; zeros for an empty list.
 [[nodiscard]] log::Percentiles percentiles(const std::vector<double>& values);
 
-/// Watches a run and writes its record.
+/// Observes a run and writes its record.
 class RunRecorder {
  public:
   RunRecorder(const RunSettings& settings, const control_loop::PlanTiming& timing, log::RunRecord& record);
 
-  /// After each step of the plant.
+  /// Call after each step of the plant.
   void observe_step(const Plant& plant);
-  /// At each tick, after the controller's.
-  /// @param active_plan  without nodes when there is none
+  /// Call at each tick, after the controller's tick.
+  /// @param active_plan  has no nodes when there is none
   void observe_tick(double time_s, const Plant& plant, const control_loop::TickRecord& tick,
                     const control::Plan& active_plan);
-  /// After each plan of the planner.
+  /// Call after each plan of the planner.
   void observe_plan(const log::SolveSample& solve, const control::Plan& newest_plan);
-  /// At the end: writes the summary.
+  /// Call at the end: writes the summary.
   void finish(double time_s, const Plant& plant, long long heap_allocations);
 
  private:
@@ -44,10 +45,10 @@ class RunRecorder {
   long long ticks_ = 0;
   long long plans_ = 0;
   double start_x_m_ = 0.0;
-  double settled_x_m_ = 0.0;  ///< hip at kSettled_s, or at the start of shorter runs
+  double settled_x_m_ = 0.0;  ///< position of the hip at kSettled_s, or at the start of shorter runs
   double settled_time_s_ = 0.0;
   bool measuring_ = false;
-  double slip_before_m_ = 0.0;  ///< before measuring began
+  double slip_before_m_ = 0.0;  ///< slip before the measurement began
 };
 
 }  // namespace stilt::simulation

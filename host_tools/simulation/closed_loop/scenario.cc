@@ -10,14 +10,14 @@ namespace {
 
 constexpr double kLargestForce_N = 10000.0;
 constexpr double kLargestSpeed_m_s = 5.0;
-/// Pushes and commands count from this much before their time, so that a tick's rounding cannot delay them.
+/// Pushes and commands count from this much before their time, so that rounding of a tick cannot delay them.
 constexpr double kTimeSlack_s = 1e-9;
 
 [[noreturn]] void refuse(std::string_view option, std::string_view text, std::string_view expected) {
   throw std::invalid_argument(std::string(option) + " " + std::string(text) + ": " + std::string(expected));
 }
 
-/// Cuts `text` at the first `separator`; `rest` becomes what follows, `found` tells whether there was one.
+/// Splits `text` at the first `separator`. Sets `rest` to the text after it and `found` to whether it occurs.
 std::string_view cut(std::string_view text, char separator, std::string_view& rest, bool& found) {
   const std::size_t at = text.find(separator);
   found = at != std::string_view::npos;
@@ -39,7 +39,7 @@ Push parse_push(std::string_view text) {
   std::string_view after_force, after_start, point;
   bool has_time = false, has_duration = false, has_point = false;
   const auto force = parse_number(cut(text, '@', after_force, has_time));
-  // A plus sign may also belong to an exponent; the time itself never needs one.
+  // A plus sign can also belong to an exponent; the time itself never needs one.
   const auto start = parse_number(cut(after_force, '+', after_start, has_duration));
   const auto duration = parse_number(cut(after_start, '@', point, has_point));
   if (!force || !start || !duration || *start < 0.0 || *duration <= 0.0 || *force > kLargestForce_N ||

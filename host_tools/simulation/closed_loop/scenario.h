@@ -6,10 +6,10 @@
 #include "host_tools/simulation/plant/plant.h"
 #include "mpc_core/gait/command.h"
 
-/// What happens during a run: what the operator asks for, and what pushes the robot.
+/// Events of a run: commands of the operator and pushes on the robot.
 namespace stilt::simulation {
 
-/// A horizontal force on the torso over a time; positive is forward.
+/// A horizontal force on the torso for a time; positive is forward.
 struct Push {
   double force_N = 0.0;
   double start_s = 0.0;
@@ -17,29 +17,29 @@ struct Push {
   PushPoint point = PushPoint::hip;
 };
 
-/// A command, and when it is given.
+/// A command with its time.
 struct TimedCommand {
   double start_s = 0.0;
   gait::GaitCommand command;
 };
 
-/// Force and point of the pushes acting at one time; pushes that overlap at one point add up.
+/// Total force and point of the pushes that are active at one time; overlapping pushes at one point add up.
 struct ActingPush {
   double force_N = 0.0;
   PushPoint point = PushPoint::hip;
 };
 
-/// Throws std::invalid_argument, one sentence, unless the text is N@START+DURATION[@hip|torso].
+/// Parses N@START+DURATION[@hip|torso]. Throws std::invalid_argument, one sentence, for any other text.
 [[nodiscard]] Push parse_push(std::string_view text);
 
-/// Throws std::invalid_argument, one sentence, unless the text is GAIT[:SPEED]@START.
+/// Parses GAIT[:SPEED]@START. Throws std::invalid_argument, one sentence, for any other text.
 [[nodiscard]] TimedCommand parse_timed_command(std::string_view text);
 
-/// Throws std::invalid_argument, one sentence, unless the text is stand, step or walk.
+/// Parses stand, step or walk. Throws std::invalid_argument, one sentence, for any other text.
 [[nodiscard]] gait::GaitKind parse_gait(std::string_view text);
 
-/// Whether the controller knows the plant's state: "truth" rather than "estimated". Throws
-/// std::invalid_argument, one sentence, for another text.
+/// Whether the controller gets the plant's state: "truth" instead of "estimated". Throws
+/// std::invalid_argument, one sentence, for any other text.
 [[nodiscard]] bool parse_knows_truth(std::string_view text);
 
 /// Throws std::invalid_argument when pushes at different points overlap in time.
@@ -47,7 +47,7 @@ void check_pushes(const std::vector<Push>& pushes);
 
 [[nodiscard]] ActingPush push_at(const std::vector<Push>& pushes, double time_s);
 
-/// The last command given by that time; standing before the first. Commands in order of time.
+/// The last command given by that time; standing before the first. `commands` must be in order of time.
 [[nodiscard]] gait::GaitCommand command_at(const std::vector<TimedCommand>& commands, double time_s);
 
 }  // namespace stilt::simulation

@@ -49,7 +49,7 @@ std::int64_t SimulatedController::begin(hal::Robot& robot, const gait::GaitComma
   return schedule_.begin(*planner_, *mail_, clock_);
 }
 
-/// Another kind of gait is another request.
+/// Another kind of gait makes another request.
 void SimulatedController::publish(const gait::GaitCommand& command) {
   const supervisor::RequestKind kind = request_for(command.kind);
   if (kind != command_.request.kind) command_.request = {kind, command_.request.number + 1};
@@ -62,7 +62,7 @@ const control_loop::TickRecord& SimulatedController::tick(long long tick, const 
                                                           const model::StateVector* known_state) {
   publish(command);
   schedule_.publish_due(tick, *planner_, *mail_);
-  loop_->tick({.now_ns = (1 + tick) * schedule_.timing().tick_ns}, known_state);  // a time of 0 is none
+  loop_->tick({.now_ns = (1 + tick) * schedule_.timing().tick_ns}, known_state);  // a time of 0 means none
   record_ = *mail_->telemetry.front();
   mail_->telemetry.pop();
   while (mail_->events.front() != nullptr) mail_->events.pop();

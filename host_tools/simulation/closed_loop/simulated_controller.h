@@ -11,49 +11,51 @@
 
 namespace stilt::simulation {
 
-/// What makes a controller in the simulation.
+/// Components of a controller in the simulation.
 struct ControllerSetup {
   const model::RobotModel* robot = nullptr;
-  const model::RobotModel* planning_model = nullptr;  ///< when the planner uses another model
+  const model::RobotModel* planning_model = nullptr;  ///< set when the planner uses another model
   control::ControllerParameters parameters;
   supervisor::SupervisorParameters supervision;
-  std::shared_ptr<const gait::GaitLibrary> reference_gaits;  ///< followed by the planner; null: heuristics
-  std::shared_ptr<const gait::GaitLibrary> fallback_gaits;   ///< tracked without plans; null: none
+  std::shared_ptr<const gait::GaitLibrary> reference_gaits;  ///< gaits that the planner follows; null:
+                                                             ///< heuristics
+  std::shared_ptr<const gait::GaitLibrary> fallback_gaits;   ///< gaits tracked without plans; null: none
 };
 
 /// The controller of the robot on virtual time: its control loop, its planner, and the schedule between them.
-/// Begins on its feet. Equal calls give equal results, bit for bit, but for the durations of solves.
+/// It begins with the robot on its feet. Equal calls give equal results, bit for bit, except for the
+/// durations of solves.
 class SimulatedController {
  public:
-  /// Milliseconds.
+  /// Configures the controller. Takes milliseconds.
   [[nodiscard]] control::ConfigureStatus configure(ControllerSetup setup);
 
-  /// Starts over in front of a robot that stands, with a first plan for the command. Before tick 0.
+  /// Restarts for a robot that stands, with a first plan for the command. Call before tick 0.
   /// @param known_state  replaces the estimate when it is not null, as in tick()
-  /// @return  duration of the first solve on the wall clock, ns
+  /// @return  duration of the first solve by the wall clock, ns
   std::int64_t begin(hal::Robot& robot, const gait::GaitCommand& command,
                      const model::StateVector* known_state);
 
-  /// One tick of the control loop, after a plan that is due has become active.
+  /// Runs one tick of the control loop, after activating a plan that is due.
   const control_loop::TickRecord& tick(long long tick, const gait::GaitCommand& command,
                                        const model::StateVector* known_state);
 
-  /// The planner's turn after a tick.
-  /// @return  duration of the solve on the wall clock, ns; nothing when it is not time to plan
+  /// Runs the planner's turn after a tick.
+  /// @return  duration of the solve by the wall clock, ns; nothing when it is not time to plan
   [[nodiscard]] std::optional<std::int64_t> plan(long long tick);
 
-  /// The result of the newest solve, when it was usable.
+  /// The newest usable plan.
   [[nodiscard]] const control::Plan& newest_plan() const { return mail_->plans.writer(); }
-  /// The plan that the control loop had in the newest tick; without nodes before the first.
+  /// The plan that the control loop had in the newest tick; without nodes before the first tick.
   [[nodiscard]] const control::Plan& active_plan() const { return mail_->plans.newest(); }
-  /// Of the newest tick.
+  /// The planning request of the newest tick.
   [[nodiscard]] const control_loop::PlanningRequest& request() const { return mail_->requests.newest(); }
-  /// Of the newest solve.
+  /// The report of the newest solve.
   [[nodiscard]] const sqp::SolveReport& report() const { return planner_->report(); }
   [[nodiscard]] const control_loop::PlanTiming& timing() const { return schedule_.timing(); }
   [[nodiscard]] control::Planner& planner() { return planner_->planner(); }
 
-  /// Size of control loop, planner, and the plans between them.
+  /// Size of control loop, planner, and the plans between them, bytes.
   [[nodiscard]] static std::size_t bytes();
 
  private:

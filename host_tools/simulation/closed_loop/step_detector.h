@@ -8,17 +8,18 @@
 
 namespace stilt::simulation {
 
-/// Finds touch-downs in contact forces: a foot that carried less than 5 N for at least 50 ms and then more.
+/// Detects touch-downs from contact forces: a foot that carried less than 5 N for at least 50 ms, and then
+/// more.
 class StepDetector {
  public:
-  /// To be called at each tick with forces and positions fx_L, fz_L, fx_R, fz_R / xL, zL, xR, zR.
+  /// Call at each tick, with forces fx_L, fz_L, fx_R, fz_R (N) and positions xL, zL, xR, zR (m).
   void update(double time_s, const model::FeetVector& contact_force_N,
               const model::FeetVector& foot_position_m, double hip_x_m);
 
   [[nodiscard]] const std::vector<log::Step>& steps() const { return steps_; }
 
  private:
-  /// Time since which each foot is in the air; negative while it is on the ground.
+  /// Time at which each foot left the ground; negative while it is on the ground.
   std::array<double, model::kFeet> airborne_since_s_ = {-1.0, -1.0};
   std::vector<log::Step> steps_;
 };

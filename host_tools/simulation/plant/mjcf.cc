@@ -20,7 +20,7 @@ constexpr double kGroundHalfLength_m = 100.0;
 constexpr double kGroundHalfWidth_m = 5.0;
 constexpr double kGroundHalfDepth_m = 0.5;
 
-/// Shortest decimal texts that read back exactly, separated by spaces.
+/// The shortest decimal texts that read back exactly, separated by spaces.
 std::string numbers(std::initializer_list<double> values) {
   std::string text;
   for (const double value : values) {
@@ -76,7 +76,7 @@ class MjcfWriter {
     }
   }
 
-  /// A piece of ground whose top goes from one x to another, parallel to the slope.
+  /// Adds a block of ground whose top reaches from one x to another, parallel to the slope.
   void box(int index, double from_m, double to_m, double height_m) {
     const double slope = options_.ground_slope_rad;
     const double middle_m = 0.5 * (from_m + to_m);
@@ -147,7 +147,7 @@ class MjcfWriter {
          << "\" size=\"0.005\"/>\n";
   }
 
-  /// The sphere's centre stands one radius from the foot frame towards the link's joint.
+  /// The centre of the sphere is one radius from the foot frame towards the link's joint.
   void add_foot(const PlanarFoot& foot, const std::string& indent) {
     const double length_m = std::hypot(foot.position_m.x, foot.position_m.z);
     const double scale = length_m > 0.0 ? 1.0 - options_.foot_radius_m / length_m : 1.0;

@@ -4,13 +4,13 @@
 #include <string>
 #include <string_view>
 
-/// Numbers in what users type and read.
+/// Numbers in the text that users type and read.
 namespace stilt::simulation {
 
-/// The finite number that fills the whole text, or nothing. Decimal point, no locale, no hexadecimal.
+/// The finite number that the whole text represents, or nothing. Decimal point, no locale, no hexadecimal.
 [[nodiscard]] std::optional<double> parse_number(std::string_view text);
 
-/// Shortest usual form, six significant digits: 0.8, 1e-05, 40.
+/// Shortest usual form with six significant digits: 0.8, 1e-05, 40.
 [[nodiscard]] std::string number_text(double value);
 
 }  // namespace stilt::simulation

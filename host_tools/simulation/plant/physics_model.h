@@ -21,20 +21,20 @@ struct DeleteData {
 using ModelPointer = std::unique_ptr<mjModel, DeleteModel>;
 using DataPointer = std::unique_ptr<mjData, DeleteData>;
 
-/// Where the parts of the robot stand in MuJoCo's arrays. The generalised coordinates are those of the
-/// project: x, z, pitch, hip_L, knee_L, hip_R, knee_R.
+/// Indices of the robot's parts in MuJoCo's arrays. The generalised coordinates are those of the project: x,
+/// z, pitch, hip_L, knee_L, hip_R, knee_R.
 struct PhysicsIndices {
   int torso_body = 0;
   std::array<int, model::kFeet> foot_geom = {};
   std::array<int, model::kFeet> foot_site = {};
 };
 
-/// Compiles MJCF text. Throws std::runtime_error with MuJoCo's message when it does not compile, or when the
-/// robot in it does not have the project's seven coordinates and two feet (geoms and sites foot_L, foot_R).
+/// Compiles MJCF text. Throws std::runtime_error with MuJoCo's message when it does not compile, or when its
+/// robot does not have the project's seven coordinates and two feet (geoms and sites foot_L, foot_R).
 [[nodiscard]] ModelPointer compile_mjcf(const std::string& mjcf, PhysicsIndices& indices);
 
-/// Writes masses, armature, damping and friction of the joints into the model; the rest of the options is in
-/// its MJCF already.
+/// Writes masses, armature, damping and friction of the joints to the model. Its MJCF already contains the
+/// other options.
 void apply_options(mjModel& physics, const PlantOptions& options);
 
 }  // namespace stilt::simulation

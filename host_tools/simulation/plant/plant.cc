@@ -7,12 +7,12 @@ namespace stilt::simulation {
 namespace {
 
 constexpr double kLoaded_N = 5.0;
-constexpr double kLowestHip = 0.6;  // of the nominal height
+constexpr double kLowestHip = 0.6;  // share of the nominal height
 constexpr double kLargestPitch_rad = 1.0;
 
 void ignore_message(const char*) {}
 
-/// Share of the way to its set point that a first-order lag goes in a time step; all of it without a lag.
+/// Share of the distance to its set point that a first-order lag covers in a time step; 1 without a lag.
 double share_of_step(double time_step_s, double time_constant_s) {
   return time_constant_s > 0.0 ? -std::expm1(-time_step_s / time_constant_s) : 1.0;
 }
@@ -45,7 +45,8 @@ Plant::Plant(const PlantModel& model, const PlantOptions& options, std::uint64_t
       torque_limit_Nm_(model.torque_limit_Nm),
       nominal_hip_height_m_(model.nominal_hip_height_m),
       random_(seed) {
-  mju_user_warning = ignore_message;  // MuJoCo would write a log file; fall() reports what it warns of
+  mju_user_warning = ignore_message;  // prevents MuJoCo from writing a log file; fall() reports the causes of
+                                      // warnings
   model_ = compile_mjcf(model.mjcf, index_);
   apply_options(*model_, options_);
   data_.reset(mj_makeData(model_.get()));
@@ -108,7 +109,7 @@ model::JointVector Plant::limit_Nm(const model::JointVector& torque_Nm) const {
   if (options_.no_load_speed_rad_s == 0.0) return largest_Nm;
   for (int joint = 0; joint < model::kJoints; ++joint) {
     const double speed_rad_s = data_->qvel[model::kFirstJoint + joint];
-    if (torque_Nm[joint] * speed_rad_s <= 0.0) continue;  // it brakes
+    if (torque_Nm[joint] * speed_rad_s <= 0.0) continue;  // braking
     largest_Nm[joint] *= std::max(0.0, 1.0 - std::abs(speed_rad_s) / options_.no_load_speed_rad_s);
   }
   return largest_Nm;
@@ -165,7 +166,7 @@ void Plant::measure_contact() {
       mj_contactForce(model_.get(), data_.get(), i, wrench);
       mjtNum force[3];
       mju_rotVecMatT(force, wrench, contact.frame);
-      const double sign = contact.geom2 == geom ? 1.0 : -1.0;  // MuJoCo gives the force on the second geom
+      const double sign = contact.geom2 == geom ? 1.0 : -1.0;  // MuJoCo reports the force on the second geom
       contact_force_N_[2 * foot] += sign * force[0];
       contact_force_N_[2 * foot + 1] += sign * force[2];
     }

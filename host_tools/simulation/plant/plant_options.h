@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-/// What may differ between the simulated robot and the robot the controller believes in.
+/// Differences between the simulated robot and the controller's model.
 namespace stilt::simulation {
 
 /// Options of the plant. An empty optional keeps the value of the robot's URDF.
@@ -17,11 +17,12 @@ struct PlantOptions {
   std::optional<double> joint_damping_Nms_rad;
   std::optional<double> joint_friction_Nm;
   std::optional<double> torque_limit_Nm;
-  double no_load_speed_rad_s = 0.0;         ///< of every joint; 0: the torque does not depend on the speed
+  double no_load_speed_rad_s = 0.0;         ///< of every joint; 0: the torque limit does not depend on the
+                                            ///< speed
   double base_resolution_rad = 0.0;         ///< of the base pitch; 0: that of the encoders
   double base_rate_resolution_rad_s = 0.0;  ///< of its rate; 0: that of the encoders
   double reading_delay_s = 0.0;             ///< age of the readings that the controller gets, in whole ticks
-  double drive_time_constant_s = 0.0;       ///< 0: the torque follows its command at once
+  double drive_time_constant_s = 0.0;       ///< 0: the torque follows its command without lag
   std::optional<double> torso_com_m;        ///< height above the hip
   bool joint_stops = false;
   double foot_radius_m = 0.002;
@@ -39,7 +40,7 @@ struct PlantOptions {
   double step_position_m = 2.0;
 };
 
-/// Height of the ground below a point x of the world.
+/// Height of the ground at a point x of the world.
 [[nodiscard]] double ground_height_m(const PlantOptions& options, double x_m);
 
 /// One row of the table of options: what `--plant KEY=VALUE` accepts.
@@ -51,17 +52,17 @@ struct PlantOption {
   const char* default_text;
   const char* description;
   void (*set)(PlantOptions&, double);
-  bool is_switch = false;  ///< takes 0 and 1, nothing between
+  bool is_switch = false;  ///< the only values are 0 and 1
 };
 
 /// The table of options, in the order of the help text.
 [[nodiscard]] std::span<const PlantOption> plant_option_table();
 
-/// The table as text, one option a line.
+/// The table as text, one option per line.
 [[nodiscard]] std::string describe_plant_options();
 
-/// Sets one option from "KEY=VALUE". Throws std::invalid_argument, one sentence, when the key is unknown, the
-/// value no number or out of its range.
+/// Sets one option from "KEY=VALUE". Throws std::invalid_argument, one sentence, when the key is unknown, or
+/// when the value is not a number or out of range.
 void set_plant_option(PlantOptions& options, std::string_view assignment);
 
 }  // namespace stilt::simulation

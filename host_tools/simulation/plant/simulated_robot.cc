@@ -8,7 +8,7 @@
 namespace stilt::simulation {
 namespace {
 
-/// MuJoCo takes a shorter time constant for twice the time step, without a word.
+/// MuJoCo replaces a shorter time constant by twice the time step without a message.
 void check_contact(const PlantOptions& options) {
   const double shortest_s = 2.0 * options.time_step_s;
   if (options.contact_time_constant_s >= shortest_s) return;

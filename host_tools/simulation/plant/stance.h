@@ -18,17 +18,18 @@ struct LegAngles {
   double knee_rad = 0.0;
 };
 
-/// Joint angles that place a foot forward_m ahead of the hip and below_m under it, the torso pitched by
-/// pitch_rad, the knee bent to a positive angle.
-/// With a = pitch + hip and b = a + knee the foot stands at (-thigh sin a - shin sin b, -(thigh cos a + shin
-/// cos b)) from the hip. Throws std::invalid_argument when the foot is out of the leg's reach.
+/// Joint angles that place a foot forward_m ahead of the hip and below_m under it, with the torso pitched by
+/// pitch_rad and the knee bent to a positive angle. With a = pitch + hip and b = a + knee the position of the
+/// foot relative to the hip is
+///   (-thigh sin a - shin sin b, -(thigh cos a + shin cos b)).
+/// Throws std::invalid_argument when the foot is out of the leg's reach.
 [[nodiscard]] LegAngles leg_angles(const LegLengths& leg, double forward_m, double below_m, double pitch_rad);
 
 /// Positions of both feet of a state, world frame: xL, zL, xR, zR.
 [[nodiscard]] model::FeetVector foot_positions(const LegLengths& leg, const model::StateVector& state);
 
-/// Standing still: hip at x 0 and base_height_m over z 0, torso upright, left foot half_width_m ahead of the
-/// hip and right foot as much behind, each on ground of the given height.
+/// State that stands still: hip at x = 0 and base_height_m above z = 0, torso upright, left foot half_width_m
+/// ahead of the hip and right foot as far behind it, each on ground of the given height.
 [[nodiscard]] model::StateVector standing_state(const LegLengths& leg, double base_height_m,
                                                 double half_width_m,
                                                 const std::array<double, model::kFeet>& ground_height_m = {});

@@ -32,7 +32,8 @@ BaseSensorFrames::BaseSensorFrames(const hal::RobotWiring& wiring) {
 const std::vector<hal::CanFrame>& BaseSensorFrames::encode(const BaseValues& values) {
   for (const Row& row : rows_) {
     const double value = values[static_cast<std::size_t>(row.channel.channel)];
-    static_cast<void>(hal::encode(row.channel, value, frames_[row.frame]));  // valid row, finite value
+    static_cast<void>(hal::encode(row.channel, value, frames_[row.frame]));  // cannot fail: valid row, finite
+                                                                             // value
   }
   return frames_;
 }

@@ -9,17 +9,17 @@
 
 namespace stilt::robot_on_bus {
 
-/// Values of the channels, by BaseChannel, SI units.
+/// Values of the channels, indexed by BaseChannel, SI units.
 using BaseValues = std::array<double, hal::kBaseChannels>;
 
-/// The base sensor's side of the wiring's channel table: one frame an identifier, each as long as its
-/// channels need.
+/// The transmit side of the base sensor's channel table: one frame per identifier, as long as its channels
+/// need.
 class BaseSensorFrames {
  public:
   explicit BaseSensorFrames(const hal::RobotWiring& wiring);
 
-  /// Every frame of the sensor with these values, in the order of the table. Values beyond a field's range
-  /// end at its limit.
+  /// Every frame of the sensor with these values, in the order of the table. Values out of a field's range
+  /// are clamped.
   [[nodiscard]] const std::vector<hal::CanFrame>& encode(const BaseValues& values);
 
  private:

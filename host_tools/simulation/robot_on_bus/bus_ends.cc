@@ -6,7 +6,7 @@
 namespace stilt::robot_on_bus {
 namespace {
 
-constexpr std::size_t kMostWaiting = 1000;  // what a controller that does not listen may keep waiting
+constexpr std::size_t kMostWaiting = 1000;  // frames kept for a controller that does not read
 
 }  // namespace
 

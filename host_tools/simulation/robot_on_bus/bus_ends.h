@@ -10,31 +10,31 @@
 
 namespace stilt::robot_on_bus {
 
-/// The robot's ends of its buses: moves frames between them and the robot, and writes the frame log. Nothing
-/// here waits.
+/// The robot's ends of its buses: moves frames between them and the robot, and writes the frame log. Never
+/// waits.
 class BusEnds {
  public:
-  /// @param buses  in the order of the wiring; outlive this object, as do robot and log
+  /// @param buses  in the order of the wiring; must outlive this object, as must robot and log
   BusEnds(RobotOnBus& robot, std::span<hal::FrameBus* const> buses, FrameLog& log);
 
   [[nodiscard]] std::size_t count() const { return buses_.size(); }
 
-  /// Takes everything that waits on a bus.
+  /// Reads all frames that wait on a bus.
   [[nodiscard]] std::vector<hal::CanFrame> receive(std::size_t bus);
 
-  /// Lets the robot hear a frame of the controller.
+  /// Delivers a frame of the controller to the robot.
   void deliver(std::int64_t now_ns, std::size_t bus, const hal::CanFrame& frame);
 
-  /// Puts what the robot's nodes send on the buses.
+  /// Sends the frames of the robot's nodes.
   void send_outgoing(std::int64_t now_ns);
 
-  /// Puts a frame on a bus, after those that found its queue full before.
+  /// Sends a frame on a bus, after the frames that found its queue full.
   void send(std::size_t bus, const hal::CanFrame& frame);
 
-  /// Tries again to send what found the queue full.
+  /// Sends again the frames that found the queue full.
   void flush(std::size_t bus);
 
-  /// The controller is gone: what waits is for nobody.
+  /// The controller has left: drops the waiting frames.
   void forget();
 
  private:

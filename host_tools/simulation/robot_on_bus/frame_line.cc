@@ -35,9 +35,9 @@ std::vector<hal::CanFrame> FrameLine::arrived(std::int64_t now_ns, std::size_t b
   return frames;
 }
 
-/// One bit of the payload the other way round, each time another one.
+/// Inverts one bit of the payload, a different one each time.
 hal::CanFrame FrameLine::corrupted(hal::CanFrame frame) {
-  constexpr std::uint64_t kStride = 29;  // prime, so that every bit has its turn
+  constexpr std::uint64_t kStride = 29;  // prime, so that every bit gets inverted
   if (frame.length == 0) return frame;
   const std::uint64_t bit = corruptions_++ * kStride % (8u * frame.length);
   frame.data[bit / 8] ^= static_cast<std::uint8_t>(1u << bit % 8);

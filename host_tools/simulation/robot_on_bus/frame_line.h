@@ -11,26 +11,26 @@
 
 namespace stilt::robot_on_bus {
 
-/// Where a frame of the robot comes from.
+/// Origin of a frame of the robot.
 struct FrameSource {
   std::size_t bus = 0;
   std::optional<std::size_t> joint;  ///< none: the base sensor
 };
 
-/// Frames of the robot on their way to the controller, and what the faults of the moment do to them. Frames
-/// that nothing delays keep their order. Deterministic.
+/// Frames on their way from the robot to the controller, and the effects of the active faults on them. Frames
+/// without delay keep their order. Deterministic.
 class FrameLine {
  public:
   explicit FrameLine(std::span<const simulation::TimedFault> faults)
       : faults_(faults.begin(), faults.end()) {}
 
-  /// Faults are those that are active at `time_s`.
+  /// Applies the faults that are active at `time_s`.
   void send(double time_s, std::int64_t now_ns, const FrameSource& source, const hal::CanFrame& frame);
 
-  /// Whether a frame of the controller gets lost before it reaches a joint.
+  /// Whether a frame of the controller is lost before it reaches a joint.
   [[nodiscard]] bool lost(double time_s, std::size_t bus, std::size_t joint) const;
 
-  /// Takes what has arrived on a bus by now.
+  /// Takes the frames that have arrived on a bus by now.
   [[nodiscard]] std::vector<hal::CanFrame> arrived(std::int64_t now_ns, std::size_t bus);
 
  private:

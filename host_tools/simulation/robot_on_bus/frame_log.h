@@ -8,11 +8,11 @@
 
 namespace stilt::robot_on_bus {
 
-/// Every frame on the buses as text, one a line, in the notation of can-utils: `TICK BUS SENDER FRAME`,
-/// SENDER being controller or robot, FRAME 123#0011 (classic, 3 digits; extended, 8 digits; remote #R; FD ##1
-/// with the faster data phase, ##0 without; error frames with the flag 20000000 as candump shows them).
-/// Nothing in it depends on the clock of the machine: two runs in lock-step give the same bytes. Sync frames
-/// are left out.
+/// Every frame on the buses as text, one per line, in the notation of can-utils: `TICK BUS SENDER FRAME`.
+/// SENDER is controller or robot. FRAME is like 123#0011: classic, 3 digits; extended, 8 digits; remote #R;
+/// FD ##1 with the faster data phase, ##0 without; error frames with the flag 20000000 as in candump. The log
+/// does not depend on the machine's clock: two runs in lock-step give the same bytes. Sync frames are left
+/// out.
 class FrameLog {
  public:
   /// Writes nothing when the name is empty. Throws std::runtime_error, one sentence, when the file cannot be
@@ -22,7 +22,7 @@ class FrameLog {
   enum class Sender { controller, robot };
   void write(std::uint64_t tick, std::size_t bus, Sender sender, const hal::CanFrame& frame);
 
-  /// Throws std::runtime_error, one sentence, when something could not be written.
+  /// Throws std::runtime_error, one sentence, when a part could not be written.
   void close();
 
  private:
@@ -30,7 +30,7 @@ class FrameLog {
   std::ofstream file_;
 };
 
-/// The frame as can-utils writes it.
+/// The frame in the notation of can-utils.
 [[nodiscard]] std::string frame_text(const hal::CanFrame& frame);
 
 }  // namespace stilt::robot_on_bus

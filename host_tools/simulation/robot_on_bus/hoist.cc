@@ -8,7 +8,7 @@ namespace {
 
 constexpr int kX = 0, kZ = 1, kPitch = model::kFirstAngle;
 
-/// One step towards a value, no further than it.
+/// Moves a value by at most `step` towards `goal`.
 double approach(double value, double goal, double step) {
   return value + std::clamp(goal - value, -step, step);
 }

@@ -10,7 +10,7 @@
 namespace stilt::robot_on_bus {
 namespace {
 
-constexpr std::int64_t kStart_ns = 1'000'000'000;  // virtual time 0 would look like "never" to a driver
+constexpr std::int64_t kStart_ns = 1'000'000'000;  // drivers interpret a time of 0 as "never"
 
 }  // namespace
 

@@ -8,33 +8,33 @@
 
 namespace stilt::robot_on_bus {
 
-/// The robot's side of lock-step (hal/can/lockstep.h). Time is virtual: one tick for each sync frame of
-/// the controller, so that nothing depends on how fast either side runs. Frames are delivered bus by bus once
-/// the controller has ended its turn on all of them, so that nothing depends on their order in time either.
+/// The robot's side of lock-step (hal/can/lockstep.h). Time is virtual, one tick per sync frame of the
+/// controller: the result does not depend on the speed of either side. Frames are delivered bus by bus once
+/// the controller has ended its turn on all buses: the result does not depend on their order in time either.
 ///
-/// A controller that starts anew begins with tick 0 again; the robot's own time goes on.
+/// A restarted controller begins with tick 0 again; the robot's own time continues.
 class LockstepExchange {
  public:
   LockstepExchange(RobotOnBus& robot, BusEnds& ends, double tick_s);
 
-  /// Takes what has arrived. When the controller's turn is over: advances the robot by a tick (not for tick
-  /// 0), sends what its nodes say, and ends the robot's turn. Whether it did. Never waits. Throws
-  /// std::runtime_error, one sentence, when the controller counts wrongly.
+  /// Reads the frames that have arrived. When the controller's turn is over: advances the robot by a tick
+  /// (not for tick 0), sends the frames of its nodes, ends the robot's turn, and returns true. Never waits.
+  /// Throws std::runtime_error, one sentence, when the controller's tick number is wrong.
   bool poll();
 
   /// Advances the robot by one tick without a controller.
   void advance_alone();
 
-  /// The controller is gone.
+  /// The controller has left: resets the exchange.
   void forget_controller();
 
-  /// The tick that both sides are at; nothing before tick 0 was exchanged.
+  /// The tick of both sides; nothing before tick 0 was exchanged.
   [[nodiscard]] std::optional<std::uint64_t> tick() const { return tick_; }
 
  private:
   struct Turn {
     std::vector<hal::CanFrame> frames;
-    std::optional<std::uint64_t> ended;  ///< with this tick
+    std::optional<std::uint64_t> ended;  ///< tick of the controller's ended turn
   };
   void take(std::size_t bus);
   [[nodiscard]] bool all_ended() const;

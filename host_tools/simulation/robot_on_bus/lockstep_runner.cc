@@ -12,14 +12,14 @@ namespace {
 
 using SteadyClock = std::chrono::steady_clock;
 
-constexpr std::int64_t kLongestWait_ns = 50'000'000;  // to look at the stop flag
+constexpr std::int64_t kLongestWait_ns = 50'000'000;  // interval of the checks of the stop flag
 constexpr double kAlone_s = 1.0;
 
 double seconds_since(SteadyClock::time_point start) {
   return std::chrono::duration<double>(SteadyClock::now() - start).count();
 }
 
-/// One run, with what it remembers between two looks at the buses.
+/// One run, with its state between two polls of the buses.
 class LockstepRun {
  public:
   LockstepRun(RobotOnBus& robot, std::vector<RobotBus>& buses, FrameLog& log, const RunOptions& options)
@@ -59,12 +59,12 @@ class LockstepRun {
     return count;
   }
 
-  /// One of its buses is gone, or the next controller is on it already.
+  /// Whether one of its buses is disconnected, or the next controller is connected already.
   [[nodiscard]] bool controller_left() const {
     return !all_connected(buses_) || connections() != controller_;
   }
 
-  /// The connections of a controller that came meanwhile stay.
+  /// Keeps the connections of a controller that has come in the meantime.
   void lose_controller() {
     exchange_.forget_controller();
     for (std::size_t bus = 0; bus < buses_.size(); ++bus) {
@@ -93,7 +93,7 @@ class LockstepRun {
   LockstepExchange exchange_;
   ProgressTicks progress_;
   RunOutcome outcome_;
-  std::vector<std::uint64_t> controller_;  ///< connections() when it last took its turn
+  std::vector<std::uint64_t> controller_;  ///< connections() at its last turn
   SteadyClock::time_point quiet_since_ = SteadyClock::now();
   double patience_s_ = options_.wait_s;
 };

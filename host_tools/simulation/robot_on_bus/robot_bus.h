@@ -11,21 +11,21 @@
 
 namespace stilt::robot_on_bus {
 
-/// The robot's end of a bus by its name: `loopback:NAME`, where it listens, or an interface of the kernel.
+/// The robot's end of a bus by its name: `loopback:NAME`, which it listens on, or an interface of the kernel.
 class RobotBus {
  public:
-  /// @param fd  the wiring's drivers need CAN FD
+  /// @param fd  whether the wiring's drivers need CAN FD
   /// Throws std::invalid_argument, one sentence, when there is no such bus or its name is taken.
   RobotBus(const std::string& name, bool fd);
 
   [[nodiscard]] hal::FrameBus& frames();
-  /// Whether a controller is there; an interface of the kernel cannot tell and says so always.
+  /// Whether a controller is connected. Always true for an interface of the kernel, which does not show it.
   [[nodiscard]] bool connected() const;
-  /// Controllers that came, as far as the bus can tell.
+  /// Number of controllers that have connected, as far as the bus shows it.
   [[nodiscard]] std::uint64_t connections() const;
   /// For poll(): readable when a frame or a controller waits.
   [[nodiscard]] int descriptor() const;
-  /// Ends the connection of a loopback bus; the next controller is let in by receive().
+  /// Ends the connection of a loopback bus; receive() accepts the next controller.
   void hang_up();
   [[nodiscard]] bool is_loopback() const;
   [[nodiscard]] const std::string& name() const { return name_; }

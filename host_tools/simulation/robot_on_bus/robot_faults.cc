@@ -1,4 +1,4 @@
-// Faults of the robot: what begins and ends at their times.
+// Faults of the robot that begin and end at their times.
 #include <linux/can/error.h>
 
 #include <algorithm>
@@ -76,7 +76,7 @@ void RobotOnBus::begin_fault(std::int64_t now_ns, const simulation::TimedFault& 
     case simulation::FaultKind::over_temperature:
       for_each_driver(fault, [](Driver& driver) { driver.motor.temperature_C = kHot_C; });
       break;
-    default:  // faults of frames, base sensor and switch act while they are active
+    default:  // faults of frames, base sensor and switch are evaluated while they are active
       break;
   }
 }
@@ -110,7 +110,7 @@ void RobotOnBus::end_fault(std::int64_t now_ns, const simulation::TimedFault& fa
   }
 }
 
-/// Drivers that measure their supply report it, the others let go with an under-voltage.
+/// Drivers that measure their supply voltage report it; the others coast with an under-voltage fault.
 void RobotOnBus::lower_supply(const simulation::TimedFault& fault) {
   for_each_driver(fault, [](hal::EmulatedDriver& driver) {
     driver.motor.supply_V = kLowSupply_V;
@@ -118,7 +118,7 @@ void RobotOnBus::lower_supply(const simulation::TimedFault& fault) {
   });
 }
 
-/// While it is off nothing passes either way but what its controller says of itself.
+/// In bus-off no frame passes in either direction, except the error frames of the CAN controller.
 void RobotOnBus::set_bus_off(std::int64_t now_ns, std::size_t bus, bool off) {
   bus_off_[bus] = off;
   line_.send(-1.0, now_ns, {bus, std::nullopt}, error_frame(off ? CAN_ERR_BUSOFF : CAN_ERR_RESTARTED));

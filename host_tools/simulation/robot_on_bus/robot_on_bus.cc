@@ -9,8 +9,8 @@ namespace {
 
 using hal::BaseChannel;
 
-constexpr double kTorqueOn_Nm = 3.0;  // more than a damped, hanging leg asks for
-constexpr double kSittingHip = 0.85;  // of the nominal height
+constexpr double kTorqueOn_Nm = 3.0;  // more than a damped, hanging leg needs
+constexpr double kSittingHip = 0.85;  // share of the nominal height
 constexpr double kLoaded_N = 5.0;
 constexpr double kUpright_rad = 0.3;
 constexpr double kSlow_m_s = 0.5;  // a damped robot that collapses is faster
@@ -79,7 +79,7 @@ void RobotOnBus::step(std::int64_t now_ns) {
   finish_tick(now_ns);
 }
 
-/// The encoders of joints and torso show the plant's sensors.
+/// Sets the encoders of joints and torso from the plant's sensors.
 void RobotOnBus::read_encoders() {
   const control::SensorReading reading = plant_.read_sensors();
   for (int joint = 0; joint < model::kJoints; ++joint) {
@@ -92,7 +92,7 @@ void RobotOnBus::read_encoders() {
   channel(base_values_, BaseChannel::pitch_rate_rad_s) = reading.base_pitch_rate_rad_s;
 }
 
-/// Motors, pushes and the hoist act on the plant.
+/// Applies motors, pushes and the hoist to the plant.
 void RobotOnBus::act() {
   model::JointVector torque_Nm;
   for (int joint = 0; joint < model::kJoints; ++joint) {
@@ -129,7 +129,7 @@ void RobotOnBus::send_base(std::int64_t now_ns) {
   }
 }
 
-/// Whether one of its periods, counted from the start, ended with this tick.
+/// Whether a period of the base sensor, counted from the start, ended with this tick.
 bool RobotOnBus::base_due() {
   constexpr double kRounding = 1e-6;
   const auto over = static_cast<std::uint64_t>(time_s() * setup_.base_rate_hz + kRounding);
@@ -138,7 +138,7 @@ bool RobotOnBus::base_due() {
   return due;
 }
 
-/// Specific force of the hip over the last tick, in the frame of the base: a - g, turned by the pitch.
+/// Specific force of the hip over the last tick in the base frame: a - g, rotated by the pitch.
 BaseValues RobotOnBus::base_values() {
   const model::StateVector state = plant_.state();
   const double vx = state[model::kPositions], vz = state[model::kPositions + 1];
@@ -161,8 +161,8 @@ bool RobotOnBus::torque_on() const {
   return drivers_.all_enabled() && plant_.applied_torque_Nm().cwiseAbs().maxCoeff() >= kTorqueOn_Nm;
 }
 
-/// The robot lowers itself under control: motors obey, both feet carry, the torso is upright and slow. That
-/// is no fall; the person at the hoist takes it on the rope.
+/// Whether the robot lowers itself under control: motors are enabled, both feet carry load, the torso is
+/// upright and slow. This is not a fall; the hoist takes the weight.
 bool RobotOnBus::sits_down() const {
   const model::StateVector state = plant_.state();
   const double hip_m = state[1] - plant_.ground_height_m(state[0]);
@@ -173,7 +173,7 @@ bool RobotOnBus::sits_down() const {
          std::abs(state[model::kPositions]) < kSlow_m_s && std::abs(state[model::kPositions + 1]) < kSlow_m_s;
 }
 
-/// The person at the hoist, and the statistics.
+/// Updates the hoist and the statistics.
 void RobotOnBus::attend() {
   hoist_.elapse(plant_.state(), torque_on(), setup_.tick_s);
   if (hoist_.state() != HoistState::off) return;

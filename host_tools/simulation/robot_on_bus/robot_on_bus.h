@@ -19,7 +19,7 @@
 
 namespace stilt::robot_on_bus {
 
-/// Everything that makes one simulated robot.
+/// All settings of one simulated robot.
 struct RobotSetup {
   hal::RobotWiring wiring;  ///< valid for bus_count
   std::size_t bus_count = 1;
@@ -28,58 +28,59 @@ struct RobotSetup {
   std::uint64_t seed = 1;
   model::StateVector standing = model::StateVector::Zero();  ///< starting pose, feet on the ground
   double tick_s = 0.001;
-  double base_rate_hz = 1000.0;  ///< frames a second of the base sensor, at most one a tick
+  double base_rate_hz = 1000.0;  ///< frames per second of the base sensor, at most one per tick
   HoistParameters hoist;
   std::vector<simulation::TimedFault> faults;
   std::vector<simulation::Push> pushes;
   bool keep_samples = false;
 };
 
-/// A fault that came about.
+/// A fault that has occurred.
 struct StruckFault {
   std::string name;
-  double time_s = 0.0;  ///< since the robot was switched on
+  double time_s = 0.0;  ///< since power-on of the robot
 };
 
-/// MuJoCo behind emulated motor drivers and an emulated base sensor: frames in, frames out, and between them
-/// the robot. Knows neither sockets nor clocks; equal calls give equal frames, bit for bit.
+/// MuJoCo behind emulated motor drivers and an emulated base sensor, connected by CAN frames. Uses neither
+/// sockets nor clocks; equal calls give equal frames, bit for bit.
 ///
-/// A command takes effect when it is heard; the driver's law is evaluated at each time step of the plant, at
-/// the joint's position and velocity of that moment (with the plant's encoder noise), and limited by driver
-/// and plant. Replies show the newest time step. The base sensor sends at the end of a tick, at its
-/// own rate.
+/// A command becomes active when its frame is received. The driver's law is evaluated at each time step of
+/// the plant, at the joint's present position and velocity (with the plant's encoder noise), and limited by
+/// driver and plant. Replies contain the state of the newest time step. The base sensor sends at the end of a
+/// tick, at its own rate.
 class RobotOnBus {
  public:
   /// Throws std::runtime_error when the plant refuses the model.
   explicit RobotOnBus(const RobotSetup& setup);
 
-  /// A frame of the controller.
+  /// Receives a frame of the controller.
   void hear(std::int64_t now_ns, std::size_t bus, const hal::CanFrame& frame);
 
-  /// Advances by one time step of the plant; after the last one of a tick, drivers' timers run and the base
-  /// sensor sends.
+  /// Advances by one time step of the plant. After the last one of a tick the drivers' timers run, and the
+  /// base sensor sends.
   void step(std::int64_t now_ns);
 
   /// Advances by a whole tick.
   void tick(std::int64_t now_ns);
 
-  /// Takes the frames that the robot's nodes put on a bus by now.
+  /// Takes the frames that the robot's nodes have sent on a bus by now.
   [[nodiscard]] std::vector<hal::CanFrame> take_outgoing(std::int64_t now_ns, std::size_t bus);
 
-  /// The bus is gone, by a fault.
+  /// Whether a fault has disconnected the bus.
   [[nodiscard]] bool disconnected(std::size_t bus) const { return bus_gone_[bus]; }
 
   [[nodiscard]] std::uint64_t ticks() const { return ticks_; }
   [[nodiscard]] int steps_a_tick() const { return steps_a_tick_; }
   [[nodiscard]] double time_step_s() const { return plant_.time_step_s(); }
-  /// Since the robot was switched on.
+  /// Time since power-on of the robot.
   [[nodiscard]] double time_s() const { return static_cast<double>(ticks_) * setup_.tick_s; }
-  /// Since the hoist let go for the first time; nothing before.
+  /// Time since the first release of the hoist; nothing before.
   [[nodiscard]] std::optional<double> walk_time_s() const;
-  /// When that was, since the robot was switched on.
+  /// Time of the first release of the hoist, since power-on of the robot.
   [[nodiscard]] std::optional<double> hoist_released_s() const;
 
-  /// Since the hoist let go: when the robot sat down in order and was taken on the rope again.
+  /// Time since the release of the hoist at which the robot had sat down in order and the hoist took its
+  /// weight.
   [[nodiscard]] std::optional<double> sat_down_s() const { return sat_down_s_; }
 
   [[nodiscard]] const simulation::Plant& plant() const { return plant_; }
@@ -88,7 +89,7 @@ class RobotOnBus {
   [[nodiscard]] const WalkRecorder& recorder() const { return recorder_; }
   [[nodiscard]] const std::vector<StruckFault>& struck_faults() const { return struck_; }
 
-  /// The run ends: closes the statistics.
+  /// Ends the run: completes the statistics.
   void finish();
 
  private:
@@ -109,7 +110,7 @@ class RobotOnBus {
   void end_walk(simulation::Fall fall);
   [[nodiscard]] bool sits_down() const;
   [[nodiscard]] bool torque_on() const;
-  /// Negative before the hoist has let go.
+  /// Time since the release of the hoist; negative before.
   [[nodiscard]] double clock_s() const { return walk_time_s().value_or(-1.0); }
   template <class Action>
   void for_each_driver(const simulation::TimedFault& fault, Action&& action);
@@ -123,10 +124,10 @@ class RobotOnBus {
   FrameLine line_;
   WalkRecorder recorder_;
   std::uint64_t ticks_ = 0;
-  std::uint64_t base_frames_ = 0;  ///< periods of the base sensor that are over
+  std::uint64_t base_frames_ = 0;  ///< periods of the base sensor that have ended
   int step_in_tick_ = 0;
   std::optional<std::uint64_t> release_tick_;
-  int sitting_ticks_ = 0;  ///< in a row
+  int sitting_ticks_ = 0;  ///< consecutive
   std::optional<double> sat_down_s_;
   double fault_clock_s_ = -1.0;  ///< clock_s() at the beginning of the tick: faults begin and end with it
   std::vector<bool> fault_active_;

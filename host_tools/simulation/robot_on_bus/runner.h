@@ -12,37 +12,39 @@
 
 namespace stilt::robot_on_bus {
 
-/// When a run ends, and who watches it.
+/// When a run ends, and its observers.
 struct RunOptions {
   double tick_s = 0.001;
-  std::optional<double> duration_s;  ///< after the hoist has let go; none: until interrupted
-  bool once = false;                 ///< end when the controller that came has left
+  std::optional<double> duration_s;  ///< after the release of the hoist; none: until interrupted
+  bool once = false;                 ///< whether the run ends when its controller has left
   double wait_s = 60.0;              ///< lock-step: longest wait for a controller, and for its turn
   double next_wait_s = 10.0;         ///< lock-step: longest wait for the next controller after one has left
-  const std::atomic<bool>* stop = nullptr;                      ///< set from outside to end the run
-  std::function<void(double time_s)> progress = [](double) {};  ///< about once a simulated second
-  std::function<void(const RobotOnBus&)> watch = [](const RobotOnBus&) {};  ///< about every tick; quick
+  const std::atomic<bool>* stop = nullptr;                      ///< set by another thread to end the run
+  std::function<void(double time_s)> progress = [](double) {};  ///< about once per simulated second
+  std::function<void(const RobotOnBus&)> watch = [](const RobotOnBus&) {};  ///< about once per tick; must be
+                                                                            ///< quick
 };
 
-/// How a run went.
+/// Result of a run.
 struct RunOutcome {
   bool has_priority = false;      ///< real time: the kernel granted SCHED_FIFO
-  const char* ended = "";         ///< why
-  std::uint64_t controllers = 0;  ///< that came, as far as the buses can tell
-  std::uint64_t late = 0;         ///< real time: how often the robot fell behind the clock and let it go
-  double late_max_s = 0.0;        ///< by how much at most
+  const char* ended = "";         ///< reason for the end
+  std::uint64_t controllers = 0;  ///< number that connected, as far as the buses show it
+  std::uint64_t late = 0;         ///< real time: number of times that the robot was late and skipped the lost
+                                  ///< time
+  double late_max_s = 0.0;        ///< longest of these delays
 };
 
-/// The robot follows the controller's turns. After a controller has left (loopback), the robot goes on alone
-/// for one second of its time, so that watchdogs expire, then waits for the next one. Throws
-/// std::runtime_error, one sentence, when the controller breaks the rules or says nothing for wait_s.
+/// Runs the robot in turns with the controller. After a controller has left (loopback), the robot continues
+/// alone for one second of its time, so that watchdogs expire, and then waits for the next controller. Throws
+/// std::runtime_error, one sentence, when the controller violates the protocol or is silent for wait_s.
 [[nodiscard]] RunOutcome run_lockstep(RobotOnBus& robot, std::vector<RobotBus>& buses, FrameLog& log,
                                       const RunOptions& options);
 
-/// The robot follows CLOCK_MONOTONIC. Commands take effect when they arrive, replies leave at once, the base
-/// sensor sends once a tick. Takes SCHED_FIFO above any controller when the kernel grants it: motor drivers
-/// do not wait for a processor. A robot that falls behind by more than 5 ms leaves the lost time out instead
-/// of catching up in a burst, and counts it.
+/// Runs the robot by CLOCK_MONOTONIC. Commands become active when they arrive, replies leave at once, and the
+/// base sensor sends once per tick. Takes SCHED_FIFO above any controller when the kernel grants it, because
+/// motor drivers do not wait for a processor. When the robot is more than 5 ms late, it skips the lost time
+/// instead of catching up in a burst, and counts it.
 [[nodiscard]] RunOutcome run_realtime(RobotOnBus& robot, std::vector<RobotBus>& buses, FrameLog& log,
                                       const RunOptions& options);
 

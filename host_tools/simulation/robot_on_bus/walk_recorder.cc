@@ -7,7 +7,7 @@
 namespace stilt::robot_on_bus {
 namespace {
 
-constexpr double kSettled_s = 3.0;  // the mean speed counts from here, as in `stilt sim`
+constexpr double kSettled_s = 3.0;  // the mean speed counts from this time, as in `stilt sim`
 constexpr double kArrived_m = 0.1;
 constexpr long long kTicksASample = 5;
 

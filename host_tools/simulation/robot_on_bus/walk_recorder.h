@@ -10,21 +10,21 @@
 
 namespace stilt::robot_on_bus {
 
-/// What the plant shows of a walk, as `stilt sim` reports it: from the moment the hoist has let go until the
-/// robot falls, sits down or the run ends. Nothing of the controller: plans and estimates are not known here,
-/// nor when it was told to stop. The mean speed therefore counts, after the first 3 s, until the robot is
-/// within 0.1 m of where it ends.
+/// The plant's data of a walk, as in the report of `stilt sim`: from the release of the hoist until the robot
+/// falls, sits down or the run ends. Data of the controller are not available: plans, estimates, and the time
+/// of its stop command. The mean speed therefore counts from 3 s on, until the robot is within 0.1 m of its
+/// final position.
 class WalkRecorder {
  public:
-  /// @param keep_samples  record 200 samples a second for the report
+  /// @param keep_samples  record 200 samples per second for the report
   explicit WalkRecorder(bool keep_samples) : keep_samples_(keep_samples) {}
 
   void begin(const simulation::Plant& plant);
-  /// After each step of the plant.
+  /// Call after each step of the plant.
   void observe_step(const simulation::Plant& plant);
-  /// After each tick.
+  /// Call after each tick.
   void observe_tick(double time_s, const simulation::Plant& plant, const simulation::ActingPush& push);
-  /// The first call counts.
+  /// Call at the end of the walk. Only the first call counts.
   void finish(double time_s, const simulation::Plant& plant, simulation::Fall fall);
 
   [[nodiscard]] bool running() const { return running_; }
@@ -49,7 +49,7 @@ class WalkRecorder {
   };
   [[nodiscard]] double mean_speed_m_s(double time_s, double x_m) const;
 
-  std::vector<Place> way_;  ///< after the first 3 s, of the hip
+  std::vector<Place> way_;  ///< positions of the hip after the first 3 s
 };
 
 }  // namespace stilt::robot_on_bus

@@ -9,11 +9,11 @@
 
 namespace stilt::foxglove {
 
-/// Everything the robot says on the network, to an endpoint: a thread of its own. Throws std::runtime_error
-/// with a sentence when the network cannot be joined.
+/// Passes all telemetry of the robot to an endpoint, in its own thread. Throws std::runtime_error with one
+/// sentence when the network cannot be joined.
 class Bridge {
  public:
-  /// The endpoint outlives it.
+  /// The endpoint must outlive this object.
   Bridge(const telemetry::Network& network, FoxgloveEndpoint& endpoint);
 
  private:
@@ -22,7 +22,7 @@ class Bridge {
   telemetry::Participant participant_;
   host_telemetry::Listener listener_;
   FoxgloveEndpoint& endpoint_;
-  std::jthread thread_;  ///< last: it uses the others
+  std::jthread thread_;  ///< last: it uses the other members
 };
 
 }  // namespace stilt::foxglove

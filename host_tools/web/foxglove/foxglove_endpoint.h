@@ -12,27 +12,27 @@
 
 namespace stilt::foxglove {
 
-/// Speaks the Foxglove WebSocket protocol, so that viewers which know it (Foxglove, Lichtblick) connect
-/// directly: offers every topic that a record would hold as CDR with its ROS 2 message definition, and sends
-/// what a client subscribes to. Takes no commands.
+/// Implements the Foxglove WebSocket protocol, so that viewers with that protocol (Foxglove, Lichtblick)
+/// connect directly. Offers every topic of a recording as CDR with its ROS 2 message definition, and sends
+/// the topics that a client subscribes to. Accepts no commands.
 ///
-/// Text frames are JSON with a field "op": the server says serverInfo and advertise, the client subscribe and
-/// unsubscribe. A message is a binary frame: 1, id of the client's subscription (32 bits), time of day in
+/// Text frames are JSON with a field "op": the server sends serverInfo and advertise, the client subscribe
+/// and unsubscribe. A message is a binary frame: 1, id of the client's subscription (32 bits), time of day in
 /// nanoseconds (64 bits), CDR; numbers are little endian.
 class FoxgloveEndpoint final : public monitor::Endpoint {
  public:
-  /// @param name  for people, shown by viewers
+  /// @param name  name that viewers show
   explicit FoxgloveEndpoint(std::string name);
 
-  /// Where it belongs on a server: the path "/" and both names of the protocol.
-  /// @param viewers  sites whose pages may look; a viewer's page mostly comes from another one
+  /// Options of this endpoint on a server: the path "/" and both names of the protocol.
+  /// @param viewers  web sites whose pages may connect; a viewer's page usually comes from another site
   [[nodiscard]] static monitor::EndpointOptions options(monitor::Origins viewers = {.any = true});
 
-  /// Sends a sample to everyone who subscribed to its topic. Any thread.
-  /// @param time_ns  time of day
+  /// Sends a sample to all clients that subscribed to its topic. Any thread.
+  /// @param time_ns  time of day, ns
   void publish(const telemetry::Sample& sample, std::int64_t time_ns);
 
-  /// Somebody is connected.
+  /// Whether a client is connected.
   [[nodiscard]] bool has_clients() const;
 
   void opened(const std::shared_ptr<monitor::Peer>& peer) override;
@@ -40,7 +40,7 @@ class FoxgloveEndpoint final : public monitor::Endpoint {
   void closed(monitor::Peer& peer) override;
 
  private:
-  using Channel = std::size_t;  ///< place in channels_
+  using Channel = std::size_t;  ///< index in channels_
   struct Client {
     std::shared_ptr<monitor::Peer> peer;
     std::map<std::uint32_t, Channel> subscriptions;  ///< by the client's number
@@ -57,7 +57,7 @@ class FoxgloveEndpoint final : public monitor::Endpoint {
   std::vector<const telemetry::Topic*> channels_;
   mutable std::mutex mutex_;
   std::map<monitor::Peer*, Client> clients_;
-  std::map<Channel, Kept> newest_;  ///< of topics whose newest sample is still true later
+  std::map<Channel, Kept> newest_;  ///< of topics whose newest sample stays valid
 };
 
 }  // namespace stilt::foxglove

@@ -8,13 +8,13 @@ namespace {
 
 using telemetry::Topic;
 
-/// What a monitor shows.
+/// The topics that a monitor shows.
 constexpr std::array<const Topic*, 10> kTopics = {
     &telemetry::kConfiguration,  &telemetry::kTuning,         &telemetry::kTicks,  &telemetry::kPlannerCycles,
     &telemetry::kPlans,          &telemetry::kSupervisor,     &telemetry::kEvents, &telemetry::kTiming,
     &telemetry::kCommandReplies, &host_telemetry::kSimulation};
 
-/// Replies that are waited for at most; the oldest is given up.
+/// Largest number of commands without reply; the oldest is dropped.
 constexpr std::size_t kAskedAtMost = 1000;
 
 telemetry::CommandKind wire_kind(CommandKind kind) {
@@ -69,7 +69,7 @@ void DdsSource::take(const telemetry::Sample& message, SampleSink& sink) {
   if (const auto reply = message.as<telemetry::CommandReply>()) answer(*reply, sink);
 }
 
-/// A new session has a new token.
+/// Reads the token of a new session.
 void DdsSource::learn_token() {
   if (decoder_.session() == session_) return;
   session_ = decoder_.session();
@@ -78,7 +78,7 @@ void DdsSource::learn_token() {
   try {
     token_in_force_ = host_telemetry::read_token(decoder_.token_file());
   } catch (const std::runtime_error&) {
-    token_in_force_.clear();  // whoever commands has to give it
+    token_in_force_.clear();  // the commander must then give it
   }
 }
 

@@ -11,12 +11,11 @@
 
 namespace stilt::monitor {
 
-/// The live robot on the network.
+/// Samples of the live robot from the network.
 class DdsSource final : public SampleSource {
  public:
-  /// @param token  of the session; empty: the one in the file that stiltd names, where that can be read.
-  /// Throws
-  ///               std::runtime_error with a sentence when the network cannot be joined.
+  /// @param token  token of the session; empty: the token in the file that stiltd names, when it is readable.
+  ///               Throws std::runtime_error with one sentence when the network cannot be joined.
   DdsSource(const telemetry::Network& network, std::string token);
 
   void poll(SampleSink& sink) override;
@@ -27,7 +26,7 @@ class DdsSource final : public SampleSource {
   [[nodiscard]] std::uint64_t of_others() const override { return decoder_.of_others(); }
 
  private:
-  /// Who waits for the reply to a command.
+  /// Sender of a command without reply.
   struct Asked {
     std::uint64_t commander;
     std::uint32_t sequence;
@@ -43,7 +42,7 @@ class DdsSource final : public SampleSource {
   host_telemetry::Commander commander_;
   MessageDecoder decoder_;
   std::string token_;           ///< given by the user
-  std::string token_in_force_;  ///< that, or the one in the file
+  std::string token_in_force_;  ///< that token, or the one in the file
   std::uint64_t session_ = 0;   ///< of token_in_force_
   std::map<std::uint64_t, Asked> asked_;
 };

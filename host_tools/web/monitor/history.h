@@ -7,8 +7,8 @@
 
 namespace stilt::monitor {
 
-/// What a page that opens later gets at once, so that its plots are full: the newest message of each lasting
-/// kind, the last events, and the tables of the last seconds.
+/// Messages for a page that opens later, so that its plots are full at once: the newest message of each
+/// lasting kind, the last events, and the tables of the last seconds.
 class History {
  public:
   /// Seconds of tables, and number of events.
@@ -25,13 +25,13 @@ class History {
     if (events_.size() > kEvents) events_.pop_front();
   }
 
-  /// A table that came at `now_s` of any steady clock.
+  /// Adds a table received at `now_s` of any steady clock.
   void table(double now_s, SharedMessage message) {
     tables_.push_back({now_s, std::move(message)});
     while (tables_.front().came_s < now_s - kKept_s) tables_.pop_front();
   }
 
-  /// Another session: what was belongs to the one before.
+  /// Removes the tables of the previous session.
   void clear_tables() {
     tables_.clear();
     plan_.reset();

@@ -15,11 +15,11 @@
 
 namespace stilt::monitor {
 
-/// The WebSocket /live: passes samples on to every open page, and the pages' commands to the source.
+/// The WebSocket /live: passes samples on to every open page, and commands of the pages to the source.
 ///
-/// Who may command: whoever gives the session's token; for pages on this machine the one that the source
-/// knows will do. The page whose command was accepted last is in command. It shows that it lives several
-/// times a second; as long as it does, a heartbeat goes to the robot.
+/// A page may command when it sends the session's token; pages on this machine may use the token that the
+/// source knows. The page whose command was accepted last is in command. While that page sends signs of life,
+/// several per second, the robot gets a heartbeat.
 class LiveView final : public Endpoint, private SampleSink {
  public:
   /// Seconds without a sign of life after which a page's heartbeat is no longer passed on.
@@ -29,8 +29,8 @@ class LiveView final : public Endpoint, private SampleSink {
 
   explicit LiveView(SampleSource& source);
 
-  /// Takes what is new and sends it on; some hundred times a second, from one thread.
-  /// @param now_s  of a steady clock
+  /// Reads and sends the new samples. Call some hundred times per second from one thread.
+  /// @param now_s  time of a steady clock, s
   void step(double now_s);
 
   void opened(const std::shared_ptr<Peer>& peer) override;
@@ -74,8 +74,8 @@ class LiveView final : public Endpoint, private SampleSink {
   std::string session_;
   LinkStatus link_;
   std::uint64_t next_tick_ = 0;
-  bool ticks_follow_ = false;  ///< next_tick_ is known
-  bool watched_ = false;       ///< a page was open; a record waits for one
+  bool ticks_follow_ = false;  ///< whether next_tick_ is known
+  bool watched_ = false;       ///< whether a page has been open; a recording starts with the first one
   double now_s_ = 0.0;
   double newest_s_ = 0.0;
   double heartbeat_s_ = -1.0;
@@ -83,7 +83,7 @@ class LiveView final : public Endpoint, private SampleSink {
   std::vector<Page> pages_;
   std::map<std::uint64_t, std::string> asked_;  ///< token by commander, until the reply
 
-  std::mutex mutex_;  ///< of what follows
+  std::mutex mutex_;  ///< protects the members below
   std::vector<std::shared_ptr<Peer>> opened_;
   std::vector<Peer*> closed_;
   std::vector<std::pair<Peer*, std::string>> inbox_;

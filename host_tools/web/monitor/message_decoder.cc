@@ -77,7 +77,7 @@ void MessageDecoder::tune(const telemetry::Tuning& message, SampleSink& sink) {
   sink.configuration(configuration_);
 }
 
-/// A simulated robot does not know the controller's clock: its news is as old as the newest tick.
+/// A simulated robot does not have the controller's clock: its data get the time of the newest tick.
 void MessageDecoder::truth(const host_telemetry::SimulationMessage& message, SampleSink& sink) const {
   TruthSample sample;
   sample.time_s = newest_tick_s_;

@@ -9,21 +9,21 @@
 
 namespace stilt::monitor {
 
-/// Turns messages of stiltd into samples, whether they come from the network or a record: keeps to one
-/// session, the one that started last, and knows its clock, its tunables and their values.
+/// Converts messages of stiltd to samples, from the network or from a recording. Follows the session that
+/// started last, with its clock, its tunables and their values.
 class MessageDecoder {
  public:
-  /// Passes on what is in the message; nothing for topics that a monitor does not show, and for bytes that
-  /// are no message.
+  /// Passes the content of the message to `sink`. Ignores topics that a monitor does not show, and bytes that
+  /// are not a message.
   void take(const telemetry::Sample& message, SampleSink& sink);
 
   /// Session of the newest configuration; 0 before the first.
   [[nodiscard]] std::uint64_t session() const { return session_; }
 
-  /// Where the session's token is, as stiltd says; empty before its configuration came.
+  /// Path of the session's token file, reported by stiltd; empty before its configuration is received.
   [[nodiscard]] const std::string& token_file() const { return token_file_; }
 
-  /// Samples left out because they are of another session, while this one talks, too.
+  /// Samples ignored because they are of another session that is also publishing.
   [[nodiscard]] std::uint64_t of_others() const { return of_others_; }
 
  private:
@@ -43,7 +43,7 @@ class MessageDecoder {
   ConfigurationSample configuration_;
   double newest_tick_s_ = 0.0;
   std::uint64_t of_others_ = 0;
-  std::uint64_t strange_ = 0;  ///< of another session, since this one was heard last
+  std::uint64_t strange_ = 0;  ///< messages of another session, since the last one of this session
 };
 
 }  // namespace stilt::monitor

@@ -10,11 +10,11 @@ namespace {
 
 using telemetry::span_of;
 
-/// Upper edges and counts of the bins that hold something, from lower edges of bins in a row.
+/// Copies upper edges and counts of the non-empty bins from their lower edges.
 void copy_bins(const stilt_msgs_msg_dds__Histogram_& message, HistogramSample& sample) {
   const auto edges = span_of(message.lower_edge_us);
   const auto counts = span_of(message.bin);
-  constexpr double kLastBin = 1.125;  // the bins are eighths of a factor of two
+  constexpr double kLastBin = 1.125;  // each bin covers an eighth of a factor of two
   for (std::size_t k = 0; k < std::min(edges.size(), counts.size()); ++k) {
     if (counts[k] == 0) continue;
     const double lower_us = static_cast<double>(edges[k]);

@@ -3,19 +3,19 @@
 #include "firmware/telemetry/messages.h"
 #include "host_tools/web/monitor/samples.h"
 
-/// Each message of stiltd as what a monitor shows of it.
+/// Conversion of each message of stiltd to the sample that a monitor shows.
 namespace stilt::monitor {
 
 [[nodiscard]] PlannerSample planner_sample(const telemetry::PlannerCycle& message);
 
-/// Knots as many as all its sequences have; none when they contradict each other.
+/// As many knots as all sequences contain; none when their lengths are inconsistent.
 [[nodiscard]] PlanSample plan_sample(const telemetry::Plan& message);
 
 [[nodiscard]] SupervisorSample supervisor_sample(const telemetry::Supervisor& message);
 [[nodiscard]] EventSample event_sample(const telemetry::Event& message);
 [[nodiscard]] TimingSample timing_sample(const telemetry::Timing& message);
 
-/// `session` is left empty.
+/// Leaves `session` empty.
 [[nodiscard]] ConfigurationSample configuration_sample(const telemetry::ConfigurationInForce& message);
 
 }  // namespace stilt::monitor

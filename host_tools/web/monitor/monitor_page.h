@@ -4,7 +4,7 @@
 
 namespace stilt::monitor {
 
-/// The page as text, assembled from host_tools/web/monitor/page/ when the project is built.
+/// The page as text, assembled from host_tools/web/monitor/page/ at build time.
 extern const std::string_view kMonitorPage;
 
 }  // namespace stilt::monitor

@@ -9,17 +9,17 @@ namespace stilt::monitor {
 
 enum class CommandKind { stand, step, walk, speed, height, sit, stop, reset, tunable, heartbeat };
 
-/// What an operator asks of the robot.
+/// A command of an operator to the robot.
 struct Command {
   CommandKind kind = CommandKind::heartbeat;
-  std::uint64_t commander = 0;  ///< one number for each operator (each open page)
-  std::uint32_t sequence = 0;   ///< counts his commands
-  std::string token;            ///< of the session; empty: the one that the source knows
+  std::uint64_t commander = 0;  ///< one number per operator (open page)
+  std::uint32_t sequence = 0;   ///< counts the operator's commands
+  std::string token;            ///< token of the session; empty: the one that the source knows
   double value = 0.0;           ///< m/s of walk and speed, m of height, or of the tunable
-  std::string tunable;          ///< its name
+  std::string tunable;          ///< name of the tunable
 };
 
-/// Takes what a source has to say. One call a sample, in order of time within a kind.
+/// Receiver of a source's samples. One call per sample, in order of time within a kind.
 class SampleSink {
  public:
   virtual ~SampleSink() = default;
@@ -34,31 +34,31 @@ class SampleSink {
   virtual void reply(const ReplySample& sample) = 0;
 };
 
-/// Where samples come from: the network, a record, a test. All calls come from one thread.
+/// Source of samples: the network, a recording or a test. All calls come from one thread.
 class SampleSource {
  public:
   virtual ~SampleSource() = default;
 
-  /// Hands over everything that is new since the last call, and returns; called some hundred times a second.
-  /// A record plays by the clock of its own calls. A new session begins with its configuration.
+  /// Passes on all samples since the last call, and returns; called some hundred times per second. A
+  /// recording plays by the clock of the calls. A new session begins with its configuration.
   virtual void poll(SampleSink& sink) = 0;
 
-  /// Sends a command; its reply comes with a later poll(). A record answers that it takes none.
+  /// Sends a command; its reply comes with a later poll(). A recording refuses it in the reply.
   virtual void command(const Command& command) = 0;
 
-  /// A record plays from its start again; nothing happens to a live source.
+  /// Plays a recording from its start again; no effect on a live source.
   virtual void play_again() {}
 
-  /// One line for people: "domain 0 on lo", "walk.mcap".
+  /// One line of text: "domain 0 on lo", "walk.mcap".
   [[nodiscard]] virtual std::string describe() const = 0;
 
-  /// Samples left out so far because they are of another controller, which talks at the same time.
+  /// Samples ignored so far because they are of another controller that is also publishing.
   [[nodiscard]] virtual std::uint64_t of_others() const { return 0; }
 
-  /// Whether an empty token will do, because the source knows the session's.
+  /// Whether an empty token is accepted, because the source knows the session's.
   [[nodiscard]] virtual bool has_token() const { return false; }
 
-  /// False for a record: nothing can be commanded, and silence at its end is no fault.
+  /// False for a recording: it accepts no commands, and silence at its end is not a fault.
   [[nodiscard]] virtual bool live() const = 0;
 };
 

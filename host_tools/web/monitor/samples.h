@@ -7,7 +7,7 @@
 
 #include "firmware/control_loop/tick_record.h"
 
-/// What a monitor shows, whoever it comes from: the live robot, a record, or a test. SI units; time_s is the
+/// Data that a monitor shows, from the live robot, a recording or a test. SI units; time_s is the
 /// controller's clock, seconds since its first tick. Ordinary threads.
 namespace stilt::monitor {
 
@@ -19,7 +19,7 @@ struct TickSample {
 
 /// One cycle of the planner.
 struct PlannerSample {
-  std::uint64_t cycle = 0;  ///< counts from 0 or 1; a gap is a drop
+  std::uint64_t cycle = 0;  ///< increases by 1; a gap is a dropped cycle
   double time_s = 0.0;      ///< of the state it planned from
   int status = 0;           ///< number of sqp::SolveStatus
   int iterations = 0;
@@ -51,23 +51,23 @@ struct SupervisorSample {
   int reaction = 0;              ///< number of supervisor::Reaction
   std::uint32_t present = 0;     ///< bits of supervisor::FaultSet
   std::uint32_t latched = 0;     ///< the same, waiting for a reset
-  double ramp = 0.0;             ///< share of the torque law, 0 to 1
-  int gait = 0;                  ///< in force, number of gait::GaitKind
-  double speed_m_s = 0.0;        ///< in force, of walk
-  double base_height_m = 0.0;    ///< of the hip, in force; 0: not known
-  std::string commander;         ///< who is in command; empty: nobody
-  bool commander_alive = false;  ///< his heartbeat is heard
+  double ramp = 0.0;             ///< progress of the blend-in of the torque law, 0 to 1
+  int gait = 0;                  ///< active gait, number of gait::GaitKind
+  double speed_m_s = 0.0;        ///< active speed of walk
+  double base_height_m = 0.0;    ///< active height of the hip; 0: unknown
+  std::string commander;         ///< who is in command; empty: none
+  bool commander_alive = false;  ///< whether its heartbeat arrives
 };
 
-/// Something that happened; the text is a sentence.
+/// An event; the text is one sentence.
 struct EventSample {
   double time_s = 0.0;
   std::string text;
-  bool serious = false;  ///< a fault, and more than a warning
+  bool serious = false;  ///< a fault that is more than a warning
   bool warning = false;
 };
 
-/// Bins of durations.
+/// Histogram of durations.
 struct HistogramSample {
   std::string name;
   double deadline_us = 0.0;  ///< 0: none
@@ -75,46 +75,46 @@ struct HistogramSample {
   std::uint64_t count = 0;
   std::vector<double>
       upper_edge_us;  ///< of the bins that hold something, ascending; infinity is written as 0
-  std::vector<std::uint64_t> in_bin;  ///< one a bin of upper_edge_us
+  std::vector<std::uint64_t> in_bin;  ///< one count per bin of upper_edge_us
 };
 
 struct TimingSample {
   std::uint64_t ticks = 0, late_ticks = 0;
-  std::uint64_t dropped = 0;  ///< records that the controller's rings had no room for
+  std::uint64_t dropped = 0;  ///< records for which the controller's rings had no room
   std::vector<HistogramSample> histograms;
 };
 
-/// A value that may change while the robot walks.
+/// A value that may change during a walk.
 struct Tunable {
   std::string name;  ///< section.key
   std::string unit, description;
   double min = 0.0, max = 0.0, value = 0.0;
 };
 
-/// Who is there.
+/// Description of the controller and its robot.
 struct ConfigurationSample {
-  std::string session;  ///< of this run of the controller; empty: not known
+  std::string session;  ///< id of this run of the controller; empty: unknown
   std::string robot;    ///< amber3m, amber3m_2020, rabbit
   std::string build;    ///< version, compiler, instruction set
-  std::string toml;     ///< configuration in force
+  std::string toml;     ///< active configuration
   double tick_rate_hz = 1000.0;
   std::vector<Tunable> tunables;
 };
 
-/// What only a simulation knows.
+/// Data that exist only in a simulation.
 struct TruthSample {
   double time_s = 0.0;
   std::array<double, 4> contact_force_N{};  ///< fxL, fzL, fxR, fzR, on the robot
   double push_N = 0.0;                      ///< positive is forward
-  double push_above_hip_m = 0.0;            ///< where it acts, along the torso
+  double push_above_hip_m = 0.0;            ///< distance of its point from the hip along the torso
 };
 
-/// The robot's answer to a command.
+/// The robot's reply to a command.
 struct ReplySample {
-  std::uint64_t commander = 0;  ///< who asked
-  std::uint32_t sequence = 0;   ///< what he asked, his own count
+  std::uint64_t commander = 0;  ///< sender of the command
+  std::uint32_t sequence = 0;   ///< number of the command, as counted by the sender
   bool accepted = false;
-  std::string reason;  ///< when it is refused: one sentence
+  std::string reason;  ///< reason for a refusal, one sentence
 };
 
 }  // namespace stilt::monitor

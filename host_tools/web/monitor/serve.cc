@@ -16,7 +16,7 @@ extern char** environ;
 namespace stilt::monitor {
 namespace {
 
-/// Asks the desktop to open the page; without a desktop nothing happens.
+/// Opens the page on the desktop; no effect without a desktop.
 void open_in_browser(const std::string& url) {
   if (std::getenv("DISPLAY") == nullptr && std::getenv("WAYLAND_DISPLAY") == nullptr) return;
   std::string program = "xdg-open";

@@ -17,15 +17,15 @@ static_assert(std::endian::native == std::endian::little, "tables are sent as th
 /// Bytes before the rows.
 inline constexpr std::size_t kTableHead_bytes = 24;
 
-/// A column of a table: its name on the page, and where its value comes from.
+/// A column of a table: its name on the page and the source of its values.
 template <class Sample>
 struct Column {
   std::string name;
   std::function<double(const Sample&, std::size_t index)> value;
-  std::size_t width = 1;  ///< numbers; `index` counts them, and they are named name0, name1, ...
+  std::size_t width = 1;  ///< number of values; `index` counts them, and they are named name0, name1, ...
 };
 
-/// The message of `samples`; columns as given, after the time since the first sample.
+/// The message of `samples`: the time since the first sample, then the given columns.
 template <class Sample>
 SharedMessage table_message(Table table, double base_time_s, std::uint64_t first_number,
                             std::span<const Sample> samples, const std::vector<Column<Sample>>& columns) {
@@ -51,7 +51,7 @@ SharedMessage table_message(Table table, double base_time_s, std::uint64_t first
   return std::make_shared<const Message>(Message{std::move(bytes), true, true});
 }
 
-/// Names of all columns with the time in front.
+/// Names of all columns, the time first.
 template <class Sample>
 nlohmann::ordered_json column_names(const std::vector<Column<Sample>>& columns) {
   auto names = nlohmann::ordered_json::array({"time_s"});

@@ -20,7 +20,7 @@ using Clock = std::chrono::steady_clock;
 
 std::atomic<bool> interrupted = false;
 
-/// Keys come one by one and unseen while this lives; the screen is the other one.
+/// While this object exists, the terminal delivers single keys without echo and shows its alternate screen.
 class RawTerminal {
  public:
   RawTerminal() {
@@ -49,7 +49,7 @@ struct Size {
   std::size_t columns = 100, rows = 40;
 };
 
-/// Of the terminal now: it may change while it is looked at.
+/// Present size of the terminal, which may change at any time.
 Size terminal_size() {
   winsize size{};
   if (ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0 || size.ws_row < 3) return {};
@@ -66,7 +66,7 @@ bool wants_to_quit() {
   return false;
 }
 
-/// Draws over what was there, so that nothing flickers. Faults stand out, and what is old.
+/// Overwrites the previous text, so that the screen does not flicker. Highlights faults and stale data.
 void show(const std::string& text) {
   constexpr std::string_view kStandOut[] = {"FAULT", "OLD: "};
   std::string screen = "\x1b[H";

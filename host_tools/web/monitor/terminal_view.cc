@@ -20,7 +20,7 @@ std::string line(const char* format, Values... values) {
   return std::string(buffer) + "\n";
 }
 
-/// Longer lines end early and lines below the last row are left out; the terminal neither wraps nor scrolls.
+/// Cuts long lines and drops lines below the last row, so that the terminal neither wraps nor scrolls.
 std::string cut(const std::string& text, std::size_t columns, std::size_t rows) {
   std::string out;
   std::size_t length = 0, lines = 0;
@@ -130,7 +130,7 @@ std::string TerminalView::state_text() const {
   return text;
 }
 
-/// Most important first, as a small terminal shows no more.
+/// Most important lines first, because a small terminal shows no others.
 std::string TerminalView::text(std::size_t columns, std::size_t rows) const {
   std::string text =
       line("stilt monitor   %s   %s", configuration_.robot.c_str(), link_text().c_str()) + "\n";

@@ -9,19 +9,19 @@
 
 namespace stilt::monitor {
 
-/// The essentials as text, for ssh: state, faults, speed, timing, solver. Plain lines, no colours in text().
+/// Summary as text, for ssh: state, faults, speed, timing, solver. Plain lines, no colours in text().
 class TerminalView final : private SampleSink {
  public:
   explicit TerminalView(SampleSource& source) : source_(source) {}
 
-  /// Takes what is new. @param now_s  of a steady clock
+  /// Reads the new samples. @param now_s  time of a steady clock, s
   void step(double now_s);
 
   /// The screen: at most `rows` lines of at most `columns` characters, each ending with a line feed.
   [[nodiscard]] std::string text(std::size_t columns, std::size_t rows) const;
 
  private:
-  /// Events shown at most.
+  /// Largest number of events shown.
   static constexpr std::size_t kEvents = 12;
 
   void configuration(const ConfigurationSample& sample) override;
@@ -47,12 +47,12 @@ class TerminalView final : private SampleSink {
   std::optional<TimingSample> timing_;
   std::deque<EventSample> events_;
   std::uint64_t missing_ = 0;
-  double speed_m_s_ = 0.0;  ///< mean of about the last second
+  double speed_m_s_ = 0.0;  ///< mean over about the last second
   double now_s_ = 0.0;
   double heard_s_ = 0.0;
 };
 
-/// Shows it on this terminal until q, Ctrl-C or the end of standard input. Returns the exit status.
+/// Shows the summary on this terminal until q, Ctrl-C or the end of standard input. Returns the exit status.
 [[nodiscard]] int run_terminal(SampleSource& source);
 
 }  // namespace stilt::monitor

@@ -19,7 +19,7 @@ namespace {
 constexpr int kSwitchingRefused = 1;
 constexpr int kProceed = 0;
 
-/// Numbers and "localhost"; a name such as 127.example.com leads wherever its owner wants.
+/// Whether a host is a loopback address or "localhost". A name such as 127.example.com can lead to any host.
 bool is_loopback(const std::string& host) {
   in_addr number{};
   if (inet_pton(AF_INET, host.c_str(), &number) == 1) return (ntohl(number.s_addr) >> 24U) == IN_LOOPBACKNET;
@@ -30,7 +30,7 @@ std::string in_brackets(const std::string& address) {
   return address.find(':') == std::string::npos || address.starts_with('[') ? address : "[" + address + "]";
 }
 
-/// "host:port" or "host" without the port.
+/// The host of "host:port" or "host".
 std::string host_part(const std::string& host) {
   const std::size_t colon = host.rfind(':');
   const bool has_port = colon != std::string::npos && host.find(']', colon) == std::string::npos;
@@ -74,7 +74,7 @@ class WebServer::Implementation {
     mg_callbacks callbacks{};
     callbacks.log_message = [](const mg_connection*, const char*) {
       return 1;
-    };  // errors come back as statuses
+    };  // errors are returned as statuses
     context_ = mg_start(&callbacks, this, static_cast<const char**>(settings));
     if (context_ == nullptr) {
       mg_exit_library();
@@ -127,7 +127,7 @@ class WebServer::Implementation {
     mg_websocket_subprotocols accepted{};
   };
 
-  /// Whether the request was meant for this server.
+  /// Whether the request names this server as its host.
   [[nodiscard]] bool host_fits(const mg_connection* connection) const {
     if (!is_loopback(options_.address)) return true;
     return is_loopback(host_part(header(connection, "Host")));

@@ -8,11 +8,11 @@
 
 namespace stilt::monitor {
 
-/// A WebSocket message; shared by everyone it goes to.
+/// A WebSocket message, shared by all its receivers.
 struct Message {
   std::string bytes;
   bool binary = false;
-  bool droppable = false;  ///< may be left out for a peer that does not keep up
+  bool droppable = false;  ///< may be left out for a slow peer
 };
 using SharedMessage = std::shared_ptr<const Message>;
 
@@ -21,21 +21,21 @@ class Peer {
  public:
   virtual ~Peer() = default;
 
-  /// Queues a message and returns at once. A peer that does not keep up loses droppable messages; one that is
-  /// far behind with the others is disconnected.
+  /// Queues a message and returns at once. A slow peer loses droppable messages; it is disconnected when its
+  /// other messages pile up.
   virtual void send(SharedMessage message) = 0;
 
   /// Messages left out so far.
   [[nodiscard]] virtual std::uint64_t dropped() const = 0;
 
-  /// The other end is this machine.
+  /// Whether the other end is on this machine.
   [[nodiscard]] virtual bool local() const = 0;
 
-  /// The subprotocol agreed on; empty without.
+  /// The agreed subprotocol; empty when there is none.
   [[nodiscard]] virtual const std::string& subprotocol() const = 0;
 };
 
-/// What happens on a WebSocket path. Called from the server's threads, for one peer in order.
+/// Handler of a WebSocket path. Called from the server's threads; calls for one peer are in order.
 class Endpoint {
  public:
   virtual ~Endpoint() = default;
@@ -44,8 +44,8 @@ class Endpoint {
   virtual void closed(Peer& peer) = 0;
 };
 
-/// Other sites whose pages may connect, beside those of this server. Programs, which name no site, always
-/// may.
+/// Other web sites whose pages may connect, besides those of this server. Programs, which send no origin, may
+/// always connect.
 struct Origins {
   bool any = false;
   std::vector<std::string> named{};  ///< "https://app.foxglove.dev"
@@ -54,7 +54,8 @@ struct Origins {
 struct EndpointOptions {
   std::string path;                       ///< "/live"
   std::vector<std::string> subprotocols;  ///< those accepted; empty: none is asked for
-  Origins origins;  ///< none for what commands, so that no other site in the user's browser can
+  Origins origins;  ///< none for endpoints with commands, so that no other site in the user's browser can
+                    ///< command
 };
 
 struct ServerOptions {
@@ -62,20 +63,20 @@ struct ServerOptions {
   int port = 8080;  ///< 0: any free one
 };
 
-/// Serves a page and WebSockets. Requests that name another host than the one listened on are refused while
-/// the address is a loopback one, so that no name of somebody else's leads here.
+/// Serves a page and WebSockets. When the address is a loopback address, requests for another host name are
+/// refused: the name of another site cannot lead to this server.
 class WebServer {
  public:
-  /// Throws std::runtime_error, one sentence, when the address cannot be listened on.
+  /// Throws std::runtime_error, one sentence, when it cannot listen on the address.
   explicit WebServer(const ServerOptions& options);
   ~WebServer();
   WebServer(const WebServer&) = delete;
   WebServer& operator=(const WebServer&) = delete;
 
-  /// The page of "/", before anybody asks for it; `html` outlives the server.
+  /// Sets the page of "/". Call before the first request; `html` must outlive the server.
   void serve_page(std::string_view html);
 
-  /// The endpoint outlives the server.
+  /// The endpoint must outlive the server.
   void add_endpoint(const EndpointOptions& options, Endpoint& endpoint);
 
   [[nodiscard]] int port() const;

@@ -13,10 +13,10 @@ struct mg_connection;
 
 namespace stilt::monitor {
 
-/// A connection of civetweb with a queue and a thread that writes, so that who sends never waits.
+/// A connection of civetweb with a queue and a writing thread, so that senders never wait.
 class WebSocketPeer final : public Peer {
  public:
-  /// Queued bytes above which droppable messages are left out, and above which the connection is given up.
+  /// Queued bytes above which droppable messages are left out, and above which the connection is closed.
   static constexpr std::size_t kCongested_bytes = 1U << 22U;
   static constexpr std::size_t kHopeless_bytes = 1U << 24U;
 
@@ -30,8 +30,8 @@ class WebSocketPeer final : public Peer {
   [[nodiscard]] bool local() const override { return local_; }
   [[nodiscard]] const std::string& subprotocol() const override { return subprotocol_; }
 
-  /// Writes nothing more and waits for the writer; before the connection goes away. Any thread, again and
-  /// again.
+  /// Stops writing and waits for the writing thread. Call before the connection is closed. Any thread; may be
+  /// called again.
   void stop();
 
  private:
@@ -46,8 +46,7 @@ class WebSocketPeer final : public Peer {
   std::size_t queued_bytes_ = 0;
   std::uint64_t dropped_ = 0;
   bool stopped_ = false;
-  std::mutex
-      joining_;  ///< the server that ends and a connection that closes may stop a peer at the same time
+  std::mutex joining_;  ///< the end of the server and of a connection may stop a peer at the same time
   std::thread writer_;
 };
 

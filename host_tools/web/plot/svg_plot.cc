@@ -30,7 +30,7 @@ std::string number(double value) {
   return text;
 }
 
-/// Range of an axis and how it maps to pixels.
+/// Range of an axis and its mapping to pixels.
 struct Axis {
   double low, high;
   double from_px, to_px;

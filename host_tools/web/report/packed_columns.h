@@ -10,13 +10,13 @@ namespace stilt::report {
 /// RFC 4648 base 64 with padding.
 [[nodiscard]] std::string encode_base64(std::span<const unsigned char> bytes);
 
-/// A table of numbers that a browser reads fast: columns one after another, each a run of little-endian
-/// float32, all in one base-64 string. A named group holds one or several columns.
+/// A table of numbers in a form that a browser reads fast: all columns in one base-64 string, one after
+/// another, each an array of little-endian float32. A named group has one or more columns.
 class PackedColumns {
  public:
   explicit PackedColumns(std::size_t rows) : rows_(rows) {}
 
-  /// Appends `width` columns; `value(row, column)` is the number, in the unit that `name` says.
+  /// Appends `width` columns. `value(row, column)` is the number, in the unit stated in `name`.
   template <typename Value>
   void add(const std::string& name, int width, const Value& value) {
     groups_.push_back({{"name", name}, {"width", width}});
@@ -25,11 +25,11 @@ class PackedColumns {
     }
   }
 
-  /// {"rows": n, "groups": [{"name", "width"}], "float32_base64": "..."}
+  /// The table as {"rows": n, "groups": [{"name", "width"}], "float32_base64": "..."}.
   [[nodiscard]] nlohmann::ordered_json json() const;
 
  private:
-  /// Rounds to float32; what float32 cannot hold becomes infinity.
+  /// Rounds to float32; values out of its range become infinity.
   void append(double value);
 
   std::size_t rows_;

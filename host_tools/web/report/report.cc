@@ -37,8 +37,7 @@ std::string escape_html(std::string_view text) {
   return escaped;
 }
 
-/// Inside a script element only '<' can end the element or open a comment; in JSON it occurs in strings
-/// alone.
+/// Inside a script element only '<' can end the element or open a comment; in JSON it occurs only in strings.
 std::string escape_script(std::string_view json) {
   std::string escaped;
   escaped.reserve(json.size());
@@ -52,7 +51,7 @@ std::string escape_script(std::string_view json) {
   return escaped;
 }
 
-/// The page before, between and after its two marks, in order.
+/// The parts of the page before, between and after its two marks.
 struct PageParts {
   std::string_view head, middle, tail;
 };

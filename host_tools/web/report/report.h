@@ -8,7 +8,7 @@
 /// One run as one HTML page that needs no network: animation, time plots, summary.
 namespace stilt::report {
 
-/// The page as text. Everything taken from `record` is escaped. Non-finite values become gaps in the plots.
+/// The page as text. All content of `record` is escaped. Non-finite values become gaps in the plots.
 [[nodiscard]] std::string render_report(const log::RunRecord& record);
 
 /// Writes render_report(record) to `file`, replacing it.
