@@ -28,6 +28,7 @@ struct DriveModel {
   }
 };
 
+/// The drive model of a robot under the parameters. Real-time safe.
 [[nodiscard]] inline DriveModel drive_model(const model::RobotConstants& robot,
                                             const RobotParameters& parameters) noexcept {
   DriveModel drive{};

@@ -17,6 +17,7 @@ struct TorqueLawParameters {
   double friction_velocity_rad_s = 0.05;  ///< width of the smoothed sign, tanh(v / width)
 };
 
+/// Gains of the gait tracker, and the time of its foot placement.
 struct GaitTrackerParameters {
   double joint_kp_Nm_rad = 400.0;
   double joint_kd_Nms_rad = 20.0;
@@ -24,6 +25,7 @@ struct GaitTrackerParameters {
   double settle_s = 0.015;
 };
 
+/// Parameters of the base estimator.
 struct EstimatorParameters {
   double blend_s = 0.02;  ///< time over which the weight moves from the old stance foot to the new one
 };
@@ -43,6 +45,7 @@ struct RobotParameters {
   double knee_damping_Nms_rad = 0.0;
 };
 
+/// Rates of the control loop and the planner, and the delay of a plan.
 struct TimingParameters {
   double torque_rate_hz = 1000.0;
   double plan_rate_hz = 100.0;

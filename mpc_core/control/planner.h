@@ -9,12 +9,14 @@
 
 namespace stilt::control {
 
+/// Input of one plan.
 struct PlannerInput {
   double time_s = 0.0;       ///< time of the state; must not decrease from call to call
   model::StateVector state;  ///< measured or estimated
   gait::GaitCommand command;
 };
 
+/// Result of configuring a planner.
 enum class ConfigureStatus {
   ok,
   horizon_over_capacity,  ///< more intervals or contact switches than the memory holds

@@ -6,6 +6,7 @@
 
 namespace stilt::control {
 
+/// Joint torques of one tick, and how they were computed.
 struct TorqueCommand {
   model::JointVector torque_Nm = model::JointVector::Zero();
   bool finite = false;     ///< false: the joints are damped

@@ -4,6 +4,7 @@
 
 namespace stilt::gait {
 
+/// Result of adding a gait to a library.
 enum class LibraryStatus {
   ok,
   full,               ///< the library holds kMaxGaits

@@ -55,6 +55,7 @@ struct GaitMotion {
   double force_N[2][kMaxMotionDegree + 1] = {};
 };
 
+/// A gait: its outputs, their feedback and the resulting motion.
 struct HzdGait {
   double speed_m_s = 0.0;
   double step_time_s = 0.0;
@@ -84,8 +85,9 @@ struct OutputPoint {
 };
 [[nodiscard]] OutputPoint outputs_at(const GaitOutputs& outputs, double s) noexcept;
 
-/// Share of a shifted foothold applied to the swing hip at phase s, with its derivatives: 10 s^3 - 15 s^4 + 6
-/// s^5 within [0, 1], constant beyond. It rises from 0 to 1 and is flat at both ends.
+/// Share of a shifted foothold applied to the swing hip at phase s, with its derivatives:
+///   10 s^3 - 15 s^4 + 6 s^5 within [0, 1], constant beyond.
+/// It rises from 0 to 1 and is flat at both ends. Real-time safe.
 [[nodiscard]] OutputPoint placement_share(double s) noexcept;
 
 }  // namespace stilt::gait

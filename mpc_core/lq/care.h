@@ -26,6 +26,7 @@ using InputMatrix = Eigen::Matrix<double, model::kStates, model::kInputs>;
 using InputWeight = Eigen::Matrix<double, model::kInputs, model::kInputs>;
 using FeedbackMatrix = Eigen::Matrix<double, model::kInputs, model::kStates>;
 
+/// Data of the CARE.
 struct CareProblem {
   StateMatrix A;
   InputMatrix B;
@@ -33,12 +34,14 @@ struct CareProblem {
   InputWeight R;  ///< symmetric, positive definite
 };
 
+/// Solution of the CARE.
 struct CareSolution {
   StateMatrix S;     ///< symmetric
   FeedbackMatrix K;  ///< u = -K x
   double residual;   ///< |left-hand side| / (2 |A'S| + |S B R^-1 B'S| + |Q|), Frobenius norms
 };
 
+/// Result of solve_care().
 enum class CareOutcome {
   ok,
   bad_cost,                 ///< Q not symmetric or with a negative diagonal, or R not positive definite

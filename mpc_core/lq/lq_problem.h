@@ -29,6 +29,7 @@ inline constexpr int kStates = model::kStates;
 inline constexpr int kRows = 16;
 inline constexpr int kMaxFreeInputs = 4;
 
+/// Form of the dynamics of a stage.
 enum class StageForm : int {
   flow,        ///< unit rows 0, 1, 2, 7, 8, 9, then `constraints` rank-one terms L_i G_{6+i}'
   transition,  ///< unit rows 7 to 13; no inputs, no constraints, h = 0
@@ -60,6 +61,7 @@ struct alignas(64) LqSecondOrder {
   double R[kMaxFreeInputs][kMaxFreeInputs];  ///< only R[i][j] with j >= i is read
 };
 
+/// Terminal cost 1/2 x_N' Q x_N + q' x_N, in the layout of LqSecondOrder and LqFirstOrder.
 struct alignas(64) LqTerminal {
   double Q[kStates][kRows];
   double q[kRows];

@@ -22,6 +22,7 @@
 /// docs/decisions/0002-riccati-sweep.md.
 namespace stilt::lq {
 
+/// Result of one stage of the backward sweep.
 enum class SweepOutcome {
   ok,
   not_positive_definite,  ///< R + B'P B is not positive definite: add to R and sweep again, or reject the

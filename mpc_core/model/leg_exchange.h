@@ -36,6 +36,7 @@ struct ExchangedArguments {
 
 namespace detail {
 
+/// Exchanges the legs in a row whose last kJoints columns are the joints.
 template <class T, int kColumns>
 void exchange_columns(const T (&from)[kColumns], T (&to)[kColumns]) noexcept {
   constexpr int kFirst = kColumns - kJoints;
@@ -44,12 +45,14 @@ void exchange_columns(const T (&from)[kColumns], T (&to)[kColumns]) noexcept {
 
 }  // namespace detail
 
+/// Impact of one foot from that of the other foot on the mirrored robot.
 template <class T>
 void exchange_legs(const ImpactTerms<T>& from, ImpactTerms<T>& to) noexcept {
   detail::exchange_columns(from.velocity_after, to.velocity_after);
   std::copy(from.impulse, from.impulse + 2, to.impulse);
 }
 
+/// The same with derivatives.
 template <class T>
 void exchange_legs(const ImpactDerivatives<T>& from, ImpactDerivatives<T>& to) noexcept {
   detail::exchange_columns(from.velocity_after, to.velocity_after);

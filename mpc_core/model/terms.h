@@ -11,16 +11,19 @@
 /// units.
 namespace stilt::model {
 
+/// Mass matrix over q.
 template <class T>
 struct MassMatrixTerms {
   T mass_matrix[kPositions][kPositions];
 };
 
+/// Generalised forces of Coriolis, centrifugal and gravity terms, N and Nm.
 template <class T>
 struct BiasTerms {
-  T bias[kPositions];  ///< Coriolis, centrifugal and gravity
+  T bias[kPositions];
 };
 
+/// Positions and velocities of the feet, and their Jacobian d foot_position / d q.
 template <class T>
 struct KinematicsTerms {
   T foot_position[2 * kFeet];
@@ -28,11 +31,13 @@ struct KinematicsTerms {
   T foot_jacobian[2 * kFeet][kPositions];
 };
 
+/// Acceleration of the base [x, z, pitch] for given joint accelerations and contact forces.
 template <class T>
 struct FlowTerms {
   T base_acceleration[3];
 };
 
+/// FlowTerms with their derivatives.
 template <class T>
 struct FlowDerivatives {
   T base_acceleration[3];
@@ -41,6 +46,7 @@ struct FlowDerivatives {
   T base_acceleration_du[3][kInputs];
 };
 
+/// Base acceleration, feet and joint torques at one node.
 template <class T>
 struct NodeTerms {
   T base_acceleration[3];
@@ -50,6 +56,7 @@ struct NodeTerms {
   T joint_torque[kJoints];
 };
 
+/// NodeTerms with their derivatives.
 template <class T>
 struct NodeDerivatives {
   T base_acceleration[3];
@@ -70,12 +77,14 @@ struct NodeDerivatives {
   T joint_torque_du[kJoints][kInputs];
 };
 
+/// Velocities after the impact of one foot, and its impulse [x, z], Ns.
 template <class T>
 struct ImpactTerms {
   T velocity_after[kPositions];
   T impulse[2];
 };
 
+/// ImpactTerms with their derivatives by the angles and the velocities before the impact.
 template <class T>
 struct ImpactDerivatives {
   T velocity_after[kPositions];

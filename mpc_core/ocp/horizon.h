@@ -19,13 +19,13 @@ enum class StageKind : std::uint8_t {
   transition,  ///< touch-down of feet at an instant
 };
 
+/// One stage: a flow over an interval, or a transition at an instant.
 struct Stage {
   double time_s = 0.0;
   double duration_s = 0.0;  ///< 0 for a transition
   int phase = 0;            ///< index into the contact schedule
   StageKind kind = StageKind::flow;
-  model::ContactMode mode;                     ///< contact mode of a flow; after a transition, the mode that
-                                               ///< follows
+  model::ContactMode mode;                     ///< contact mode of a flow, or after a transition
   std::array<bool, model::kFeet> touchdown{};  ///< feet that a transition puts down
 };
 

@@ -34,9 +34,12 @@ struct IntegratorWorkspace {
   Batch pitch_slope[4][BaseStep::kColumns];  ///< derivative of each stage's pitch acceleration
 };
 
-/// `first`: base acceleration (with derivatives) at the start of the step, known from the node function.
+/// Accelerations of the base over one step of duration h (s). `first_acceleration`: base acceleration at the
+/// start of the step, known from the node function.
 void integrate_base(const model::RobotModel& robot, Integrator integrator, const Batch* x, const Batch* u,
                     const Batch& h, const Batch* first_acceleration, BaseMotion& motion) noexcept;
+
+/// The same with derivatives. `first`: node function at the start of the step.
 void integrate_base_derivatives(const model::RobotModel& robot, Integrator integrator, const Batch* x,
                                 const Batch* u, const Batch& h, const model::NodeDerivatives<Batch>& first,
                                 BaseStep& step, IntegratorWorkspace& work) noexcept;

@@ -32,6 +32,8 @@ struct CostParameters {
   bool terminal_feet = true;  ///< whether the running cost of that LQR includes the weights of the feet
 };
 
+/// Inequality constraints: friction cone of the stance feet and joint limits, each with a barrier whose delta
+/// has the unit beside it.
 struct InequalityParameters {
   double friction_coefficient = 0.6;
   double minimum_normal_force_N = 5.0;
@@ -41,6 +43,7 @@ struct InequalityParameters {
   BarrierParameters joint_velocity{0.05, 0.5};   ///< rad/s
 };
 
+/// Gains of the equality constraints on the accelerations of the feet.
 struct EqualityParameters {
   double stance_kd_1_s = 20.0;   ///< stance foot: a + kd v = 0
   double swing_kp_1_s2 = 200.0;  ///< swing foot, vertical: a - a_ref + kd (v - v_ref) + kp (p - p_ref) = 0
@@ -52,6 +55,7 @@ struct EqualityParameters {
 enum class Integrator { rk2, rk4 };
 enum class Transition { identity, impact };
 
+/// Time grid and integration of the planning problem.
 struct DiscretisationParameters {
   double time_step_s = 0.015;
   double horizon_s = 1.0;

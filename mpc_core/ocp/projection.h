@@ -100,6 +100,7 @@ inline Batch constraint_residual(const EqualityParameters& p, const StageBatch& 
          p.swing_kp_1_s2 * (position[i] - batch.foot_position_ref[i]);
 }
 
+/// Computes the constraint row of foot `foot` along `axis` (0: x, 1: z): residual and derivatives.
 inline void constraint_row(const EqualityParameters& p, const StageBatch& batch, bool stance, int foot,
                            int axis, const model::NodeDerivatives<Batch>& node, ConstraintRow& row) noexcept {
   const int i = 2 * foot + axis;
