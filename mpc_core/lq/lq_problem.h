@@ -5,7 +5,7 @@
 /// The quadratic subproblem of one SQP iteration, after projection of the equality constraints:
 ///
 ///   minimise  sum_k 1/2 x_k' Q_k x_k + q_k' x_k + 1/2 w_k' R_k w_k + r_k' w_k + w_k' S_k x_k
-///         + 1/2 x_N' Q_N x_N + q_N' x_N
+///             + 1/2 x_N' Q_N x_N + q_N' x_N
 ///   subject to x_{k+1} = A_k x_k + B_k w_k + b_k,  x_0 given
 ///
 /// x (14) is the step of the state and w the step along the free directions of the input: 3 in single

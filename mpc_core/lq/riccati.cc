@@ -164,7 +164,7 @@ STILT_INLINE inline void row_products(const Stage& stage, const ValueFunction& n
   });
 }
 
-/// Register kPart of column kColumn of N without the products: the shares of Q and of E'P E,
+/// Register kPart of column kColumn of N without the products: the shares of Q and of
 ///   E'P E = P + h P J + h J'P + h^2 J'P J,  J = [0 I; 0 0].
 /// The share takes h P J whole, because h J'P is its transpose.
 template <class Mode, int kColumn, int kPart>

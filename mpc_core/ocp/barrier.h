@@ -8,8 +8,8 @@
 
 /// Relaxed logarithmic barriers for inequalities h >= 0 on batches of nodes:
 ///
-///   B(h) = -mu ln h                                        h > delta
-///    = mu (-ln delta + ((h - 2 delta)/delta)^2 / 2 - 1/2)   otherwise
+///   B(h) = -mu ln h                                             h > delta
+///        = mu (-ln delta + ((h - 2 delta)/delta)^2 / 2 - 1/2)   otherwise
 ///
 /// B is twice continuously differentiable and finite for every h. Source: Hauser and Saccon 2006, "A barrier
 /// function method for the optimization of trajectory functionals with constraints". Real-time safe.

@@ -13,15 +13,17 @@
 /// Elimination:
 ///   1. swing forces go to zero;
 ///   2. the force of the first stance foot follows from its two rows: their 2 x 2 block J_b M_bb^-1 J_b' is
-///  symmetric positive definite in every posture. The variables z remain: the joint accelerations, and in
-///  double support the force of the other foot;
+///      symmetric positive definite in every posture. The variables z remain: the joint accelerations, and in
+///      double support the force of the other foot;
 ///   3. the remaining rows c'dx + m'z + rho = 0 (the swing foot's height, or the other stance foot) give
-///  z = z0 + Y c'dx + W w by Householder reflections over z; the reflected unit vectors W span their null
-///  space: 3 free directions in single support, 4 in double support, 2 in flight.
+///      z = z0 + Y c'dx + W w by Householder reflections over z; the reflected unit vectors W span their null
+///      space: 3 free directions in single support, 4 in double support, 2 in flight.
 /// dx affects z only through the one or two products c'dx. Together with the base rows they are the factored
-/// dynamics of lq/lq_problem.h. Rank: step 3 is singular where the row vanishes, as for two straight legs
-/// side by side. A diagonal entry s below `rank_tolerance` is inverted as s / tolerance^2: the constraint
-/// fades, and the inverse stays bounded.
+/// dynamics of lq/lq_problem.h.
+///
+/// Rank: step 3 is singular where the row vanishes, as for two straight legs side by side. A diagonal entry s
+/// below `rank_tolerance` is inverted as s / tolerance^2: the constraint fades, and the inverse stays
+/// bounded.
 namespace stilt::ocp {
 
 /// Columns of the state on which all terms depend but the height constraint and the costs of x_b and z_b:

@@ -156,8 +156,9 @@ struct FootCost {
   Batch pp, pv, vv, gp, gv;
 };
 
-/// Position, velocity, and the acceleration when a constraint fixes it (all but a swing foot's x). There a -
-/// a_ref = -(kd dv + kp dp + e); the step onto the constraint removes the residual, which is error + e.
+/// Position, velocity, and the acceleration when a constraint fixes it (all but a swing foot's x). There
+///   a - a_ref = -(kd dv + kp dp + e),
+/// and the step onto the constraint removes the residual, which is error + e.
 template <bool stance, int axis>
 STILT_INLINE inline FootCost foot_cost(const ProblemData& data, const StageBatch& batch,
                                        const model::NodeDerivatives<Batch>& node, int foot,

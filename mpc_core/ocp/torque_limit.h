@@ -23,7 +23,7 @@ struct TorqueMargins {
 /// curvatures of the lower and the upper barrier, whose arguments move with tau + s_a v and tau + s_b v:
 ///
 ///   a (dtau + s_a dv)^2 + b (dtau + s_b dv)^2
-///   = (a + b) (dtau + m dv)^2 + (a (s_a - m)^2 + b (s_b - m)^2) dv^2,   m = (a s_a + b s_b) / (a + b).
+///       = (a + b) (dtau + m dv)^2 + (a (s_a - m)^2 + b (s_b - m)^2) dv^2,   m = (a s_a + b s_b) / (a + b).
 ///
 /// The result is one row over torque and velocity, and a diagonal term of the velocity. Gradients split in
 /// the same way.
