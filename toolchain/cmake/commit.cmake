@@ -1,9 +1,9 @@
-# Writes the source of firmware/version/commit.h, unless it is there already:
+# Writes the source of firmware/version/commit.h when it has changed:
 #
 #   cmake -DROOT=FOLDER -DOUTPUT=FILE -P commit.cmake
 #
-# ROOT must hold the repository itself: sources unpacked inside another one are none of its commits. Documents
-# and tests are no part of a program and make it not dirty.
+# ROOT must be the root of the repository: sources unpacked inside another repository have no commit. Changed
+# documents and tests do not make a program dirty, because they are not part of it.
 set(commit unknown)
 find_program(GIT git)
 if(GIT AND EXISTS ${ROOT}/.git)

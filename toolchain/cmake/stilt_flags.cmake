@@ -36,11 +36,11 @@ target_compile_options(stilt_flags INTERFACE
   # Results may depend on the build, never on the run: no -ffast-math (NaN must stay visible),
   # multiply-add contraction allowed, errno and traps of mathematical functions unused.
   -ffp-contract=fast -fno-math-errno -fno-trapping-math)
-# Eigen's assertions would end the program from within the real-time path; builds for debugging keep them.
+# Eigen's assertions would end the program in the real-time path; debug builds keep them.
 target_compile_definitions(stilt_flags INTERFACE $<$<CONFIG:Release>:EIGEN_NO_DEBUG>)
 if(STILT_ISA STREQUAL "x86-64-v4" OR STILT_ISA STREQUAL "native")
   if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
-    # GCC 12's own AVX-512 headers use uninitialised registers on purpose, and warn of them.
+    # GCC 12's AVX-512 headers use uninitialised registers on purpose, which gives warnings.
     target_compile_options(stilt_flags INTERFACE -mprefer-vector-width=512 -Wno-maybe-uninitialized -Wno-uninitialized)
   endif()
 endif()

@@ -1,4 +1,4 @@
-# Shorthands that keep every CMakeLists.txt a list of files.
+# Functions that reduce every CMakeLists.txt to a list of files.
 
 # stilt_library(NAME SOURCES ... LIBRARIES ...): a static library with the project's flags.
 function(stilt_library name)
@@ -14,7 +14,7 @@ function(stilt_program name)
   target_link_libraries(${name} PRIVATE stilt_flags ${ARG_LIBRARIES})
 endfunction()
 
-# stilt_test(NAME SOURCES ... LIBRARIES ... [LABELS ...]): a GoogleTest program; ctest sees each of its tests.
+# stilt_test(NAME SOURCES ... LIBRARIES ... [LABELS ...]): a GoogleTest program; ctest lists each of its tests.
 function(stilt_test name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LIBRARIES;LABELS" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
