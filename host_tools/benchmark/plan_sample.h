@@ -25,6 +25,7 @@ struct PlanSample {
 void describe_work(const control::Planner& planner, const sqp::SolveReport& report, WorkTable& table,
                    PlanSample& sample);
 
+/// Percentiles of a list of values.
 struct Tail {
   double p50 = 0.0, p99 = 0.0, p999 = 0.0, max = 0.0;
 

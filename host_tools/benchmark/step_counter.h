@@ -7,6 +7,7 @@
 /// code. x86-64 only.
 namespace stilt::benchmark {
 
+/// Work that a piece of code executed.
 struct ExecutedWork {
   long long instructions = 0;
   long long flops = 0;  ///< double-precision additions, products, divisions and roots of all lanes, padding

@@ -38,7 +38,7 @@ CLI::App* add_bench_command(CLI::App& program, BenchOptions& options) {
       ->capture_default_str();
   bench->add_option(
       "--closed-loop", options.closed_loop_plans,
-      "instead: time that many consecutive plans of a walk, all iterations used, and compare the "
+      "time this many consecutive plans of a walk instead, with all iterations, and compare the "
       "longest with the median");
   bench->add_option("--speed", options.speed_m_s, "speed of the recorded walk, m/s")->capture_default_str();
   bench->add_option("--json", options.json_file,

@@ -105,7 +105,7 @@ void add_controller_options(CLI::App& command, ControllerChoice& choice) {
   command
       .add_option("--lump", choice.lump,
                   "what mpc-lumped neglects: legs (mass and inertia of the links), drives (and their "
-                  "reflected inertia), law (and both in the torque law, too)")
+                  "reflected inertia), law (and both in the torque law)")
       ->capture_default_str();
   command.add_option("--gaits", choice.gait_folder, "folder of gait files instead of the shipped ones");
   command.add_option("--config", choice.config_file,
@@ -116,7 +116,7 @@ void add_controller_options(CLI::App& command, ControllerChoice& choice) {
                   "changes one key of the configuration: section.key=value; repeatable")
       ->allow_extra_args(false);
   command.add_option("--horizon", choice.horizon_s, "horizon of the planner, s");
-  command.add_option("--iterations", choice.iterations, "most SQP iterations a plan");
+  command.add_option("--iterations", choice.iterations, "largest number of SQP iterations per plan");
 }
 
 std::string robot_help() { return "robot: " + robots::shipped_names() + ", or a URDF file"; }
@@ -194,10 +194,10 @@ std::unique_ptr<simulation::SimulatedController> make_controller(const simulatio
     case control::ConfigureStatus::ok:
       return controller;
     case control::ConfigureStatus::horizon_over_capacity:
-      throw UsageError(
-          "discretisation.horizon_s " + simulation::number_text(setup.parameters.discretisation.horizon_s) +
-          ": the horizon needs more intervals or contact switches than the planner holds; take a "
-          "shorter horizon or a longer time step");
+      throw UsageError("discretisation.horizon_s " +
+                       simulation::number_text(setup.parameters.discretisation.horizon_s) +
+                       ": the horizon needs more intervals or contact switches than the planner holds; "
+                       "take a shorter horizon or a longer time step");
     case control::ConfigureStatus::terminal_cost_failed:
       break;
   }

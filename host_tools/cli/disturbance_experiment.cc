@@ -139,29 +139,30 @@ void add_disturbance_options(CLI::App& command, ExperimentOptions& options) {
       "--rows", options.rows_file,
       "TOML file of tables [[row]]: name and any of robot, controller, horizon_s, preset, set, plant, "
       "gaits, lump, push_at, direction, gait, speed_m_s, plan_rate_hz, plan_delay_s, state, "
-      "phases, seeds, coarse_N; other options are what rows leave out");
-  command.add_option("--phases", options.phases, "of the step, at which the push begins")
+      "phases, seeds, coarse_N; other options are the defaults of the rows");
+  command.add_option("--phases", options.phases, "number of phases of the step at which the push begins")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
-  command.add_option("--coarse", options.coarse_N, "every multiple of this force is tried, N")
+  command.add_option("--coarse", options.coarse_N, "coarse step of the forces to try, N")
       ->check(CLI::Range(1.0, 100.0))
       ->capture_default_str();
-  command.add_option("--gait", options.gait, "what the robot does when it is pushed: walk, step, stand")
+  command.add_option("--gait", options.gait, "gait during the push: walk, step, stand")
       ->check(CLI::IsMember({"walk", "step", "stand"}))
       ->capture_default_str();
-  command.add_option("--speed", options.speed_m_s, "of walking, m/s, negative backward")
+  command.add_option("--speed", options.speed_m_s, "walking speed, m/s, negative backward")
       ->check(CLI::Range(-kLargestRowSpeed_m_s, kLargestRowSpeed_m_s))
       ->capture_default_str();
-  command.add_option("--direction", options.direction, "of the push: forward, backward")
+  command.add_option("--direction", options.direction, "direction of the push: forward, backward")
       ->check(CLI::IsMember({"forward", "backward"}))
       ->capture_default_str();
-  command.add_option("--push-at", options.setting.push_point, "hip or torso")->capture_default_str();
-  command.add_option("--plan-rate", options.setting.choice.plan_rate_hz, "plans a second, Hz, default 100");
+  command.add_option("--push-at", options.setting.push_point, "point of the push: hip or torso")
+      ->capture_default_str();
+  command.add_option("--plan-rate", options.setting.choice.plan_rate_hz, "planning rate, Hz, default 100");
   command.add_option("--plan-delay", options.setting.choice.plan_delay_s,
                      "simulated time that a plan takes, s");
   command
       .add_option("--state", options.setting.state,
-                  "what the controller knows: estimated (from sensors) or truth")
+                  "state that the controller gets: estimated (from sensors) or truth")
       ->capture_default_str();
 }
 

@@ -22,10 +22,10 @@ namespace {
 using experiments::Json;
 
 void add_common_options(CLI::App& command, ExperimentOptions& options) {
-  command.add_option("--out", options.folder, "folder for the results, made when there is none")->required();
+  command.add_option("--out", options.folder, "folder for the results, created when absent")->required();
   command.add_option("--json", options.json_file,
                      "writes the figures as JSON to a file, or - for standard output");
-  command.add_flag("--quick", options.quick, "a small part of it, to see that it works");
+  command.add_flag("--quick", options.quick, "runs a small part of the experiment, as a check");
   command.add_option("--robot", options.setting.choice.robot, robot_help())->capture_default_str();
   command.add_option("--config", options.setting.choice.config_file,
                      "controller configuration (TOML) instead of the shipped one");
@@ -46,9 +46,9 @@ void add_common_options(CLI::App& command, ExperimentOptions& options) {
 
 void add_job_options(CLI::App& command, ExperimentOptions& options, const char* seeds_text) {
   command.add_flag("--list-jobs", options.list_jobs, "prints the names of the jobs and runs none");
-  command.add_option("--job", options.job, "runs this job alone, unless it has a result");
+  command.add_option("--job", options.job, "runs only this job, unless it has a result");
   command.add_flag("--merge", options.merge, "runs no job, merges the results");
-  command.add_option("--processes", options.at_once, "jobs at a time; all cores unless told otherwise")
+  command.add_option("--processes", options.at_once, "number of jobs at a time; default: one per core")
       ->check(CLI::Range(1, 1024));
   command.add_option("--controller", options.controllers, "only this controller; repeatable")
       ->allow_extra_args(false);
@@ -106,7 +106,7 @@ CLI::App* add_experiment_command(CLI::App& program, ExperimentOptions& options) 
   CLI::App* experiment = program.add_subcommand("experiment", "the published experiments, with figures");
   experiment->require_subcommand(1);
   CLI::App* frequency = experiment->add_subcommand(
-      "frequency", "plans a second at horizons of 2.0, 1.0, 0.5 and 0.2 s, ten iterations, one thread");
+      "frequency", "planning rate at horizons of 2.0, 1.0, 0.5 and 0.2 s, ten iterations, one thread");
   add_common_options(*frequency, options);
   frequency->add_option("--problems", options.problems, "planning problems of a walk to solve")
       ->check(CLI::Range(1, 100000))
@@ -120,16 +120,17 @@ CLI::App* add_experiment_command(CLI::App& program, ExperimentOptions& options) 
   CLI::App* horizon = experiment->add_subcommand(
       "horizon", "shortest horizon that walks 60 s at 0.5 m/s, for every predictive controller");
   add_common_options(*horizon, options);
-  add_job_options(*horizon, options, "of the sensor noise, default 1; a horizon walks when all of them walk");
-  CLI::App* limits = experiment->add_subcommand(
-      "limits",
-      "ground, speed, friction, mass and delays that are survived unannounced, and random commands");
+  add_job_options(*horizon, options,
+                  "seeds of the sensor noise, default 1; a horizon counts when all of them walk");
+  CLI::App* limits = experiment->add_subcommand("limits",
+                                                "changes of ground, speed, friction, mass and delays that "
+                                                "the robot survives unannounced, and random commands");
   add_common_options(*limits, options);
   add_job_options(*limits, options, "of the sensor noise, default 3");
   add_limit_options(*limits, options);
   CLI::App* figures = experiment->add_subcommand(
       "figures",
-      "a push over time, postures, joint angles and how they repeat, terminal states: figures.html");
+      "a push over time, postures, joint angles and their repeatability, terminal states: figures.html");
   add_common_options(*figures, options);
   return experiment;
 }

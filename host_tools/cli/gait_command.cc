@@ -79,7 +79,7 @@ StepTask task_of(const GaitOptions& options) {
     task.phase = gait::PhaseKind::time;
   } else if (options.phase == "hip") {
     if (task.speed_m_s == 0.0)
-      throw UsageError("--phase hip: in place the hip does not advance; take time or auto");
+      throw UsageError("--phase hip: in place the hip does not advance; use time or auto");
     task.phase = gait::PhaseKind::hip_position;
   } else if (options.phase != "auto") {
     throw UsageError("--phase " + options.phase + ": no such phase; known are auto, hip, time");
@@ -224,13 +224,14 @@ void add_task_options(CLI::App& command, GaitOptions& options) {
   command.add_option("--step-time", options.step_time_s, "duration of a step, s")->capture_default_str();
   command
       .add_option("--cost", options.cost,
-                  "what is made small a metre: torque (squared), power, acceleration (squared)")
+                  "cost per metre to minimise: torque (squared), power, acceleration (squared)")
       ->capture_default_str();
   command
       .add_option("--phase", options.phase,
-                  "what drives the outputs: hip (position), time, or auto: hip from 0.15 m/s on")
+                  "phase of the outputs: hip (position), time, or auto: hip from 0.15 m/s on")
       ->capture_default_str();
-  command.add_option("--degree", options.output_degree, "of the outputs, 4 to 7")->capture_default_str();
+  command.add_option("--degree", options.output_degree, "degree of the outputs, 4 to 7")
+      ->capture_default_str();
   command.add_option("--limit", options.limits, "changes a limit of the gait: KEY=VALUE; repeatable")
       ->allow_extra_args(false);
   std::string keys = "Keys of --limit:\n";
@@ -239,7 +240,7 @@ void add_task_options(CLI::App& command, GaitOptions& options) {
     keys += std::string("  ") + field.key + " (" + number_text(field.values(defaults)[0]) +
             "): " + field.meaning + "\n";
   }
-  command.footer(keys + "Exit status: 0 done, 1 no such gait or a limit not kept, 2 bad usage.");
+  command.footer(keys + "Exit status: 0 done, 1 no gait found or a limit violated, 2 bad usage.");
 }
 
 void add_json_option(CLI::App& command, GaitOptions& options) {
@@ -262,19 +263,20 @@ CLI::App* add_gait_command(CLI::App& program, GaitOptions& options) {
   CLI::App* check = gait->add_subcommand("check", "recompute every claim of a gait file");
   check->add_option("file", options.file, "gait file")->required();
   CLI::App* complete =
-      gait->add_subcommand("complete", "find the motion of a file that has outputs alone, from elsewhere");
+      gait->add_subcommand("complete", "find the motion of an imported file that has only outputs");
   complete->add_option("file", options.file, "gait file with [outputs]")->required();
   complete->add_option("--out", options.out, "gait file to write, TOML")->required();
   CLI::App* library = gait->add_subcommand("library", "find gaits over a range of speeds, one file each");
   library->add_option("--from", options.from_m_s, "slowest speed, m/s")->capture_default_str();
   library->add_option("--to", options.to_m_s, "fastest speed, m/s")->capture_default_str();
-  library->add_option("--step", options.step_m_s, "between two speeds, m/s")->capture_default_str();
+  library->add_option("--step", options.step_m_s, "difference between two speeds, m/s")
+      ->capture_default_str();
   library->add_option("--out", options.out, "folder of the files")->required();
   add_task_options(*library, options);
   check->footer(
-      "Exit status: 0 valid, 1 a limit, tolerance or claim not kept, 2 bad usage or no such motion.");
+      "Exit status: 0 valid, 1 a limit, tolerance or claim violated, 2 bad usage or no periodic motion.");
   complete->footer(
-      "Exit status: 0 written and valid, 1 written and not valid, 2 bad usage or no such motion: nothing "
+      "Exit status: 0 written and valid, 1 written and not valid, 2 bad usage or no periodic motion: nothing "
       "written.");
   CLI::App* show = gait->add_subcommand("show", "draw a gait: phase portraits, curves, poses");
   show->add_option("file", options.file, "gait file")->required();

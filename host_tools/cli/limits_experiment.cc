@@ -65,13 +65,14 @@ LimitPlan limit_plan(const ExperimentOptions& options) {
 
 void add_limit_options(CLI::App& command, ExperimentOptions& options) {
   command
-      .add_option("--phases", options.phases, "of the step, at which the robot meets a step in the ground")
+      .add_option("--phases", options.phases, "number of phases of the gait step at which the ground steps")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
   command
-      .add_option("--quantity", options.quantities,
-                  "only this one: step_up, step_down, slope_up, slope_down, speed_forward, speed_backward, "
-                  "friction, mass_up, mass_down, plan_delay, torque_delay, commands; repeatable")
+      .add_option(
+          "--quantity", options.quantities,
+          "only this quantity: step_up, step_down, slope_up, slope_down, speed_forward, speed_backward, "
+          "friction, mass_up, mass_down, plan_delay, torque_delay, commands; repeatable")
       ->allow_extra_args(false);
 }
 

@@ -60,9 +60,9 @@ int run(int count, char** words) {
   const CLI::App* log = stilt::cli::add_log_command(program, log_options);
   CLI::App* model = program.add_subcommand("model", "the robot's generated dynamics");
   model->require_subcommand(1);
-  CLI::App* eval = model->add_subcommand(
-      "eval",
-      "reads {\"x\": [14], \"u\": [8]} a line from standard input, writes all terms as JSON, one line each");
+  CLI::App* eval = model->add_subcommand("eval",
+                                         "reads {\"x\": [14], \"u\": [8]} per line from standard input, "
+                                         "writes all terms as JSON, one line each");
   std::string model_robot = "amber3m";
   eval->add_option("--robot", model_robot, stilt::cli::robot_help())->capture_default_str();
 
@@ -75,9 +75,9 @@ int run(int count, char** words) {
     return refuse(unknown +
                   "a command is expected: sim, robot, gait, experiment, monitor, bench, record, replay, log "
                   "or model eval; "
-                  "stilt --help tells more");
+                  "see stilt --help");
   } catch (const CLI::ParseError& error) {
-    return refuse(std::string(error.what()) + "; stilt COMMAND --help tells what is right");
+    return refuse(std::string(error.what()) + "; see stilt COMMAND --help");
   }
   if (sim->parsed()) return stilt::cli::run_sim(sim_options, joined(count, words));
   if (robot->parsed()) return stilt::cli::run_robot(robot_options, joined(count, words));

@@ -35,7 +35,7 @@ monitor::Origins viewers_of(const std::string& text) {
     if (!whole) {
       throw UsageError(
           "--viewers: \"" + origin +
-          "\" is no site; write any, none, or origins such as https://app.foxglove.dev, without a "
+          "\" is not a web site; write any, none, or origins such as https://app.foxglove.dev, without a "
           "path, separated by commas");
     }
     origins.named.push_back(origin);
@@ -52,27 +52,29 @@ CLI::App* add_monitor_command(CLI::App& program, MonitorOptions& options) {
       ->capture_default_str();
   monitor
       ->add_option("--bind", options.address,
-                   "address the page is served on; with another than a loopback address everybody who "
-                   "reaches it can look, and commands with the token")
+                   "address of the page; on an address other than loopback, every host that reaches it "
+                   "can view the page, and can command with the token")
       ->capture_default_str();
   CLI::Option* token = monitor->add_option("--token", options.token, "token of the session, for commands");
   monitor
       ->add_option("--token-file", options.token_file,
-                   "file with the token; without, the one that stiltd names, when it can be read")
+                   "file with the token; default: the file that stiltd names, when it is readable")
       ->excludes(token);
-  monitor->add_flag("--terminal", options.terminal, "the essentials on this terminal instead; q quits");
+  monitor->add_flag("--terminal", options.terminal, "shows a summary on this terminal instead; q quits");
   monitor->add_flag("--no-browser", options.no_browser, "only prints the address");
   monitor
       ->add_option(
           "--viewers", options.viewers,
-          "sites whose pages may look through the Foxglove WebSocket, which takes no commands: any, none, "
+          "web sites whose pages may use the Foxglove WebSocket, which accepts no commands: any, none, "
           "or a list such as https://app.foxglove.dev,http://localhost:8081")
       ->capture_default_str();
   add_network_options(*monitor, options.network);
   monitor->footer(
-      "The page shows everything and commands the robot; see docs/monitor.md. Viewers that know the "
+      "The page shows everything and commands the robot; see docs/monitor.md. Viewers with the "
       "Foxglove\n"
-      "WebSocket connect to the same port. Ctrl-C ends it; a robot it commanded then comes to a stand.");
+      "WebSocket protocol connect to the same port. Ctrl-C ends the monitor; a robot it commanded then "
+      "stands."
+      "");
   return monitor;
 }
 

@@ -109,7 +109,7 @@ void print(const RecordOptions& options, const record::Recorder& recorder, doubl
               1e-6 * static_cast<double>(recorder.bytes()));
   if (recorder.messages() == 0) {
     std::printf(
-        "nothing was heard on domain %d, interface %s; does stiltd run there, with telemetry.enabled?\n",
+        "no sample received on domain %d, interface %s; does stiltd run there, with telemetry.enabled?\n",
         options.network.domain, options.network.interface.c_str());
   }
   for (const auto& [session, ledger] : recorder.sessions()) {
@@ -120,9 +120,9 @@ void print(const RecordOptions& options, const record::Recorder& recorder, doubl
 }  // namespace
 
 CLI::App* add_record_command(CLI::App& program, RecordOptions& options) {
-  CLI::App* record = program.add_subcommand("record", "everything the robot says, into an MCAP file");
+  CLI::App* record = program.add_subcommand("record", "record all telemetry of the robot to an MCAP file");
   record->add_option("--out", options.out_file, "file to write")->required();
-  record->add_option("--duration", options.duration_s, "s; without: until Ctrl-C")
+  record->add_option("--duration", options.duration_s, "duration, s; default: until Ctrl-C")
       ->check(CLI::NonNegativeNumber);
   record->add_option("--compression", options.compression, "zstd, lz4 or none")
       ->check(CLI::IsMember({"zstd", "lz4", "none"}))
@@ -133,7 +133,7 @@ CLI::App* add_record_command(CLI::App& program, RecordOptions& options) {
       "Start it before or soon after stiltd: it gets the last six seconds of ticks when it comes later, and "
       "stilt "
       "replay\nneeds them from the first one on.\n"
-      "Exit status: 0 done, 1 nothing was heard or ticks are missing, 2 bad usage.");
+      "Exit status: 0 done, 1 no sample received or ticks are missing, 2 bad usage.");
   return record;
 }
 

@@ -96,7 +96,7 @@ int show(const ReplayOptions& options) {
 
 CLI::App* add_replay_command(CLI::App& program, ReplayOptions& options) {
   CLI::App* command = program.add_subcommand(
-      "replay", "a record through the controller again: are plans and torques the same, bit for bit?");
+      "replay", "run a recording through the controller again and compare plans and torques bit for bit");
   command->add_option("FILE", options.file, "record of stilt record")->required();
   command->add_option("--json", options.json_file, "writes the result as JSON; - is standard output");
   command->add_flag("--monitor", options.monitor, "shows it in the monitor's page instead, until Ctrl-C");

@@ -149,11 +149,12 @@ CLI::App* add_robot_command(CLI::App& program, RobotOptions& options) {
       ->allow_extra_args(false);
   robot->add_flag("--lockstep", options.lockstep,
                   "time follows the controller's turns instead of the clock: for tests");
-  robot->add_option("--duration", options.duration_s, "ends so long after the hoist has let go, s");
-  robot->add_flag("--once", options.once, "ends when the controller that came has left");
+  robot->add_option("--duration", options.duration_s, "ends this time after the release of the hoist, s");
+  robot->add_flag("--once", options.once, "ends when the controller has disconnected");
   robot
-      ->add_option("--fault", options.faults,
-                   "a fault, NAME[:JOINT|BUS]@START[+DURATION], s after the hoist has let go; repeatable")
+      ->add_option(
+          "--fault", options.faults,
+          "a fault, NAME[:JOINT|BUS]@START[+DURATION], times in s after the release of the hoist; repeatable")
       ->allow_extra_args(false);
   robot
       ->add_option("--push", options.pushes,
@@ -163,18 +164,18 @@ CLI::App* add_robot_command(CLI::App& program, RobotOptions& options) {
       ->add_option("--plant", options.plant_settings,
                    "changes the simulated robot or its world: KEY=VALUE; repeatable")
       ->allow_extra_args(false);
-  robot->add_option("--seed", options.seed, "of the sensor noise")->capture_default_str();
+  robot->add_option("--seed", options.seed, "seed of the sensor noise")->capture_default_str();
   robot->add_flag("--publish", options.publish,
-                  "tells over DDS what only a simulation knows (contact forces, pushes), for stilt monitor");
+                  "publishes data of the simulation over DDS (contact forces, pushes), for stilt monitor");
   add_network_options(*robot, options.network);
   robot->add_option("--json", options.json_file,
                     "writes the figures as JSON to a file, or - for standard output");
   robot->add_option("--report", options.report_file, "writes a page with animation and plots, HTML");
-  robot->add_option("--log", options.log_file, "writes the samples, one JSON object a line");
+  robot->add_option("--log", options.log_file, "writes the samples, one JSON object per line");
   robot->add_option("--frames", options.frames_file, "writes every frame on the buses with its tick");
   robot->footer("Faults of --fault:\n" + simulation::describe_faults(simulation::FaultsOf::robot_on_buses) +
                 "Keys of --plant:\n" + simulation::describe_plant_options() +
-                "Times of --push, --fault and of all figures count from when the hoist has let go.\n"
+                "Times of --push, --fault and of all figures count from the release of the hoist.\n"
                 "Exit status: 0 done, 1 the robot fell or never left the hoist, 2 bad usage.");
   return robot;
 }

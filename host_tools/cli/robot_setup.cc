@@ -34,7 +34,7 @@ std::vector<simulation::TimedFault> faults_of(const RobotOptions& options, std::
                        "; the buses are 0 to " + std::to_string(bus_count - 1));
     }
     if (fault.kind == simulation::FaultKind::disconnect && options.lockstep) {
-      throw UsageError("--fault " + text + ": a bus that is gone ends lock-step; leave --lockstep out");
+      throw UsageError("--fault " + text + ": a disconnected bus ends lock-step; omit --lockstep");
     }
   }
   return faults;

@@ -55,7 +55,7 @@ std::vector<simulation::TimedFault> faults_of(const SimOptions& options) {
     faults.push_back(simulation::parse_fault(text));
     if (!simulation::describe(faults.back().kind).needs_bus && !faults.back().bus) continue;
     throw UsageError("--fault " + text +
-                     ": this fault needs buses, which stilt sim has not; take stilt robot");
+                     ": this fault needs buses, which stilt sim does not have; use stilt robot");
   }
   return faults;
 }
@@ -101,11 +101,11 @@ void write_results(const SimOptions& options, const log::RunRecord& record, simu
 CLI::App* add_sim_command(CLI::App& program, SimOptions& options) {
   CLI::App* sim = program.add_subcommand("sim", "walk the simulated robot under the controller");
   add_controller_options(*sim, options.choice);
-  sim->add_option("--plan-rate", options.choice.plan_rate_hz, "plans a second, Hz");
+  sim->add_option("--plan-rate", options.choice.plan_rate_hz, "planning rate, Hz");
   sim->add_option("--plan-delay", options.choice.plan_delay_s, "simulated time that a plan takes, s");
   sim->add_option("--gait", options.gait, "stand, step or walk, commanded at the start")
       ->capture_default_str();
-  sim->add_option("--speed", options.speed_m_s, "speed of walking, m/s, negative backward")
+  sim->add_option("--speed", options.speed_m_s, "walking speed, m/s, negative backward")
       ->capture_default_str();
   sim->add_option("--then", options.later_commands, "a later command, GAIT[:SPEED]@START; repeatable")
       ->allow_extra_args(false);
@@ -113,20 +113,22 @@ CLI::App* add_sim_command(CLI::App& program, SimOptions& options) {
   sim->add_option("--push", options.pushes,
                   "a push, N@START+DURATION[@hip|torso], positive forward; repeatable")
       ->allow_extra_args(false);
-  sim->add_option("--state", options.state, "what the controller knows: estimated (from sensors) or truth")
+  sim->add_option("--state", options.state,
+                  "state that the controller gets: estimated (from sensors) or truth")
       ->capture_default_str();
   sim->add_option("--planner-until", options.planner_until_s, "the planner stops at this time, s");
-  sim->add_option("--fault", options.faults,
-                  "a fault of the robot, NAME[:JOINT]@START[+DURATION], s from the start; repeatable")
+  sim->add_option(
+         "--fault", options.faults,
+         "a fault of the robot, NAME[:JOINT]@START[+DURATION], times in s from the start; repeatable")
       ->allow_extra_args(false);
-  sim->add_option("--seed", options.seed, "of the sensor noise")->capture_default_str();
+  sim->add_option("--seed", options.seed, "seed of the sensor noise")->capture_default_str();
   sim->add_option("--plant", options.plant_settings,
                   "changes the simulated robot or its world: KEY=VALUE; repeatable")
       ->allow_extra_args(false);
   sim->add_option("--json", options.json_file,
                   "writes the figures as JSON to a file, or - for standard output");
   sim->add_option("--report", options.report_file, "writes a page with animation and plots, HTML");
-  sim->add_option("--log", options.log_file, "writes the samples, one JSON object a line");
+  sim->add_option("--log", options.log_file, "writes the samples, one JSON object per line");
   sim->footer("Keys of --plant:\n" + simulation::describe_plant_options() + "Faults:\n" +
               simulation::describe_faults(simulation::FaultsOf::plant) +
               "Exit status: 0 done, 1 the robot fell, 2 bad usage.");

@@ -53,7 +53,8 @@ struct PublishedRow {
 /// One job per row, phase and seed: {name, phase, seed, limit_N, trials}.
 [[nodiscard]] std::vector<Job> disturbance_jobs(const DisturbancePlan& plan);
 
-/// The jobs' results as {rows: [...]}; fields of a row, besides those of its setting:
+// clang-format off
+/// Merges the results of the jobs to {rows: [...]}. Fields of a row, besides those of its setting:
 ///
 /// name, robot, controller, horizon_s, gait, speed_m_s, direction, phases, seeds, coarse_N
 /// push_all_phases_N     smallest of the limits over phases and seeds; null when that case falls unpushed
@@ -77,6 +78,7 @@ struct PublishedRow {
 ///                       push_all_phases_N, rounded down to a multiple of the coarse step; median and max are
 ///                       null where such a case does not recover; at_... is null for a robot that stands,
 ///                       where no case survives that force, or where 20 N is no multiple of the coarse step
+// clang-format on
 [[nodiscard]] Json merge_disturbance(const DisturbancePlan& plan, const std::vector<Json>& results);
 
 /// The rows as a Markdown table.

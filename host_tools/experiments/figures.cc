@@ -162,7 +162,7 @@ Figures make_figures(const WalkRunner& run, double duration_s) {
   const Recovery small = recovery(pushed, kPush_N, unpushed_m_s);
   const Recovery large = recovery(pushed_hard, kLargePush_N, unpushed_m_s);
   std::string body =
-      "<h1>Walking at 0.5 m/s, as published</h1><p>Simulated robot, sensors alone, 100 plans a "
+      "<h1>Walking at 0.5 m/s, as published</h1><p>Simulated robot with sensors only, 100 plans per "
       "second.</p><h2>A push of 20 N for 1 s (mpc-heuristic, horizon 1.0 s)</h2>"
       "<div class='grid-of-plots'>" +
       push_plots(pushed) + "</div>" + kRecoveries + "<div class='grid-of-plots'>" + small.card + large.card +

@@ -13,6 +13,7 @@ struct LimitSearch {
   double largest = 1.0;  ///< largest value to try
 };
 
+/// Result of find_limit().
 struct Limit {
   /// The value farthest from 0 that passed, such that every tried value before it passed too; nothing when 0
   /// fails.
@@ -21,8 +22,8 @@ struct Limit {
   std::optional<double> failed;
 };
 
-/// Finds the limit. Passing need not be monotone in the value: the search tries all multiples of coarse from
-/// 0 up to the first that fails, then halves the interval below that one to a width of fine.
+/// Finds the limit. Passing need not be monotone in the value. The search tries all multiples of coarse from
+/// 0 up to the first that fails. It then halves the interval below that one to a width of fine.
 [[nodiscard]] Limit find_limit(const LimitSearch& search, const std::function<bool(double value)>& passes);
 
 }  // namespace stilt::experiments

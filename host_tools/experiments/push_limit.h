@@ -29,6 +29,7 @@ struct PushSearch {
   double largest_N = 300.0;
 };
 
+/// Result of find_push_limit().
 struct PushLimit {
   /// Largest force survived, such that every smaller force tried was survived too; nothing when the robot
   /// falls without a push.
@@ -36,8 +37,8 @@ struct PushLimit {
   std::vector<PushTrial> trials;  ///< in the order of the attempts, the first one without a push
 };
 
-/// Finds the limit of one case (controller, phase of the step, seed). Survival is not monotone in the force:
-/// the search tries all multiples of coarse_N from 0 up to the first that is not survived, then halves the
+/// Finds the limit of one case (controller, phase of the step, seed). Survival is not monotone in the force.
+/// The search tries all multiples of coarse_N from 0 up to the first that is not survived. It then halves the
 /// interval below that one to a width of fine_N.
 [[nodiscard]] PushLimit find_push_limit(const PushSearch& search,
                                         const std::function<PushTrial(double force_N)>& attempt);

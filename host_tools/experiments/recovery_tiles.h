@@ -16,10 +16,10 @@ struct PushedWalk {
   std::optional<int> recovery_steps;  ///< number of steps after the push (steps.h); nothing: no recovery
 };
 
-/// The touch-downs of a recovery as tiles, at most 16. Each is a posture at a touch-down, from the last one
-/// before the push to the one at which the walk has recovered, or to the end of the run. Below it is the step
-/// length in m, above it the time from the start of the push in s; both are highlighted during the push.
-/// Needs samples.
+/// The touch-downs of a recovery as tiles, at most 16. Each is a posture at a touch-down. The first is the
+/// last one before the push; the last is the one at which the walk has recovered, or that at the end of the
+/// run. Below it is the step length in m, above it the time from the start of the push in s; both are
+/// highlighted during the push. Needs samples.
 [[nodiscard]] plot::Plot recovery_tiles(const log::RunRecord& record, const PushedWalk& push,
                                         const std::string& title);
 

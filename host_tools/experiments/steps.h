@@ -18,9 +18,10 @@ struct StepRange {
 /// Number of steps until a pushed walk is as fast again as an unpushed one.
 ///
 /// Touch-down 0 is the last one at or before the end of the push; touch-downs 1, 2, ... follow. The speed at
-/// touch-down n is the mean speed of the hip over the two steps that begin there. The walk has recovered at
-/// the smallest n at which this speed and those at the next three touch-downs are within 10 % of
-/// `unpushed_speed_m_s`, or within 0.03 m/s where that is more. Nothing when there is no such n.
+/// touch-down n is the mean speed of the hip over the two steps that begin there. It is a recovered speed
+/// within 10 % of `unpushed_speed_m_s`, or within 0.03 m/s where that is more. The walk has recovered at the
+/// smallest n at which this speed and those at the next three touch-downs are recovered. Nothing when there
+/// is no such n.
 [[nodiscard]] std::optional<int> recovery_steps(std::span<const log::Step> steps, double push_end_s,
                                                 double unpushed_speed_m_s);
 

@@ -35,6 +35,7 @@ struct Violation {
 /// Text of a bound: "at most", "at least", "claimed".
 [[nodiscard]] const char* name(Violation::Bound kind);
 
+/// Result of check_gait().
 struct GaitCheck {
   gait_files::GaitFigures figures;
   std::vector<Violation> violations;  ///< of limits and claims; empty when valid

@@ -6,9 +6,9 @@
 
 namespace stilt::gait_synthesis {
 
-/// One gait as a self-contained HTML page: table of figures and limits, tiles of the posture over a step,
-/// phase portraits of the joints over two steps, curves of joints, torques, contact force and swing foot over
-/// a step. Needs a known motion.
+/// One gait as a self-contained HTML page. It shows a table of figures and limits, tiles of the posture over
+/// a step, and phase portraits of the joints over two steps. It plots joints, torques, contact force and
+/// swing foot over a step. Needs a known motion.
 [[nodiscard]] std::string render_gait_page(const model::RobotModel& robot,
                                            const gait_files::GaitRecord& record, const GaitCheck& check);
 

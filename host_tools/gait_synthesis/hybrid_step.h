@@ -28,6 +28,7 @@ struct StanceMap {
   Eigen::Matrix<double, 2, model::kJoints> force_gain;
 };
 
+/// The affine map of a state.
 [[nodiscard]] StanceMap stance_map(const model::RobotModel& robot, const model::StateVector& x);
 
 /// The motion for given joint accelerations.
@@ -51,6 +52,7 @@ struct StepSample {
   model::StateVector x;
 };
 
+/// Result of one integrated step.
 struct StepOutcome {
   double duration_s = 0.0;
   model::StateVector before;        ///< just before touch-down
@@ -70,9 +72,9 @@ struct StepOptions {
 [[nodiscard]] model::StateVector touch_down(const model::RobotModel& robot, const model::StateVector& before,
                                             Eigen::Vector2d* impulse_Ns = nullptr);
 
-/// Integrates under the gait's output feedback from just after a touch-down to just after the next, which is
-/// when the swing foot reaches the ground in the second half of the step. Nothing when it does not within two
-/// step times, or when the robot has fallen.
+/// Integrates under the gait's output feedback from just after a touch-down to just after the next one. The
+/// swing foot touches down when it reaches the ground in the second half of the step. Nothing when it does
+/// not within two step times, or when the robot has fallen.
 [[nodiscard]] std::optional<StepOutcome> integrate_step(const model::RobotModel& robot,
                                                         const gait::HzdGait& gait,
                                                         const model::StateVector& start,

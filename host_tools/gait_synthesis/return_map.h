@@ -14,6 +14,7 @@ namespace stilt::gait_synthesis {
 inline constexpr int kReducedStates = 2 * model::kAngles;
 using ReducedState = Eigen::Matrix<double, kReducedStates, 1>;
 
+/// Reduced state of a state just after touch-down.
 [[nodiscard]] ReducedState reduce(const model::StateVector& x);
 /// State with the left foot at rest at the origin.
 [[nodiscard]] model::StateVector expand(const model::RobotModel& robot, const ReducedState& reduced);

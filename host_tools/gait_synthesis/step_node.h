@@ -43,6 +43,7 @@ enum class CostKind {
   acceleration_squared,  ///< 1e-3 s^4/rad^2 times the sum of squared joint accelerations
 };
 
+/// The function of one node: cost and rows, with their derivatives.
 class StepNode {
  public:
   StepNode(const model::RobotModel& robot, double friction_ratio, CostKind cost)
@@ -68,9 +69,9 @@ class StepNode {
 
 /// Variables of the touch-down: q [7], v [7] just before it. Rows: rates after it of pitch, hip_L, knee_L,
 /// hip_R, knee_R; ratio * Jz - Jx, ratio * Jz + Jx and Jz of the impulse J; margin of the momentum, radius *
-/// |H-| - |H+|. H- and H+ are the angular momenta about the old stance foot before the impact and about the
-/// new one after it, positive in the direction of travel. radius is the square root of the largest eigenvalue
-/// allowed.
+/// |H-| - |H+|. H- is the angular momentum about the old stance foot before the impact, H+ that about the new
+/// one after it; both are positive in the direction of travel. radius is the square root of the largest
+/// eigenvalue allowed.
 inline constexpr int kImpactVariables = 14;
 inline constexpr int kImpactRows = 9;
 enum ImpactRow { kRateRow = 0, kImpulseRow = 5, kMomentumRow = 8 };
@@ -80,6 +81,7 @@ using ImpactValues = Eigen::Matrix<double, kImpactRows, 1>;
 using ImpactSlopes = Eigen::Matrix<double, kImpactRows, kImpactVariables>;
 using ImpactHessian = Eigen::Matrix<double, kImpactVariables, kImpactVariables>;
 
+/// The function of the touch-down: rows, with their derivatives.
 class StepImpact {
  public:
   StepImpact(const model::RobotModel& robot, double impulse_ratio, double eigenvalue, bool forward)

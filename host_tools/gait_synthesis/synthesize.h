@@ -16,6 +16,7 @@ class NoGait : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Result of a synthesis.
 struct Synthesis {
   gait::HzdGait gait;
   /// Integral of the cost over a step, divided by the step length; at speed 0 not divided.

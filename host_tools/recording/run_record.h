@@ -43,6 +43,7 @@ struct SolveSample {
   sqp::SolveReport report;
 };
 
+/// One touch-down.
 struct Step {
   double time_s = 0.0;    ///< of touch-down
   std::string foot;       ///< "L" or "R"
@@ -54,6 +55,7 @@ struct Percentiles {
   double p50 = 0.0, p99 = 0.0, max = 0.0;
 };
 
+/// Summary of a run, the content of `stilt sim --json`.
 struct RunSummary {
   bool survived = false;
   double fall_time_s = -1.0;  ///< negative when the robot did not fall
@@ -80,6 +82,7 @@ struct RobotDrawing {
   double torso_length_m = 0.5, thigh_length_m = 0.4, shin_length_m = 0.4;
 };
 
+/// All data of one run.
 struct RunRecord {
   std::string command_line;
   RobotDrawing robot;

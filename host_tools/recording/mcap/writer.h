@@ -12,6 +12,7 @@
 
 namespace stilt::mcap {
 
+/// Options of a Writer.
 struct WriterOptions {
   std::string profile = "ros2";
   std::string library = "stilt";

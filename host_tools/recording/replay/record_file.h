@@ -26,6 +26,7 @@ struct SessionRecord {
   record::TickLedger ticks;
 };
 
+/// Content of a recording without its ticks.
 struct RecordContents {
   std::vector<SessionRecord> sessions;  ///< in the order of the recording
   std::vector<std::string> problems;    ///< of the file, one sentence each

@@ -24,6 +24,7 @@ struct Tunings {
   control_loop::PlannerTuning planner;
 };
 
+/// Result of a replay.
 struct Outcome {
   std::uint64_t ticks = 0;   ///< number of equal ticks
   std::uint64_t cycles = 0;  ///< number of equal solves of the planner

@@ -29,8 +29,9 @@ struct PhysicsIndices {
   std::array<int, model::kFeet> foot_site = {};
 };
 
-/// Compiles MJCF text. Throws std::runtime_error with MuJoCo's message when it does not compile, or when its
-/// robot does not have the project's seven coordinates and two feet (geoms and sites foot_L, foot_R).
+/// Compiles MJCF text. Throws std::runtime_error with MuJoCo's message when it does not compile. Throws it
+/// too when the robot does not have the project's seven coordinates and two feet (geoms and sites foot_L,
+/// foot_R).
 [[nodiscard]] ModelPointer compile_mjcf(const std::string& mjcf, PhysicsIndices& indices);
 
 /// Writes masses, armature, damping and friction of the joints to the model. Its MJCF already contains the

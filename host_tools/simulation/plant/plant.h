@@ -22,8 +22,8 @@ struct PlantModel {
 /// Point of the torso on which an external push acts: the hip, or kTorsoPushHeight_m above it.
 enum class PushPoint { hip, torso };
 
-/// The published height at which AMBER-3M's torso is pushed. It is the same for every robot and every variant
-/// of the torso's centre of mass, so that a push is the same experiment for all masses.
+/// The published height at which AMBER-3M's torso is pushed. It is the same for every robot and every centre
+/// of mass, so that a push is the same experiment for all masses.
 inline constexpr double kTorsoPushHeight_m = 0.285;
 
 /// Distance of the point from the hip along the torso.

@@ -18,9 +18,9 @@ struct LegAngles {
   double knee_rad = 0.0;
 };
 
-/// Joint angles that place a foot forward_m ahead of the hip and below_m under it, with the torso pitched by
-/// pitch_rad and the knee bent to a positive angle. With a = pitch + hip and b = a + knee the position of the
-/// foot relative to the hip is
+/// Joint angles of a foot forward_m ahead of the hip and below_m under it. The torso is pitched by pitch_rad
+/// and the knee bent to a positive angle. With a = pitch + hip and b = a + knee the foot's position relative
+/// to the hip is
 ///   (-thigh sin a - shin sin b, -(thigh cos a + shin cos b)).
 /// Throws std::invalid_argument when the foot is out of the leg's reach.
 [[nodiscard]] LegAngles leg_angles(const LegLengths& leg, double forward_m, double below_m, double pitch_rad);

@@ -44,8 +44,7 @@ void LockstepExchange::check_tick() const {
   const std::uint64_t ended = *turns_.front().ended;
   if (ended == 0 || (tick_ && ended == *tick_ + 1)) return;
   throw std::runtime_error("lock-step: the controller ended tick " + std::to_string(ended) + " where tick " +
-                           (tick_ ? std::to_string(*tick_ + 1) : "0") +
-                           " was expected; start both sides anew");
+                           (tick_ ? std::to_string(*tick_ + 1) : "0") + " was expected; restart both sides");
 }
 
 bool LockstepExchange::poll() {

@@ -79,7 +79,7 @@ class LockstepRun {
 
   void give_up() {
     if (exchange_.tick()) {
-      throw std::runtime_error("lock-step: the controller has said nothing for " +
+      throw std::runtime_error("lock-step: the controller has been silent for " +
                                std::to_string(static_cast<int>(options_.wait_s)) + " s after tick " +
                                std::to_string(*exchange_.tick()) + "; is it stopped?");
     }

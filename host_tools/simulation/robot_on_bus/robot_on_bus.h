@@ -44,9 +44,9 @@ struct StruckFault {
 /// MuJoCo behind emulated motor drivers and an emulated base sensor, connected by CAN frames. Uses neither
 /// sockets nor clocks; equal calls give equal frames, bit for bit.
 ///
-/// A command becomes active when its frame is received. The driver's law is evaluated at each time step of
-/// the plant, at the joint's present position and velocity (with the plant's encoder noise), and limited by
-/// driver and plant. Replies contain the state of the newest time step. The base sensor sends at the end of a
+/// A command becomes active when its frame is received. At each time step of the plant the driver's law is
+/// evaluated at the joint's present position and velocity, with the plant's encoder noise. Driver and plant
+/// limit the torque. Replies contain the state of the newest time step. The base sensor sends at the end of a
 /// tick, at its own rate.
 class RobotOnBus {
  public:

@@ -13,7 +13,7 @@ using Json = nlohmann::json;
 constexpr std::array<const char*, 10> kNames = {"stand", "step", "walk",  "speed",   "height",
                                                 "sit",   "stop", "reset", "tunable", "heartbeat"};
 
-/// The member of that name, or the fallback; throws Json::exception when it is of another type.
+/// The member of that name, or the fallback when it is missing. Throws Json::exception for another type.
 template <class Value>
 Value member(const Json& json, const char* key, Value fallback) {
   return json.contains(key) ? json.at(key).get<Value>() : fallback;

@@ -7,22 +7,22 @@
 
 #include "host_tools/web/monitor/sample_source.h"
 
-/// What the page sends: {"alive": true} several times a second, and
-/// {"command": "walk", "sequence": 3, "value": 0.5, "tunable": "", "token": ""}, where only the first two
-/// must be there; and {"again": true}, which a record obeys.
+/// Messages of the page: {"alive": true} several times per second, and {"command": "walk", "sequence": 3,
+/// "value": 0.5, "tunable": "", "token": ""}, where only the first two members are required; and {"again":
+/// true}, which restarts a recording.
 namespace stilt::monitor {
 
 /// A message of the page.
 struct PageMessage {
   bool is_command = false;  ///< false: a sign of life
-  bool again = false;       ///< a record shall play from its start
-  Command command;          ///< `commander` is left to the caller
+  bool again = false;       ///< whether a recording starts again
+  Command command;          ///< `commander` is set by the caller
 };
 
-/// Reads one; the error is a sentence.
+/// Parses a message; the error is one sentence.
 [[nodiscard]] std::expected<PageMessage, std::string> parse_page_message(std::string_view text);
 
-/// "walk".
+/// Name of a command: "walk".
 [[nodiscard]] const char* name(CommandKind kind);
 
 }  // namespace stilt::monitor

@@ -12,7 +12,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// The drawn torso ends this much above the hip, in heights of its centre of mass.
+/// Height of the drawn torso above the hip, in heights of its centre of mass.
 constexpr double kTorsoToCom = 1.75;
 
 SharedMessage text(const Json& json) {

@@ -9,43 +9,43 @@
 #include "host_tools/web/monitor/samples.h"
 #include "host_tools/web/monitor/web_server.h"
 
-/// What goes between monitor and page, on the WebSocket /live. Text messages are JSON objects with a `type`;
-/// binary ones are tables of samples:
+/// Messages between monitor and page on the WebSocket /live. Text messages are JSON objects with a `type`;
+/// binary messages are tables of samples:
 ///
 ///   u8 kind, 3 bytes 0, u32 rows, f64 base_time_s, f64 first_number, then rows x columns of f32, row by row
 ///
-/// little endian, 24 bytes of head. The columns of each kind are named in the `hello`; column 0 is the time
-/// since base_time_s. The page writes JSON: see page_commands.h.
+/// All numbers are little endian; the head has 24 bytes. `hello` names the columns of each kind; column 0 is
+/// the time since base_time_s. The page writes JSON: see page_commands.h.
 namespace stilt::monitor {
 
 enum class Table : std::uint8_t { ticks = 1, planner = 2, plan = 3, truth = 4 };
 
-/// First message to a page: what the source is, the supervisor's tables, the columns of the tables.
+/// First message to a page: the source, the supervisor's tables, the columns of the tables.
 [[nodiscard]] SharedMessage hello_message(const SampleSource& source, bool has_token);
 
-/// Robot, session, tunables, drawing.
+/// Message with robot, session, tunables and drawing.
 [[nodiscard]] SharedMessage configuration_message(const ConfigurationSample& sample);
 
 [[nodiscard]] SharedMessage supervisor_message(const SupervisorSample& sample);
 [[nodiscard]] SharedMessage event_message(const EventSample& sample);
 [[nodiscard]] SharedMessage timing_message(const TimingSample& sample);
 
-/// How data arrive.
+/// State of the connection to the source.
 struct LinkStatus {
-  bool heard = false;           ///< anything, ever
-  double silent_s = 0.0;        ///< since the newest tick came in
+  bool heard = false;           ///< whether any message has been received
+  double silent_s = 0.0;        ///< since the newest tick was received
   std::uint64_t ticks = 0;      ///< received
   std::uint64_t missing = 0;    ///< gaps in the numbers of ticks
-  std::uint64_t sessions = 0;   ///< seen so far
-  std::uint64_t of_others = 0;  ///< samples left out: another controller talks, too
-  std::uint64_t not_sent = 0;   ///< to this page, because it does not keep up
+  std::uint64_t sessions = 0;   ///< received so far
+  std::uint64_t of_others = 0;  ///< samples ignored because another controller is publishing too
+  std::uint64_t not_sent = 0;   ///< messages not sent to this page because it is too slow
 };
 [[nodiscard]] SharedMessage link_message(const LinkStatus& status);
 
-/// A command's fate, by the page's own number of it.
+/// Result of a command, with the page's own number of it.
 [[nodiscard]] SharedMessage reply_message(std::uint32_t sequence, bool accepted, const std::string& reason);
 
-/// Tables; at least one sample each.
+/// Messages of tables; each needs at least one sample.
 [[nodiscard]] SharedMessage ticks_message(std::span<const TickSample> ticks);
 [[nodiscard]] SharedMessage planner_message(std::span<const PlannerSample> cycles);
 [[nodiscard]] SharedMessage plan_message(const PlanSample& plan);

@@ -34,7 +34,7 @@ double commanded_position_rad(const TickSample& tick, std::size_t joint) {
                                                             : std::numeric_limits<double>::quiet_NaN();
 }
 
-/// Feed-forward and gains together, at the measured joint; 0 when no commands were sent.
+/// Feed-forward and gains together, at the measured joint position; 0 when no commands were sent.
 double commanded_torque_Nm(const TickSample& tick, std::size_t joint) {
   if (tick.record.action != supervisor::Action::commands) return 0.0;
   const hal::JointCommand& command = tick.record.sent[joint];

@@ -4,7 +4,7 @@
 
 namespace stilt::monitor {
 
-/// {"ticks": [column names], "planner": ..., "plan": ..., "truth": ...}
+/// The names of all columns: {"ticks": [column names], "planner": ..., "plan": ..., "truth": ...}.
 [[nodiscard]] nlohmann::ordered_json all_column_names();
 
 }  // namespace stilt::monitor

@@ -38,6 +38,7 @@ struct PlanKnot {
   bool left_carries = false, right_carries = false;
 };
 
+/// A plan, as knots for drawing.
 struct PlanSample {
   double time_s = 0.0;  ///< of the state it starts from
   std::vector<PlanKnot> knots;
@@ -78,6 +79,7 @@ struct HistogramSample {
   std::vector<std::uint64_t> in_bin;  ///< one count per bin of upper_edge_us
 };
 
+/// Timing of the control loop and the planner.
 struct TimingSample {
   std::uint64_t ticks = 0, late_ticks = 0;
   std::uint64_t dropped = 0;  ///< records for which the controller's rings had no room

@@ -74,7 +74,7 @@ void TerminalView::event(const EventSample& sample) {
 }
 
 std::string TerminalView::link_text() const {
-  if (!tick_) return "waiting for a controller: nothing heard yet from " + source_.describe();
+  if (!tick_) return "waiting for a controller: no data yet from " + source_.describe();
   const double silent_s = now_s_ - heard_s_;
   if (source_.live() && silent_s > kStale_s) {
     char text[80];
@@ -84,7 +84,7 @@ std::string TerminalView::link_text() const {
   std::string text = source_.live() ? "live" : "record";
   const std::uint64_t lost = missing_ + (timing_ ? timing_->dropped : 0);
   if (lost > 0) text += ", " + std::to_string(lost) + " lost";
-  if (source_.of_others() > 0) text += ", another controller talks, too";
+  if (source_.of_others() > 0) text += ", another controller is publishing too";
   return text;
 }
 

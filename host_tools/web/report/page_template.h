@@ -4,8 +4,8 @@
 
 namespace stilt::report {
 
-/// The whole page as text, assembled from host_tools/web/report/page/ when the project is built. It holds
-/// each of the marks `{{title}}` and `{{run_data}}` once; report.cc puts the run in their place.
+/// The page as text, assembled from host_tools/web/report/page/ at build time. It contains each of the marks
+/// `{{title}}` and `{{run_data}}` once; report.cc replaces them by the run.
 extern const std::string_view kPageTemplate;
 
 }  // namespace stilt::report

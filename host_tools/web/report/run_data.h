@@ -6,7 +6,7 @@
 
 namespace stilt::report {
 
-/// Largest number of samples on a page. Of a longer run every n-th sample is kept, and the page says so.
+/// Largest number of samples on a page. Of a longer run every n-th sample is kept, and the page shows n.
 inline constexpr std::size_t kMaxSamples = 24'000;
 /// Least distance of the knots from which the planned motion is drawn; the last knot is always kept.
 inline constexpr double kPlanKnotSpacing_s = 0.04;
