@@ -73,8 +73,7 @@ CLI::App* add_monitor_command(CLI::App& program, MonitorOptions& options) {
       "The page shows everything and commands the robot; see docs/monitor.md. Viewers with the "
       "Foxglove\n"
       "WebSocket protocol connect to the same port. Ctrl-C ends the monitor; a robot it commanded then "
-      "stands."
-      "");
+      "stands.");
   return monitor;
 }
 

@@ -15,8 +15,7 @@ namespace stilt::host_telemetry {
 class Commander {
  public:
   /// @param name  unique name of this commander: another commander with this name would get the replies too.
-  /// Throws
-  ///              std::runtime_error with one sentence when it cannot start.
+  ///              Throws std::runtime_error with one sentence when it cannot start.
   Commander(const telemetry::Participant& participant, std::string name);
 
   /// Sets the session of the robot, from ConfigurationInForce, and its token, from the token file or the

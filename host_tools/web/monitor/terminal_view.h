@@ -14,7 +14,8 @@ class TerminalView final : private SampleSink {
  public:
   explicit TerminalView(SampleSource& source) : source_(source) {}
 
-  /// Reads the new samples. @param now_s  time of a steady clock, s
+  /// Reads the new samples.
+  /// @param now_s  time of a steady clock, s
   void step(double now_s);
 
   /// The screen: at most `rows` lines of at most `columns` characters, each ending with a line feed.
