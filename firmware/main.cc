@@ -153,14 +153,14 @@ int run_self_test(const program::Options& options) {
 /// --check-config: the configuration was read; what it means here.
 int check_config(const program::Options& options) {
   const program::BusReport buses = program::report_buses(options.configuration);
-  std::printf("%s: right\n%s", options.source.c_str(), buses.text.c_str());
+  std::printf("%s: valid\n%s", options.source.c_str(), buses.text.c_str());
   return buses.refused ? kBadUsage : kDone;
 }
 
 }  // namespace
 
-int main(int count, char** words) {
-  const auto options = program::read_options(count, words, version_text());
+int main(int argc, char** argv) {
+  const auto options = program::read_options(argc, argv, version_text());
   if (!options) return refuse(options.error());
   switch (options->task) {
     case program::Task::nothing:

@@ -102,7 +102,7 @@ def housekeeping(d, ring_ticks, period_s):
 
 def levels(d, c):
     s = c['supervisor']
-    older, stale = (sources.milliseconds(s[key]) for key in ('older_plan_s', 'stale_plan_s'))
+    older, stale = (sources.milliseconds(s[key]) for key in ('plan_feedback_after_s', 'stale_plan_s'))
     tracker = c['gait_tracker']
     top = 600
     d.text(16, 560, 'Fallback levels, the best first', 14, svg.INK, bold=True)

@@ -22,7 +22,7 @@ supervisor::JointLimits joint_limits(const model::RobotConstants& robot) noexcep
   return limits;
 }
 
-/// The pitch now: the newest one, extrapolated with its rate when the base sensor is slower than the torque
+/// The pitch now: the newest one, extrapolated with its rate when the torso sensor is slower than the torque
 /// loop.
 double pitch_now_rad(const hal::BaseReading& base, std::int64_t now_ns) noexcept {
   constexpr std::int64_t kLongest_ns = 10'000'000;

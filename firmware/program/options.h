@@ -40,7 +40,7 @@ struct Options {
 
 /// Reads the command line and the configuration. The error is for the user: a sentence, or a line for each
 /// mistake of the configuration. `version`: what --version prints.
-[[nodiscard]] std::expected<Options, std::string> read_options(int count, char** words,
+[[nodiscard]] std::expected<Options, std::string> read_options(int argc, char** argv,
                                                                const std::string& version);
 
 /// GAIT@SPEED, or stand, step: the error says what would be right.

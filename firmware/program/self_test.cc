@@ -205,7 +205,7 @@ std::string to_text(const SelfTestFigures& figures) {
                   figures.commands[joint], 100 * share(figures.in_time[joint], figures.ticks));
     text += replies;
   }
-  text += "base sensor    " + std::to_string(figures.base_readings) + " readings\n";
+  text += "torso sensor    " + std::to_string(figures.base_readings) + " readings\n";
   text += "bus errors     " + std::to_string(figures.bus_errors) + '\n';
   text += line("round trip", figures.round_trip.percentiles());
   text += line("wake-up", figures.wakeup.percentiles());

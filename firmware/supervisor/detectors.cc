@@ -63,7 +63,7 @@ FaultSet detect_sensors(const Observation& seen, const SupervisorParameters& par
     faults.add_if(moves && seen.joints[i].frozen >= frozen, Fault::stale_encoder);
   }
   const bool repeats = seen.base.frozen >= frozen && joints_should_move(seen, parameters.moving_rad_s);
-  faults.add_if(repeats || seen.base.missed >= damp, Fault::stale_base_sensor);
+  faults.add_if(repeats || seen.base.missed >= damp, Fault::stale_torso_sensor);
   faults.add_if(any_joint_missed(seen, parameters.missed_hold_ticks) || seen.base.missed >= hold,
                 Fault::missed_replies);
   faults.add_if(any_joint_missed(seen, parameters.missed_damp_ticks), Fault::lost_replies);

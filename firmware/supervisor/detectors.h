@@ -6,8 +6,8 @@
 #include "firmware/supervisor/fault.h"
 #include "firmware/supervisor/parameters.h"
 #include "hal/robot/joint_bus.h"
-#include "hal/sensors/base_sensor.h"
 #include "hal/sensors/emergency_stop.h"
+#include "hal/sensors/torso_sensor.h"
 
 /// Pure functions from what a tick knows to faults. Every one is real-time. NaN never passes for healthy
 /// where a value must be there, and never counts where a driver need not say it (temperature, voltage,

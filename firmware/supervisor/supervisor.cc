@@ -13,7 +13,7 @@ constexpr FaultSet kLatching = of_severity(Severity::latched);
 /// Causes that show only in what drivers and sensors send; they need a moment after drivers came up.
 constexpr FaultSet kOfReplies = [] {
   FaultSet set;
-  for (const Fault fault : {Fault::missed_replies, Fault::lost_replies, Fault::stale_base_sensor,
+  for (const Fault fault : {Fault::missed_replies, Fault::lost_replies, Fault::stale_torso_sensor,
                             Fault::driver_not_enabled, Fault::driver_fault}) {
     set.add(fault);
   }

@@ -250,9 +250,9 @@ JointBusStatus CanRobot::send(const std::array<CanFrame, kJoints>& frames) noexc
   return status;
 }
 
-BaseSensorStatus CanRobot::read_base(BaseReading& reading) noexcept {
+TorsoSensorStatus CanRobot::read_base(BaseReading& reading) noexcept {
   reading = base_;
-  return base_fresh_ ? BaseSensorStatus::ok : BaseSensorStatus::stale;
+  return base_fresh_ ? TorsoSensorStatus::ok : TorsoSensorStatus::stale;
 }
 
 EmergencyStopState CanRobot::read_emergency_stop(std::int64_t now_ns) noexcept {

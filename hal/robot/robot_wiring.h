@@ -6,7 +6,7 @@
 
 #include "hal/robot/joint_bus.h"
 #include "hal/robot/joint_driver.h"
-#include "hal/sensors/base_sensor_table.h"
+#include "hal/sensors/torso_sensor_table.h"
 
 namespace stilt::hal {
 

@@ -170,7 +170,7 @@ experiments::DisturbancePlan plan_of_rows(const std::string& rows_file) {
   return plan;
 }
 
-int run_disturbance(ExperimentOptions options, const std::vector<std::string>& words) {
+int run_disturbance(ExperimentOptions options, const std::vector<std::string>& arguments) {
   constexpr double kHorizonOfQuick_s = 0.5;
   (void)walk_runner(options.setting);  // mistakes are named before anything runs
   if (options.quick && options.rows_file.empty()) options.horizons_s = {kHorizonOfQuick_s};
@@ -182,7 +182,7 @@ int run_disturbance(ExperimentOptions options, const std::vector<std::string>& w
   }
   if (options.quick) cut_to_quick(plan);
   return run_jobs(
-      options, words, settings_json(options, "disturbance", parts), disturbance_jobs(plan),
+      options, arguments, settings_json(options, "disturbance", parts), disturbance_jobs(plan),
       [&](const std::vector<Json>& results) { return merge_disturbance(plan, results); },
       experiments::disturbance_table);
 }

@@ -14,7 +14,7 @@ namespace stilt::cli {
 /// results; or runs all that have no result, in processes of their own, and merges. `merge` makes the figures
 /// of all results, `table` a text of them. Returns the exit status.
 [[nodiscard]] int run_jobs(
-    const ExperimentOptions& options, const std::vector<std::string>& words,
+    const ExperimentOptions& options, const std::vector<std::string>& arguments,
     const experiments::Json& settings, const std::vector<experiments::Job>& jobs,
     const std::function<experiments::Json(const std::vector<experiments::Json>&)>& merge,
     const std::function<std::string(const experiments::Json&)>& table);

@@ -4,10 +4,10 @@
 
 namespace stilt::ocp {
 
-/// Relaxed logarithmic barrier, B(h) = -mu ln h for h > delta, its quadratic continuation below.
+/// Relaxed logarithmic barrier, B(h) = -weight ln h for h > width, its quadratic continuation below.
 struct BarrierParameters {
-  double mu = 0.1;
-  double delta = 0.1;  ///< in the unit of the constrained quantity
+  double weight = 0.1;
+  double width = 0.1;  ///< h below which it is quadratic, in the unit of the constrained quantity
 };
 
 /// Diagonal weights of 1/2 (e_x' Q e_x + e_u' R e_u + sum_feet e' W e).

@@ -25,9 +25,12 @@ using ocp::ClockFunction;
 ///
 /// (the residual of an acceleration constraint, held for an interval, is a velocity: the unit of most
 /// defects). A trial step is accepted, compared with the current iterate, when
-///   g_new > g_max:                              g_new < (1 - gamma_c) g
-///   g, g_new < g_min and the slope is downhill: cost_new <= cost + armijo * step * slope
-///   otherwise:                                  cost_new < cost - gamma_c g  or  g_new < (1 - gamma_c) g
+///   g_new > filter_violation_max:
+///     g_new < (1 - filter_margin) g
+///   g, g_new < filter_violation_min and the slope is downhill:
+///     cost_new <= cost + armijo * step * slope
+///   otherwise:
+///     cost_new < cost - filter_margin g  or  g_new < (1 - filter_margin) g
 /// Source: Galliker et al. 2022, section III; Grandia et al. 2022, "Perceptive locomotion through nonlinear
 /// model predictive control", appendix B. Fixed memory, no heap, bounded time: real-time safe.
 class Sqp {

@@ -30,7 +30,7 @@ TEST(OpenBuses, EachBusReceivesWhatItsDriversSendAndItsOwnCommands) {
   EXPECT_FALSE(left.fd);
   const auto right = bus_options(wiring, 1, false);
   EXPECT_TRUE(receives(right, 0x14, false));
-  EXPECT_FALSE(receives(right, 0x150, false)) << "the base sensor is on the first bus";
+  EXPECT_FALSE(receives(right, 0x150, false)) << "the torso sensor is on the first bus";
 }
 
 TEST(OpenBuses, SyncFramesPassInLockstepOnly) {

@@ -86,7 +86,7 @@ TwoProcessRun run_two_processes(double duration_s, const std::vector<std::string
 }
 
 /// The readings of the emulated drivers: 16 bits over 6.4 rad, 12 bits over 40 rad/s, one tick old; and of
-/// the base sensor: 1e-6 rad, 5e-4 rad/s.
+/// the torso sensor: 1e-6 rad, 5e-4 rad/s.
 std::vector<Change> run_simulation(double walks_s) {
   testing_support::RunRequest request = testing_support::walking(0.5, 1.0, walks_s + kEnds_s);
   request.commands = {{0.0, {gait::GaitKind::stand, 0.0}}, {walks_s, {gait::GaitKind::walk, 0.5}}};

@@ -128,8 +128,8 @@ INSTANTIATE_TEST_SUITE_P(
                     Expectation{"PowerCycle", "power-cycle@4", "lost_replies", "damp", 12},
                     Expectation{"LowVoltage", "low-voltage@4", "driver_fault", "damp", 2},
                     Expectation{"EmergencyStop", "emergency-stop@4", "emergency_stop", "damp", 2},
-                    Expectation{"SilentBaseSensor", "base-silent@4", "stale_base_sensor", "damp", 12},
-                    Expectation{"FrozenBaseSensor", "base-freeze@4", "stale_base_sensor", "damp", 40}),
+                    Expectation{"SilentTorsoSensor", "base-silent@4", "stale_torso_sensor", "damp", 12},
+                    Expectation{"FrozenTorsoSensor", "base-freeze@4", "stale_torso_sensor", "damp", 40}),
     test_name);
 
 class PassingFault : public FaultWhileWalking {};

@@ -43,9 +43,9 @@ constexpr std::array kTable = {
     FaultDescription{emergency_stop, "emergency-stop", FaultTarget::robot, false, kForever_s,
                      "the switch reports that it is pressed (power stays, which a real switch would cut)"},
     FaultDescription{base_silent, "base-silent", FaultTarget::robot, false, kForever_s,
-                     "the base sensor sends nothing"},
+                     "the torso sensor sends nothing"},
     FaultDescription{base_freeze, "base-freeze", FaultTarget::robot, false, kForever_s,
-                     "the base sensor repeats its last values"},
+                     "the torso sensor repeats its last values"},
 };
 
 std::invalid_argument bad(std::string_view whole, const std::string& problem) {

@@ -14,7 +14,7 @@ namespace stilt::robot_on_bus {
 /// Where a frame of the robot comes from.
 struct FrameSource {
   std::size_t bus = 0;
-  std::optional<std::size_t> joint;  ///< none: the base sensor
+  std::optional<std::size_t> joint;  ///< none: the torso sensor
 };
 
 /// Frames of the robot on their way to the controller, and what the faults of the moment do to them. Frames

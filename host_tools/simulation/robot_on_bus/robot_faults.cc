@@ -76,7 +76,7 @@ void RobotOnBus::begin_fault(std::int64_t now_ns, const simulation::TimedFault& 
     case simulation::FaultKind::over_temperature:
       for_each_driver(fault, [](Driver& driver) { driver.motor.temperature_C = kHot_C; });
       break;
-    default:  // faults of frames, base sensor and switch act while they are active
+    default:  // faults of frames, torso sensor and switch act while they are active
       break;
   }
 }

@@ -26,7 +26,7 @@ RobotOnBus::RobotOnBus(const RobotSetup& setup)
       plant_(setup.model, setup.plant, setup.seed),
       steps_a_tick_(static_cast<int>(std::lround(setup.tick_s / plant_.time_step_s()))),
       drivers_(setup.wiring),
-      base_sensor_(setup.wiring),
+      torso_sensor_(setup.wiring),
       hoist_(setup.hoist, setup.standing, plant_.mass_kg() * model::kGravity_m_s2),
       line_(setup.faults),
       recorder_(setup.keep_samples),
@@ -124,7 +124,7 @@ void RobotOnBus::run_timers(std::int64_t now_ns) {
 void RobotOnBus::send_base(std::int64_t now_ns) {
   const BaseValues values = base_values();
   if (!base_due() || active(simulation::FaultKind::base_silent)) return;
-  for (const hal::CanFrame& frame : base_sensor_.encode(values)) {
+  for (const hal::CanFrame& frame : torso_sensor_.encode(values)) {
     line_.send(fault_clock_s_, now_ns, {setup_.wiring.channel_bus, std::nullopt}, frame);
   }
 }

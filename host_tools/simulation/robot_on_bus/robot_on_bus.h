@@ -11,10 +11,10 @@
 #include "host_tools/simulation/closed_loop/fault_plan.h"
 #include "host_tools/simulation/closed_loop/scenario.h"
 #include "host_tools/simulation/plant/plant.h"
-#include "host_tools/simulation/robot_on_bus/base_sensor_frames.h"
 #include "host_tools/simulation/robot_on_bus/frame_line.h"
 #include "host_tools/simulation/robot_on_bus/hoist.h"
 #include "host_tools/simulation/robot_on_bus/joint_drivers.h"
+#include "host_tools/simulation/robot_on_bus/torso_sensor_frames.h"
 #include "host_tools/simulation/robot_on_bus/walk_recorder.h"
 
 namespace stilt::robot_on_bus {
@@ -28,7 +28,7 @@ struct RobotSetup {
   std::uint64_t seed = 1;
   model::StateVector standing = model::StateVector::Zero();  ///< starting pose, feet on the ground
   double tick_s = 0.001;
-  double base_rate_hz = 1000.0;  ///< frames a second of the base sensor, at most one a tick
+  double base_rate_hz = 1000.0;  ///< frames a second of the torso sensor, at most one a tick
   HoistParameters hoist;
   std::vector<simulation::TimedFault> faults;
   std::vector<simulation::Push> pushes;
@@ -41,12 +41,12 @@ struct StruckFault {
   double time_s = 0.0;  ///< since the robot was switched on
 };
 
-/// MuJoCo behind emulated motor drivers and an emulated base sensor: frames in, frames out, and between them
+/// MuJoCo behind emulated motor drivers and an emulated torso sensor: frames in, frames out, and between them
 /// the robot. Knows neither sockets nor clocks; equal calls give equal frames, bit for bit.
 ///
 /// A command takes effect when it is heard; the driver's law is evaluated at each time step of the plant, at
 /// the joint's position and velocity of that moment (with the plant's encoder noise), and limited by driver
-/// and plant. Replies show the newest time step. The base sensor sends at the end of a tick, at its
+/// and plant. Replies show the newest time step. The torso sensor sends at the end of a tick, at its
 /// own rate.
 class RobotOnBus {
  public:
@@ -118,12 +118,12 @@ class RobotOnBus {
   simulation::Plant plant_;
   int steps_a_tick_;
   JointDrivers drivers_;
-  BaseSensorFrames base_sensor_;
+  TorsoSensorFrames torso_sensor_;
   Hoist hoist_;
   FrameLine line_;
   WalkRecorder recorder_;
   std::uint64_t ticks_ = 0;
-  std::uint64_t base_frames_ = 0;  ///< periods of the base sensor that are over
+  std::uint64_t base_frames_ = 0;  ///< periods of the torso sensor that are over
   int step_in_tick_ = 0;
   std::optional<std::uint64_t> release_tick_;
   int sitting_ticks_ = 0;  ///< in a row

@@ -31,7 +31,7 @@ TEST_F(FallbackTest, OlderPlanWithItsFeedbackGains) {
   rig->stand();
   rig->planning = false;
   rig->joints.base.pitch_rad = 0.05;  // off the plan, so that feedback has something to do
-  rig->run(static_cast<int>(1000 * rig->configuration.supervisor.older_plan_s) + 15);
+  rig->run(static_cast<int>(1000 * rig->configuration.supervisor.plan_feedback_after_s) + 15);
   ASSERT_EQ(rig->level(), FallbackLevel::plan_feedback);
   control::SensorReading reading;
   reading.time_s = rig->cycle.time_s();
@@ -173,11 +173,11 @@ TEST_F(GaitLevelSensorTest, EncodersThatRepeatThemselvesWhileTheGaitMovesTheJoin
   EXPECT_EQ(rig->level(), FallbackLevel::damp);
 }
 
-TEST_F(GaitLevelSensorTest, ABaseSensorThatRepeatsItselfMeanwhileIsStale) {
+TEST_F(GaitLevelSensorTest, ATorsoSensorThatRepeatsItselfMeanwhileIsStale) {
   ASSERT_EQ(rig->level(), FallbackLevel::gait);
   rig->joints.base.frozen = frozen;
   rig->run(2);
-  EXPECT_TRUE(rig->decision().latched.has(supervisor::Fault::stale_base_sensor));
+  EXPECT_TRUE(rig->decision().latched.has(supervisor::Fault::stale_torso_sensor));
 }
 
 TEST_F(GaitLevelSensorTest, SensorsMayRepeatThemselvesWhenTheStepIsOverAndNoFootHasLanded) {

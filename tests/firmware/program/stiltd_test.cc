@@ -40,7 +40,7 @@ TEST(Stiltd, SaysItsVersionCommitAndTheSizeOfTheController) {
 TEST(Stiltd, ChecksAConfigurationWithoutOpeningABus) {
   const Answer run = stiltd("--check-config --config " SHIPPED);
   EXPECT_EQ(run.status, 0);
-  EXPECT_TRUE(has(run, "amber3m.toml: right")) << run.text;
+  EXPECT_TRUE(has(run, "amber3m.toml: valid")) << run.text;
   EXPECT_TRUE(has(run, "bus can1: worst-case load 54 %")) << run.text;
 }
 

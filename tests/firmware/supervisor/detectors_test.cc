@@ -100,13 +100,13 @@ const std::vector<Case>& cases() {
          o.planned_speed_rad_s[2] = 0.6;
        },
        {Fault::stale_encoder}},
-      {"base sensor repeats",
+      {"torso sensor repeats",
        [](Observation& o) { o.base.frozen = 5000; },
        [](Observation& o) {
          o.base.frozen = 25;
          o.planned_speed_rad_s[0] = 0.6;
        },
-       {Fault::stale_base_sensor}},
+       {Fault::stale_torso_sensor}},
       {"base held still while joints move outside of any plan",
        [](Observation& o) {
          o.base.frozen = 5000;
@@ -116,15 +116,15 @@ const std::vector<Case>& cases() {
          o.base.frozen = 5000;
          o.planned_speed_rad_s[1] = -0.6;
        },
-       {Fault::stale_base_sensor}},
-      {"base sensor late",
+       {Fault::stale_torso_sensor}},
+      {"torso sensor late",
        [](Observation& o) { o.base.missed = 2; },
        [](Observation& o) { o.base.missed = 3; },
        {Fault::missed_replies}},
-      {"base sensor silent",
+      {"torso sensor silent",
        [](Observation&) {},
        [](Observation& o) { o.base.missed = 10; },
-       {Fault::missed_replies, Fault::stale_base_sensor}},
+       {Fault::missed_replies, Fault::stale_torso_sensor}},
       {"three replies missed",
        [](Observation& o) { o.joints[1].missed = 2; },
        [](Observation& o) { o.joints[1].missed = 3; },

@@ -32,7 +32,7 @@ TEST(FaultTable, NamesAndNumbersNeverChange) {
       {103, "joint_torque_limit"},
       {104, "base_angle_limit"},
       {201, "stale_encoder"},
-      {202, "stale_base_sensor"},
+      {202, "stale_torso_sensor"},
       {301, "missed_replies"},
       {302, "lost_replies"},
       {303, "bus_error"},

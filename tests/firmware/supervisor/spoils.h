@@ -23,7 +23,7 @@ inline constexpr std::array<Spoil, kFaults> kSpoils = {{
        o.joints[0].frozen = 100;
        o.planned_speed_rad_s[0] = 2;
      }},
-    {Fault::stale_base_sensor, [](Observation& o) { o.base.missed = 20; }},
+    {Fault::stale_torso_sensor, [](Observation& o) { o.base.missed = 20; }},
     {Fault::missed_replies, [](Observation& o) { o.joints[0].missed = 5; }},
     {Fault::lost_replies, [](Observation& o) { o.joints[0].missed = 20; }},
     {Fault::bus_error, [](Observation& o) { o.bus_errors = true; }},

@@ -168,7 +168,7 @@ TEST(CanRobot, AMoteusInFaultModeHasAFaultWhateverItsCode) {
   EXPECT_EQ(robot.readings_[1].fault, DriverFault::other);
 }
 
-TEST(CanRobot, EveryChannelOfTheBaseSensorHasItsOwnPlace) {
+TEST(CanRobot, EveryChannelOfTheTorsoSensorHasItsOwnPlace) {
   Robot robot(Kind::mit);
   const std::array<BaseChannel, 6> channels{
       BaseChannel::pitch_rad,           BaseChannel::pitch_rate_rad_s,  BaseChannel::acceleration_x_m_s2,
@@ -186,7 +186,7 @@ TEST(CanRobot, EveryChannelOfTheBaseSensorHasItsOwnPlace) {
   robot.buses_[0].script(frame, robot.clock_.now_ns());
   static_cast<void>(sensing.read(robot.clock_.now_ns(), robot.readings_));
   BaseReading base;
-  ASSERT_EQ(sensing.read_base(base), BaseSensorStatus::ok);
+  ASSERT_EQ(sensing.read_base(base), TorsoSensorStatus::ok);
   EXPECT_EQ(base.pitch_rad, 11);
   EXPECT_EQ(base.pitch_rate_rad_s, 12);
   EXPECT_EQ(base.acceleration_x_m_s2, 13);
@@ -198,7 +198,7 @@ TEST(CanRobot, EveryChannelOfTheBaseSensorHasItsOwnPlace) {
   frame.length = 4;
   robot.buses_[0].script(frame, robot.clock_.now_ns());
   static_cast<void>(sensing.read(robot.clock_.now_ns(), robot.readings_));
-  EXPECT_EQ(sensing.read_base(base), BaseSensorStatus::stale);
+  EXPECT_EQ(sensing.read_base(base), TorsoSensorStatus::stale);
   EXPECT_EQ(base.malformed, 1u) << "cut off";
   EXPECT_EQ(base.pitch_rad, 11);
 }
@@ -228,7 +228,7 @@ TEST(CanRobot, ThePitchOfATorsoEncoderHasItsDirectionAndOffset) {
   robot.clock_.advance(kTick_ns);
   static_cast<void>(leaning.read(robot.clock_.now_ns(), robot.readings_));
   BaseReading base;
-  ASSERT_EQ(leaning.read_base(base), BaseSensorStatus::ok);
+  ASSERT_EQ(leaning.read_base(base), TorsoSensorStatus::ok);
   EXPECT_NEAR(base.pitch_rad, 0.3, 1e-4);
   EXPECT_NEAR(base.pitch_rate_rad_s, 0.5, 1e-4);
   static_cast<void>(leaning.read(robot.clock_.now_ns(), robot.readings_));

@@ -216,16 +216,16 @@ TEST(CanRobot, RandomFramesNeverGiveAnInfiniteReading) {
   }
 }
 
-TEST(CanRobot, TheBaseSensorAndTheEmergencyStopComeFromTheTable) {
+TEST(CanRobot, TheTorsoSensorAndTheEmergencyStopComeFromTheTable) {
   Robot robot(Kind::mit);
   BaseReading base;
-  EXPECT_EQ(robot.robot_->read_base(base), BaseSensorStatus::stale);
+  EXPECT_EQ(robot.robot_->read_base(base), TorsoSensorStatus::stale);
   EXPECT_EQ(robot.robot_->read_emergency_stop(robot.clock_.now_ns()), EmergencyStopState::unknown);
   CanFrame frame = classic_frame(0x50, 4);
   frame.data = {0x64, 0x00, 0x01, 0x00};
   robot.buses_[0].script(frame, robot.clock_.now_ns());
   static_cast<void>(robot.read());
-  EXPECT_EQ(robot.robot_->read_base(base), BaseSensorStatus::ok);
+  EXPECT_EQ(robot.robot_->read_base(base), TorsoSensorStatus::ok);
   EXPECT_DOUBLE_EQ(base.pitch_rad, 0.1);
   EXPECT_EQ(robot.robot_->read_emergency_stop(robot.clock_.now_ns()), EmergencyStopState::released);
   robot.clock_.advance(200 * kTick_ns);
@@ -237,7 +237,7 @@ TEST(CanRobot, TheBaseSensorAndTheEmergencyStopComeFromTheTable) {
   EXPECT_EQ(robot.robot_->read_emergency_stop(robot.clock_.now_ns()), EmergencyStopState::pressed);
 }
 
-TEST(CanRobot, ABaseSensorSlowerThanTheReadsIsMissedOnlyWhenItsFrameIsDue) {
+TEST(CanRobot, ATorsoSensorSlowerThanTheReadsIsMissedOnlyWhenItsFrameIsDue) {
   Robot robot(Kind::mit);
   robot.wiring_.channel_period_ticks = 3;
   const std::array<FrameBus*, 2> buses{&robot.buses_[0], &robot.buses_[1]};
@@ -252,7 +252,7 @@ TEST(CanRobot, ABaseSensorSlowerThanTheReadsIsMissedOnlyWhenItsFrameIsDue) {
   }
 }
 
-TEST(CanRobot, ARepetitionOfASlowBaseSensorCountsTheReadsItLasts) {
+TEST(CanRobot, ARepetitionOfASlowTorsoSensorCountsTheReadsItLasts) {
   Robot robot(Kind::mit);
   robot.wiring_.channel_period_ticks = 3;
   const std::array<FrameBus*, 2> buses{&robot.buses_[0], &robot.buses_[1]};
@@ -267,7 +267,7 @@ TEST(CanRobot, ARepetitionOfASlowBaseSensorCountsTheReadsItLasts) {
   EXPECT_EQ(base.frozen, 6u) << "the second and the third frame";
 }
 
-TEST(CanRobot, ABaseSensorWhosePitchStaysEqualWhileItsRateChangesIsNotFrozen) {
+TEST(CanRobot, ATorsoSensorWhosePitchStaysEqualWhileItsRateChangesIsNotFrozen) {
   Robot robot(Kind::mit);
   robot.wiring_.channels[2] = {
       .id = 0x50, .byte_offset = 4, .scale = 1e-3, .channel = BaseChannel::pitch_rate_rad_s};
@@ -333,7 +333,7 @@ TEST(CanRobot, AMoteusCanCarryTheTorsosEncoder) {
   robot.clock_.advance(kTick_ns);
   static_cast<void>(robot.read());
   BaseReading base;
-  EXPECT_EQ(robot.robot_->read_base(base), BaseSensorStatus::ok);
+  EXPECT_EQ(robot.robot_->read_base(base), TorsoSensorStatus::ok);
   EXPECT_NEAR(base.pitch_rad, 0.2, 1e-4);
   EXPECT_NEAR(base.pitch_rate_rad_s, -0.5, 1e-4);
 }

@@ -51,7 +51,7 @@ TEST(FaultPlan, AFaultStrikesItsTargetOnly) {
   const TimedFault joint = parse_fault("drop:knee_L@1");
   EXPECT_TRUE(joint.strikes(0, 1));
   EXPECT_FALSE(joint.strikes(0, 0));
-  EXPECT_FALSE(joint.strikes(0, std::nullopt)) << "the base sensor is no joint";
+  EXPECT_FALSE(joint.strikes(0, std::nullopt)) << "the torso sensor is no joint";
   const TimedFault bus = parse_fault("drop:1@1");
   EXPECT_TRUE(bus.strikes(1, std::nullopt));
   EXPECT_FALSE(bus.strikes(0, 1));

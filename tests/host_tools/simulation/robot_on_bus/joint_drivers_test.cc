@@ -61,9 +61,9 @@ INSTANTIATE_TEST_SUITE_P(EveryProtocol, JointDriversOf, testing::Values("mit_dam
 TEST(JointDrivers, AnExtraEncoderShowsThePitchOfTheBase) {
   for (const char* reversed : {"false", "true"}) {
     RobotRequest request = drivers("moteus", "6");
-    request.settings.emplace_back("base_sensor.encoder_joint=2");
-    request.settings.emplace_back(std::string("base_sensor.encoder_reversed=") + reversed);
-    request.settings.emplace_back("base_sensor.encoder_offset_rad=0.15");
+    request.settings.emplace_back("torso_sensor.encoder_joint=2");
+    request.settings.emplace_back(std::string("torso_sensor.encoder_reversed=") + reversed);
+    request.settings.emplace_back("torso_sensor.encoder_offset_rad=0.15");
     DrivenRobot driven(request);
     ASSERT_TRUE(driven.enable());
     const hal::JointCommands nothing{};

@@ -18,9 +18,9 @@ constexpr gait::GaitCommand kStand{gait::GaitKind::stand, 0.0};
 constexpr std::size_t kKneeLeft = 1;
 constexpr double kFaultStart_s = 0.1;
 
-/// A frame of the base sensor in every tick, so that ticks can be counted.
+/// A frame of the torso sensor in every tick, so that ticks can be counted.
 RobotRequest every_tick(RobotRequest request) {
-  request.settings.emplace_back("base_sensor.rate_hz=1000");
+  request.settings.emplace_back("torso_sensor.rate_hz=1000");
   return request;
 }
 
@@ -70,10 +70,10 @@ TEST(RobotOnBus, EqualCallsGiveEqualFrames) {
   EXPECT_GT(frames.size(), 100'000u);
 }
 
-TEST(RobotOnBus, TheBaseSensorSendsAtItsOwnRate) {
+TEST(RobotOnBus, TheTorsoSensorSendsAtItsOwnRate) {
   for (const auto& [rate_hz, frames] : {std::pair{"500", 50u}, {"300", 30u}, {"5000", 100u}}) {
     RobotRequest request;
-    request.settings.push_back(std::string("base_sensor.rate_hz=") + rate_hz);
+    request.settings.push_back(std::string("torso_sensor.rate_hz=") + rate_hz);
     DrivenRobot driven(request);
     std::size_t received = 0;
     for (int i = 0; i < 100; ++i) {
@@ -85,14 +85,14 @@ TEST(RobotOnBus, TheBaseSensorSendsAtItsOwnRate) {
   }
 }
 
-TEST(RobotOnBus, EveryCommandIsAnsweredAndTheBaseSensorSendsOnceATick) {
+TEST(RobotOnBus, EveryCommandIsAnsweredAndTheTorsoSensorSendsOnceATick) {
   RobotRequest request;
-  request.settings.emplace_back("base_sensor.rate_hz=1000");
+  request.settings.emplace_back("torso_sensor.rate_hz=1000");
   Standing::Enabled driven(request);
   const hal::JointCommands nothing{};
   for (int i = 0; i < 10; ++i) {
     driven.tick(&nothing);
-    EXPECT_EQ(driven.received(0).size(), 3u) << "two replies and the base sensor";
+    EXPECT_EQ(driven.received(0).size(), 3u) << "two replies and the torso sensor";
     EXPECT_EQ(driven.received(1).size(), 2u);
     for (const hal::JointReading& joint : driven.readings) {
       EXPECT_EQ(joint.missed, 0u);
@@ -252,7 +252,7 @@ TEST(RobotFault, TheEmergencyStopIsReported) {
   EXPECT_EQ(robot.driven.can.read_emergency_stop(robot.driven.now_ns), hal::EmergencyStopState::pressed);
 }
 
-TEST(RobotFault, ASilentBaseSensorSendsNothing) {
+TEST(RobotFault, ASilentTorsoSensorSendsNothing) {
   Standing robot("base-silent");
   ASSERT_TRUE(robot.stand());
   for (int i = 0; i < 5; ++i) robot.tick();
@@ -260,7 +260,7 @@ TEST(RobotFault, ASilentBaseSensorSendsNothing) {
   EXPECT_EQ(robot.driven.readings[0].missed, 0u);
 }
 
-TEST(RobotFault, AFrozenBaseSensorRepeatsItself) {
+TEST(RobotFault, AFrozenTorsoSensorRepeatsItself) {
   Standing robot("base-freeze");
   ASSERT_TRUE(robot.stand());
   for (int i = 0; i < 10; ++i) robot.tick();

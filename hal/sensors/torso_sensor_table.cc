@@ -1,4 +1,4 @@
-#include "hal/sensors/base_sensor_table.h"
+#include "hal/sensors/torso_sensor_table.h"
 
 #include <algorithm>
 #include <bit>

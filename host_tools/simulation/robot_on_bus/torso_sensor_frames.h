@@ -5,18 +5,18 @@
 
 #include "hal/can/frame.h"
 #include "hal/robot/robot_wiring.h"
-#include "hal/sensors/base_sensor_table.h"
+#include "hal/sensors/torso_sensor_table.h"
 
 namespace stilt::robot_on_bus {
 
 /// Values of the channels, by BaseChannel, SI units.
 using BaseValues = std::array<double, hal::kBaseChannels>;
 
-/// The base sensor's side of the wiring's channel table: one frame an identifier, each as long as its
+/// The torso sensor's side of the wiring's channel table: one frame an identifier, each as long as its
 /// channels need.
-class BaseSensorFrames {
+class TorsoSensorFrames {
  public:
-  explicit BaseSensorFrames(const hal::RobotWiring& wiring);
+  explicit TorsoSensorFrames(const hal::RobotWiring& wiring);
 
   /// Every frame of the sensor with these values, in the order of the table. Values beyond a field's range
   /// end at its limit.
