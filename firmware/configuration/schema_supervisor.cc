@@ -24,7 +24,7 @@ constexpr Entry kEntries[] = {
     {"supervisor", "base_angle_limit_rad", "rad", "Lean of the torso, either way, before base_angle_limit",
      real<&P::supervisor, &S::base_angle_limit_rad>(0.1, 3.2)},
     {"supervisor", "frozen_ticks", "1",
-     "Equal values in a row of something that must move before stale_encoder or stale_torso_sensor",
+     "Equal values in a row of something that must move before encoder_frozen or stale_torso_sensor",
      integer<&P::supervisor, &S::frozen_ticks>(2, 100000)},
     {"supervisor", "moving_rad_s", "rad/s",
      "A joint planned to be faster than this must move, and the base with it",

@@ -6,7 +6,7 @@ namespace stilt::diagnostics {
 
 /// Figures of the torque loop; a copy goes to the housekeeping thread now and then.
 struct LoopFigures {
-  Histogram wakeup;
+  Histogram wakeup_latency;
   Histogram execution;
   Histogram bus_round_trip;
   long long ticks = 0;

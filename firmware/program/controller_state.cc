@@ -92,7 +92,7 @@ void take_figures(const ControllerState& state, Outcome& outcome) {
   outcome.late_ticks = state.loop.late_ticks;
   outcome.missed_periods = state.loop.missed_periods;
   outcome.plans = state.planning.plans;
-  outcome.wakeup_us = state.loop.wakeup.percentiles();
+  outcome.wakeup_latency_us = state.loop.wakeup_latency.percentiles();
   outcome.execution_us = state.loop.execution.percentiles();
   outcome.bus_round_trip_us = state.loop.bus_round_trip.percentiles();
   outcome.solve_us = state.planning.solve.percentiles();

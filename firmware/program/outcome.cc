@@ -96,7 +96,7 @@ std::string to_json(const Outcome& outcome) {
   json["late_ticks"] = outcome.late_ticks;
   json["missed_periods"] = outcome.missed_periods;
   json["plans"] = outcome.plans;
-  json["wakeup_us"] = json_of(outcome.wakeup_us);
+  json["wakeup_us"] = json_of(outcome.wakeup_latency_us);
   json["execution_us"] = json_of(outcome.execution_us);
   json["bus_round_trip_us"] = json_of(outcome.bus_round_trip_us);
   json["solve_us"] = json_of(outcome.solve_us);

@@ -31,7 +31,7 @@ struct Outcome {
   long long late_ticks = 0;
   long long missed_periods = 0;
   long long plans = 0;
-  diagnostics::Percentiles wakeup_us;
+  diagnostics::Percentiles wakeup_latency_us;
   diagnostics::Percentiles execution_us;
   diagnostics::Percentiles bus_round_trip_us;
   diagnostics::Percentiles solve_us;

@@ -72,7 +72,8 @@ void run_torque_loop(void* context) {
   Run& run = *static_cast<Run*>(context);
   guard(run);
   ControllerState& state = run.state;
-  const std::int64_t late_ns = std::llround(1e9 * run.options.configuration.supervisor.torque_loop_overrun_s);
+  const std::int64_t overrun_ns =
+      std::llround(1e9 * run.options.configuration.supervisor.torque_loop_overrun_s);
   const realtime::AllocationScope allocations;
   hal::MonotonicClock clock;
   const std::int64_t tick_ns = period_ns(run.options.configuration.timing.torque_rate_hz);
@@ -81,14 +82,14 @@ void run_torque_loop(void* context) {
   control_loop::TickTiming timing;
   for (int ticks_off = 0; ticks_off < kLastTicks;) {
     timing.now_ns = clock.sleep_until(pace.next_ns());
-    timing.late_ns = timing.now_ns - pace.next_ns();
+    timing.wakeup_latency_ns = timing.now_ns - pace.next_ns();
     state.control.tick(timing);
     const std::int64_t done_ns = clock.now_ns();
     timing.execution_ns = done_ns - timing.now_ns;
-    state.loop.wakeup.add_ns(timing.late_ns);
+    state.loop.wakeup_latency.add_ns(timing.wakeup_latency_ns);
     state.loop.execution.add_ns(timing.execution_ns);
     ++state.loop.ticks;
-    if (timing.late_ns > late_ns) ++state.loop.late_ticks;
+    if (timing.wakeup_latency_ns > overrun_ns) ++state.loop.late_ticks;
     if (state.loop.ticks % kRoundTripEvery == 0 && supervisor::drives(state.control.decision().state)) {
       const auto wait_ns = static_cast<std::int64_t>(kRoundTripShare * static_cast<double>(tick_ns));
       timing.round_trip_ns =
@@ -114,7 +115,7 @@ void run_cycle(Run& run, hal::MonotonicClock& clock, std::int64_t& last_tick) no
   last_tick = request.tick;
   const std::int64_t start_ns = clock.now_ns();
   const bool fresh = state.planner.plan(request, state.mail);
-  if (request.session == 0) return;
+  if (request.stance_episode == 0) return;
   const std::int64_t solve_ns = clock.now_ns() - start_ns;
   state.planner.record(request, fresh, solve_ns, state.mail);
   if (fresh) state.mail.plans.publish();
@@ -152,12 +153,12 @@ void run_planner(void* context) {
 void print_figures(ControllerState& state) {
   const LoopFigures& loop = state.loop_figures.newest();
   const PlannerFigures& planning = state.planner_figures.newest();
-  std::fputs(
-      (diagnostics::to_text("wake-up", loop.wakeup) + diagnostics::to_text("execution", loop.execution) +
-       diagnostics::to_text("bus round trip", loop.bus_round_trip) +
-       diagnostics::to_text("solve", planning.solve))
-          .c_str(),
-      stderr);
+  std::fputs((diagnostics::to_text("wake-up", loop.wakeup_latency) +
+              diagnostics::to_text("execution", loop.execution) +
+              diagnostics::to_text("bus round trip", loop.bus_round_trip) +
+              diagnostics::to_text("solve", planning.solve))
+                 .c_str(),
+             stderr);
 }
 
 /// Once the black box has frozen: writes it, and lets it record again.

@@ -45,7 +45,7 @@ struct Test {
 /// One tick: sleeps, reads. Returns its time.
 std::int64_t begin_tick(Test& test, realtime::Pace& pace) {
   const std::int64_t now_ns = test.clock.sleep_until(pace.next_ns());
-  test.figures.wakeup.add_ns(now_ns - pace.next_ns());
+  test.figures.wakeup_latency.add_ns(now_ns - pace.next_ns());
   const std::int64_t newest_base_ns = test.readings.base.time_ns;
   test.state.hardware->read(now_ns, test.readings);
   test.base_is_new = test.readings.base.time_ns != newest_base_ns;
@@ -73,7 +73,7 @@ void count(Test& test) {
   ++figures.ticks;
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
     const hal::ReplyFrame& reply = test.replies[joint];
-    const bool in_time = test.readings.joints[joint].missed == 0;
+    const bool in_time = test.readings.joints[joint].missed_replies == 0;
     if (in_time) ++figures.in_time[joint];
     if (!reply.exists && in_time) ++figures.answered[joint];
     if (!reply.exists) continue;
@@ -208,7 +208,7 @@ std::string to_text(const SelfTestFigures& figures) {
   text += "torso sensor    " + std::to_string(figures.base_readings) + " readings\n";
   text += "bus errors     " + std::to_string(figures.bus_errors) + '\n';
   text += line("round trip", figures.round_trip.percentiles());
-  text += line("wake-up", figures.wakeup.percentiles());
+  text += line("wake-up", figures.wakeup_latency.percentiles());
   if (figures.passed()) return text + "passed\n";
   if (figures.answered_enough()) {
     return text +
@@ -234,7 +234,7 @@ std::string to_json(const SelfTestFigures& figures) {
   json["base_readings"] = figures.base_readings;
   json["bus_errors"] = figures.bus_errors;
   json["bus_round_trip_us"] = percentiles(figures.round_trip);
-  json["wakeup_us"] = percentiles(figures.wakeup);
+  json["wakeup_us"] = percentiles(figures.wakeup_latency);
   return json.dump(2) + "\n";
 }
 

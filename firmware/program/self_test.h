@@ -19,7 +19,7 @@ struct SelfTestFigures {
   std::array<long long, hal::kJoints> in_time{};   ///< ticks in which the reply to the tick before was there
   long long base_readings = 0;
   long long bus_errors = 0;
-  diagnostics::Histogram wakeup;
+  diagnostics::Histogram wakeup_latency;
   diagnostics::Histogram round_trip;
 
   double enough_answered = 0.999;  ///< runtime.self_test_answered_share

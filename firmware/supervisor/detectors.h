@@ -28,7 +28,7 @@ struct Observation {
   Followable followable;            ///< plan and gait
   int failed_solves = 0;            ///< in a row
   double solve_s = 0;               ///< of the newest solve
-  double lateness_s = 0;            ///< of this tick
+  double wakeup_latency_s = 0;      ///< of this tick
   bool heartbeat_expected = false;  ///< an operator's program gave the last command
   double heartbeat_age_s = 0;       ///< since its last sign of life
   bool bring_up_failed = false;

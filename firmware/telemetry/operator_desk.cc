@@ -86,9 +86,8 @@ void OperatorDesk::stop(const RobotNow& now) noexcept {
 
 /// Why somebody has no say here; empty: he has the token.
 std::string OperatorDesk::refusal_of_stranger(const Asked& asked) const {
-  if (asked.session != rules_.session) {
-    return "the command is for another session of stiltd than the one that runs; take the session from the "
-           "configuration topic";
+  if (asked.run_id != rules_.run_id) {
+    return "the command is for another run of stiltd; take run_id from the configuration topic";
   }
   if (!same_secret(asked.token, rules_.token)) {
     return "the token is wrong; it is the first line of " + rules_.token_file + " on the robot";
@@ -113,7 +112,7 @@ std::string OperatorDesk::refusal(const Asked& asked, const RobotNow& now) {
   }
   const auto last = numbers_.find(asked.commander);
   if (last == numbers_.end() && numbers_.size() >= kMostCommanders) {
-    return "there were too many commanders in this session; start stiltd again, or use a name a second time";
+    return "there were too many commanders in this run; start stiltd again, or use a name a second time";
   }
   if (last != numbers_.end() && asked.number <= last->second) {
     return "command " + std::to_string(asked.number) + " came after " + std::to_string(last->second) +

@@ -13,7 +13,7 @@ namespace stilt::telemetry {
 
 /// What the desk insists on.
 struct DeskRules {
-  std::uint64_t session = 0;
+  std::uint64_t run_id = 0;
   std::string token;           ///< without it nothing is accepted
   std::string token_file;      ///< named in refusals
   double speed_limit_m_s = 0;  ///< of walk, speed and cmd_vel, either way
@@ -24,7 +24,7 @@ struct DeskRules {
 
 /// A command as it came.
 struct Asked {
-  std::uint64_t session = 0;
+  std::uint64_t run_id = 0;
   std::string token;
   std::string commander;
   std::uint64_t number = 0;
@@ -68,7 +68,7 @@ class OperatorDesk {
 
   /// What the torque loop shall do now. Until the first order came that is what `script` says.
   [[nodiscard]] control_loop::OperatorCommand command(const control_loop::OperatorCommand& script,
-                                                    const RobotNow& now);
+                                                      const RobotNow& now);
 
   [[nodiscard]] const std::string& commander() const noexcept { return commander_; }
   [[nodiscard]] bool alive(const RobotNow& now) const noexcept;

@@ -89,9 +89,9 @@ struct SketchNumbers {
 
 }  // namespace
 
-std::expected<Publisher, std::string> Publisher::open(const Participant& participant, std::uint64_t session) {
+std::expected<Publisher, std::string> Publisher::open(const Participant& participant, std::uint64_t run_id) {
   Publisher made;
-  made.session_ = session;
+  made.run_id_ = run_id;
   made.participant_ = participant.handle();
   std::string error;
   const bool opened = open_writer(participant, kTicks, made.ticks_, error) &&
@@ -125,7 +125,7 @@ void Publisher::configuration(const configuration::Configuration& configuration,
                         tunable.maximum, tunable.start_value});
   }
   ConfigurationInForce message{};
-  message.session = session_;
+  message.run_id = run_id_;
   lend(message.robot, robot);
   lend(message.configuration, toml);
   lend(message.version, texts.version);
@@ -147,7 +147,7 @@ void Publisher::tuning(const Tuner& tuner, const std::string& key, const std::st
   std::string who = commander;
   std::vector<double> values = tuner.values();
   Tuning message{};
-  message.session = session_;
+  message.run_id = run_id_;
   message.number = tuner.number();
   lend(message.key, key_text);
   lend(message.commander, who);
@@ -157,7 +157,7 @@ void Publisher::tuning(const Tuner& tuner, const std::string& key, const std::st
 
 void Publisher::cycle(const control_loop::CycleRecord& record, const Drops& drops) {
   PlannerCycle message = cycle_message(record);
-  message.session = session_;
+  message.run_id = run_id_;
   message.dropped = drops.cycles;
   cycles_.write(message);
 }
@@ -168,7 +168,7 @@ void Publisher::plan(const control_loop::PlanSketch& sketch, const control::Plan
     numbers.add(sketch.node[static_cast<std::size_t>(k)], sketch.start_time_s, settings.data);
   }
   Plan message{};
-  message.session = session_;
+  message.run_id = run_id_;
   message.plan_sequence = sketch.sequence;
   message.start_time_s = sketch.start_time_s;
   message.count = static_cast<std::uint32_t>(sketch.count);
@@ -190,12 +190,12 @@ void Publisher::supervisor(const control_loop::TickRecord& tick, const WallTime&
     if (tick.present.has(row.fault) || tick.latched.has(row.fault)) faults.add(row.name);
   }
   Supervisor message{};
-  message.session = session_;
+  message.run_id = run_id_;
   message.tick = tick.tick;
   message.time_ns = tick.time_ns;
   message.time_s = time.seconds(tick.time_ns);
   message.state = static_cast<std::uint8_t>(tick.state);
-  message.rung = static_cast<std::uint8_t>(tick.level);
+  message.fallback_level = static_cast<std::uint8_t>(tick.level);
   message.reaction = static_cast<std::uint8_t>(tick.reaction);
   message.present_faults = tick.present.bits();
   message.latched_faults = tick.latched.bits();
@@ -209,13 +209,13 @@ void Publisher::supervisor(const control_loop::TickRecord& tick, const WallTime&
   lend(message.commander, commander);
   message.commander_alive = in_command.alive;
   lend(message.state_name, supervisor::name(tick.state));
-  lend(message.rung_name, supervisor::name(tick.level));
+  lend(message.fallback_level_name, supervisor::name(tick.level));
   faults.lend_to(message.faults);
   supervisor_.write(message);
 }
 
 void Publisher::send(Event& event, const Drops& drops) {
-  event.session = session_;
+  event.run_id = run_id_;
   event.number = events_++;
   event.dropped = drops.events;
   events_writer_.write(event);
@@ -253,14 +253,14 @@ void Publisher::timing(const diagnostics::LoopFigures& loop, const diagnostics::
                        const configuration::Configuration& configuration, double time_s, const Drops& drops) {
   const double tick_us = 1e6 / configuration.timing.torque_rate_hz;
   std::array<HistogramMessage, 4> histograms = {
-      HistogramMessage("wakeup", loop.wakeup, 1e6 * configuration.supervisor.torque_loop_overrun_s),
+      HistogramMessage("wakeup", loop.wakeup_latency, 1e6 * configuration.supervisor.torque_loop_overrun_s),
       HistogramMessage("execution", loop.execution, tick_us),
       HistogramMessage("bus_round_trip", loop.bus_round_trip, tick_us),
       HistogramMessage("solve", planning.solve, 1e6 * configuration.supervisor.planner_overrun_s)};
   std::vector<stilt_msgs_msg_dds__Histogram_> list;
   for (HistogramMessage& histogram : histograms) list.push_back(histogram.message());
   Timing message{};
-  message.session = session_;
+  message.run_id = run_id_;
   message.time_s = time_s;
   message.ticks = static_cast<std::uint64_t>(loop.ticks);
   message.late_ticks = static_cast<std::uint64_t>(loop.late_ticks);
@@ -280,7 +280,7 @@ void Publisher::reply(const std::string& commander, std::uint64_t number, bool a
   std::string who = commander;
   std::string why = reason;
   CommandReply message{};
-  message.session = session_;
+  message.run_id = run_id_;
   lend(message.commander, who);
   message.number = number;
   message.accepted = accepted;
@@ -290,7 +290,7 @@ void Publisher::reply(const std::string& commander, std::uint64_t number, bool a
 }
 
 void Publisher::ticks(TickBatchBuilder& batch, const Drops& drops) {
-  batch.message().session = session_;
+  batch.message().run_id = run_id_;
   batch.message().dropped = drops.ticks;
   ticks_.write(batch.message());
 }

@@ -5,8 +5,8 @@
 
 #include "firmware/control_loop/cycle_record.h"
 #include "firmware/control_loop/events.h"
-#include "firmware/diagnostics/figures.h"
 #include "firmware/control_loop/tick_record.h"
+#include "firmware/diagnostics/figures.h"
 #include "firmware/telemetry/tick_batch.h"
 #include "firmware/telemetry/tuner.h"
 #include "firmware/telemetry/wall_time.h"
@@ -43,7 +43,7 @@ struct InCommand {
 class Publisher {
  public:
   [[nodiscard]] static std::expected<Publisher, std::string> open(const Participant& participant,
-                                                                  std::uint64_t session);
+                                                                  std::uint64_t run_id);
 
   void configuration(const configuration::Configuration& configuration, const RunDescription& run,
                      const Tuner& tuner, const WallTime& time);
@@ -68,7 +68,7 @@ class Publisher {
  private:
   void send(Event& event, const Drops& drops);
 
-  std::uint64_t session_ = 0;
+  std::uint64_t run_id_ = 0;
   std::uint64_t events_ = 0;
   dds_entity_t participant_ = 0;
   Writer<TickBatch> ticks_;

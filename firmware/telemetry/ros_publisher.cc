@@ -68,7 +68,8 @@ Status supervisor_status(const TickRecord& tick) {
   if (tick.reaction != supervisor::Reaction::none) {
     status.level = tick.reaction == supervisor::Reaction::warn ? kWarning : kError;
   }
-  status.values = {{"rung", supervisor::name(tick.level)}, {"reaction", supervisor::name(tick.reaction)}};
+  status.values = {{"fallback_level", supervisor::name(tick.level)},
+                   {"reaction", supervisor::name(tick.reaction)}};
   for (const supervisor::FaultRow& row : supervisor::kFaultTable) {
     const bool present = tick.present.has(row.fault);
     if (!present && !tick.latched.has(row.fault)) continue;
@@ -92,7 +93,7 @@ Status timing_status(const diagnostics::LoopFigures& loop, const diagnostics::Pl
                    {"plans", text(planning.plans)},
                    {"heap_allocations", text(allocations)},
                    {"page_faults", text(faults)},
-                   {"wakeup_p99_us", text(loop.wakeup.percentile_us(0.99))},
+                   {"wakeup_latency_p99_us", text(loop.wakeup_latency.percentile_us(0.99))},
                    {"execution_p99_us", text(loop.execution.percentile_us(0.99))},
                    {"solve_p99_us", text(planning.solve.percentile_us(0.99))}};
   return status;
@@ -107,7 +108,7 @@ Status driver_status(const hal::JointReading& joint, std::size_t index) {
   status.values = {{"temperature_C", text(joint.driver_temperature_C)},
                    {"motor_temperature_C", text(joint.motor_temperature_C)},
                    {"supply_V", text(joint.supply_V)},
-                   {"missed_replies", text(static_cast<long long>(joint.missed))},
+                   {"missed_replies", text(static_cast<long long>(joint.missed_replies))},
                    {"fault_code", text(static_cast<long long>(joint.fault_code))}};
   return status;
 }

@@ -27,8 +27,8 @@ std::uint64_t ticks_of(double period_s, double rate_hz) {
 std::string none_is_empty(const std::string& text) { return text == "none" ? "" : text; }
 
 Asked asked(const Command& command) {
-  return {command.session, command.token, command.commander, command.number,
-          command.kind,    command.value, command.key};
+  return {command.run_id, command.token, command.commander, command.number,
+          command.kind,   command.value, command.key};
 }
 
 std::string described(const Asked& asked) {
@@ -47,7 +47,7 @@ Station::Station(const configuration::Configuration& configuration, RunDescripti
     : configuration_(configuration),
       run_(std::move(run)),
       mail_(mail),
-      session_(random_session()),
+      run_id_(random_run_id()),
       tuner_(configuration, robot, mail),
       joint_states_every_(
           ticks_of(1.0 / configuration.telemetry.joint_states_hz, configuration.timing.torque_rate_hz)),
@@ -78,7 +78,7 @@ std::expected<void, std::string> Station::join() {
                          none_is_empty(parameters.security_folder)});
   if (!participant) return std::unexpected(participant.error());
   participant_ = std::make_unique<Participant>(std::move(*participant));
-  auto publisher = Publisher::open(*participant_, session_);
+  auto publisher = Publisher::open(*participant_, run_id_);
   if (!publisher) return std::unexpected(publisher.error());
   publisher_ = std::make_unique<Publisher>(std::move(*publisher));
   auto ros = RosPublisher::open(*participant_);
@@ -92,7 +92,7 @@ std::expected<void, std::string> Station::join() {
   twists_ = std::make_unique<Reader>(std::move(*twists));
   const auto secret = token();
   if (!secret) return std::unexpected(secret.error());
-  const DeskRules rules{session_,
+  const DeskRules rules{run_id_,
                         *secret,
                         run_.token_file,
                         parameters.speed_limit_m_s,

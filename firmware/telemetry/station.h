@@ -46,8 +46,8 @@ class Station {
   [[nodiscard]] const std::string& token_file() const noexcept { return run_.token_file; }
 
  private:
-  Station(const configuration::Configuration& configuration, RunDescription run, control_loop::Mailboxes& mail,
-          const model::RobotModel& robot);
+  Station(const configuration::Configuration& configuration, RunDescription run,
+          control_loop::Mailboxes& mail, const model::RobotModel& robot);
   [[nodiscard]] std::expected<void, std::string> join();
   [[nodiscard]] std::expected<std::string, std::string> token();
   void begin(const control_loop::TickRecord& record);
@@ -61,7 +61,7 @@ class Station {
   const configuration::Configuration& configuration_;
   RunDescription run_;
   control_loop::Mailboxes& mail_;
-  std::uint64_t session_;
+  std::uint64_t run_id_;
   Tuner tuner_;
   std::string tuned_by_;
   std::unique_ptr<Participant> participant_;

@@ -95,13 +95,13 @@ std::expected<std::string, std::string> read_token(const std::string& path) {
   return std::unexpected(failure(path, "its first line is no token of 16 characters or more"));
 }
 
-std::uint64_t random_session() {
-  std::uint64_t session = 0;
-  while (session == 0) {
-    if (getrandom(&session, sizeof session, 0) != static_cast<ssize_t>(sizeof session)) return 1;
-    session &= (std::uint64_t{1} << 53) - 1;
+std::uint64_t random_run_id() {
+  std::uint64_t run_id = 0;
+  while (run_id == 0) {
+    if (getrandom(&run_id, sizeof run_id, 0) != static_cast<ssize_t>(sizeof run_id)) return 1;
+    run_id &= (std::uint64_t{1} << 53) - 1;
   }
-  return session;
+  return run_id;
 }
 
 }  // namespace stilt::telemetry

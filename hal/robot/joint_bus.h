@@ -20,10 +20,10 @@ struct JointReading {
   double driver_temperature_C = std::numeric_limits<double>::quiet_NaN();  ///< NaN: driver does not say
   double motor_temperature_C = std::numeric_limits<double>::quiet_NaN();   ///< NaN: driver does not say
   double supply_V = std::numeric_limits<double>::quiet_NaN();              ///< NaN: driver does not say
-  std::int64_t time_ns = 0;     ///< when the position arrived, CLOCK_MONOTONIC; 0: never
-  std::uint32_t missed = 0;     ///< reads in a row without a new position
-  std::uint32_t frozen = 0;     ///< new positions in a row with the very same bits
-  std::uint32_t malformed = 0;  ///< frames of this joint that could not be decoded, since start
+  std::int64_t time_ns = 0;             ///< when the position arrived, CLOCK_MONOTONIC; 0: never
+  std::uint32_t missed_replies = 0;     ///< reads in a row without a new position
+  std::uint32_t unchanged_replies = 0;  ///< new positions in a row with the very same bits
+  std::uint32_t malformed = 0;          ///< frames of this joint that could not be decoded, since start
   DriverState state = DriverState::unknown;
   DriverFault fault = DriverFault::none;
   std::uint32_t fault_code = 0;  ///< the maker's number

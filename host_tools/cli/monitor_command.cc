@@ -55,7 +55,7 @@ CLI::App* add_monitor_command(CLI::App& program, MonitorOptions& options) {
                    "address the page is served on; with another than a loopback address everybody who "
                    "reaches it can look, and commands with the token")
       ->capture_default_str();
-  CLI::Option* token = monitor->add_option("--token", options.token, "token of the session, for commands");
+  CLI::Option* token = monitor->add_option("--token", options.token, "token of the run, for commands");
   monitor
       ->add_option("--token-file", options.token_file,
                    "file with the token; without, the one that stiltd names, when it can be read")

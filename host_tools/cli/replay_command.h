@@ -17,7 +17,7 @@ struct ReplayOptions {
 /// Adds `replay` to the program; its options end up in `options`.
 CLI::App* add_replay_command(CLI::App& program, ReplayOptions& options);
 
-/// Runs every session of a record through the controller again and says whether all plans and torques came
+/// Replays every run of a record through the controller and says whether all plans and torques came
 /// out the same. Returns the exit status: 0 they did, 1 something differs or is missing. Throws UsageError or
 /// std::runtime_error, one sentence.
 [[nodiscard]] int run_replay(const ReplayOptions& options);

@@ -18,8 +18,8 @@ class Commander {
   ///              std::runtime_error with a sentence when it cannot start.
   Commander(const telemetry::Participant& participant, std::string name);
 
-  /// Session of the robot, from ConfigurationInForce, and its token, from the token file or the user.
-  void set_session(std::uint64_t session, std::string token);
+  /// run_id of stiltd, from ConfigurationInForce, and its token, from the token file or the user.
+  void set_run(std::uint64_t run_id, std::string token);
 
   /// Sends. Returns the number of the command, which its reply names.
   std::uint64_t send(telemetry::CommandKind kind, double value = 0, const std::string& key = {});
@@ -29,7 +29,7 @@ class Commander {
   void heartbeat();
 
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
-  [[nodiscard]] std::uint64_t session() const noexcept { return session_; }
+  [[nodiscard]] std::uint64_t run_id() const noexcept { return run_id_; }
 
   /// A robot listens.
   [[nodiscard]] bool heard() const { return writer_.subscribers() > 0; }
@@ -37,7 +37,7 @@ class Commander {
  private:
   std::string name_;
   telemetry::Writer<telemetry::Command> writer_;
-  std::uint64_t session_ = 0;
+  std::uint64_t run_id_ = 0;
   std::string token_;
   std::uint64_t number_ = 0;
   std::chrono::steady_clock::time_point heartbeat_{};  ///< the last one

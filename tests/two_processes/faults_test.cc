@@ -124,7 +124,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Expectation{"BusOff", "bus-off:1@4", "bus_off", "damp", 2},
                     Expectation{"BusOffThatRestarts", "bus-off:1@4+0.1", "bus_off", "damp", 2},
                     Expectation{"DriverFault", "driver-fault:hip_R@4", "driver_fault", "damp", 2},
-                    Expectation{"FrozenEncoder", "encoder-freeze@4", "stale_encoder", "damp", 40},
+                    Expectation{"FrozenEncoder", "encoder-freeze@4", "encoder_frozen", "damp", 40},
                     Expectation{"PowerCycle", "power-cycle@4", "lost_replies", "damp", 12},
                     Expectation{"LowVoltage", "low-voltage@4", "driver_fault", "damp", 2},
                     Expectation{"EmergencyStop", "emergency-stop@4", "emergency_stop", "damp", 2},

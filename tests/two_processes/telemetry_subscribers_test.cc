@@ -95,8 +95,8 @@ TEST(Subscribers,
   const auto status = recorder.wait(kLongestRun_s);
   ASSERT_TRUE(status);
   const auto record = nlohmann::json::parse(text_of(run.file("record.json")));
-  ASSERT_EQ(record.at("sessions").size(), 1u);
-  const auto kept = record.at("sessions").at(0).at("ticks").get<std::uint64_t>();
+  ASSERT_EQ(record.at("runs").size(), 1u);
+  const auto kept = record.at("runs").at(0).at("ticks").get<std::uint64_t>();
   EXPECT_GT(kept, 1000u) << "it had come as far as the walk";
   EXPECT_EQ(*status, record.at("complete") ? 0 : 1);
 }

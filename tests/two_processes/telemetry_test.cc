@@ -24,7 +24,7 @@ void start(RobotAndController& run, Host& host, const std::vector<std::string>& 
   all.insert(all.end(), options.begin(), options.end());
   run.start_robot({"--lockstep", "--once"});
   run.start_controller(all);
-  ASSERT_TRUE(host.until([&] { return host.session != 0; })) << run.said();
+  ASSERT_TRUE(host.until([&] { return host.run_id != 0; })) << run.said();
   host.learn(host_telemetry::read_token(run.file("token")));
 }
 

@@ -1,4 +1,5 @@
-// Walks on other rungs and with other controllers, and the self-test, with two processes in lock-step.
+// Walks on other fallback levels and with other controllers, and the self-test, with two processes in
+// lock-step.
 #include <gtest/gtest.h>
 
 #include <algorithm>

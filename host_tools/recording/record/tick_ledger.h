@@ -6,7 +6,7 @@
 
 namespace stilt::record {
 
-/// Which ticks of a session were met, in order.
+/// Which ticks of a run were met, in order.
 class TickLedger {
  public:
   /// Ticks `first` to `first + count - 1`; those met already are no news.

@@ -14,7 +14,7 @@
 namespace stilt::replay {
 
 /// What a record holds of one run of stiltd, but for its ticks.
-struct SessionRecord {
+struct RunRecord {
   std::uint64_t number = 0;
   bool configured = false;  ///< its configuration is in the record, and with it what follows
   std::string robot;
@@ -27,15 +27,15 @@ struct SessionRecord {
 };
 
 struct RecordContents {
-  std::vector<SessionRecord> sessions;  ///< in the order in which they are met
-  std::vector<std::string> problems;    ///< of the file, a sentence each
+  std::vector<RunRecord> runs;        ///< in the order in which they are met
+  std::vector<std::string> problems;  ///< of the file, a sentence each
 };
 
 /// Reads all of a record but the ticks. Throws std::runtime_error, one sentence, when the file is no record.
 [[nodiscard]] RecordContents read_contents(const std::string& path);
 
-/// Gives the ticks of a session to `use`, in order and each once, until it returns false. Throws as above.
-void for_each_tick(const std::string& path, std::uint64_t session,
+/// Gives the ticks of a run to `use`, in order and each once, until it returns false. Throws as above.
+void for_each_tick(const std::string& path, std::uint64_t run_id,
                    const std::function<bool(const control_loop::TickRecord&)>& use);
 
 }  // namespace stilt::replay

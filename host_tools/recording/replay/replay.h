@@ -33,10 +33,10 @@ struct Outcome {
   [[nodiscard]] bool reproduced() const { return ticks > 0 && !difference && problem.empty(); }
 };
 
-/// One session.
+/// One run.
 class Replay {
  public:
-  /// @param cycles   all solves of the session, in their order
+  /// @param cycles   all solves of the run, in their order
   /// @param tunings  live tunables by their number; nothing when the record lacks them
   Replay(std::vector<control_loop::CycleRecord> cycles,
          std::function<std::optional<Tunings>(std::uint32_t number)> tunings);

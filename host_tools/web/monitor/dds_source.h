@@ -14,7 +14,7 @@ namespace stilt::monitor {
 /// The live robot on the network.
 class DdsSource final : public SampleSource {
  public:
-  /// @param token  of the session; empty: the one in the file that stiltd names, where that can be read.
+  /// @param token  of the run; empty: the one in the file that stiltd names, where that can be read.
   /// Throws
   ///               std::runtime_error with a sentence when the network cannot be joined.
   DdsSource(const telemetry::Network& network, std::string token);
@@ -44,7 +44,7 @@ class DdsSource final : public SampleSource {
   MessageDecoder decoder_;
   std::string token_;           ///< given by the user
   std::string token_in_force_;  ///< that, or the one in the file
-  std::uint64_t session_ = 0;   ///< of token_in_force_
+  std::uint64_t run_id_ = 0;    ///< of token_in_force_
   std::map<std::uint64_t, Asked> asked_;
 };
 

@@ -31,7 +31,7 @@ class History {
     while (tables_.front().came_s < now_s - kKept_s) tables_.pop_front();
   }
 
-  /// Another session: what was belongs to the one before.
+  /// Another run: what was belongs to the one before.
   void clear_tables() {
     tables_.clear();
     plan_.reset();

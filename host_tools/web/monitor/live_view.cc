@@ -92,7 +92,7 @@ void LiveView::obey(Page& page, const std::string& text, double now_s) {
   if (command.token.empty() && !lends_token(page)) {
     page.peer->send(reply_message(
         command.sequence, false,
-        "A token is needed: enter the one of the session, or open the page on the machine of the monitor."));
+        "A token is needed: enter the one of the run, or open the page on the machine of the monitor."));
     return;
   }
   command.commander = page.commander;
@@ -107,7 +107,7 @@ void LiveView::play_again() {
   ticks_.clear();
   cycles_.clear();
   truths_.clear();
-  session_.clear();
+  run_id_.clear();
   link_ = {};
   ticks_follow_ = false;
   for (const Page& page : pages_) page.peer->send(hello_message(source_, lends_token(page)));
@@ -120,12 +120,12 @@ void LiveView::send(const SharedMessage& message) {
 }
 
 void LiveView::configuration(const ConfigurationSample& sample) {
-  if (sample.session != session_) {
+  if (sample.run_id != run_id_) {
     flush_tables(now_s_);
     history_.clear_tables();
-    session_ = sample.session;
+    run_id_ = sample.run_id;
     ticks_follow_ = false;
-    ++link_.sessions;
+    ++link_.runs;
     for (Page& page : pages_) page.in_command = false;
   }
   const SharedMessage message = configuration_message(sample);

@@ -17,7 +17,7 @@ namespace stilt::monitor {
 
 /// The WebSocket /live: passes samples on to every open page, and the pages' commands to the source.
 ///
-/// Who may command: whoever gives the session's token; for pages on this machine the one that the source
+/// Who may command: whoever gives the run's token; for pages on this machine the one that the source
 /// knows will do. The page whose command was accepted last is in command. It shows that it lives several
 /// times a second; as long as it does, a heartbeat goes to the robot.
 class LiveView final : public Endpoint, private SampleSink {
@@ -71,7 +71,7 @@ class LiveView final : public Endpoint, private SampleSink {
   std::vector<TickSample> ticks_;
   std::vector<PlannerSample> cycles_;
   std::vector<TruthSample> truths_;
-  std::string session_;
+  std::string run_id_;
   LinkStatus link_;
   std::uint64_t next_tick_ = 0;
   bool ticks_follow_ = false;  ///< next_tick_ is known

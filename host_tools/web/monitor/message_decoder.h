@@ -10,20 +10,20 @@
 namespace stilt::monitor {
 
 /// Turns messages of stiltd into samples, whether they come from the network or a record: keeps to one
-/// session, the one that started last, and knows its clock, its tunables and their values.
+/// run, the one that started last, and knows its clock, its tunables and their values.
 class MessageDecoder {
  public:
   /// Passes on what is in the message; nothing for topics that a monitor does not show, and for bytes that
   /// are no message.
   void take(const telemetry::Sample& message, SampleSink& sink);
 
-  /// Session of the newest configuration; 0 before the first.
-  [[nodiscard]] std::uint64_t session() const { return session_; }
+  /// Run of the newest configuration; 0 before the first.
+  [[nodiscard]] std::uint64_t run_id() const { return run_id_; }
 
-  /// Where the session's token is, as stiltd says; empty before its configuration came.
+  /// Where the run's token is, as stiltd says; empty before its configuration came.
   [[nodiscard]] const std::string& token_file() const { return token_file_; }
 
-  /// Samples left out because they are of another session, while this one talks, too.
+  /// Samples left out because they are of another run, while this one talks, too.
   [[nodiscard]] std::uint64_t of_others() const { return of_others_; }
 
  private:
@@ -31,19 +31,19 @@ class MessageDecoder {
   void tune(const telemetry::Tuning& message, SampleSink& sink);
   void ticks(const telemetry::TickBatch& batch, SampleSink& sink);
   void truth(const host_telemetry::SimulationMessage& message, SampleSink& sink) const;
-  [[nodiscard]] bool ours(std::uint64_t session);
+  [[nodiscard]] bool ours(std::uint64_t run_id);
 
   template <class Message, class Use>
   void take_as(const telemetry::Sample& message, Use use);
 
-  std::uint64_t session_ = 0;
-  std::int64_t session_start_ns_ = 0;
+  std::uint64_t run_id_ = 0;
+  std::int64_t run_start_ns_ = 0;
   std::int64_t clock_start_ns_ = 0;
   std::string token_file_;
   ConfigurationSample configuration_;
   double newest_tick_s_ = 0.0;
   std::uint64_t of_others_ = 0;
-  std::uint64_t strange_ = 0;  ///< of another session, since this one was heard last
+  std::uint64_t strange_ = 0;  ///< of another run, since this one was heard last
 };
 
 }  // namespace stilt::monitor

@@ -96,7 +96,7 @@ SharedMessage configuration_message(const ConfigurationSample& sample) {
   const auto named = robots::find(sample.robot);  // a URDF file may be on another computer
   const auto robot = named ? named : robots::find(robots::shipped_urdfs().front().name);
   return text({{"type", "configuration"},
-               {"session", sample.session},
+               {"session", sample.run_id},
                {"robot", sample.robot},
                {"build", sample.build},
                {"toml", sample.toml},
@@ -109,7 +109,7 @@ SharedMessage supervisor_message(const SupervisorSample& sample) {
   return text({{"type", "supervisor"},
                {"time_s", sample.time_s},
                {"state", sample.state},
-               {"rung", sample.rung},
+               {"rung", sample.fallback_level},
                {"reaction", sample.reaction},
                {"present", sample.present},
                {"latched", sample.latched},
@@ -156,7 +156,7 @@ SharedMessage link_message(const LinkStatus& status) {
                {"ticks", status.ticks},
                {"missing", status.missing},
                {"of_others", status.of_others},
-               {"sessions", status.sessions},
+               {"sessions", status.runs},
                {"not_sent", status.not_sent}});
 }
 

@@ -23,7 +23,7 @@ enum class Table : std::uint8_t { ticks = 1, planner = 2, plan = 3, truth = 4 };
 /// First message to a page: what the source is, the supervisor's tables, the columns of the tables.
 [[nodiscard]] SharedMessage hello_message(const SampleSource& source, bool has_token);
 
-/// Robot, session, tunables, drawing.
+/// Robot, run, tunables, drawing.
 [[nodiscard]] SharedMessage configuration_message(const ConfigurationSample& sample);
 
 [[nodiscard]] SharedMessage supervisor_message(const SupervisorSample& sample);
@@ -36,7 +36,7 @@ struct LinkStatus {
   double silent_s = 0.0;        ///< since the newest tick came in
   std::uint64_t ticks = 0;      ///< received
   std::uint64_t missing = 0;    ///< gaps in the numbers of ticks
-  std::uint64_t sessions = 0;   ///< seen so far
+  std::uint64_t runs = 0;       ///< seen so far
   std::uint64_t of_others = 0;  ///< samples left out: another controller talks, too
   std::uint64_t not_sent = 0;   ///< to this page, because it does not keep up
 };

@@ -14,7 +14,7 @@ struct Command {
   CommandKind kind = CommandKind::heartbeat;
   std::uint64_t commander = 0;  ///< one number for each operator (each open page)
   std::uint32_t sequence = 0;   ///< counts his commands
-  std::string token;            ///< of the session; empty: the one that the source knows
+  std::string token;            ///< of the run; empty: the one that the source knows
   double value = 0.0;           ///< m/s of walk and speed, m of height, or of the tunable
   std::string tunable;          ///< its name
 };
@@ -40,7 +40,7 @@ class SampleSource {
   virtual ~SampleSource() = default;
 
   /// Hands over everything that is new since the last call, and returns; called some hundred times a second.
-  /// A record plays by the clock of its own calls. A new session begins with its configuration.
+  /// A record plays by the clock of its own calls. A new run begins with its configuration.
   virtual void poll(SampleSink& sink) = 0;
 
   /// Sends a command; its reply comes with a later poll(). A record answers that it takes none.
@@ -55,7 +55,7 @@ class SampleSource {
   /// Samples left out so far because they are of another controller, which talks at the same time.
   [[nodiscard]] virtual std::uint64_t of_others() const { return 0; }
 
-  /// Whether an empty token will do, because the source knows the session's.
+  /// Whether an empty token will do, because the source knows the run's.
   [[nodiscard]] virtual bool has_token() const { return false; }
 
   /// False for a record: nothing can be commanded, and silence at its end is no fault.

@@ -47,7 +47,7 @@ struct PlanSample {
 struct SupervisorSample {
   double time_s = 0.0;
   int state = 0;                 ///< number of supervisor::State
-  int rung = 0;                  ///< number of supervisor::FallbackLevel
+  int fallback_level = 0;        ///< number of supervisor::FallbackLevel
   int reaction = 0;              ///< number of supervisor::Reaction
   std::uint32_t present = 0;     ///< bits of supervisor::FaultSet
   std::uint32_t latched = 0;     ///< the same, waiting for a reset
@@ -93,10 +93,10 @@ struct Tunable {
 
 /// Who is there.
 struct ConfigurationSample {
-  std::string session;  ///< of this run of the controller; empty: not known
-  std::string robot;    ///< amber3m, amber3m_2020, rabbit
-  std::string build;    ///< version, compiler, instruction set
-  std::string toml;     ///< configuration in force
+  std::string run_id;  ///< of this run of the controller; empty: not known
+  std::string robot;   ///< amber3m, amber3m_2020, rabbit
+  std::string build;   ///< version, compiler, instruction set
+  std::string toml;    ///< configuration in force
   double tick_rate_hz = 1000.0;
   std::vector<Tunable> tunables;
 };

@@ -49,7 +49,7 @@ void TerminalView::step(double now_s) {
 }
 
 void TerminalView::configuration(const ConfigurationSample& sample) {
-  if (sample.session != configuration_.session) {
+  if (sample.run_id != configuration_.run_id) {
     tick_.reset();
     cycle_.reset();
     supervisor_.reset();
@@ -118,8 +118,8 @@ std::string TerminalView::timing_text() const {
 
 std::string TerminalView::state_text() const {
   const auto state = static_cast<supervisor::State>(supervisor_->state);
-  const auto rung = static_cast<supervisor::FallbackLevel>(supervisor_->rung);
-  std::string follows = name(rung);
+  const auto level = static_cast<supervisor::FallbackLevel>(supervisor_->fallback_level);
+  std::string follows = name(level);
   std::ranges::replace(follows, '_', ' ');
   std::string text = line("state     %s (%s); %s", name(state), description(state), follows.c_str());
   const bool walks = supervisor_->gait == 2;

@@ -160,7 +160,7 @@ class GaitLevelSensorTest : public GaitLevelTest {
     for (int i = 0; i < 300 && rig->level() != FallbackLevel::gait; ++i) rig->run(1);
   }
   void freeze_encoders() {
-    for (hal::JointReading& reading : rig->joints.readings) reading.frozen = frozen;
+    for (hal::JointReading& reading : rig->joints.readings) reading.unchanged_replies = frozen;
   }
   std::uint32_t frozen;
 };
@@ -169,13 +169,13 @@ TEST_F(GaitLevelSensorTest, EncodersThatRepeatThemselvesWhileTheGaitMovesTheJoin
   ASSERT_EQ(rig->level(), FallbackLevel::gait);
   freeze_encoders();
   rig->run(2);
-  EXPECT_TRUE(rig->decision().latched.has(supervisor::Fault::stale_encoder));
+  EXPECT_TRUE(rig->decision().latched.has(supervisor::Fault::encoder_frozen));
   EXPECT_EQ(rig->level(), FallbackLevel::damp);
 }
 
 TEST_F(GaitLevelSensorTest, ATorsoSensorThatRepeatsItselfMeanwhileIsStale) {
   ASSERT_EQ(rig->level(), FallbackLevel::gait);
-  rig->joints.base.frozen = frozen;
+  rig->joints.base.unchanged_replies = frozen;
   rig->run(2);
   EXPECT_TRUE(rig->decision().latched.has(supervisor::Fault::stale_torso_sensor));
 }
@@ -184,7 +184,7 @@ TEST_F(GaitLevelSensorTest, SensorsMayRepeatThemselvesWhenTheStepIsOverAndNoFoot
   rig->run(500);
   ASSERT_EQ(rig->level(), FallbackLevel::gait);
   freeze_encoders();
-  rig->joints.base.frozen = frozen;
+  rig->joints.base.unchanged_replies = frozen;
   rig->run(2);
   EXPECT_TRUE(rig->decision().latched.empty());
 }
@@ -195,7 +195,7 @@ TEST_F(FallbackTest, SitWhenThePlannerStops) {
   rig->run(300);
   EXPECT_EQ(rig->state(), State::sit);
   EXPECT_EQ(rig->level(), FallbackLevel::sit);
-  EXPECT_EQ(rig->mail.requests.newest().session, 0u) << "no plan is wanted any more";
+  EXPECT_EQ(rig->mail.requests.newest().stance_episode, 0u) << "no plan is wanted any more";
   const double first_rad = rig->joints.commands[1].position_rad;
   rig->run(1000);
   EXPECT_GT(rig->joints.commands[1].position_rad, first_rad) << "the knees bend";

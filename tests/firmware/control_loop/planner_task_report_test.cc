@@ -88,7 +88,7 @@ class PlannerTaskRecordTest : public testing::Test {
     PlanningRequest request;
     request.tick = 40;
     request.time_s = time_s;
-    request.session = 2;
+    request.stance_episode = 2;
     planner->record(request, fresh, 700'000, *mail);
   }
   bool sketches_at(double time_s, bool fresh = true) {
@@ -107,7 +107,7 @@ TEST_F(PlannerTaskRecordTest, records_what_a_solve_was_given_and_came_to) {
   ASSERT_NE(record, nullptr);
   EXPECT_EQ(record->tick, 40);
   EXPECT_EQ(record->time_s, 3.0);
-  EXPECT_EQ(record->standing, 2u);
+  EXPECT_EQ(record->stance_episode, 2u);
   EXPECT_EQ(record->plan_sequence, 4);
   EXPECT_EQ(record->nodes, 10);
   EXPECT_EQ(record->checksum, plan_checksum(mail->plans.writer()));

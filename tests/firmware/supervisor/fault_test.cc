@@ -31,7 +31,7 @@ TEST(FaultTable, NamesAndNumbersNeverChange) {
       {102, "joint_speed_limit"},
       {103, "joint_torque_limit"},
       {104, "base_angle_limit"},
-      {201, "stale_encoder"},
+      {201, "encoder_frozen"},
       {202, "stale_torso_sensor"},
       {301, "missed_replies"},
       {302, "lost_replies"},

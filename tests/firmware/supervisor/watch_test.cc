@@ -49,7 +49,7 @@ Expected expected(Fault fault) {
     case Fault::driver_hot:
       return {Severity::warning, Reaction::warn, Watch::driven};
     case Fault::base_angle_limit:
-    case Fault::stale_encoder:
+    case Fault::encoder_frozen:
     case Fault::driver_not_enabled:
     case Fault::not_finite:
       return {Severity::latched, Reaction::damp, Watch::tracking};

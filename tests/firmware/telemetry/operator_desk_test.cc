@@ -20,7 +20,7 @@ constexpr std::int64_t kSecond_ns = 1'000'000'000;
 class Desk : public testing::Test {
  protected:
   static DeskRules rules() {
-    return {.session = 77,
+    return {.run_id = 77,
             .token = "secret",
             .token_file = "/run/token",
             .speed_limit_m_s = 0.8,
@@ -78,7 +78,7 @@ TEST_P(Refused, with_a_reason_and_without_effect) {
 INSTANTIATE_TEST_SUITE_P(
     Commands, Refused,
     testing::Values(
-        Refusal{"another_session", [](Asked& c) { c.session = 78; }, "another session"},
+        Refusal{"another_run", [](Asked& c) { c.run_id = 78; }, "another run"},
         Refusal{"no_token", [](Asked& c) { c.token.clear(); }, "first line of /run/token"},
         Refusal{"wrong_token", [](Asked& c) { c.token = "secreu"; }, "token is wrong"},
         Refusal{"half_a_token", [](Asked& c) { c.token = "secre"; }, "token is wrong"},

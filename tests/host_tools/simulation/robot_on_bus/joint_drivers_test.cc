@@ -69,7 +69,7 @@ TEST(JointDrivers, AnExtraEncoderShowsThePitchOfTheBase) {
     const hal::JointCommands nothing{};
     for (int i = 0; i < 3; ++i) driven.tick(&nothing);
     const model::StateVector state = driven.robot.plant().state();
-    EXPECT_EQ(driven.base.missed, 0u);
+    EXPECT_EQ(driven.base.missed_replies, 0u);
     EXPECT_NEAR(driven.base.pitch_rad, state[model::kFirstAngle], 1e-3) << reversed;
     EXPECT_NEAR(driven.base.pitch_rate_rad_s, state[model::kPositions + model::kFirstAngle], 0.02)
         << reversed;

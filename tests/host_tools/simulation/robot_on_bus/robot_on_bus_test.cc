@@ -79,7 +79,7 @@ TEST(RobotOnBus, TheTorsoSensorSendsAtItsOwnRate) {
     for (int i = 0; i < 100; ++i) {
       driven.tick();
       received += driven.received(0).size();
-      EXPECT_TRUE(i <= 10 || driven.base.missed == 0) << rate_hz;
+      EXPECT_TRUE(i <= 10 || driven.base.missed_replies == 0) << rate_hz;
     }
     EXPECT_NEAR(static_cast<double>(received), frames, 1) << rate_hz;
   }
@@ -95,7 +95,7 @@ TEST(RobotOnBus, EveryCommandIsAnsweredAndTheTorsoSensorSendsOnceATick) {
     EXPECT_EQ(driven.received(0).size(), 3u) << "two replies and the torso sensor";
     EXPECT_EQ(driven.received(1).size(), 2u);
     for (const hal::JointReading& joint : driven.readings) {
-      EXPECT_EQ(joint.missed, 0u);
+      EXPECT_EQ(joint.missed_replies, 0u);
       EXPECT_EQ(joint.state, hal::DriverState::enabled);
     }
   }
@@ -127,10 +127,10 @@ TEST(RobotFault, DropSilencesAJointAndComesToAnEnd) {
   robot.tick();
   ASSERT_EQ(robot.driven.robot.struck_faults().size(), 1u);
   for (int i = 0; i < 4; ++i) robot.tick();
-  EXPECT_GE(robot.driven.readings[kKneeLeft].missed, 4u);
-  EXPECT_EQ(robot.driven.readings[0].missed, 0u);
+  EXPECT_GE(robot.driven.readings[kKneeLeft].missed_replies, 4u);
+  EXPECT_EQ(robot.driven.readings[0].missed_replies, 0u);
   for (int i = 0; i < 50; ++i) robot.tick();
-  EXPECT_EQ(robot.driven.readings[kKneeLeft].missed, 0u);
+  EXPECT_EQ(robot.driven.readings[kKneeLeft].missed_replies, 0u);
   EXPECT_EQ(robot.driven.readings[kKneeLeft].fault, hal::DriverFault::lost_communication)
       << "50 ms without a command are more than its watchdog bears";
 }
@@ -157,7 +157,7 @@ TEST(RobotFault, CorruptMakesReadingsWrong) {
   ASSERT_TRUE(robot.stand());
   for (int i = 0; i < 40; ++i) robot.tick();
   std::uint32_t odd = robot.driven.base.malformed;
-  for (const hal::JointReading& joint : robot.driven.readings) odd += joint.malformed + joint.missed;
+  for (const hal::JointReading& joint : robot.driven.readings) odd += joint.malformed + joint.missed_replies;
   const auto wild = std::ranges::count_if(robot.driven.readings, [](const hal::JointReading& joint) {
     return std::abs(joint.velocity_rad_s) > 4 || joint.fault != hal::DriverFault::none;
   });
@@ -204,17 +204,17 @@ TEST(RobotFault, AFrozenEncoderRepeatsItself) {
   Standing robot("encoder-freeze:knee_L");
   ASSERT_TRUE(robot.stand());
   for (int i = 0; i < 20; ++i) robot.tick();
-  EXPECT_GE(robot.driven.readings[kKneeLeft].frozen, 15u);
+  EXPECT_GE(robot.driven.readings[kKneeLeft].unchanged_replies, 15u);
 }
 
 TEST(RobotFault, APowerCycleSilencesTheDriversAndTheyComeBackIdle) {
   Standing robot("power-cycle");
   ASSERT_TRUE(robot.stand());
   for (int i = 0; i < 5; ++i) robot.tick();
-  EXPECT_GE(robot.driven.readings[0].missed, 4u);
+  EXPECT_GE(robot.driven.readings[0].missed_replies, 4u);
   EXPECT_EQ(robot.driven.robot.drivers().torque_Nm(kKneeLeft), 0.0);
   for (int i = 0; i < 50; ++i) robot.tick();
-  EXPECT_EQ(robot.driven.readings[0].missed, 0u);
+  EXPECT_EQ(robot.driven.readings[0].missed_replies, 0u);
   EXPECT_EQ(robot.driven.readings[0].state, hal::DriverState::idle);
 }
 
@@ -256,16 +256,16 @@ TEST(RobotFault, ASilentTorsoSensorSendsNothing) {
   Standing robot("base-silent");
   ASSERT_TRUE(robot.stand());
   for (int i = 0; i < 5; ++i) robot.tick();
-  EXPECT_EQ(robot.driven.base.missed, 5u);
-  EXPECT_EQ(robot.driven.readings[0].missed, 0u);
+  EXPECT_EQ(robot.driven.base.missed_replies, 5u);
+  EXPECT_EQ(robot.driven.readings[0].missed_replies, 0u);
 }
 
 TEST(RobotFault, AFrozenTorsoSensorRepeatsItself) {
   Standing robot("base-freeze");
   ASSERT_TRUE(robot.stand());
   for (int i = 0; i < 10; ++i) robot.tick();
-  EXPECT_GE(robot.driven.base.frozen, 8u);
-  EXPECT_EQ(robot.driven.base.missed, 0u);
+  EXPECT_GE(robot.driven.base.unchanged_replies, 8u);
+  EXPECT_EQ(robot.driven.base.missed_replies, 0u);
 }
 
 }  // namespace

@@ -65,7 +65,7 @@ TEST(TorsoSensorFrames, TheShippedSensorAt1KilohertzShowsPitchAndSwitchEveryTick
   DrivenRobot driven(request);
   for (int i = 0; i < 5; ++i) {
     driven.tick();
-    EXPECT_EQ(driven.base.missed, 0u);
+    EXPECT_EQ(driven.base.missed_replies, 0u);
     EXPECT_NEAR(driven.base.pitch_rad, driven.robot.plant().state()[model::kFirstAngle], 1e-4 * kDegree_rad);
     EXPECT_EQ(driven.can.read_emergency_stop(driven.now_ns), hal::EmergencyStopState::released);
   }

@@ -118,7 +118,7 @@ TEST(LiveView, AnotherSessionTakesTheCommandFromThePageAndBeginsItsTicksAnew) {
   const auto begin = [](const char* session, std::uint64_t tick) {
     return [=](SampleSink& sink) {
       ConfigurationSample configuration;
-      configuration.session = session;
+      configuration.run_id = run_id;
       sink.configuration(configuration);
       TickSample sample;
       sample.record.tick = tick;
@@ -330,7 +330,7 @@ class Record final : public SampleSource {
   void poll(SampleSink& sink) override {
     if (polls++ > 0) return;
     ConfigurationSample sample;
-    sample.session = "7";
+    sample.run_id = "7";
     sink.configuration(sample);
     sink.event({});
   }

@@ -68,7 +68,7 @@ TEST(PageTables, AFieldStandsUnderItsColumnInItsUnit) {
   record.estimated_state[13] = 0.5;
   record.joints[2].torque_Nm = -3.0;
   record.plan_age_s = 0.0625;
-  record.wakeup_ns = 12'500;
+  record.wakeup_latency_ns = 12'500;
   record.execution_ns = 1'000;
   record.round_trip_ns = 250'000;
   record.state = supervisor::State::walk;

@@ -81,7 +81,7 @@ void SyntheticSource::change(const std::string& words) {
   } else if (verb == "drop") {
     ticks_ += std::stoull(argument);
   } else if (verb == "session") {
-    ++session_;
+    ++run_id_;
     ticks_ = 0;
     start_s_ = now_s_;
     introduce_ = true;
@@ -200,7 +200,7 @@ void SyntheticSource::tick(SampleSink& sink) {
   }
   record.ramp = 1.0;
   record.plan_age_s = 0.005 + kTick_s * static_cast<double>(ticks_ % 10);
-  record.wakeup_ns = 20'000 + std::lround(15e3 * std::sin(static_cast<double>(ticks_)));
+  record.wakeup_latency_ns = 20'000 + std::lround(15e3 * std::sin(static_cast<double>(ticks_)));
   record.execution_ns = 35'000 + std::lround(5e3 * std::cos(1.3 * static_cast<double>(ticks_)));
   record.round_trip_ns = 180'000;
   record.action = supervisor::Action::commands;
@@ -258,8 +258,8 @@ SupervisorSample SyntheticSource::supervisor_sample() const {
   SupervisorSample sample;
   sample.time_s = static_cast<double>(ticks_) * kTick_s;
   sample.state = state_;
-  sample.rung = static_cast<int>(state_ == number(State::fault) ? supervisor::FallbackLevel::damp
-                                                                : supervisor::FallbackLevel::plan);
+  sample.fallback_level = static_cast<int>(state_ == number(State::fault) ? supervisor::FallbackLevel::damp
+                                                                          : supervisor::FallbackLevel::plan);
   sample.present = present_;
   sample.latched = latched_;
   sample.ramp = 1.0;
@@ -284,7 +284,7 @@ TimingSample SyntheticSource::timing_sample() const {
 
 void SyntheticSource::introduce(SampleSink& sink) {
   ConfigurationSample sample;
-  sample.session = "synthetic-" + std::to_string(session_);
+  sample.run_id = "synthetic-" + std::to_string(run_id_);
   sample.robot = "amber3m";
   sample.build = "a test";
   sample.toml = "# of no importance\n";

@@ -42,7 +42,7 @@ class SyntheticSource final : public SampleSource {
 
   double now_s_ = -1.0, start_s_ = -1.0;
   bool silent_ = false, live_ = true, introduce_ = true;
-  int session_ = 1;
+  int run_id_ = 1;
   std::uint64_t ticks_ = 0, of_others_ = 0;
   double hip_x_m_ = 0.0, speed_m_s_ = 0.0, wanted_m_s_ = 0.0, phase_ = 0.0, push_N_ = 0.0;
   int state_ = 4;  ///< stands
