@@ -12,7 +12,7 @@ namespace stilt::codegen {
 class Graph;
 
 /// What a node computes. Subtraction and negation are kept apart so that signs move outwards.
-enum class Operation { kConstant, kSymbol, kAdd, kSubtract, kMultiply, kDivide, kNegate, kSine, kCosine };
+enum class Operation { constant, symbol, add, subtract, multiply, divide, negate, sine, cosine };
 
 /// Handle to one node of a Graph. Copies are cheap; two equal expressions of a graph are the same node.
 /// Default-constructed, it belongs to no graph and may only be assigned to.

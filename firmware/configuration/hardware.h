@@ -18,7 +18,7 @@ enum class DriverProtocol { mit_mini_cheetah, mit_ak, mit_damiao, moteus, odrive
 /// A kind of motor driver. Hips have one kind and knees one; left and right are the same.
 struct DriverParameters {
   DriverProtocol protocol = DriverProtocol::mit_damiao;
-  double ratio = 1.0;  ///< turns of the shaft the driver counts a turn of the joint
+  double ratio = 1.0;  ///< turns of the shaft the driver counts per turn of the joint
   /// MIT mode: ranges of the command, +- but for the gains, which start at 0. The reply has the same ranges
   /// but for the torque's.
   double position_range_rad = 3.2;

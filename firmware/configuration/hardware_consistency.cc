@@ -24,8 +24,8 @@ DriverProtocol protocol_of(const HardwareParameters& hardware, std::size_t joint
 int largest_id(DriverProtocol protocol) {
   if (protocol == DriverProtocol::moteus) return hal::moteus::kMoteusMaximumId;
   if (protocol == DriverProtocol::odrive) return hal::odrive::kOdriveMaximumNode - 1;  // the last is for all
-  if (protocol == DriverProtocol::mit_damiao) return 15;  // four bits of the reply tell who answers
-  return 255;                                             // a byte of the reply tells who answers
+  if (protocol == DriverProtocol::mit_damiao) return 15;  // four bits of the reply identify the driver
+  return 255;                                             // a byte of the reply identifies the driver
 }
 
 void check_bus(std::string_view key, int bus, std::size_t buses, std::vector<Contradiction>& found) {

@@ -78,7 +78,7 @@ void add_driver(std::string_view section, std::vector<Entry>& rows) {
       {section, "protocol", "", "What it speaks; MIT mode in the dialect of its maker",
        choice<&P::hardware, Driver, &D::protocol>(kProtocols)},
       {section, "ratio", "1",
-       "Turns of the shaft that the driver counts a turn of the joint; 1 when it counts its output",
+       "Turns of the shaft that the driver counts per turn of the joint; 1 when it counts its output",
        real<&P::hardware, Driver, &D::ratio>(0.01, 1e3)},
       {section, "position_range_rad", "rad", "MIT mode: positions reach from minus this to plus this",
        real<&P::hardware, Driver, &D::position_range_rad>(0.1, 1e3)},
@@ -109,7 +109,7 @@ void add_driver(std::string_view section, std::vector<Entry>& rows) {
       {section, "encoder_period_rad", "rad",
        "The absolute encoder repeats after this angle of the shaft; 0: never",
        real<&P::hardware, Driver, &D::encoder_period_rad>(0.0, 1e3)},
-      {section, "minimum_version", "1", "Oldest firmware that is accepted, the maker's number; 0: any",
+      {section, "minimum_version", "1", "Oldest firmware that is accepted, vendor code; 0: any",
        integer<&P::hardware, Driver, &D::minimum_version>(0, 0xffffff)},
       {section, "accept_missing_watchdog", "",
        "Enable it even when it cannot promise a watchdog: it then drives on when the program ends",
@@ -144,13 +144,13 @@ const Entry kHardware[] = {
      real<&P::hardware, &H::bit_rate_bit_s>(1e4, 1e6)},
     {"hardware", "data_bit_rate_bit_s", "bit/s", "CAN FD: bit rate of the data phase",
      real<&P::hardware, &H::data_bit_rate_bit_s>(1e4, 1e7)},
-    {"hardware", "driver_watchdog_s", "s", "A driver lets go when it hears nothing for so long",
+    {"hardware", "driver_watchdog_s", "s", "Time without commands after which a driver disables itself",
      real<&P::hardware, &H::driver_watchdog_s>(0.005, 0.1)},
 };
 
 const Entry kTorsoSensor[] = {
     {"torso_sensor", "bus", "1", "Number of its bus", integer<&P::hardware, &H::torso_sensor, &B::bus>(0, 3)},
-    {"torso_sensor", "rate_hz", "Hz", "Frames a second of each identifier",
+    {"torso_sensor", "rate_hz", "Hz", "Frames per second of each identifier",
      real<&P::hardware, &H::torso_sensor, &B::rate_hz>(1.0, 1e4)},
     {"torso_sensor", "pitch", "", "Pitch of the torso, rad, positive leans forward", channel<&B::pitch>()},
     {"torso_sensor", "pitch_rate", "", "Its rate, rad/s", channel<&B::pitch_rate>()},

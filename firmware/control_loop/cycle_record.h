@@ -24,7 +24,7 @@ struct CycleRecord {
 };
 
 /// Some nodes of a plan, for drawing.
-struct PlanSketch {
+struct PlanPreview {
   static constexpr int kMaxNodes = 48;
   struct Node {
     double time_s = 0.0;
@@ -40,6 +40,6 @@ struct PlanSketch {
 
 /// The plan at its first node, then at nodes at least `spacing_s` apart (more, when they would be too many),
 /// and at the last one. Real-time.
-void sketch_plan(const control::Plan& plan, double spacing_s, PlanSketch& sketch) noexcept;
+void preview_plan(const control::Plan& plan, double spacing_s, PlanPreview& preview) noexcept;
 
 }  // namespace stilt::control_loop

@@ -14,8 +14,8 @@ namespace stilt::control_loop {
 /// Operator -> torque loop.
 struct OperatorCommand {
   supervisor::Request request;
-  bool shut_down = false;           ///< end the program: sit, damp, let go
-  bool heartbeat_expected = false;  ///< whoever commands shows that he lives
+  bool shut_down = false;           ///< end the program: sit, damp, disable the drivers
+  bool heartbeat_expected = false;  ///< the commander sends heartbeats
   std::int64_t heartbeat_ns = 0;    ///< last sign of life, clock of the torque loop
 };
 

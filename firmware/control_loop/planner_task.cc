@@ -39,8 +39,8 @@ void PlannerTask::record(const PlanningRequest& request, bool fresh, std::int64_
   const double since_s = request.time_s - previewed_s_;
   if (!fresh || (since_s >= 0.0 && since_s < 1.0 / kPreviewRate_hz - kRounding_s)) return;
   previewed_s_ = request.time_s;
-  sketch_plan(plan, kPreviewSpacing_s, mail.sketches.writer());
-  mail.sketches.publish();
+  preview_plan(plan, kPreviewSpacing_s, mail.previews.writer());
+  mail.previews.publish();
 }
 
 }  // namespace stilt::control_loop

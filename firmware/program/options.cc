@@ -114,7 +114,7 @@ std::expected<void, std::string> interpret(const Arguments& arguments, bool self
     options.start = *start;
   }
   if (!(options.duration_s >= 0.0 && options.duration_s <= kLongestRun_s)) {
-    return std::unexpected("--duration: must be 0 (until told to end) to 86400 s");
+    return std::unexpected("--duration: must be 0 (until stopped) to 86400 s");
   }
   if (!(options.self_test_s > 0.0 && options.self_test_s <= kLongestRun_s)) {
     return std::unexpected("--seconds: must be above 0 and at most 86400 s");

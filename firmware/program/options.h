@@ -24,7 +24,7 @@ struct Options {
   configuration::Configuration configuration;
   std::string source;                      ///< the file, or the shipped one, that it was read from; preset
   std::optional<gait::GaitCommand> start;  ///< go there without an operator
-  double duration_s = 0.0;                 ///< then sit down and end; 0: until told to
+  double duration_s = 0.0;                 ///< then sit down and end; 0: until stopped
   bool lockstep = false;
   std::string json_file;         ///< "-": standard output; empty: none
   std::string black_box_file;    ///< empty: none

@@ -8,7 +8,7 @@
 #include "firmware/diagnostics/histogram.h"
 
 namespace stilt::telemetry {
-class Station;
+class TelemetryNode;
 }
 
 namespace stilt::program {
@@ -43,7 +43,8 @@ struct Outcome {
 
 /// Takes what happened out of the ring: says it on standard error and to telemetry, if any, and keeps the
 /// faults.
-void take_events(control_loop::EventRing& events, Outcome& outcome, telemetry::Station* station = nullptr);
+void take_events(control_loop::EventRing& events, Outcome& outcome,
+                 telemetry::TelemetryNode* telemetry_node = nullptr);
 
 /// The figures as JSON text, field names as in docs/interfaces.
 [[nodiscard]] std::string to_json(const Outcome& outcome);

@@ -38,7 +38,7 @@ FaultSet detect_limits(const Observation& seen, const JointLimits& limits,
   FaultSet faults;
   for (std::size_t i = 0; i < kJoints; ++i) {
     const JointReading& joint = seen.joints[i];
-    if (joint.time_ns == 0) continue;  // never heard: a matter of its replies
+    if (joint.time_ns == 0) continue;  // no reply yet: a matter of its replies
     const double speed_rad_s = limits.speed_rad_s[i] + parameters.speed_margin_rad_s;
     faults.add_if(!within(joint.position_rad, limits.position_min_rad[i] - parameters.position_margin_rad,
                           limits.position_max_rad[i] + parameters.position_margin_rad),

@@ -35,7 +35,7 @@ struct Observation {
 };
 
 /// Beyond travel, speed or torque by more than the margins, or not finite; the torso too far from upright.
-/// A joint that was never heard has no position to judge.
+/// A joint without any reply has no position to judge.
 [[nodiscard]] FaultSet detect_limits(const Observation& seen, const JointLimits& limits,
                                      const SupervisorParameters& parameters) noexcept;
 

@@ -37,7 +37,7 @@ std::string random_hex() {
   return text;
 }
 
-/// A folder of our own: nobody else may put files there.
+/// A folder of our own: no other user may put files there.
 std::string make_folder(const std::filesystem::path& folder) {
   std::error_code error;
   if (std::filesystem::is_directory(folder, error)) {
@@ -66,7 +66,7 @@ std::expected<std::string, std::string> write_token(const std::string& path) {
   const std::string wrong = make_folder(std::filesystem::path(path).parent_path());
   if (!wrong.empty()) return std::unexpected(failure(path, wrong));
   const std::string token = random_hex();
-  // Made beside its place and moved there: whoever reads it finds the old one or the new one.
+  // Made beside its place and moved there: a reader finds the old one or the new one.
   const std::string beside = path + '.' + std::to_string(getpid());
   unlink(beside.c_str());
   const int file = open(beside.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, kOwnerOnly);

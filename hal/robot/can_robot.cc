@@ -11,7 +11,7 @@ namespace {
 constexpr std::uint32_t kOldReading = 5;        // reads: then an old velocity would push instead of damp
 constexpr std::uint64_t kQuestionsEvery = 100;  // writes
 constexpr unsigned kQuestions = 2;              // to each driver
-constexpr int kMaximumRounds = 8;  // batches a bus a tick: bounds the time of a read on a babbling bus
+constexpr int kMaximumRounds = 8;  // batches per bus and tick: bounds the time of a read on a babbling bus
 
 bool usable(EncodeStatus status) noexcept {
   return status == EncodeStatus::ok || status == EncodeStatus::saturated;
@@ -82,7 +82,7 @@ void CanRobot::receive(std::int64_t now_ns, std::size_t bus, const CanFrame& fra
   for (std::size_t joint = 0; joint < kJoints; ++joint) {
     if (wiring_.joints[joint].bus != bus) continue;
     const DecodeStatus status = take_joint(now_ns, joint, frame);
-    if (status == DecodeStatus::foreign) continue;
+    if (status == DecodeStatus::not_addressed) continue;
     if (status != DecodeStatus::ok) ++readings_[joint].malformed;
     return;
   }
@@ -144,7 +144,7 @@ void CanRobot::set_pitch(std::int64_t now_ns, double pitch_rad) noexcept {
 void CanRobot::take_channels(std::int64_t now_ns, const CanFrame& frame) noexcept {
   ChannelValues values;
   const DecodeStatus status = decode(std::span(wiring_.channels).first(wiring_.channel_count), frame, values);
-  if (status == DecodeStatus::foreign) return;
+  if (status == DecodeStatus::not_addressed) return;
   if (status != DecodeStatus::ok) {
     ++base_.malformed;
     return;

@@ -22,7 +22,8 @@ struct JointWiring {
   std::uint8_t bus = 0;
   JointDriver driver;
   double direction = 1;  ///< 1 or -1
-  double ratio = 1;  ///< turns of the driver's shaft a turn of the joint; 1 when the driver counts its output
+  double ratio =
+      1;  ///< turns of the driver's shaft per turn of the joint; 1 when the driver counts its output
   double offset_rad = 0;
 };
 

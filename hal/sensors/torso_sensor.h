@@ -5,7 +5,7 @@
 
 namespace stilt::hal {
 
-/// What the sensors of the torso say. A channel that no sensor provides stays NaN.
+/// Readings of the torso sensors. A channel that no sensor provides stays NaN.
 struct BaseReading {
   double pitch_rad = std::numeric_limits<double>::quiet_NaN();         ///< about +y: positive leans forward
   double pitch_rate_rad_s = std::numeric_limits<double>::quiet_NaN();  ///< about +y

@@ -7,7 +7,7 @@
 namespace stilt::benchmark {
 
 /// Independent sums in flight: enough to cover the latency of a fused multiply-add (4 cycles) on a core that
-/// starts two a cycle, few enough to stay in 16 registers.
+/// starts two per cycle, few enough to stay in 16 registers.
 inline constexpr int kPeakAccumulators = 12;
 inline constexpr int kPeakRounds = 4096;
 

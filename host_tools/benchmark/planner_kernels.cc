@@ -7,7 +7,7 @@ namespace {
 
 using model::kStates;
 
-/// Keeps the compiler from leaving out a result nobody reads.
+/// Keeps the compiler from leaving out an unused result.
 template <class T>
 void keep(const T& value) noexcept {
   asm volatile("" : : "r"(&value) : "memory");

@@ -79,7 +79,7 @@ void print_bench(const PlannerTimings& timings, const PhaseSpeeds& s, double hor
   const log::Percentiles solve_us = simulation::percentiles(timings.solve_us);
   std::printf("planner        %zu problems of a walk, horizon %.2f s, at most %d nodes, %s, 1 thread\n",
               timings.solve_us.size(), horizon_s, timings.nodes_max, instruction_set().c_str());
-  std::printf("solve          p50 %.0f, p99 %.0f, max %.0f us; %.0f solves a second on average\n",
+  std::printf("solve          p50 %.0f, p99 %.0f, max %.0f us; %.0f solves per second on average\n",
               solve_us.p50, solve_us.p99, solve_us.max, 1e6 / mean(timings.solve_us));
   std::printf("phases         linearise %.0f, riccati %.0f, line search %.0f, other %.0f us on average\n",
               mean(timings.linearise_us), mean(timings.riccati_us), mean(timings.line_search_us),

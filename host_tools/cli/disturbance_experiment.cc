@@ -155,7 +155,7 @@ void add_disturbance_options(CLI::App& command, ExperimentOptions& options) {
       ->check(CLI::IsMember({"forward", "backward"}))
       ->capture_default_str();
   command.add_option("--push-at", options.setting.push_point, "hip or torso")->capture_default_str();
-  command.add_option("--plan-rate", options.setting.choice.plan_rate_hz, "plans a second, Hz, default 100");
+  command.add_option("--plan-rate", options.setting.choice.plan_rate_hz, "plans per second, Hz, default 100");
   command.add_option("--plan-delay", options.setting.choice.plan_delay_s,
                      "simulated time that a plan takes, s");
   command

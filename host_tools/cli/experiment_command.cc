@@ -48,7 +48,7 @@ void add_job_options(CLI::App& command, ExperimentOptions& options, const char* 
   command.add_flag("--list-jobs", options.list_jobs, "prints the names of the jobs and runs none");
   command.add_option("--job", options.job, "runs this job alone, unless it has a result");
   command.add_flag("--merge", options.merge, "runs no job, merges the results");
-  command.add_option("--processes", options.at_once, "jobs at a time; all cores unless told otherwise")
+  command.add_option("--processes", options.at_once, "jobs at a time; all cores by default")
       ->check(CLI::Range(1, 1024));
   command.add_option("--controller", options.controllers, "only this controller; repeatable")
       ->allow_extra_args(false);
@@ -106,7 +106,7 @@ CLI::App* add_experiment_command(CLI::App& program, ExperimentOptions& options) 
   CLI::App* experiment = program.add_subcommand("experiment", "the published experiments, with figures");
   experiment->require_subcommand(1);
   CLI::App* frequency = experiment->add_subcommand(
-      "frequency", "plans a second at horizons of 2.0, 1.0, 0.5 and 0.2 s, ten iterations, one thread");
+      "frequency", "plans per second at horizons of 2.0, 1.0, 0.5 and 0.2 s, ten iterations, one thread");
   add_common_options(*frequency, options);
   frequency->add_option("--problems", options.problems, "planning problems of a walk to solve")
       ->check(CLI::Range(1, 100000))

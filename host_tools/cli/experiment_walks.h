@@ -21,7 +21,7 @@ struct WalkSetting {
 /// The setting without what does not concern a controller: gaits, for one that follows none.
 [[nodiscard]] WalkSetting setting_for(const WalkSetting& setting, const std::string& controller);
 
-/// Walks as `stilt sim` makes them, with 100 plans a second unless the choice says otherwise. Throws
+/// Walks as `stilt sim` makes them, with 100 plans per second unless the choice says otherwise. Throws
 /// UsageError or std::invalid_argument when the setting is mistaken.
 [[nodiscard]] experiments::WalkRunner walk_runner(const WalkSetting& setting);
 

@@ -21,7 +21,7 @@ struct MonitorOptions {
 /// Adds `monitor` to the program; its options end up in `options`.
 CLI::App* add_monitor_command(CLI::App& program, MonitorOptions& options);
 
-/// Serves the page, or shows the essentials on the terminal, until it is told to stop. Returns the exit
+/// Serves the page, or shows the essentials on the terminal, until it is stopped. Returns the exit
 /// status. Throws UsageError or std::runtime_error, one sentence.
 [[nodiscard]] int run_monitor(const MonitorOptions& options);
 

@@ -9,7 +9,7 @@ namespace stilt::cli {
 /// on a terminal, or a plain line every five seconds elsewhere.
 class Progress {
  public:
-  /// `what` names the work, `total` is its size in `unit`; infinite: nobody knows.
+  /// `what` names the work, `total` is its size in `unit`; infinite: not known.
   Progress(std::string what, double total, std::string unit);
   /// Clears the line on a terminal.
   ~Progress();

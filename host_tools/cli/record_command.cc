@@ -109,7 +109,7 @@ void print(const RecordOptions& options, const record::Recorder& recorder, doubl
               1e-6 * static_cast<double>(recorder.bytes()));
   if (recorder.messages() == 0) {
     std::printf(
-        "nothing was heard on domain %d, interface %s; does stiltd run there, with telemetry.enabled?\n",
+        "nothing was received on domain %d, interface %s; does stiltd run there, with telemetry.enabled?\n",
         options.network.domain, options.network.interface.c_str());
   }
   for (const auto& [run_id, ledger] : recorder.runs()) {
@@ -133,7 +133,7 @@ CLI::App* add_record_command(CLI::App& program, RecordOptions& options) {
       "Start it before or soon after stiltd: it gets the last six seconds of ticks when it comes later, and "
       "stilt "
       "replay\nneeds them from the first one on.\n"
-      "Exit status: 0 done, 1 nothing was heard or ticks are missing, 2 bad usage.");
+      "Exit status: 0 done, 1 nothing was received or ticks are missing, 2 bad usage.");
   return record;
 }
 

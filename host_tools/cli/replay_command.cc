@@ -72,7 +72,7 @@ void print(const Replayed& replayed) {
 std::atomic<bool> stop = false;
 static_assert(std::atomic<bool>::is_always_lock_free);
 
-/// Plays the record in the page until it is told to stop.
+/// Plays the record in the page until it is stopped.
 int show(const ReplayOptions& options) {
   replay::RecordSource source(options.file);
   struct sigaction action {};

@@ -32,7 +32,7 @@ struct RobotOptions {
 CLI::App* add_robot_command(CLI::App& program, RobotOptions& options);
 
 /// Is the robot behind its motor drivers until the run is over, and writes what was asked for. Returns the
-/// exit status: 0 when it walked or stood on its own to the end, 1 when it fell or never left the hoist.
+/// exit status: 0 when it walked or stood on its own to the end, 1 when it fell or never left the gantry.
 /// Throws UsageError, std::invalid_argument or std::runtime_error, one sentence.
 [[nodiscard]] int run_robot(const RobotOptions& options, const std::string& command_line);
 

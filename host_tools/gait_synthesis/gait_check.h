@@ -36,7 +36,7 @@ struct Violation {
 [[nodiscard]] const char* name(Violation::Bound kind);
 
 struct GaitCheck {
-  gait_files::GaitFigures figures;
+  gait_files::GaitMetrics metrics;
   std::vector<Violation> violations;  ///< of limits and claims, empty when valid
   [[nodiscard]] bool valid() const { return violations.empty(); }
 };

@@ -22,17 +22,19 @@ struct StepTask {
   [[nodiscard]] double step_length_m() const { return speed_m_s * step_time_s; }
 };
 
+// clang-format off
 /// One periodic step on the left foot as a nonlinear program, by direct collocation (Lobatto IIIA, of which
 /// Hermite-Simpson is the case of degree 2):
 ///
-///   variables    at every node q, v, dv/dt and the force on the stance foot; Bezier coefficients of the
-///   outputs constraints  q and v are the integrals of v and dv/dt over each element;
+///   variables    at every node q, v, dv/dt and the force on the stance foot; Bezier coefficients of the outputs
+///   constraints  q and v are the integrals of v and dv/dt over each element;
 ///                equations of motion, stance foot and outputs at every node: the base rows of the dynamics
 ///                hold, the stance foot does not accelerate, every joint accelerates as its Bezier polynomial
 ///                of the phase does; at the first node foot and outputs hold in position and velocity too;
 ///                period: posture after swapping the legs and rates after the impact map are those at the
-///                start, so that the outputs are hybrid invariant; the base has moved one step length; limits
-///                of GaitLimits.
+///                start, so that the outputs are hybrid invariant; the base has moved one step length;
+///                limits of GaitLimits.
+// clang-format on
 class StepProgram final : public nonlinear_program::NonlinearProgram {
  public:
   StepProgram(const model::RobotModel& robot, const StepTask& task);

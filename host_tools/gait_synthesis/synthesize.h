@@ -24,7 +24,7 @@ struct Synthesis {
   Eigen::VectorXd solution;  ///< variables of StepProgram
 };
 
-/// Slower than this the hip moves too little in a step to tell the phase; the outputs follow the time since
+/// Slower than this the hip moves too little in a step to give the phase; the outputs follow the time since
 /// touch-down instead, and foot placement makes up for the stability lost.
 inline constexpr double kSlowestByHip_m_s = 0.15;
 [[nodiscard]] gait::PhaseKind phase_for_speed(double speed_m_s);

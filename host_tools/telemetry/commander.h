@@ -24,7 +24,7 @@ class Commander {
   /// Sends. Returns the number of the command, which its reply names.
   std::uint64_t send(telemetry::CommandKind kind, double value = 0, const std::string& key = {});
 
-  /// The commander lives. Sends at most fifty a second, however often it is called: more would push orders
+  /// The commander lives. Sends at most fifty per second, however often it is called: more would push orders
   /// out of what the robot keeps until it looks.
   void heartbeat();
 
@@ -32,7 +32,7 @@ class Commander {
   [[nodiscard]] std::uint64_t run_id() const noexcept { return run_id_; }
 
   /// A robot listens.
-  [[nodiscard]] bool heard() const { return writer_.subscribers() > 0; }
+  [[nodiscard]] bool has_subscriber() const { return writer_.subscribers() > 0; }
 
  private:
   std::string name_;

@@ -9,8 +9,9 @@
 
 namespace stilt::host_telemetry {
 
-/// Hears what the robot says: every sample of every topic, as bytes; Sample::as<T>() gives the message. One
-/// thread at a time. Throws std::runtime_error with a sentence for the user when it cannot start.
+/// Receives what the robot publishes: every sample of every topic, as bytes; Sample::as<T>() gives the
+/// message. One thread at a time. Throws std::runtime_error with a sentence for the user when it cannot
+/// start.
 class Listener {
  public:
   /// @param topics  which of them
@@ -25,7 +26,7 @@ class Listener {
   bool wait(std::chrono::milliseconds longest);
 
   /// Whether somebody sends this topic.
-  [[nodiscard]] bool hears(const telemetry::Topic& topic) const;
+  [[nodiscard]] bool has_publisher(const telemetry::Topic& topic) const;
 
   /// Samples lost on the way, all topics.
   [[nodiscard]] std::uint64_t lost() const;

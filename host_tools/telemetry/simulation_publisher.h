@@ -26,7 +26,7 @@ extern const telemetry::Topic kSimulation;
 
 using SimulationMessage = stilt_msgs_msg_dds__Simulation_;
 
-/// Sends it 50 times a second from a thread of its own, so that the robot's clock never waits for the
+/// Sends it 50 times per second from a thread of its own, so that the robot's clock never waits for the
 /// network.
 class SimulationPublisher {
  public:

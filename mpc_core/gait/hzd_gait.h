@@ -37,9 +37,9 @@ struct GaitOutputs {
 inline constexpr int kReducedStates = 2 * model::kAngles;
 using ReducedState = Eigen::Matrix<double, kReducedStates, 1>;
 
-/// How the outputs are tracked: output error e obeys e'' + kd e' + kp e = 0. Foot placement moves the output
-/// of the swing hip at touch-down by -placement' (r - r0), blended in over the step, r and r0 being the
-/// reduced states just after the last touch-down, measured and of the gait.
+/// How the outputs are tracked: output error e follows e'' + kd e' + kp e = 0. Foot placement moves the
+/// output of the swing hip at touch-down by -placement' (r - r0), blended in over the step, r and r0 being
+/// the reduced states just after the last touch-down, measured and of the gait.
 struct OutputFeedback {
   double kp_1_s2 = 900.0;
   double kd_1_s = 60.0;

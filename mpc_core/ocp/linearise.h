@@ -31,7 +31,7 @@ struct BatchModel {
   }
 };
 
-/// The stages of up to kTogether batches of one contact mode.
+/// The stages of up to kBatchesPerGroup batches of one contact mode.
 void linearise(const ProblemData& data, std::span<const StageBatch> batches, const Trajectory& iterate,
                const BatchModel* to, LineariseWorkspace& work) noexcept;
 

@@ -7,7 +7,7 @@ namespace stilt::ocp {
 
 /// Batches of a contact mode that are linearised together, one step of the work after the other: its code,
 /// far larger than the instruction cache as a whole, then comes from the next level once for all of them.
-inline constexpr int kTogether = 4;
+inline constexpr int kBatchesPerGroup = 4;
 
 /// The eliminations of both kinds for one batch.
 template <class Mode>
@@ -55,7 +55,7 @@ struct LineariseWorkspace {
     AnyEliminations eliminations;
     QuadraticCost cost;
   };
-  Flow flow[kTogether];
+  Flow flow[kBatchesPerGroup];
   IntegratorWorkspace integrator;
 };
 

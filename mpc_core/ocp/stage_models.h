@@ -14,7 +14,7 @@ struct StageModel {
 };
 
 /// The quadratic model of all stages of a horizon, for a sweep from the last stage to the first. A batch is
-/// linearised when the sweep comes to its last stage, together with up to kTogether - 1 batches of its
+/// linearised when the sweep comes to its last stage, together with up to kBatchesPerGroup - 1 batches of its
 /// contact mode before it: the sweep then finds its numbers in a near cache, and few Hessians are kept at a
 /// time. Fixed memory, no heap: real-time safe.
 class StageModels {
@@ -47,7 +47,7 @@ class StageModels {
   template <class AnyBatch>
   [[nodiscard]] BatchModel output_of(const AnyBatch& batch, int group, int index) noexcept;
   [[nodiscard]] lq::LqSecondOrder* hessians(int group, int batch) noexcept {
-    return hessians_[group][batch % kTogether];
+    return hessians_[group][batch % kBatchesPerGroup];
   }
 
   const ProblemData* data_ = nullptr;
@@ -57,7 +57,7 @@ class StageModels {
   long long linearising_ns_ = 0;
   int linearised_from_[kGroups];  ///< first batch of each group that this pass has linearised
   lq::LqFirstOrder stages_[kMaxStages];
-  lq::LqSecondOrder hessians_[kGroups][kTogether][kLanes];  ///< of the newest batches
+  lq::LqSecondOrder hessians_[kGroups][kBatchesPerGroup][kLanes];  ///< of the newest batches
   InputProjection projections_[kMaxStages];
   lq::LqTerminal terminal_;
   LineariseWorkspace work_;

@@ -50,11 +50,12 @@ TEST(OpenBuses, MoteusDriversNeedFlexibleFramesAndBothDirections) {
 }
 
 TEST(OpenBuses, ABusThatIsNotThereIsToldInOneSentence) {
-  const Override nobody[] = {{"hardware.buses=loopback:test-nobody-a,loopback:test-nobody-b"}};
-  const Configuration configuration = configuration::load_robot("amber3m", nobody).value();
+  const Override absent[] = {{"hardware.buses=loopback:test-absent-a,loopback:test-absent-b"}};
+  const Configuration configuration = configuration::load_robot("amber3m", absent).value();
   const auto buses = open_buses(configuration.hardware, false);
   ASSERT_FALSE(buses);
-  EXPECT_TRUE(buses.error().starts_with("bus loopback:test-nobody-a: nobody listens there")) << buses.error();
+  EXPECT_TRUE(buses.error().starts_with("bus loopback:test-absent-a: no program listens there"))
+      << buses.error();
 }
 
 }  // namespace

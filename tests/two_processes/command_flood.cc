@@ -66,7 +66,7 @@ int flood(const telemetry::Network& network, std::string name) {
 int main(int count, char** words) {
   CLI::App app;
   telemetry::Network network;
-  std::string name = "stranger";
+  std::string name = "intruder";
   app.add_option("--domain", network.domain);
   app.add_option("--name", name);
   CLI11_PARSE(app, count, words);

@@ -1,4 +1,4 @@
-// Whoever listens, and however badly: the same walk in lock-step has the same frames on the buses, with their
+// With any subscribers, however slow: the same walk in lock-step has the same frames on the buses, with their
 // ticks, and allocates nothing in ticks and solves. In real time: toolchain/measure_telemetry.
 #include <gtest/gtest.h>
 

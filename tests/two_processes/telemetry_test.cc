@@ -114,7 +114,7 @@ class Secured : public testing::Test {
  protected:
   Secured() {
     make("ours", {"robot:stilt", "host:laptop"});
-    make("theirs", {"host:stranger"});
+    make("theirs", {"host:intruder"});
   }
 
   [[nodiscard]] std::string documents(const std::string& name) const { return run.file(name); }
@@ -167,17 +167,17 @@ TEST_F(Secured, a_monitor_with_documents_commands_and_a_recorder_of_strangers_he
                   run.file("monitor.out"), run.file("monitor.err"));
   PageClient page(url_of_monitor(run.file("monitor.out"), kLongestRun_s));
   ASSERT_TRUE(page.wait_for(R"("heard":true)", kLongestRun_s)) << run.said();
-  const auto stranger = record("stranger", {"--security-folder", documents("theirs/stranger")});
-  const auto nobody = record("nobody", {});
+  const auto intruder = record("intruder", {"--security-folder", documents("theirs/intruder")});
+  const auto undocumented = record("undocumented", {});
   const auto laptop = record("laptop", {"--security-folder", documents("ours/laptop")});
   page.send(R"({"command": "speed", "sequence": 1, "value": 9})");
   EXPECT_TRUE(page.wait_for("beyond telemetry.speed_limit_m_s", kLongestRun_s)) << "the robot heard it";
   page.send(R"({"command": "height", "sequence": 2, "value": 0.76})");
-  EXPECT_TRUE(page.wait_for(R"("sequence":2,"accepted":true)", kLongestRun_s)) << "and obeys";
+  EXPECT_TRUE(page.wait_for(R"("sequence":2,"accepted":true)", kLongestRun_s)) << "and applies it";
   EXPECT_TRUE(wait_for_ticks("laptop")) << text_of(run.file("laptop.err"));
   EXPECT_GT(messages("laptop", *laptop), 0);
-  EXPECT_EQ(messages("stranger", *stranger), 0);
-  EXPECT_EQ(messages("nobody", *nobody), 0);
+  EXPECT_EQ(messages("intruder", *intruder), 0);
+  EXPECT_EQ(messages("undocumented", *undocumented), 0);
   run.controller().signal(SIGTERM);
   run.expect_both_to_end();
 }
@@ -210,7 +210,7 @@ TEST(Telemetry, a_flood_of_commands_without_the_token_neither_holds_up_the_comma
   const double elapsed_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start_time).count();
   EXPECT_LE(static_cast<double>(host.refused), 20.0 * elapsed_s + 2.0)
-      << "a flood is not answered with another: twenty refusals a second at most";
+      << "a flood is not answered with another: twenty refusals per second at most";
   run.controller().signal(SIGTERM);
   run.expect_both_to_end();
   EXPECT_EQ(run.controller_json().at("heap_allocations"), 0);

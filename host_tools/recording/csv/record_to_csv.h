@@ -12,8 +12,9 @@ struct Written {
 };
 
 /// A folder of tables, one a topic: /stilt/planner becomes stilt_planner.csv, with the time of day in the
-/// first column. Ticks become ticks.csv, one row a tick, as in a black box (firmware/diagnostics/tick_csv.h);
-/// those of further runs ticks_2.csv and so on. Throws std::runtime_error, one sentence.
+/// first column. Ticks become ticks.csv, one row per tick, as in a black box
+/// (firmware/diagnostics/tick_csv.h); those of further runs ticks_2.csv and so on. Throws std::runtime_error,
+/// one sentence.
 [[nodiscard]] Written record_to_csv(const std::string& record, const std::string& folder);
 
 /// The ticks alone, of all runs, to one file.

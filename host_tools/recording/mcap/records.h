@@ -61,7 +61,7 @@ struct Message {
   std::uint32_t sequence = 0;
   std::int64_t log_time_ns = 0;      ///< when it was recorded
   std::int64_t publish_time_ns = 0;  ///< when it was sent
-  ByteView data;                     ///< belongs to whoever gave the message
+  ByteView data;                     ///< belongs to the giver of the message
 };
 
 /// A file within the file.

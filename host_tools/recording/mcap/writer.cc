@@ -67,7 +67,7 @@ Writer::Writer(const std::string& path, const WriterOptions& options) : options_
 Writer::~Writer() {
   try {
     close();
-  } catch (const std::exception&) {  // a destructor has nobody to tell; close() does
+  } catch (const std::exception&) {  // a destructor cannot report; close() does
   }
 }
 

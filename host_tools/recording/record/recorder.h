@@ -17,7 +17,7 @@ namespace stilt::record {
 /// messages' ROS 2 definitions, configuration and robot model attached. Topics lose ROS's "rt" on the wire:
 /// /joint_states.
 ///
-/// Commands are not kept, their token is a secret; replies, events and ticks tell what was commanded. Of the
+/// Commands are not kept, their token is a secret; replies, events and ticks show what was commanded. Of the
 /// plans for drawing every third is kept.
 class Recorder {
  public:
@@ -37,7 +37,7 @@ class Recorder {
   /// @param now_ns  time of day
   void take(const telemetry::Sample& sample, std::int64_t now_ns);
 
-  /// Writes what came so far; call at least once a second.
+  /// Writes what came so far; call at least once per second.
   void flush() { writer_.flush(); }
 
   /// Ends the file in order.

@@ -9,7 +9,7 @@
 
 namespace stilt::replay {
 
-/// Where a replay first did something else than the record tells.
+/// Where a replay first did something else than the record.
 struct Difference {
   std::uint64_t tick = 0;  ///< of the torque loop; of a plan: whose state it starts from
   std::string what;        ///< "sent torque_Nm of knee_L"

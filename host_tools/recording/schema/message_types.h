@@ -33,9 +33,8 @@ using MessageTypes = std::map<std::string, std::vector<Field>>;
 /// use: basic types, strings, sequences, arrays, structures.
 [[nodiscard]] MessageTypes parse_idl(std::string_view idl);
 
-/// A message in the notation of .msg files, with all messages it uses behind it, as recorders and viewers
-/// expect it
-/// ("ros2msg"). ROS allows no capital letters in the names of fields: torque_Nm is torque_nm there.
+/// A message in the notation of .msg files, with all messages it uses behind it: "ros2msg" of recorders and
+/// viewers. ROS allows no capital letters in the names of fields: torque_Nm is torque_nm there.
 [[nodiscard]] std::string ros2msg_text(const MessageTypes& types, const std::string& name);
 
 /// The inverse: the message `name` and those it uses.

@@ -25,7 +25,7 @@ enum class FaultKind {
   base_freeze,
 };
 
-/// What a fault can strike.
+/// What a fault can affect.
 enum class FaultTarget {
   frames,   ///< those of one joint, of one bus, or all
   bus,      ///< one bus
@@ -39,7 +39,7 @@ struct FaultDescription {
   FaultKind kind;
   const char* name;
   FaultTarget target;
-  bool needs_bus;             ///< strikes frames or buses; a plant without them cannot have it
+  bool needs_bus;             ///< affects frames or buses; a plant without them cannot have it
   double default_duration_s;  ///< infinite: to the end of the run
   const char* description;
 };
@@ -51,7 +51,7 @@ enum class FaultsOf { plant, robot_on_buses };
 /// The table as text, one fault per line.
 [[nodiscard]] std::string describe_faults(FaultsOf which);
 
-/// A fault with its time, counted from the moment the hoist has let go.
+/// A fault with its time, counted from the moment the gantry has released the robot.
 struct TimedFault {
   FaultKind kind = FaultKind::drop;
   std::optional<std::size_t> bus;    ///< only there
@@ -63,8 +63,8 @@ struct TimedFault {
     constexpr double kRounding_s = 1e-7;  // of times counted in ticks
     return time_s > start_s - kRounding_s && time_s < start_s + duration_s - kRounding_s;
   }
-  /// Whether it strikes a joint that is on a bus, or, without a joint, what else is on that bus.
-  [[nodiscard]] bool strikes(std::size_t on_bus, std::optional<std::size_t> at_joint) const {
+  /// Whether it affects a joint that is on a bus, or, without a joint, what else is on that bus.
+  [[nodiscard]] bool affects(std::size_t on_bus, std::optional<std::size_t> at_joint) const {
     return (!bus || *bus == on_bus) && (!joint || joint == at_joint);
   }
 };

@@ -17,7 +17,7 @@ constexpr double kTimeSlack_s = 1e-9;
   throw std::invalid_argument(std::string(option) + " " + std::string(text) + ": " + std::string(expected));
 }
 
-/// Cuts `text` at the first `separator`; `rest` becomes what follows, `found` tells whether there was one.
+/// Cuts `text` at the first `separator`; `rest` becomes what follows, `found`: whether there was one.
 std::string_view cut(std::string_view text, char separator, std::string_view& rest, bool& found) {
   const std::size_t at = text.find(separator);
   found = at != std::string_view::npos;

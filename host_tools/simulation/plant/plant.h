@@ -56,8 +56,8 @@ class Plant {
   /// Horizontal force on the torso from now on, positive forward.
   void set_push(double force_N, PushPoint point);
 
-  /// Force of the surroundings (a hoist, say) from now on, along the generalised coordinates: N, N, Nm on the
-  /// base, Nm on the joints. Bears no delay and no limit.
+  /// Force of the surroundings (a gantry, say) from now on, along the generalised coordinates: N, N, Nm on
+  /// the base, Nm on the joints. Bears no delay and no limit.
   void set_surroundings_force(const model::PositionVector& force) { surroundings_force_ = force; }
 
   /// Advances by one time step.

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-/// What may differ between the simulated robot and the robot the controller believes in.
+/// What may differ between the simulated robot and the model of the controller.
 namespace stilt::simulation {
 
 /// Options of the plant. An empty optional keeps the value of the robot's URDF.

@@ -22,7 +22,7 @@ class BusEnds {
   /// Takes everything that waits on a bus.
   [[nodiscard]] std::vector<hal::CanFrame> receive(std::size_t bus);
 
-  /// Lets the robot hear a frame of the controller.
+  /// Gives the robot a frame of the controller.
   void deliver(std::int64_t now_ns, std::size_t bus, const hal::CanFrame& frame);
 
   /// Puts what the robot's nodes send on the buses.
@@ -34,7 +34,7 @@ class BusEnds {
   /// Tries again to send what found the queue full.
   void flush(std::size_t bus);
 
-  /// The controller is gone: what waits is for nobody.
+  /// The controller is gone: what waits is dropped.
   void forget();
 
  private:

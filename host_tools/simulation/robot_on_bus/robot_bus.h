@@ -19,9 +19,9 @@ class RobotBus {
   RobotBus(const std::string& name, bool fd);
 
   [[nodiscard]] hal::FrameBus& frames();
-  /// Whether a controller is there; an interface of the kernel cannot tell and says so always.
+  /// Whether a controller is there; always true for an interface of the kernel.
   [[nodiscard]] bool connected() const;
-  /// Controllers that came, as far as the bus can tell.
+  /// Controllers that came, as far as the bus knows.
   [[nodiscard]] std::uint64_t connections() const;
   /// For poll(): readable when a frame or a controller waits.
   [[nodiscard]] int descriptor() const;

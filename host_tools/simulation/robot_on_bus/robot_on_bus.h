@@ -12,7 +12,7 @@
 #include "host_tools/simulation/closed_loop/scenario.h"
 #include "host_tools/simulation/plant/plant.h"
 #include "host_tools/simulation/robot_on_bus/frame_line.h"
-#include "host_tools/simulation/robot_on_bus/hoist.h"
+#include "host_tools/simulation/robot_on_bus/gantry.h"
 #include "host_tools/simulation/robot_on_bus/joint_drivers.h"
 #include "host_tools/simulation/robot_on_bus/torso_sensor_frames.h"
 #include "host_tools/simulation/robot_on_bus/walk_recorder.h"
@@ -28,15 +28,15 @@ struct RobotSetup {
   std::uint64_t seed = 1;
   model::StateVector standing = model::StateVector::Zero();  ///< starting pose, feet on the ground
   double tick_s = 0.001;
-  double base_rate_hz = 1000.0;  ///< frames a second of the torso sensor, at most one a tick
-  HoistParameters hoist;
+  double base_rate_hz = 1000.0;  ///< frames per second of the torso sensor, at most one per tick
+  GantryParameters gantry;
   std::vector<simulation::TimedFault> faults;
   std::vector<simulation::Push> pushes;
   bool keep_samples = false;
 };
 
 /// A fault that came about.
-struct StruckFault {
+struct InjectedFault {
   std::string name;
   double time_s = 0.0;  ///< since the robot was switched on
 };
@@ -44,9 +44,9 @@ struct StruckFault {
 /// MuJoCo behind emulated motor drivers and an emulated torso sensor: frames in, frames out, and between them
 /// the robot. Knows neither sockets nor clocks; equal calls give equal frames, bit for bit.
 ///
-/// A command takes effect when it is heard; the driver's law is evaluated at each time step of the plant, at
-/// the joint's position and velocity of that moment (with the plant's encoder noise), and limited by driver
-/// and plant. Replies show the newest time step. The torso sensor sends at the end of a tick, at its
+/// A command takes effect when it is received; the driver's law is evaluated at each time step of the plant,
+/// at the joint's position and velocity of that moment (with the plant's encoder noise), and limited by
+/// driver and plant. Replies show the newest time step. The torso sensor sends at the end of a tick, at its
 /// own rate.
 class RobotOnBus {
  public:
@@ -54,7 +54,7 @@ class RobotOnBus {
   explicit RobotOnBus(const RobotSetup& setup);
 
   /// A frame of the controller.
-  void hear(std::int64_t now_ns, std::size_t bus, const hal::CanFrame& frame);
+  void receive(std::int64_t now_ns, std::size_t bus, const hal::CanFrame& frame);
 
   /// Advances by one time step of the plant; after the last one of a tick, drivers' timers run and the base
   /// sensor sends.
@@ -70,29 +70,29 @@ class RobotOnBus {
   [[nodiscard]] bool disconnected(std::size_t bus) const { return bus_gone_[bus]; }
 
   [[nodiscard]] std::uint64_t ticks() const { return ticks_; }
-  [[nodiscard]] int steps_a_tick() const { return steps_a_tick_; }
+  [[nodiscard]] int steps_per_tick() const { return steps_per_tick_; }
   [[nodiscard]] double time_step_s() const { return plant_.time_step_s(); }
   /// Since the robot was switched on.
   [[nodiscard]] double time_s() const { return static_cast<double>(ticks_) * setup_.tick_s; }
-  /// Since the hoist let go for the first time; nothing before.
+  /// Since the first release by the gantry; nothing before.
   [[nodiscard]] std::optional<double> walk_time_s() const;
   /// When that was, since the robot was switched on.
-  [[nodiscard]] std::optional<double> hoist_released_s() const;
+  [[nodiscard]] std::optional<double> gantry_released_s() const;
 
-  /// Since the hoist let go: when the robot sat down in order and was taken on the rope again.
+  /// Since its release by the gantry: when the robot sat down in order and was taken on the rope again.
   [[nodiscard]] std::optional<double> sat_down_s() const { return sat_down_s_; }
 
   [[nodiscard]] const simulation::Plant& plant() const { return plant_; }
   [[nodiscard]] const JointDrivers& drivers() const { return drivers_; }
-  [[nodiscard]] const Hoist& hoist() const { return hoist_; }
+  [[nodiscard]] const Gantry& gantry() const { return gantry_; }
   [[nodiscard]] const WalkRecorder& recorder() const { return recorder_; }
-  [[nodiscard]] const std::vector<StruckFault>& struck_faults() const { return struck_; }
+  [[nodiscard]] const std::vector<InjectedFault>& injected_faults() const { return injected_; }
 
   /// The run ends: closes the statistics.
   void finish();
 
  private:
-  void strike_faults(std::int64_t now_ns);
+  void inject_faults(std::int64_t now_ns);
   void begin_fault(std::int64_t now_ns, const simulation::TimedFault& fault);
   void end_fault(std::int64_t now_ns, const simulation::TimedFault& fault);
   void lower_supply(const simulation::TimedFault& fault);
@@ -105,21 +105,21 @@ class RobotOnBus {
   void send_base(std::int64_t now_ns);
   [[nodiscard]] bool base_due();
   [[nodiscard]] BaseValues base_values();
-  void attend();
+  void update_rig();
   void end_walk(simulation::Fall fall);
   [[nodiscard]] bool sits_down() const;
   [[nodiscard]] bool torque_on() const;
-  /// Negative before the hoist has let go.
+  /// Negative before the gantry has released the robot.
   [[nodiscard]] double clock_s() const { return walk_time_s().value_or(-1.0); }
   template <class Action>
   void for_each_driver(const simulation::TimedFault& fault, Action&& action);
 
   RobotSetup setup_;
   simulation::Plant plant_;
-  int steps_a_tick_;
+  int steps_per_tick_;
   JointDrivers drivers_;
   TorsoSensorFrames torso_sensor_;
-  Hoist hoist_;
+  Gantry gantry_;
   FrameLine line_;
   WalkRecorder recorder_;
   std::uint64_t ticks_ = 0;
@@ -130,7 +130,7 @@ class RobotOnBus {
   std::optional<double> sat_down_s_;
   double fault_clock_s_ = -1.0;  ///< clock_s() at the beginning of the tick: faults begin and end with it
   std::vector<bool> fault_active_;
-  std::vector<StruckFault> struck_;
+  std::vector<InjectedFault> injected_;
   std::array<bool, hal::kMaximumBuses> bus_off_{};
   std::array<bool, hal::kMaximumBuses> bus_gone_{};
   BaseValues base_values_{};

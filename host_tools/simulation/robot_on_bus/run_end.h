@@ -22,7 +22,7 @@ void wait_for_frames(const RobotOnBus& robot, const std::vector<RobotBus>& buses
 
 [[nodiscard]] std::vector<hal::FrameBus*> frame_buses(std::vector<RobotBus>& buses);
 
-/// Lets those who watch look, and reports progress once a second of the robot's time.
+/// Lets those who watch look, and reports progress once per second of the robot's time.
 class ProgressTicks {
  public:
   void update(const RobotOnBus& robot, const RunOptions& options);

@@ -15,7 +15,7 @@ namespace stilt::robot_on_bus {
 /// When a run ends, and who watches it.
 struct RunOptions {
   double tick_s = 0.001;
-  std::optional<double> duration_s;  ///< after the hoist has let go; none: until interrupted
+  std::optional<double> duration_s;  ///< after the gantry has released the robot; none: until interrupted
   bool once = false;                 ///< end when the controller that came has left
   double wait_s = 60.0;              ///< lock-step: longest wait for a controller, and for its turn
   double next_wait_s = 10.0;         ///< lock-step: longest wait for the next controller after one has left
@@ -28,7 +28,7 @@ struct RunOptions {
 struct RunOutcome {
   bool has_priority = false;      ///< real time: the kernel granted SCHED_FIFO
   const char* ended = "";         ///< why
-  std::uint64_t controllers = 0;  ///< that came, as far as the buses can tell
+  std::uint64_t controllers = 0;  ///< that came, as far as the buses know
   std::uint64_t late = 0;         ///< real time: how often the robot fell behind the clock and let it go
   double late_max_s = 0.0;        ///< by how much at most
 };
@@ -40,7 +40,7 @@ struct RunOutcome {
                                       const RunOptions& options);
 
 /// The robot follows CLOCK_MONOTONIC. Commands take effect when they arrive, replies leave at once, the base
-/// sensor sends once a tick. Takes SCHED_FIFO above any controller when the kernel grants it: motor drivers
+/// sensor sends once per tick. Takes SCHED_FIFO above any controller when the kernel grants it: motor drivers
 /// do not wait for a processor. A robot that falls behind by more than 5 ms leaves the lost time out instead
 /// of catching up in a burst, and counts it.
 [[nodiscard]] RunOutcome run_realtime(RobotOnBus& robot, std::vector<RobotBus>& buses, FrameLog& log,

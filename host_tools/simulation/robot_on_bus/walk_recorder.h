@@ -10,13 +10,13 @@
 
 namespace stilt::robot_on_bus {
 
-/// What the plant shows of a walk, as `stilt sim` reports it: from the moment the hoist has let go until the
-/// robot falls, sits down or the run ends. Nothing of the controller: plans and estimates are not known here,
-/// nor when it was told to stop. The mean speed therefore counts, after the first 3 s, until the robot is
-/// within 0.1 m of where it ends.
+/// What the plant shows of a walk, as `stilt sim` reports it: from the moment the gantry has released the
+/// robot until the robot falls, sits down or the run ends. Nothing of the controller: plans and estimates are
+/// not known here, nor when it was to stop. The mean speed therefore counts, after the first 3 s, until
+/// the robot is within 0.1 m of where it ends.
 class WalkRecorder {
  public:
-  /// @param keep_samples  record 200 samples a second for the report
+  /// @param keep_samples  record 200 samples per second for the report
   explicit WalkRecorder(bool keep_samples) : keep_samples_(keep_samples) {}
 
   void begin(const simulation::Plant& plant);

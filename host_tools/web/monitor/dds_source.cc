@@ -78,7 +78,7 @@ void DdsSource::learn_token() {
   try {
     token_in_force_ = host_telemetry::read_token(decoder_.token_file());
   } catch (const std::runtime_error&) {
-    token_in_force_.clear();  // whoever commands has to give it
+    token_in_force_.clear();  // a commander has to give it
   }
 }
 

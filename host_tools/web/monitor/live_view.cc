@@ -20,7 +20,7 @@ LiveView::LiveView(SampleSource& source) : source_(source) {}
 void LiveView::step(double now_s) {
   now_s_ = now_s;
   welcome_new_pages();
-  obey_pages(now_s);
+  apply_page_commands(now_s);
   if (source_.live() || watched_) source_.poll(*this);
   flush_tables(now_s);
   send_heartbeats(now_s);
@@ -62,7 +62,7 @@ void LiveView::welcome_new_pages() {
   });
 }
 
-void LiveView::obey_pages(double now_s) {
+void LiveView::apply_page_commands(double now_s) {
   std::vector<std::pair<Peer*, std::string>> inbox;
   {
     const std::lock_guard lock(mutex_);
@@ -71,11 +71,11 @@ void LiveView::obey_pages(double now_s) {
   for (const auto& [peer, text] : inbox) {
     const auto page = std::find_if(pages_.begin(), pages_.end(),
                                    [wanted = peer](const Page& one) { return one.peer.get() == wanted; });
-    if (page != pages_.end()) obey(*page, text, now_s);
+    if (page != pages_.end()) apply(*page, text, now_s);
   }
 }
 
-void LiveView::obey(Page& page, const std::string& text, double now_s) {
+void LiveView::apply(Page& page, const std::string& text, double now_s) {
   page.alive_s = now_s;
   auto message = parse_page_message(text);
   if (!message) {

@@ -17,9 +17,9 @@ namespace stilt::monitor {
 
 /// The WebSocket /live: passes samples on to every open page, and the pages' commands to the source.
 ///
-/// Who may command: whoever gives the run's token; for pages on this machine the one that the source
+/// Who may command: a page that gives the run's token; for pages on this machine the one that the source
 /// knows will do. The page whose command was accepted last is in command. It shows that it lives several
-/// times a second; as long as it does, a heartbeat goes to the robot.
+/// times per second; as long as it does, a heartbeat goes to the robot.
 class LiveView final : public Endpoint, private SampleSink {
  public:
   /// Seconds without a sign of life after which a page's heartbeat is no longer passed on.
@@ -29,7 +29,7 @@ class LiveView final : public Endpoint, private SampleSink {
 
   explicit LiveView(SampleSource& source);
 
-  /// Takes what is new and sends it on; some hundred times a second, from one thread.
+  /// Takes what is new and sends it on; some hundred times per second, from one thread.
   /// @param now_s  of a steady clock
   void step(double now_s);
 
@@ -57,8 +57,8 @@ class LiveView final : public Endpoint, private SampleSink {
   void reply(const ReplySample& sample) override;
 
   void welcome_new_pages();
-  void obey_pages(double now_s);
-  void obey(Page& page, const std::string& text, double now_s);
+  void apply_page_commands(double now_s);
+  void apply(Page& page, const std::string& text, double now_s);
   void flush_tables(double now_s);
   void play_again();
   void send_heartbeats(double now_s);

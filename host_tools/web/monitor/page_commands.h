@@ -7,9 +7,9 @@
 
 #include "host_tools/web/monitor/sample_source.h"
 
-/// What the page sends: {"alive": true} several times a second, and
+/// What the page sends: {"alive": true} several times per second, and
 /// {"command": "walk", "sequence": 3, "value": 0.5, "tunable": "", "token": ""}, where only the first two
-/// must be there; and {"again": true}, which a record obeys.
+/// must be there; and {"again": true}, which a record applies.
 namespace stilt::monitor {
 
 /// A message of the page.

@@ -39,8 +39,8 @@ class SampleSource {
  public:
   virtual ~SampleSource() = default;
 
-  /// Hands over everything that is new since the last call, and returns; called some hundred times a second.
-  /// A record plays by the clock of its own calls. A new run begins with its configuration.
+  /// Hands over everything that is new since the last call, and returns; called some hundred times per
+  /// second. A record plays by the clock of its own calls. A new run begins with its configuration.
   virtual void poll(SampleSink& sink) = 0;
 
   /// Sends a command; its reply comes with a later poll(). A record answers that it takes none.

@@ -7,7 +7,7 @@
 
 #include "firmware/control_loop/tick_record.h"
 
-/// What a monitor shows, whoever it comes from: the live robot, a record, or a test. SI units; time_s is the
+/// What a monitor shows, from any source: the live robot, a record, or a test. SI units; time_s is the
 /// controller's clock, seconds since its first tick. Ordinary threads.
 namespace stilt::monitor {
 
@@ -55,8 +55,8 @@ struct SupervisorSample {
   int gait = 0;                  ///< in force, number of gait::GaitKind
   double speed_m_s = 0.0;        ///< in force, of walk
   double base_height_m = 0.0;    ///< of the hip, in force; 0: not known
-  std::string commander;         ///< who is in command; empty: nobody
-  bool commander_alive = false;  ///< his heartbeat is heard
+  std::string commander;         ///< who is in command; empty: none
+  bool commander_alive = false;  ///< its heartbeat arrives
 };
 
 /// Something that happened; the text is a sentence.

@@ -16,7 +16,7 @@ struct ServeOptions {
   std::function<void(WebServer&)> extend = [](WebServer&) {};
 };
 
-/// Serves the page of a source until it is told to stop. Prints the address on standard output. Throws
+/// Serves the page of a source until it is stopped. Prints the address on standard output. Throws
 /// std::runtime_error with a sentence when the address cannot be listened on.
 void serve(SampleSource& source, const ServeOptions& options);
 

@@ -74,7 +74,7 @@ void TerminalView::event(const EventSample& sample) {
 }
 
 std::string TerminalView::link_text() const {
-  if (!tick_) return "waiting for a controller: nothing heard yet from " + source_.describe();
+  if (!tick_) return "waiting for a controller: nothing received yet from " + source_.describe();
   const double silent_s = now_s_ - heard_s_;
   if (source_.live() && silent_s > kStale_s) {
     char text[80];
@@ -123,7 +123,7 @@ std::string TerminalView::state_text() const {
   std::ranges::replace(follows, '_', ' ');
   std::string text = line("state     %s (%s); %s", name(state), description(state), follows.c_str());
   const bool walks = supervisor_->gait == 2;
-  const char* who = supervisor_->commander.empty() ? "nobody in command" : supervisor_->commander.c_str();
+  const char* who = supervisor_->commander.empty() ? "no commander" : supervisor_->commander.c_str();
   const char* silent = supervisor_->commander.empty() || supervisor_->commander_alive ? "" : " (silent)";
   text += walks ? line("command   walk %.2f m/s, %s%s", supervisor_->speed_m_s, who, silent)
                 : line("command   %s, %s%s", supervisor_->gait == 1 ? "step" : "stand", who, silent);

@@ -36,7 +36,8 @@ TEST(Parse, AnEmptyFileGivesTheDefaults) {
 TEST(Parse, KeysSetTheirFields) {
   const Result result = parse(
       "[gait]\nsingle_support_s = 0.3\n[sqp]\niterations = 3\nearly_stop = false\n"
-      "[discretisation]\nintegrator = \"rk4\"\n[inequality]\nfriction_mu = 1\njoint_torque_delta = 2.5\n",
+      "[discretisation]\nintegrator = \"rk4\"\n"
+      "[inequality]\nfriction_barrier_weight = 1\njoint_torque_barrier_width_Nm = 2.5\n",
       "robot.toml");
   ASSERT_TRUE(result) << to_string(result.error());
   EXPECT_EQ(result->gait.single_support_s, 0.3);

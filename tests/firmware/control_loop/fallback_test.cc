@@ -241,7 +241,7 @@ TEST_F(FallbackTest, OffAtTheEndByWayOfSitting) {
   EXPECT_GT(rig->joints.disables, 0);
   const int writes = rig->joints.writes;
   rig->run(50);
-  EXPECT_EQ(rig->joints.writes, writes) << "nothing but letting go";
+  EXPECT_EQ(rig->joints.writes, writes) << "nothing but disabling";
 }
 
 TEST_F(FallbackTest, NoLevelIsLeftOut) {

@@ -125,7 +125,7 @@ TEST_F(SupervisorTest, ALatchedFaultDampsUntilAResetWithTheCauseGone) {
   EXPECT_TRUE(output().latched.empty());
 }
 
-TEST_F(SupervisorTest, AResetLetsGoOfTheDriversSoThatTheirOwnFaultsClear) {
+TEST_F(SupervisorTest, AResetDisablesTheDriversSoThatTheirOwnFaultsClear) {
   bring_to_walk();
   inputs_.seen.joints[2].fault = hal::DriverFault::lost_communication;
   run(0.1);

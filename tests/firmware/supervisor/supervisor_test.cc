@@ -84,7 +84,7 @@ TEST_F(SupervisorTest, StandingUpWaitsForTheFirstPlanWithoutAFault) {
   EXPECT_EQ(run(0.1), State::sit) << "but not for ever";
 }
 
-TEST_F(SupervisorTest, ShuttingDownSitsDampsAndLetsGo) {
+TEST_F(SupervisorTest, ShuttingDownSitsDampsAndDisables) {
   bring_to_walk();
   inputs_.shut_down = true;
   EXPECT_EQ(tick(), State::step);
@@ -130,7 +130,7 @@ TEST_F(SupervisorTest, IdleDoesNotCareForDriversThatAreNotDriven) {
   EXPECT_EQ(run(1), State::idle);
 }
 
-TEST_F(SupervisorTest, AFailedBringUpLetsGoOfTheDrivers) {
+TEST_F(SupervisorTest, AFailedBringUpDisablesTheDrivers) {
   tick();
   request(RequestKind::calibrate);
   tick();

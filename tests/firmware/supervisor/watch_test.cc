@@ -233,7 +233,7 @@ TEST_F(SupervisorTest, AResetAskedForBeforeAFaultDoesNotResetIt) {
   EXPECT_EQ(run(0.01), State::idle) << "asked for again";
 }
 
-TEST_F(SupervisorTest, AResetLetsGoForATickBeforeTheFaultIsOver) {
+TEST_F(SupervisorTest, AResetDisablesForATickBeforeTheFaultIsOver) {
   bring_to_stand();
   inputs_.seen.emergency_stop = hal::EmergencyStopState::pressed;
   tick();

@@ -80,10 +80,10 @@ TEST(Cdr, a_message_reads_back) {
 TEST(Cdr, sequences_and_strings_read_back) {
   std::array<double, 3> values = {1, 2, 3};
   std::string key = "cost.base_x";
-  std::string nobody;
+  std::string no_commander;
   Tuning tuning{};
   tuning.key = key.data();
-  tuning.commander = nobody.data();
+  tuning.commander = no_commander.data();
   tuning.values = {3, 3, values.data(), false};
   const auto read = decode<Tuning>(encode(tuning));
   ASSERT_NE(read, nullptr);

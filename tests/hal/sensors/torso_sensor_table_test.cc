@@ -129,14 +129,14 @@ TEST(TorsoSensorTable, FramesThatDoNotFitAreNamed) {
   const ChannelRow field = row(ByteOrder::little, RawType::float32, 0, 32);
   ChannelValues values;
   values.present = 1;
-  EXPECT_EQ(decode(std::span(&field, 1), classic_frame(0x51, 8), values), DecodeStatus::foreign);
+  EXPECT_EQ(decode(std::span(&field, 1), classic_frame(0x51, 8), values), DecodeStatus::not_addressed);
   EXPECT_EQ(decode(std::span(&field, 1), classic_frame(0x50, 3), values), DecodeStatus::wrong_length);
   EXPECT_EQ(decode(std::span(&field, 1), with_payload(classic_frame(0x50, 4), "0000c07f"), values),
             DecodeStatus::not_finite);
   EXPECT_EQ(values.present, 1u) << "the output stays as it was";
   CanFrame frame = classic_frame(0x50, 4);
   frame.extended = true;
-  EXPECT_EQ(decode(std::span(&field, 1), frame, values), DecodeStatus::foreign);
+  EXPECT_EQ(decode(std::span(&field, 1), frame, values), DecodeStatus::not_addressed);
 }
 
 TEST(TorsoSensorTable, RowsWithoutSenseAreRefused) {

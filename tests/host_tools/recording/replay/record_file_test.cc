@@ -31,9 +31,9 @@ telemetry::Sample tuning_sample(std::uint64_t run_id, std::uint32_t number, std:
   telemetry::Tuning message{};
   message.run_id = run_id;
   message.number = number;
-  telemetry::lend(message.key, "");
-  telemetry::lend(message.commander, "");
-  telemetry::lend(message.values, values);
+  telemetry::set_view(message.key, "");
+  telemetry::set_view(message.commander, "");
+  telemetry::set_view(message.values, values);
   return {&telemetry::kTuning, 0, 1, telemetry::encode(message)};
 }
 
@@ -54,14 +54,14 @@ telemetry::Sample configuration_sample(std::uint64_t run_id, const configuration
   for (std::string& key : keys) tunables.push_back({key.data(), none.data(), none.data(), 0, 0, 0});
   telemetry::ConfigurationInForce message{};
   message.run_id = run_id;
-  telemetry::lend(message.robot, "amber3m");
-  telemetry::lend(message.configuration, toml);
-  telemetry::lend(message.version, "9.9");
-  telemetry::lend(message.compiler, "gcc");
-  telemetry::lend(message.instruction_set, "avx2");
-  telemetry::lend(message.realtime, "");
-  telemetry::lend(message.token_file, "");
-  telemetry::lend(message.tunables, tunables);
+  telemetry::set_view(message.robot, "amber3m");
+  telemetry::set_view(message.configuration, toml);
+  telemetry::set_view(message.version, "9.9");
+  telemetry::set_view(message.compiler, "gcc");
+  telemetry::set_view(message.instruction_set, "avx2");
+  telemetry::set_view(message.realtime, "");
+  telemetry::set_view(message.token_file, "");
+  telemetry::set_view(message.tunables, tunables);
   return {&telemetry::kConfiguration, 0, 1, telemetry::encode(message)};
 }
 

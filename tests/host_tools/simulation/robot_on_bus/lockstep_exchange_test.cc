@@ -56,7 +56,7 @@ class LockstepExchangeTest : public testing::Test {
 
   std::array<MemoryBus, 2> buses_;
   FrameLog log_{""};
-  RobotOnBus robot_{setup_of({{"torso_sensor.rate_hz=1000"}, {}, {}, {}})};  ///< a frame a tick
+  RobotOnBus robot_{setup_of({{"torso_sensor.rate_hz=1000"}, {}, {}, {}})};  ///< one frame per tick
   std::array<hal::FrameBus*, 2> ends_of_buses_{&buses_[0], &buses_[1]};
   BusEnds ends_{robot_, ends_of_buses_, log_};
   LockstepExchange exchange_{robot_, ends_, 0.001};

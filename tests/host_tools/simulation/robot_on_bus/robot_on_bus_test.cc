@@ -24,7 +24,8 @@ RobotRequest every_tick(RobotRequest request) {
   return request;
 }
 
-/// A robot that stands on its own, with a fault 0.1 s after the hoist has let go, advanced to just before it.
+/// A robot that stands on its own, with a fault 0.1 s after the gantry has released the robot, advanced to
+/// just before it.
 class Standing {
  public:
   explicit Standing(const std::string& fault, RobotRequest request = {})
@@ -32,7 +33,7 @@ class Standing {
 
   [[nodiscard]] bool stand() {
     for (int i = 0; i < 4000 && driven.robot.walk_time_s().value_or(-1.0) < kFaultStart_s; ++i) tick();
-    return driven.robot.walk_time_s().has_value() && driven.robot.struck_faults().empty();
+    return driven.robot.walk_time_s().has_value() && driven.robot.injected_faults().empty();
   }
   void tick() { controller_.tick(kStand); }
 
@@ -112,20 +113,20 @@ TEST(RobotOnBus, AWatchdogExpiresWhenNoCommandsCome) {
   EXPECT_EQ(driven.readings[0].fault, hal::DriverFault::lost_communication);
 }
 
-TEST(RobotOnBus, FaultsWaitUntilTheHoistHasLetGo) {
+TEST(RobotOnBus, FaultsWaitUntilTheGantryHasReleasedIt) {
   RobotRequest request;
   request.faults = {"driver-fault@0"};
   Standing::Enabled driven(request);
   const hal::JointCommands nothing{};
   for (int i = 0; i < 1000; ++i) driven.tick(&nothing);
-  EXPECT_TRUE(driven.robot.struck_faults().empty());
+  EXPECT_TRUE(driven.robot.injected_faults().empty());
 }
 
 TEST(RobotFault, DropSilencesAJointAndComesToAnEnd) {
   Standing robot("drop:knee_L");
   ASSERT_TRUE(robot.stand());
   robot.tick();
-  ASSERT_EQ(robot.driven.robot.struck_faults().size(), 1u);
+  ASSERT_EQ(robot.driven.robot.injected_faults().size(), 1u);
   for (int i = 0; i < 4; ++i) robot.tick();
   EXPECT_GE(robot.driven.readings[kKneeLeft].missed_replies, 4u);
   EXPECT_EQ(robot.driven.readings[0].missed_replies, 0u);
@@ -192,7 +193,7 @@ TEST(RobotFault, DisconnectIsToldToWhoeverOwnsTheBus) {
   EXPECT_FALSE(robot.driven.robot.disconnected(0));
 }
 
-TEST(RobotFault, ADriverFaultIsReportedAndTheMotorLetsGo) {
+TEST(RobotFault, ADriverFaultIsReportedAndTheMotorCoasts) {
   Standing robot("driver-fault:knee_L");
   ASSERT_TRUE(robot.stand());
   for (int i = 0; i < 2; ++i) robot.tick();

@@ -91,7 +91,7 @@ test('another speed from the page changes the measured speed', async () => {
   await until('0.5 m/s', async () => Math.abs((await shownSpeed(page)) - 0.5) < 0.08);
   await page.waitForTimeout(3000);
   await picture(page, 'live_walking');
-  console.log(`${Number(await page.getAttribute('#frame-rate', 'data-value')).toFixed(1)} frames a second with all plots`);
+  console.log(`${Number(await page.getAttribute('#frame-rate', 'data-value')).toFixed(1)} frames per second with all plots`);
 });
 
 test('a tunable changes while the robot walks', async () => {
@@ -105,7 +105,7 @@ test('a tunable changes while the robot walks', async () => {
 test('a wrong token is refused in words', async () => {
   const other = startMonitor(['--token', 'a-guess']);
   const [url] = await other.wrote(/http:\S+/);
-  const stranger = await openPage(browser, url);
+  const intruder = await openPage(browser, url);
   await until('live data', async () => (await stranger.textContent('#link-status')).startsWith('live'));
   await stranger.keyboard.press('d');
   const refused = await until('a refusal', async () => {

@@ -157,11 +157,11 @@ TEST(MessageSamples, AKnotOfAPlanHasItsTimeBaseFeetForcesAndWhatCarries) {
   };
   telemetry::Plan message{};
   message.start_time_s = 2.0;
-  lend(message.time_s, times);
-  lend(message.contact, contact);
-  lend(message.base, base);
-  lend(message.foot_position_m, feet);
-  lend(message.contact_force_N, forces);
+  set_view(message.time_s, times);
+  set_view(message.contact, contact);
+  set_view(message.base, base);
+  set_view(message.foot_position_m, feet);
+  set_view(message.contact_force_N, forces);
   const std::vector<PlanKnot> knots = plan_sample(message).knots;
   ASSERT_EQ(knots.size(), 2u);
   EXPECT_TRUE(knots[0].left_carries && !knots[0].right_carries);

@@ -54,7 +54,7 @@ test('walk from the keyboard moves the robot, its picture and the plots', async 
   await until('the speed asked for', async () => Math.abs((await shownSpeed(page)) - 0.5) < 0.05);
   await picture(page, 'walking');
   const rate = await until('a frame rate', () => page.getAttribute('#frame-rate', 'data-value'));
-  console.log(`${Number(rate).toFixed(1)} frames a second with all plots`);
+  console.log(`${Number(rate).toFixed(1)} frames per second with all plots`);
 });
 
 test('the speed slider changes the speed while walking', async () => {

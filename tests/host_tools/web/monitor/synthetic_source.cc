@@ -129,12 +129,12 @@ std::string SyntheticSource::refusal(const Command& command) const {
 
 void SyntheticSource::command(const Command& command) {
   const std::string why = refusal(command);
-  if (why.empty()) obey(command);
+  if (why.empty()) apply(command);
   if (command.kind == CommandKind::heartbeat) return;
   replies_.push_back({command.commander, command.sequence, why.empty(), why});
 }
 
-void SyntheticSource::obey(const Command& command) {
+void SyntheticSource::apply(const Command& command) {
   const int before = state_;
   switch (command.kind) {
     case CommandKind::walk:

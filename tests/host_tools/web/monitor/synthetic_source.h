@@ -31,7 +31,7 @@ class SyntheticSource final : public SampleSource {
 
  private:
   [[nodiscard]] std::string refusal(const Command& command) const;
-  void obey(const Command& command);
+  void apply(const Command& command);
   void tick(SampleSink& sink);
   void introduce(SampleSink& sink);
   void say_slowly(SampleSink& sink);

@@ -4,8 +4,8 @@
 
 namespace stilt::robot_on_bus {
 
-/// What the operator with the hoist does at the moment.
-enum class HoistState {
+/// What the operator with the gantry does at the moment.
+enum class GantryState {
   holding,    ///< the robot hangs, its feet just above the ground
   lowering,   ///< its motors give torque: the rope is paid out
   releasing,  ///< it carries itself: rope, guides and leg rests fade away
@@ -13,10 +13,10 @@ enum class HoistState {
   lifting,    ///< it fell or sat down: it is brought back to where it hangs
 };
 
-[[nodiscard]] const char* name(HoistState state);
+[[nodiscard]] const char* name(GantryState state);
 
-/// Constants of the hoist and of the person at it.
-struct HoistParameters {
+/// Constants of the gantry and its operator.
+struct GantryParameters {
   double clearance_m = 0.005;           ///< of the feet above the ground while it hangs
   double rope_stiffness_N_m = 20000.0;  ///< upward only
   double rope_damping_Ns_m = 1500.0;
@@ -46,10 +46,10 @@ struct HoistParameters {
 /// upward. When the motors give torque the rope is paid out slowly; once it carries less than carried_share
 /// of the weight for carried_s, everything fades away within release_s. When the motors give up meanwhile the
 /// rope is taken in again. Deterministic; time comes in.
-class Hoist {
+class Gantry {
  public:
   /// @param standing  the starting pose, feet on the ground
-  Hoist(const HoistParameters& parameters, const model::StateVector& standing, double weight_N);
+  Gantry(const GantryParameters& parameters, const model::StateVector& standing, double weight_N);
 
   /// The robot as it hangs at rest: the starting pose, clearance_m higher.
   [[nodiscard]] model::StateVector hanging() const;
@@ -63,8 +63,8 @@ class Hoist {
   /// Takes the robot again where it is.
   void take(const model::StateVector& state);
 
-  [[nodiscard]] HoistState state() const { return state_; }
-  /// How often it has let go.
+  [[nodiscard]] GantryState state() const { return state_; }
+  /// Number of releases.
   [[nodiscard]] int releases() const { return releases_; }
 
  private:
@@ -72,11 +72,11 @@ class Hoist {
   void pay_out(bool torque_on, double duration_s);
   void lift(double duration_s);
 
-  HoistParameters parameters_;
+  GantryParameters parameters_;
   model::PositionVector target_;  ///< where springs pull to; z: where the robot hangs at rest
   model::PositionVector hanging_;
   double weight_N_;
-  HoistState state_ = HoistState::holding;
+  GantryState state_ = GantryState::holding;
   double paid_out_m_ = 0.0;
   double strength_ = 1.0;  ///< 1 holding, 0 off
   double torque_on_s_ = 0.0;
