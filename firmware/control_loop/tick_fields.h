@@ -122,7 +122,7 @@ constexpr auto tick_fields() noexcept {
   const auto sent = [](Text wire, Names names, auto member) { return field<G::sent>(wire, names, &R::sent, member); };
   return std::tuple{
       field<G::clock>("time_ns", {}, &R::time_ns),
-      field<G::timing>("wakeup_latency_ns", {.csv = "wakeup_latency_us", .page = "wakeup_us"}, &R::wakeup_latency_ns),
+      field<G::timing>("wakeup_latency_ns", {.csv = "wakeup_latency_us", .page = "wakeup_latency_us"}, &R::wakeup_latency_ns),
       field<G::timing>("execution_ns", {.csv = "execution_us", .page = "execution_us"}, &R::execution_ns),
       field<G::timing>("round_trip_ns", {.csv = "bus_round_trip_us", .page = "round_trip_us"}, &R::round_trip_ns),
       field<G::drivers>("read_status", {}, &R::read_status),
@@ -187,7 +187,7 @@ constexpr auto tick_fields() noexcept {
       sent("sent_torque_limit_Nm", {}, &Command::torque_limit_Nm),
       field<G::action>("action", {.csv = "action"}, &R::action),
       field<G::decision>("state", {.csv = "state", .page = "state_number"}, &R::state),
-      field<G::decision>("fallback_level", {.csv = "fallback_level", .page = "rung"}, &R::level),
+      field<G::decision>("fallback_level", {.csv = "fallback_level", .page = "fallback_level"}, &R::level),
       field<G::reaction>("reaction", {.csv = "reaction"}, &R::reaction),
       field<G::faults>("present_faults", {.csv = "faults"}, &R::present),
       field<G::faults>("latched_faults", {.csv = "latched_faults"}, &R::latched),

@@ -254,7 +254,8 @@ void Publisher::timing(const diagnostics::LoopStatistics& loop,
                        const configuration::Configuration& configuration, double time_s, const Drops& drops) {
   const double tick_us = 1e6 / configuration.timing.torque_rate_hz;
   std::array<HistogramMessage, 4> histograms = {
-      HistogramMessage("wakeup", loop.wakeup_latency, 1e6 * configuration.supervisor.torque_loop_overrun_s),
+      HistogramMessage("wakeup_latency", loop.wakeup_latency,
+                       1e6 * configuration.supervisor.torque_loop_overrun_s),
       HistogramMessage("execution", loop.execution, tick_us),
       HistogramMessage("bus_round_trip", loop.bus_round_trip, tick_us),
       HistogramMessage("solve", planning.solve, 1e6 * configuration.supervisor.planner_overrun_s)};

@@ -84,7 +84,7 @@ TEST(Telemetry, a_robot_walked_from_a_page_comes_to_a_stand_without_a_fault_when
                    std::to_string(tests::own_domain())},
                   run.file("monitor.out"), run.file("monitor.err"));
   PageClient page(url_of_monitor(run.file("monitor.out"), kLongestRun_s));
-  ASSERT_TRUE(page.wait_for(R"("heard":true)", kLongestRun_s));
+  ASSERT_TRUE(page.wait_for(R"("received":true)", kLongestRun_s));
   std::jthread alive([&](const std::stop_token& end) {
     while (!end.stop_requested()) {
       page.send(R"({"alive": true})");
@@ -166,7 +166,7 @@ TEST_F(Secured, a_monitor_with_documents_commands_and_a_recorder_of_strangers_he
                    std::to_string(tests::own_domain()), "--security-folder", documents("ours/laptop")},
                   run.file("monitor.out"), run.file("monitor.err"));
   PageClient page(url_of_monitor(run.file("monitor.out"), kLongestRun_s));
-  ASSERT_TRUE(page.wait_for(R"("heard":true)", kLongestRun_s)) << run.said();
+  ASSERT_TRUE(page.wait_for(R"("received":true)", kLongestRun_s)) << run.said();
   const auto intruder = record("intruder", {"--security-folder", documents("theirs/intruder")});
   const auto undocumented = record("undocumented", {});
   const auto laptop = record("laptop", {"--security-folder", documents("ours/laptop")});

@@ -53,7 +53,7 @@ void LiveView::welcome_new_pages() {
   }
   for (auto& peer : opened) {
     pages_.push_back({peer, random_number(), now_s_, {}, false});
-    peer->send(hello_message(source_, lends_token(pages_.back())));
+    peer->send(hello_message(source_, gives_token(pages_.back())));
     history_.send_to(*peer);
     watched_ = true;
   }
@@ -89,7 +89,7 @@ void LiveView::apply(Page& page, const std::string& text, double now_s) {
     page.peer->send(reply_message(command.sequence, false, "This is a record: it takes no commands."));
     return;
   }
-  if (command.token.empty() && !lends_token(page)) {
+  if (command.token.empty() && !gives_token(page)) {
     page.peer->send(reply_message(
         command.sequence, false,
         "A token is needed: enter the one of the run, or open the page on the machine of the monitor."));
@@ -110,10 +110,10 @@ void LiveView::play_again() {
   run_id_.clear();
   link_ = {};
   ticks_follow_ = false;
-  for (const Page& page : pages_) page.peer->send(hello_message(source_, lends_token(page)));
+  for (const Page& page : pages_) page.peer->send(hello_message(source_, gives_token(page)));
 }
 
-bool LiveView::lends_token(const Page& page) const { return source_.has_token() && page.peer->local(); }
+bool LiveView::gives_token(const Page& page) const { return source_.has_token() && page.peer->local(); }
 
 void LiveView::send(const SharedMessage& message) {
   for (const Page& page : pages_) page.peer->send(message);
@@ -138,7 +138,7 @@ void LiveView::tick(const TickSample& sample) {
   ticks_follow_ = true;
   next_tick_ = sample.record.tick + 1;
   ++link_.ticks;
-  link_.heard = true;
+  link_.received = true;
   newest_s_ = now_s_;
   ticks_.push_back(sample);
 }
@@ -213,7 +213,7 @@ void LiveView::send_link_status(double now_s) {
   if (now_s - link_s_ < kLinkPeriod_s) return;
   link_s_ = now_s;
   link_.of_others = source_.of_others();
-  link_.silent_s = link_.heard ? now_s - newest_s_ : 0.0;
+  link_.silent_s = link_.received ? now_s - newest_s_ : 0.0;
   for (const Page& page : pages_) {
     link_.not_sent = page.peer->dropped();
     page.peer->send(link_message(link_));

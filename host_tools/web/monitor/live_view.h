@@ -64,7 +64,7 @@ class LiveView final : public Endpoint, private SampleSink {
   void send_heartbeats(double now_s);
   void send_link_status(double now_s);
   void send(const SharedMessage& message);
-  [[nodiscard]] bool lends_token(const Page& page) const;
+  [[nodiscard]] bool gives_token(const Page& page) const;
 
   SampleSource& source_;
   History history_;

@@ -19,11 +19,11 @@ std::string run_text(std::uint64_t run_id) {
 
 bool MessageDecoder::ours(std::uint64_t run_id) {
   if (run_id == run_id_ && run_id_ != 0) {
-    of_others_ += strange_;
-    strange_ = 0;
+    of_others_ += unknown_run_samples_;
+    unknown_run_samples_ = 0;
     return true;
   }
-  if (run_id_ != 0) ++strange_;
+  if (run_id_ != 0) ++unknown_run_samples_;
   return false;
 }
 
@@ -64,7 +64,7 @@ void MessageDecoder::configure(const telemetry::ConfigurationInForce& message, S
   run_start_ns_ = message.start_time_ns;
   clock_start_ns_ = message.start_clock_ns;
   token_file_ = message.token_file;
-  strange_ = 0;
+  unknown_run_samples_ = 0;
   configuration_ = configuration_sample(message);
   configuration_.run_id = run_text(run_id_);
   sink.configuration(configuration_);

@@ -43,7 +43,7 @@ class MessageDecoder {
   ConfigurationSample configuration_;
   double newest_tick_s_ = 0.0;
   std::uint64_t of_others_ = 0;
-  std::uint64_t strange_ = 0;  ///< of another run, since this one was heard last
+  std::uint64_t unknown_run_samples_ = 0;  ///< of another run, since the newest sample of this one
 };
 
 }  // namespace stilt::monitor

@@ -32,7 +32,7 @@ enum class Table : std::uint8_t { ticks = 1, planner = 2, plan = 3, truth = 4 };
 
 /// How data arrive.
 struct LinkStatus {
-  bool heard = false;           ///< anything, ever
+  bool received = false;        ///< any message so far
   double silent_s = 0.0;        ///< since the newest tick came in
   std::uint64_t ticks = 0;      ///< received
   std::uint64_t missing = 0;    ///< gaps in the numbers of ticks

@@ -65,7 +65,7 @@ void TerminalView::tick(const TickSample& sample) {
   const double share = tick_ ? std::clamp((sample.time_s - tick_->time_s) / kSpeedMemory_s, 0.0, 1.0) : 1.0;
   speed_m_s_ += share * (sample.record.estimated_state[7] - speed_m_s_);
   tick_ = sample;
-  heard_s_ = now_s_;
+  received_s_ = now_s_;
 }
 
 void TerminalView::event(const EventSample& sample) {
@@ -75,7 +75,7 @@ void TerminalView::event(const EventSample& sample) {
 
 std::string TerminalView::link_text() const {
   if (!tick_) return "waiting for a controller: nothing received yet from " + source_.describe();
-  const double silent_s = now_s_ - heard_s_;
+  const double silent_s = now_s_ - received_s_;
   if (source_.live() && silent_s > kStale_s) {
     char text[80];
     std::snprintf(text, sizeof text, "OLD: no data for %.1f s", silent_s);

@@ -177,7 +177,7 @@ TEST(MessageSamples, AKnotOfAPlanHasItsTimeBaseFeetForcesAndWhatCarries) {
 TEST(MessageSamples, EmptyBinsOfAHistogramAreLeftOutAndEdgesStayTheirs) {
   std::array<float, 3> edges{64.0f, 72.0f, 80.0f};
   std::array<std::uint64_t, 3> counts{5, 0, 7};
-  char name[] = "wakeup";
+  char name[] = "wakeup_latency";
   stilt_msgs_msg_dds__Histogram_ histogram{};
   histogram.name = name;
   histogram.lower_edge_us._buffer = edges.data();

@@ -80,7 +80,7 @@ void SyntheticSource::change(const std::string& words) {
     present_ &= ~bit_of(argument);
   } else if (verb == "drop") {
     ticks_ += std::stoull(argument);
-  } else if (verb == "session") {
+  } else if (verb == "run") {
     ++run_id_;
     ticks_ = 0;
     start_s_ = now_s_;
@@ -108,7 +108,7 @@ void SyntheticSource::poll(SampleSink& sink) {
 
 std::string SyntheticSource::refusal(const Command& command) const {
   if (!command.token.empty() && command.token != kToken) {
-    return "The token is not that of this session.";
+    return "The token is not that of this run.";
   }
   const bool fast = std::abs(command.value) > 1.0;
   if ((command.kind == CommandKind::walk || command.kind == CommandKind::speed) && fast) {
@@ -270,7 +270,7 @@ SupervisorSample SyntheticSource::supervisor_sample() const {
 }
 
 TimingSample SyntheticSource::timing_sample() const {
-  HistogramSample wakeup{"wakeup", 500.0, 21.0, 60.0, 130.0, 180.0, ticks_, {}, {}};
+  HistogramSample wakeup{"wakeup_latency", 500.0, 21.0, 60.0, 130.0, 180.0, ticks_, {}, {}};
   HistogramSample solve{"solve", 10000.0, 420.0, 480.0, 490.0, 500.0, ticks_ / 10, {}, {}};
   for (double edge_us = 4.0; edge_us < 200.0; edge_us *= 1.1) {
     const double width = std::log(edge_us / 21.0) / 0.7;

@@ -18,7 +18,7 @@ class SyntheticSource final : public SampleSource {
   /// Ticks up to `now_s` of any steady clock are there at the next poll().
   void advance(double now_s);
 
-  /// Changes something, in words: "silent", "talk", "fault NAME", "over NAME", "drop N", "session",
+  /// Changes something, in words: "silent", "talk", "fault NAME", "over NAME", "drop N", "run",
   /// "others", "push N", "record". Throws std::invalid_argument when it is none of them.
   void change(const std::string& words);
 
