@@ -15,7 +15,7 @@ enum class State : std::uint8_t {
   stand,      ///< the torque law takes over along a ramp, then stands
   step,       ///< steps in place
   walk,
-  sit,    ///< the pose goes to the sitting pose
+  sit,    ///< the pose moves to the sitting pose
   fault,  ///< damped until reset
   off,    ///< drivers are disabled; the end
 };
