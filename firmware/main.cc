@@ -18,7 +18,7 @@
 #include "firmware/program/realtime_run.h"
 #include "firmware/program/report.h"
 #include "firmware/program/self_test.h"
-#include "firmware/telemetry/station.h"
+#include "firmware/telemetry/telemetry_node.h"
 #include "firmware/version/commit.h"
 #include "mpc_core/model/batch.h"
 
@@ -37,7 +37,7 @@ program::ControllerState controller_state;
 program::Signals signals;
 
 void want_stop(int) { signals.stop.store(true, std::memory_order_relaxed); }
-void want_figures(int) { signals.figures.store(true, std::memory_order_relaxed); }
+void want_statistics(int) { signals.print_statistics.store(true, std::memory_order_relaxed); }
 
 std::string version_text() {
   return "stiltd " STILT_VERSION "\ncommit            " + std::string(version::commit()) +
@@ -65,7 +65,7 @@ std::expected<void, std::string> check_start(const program::Options& options, pr
     return {};
   }
   const realtime::Capability capability =
-      realtime::acquire(program::demands_of(options.configuration.runtime));
+      realtime::acquire(program::requirements_of(options.configuration.runtime));
   std::fputs(program::describe(capability).c_str(), stderr);
   outcome.not_realtime = realtime::lacking_text(capability);
   if (!capability.realtime() && options.configuration.runtime.require_realtime) {
@@ -96,12 +96,12 @@ std::expected<void, std::string> connect(const program::Options& options, std::v
   controller_state.reconnect = [&buses](std::size_t bus) { static_cast<void>(buses[bus].reconnect()); };
   std::signal(SIGINT, want_stop);
   std::signal(SIGTERM, want_stop);
-  std::signal(SIGUSR1, want_figures);
+  std::signal(SIGUSR1, want_statistics);
   return {};
 }
 
 /// Telemetry begins before memory is locked: what its threads never use needs none.
-std::expected<std::unique_ptr<telemetry::Station>, std::string> open_station(
+std::expected<std::unique_ptr<telemetry::TelemetryNode>, std::string> open_telemetry(
     const program::Options& options) {
   if (!options.configuration.telemetry.enabled) return nullptr;
   // One heap for all threads, which keeps what it has: nothing is given back while the robot runs.
@@ -111,29 +111,29 @@ std::expected<std::unique_ptr<telemetry::Station>, std::string> open_station(
   const telemetry::RunDescription run{
       STILT_VERSION, "GCC " __VERSION__, STILT_ISA, options.lockstep, options.lockstep ? "lock-step" : "", "",
       options.source};
-  auto station = telemetry::Station::open(options.configuration, run, controller_state.mail);
-  if (!station) return std::unexpected(station.error() + "; or set telemetry.enabled to false");
+  auto node = telemetry::TelemetryNode::open(options.configuration, run, controller_state.mail);
+  if (!node) return std::unexpected(node.error() + "; or set telemetry.enabled to false");
   const configuration::TelemetryParameters& parameters = options.configuration.telemetry;
   std::fprintf(stderr, "telemetry on %s, domain %d; token in %s\n", parameters.interface.c_str(),
-               parameters.domain, (*station)->token_file().c_str());
-  return station;
+               parameters.domain, (*node)->token_file().c_str());
+  return node;
 }
 
 int run_controller(const program::Options& options) {
   program::Outcome outcome;
   std::vector<hal::AnyBus> buses;
-  const auto station = open_station(options);
-  if (!station) return refuse(station.error());
+  const auto node = open_telemetry(options);
+  if (!node) return refuse(node.error());
   if (const auto fit = check_start(options, outcome); !fit) return refuse(fit.error());
   if (const auto connected = connect(options, buses); !connected) return refuse(connected.error());
-  controller_state.station = station->get();
-  if (*station) (*station)->set_not_realtime(outcome.not_realtime);
+  controller_state.telemetry_node = node->get();
+  if (*node) (*node)->set_not_realtime(outcome.not_realtime);
   if (options.lockstep) {
     program::run_lockstep(options, buses.size(), signals, controller_state, outcome);
   } else {
     program::run_realtime(options, signals, controller_state, outcome);
   }
-  program::take_figures(controller_state, outcome);
+  program::take_statistics(controller_state, outcome);
   return report(options, outcome);
 }
 
@@ -142,25 +142,25 @@ int run_self_test(const program::Options& options) {
   std::vector<hal::AnyBus> buses;
   if (const auto fit = check_start(options, outcome); !fit) return refuse(fit.error());
   if (const auto connected = connect(options, buses); !connected) return refuse(connected.error());
-  const program::SelfTestFigures figures = program::run_self_test(options, controller_state, signals.stop);
-  if (!options.json_file.empty() && !program::write_text(program::to_json(figures), options.json_file)) {
+  const program::SelfTestResult result = program::run_self_test(options, controller_state, signals.stop);
+  if (!options.json_file.empty() && !program::write_text(program::to_json(result), options.json_file)) {
     return refuse_json(options.json_file);
   }
-  if (options.json_file != "-") std::fputs(program::to_text(figures).c_str(), stdout);
-  return figures.passed() ? kDone : kFailed;
+  if (options.json_file != "-") std::fputs(program::to_text(result).c_str(), stdout);
+  return result.passed() ? kDone : kFailed;
 }
 
 /// --check-config: the configuration was read; what it means here.
 int check_config(const program::Options& options) {
   const program::BusReport buses = program::report_buses(options.configuration);
-  std::printf("%s: right\n%s", options.source.c_str(), buses.text.c_str());
+  std::printf("%s: valid\n%s", options.source.c_str(), buses.text.c_str());
   return buses.refused ? kBadUsage : kDone;
 }
 
 }  // namespace
 
-int main(int count, char** words) {
-  const auto options = program::read_options(count, words, version_text());
+int main(int argc, char** argv) {
+  const auto options = program::read_options(argc, argv, version_text());
   if (!options) return refuse(options.error());
   switch (options->task) {
     case program::Task::nothing:

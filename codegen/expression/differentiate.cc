@@ -17,9 +17,9 @@ Cut cut_of(Expression variable) {
   while (true) {
     const Node n = graph.node(cut.node.id());  // a copy: making a factor may reallocate the nodes
     if (n.coefficient) throw std::invalid_argument("differentiation by an expression that is a constant");
-    if (n.operation == Operation::kNegate) {
+    if (n.operation == Operation::negate) {
       cut = {.node = {&graph, n.left}, .factor = -cut.factor};
-    } else if (n.operation == Operation::kMultiply && graph.is_coefficient({&graph, n.left})) {
+    } else if (n.operation == Operation::multiply && graph.is_coefficient({&graph, n.left})) {
       cut = {.node = {&graph, n.right}, .factor = cut.factor * Expression(&graph, n.left)};
     } else {
       return cut;
@@ -53,28 +53,28 @@ Expression Differentiator::derive(Expression e, Expression variable) {
   const Expression r{&graph, n.right};
   Expression result = graph.constant(0.0);
   switch (n.operation) {
-    case Operation::kConstant:
-    case Operation::kSymbol:
+    case Operation::constant:
+    case Operation::symbol:
       break;
-    case Operation::kAdd:
+    case Operation::add:
       result = derive(l, variable) + derive(r, variable);
       break;
-    case Operation::kSubtract:
+    case Operation::subtract:
       result = derive(l, variable) - derive(r, variable);
       break;
-    case Operation::kMultiply:
+    case Operation::multiply:
       result = derive(l, variable) * r + l * derive(r, variable);
       break;
-    case Operation::kDivide:
+    case Operation::divide:
       result = (derive(l, variable) - e * derive(r, variable)) / r;
       break;
-    case Operation::kNegate:
+    case Operation::negate:
       result = -derive(l, variable);
       break;
-    case Operation::kSine:
+    case Operation::sine:
       result = derive(l, variable) * graph.cosine(l);
       break;
-    case Operation::kCosine:
+    case Operation::cosine:
       result = -(derive(l, variable) * graph.sine(l));
       break;
   }

@@ -37,7 +37,7 @@ class Emitter {
   static Expression child(Expression e, int id) { return {&e.graph(), id}; }
   static const Node& node_of(Expression e) { return e.graph().node(e.id()); }
   static bool is_trigonometric(const Node& n) {
-    return n.operation == Operation::kSine || n.operation == Operation::kCosine;
+    return n.operation == Operation::sine || n.operation == Operation::cosine;
   }
 
   /// Whether the emitted code reads `e` from the array of coefficients.
@@ -55,19 +55,19 @@ class Emitter {
   /// Whether `e` is written inside the statement that uses it: a product or negation used once.
   bool is_inlined(Expression e) const {
     const Node& n = node_of(e);
-    return !is_loaded(e) && (n.operation == Operation::kNegate ||
-                             (n.operation == Operation::kMultiply && uses_.at(e.id()) == 1));
+    return !is_loaded(e) && (n.operation == Operation::negate ||
+                             (n.operation == Operation::multiply && uses_.at(e.id()) == 1));
   }
 
   /// Emits the statements that `e` needs before its text can stand in an expression.
   void require(Expression e) {
     const Node& n = node_of(e);
-    if (n.operation == Operation::kConstant || is_loaded(e) || done_.contains(e.id())) return;
+    if (n.operation == Operation::constant || is_loaded(e) || done_.contains(e.id())) return;
     if (n.left >= 0) require(child(e, n.left));
     if (n.right >= 0) require(child(e, n.right));
     done_.insert(e.id());
     count(n);
-    if (n.operation == Operation::kSymbol) {
+    if (n.operation == Operation::symbol) {
       loads_ << "  const T " << load_name(e) << " = " << n.name << ";\n";
     } else if (is_trigonometric(n)) {
       emit_sine_cosine(e);
@@ -87,17 +87,17 @@ class Emitter {
 
   void count(const Node& n) {
     switch (n.operation) {
-      case Operation::kAdd:
-      case Operation::kSubtract:
+      case Operation::add:
+      case Operation::subtract:
         ++count_.additions;
         break;
-      case Operation::kMultiply:
+      case Operation::multiply:
         ++count_.multiplications;
         break;
-      case Operation::kDivide:
+      case Operation::divide:
         ++count_.divisions;
         break;
-      case Operation::kNegate:
+      case Operation::negate:
         ++count_.negations;
         break;
       default:
@@ -119,15 +119,15 @@ class Emitter {
     if (is_loaded(e)) return concat({"k[", std::to_string(coefficients_->place(e)), "]"});
     const Node& n = node_of(e);
     switch (n.operation) {
-      case Operation::kConstant:
+      case Operation::constant:
         return n.value < 0.0 ? concat({"(", number_text(n.value), ")"}) : number_text(n.value);
-      case Operation::kSymbol:
+      case Operation::symbol:
         return load_name(e);
-      case Operation::kSine:
+      case Operation::sine:
         return numbered("s", n.left);
-      case Operation::kCosine:
+      case Operation::cosine:
         return numbered("c", n.left);
-      case Operation::kNegate:
+      case Operation::negate:
         return concat({"(-", text(child(e, n.left)), ")"});
       default:
         return is_inlined(e) ? concat({"(", expression_text(e), ")"}) : numbered("t", e.id());
@@ -136,7 +136,7 @@ class Emitter {
 
   /// Text of `e` as a term of a sum: a product used once needs no parentheses.
   std::string term_text(Expression e) const {
-    if (node_of(e).operation == Operation::kMultiply && is_inlined(e)) return expression_text(e);
+    if (node_of(e).operation == Operation::multiply && is_inlined(e)) return expression_text(e);
     return text(e);
   }
 
@@ -145,15 +145,15 @@ class Emitter {
     const Expression l = child(e, n.left);
     const Expression r = child(e, n.right);
     switch (n.operation) {
-      case Operation::kAdd:
+      case Operation::add:
         return concat({term_text(l), " + ", term_text(r)});
-      case Operation::kSubtract:
+      case Operation::subtract:
         return concat({term_text(l), " - ", term_text(r)});
-      case Operation::kMultiply:
+      case Operation::multiply:
         return concat({text(l), " * ", text(r)});
-      case Operation::kDivide:
+      case Operation::divide:
         return concat({text(l), " / ", text(r)});
-      case Operation::kNegate:
+      case Operation::negate:
         return concat({"-", text(l)});
       default:
         return text(e);
@@ -162,7 +162,7 @@ class Emitter {
 
   std::string root_text(Expression e) const {
     const Node& n = node_of(e);
-    if (n.operation == Operation::kConstant) return concat({"T(", number_text(n.value), ")"});
+    if (n.operation == Operation::constant) return concat({"T(", number_text(n.value), ")"});
     return is_inlined(e) ? expression_text(e) : text(e);
   }
 

@@ -26,7 +26,7 @@ Expression Graph::constant(double value) {
   const double canonical = value == 0.0 ? 0.0 : value;  // a single zero, without sign
   const auto [entry, inserted] = constants_.try_emplace(canonical, size());
   if (inserted) {
-    nodes_.push_back({.operation = Operation::kConstant,
+    nodes_.push_back({.operation = Operation::constant,
                       .left = -1,
                       .right = -1,
                       .value = canonical,
@@ -39,7 +39,7 @@ Expression Graph::constant(double value) {
 Expression Graph::symbol(const std::string& name) {
   const auto [entry, inserted] = symbols_.try_emplace(name, size());
   if (inserted) {
-    nodes_.push_back({.operation = Operation::kSymbol,
+    nodes_.push_back({.operation = Operation::symbol,
                       .left = -1,
                       .right = -1,
                       .value = 0.0,
@@ -55,7 +55,7 @@ Expression Graph::parameter(const std::string& name) {
   return result;
 }
 
-bool Graph::is_constant(Expression a) const { return node(a.id()).operation == Operation::kConstant; }
+bool Graph::is_constant(Expression a) const { return node(a.id()).operation == Operation::constant; }
 
 bool Graph::is_constant(Expression a, double value) const {
   return is_constant(a) && node(a.id()).value == value;
@@ -63,7 +63,7 @@ bool Graph::is_constant(Expression a, double value) const {
 
 bool Graph::is_coefficient(Expression a) const { return node(a.id()).coefficient; }
 
-bool Graph::is_negation(Expression a) const { return node(a.id()).operation == Operation::kNegate; }
+bool Graph::is_negation(Expression a) const { return node(a.id()).operation == Operation::negate; }
 
 Expression Graph::operand(Expression a) const { return {const_cast<Graph*>(this), node(a.id()).left}; }
 
@@ -74,7 +74,7 @@ bool Graph::precedes(Expression a, Expression b) const {
 
 Graph::Scaled Graph::split(Expression a) {
   const Node n = node(a.id());
-  if (n.operation == Operation::kMultiply && !n.coefficient && node(n.left).coefficient) {
+  if (n.operation == Operation::multiply && !n.coefficient && node(n.left).coefficient) {
     return {{this, n.left}, {this, n.right}};
   }
   return {constant(1.0), a};
@@ -91,7 +91,7 @@ Expression Graph::add(Expression a, Expression b) {
     return multiply(add(l.factor, r.factor), l.rest);
   }
   if (precedes(b, a)) std::swap(a, b);
-  return intern(Operation::kAdd, a.id(), b.id());
+  return intern(Operation::add, a.id(), b.id());
 }
 
 Expression Graph::subtract(Expression a, Expression b) {
@@ -104,8 +104,8 @@ Expression Graph::subtract(Expression a, Expression b) {
     return multiply(subtract(l.factor, r.factor), l.rest);
   }
   const bool both_exist = is_coefficient(a) != is_coefficient(b);
-  if (!both_exist && b.id() < a.id()) return negate(intern(Operation::kSubtract, b.id(), a.id()));
-  return intern(Operation::kSubtract, a.id(), b.id());
+  if (!both_exist && b.id() < a.id()) return negate(intern(Operation::subtract, b.id(), a.id()));
+  return intern(Operation::subtract, a.id(), b.id());
 }
 
 Expression Graph::multiply(Expression a, Expression b) {
@@ -122,7 +122,7 @@ Expression Graph::multiply(Expression a, Expression b) {
   if (const Scaled right = split(b); is_coefficient(a) && !(right.rest == b)) {
     return multiply(multiply(a, right.factor), right.rest);
   }
-  return intern(Operation::kMultiply, a.id(), b.id());
+  return intern(Operation::multiply, a.id(), b.id());
 }
 
 Expression Graph::divide(Expression a, Expression b) {
@@ -135,25 +135,25 @@ Expression Graph::divide(Expression a, Expression b) {
   if (a == b) return constant(1.0);
   if (is_negation(a)) return negate(divide(operand(a), b));
   if (is_negation(b)) return negate(divide(a, operand(b)));
-  return intern(Operation::kDivide, a.id(), b.id());
+  return intern(Operation::divide, a.id(), b.id());
 }
 
 Expression Graph::negate(Expression a) {
   if (is_constant(a)) return constant(-node(a.id()).value);
   if (is_negation(a)) return operand(a);
-  return intern(Operation::kNegate, a.id(), -1);
+  return intern(Operation::negate, a.id(), -1);
 }
 
 Expression Graph::sine(Expression a) {
   if (is_constant(a)) return constant(std::sin(node(a.id()).value));
   if (is_negation(a)) return negate(sine(operand(a)));
-  return intern(Operation::kSine, a.id(), -1);
+  return intern(Operation::sine, a.id(), -1);
 }
 
 Expression Graph::cosine(Expression a) {
   if (is_constant(a)) return constant(std::cos(node(a.id()).value));
   if (is_negation(a)) return cosine(operand(a));
-  return intern(Operation::kCosine, a.id(), -1);
+  return intern(Operation::cosine, a.id(), -1);
 }
 
 double Graph::evaluate(Expression a, const std::map<std::string, double>& symbols) const {
@@ -165,31 +165,31 @@ double Graph::evaluate(Expression a, const std::map<std::string, double>& symbol
     const double r = value(n.right);
     double& result = values[static_cast<std::size_t>(id)];
     switch (n.operation) {
-      case Operation::kConstant:
+      case Operation::constant:
         result = n.value;
         break;
-      case Operation::kSymbol:
+      case Operation::symbol:
         if (const auto entry = symbols.find(n.name); entry != symbols.end()) result = entry->second;
         break;
-      case Operation::kAdd:
+      case Operation::add:
         result = l + r;
         break;
-      case Operation::kSubtract:
+      case Operation::subtract:
         result = l - r;
         break;
-      case Operation::kMultiply:
+      case Operation::multiply:
         result = l * r;
         break;
-      case Operation::kDivide:
+      case Operation::divide:
         result = l / r;
         break;
-      case Operation::kNegate:
+      case Operation::negate:
         result = -l;
         break;
-      case Operation::kSine:
+      case Operation::sine:
         result = std::sin(l);
         break;
-      case Operation::kCosine:
+      case Operation::cosine:
         result = std::cos(l);
         break;
     }

@@ -12,7 +12,7 @@ namespace stilt::codegen {
 class Graph;
 
 /// Operation of a node. Subtraction and negation are separate, so that signs can move outwards.
-enum class Operation { kConstant, kSymbol, kAdd, kSubtract, kMultiply, kDivide, kNegate, kSine, kCosine };
+enum class Operation { constant, symbol, add, subtract, multiply, divide, negate, sine, cosine };
 
 /// Handle of one node of a Graph. Copies are cheap; two equal expressions of a graph are the same node. A
 /// default-constructed handle belongs to no graph and may only be assigned to.

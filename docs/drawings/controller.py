@@ -79,7 +79,7 @@ def planner(d, c):
 def housekeeping(d, ring_ticks, period_s):
     period = sources.milliseconds(period_s)
     d.box(300, 428, 684, 92, f'Housekeeping: program/realtime_run.cc, ordinary thread, every {period}', (
-        'commands of the monitor (telemetry/station.h) or of --start',
+        'commands of the monitor (telemetry/telemetry_node.h) or of --start',
         'events to the log, black box and figures to files',
         'telemetry over DDS; connects lost buses again after a reset'), svg.GREY)
     d.arrow([(340, 428), (340, 352)], svg.GREY)
@@ -93,7 +93,7 @@ def housekeeping(d, ring_ticks, period_s):
     d.text(748, 392, 'planner_tunings', 12, svg.GREY)
     d.arrow([(880, 352), (880, 428)], svg.GREEN)
     d.text(888, 384, 'cycles,', 12, svg.GREEN)
-    d.text(888, 400, 'sketches', 12, svg.GREEN)
+    d.text(888, 400, 'previews', 12, svg.GREEN)
     d.text(16, 446, 'Mailboxes', 13, svg.INK, bold=True)
     for i, words in enumerate(('Latest value of three slots, or a', 'ring that drops when it is full:',
                                'no thread waits for another', '(exchange/, decision 0006).')):
@@ -102,7 +102,7 @@ def housekeeping(d, ring_ticks, period_s):
 
 def levels(d, c):
     s = c['supervisor']
-    older, stale = (sources.milliseconds(s[key]) for key in ('older_plan_s', 'stale_plan_s'))
+    older, stale = (sources.milliseconds(s[key]) for key in ('plan_feedback_after_s', 'stale_plan_s'))
     tracker = c['gait_tracker']
     top = 600
     d.text(16, 560, 'Fallback levels, the best first', 14, svg.INK, bold=True)

@@ -58,7 +58,7 @@ def robot(d, c):
     y = 52
     for bus, name in enumerate(c['hardware']['buses'].split(',')):
         on_bus = [f'driver {joint}' for joint in JOINTS if c[joint]['bus'] == bus]
-        if c['base_sensor']['bus'] == bus:
+        if c['torso_sensor']['bus'] == bus:
             on_bus += ['torso sensor', 'state of emergency stop']
         height = 34 + 18 * len(on_bus)
         d.box(792, y, 176, height, f'bus {name}', on_bus, svg.ORANGE)

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "hal/sensors/base_sensor_table.h"
+#include "hal/sensors/torso_sensor_table.h"
 
 namespace stilt::configuration {
 

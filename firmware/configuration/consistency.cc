@@ -89,10 +89,11 @@ void check_timing(const Parameters& p, std::vector<Contradiction>& found) {
 }
 
 void check_line_search(const Parameters& p, std::vector<Contradiction>& found) {
-  if (p.sqp.g_min > p.sqp.g_max) {
-    found.push_back({{"sqp.g_min", "sqp.g_max"},
-                     "sqp.g_min = " + number_text(p.sqp.g_min) +
-                         " must be at most sqp.g_max = " + number_text(p.sqp.g_max)});
+  if (p.sqp.filter_violation_min > p.sqp.filter_violation_max) {
+    found.push_back(
+        {{"sqp.filter_violation_min", "sqp.filter_violation_max"},
+         "sqp.filter_violation_min = " + number_text(p.sqp.filter_violation_min) +
+             " must be at most sqp.filter_violation_max = " + number_text(p.sqp.filter_violation_max)});
   }
 }
 

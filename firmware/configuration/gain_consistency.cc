@@ -8,7 +8,7 @@
 namespace stilt::configuration {
 namespace {
 
-/// One kind of driver and the keys that tell what it can give.
+/// One kind of driver and the keys that limit it.
 struct DriverKeys {
   std::string_view section, kp_range, kd_range, moteus_kp, moteus_kd;
 };

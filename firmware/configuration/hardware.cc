@@ -42,7 +42,7 @@ hal::mit::MitDriver mit_driver(const DriverParameters& driver, const JointParame
 
 hal::moteus::MoteusDriver moteus_driver(const HardwareParameters& hardware, std::size_t joint) {
   const DriverParameters& driver = driver_of(hardware, joint);
-  const BaseSensorParameters& sensor = hardware.base_sensor;
+  const TorsoSensorParameters& sensor = hardware.torso_sensor;
   hal::moteus::MoteusDriver moteus;
   moteus.id = static_cast<std::uint8_t>(hardware.joint[joint].id);
   moteus.bit_rate_switch = driver.bit_rate_switch;
@@ -103,7 +103,7 @@ hal::RobotWiring robot_wiring(const HardwareParameters& hardware) {
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
     wiring.joints[joint] = joint_wiring(hardware, joint);
   }
-  const BaseSensorParameters& sensor = hardware.base_sensor;
+  const TorsoSensorParameters& sensor = hardware.torso_sensor;
   add_channel(sensor.pitch, BaseChannel::pitch_rad, wiring);
   add_channel(sensor.pitch_rate, BaseChannel::pitch_rate_rad_s, wiring);
   add_channel(sensor.acceleration_x, BaseChannel::acceleration_x_m_s2, wiring);
@@ -122,7 +122,7 @@ hal::RobotWiring robot_wiring(const HardwareParameters& hardware) {
 
 int base_period_ticks(const HardwareParameters& hardware, double torque_rate_hz) {
   constexpr double kRounding = 1e-9;
-  return std::max(1, static_cast<int>(std::ceil(torque_rate_hz / hardware.base_sensor.rate_hz - kRounding)));
+  return std::max(1, static_cast<int>(std::ceil(torque_rate_hz / hardware.torso_sensor.rate_hz - kRounding)));
 }
 
 hal::bring_up::Options bring_up_options(const HardwareParameters& hardware, std::size_t joint,
@@ -144,7 +144,7 @@ hal::bring_up::Options bring_up_options(const HardwareParameters& hardware, std:
 
 hal::BusLoad bus_load(const HardwareParameters& hardware, std::size_t bus, double torque_rate_hz) {
   const std::vector<hal::PeriodicFrame> frames =
-      hal::periodic_frames(robot_wiring(hardware), bus, torque_rate_hz, hardware.base_sensor.rate_hz);
+      hal::periodic_frames(robot_wiring(hardware), bus, torque_rate_hz, hardware.torso_sensor.rate_hz);
   return hal::bus_load(frames, {hardware.bit_rate_bit_s, hardware.data_bit_rate_bit_s});
 }
 

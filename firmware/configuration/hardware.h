@@ -18,7 +18,7 @@ enum class DriverProtocol { mit_mini_cheetah, mit_ak, mit_damiao, moteus, odrive
 /// A kind of motor driver. Hips have one kind and knees one; left and right are the same.
 struct DriverParameters {
   DriverProtocol protocol = DriverProtocol::mit_damiao;
-  double ratio = 1.0;  ///< turns of the shaft the driver counts a turn of the joint
+  double ratio = 1.0;  ///< turns of the shaft the driver counts per turn of the joint
   /// MIT mode: ranges of the command, +- but for the gains, which start at 0. The reply has the same ranges
   /// but for the torque's.
   double position_range_rad = 3.2;
@@ -50,7 +50,7 @@ struct JointParameters {
 };
 
 /// Where the sensors of the torso are. A channel is a line of text, see parse_channel(); "none" without one.
-struct BaseSensorParameters {
+struct TorsoSensorParameters {
   int bus = 0;
   double rate_hz = 500.0;
   std::string pitch = "id 0x150 byte 0 bits 24 signed little scale 1e-6";
@@ -82,7 +82,7 @@ struct HardwareParameters {
       JointParameters{.bus = 0, .id = 2, .reply_id = 0x12, .reversed = false, .offset_rad = 0},
       JointParameters{.bus = 1, .id = 3, .reply_id = 0x13, .reversed = true, .offset_rad = 0},
       JointParameters{.bus = 1, .id = 4, .reply_id = 0x14, .reversed = true, .offset_rad = 0}};
-  BaseSensorParameters base_sensor;
+  TorsoSensorParameters torso_sensor;
 };
 
 /// Names of the buses, without blanks around them.
@@ -91,7 +91,7 @@ struct HardwareParameters {
 /// The wiring as the hardware abstraction wants it; hal::valid() for a configuration that was accepted.
 [[nodiscard]] hal::RobotWiring robot_wiring(const HardwareParameters& hardware);
 
-/// Ticks of the torque loop from one frame of the base sensor to the next, for RobotWiring.
+/// Ticks of the torque loop from one frame of the torso sensor to the next, for RobotWiring.
 [[nodiscard]] int base_period_ticks(const HardwareParameters& hardware, double torque_rate_hz);
 
 /// What the bring-up of a joint's driver shall insist on.

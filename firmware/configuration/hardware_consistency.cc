@@ -24,8 +24,8 @@ DriverProtocol protocol_of(const HardwareParameters& hardware, std::size_t joint
 int largest_id(DriverProtocol protocol) {
   if (protocol == DriverProtocol::moteus) return hal::moteus::kMoteusMaximumId;
   if (protocol == DriverProtocol::odrive) return hal::odrive::kOdriveMaximumNode - 1;  // the last is for all
-  if (protocol == DriverProtocol::mit_damiao) return 15;  // four bits of the reply tell who answers
-  return 255;                                             // a byte of the reply tells who answers
+  if (protocol == DriverProtocol::mit_damiao) return 15;  // four bits of the reply identify the driver
+  return 255;                                             // a byte of the reply identifies the driver
 }
 
 void check_bus(std::string_view key, int bus, std::size_t buses, std::vector<Contradiction>& found) {
@@ -48,16 +48,16 @@ void check_ids(const HardwareParameters& hardware, std::size_t i, std::vector<Co
 }
 
 void check_pitch(const HardwareParameters& hardware, std::vector<Contradiction>& found) {
-  const BaseSensorParameters& sensor = hardware.base_sensor;
+  const TorsoSensorParameters& sensor = hardware.torso_sensor;
   if (sensor.pitch == "none" && sensor.encoder_joint < 0) {
-    found.push_back({{"base_sensor.pitch", "base_sensor.encoder_joint"},
-                     "nothing measures the pitch of the torso; give base_sensor.pitch a channel, or "
-                     "base_sensor.encoder_joint a moteus with an extra encoder"});
+    found.push_back({{"torso_sensor.pitch", "torso_sensor.encoder_joint"},
+                     "nothing measures the pitch of the torso; give torso_sensor.pitch a channel, or "
+                     "torso_sensor.encoder_joint a moteus with an extra encoder"});
   }
   if (sensor.encoder_joint >= 0 &&
       protocol_of(hardware, static_cast<std::size_t>(sensor.encoder_joint)) != DriverProtocol::moteus) {
-    found.push_back({{"base_sensor.encoder_joint"},
-                     "base_sensor.encoder_joint = " + std::to_string(sensor.encoder_joint) +
+    found.push_back({{"torso_sensor.encoder_joint"},
+                     "torso_sensor.encoder_joint = " + std::to_string(sensor.encoder_joint) +
                          ": only a moteus has extra encoders, that joint has another driver"});
   }
 }
@@ -71,7 +71,7 @@ void check_hardware(const HardwareParameters& hardware, std::vector<Contradictio
     check_bus(kKeys[i].bus, hardware.joint[i].bus, buses, found);
     check_ids(hardware, i, found);
   }
-  check_bus("base_sensor.bus", hardware.base_sensor.bus, buses, found);
+  check_bus("torso_sensor.bus", hardware.torso_sensor.bus, buses, found);
   check_pitch(hardware, found);
   if (found.size() == before) check_identifiers(hardware, found);
   if (found.size() == before && !hal::valid(robot_wiring(hardware), buses)) {
@@ -92,7 +92,7 @@ void check_supervisor(const supervisor::SupervisorParameters& supervisor, std::v
   check("supervisor.hot_C", supervisor.hot_C, "supervisor.overheated_C", supervisor.overheated_C);
   check("supervisor.low_voltage_V", supervisor.low_voltage_V, "supervisor.high_voltage_V",
         supervisor.high_voltage_V);
-  check("supervisor.older_plan_s", supervisor.older_plan_s, "supervisor.stale_plan_s",
+  check("supervisor.plan_feedback_after_s", supervisor.plan_feedback_after_s, "supervisor.stale_plan_s",
         supervisor.stale_plan_s);
   check("supervisor.torque_loop_overrun_s", supervisor.torque_loop_overrun_s,
         "supervisor.torque_loop_stall_s", supervisor.torque_loop_stall_s);

@@ -14,7 +14,7 @@ namespace stilt::configuration {
 void check_hardware(const HardwareParameters& hardware, std::vector<Contradiction>& found);
 
 /// Nodes of one bus whose frames would be taken for each other's: drivers among themselves, and drivers and
-/// base sensor. Supposes a wiring that is right in all else.
+/// torso sensor. Supposes a wiring that is right in all else.
 void check_identifiers(const HardwareParameters& hardware, std::vector<Contradiction>& found);
 
 /// Gains of the supervisor (hold, sit, damp) that the drivers cannot give: a command would carry the most

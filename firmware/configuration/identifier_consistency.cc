@@ -12,7 +12,7 @@ namespace {
 
 using hal::BaseChannel;
 
-/// A driver, or a frame of the base sensor, as people know it.
+/// A driver, or a frame of the torso sensor, as people know it.
 struct Node {
   std::string_view name;
   std::string_view key;  ///< where its identifier stands
@@ -22,16 +22,16 @@ struct Node {
 
 struct ChannelKey {
   std::string_view name;
-  std::string BaseSensorParameters::*text;
+  std::string TorsoSensorParameters::*text;
 };
 constexpr ChannelKey kChannels[] = {
-    {"base_sensor.pitch", &BaseSensorParameters::pitch},
-    {"base_sensor.pitch_rate", &BaseSensorParameters::pitch_rate},
-    {"base_sensor.acceleration_x", &BaseSensorParameters::acceleration_x},
-    {"base_sensor.acceleration_z", &BaseSensorParameters::acceleration_z},
-    {"base_sensor.left_foot_force", &BaseSensorParameters::left_foot_force},
-    {"base_sensor.right_foot_force", &BaseSensorParameters::right_foot_force},
-    {"base_sensor.emergency_stop_released", &BaseSensorParameters::emergency_stop_released}};
+    {"torso_sensor.pitch", &TorsoSensorParameters::pitch},
+    {"torso_sensor.pitch_rate", &TorsoSensorParameters::pitch_rate},
+    {"torso_sensor.acceleration_x", &TorsoSensorParameters::acceleration_x},
+    {"torso_sensor.acceleration_z", &TorsoSensorParameters::acceleration_z},
+    {"torso_sensor.left_foot_force", &TorsoSensorParameters::left_foot_force},
+    {"torso_sensor.right_foot_force", &TorsoSensorParameters::right_foot_force},
+    {"torso_sensor.emergency_stop_released", &TorsoSensorParameters::emergency_stop_released}};
 
 std::vector<Node> drivers(const HardwareParameters& hardware) {
   constexpr std::array<std::pair<std::string_view, std::string_view>, hal::kJoints> kNames = {
@@ -46,7 +46,7 @@ std::vector<Node> drivers(const HardwareParameters& hardware) {
 }
 
 /// One a frame, named by its first channel.
-std::vector<Node> sensor_frames(const BaseSensorParameters& sensor) {
+std::vector<Node> sensor_frames(const TorsoSensorParameters& sensor) {
   std::vector<Node> nodes;
   std::set<std::pair<std::uint32_t, bool>> seen;
   for (const ChannelKey& channel : kChannels) {
@@ -76,7 +76,7 @@ void check_identifiers(const HardwareParameters& hardware, std::vector<Contradic
   const std::vector<Node> joints = drivers(hardware);
   for (std::size_t i = 0; i < joints.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) compare(joints[j], joints[i], found);
-    for (const Node& frame : sensor_frames(hardware.base_sensor)) compare(joints[i], frame, found);
+    for (const Node& frame : sensor_frames(hardware.torso_sensor)) compare(joints[i], frame, found);
   }
 }
 

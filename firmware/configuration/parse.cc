@@ -13,6 +13,7 @@
 
 #include "firmware/configuration/configuration.h"
 #include "firmware/configuration/consistency.h"
+#include "firmware/configuration/renames.h"
 #include "firmware/configuration/schema.h"
 #include "firmware/robots/robots.h"
 
@@ -63,6 +64,10 @@ std::string unknown_section(std::string_view name) {
   return text;
 }
 
+std::string unknown_key(std::string_view section, std::string_view key) {
+  return "unknown key " + std::string(section) + '.' + std::string(key) + suggestion(section, key);
+}
+
 /// Collects values and mistakes from a file, a preset and overrides.
 class Reader {
  public:
@@ -78,6 +83,10 @@ class Reader {
   [[nodiscard]] Place place(const toml::source_region& source) const {
     const std::string& path = source.path != nullptr ? *source.path : file_;
     return {path, static_cast<int>(source.begin.line), static_cast<int>(source.begin.column), {}};
+  }
+  void fail_renamed(Place place, const Rename& rename) {
+    std::string message = to_string(rename) + "; stilt config migrate " + place.file + " rewrites the file";
+    fail(std::move(place), std::move(message));
   }
   void fail(Place place, std::string message) {
     place.message = std::move(message);
@@ -116,7 +125,9 @@ void Reader::read(std::string_view text, std::string_view path) {
   }
   for (auto&& [key, node] : root) {
     const std::string_view section = key.str();
-    if (!is_section(section)) {
+    if (const Rename* rename = find_rename(section)) {
+      fail_renamed(place(key.source()), *rename);
+    } else if (!is_section(section)) {
       fail(place(key.source()), unknown_section(section));
     } else if (const toml::table* table = node.as_table()) {
       for (auto&& [inner_key, value] : *table) read_key(section, inner_key, value);
@@ -128,12 +139,11 @@ void Reader::read(std::string_view text, std::string_view path) {
 }
 
 void Reader::read_key(std::string_view section, const toml::key& key, const toml::node& node) {
-  const Entry* entry = find_entry(section, key.str());
-  if (entry == nullptr) {
-    fail(place(key.source()), "unknown key " + std::string(section) + '.' + std::string(key.str()) +
-                                  suggestion(section, key.str()));
-    return;
+  if (const Rename* rename = find_rename(section, key.str())) {
+    return fail_renamed(place(key.source()), *rename);
   }
+  const Entry* entry = find_entry(section, key.str());
+  if (entry == nullptr) return fail(place(key.source()), unknown_key(section, key.str()));
   const Place here = place(node.source());
   if (const auto* real = node.as_floating_point()) {
     set(*entry, real->get(), here);
@@ -193,12 +203,16 @@ void Reader::apply(const Override& change) {
   }
   const std::string_view section = name.substr(0, dot);
   const std::string_view key = name.substr(dot + 1);
-  if (!is_section(section)) {
+  if (const Rename* rename = find_rename(section, key)) {
+    fail(here, std::string(section) + '.' + to_string(*rename));
+  } else if (const Rename* renamed_section = find_rename(section)) {
+    fail(here, "section " + to_string(*renamed_section));
+  } else if (!is_section(section)) {
     fail(here, unknown_section(section));
   } else if (const Entry* entry = find_entry(section, key)) {
     set(*entry, word_value(trimmed(text.substr(equals + 1))), here);
   } else {
-    fail(here, "unknown key " + std::string(name) + suggestion(section, key));
+    fail(here, unknown_key(section, key));
   }
 }
 

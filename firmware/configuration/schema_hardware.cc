@@ -10,7 +10,7 @@ namespace stilt::configuration {
 namespace {
 
 using namespace fields;
-using B = BaseSensorParameters;
+using B = TorsoSensorParameters;
 using D = DriverParameters;
 using H = HardwareParameters;
 using J = JointParameters;
@@ -28,7 +28,7 @@ constexpr Section kSections[] = {
     {"knee_L", "Wiring of the left knee."},
     {"hip_R", "Wiring of the right hip."},
     {"knee_R", "Wiring of the right knee."},
-    {"base_sensor",
+    {"torso_sensor",
      "Sensors of the torso. A channel says which bits of which frame it is: \"none\", or words in any order\n"
      "out of: id N, extended, byte N, bit N, bits N, signed or unsigned or float, little or big, scale X,\n"
      "offset X, invalid N (raw value of a missing one)."},
@@ -69,7 +69,7 @@ constexpr std::string_view kChannelForm = "a channel, or \"none\"";
 
 template <auto Channel>
 constexpr TextField channel() {
-  return text<&P::hardware, &H::base_sensor, Channel>(kChannelForm, channel_mistake);
+  return text<&P::hardware, &H::torso_sensor, Channel>(kChannelForm, channel_mistake);
 }
 
 template <auto Driver>
@@ -78,7 +78,7 @@ void add_driver(std::string_view section, std::vector<Entry>& rows) {
       {section, "protocol", "", "What it speaks; MIT mode in the dialect of its maker",
        choice<&P::hardware, Driver, &D::protocol>(kProtocols)},
       {section, "ratio", "1",
-       "Turns of the shaft that the driver counts a turn of the joint; 1 when it counts its output",
+       "Turns of the shaft that the driver counts per turn of the joint; 1 when it counts its output",
        real<&P::hardware, Driver, &D::ratio>(0.01, 1e3)},
       {section, "position_range_rad", "rad", "MIT mode: positions reach from minus this to plus this",
        real<&P::hardware, Driver, &D::position_range_rad>(0.1, 1e3)},
@@ -109,7 +109,7 @@ void add_driver(std::string_view section, std::vector<Entry>& rows) {
       {section, "encoder_period_rad", "rad",
        "The absolute encoder repeats after this angle of the shaft; 0: never",
        real<&P::hardware, Driver, &D::encoder_period_rad>(0.0, 1e3)},
-      {section, "minimum_version", "1", "Oldest firmware that is accepted, the maker's number; 0: any",
+      {section, "minimum_version", "1", "Oldest firmware that is accepted, vendor code; 0: any",
        integer<&P::hardware, Driver, &D::minimum_version>(0, 0xffffff)},
       {section, "accept_missing_watchdog", "",
        "Enable it even when it cannot promise a watchdog: it then drives on when the program ends",
@@ -144,38 +144,38 @@ const Entry kHardware[] = {
      real<&P::hardware, &H::bit_rate_bit_s>(1e4, 1e6)},
     {"hardware", "data_bit_rate_bit_s", "bit/s", "CAN FD: bit rate of the data phase",
      real<&P::hardware, &H::data_bit_rate_bit_s>(1e4, 1e7)},
-    {"hardware", "driver_watchdog_s", "s", "A driver lets go when it hears nothing for so long",
+    {"hardware", "driver_watchdog_s", "s", "Time without commands after which a driver disables itself",
      real<&P::hardware, &H::driver_watchdog_s>(0.005, 0.1)},
 };
 
-const Entry kBaseSensor[] = {
-    {"base_sensor", "bus", "1", "Number of its bus", integer<&P::hardware, &H::base_sensor, &B::bus>(0, 3)},
-    {"base_sensor", "rate_hz", "Hz", "Frames a second of each identifier",
-     real<&P::hardware, &H::base_sensor, &B::rate_hz>(1.0, 1e4)},
-    {"base_sensor", "pitch", "", "Pitch of the torso, rad, positive leans forward", channel<&B::pitch>()},
-    {"base_sensor", "pitch_rate", "", "Its rate, rad/s", channel<&B::pitch_rate>()},
-    {"base_sensor", "acceleration_x", "", "Specific force along the torso's x, m/s^2",
+const Entry kTorsoSensor[] = {
+    {"torso_sensor", "bus", "1", "Number of its bus", integer<&P::hardware, &H::torso_sensor, &B::bus>(0, 3)},
+    {"torso_sensor", "rate_hz", "Hz", "Frames per second of each identifier",
+     real<&P::hardware, &H::torso_sensor, &B::rate_hz>(1.0, 1e4)},
+    {"torso_sensor", "pitch", "", "Pitch of the torso, rad, positive leans forward", channel<&B::pitch>()},
+    {"torso_sensor", "pitch_rate", "", "Its rate, rad/s", channel<&B::pitch_rate>()},
+    {"torso_sensor", "acceleration_x", "", "Specific force along the torso's x, m/s^2",
      channel<&B::acceleration_x>()},
-    {"base_sensor", "acceleration_z", "", "Specific force along the torso's z, m/s^2",
+    {"torso_sensor", "acceleration_z", "", "Specific force along the torso's z, m/s^2",
      channel<&B::acceleration_z>()},
-    {"base_sensor", "left_foot_force", "", "Normal force of the left foot, N",
+    {"torso_sensor", "left_foot_force", "", "Normal force of the left foot, N",
      channel<&B::left_foot_force>()},
-    {"base_sensor", "right_foot_force", "", "Normal force of the right foot, N",
+    {"torso_sensor", "right_foot_force", "", "Normal force of the right foot, N",
      channel<&B::right_foot_force>()},
-    {"base_sensor", "emergency_stop_released", "", "Not 0 while the emergency stop is released",
+    {"torso_sensor", "emergency_stop_released", "", "Not 0 while the emergency stop is released",
      channel<&B::emergency_stop_released>()},
-    {"base_sensor", "emergency_stop_timeout_s", "s",
+    {"torso_sensor", "emergency_stop_timeout_s", "s",
      "An emergency stop that is silent for so long counts as pressed",
-     real<&P::hardware, &H::base_sensor, &B::emergency_stop_timeout_s>(0.002, 10.0)},
-    {"base_sensor", "encoder_joint", "1",
+     real<&P::hardware, &H::torso_sensor, &B::emergency_stop_timeout_s>(0.002, 10.0)},
+    {"torso_sensor", "encoder_joint", "1",
      "Joint (0 to 3) whose moteus reads the pitch with an extra encoder; -1: none",
-     integer<&P::hardware, &H::base_sensor, &B::encoder_joint>(-1, 3)},
-    {"base_sensor", "encoder_number", "1", "Number of that encoder",
-     integer<&P::hardware, &H::base_sensor, &B::encoder_number>(0, 2)},
-    {"base_sensor", "encoder_reversed", "", "It turns against the pitch",
-     flag<&P::hardware, &H::base_sensor, &B::encoder_reversed>()},
-    {"base_sensor", "encoder_offset_rad", "rad", "Pitch where it reads 0",
-     real<&P::hardware, &H::base_sensor, &B::encoder_offset_rad>(-100.0, 100.0)},
+     integer<&P::hardware, &H::torso_sensor, &B::encoder_joint>(-1, 3)},
+    {"torso_sensor", "encoder_number", "1", "Number of that encoder",
+     integer<&P::hardware, &H::torso_sensor, &B::encoder_number>(0, 2)},
+    {"torso_sensor", "encoder_reversed", "", "It turns against the pitch",
+     flag<&P::hardware, &H::torso_sensor, &B::encoder_reversed>()},
+    {"torso_sensor", "encoder_offset_rad", "rad", "Pitch where it reads 0",
+     real<&P::hardware, &H::torso_sensor, &B::encoder_offset_rad>(-100.0, 100.0)},
 };
 
 }  // namespace
@@ -191,7 +191,7 @@ std::span<const Entry> hardware_entries() {
     add_joint<1>("knee_L", rows);
     add_joint<2>("hip_R", rows);
     add_joint<3>("knee_R", rows);
-    rows.insert(rows.end(), std::begin(kBaseSensor), std::end(kBaseSensor));
+    rows.insert(rows.end(), std::begin(kTorsoSensor), std::end(kTorsoSensor));
     return rows;
   }();
   return all;

@@ -12,7 +12,7 @@ constexpr std::string_view kReferences[] = {"heuristic", "hzd"};
 static_assert(static_cast<int>(ReferenceKind::hzd) == 1);
 
 constexpr Section kSections[] = {
-    {"controller", "Which controller stiltd is; stilt sim is told by --controller."},
+    {"controller", "Which controller stiltd runs; stilt sim takes --controller."},
     {"runtime", "How stiltd runs on its computer."},
 };
 

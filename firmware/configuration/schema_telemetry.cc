@@ -13,7 +13,7 @@ using T = TelemetryParameters;
 constexpr std::size_t kLongestInterface = 15;
 
 constexpr Section kSections[] = {
-    {"telemetry", "What stiltd tells others over DDS, and whose commands it takes."}};
+    {"telemetry", "What stiltd publishes over DDS, and whose commands it takes."}};
 
 std::optional<std::string> interface_mistake(const std::string& name) {
   const bool right = !name.empty() && name.size() <= kLongestInterface &&
@@ -40,7 +40,7 @@ std::optional<std::string> path_mistake(const std::string& path) {
 }
 
 constexpr Entry kEntries[] = {
-    {"telemetry", "enabled", "", "Tell and listen at all", flag<&P::telemetry, &T::enabled>()},
+    {"telemetry", "enabled", "", "Publish telemetry and take commands", flag<&P::telemetry, &T::enabled>()},
     {"telemetry", "interface", "", "The one network interface; lo is this computer alone",
      text<&P::telemetry, &T::interface>("the name of an interface", interface_mistake)},
     {"telemetry", "domain", "1", "DDS domain; robot and host use the same",
@@ -48,7 +48,7 @@ constexpr Entry kEntries[] = {
     {"telemetry", "peers", "", "Addresses of hosts where multicast does not reach them",
      text<&P::telemetry, &T::peers>("addresses with commas between, or \"none\"", peers_mistake)},
     {"telemetry", "security_folder", "",
-     "Folder of the documents of DDS Security (docs/security.md); without, whoever is on the network can "
+     "Folder of the documents of DDS Security (docs/security.md); without, every computer of the network can "
      "listen",
      text<&P::telemetry, &T::security_folder>("an absolute path, or \"none\"", path_mistake)},
     {"telemetry", "token_file", "",

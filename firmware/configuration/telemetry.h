@@ -4,7 +4,7 @@
 
 namespace stilt::configuration {
 
-/// What stiltd tells others over DDS, and whose commands it takes (firmware/telemetry/README.md).
+/// What stiltd publishes over DDS, and whose commands it takes (firmware/telemetry/README.md).
 struct TelemetryParameters {
   bool enabled = true;
   std::string interface = "lo";

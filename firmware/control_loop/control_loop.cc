@@ -22,7 +22,7 @@ supervisor::JointLimits joint_limits(const model::RobotConstants& robot) noexcep
   return limits;
 }
 
-/// The pitch now: the newest one, extrapolated with its rate when the base sensor is slower than the torque
+/// The pitch now: the newest one, extrapolated with its rate when the torso sensor is slower than the torque
 /// loop.
 double pitch_now_rad(const hal::BaseReading& base, std::int64_t now_ns) noexcept {
   constexpr std::int64_t kLongest_ns = 10'000'000;
@@ -185,7 +185,7 @@ supervisor::Observation ControlLoop::observe(const TickTiming& timing, const Ope
                                              const model::StateVector& estimate,
                                              const supervisor::Followable& followable) noexcept {
   const std::uint64_t errors = error_count(readings_);
-  const bool of_episode = result.session == episode_ && episode_ != 0;
+  const bool of_episode = result.stance_episode == episode_ && episode_ != 0;
   supervisor::Observation seen;
   seen.time_ns = timing.now_ns;
   seen.joints = readings_.joints;
@@ -199,7 +199,7 @@ supervisor::Observation ControlLoop::observe(const TickTiming& timing, const Ope
   seen.followable = followable;
   seen.failed_solves = of_episode ? static_cast<int>(result.failures_in_a_row) : 0;
   seen.solve_s = of_episode ? 1e-9 * static_cast<double>(result.solve_ns) : 0.0;
-  seen.lateness_s = 1e-9 * static_cast<double>(timing.late_ns);
+  seen.wakeup_latency_s = 1e-9 * static_cast<double>(timing.wakeup_latency_ns);
   seen.heartbeat_expected = command.heartbeat_expected;
   seen.heartbeat_age_s = 1e-9 * static_cast<double>(timing.now_ns - command.heartbeat_ns);
   seen.bring_up_failed = bring_up_.failed;
@@ -292,7 +292,7 @@ void ControlLoop::request_plan(double time_s, const model::StateVector& estimate
   PlanningRequest& request = mail_->requests.writer();
   request.tick = ticks_;
   request.time_s = time_s;
-  request.session = episode_;
+  request.stance_episode = episode_;
   request.state = estimate;
   request.command = command;
   mail_->requests.publish();
@@ -328,9 +328,9 @@ void ControlLoop::record(const TickTiming& timing, const OperatorCommand& comman
   record_.ramp = decision.ramp;
   record_.plan_sequence = decision.level <= FallbackLevel::plan_feedback ? plan.sequence : -1;
   record_.plan_age_s = plan.age_s;
-  record_.standing = episode_;
+  record_.stance_episode = episode_;
   record_.gait = decision.gait;
-  record_.wakeup_ns = timing.late_ns;
+  record_.wakeup_latency_ns = timing.wakeup_latency_ns;
   record_.execution_ns = timing.execution_ns;
   record_.round_trip_ns = timing.round_trip_ns;
   mail_->telemetry.push(record_);

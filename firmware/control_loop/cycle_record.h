@@ -10,13 +10,13 @@ namespace stilt::control_loop {
 
 /// What one solve of the planner was given and came to, so that a replay can run it again.
 struct CycleRecord {
-  std::uint64_t cycle = 0;       ///< counts solves from 1
-  std::int64_t tick = -1;        ///< of the torque loop, whose request was answered
-  double time_s = 0.0;           ///< of the state in it, controller's clock
-  std::uint32_t standing = 0;    ///< PlanningRequest::session
-  long long plan_sequence = -1;  ///< -1: no usable plan
-  std::uint32_t failures = 0;    ///< in a row, this one included
-  std::uint32_t tuning = 0;      ///< number of the tuning in force
+  std::uint64_t cycle = 0;           ///< counts solves from 1
+  std::int64_t tick = -1;            ///< of the torque loop, whose request was answered
+  double time_s = 0.0;               ///< of the state in it, controller's clock
+  std::uint32_t stance_episode = 0;  ///< PlanningRequest::stance_episode
+  long long plan_sequence = -1;      ///< -1: no usable plan
+  std::uint32_t failures = 0;        ///< in a row, this one included
+  std::uint32_t tuning = 0;          ///< number of the tuning in force
   int nodes = 0;
   std::uint64_t checksum = 0;  ///< see plan_checksum(); 0 without a plan
   std::int64_t solve_ns = 0;   ///< 0 in lock-step
@@ -24,7 +24,7 @@ struct CycleRecord {
 };
 
 /// Some nodes of a plan, for drawing.
-struct PlanSketch {
+struct PlanPreview {
   static constexpr int kMaxNodes = 48;
   struct Node {
     double time_s = 0.0;
@@ -40,6 +40,6 @@ struct PlanSketch {
 
 /// The plan at its first node, then at nodes at least `spacing_s` apart (more, when they would be too many),
 /// and at the last one. Real-time.
-void sketch_plan(const control::Plan& plan, double spacing_s, PlanSketch& sketch) noexcept;
+void preview_plan(const control::Plan& plan, double spacing_s, PlanPreview& preview) noexcept;
 
 }  // namespace stilt::control_loop

@@ -22,7 +22,7 @@ struct Mailboxes {
   EventRing events;                                          ///< torque loop -> housekeeping
   exchange::Ring<control_loop::TickRecord, 2048> telemetry;  ///< torque loop -> housekeeping, two seconds
   exchange::Ring<CycleRecord, 1024> cycles;                  ///< planner -> housekeeping
-  exchange::LatestValue<PlanSketch> sketches;                ///< planner -> housekeeping
+  exchange::LatestValue<PlanPreview> previews;               ///< planner -> housekeeping
   control_loop::TickBlackBox black_box;                      ///< torque loop; housekeeping once it is frozen
 };
 

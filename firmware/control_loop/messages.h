@@ -14,8 +14,8 @@ namespace stilt::control_loop {
 /// Operator -> torque loop.
 struct OperatorCommand {
   supervisor::Request request;
-  bool shut_down = false;           ///< end the program: sit, damp, let go
-  bool heartbeat_expected = false;  ///< whoever commands shows that he lives
+  bool shut_down = false;           ///< end the program: sit, damp, disable the drivers
+  bool heartbeat_expected = false;  ///< the commander sends heartbeats
   std::int64_t heartbeat_ns = 0;    ///< last sign of life, clock of the torque loop
 };
 
@@ -34,8 +34,8 @@ struct PlannerTuning {
 /// Torque loop -> planner, every tick.
 struct PlanningRequest {
   std::int64_t tick = -1;
-  double time_s = 0.0;        ///< of the state, controller's clock
-  std::uint32_t session = 0;  ///< counts the times the robot got on its feet; 0: no plan is wanted
+  double time_s = 0.0;               ///< of the state, controller's clock
+  std::uint32_t stance_episode = 0;  ///< counts the times the robot got on its feet; 0: no plan is wanted
   model::StateVector state = model::StateVector::Zero();
   gait::GaitCommand command;
 };
@@ -44,7 +44,7 @@ struct PlanningRequest {
 struct PlanningResult {
   std::uint64_t cycles = 0;             ///< solves since the start
   std::uint32_t failures_in_a_row = 0;  ///< solves without a usable plan
-  std::uint32_t session = 0;            ///< of the request it answers
+  std::uint32_t stance_episode = 0;     ///< of the request it answers
   std::int64_t solve_ns = 0;            ///< duration of the newest solve; 0 in lock-step
   sqp::SolveStatus status = sqp::SolveStatus::iteration_limit;
 };

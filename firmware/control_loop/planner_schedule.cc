@@ -23,7 +23,7 @@ std::int64_t PlannerSchedule::solve(const PlanningRequest& request, PlannerTask&
 
 std::int64_t PlannerSchedule::begin(PlannerTask& planner, Mailboxes& mail, hal::Clock& clock) noexcept {
   const PlanningRequest& request = mail.requests.newest();
-  episode_ = request.session;
+  episode_ = request.stance_episode;
   due_ = request.tick;
   return solve(request, planner, mail, clock);
 }
@@ -38,8 +38,8 @@ void PlannerSchedule::publish_due(long long tick, const PlannerTask& planner, Ma
 std::optional<std::int64_t> PlannerSchedule::plan(long long tick, PlannerTask& planner, Mailboxes& mail,
                                                   hal::Clock& clock) noexcept {
   const PlanningRequest& request = mail.requests.newest();
-  const bool begins = request.session != episode_;
-  episode_ = request.session;
+  const bool begins = request.stance_episode != episode_;
+  episode_ = request.stance_episode;
   if (episode_ == 0 || tick < due_ || request.tick == planned_tick_) return std::nullopt;
   if (!begins && tick % timing_.period_ticks != 0) return std::nullopt;
   due_ = tick + timing_.delay_ticks;

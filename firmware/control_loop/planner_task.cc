@@ -5,12 +5,12 @@
 namespace stilt::control_loop {
 
 bool PlannerTask::cycle(const PlanningRequest& request, control::Plan& plan) noexcept {
-  if (request.session != result_.session) {
+  if (request.stance_episode != result_.stance_episode) {
     planner_.reset(request.time_s);
     result_.failures_in_a_row = 0;
-    result_.session = request.session;
+    result_.stance_episode = request.stance_episode;
   }
-  if (request.session == 0) return false;
+  if (request.stance_episode == 0) return false;
   report_ = planner_.plan({request.time_s, request.state, request.command}, plan);
   ++result_.cycles;
   result_.status = report_.status;
@@ -25,7 +25,7 @@ void PlannerTask::record(const PlanningRequest& request, bool fresh, std::int64_
     record->cycle = result_.cycles;
     record->tick = request.tick;
     record->time_s = request.time_s;
-    record->standing = request.session;
+    record->stance_episode = request.stance_episode;
     record->plan_sequence = fresh ? plan.sequence : -1;
     record->failures = result_.failures_in_a_row;
     record->tuning = tuning_;
@@ -39,8 +39,8 @@ void PlannerTask::record(const PlanningRequest& request, bool fresh, std::int64_
   const double since_s = request.time_s - previewed_s_;
   if (!fresh || (since_s >= 0.0 && since_s < 1.0 / kPreviewRate_hz - kRounding_s)) return;
   previewed_s_ = request.time_s;
-  sketch_plan(plan, kPreviewSpacing_s, mail.sketches.writer());
-  mail.sketches.publish();
+  preview_plan(plan, kPreviewSpacing_s, mail.previews.writer());
+  mail.previews.publish();
 }
 
 }  // namespace stilt::control_loop

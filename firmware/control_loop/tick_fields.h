@@ -19,8 +19,8 @@
 namespace stilt::control_loop {
 
 // clang-format off
-/// Fields that belong together, in the order in which a tick works; outputs from the estimate on. All fields of a
-/// group have equally many values.
+/// Fields that belong together, in the order in which a tick works; outputs from the estimate on. All fields
+/// of a group have equally many values.
 enum class TickGroup : std::uint8_t {
   clock, timing, drivers, joints, base, request, planner,
   estimate, faults, reaction, decision, ramp, gait, plan, tuning, wanted, action, sent,
@@ -122,7 +122,7 @@ constexpr auto tick_fields() noexcept {
   const auto sent = [](Text wire, Names names, auto member) { return field<G::sent>(wire, names, &R::sent, member); };
   return std::tuple{
       field<G::clock>("time_ns", {}, &R::time_ns),
-      field<G::timing>("late_ns", {.csv = "wakeup_us", .page = "wakeup_us"}, &R::wakeup_ns),
+      field<G::timing>("wakeup_latency_ns", {.csv = "wakeup_latency_us", .page = "wakeup_latency_us"}, &R::wakeup_latency_ns),
       field<G::timing>("execution_ns", {.csv = "execution_us", .page = "execution_us"}, &R::execution_ns),
       field<G::timing>("round_trip_ns", {.csv = "bus_round_trip_us", .page = "round_trip_us"}, &R::round_trip_ns),
       field<G::drivers>("read_status", {}, &R::read_status),
@@ -134,8 +134,8 @@ constexpr auto tick_fields() noexcept {
       joint("motor_temperature_C", {.csv = "*_motor_temperature_C"}, &Joint::motor_temperature_C),
       joint("supply_V", {.csv = "*_supply_V"}, &Joint::supply_V),
       joint("joint_time_ns", {}, &Joint::time_ns),
-      joint("joint_missed", {.csv = "*_missed_replies"}, &Joint::missed),
-      joint("joint_frozen", {.csv = "*_repeated_replies"}, &Joint::frozen),
+      joint("joint_missed_replies", {.csv = "*_missed_replies"}, &Joint::missed_replies),
+      joint("joint_unchanged_replies", {.csv = "*_unchanged_replies"}, &Joint::unchanged_replies),
       joint("joint_malformed", {}, &Joint::malformed),
       joint("driver_state", {.csv = "*_driver_state"}, &Joint::state),
       joint("driver_fault", {.csv = "*_driver_fault"}, &Joint::fault),
@@ -147,8 +147,8 @@ constexpr auto tick_fields() noexcept {
       base("left_foot_force_N", {.csv = "left_foot_force_N"}, &Base::left_foot_force_N),
       base("right_foot_force_N", {.csv = "right_foot_force_N"}, &Base::right_foot_force_N),
       base("base_time_ns", {}, &Base::time_ns),
-      base("base_missed", {.csv = "base_missed_replies"}, &Base::missed),
-      base("base_frozen", {.csv = "base_repeated_replies"}, &Base::frozen),
+      base("base_missed_replies", {.csv = "base_missed_replies"}, &Base::missed_replies),
+      base("base_unchanged_replies", {.csv = "base_unchanged_replies"}, &Base::unchanged_replies),
       base("base_malformed", {}, &Base::malformed),
       field<G::drivers>("emergency_stop", {}, &R::emergency_stop),
       field<G::drivers>("bus_errors", {}, &R::bus_errors),
@@ -168,7 +168,7 @@ constexpr auto tick_fields() noexcept {
       field<G::planner>("visible_plan", {}, &R::visible_plan),
       field<G::planner>("result_cycles", {}, &R::result, &Result::cycles),
       field<G::planner>("result_failures", {}, &R::result, &Result::failures_in_a_row),
-      field<G::planner>("result_standing", {}, &R::result, &Result::session),
+      field<G::planner>("result_stance_episode", {}, &R::result, &Result::stance_episode),
       field<G::planner>("result_solve_ns", {}, &R::result, &Result::solve_ns),
       field<G::planner>("result_status", {}, &R::result, &Result::status),
 
@@ -187,14 +187,14 @@ constexpr auto tick_fields() noexcept {
       sent("sent_torque_limit_Nm", {}, &Command::torque_limit_Nm),
       field<G::action>("action", {.csv = "action"}, &R::action),
       field<G::decision>("state", {.csv = "state", .page = "state_number"}, &R::state),
-      field<G::decision>("rung", {.csv = "rung", .page = "rung", .replay = "level"}, &R::level),
+      field<G::decision>("fallback_level", {.csv = "fallback_level", .page = "fallback_level"}, &R::level),
       field<G::reaction>("reaction", {.csv = "reaction"}, &R::reaction),
       field<G::faults>("present_faults", {.csv = "faults"}, &R::present),
       field<G::faults>("latched_faults", {.csv = "latched_faults"}, &R::latched),
       field<G::ramp>("ramp", {.csv = "ramp", .page = "ramp"}, &R::ramp),
       field<G::plan>("plan_sequence", {.csv = "plan_sequence", .replay = "sequence of the plan in use"}, &R::plan_sequence),
       field<G::plan>("plan_age_s", {.csv = "plan_age_s", .page = "plan_age_ms", .replay = "plan_age_s"}, &R::plan_age_s),
-      field<G::gait>("standing", {}, &R::standing),
+      field<G::gait>("stance_episode", {}, &R::stance_episode),
       field<G::gait>("gait", {}, &R::gait, &gait::GaitCommand::kind),
       field<G::gait>("gait_speed_m_s", {}, &R::gait, &gait::GaitCommand::speed_m_s),
   };

@@ -37,13 +37,13 @@ struct TickRecord {
   supervisor::FaultSet present;
   supervisor::FaultSet latched;
   double ramp = 0;
-  long long plan_sequence = -1;    ///< of the plan that is followed, -1: none
-  double plan_age_s = 0;           ///< since the state it started from
-  std::uint32_t standing = 0;      ///< counts the times the robot got on its feet; 0: no plan is wanted
-  gait::GaitCommand gait;          ///< asked of the planner
-  std::int64_t wakeup_ns = 0;      ///< lateness of this tick
-  std::int64_t execution_ns = 0;   ///< duration of the tick before
-  std::int64_t round_trip_ns = 0;  ///< newest from command to last reply
+  long long plan_sequence = -1;        ///< of the plan that is followed, -1: none
+  double plan_age_s = 0;               ///< since the state it started from
+  std::uint32_t stance_episode = 0;    ///< counts the times the robot got on its feet; 0: no plan is wanted
+  gait::GaitCommand gait;              ///< asked of the planner
+  std::int64_t wakeup_latency_ns = 0;  ///< how late this tick began
+  std::int64_t execution_ns = 0;       ///< duration of the tick before
+  std::int64_t round_trip_ns = 0;      ///< newest from command to last reply
 };
 
 /// Two seconds at 1 kHz.

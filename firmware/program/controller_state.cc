@@ -3,7 +3,7 @@
 #include "firmware/configuration/hardware.h"
 #include "firmware/program/configure_cycles.h"
 #include "firmware/robots/robots.h"
-#include "firmware/telemetry/station.h"
+#include "firmware/telemetry/telemetry_node.h"
 
 namespace stilt::program {
 namespace {
@@ -55,7 +55,7 @@ void take_ticks(ControllerState& state) {
   while (const control_loop::TickRecord* tick = state.mail.telemetry.front()) {
     state.newest_tick = *tick;
     if (tick->tick == 0) state.start_ns = tick->time_ns;
-    if (state.station != nullptr) state.station->tick(*tick);
+    if (state.telemetry_node != nullptr) state.telemetry_node->tick(*tick);
     state.mail.telemetry.pop();
   }
 }
@@ -69,7 +69,7 @@ void operate(ControllerState& state, const std::atomic<bool>& stop) {
   control_loop::OperatorCommand& command = state.mail.commands.writer();
   command = state.script->command(time_s, tick.state, tick.ramp);
   command.shut_down = command.shut_down || stop.load(std::memory_order_relaxed);
-  if (state.station != nullptr) command = state.station->operate(command);
+  if (state.telemetry_node != nullptr) command = state.telemetry_node->operate(command);
   state.mail.commands.publish();
 }
 
@@ -77,22 +77,22 @@ void restore_buses(ControllerState& state) {
   if (state.reconnect) state.hardware->serve_restore(state.reconnect);
 }
 
-void tell(ControllerState& state, const LoopFigures& loop, const PlannerFigures& planning) {
-  if (state.station != nullptr) state.station->publish(loop, planning);
+void publish(ControllerState& state, const LoopStatistics& loop, const PlannerStatistics& planning) {
+  if (state.telemetry_node != nullptr) state.telemetry_node->publish(loop, planning);
 }
 
-void finish_telling(ControllerState& state) {
+void flush_telemetry(ControllerState& state) {
   take_ticks(state);
-  tell(state, state.loop, state.planning);
-  if (state.station != nullptr) state.station->finish();
+  publish(state, state.loop, state.planning);
+  if (state.telemetry_node != nullptr) state.telemetry_node->flush();
 }
 
-void take_figures(const ControllerState& state, Outcome& outcome) {
+void take_statistics(const ControllerState& state, Outcome& outcome) {
   outcome.ticks = state.loop.ticks;
   outcome.late_ticks = state.loop.late_ticks;
   outcome.missed_periods = state.loop.missed_periods;
   outcome.plans = state.planning.plans;
-  outcome.wakeup_us = state.loop.wakeup.percentiles();
+  outcome.wakeup_latency_us = state.loop.wakeup_latency.percentiles();
   outcome.execution_us = state.loop.execution.percentiles();
   outcome.bus_round_trip_us = state.loop.bus_round_trip.percentiles();
   outcome.solve_us = state.planning.solve.percentiles();

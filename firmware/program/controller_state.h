@@ -9,7 +9,7 @@
 #include "firmware/control_loop/control_loop.h"
 #include "firmware/control_loop/planner_task.h"
 #include "firmware/control_loop/start_script.h"
-#include "firmware/diagnostics/figures.h"
+#include "firmware/diagnostics/statistics.h"
 #include "firmware/exchange/latest_value.h"
 #include "firmware/program/options.h"
 #include "firmware/program/outcome.h"
@@ -17,13 +17,13 @@
 #include "hal/robot/robot_hardware.h"
 
 namespace stilt::telemetry {
-class Station;
+class TelemetryNode;
 }
 
 namespace stilt::program {
 
-using diagnostics::LoopFigures;
-using diagnostics::PlannerFigures;
+using diagnostics::LoopStatistics;
+using diagnostics::PlannerStatistics;
 
 /// All state of the controller: one object of fixed size, placed statically, which nothing outgrows. Its
 /// parts belong to the threads that use them; what crosses between threads goes through the mailboxes.
@@ -37,14 +37,14 @@ struct ControllerState {
   std::array<hal::LockstepBus, hal::kMaximumBuses> lockstep_buses;
   std::optional<hal::RobotHardware> hardware;
   std::function<void(std::size_t bus)>
-      reconnect;                          ///< housekeeping connects a bus again, set by who opened it
-  gait::GaitLibrary gaits;                ///< shipped for the robot; loaded at start, then constant
-  telemetry::Station* station = nullptr;  ///< housekeeping's; nullptr: no telemetry
+      reconnect;            ///< housekeeping connects a bus again, set by who opened it
+  gait::GaitLibrary gaits;  ///< shipped for the robot; loaded at start, then constant
+  telemetry::TelemetryNode* telemetry_node = nullptr;  ///< housekeeping's; nullptr: no telemetry
   bool black_box_saved = false;
-  LoopFigures loop;
-  PlannerFigures planning;
-  exchange::LatestValue<LoopFigures> loop_figures;
-  exchange::LatestValue<PlannerFigures> planner_figures;
+  LoopStatistics loop;
+  PlannerStatistics planning;
+  exchange::LatestValue<LoopStatistics> loop_statistics;
+  exchange::LatestValue<PlannerStatistics> planner_statistics;
 };
 
 /// Puts the controller of a configuration together over open buses. In lock-step the sync frames are taken
@@ -53,7 +53,7 @@ struct ControllerState {
                                                       std::span<hal::FrameBus* const> buses,
                                                       ControllerState& state);
 
-/// The operator's side: takes what the torque loop told of its ticks, and lets the script or who sits at the
+/// The operator's side: takes the records of the torque loop, and lets the script or the operator at the
 /// host command it.
 void operate(ControllerState& state, const std::atomic<bool>& stop);
 
@@ -61,12 +61,12 @@ void operate(ControllerState& state, const std::atomic<bool>& stop);
 void restore_buses(ControllerState& state);
 
 /// Telemetry's turn: sends what is due.
-void tell(ControllerState& state, const LoopFigures& loop, const PlannerFigures& planning);
+void publish(ControllerState& state, const LoopStatistics& loop, const PlannerStatistics& planning);
 
-/// The last words of telemetry, after the last tick.
-void finish_telling(ControllerState& state);
+/// Publishes what is left, after the last tick.
+void flush_telemetry(ControllerState& state);
 
 /// The figures of a run that has ended.
-void take_figures(const ControllerState& state, Outcome& outcome);
+void take_statistics(const ControllerState& state, Outcome& outcome);
 
 }  // namespace stilt::program

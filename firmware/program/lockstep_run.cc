@@ -31,7 +31,7 @@ void run_lockstep(const Options& options, std::size_t bus_count, Signals& signal
   for (long long tick = 0; ticks_off < kLastTicks && ticks_alone < kTicksAlone; ++tick) {
     const std::int64_t start_ns = wall.now_ns();
     operate(state, signals.stop);
-    tell(state, state.loop, state.planning);
+    publish(state, state.loop, state.planning);
     {
       const realtime::AllocationScope allocations;
       schedule.publish_due(tick, state.planner, state.mail);
@@ -45,7 +45,7 @@ void run_lockstep(const Options& options, std::size_t bus_count, Signals& signal
       }
       state.loop.heap_allocations += allocations.count();
     }
-    take_events(state.mail.events, outcome, state.station);
+    take_events(state.mail.events, outcome, state.telemetry_node);
     restore_buses(state);
     ++state.loop.ticks;
     ticks_off = state.control.decision().state == supervisor::State::off ? ticks_off + 1 : 0;
@@ -55,7 +55,7 @@ void run_lockstep(const Options& options, std::size_t bus_count, Signals& signal
       outcome.error = "the simulated robot stopped answering in tick " + std::to_string(tick + 1);
     }
   }
-  finish_telling(state);
+  flush_telemetry(state);
 }
 
 }  // namespace stilt::program

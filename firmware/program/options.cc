@@ -20,8 +20,8 @@ namespace {
 constexpr double kLargestSpeed_m_s = 5.0;
 constexpr double kLongestRun_s = 86400.0;
 
-/// The words of the command line before they mean anything.
-struct Words {
+/// The arguments of the command line before they mean anything.
+struct Arguments {
   std::string config_file;
   std::string robot = "amber3m";
   std::string preset;
@@ -32,39 +32,41 @@ struct Words {
   bool print_config = false;
 };
 
-void add_configuration_options(CLI::App& app, Words& words) {
-  app.add_option("--config", words.config_file, "configuration (TOML)");
-  app.add_option("--robot", words.robot,
+void add_configuration_options(CLI::App& app, Arguments& arguments) {
+  app.add_option("--config", arguments.config_file, "configuration (TOML)");
+  app.add_option("--robot", arguments.robot,
                  "robot: " + robots::shipped_names() +
                      ", or a URDF file; its configuration is taken without --config: the shipped one, or the "
                      "TOML of the same stem beside the URDF")
       ->capture_default_str();
-  app.add_option("--preset", words.preset,
+  app.add_option("--preset", arguments.preset,
                  "shipped changes to the configuration, before --set: " + configuration::preset_names());
-  app.add_option("--set", words.settings,
+  app.add_option("--set", arguments.settings,
                  "changes one key of the configuration: section.key=value; repeatable")
       ->allow_extra_args(false);
-  app.add_option("--bus", words.buses,
+  app.add_option("--bus", arguments.buses,
                  "a bus, in the order of their numbers, instead of hardware.buses: can0, loopback:NAME; "
                  "repeatable")
       ->allow_extra_args(false);
 }
 
-std::vector<configuration::Override> overrides_of(const Words& words) {
+std::vector<configuration::Override> overrides_of(const Arguments& arguments) {
   std::vector<configuration::Override> overrides;
-  if (!words.config_file.empty() && robots::is_file(words.robot)) {
-    overrides.push_back({"hardware.robot=" + words.robot, "--robot"});
+  if (!arguments.config_file.empty() && robots::is_file(arguments.robot)) {
+    overrides.push_back({"hardware.robot=" + arguments.robot, "--robot"});
   }
-  for (const std::string& setting : words.settings) overrides.push_back({setting});
+  for (const std::string& setting : arguments.settings) overrides.push_back({setting});
   std::string buses;
-  for (const std::string& bus : words.buses) buses += (buses.empty() ? "" : ",") + bus;
+  for (const std::string& bus : arguments.buses) buses += (buses.empty() ? "" : ",") + bus;
   if (!buses.empty()) overrides.push_back({"hardware.buses=" + buses, "--bus"});
   return overrides;
 }
 
-configuration::Result load(const Words& words, const std::vector<configuration::Override>& overrides) {
-  return words.config_file.empty() ? configuration::load_robot(words.robot, overrides, words.preset)
-                                   : configuration::load_file(words.config_file, overrides, words.preset);
+configuration::Result load(const Arguments& arguments,
+                           const std::vector<configuration::Override>& overrides) {
+  return arguments.config_file.empty()
+             ? configuration::load_robot(arguments.robot, overrides, arguments.preset)
+             : configuration::load_file(arguments.config_file, overrides, arguments.preset);
 }
 
 /// What plans around gaits of the library need, before what the command line sets.
@@ -80,44 +82,44 @@ std::expected<std::vector<configuration::Override>, std::string> with_gaits(
 }
 
 /// What the configuration is read from.
-std::string source_of(const Words& words) {
-  if (!words.config_file.empty()) return words.config_file;
-  if (!robots::is_file(words.robot)) return "the shipped configuration of " + words.robot;
-  const std::string beside = configuration::file_beside(words.robot);
-  return std::filesystem::exists(beside) ? beside : "the default configuration of " + words.robot;
+std::string source_of(const Arguments& arguments) {
+  if (!arguments.config_file.empty()) return arguments.config_file;
+  if (!robots::is_file(arguments.robot)) return "the shipped configuration of " + arguments.robot;
+  const std::string beside = configuration::file_beside(arguments.robot);
+  return std::filesystem::exists(beside) ? beside : "the default configuration of " + arguments.robot;
 }
 
-std::expected<void, std::string> read_configuration(const Words& words, Options& options) {
-  const auto overrides = overrides_of(words);
-  configuration::Result result = load(words, overrides);
+std::expected<void, std::string> read_configuration(const Arguments& arguments, Options& options) {
+  const auto overrides = overrides_of(arguments);
+  configuration::Result result = load(arguments, overrides);
   if (result && result->controller.reference == configuration::ReferenceKind::hzd) {
     const auto all = with_gaits(result->hardware.robot, overrides);
     if (!all) return std::unexpected(all.error());
-    result = load(words, *all);
+    result = load(arguments, *all);
   }
   if (!result) return std::unexpected(configuration::to_string(result.error()));
   options.configuration = *result;
-  options.source = source_of(words);
-  if (!words.preset.empty()) options.source += ", preset " + words.preset;
+  options.source = source_of(arguments);
+  if (!arguments.preset.empty()) options.source += ", preset " + arguments.preset;
   return {};
 }
 
-std::expected<void, std::string> interpret(const Words& words, bool self_test, Options& options) {
+std::expected<void, std::string> interpret(const Arguments& arguments, bool self_test, Options& options) {
   if (self_test) options.task = Task::self_test;
-  if (words.check_config) options.task = Task::check_config;
-  if (words.print_config) options.task = Task::print_config;
-  if (!words.start.empty()) {
-    const auto start = parse_start(words.start);
+  if (arguments.check_config) options.task = Task::check_config;
+  if (arguments.print_config) options.task = Task::print_config;
+  if (!arguments.start.empty()) {
+    const auto start = parse_start(arguments.start);
     if (!start) return std::unexpected(start.error());
     options.start = *start;
   }
   if (!(options.duration_s >= 0.0 && options.duration_s <= kLongestRun_s)) {
-    return std::unexpected("--duration: must be 0 (until told to end) to 86400 s");
+    return std::unexpected("--duration: must be 0 (until stopped) to 86400 s");
   }
   if (!(options.self_test_s > 0.0 && options.self_test_s <= kLongestRun_s)) {
     return std::unexpected("--seconds: must be above 0 and at most 86400 s");
   }
-  return read_configuration(words, options);
+  return read_configuration(arguments, options);
 }
 
 }  // namespace
@@ -142,15 +144,14 @@ std::expected<gait::GaitCommand, std::string> parse_start(const std::string& tex
   return command;
 }
 
-std::expected<Options, std::string> read_options(int count, char** words_of_line,
-                                                 const std::string& version) {
+std::expected<Options, std::string> read_options(int argc, char** argv, const std::string& version) {
   CLI::App app{"Controller of a planar walking robot: plans its motion and drives its motors over CAN.",
                "stiltd"};
   app.set_version_flag("--version", version);
-  Words words;
+  Arguments arguments;
   Options options;
-  add_configuration_options(app, words);
-  app.add_option("--start", words.start,
+  add_configuration_options(app, arguments);
+  app.add_option("--start", arguments.start,
                  "goes there without an operator: stand, step or walk@SPEED (m/s); without it, waits idle");
   app.add_option("--duration", options.duration_s, "sits down and ends after this time, s; 0: never");
   app.add_flag("--lockstep", options.lockstep,
@@ -164,26 +165,27 @@ std::expected<Options, std::string> read_options(int count, char** words_of_line
       "wait");
   app.add_option("--planner-until", options.planner_until_s,
                  "for tests: the planner stops working at this time, s; 0: never");
-  app.add_flag("--check-config", words.check_config, "reads the configuration, reports on it, and ends");
-  app.add_flag("--print-config", words.print_config, "prints the configuration with every key, and ends");
+  app.add_flag("--check-config", arguments.check_config, "reads the configuration, reports on it, and ends");
+  app.add_flag("--print-config", arguments.print_config, "prints the configuration with every key, and ends");
   CLI::App* self_test =
       app.add_subcommand("selftest", "talks to all drivers at zero torque, reports replies and their times");
-  add_configuration_options(*self_test, words);
+  add_configuration_options(*self_test, arguments);
   self_test->add_option("--seconds", options.self_test_s, "how long, s")->capture_default_str();
   self_test->add_flag("--lockstep", options.lockstep,
                       "takes turns with a simulated robot instead of following the clock");
   self_test->add_option("--json", options.json_file, "writes the figures as JSON, - for standard output");
-  app.footer("Exit status: 0 ended as told, 1 a fault stopped the robot or a check failed, 2 bad usage.");
+  app.footer(
+      "Exit status: 0 ended as requested, 1 a fault stopped the robot or a check failed, 2 bad usage.");
   try {
-    app.parse(count, words_of_line);
+    app.parse(argc, argv);
   } catch (const CLI::Success& help_or_version) {
     app.exit(help_or_version);
     options.task = Task::nothing;
     return options;
   } catch (const CLI::ParseError& error) {
-    return std::unexpected(std::string(error.what()) + "; stiltd --help tells what is right");
+    return std::unexpected(std::string(error.what()) + "; see stiltd --help");
   }
-  if (const auto right = interpret(words, self_test->parsed(), options); !right) {
+  if (const auto right = interpret(arguments, self_test->parsed(), options); !right) {
     return std::unexpected(right.error());
   }
   return options;

@@ -24,7 +24,7 @@ struct Options {
   configuration::Configuration configuration;
   std::string source;                      ///< the file, or the shipped one, that it was read from; preset
   std::optional<gait::GaitCommand> start;  ///< go there without an operator
-  double duration_s = 0.0;                 ///< then sit down and end; 0: until told to
+  double duration_s = 0.0;                 ///< then sit down and end; 0: until stopped
   bool lockstep = false;
   std::string json_file;         ///< "-": standard output; empty: none
   std::string black_box_file;    ///< empty: none
@@ -40,7 +40,7 @@ struct Options {
 
 /// Reads the command line and the configuration. The error is for the user: a sentence, or a line for each
 /// mistake of the configuration. `version`: what --version prints.
-[[nodiscard]] std::expected<Options, std::string> read_options(int count, char** words,
+[[nodiscard]] std::expected<Options, std::string> read_options(int argc, char** argv,
                                                                const std::string& version);
 
 /// GAIT@SPEED, or stand, step: the error says what would be right.

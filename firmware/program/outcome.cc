@@ -6,7 +6,7 @@
 #include <span>
 
 #include "firmware/control_loop/joint_names.h"
-#include "firmware/telemetry/station.h"
+#include "firmware/telemetry/telemetry_node.h"
 
 namespace stilt::program {
 namespace {
@@ -57,9 +57,10 @@ std::string bring_up_text(const Event& event) {
 
 }  // namespace
 
-void take_events(control_loop::EventRing& events, Outcome& outcome, telemetry::Station* station) {
+void take_events(control_loop::EventRing& events, Outcome& outcome,
+                 telemetry::TelemetryNode* telemetry_node) {
   while (const Event* event = events.front()) {
-    if (station != nullptr) station->event(*event);
+    if (telemetry_node != nullptr) telemetry_node->event(*event);
     switch (event->kind) {
       case Event::Kind::state:
         take_state(*event, outcome);
@@ -96,7 +97,7 @@ std::string to_json(const Outcome& outcome) {
   json["late_ticks"] = outcome.late_ticks;
   json["missed_periods"] = outcome.missed_periods;
   json["plans"] = outcome.plans;
-  json["wakeup_us"] = json_of(outcome.wakeup_us);
+  json["wakeup_us"] = json_of(outcome.wakeup_latency_us);
   json["execution_us"] = json_of(outcome.execution_us);
   json["bus_round_trip_us"] = json_of(outcome.bus_round_trip_us);
   json["solve_us"] = json_of(outcome.solve_us);

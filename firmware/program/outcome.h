@@ -8,7 +8,7 @@
 #include "firmware/diagnostics/histogram.h"
 
 namespace stilt::telemetry {
-class Station;
+class TelemetryNode;
 }
 
 namespace stilt::program {
@@ -31,7 +31,7 @@ struct Outcome {
   long long late_ticks = 0;
   long long missed_periods = 0;
   long long plans = 0;
-  diagnostics::Percentiles wakeup_us;
+  diagnostics::Percentiles wakeup_latency_us;
   diagnostics::Percentiles execution_us;
   diagnostics::Percentiles bus_round_trip_us;
   diagnostics::Percentiles solve_us;
@@ -43,7 +43,8 @@ struct Outcome {
 
 /// Takes what happened out of the ring: says it on standard error and to telemetry, if any, and keeps the
 /// faults.
-void take_events(control_loop::EventRing& events, Outcome& outcome, telemetry::Station* station = nullptr);
+void take_events(control_loop::EventRing& events, Outcome& outcome,
+                 telemetry::TelemetryNode* telemetry_node = nullptr);
 
 /// The figures as JSON text, field names as in docs/interfaces.
 [[nodiscard]] std::string to_json(const Outcome& outcome);

@@ -23,7 +23,7 @@ namespace {
 /// Ticks after the supervisor is off: the last commands leave the buses.
 constexpr int kLastTicks = 5;
 /// Every so many ticks the figures go to housekeeping.
-constexpr long long kFiguresEvery = 250;
+constexpr long long kStatisticsEvery = 250;
 /// Every so many ticks the round trip on the buses is measured, within this share of the tick.
 constexpr long long kRoundTripEvery = 50;
 constexpr double kRoundTripShare = 0.7;
@@ -55,8 +55,8 @@ void guard(Run& run) noexcept {
 }
 
 void publish(ControllerState& state) noexcept {
-  state.loop_figures.writer() = state.loop;
-  state.loop_figures.publish();
+  state.loop_statistics.writer() = state.loop;
+  state.loop_statistics.publish();
 }
 
 /// Listens for the replies to what this tick has sent. @return  newest known round trip
@@ -72,7 +72,8 @@ void run_torque_loop(void* context) {
   Run& run = *static_cast<Run*>(context);
   guard(run);
   ControllerState& state = run.state;
-  const std::int64_t late_ns = std::llround(1e9 * run.options.configuration.supervisor.torque_loop_overrun_s);
+  const std::int64_t overrun_ns =
+      std::llround(1e9 * run.options.configuration.supervisor.torque_loop_overrun_s);
   const realtime::AllocationScope allocations;
   hal::MonotonicClock clock;
   const std::int64_t tick_ns = period_ns(run.options.configuration.timing.torque_rate_hz);
@@ -81,14 +82,14 @@ void run_torque_loop(void* context) {
   control_loop::TickTiming timing;
   for (int ticks_off = 0; ticks_off < kLastTicks;) {
     timing.now_ns = clock.sleep_until(pace.next_ns());
-    timing.late_ns = timing.now_ns - pace.next_ns();
+    timing.wakeup_latency_ns = timing.now_ns - pace.next_ns();
     state.control.tick(timing);
     const std::int64_t done_ns = clock.now_ns();
     timing.execution_ns = done_ns - timing.now_ns;
-    state.loop.wakeup.add_ns(timing.late_ns);
+    state.loop.wakeup_latency.add_ns(timing.wakeup_latency_ns);
     state.loop.execution.add_ns(timing.execution_ns);
     ++state.loop.ticks;
-    if (timing.late_ns > late_ns) ++state.loop.late_ticks;
+    if (timing.wakeup_latency_ns > overrun_ns) ++state.loop.late_ticks;
     if (state.loop.ticks % kRoundTripEvery == 0 && supervisor::drives(state.control.decision().state)) {
       const auto wait_ns = static_cast<std::int64_t>(kRoundTripShare * static_cast<double>(tick_ns));
       timing.round_trip_ns =
@@ -96,7 +97,7 @@ void run_torque_loop(void* context) {
     }
     state.loop.missed_periods += pace.advance(timing.now_ns, clock.now_ns());
     state.loop.heap_allocations = allocations.count();
-    if (state.loop.ticks % kFiguresEvery == 0) {
+    if (state.loop.ticks % kStatisticsEvery == 0) {
       state.loop.page_faults = page_faults() - faults_before;
       publish(state);
     }
@@ -114,7 +115,7 @@ void run_cycle(Run& run, hal::MonotonicClock& clock, std::int64_t& last_tick) no
   last_tick = request.tick;
   const std::int64_t start_ns = clock.now_ns();
   const bool fresh = state.planner.plan(request, state.mail);
-  if (request.session == 0) return;
+  if (request.stance_episode == 0) return;
   const std::int64_t solve_ns = clock.now_ns() - start_ns;
   state.planner.record(request, fresh, solve_ns, state.mail);
   if (fresh) state.mail.plans.publish();
@@ -143,21 +144,21 @@ void run_planner(void* context) {
     state.planning.heap_allocations = allocations.count();
     state.planning.page_faults = page_faults() - faults_before;
     if (state.planning.plans % 25 == 0) {
-      state.planner_figures.writer() = state.planning;
-      state.planner_figures.publish();
+      state.planner_statistics.writer() = state.planning;
+      state.planner_statistics.publish();
     }
   }
 }
 
-void print_figures(ControllerState& state) {
-  const LoopFigures& loop = state.loop_figures.newest();
-  const PlannerFigures& planning = state.planner_figures.newest();
-  std::fputs(
-      (diagnostics::to_text("wake-up", loop.wakeup) + diagnostics::to_text("execution", loop.execution) +
-       diagnostics::to_text("bus round trip", loop.bus_round_trip) +
-       diagnostics::to_text("solve", planning.solve))
-          .c_str(),
-      stderr);
+void print_statistics(ControllerState& state) {
+  const LoopStatistics& loop = state.loop_statistics.newest();
+  const PlannerStatistics& planning = state.planner_statistics.newest();
+  std::fputs((diagnostics::to_text("wake-up", loop.wakeup_latency) +
+              diagnostics::to_text("execution", loop.execution) +
+              diagnostics::to_text("bus round trip", loop.bus_round_trip) +
+              diagnostics::to_text("solve", planning.solve))
+                 .c_str(),
+             stderr);
 }
 
 /// Once the black box has frozen: writes it, and lets it record again.
@@ -192,21 +193,21 @@ void run_realtime(const Options& options, Signals& signals, ControllerState& sta
   while (started && !run.torque_done.load(std::memory_order_acquire)) {
     operate(state, signals.stop);
     restore_buses(state);
-    take_events(state.mail.events, outcome, state.station);
-    tell(state, state.loop_figures.newest(), state.planner_figures.newest());
-    service.tell(clock.now_ns(), state.loop_figures.newest().ticks,
-                 supervisor::name(state.newest_tick.state));
+    take_events(state.mail.events, outcome, state.telemetry_node);
+    publish(state, state.loop_statistics.newest(), state.planner_statistics.newest());
+    service.notify(clock.now_ns(), state.loop_statistics.newest().ticks,
+                   supervisor::name(state.newest_tick.state));
     save_black_box(options, state);
-    if (signals.figures.exchange(false)) print_figures(state);
+    if (signals.print_statistics.exchange(false)) print_statistics(state);
     static_cast<void>(clock.sleep_until(clock.now_ns() + kHousekeepingPeriod_ns));
   }
-  service.tell_end();
+  service.notify_stopping();
   torque_loop.join();
   run.planner_end.store(true, std::memory_order_release);
   planner.join();
   if (run.unguarded) outcome.error = "--forbid-syscalls: this kernel has no seccomp filters";
-  take_events(state.mail.events, outcome, state.station);
-  finish_telling(state);
+  take_events(state.mail.events, outcome, state.telemetry_node);
+  flush_telemetry(state);
   save_black_box(options, state);
 }
 

@@ -9,8 +9,8 @@ namespace stilt::program {
 
 /// What people may ask of a run from outside, set by signal handlers.
 struct Signals {
-  std::atomic<bool> stop = false;     ///< sit, damp, let go, end
-  std::atomic<bool> figures = false;  ///< print the histograms so far
+  std::atomic<bool> stop = false;              ///< sit, damp, disable the drivers, end
+  std::atomic<bool> print_statistics = false;  ///< print the histograms so far
 };
 
 /// Runs the controller on the clock: torque loop and planner on threads of their own, everything ordinary on

@@ -19,7 +19,7 @@ BusReport report_buses(const configuration::Configuration& configuration) {
   return report;
 }
 
-realtime::Demands demands_of(const configuration::RuntimeParameters& runtime) {
+realtime::Requirements requirements_of(const configuration::RuntimeParameters& runtime) {
   return {runtime.torque_priority, runtime.planner_priority, runtime.torque_core, runtime.planner_core};
 }
 

@@ -15,7 +15,7 @@ struct BusReport {
 [[nodiscard]] BusReport report_buses(const configuration::Configuration& configuration);
 
 /// What the threads of a configuration ask of the machine.
-[[nodiscard]] realtime::Demands demands_of(const configuration::RuntimeParameters& runtime);
+[[nodiscard]] realtime::Requirements requirements_of(const configuration::RuntimeParameters& runtime);
 
 /// The machine in a few lines: kernel, processors, governor, locked memory, priority, and what is lacking.
 [[nodiscard]] std::string describe(const realtime::Capability& capability);

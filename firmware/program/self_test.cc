@@ -28,8 +28,8 @@ struct Test {
         stop(end),
         clock(time),
         replies(hal::reply_frames(configuration::robot_wiring(asked.configuration.hardware))) {
-    figures.enough_answered = asked.configuration.runtime.self_test_answered_share;
-    figures.enough_in_time = asked.configuration.runtime.self_test_in_time_share;
+    result.enough_answered = asked.configuration.runtime.self_test_answered_share;
+    result.enough_in_time = asked.configuration.runtime.self_test_in_time_share;
   }
 
   const Options& options;
@@ -37,7 +37,7 @@ struct Test {
   const std::atomic<bool>& stop;
   hal::Clock& clock;
   std::array<hal::ReplyFrame, hal::kJoints> replies;
-  SelfTestFigures figures;
+  SelfTestResult result;
   hal::RobotReadings readings;
   bool base_is_new = false;
 };
@@ -45,7 +45,7 @@ struct Test {
 /// One tick: sleeps, reads. Returns its time.
 std::int64_t begin_tick(Test& test, realtime::Pace& pace) {
   const std::int64_t now_ns = test.clock.sleep_until(pace.next_ns());
-  test.figures.wakeup.add_ns(now_ns - pace.next_ns());
+  test.result.wakeup_latency.add_ns(now_ns - pace.next_ns());
   const std::int64_t newest_base_ns = test.readings.base.time_ns;
   test.state.hardware->read(now_ns, test.readings);
   test.base_is_new = test.readings.base.time_ns != newest_base_ns;
@@ -62,26 +62,26 @@ bool bring_up(Test& test, realtime::Pace& pace) {
     pace.advance(began_ns, test.clock.now_ns());
   }
   if (progress.ready) return true;
-  test.figures.failure = std::string("the driver of ") + kJointNames[progress.joint] +
-                         " cannot be brought up: " + hal::bring_up::name(progress.failure);
+  test.result.failure = std::string("the driver of ") + kJointNames[progress.joint] +
+                        " cannot be brought up: " + hal::bring_up::name(progress.failure);
   return false;
 }
 
 /// What came since the last tick. A driver without replies counts by its readings.
 void count(Test& test) {
-  SelfTestFigures& figures = test.figures;
-  ++figures.ticks;
+  SelfTestResult& result = test.result;
+  ++result.ticks;
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
     const hal::ReplyFrame& reply = test.replies[joint];
-    const bool in_time = test.readings.joints[joint].missed == 0;
-    if (in_time) ++figures.in_time[joint];
-    if (!reply.exists && in_time) ++figures.answered[joint];
+    const bool in_time = test.readings.joints[joint].missed_replies == 0;
+    if (in_time) ++result.in_time[joint];
+    if (!reply.exists && in_time) ++result.answered[joint];
     if (!reply.exists) continue;
     const auto kept = test.state.hardware->buses()[reply.bus].kept();
-    figures.answered[joint] +=
+    result.answered[joint] +=
         std::ranges::count_if(kept, [&reply](const hal::CanFrame& frame) { return reply.is(frame); });
   }
-  if (test.base_is_new) ++figures.base_readings;
+  if (test.base_is_new) ++result.base_readings;
 }
 
 void forget(Test& test) {
@@ -117,13 +117,13 @@ void talk(Test& test, realtime::Pace& pace, std::int64_t tick_ns) {
     const auto wait_ns = std::llround(kReplyShare * static_cast<double>(tick_ns));
     const std::int64_t took_ns =
         test.options.lockstep ? -1 : round_trip.measure(test.clock, sent_ns, pace.next_ns() + wait_ns);
-    if (took_ns >= 0) test.figures.round_trip.add_ns(took_ns);
+    if (took_ns >= 0) test.result.round_trip.add_ns(took_ns);
     pace.advance(began_ns, test.clock.now_ns());
   }
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
-    test.figures.commands[joint] = test.figures.ticks - (withheld(test, joint) - before[joint]);
+    test.result.commands[joint] = test.result.ticks - (withheld(test, joint) - before[joint]);
   }
-  test.figures.bus_errors = static_cast<long long>(hardware.errors() - errors);
+  test.result.bus_errors = static_cast<long long>(hardware.errors() - errors);
 }
 
 void run(void* context) {
@@ -136,18 +136,18 @@ void run(void* context) {
 
 void run_in_turns(Test& test, hal::LockstepClock& clock) {
   if (!clock.open()) {
-    test.figures.failure = "the simulated robot does not answer in lock-step; start it with --lockstep too";
+    test.result.failure = "the simulated robot does not answer in lock-step; start it with --lockstep too";
     return;
   }
   run(&test);
-  static_cast<void>(clock.sleep_until(clock.now_ns() + 1));  // what was sent last is heard
+  static_cast<void>(clock.sleep_until(clock.now_ns() + 1));  // what was sent last is received
 }
 
 void run_on_thread(Test& test) {
   const configuration::RuntimeParameters& runtime = test.options.configuration.runtime;
   realtime::Thread thread;
   if (!thread.start({"self-test", runtime.torque_priority, runtime.torque_core}, run, &test)) {
-    test.figures.failure = "no thread can be started";
+    test.result.failure = "no thread can be started";
   }
   thread.join();
 }
@@ -165,7 +165,7 @@ std::string line(const char* name, const diagnostics::Percentiles& time_us) {
 
 }  // namespace
 
-bool SelfTestFigures::answered_enough() const noexcept {
+bool SelfTestResult::answered_enough() const noexcept {
   if (!failure.empty() || ticks == 0) return false;
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
     if (share(answered[joint], commands[joint]) < enough_answered) return false;
@@ -173,18 +173,18 @@ bool SelfTestFigures::answered_enough() const noexcept {
   return true;
 }
 
-bool SelfTestFigures::in_time_enough() const noexcept {
+bool SelfTestResult::in_time_enough() const noexcept {
   return failure.empty() && ticks > 0 && std::ranges::all_of(in_time, [this](long long of_joint) {
            return share(of_joint, ticks) >= enough_in_time;
          });
 }
 
-SelfTestFigures run_self_test(const Options& options, ControllerState& state, const std::atomic<bool>& stop) {
+SelfTestResult run_self_test(const Options& options, ControllerState& state, const std::atomic<bool>& stop) {
   if (!options.lockstep) {
     hal::MonotonicClock clock;
     Test test(options, state, stop, clock);
     run_on_thread(test);
-    return test.figures;
+    return test.result;
   }
   constexpr double kPatience_s = 10.0;
   const std::size_t buses = configuration::bus_names(options.configuration.hardware).size();
@@ -192,25 +192,25 @@ SelfTestFigures run_self_test(const Options& options, ControllerState& state, co
                            std::llround(1e9 / options.configuration.timing.torque_rate_hz), kPatience_s);
   Test test(options, state, stop, clock);
   run_in_turns(test, clock);
-  return test.figures;
+  return test.result;
 }
 
-std::string to_text(const SelfTestFigures& figures) {
-  if (!figures.failure.empty()) return figures.failure + '\n';
+std::string to_text(const SelfTestResult& result) {
+  if (!result.failure.empty()) return result.failure + '\n';
   std::string text;
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
     char replies[160];
     std::snprintf(replies, sizeof replies, "%-14s %.2f %% of %lld commands answered, %.2f %% in time\n",
-                  kJointNames[joint], 100 * share(figures.answered[joint], figures.commands[joint]),
-                  figures.commands[joint], 100 * share(figures.in_time[joint], figures.ticks));
+                  kJointNames[joint], 100 * share(result.answered[joint], result.commands[joint]),
+                  result.commands[joint], 100 * share(result.in_time[joint], result.ticks));
     text += replies;
   }
-  text += "base sensor    " + std::to_string(figures.base_readings) + " readings\n";
-  text += "bus errors     " + std::to_string(figures.bus_errors) + '\n';
-  text += line("round trip", figures.round_trip.percentiles());
-  text += line("wake-up", figures.wakeup.percentiles());
-  if (figures.passed()) return text + "passed\n";
-  if (figures.answered_enough()) {
+  text += "torso sensor   " + std::to_string(result.base_readings) + " readings\n";
+  text += "bus errors     " + std::to_string(result.bus_errors) + '\n';
+  text += line("round trip", result.round_trip.percentiles());
+  text += line("wake-up", result.wakeup_latency.percentiles());
+  if (result.passed()) return text + "passed\n";
+  if (result.answered_enough()) {
     return text +
            "failed: the drivers answer, but too late for runtime.self_test_in_time_share; see wake-up "
            "and round trip for who is late\n";
@@ -218,23 +218,23 @@ std::string to_text(const SelfTestFigures& figures) {
   return text + "failed: a driver answers less than runtime.self_test_answered_share of its commands\n";
 }
 
-std::string to_json(const SelfTestFigures& figures) {
+std::string to_json(const SelfTestResult& result) {
   const auto percentiles = [](const diagnostics::Histogram& histogram) {
     const diagnostics::Percentiles time_us = histogram.percentiles();
     return nlohmann::ordered_json{{"p50", time_us.p50_us}, {"p99", time_us.p99_us}, {"max", time_us.max_us}};
   };
   nlohmann::ordered_json json;
-  json["passed"] = figures.passed();
-  if (!figures.failure.empty()) json["failure"] = figures.failure;
-  json["commands"] = figures.ticks;
+  json["passed"] = result.passed();
+  if (!result.failure.empty()) json["failure"] = result.failure;
+  json["commands"] = result.ticks;
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
-    json["reply_share"][kJointNames[joint]] = share(figures.answered[joint], figures.commands[joint]);
-    json["in_time_share"][kJointNames[joint]] = share(figures.in_time[joint], figures.ticks);
+    json["reply_share"][kJointNames[joint]] = share(result.answered[joint], result.commands[joint]);
+    json["in_time_share"][kJointNames[joint]] = share(result.in_time[joint], result.ticks);
   }
-  json["base_readings"] = figures.base_readings;
-  json["bus_errors"] = figures.bus_errors;
-  json["bus_round_trip_us"] = percentiles(figures.round_trip);
-  json["wakeup_us"] = percentiles(figures.wakeup);
+  json["base_readings"] = result.base_readings;
+  json["bus_errors"] = result.bus_errors;
+  json["bus_round_trip_us"] = percentiles(result.round_trip);
+  json["wakeup_us"] = percentiles(result.wakeup_latency);
   return json.dump(2) + "\n";
 }
 

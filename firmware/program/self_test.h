@@ -11,7 +11,7 @@
 namespace stilt::program {
 
 /// What the drivers and sensors answered.
-struct SelfTestFigures {
+struct SelfTestResult {
   std::string failure;  ///< why the test could not be done; empty: it was
   long long ticks = 0;
   std::array<long long, hal::kJoints> commands{};  ///< that left; others found the one before still waiting
@@ -19,7 +19,7 @@ struct SelfTestFigures {
   std::array<long long, hal::kJoints> in_time{};   ///< ticks in which the reply to the tick before was there
   long long base_readings = 0;
   long long bus_errors = 0;
-  diagnostics::Histogram wakeup;
+  diagnostics::Histogram wakeup_latency;
   diagnostics::Histogram round_trip;
 
   double enough_answered = 0.999;  ///< runtime.self_test_answered_share
@@ -34,12 +34,12 @@ struct SelfTestFigures {
 };
 
 /// Brings all drivers up and commands zero torque at the rate of the torque loop for options.self_test_s,
-/// then lets go. Nothing moves. In lock-step a tick is a turn of the simulated robot.
-[[nodiscard]] SelfTestFigures run_self_test(const Options& options, ControllerState& state,
-                                            const std::atomic<bool>& stop);
+/// then disables the drivers. Nothing moves. In lock-step a tick is a turn of the simulated robot.
+[[nodiscard]] SelfTestResult run_self_test(const Options& options, ControllerState& state,
+                                           const std::atomic<bool>& stop);
 
 /// The figures for people, and as JSON.
-[[nodiscard]] std::string to_text(const SelfTestFigures& figures);
-[[nodiscard]] std::string to_json(const SelfTestFigures& figures);
+[[nodiscard]] std::string to_text(const SelfTestResult& result);
+[[nodiscard]] std::string to_json(const SelfTestResult& result);
 
 }  // namespace stilt::program

@@ -10,21 +10,21 @@ constexpr int kKeepEnvironment = 0;
 
 }  // namespace
 
-void ServiceManager::tell(std::int64_t now_ns, long long ticks, const char* state) {
+void ServiceManager::notify(std::int64_t now_ns, long long ticks, const char* state) {
   std::string message;
-  if (told_ticks_ == 0 && ticks > 0) message += "READY=1\n";
-  if (ticks > told_ticks_ && now_ns - told_ns_ >= kPeriod_ns) {
+  if (notified_ticks_ == 0 && ticks > 0) message += "READY=1\n";
+  if (ticks > notified_ticks_ && now_ns - notified_ns_ >= kPeriod_ns) {
     message += "WATCHDOG=1\n";
-    told_ticks_ = ticks;
-    told_ns_ = now_ns;
+    notified_ticks_ = ticks;
+    notified_ns_ = now_ns;
   }
-  if (told_state_ != state) {
+  if (notified_state_ != state) {
     message += std::string("STATUS=") + state + '\n';
-    told_state_ = state;
+    notified_state_ = state;
   }
   if (!message.empty()) sd_notify(kKeepEnvironment, message.c_str());
 }
 
-void ServiceManager::tell_end() const { sd_notify(kKeepEnvironment, "STOPPING=1"); }
+void ServiceManager::notify_stopping() const { sd_notify(kKeepEnvironment, "STOPPING=1"); }
 
 }  // namespace stilt::program

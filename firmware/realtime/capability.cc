@@ -47,23 +47,23 @@ void look_at_kernel(Capability& capability, const std::string& root) {
   }
 }
 
-void look_at_processors(Capability& capability, const Demands& demands, const std::string& root) {
+void look_at_processors(Capability& capability, const Requirements& requirements, const std::string& root) {
   cpu_set_t allowed;
   CPU_ZERO(&allowed);
   sched_getaffinity(0, sizeof allowed, &allowed);
   capability.cores = CPU_COUNT(&allowed);
-  for (const int core : {demands.torque_core, demands.planner_core}) {
+  for (const int core : {requirements.torque_core, requirements.planner_core}) {
     if (usable_core(allowed, core)) continue;
     capability.lacking.push_back("processor " + std::to_string(core) + " is not there for this program");
   }
   if (capability.cores < 2) {
     capability.lacking.push_back("torque loop and planner share one processor");
-  } else if (demands.torque_core >= 0 && demands.torque_core == demands.planner_core) {
-    capability.lacking.push_back("torque loop and planner are both told to use processor " +
-                                 std::to_string(demands.torque_core));
+  } else if (requirements.torque_core >= 0 && requirements.torque_core == requirements.planner_core) {
+    capability.lacking.push_back("torque loop and planner are both set to processor " +
+                                 std::to_string(requirements.torque_core));
   }
   const std::string folder =
-      root + "/sys/devices/system/cpu/cpu" + std::to_string(std::max(0, demands.torque_core));
+      root + "/sys/devices/system/cpu/cpu" + std::to_string(std::max(0, requirements.torque_core));
   capability.governor = first_line(folder + "/cpufreq/scaling_governor");
   if (!capability.governor.empty() && capability.governor != "performance") {
     capability.lacking.push_back("frequency governor is " + capability.governor + ", not performance");
@@ -72,18 +72,18 @@ void look_at_processors(Capability& capability, const Demands& demands, const st
 
 }  // namespace
 
-Capability acquire(const Demands& demands, const std::string& root) {
+Capability acquire(const Requirements& requirements, const std::string& root) {
   Capability capability;
   look_at_kernel(capability, root);
-  look_at_processors(capability, demands, root);
+  look_at_processors(capability, requirements, root);
   capability.memory_locked = mlockall(MCL_CURRENT | MCL_FUTURE) == 0;
   if (!capability.memory_locked) {
     capability.lacking.push_back(std::string("memory cannot be locked (") + std::strerror(errno) + ")");
   }
-  const int highest = std::max(demands.torque_priority, demands.planner_priority);
+  const int highest = std::max(requirements.torque_priority, requirements.planner_priority);
   capability.priority_allowed = highest > 0 && may_have_priority(highest);
-  if (demands.torque_priority <= 0) {
-    capability.lacking.push_back("the torque loop is told to have no priority");
+  if (requirements.torque_priority <= 0) {
+    capability.lacking.push_back("the torque loop is set to no priority");
   } else if (!capability.priority_allowed) {
     capability.lacking.push_back("SCHED_FIFO priority " + std::to_string(highest) + " is not permitted");
   }

@@ -6,7 +6,7 @@
 namespace stilt::realtime {
 
 /// What the threads of the program ask of the machine.
-struct Demands {
+struct Requirements {
   int torque_priority = 80;   ///< SCHED_FIFO; 0: none asked for
   int planner_priority = 60;  ///< SCHED_FIFO; 0: none asked for
   int torque_core = -1;       ///< -1: any
@@ -29,7 +29,7 @@ struct Capability {
 
 /// Locks present and future memory of the process, tries the priorities, and reads the rest. `root`: where
 /// /sys and /proc are looked for, for tests.
-[[nodiscard]] Capability acquire(const Demands& demands, const std::string& root = "");
+[[nodiscard]] Capability acquire(const Requirements& requirements, const std::string& root = "");
 
 /// What is lacking, in one line; empty for a machine that can keep time.
 [[nodiscard]] std::string lacking_text(const Capability& capability);

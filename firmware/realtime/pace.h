@@ -6,7 +6,7 @@ namespace stilt::realtime {
 
 /// Times of a periodic thread: start + k period. After an overrun the missed times are left out, the phase
 /// stays, and no two periods follow each other in a burst: what begins more than half a period late leaves
-/// the next time out, too, since whoever is talked to needs a moment to answer. Pure.
+/// the next time out, too, since the other end needs a moment to answer. Pure.
 class Pace {
  public:
   Pace(std::int64_t start_ns, std::int64_t period_ns) noexcept : next_ns_(start_ns), period_ns_(period_ns) {}

@@ -16,7 +16,7 @@ bool within(double value, double minimum, double maximum) noexcept {
 
 bool any_joint_missed(const Observation& seen, int ticks) noexcept {
   return std::any_of(seen.joints.begin(), seen.joints.end(), [ticks](const JointReading& joint) {
-    return joint.missed >= static_cast<std::uint32_t>(ticks);
+    return joint.missed_replies >= static_cast<std::uint32_t>(ticks);
   });
 }
 
@@ -38,7 +38,7 @@ FaultSet detect_limits(const Observation& seen, const JointLimits& limits,
   FaultSet faults;
   for (std::size_t i = 0; i < kJoints; ++i) {
     const JointReading& joint = seen.joints[i];
-    if (joint.time_ns == 0) continue;  // never heard: a matter of its replies
+    if (joint.time_ns == 0) continue;  // no reply yet: a matter of its replies
     const double speed_rad_s = limits.speed_rad_s[i] + parameters.speed_margin_rad_s;
     faults.add_if(!within(joint.position_rad, limits.position_min_rad[i] - parameters.position_margin_rad,
                           limits.position_max_rad[i] + parameters.position_margin_rad),
@@ -60,11 +60,12 @@ FaultSet detect_sensors(const Observation& seen, const SupervisorParameters& par
   FaultSet faults;
   for (std::size_t i = 0; i < kJoints; ++i) {
     const bool moves = std::abs(seen.planned_speed_rad_s[i]) > parameters.moving_rad_s;
-    faults.add_if(moves && seen.joints[i].frozen >= frozen, Fault::stale_encoder);
+    faults.add_if(moves && seen.joints[i].unchanged_replies >= frozen, Fault::encoder_frozen);
   }
-  const bool repeats = seen.base.frozen >= frozen && joints_should_move(seen, parameters.moving_rad_s);
-  faults.add_if(repeats || seen.base.missed >= damp, Fault::stale_base_sensor);
-  faults.add_if(any_joint_missed(seen, parameters.missed_hold_ticks) || seen.base.missed >= hold,
+  const bool repeats =
+      seen.base.unchanged_replies >= frozen && joints_should_move(seen, parameters.moving_rad_s);
+  faults.add_if(repeats || seen.base.missed_replies >= damp, Fault::stale_torso_sensor);
+  faults.add_if(any_joint_missed(seen, parameters.missed_hold_ticks) || seen.base.missed_replies >= hold,
                 Fault::missed_replies);
   faults.add_if(any_joint_missed(seen, parameters.missed_damp_ticks), Fault::lost_replies);
   return faults;
@@ -103,8 +104,8 @@ FaultSet detect_software(const Observation& seen, const SupervisorParameters& pa
   faults.add_if(wants_plan && followable.gait, Fault::plan_missing);
   faults.add_if(seen.failed_solves >= parameters.failed_solves, Fault::failed_solves);
   faults.add_if(seen.solve_s > parameters.planner_overrun_s, Fault::planner_overrun);
-  faults.add_if(seen.lateness_s > parameters.torque_loop_overrun_s, Fault::torque_loop_overrun);
-  faults.add_if(seen.lateness_s > parameters.torque_loop_stall_s, Fault::torque_loop_stalled);
+  faults.add_if(seen.wakeup_latency_s > parameters.torque_loop_overrun_s, Fault::torque_loop_overrun);
+  faults.add_if(seen.wakeup_latency_s > parameters.torque_loop_stall_s, Fault::torque_loop_stalled);
   faults.add_if(!seen.controller_finite || seen.write_status == hal::JointBusStatus::refused,
                 Fault::not_finite);
   return faults;

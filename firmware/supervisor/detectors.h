@@ -6,8 +6,8 @@
 #include "firmware/supervisor/fault.h"
 #include "firmware/supervisor/parameters.h"
 #include "hal/robot/joint_bus.h"
-#include "hal/sensors/base_sensor.h"
 #include "hal/sensors/emergency_stop.h"
+#include "hal/sensors/torso_sensor.h"
 
 /// Pure functions from what a tick knows to faults. Every one is real-time. NaN never passes for healthy
 /// where a value must be there, and never counts where a driver need not say it (temperature, voltage,
@@ -28,14 +28,14 @@ struct Observation {
   Followable followable;            ///< plan and gait
   int failed_solves = 0;            ///< in a row
   double solve_s = 0;               ///< of the newest solve
-  double lateness_s = 0;            ///< of this tick
+  double wakeup_latency_s = 0;      ///< of this tick
   bool heartbeat_expected = false;  ///< an operator's program gave the last command
   double heartbeat_age_s = 0;       ///< since its last sign of life
   bool bring_up_failed = false;
 };
 
 /// Beyond travel, speed or torque by more than the margins, or not finite; the torso too far from upright.
-/// A joint that was never heard has no position to judge.
+/// A joint without any reply has no position to judge.
 [[nodiscard]] FaultSet detect_limits(const Observation& seen, const JointLimits& limits,
                                      const SupervisorParameters& parameters) noexcept;
 

@@ -60,7 +60,7 @@ enum class Reaction : std::uint8_t {
 /// How a plan can be followed.
 enum class PlanUse : std::uint8_t {
   none,          ///< there is none, it has ended, or it is older than stale_plan_s
-  as_it_is,      ///< younger than older_plan_s
+  as_it_is,      ///< younger than plan_feedback_after_s
   with_feedback  ///< older than that: its gains correct what has happened since
 };
 
@@ -70,7 +70,7 @@ enum class PlanUse : std::uint8_t {
 [[nodiscard]] constexpr PlanUse plan_use(bool exists, double age_s,
                                          const SupervisorParameters& parameters) noexcept {
   if (!exists || !(age_s < parameters.stale_plan_s)) return PlanUse::none;
-  return age_s < parameters.older_plan_s ? PlanUse::as_it_is : PlanUse::with_feedback;
+  return age_s < parameters.plan_feedback_after_s ? PlanUse::as_it_is : PlanUse::with_feedback;
 }
 
 /// What the torque law could follow in a tick.

@@ -45,8 +45,8 @@ Pose pose_between_rad(const Pose& from_rad, const Pose& to_rad, double s) noexce
   return pose_rad;
 }
 
-JointCommands taken_over(const JointCommands& wanted, const Pose& start_rad, double s,
-                         const SupervisorParameters& parameters) noexcept {
+JointCommands blend_in(const JointCommands& wanted, const Pose& start_rad, double s,
+                       const SupervisorParameters& parameters) noexcept {
   if (s >= 1) return wanted;
   JointCommands commands = wanted;
   for (std::size_t i = 0; i < kJoints; ++i) {

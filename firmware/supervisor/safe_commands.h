@@ -20,8 +20,8 @@ namespace stilt::supervisor {
 
 /// The torque law's commands while it takes over: share s of them, with the positions s of the way from
 /// `start_rad`, and damping for the rest: tau = s tau_wanted - (1 - s) kd_damping v.
-[[nodiscard]] hal::JointCommands taken_over(const hal::JointCommands& wanted, const Pose& start_rad, double s,
-                                            const SupervisorParameters& parameters) noexcept;
+[[nodiscard]] hal::JointCommands blend_in(const hal::JointCommands& wanted, const Pose& start_rad, double s,
+                                          const SupervisorParameters& parameters) noexcept;
 
 /// No field of any joint is NaN or infinite.
 [[nodiscard]] bool finite(const hal::JointCommands& commands) noexcept;

@@ -8,16 +8,16 @@
 namespace stilt::supervisor {
 
 enum class State : std::uint8_t {
-  boot,       ///< sensors are not heard yet; nothing is sent
+  boot,       ///< no sensor data yet; nothing is sent
   idle,       ///< drivers are left alone
   calibrate,  ///< drivers are brought up
-  ready,      ///< drivers obey; the joints are damped
+  ready,      ///< drivers are enabled; the joints are damped
   stand,      ///< the torque law takes over along a ramp, then stands
   step,       ///< steps in place
   walk,
-  sit,    ///< the pose goes to the sitting pose
+  sit,    ///< the pose moves to the sitting pose
   fault,  ///< damped until reset
-  off,    ///< motors let go; the end
+  off,    ///< drivers are disabled; the end
 };
 inline constexpr std::size_t kStates = 10;
 
@@ -29,16 +29,16 @@ inline constexpr std::size_t kStates = 10;
 
 /// What the robot does there, a sentence without a full stop.
 [[nodiscard]] constexpr const char* description(State state) noexcept {
-  constexpr std::array<const char*, kStates> kTexts = {"Sensors are not heard yet, nothing is sent",
+  constexpr std::array<const char*, kStates> kTexts = {"No sensor data yet, nothing is sent",
                                                        "The motor drivers are left alone",
                                                        "The motor drivers are brought up",
-                                                       "The drivers obey, the joints are damped",
+                                                       "The drivers are enabled, the joints are damped",
                                                        "The torque law takes over and stands",
                                                        "Steps in place",
                                                        "Walks",
                                                        "Goes to the sitting pose",
                                                        "Damped until the faults are reset",
-                                                       "The motors are let go, the end"};
+                                                       "The drivers are disabled, the end"};
   return kTexts[static_cast<std::size_t>(state)];
 }
 
@@ -57,7 +57,7 @@ inline constexpr std::size_t kStates = 10;
 
 /// What makes a state end.
 enum class Condition : std::uint8_t {
-  sensors_heard,      ///< the emergency stop has reported, or had its time to
+  sensors_present,    ///< the emergency stop has reported, or had its time to
   bring_up_done,      ///< every driver is enabled
   sit_done,           ///< the sitting pose is reached
   damp_fault,         ///< a fault that asks for damping, or for off
@@ -94,10 +94,10 @@ struct Transition {
   State to;
 };
 
-/// Every transition there is. Of those that apply the first is taken, one a tick.
+/// Every transition there is. Of those that apply the first is taken, one per tick.
 inline constexpr auto kTransitions = std::to_array<Transition>({
     {State::boot, Condition::shut_down, Guard::always, State::off},
-    {State::boot, Condition::sensors_heard, Guard::always, State::idle},
+    {State::boot, Condition::sensors_present, Guard::always, State::idle},
 
     {State::idle, Condition::damp_fault, Guard::always, State::fault},
     {State::idle, Condition::shut_down, Guard::always, State::off},

@@ -13,7 +13,7 @@ constexpr FaultSet kLatching = of_severity(Severity::latched);
 /// Causes that show only in what drivers and sensors send; they need a moment after drivers came up.
 constexpr FaultSet kOfReplies = [] {
   FaultSet set;
-  for (const Fault fault : {Fault::missed_replies, Fault::lost_replies, Fault::stale_base_sensor,
+  for (const Fault fault : {Fault::missed_replies, Fault::lost_replies, Fault::stale_torso_sensor,
                             Fault::driver_not_enabled, Fault::driver_fault}) {
     set.add(fault);
   }
@@ -141,7 +141,7 @@ bool Supervisor::requested(RequestKind kind, const Request& request) const noexc
 bool Supervisor::applies(Condition condition, const SupervisorInputs& inputs) const noexcept {
   const Request& request = inputs.request;
   switch (condition) {
-    case Condition::sensors_heard:
+    case Condition::sensors_present:
       return inputs.seen.emergency_stop != hal::EmergencyStopState::unknown ||
              since_s(entered_ns_) >= parameters_.emergency_stop_wait_s;
     case Condition::bring_up_done:
@@ -266,7 +266,7 @@ hal::JointCommands Supervisor::commands_of_level(const hal::JointCommands& wante
     case FallbackLevel::plan:
     case FallbackLevel::plan_feedback:
     case FallbackLevel::gait:
-      return taken_over(wanted, stand_pose_rad_, output_.ramp, parameters_);
+      return blend_in(wanted, stand_pose_rad_, output_.ramp, parameters_);
     case FallbackLevel::hold:
       return held(level_pose_rad_, hold_s, limits_, parameters_);
     case FallbackLevel::sit: {

@@ -26,7 +26,7 @@ struct SupervisorInputs {
   Observation seen;
   Request request;
   bool bring_up_done = false;  ///< every driver is enabled
-  bool shut_down = false;      ///< the program is to end: sit, damp, let go
+  bool shut_down = false;      ///< the program is to end: sit, damp, disable the drivers
   bool fit_to_stand = true;    ///< nearly at rest and near the standing pose
   bool in_stance = true;       ///< still near enough to the standing pose to go on standing up
 };

@@ -28,7 +28,7 @@ Cdr encode(const dds_topic_descriptor_t& type, const void* message) {
 }
 
 bool decode(const dds_topic_descriptor_t& type, std::span<const std::byte> cdr, void* message) {
-  // The last two bits of the header tell how many bytes at the end only fill up.
+  // The last two bits of the header hold how many bytes at the end only fill up.
   // No message of ours is without fields.
   if (cdr.size() <= kHeader_bytes || cdr[0] != std::byte{0}) return false;
   const bool big_endian = cdr[1] == std::byte{0};

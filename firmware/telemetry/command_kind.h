@@ -14,13 +14,13 @@ enum class CommandKind : std::uint8_t {
   step,       ///< step in place
   walk,       ///< value: forward speed, m/s
   sit,        ///< come to a stand, sit down, damp the joints
-  stop,       ///< stand still now and forget what was asked for; of anyone with the token, whoever commands
-  reset,      ///< forget faults whose causes are gone
-  speed,      ///< value: forward speed of the walk that is on, m/s
-  height,     ///< value: height of the hip, m
-  tunable,    ///< key: section.key of a live tunable; value: its new value
-  off,        ///< sit down, let go of the motors, end stiltd
-  release,    ///< the commander gives the command up and need not show that he lives
+  stop,     ///< stand still now and forget what was asked for; of anyone with the token, even out of command
+  reset,    ///< forget faults whose causes are gone
+  speed,    ///< value: forward speed of the walk that is on, m/s
+  height,   ///< value: height of the hip, m
+  tunable,  ///< key: section.key of a live tunable; value: its new value
+  off,      ///< sit down, disable the drivers, end stiltd
+  release,  ///< the commander gives the command up and need not show that he lives
 };
 inline constexpr std::size_t kCommandKinds = 13;
 

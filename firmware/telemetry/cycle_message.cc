@@ -9,7 +9,7 @@ void for_each_field(Message& message, Record& record, Visit&& visit) {
   visit(message.cycle, record.cycle);
   visit(message.tick, record.tick);
   visit(message.time_s, record.time_s);
-  visit(message.standing, record.standing);
+  visit(message.stance_episode, record.stance_episode);
   visit(message.plan_sequence, record.plan_sequence);
   visit(message.failures, record.failures);
   visit(message.tuning, record.tuning);

@@ -6,7 +6,7 @@
 /// A solve of the planner as its record and as its message. Ordinary threads.
 namespace stilt::telemetry {
 
-/// `session` and `dropped` stay 0.
+/// `run_id` and `dropped` stay 0.
 [[nodiscard]] PlannerCycle cycle_message(const control_loop::CycleRecord& record) noexcept;
 
 /// The record, bit for bit what cycle_message() was given.

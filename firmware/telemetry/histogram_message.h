@@ -33,9 +33,9 @@ class HistogramMessage {
 
   /// Valid as long as this object.
   [[nodiscard]] const stilt_msgs_msg_dds__Histogram_& message() {
-    lend(message_.name, name_);
-    lend(message_.lower_edge_us, edges_);
-    lend(message_.bin, bins_);
+    set_view(message_.name, name_);
+    set_view(message_.lower_edge_us, edges_);
+    set_view(message_.bin, bins_);
     return message_;
   }
 

@@ -86,7 +86,7 @@ std::expected<void, std::string> check(const Network& network) {
     const std::string path = network.security_folder + "/" + name;
     if (!std::filesystem::is_regular_file(path)) {
       return std::unexpected("telemetry.security_folder: " + path +
-                             " is missing; docs/security.md tells how to make the documents");
+                             " is missing; see docs/security.md on how to make the documents");
     }
   }
   return {};

@@ -65,12 +65,12 @@ std::string name_of(const control_loop::Event& event) {
   return {};
 }
 
-/// Numbers of a sketch, as the message wants them.
-struct SketchNumbers {
+/// Numbers of a preview, as the message wants them.
+struct PreviewNumbers {
   std::vector<float> time_s, base, joints, feet, forces, torques;
   std::vector<std::uint8_t> contact;
 
-  void add(const control_loop::PlanSketch::Node& node, double start_time_s, const ocp::ProblemData& data) {
+  void add(const control_loop::PlanPreview::Node& node, double start_time_s, const ocp::ProblemData& data) {
     model::KinematicsTerms<double> feet_terms;
     data.robot->kinematics(node.state.data(), feet_terms);
     model::NodeTerms<double> terms;
@@ -89,9 +89,9 @@ struct SketchNumbers {
 
 }  // namespace
 
-std::expected<Publisher, std::string> Publisher::open(const Participant& participant, std::uint64_t session) {
+std::expected<Publisher, std::string> Publisher::open(const Participant& participant, std::uint64_t run_id) {
   Publisher made;
-  made.session_ = session;
+  made.run_id_ = run_id;
   made.participant_ = participant.handle();
   std::string error;
   const bool opened = open_writer(participant, kTicks, made.ticks_, error) &&
@@ -125,20 +125,20 @@ void Publisher::configuration(const configuration::Configuration& configuration,
                         tunable.maximum, tunable.start_value});
   }
   ConfigurationInForce message{};
-  message.session = session_;
-  lend(message.robot, robot);
-  lend(message.configuration, toml);
-  lend(message.version, texts.version);
-  lend(message.compiler, texts.compiler);
-  lend(message.instruction_set, texts.instruction_set);
+  message.run_id = run_id_;
+  set_view(message.robot, robot);
+  set_view(message.configuration, toml);
+  set_view(message.version, texts.version);
+  set_view(message.compiler, texts.compiler);
+  set_view(message.instruction_set, texts.instruction_set);
   message.start_time_ns = time.start_time_ns;
   message.start_clock_ns = time.start_clock_ns;
   message.lockstep = run.lockstep;
-  lend(message.realtime, texts.not_realtime);
+  set_view(message.realtime, texts.not_realtime);
   message.torque_rate_hz = configuration.timing.torque_rate_hz;
   message.plan_rate_hz = configuration.timing.plan_rate_hz;
-  lend(message.token_file, texts.token_file);
-  lend(message.tunables, tunables);
+  set_view(message.token_file, texts.token_file);
+  set_view(message.tunables, tunables);
   configuration_.write(message);
 }
 
@@ -147,38 +147,38 @@ void Publisher::tuning(const Tuner& tuner, const std::string& key, const std::st
   std::string who = commander;
   std::vector<double> values = tuner.values();
   Tuning message{};
-  message.session = session_;
+  message.run_id = run_id_;
   message.number = tuner.number();
-  lend(message.key, key_text);
-  lend(message.commander, who);
-  lend(message.values, values);
+  set_view(message.key, key_text);
+  set_view(message.commander, who);
+  set_view(message.values, values);
   tuning_.write(message);
 }
 
 void Publisher::cycle(const control_loop::CycleRecord& record, const Drops& drops) {
   PlannerCycle message = cycle_message(record);
-  message.session = session_;
+  message.run_id = run_id_;
   message.dropped = drops.cycles;
   cycles_.write(message);
 }
 
-void Publisher::plan(const control_loop::PlanSketch& sketch, const control::PlannerSettings& settings) {
-  SketchNumbers numbers;
-  for (int k = 0; k < sketch.count; ++k) {
-    numbers.add(sketch.node[static_cast<std::size_t>(k)], sketch.start_time_s, settings.data);
+void Publisher::plan(const control_loop::PlanPreview& preview, const control::PlannerSettings& settings) {
+  PreviewNumbers numbers;
+  for (int k = 0; k < preview.count; ++k) {
+    numbers.add(preview.node[static_cast<std::size_t>(k)], preview.start_time_s, settings.data);
   }
   Plan message{};
-  message.session = session_;
-  message.plan_sequence = sketch.sequence;
-  message.start_time_s = sketch.start_time_s;
-  message.count = static_cast<std::uint32_t>(sketch.count);
-  lend(message.time_s, numbers.time_s);
-  lend(message.contact, numbers.contact);
-  lend(message.base, numbers.base);
-  lend(message.joint_position_rad, numbers.joints);
-  lend(message.foot_position_m, numbers.feet);
-  lend(message.contact_force_N, numbers.forces);
-  lend(message.joint_torque_Nm, numbers.torques);
+  message.run_id = run_id_;
+  message.plan_sequence = preview.sequence;
+  message.start_time_s = preview.start_time_s;
+  message.count = static_cast<std::uint32_t>(preview.count);
+  set_view(message.time_s, numbers.time_s);
+  set_view(message.contact, numbers.contact);
+  set_view(message.base, numbers.base);
+  set_view(message.joint_position_rad, numbers.joints);
+  set_view(message.foot_position_m, numbers.feet);
+  set_view(message.contact_force_N, numbers.forces);
+  set_view(message.joint_torque_Nm, numbers.torques);
   plans_.write(message);
 }
 
@@ -190,12 +190,12 @@ void Publisher::supervisor(const control_loop::TickRecord& tick, const WallTime&
     if (tick.present.has(row.fault) || tick.latched.has(row.fault)) faults.add(row.name);
   }
   Supervisor message{};
-  message.session = session_;
+  message.run_id = run_id_;
   message.tick = tick.tick;
   message.time_ns = tick.time_ns;
   message.time_s = time.seconds(tick.time_ns);
   message.state = static_cast<std::uint8_t>(tick.state);
-  message.rung = static_cast<std::uint8_t>(tick.level);
+  message.fallback_level = static_cast<std::uint8_t>(tick.level);
   message.reaction = static_cast<std::uint8_t>(tick.reaction);
   message.present_faults = tick.present.bits();
   message.latched_faults = tick.latched.bits();
@@ -206,16 +206,16 @@ void Publisher::supervisor(const control_loop::TickRecord& tick, const WallTime&
   message.base_height_m = base_height_m;
   message.gait = static_cast<std::uint8_t>(tick.gait.kind);
   message.speed_m_s = tick.gait.speed_m_s;
-  lend(message.commander, commander);
+  set_view(message.commander, commander);
   message.commander_alive = in_command.alive;
-  lend(message.state_name, supervisor::name(tick.state));
-  lend(message.rung_name, supervisor::name(tick.level));
-  faults.lend_to(message.faults);
+  set_view(message.state_name, supervisor::name(tick.state));
+  set_view(message.fallback_level_name, supervisor::name(tick.level));
+  faults.set_view_in(message.faults);
   supervisor_.write(message);
 }
 
 void Publisher::send(Event& event, const Drops& drops) {
-  event.session = session_;
+  event.run_id = run_id_;
   event.number = events_++;
   event.dropped = drops.events;
   events_writer_.write(event);
@@ -232,8 +232,8 @@ void Publisher::event(const control_loop::Event& event, const Drops& drops) {
   if (event.kind == control_loop::Event::Kind::fault) {
     message.reaction = static_cast<std::uint8_t>(supervisor::row(event.fault).reaction);
   }
-  lend(message.name, name);
-  lend(message.text, text);
+  set_view(message.name, name);
+  set_view(message.text, text);
   send(message, drops);
 }
 
@@ -244,23 +244,25 @@ void Publisher::note(std::uint8_t kind, double time_s, const std::string& name, 
   Event message{};
   message.time_s = time_s;
   message.kind = kind;
-  lend(message.name, its_name);
-  lend(message.text, its_text);
+  set_view(message.name, its_name);
+  set_view(message.text, its_text);
   send(message, drops);
 }
 
-void Publisher::timing(const diagnostics::LoopFigures& loop, const diagnostics::PlannerFigures& planning,
+void Publisher::timing(const diagnostics::LoopStatistics& loop,
+                       const diagnostics::PlannerStatistics& planning,
                        const configuration::Configuration& configuration, double time_s, const Drops& drops) {
   const double tick_us = 1e6 / configuration.timing.torque_rate_hz;
   std::array<HistogramMessage, 4> histograms = {
-      HistogramMessage("wakeup", loop.wakeup, 1e6 * configuration.supervisor.torque_loop_overrun_s),
+      HistogramMessage("wakeup_latency", loop.wakeup_latency,
+                       1e6 * configuration.supervisor.torque_loop_overrun_s),
       HistogramMessage("execution", loop.execution, tick_us),
       HistogramMessage("bus_round_trip", loop.bus_round_trip, tick_us),
       HistogramMessage("solve", planning.solve, 1e6 * configuration.supervisor.planner_overrun_s)};
   std::vector<stilt_msgs_msg_dds__Histogram_> list;
   for (HistogramMessage& histogram : histograms) list.push_back(histogram.message());
   Timing message{};
-  message.session = session_;
+  message.run_id = run_id_;
   message.time_s = time_s;
   message.ticks = static_cast<std::uint64_t>(loop.ticks);
   message.late_ticks = static_cast<std::uint64_t>(loop.late_ticks);
@@ -271,7 +273,7 @@ void Publisher::timing(const diagnostics::LoopFigures& loop, const diagnostics::
   message.dropped_ticks = drops.ticks;
   message.dropped_cycles = drops.cycles;
   message.dropped_events = drops.events;
-  lend(message.histograms, list);
+  set_view(message.histograms, list);
   timing_.write(message);
 }
 
@@ -280,17 +282,17 @@ void Publisher::reply(const std::string& commander, std::uint64_t number, bool a
   std::string who = commander;
   std::string why = reason;
   CommandReply message{};
-  message.session = session_;
-  lend(message.commander, who);
+  message.run_id = run_id_;
+  set_view(message.commander, who);
   message.number = number;
   message.accepted = accepted;
-  lend(message.reason, why);
+  set_view(message.reason, why);
   message.time_s = time_s;
   replies_.write(message);
 }
 
 void Publisher::ticks(TickBatchBuilder& batch, const Drops& drops) {
-  batch.message().session = session_;
+  batch.message().run_id = run_id_;
   batch.message().dropped = drops.ticks;
   ticks_.write(batch.message());
 }

@@ -5,8 +5,8 @@
 
 #include "firmware/control_loop/cycle_record.h"
 #include "firmware/control_loop/events.h"
-#include "firmware/diagnostics/figures.h"
 #include "firmware/control_loop/tick_record.h"
+#include "firmware/diagnostics/statistics.h"
 #include "firmware/telemetry/tick_batch.h"
 #include "firmware/telemetry/tuner.h"
 #include "firmware/telemetry/wall_time.h"
@@ -34,7 +34,7 @@ struct Drops {
 
 /// Who is in command, for Supervisor.
 struct InCommand {
-  std::string name;  ///< empty: nobody
+  std::string name;  ///< empty: none
   bool alive = false;
 };
 
@@ -43,20 +43,20 @@ struct InCommand {
 class Publisher {
  public:
   [[nodiscard]] static std::expected<Publisher, std::string> open(const Participant& participant,
-                                                                  std::uint64_t session);
+                                                                  std::uint64_t run_id);
 
   void configuration(const configuration::Configuration& configuration, const RunDescription& run,
                      const Tuner& tuner, const WallTime& time);
   void tuning(const Tuner& tuner, const std::string& key, const std::string& commander);
   void cycle(const control_loop::CycleRecord& record, const Drops& drops);
-  void plan(const control_loop::PlanSketch& sketch, const control::PlannerSettings& settings);
+  void plan(const control_loop::PlanPreview& preview, const control::PlannerSettings& settings);
   void supervisor(const control_loop::TickRecord& tick, const WallTime& time, const InCommand& in_command,
                   double base_height_m);
   void event(const control_loop::Event& event, const Drops& drops);
   /// Event of kind 4 (a command) or 5 (the commander).
   void note(std::uint8_t kind, double time_s, const std::string& name, const std::string& text,
             const Drops& drops);
-  void timing(const diagnostics::LoopFigures& loop, const diagnostics::PlannerFigures& planning,
+  void timing(const diagnostics::LoopStatistics& loop, const diagnostics::PlannerStatistics& planning,
               const configuration::Configuration& configuration, double time_s, const Drops& drops);
   void reply(const std::string& commander, std::uint64_t number, bool accepted, const std::string& reason,
              double time_s);
@@ -68,7 +68,7 @@ class Publisher {
  private:
   void send(Event& event, const Drops& drops);
 
-  std::uint64_t session_ = 0;
+  std::uint64_t run_id_ = 0;
   std::uint64_t events_ = 0;
   dds_entity_t participant_ = 0;
   Writer<TickBatch> ticks_;

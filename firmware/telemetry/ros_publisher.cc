@@ -43,15 +43,15 @@ class Array {
       for (auto& [key, value] : status.values) pairs_.back().push_back({key.data(), value.data()});
       diagnostic_msgs_msg_dds__DiagnosticStatus_ entry{};
       entry.level = status.level;
-      lend(entry.name, status.name);
-      lend(entry.message, status.message);
-      lend(entry.hardware_id, hardware);
-      lend(entry.values, pairs_.back());
+      set_view(entry.name, status.name);
+      set_view(entry.message, status.message);
+      set_view(entry.hardware_id, hardware);
+      set_view(entry.values, pairs_.back());
       entries_.push_back(entry);
     }
     message_.header.stamp = stamp;
-    lend(message_.header.frame_id, "");
-    lend(message_.status, entries_);
+    set_view(message_.header.frame_id, "");
+    set_view(message_.status, entries_);
     return message_;
   }
 
@@ -68,7 +68,8 @@ Status supervisor_status(const TickRecord& tick) {
   if (tick.reaction != supervisor::Reaction::none) {
     status.level = tick.reaction == supervisor::Reaction::warn ? kWarning : kError;
   }
-  status.values = {{"rung", supervisor::name(tick.level)}, {"reaction", supervisor::name(tick.reaction)}};
+  status.values = {{"fallback_level", supervisor::name(tick.level)},
+                   {"reaction", supervisor::name(tick.reaction)}};
   for (const supervisor::FaultRow& row : supervisor::kFaultTable) {
     const bool present = tick.present.has(row.fault);
     if (!present && !tick.latched.has(row.fault)) continue;
@@ -78,7 +79,8 @@ Status supervisor_status(const TickRecord& tick) {
   return status;
 }
 
-Status timing_status(const diagnostics::LoopFigures& loop, const diagnostics::PlannerFigures& planning) {
+Status timing_status(const diagnostics::LoopStatistics& loop,
+                     const diagnostics::PlannerStatistics& planning) {
   const long long allocations = loop.heap_allocations + planning.heap_allocations;
   const long long faults = loop.page_faults + planning.page_faults;
   Status status{.level = kOk, .name = "stiltd: timing", .message = "in time", .values = {}};
@@ -92,7 +94,7 @@ Status timing_status(const diagnostics::LoopFigures& loop, const diagnostics::Pl
                    {"plans", text(planning.plans)},
                    {"heap_allocations", text(allocations)},
                    {"page_faults", text(faults)},
-                   {"wakeup_p99_us", text(loop.wakeup.percentile_us(0.99))},
+                   {"wakeup_latency_p99_us", text(loop.wakeup_latency.percentile_us(0.99))},
                    {"execution_p99_us", text(loop.execution.percentile_us(0.99))},
                    {"solve_p99_us", text(planning.solve.percentile_us(0.99))}};
   return status;
@@ -107,7 +109,7 @@ Status driver_status(const hal::JointReading& joint, std::size_t index) {
   status.values = {{"temperature_C", text(joint.driver_temperature_C)},
                    {"motor_temperature_C", text(joint.motor_temperature_C)},
                    {"supply_V", text(joint.supply_V)},
-                   {"missed_replies", text(static_cast<long long>(joint.missed))},
+                   {"missed_replies", text(static_cast<long long>(joint.missed_replies))},
                    {"fault_code", text(static_cast<long long>(joint.fault_code))}};
   return status;
 }
@@ -141,11 +143,11 @@ void RosPublisher::joint_states(const TickRecord& tick, const WallTime& time) {
     effort.push_back(tick.joints[i].torque_Nm);
   }
   message.header.stamp = time.stamp(tick.time_ns);
-  lend(message.header.frame_id, "");
-  names.lend_to(message.name);
-  lend(message.position, position);
-  lend(message.velocity, velocity);
-  lend(message.effort, effort);
+  set_view(message.header.frame_id, "");
+  names.set_view_in(message.name);
+  set_view(message.position, position);
+  set_view(message.velocity, velocity);
+  set_view(message.effort, effort);
   joint_states_.write(message);
 }
 
@@ -156,8 +158,8 @@ void RosPublisher::odometry(const TickRecord& tick, const WallTime& time) {
   const double sine = std::sin(q[2]);
   Odometry message{};
   message.header.stamp = time.stamp(tick.time_ns);
-  lend(message.header.frame_id, "odom");
-  lend(message.child_frame_id, "base");
+  set_view(message.header.frame_id, "odom");
+  set_view(message.child_frame_id, "base");
   message.pose.pose.position = {q[0], 0.0, q[1]};
   message.pose.pose.orientation = {0.0, std::sin(0.5 * q[2]), 0.0, std::cos(0.5 * q[2])};
   message.twist.twist.linear = {cosine * v[0] - sine * v[1], 0.0, sine * v[0] + cosine * v[1]};
@@ -165,8 +167,8 @@ void RosPublisher::odometry(const TickRecord& tick, const WallTime& time) {
   odometry_.write(message);
 }
 
-void RosPublisher::diagnostics(const TickRecord& tick, const diagnostics::LoopFigures& loop,
-                               const diagnostics::PlannerFigures& planning, const WallTime& time,
+void RosPublisher::diagnostics(const TickRecord& tick, const diagnostics::LoopStatistics& loop,
+                               const diagnostics::PlannerStatistics& planning, const WallTime& time,
                                const std::string& robot) {
   Array array;
   array.add(supervisor_status(tick));

@@ -2,8 +2,8 @@
 
 #include <string>
 
-#include "firmware/diagnostics/figures.h"
 #include "firmware/control_loop/tick_record.h"
+#include "firmware/diagnostics/statistics.h"
 #include "firmware/telemetry/wall_time.h"
 #include "firmware/telemetry/writer.h"
 
@@ -20,8 +20,8 @@ class RosPublisher {
 
   void joint_states(const control_loop::TickRecord& tick, const WallTime& time);
   void odometry(const control_loop::TickRecord& tick, const WallTime& time);
-  void diagnostics(const control_loop::TickRecord& tick, const diagnostics::LoopFigures& loop,
-                   const diagnostics::PlannerFigures& planning, const WallTime& time,
+  void diagnostics(const control_loop::TickRecord& tick, const diagnostics::LoopStatistics& loop,
+                   const diagnostics::PlannerStatistics& planning, const WallTime& time,
                    const std::string& robot);
 
  private:

@@ -11,26 +11,26 @@ namespace stilt::telemetry {
 
 /// The sequence is the vector's numbers.
 template <class Sequence, class T>
-void lend(Sequence& sequence, std::vector<T>& numbers) noexcept {
+void set_view(Sequence& sequence, std::vector<T>& numbers) noexcept {
   sequence._buffer = numbers.data();
   sequence._length = sequence._maximum = static_cast<std::uint32_t>(numbers.size());
   sequence._release = false;
 }
 
 /// The string is the text.
-inline void lend(char*& string, std::string& text) noexcept { string = text.data(); }
+inline void set_view(char*& string, std::string& text) noexcept { string = text.data(); }
 
 /// The string is a constant, which Cyclone only reads.
-inline void lend(char*& string, const char* text) noexcept { string = const_cast<char*>(text); }
+inline void set_view(char*& string, const char* text) noexcept { string = const_cast<char*>(text); }
 
 /// A sequence of strings.
 class Texts {
  public:
   void add(std::string text) { texts_.push_back(std::move(text)); }
-  void lend_to(dds_sequence_string& sequence) {
+  void set_view_in(dds_sequence_string& sequence) {
     pointers_.clear();
     for (std::string& text : texts_) pointers_.push_back(text.data());
-    lend(sequence, pointers_);
+    set_view(sequence, pointers_);
   }
 
  private:

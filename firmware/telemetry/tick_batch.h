@@ -29,7 +29,7 @@ class TickBatchBuilder {
 
   /// The message; its numbers are valid until add() or clear().
   [[nodiscard]] const TickBatch& message() const noexcept;
-  /// For session and drops.
+  /// For run_id and drops.
   [[nodiscard]] TickBatch& message() noexcept;
 
  private:

@@ -37,7 +37,7 @@ std::string random_hex() {
   return text;
 }
 
-/// A folder of our own: nobody else may put files there.
+/// A folder of our own: no other user may put files there.
 std::string make_folder(const std::filesystem::path& folder) {
   std::error_code error;
   if (std::filesystem::is_directory(folder, error)) {
@@ -66,7 +66,7 @@ std::expected<std::string, std::string> write_token(const std::string& path) {
   const std::string wrong = make_folder(std::filesystem::path(path).parent_path());
   if (!wrong.empty()) return std::unexpected(failure(path, wrong));
   const std::string token = random_hex();
-  // Made beside its place and moved there: whoever reads it finds the old one or the new one.
+  // Made beside its place and moved there: a reader finds the old one or the new one.
   const std::string beside = path + '.' + std::to_string(getpid());
   unlink(beside.c_str());
   const int file = open(beside.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, kOwnerOnly);
@@ -95,13 +95,13 @@ std::expected<std::string, std::string> read_token(const std::string& path) {
   return std::unexpected(failure(path, "its first line is no token of 16 characters or more"));
 }
 
-std::uint64_t random_session() {
-  std::uint64_t session = 0;
-  while (session == 0) {
-    if (getrandom(&session, sizeof session, 0) != static_cast<ssize_t>(sizeof session)) return 1;
-    session &= (std::uint64_t{1} << 53) - 1;
+std::uint64_t random_run_id() {
+  std::uint64_t run_id = 0;
+  while (run_id == 0) {
+    if (getrandom(&run_id, sizeof run_id, 0) != static_cast<ssize_t>(sizeof run_id)) return 1;
+    run_id &= (std::uint64_t{1} << 53) - 1;
   }
-  return session;
+  return run_id;
 }
 
 }  // namespace stilt::telemetry

@@ -18,7 +18,7 @@ namespace stilt::telemetry {
 /// The token in the file: its first line, at least 16 characters, of a file that its owner alone may read.
 [[nodiscard]] std::expected<std::string, std::string> read_token(const std::string& path);
 
-/// A random number of a session, 1 to 2^53 - 1, which JavaScript holds exactly.
-[[nodiscard]] std::uint64_t random_session();
+/// A random number of a run of stiltd, 1 to 2^53 - 1, which JavaScript holds exactly.
+[[nodiscard]] std::uint64_t random_run_id();
 
 }  // namespace stilt::telemetry

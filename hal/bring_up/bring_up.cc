@@ -50,7 +50,7 @@ const char* name(Failure failure) noexcept {
       return "invalid configuration";
     case Failure::silent:
       return "no answer";
-    case Failure::unwilling:
+    case Failure::rejected:
       return "does not do what it is asked";
     case Failure::wrong_identity:
       return "another driver answers";
@@ -75,7 +75,7 @@ void BringUp::restart() noexcept {
   failure_ = Failure::none;
   fault_ = DriverFault::none;
   part_ = tries_ = 0;
-  waiting_ = heard_ = false;
+  waiting_ = answered_ = false;
   position_rad_ = std::numeric_limits<double>::quiet_NaN();
   turn_offset_rad_ = 0;
 }
@@ -106,7 +106,7 @@ bool BringUp::check_home(double position_rad) noexcept {
 void BringUp::advance() noexcept {
   stage_ = static_cast<Stage>(static_cast<std::uint8_t>(stage_) + 1);
   part_ = tries_ = 0;
-  waiting_ = heard_ = false;
+  waiting_ = answered_ = false;
 }
 
 void BringUp::take(const CanFrame& frame) noexcept {
@@ -115,12 +115,12 @@ void BringUp::take(const CanFrame& frame) noexcept {
     case Verdict::fail:
       break;
     case Verdict::not_yet:
-      heard_ = true;
+      answered_ = true;
       break;
     case Verdict::next_part:
       ++part_;
       tries_ = 0;
-      waiting_ = heard_ = false;
+      waiting_ = answered_ = false;
       break;
     case Verdict::next_stage:
       advance();
@@ -147,7 +147,7 @@ StepResult BringUp::step(std::int64_t now_ns, std::span<const CanFrame> received
   CanFrame frame;
   while (stage_ < Stage::ready) {
     if (tries_ == options_.tries) {
-      failure(heard_ ? Failure::unwilling : Failure::silent);
+      failure(answered_ ? Failure::rejected : Failure::silent);
       break;
     }
     const Ask asked = ask(stage_, part_, frame);

@@ -7,7 +7,7 @@
 #include "hal/can/frame.h"
 #include "hal/driver/driver_fault.h"
 
-/// From a driver that has power to one that obeys: identify it, check its version and scaling, write its
+/// From a driver that has power to one that is enabled: identify it, check its version and scaling, write its
 /// watchdog and read it back, check that its position means something, enable it without torque. Pure step
 /// functions: time and frames in, at most one frame out. Real-time safe.
 namespace stilt::hal::bring_up {
@@ -20,7 +20,7 @@ enum class Stage : std::uint8_t {
   watchdog_read,
   home,
   enable,
-  ready,   ///< enabled, at zero torque; each step keeps its watchdog content
+  ready,   ///< enabled, at zero torque; each step feeds its watchdog
   failed,  ///< see StepResult::failure; nothing is sent any more
 };
 [[nodiscard]] const char* name(Stage stage) noexcept;
@@ -29,7 +29,7 @@ enum class Failure : std::uint8_t {
   none,
   invalid,         ///< configuration of the driver or of the bring-up makes no sense
   silent,          ///< no answer in this stage
-  unwilling,       ///< answers, but does not do what it was asked in this stage
+  rejected,        ///< answers, but does not do what it was asked in this stage
   wrong_identity,  ///< answers, but says it is another
   old_version,     ///< firmware older than required
   wrong_scaling,   ///< its ranges or gains differ from the configuration
@@ -65,7 +65,7 @@ struct StepResult {
 };
 
 /// Sequence of stages with requests, answers, repetitions and time limits. A protocol says what to ask and
-/// what an answer means. Call step once a tick with the frames received since, send what it returns.
+/// what an answer means. Call step once per tick with the frames received since, send what it returns.
 class BringUp {
  public:
   explicit BringUp(const Options& options) noexcept : options_(options) {}
@@ -94,7 +94,7 @@ class BringUp {
   /// Request number `part` of a stage.
   [[nodiscard]] virtual Ask ask(Stage stage, unsigned part, CanFrame& frame) noexcept = 0;
   [[nodiscard]] virtual Verdict judge(Stage stage, unsigned part, const CanFrame& frame) noexcept = 0;
-  /// A command of zero torque, sent once a step when ready. False: none.
+  /// A command of zero torque, sent once per step when ready. False: none.
   [[nodiscard]] virtual bool keep_alive(CanFrame& frame) noexcept = 0;
 
   void failure(Failure failure, DriverFault fault = DriverFault::none) noexcept;
@@ -114,7 +114,7 @@ class BringUp {
   unsigned part_ = 0;
   unsigned tries_ = 0;
   bool waiting_ = false;
-  bool heard_ = false;
+  bool answered_ = false;
   std::int64_t deadline_ns_ = 0;
   double position_rad_ = std::numeric_limits<double>::quiet_NaN();
   double turn_offset_rad_ = 0;

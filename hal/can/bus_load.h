@@ -11,7 +11,7 @@ struct PeriodicFrame {
   bool extended = false;
   bool fd = false;
   bool bit_rate_switch = false;
-  double rate_hz = 1000;  ///< frames a second
+  double rate_hz = 1000;  ///< frames per second
 };
 
 struct BusSpeed {
@@ -44,7 +44,7 @@ inline constexpr double kHighLoad = 0.60;
 inline constexpr double kRefusedLoad = 0.80;
 
 struct BusLoad {
-  double fraction = 0;  ///< time the bus is busy a second
+  double fraction = 0;  ///< time the bus is busy per second
   BusLoadVerdict verdict = BusLoadVerdict::fine;
 };
 

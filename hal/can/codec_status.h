@@ -7,10 +7,10 @@ namespace stilt::hal {
 /// What came of decoding a frame. On anything but ok the output is untouched.
 enum class DecodeStatus : std::uint8_t {
   ok,
-  foreign,       ///< another identifier, or a kind of frame this message never has: not for this codec
-  wrong_length,  ///< right identifier, wrong number of bytes
-  malformed,     ///< inside the frame: counts, types or contents that contradict each other
-  not_finite,    ///< a floating-point field that must be a number is NaN or infinite
+  not_addressed,  ///< another identifier, or a kind of frame this message never has: not for this codec
+  wrong_length,   ///< right identifier, wrong number of bytes
+  malformed,      ///< inside the frame: counts, types or contents that contradict each other
+  not_finite,     ///< a floating-point field that must be a number is NaN or infinite
 };
 
 /// What came of encoding a command. On not_finite, no_room and invalid the frame is untouched and must not be

@@ -41,10 +41,10 @@ std::vector<IdCollision> collisions(const NodeIdentifiers& a, const NodeIdentifi
   std::vector<IdCollision> found;
   const bool told_apart = !a.sender_format.empty() && a.sender_format == b.sender_format;
   if (!told_apart) find(a.sends, b.sends, found);
-  find(a.sends, b.hears, found);
-  find(a.hears, b.sends, found);
-  find(a.commands, b.hears, found);
-  find(a.hears, b.commands, found);
+  find(a.sends, b.accepts, found);
+  find(a.accepts, b.sends, found);
+  find(a.commands, b.accepts, found);
+  find(a.accepts, b.commands, found);
   return found;
 }
 

@@ -25,7 +25,7 @@ struct IdPattern {
 
 struct NodeIdentifiers {
   std::vector<IdPattern> commands;  ///< we send them to this node
-  std::vector<IdPattern> hears;     ///< it would take them as meant for itself, whoever sends them
+  std::vector<IdPattern> accepts;   ///< taken as meant for it, from any sender
   std::vector<IdPattern> sends;     ///< it sends them to us
   /// Name of a frame format that says who sent it: other nodes of that format may send the same identifier.
   /// Empty: none.

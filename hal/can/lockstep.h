@@ -31,11 +31,12 @@ inline constexpr std::uint8_t kSyncBytes = 8;
   return frame;
 }
 
-/// The tick of a side's sync frame. foreign: another identifier or kind of frame. wrong_length: not 8 bytes.
+/// The tick of a side's sync frame. not_addressed: another identifier or kind of frame. wrong_length: not 8
+/// bytes.
 [[nodiscard]] constexpr DecodeStatus decode_sync(std::uint32_t id, const CanFrame& frame,
                                                  std::uint64_t& tick) noexcept {
   if (frame.id != id || !frame.extended || frame.remote || frame.error || frame.fd) {
-    return DecodeStatus::foreign;
+    return DecodeStatus::not_addressed;
   }
   if (frame.length != kSyncBytes) return DecodeStatus::wrong_length;
   tick = load_little(frame.payload());

@@ -26,7 +26,7 @@ struct DriverReading {
   double supply_V = kNotReported;
   DriverState state = DriverState::unknown;
   DriverFault fault = DriverFault::none;
-  std::uint32_t fault_code = 0;  ///< the maker's number
+  std::uint32_t fault_code = 0;  ///< vendor code
 
   /// Of the newest frame alone.
   bool has_motion = false;                       ///< position and velocity are new

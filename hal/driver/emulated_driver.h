@@ -43,11 +43,11 @@ class EmulatedDriver {
   /// Torque on the shaft at the motor's present position and velocity.
   [[nodiscard]] virtual double torque_Nm() const noexcept = 0;
   [[nodiscard]] virtual bool enabled() const noexcept = 0;
-  /// Whether its frames tell the supply voltage.
+  /// Whether its frames report the supply voltage.
   [[nodiscard]] virtual bool reports_supply() const noexcept = 0;
   /// Position and velocity of an extra encoder; without effect on a driver that has none.
   virtual void set_encoder(std::size_t, double, double) noexcept {}
-  /// Raises a fault: the motor is let go and the driver reports it in its own way.
+  /// Raises a fault: the motor coasts and the driver reports it in its own way.
   virtual void raise(DriverFault fault) noexcept = 0;
   /// As after a loss of power: everything configured at run time is gone, motor off.
   virtual void power_cycle() noexcept = 0;

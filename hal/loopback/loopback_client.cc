@@ -11,12 +11,12 @@ namespace {
 std::string sentence(const std::string& name, Connection state) {
   const std::string bus = "bus loopback:" + name;
   switch (state) {
-    case Connection::nobody:
-      return bus + ": nobody listens there; start `stilt robot --bus loopback:" + name + "` first";
+    case Connection::no_listener:
+      return bus + ": no program listens there; start `stilt robot --bus loopback:" + name + "` first";
     case Connection::busy:
       return bus + ": another controller is connected; stop it first";
-    case Connection::stranger:
-      return bus + ": whoever listens there does not speak this version of the bus";
+    case Connection::protocol_mismatch:
+      return bus + ": the listener there does not speak this version of the bus";
     case Connection::waiting:
     case Connection::connected:
       break;
@@ -58,7 +58,7 @@ Connection LoopbackClient::reconnect() noexcept {
     const Address address = address_of(name_);
     if (!fresh.open() ||
         ::connect(fresh.get(), reinterpret_cast<const sockaddr*>(&address.address), address.length) != 0) {
-      return Connection::nobody;
+      return Connection::no_listener;
     }
     descriptor_ = std::move(fresh);
   }
@@ -71,12 +71,12 @@ Connection LoopbackClient::read_greeting() noexcept {
   if (size < 0 && (errno == EAGAIN || errno == EINTR)) return Connection::waiting;
   if (size <= 0) {
     descriptor_.close();
-    return Connection::nobody;
+    return Connection::no_listener;
   }
   const std::optional<Greeting> greeting = loopback::read_greeting(bytes, static_cast<std::size_t>(size));
   if (greeting != Greeting::welcome) {
     descriptor_.close();
-    return greeting == Greeting::busy ? Connection::busy : Connection::stranger;
+    return greeting == Greeting::busy ? Connection::busy : Connection::protocol_mismatch;
   }
   greeted_ = true;
   socket_.reset(descriptor_.get());

@@ -11,10 +11,10 @@ namespace stilt::hal::loopback {
 
 enum class Connection : std::uint8_t {
   connected,
-  waiting,   ///< somebody listens, but has not greeted yet
-  nobody,    ///< nobody listens at this name
-  busy,      ///< another controller has the bus
-  stranger,  ///< whoever listens is not one of ours
+  waiting,            ///< connected, the greeting has not arrived yet
+  no_listener,        ///< no program listens at this name
+  busy,               ///< another controller has the bus
+  protocol_mismatch,  ///< the listener does not speak this protocol
 };
 
 /// The controller's end of a loopback bus.

@@ -12,7 +12,7 @@
 namespace stilt::hal::loopback {
 
 /// The simulated robot's end of a loopback bus: listens at a name, serves one controller at a time, and the
-/// next one after that has gone. Further ones are told that the bus is busy.
+/// next one after that has gone. Further ones are refused: the bus is busy.
 class LoopbackServer final : public FrameBus {
  public:
   /// Fails when the name is in use. The error is one sentence for the user.
@@ -27,10 +27,10 @@ class LoopbackServer final : public FrameBus {
   [[nodiscard]] bool connected() const noexcept { return socket_.connected(); }
   /// Controllers let in since open.
   [[nodiscard]] std::uint64_t connections() const noexcept { return connections_; }
-  /// Controllers told that the bus is busy.
+  /// Controllers refused because the bus is busy.
   [[nodiscard]] std::uint64_t refused() const noexcept { return refused_; }
 
-  /// While true, frames are taken but neither returned nor delivered, as if nobody acknowledged them: what a
+  /// While true, frames are taken but neither returned nor delivered, as if no node acknowledged them: what a
   /// bus with unpowered drivers looks like.
   void set_silent(bool silent) noexcept { silent_ = silent; }
 

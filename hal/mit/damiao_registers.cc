@@ -24,10 +24,10 @@ EncodeStatus encode(std::uint32_t frame_id, std::uint16_t driver_id, const Damia
 DecodeStatus decode(std::uint32_t frame_id, std::uint16_t driver_id, const CanFrame& frame,
                     DamiaoRegisterMessage& message) noexcept {
   if (frame.id != frame_id || frame.extended || frame.remote || frame.error || frame.fd)
-    return DecodeStatus::foreign;
+    return DecodeStatus::not_addressed;
   if (frame.length != 8) return DecodeStatus::wrong_length;
-  if (load_little(std::span(frame.data).first(2)) != driver_id) return DecodeStatus::foreign;
-  if (frame.data[2] != kRead && frame.data[2] != kWrite) return DecodeStatus::foreign;
+  if (load_little(std::span(frame.data).first(2)) != driver_id) return DecodeStatus::not_addressed;
+  if (frame.data[2] != kRead && frame.data[2] != kWrite) return DecodeStatus::not_addressed;
   message.write = frame.data[2] == kWrite;
   message.number = frame.data[3];
   message.bits = static_cast<std::uint32_t>(load_little(std::span(frame.data).subspan(4, 4)));

@@ -36,7 +36,7 @@ struct DamiaoRegisterMessage {
 [[nodiscard]] EncodeStatus encode_register_request(const MitDriver& driver,
                                                    const DamiaoRegisterMessage& message,
                                                    CanFrame& frame) noexcept;
-/// Answer of the driver. foreign: not a register answer of this driver.
+/// Answer of the driver. not_addressed: not a register answer of this driver.
 [[nodiscard]] DecodeStatus decode_register_answer(const MitDriver& driver, const CanFrame& frame,
                                                   DamiaoRegisterMessage& message) noexcept;
 /// The driver's side.

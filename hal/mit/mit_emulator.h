@@ -7,7 +7,7 @@
 namespace stilt::hal::mit {
 
 /// A driver in MIT mode. With the Damiao layout it has registers and a timeout (off until written) after
-/// which it lets go and reports lost communication; with the others it has neither.
+/// which it disables itself and reports lost communication; with the others it has neither.
 class MitEmulator final : public EmulatedDriver {
  public:
   explicit MitEmulator(const MitDriver& driver, std::uint32_t software_version = 5) noexcept

@@ -20,7 +20,7 @@ bool finite(const MitCommand& command) noexcept {
          std::isfinite(command.torque_Nm);
 }
 
-/// Code of a finite value; tells when it had to be limited. The margin of a millionth of a step lets a
+/// Code of a finite value; reports when it had to be limited. The margin of a millionth of a step lets a
 /// decoded value encode to its own code in spite of rounding.
 std::uint32_t quantize(double value, const Range& range, unsigned bits, bool& saturated) noexcept {
   const double limited = std::clamp(value, range.minimum, range.maximum);
@@ -195,7 +195,7 @@ EncodeStatus encode_command(const MitDriver& driver, const MitCommand& command, 
 }
 
 DecodeStatus decode_command(const MitDriver& driver, const CanFrame& frame, MitCommand& command) noexcept {
-  if (!classic_data(frame, driver.command_id)) return DecodeStatus::foreign;
+  if (!classic_data(frame, driver.command_id)) return DecodeStatus::not_addressed;
   if (frame.length != 8) return DecodeStatus::wrong_length;
   const auto& data = frame.data;
   if (is_special(frame.payload())) return DecodeStatus::malformed;
@@ -208,12 +208,12 @@ DecodeStatus decode_command(const MitDriver& driver, const CanFrame& frame, MitC
 }
 
 DecodeStatus decode_reply(const MitDriver& driver, const CanFrame& frame, MitReply& reply) noexcept {
-  if (!classic_data(frame, driver.reply_id)) return DecodeStatus::foreign;
+  if (!classic_data(frame, driver.reply_id)) return DecodeStatus::not_addressed;
   if (!length_fits(driver.layout, frame.length)) return DecodeStatus::wrong_length;
   const auto& data = frame.data;
   const std::uint8_t sender = driver.layout == ReplyLayout::damiao ? data[0] & 0xf : data[0];
   if (sender != driver.driver_id)
-    return DecodeStatus::foreign;  // several drivers may answer with one identifier
+    return DecodeStatus::not_addressed;  // several drivers may answer with one identifier
   MitReply decoded;
   decoded.position_rad = value_of(data[1] << 8 | data[2], driver.reply_position_rad, 16);
   decoded.velocity_rad_s = value_of(data[3] << 4 | data[4] >> 4, driver.reply_velocity_rad_s, 12);
@@ -252,7 +252,7 @@ CanFrame special_frame(const MitDriver& driver, MitSpecial special) noexcept {
 }
 
 DecodeStatus decode_special(const MitDriver& driver, const CanFrame& frame, MitSpecial& special) noexcept {
-  if (!classic_data(frame, driver.command_id)) return DecodeStatus::foreign;
+  if (!classic_data(frame, driver.command_id)) return DecodeStatus::not_addressed;
   if (frame.length != 8) return DecodeStatus::wrong_length;
   if (!is_special(frame.payload())) return DecodeStatus::malformed;
   special = static_cast<MitSpecial>(frame.data[7]);

@@ -69,7 +69,7 @@ struct MitReply {
   double supply_V = std::numeric_limits<double>::quiet_NaN();
   double driver_temperature_C = std::numeric_limits<double>::quiet_NaN();
   double motor_temperature_C = std::numeric_limits<double>::quiet_NaN();
-  bool says_enabled = false;    ///< layout tells whether the motor is enabled (Damiao only)
+  bool says_enabled = false;    ///< layout reports whether the motor is enabled (Damiao only)
   bool enabled = false;         ///< meaningful with says_enabled
   std::uint8_t fault_code = 0;  ///< the maker's: byte 7 of ak, high half of byte 0 of damiao
   DriverFault fault = DriverFault::none;

@@ -21,7 +21,7 @@ const char* name(ReplyLayout layout) {
 NodeIdentifiers identifiers(const MitDriver& driver) {
   const IdPattern command{.value = driver.command_id};
   NodeIdentifiers node{{command}, {command}, {{.value = driver.reply_id}}, name(driver.layout)};
-  if (driver.layout == ReplyLayout::damiao) node.hears.push_back({.value = kDamiaoRegisterId});
+  if (driver.layout == ReplyLayout::damiao) node.accepts.push_back({.value = kDamiaoRegisterId});
   return node;
 }
 

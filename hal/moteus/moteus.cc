@@ -125,7 +125,7 @@ bool take(MoteusReply& reply, std::uint32_t register_number, double value) noexc
       reply.watchdog_s = value;
       break;
     default:
-      break;  // a register nobody asked for does no harm
+      break;  // a register that was not requested does no harm
   }
   return true;
 }
@@ -226,7 +226,7 @@ EncodeStatus encode_watchdog(const MoteusDriver& driver, double watchdog_s, CanF
 }
 
 DecodeStatus decode_reply(const MoteusDriver& driver, const CanFrame& frame, MoteusReply& reply) noexcept {
-  if (!is_reply_of(driver, frame)) return DecodeStatus::foreign;
+  if (!is_reply_of(driver, frame)) return DecodeStatus::not_addressed;
   MoteusReply decoded;
   SubframeReader reader(frame.payload());
   Subframe subframe;
@@ -249,7 +249,7 @@ DecodeStatus serve_frame(const MoteusDriver& driver, const CanFrame& frame, void
                          MoteusRegisterReader read, MoteusRegisterWriter write, CanFrame& answer,
                          bool& answered) noexcept {
   const std::uint32_t expected = static_cast<std::uint32_t>(driver.source) << 8 | driver.id;
-  if ((frame.id & ~kReplyBit) != expected || frame.remote || frame.error) return DecodeStatus::foreign;
+  if ((frame.id & ~kReplyBit) != expected || frame.remote || frame.error) return DecodeStatus::not_addressed;
   CanFrame built;
   built.id = static_cast<std::uint32_t>(driver.id) << 8 | driver.source;
   built.extended = built.id > kMaximumStandardId;

@@ -15,8 +15,8 @@
 ///   tau = kp_scale kp (position - q) + kd_scale kd (velocity - v) + torque, |tau| <= maximum torque
 ///
 /// with kp and kd from its own configuration, so both are data here. Each command restarts the driver's
-/// watchdog; when that expires the driver latches mode `timeout`, damps, and obeys nothing but a stop. Facts:
-/// github.com/mjbots/moteus, docs/protocol/can.md, docs/protocol/registers.md,
+/// watchdog; when that expires the driver latches mode `timeout`, damps, and accepts nothing but a stop.
+/// Facts: github.com/mjbots/moteus, docs/protocol/can.md, docs/protocol/registers.md,
 /// docs/reference/configuration.md. Real-time safe, without state.
 namespace stilt::hal::moteus {
 
@@ -38,7 +38,7 @@ struct MoteusDriver {
   std::uint8_t source = 0;  ///< ours, 0 to 127
   bool bit_rate_switch = true;
   double kp_Nm_rev = 4.0;     ///< servo.pid_position.kp: gain at kp_scale 1, Nm a revolution
-  double kd_Nm_s_rev = 0.05;  ///< servo.pid_position.kd: gain at kd_scale 1, Nm a revolution a second
+  double kd_Nm_s_rev = 0.05;  ///< servo.pid_position.kd: gain at kd_scale 1, Nm per revolution per second
   int extra_encoder = -1;     ///< 0 to 2: also ask for this encoder (one at the torso, say); -1: none
 };
 
@@ -116,7 +116,7 @@ using MoteusRegisterReader = double (*)(const void* context, std::uint32_t regis
 using MoteusRegisterWriter = void (*)(void* context, std::uint32_t register_number, double value) noexcept;
 
 /// Applies the writes of a frame in order, through `write`, and fills `answer` with what its reads ask for,
-/// through `read`. Units are those of the registers (revolutions). answered tells whether the frame wants an
+/// through `read`. Units are those of the registers (revolutions). answered: whether the frame wants an
 /// answer.
 [[nodiscard]] DecodeStatus serve_frame(const MoteusDriver& driver, const CanFrame& frame, void* context,
                                        MoteusRegisterReader read, MoteusRegisterWriter write,

@@ -41,7 +41,7 @@ namespace stilt::hal::moteus {
   return {driver, options};
 }
 
-/// Hears whatever has its own number in the last 8 bits.
+/// Accepts whatever has its own number in the last 8 bits.
 [[nodiscard]] NodeIdentifiers identifiers(const MoteusDriver& driver);
 [[nodiscard]] std::vector<FrameId> receive_ids(const MoteusDriver& driver);
 [[nodiscard]] std::vector<PeriodicFrame> periodic_frames(const MoteusDriver& driver, double tick_hz);

@@ -24,7 +24,7 @@ BringUp::Ask OdriveBringUp::asked(EncodeStatus status, Ask kind) noexcept {
 BringUp::Ask OdriveBringUp::ask(Stage stage, unsigned part, CanFrame& frame) noexcept {
   switch (stage) {
     case Stage::identify:
-      if (part == 0) {  // let go first, whatever it was doing
+      if (part == 0) {  // disable it first, whatever it was doing
         return asked(encode_set_state(node_, static_cast<std::uint32_t>(OdriveState::idle), frame),
                      Ask::send_only);
       }

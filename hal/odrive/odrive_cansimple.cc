@@ -26,7 +26,7 @@ EncodeStatus begin(std::uint8_t node, OdriveCommand command, std::uint8_t length
 DecodeStatus expect(std::uint8_t node, OdriveCommand command, std::uint8_t length,
                     const CanFrame& frame) noexcept {
   if (frame.id != frame_id(node, command) || frame.extended || frame.remote || frame.error || frame.fd) {
-    return DecodeStatus::foreign;
+    return DecodeStatus::not_addressed;
   }
   return frame.length == length ? DecodeStatus::ok : DecodeStatus::wrong_length;
 }
@@ -51,7 +51,7 @@ EncodeStatus encode_words(std::uint8_t node, OdriveCommand command, std::uint32_
   return status;
 }
 
-/// A number as float: finite and inside its range; tells when it was limited.
+/// A number as float: finite and inside its range; reports when it was limited.
 float limited_float(double value, bool& saturated) noexcept {
   constexpr double kLargest = std::numeric_limits<float>::max();
   const double limited = std::clamp(value, -kLargest, kLargest);
@@ -133,7 +133,7 @@ struct ErrorBit {
   DriverFault fault;
 };
 
-/// ODrive.Error of firmware 0.6, the most telling first.
+/// ODrive.Error of firmware 0.6, the most specific first.
 constexpr std::array<ErrorBit, 21> kErrorBits{{
     {0x02000000, DriverFault::emergency_stop},      // ESTOP_REQUESTED
     {0x01000000, DriverFault::lost_communication},  // WATCHDOG_TIMER_EXPIRED
@@ -270,7 +270,7 @@ EncodeStatus encode(std::uint8_t node, const OdriveHeartbeat& heartbeat, CanFram
 DecodeStatus decode(std::uint8_t node, const CanFrame& frame, OdriveHeartbeat& heartbeat) noexcept {
   // Firmware sends 8 bytes; the last is reserved and some revisions leave it out.
   if (expect(node, OdriveCommand::heartbeat, frame.length, frame) != DecodeStatus::ok)
-    return DecodeStatus::foreign;
+    return DecodeStatus::not_addressed;
   if (frame.length != 7 && frame.length != 8) return DecodeStatus::wrong_length;
   heartbeat.errors = word(frame, 0);
   heartbeat.state = frame.data[4];
@@ -333,7 +333,7 @@ DecodeStatus decode(std::uint8_t node, const CanFrame& frame, OdriveSupply& supp
 }
 
 DecodeStatus decode_command(std::uint8_t node, const CanFrame& frame, OdriveCommand& command) noexcept {
-  if (frame.extended || frame.error || frame.fd || frame.id >> 5 != node) return DecodeStatus::foreign;
+  if (frame.extended || frame.error || frame.fd || frame.id >> 5 != node) return DecodeStatus::not_addressed;
   command = static_cast<OdriveCommand>(frame.id & 0x1f);
   return DecodeStatus::ok;
 }
@@ -341,7 +341,7 @@ DecodeStatus decode_command(std::uint8_t node, const CanFrame& frame, OdriveComm
 DecodeStatus decode_set_state(std::uint8_t node, const CanFrame& frame, std::uint32_t& state) noexcept {
   // Hosts send 4 bytes or, after the older data base, 8.
   if (expect(node, OdriveCommand::set_state, frame.length, frame) != DecodeStatus::ok)
-    return DecodeStatus::foreign;
+    return DecodeStatus::not_addressed;
   if (frame.length != 4 && frame.length != 8) return DecodeStatus::wrong_length;
   state = word(frame, 0);
   return DecodeStatus::ok;
@@ -358,7 +358,7 @@ DecodeStatus decode_set_controller_mode(std::uint8_t node, const CanFrame& frame
 
 DecodeStatus decode_input_torque(std::uint8_t node, const CanFrame& frame, double& torque_Nm) noexcept {
   if (expect(node, OdriveCommand::set_input_torque, frame.length, frame) != DecodeStatus::ok) {
-    return DecodeStatus::foreign;
+    return DecodeStatus::not_addressed;
   }
   if (frame.length != 4 && frame.length != 8) return DecodeStatus::wrong_length;
   const float value = load_float(four(frame, 0));

@@ -161,7 +161,7 @@ struct OdriveInputPosition {
 [[nodiscard]] EncodeStatus encode(std::uint8_t node, const OdriveSupply& supply, CanFrame& frame) noexcept;
 [[nodiscard]] EncodeStatus encode_parameter_answer(std::uint8_t node, const OdriveParameter& parameter,
                                                    CanFrame& frame) noexcept;
-/// foreign: not a frame of this node.
+/// not_addressed: not a frame of this node.
 [[nodiscard]] DecodeStatus decode_command(std::uint8_t node, const CanFrame& frame,
                                           OdriveCommand& command) noexcept;
 [[nodiscard]] DecodeStatus decode_set_state(std::uint8_t node, const CanFrame& frame,

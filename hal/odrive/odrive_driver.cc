@@ -17,7 +17,7 @@ DecodeStatus decode_and(std::uint8_t node, const CanFrame& frame, const Take& ta
 DecodeStatus take_frame(const OdriveDriver& driver, const CanFrame& frame, DriverReading& reading) noexcept {
   OdriveCommand command{};
   if (decode_command(driver.node, frame, command) != DecodeStatus::ok || frame.remote) {
-    return DecodeStatus::foreign;
+    return DecodeStatus::not_addressed;
   }
   switch (command) {
     case OdriveCommand::encoder_estimates:

@@ -24,7 +24,7 @@ namespace stilt::hal::odrive {
 [[nodiscard]] constexpr std::optional<CanFrame> fault_reset_frame(const OdriveDriver&) noexcept {
   return std::nullopt;
 }
-/// It tells supply and temperatures only when it is asked, or when its own configuration says so.
+/// It reports supply and temperatures on request, or when its own configuration sends them.
 [[nodiscard]] std::optional<CanFrame> question_frame(const OdriveDriver& driver, unsigned question) noexcept;
 [[nodiscard]] constexpr bool has_own_gains(const OdriveDriver&) noexcept { return false; }
 [[nodiscard]] constexpr int extra_encoder(const OdriveDriver&) noexcept { return -1; }
@@ -35,7 +35,7 @@ namespace stilt::hal::odrive {
   return {driver, options};
 }
 
-/// 32 identifiers per node, and those of node 63, which every ODrive hears.
+/// 32 identifiers per node, and those of node 63, which every ODrive accepts.
 [[nodiscard]] NodeIdentifiers identifiers(const OdriveDriver& driver);
 [[nodiscard]] std::vector<FrameId> receive_ids(const OdriveDriver& driver);
 [[nodiscard]] std::vector<PeriodicFrame> periodic_frames(const OdriveDriver& driver, double tick_hz);

@@ -22,7 +22,7 @@ using BringUpOptions = std::array<bring_up::Options, kJoints>;
 class CanDrivers final {
  public:
   /// @param taps   one a bus, read by `robot`; outlive this object
-  /// @param robot  told about whole turns of the encoders
+  /// @param robot  receives the whole turns of the encoders
   CanDrivers(const RobotWiring& wiring, const BringUpOptions& options, std::span<TapBus> taps,
              CanRobot& robot) noexcept;
 
@@ -33,7 +33,7 @@ class CanDrivers final {
 
  private:
   [[nodiscard]] bring_up::BringUp& of(std::size_t joint) noexcept;
-  /// Of drivers that keep a fault until they are told otherwise; the others clear theirs when stopped.
+  /// Of drivers that keep a fault until they are cleared; the others clear theirs when stopped.
   void clear_latched_faults() noexcept;
   /// Whether an earlier driver on the same bus is still at work.
   [[nodiscard]] bool must_wait(std::size_t joint) noexcept;

@@ -11,7 +11,7 @@ namespace {
 constexpr std::uint32_t kOldReading = 5;        // reads: then an old velocity would push instead of damp
 constexpr std::uint64_t kQuestionsEvery = 100;  // writes
 constexpr unsigned kQuestions = 2;              // to each driver
-constexpr int kMaximumRounds = 8;  // batches a bus a tick: bounds the time of a read on a babbling bus
+constexpr int kMaximumRounds = 8;  // batches per bus and tick: bounds the time of a read on a babbling bus
 
 bool usable(EncodeStatus status) noexcept {
   return status == EncodeStatus::ok || status == EncodeStatus::saturated;
@@ -56,7 +56,7 @@ JointBusStatus CanRobot::read(std::int64_t now_ns, JointReadings& readings) noex
   }
   bool complete = true;
   for (std::size_t joint = 0; joint < kJoints; ++joint) {
-    readings_[joint].missed = fresh_[joint] ? 0 : readings_[joint].missed + 1;
+    readings_[joint].missed_replies = fresh_[joint] ? 0 : readings_[joint].missed_replies + 1;
     complete = complete && fresh_[joint];
   }
   count_missed_base();
@@ -70,7 +70,7 @@ JointBusStatus CanRobot::read(std::int64_t now_ns, JointReadings& readings) noex
 void CanRobot::count_missed_base() noexcept {
   base_silent_ = base_fresh_ ? 0 : base_silent_ + 1;
   const std::uint32_t between = base_period_reads() - 1;
-  base_.missed = base_silent_ > between ? base_silent_ - between : 0;
+  base_.missed_replies = base_silent_ > between ? base_silent_ - between : 0;
 }
 
 std::uint32_t CanRobot::base_period_reads() const noexcept {
@@ -82,7 +82,7 @@ void CanRobot::receive(std::int64_t now_ns, std::size_t bus, const CanFrame& fra
   for (std::size_t joint = 0; joint < kJoints; ++joint) {
     if (wiring_.joints[joint].bus != bus) continue;
     const DecodeStatus status = take_joint(now_ns, joint, frame);
-    if (status == DecodeStatus::foreign) continue;
+    if (status == DecodeStatus::not_addressed) continue;
     if (status != DecodeStatus::ok) ++readings_[joint].malformed;
     return;
   }
@@ -122,7 +122,7 @@ void CanRobot::set_motion(std::int64_t now_ns, std::size_t joint) noexcept {
       wiring.direction * (shaft.position_rad + turn_offset_rad_[joint]) / wiring.ratio + wiring.offset_rad;
   const double velocity_rad_s = wiring.direction * shaft.velocity_rad_s / wiring.ratio;
   const bool same = position_rad == reading.position_rad && velocity_rad_s == reading.velocity_rad_s;
-  reading.frozen = same ? reading.frozen + 1 : 0;
+  reading.unchanged_replies = same ? reading.unchanged_replies + 1 : 0;
   reading.position_rad = position_rad;
   reading.velocity_rad_s = velocity_rad_s;
   reading.time_ns = now_ns;
@@ -134,7 +134,7 @@ void CanRobot::set_pitch(std::int64_t now_ns, double pitch_rad) noexcept {
   const double rate_rad_s = base_.pitch_rate_rad_s;
   const bool same_rate = rate_rad_s == rate_at_pitch_rad_s_ || std::isnan(rate_rad_s);
   const bool same = pitch_rad == base_.pitch_rad && same_rate;
-  base_.frozen = same ? base_.frozen + base_period_reads() : 0;
+  base_.unchanged_replies = same ? base_.unchanged_replies + base_period_reads() : 0;
   rate_at_pitch_rad_s_ = rate_rad_s;
   base_.pitch_rad = pitch_rad;
   base_.time_ns = now_ns;
@@ -144,7 +144,7 @@ void CanRobot::set_pitch(std::int64_t now_ns, double pitch_rad) noexcept {
 void CanRobot::take_channels(std::int64_t now_ns, const CanFrame& frame) noexcept {
   ChannelValues values;
   const DecodeStatus status = decode(std::span(wiring_.channels).first(wiring_.channel_count), frame, values);
-  if (status == DecodeStatus::foreign) return;
+  if (status == DecodeStatus::not_addressed) return;
   if (status != DecodeStatus::ok) {
     ++base_.malformed;
     return;
@@ -172,7 +172,7 @@ DriverCommand CanRobot::at_shaft(std::size_t joint, const JointCommand& command)
   const double limit_Nm = std::abs(command.torque_limit_Nm);
   const double feedback_Nm = command.kp_Nm_rad * (command.position_rad - reading.position_rad) +
                              command.kd_Nms_rad * (command.velocity_rad_s - reading.velocity_rad_s);
-  const double law_Nm = command.torque_Nm + (reading.missed > kOldReading ? 0 : feedback_Nm);
+  const double law_Nm = command.torque_Nm + (reading.missed_replies > kOldReading ? 0 : feedback_Nm);
   const double limited_Nm = blind(joint) ? 0 : std::clamp(law_Nm, -limit_Nm, limit_Nm);
   return {.position_rad = turns * (command.position_rad - wiring.offset_rad) - turn_offset_rad_[joint],
           .velocity_rad_s = turns * command.velocity_rad_s,
@@ -250,9 +250,9 @@ JointBusStatus CanRobot::send(const std::array<CanFrame, kJoints>& frames) noexc
   return status;
 }
 
-BaseSensorStatus CanRobot::read_base(BaseReading& reading) noexcept {
+TorsoSensorStatus CanRobot::read_base(BaseReading& reading) noexcept {
   reading = base_;
-  return base_fresh_ ? BaseSensorStatus::ok : BaseSensorStatus::stale;
+  return base_fresh_ ? TorsoSensorStatus::ok : TorsoSensorStatus::stale;
 }
 
 EmergencyStopState CanRobot::read_emergency_stop(std::int64_t now_ns) noexcept {

@@ -7,12 +7,12 @@
 #include "hal/can/frame_bus.h"
 #include "hal/robot/joint_bus.h"
 #include "hal/robot/robot_wiring.h"
-#include "hal/sensors/base_sensor.h"
 #include "hal/sensors/emergency_stop.h"
+#include "hal/sensors/torso_sensor.h"
 
 namespace stilt::hal {
 
-/// Four joints, base sensor and emergency stop over one or more buses, whatever drives them. Decodes what
+/// Four joints, torso sensor and emergency stop over one or more buses, whatever drives them. Decodes what
 /// arrives, encodes what is commanded. Drivers without gains of their own (ODrive) get the torque of the
 /// command's law at the newest reading: no torque before the first, and no feedback from one that is more
 /// than a few ticks old. They are asked for supply and temperatures now and then. Fixed memory; no call
@@ -30,7 +30,7 @@ class CanRobot final {
   /// Disables every driver. Sent even after refused commands.
   [[nodiscard]] JointBusStatus disable() noexcept;
   /// Newest reading of the torso. Call after read(): both share the buses.
-  [[nodiscard]] BaseSensorStatus read_base(BaseReading& reading) noexcept;
+  [[nodiscard]] TorsoSensorStatus read_base(BaseReading& reading) noexcept;
   [[nodiscard]] EmergencyStopState read_emergency_stop(std::int64_t now_ns) noexcept;
 
   /// Whole encoder periods found at bring-up, at the driver's shaft (StepResult::turn_offset_rad).

@@ -17,16 +17,16 @@ struct JointReading {
   double position_rad = std::numeric_limits<double>::quiet_NaN();
   double velocity_rad_s = std::numeric_limits<double>::quiet_NaN();
   double torque_Nm = std::numeric_limits<double>::quiet_NaN();  ///< at the joint, as the driver estimates it
-  double driver_temperature_C = std::numeric_limits<double>::quiet_NaN();  ///< NaN: driver does not say
-  double motor_temperature_C = std::numeric_limits<double>::quiet_NaN();   ///< NaN: driver does not say
-  double supply_V = std::numeric_limits<double>::quiet_NaN();              ///< NaN: driver does not say
-  std::int64_t time_ns = 0;     ///< when the position arrived, CLOCK_MONOTONIC; 0: never
-  std::uint32_t missed = 0;     ///< reads in a row without a new position
-  std::uint32_t frozen = 0;     ///< new positions in a row with the very same bits
-  std::uint32_t malformed = 0;  ///< frames of this joint that could not be decoded, since start
+  double driver_temperature_C = std::numeric_limits<double>::quiet_NaN();  ///< NaN: not reported
+  double motor_temperature_C = std::numeric_limits<double>::quiet_NaN();   ///< NaN: not reported
+  double supply_V = std::numeric_limits<double>::quiet_NaN();              ///< NaN: not reported
+  std::int64_t time_ns = 0;             ///< when the position arrived, CLOCK_MONOTONIC; 0: never
+  std::uint32_t missed_replies = 0;     ///< reads in a row without a new position
+  std::uint32_t unchanged_replies = 0;  ///< new positions in a row with the very same bits
+  std::uint32_t malformed = 0;          ///< frames of this joint that could not be decoded, since start
   DriverState state = DriverState::unknown;
   DriverFault fault = DriverFault::none;
-  std::uint32_t fault_code = 0;  ///< the maker's number
+  std::uint32_t fault_code = 0;  ///< vendor code
 };
 
 /// What one joint shall do: tau = torque_Nm + kp (position - q) + kd (velocity - v), within the torque limit.
@@ -45,7 +45,7 @@ using JointCommands = std::array<JointCommand, kJoints>;
 enum class JointBusStatus : std::uint8_t {
   ok,
   incomplete,    ///< read: a joint sent nothing new. write: a command was withheld or dropped, or its driver
-                 ///< has not been heard
+                 ///< has not answered
   refused,       ///< write: a command is not finite; nothing at all was sent
   bus_off,       ///< a bus is off
   disconnected,  ///< a bus is gone

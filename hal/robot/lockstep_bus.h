@@ -57,7 +57,7 @@ class LockstepClock final : public Clock {
     return (1 + static_cast<std::int64_t>(tick_)) * tick_ns_;
   }
   /// Ends our turn and waits for the robot's, a tick at a time, until the time is reached. Once the robot
-  /// has not answered, lost() is true, and time goes on without it: nobody waits for ever.
+  /// has not answered, lost() is true, and time goes on without it: no thread waits for ever.
   [[nodiscard]] std::int64_t sleep_until(std::int64_t time_ns) noexcept override;
 
   /// Opens the exchange. False: the robot does not answer in time.

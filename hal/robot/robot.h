@@ -6,8 +6,8 @@
 #include "hal/bring_up/bring_up.h"
 #include "hal/driver/driver_fault.h"
 #include "hal/robot/joint_bus.h"
-#include "hal/sensors/base_sensor.h"
 #include "hal/sensors/emergency_stop.h"
+#include "hal/sensors/torso_sensor.h"
 
 namespace stilt::hal {
 

@@ -46,7 +46,7 @@ void RobotHardware::read(std::int64_t now_ns, RobotReadings& readings) noexcept 
 void RobotHardware::restore_buses() noexcept {
   for (TapBus& tap : buses()) {
     tap.clear_bus_off();
-    tap.lend_if_gone();
+    tap.begin_reconnect();
   }
 }
 

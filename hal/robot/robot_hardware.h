@@ -43,9 +43,9 @@ class RobotHardware final : public Robot {
   template <class Connect>
   void serve_restore(Connect&& connect) {
     for (std::size_t bus = 0; bus < bus_count_; ++bus) {
-      if (!taps_[bus].lent()) continue;
+      if (!taps_[bus].reconnecting()) continue;
       connect(bus);
-      taps_[bus].give_back();
+      taps_[bus].end_reconnect();
     }
   }
 

@@ -6,7 +6,7 @@
 
 #include "hal/robot/joint_bus.h"
 #include "hal/robot/joint_driver.h"
-#include "hal/sensors/base_sensor_table.h"
+#include "hal/sensors/torso_sensor_table.h"
 
 namespace stilt::hal {
 
@@ -22,7 +22,8 @@ struct JointWiring {
   std::uint8_t bus = 0;
   JointDriver driver;
   double direction = 1;  ///< 1 or -1
-  double ratio = 1;  ///< turns of the driver's shaft a turn of the joint; 1 when the driver counts its output
+  double ratio =
+      1;  ///< turns of the driver's shaft per turn of the joint; 1 when the driver counts its output
   double offset_rad = 0;
 };
 

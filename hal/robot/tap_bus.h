@@ -21,13 +21,13 @@ class TapBus final : public FrameBus {
   void attach(FrameBus& inner) noexcept { inner_ = &inner; }
 
   [[nodiscard]] SendResult send(std::span<const CanFrame> frames) noexcept override {
-    if (lent()) return {0, BusStatus::disconnected};
+    if (reconnecting()) return {0, BusStatus::disconnected};
     const SendResult result = inner_->send(frames);
     disconnected_ = result.status == BusStatus::disconnected;
     return result;
   }
   [[nodiscard]] ReceiveResult receive(std::span<CanFrame> frames) noexcept override {
-    if (lent()) return {0, BusStatus::disconnected};
+    if (reconnecting()) return {0, BusStatus::disconnected};
     ReceiveResult result = early_count_ > 0 ? take_early(frames) : inner_->receive(frames);
     disconnected_ = result.status == BusStatus::disconnected;
     const std::size_t taken = std::min(result.received, kKept - count_);
@@ -40,31 +40,32 @@ class TapBus final : public FrameBus {
   /// @return  all that wait so
   [[nodiscard]] std::span<const CanFrame> listen() noexcept {
     const auto room = std::span(early_).subspan(early_count_);
-    if (!room.empty() && !lent()) early_count_ += inner_->receive(room).received;
+    if (!room.empty() && !reconnecting()) early_count_ += inner_->receive(room).received;
     return std::span(early_).first(early_count_);
   }
   [[nodiscard]] BusHealth health() const noexcept override {
-    return lent() ? BusHealth::active : inner_->health();
+    return reconnecting() ? BusHealth::active : inner_->health();
   }
   void clear_bus_off() noexcept override {
-    if (!lent()) inner_->clear_bus_off();
+    if (!reconnecting()) inner_->clear_bus_off();
   }
   [[nodiscard]] const BusCounters& counters() const noexcept override {
-    return lent() ? counters_when_lent_ : inner_->counters();
+    return reconnecting() ? counters_before_reconnect_ : inner_->counters();
   }
 
-  /// Hands a bus that is gone to whoever connects it again, outside the torque loop: until give_back() it is
-  /// disconnected here and not touched. Nothing when it is there, or lent already.
-  void lend_if_gone() noexcept {
-    if (!disconnected_ || lent()) return;
-    counters_when_lent_ = inner_->counters();
+  /// Hands a bus that is gone to the thread that connects it again, outside the torque loop. Until
+  /// end_reconnect() it is disconnected here and not touched. No effect when it is connected, or being
+  /// reconnected.
+  void begin_reconnect() noexcept {
+    if (!disconnected_ || reconnecting()) return;
+    counters_before_reconnect_ = inner_->counters();
     early_count_ = 0;
-    lent_.store(true, std::memory_order_release);
+    reconnecting_.store(true, std::memory_order_release);
   }
-  /// Whether it is lent. The borrower has the inner bus to itself then.
-  [[nodiscard]] bool lent() const noexcept { return lent_.load(std::memory_order_acquire); }
-  /// The borrower is done, whatever came of it.
-  void give_back() noexcept { lent_.store(false, std::memory_order_release); }
+  /// Whether it is being reconnected. The reconnecting thread has the inner bus to itself then.
+  [[nodiscard]] bool reconnecting() const noexcept { return reconnecting_.load(std::memory_order_acquire); }
+  /// The attempt is over, with or without success.
+  void end_reconnect() noexcept { reconnecting_.store(false, std::memory_order_release); }
 
   [[nodiscard]] std::span<const CanFrame> kept() const noexcept { return std::span(kept_).first(count_); }
   void forget() noexcept { count_ = 0; }
@@ -81,8 +82,8 @@ class TapBus final : public FrameBus {
 
   FrameBus* inner_ = nullptr;
   bool disconnected_ = false;  ///< by the newest call
-  std::atomic<bool> lent_ = false;
-  BusCounters counters_when_lent_;
+  std::atomic<bool> reconnecting_ = false;
+  BusCounters counters_before_reconnect_;
   std::size_t early_count_ = 0;
   std::array<CanFrame, kMaximumBatch> early_{};
   std::size_t count_ = 0;

@@ -9,7 +9,7 @@ namespace stilt::hal {
 enum class EmergencyStopState : std::uint8_t {
   released,  ///< said so recently
   pressed,
-  unknown,  ///< silent for too long, or never heard: to be treated as pressed
+  unknown,  ///< silent for too long, or never received: to be treated as pressed
   absent,   ///< this robot has no such input
 };
 

@@ -157,7 +157,7 @@ void add_disturbance_options(CLI::App& command, ExperimentOptions& options) {
       ->capture_default_str();
   command.add_option("--push-at", options.setting.push_point, "point of the push: hip or torso")
       ->capture_default_str();
-  command.add_option("--plan-rate", options.setting.choice.plan_rate_hz, "planning rate, Hz, default 100");
+  command.add_option("--plan-rate", options.setting.choice.plan_rate_hz, "plans per second, Hz, default 100");
   command.add_option("--plan-delay", options.setting.choice.plan_delay_s,
                      "simulated time that a plan takes, s");
   command
@@ -172,7 +172,7 @@ experiments::DisturbancePlan plan_of_rows(const std::string& rows_file) {
   return plan;
 }
 
-int run_disturbance(ExperimentOptions options, const std::vector<std::string>& words) {
+int run_disturbance(ExperimentOptions options, const std::vector<std::string>& arguments) {
   constexpr double kHorizonOfQuick_s = 0.5;
   (void)walk_runner(options.setting);  // reports errors of the settings before anything runs
   if (options.quick && options.rows_file.empty()) options.horizons_s = {kHorizonOfQuick_s};
@@ -184,7 +184,7 @@ int run_disturbance(ExperimentOptions options, const std::vector<std::string>& w
   }
   if (options.quick) cut_to_quick(plan);
   return run_jobs(
-      options, words, settings_json(options, "disturbance", parts), disturbance_jobs(plan),
+      options, arguments, settings_json(options, "disturbance", parts), disturbance_jobs(plan),
       [&](const std::vector<Json>& results) { return merge_disturbance(plan, results); },
       experiments::disturbance_table);
 }

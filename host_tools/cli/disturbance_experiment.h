@@ -18,6 +18,6 @@ void add_disturbance_options(CLI::App& command, ExperimentOptions& options);
 
 /// Measures the largest pushes survived: runs the jobs and writes table and figures. Returns the exit status.
 /// Throws UsageError or std::invalid_argument, one sentence, for bad input.
-[[nodiscard]] int run_disturbance(ExperimentOptions options, const std::vector<std::string>& words);
+[[nodiscard]] int run_disturbance(ExperimentOptions options, const std::vector<std::string>& arguments);
 
 }  // namespace stilt::cli

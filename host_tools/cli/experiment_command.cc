@@ -48,7 +48,7 @@ void add_job_options(CLI::App& command, ExperimentOptions& options, const char* 
   command.add_flag("--list-jobs", options.list_jobs, "prints the names of the jobs and runs none");
   command.add_option("--job", options.job, "runs only this job, unless it has a result");
   command.add_flag("--merge", options.merge, "runs no job, merges the results");
-  command.add_option("--processes", options.at_once, "number of jobs at a time; default: one per core")
+  command.add_option("--processes", options.at_once, "jobs at a time; all cores by default")
       ->check(CLI::Range(1, 1024));
   command.add_option("--controller", options.controllers, "only this controller; repeatable")
       ->allow_extra_args(false);
@@ -57,7 +57,7 @@ void add_job_options(CLI::App& command, ExperimentOptions& options, const char* 
   command.add_option("--seeds", options.seeds, seeds_text)->check(CLI::Range(1, 1000));
 }
 
-int run_horizons(const ExperimentOptions& options, const std::vector<std::string>& words) {
+int run_horizons(const ExperimentOptions& options, const std::vector<std::string>& arguments) {
   experiments::HorizonPlan plan;
   plan.horizons_s = experiments::tried_horizons_s();
   if (options.quick) {
@@ -75,8 +75,8 @@ int run_horizons(const ExperimentOptions& options, const std::vector<std::string
   plan.seeds = options.seeds.value_or(plan.seeds);
   const auto jobs = experiments::horizon_jobs(plan, runner_for_each(options.setting));
   return run_jobs(
-      options, words, settings_json(options, "horizon", parts_of(options.setting, plan.controllers)), jobs,
-      [&](const std::vector<Json>& results) { return merge_horizons(plan, results); },
+      options, arguments, settings_json(options, "horizon", parts_of(options.setting, plan.controllers)),
+      jobs, [&](const std::vector<Json>& results) { return merge_horizons(plan, results); },
       experiments::horizon_table);
 }
 
@@ -106,7 +106,7 @@ CLI::App* add_experiment_command(CLI::App& program, ExperimentOptions& options) 
   CLI::App* experiment = program.add_subcommand("experiment", "the published experiments, with figures");
   experiment->require_subcommand(1);
   CLI::App* frequency = experiment->add_subcommand(
-      "frequency", "planning rate at horizons of 2.0, 1.0, 0.5 and 0.2 s, ten iterations, one thread");
+      "frequency", "plans per second at horizons of 2.0, 1.0, 0.5 and 0.2 s, ten iterations, one thread");
   add_common_options(*frequency, options);
   frequency->add_option("--problems", options.problems, "planning problems of a walk to solve")
       ->check(CLI::Range(1, 100000))
@@ -136,14 +136,14 @@ CLI::App* add_experiment_command(CLI::App& program, ExperimentOptions& options) 
 }
 
 int run_experiment(const CLI::App& experiment, ExperimentOptions options,
-                   const std::vector<std::string>& words) {
+                   const std::vector<std::string>& arguments) {
   check_output_file("--json", options.json_file);
-  options.command = published_command(words);
+  options.command = published_command(arguments);
   if (experiment.got_subcommand("frequency")) return run_frequency(options);
-  if (experiment.got_subcommand("horizon")) return run_horizons(options, words);
-  if (experiment.got_subcommand("limits")) return run_limits(options, words);
+  if (experiment.got_subcommand("horizon")) return run_horizons(options, arguments);
+  if (experiment.got_subcommand("limits")) return run_limits(options, arguments);
   if (experiment.got_subcommand("figures")) return run_figures(options);
-  return run_disturbance(std::move(options), words);
+  return run_disturbance(std::move(options), arguments);
 }
 
 }  // namespace stilt::cli

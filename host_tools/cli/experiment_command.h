@@ -41,9 +41,9 @@ struct ExperimentOptions {
 /// `options`.
 CLI::App* add_experiment_command(CLI::App& program, ExperimentOptions& options);
 
-/// Runs the command that was given. `words` is the command line, for the processes of the jobs. Returns the
-/// exit status. Throws UsageError or std::invalid_argument, one sentence, for bad input.
+/// Runs the command that was given. `arguments` is the command line, for the processes of the jobs. Returns
+/// the exit status. Throws UsageError or std::invalid_argument, one sentence, for bad input.
 [[nodiscard]] int run_experiment(const CLI::App& experiment, ExperimentOptions options,
-                                 const std::vector<std::string>& words);
+                                 const std::vector<std::string>& arguments);
 
 }  // namespace stilt::cli

@@ -27,13 +27,13 @@ int run_one(const JobFolder& folder, const std::vector<Job>& jobs, const std::st
   return 0;
 }
 
-void run_missing(const ExperimentOptions& options, std::vector<std::string> words, const JobFolder& folder,
-                 const std::vector<Job>& jobs) {
+void run_missing(const ExperimentOptions& options, std::vector<std::string> arguments,
+                 const JobFolder& folder, const std::vector<Job>& jobs) {
   const std::vector<std::string> ids = folder.missing(jobs);
   const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  words.front() = "/proc/self/exe";
+  arguments.front() = "/proc/self/exe";
   Progress progress("running", static_cast<double>(ids.size()), "jobs");
-  experiments::run_in_processes(words, ids, options.at_once.value_or(cores),
+  experiments::run_in_processes(arguments, ids, options.at_once.value_or(cores),
                                 [&](int done) { progress.update(done); });
 }
 
@@ -58,8 +58,9 @@ Json settings_json(const ExperimentOptions& options, const char* experiment,
           {"configuration", std::move(configuration)}};
 }
 
-int run_jobs(const ExperimentOptions& options, const std::vector<std::string>& words, const Json& settings,
-             const std::vector<Job>& jobs, const std::function<Json(const std::vector<Json>&)>& merge,
+int run_jobs(const ExperimentOptions& options, const std::vector<std::string>& arguments,
+             const Json& settings, const std::vector<Job>& jobs,
+             const std::function<Json(const std::vector<Json>&)>& merge,
              const std::function<std::string(const Json&)>& table) {
   if (options.list_jobs) {
     for (const Job& job : jobs) std::puts(job.id.c_str());
@@ -67,7 +68,7 @@ int run_jobs(const ExperimentOptions& options, const std::vector<std::string>& w
   }
   const JobFolder folder(options.folder, settings);
   if (!options.job.empty()) return run_one(folder, jobs, options.job);
-  if (!options.merge) run_missing(options, words, folder, jobs);
+  if (!options.merge) run_missing(options, arguments, folder, jobs);
   Json merged = merge(folder.results(jobs));
   merged["command"] = options.command;
   merged["settings"] = settings;

@@ -14,7 +14,7 @@ namespace stilt::cli {
 /// these options it runs all jobs without a result, each in its own process, and merges. `merge` computes the
 /// figures from all results, `table` prints them as text. Returns the exit status.
 [[nodiscard]] int run_jobs(
-    const ExperimentOptions& options, const std::vector<std::string>& words,
+    const ExperimentOptions& options, const std::vector<std::string>& arguments,
     const experiments::Json& settings, const std::vector<experiments::Job>& jobs,
     const std::function<experiments::Json(const std::vector<experiments::Json>&)>& merge,
     const std::function<std::string(const experiments::Json&)>& table);

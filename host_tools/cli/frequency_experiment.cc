@@ -40,7 +40,7 @@ double rate_hz(const PlannerTimings& timings) { return 1e6 / simulation::percent
 
 std::string table_of(const Json& merged) {
   std::string table =
-      "| horizon s | nodes | plans a second, 10 iterations | with early end | iterations then | paper, "
+      "| horizon s | nodes | plans per second, 10 iterations | with early end | iterations then | paper, "
       "several "
       "threads |\n|---|---|---|---|---|---|\n";
   for (const Json& row : merged.at("rows")) {

@@ -96,7 +96,7 @@ void write_text(const std::string& text, const std::string& path) {
 }
 
 void print(const GaitRecord& record, const GaitCheck& check) {
-  const gait_files::GaitFigures& f = check.figures;
+  const gait_files::GaitMetrics& f = check.metrics;
   std::printf("%s, %.3f m/s: step %.4f m in %.4f s, phase by %s\n", record.robot.c_str(),
               record.gait.speed_m_s, record.gait.step_length_m, record.gait.step_time_s,
               record.gait.outputs.phase == gait::PhaseKind::time ? "time" : "hip position");
@@ -163,7 +163,7 @@ int complete(const GaitOptions& options) {
   const model::RobotModel* robot = nullptr;
   GaitRecord record = load_complete(options.file, &robot);
   const GaitCheck result = gait_synthesis::check_gait(*robot, record);
-  record.claims = result.figures;
+  record.claims = result.metrics;
   write_text(gait_files::to_toml(record), options.out);
   return report(record, result, options.json_file);
 }

@@ -11,10 +11,10 @@ nlohmann::ordered_json to_json(const gait_files::GaitRecord& record, const gait_
   json["step_time_s"] = record.gait.step_time_s;
   json["step_length_m"] = record.gait.step_length_m;
   json["phase"] = by_time ? "time" : "hip_position";
-  json["return_map_spectral_radius"] = check.figures.return_map_eigenvalues[0];
-  gait_files::GaitFigures figures = check.figures;
-  for (const auto& field : gait_files::figure_fields()) {
-    const auto values = field.values(figures);
+  json["return_map_spectral_radius"] = check.metrics.return_map_eigenvalues[0];
+  gait_files::GaitMetrics metrics = check.metrics;
+  for (const auto& field : gait_files::metric_fields()) {
+    const auto values = field.values(metrics);
     if (values.size() == 1) {
       json[field.key] = values[0];
     } else {

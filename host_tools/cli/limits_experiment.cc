@@ -76,13 +76,13 @@ void add_limit_options(CLI::App& command, ExperimentOptions& options) {
       ->allow_extra_args(false);
 }
 
-int run_limits(const ExperimentOptions& options, const std::vector<std::string>& words) {
+int run_limits(const ExperimentOptions& options, const std::vector<std::string>& arguments) {
   const LimitPlan plan = limit_plan(options);
   std::vector<std::string> controllers;
   for (const LimitPlan::Controller& controller : plan.controllers) controllers.push_back(controller.name);
   const auto jobs = experiments::limit_jobs(plan, runner_for_each(options.setting));
   return run_jobs(
-      options, words, settings_json(options, "limits", parts_of(options.setting, controllers)), jobs,
+      options, arguments, settings_json(options, "limits", parts_of(options.setting, controllers)), jobs,
       [&](const std::vector<Json>& results) { return merge_limits(plan, results); },
       experiments::limit_table);
 }

@@ -12,8 +12,8 @@ namespace stilt::cli {
 void add_limit_options(CLI::App& command, ExperimentOptions& options);
 
 /// Searches the limits that the robot survives unannounced (host_tools/experiments/blind_limits.h), of all
-/// quantities or of those chosen. `words` as for run_jobs(). Returns the exit status. Throws UsageError or
-/// std::invalid_argument, one sentence, for bad input.
-[[nodiscard]] int run_limits(const ExperimentOptions& options, const std::vector<std::string>& words);
+/// quantities or of those chosen. `arguments` as for run_jobs(). Returns the exit status. Throws UsageError
+/// or std::invalid_argument, one sentence, for bad input.
+[[nodiscard]] int run_limits(const ExperimentOptions& options, const std::vector<std::string>& arguments);
 
 }  // namespace stilt::cli

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "host_tools/cli/bench_command.h"
+#include "host_tools/cli/config_command.h"
 #include "host_tools/cli/experiment_command.h"
 #include "host_tools/cli/gait_command.h"
 #include "host_tools/cli/log_command.h"
@@ -22,9 +23,9 @@ namespace {
 
 constexpr int kBadUsage = 2;
 
-std::string joined(int count, char** words) {
+std::string joined(int argc, char** argv) {
   std::string text = "stilt";
-  for (int i = 1; i < count; ++i) text += std::string(" ") + words[i];
+  for (int i = 1; i < argc; ++i) text += std::string(" ") + argv[i];
   return text;
 }
 
@@ -35,7 +36,7 @@ int refuse(std::string message) {
   return kBadUsage;
 }
 
-int run(int count, char** words) {
+int run(int argc, char** argv) {
   CLI::App program{"Onboard whole-body predictive controller for planar walking robots.", "stilt"};
   program.set_version_flag("--version", stilt::cli::version_text());
   program.require_subcommand(1);
@@ -56,6 +57,8 @@ int run(int count, char** words) {
   const CLI::App* replay = stilt::cli::add_replay_command(program, replay_options);
   stilt::cli::ExperimentOptions experiment_options;
   const CLI::App* experiment = stilt::cli::add_experiment_command(program, experiment_options);
+  stilt::cli::ConfigOptions config_options;
+  const CLI::App* config = stilt::cli::add_config_command(program, config_options);
   stilt::cli::LogOptions log_options;
   const CLI::App* log = stilt::cli::add_log_command(program, log_options);
   CLI::App* model = program.add_subcommand("model", "the robot's generated dynamics");
@@ -67,27 +70,27 @@ int run(int count, char** words) {
   eval->add_option("--robot", model_robot, stilt::cli::robot_help())->capture_default_str();
 
   try {
-    program.parse(count, words);
+    program.parse(argc, argv);
   } catch (const CLI::Success& help_or_version) {
     return program.exit(help_or_version);
   } catch (const CLI::RequiredError&) {
-    const std::string unknown = count > 1 ? std::string(words[count - 1]) + ": " : std::string();
+    const std::string unknown = argc > 1 ? std::string(argv[argc - 1]) + ": " : std::string();
     return refuse(unknown +
-                  "a command is expected: sim, robot, gait, experiment, monitor, bench, record, replay, log "
-                  "or model eval; "
-                  "see stilt --help");
+                  "a command is expected: sim, robot, gait, experiment, monitor, bench, record, replay, log, "
+                  "config or model eval; see stilt --help");
   } catch (const CLI::ParseError& error) {
     return refuse(std::string(error.what()) + "; see stilt COMMAND --help");
   }
-  if (sim->parsed()) return stilt::cli::run_sim(sim_options, joined(count, words));
-  if (robot->parsed()) return stilt::cli::run_robot(robot_options, joined(count, words));
+  if (sim->parsed()) return stilt::cli::run_sim(sim_options, joined(argc, argv));
+  if (robot->parsed()) return stilt::cli::run_robot(robot_options, joined(argc, argv));
   if (monitor->parsed()) return stilt::cli::run_monitor(monitor_options);
   if (gait->parsed()) return stilt::cli::run_gait(*gait, gait_options);
   if (record->parsed()) return stilt::cli::run_record(record_options);
+  if (config->parsed()) return stilt::cli::run_config(config_options);
   if (log->parsed()) return stilt::cli::run_log(log_options);
   if (replay->parsed()) return stilt::cli::run_replay(replay_options);
   if (experiment->parsed())
-    return stilt::cli::run_experiment(*experiment, experiment_options, {words, words + count});
+    return stilt::cli::run_experiment(*experiment, experiment_options, {argv, argv + argc});
   if (bench->parsed()) return stilt::cli::run_bench(bench_options);
   stilt::cli::evaluate_lines(stilt::cli::robot_model(model_robot), std::cin, std::cout);
   return 0;
@@ -95,9 +98,9 @@ int run(int count, char** words) {
 
 }  // namespace
 
-int main(int count, char** words) {
+int main(int argc, char** argv) {
   try {
-    return run(count, words);
+    return run(argc, argv);
   } catch (const std::exception& error) {
     return refuse(error.what());
   }

@@ -55,7 +55,7 @@ CLI::App* add_monitor_command(CLI::App& program, MonitorOptions& options) {
                    "address of the page; on an address other than loopback, every host that reaches it "
                    "can view the page, and can command with the token")
       ->capture_default_str();
-  CLI::Option* token = monitor->add_option("--token", options.token, "token of the session, for commands");
+  CLI::Option* token = monitor->add_option("--token", options.token, "token of the run, for commands");
   monitor
       ->add_option("--token-file", options.token_file,
                    "file with the token; default: the file that stiltd names, when it is readable")

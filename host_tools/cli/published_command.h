@@ -5,8 +5,8 @@
 
 namespace stilt::cli {
 
-/// The command line with which a reader reproduces the figures: `stilt` and its words, with DIR for the
+/// The command line with which a reader reproduces the figures: `stilt` and its arguments, with DIR for the
 /// folder of --out. Options that change no figure are left out (--json, --processes, --merge).
-[[nodiscard]] std::string published_command(const std::vector<std::string>& words);
+[[nodiscard]] std::string published_command(const std::vector<std::string>& arguments);
 
 }  // namespace stilt::cli

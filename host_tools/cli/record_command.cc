@@ -83,9 +83,9 @@ double record_all(const RecordOptions& options, record::Recorder& recorder) {
 }
 
 bool whole(const record::Recorder& recorder) {
-  const auto& sessions = recorder.sessions();
-  return !sessions.empty() &&
-         std::ranges::all_of(sessions, [](const auto& session) { return session.second.gaps().empty(); });
+  const auto& runs = recorder.runs();
+  return !runs.empty() &&
+         std::ranges::all_of(runs, [](const auto& run) { return run.second.gaps().empty(); });
 }
 
 Json to_json(const record::Recorder& recorder, double elapsed_s) {
@@ -94,11 +94,11 @@ Json to_json(const record::Recorder& recorder, double elapsed_s) {
   json["messages"] = recorder.messages();
   json["bytes"] = recorder.bytes();
   json["complete"] = whole(recorder);
-  json["sessions"] = Json::array();
-  for (const auto& [session, ledger] : recorder.sessions()) {
+  json["runs"] = Json::array();
+  for (const auto& [run_id, ledger] : recorder.runs()) {
     Json missing = Json::array();
     for (const record::TickLedger::Gap& gap : ledger.gaps()) missing.push_back({gap.first, gap.end - 1});
-    json["sessions"].push_back({{"session", session}, {"ticks", ledger.count()}, {"missing", missing}});
+    json["runs"].push_back({{"run_id", run_id}, {"ticks", ledger.count()}, {"missing", missing}});
   }
   return json;
 }
@@ -109,11 +109,11 @@ void print(const RecordOptions& options, const record::Recorder& recorder, doubl
               1e-6 * static_cast<double>(recorder.bytes()));
   if (recorder.messages() == 0) {
     std::printf(
-        "no sample received on domain %d, interface %s; does stiltd run there, with telemetry.enabled?\n",
+        "nothing was received on domain %d, interface %s; does stiltd run there, with telemetry.enabled?\n",
         options.network.domain, options.network.interface.c_str());
   }
-  for (const auto& [session, ledger] : recorder.sessions()) {
-    std::printf("session %016llx: %s\n", static_cast<unsigned long long>(session), ledger.text().c_str());
+  for (const auto& [run_id, ledger] : recorder.runs()) {
+    std::printf("run %016llx: %s\n", static_cast<unsigned long long>(run_id), ledger.text().c_str());
   }
 }
 
@@ -133,7 +133,7 @@ CLI::App* add_record_command(CLI::App& program, RecordOptions& options) {
       "Start it before or soon after stiltd: it gets the last six seconds of ticks when it comes later, and "
       "stilt "
       "replay\nneeds them from the first one on.\n"
-      "Exit status: 0 done, 1 no sample received or ticks are missing, 2 bad usage.");
+      "Exit status: 0 done, 1 nothing was received or ticks are missing, 2 bad usage.");
   return record;
 }
 

@@ -9,7 +9,7 @@
 #include "host_tools/cli/progress.h"
 #include "host_tools/cli/usage_error.h"
 #include "host_tools/recording/replay/record_source.h"
-#include "host_tools/recording/replay/replay_session.h"
+#include "host_tools/recording/replay/replay_run.h"
 #include "host_tools/web/monitor/serve.h"
 
 namespace stilt::cli {
@@ -17,19 +17,19 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 using replay::Outcome;
-using replay::SessionRecord;
+using replay::RunRecord;
 
 struct Replayed {
-  const SessionRecord* session;
+  const RunRecord* run;
   Outcome outcome;
 };
 
 std::vector<Replayed> replay_all(const std::string& file, const replay::RecordContents& contents) {
   std::vector<Replayed> all;
-  for (const SessionRecord& session : contents.sessions) {
-    if (session.ticks.empty()) continue;
-    Progress progress("replaying", static_cast<double>(session.ticks.next()), "ticks");
-    all.push_back({&session, replay::replay_session(file, session, [&](std::uint64_t tick) {
+  for (const RunRecord& run : contents.runs) {
+    if (run.ticks.empty()) continue;
+    Progress progress("replaying", static_cast<double>(run.ticks.next()), "ticks");
+    all.push_back({&run, replay::replay_run(file, run, [&](std::uint64_t tick) {
                      progress.update(static_cast<double>(tick));
                    })});
   }
@@ -38,14 +38,10 @@ std::vector<Replayed> replay_all(const std::string& file, const replay::RecordCo
 
 Json to_json(const Replayed& replayed) {
   const Outcome& outcome = replayed.outcome;
-  Json json = {{"session", replayed.session->number},
-               {"robot", replayed.session->robot},
-               {"build", replayed.session->build},
-               {"reproduced", outcome.reproduced()},
-               {"ticks", outcome.ticks},
-               {"plans", outcome.cycles},
-               {"difference", nullptr},
-               {"problem", nullptr}};
+  Json json = {{"run_id", replayed.run->number}, {"robot", replayed.run->robot},
+               {"build", replayed.run->build},   {"reproduced", outcome.reproduced()},
+               {"ticks", outcome.ticks},         {"plans", outcome.cycles},
+               {"difference", nullptr},          {"problem", nullptr}};
   if (outcome.difference) {
     json["difference"] = {{"tick", outcome.difference->tick},
                           {"what", outcome.difference->what},
@@ -58,8 +54,8 @@ Json to_json(const Replayed& replayed) {
 
 void print(const Replayed& replayed) {
   const Outcome& outcome = replayed.outcome;
-  std::printf("session %016llx, %s: ", static_cast<unsigned long long>(replayed.session->number),
-              replayed.session->robot.c_str());
+  std::printf("run %016llx, %s: ", static_cast<unsigned long long>(replayed.run->number),
+              replayed.run->robot.c_str());
   const auto ticks = static_cast<unsigned long long>(outcome.ticks);
   const auto plans = static_cast<unsigned long long>(outcome.cycles);
   if (outcome.reproduced()) {
@@ -69,8 +65,7 @@ void print(const Replayed& replayed) {
   std::printf("%llu ticks and %llu plans are the same; then %s\n", ticks, plans,
               (outcome.difference ? outcome.difference->text() : outcome.problem).c_str());
   if (outcome.difference) {
-    std::printf("recorded by %s; results are the same on the same build only\n",
-                replayed.session->build.c_str());
+    std::printf("recorded by %s; results are the same on the same build only\n", replayed.run->build.c_str());
   }
 }
 
@@ -119,9 +114,9 @@ int run_replay(const ReplayOptions& options) {
   const bool reproduced =
       std::ranges::all_of(all, [](const Replayed& one) { return one.outcome.reproduced(); });
   if (!options.json_file.empty()) {
-    Json sessions = Json::array();
-    for (const Replayed& one : all) sessions.push_back(to_json(one));
-    write_json({{"reproduced", reproduced}, {"sessions", sessions}, {"file_problems", contents.problems}},
+    Json runs = Json::array();
+    for (const Replayed& one : all) runs.push_back(to_json(one));
+    write_json({{"reproduced", reproduced}, {"runs", runs}, {"file_problems", contents.problems}},
                options.json_file);
   }
   if (options.json_file != "-") {

@@ -36,7 +36,7 @@ void interrupt(int) { interrupted.store(true); }
 void announce(const std::vector<std::string>& buses) {
   std::string names;
   for (const std::string& bus : buses) names += (names.empty() ? "" : ", ") + bus;
-  std::fprintf(stderr, "the robot hangs on its hoist, ready for a controller on %s\n", names.c_str());
+  std::fprintf(stderr, "the robot hangs on its gantry, ready for a controller on %s\n", names.c_str());
 }
 
 /// SIGINT and SIGTERM end the run in order; its figures are still written.
@@ -68,7 +68,7 @@ Json drivers_json(const RobotOnBus& robot) {
 
 Json faults_json(const RobotOnBus& robot) {
   Json faults = Json::array();
-  for (const robot_on_bus::StruckFault& fault : robot.struck_faults()) {
+  for (const robot_on_bus::InjectedFault& fault : robot.injected_faults()) {
     faults.push_back({{"name", fault.name}, {"robot_time_s", fault.time_s}});
   }
   return faults;
@@ -76,12 +76,12 @@ Json faults_json(const RobotOnBus& robot) {
 
 Json robot_json(const RobotOnBus& robot, const log::RunSummary& summary, const RunOutcome& outcome) {
   Json json = plant_json(summary);
-  const auto released_s = robot.hoist_released_s();
+  const auto released_s = robot.gantry_released_s();
   const bool fell = robot.recorder().fall() != simulation::Fall::none;
   json["fall_reason"] = fell ? Json(simulation::fall_text(robot.recorder().fall())) : Json(nullptr);
-  json["hoist_released_s"] = released_s ? Json(*released_s) : Json(nullptr);
+  json["gantry_released_s"] = released_s ? Json(*released_s) : Json(nullptr);
   json["sat_down_s"] = robot.sat_down_s() ? Json(*robot.sat_down_s()) : Json(nullptr);
-  json["hoist"] = robot_on_bus::name(robot.hoist().state());
+  json["gantry"] = robot_on_bus::name(robot.gantry().state());
   json["robot_time_s"] = robot.time_s();
   json["ended"] = outcome.ended;
   json["controllers"] = outcome.controllers;
@@ -95,14 +95,14 @@ Json robot_json(const RobotOnBus& robot, const log::RunSummary& summary, const R
 
 std::string outcome_text(const RobotOnBus& robot, const RunOutcome& outcome) {
   char text[200];
-  if (!robot.hoist_released_s()) {
-    std::snprintf(text, sizeof text, "result         never left the hoist in %.1f s (%s)\n", robot.time_s(),
+  if (!robot.gantry_released_s()) {
+    std::snprintf(text, sizeof text, "result         never left the gantry in %.1f s (%s)\n", robot.time_s(),
                   outcome.ended);
     return text;
   }
   std::snprintf(text, sizeof text,
-                "hoist          let go at %.2f s\nend            %s at %.2f s, %llu late\n",
-                *robot.hoist_released_s(), outcome.ended, robot.time_s(),
+                "gantry         released at %.2f s\nend            %s at %.2f s, %llu late\n",
+                *robot.gantry_released_s(), outcome.ended, robot.time_s(),
                 static_cast<unsigned long long>(outcome.late));
   return text;
 }
@@ -111,7 +111,7 @@ void write_results(const RobotOptions& options, const RobotOnBus& robot, const l
                    const RunOutcome& outcome) {
   if (!options.json_file.empty()) write_json(robot_json(robot, record.summary, outcome), options.json_file);
   if (options.json_file != "-") {
-    if (robot.hoist_released_s()) {
+    if (robot.gantry_released_s()) {
       std::fputs(plant_text(record.summary, robot.recorder().fall()).c_str(), stdout);
     }
     std::fputs(outcome_text(robot, outcome).c_str(), stdout);
@@ -149,12 +149,13 @@ CLI::App* add_robot_command(CLI::App& program, RobotOptions& options) {
       ->allow_extra_args(false);
   robot->add_flag("--lockstep", options.lockstep,
                   "time follows the controller's turns instead of the clock: for tests");
-  robot->add_option("--duration", options.duration_s, "ends this time after the release of the hoist, s");
+  robot->add_option("--duration", options.duration_s,
+                    "ends so long after the gantry has released the robot, s");
   robot->add_flag("--once", options.once, "ends when the controller has disconnected");
   robot
       ->add_option(
           "--fault", options.faults,
-          "a fault, NAME[:JOINT|BUS]@START[+DURATION], times in s after the release of the hoist; repeatable")
+          "a fault, NAME[:JOINT|BUS]@START[+DURATION], s after the gantry has released the robot; repeatable")
       ->allow_extra_args(false);
   robot
       ->add_option("--push", options.pushes,
@@ -164,19 +165,21 @@ CLI::App* add_robot_command(CLI::App& program, RobotOptions& options) {
       ->add_option("--plant", options.plant_settings,
                    "changes the simulated robot or its world: KEY=VALUE; repeatable")
       ->allow_extra_args(false);
-  robot->add_option("--seed", options.seed, "seed of the sensor noise")->capture_default_str();
-  robot->add_flag("--publish", options.publish,
-                  "publishes data of the simulation over DDS (contact forces, pushes), for stilt monitor");
+  robot->add_option("--seed", options.seed, "of the sensor noise")->capture_default_str();
+  robot->add_flag(
+      "--publish", options.publish,
+      "publishes over DDS what only a simulation knows (contact forces, pushes), for stilt monitor");
   add_network_options(*robot, options.network);
   robot->add_option("--json", options.json_file,
                     "writes the figures as JSON to a file, or - for standard output");
   robot->add_option("--report", options.report_file, "writes a page with animation and plots, HTML");
-  robot->add_option("--log", options.log_file, "writes the samples, one JSON object per line");
+  robot->add_option("--log", options.log_file, "writes the samples, one JSON object a line");
   robot->add_option("--frames", options.frames_file, "writes every frame on the buses with its tick");
-  robot->footer("Faults of --fault:\n" + simulation::describe_faults(simulation::FaultsOf::robot_on_buses) +
-                "Keys of --plant:\n" + simulation::describe_plant_options() +
-                "Times of --push, --fault and of all figures count from the release of the hoist.\n"
-                "Exit status: 0 done, 1 the robot fell or never left the hoist, 2 bad usage.");
+  robot->footer(
+      "Faults of --fault:\n" + simulation::describe_faults(simulation::FaultsOf::robot_on_buses) +
+      "Keys of --plant:\n" + simulation::describe_plant_options() +
+      "Times of --push, --fault and of all figures count from when the gantry has released the robot.\n"
+      "Exit status: 0 done, 1 the robot fell or never left the gantry, 2 bad usage.");
   return robot;
 }
 

@@ -33,7 +33,7 @@ CLI::App* add_robot_command(CLI::App& program, RobotOptions& options);
 
 /// Simulates the robot behind its motor drivers until the run is over, and writes the requested files.
 /// Returns the exit status: 0 when the robot walked or stood on its own to the end, 1 when it fell or never
-/// left the hoist. Throws UsageError, std::invalid_argument or std::runtime_error, one sentence.
+/// left the gantry. Throws UsageError, std::invalid_argument or std::runtime_error, one sentence.
 [[nodiscard]] int run_robot(const RobotOptions& options, const std::string& command_line);
 
 }  // namespace stilt::cli

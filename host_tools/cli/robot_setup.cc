@@ -64,7 +64,7 @@ SimulatedHardware simulated_hardware(const RobotOptions& options) {
   for (std::size_t bus = 0; bus < setup.bus_count; ++bus) {
     hardware.fd = hardware.fd || hal::uses_fd(setup.wiring, bus);
   }
-  setup.base_rate_hz = configured.hardware.base_sensor.rate_hz;
+  setup.base_rate_hz = configured.hardware.torso_sensor.rate_hz;
   setup.wiring.channel_period_ticks =
       configuration::base_period_ticks(configured.hardware, configured.timing.torque_rate_hz);
   setup.tick_s = 1.0 / configured.timing.torque_rate_hz;

@@ -101,7 +101,7 @@ void write_results(const SimOptions& options, const log::RunRecord& record, simu
 CLI::App* add_sim_command(CLI::App& program, SimOptions& options) {
   CLI::App* sim = program.add_subcommand("sim", "walk the simulated robot under the controller");
   add_controller_options(*sim, options.choice);
-  sim->add_option("--plan-rate", options.choice.plan_rate_hz, "planning rate, Hz");
+  sim->add_option("--plan-rate", options.choice.plan_rate_hz, "plans per second, Hz");
   sim->add_option("--plan-delay", options.choice.plan_delay_s, "simulated time that a plan takes, s");
   sim->add_option("--gait", options.gait, "stand, step or walk, commanded at the start")
       ->capture_default_str();

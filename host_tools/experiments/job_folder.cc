@@ -13,7 +13,7 @@ Json read(const std::filesystem::path& file) {
   std::ifstream stream(file);
   const Json json = Json::parse(stream, nullptr, false);
   if (json.is_discarded()) {
-    throw std::runtime_error(file.string() + ": the result cannot be read; remove the file and run the job");
+    throw std::runtime_error(file.string() + ": no result that can be read; remove the file and run the job");
   }
   return json;
 }
@@ -59,7 +59,7 @@ JobFolder::JobFolder(const std::filesystem::path& folder, const Json& settings) 
   std::filesystem::create_directories(folder_, error);
   if (!std::filesystem::is_directory(folder_, error) || access(folder_.c_str(), W_OK) != 0) {
     throw std::invalid_argument("--out " + folder.string() +
-                                ": the folder cannot be written; name one in an existing, writable folder");
+                                ": no folder that can be written; name one in an existing, writable folder");
   }
   const std::filesystem::path kept_file = file("settings");
   Json all = settings;

@@ -14,11 +14,11 @@ namespace {
 
 pid_t start(std::vector<std::string> command, const std::string& id) {
   command.insert(command.end(), {"--job", id});
-  std::vector<char*> words;
-  for (std::string& word : command) words.push_back(word.data());
-  words.push_back(nullptr);
+  std::vector<char*> argv;
+  for (std::string& word : command) argv.push_back(word.data());
+  argv.push_back(nullptr);
   pid_t process = 0;
-  if (posix_spawn(&process, words[0], nullptr, nullptr, words.data(), environ) != 0) {
+  if (posix_spawn(&process, argv[0], nullptr, nullptr, argv.data(), environ) != 0) {
     throw std::runtime_error("job " + id + ": the process cannot be started");
   }
   return process;

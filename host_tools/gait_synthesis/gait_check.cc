@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "host_tools/gait_synthesis/gait_figures.h"
+#include "host_tools/gait_synthesis/gait_metrics.h"
 #include "host_tools/gait_synthesis/hybrid_step.h"
 #include "host_tools/gait_synthesis/motion_fit.h"
 #include "host_tools/gait_synthesis/return_map.h"
@@ -12,7 +12,7 @@
 namespace stilt::gait_synthesis {
 namespace {
 
-using gait_files::GaitFigures;
+using gait_files::GaitMetrics;
 using model::kJoints;
 
 using enum Violation::Bound;
@@ -35,7 +35,7 @@ class Verdict {
   std::vector<Violation> violations_;
 };
 
-void check_limits(const GaitFigures& f, const gait_files::GaitLimits& limits, Verdict& verdict) {
+void check_limits(const GaitMetrics& f, const gait_files::GaitLimits& limits, Verdict& verdict) {
   const auto largest = [](const double* values) { return *std::max_element(values, values + kJoints); };
   verdict.at_most("torque_Nm", largest(f.peak_torque_Nm), limits.torque_Nm);
   verdict.at_least("joint_position_margin_rad", f.joint_position_margin_rad,
@@ -55,13 +55,13 @@ void check_limits(const GaitFigures& f, const gait_files::GaitLimits& limits, Ve
 }
 
 /// Adds the first of several values that differs from its claim.
-void check_claims(const GaitFigures& figures, const GaitFigures& claims, const CheckTolerances& tolerances,
+void check_claims(const GaitMetrics& metrics, const GaitMetrics& claims, const CheckTolerances& tolerances,
                   Verdict& verdict) {
-  GaitFigures computed = figures;
-  GaitFigures claimed_figures = claims;
-  for (const auto& field : gait_files::figure_fields()) {
+  GaitMetrics computed = metrics;
+  GaitMetrics claimed_metrics = claims;
+  for (const auto& field : gait_files::metric_fields()) {
     const auto values = field.values(computed);
-    const auto wanted = field.values(claimed_figures);
+    const auto wanted = field.values(claimed_metrics);
     const std::size_t before = verdict.violations().size();
     for (std::size_t i = 0; i < values.size() && verdict.violations().size() == before; ++i) {
       verdict.as_claimed(std::string("claim ") + field.key, values[i], wanted[i],
@@ -113,8 +113,8 @@ std::string Violation::text() const {
 GaitCheck check_gait(const model::RobotModel& robot, const gait_files::GaitRecord& record,
                      const CheckTolerances& tolerances) {
   GaitCheck check;
-  check.figures = gait_figures(robot, record.gait);
-  const GaitFigures& f = check.figures;
+  check.metrics = gait_metrics(robot, record.gait);
+  const GaitMetrics& f = check.metrics;
   const gait::HzdGait& gait = record.gait;
   Verdict verdict;
   verdict.at_most("defect", f.defect_max, tolerances.defect);

@@ -37,7 +37,7 @@ struct Violation {
 
 /// Result of check_gait().
 struct GaitCheck {
-  gait_files::GaitFigures figures;
+  gait_files::GaitMetrics metrics;
   std::vector<Violation> violations;  ///< of limits and claims; empty when valid
   [[nodiscard]] bool valid() const { return violations.empty(); }
 };

@@ -157,12 +157,12 @@ std::string base_curves(const model::RobotModel& robot, const gait::HzdGait& gai
   return card(plot::svg(force)) + card(plot::svg(swing)) + card(plot::svg(base)) + card(plot::svg(pitch));
 }
 
-std::string figures_table(const gait_files::GaitRecord& record, const GaitCheck& check) {
-  std::string rows = "<table><tr><th>figure</th><th>value</th><th></th></tr>";
-  gait_files::GaitFigures figures = check.figures;
-  for (const auto& field : gait_files::figure_fields()) {
+std::string metrics_table(const gait_files::GaitRecord& record, const GaitCheck& check) {
+  std::string rows = "<table><tr><th>metric</th><th>value</th><th></th></tr>";
+  gait_files::GaitMetrics metrics = check.metrics;
+  for (const auto& field : gait_files::metric_fields()) {
     std::string values;
-    for (const double value : field.values(figures)) values += (values.empty() ? "" : ", ") + number(value);
+    for (const double value : field.values(metrics)) values += (values.empty() ? "" : ", ") + number(value);
     rows += std::string("<tr><td>") + field.key + "</td><td class='n'>" + values + "</td><td>" +
             escaped(field.meaning) + "</td></tr>";
   }
@@ -193,7 +193,7 @@ std::string heading(const gait_files::GaitRecord& record, const GaitCheck& check
          " &middot; step of " + number(gait.step_length_m) + " m in " + number(gait.step_time_s) +
          " s &middot; outputs of degree " + std::to_string(gait.outputs.degree) + " along the " +
          (gait.outputs.phase == gait::PhaseKind::time ? "time" : "hip position") +
-         " &middot; largest eigenvalue of the return map " + number(check.figures.return_map_eigenvalues[0]) +
+         " &middot; largest eigenvalue of the return map " + number(check.metrics.return_map_eigenvalues[0]) +
          "</p>\n";
 }
 
@@ -212,7 +212,7 @@ std::string render_gait_page(const model::RobotModel& robot, const gait_files::G
                        [](const gait::GaitPoint& point, int j) { return point.velocity[kFirstJoint + j]; });
   page += joint_curves(gait, "Joint torques", "Nm",
                        [](const gait::GaitPoint& point, int j) { return point.torque_Nm[j]; });
-  page += base_curves(robot, gait) + figures_table(record, check);
+  page += base_curves(robot, gait) + metrics_table(record, check);
   return plot::page("Stilt: gait of " + record.robot, page + "</div>");
 }
 

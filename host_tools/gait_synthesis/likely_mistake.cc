@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "host_tools/gait_synthesis/gait_check.h"
-#include "host_tools/gait_synthesis/gait_figures.h"
+#include "host_tools/gait_synthesis/gait_metrics.h"
 
 namespace stilt::gait_synthesis {
 namespace {
@@ -66,8 +66,8 @@ bool walks(const model::RobotModel& robot, gait::HzdGait gait) {
   } catch (const std::runtime_error&) {
     return false;
   }
-  const gait_files::GaitFigures figures = gait_figures(robot, gait);
-  return figures.knee_min_rad > 0.0 && figures.clearance_m > 0.0 && figures.swing_height_min_m >= 0.0;
+  const gait_files::GaitMetrics metrics = gait_metrics(robot, gait);
+  return metrics.knee_min_rad > 0.0 && metrics.clearance_m > 0.0 && metrics.swing_height_min_m >= 0.0;
 }
 
 }  // namespace

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "host_tools/gait_synthesis/first_guess.h"
-#include "host_tools/gait_synthesis/gait_figures.h"
+#include "host_tools/gait_synthesis/gait_metrics.h"
+#include "host_tools/gait_synthesis/initial_guess.h"
 #include "host_tools/gait_synthesis/motion_fit.h"
 
 namespace stilt::gait_synthesis {
@@ -44,7 +44,7 @@ gait::PhaseKind phase_for_speed(double speed_m_s) {
 
 Synthesis synthesize(const model::RobotModel& robot, const StepTask& task) {
   const StepProgram program(robot, task);
-  const Eigen::VectorXd start = first_guess(robot.constants, task, program);
+  const Eigen::VectorXd start = initial_guess(robot.constants, task, program);
   const nonlinear_program::IpoptSolution solution = nonlinear_program::solve(program, start, {});
   if (!solution.solved) {
     throw NoGait("no gait at " + short_text(task.speed_m_s) + " m/s: " + solution.status +
@@ -70,7 +70,7 @@ gait_files::GaitRecord make_record(const model::RobotModel& robot, const StepTas
   record.robot = robot.constants.name;
   record.gait = synthesis.gait;
   record.limits = task.limits;
-  record.claims = gait_figures(robot, record.gait);
+  record.claims = gait_metrics(robot, record.gait);
   const char* meaning = "";
   for (const NamedCost& row : kCosts) meaning = row.cost == task.cost ? row.meaning : meaning;
   record.origin = {

@@ -14,15 +14,15 @@ Commander::Commander(const telemetry::Participant& participant, std::string name
   writer_ = telemetry::Writer<telemetry::Command>(std::move(*writer));
 }
 
-void Commander::set_session(std::uint64_t session, std::string token) {
-  session_ = session;
+void Commander::set_run(std::uint64_t run_id, std::string token) {
+  run_id_ = run_id;
   token_ = std::move(token);
 }
 
 std::uint64_t Commander::send(telemetry::CommandKind kind, double value, const std::string& key) {
   std::string its_key = key;
   telemetry::Command command{};
-  command.session = session_;
+  command.run_id = run_id_;
   command.token = token_.data();
   command.commander = name_.data();
   command.number = ++number_;

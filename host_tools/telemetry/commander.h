@@ -18,9 +18,8 @@ class Commander {
   ///              Throws std::runtime_error with one sentence when it cannot start.
   Commander(const telemetry::Participant& participant, std::string name);
 
-  /// Sets the session of the robot, from ConfigurationInForce, and its token, from the token file or the
-  /// user.
-  void set_session(std::uint64_t session, std::string token);
+  /// Sets the run of the robot, from ConfigurationInForce, and its token, from the token file or the user.
+  void set_run(std::uint64_t run_id, std::string token);
 
   /// Sends a command. Returns its number, which the reply contains.
   std::uint64_t send(telemetry::CommandKind kind, double value = 0, const std::string& key = {});
@@ -30,15 +29,15 @@ class Commander {
   void heartbeat();
 
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
-  [[nodiscard]] std::uint64_t session() const noexcept { return session_; }
+  [[nodiscard]] std::uint64_t run_id() const noexcept { return run_id_; }
 
   /// Whether a robot subscribes to the commands.
-  [[nodiscard]] bool heard() const { return writer_.subscribers() > 0; }
+  [[nodiscard]] bool has_subscriber() const { return writer_.subscribers() > 0; }
 
  private:
   std::string name_;
   telemetry::Writer<telemetry::Command> writer_;
-  std::uint64_t session_ = 0;
+  std::uint64_t run_id_ = 0;
   std::string token_;
   std::uint64_t number_ = 0;
   std::chrono::steady_clock::time_point heartbeat_{};  ///< the last one

@@ -27,7 +27,7 @@ bool Listener::wait(std::chrono::milliseconds longest) {
   return dds_waitset_wait(waitset_.get(), nullptr, 0, DDS_MSECS(longest.count())) > 0;
 }
 
-bool Listener::hears(const telemetry::Topic& topic) const {
+bool Listener::has_publisher(const telemetry::Topic& topic) const {
   const auto reader =
       std::ranges::find_if(readers_, [&](const telemetry::Reader& r) { return &r.topic() == &topic; });
   return reader != readers_.end() && reader->senders() > 0;

@@ -25,7 +25,7 @@ class Listener {
   bool wait(std::chrono::milliseconds longest);
 
   /// Whether the topic has a publisher.
-  [[nodiscard]] bool hears(const telemetry::Topic& topic) const;
+  [[nodiscard]] bool has_publisher(const telemetry::Topic& topic) const;
 
   /// Samples lost in transmission, over all topics.
   [[nodiscard]] std::uint64_t lost() const;

@@ -52,14 +52,14 @@ struct BarrierPair {
   BarrierSlope b;
 
   BarrierPair(const BarrierParameters& p, const Batch& h_a, const Batch& h_b) noexcept {
-    const Batch cut_a = max(h_a, Batch(p.delta));
-    const Batch cut_b = max(h_b, Batch(p.delta));
+    const Batch cut_a = max(h_a, Batch(p.width));
+    const Batch cut_b = max(h_b, Batch(p.width));
     const Batch inverse = 1.0 / (cut_a * cut_b);
     const Batch inverse_a = cut_b * inverse;
     const Batch inverse_b = cut_a * inverse;
-    const double relaxed = p.mu / (p.delta * p.delta);
-    a = {relaxed * (h_a - cut_a) - p.mu * inverse_a, p.mu * inverse_a * inverse_a};
-    b = {relaxed * (h_b - cut_b) - p.mu * inverse_b, p.mu * inverse_b * inverse_b};
+    const double relaxed = p.weight / (p.width * p.width);
+    a = {relaxed * (h_a - cut_a) - p.weight * inverse_a, p.weight * inverse_a * inverse_a};
+    b = {relaxed * (h_b - cut_b) - p.weight * inverse_b, p.weight * inverse_b * inverse_b};
   }
 };
 
@@ -73,11 +73,11 @@ struct BarrierPair {
 /// Parameters of a barrier, and the logarithm of delta by the routine used for the lanes.
 struct BarrierConstants {
   explicit BarrierConstants(const BarrierParameters& parameters) noexcept
-      : p(parameters), inverse_delta(1.0 / p.delta), log_delta(logarithm(Batch(p.delta))) {}
+      : p(parameters), inverse_width(1.0 / p.width), log_width(logarithm(Batch(p.width))) {}
 
   BarrierParameters p;
-  double inverse_delta;
-  Batch log_delta;
+  double inverse_width;
+  Batch log_width;
 };
 
 /// Sum of barriers that share their parameters: one logarithm of the product for up to 16 of them.
@@ -86,7 +86,7 @@ class BarrierSum {
   explicit BarrierSum(const BarrierConstants& constants) noexcept : constants_(constants) {}
 
   void add(const Batch& h) noexcept {
-    const Batch t = h * constants_.inverse_delta;
+    const Batch t = h * constants_.inverse_width;
     const Batch cut = max(t, Batch(1.0));
     const Batch below = t - cut;  // <= 0; the quadratic is its square / 2 minus itself
     product_ *= cut;
@@ -95,7 +95,7 @@ class BarrierSum {
   }
 
   [[nodiscard]] Batch value() const noexcept {
-    return constants_.p.mu * (relaxed_ - logarithm(product_) - count_ * constants_.log_delta);
+    return constants_.p.weight * (relaxed_ - logarithm(product_) - count_ * constants_.log_width);
   }
 
  private:

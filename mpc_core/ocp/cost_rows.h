@@ -18,7 +18,7 @@ struct QuadraticCost {
   Batch x_gradient;
   Batch x_curvature;
   Batch x_by_theta[model::kAngles];
-  Batch drift;  ///< first-order change of the cost along the step onto the constraints
+  Batch constraint_step_slope;  ///< first-order change of the cost along the step onto the constraints
 };
 
 /// The rows of a batch, each with slope and curvature of its cost term.
@@ -83,7 +83,7 @@ class DenseRows {
       for (int j = 0; j <= i; j += 2) block<0>(i, j, out);
       block<2>(i, i + 2, out);
     }
-    out.drift = drift_;
+    out.constraint_step_slope = constraint_step_slope_;
   }
 
  private:
@@ -99,7 +99,7 @@ class DenseRows {
     };
     const Batch reached = step + constraint_.substitute(by_z, by_state, store);
     for (int c = Mode::kReducedColumns; c < kColumns; ++c) row[c] = weighted[c] = Batch(0.0);
-    drift_ += slope * reached;
+    constraint_step_slope_ += slope * reached;
     slope_[count_++] = slope + curvature * reached;
   }
 
@@ -128,7 +128,7 @@ class DenseRows {
   Batch rows_[kRows][kColumns];
   Batch weighted_[kRows][kColumns];
   Batch slope_[kRows];
-  Batch drift_ = Batch(0.0);
+  Batch constraint_step_slope_ = Batch(0.0);
 };
 
 }  // namespace stilt::ocp

@@ -31,7 +31,7 @@ struct BatchModel {
   }
 };
 
-/// Linearises the flow stages of up to kTogether batches of one contact mode.
+/// Linearises the flow stages of up to kBatchesPerGroup batches of one contact mode.
 void linearise(const ProblemData& data, std::span<const StageBatch> batches, const Trajectory& iterate,
                const BatchModel* to, LineariseWorkspace& work) noexcept;
 

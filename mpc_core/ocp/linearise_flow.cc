@@ -125,7 +125,7 @@ void store_cost(const QuadraticCost& cost, const BatchModel& to) noexcept {
         rows, [&](auto d) { return d == 0 ? Batch(0.0) : cost.H[kFirstFree + k][d == 0 ? 0 : d - 1]; });
   }
   for (int lane = 0; lane < kLanes; ++lane) {
-    to.inputs[lane]->u0_slope = cost.drift[lane];
+    to.inputs[lane]->u0_slope = cost.constraint_step_slope[lane];
     for (int k = 0; k < kFree; ++k) {
       to.first[lane]->r[k] = cost.g[kFirstFree + k][lane];
       for (int i = k; i < kFree; ++i) to.second[lane]->R[k][i] = cost.H[kFirstFree + i][kFirstFree + k][lane];

@@ -7,7 +7,7 @@ namespace stilt::ocp {
 
 /// Number of batches of a contact mode that are linearised together, step by step. The code is far larger
 /// than the instruction cache; each step is then loaded once for all of them.
-inline constexpr int kTogether = 4;
+inline constexpr int kBatchesPerGroup = 4;
 
 /// The force elimination and the constraint elimination of one batch.
 template <class Mode>
@@ -54,7 +54,7 @@ struct LineariseWorkspace {
     AnyEliminations eliminations;
     QuadraticCost cost;
   };
-  Flow flow[kTogether];
+  Flow flow[kBatchesPerGroup];
   IntegratorWorkspace integrator;
 };
 

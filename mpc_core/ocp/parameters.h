@@ -4,11 +4,11 @@
 
 namespace stilt::ocp {
 
-/// Relaxed logarithmic barrier: B(h) = -mu ln h for h > delta, its quadratic continuation below. mu is a
-/// weight in units of the cost (dimensionless).
+/// Relaxed logarithmic barrier: B(h) = -weight ln h for h > width, its quadratic continuation below. The
+/// weight is in units of the cost (dimensionless).
 struct BarrierParameters {
-  double mu = 0.1;
-  double delta = 0.1;  ///< in the unit of the constrained quantity
+  double weight = 0.1;
+  double width = 0.1;  ///< h below which it is quadratic, in the unit of the constrained quantity
 };
 
 /// Diagonal weights of 1/2 (e_x' Q e_x + e_u' R e_u + sum_feet e' W e), the cost per second of horizon.
@@ -32,8 +32,7 @@ struct CostParameters {
   bool terminal_feet = true;  ///< whether the running cost of that LQR includes the weights of the feet
 };
 
-/// Inequality constraints: friction cone of the stance feet and joint limits, each with a barrier whose delta
-/// has the unit beside it.
+/// Inequality constraints: friction cone of the stance feet and joint limits, each with a barrier.
 struct InequalityParameters {
   double friction_coefficient = 0.6;
   double minimum_normal_force_N = 5.0;

@@ -62,7 +62,7 @@ class UniformWeights {
       out.g[kFirstFree + k] += over_variables<Mode>(slope_, constraint_.W[k]);
       out.H[kFirstFree + k][kFirstFree + k] += weight_;
     }
-    out.drift += over_variables<Mode>(slope_, constraint_.z0);
+    out.constraint_step_slope += over_variables<Mode>(slope_, constraint_.z0);
   }
 
  private:
@@ -95,7 +95,7 @@ void add_variables(const ProblemData& data, const StageBatch& batch, const Batch
   }
 }
 
-/// Computes the terms of the inputs. Sets H, g and drift.
+/// Computes the terms of the inputs. Sets H, g and constraint_step_slope.
 template <class Mode>
 void add_input_terms(const ProblemData& data, const StageBatch& batch, const BatchIterate& it,
                      const model::NodeDerivatives<Batch>& node, const ForceElimination<Mode>& force,
@@ -147,7 +147,8 @@ void add_input_terms(const ProblemData& data, const StageBatch& batch, const Bat
   for (int i = 0; i < 2 * model::kFeet; ++i) {
     if (Mode::stance(i / 2)) continue;
     const int input = kJoints + i;
-    out.drift += h * data.input_weight[input] * (it.u[input] - batch.u_ref[input]) * force.swing_step[i];
+    out.constraint_step_slope +=
+        h * data.input_weight[input] * (it.u[input] - batch.u_ref[input]) * force.swing_step[i];
   }
 }
 
@@ -162,7 +163,7 @@ struct FootCost {
 template <bool stance, int axis>
 STILT_INLINE inline FootCost foot_cost(const ProblemData& data, const StageBatch& batch,
                                        const model::NodeDerivatives<Batch>& node, int foot,
-                                       Batch& drift) noexcept {
+                                       Batch& constraint_step_slope) noexcept {
   const int i = 2 * foot + axis;
   const Batch h = batch.duration;
   const Batch position_error = node.foot_position[i] - batch.foot_position_ref[i];
@@ -186,7 +187,7 @@ STILT_INLINE inline FootCost foot_cost(const ProblemData& data, const StageBatch
     }
     cost.vv += weight * (kd * kd);
     cost.gv += weight * kd * e;
-    drift -= weight * error * (error + e);
+    constraint_step_slope -= weight * error * (error + e);
   }
   return cost;
 }
@@ -214,7 +215,7 @@ STILT_INLINE inline void add_foot(const ProblemData& data, const StageBatch& bat
   lq::unroll<2>([&](auto axis_constant) STILT_INLINE {
     constexpr int axis = axis_constant;
     constexpr bool kCoupled = !kStance && axis == 1;  // p and v couple in the swing foot's height only
-    const FootCost cost = foot_cost<kStance, axis>(data, batch, node, foot, out.drift);
+    const FootCost cost = foot_cost<kStance, axis>(data, batch, node, foot, out.constraint_step_slope);
     const Batch(&p)[kChain] = node.foot_position_dchain[2 * foot + axis];
     const Batch(&d)[kChain] = node.foot_velocity_dchain[2 * foot + axis];
     constexpr int kVelocity = kFirstStateColumn + kVelocityColumn + axis;
@@ -283,7 +284,8 @@ STILT_INLINE inline void add_foot(const ProblemData& data, const StageBatch& bat
 }
 
 /// Adds the terms of the state: weights, joint limits, positions and velocities of the feet, and
-/// accelerations of the feet where constraints fix them. Adds to H, g and drift; sets the terms of x_b.
+/// accelerations of the feet where constraints fix them. Adds to H, g and constraint_step_slope; sets the
+/// terms of x_b.
 template <class Mode>
 void add_state_terms(const ProblemData& data, const StageBatch& batch, const BatchIterate& it,
                      const model::NodeDerivatives<Batch>& node, QuadraticCost& out) noexcept {

@@ -63,8 +63,9 @@ void StageModels::linearise_batches(int k) noexcept {
   }
   const StageBatch* batches = problem_->batch;
   int first = last;
-  while (first > 0 && last - first + 1 < kTogether && batches[first - 1].mode == batches[last].mode) --first;
-  BatchModel to[kTogether];
+  while (first > 0 && last - first + 1 < kBatchesPerGroup && batches[first - 1].mode == batches[last].mode)
+    --first;
+  BatchModel to[kBatchesPerGroup];
   for (int b = first; b <= last; ++b) to[b - first] = output_of(batches[b], group, b);
   linearise(*data_, {batches + first, static_cast<std::size_t>(last - first + 1)}, *iterate_, to, work_);
   linearised_from_[group] = first;

@@ -14,9 +14,9 @@ struct StageModel {
 };
 
 /// The quadratic model of all stages of a horizon, for a sweep from the last stage to the first. When the
-/// sweep reaches the last stage of a batch, the batch is linearised with up to kTogether - 1 earlier batches
-/// of its contact mode. The sweep then reads from a near cache, and few Hessians are kept at a time. Fixed
-/// memory, no heap: real-time safe.
+/// sweep reaches the last stage of a batch, the batch is linearised with up to kBatchesPerGroup - 1 earlier
+/// batches of its contact mode. The sweep then reads from a near cache, and few Hessians are kept at a time.
+/// Fixed memory, no heap: real-time safe.
 class StageModels {
  public:
   /// Starts a pass and writes the terminal cost. The arguments must outlive the pass.
@@ -47,7 +47,7 @@ class StageModels {
   template <class AnyBatch>
   [[nodiscard]] BatchModel output_of(const AnyBatch& batch, int group, int index) noexcept;
   [[nodiscard]] lq::LqSecondOrder* hessians(int group, int batch) noexcept {
-    return hessians_[group][batch % kTogether];
+    return hessians_[group][batch % kBatchesPerGroup];
   }
 
   const ProblemData* data_ = nullptr;
@@ -57,7 +57,7 @@ class StageModels {
   long long linearising_ns_ = 0;
   int linearised_from_[kGroups];  ///< first batch of each group that this pass has linearised
   lq::LqFirstOrder stages_[kMaxStages];
-  lq::LqSecondOrder hessians_[kGroups][kTogether][kLanes];  ///< of the newest batches
+  lq::LqSecondOrder hessians_[kGroups][kBatchesPerGroup][kLanes];  ///< of the newest batches
   InputProjection projections_[kMaxStages];
   lq::LqTerminal terminal_;
   LineariseWorkspace work_;

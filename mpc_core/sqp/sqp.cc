@@ -35,10 +35,10 @@ bool acceptable(const SqpParameters& p, const ocp::Merit& now, const ocp::Merit&
   if (!is_finite(trial)) return false;
   const double g = std::sqrt(now.violation_squared);
   const double g_new = std::sqrt(trial.violation_squared);
-  if (g_new > p.g_max) return g_new < (1.0 - p.gamma_c) * g;
-  if (g < p.g_min && g_new < p.g_min && slope < 0.0)
+  if (g_new > p.filter_violation_max) return g_new < (1.0 - p.filter_margin) * g;
+  if (g < p.filter_violation_min && g_new < p.filter_violation_min && slope < 0.0)
     return trial.cost <= now.cost + p.armijo * length * slope;
-  return trial.cost < now.cost - p.gamma_c * g || g_new < (1.0 - p.gamma_c) * g;
+  return trial.cost < now.cost - p.filter_margin * g || g_new < (1.0 - p.filter_margin) * g;
 }
 
 }  // namespace

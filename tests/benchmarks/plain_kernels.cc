@@ -7,7 +7,7 @@ using model::Batch;
 using model::kInputs;
 using model::kStates;
 
-/// Keeps the compiler from leaving out a result nobody reads.
+/// Keeps the compiler from leaving out an unused result.
 template <class T>
 void keep(const T& value) noexcept {
   asm volatile("" : : "r"(&value) : "memory");

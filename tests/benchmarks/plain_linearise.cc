@@ -67,8 +67,8 @@ struct Slope {
 };
 
 Slope barrier(const ocp::BarrierParameters& p, double h) {
-  if (h > p.delta) return {-p.mu / h, p.mu / (h * h)};
-  return {p.mu / (p.delta * p.delta) * (h - 2.0 * p.delta), p.mu / (p.delta * p.delta)};
+  if (h > p.width) return {-p.weight / h, p.weight / (h * h)};
+  return {p.weight / (p.width * p.width) * (h - 2.0 * p.width), p.weight / (p.width * p.width)};
 }
 
 /// Adds a barrier on lower <= z_i <= upper, or on any value with a row of its own.

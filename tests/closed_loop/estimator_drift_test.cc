@@ -14,9 +14,9 @@ using model::kPositions;
 using testing_support::RunRequest;
 using testing_support::SimulatedRun;
 
-/// Measured at -0.3 to 0.8 m/s: drift up to 0.21 mm a step (0.9 mm a metre at 0.8 m/s), height 0.8 mm, speeds
-/// 0.013 and 0.025 m/s. The velocity errs at touch-down only, where the foot is taken to stand before it
-/// does.
+/// Measured at -0.3 to 0.8 m/s: drift up to 0.21 mm per step (0.9 mm per metre at 0.8 m/s), height 0.8 mm,
+/// speeds 0.013 and 0.025 m/s. The velocity errs at touch-down only, where the foot is taken to stand before
+/// it does.
 constexpr double kDriftPerStep_m = 0.0005;
 constexpr double kDriftAtStart_m = 0.005;
 constexpr double kHeight_m = 0.002;

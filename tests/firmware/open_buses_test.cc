@@ -30,7 +30,7 @@ TEST(OpenBuses, EachBusReceivesWhatItsDriversSendAndItsOwnCommands) {
   EXPECT_FALSE(left.fd);
   const auto right = bus_options(wiring, 1, false);
   EXPECT_TRUE(receives(right, 0x14, false));
-  EXPECT_FALSE(receives(right, 0x150, false)) << "the base sensor is on the first bus";
+  EXPECT_FALSE(receives(right, 0x150, false)) << "the torso sensor is on the first bus";
 }
 
 TEST(OpenBuses, SyncFramesPassInLockstepOnly) {
@@ -50,11 +50,12 @@ TEST(OpenBuses, MoteusDriversNeedFlexibleFramesAndBothDirections) {
 }
 
 TEST(OpenBuses, ABusThatIsNotThereIsToldInOneSentence) {
-  const Override nobody[] = {{"hardware.buses=loopback:test-nobody-a,loopback:test-nobody-b"}};
-  const Configuration configuration = configuration::load_robot("amber3m", nobody).value();
+  const Override absent[] = {{"hardware.buses=loopback:test-absent-a,loopback:test-absent-b"}};
+  const Configuration configuration = configuration::load_robot("amber3m", absent).value();
   const auto buses = open_buses(configuration.hardware, false);
   ASSERT_FALSE(buses);
-  EXPECT_TRUE(buses.error().starts_with("bus loopback:test-nobody-a: nobody listens there")) << buses.error();
+  EXPECT_TRUE(buses.error().starts_with("bus loopback:test-absent-a: no program listens there"))
+      << buses.error();
 }
 
 }  // namespace

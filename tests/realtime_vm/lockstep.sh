@@ -40,7 +40,7 @@ wait_for_controller() {
   done
 }
 
-# wait_for_ticks COUNT: of lock-step, with six frames a tick on vcan1: two commands, two replies, two syncs.
+# wait_for_ticks COUNT: of lock-step, with six frames per tick on vcan1: two commands, two replies, two syncs.
 wait_for_ticks() {
   local sent=/sys/class/net/vcan1/statistics/tx_packets
   local enough=$(($(cat $sent) + 6 * $1))

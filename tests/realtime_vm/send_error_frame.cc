@@ -7,7 +7,7 @@
 #include "hal/can/socketcan/socketcan_bus.h"
 
 /// send_error_frame INTERFACE warning|passive|bus-off: what a CAN controller says of itself, for everyone on
-/// the interface to hear. For vcan, which has no controller.
+/// the interface to receive. For vcan, which has no controller.
 namespace {
 
 using namespace stilt::hal;

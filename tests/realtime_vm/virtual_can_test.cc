@@ -43,7 +43,7 @@ class KernelCan : public ::testing::Test {
   }
 
   void inject(const CanFrame& frame) {
-    SocketCanBus injector;  // anew each time: nobody confirms an error frame
+    SocketCanBus injector;  // anew each time: no node confirms an error frame
     ASSERT_TRUE(injector.open("vcan1", {}));
     ASSERT_EQ(injector.frames().send(std::span(&frame, 1)).sent, 1u);
     std::array<CanFrame, 8> frames;

@@ -39,7 +39,7 @@ expect_fault missed_replies:hold
 expect_fault lost_replies:damp
 end_robot
 
-echo "stiltd is killed while it walks: the drivers let go, and another comes up idle"
+echo "stiltd is killed while it walks: the drivers disable themselves, and another comes up idle"
 start_robot
 start_walk
 kill -KILL $controller

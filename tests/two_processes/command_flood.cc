@@ -1,4 +1,4 @@
-// command_flood: somebody who knows the robot's session but not its token, and sends commands as fast as he
+// command_flood: somebody who knows the run of stiltd but not its token, and sends commands as fast as he
 // can until he is ended. Prints "flooding" once the robot listens, and at the end on standard error how many
 // were sent.
 
@@ -25,17 +25,17 @@ using telemetry::CommandKind;
 
 volatile std::sig_atomic_t ended = 0;
 
-std::uint64_t session_of_robot(const telemetry::Participant& participant) {
+std::uint64_t run_of_robot(const telemetry::Participant& participant) {
   const telemetry::Topic* const topics[] = {&telemetry::kConfiguration};
   host_telemetry::Listener listener(participant, topics);
-  std::uint64_t session = 0;
-  while (session == 0 && ended == 0) {
+  std::uint64_t run_id = 0;
+  while (run_id == 0 && ended == 0) {
     static_cast<void>(listener.wait(std::chrono::milliseconds(50)));
     listener.take([&](telemetry::Sample&& sample) {
-      if (const auto message = sample.as<telemetry::ConfigurationInForce>()) session = message->session;
+      if (const auto message = sample.as<telemetry::ConfigurationInForce>()) run_id = message->run_id;
     });
   }
-  return session;
+  return run_id;
 }
 
 int flood(const telemetry::Network& network, std::string name) {
@@ -46,7 +46,7 @@ int flood(const telemetry::Network& network, std::string name) {
   if (!writer) throw std::runtime_error(writer.error());
   std::string token = "a-guess-0000000000", key;
   telemetry::Command command{};
-  command.session = session_of_robot(participant);
+  command.run_id = run_of_robot(participant);
   command.token = token.data();
   command.commander = name.data();
   command.key = key.data();
@@ -66,7 +66,7 @@ int flood(const telemetry::Network& network, std::string name) {
 int main(int count, char** words) {
   CLI::App app;
   telemetry::Network network;
-  std::string name = "stranger";
+  std::string name = "intruder";
   app.add_option("--domain", network.domain);
   app.add_option("--name", name);
   CLI11_PARSE(app, count, words);

@@ -16,7 +16,7 @@ bool any_enabled(const nlohmann::json& robot) {
                              [](const nlohmann::json& driver) { return driver.at("enabled").get<bool>(); });
 }
 
-TEST(TwoProcesses, AfterAKillTheDriversLetGoAndARestartComesUpIdle) {
+TEST(TwoProcesses, AfterAKillTheDriversDisableThemselvesAndARestartComesUpIdle) {
   RobotAndController run;
   run.start_robot({"--lockstep"});
   run.start_controller({"--lockstep", "--start", "walk@0.5"});
@@ -47,8 +47,8 @@ TEST(TwoProcesses, AfterAKillTheDriversLetGoAndARestartComesUpIdle) {
   })) << "an idle controller enables nothing";
 }
 
-/// The hoist lifts the robot that fell when its controller died. Standing up in the air ends damped, not in a
-/// fault, and the robot stays whole; once it hangs still, it stands up as ever.
+/// The gantry lifts the robot that fell when its controller died. Standing up in the air ends damped, not in
+/// a fault, and the robot stays whole; once it hangs still, it stands up as ever.
 TEST(TwoProcesses, ARestartWhileTheRobotIsBeingLiftedEndsInNoFault) {
   RobotAndController run;
   run.start_robot({"--lockstep"});

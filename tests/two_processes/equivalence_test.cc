@@ -52,7 +52,7 @@ constexpr double kEnds_s = 9.0;
 
 struct TwoProcessRun {
   std::vector<Change> changes;
-  double hoist_released_s = 0.0;  ///< clock of robot and controller
+  double gantry_released_s = 0.0;  ///< clock of robot and controller
 };
 
 TwoProcessRun run_two_processes(double duration_s, const std::vector<std::string>& controller,
@@ -77,16 +77,16 @@ TwoProcessRun run_two_processes(double duration_s, const std::vector<std::string
   EXPECT_EQ(recorder.end(), 0) << run.said();
   Changes changes;
   const replay::RecordContents contents = replay::read_contents(file);
-  if (contents.sessions.size() != 1) throw std::runtime_error("the recording has no session\n" + run.said());
-  replay::for_each_tick(file, contents.sessions.front().number, [&](const TickRecord& tick) {
+  if (contents.runs.size() != 1) throw std::runtime_error("the recording has no run\n" + run.said());
+  replay::for_each_tick(file, contents.runs.front().number, [&](const TickRecord& tick) {
     changes.add(tick);
     return true;
   });
-  return {changes.found, run.robot_json().at("hoist_released_s").get<double>()};
+  return {changes.found, run.robot_json().at("gantry_released_s").get<double>()};
 }
 
 /// The readings of the emulated drivers: 16 bits over 6.4 rad, 12 bits over 40 rad/s, one tick old; and of
-/// the base sensor: 1e-6 rad, 5e-4 rad/s.
+/// the torso sensor: 1e-6 rad, 5e-4 rad/s.
 std::vector<Change> run_simulation(double walks_s) {
   testing_support::RunRequest request = testing_support::walking(0.5, 1.0, walks_s + kEnds_s);
   request.commands = {{0.0, {gait::GaitKind::stand, 0.0}}, {walks_s, {gait::GaitKind::walk, 0.5}}};
@@ -106,9 +106,10 @@ TEST(TwoProcesses, FaultsEndAWalkAtTheTickAtWhichTheyEndASimulatedOne) {
   const TwoProcessRun unhurt = run_two_processes(5.0, {}, {});
   ASSERT_FALSE(unhurt.changes.empty());
   const double walks_s = kTick_s * static_cast<double>(unhurt.changes.front().tick);
-  const TwoProcessRun hurt = run_two_processes(
-      walks_s + kEnds_s, {"--planner-until", std::to_string(walks_s + kPlannerStops_s)},
-      {"--fault", "encoder-freeze:knee_L@" + std::to_string(walks_s + kFreezes_s - unhurt.hoist_released_s)});
+  const TwoProcessRun hurt =
+      run_two_processes(walks_s + kEnds_s, {"--planner-until", std::to_string(walks_s + kPlannerStops_s)},
+                        {"--fault", "encoder-freeze:knee_L@" +
+                                        std::to_string(walks_s + kFreezes_s - unhurt.gantry_released_s)});
   const std::vector<Change> simulated = run_simulation(walks_s);
   EXPECT_EQ(hurt.changes, simulated);
   ASSERT_EQ(simulated.size(), 4u) << "plan, plan_feedback, gait, damp";

@@ -1,6 +1,6 @@
-// Each fault of the table strikes a walking robot: the named reaction within its deadline, and after a fault
-// that latches nothing but damping. In lock-step, so that a deadline counts ticks and not the machine's
-// speed.
+// Each fault of the table is injected into a walking robot: the named reaction within its deadline, and after
+// a fault that latches nothing but damping. In lock-step, so that a deadline counts ticks and not the
+// machine's speed.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -28,7 +28,7 @@ struct Expectation {
 
 void PrintTo(const Expectation& row, std::ostream* out) { *out << row.fault; }
 
-/// A run with a fault 4 s after the hoist has let go, in the middle of walking.
+/// A run with a fault 4 s after the gantry has released the robot, in the middle of walking.
 class FaultWhileWalking : public testing::TestWithParam<Expectation> {
  protected:
   void run(const std::string& fault, const char* duration_s = "8") {
@@ -37,7 +37,7 @@ class FaultWhileWalking : public testing::TestWithParam<Expectation> {
     run_.expect_both_to_end();
     if (HasFailure()) return;
     ASSERT_EQ(run_.robot_json().at("faults").size(), 1u) << run_.said();
-    struck_s_ = run_.robot_json().at("faults")[0].at("robot_time_s");
+    injected_s_ = run_.robot_json().at("faults")[0].at("robot_time_s");
     const configuration::Result shipped = configuration::load_robot("amber3m");
     ASSERT_TRUE(shipped);
     configuration_ = *shipped;
@@ -56,7 +56,7 @@ class FaultWhileWalking : public testing::TestWithParam<Expectation> {
     return std::nullopt;
   }
 
-  /// After this time the drivers are asked for damping, or let go, and for nothing else.
+  /// After this time the drivers are asked for damping, or disabled, and for nothing else.
   void expect_only_damping(double from_s) const {
     const auto& supervisor = configuration_.supervisor;
     const auto from = static_cast<std::uint64_t>(std::llround(from_s / kTick_s)) + 1;
@@ -89,7 +89,7 @@ class FaultWhileWalking : public testing::TestWithParam<Expectation> {
   RobotAndController run_;
   configuration::Configuration configuration_;
   MotorTraffic traffic_;
-  double struck_s_ = 0;
+  double injected_s_ = 0;
 
  private:
   static constexpr double kKpStep_Nm_rad = 0.13;  // one step of 12 bits
@@ -105,8 +105,8 @@ TEST_P(LatchedFault, IsNamedInTimeAndThenThereIsOnlyDamping) {
   if (HasFailure()) return;
   const std::optional<double> detected = detected_s(row.detected, row.reaction);
   ASSERT_TRUE(detected) << run_.controller_json().at("faults");
-  EXPECT_GT(*detected, struck_s_);
-  EXPECT_LE(*detected, struck_s_ + (row.deadline_ticks + 0.5) * kTick_s);
+  EXPECT_GT(*detected, injected_s_);
+  EXPECT_LE(*detected, injected_s_ + (row.deadline_ticks + 0.5) * kTick_s);
   expect_only_damping(*detected);
   const bool replies_are_true = !std::string_view(row.fault).starts_with("corrupt");
   if (replies_are_true) expect_bounded_torque(*detected);
@@ -124,12 +124,12 @@ INSTANTIATE_TEST_SUITE_P(
                     Expectation{"BusOff", "bus-off:1@4", "bus_off", "damp", 2},
                     Expectation{"BusOffThatRestarts", "bus-off:1@4+0.1", "bus_off", "damp", 2},
                     Expectation{"DriverFault", "driver-fault:hip_R@4", "driver_fault", "damp", 2},
-                    Expectation{"FrozenEncoder", "encoder-freeze@4", "stale_encoder", "damp", 40},
+                    Expectation{"FrozenEncoder", "encoder-freeze@4", "encoder_frozen", "damp", 40},
                     Expectation{"PowerCycle", "power-cycle@4", "lost_replies", "damp", 12},
                     Expectation{"LowVoltage", "low-voltage@4", "driver_fault", "damp", 2},
                     Expectation{"EmergencyStop", "emergency-stop@4", "emergency_stop", "damp", 2},
-                    Expectation{"SilentBaseSensor", "base-silent@4", "stale_base_sensor", "damp", 12},
-                    Expectation{"FrozenBaseSensor", "base-freeze@4", "stale_base_sensor", "damp", 40}),
+                    Expectation{"SilentTorsoSensor", "base-silent@4", "stale_torso_sensor", "damp", 12},
+                    Expectation{"FrozenTorsoSensor", "base-freeze@4", "stale_torso_sensor", "damp", 40}),
     test_name);
 
 class PassingFault : public FaultWhileWalking {};
@@ -143,7 +143,7 @@ TEST_P(PassingFault, DoesNotEndTheWalk) {
   if (row.detected[0] != '\0') {
     const std::optional<double> detected = detected_s(row.detected, row.reaction);
     ASSERT_TRUE(detected) << run_.controller_json().at("faults");
-    EXPECT_LE(*detected, struck_s_ + (row.deadline_ticks + 0.5) * kTick_s);
+    EXPECT_LE(*detected, injected_s_ + (row.deadline_ticks + 0.5) * kTick_s);
   }
 }
 
@@ -160,7 +160,7 @@ TEST_F(FaultWhileWalking, AnOverheatedMotorMakesItStandAndSitDownAndThenThereIsO
   if (HasFailure()) return;
   const std::optional<double> detected = detected_s("driver_overheated", "sit");
   ASSERT_TRUE(detected) << run_.controller_json().at("faults");
-  EXPECT_LE(*detected, struck_s_ + 2.5 * kTick_s);
+  EXPECT_LE(*detected, injected_s_ + 2.5 * kTick_s);
   EXPECT_TRUE(run_.robot_json().at("survived")) << run_.said();
   EXPECT_FALSE(run_.robot_json().at("sat_down_s").is_null()) << "it did not fall, it sat down\n"
                                                              << run_.said();

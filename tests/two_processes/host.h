@@ -44,11 +44,11 @@ class Host {
     return replies[number];
   }
 
-  void learn(const std::string& token) { commander_.set_session(session, token); }
+  void learn(const std::string& token) { commander_.set_run(run_id, token); }
   [[nodiscard]] const std::string& name() const { return commander_.name(); }
 
   bool alive = false;
-  std::uint64_t session = 0;
+  std::uint64_t run_id = 0;
   supervisor::State state = supervisor::State::boot;
   double speed_m_s = 0;
   double ramp = 0;
@@ -61,7 +61,7 @@ class Host {
  private:
   void take(const telemetry::Sample& sample) {
     if (const auto configuration = sample.as<telemetry::ConfigurationInForce>()) {
-      session = configuration->session;
+      run_id = configuration->run_id;
     } else if (const auto supervisor = sample.as<telemetry::Supervisor>()) {
       speed_m_s = supervisor->speed_m_s;
       ramp = supervisor->ramp;

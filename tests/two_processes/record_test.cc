@@ -67,9 +67,9 @@ TEST_F(Recording, a_minute_of_walking_is_recorded_whole_and_replays_bit_for_bit)
   EXPECT_EQ(end_recorder(), 0) << said();
   EXPECT_EQ(replay(), 0) << said();
   EXPECT_TRUE(replayed.at("reproduced")) << said();
-  const Json& session = replayed.at("sessions").at(0);
-  EXPECT_EQ(session.at("ticks"), run.controller_json().at("ticks")) << "every tick of the controller";
-  EXPECT_GT(session.at("plans").get<int>(), 5900);
+  const Json& replayed_run = replayed.at("runs").at(0);
+  EXPECT_EQ(replayed_run.at("ticks"), run.controller_json().at("ticks")) << "every tick of the controller";
+  EXPECT_GT(replayed_run.at("plans").get<int>(), 5900);
 
   const Json found = independent_readers::run_reader("read_mcap.cjs", {file, "index"});
   ASSERT_EQ(found.at("attachments").size(), 2u) << "configuration and robot";
@@ -100,7 +100,7 @@ TEST_F(Recording, a_recorder_killed_at_work_leaves_a_record_that_opens_and_repla
   EXPECT_EQ(recorder->process().wait(kLongestRun_s), 128 + SIGKILL);
   end_walk();
   EXPECT_EQ(replay(), 0) << said();
-  EXPECT_GT(replayed.at("sessions").at(0).at("ticks").get<int>(), 500) << said();
+  EXPECT_GT(replayed.at("runs").at(0).at("ticks").get<int>(), 500) << said();
   EXPECT_EQ(replayed.at("file_problems").size(), 1u) << "cut off, and says so";
   const Json found = independent_readers::run_reader("read_mcap.cjs", {file});
   EXPECT_FALSE(found.at("ended"));
@@ -116,10 +116,10 @@ TEST_F(Recording, a_recorder_that_comes_too_late_says_what_is_missing_and_so_doe
   start_recorder();
   end_walk();
   EXPECT_EQ(end_recorder(), 1) << said();
-  const Json missing = Json::parse(std::ifstream(run.file("record.json"))).at("sessions").at(0).at("missing");
+  const Json missing = Json::parse(std::ifstream(run.file("record.json"))).at("runs").at(0).at("missing");
   EXPECT_EQ(missing.at(0).at(0), 0) << "the beginning";
   EXPECT_EQ(replay(), 1);
-  const std::string problem = replayed.at("sessions").at(0).at("problem");
+  const std::string problem = replayed.at("runs").at(0).at("problem");
   EXPECT_EQ(problem.find("ticks 0 to "), 0u) << problem;
 }
 

@@ -12,7 +12,7 @@
 namespace stilt::two_processes {
 
 /// `stilt robot` and `stiltd` on two loopback buses of their own, with a folder for their files, one of them
-/// the session's token. They speak in the DDS domain of this process (tests/own_domain.h).
+/// the run's token. They speak in the DDS domain of this process (tests/own_domain.h).
 class RobotAndController {
  public:
   RobotAndController() = default;

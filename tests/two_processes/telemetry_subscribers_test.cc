@@ -1,4 +1,4 @@
-// Whoever listens, and however badly: the same walk in lock-step has the same frames on the buses, with their
+// With any subscribers, however slow: the same walk in lock-step has the same frames on the buses, with their
 // ticks, and allocates nothing in ticks and solves. In real time: toolchain/measure_telemetry.
 #include <gtest/gtest.h>
 
@@ -95,8 +95,8 @@ TEST(Subscribers,
   const auto status = recorder.wait(kLongestRun_s);
   ASSERT_TRUE(status);
   const auto record = nlohmann::json::parse(text_of(run.file("record.json")));
-  ASSERT_EQ(record.at("sessions").size(), 1u);
-  const auto kept = record.at("sessions").at(0).at("ticks").get<std::uint64_t>();
+  ASSERT_EQ(record.at("runs").size(), 1u);
+  const auto kept = record.at("runs").at(0).at("ticks").get<std::uint64_t>();
   EXPECT_GT(kept, 1000u) << "it had come as far as the walk";
   EXPECT_EQ(*status, record.at("complete") ? 0 : 1);
 }
@@ -108,7 +108,7 @@ TEST(Subscribers, a_monitor_killed_in_mid_walk_with_a_page_open_changes_no_frame
                   run.file("monitor.out"), run.file("monitor.err"));
   PageClient page(url_of_monitor(run.file("monitor.out"), kLongestRun_s));
   const std::string with = frames_of_walk(run, {}, [&] {
-    EXPECT_TRUE(page.wait_for(R"("heard":true)", kLongestRun_s)) << "the page sees the robot";
+    EXPECT_TRUE(page.wait_for(R"("received":true)", kLongestRun_s)) << "the page sees the robot";
     monitor.signal(SIGKILL);
     EXPECT_EQ(monitor.wait(kLongestRun_s), 128 + SIGKILL);
   });

@@ -24,7 +24,7 @@ void start(RobotAndController& run, Host& host, const std::vector<std::string>& 
   all.insert(all.end(), options.begin(), options.end());
   run.start_robot({"--lockstep", "--once"});
   run.start_controller(all);
-  ASSERT_TRUE(host.until([&] { return host.session != 0; })) << run.said();
+  ASSERT_TRUE(host.until([&] { return host.run_id != 0; })) << run.said();
   host.learn(host_telemetry::read_token(run.file("token")));
 }
 
@@ -84,7 +84,7 @@ TEST(Telemetry, a_robot_walked_from_a_page_comes_to_a_stand_without_a_fault_when
                    std::to_string(tests::own_domain())},
                   run.file("monitor.out"), run.file("monitor.err"));
   PageClient page(url_of_monitor(run.file("monitor.out"), kLongestRun_s));
-  ASSERT_TRUE(page.wait_for(R"("heard":true)", kLongestRun_s));
+  ASSERT_TRUE(page.wait_for(R"("received":true)", kLongestRun_s));
   std::jthread alive([&](const std::stop_token& end) {
     while (!end.stop_requested()) {
       page.send(R"({"alive": true})");
@@ -114,7 +114,7 @@ class Secured : public testing::Test {
  protected:
   Secured() {
     make("ours", {"robot:stilt", "host:laptop"});
-    make("theirs", {"host:stranger"});
+    make("theirs", {"host:intruder"});
   }
 
   [[nodiscard]] std::string documents(const std::string& name) const { return run.file(name); }
@@ -166,18 +166,18 @@ TEST_F(Secured, a_monitor_with_documents_commands_and_a_recorder_of_strangers_he
                    std::to_string(tests::own_domain()), "--security-folder", documents("ours/laptop")},
                   run.file("monitor.out"), run.file("monitor.err"));
   PageClient page(url_of_monitor(run.file("monitor.out"), kLongestRun_s));
-  ASSERT_TRUE(page.wait_for(R"("heard":true)", kLongestRun_s)) << run.said();
-  const auto stranger = record("stranger", {"--security-folder", documents("theirs/stranger")});
-  const auto nobody = record("nobody", {});
+  ASSERT_TRUE(page.wait_for(R"("received":true)", kLongestRun_s)) << run.said();
+  const auto intruder = record("intruder", {"--security-folder", documents("theirs/intruder")});
+  const auto undocumented = record("undocumented", {});
   const auto laptop = record("laptop", {"--security-folder", documents("ours/laptop")});
   page.send(R"({"command": "speed", "sequence": 1, "value": 9})");
   EXPECT_TRUE(page.wait_for("beyond telemetry.speed_limit_m_s", kLongestRun_s)) << "the robot heard it";
   page.send(R"({"command": "height", "sequence": 2, "value": 0.76})");
-  EXPECT_TRUE(page.wait_for(R"("sequence":2,"accepted":true)", kLongestRun_s)) << "and obeys";
+  EXPECT_TRUE(page.wait_for(R"("sequence":2,"accepted":true)", kLongestRun_s)) << "and applies it";
   EXPECT_TRUE(wait_for_ticks("laptop")) << text_of(run.file("laptop.err"));
   EXPECT_GT(messages("laptop", *laptop), 0);
-  EXPECT_EQ(messages("stranger", *stranger), 0);
-  EXPECT_EQ(messages("nobody", *nobody), 0);
+  EXPECT_EQ(messages("intruder", *intruder), 0);
+  EXPECT_EQ(messages("undocumented", *undocumented), 0);
   run.controller().signal(SIGTERM);
   run.expect_both_to_end();
 }
@@ -210,7 +210,7 @@ TEST(Telemetry, a_flood_of_commands_without_the_token_neither_holds_up_the_comma
   const double elapsed_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start_time).count();
   EXPECT_LE(static_cast<double>(host.refused), 20.0 * elapsed_s + 2.0)
-      << "a flood is not answered with another: twenty refusals a second at most";
+      << "a flood is not answered with another: twenty refusals per second at most";
   run.controller().signal(SIGTERM);
   run.expect_both_to_end();
   EXPECT_EQ(run.controller_json().at("heap_allocations"), 0);

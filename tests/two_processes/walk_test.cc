@@ -48,13 +48,13 @@ TEST(TwoProcesses, AMinuteOfWalkingRunsLikeTheSimulationAndRepeatsBitForBit) {
   EXPECT_TRUE(frames == text_of(second.file("frames"))) << "every frame on the buses, with its tick";
 }
 
-/// Settings that give every joint this protocol; the base sensor moves away from the identifiers of ODrives.
+/// Settings that give every joint this protocol; the torso sensor moves away from the identifiers of ODrives.
 std::vector<std::string> with_protocol(const std::string& protocol) {
   const std::string frame = "id 0x700 byte ";
   std::vector<std::string> settings = {
-      "base_sensor.pitch=" + frame + "0 bits 32 signed little scale 1e-8",
-      "base_sensor.pitch_rate=" + frame + "4 bits 24 signed little scale 2e-6",
-      "base_sensor.emergency_stop_released=" + frame + "7 bits 1 unsigned little scale 1"};
+      "torso_sensor.pitch=" + frame + "0 bits 32 signed little scale 1e-8",
+      "torso_sensor.pitch_rate=" + frame + "4 bits 24 signed little scale 2e-6",
+      "torso_sensor.emergency_stop_released=" + frame + "7 bits 1 unsigned little scale 1"};
   for (const std::string driver : {"hip_driver.", "knee_driver."}) {
     settings.push_back(driver + "protocol=" + protocol);
     settings.push_back(driver + "moteus_kp_Nm_rev=2000");

@@ -1,4 +1,5 @@
-// Walks on other rungs and with other controllers, and the self-test, with two processes in lock-step.
+// Walks on other fallback levels and with other controllers, and the self-test, with two processes in
+// lock-step.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,7 +9,7 @@
 namespace stilt::two_processes {
 namespace {
 
-/// Steps after this time of the robot since it was let go.
+/// Steps after this time of the robot since its release.
 std::size_t steps_after(const nlohmann::json& robot, double time_s) {
   return static_cast<std::size_t>(std::ranges::count_if(
       robot.at("steps"), [time_s](const nlohmann::json& step) { return step.at("time_s") > time_s; }));
@@ -34,7 +35,7 @@ void walk(RobotAndController& run, std::vector<std::string> controller, const ch
   run.expect_both_to_end();
 }
 
-/// The planner stops 3 s after the robot was let go.
+/// The planner stops 3 s after the release of the robot.
 class WithoutPlans : public testing::TestWithParam<const char*> {};
 
 TEST_P(WithoutPlans, TheRobotGoesOnSteppingOnAGait) {
@@ -42,7 +43,7 @@ TEST_P(WithoutPlans, TheRobotGoesOnSteppingOnAGait) {
   walk(run, {"--planner-until", "9", "--set", std::string("controller.reference=") + GetParam()}, "12");
   const nlohmann::json robot = run.robot_json();
   EXPECT_TRUE(robot.at("survived")) << run.said();
-  const double stopped_s = 9.0 - robot.at("hoist_released_s").get<double>();
+  const double stopped_s = 9.0 - robot.at("gantry_released_s").get<double>();
   ASSERT_LT(stopped_s, 9.0);
   EXPECT_GT(steps_after(robot, stopped_s + 0.3), 8u) << "on the gait";
   const nlohmann::json faults = faults_of(run);

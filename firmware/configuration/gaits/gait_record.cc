@@ -14,7 +14,7 @@ std::span<double> member(T& object) {
 }
 
 using Limits = GaitLimits;
-using Figures = GaitFigures;
+using Metrics = GaitMetrics;
 
 template <auto Member>
 constexpr Field<Limits> limit(const char* key, const char* meaning) {
@@ -22,8 +22,8 @@ constexpr Field<Limits> limit(const char* key, const char* meaning) {
 }
 
 template <auto Member>
-constexpr Field<Figures> figure(const char* key, const char* meaning) {
-  return {key, meaning, &member<Member, Figures>};
+constexpr Field<Metrics> metric(const char* key, const char* meaning) {
+  return {key, meaning, &member<Member, Metrics>};
 }
 
 constexpr Field<Limits> kLimits[] = {
@@ -44,32 +44,32 @@ constexpr Field<Limits> kLimits[] = {
     limit<&Limits::return_map>("return_map", "largest eigenvalue magnitude of the return map"),
 };
 
-constexpr Field<Figures> kFigures[] = {
-    figure<&Figures::defect_max>("defect_max",
+constexpr Field<Metrics> kMetrics[] = {
+    metric<&Metrics::defect_max>("defect_max",
                                  "of one interval of a grid four times finer than the optimisation's"),
-    figure<&Figures::periodicity_error>("periodicity_error", "after impact and leg swap, rad and rad/s"),
-    figure<&Figures::output_error_max_rad>("output_error_max_rad", "motion against outputs"),
-    figure<&Figures::torque_error_max_Nm>("torque_error_max_Nm", "torque curves against inverse dynamics"),
-    figure<&Figures::replay_error_max>("replay_error_max", "over five steps under the feedback, m and rad"),
-    figure<&Figures::return_map_eigenvalues>("return_map_eigenvalues", "magnitudes, largest first"),
-    figure<&Figures::peak_torque_Nm>("peak_torque_Nm", "stance hip, stance knee, swing hip, swing knee"),
-    figure<&Figures::peak_joint_speed_rad_s>("peak_joint_speed_rad_s", "same order"),
-    figure<&Figures::joint_position_margin_rad>("joint_position_margin_rad", "to the ends of the ranges"),
-    figure<&Figures::knee_min_rad>("knee_min_rad", "least bend"),
-    figure<&Figures::pitch_max_rad>("pitch_max_rad", "largest magnitude"),
-    figure<&Figures::friction_ratio_max>("friction_ratio_max", "|fx| / fz"),
-    figure<&Figures::normal_force_min_N>("normal_force_min_N", "of the stance foot"),
-    figure<&Figures::impulse_ratio>("impulse_ratio", "|x| / z"),
-    figure<&Figures::clearance_m>("clearance_m", "middle half of the step"),
-    figure<&Figures::swing_height_min_m>("swing_height_min_m", "from 5 % to 95 % of the step"),
-    figure<&Figures::touchdown_speed_m_s>("touchdown_speed_m_s", "downward"),
-    figure<&Figures::touchdown_slip_m_s>("touchdown_slip_m_s", "forward"),
-    figure<&Figures::torque_squared_per_m>("torque_squared_per_m", "N^2 m s, 0 in place"),
+    metric<&Metrics::periodicity_error>("periodicity_error", "after impact and leg swap, rad and rad/s"),
+    metric<&Metrics::output_error_max_rad>("output_error_max_rad", "motion against outputs"),
+    metric<&Metrics::torque_error_max_Nm>("torque_error_max_Nm", "torque curves against inverse dynamics"),
+    metric<&Metrics::replay_error_max>("replay_error_max", "over five steps under the feedback, m and rad"),
+    metric<&Metrics::return_map_eigenvalues>("return_map_eigenvalues", "magnitudes, largest first"),
+    metric<&Metrics::peak_torque_Nm>("peak_torque_Nm", "stance hip, stance knee, swing hip, swing knee"),
+    metric<&Metrics::peak_joint_speed_rad_s>("peak_joint_speed_rad_s", "same order"),
+    metric<&Metrics::joint_position_margin_rad>("joint_position_margin_rad", "to the ends of the ranges"),
+    metric<&Metrics::knee_min_rad>("knee_min_rad", "least bend"),
+    metric<&Metrics::pitch_max_rad>("pitch_max_rad", "largest magnitude"),
+    metric<&Metrics::friction_ratio_max>("friction_ratio_max", "|fx| / fz"),
+    metric<&Metrics::normal_force_min_N>("normal_force_min_N", "of the stance foot"),
+    metric<&Metrics::impulse_ratio>("impulse_ratio", "|x| / z"),
+    metric<&Metrics::clearance_m>("clearance_m", "middle half of the step"),
+    metric<&Metrics::swing_height_min_m>("swing_height_min_m", "from 5 % to 95 % of the step"),
+    metric<&Metrics::touchdown_speed_m_s>("touchdown_speed_m_s", "downward"),
+    metric<&Metrics::touchdown_slip_m_s>("touchdown_slip_m_s", "forward"),
+    metric<&Metrics::torque_squared_per_m>("torque_squared_per_m", "N^2 m s, 0 in place"),
 };
 
 }  // namespace
 
 std::span<const Field<GaitLimits>> limit_fields() { return kLimits; }
-std::span<const Field<GaitFigures>> figure_fields() { return kFigures; }
+std::span<const Field<GaitMetrics>> metric_fields() { return kMetrics; }
 
 }  // namespace stilt::gait_files

@@ -12,7 +12,7 @@
 namespace stilt::gait_files {
 
 /// What a gait file claims of its gait. All of it can be computed anew from the rest of the file.
-struct GaitFigures {
+struct GaitMetrics {
   /// Largest error of the state (m, rad, m/s, rad/s) after integrating the equations of motion over one
   /// interval of a grid four times finer than that of the optimisation, from the file's state and under the
   /// file's inputs.
@@ -49,7 +49,7 @@ struct GaitRecord {
   std::string robot;
   gait::HzdGait gait;
   GaitLimits limits;
-  std::optional<GaitFigures> claims;
+  std::optional<GaitMetrics> claims;
   std::vector<std::pair<std::string, std::string>> origin;  ///< how it was made: key, text
 };
 
@@ -62,6 +62,6 @@ struct Field {
 };
 
 [[nodiscard]] std::span<const Field<GaitLimits>> limit_fields();
-[[nodiscard]] std::span<const Field<GaitFigures>> figure_fields();
+[[nodiscard]] std::span<const Field<GaitMetrics>> metric_fields();
 
 }  // namespace stilt::gait_files

@@ -194,7 +194,7 @@ GaitRecord read(const Table& file) {
     if (gait.step_time_s == 0.0) throw Wrong("step_time_s must be given with [states]");
   }
   if (file.has("limits")) file.table("limits").fields(limit_fields(), record.limits);
-  if (file.has("claims")) file.table("claims").fields(figure_fields(), record.claims.emplace());
+  if (file.has("claims")) file.table("claims").fields(metric_fields(), record.claims.emplace());
   if (file.has("origin")) {
     for (const auto& [key, node] : file.table("origin").raw()) {
       record.origin.emplace_back(key.str(), node.value<std::string>().value_or(""));

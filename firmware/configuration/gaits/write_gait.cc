@@ -103,7 +103,7 @@ std::string to_toml(const GaitRecord& record) {
   writer.fields(limit_fields(), record.limits);
   if (record.claims) {
     writer.table("claims", "what was computed when the file was written");
-    writer.fields(figure_fields(), *record.claims);
+    writer.fields(metric_fields(), *record.claims);
   }
   write_outputs(gait, writer);
   if (gait.motion.degree > 0) write_motion(gait.motion, writer);

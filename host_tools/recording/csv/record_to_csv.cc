@@ -21,7 +21,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Tables of ticks: all sessions in one file, or one file per session.
+/// Tables of ticks: all runs in one file, or one file per run.
 class TickTables {
  public:
   TickTables(std::string first_path, bool one_each)
@@ -29,14 +29,14 @@ class TickTables {
 
   void add(const telemetry::TickBatch& batch) {
     if (!telemetry::well_formed(batch)) return;
-    auto [session, is_new] = sessions_.try_emplace(batch.session);
-    if (is_new) open(session->second);
+    auto [run, is_new] = runs_.try_emplace(batch.run_id);
+    if (is_new) open(run->second);
     for (std::size_t i = 0; i < batch.count; ++i) {
       const control_loop::TickRecord tick = telemetry::tick_record(batch, i);
-      if (tick.tick < session->second.next) continue;
-      if (session->second.next == 0) session->second.start_ns = tick.time_ns;
-      session->second.next = tick.tick + 1;
-      diagnostics::write_tick(*session->second.file, tick, session->second.start_ns);
+      if (tick.tick < run->second.next) continue;
+      if (run->second.next == 0) run->second.start_ns = tick.time_ns;
+      run->second.next = tick.tick + 1;
+      diagnostics::write_tick(*run->second.file, tick, run->second.start_ns);
     }
   }
 
@@ -49,13 +49,13 @@ class TickTables {
   }
 
  private:
-  struct Session {
+  struct Run {
     std::ofstream* file = nullptr;
     std::uint64_t next = 0;
     std::int64_t start_ns = 0;
   };
 
-  void open(Session& session) {
+  void open(Run& run) {
     if (files_.empty() || one_each_) {
       std::filesystem::path path = first_path_;
       if (!files_.empty()) path.replace_filename("ticks_" + std::to_string(files_.size() + 1) + ".csv");
@@ -66,12 +66,12 @@ class TickTables {
       }
       diagnostics::write_tick_header(*files_.back());
     }
-    session.file = files_.back().get();
+    run.file = files_.back().get();
   }
 
   std::string first_path_;
   bool one_each_;
-  std::map<std::uint64_t, Session> sessions_;
+  std::map<std::uint64_t, Run> runs_;
   std::vector<std::unique_ptr<std::ofstream>> files_;
   std::vector<std::string> paths_;
 };

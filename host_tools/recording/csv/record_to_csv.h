@@ -13,11 +13,11 @@ struct Written {
 
 /// Writes a folder of tables, one per topic: /stilt/planner becomes stilt_planner.csv, with the time of day
 /// in the first column. Ticks become ticks.csv with one row per tick, as in a black box
-/// (firmware/diagnostics/tick_csv.h); those of further sessions become ticks_2.csv and so on. Throws
+/// (firmware/diagnostics/tick_csv.h); those of further runs become ticks_2.csv and so on. Throws
 /// std::runtime_error, one sentence.
 [[nodiscard]] Written record_to_csv(const std::string& record, const std::string& folder);
 
-/// Writes only the ticks, of all sessions, to one file.
+/// Writes only the ticks, of all runs, to one file.
 [[nodiscard]] Written ticks_to_csv(const std::string& record, const std::string& file);
 
 }  // namespace stilt::csv

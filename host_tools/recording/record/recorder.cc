@@ -20,8 +20,8 @@ const telemetry::Topic* topic_of_record(const std::string& name) {
   return telemetry::find_topic(std::string(kPrefix) + name);
 }
 
-std::string configuration_name(std::uint64_t session) {
-  return "configuration_" + std::to_string(session) + ".toml";
+std::string configuration_name(std::uint64_t run_id) {
+  return "configuration_" + std::to_string(run_id) + ".toml";
 }
 
 std::vector<const telemetry::Topic*> Recorder::topics() {
@@ -57,19 +57,19 @@ void Recorder::take(const telemetry::Sample& sample, std::int64_t now_ns) {
   }
   if (&topic == &telemetry::kTicks) {
     if (const auto ticks = sample.as<telemetry::TickBatch>()) {
-      sessions_[ticks->session].add(ticks->first_tick, ticks->count);
+      runs_[ticks->run_id].add(ticks->first_tick, ticks->count);
     }
   }
 }
 
 void Recorder::keep_configuration(const telemetry::ConfigurationInForce& configuration, std::int64_t now_ns) {
-  writer_.attach({now_ns, configuration.start_time_ns, configuration_name(configuration.session),
+  writer_.attach({now_ns, configuration.start_time_ns, configuration_name(configuration.run_id),
                   "application/toml", configuration.configuration});
   const std::string robot = configuration.robot;
   const std::string urdf = options_.urdf ? options_.urdf(robot) : "";
   if (!urdf.empty()) writer_.attach({now_ns, now_ns, robot + ".urdf", "application/xml", urdf});
   writer_.write_metadata({"stiltd",
-                          {{"session", std::to_string(configuration.session)},
+                          {{"run_id", std::to_string(configuration.run_id)},
                            {"robot", robot},
                            {"version", configuration.version},
                            {"compiler", configuration.compiler},

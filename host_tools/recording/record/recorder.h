@@ -44,8 +44,8 @@ class Recorder {
 
   [[nodiscard]] std::uint64_t messages() const { return writer_.statistics().messages; }
   [[nodiscard]] std::uint64_t bytes() const { return writer_.bytes_written(); }
-  /// Ticks of each session.
-  [[nodiscard]] const std::map<std::uint64_t, TickLedger>& sessions() const { return sessions_; }
+  /// Ticks of each run.
+  [[nodiscard]] const std::map<std::uint64_t, TickLedger>& runs() const { return runs_; }
 
  private:
   [[nodiscard]] std::uint16_t channel_of(const telemetry::Topic& topic);
@@ -55,7 +55,7 @@ class Recorder {
   mcap::Writer writer_;
   std::map<const telemetry::Topic*, std::uint16_t> channels_;
   std::map<const telemetry::Topic*, std::uint32_t> counts_;
-  std::map<std::uint64_t, TickLedger> sessions_;
+  std::map<std::uint64_t, TickLedger> runs_;
   std::uint32_t plans_ = 0;  ///< number received
 };
 
@@ -65,7 +65,7 @@ class Recorder {
 /// The inverse of topic_in_record(); null for other names.
 [[nodiscard]] const telemetry::Topic* topic_of_record(const std::string& name);
 
-/// Name of the attachment with the configuration of a session.
-[[nodiscard]] std::string configuration_name(std::uint64_t session);
+/// Name of the attachment with the configuration of a run.
+[[nodiscard]] std::string configuration_name(std::uint64_t run_id);
 
 }  // namespace stilt::record

@@ -6,7 +6,7 @@
 
 namespace stilt::record {
 
-/// Numbers of the ticks received in a session, in order.
+/// Numbers of the ticks received in a run, in order.
 class TickLedger {
  public:
   /// Adds ticks `first` to `first + count - 1`; ticks already received are ignored.

@@ -97,7 +97,7 @@ std::optional<Difference> compare(const control_loop::CycleRecord& recorded,
                                   const control_loop::CycleRecord& replayed) {
   Comparison comparison(static_cast<std::uint64_t>(recorded.tick));
   comparison.add("number of solves", recorded.cycle, replayed.cycle);
-  comparison.add("standing", recorded.standing, replayed.standing, "the plan's request");
+  comparison.add("stance episode", recorded.stance_episode, replayed.stance_episode, "the plan's request");
   comparison.add("time_s", recorded.time_s, replayed.time_s, "the plan's request");
   comparison.add("status", recorded.report.status, replayed.report.status, "the solve");
   comparison.add("iterations", recorded.report.iterations, replayed.report.iterations, "the solve");

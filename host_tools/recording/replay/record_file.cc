@@ -25,38 +25,38 @@ telemetry::Owned<T> message_of(const mcap::ReadMessage& read, const telemetry::T
   return telemetry::decode<T>(std::as_bytes(read.message.data));
 }
 
-SessionRecord& session_of(RecordContents& contents, std::uint64_t number) {
-  const auto known = std::ranges::find(contents.sessions, number, &SessionRecord::number);
-  if (known != contents.sessions.end()) return *known;
-  contents.sessions.emplace_back().number = number;
-  return contents.sessions.back();
+RunRecord& run_of(RecordContents& contents, std::uint64_t number) {
+  const auto known = std::ranges::find(contents.runs, number, &RunRecord::number);
+  if (known != contents.runs.end()) return *known;
+  contents.runs.emplace_back().number = number;
+  return contents.runs.back();
 }
 
-void take_configuration(const ConfigurationInForce& message, SessionRecord& session) {
-  session.configured = true;
-  session.robot = message.robot;
-  session.configuration = message.configuration;
-  session.build = std::string(message.version) + ", " + message.compiler + ", " + message.instruction_set;
-  session.tunables.clear();
-  for (const auto& tunable : telemetry::span_of(message.tunables)) session.tunables.emplace_back(tunable.key);
+void take_configuration(const ConfigurationInForce& message, RunRecord& run) {
+  run.configured = true;
+  run.robot = message.robot;
+  run.configuration = message.configuration;
+  run.build = std::string(message.version) + ", " + message.compiler + ", " + message.instruction_set;
+  run.tunables.clear();
+  for (const auto& tunable : telemetry::span_of(message.tunables)) run.tunables.emplace_back(tunable.key);
 }
 
 /// A subscriber that joins late can receive a solve twice; numbers rise.
-void take_cycle(const PlannerCycle& message, SessionRecord& session) {
-  if (!session.cycles.empty() && message.cycle <= session.cycles.back().cycle) return;
-  session.cycles.push_back(telemetry::cycle_record(message));
+void take_cycle(const PlannerCycle& message, RunRecord& run) {
+  if (!run.cycles.empty() && message.cycle <= run.cycles.back().cycle) return;
+  run.cycles.push_back(telemetry::cycle_record(message));
 }
 
 void take(const mcap::ReadMessage& read, RecordContents& contents) {
   if (const auto cycle = message_of<PlannerCycle>(read, telemetry::kPlannerCycles)) {
-    take_cycle(*cycle, session_of(contents, cycle->session));
+    take_cycle(*cycle, run_of(contents, cycle->run_id));
   } else if (const auto ticks = message_of<TickBatch>(read, telemetry::kTicks)) {
-    session_of(contents, ticks->session).ticks.add(ticks->first_tick, ticks->count);
+    run_of(contents, ticks->run_id).ticks.add(ticks->first_tick, ticks->count);
   } else if (const auto configuration = message_of<ConfigurationInForce>(read, telemetry::kConfiguration)) {
-    take_configuration(*configuration, session_of(contents, configuration->session));
+    take_configuration(*configuration, run_of(contents, configuration->run_id));
   } else if (const auto tuning = message_of<Tuning>(read, telemetry::kTuning)) {
     const auto values = telemetry::span_of(tuning->values);
-    session_of(contents, tuning->session).tunings[tuning->number] = {values.begin(), values.end()};
+    run_of(contents, tuning->run_id).tunings[tuning->number] = {values.begin(), values.end()};
   }
 }
 
@@ -70,13 +70,13 @@ RecordContents read_contents(const std::string& path) {
   return contents;
 }
 
-void for_each_tick(const std::string& path, std::uint64_t session,
+void for_each_tick(const std::string& path, std::uint64_t run_id,
                    const std::function<bool(const control_loop::TickRecord&)>& use) {
   mcap::Reader reader(path);
   std::uint64_t next = 0;
   while (const mcap::ReadMessage* read = reader.next()) {
     const auto ticks = message_of<TickBatch>(*read, telemetry::kTicks);
-    if (!ticks || ticks->session != session || !telemetry::well_formed(*ticks)) continue;
+    if (!ticks || ticks->run_id != run_id || !telemetry::well_formed(*ticks)) continue;
     for (std::size_t i = 0; i < ticks->count; ++i) {
       if (ticks->first_tick + i < next) continue;
       next = ticks->first_tick + i + 1;

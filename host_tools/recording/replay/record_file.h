@@ -14,7 +14,7 @@
 namespace stilt::replay {
 
 /// Content of a recording for one run of stiltd, without its ticks.
-struct SessionRecord {
+struct RunRecord {
   std::uint64_t number = 0;
   bool configured = false;  ///< whether the recording has its configuration and the fields below
   std::string robot;
@@ -28,17 +28,17 @@ struct SessionRecord {
 
 /// Content of a recording without its ticks.
 struct RecordContents {
-  std::vector<SessionRecord> sessions;  ///< in the order of the recording
-  std::vector<std::string> problems;    ///< of the file, one sentence each
+  std::vector<RunRecord> runs;        ///< in the order of the recording
+  std::vector<std::string> problems;  ///< of the file, one sentence each
 };
 
 /// Reads a recording without its ticks. Throws std::runtime_error, one sentence, when the file is not a
 /// recording.
 [[nodiscard]] RecordContents read_contents(const std::string& path);
 
-/// Passes the ticks of a session to `use`, in order and each once, until it returns false. Throws like
+/// Passes the ticks of a run to `use`, in order and each once, until it returns false. Throws like
 /// read_contents().
-void for_each_tick(const std::string& path, std::uint64_t session,
+void for_each_tick(const std::string& path, std::uint64_t run_id,
                    const std::function<bool(const control_loop::TickRecord&)>& use);
 
 }  // namespace stilt::replay

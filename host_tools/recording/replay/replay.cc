@@ -42,7 +42,7 @@ bool Replay::run(const control_loop::TickRecord& recorded) {
   }
   if (!hand_in(recorded)) return false;
   robot_.set(recorded);
-  loop_->tick({recorded.time_ns, recorded.wakeup_ns, recorded.execution_ns, recorded.round_trip_ns});
+  loop_->tick({recorded.time_ns, recorded.wakeup_latency_ns, recorded.execution_ns, recorded.round_trip_ns});
   const control_loop::TickRecord replayed = *mail_->telemetry.front();
   mail_->telemetry.pop();
   while (mail_->events.front() != nullptr) mail_->events.pop();
@@ -113,7 +113,7 @@ bool Replay::run_cycle(const control_loop::CycleRecord& recorded) {
   control_loop::CycleRecord replayed = recorded;
   replayed.cycle = planner_->result().cycles;
   replayed.time_s = request.time_s;
-  replayed.standing = request.session;
+  replayed.stance_episode = request.stance_episode;
   replayed.failures = planner_->result().failures_in_a_row;
   replayed.plan_sequence = fresh ? plan->sequence : -1;
   replayed.nodes = fresh ? plan->nodes : 0;

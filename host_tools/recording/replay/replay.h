@@ -34,10 +34,10 @@ struct Outcome {
   [[nodiscard]] bool reproduced() const { return ticks > 0 && !difference && problem.empty(); }
 };
 
-/// Replay of one session.
+/// Replay of one run.
 class Replay {
  public:
-  /// @param cycles   all solves of the session, in order
+  /// @param cycles   all solves of the run, in order
   /// @param tunings  live tunables by their number; nothing when the recording lacks them
   Replay(std::vector<control_loop::CycleRecord> cycles,
          std::function<std::optional<Tunings>(std::uint32_t number)> tunings);

@@ -29,23 +29,23 @@ constexpr std::array kTable = {
     FaultDescription{bus_off, "bus-off", FaultTarget::bus, true, kForever_s,
                      "the bus is off, with its error frame; with a duration it restarts by itself"},
     FaultDescription{disconnect, "disconnect", FaultTarget::bus, true, kForever_s,
-                     "the bus is disconnected (loopback, not with --lockstep)"},
+                     "the bus is gone (loopback, not with --lockstep)"},
     FaultDescription{driver_fault, "driver-fault", FaultTarget::joint, false, kForever_s,
-                     "the driver reports over-current and coasts, until the fault is cleared"},
+                     "the driver reports over-current and is disabled, until it is cleared"},
     FaultDescription{encoder_freeze, "encoder-freeze", FaultTarget::joint, false, kForever_s,
-                     "the encoder keeps reporting its last value"},
+                     "the encoder goes on reporting its last value"},
     FaultDescription{power_cycle, "power-cycle", FaultTarget::drivers, false, 0.5,
-                     "the drivers have no power, and restart when it returns"},
+                     "the drivers have no power, and start anew when it returns"},
     FaultDescription{low_voltage, "low-voltage", FaultTarget::drivers, false, kForever_s,
-                     "the supply falls to 30 V: drivers that measure it report it, the others coast"},
+                     "the supply falls to 30 V: drivers that measure it report it, the others are disabled"},
     FaultDescription{over_temperature, "over-temperature", FaultTarget::drivers, false, kForever_s,
                      "transistors and motor report 120 degrees"},
     FaultDescription{emergency_stop, "emergency-stop", FaultTarget::robot, false, kForever_s,
                      "the switch reports that it is pressed (power stays, which a real switch would cut)"},
     FaultDescription{base_silent, "base-silent", FaultTarget::robot, false, kForever_s,
-                     "the base sensor sends nothing"},
+                     "the torso sensor sends nothing"},
     FaultDescription{base_freeze, "base-freeze", FaultTarget::robot, false, kForever_s,
-                     "the base sensor repeats its last values"},
+                     "the torso sensor repeats its last values"},
 };
 
 std::invalid_argument bad(std::string_view whole, const std::string& problem) {
@@ -71,7 +71,7 @@ void set_target(std::string_view whole, std::string_view target, FaultTarget all
   const bool by_joint = fault.joint && allowed != FaultTarget::bus;
   const bool by_bus = fault.bus && allowed != FaultTarget::joint;
   if (allowed == FaultTarget::robot || (!by_joint && !by_bus)) {
-    throw bad(whole, "'" + std::string(target) + "' is not a target of this fault; " +
+    throw bad(whole, "'" + std::string(target) + "' is nothing this fault can affect; " +
                          (allowed == FaultTarget::robot ? "it takes no target"
                           : allowed == FaultTarget::bus ? "it takes the number of a bus, 0 to 3"
                           : allowed == FaultTarget::joint

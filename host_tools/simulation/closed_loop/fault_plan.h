@@ -51,7 +51,7 @@ enum class FaultsOf { plant, robot_on_buses };
 /// The table as text, one fault per line.
 [[nodiscard]] std::string describe_faults(FaultsOf which);
 
-/// A fault with its time, counted from the release of the hoist.
+/// A fault with its time, counted from the release by the gantry.
 struct TimedFault {
   FaultKind kind = FaultKind::drop;
   std::optional<std::size_t> bus;    ///< none: all buses
@@ -64,7 +64,7 @@ struct TimedFault {
     return time_s > start_s - kRounding_s && time_s < start_s + duration_s - kRounding_s;
   }
   /// Whether the fault affects a joint on a bus, or, without a joint, the rest of that bus.
-  [[nodiscard]] bool strikes(std::size_t on_bus, std::optional<std::size_t> at_joint) const {
+  [[nodiscard]] bool affects(std::size_t on_bus, std::optional<std::size_t> at_joint) const {
     return (!bus || *bus == on_bus) && (!joint || joint == at_joint);
   }
 };

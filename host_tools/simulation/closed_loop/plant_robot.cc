@@ -67,13 +67,13 @@ void PlantRobot::read_joint(std::size_t joint, std::int64_t now_ns, const contro
                             hal::JointReading& reading) const noexcept {
   const auto j = static_cast<int>(joint);
   if (active(FaultKind::power_cycle, joint)) {
-    ++reading.missed;
+    ++reading.missed_replies;
     return;
   }
   const double position_rad = sensors.joint_position_rad[j];
   const double velocity_rad_s = sensors.joint_velocity_rad_s[j];
   const bool same = position_rad == reading.position_rad && velocity_rad_s == reading.velocity_rad_s;
-  reading.frozen = same ? reading.frozen + 1 : 0;
+  reading.unchanged_replies = same ? reading.unchanged_replies + 1 : 0;
   reading.position_rad = position_rad;
   reading.velocity_rad_s = velocity_rad_s;
   reading.torque_Nm = plant_.applied_torque_Nm()[j];
@@ -81,7 +81,7 @@ void PlantRobot::read_joint(std::size_t joint, std::int64_t now_ns, const contro
       active(FaultKind::over_temperature, joint) ? kHot_C : kTemperature_C;
   reading.supply_V = active(FaultKind::low_voltage, joint) ? kLowSupply_V : kSupply_V;
   reading.time_ns = now_ns;
-  reading.missed = 0;
+  reading.missed_replies = 0;
   reading.fault =
       active(FaultKind::driver_fault, joint) ? hal::DriverFault::over_current : hal::DriverFault::none;
   reading.state = enabled_[joint] ? hal::DriverState::enabled : hal::DriverState::idle;
@@ -91,16 +91,16 @@ void PlantRobot::read_joint(std::size_t joint, std::int64_t now_ns, const contro
 void PlantRobot::read_base(std::int64_t now_ns, const control::SensorReading& sensors,
                            hal::BaseReading& reading) const noexcept {
   if (active(FaultKind::base_silent)) {
-    ++reading.missed;
+    ++reading.missed_replies;
     return;
   }
   const bool same = sensors.base_pitch_rad == reading.pitch_rad &&
                     sensors.base_pitch_rate_rad_s == reading.pitch_rate_rad_s;
-  reading.frozen = same ? reading.frozen + 1 : 0;
+  reading.unchanged_replies = same ? reading.unchanged_replies + 1 : 0;
   reading.pitch_rad = sensors.base_pitch_rad;
   reading.pitch_rate_rad_s = sensors.base_pitch_rate_rad_s;
   reading.time_ns = now_ns;
-  reading.missed = 0;
+  reading.missed_replies = 0;
 }
 
 /// Reads the sensors now; frozen sensors keep their values. The first readings fill the delay line.

@@ -58,7 +58,7 @@ class Plant {
   /// Sets the horizontal force on the torso, positive forward.
   void set_push(double force_N, PushPoint point);
 
-  /// Sets the force of the surroundings, such as a hoist, along the generalised coordinates: N, N, Nm on the
+  /// Sets the force of the surroundings, such as a gantry, along the generalised coordinates: N, N, Nm on the
   /// base, Nm on the joints. It has no delay and no limit.
   void set_surroundings_force(const model::PositionVector& force) { surroundings_force_ = force; }
 

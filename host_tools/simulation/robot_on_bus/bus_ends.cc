@@ -26,7 +26,7 @@ std::vector<hal::CanFrame> BusEnds::receive(std::size_t bus) {
 
 void BusEnds::deliver(std::int64_t now_ns, std::size_t bus, const hal::CanFrame& frame) {
   log_.write(robot_.ticks(), bus, FrameLog::Sender::controller, frame);
-  robot_.hear(now_ns, bus, frame);
+  robot_.receive(now_ns, bus, frame);
 }
 
 void BusEnds::send_outgoing(std::int64_t now_ns) {

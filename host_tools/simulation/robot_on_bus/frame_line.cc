@@ -10,7 +10,7 @@ void FrameLine::send(double time_s, std::int64_t now_ns, const FrameSource& sour
   std::int64_t due_ns = now_ns;
   int copies = 1;
   for (const simulation::TimedFault& fault : faults_) {
-    if (!fault.active(time_s) || !fault.strikes(source.bus, source.joint)) continue;
+    if (!fault.active(time_s) || !fault.affects(source.bus, source.joint)) continue;
     if (fault.kind == simulation::FaultKind::drop) return;
     if (fault.kind == simulation::FaultKind::delay) due_ns += kFrameDelay_ns;
     if (fault.kind == simulation::FaultKind::duplicate) ++copies;
@@ -21,7 +21,7 @@ void FrameLine::send(double time_s, std::int64_t now_ns, const FrameSource& sour
 
 bool FrameLine::lost(double time_s, std::size_t bus, std::size_t joint) const {
   return std::ranges::any_of(faults_, [&](const simulation::TimedFault& fault) {
-    return fault.kind == simulation::FaultKind::drop && fault.active(time_s) && fault.strikes(bus, joint);
+    return fault.kind == simulation::FaultKind::drop && fault.active(time_s) && fault.affects(bus, joint);
   });
 }
 

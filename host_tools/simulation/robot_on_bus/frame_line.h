@@ -14,7 +14,7 @@ namespace stilt::robot_on_bus {
 /// Origin of a frame of the robot.
 struct FrameSource {
   std::size_t bus = 0;
-  std::optional<std::size_t> joint;  ///< none: the base sensor
+  std::optional<std::size_t> joint;  ///< none: the torso sensor
 };
 
 /// Frames on their way from the robot to the controller, and the effects of the active faults on them. Frames

@@ -29,7 +29,7 @@ bool RobotOnBus::active(simulation::FaultKind kind) const {
   });
 }
 
-void RobotOnBus::strike_faults(std::int64_t now_ns) {
+void RobotOnBus::inject_faults(std::int64_t now_ns) {
   fault_clock_s_ = clock_s();
   for (std::size_t i = 0; i < setup_.faults.size(); ++i) {
     const simulation::TimedFault& fault = setup_.faults[i];
@@ -37,7 +37,7 @@ void RobotOnBus::strike_faults(std::int64_t now_ns) {
     if (active_now == fault_active_[i]) continue;
     fault_active_[i] = active_now;
     if (active_now) {
-      struck_.push_back({simulation::describe(fault.kind).name, time_s()});
+      injected_.push_back({simulation::describe(fault.kind).name, time_s()});
       begin_fault(now_ns, fault);
     } else {
       end_fault(now_ns, fault);
@@ -48,7 +48,7 @@ void RobotOnBus::strike_faults(std::int64_t now_ns) {
 template <class Action>
 void RobotOnBus::for_each_driver(const simulation::TimedFault& fault, Action&& action) {
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
-    if (fault.strikes(drivers_.bus(joint), joint)) action(drivers_.driver(joint));
+    if (fault.affects(drivers_.bus(joint), joint)) action(drivers_.driver(joint));
   }
 }
 
@@ -76,7 +76,7 @@ void RobotOnBus::begin_fault(std::int64_t now_ns, const simulation::TimedFault& 
     case simulation::FaultKind::over_temperature:
       for_each_driver(fault, [](Driver& driver) { driver.motor.temperature_C = kHot_C; });
       break;
-    default:  // faults of frames, base sensor and switch are evaluated while they are active
+    default:  // faults of frames, torso sensor and switch are evaluated while they are active
       break;
   }
 }

@@ -24,16 +24,16 @@ double& channel(BaseValues& values, BaseChannel which) { return values[static_ca
 RobotOnBus::RobotOnBus(const RobotSetup& setup)
     : setup_(setup),
       plant_(setup.model, setup.plant, setup.seed),
-      steps_a_tick_(static_cast<int>(std::lround(setup.tick_s / plant_.time_step_s()))),
+      steps_per_tick_(static_cast<int>(std::lround(setup.tick_s / plant_.time_step_s()))),
       drivers_(setup.wiring),
-      base_sensor_(setup.wiring),
-      hoist_(setup.hoist, setup.standing, plant_.mass_kg() * model::kGravity_m_s2),
+      torso_sensor_(setup.wiring),
+      gantry_(setup.gantry, setup.standing, plant_.mass_kg() * model::kGravity_m_s2),
       line_(setup.faults),
       recorder_(setup.keep_samples),
       fault_active_(setup.faults.size(), false) {
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint)
     drivers_.driver(joint).motor.supply_V = kSupply_V;
-  plant_.set_state(hoist_.hanging());
+  plant_.set_state(gantry_.hanging());
   read_encoders();
 }
 
@@ -42,12 +42,12 @@ std::optional<double> RobotOnBus::walk_time_s() const {
   return static_cast<double>(ticks_ - *release_tick_) * setup_.tick_s;
 }
 
-std::optional<double> RobotOnBus::hoist_released_s() const {
+std::optional<double> RobotOnBus::gantry_released_s() const {
   if (!release_tick_) return std::nullopt;
   return static_cast<double>(*release_tick_) * setup_.tick_s;
 }
 
-void RobotOnBus::hear(std::int64_t now_ns, std::size_t bus, const hal::CanFrame& frame) {
+void RobotOnBus::receive(std::int64_t now_ns, std::size_t bus, const hal::CanFrame& frame) {
   if (bus_off_[bus]) return;
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
     if (drivers_.bus(joint) != bus || line_.lost(fault_clock_s_, bus, joint)) continue;
@@ -65,16 +65,16 @@ std::vector<hal::CanFrame> RobotOnBus::take_outgoing(std::int64_t now_ns, std::s
 }
 
 void RobotOnBus::tick(std::int64_t now_ns) {
-  for (int i = 0; i < steps_a_tick_; ++i) step(now_ns);
+  for (int i = 0; i < steps_per_tick_; ++i) step(now_ns);
 }
 
 void RobotOnBus::step(std::int64_t now_ns) {
-  if (step_in_tick_ == 0) strike_faults(now_ns);
+  if (step_in_tick_ == 0) inject_faults(now_ns);
   act();
   plant_.step();
   read_encoders();
   recorder_.observe_step(plant_);
-  if (++step_in_tick_ < steps_a_tick_) return;
+  if (++step_in_tick_ < steps_per_tick_) return;
   step_in_tick_ = 0;
   finish_tick(now_ns);
 }
@@ -92,7 +92,7 @@ void RobotOnBus::read_encoders() {
   channel(base_values_, BaseChannel::pitch_rate_rad_s) = reading.base_pitch_rate_rad_s;
 }
 
-/// Applies motors, pushes and the hoist to the plant.
+/// Applies motors, pushes and the gantry to the plant.
 void RobotOnBus::act() {
   model::JointVector torque_Nm;
   for (int joint = 0; joint < model::kJoints; ++joint) {
@@ -101,14 +101,14 @@ void RobotOnBus::act() {
   plant_.command_torque(torque_Nm);
   const simulation::ActingPush push = push_at(setup_.pushes, clock_s());
   plant_.set_push(push.force_N, push.point);
-  plant_.set_surroundings_force(hoist_.force(plant_.state()));
+  plant_.set_surroundings_force(gantry_.force(plant_.state()));
 }
 
 void RobotOnBus::finish_tick(std::int64_t now_ns) {
   ++ticks_;
   run_timers(now_ns);
   send_base(now_ns);
-  attend();
+  update_rig();
 }
 
 void RobotOnBus::run_timers(std::int64_t now_ns) {
@@ -124,12 +124,12 @@ void RobotOnBus::run_timers(std::int64_t now_ns) {
 void RobotOnBus::send_base(std::int64_t now_ns) {
   const BaseValues values = base_values();
   if (!base_due() || active(simulation::FaultKind::base_silent)) return;
-  for (const hal::CanFrame& frame : base_sensor_.encode(values)) {
+  for (const hal::CanFrame& frame : torso_sensor_.encode(values)) {
     line_.send(fault_clock_s_, now_ns, {setup_.wiring.channel_bus, std::nullopt}, frame);
   }
 }
 
-/// Whether a period of the base sensor, counted from the start, ended with this tick.
+/// Whether a period of the torso sensor, counted from the start, ended with this tick.
 bool RobotOnBus::base_due() {
   constexpr double kRounding = 1e-6;
   const auto over = static_cast<std::uint64_t>(time_s() * setup_.base_rate_hz + kRounding);
@@ -162,7 +162,7 @@ bool RobotOnBus::torque_on() const {
 }
 
 /// Whether the robot lowers itself under control: motors are enabled, both feet carry load, the torso is
-/// upright and slow. This is not a fall; the hoist takes the weight.
+/// upright and slow. This is not a fall; the gantry takes the weight.
 bool RobotOnBus::sits_down() const {
   const model::StateVector state = plant_.state();
   const double hip_m = state[1] - plant_.ground_height_m(state[0]);
@@ -173,10 +173,10 @@ bool RobotOnBus::sits_down() const {
          std::abs(state[model::kPositions]) < kSlow_m_s && std::abs(state[model::kPositions + 1]) < kSlow_m_s;
 }
 
-/// Updates the hoist and the statistics.
-void RobotOnBus::attend() {
-  hoist_.elapse(plant_.state(), torque_on(), setup_.tick_s);
-  if (hoist_.state() != HoistState::off) return;
+/// Updates the gantry and the statistics.
+void RobotOnBus::update_rig() {
+  gantry_.elapse(plant_.state(), torque_on(), setup_.tick_s);
+  if (gantry_.state() != GantryState::off) return;
   if (!release_tick_) {
     release_tick_ = ticks_;
     recorder_.begin(plant_);
@@ -194,7 +194,7 @@ void RobotOnBus::attend() {
 void RobotOnBus::end_walk(simulation::Fall fall) {
   sitting_ticks_ = 0;
   recorder_.finish(clock_s(), plant_, fall);
-  hoist_.take(plant_.state());
+  gantry_.take(plant_.state());
 }
 
 void RobotOnBus::finish() { recorder_.finish(clock_s(), plant_, simulation::Fall::none); }

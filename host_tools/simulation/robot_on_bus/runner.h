@@ -15,7 +15,7 @@ namespace stilt::robot_on_bus {
 /// When a run ends, and its observers.
 struct RunOptions {
   double tick_s = 0.001;
-  std::optional<double> duration_s;  ///< after the release of the hoist; none: until interrupted
+  std::optional<double> duration_s;  ///< after the release by the gantry; none: until interrupted
   bool once = false;                 ///< whether the run ends when its controller has left
   double wait_s = 60.0;              ///< lock-step: longest wait for a controller, and for its turn
   double next_wait_s = 10.0;         ///< lock-step: longest wait for the next controller after one has left
@@ -42,7 +42,7 @@ struct RunOutcome {
                                       const RunOptions& options);
 
 /// Runs the robot by CLOCK_MONOTONIC. Commands become active when they arrive, replies leave at once, and the
-/// base sensor sends once per tick. Takes SCHED_FIFO above any controller when the kernel grants it, because
+/// torso sensor sends once per tick. Takes SCHED_FIFO above any controller when the kernel grants it, because
 /// motor drivers do not wait for a processor. When the robot is more than 5 ms late, it skips the lost time
 /// instead of catching up in a burst, and counts it.
 [[nodiscard]] RunOutcome run_realtime(RobotOnBus& robot, std::vector<RobotBus>& buses, FrameLog& log,

@@ -69,10 +69,10 @@ void DdsSource::take(const telemetry::Sample& message, SampleSink& sink) {
   if (const auto reply = message.as<telemetry::CommandReply>()) answer(*reply, sink);
 }
 
-/// Reads the token of a new session.
+/// Reads the token of a new run.
 void DdsSource::learn_token() {
-  if (decoder_.session() == session_) return;
-  session_ = decoder_.session();
+  if (decoder_.run_id() == run_id_) return;
+  run_id_ = decoder_.run_id();
   token_in_force_ = token_;
   if (!token_.empty()) return;
   try {
@@ -91,7 +91,7 @@ void DdsSource::answer(const telemetry::CommandReply& reply, SampleSink& sink) {
 }
 
 void DdsSource::command(const Command& command) {
-  commander_.set_session(decoder_.session(), command.token.empty() ? token_in_force_ : command.token);
+  commander_.set_run(decoder_.run_id(), command.token.empty() ? token_in_force_ : command.token);
   const std::uint64_t number = commander_.send(wire_kind(command.kind), command.value, command.tunable);
   if (command.kind == CommandKind::heartbeat) return;
   asked_[number] = {command.commander, command.sequence};

@@ -14,7 +14,7 @@ namespace stilt::monitor {
 /// Samples of the live robot from the network.
 class DdsSource final : public SampleSource {
  public:
-  /// @param token  token of the session; empty: the token in the file that stiltd names, when it is readable.
+  /// @param token  token of the run; empty: the token in the file that stiltd names, when it is readable.
   ///               Throws std::runtime_error with one sentence when the network cannot be joined.
   DdsSource(const telemetry::Network& network, std::string token);
 
@@ -43,7 +43,7 @@ class DdsSource final : public SampleSource {
   MessageDecoder decoder_;
   std::string token_;           ///< given by the user
   std::string token_in_force_;  ///< that token, or the one in the file
-  std::uint64_t session_ = 0;   ///< of token_in_force_
+  std::uint64_t run_id_ = 0;    ///< of token_in_force_
   std::map<std::uint64_t, Asked> asked_;
 };
 

@@ -31,7 +31,7 @@ class History {
     while (tables_.front().came_s < now_s - kKept_s) tables_.pop_front();
   }
 
-  /// Removes the tables of the previous session.
+  /// Removes the tables of the previous run.
   void clear_tables() {
     tables_.clear();
     plan_.reset();

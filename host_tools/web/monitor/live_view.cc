@@ -20,7 +20,7 @@ LiveView::LiveView(SampleSource& source) : source_(source) {}
 void LiveView::step(double now_s) {
   now_s_ = now_s;
   welcome_new_pages();
-  obey_pages(now_s);
+  apply_page_commands(now_s);
   if (source_.live() || watched_) source_.poll(*this);
   flush_tables(now_s);
   send_heartbeats(now_s);
@@ -53,7 +53,7 @@ void LiveView::welcome_new_pages() {
   }
   for (auto& peer : opened) {
     pages_.push_back({peer, random_number(), now_s_, {}, false});
-    peer->send(hello_message(source_, lends_token(pages_.back())));
+    peer->send(hello_message(source_, gives_token(pages_.back())));
     history_.send_to(*peer);
     watched_ = true;
   }
@@ -62,7 +62,7 @@ void LiveView::welcome_new_pages() {
   });
 }
 
-void LiveView::obey_pages(double now_s) {
+void LiveView::apply_page_commands(double now_s) {
   std::vector<std::pair<Peer*, std::string>> inbox;
   {
     const std::lock_guard lock(mutex_);
@@ -71,11 +71,11 @@ void LiveView::obey_pages(double now_s) {
   for (const auto& [peer, text] : inbox) {
     const auto page = std::find_if(pages_.begin(), pages_.end(),
                                    [wanted = peer](const Page& one) { return one.peer.get() == wanted; });
-    if (page != pages_.end()) obey(*page, text, now_s);
+    if (page != pages_.end()) apply(*page, text, now_s);
   }
 }
 
-void LiveView::obey(Page& page, const std::string& text, double now_s) {
+void LiveView::apply(Page& page, const std::string& text, double now_s) {
   page.alive_s = now_s;
   auto message = parse_page_message(text);
   if (!message) {
@@ -89,10 +89,10 @@ void LiveView::obey(Page& page, const std::string& text, double now_s) {
     page.peer->send(reply_message(command.sequence, false, "This is a record: it takes no commands."));
     return;
   }
-  if (command.token.empty() && !lends_token(page)) {
+  if (command.token.empty() && !gives_token(page)) {
     page.peer->send(reply_message(
         command.sequence, false,
-        "A token is needed: enter the one of the session, or open the page on the machine of the monitor."));
+        "A token is needed: enter the one of the run, or open the page on the machine of the monitor."));
     return;
   }
   command.commander = page.commander;
@@ -107,25 +107,25 @@ void LiveView::play_again() {
   ticks_.clear();
   cycles_.clear();
   truths_.clear();
-  session_.clear();
+  run_id_.clear();
   link_ = {};
   ticks_follow_ = false;
-  for (const Page& page : pages_) page.peer->send(hello_message(source_, lends_token(page)));
+  for (const Page& page : pages_) page.peer->send(hello_message(source_, gives_token(page)));
 }
 
-bool LiveView::lends_token(const Page& page) const { return source_.has_token() && page.peer->local(); }
+bool LiveView::gives_token(const Page& page) const { return source_.has_token() && page.peer->local(); }
 
 void LiveView::send(const SharedMessage& message) {
   for (const Page& page : pages_) page.peer->send(message);
 }
 
 void LiveView::configuration(const ConfigurationSample& sample) {
-  if (sample.session != session_) {
+  if (sample.run_id != run_id_) {
     flush_tables(now_s_);
     history_.clear_tables();
-    session_ = sample.session;
+    run_id_ = sample.run_id;
     ticks_follow_ = false;
-    ++link_.sessions;
+    ++link_.runs;
     for (Page& page : pages_) page.in_command = false;
   }
   const SharedMessage message = configuration_message(sample);
@@ -138,7 +138,7 @@ void LiveView::tick(const TickSample& sample) {
   ticks_follow_ = true;
   next_tick_ = sample.record.tick + 1;
   ++link_.ticks;
-  link_.heard = true;
+  link_.received = true;
   newest_s_ = now_s_;
   ticks_.push_back(sample);
 }
@@ -213,7 +213,7 @@ void LiveView::send_link_status(double now_s) {
   if (now_s - link_s_ < kLinkPeriod_s) return;
   link_s_ = now_s;
   link_.of_others = source_.of_others();
-  link_.silent_s = link_.heard ? now_s - newest_s_ : 0.0;
+  link_.silent_s = link_.received ? now_s - newest_s_ : 0.0;
   for (const Page& page : pages_) {
     link_.not_sent = page.peer->dropped();
     page.peer->send(link_message(link_));

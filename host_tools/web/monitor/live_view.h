@@ -17,7 +17,7 @@ namespace stilt::monitor {
 
 /// The WebSocket /live: passes samples on to every open page, and commands of the pages to the source.
 ///
-/// A page may command when it sends the session's token; pages on this machine may use the token that the
+/// A page may command when it sends the run's token; pages on this machine may use the token that the
 /// source knows. The page whose command was accepted last is in command. While that page sends signs of life,
 /// several per second, the robot gets a heartbeat.
 class LiveView final : public Endpoint, private SampleSink {
@@ -57,21 +57,21 @@ class LiveView final : public Endpoint, private SampleSink {
   void reply(const ReplySample& sample) override;
 
   void welcome_new_pages();
-  void obey_pages(double now_s);
-  void obey(Page& page, const std::string& text, double now_s);
+  void apply_page_commands(double now_s);
+  void apply(Page& page, const std::string& text, double now_s);
   void flush_tables(double now_s);
   void play_again();
   void send_heartbeats(double now_s);
   void send_link_status(double now_s);
   void send(const SharedMessage& message);
-  [[nodiscard]] bool lends_token(const Page& page) const;
+  [[nodiscard]] bool gives_token(const Page& page) const;
 
   SampleSource& source_;
   History history_;
   std::vector<TickSample> ticks_;
   std::vector<PlannerSample> cycles_;
   std::vector<TruthSample> truths_;
-  std::string session_;
+  std::string run_id_;
   LinkStatus link_;
   std::uint64_t next_tick_ = 0;
   bool ticks_follow_ = false;  ///< whether next_tick_ is known

@@ -9,28 +9,28 @@
 namespace stilt::monitor {
 namespace {
 
-std::string session_text(std::uint64_t session) {
+std::string run_text(std::uint64_t run_id) {
   char digits[20];
-  std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(session));
+  std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(run_id));
   return digits;
 }
 
 }  // namespace
 
-bool MessageDecoder::ours(std::uint64_t session) {
-  if (session == session_ && session_ != 0) {
-    of_others_ += strange_;
-    strange_ = 0;
+bool MessageDecoder::ours(std::uint64_t run_id) {
+  if (run_id == run_id_ && run_id_ != 0) {
+    of_others_ += unknown_run_samples_;
+    unknown_run_samples_ = 0;
     return true;
   }
-  if (session_ != 0) ++strange_;
+  if (run_id_ != 0) ++unknown_run_samples_;
   return false;
 }
 
 template <class Message, class Use>
 void MessageDecoder::take_as(const telemetry::Sample& message, Use use) {
   const auto decoded = message.as<Message>();
-  if (decoded && ours(decoded->session)) use(*decoded);
+  if (decoded && ours(decoded->run_id)) use(*decoded);
 }
 
 void MessageDecoder::take(const telemetry::Sample& message, SampleSink& sink) {
@@ -59,14 +59,14 @@ void MessageDecoder::take(const telemetry::Sample& message, SampleSink& sink) {
 }
 
 void MessageDecoder::configure(const telemetry::ConfigurationInForce& message, SampleSink& sink) {
-  if (message.session == session_ || message.start_time_ns < session_start_ns_) return;
-  session_ = message.session;
-  session_start_ns_ = message.start_time_ns;
+  if (message.run_id == run_id_ || message.start_time_ns < run_start_ns_) return;
+  run_id_ = message.run_id;
+  run_start_ns_ = message.start_time_ns;
   clock_start_ns_ = message.start_clock_ns;
   token_file_ = message.token_file;
-  strange_ = 0;
+  unknown_run_samples_ = 0;
   configuration_ = configuration_sample(message);
-  configuration_.session = session_text(session_);
+  configuration_.run_id = run_text(run_id_);
   sink.configuration(configuration_);
 }
 

@@ -9,21 +9,21 @@
 
 namespace stilt::monitor {
 
-/// Converts messages of stiltd to samples, from the network or from a recording. Follows the session that
-/// started last, with its clock, its tunables and their values.
+/// Converts messages of stiltd to samples, from the network or from a recording. Follows the run that started
+/// last, with its clock, its tunables and their values.
 class MessageDecoder {
  public:
   /// Passes the content of the message to `sink`. Ignores topics that a monitor does not show, and bytes that
   /// are not a message.
   void take(const telemetry::Sample& message, SampleSink& sink);
 
-  /// Session of the newest configuration; 0 before the first.
-  [[nodiscard]] std::uint64_t session() const { return session_; }
+  /// Run of the newest configuration; 0 before the first.
+  [[nodiscard]] std::uint64_t run_id() const { return run_id_; }
 
-  /// Path of the session's token file, reported by stiltd; empty before its configuration is received.
+  /// Path of the run's token file, reported by stiltd; empty before its configuration is received.
   [[nodiscard]] const std::string& token_file() const { return token_file_; }
 
-  /// Samples ignored because they are of another session that is also publishing.
+  /// Samples ignored because they are of another run that is also publishing.
   [[nodiscard]] std::uint64_t of_others() const { return of_others_; }
 
  private:
@@ -31,19 +31,19 @@ class MessageDecoder {
   void tune(const telemetry::Tuning& message, SampleSink& sink);
   void ticks(const telemetry::TickBatch& batch, SampleSink& sink);
   void truth(const host_telemetry::SimulationMessage& message, SampleSink& sink) const;
-  [[nodiscard]] bool ours(std::uint64_t session);
+  [[nodiscard]] bool ours(std::uint64_t run_id);
 
   template <class Message, class Use>
   void take_as(const telemetry::Sample& message, Use use);
 
-  std::uint64_t session_ = 0;
-  std::int64_t session_start_ns_ = 0;
+  std::uint64_t run_id_ = 0;
+  std::int64_t run_start_ns_ = 0;
   std::int64_t clock_start_ns_ = 0;
   std::string token_file_;
   ConfigurationSample configuration_;
   double newest_tick_s_ = 0.0;
   std::uint64_t of_others_ = 0;
-  std::uint64_t strange_ = 0;  ///< messages of another session, since the last one of this session
+  std::uint64_t unknown_run_samples_ = 0;  ///< messages of another run, since the last one of this run
 };
 
 }  // namespace stilt::monitor

@@ -73,7 +73,7 @@ SupervisorSample supervisor_sample(const telemetry::Supervisor& message) {
   SupervisorSample sample;
   sample.time_s = message.time_s;
   sample.state = message.state;
-  sample.rung = message.rung;
+  sample.fallback_level = message.fallback_level;
   sample.reaction = message.reaction;
   sample.present = message.present_faults;
   sample.latched = message.latched_faults;

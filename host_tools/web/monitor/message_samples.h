@@ -15,7 +15,7 @@ namespace stilt::monitor {
 [[nodiscard]] EventSample event_sample(const telemetry::Event& message);
 [[nodiscard]] TimingSample timing_sample(const telemetry::Timing& message);
 
-/// Leaves `session` empty.
+/// Leaves `run_id` empty.
 [[nodiscard]] ConfigurationSample configuration_sample(const telemetry::ConfigurationInForce& message);
 
 }  // namespace stilt::monitor

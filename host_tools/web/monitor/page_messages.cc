@@ -84,7 +84,7 @@ SharedMessage hello_message(const SampleSource& source, bool has_token) {
                {"live", source.live()},
                {"has_token", has_token},
                {"states", states_json()},
-               {"rungs", names_up_to(supervisor::FallbackLevel::off)},
+               {"fallback_levels", names_up_to(supervisor::FallbackLevel::off)},
                {"reactions", names_up_to(supervisor::Reaction::off)},
                {"statuses", {"converged", "iteration limit", "step rejected", "not finite", "not convex"}},
                {"gaits", {"stand", "step", "walk"}},
@@ -96,7 +96,7 @@ SharedMessage configuration_message(const ConfigurationSample& sample) {
   const auto named = robots::find(sample.robot);  // a URDF file may be on another computer
   const auto robot = named ? named : robots::find(robots::shipped_urdfs().front().name);
   return text({{"type", "configuration"},
-               {"session", sample.session},
+               {"run_id", sample.run_id},
                {"robot", sample.robot},
                {"build", sample.build},
                {"toml", sample.toml},
@@ -109,7 +109,7 @@ SharedMessage supervisor_message(const SupervisorSample& sample) {
   return text({{"type", "supervisor"},
                {"time_s", sample.time_s},
                {"state", sample.state},
-               {"rung", sample.rung},
+               {"fallback_level", sample.fallback_level},
                {"reaction", sample.reaction},
                {"present", sample.present},
                {"latched", sample.latched},
@@ -151,12 +151,12 @@ SharedMessage timing_message(const TimingSample& sample) {
 
 SharedMessage link_message(const LinkStatus& status) {
   return text({{"type", "link"},
-               {"heard", status.heard},
+               {"received", status.received},
                {"silent_s", status.silent_s},
                {"ticks", status.ticks},
                {"missing", status.missing},
                {"of_others", status.of_others},
-               {"sessions", status.sessions},
+               {"runs", status.runs},
                {"not_sent", status.not_sent}});
 }
 

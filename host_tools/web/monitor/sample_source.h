@@ -14,7 +14,7 @@ struct Command {
   CommandKind kind = CommandKind::heartbeat;
   std::uint64_t commander = 0;  ///< one number per operator (open page)
   std::uint32_t sequence = 0;   ///< counts the operator's commands
-  std::string token;            ///< token of the session; empty: the one that the source knows
+  std::string token;            ///< token of the run; empty: the one that the source knows
   double value = 0.0;           ///< m/s of walk and speed, m of height, or of the tunable
   std::string tunable;          ///< name of the tunable
 };
@@ -40,7 +40,7 @@ class SampleSource {
   virtual ~SampleSource() = default;
 
   /// Passes on all samples since the last call, and returns; called some hundred times per second. A
-  /// recording plays by the clock of the calls. A new session begins with its configuration.
+  /// recording plays by the clock of the calls. A new run begins with its configuration.
   virtual void poll(SampleSink& sink) = 0;
 
   /// Sends a command; its reply comes with a later poll(). A recording refuses it in the reply.
@@ -55,7 +55,7 @@ class SampleSource {
   /// Samples ignored so far because they are of another controller that is also publishing.
   [[nodiscard]] virtual std::uint64_t of_others() const { return 0; }
 
-  /// Whether an empty token is accepted, because the source knows the session's.
+  /// Whether an empty token is accepted, because the source knows the run's.
   [[nodiscard]] virtual bool has_token() const { return false; }
 
   /// False for a recording: it accepts no commands, and silence at its end is not a fault.

@@ -48,7 +48,7 @@ struct PlanSample {
 struct SupervisorSample {
   double time_s = 0.0;
   int state = 0;                 ///< number of supervisor::State
-  int rung = 0;                  ///< number of supervisor::FallbackLevel
+  int fallback_level = 0;        ///< number of supervisor::FallbackLevel
   int reaction = 0;              ///< number of supervisor::Reaction
   std::uint32_t present = 0;     ///< bits of supervisor::FaultSet
   std::uint32_t latched = 0;     ///< the same, waiting for a reset
@@ -95,10 +95,10 @@ struct Tunable {
 
 /// Description of the controller and its robot.
 struct ConfigurationSample {
-  std::string session;  ///< id of this run of the controller; empty: unknown
-  std::string robot;    ///< amber3m, amber3m_2020, rabbit
-  std::string build;    ///< version, compiler, instruction set
-  std::string toml;     ///< active configuration
+  std::string run_id;  ///< id of this run of the controller; empty: unknown
+  std::string robot;   ///< amber3m, amber3m_2020, rabbit
+  std::string build;   ///< version, compiler, instruction set
+  std::string toml;    ///< active configuration
   double tick_rate_hz = 1000.0;
   std::vector<Tunable> tunables;
 };

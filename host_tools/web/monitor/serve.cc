@@ -21,9 +21,9 @@ void open_in_browser(const std::string& url) {
   if (std::getenv("DISPLAY") == nullptr && std::getenv("WAYLAND_DISPLAY") == nullptr) return;
   std::string program = "xdg-open";
   std::string address = url;
-  char* words[] = {program.data(), address.data(), nullptr};
+  char* argv[] = {program.data(), address.data(), nullptr};
   pid_t process = 0;
-  if (posix_spawnp(&process, "xdg-open", nullptr, nullptr, static_cast<char**>(words), environ) != 0) return;
+  if (posix_spawnp(&process, "xdg-open", nullptr, nullptr, static_cast<char**>(argv), environ) != 0) return;
   std::thread([process] { waitpid(process, nullptr, 0); }).detach();
 }
 

@@ -49,7 +49,7 @@ void TerminalView::step(double now_s) {
 }
 
 void TerminalView::configuration(const ConfigurationSample& sample) {
-  if (sample.session != configuration_.session) {
+  if (sample.run_id != configuration_.run_id) {
     tick_.reset();
     cycle_.reset();
     supervisor_.reset();
@@ -65,7 +65,7 @@ void TerminalView::tick(const TickSample& sample) {
   const double share = tick_ ? std::clamp((sample.time_s - tick_->time_s) / kSpeedMemory_s, 0.0, 1.0) : 1.0;
   speed_m_s_ += share * (sample.record.estimated_state[7] - speed_m_s_);
   tick_ = sample;
-  heard_s_ = now_s_;
+  received_s_ = now_s_;
 }
 
 void TerminalView::event(const EventSample& sample) {
@@ -74,8 +74,8 @@ void TerminalView::event(const EventSample& sample) {
 }
 
 std::string TerminalView::link_text() const {
-  if (!tick_) return "waiting for a controller: no data yet from " + source_.describe();
-  const double silent_s = now_s_ - heard_s_;
+  if (!tick_) return "waiting for a controller: nothing received yet from " + source_.describe();
+  const double silent_s = now_s_ - received_s_;
   if (source_.live() && silent_s > kStale_s) {
     char text[80];
     std::snprintf(text, sizeof text, "OLD: no data for %.1f s", silent_s);
@@ -84,7 +84,7 @@ std::string TerminalView::link_text() const {
   std::string text = source_.live() ? "live" : "record";
   const std::uint64_t lost = missing_ + (timing_ ? timing_->dropped : 0);
   if (lost > 0) text += ", " + std::to_string(lost) + " lost";
-  if (source_.of_others() > 0) text += ", another controller is publishing too";
+  if (source_.of_others() > 0) text += ", another controller talks, too";
   return text;
 }
 
@@ -118,12 +118,12 @@ std::string TerminalView::timing_text() const {
 
 std::string TerminalView::state_text() const {
   const auto state = static_cast<supervisor::State>(supervisor_->state);
-  const auto rung = static_cast<supervisor::FallbackLevel>(supervisor_->rung);
-  std::string follows = name(rung);
+  const auto level = static_cast<supervisor::FallbackLevel>(supervisor_->fallback_level);
+  std::string follows = name(level);
   std::ranges::replace(follows, '_', ' ');
   std::string text = line("state     %s (%s); %s", name(state), description(state), follows.c_str());
   const bool walks = supervisor_->gait == 2;
-  const char* who = supervisor_->commander.empty() ? "nobody in command" : supervisor_->commander.c_str();
+  const char* who = supervisor_->commander.empty() ? "no commander" : supervisor_->commander.c_str();
   const char* silent = supervisor_->commander.empty() || supervisor_->commander_alive ? "" : " (silent)";
   text += walks ? line("command   walk %.2f m/s, %s%s", supervisor_->speed_m_s, who, silent)
                 : line("command   %s, %s%s", supervisor_->gait == 1 ? "step" : "stand", who, silent);

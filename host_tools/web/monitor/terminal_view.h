@@ -50,7 +50,7 @@ class TerminalView final : private SampleSink {
   std::uint64_t missing_ = 0;
   double speed_m_s_ = 0.0;  ///< mean over about the last second
   double now_s_ = 0.0;
-  double heard_s_ = 0.0;
+  double received_s_ = 0.0;
 };
 
 /// Shows the summary on this terminal until q, Ctrl-C or the end of standard input. Returns the exit status.

@@ -104,7 +104,10 @@ TEST(Consistency, EachOtherContradictionNamesItsKeyFirst) {
   EXPECT_PRED2(starts, complaint([](Parameters& p) { p.gait.touchdown_velocity_m_s = -2.0; }),
                "gait.touchdown_velocity_m_s");
   EXPECT_PRED2(starts, complaint([](Parameters& p) { p.estimator.blend_s = 0.45; }), "estimator.blend_s");
-  EXPECT_PRED2(starts, complaint([](Parameters& p) { p.sqp.g_max = 1e-6, p.sqp.g_min = 1e-3; }), "sqp.g_min");
+  EXPECT_PRED2(starts, complaint([](Parameters& p) {
+                 p.sqp.filter_violation_max = 1e-6, p.sqp.filter_violation_min = 1e-3;
+               }),
+               "sqp.filter_violation_min");
   EXPECT_PRED2(starts, complaint([](Parameters& p) {
                  p.discretisation.time_step_s = 0.1;
                  p.discretisation.horizon_s = 0.05;

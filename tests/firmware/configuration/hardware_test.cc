@@ -42,7 +42,7 @@ TEST(Hardware, AWiringIsReadKeyByKey) {
       "[hip_driver]\nprotocol = \"moteus\"\nratio = 6\nmoteus_kp_Nm_rev = 2000\n"
       "[knee_driver]\nprotocol = \"odrive\"\nodrive_watchdog_timeout_endpoint = 401\n"
       "[hip_R]\nid = 7\nreversed = false\noffset_rad = 0.5\nbus = 0\n"
-      "[base_sensor]\nencoder_joint = 2\nencoder_number = 2\nencoder_reversed = true\npitch = \"none\"\n",
+      "[torso_sensor]\nencoder_joint = 2\nencoder_number = 2\nencoder_reversed = true\npitch = \"none\"\n",
       "robot.toml");
   ASSERT_TRUE(result) << to_string(result.error());
   EXPECT_EQ(bus_names(result->hardware), (std::vector<std::string>{"vcan0", "loopback:right"}));
@@ -72,8 +72,8 @@ TEST(Hardware, EveryContradictionOfTheWiringPointsAtItsLine) {
             "identifier 0x1; give one of them another identifier or another bus");
   EXPECT_EQ(mistakes("[knee_L]\nid = 16\n"),
             "robot.toml:2:6: knee_L.id = 16: identifiers of this driver are 0 to 15");
-  EXPECT_TRUE(mistakes("[base_sensor]\npitch = \"none\"\n").starts_with("robot.toml:2:9: nothing measures"));
-  EXPECT_TRUE(mistakes("[base_sensor]\nencoder_joint = 1\n").starts_with("robot.toml:2:17: base_sensor."));
+  EXPECT_TRUE(mistakes("[torso_sensor]\npitch = \"none\"\n").starts_with("robot.toml:2:9: nothing measures"));
+  EXPECT_TRUE(mistakes("[torso_sensor]\nencoder_joint = 1\n").starts_with("robot.toml:2:17: torso_sensor."));
   for (const char* priority : {"80", "85"}) {
     EXPECT_TRUE(
         mistakes("[runtime]\ntorque_priority = 80\nplanner_priority = " + std::string(priority) + "\n")
@@ -93,10 +93,10 @@ std::string with_drivers(const std::string& protocol, const std::string& driver_
 }
 
 TEST(Hardware, NodesWhoseFramesCollideAreRefused) {
-  EXPECT_EQ(mistakes("[base_sensor]\nacceleration_x = \"id 0x2 byte 0 bits 16\"\n"),
-            "robot.toml:2:18: base_sensor.acceleration_x and knee_L are on bus 0 and their frames collide: "
+  EXPECT_EQ(mistakes("[torso_sensor]\nacceleration_x = \"id 0x2 byte 0 bits 16\"\n"),
+            "robot.toml:2:18: torso_sensor.acceleration_x and knee_L are on bus 0 and their frames collide: "
             "identifier 0x2 against identifier 0x2; give one of them another identifier or another bus");
-  EXPECT_NE(mistakes(with_drivers("odrive", "", "[base_sensor]\npitch = \"id 0x50 byte 0 bits 32\"\n"))
+  EXPECT_NE(mistakes(with_drivers("odrive", "", "[torso_sensor]\npitch = \"id 0x50 byte 0 bits 32\"\n"))
                 .find("identifier 0x50 against identifiers 0x40 to 0x5f"),
             std::string::npos)
       << "ODrive 2";
@@ -106,8 +106,8 @@ TEST(Hardware, NodesWhoseFramesCollideAreRefused) {
       << "the answer is another's command";
   EXPECT_EQ(mistakes("[hip_L]\nreply_id = 3\n"), "") << "on another bus";
   EXPECT_EQ(mistakes("[hip_L]\nreply_id = 0x12\n"), "") << "Damiao: a byte tells who answers";
-  EXPECT_NE(mistakes("[base_sensor]\npitch = \"id 0x7ff byte 0 bits 32\"\n")
-                .find("base_sensor.pitch and hip_L are on bus 0 and their frames collide: identifier 0x7ff"),
+  EXPECT_NE(mistakes("[torso_sensor]\npitch = \"id 0x7ff byte 0 bits 32\"\n")
+                .find("torso_sensor.pitch and hip_L are on bus 0 and their frames collide: identifier 0x7ff"),
             std::string::npos)
       << "Damiao registers";
 }
@@ -121,10 +121,11 @@ TEST(Hardware, IdentifiersEndWhereTheProtocolEnds) {
                                               {"mit_mini_cheetah", 0, 255}}) {
     const auto with_id = [&](int id) {
       // Alone on its bus: nothing collides.
-      return mistakes(with_drivers(protocol, "",
-                                   "[hardware]\nbuses = \"a,b,c\"\n[base_sensor]\nbus = 1\n[hip_L]\nbus = 2\n"
-                                   "reply_id = 0x7a0\nid = " +
-                                       std::to_string(id) + "\n"));
+      return mistakes(
+          with_drivers(protocol, "",
+                       "[hardware]\nbuses = \"a,b,c\"\n[torso_sensor]\nbus = 1\n[hip_L]\nbus = 2\n"
+                       "reply_id = 0x7a0\nid = " +
+                           std::to_string(id) + "\n"));
     };
     const std::string range =
         ": identifiers of this driver are " + std::to_string(least) + " to " + std::to_string(most);
@@ -168,17 +169,17 @@ TEST(Hardware, GainsThatADriverCannotGiveAreRefused) {
   EXPECT_EQ(mistakes(with_drivers("odrive", "", "[supervisor]\nhold_kp_Nm_rad = 2000\n")), "");
 }
 
-TEST(Hardware, ASlowBaseSensorIsDueEveryFewTicks) {
+TEST(Hardware, ASlowTorsoSensorIsDueEveryFewTicks) {
   HardwareParameters hardware;
   for (const auto& [rate_hz, ticks] : {std::pair{1000.0, 1}, {500.0, 2}, {400.0, 3}, {2000.0, 1}}) {
-    hardware.base_sensor.rate_hz = rate_hz;
+    hardware.torso_sensor.rate_hz = rate_hz;
     EXPECT_EQ(base_period_ticks(hardware, 1000), ticks) << rate_hz;
   }
 }
 
 TEST(Hardware, AMildReactionMustComeBeforeTheHardOne) {
-  for (const char* key : {"missed_hold_ticks = 10", "hot_C = 95", "low_voltage_V = 60", "older_plan_s = 0.3",
-                          "torque_loop_overrun_s = 0.02"}) {
+  for (const char* key : {"missed_hold_ticks = 10", "hot_C = 95", "low_voltage_V = 60",
+                          "plan_feedback_after_s = 0.3", "torque_loop_overrun_s = 0.02"}) {
     EXPECT_TRUE(mistakes(std::string("[supervisor]\n") + key + "\n").starts_with("robot.toml:2:")) << key;
   }
 }
@@ -201,7 +202,7 @@ TEST(Hardware, TextsThatAreNotUnderstoodSayWhatWouldBeRight) {
             "commas, such as \"can0,can1\"");
   EXPECT_EQ(mistakes("[hardware]\nbuses = \"can\\\"0\"\n"),
             "robot.toml:2:9: hardware.buses must not hold quotes, backslashes or control characters");
-  EXPECT_NE(mistakes("[base_sensor]\npitch = \"id 0x900 byte 0 bits 32\"\n").find("no frame holds"),
+  EXPECT_NE(mistakes("[torso_sensor]\npitch = \"id 0x900 byte 0 bits 32\"\n").find("no frame holds"),
             std::string::npos);
 }
 
@@ -210,7 +211,7 @@ TEST(Hardware, BringUpAndWiringHaveTheNumbersOfTheFile) {
       "[hardware]\ndriver_watchdog_s = 0.05\n"
       "[knee_driver]\nminimum_version = 77\nencoder_period_rad = 0.75\naccept_missing_watchdog = true\n"
       "torque_range_Nm = 40\nreply_torque_range_Nm = 45\n"
-      "[base_sensor]\nemergency_stop_timeout_s = 0.25\nencoder_offset_rad = 0.125\n",
+      "[torso_sensor]\nemergency_stop_timeout_s = 0.25\nencoder_offset_rad = 0.125\n",
       "robot.toml");
   ASSERT_TRUE(result) << to_string(result.error());
   const hal::bring_up::Options knee = bring_up_options(result->hardware, 1, 0, 1);

@@ -36,15 +36,16 @@ TEST(Parse, AnEmptyFileGivesTheDefaults) {
 TEST(Parse, KeysSetTheirFields) {
   const Result result = parse(
       "[gait]\nsingle_support_s = 0.3\n[sqp]\niterations = 3\nearly_stop = false\n"
-      "[discretisation]\nintegrator = \"rk4\"\n[inequality]\nfriction_mu = 1\njoint_torque_delta = 2.5\n",
+      "[discretisation]\nintegrator = \"rk4\"\n"
+      "[inequality]\nfriction_barrier_weight = 1\njoint_torque_barrier_width_Nm = 2.5\n",
       "robot.toml");
   ASSERT_TRUE(result) << to_string(result.error());
   EXPECT_EQ(result->gait.single_support_s, 0.3);
   EXPECT_EQ(result->sqp.iterations, 3);
   EXPECT_FALSE(result->sqp.early_stop);
   EXPECT_EQ(result->discretisation.integrator, ocp::Integrator::rk4);
-  EXPECT_EQ(result->inequality.friction.mu, 1.0) << "a whole number is a number";
-  EXPECT_EQ(result->inequality.joint_torque.delta, 2.5);
+  EXPECT_EQ(result->inequality.friction.weight, 1.0) << "a whole number is a number";
+  EXPECT_EQ(result->inequality.joint_torque.width, 2.5);
 }
 
 TEST(Parse, EveryMistakeIsReportedAtItsPlaceInTheOrderOfTheFile) {
@@ -143,6 +144,17 @@ TEST(Override, MistakesNameTheOption) {
                 "--set: gait.swing_height_m must be a number (0.005 to 0.3 m), not text\n"
                 "--set: gait.swing_height_m must be a number (0.005 to 0.3 m), not text\n"
                 "--iterations: sqp.iterations = 0 is outside its range, 1 to 100");
+}
+
+TEST(Parse, OldNamesAreRefusedWithTheNewOnes) {
+  EXPECT_EQ(mistakes("[inequality]\nfriction_mu = 1\n[base_sensor]\nbus = 0\n",
+                     {{"sqp.g_max=1"}, {"base_sensor.bus=0"}}),
+            "robot.toml:2:1: friction_mu is now friction_barrier_weight; stilt config migrate robot.toml "
+            "rewrites the file\n"
+            "robot.toml:3:2: base_sensor is now torso_sensor; stilt config migrate robot.toml rewrites the "
+            "file\n"
+            "--set: sqp.g_max is now filter_violation_max\n"
+            "--set: section base_sensor is now torso_sensor");
 }
 
 TEST(Write, WhatIsWrittenReadsBackBitForBit) {

@@ -129,14 +129,14 @@ TEST_F(ControlLoopTest, AnEncoderThatStandsStillIsAFaultOnceTheTorqueLawIsInComm
   // Encoders that stick while a joint moved: plans start from that speed.
   for (hal::JointReading& reading : rig->joints.readings) {
     reading.velocity_rad_s = 0.9;
-    reading.frozen = 1000;
+    reading.unchanged_replies = 1000;
   }
   rig->ask(RequestKind::stand);
   rig->run(1000);
   EXPECT_EQ(rig->state(), State::stand) << "still taking over";
   rig->run(1000);
   EXPECT_EQ(rig->state(), State::fault);
-  EXPECT_TRUE(rig->decision().latched.has(Fault::stale_encoder));
+  EXPECT_TRUE(rig->decision().latched.has(Fault::encoder_frozen));
 }
 
 TEST_F(ControlLoopTest, AWalkIsPlannedWithTheSpeedAskedFor) {
@@ -147,7 +147,7 @@ TEST_F(ControlLoopTest, AWalkIsPlannedWithTheSpeedAskedFor) {
   const PlanningRequest& request = rig->mail.requests.newest();
   EXPECT_EQ(request.command.kind, gait::GaitKind::walk);
   EXPECT_EQ(request.command.speed_m_s, 0.3);
-  EXPECT_EQ(request.session, 1u);
+  EXPECT_EQ(request.stance_episode, 1u);
 }
 
 TEST_F(ControlLoopTest, ASensorThatIsNotANumberDampsAtOnceWithFiniteCommands) {
@@ -287,7 +287,7 @@ TEST_F(ControlLoopTest, BusErrorsAreNoticedInTheTickTheyAreCounted) {
 
 TEST_F(ControlLoopTest, ALongTickIsAFault) {
   rig->stand();
-  rig->late_ns = 20'000'000;
+  rig->wakeup_latency_ns = 20'000'000;
   rig->run(1);
   EXPECT_EQ(rig->state(), State::fault);
   EXPECT_TRUE(rig->decision().latched.has(Fault::torque_loop_stalled));
@@ -339,11 +339,12 @@ TEST_F(ControlLoopTest, TheBlackBoxFreezesWhenThePoseIsHeldAndNotForAWarning) {
 
 TEST_F(ControlLoopTest, ARecordHoldsTheTimesOfItsTickAndWhatLeft) {
   rig->stand();
-  rig->cycle.tick({.now_ns = rig->now_ns(), .late_ns = 1000, .execution_ns = 2000, .round_trip_ns = 3000});
+  rig->cycle.tick(
+      {.now_ns = rig->now_ns(), .wakeup_latency_ns = 1000, .execution_ns = 2000, .round_trip_ns = 3000});
   const control_loop::TickRecord& record = *rig->mail.telemetry.front();
   EXPECT_EQ(record.tick, static_cast<std::uint64_t>(rig->tick));
   EXPECT_EQ(record.time_ns, rig->now_ns());
-  EXPECT_EQ(record.wakeup_ns, 1000);
+  EXPECT_EQ(record.wakeup_latency_ns, 1000);
   EXPECT_EQ(record.execution_ns, 2000);
   EXPECT_EQ(record.round_trip_ns, 3000);
   EXPECT_EQ(record.action, supervisor::Action::commands);

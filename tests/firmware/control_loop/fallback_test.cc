@@ -31,7 +31,7 @@ TEST_F(FallbackTest, OlderPlanWithItsFeedbackGains) {
   rig->stand();
   rig->planning = false;
   rig->joints.base.pitch_rad = 0.05;  // off the plan, so that feedback has something to do
-  rig->run(static_cast<int>(1000 * rig->configuration.supervisor.older_plan_s) + 15);
+  rig->run(static_cast<int>(1000 * rig->configuration.supervisor.plan_feedback_after_s) + 15);
   ASSERT_EQ(rig->level(), FallbackLevel::plan_feedback);
   control::SensorReading reading;
   reading.time_s = rig->cycle.time_s();
@@ -160,7 +160,7 @@ class GaitLevelSensorTest : public GaitLevelTest {
     for (int i = 0; i < 300 && rig->level() != FallbackLevel::gait; ++i) rig->run(1);
   }
   void freeze_encoders() {
-    for (hal::JointReading& reading : rig->joints.readings) reading.frozen = frozen;
+    for (hal::JointReading& reading : rig->joints.readings) reading.unchanged_replies = frozen;
   }
   std::uint32_t frozen;
 };
@@ -169,22 +169,22 @@ TEST_F(GaitLevelSensorTest, EncodersThatRepeatThemselvesWhileTheGaitMovesTheJoin
   ASSERT_EQ(rig->level(), FallbackLevel::gait);
   freeze_encoders();
   rig->run(2);
-  EXPECT_TRUE(rig->decision().latched.has(supervisor::Fault::stale_encoder));
+  EXPECT_TRUE(rig->decision().latched.has(supervisor::Fault::encoder_frozen));
   EXPECT_EQ(rig->level(), FallbackLevel::damp);
 }
 
-TEST_F(GaitLevelSensorTest, ABaseSensorThatRepeatsItselfMeanwhileIsStale) {
+TEST_F(GaitLevelSensorTest, ATorsoSensorThatRepeatsItselfMeanwhileIsStale) {
   ASSERT_EQ(rig->level(), FallbackLevel::gait);
-  rig->joints.base.frozen = frozen;
+  rig->joints.base.unchanged_replies = frozen;
   rig->run(2);
-  EXPECT_TRUE(rig->decision().latched.has(supervisor::Fault::stale_base_sensor));
+  EXPECT_TRUE(rig->decision().latched.has(supervisor::Fault::stale_torso_sensor));
 }
 
 TEST_F(GaitLevelSensorTest, SensorsMayRepeatThemselvesWhenTheStepIsOverAndNoFootHasLanded) {
   rig->run(500);
   ASSERT_EQ(rig->level(), FallbackLevel::gait);
   freeze_encoders();
-  rig->joints.base.frozen = frozen;
+  rig->joints.base.unchanged_replies = frozen;
   rig->run(2);
   EXPECT_TRUE(rig->decision().latched.empty());
 }
@@ -195,7 +195,7 @@ TEST_F(FallbackTest, SitWhenThePlannerStops) {
   rig->run(300);
   EXPECT_EQ(rig->state(), State::sit);
   EXPECT_EQ(rig->level(), FallbackLevel::sit);
-  EXPECT_EQ(rig->mail.requests.newest().session, 0u) << "no plan is wanted any more";
+  EXPECT_EQ(rig->mail.requests.newest().stance_episode, 0u) << "no plan is wanted any more";
   const double first_rad = rig->joints.commands[1].position_rad;
   rig->run(1000);
   EXPECT_GT(rig->joints.commands[1].position_rad, first_rad) << "the knees bend";
@@ -241,7 +241,7 @@ TEST_F(FallbackTest, OffAtTheEndByWayOfSitting) {
   EXPECT_GT(rig->joints.disables, 0);
   const int writes = rig->joints.writes;
   rig->run(50);
-  EXPECT_EQ(rig->joints.writes, writes) << "nothing but letting go";
+  EXPECT_EQ(rig->joints.writes, writes) << "nothing but disabling";
 }
 
 TEST_F(FallbackTest, NoLevelIsLeftOut) {

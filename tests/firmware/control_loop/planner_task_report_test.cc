@@ -56,25 +56,25 @@ TEST(PlanChecksum, does_not_see_what_is_beyond_the_plan) {
   EXPECT_EQ(plan_checksum(*plan), sum);
 }
 
-TEST(PlanSketch, has_first_and_last_node_and_the_spacing_between) {
+TEST(PlanPreview, has_first_and_last_node_and_the_spacing_between) {
   const auto plan = some_plan(67, 0.015);
-  PlanSketch sketch;
-  sketch_plan(*plan, 0.03, sketch);
-  ASSERT_EQ(sketch.count, 34);
-  EXPECT_EQ(sketch.sequence, 4);
-  EXPECT_EQ(sketch.node[0].time_s, 3.0);
-  EXPECT_EQ(sketch.node[33].time_s, plan->node[66].time_s);
-  EXPECT_EQ(sketch.node[1].state, plan->node[2].state);
-  EXPECT_EQ(sketch.node[1].input, plan->node[2].input);
+  PlanPreview preview;
+  preview_plan(*plan, 0.03, preview);
+  ASSERT_EQ(preview.count, 34);
+  EXPECT_EQ(preview.sequence, 4);
+  EXPECT_EQ(preview.node[0].time_s, 3.0);
+  EXPECT_EQ(preview.node[33].time_s, plan->node[66].time_s);
+  EXPECT_EQ(preview.node[1].state, plan->node[2].state);
+  EXPECT_EQ(preview.node[1].input, plan->node[2].input);
 }
 
-TEST(PlanSketch, of_the_longest_plan_fits) {
+TEST(PlanPreview, of_the_longest_plan_fits) {
   const auto plan = some_plan(control::kMaxNodes, 0.1);
-  PlanSketch sketch;
-  sketch_plan(*plan, 0.03, sketch);
-  EXPECT_LE(sketch.count, PlanSketch::kMaxNodes);
-  EXPECT_GT(sketch.count, 30);
-  EXPECT_EQ(sketch.node[static_cast<std::size_t>(sketch.count - 1)].time_s,
+  PlanPreview preview;
+  preview_plan(*plan, 0.03, preview);
+  EXPECT_LE(preview.count, PlanPreview::kMaxNodes);
+  EXPECT_GT(preview.count, 30);
+  EXPECT_EQ(preview.node[static_cast<std::size_t>(preview.count - 1)].time_s,
             plan->node[control::kMaxNodes - 1].time_s);
 }
 
@@ -88,13 +88,13 @@ class PlannerTaskRecordTest : public testing::Test {
     PlanningRequest request;
     request.tick = 40;
     request.time_s = time_s;
-    request.session = 2;
+    request.stance_episode = 2;
     planner->record(request, fresh, 700'000, *mail);
   }
-  bool sketches_at(double time_s, bool fresh = true) {
-    static_cast<void>(mail->sketches.newest());
+  bool previews_at(double time_s, bool fresh = true) {
+    static_cast<void>(mail->previews.newest());
     record(time_s, fresh);
-    return mail->sketches.has_news();
+    return mail->previews.has_news();
   }
 
   std::unique_ptr<Mailboxes> mail = std::make_unique<Mailboxes>();
@@ -107,7 +107,7 @@ TEST_F(PlannerTaskRecordTest, records_what_a_solve_was_given_and_came_to) {
   ASSERT_NE(record, nullptr);
   EXPECT_EQ(record->tick, 40);
   EXPECT_EQ(record->time_s, 3.0);
-  EXPECT_EQ(record->standing, 2u);
+  EXPECT_EQ(record->stance_episode, 2u);
   EXPECT_EQ(record->plan_sequence, 4);
   EXPECT_EQ(record->nodes, 10);
   EXPECT_EQ(record->checksum, plan_checksum(mail->plans.writer()));
@@ -123,19 +123,19 @@ TEST_F(PlannerTaskRecordTest, records_no_plan_for_a_solve_that_gave_none) {
   EXPECT_EQ(record->checksum, 0u);
 }
 
-TEST_F(PlannerTaskRecordTest, sketches_new_plans_at_most_thirty_times_a_second) {
-  int sketches = 0;
-  for (int cycle = 0; cycle < 300; ++cycle) sketches += sketches_at(3.0 + 0.01 * cycle) ? 1 : 0;
-  EXPECT_EQ(sketches, 75) << "every fourth of 100 plans a second";
-  EXPECT_EQ(mail->sketches.newest().sequence, 4);
-  EXPECT_GE(mail->sketches.newest().count, 5);
-  EXPECT_FALSE(sketches_at(7.0, false)) << "no new plan";
+TEST_F(PlannerTaskRecordTest, previews_new_plans_at_most_thirty_times_per_second) {
+  int previews = 0;
+  for (int cycle = 0; cycle < 300; ++cycle) previews += previews_at(3.0 + 0.01 * cycle) ? 1 : 0;
+  EXPECT_EQ(previews, 75) << "every fourth of 100 plans per second";
+  EXPECT_EQ(mail->previews.newest().sequence, 4);
+  EXPECT_GE(mail->previews.newest().count, 5);
+  EXPECT_FALSE(previews_at(7.0, false)) << "no new plan";
 }
 
-TEST_F(PlannerTaskRecordTest, sketches_again_when_time_goes_back) {
-  EXPECT_TRUE(sketches_at(8.0));
-  EXPECT_TRUE(sketches_at(1.0));
-  EXPECT_FALSE(sketches_at(1.01));
+TEST_F(PlannerTaskRecordTest, previews_again_when_time_goes_back) {
+  EXPECT_TRUE(previews_at(8.0));
+  EXPECT_TRUE(previews_at(1.0));
+  EXPECT_FALSE(previews_at(1.01));
 }
 
 }  // namespace

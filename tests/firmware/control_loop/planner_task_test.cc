@@ -20,7 +20,7 @@ class PlannerTaskTest : public testing::Test {
         plan(std::make_unique<control::Plan>()) {
     EXPECT_EQ(planner->configure(testing_support::amber3m(), configuration), control::ConfigureStatus::ok);
     request.tick = 1;
-    request.session = 1;
+    request.stance_episode = 1;
     request.time_s = 5.0;
     request.state =
         gait::standing_state(testing_support::amber3m().constants, configuration.reference.base_height_m, 0.0,
@@ -37,12 +37,12 @@ TEST_F(PlannerTaskTest, ARequestGivesAPlanFromItsStateAndTime) {
   EXPECT_GE(plan->nodes, 2);
   EXPECT_EQ(plan->start_time_s, 5.0);
   EXPECT_EQ(planner->result().cycles, 1u);
-  EXPECT_EQ(planner->result().session, 1u);
+  EXPECT_EQ(planner->result().stance_episode, 1u);
   EXPECT_EQ(planner->result().failures_in_a_row, 0u);
 }
 
-TEST_F(PlannerTaskTest, WithoutASessionNothingIsPlanned) {
-  request.session = 0;
+TEST_F(PlannerTaskTest, WithoutAStanceEpisodeNothingIsPlanned) {
+  request.stance_episode = 0;
   EXPECT_FALSE(planner->cycle(request, *plan));
   EXPECT_EQ(planner->result().cycles, 0u);
 }
@@ -64,16 +64,16 @@ TEST_F(PlannerTaskTest, FailuresAreCountedAndLeaveThePlanAlone) {
   EXPECT_EQ(planner->result().failures_in_a_row, 0u);
 }
 
-TEST_F(PlannerTaskTest, ANewSessionCountsItsFailuresFromTheBeginning) {
+TEST_F(PlannerTaskTest, ANewStanceEpisodeCountsItsFailuresFromTheBeginning) {
   request.state[2] = NAN;
   EXPECT_FALSE(planner->cycle(request, *plan));
   EXPECT_FALSE(planner->cycle(request, *plan));
-  request.session = 2;
+  request.stance_episode = 2;
   EXPECT_FALSE(planner->cycle(request, *plan));
   EXPECT_EQ(planner->result().failures_in_a_row, 1u);
 }
 
-TEST_F(PlannerTaskTest, ANewSessionForgetsTheStepsOfTheLast) {
+TEST_F(PlannerTaskTest, ANewStanceEpisodeForgetsTheStepsOfTheLast) {
   ASSERT_TRUE(planner->cycle(request, *plan));
   request.command = {gait::GaitKind::walk, 0.5};
   for (int cycle = 0; cycle < 60; ++cycle) {
@@ -81,7 +81,7 @@ TEST_F(PlannerTaskTest, ANewSessionForgetsTheStepsOfTheLast) {
     ASSERT_TRUE(planner->cycle(request, *plan));
   }
   EXPECT_EQ(plan->gait, gait::GaitKind::walk);
-  request.session = 2;
+  request.stance_episode = 2;
   request.command = {};
   request.time_s += 0.01;
   ASSERT_TRUE(planner->cycle(request, *plan));

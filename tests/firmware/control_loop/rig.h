@@ -37,7 +37,7 @@ class ScriptedRobot final : public hal::Robot {
 
   void read(std::int64_t now_ns, hal::RobotReadings& taken) noexcept override {
     for (hal::JointReading& reading : readings) {
-      reading.missed = silent ? reading.missed + 1 : 0;
+      reading.missed_replies = silent ? reading.missed_replies + 1 : 0;
       if (!silent) reading.time_ns = now_ns;
     }
     taken = {readings, base, read_status, emergency_stop, error_count};
@@ -88,7 +88,7 @@ class Rig {
       mail.commands.writer() = command;
       mail.commands.publish();
       if (tick == due && fresh) mail.plans.publish();
-      cycle.tick({.now_ns = now_ns(), .late_ns = late_ns});
+      cycle.tick({.now_ns = now_ns(), .wakeup_latency_ns = wakeup_latency_ns});
       levels.push_back(decision().level);
       record = *mail.telemetry.front();
       mail.telemetry.pop();
@@ -172,7 +172,7 @@ class Rig {
   control_loop::TickRecord record;  ///< of the newest tick
   std::vector<supervisor::FallbackLevel> levels;
   bool planning = true;
-  std::int64_t late_ns = 0;
+  std::int64_t wakeup_latency_ns = 0;
   long long tick = 0;
 
  private:

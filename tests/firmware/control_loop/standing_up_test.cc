@@ -1,4 +1,4 @@
-// From damped joints to standing: in which pose it begins, and what of an earlier session counts then.
+// From damped joints to standing: in which pose it begins, and what of an earlier stance episode counts then.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -111,7 +111,7 @@ TEST_F(StandingUpTest, APlanFromBeforeTheLastFallIsNotFollowed) {
   rig->ask(RequestKind::stand);
   rig->run(20);
   EXPECT_EQ(rig->state(), State::stand);
-  EXPECT_EQ(rig->mail.requests.newest().session, 2u);
+  EXPECT_EQ(rig->mail.requests.newest().stance_episode, 2u);
   EXPECT_EQ(rig->level(), FallbackLevel::hold)
       << "the old plan has not ended yet, but belongs to another place";
 }
@@ -119,7 +119,7 @@ TEST_F(StandingUpTest, APlanFromBeforeTheLastFallIsNotFollowed) {
 TEST_F(StandingUpTest, TheSolvesBeforeTheLastFallDoNotCount) {
   rig->stand();
   PlanningResult& result = rig->mail.results.writer();
-  result.session = 1;
+  result.stance_episode = 1;
   result.failures_in_a_row = 10;
   result.solve_ns = 50'000'000;
   rig->mail.results.publish();

@@ -68,7 +68,7 @@ TEST(TickFields, OutputsComeInTheOrderOfTheWorkJointByJoint) {
                             "reaction0",
                             "state0",
                             "ramp0",
-                            "standing0",
+                            "stance_episode0",
                             "plan_age_s0",
                             "tuning0",
                             "wanted_position_rad0",
@@ -83,10 +83,10 @@ TEST(TickFields, OutputsComeInTheOrderOfTheWorkJointByJoint) {
 }
 
 TEST(TickFields, AreShownInTheUnitOfTheirName) {
-  EXPECT_EQ(unit_factor("late_ns", "wakeup_us"), 1e-3);
+  EXPECT_EQ(unit_factor("wakeup_latency_ns", "wakeup_latency_us"), 1e-3);
   EXPECT_EQ(unit_factor("plan_age_s", "plan_age_ms"), 1e3);
   EXPECT_EQ(unit_factor("plan_age_s", "plan_age_s"), 1.0);
-  EXPECT_EQ(unit_factor("rung", "rung"), 1.0);
+  EXPECT_EQ(unit_factor("fallback_level", "fallback_level"), 1.0);
 }
 
 }  // namespace

@@ -54,13 +54,13 @@ TEST(TickCsv, ColumnsHaveNamesOfTheirOwn) {
 TEST(TickCsv, ColumnsBeginWithTheDecisionAndGoOnJointByJoint) {
   const std::vector<std::string> names = header();
   ASSERT_EQ(names.size(), 2u + 12 + 4 * 11 + 8 + 14 + 2 * 4 * 5);
-  const std::vector<std::string> first = {"tick",         "time_s",           "state",      "rung",
-                                          "reaction",     "action",           "faults",     "latched_faults",
-                                          "ramp",         "plan_sequence",    "plan_age_s", "wakeup_us",
-                                          "execution_us", "bus_round_trip_us"};
+  const std::vector<std::string> first = {
+      "tick",         "time_s",           "state", "fallback_level", "reaction",   "action",
+      "faults",       "latched_faults",   "ramp",  "plan_sequence",  "plan_age_s", "wakeup_latency_us",
+      "execution_us", "bus_round_trip_us"};
   EXPECT_TRUE(std::ranges::equal(std::span(names).first(14), first));
   EXPECT_EQ(names[14 + 11 + 6], "knee_L_missed_replies");
-  EXPECT_EQ(names[14 + 4 * 11 + 7], "base_repeated_replies");
+  EXPECT_EQ(names[14 + 4 * 11 + 7], "base_unchanged_replies");
   EXPECT_EQ(names.back(), "sent_knee_R_kd_Nms_rad");
 }
 
@@ -78,7 +78,7 @@ TEST(TickCsv, ARecordStandsUnderItsColumns) {
   record.level = supervisor::FallbackLevel::plan_feedback;
   record.present.add(supervisor::Fault::failed_solves);
   record.present.add(supervisor::Fault::bus_error);
-  record.wakeup_ns = 12'345;
+  record.wakeup_latency_ns = 12'345;
   const auto columns = written(record, 5'000'000'000);
   EXPECT_EQ(columns.at("tick"), "12");
   EXPECT_EQ(columns.at("time_s"), "0.25");
@@ -90,10 +90,10 @@ TEST(TickCsv, ARecordStandsUnderItsColumns) {
   EXPECT_EQ(columns.at("estimated_z_b_m_s"), "0.125");
   EXPECT_EQ(columns.at("sent_hip_R_torque_Nm"), "-31.5");
   EXPECT_EQ(columns.at("state"), "walk");
-  EXPECT_EQ(columns.at("rung"), "plan_feedback");
+  EXPECT_EQ(columns.at("fallback_level"), "plan_feedback");
   EXPECT_EQ(columns.at("faults"), "bus_error+failed_solves");
   EXPECT_EQ(columns.at("latched_faults"), "");
-  EXPECT_EQ(columns.at("wakeup_us"), "12.345");
+  EXPECT_EQ(columns.at("wakeup_latency_us"), "12.345");
 }
 
 TEST(TickCsv, ABlackBoxBecomesAFileWithOneLineATick) {

@@ -79,7 +79,7 @@ struct World {
   void let_others_run() {
     if (current != kOutside) fibers[current].pause();
   }
-  /// Loading what nobody else writes comes to the same before and after any step of the other thread.
+  /// Loading what no other thread writes comes to the same before and after any step of the other thread.
   [[nodiscard]] bool order_matters(int atomic) const {
     return writers[atomic].known[1 - current] || !writers[atomic].known[current];
   }

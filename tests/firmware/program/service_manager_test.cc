@@ -50,26 +50,26 @@ class Listener : public testing::Test {
 
 TEST_F(Listener, HearsThatItIsReadyOnceTheTorqueLoopTicks) {
   ServiceManager service;
-  service.tell(kSecond_ns, 0, "boot");
+  service.notify(kSecond_ns, 0, "boot");
   EXPECT_EQ(heard(), "STATUS=boot\n");
-  service.tell(2 * kSecond_ns, 250, "idle");
+  service.notify(2 * kSecond_ns, 250, "idle");
   EXPECT_EQ(heard(), "READY=1\nWATCHDOG=1\nSTATUS=idle\n");
 }
 
 TEST_F(Listener, HearsThatItLivesOnlyWhileTheTorqueLoopTicks) {
   ServiceManager service;
-  service.tell(kSecond_ns, 250, "walk");
+  service.notify(kSecond_ns, 250, "walk");
   heard();
-  service.tell(kSecond_ns + kSecond_ns / 4, 500, "walk");
+  service.notify(kSecond_ns + kSecond_ns / 4, 500, "walk");
   EXPECT_EQ(heard(), "") << "not at every turn";
-  service.tell(2 * kSecond_ns, 1000, "walk");
+  service.notify(2 * kSecond_ns, 1000, "walk");
   EXPECT_EQ(heard(), "WATCHDOG=1\n");
-  service.tell(3 * kSecond_ns, 1000, "walk");
+  service.notify(3 * kSecond_ns, 1000, "walk");
   EXPECT_EQ(heard(), "") << "it stands still";
 }
 
 TEST_F(Listener, HearsTheEnd) {
-  ServiceManager().tell_end();
+  ServiceManager().notify_stopping();
   EXPECT_EQ(heard(), "STOPPING=1");
 }
 

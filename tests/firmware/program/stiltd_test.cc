@@ -40,7 +40,7 @@ TEST(Stiltd, SaysItsVersionCommitAndTheSizeOfTheController) {
 TEST(Stiltd, ChecksAConfigurationWithoutOpeningABus) {
   const Answer run = stiltd("--check-config --config " SHIPPED);
   EXPECT_EQ(run.status, 0);
-  EXPECT_TRUE(has(run, "amber3m.toml: right")) << run.text;
+  EXPECT_TRUE(has(run, "amber3m.toml: valid")) << run.text;
   EXPECT_TRUE(has(run, "bus can1: worst-case load 54 %")) << run.text;
 }
 
@@ -63,18 +63,18 @@ TEST(Stiltd, PrintsTheWholeConfigurationAsItWouldReadIt) {
 }
 
 TEST(Stiltd, RefusesABusThatIsNotThereInOneSentence) {
-  const Answer run = stiltd("--bus loopback:nobody-left --bus loopback:nobody-right --lockstep");
+  const Answer run = stiltd("--bus loopback:absent-left --bus loopback:absent-right --lockstep");
   EXPECT_EQ(run.status, 2);
-  EXPECT_TRUE(has(run, "stiltd: bus loopback:nobody-left: nobody listens there")) << run.text;
+  EXPECT_TRUE(has(run, "stiltd: bus loopback:absent-left: no program listens there")) << run.text;
 }
 
 TEST(Stiltd, RefusesAMachineThatCannotKeepTimeWhenToldTo) {
   const Answer run = stiltd(
-      "--bus loopback:nobody-left --bus loopback:nobody-right --set runtime.require_realtime=true "
+      "--bus loopback:absent-left --bus loopback:absent-right --set runtime.require_realtime=true "
       "--set runtime.torque_priority=0 --set runtime.planner_priority=0");
   EXPECT_EQ(run.status, 2);
   EXPECT_TRUE(has(run, "runtime.require_realtime is true")) << run.text;
-  EXPECT_TRUE(has(run, "the torque loop is told to have no priority")) << run.text;
+  EXPECT_TRUE(has(run, "the torque loop is set to no priority")) << run.text;
 }
 
 TEST(Stiltd, RefusesWrongWords) {

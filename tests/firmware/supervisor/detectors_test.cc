@@ -85,53 +85,53 @@ const std::vector<Case>& cases() {
        {Fault::base_angle_limit}},
       {"encoder repeats while moving",
        [](Observation& o) {
-         o.joints[2].frozen = 24;
+         o.joints[2].unchanged_replies = 24;
          o.planned_speed_rad_s[2] = 2;
        },
        [](Observation& o) {
-         o.joints[2].frozen = 25;
+         o.joints[2].unchanged_replies = 25;
          o.planned_speed_rad_s[2] = -2;
        },
-       {Fault::stale_encoder}},
+       {Fault::encoder_frozen}},
       {"encoder repeats while standing",
-       [](Observation& o) { o.joints[2].frozen = 5000; },
+       [](Observation& o) { o.joints[2].unchanged_replies = 5000; },
        [](Observation& o) {
-         o.joints[2].frozen = 5000;
+         o.joints[2].unchanged_replies = 5000;
          o.planned_speed_rad_s[2] = 0.6;
        },
-       {Fault::stale_encoder}},
-      {"base sensor repeats",
-       [](Observation& o) { o.base.frozen = 5000; },
+       {Fault::encoder_frozen}},
+      {"torso sensor repeats",
+       [](Observation& o) { o.base.unchanged_replies = 5000; },
        [](Observation& o) {
-         o.base.frozen = 25;
+         o.base.unchanged_replies = 25;
          o.planned_speed_rad_s[0] = 0.6;
        },
-       {Fault::stale_base_sensor}},
+       {Fault::stale_torso_sensor}},
       {"base held still while joints move outside of any plan",
        [](Observation& o) {
-         o.base.frozen = 5000;
+         o.base.unchanged_replies = 5000;
          o.joints[0].velocity_rad_s = 0.6;
        },
        [](Observation& o) {
-         o.base.frozen = 5000;
+         o.base.unchanged_replies = 5000;
          o.planned_speed_rad_s[1] = -0.6;
        },
-       {Fault::stale_base_sensor}},
-      {"base sensor late",
-       [](Observation& o) { o.base.missed = 2; },
-       [](Observation& o) { o.base.missed = 3; },
+       {Fault::stale_torso_sensor}},
+      {"torso sensor late",
+       [](Observation& o) { o.base.missed_replies = 2; },
+       [](Observation& o) { o.base.missed_replies = 3; },
        {Fault::missed_replies}},
-      {"base sensor silent",
+      {"torso sensor silent",
        [](Observation&) {},
-       [](Observation& o) { o.base.missed = 10; },
-       {Fault::missed_replies, Fault::stale_base_sensor}},
+       [](Observation& o) { o.base.missed_replies = 10; },
+       {Fault::missed_replies, Fault::stale_torso_sensor}},
       {"three replies missed",
-       [](Observation& o) { o.joints[1].missed = 2; },
-       [](Observation& o) { o.joints[1].missed = 3; },
+       [](Observation& o) { o.joints[1].missed_replies = 2; },
+       [](Observation& o) { o.joints[1].missed_replies = 3; },
        {Fault::missed_replies}},
       {"ten replies missed",
        [](Observation&) {},
-       [](Observation& o) { o.joints[1].missed = 10; },
+       [](Observation& o) { o.joints[1].missed_replies = 10; },
        {Fault::missed_replies, Fault::lost_replies}},
       {"bus errors", [](Observation&) {}, [](Observation& o) { o.bus_errors = true; }, {Fault::bus_error}},
       {"bus off while reading",
@@ -191,12 +191,12 @@ const std::vector<Case>& cases() {
        [](Observation& o) { o.solve_s = 0.0101; },
        {Fault::planner_overrun}},
       {"tick late",
-       [](Observation& o) { o.lateness_s = 4.9e-4; },
-       [](Observation& o) { o.lateness_s = 5.1e-4; },
+       [](Observation& o) { o.wakeup_latency_s = 4.9e-4; },
+       [](Observation& o) { o.wakeup_latency_s = 5.1e-4; },
        {Fault::torque_loop_overrun}},
       {"torque loop stood still",
        [](Observation&) {},
-       [](Observation& o) { o.lateness_s = 0.011; },
+       [](Observation& o) { o.wakeup_latency_s = 0.011; },
        {Fault::torque_loop_overrun, Fault::torque_loop_stalled}},
       {"estimate not finite",
        [](Observation&) {},
@@ -270,7 +270,7 @@ TEST(Detectors, EveryFaultOfTheTableCanBeDetected) {
 TEST(Detectors, AJointThatWasNeverHeardIsAMatterOfItsReplies) {
   Observation seen = testing::healthy();
   seen.joints[1] = hal::JointReading{};
-  seen.joints[1].missed = 100;
+  seen.joints[1].missed_replies = 100;
   EXPECT_EQ(text(faults_of(seen)), "missed_replies lost_replies ");
 }
 

@@ -87,30 +87,30 @@ TEST(PoseBetween, BeginsAndEndsAtItsPosesAtRest) {
   EXPECT_LT(std::abs(pose_between_rad(from, to, 1 - step)[2] - to[2]), 4 * 4 * step * step);
 }
 
-TEST(TakenOver, GrowsFromDampingToTheWantedCommands) {
+TEST(BlendIn, GrowsFromDampingToTheWantedCommands) {
   const hal::JointCommands wanted = some_commands();
   const Pose start_rad{-0.2, 0.4, -0.2, 0.4};
-  const hal::JointCommands none = taken_over(wanted, start_rad, 0, kParameters);
+  const hal::JointCommands none = blend_in(wanted, start_rad, 0, kParameters);
   for (std::size_t i = 0; i < hal::kJoints; ++i) {
     EXPECT_DOUBLE_EQ(torque_Nm(none[i], 9, 2), -2 * kParameters.damping_kd_Nms_rad);
     for (const double s : {0.25, 0.7}) {
-      const hal::JointCommand command = taken_over(wanted, start_rad, s, kParameters)[i];
+      const hal::JointCommand command = blend_in(wanted, start_rad, s, kParameters)[i];
       const double at_rad = start_rad[i] + s * (wanted[i].position_rad - start_rad[i]);
       const double expected_Nm = s * (wanted[i].torque_Nm + wanted[i].kd_Nms_rad * (1.5 - 0.4)) -
                                  (1 - s) * kParameters.damping_kd_Nms_rad * 0.4;
       EXPECT_NEAR(torque_Nm(command, at_rad, 0.4), expected_Nm, 1e-12);
     }
-    const hal::JointCommand all = taken_over(wanted, start_rad, 1, kParameters)[i];
+    const hal::JointCommand all = blend_in(wanted, start_rad, 1, kParameters)[i];
     EXPECT_EQ(torque_Nm(all, 0.1, 0.2), torque_Nm(wanted[i], 0.1, 0.2));
   }
 }
 
-TEST(TakenOver, IsFiniteWithoutAnyDamping) {
+TEST(BlendIn, IsFiniteWithoutAnyDamping) {
   SupervisorParameters undamped = kParameters;
   undamped.damping_kd_Nms_rad = 0;
   hal::JointCommands wanted = some_commands();
   for (hal::JointCommand& command : wanted) command.kd_Nms_rad = 0;
-  for (const double s : {0.0, 0.5}) EXPECT_TRUE(finite(taken_over(wanted, {}, s, undamped)));
+  for (const double s : {0.0, 0.5}) EXPECT_TRUE(finite(blend_in(wanted, {}, s, undamped)));
 }
 
 TEST(Finite, FindsEveryFieldOfEveryJoint) {

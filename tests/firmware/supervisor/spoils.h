@@ -18,14 +18,14 @@ inline constexpr std::array<Spoil, kFaults> kSpoils = {{
     {Fault::joint_speed_limit, [](Observation& o) { o.joints[0].velocity_rad_s = 40; }},
     {Fault::joint_torque_limit, [](Observation& o) { o.joints[0].torque_Nm = 140; }},
     {Fault::base_angle_limit, [](Observation& o) { o.base.pitch_rad = 1; }},
-    {Fault::stale_encoder,
+    {Fault::encoder_frozen,
      [](Observation& o) {
-       o.joints[0].frozen = 100;
+       o.joints[0].unchanged_replies = 100;
        o.planned_speed_rad_s[0] = 2;
      }},
-    {Fault::stale_base_sensor, [](Observation& o) { o.base.missed = 20; }},
-    {Fault::missed_replies, [](Observation& o) { o.joints[0].missed = 5; }},
-    {Fault::lost_replies, [](Observation& o) { o.joints[0].missed = 20; }},
+    {Fault::stale_torso_sensor, [](Observation& o) { o.base.missed_replies = 20; }},
+    {Fault::missed_replies, [](Observation& o) { o.joints[0].missed_replies = 5; }},
+    {Fault::lost_replies, [](Observation& o) { o.joints[0].missed_replies = 20; }},
     {Fault::bus_error, [](Observation& o) { o.bus_errors = true; }},
     {Fault::bus_off, [](Observation& o) { o.read_status = hal::JointBusStatus::bus_off; }},
     {Fault::bus_disconnected, [](Observation& o) { o.read_status = hal::JointBusStatus::disconnected; }},
@@ -38,8 +38,8 @@ inline constexpr std::array<Spoil, kFaults> kSpoils = {{
     {Fault::stale_plan, [](Observation& o) { o.followable.plan = PlanUse::none; }},
     {Fault::failed_solves, [](Observation& o) { o.failed_solves = 3; }},
     {Fault::planner_overrun, [](Observation& o) { o.solve_s = 0.02; }},
-    {Fault::torque_loop_overrun, [](Observation& o) { o.lateness_s = 0.001; }},
-    {Fault::torque_loop_stalled, [](Observation& o) { o.lateness_s = 0.02; }},
+    {Fault::torque_loop_overrun, [](Observation& o) { o.wakeup_latency_s = 0.001; }},
+    {Fault::torque_loop_stalled, [](Observation& o) { o.wakeup_latency_s = 0.02; }},
     {Fault::not_finite, [](Observation& o) { o.controller_finite = false; }},
     {Fault::heartbeat_lost,
      [](Observation& o) {

@@ -49,10 +49,10 @@ TEST_F(SupervisorTest, MissedRepliesHoldThePoseOnTheWayToSitToo) {
   bring_to_walk();
   inputs_.seen.joints[0].motor_temperature_C = 120;
   run(0.1);
-  inputs_.seen.joints[1].missed = 5;
+  inputs_.seen.joints[1].missed_replies = 5;
   tick();
   EXPECT_EQ(output().level, FallbackLevel::hold);
-  inputs_.seen.joints[1].missed = 0;
+  inputs_.seen.joints[1].missed_replies = 0;
   tick();
   EXPECT_EQ(output().level, FallbackLevel::plan);
 }
@@ -125,7 +125,7 @@ TEST_F(SupervisorTest, ALatchedFaultDampsUntilAResetWithTheCauseGone) {
   EXPECT_TRUE(output().latched.empty());
 }
 
-TEST_F(SupervisorTest, AResetLetsGoOfTheDriversSoThatTheirOwnFaultsClear) {
+TEST_F(SupervisorTest, AResetDisablesTheDriversSoThatTheirOwnFaultsClear) {
   bring_to_walk();
   inputs_.seen.joints[2].fault = hal::DriverFault::lost_communication;
   run(0.1);
@@ -153,7 +153,7 @@ TEST_F(SupervisorTest, ThreeMissedRepliesHoldThePoseAndTenDamp) {
   bring_to_walk();
   const double pose_rad = inputs_.seen.joints[0].position_rad;
   for (std::uint32_t missed = 1; missed <= 9; ++missed) {
-    inputs_.seen.joints[1].missed = missed;
+    inputs_.seen.joints[1].missed_replies = missed;
     EXPECT_EQ(tick(), State::walk);
     EXPECT_EQ(output().level, missed < 3 ? FallbackLevel::plan : FallbackLevel::hold) << missed;
     const double held_s = 1e-3 * (static_cast<double>(missed) - 3);
@@ -166,17 +166,17 @@ TEST_F(SupervisorTest, ThreeMissedRepliesHoldThePoseAndTenDamp) {
   EXPECT_EQ(commands_[0].position_rad, pose_rad);
   EXPECT_GT(commands_[0].kp_Nm_rad, 0);
   EXPECT_EQ(commands_[0].torque_Nm, 0);
-  inputs_.seen.joints[1].missed = 10;
+  inputs_.seen.joints[1].missed_replies = 10;
   EXPECT_EQ(tick(), State::fault);
   EXPECT_TRUE(only_damps());
 }
 
 TEST_F(SupervisorTest, RepliesThatComeBackInTimeLetItWalkOn) {
   bring_to_walk();
-  inputs_.seen.joints[1].missed = 5;
+  inputs_.seen.joints[1].missed_replies = 5;
   tick();
   EXPECT_EQ(output().level, FallbackLevel::hold);
-  inputs_.seen.joints[1].missed = 0;
+  inputs_.seen.joints[1].missed_replies = 0;
   EXPECT_EQ(tick(), State::walk);
   EXPECT_EQ(output().level, FallbackLevel::plan);
   EXPECT_EQ(commands_[0].torque_Nm, 30);

@@ -84,7 +84,7 @@ TEST_F(SupervisorTest, StandingUpWaitsForTheFirstPlanWithoutAFault) {
   EXPECT_EQ(run(0.1), State::sit) << "but not for ever";
 }
 
-TEST_F(SupervisorTest, ShuttingDownSitsDampsAndLetsGo) {
+TEST_F(SupervisorTest, ShuttingDownSitsDampsAndDisables) {
   bring_to_walk();
   inputs_.shut_down = true;
   EXPECT_EQ(tick(), State::step);
@@ -124,13 +124,13 @@ TEST_F(SupervisorTest, BootWaitsForTheEmergencyStopAndThenTreatsSilenceAsPressed
 TEST_F(SupervisorTest, IdleDoesNotCareForDriversThatAreNotDriven) {
   for (hal::JointReading& joint : inputs_.seen.joints) {
     joint = hal::JointReading{};
-    joint.missed = 5000;
+    joint.missed_replies = 5000;
   }
-  inputs_.seen.base.missed = 5000;
+  inputs_.seen.base.missed_replies = 5000;
   EXPECT_EQ(run(1), State::idle);
 }
 
-TEST_F(SupervisorTest, AFailedBringUpLetsGoOfTheDrivers) {
+TEST_F(SupervisorTest, AFailedBringUpDisablesTheDrivers) {
   tick();
   request(RequestKind::calibrate);
   tick();
@@ -169,7 +169,7 @@ TEST_F(SupervisorTest, RandomInputsNeverBreakTheRules) {
   for (int i = 0; i < 300'000; ++i) {
     const int chance = thing(random);
     if (chance == 0) request(static_cast<RequestKind>(kind(random)), 0.5);
-    if (chance == 1) inputs_.seen.joints[0].missed = 12;
+    if (chance == 1) inputs_.seen.joints[0].missed_replies = 12;
     if (chance == 2) inputs_.seen.emergency_stop = hal::EmergencyStopState::pressed;
     if (chance == 3) inputs_.seen.base.pitch_rad = kNan;
     if (chance == 4) wanted_[2].torque_Nm = kNan;

@@ -34,7 +34,7 @@ Expected expected(Fault fault) {
     case Fault::joint_position_limit:
     case Fault::joint_speed_limit:
     case Fault::joint_torque_limit:
-    case Fault::stale_base_sensor:
+    case Fault::stale_torso_sensor:
     case Fault::lost_replies:
     case Fault::driver_fault:
     case Fault::high_voltage:
@@ -49,7 +49,7 @@ Expected expected(Fault fault) {
     case Fault::driver_hot:
       return {Severity::warning, Reaction::warn, Watch::driven};
     case Fault::base_angle_limit:
-    case Fault::stale_encoder:
+    case Fault::encoder_frozen:
     case Fault::driver_not_enabled:
     case Fault::not_finite:
       return {Severity::latched, Reaction::damp, Watch::tracking};
@@ -182,7 +182,7 @@ class SettlingTest : public SupervisorTest {
 };
 
 TEST_F(SettlingTest, FaultsOfRepliesCountFromTheSettlingTimeOn) {
-  for (const Fault fault : {Fault::missed_replies, Fault::lost_replies, Fault::stale_base_sensor,
+  for (const Fault fault : {Fault::missed_replies, Fault::lost_replies, Fault::stale_torso_sensor,
                             Fault::driver_not_enabled, Fault::driver_fault}) {
     SCOPED_TRACE(name(fault));
     spoil_drivers_that_just_came_up(fault);
@@ -233,7 +233,7 @@ TEST_F(SupervisorTest, AResetAskedForBeforeAFaultDoesNotResetIt) {
   EXPECT_EQ(run(0.01), State::idle) << "asked for again";
 }
 
-TEST_F(SupervisorTest, AResetLetsGoForATickBeforeTheFaultIsOver) {
+TEST_F(SupervisorTest, AResetDisablesForATickBeforeTheFaultIsOver) {
   bring_to_stand();
   inputs_.seen.emergency_stop = hal::EmergencyStopState::pressed;
   tick();

@@ -32,7 +32,7 @@ TEST(Cdr, a_reply_is_aligned_as_plain_cdr_asks) {
   CommandReply reply{};
   std::string commander = "ab";
   std::string reason = "no";
-  reply.session = 0x0102;
+  reply.run_id = 0x0102;
   reply.commander = commander.data();
   reply.number = 7;
   reply.accepted = false;
@@ -40,7 +40,7 @@ TEST(Cdr, a_reply_is_aligned_as_plain_cdr_asks) {
   reply.time_s = 1.0;
   EXPECT_EQ(encode(reply),
             bytes({0, 1, 0, 0,                     //
-                   2, 1, 0, 0, 0,   0,   0,    0,  // session
+                   2, 1, 0, 0, 0,   0,   0,    0,  // run
                    3, 0, 0, 0, 'a', 'b', 0,    0,  // commander, a byte to fill up
                    7, 0, 0, 0, 0,   0,   0,    0,  // number
                    0, 0, 0, 0, 3,   0,   0,    0,   'n', 'o', 0, 0, 0, 0, 0, 0,  // accepted, reason
@@ -50,12 +50,12 @@ TEST(Cdr, a_reply_is_aligned_as_plain_cdr_asks) {
 TEST(Cdr, a_reply_of_a_big_endian_peer_reads_the_same) {
   const auto reply = decode<CommandReply>(
       bytes({0, 0, 0, 0,                  //
-             0, 0, 0, 0, 0,   0,   1, 2,  // session
+             0, 0, 0, 0, 0,   0,   1, 2,  // run
              0, 0, 0, 3, 'a', 'b', 0, 0,  // commander
              0, 0, 0, 0, 0,   0,   0, 7,  // number
              1, 0, 0, 0, 0,   0,   0, 3, 'n', 'o', 0, 0, 0, 0, 0, 0, 0x3f, 0xf0, 0, 0, 0, 0, 0, 0}));
   ASSERT_NE(reply, nullptr);
-  EXPECT_EQ(reply->session, 0x0102u);
+  EXPECT_EQ(reply->run_id, 0x0102u);
   EXPECT_STREQ(reply->commander, "ab");
   EXPECT_EQ(reply->number, 7u);
   EXPECT_TRUE(reply->accepted);
@@ -65,13 +65,13 @@ TEST(Cdr, a_reply_of_a_big_endian_peer_reads_the_same) {
 
 TEST(Cdr, a_message_reads_back) {
   PlannerCycle cycle{};
-  cycle.session = 0xfedcba9876543210;
+  cycle.run_id = 0xfedcba9876543210;
   cycle.tick = -1;
   cycle.cost = 0.1;
   cycle.checksum = 42;
   const auto read = decode<PlannerCycle>(encode(cycle));
   ASSERT_NE(read, nullptr);
-  EXPECT_EQ(read->session, cycle.session);
+  EXPECT_EQ(read->run_id, cycle.run_id);
   EXPECT_EQ(read->tick, -1);
   EXPECT_EQ(read->cost, 0.1);
   EXPECT_EQ(read->checksum, 42u);
@@ -80,10 +80,10 @@ TEST(Cdr, a_message_reads_back) {
 TEST(Cdr, sequences_and_strings_read_back) {
   std::array<double, 3> values = {1, 2, 3};
   std::string key = "cost.base_x";
-  std::string nobody;
+  std::string no_commander;
   Tuning tuning{};
   tuning.key = key.data();
-  tuning.commander = nobody.data();
+  tuning.commander = no_commander.data();
   tuning.values = {3, 3, values.data(), false};
   const auto read = decode<Tuning>(encode(tuning));
   ASSERT_NE(read, nullptr);

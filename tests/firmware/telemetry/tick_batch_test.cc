@@ -119,31 +119,31 @@ TEST(TickBatch, NumbersAreUnderTheirNamesInTheMessage) {
     const auto number = numbers.at(count + index).template get<Value>();
     EXPECT_EQ(std::memcmp(&number, &value, sizeof value), 0) << name;
   };
-  expect("late_ns", r.wakeup_ns);
+  expect("wakeup_latency_ns", r.wakeup_latency_ns);
   expect("execution_ns", r.execution_ns);
   expect("write_status", static_cast<std::uint8_t>(r.write_status));
   expect("joint_velocity_rad_s", r.joints[3].velocity_rad_s, 4, 3);
   expect("motor_temperature_C", r.joints[0].motor_temperature_C, 4, 0);
-  expect("joint_missed", r.joints[1].missed, 4, 1);
-  expect("joint_frozen", r.joints[1].frozen, 4, 1);
+  expect("joint_missed_replies", r.joints[1].missed_replies, 4, 1);
+  expect("joint_unchanged_replies", r.joints[1].unchanged_replies, 4, 1);
   expect("driver_fault", static_cast<std::uint8_t>(r.joints[2].fault), 4, 2);
   expect("base_acceleration_z_m_s2", r.base.acceleration_z_m_s2);
   expect("right_foot_force_N", r.base.right_foot_force_N);
-  expect("base_frozen", r.base.frozen);
+  expect("base_unchanged_replies", r.base.unchanged_replies);
   expect("bring_up_joint", static_cast<std::uint8_t>(r.bring_up.joint));
   expect("bring_up_failure", static_cast<std::uint8_t>(r.bring_up.failure));
   expect("request_speed_m_s", r.command.request.speed_m_s);
   expect("visible_plan", r.visible_plan);
   expect("result_failures", r.result.failures_in_a_row);
-  expect("result_standing", r.result.session);
+  expect("result_stance_episode", r.result.stance_episode);
   expect("estimated_state", r.estimated_state[8], 14, 8);
   expect("wanted_kp_Nm_rad", r.wanted[3].kp_Nm_rad, 4, 3);
   expect("sent_kd_Nms_rad", r.sent[1].kd_Nms_rad, 4, 1);
   expect("sent_torque_limit_Nm", r.sent[1].torque_limit_Nm, 4, 1);
-  expect("rung", static_cast<std::uint8_t>(r.level));
+  expect("fallback_level", static_cast<std::uint8_t>(r.level));
   expect("latched_faults", r.latched.bits());
   expect("plan_sequence", r.plan_sequence);
-  expect("standing", r.standing);
+  expect("standing", r.stance_episode);
   expect("gait", static_cast<std::uint8_t>(r.gait.kind));
 }
 

@@ -90,11 +90,11 @@ TEST(TokenPath, auto_is_in_the_users_own_folder_and_other_paths_are_taken) {
   EXPECT_EQ(token_path("auto", 3), "/tmp/stilt-" + std::to_string(geteuid()) + "/token-3");
 }
 
-TEST(Session, is_a_number_that_javascript_holds_exactly) {
+TEST(RunId, is_a_number_that_javascript_holds_exactly) {
   for (int i = 0; i < 100; ++i) {
-    const std::uint64_t session = random_session();
-    EXPECT_GT(session, 0u);
-    EXPECT_LT(session, std::uint64_t{1} << 53);
+    const std::uint64_t run_id = random_run_id();
+    EXPECT_GT(run_id, 0u);
+    EXPECT_LT(run_id, std::uint64_t{1} << 53);
   }
 }
 

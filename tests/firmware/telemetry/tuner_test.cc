@@ -95,7 +95,7 @@ TEST_F(Tunables, out_of_range_unknown_or_not_a_number_change_nothing_and_say_wha
 /// A planner that got a weight live plans like one that was configured with it.
 TEST_F(Tunables, give_the_plan_that_the_same_configuration_gives) {
   control_loop::PlanningRequest request;
-  request.session = 1;
+  request.stance_episode = 1;
   request.state =
       gait::standing_state(testing_support::amber3m().constants, configuration.reference.base_height_m, 0,
                            configuration.gait.stand_half_width_m, true);

@@ -1,6 +1,6 @@
 /// wire_peer talk|listen: one end of the wire, for tests with processes and network namespaces.
 ///
-///   talk    sends PlannerCycle 1, 2, ... on rt/stilt/planner, 200 a second, until it is ended
+///   talk    sends PlannerCycle 1, 2, ... on rt/stilt/planner, 200 per second, until it is ended
 ///   listen  takes them until --count have come or --seconds have passed; prints first, last, received, how
 ///   many
 ///           were missing in between, and how many of those were sent later than kJoining after the first

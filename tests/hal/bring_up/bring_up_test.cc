@@ -46,7 +46,7 @@ TEST_F(BringUpTest, AnOdriveComesUpWithItsWatchdogAndWithoutTorque) {
   EXPECT_EQ(driver.torque_Nm(), 0);
 }
 
-TEST_F(BringUpTest, AReadyDriverStaysEnabledAsLongAsStepsGoOnAndLetsGoAfterwards) {
+TEST_F(BringUpTest, AReadyDriverStaysEnabledAsLongAsStepsGoOnAndIsDisabledAfterwards) {
   moteus::MoteusEmulator moteus({});
   mit::MitEmulator mit(damiao());
   odrive::OdriveEmulator odrive({3, kEndpoints});

@@ -208,9 +208,9 @@ TEST_F(BringUpRefusal, ADriverThatAnswersAndDoesNotEnableIsNotSilent) {
                   .id = 3u << 5 | static_cast<std::uint32_t>(odrive::OdriveCommand::heartbeat),
                   .any_id = false,
                   .bit = 32 + 2});
-  EXPECT_EQ(run(bring_up, bus_, clock_).failure, Failure::unwilling);
+  EXPECT_EQ(run(bring_up, bus_, clock_).failure, Failure::rejected);
   StoppedMoteus stopped;
-  EXPECT_EQ(moteus(stopped).failure, Failure::unwilling);
+  EXPECT_EQ(moteus(stopped).failure, Failure::rejected);
 }
 
 TEST_F(BringUpRefusal, WatchdogsFrom5To100MillisecondsAreAllowed) {

@@ -30,7 +30,7 @@ TEST(Lockstep, TheTickComesBack) {
 
 TEST(Lockstep, OneSideDoesNotTakeItsOwnFrameForTheOthers) {
   std::uint64_t tick = 7;
-  EXPECT_EQ(decode_sync(kRobotSyncId, sync_frame(kControllerSyncId, 3), tick), DecodeStatus::foreign);
+  EXPECT_EQ(decode_sync(kRobotSyncId, sync_frame(kControllerSyncId, 3), tick), DecodeStatus::not_addressed);
   EXPECT_EQ(tick, 7u);
 }
 
@@ -41,10 +41,10 @@ TEST(Lockstep, FramesThatOnlyLookAlikeAreRefused) {
   EXPECT_EQ(decode_sync(kRobotSyncId, shorter, tick), DecodeStatus::wrong_length);
   CanFrame standard = sync_frame(kRobotSyncId, 3);
   standard.extended = false;
-  EXPECT_EQ(decode_sync(kRobotSyncId, standard, tick), DecodeStatus::foreign);
+  EXPECT_EQ(decode_sync(kRobotSyncId, standard, tick), DecodeStatus::not_addressed);
   CanFrame remote = sync_frame(kRobotSyncId, 3);
   remote.remote = true;
-  EXPECT_EQ(decode_sync(kRobotSyncId, remote, tick), DecodeStatus::foreign);
+  EXPECT_EQ(decode_sync(kRobotSyncId, remote, tick), DecodeStatus::not_addressed);
   EXPECT_EQ(tick, 7u);
 }
 

@@ -93,11 +93,11 @@ TEST(Loopback, OpenWaitsForTheGreeting) {
 
 TEST(Loopback, NobodyListeningIsSaidInOneSentence) {
   AnyBus bus;
-  const auto opened = bus.open("loopback:nobody-here", {});
+  const auto opened = bus.open("loopback:absent-here", {});
   ASSERT_FALSE(opened);
   EXPECT_EQ(opened.error(),
-            "bus loopback:nobody-here: nobody listens there; start `stilt robot --bus "
-            "loopback:nobody-here` first");
+            "bus loopback:absent-here: no program listens there; start `stilt robot --bus "
+            "loopback:absent-here` first");
 }
 
 TEST(Loopback, ARobotThatDoesNotAnswerIsSaidInOneSentence) {
@@ -134,7 +134,7 @@ TEST(Loopback, TheControllerFindsARestartedRobot) {
   }
   std::array<CanFrame, 1> frames;
   EXPECT_EQ(client.frames().receive(frames).status, BusStatus::disconnected);
-  EXPECT_EQ(client.reconnect(), Connection::nobody);
+  EXPECT_EQ(client.reconnect(), Connection::no_listener);
   LoopbackServer restarted;
   ASSERT_TRUE(restarted.open(name));
   EXPECT_EQ(client.reconnect(), Connection::waiting);

@@ -59,10 +59,11 @@ TEST(DamiaoRegisters, OtherFramesOfTheReplyIdentifierAreForeign) {
   DamiaoRegisterMessage message;
   CanFrame other = frame;
   other.data[2] = 0x80;
-  EXPECT_EQ(decode_register_answer(driver(), other, message), DecodeStatus::foreign) << "a state reply";
+  EXPECT_EQ(decode_register_answer(driver(), other, message), DecodeStatus::not_addressed) << "a state reply";
   other = frame;
   other.data[0] = 2;
-  EXPECT_EQ(decode_register_answer(driver(), other, message), DecodeStatus::foreign) << "another driver";
+  EXPECT_EQ(decode_register_answer(driver(), other, message), DecodeStatus::not_addressed)
+      << "another driver";
   other = frame;
   other.length = 7;
   EXPECT_EQ(decode_register_answer(driver(), other, message), DecodeStatus::wrong_length);

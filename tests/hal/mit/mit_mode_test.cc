@@ -270,15 +270,15 @@ TEST(MitMode, RepliesThatDoNotFitAreNamed) {
   }
   CanFrame frame = good;
   frame.id = 5;
-  EXPECT_EQ(decode_reply({}, frame, reply), DecodeStatus::foreign);
+  EXPECT_EQ(decode_reply({}, frame, reply), DecodeStatus::not_addressed);
   frame = good;
   frame.data[0] = 2;
-  EXPECT_EQ(decode_reply({}, frame, reply), DecodeStatus::foreign)
+  EXPECT_EQ(decode_reply({}, frame, reply), DecodeStatus::not_addressed)
       << "another driver with the same reply identifier";
   for (bool CanFrame::*flag : {&CanFrame::extended, &CanFrame::remote, &CanFrame::error, &CanFrame::fd}) {
     frame = good;
     frame.*flag = true;
-    EXPECT_EQ(decode_reply({}, frame, reply), DecodeStatus::foreign);
+    EXPECT_EQ(decode_reply({}, frame, reply), DecodeStatus::not_addressed);
   }
 }
 

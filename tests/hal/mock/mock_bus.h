@@ -49,7 +49,7 @@ class MockBus final : public FrameBus {
  public:
   explicit MockBus(Clock& clock) noexcept : clock_(clock) {}
 
-  /// Drivers hear what is sent and answer. At most kMaximumDrivers.
+  /// Drivers receive what is sent and answer. At most kMaximumDrivers.
   void attach(EmulatedDriver& driver) noexcept;
   void add_fault(const FaultRule& rule) noexcept;
   void clear_faults() noexcept { rule_count_ = 0; }

@@ -267,7 +267,7 @@ TEST(Moteus, RepliesThatDoNotFitAreNamed) {
   EXPECT_EQ(reply.mode, 77) << "the output stays as it was";
   CanFrame frame = reply_frame("21000a");
   frame.id = 0x200;
-  EXPECT_EQ(decode_reply({}, frame, reply), DecodeStatus::foreign);
+  EXPECT_EQ(decode_reply({}, frame, reply), DecodeStatus::not_addressed);
 }
 
 TEST(Moteus, AnErrorSubframeIsReportedAndTheRestStillRead) {

@@ -151,7 +151,7 @@ TEST(Odrive, ValuesBeyondTheRangeStopAtItsEnd) {
   EXPECT_EQ(encode_input_torque(0, 1e300, frame), EncodeStatus::saturated);
 }
 
-TEST(Odrive, WhatIsNotFiniteIsNeitherSentNorBelieved) {
+TEST(Odrive, WhatIsNotFiniteIsNeitherSentNorAccepted) {
   CanFrame frame;
   EXPECT_EQ(encode_input_torque(0, kNaN, frame), EncodeStatus::not_finite);
   EXPECT_EQ(encode_input_position(0, 0, kNaN, 0, frame), EncodeStatus::not_finite);
@@ -171,11 +171,11 @@ TEST(Odrive, MessagesThatDoNotFitAreNamed) {
     frame.length = length;
     EXPECT_EQ(decode(0, frame, estimates), DecodeStatus::wrong_length);
   }
-  EXPECT_EQ(decode(1, good, estimates), DecodeStatus::foreign);
+  EXPECT_EQ(decode(1, good, estimates), DecodeStatus::not_addressed);
   for (bool CanFrame::*flag : {&CanFrame::extended, &CanFrame::remote, &CanFrame::error, &CanFrame::fd}) {
     CanFrame frame = good;
     frame.*flag = true;
-    EXPECT_EQ(decode(0, frame, estimates), DecodeStatus::foreign);
+    EXPECT_EQ(decode(0, frame, estimates), DecodeStatus::not_addressed);
   }
   OdriveParameter parameter;
   EXPECT_EQ(decode_parameter_request(0, with_payload(classic_frame(4, 8), "02910100"), parameter),

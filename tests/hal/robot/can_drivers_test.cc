@@ -92,7 +92,7 @@ TEST(CanDrivers, AnExpiredWatchdogOfTheLastRunDoesNotStandInTheWay) {
   for (const Kind kind : {Kind::mit, Kind::moteus, Kind::odrive}) {
     Bench bench(kind);
     ASSERT_TRUE(bench.run().ready);
-    for (int tick = 0; tick < 200; ++tick) {  // nobody commands
+    for (int tick = 0; tick < 200; ++tick) {  // no commands
       bench.robot.clock_.advance(kTick_ns);
       static_cast<void>(bench.robot.read());
     }

@@ -76,7 +76,7 @@ TEST_P(CanRobotReading, OnlyEqualPositionWithEqualVelocityIsARepetition) {
   const auto frozen_at = [&robot](double position_rad, double velocity_rad_s) {
     robot.set_joint(2, position_rad, velocity_rad_s);
     tick(robot, some_commands());
-    return robot.readings_[2].frozen;
+    return robot.readings_[2].unchanged_replies;
   };
   EXPECT_EQ(frozen_at(0.3, 1), 0u);
   EXPECT_EQ(frozen_at(0.3, 1), 1u);
@@ -152,7 +152,7 @@ TEST(CanRobot, AMoteusThatDoesNotKnowItsPositionIsMissed) {
   robot.clock_.advance(kTick_ns);
   robot.buses_[0].script(unknown, robot.clock_.now_ns());
   EXPECT_EQ(robot.read(), JointBusStatus::incomplete);
-  EXPECT_EQ(robot.readings_[1].missed, before.missed + 1);
+  EXPECT_EQ(robot.readings_[1].missed_replies, before.missed_replies + 1);
   EXPECT_EQ(robot.readings_[1].position_rad, before.position_rad);
 }
 
@@ -168,7 +168,7 @@ TEST(CanRobot, AMoteusInFaultModeHasAFaultWhateverItsCode) {
   EXPECT_EQ(robot.readings_[1].fault, DriverFault::other);
 }
 
-TEST(CanRobot, EveryChannelOfTheBaseSensorHasItsOwnPlace) {
+TEST(CanRobot, EveryChannelOfTheTorsoSensorHasItsOwnPlace) {
   Robot robot(Kind::mit);
   const std::array<BaseChannel, 6> channels{
       BaseChannel::pitch_rad,           BaseChannel::pitch_rate_rad_s,  BaseChannel::acceleration_x_m_s2,
@@ -186,7 +186,7 @@ TEST(CanRobot, EveryChannelOfTheBaseSensorHasItsOwnPlace) {
   robot.buses_[0].script(frame, robot.clock_.now_ns());
   static_cast<void>(sensing.read(robot.clock_.now_ns(), robot.readings_));
   BaseReading base;
-  ASSERT_EQ(sensing.read_base(base), BaseSensorStatus::ok);
+  ASSERT_EQ(sensing.read_base(base), TorsoSensorStatus::ok);
   EXPECT_EQ(base.pitch_rad, 11);
   EXPECT_EQ(base.pitch_rate_rad_s, 12);
   EXPECT_EQ(base.acceleration_x_m_s2, 13);
@@ -198,7 +198,7 @@ TEST(CanRobot, EveryChannelOfTheBaseSensorHasItsOwnPlace) {
   frame.length = 4;
   robot.buses_[0].script(frame, robot.clock_.now_ns());
   static_cast<void>(sensing.read(robot.clock_.now_ns(), robot.readings_));
-  EXPECT_EQ(sensing.read_base(base), BaseSensorStatus::stale);
+  EXPECT_EQ(sensing.read_base(base), TorsoSensorStatus::stale);
   EXPECT_EQ(base.malformed, 1u) << "cut off";
   EXPECT_EQ(base.pitch_rad, 11);
 }
@@ -228,12 +228,12 @@ TEST(CanRobot, ThePitchOfATorsoEncoderHasItsDirectionAndOffset) {
   robot.clock_.advance(kTick_ns);
   static_cast<void>(leaning.read(robot.clock_.now_ns(), robot.readings_));
   BaseReading base;
-  ASSERT_EQ(leaning.read_base(base), BaseSensorStatus::ok);
+  ASSERT_EQ(leaning.read_base(base), TorsoSensorStatus::ok);
   EXPECT_NEAR(base.pitch_rad, 0.3, 1e-4);
   EXPECT_NEAR(base.pitch_rate_rad_s, 0.5, 1e-4);
   static_cast<void>(leaning.read(robot.clock_.now_ns(), robot.readings_));
   static_cast<void>(leaning.read_base(base));
-  EXPECT_EQ(base.missed, 1u) << "due with every read";
+  EXPECT_EQ(base.missed_replies, 1u) << "due with every read";
 }
 
 /// Frames of no joint, without end.
@@ -266,7 +266,7 @@ TEST(CanRobot, ABabblingBusTakesABoundedShareOfARead) {
   robot.clock_.advance(kTick_ns);
   EXPECT_EQ(disturbed.read(robot.clock_.now_ns(), robot.readings_), JointBusStatus::incomplete);
   EXPECT_EQ(babbling.batches(), 8);
-  EXPECT_EQ(robot.readings_[2].missed, 0u) << "the other bus is read";
+  EXPECT_EQ(robot.readings_[2].missed_replies, 0u) << "the other bus is read";
 }
 
 TEST(CanRobot, RepliesBehindManyForeignFramesAreReadInTheSameTick) {
@@ -274,7 +274,7 @@ TEST(CanRobot, RepliesBehindManyForeignFramesAreReadInTheSameTick) {
   for (std::size_t i = 0; i < 3 * kMaximumBatch; ++i)
     robot.buses_[0].script(classic_frame(0x7aa, 8), robot.clock_.now_ns());
   tick(robot, some_commands());
-  EXPECT_EQ(robot.readings_[0].missed, 0u);
+  EXPECT_EQ(robot.readings_[0].missed_replies, 0u);
 }
 
 }  // namespace

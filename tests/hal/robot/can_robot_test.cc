@@ -36,7 +36,7 @@ TEST_P(EveryProtocol, ReadingsAreJointAnglesInTheConvention) {
   for (std::size_t joint = 0; joint < kJoints; ++joint) {
     EXPECT_NEAR(robot.readings_[joint].position_rad, 0.3 + 0.1 * static_cast<double>(joint), 5e-4);
     EXPECT_NEAR(robot.readings_[joint].velocity_rad_s, -1.0 + 0.5 * static_cast<double>(joint), 0.04);
-    EXPECT_EQ(robot.readings_[joint].missed, 0u);
+    EXPECT_EQ(robot.readings_[joint].missed_replies, 0u);
     EXPECT_EQ(robot.readings_[joint].fault, DriverFault::none);
     EXPECT_EQ(robot.readings_[joint].time_ns, robot.clock_.now_ns());
   }
@@ -78,12 +78,12 @@ TEST_P(EveryProtocol, ALostReplyIsAMissAndNothingElse) {
   static_cast<void>(robot.read());
   robot.buses_[0].add_fault({.fault = FrameFault::lose, .id = robot.frame_ids_[1], .any_id = false});
   for (std::uint32_t miss = 1; miss <= 5; ++miss) {
-    const std::uint32_t before = robot.readings_[1].missed;
+    const std::uint32_t before = robot.readings_[1].missed_replies;
     static_cast<void>(robot.robot_->write(some_commands()));
     robot.clock_.advance(kTick_ns);
     EXPECT_EQ(robot.read(), JointBusStatus::incomplete);
-    EXPECT_EQ(robot.readings_[1].missed, before + 1);
-    EXPECT_EQ(robot.readings_[0].missed, 0u);
+    EXPECT_EQ(robot.readings_[1].missed_replies, before + 1);
+    EXPECT_EQ(robot.readings_[0].missed_replies, 0u);
   }
 }
 
@@ -97,7 +97,7 @@ TEST_P(EveryProtocol, LateRepliesArriveAsMissesThenAsReadings) {
     static_cast<void>(robot.robot_->write(some_commands()));
     robot.clock_.advance(kTick_ns);
     static_cast<void>(robot.read());
-    fresh.push_back(robot.readings_[0].missed == 0);
+    fresh.push_back(robot.readings_[0].missed_replies == 0);
   }
   EXPECT_FALSE(fresh[0]);
   EXPECT_TRUE(fresh[5]);
@@ -116,11 +116,11 @@ TEST_P(EveryProtocol, AFrozenEncoderShowsAsEqualBits) {
   };
   static_cast<void>(robot.read());
   for (int i = 0; i < 20; ++i) tick();
-  EXPECT_EQ(robot.readings_[2].frozen, 0u);
+  EXPECT_EQ(robot.readings_[2].unchanged_replies, 0u);
   robot.drivers_[2]->freeze_encoder(true);
   for (int i = 0; i < 20; ++i) tick();
-  EXPECT_GE(robot.readings_[2].frozen, 18u);
-  EXPECT_EQ(robot.readings_[3].frozen, 0u);
+  EXPECT_GE(robot.readings_[2].unchanged_replies, 18u);
+  EXPECT_EQ(robot.readings_[3].unchanged_replies, 0u);
 }
 
 TEST_P(EveryProtocol, ADriverFaultIsReportedByItsName) {
@@ -169,8 +169,8 @@ TEST_P(EveryProtocol, ADeadBusIsNamedAndTheOtherGoesOn) {
   EXPECT_EQ(robot.robot_->write(some_commands()), JointBusStatus::disconnected);
   robot.clock_.advance(kTick_ns);
   EXPECT_EQ(robot.read(), JointBusStatus::disconnected);
-  EXPECT_EQ(robot.readings_[0].missed, 0u);
-  EXPECT_GE(robot.readings_[2].missed, 1u);
+  EXPECT_EQ(robot.readings_[0].missed_replies, 0u);
+  EXPECT_GE(robot.readings_[2].missed_replies, 1u);
   robot.buses_[1].set_disconnected(false);
   robot.buses_[1].set_health(BusHealth::off);
   EXPECT_EQ(robot.read(), JointBusStatus::bus_off);
@@ -216,16 +216,16 @@ TEST(CanRobot, RandomFramesNeverGiveAnInfiniteReading) {
   }
 }
 
-TEST(CanRobot, TheBaseSensorAndTheEmergencyStopComeFromTheTable) {
+TEST(CanRobot, TheTorsoSensorAndTheEmergencyStopComeFromTheTable) {
   Robot robot(Kind::mit);
   BaseReading base;
-  EXPECT_EQ(robot.robot_->read_base(base), BaseSensorStatus::stale);
+  EXPECT_EQ(robot.robot_->read_base(base), TorsoSensorStatus::stale);
   EXPECT_EQ(robot.robot_->read_emergency_stop(robot.clock_.now_ns()), EmergencyStopState::unknown);
   CanFrame frame = classic_frame(0x50, 4);
   frame.data = {0x64, 0x00, 0x01, 0x00};
   robot.buses_[0].script(frame, robot.clock_.now_ns());
   static_cast<void>(robot.read());
-  EXPECT_EQ(robot.robot_->read_base(base), BaseSensorStatus::ok);
+  EXPECT_EQ(robot.robot_->read_base(base), TorsoSensorStatus::ok);
   EXPECT_DOUBLE_EQ(base.pitch_rad, 0.1);
   EXPECT_EQ(robot.robot_->read_emergency_stop(robot.clock_.now_ns()), EmergencyStopState::released);
   robot.clock_.advance(200 * kTick_ns);
@@ -237,7 +237,7 @@ TEST(CanRobot, TheBaseSensorAndTheEmergencyStopComeFromTheTable) {
   EXPECT_EQ(robot.robot_->read_emergency_stop(robot.clock_.now_ns()), EmergencyStopState::pressed);
 }
 
-TEST(CanRobot, ABaseSensorSlowerThanTheReadsIsMissedOnlyWhenItsFrameIsDue) {
+TEST(CanRobot, ATorsoSensorSlowerThanTheReadsIsMissedOnlyWhenItsFrameIsDue) {
   Robot robot(Kind::mit);
   robot.wiring_.channel_period_ticks = 3;
   const std::array<FrameBus*, 2> buses{&robot.buses_[0], &robot.buses_[1]};
@@ -247,12 +247,12 @@ TEST(CanRobot, ABaseSensorSlowerThanTheReadsIsMissedOnlyWhenItsFrameIsDue) {
     static_cast<void>(slow.read(robot.clock_.now_ns(), robot.readings_));
     BaseReading base;
     static_cast<void>(slow.read_base(base));
-    EXPECT_EQ(base.missed, missed);
+    EXPECT_EQ(base.missed_replies, missed);
     robot.clock_.advance(kTick_ns);
   }
 }
 
-TEST(CanRobot, ARepetitionOfASlowBaseSensorCountsTheReadsItLasts) {
+TEST(CanRobot, ARepetitionOfASlowTorsoSensorCountsTheReadsItLasts) {
   Robot robot(Kind::mit);
   robot.wiring_.channel_period_ticks = 3;
   const std::array<FrameBus*, 2> buses{&robot.buses_[0], &robot.buses_[1]};
@@ -264,10 +264,10 @@ TEST(CanRobot, ARepetitionOfASlowBaseSensorCountsTheReadsItLasts) {
     static_cast<void>(slow.read_base(base));
     robot.clock_.advance(kTick_ns);
   }
-  EXPECT_EQ(base.frozen, 6u) << "the second and the third frame";
+  EXPECT_EQ(base.unchanged_replies, 6u) << "the second and the third frame";
 }
 
-TEST(CanRobot, ABaseSensorWhosePitchStaysEqualWhileItsRateChangesIsNotFrozen) {
+TEST(CanRobot, ATorsoSensorWhosePitchStaysEqualWhileItsRateChangesIsNotFrozen) {
   Robot robot(Kind::mit);
   robot.wiring_.channels[2] = {
       .id = 0x50, .byte_offset = 4, .scale = 1e-3, .channel = BaseChannel::pitch_rate_rad_s};
@@ -282,7 +282,7 @@ TEST(CanRobot, ABaseSensorWhosePitchStaysEqualWhileItsRateChangesIsNotFrozen) {
     static_cast<void>(with_rate.read(robot.clock_.now_ns(), robot.readings_));
     static_cast<void>(with_rate.read_base(base));
     robot.clock_.advance(kTick_ns);
-    return base.frozen;
+    return base.unchanged_replies;
   };
   EXPECT_EQ(frozen_after(1), 0u);
   EXPECT_EQ(frozen_after(2), 0u);
@@ -333,7 +333,7 @@ TEST(CanRobot, AMoteusCanCarryTheTorsosEncoder) {
   robot.clock_.advance(kTick_ns);
   static_cast<void>(robot.read());
   BaseReading base;
-  EXPECT_EQ(robot.robot_->read_base(base), BaseSensorStatus::ok);
+  EXPECT_EQ(robot.robot_->read_base(base), TorsoSensorStatus::ok);
   EXPECT_NEAR(base.pitch_rad, 0.2, 1e-4);
   EXPECT_NEAR(base.pitch_rate_rad_s, -0.5, 1e-4);
 }

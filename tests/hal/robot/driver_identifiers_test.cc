@@ -61,7 +61,7 @@ TEST(NodeIdentifiers, FramesOfTheCodecsAreAmongTheCommands) {
     const IdPattern own{.value = frame.id, .standard = !frame.extended, .extended = frame.extended};
     const NodeIdentifiers node = identifiers(joint.driver);
     const auto fits = [&own](const IdPattern& pattern) { return overlap(pattern, own); };
-    return std::ranges::any_of(node.commands, fits) && std::ranges::any_of(node.hears, fits);
+    return std::ranges::any_of(node.commands, fits) && std::ranges::any_of(node.accepts, fits);
   };
   CanFrame frame;
   ASSERT_EQ(encode_command(moteus::MoteusDriver{.id = 9}, {}, frame), EncodeStatus::ok);
@@ -93,7 +93,7 @@ TEST(NodeIdentifiers, DriversOfOneKindNeedTheirOwnIdentifiers) {
 
 TEST(NodeIdentifiers, DriversOfDifferentKindsMayCollideToo) {
   const JointWiring damiao = mit_joint(1, 0x11, mit::ReplyLayout::damiao);
-  EXPECT_TRUE(collide(damiao, moteus_joint(1))) << "a moteus hears whatever ends in its identifier";
+  EXPECT_TRUE(collide(damiao, moteus_joint(1))) << "a moteus accepts whatever ends in its identifier";
   EXPECT_FALSE(collide(damiao, moteus_joint(2)));
   EXPECT_TRUE(collide(damiao, odrive_joint(0)));
   EXPECT_FALSE(collide(damiao, odrive_joint(1)));
@@ -105,7 +105,7 @@ TEST(NodeIdentifiers, FramesOfSensorsCollideWithDrivers) {
   EXPECT_FALSE(collide(odrive_joint(2), 0x3f));
   EXPECT_FALSE(collide(odrive_joint(2), 0x60));
   EXPECT_FALSE(collide(odrive_joint(2), 0x50, true)) << "an ODrive knows short identifiers only";
-  EXPECT_TRUE(collide(odrive_joint(2), 0x7e2)) << "every ODrive hears node 63";
+  EXPECT_TRUE(collide(odrive_joint(2), 0x7e2)) << "every ODrive accepts node 63";
   EXPECT_TRUE(collide(moteus_joint(7), 0x700)) << "its answer";
   EXPECT_TRUE(collide(moteus_joint(7), 0x107)) << "a command to it";
   EXPECT_FALSE(collide(moteus_joint(7), 0x108));
@@ -115,8 +115,9 @@ TEST(NodeIdentifiers, FramesOfSensorsCollideWithDrivers) {
 
 TEST(NodeIdentifiers, PatternsAreDescribedForPeople) {
   EXPECT_EQ(describe({.value = 0x150}), "identifier 0x150");
-  EXPECT_EQ(describe(identifiers(odrive_joint(2).driver).hears[0]), "identifiers 0x40 to 0x5f");
-  EXPECT_EQ(describe(identifiers(moteus_joint(5).driver).hears[0]), "identifiers that end in the 8 bits 0x5");
+  EXPECT_EQ(describe(identifiers(odrive_joint(2).driver).accepts[0]), "identifiers 0x40 to 0x5f");
+  EXPECT_EQ(describe(identifiers(moteus_joint(5).driver).accepts[0]),
+            "identifiers that end in the 8 bits 0x5");
 }
 
 }  // namespace

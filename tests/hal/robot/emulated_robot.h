@@ -40,7 +40,7 @@ inline JointCommands some_commands() {
   return commands;
 }
 
-/// Two buses, one a leg, with four emulated drivers of one kind and a base sensor on the first bus.
+/// Two buses, one a leg, with four emulated drivers of one kind and a torso sensor on the first bus.
 class Robot {
  public:
   explicit Robot(Kind kind) {

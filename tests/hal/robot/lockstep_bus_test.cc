@@ -93,7 +93,7 @@ TEST_F(LockstepTest, ABusThatGoesAwayEndsTheWaitingAndTimeGoesOnWithoutTheRobot)
   const std::int64_t before_ns = clock.now_ns();
   EXPECT_EQ(clock.sleep_until(before_ns + 5 * kTick_ns), before_ns + 5 * kTick_ns);
   EXPECT_TRUE(clock.lost());
-  EXPECT_EQ(robot[1].syncs, (std::vector<std::uint64_t>{0, 1})) << "and asks nobody any more";
+  EXPECT_EQ(robot[1].syncs, (std::vector<std::uint64_t>{0, 1})) << "and asks no longer";
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include "hal/robot/robot_hardware.h"
 #include "tests/hal/robot/emulated_robot.h"
 
-// A bus that is gone is connected again by whoever may wait, never by the torque loop.
+// A bus that is gone is connected again by a thread that may wait, never by the torque loop.
 namespace stilt::hal {
 namespace {
 
@@ -41,7 +41,7 @@ TEST_F(RestoreTest, NothingIsConnectedUnlessABusIsGoneAndAResetWantsIt) {
   EXPECT_TRUE(serve(true).empty());
   robot_.buses_[1].set_disconnected(true);
   EXPECT_EQ(read(), JointBusStatus::disconnected);
-  EXPECT_TRUE(serve(true).empty()) << "nobody has asked yet";
+  EXPECT_TRUE(serve(true).empty()) << "no request yet";
   hardware_.restore_buses();
   EXPECT_EQ(serve(true), std::vector<std::size_t>{1});
   EXPECT_NE(read(), JointBusStatus::disconnected);

@@ -111,10 +111,10 @@ TEST(TapBus, WhatWasListenedToOnALostConnectionNeverComes) {
   bus.set_disconnected(true);
   const CanFrame command = classic_frame(2, 1);
   ASSERT_EQ(tap.send(std::span(&command, 1)).status, BusStatus::disconnected);
-  tap.lend_if_gone();
-  ASSERT_TRUE(tap.lent());
+  tap.begin_reconnect();
+  ASSERT_TRUE(tap.reconnecting());
   bus.set_disconnected(false);
-  tap.give_back();
+  tap.end_reconnect();
   std::array<CanFrame, 2> two;
   EXPECT_EQ(tap.receive(two).received, 0u);
 }

@@ -114,7 +114,7 @@ TEST_F(GaitCommand, BadInputIsOneSentenceAndStatusTwo) {
       "synthesize --speed 0.5 --cost joy --out " + file("x"),
       "synthesize --speed 0.5 --limit torque=3 --out " + file("x"),
       "synthesize --speed 0.5 --out /nowhere/at/all.toml",
-      "synthesize --robot nobody --speed 0.5 --out " + file("x"),
+      "synthesize --robot nonsense --speed 0.5 --out " + file("x"),
       "library --from 1 --to 0 --out " + file("x"),
   };
   for (const std::string& arguments : mistakes) {

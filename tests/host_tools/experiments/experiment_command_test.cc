@@ -255,10 +255,10 @@ TEST_F(ExperimentCommand, BadUsageIsOneSentenceAndStatusTwo) {
   mistakes.push_back(std::string("limits --quantity weather --out ").append(file("new")));
   mistakes.push_back(out + " --controller mpc-hzd --rows " PUBLISHED_ROWS "/rabbit.toml");
   for (const char* more :
-       {" --phases 0", " --controller nobody", " --controller nobody --horizon 0.5",
+       {" --phases 0", " --controller nonsense", " --controller nonsense --horizon 0.5",
         " --horizon 9 --controller mpc-hzd", " --plant gravity=1", " --push-at head", " --gait trot",
         " --direction up", " --state guessed", " --speed 9", " --plan-rate 0", " --rows /nowhere/rows.toml",
-        " --job nobody", " --set cost.nothing=1", " --preset nonsense"}) {
+        " --job nonsense", " --set cost.nothing=1", " --preset nonsense"}) {
     mistakes.push_back(out + more);
   }
   for (const std::string& arguments : mistakes) {

@@ -39,7 +39,7 @@ TEST(Synthesis, FindsValidGaitsForwardInPlaceAndBackward) {
     const GaitCheck check = check_gait(testing_support::amber3m(), record);
     EXPECT_TRUE(check.valid()) << speed_m_s << " m/s: " << joined(check.violations);
     EXPECT_NEAR(record.gait.step_length_m / record.gait.step_time_s, speed_m_s, 1e-5);
-    EXPECT_LE(check.figures.defect_max, 1e-6);
+    EXPECT_LE(check.metrics.defect_max, 1e-6);
   }
 }
 
@@ -51,8 +51,8 @@ TEST(Synthesis, KeepsToNarrowerLimitsAtAHigherCost) {
   const GaitCheck check =
       check_gait(testing_support::amber3m(), make_record(testing_support::amber3m(), task, narrow));
   EXPECT_TRUE(check.valid()) << joined(check.violations);
-  EXPECT_LE(check.figures.pitch_max_rad, 0.02);
-  EXPECT_GT(check.figures.torque_squared_per_m, walking_record().claims->torque_squared_per_m);
+  EXPECT_LE(check.metrics.pitch_max_rad, 0.02);
+  EXPECT_GT(check.metrics.torque_squared_per_m, walking_record().claims->torque_squared_per_m);
 }
 
 TEST(Synthesis, SaysSoWhenThereIsNoGait) {
@@ -140,7 +140,7 @@ TEST(Check, ABackwardGaitSlipsBackwardAndIsBoundAsWell) {
 
 TEST(Check, AViolationHasTheValueThatWasComputedAndItsBound) {
   GaitRecord record = walking_record();
-  const gait_files::GaitFigures figures = *record.claims;
+  const gait_files::GaitMetrics metrics = *record.claims;
   record.limits.torque_Nm = 20.0;
   record.limits.clearance_m = 0.1;
   record.claims->peak_torque_Nm[2] += 1.0;
@@ -151,11 +151,11 @@ TEST(Check, AViolationHasTheValueThatWasComputedAndItsBound) {
   EXPECT_NEAR(found[0].value, 0.125, 1e-5);
   EXPECT_EQ(found[0].text(), "speed 0.125, at most 1e-05");
   EXPECT_EQ(found[1].name, "torque_Nm");
-  EXPECT_NEAR(found[1].value, *std::ranges::max_element(figures.peak_torque_Nm), 1e-9);
+  EXPECT_NEAR(found[1].value, *std::ranges::max_element(metrics.peak_torque_Nm), 1e-9);
   EXPECT_EQ(found[1].bound, 20.0);
   EXPECT_STREQ(name(found[1].kind), "at most");
   EXPECT_EQ(found[2].name, "clearance_m");
-  EXPECT_NEAR(found[2].value, figures.clearance_m, 1e-9);
+  EXPECT_NEAR(found[2].value, metrics.clearance_m, 1e-9);
   EXPECT_STREQ(name(found[2].kind), "at least");
   EXPECT_EQ(found[3].name, "claim peak_torque_Nm");
   EXPECT_NEAR(found[3].value + 1.0, found[3].bound, 1e-9);

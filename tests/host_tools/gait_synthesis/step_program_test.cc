@@ -4,7 +4,7 @@
 
 #include <random>
 
-#include "host_tools/gait_synthesis/first_guess.h"
+#include "host_tools/gait_synthesis/initial_guess.h"
 #include "tests/robots.h"
 
 namespace stilt::gait_synthesis {
@@ -37,9 +37,9 @@ MatrixXd dense(const std::vector<StepProgram::Entry>& entries, Eigen::Index rows
 
 class StepProgramTest : public testing::TestWithParam<Case> {
  protected:
-  /// A step off its first guess, so that nothing vanishes by symmetry.
+  /// A step off its initial guess, so that nothing vanishes by symmetry.
   void SetUp() override {
-    start_ = first_guess(testing_support::amber3m().constants, task_, program_);
+    start_ = initial_guess(testing_support::amber3m().constants, task_, program_);
     std::mt19937 random(7);
     std::uniform_real_distribution<double> move(-0.02, 0.02);
     for (double& value : start_) value += move(random);

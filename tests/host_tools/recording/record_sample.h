@@ -21,17 +21,17 @@ inline control_loop::TickRecord sample_tick(std::uint64_t number) {
   return tick;
 }
 
-inline telemetry::Sample ticks_sample(std::uint64_t session, std::uint64_t first, std::size_t count) {
+inline telemetry::Sample ticks_sample(std::uint64_t run_id, std::uint64_t first, std::size_t count) {
   telemetry::TickBatchBuilder batch;
   for (std::size_t i = 0; i < count; ++i) batch.add(sample_tick(first + i));
-  batch.message().session = session;
+  batch.message().run_id = run_id;
   return {&telemetry::kTicks, 1'000, 1, telemetry::encode(batch.message())};
 }
 
-inline telemetry::Sample configuration_sample(std::uint64_t session, std::string toml) {
+inline telemetry::Sample configuration_sample(std::uint64_t run_id, std::string toml) {
   std::string robot = "amber3m", version = "9.9", other = "x";
   telemetry::ConfigurationInForce message{};
-  message.session = session;
+  message.run_id = run_id;
   message.robot = robot.data();
   message.configuration = toml.data();
   message.version = version.data();
@@ -41,10 +41,10 @@ inline telemetry::Sample configuration_sample(std::uint64_t session, std::string
   return {&telemetry::kConfiguration, 2'000, 1, telemetry::encode(message)};
 }
 
-inline telemetry::Sample event_sample(std::uint64_t session, std::string text) {
+inline telemetry::Sample event_sample(std::uint64_t run_id, std::string text) {
   std::string name = "walk";
   telemetry::Event message{};
-  message.session = session;
+  message.run_id = run_id;
   message.name = name.data();
   message.text = text.data();
   message.time_s = 0.1;

@@ -329,8 +329,8 @@ TEST(Planner, ReportsWeightsThatAreNotConvex) {
 
 TEST(Planner, ReportsAStepThatTheLineSearchRejects) {
   ControllerParameters parameters = shipped();
-  parameters.sqp.g_max = 0.0;  // with gamma_c = 1 no violation is small enough
-  parameters.sqp.gamma_c = 1.0;
+  parameters.sqp.filter_violation_max = 0.0;  // with filter_margin = 1 no violation is small enough
+  parameters.sqp.filter_margin = 1.0;
   Planning planning(parameters);
   const SolveReport report = planning.solve(kWalk);
   EXPECT_EQ(report.status, SolveStatus::step_rejected);

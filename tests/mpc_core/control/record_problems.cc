@@ -7,7 +7,7 @@
 ///   - the walk or the solve fails,
 ///   - the last of 40 full Gauss-Newton steps after 60 with line search still exceeds 1e-9 (any unit): slow,
 ///   or
-///   - one of three other first guesses leads to another optimum (relative cost 1e-9, trajectory 1e-8).
+///   - one of three other initial guesses leads to another optimum (relative cost 1e-9, trajectory 1e-8).
 #include <cmath>
 #include <cstdio>
 #include <exception>

@@ -134,19 +134,19 @@ sqp::SqpParameters with_line_search() {
           .step_tolerance = kSearchStep,
           .step_decrease = 0.5,
           .step_min = 1e-4,
-          .g_max = 1e6,
-          .g_min = 1e-6,
-          .gamma_c = 1e-6,
+          .filter_violation_max = 1e6,
+          .filter_violation_min = 1e-6,
+          .filter_margin = 1e-6,
           .armijo = 1e-4};
 }
 
-/// Any finite step passes: a negative gamma_c lets the violation grow.
+/// Any finite step passes: a negative filter_margin lets the violation grow.
 sqp::SqpParameters full_step() {
   sqp::SqpParameters parameters = with_line_search();
   parameters.iterations = 1;
   parameters.early_stop = false;
-  parameters.g_min = 0.0;
-  parameters.gamma_c = -1e100;
+  parameters.filter_violation_min = 0.0;
+  parameters.filter_margin = -1e100;
   return parameters;
 }
 

@@ -49,7 +49,7 @@ struct RecordedProblem {
   RecordedOptimum optimum;
 };
 
-/// A question laid out for the solver, with the planner's first guess: the initial state everywhere, moving
+/// A question laid out for the solver, with the planner's initial guess: the initial state everywhere, moving
 /// along with the reference in x, under the reference's inputs.
 struct PreparedProblem {
   ocp::ProblemData data;

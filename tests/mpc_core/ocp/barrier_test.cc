@@ -18,13 +18,13 @@ double barrier(const BarrierParameters& p, double h) {
 
 /// The second barrier of the pair is somewhere else and must not matter.
 BarrierSlope slope(const BarrierParameters& p, double h) {
-  return BarrierPair(p, Batch(h), Batch(1.7 * p.delta)).a;
+  return BarrierPair(p, Batch(h), Batch(1.7 * p.width)).a;
 }
 
 /// The formula of the header in the standard library's logarithm.
 double plain_barrier(const BarrierParameters& p, double h) {
-  if (h > p.delta) return -p.mu * std::log(h);
-  return p.mu * (-std::log(p.delta) + 0.5 * std::pow((h - 2.0 * p.delta) / p.delta, 2) - 0.5);
+  if (h > p.width) return -p.weight * std::log(h);
+  return p.weight * (-std::log(p.width) + 0.5 * std::pow((h - 2.0 * p.width) / p.width, 2) - 0.5);
 }
 
 constexpr BarrierParameters kBarriers[] = {{0.2, 5.0}, {0.2, 3.0}, {0.05, 0.05}, {0.05, 0.5}, {100.0, 1e-3}};
@@ -68,40 +68,41 @@ TEST(Logarithm, TreatsEveryLaneOnItsOwn) {
 
 TEST(Barrier, IsTheLogarithmAboveDeltaAndTheQuadraticBelow) {
   for (const BarrierParameters& p : kBarriers) {
-    for (double h = -20.0 * p.delta; h < 50.0 * p.delta; h += 0.37 * p.delta) {
+    for (double h = -20.0 * p.width; h < 50.0 * p.width; h += 0.37 * p.width) {
       const double expected = plain_barrier(p, h);
-      EXPECT_NEAR(barrier(p, h), expected, 1e-13 * (p.mu + std::abs(expected)))
-          << "delta " << p.delta << " h " << h;
+      EXPECT_NEAR(barrier(p, h), expected, 1e-13 * (p.weight + std::abs(expected)))
+          << "width " << p.width << " h " << h;
     }
   }
 }
 
 TEST(Barrier, IsTwiceContinuouslyDifferentiableAtDelta) {
   for (const BarrierParameters& p : kBarriers) {
-    const double above = p.delta * (1.0 + 1e-12);
-    EXPECT_NEAR(barrier(p, p.delta), barrier(p, above), 1e-10 * p.mu);
-    EXPECT_NEAR(slope(p, p.delta).first[0], slope(p, above).first[0], 1e-10 * p.mu / p.delta);
-    EXPECT_NEAR(slope(p, p.delta).second[0], slope(p, above).second[0], 1e-10 * p.mu / (p.delta * p.delta));
+    const double above = p.width * (1.0 + 1e-12);
+    EXPECT_NEAR(barrier(p, p.width), barrier(p, above), 1e-10 * p.weight);
+    EXPECT_NEAR(slope(p, p.width).first[0], slope(p, above).first[0], 1e-10 * p.weight / p.width);
+    EXPECT_NEAR(slope(p, p.width).second[0], slope(p, above).second[0],
+                1e-10 * p.weight / (p.width * p.width));
   }
 }
 
 TEST(Barrier, SlopesAreTheDifferencesOfTheValue) {
   for (const BarrierParameters& p : kBarriers) {
     for (const double ratio : {-30.0, -1.0, 0.0, 0.3, 0.999, 1.001, 1.7, 12.0}) {
-      const double h = ratio * p.delta;
-      const double step = 1e-5 * p.delta;
+      const double h = ratio * p.width;
+      const double step = 1e-5 * p.width;
       const double first = (barrier(p, h + step) - barrier(p, h - step)) / (2.0 * step);
       const double second = (slope(p, h + step).first[0] - slope(p, h - step).first[0]) / (2.0 * step);
-      const double scale = p.mu / p.delta * (1.0 + std::abs(ratio));
-      EXPECT_NEAR(slope(p, h).first[0], first, 1e-8 * scale) << "h/delta " << ratio;
-      EXPECT_NEAR(slope(p, h).second[0], second, 1e-8 * scale / p.delta) << "h/delta " << ratio;
+      const double scale = p.weight / p.width * (1.0 + std::abs(ratio));
+      EXPECT_NEAR(slope(p, h).first[0], first, 1e-8 * scale) << "h/width " << ratio;
+      EXPECT_NEAR(slope(p, h).second[0], second, 1e-8 * scale / p.width) << "h/width " << ratio;
     }
   }
 }
 
 TEST(Barrier, DecreasesAndCurvesUpwardEverywhere) {
   for (const BarrierParameters& p : kBarriers) {
-    for (double h = -100.0 * p.delta; h < 100.0 * p.delta; h += 0.73 * p.delta) {
+    for (double h = -100.0 * p.width; h < 100.0 * p.width; h += 0.73 * p.width) {
       EXPECT_LT(slope(p, h).first[0], 0.0);
       EXPECT_GT(slope(p, h).second[0], 0.0);
     }
@@ -122,7 +123,7 @@ TEST(Barrier, SumOfSixteenIsTheSumOfEach) {
     for (int term = 0; term < 16; ++term) {
       const Batch h([&](auto lane) {
         const bool inside = (sample + term + static_cast<int>(lane)) % 3 != 0;
-        return p.delta * (inside ? std::pow(10.0, exponent(random)) : below(random));
+        return p.width * (inside ? std::pow(10.0, exponent(random)) : below(random));
       });
       sum.add(h);
       for (int lane = 0; lane < model::kLanes; ++lane) {

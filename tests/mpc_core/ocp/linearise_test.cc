@@ -41,7 +41,8 @@ struct PlainStage {
     const int free = lq_stage.free_inputs;
     const int n = kStates + free;
     dynamics.resize(kStates, n);
-    dynamics << lq::testing::dense_dynamics(lq_stage), Padded(&lq_stage.B[0][0], kRows, free).topRows(kStates);
+    dynamics << lq::testing::dense_dynamics(lq_stage),
+        Padded(&lq_stage.B[0][0], kRows, free).topRows(kStates);
     defect = Eigen::Map<const Vector>(lq_stage.b, kStates);
     hessian.resize(n, n);
     hessian.topLeftCorner(kStates, kStates) = lq::testing::dense_hessian(lq_stage);
@@ -89,7 +90,7 @@ struct GaussNewton {
 };
 
 /// One group of batches that are linearised together, and a stage of the next.
-constexpr int kStages = kTogether * kLanes + 1;
+constexpr int kStages = kBatchesPerGroup * kLanes + 1;
 
 template <class Check>
 void for_random_stages(const Check& check) {

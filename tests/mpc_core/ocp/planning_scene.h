@@ -28,7 +28,7 @@ struct SceneOptions {
   ocp::Transition transition = ocp::Transition::identity;
 };
 
-/// A planning problem with the reference of every stage and a first guess (the initial state everywhere,
+/// A planning problem with the reference of every stage and a initial guess (the initial state everywhere,
 /// moving along with the reference in x).
 struct Scene {
   ocp::ProblemData data;

@@ -36,24 +36,24 @@ model::NodeTerms<T> node_terms(const ocp::ProblemData& data, const StageVector<T
 template <class T>
 T CostTerm<T>::value() const {
   if (barrier == nullptr) return 0.5 * weight * (y - reference) * (y - reference);
-  if (real_part(y) > barrier->delta) return -barrier->mu * std::log(y);
-  const T t = (y - 2.0 * barrier->delta) / barrier->delta;
-  return barrier->mu * (-std::log(barrier->delta) + 0.5 * t * t - 0.5);
+  if (real_part(y) > barrier->width) return -barrier->weight * std::log(y);
+  const T t = (y - 2.0 * barrier->width) / barrier->width;
+  return barrier->weight * (-std::log(barrier->width) + 0.5 * t * t - 0.5);
 }
 
 template <class T>
 double CostTerm<T>::first() const {
   const double h = real_part(y);
   if (barrier == nullptr) return weight * (h - reference);
-  if (h > barrier->delta) return -barrier->mu / h;
-  return barrier->mu * (h - 2.0 * barrier->delta) / (barrier->delta * barrier->delta);
+  if (h > barrier->width) return -barrier->weight / h;
+  return barrier->weight * (h - 2.0 * barrier->width) / (barrier->width * barrier->width);
 }
 
 template <class T>
 double CostTerm<T>::second() const {
   if (barrier == nullptr) return weight;
-  const double h = std::max(real_part(y), barrier->delta);
-  return barrier->mu / (h * h);
+  const double h = std::max(real_part(y), barrier->width);
+  return barrier->weight / (h * h);
 }
 
 template <class T>

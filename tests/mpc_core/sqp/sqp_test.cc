@@ -95,7 +95,7 @@ TEST(Sqp, UsesEveryIterationWithoutEarlyStop) {
 
 TEST(Sqp, RejectsAStepThatTheFilterRefusesAndLeavesTheIterateAlone) {
   Solve solve;
-  solve.parameters.gamma_c = 1e9;  // asks for more than any step can give
+  solve.parameters.filter_margin = 1e9;  // asks for more than any step can give
   const SolveReport report = solve.run();
   EXPECT_EQ(report.status, SolveStatus::step_rejected);
   EXPECT_EQ(report.iterations, 1);
@@ -108,8 +108,8 @@ TEST(Sqp, ARejectedLastStepHasNoLengthWhateverWasTakenBefore) {
   const auto prepared = [] {
     Solve solve;
     solve.parameters.early_stop = false;
-    solve.parameters.armijo = 1e6;  // no step below g_min is good enough
-    solve.parameters.g_min = 1e-3 * solve.violation();
+    solve.parameters.armijo = 1e6;  // no step below filter_violation_min is good enough
+    solve.parameters.filter_violation_min = 1e-3 * solve.violation();
     return solve;
   };
   Solve one_by_one = prepared();
@@ -254,7 +254,7 @@ TEST(Sqp, FeedbackGainTellsHowTheStepFollowsTheState) {
 
 TEST(SqpFilter, AboveGMaxTakesOnlyWhatReducesTheViolation) {
   Solve solve;
-  solve.parameters.g_max = 0.0;
+  solve.parameters.filter_violation_max = 0.0;
   double before = solve.violation();
   for (int iteration = 0; iteration < 20; ++iteration) {
     if (solve.run(1).step_length == 0.0) break;  // no step was taken
@@ -270,7 +270,7 @@ TEST(SqpFilter, BelowGMinAsksForDescentOfTheCost) {
     Solve solve;
     solve.converge();
     solve.scene->data.cost.foot_velocity *= 1.5;  // feasible as before, but no longer the best
-    solve.parameters.g_min = 1e3;
+    solve.parameters.filter_violation_min = 1e3;
     solve.parameters.armijo = armijo;
     return solve.run(1).status;
   };
@@ -284,7 +284,7 @@ TEST(SqpFilter, BelowGMinAShorterStepNeedsDescendLessInProportion) {
     Solve solve;
     solve.converge();
     solve.scene->data.cost.foot_velocity *= 1.01;
-    solve.parameters.g_min = 1e3;
+    solve.parameters.filter_violation_min = 1e3;
     solve.parameters.armijo = armijo;
     return solve.run(1).step_length;
   };
@@ -305,7 +305,7 @@ TEST(SqpFilter, OtherwiseTakesEitherASmallerViolationOrASmallerCost) {
   Solve feasible;
   feasible.converge();
   feasible.scene->data.cost.foot_velocity *= 1.5;
-  feasible.parameters.g_min = 0.0;
+  feasible.parameters.filter_violation_min = 0.0;
   const ocp::Merit before = feasible.merit();
   ASSERT_EQ(feasible.run(1).status, SolveStatus::iteration_limit);
   EXPECT_LT(feasible.merit().cost, before.cost);

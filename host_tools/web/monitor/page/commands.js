@@ -66,7 +66,7 @@ class CommandPanel {
     document.getElementById('height-value').textContent = `${Number(this.height.value).toFixed(3)} m`;
   }
 
-  /** Asked for when the slider is let go, as the planner's terminal cost is worked out anew for each. */
+  /** Asked for when the slider is released, as the planner's terminal cost is worked out anew for each. */
   changeHeight() {
     this.showHeight();
     const value = Number(this.height.value);

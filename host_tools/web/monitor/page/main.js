@@ -47,9 +47,9 @@ class Monitor {
         document.getElementById('event-list').replaceChildren();
       },
       configuration: () => {
-        const before = this.robot.configuration?.session;
+        const before = this.robot.configuration?.run_id;
         this.robot.configure(message);
-        const another = before !== undefined && before !== message.session;
+        const another = before !== undefined && before !== message.run_id;
         this.status.configure(message, another, now_s);
         this.tunables.configure(message.tunables);
         this.commands.configure(message);

@@ -71,7 +71,7 @@ function loopPlots() {
   return [
     {
       title: 'Torque loop: late by', axis: 'µs', unit: 'µs', digits: 0, table: 'ticks', fromZero: true, least: 50,
-      lines: [{ label: 'wake-up', colour: 'force', column: 'wakeup_us' }],
+      lines: [{ label: 'wake-up', colour: 'force', column: 'wakeup_latency_us' }],
     },
     {
       title: 'Torque loop: duration', axis: 'µs', unit: 'µs', digits: 0, table: 'ticks', fromZero: true, least: 50,

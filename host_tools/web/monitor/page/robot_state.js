@@ -13,7 +13,7 @@ class RobotState extends RobotData {
     this.configuration = null;
   }
 
-  /** Another session, or another monitor. */
+  /** Another run, or another monitor. */
   forget() {
     this.clear();
     this.supervisor = null;
@@ -38,7 +38,7 @@ class RobotState extends RobotData {
   }
 
   configure(configuration) {
-    if (this.configuration && this.configuration.session !== configuration.session) this.forget();
+    if (this.configuration && this.configuration.run_id !== configuration.run_id) this.forget();
     this.configuration = configuration;
     this.geometry = configuration.drawing;
   }

@@ -3,9 +3,9 @@
 const kStale_s = 0.5;
 const kReactionText = {
   none: 'nothing', warn: 'nothing; it is only reported', slow: 'walking becomes stepping in place, and that standing',
-  hold: 'holds the pose', sit: 'sits down, then damps the joints', damp: 'damps the joints', off: 'lets go of the motors',
+  hold: 'holds the pose', sit: 'sits down, then damps the joints', damp: 'damps the joints', off: 'disables the drivers',
 };
-const kRungText = {
+const kLevelText = {
   plan: 'following the newest plan', plan_feedback: 'following an older plan', gait: 'following the gait library',
   hold: 'holding the pose',
   sit: 'sitting down', damp: 'joints damped', off: 'motors left alone',
@@ -16,7 +16,7 @@ class StatusPanel {
     this.robot = robot;
     this.link = null;
     this.connected = false;
-    this.sessionChanged_s = -Infinity;
+    this.runChanged_s = -Infinity;
     this.lastFaults = null;
     this.ofOthers = 0;
     this.othersSeen_s = -Infinity;
@@ -40,14 +40,14 @@ class StatusPanel {
     document.getElementById('robot-name').textContent = configuration.robot.toUpperCase();
     document.title = `${configuration.robot} – Stilt`;
     document.getElementById('configuration').textContent = configuration.toml;
-    const facts = [['Session', configuration.session || 'not known'], ['Controller', configuration.build],
+    const facts = [['Run', configuration.run_id || 'not known'], ['Controller', configuration.build],
       ['Source', this.robot.hello.source]];
-    document.getElementById('session-list').replaceChildren(
+    document.getElementById('run-list').replaceChildren(
       ...facts.flatMap(([name, value]) => [element('dt', { textContent: name }), element('dd', { textContent: value })]));
-    if (isOther) this.sessionChanged_s = now_s;
+    if (isOther) this.runChanged_s = now_s;
   }
 
-  /** The supervisor's state, the ladder's rung and the faults. */
+  /** The supervisor's state, the fallback level and the faults. */
   supervise(message) {
     const { hello } = this.robot;
     const name = hello.states[message.state].name;
@@ -55,8 +55,8 @@ class StatusPanel {
     pill.textContent = name;
     pill.dataset.state = name;
     document.getElementById('state-text').textContent =
-      `${hello.states[message.state].description}. Now: ${kRungText[hello.rungs[message.rung]] ?? hello.rungs[message.rung]}.` +
-      (message.commander === '' ? ' Nobody is in command.'
+      `${hello.states[message.state].description}. Now: ${kLevelText[hello.fallback_levels[message.fallback_level]] ?? hello.fallback_levels[message.fallback_level]}.` +
+      (message.commander === '' ? ' No commander.'
         : ` In command: ${message.commander}${message.commander_alive ? '' : ', silent'}.`);
     this.showFaults(message);
   }
@@ -75,7 +75,7 @@ class StatusPanel {
     document.body.classList.toggle('faulty', message.latched !== 0);
   }
 
-  /** Says how old the picture is; called several times a second. */
+  /** Says how old the picture is; called several times per second. */
   update(now_s) {
     const { alarm, level } = this.alarmNow();
     const box = document.getElementById('alarm');
@@ -83,12 +83,12 @@ class StatusPanel {
     if (alarm !== null && box.textContent !== alarm) box.textContent = alarm;
     document.body.classList.toggle('stale', level === 'stale');
     document.body.classList.toggle('waiting', level === 'waiting');
-    document.getElementById('stage-cover').textContent = level === 'stale' ? 'OLD PICTURE' : level === 'waiting' ? 'NO DATA YET' : '';
+    document.getElementById('stage-cover').textContent = level === 'stale' ? 'STALE DATA' : level === 'waiting' ? 'NO DATA YET' : '';
     const note = document.getElementById('note');
-    const fresh = now_s - this.sessionChanged_s < 15;
+    const fresh = now_s - this.runChanged_s < 15;
     note.hidden = !fresh;
     if (fresh) {
-      note.textContent = `Another session: the controller was started anew (${this.robot.configuration?.session}). ` +
+      note.textContent = `Another run: the controller was started anew (${this.robot.configuration?.run_id}). ` +
         'What was before it is gone from the plots, and it takes commands with its own token.';
     }
     this.writeLink();
@@ -99,16 +99,16 @@ class StatusPanel {
     if (!this.connected) {
       return { level: 'stale', alarm: 'The monitor does not answer: stilt monitor has ended, or the network is gone. Trying again.' };
     }
-    if (!link || !link.heard) {
-      return { level: 'waiting', alarm: `Waiting for a controller: nothing heard yet from ${this.robot.hello?.source ?? 'the source'}.` };
+    if (!link || !link.received) {
+      return { level: 'waiting', alarm: `Waiting for a controller: nothing received yet from ${this.robot.hello?.source ?? 'the source'}.` };
     }
     if (link.silent_s > kStale_s && this.robot.hello.live) {
-      return { level: 'stale', alarm: `No data for ${link.silent_s.toFixed(1)} s: the picture is old. stiltd has ended, or the network is gone.` };
+      return { level: 'stale', alarm: `No data for ${link.silent_s.toFixed(1)} s: the data are stale. stiltd has ended, or the network is gone.` };
     }
     if (link.of_others > this.ofOthers) this.othersSeen_s = performance.now() / 1000;
     this.ofOthers = link.of_others;
     if (performance.now() / 1000 - this.othersSeen_s < 3) {
-      return { level: 'live', alarm: 'Two controllers talk at once: samples of the other session are left out.' };
+      return { level: 'live', alarm: 'Two controllers talk at once: samples of the other run are left out.' };
     }
     return { level: 'live', alarm: null };
   }
@@ -116,7 +116,7 @@ class StatusPanel {
   writeLink() {
     const link = this.link;
     const lost = link ? link.missing + link.not_sent + (this.robot.timing?.dropped ?? 0) : 0;
-    const text = !this.connected ? 'monitor lost' : !link?.heard ? 'waiting'
+    const text = !this.connected ? 'monitor lost' : !link?.received ? 'waiting'
       : !this.robot.hello.live ? 'record'
       : link.silent_s > kStale_s ? `silent ${link.silent_s.toFixed(0)} s` : 'live';
     const box = document.getElementById('link-status');

@@ -1,7 +1,7 @@
 // Histograms of durations: logarithmic time, logarithmic count, deadline as a line.
 
 const kHistogramHeight_px = 120;
-const kHistogramTitles = { wakeup: 'Wake-up: late by', execution: 'Duration of a tick', bus_round_trip: 'Bus round trip', solve: 'Solve' };
+const kHistogramTitles = { wakeup_latency: 'Wake-up latency', execution: 'Duration of a tick', bus_round_trip: 'Bus round trip', solve: 'Solve' };
 const kDecades = [0, 5];  // 1 us to 100 ms
 
 function duration(us) {

@@ -36,8 +36,8 @@ TEST_F(LoadLibrary, HasTheShippedGaitsOfAmberFromTheSlowestOn) {
 }
 
 TEST_F(LoadLibrary, SaysThatARobotHasNoGaits) {
-  EXPECT_EQ(load_shipped_library("nobody", *library_).error(),
-            "no gaits of nobody are shipped; stilt gait library makes a folder of them");
+  EXPECT_EQ(load_shipped_library("nonsense", *library_).error(),
+            "no gaits of nonsense are shipped; stilt gait library makes a folder of them");
 }
 
 TEST_F(LoadLibrary, SortsTheFilesOfAFolderBySpeed) {

@@ -210,7 +210,7 @@ TEST_F(FrameSocketTest, AtMostOneCommandOfAnIdentifierIsUnconfirmed) {
   const std::vector<CanFrame> commands{classic_frame(1, 8), classic_frame(2, 8)};
   ASSERT_EQ(socket.send(commands).status, BusStatus::ok);
   EXPECT_EQ(socket.unconfirmed(), 2u);
-  for (int tick = 0; tick < 50; ++tick) {  // drivers without power: nobody acknowledges
+  for (int tick = 0; tick < 50; ++tick) {  // drivers without power: no node acknowledges
     const SendResult result = socket.send(commands);
     EXPECT_EQ(result.sent, 0u);
     EXPECT_EQ(result.status, BusStatus::unconfirmed);

@@ -47,7 +47,7 @@ class RecordToCsv : public testing::Test {
 TEST_F(RecordToCsv, TicksAreRowsAsInABlackBox) {
   const Written written = record_to_csv(record.path(), folder.string());
   EXPECT_TRUE(written.problems.empty());
-  for (const auto& [file, ticks] : {std::pair{"ticks.csv", 30u}, {"ticks_2.csv", 5u}}) {  // a session each
+  for (const auto& [file, ticks] : {std::pair{"ticks.csv", 30u}, {"ticks_2.csv", 5u}}) {  // a run each
     std::ostringstream expected;
     diagnostics::write_tick_header(expected);
     for (std::uint64_t tick = 0; tick < ticks; ++tick) {
@@ -62,12 +62,12 @@ TEST_F(RecordToCsv, OtherTopicsAreTablesWithTheFieldsOfTheirMessages) {
   static_cast<void>(record_to_csv(record.path(), folder.string()));
   const std::vector<std::string> lines = lines_of(folder / "stilt_event.csv");
   ASSERT_EQ(lines.size(), 2u);
-  EXPECT_EQ(lines[0].find("log_time_ns,session,number,"), 0u) << lines[0];
+  EXPECT_EQ(lines[0].find("log_time_ns,run_id,number,"), 0u) << lines[0];
   EXPECT_EQ(lines[1].find("123,7,0,0,0.1,"), 0u) << lines[1];
   EXPECT_NE(lines[1].find(R"("it said ""stop"", then went on")"), std::string::npos) << lines[1];
 }
 
-TEST_F(RecordToCsv, AFileTakesTheTicksOfAllSessions) {
+TEST_F(RecordToCsv, AFileTakesTheTicksOfAllRuns) {
   const std::string file = folder.string() + ".csv";
   static_cast<void>(ticks_to_csv(record.path(), file));
   EXPECT_EQ(lines_of(file).size(), 36u);

@@ -52,7 +52,7 @@ inline void write_sample(Writer& writer) {
     writer.write(
         {i % 2 == 0 ? first : second, static_cast<std::uint32_t>(i), 1'000'000 + i * 100, 900'000 + i, data});
     if (i % 10 == 9) writer.flush();
-    if (i == 39) writer.write_metadata({"session", {{"number", "17"}}});
+    if (i == 39) writer.write_metadata({"run", {{"number", "17"}}});
   }
   writer.attach({7, 8, "robot.urdf", "application/xml", std::string(1000, 'x')});
 }

@@ -39,7 +39,7 @@ const std::vector<Change> kCycleFields = {
     {"number of solves", [](CycleRecord& r) { change(r.cycle); }},
     {"", [](CycleRecord& r) { change(r.tick); }},
     {"time_s of the plan's request", [](CycleRecord& r) { change(r.time_s); }},
-    {"standing of the plan's request", [](CycleRecord& r) { change(r.standing); }},
+    {"stance episode of the plan's request", [](CycleRecord& r) { change(r.stance_episode); }},
     {"sequence of the plan", [](CycleRecord& r) { change(r.plan_sequence); }},
     {"failures in a row", [](CycleRecord& r) { change(r.failures); }},
     {"", [](CycleRecord& r) { change(r.tuning); }},
@@ -81,8 +81,8 @@ TEST(Difference, OneBitOfAnyOutputOfATickIsFoundAndNamed) {
     }
   }
   for (const char* name :
-       {"action", "state", "level", "reaction", "present faults", "latched faults", "ramp",
-        "sequence of the plan in use", "plan_age_s", "standing", "gait", "gait speed_m_s"}) {
+       {"action", "state", "fallback level", "reaction", "present faults", "latched faults", "ramp",
+        "sequence of the plan in use", "plan_age_s", "stance episode", "gait", "gait speed_m_s"}) {
     first.emplace_back(name);
   }
   EXPECT_EQ(differences_of_ticks(0), first);
@@ -113,7 +113,7 @@ TEST(Difference, OneBitOfAnyOutputOfASolveIsFoundAndNamed) {
 
 /// Does not compile once a solve has another field, which then is missing in the table above.
 TEST(Difference, TheTableAboveHasEveryFieldOfASolve) {
-  const auto& [cycle, of_tick, time, standing, plan, failures, tuning, nodes, checksum, solve, report] =
+  const auto& [cycle, of_tick, time, stance_episode, plan, failures, tuning, nodes, checksum, solve, report] =
       CycleRecord{};
   EXPECT_EQ(cycle, 0u);
 }

@@ -10,7 +10,7 @@
 #include "firmware/telemetry/cycle_message.h"
 #include "firmware/telemetry/sequence.h"
 #include "host_tools/recording/record/recorder.h"
-#include "host_tools/recording/replay/replay_session.h"
+#include "host_tools/recording/replay/replay_run.h"
 #include "tests/host_tools/recording/mcap/sample_file.h"
 #include "tests/host_tools/recording/record_sample.h"
 #include "tests/host_tools/recording/replay/recorded_walk.h"
@@ -18,34 +18,34 @@
 namespace stilt::replay {
 namespace {
 
-constexpr std::uint64_t kSession = 7;
+constexpr std::uint64_t kRun = 7;
 constexpr std::size_t kBatch = 20;
 
-telemetry::Sample cycle_sample(std::uint64_t session, const control_loop::CycleRecord& record) {
+telemetry::Sample cycle_sample(std::uint64_t run_id, const control_loop::CycleRecord& record) {
   telemetry::PlannerCycle message = telemetry::cycle_message(record);
-  message.session = session;
+  message.run_id = run_id;
   return {&telemetry::kPlannerCycles, 0, 1, telemetry::encode(message)};
 }
 
-telemetry::Sample tuning_sample(std::uint64_t session, std::uint32_t number, std::vector<double> values) {
+telemetry::Sample tuning_sample(std::uint64_t run_id, std::uint32_t number, std::vector<double> values) {
   telemetry::Tuning message{};
-  message.session = session;
+  message.run_id = run_id;
   message.number = number;
-  telemetry::lend(message.key, "");
-  telemetry::lend(message.commander, "");
-  telemetry::lend(message.values, values);
+  telemetry::set_view(message.key, "");
+  telemetry::set_view(message.commander, "");
+  telemetry::set_view(message.values, values);
   return {&telemetry::kTuning, 0, 1, telemetry::encode(message)};
 }
 
-telemetry::Sample batch_sample(std::uint64_t session, std::span<const control_loop::TickRecord> ticks) {
+telemetry::Sample batch_sample(std::uint64_t run_id, std::span<const control_loop::TickRecord> ticks) {
   telemetry::TickBatchBuilder batch;
   for (const control_loop::TickRecord& tick : ticks) batch.add(tick);
-  batch.message().session = session;
+  batch.message().run_id = run_id;
   return {&telemetry::kTicks, 0, 1, telemetry::encode(batch.message())};
 }
 
 /// What stiltd says of itself, with the keys of its live tunables.
-telemetry::Sample configuration_sample(std::uint64_t session, const configuration::Configuration& in_force) {
+telemetry::Sample configuration_sample(std::uint64_t run_id, const configuration::Configuration& in_force) {
   std::string toml = configuration::to_toml(in_force, "");
   std::vector<std::string> keys;
   for (const auto& tunable : configuration::live_tunables(in_force)) keys.push_back(tunable.entry->name());
@@ -53,52 +53,52 @@ telemetry::Sample configuration_sample(std::uint64_t session, const configuratio
   std::vector<stilt_msgs_msg_dds__Tunable_> tunables;
   for (std::string& key : keys) tunables.push_back({key.data(), none.data(), none.data(), 0, 0, 0});
   telemetry::ConfigurationInForce message{};
-  message.session = session;
-  telemetry::lend(message.robot, "amber3m");
-  telemetry::lend(message.configuration, toml);
-  telemetry::lend(message.version, "9.9");
-  telemetry::lend(message.compiler, "gcc");
-  telemetry::lend(message.instruction_set, "avx2");
-  telemetry::lend(message.realtime, "");
-  telemetry::lend(message.token_file, "");
-  telemetry::lend(message.tunables, tunables);
+  message.run_id = run_id;
+  telemetry::set_view(message.robot, "amber3m");
+  telemetry::set_view(message.configuration, toml);
+  telemetry::set_view(message.version, "9.9");
+  telemetry::set_view(message.compiler, "gcc");
+  telemetry::set_view(message.instruction_set, "avx2");
+  telemetry::set_view(message.realtime, "");
+  telemetry::set_view(message.token_file, "");
+  telemetry::set_view(message.tunables, tunables);
   return {&telemetry::kConfiguration, 0, 1, telemetry::encode(message)};
 }
 
 /// Ticks and solves of the recorded walk; the rest is the test's.
-void take_run(record::Recorder& recorder, std::uint64_t session) {
+void take_run(record::Recorder& recorder, std::uint64_t run_id) {
   const std::span<const control_loop::TickRecord> ticks = recorded_walk().ticks;
   for (std::size_t first = 0; first < ticks.size(); first += kBatch) {
-    recorder.take(batch_sample(session, ticks.subspan(first, std::min(kBatch, ticks.size() - first))), 1);
+    recorder.take(batch_sample(run_id, ticks.subspan(first, std::min(kBatch, ticks.size() - first))), 1);
   }
   for (const control_loop::CycleRecord& cycle : recorded_walk().cycles) {
-    recorder.take(cycle_sample(session, cycle), 2);
+    recorder.take(cycle_sample(run_id, cycle), 2);
   }
 }
 
-TEST(RecordFile, ASessionHasConfigurationTuningsSolvesAndTicks) {
-  const mcap::TemporaryFile file("session");
+TEST(RecordFile, ARunHasConfigurationTuningsSolvesAndTicks) {
+  const mcap::TemporaryFile file("run");
   {
     record::Recorder recorder(file.path(), {});
-    recorder.take(configuration_sample(kSession, recorded_walk().configuration), 1);
-    recorder.take(tuning_sample(kSession, 3, {1.5, 2.5}), 1);
-    recorder.take(cycle_sample(kSession, recorded_walk().cycles[40]), 1);
-    recorder.take(record::ticks_sample(kSession, 0, 20), 1);
+    recorder.take(configuration_sample(kRun, recorded_walk().configuration), 1);
+    recorder.take(tuning_sample(kRun, 3, {1.5, 2.5}), 1);
+    recorder.take(cycle_sample(kRun, recorded_walk().cycles[40]), 1);
+    recorder.take(record::ticks_sample(kRun, 0, 20), 1);
   }
   const RecordContents contents = read_contents(file.path());
-  ASSERT_EQ(contents.sessions.size(), 1u);
+  ASSERT_EQ(contents.runs.size(), 1u);
   EXPECT_TRUE(contents.problems.empty());
-  const SessionRecord& session = contents.sessions[0];
-  EXPECT_EQ(session.number, kSession);
-  EXPECT_TRUE(session.configured);
-  EXPECT_EQ(session.robot, "amber3m");
-  EXPECT_EQ(session.build, "9.9, gcc, avx2");
-  EXPECT_EQ(session.configuration, configuration::to_toml(recorded_walk().configuration, ""));
-  EXPECT_EQ(session.tunables.size(), configuration::live_tunables(recorded_walk().configuration).size());
-  EXPECT_EQ(session.tunings.at(3), (std::vector{1.5, 2.5}));
-  EXPECT_EQ(session.ticks.count(), 20u);
-  ASSERT_EQ(session.cycles.size(), 1u);
-  const control_loop::CycleRecord &found = session.cycles[0], &wanted = recorded_walk().cycles[40];
+  const RunRecord& run = contents.runs[0];
+  EXPECT_EQ(run.number, kRun);
+  EXPECT_TRUE(run.configured);
+  EXPECT_EQ(run.robot, "amber3m");
+  EXPECT_EQ(run.build, "9.9, gcc, avx2");
+  EXPECT_EQ(run.configuration, configuration::to_toml(recorded_walk().configuration, ""));
+  EXPECT_EQ(run.tunables.size(), configuration::live_tunables(recorded_walk().configuration).size());
+  EXPECT_EQ(run.tunings.at(3), (std::vector{1.5, 2.5}));
+  EXPECT_EQ(run.ticks.count(), 20u);
+  ASSERT_EQ(run.cycles.size(), 1u);
+  const control_loop::CycleRecord &found = run.cycles[0], &wanted = recorded_walk().cycles[40];
   EXPECT_FALSE(compare(wanted, found));
   EXPECT_EQ(found.tick, wanted.tick);
   EXPECT_EQ(found.tuning, wanted.tuning);
@@ -110,54 +110,54 @@ TEST(RecordFile, SolvesAndTicksThatComeTwiceAreTakenOnce) {
   {
     record::Recorder recorder(file.path(), {});
     for (const std::size_t cycle : {0u, 1u, 1u, 0u, 2u}) {
-      recorder.take(cycle_sample(kSession, recorded_walk().cycles[cycle]), 1);
+      recorder.take(cycle_sample(kRun, recorded_walk().cycles[cycle]), 1);
     }
     for (const std::uint64_t first : {0u, 10u, 10u, 30u}) {
-      recorder.take(record::ticks_sample(kSession, first, 20), 1);
+      recorder.take(record::ticks_sample(kRun, first, 20), 1);
     }
   }
   const RecordContents contents = read_contents(file.path());
-  ASSERT_EQ(contents.sessions.at(0).cycles.size(), 3u);
-  EXPECT_FALSE(contents.sessions[0].configured);
+  ASSERT_EQ(contents.runs.at(0).cycles.size(), 3u);
+  EXPECT_FALSE(contents.runs[0].configured);
   std::uint64_t next = 0;
-  for_each_tick(file.path(), kSession, [&](const control_loop::TickRecord& tick) {
+  for_each_tick(file.path(), kRun, [&](const control_loop::TickRecord& tick) {
     EXPECT_EQ(tick.tick, next++);
     return true;
   });
   EXPECT_EQ(next, 50u);
 }
 
-TEST(RecordFile, TicksAreThoseOfTheirSessionUntilTheyAreEnough) {
-  const mcap::TemporaryFile file("sessions");
+TEST(RecordFile, TicksAreThoseOfTheirRunUntilTheyAreEnough) {
+  const mcap::TemporaryFile file("runs");
   {
     record::Recorder recorder(file.path(), {});
     recorder.take(record::ticks_sample(8, 0, 5), 1);
-    recorder.take(record::ticks_sample(kSession, 0, 20), 1);
+    recorder.take(record::ticks_sample(kRun, 0, 20), 1);
     recorder.take(record::ticks_sample(8, 5, 5), 1);
-    recorder.take(record::ticks_sample(kSession, 20, 20), 1);
+    recorder.take(record::ticks_sample(kRun, 20, 20), 1);
   }
-  EXPECT_EQ(read_contents(file.path()).sessions.size(), 2u);
+  EXPECT_EQ(read_contents(file.path()).runs.size(), 2u);
   int ticks = 0;
   for_each_tick(file.path(), 8, [&](const control_loop::TickRecord&) { return ++ticks < 100; });
   EXPECT_EQ(ticks, 10);
-  for_each_tick(file.path(), kSession, [&](const control_loop::TickRecord&) { return ++ticks < 13; });
+  for_each_tick(file.path(), kRun, [&](const control_loop::TickRecord&) { return ++ticks < 13; });
   EXPECT_EQ(ticks, 13);
 }
 
-TEST(ReplaySession, TheRecordedWalkComesOutTheSameWithItsTunings) {
+TEST(ReplayRun, TheRecordedWalkComesOutTheSameWithItsTunings) {
   const mcap::TemporaryFile file("walk");
   {
     record::Recorder recorder(file.path(), {});
-    recorder.take(configuration_sample(kSession, recorded_walk().configuration), 1);
+    recorder.take(configuration_sample(kRun, recorded_walk().configuration), 1);
     for (const auto& [number, values] : recorded_walk().live_values) {
-      recorder.take(tuning_sample(kSession, number, values), 1);
+      recorder.take(tuning_sample(kRun, number, values), 1);
     }
-    take_run(recorder, kSession);
+    take_run(recorder, kRun);
   }
   std::vector<std::uint64_t> progress;
   const RecordContents contents = read_contents(file.path());
-  const Outcome outcome = replay_session(file.path(), contents.sessions.at(0),
-                                         [&](std::uint64_t tick) { progress.push_back(tick); });
+  const Outcome outcome =
+      replay_run(file.path(), contents.runs.at(0), [&](std::uint64_t tick) { progress.push_back(tick); });
   EXPECT_TRUE(outcome.reproduced()) << outcome.problem
                                     << (outcome.difference ? outcome.difference->text() : "");
   EXPECT_EQ(outcome.ticks, recorded_walk().ticks.size());
@@ -165,42 +165,41 @@ TEST(ReplaySession, TheRecordedWalkComesOutTheSameWithItsTunings) {
   EXPECT_EQ(progress, (std::vector<std::uint64_t>{0, 1000, 2000, 3000}));
 }
 
-/// A session of the recorded walk in a record, and how its replay ends.
+/// A run of the recorded walk in a record, and how its replay ends.
 Outcome replayed(const std::function<void(record::Recorder&)>& take_more) {
   const mcap::TemporaryFile file("part");
   {
     record::Recorder recorder(file.path(), {});
     take_more(recorder);
   }
-  return replay_session(file.path(), read_contents(file.path()).sessions.at(0));
+  return replay_run(file.path(), read_contents(file.path()).runs.at(0));
 }
 
-TEST(ReplaySession, WhatTheRecordLacksIsTold) {
+TEST(ReplayRun, WhatTheRecordLacksIsTold) {
   const configuration::Configuration& in_force = recorded_walk().configuration;
-  EXPECT_EQ(replayed([](auto& recorder) { take_run(recorder, kSession); }).problem,
+  EXPECT_EQ(replayed([](auto& recorder) { take_run(recorder, kRun); }).problem,
             "its configuration is missing in the record; record from before stiltd ends");
-  EXPECT_EQ(
-      replayed([&](auto& recorder) { recorder.take(configuration_sample(kSession, in_force), 1); }).problem,
-      "the record holds no ticks of it");
+  EXPECT_EQ(replayed([&](auto& recorder) { recorder.take(configuration_sample(kRun, in_force), 1); }).problem,
+            "the record holds no ticks of it");
   EXPECT_NE(replayed([&](auto& recorder) {
-              recorder.take(configuration_sample(kSession, in_force), 1);
-              take_run(recorder, kSession);
+              recorder.take(configuration_sample(kRun, in_force), 1);
+              take_run(recorder, kRun);
             }).problem.find("tuning 1 of "),
             std::string::npos);
   EXPECT_NE(replayed([&](auto& recorder) {
-              recorder.take(record::configuration_sample(kSession, "gait = 1"), 1);
+              recorder.take(record::configuration_sample(kRun, "gait = 1"), 1);
             }).problem.find("the recorded configuration is refused by this program: "),
             std::string::npos);
 }
 
-TEST(ReplaySession, TuningsOfAProgramWithOtherTunablesAreNotApplied) {
+TEST(ReplayRun, TuningsOfAProgramWithOtherTunablesAreNotApplied) {
   const Outcome outcome = replayed([](record::Recorder& recorder) {
     std::string toml = configuration::to_toml(recorded_walk().configuration, "");
-    recorder.take(record::configuration_sample(kSession, toml), 1);  // names no tunables
+    recorder.take(record::configuration_sample(kRun, toml), 1);  // names no tunables
     for (const auto& [number, values] : recorded_walk().live_values) {
-      recorder.take(tuning_sample(kSession, number, values), 1);
+      recorder.take(tuning_sample(kRun, number, values), 1);
     }
-    take_run(recorder, kSession);
+    take_run(recorder, kRun);
   });
   EXPECT_NE(outcome.problem.find("tuning 1 of "), std::string::npos) << outcome.problem;
   EXPECT_FALSE(outcome.difference);

@@ -69,7 +69,7 @@ class Run {
     const std::int64_t now_ns = 1'000'000'000 + tick_ * kTick_ns;
     const control_loop::TickRecord sensed = sense(now_ns);
     robot_.set(sensed);
-    loop_.tick({.now_ns = now_ns, .late_ns = tick_ % 7});
+    loop_.tick({.now_ns = now_ns, .wakeup_latency_ns = tick_ % 7});
     walk_.ticks.push_back(*mail_->telemetry.front());
     mail_->telemetry.pop();
     plan();
@@ -88,7 +88,7 @@ class Run {
 
   void plan() {
     const control_loop::PlanningRequest& request = mail_->requests.newest();
-    if (request.session == 0 || tick_ % kPlanPeriod != 0) return;
+    if (request.stance_episode == 0 || tick_ % kPlanPeriod != 0) return;
     fresh_ = planner_.plan(request, *mail_);
     planner_.record(request, fresh_, 0, *mail_);
     walk_.cycles.push_back(*mail_->cycles.front());

@@ -99,7 +99,7 @@ TEST_F(ReplayTest, OneBitOfAPlanIsFoundInTheTickItStartsFrom) {
 TEST_F(ReplayTest, ASolveThatTheRecordTellsOtherwiseIsFound) {
   const std::pair<const char*, std::function<void(CycleRecord&)>> changes[] = {
       {"time_s of the plan's request", [](CycleRecord& solve) { nudge(solve.time_s); }},
-      {"standing of the plan's request", [](CycleRecord& solve) { ++solve.standing; }},
+      {"stance episode of the plan's request", [](CycleRecord& solve) { ++solve.stance_episode; }},
       {"status of the solve", [](CycleRecord& solve) { solve.report.status = sqp::SolveStatus::not_convex; }},
       {"failures in a row", [](CycleRecord& solve) { ++solve.failures; }},
       {"sequence of the plan", [](CycleRecord& solve) { ++solve.plan_sequence; }},

@@ -49,13 +49,13 @@ TEST(FaultPlan, AFaultIsActiveFromItsStartForItsDuration) {
 
 TEST(FaultPlan, AFaultStrikesItsTargetOnly) {
   const TimedFault joint = parse_fault("drop:knee_L@1");
-  EXPECT_TRUE(joint.strikes(0, 1));
-  EXPECT_FALSE(joint.strikes(0, 0));
-  EXPECT_FALSE(joint.strikes(0, std::nullopt)) << "the base sensor is no joint";
+  EXPECT_TRUE(joint.affects(0, 1));
+  EXPECT_FALSE(joint.affects(0, 0));
+  EXPECT_FALSE(joint.affects(0, std::nullopt)) << "the torso sensor is no joint";
   const TimedFault bus = parse_fault("drop:1@1");
-  EXPECT_TRUE(bus.strikes(1, std::nullopt));
-  EXPECT_FALSE(bus.strikes(0, 1));
-  EXPECT_TRUE(parse_fault("drop@1").strikes(0, std::nullopt));
+  EXPECT_TRUE(bus.affects(1, std::nullopt));
+  EXPECT_FALSE(bus.affects(0, 1));
+  EXPECT_TRUE(parse_fault("drop@1").affects(0, std::nullopt));
 }
 
 TEST(FaultPlan, MistakesAreNamedInOneSentence) {

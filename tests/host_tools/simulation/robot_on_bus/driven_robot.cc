@@ -8,7 +8,7 @@
 namespace stilt::robot_on_bus::testing_support {
 
 hal::SendResult DirectBus::send(std::span<const hal::CanFrame> frames) noexcept {
-  for (const hal::CanFrame& frame : frames) robot_.hear(now_ns_, bus_, frame);
+  for (const hal::CanFrame& frame : frames) robot_.receive(now_ns_, bus_, frame);
   return {frames.size(), hal::BusStatus::ok};
 }
 

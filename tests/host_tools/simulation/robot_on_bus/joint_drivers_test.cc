@@ -61,15 +61,15 @@ INSTANTIATE_TEST_SUITE_P(EveryProtocol, JointDriversOf, testing::Values("mit_dam
 TEST(JointDrivers, AnExtraEncoderShowsThePitchOfTheBase) {
   for (const char* reversed : {"false", "true"}) {
     RobotRequest request = drivers("moteus", "6");
-    request.settings.emplace_back("base_sensor.encoder_joint=2");
-    request.settings.emplace_back(std::string("base_sensor.encoder_reversed=") + reversed);
-    request.settings.emplace_back("base_sensor.encoder_offset_rad=0.15");
+    request.settings.emplace_back("torso_sensor.encoder_joint=2");
+    request.settings.emplace_back(std::string("torso_sensor.encoder_reversed=") + reversed);
+    request.settings.emplace_back("torso_sensor.encoder_offset_rad=0.15");
     DrivenRobot driven(request);
     ASSERT_TRUE(driven.enable());
     const hal::JointCommands nothing{};
     for (int i = 0; i < 3; ++i) driven.tick(&nothing);
     const model::StateVector state = driven.robot.plant().state();
-    EXPECT_EQ(driven.base.missed, 0u);
+    EXPECT_EQ(driven.base.missed_replies, 0u);
     EXPECT_NEAR(driven.base.pitch_rad, state[model::kFirstAngle], 1e-3) << reversed;
     EXPECT_NEAR(driven.base.pitch_rate_rad_s, state[model::kPositions + model::kFirstAngle], 0.02)
         << reversed;

@@ -56,7 +56,7 @@ class LockstepExchangeTest : public testing::Test {
 
   std::array<MemoryBus, 2> buses_;
   FrameLog log_{""};
-  RobotOnBus robot_{setup_of({{"base_sensor.rate_hz=1000"}, {}, {}, {}})};  ///< a frame a tick
+  RobotOnBus robot_{setup_of({{"torso_sensor.rate_hz=1000"}, {}, {}, {}})};  ///< one frame per tick
   std::array<hal::FrameBus*, 2> ends_of_buses_{&buses_[0], &buses_[1]};
   BusEnds ends_{robot_, ends_of_buses_, log_};
   LockstepExchange exchange_{robot_, ends_, 0.001};
@@ -76,7 +76,7 @@ TEST_F(LockstepExchangeTest, EachLaterTickAdvancesByOneAndEndsWithSync) {
     EXPECT_EQ(robot_.ticks(), tick);
     for (const MemoryBus& bus : buses_) EXPECT_TRUE(ends_with_sync(bus, tick));
   }
-  EXPECT_EQ(buses_[0].to_controller.size(), 5u + 4u) << "syncs, and the base sensor from tick 1 on";
+  EXPECT_EQ(buses_[0].to_controller.size(), 5u + 4u) << "syncs, and the torso sensor from tick 1 on";
 }
 
 TEST_F(LockstepExchangeTest, NothingHappensBeforeEveryBusHasEndedItsTurn) {

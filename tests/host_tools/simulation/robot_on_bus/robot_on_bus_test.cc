@@ -18,13 +18,14 @@ constexpr gait::GaitCommand kStand{gait::GaitKind::stand, 0.0};
 constexpr std::size_t kKneeLeft = 1;
 constexpr double kFaultStart_s = 0.1;
 
-/// A frame of the base sensor in every tick, so that ticks can be counted.
+/// A frame of the torso sensor in every tick, so that ticks can be counted.
 RobotRequest every_tick(RobotRequest request) {
-  request.settings.emplace_back("base_sensor.rate_hz=1000");
+  request.settings.emplace_back("torso_sensor.rate_hz=1000");
   return request;
 }
 
-/// A robot that stands on its own, with a fault 0.1 s after the hoist has let go, advanced to just before it.
+/// A robot that stands on its own, with a fault 0.1 s after the gantry has released the robot, advanced to
+/// just before it.
 class Standing {
  public:
   explicit Standing(const std::string& fault, RobotRequest request = {})
@@ -32,7 +33,7 @@ class Standing {
 
   [[nodiscard]] bool stand() {
     for (int i = 0; i < 4000 && driven.robot.walk_time_s().value_or(-1.0) < kFaultStart_s; ++i) tick();
-    return driven.robot.walk_time_s().has_value() && driven.robot.struck_faults().empty();
+    return driven.robot.walk_time_s().has_value() && driven.robot.injected_faults().empty();
   }
   void tick() { controller_.tick(kStand); }
 
@@ -70,32 +71,32 @@ TEST(RobotOnBus, EqualCallsGiveEqualFrames) {
   EXPECT_GT(frames.size(), 100'000u);
 }
 
-TEST(RobotOnBus, TheBaseSensorSendsAtItsOwnRate) {
+TEST(RobotOnBus, TheTorsoSensorSendsAtItsOwnRate) {
   for (const auto& [rate_hz, frames] : {std::pair{"500", 50u}, {"300", 30u}, {"5000", 100u}}) {
     RobotRequest request;
-    request.settings.push_back(std::string("base_sensor.rate_hz=") + rate_hz);
+    request.settings.push_back(std::string("torso_sensor.rate_hz=") + rate_hz);
     DrivenRobot driven(request);
     std::size_t received = 0;
     for (int i = 0; i < 100; ++i) {
       driven.tick();
       received += driven.received(0).size();
-      EXPECT_TRUE(i <= 10 || driven.base.missed == 0) << rate_hz;
+      EXPECT_TRUE(i <= 10 || driven.base.missed_replies == 0) << rate_hz;
     }
     EXPECT_NEAR(static_cast<double>(received), frames, 1) << rate_hz;
   }
 }
 
-TEST(RobotOnBus, EveryCommandIsAnsweredAndTheBaseSensorSendsOnceATick) {
+TEST(RobotOnBus, EveryCommandIsAnsweredAndTheTorsoSensorSendsOnceATick) {
   RobotRequest request;
-  request.settings.emplace_back("base_sensor.rate_hz=1000");
+  request.settings.emplace_back("torso_sensor.rate_hz=1000");
   Standing::Enabled driven(request);
   const hal::JointCommands nothing{};
   for (int i = 0; i < 10; ++i) {
     driven.tick(&nothing);
-    EXPECT_EQ(driven.received(0).size(), 3u) << "two replies and the base sensor";
+    EXPECT_EQ(driven.received(0).size(), 3u) << "two replies and the torso sensor";
     EXPECT_EQ(driven.received(1).size(), 2u);
     for (const hal::JointReading& joint : driven.readings) {
-      EXPECT_EQ(joint.missed, 0u);
+      EXPECT_EQ(joint.missed_replies, 0u);
       EXPECT_EQ(joint.state, hal::DriverState::enabled);
     }
   }
@@ -112,25 +113,25 @@ TEST(RobotOnBus, AWatchdogExpiresWhenNoCommandsCome) {
   EXPECT_EQ(driven.readings[0].fault, hal::DriverFault::lost_communication);
 }
 
-TEST(RobotOnBus, FaultsWaitUntilTheHoistHasLetGo) {
+TEST(RobotOnBus, FaultsWaitUntilTheGantryHasReleasedIt) {
   RobotRequest request;
   request.faults = {"driver-fault@0"};
   Standing::Enabled driven(request);
   const hal::JointCommands nothing{};
   for (int i = 0; i < 1000; ++i) driven.tick(&nothing);
-  EXPECT_TRUE(driven.robot.struck_faults().empty());
+  EXPECT_TRUE(driven.robot.injected_faults().empty());
 }
 
 TEST(RobotFault, DropSilencesAJointAndComesToAnEnd) {
   Standing robot("drop:knee_L");
   ASSERT_TRUE(robot.stand());
   robot.tick();
-  ASSERT_EQ(robot.driven.robot.struck_faults().size(), 1u);
+  ASSERT_EQ(robot.driven.robot.injected_faults().size(), 1u);
   for (int i = 0; i < 4; ++i) robot.tick();
-  EXPECT_GE(robot.driven.readings[kKneeLeft].missed, 4u);
-  EXPECT_EQ(robot.driven.readings[0].missed, 0u);
+  EXPECT_GE(robot.driven.readings[kKneeLeft].missed_replies, 4u);
+  EXPECT_EQ(robot.driven.readings[0].missed_replies, 0u);
   for (int i = 0; i < 50; ++i) robot.tick();
-  EXPECT_EQ(robot.driven.readings[kKneeLeft].missed, 0u);
+  EXPECT_EQ(robot.driven.readings[kKneeLeft].missed_replies, 0u);
   EXPECT_EQ(robot.driven.readings[kKneeLeft].fault, hal::DriverFault::lost_communication)
       << "50 ms without a command are more than its watchdog bears";
 }
@@ -157,7 +158,7 @@ TEST(RobotFault, CorruptMakesReadingsWrong) {
   ASSERT_TRUE(robot.stand());
   for (int i = 0; i < 40; ++i) robot.tick();
   std::uint32_t odd = robot.driven.base.malformed;
-  for (const hal::JointReading& joint : robot.driven.readings) odd += joint.malformed + joint.missed;
+  for (const hal::JointReading& joint : robot.driven.readings) odd += joint.malformed + joint.missed_replies;
   const auto wild = std::ranges::count_if(robot.driven.readings, [](const hal::JointReading& joint) {
     return std::abs(joint.velocity_rad_s) > 4 || joint.fault != hal::DriverFault::none;
   });
@@ -192,7 +193,7 @@ TEST(RobotFault, DisconnectIsToldToWhoeverOwnsTheBus) {
   EXPECT_FALSE(robot.driven.robot.disconnected(0));
 }
 
-TEST(RobotFault, ADriverFaultIsReportedAndTheMotorLetsGo) {
+TEST(RobotFault, ADriverFaultIsReportedAndTheMotorCoasts) {
   Standing robot("driver-fault:knee_L");
   ASSERT_TRUE(robot.stand());
   for (int i = 0; i < 2; ++i) robot.tick();
@@ -204,17 +205,17 @@ TEST(RobotFault, AFrozenEncoderRepeatsItself) {
   Standing robot("encoder-freeze:knee_L");
   ASSERT_TRUE(robot.stand());
   for (int i = 0; i < 20; ++i) robot.tick();
-  EXPECT_GE(robot.driven.readings[kKneeLeft].frozen, 15u);
+  EXPECT_GE(robot.driven.readings[kKneeLeft].unchanged_replies, 15u);
 }
 
 TEST(RobotFault, APowerCycleSilencesTheDriversAndTheyComeBackIdle) {
   Standing robot("power-cycle");
   ASSERT_TRUE(robot.stand());
   for (int i = 0; i < 5; ++i) robot.tick();
-  EXPECT_GE(robot.driven.readings[0].missed, 4u);
+  EXPECT_GE(robot.driven.readings[0].missed_replies, 4u);
   EXPECT_EQ(robot.driven.robot.drivers().torque_Nm(kKneeLeft), 0.0);
   for (int i = 0; i < 50; ++i) robot.tick();
-  EXPECT_EQ(robot.driven.readings[0].missed, 0u);
+  EXPECT_EQ(robot.driven.readings[0].missed_replies, 0u);
   EXPECT_EQ(robot.driven.readings[0].state, hal::DriverState::idle);
 }
 
@@ -252,20 +253,20 @@ TEST(RobotFault, TheEmergencyStopIsReported) {
   EXPECT_EQ(robot.driven.can.read_emergency_stop(robot.driven.now_ns), hal::EmergencyStopState::pressed);
 }
 
-TEST(RobotFault, ASilentBaseSensorSendsNothing) {
+TEST(RobotFault, ASilentTorsoSensorSendsNothing) {
   Standing robot("base-silent");
   ASSERT_TRUE(robot.stand());
   for (int i = 0; i < 5; ++i) robot.tick();
-  EXPECT_EQ(robot.driven.base.missed, 5u);
-  EXPECT_EQ(robot.driven.readings[0].missed, 0u);
+  EXPECT_EQ(robot.driven.base.missed_replies, 5u);
+  EXPECT_EQ(robot.driven.readings[0].missed_replies, 0u);
 }
 
-TEST(RobotFault, AFrozenBaseSensorRepeatsItself) {
+TEST(RobotFault, AFrozenTorsoSensorRepeatsItself) {
   Standing robot("base-freeze");
   ASSERT_TRUE(robot.stand());
   for (int i = 0; i < 10; ++i) robot.tick();
-  EXPECT_GE(robot.driven.base.frozen, 8u);
-  EXPECT_EQ(robot.driven.base.missed, 0u);
+  EXPECT_GE(robot.driven.base.unchanged_replies, 8u);
+  EXPECT_EQ(robot.driven.base.missed_replies, 0u);
 }
 
 }  // namespace

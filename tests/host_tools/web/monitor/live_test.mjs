@@ -91,7 +91,7 @@ test('another speed from the page changes the measured speed', async () => {
   await until('0.5 m/s', async () => Math.abs((await shownSpeed(page)) - 0.5) < 0.08);
   await page.waitForTimeout(3000);
   await picture(page, 'live_walking');
-  console.log(`${Number(await page.getAttribute('#frame-rate', 'data-value')).toFixed(1)} frames a second with all plots`);
+  console.log(`${Number(await page.getAttribute('#frame-rate', 'data-value')).toFixed(1)} frames per second with all plots`);
 });
 
 test('a tunable changes while the robot walks', async () => {
@@ -105,17 +105,17 @@ test('a tunable changes while the robot walks', async () => {
 test('a wrong token is refused in words', async () => {
   const other = startMonitor(['--token', 'a-guess']);
   const [url] = await other.wrote(/http:\S+/);
-  const stranger = await openPage(browser, url);
-  await until('live data', async () => (await stranger.textContent('#link-status')).startsWith('live'));
-  await stranger.keyboard.press('d');
+  const intruder = await openPage(browser, url);
+  await until('live data', async () => (await intruder.textContent('#link-status')).startsWith('live'));
+  await intruder.keyboard.press('d');
   const refused = await until('a refusal', async () => {
-    const said = await stranger.textContent('#answer');
+    const said = await intruder.textContent('#answer');
     return /refused/.test(said) ? said : null;
   });
   console.log(refused);
   assert.match(refused, /token/i);
   assert.equal(await text('#state'), 'walk');
-  await stranger.close();
+  await intruder.close();
   await other.kill();
 });
 
@@ -127,13 +127,13 @@ test('stop stops', async () => {
   await until('rest', async () => Math.abs(await shownSpeed(page)) < 0.03);
 });
 
-test('a killed controller leaves an old picture, marked as one, and the next is another session', async () => {
+test('a killed controller leaves a stale picture, marked as one, and the next is another run', async () => {
   await controller.kill('SIGKILL');
   await until('the alarm', async () => /No data for .* the picture is old/.test(await text('#alarm')));
-  assert.equal(await text('#stage-cover'), 'OLD PICTURE');
+  assert.equal(await text('#stage-cover'), 'STALE DATA');
   await picture(page, 'live_stale');
   controller = startController();
-  await until('the note', async () => /Another session/.test(await text('#note')));
+  await until('the note', async () => /Another run/.test(await text('#note')));
   await until('live data', async () => (await text('#link-status')).startsWith('live'));
   assert.deepEqual(page.problems, []);
 });

@@ -108,17 +108,17 @@ TEST(LiveView, ARefusedCommandPutsNoPageInCommand) {
   EXPECT_EQ(page->of_type("reply").at(0)["reason"], "the robot has fallen");
 }
 
-TEST(LiveView, AnotherSessionTakesTheCommandFromThePageAndBeginsItsTicksAnew) {
+TEST(LiveView, AnotherRunTakesTheCommandFromThePageAndBeginsItsTicksAnew) {
   SilentSource source;
   LiveView view(source);
   const auto page = std::make_shared<FakePeer>();
   view.opened(page);
   view.received(*page, false, kWalk);
   source.answers = true;
-  const auto begin = [](const char* session, std::uint64_t tick) {
+  const auto begin = [](const char* run_id, std::uint64_t tick) {
     return [=](SampleSink& sink) {
       ConfigurationSample configuration;
-      configuration.session = session;
+      configuration.run_id = run_id;
       sink.configuration(configuration);
       TickSample sample;
       sample.record.tick = tick;
@@ -296,19 +296,19 @@ TEST(LiveView, APageThatOpensLaterGetsNoMoreThanTheLastTwelveSeconds) {
   EXPECT_NEAR(rows_of_ticks(*page), 12'000, 200);
 }
 
-TEST(LiveView, AnotherSessionLeavesNothingOfTheOneBefore) {
+TEST(LiveView, AnotherRunLeavesNothingOfTheOneBefore) {
   SyntheticSource source;
   LiveView view(source);
   source.advance(0.0);
   view.step(0.0);
   source.advance(1.0);
   view.step(1.0);
-  source.change("session");
+  source.change("run");
   view.step(1.01);
   const auto page = std::make_shared<FakePeer>();
   view.opened(page);
   view.step(1.02);
-  EXPECT_EQ(page->of_type("configuration").at(0)["session"], "synthetic-2");
+  EXPECT_EQ(page->of_type("configuration").at(0)["run_id"], "synthetic-2");
   for (const SharedMessage& message : page->messages) EXPECT_FALSE(message->binary);
   EXPECT_TRUE(page->of_type("supervisor").empty());
 }
@@ -330,7 +330,7 @@ class Record final : public SampleSource {
   void poll(SampleSink& sink) override {
     if (polls++ > 0) return;
     ConfigurationSample sample;
-    sample.session = "7";
+    sample.run_id = "7";
     sink.configuration(sample);
     sink.event({});
   }

@@ -1,4 +1,4 @@
-// How fast the page is: time from opening to the first frame in which the robot had moved, and frames a second while it
+// How fast the page is: time from opening to the first frame in which the robot had moved, and frames per second while it
 // walks, in the usual window (a part of the plots in view) and in one that shows all of them. Medians over fresh pages.
 //
 //   node measure_page.mjs BUILD [synthetic|stiltd] [PAGES]
@@ -39,7 +39,7 @@ function median(values) {
   return sorted[Math.floor(sorted.length / 2)];
 }
 
-/** Frames a second, counted by the page itself. */
+/** Frames per second, counted by the page itself. */
 function frameRate(page) {
   return page.evaluate((counted_ms) => new Promise((resolve) => {
     let frames = 0;

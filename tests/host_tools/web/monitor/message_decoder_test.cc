@@ -35,12 +35,12 @@ telemetry::Sample on(const telemetry::Topic& topic, const Message& message) {
   return sample;
 }
 
-/// stiltd of that session, started at that time of day, its clock beginning at 5 s, with one tunable.
-telemetry::Sample configuration(std::uint64_t session, std::int64_t start_time_ns) {
+/// stiltd of that run, started at that time of day, its clock beginning at 5 s, with one tunable.
+telemetry::Sample configuration(std::uint64_t run_id, std::int64_t start_time_ns) {
   char empty[] = "", robot[] = "amber3m", key[] = "cost.base_z", file[] = "/run/token";
   std::array<stilt_msgs_msg_dds__Tunable_, 1> tunables{{{key, empty, empty, 0.0, 1000.0, 400.0}}};
   telemetry::ConfigurationInForce message{};
-  message.session = session;
+  message.run_id = run_id;
   message.start_time_ns = start_time_ns;
   message.start_clock_ns = 5'000'000'000;
   message.robot = robot;
@@ -52,13 +52,13 @@ telemetry::Sample configuration(std::uint64_t session, std::int64_t start_time_n
   return on(telemetry::kConfiguration, message);
 }
 
-telemetry::Sample one_tick(std::uint64_t session, std::uint64_t tick) {
+telemetry::Sample one_tick(std::uint64_t run_id, std::uint64_t tick) {
   telemetry::TickBatchBuilder builder;
   control_loop::TickRecord record;
   record.tick = tick;
   record.time_ns = 5'000'000'000 + static_cast<std::int64_t>(tick) * 1'000'000;
   builder.add(record);
-  builder.message().session = session;
+  builder.message().run_id = run_id;
   return on(telemetry::kTicks, builder.message());
 }
 
@@ -72,7 +72,7 @@ TEST(MessageDecoder, TicksCountTheirTimeFromTheControllersStart) {
   EXPECT_EQ(kept.ticks[0].record.tick, 250u);
 }
 
-TEST(MessageDecoder, SamplesWithoutAKnownSessionAreLeftOutAndNotCalledAnothers) {
+TEST(MessageDecoder, SamplesWithoutAKnownRunAreLeftOutAndNotCalledAnothers) {
   MessageDecoder decoder;
   Kept kept;
   decoder.take(one_tick(1, 0), kept);
@@ -80,15 +80,15 @@ TEST(MessageDecoder, SamplesWithoutAKnownSessionAreLeftOutAndNotCalledAnothers) 
   EXPECT_EQ(decoder.of_others(), 0u);
 }
 
-TEST(MessageDecoder, ANewerSessionTakesOverAndAnOlderOneDoesNot) {
+TEST(MessageDecoder, ANewerRunTakesOverAndAnOlderOneDoesNot) {
   MessageDecoder decoder;
   Kept kept;
   decoder.take(configuration(1, 100), kept);
   decoder.take(configuration(2, 200), kept);
   decoder.take(configuration(3, 150), kept);
-  EXPECT_EQ(decoder.session(), 2u);
+  EXPECT_EQ(decoder.run_id(), 2u);
   ASSERT_EQ(kept.configurations.size(), 2u);
-  EXPECT_EQ(kept.configurations[1].session, "0000000000000002");
+  EXPECT_EQ(kept.configurations[1].run_id, "0000000000000002");
 }
 
 TEST(MessageDecoder, OnlyASecondControllerThatTalksWhileTheFirstDoesIsCounted) {
@@ -97,7 +97,7 @@ TEST(MessageDecoder, OnlyASecondControllerThatTalksWhileTheFirstDoesIsCounted) {
   decoder.take(configuration(1, 100), kept);
   decoder.take(one_tick(1, 0), kept);
   decoder.take(one_tick(9, 0), kept);
-  EXPECT_EQ(decoder.of_others(), 0u) << "it may be the next session, whose configuration is on its way";
+  EXPECT_EQ(decoder.of_others(), 0u) << "it may be the next run, whose configuration is on its way";
   decoder.take(one_tick(1, 1), kept);
   EXPECT_EQ(decoder.of_others(), 1u);
   EXPECT_EQ(kept.ticks.size(), 2u);
@@ -110,7 +110,7 @@ TEST(MessageDecoder, TunablesThatChangeComeAsTheConfigurationAnew) {
   char empty[] = "";
   double value = 350.0;
   telemetry::Tuning tuning{};
-  tuning.session = 1;
+  tuning.run_id = 1;
   tuning.number = 1;
   tuning.key = tuning.commander = empty;
   tuning.values._buffer = &value;
@@ -157,11 +157,11 @@ TEST(MessageSamples, AKnotOfAPlanHasItsTimeBaseFeetForcesAndWhatCarries) {
   };
   telemetry::Plan message{};
   message.start_time_s = 2.0;
-  lend(message.time_s, times);
-  lend(message.contact, contact);
-  lend(message.base, base);
-  lend(message.foot_position_m, feet);
-  lend(message.contact_force_N, forces);
+  set_view(message.time_s, times);
+  set_view(message.contact, contact);
+  set_view(message.base, base);
+  set_view(message.foot_position_m, feet);
+  set_view(message.contact_force_N, forces);
   const std::vector<PlanKnot> knots = plan_sample(message).knots;
   ASSERT_EQ(knots.size(), 2u);
   EXPECT_TRUE(knots[0].left_carries && !knots[0].right_carries);
@@ -177,7 +177,7 @@ TEST(MessageSamples, AKnotOfAPlanHasItsTimeBaseFeetForcesAndWhatCarries) {
 TEST(MessageSamples, EmptyBinsOfAHistogramAreLeftOutAndEdgesStayTheirs) {
   std::array<float, 3> edges{64.0f, 72.0f, 80.0f};
   std::array<std::uint64_t, 3> counts{5, 0, 7};
-  char name[] = "wakeup";
+  char name[] = "wakeup_latency";
   stilt_msgs_msg_dds__Histogram_ histogram{};
   histogram.name = name;
   histogram.lower_edge_us._buffer = edges.data();

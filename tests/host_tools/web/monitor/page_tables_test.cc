@@ -56,8 +56,8 @@ TEST(PageTables, ColumnsOfATickAreThoseThatThePageKnows) {
   add("commanded_position_rad", 4);
   add("commanded_torque_Nm", 4);
   add("measured_torque_Nm", 4);
-  for (const char* name :
-       {"ramp", "plan_age_ms", "wakeup_us", "execution_us", "round_trip_us", "state_number", "rung"}) {
+  for (const char* name : {"ramp", "plan_age_ms", "wakeup_latency_us", "execution_us", "round_trip_us",
+                           "state_number", "fallback_level"}) {
     names.emplace_back(name);
   }
   EXPECT_EQ(all_column_names().at("ticks").get<std::vector<std::string>>(), names);
@@ -68,7 +68,7 @@ TEST(PageTables, AFieldStandsUnderItsColumnInItsUnit) {
   record.estimated_state[13] = 0.5;
   record.joints[2].torque_Nm = -3.0;
   record.plan_age_s = 0.0625;
-  record.wakeup_ns = 12'500;
+  record.wakeup_latency_ns = 12'500;
   record.execution_ns = 1'000;
   record.round_trip_ns = 250'000;
   record.state = supervisor::State::walk;
@@ -76,11 +76,11 @@ TEST(PageTables, AFieldStandsUnderItsColumnInItsUnit) {
   EXPECT_EQ(shown(record, "estimated_state13"), 0.5);
   EXPECT_EQ(shown(record, "measured_torque_Nm2"), -3.0);
   EXPECT_EQ(shown(record, "plan_age_ms"), 62.5);
-  EXPECT_EQ(shown(record, "wakeup_us"), 12.5);
+  EXPECT_EQ(shown(record, "wakeup_latency_us"), 12.5);
   EXPECT_EQ(shown(record, "execution_us"), 1.0);
   EXPECT_EQ(shown(record, "round_trip_us"), 250.0);
   EXPECT_EQ(shown(record, "state_number"), static_cast<double>(supervisor::State::walk));
-  EXPECT_EQ(shown(record, "rung"), static_cast<double>(supervisor::FallbackLevel::plan_feedback));
+  EXPECT_EQ(shown(record, "fallback_level"), static_cast<double>(supervisor::FallbackLevel::plan_feedback));
 }
 
 TEST(PageTables, TheTorqueOfACommandIsItsFeedForwardAndItsGains) {

@@ -54,7 +54,7 @@ test('walk from the keyboard moves the robot, its picture and the plots', async 
   await until('the speed asked for', async () => Math.abs((await shownSpeed(page)) - 0.5) < 0.05);
   await picture(page, 'walking');
   const rate = await until('a frame rate', () => page.getAttribute('#frame-rate', 'data-value'));
-  console.log(`${Number(rate).toFixed(1)} frames a second with all plots`);
+  console.log(`${Number(rate).toFixed(1)} frames per second with all plots`);
 });
 
 test('the speed slider changes the speed while walking', async () => {
@@ -98,7 +98,7 @@ test('a wrong token is refused in words, and the right one is not', async () => 
   await page.click('#token-box summary');
   await page.fill('#token', 'a guess');
   await page.click('[data-command=walk]');
-  await answer(/walk at 0.50 m\/s: refused. The token is not that of this session./);
+  await answer(/walk at 0.50 m\/s: refused. The token is not that of this run./);
   await picture(page, 'wrong_token');
   assert.equal(await text('#state'), 'stand');
   await page.fill('#token', 'open-sesame');
@@ -109,7 +109,7 @@ test('a wrong token is refused in words, and the right one is not', async () => 
 test('a silent controller is told at once, and the picture is marked as old', async () => {
   monitor.write('silent');
   await until('the alarm', async () => /No data for .* the picture is old/.test(await text('#alarm')));
-  assert.equal(await text('#stage-cover'), 'OLD PICTURE');
+  assert.equal(await text('#stage-cover'), 'STALE DATA');
   await picture(page, 'stale');
   monitor.write('talk');
   await until('no alarm', async () => page.isHidden('#alarm'));
@@ -143,12 +143,12 @@ test('dropped ticks are counted', async () => {
   await until('the count', async () => /live · 40 lost/.test(await text('#link-status')));
 });
 
-test('another session is told, and its plots begin anew', async () => {
+test('another run is told, and its plots begin anew', async () => {
   await page.keyboard.press('w');
   await state('walk');
-  monitor.write('session');
-  await until('the note', async () => /Another session/.test(await text('#note')));
-  await until('its name', async () => /synthetic-2/.test(await text('#session-list')));
+  monitor.write('run');
+  await until('the note', async () => /Another run/.test(await text('#note')));
+  await until('its name', async () => /synthetic-2/.test(await text('#run-list')));
 });
 
 test('a second controller that talks at once is told', async () => {

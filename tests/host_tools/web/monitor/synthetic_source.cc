@@ -80,8 +80,8 @@ void SyntheticSource::change(const std::string& words) {
     present_ &= ~bit_of(argument);
   } else if (verb == "drop") {
     ticks_ += std::stoull(argument);
-  } else if (verb == "session") {
-    ++session_;
+  } else if (verb == "run") {
+    ++run_id_;
     ticks_ = 0;
     start_s_ = now_s_;
     introduce_ = true;
@@ -108,7 +108,7 @@ void SyntheticSource::poll(SampleSink& sink) {
 
 std::string SyntheticSource::refusal(const Command& command) const {
   if (!command.token.empty() && command.token != kToken) {
-    return "The token is not that of this session.";
+    return "The token is not that of this run.";
   }
   const bool fast = std::abs(command.value) > 1.0;
   if ((command.kind == CommandKind::walk || command.kind == CommandKind::speed) && fast) {
@@ -129,12 +129,12 @@ std::string SyntheticSource::refusal(const Command& command) const {
 
 void SyntheticSource::command(const Command& command) {
   const std::string why = refusal(command);
-  if (why.empty()) obey(command);
+  if (why.empty()) apply(command);
   if (command.kind == CommandKind::heartbeat) return;
   replies_.push_back({command.commander, command.sequence, why.empty(), why});
 }
 
-void SyntheticSource::obey(const Command& command) {
+void SyntheticSource::apply(const Command& command) {
   const int before = state_;
   switch (command.kind) {
     case CommandKind::walk:
@@ -200,7 +200,7 @@ void SyntheticSource::tick(SampleSink& sink) {
   }
   record.ramp = 1.0;
   record.plan_age_s = 0.005 + kTick_s * static_cast<double>(ticks_ % 10);
-  record.wakeup_ns = 20'000 + std::lround(15e3 * std::sin(static_cast<double>(ticks_)));
+  record.wakeup_latency_ns = 20'000 + std::lround(15e3 * std::sin(static_cast<double>(ticks_)));
   record.execution_ns = 35'000 + std::lround(5e3 * std::cos(1.3 * static_cast<double>(ticks_)));
   record.round_trip_ns = 180'000;
   record.action = supervisor::Action::commands;
@@ -258,8 +258,8 @@ SupervisorSample SyntheticSource::supervisor_sample() const {
   SupervisorSample sample;
   sample.time_s = static_cast<double>(ticks_) * kTick_s;
   sample.state = state_;
-  sample.rung = static_cast<int>(state_ == number(State::fault) ? supervisor::FallbackLevel::damp
-                                                                : supervisor::FallbackLevel::plan);
+  sample.fallback_level = static_cast<int>(state_ == number(State::fault) ? supervisor::FallbackLevel::damp
+                                                                          : supervisor::FallbackLevel::plan);
   sample.present = present_;
   sample.latched = latched_;
   sample.ramp = 1.0;
@@ -270,7 +270,7 @@ SupervisorSample SyntheticSource::supervisor_sample() const {
 }
 
 TimingSample SyntheticSource::timing_sample() const {
-  HistogramSample wakeup{"wakeup", 500.0, 21.0, 60.0, 130.0, 180.0, ticks_, {}, {}};
+  HistogramSample wakeup{"wakeup_latency", 500.0, 21.0, 60.0, 130.0, 180.0, ticks_, {}, {}};
   HistogramSample solve{"solve", 10000.0, 420.0, 480.0, 490.0, 500.0, ticks_ / 10, {}, {}};
   for (double edge_us = 4.0; edge_us < 200.0; edge_us *= 1.1) {
     const double width = std::log(edge_us / 21.0) / 0.7;
@@ -284,7 +284,7 @@ TimingSample SyntheticSource::timing_sample() const {
 
 void SyntheticSource::introduce(SampleSink& sink) {
   ConfigurationSample sample;
-  sample.session = "synthetic-" + std::to_string(session_);
+  sample.run_id = "synthetic-" + std::to_string(run_id_);
   sample.robot = "amber3m";
   sample.build = "a test";
   sample.toml = "# of no importance\n";

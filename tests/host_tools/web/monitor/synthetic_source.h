@@ -18,7 +18,7 @@ class SyntheticSource final : public SampleSource {
   /// Ticks up to `now_s` of any steady clock are there at the next poll().
   void advance(double now_s);
 
-  /// Changes something, in words: "silent", "talk", "fault NAME", "over NAME", "drop N", "session",
+  /// Changes something, in words: "silent", "talk", "fault NAME", "over NAME", "drop N", "run",
   /// "others", "push N", "record". Throws std::invalid_argument when it is none of them.
   void change(const std::string& words);
 
@@ -31,7 +31,7 @@ class SyntheticSource final : public SampleSource {
 
  private:
   [[nodiscard]] std::string refusal(const Command& command) const;
-  void obey(const Command& command);
+  void apply(const Command& command);
   void tick(SampleSink& sink);
   void introduce(SampleSink& sink);
   void say_slowly(SampleSink& sink);
@@ -42,7 +42,7 @@ class SyntheticSource final : public SampleSource {
 
   double now_s_ = -1.0, start_s_ = -1.0;
   bool silent_ = false, live_ = true, introduce_ = true;
-  int session_ = 1;
+  int run_id_ = 1;
   std::uint64_t ticks_ = 0, of_others_ = 0;
   double hip_x_m_ = 0.0, speed_m_s_ = 0.0, wanted_m_s_ = 0.0, phase_ = 0.0, push_N_ = 0.0;
   int state_ = 4;  ///< stands

@@ -1,4 +1,4 @@
-#include "firmware/telemetry/operator_desk.h"
+#include "firmware/telemetry/command_arbiter.h"
 
 #include <gtest/gtest.h>
 
@@ -17,10 +17,10 @@ using supervisor::State;
 
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
 
-class Desk : public testing::Test {
+class CommandArbiterTest : public testing::Test {
  protected:
-  static DeskRules rules() {
-    return {.session = 77,
+  static ArbiterRules rules() {
+    return {.run_id = 77,
             .token = "secret",
             .token_file = "/run/token",
             .speed_limit_m_s = 0.8,
@@ -32,11 +32,11 @@ class Desk : public testing::Test {
   Asked asked(CommandKind kind, double value = 0, const std::string& commander = "anna") {
     return {77, "secret", commander, ++number, static_cast<std::uint8_t>(kind), value, ""};
   }
-  Answer take(const Asked& command) { return desk.take(command, now); }
+  Answer take(const Asked& command) { return arbiter.take(command, now); }
   Answer take(CommandKind kind, double value = 0, const std::string& commander = "anna") {
     return take(asked(kind, value, commander));
   }
-  control_loop::OperatorCommand command() { return desk.command(script, now); }
+  control_loop::OperatorCommand command() { return arbiter.command(script, now); }
   void pass(double seconds) {
     now.wall_ns += std::llround(seconds * 1e9);
     now.clock_ns += std::llround(seconds * 1e9);
@@ -44,10 +44,10 @@ class Desk : public testing::Test {
 
   std::vector<std::pair<std::string, double>> tunables;
   std::string tunable_answer;
-  OperatorDesk desk{rules(), [this](const std::string& key, double value) {
-                      tunables.emplace_back(key, value);
-                      return tunable_answer;
-                    }};
+  CommandArbiter arbiter{rules(), [this](const std::string& key, double value) {
+                           tunables.emplace_back(key, value);
+                           return tunable_answer;
+                         }};
   RobotNow now{.clock_ns = 5 * kSecond_ns, .wall_ns = 900 * kSecond_ns, .state = State::stand};
   control_loop::OperatorCommand script;
   std::uint64_t number = 0;
@@ -60,7 +60,7 @@ struct Refusal {
   const char* says;
 };
 
-class Refused : public Desk, public testing::WithParamInterface<Refusal> {};
+class Refused : public CommandArbiter, public testing::WithParamInterface<Refusal> {};
 
 TEST_P(Refused, with_a_reason_and_without_effect) {
   Asked command = asked(CommandKind::walk, 0.3);
@@ -78,7 +78,7 @@ TEST_P(Refused, with_a_reason_and_without_effect) {
 INSTANTIATE_TEST_SUITE_P(
     Commands, Refused,
     testing::Values(
-        Refusal{"another_session", [](Asked& c) { c.session = 78; }, "another session"},
+        Refusal{"another_run", [](Asked& c) { c.run_id = 78; }, "another run"},
         Refusal{"no_token", [](Asked& c) { c.token.clear(); }, "first line of /run/token"},
         Refusal{"wrong_token", [](Asked& c) { c.token = "secreu"; }, "token is wrong"},
         Refusal{"half_a_token", [](Asked& c) { c.token = "secre"; }, "token is wrong"},
@@ -95,7 +95,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"another_commander", [](Asked& c) { c.commander = "bert"; }, "anna commands the robot"}),
     [](const auto& refusal) { return refusal.param.what; });
 
-TEST_F(Desk, strangers_are_answered_twenty_times_a_second_however_many_ask) {
+TEST_F(CommandArbiterTest, strangers_are_answered_twenty_times_per_second_however_many_ask) {
   int answers = 0;
   for (int k = 0; k < 10'000; ++k) {
     Asked guess = asked(CommandKind::walk, 0.3, "bert");
@@ -110,7 +110,7 @@ TEST_F(Desk, strangers_are_answered_twenty_times_a_second_however_many_ask) {
 }
 
 /// Which kinds are accepted in which state.
-TEST_F(Desk, takes_only_what_makes_sense_in_the_state) {
+TEST_F(CommandArbiterTest, takes_only_what_makes_sense_in_the_state) {
   const std::vector<std::pair<CommandKind, std::vector<State>>> table = {
       {CommandKind::prepare, {State::idle}},
       {CommandKind::stand,
@@ -130,7 +130,7 @@ TEST_F(Desk, takes_only_what_makes_sense_in_the_state) {
   }
 }
 
-TEST_F(Desk, without_orders_the_script_goes_on_and_nobody_must_show_life) {
+TEST_F(CommandArbiterTest, without_orders_the_script_goes_on_and_nobody_must_show_life) {
   script.request = {RequestKind::walk, 4, 0.5};
   EXPECT_TRUE(take(CommandKind::heartbeat).silent);
   const auto told = command();
@@ -139,7 +139,7 @@ TEST_F(Desk, without_orders_the_script_goes_on_and_nobody_must_show_life) {
   EXPECT_FALSE(told.heartbeat_expected);
 }
 
-TEST_F(Desk, an_order_takes_over_from_the_script_with_a_higher_number) {
+TEST_F(CommandArbiterTest, an_order_takes_over_from_the_script_with_a_higher_number) {
   script.request = {RequestKind::walk, 4, 0.5};
   static_cast<void>(command());
   ASSERT_TRUE(take(CommandKind::step).accepted);
@@ -147,16 +147,16 @@ TEST_F(Desk, an_order_takes_over_from_the_script_with_a_higher_number) {
   EXPECT_EQ(told.request.kind, RequestKind::step);
   EXPECT_EQ(told.request.number, 5u);
   EXPECT_TRUE(told.heartbeat_expected);
-  EXPECT_EQ(desk.commander(), "anna");
+  EXPECT_EQ(arbiter.commander(), "anna");
 }
 
-TEST_F(Desk, the_end_of_the_program_stays_the_scripts) {
+TEST_F(CommandArbiterTest, the_end_of_the_program_stays_the_scripts) {
   ASSERT_TRUE(take(CommandKind::step).accepted);
   script.shut_down = true;
   EXPECT_TRUE(command().shut_down);
 }
 
-TEST_F(Desk, tells_the_torque_loop_in_its_clock_when_the_commander_last_showed_life) {
+TEST_F(CommandArbiterTest, tells_the_torque_loop_in_its_clock_when_the_commander_last_showed_life) {
   ASSERT_TRUE(take(CommandKind::walk, 0.3).accepted);
   pass(0.25);
   EXPECT_EQ(command().heartbeat_ns, now.clock_ns - kSecond_ns / 4);
@@ -164,29 +164,29 @@ TEST_F(Desk, tells_the_torque_loop_in_its_clock_when_the_commander_last_showed_l
   EXPECT_EQ(command().heartbeat_ns, now.clock_ns);
 }
 
-TEST_F(Desk, a_virtual_clock_does_not_age_heartbeats) {
+TEST_F(CommandArbiterTest, a_virtual_clock_does_not_age_heartbeats) {
   ASSERT_TRUE(take(CommandKind::walk, 0.3).accepted);
   now.clock_ns += 10 * kSecond_ns;
   EXPECT_EQ(command().heartbeat_ns, now.clock_ns);
 }
 
-TEST_F(Desk, heartbeats_of_others_do_not_keep_a_commander_alive) {
+TEST_F(CommandArbiterTest, heartbeats_of_others_do_not_keep_a_commander_alive) {
   ASSERT_TRUE(take(CommandKind::walk, 0.3).accepted);
   pass(0.5);
   static_cast<void>(take(CommandKind::heartbeat, 0, "bert"));
-  EXPECT_FALSE(desk.alive(now));
+  EXPECT_FALSE(arbiter.alive(now));
 }
 
-TEST_F(Desk, a_silent_commander_is_replaced_and_a_living_one_is_not) {
+TEST_F(CommandArbiterTest, a_silent_commander_is_replaced_and_a_living_one_is_not) {
   ASSERT_TRUE(take(CommandKind::walk, 0.3).accepted);
   pass(0.3);
   EXPECT_FALSE(take(CommandKind::step, 0, "bert").accepted);
   pass(0.2);
   EXPECT_TRUE(take(CommandKind::step, 0, "bert").accepted);
-  EXPECT_EQ(desk.commander(), "bert");
+  EXPECT_EQ(arbiter.commander(), "bert");
 }
 
-TEST_F(Desk, a_commander_who_stays_silent_leaves_a_robot_that_stands_and_needs_nobody) {
+TEST_F(CommandArbiterTest, a_commander_who_stays_silent_leaves_a_robot_that_stands_and_needs_nobody) {
   now.state = State::walk;
   ASSERT_TRUE(take(CommandKind::walk, 0.3).accepted);
   const auto number_before = command().request.number;
@@ -197,10 +197,10 @@ TEST_F(Desk, a_commander_who_stays_silent_leaves_a_robot_that_stands_and_needs_n
   EXPECT_FALSE(told.heartbeat_expected);
   EXPECT_EQ(told.request.kind, RequestKind::stand);
   EXPECT_GT(told.request.number, number_before);
-  EXPECT_EQ(desk.commander(), "");
+  EXPECT_EQ(arbiter.commander(), "");
 }
 
-TEST_F(Desk, everybody_with_the_token_may_stop) {
+TEST_F(CommandArbiterTest, everybody_with_the_token_may_stop) {
   now.state = State::walk;
   ASSERT_TRUE(take(CommandKind::walk, 0.3).accepted);
   ASSERT_TRUE(take(CommandKind::stop, 0, "bert").accepted);
@@ -210,7 +210,7 @@ TEST_F(Desk, everybody_with_the_token_may_stop) {
   EXPECT_FALSE(take(forged).accepted);
 }
 
-TEST_F(Desk, stop_of_a_robot_that_is_not_on_its_feet_asks_for_nothing) {
+TEST_F(CommandArbiterTest, stop_of_a_robot_that_is_not_on_its_feet_asks_for_nothing) {
   now.state = State::idle;
   ASSERT_TRUE(take(CommandKind::stand).accepted);
   ASSERT_TRUE(take(CommandKind::stop).accepted);
@@ -218,7 +218,7 @@ TEST_F(Desk, stop_of_a_robot_that_is_not_on_its_feet_asks_for_nothing) {
   EXPECT_EQ(command().request.kind, RequestKind::none);
 }
 
-TEST_F(Desk, stand_from_idle_brings_the_drivers_up_first) {
+TEST_F(CommandArbiterTest, stand_from_idle_brings_the_drivers_up_first) {
   now.state = State::idle;
   ASSERT_TRUE(take(CommandKind::stand).accepted);
   EXPECT_EQ(command().request.kind, RequestKind::calibrate);
@@ -228,7 +228,7 @@ TEST_F(Desk, stand_from_idle_brings_the_drivers_up_first) {
   EXPECT_EQ(command().request.kind, RequestKind::stand);
 }
 
-TEST_F(Desk, standing_up_ends_when_the_commander_falls_silent_on_the_way) {
+TEST_F(CommandArbiterTest, standing_up_ends_when_the_commander_falls_silent_on_the_way) {
   now.state = State::idle;
   ASSERT_TRUE(take(CommandKind::stand).accepted);
   pass(0.5);
@@ -236,7 +236,7 @@ TEST_F(Desk, standing_up_ends_when_the_commander_falls_silent_on_the_way) {
   EXPECT_EQ(command().request.kind, RequestKind::none);
 }
 
-TEST_F(Desk, speed_changes_the_walk_that_is_on) {
+TEST_F(CommandArbiterTest, speed_changes_the_walk_that_is_on) {
   now.state = State::walk;
   ASSERT_TRUE(take(CommandKind::walk, 0.3).accepted);
   const auto number_before = command().request.number;
@@ -247,7 +247,7 @@ TEST_F(Desk, speed_changes_the_walk_that_is_on) {
   EXPECT_EQ(command().request.speed_m_s, -0.2);
 }
 
-TEST_F(Desk, release_of_a_walking_or_stepping_robot_lets_it_stand) {
+TEST_F(CommandArbiterTest, release_of_a_walking_or_stepping_robot_lets_it_stand) {
   for (const auto& [state, order] :
        {std::pair(State::walk, CommandKind::walk), {State::step, CommandKind::step}}) {
     now.state = state;
@@ -256,11 +256,11 @@ TEST_F(Desk, release_of_a_walking_or_stepping_robot_lets_it_stand) {
     ASSERT_TRUE(take(CommandKind::release).accepted);
     EXPECT_EQ(command().request.kind, RequestKind::stand) << supervisor::name(state);
     EXPECT_FALSE(command().heartbeat_expected);
-    EXPECT_EQ(desk.commander(), "");
+    EXPECT_EQ(arbiter.commander(), "");
   }
 }
 
-TEST_F(Desk, release_of_a_robot_at_rest_asks_for_nothing_new) {
+TEST_F(CommandArbiterTest, release_of_a_robot_at_rest_asks_for_nothing_new) {
   now.state = State::stand;
   ASSERT_TRUE(take(CommandKind::stand).accepted);
   const std::uint32_t before = command().request.number;
@@ -268,7 +268,7 @@ TEST_F(Desk, release_of_a_robot_at_rest_asks_for_nothing_new) {
   EXPECT_EQ(command().request.number, before);
 }
 
-TEST_F(Desk, release_on_the_way_up_from_idle_ends_the_way_up) {
+TEST_F(CommandArbiterTest, release_on_the_way_up_from_idle_ends_the_way_up) {
   now.state = State::idle;
   ASSERT_TRUE(take(CommandKind::stand).accepted);
   now.state = State::calibrate;
@@ -277,7 +277,7 @@ TEST_F(Desk, release_on_the_way_up_from_idle_ends_the_way_up) {
   EXPECT_EQ(command().request.kind, RequestKind::calibrate) << "and not stand";
 }
 
-TEST_F(Desk, another_order_on_the_way_up_from_idle_ends_the_way_up) {
+TEST_F(CommandArbiterTest, another_order_on_the_way_up_from_idle_ends_the_way_up) {
   now.state = State::idle;
   ASSERT_TRUE(take(CommandKind::stand).accepted);
   ASSERT_TRUE(take(CommandKind::off).accepted);
@@ -285,17 +285,17 @@ TEST_F(Desk, another_order_on_the_way_up_from_idle_ends_the_way_up) {
   EXPECT_EQ(command().request.kind, RequestKind::off);
 }
 
-TEST_F(Desk, an_order_makes_who_gives_it_alive) {
+TEST_F(CommandArbiterTest, an_order_makes_who_gives_it_alive) {
   ASSERT_TRUE(take(CommandKind::stand).accepted);
   pass(0.39);
   ASSERT_TRUE(take(CommandKind::stand).accepted);
   pass(0.39);
-  EXPECT_TRUE(desk.alive(now));
+  EXPECT_TRUE(arbiter.alive(now));
   pass(0.02);
-  EXPECT_FALSE(desk.alive(now));
+  EXPECT_FALSE(arbiter.alive(now));
 }
 
-TEST_F(Desk, a_commander_that_stays_alive_is_never_relieved) {
+TEST_F(CommandArbiterTest, a_commander_that_stays_alive_is_never_relieved) {
   now.state = State::walk;
   ASSERT_TRUE(take(CommandKind::walk, 0.3).accepted);
   for (int beat = 0; beat < 30; ++beat) {
@@ -303,17 +303,17 @@ TEST_F(Desk, a_commander_that_stays_alive_is_never_relieved) {
     ASSERT_TRUE(take(CommandKind::heartbeat).accepted);
     ASSERT_EQ(command().request.kind, RequestKind::walk);
   }
-  EXPECT_EQ(desk.commander(), "anna");
+  EXPECT_EQ(arbiter.commander(), "anna");
 }
 
-TEST_F(Desk, numbers_of_different_commanders_do_not_mix) {
+TEST_F(CommandArbiterTest, numbers_of_different_commanders_do_not_mix) {
   ASSERT_TRUE(take(asked(CommandKind::heartbeat, 0, "anna")).accepted);
   Asked other = asked(CommandKind::heartbeat, 0, "bert");
   other.number = 1;
   EXPECT_TRUE(take(other).accepted);
 }
 
-TEST_F(Desk, the_257th_commander_of_a_session_is_refused_and_the_first_is_not) {
+TEST_F(CommandArbiterTest, the_257th_commander_of_a_session_is_refused_and_the_first_is_not) {
   for (int i = 0; i < 256; ++i) {
     ASSERT_TRUE(take(CommandKind::heartbeat, 0, "commander " + std::to_string(i)).accepted) << i;
   }
@@ -323,7 +323,7 @@ TEST_F(Desk, the_257th_commander_of_a_session_is_refused_and_the_first_is_not) {
   EXPECT_TRUE(take(CommandKind::heartbeat, 0, "commander 0").accepted);
 }
 
-TEST_F(Desk, tunables_pass_on_and_their_refusals_come_back) {
+TEST_F(CommandArbiterTest, tunables_pass_on_and_their_refusals_come_back) {
   Asked command = asked(CommandKind::tunable, 55);
   command.key = "torque_law.joint_kp_Nm_rad";
   EXPECT_TRUE(take(command).accepted);
@@ -336,42 +336,42 @@ TEST_F(Desk, tunables_pass_on_and_their_refusals_come_back) {
   EXPECT_EQ(tunables[1], std::pair(std::string("reference.base_height_m"), 2.5));
 }
 
-TEST_F(Desk, who_only_tunes_does_not_command) {
+TEST_F(CommandArbiterTest, who_only_tunes_does_not_command) {
   script.request = {RequestKind::walk, 4, 0.5};
   ASSERT_TRUE(take(CommandKind::height, 0.8).accepted);
-  EXPECT_EQ(desk.commander(), "");
+  EXPECT_EQ(arbiter.commander(), "");
   EXPECT_EQ(command().request.number, 4u);
 }
 
-TEST_F(Desk, a_twist_acts_while_a_commander_lives_and_the_robot_walks) {
+TEST_F(CommandArbiterTest, a_twist_acts_while_a_commander_lives_and_the_robot_walks) {
   now.state = State::walk;
-  desk.twist(0.1, now);
+  arbiter.twist(0.1, now);
   EXPECT_EQ(command().request.speed_m_s, 0.0);
   ASSERT_TRUE(take(CommandKind::walk, 0.3).accepted);
-  desk.twist(0.1, now);
+  arbiter.twist(0.1, now);
   EXPECT_EQ(command().request.speed_m_s, 0.1);
-  desk.twist(5.0, now);
-  desk.twist(std::nan(""), now);
+  arbiter.twist(5.0, now);
+  arbiter.twist(std::nan(""), now);
   EXPECT_EQ(command().request.speed_m_s, 0.1);
   pass(0.5);
-  desk.twist(0.2, now);
+  arbiter.twist(0.2, now);
   EXPECT_EQ(command().request.speed_m_s, 0.1);
 }
 
-TEST_F(Desk, a_twist_does_nothing_where_the_configuration_does_not_allow_it) {
-  DeskRules strict = rules();
+TEST_F(CommandArbiterTest, a_twist_does_nothing_where_the_configuration_does_not_allow_it) {
+  ArbiterRules strict = rules();
   strict.cmd_vel = false;
-  OperatorDesk other(strict, {});
+  CommandArbiter other(strict, {});
   now.state = State::walk;
   ASSERT_TRUE(other.take(asked(CommandKind::walk, 0.3), now).accepted);
   other.twist(0.1, now);
   EXPECT_EQ(other.command(script, now).request.speed_m_s, 0.3);
 }
 
-TEST_F(Desk, without_a_token_of_its_own_the_desk_accepts_nothing) {
-  DeskRules open = rules();
+TEST_F(CommandArbiterTest, without_a_token_of_its_own_the_arbiter_accepts_nothing) {
+  ArbiterRules open = rules();
   open.token.clear();
-  OperatorDesk other(open, {});
+  CommandArbiter other(open, {});
   Asked command = asked(CommandKind::step);
   command.token.clear();
   EXPECT_FALSE(other.take(command, now).accepted);

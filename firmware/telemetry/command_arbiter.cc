@@ -1,4 +1,4 @@
-#include "firmware/telemetry/operator_desk.h"
+#include "firmware/telemetry/command_arbiter.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,7 +13,7 @@ using supervisor::State;
 constexpr std::size_t kLongestName = 64;
 constexpr std::size_t kMostCommanders = 256;
 /// Refusals of those without the token: one in this time is answered.
-constexpr std::int64_t kStrangersApart_ns = 50'000'000;
+constexpr std::int64_t kRejectionsApart_ns = 50'000'000;
 
 std::string number_text(double value) {
   char text[32];
@@ -21,7 +21,7 @@ std::string number_text(double value) {
   return text;
 }
 
-/// Compares all characters, so that time does not tell how many are right.
+/// Compares all characters, so that time does not reveal how many are right.
 bool same_secret(const std::string& a, const std::string& b) noexcept {
   unsigned char difference = a.size() == b.size() ? 0 : 1;
   for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
@@ -30,7 +30,7 @@ bool same_secret(const std::string& a, const std::string& b) noexcept {
   return difference == 0 && !b.empty();
 }
 
-/// Orders make whoever gives them the commander.
+/// Orders make their sender the commander.
 bool is_order(CommandKind kind) noexcept {
   return kind != CommandKind::heartbeat && kind != CommandKind::stop && kind != CommandKind::release;
 }
@@ -65,30 +65,29 @@ std::string wrong_state(CommandKind kind, State state) {
 
 }  // namespace
 
-double OperatorDesk::silence_s(const RobotNow& now) const noexcept {
+double CommandArbiter::silence_s(const RobotNow& now) const noexcept {
   return 1e-9 * static_cast<double>(now.wall_ns - heartbeat_wall_ns_);
 }
 
-bool OperatorDesk::alive(const RobotNow& now) const noexcept {
+bool CommandArbiter::alive(const RobotNow& now) const noexcept {
   return !commander_.empty() && silence_s(now) <= rules_.heartbeat_timeout_s;
 }
 
-void OperatorDesk::ask(RequestKind kind, double speed_m_s) noexcept {
+void CommandArbiter::ask(RequestKind kind, double speed_m_s) noexcept {
   request_ = {kind, request_.number + 1, speed_m_s};
 }
 
 /// Standing still is asked for where the robot is on its feet; elsewhere nothing is.
-void OperatorDesk::stop(const RobotNow& now) noexcept {
+void CommandArbiter::stop(const RobotNow& now) noexcept {
   standing_up_ = false;
   took_over_ = true;
   ask(stands_or_moves(now.state) ? RequestKind::stand : RequestKind::none);
 }
 
 /// Why somebody has no say here; empty: he has the token.
-std::string OperatorDesk::refusal_of_stranger(const Asked& asked) const {
-  if (asked.session != rules_.session) {
-    return "the command is for another session of stiltd than the one that runs; take the session from the "
-           "configuration topic";
+std::string CommandArbiter::rejection(const Asked& asked) const {
+  if (asked.run_id != rules_.run_id) {
+    return "the command is for another run of stiltd; take run_id from the configuration topic";
   }
   if (!same_secret(asked.token, rules_.token)) {
     return "the token is wrong; it is the first line of " + rules_.token_file + " on the robot";
@@ -96,14 +95,14 @@ std::string OperatorDesk::refusal_of_stranger(const Asked& asked) const {
   return {};
 }
 
-Answer OperatorDesk::refuse_stranger(std::string reason, const RobotNow& now) noexcept {
-  const bool silent = stranger_told_ && now.wall_ns - stranger_told_wall_ns_ < kStrangersApart_ns;
-  if (!silent) stranger_told_wall_ns_ = now.wall_ns;
-  stranger_told_ = true;
+Answer CommandArbiter::reject(std::string reason, const RobotNow& now) noexcept {
+  const bool silent = rejected_ && now.wall_ns - rejected_wall_ns_ < kRejectionsApart_ns;
+  if (!silent) rejected_wall_ns_ = now.wall_ns;
+  rejected_ = true;
   return {false, silent, std::move(reason)};
 }
 
-std::string OperatorDesk::refusal(const Asked& asked, const RobotNow& now) {
+std::string CommandArbiter::refusal(const Asked& asked, const RobotNow& now) {
   if (asked.commander.empty() || asked.commander.size() > kLongestName) {
     return "a commander needs a name of 1 to 64 characters";
   }
@@ -113,7 +112,7 @@ std::string OperatorDesk::refusal(const Asked& asked, const RobotNow& now) {
   }
   const auto last = numbers_.find(asked.commander);
   if (last == numbers_.end() && numbers_.size() >= kMostCommanders) {
-    return "there were too many commanders in this session; start stiltd again, or use a name a second time";
+    return "there were too many commanders in this run; start stiltd again, or use a name a second time";
   }
   if (last != numbers_.end() && asked.number <= last->second) {
     return "command " + std::to_string(asked.number) + " came after " + std::to_string(last->second) +
@@ -124,7 +123,8 @@ std::string OperatorDesk::refusal(const Asked& asked, const RobotNow& now) {
   return is_order(kind) ? refusal_of_order(asked, kind, now) : "";
 }
 
-std::string OperatorDesk::refusal_of_order(const Asked& asked, CommandKind kind, const RobotNow& now) const {
+std::string CommandArbiter::refusal_of_order(const Asked& asked, CommandKind kind,
+                                             const RobotNow& now) const {
   if (commander_ != asked.commander && alive(now)) {
     return commander_ + " commands the robot; it must release it or fall silent first";
   }
@@ -138,7 +138,7 @@ std::string OperatorDesk::refusal_of_order(const Asked& asked, CommandKind kind,
   return wrong_state(kind, now.state);
 }
 
-std::string OperatorDesk::obey(const Asked& asked, CommandKind kind, const RobotNow& now) {
+std::string CommandArbiter::apply(const Asked& asked, CommandKind kind, const RobotNow& now) {
   switch (kind) {
     case CommandKind::heartbeat:
       return {};
@@ -184,9 +184,9 @@ std::string OperatorDesk::obey(const Asked& asked, CommandKind kind, const Robot
   return {};
 }
 
-Answer OperatorDesk::take(const Asked& asked, const RobotNow& now) {
-  std::string reason = refusal_of_stranger(asked);
-  if (!reason.empty()) return refuse_stranger(std::move(reason), now);
+Answer CommandArbiter::take(const Asked& asked, const RobotNow& now) {
+  std::string reason = rejection(asked);
+  if (!reason.empty()) return reject(std::move(reason), now);
   reason = refusal(asked, now);
   if (!reason.empty()) return {false, false, std::move(reason)};
   const auto kind = static_cast<CommandKind>(asked.kind);
@@ -197,18 +197,18 @@ Answer OperatorDesk::take(const Asked& asked, const RobotNow& now) {
     took_over_ = true;
   }
   if (asked.commander == commander_) heartbeat_wall_ns_ = now.wall_ns;
-  reason = obey(asked, kind, now);
+  reason = apply(asked, kind, now);
   if (!reason.empty()) return {false, false, std::move(reason)};
   return {true, kind == CommandKind::heartbeat, {}};
 }
 
-void OperatorDesk::twist(double speed_m_s, const RobotNow& now) {
+void CommandArbiter::twist(double speed_m_s, const RobotNow& now) {
   const bool allowed = rules_.cmd_vel && alive(now) && now.state == State::walk;
   if (allowed && std::abs(speed_m_s) <= rules_.speed_limit_m_s) request_.speed_m_s = speed_m_s;
 }
 
-control_loop::OperatorCommand OperatorDesk::command(const control_loop::OperatorCommand& script,
-                                                    const RobotNow& now) {
+control_loop::OperatorCommand CommandArbiter::command(const control_loop::OperatorCommand& script,
+                                                      const RobotNow& now) {
   if (!took_over_) {
     request_ = script.request;
     return script;

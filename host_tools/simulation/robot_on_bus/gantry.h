@@ -4,8 +4,8 @@
 
 namespace stilt::robot_on_bus {
 
-/// State of the hoist.
-enum class HoistState {
+/// State of the gantry.
+enum class GantryState {
   holding,    ///< the robot hangs, its feet just above the ground
   lowering,   ///< its motors give torque: the rope pays out
   releasing,  ///< the robot carries itself: rope, guides and leg rests fade out
@@ -13,10 +13,10 @@ enum class HoistState {
   lifting,    ///< it fell or sat down: the rope lifts it to where it hangs
 };
 
-[[nodiscard]] const char* name(HoistState state);
+[[nodiscard]] const char* name(GantryState state);
 
-/// Constants of the hoist and of its operation.
-struct HoistParameters {
+/// Constants of the gantry and of its operation.
+struct GantryParameters {
   double clearance_m = 0.005;           ///< of the feet above the ground while it hangs
   double rope_stiffness_N_m = 20000.0;  ///< upward only
   double rope_damping_Ns_m = 1500.0;
@@ -46,10 +46,10 @@ struct HoistParameters {
 /// only pulls upward. When the motors give torque, the rope pays out slowly. Once it carries less than
 /// carried_share of the weight for carried_s, all forces fade out within release_s. When the motors stop
 /// giving torque before that, the rope is taken in again. Deterministic; the caller passes the time.
-class Hoist {
+class Gantry {
  public:
   /// @param standing  the starting pose, feet on the ground
-  Hoist(const HoistParameters& parameters, const model::StateVector& standing, double weight_N);
+  Gantry(const GantryParameters& parameters, const model::StateVector& standing, double weight_N);
 
   /// State of the robot hanging at rest: the starting pose, clearance_m higher.
   [[nodiscard]] model::StateVector hanging() const;
@@ -64,7 +64,7 @@ class Hoist {
   /// Takes the weight of the robot again at its present position.
   void take(const model::StateVector& state);
 
-  [[nodiscard]] HoistState state() const { return state_; }
+  [[nodiscard]] GantryState state() const { return state_; }
   /// Number of releases so far.
   [[nodiscard]] int releases() const { return releases_; }
 
@@ -73,11 +73,11 @@ class Hoist {
   void pay_out(bool torque_on, double duration_s);
   void lift(double duration_s);
 
-  HoistParameters parameters_;
+  GantryParameters parameters_;
   model::PositionVector target_;  ///< target of the springs; z: height of the robot hanging at rest
   model::PositionVector hanging_;
   double weight_N_;
-  HoistState state_ = HoistState::holding;
+  GantryState state_ = GantryState::holding;
   double paid_out_m_ = 0.0;
   double strength_ = 1.0;  ///< 1 holding, 0 off
   double torque_on_s_ = 0.0;

@@ -1,7 +1,7 @@
 #include <array>
 #include <bit>
 
-#include "hal/sensors/base_sensor_table.h"
+#include "hal/sensors/torso_sensor_table.h"
 #include "tests/hal/fuzz/fuzz_input.h"
 
 using namespace stilt::hal;

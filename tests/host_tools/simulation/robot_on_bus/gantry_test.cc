@@ -1,4 +1,4 @@
-#include "host_tools/simulation/robot_on_bus/hoist.h"
+#include "host_tools/simulation/robot_on_bus/gantry.h"
 
 #include <gtest/gtest.h>
 
@@ -15,11 +15,11 @@ model::StateVector standing() {
   return state;
 }
 
-Hoist hoist() { return {HoistParameters{}, standing(), kWeight_N}; }
+Gantry gantry() { return {GantryParameters{}, standing(), kWeight_N}; }
 
-void elapse(Hoist& hoist, const model::StateVector& state, bool torque_on, double duration_s) {
+void elapse(Gantry& gantry, const model::StateVector& state, bool torque_on, double duration_s) {
   for (int i = 0; i < static_cast<int>(duration_s / kTick_s + 0.5); ++i) {
-    hoist.elapse(state, torque_on, kTick_s);
+    gantry.elapse(state, torque_on, kTick_s);
   }
 }
 
@@ -30,8 +30,8 @@ model::StateVector carried() {
   return state;
 }
 
-TEST(Hoist, TheHangingRobotIsInEquilibriumJustAboveTheGround) {
-  const Hoist stand = hoist();
+TEST(Gantry, TheHangingRobotIsInEquilibriumJustAboveTheGround) {
+  const Gantry stand = gantry();
   const model::StateVector hanging = stand.hanging();
   EXPECT_DOUBLE_EQ(hanging[1], 0.805);
   model::PositionVector weight = model::PositionVector::Zero();
@@ -39,39 +39,39 @@ TEST(Hoist, TheHangingRobotIsInEquilibriumJustAboveTheGround) {
   EXPECT_TRUE(stand.force(hanging).isApprox(weight));
 }
 
-TEST(Hoist, TheRopeOnlyPulls) {
-  const Hoist stand = hoist();
+TEST(Gantry, TheRopeOnlyPulls) {
+  const Gantry stand = gantry();
   EXPECT_EQ(stand.force(carried())[1], 0.0);
 }
 
-TEST(Hoist, TheLegRestsAreTooWeakToStandOn) {
-  const Hoist stand = hoist();
+TEST(Gantry, TheLegRestsAreTooWeakToStandOn) {
+  const Gantry stand = gantry();
   model::StateVector bent = stand.hanging();
   bent[model::kFirstJoint] += 1.0;
-  EXPECT_EQ(stand.force(bent)[model::kFirstJoint], -HoistParameters{}.rest_limit_Nm);
+  EXPECT_EQ(stand.force(bent)[model::kFirstJoint], -GantryParameters{}.rest_limit_Nm);
 }
 
-TEST(Hoist, ARobotWithoutTorqueIsHeldEvenWhenTheRopeIsSlack) {
-  Hoist stand = hoist();
+TEST(Gantry, ARobotWithoutTorqueIsHeldEvenWhenTheRopeIsSlack) {
+  Gantry stand = gantry();
   elapse(stand, carried(), false, 60.0);
-  EXPECT_EQ(stand.state(), HoistState::holding);
+  EXPECT_EQ(stand.state(), GantryState::holding);
   EXPECT_EQ(stand.releases(), 0);
 }
 
-TEST(Hoist, ARobotThatCarriesItselfIsLetGo) {
-  Hoist stand = hoist();
+TEST(Gantry, ARobotThatCarriesItselfIsReleased) {
+  Gantry stand = gantry();
   elapse(stand, carried(), true, 0.25);
-  EXPECT_EQ(stand.state(), HoistState::lowering) << "not before it has carried itself for 0.3 s";
+  EXPECT_EQ(stand.state(), GantryState::lowering) << "not before it has carried itself for 0.3 s";
   elapse(stand, carried(), true, 0.1);
-  EXPECT_EQ(stand.state(), HoistState::releasing);
+  EXPECT_EQ(stand.state(), GantryState::releasing);
   elapse(stand, carried(), true, 0.2);
-  EXPECT_EQ(stand.state(), HoistState::off);
+  EXPECT_EQ(stand.state(), GantryState::off);
   EXPECT_EQ(stand.releases(), 1);
   EXPECT_TRUE(stand.force(standing()).isZero());
 }
 
-TEST(Hoist, AShortReliefOfTheRopeIsNotEnough) {
-  Hoist stand = hoist();
+TEST(Gantry, AShortReliefOfTheRopeIsNotEnough) {
+  Gantry stand = gantry();
   model::StateVector sunk = standing();
   sunk[1] -= 0.1;
   for (int i = 0; i < 10; ++i) {
@@ -81,15 +81,15 @@ TEST(Hoist, AShortReliefOfTheRopeIsNotEnough) {
   EXPECT_EQ(stand.releases(), 0);
 }
 
-TEST(Hoist, ItLetsGoWithoutAJolt) {
-  Hoist stand = hoist();
+TEST(Gantry, ItReleasesWithoutAJolt) {
+  Gantry stand = gantry();
   model::StateVector leaning = carried();
   leaning[model::kFirstAngle] = 0.05;
   elapse(stand, leaning, true, 0.32);
   double before_Nm = stand.force(leaning)[model::kFirstAngle];
-  const double whole_Nm = 0.05 * HoistParameters{}.pitch_stiffness_Nm_rad;
-  const double step_Nm = 1.01 * whole_Nm * kTick_s / HoistParameters{}.release_s;
-  while (stand.state() != HoistState::off) {
+  const double whole_Nm = 0.05 * GantryParameters{}.pitch_stiffness_Nm_rad;
+  const double step_Nm = 1.01 * whole_Nm * kTick_s / GantryParameters{}.release_s;
+  while (stand.state() != GantryState::off) {
     stand.elapse(leaning, true, kTick_s);
     const double now_Nm = stand.force(leaning)[model::kFirstAngle];
     ASSERT_LE(std::abs(now_Nm - before_Nm), step_Nm);
@@ -98,20 +98,20 @@ TEST(Hoist, ItLetsGoWithoutAJolt) {
   EXPECT_EQ(before_Nm, 0.0);
 }
 
-TEST(Hoist, TheRopeIsTakenInAgainWhenTheMotorsGiveUp) {
-  Hoist stand = hoist();
+TEST(Gantry, TheRopeIsTakenInAgainWhenTheMotorsGiveUp) {
+  Gantry stand = gantry();
   const model::StateVector hanging = stand.hanging();
   elapse(stand, hanging, true, 0.5);
-  EXPECT_EQ(stand.state(), HoistState::lowering);
+  EXPECT_EQ(stand.state(), GantryState::lowering);
   EXPECT_LT(stand.force(hanging)[1], kWeight_N);
   elapse(stand, hanging, false, 5.0);
-  EXPECT_EQ(stand.state(), HoistState::holding);
+  EXPECT_EQ(stand.state(), GantryState::holding);
   EXPECT_DOUBLE_EQ(stand.force(hanging)[1], kWeight_N);
 }
 
-TEST(Hoist, TheRopeIsPaidOutAtItsSpeedAndOnlySoFar) {
-  Hoist stand = hoist();
-  const HoistParameters parameters;
+TEST(Gantry, TheRopeIsPaidOutAtItsSpeedAndOnlySoFar) {
+  Gantry stand = gantry();
+  const GantryParameters parameters;
   model::StateVector sunk = stand.hanging();  // as low as the rope ends, so it carries to the end
   sunk[1] -= parameters.lowering_limit_m;
   model::StateVector higher = stand.hanging();
@@ -122,20 +122,20 @@ TEST(Hoist, TheRopeIsPaidOutAtItsSpeedAndOnlySoFar) {
   EXPECT_NEAR(before_N - stand.force(higher)[1],
               0.01 * parameters.lowering_speed_m_s * parameters.rope_stiffness_N_m, 1e-6);
   elapse(stand, sunk, true, 100.0);
-  EXPECT_EQ(stand.state(), HoistState::lowering);
+  EXPECT_EQ(stand.state(), GantryState::lowering);
   EXPECT_NEAR(stand.force(sunk)[1], kWeight_N, 1e-6);
 }
 
-TEST(Hoist, AFallenRobotIsLiftedToWhereItHangs) {
-  Hoist stand = hoist();
+TEST(Gantry, AFallenRobotIsLiftedToWhereItHangs) {
+  Gantry stand = gantry();
   elapse(stand, carried(), true, 1.0);
-  ASSERT_EQ(stand.state(), HoistState::off);
+  ASSERT_EQ(stand.state(), GantryState::off);
   model::StateVector fallen = standing();
   fallen[0] = 3.0;
   fallen[1] = 0.3;
   fallen[2] = 1.1;
   stand.take(fallen);
-  EXPECT_EQ(stand.state(), HoistState::lifting);
+  EXPECT_EQ(stand.state(), GantryState::lifting);
   EXPECT_NEAR(stand.force(fallen)[2], 0.0, 1e-9) << "no jerk when it is taken";
   elapse(stand, fallen, true, 10.0);
   model::StateVector hanging = stand.hanging();

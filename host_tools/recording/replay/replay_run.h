@@ -9,11 +9,11 @@
 
 namespace stilt::replay {
 
-/// Replays one session of a recording: configures planner and control loop, and runs its ticks and solves. A
+/// Replays one run of a recording: configures planner and control loop, and runs its ticks and solves. A
 /// missing or invalid configuration is a problem in the outcome. Throws std::runtime_error when the file
 /// cannot be read.
 /// @param progress  called with the number of the tick from time to time; may be empty
-[[nodiscard]] Outcome replay_session(const std::string& path, const SessionRecord& session,
-                                     const std::function<void(std::uint64_t tick)>& progress = {});
+[[nodiscard]] Outcome replay_run(const std::string& path, const RunRecord& run,
+                                 const std::function<void(std::uint64_t tick)>& progress = {});
 
 }  // namespace stilt::replay

@@ -1,4 +1,4 @@
-#include "host_tools/simulation/robot_on_bus/base_sensor_frames.h"
+#include "host_tools/simulation/robot_on_bus/torso_sensor_frames.h"
 
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@ using testing_support::DrivenRobot;
 
 constexpr double kDegree_rad = 0.017453292519943295;
 
-TEST(BaseSensorFrames, TheTableReadsBackEveryChannelFromAFrameAnIdentifier) {
+TEST(TorsoSensorFrames, TheTableReadsBackEveryChannelFromAFrameAnIdentifier) {
   hal::RobotWiring wiring;
   wiring.channels[0] = {.id = 0x50, .bits = 32, .scale = 1e-6, .channel = BaseChannel::pitch_rad};
   wiring.channels[1] = {
@@ -26,7 +26,7 @@ TEST(BaseSensorFrames, TheTableReadsBackEveryChannelFromAFrameAnIdentifier) {
                         .scale = 1e-2,
                         .channel = BaseChannel::acceleration_z_m_s2};
   wiring.channel_count = 3;
-  BaseSensorFrames sensor(wiring);
+  TorsoSensorFrames sensor(wiring);
   const std::vector<hal::CanFrame>& frames = sensor.encode({0.25, -1.5, 0, 9.81, 0, 0, 1});
   ASSERT_EQ(frames.size(), 2u);
   hal::ChannelValues values;
@@ -38,43 +38,45 @@ TEST(BaseSensorFrames, TheTableReadsBackEveryChannelFromAFrameAnIdentifier) {
   for (const hal::CanFrame& frame : frames) EXPECT_TRUE(well_formed(frame));
 }
 
-TEST(BaseSensorFrames, AChannelBeyondEightBytesMakesAnFdFrame) {
+TEST(TorsoSensorFrames, AChannelBeyondEightBytesMakesAnFdFrame) {
   hal::RobotWiring wiring;
   wiring.channels[0] = {.id = 0x50, .byte_offset = 10, .channel = BaseChannel::pitch_rad};
   wiring.channel_count = 1;
-  const std::vector<hal::CanFrame> frames = BaseSensorFrames(wiring).encode({});
+  const std::vector<hal::CanFrame> frames = TorsoSensorFrames(wiring).encode({});
   ASSERT_EQ(frames.size(), 1u);
   EXPECT_TRUE(frames[0].fd);
   EXPECT_EQ(frames[0].length, 12);
 }
 
-TEST(BaseSensorFrames, ANumberIsTwoIdentifiersWhenOneIsExtended) {
+TEST(TorsoSensorFrames, ANumberIsTwoIdentifiersWhenOneIsExtended) {
   hal::RobotWiring wiring;
   wiring.channels[0] = {.id = 0x50, .channel = BaseChannel::pitch_rad};
   wiring.channels[1] = {.id = 0x50, .extended = true, .channel = BaseChannel::pitch_rate_rad_s};
   wiring.channel_count = 2;
-  const std::vector<hal::CanFrame> frames = BaseSensorFrames(wiring).encode({});
+  const std::vector<hal::CanFrame> frames = TorsoSensorFrames(wiring).encode({});
   ASSERT_EQ(frames.size(), 2u);
   EXPECT_FALSE(frames[0].extended);
   EXPECT_TRUE(frames[1].extended);
 }
 
-TEST(BaseSensorFrames, TheShippedSensorAt1KilohertzShowsPitchAndSwitchEveryTick) {
+TEST(TorsoSensorFrames, TheShippedSensorAt1KilohertzShowsPitchAndSwitchEveryTick) {
   testing_support::RobotRequest request;
-  request.settings.emplace_back("base_sensor.rate_hz=1000");
+  request.settings.emplace_back("torso_sensor.rate_hz=1000");
   DrivenRobot driven(request);
   for (int i = 0; i < 5; ++i) {
     driven.tick();
-    EXPECT_EQ(driven.base.missed, 0u);
+    EXPECT_EQ(driven.base.missed_replies, 0u);
     EXPECT_NEAR(driven.base.pitch_rad, driven.robot.plant().state()[model::kFirstAngle], 1e-4 * kDegree_rad);
     EXPECT_EQ(driven.can.read_emergency_stop(driven.now_ns), hal::EmergencyStopState::released);
   }
 }
 
-TEST(BaseSensorFrames, AHangingRobotAtRestFeelsItsWeight) {
+TEST(TorsoSensorFrames, AHangingRobotAtRestFeelsItsWeight) {
   testing_support::RobotRequest request;
-  request.settings.emplace_back("base_sensor.acceleration_x=id 0x51 byte 0 bits 16 signed little scale 1e-3");
-  request.settings.emplace_back("base_sensor.acceleration_z=id 0x51 byte 2 bits 16 signed little scale 1e-3");
+  request.settings.emplace_back(
+      "torso_sensor.acceleration_x=id 0x51 byte 0 bits 16 signed little scale 1e-3");
+  request.settings.emplace_back(
+      "torso_sensor.acceleration_z=id 0x51 byte 2 bits 16 signed little scale 1e-3");
   DrivenRobot driven(request);
   for (int i = 0; i < 2000; ++i) driven.tick();
   EXPECT_NEAR(driven.base.acceleration_z_m_s2, 9.81, 0.05);
@@ -82,11 +84,13 @@ TEST(BaseSensorFrames, AHangingRobotAtRestFeelsItsWeight) {
 }
 
 /// Leaning forward, +x of the base points downward as well, against which a body at rest is pushed.
-TEST(BaseSensorFrames, ARobotThatHangsAskewFeelsItsWeightInTheFrameOfItsBase) {
+TEST(TorsoSensorFrames, ARobotThatHangsAskewFeelsItsWeightInTheFrameOfItsBase) {
   testing_support::RobotRequest request;
-  request.settings.emplace_back("base_sensor.rate_hz=1000");
-  request.settings.emplace_back("base_sensor.acceleration_x=id 0x51 byte 0 bits 16 signed little scale 1e-3");
-  request.settings.emplace_back("base_sensor.acceleration_z=id 0x51 byte 2 bits 16 signed little scale 1e-3");
+  request.settings.emplace_back("torso_sensor.rate_hz=1000");
+  request.settings.emplace_back(
+      "torso_sensor.acceleration_x=id 0x51 byte 0 bits 16 signed little scale 1e-3");
+  request.settings.emplace_back(
+      "torso_sensor.acceleration_z=id 0x51 byte 2 bits 16 signed little scale 1e-3");
   RobotSetup setup = testing_support::setup_of(request);
   setup.standing[model::kFirstAngle] = 0.3;
   RobotOnBus robot(setup);

@@ -11,9 +11,9 @@
 
 namespace stilt::telemetry {
 
-/// What the desk insists on.
-struct DeskRules {
-  std::uint64_t session = 0;
+/// What the arbiter requires.
+struct ArbiterRules {
+  std::uint64_t run_id = 0;
   std::string token;           ///< without it nothing is accepted
   std::string token_file;      ///< named in refusals
   double speed_limit_m_s = 0;  ///< of walk, speed and cmd_vel, either way
@@ -24,7 +24,7 @@ struct DeskRules {
 
 /// A command as it came.
 struct Asked {
-  std::uint64_t session = 0;
+  std::uint64_t run_id = 0;
   std::string token;
   std::string commander;
   std::uint64_t number = 0;
@@ -34,30 +34,31 @@ struct Asked {
 };
 
 /// What became of it. No answer is sent when it is silent: a heartbeat that is fine needs none, and those
-/// without the token get at most twenty a second, so that a flood of theirs does not become a flood of ours.
+/// without the token get at most twenty per second, so that a flood of theirs does not become a flood of
+/// ours.
 struct Answer {
   bool accepted = false;
   bool silent = false;
   std::string reason;  ///< why not, one sentence
 };
 
-/// What the desk knows of the robot: the newest tick.
+/// The robot as the arbiter sees it: the newest tick.
 struct RobotNow {
   std::int64_t clock_ns = 0;  ///< of the torque loop, virtual in lock-step
   std::int64_t wall_ns = 0;   ///< CLOCK_MONOTONIC, measures heartbeats
   supervisor::State state = supervisor::State::boot;
 };
 
-/// Who may command the robot, and what the torque loop is told. One commander at a time: whoever gave the
-/// last order of motion and shows that he lives; `stop` is taken from everybody with the token. When his
-/// heartbeats stop, the supervisor makes walking stepping and stepping standing (heartbeat_lost), and after
-/// release_s somebody else may command. Pure logic: no network, no clock, no thread. Ordinary threads.
-class OperatorDesk {
+/// Who may command the robot, and what the torque loop is asked to do. One commander at a time: the one who
+/// gave the last order of motion and sends heartbeats; `stop` is taken from everybody with the token. When
+/// his heartbeats stop, the supervisor makes walking stepping and stepping standing (heartbeat_lost), and
+/// after release_s somebody else may command. Pure logic: no network, no clock, no thread. Ordinary threads.
+class CommandArbiter {
  public:
   /// Sets a live tunable; the answer is empty or what is wrong, one sentence.
   using SetTunable = std::function<std::string(const std::string& key, double value)>;
 
-  OperatorDesk(DeskRules rules, SetTunable set_tunable)
+  CommandArbiter(ArbiterRules rules, SetTunable set_tunable)
       : rules_(std::move(rules)), set_tunable_(std::move(set_tunable)) {}
 
   /// Decides about a command.
@@ -68,31 +69,31 @@ class OperatorDesk {
 
   /// What the torque loop shall do now. Until the first order came that is what `script` says.
   [[nodiscard]] control_loop::OperatorCommand command(const control_loop::OperatorCommand& script,
-                                                    const RobotNow& now);
+                                                      const RobotNow& now);
 
   [[nodiscard]] const std::string& commander() const noexcept { return commander_; }
   [[nodiscard]] bool alive(const RobotNow& now) const noexcept;
 
  private:
-  [[nodiscard]] std::string refusal_of_stranger(const Asked& asked) const;
-  [[nodiscard]] Answer refuse_stranger(std::string reason, const RobotNow& now) noexcept;
+  [[nodiscard]] std::string rejection(const Asked& asked) const;
+  [[nodiscard]] Answer reject(std::string reason, const RobotNow& now) noexcept;
   [[nodiscard]] std::string refusal(const Asked& asked, const RobotNow& now);
   [[nodiscard]] std::string refusal_of_order(const Asked& asked, CommandKind kind, const RobotNow& now) const;
-  [[nodiscard]] std::string obey(const Asked& asked, CommandKind kind, const RobotNow& now);
+  [[nodiscard]] std::string apply(const Asked& asked, CommandKind kind, const RobotNow& now);
   void ask(supervisor::RequestKind kind, double speed_m_s = 0) noexcept;
   void stop(const RobotNow& now) noexcept;
   [[nodiscard]] double silence_s(const RobotNow& now) const noexcept;
 
-  DeskRules rules_;
+  ArbiterRules rules_;
   SetTunable set_tunable_;
   std::map<std::string, std::uint64_t> numbers_;  ///< last of every commander
-  std::string commander_;                         ///< empty: nobody
+  std::string commander_;                         ///< empty: none
   std::int64_t heartbeat_wall_ns_ = 0;
   supervisor::Request request_;
   bool took_over_ = false;    ///< the script has no say any more
   bool standing_up_ = false;  ///< after the bring-up: stand
-  bool stranger_told_ = false;
-  std::int64_t stranger_told_wall_ns_ = 0;  ///< when somebody without the token was answered last
+  bool rejected_ = false;
+  std::int64_t rejected_wall_ns_ = 0;  ///< when somebody without the token was answered last
 };
 
 }  // namespace stilt::telemetry

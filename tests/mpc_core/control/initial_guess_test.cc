@@ -21,7 +21,7 @@ using testing_support::kWalk;
 using testing_support::Planning;
 using testing_support::shipped;
 
-/// From now on a solve ends before its first iteration: its plan is its first guess.
+/// From now on a solve ends before its first iteration: its plan is its initial guess.
 void guess_only(Planning& planning) {
   ControllerParameters parameters = planning.parameters;
   parameters.sqp.iterations = 0;
@@ -55,7 +55,7 @@ StateVector old_state(const Plan& old, double time_s, bool before, bool after) {
   return from.state + share * (to.state - from.state);
 }
 
-TEST(FirstGuess, IsThePlanBeforeWithBothSidesOfItsTouchDowns) {
+TEST(InitialGuess, IsThePlanBeforeWithBothSidesOfItsTouchDowns) {
   Planning planning(shipped());
   planning.advance(kWalk, 60);
   ASSERT_TRUE(planning.solve(kWalk).usable());
@@ -81,7 +81,7 @@ TEST(FirstGuess, IsThePlanBeforeWithBothSidesOfItsTouchDowns) {
   EXPECT_GT(largest_jump_rad_s, 0.1) << "the sides of a touch-down differ, so that a confusion shows";
 }
 
-TEST(FirstGuess, TakesTheInputsOfThePlanBeforeWhereTheFeetAreTheSame) {
+TEST(InitialGuess, TakesTheInputsOfThePlanBeforeWhereTheFeetAreTheSame) {
   Planning planning(shipped());
   planning.advance(kWalk, 60);
   ASSERT_TRUE(planning.solve(kWalk).usable());
@@ -105,7 +105,7 @@ TEST(FirstGuess, TakesTheInputsOfThePlanBeforeWhereTheFeetAreTheSame) {
   }
 }
 
-TEST(FirstGuess, BeyondThePlanBeforeItsLastPostureMovesOnAtTheReferenceSpeed) {
+TEST(InitialGuess, BeyondThePlanBeforeItsLastPostureMovesOnAtTheReferenceSpeed) {
   Planning planning(shipped());
   planning.advance(kWalk, 150);
   ASSERT_TRUE(planning.solve(kWalk).usable());
@@ -128,7 +128,7 @@ TEST(FirstGuess, BeyondThePlanBeforeItsLastPostureMovesOnAtTheReferenceSpeed) {
   EXPECT_GE(beyond, 6);
 }
 
-TEST(FirstGuess, WithoutAPlanBeforeIsTheStateOnItsWayWithTheReference) {
+TEST(InitialGuess, WithoutAPlanBeforeIsTheStateOnItsWayWithTheReference) {
   Planning planning(shipped());
   guess_only(planning);
   ASSERT_TRUE(planning.solve(kWalk).usable());

@@ -1,4 +1,4 @@
-#include "host_tools/recording/replay/replay_session.h"
+#include "host_tools/recording/replay/replay_run.h"
 
 #include <algorithm>
 #include <memory>
@@ -14,19 +14,19 @@ namespace {
 
 constexpr std::uint64_t kProgressEvery = 1000;
 
-/// The live tunables of a session by their numbers, computed as in stiltd (firmware/telemetry/tuner.h).
+/// The live tunables of a run by their numbers, computed as in stiltd (firmware/telemetry/tuner.h).
 class TuningsOf {
  public:
-  TuningsOf(const SessionRecord& session, const configuration::Configuration& configuration)
-      : session_(session),
+  TuningsOf(const RunRecord& run, const configuration::Configuration& configuration)
+      : run_(run),
         configuration_(configuration),
         robot_(&robots::find(configuration.hardware.robot).value()->model),
         work_(std::make_unique<sqp::TerminalCostWorkspace>()) {}
 
   /// Nothing when the recording lacks them, or when this program has other tunables.
   [[nodiscard]] std::optional<Tunings> operator()(std::uint32_t number) const {
-    const auto values = session_.tunings.find(number);
-    if (values == session_.tunings.end() || !same_tunables()) return std::nullopt;
+    const auto values = run_.tunings.find(number);
+    if (values == run_.tunings.end() || !same_tunables()) return std::nullopt;
     Tunings tunings;
     const configuration::Configuration changed =
         configuration::with_live_values(configuration_, values->second);
@@ -40,12 +40,12 @@ class TuningsOf {
  private:
   [[nodiscard]] bool same_tunables() const {
     const auto mine = configuration::live_tunables(configuration_);
-    return std::ranges::equal(mine, session_.tunables, [](const auto& tunable, const auto& key) {
+    return std::ranges::equal(mine, run_.tunables, [](const auto& tunable, const auto& key) {
       return tunable.entry->name() == key;
     });
   }
 
-  const SessionRecord& session_;
+  const RunRecord& run_;
   const configuration::Configuration& configuration_;
   const model::RobotModel* robot_;
   std::unique_ptr<sqp::TerminalCostWorkspace> work_;
@@ -59,23 +59,23 @@ Outcome failed(const std::string& problem) {
 
 }  // namespace
 
-Outcome replay_session(const std::string& path, const SessionRecord& session,
-                       const std::function<void(std::uint64_t)>& progress) {
-  if (!session.configured) {
+Outcome replay_run(const std::string& path, const RunRecord& run,
+                   const std::function<void(std::uint64_t)>& progress) {
+  if (!run.configured) {
     return failed("its configuration is missing in the record; record from before stiltd ends");
   }
   const std::string source = "the recorded configuration";
-  const auto configuration = configuration::parse(session.configuration, source);
+  const auto configuration = configuration::parse(run.configuration, source);
   if (!configuration) {
     return failed(source + " is refused by this program: " + to_string(configuration.error().front()));
   }
-  const TuningsOf tunings(session, *configuration);
+  const TuningsOf tunings(run, *configuration);
   const auto gaits = std::make_unique<gait::GaitLibrary>();
-  Replay replay(session.cycles, [&](std::uint32_t number) { return tunings(number); });
+  Replay replay(run.cycles, [&](std::uint32_t number) { return tunings(number); });
   const auto ready =
       program::configure_cycles(*configuration, source, replay.planner(), replay.loop(), gaits.get());
   if (!ready) return failed(ready.error());
-  for_each_tick(path, session.number, [&](const control_loop::TickRecord& tick) {
+  for_each_tick(path, run.number, [&](const control_loop::TickRecord& tick) {
     if (progress && tick.tick % kProgressEvery == 0) progress(tick.tick);
     return replay.run(tick);
   });

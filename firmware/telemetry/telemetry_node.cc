@@ -1,4 +1,4 @@
-#include "firmware/telemetry/station.h"
+#include "firmware/telemetry/telemetry_node.h"
 
 #include <algorithm>
 #include <cmath>
@@ -27,8 +27,8 @@ std::uint64_t ticks_of(double period_s, double rate_hz) {
 std::string none_is_empty(const std::string& text) { return text == "none" ? "" : text; }
 
 Asked asked(const Command& command) {
-  return {command.session, command.token, command.commander, command.number,
-          command.kind,    command.value, command.key};
+  return {command.run_id, command.token, command.commander, command.number,
+          command.kind,   command.value, command.key};
 }
 
 std::string described(const Asked& asked) {
@@ -42,12 +42,12 @@ std::string described(const Asked& asked) {
 
 }  // namespace
 
-Station::Station(const configuration::Configuration& configuration, RunDescription run,
-                 control_loop::Mailboxes& mail, const model::RobotModel& robot)
+TelemetryNode::TelemetryNode(const configuration::Configuration& configuration, RunDescription run,
+                             control_loop::Mailboxes& mail, const model::RobotModel& robot)
     : configuration_(configuration),
       run_(std::move(run)),
       mail_(mail),
-      session_(random_session()),
+      run_id_(random_run_id()),
       tuner_(configuration, robot, mail),
       joint_states_every_(
           ticks_of(1.0 / configuration.telemetry.joint_states_hz, configuration.timing.torque_rate_hz)),
@@ -55,30 +55,30 @@ Station::Station(const configuration::Configuration& configuration, RunDescripti
           ticks_of(1.0 / configuration.telemetry.supervisor_hz, configuration.timing.torque_rate_hz)),
       second_(ticks_of(1.0, configuration.timing.torque_rate_hz)) {}
 
-std::expected<std::unique_ptr<Station>, std::string> Station::open(
+std::expected<std::unique_ptr<TelemetryNode>, std::string> TelemetryNode::open(
     const configuration::Configuration& configuration, const RunDescription& run,
     control_loop::Mailboxes& mail) {
   const auto robot = robots::find(configuration.hardware.robot);
   if (!robot) return std::unexpected("telemetry: " + robot.error());
-  std::unique_ptr<Station> station(new Station(configuration, run, mail, (*robot)->model));
-  if (const auto joined = station->join(); !joined) return std::unexpected(joined.error());
-  return station;
+  std::unique_ptr<TelemetryNode> node(new TelemetryNode(configuration, run, mail, (*robot)->model));
+  if (const auto joined = node->join(); !joined) return std::unexpected(joined.error());
+  return node;
 }
 
-std::expected<std::string, std::string> Station::token() {
+std::expected<std::string, std::string> TelemetryNode::token() {
   const configuration::TelemetryParameters& parameters = configuration_.telemetry;
   run_.token_file = token_path(parameters.token_file, parameters.domain);
   return parameters.fixed_token ? read_token(run_.token_file) : write_token(run_.token_file);
 }
 
-std::expected<void, std::string> Station::join() {
+std::expected<void, std::string> TelemetryNode::join() {
   const configuration::TelemetryParameters& parameters = configuration_.telemetry;
   auto participant =
       Participant::open({parameters.domain, parameters.interface, none_is_empty(parameters.peers),
                          none_is_empty(parameters.security_folder)});
   if (!participant) return std::unexpected(participant.error());
   participant_ = std::make_unique<Participant>(std::move(*participant));
-  auto publisher = Publisher::open(*participant_, session_);
+  auto publisher = Publisher::open(*participant_, run_id_);
   if (!publisher) return std::unexpected(publisher.error());
   publisher_ = std::make_unique<Publisher>(std::move(*publisher));
   auto ros = RosPublisher::open(*participant_);
@@ -92,14 +92,14 @@ std::expected<void, std::string> Station::join() {
   twists_ = std::make_unique<Reader>(std::move(*twists));
   const auto secret = token();
   if (!secret) return std::unexpected(secret.error());
-  const DeskRules rules{session_,
-                        *secret,
-                        run_.token_file,
-                        parameters.speed_limit_m_s,
-                        configuration_.supervisor.heartbeat_timeout_s,
-                        parameters.release_s,
-                        parameters.cmd_vel};
-  desk_ = std::make_unique<OperatorDesk>(rules, [this](const std::string& key, double value) {
+  const ArbiterRules rules{run_id_,
+                           *secret,
+                           run_.token_file,
+                           parameters.speed_limit_m_s,
+                           configuration_.supervisor.heartbeat_timeout_s,
+                           parameters.release_s,
+                           parameters.cmd_vel};
+  arbiter_ = std::make_unique<CommandArbiter>(rules, [this](const std::string& key, double value) {
     std::string wrong = tuner_.set(key, value);
     if (wrong.empty()) publisher_->tuning(tuner_, key, tuned_by_);
     return wrong;
@@ -107,17 +107,17 @@ std::expected<void, std::string> Station::join() {
   return {};
 }
 
-Drops Station::drops() const {
+Drops TelemetryNode::drops() const {
   return {mail_.telemetry.dropped(), mail_.cycles.dropped(), mail_.events.dropped()};
 }
 
-RobotNow Station::now() const {
+RobotNow TelemetryNode::now() const {
   const auto wall = std::chrono::steady_clock::now().time_since_epoch();
   const std::int64_t wall_ns = std::chrono::duration_cast<std::chrono::nanoseconds>(wall).count();
   return {run_.lockstep ? newest_.time_ns : wall_ns, wall_ns, newest_.state};
 }
 
-void Station::begin(const control_loop::TickRecord& record) {
+void TelemetryNode::begin(const control_loop::TickRecord& record) {
   begun_ = true;
   const auto today = std::chrono::system_clock::now().time_since_epoch();
   time_ = {record.time_ns, std::chrono::duration_cast<std::chrono::nanoseconds>(today).count()};
@@ -125,19 +125,20 @@ void Station::begin(const control_loop::TickRecord& record) {
   publisher_->tuning(tuner_, "", "");
 }
 
-void Station::send_supervisor() {
-  publisher_->supervisor(newest_, time_, {desk_->commander(), desk_->alive(now())}, tuner_.base_height_m());
+void TelemetryNode::send_supervisor() {
+  publisher_->supervisor(newest_, time_, {arbiter_->commander(), arbiter_->alive(now())},
+                         tuner_.base_height_m());
 }
 
 /// In lock-step time waits for subscribers, as it does for the robot: a record has every tick, however fast
 /// the run.
-void Station::send_batch() {
+void TelemetryNode::send_batch() {
   publisher_->ticks(batch_, drops());
   batch_.clear();
   if (run_.lockstep && ++batches_ % kBatchesAhead == 0) publisher_->flush(kFlush_s);
 }
 
-void Station::tick(const control_loop::TickRecord& record) {
+void TelemetryNode::tick(const control_loop::TickRecord& record) {
   if (!begun_) begin(record);
   const bool changed = record.state != newest_.state || record.level != newest_.level ||
                        record.present != newest_.present || record.latched != newest_.latched;
@@ -152,28 +153,29 @@ void Station::tick(const control_loop::TickRecord& record) {
   ros_->odometry(record, time_);
 }
 
-void Station::event(const control_loop::Event& event) { publisher_->event(event, drops()); }
+void TelemetryNode::event(const control_loop::Event& event) { publisher_->event(event, drops()); }
 
-void Station::publish(const diagnostics::LoopFigures& loop, const diagnostics::PlannerFigures& planning) {
+void TelemetryNode::publish(const diagnostics::LoopStatistics& loop,
+                            const diagnostics::PlannerStatistics& planning) {
   if (!begun_) return;
   while (const control_loop::CycleRecord* cycle = mail_.cycles.front()) {
     publisher_->cycle(*cycle, drops());
     mail_.cycles.pop();
   }
-  if (mail_.sketches.has_news()) publisher_->plan(mail_.sketches.newest(), tuner_.settings());
-  const bool due = newest_.tick >= figures_due_;
+  if (mail_.previews.has_news()) publisher_->plan(mail_.previews.newest(), tuner_.settings());
+  const bool due = newest_.tick >= statistics_due_;
   if (due) {
-    figures_due_ = newest_.tick + second_;
+    statistics_due_ = newest_.tick + second_;
     publisher_->timing(loop, planning, configuration_, time_.seconds(newest_.time_ns), drops());
   }
   if (due || changed_) ros_->diagnostics(newest_, loop, planning, time_, configuration_.hardware.robot);
   changed_ = false;
 }
 
-void Station::answer(const Command& command) {
+void TelemetryNode::answer(const Command& command) {
   const Asked what = asked(command);
   tuned_by_ = what.commander;
-  const Answer answer = desk_->take(what, now());
+  const Answer answer = arbiter_->take(what, now());
   const double time_s = time_.seconds(newest_.time_ns);
   if (!answer.silent) {
     publisher_->reply(what.commander, what.number, answer.accepted, answer.reason, time_s);
@@ -184,14 +186,14 @@ void Station::answer(const Command& command) {
   }
 }
 
-void Station::watch_commander() {
-  if (desk_->commander() == commander_) return;
-  commander_ = desk_->commander();
+void TelemetryNode::watch_commander() {
+  if (arbiter_->commander() == commander_) return;
+  commander_ = arbiter_->commander();
   publisher_->note(kCommanderEvent, time_.seconds(newest_.time_ns), "commander",
-                   commander_.empty() ? "nobody commands" : commander_ + " commands", drops());
+                   commander_.empty() ? "no commander" : commander_ + " commands", drops());
 }
 
-control_loop::OperatorCommand Station::operate(const control_loop::OperatorCommand& script) {
+control_loop::OperatorCommand TelemetryNode::operate(const control_loop::OperatorCommand& script) {
   commands_->take(
       [this](Sample&& sample) {
         if (const auto command = sample.as<Command>()) answer(*command);
@@ -199,15 +201,15 @@ control_loop::OperatorCommand Station::operate(const control_loop::OperatorComma
       kCommandsAtOnce);
   twists_->take(
       [this](Sample&& sample) {
-        if (const auto twist = sample.as<Twist>()) desk_->twist(twist->linear.x, now());
+        if (const auto twist = sample.as<Twist>()) arbiter_->twist(twist->linear.x, now());
       },
       kCommandsAtOnce);
-  const control_loop::OperatorCommand command = desk_->command(script, now());
+  const control_loop::OperatorCommand command = arbiter_->command(script, now());
   watch_commander();
   return command;
 }
 
-void Station::finish() {
+void TelemetryNode::flush() {
   if (batch_.size() > 0) send_batch();
   if (begun_) send_supervisor();
   publisher_->flush(kFlush_s);

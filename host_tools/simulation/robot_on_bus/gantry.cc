@@ -1,4 +1,4 @@
-#include "host_tools/simulation/robot_on_bus/hoist.h"
+#include "host_tools/simulation/robot_on_bus/gantry.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,44 +15,44 @@ double approach(double value, double goal, double step) {
 
 }  // namespace
 
-const char* name(HoistState state) {
+const char* name(GantryState state) {
   switch (state) {
-    case HoistState::holding:
+    case GantryState::holding:
       return "holding";
-    case HoistState::lowering:
+    case GantryState::lowering:
       return "lowering";
-    case HoistState::releasing:
+    case GantryState::releasing:
       return "releasing";
-    case HoistState::off:
+    case GantryState::off:
       return "off";
-    case HoistState::lifting:
+    case GantryState::lifting:
       return "lifting";
   }
   return "";
 }
 
-Hoist::Hoist(const HoistParameters& parameters, const model::StateVector& standing, double weight_N)
+Gantry::Gantry(const GantryParameters& parameters, const model::StateVector& standing, double weight_N)
     : parameters_(parameters), target_(standing.head<model::kPositions>()), weight_N_(weight_N) {
   target_[kZ] += parameters_.clearance_m;
   hanging_ = target_;
 }
 
-model::StateVector Hoist::hanging() const {
+model::StateVector Gantry::hanging() const {
   model::StateVector state = model::StateVector::Zero();
   state.head<model::kPositions>() = hanging_;
   return state;
 }
 
-double Hoist::rope_N(const model::StateVector& state) const {
+double Gantry::rope_N(const model::StateVector& state) const {
   const double length_m = target_[kZ] - paid_out_m_ - state[kZ];
   const double force_N = weight_N_ + parameters_.rope_stiffness_N_m * length_m -
                          parameters_.rope_damping_Ns_m * state[model::kPositions + kZ];
   return std::clamp(force_N, 0.0, parameters_.rope_strength * weight_N_);
 }
 
-model::PositionVector Hoist::force(const model::StateVector& state) const {
+model::PositionVector Gantry::force(const model::StateVector& state) const {
   model::PositionVector force = model::PositionVector::Zero();
-  if (state_ == HoistState::off) return force;
+  if (state_ == GantryState::off) return force;
   const auto spring = [&](int i, double stiffness, double damping) {
     return stiffness * (target_[i] - state[i]) - damping * state[model::kPositions + i];
   };
@@ -66,51 +66,51 @@ model::PositionVector Hoist::force(const model::StateVector& state) const {
   return strength_ * force;
 }
 
-void Hoist::elapse(const model::StateVector& state, bool torque_on, double duration_s) {
+void Gantry::elapse(const model::StateVector& state, bool torque_on, double duration_s) {
   switch (state_) {
-    case HoistState::off:
+    case GantryState::off:
       return;
-    case HoistState::lifting:
+    case GantryState::lifting:
       lift(duration_s);
       return;
-    case HoistState::releasing:
+    case GantryState::releasing:
       strength_ -= duration_s / parameters_.release_s;
       if (strength_ > 0.0) return;
       strength_ = 0.0;
-      state_ = HoistState::off;
+      state_ = GantryState::off;
       ++releases_;
       return;
-    case HoistState::holding:
-    case HoistState::lowering:
+    case GantryState::holding:
+    case GantryState::lowering:
       break;
   }
   pay_out(torque_on, duration_s);
   const bool carried = torque_on && rope_N(state) < parameters_.carried_share * weight_N_;
   carried_s_ = carried ? carried_s_ + duration_s : 0.0;
-  if (carried_s_ >= parameters_.carried_s) state_ = HoistState::releasing;
+  if (carried_s_ >= parameters_.carried_s) state_ = GantryState::releasing;
 }
 
-void Hoist::pay_out(bool torque_on, double duration_s) {
+void Gantry::pay_out(bool torque_on, double duration_s) {
   torque_on_s_ = torque_on ? torque_on_s_ + duration_s : 0.0;
   const bool lowering = torque_on_s_ >= parameters_.torque_on_s;
-  state_ = lowering ? HoistState::lowering : HoistState::holding;
+  state_ = lowering ? GantryState::lowering : GantryState::holding;
   paid_out_m_ = approach(paid_out_m_, lowering ? parameters_.lowering_limit_m : 0.0,
                          parameters_.lowering_speed_m_s * duration_s);
 }
 
-void Hoist::take(const model::StateVector& state) {
+void Gantry::take(const model::StateVector& state) {
   target_ = hanging_;
   target_.head<model::kFirstJoint>() = state.head<model::kFirstJoint>();
-  state_ = HoistState::lifting;
+  state_ = GantryState::lifting;
   paid_out_m_ = 0.0;
   strength_ = 1.0;
   torque_on_s_ = carried_s_ = 0.0;
 }
 
-void Hoist::lift(double duration_s) {
+void Gantry::lift(double duration_s) {
   target_[kZ] = approach(target_[kZ], hanging_[kZ], parameters_.lifting_speed_m_s * duration_s);
   target_[kPitch] = approach(target_[kPitch], hanging_[kPitch], parameters_.lifting_rate_rad_s * duration_s);
-  if (target_[kZ] == hanging_[kZ] && target_[kPitch] == hanging_[kPitch]) state_ = HoistState::holding;
+  if (target_[kZ] == hanging_[kZ] && target_[kPitch] == hanging_[kPitch]) state_ = GantryState::holding;
 }
 
 }  // namespace stilt::robot_on_bus

@@ -12,31 +12,31 @@ using testing_support::MpcDriver;
 constexpr gait::GaitCommand kStand{gait::GaitKind::stand, 0.0};
 constexpr gait::GaitCommand kWalk{gait::GaitKind::walk, 0.5};
 
-TEST(HoistLoop, WithoutAControllerTheRobotHangsStill) {
+TEST(GantryLoop, WithoutAControllerTheRobotHangsStill) {
   DrivenRobot driven;
   for (int i = 0; i < 5000; ++i) driven.tick();
-  EXPECT_EQ(driven.robot.hoist().state(), HoistState::holding);
-  const model::StateVector hanging = driven.robot.hoist().hanging();
+  EXPECT_EQ(driven.robot.gantry().state(), GantryState::holding);
+  const model::StateVector hanging = driven.robot.gantry().hanging();
   EXPECT_LT((driven.robot.plant().state() - hanging).cwiseAbs().maxCoeff(), 0.05);
   EXPECT_GT(driven.robot.plant().foot_position_m()[1], 0.0);
   EXPECT_GT(driven.robot.plant().foot_position_m()[3], 0.0);
 }
 
-TEST(HoistLoop, DriversWithoutTorqueDoNotEndIt) {
+TEST(GantryLoop, DriversWithoutTorqueDoNotEndIt) {
   DrivenRobot driven;
   ASSERT_TRUE(driven.enable());
   const hal::JointCommands nothing{};
   for (int i = 0; i < 5000; ++i) driven.tick(&nothing);
-  EXPECT_EQ(driven.robot.hoist().state(), HoistState::holding);
+  EXPECT_EQ(driven.robot.gantry().state(), GantryState::holding);
 }
 
-TEST(HoistLoop, ARobotThatStandsIsLetGoAndWalksAway) {
+TEST(GantryLoop, ARobotThatStandsIsReleasedAndWalksAway) {
   DrivenRobot driven;
   ASSERT_TRUE(driven.enable());
   MpcDriver controller(driven);
   for (int i = 0; i < 2500; ++i) controller.tick(kStand);
-  ASSERT_TRUE(driven.robot.hoist_released_s());
-  EXPECT_LT(*driven.robot.hoist_released_s(), 2.0);
+  ASSERT_TRUE(driven.robot.gantry_released_s());
+  EXPECT_LT(*driven.robot.gantry_released_s(), 2.0);
   for (int i = 0; i < 10'000; ++i) controller.tick(kWalk);
   driven.robot.finish();
   const log::RunSummary& summary = driven.robot.recorder().record().summary;
@@ -45,7 +45,7 @@ TEST(HoistLoop, ARobotThatStandsIsLetGoAndWalksAway) {
   EXPECT_GT(summary.steps.size(), 25u);
 }
 
-TEST(HoistLoop, ARobotWhoseControllerFallsSilentFallsAndIsLiftedAgain) {
+TEST(GantryLoop, ARobotWhoseControllerFallsSilentFallsAndIsLiftedAgain) {
   DrivenRobot driven;
   ASSERT_TRUE(driven.enable());
   MpcDriver controller(driven);
@@ -57,8 +57,8 @@ TEST(HoistLoop, ARobotWhoseControllerFallsSilentFallsAndIsLiftedAgain) {
   const log::RunSummary& summary = driven.robot.recorder().record().summary;
   EXPECT_FALSE(summary.survived);
   EXPECT_GT(summary.fall_time_s, 1.0);
-  EXPECT_EQ(driven.robot.hoist().state(), HoistState::holding);
-  EXPECT_NEAR(driven.robot.plant().state()[1], driven.robot.hoist().hanging()[1], 0.02);
+  EXPECT_EQ(driven.robot.gantry().state(), GantryState::holding);
+  EXPECT_NEAR(driven.robot.plant().state()[1], driven.robot.gantry().hanging()[1], 0.02);
 }
 
 }  // namespace

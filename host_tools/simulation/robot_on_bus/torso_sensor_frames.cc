@@ -1,4 +1,4 @@
-#include "host_tools/simulation/robot_on_bus/base_sensor_frames.h"
+#include "host_tools/simulation/robot_on_bus/torso_sensor_frames.h"
 
 #include <algorithm>
 
@@ -11,7 +11,7 @@ std::size_t end_byte(const hal::ChannelRow& row) {
 
 }  // namespace
 
-BaseSensorFrames::BaseSensorFrames(const hal::RobotWiring& wiring) {
+TorsoSensorFrames::TorsoSensorFrames(const hal::RobotWiring& wiring) {
   for (std::size_t i = 0; i < wiring.channel_count; ++i) {
     const hal::ChannelRow& row = wiring.channels[i];
     const auto same = std::ranges::find_if(frames_, [&row](const hal::CanFrame& frame) {
@@ -29,7 +29,7 @@ BaseSensorFrames::BaseSensorFrames(const hal::RobotWiring& wiring) {
   }
 }
 
-const std::vector<hal::CanFrame>& BaseSensorFrames::encode(const BaseValues& values) {
+const std::vector<hal::CanFrame>& TorsoSensorFrames::encode(const BaseValues& values) {
   for (const Row& row : rows_) {
     const double value = values[static_cast<std::size_t>(row.channel.channel)];
     static_cast<void>(hal::encode(row.channel, value, frames_[row.frame]));  // cannot fail: valid row, finite

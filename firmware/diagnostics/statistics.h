@@ -4,9 +4,9 @@
 
 namespace stilt::diagnostics {
 
-/// Figures of the torque loop; a copy goes to the housekeeping thread now and then.
-struct LoopFigures {
-  Histogram wakeup;
+/// Statistics of the torque loop; a copy goes to the housekeeping thread now and then.
+struct LoopStatistics {
+  Histogram wakeup_latency;
   Histogram execution;
   Histogram bus_round_trip;
   long long ticks = 0;
@@ -16,8 +16,8 @@ struct LoopFigures {
   long long page_faults = 0;
 };
 
-/// Figures of the planner.
-struct PlannerFigures {
+/// Statistics of the planner.
+struct PlannerStatistics {
   Histogram solve;
   long long plans = 0;
   long long heap_allocations = 0;

@@ -5,7 +5,7 @@
 
 namespace stilt::hal {
 
-/// What the sensors of the torso say. A channel that no sensor provides stays NaN.
+/// Readings of the torso sensors. A channel that no sensor provides stays NaN.
 struct BaseReading {
   double pitch_rad = std::numeric_limits<double>::quiet_NaN();         ///< about +y: positive leans forward
   double pitch_rate_rad_s = std::numeric_limits<double>::quiet_NaN();  ///< about +y
@@ -13,13 +13,13 @@ struct BaseReading {
   double acceleration_z_m_s2 = std::numeric_limits<double>::quiet_NaN();  ///< specific force, base frame
   double left_foot_force_N = std::numeric_limits<double>::quiet_NaN();  ///< normal force of a contact sensor
   double right_foot_force_N = std::numeric_limits<double>::quiet_NaN();
-  std::int64_t time_ns = 0;     ///< when the pitch arrived, CLOCK_MONOTONIC; 0: never
-  std::uint32_t missed = 0;     ///< reads in a row without a new pitch since one was due
-  std::uint32_t frozen = 0;     ///< reads over which pitch and rate came with the very same bits
-  std::uint32_t malformed = 0;  ///< frames of the sensor that could not be decoded, since start
+  std::int64_t time_ns = 0;             ///< when the pitch arrived, CLOCK_MONOTONIC; 0: never
+  std::uint32_t missed_replies = 0;     ///< reads in a row without a new pitch since one was due
+  std::uint32_t unchanged_replies = 0;  ///< reads over which pitch and rate came with the very same bits
+  std::uint32_t malformed = 0;          ///< frames of the sensor that could not be decoded, since start
 };
 
-enum class BaseSensorStatus : std::uint8_t {
+enum class TorsoSensorStatus : std::uint8_t {
   ok,     ///< a new pitch
   stale,  ///< nothing new
 };

@@ -1,4 +1,4 @@
-#include "hal/sensors/base_sensor_table.h"
+#include "hal/sensors/torso_sensor_table.h"
 
 #include <gtest/gtest.h>
 
@@ -34,7 +34,7 @@ double decoded(const ChannelRow& row, std::string_view digits) {
   return values[row.channel];
 }
 
-TEST(BaseSensorTable, BothByteOrdersSignedAndUnsigned) {
+TEST(TorsoSensorTable, BothByteOrdersSignedAndUnsigned) {
   EXPECT_EQ(decoded(row(ByteOrder::little, RawType::unsigned_integer, 1, 16), "00 34 12 00"), 0x1234);
   EXPECT_EQ(decoded(row(ByteOrder::big, RawType::unsigned_integer, 1, 16), "00 12 34 00"), 0x1234);
   EXPECT_EQ(decoded(row(ByteOrder::little, RawType::signed_integer, 0, 16), "fe ff"), -2);
@@ -44,7 +44,7 @@ TEST(BaseSensorTable, BothByteOrdersSignedAndUnsigned) {
   EXPECT_EQ(decoded(row(ByteOrder::big, RawType::float32, 0, 32), "3fc00000"), 1.5);
 }
 
-TEST(BaseSensorTable, FieldsMayStartInsideAByte) {
+TEST(TorsoSensorTable, FieldsMayStartInsideAByte) {
   ChannelRow little = row(ByteOrder::little, RawType::unsigned_integer, 0, 12);
   little.bit_offset = 4;
   EXPECT_EQ(decoded(little, "5f a3"), 0xa35);
@@ -53,14 +53,14 @@ TEST(BaseSensorTable, FieldsMayStartInsideAByte) {
   EXPECT_EQ(decoded(big, "a3 5f"), 0xa35);
 }
 
-TEST(BaseSensorTable, ScaleAndOffsetApplyInThatOrder) {
+TEST(TorsoSensorTable, ScaleAndOffsetApplyInThatOrder) {
   ChannelRow centi = row(ByteOrder::little, RawType::signed_integer, 0, 16);
   centi.scale = -0.01;
   centi.offset = 3;
   EXPECT_DOUBLE_EQ(decoded(centi, "c8 00"), 1);
 }
 
-TEST(BaseSensorTable, OneFrameMayCarrySeveralChannels) {
+TEST(TorsoSensorTable, OneFrameMayCarrySeveralChannels) {
   std::array<ChannelRow, 3> table{row(ByteOrder::little, RawType::signed_integer, 0, 16),
                                   row(ByteOrder::little, RawType::signed_integer, 2, 16),
                                   row(ByteOrder::little, RawType::signed_integer, 0, 16)};
@@ -74,7 +74,7 @@ TEST(BaseSensorTable, OneFrameMayCarrySeveralChannels) {
   EXPECT_FALSE(values.has(BaseChannel::acceleration_x_m_s2));
 }
 
-TEST(BaseSensorTable, AValueTheSensorMarksMissingIsNotPresent) {
+TEST(TorsoSensorTable, AValueTheSensorMarksMissingIsNotPresent) {
   ChannelRow marked = row(ByteOrder::little, RawType::signed_integer, 0, 16);
   marked.has_invalid = true;
   marked.invalid_bits = 0x8000;
@@ -84,7 +84,7 @@ TEST(BaseSensorTable, AValueTheSensorMarksMissingIsNotPresent) {
   EXPECT_FALSE(values.has(BaseChannel::pitch_rad));
 }
 
-TEST(BaseSensorTable, RandomFieldsComeBackAndLeaveTheirNeighboursAlone) {
+TEST(TorsoSensorTable, RandomFieldsComeBackAndLeaveTheirNeighboursAlone) {
   constexpr std::uint64_t kSeed = 4401;
   SCOPED_TRACE(kSeed);
   RandomValues random(kSeed);
@@ -125,21 +125,21 @@ TEST(BaseSensorTable, RandomFieldsComeBackAndLeaveTheirNeighboursAlone) {
   }
 }
 
-TEST(BaseSensorTable, FramesThatDoNotFitAreNamed) {
+TEST(TorsoSensorTable, FramesThatDoNotFitAreNamed) {
   const ChannelRow field = row(ByteOrder::little, RawType::float32, 0, 32);
   ChannelValues values;
   values.present = 1;
-  EXPECT_EQ(decode(std::span(&field, 1), classic_frame(0x51, 8), values), DecodeStatus::foreign);
+  EXPECT_EQ(decode(std::span(&field, 1), classic_frame(0x51, 8), values), DecodeStatus::not_addressed);
   EXPECT_EQ(decode(std::span(&field, 1), classic_frame(0x50, 3), values), DecodeStatus::wrong_length);
   EXPECT_EQ(decode(std::span(&field, 1), with_payload(classic_frame(0x50, 4), "0000c07f"), values),
             DecodeStatus::not_finite);
   EXPECT_EQ(values.present, 1u) << "the output stays as it was";
   CanFrame frame = classic_frame(0x50, 4);
   frame.extended = true;
-  EXPECT_EQ(decode(std::span(&field, 1), frame, values), DecodeStatus::foreign);
+  EXPECT_EQ(decode(std::span(&field, 1), frame, values), DecodeStatus::not_addressed);
 }
 
-TEST(BaseSensorTable, RowsWithoutSenseAreRefused) {
+TEST(TorsoSensorTable, RowsWithoutSenseAreRefused) {
   EXPECT_FALSE(valid(row(ByteOrder::little, RawType::float32, 0, 31)));
   EXPECT_FALSE(valid(row(ByteOrder::little, RawType::signed_integer, 0, 0)));
   EXPECT_FALSE(valid(row(ByteOrder::little, RawType::signed_integer, 0, 33)));

@@ -50,7 +50,7 @@ struct ChannelRow {
   BaseChannel channel = BaseChannel::pitch_rad;
 };
 
-/// Values of one frame: a bit a channel tells which are there.
+/// Values of one frame: one bit per channel marks those present.
 struct ChannelValues {
   std::array<double, kBaseChannels> value{};
   std::uint32_t present = 0;
@@ -68,8 +68,9 @@ struct ChannelValues {
 [[nodiscard]] bool valid(const ChannelRow& row) noexcept;
 
 /// All channels the table finds in a frame, whole or not at all.
-/// foreign: no row has this identifier. wrong_length: a field lies beyond the frame. not_finite: a float is
-/// NaN, infinite, or overflows when scaled. A value marked invalid by the sensor is just not present.
+/// not_addressed: no row has this identifier. wrong_length: a field lies beyond the frame. not_finite: a
+/// float is NaN, infinite, or overflows when scaled. A value marked invalid by the sensor is just not
+/// present.
 [[nodiscard]] DecodeStatus decode(std::span<const ChannelRow> table, const CanFrame& frame,
                                   ChannelValues& values) noexcept;
 

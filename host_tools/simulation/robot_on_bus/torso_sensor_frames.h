@@ -5,18 +5,18 @@
 
 #include "hal/can/frame.h"
 #include "hal/robot/robot_wiring.h"
-#include "hal/sensors/base_sensor_table.h"
+#include "hal/sensors/torso_sensor_table.h"
 
 namespace stilt::robot_on_bus {
 
 /// Values of the channels, indexed by BaseChannel, SI units.
 using BaseValues = std::array<double, hal::kBaseChannels>;
 
-/// The transmit side of the base sensor's channel table: one frame per identifier, as long as its channels
+/// The transmit side of the torso sensor's channel table: one frame per identifier, as long as its channels
 /// need.
-class BaseSensorFrames {
+class TorsoSensorFrames {
  public:
-  explicit BaseSensorFrames(const hal::RobotWiring& wiring);
+  explicit TorsoSensorFrames(const hal::RobotWiring& wiring);
 
   /// Every frame of the sensor with these values, in the order of the table. Values out of a field's range
   /// are clamped.

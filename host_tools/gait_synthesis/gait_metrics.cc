@@ -1,4 +1,4 @@
-#include "host_tools/gait_synthesis/gait_figures.h"
+#include "host_tools/gait_synthesis/gait_metrics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@
 namespace stilt::gait_synthesis {
 namespace {
 
-using gait_files::GaitFigures;
+using gait_files::GaitMetrics;
 using model::kFirstJoint;
 using model::kJoints;
 using model::kPositions;
@@ -80,10 +80,10 @@ double largest_defect(const model::RobotModel& robot, const gait::HzdGait& gait)
 }
 
 /// Computes the extremes of the motion's curves.
-void sample_motion(const model::RobotModel& robot, const gait::HzdGait& gait, GaitFigures& figures) {
+void sample_motion(const model::RobotModel& robot, const gait::HzdGait& gait, GaitMetrics& metrics) {
   const model::RobotConstants& limits = robot.constants;
-  figures.joint_position_margin_rad = figures.knee_min_rad = kInfinity;
-  figures.normal_force_min_N = figures.clearance_m = figures.swing_height_min_m = kInfinity;
+  metrics.joint_position_margin_rad = metrics.knee_min_rad = kInfinity;
+  metrics.normal_force_min_N = metrics.clearance_m = metrics.swing_height_min_m = kInfinity;
   double torque_squared = 0.0;
   for (int i = 0; i <= kSamples; ++i) {
     const double s = static_cast<double>(i) / kSamples;
@@ -95,46 +95,46 @@ void sample_motion(const model::RobotModel& robot, const gait::HzdGait& gait, Ga
     for (int j = 0; j < kJoints; ++j) {
       const double angle = point.position[kFirstJoint + j];
       const auto raise = [](double& largest, double value) { largest = std::max(largest, std::abs(value)); };
-      raise(figures.peak_torque_Nm[j], motion.torque_Nm[j]);
-      raise(figures.peak_joint_speed_rad_s[j], point.velocity[kFirstJoint + j]);
-      raise(figures.output_error_max_rad, angle - output.angle_rad[j]);
-      raise(figures.torque_error_max_Nm, motion.torque_Nm[j] - point.torque_Nm[j]);
+      raise(metrics.peak_torque_Nm[j], motion.torque_Nm[j]);
+      raise(metrics.peak_joint_speed_rad_s[j], point.velocity[kFirstJoint + j]);
+      raise(metrics.output_error_max_rad, angle - output.angle_rad[j]);
+      raise(metrics.torque_error_max_Nm, motion.torque_Nm[j] - point.torque_Nm[j]);
       const double margin = std::min(angle - limits.position_min_rad[j], limits.position_max_rad[j] - angle);
-      figures.joint_position_margin_rad = std::min(figures.joint_position_margin_rad, margin);
-      if (j % 2 == 1) figures.knee_min_rad = std::min(figures.knee_min_rad, angle);
+      metrics.joint_position_margin_rad = std::min(metrics.joint_position_margin_rad, margin);
+      if (j % 2 == 1) metrics.knee_min_rad = std::min(metrics.knee_min_rad, angle);
     }
     torque_squared += motion.torque_Nm.squaredNorm() * (i == 0 || i == kSamples ? 0.5 : 1.0);
-    figures.pitch_max_rad = std::max(figures.pitch_max_rad, std::abs(point.position[model::kFirstAngle]));
-    figures.normal_force_min_N = std::min(figures.normal_force_min_N, motion.force_N[1]);
+    metrics.pitch_max_rad = std::max(metrics.pitch_max_rad, std::abs(point.position[model::kFirstAngle]));
+    metrics.normal_force_min_N = std::min(metrics.normal_force_min_N, motion.force_N[1]);
     const double ratio =
         motion.force_N[1] > 0.0 ? std::abs(motion.force_N[0]) / motion.force_N[1] : kInfinity;
-    figures.friction_ratio_max = std::max(figures.friction_ratio_max, ratio);
+    metrics.friction_ratio_max = std::max(metrics.friction_ratio_max, ratio);
     model::KinematicsTerms<double> feet;
     robot.kinematics(x.data(), feet);
     const double height_m = feet.foot_position[3];
-    if (s >= 0.25 && s <= 0.75) figures.clearance_m = std::min(figures.clearance_m, height_m);
-    if (s >= 0.05 && s <= 0.95) figures.swing_height_min_m = std::min(figures.swing_height_min_m, height_m);
+    if (s >= 0.25 && s <= 0.75) metrics.clearance_m = std::min(metrics.clearance_m, height_m);
+    if (s >= 0.05 && s <= 0.95) metrics.swing_height_min_m = std::min(metrics.swing_height_min_m, height_m);
   }
   constexpr double kInPlace_m = 1e-6;
   if (std::abs(gait.step_length_m) > kInPlace_m) {
-    figures.torque_squared_per_m =
+    metrics.torque_squared_per_m =
         torque_squared / kSamples * gait.step_time_s / std::abs(gait.step_length_m);
   }
 }
 
-void sample_touch_down(const model::RobotModel& robot, const gait::HzdGait& gait, GaitFigures& figures) {
+void sample_touch_down(const model::RobotModel& robot, const gait::HzdGait& gait, GaitMetrics& metrics) {
   const StateVector start = start_of_motion(gait);
   const StateVector end = state_of(gait::motion_at(gait, 1.0));
   Eigen::Vector2d impulse_Ns;
   const StateVector after = touch_down(robot, end, &impulse_Ns);
   const double shape = (reduce(after) - reduce(start)).cwiseAbs().maxCoeff();
   const double ends = std::abs(end[0] - start[0] - gait.step_length_m);
-  figures.periodicity_error = std::max(shape, ends);
-  figures.impulse_ratio = impulse_Ns[1] > 0.0 ? std::abs(impulse_Ns[0]) / impulse_Ns[1] : kInfinity;
+  metrics.periodicity_error = std::max(shape, ends);
+  metrics.impulse_ratio = impulse_Ns[1] > 0.0 ? std::abs(impulse_Ns[0]) / impulse_Ns[1] : kInfinity;
   model::KinematicsTerms<double> feet;
   robot.kinematics(end.data(), feet);
-  figures.touchdown_slip_m_s = feet.foot_velocity[2];
-  figures.touchdown_speed_m_s = -feet.foot_velocity[3];
+  metrics.touchdown_slip_m_s = feet.foot_velocity[2];
+  metrics.touchdown_speed_m_s = -feet.foot_velocity[3];
 }
 
 double replay_error(const model::RobotModel& robot, const gait::HzdGait& gait) {
@@ -158,17 +158,17 @@ double replay_error(const model::RobotModel& robot, const gait::HzdGait& gait) {
 
 }  // namespace
 
-GaitFigures gait_figures(const model::RobotModel& robot, const gait::HzdGait& gait) {
-  GaitFigures figures;
-  figures.defect_max = largest_defect(robot, gait);
-  sample_motion(robot, gait, figures);
-  sample_touch_down(robot, gait, figures);
-  figures.replay_error_max = replay_error(robot, gait);
+GaitMetrics gait_metrics(const model::RobotModel& robot, const gait::HzdGait& gait) {
+  GaitMetrics metrics;
+  metrics.defect_max = largest_defect(robot, gait);
+  sample_motion(robot, gait, metrics);
+  sample_touch_down(robot, gait, metrics);
+  metrics.replay_error_max = replay_error(robot, gait);
   const auto map = linearise_return_map(robot, gait, reduce(start_of_motion(gait)));
   for (std::size_t i = 0; i < gait::kReducedStates; ++i) {
-    figures.return_map_eigenvalues[i] = map ? map->eigenvalue_magnitudes[i] : kInfinity;
+    metrics.return_map_eigenvalues[i] = map ? map->eigenvalue_magnitudes[i] : kInfinity;
   }
-  return figures;
+  return metrics;
 }
 
 }  // namespace stilt::gait_synthesis

@@ -1,4 +1,4 @@
-#include "hal/sensors/base_sensor_table.h"
+#include "hal/sensors/torso_sensor_table.h"
 
 #include <algorithm>
 #include <bit>
@@ -97,7 +97,7 @@ bool valid(const ChannelRow& row) noexcept {
 
 DecodeStatus decode(std::span<const ChannelRow> table, const CanFrame& frame,
                     ChannelValues& values) noexcept {
-  if (frame.remote || frame.error || frame.length > frame.data.size()) return DecodeStatus::foreign;
+  if (frame.remote || frame.error || frame.length > frame.data.size()) return DecodeStatus::not_addressed;
   ChannelValues found;
   bool ours = false;
   for (const ChannelRow& row : table) {
@@ -106,7 +106,7 @@ DecodeStatus decode(std::span<const ChannelRow> table, const CanFrame& frame,
     const DecodeStatus status = decode_row(row, frame, found);
     if (status != DecodeStatus::ok) return status;
   }
-  if (!ours) return DecodeStatus::foreign;
+  if (!ours) return DecodeStatus::not_addressed;
   values = found;
   return DecodeStatus::ok;
 }

@@ -5,25 +5,25 @@
 #include <memory>
 #include <string>
 
-#include "firmware/telemetry/operator_desk.h"
+#include "firmware/telemetry/command_arbiter.h"
 #include "firmware/telemetry/publisher.h"
 #include "firmware/telemetry/reader.h"
 #include "firmware/telemetry/ros_publisher.h"
 
 namespace stilt::telemetry {
 
-/// Everything of telemetry on the robot: tells what the real-time threads left in their rings, takes
+/// Everything of telemetry on the robot: publishes what the real-time threads left in their rings, takes
 /// commands. Works on the thread that calls it, which is an ordinary one; Cyclone's threads do the rest. What
 /// the torque loop computes does not depend on it, commands apart.
-class Station {
+class TelemetryNode {
  public:
   /// Joins the network and writes the token. Before memory is locked. The error is one sentence for the user.
-  /// @param configuration, mail  outlive the station
-  [[nodiscard]] static std::expected<std::unique_ptr<Station>, std::string> open(
+  /// @param configuration, mail  outlive the node
+  [[nodiscard]] static std::expected<std::unique_ptr<TelemetryNode>, std::string> open(
       const configuration::Configuration& configuration, const RunDescription& run,
       control_loop::Mailboxes& mail);
 
-  /// Why this is not real time, known after the station was opened.
+  /// Why this is not real time, known after the node was opened.
   void set_not_realtime(const std::string& reason) { run_.not_realtime = reason; }
 
   /// A tick that was; every one, in order.
@@ -32,8 +32,8 @@ class Station {
   /// Something that happened.
   void event(const control_loop::Event& event);
 
-  /// Sends what is due: solves and sketches out of the mailboxes, figures.
-  void publish(const diagnostics::LoopFigures& loop, const diagnostics::PlannerFigures& planning);
+  /// Sends what is due: solves and previews out of the mailboxes, figures.
+  void publish(const diagnostics::LoopStatistics& loop, const diagnostics::PlannerStatistics& planning);
 
   /// Takes commands.
   /// @param script  what would be commanded without anybody
@@ -41,13 +41,13 @@ class Station {
   [[nodiscard]] control_loop::OperatorCommand operate(const control_loop::OperatorCommand& script);
 
   /// Sends what is left, and waits a moment until subscribers have it.
-  void finish();
+  void flush();
 
   [[nodiscard]] const std::string& token_file() const noexcept { return run_.token_file; }
 
  private:
-  Station(const configuration::Configuration& configuration, RunDescription run, control_loop::Mailboxes& mail,
-          const model::RobotModel& robot);
+  TelemetryNode(const configuration::Configuration& configuration, RunDescription run,
+                control_loop::Mailboxes& mail, const model::RobotModel& robot);
   [[nodiscard]] std::expected<void, std::string> join();
   [[nodiscard]] std::expected<std::string, std::string> token();
   void begin(const control_loop::TickRecord& record);
@@ -61,7 +61,7 @@ class Station {
   const configuration::Configuration& configuration_;
   RunDescription run_;
   control_loop::Mailboxes& mail_;
-  std::uint64_t session_;
+  std::uint64_t run_id_;
   Tuner tuner_;
   std::string tuned_by_;
   std::unique_ptr<Participant> participant_;
@@ -69,7 +69,7 @@ class Station {
   std::unique_ptr<RosPublisher> ros_;
   std::unique_ptr<Reader> commands_;
   std::unique_ptr<Reader> twists_;
-  std::unique_ptr<OperatorDesk> desk_;
+  std::unique_ptr<CommandArbiter> arbiter_;
 
   TickBatchBuilder batch_;
   std::uint64_t batches_ = 0;  ///< sent
@@ -79,7 +79,7 @@ class Station {
   std::uint64_t joint_states_every_;  ///< ticks
   std::uint64_t supervisor_every_;    ///< ticks
   std::uint64_t second_;              ///< ticks
-  std::uint64_t figures_due_ = 0;     ///< tick
+  std::uint64_t statistics_due_ = 0;  ///< tick
   bool changed_ = false;              ///< since the last diagnostics
   std::string commander_;             ///< when last looked
 };

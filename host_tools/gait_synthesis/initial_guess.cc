@@ -1,4 +1,4 @@
-#include "host_tools/gait_synthesis/first_guess.h"
+#include "host_tools/gait_synthesis/initial_guess.h"
 
 #include <cmath>
 
@@ -27,8 +27,8 @@ model::PositionVector position_at(const model::RobotConstants& robot, const Step
 
 }  // namespace
 
-Eigen::VectorXd first_guess(const model::RobotConstants& robot, const StepTask& task,
-                            const StepProgram& program) {
+Eigen::VectorXd initial_guess(const model::RobotConstants& robot, const StepTask& task,
+                              const StepProgram& program) {
   constexpr double kMove = 1e-3;
   const Eigen::VectorXd& times = program.node_times();
   Eigen::MatrixXd q(model::kPositions, times.size());

@@ -1,0 +1,94 @@
+#include "firmware/configuration/migrate.h"
+
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <functional>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include "firmware/configuration/renames.h"
+
+namespace stilt::configuration {
+namespace {
+
+/// An old name in the text.
+struct Found {
+  const Rename* rename;
+  toml::source_position place;
+};
+
+/// Byte of a place; TOML counts columns in characters, which are one to four bytes of UTF-8.
+std::size_t offset_of(std::string_view text, toml::source_position place) {
+  std::size_t offset = 0;
+  for (toml::source_index line = 1; line < place.line; ++line) offset = text.find('\n', offset) + 1;
+  const auto continues = [&] { return offset < text.size() && (text[offset] & 0xc0) == 0x80; };
+  for (toml::source_index column = 1; column < place.column; ++column) {
+    ++offset;
+    while (continues()) ++offset;
+  }
+  return offset;
+}
+
+/// Old names of a parsed file in the order of the text. A section that is written with dots on every line has
+/// one key node, so only its first line is found.
+std::vector<Found> find_old_names(const toml::table& root) {
+  std::vector<Found> found;
+  for (auto&& [section, node] : root) {
+    if (const Rename* rename = find_rename(section.str())) found.push_back({rename, section.source().begin});
+    const toml::table* table = node.as_table();
+    if (table == nullptr) continue;
+    for (auto&& [key, value] : *table) {
+      if (const Rename* rename = find_rename(section.str(), key.str())) {
+        found.push_back({rename, key.source().begin});
+      }
+    }
+  }
+  std::ranges::sort(found, std::less{}, &Found::place);
+  return found;
+}
+
+Diagnostic diagnostic(std::string_view file, toml::source_position place, std::string message) {
+  return {std::string(file), static_cast<int>(place.line), static_cast<int>(place.column),
+          std::move(message)};
+}
+
+/// Where the file has a key under both names.
+std::optional<Diagnostic> conflict(const toml::table& root, std::span<const Found> found,
+                                   std::string_view file) {
+  for (const Found& one : found) {
+    const Rename& rename = *one.rename;
+    if (rename.key.empty() || !root[rename.section][rename.now]) continue;
+    return diagnostic(file, one.place, to_string(rename) + ", and the file has both; remove one of them");
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::expected<Migration, Diagnostic> migrate(std::string_view toml, std::string_view file) {
+  Migration migration{std::string(toml), {}};
+  while (true) {
+    toml::table root;
+    try {
+      root = toml::parse(migration.text, file);
+    } catch (const toml::parse_error& error) {
+      return std::unexpected(
+          diagnostic(file, error.source().begin, "not valid TOML: " + std::string(error.description())));
+    }
+    const std::vector<Found> found = find_old_names(root);
+    if (found.empty()) return migration;
+    if (auto both = conflict(root, found, file)) return std::unexpected(std::move(*both));
+    for (auto one = found.rbegin(); one != found.rend(); ++one) {
+      const std::string_view old = one->rename->key.empty() ? one->rename->section : one->rename->key;
+      const std::size_t offset = offset_of(migration.text, one->place);
+      migration.text.replace(migration.text.find(old, offset), old.size(), one->rename->now);
+    }
+    for (const Found& one : found) {
+      migration.changes.push_back(diagnostic(file, one.place, to_string(*one.rename)));
+    }
+  }
+}
+
+}  // namespace stilt::configuration
