@@ -60,7 +60,7 @@ struct Refusal {
   const char* says;
 };
 
-class Refused : public CommandArbiter, public testing::WithParamInterface<Refusal> {};
+class Refused : public CommandArbiterTest, public testing::WithParamInterface<Refusal> {};
 
 TEST_P(Refused, with_a_reason_and_without_effect) {
   Asked command = asked(CommandKind::walk, 0.3);

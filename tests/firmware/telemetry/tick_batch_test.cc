@@ -167,7 +167,7 @@ TEST(TickBatch, AMessageThatLacksNumbersIsNotWellFormed) {
   TickBatchBuilder builder;
   builder.add(TickRecord());
   EXPECT_TRUE(well_formed(builder.message()));
-  builder.message().joint_missed._length = 3;
+  builder.message().joint_missed_replies._length = 3;
   EXPECT_FALSE(well_formed(builder.message()));
 }
 

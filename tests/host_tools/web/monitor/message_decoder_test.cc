@@ -151,7 +151,7 @@ TEST(MessageSamples, AKnotOfAPlanHasItsTimeBaseFeetForcesAndWhatCarries) {
   std::array<std::uint8_t, 2> contact{1, 2};
   std::array<float, 6> base{0.0f, 0.75f, 0.5f, 1.0f, 0.875f, -0.5f};
   std::array<float, 8> feet{1, 2, 3, 4, 5, 6, 7, 8}, forces{10, 20, 30, 40, 50, 60, 70, 80};
-  const auto lend = [](auto& sequence, auto& numbers) {
+  const auto set_view = [](auto& sequence, auto& numbers) {
     sequence._buffer = numbers.data();
     sequence._length = static_cast<std::uint32_t>(numbers.size());
   };
