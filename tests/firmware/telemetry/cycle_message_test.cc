@@ -38,7 +38,7 @@ TEST(CycleMessage, EveryFieldOfASolveIsUnderItsNameAndComesBack) {
   record.tuning = 17;
   const PlannerCycle message = cycle_message(record);
   const Json expected = Json::parse(R"({"run_id": 0, "cycle": 1, "dropped": 0, "tick": 2, "time_s": 3.5,
-      "standing": 4, "plan_sequence": 5, "status": 2, "iterations": 7, "failures": 13, "cost": 8.5,
+      "stance_episode": 4, "plan_sequence": 5, "status": 2, "iterations": 7, "failures": 13, "cost": 8.5,
       "dynamics_defect_max": 9.5, "equality_violation_max": 10.5, "step_length": 11.5, "step_size": 12.5,
       "nodes": 14, "solve_ns": 15, "checksum": 16, "tuning": 17})");
   EXPECT_EQ(read_by_names(message), expected);

@@ -143,7 +143,7 @@ TEST(TickBatch, NumbersAreUnderTheirNamesInTheMessage) {
   expect("fallback_level", static_cast<std::uint8_t>(r.level));
   expect("latched_faults", r.latched.bits());
   expect("plan_sequence", r.plan_sequence);
-  expect("standing", r.stance_episode);
+  expect("stance_episode", r.stance_episode);
   expect("gait", static_cast<std::uint8_t>(r.gait.kind));
 }
 
