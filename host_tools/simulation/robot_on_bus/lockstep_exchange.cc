@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "hal/can/lockstep.h"
 
@@ -14,8 +15,14 @@ constexpr std::int64_t kStart_ns = 1'000'000'000;  // drivers interpret a time o
 
 }  // namespace
 
-LockstepExchange::LockstepExchange(RobotOnBus& robot, BusEnds& ends, double tick_s)
-    : robot_(robot), ends_(ends), tick_ns_(std::llround(tick_s * 1e9)), turns_(ends.count()) {}
+LockstepExchange::LockstepExchange(RobotOnBus& robot, BusEnds& ends, double tick_s,
+                                   std::function<std::uint64_t(std::size_t)> connections)
+    : robot_(robot),
+      ends_(ends),
+      tick_ns_(std::llround(tick_s * 1e9)),
+      connections_(std::move(connections)),
+      turns_(ends.count()),
+      controller_(ends.count()) {}
 
 std::int64_t LockstepExchange::now_ns() const {
   return kStart_ns + static_cast<std::int64_t>(robot_.ticks()) * tick_ns_;
@@ -24,6 +31,10 @@ std::int64_t LockstepExchange::now_ns() const {
 void LockstepExchange::take(std::size_t bus) {
   ends_.flush(bus);
   Turn& turn = turns_[bus];
+  // A bus accepts the next controller after reading: what is read now comes from the one connected before.
+  const std::uint64_t connection = connections_ ? connections_(bus) : 0;
+  if (connection != turn.connection)
+    turn = {.frames = {}, .ended = {}, .connection = connection};  // another controller's turn begins
   for (const hal::CanFrame& frame : ends_.receive(bus)) {
     std::uint64_t tick = 0;
     if (hal::decode_sync(hal::kControllerSyncId, frame, tick) == hal::DecodeStatus::ok) {
@@ -54,6 +65,7 @@ bool LockstepExchange::poll() {
   tick_ = turns_.front().ended;
   for (std::size_t bus = 0; bus < turns_.size(); ++bus) {
     for (const hal::CanFrame& frame : turns_[bus].frames) ends_.deliver(now_ns(), bus, frame);
+    controller_[bus] = turns_[bus].connection;
     turns_[bus] = {};
   }
   if (*tick_ > 0) robot_.tick(now_ns() + tick_ns_);
@@ -71,7 +83,9 @@ void LockstepExchange::advance_alone() {
 }
 
 void LockstepExchange::forget_controller() {
-  for (Turn& turn : turns_) turn = {};
+  for (std::size_t bus = 0; bus < turns_.size(); ++bus) {
+    if (turns_[bus].connection == controller_[bus]) turns_[bus] = {};
+  }
   tick_.reset();
   ends_.forget();
 }

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "host_tools/simulation/robot_on_bus/bus_ends.h"
@@ -15,7 +17,10 @@ namespace stilt::robot_on_bus {
 /// A restarted controller begins with tick 0 again; the robot's own time continues.
 class LockstepExchange {
  public:
-  LockstepExchange(RobotOnBus& robot, BusEnds& ends, double tick_s);
+  /// @param connections  number of controllers that have connected to a bus so far; empty: always the same
+  /// one
+  LockstepExchange(RobotOnBus& robot, BusEnds& ends, double tick_s,
+                   std::function<std::uint64_t(std::size_t)> connections = {});
 
   /// Reads the frames that have arrived. When the controller's turn is over: advances the robot by a tick
   /// (not for tick 0), sends the frames of its nodes, ends the robot's turn, and returns true. Never waits.
@@ -25,8 +30,12 @@ class LockstepExchange {
   /// Advances the robot by one tick without a controller.
   void advance_alone();
 
-  /// The controller has left: resets the exchange.
+  /// The controller has left: resets the exchange. A bus on which the next controller has begun its turn
+  /// already keeps that turn.
   void forget_controller();
+
+  /// connections() of each bus for the controller of the last turn that was answered.
+  [[nodiscard]] std::span<const std::uint64_t> controller() const { return controller_; }
 
   /// The tick of both sides; nothing before tick 0 was exchanged.
   [[nodiscard]] std::optional<std::uint64_t> tick() const { return tick_; }
@@ -35,6 +44,7 @@ class LockstepExchange {
   struct Turn {
     std::vector<hal::CanFrame> frames;
     std::optional<std::uint64_t> ended;  ///< tick of the controller's ended turn
+    std::uint64_t connection = 0;        ///< whose turn it is
   };
   void take(std::size_t bus);
   [[nodiscard]] bool all_ended() const;
@@ -44,7 +54,9 @@ class LockstepExchange {
   RobotOnBus& robot_;
   BusEnds& ends_;
   std::int64_t tick_ns_;
+  std::function<std::uint64_t(std::size_t)> connections_;
   std::vector<Turn> turns_;
+  std::vector<std::uint64_t> controller_;
   std::optional<std::uint64_t> tick_;
 };
 

@@ -27,7 +27,8 @@ class LockstepRun {
         buses_(buses),
         options_(options),
         ends_(robot, frame_buses(buses), log),
-        exchange_(robot, ends_, options.tick_s) {}
+        exchange_(robot, ends_, options.tick_s,
+                  [this](std::size_t bus) { return buses_[bus].connections(); }) {}
 
   RunOutcome run() {
     while (outcome_.ended[0] == '\0') turn();
@@ -38,9 +39,7 @@ class LockstepRun {
  private:
   void turn() {
     wait_for_frames(robot_, buses_, kLongestWait_ns);
-    const bool waits_for_controller = !exchange_.tick();
     const bool advanced = exchange_.poll();
-    if (advanced || (waits_for_controller && exchange_.tick())) controller_ = connections();
     if (advanced) {
       quiet_since_ = SteadyClock::now();
       patience_s_ = options_.wait_s;
@@ -53,22 +52,22 @@ class LockstepRun {
     if (const char* reason = reason_to_end(robot_, options_)) outcome_.ended = reason;
   }
 
-  [[nodiscard]] std::vector<std::uint64_t> connections() const {
-    std::vector<std::uint64_t> count;
-    for (const RobotBus& bus : buses_) count.push_back(bus.connections());
-    return count;
+  [[nodiscard]] bool is_controllers(std::size_t bus) const {
+    return buses_[bus].connections() == exchange_.controller()[bus];
   }
 
   /// Whether one of its buses is disconnected, or the next controller is connected already.
   [[nodiscard]] bool controller_left() const {
-    return !all_connected(buses_) || connections() != controller_;
+    bool all_its = true;
+    for (std::size_t bus = 0; bus < buses_.size(); ++bus) all_its = all_its && is_controllers(bus);
+    return !all_connected(buses_) || !all_its;
   }
 
-  /// Keeps the connections of a controller that has come in the meantime.
+  /// Keeps connections and frames of a controller that has come in the meantime.
   void lose_controller() {
     exchange_.forget_controller();
     for (std::size_t bus = 0; bus < buses_.size(); ++bus) {
-      if (buses_[bus].connections() == controller_[bus]) buses_[bus].hang_up();
+      if (is_controllers(bus)) buses_[bus].hang_up();
     }
     const auto ticks = static_cast<int>(kAlone_s / options_.tick_s);
     for (int i = 0; i < ticks && reason_to_end(robot_, options_) == nullptr; ++i) exchange_.advance_alone();
@@ -93,7 +92,6 @@ class LockstepRun {
   LockstepExchange exchange_;
   ProgressTicks progress_;
   RunOutcome outcome_;
-  std::vector<std::uint64_t> controller_;  ///< connections() at its last turn
   SteadyClock::time_point quiet_since_ = SteadyClock::now();
   double patience_s_ = options_.wait_s;
 };

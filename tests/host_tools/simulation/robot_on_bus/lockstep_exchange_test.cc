@@ -69,6 +69,36 @@ TEST_F(LockstepExchangeTest, TickZeroIsAnsweredWithoutAdvancing) {
   for (const MemoryBus& bus : buses_) EXPECT_TRUE(ends_with_sync(bus, 0));
 }
 
+/// A bus accepts the next controller as soon as the last one's end has been read, maybe in the same poll as
+/// the last one's newest turn.
+TEST_F(LockstepExchangeTest, ATurnBelongsToTheControllerThatWasConnectedWhenItWasRead) {
+  std::array<std::uint64_t, 2> connections{1, 1};
+  LockstepExchange exchange(robot_, ends_, 0.001, [&](std::size_t bus) { return connections[bus]++; });
+  end_turn(0);
+  ASSERT_TRUE(exchange.poll());
+  EXPECT_EQ(connections, (std::array<std::uint64_t, 2>{2, 2}));
+  EXPECT_EQ(exchange.controller()[0], 1u);
+  EXPECT_EQ(exchange.controller()[1], 1u);
+}
+
+TEST_F(LockstepExchangeTest, TheNextControllerMayBeginBeforeTheLastOneIsMissed) {
+  std::array<std::uint64_t, 2> connections{1, 1};
+  LockstepExchange exchange(robot_, ends_, 0.001, [&](std::size_t bus) { return connections[bus]; });
+  end_turn(0);
+  ASSERT_TRUE(exchange.poll());
+  buses_[0].to_robot.push_back(sync_frame(kControllerSyncId, 1));  // and it dies
+  EXPECT_FALSE(exchange.poll());
+  connections[0] = 2;  // the next one has connected to the first bus and begins there
+  buses_[0].to_robot.push_back(sync_frame(kControllerSyncId, 0));
+  EXPECT_FALSE(exchange.poll());
+  exchange.forget_controller();
+  connections[1] = 2;
+  buses_[1].to_robot.push_back(sync_frame(kControllerSyncId, 0));
+  EXPECT_TRUE(exchange.poll());
+  EXPECT_EQ(exchange.tick(), 0u);
+  EXPECT_EQ(exchange.controller()[1], 2u);
+}
+
 TEST_F(LockstepExchangeTest, EachLaterTickAdvancesByOneAndEndsWithSync) {
   for (std::uint64_t tick = 0; tick < 5; ++tick) {
     end_turn(tick);

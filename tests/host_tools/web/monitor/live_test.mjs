@@ -129,7 +129,7 @@ test('stop stops', async () => {
 
 test('a killed controller leaves a stale picture, marked as one, and the next is another run', async () => {
   await controller.kill('SIGKILL');
-  await until('the alarm', async () => /No data for .* the picture is old/.test(await text('#alarm')));
+  await until('the alarm', async () => /No data for .* the data are stale/.test(await text('#alarm')));
   assert.equal(await text('#stage-cover'), 'STALE DATA');
   await picture(page, 'live_stale');
   controller = startController();

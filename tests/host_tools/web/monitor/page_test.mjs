@@ -108,7 +108,7 @@ test('a wrong token is refused in words, and the right one is not', async () => 
 
 test('a silent controller is told at once, and the picture is marked as old', async () => {
   monitor.write('silent');
-  await until('the alarm', async () => /No data for .* the picture is old/.test(await text('#alarm')));
+  await until('the alarm', async () => /No data for .* the data are stale/.test(await text('#alarm')));
   assert.equal(await text('#stage-cover'), 'STALE DATA');
   await picture(page, 'stale');
   monitor.write('talk');
