@@ -6,13 +6,13 @@ namespace stilt::configuration {
 struct RuntimeParameters {
   /// Refuse to start unless kernel, priorities and locked memory make the torque loop real time.
   bool require_realtime = false;
-  int torque_core = 1;          ///< processor of the torque loop; -1: wherever the kernel puts it
-  int planner_core = 0;         ///< processor of the planner; -1 as above
-  int torque_priority = 80;     ///< SCHED_FIFO, 1 to 99; 0: ordinary scheduling
-  int planner_priority = 60;    ///< as above, below torque_priority
+  int torque_core = 1;                      ///< processor of the torque loop; -1: wherever the kernel puts it
+  int planner_core = 0;                     ///< processor of the planner; -1 as above
+  int torque_priority = 80;                 ///< SCHED_FIFO, 1 to 99; 0: ordinary scheduling
+  int planner_priority = 60;                ///< as above, below torque_priority
   double self_test_answered_share = 0.999;  ///< of the commands of stiltd selftest, in time or late
   double self_test_in_time_share = 0.99;    ///< of the commands, before the next one
-  double start_settle_s = 2.0;  ///< stiltd --start: stands this long before it steps
+  double start_settle_s = 2.0;              ///< stiltd --start: stands this long before it steps
 };
 
 }  // namespace stilt::configuration

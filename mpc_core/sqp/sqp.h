@@ -24,10 +24,10 @@ using ocp::ClockFunction;
 ///   g = sqrt(sum defects^2 + sum (duration * equality residual)^2)
 ///
 /// (the residual of an acceleration constraint, held for an interval, is a velocity: the unit of most
-/// defects). A trial step is compared with the current iterate and accepted when
-///   g_new > g_max:                              g_new < (1 - gamma_c) g
-///   g, g_new < g_min and the slope is downhill: cost_new <= cost + armijo * step * slope
-///   otherwise:                                  cost_new < cost - gamma_c g  or  g_new < (1 - gamma_c) g
+/// defects). A trial step is compared with the current iterate and accepted by the parameters filter_*:
+///   g_new > violation_max:              g_new < (1 - margin) g
+///   g, g_new < violation_min, downhill: cost_new <= cost + armijo * step * slope
+///   otherwise:                          cost_new < cost - margin g  or  g_new < (1 - margin) g
 /// Sources: Galliker et al. 2022, section III; Grandia et al. 2022, "Perceptive locomotion through nonlinear
 /// model predictive control", appendix B. Fixed memory, no heap, bounded time: real-time safe.
 class Sqp {
