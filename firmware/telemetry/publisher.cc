@@ -9,6 +9,7 @@
 #include "firmware/telemetry/cycle_message.h"
 #include "firmware/telemetry/histogram_message.h"
 #include "firmware/telemetry/sequence.h"
+#include "firmware/telemetry/wire_version.h"
 
 namespace stilt::telemetry {
 namespace {
@@ -112,7 +113,7 @@ void Publisher::configuration(const configuration::Configuration& configuration,
   RunDescription texts = run;
   std::string robot = configuration.hardware.robot;
   std::string toml =
-      configuration::to_toml(configuration, "Configuration in force, from " + run.configuration_source + ".");
+      configuration::to_toml(configuration, "Active configuration, from " + run.configuration_source + ".");
   std::vector<std::array<std::string, 3>> words;
   for (const auto& tunable : tuner.tunables()) {
     words.push_back(
@@ -139,6 +140,7 @@ void Publisher::configuration(const configuration::Configuration& configuration,
   message.plan_rate_hz = configuration.timing.plan_rate_hz;
   set_view(message.token_file, texts.token_file);
   set_view(message.tunables, tunables);
+  message.wire_version = kWireVersion;
   configuration_.write(message);
 }
 
@@ -260,6 +262,7 @@ void Publisher::timing(const diagnostics::LoopStatistics& loop,
       HistogramMessage("bus_round_trip", loop.bus_round_trip, tick_us),
       HistogramMessage("solve", planning.solve, 1e6 * configuration.supervisor.planner_overrun_s)};
   std::vector<stilt_msgs_msg_dds__Histogram_> list;
+  list.reserve(histograms.size());
   for (HistogramMessage& histogram : histograms) list.push_back(histogram.message());
   Timing message{};
   message.run_id = run_id_;

@@ -13,6 +13,7 @@
 #include "firmware/telemetry/topics.h"
 #include "host_tools/recording/csv/csv_table.h"
 #include "host_tools/recording/mcap/reader.h"
+#include "host_tools/recording/record/record_version.h"
 #include "host_tools/recording/record/recorder.h"
 #include "host_tools/recording/schema/decode.h"
 
@@ -125,6 +126,7 @@ class TopicTables {
 }  // namespace
 
 Written record_to_csv(const std::string& record, const std::string& folder) {
+  record::require_wire_version(record);
   mcap::Reader reader(record);
   std::error_code error;
   std::filesystem::create_directories(folder, error);
@@ -147,6 +149,7 @@ Written record_to_csv(const std::string& record, const std::string& folder) {
 }
 
 Written ticks_to_csv(const std::string& record, const std::string& file) {
+  record::require_wire_version(record);
   mcap::Reader reader(record);
   TickTables ticks(file, false);
   while (const mcap::ReadMessage* read = reader.next()) {

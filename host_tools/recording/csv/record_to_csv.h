@@ -5,10 +5,10 @@
 
 namespace stilt::csv {
 
-/// Result of writing a recording as tables.
+/// Result of writing a record as tables.
 struct Written {
   std::vector<std::string> files;
-  std::vector<std::string> problems;  ///< of the recording, one sentence each
+  std::vector<std::string> problems;  ///< of the record, one sentence each
 };
 
 /// Writes a folder of tables, one per topic: /stilt/planner becomes stilt_planner.csv, with the time of day

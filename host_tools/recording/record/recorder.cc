@@ -73,7 +73,8 @@ void Recorder::keep_configuration(const telemetry::ConfigurationInForce& configu
                            {"robot", robot},
                            {"version", configuration.version},
                            {"compiler", configuration.compiler},
-                           {"instruction_set", configuration.instruction_set}}});
+                           {"instruction_set", configuration.instruction_set},
+                           {"wire_version", std::to_string(configuration.wire_version)}}});
 }
 
 void Recorder::close() { writer_.close(); }

@@ -59,7 +59,7 @@ class Recorder {
   std::uint32_t plans_ = 0;  ///< number received
 };
 
-/// Name of a topic in a recording: "/joint_states" for rt/joint_states.
+/// Name of a topic in a record: "/joint_states" for rt/joint_states.
 [[nodiscard]] std::string topic_in_record(const telemetry::Topic& topic);
 
 /// The inverse of topic_in_record(); null for other names.

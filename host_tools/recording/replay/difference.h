@@ -9,7 +9,7 @@
 
 namespace stilt::replay {
 
-/// The first output of a replay that differs from the recording.
+/// The first output of a replay that differs from the record.
 struct Difference {
   std::uint64_t tick = 0;  ///< of the control loop; for a plan: the tick of its state
   std::string what;        ///< "sent torque_Nm of knee_L"

@@ -7,6 +7,7 @@
 #include "firmware/telemetry/tick_batch.h"
 #include "firmware/telemetry/topics.h"
 #include "host_tools/recording/mcap/reader.h"
+#include "host_tools/recording/record/record_version.h"
 #include "host_tools/recording/record/recorder.h"
 
 namespace stilt::replay {
@@ -65,7 +66,10 @@ void take(const mcap::ReadMessage& read, RecordContents& contents) {
 RecordContents read_contents(const std::string& path) {
   RecordContents contents;
   mcap::Reader reader(path);
-  while (const mcap::ReadMessage* read = reader.next()) take(*read, contents);
+  while (const mcap::ReadMessage* read = reader.next()) {
+    record::require_wire_version(path, *read);
+    take(*read, contents);
+  }
   contents.problems = reader.problems();
   return contents;
 }

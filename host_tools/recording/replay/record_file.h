@@ -13,10 +13,10 @@
 
 namespace stilt::replay {
 
-/// Content of a recording for one run of stiltd, without its ticks.
+/// Content of a record for one run of stiltd, without its ticks.
 struct RunRecord {
   std::uint64_t number = 0;
-  bool configured = false;  ///< whether the recording has its configuration and the fields below
+  bool configured = false;  ///< whether the record has its configuration and the fields below
   std::string robot;
   std::string configuration;          ///< TOML
   std::string build;                  ///< version, compiler, instruction set
@@ -26,14 +26,14 @@ struct RunRecord {
   record::TickLedger ticks;
 };
 
-/// Content of a recording without its ticks.
+/// Content of a record without its ticks.
 struct RecordContents {
-  std::vector<RunRecord> runs;        ///< in the order of the recording
+  std::vector<RunRecord> runs;        ///< in the order of the record
   std::vector<std::string> problems;  ///< of the file, one sentence each
 };
 
-/// Reads a recording without its ticks. Throws std::runtime_error, one sentence, when the file is not a
-/// recording.
+/// Reads a record without its ticks. Throws std::runtime_error, one sentence, when the file is not a
+/// record, or has messages of another wire version.
 [[nodiscard]] RecordContents read_contents(const std::string& path);
 
 /// Passes the ticks of a run to `use`, in order and each once, until it returns false. Throws like

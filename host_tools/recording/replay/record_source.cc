@@ -4,12 +4,13 @@
 
 #include "firmware/telemetry/tick_batch.h"
 #include "firmware/telemetry/topics.h"
+#include "host_tools/recording/record/record_version.h"
 #include "host_tools/recording/record/recorder.h"
 
 namespace stilt::replay {
 namespace {
 
-/// Ticks are further apart only at a gap of the recording or at the start of another run.
+/// Ticks are further apart only at a gap of the record or at the start of another run.
 constexpr double kLongestPause_s = 0.5;
 
 telemetry::Sample sample_of(const mcap::ReadMessage& read, const telemetry::Topic& topic) {
@@ -20,7 +21,10 @@ telemetry::Sample sample_of(const mcap::ReadMessage& read, const telemetry::Topi
 }  // namespace
 
 RecordSource::RecordSource(const std::string& path, std::function<Clock::time_point()> now)
-    : path_(path), now_(std::move(now)), reader_(std::make_unique<mcap::Reader>(path)) {}
+    : path_(path), now_(std::move(now)) {
+  record::require_wire_version(path);
+  reader_ = std::make_unique<mcap::Reader>(path);
+}
 
 /// Reads the next message and its due time. Ticks have a time; other messages are due with the ticks before
 /// them.

@@ -12,13 +12,14 @@
 
 namespace stilt::replay {
 
-/// Plays a recording for the monitor in real time, by the clock of the control loop. In lock-step that clock
-/// is not the clock of the recording. Gaps without messages are skipped.
+/// Plays a record for the monitor in real time, by the clock of the control loop. In lock-step that clock
+/// is not the clock of the record. Gaps without messages are skipped.
 class RecordSource final : public monitor::SampleSource {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// Throws std::runtime_error, one sentence, when the file is not a recording.
+  /// Throws std::runtime_error, one sentence, when the file is not a record, or has messages of another
+  /// wire version.
   /// @param now  clock of the playback
   explicit RecordSource(const std::string& path, std::function<Clock::time_point()> now = &Clock::now);
 

@@ -4,7 +4,7 @@
 
 #include "firmware/control_loop/plan_checksum.h"
 
-// What a recording holds, and why a replay starts at tick 0: docs/decisions/0010-records.md
+// What a record holds, and why a replay starts at tick 0: docs/decisions/0010-records.md
 namespace stilt::replay {
 
 Replay::Replay(std::vector<control_loop::CycleRecord> cycles,

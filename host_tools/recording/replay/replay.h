@@ -15,7 +15,7 @@
 #include "host_tools/recording/replay/recorded_robot.h"
 
 /// Replay of a recorded run: control loop and planner of stiltd run tick by tick from the recorded inputs,
-/// and their outputs are compared with the recording bit for bit. Host only.
+/// and their outputs are compared with the record bit for bit. Host only.
 namespace stilt::replay {
 
 /// Live tunables with a common number.
@@ -29,7 +29,7 @@ struct Outcome {
   std::uint64_t ticks = 0;   ///< number of equal ticks
   std::uint64_t cycles = 0;  ///< number of equal solves of the planner
   std::optional<Difference> difference;
-  std::string problem;  ///< missing data of the recording, one sentence; empty: none
+  std::string problem;  ///< missing data of the record, one sentence; empty: none
 
   [[nodiscard]] bool reproduced() const { return ticks > 0 && !difference && problem.empty(); }
 };
@@ -38,7 +38,7 @@ struct Outcome {
 class Replay {
  public:
   /// @param cycles   all solves of the run, in order
-  /// @param tunings  live tunables by their number; nothing when the recording lacks them
+  /// @param tunings  live tunables by their number; nothing when the record lacks them
   Replay(std::vector<control_loop::CycleRecord> cycles,
          std::function<std::optional<Tunings>(std::uint32_t number)> tunings);
 

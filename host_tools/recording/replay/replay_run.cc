@@ -23,7 +23,7 @@ class TuningsOf {
         robot_(&robots::find(configuration.hardware.robot).value()->model),
         work_(std::make_unique<sqp::TerminalCostWorkspace>()) {}
 
-  /// Nothing when the recording lacks them, or when this program has other tunables.
+  /// Nothing when the record lacks them, or when this program has other tunables.
   [[nodiscard]] std::optional<Tunings> operator()(std::uint32_t number) const {
     const auto values = run_.tunings.find(number);
     if (values == run_.tunings.end() || !same_tunables()) return std::nullopt;

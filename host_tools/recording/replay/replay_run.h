@@ -9,7 +9,7 @@
 
 namespace stilt::replay {
 
-/// Replays one run of a recording: configures planner and control loop, and runs its ticks and solves. A
+/// Replays one run of a record: configures planner and control loop, and runs its ticks and solves. A
 /// missing or invalid configuration is a problem in the outcome. Throws std::runtime_error when the file
 /// cannot be read.
 /// @param progress  called with the number of the tick from time to time; may be empty

@@ -2,12 +2,17 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <utility>
 
 #include "firmware/telemetry/tick_batch.h"
+#include "host_tools/telemetry/wire_version.h"
 #include "host_tools/web/monitor/message_samples.h"
 
 namespace stilt::monitor {
 namespace {
+
+/// Two seconds. The configuration of a run comes with its first ticks, also to a monitor that starts later.
+constexpr std::uint64_t kTicksWithoutConfiguration = 2000;
 
 std::string run_text(std::uint64_t run_id) {
   char digits[20];
@@ -20,7 +25,7 @@ std::string run_text(std::uint64_t run_id) {
 bool MessageDecoder::ours(std::uint64_t run_id) {
   if (run_id == run_id_ && run_id_ != 0) {
     of_others_ += unknown_run_samples_;
-    unknown_run_samples_ = 0;
+    unknown_run_samples_ = unknown_run_ticks_ = 0;
     return true;
   }
   if (run_id_ != 0) ++unknown_run_samples_;
@@ -40,7 +45,7 @@ void MessageDecoder::take(const telemetry::Sample& message, SampleSink& sink) {
   } else if (topic == &telemetry::kTuning) {
     take_as<telemetry::Tuning>(message, [&](const auto& tuning) { tune(tuning, sink); });
   } else if (topic == &telemetry::kTicks) {
-    take_as<telemetry::TickBatch>(message, [&](const auto& batch) { ticks(batch, sink); });
+    if (const auto batch = message.as<telemetry::TickBatch>()) ticks(*batch, sink);
   } else if (topic == &telemetry::kPlannerCycles) {
     take_as<telemetry::PlannerCycle>(message,
                                      [&](const auto& cycle) { sink.planner(planner_sample(cycle)); });
@@ -58,13 +63,22 @@ void MessageDecoder::take(const telemetry::Sample& message, SampleSink& sink) {
   }
 }
 
+void MessageDecoder::refuse(const std::string& sentence, SampleSink& sink) const {
+  sink.event({.time_s = newest_tick_s_, .text = sentence, .serious = true});
+}
+
 void MessageDecoder::configure(const telemetry::ConfigurationInForce& message, SampleSink& sink) {
   if (message.run_id == run_id_ || message.start_time_ns < run_start_ns_) return;
+  if (const auto problem = host_telemetry::wire_version_problem(message.wire_version)) {
+    if (message.run_id != refused_run_) refuse("run " + run_text(message.run_id) + " " + *problem, sink);
+    refused_run_ = message.run_id;
+    return;
+  }
   run_id_ = message.run_id;
   run_start_ns_ = message.start_time_ns;
   clock_start_ns_ = message.start_clock_ns;
   token_file_ = message.token_file;
-  unknown_run_samples_ = 0;
+  unknown_run_samples_ = unknown_run_ticks_ = 0;
   configuration_ = configuration_sample(message);
   configuration_.run_id = run_text(run_id_);
   sink.configuration(configuration_);
@@ -89,6 +103,18 @@ void MessageDecoder::truth(const host_telemetry::SimulationMessage& message, Sam
 
 void MessageDecoder::ticks(const telemetry::TickBatch& batch, SampleSink& sink) {
   if (!telemetry::well_formed(batch)) return;
+  if (!ours(batch.run_id)) {
+    const std::uint64_t before = std::exchange(unknown_run_ticks_, unknown_run_ticks_ + batch.count);
+    if (batch.run_id != refused_run_ && before < kTicksWithoutConfiguration &&
+        unknown_run_ticks_ >= kTicksWithoutConfiguration) {
+      refuse("run " + run_text(batch.run_id) +
+                 " sends ticks but no configuration that this stilt can read, as release 0.1 does; use the "
+                 "stilt "
+                 "of the same release as stiltd",
+             sink);
+    }
+    return;
+  }
   for (std::size_t k = 0; k < batch.count; ++k) {
     TickSample sample{0.0, telemetry::tick_record(batch, k)};
     sample.time_s = 1e-9 * static_cast<double>(sample.record.time_ns - clock_start_ns_);

@@ -9,12 +9,13 @@
 
 namespace stilt::monitor {
 
-/// Converts messages of stiltd to samples, from the network or from a recording. Follows the run that started
+/// Converts messages of stiltd to samples, from the network or from a record. Follows the run that started
 /// last, with its clock, its tunables and their values.
 class MessageDecoder {
  public:
   /// Passes the content of the message to `sink`. Ignores topics that a monitor does not show, and bytes that
-  /// are not a message.
+  /// are not a message. A run whose messages have another wire version is not followed; one event states it,
+  /// and so does one when ticks come without the configuration of their run.
   void take(const telemetry::Sample& message, SampleSink& sink);
 
   /// Run of the newest configuration; 0 before the first.
@@ -27,6 +28,7 @@ class MessageDecoder {
   [[nodiscard]] std::uint64_t of_others() const { return of_others_; }
 
  private:
+  void refuse(const std::string& sentence, SampleSink& sink) const;
   void configure(const telemetry::ConfigurationInForce& message, SampleSink& sink);
   void tune(const telemetry::Tuning& message, SampleSink& sink);
   void ticks(const telemetry::TickBatch& batch, SampleSink& sink);
@@ -44,6 +46,8 @@ class MessageDecoder {
   double newest_tick_s_ = 0.0;
   std::uint64_t of_others_ = 0;
   std::uint64_t unknown_run_samples_ = 0;  ///< messages of another run, since the last one of this run
+  std::uint64_t unknown_run_ticks_ = 0;    ///< likewise ticks
+  std::uint64_t refused_run_ = 0;          ///< has messages of another wire version
 };
 
 }  // namespace stilt::monitor

@@ -4,11 +4,13 @@
 
 #include <chrono>
 #include <functional>
+#include <string>
 #include <thread>
 #include <vector>
 
 #include "firmware/telemetry/reader.h"
 #include "firmware/telemetry/writer.h"
+#include "tests/firmware/telemetry/later_msgs.h"
 #include "tests/own_domain.h"
 
 namespace stilt::telemetry {
@@ -74,6 +76,34 @@ TEST(ReaderAndWriter, what_is_sent_arrives_byte_for_byte_and_in_order) {
   EXPECT_EQ(samples.back().cdr, last);
   EXPECT_EQ(samples.back().topic, &kPlannerCycles);
   EXPECT_EQ(samples.back().as<Twist>(), nullptr);
+}
+
+TEST(ReaderAndWriter, a_message_of_a_later_release_with_one_more_field_is_read) {
+  dds_topic_descriptor_t type = later_msgs_CommandReply__desc;
+  type.m_typename = kCommandReplies.type->m_typename;
+  Topic topic = kCommandReplies;
+  topic.type = &type;
+  const auto robot = Participant::open(network()), host = Participant::open(network());
+  ASSERT_TRUE(robot && host);
+  auto writer = AnyWriter::open(*robot, topic);
+  auto reader = Reader::open(*host, kCommandReplies);
+  ASSERT_TRUE(writer && reader);
+  ASSERT_TRUE(eventually([&] { return writer->subscribers() == 1 && reader->senders() == 1; }));
+  std::string commander = "me", reason = "no token", advice = "name one";
+  const later_msgs_CommandReply_ reply = {7, commander.data(), 9, false, reason.data(), 1.5, advice.data()};
+  ASSERT_TRUE(writer->write(&reply));
+  std::vector<Sample> samples;
+  ASSERT_TRUE(eventually([&] {
+    reader->take([&](Sample&& sample) { samples.push_back(std::move(sample)); });
+    return !samples.empty();
+  }));
+  const auto read = samples[0].as<CommandReply>();
+  ASSERT_NE(read, nullptr);
+  EXPECT_EQ(read->run_id, 7u);
+  EXPECT_STREQ(read->commander, "me");
+  EXPECT_EQ(read->number, 9u);
+  EXPECT_STREQ(read->reason, "no token");
+  EXPECT_EQ(read->time_s, 1.5);
 }
 
 TEST(ReaderAndWriter, a_record_tells_late_subscribers_what_it_keeps) {

@@ -8,6 +8,9 @@
 #include "firmware/telemetry/reader.h"
 #include "firmware/telemetry/tick_batch.h"
 #include "firmware/telemetry/topics.h"
+#include "firmware/telemetry/wire_version.h"
+#include "host_tools/recording/mcap/writer.h"
+#include "host_tools/recording/schema/message_types.h"
 
 /// Samples as they come from stiltd, made without a network.
 namespace stilt::record {
@@ -28,7 +31,8 @@ inline telemetry::Sample ticks_sample(std::uint64_t run_id, std::uint64_t first,
   return {&telemetry::kTicks, 1'000, 1, telemetry::encode(batch.message())};
 }
 
-inline telemetry::Sample configuration_sample(std::uint64_t run_id, std::string toml) {
+inline telemetry::Sample configuration_sample(std::uint64_t run_id, std::string toml,
+                                              std::uint32_t wire_version = telemetry::kWireVersion) {
   std::string robot = "amber3m", version = "9.9", other = "x";
   telemetry::ConfigurationInForce message{};
   message.run_id = run_id;
@@ -38,6 +42,7 @@ inline telemetry::Sample configuration_sample(std::uint64_t run_id, std::string 
   for (char** text : {&message.compiler, &message.instruction_set, &message.realtime, &message.token_file}) {
     *text = other.data();
   }
+  message.wire_version = wire_version;
   return {&telemetry::kConfiguration, 2'000, 1, telemetry::encode(message)};
 }
 
@@ -49,6 +54,23 @@ inline telemetry::Sample event_sample(std::uint64_t run_id, std::string text) {
   message.text = text.data();
   message.time_s = 0.1;
   return {&telemetry::kEvents, 3'000, 1, telemetry::encode(message)};
+}
+
+/// A record of release 0.1: the message with the configuration has no wire version, in its bytes and in its
+/// definition.
+inline void write_record_of_0_1(const std::string& path) {
+  const std::string type = "stilt_msgs/msg/Configuration";
+  schema::MessageTypes types = schema::own_messages();
+  types.at(type).pop_back();
+  const telemetry::Sample sample = configuration_sample(7, "");
+  const mcap::Bytes body(
+      reinterpret_cast<const std::uint8_t*>(sample.cdr.data()),
+      reinterpret_cast<const std::uint8_t*>(sample.cdr.data() + sample.cdr.size()) - sizeof(std::uint32_t));
+  mcap::Writer writer(path);
+  const std::uint16_t schema = writer.add_schema(type, "ros2msg", schema::ros2msg_text(types, type));
+  const std::uint16_t channel = writer.add_channel(schema, "/stilt/configuration", "cdr");
+  writer.write({channel, 0, 1, 1, body});
+  writer.close();
 }
 
 }  // namespace stilt::record

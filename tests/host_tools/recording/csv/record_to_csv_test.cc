@@ -88,6 +88,14 @@ TEST_F(RecordToCsv, RefusesPlacesThatCannotBeWritten) {
   EXPECT_THROW(static_cast<void>(ticks_to_csv(record.path(), "/nowhere/ticks.csv")), std::runtime_error);
 }
 
+TEST_F(RecordToCsv, ARecordOfRelease01IsRefusedAndLeavesNoFile) {
+  record::write_record_of_0_1(record.path());
+  EXPECT_THROW(static_cast<void>(record_to_csv(record.path(), folder.string())), std::runtime_error);
+  EXPECT_FALSE(std::filesystem::exists(folder));
+  EXPECT_THROW(static_cast<void>(ticks_to_csv(record.path(), folder.string() + ".csv")), std::runtime_error);
+  EXPECT_FALSE(std::filesystem::exists(folder.string() + ".csv"));
+}
+
 TEST(Table, CellsAreReadBackTheSame) {
   const mcap::TemporaryFile file("table");
   {

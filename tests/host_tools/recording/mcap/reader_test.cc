@@ -142,7 +142,7 @@ TEST(Reader, ADamagedAttachmentIsToldAndLeftOut) {
   EXPECT_EQ(reader.attachments()[0].create_time_ns, 8);
 }
 
-/// Other programs may write such files; nothing here tells whether the message is damaged.
+/// Other programs may write such files; nothing here shows whether the message is damaged.
 TEST(Reader, AMessageOutsideOfAChunkIsToldAndLeftOut) {
   const TemporaryFile file("outside");
   Bytes bytes(std::begin(kMagic), std::end(kMagic));

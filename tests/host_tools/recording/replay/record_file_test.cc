@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -62,6 +63,7 @@ telemetry::Sample configuration_sample(std::uint64_t run_id, const configuration
   telemetry::set_view(message.realtime, "");
   telemetry::set_view(message.token_file, "");
   telemetry::set_view(message.tunables, tunables);
+  message.wire_version = telemetry::kWireVersion;
   return {&telemetry::kConfiguration, 0, 1, telemetry::encode(message)};
 }
 
@@ -103,6 +105,17 @@ TEST(RecordFile, ARunHasConfigurationTuningsSolvesAndTicks) {
   EXPECT_EQ(found.tick, wanted.tick);
   EXPECT_EQ(found.tuning, wanted.tuning);
   EXPECT_EQ(found.solve_ns, wanted.solve_ns);
+}
+
+TEST(RecordFile, AConfigurationOfAnotherWireVersionIsRefusedWhereverItStands) {
+  const mcap::TemporaryFile file("versions");
+  {
+    record::Recorder recorder(file.path(), {});
+    recorder.take(record::configuration_sample(kRun, ""), 1);
+    recorder.take(record::ticks_sample(kRun, 0, 20), 1);
+    recorder.take(record::configuration_sample(kRun + 1, "", telemetry::kWireVersion + 1), 1);
+  }
+  EXPECT_THROW(static_cast<void>(read_contents(file.path())), std::runtime_error);
 }
 
 TEST(RecordFile, SolvesAndTicksThatComeTwiceAreTakenOnce) {

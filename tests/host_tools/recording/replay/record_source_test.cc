@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <stdexcept>
 #include <vector>
 
 #include "host_tools/recording/record/recorder.h"
@@ -104,6 +105,12 @@ TEST_F(RecordSourceTest, TakesNoCommandsAndSaysSo) {
   EXPECT_EQ(sink.replies[0].commander, 3u);
   EXPECT_EQ(sink.replies[0].sequence, 9u);
   EXPECT_EQ(after(1).replies.size(), 1u);
+}
+
+TEST(RecordSource, ARecordOfRelease01IsRefusedAtOnce) {
+  const mcap::TemporaryFile file("first");
+  record::write_record_of_0_1(file.path());
+  EXPECT_THROW(RecordSource{file.path()}, std::runtime_error);
 }
 
 /// Ticks 0 to 19, 5000 to 5019, and 0 to 19 of another run, whose clock begins anew.

@@ -5,6 +5,7 @@
 #include <array>
 
 #include "firmware/telemetry/tick_batch.h"
+#include "firmware/telemetry/wire_version.h"
 #include "host_tools/web/monitor/message_samples.h"
 
 namespace stilt::monitor {
@@ -18,13 +19,14 @@ class Kept final : public SampleSink {
   void plan(const PlanSample&) override {}
   void planner(const PlannerSample&) override {}
   void supervisor(const SupervisorSample&) override {}
-  void event(const EventSample&) override {}
+  void event(const EventSample& sample) override { events.push_back(sample); }
   void timing(const TimingSample&) override {}
   void truth(const TruthSample&) override {}
   void reply(const ReplySample&) override {}
 
   std::vector<ConfigurationSample> configurations;
   std::vector<TickSample> ticks;
+  std::vector<EventSample> events;
 };
 
 template <class Message>
@@ -36,7 +38,8 @@ telemetry::Sample on(const telemetry::Topic& topic, const Message& message) {
 }
 
 /// stiltd of that run, started at that time of day, its clock beginning at 5 s, with one tunable.
-telemetry::Sample configuration(std::uint64_t run_id, std::int64_t start_time_ns) {
+telemetry::Sample configuration(std::uint64_t run_id, std::int64_t start_time_ns,
+                                std::uint32_t wire_version = telemetry::kWireVersion) {
   char empty[] = "", robot[] = "amber3m", key[] = "cost.base_z", file[] = "/run/token";
   std::array<stilt_msgs_msg_dds__Tunable_, 1> tunables{{{key, empty, empty, 0.0, 1000.0, 400.0}}};
   telemetry::ConfigurationInForce message{};
@@ -49,6 +52,7 @@ telemetry::Sample configuration(std::uint64_t run_id, std::int64_t start_time_ns
   message.token_file = file;
   message.tunables._buffer = tunables.data();
   message.tunables._length = message.tunables._maximum = 1;
+  message.wire_version = wire_version;
   return on(telemetry::kConfiguration, message);
 }
 
@@ -101,6 +105,35 @@ TEST(MessageDecoder, OnlyASecondControllerThatTalksWhileTheFirstDoesIsCounted) {
   decoder.take(one_tick(1, 1), kept);
   EXPECT_EQ(decoder.of_others(), 1u);
   EXPECT_EQ(kept.ticks.size(), 2u);
+}
+
+TEST(MessageDecoder, ARunOfAnotherWireVersionIsNotFollowedAndOneEventStatesIt) {
+  MessageDecoder decoder;
+  Kept kept;
+  for (int times = 0; times < 3; ++times) decoder.take(configuration(0xab, 100, 3), kept);
+  for (std::uint64_t tick = 0; tick < 3000; ++tick) decoder.take(one_tick(0xab, tick), kept);
+  EXPECT_TRUE(kept.configurations.empty());
+  EXPECT_TRUE(kept.ticks.empty());
+  ASSERT_EQ(kept.events.size(), 1u);
+  EXPECT_TRUE(kept.events[0].serious);
+  EXPECT_EQ(
+      kept.events[0].text,
+      "run 00000000000000ab has messages of wire version 3, but this stilt reads wire version 2; use the "
+      "stilt of the same release as stiltd");
+}
+
+TEST(MessageDecoder, TwoSecondsOfTicksWithoutAConfigurationGiveOneEvent) {
+  MessageDecoder decoder;
+  Kept kept;
+  for (std::uint64_t tick = 0; tick < 1999; ++tick) decoder.take(one_tick(0xab, tick), kept);
+  EXPECT_TRUE(kept.events.empty());
+  for (std::uint64_t tick = 1999; tick < 9000; ++tick) decoder.take(one_tick(0xab, tick), kept);
+  ASSERT_EQ(kept.events.size(), 1u);
+  EXPECT_TRUE(kept.events[0].text.starts_with("run 00000000000000ab sends ticks but no configuration"))
+      << kept.events[0].text;
+  decoder.take(configuration(0xab, 100), kept);
+  decoder.take(one_tick(0xab, 9000), kept);
+  EXPECT_EQ(kept.ticks.size(), 1u) << "a configuration that comes late is followed";
 }
 
 TEST(MessageDecoder, TunablesThatChangeComeAsTheConfigurationAnew) {

@@ -1,0 +1,45 @@
+#include "host_tools/recording/record/record_version.h"
+
+#include <stdexcept>
+
+#include "firmware/telemetry/cdr.h"
+#include "firmware/telemetry/topics.h"
+#include "host_tools/recording/record/recorder.h"
+#include "host_tools/telemetry/wire_version.h"
+
+namespace stilt::record {
+namespace {
+
+bool is_configuration(const mcap::ReadMessage& read) {
+  return topic_of_record(read.channel->topic) == &telemetry::kConfiguration;
+}
+
+/// The definition in the record shows whether its messages have a version.
+bool has_version(const mcap::ReadMessage& read) {
+  return read.schema == nullptr || read.schema->text.find(" wire_version\n") != std::string::npos;
+}
+
+}  // namespace
+
+void require_wire_version(const std::string& path, const mcap::ReadMessage& read) {
+  if (!is_configuration(read)) return;
+  std::optional<std::uint32_t> version;
+  if (has_version(read)) {
+    const auto message = telemetry::decode<telemetry::ConfigurationInForce>(std::as_bytes(read.message.data));
+    if (!message) return;
+    version = message->wire_version;
+  }
+  if (const auto problem = host_telemetry::wire_version_problem(version)) {
+    throw std::runtime_error(path + ": " + *problem);
+  }
+}
+
+void require_wire_version(const std::string& path) {
+  mcap::Reader reader(path);
+  while (const mcap::ReadMessage* read = reader.next()) {
+    require_wire_version(path, *read);
+    if (is_configuration(*read)) return;
+  }
+}
+
+}  // namespace stilt::record

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string>
+
+#include "host_tools/recording/mcap/reader.h"
+
+namespace stilt::record {
+
+/// Refuses a message with the configuration of a run whose messages have another wire version than this
+/// program reads. Accepts every other message. Throws std::runtime_error, one sentence that begins with the
+/// path.
+void require_wire_version(const std::string& path, const mcap::ReadMessage& read);
+
+/// Refuses a record by its first configuration, as above. Accepts a record without one. Throws
+/// std::runtime_error, one sentence, also when the file is not a record.
+void require_wire_version(const std::string& path);
+
+}  // namespace stilt::record
