@@ -75,7 +75,7 @@ constexpr TextField channel() {
 template <auto Driver>
 void add_driver(std::string_view section, std::vector<Entry>& rows) {
   const Entry driver[] = {
-      {section, "protocol", "", "What it speaks; MIT mode in the dialect of its maker",
+      {section, "protocol", "", "Protocol; MIT mode as the vendor defines it",
        choice<&P::hardware, Driver, &D::protocol>(kProtocols)},
       {section, "ratio", "1",
        "Turns of the shaft that the driver counts per turn of the joint; 1 when it counts its output",

@@ -84,7 +84,7 @@ void CommandArbiter::stop(const RobotNow& now) noexcept {
   ask(stands_or_moves(now.state) ? RequestKind::stand : RequestKind::none);
 }
 
-/// Why somebody has no say here; empty: he has the token.
+/// Why a commander is refused; empty: it has the token.
 std::string CommandArbiter::rejection(const Asked& asked) const {
   if (asked.run_id != rules_.run_id) {
     return "the command is for another run of stiltd; take run_id from the configuration topic";

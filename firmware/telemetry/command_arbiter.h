@@ -51,7 +51,7 @@ struct RobotNow {
 
 /// Who may command the robot, and what the torque loop is asked to do. One commander at a time: the one who
 /// gave the last order of motion and sends heartbeats; `stop` is taken from everybody with the token. When
-/// his heartbeats stop, the supervisor makes walking stepping and stepping standing (heartbeat_lost), and
+/// its heartbeats stop, the supervisor makes walking stepping and stepping standing (heartbeat_lost), and
 /// after release_s somebody else may command. Pure logic: no network, no clock, no thread. Ordinary threads.
 class CommandArbiter {
  public:

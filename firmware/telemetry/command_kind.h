@@ -20,7 +20,7 @@ enum class CommandKind : std::uint8_t {
   height,   ///< value: height of the hip, m
   tunable,  ///< key: section.key of a live tunable; value: its new value
   off,      ///< sit down, disable the drivers, end stiltd
-  release,  ///< the commander gives the command up and need not show that he lives
+  release,  ///< the commander gives up the command and needs no heartbeat
 };
 inline constexpr std::size_t kCommandKinds = 13;
 

@@ -28,7 +28,7 @@ class Tuner {
   [[nodiscard]] std::uint32_t number() const noexcept { return number_; }
   /// In force from this number on, in the order of tunables().
   [[nodiscard]] const std::vector<double>& values() const noexcept { return values_; }
-  /// Of the hip, in force.
+  /// Active height of the hip.
   [[nodiscard]] double base_height_m() const noexcept { return settings_.parameters.reference.base_height_m; }
   /// What the planner has.
   [[nodiscard]] const control::PlannerSettings& settings() const noexcept { return settings_; }

@@ -7,15 +7,15 @@
 namespace stilt::cli {
 
 CLI::App* add_log_command(CLI::App& program, LogOptions& options) {
-  CLI::App* log = program.add_subcommand("log", "read a recording");
+  CLI::App* log = program.add_subcommand("log", "read a record");
   log->require_subcommand(1);
-  CLI::App* csv = log->add_subcommand("csv", "write a recording as comma-separated values");
+  CLI::App* csv = log->add_subcommand("csv", "write a record as comma-separated values");
   csv->add_option("FILE", options.file, "record of stilt record")->required();
   csv->add_option("--out", options.out,
                   "a folder for one table per topic; or a file ending in .csv, for the ticks only")
       ->required();
   csv->footer(
-      "Exit status: 0 done, 1 the recording was cut off or is damaged (the readable part was written), 2 bad "
+      "Exit status: 0 done, 1 the record was cut off or is damaged (the readable part was written), 2 bad "
       "usage.");
   return log;
 }

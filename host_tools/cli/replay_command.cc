@@ -72,7 +72,7 @@ void print(const Replayed& replayed) {
 std::atomic<bool> stop = false;
 static_assert(std::atomic<bool>::is_always_lock_free);
 
-/// Plays the recording in the page until it is stopped.
+/// Plays the record in the page until it is stopped.
 int show(const ReplayOptions& options) {
   replay::RecordSource source(options.file);
   struct sigaction action {};
@@ -91,7 +91,7 @@ int show(const ReplayOptions& options) {
 
 CLI::App* add_replay_command(CLI::App& program, ReplayOptions& options) {
   CLI::App* command = program.add_subcommand(
-      "replay", "run a recording through the controller again and compare plans and torques bit for bit");
+      "replay", "run a record through the controller again and compare plans and torques bit for bit");
   command->add_option("FILE", options.file, "record of stilt record")->required();
   command->add_option("--json", options.json_file, "writes the result as JSON; - is standard output");
   command->add_flag("--monitor", options.monitor, "shows it in the monitor's page instead, until Ctrl-C");

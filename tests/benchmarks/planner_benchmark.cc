@@ -11,7 +11,7 @@
 #include "tests/robots.h"
 
 /// Phases of the planner and the whole plan, on the problem of a walking robot at several horizons, with the
-/// plain version of the same work beside them. Argument: horizon, ms. A plain version's counter
+/// baseline of the same work beside them. Argument: horizon, ms. A baseline's counter
 /// `times_slower` is its time over that of the version it is compared with, both taken in turns in the same
 /// run.
 namespace stilt::benchmark {

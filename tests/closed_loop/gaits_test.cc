@@ -8,7 +8,7 @@
 #include "tests/closed_loop/simulated_run.h"
 
 /// Each gait for a minute as a user gets it: shipped configuration, estimated state, a plan every 10 ms that
-/// comes into use 5 ms later.
+/// becomes active 5 ms later.
 namespace stilt::simulation {
 namespace {
 
@@ -97,7 +97,7 @@ TEST_P(Gaits, GoesFromStandToStepToWalkToStand) {
   EXPECT_NEAR(speed_between(9.0, 17.0), 0.5, 0.05);
   EXPECT_NEAR(speed_between(21.0, 24.0), 0.0, 0.01);
   EXPECT_TRUE(record.samples.back().scheduled_mode.left && record.samples.back().scheduled_mode.right);
-  EXPECT_GT(record.summary.steps.front().time_s, 3.0) << "it stood until it was told to step";
+  EXPECT_GT(record.summary.steps.front().time_s, 3.0) << "it stood until the command to step";
   EXPECT_LT(record.summary.steps.back().time_s, 20.0) << "it came to a stand within 3 s";
 }
 

@@ -1,5 +1,5 @@
-// command_flood: somebody who knows the run of stiltd but not its token, and sends commands as fast as he
-// can until he is ended. Prints "flooding" once the robot listens, and at the end on standard error how many
+// command_flood: a client with the run of stiltd but without its token, which sends commands as fast as it
+// can until it is ended. Prints "flooding" once the robot listens, and at the end on standard error how many
 // were sent.
 
 #include <CLI/App.hpp>

@@ -77,7 +77,7 @@ TwoProcessRun run_two_processes(double duration_s, const std::vector<std::string
   EXPECT_EQ(recorder.end(), 0) << run.said();
   Changes changes;
   const replay::RecordContents contents = replay::read_contents(file);
-  if (contents.runs.size() != 1) throw std::runtime_error("the recording has no run\n" + run.said());
+  if (contents.runs.size() != 1) throw std::runtime_error("the record has no run\n" + run.said());
   replay::for_each_tick(file, contents.runs.front().number, [&](const TickRecord& tick) {
     changes.add(tick);
     return true;

@@ -32,7 +32,7 @@ class Recording : public testing::Test {
     ASSERT_EQ(run.controller().wait(0), 0) << said();
   }
 
-  /// Exit status of the recorder after it was told to end.
+  /// Exit status of the recorder after the signal to end.
   std::optional<int> end_recorder() { return recorder->end(); }
 
   /// Replays; gives the exit status and fills `replayed`.
@@ -75,7 +75,7 @@ TEST_F(Recording, a_minute_of_walking_is_recorded_whole_and_replays_bit_for_bit)
   ASSERT_EQ(found.at("attachments").size(), 2u) << "configuration and robot";
   EXPECT_TRUE(std::ranges::any_of(found.at("attachments"), [](const Json& attachment) {
     const std::string text = attachment.at("text");
-    return text.starts_with("# Configuration in force, from the shipped configuration of amber3m.\n");
+    return text.starts_with("# Active configuration, from the shipped configuration of amber3m.\n");
   })) << found.at("attachments");
   std::vector<std::string> topics;
   for (const Json& message : found.at("messages")) {

@@ -23,7 +23,7 @@ class Recorder {
   [[nodiscard]] bool records() const { return records_; }
   [[nodiscard]] Process& process() { return process_; }
 
-  /// Exit status after it was told to end.
+  /// Exit status after the signal to end.
   std::optional<int> end() {
     process_.signal(SIGINT);
     return process_.wait(kLongestRun_s);

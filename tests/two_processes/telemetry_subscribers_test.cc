@@ -49,7 +49,7 @@ std::vector<std::string> in_own_domain(std::vector<std::string> words) {
 }
 
 TEST(Subscribers, ten_listeners_and_some_that_never_listen_change_no_frame_on_the_buses) {
-  RobotAndController heard;
+  RobotAndController subscribed;
   const std::string without = frames_without_telemetry();
   const telemetry::Participant participant = host_telemetry::join({.domain = tests::own_domain()});
   std::vector<std::unique_ptr<Listener>> listeners;
@@ -69,11 +69,11 @@ TEST(Subscribers, ten_listeners_and_some_that_never_listen_change_no_frame_on_th
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
   });
-  const std::string with = frames_of_walk(heard, {}, [] {});
+  const std::string with = frames_of_walk(subscribed, {}, [] {});
   listening.request_stop();
   listening.join();
   EXPECT_TRUE(with == without);
-  const auto all = heard.controller_json().at("ticks").get<std::uint64_t>();
+  const auto all = subscribed.controller_json().at("ticks").get<std::uint64_t>();
   for (std::size_t i = 0; i < listeners.size(); ++i) {
     EXPECT_EQ(first_tick[i], 0u) << "listener " << i;
     EXPECT_EQ(ticks[i], all) << "listener " << i;

@@ -158,7 +158,7 @@ class Secured : public testing::Test {
   }
 };
 
-TEST_F(Secured, a_monitor_with_documents_commands_and_a_recorder_of_strangers_hears_nothing) {
+TEST_F(Secured, a_monitor_with_documents_commands_and_a_recorder_without_them_receives_nothing) {
   run.start_robot({"--lockstep", "--once"});
   run.start_controller({"--lockstep", "--start", "stand", "--set", "supervisor.heartbeat_timeout_s=30",
                         "--set", "telemetry.security_folder=" + documents("ours/stilt")});
@@ -171,7 +171,7 @@ TEST_F(Secured, a_monitor_with_documents_commands_and_a_recorder_of_strangers_he
   const auto undocumented = record("undocumented", {});
   const auto laptop = record("laptop", {"--security-folder", documents("ours/laptop")});
   page.send(R"({"command": "speed", "sequence": 1, "value": 9})");
-  EXPECT_TRUE(page.wait_for("beyond telemetry.speed_limit_m_s", kLongestRun_s)) << "the robot heard it";
+  EXPECT_TRUE(page.wait_for("beyond telemetry.speed_limit_m_s", kLongestRun_s)) << "the robot received it";
   page.send(R"({"command": "height", "sequence": 2, "value": 0.76})");
   EXPECT_TRUE(page.wait_for(R"("sequence":2,"accepted":true)", kLongestRun_s)) << "and applies it";
   EXPECT_TRUE(wait_for_ticks("laptop")) << text_of(run.file("laptop.err"));
@@ -182,7 +182,7 @@ TEST_F(Secured, a_monitor_with_documents_commands_and_a_recorder_of_strangers_he
   run.expect_both_to_end();
 }
 
-/// Somebody without the token, as fast as he can, in his own name and in the commander's.
+/// A client without the token, as fast as it can, in its own name and in the commander's.
 TEST(Telemetry, a_flood_of_commands_without_the_token_neither_holds_up_the_commander_nor_moves_the_robot) {
   RobotAndController run;
   Host host;
@@ -202,7 +202,7 @@ TEST(Telemetry, a_flood_of_commands_without_the_token_neither_holds_up_the_comma
   EXPECT_EQ(host.ask(CommandKind::speed, 0.4), "accepted") << run.said();
   EXPECT_TRUE(host.until([&] { return host.speed_m_s == 0.4; }));
   EXPECT_TRUE(host.states.empty())
-      << "no word of the flood is obeyed, and no heartbeat of the commander is lost";
+      << "no command of the flood is accepted, and no heartbeat of the commander is lost";
   flood.signal(SIGTERM);
   EXPECT_EQ(flood.wait(kLongestRun_s), 0);
   const auto sent = nlohmann::json::parse(text_of(run.file("flood.err"))).at("sent").get<std::uint64_t>();

@@ -13,7 +13,7 @@
 namespace stilt::foxglove {
 
 /// Implements the Foxglove WebSocket protocol, so that viewers with that protocol (Foxglove, Lichtblick)
-/// connect directly. Offers every topic of a recording as CDR with its ROS 2 message definition, and sends
+/// connect directly. Offers every topic of a record as CDR with its ROS 2 message definition, and sends
 /// the topics that a client subscribes to. Accepts no commands.
 ///
 /// Text frames are JSON with a field "op": the server sends serverInfo and advertise, the client subscribe

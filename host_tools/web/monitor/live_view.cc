@@ -100,7 +100,7 @@ void LiveView::apply(Page& page, const std::string& text, double now_s) {
   source_.command(command);
 }
 
-/// All pages show the recording from its start, as after opening the page.
+/// All pages show the record from its start, as after opening the page.
 void LiveView::play_again() {
   source_.play_again();
   history_ = {};

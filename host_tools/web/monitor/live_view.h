@@ -75,7 +75,7 @@ class LiveView final : public Endpoint, private SampleSink {
   LinkStatus link_;
   std::uint64_t next_tick_ = 0;
   bool ticks_follow_ = false;  ///< whether next_tick_ is known
-  bool watched_ = false;       ///< whether a page has been open; a recording starts with the first one
+  bool watched_ = false;       ///< whether a page has been open; a record starts with the first one
   double now_s_ = 0.0;
   double newest_s_ = 0.0;
   double heartbeat_s_ = -1.0;

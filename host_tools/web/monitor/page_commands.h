@@ -9,13 +9,13 @@
 
 /// Messages of the page: {"alive": true} several times per second, and {"command": "walk", "sequence": 3,
 /// "value": 0.5, "tunable": "", "token": ""}, where only the first two members are required; and {"again":
-/// true}, which restarts a recording.
+/// true}, which restarts a record.
 namespace stilt::monitor {
 
 /// A message of the page.
 struct PageMessage {
   bool is_command = false;  ///< false: a sign of life
-  bool again = false;       ///< whether a recording starts again
+  bool again = false;       ///< whether a record starts again
   Command command;          ///< `commander` is set by the caller
 };
 

@@ -34,19 +34,19 @@ class SampleSink {
   virtual void reply(const ReplySample& sample) = 0;
 };
 
-/// Source of samples: the network, a recording or a test. All calls come from one thread.
+/// Source of samples: the network, a record or a test. All calls come from one thread.
 class SampleSource {
  public:
   virtual ~SampleSource() = default;
 
   /// Passes on all samples since the last call, and returns; called some hundred times per second. A
-  /// recording plays by the clock of the calls. A new run begins with its configuration.
+  /// record plays by the clock of the calls. A new run begins with its configuration.
   virtual void poll(SampleSink& sink) = 0;
 
-  /// Sends a command; its reply comes with a later poll(). A recording refuses it in the reply.
+  /// Sends a command; its reply comes with a later poll(). A record refuses it in the reply.
   virtual void command(const Command& command) = 0;
 
-  /// Plays a recording from its start again; no effect on a live source.
+  /// Plays a record from its start again; no effect on a live source.
   virtual void play_again() {}
 
   /// One line of text: "domain 0 on lo", "walk.mcap".
@@ -58,7 +58,7 @@ class SampleSource {
   /// Whether an empty token is accepted, because the source knows the run's.
   [[nodiscard]] virtual bool has_token() const { return false; }
 
-  /// False for a recording: it accepts no commands, and silence at its end is not a fault.
+  /// False for a record: it accepts no commands, and silence at its end is not a fault.
   [[nodiscard]] virtual bool live() const = 0;
 };
 

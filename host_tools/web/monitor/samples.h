@@ -7,7 +7,7 @@
 
 #include "firmware/control_loop/tick_record.h"
 
-/// Data that a monitor shows, from the live robot, a recording or a test. SI units; time_s is the
+/// Data that a monitor shows, from the live robot, a record or a test. SI units; time_s is the
 /// controller's clock, seconds since its first tick. Ordinary threads.
 namespace stilt::monitor {
 

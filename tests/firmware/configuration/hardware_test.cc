@@ -105,7 +105,7 @@ TEST(Hardware, NodesWhoseFramesCollideAreRefused) {
             "identifier 0x2; give one of them another identifier or another bus")
       << "the answer is another's command";
   EXPECT_EQ(mistakes("[hip_L]\nreply_id = 3\n"), "") << "on another bus";
-  EXPECT_EQ(mistakes("[hip_L]\nreply_id = 0x12\n"), "") << "Damiao: a byte tells who answers";
+  EXPECT_EQ(mistakes("[hip_L]\nreply_id = 0x12\n"), "") << "Damiao: a byte names the driver that replies";
   EXPECT_NE(mistakes("[torso_sensor]\npitch = \"id 0x7ff byte 0 bits 32\"\n")
                 .find("torso_sensor.pitch and hip_L are on bus 0 and their frames collide: identifier 0x7ff"),
             std::string::npos)

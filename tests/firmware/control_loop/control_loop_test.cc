@@ -187,7 +187,7 @@ TEST_F(ControlLoopTest, APlanIsFollowedToItsEndAndNotBeyond) {
   ASSERT_LT(rig->cycle.time_s(), end_s);
   for (; rig->cycle.time_s() + 0.0005 < end_s; rig->run(1)) ASSERT_EQ(rig->level(), FallbackLevel::plan);
   rig->run(2);
-  EXPECT_EQ(rig->level(), FallbackLevel::sit) << "young enough, but at its end";
+  EXPECT_EQ(rig->level(), FallbackLevel::sit) << "recent enough, but at its end";
 }
 
 TEST_F(ControlLoopTest, OtherGainsAreInForceFromTheNextTickOnAndAreRecorded) {
@@ -301,7 +301,7 @@ TEST_F(ControlLoopTest, FaultsAndStatesAreTold) {
   rig->joints.emergency_stop = hal::EmergencyStopState::pressed;
   rig->run(5);
   const auto faults = rig->take(Event::Kind::fault);
-  ASSERT_EQ(faults.size(), 1u) << "told once";
+  ASSERT_EQ(faults.size(), 1u) << "reported once";
   EXPECT_EQ(faults[0].fault, Fault::emergency_stop);
   EXPECT_NEAR(faults[0].time_s, 1e-3 * static_cast<double>(rig->tick - 5), 1e-9);
 }

@@ -10,7 +10,7 @@ namespace stilt::exchange::model {
 
 Fiber::Fiber() : stack_(std::make_unique<char[]>(kStack_bytes)) {
 #ifdef __SANITIZE_THREAD__
-  thread_sanitizer_fiber_ = __tsan_create_fiber(0);  // it has to be told of every change of stack
+  thread_sanitizer_fiber_ = __tsan_create_fiber(0);  // it needs every change of stack
 #endif
   ::getcontext(&context_);
   context_.uc_stack.ss_sp = stack_.get();

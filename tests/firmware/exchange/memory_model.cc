@@ -18,10 +18,10 @@ bool releases(std::memory_order order) {
   return order != std::memory_order_relaxed && order != std::memory_order_acquire;
 }
 
-/// A value an atomic once had, and what reading it with acquire tells.
+/// A value an atomic once had, and what reading it with acquire makes known.
 struct Message {
   long long value;
-  Knowledge told;
+  Knowledge known;
 };
 
 /// When a cell was last touched: 0 is before everything.
@@ -147,7 +147,7 @@ long long load(int atomic, std::memory_order order) {
   const int oldest = world->own().oldest_value[atomic];
   const int read = newest - (newest == oldest ? 0 : world->choices.choose(newest - oldest + 1));
   world->own().oldest_value[atomic] = read;
-  if (acquires(order)) world->own().join(messages[read].told);
+  if (acquires(order)) world->own().join(messages[read].known);
   return messages[read].value;
 }
 
@@ -166,10 +166,10 @@ long long exchange(int atomic, long long value, std::memory_order order) {
   world->note_writer(atomic);
   std::vector<Message>& messages = world->atomics[atomic];
   const Message replaced = messages.back();
-  if (acquires(order)) world->own().join(replaced.told);
+  if (acquires(order)) world->own().join(replaced.known);
   world->own().oldest_value[atomic] = static_cast<int>(messages.size());
   Message message{value, releases(order) ? world->own() : Knowledge{}};
-  message.told.join(replaced.told);
+  message.known.join(replaced.known);
   messages.push_back(message);
   return replaced.value;
 }

@@ -33,7 +33,7 @@ class Listener : public testing::Test {
   }
 
   /// What was said since the last call.
-  std::string heard() const {
+  std::string received() const {
     std::string text;
     char message[512];
     for (ssize_t size = 0; (size = recv(socket_, message, sizeof message, 0)) > 0;) {
@@ -51,26 +51,26 @@ class Listener : public testing::Test {
 TEST_F(Listener, HearsThatItIsReadyOnceTheTorqueLoopTicks) {
   ServiceManager service;
   service.notify(kSecond_ns, 0, "boot");
-  EXPECT_EQ(heard(), "STATUS=boot\n");
+  EXPECT_EQ(received(), "STATUS=boot\n");
   service.notify(2 * kSecond_ns, 250, "idle");
-  EXPECT_EQ(heard(), "READY=1\nWATCHDOG=1\nSTATUS=idle\n");
+  EXPECT_EQ(received(), "READY=1\nWATCHDOG=1\nSTATUS=idle\n");
 }
 
 TEST_F(Listener, HearsThatItLivesOnlyWhileTheTorqueLoopTicks) {
   ServiceManager service;
   service.notify(kSecond_ns, 250, "walk");
-  heard();
+  received();
   service.notify(kSecond_ns + kSecond_ns / 4, 500, "walk");
-  EXPECT_EQ(heard(), "") << "not at every turn";
+  EXPECT_EQ(received(), "") << "not at every turn";
   service.notify(2 * kSecond_ns, 1000, "walk");
-  EXPECT_EQ(heard(), "WATCHDOG=1\n");
+  EXPECT_EQ(received(), "WATCHDOG=1\n");
   service.notify(3 * kSecond_ns, 1000, "walk");
-  EXPECT_EQ(heard(), "") << "it stands still";
+  EXPECT_EQ(received(), "") << "it stands still";
 }
 
 TEST_F(Listener, HearsTheEnd) {
   ServiceManager().notify_stopping();
-  EXPECT_EQ(heard(), "STOPPING=1");
+  EXPECT_EQ(received(), "STOPPING=1");
 }
 
 }  // namespace

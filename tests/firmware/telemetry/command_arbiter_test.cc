@@ -95,7 +95,8 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"another_commander", [](Asked& c) { c.commander = "bert"; }, "anna commands the robot"}),
     [](const auto& refusal) { return refusal.param.what; });
 
-TEST_F(CommandArbiterTest, strangers_are_answered_twenty_times_per_second_however_many_ask) {
+TEST_F(CommandArbiterTest,
+       commands_without_the_token_are_answered_twenty_times_per_second_however_many_come) {
   int answers = 0;
   for (int k = 0; k < 10'000; ++k) {
     Asked guess = asked(CommandKind::walk, 0.3, "bert");
@@ -130,23 +131,23 @@ TEST_F(CommandArbiterTest, takes_only_what_makes_sense_in_the_state) {
   }
 }
 
-TEST_F(CommandArbiterTest, without_orders_the_script_goes_on_and_nobody_must_show_life) {
+TEST_F(CommandArbiterTest, without_commands_the_script_continues_and_no_heartbeat_is_needed) {
   script.request = {RequestKind::walk, 4, 0.5};
   EXPECT_TRUE(take(CommandKind::heartbeat).silent);
-  const auto told = command();
-  EXPECT_EQ(told.request.kind, RequestKind::walk);
-  EXPECT_EQ(told.request.number, 4u);
-  EXPECT_FALSE(told.heartbeat_expected);
+  const auto sent = command();
+  EXPECT_EQ(sent.request.kind, RequestKind::walk);
+  EXPECT_EQ(sent.request.number, 4u);
+  EXPECT_FALSE(sent.heartbeat_expected);
 }
 
 TEST_F(CommandArbiterTest, an_order_takes_over_from_the_script_with_a_higher_number) {
   script.request = {RequestKind::walk, 4, 0.5};
   static_cast<void>(command());
   ASSERT_TRUE(take(CommandKind::step).accepted);
-  const auto told = command();
-  EXPECT_EQ(told.request.kind, RequestKind::step);
-  EXPECT_EQ(told.request.number, 5u);
-  EXPECT_TRUE(told.heartbeat_expected);
+  const auto sent = command();
+  EXPECT_EQ(sent.request.kind, RequestKind::step);
+  EXPECT_EQ(sent.request.number, 5u);
+  EXPECT_TRUE(sent.heartbeat_expected);
   EXPECT_EQ(arbiter.commander(), "anna");
 }
 
@@ -186,17 +187,17 @@ TEST_F(CommandArbiterTest, a_silent_commander_is_replaced_and_a_living_one_is_no
   EXPECT_EQ(arbiter.commander(), "bert");
 }
 
-TEST_F(CommandArbiterTest, a_commander_who_stays_silent_leaves_a_robot_that_stands_and_needs_nobody) {
+TEST_F(CommandArbiterTest, a_silent_commander_leaves_a_robot_that_stands_and_needs_no_heartbeat) {
   now.state = State::walk;
   ASSERT_TRUE(take(CommandKind::walk, 0.3).accepted);
   const auto number_before = command().request.number;
   pass(1.9);
   EXPECT_TRUE(command().heartbeat_expected);
   pass(0.2);
-  const auto told = command();
-  EXPECT_FALSE(told.heartbeat_expected);
-  EXPECT_EQ(told.request.kind, RequestKind::stand);
-  EXPECT_GT(told.request.number, number_before);
+  const auto sent = command();
+  EXPECT_FALSE(sent.heartbeat_expected);
+  EXPECT_EQ(sent.request.kind, RequestKind::stand);
+  EXPECT_GT(sent.request.number, number_before);
   EXPECT_EQ(arbiter.commander(), "");
 }
 

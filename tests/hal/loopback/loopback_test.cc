@@ -91,7 +91,7 @@ TEST(Loopback, OpenWaitsForTheGreeting) {
   EXPECT_TRUE(opened) << opened.error();
 }
 
-TEST(Loopback, NobodyListeningIsSaidInOneSentence) {
+TEST(Loopback, ASocketWithoutAListenerIsReportedInOneSentence) {
   AnyBus bus;
   const auto opened = bus.open("loopback:absent-here", {});
   ASSERT_FALSE(opened);

@@ -127,7 +127,7 @@ TEST_P(EveryProtocol, ADriverFaultIsReportedByItsName) {
   Robot robot(GetParam());
   static_cast<void>(robot.read());
   robot.drivers_[3]->raise(DriverFault::over_voltage);
-  for (int tick = 0; tick < 110; ++tick) {  // ODrive tells with its heartbeat, every 100 ms
+  for (int tick = 0; tick < 110; ++tick) {  // an ODrive reports it with its heartbeat, every 100 ms
     static_cast<void>(robot.robot_->write(some_commands()));
     robot.clock_.advance(kTick_ns);
     static_cast<void>(robot.read());

@@ -84,7 +84,7 @@ TEST(NodeIdentifiers, DriversOfOneKindNeedTheirOwnIdentifiers) {
   EXPECT_FALSE(collide(moteus_joint(2), moteus_joint(100))) << "a long reply";
   EXPECT_TRUE(collide(mit_joint(1, 0, ReplyLayout::ak), mit_joint(1, 5, ReplyLayout::ak)));
   EXPECT_FALSE(collide(mit_joint(1, 0, ReplyLayout::ak), mit_joint(2, 0, ReplyLayout::ak)))
-      << "a byte tells who answers";
+      << "a byte names the driver that replies";
   EXPECT_TRUE(collide(mit_joint(1, 0, ReplyLayout::ak), mit_joint(2, 0, ReplyLayout::damiao)))
       << "not across makers";
   EXPECT_TRUE(collide(mit_joint(1, 2, ReplyLayout::damiao), mit_joint(2, 3, ReplyLayout::damiao)))

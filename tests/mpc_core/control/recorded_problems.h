@@ -9,7 +9,7 @@
 #include "mpc_core/sqp/sqp.h"
 
 /// Planning problems with their optimum, kept in tests/data/recorded_problems.txt: whatever is done to the
-/// solver for speed, it has to find these optima again. The weights and limits in force are those of
+/// solver for speed, it has to find these optima again. The active weights and limits are those of
 /// recorded_problems.cc, not the shipped ones, so that tuning does not touch them.
 namespace stilt::testing_support {
 
@@ -22,7 +22,7 @@ struct PlanningQuestion {
   double time_s = 0.0;
   double horizon_s = 1.0;
   double double_support_s = 0.0;
-  double speed_reference_m_s = 0.0;  ///< in force at time_s
+  double speed_reference_m_s = 0.0;  ///< active at time_s
   double speed_trim_m_s = 0.0;
   ocp::Integrator integrator = ocp::Integrator::rk2;
   ocp::Transition transition = ocp::Transition::impact;

@@ -15,7 +15,7 @@
 
 /// Subnormal numbers cost the processor a detour of a hundred cycles and more an operation; no thread turns
 /// them off (docs/decisions/0001-floating-point.md). The planner never meets one: the processor's sticky
-/// flags tell, independent of any clock.
+/// flags show, independent of any clock.
 namespace stilt::testing_support {
 namespace {
 
@@ -35,7 +35,7 @@ bool met_subnormals() { return false; }
 class Subnormals : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (!kHasFlags) GTEST_SKIP() << "this processor's flags do not tell";
+    if (!kHasFlags) GTEST_SKIP() << "this processor's flags do not show it";
   }
 };
 

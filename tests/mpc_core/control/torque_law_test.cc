@@ -148,7 +148,7 @@ TEST_F(TorqueLawTest, ANonFinitePlanIsNamedWhereverItReachesTheTorque) {
   ControllerParameters parameters = shipped("amber3m");
   parameters.torque_law.use_feedback_gains = true;
   configure(parameters);
-  PlanNode& node = plan_->node[1];  // in force at kNow_s
+  PlanNode& node = plan_->node[1];  // active at kNow_s
   const PlanNode kept = node;
   const auto expect_named = [&](const std::string& what) {
     const TorqueCommand command = tick();

@@ -7,7 +7,7 @@
 namespace stilt::gait {
 namespace {
 
-/// A made-up gait whose every coefficient tells its speed.
+/// A made-up gait whose every coefficient shows its speed.
 HzdGait gait_of(double speed_m_s, PhaseKind phase = PhaseKind::hip_position) {
   HzdGait gait;
   gait.speed_m_s = speed_m_s;

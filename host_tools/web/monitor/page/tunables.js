@@ -1,6 +1,6 @@
 // Values that may change while the robot moves. A value outside its range is not sent; the robot checks again.
 
-/** As many digits as tell something. */
+/** As many digits as carry information. */
 function shortNumber(value) {
   return String(Number(value.toPrecision(4)));
 }
@@ -56,7 +56,7 @@ class TunablesPanel {
     entry.row.classList.remove('wrong', 'changed');
   }
 
-  /** The robot says what is in force. */
+  /** The robot publishes the active values. */
   update(tunable) {
     const entry = this.rows.get(tunable.name);
     const typing = document.activeElement === entry.input && entry.row.classList.contains('changed');

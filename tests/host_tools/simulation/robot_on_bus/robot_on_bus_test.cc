@@ -183,7 +183,7 @@ TEST(RobotFault, BusOffSendsItsErrorFrameAndThenNothingUntilTheRestart) {
   EXPECT_EQ(robot.frames(1), 2u);
 }
 
-TEST(RobotFault, DisconnectIsToldToWhoeverOwnsTheBus) {
+TEST(RobotFault, DisconnectIsReportedToTheOwnerOfTheBus) {
   Standing robot("disconnect:0");
   ASSERT_TRUE(robot.stand());
   robot.tick();

@@ -99,7 +99,7 @@ test('a tunable changes while the robot walks', async () => {
   await page.fill(input, '0.07');
   await page.press(input, 'Enter');
   await answer(/gait.swing_height_m = 0.07: accepted/);
-  await until('the value in force', async () => (await page.inputValue(input)) === '0.07');
+  await until('the active value', async () => (await page.inputValue(input)) === '0.07');
 });
 
 test('a wrong token is refused in words', async () => {

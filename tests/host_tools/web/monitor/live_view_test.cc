@@ -15,7 +15,7 @@
 namespace stilt::monitor {
 namespace {
 
-/// A source that only remembers what it was told.
+/// A source that only keeps what it was given.
 class SilentSource final : public SampleSource {
  public:
   void poll(SampleSink& sink) override {

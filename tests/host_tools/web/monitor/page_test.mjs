@@ -70,7 +70,7 @@ async function shownHeight() {
 }
 
 test('slider and keys change the height of the hip', async () => {
-  await until('the height in force', async () => (await text('#height-value')) === '0.780 m');
+  await until('the active height', async () => (await text('#height-value')) === '0.780 m');
   await page.fill('#height', '0.74');
   await answer(/hip height 0.740 m: accepted/);
   await until('a lower hip', async () => Math.abs((await shownHeight()) - 0.74) < 0.02);
@@ -106,7 +106,7 @@ test('a wrong token is refused in words, and the right one is not', async () => 
   await answer(/accepted/);
 });
 
-test('a silent controller is told at once, and the picture is marked as old', async () => {
+test('a silent controller is shown at once, and the picture is marked as old', async () => {
   monitor.write('silent');
   await until('the alarm', async () => /No data for .* the data are stale/.test(await text('#alarm')));
   assert.equal(await text('#stage-cover'), 'STALE DATA');
@@ -115,7 +115,7 @@ test('a silent controller is told at once, and the picture is marked as old', as
   await until('no alarm', async () => page.isHidden('#alarm'));
 });
 
-test('a monitor that ends is told', async () => {
+test('a monitor that ends is shown', async () => {
   monitor.process.stdin.end();
   await monitor.ended;
   await until('the alarm', async () => /The monitor does not answer/.test(await text('#alarm')));
@@ -143,7 +143,7 @@ test('dropped ticks are counted', async () => {
   await until('the count', async () => /live · 40 lost/.test(await text('#link-status')));
 });
 
-test('another run is told, and its plots begin anew', async () => {
+test('another run is shown, and its plots begin anew', async () => {
   await page.keyboard.press('w');
   await state('walk');
   monitor.write('run');
@@ -151,7 +151,7 @@ test('another run is told, and its plots begin anew', async () => {
   await until('its name', async () => /synthetic-2/.test(await text('#run-list')));
 });
 
-test('a second controller that talks at once is told', async () => {
+test('a second controller that publishes at once is shown', async () => {
   monitor.write('others');
   await until('the alarm', async () => /Two controllers talk at once/.test(await text('#alarm')));
 });
@@ -165,7 +165,7 @@ test('a tunable outside its range is not sent, and one inside takes effect', asy
   await page.fill(`${row} input`, '0.08');
   await page.press(`${row} input`, 'Enter');
   await answer(/gait.swing_height_m = 0.08: accepted/);
-  await until('the value in force', async () => (await page.inputValue(`${row} input`)) === '0.08');
+  await until('the active value', async () => (await page.inputValue(`${row} input`)) === '0.08');
 });
 
 test('timing histograms show their deadline', async () => {

@@ -51,9 +51,9 @@ std::uint32_t bit_of(const std::string& name) {
 
 }  // namespace
 
-SyntheticSource::SyntheticSource() { tell("state: stand", false); }
+SyntheticSource::SyntheticSource() { publish_event("state: stand", false); }
 
-void SyntheticSource::tell(const std::string& text, bool serious) {
+void SyntheticSource::publish_event(const std::string& text, bool serious) {
   events_.push_back({static_cast<double>(ticks_) * kTick_s, text, serious});
 }
 
@@ -75,7 +75,7 @@ void SyntheticSource::change(const std::string& words) {
     present_ |= bit;
     if (supervisor::of_severity(supervisor::Severity::latched).bits() & bit) latched_ |= bit;
     if (latched_ != 0) state_ = number(State::fault);
-    tell("fault: " + argument, true);
+    publish_event("fault: " + argument, true);
   } else if (verb == "over") {
     present_ &= ~bit_of(argument);
   } else if (verb == "drop") {
@@ -166,7 +166,7 @@ void SyntheticSource::apply(const Command& command) {
     default:
       break;
   }
-  if (state_ != before) tell(std::string("state: ") + name(static_cast<State>(state_)), false);
+  if (state_ != before) publish_event(std::string("state: ") + name(static_cast<State>(state_)), false);
 }
 
 void SyntheticSource::tick(SampleSink& sink) {

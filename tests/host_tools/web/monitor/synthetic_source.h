@@ -7,8 +7,8 @@
 
 namespace stilt::monitor {
 
-/// A robot made of a few sines instead of physics: it stands, steps and walks when it is told to, at the
-/// speed it is told, and speaks like stiltd. For tests of the page. Its time is that given to advance().
+/// A robot made of a few sines instead of physics: it stands, steps and walks on command, at the
+/// commanded speed, and publishes like stiltd. For tests of the page. Its time is that given to advance().
 class SyntheticSource final : public SampleSource {
  public:
   static constexpr const char* kToken = "open-sesame";
@@ -35,7 +35,7 @@ class SyntheticSource final : public SampleSource {
   void tick(SampleSink& sink);
   void introduce(SampleSink& sink);
   void say_slowly(SampleSink& sink);
-  void tell(const std::string& text, bool serious);
+  void publish_event(const std::string& text, bool serious);
   [[nodiscard]] PlanKnot knot(double ahead_s) const;
   [[nodiscard]] SupervisorSample supervisor_sample() const;
   [[nodiscard]] TimingSample timing_sample() const;
