@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "firmware/control_loop/trace_points.h"
+
 // One control loop for robot, simulation and replay: docs/decisions/0015-one-control-loop.md
 namespace stilt::control_loop {
 namespace {
@@ -98,6 +100,7 @@ void ControlLoop::begin_standing(std::int64_t now_ns, const gait::GaitCommand& c
 }
 
 void ControlLoop::tick(const TickTiming& timing, const model::StateVector* known_state) noexcept {
+  trace::tick_begin(ticks_, timing.now_ns, timing.wakeup_latency_ns);
   take_tuning();
   const OperatorCommand& command = mail_->commands.newest();
   const PlanningResult& result = mail_->results.newest();
@@ -116,6 +119,7 @@ void ControlLoop::tick(const TickTiming& timing, const model::StateVector* known
   request_plan(reading.time_s, estimate, decision.gait);
   record(timing, command, result, plan, estimate, wanted, action);
   report_events(command);
+  trace::tick_end(ticks_, static_cast<int>(decision.state), static_cast<int>(decision.level));
   ++ticks_;
 }
 

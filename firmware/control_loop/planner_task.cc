@@ -1,6 +1,7 @@
 #include "firmware/control_loop/planner_task.h"
 
 #include "firmware/control_loop/plan_checksum.h"
+#include "firmware/control_loop/trace_points.h"
 
 namespace stilt::control_loop {
 
@@ -11,7 +12,9 @@ bool PlannerTask::cycle(const PlanningRequest& request, control::Plan& plan) noe
     result_.stance_episode = request.stance_episode;
   }
   if (request.stance_episode == 0) return false;
+  trace::solve_begin(request.tick, static_cast<int>(request.command.kind));
   report_ = planner_.plan({request.time_s, request.state, request.command}, plan);
+  trace::solve_end(request.tick, static_cast<int>(report_.status), report_.iterations);
   ++result_.cycles;
   result_.status = report_.status;
   result_.failures_in_a_row = report_.usable() ? 0 : result_.failures_in_a_row + 1;

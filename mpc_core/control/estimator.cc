@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "mpc_core/model/debug_assert.h"
+
 namespace stilt::control {
 namespace {
 
@@ -29,6 +31,7 @@ void Estimator::configure(const model::RobotModel& robot, const EstimatorParamet
 }
 
 void Estimator::reset(const SensorReading& reading, double base_x_m) noexcept {
+  STILT_ASSERT(robot_ != nullptr && std::isfinite(base_x_m));
   const model::StateVector state = state_at_origin(reading);
   model::KinematicsTerms<double> feet;
   robot_->kinematics(state.data(), feet);

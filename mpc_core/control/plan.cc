@@ -2,17 +2,21 @@
 
 #include <algorithm>
 
+#include "mpc_core/model/debug_assert.h"
+
 namespace stilt::control {
 
 using model::kPositions;
 
 PlanPoint interpolate(const Plan& plan, double time_s) noexcept {
+  STILT_ASSERT(plan.nodes >= 2 && plan.nodes <= kMaxNodes);
   const int last = plan.nodes - 1;
   int k = 0;
   while (k + 1 < last && plan.node[k + 1].time_s <= time_s) ++k;
   const PlanNode& from = plan.node[k];
   const PlanNode& to = plan.node[k + 1];
   const double duration_s = to.time_s - from.time_s;
+  STILT_ASSERT(!(duration_s < 0.0));
   const double s = duration_s > 0.0 ? std::clamp((time_s - from.time_s) / duration_s, 0.0, 1.0) : 1.0;
   PlanPoint point;
   point.state = (1.0 - s) * from.state + s * to.state;

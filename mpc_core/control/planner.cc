@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "mpc_core/control/drive_model.h"
+#include "mpc_core/model/debug_assert.h"
 
 namespace stilt::control {
 namespace {
@@ -172,6 +173,8 @@ sqp::SolveReport Planner::plan(const PlannerInput& input, Plan& plan) noexcept {
   sqp::SolveReport report;
   const bool finite =
       std::isfinite(input.time_s) && input.state.allFinite() && std::isfinite(input.command.speed_m_s);
+  STILT_ASSERT(data_.robot != nullptr);
+  STILT_ASSERT(!has_solution_ || !(input.time_s < last_time_s_));
   if (!finite || !prepare(input)) return report;
   ocp::Trajectory& work = solution_[1 - current_];
   warm_start(input, work);
@@ -205,6 +208,7 @@ void Planner::write_plan(const PlannerInput& input, const sqp::SolveReport& repo
     node.input = Eigen::Map<const model::InputVector>(solution.u[stage]);
     node.mode = horizon.stage[stage].mode;
     sqp_.feedback_gain(stage, node.gain);
+    STILT_ASSERT(node.state.allFinite() && node.input.allFinite() && node.gain.allFinite());
   }
 }
 

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "mpc_core/model/debug_assert.h"
+
 namespace stilt::control {
 namespace {
 
@@ -20,6 +22,7 @@ void TorqueLaw::configure(const model::RobotModel& robot, const ControllerParame
 
 TorqueCommand TorqueLaw::follow(const SensorReading& reading, const model::StateVector& state,
                                 const PlanPoint& point, Feedback feedback) const noexcept {
+  STILT_ASSERT(robot_ != nullptr && point.gain != nullptr);
   model::InputVector input = point.input;
   if (feedback == Feedback::plan_gains || law_.use_feedback_gains) {
     input += point.gain->lazyProduct(state - point.state);

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "mpc_core/lq/small_solve.h"
+#include "mpc_core/model/debug_assert.h"
 
 namespace stilt::lq {
 namespace {
@@ -185,6 +186,8 @@ CareOutcome solve_care(const CareProblem& problem, CareSolution& solution, CareW
     if (!refine(problem, gamma, solution, work)) continue;
     if (!(solution.residual <= kCareTolerance)) continue;
     multiply(solution.K, weighted, solution.S);
+    STILT_ASSERT(solution.S == solution.S.transpose() && (solution.S.diagonal().array() >= 0.0).all());
+    STILT_ASSERT(solution.K.allFinite());
     return CareOutcome::ok;
   }
   return CareOutcome::no_stabilising_solution;

@@ -1,5 +1,6 @@
 #include "mpc_core/lq/riccati.h"
 #include "mpc_core/lq/stage_mode.h"
+#include "mpc_core/model/debug_assert.h"
 
 namespace stilt::lq {
 namespace {
@@ -78,10 +79,12 @@ STILT_INLINE inline void roll_stage(const LqFirstOrder& stage, const LqGain& gai
 
 void forward_sweep(const LqFirstOrder* stages, int count, const LqGain* gains, const double* x0,
                    LqStep* steps) noexcept {
+  STILT_ASSERT(count >= 0);
   std::memcpy(steps[0].x, x0, sizeof(steps[0].x));
   for (int k = 0; k < count; ++k) {
-    dispatch(stages[k],
-             [&]<class Mode>(Mode) STILT_INLINE { roll_stage<Mode>(stages[k], gains[k], steps + k); });
+    [[maybe_unused]] const bool known = dispatch(
+        stages[k], [&]<class Mode>(Mode) STILT_INLINE { roll_stage<Mode>(stages[k], gains[k], steps + k); });
+    STILT_ASSERT(known);
   }
   std::memset(steps[count].w, 0, sizeof(steps[count].w));
   std::memset(steps[count].c, 0, sizeof(steps[count].c));

@@ -2,6 +2,7 @@
 
 #include "mpc_core/lq/input_elimination.h"
 #include "mpc_core/lq/stage_mode.h"
+#include "mpc_core/model/debug_assert.h"
 
 namespace stilt::lq {
 namespace {
@@ -272,12 +273,31 @@ bool is_finite(const ValueFunction& value) noexcept {
   return sum(zero) == 0.0;
 }
 
+[[maybe_unused]] bool padding_is_zero(const double* column) noexcept {
+  for (int r = kStates; r < kRows; ++r) {
+    if (column[r] != 0.0) return false;
+  }
+  return true;
+}
+
+/// Exactly symmetric with zero padding; a cost to go that is not finite is reported elsewhere.
+[[maybe_unused]] bool well_formed(const ValueFunction& value) noexcept {
+  for (int c = 0; c < kStates && is_finite(value); ++c) {
+    if (!padding_is_zero(value.P[c])) return false;
+    for (int r = 0; r < c; ++r) {
+      if (value.P[c][r] != value.P[r][c]) return false;
+    }
+  }
+  return true;
+}
+
 }  // namespace
 
 BackwardSweep::BackwardSweep(const LqTerminal& terminal, RiccatiWorkspace& workspace) noexcept
     : workspace_(workspace), value_(&workspace.value[0]) {
   mirror_lower(terminal.Q, value_->P);
   std::memcpy(value_->p, terminal.q, sizeof(value_->p));
+  STILT_ASSERT(padding_is_zero(terminal.q));
 }
 
 SweepOutcome BackwardSweep::step(const LqFirstOrder& first, const LqSecondOrder& second,
@@ -288,6 +308,7 @@ SweepOutcome BackwardSweep::step(const LqFirstOrder& first, const LqSecondOrder&
     outcome = sweep_stage<Mode>({first, second}, *value_, *before, gain, workspace_);
   });
   value_ = before;
+  STILT_ASSERT(outcome != SweepOutcome::ok || well_formed(*value_));
   return outcome;
 }
 

@@ -3,10 +3,26 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mpc_core/model/debug_assert.h"
+
 namespace stilt::ocp {
+namespace {
+
+/// Nodes are in order; only a transition takes no time.
+[[maybe_unused]] bool times_ascend(const Horizon& horizon) noexcept {
+  for (int k = 0; k < horizon.stages; ++k) {
+    const bool flows = horizon.stage[k].kind == StageKind::flow;
+    const double duration_s = horizon.node_time_s(k + 1) - horizon.stage[k].time_s;
+    if (flows ? !(duration_s > 0.0) : duration_s != 0.0) return false;
+  }
+  return horizon.stages > 0;
+}
+
+}  // namespace
 
 bool build_horizon(const gait::ContactSchedule& schedule, double start_s, const DiscretisationParameters& p,
                    Horizon& horizon) noexcept {
+  STILT_ASSERT(std::isfinite(start_s) && p.time_step_s > 0.0 && p.horizon_s > 0.0 && p.merge_below_s >= 0.0);
   const double end_s = start_s + p.horizon_s;
   double time_s = start_s;
   int phase = schedule.index_at(start_s);
@@ -45,6 +61,7 @@ bool build_horizon(const gait::ContactSchedule& schedule, double start_s, const 
     ++horizon.stages;
   }
   horizon.end_phase = phase;
+  STILT_ASSERT(times_ascend(horizon));
   return true;
 }
 

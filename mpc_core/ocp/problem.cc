@@ -1,6 +1,9 @@
 #include "mpc_core/ocp/problem.h"
 
+#include <algorithm>
 #include <cmath>
+
+#include "mpc_core/model/debug_assert.h"
 
 namespace stilt::ocp {
 namespace {
@@ -11,6 +14,8 @@ using model::kInputs;
 using model::kJoints;
 using model::kPositions;
 using model::kStates;
+
+[[maybe_unused]] bool is_weight(double value) noexcept { return std::isfinite(value) && value >= 0.0; }
 
 void set_lane(StageBatch& batch, int lane, int stage, double duration_s, double weight,
               const gait::ReferencePoint& point) noexcept {
@@ -69,10 +74,13 @@ void set_weights(ProblemData& data) noexcept {
     data.input_weight[j] = c.joint_acceleration;
     data.input_weight[kJoints + j] = c.contact_force;
   }
+  STILT_ASSERT(std::ranges::all_of(data.state_weight, is_weight));
+  STILT_ASSERT(std::ranges::all_of(data.input_weight, is_weight));
 }
 
 void fill_batches(const gait::HeuristicReference& reference, Problem& problem) noexcept {
   const Horizon& horizon = problem.horizon;
+  STILT_ASSERT(horizon.stages > 0 && horizon.stages <= kMaxStages);
   problem.batches = 0;
   // Stages of one mode share batches, wherever they are in the horizon.
   for (int mode = 0; mode < 4; ++mode) {
@@ -98,6 +106,7 @@ void fill_batches(const gait::HeuristicReference& reference, Problem& problem) n
     }
   }
   fill_transition_batches(problem);
+  STILT_ASSERT(problem.batches <= kMaxBatches && problem.transition_batches <= kMaxTransitionBatches);
   const gait::ReferencePoint end = reference.evaluate(horizon.end_s, horizon.end_phase);
   for (int i = 0; i < kStates; ++i) problem.x_ref_terminal[i] = end.state[i];
 }

@@ -4,6 +4,8 @@
 
 #include <limits>
 
+#include "tests/firmware/supervisor/printers.h"
+
 namespace stilt::supervisor {
 namespace {
 

@@ -6,6 +6,8 @@
 #include <set>
 #include <string>
 
+#include "tests/firmware/supervisor/printers.h"
+
 namespace stilt::supervisor {
 namespace {
 
@@ -82,6 +84,15 @@ TEST(FaultSet, KeepsWhatIsAddedAndNothingElse) {
   EXPECT_TRUE(set.has(Fault::stale_plan));
   EXPECT_FALSE(set.has(Fault::low_voltage));
   EXPECT_EQ((set - set), FaultSet());
+}
+
+TEST(FaultSet, IsPrintedWithTheNamesOfItsFaults) {
+  FaultSet set;
+  EXPECT_EQ(::testing::PrintToString(set), "{}");
+  set.add(Fault::bus_off);
+  set.add(Fault::stale_plan);
+  const std::string text = ::testing::PrintToString(set);
+  EXPECT_TRUE(text == "{bus_off, stale_plan}" || text == "{stale_plan, bus_off}") << text;
 }
 
 TEST(FaultSet, TheHardestReactionWins) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "firmware/supervisor/detectors.h"
+#include "tests/firmware/supervisor/printers.h"
 
 /// What a healthy robot shows, for tests to spoil.
 namespace stilt::supervisor::testing {

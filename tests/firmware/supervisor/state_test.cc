@@ -5,6 +5,8 @@
 #include <array>
 #include <set>
 
+#include "tests/firmware/supervisor/printers.h"
+
 // The table of transitions, as a table.
 namespace stilt::supervisor {
 namespace {

@@ -7,6 +7,7 @@
 #include "firmware/configuration/configuration.h"
 #include "mpc_core/control/planner.h"
 #include "mpc_core/control/torque_law.h"
+#include "tests/mpc_core/printers.h"
 #include "tests/robots.h"
 
 /// A planner on its own, without sensors, torque loop or simulator.

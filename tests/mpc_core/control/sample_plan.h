@@ -7,6 +7,7 @@
 #include "mpc_core/control/estimator.h"
 #include "mpc_core/control/plan.h"
 #include "mpc_core/model/robot.h"
+#include "tests/mpc_core/printers.h"
 
 /// A plan made by hand: two contact phases with a switch between them.
 namespace stilt::testing_support {
