@@ -12,7 +12,7 @@
 /// of the torso. Start-up and host programs only.
 namespace stilt::configuration {
 
-/// The language a motor driver speaks; the MIT mode in the dialect of its maker.
+/// Protocol of a motor driver; the MIT mode as its vendor defines it.
 enum class DriverProtocol { mit_mini_cheetah, mit_ak, mit_damiao, moteus, odrive };
 
 /// A kind of motor driver. Hips have one kind and knees one; left and right are the same.

@@ -115,7 +115,7 @@ class ControlLoop {
   hal::BringUpProgress bring_up_;
   bool torques_finite_ = true;
   std::uint64_t errors_ = 0;  ///< of buses and codecs, counted
-  std::uint32_t tuning_ = 0;  ///< number of the live tunables in force
+  std::uint32_t tuning_ = 0;  ///< number of the active live tunables
   std::int64_t start_ns_ = 0;
   std::int64_t ticks_ = 0;
   double time_s_ = 0.0;

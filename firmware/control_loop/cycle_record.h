@@ -16,7 +16,7 @@ struct CycleRecord {
   std::uint32_t stance_episode = 0;  ///< PlanningRequest::stance_episode
   long long plan_sequence = -1;      ///< -1: no usable plan
   std::uint32_t failures = 0;        ///< in a row, this one included
-  std::uint32_t tuning = 0;          ///< number of the tuning in force
+  std::uint32_t tuning = 0;          ///< number of the active tuning
   int nodes = 0;
   std::uint64_t checksum = 0;  ///< see plan_checksum(); 0 without a plan
   std::int64_t solve_ns = 0;   ///< 0 in lock-step

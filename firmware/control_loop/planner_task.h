@@ -37,7 +37,7 @@ class PlannerTask {
     previewed_s_ = -1.0;
   }
 
-  /// Number of the tuning in force; 0: what configure() was given.
+  /// Number of the active tuning; 0: what configure() was given.
   [[nodiscard]] std::uint32_t tuning() const noexcept { return tuning_; }
 
   /// One cycle: plans from the request into `plan`, which stays as it is when there is no usable result. A

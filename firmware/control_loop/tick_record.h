@@ -23,8 +23,8 @@ struct TickRecord {
   hal::EmergencyStopState emergency_stop = hal::EmergencyStopState::absent;
   std::uint64_t bus_errors = 0;   ///< counter of all buses
   hal::BringUpProgress bring_up;  ///< newest of the drivers; changes in calibrate only
-  OperatorCommand command;        ///< the operator's, in force
-  std::uint32_t tuning = 0;       ///< number of the live tunables in force
+  OperatorCommand command;        ///< the operator's, active
+  std::uint32_t tuning = 0;       ///< number of the active live tunables
   PlanningResult result;          ///< newest of the planner
   long long visible_plan = -1;    ///< sequence of the newest plan, whether or not it is used
   std::array<double, model::kStates> estimated_state{};  ///< [q; v], see mpc_core/model/types.h

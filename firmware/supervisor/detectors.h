@@ -50,7 +50,7 @@ struct Observation {
 [[nodiscard]] FaultSet detect_drivers(const Observation& seen,
                                       const SupervisorParameters& parameters) noexcept;
 
-/// Plans that are old, failed or slow; late ticks; numbers that are none.
+/// Plans that are old, failed or slow; late ticks; non-finite values.
 [[nodiscard]] FaultSet detect_software(const Observation& seen,
                                        const SupervisorParameters& parameters) noexcept;
 

@@ -13,7 +13,7 @@ namespace stilt::supervisor {
 
 /// What commands the joints in a tick, the best first.
 enum class FallbackLevel : std::uint8_t {
-  plan,           ///< the torque law on a plan as young as plans should be
+  plan,           ///< the torque law on a plan younger than plan_feedback_after_s
   plan_feedback,  ///< the torque law on an aged plan, with that plan's feedback gains
   gait,           ///< a gait of the library, tracked by the joints without planning
   hold,           ///< position control of the measured pose

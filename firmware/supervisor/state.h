@@ -79,7 +79,7 @@ enum class Guard : std::uint8_t {
   always,
   ramp_done,      ///< the torque law has taken over
   ramping,        ///< it has not yet
-  cannot_step,    ///< there is neither a plan young enough nor a gait to step with
+  cannot_step,    ///< there is neither a plan recent enough nor a gait to step with
   slowed_down,    ///< stepped in place, or stood with both feet down, for long enough
   causes_gone,    ///< no fault is present
   none_latched,   ///< no fault waits for a reset

@@ -32,7 +32,7 @@ struct BringUpProgress {
 };
 
 /// A robot as the control loop uses it: readings in, commands out. Implemented by motor drivers on CAN buses,
-/// by the simulated plant, and by recordings. No call waits, allocates, locks or throws.
+/// by the simulated plant, and by records. No call waits, allocates, locks or throws.
 class Robot {
  public:
   /// Once per tick, first. Takes everything that has arrived.
