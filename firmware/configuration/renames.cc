@@ -19,6 +19,7 @@ constexpr Rename kRenames[] = {
     {"sqp", "g_min", "filter_violation_min"},
     {"sqp", "gamma_c", "filter_margin"},
     {"supervisor", "older_plan_s", "plan_feedback_after_s"},
+    {"supervisor", "frozen_ticks", "unchanged_replies_limit"},
     {"base_sensor", "", "torso_sensor"},
 };
 

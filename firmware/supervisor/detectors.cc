@@ -54,16 +54,16 @@ FaultSet detect_limits(const Observation& seen, const JointLimits& limits,
 }
 
 FaultSet detect_sensors(const Observation& seen, const SupervisorParameters& parameters) noexcept {
-  const auto frozen = static_cast<std::uint32_t>(parameters.frozen_ticks);
+  const auto unchanged = static_cast<std::uint32_t>(parameters.unchanged_replies_limit);
   const auto hold = static_cast<std::uint32_t>(parameters.missed_hold_ticks);
   const auto damp = static_cast<std::uint32_t>(parameters.missed_damp_ticks);
   FaultSet faults;
   for (std::size_t i = 0; i < kJoints; ++i) {
     const bool moves = std::abs(seen.planned_speed_rad_s[i]) > parameters.moving_rad_s;
-    faults.add_if(moves && seen.joints[i].unchanged_replies >= frozen, Fault::encoder_frozen);
+    faults.add_if(moves && seen.joints[i].unchanged_replies >= unchanged, Fault::encoder_frozen);
   }
   const bool repeats =
-      seen.base.unchanged_replies >= frozen && joints_should_move(seen, parameters.moving_rad_s);
+      seen.base.unchanged_replies >= unchanged && joints_should_move(seen, parameters.moving_rad_s);
   faults.add_if(repeats || seen.base.missed_replies >= damp, Fault::stale_torso_sensor);
   faults.add_if(any_joint_missed(seen, parameters.missed_hold_ticks) || seen.base.missed_replies >= hold,
                 Fault::missed_replies);

@@ -16,7 +16,7 @@ struct SupervisorParameters {
   double speed_margin_rad_s = 8.0;    ///< speed beyond the URDF's before joint_speed_limit
   double torque_margin_Nm = 20.0;     ///< reported torque beyond the URDF's before joint_torque_limit
   double base_angle_limit_rad = 0.8;  ///< lean of the torso, either way
-  int frozen_ticks = 25;              ///< equal values in a row of something that must move
+  int unchanged_replies_limit = 25;   ///< equal values in a row of something that must move
   double moving_rad_s = 0.5;     ///< a joint that is planned to be faster must move, and the base with it
   int missed_hold_ticks = 3;     ///< missed replies in a row before the pose is held
   int missed_damp_ticks = 10;    ///< missed replies in a row before the joints are damped

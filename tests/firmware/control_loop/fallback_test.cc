@@ -155,7 +155,8 @@ TEST_F(GaitLevelTest, APlanIsFollowedAgainOnlyWithTheFootOfTheGaitOnTheGround) {
 /// Stepping in place the phase of the gait is the time, so that it goes on though the joints stand still.
 class GaitLevelSensorTest : public GaitLevelTest {
  protected:
-  GaitLevelSensorTest() : frozen(static_cast<std::uint32_t>(rig->configuration.supervisor.frozen_ticks)) {
+  GaitLevelSensorTest()
+      : frozen(static_cast<std::uint32_t>(rig->configuration.supervisor.unchanged_replies_limit)) {
     walk_on_without_plans(0.0, 0);
     for (int i = 0; i < 300 && rig->level() != FallbackLevel::gait; ++i) rig->run(1);
   }
