@@ -50,10 +50,16 @@ DecodeStatus take_frame(const MoteusDriver& driver, const CanFrame& frame, Drive
   return status;
 }
 
+/// Without kp the position stays unset: it has no part in the torque, and may be beyond what fits a frame.
 EncodeStatus command_frame(const MoteusDriver& driver, const DriverCommand& command,
                            CanFrame& frame) noexcept {
-  const MoteusCommand law{command.position_rad, command.velocity_rad_s,  command.torque_Nm, command.kp_Nm_rad,
-                          command.kd_Nms_rad,   command.torque_limit_Nm, command.watchdog_s};
+  const MoteusCommand law{command.kp_Nm_rad == 0 ? DriverReading::kNotReported : command.position_rad,
+                          command.velocity_rad_s,
+                          command.torque_Nm,
+                          command.kp_Nm_rad,
+                          command.kd_Nms_rad,
+                          command.torque_limit_Nm,
+                          command.watchdog_s};
   return encode_command(driver, law, frame);
 }
 

@@ -27,7 +27,7 @@ std::vector<FrameId> receive_ids(const MoteusDriver& driver) {
 
 /// Command of 32 bytes with an extended identifier; the reply's is standard for drivers up to 7.
 std::vector<PeriodicFrame> periodic_frames(const MoteusDriver& driver, double tick_hz) {
-  const std::uint8_t reply = driver.extra_encoder >= 0 ? 32 : 20;
+  const std::uint8_t reply = driver.extra_encoder >= 0 ? 48 : 24;
   return {{.length = 32,
            .extended = true,
            .fd = true,

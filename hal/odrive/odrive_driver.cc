@@ -3,13 +3,14 @@
 namespace stilt::hal::odrive {
 namespace {
 
-/// Decodes the frame as Message and, when it is one, hands it to `take`.
+/// Decodes the frame as Message and, when it is one, hands it to `take`. A driver that has no value yet sends
+/// NaN: that is no news, and no malformed frame.
 template <class Message, class Take>
 DecodeStatus decode_and(std::uint8_t node, const CanFrame& frame, const Take& take) noexcept {
   Message message;
   const DecodeStatus status = decode(node, frame, message);
   if (status == DecodeStatus::ok) take(message);
-  return status;
+  return status == DecodeStatus::not_finite ? DecodeStatus::ok : status;
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 
 // Layers of the hardware abstraction: docs/decisions/0004-hardware-abstraction.md
@@ -15,6 +16,12 @@ constexpr int kMaximumRounds = 8;  // batches per bus and tick: bounds the time 
 
 bool usable(EncodeStatus status) noexcept {
   return status == EncodeStatus::ok || status == EncodeStatus::saturated;
+}
+
+/// An encoder of one turn repeats: the angle next to the last one, at first next to upright.
+double nearest_turn(double angle_rad, double last_rad) noexcept {
+  const double near_rad = std::isfinite(last_rad) ? last_rad : 0;
+  return near_rad + std::remainder(angle_rad - near_rad, 2 * std::numbers::pi);
 }
 
 bool finite(const JointCommand& command) noexcept {
@@ -109,7 +116,8 @@ DecodeStatus CanRobot::take_joint(std::int64_t now_ns, std::size_t joint, const 
     if (std::isfinite(shaft.encoder_velocity_rad_s)) {
       base_.pitch_rate_rad_s = wiring_.pitch_direction * shaft.encoder_velocity_rad_s;
     }
-    set_pitch(now_ns, wiring_.pitch_direction * shaft.encoder_position_rad + wiring_.pitch_offset_rad);
+    const double pitch_rad = wiring_.pitch_direction * shaft.encoder_position_rad + wiring_.pitch_offset_rad;
+    set_pitch(now_ns, nearest_turn(pitch_rad, base_.pitch_rad));
   }
   return status;
 }
