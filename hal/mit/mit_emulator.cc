@@ -95,6 +95,7 @@ void MitEmulator::take_special(std::int64_t now_ns, MitSpecial special) noexcept
       break;
     case MitSpecial::leave:
       if (enabled_) command_ = {};
+      if (driver_.layout == ReplyLayout::ak && !behaviour_.keeps_fault) fault_code_ = 0;
       enabled_ = false;
       enabled_from_ns_ = 0;
       break;

@@ -11,6 +11,7 @@ struct MitBehaviour {
   bool answers_before_frame = false;  ///< Damiao: a frame is answered from the state before it
   bool timeout_while_off = false;     ///< Damiao: TIMEOUT runs from the write on, enabled or not
   bool silent_while_off = false;      ///< AK: answers only while it is on, and the frame that ends it
+  bool keeps_fault = false;           ///< AK: until power is gone; otherwise until it is switched off
   std::int64_t enable_ns = 0;         ///< from the request to enabled
 };
 

@@ -50,4 +50,13 @@ namespace stilt::hal::moteus {
   return GainLimits{driver.kp_Nm_rev, driver.kd_Nm_s_rev, 2 * std::numbers::pi, "Nm/rev", "Nm s/rev"};
 }
 
+/// Commands are int16, replies int32.
+[[nodiscard]] constexpr std::optional<FrameReach> frame_reach(const MoteusDriver&) noexcept {
+  constexpr double kReply_rad = 21474.8 * 2 * std::numbers::pi;
+  return FrameReach{.command_position_rad = kMoteusPosition_rad,
+                    .command_velocity_rad_s = kMoteusVelocity_rad_s,
+                    .reply_position_rad = kReply_rad,
+                    .reply_velocity_rad_s = kReply_rad};
+}
+
 }  // namespace stilt::hal::moteus

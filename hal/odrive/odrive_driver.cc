@@ -58,6 +58,12 @@ EncodeStatus disable_frame(const OdriveDriver& driver, CanFrame& frame) noexcept
   return encode_set_state(driver.node, static_cast<std::uint32_t>(OdriveState::idle), frame);
 }
 
+std::optional<CanFrame> fault_reset_frame(const OdriveDriver& driver) noexcept {
+  CanFrame frame;
+  if (encode_clear_errors(driver.node, frame) != EncodeStatus::ok) return std::nullopt;
+  return frame;
+}
+
 std::optional<CanFrame> question_frame(const OdriveDriver& driver, unsigned question) noexcept {
   CanFrame frame;
   const auto what = question % 2 == 0 ? OdriveCommand::supply : OdriveCommand::temperature;

@@ -242,6 +242,22 @@ JointBusStatus CanRobot::disable() noexcept {
   return send(frames);
 }
 
+void CanRobot::clear_faults() noexcept {
+  for (std::size_t joint = 0; joint < kJoints; ++joint) {
+    const JointReading& reading = readings_[joint];
+    const bool faulty = reading.fault != DriverFault::none || reading.state == DriverState::fault;
+    if (!faulty && reading.missed_replies <= kOldReading) continue;
+    const JointWiring& wiring = wiring_.joints[joint];
+    CanFrame frame;
+    const bool usable_frame = visit_driver(wiring.driver, [&frame](const auto& driver) {
+      const std::optional<CanFrame> reset = fault_reset_frame(driver);
+      if (reset) frame = *reset;
+      return reset || usable(disable_frame(driver, frame));
+    });
+    if (usable_frame) static_cast<void>(buses_[wiring.bus]->send(std::span(&frame, 1)));
+  }
+}
+
 JointBusStatus CanRobot::send(const std::array<CanFrame, kJoints>& frames) noexcept {
   JointBusStatus status = bus_status();
   for (std::size_t bus = 0; bus < bus_count_; ++bus) {

@@ -54,8 +54,8 @@ class Robot {
   /// with commands of zero torque.
   [[nodiscard]] virtual BringUpProgress bring_up(std::int64_t now_ns) noexcept = 0;
 
-  /// The operator asked for a reset: clears bus-off, and has lost connections made again, later and
-  /// elsewhere. Called every tick until that is over.
+  /// The operator asked for a reset: clears bus-off and faults that drivers keep, and has lost connections
+  /// made again, later and elsewhere. Called every tick until that is over.
   virtual void restore_buses() noexcept = 0;
 
  protected:
