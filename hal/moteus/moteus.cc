@@ -35,6 +35,10 @@ void query(const MoteusDriver& driver, MoteusQuery what, SubframeWriter& writer)
     writer.read(MoteusRegister::firmware_version, Resolution::int32, 2);
     return;
   }
+  if (what == MoteusQuery::motor) {
+    writer.read(MoteusRegister::motor_temperature, Resolution::int16, 1);
+    return;
+  }
   if (what == MoteusQuery::control) {
     writer.read(MoteusRegister::mode, Resolution::int8, 1);
     writer.read(MoteusRegister::fault, Resolution::int8, 1);

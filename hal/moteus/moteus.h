@@ -104,6 +104,7 @@ struct MoteusReply {
 enum class MoteusQuery : std::uint8_t {
   state,     ///< mode, position, velocity, torque, voltage, temperature, fault
   identity,  ///< mode, home state, fault, firmware and register map version, watchdog
+  motor,     ///< its temperature
   control,   ///< mode, fault, terms of the torque before its limit, control position and errors
 };
 

@@ -38,9 +38,9 @@ DecodeStatus take_frame(const MoteusDriver& driver, const CanFrame& frame, Drive
   }
   if (reply.has_fault) {
     reading.driver_temperature_C = reply.temperature_C;
-    reading.motor_temperature_C = reply.motor_temperature_C;
     reading.supply_V = reply.voltage_V;
   }
+  if (!std::isnan(reply.motor_temperature_C)) reading.motor_temperature_C = reply.motor_temperature_C;
   if (reply.has_mode) reading.set_state(state_of(reply.mode), fault_of(reply), reply.fault_code);
   if (driver.extra_encoder >= 0) {
     const auto encoder = static_cast<std::size_t>(driver.extra_encoder);
@@ -65,6 +65,13 @@ EncodeStatus command_frame(const MoteusDriver& driver, const DriverCommand& comm
 
 EncodeStatus disable_frame(const MoteusDriver& driver, CanFrame& frame) noexcept {
   return encode_stop(driver, MoteusQuery::state, frame);
+}
+
+std::optional<CanFrame> question_frame(const MoteusDriver& driver, unsigned question) noexcept {
+  CanFrame frame;
+  if (question > 0 || encode_query(driver, MoteusQuery::motor, frame) != EncodeStatus::ok)
+    return std::nullopt;
+  return frame;
 }
 
 }  // namespace stilt::hal::moteus

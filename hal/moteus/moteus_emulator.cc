@@ -145,6 +145,8 @@ double MoteusEmulator::read(const void* context, std::uint32_t number) noexcept 
       return driver.motor.supply_V;
     case MoteusRegister::temperature:
       return driver.motor.temperature_C;
+    case MoteusRegister::motor_temperature:
+      return driver.motor.temperature_C;
     case MoteusRegister::fault:
       return driver.fault_code_;
     case MoteusRegister::firmware_version:

@@ -33,7 +33,7 @@ BringUp::Ask OdriveBringUp::ask(Stage stage, unsigned part, CanFrame& frame) noe
   switch (stage) {
     case Stage::identify:
       if (part == 0) {  // disable it first, whatever it was doing
-        listening_ = false;
+        listened_ = 0;
         return asked(encode_set_state(node_, static_cast<std::uint32_t>(OdriveState::idle), frame),
                      Ask::send_only);
       }
@@ -83,13 +83,14 @@ BringUp::Ask OdriveBringUp::ask_watchdog(Stage stage, unsigned part, CanFrame& f
 
 /// The robot is read from estimates, and a driver that has disarmed shows in its heartbeat.
 BringUp::Ask OdriveBringUp::ask_rates() noexcept {
-  if (!listening_) {
-    listening_ = true;
+  const bool encoder = estimates_ < kLeastEstimates;
+  const bool enough = !encoder && heartbeats_ >= kLeastHeartbeats;
+  if (listened_ > 0 && enough) return Ask::skip;
+  if (listened_ < options().tries) {  // a computer that was late has seen too few, too
+    ++listened_;
     estimates_ = heartbeats_ = 0;
     return Ask::listen;
   }
-  if (estimates_ >= kLeastEstimates && heartbeats_ >= kLeastHeartbeats) return Ask::skip;
-  const bool encoder = estimates_ < kLeastEstimates;
   failure(Failure::wrong_setting,
           {.setting = encoder ? Setting::odrive_encoder_rate : Setting::odrive_heartbeat_rate});
   return Ask::fail;

@@ -36,7 +36,7 @@ class OdriveBringUp final : public bring_up::BringUp {
 
   std::uint8_t node_;
   OdriveEndpoints endpoints_;
-  bool listening_ = false;
+  unsigned listened_ = 0;    ///< times
   unsigned estimates_ = 0;   ///< while listening
   unsigned heartbeats_ = 0;  ///< while listening
 };
