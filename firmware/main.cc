@@ -59,7 +59,7 @@ int refuse_json(const std::string& file) {
 std::expected<void, std::string> check_start(const program::Options& options, program::Outcome& outcome) {
   const program::BusReport buses = program::report_buses(options.configuration);
   std::fputs(buses.text.c_str(), stderr);
-  if (buses.refused) return std::unexpected("a bus would be overloaded, see above");
+  if (buses.refused) return std::unexpected("the buses cannot carry this robot, see above");
   if (options.lockstep) {
     outcome.not_realtime = "lock-step";
     return {};
@@ -68,11 +68,10 @@ std::expected<void, std::string> check_start(const program::Options& options, pr
       realtime::acquire(program::requirements_of(options.configuration.runtime));
   std::fputs(program::describe(capability).c_str(), stderr);
   outcome.not_realtime = realtime::lacking_text(capability);
-  if (!capability.realtime() && options.configuration.runtime.require_realtime) {
+  if (!capability.realtime() && program::requires_realtime(options.configuration)) {
     return std::unexpected(
         "runtime.require_realtime is true and this machine cannot keep time, see above; mend that, or set it "
-        "to "
-        "false");
+        "to false");
   }
   return {};
 }

@@ -37,6 +37,7 @@ hal::mit::MitDriver mit_driver(const DriverParameters& driver, const JointParame
   mit.kd_Nms_rad = {0, driver.kd_range_Nms_rad};
   mit.torque_Nm = around_zero(driver.torque_range_Nm);
   mit.reply_torque_Nm = around_zero(driver.reply_torque_range_Nm);
+  mit.temperature_offset_C = driver.ak_temperature_offset_C;
   return mit;
 }
 
@@ -53,10 +54,11 @@ hal::moteus::MoteusDriver moteus_driver(const HardwareParameters& hardware, std:
 }
 
 hal::odrive::OdriveDriver odrive_driver(const DriverParameters& driver, const JointParameters& joint) {
-  return {
-      .node = static_cast<std::uint8_t>(joint.id),
-      .endpoints = {.watchdog_timeout = static_cast<std::uint16_t>(driver.odrive_watchdog_timeout_endpoint),
-                    .enable_watchdog = static_cast<std::uint16_t>(driver.odrive_enable_watchdog_endpoint)}};
+  return {.node = static_cast<std::uint8_t>(joint.id),
+          .endpoints = {
+              .watchdog_timeout = static_cast<std::uint16_t>(driver.odrive_watchdog_timeout_endpoint),
+              .enable_watchdog = static_cast<std::uint16_t>(driver.odrive_enable_watchdog_endpoint),
+              .torque_mode_limit = static_cast<std::uint16_t>(driver.odrive_torque_mode_limit_endpoint)}};
 }
 
 hal::JointWiring joint_wiring(const HardwareParameters& hardware, std::size_t joint) {

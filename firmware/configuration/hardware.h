@@ -27,14 +27,16 @@ struct DriverParameters {
   double kd_range_Nms_rad = 5.0;
   double torque_range_Nm = 120.0;
   double reply_torque_range_Nm = 120.0;
+  double ak_temperature_offset_C = -40.0;  ///< added to the byte in which an AK reports its temperature
   /// moteus: the gains of its own configuration, at gain scale 1: the largest it can be asked for; and
   /// whether its data phase is faster.
   double moteus_kp_Nm_rev = 800.0;
   double moteus_kd_Nms_rev = 40.0;
   bool bit_rate_switch = true;
-  /// ODrive: numbers of two parameters in its firmware; 0: unknown.
+  /// ODrive: numbers of three parameters in its firmware; 0: unknown.
   int odrive_watchdog_timeout_endpoint = 0;
   int odrive_enable_watchdog_endpoint = 0;
+  int odrive_torque_mode_limit_endpoint = 0;
   double encoder_period_rad = 0.0;  ///< of the shaft; 0: the encoder does not repeat
   int minimum_version = 0;
   bool accept_missing_watchdog = false;

@@ -54,6 +54,12 @@ void check_pitch(const HardwareParameters& hardware, std::vector<Contradiction>&
                      "nothing measures the pitch of the torso; give torso_sensor.pitch a channel, or "
                      "torso_sensor.encoder_joint a moteus with an extra encoder"});
   }
+  if (sensor.pitch != "none" && sensor.pitch_rate == "none" && sensor.encoder_joint < 0) {
+    found.push_back(
+        {{"torso_sensor.pitch_rate"},
+         "nothing measures the pitch rate of the torso, without which the robot cannot stand up; give "
+         "torso_sensor.pitch_rate a channel"});
+  }
   if (sensor.encoder_joint >= 0 &&
       protocol_of(hardware, static_cast<std::size_t>(sensor.encoder_joint)) != DriverProtocol::moteus) {
     found.push_back({{"torso_sensor.encoder_joint"},

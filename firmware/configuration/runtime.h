@@ -4,8 +4,10 @@ namespace stilt::configuration {
 
 /// How the program runs on its computer.
 struct RuntimeParameters {
-  /// Refuse to start unless kernel, priorities and locked memory make the torque loop real time.
-  bool require_realtime = false;
+  /// Refuse to start on a CAN interface unless kernel, priorities and locked memory make the torque loop real
+  /// time; on loopback and vcan buses, which carry no motor's frames, with require_realtime_always alone.
+  bool require_realtime = true;
+  bool require_realtime_always = false;
   int torque_core = 1;                      ///< processor of the torque loop; -1: wherever the kernel puts it
   int planner_core = 0;                     ///< processor of the planner; -1 as above
   int torque_priority = 80;                 ///< SCHED_FIFO, 1 to 99; 0: ordinary scheduling

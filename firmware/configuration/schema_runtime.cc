@@ -23,8 +23,12 @@ constexpr Entry kEntries[] = {
      "weight then hold, unless --set says otherwise",
      choice<&P::controller, &ControllerChoice::reference>(kReferences)},
     {"runtime", "require_realtime", "",
-     "Refuse to start unless kernel, priorities and locked memory make the torque loop real time",
+     "Refuse to start on a CAN interface unless kernel, priorities and locked memory make the torque loop "
+     "real "
+     "time",
      flag<&P::runtime, &R::require_realtime>()},
+    {"runtime", "require_realtime_always", "", "The same with buses that are all loopback:NAME or vcan",
+     flag<&P::runtime, &R::require_realtime_always>()},
     {"runtime", "torque_core", "1", "Processor of the torque loop; -1 leaves it to the kernel",
      integer<&P::runtime, &R::torque_core>(-1, 1023)},
     {"runtime", "planner_core", "1", "Processor of the planner; -1 leaves it to the kernel",

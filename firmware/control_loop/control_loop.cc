@@ -118,7 +118,7 @@ void ControlLoop::tick(const TickTiming& timing, const model::StateVector* known
 
   request_plan(reading.time_s, estimate, decision.gait);
   record(timing, command, result, plan, estimate, wanted, action);
-  report_events(command);
+  report_events(command, seen);
   trace::tick_end(ticks_, static_cast<int>(decision.state), static_cast<int>(decision.level));
   ++ticks_;
 }
@@ -285,10 +285,7 @@ void ControlLoop::send(supervisor::Action action, std::int64_t now_ns) noexcept 
 void ControlLoop::bring_up(std::int64_t now_ns) noexcept {
   bring_up_ = robot_->bring_up(now_ns);
   if (!bring_up_.failed) return;
-  push({.kind = Event::Kind::bring_up_failed,
-        .joint = static_cast<std::uint8_t>(bring_up_.joint),
-        .failure = bring_up_.failure,
-        .driver_fault = bring_up_.fault});
+  push({.kind = Event::Kind::bring_up_failed, .bring_up = bring_up_});
 }
 
 void ControlLoop::request_plan(double time_s, const model::StateVector& estimate,
@@ -350,10 +347,14 @@ void ControlLoop::push(const Event& event) noexcept {
   mail_->events.push(timed);
 }
 
-void ControlLoop::report_events(const OperatorCommand& command) noexcept {
+void ControlLoop::report_events(const OperatorCommand& command,
+                                const supervisor::Observation& seen) noexcept {
   const supervisor::SupervisorOutput& decision = supervisor_.output();
   for (const supervisor::FaultRow& row : supervisor::kFaultTable) {
-    if (decision.raised.has(row.fault)) push({.kind = Event::Kind::fault, .fault = row.fault});
+    if (!decision.raised.has(row.fault)) continue;
+    push({.kind = Event::Kind::fault,
+          .fault = row.fault,
+          .found = supervisor::detail(row.fault, seen, limits_, supervision_)});
   }
   if (decision.entered || ticks_ == 0) push({.kind = Event::Kind::state, .state = decision.state});
   const bool stood_up = before_ == State::stand && decision.state == State::ready;

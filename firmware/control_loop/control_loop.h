@@ -93,7 +93,7 @@ class ControlLoop {
   void record(const TickTiming& timing, const OperatorCommand& command, const PlanningResult& result,
               const PlanView& plan, const model::StateVector& estimate, const hal::JointCommands& wanted,
               supervisor::Action action) noexcept;
-  void report_events(const OperatorCommand& command) noexcept;
+  void report_events(const OperatorCommand& command, const supervisor::Observation& seen) noexcept;
   void push(const Event& event) noexcept;
 
   hal::Robot* robot_ = nullptr;

@@ -5,9 +5,9 @@
 
 #include "firmware/exchange/ring.h"
 #include "firmware/supervisor/fault.h"
+#include "firmware/supervisor/fault_detail.h"
 #include "firmware/supervisor/state.h"
-#include "hal/bring_up/bring_up.h"
-#include "hal/driver/driver_fault.h"
+#include "hal/robot/robot.h"
 
 namespace stilt::control_loop {
 
@@ -15,18 +15,17 @@ namespace stilt::control_loop {
 struct Event {
   enum class Kind : std::uint8_t {
     state,            ///< the supervisor is in another state: `state`
-    fault,            ///< a fault appeared: `fault`
+    fault,            ///< a fault appeared: `fault`, by `found`
     waits_for_pose,   ///< to stand up was asked for, and the robot is not in a pose for that
-    bring_up_failed,  ///< of the driver of `joint`: `failure`, `driver_fault`
+    bring_up_failed,  ///< of a driver: `bring_up`
     lost_stance       ///< while it stood up the robot left the standing pose
   };
   Kind kind = Kind::state;
   double time_s = 0.0;  ///< controller's clock
   supervisor::State state = supervisor::State::boot;
   supervisor::Fault fault = supervisor::Fault::not_finite;
-  std::uint8_t joint = 0;
-  hal::bring_up::Failure failure = hal::bring_up::Failure::none;
-  hal::DriverFault driver_fault = hal::DriverFault::none;
+  supervisor::FaultDetail found = {};
+  hal::BringUpProgress bring_up = {};
 };
 
 using EventRing = exchange::Ring<Event, 256>;

@@ -1,6 +1,7 @@
 #include "firmware/program/controller_state.h"
 
 #include "firmware/configuration/hardware.h"
+#include "firmware/configuration/reach.h"
 #include "firmware/program/configure_cycles.h"
 #include "firmware/robots/robots.h"
 #include "firmware/telemetry/telemetry_node.h"
@@ -8,11 +9,9 @@
 namespace stilt::program {
 namespace {
 
-/// Joints may be found a little beyond their travel.
-constexpr double kTravelMargin_rad = 0.1;
-
 hal::BringUpOptions bring_up_options(const configuration::HardwareParameters& hardware,
                                      const model::RobotConstants& robot) {
+  using configuration::kTravelMargin_rad;
   hal::BringUpOptions options;
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
     options[joint] =

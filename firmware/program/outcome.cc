@@ -1,10 +1,12 @@
 #include "firmware/program/outcome.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <span>
 
+#include "firmware/control_loop/event_text.h"
 #include "firmware/control_loop/joint_names.h"
 #include "firmware/telemetry/telemetry_node.h"
 
@@ -20,6 +22,24 @@ nlohmann::ordered_json json_of(const diagnostics::Percentiles& percentiles) {
           {"max", percentiles.max_us}};
 }
 
+/// Joint, driver fault and numbers where the fault has them.
+nlohmann::ordered_json json_of(const ReportedFault& fault) {
+  nlohmann::ordered_json json = {
+      {"name", fault.name}, {"time_s", fault.time_s}, {"reaction", fault.reaction}, {"count", fault.count}};
+  const supervisor::FaultDetail& found = fault.found;
+  if (found.joint >= 0) json["joint"] = control_loop::kJointNames[static_cast<std::size_t>(found.joint)];
+  if (found.driver_fault != hal::DriverFault::none) {
+    json["driver_fault"] = hal::name(found.driver_fault);
+    json["fault_code"] = found.fault_code;
+  }
+  if (!std::isnan(found.limit)) {
+    json["value"] = found.value;
+    json["limit"] = found.limit;
+    json["unit"] = found.unit;
+  }
+  return json;
+}
+
 void say(double time_s, const std::string& text) {
   std::fprintf(stderr, "%9.3f s  %s\n", time_s, text.c_str());
 }
@@ -32,8 +52,9 @@ void take_fault(const Event& event, Outcome& outcome) {
     return;
   }
   const char* reaction = supervisor::name(row.reaction);
-  outcome.faults.push_back({row.name, event.time_s, reaction});
-  say(event.time_s, std::string("fault ") + row.name + ": " + row.cause + "; reaction: " + reaction);
+  outcome.faults.push_back({row.name, event.time_s, reaction, 1, event.found});
+  say(event.time_s, std::string("fault ") + row.name + ": " + row.cause +
+                        control_loop::found_text(event.found) + "; reaction: " + reaction);
 }
 
 void take_state(const Event& event, Outcome& outcome) {
@@ -44,15 +65,6 @@ void take_state(const Event& event, Outcome& outcome) {
   if (event.state != supervisor::State::off) outcome.last_state = state;
   outcome.state = state;
   say(event.time_s, state);
-}
-
-std::string bring_up_text(const Event& event) {
-  std::string text = std::string("driver of ") + control_loop::kJointNames[event.joint] +
-                     " cannot be brought up: " + hal::bring_up::name(event.failure);
-  if (event.driver_fault != hal::DriverFault::none) {
-    text.append(" (").append(hal::name(event.driver_fault)).append(")");
-  }
-  return text;
 }
 
 }  // namespace
@@ -72,7 +84,7 @@ void take_events(control_loop::EventRing& events, Outcome& outcome,
         say(event->time_s, "not in a pose to stand up from: waits until somebody puts it there");
         break;
       case Event::Kind::bring_up_failed:
-        say(event->time_s, bring_up_text(*event));
+        say(event->time_s, control_loop::bring_up_text(event->bring_up));
         break;
       case Event::Kind::lost_stance:
         say(event->time_s, "left the standing pose while it stood up: damped; put it there and ask again");
@@ -88,10 +100,7 @@ std::string to_json(const Outcome& outcome) {
   json["last_state"] = outcome.last_state;
   json["faults"] = nlohmann::ordered_json::array();
   for (const ReportedFault& fault : outcome.faults) {
-    json["faults"].push_back({{"name", fault.name},
-                              {"time_s", fault.time_s},
-                              {"reaction", fault.reaction},
-                              {"count", fault.count}});
+    json["faults"].push_back(json_of(fault));
   }
   json["ticks"] = outcome.ticks;
   json["late_ticks"] = outcome.late_ticks;

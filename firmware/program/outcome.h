@@ -19,6 +19,7 @@ struct ReportedFault {
   double time_s = 0.0;  ///< of the first time
   std::string reaction;
   long long count = 1;
+  supervisor::FaultDetail found;  ///< by the first
 };
 
 /// What a run of the controller was like.

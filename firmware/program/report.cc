@@ -1,8 +1,11 @@
 #include "firmware/program/report.h"
 
+#include <algorithm>
 #include <vector>
 
 #include "firmware/configuration/hardware.h"
+#include "firmware/configuration/reach.h"
+#include "firmware/robots/robots.h"
 #include "hal/robot/wiring_load.h"
 
 namespace stilt::program {
@@ -16,7 +19,22 @@ BusReport report_buses(const configuration::Configuration& configuration) {
     report.text += hal::load_sentence(names[bus], load) + '\n';
     report.refused = report.refused || load.verdict == hal::BusLoadVerdict::refused;
   }
+  if (const auto robot = robots::find(configuration.hardware.robot)) {
+    for (const std::string& line : configuration::unreachable(configuration, (*robot)->model.constants)) {
+      report.text += line + '\n';
+      report.refused = true;
+    }
+  }
   return report;
+}
+
+bool requires_realtime(const configuration::Configuration& configuration) {
+  const std::vector<std::string> names = configuration::bus_names(configuration.hardware);
+  const bool simulated = std::ranges::all_of(names, [](const std::string& name) {
+    return name.starts_with("loopback:") || name.starts_with("vcan");
+  });
+  const configuration::RuntimeParameters& runtime = configuration.runtime;
+  return runtime.require_realtime_always || (runtime.require_realtime && !simulated);
 }
 
 realtime::Requirements requirements_of(const configuration::RuntimeParameters& runtime) {

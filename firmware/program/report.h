@@ -7,12 +7,16 @@
 
 namespace stilt::program {
 
-/// What a configuration means for the buses: a line a bus. `refused`: one is loaded beyond what works.
+/// What a configuration means for the buses: a line a bus, and one for each thing that their frames cannot
+/// carry. `refused`: a bus is loaded beyond what works, or there is such a thing.
 struct BusReport {
   std::string text;
   bool refused = false;
 };
 [[nodiscard]] BusReport report_buses(const configuration::Configuration& configuration);
+
+/// Whether the machine must be real time to run this configuration.
+[[nodiscard]] bool requires_realtime(const configuration::Configuration& configuration);
 
 /// What the threads of a configuration ask of the machine.
 [[nodiscard]] realtime::Requirements requirements_of(const configuration::RuntimeParameters& runtime);

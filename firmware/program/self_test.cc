@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "firmware/control_loop/event_text.h"
 #include "firmware/control_loop/joint_names.h"
 #include "firmware/realtime/pace.h"
 #include "firmware/realtime/thread.h"
@@ -62,8 +63,7 @@ bool bring_up(Test& test, realtime::Pace& pace) {
     pace.advance(began_ns, test.clock.now_ns());
   }
   if (progress.ready) return true;
-  test.result.failure = std::string("the driver of ") + kJointNames[progress.joint] +
-                        " cannot be brought up: " + hal::bring_up::name(progress.failure);
+  test.result.failure = "the " + control_loop::bring_up_text(progress);
   return false;
 }
 

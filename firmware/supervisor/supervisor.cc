@@ -42,6 +42,11 @@ State goal(RequestKind kind) noexcept {
   return State::off;
 }
 
+/// The joints are under position control of their drivers.
+bool holds(FallbackLevel level) noexcept {
+  return level == FallbackLevel::hold || level == FallbackLevel::sit;
+}
+
 gait::GaitKind gait_kind(State state) noexcept {
   if (state == State::walk) return gait::GaitKind::walk;
   return state == State::step ? gait::GaitKind::step : gait::GaitKind::stand;
@@ -58,9 +63,10 @@ void Supervisor::configure(const JointLimits& limits, const SupervisorParameters
 void Supervisor::begin_standing(std::int64_t now_ns) noexcept {
   const double longest_s = std::max({parameters_.stand_ramp_s, parameters_.slow_down_s, parameters_.settle_s,
                                      parameters_.stale_plan_s, parameters_.hold_ramp_s});
-  entered_ns_ = driven_ns_ = tracking_ns_ = level_ns_ =
+  entered_ns_ = driven_ns_ = tracking_ns_ = level_ns_ = hold_ns_ =
       now_ns - static_cast<std::int64_t>(1e9 * (1.0 + longest_s));
   started_ = true;
+  drivers_are_ = DriversAre::brought_up;
   output_.state = State::stand;
   output_.level = FallbackLevel::plan;
   output_.ramp = 1.0;
@@ -92,7 +98,7 @@ FaultSet Supervisor::looked_for(const Observation& seen) const noexcept {
   if (output_.state == State::boot || output_.state == State::off) return set;
   set = watched(Watch::always);
   if (output_.state == State::calibrate) set = set | watched(Watch::bring_up);
-  if (drives(output_.state)) set = set | watched(Watch::driven);
+  if (drives(output_.state) && drivers_are_ == DriversAre::brought_up) set = set | watched(Watch::driven);
   if (tracks(output_.state)) set = set | watched(Watch::tracking);
   if (1e-9 * static_cast<double>(seen.time_ns - driven_ns_) < parameters_.settle_s) set = set - kOfReplies;
   if (1e-9 * static_cast<double>(seen.time_ns - tracking_ns_) < parameters_.stale_plan_s) {
@@ -114,8 +120,10 @@ void Supervisor::find_faults(const SupervisorInputs& inputs) noexcept {
   output_.reaction = std::max(reaction(present), reaction(output_.latched));
 }
 
+/// A reset that brings links back also brings back what their drivers have kept: it goes on.
 void Supervisor::void_request_after_faults(const Request& request) noexcept {
-  const bool new_latched = !(output_.raised & kLatching).empty();
+  const FaultSet unforeseen = resetting_ ? output_.raised - kOfReplies : output_.raised;
+  const bool new_latched = !(unforeseen & kLatching).empty();
   const bool slow = output_.present.has(Fault::heartbeat_lost);
   if (new_latched || slow) void_number_ = std::max(void_number_, request.number);
 }
@@ -219,9 +227,16 @@ void Supervisor::enter(State state, const SupervisorInputs& inputs) noexcept {
     output_.clear_buses = resetting_ = false;
   }
   if (drives(state) && !drives(before)) driven_ns_ = now_ns_;
+  if (state == State::idle) {
+    was_up_ = drivers_are_ != DriversAre::left_alone;
+    drivers_are_ = DriversAre::left_alone;
+  }
+  if (state == State::calibrate) drivers_are_ = DriversAre::being_brought_up;
+  if (state == State::ready) drivers_are_ = DriversAre::brought_up;
   if (tracks(state) && !tracks(before)) {
     tracking_ns_ = now_ns_;
     stand_pose_rad_ = pose_rad_;
+    followed_ = {};
     output_.start_controller = true;
   }
   output_.state = state;
@@ -242,8 +257,12 @@ Reaction Supervisor::reaction_of_level() const noexcept {
 }
 
 void Supervisor::choose(const SupervisorInputs& inputs) noexcept {
-  const FallbackLevel level = select_level(output_.state, reaction_of_level(), inputs.seen.followable);
+  const bool never_up = output_.state == State::fault && drivers_are_ != DriversAre::brought_up;
+  const FallbackLevel level = never_up
+                                  ? FallbackLevel::off
+                                  : select_level(output_.state, reaction_of_level(), inputs.seen.followable);
   if (level != output_.level) {
+    if (!holds(output_.level)) hold_ns_ = now_ns_;
     level_ns_ = now_ns_;
     level_pose_rad_ = pose_rad_;
   }
@@ -259,20 +278,29 @@ void Supervisor::choose(const SupervisorInputs& inputs) noexcept {
   output_.gait.speed_m_s = walks ? inputs.request.speed_m_s : 0;
 }
 
+/// Position control takes over the joints while what carried them fades: over hold_ramp_s the gains grow from
+/// 0 to their own, and the torque falls from that of the last plan or gait to 0.
+hal::JointCommands Supervisor::unloading(const Pose& pose_rad) const noexcept {
+  const double ramp_s = parameters_.hold_ramp_s;
+  const double share = ramp_s > 0 ? std::clamp(since_s(hold_ns_) / ramp_s, 0.0, 1.0) : 1.0;
+  hal::JointCommands commands = held(pose_rad, share, limits_, parameters_);
+  for (std::size_t i = 0; i < commands.size(); ++i) {
+    commands[i].torque_Nm = (1 - share) * followed_[i].torque_Nm;
+  }
+  return commands;
+}
+
 hal::JointCommands Supervisor::commands_of_level(const hal::JointCommands& wanted) const noexcept {
-  const double hold_s =
-      parameters_.hold_ramp_s > 0 ? std::clamp(since_s(level_ns_) / parameters_.hold_ramp_s, 0.0, 1.0) : 1.0;
   switch (output_.level) {
     case FallbackLevel::plan:
     case FallbackLevel::plan_feedback:
     case FallbackLevel::gait:
       return blend_in(wanted, stand_pose_rad_, output_.ramp, parameters_);
     case FallbackLevel::hold:
-      return held(level_pose_rad_, hold_s, limits_, parameters_);
+      return unloading(level_pose_rad_);
     case FallbackLevel::sit: {
       const double share = parameters_.sit_s > 0 ? since_s(level_ns_) / parameters_.sit_s : 1.0;
-      const Pose pose_rad = pose_between_rad(level_pose_rad_, sitting_pose_rad(parameters_), share);
-      return held(pose_rad, hold_s, limits_, parameters_);
+      return unloading(pose_between_rad(level_pose_rad_, sitting_pose_rad(parameters_), share));
     }
     case FallbackLevel::damp:
     case FallbackLevel::off:
@@ -282,14 +310,18 @@ hal::JointCommands Supervisor::commands_of_level(const hal::JointCommands& wante
 }
 
 Action Supervisor::bound(const hal::JointCommands& wanted, hal::JointCommands& commands) noexcept {
+  const bool after_reset = output_.state == State::idle && output_.entered && was_up_;
+  if (after_reset) return Action::disable;
   if (!drives(output_.state) && output_.state != State::off) return Action::silent;
-  if (output_.level == FallbackLevel::off || resetting_) return Action::disable;
+  if (output_.state == State::fault && drivers_are_ == DriversAre::left_alone) return Action::silent;
+  if (output_.level == FallbackLevel::off) return Action::disable;
   commands = commands_of_level(wanted);
   if (!finite(commands)) {
     command_not_finite_ = true;
     commands = damped(measured_, limits_, parameters_);
   }
   commands = bounded(commands, limits_);
+  if (output_.level <= FallbackLevel::gait) followed_ = commands;
   return Action::commands;
 }
 

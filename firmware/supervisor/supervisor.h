@@ -33,7 +33,7 @@ struct SupervisorInputs {
 
 /// What leaves bound() for the drivers.
 enum class Action : std::uint8_t {
-  silent,    ///< nothing: boot and idle; in calibrate the bring-up talks
+  silent,    ///< nothing: boot and idle, faults of drivers that were left alone; in calibrate bring-up talks
   commands,  ///< the four commands
   disable,   ///< JointBus::disable()
 };
@@ -49,7 +49,7 @@ struct SupervisorOutput {
   gait::GaitCommand gait;              ///< for the planner
   bool entered = false;                ///< the state changed in this tick
   bool start_controller = false;       ///< estimator and planner start anew from this tick's readings
-  bool clear_buses = false;            ///< a reset was asked for: forget bus-off
+  bool clear_buses = false;            ///< a reset was asked for: forget bus-off, clear faults of drivers
 };
 
 /// Decides in every tick what the joints may do: states as in kTransitions, faults as in kFaultTable, levels
@@ -75,6 +75,9 @@ class Supervisor {
   [[nodiscard]] const SupervisorOutput& output() const noexcept { return output_; }
 
  private:
+  /// Since the newest idle.
+  enum class DriversAre : std::uint8_t { left_alone, being_brought_up, brought_up };
+
   void find_faults(const SupervisorInputs& inputs) noexcept;
   [[nodiscard]] FaultSet looked_for(const Observation& seen) const noexcept;
   void void_request_after_faults(const Request& request) noexcept;
@@ -87,6 +90,7 @@ class Supervisor {
   [[nodiscard]] Reaction reaction_of_level() const noexcept;
   void choose(const SupervisorInputs& inputs) noexcept;
   [[nodiscard]] hal::JointCommands commands_of_level(const hal::JointCommands& wanted) const noexcept;
+  [[nodiscard]] hal::JointCommands unloading(const Pose& pose_rad) const noexcept;
   [[nodiscard]] double since_s(std::int64_t time_ns) const noexcept;
 
   JointLimits limits_;
@@ -98,11 +102,15 @@ class Supervisor {
   std::int64_t driven_ns_ = 0;     ///< the drivers last began to get commands
   std::int64_t tracking_ns_ = 0;   ///< the torque law last came into command
   std::int64_t level_ns_ = 0;      ///< the level
+  std::int64_t hold_ns_ = 0;       ///< position control came into command: hold, sit
   std::int64_t reset_ns_ = 0;      ///< a reset was asked for
   std::uint32_t void_number_ = 0;  ///< requests up to this one are met or void
   Pose pose_rad_{};                ///< newest finite positions
   Pose level_pose_rad_{};          ///< pose_rad_ when the level was reached
   Pose stand_pose_rad_{};          ///< pose_rad_ when the torque law came into command
+  hal::JointCommands followed_{};  ///< newest of plan or gait
+  DriversAre drivers_are_ = DriversAre::left_alone;
+  bool was_up_ = false;  ///< drivers_are_ before the newest idle: they are to be disabled
   bool started_ = false;
   bool resetting_ = false;
   bool command_not_finite_ = false;

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "firmware/configuration/configuration.h"
-#include "firmware/control_loop/joint_names.h"
+#include "firmware/control_loop/event_text.h"
 #include "firmware/telemetry/cycle_message.h"
 #include "firmware/telemetry/histogram_message.h"
 #include "firmware/telemetry/sequence.h"
@@ -37,13 +37,12 @@ std::string sentence_of(const control_loop::Event& event) {
       return supervisor::name(event.state);
     case control_loop::Event::Kind::fault: {
       const supervisor::FaultRow& row = supervisor::row(event.fault);
-      return std::string(row.cause) + "; clears when " + row.clears;
+      return std::string(row.cause) + control_loop::found_text(event.found) + "; clears when " + row.clears;
     }
     case control_loop::Event::Kind::waits_for_pose:
       return "not in a pose to stand up from: waits until somebody puts it there";
     case control_loop::Event::Kind::bring_up_failed:
-      return std::string("driver of ") + control_loop::kJointNames[event.joint] +
-             " cannot be brought up: " + hal::bring_up::name(event.failure);
+      return control_loop::bring_up_text(event.bring_up);
     case control_loop::Event::Kind::lost_stance:
       return "left the standing pose while it stood up: damped; put it there and ask again";
   }
@@ -64,6 +63,19 @@ std::string name_of(const control_loop::Event& event) {
       return "lost_stance";
   }
   return {};
+}
+
+/// What a fault or a bring-up found.
+void set_found(const control_loop::Event& event, Event& message) noexcept {
+  const bool bring_up = event.kind == control_loop::Event::Kind::bring_up_failed;
+  const supervisor::FaultDetail& found = event.found;
+  message.joint = bring_up ? static_cast<std::int32_t>(event.bring_up.joint) : found.joint;
+  message.driver_fault = static_cast<std::uint8_t>(bring_up ? event.bring_up.fault : found.driver_fault);
+  message.driver_fault_code = bring_up ? event.bring_up.fault_code : found.fault_code;
+  message.value = found.value;
+  message.limit = found.limit;
+  message.bring_up_failure = static_cast<std::uint8_t>(event.bring_up.failure);
+  message.driver_setting = static_cast<std::uint8_t>(event.bring_up.setting);
 }
 
 /// Numbers of a preview, as the message wants them.
@@ -234,6 +246,7 @@ void Publisher::event(const control_loop::Event& event, const Drops& drops) {
   if (event.kind == control_loop::Event::Kind::fault) {
     message.reaction = static_cast<std::uint8_t>(supervisor::row(event.fault).reaction);
   }
+  set_found(event, message);
   set_view(message.name, name);
   set_view(message.text, text);
   send(message, drops);
@@ -246,6 +259,7 @@ void Publisher::note(std::uint8_t kind, double time_s, const std::string& name, 
   Event message{};
   message.time_s = time_s;
   message.kind = kind;
+  set_found({}, message);
   set_view(message.name, its_name);
   set_view(message.text, its_text);
   send(message, drops);

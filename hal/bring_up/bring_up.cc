@@ -66,25 +66,41 @@ const char* name(Failure failure) noexcept {
       return "position not referenced";
     case Failure::driver_fault:
       return "driver fault";
+    case Failure::wrong_setting:
+      return "a setting of the driver is wrong";
   }
   return "unknown";
 }
 
 void BringUp::restart() noexcept {
   stage_ = Stage::identify;
-  failure_ = Failure::none;
-  fault_ = DriverFault::none;
+  failure_ = suspected_ = Failure::none;
+  blame_ = suspicion_ = {};
   part_ = tries_ = 0;
   waiting_ = answered_ = false;
   position_rad_ = std::numeric_limits<double>::quiet_NaN();
   turn_offset_rad_ = 0;
 }
 
-void BringUp::failure(Failure failure, DriverFault fault) noexcept {
+void BringUp::failure(Failure failure, const Blame& blame) noexcept {
   stage_ = Stage::failed;
   failure_ = failure;
-  fault_ = fault;
+  blame_ = blame;
   waiting_ = false;
+}
+
+void BringUp::suspect(Failure failure, const Blame& blame) noexcept {
+  suspected_ = failure;
+  suspicion_ = blame;
+}
+
+/// All tries of a request are over.
+void BringUp::give_up() noexcept {
+  if (suspected_ != Failure::none) {
+    failure(suspected_, suspicion_);
+  } else {
+    failure(answered_ ? Failure::rejected : Failure::silent);
+  }
 }
 
 bool BringUp::check_home(double position_rad) noexcept {
@@ -107,6 +123,7 @@ void BringUp::advance() noexcept {
   stage_ = static_cast<Stage>(static_cast<std::uint8_t>(stage_) + 1);
   part_ = tries_ = 0;
   waiting_ = answered_ = false;
+  suspected_ = Failure::none;
 }
 
 void BringUp::take(const CanFrame& frame) noexcept {
@@ -117,10 +134,16 @@ void BringUp::take(const CanFrame& frame) noexcept {
     case Verdict::not_yet:
       answered_ = true;
       break;
+    case Verdict::first_part:
+      answered_ = true;
+      part_ = 0;
+      waiting_ = false;
+      break;
     case Verdict::next_part:
       ++part_;
       tries_ = 0;
       waiting_ = answered_ = false;
+      suspected_ = Failure::none;
       break;
     case Verdict::next_stage:
       advance();
@@ -132,22 +155,31 @@ StepResult BringUp::result() const noexcept {
   StepResult result;
   result.stage = stage_;
   result.failure = failure_;
-  result.driver_fault = fault_;
+  result.driver_fault = blame_.fault;
+  result.fault_code = blame_.fault_code;
+  result.setting = blame_.setting;
   result.position_rad = position_rad_;
   result.turn_offset_rad = turn_offset_rad_;
   return result;
 }
 
+StepResult BringUp::result_with_keep_alive(bool wanted) noexcept {
+  StepResult settled = result();
+  settled.send = wanted && keep_alive(settled.frame);
+  return settled;
+}
+
 StepResult BringUp::step(std::int64_t now_ns, std::span<const CanFrame> received) noexcept {
+  now_ns_ = now_ns;
   if (stage_ != Stage::failed && !valid(options_)) failure(Failure::invalid);
   for (const CanFrame& frame : received) {
     if (waiting_) take(frame);
   }
-  if (waiting_ && now_ns < deadline_ns_) return result();
+  if (waiting_ && now_ns < deadline_ns_) return result_with_keep_alive(stage_ == Stage::enable);
   CanFrame frame;
   while (stage_ < Stage::ready) {
     if (tries_ == options_.tries) {
-      failure(answered_ ? Failure::rejected : Failure::silent);
+      give_up();
       break;
     }
     const Ask asked = ask(stage_, part_, frame);
@@ -155,6 +187,11 @@ StepResult BringUp::step(std::int64_t now_ns, std::span<const CanFrame> received
     if (asked == Ask::skip) {
       advance();
       continue;
+    }
+    if (asked == Ask::listen) {
+      waiting_ = true;
+      deadline_ns_ = now_ns + kListen_ns;
+      return result();
     }
     if (asked == Ask::send_only) {
       ++part_;
@@ -168,9 +205,7 @@ StepResult BringUp::step(std::int64_t now_ns, std::span<const CanFrame> received
     asking.frame = frame;
     return asking;
   }
-  StepResult settled = result();
-  settled.send = stage_ == Stage::ready && keep_alive(settled.frame);
-  return settled;
+  return result_with_keep_alive(stage_ == Stage::ready);
 }
 
 }  // namespace stilt::hal::bring_up

@@ -4,11 +4,14 @@
 #include <limits>
 #include <span>
 
+#include "hal/bring_up/setting.h"
 #include "hal/can/frame.h"
 #include "hal/driver/driver_fault.h"
 
 /// From a driver that has power to one that is enabled: identify it, check its version and scaling, write its
-/// watchdog and read it back, check that its position means something, enable it without torque. Pure step
+/// watchdog and read it back, check that its position means something, enable it without torque, check what
+/// can only be seen then. A driver takes milliseconds to enable, and its watchdog runs meanwhile: from the
+/// request to enable on, every step without another frame sends a command of zero torque. Pure step
 /// functions: time and frames in, at most one frame out. Real-time safe.
 namespace stilt::hal::bring_up {
 
@@ -37,6 +40,7 @@ enum class Failure : std::uint8_t {
   wrong_watchdog,  ///< reads back another time than was written
   not_home,        ///< position not referenced, or not in exactly one turn of the joint's travel
   driver_fault,    ///< see StepResult::driver_fault
+  wrong_setting,   ///< see StepResult::setting
 };
 [[nodiscard]] const char* name(Failure failure) noexcept;
 
@@ -57,6 +61,8 @@ struct StepResult {
   Stage stage = Stage::identify;
   Failure failure = Failure::none;
   DriverFault driver_fault = DriverFault::none;
+  std::uint32_t fault_code = 0;     ///< vendor code of driver_fault
+  Setting setting = Setting::none;  ///< of the driver, when one is to blame
   double position_rad =
       std::numeric_limits<double>::quiet_NaN();  ///< once home is checked: at the driver's shaft
   double turn_offset_rad = 0;  ///< whole encoder periods to add to every position of the driver
@@ -80,13 +86,15 @@ class BringUp {
   enum class Ask : std::uint8_t {
     wait_for_answer,  ///< frame filled; judge() decides about what comes back
     send_only,        ///< frame filled; nothing comes back: go on
+    listen,           ///< nothing to send; asked again after kListen_ns, judge() sees what comes meanwhile
     skip,             ///< this stage has nothing to ask
     fail,             ///< failure() was called
   };
   enum class Verdict : std::uint8_t {
-    ignore,     ///< not the answer
-    not_yet,    ///< an answer, but not the wanted one: ask again after the timeout
-    next_part,  ///< right; the stage has more to ask
+    ignore,      ///< not the answer
+    not_yet,     ///< an answer, but not the wanted one: ask again after the timeout
+    first_part,  ///< as not_yet, and the stage is to begin again
+    next_part,   ///< right; the stage has more to ask
     next_stage,
     fail,  ///< failure() was called
   };
@@ -94,27 +102,52 @@ class BringUp {
   /// Request number `part` of a stage.
   [[nodiscard]] virtual Ask ask(Stage stage, unsigned part, CanFrame& frame) noexcept = 0;
   [[nodiscard]] virtual Verdict judge(Stage stage, unsigned part, const CanFrame& frame) noexcept = 0;
-  /// A command of zero torque, sent once per step when ready. False: none.
+  /// A command of zero torque, sent in every step when ready, and while waiting in Stage::enable. False:
+  /// none.
   [[nodiscard]] virtual bool keep_alive(CanFrame& frame) noexcept = 0;
 
-  void failure(Failure failure, DriverFault fault = DriverFault::none) noexcept;
+  /// What a failure is to be put down to.
+  struct Blame {
+    DriverFault fault = DriverFault::none;
+    std::uint32_t fault_code = 0;
+    Setting setting = Setting::none;
+  };
+  void failure(Failure failure, const Blame& blame) noexcept;
+  void failure(Failure what) noexcept { failure(what, Blame{}); }
+  /// What the failure will be if the request that is under way never gets the answer it wants: a fault that
+  /// the driver may still clear, a setting that may still show itself right.
+  void suspect(Failure failure, const Blame& blame) noexcept;
   /// Checks the driver's shaft against travel and encoder period. False after failure().
   [[nodiscard]] bool check_home(double position_rad) noexcept;
   [[nodiscard]] const Options& options() const noexcept { return options_; }
+  [[nodiscard]] unsigned part() const noexcept { return part_; }
+  /// Of the present request, before this one.
+  [[nodiscard]] unsigned tries() const noexcept { return tries_; }
+  [[nodiscard]] std::int64_t now_ns() const noexcept { return now_ns_; }
+  /// Placed by check_home(), at the driver's shaft; and the whole periods that placed it.
+  [[nodiscard]] double position_rad() const noexcept { return position_rad_; }
+  [[nodiscard]] double turn_offset_rad() const noexcept { return turn_offset_rad_; }
+
+  static constexpr std::int64_t kListen_ns = 50'000'000;
 
  private:
   void take(const CanFrame& frame) noexcept;
   void advance() noexcept;
+  void give_up() noexcept;
   [[nodiscard]] StepResult result() const noexcept;
+  [[nodiscard]] StepResult result_with_keep_alive(bool wanted) noexcept;
 
   Options options_;
   Stage stage_ = Stage::identify;
   Failure failure_ = Failure::none;
-  DriverFault fault_ = DriverFault::none;
+  Blame blame_;
+  Failure suspected_ = Failure::none;
+  Blame suspicion_;
   unsigned part_ = 0;
   unsigned tries_ = 0;
   bool waiting_ = false;
   bool answered_ = false;
+  std::int64_t now_ns_ = 0;
   std::int64_t deadline_ns_ = 0;
   double position_rad_ = std::numeric_limits<double>::quiet_NaN();
   double turn_offset_rad_ = 0;

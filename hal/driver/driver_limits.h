@@ -13,4 +13,12 @@ struct GainLimits {
   std::string_view kd_unit = "Nm s/rad";
 };
 
+/// The farthest from 0 that the fields of a driver's frames carry, at its own shaft, either way.
+struct FrameReach {
+  double command_position_rad = 0;
+  double command_velocity_rad_s = 0;
+  double reply_position_rad = 0;
+  double reply_velocity_rad_s = 0;
+};
+
 }  // namespace stilt::hal

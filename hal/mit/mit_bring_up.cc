@@ -9,6 +9,7 @@ namespace {
 
 using bring_up::BringUp;
 using bring_up::Failure;
+using bring_up::Setting;
 using bring_up::Stage;
 
 constexpr std::uint32_t kMitControlMode = 1;
@@ -17,6 +18,8 @@ constexpr double kRangeTolerance = 1e-4;  // relative; the registers are floats
 constexpr std::array<DamiaoRegister, 2> kIdentity{DamiaoRegister::command_id, DamiaoRegister::control_mode};
 constexpr std::array<DamiaoRegister, 3> kScaling{
     DamiaoRegister::position_range, DamiaoRegister::velocity_range, DamiaoRegister::torque_range};
+constexpr std::array<Setting, 3> kRanges{Setting::damiao_position_range, Setting::damiao_velocity_range,
+                                         Setting::damiao_torque_range};
 
 /// The register a stage asks for in a part.
 DamiaoRegister asked_register(Stage stage, unsigned part) noexcept {
@@ -50,6 +53,43 @@ BringUp::Ask MitBringUp::ask_register(DamiaoRegister number, CanFrame& frame) co
                                                                               : Ask::fail;
 }
 
+BringUp::Ask MitBringUp::limp(CanFrame& frame) noexcept {
+  if (keep_alive(frame)) return Ask::send_only;
+  failure(Failure::invalid);
+  return Ask::fail;
+}
+
+BringUp::Ask MitBringUp::ask_identity(unsigned part, CanFrame& frame) noexcept {
+  if (has_registers()) return ask_register(asked_register(Stage::identify, part), frame);
+  if (part == 0) return limp(frame);
+  frame = special_frame(driver_, tries() % 2 == 0 ? MitSpecial::leave : MitSpecial::enter);
+  return Ask::wait_for_answer;
+}
+
+BringUp::Ask MitBringUp::ask_watchdog(Stage stage, unsigned part, CanFrame& frame) noexcept {
+  if (!has_registers()) {
+    if (options().accept_missing_watchdog) return Ask::skip;
+    failure(Failure::no_watchdog);
+    return Ask::fail;
+  }
+  if (stage == Stage::watchdog_read) return ask_register(DamiaoRegister::timeout, frame);
+  if (part > 0) return Ask::skip;  // written; the next stage reads it back
+  const DamiaoRegisterMessage message{true, static_cast<std::uint8_t>(DamiaoRegister::timeout),
+                                      timeout_units(options().watchdog_s)};
+  return encode_register_request(driver_, message, frame) == EncodeStatus::ok ? Ask::send_only : Ask::fail;
+}
+
+/// Its timeout may have expired meanwhile: a Damiao is cleared first.
+BringUp::Ask MitBringUp::ask_enable(unsigned part, CanFrame& frame) noexcept {
+  if (part == 0) return limp(frame);
+  if (part == 1 && has_registers()) {
+    frame = special_frame(driver_, MitSpecial::clear_error);
+    return Ask::send_only;
+  }
+  frame = special_frame(driver_, MitSpecial::enter);
+  return Ask::wait_for_answer;
+}
+
 BringUp::Ask MitBringUp::ask(Stage stage, unsigned part, CanFrame& frame) noexcept {
   if (!valid(driver_)) {
     failure(Failure::invalid);
@@ -57,32 +97,18 @@ BringUp::Ask MitBringUp::ask(Stage stage, unsigned part, CanFrame& frame) noexce
   }
   switch (stage) {
     case Stage::identify:
-      if (has_registers()) return ask_register(asked_register(stage, part), frame);
-      frame = special_frame(driver_, MitSpecial::leave);
-      return Ask::wait_for_answer;
+      return ask_identity(part, frame);
     case Stage::version:
     case Stage::scaling:
       return has_registers() ? ask_register(asked_register(stage, part), frame) : Ask::skip;
-    case Stage::watchdog_write: {
-      if (!has_registers()) {
-        if (options().accept_missing_watchdog) return Ask::skip;
-        failure(Failure::no_watchdog);
-        return Ask::fail;
-      }
-      if (part > 0) return Ask::skip;  // written; the next stage reads it back
-      const DamiaoRegisterMessage message{true, static_cast<std::uint8_t>(DamiaoRegister::timeout),
-                                          timeout_units(options().watchdog_s)};
-      return encode_register_request(driver_, message, frame) == EncodeStatus::ok ? Ask::send_only
-                                                                                  : Ask::fail;
-    }
+    case Stage::watchdog_write:
     case Stage::watchdog_read:
-      return has_registers() ? ask_register(DamiaoRegister::timeout, frame) : Ask::skip;
+      return ask_watchdog(stage, part, frame);
     case Stage::home:
       frame = special_frame(driver_, MitSpecial::leave);
       return Ask::wait_for_answer;
     case Stage::enable:
-      frame = special_frame(driver_, MitSpecial::enter);
-      return Ask::wait_for_answer;
+      return ask_enable(part, frame);
     case Stage::ready:
     case Stage::failed:
       break;
@@ -98,8 +124,14 @@ BringUp::Verdict MitBringUp::judge(Stage stage, unsigned part, const CanFrame& f
 BringUp::Verdict MitBringUp::judge_state(Stage stage, const CanFrame& frame) noexcept {
   MitReply reply;
   if (decode_reply(driver_, frame, reply) != DecodeStatus::ok) return Verdict::ignore;
-  if (reply.fault != DriverFault::none) {
-    failure(Failure::driver_fault, reply.fault);
+  const bool expired = has_registers() && reply.fault == DriverFault::lost_communication;
+  if (reply.fault != DriverFault::none && !(stage == Stage::home && expired)) {
+    const Blame blame{reply.fault, reply.fault_code, Setting::none};
+    if (stage == Stage::enable && has_registers()) {  // cleared again with the next try
+      suspect(Failure::driver_fault, blame);
+      return Verdict::first_part;
+    }
+    failure(Failure::driver_fault, blame);
     return Verdict::fail;
   }
   if (stage == Stage::home && !check_home(reply.position_rad)) return Verdict::fail;
@@ -113,7 +145,7 @@ BringUp::Verdict MitBringUp::judge_range(unsigned part, double maximum) noexcept
   const std::array<const Range*, 3> reply{&driver_.reply_position_rad, &driver_.reply_velocity_rad_s,
                                           &driver_.reply_torque_Nm};
   if (!symmetric(*command[part], maximum) || !symmetric(*reply[part], maximum)) {
-    failure(Failure::wrong_scaling);
+    failure(Failure::wrong_scaling, {.setting = kRanges[part]});
     return Verdict::fail;
   }
   return part + 1 < kScaling.size() ? Verdict::next_part : Verdict::next_stage;
@@ -126,9 +158,11 @@ BringUp::Verdict MitBringUp::judge_register(Stage stage, unsigned part, const Ca
     return Verdict::ignore;
   }
   Failure wrong = Failure::none;
+  Setting setting = Setting::none;
   switch (stage) {
     case Stage::identify:
       if (message.bits != (part == 0 ? driver_.command_id : kMitControlMode)) wrong = Failure::wrong_identity;
+      if (part > 0) setting = Setting::damiao_control_mode;
       if (wrong == Failure::none && part + 1 < kIdentity.size()) return Verdict::next_part;
       break;
     case Stage::version:
@@ -138,12 +172,13 @@ BringUp::Verdict MitBringUp::judge_register(Stage stage, unsigned part, const Ca
       return judge_range(part, std::bit_cast<float>(message.bits));
     case Stage::watchdog_read:
       if (message.bits != timeout_units(options().watchdog_s)) wrong = Failure::wrong_watchdog;
+      setting = Setting::damiao_timeout;
       break;
     default:
       return Verdict::ignore;
   }
   if (wrong == Failure::none) return Verdict::next_stage;
-  failure(wrong);
+  failure(wrong, {.setting = setting});
   return Verdict::fail;
 }
 

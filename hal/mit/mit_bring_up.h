@@ -8,7 +8,9 @@ namespace stilt::hal::mit {
 
 /// Drivers in MIT mode. Damiao: everything through its registers (identifier, MIT mode, version, ranges,
 /// timeout). Mini-cheetah and AK can only be asked for their state: no version, no scaling and no watchdog to
-/// promise, so they are refused unless Options::accept_missing_watchdog.
+/// promise, so they are refused unless Options::accept_missing_watchdog. A mini-cheetah keeps the newest
+/// command while it is off and follows it once it is on: one of zero torque goes first. Whether an AK that is
+/// off answers is not public: it is asked off and on in turn.
 class MitBringUp final : public bring_up::BringUp {
  public:
   MitBringUp(const MitDriver& driver, const bring_up::Options& options) noexcept
@@ -20,6 +22,10 @@ class MitBringUp final : public bring_up::BringUp {
   [[nodiscard]] bool keep_alive(CanFrame& frame) noexcept override;
 
   [[nodiscard]] bool has_registers() const noexcept { return driver_.layout == ReplyLayout::damiao; }
+  [[nodiscard]] Ask ask_identity(unsigned part, CanFrame& frame) noexcept;
+  [[nodiscard]] Ask ask_watchdog(bring_up::Stage stage, unsigned part, CanFrame& frame) noexcept;
+  [[nodiscard]] Ask ask_enable(unsigned part, CanFrame& frame) noexcept;
+  [[nodiscard]] Ask limp(CanFrame& frame) noexcept;
   [[nodiscard]] Ask ask_register(DamiaoRegister number, CanFrame& frame) const noexcept;
   [[nodiscard]] Verdict judge_state(bring_up::Stage stage, const CanFrame& frame) noexcept;
   [[nodiscard]] Verdict judge_register(bring_up::Stage stage, unsigned part, const CanFrame& frame) noexcept;

@@ -1,8 +1,17 @@
 #include "hal/mit/mit_driver.h"
 
+#include "hal/mit/damiao_registers.h"
+
 namespace stilt::hal::mit {
 
+/// Under the identifier of its replies a Damiao also answers for its registers, while it is off. As a state
+/// such an answer would be the lower end of position and velocity at once.
 DecodeStatus take_frame(const MitDriver& driver, const CanFrame& frame, DriverReading& reading) noexcept {
+  DamiaoRegisterMessage about_register;
+  if (driver.layout == ReplyLayout::damiao &&
+      decode_register_answer(driver, frame, about_register) == DecodeStatus::ok) {
+    return DecodeStatus::ok;
+  }
   MitReply reply;
   const DecodeStatus status = decode_reply(driver, frame, reply);
   if (status != DecodeStatus::ok) return status;

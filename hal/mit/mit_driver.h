@@ -43,5 +43,11 @@ namespace stilt::hal::mit {
 [[nodiscard]] constexpr std::optional<GainLimits> gain_limits(const MitDriver& driver) noexcept {
   return GainLimits{.kp = driver.kp_Nm_rad.maximum, .kd = driver.kd_Nms_rad.maximum};
 }
+[[nodiscard]] constexpr std::optional<FrameReach> frame_reach(const MitDriver& driver) noexcept {
+  return FrameReach{.command_position_rad = driver.position_rad.maximum,
+                    .command_velocity_rad_s = driver.velocity_rad_s.maximum,
+                    .reply_position_rad = driver.reply_position_rad.maximum,
+                    .reply_velocity_rad_s = driver.reply_velocity_rad_s.maximum};
+}
 
 }  // namespace stilt::hal::mit

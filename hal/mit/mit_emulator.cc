@@ -52,6 +52,7 @@ std::uint8_t ak_code(DriverFault fault) noexcept {
 
 void MitEmulator::power_cycle() noexcept {
   enabled_ = false;
+  enabled_from_ns_ = 0;
   fault_code_ = 0;
   timeout_units_ = 0;
   command_ = {};
@@ -59,6 +60,7 @@ void MitEmulator::power_cycle() noexcept {
 
 void MitEmulator::raise(DriverFault fault) noexcept {
   enabled_ = false;
+  enabled_from_ns_ = 0;
   if (driver_.layout == ReplyLayout::damiao) fault_code_ = damiao_code(fault);
   if (driver_.layout == ReplyLayout::ak) fault_code_ = ak_code(fault);
 }
@@ -85,13 +87,17 @@ void MitEmulator::reply(FrameSink& replies) const noexcept {
   if (status == EncodeStatus::ok || status == EncodeStatus::saturated) replies.push(frame);
 }
 
-void MitEmulator::take_special(MitSpecial special) noexcept {
+void MitEmulator::take_special(std::int64_t now_ns, MitSpecial special) noexcept {
+  const bool keeps_commands = driver_.layout == ReplyLayout::mini_cheetah;
   switch (special) {
     case MitSpecial::enter:
-      enabled_ = fault_code_ == 0;
+      if (fault_code_ == 0 && enabled_from_ns_ == 0) enabled_from_ns_ = now_ns + behaviour_.enable_ns;
       break;
     case MitSpecial::leave:
+      if (enabled_) command_ = {};
+      if (driver_.layout == ReplyLayout::ak && !behaviour_.keeps_fault) fault_code_ = 0;
       enabled_ = false;
+      enabled_from_ns_ = 0;
       break;
     case MitSpecial::clear_error:
       fault_code_ = 0;
@@ -100,7 +106,7 @@ void MitEmulator::take_special(MitSpecial special) noexcept {
       motor.position_rad = 0;
       break;
   }
-  command_ = {};
+  if (!keeps_commands) command_ = {};
 }
 
 std::uint32_t MitEmulator::register_bits(std::uint8_t number) const noexcept {
@@ -144,20 +150,31 @@ void MitEmulator::take(std::int64_t now_ns, const CanFrame& frame, FrameSink& re
     take_register(message, replies);
     return;
   }
+  elapse(now_ns, replies);
   MitSpecial special{};
-  if (decode_special(driver_, frame, special) == DecodeStatus::ok) {
-    take_special(special);
-  } else if (decode_command(driver_, frame, command_) != DecodeStatus::ok) {
-    return;
-  }
+  const bool is_special = decode_special(driver_, frame, special) == DecodeStatus::ok;
+  MitCommand command;
+  if (!is_special && decode_command(driver_, frame, command) != DecodeStatus::ok) return;
+  const bool before = driver_.layout == ReplyLayout::mini_cheetah || behaviour_.answers_before_frame;
+  const bool was_enabled = enabled_;
+  if (before) reply(replies);
   last_command_ns_ = now_ns;
-  reply(replies);
+  if (is_special) {
+    take_special(now_ns, special);
+    elapse(now_ns, replies);
+  } else {
+    command_ = command;
+  }
+  if (!before && (enabled_ || was_enabled || !behaviour_.silent_while_off)) reply(replies);
 }
 
 void MitEmulator::elapse(std::int64_t now_ns, FrameSink& /*replies*/) noexcept {
+  if (enabled_from_ns_ != 0 && now_ns >= enabled_from_ns_) enabled_ = fault_code_ == 0;
   const double silence_s = static_cast<double>(now_ns - last_command_ns_) * 1e-9;
-  if (enabled_ && timeout_units_ > 0 && silence_s > timeout_units_ * kDamiaoTimeoutUnit_s) {
+  const bool watched = enabled_ || behaviour_.timeout_while_off;
+  if (watched && timeout_units_ > 0 && silence_s > timeout_units_ * kDamiaoTimeoutUnit_s) {
     enabled_ = false;
+    enabled_from_ns_ = 0;
     fault_code_ = kDamiaoLostCommunication;
   }
 }

@@ -6,12 +6,24 @@
 
 namespace stilt::hal::mit {
 
+/// What of the closed firmware of Damiao and AK is not public, either way.
+struct MitBehaviour {
+  bool answers_before_frame = false;  ///< Damiao: a frame is answered from the state before it
+  bool timeout_while_off = false;     ///< Damiao: TIMEOUT runs from the write on, enabled or not
+  bool silent_while_off = false;      ///< AK: answers only while it is on, and the frame that ends it
+  bool keeps_fault = false;           ///< AK: until power is gone; otherwise until it is switched off
+  std::int64_t enable_ns = 0;         ///< from the request to enabled
+};
+
 /// A driver in MIT mode. With the Damiao layout it has registers and a timeout (off until written) after
-/// which it disables itself and reports lost communication; with the others it has neither.
+/// which it disables itself and reports lost communication; with the others it has neither. A mini-cheetah
+/// answers every frame in every mode from the state before it, and keeps commands that it gets while it is
+/// off: github.com/bgkatz/motorcontrol, Core/Src/stm32f4xx_it.c, Core/Src/fsm.c (3586419).
 class MitEmulator final : public EmulatedDriver {
  public:
-  explicit MitEmulator(const MitDriver& driver, std::uint32_t software_version = 5) noexcept
-      : driver_(driver), software_version_(software_version) {}
+  explicit MitEmulator(const MitDriver& driver, std::uint32_t software_version = 5,
+                       const MitBehaviour& behaviour = {}) noexcept
+      : driver_(driver), software_version_(software_version), behaviour_(behaviour) {}
 
   void take(std::int64_t now_ns, const CanFrame& frame, FrameSink& replies) noexcept override;
   void elapse(std::int64_t now_ns, FrameSink& replies) noexcept override;
@@ -28,18 +40,20 @@ class MitEmulator final : public EmulatedDriver {
 
  private:
   void reply(FrameSink& replies) const noexcept;
-  void take_special(MitSpecial special) noexcept;
+  void take_special(std::int64_t now_ns, MitSpecial special) noexcept;
   void take_register(DamiaoRegisterMessage message, FrameSink& replies) noexcept;
   [[nodiscard]] std::uint32_t register_bits(std::uint8_t number) const noexcept;
 
   MitDriver driver_;
   std::uint32_t software_version_;
+  MitBehaviour behaviour_;
   MitCommand command_;
   double reported_torque_Nm_ = 0;
   bool enabled_ = false;
   std::uint8_t fault_code_ = 0;
   std::uint32_t timeout_units_ = 0;
   std::int64_t last_command_ns_ = 0;
+  std::int64_t enabled_from_ns_ = 0;  ///< 0: not asked to
 };
 
 [[nodiscard]] inline MitEmulator make_emulator(const MitDriver& driver) noexcept {

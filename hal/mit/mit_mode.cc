@@ -101,18 +101,13 @@ bool length_fits(ReplyLayout layout, std::uint8_t length) noexcept {
   return layout == ReplyLayout::mini_cheetah ? length == 6 || length == 7 : length == 8;
 }
 
-double ak_temperature_C(const MitDriver& driver, std::uint8_t byte) noexcept {
-  if (driver.temperature_offset_C != 0) return byte + driver.temperature_offset_C;
-  return byte < 0x80 ? byte : byte - 0x100;
-}
-
 void decode_extras(const MitDriver& driver, const CanFrame& frame, MitReply& reply) noexcept {
   switch (driver.layout) {
     case ReplyLayout::mini_cheetah:
       if (frame.length == 7) reply.supply_V = value_of(frame.data[6], driver.supply_V, 8);
       break;
     case ReplyLayout::ak:
-      reply.driver_temperature_C = ak_temperature_C(driver, frame.data[6]);
+      reply.driver_temperature_C = frame.data[6] + driver.temperature_offset_C;
       reply.fault_code = frame.data[7];
       reply.fault = ak_fault(reply.fault_code);
       break;
@@ -141,14 +136,10 @@ void encode_extras(const MitDriver& driver, const MitReply& reply, CanFrame& fra
           frame.length == 7 ? low_byte(quantize(reply.supply_V, driver.supply_V, 8, saturated)) : 0;
       break;
     }
-    case ReplyLayout::ak: {
-      const double degrees = reply.driver_temperature_C - driver.temperature_offset_C;
-      frame.data[6] = driver.temperature_offset_C == 0 && degrees < 0
-                          ? low_byte(0x100u - byte_of(std::min(-degrees, 128.0)))
-                          : byte_of(degrees);
+    case ReplyLayout::ak:
+      frame.data[6] = byte_of(reply.driver_temperature_C - driver.temperature_offset_C);
       frame.data[7] = reply.fault_code;
       break;
-    }
     case ReplyLayout::damiao:
       frame.data[0] = static_cast<std::uint8_t>((reply.fault_code & 0xf) << 4 | (driver.driver_id & 0xf));
       frame.data[6] = byte_of(reply.driver_temperature_C);

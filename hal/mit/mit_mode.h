@@ -18,9 +18,10 @@
 /// makers cut off instead of rounding, so what arrives is up to one step below what was asked, and no code is
 /// exactly zero in a symmetric range.
 ///
-/// Facts: B. Katz, HKC_MiniCheetah CAN_com.cpp (layout, cut-off); CubeMars AK series manual 1.0.8,
-/// section 5.3 (8-byte reply); Damiao DM-J manuals and github.com/jia-xie/python-damiao-driver,
-/// docs/concept/communication-protocol.md. Everything here is real-time safe and keeps no state.
+/// Facts: B. Katz, HKC_MiniCheetah CAN_com.cpp (layout, cut-off); CubeMars AK series manual 1.0.17,
+/// section 5.3 (8-byte reply, temperature = byte - 40); Damiao DM-J manuals and
+/// github.com/jia-xie/python-damiao-driver, docs/concept/communication-protocol.md. Everything here is
+/// real-time safe and keeps no state.
 namespace stilt::hal::mit {
 
 struct Range {
@@ -31,7 +32,7 @@ struct Range {
 /// What the bytes after the torque of a reply mean.
 enum class ReplyLayout : std::uint8_t {
   mini_cheetah,  ///< 6 bytes; of newer firmware 7, the last the supply voltage
-  ak,            ///< 8 bytes: temperature in degrees (with an offset by firmware), error number
+  ak,            ///< 8 bytes: temperature of the driver with an offset, error number
   damiao,        ///< 8 bytes: status in the high half of byte 0; temperatures of transistors and rotor
 };
 
@@ -50,8 +51,8 @@ struct MitDriver {
   Range reply_position_rad{-12.5, 12.5};
   Range reply_velocity_rad_s{-65, 65};
   Range reply_torque_Nm{-18, 18};
-  Range supply_V{0, 40};            ///< byte 6 of mini_cheetah
-  double temperature_offset_C = 0;  ///< added to byte 6 of ak, read as signed when 0
+  Range supply_V{0, 40};              ///< byte 6 of mini_cheetah
+  double temperature_offset_C = -40;  ///< added to byte 6 of ak, which has no sign: -40 to 215 C
 };
 
 struct MitCommand {

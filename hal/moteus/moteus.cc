@@ -12,6 +12,7 @@ namespace {
 constexpr std::uint32_t kReplyBit = 0x8000;
 constexpr std::uint8_t kFirstLimitCode = 96;
 constexpr double kWatchdogStep_s = 0.001;
+constexpr double kNoLimit = -0.05;  // anything negative: one step of an acceleration in int8
 
 void begin(const MoteusDriver& driver, CanFrame& frame) noexcept {
   frame = CanFrame{};
@@ -34,9 +35,19 @@ void query(const MoteusDriver& driver, MoteusQuery what, SubframeWriter& writer)
     writer.read(MoteusRegister::firmware_version, Resolution::int32, 2);
     return;
   }
-  writer.read(MoteusRegister::mode, Resolution::int8, 1);
-  writer.read(MoteusRegister::position, Resolution::int32, 1);
-  writer.read(MoteusRegister::velocity, Resolution::int16, 2);
+  if (what == MoteusQuery::motor) {
+    writer.read(MoteusRegister::motor_temperature, Resolution::int16, 1);
+    return;
+  }
+  if (what == MoteusQuery::control) {
+    writer.read(MoteusRegister::mode, Resolution::int8, 1);
+    writer.read(MoteusRegister::fault, Resolution::int8, 1);
+    writer.read(MoteusRegister::proportional, Resolution::int32, 3);
+    writer.read(MoteusRegister::control_position, Resolution::int32, 1);
+    writer.read(MoteusRegister::position_error, Resolution::int32, 2);
+    return;
+  }
+  writer.read(MoteusRegister::mode, Resolution::int32, 4);  // to the torque: one subframe is the shortest
   writer.read(MoteusRegister::voltage, Resolution::int8, 3);
   if (driver.extra_encoder >= 0) {
     const auto first =
@@ -124,6 +135,25 @@ bool take(MoteusReply& reply, std::uint32_t register_number, double value) noexc
     case MoteusRegister::command_timeout:
       reply.watchdog_s = value;
       break;
+    case MoteusRegister::proportional:
+      reply.proportional_Nm = value;
+      break;
+    case MoteusRegister::integral:
+      reply.integral_Nm = value;
+      break;
+    case MoteusRegister::derivative:
+      reply.derivative_Nm = value;
+      break;
+    case MoteusRegister::control_position:
+      reply.control_position_rad = value * kRadiansPerRevolution;
+      reply.has_control = true;
+      break;
+    case MoteusRegister::position_error:
+      reply.position_error_rad = value * kRadiansPerRevolution;
+      break;
+    case MoteusRegister::velocity_error:
+      reply.velocity_error_rad_s = value * kRadiansPerRevolution;
+      break;
     default:
       break;  // a register that was not requested does no harm
   }
@@ -151,11 +181,11 @@ DriverFault moteus_fault(std::uint8_t code) noexcept {
       return DriverFault::gate_driver;
     case 34:
       return DriverFault::over_voltage;
-    case 32:
     case 35:
     case 42:
     case 43:
       return DriverFault::encoder;
+    case 32:  // zero of the current sensors not found
     case 36:
     case 41:
     case 45:
@@ -170,13 +200,17 @@ DriverFault moteus_fault(std::uint8_t code) noexcept {
       return DriverFault::under_voltage;
     case 44:
       return DriverFault::gate_driver;
+    case 49:  // servo.fault_position_error
+      return DriverFault::position_limit;
+    case 50:  // servo.fault_velocity_error
+      return DriverFault::velocity_limit;
     default:
       return DriverFault::other;
   }
 }
 
-EncodeStatus encode_command(const MoteusDriver& driver, const MoteusCommand& command,
-                            CanFrame& frame) noexcept {
+EncodeStatus encode_command(const MoteusDriver& driver, const MoteusCommand& command, CanFrame& frame,
+                            MoteusQuery what) noexcept {
   if (!valid(driver)) return EncodeStatus::invalid;
   if (!acceptable(command)) return EncodeStatus::not_finite;
   bool saturated = command.watchdog_s < kWatchdogStep_s;
@@ -192,7 +226,8 @@ EncodeStatus encode_command(const MoteusDriver& driver, const MoteusCommand& com
   writer.values(SubframeKind::write, MoteusRegister::command_position, Resolution::int16, registers);
   write_one(writer, MoteusRegister::command_timeout, Resolution::int16,
             watchdog_register(command.watchdog_s));
-  query(driver, MoteusQuery::state, writer);
+  write_one(writer, MoteusRegister::command_accel_limit, Resolution::int8, kNoLimit);
+  query(driver, what, writer);
   const EncodeStatus status = writer.finish();
   return status == EncodeStatus::ok && saturated ? EncodeStatus::saturated : status;
 }

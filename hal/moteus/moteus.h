@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <numbers>
 
 #include "hal/can/codec_status.h"
 #include "hal/can/frame.h"
@@ -16,16 +17,27 @@
 ///
 /// with kp and kd from its own configuration, so both are data here. Each command restarts the driver's
 /// watchdog; when that expires the driver latches mode `timeout`, damps, and accepts nothing but a stop.
-/// Facts: github.com/mjbots/moteus, docs/protocol/can.md, docs/protocol/registers.md,
-/// docs/reference/configuration.md. Real-time safe, without state.
+/// A frame is answered from the state before it: what it writes takes effect afterwards. Without limits in
+/// the command the driver follows position and velocity by a trajectory of its own
+/// (servo.default_accel_limit, 50 rev/s^2 from firmware 1.0.0 on), which cancels damping; every command here
+/// switches that off. Facts: github.com/mjbots/moteus, docs/protocol/can.md, docs/protocol/registers.md,
+/// docs/reference/configuration.md, fw/moteus_controller.cc, fw/bldc_servo_position.h (db1a762). Real-time
+/// safe, without state.
 namespace stilt::hal::moteus {
 
-inline constexpr std::uint8_t kMoteusMaximumId = 0x7f;
+inline constexpr std::uint8_t kMoteusMaximumId = 0x7e;  ///< 0x7f is for all
 inline constexpr std::uint8_t kMoteusEncoders = 3;
+inline constexpr std::uint32_t kMoteusRegisterMap = 5;  ///< version of the scales that are used here
+/// Ends of a command's int16, at the shaft.
+inline constexpr double kMoteusPosition_rad = 3.2767 * 2 * std::numbers::pi;
+inline constexpr double kMoteusVelocity_rad_s = 8.19175 * 2 * std::numbers::pi;
 
 enum class MoteusMode : std::uint8_t {
   stopped = 0,
   fault = 1,
+  enabling = 2,
+  calibrating = 3,
+  calibrated = 4,
   position = 10,
   timeout = 11,
   zero_velocity = 12,  ///< damps with the driver's own kd
@@ -34,7 +46,7 @@ enum class MoteusMode : std::uint8_t {
 enum class MoteusHome : std::uint8_t { relative = 0, rotor = 1, output = 2 };
 
 struct MoteusDriver {
-  std::uint8_t id = 1;      ///< 1 to 127
+  std::uint8_t id = 1;      ///< 1 to 126
   std::uint8_t source = 0;  ///< ours, 0 to 127
   bool bit_rate_switch = true;
   double kp_Nm_rev = 4.0;     ///< servo.pid_position.kp: gain at kp_scale 1, Nm a revolution
@@ -72,6 +84,7 @@ struct MoteusReply {
   bool has_home = false;
   bool has_firmware_version = false;
   bool has_register_map_version = false;
+  bool has_control = false;     ///< the five values of MoteusQuery::control
   bool register_error = false;  ///< the driver refused to read or write a register
   std::uint8_t mode = 0;        ///< MoteusMode, or another number of the reference
   std::uint8_t fault_code = 0;
@@ -79,12 +92,20 @@ struct MoteusReply {
   std::uint32_t firmware_version = 0;
   std::uint32_t register_map_version = 0;
   double watchdog_s = std::numeric_limits<double>::quiet_NaN();
+  double control_position_rad = std::numeric_limits<double>::quiet_NaN();  ///< that the driver holds to
+  double position_error_rad = std::numeric_limits<double>::quiet_NaN();    ///< sensed minus control
+  double velocity_error_rad_s = std::numeric_limits<double>::quiet_NaN();
+  double proportional_Nm = std::numeric_limits<double>::quiet_NaN();  ///< kp_scale kp position error
+  double integral_Nm = std::numeric_limits<double>::quiet_NaN();
+  double derivative_Nm = std::numeric_limits<double>::quiet_NaN();  ///< kd_scale kd velocity error
 };
 
 /// What to ask for beside a stop or alone.
 enum class MoteusQuery : std::uint8_t {
   state,     ///< mode, position, velocity, torque, voltage, temperature, fault
   identity,  ///< mode, home state, fault, firmware and register map version, watchdog
+  motor,     ///< its temperature
+  control,   ///< mode, fault, terms of the torque before its limit, control position and errors
 };
 
 [[nodiscard]] bool valid(const MoteusDriver& driver) noexcept;
@@ -92,11 +113,11 @@ enum class MoteusQuery : std::uint8_t {
 /// Number of the reference -> common name. Codes from 96 name what limits the output: no fault.
 [[nodiscard]] DriverFault moteus_fault(std::uint8_t code) noexcept;
 
-/// Position mode and a query of the state (with the extra encoder): 32 bytes, answered with 20 (32 with
-/// encoder). Position, velocity, torque, gains and limit are int16: 0.63 mrad, 1.6 mrad/s, 0.01 Nm, 1/32767;
-/// +-3.27 revolutions.
+/// Position mode without a limit of the acceleration, and a query: of the state (with the extra encoder) 32
+/// bytes, answered with 24 (48 with encoder). Position, velocity, torque, gains and limit are int16: 0.63
+/// mrad, 1.6 mrad/s, 0.01 Nm, 1/32767; within kMoteusPosition_rad and kMoteusVelocity_rad_s.
 [[nodiscard]] EncodeStatus encode_command(const MoteusDriver& driver, const MoteusCommand& command,
-                                          CanFrame& frame) noexcept;
+                                          CanFrame& frame, MoteusQuery query = MoteusQuery::state) noexcept;
 /// Stop: motor off, faults and an expired watchdog cleared.
 [[nodiscard]] EncodeStatus encode_stop(const MoteusDriver& driver, MoteusQuery query,
                                        CanFrame& frame) noexcept;

@@ -2,17 +2,36 @@
 
 #include <cmath>
 
+#include "hal/can/bytes.h"
+
 namespace stilt::hal::moteus {
 namespace {
 
 using bring_up::BringUp;
 using bring_up::Failure;
+using bring_up::Setting;
 using bring_up::Stage;
 
 constexpr double kWatchdogTolerance_s = 0.0005;  // half a step of the register
+/// Parts of enable: position mode, then probes of the two ends of the travel.
+constexpr unsigned kLowerEnd = 1;
+constexpr unsigned kUpperEnd = 2;
+constexpr double kProbe_rad = 0.5;          // about the position, without a travel
+constexpr double kProbeVelocity_rad_s = 2;  // shows kd
+/// The control position moves at that velocity between command and answer.
+constexpr double kControlTolerance_rad = 0.1;
+constexpr double kGainTolerance = 0.02;      // relative
+constexpr double kTermTolerance_Nm = 0.005;  // beside it: registers of 1 mNm
+constexpr std::uint8_t kOutsideBounds = 39;  // enabled outside servopos.position_min and position_max
 
 bool is_mode(const MoteusReply& reply, MoteusMode mode) noexcept {
   return reply.has_mode && reply.mode == static_cast<std::uint8_t>(mode);
+}
+
+/// Whether a term of the torque is that of a gain: kp and kd of the driver count in revolutions.
+bool right_term(double torque_Nm, double error_rad, double gain_rev) noexcept {
+  const double expected_Nm = std::abs(error_rad) / kRadiansPerRevolution * gain_rev;
+  return std::abs(std::abs(torque_Nm) - expected_Nm) <= kGainTolerance * expected_Nm + kTermTolerance_Nm;
 }
 
 }  // namespace
@@ -24,7 +43,7 @@ BringUp::Ask MoteusBringUp::ask(Stage stage, unsigned /*part*/, CanFrame& frame)
       status = encode_stop(driver_, MoteusQuery::identity, frame);
       break;
     case Stage::scaling:
-      return Ask::skip;  // scales are fixed by the register map version
+      return Ask::skip;  // fixed by the register map version; gains show when it is enabled
     case Stage::version:
     case Stage::watchdog_read:
       status = encode_query(driver_, MoteusQuery::identity, frame);
@@ -46,9 +65,19 @@ BringUp::Ask MoteusBringUp::ask(Stage stage, unsigned /*part*/, CanFrame& frame)
   return Ask::fail;
 }
 
-BringUp::Verdict MoteusBringUp::wrong(Failure what, DriverFault fault) noexcept {
-  failure(what, fault);
+BringUp::Verdict MoteusBringUp::wrong(Failure what, const Blame& blame) noexcept {
+  failure(what, blame);
   return Verdict::fail;
+}
+
+BringUp::Verdict MoteusBringUp::judge_version(const MoteusReply& reply) noexcept {
+  if (!reply.has_firmware_version || !reply.has_register_map_version) return Verdict::ignore;
+  if (reply.firmware_version < options().minimum_version) return wrong(Failure::old_version);
+  if (reply.register_map_version < kMoteusRegisterMap) return wrong(Failure::old_version);
+  if (reply.register_map_version > kMoteusRegisterMap) return wrong(Failure::wrong_scaling);
+  output_referenced_ = reply.home == static_cast<std::uint8_t>(MoteusHome::output);
+  rotor_referenced_ = reply.home == static_cast<std::uint8_t>(MoteusHome::rotor);
+  return Verdict::next_stage;
 }
 
 BringUp::Verdict MoteusBringUp::judge_home(const MoteusReply& reply) noexcept {
@@ -58,19 +87,64 @@ BringUp::Verdict MoteusBringUp::judge_home(const MoteusReply& reply) noexcept {
   return check_home(reply.position_rad) ? Verdict::next_stage : Verdict::fail;
 }
 
-BringUp::Verdict MoteusBringUp::judge(Stage stage, unsigned /*part*/, const CanFrame& frame) noexcept {
+/// Only from mode position on do the driver's own bounds count.
+BringUp::Verdict MoteusBringUp::judge_enabling(const MoteusReply& reply) noexcept {
+  return is_mode(reply, MoteusMode::position) ? Verdict::next_part : Verdict::not_yet;
+}
+
+/// Where a probe asks the driver to hold, as the driver counts.
+double MoteusBringUp::probed_rad() const noexcept {
+  const bool lower = part() == kLowerEnd;
+  const double end_rad = lower ? options().minimum_angle_rad : options().maximum_angle_rad;
+  const double near_rad = position_rad() + (lower ? -kProbe_rad : kProbe_rad);
+  return (std::isfinite(end_rad) ? end_rad : near_rad) - turn_offset_rad();
+}
+
+/// The first setting that the answer to a probe contradicts. A control position that stands elsewhere is held
+/// by bounds; one on its way, by limits of the trajectory.
+Setting MoteusBringUp::contradicted(const MoteusReply& reply) noexcept {
+  const double moved_rad = reply.control_position_rad - last_control_rad_;
+  last_control_rad_ = reply.control_position_rad;
+  if (!(std::abs(reply.control_position_rad - probed_rad()) <= kControlTolerance_rad)) {
+    return moved_rad == 0 ? Setting::moteus_position_bounds : Setting::moteus_trajectory_limits;
+  }
+  if (!right_term(reply.proportional_Nm, reply.position_error_rad, driver_.kp_Nm_rev)) {
+    return Setting::moteus_kp;
+  }
+  if (!right_term(reply.derivative_Nm, reply.velocity_error_rad_s, driver_.kd_Nm_s_rev)) {
+    return Setting::moteus_kd;
+  }
+  return std::abs(reply.integral_Nm) <= kTermTolerance_Nm ? Setting::none : Setting::moteus_ki;
+}
+
+/// The first answer still shows what was before the probe.
+BringUp::Verdict MoteusBringUp::judge_probe(const MoteusReply& reply) noexcept {
+  if (!reply.has_control || !std::isfinite(reply.control_position_rad)) return Verdict::ignore;
+  const Setting setting = contradicted(reply);
+  if (setting != Setting::none) {
+    const bool gain = setting == Setting::moteus_kp || setting == Setting::moteus_kd;
+    suspect(gain ? Failure::wrong_scaling : Failure::wrong_setting, {.setting = setting});
+    return Verdict::not_yet;
+  }
+  return part() == kUpperEnd ? Verdict::next_stage : Verdict::next_part;
+}
+
+BringUp::Verdict MoteusBringUp::judge(Stage stage, unsigned part, const CanFrame& frame) noexcept {
   MoteusReply reply;
   if (decode_reply(driver_, frame, reply) != DecodeStatus::ok || !reply.has_mode) return Verdict::ignore;
-  if (is_mode(reply, MoteusMode::fault)) return wrong(Failure::driver_fault, moteus_fault(reply.fault_code));
+  if (is_mode(reply, MoteusMode::fault)) {
+    const DriverFault fault = moteus_fault(reply.fault_code);
+    const bool bounds = stage == Stage::enable && reply.fault_code == kOutsideBounds;
+    const Blame blame{fault, reply.fault_code, bounds ? Setting::moteus_position_bounds : Setting::none};
+    if (stage != Stage::identify) return wrong(Failure::driver_fault, blame);
+    suspect(Failure::driver_fault, blame);  // the stop that is answered here clears it
+    return Verdict::not_yet;
+  }
   switch (stage) {
     case Stage::identify:
       return is_mode(reply, MoteusMode::stopped) ? Verdict::next_stage : Verdict::not_yet;
     case Stage::version:
-      if (!reply.has_firmware_version) return Verdict::ignore;
-      if (reply.firmware_version < options().minimum_version) return wrong(Failure::old_version);
-      output_referenced_ = reply.home == static_cast<std::uint8_t>(MoteusHome::output);
-      rotor_referenced_ = reply.home == static_cast<std::uint8_t>(MoteusHome::rotor);
-      return Verdict::next_stage;
+      return judge_version(reply);
     case Stage::watchdog_write:
       return Verdict::next_stage;
     case Stage::watchdog_read:
@@ -81,7 +155,7 @@ BringUp::Verdict MoteusBringUp::judge(Stage stage, unsigned /*part*/, const CanF
     case Stage::home:
       return judge_home(reply);
     case Stage::enable:
-      return is_mode(reply, MoteusMode::position) ? Verdict::next_stage : Verdict::not_yet;
+      return part < kLowerEnd ? judge_enabling(reply) : judge_probe(reply);
     case Stage::scaling:
     case Stage::ready:
     case Stage::failed:
@@ -90,11 +164,19 @@ BringUp::Verdict MoteusBringUp::judge(Stage stage, unsigned /*part*/, const CanF
   return Verdict::ignore;
 }
 
+/// Zero torque whatever else is asked.
 bool MoteusBringUp::keep_alive(CanFrame& frame) noexcept {
   MoteusCommand limp;
   limp.maximum_torque_Nm = 0;
   limp.watchdog_s = options().watchdog_s;
-  return encode_command(driver_, limp, frame) == EncodeStatus::ok;
+  if (stage() != Stage::enable || part() < kLowerEnd) {
+    return encode_command(driver_, limp, frame) == EncodeStatus::ok;
+  }
+  limp.position_rad = probed_rad();
+  limp.velocity_rad_s = kProbeVelocity_rad_s;
+  limp.kp_Nm_rad = driver_.kp_Nm_rev / kRadiansPerRevolution;
+  limp.kd_Nms_rad = driver_.kd_Nm_s_rev / kRadiansPerRevolution;
+  return encode_command(driver_, limp, frame, MoteusQuery::control) == EncodeStatus::ok;
 }
 
 }  // namespace stilt::hal::moteus

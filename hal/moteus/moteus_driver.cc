@@ -38,9 +38,9 @@ DecodeStatus take_frame(const MoteusDriver& driver, const CanFrame& frame, Drive
   }
   if (reply.has_fault) {
     reading.driver_temperature_C = reply.temperature_C;
-    reading.motor_temperature_C = reply.motor_temperature_C;
     reading.supply_V = reply.voltage_V;
   }
+  if (!std::isnan(reply.motor_temperature_C)) reading.motor_temperature_C = reply.motor_temperature_C;
   if (reply.has_mode) reading.set_state(state_of(reply.mode), fault_of(reply), reply.fault_code);
   if (driver.extra_encoder >= 0) {
     const auto encoder = static_cast<std::size_t>(driver.extra_encoder);
@@ -50,15 +50,28 @@ DecodeStatus take_frame(const MoteusDriver& driver, const CanFrame& frame, Drive
   return status;
 }
 
+/// Without kp the position stays unset: it has no part in the torque, and may be beyond what fits a frame.
 EncodeStatus command_frame(const MoteusDriver& driver, const DriverCommand& command,
                            CanFrame& frame) noexcept {
-  const MoteusCommand law{command.position_rad, command.velocity_rad_s,  command.torque_Nm, command.kp_Nm_rad,
-                          command.kd_Nms_rad,   command.torque_limit_Nm, command.watchdog_s};
+  const MoteusCommand law{command.kp_Nm_rad == 0 ? DriverReading::kNotReported : command.position_rad,
+                          command.velocity_rad_s,
+                          command.torque_Nm,
+                          command.kp_Nm_rad,
+                          command.kd_Nms_rad,
+                          command.torque_limit_Nm,
+                          command.watchdog_s};
   return encode_command(driver, law, frame);
 }
 
 EncodeStatus disable_frame(const MoteusDriver& driver, CanFrame& frame) noexcept {
   return encode_stop(driver, MoteusQuery::state, frame);
+}
+
+std::optional<CanFrame> question_frame(const MoteusDriver& driver, unsigned question) noexcept {
+  CanFrame frame;
+  if (question > 0 || encode_query(driver, MoteusQuery::motor, frame) != EncodeStatus::ok)
+    return std::nullopt;
+  return frame;
 }
 
 }  // namespace stilt::hal::moteus

@@ -24,9 +24,8 @@ namespace stilt::hal::moteus {
 [[nodiscard]] constexpr std::optional<CanFrame> fault_reset_frame(const MoteusDriver&) noexcept {
   return std::nullopt;
 }
-[[nodiscard]] constexpr std::optional<CanFrame> question_frame(const MoteusDriver&, unsigned) noexcept {
-  return std::nullopt;
-}
+/// It reports the temperature of its motor on request.
+[[nodiscard]] std::optional<CanFrame> question_frame(const MoteusDriver& driver, unsigned question) noexcept;
 [[nodiscard]] constexpr bool has_own_gains(const MoteusDriver&) noexcept { return true; }
 [[nodiscard]] constexpr int extra_encoder(const MoteusDriver& driver) noexcept {
   return driver.extra_encoder;
@@ -48,6 +47,15 @@ namespace stilt::hal::moteus {
 [[nodiscard]] constexpr bool uses_fd(const MoteusDriver&) noexcept { return true; }
 [[nodiscard]] constexpr std::optional<GainLimits> gain_limits(const MoteusDriver& driver) noexcept {
   return GainLimits{driver.kp_Nm_rev, driver.kd_Nm_s_rev, 2 * std::numbers::pi, "Nm/rev", "Nm s/rev"};
+}
+
+/// Commands are int16, replies int32.
+[[nodiscard]] constexpr std::optional<FrameReach> frame_reach(const MoteusDriver&) noexcept {
+  constexpr double kReply_rad = 21474.8 * 2 * std::numbers::pi;
+  return FrameReach{.command_position_rad = kMoteusPosition_rad,
+                    .command_velocity_rad_s = kMoteusVelocity_rad_s,
+                    .reply_position_rad = kReply_rad,
+                    .reply_velocity_rad_s = kReply_rad};
 }
 
 }  // namespace stilt::hal::moteus

@@ -11,14 +11,23 @@ namespace {
 
 constexpr std::uint32_t kFirstCommand = static_cast<std::uint32_t>(MoteusRegister::command_position);
 constexpr std::uint32_t kFirstEncoder = static_cast<std::uint32_t>(MoteusRegister::encoder_0_position);
+constexpr std::uint32_t kFirstControl = static_cast<std::uint32_t>(MoteusRegister::proportional);
+constexpr std::uint32_t kLastControl = static_cast<std::uint32_t>(MoteusRegister::velocity_error);
 constexpr std::size_t kPosition = 0, kVelocity = 1, kTorque = 2, kKpScale = 3, kKdScale = 4,
-                      kMaximumTorque = 5;
-constexpr std::size_t kTimeout = 7;
+                      kMaximumTorque = 5, kTimeout = 7, kVelocityLimit = 8, kAccelLimit = 9;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// Values of registers that a command leaves out.
-constexpr std::array<double, 8> kUnspecified{0, 0, 0, 1, 1, kNaN, kNaN, 0};
+constexpr std::array<double, 10> kUnspecified{kNaN, 0, 0, 1, 1, kNaN, kNaN, 0, kNaN, kNaN};
 constexpr double kDefaultTimeout_s = 0.1;
+constexpr double kDerate_rev = 0.02;             // beyond its bounds: torque outwards fades over this
+constexpr std::uint8_t kStartOutsideLimit = 39;  // position mode outside its bounds
+
+/// A limit of a trajectory: unset is the driver's own, negative none.
+double limit_of(double commanded, double configured) noexcept {
+  if (std::isnan(commanded)) return configured;
+  return commanded < 0 ? kNaN : commanded;
+}
 
 std::uint8_t code_of(DriverFault fault) noexcept {
   switch (fault) {
@@ -43,13 +52,13 @@ std::uint8_t code_of(DriverFault fault) noexcept {
 
 }  // namespace
 
-MoteusEmulator::MoteusEmulator(const MoteusDriver& driver, std::uint32_t firmware_version) noexcept
-    : driver_(driver), firmware_version_(firmware_version), command_(kUnspecified) {}
+MoteusEmulator::MoteusEmulator(const MoteusDriver& driver, const MoteusSettings& settings) noexcept
+    : driver_(driver), settings_(settings), staged_(kUnspecified), command_(kUnspecified) {}
 
 void MoteusEmulator::power_cycle() noexcept {
   mode_ = MoteusMode::stopped;
   fault_code_ = 0;
-  command_ = kUnspecified;
+  staged_ = command_ = kUnspecified;
 }
 
 void MoteusEmulator::raise(DriverFault fault) noexcept {
@@ -57,20 +66,54 @@ void MoteusEmulator::raise(DriverFault fault) noexcept {
   fault_code_ = code_of(fault);
 }
 
+double MoteusEmulator::position_error_rev() const noexcept {
+  return sensed().position_rad / kRadiansPerRevolution - trajectory_.position_rev();
+}
+
+double MoteusEmulator::velocity_error_rev_s() const noexcept {
+  return sensed().velocity_rad_s / kRadiansPerRevolution - trajectory_.velocity_rev_s();
+}
+
+double MoteusEmulator::damping_Nm() const noexcept {
+  const double most_Nm = settings_.timeout_max_torque_Nm;
+  return std::clamp(-settings_.kd_Nm_s_rev * sensed().velocity_rad_s / kRadiansPerRevolution, -most_Nm,
+                    most_Nm);
+}
+
 double MoteusEmulator::torque_Nm() const noexcept {
   if (!powered()) return 0;
-  const double velocity_rev_s = sensed().velocity_rad_s / kRadiansPerRevolution;
-  if (mode_ == MoteusMode::timeout || mode_ == MoteusMode::zero_velocity)
-    return -driver_.kd_Nm_s_rev * velocity_rev_s;
+  if (mode_ == MoteusMode::timeout || mode_ == MoteusMode::zero_velocity) return damping_Nm();
   if (mode_ != MoteusMode::position) return 0;
-  const double error_rev = std::isnan(command_[kPosition])
-                               ? 0
-                               : command_[kPosition] - sensed().position_rad / kRadiansPerRevolution;
-  const double torque_Nm = command_[kKpScale] * driver_.kp_Nm_rev * error_rev +
-                           command_[kKdScale] * driver_.kd_Nm_s_rev * (command_[kVelocity] - velocity_rev_s) +
-                           command_[kTorque];
-  const double limit_Nm = command_[kMaximumTorque];
-  return std::isnan(limit_Nm) ? torque_Nm : std::clamp(torque_Nm, -std::abs(limit_Nm), std::abs(limit_Nm));
+  double torque_Nm = command_[kTorque] - integral_Nm_ -
+                     command_[kKpScale] * settings_.kp_Nm_rev * position_error_rev() -
+                     command_[kKdScale] * settings_.kd_Nm_s_rev * velocity_error_rev_s();
+  const double limit_Nm = std::abs(command_[kMaximumTorque]);
+  if (!std::isnan(limit_Nm)) torque_Nm = std::clamp(torque_Nm, -limit_Nm, limit_Nm);
+  const double position_rev = sensed().position_rad / kRadiansPerRevolution;
+  const double beyond_rev = torque_Nm > 0 ? position_rev - settings_.bounds.maximum_rev
+                                          : settings_.bounds.minimum_rev - position_rev;
+  return beyond_rev > 0 ? torque_Nm * std::max(0.0, 1 - beyond_rev / kDerate_rev) : torque_Nm;
+}
+
+/// Terms of the torque before its limit, and what they come from.
+double MoteusEmulator::control_register(std::uint32_t number) const noexcept {
+  const bool active = mode_ == MoteusMode::position && trajectory_.started();
+  switch (static_cast<MoteusRegister>(number)) {
+    case MoteusRegister::proportional:
+      return active ? command_[kKpScale] * settings_.kp_Nm_rev * position_error_rev() : 0;
+    case MoteusRegister::integral:
+      return active ? integral_Nm_ : 0;
+    case MoteusRegister::derivative:
+      return active ? command_[kKdScale] * settings_.kd_Nm_s_rev * velocity_error_rev_s() : 0;
+    case MoteusRegister::control_position:
+      return active ? trajectory_.position_rev() : kNaN;
+    case MoteusRegister::position_error:
+      return active ? position_error_rev() : 0;
+    case MoteusRegister::velocity_error:
+      return active ? velocity_error_rev_s() : 0;
+    default:
+      return 0;
+  }
 }
 
 double MoteusEmulator::encoder_register(std::uint32_t offset) const noexcept {
@@ -80,9 +123,10 @@ double MoteusEmulator::encoder_register(std::uint32_t offset) const noexcept {
 
 double MoteusEmulator::read(const void* context, std::uint32_t number) noexcept {
   const auto& driver = *static_cast<const MoteusEmulator*>(context);
-  if (number >= kFirstCommand && number < kFirstCommand + driver.command_.size()) {
-    return driver.command_[number - kFirstCommand];
+  if (number >= kFirstCommand && number < kFirstCommand + kCommandRegisters) {
+    return driver.staged_[number - kFirstCommand];
   }
+  if (number >= kFirstControl && number <= kLastControl) return driver.control_register(number);
   if (number >= kFirstEncoder && number < kFirstEncoder + 2 * kMoteusEncoders) {
     return driver.encoder_register(number - kFirstEncoder);
   }
@@ -101,12 +145,14 @@ double MoteusEmulator::read(const void* context, std::uint32_t number) noexcept 
       return driver.motor.supply_V;
     case MoteusRegister::temperature:
       return driver.motor.temperature_C;
+    case MoteusRegister::motor_temperature:
+      return driver.motor.temperature_C;
     case MoteusRegister::fault:
       return driver.fault_code_;
     case MoteusRegister::firmware_version:
-      return driver.firmware_version_;
+      return driver.settings_.firmware_version;
     case MoteusRegister::register_map_version:
-      return 5;
+      return kMoteusRegisterMap;
     default:
       return 0;
   }
@@ -116,31 +162,83 @@ void MoteusEmulator::write(void* context, std::uint32_t number, double value) no
   auto& driver = *static_cast<MoteusEmulator*>(context);
   if (number == static_cast<std::uint32_t>(MoteusRegister::mode)) {
     if (!(value >= 0 && value <= 255)) return;
-    const auto wanted = static_cast<MoteusMode>(static_cast<std::uint8_t>(value));
-    if (wanted == MoteusMode::stopped) {
-      driver.mode_ = MoteusMode::stopped;
-      driver.fault_code_ = 0;
-    } else if (driver.mode_ != MoteusMode::fault && driver.mode_ != MoteusMode::timeout) {
-      driver.mode_ = wanted;
-    }
-    driver.command_ = kUnspecified;  // a command names everything it does not want at its default
+    driver.staged_mode_ = static_cast<int>(value);
+    driver.staged_ = kUnspecified;  // a command names everything it does not want at its default
     return;
   }
-  if (number < kFirstCommand || number >= kFirstCommand + driver.command_.size()) return;
+  if (number < kFirstCommand || number >= kFirstCommand + kCommandRegisters) return;
   if (number - kFirstCommand == kTimeout && driver.ignore_watchdog_) return;
-  driver.command_[number - kFirstCommand] = value;
+  driver.staged_[number - kFirstCommand] = value;
+}
+
+/// After the frame was answered.
+void MoteusEmulator::apply(std::int64_t now_ns, MoteusMode wanted) noexcept {
+  command_ = staged_;
+  last_command_ns_ = now_ns;
+  if (wanted == MoteusMode::stopped) {
+    mode_ = MoteusMode::stopped;
+    fault_code_ = 0;
+  } else if (mode_ == MoteusMode::stopped) {
+    mode_ = MoteusMode::enabling;
+    enabling_since_ns_ = now_ns;
+  } else if (mode_ == MoteusMode::position || mode_ == MoteusMode::zero_velocity) {
+    mode_ = wanted;
+  }
+  aim();
+}
+
+void MoteusEmulator::aim() noexcept {
+  trajectory_.aim(
+      {.position_rev = command_[kPosition],
+       .velocity_rev_s = std::isnan(command_[kVelocity]) ? 0 : command_[kVelocity],
+       .velocity_limit_rev_s = limit_of(command_[kVelocityLimit], settings_.default_velocity_limit_rev_s),
+       .accel_limit_rev_s2 = limit_of(command_[kAccelLimit], settings_.default_accel_limit_rev_s2)});
+}
+
+void MoteusEmulator::enter_position_mode() noexcept {
+  const double position_rev = sensed().position_rad / kRadiansPerRevolution;
+  if (position_rev < settings_.bounds.minimum_rev || position_rev > settings_.bounds.maximum_rev) {
+    mode_ = MoteusMode::fault;
+    fault_code_ = kStartOutsideLimit;
+    return;
+  }
+  mode_ = MoteusMode::position;
+  integral_Nm_ = 0;
+  trajectory_.end();
+  aim();
+}
+
+/// The trajectory, and the integral of its error.
+void MoteusEmulator::advance(std::int64_t now_ns) noexcept {
+  const double passed_s = static_cast<double>(now_ns - advanced_ns_) * 1e-9;
+  advanced_ns_ = now_ns;
+  if (mode_ != MoteusMode::position) return;
+  trajectory_.advance(passed_s, sensed().position_rad / kRadiansPerRevolution,
+                      sensed().velocity_rad_s / kRadiansPerRevolution, settings_.bounds);
+  integral_Nm_ += settings_.ki * position_error_rev() * passed_s;
 }
 
 void MoteusEmulator::take(std::int64_t now_ns, const CanFrame& frame, FrameSink& replies) noexcept {
   if (!powered()) return;
+  elapse(now_ns, replies);
+  staged_mode_ = -1;
   CanFrame answer;
   bool answered = false;
   if (serve_frame(driver_, frame, this, read, write, answer, answered) != DecodeStatus::ok) return;
-  last_command_ns_ = now_ns;
+  if (staged_mode_ >= 0) {
+    apply(now_ns, static_cast<MoteusMode>(staged_mode_));
+    advance(now_ns);
+  }
   if (answered) replies.push(answer);
 }
 
+/// The watchdog runs from the newest command on, in position mode and on the way there.
 void MoteusEmulator::elapse(std::int64_t now_ns, FrameSink& /*replies*/) noexcept {
+  if (mode_ == MoteusMode::enabling && now_ns - enabling_since_ns_ >= settings_.enable_ns) {
+    enter_position_mode();
+    advanced_ns_ = now_ns;
+  }
+  advance(now_ns);
   if (mode_ != MoteusMode::position || std::isnan(command_[kTimeout])) return;
   const double allowed_s = command_[kTimeout] > 0 ? command_[kTimeout] : kDefaultTimeout_s;
   if (static_cast<double>(now_ns - last_command_ns_) * 1e-9 > allowed_s) mode_ = MoteusMode::timeout;

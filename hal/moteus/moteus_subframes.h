@@ -38,6 +38,14 @@ enum class MoteusRegister : std::uint16_t {
   command_maximum_torque = 0x025,
   command_stop_position = 0x026,
   command_timeout = 0x027,
+  command_velocity_limit = 0x028,
+  command_accel_limit = 0x029,
+  proportional = 0x030,  ///< of the torque; then integral and derivative
+  integral = 0x031,
+  derivative = 0x032,
+  control_position = 0x038,
+  position_error = 0x03b,  ///< sensed minus control; then that of the velocity
+  velocity_error = 0x03c,
   encoder_0_position = 0x050,  ///< then velocity of encoder 0, position of encoder 1, ... to 0x055
   encoder_validity = 0x058,
   model = 0x100,

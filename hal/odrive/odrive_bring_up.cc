@@ -8,10 +8,18 @@ namespace {
 
 using bring_up::BringUp;
 using bring_up::Failure;
+using bring_up::Setting;
 using bring_up::Stage;
 
 constexpr double kWatchdogTolerance_s = 1e-6;
-constexpr unsigned kHeartbeatPart = 2;  // of enable: after clearing errors and setting the state
+/// While listening, for 50 ms: with the documented rates 50 and 5.
+constexpr unsigned kLeastEstimates = 25;
+constexpr unsigned kLeastHeartbeats = 2;
+
+bool is_of(std::uint8_t node, const CanFrame& frame) noexcept {
+  OdriveCommand command{};
+  return decode_command(node, frame, command) == DecodeStatus::ok && !frame.remote;
+}
 
 }  // namespace
 
@@ -25,22 +33,30 @@ BringUp::Ask OdriveBringUp::ask(Stage stage, unsigned part, CanFrame& frame) noe
   switch (stage) {
     case Stage::identify:
       if (part == 0) {  // disable it first, whatever it was doing
+        listened_ = 0;
         return asked(encode_set_state(node_, static_cast<std::uint32_t>(OdriveState::idle), frame),
                      Ask::send_only);
       }
-      return asked(encode_request(node_, OdriveCommand::heartbeat, frame), Ask::wait_for_answer);
+      [[fallthrough]];
     case Stage::version:
       return asked(encode_request(node_, OdriveCommand::version, frame), Ask::wait_for_answer);
     case Stage::scaling:
-      if (part > 0) return Ask::skip;
-      return asked(
-          encode_set_controller_mode(node_, OdriveControlMode::torque, OdriveInputMode::passthrough, frame),
-          Ask::send_only);
+      if (part == 0) {
+        return asked(
+            encode_set_controller_mode(node_, OdriveControlMode::torque, OdriveInputMode::passthrough, frame),
+            Ask::send_only);
+      }
+      if (endpoints_.torque_mode_limit == 0) return Ask::skip;
+      return asked(encode_parameter_request(node_, {false, endpoints_.torque_mode_limit, 0, 1}, frame),
+                   Ask::wait_for_answer);
     case Stage::watchdog_write:
     case Stage::watchdog_read:
       return ask_watchdog(stage, part, frame);
     case Stage::home:
-      return asked(encode_request(node_, OdriveCommand::encoder_estimates, frame), Ask::wait_for_answer);
+      if (part == 0) {
+        return asked(encode_request(node_, OdriveCommand::encoder_estimates, frame), Ask::wait_for_answer);
+      }
+      return ask_rates();
     case Stage::enable:
       return ask_enable(part, frame);
     case Stage::ready:
@@ -65,34 +81,43 @@ BringUp::Ask OdriveBringUp::ask_watchdog(Stage stage, unsigned part, CanFrame& f
                write ? Ask::send_only : Ask::wait_for_answer);
 }
 
-/// A watchdog enabled before the first command has expired meanwhile: clear, enable, and look at the state.
-BringUp::Ask OdriveBringUp::ask_enable(unsigned part, CanFrame& frame) noexcept {
-  if (part == 0) return asked(encode_clear_errors(node_, frame), Ask::send_only);
-  if (part < kHeartbeatPart) {
-    return asked(encode_set_state(node_, static_cast<std::uint32_t>(OdriveState::closed_loop), frame),
-                 Ask::send_only);
+/// The robot is read from estimates, and a driver that has disarmed shows in its heartbeat.
+BringUp::Ask OdriveBringUp::ask_rates() noexcept {
+  const bool encoder = estimates_ < kLeastEstimates;
+  const bool enough = !encoder && heartbeats_ >= kLeastHeartbeats;
+  if (listened_ > 0 && enough) return Ask::skip;
+  if (listened_ < options().tries) {  // a computer that was late has seen too few, too
+    ++listened_;
+    estimates_ = heartbeats_ = 0;
+    return Ask::listen;
   }
-  return asked(encode_request(node_, OdriveCommand::heartbeat, frame), Ask::wait_for_answer);
+  failure(Failure::wrong_setting,
+          {.setting = encoder ? Setting::odrive_encoder_rate : Setting::odrive_heartbeat_rate});
+  return Ask::fail;
+}
+
+/// The watchdog has expired meanwhile: feed it, clear that, and enable.
+BringUp::Ask OdriveBringUp::ask_enable(unsigned part, CanFrame& frame) noexcept {
+  if (part == 0) return asked(encode_input_torque(node_, 0, frame), Ask::send_only);
+  if (part == 1) return asked(encode_clear_errors(node_, frame), Ask::send_only);
+  return asked(encode_set_state(node_, static_cast<std::uint32_t>(OdriveState::closed_loop), frame),
+               Ask::wait_for_answer);
 }
 
 BringUp::Verdict OdriveBringUp::judge(Stage stage, unsigned part, const CanFrame& frame) noexcept {
   switch (stage) {
-    case Stage::identify: {
-      OdriveHeartbeat heartbeat;
-      return decode(node_, frame, heartbeat) == DecodeStatus::ok ? Verdict::next_stage : Verdict::ignore;
-    }
+    case Stage::identify:
+      return is_of(node_, frame) ? Verdict::next_stage : Verdict::ignore;
     case Stage::version:
       return judge_version(frame);
     case Stage::watchdog_read:
       return judge_watchdog(part, frame);
-    case Stage::home: {
-      OdriveEstimates estimates;
-      if (decode(node_, frame, estimates) != DecodeStatus::ok) return Verdict::ignore;
-      return check_home(estimates.position_rad) ? Verdict::next_stage : Verdict::fail;
-    }
+    case Stage::home:
+      return judge_home(part, frame);
     case Stage::enable:
       return judge_enable(frame);
     case Stage::scaling:
+      return judge_torque_mode_limit(frame);
     case Stage::watchdog_write:
     case Stage::ready:
     case Stage::failed:
@@ -101,9 +126,13 @@ BringUp::Verdict OdriveBringUp::judge(Stage stage, unsigned part, const CanFrame
   return Verdict::ignore;
 }
 
+/// Firmware 0.5 reports and does not know the request.
 BringUp::Verdict OdriveBringUp::judge_version(const CanFrame& frame) noexcept {
   OdriveVersion version;
-  if (decode(node_, frame, version) != DecodeStatus::ok) return Verdict::ignore;
+  if (decode(node_, frame, version) != DecodeStatus::ok) {
+    if (is_of(node_, frame)) suspect(Failure::old_version, {});
+    return Verdict::ignore;
+  }
   const std::uint32_t number = static_cast<std::uint32_t>(version.firmware_major) << 16 |
                                static_cast<std::uint32_t>(version.firmware_minor) << 8 |
                                version.firmware_revision;
@@ -129,12 +158,37 @@ BringUp::Verdict OdriveBringUp::judge_watchdog(unsigned part, const CanFrame& fr
   return Verdict::fail;
 }
 
+BringUp::Verdict OdriveBringUp::judge_torque_mode_limit(const CanFrame& frame) noexcept {
+  OdriveParameter answer;
+  if (decode_parameter_answer(node_, frame, answer) != DecodeStatus::ok ||
+      answer.endpoint != endpoints_.torque_mode_limit || answer.value_bytes == 0) {
+    return Verdict::ignore;
+  }
+  if ((answer.bits & 0xff) == 0) return Verdict::next_stage;
+  failure(Failure::wrong_setting, {.setting = Setting::odrive_torque_mode_limit});
+  return Verdict::fail;
+}
+
+BringUp::Verdict OdriveBringUp::judge_home(unsigned part, const CanFrame& frame) noexcept {
+  OdriveEstimates estimates;
+  OdriveHeartbeat heartbeat;
+  const bool estimated = decode(node_, frame, estimates) == DecodeStatus::ok;
+  if (part == 0) {
+    if (!estimated) return Verdict::ignore;
+    return check_home(estimates.position_rad) ? Verdict::next_part : Verdict::fail;
+  }
+  if (estimated) ++estimates_;
+  if (decode(node_, frame, heartbeat) == DecodeStatus::ok) ++heartbeats_;
+  return Verdict::ignore;
+}
+
+/// A heartbeat may be older than what cleared its errors.
 BringUp::Verdict OdriveBringUp::judge_enable(const CanFrame& frame) noexcept {
   OdriveHeartbeat heartbeat;
   if (decode(node_, frame, heartbeat) != DecodeStatus::ok) return Verdict::ignore;
   if (heartbeat.errors != 0) {
-    failure(Failure::driver_fault, odrive_fault(heartbeat.errors));
-    return Verdict::fail;
+    suspect(Failure::driver_fault, {odrive_fault(heartbeat.errors), heartbeat.errors, Setting::none});
+    return Verdict::first_part;
   }
   return heartbeat.state == static_cast<std::uint8_t>(OdriveState::closed_loop) ? Verdict::next_stage
                                                                                 : Verdict::not_yet;

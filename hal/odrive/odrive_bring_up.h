@@ -8,8 +8,9 @@
 namespace stilt::hal::odrive {
 
 /// ODrive: checks the firmware, selects torque control, writes watchdog and its switch and reads both back
-/// (only possible when the endpoints are known: otherwise it has none to promise), and enables closed-loop
-/// control.
+/// (only possible when the endpoints are known: otherwise it has none to promise), listens how often it
+/// reports, and enables closed-loop control. That shows in the heartbeat alone, which answers no request;
+/// torques of 0 feed the watchdog meanwhile.
 class OdriveBringUp final : public bring_up::BringUp {
  public:
   OdriveBringUp(const OdriveDriver& driver, const bring_up::Options& options) noexcept
@@ -26,12 +27,18 @@ class OdriveBringUp final : public bring_up::BringUp {
   [[nodiscard]] Ask ask_watchdog(bring_up::Stage stage, unsigned part, CanFrame& frame) noexcept;
   [[nodiscard]] Ask ask_enable(unsigned part, CanFrame& frame) noexcept;
   [[nodiscard]] Ask asked(EncodeStatus status, Ask kind) noexcept;
+  [[nodiscard]] Ask ask_rates() noexcept;
   [[nodiscard]] Verdict judge_version(const CanFrame& frame) noexcept;
   [[nodiscard]] Verdict judge_watchdog(unsigned part, const CanFrame& frame) noexcept;
+  [[nodiscard]] Verdict judge_torque_mode_limit(const CanFrame& frame) noexcept;
+  [[nodiscard]] Verdict judge_home(unsigned part, const CanFrame& frame) noexcept;
   [[nodiscard]] Verdict judge_enable(const CanFrame& frame) noexcept;
 
   std::uint8_t node_;
   OdriveEndpoints endpoints_;
+  unsigned listened_ = 0;    ///< times
+  unsigned estimates_ = 0;   ///< while listening
+  unsigned heartbeats_ = 0;  ///< while listening
 };
 
 }  // namespace stilt::hal::odrive

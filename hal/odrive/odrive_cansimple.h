@@ -11,9 +11,10 @@
 /// ODrive CANSimple (firmware 0.6): classic frames, identifier = node << 5 | command, little endian.
 /// Positions and velocities are in revolutions of the motor shaft on the wire, in radians of that shaft here.
 /// There is no command with gains: the controller closes the loop and sends torques, and a watchdog that is
-/// off by default. Facts: docs.odriverobotics.com/v/latest/manual/can-protocol.html;
-/// github.com/odriverobotics/ODrive, tools/odrive-cansimple.dbc; github.com/odriverobotics/ODriveResources,
-/// examples/can_param_access.py. Real-time safe, without state.
+/// off by default. Of the messages only those called Get_ answer a request; the heartbeat comes by its timer.
+/// Facts: docs.odriverobotics.com/v/latest/manual/can-protocol.html; github.com/odriverobotics/ODrive,
+/// tools/odrive-cansimple.dbc; github.com/odriverobotics/ODriveResources, examples/can_param_access.py.
+/// Real-time safe, without state.
 namespace stilt::hal::odrive {
 
 enum class OdriveCommand : std::uint8_t {
@@ -38,8 +39,9 @@ inline constexpr std::uint8_t kOdriveMaximumNode = 0x3f;
 
 /// Numbers of the parameters, from flat_endpoints.json of the firmware's release; 0: unknown.
 struct OdriveEndpoints {
-  std::uint16_t watchdog_timeout = 0;  ///< axis0.config.watchdog_timeout, float, s
-  std::uint16_t enable_watchdog = 0;   ///< axis0.config.enable_watchdog, bool
+  std::uint16_t watchdog_timeout = 0;   ///< axis0.config.watchdog_timeout, float, s
+  std::uint16_t enable_watchdog = 0;    ///< axis0.config.enable_watchdog, bool
+  std::uint16_t torque_mode_limit = 0;  ///< axis0.controller.config.enable_torque_mode_vel_limit, bool
 };
 
 struct OdriveDriver {

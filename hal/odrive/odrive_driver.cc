@@ -3,13 +3,14 @@
 namespace stilt::hal::odrive {
 namespace {
 
-/// Decodes the frame as Message and, when it is one, hands it to `take`.
+/// Decodes the frame as Message and, when it is one, hands it to `take`. A driver that has no value yet sends
+/// NaN: that is no news, and no malformed frame.
 template <class Message, class Take>
 DecodeStatus decode_and(std::uint8_t node, const CanFrame& frame, const Take& take) noexcept {
   Message message;
   const DecodeStatus status = decode(node, frame, message);
   if (status == DecodeStatus::ok) take(message);
-  return status;
+  return status == DecodeStatus::not_finite ? DecodeStatus::ok : status;
 }
 
 }  // namespace
@@ -55,6 +56,12 @@ EncodeStatus command_frame(const OdriveDriver& driver, const DriverCommand& comm
 
 EncodeStatus disable_frame(const OdriveDriver& driver, CanFrame& frame) noexcept {
   return encode_set_state(driver.node, static_cast<std::uint32_t>(OdriveState::idle), frame);
+}
+
+std::optional<CanFrame> fault_reset_frame(const OdriveDriver& driver) noexcept {
+  CanFrame frame;
+  if (encode_clear_errors(driver.node, frame) != EncodeStatus::ok) return std::nullopt;
+  return frame;
 }
 
 std::optional<CanFrame> question_frame(const OdriveDriver& driver, unsigned question) noexcept {

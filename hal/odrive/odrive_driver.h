@@ -20,10 +20,8 @@ namespace stilt::hal::odrive {
                                          CanFrame& frame) noexcept;
 [[nodiscard]] EncodeStatus disable_frame(const OdriveDriver& driver, CanFrame& frame) noexcept;
 
-/// Bring-up clears errors.
-[[nodiscard]] constexpr std::optional<CanFrame> fault_reset_frame(const OdriveDriver&) noexcept {
-  return std::nullopt;
-}
+/// It keeps its errors until they are cleared.
+[[nodiscard]] std::optional<CanFrame> fault_reset_frame(const OdriveDriver& driver) noexcept;
 /// It reports supply and temperatures on request, or when its own configuration sends them.
 [[nodiscard]] std::optional<CanFrame> question_frame(const OdriveDriver& driver, unsigned question) noexcept;
 [[nodiscard]] constexpr bool has_own_gains(const OdriveDriver&) noexcept { return false; }
@@ -42,6 +40,10 @@ namespace stilt::hal::odrive {
 [[nodiscard]] constexpr bool uses_fd(const OdriveDriver&) noexcept { return false; }
 /// The law is computed here, without ranges.
 [[nodiscard]] constexpr std::optional<GainLimits> gain_limits(const OdriveDriver&) noexcept {
+  return std::nullopt;
+}
+/// Floats.
+[[nodiscard]] constexpr std::optional<FrameReach> frame_reach(const OdriveDriver&) noexcept {
   return std::nullopt;
 }
 

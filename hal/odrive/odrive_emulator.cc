@@ -1,11 +1,16 @@
 #include "hal/odrive/odrive_emulator.h"
 
+#include <algorithm>
 #include <bit>
+
+#include "hal/can/bytes.h"
 
 namespace stilt::hal::odrive {
 namespace {
 
 constexpr std::uint32_t kWatchdogExpired = 0x01000000;
+constexpr double kVelocityLimit_rev_s = 2;          // controller.config.vel_limit
+constexpr double kVelocityGain_Nm_s_rev = 1.0 / 6;  // controller.config.vel_gain
 
 std::uint32_t bit_of(DriverFault fault) noexcept {
   switch (fault) {
@@ -45,9 +50,19 @@ bool OdriveEmulator::enabled() const noexcept {
   return state_ == static_cast<std::uint32_t>(OdriveState::closed_loop);
 }
 
+/// In torque mode with its limit: |torque| falls with the velocity, to nothing at the velocity limit.
+double OdriveEmulator::torque_Nm() const noexcept {
+  if (!enabled() || !powered()) return 0;
+  if (!settings_.torque_mode_limit) return torque_Nm_;
+  const double velocity_rev_s = sensed().velocity_rad_s / kRadiansPerRevolution;
+  return std::clamp(torque_Nm_, (-kVelocityLimit_rev_s - velocity_rev_s) * kVelocityGain_Nm_s_rev,
+                    (kVelocityLimit_rev_s - velocity_rev_s) * kVelocityGain_Nm_s_rev);
+}
+
 void OdriveEmulator::disarm(std::uint32_t error) noexcept {
   errors_ |= error;
   state_ = static_cast<std::uint32_t>(OdriveState::idle);
+  enabled_from_ns_ = 0;
   torque_Nm_ = 0;
 }
 
@@ -91,6 +106,7 @@ void OdriveEmulator::answer_request(OdriveCommand what, FrameSink& replies) cons
 void OdriveEmulator::take_parameter(const OdriveParameter& request, FrameSink& replies) noexcept {
   const bool timeout = request.endpoint == endpoints_.watchdog_timeout;
   const bool enable = request.endpoint == endpoints_.enable_watchdog;
+  const bool limit = request.endpoint == endpoints_.torque_mode_limit;
   OdriveParameter answer{false, request.endpoint, 0, 0};
   if (request.write) {
     if (timeout) watchdog_s_ = std::bit_cast<float>(request.bits);
@@ -101,9 +117,27 @@ void OdriveEmulator::take_parameter(const OdriveParameter& request, FrameSink& r
   } else if (enable) {
     answer.bits = watchdog_enabled_ ? 1 : 0;
     answer.value_bytes = 1;
+  } else if (limit) {
+    answer.bits = settings_.torque_mode_limit ? 1 : 0;
+    answer.value_bytes = 1;
   }
   CanFrame frame;
   if (encode_parameter_answer(node_, answer, frame) == EncodeStatus::ok) replies.push(frame);
+}
+
+void OdriveEmulator::take_state(std::int64_t now_ns, const CanFrame& frame) noexcept {
+  std::uint32_t wanted = 0;
+  if (decode_set_state(node_, frame, wanted) != DecodeStatus::ok) return;
+  if (!settings_.setpoints_alone_feed) fed_ns_ = now_ns;
+  const bool closed_loop = wanted == static_cast<std::uint32_t>(OdriveState::closed_loop);
+  if (closed_loop && enabled()) return;
+  state_ = static_cast<std::uint32_t>(OdriveState::idle);
+  torque_Nm_ = 0;
+  if (!closed_loop) {
+    enabled_from_ns_ = 0;
+  } else if (errors_ == 0 && enabled_from_ns_ == 0) {
+    enabled_from_ns_ = now_ns + settings_.enable_ns;
+  }
 }
 
 void OdriveEmulator::take_command(std::int64_t now_ns, OdriveCommand command, const CanFrame& frame,
@@ -116,18 +150,14 @@ void OdriveEmulator::take_command(std::int64_t now_ns, OdriveCommand command, co
       }
       break;
     case OdriveCommand::set_state:
-      if (decode_set_state(node_, frame, state_) == DecodeStatus::ok) {
-        if (errors_ != 0) state_ = static_cast<std::uint32_t>(OdriveState::idle);
-        torque_Nm_ = 0;
-        fed_ns_ = now_ns;
-      }
+      take_state(now_ns, frame);
       break;
     case OdriveCommand::set_input_torque:
       if (decode_input_torque(node_, frame, torque_Nm_) == DecodeStatus::ok) fed_ns_ = now_ns;
       break;
     case OdriveCommand::clear_errors:
       errors_ = 0;
-      fed_ns_ = now_ns;
+      if (!settings_.setpoints_alone_feed) fed_ns_ = now_ns;
       break;
     case OdriveCommand::emergency_stop:
       raise(DriverFault::emergency_stop);
@@ -140,8 +170,11 @@ void OdriveEmulator::take_command(std::int64_t now_ns, OdriveCommand command, co
 void OdriveEmulator::take(std::int64_t now_ns, const CanFrame& frame, FrameSink& replies) noexcept {
   OdriveCommand command{};
   if (!powered() || decode_command(node_, frame, command) != DecodeStatus::ok) return;
+  elapse(now_ns, replies);
   if (frame.remote) {
-    answer_request(command, replies);
+    const bool ignored = (command == OdriveCommand::heartbeat && !settings_.answers_heartbeat_request) ||
+                         (command == OdriveCommand::version && !settings_.answers_version);
+    if (!ignored) answer_request(command, replies);
   } else {
     take_command(now_ns, command, frame, replies);
   }
@@ -151,13 +184,17 @@ void OdriveEmulator::elapse(std::int64_t now_ns, FrameSink& replies) noexcept {
   if (!powered()) return;
   const double silence_s = static_cast<double>(now_ns - fed_ns_) * 1e-9;
   if (watchdog_enabled_ && silence_s > static_cast<double>(watchdog_s_)) disarm(kWatchdogExpired);
+  if (enabled_from_ns_ != 0 && now_ns >= enabled_from_ns_) {
+    state_ = static_cast<std::uint32_t>(OdriveState::closed_loop);
+    enabled_from_ns_ = 0;
+  }
   if (now_ns >= next_estimates_ns_) {
     answer_request(OdriveCommand::encoder_estimates, replies);
-    next_estimates_ns_ = now_ns + kEstimatesPeriod_ns;
+    next_estimates_ns_ = now_ns + settings_.estimates_period_ns;
   }
   if (now_ns >= next_heartbeat_ns_) {
     answer_request(OdriveCommand::heartbeat, replies);
-    next_heartbeat_ns_ = now_ns + kHeartbeatPeriod_ns;
+    next_heartbeat_ns_ = now_ns + settings_.heartbeat_period_ns;
   }
 }
 

@@ -5,27 +5,47 @@
 
 namespace stilt::hal::odrive {
 
+/// What an ODrive keeps in its own configuration, by default as it comes from the maker; and what of the
+/// closed firmware 0.6 is not public, either way.
+struct OdriveSettings {
+  std::int64_t heartbeat_period_ns = 100'000'000;  ///< can.heartbeat_msg_rate_ms
+  std::int64_t estimates_period_ns = 10'000'000;   ///< can.encoder_msg_rate_ms
+  bool torque_mode_limit = true;                   ///< controller.config.enable_torque_mode_vel_limit
+  bool answers_heartbeat_request = false;          ///< not public
+  bool setpoints_alone_feed = false;               ///< the watchdog; not public
+  std::int64_t enable_ns = 0;                      ///< from the request to closed loop; not public
+  bool answers_version = true;                     ///< 0.5 does not
+};
+
+/// Set up as docs/deployment.md says.
+[[nodiscard]] constexpr OdriveSettings documented_settings() noexcept {
+  OdriveSettings settings;
+  settings.heartbeat_period_ns = 10'000'000;
+  settings.estimates_period_ns = 1'000'000;
+  settings.torque_mode_limit = false;
+  return settings;
+}
+
 /// ODrive with torque control: heartbeat and estimates on a timer, parameters for the watchdog, which is off
-/// at first and disarms the axis when it expires.
+/// at first and disarms the axis when it expires. Facts: github.com/odriverobotics/ODrive,
+/// Firmware/communication/can/can_simple.cpp, Firmware/MotorControl/controller.cpp (f9b5419, 0.5.6).
 class OdriveEmulator final : public EmulatedDriver {
  public:
-  explicit OdriveEmulator(const OdriveDriver& driver,
+  explicit OdriveEmulator(const OdriveDriver& driver, const OdriveSettings& settings = {},
                           const OdriveVersion& version = {2, 4, 4, 58, 0, 6, 11, 0}) noexcept
-      : node_(driver.node), endpoints_(driver.endpoints), version_(version) {}
+      : node_(driver.node), endpoints_(driver.endpoints), settings_(settings), version_(version) {}
 
   void take(std::int64_t now_ns, const CanFrame& frame, FrameSink& replies) noexcept override;
   void elapse(std::int64_t now_ns, FrameSink& replies) noexcept override;
-  [[nodiscard]] double torque_Nm() const noexcept override { return enabled() && powered() ? torque_Nm_ : 0; }
+  [[nodiscard]] double torque_Nm() const noexcept override;
   [[nodiscard]] bool enabled() const noexcept override;
   [[nodiscard]] bool reports_supply() const noexcept override { return true; }
   void raise(DriverFault fault) noexcept override;
   void power_cycle() noexcept override;
 
-  static constexpr std::int64_t kEstimatesPeriod_ns = 1'000'000;
-  static constexpr std::int64_t kHeartbeatPeriod_ns = 100'000'000;
-
  private:
   void disarm(std::uint32_t error) noexcept;
+  void take_state(std::int64_t now_ns, const CanFrame& frame) noexcept;
   void answer_request(OdriveCommand what, FrameSink& replies) const noexcept;
   void take_parameter(const OdriveParameter& request, FrameSink& replies) noexcept;
   void take_command(std::int64_t now_ns, OdriveCommand command, const CanFrame& frame,
@@ -33,6 +53,7 @@ class OdriveEmulator final : public EmulatedDriver {
 
   std::uint8_t node_;
   OdriveEndpoints endpoints_;
+  OdriveSettings settings_;
   OdriveVersion version_;
   std::uint32_t errors_ = 0;
   std::uint32_t state_ = static_cast<std::uint32_t>(OdriveState::idle);
@@ -40,12 +61,13 @@ class OdriveEmulator final : public EmulatedDriver {
   float watchdog_s_ = 0;
   bool watchdog_enabled_ = false;
   std::int64_t fed_ns_ = 0;
+  std::int64_t enabled_from_ns_ = 0;
   std::int64_t next_estimates_ns_ = 0;
   std::int64_t next_heartbeat_ns_ = 0;
 };
 
 [[nodiscard]] inline OdriveEmulator make_emulator(const OdriveDriver& driver) noexcept {
-  return OdriveEmulator(driver);
+  return OdriveEmulator(driver, documented_settings());
 }
 
 }  // namespace stilt::hal::odrive

@@ -6,7 +6,7 @@ namespace {
 constexpr std::uint32_t kCommands = 32;  // per node
 constexpr std::uint32_t kNodeMask = kMaximumStandardId & ~(kCommands - 1);
 constexpr std::uint32_t kEverybody = 0x3f;
-constexpr double kHeartbeat_hz = 10;
+constexpr double kHeartbeat_hz = 100;       // as documented: heartbeat_msg_rate_ms 10
 constexpr double kQuestionsPerTick = 0.02;  // supply and temperatures (CanRobot)
 
 }  // namespace

@@ -63,6 +63,8 @@ void CanDrivers::step_joint(std::int64_t now_ns, std::size_t joint, BringUpProgr
   progress.stage = result.stage;
   progress.failure = result.failure;
   progress.fault = result.driver_fault;
+  progress.fault_code = result.fault_code;
+  progress.setting = result.setting;
 }
 
 BringUpProgress CanDrivers::step(std::int64_t now_ns) noexcept {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 
 // Layers of the hardware abstraction: docs/decisions/0004-hardware-abstraction.md
@@ -15,6 +16,12 @@ constexpr int kMaximumRounds = 8;  // batches per bus and tick: bounds the time 
 
 bool usable(EncodeStatus status) noexcept {
   return status == EncodeStatus::ok || status == EncodeStatus::saturated;
+}
+
+/// An encoder of one turn repeats: the angle next to the last one, at first next to upright.
+double nearest_turn(double angle_rad, double last_rad) noexcept {
+  const double near_rad = std::isfinite(last_rad) ? last_rad : 0;
+  return near_rad + std::remainder(angle_rad - near_rad, 2 * std::numbers::pi);
 }
 
 bool finite(const JointCommand& command) noexcept {
@@ -109,7 +116,8 @@ DecodeStatus CanRobot::take_joint(std::int64_t now_ns, std::size_t joint, const 
     if (std::isfinite(shaft.encoder_velocity_rad_s)) {
       base_.pitch_rate_rad_s = wiring_.pitch_direction * shaft.encoder_velocity_rad_s;
     }
-    set_pitch(now_ns, wiring_.pitch_direction * shaft.encoder_position_rad + wiring_.pitch_offset_rad);
+    const double pitch_rad = wiring_.pitch_direction * shaft.encoder_position_rad + wiring_.pitch_offset_rad;
+    set_pitch(now_ns, nearest_turn(pitch_rad, base_.pitch_rad));
   }
   return status;
 }
@@ -232,6 +240,22 @@ JointBusStatus CanRobot::disable() noexcept {
     if (!usable(status)) return JointBusStatus::refused;  // only with invalid wiring
   }
   return send(frames);
+}
+
+void CanRobot::clear_faults() noexcept {
+  for (std::size_t joint = 0; joint < kJoints; ++joint) {
+    const JointReading& reading = readings_[joint];
+    const bool faulty = reading.fault != DriverFault::none || reading.state == DriverState::fault;
+    if (!faulty && reading.missed_replies <= kOldReading) continue;
+    const JointWiring& wiring = wiring_.joints[joint];
+    CanFrame frame;
+    const bool usable_frame = visit_driver(wiring.driver, [&frame](const auto& driver) {
+      const std::optional<CanFrame> reset = fault_reset_frame(driver);
+      if (reset) frame = *reset;
+      return reset || usable(disable_frame(driver, frame));
+    });
+    if (usable_frame) static_cast<void>(buses_[wiring.bus]->send(std::span(&frame, 1)));
+  }
 }
 
 JointBusStatus CanRobot::send(const std::array<CanFrame, kJoints>& frames) noexcept {

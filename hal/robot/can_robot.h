@@ -29,6 +29,9 @@ class CanRobot final {
   [[nodiscard]] JointBusStatus write(const JointCommands& commands) noexcept;
   /// Disables every driver. Sent even after refused commands.
   [[nodiscard]] JointBusStatus disable() noexcept;
+  /// Clears what a driver keeps until it is cleared: of those that report a fault or are silent. They are off
+  /// then; the others go on with their commands.
+  void clear_faults() noexcept;
   /// Newest reading of the torso. Call after read(): both share the buses.
   [[nodiscard]] TorsoSensorStatus read_base(BaseReading& reading) noexcept;
   [[nodiscard]] EmergencyStopState read_emergency_stop(std::int64_t now_ns) noexcept;

@@ -29,6 +29,8 @@ struct BringUpProgress {
   bring_up::Stage stage = bring_up::Stage::identify;
   bring_up::Failure failure = bring_up::Failure::none;
   DriverFault fault = DriverFault::none;
+  std::uint32_t fault_code = 0;                         ///< vendor code of `fault`
+  bring_up::Setting setting = bring_up::Setting::none;  ///< of the driver, when one is to blame
 };
 
 /// A robot as the control loop uses it: readings in, commands out. Implemented by motor drivers on CAN buses,
@@ -52,8 +54,8 @@ class Robot {
   /// with commands of zero torque.
   [[nodiscard]] virtual BringUpProgress bring_up(std::int64_t now_ns) noexcept = 0;
 
-  /// The operator asked for a reset: clears bus-off, and has lost connections made again, later and
-  /// elsewhere. Called every tick until that is over.
+  /// The operator asked for a reset: clears bus-off and faults that drivers keep, and has lost connections
+  /// made again, later and elsewhere. Called every tick until that is over.
   virtual void restore_buses() noexcept = 0;
 
  protected:

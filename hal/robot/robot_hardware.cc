@@ -44,6 +44,7 @@ void RobotHardware::read(std::int64_t now_ns, RobotReadings& readings) noexcept 
 }
 
 void RobotHardware::restore_buses() noexcept {
+  robot_.clear_faults();
   for (TapBus& tap : buses()) {
     tap.clear_bus_off();
     tap.begin_reconnect();

@@ -199,6 +199,8 @@ void FrameSocket::take_error(const CanFrame& frame) noexcept {
     health_ = BusHealth::off;
     confirmations_.forget();  // the controller has dropped its queue
   }
+  // A restart drops without echo what came since.
+  if ((frame.id & CAN_ERR_RESTARTED) != 0) confirmations_.forget();
   if (health_ == BusHealth::off) return;  // an automatic restart does not undo it
   if ((frame.id & CAN_ERR_CRTL) != 0) {
     const std::uint8_t detail = frame.data[1];

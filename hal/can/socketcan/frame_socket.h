@@ -46,7 +46,10 @@ class FrameSocket final : public FrameBus {
   [[nodiscard]] ReceiveResult receive(std::span<CanFrame> frames) noexcept override;
 
   [[nodiscard]] BusHealth health() const noexcept override { return health_; }
-  void clear_bus_off() noexcept override { health_ = BusHealth::active; }
+  void clear_bus_off() noexcept override {
+    if (health_ == BusHealth::off) confirmations_.forget();  // what was sent since is not on the bus
+    health_ = BusHealth::active;
+  }
   [[nodiscard]] const BusCounters& counters() const noexcept override { return counters_; }
 
   /// Commands sent and not seen on the bus yet.

@@ -75,6 +75,9 @@ Attempt attempt(const std::string& interface, const BusOptions& options,
   return {std::move(descriptor), Step::none, 0};
 }
 
+/// Rates alone leave sample points to the kernel, at 75 to 87.5 %, where a moteus does not follow.
+const std::string kFdTiming = "`dbitrate 5000000 fd on sample-point 0.666 dsample-point 0.666 sjw 10 dsjw 5`";
+
 std::string sentence(const std::string& interface, const Attempt& failed) {
   const std::string reason = std::strerror(failed.error_number);
   switch (failed.failed) {
@@ -90,11 +93,10 @@ std::string sentence(const std::string& interface, const Attempt& failed) {
       return "bus " + interface + ": no such interface; `ip link` lists those there are";
     case Step::down:
       return "bus " + interface + ": the interface is down; bring it up with `ip link set " + interface +
-             " up type can bitrate 1000000`";
+             " up type can bitrate 1000000`, with moteus also " + kFdTiming;
     case Step::classic:
       return "bus " + interface +
-             ": the interface carries no CAN FD frames, which moteus needs; set it up with " +
-             "`fd on` and a data bit rate";
+             ": the interface carries no CAN FD frames, which moteus needs; set it up with " + kFdTiming;
     case Step::flags:
     case Step::mtu:
     case Step::option:

@@ -115,7 +115,7 @@ TEST(Hardware, NodesWhoseFramesCollideAreRefused) {
 TEST(Hardware, IdentifiersEndWhereTheProtocolEnds) {
   // Node 63 of ODrives means all of them; a moteus has no identifier 0.
   for (const auto& [protocol, least, most] : {std::tuple("odrive", 0, 62),
-                                              {"moteus", 1, 127},
+                                              {"moteus", 1, 126},
                                               {"mit_damiao", 0, 15},
                                               {"mit_ak", 0, 255},
                                               {"mit_mini_cheetah", 0, 255}}) {

@@ -71,5 +71,49 @@ TEST_F(OutcomeTest, TheJsonHasTheFieldsThatScriptsRead) {
   EXPECT_EQ(nlohmann::json::parse(to_json(outcome))["realtime"], true);
 }
 
+TEST_F(OutcomeTest, AFaultNamesItsJointTheVendorCodeAndTheNumbers) {
+  events->push({.kind = Event::Kind::fault,
+                .time_s = 1.0,
+                .fault = Fault::driver_fault,
+                .found = {.joint = 1, .driver_fault = hal::DriverFault::encoder, .fault_code = 35}});
+  events->push({.kind = Event::Kind::fault,
+                .time_s = 2.0,
+                .fault = Fault::driver_hot,
+                .found = {.joint = 2, .value = 77, .limit = 75, .unit = "C"}});
+  testing::internal::CaptureStderr();
+  take_events(*events, outcome);
+  const std::string said = testing::internal::GetCapturedStderr();
+  EXPECT_NE(said.find("a driver reports a fault: knee_L, encoder, vendor code 35; reaction: damp"),
+            std::string::npos)
+      << said;
+  EXPECT_NE(said.find(": hip_R, 77 C, limit 75 C; reaction: warn"), std::string::npos) << said;
+  const auto json = nlohmann::json::parse(to_json(outcome));
+  EXPECT_EQ(json["faults"][0]["joint"], "knee_L");
+  EXPECT_EQ(json["faults"][0]["driver_fault"], "encoder");
+  EXPECT_EQ(json["faults"][0]["fault_code"], 35);
+  EXPECT_FALSE(json["faults"][0].contains("limit"));
+  EXPECT_EQ(json["faults"][1]["joint"], "hip_R");
+  EXPECT_EQ(json["faults"][1]["value"], 77);
+  EXPECT_EQ(json["faults"][1]["limit"], 75);
+  EXPECT_EQ(json["faults"][1]["unit"], "C");
+}
+
+TEST_F(OutcomeTest, ADriverThatCannotBeBroughtUpNamesItsFaultAndSetting) {
+  events->push({.kind = Event::Kind::bring_up_failed,
+                .time_s = 1.0,
+                .bring_up = {.joint = 3,
+                             .failure = hal::bring_up::Failure::driver_fault,
+                             .fault = hal::DriverFault::position_limit,
+                             .fault_code = 39,
+                             .setting = hal::bring_up::Setting::moteus_position_bounds}});
+  testing::internal::CaptureStderr();
+  take_events(*events, outcome);
+  const std::string said = testing::internal::GetCapturedStderr();
+  EXPECT_NE(said.find("driver of knee_R cannot be brought up: driver fault (position limit, vendor code 39); "
+                      "servopos.position_min"),
+            std::string::npos)
+      << said;
+}
+
 }  // namespace
 }  // namespace stilt::program

@@ -15,6 +15,28 @@ TEST(Report, ABusThatCannotCarryTheDriversIsRefused) {
   EXPECT_FALSE(report_buses(*configuration::load_robot("amber3m")).refused);
 }
 
+TEST(Report, ARobotThatTheFramesCannotCarryIsRefused) {
+  const configuration::Override short_range[] = {{"knee_driver.position_range_rad=0.5"}};
+  const BusReport report = report_buses(*configuration::load_robot("amber3m", short_range));
+  EXPECT_TRUE(report.refused);
+  EXPECT_NE(report.text.find("knee_L: commands an angle"), std::string::npos) << report.text;
+}
+
+TEST(Report, ACanInterfaceRequiresARealTimeMachineAndSimulatedBusesDoNot) {
+  const auto requires_with = [](const std::string& buses, const std::string& setting) {
+    const configuration::Override overrides[] = {{"hardware.buses=" + buses}, {setting}};
+    return requires_realtime(*configuration::load_robot("amber3m", overrides));
+  };
+  const std::string as_shipped = "runtime.require_realtime_always=false";
+  EXPECT_TRUE(requires_with("can0,can1", as_shipped));
+  EXPECT_TRUE(requires_with("can0,loopback:right", as_shipped));
+  EXPECT_TRUE(requires_with("slcan0,vcan1", as_shipped));
+  EXPECT_FALSE(requires_with("loopback:left,loopback:right", as_shipped));
+  EXPECT_FALSE(requires_with("vcan0,loopback:right", as_shipped));
+  EXPECT_FALSE(requires_with("can0,can1", "runtime.require_realtime=false"));
+  EXPECT_TRUE(requires_with("loopback:left,vcan1", "runtime.require_realtime_always=true"));
+}
+
 TEST(Report, TheMachineIsDescribedWithWhatIsLacking) {
   realtime::Capability capability;
   capability.kernel = "6.1-rt";

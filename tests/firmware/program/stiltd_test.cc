@@ -70,7 +70,7 @@ TEST(Stiltd, RefusesABusThatIsNotThereInOneSentence) {
 
 TEST(Stiltd, RefusesAMachineThatCannotKeepTimeWhenToldTo) {
   const Answer run = stiltd(
-      "--bus loopback:absent-left --bus loopback:absent-right --set runtime.require_realtime=true "
+      "--bus loopback:absent-left --bus loopback:absent-right --set runtime.require_realtime_always=true "
       "--set runtime.torque_priority=0 --set runtime.planner_priority=0");
   EXPECT_EQ(run.status, 2);
   EXPECT_TRUE(has(run, "runtime.require_realtime is true")) << run.text;

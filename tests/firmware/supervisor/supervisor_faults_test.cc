@@ -125,18 +125,100 @@ TEST_F(SupervisorTest, ALatchedFaultDampsUntilAResetWithTheCauseGone) {
   EXPECT_TRUE(output().latched.empty());
 }
 
-TEST_F(SupervisorTest, AResetDisablesTheDriversSoThatTheirOwnFaultsClear) {
+TEST_F(SupervisorTest, ARejectedResetDampsAllAlong) {
   bring_to_walk();
-  inputs_.seen.joints[2].fault = hal::DriverFault::lost_communication;
+  inputs_.seen.joints[2].motor_temperature_C = 20;
+  inputs_.seen.joints[2].fault = hal::DriverFault::over_current;
+  tick();
+  request(RequestKind::reset);
+  for (double time_s = 0; time_s < 2 * parameters_.reset_window_s; time_s += 1e-3) {
+    ASSERT_EQ(tick(), State::fault);
+    ASSERT_TRUE(only_damps()) << time_s;
+  }
+}
+
+TEST_F(SupervisorTest, AResetGoesOnThroughTheFaultsThatDriversReportWhenTheirBusIsBack) {
+  bring_to_walk();
+  inputs_.seen.read_status = hal::JointBusStatus::bus_off;
   run(0.1);
   request(RequestKind::reset);
   tick();
-  EXPECT_EQ(action_, Action::disable);
+  inputs_.seen.read_status = hal::JointBusStatus::ok;
+  inputs_.seen.joints[1].fault = hal::DriverFault::lost_communication;
+  EXPECT_EQ(tick(), State::fault);
   EXPECT_TRUE(output().clear_buses);
-  inputs_.seen.joints[2].fault = hal::DriverFault::none;
-  inputs_.seen.joints[2].state = hal::DriverState::idle;
-  EXPECT_EQ(tick(), State::idle);
-  EXPECT_FALSE(output().clear_buses);
+  inputs_.seen.joints[1].fault = hal::DriverFault::none;
+  EXPECT_EQ(run(0.01), State::idle);
+}
+
+TEST_F(SupervisorTest, AFaultBeforeTheDriversWereUpSendsNothing) {
+  inputs_.seen.emergency_stop = hal::EmergencyStopState::pressed;
+  for (int i = 0; i < 1000; ++i) {
+    tick();
+    ASSERT_EQ(action_, Action::silent) << "the button is pressed at the start: " << name(output().state);
+  }
+  EXPECT_EQ(output().state, State::fault);
+  EXPECT_EQ(output().level, FallbackLevel::off);
+  for (hal::JointReading& joint : inputs_.seen.joints) joint.missed_replies = 5000;
+  inputs_.seen.emergency_stop = hal::EmergencyStopState::released;
+  request(RequestKind::reset);
+  EXPECT_EQ(run(0.01), State::idle) << "drivers that nobody asks do not answer";
+  EXPECT_EQ(action_, Action::silent);
+}
+
+TEST_F(SupervisorTest, AFaultDuringBringUpDisables) {
+  tick();
+  request(RequestKind::calibrate);
+  tick();
+  inputs_.seen.emergency_stop = hal::EmergencyStopState::pressed;
+  for (int i = 0; i < 1000; ++i) {
+    ASSERT_EQ(tick(), State::fault);
+    ASSERT_EQ(action_, Action::disable) << "some may be enabled already";
+  }
+}
+
+TEST_F(SupervisorTest, AfterAResetTheDriversAreLeftAloneAgain) {
+  bring_to_ready();
+  inputs_.seen.emergency_stop = hal::EmergencyStopState::pressed;
+  tick();
+  EXPECT_TRUE(only_damps());
+  inputs_.seen.emergency_stop = hal::EmergencyStopState::released;
+  request(RequestKind::reset);
+  ASSERT_EQ(run(0.01), State::idle);
+  inputs_.seen.emergency_stop = hal::EmergencyStopState::pressed;
+  EXPECT_EQ(run(0.1), State::fault);
+  EXPECT_EQ(action_, Action::silent);
+}
+
+TEST_F(SupervisorTest, MissedRepliesOfOneJointDoNotUnloadTheOthers) {
+  bring_to_walk();
+  wanted_[1].torque_Nm = 45;
+  tick();
+  for (std::uint32_t missed = 1; missed < 10; ++missed) {
+    inputs_.seen.joints[2].missed_replies = missed;
+    wanted_.fill({});  // the torque law is not in command at this level
+    if (missed < 3) wanted_[1].torque_Nm = 45;
+    tick();
+    EXPECT_GE(commands_[1].torque_Nm, 45 * (1 - 6e-3 / parameters_.hold_ramp_s) - 1e-9) << missed;
+  }
+  inputs_.seen.joints[2].missed_replies = 0;
+  wanted_[1].torque_Nm = 45;
+  tick();
+  EXPECT_EQ(commands_[1].torque_Nm, 45);
+}
+
+TEST_F(SupervisorTest, SittingTakesOverTheTorqueWithoutAStep) {
+  bring_to_walk();
+  tick();
+  inputs_.seen.followable.plan = PlanUse::none;
+  double before_Nm = commands_[1].torque_Nm;
+  for (double time_s = 0; time_s < 2 * parameters_.hold_ramp_s; time_s += 1e-3) {
+    tick();
+    EXPECT_NEAR(commands_[1].torque_Nm, before_Nm, 30 * 1.001e-3 / parameters_.hold_ramp_s);
+    before_Nm = commands_[1].torque_Nm;
+  }
+  EXPECT_EQ(before_Nm, 0);
+  EXPECT_EQ(commands_[1].kp_Nm_rad, parameters_.hold_kp_Nm_rad);
 }
 
 TEST_F(SupervisorTest, NothingMovesByItselfAfterAReset) {
@@ -165,7 +247,8 @@ TEST_F(SupervisorTest, ThreeMissedRepliesHoldThePoseAndTenDamp) {
   }
   EXPECT_EQ(commands_[0].position_rad, pose_rad);
   EXPECT_GT(commands_[0].kp_Nm_rad, 0);
-  EXPECT_EQ(commands_[0].torque_Nm, 0);
+  EXPECT_NEAR(commands_[0].torque_Nm, 30 * (1 - 6e-3 / parameters_.hold_ramp_s), 1e-9)
+      << "what carried the robot fades while the gains grow";
   inputs_.seen.joints[1].missed_replies = 10;
   EXPECT_EQ(tick(), State::fault);
   EXPECT_TRUE(only_damps());

@@ -233,16 +233,19 @@ TEST_F(SupervisorTest, AResetAskedForBeforeAFaultDoesNotResetIt) {
   EXPECT_EQ(run(0.01), State::idle) << "asked for again";
 }
 
-TEST_F(SupervisorTest, AResetDisablesForATickBeforeTheFaultIsOver) {
+TEST_F(SupervisorTest, AResetDampsUntilTheFaultIsOverAndThenDisables) {
   bring_to_stand();
   inputs_.seen.emergency_stop = hal::EmergencyStopState::pressed;
   tick();
   inputs_.seen.emergency_stop = hal::EmergencyStopState::released;
   request(RequestKind::reset);
   EXPECT_EQ(tick(), State::fault);
-  EXPECT_EQ(action_, Action::disable);
+  EXPECT_TRUE(only_damps());
   EXPECT_TRUE(output().clear_buses);
   EXPECT_EQ(tick(), State::idle);
+  EXPECT_EQ(action_, Action::disable) << "idle leaves no driver enabled";
+  tick();
+  EXPECT_EQ(action_, Action::silent);
 }
 
 }  // namespace

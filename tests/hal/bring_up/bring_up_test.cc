@@ -11,7 +11,7 @@ using mock::FrameFault;
 using mock::MockBus;
 
 TEST_F(BringUpTest, AMoteusComesUpWithItsWatchdogAndWithoutTorque) {
-  moteus::MoteusEmulator driver({});
+  moteus::MoteusEmulator driver = moteus::make_emulator({});
   driver.motor.position_rad = 1.25;
   bus_.attach(driver);
   MoteusBringUp bring_up({}, options_);
@@ -35,7 +35,7 @@ TEST_F(BringUpTest, ADamiaoComesUpWithItsWatchdogAndWithoutTorque) {
 }
 
 TEST_F(BringUpTest, AnOdriveComesUpWithItsWatchdogAndWithoutTorque) {
-  odrive::OdriveEmulator driver({3, kEndpoints});
+  odrive::OdriveEmulator driver = odrive::make_emulator({3, kEndpoints});
   driver.motor.position_rad = 1.25;
   bus_.attach(driver);
   OdriveBringUp bring_up({3, kEndpoints}, options_);
@@ -47,9 +47,9 @@ TEST_F(BringUpTest, AnOdriveComesUpWithItsWatchdogAndWithoutTorque) {
 }
 
 TEST_F(BringUpTest, AReadyDriverStaysEnabledAsLongAsStepsGoOnAndIsDisabledAfterwards) {
-  moteus::MoteusEmulator moteus({});
+  moteus::MoteusEmulator moteus = moteus::make_emulator({});
   mit::MitEmulator mit(damiao());
-  odrive::OdriveEmulator odrive({3, kEndpoints});
+  odrive::OdriveEmulator odrive = odrive::make_emulator({3, kEndpoints});
   MoteusBringUp moteus_up({}, options_);
   MitBringUp mit_up(damiao(), options_);
   OdriveBringUp odrive_up({3, kEndpoints}, options_);
@@ -83,7 +83,7 @@ TEST_F(BringUpTest, AnAbsentDriverFailsInTheStageThatGotNoAnswer) {
 }
 
 TEST_F(BringUpTest, LostAnswersAreAskedForAgain) {
-  moteus::MoteusEmulator driver({});
+  moteus::MoteusEmulator driver = moteus::make_emulator({});
   bus_.attach(driver);
   bus_.add_fault({.fault = FrameFault::lose, .until_ns = clock_.now_ns() + 45'000'000});
   MoteusBringUp bring_up({}, options_);
@@ -92,9 +92,9 @@ TEST_F(BringUpTest, LostAnswersAreAskedForAgain) {
 
 TEST_F(BringUpTest, LateAndDoubledAnswersDoNotConfuseTheStages) {
   for (const FrameFault fault : {FrameFault::delay, FrameFault::duplicate}) {
-    moteus::MoteusEmulator moteus({});
+    moteus::MoteusEmulator moteus = moteus::make_emulator({});
     mit::MitEmulator mit(damiao());
-    odrive::OdriveEmulator odrive({3, kEndpoints});
+    odrive::OdriveEmulator odrive = odrive::make_emulator({3, kEndpoints});
     MoteusBringUp moteus_up({}, options_);
     MitBringUp mit_up(damiao(), options_);
     OdriveBringUp odrive_up({3, kEndpoints}, options_);
@@ -125,7 +125,7 @@ TEST_F(BringUpTest, DriversWithoutAWatchdogAreRefusedUnlessTheConfigurationAccep
 }
 
 TEST_F(BringUpTest, AnOdriveWithUnknownEndpointsHasNoWatchdogToPromise) {
-  odrive::OdriveEmulator driver({3, kEndpoints});
+  odrive::OdriveEmulator driver = odrive::make_emulator({3, kEndpoints});
   bus_.attach(driver);
   OdriveBringUp strict({3, {}}, options_);
   EXPECT_EQ(run(strict, bus_, clock_).failure, Failure::no_watchdog);
@@ -133,7 +133,7 @@ TEST_F(BringUpTest, AnOdriveWithUnknownEndpointsHasNoWatchdogToPromise) {
 }
 
 TEST_F(BringUpTest, AMoteusWhosePositionMeansNothingIsRefused) {
-  moteus::MoteusEmulator driver({});
+  moteus::MoteusEmulator driver = moteus::make_emulator({});
   driver.set_home(moteus::MoteusHome::relative);
   bus_.attach(driver);
   MoteusBringUp bring_up({}, options_);
@@ -151,7 +151,7 @@ TEST_F(BringUpTest, AMoteusWhosePositionMeansNothingIsRefused) {
 }
 
 TEST_F(BringUpTest, ExactlyOneTurnOfTheEncoderMustFitTheTravel) {
-  moteus::MoteusEmulator driver({});
+  moteus::MoteusEmulator driver = moteus::make_emulator({});
   driver.set_home(moteus::MoteusHome::rotor);
   driver.motor.position_rad = 0.1;
   bus_.attach(driver);
@@ -190,7 +190,7 @@ TEST_F(BringUpTest, ADriverWithAFaultNamesIt) {
 }
 
 TEST_F(BringUpTest, AnExpiredWatchdogIsClearedByBringingUpAgain) {
-  moteus::MoteusEmulator driver({});
+  moteus::MoteusEmulator driver = moteus::make_emulator({});
   bus_.attach(driver);
   MoteusBringUp bring_up({}, options_);
   ASSERT_EQ(run(bring_up, bus_, clock_).stage, Stage::ready);

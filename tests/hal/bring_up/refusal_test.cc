@@ -65,7 +65,7 @@ class StoppedMoteus final : public EmulatedDriver {
   void power_cycle() noexcept override { inner_.power_cycle(); }
 
  private:
-  moteus::MoteusEmulator inner_{{}};
+  moteus::MoteusEmulator inner_ = moteus::make_emulator({});
 };
 
 class BringUpRefusal : public BringUpTest {
@@ -96,7 +96,7 @@ class BringUpRefusal : public BringUpTest {
 };
 
 TEST_F(BringUpRefusal, AWatchdogThatReadsBackDifferentlyIsRefused) {
-  moteus::MoteusEmulator moteus_driver({});
+  moteus::MoteusEmulator moteus_driver = moteus::make_emulator({});
   moteus_driver.ignore_watchdog(true);
   EXPECT_EQ(moteus(moteus_driver).failure, Failure::wrong_watchdog);
 
@@ -114,7 +114,7 @@ TEST_F(BringUpRefusal, AWatchdogThatReadsBackDifferentlyIsRefused) {
                         .id = 3u << 5 | static_cast<std::uint32_t>(odrive::OdriveCommand::parameter_answer),
                         .any_id = false,
                         .bit = bit};
-    odrive::OdriveEmulator odrive_driver({3, kEndpoints});
+    odrive::OdriveEmulator odrive_driver = odrive::make_emulator({3, kEndpoints});
     EXPECT_EQ(odrive(odrive_driver).failure, Failure::wrong_watchdog) << bit;
   }
 }
@@ -123,9 +123,11 @@ TEST_F(BringUpRefusal, FirmwareBelowTheMinimumIsRefusedAndTheMinimumIsNot) {
   for (const bool old : {true, false}) {
     const Failure expected = old ? Failure::old_version : Failure::none;
     options_.minimum_version = 0x010305;
-    moteus::MoteusEmulator moteus_driver({}, old ? 0x010304 : 0x010305);
+    auto moteus_settings = moteus::documented_settings({});
+    moteus_settings.firmware_version = old ? 0x010304 : 0x010305;
+    moteus::MoteusEmulator moteus_driver({}, moteus_settings);
     EXPECT_EQ(moteus(moteus_driver).failure, expected);
-    odrive::OdriveEmulator odrive_driver({3, kEndpoints},
+    odrive::OdriveEmulator odrive_driver({3, kEndpoints}, odrive::documented_settings(),
                                          {2, 4, 4, 58, 1, 3, static_cast<std::uint8_t>(old ? 4 : 5), 0});
     EXPECT_EQ(odrive(odrive_driver).failure, expected);
     options_.minimum_version = 8;
@@ -201,7 +203,7 @@ TEST_F(BringUpRefusal, ADriverThatAnswersAndDoesNotEnableIsNotSilent) {
   options_.watchdog_s = 0.1;  // does not expire meanwhile
   options_.answer_timeout_ns = 5 * kTick_ns;
   OdriveBringUp bring_up({3, kEndpoints}, options_);
-  odrive::OdriveEmulator driver({3, kEndpoints});
+  odrive::OdriveEmulator driver = odrive::make_emulator({3, kEndpoints});
   bus_.attach(driver);
   // Its heartbeat never says closed loop (8): one bit makes it 12.
   bus_.add_fault({.fault = FrameFault::corrupt,
@@ -216,18 +218,18 @@ TEST_F(BringUpRefusal, ADriverThatAnswersAndDoesNotEnableIsNotSilent) {
 TEST_F(BringUpRefusal, WatchdogsFrom5To100MillisecondsAreAllowed) {
   for (const double allowed_s : {0.005, 0.1}) {
     options_.watchdog_s = allowed_s;
-    moteus::MoteusEmulator driver({});
+    moteus::MoteusEmulator driver = moteus::make_emulator({});
     EXPECT_EQ(moteus(driver).failure, Failure::none) << allowed_s;
   }
   for (const double refused_s : {0.0049, 0.1001, std::nan("")}) {
     options_.watchdog_s = refused_s;
-    moteus::MoteusEmulator driver({});
+    moteus::MoteusEmulator driver = moteus::make_emulator({});
     EXPECT_EQ(moteus(driver).failure, Failure::invalid) << refused_s;
   }
 }
 
 TEST_F(BringUpRefusal, AnOdriveWithAnErrorNamesItAfterItWasCleared) {
-  odrive::OdriveEmulator driver({3, kEndpoints});
+  odrive::OdriveEmulator driver = odrive::make_emulator({3, kEndpoints});
   driver.raise(DriverFault::over_voltage);
   EXPECT_EQ(odrive(driver).failure, Failure::none) << "cleared";
   // Bit 8 of the heartbeat's errors: over voltage, whatever is cleared.
@@ -235,7 +237,7 @@ TEST_F(BringUpRefusal, AnOdriveWithAnErrorNamesItAfterItWasCleared) {
                            .id = 3u << 5 | static_cast<std::uint32_t>(odrive::OdriveCommand::heartbeat),
                            .any_id = false,
                            .bit = 8};
-  odrive::OdriveEmulator faulty({3, kEndpoints});
+  odrive::OdriveEmulator faulty = odrive::make_emulator({3, kEndpoints});
   OdriveBringUp bring_up({3, kEndpoints}, options_);
   bus_.attach(faulty);
   bus_.add_fault(*fault_);
@@ -247,7 +249,7 @@ TEST_F(BringUpRefusal, AnOdriveWithAnErrorNamesItAfterItWasCleared) {
 TEST_F(BringUpRefusal, BeginningAgainForgetsTheFailureAndThePlace) {
   options_.minimum_angle_rad = 1;
   options_.maximum_angle_rad = 2;
-  moteus::MoteusEmulator driver({});
+  moteus::MoteusEmulator driver = moteus::make_emulator({});
   driver.motor.position_rad = 3;
   bus_.attach(driver);
   MoteusBringUp bring_up({}, options_);

@@ -60,14 +60,14 @@ TEST(BusLoad, FourOdriveJointsDoNotFitOnOneBus) {
   EXPECT_NEAR(four_joints(command, reply).fraction, 1.08, 1e-12);
 }
 
-TEST(BusLoad, FourMoteusJointsTake84PercentOfAnFdBus) {
+TEST(BusLoad, FourMoteusJointsTake87PercentOfAnFdBus) {
   CanFrame command;
   ASSERT_EQ(encode_command(moteus::MoteusDriver{}, moteus::MoteusCommand{}, command), EncodeStatus::ok);
   CanFrame reply;
   reply.fd = reply.bit_rate_switch = true;
-  reply.length = 20;
+  reply.length = 24;
   const BusLoad load = four_joints(command, reply);
-  EXPECT_NEAR(load.fraction, 0.84, 0.005);
+  EXPECT_NEAR(load.fraction, 0.87, 0.005);
   EXPECT_EQ(load.verdict, BusLoadVerdict::refused);
 }
 

@@ -193,18 +193,24 @@ TEST(MitMode, MiniCheetahsTellTheirSupplyWhenTheyHaveASeventhByte) {
   EXPECT_DOUBLE_EQ(reply.supply_V, 24);
 }
 
-TEST(MitMode, AkTemperatureIsSignedUnlessTheFirmwareHasAnOffset) {
-  MitReply reply;
-  ASSERT_EQ(decode_reply(ak(), with_payload(classic_frame(0, 8), "01 7fff 7ff 7ff fb 03"), reply),
-            DecodeStatus::ok);
-  EXPECT_EQ(reply.driver_temperature_C, -5);
-  EXPECT_EQ(reply.fault, DriverFault::over_voltage);
-  MitDriver shifted = ak();
-  shifted.temperature_offset_C = -40;
-  ASSERT_EQ(decode_reply(shifted, with_payload(classic_frame(0, 8), "01 7fff 7ff 7ff 46 00"), reply),
-            DecodeStatus::ok);
-  EXPECT_EQ(reply.driver_temperature_C, 30);
-  EXPECT_EQ(reply.fault, DriverFault::none);
+// CubeMars AK series manual 1.0.17: -40 to 215 C.
+TEST(MitMode, AkTemperatureIsItsByteLess40AndHasNoSign) {
+  const auto of_byte = [](const MitDriver& driver, std::string_view byte) {
+    MitReply reply;
+    EXPECT_EQ(
+        decode_reply(
+            driver, with_payload(classic_frame(0, 8), "01 7fff 7ff 7ff " + std::string(byte) + " 03"), reply),
+        DecodeStatus::ok);
+    EXPECT_EQ(reply.fault, DriverFault::over_voltage);
+    return reply.driver_temperature_C;
+  };
+  EXPECT_EQ(of_byte(ak(), "00"), -40);
+  EXPECT_EQ(of_byte(ak(), "46"), 30);
+  EXPECT_EQ(of_byte(ak(), "80"), 88) << "not -168";
+  EXPECT_EQ(of_byte(ak(), "ff"), 215);
+  MitDriver unshifted = ak();
+  unshifted.temperature_offset_C = 0;
+  EXPECT_EQ(of_byte(unshifted, "fb"), 251);
 }
 
 TEST(MitMode, DamiaoStatusIsInTheHighHalfOfTheFirstByte) {

@@ -129,7 +129,7 @@ TEST(Moteus, CommandsArriveInTheRegistersAndStateComesBack) {
     Registers registers;
     auto& value = registers.value;
     value[0x001] = random.between(-100, 100);
-    value[0x002] = random.between(-8, 8);
+    value[0x002] = random.between(-80, 80);
     value[0x003] = random.between(-300, 300);
     value[0x00d] = 24;
     value[0x00e] = 31;
@@ -142,7 +142,7 @@ TEST(Moteus, CommandsArriveInTheRegistersAndStateComesBack) {
               DecodeStatus::ok);
     ASSERT_TRUE(answered);
     ASSERT_EQ(answer.id, 0x301u);
-    ASSERT_EQ(answer.length, 32);
+    ASSERT_EQ(answer.length, 48);
     ASSERT_EQ(value[0x000], 10);
     ASSERT_NEAR(value[0x020] * kTurn, command.position_rad, 0.5001e-4 * kTurn);
     ASSERT_NEAR(value[0x021] * kTurn, command.velocity_rad_s, 0.5001 * 2.5e-4 * kTurn);
@@ -151,12 +151,13 @@ TEST(Moteus, CommandsArriveInTheRegistersAndStateComesBack) {
     ASSERT_NEAR(value[0x024] * driver.kd_Nm_s_rev / kTurn, command.kd_Nms_rad, 3.2 / 65534);
     ASSERT_NEAR(value[0x025], command.maximum_torque_Nm, 0.005001);
     ASSERT_NEAR(value[0x027], 0.02, 1e-12);
+    ASSERT_LT(value[0x029], 0) << "no limit of the acceleration";
     MoteusReply reply;
     ASSERT_EQ(decode_reply(driver, answer, reply), DecodeStatus::ok);
     ASSERT_EQ(reply.mode, 10);
     ASSERT_NEAR(reply.position_rad, value[0x001] * kTurn, 0.5001e-5 * kTurn);
-    ASSERT_NEAR(reply.velocity_rad_s, value[0x002] * kTurn, 0.5001 * 2.5e-4 * kTurn);
-    ASSERT_NEAR(reply.torque_Nm, value[0x003], 0.005001);
+    ASSERT_NEAR(reply.velocity_rad_s, value[0x002] * kTurn, 0.5001e-5 * kTurn);
+    ASSERT_NEAR(reply.torque_Nm, value[0x003], 0.0005001);
     ASSERT_NEAR(reply.encoder_position_rad[1], value[0x052] * kTurn, 0.5001e-5 * kTurn);
     ASSERT_NEAR(reply.encoder_velocity_rad_s[1], value[0x053] * kTurn, 0.5001e-5 * kTurn);
     ASSERT_TRUE(std::isnan(reply.encoder_position_rad[0]));

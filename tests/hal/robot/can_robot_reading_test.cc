@@ -34,6 +34,7 @@ TEST(CanRobot, ATorqueCommandedAtTheJointIsTheTorqueReadAtTheJoint) {
     for (std::size_t joint = 0; joint < kJoints; ++joint)
       commands[joint] = {.torque_Nm = 4.0 + static_cast<double>(joint), .torque_limit_Nm = 50};
     tick(robot, commands);
+    tick(robot, commands);  // a moteus answers from the state before the command
     for (std::size_t joint = 0; joint < kJoints; ++joint) {
       EXPECT_NEAR(robot.readings_[joint].torque_Nm, commands[joint].torque_Nm, 0.05) << joint;
       EXPECT_NEAR(robot.joint_torque_Nm(joint), commands[joint].torque_Nm, 0.05) << joint;
@@ -234,6 +235,55 @@ TEST(CanRobot, ThePitchOfATorsoEncoderHasItsDirectionAndOffset) {
   static_cast<void>(leaning.read(robot.clock_.now_ns(), robot.readings_));
   static_cast<void>(leaning.read_base(base));
   EXPECT_EQ(base.missed_replies, 1u) << "due with every read";
+}
+
+/// Registers of the encoders are within one turn: mjbots/moteus, docs/protocol/registers.md, 0x050.
+TEST(CanRobot, ThePitchOfATorsoEncoderGoesOnThroughTheEndOfItsTurn) {
+  Robot robot(Kind::moteus);
+  const std::array<FrameBus*, 2> buses{&robot.buses_[0], &robot.buses_[1]};
+  for (const double direction : {1.0, -1.0}) {
+    robot.wiring_.pitch_direction = direction;
+    CanRobot leaning(robot.wiring_, buses);
+    for (const double angle_rad : {0.003, -0.003, -0.2, -2.0, -4.0, -6.5, -4.0, -2.0, 0.0, 1.0}) {
+      const double turn_rad = 2 * std::numbers::pi;
+      const double within_turn_rad = angle_rad - turn_rad * std::floor(angle_rad / turn_rad);
+      robot.drivers_[0]->set_encoder(1, within_turn_rad, 0);
+      ASSERT_EQ(leaning.write(some_commands()), JointBusStatus::ok);
+      robot.clock_.advance(kTick_ns);
+      static_cast<void>(leaning.read(robot.clock_.now_ns(), robot.readings_));
+      BaseReading base;
+      ASSERT_EQ(leaning.read_base(base), TorsoSensorStatus::ok);
+      EXPECT_NEAR(base.pitch_rad, direction * angle_rad, 1e-4);
+    }
+  }
+}
+
+TEST(CanRobot, ARegisterAnswerOfADamiaoIsNoPosition) {
+  Robot robot(Kind::mit);
+  tick(robot, some_commands());
+  const double before_rad = robot.readings_[0].position_rad;
+  const auto& driver = std::get<mit::MitDriver>(robot.wiring_.joints[0].driver);
+  CanFrame answer;
+  ASSERT_EQ(encode_register_answer(driver, {.number = 9, .bits = 400}, answer), EncodeStatus::ok);
+  robot.buses_[0].script(answer, robot.clock_.now_ns());
+  static_cast<void>(robot.read());
+  EXPECT_EQ(robot.readings_[0].position_rad, before_rad);
+  EXPECT_EQ(robot.readings_[0].malformed, 0u);
+}
+
+TEST(CanRobot, NotANumberFromAnOdriveIsNoNewsAndNoMalformedFrame) {
+  Robot robot(Kind::odrive);
+  tick(robot, some_commands());
+  const double before_rad = robot.readings_[0].position_rad;
+  const std::uint8_t node = std::get<odrive::OdriveDriver>(robot.wiring_.joints[0].driver).node;
+  for (const auto command : {odrive::OdriveCommand::encoder_estimates, odrive::OdriveCommand::torques}) {
+    CanFrame frame = classic_frame(node * 32u + static_cast<std::uint32_t>(command), 8);
+    frame.data = {0, 0, 0xc0, 0x7f, 0, 0, 0xc0, 0x7f};  // NaN, NaN
+    robot.buses_[0].script(frame, robot.clock_.now_ns());
+  }
+  static_cast<void>(robot.read());
+  EXPECT_EQ(robot.readings_[0].malformed, 0u);
+  EXPECT_EQ(robot.readings_[0].position_rad, before_rad);
 }
 
 /// Frames of no joint, without end.

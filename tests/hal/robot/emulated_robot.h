@@ -6,6 +6,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "hal/mit/mit_bring_up.h"
 #include "hal/mit/mit_emulator.h"
@@ -67,12 +68,12 @@ class Robot {
         driver.kd_Nm_s_rev = 60;
         if (joint == 0) driver.extra_encoder = 1;
         wiring.driver = driver;
-        drivers_[joint] = std::make_shared<moteus::MoteusEmulator>(driver);
+        drivers_[joint] = std::make_shared<moteus::MoteusEmulator>(make_emulator(driver));
         frame_ids_[joint] = static_cast<std::uint32_t>(number) << 8;
       } else {
         const odrive::OdriveDriver driver{number, kEndpoints};
         wiring.driver = driver;
-        drivers_[joint] = std::make_shared<odrive::OdriveEmulator>(driver);
+        drivers_[joint] = std::make_shared<odrive::OdriveEmulator>(make_emulator(driver));
         frame_ids_[joint] = static_cast<std::uint32_t>(number) << 5 | 9;
       }
       buses_[wiring.bus].attach(*drivers_[joint]);
@@ -91,15 +92,33 @@ class Robot {
 
   JointBusStatus read() { return robot_->read(clock_.now_ns(), readings_); }
 
-  /// Brings every driver up, as the controller does.
+  /// Brings every driver up, each feeding its watchdog until all are ready.
   void enable() {
-    for (std::size_t joint = 0; joint < kJoints; ++joint) {
-      const JointWiring& wiring = wiring_.joints[joint];
-      visit_driver(wiring.driver, [&](const auto& driver) {
-        auto up = make_bring_up(driver, bring_up::Options{});
-        run(up, wiring.bus);
-      });
+    std::vector<JointBringUp> ups;
+    for (const JointWiring& wiring : wiring_.joints) {
+      ups.push_back(visit_driver(wiring.driver, [](const auto& driver) -> JointBringUp {
+        return make_bring_up(driver, bring_up::Options{});
+      }));
     }
+    std::size_t ready = 0;
+    for (int tick = 0; tick < 1000 && ready < kJoints; ++tick) {
+      clock_.advance(kTick_ns);
+      std::array<std::array<CanFrame, kMaximumBatch>, 2> received;
+      std::array<std::size_t, 2> count{};
+      for (std::size_t bus = 0; bus < 2; ++bus) count[bus] = buses_[bus].receive(received[bus]).received;
+      ready = 0;
+      for (std::size_t joint = 0; joint < kJoints; ++joint) {
+        const std::size_t bus = wiring_.joints[joint].bus;
+        const bring_up::StepResult result = visit_driver(ups[joint], [&](auto& up) {
+          return up.step(clock_.now_ns(), std::span(received[bus]).first(count[bus]));
+        });
+        if (result.send) {
+          EXPECT_EQ(buses_[bus].send(std::span(&result.frame, 1)).sent, 1u);
+        }
+        if (result.stage == bring_up::Stage::ready) ++ready;
+      }
+    }
+    EXPECT_EQ(ready, kJoints);
     for (auto& bus : buses_) bus.clear_sent();
   }
 
@@ -121,20 +140,6 @@ class Robot {
   std::array<std::uint32_t, kJoints> frame_ids_{};
   std::unique_ptr<CanRobot> robot_;
   JointReadings readings_;
-
- private:
-  /// Time stands still meanwhile: no driver's watchdog expires while the others are brought up.
-  void run(bring_up::BringUp& up, std::size_t bus) {
-    std::array<CanFrame, kMaximumBatch> received;
-    for (int tick = 0; tick < 1000 && up.stage() != bring_up::Stage::ready; ++tick) {
-      const std::size_t count = buses_[bus].receive(received).received;
-      const bring_up::StepResult result = up.step(clock_.now_ns(), std::span(received).first(count));
-      if (result.send) {
-        EXPECT_EQ(buses_[bus].send(std::span(&result.frame, 1)).sent, 1u);
-      }
-    }
-    EXPECT_EQ(up.stage(), bring_up::Stage::ready);
-  }
 };
 
 }  // namespace stilt::hal::testing

@@ -305,6 +305,30 @@ TEST_F(FrameSocketTest, ABusThatWentOffNeverEchoesAndTheNextCommandsGoOut) {
   EXPECT_EQ(socket.send(std::span(&command, 1)).status, BusStatus::ok);
 }
 
+// Linux, drivers/net/can/dev: a restart flushes the echo queue, so that frames accepted meanwhile never come
+// back.
+TEST_F(FrameSocketTest, FramesThatARestartFlushesDoNotSilenceTheirIdentifier) {
+  for (const bool reported : {true, false}) {
+    FrameSocket bus(ends_[0], Echo::marked);
+    FrameSocket controller(ends_[1]);
+    const CanFrame command = classic_frame(1, 8);
+    const CanFrame off = error_frame(CAN_ERR_BUSOFF);
+    const CanFrame restarted = error_frame(CAN_ERR_RESTARTED);
+    ASSERT_EQ(controller.send(std::span(&off, 1)).sent, 1u);
+    static_cast<void>(receive_all(bus));
+    ASSERT_EQ(bus.send(std::span(&command, 1)).sent, 1u) << "the kernel takes it, and flushes it";
+    ASSERT_EQ(bus.send(std::span(&command, 1)).sent, 0u);
+    if (reported) {
+      ASSERT_EQ(controller.send(std::span(&restarted, 1)).sent, 1u);
+      static_cast<void>(receive_all(bus));
+    } else {
+      bus.clear_bus_off();
+    }
+    EXPECT_EQ(bus.send(std::span(&command, 1)).sent, 1u) << reported;
+    static_cast<void>(receive_all(controller));
+  }
+}
+
 TEST_F(FrameSocketTest, AnotherDescriptorStartsWithNothingUnconfirmedAndKeepsTheCounters) {
   FrameSocket socket(ends_[0], Echo::kernel);
   const CanFrame command = classic_frame(1, 8);

@@ -1,0 +1,64 @@
+#include "firmware/configuration/reach.h"
+
+#include <cmath>
+#include <string_view>
+
+#include "firmware/configuration/schema.h"
+#include "hal/robot/robot_wiring.h"
+
+namespace stilt::configuration {
+namespace {
+
+constexpr std::string_view kNames[hal::kJoints] = {"hip_L", "knee_L", "hip_R", "knee_R"};
+
+/// One thing a joint does, at the driver's shaft, and what its frames carry.
+struct Need {
+  std::string_view what;
+  double wanted = 0;
+  double carried = 0;
+  std::string_view unit;
+};
+
+std::string sentence(std::size_t joint, const Need& need) {
+  const std::string driver = joint % 2 == 0 ? "hip_driver" : "knee_driver";
+  return std::string(kNames[joint]) + ": " + std::string(need.what) + " of up to " +
+         number_text(need.wanted) + ' ' + std::string(need.unit) +
+         " at the shaft, and the frames of its driver carry at most " + number_text(need.carried) + ' ' +
+         std::string(need.unit) + "; see " + driver +
+         ".ratio, the joint's offset_rad, and the driver's ranges";
+}
+
+}  // namespace
+
+std::vector<std::string> unreachable(const Configuration& configuration, const model::RobotConstants& robot) {
+  const HardwareParameters& hardware = configuration.hardware;
+  const hal::RobotWiring wiring = robot_wiring(hardware);
+  std::vector<std::string> found;
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    const std::optional<hal::FrameReach> reach = hal::visit_driver(
+        wiring.joints[joint].driver, [](const auto& driver) { return frame_reach(driver); });
+    if (!reach) continue;
+    const auto farthest_rad = [&](double margin_rad) {
+      const hal::bring_up::Options travel =
+          bring_up_options(hardware, joint, robot.position_min_rad[joint] - margin_rad,
+                           robot.position_max_rad[joint] + margin_rad);
+      return std::max(std::abs(travel.minimum_angle_rad), std::abs(travel.maximum_angle_rad));
+    };
+    const double ratio = wiring.joints[joint].ratio;
+    const double speed_rad_s = robot.velocity_limit_rad_s[joint];
+    const supervisor::SupervisorParameters& supervisor = configuration.supervisor;
+    const Need needs[] = {
+        {"commands an angle", farthest_rad(kTravelMargin_rad), reach->command_position_rad, "rad"},
+        {"reads an angle", farthest_rad(supervisor.position_margin_rad), reach->reply_position_rad, "rad"},
+        {"commands a velocity", ratio * speed_rad_s, reach->command_velocity_rad_s, "rad/s"},
+        {"reads a velocity", ratio * (speed_rad_s + supervisor.speed_margin_rad_s),
+         reach->reply_velocity_rad_s, "rad/s"},
+    };
+    for (const Need& need : needs) {
+      if (need.wanted > need.carried) found.push_back(sentence(joint, need));
+    }
+  }
+  return found;
+}
+
+}  // namespace stilt::configuration

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "firmware/configuration/configuration.h"
+#include "mpc_core/model/robot.h"
+
+namespace stilt::configuration {
+
+/// Joints may be found a little beyond their travel.
+inline constexpr double kTravelMargin_rad = 0.1;
+
+/// Angles and velocities of the robot that the frames of its drivers cannot carry: a sentence a joint. A
+/// command beyond the end of its field saturates, and so does a reading: the driver would pull towards that
+/// end, and a joint beyond it would look at rest there. Start-up and host programs only.
+[[nodiscard]] std::vector<std::string> unreachable(const Configuration& configuration,
+                                                   const model::RobotConstants& robot);
+
+}  // namespace stilt::configuration

@@ -1,0 +1,49 @@
+#include "firmware/control_loop/event_text.h"
+
+#include <cmath>
+#include <cstdio>
+
+#include "firmware/control_loop/joint_names.h"
+
+namespace stilt::control_loop {
+namespace {
+
+std::string with_unit(double value, const char* unit) {
+  char text[48];
+  std::snprintf(text, sizeof text, "%.4g %s", value, unit);
+  return text;
+}
+
+std::string fault_and_code(hal::DriverFault fault, std::uint32_t code) {
+  return std::string(hal::name(fault)) + ", vendor code " + std::to_string(code);
+}
+
+}  // namespace
+
+std::string found_text(const supervisor::FaultDetail& found) {
+  std::string text;
+  const auto add = [&text](const std::string& part) { text += (text.empty() ? ": " : ", ") + part; };
+  if (found.joint >= 0) add(kJointNames[static_cast<std::size_t>(found.joint)]);
+  if (found.driver_fault != hal::DriverFault::none) {
+    add(fault_and_code(found.driver_fault, found.fault_code));
+  }
+  if (!std::isnan(found.limit)) {
+    add(std::isnan(found.value) ? "not a number" : with_unit(found.value, found.unit));
+    add("limit " + with_unit(found.limit, found.unit));
+  }
+  return text;
+}
+
+std::string bring_up_text(const hal::BringUpProgress& progress) {
+  std::string text = std::string("driver of ") + kJointNames[progress.joint] +
+                     " cannot be brought up: " + hal::bring_up::name(progress.failure);
+  if (progress.fault != hal::DriverFault::none) {
+    text += " (" + fault_and_code(progress.fault, progress.fault_code) + ")";
+  }
+  if (progress.setting != hal::bring_up::Setting::none) {
+    text += std::string("; ") + hal::bring_up::name(progress.setting);
+  }
+  return text;
+}
+
+}  // namespace stilt::control_loop

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string>
+
+#include "firmware/control_loop/events.h"
+#include "hal/robot/robot.h"
+
+/// What an event found, in words; the same on the terminal, on the wire and in selftest. Not real time.
+namespace stilt::control_loop {
+
+/// Joint, driver fault with vendor code, value and limit of a fault, such as ": knee_L, 92 C, limit 90 C";
+/// empty when it has none.
+[[nodiscard]] std::string found_text(const supervisor::FaultDetail& found);
+
+/// A sentence about a driver that cannot be brought up: joint, failure, driver fault, setting.
+[[nodiscard]] std::string bring_up_text(const hal::BringUpProgress& progress);
+
+}  // namespace stilt::control_loop

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+
+namespace stilt::hal::bring_up {
+
+/// A setting of a driver that bring-up found to be wrong, under the maker's name.
+enum class Setting : std::uint8_t {
+  none,
+  moteus_position_bounds,
+  moteus_trajectory_limits,
+  moteus_kp,
+  moteus_ki,
+  moteus_kd,
+  odrive_encoder_rate,
+  odrive_heartbeat_rate,
+  odrive_torque_mode_limit,
+  damiao_control_mode,
+  damiao_position_range,
+  damiao_velocity_range,
+  damiao_torque_range,
+  damiao_timeout,
+};
+
+/// The maker's name, and what it must be. Real-time safe.
+[[nodiscard]] constexpr const char* name(Setting setting) noexcept {
+  switch (setting) {
+    case Setting::none:
+      return "none";
+    case Setting::moteus_position_bounds:
+      return "servopos.position_min and servopos.position_max must be nan, or contain the joint's travel";
+    case Setting::moteus_trajectory_limits:
+      return "servo.default_velocity_limit must be nan";
+    case Setting::moteus_kp:
+      return "servo.pid_position.kp must be moteus_kp_Nm_rev of the configuration";
+    case Setting::moteus_ki:
+      return "servo.pid_position.ki must be 0";
+    case Setting::moteus_kd:
+      return "servo.pid_position.kd must be moteus_kd_Nms_rev of the configuration";
+    case Setting::odrive_encoder_rate:
+      return "axis0.config.can.encoder_msg_rate_ms must be 1";
+    case Setting::odrive_heartbeat_rate:
+      return "axis0.config.can.heartbeat_msg_rate_ms must be at most 10";
+    case Setting::odrive_torque_mode_limit:
+      return "axis0.controller.config.enable_torque_mode_vel_limit must be false";
+    case Setting::damiao_control_mode:
+      return "CTRL_MODE must be 1 (MIT)";
+    case Setting::damiao_position_range:
+      return "PMAX must be position_range_rad of the configuration";
+    case Setting::damiao_velocity_range:
+      return "VMAX must be velocity_range_rad_s of the configuration";
+    case Setting::damiao_torque_range:
+      return "TMAX must be torque_range_Nm and reply_torque_range_Nm of the configuration";
+    case Setting::damiao_timeout:
+      return "TIMEOUT does not keep what is written";
+  }
+  return "unknown";
+}
+
+}  // namespace stilt::hal::bring_up

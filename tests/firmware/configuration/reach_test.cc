@@ -1,0 +1,68 @@
+#include "firmware/configuration/reach.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "firmware/robots/robots.h"
+
+namespace stilt::configuration {
+namespace {
+
+std::vector<std::string> of(const Configuration& configuration) {
+  const auto robot = robots::find(configuration.hardware.robot);
+  EXPECT_TRUE(robot) << configuration.hardware.robot;
+  return unreachable(configuration, (*robot)->model.constants);
+}
+
+bool says(const std::vector<std::string>& sentences, const std::string& start) {
+  return std::ranges::any_of(sentences, [&](const std::string& line) { return line.starts_with(start); });
+}
+
+TEST(Reach, TheShippedRobotsFitTheFramesOfTheirDrivers) {
+  for (const char* robot : {"amber3m", "rabbit"}) EXPECT_TRUE(of(load_robot(robot).value()).empty()) << robot;
+}
+
+// A knee of 2.4 rad behind a ratio of 9 turns the shaft by 3.44 revolutions; a command ends at 3.2767.
+TEST(Reach, AKneeBehindARatioOf9IsTooFarForTheCommandsOfAMoteus) {
+  Configuration configuration = load_robot("amber3m").value();
+  configuration.hardware.knee.protocol = DriverProtocol::moteus;
+  configuration.hardware.knee.ratio = 6;
+  EXPECT_FALSE(says(of(configuration), "knee_L: commands an angle"));
+  configuration.hardware.knee.ratio = 9;
+  const std::vector<std::string> found = of(configuration);
+  EXPECT_TRUE(says(found, "knee_L: commands an angle of up to "));
+  EXPECT_TRUE(says(found, "knee_R: commands an angle of up to "));
+  EXPECT_TRUE(says(found, "knee_L: commands a velocity of up to 90 rad/s at the shaft"));
+  EXPECT_FALSE(says(found, "knee_L: reads")) << "replies are wide enough";
+  EXPECT_FALSE(says(found, "hip_L"));
+}
+
+TEST(Reach, ARangeOfMitModeBelowTheTravelIsNamedForCommandsAndReplies) {
+  Configuration configuration = load_robot("amber3m").value();
+  configuration.hardware.knee.position_range_rad = 0.5;
+  EXPECT_TRUE(says(of(configuration), "knee_L: commands an angle"));
+  EXPECT_TRUE(says(of(configuration), "knee_L: reads an angle"));
+  configuration.hardware.knee.position_range_rad = 12.5;
+  configuration.hardware.knee.velocity_range_rad_s = 9;
+  EXPECT_TRUE(says(of(configuration), "knee_R: commands a velocity"));
+  configuration.hardware.knee.velocity_range_rad_s = 12;
+  EXPECT_FALSE(says(of(configuration), "knee_R: commands a velocity"));
+  EXPECT_TRUE(says(of(configuration), "knee_R: reads a velocity")) << "its limit and margin could never show";
+}
+
+TEST(Reach, AnOffsetMovesTheTravelAtTheShaft) {
+  Configuration configuration = load_robot("amber3m").value();
+  configuration.hardware.joint[1].offset_rad = -1;
+  EXPECT_TRUE(says(of(configuration), "knee_L: commands an angle of up to 3.5 rad"));
+}
+
+TEST(Reach, FloatsOfAnOdriveCarryEverything) {
+  Configuration configuration = load_robot("amber3m").value();
+  configuration.hardware.hip.protocol = configuration.hardware.knee.protocol = DriverProtocol::odrive;
+  configuration.hardware.hip.ratio = configuration.hardware.knee.ratio = 100;
+  EXPECT_TRUE(of(configuration).empty());
+}
+
+}  // namespace
+}  // namespace stilt::configuration

@@ -1,0 +1,177 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <string>
+
+#include "firmware/configuration/configuration.h"
+#include "firmware/configuration/reach.h"
+#include "firmware/control_loop/control_loop.h"
+#include "firmware/control_loop/planner_task.h"
+#include "hal/robot/emulated_joint.h"
+#include "hal/robot/robot_hardware.h"
+#include "mpc_core/gait/reference.h"
+#include "tests/hal/mock/mock_bus.h"
+#include "tests/robots.h"
+
+/// The control loop over emulated drivers of one maker on two buses in memory, in virtual time. The joints
+/// stand still in the standing pose.
+namespace stilt::control_loop::testing {
+
+class RecoveryRig {
+ public:
+  static constexpr std::int64_t kTick_ns = 1'000'000;
+
+  explicit RecoveryRig(configuration::DriverProtocol protocol)
+      : buses_{hal::mock::MockBus(clock_), hal::mock::MockBus(clock_)} {
+    configuration_ = configuration::load_robot("amber3m").value();
+    for (configuration::DriverParameters* driver :
+         {&configuration_.hardware.hip, &configuration_.hardware.knee}) {
+      driver->protocol = protocol;
+      driver->accept_missing_watchdog = true;
+      driver->odrive_watchdog_timeout_endpoint = 0x191;
+      driver->odrive_enable_watchdog_endpoint = 0x192;
+    }
+    const hal::RobotWiring wiring = configuration::robot_wiring(configuration_.hardware);
+    const model::RobotModel& robot = testing_support::amber3m();
+    hal::BringUpOptions options;
+    for (std::size_t i = 0; i < hal::kJoints; ++i) {
+      options[i] = configuration::bring_up_options(
+          configuration_.hardware, i, robot.constants.position_min_rad[i] - configuration::kTravelMargin_rad,
+          robot.constants.position_max_rad[i] + configuration::kTravelMargin_rad);
+      emulators_[i] = std::make_unique<hal::JointEmulator>(hal::make_emulator(wiring.joints[i].driver));
+      buses_[wiring.joints[i].bus].attach(driver(i));
+    }
+    const model::StateVector standing =
+        gait::standing_state(robot.constants, configuration_.reference.base_height_m, 0.0,
+                             configuration_.gait.stand_half_width_m, true);
+    for (std::size_t i = 0; i < hal::kJoints; ++i) {
+      const hal::JointWiring& joint = wiring.joints[i];
+      driver(i).motor.position_rad = joint.direction * joint.ratio *
+                                     (standing[model::kFirstJoint + static_cast<int>(i)] - joint.offset_rad);
+      driver(i).motor.supply_V = 48;
+    }
+    hardware_ = std::make_unique<hal::RobotHardware>(wiring, options,
+                                                     std::array<hal::FrameBus*, 2>{&buses_[0], &buses_[1]});
+    EXPECT_EQ(planner_.configure(robot, configuration_), control::ConfigureStatus::ok);
+    loop_.configure(robot, configuration_, configuration_.supervisor);
+    loop_.attach(*hardware_, mail_);
+  }
+
+  [[nodiscard]] hal::EmulatedDriver& driver(std::size_t joint) {
+    return hal::visit_driver(*emulators_[joint], [](auto& any) -> hal::EmulatedDriver& { return any; });
+  }
+  [[nodiscard]] hal::mock::MockBus& bus(std::size_t number) { return buses_[number]; }
+  [[nodiscard]] supervisor::State state() const { return loop_.decision().state; }
+  [[nodiscard]] const supervisor::SupervisorOutput& decision() const { return loop_.decision(); }
+  [[nodiscard]] const hal::JointReadings& readings() const { return readings_; }
+  [[nodiscard]] bool all_enabled() {
+    bool all = true;
+    for (std::size_t i = 0; i < hal::kJoints; ++i) all = all && driver(i).enabled();
+    return all;
+  }
+  [[nodiscard]] double largest_torque_Nm() {
+    double largest = 0;
+    for (std::size_t i = 0; i < hal::kJoints; ++i)
+      largest = std::max(largest, std::abs(driver(i).torque_Nm()));
+    return largest;
+  }
+
+  void ask(supervisor::RequestKind kind) { command_.request = {kind, command_.request.number + 1, 0}; }
+  void press_emergency_stop(bool pressed) { pressed_ = pressed; }
+  /// The process does not run for so long; the next tick is late by it.
+  void sleep(std::int64_t duration_ns) {
+    clock_.advance(duration_ns);
+    late_ns_ = duration_ns;
+  }
+
+  void tick() {
+    clock_.advance(kTick_ns);
+    for (std::size_t i = 0; i < hal::kJoints; ++i) {
+      hal::FrameSink lost;
+      if (gone_ && i / 2 == gone_bus_) driver(i).elapse(clock_.now_ns(), lost);
+    }
+    send_torso_frame();
+    mail_.commands.writer() = command_;
+    mail_.commands.publish();
+    if (tick_ == due_ && fresh_) mail_.plans.publish();
+    loop_.tick({.now_ns = clock_.now_ns(), .wakeup_latency_ns = late_ns_});
+    late_ns_ = 0;
+    hardware_->serve_restore([this](std::size_t number) { buses_[number].set_disconnected(gone_); });
+    readings_ = mail_.telemetry.front()->joints;
+    mail_.telemetry.pop();
+    while (mail_.events.front() != nullptr) mail_.events.pop();
+    if (tick_ % 10 == 0 && supervisor::tracks(state())) {
+      fresh_ = planner_.cycle(mail_.requests.newest(), mail_.plans.writer());
+      due_ = tick_ + 5;
+    }
+    ++tick_;
+  }
+  /// Ticks until a state is reached, at most so many.
+  bool reach(supervisor::State wanted, int ticks) {
+    for (int i = 0; i < ticks && state() != wanted; ++i) tick();
+    return state() == wanted;
+  }
+  void run(int ticks) {
+    for (int i = 0; i < ticks; ++i) tick();
+  }
+  /// A bus is gone, or can be connected again.
+  void set_gone(std::size_t number, bool gone) {
+    if (gone) buses_[number].set_disconnected(true);
+    gone_bus_ = number;
+    gone_ = gone;
+  }
+
+  /// A reset, and everything up to standing. False: something stands in the way.
+  [[nodiscard]] bool recover() {
+    ask(supervisor::RequestKind::reset);
+    if (!reach(supervisor::State::idle, 600)) return false;
+    return stand();
+  }
+  [[nodiscard]] bool get_ready() {
+    ask(supervisor::RequestKind::calibrate);
+    return reach(supervisor::State::ready, 2000);
+  }
+  [[nodiscard]] bool stand() {
+    if (!get_ready()) return false;
+    run(80);
+    ask(supervisor::RequestKind::stand);
+    if (!reach(supervisor::State::stand, 100)) return false;
+    run(static_cast<int>(1000 * configuration_.supervisor.stand_ramp_s) + 100);
+    return state() == supervisor::State::stand && decision().ramp == 1.0;
+  }
+
+  configuration::Configuration configuration_;
+
+ private:
+  /// As the shipped [torso_sensor] describes it: upright, at rest.
+  void send_torso_frame() {
+    hal::CanFrame frame = hal::classic_frame(0x150, 6);
+    frame.data[0] = static_cast<std::uint8_t>(tick_ & 1);  // a micro-radian of noise
+    frame.data[5] = pressed_ ? 0 : 1;
+    buses_[0].script(frame, clock_.now_ns());
+  }
+
+  hal::mock::MockClock clock_;
+  std::array<hal::mock::MockBus, 2> buses_;
+  std::array<std::unique_ptr<hal::JointEmulator>, hal::kJoints> emulators_;
+  std::unique_ptr<hal::RobotHardware> hardware_;
+  Mailboxes mail_;
+  PlannerTask planner_;
+  ControlLoop loop_;
+  OperatorCommand command_;
+  hal::JointReadings readings_;
+  bool pressed_ = false;
+  bool gone_ = false;
+  std::size_t gone_bus_ = 0;
+  bool fresh_ = false;
+  std::int64_t late_ns_ = 0;
+  long long tick_ = 0;
+  long long due_ = -1;
+};
+
+}  // namespace stilt::control_loop::testing
