@@ -113,10 +113,17 @@ std::expected<std::unique_ptr<telemetry::TelemetryNode>, std::string> open_telem
       options.source};
   auto node = telemetry::TelemetryNode::open(options.configuration, run, controller_state.mail);
   if (!node) return std::unexpected(node.error() + "; or set telemetry.enabled to false");
+  return node;
+}
+
+/// Once the buses are open: a controller that cannot start changes nobody's token.
+std::expected<void, std::string> take_commands(const program::Options& options,
+                                               telemetry::TelemetryNode& node) {
+  if (const auto taken = node.take_commands(); !taken) return taken;
   const configuration::TelemetryParameters& parameters = options.configuration.telemetry;
   std::fprintf(stderr, "telemetry on %s, domain %d; token in %s\n", parameters.interface.c_str(),
-               parameters.domain, (*node)->token_file().c_str());
-  return node;
+               parameters.domain, node.token_file().c_str());
+  return {};
 }
 
 int run_controller(const program::Options& options) {
@@ -126,6 +133,9 @@ int run_controller(const program::Options& options) {
   if (!node) return refuse(node.error());
   if (const auto fit = check_start(options, outcome); !fit) return refuse(fit.error());
   if (const auto connected = connect(options, buses); !connected) return refuse(connected.error());
+  if (*node) {
+    if (const auto taken = take_commands(options, **node); !taken) return refuse(taken.error());
+  }
   controller_state.telemetry_node = node->get();
   if (*node) (*node)->set_not_realtime(outcome.not_realtime);
   if (options.lockstep) {
