@@ -150,6 +150,10 @@ SharedMessage timing_message(const TimingSample& sample) {
 }
 
 SharedMessage link_message(const LinkStatus& status) {
+  Json talking = Json::array();
+  for (const TalkingRun& run : status.talking) {
+    talking.push_back({{"run_id", run.run_id}, {"robot", run.robot}});
+  }
   return text({{"type", "link"},
                {"received", status.received},
                {"silent_s", status.silent_s},
@@ -157,7 +161,8 @@ SharedMessage link_message(const LinkStatus& status) {
                {"missing", status.missing},
                {"of_others", status.of_others},
                {"runs", status.runs},
-               {"not_sent", status.not_sent}});
+               {"not_sent", status.not_sent},
+               {"talking", talking}});
 }
 
 SharedMessage reply_message(std::uint32_t sequence, bool accepted, const std::string& reason) {

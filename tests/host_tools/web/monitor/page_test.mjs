@@ -153,7 +153,11 @@ test('another run is told, and its plots begin anew', async () => {
 
 test('a second controller that talks at once is told', async () => {
   monitor.write('others');
-  await until('the alarm', async () => /Two controllers talk at once/.test(await text('#alarm')));
+  await until('both', async () => /2 controllers talk.*synthetic-1[^0-9]/.test(await text('#runs')));
+  await page.click('#runs button');
+  await until('the other', async () => /Shown and commanded: AMBER3M, run synthetic-77/.test(await text('#runs')));
+  assert.match(await text('#run-list'), /synthetic-77/);
+  await picture(page, 'two_robots');
 });
 
 test('a tunable outside its range is not sent, and one inside takes effect', async () => {

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 #include "firmware/supervisor/fallback.h"
 #include "firmware/supervisor/fault.h"
@@ -81,12 +82,9 @@ void SyntheticSource::change(const std::string& words) {
   } else if (verb == "drop") {
     ticks_ += std::stoull(argument);
   } else if (verb == "run") {
-    ++run_id_;
-    ticks_ = 0;
-    start_s_ = now_s_;
-    introduce_ = true;
+    begin_run(run_id_ + 1);
   } else if (verb == "others") {
-    of_others_ += 100;
+    other_run_id_ = 77;
   } else if (verb == "push") {
     push_N_ = std::stod(argument);
   } else if (verb == "record") {
@@ -94,6 +92,24 @@ void SyntheticSource::change(const std::string& words) {
   } else {
     throw std::invalid_argument("not understood: " + words);
   }
+}
+
+void SyntheticSource::begin_run(int run_id) {
+  run_id_ = run_id;
+  ticks_ = 0;
+  start_s_ = now_s_;
+  introduce_ = true;
+}
+
+std::vector<TalkingRun> SyntheticSource::talking() const {
+  std::vector<TalkingRun> all = {{run(), "amber3m"}};
+  if (other_run_id_ != 0) all.push_back({"synthetic-" + std::to_string(other_run_id_), "amber3m"});
+  return all;
+}
+
+void SyntheticSource::choose(const std::string& run_id) {
+  if (run_id != "synthetic-" + std::to_string(other_run_id_)) return;
+  begin_run(std::exchange(other_run_id_, run_id_));
 }
 
 void SyntheticSource::poll(SampleSink& sink) {
@@ -284,7 +300,7 @@ TimingSample SyntheticSource::timing_sample() const {
 
 void SyntheticSource::introduce(SampleSink& sink) {
   ConfigurationSample sample;
-  sample.run_id = "synthetic-" + std::to_string(run_id_);
+  sample.run_id = run();
   sample.robot = "amber3m";
   sample.build = "a test";
   sample.toml = "# of no importance\n";
