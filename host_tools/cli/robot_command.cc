@@ -109,15 +109,20 @@ std::string outcome_text(const RobotOnBus& robot, const RunOutcome& outcome) {
 
 void write_results(const RobotOptions& options, const RobotOnBus& robot, const log::RunRecord& record,
                    const RunOutcome& outcome) {
-  if (!options.json_file.empty()) write_json(robot_json(robot, record.summary, outcome), options.json_file);
   if (options.json_file != "-") {
     if (robot.gantry_released_s()) {
       std::fputs(plant_text(record.summary, robot.recorder().fall()).c_str(), stdout);
     }
     std::fputs(outcome_text(robot, outcome).c_str(), stdout);
+    std::fflush(stdout);
   }
-  if (!options.log_file.empty()) log::write_sample_log(record, options.log_file);
-  if (!options.report_file.empty()) report::write_report(record, options.report_file);
+  if (!options.json_file.empty()) write_json(robot_json(robot, record.summary, outcome), options.json_file);
+  if (!options.log_file.empty()) {
+    log::write_sample_log(record, options.log_file);
+    std::fprintf(stderr, "written: %s\n", options.log_file.c_str());
+  }
+  if (!options.report_file.empty())
+    write_output_file("--report", options.report_file, report::render_report(record));
 }
 
 /// Contact forces and the active push, for the monitor's picture.

@@ -104,6 +104,38 @@ TEST(Stiltd, RefusesAMachineThatCannotKeepTimeWhenToldTo) {
   EXPECT_TRUE(has(run, "the torque loop is set to no priority")) << run.text;
 }
 
+TEST(Stiltd, LooksBeforeTheRunWhetherItsFilesCanBeWritten) {
+  for (const char* option : {"--json", "--black-box"}) {
+    const Answer run = stiltd(kAbsentBuses + " " + option + " /nowhere/file");
+    EXPECT_EQ(run.status, 2);
+    EXPECT_TRUE(
+        has(run, std::string(option) + " /nowhere/file: cannot be written (No such file or directory)"))
+        << run.text;
+    EXPECT_FALSE(has(run, "loopback")) << "before it opens a bus";
+  }
+}
+
+TEST(Stiltd, SaysWhatAConfigurationWasReadFromAndForWhichRobot) {
+  const Answer rabbit = stiltd("--check-config --set hardware.robot=rabbit");
+  EXPECT_TRUE(
+      has(rabbit, "the shipped configuration of amber3m, --set hardware.robot=rabbit: valid\nrobot rabbit\n"))
+      << rabbit.text;
+  const tests::OwnFolder folder;
+  std::ofstream(folder.file("empty.toml")) << "# nothing\n";
+  const Answer empty = stiltd("--check-config --config " + folder.file("empty.toml"));
+  EXPECT_TRUE(has(empty, "empty.toml (names no key: every value is the default): valid")) << empty.text;
+  const Answer slow = stiltd("--check-config --set hardware.bit_rate_bit_s=250000");
+  EXPECT_EQ(slow.status, 2);
+  EXPECT_TRUE(has(slow, "each key is valid, and a bus would be overloaded")) << slow.text;
+}
+
+TEST(Stiltd, SaysWhatWasProbablyMeant) {
+  const Answer run = stiltd("--lock-step");
+  EXPECT_EQ(run.status, 2);
+  EXPECT_TRUE(has(run, "stiltd: --lock-step is no option; did you mean --lockstep?; see stiltd --help"))
+      << run.text;
+}
+
 TEST(Stiltd, RefusesWrongWords) {
   EXPECT_EQ(stiltd("--start fly@1").status, 2);
   EXPECT_EQ(stiltd("--config /nowhere.toml").status, 2);
