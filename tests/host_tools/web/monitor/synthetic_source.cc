@@ -87,6 +87,10 @@ void SyntheticSource::change(const std::string& words) {
     other_run_id_ = 77;
   } else if (verb == "push") {
     push_N_ = std::stod(argument);
+  } else if (verb == "idle") {
+    state_ = number(State::idle);
+  } else if (verb == "dead") {
+    joints_answer_ = false;
   } else if (verb == "record") {
     live_ = false;
   } else {
@@ -211,10 +215,12 @@ void SyntheticSource::tick(SampleSink& sink) {
           30.0 * std::sin(std::numbers::pi * (phase_ + static_cast<double>(joint)));
       record.joints[joint].position_rad = record.estimated_state[3 + joint];
       record.joints[joint].velocity_rad_s = 0.0;
+      record.joints[joint].missed_replies = joints_answer_ ? 0 : 5000;
       record.joints[joint].torque_Nm = record.sent[joint].torque_Nm;
     }
   }
   record.ramp = 1.0;
+  record.stance_episode = state_ == number(State::fault) || state_ == number(State::idle) ? 0 : 1;
   record.plan_age_s = 0.005 + kTick_s * static_cast<double>(ticks_ % 10);
   record.wakeup_latency_ns = 20'000 + std::lround(15e3 * std::sin(static_cast<double>(ticks_)));
   record.execution_ns = 35'000 + std::lround(5e3 * std::cos(1.3 * static_cast<double>(ticks_)));

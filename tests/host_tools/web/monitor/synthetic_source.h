@@ -19,7 +19,7 @@ class SyntheticSource final : public SampleSource {
   void advance(double now_s);
 
   /// Changes something, in words: "silent", "talk", "fault NAME", "over NAME", "drop N", "run",
-  /// "others", "push N", "record". Throws std::invalid_argument when it is none of them.
+  /// "others", "push N", "idle", "dead", "record". Throws std::invalid_argument when it is none of them.
   void change(const std::string& words);
 
   void poll(SampleSink& sink) override;
@@ -44,6 +44,7 @@ class SyntheticSource final : public SampleSource {
   [[nodiscard]] TimingSample timing_sample() const;
 
   double now_s_ = -1.0, start_s_ = -1.0;
+  bool joints_answer_ = true;
   bool silent_ = false, live_ = true, introduce_ = true;
   int run_id_ = 1;
   int other_run_id_ = 0;  ///< of a controller that talks, too; 0: none
