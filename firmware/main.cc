@@ -138,8 +138,11 @@ std::expected<void, std::string> take_commands(const program::Options& options,
                                                telemetry::TelemetryNode& node) {
   if (const auto taken = node.take_commands(); !taken) return taken;
   const configuration::TelemetryParameters& parameters = options.configuration.telemetry;
-  std::fprintf(stderr, "telemetry on %s, domain %d; token in %s\n", parameters.interface.c_str(),
-               parameters.domain, node.token_file().c_str());
+  const std::string security = parameters.security_folder == "none"
+                                   ? ""
+                                   : ", encrypted by DDS Security with " + parameters.security_folder;
+  std::fprintf(stderr, "telemetry on %s, domain %d%s; token in %s\n", parameters.interface.c_str(),
+               parameters.domain, security.c_str(), node.token_file().c_str());
   return {};
 }
 

@@ -25,6 +25,8 @@ using robot_on_bus::RobotOnBus;
 using robot_on_bus::RunOutcome;
 using Json = nlohmann::ordered_json;
 
+constexpr const char* kHanging = "the robot hangs on its gantry; on its own";
+constexpr const char* kReleased = "the robot is on its own";
 constexpr double kEndless_s = std::numeric_limits<double>::infinity();
 
 std::atomic<bool> interrupted = false;
@@ -199,13 +201,16 @@ int run_robot(const RobotOptions& options, const std::string& command_line) {
   announce(hardware.bus_names);
   RunOutcome outcome;
   {
-    Progress progress("walking", options.duration_s.value_or(kEndless_s), "s");
+    Progress progress(kHanging, options.duration_s.value_or(kEndless_s), "s");
     robot_on_bus::RunOptions run;
     run.tick_s = hardware.setup.tick_s;
     run.duration_s = options.duration_s;
     run.once = options.once;
     run.stop = &interrupted;
-    run.progress = [&](double time_s) { progress.update(time_s); };
+    run.progress = [&](const RobotOnBus& watched) {
+      progress.change(watched.walk_time_s() ? kReleased : kHanging);
+      progress.update(watched.walk_time_s().value_or(0.0));
+    };
     std::optional<host_telemetry::SimulationPublisher> publisher;
     if (options.publish) {
       publisher.emplace(options.network);
