@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "firmware/diagnostics/output_file.h"
 #include "firmware/open_buses.h"
 #include "firmware/program/controller_state.h"
 #include "firmware/program/lockstep_run.h"
@@ -51,8 +52,26 @@ int refuse(const std::string& sentence) {
   return kBadUsage;
 }
 
-int refuse_json(const std::string& file) {
-  return refuse("--json " + file + ": cannot be written; name a file in a folder that exists");
+std::string not_written(const std::string& option, const std::string& file, const std::string& reason) {
+  return option + " " + file + ": cannot be written (" + reason + "); name a file in a writable folder";
+}
+
+/// Looks before the run whether its files can be written after it.
+std::expected<void, std::string> check_files(const program::Options& options) {
+  for (const auto& [option, file] : {std::pair<std::string, std::string>{"--json", options.json_file},
+                                     {"--black-box", options.black_box_file}}) {
+    const std::string reason = diagnostics::why_not_writable(file);
+    if (!reason.empty()) return std::unexpected(not_written(option, file, reason));
+  }
+  return {};
+}
+
+/// Figures as JSON where they are asked for. False: they could not be written, and the user was told.
+bool write_figures(const program::Options& options, const std::string& json) {
+  if (options.json_file.empty()) return true;
+  const auto written = diagnostics::write_file(options.json_file, json);
+  if (!written) static_cast<void>(refuse(not_written("--json", options.json_file, written.error())));
+  return written.has_value();
 }
 
 /// Looks at buses and machine before anything moves. The error is for the user.
@@ -78,9 +97,7 @@ std::expected<void, std::string> check_start(const program::Options& options, pr
 
 int report(const program::Options& options, const program::Outcome& outcome) {
   if (!outcome.error.empty()) std::fprintf(stderr, "stiltd: %s\n", outcome.error.c_str());
-  if (!options.json_file.empty() && !program::write_text(program::to_json(outcome), options.json_file)) {
-    return refuse_json(options.json_file);
-  }
+  if (!write_figures(options, program::to_json(outcome))) return kBadUsage;
   return outcome.error.empty() && outcome.last_state != "fault" ? kDone : kFailed;
 }
 
@@ -112,19 +129,33 @@ std::expected<std::unique_ptr<telemetry::TelemetryNode>, std::string> open_telem
       options.source};
   auto node = telemetry::TelemetryNode::open(options.configuration, run, controller_state.mail);
   if (!node) return std::unexpected(node.error() + "; or set telemetry.enabled to false");
-  const configuration::TelemetryParameters& parameters = options.configuration.telemetry;
-  std::fprintf(stderr, "telemetry on %s, domain %d; token in %s\n", parameters.interface.c_str(),
-               parameters.domain, (*node)->token_file().c_str());
   return node;
+}
+
+/// Once the buses are open: a controller that cannot start changes nobody's token.
+std::expected<void, std::string> take_commands(const program::Options& options,
+                                               telemetry::TelemetryNode& node) {
+  if (const auto taken = node.take_commands(); !taken) return taken;
+  const configuration::TelemetryParameters& parameters = options.configuration.telemetry;
+  const std::string security = parameters.security_folder == "none"
+                                   ? ""
+                                   : ", encrypted by DDS Security with " + parameters.security_folder;
+  std::fprintf(stderr, "telemetry on %s, domain %d%s; token in %s\n", parameters.interface.c_str(),
+               parameters.domain, security.c_str(), node.token_file().c_str());
+  return {};
 }
 
 int run_controller(const program::Options& options) {
   program::Outcome outcome;
   std::vector<hal::AnyBus> buses;
+  if (const auto writable = check_files(options); !writable) return refuse(writable.error());
   const auto node = open_telemetry(options);
   if (!node) return refuse(node.error());
   if (const auto fit = check_start(options, outcome); !fit) return refuse(fit.error());
   if (const auto connected = connect(options, buses); !connected) return refuse(connected.error());
+  if (*node) {
+    if (const auto taken = take_commands(options, **node); !taken) return refuse(taken.error());
+  }
   controller_state.telemetry_node = node->get();
   if (*node) (*node)->set_not_realtime(outcome.not_realtime);
   if (options.lockstep) {
@@ -139,20 +170,21 @@ int run_controller(const program::Options& options) {
 int run_self_test(const program::Options& options) {
   program::Outcome outcome;
   std::vector<hal::AnyBus> buses;
+  if (const auto writable = check_files(options); !writable) return refuse(writable.error());
   if (const auto fit = check_start(options, outcome); !fit) return refuse(fit.error());
   if (const auto connected = connect(options, buses); !connected) return refuse(connected.error());
   const program::SelfTestResult result = program::run_self_test(options, controller_state, signals.stop);
-  if (!options.json_file.empty() && !program::write_text(program::to_json(result), options.json_file)) {
-    return refuse_json(options.json_file);
-  }
   if (options.json_file != "-") std::fputs(program::to_text(result).c_str(), stdout);
+  if (!write_figures(options, program::to_json(result))) return kBadUsage;
   return result.passed() ? kDone : kFailed;
 }
 
 /// --check-config: the configuration was read; what it means here.
 int check_config(const program::Options& options) {
   const program::BusReport buses = program::report_buses(options.configuration);
-  std::printf("%s: valid\n%s", options.source.c_str(), buses.text.c_str());
+  std::printf("%s: %s\nrobot %s\n%s", options.source.c_str(),
+              buses.refused ? "each key is valid, and a bus would be overloaded" : "valid",
+              options.configuration.hardware.robot.c_str(), buses.text.c_str());
   return buses.refused ? kBadUsage : kDone;
 }
 

@@ -32,7 +32,22 @@ void check_bus(std::string_view key, int bus, std::size_t buses, std::vector<Con
   if (bus < static_cast<int>(buses)) return;
   found.push_back({{key, "hardware.buses"},
                    std::string(key) + " = " + std::to_string(bus) + ", but hardware.buses names " +
-                       std::to_string(buses) + (buses == 1 ? " bus" : " buses") + ", numbered from 0"});
+                       std::to_string(buses) + (buses == 1 ? " bus" : " buses") +
+                       ", numbered from 0; name one more, or give --bus once for each"});
+}
+
+/// A network interface has at most 15 characters, no slash, no colon; the names of other buses have a prefix.
+void check_bus_names(const std::vector<std::string>& names, std::vector<Contradiction>& found) {
+  constexpr std::string_view kLoopback = "loopback:";
+  constexpr std::size_t kLongestInterface = 15;
+  for (const std::string& name : names) {
+    const bool loopback = name.starts_with(kLoopback) && name.size() > kLoopback.size();
+    const bool interface =
+        !name.empty() && name.size() <= kLongestInterface && name.find_first_of("/: \t") == std::string::npos;
+    if (loopback || interface) continue;
+    found.push_back({{"hardware.buses"},
+                     "\"" + name + "\" is no bus; a CAN interface such as can0, or loopback:NAME, is one"});
+  }
 }
 
 void check_ids(const HardwareParameters& hardware, std::size_t i, std::vector<Contradiction>& found) {
@@ -71,8 +86,10 @@ void check_pitch(const HardwareParameters& hardware, std::vector<Contradiction>&
 }  // namespace
 
 void check_hardware(const HardwareParameters& hardware, std::vector<Contradiction>& found) {
-  const std::size_t buses = bus_names(hardware).size();
+  const std::vector<std::string> names = bus_names(hardware);
+  const std::size_t buses = names.size();
   const std::size_t before = found.size();
+  check_bus_names(names, found);
   for (std::size_t i = 0; i < hal::kJoints; ++i) {
     check_bus(kKeys[i].bus, hardware.joint[i].bus, buses, found);
     check_ids(hardware, i, found);

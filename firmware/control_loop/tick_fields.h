@@ -129,7 +129,7 @@ constexpr auto tick_fields() noexcept {
       field<G::drivers>("write_status", {}, &R::write_status),
       joint("joint_position_rad", {.csv = "*_position_rad"}, &Joint::position_rad),
       joint("joint_velocity_rad_s", {.csv = "*_velocity_rad_s"}, &Joint::velocity_rad_s),
-      joint("joint_torque_Nm", {.csv = "*_torque_Nm", .page = "measured_torque_Nm"}, &Joint::torque_Nm),
+      joint("joint_torque_Nm", {.csv = "*_torque_Nm"}, &Joint::torque_Nm),
       joint("driver_temperature_C", {.csv = "*_driver_temperature_C"}, &Joint::driver_temperature_C),
       joint("motor_temperature_C", {.csv = "*_motor_temperature_C"}, &Joint::motor_temperature_C),
       joint("supply_V", {.csv = "*_supply_V"}, &Joint::supply_V),
@@ -172,7 +172,7 @@ constexpr auto tick_fields() noexcept {
       field<G::planner>("result_solve_ns", {}, &R::result, &Result::solve_ns),
       field<G::planner>("result_status", {}, &R::result, &Result::status),
 
-      field<G::estimate>("estimated_state", {.csv = "estimated_*", .page = "estimated_state"}, &R::estimated_state),
+      field<G::estimate>("estimated_state", {.csv = "estimated_*"}, &R::estimated_state),
       wanted("wanted_position_rad", {.csv = "wanted_*_position_rad"}, &Command::position_rad),
       wanted("wanted_velocity_rad_s", {.csv = "wanted_*_velocity_rad_s"}, &Command::velocity_rad_s),
       wanted("wanted_torque_Nm", {.csv = "wanted_*_torque_Nm"}, &Command::torque_Nm),

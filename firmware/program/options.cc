@@ -6,12 +6,14 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <iostream>
 #include <memory>
 #include <string_view>
 
 #include "firmware/configuration/gaits/gait_overrides.h"
 #include "firmware/configuration/gaits/shipped_gaits.h"
+#include "firmware/program/usage_text.h"
 #include "firmware/robots/robots.h"
 
 namespace stilt::program {
@@ -89,6 +91,15 @@ std::string source_of(const Arguments& arguments) {
   return std::filesystem::exists(beside) ? beside : "the default configuration of " + arguments.robot;
 }
 
+/// Whether a file that was read as TOML holds more than comments.
+bool names_a_key(const std::string& file) {
+  std::ifstream stream(file);
+  for (std::string line; std::getline(stream, line);) {
+    if (line.substr(0, line.find('#')).find('=') != std::string::npos) return true;
+  }
+  return false;
+}
+
 std::expected<void, std::string> read_configuration(const Arguments& arguments, Options& options) {
   const auto overrides = overrides_of(arguments);
   configuration::Result result = load(arguments, overrides);
@@ -100,7 +111,11 @@ std::expected<void, std::string> read_configuration(const Arguments& arguments, 
   if (!result) return std::unexpected(configuration::to_string(result.error()));
   options.configuration = *result;
   options.source = source_of(arguments);
+  if (!arguments.config_file.empty() && !names_a_key(arguments.config_file)) {
+    options.source += " (names no key: every value is the default)";
+  }
   if (!arguments.preset.empty()) options.source += ", preset " + arguments.preset;
+  for (const std::string& setting : arguments.settings) options.source += ", --set " + setting;
   return {};
 }
 
@@ -183,7 +198,7 @@ std::expected<Options, std::string> read_options(int argc, char** argv, const st
     options.task = Task::nothing;
     return options;
   } catch (const CLI::ParseError& error) {
-    return std::unexpected(std::string(error.what()) + "; see stiltd --help");
+    return std::unexpected(usage_text(app, error));
   }
   if (const auto right = interpret(arguments, self_test->parsed(), options); !right) {
     return std::unexpected(right.error());

@@ -121,12 +121,4 @@ std::string to_json(const Outcome& outcome) {
   return json.dump(2) + "\n";
 }
 
-bool write_text(const std::string& text, const std::string& file) {
-  if (file == "-") return std::fputs(text.c_str(), stdout) >= 0 && std::fflush(stdout) == 0;
-  std::FILE* stream = std::fopen(file.c_str(), "w");
-  if (stream == nullptr) return false;
-  const bool written = std::fputs(text.c_str(), stream) >= 0;
-  return std::fclose(stream) == 0 && written;
-}
-
 }  // namespace stilt::program

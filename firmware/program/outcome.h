@@ -50,7 +50,4 @@ void take_events(control_loop::EventRing& events, Outcome& outcome,
 /// The figures as JSON text, field names as in docs/interfaces.
 [[nodiscard]] std::string to_json(const Outcome& outcome);
 
-/// Writes text to a file, or to standard output for "-". False: it could not be written.
-[[nodiscard]] bool write_text(const std::string& text, const std::string& file);
-
 }  // namespace stilt::program

@@ -124,6 +124,7 @@ void talk(Test& test, realtime::Pace& pace, std::int64_t tick_ns) {
     test.result.commands[joint] = test.result.ticks - (withheld(test, joint) - before[joint]);
   }
   test.result.bus_errors = static_cast<long long>(hardware.errors() - errors);
+  test.result.last = test.readings;
 }
 
 void run(void* context) {
@@ -154,6 +155,13 @@ void run_on_thread(Test& test) {
 
 double share(long long part, long long whole) {
   return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0.0;
+}
+
+/// "-" for what is not reported.
+std::string measured(double value, const char* unit) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.3f %s", value, unit);
+  return std::isfinite(value) ? text : "-";
 }
 
 std::string line(const char* name, const diagnostics::Percentiles& time_us) {
@@ -205,7 +213,14 @@ std::string to_text(const SelfTestResult& result) {
                   result.commands[joint], 100 * share(result.in_time[joint], result.ticks));
     text += replies;
   }
-  text += "torso sensor   " + std::to_string(result.base_readings) + " readings\n";
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    const hal::JointReading& reading = result.last.joints[joint];
+    text += std::string(kJointNames[joint]) + " at " + measured(reading.position_rad, "rad") + ", driver " +
+            measured(reading.driver_temperature_C, "C") + ", supply " + measured(reading.supply_V, "V") +
+            '\n';
+  }
+  text += "torso sensor   " + std::to_string(result.base_readings) + " readings, pitch " +
+          measured(result.last.base.pitch_rad, "rad") + '\n';
   text += "bus errors     " + std::to_string(result.bus_errors) + '\n';
   text += line("round trip", result.round_trip.percentiles());
   text += line("wake-up", result.wakeup_latency.percentiles());
@@ -230,8 +245,10 @@ std::string to_json(const SelfTestResult& result) {
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
     json["reply_share"][kJointNames[joint]] = share(result.answered[joint], result.commands[joint]);
     json["in_time_share"][kJointNames[joint]] = share(result.in_time[joint], result.ticks);
+    json["position_rad"][kJointNames[joint]] = result.last.joints[joint].position_rad;
   }
   json["base_readings"] = result.base_readings;
+  json["base_pitch_rad"] = result.last.base.pitch_rad;
   json["bus_errors"] = result.bus_errors;
   json["bus_round_trip_us"] = percentiles(result.round_trip);
   json["wakeup_us"] = percentiles(result.wakeup_latency);

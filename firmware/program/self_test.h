@@ -18,6 +18,7 @@ struct SelfTestResult {
   std::array<long long, hal::kJoints> answered{};  ///< replies in all
   std::array<long long, hal::kJoints> in_time{};   ///< ticks in which the reply to the tick before was there
   long long base_readings = 0;
+  hal::RobotReadings last;  ///< newest of all joints and of the torso
   long long bus_errors = 0;
   diagnostics::Histogram wakeup_latency;
   diagnostics::Histogram round_trip;

@@ -37,7 +37,27 @@ bool is_order(CommandKind kind) noexcept {
 
 bool stands_or_moves(State state) noexcept { return supervisor::tracks(state); }
 
-/// Why an order makes no sense in a state; empty: it does.
+/// What an accepted command does not do now; empty: it does all.
+std::string caveat(CommandKind kind, const RobotNow& now) {
+  if (kind == CommandKind::stop && !stands_or_moves(now.state)) {
+    return std::string("the robot is in state ") + supervisor::name(now.state) +
+           ", where stop changes nothing";
+  }
+  if (kind != CommandKind::reset) return {};
+  std::string causes;
+  for (std::size_t row = 0; row < supervisor::kFaults; ++row) {
+    const supervisor::FaultRow& fault = supervisor::kFaultTable[row];
+    if (fault.severity != supervisor::Severity::latched ||
+        !now.present.has(static_cast<supervisor::Fault>(row))) {
+      continue;
+    }
+    causes += (causes.empty() ? "" : ", ") + std::string(fault.name);
+  }
+  return causes.empty() ? "" : "it takes effect when what causes " + causes + " is over";
+}
+
+}  // namespace
+
 std::string wrong_state(CommandKind kind, State state) {
   const std::string now = std::string("the robot is in state ") + supervisor::name(state);
   switch (kind) {
@@ -62,8 +82,6 @@ std::string wrong_state(CommandKind kind, State state) {
       return state == State::off ? now : "";
   }
 }
-
-}  // namespace
 
 double CommandArbiter::silence_s(const RobotNow& now) const noexcept {
   return 1e-9 * static_cast<double>(now.wall_ns - heartbeat_wall_ns_);
@@ -199,7 +217,7 @@ Answer CommandArbiter::take(const Asked& asked, const RobotNow& now) {
   if (asked.commander == commander_) heartbeat_wall_ns_ = now.wall_ns;
   reason = apply(asked, kind, now);
   if (!reason.empty()) return {false, false, std::move(reason)};
-  return {true, kind == CommandKind::heartbeat, {}};
+  return {true, kind == CommandKind::heartbeat, caveat(kind, now)};
 }
 
 void CommandArbiter::twist(double speed_m_s, const RobotNow& now) {

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "firmware/control_loop/messages.h"
+#include "firmware/supervisor/fault.h"
 #include "firmware/supervisor/state.h"
 #include "firmware/telemetry/command_kind.h"
 
@@ -39,14 +40,18 @@ struct Asked {
 struct Answer {
   bool accepted = false;
   bool silent = false;
-  std::string reason;  ///< why not, one sentence
+  std::string reason;  ///< why not, or why it changes nothing yet, one sentence
 };
+
+/// Why an order makes no sense in a state, one sentence; empty: it does.
+[[nodiscard]] std::string wrong_state(CommandKind kind, supervisor::State state);
 
 /// The robot as the arbiter sees it: the newest tick.
 struct RobotNow {
   std::int64_t clock_ns = 0;  ///< of the torque loop, virtual in lock-step
   std::int64_t wall_ns = 0;   ///< CLOCK_MONOTONIC, measures heartbeats
   supervisor::State state = supervisor::State::boot;
+  supervisor::FaultSet present;  ///< faults whose cause is there
 };
 
 /// Who may command the robot, and what the torque loop is asked to do. One commander at a time: the one who

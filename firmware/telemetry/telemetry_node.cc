@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "firmware/robots/robots.h"
-#include "firmware/telemetry/token.h"
 
 // Thread, delivery and commands of telemetry: docs/decisions/0009-telemetry.md
 namespace stilt::telemetry {
@@ -65,14 +64,14 @@ std::expected<std::unique_ptr<TelemetryNode>, std::string> TelemetryNode::open(
   return node;
 }
 
-std::expected<std::string, std::string> TelemetryNode::token() {
-  const configuration::TelemetryParameters& parameters = configuration_.telemetry;
-  run_.token_file = token_path(parameters.token_file, parameters.domain);
-  return parameters.fixed_token ? read_token(run_.token_file) : write_token(run_.token_file);
-}
-
 std::expected<void, std::string> TelemetryNode::join() {
   const configuration::TelemetryParameters& parameters = configuration_.telemetry;
+  run_.token_file = token_path(parameters.token_file, parameters.domain);
+  if (!parameters.fixed_token) {
+    auto held = TokenFile::hold(run_.token_file);
+    if (!held) return std::unexpected(held.error());
+    token_file_ = std::move(*held);
+  }
   auto participant =
       Participant::open({parameters.domain, parameters.interface, none_is_empty(parameters.peers),
                          none_is_empty(parameters.security_folder)});
@@ -90,7 +89,12 @@ std::expected<void, std::string> TelemetryNode::join() {
   auto twists = Reader::open(*participant_, kSpeedCommands);
   if (!twists) return std::unexpected(twists.error());
   twists_ = std::make_unique<Reader>(std::move(*twists));
-  const auto secret = token();
+  return {};
+}
+
+std::expected<void, std::string> TelemetryNode::take_commands() {
+  const configuration::TelemetryParameters& parameters = configuration_.telemetry;
+  const auto secret = parameters.fixed_token ? read_token(run_.token_file) : token_file_.write();
   if (!secret) return std::unexpected(secret.error());
   const ArbiterRules rules{run_id_,
                            *secret,
@@ -114,7 +118,7 @@ Drops TelemetryNode::drops() const {
 RobotNow TelemetryNode::now() const {
   const auto wall = std::chrono::steady_clock::now().time_since_epoch();
   const std::int64_t wall_ns = std::chrono::duration_cast<std::chrono::nanoseconds>(wall).count();
-  return {run_.lockstep ? newest_.time_ns : wall_ns, wall_ns, newest_.state};
+  return {run_.lockstep ? newest_.time_ns : wall_ns, wall_ns, newest_.state, newest_.present};
 }
 
 void TelemetryNode::begin(const control_loop::TickRecord& record) {

@@ -9,6 +9,7 @@
 #include "firmware/telemetry/publisher.h"
 #include "firmware/telemetry/reader.h"
 #include "firmware/telemetry/ros_publisher.h"
+#include "firmware/telemetry/token.h"
 
 namespace stilt::telemetry {
 
@@ -17,11 +18,16 @@ namespace stilt::telemetry {
 /// the torque loop computes does not depend on it, commands apart.
 class TelemetryNode {
  public:
-  /// Joins the network and writes the token. Before memory is locked. The error is one sentence for the user.
+  /// Joins the network; no other process may have the run's token file. Before memory is locked. The error is
+  /// one sentence for the user.
   /// @param configuration, mail  outlive the node
   [[nodiscard]] static std::expected<std::unique_ptr<TelemetryNode>, std::string> open(
       const configuration::Configuration& configuration, const RunDescription& run,
       control_loop::Mailboxes& mail);
+
+  /// Writes the token, from which on commands are taken. Before anything below. The error is one sentence for
+  /// the user.
+  [[nodiscard]] std::expected<void, std::string> take_commands();
 
   /// Why this is not real time, known after the node was opened.
   void set_not_realtime(const std::string& reason) { run_.not_realtime = reason; }
@@ -49,7 +55,6 @@ class TelemetryNode {
   TelemetryNode(const configuration::Configuration& configuration, RunDescription run,
                 control_loop::Mailboxes& mail, const model::RobotModel& robot);
   [[nodiscard]] std::expected<void, std::string> join();
-  [[nodiscard]] std::expected<std::string, std::string> token();
   void begin(const control_loop::TickRecord& record);
   void answer(const Command& command);
   [[nodiscard]] RobotNow now() const;
@@ -64,6 +69,7 @@ class TelemetryNode {
   std::uint64_t run_id_;
   Tuner tuner_;
   std::string tuned_by_;
+  TokenFile token_file_;  ///< empty with telemetry.fixed_token
   std::unique_ptr<Participant> participant_;
   std::unique_ptr<Publisher> publisher_;
   std::unique_ptr<RosPublisher> ros_;

@@ -1,6 +1,7 @@
 #include "firmware/telemetry/token.h"
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/random.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -51,6 +52,17 @@ std::string make_folder(const std::filesystem::path& folder) {
   return mkdir(folder.c_str(), 0700) == 0 ? "" : std::strerror(errno);
 }
 
+/// The lock names the process that has it.
+std::string held_by_another(const std::string& path, int lock) {
+  std::array<char, 16> process{};
+  const ssize_t size = pread(lock, process.data(), process.size(), 0);
+  std::string number(process.data(), size > 0 ? static_cast<std::size_t>(size) : 0);
+  number = number.substr(0, number.find('\n'));
+  return "stiltd runs already with the token file " + path +
+         (number.empty() ? "" : ", as process " + number) +
+         "; end it, or give this one a telemetry.domain of its own";
+}
+
 }  // namespace
 
 std::string token_path(const std::string& configured, int domain) {
@@ -62,21 +74,36 @@ std::string token_path(const std::string& configured, int domain) {
   return folder + "/token-" + std::to_string(domain);
 }
 
-std::expected<std::string, std::string> write_token(const std::string& path) {
+TokenFile::File TokenFile::open(const std::string& path, int flags, const char* mode) {
+  const int number = ::open(path.c_str(), flags | O_CREAT | O_NOFOLLOW | O_CLOEXEC, kOwnerOnly);
+  return File(number < 0 ? nullptr : fdopen(number, mode));
+}
+
+std::expected<TokenFile, std::string> TokenFile::hold(const std::string& path) {
   const std::string wrong = make_folder(std::filesystem::path(path).parent_path());
   if (!wrong.empty()) return std::unexpected(failure(path, wrong));
-  const std::string token = random_hex();
+  const std::string lock_path = path + ".lock";
+  File lock = open(lock_path, O_RDWR, "r+");
+  if (!lock) return std::unexpected(failure(lock_path, std::strerror(errno)));
+  const int number = fileno(lock.get());
+  if (flock(number, LOCK_EX | LOCK_NB) != 0) return std::unexpected(held_by_another(path, number));
+  const bool named = ftruncate(number, 0) == 0 && std::fprintf(lock.get(), "%d\n", getpid()) > 0 &&
+                     std::fflush(lock.get()) == 0;
+  if (!named) return std::unexpected(failure(lock_path, "cannot be written"));
+  return TokenFile(path, std::move(lock));
+}
+
+std::expected<std::string, std::string> TokenFile::write() const {
+  std::string token = random_hex();
   // Made beside its place and moved there: a reader finds the old one or the new one.
-  const std::string beside = path + '.' + std::to_string(getpid());
+  const std::string beside = path_ + '.' + std::to_string(getpid());
   unlink(beside.c_str());
-  const int file = open(beside.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, kOwnerOnly);
-  if (file < 0) return std::unexpected(failure(path, std::strerror(errno)));
-  const std::string line = token + '\n';
-  const bool written = write(file, line.data(), line.size()) == static_cast<ssize_t>(line.size());
-  close(file);
-  if (written && !token.empty() && rename(beside.c_str(), path.c_str()) == 0) return token;
+  const File file = open(beside, O_WRONLY | O_EXCL, "w");
+  if (!file) return std::unexpected(failure(path_, std::strerror(errno)));
+  const bool written = std::fprintf(file.get(), "%s\n", token.c_str()) > 0 && std::fflush(file.get()) == 0;
+  if (written && !token.empty() && rename(beside.c_str(), path_.c_str()) == 0) return token;
   unlink(beside.c_str());
-  return std::unexpected(failure(path, "cannot be written"));
+  return std::unexpected(failure(path_, "cannot be written"));
 }
 
 std::expected<std::string, std::string> read_token(const std::string& path) {

@@ -86,7 +86,8 @@ std::string load_sentence(const std::string& bus_name, const BusLoad& load) {
       return text + ", above " + percent(kHighLoad) + ": errors on the bus will delay replies";
     case BusLoadVerdict::refused:
       return text + ", above " + percent(kRefusedLoad) +
-             ": give each leg its own bus, lower the rate of the torque loop, or use CAN FD";
+             ": use a faster bit rate or CAN FD, put fewer drivers on this bus, or lower the rate of the "
+             "torque loop";
   }
   return text;
 }

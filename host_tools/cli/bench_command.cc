@@ -59,6 +59,9 @@ int run_bench(const BenchOptions& options) {
     throw UsageError("--closed-loop " + std::to_string(options.closed_loop_plans) + ": must be from 1 to " +
                      std::to_string(kMostProblems));
   }
+  if (options.choice.controller == "hzd-pd") {
+    throw UsageError("--controller hzd-pd: it tracks gaits without planning; choose one that plans");
+  }
   check_output_file("--json", options.json_file);
   if (options.closed_loop_plans > 0) return run_closed_loop_bench(options);
   const model::RobotModel& robot = robot_model(options.choice.robot);

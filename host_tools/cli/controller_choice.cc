@@ -115,8 +115,15 @@ void add_controller_options(CLI::App& command, ControllerChoice& choice) {
       .add_option("--set", choice.settings,
                   "changes one key of the configuration: section.key=value; repeatable")
       ->allow_extra_args(false);
-  command.add_option("--horizon", choice.horizon_s, "horizon of the planner, s");
-  command.add_option("--iterations", choice.iterations, "largest number of SQP iterations per plan");
+  const configuration::Configuration shipped;
+  command
+      .add_option("--horizon", choice.horizon_s,
+                  "horizon of the planner, s; default: discretisation.horizon_s")
+      ->default_str(simulation::number_text(shipped.discretisation.horizon_s));
+  command
+      .add_option("--iterations", choice.iterations,
+                  "largest number of SQP iterations per plan; default: sqp.iterations")
+      ->default_str(std::to_string(shipped.sqp.iterations));
 }
 
 std::string robot_help() { return "robot: " + robots::shipped_names() + ", or a URDF file"; }

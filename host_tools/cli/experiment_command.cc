@@ -139,6 +139,9 @@ int run_experiment(const CLI::App& experiment, ExperimentOptions options,
                    const std::vector<std::string>& arguments) {
   check_output_file("--json", options.json_file);
   options.command = published_command(arguments);
+  if (options.quick) {
+    std::fputs("quick: few cases in coarse steps, so figures differ from docs/results.md\n", stderr);
+  }
   if (experiment.got_subcommand("frequency")) return run_frequency(options);
   if (experiment.got_subcommand("horizon")) return run_horizons(options, arguments);
   if (experiment.got_subcommand("limits")) return run_limits(options, arguments);

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 
 #include "firmware/configuration/gaits/gait_file.h"
@@ -88,13 +87,6 @@ StepTask task_of(const GaitOptions& options) {
   return task;
 }
 
-void write_text(const std::string& text, const std::string& path) {
-  std::ofstream stream(path, std::ios::binary | std::ios::trunc);
-  stream << text << std::flush;
-  if (!stream)
-    throw UsageError("--out " + path + ": the file cannot be written; name one in an existing folder");
-}
-
 void print(const GaitRecord& record, const GaitCheck& check) {
   const gait_files::GaitMetrics& f = check.metrics;
   std::printf("%s, %.3f m/s: step %.4f m in %.4f s, phase by %s\n", record.robot.c_str(),
@@ -148,7 +140,7 @@ int synthesize(const GaitOptions& options) {
   const model::RobotModel& robot = robot_model(options.robot);
   const StepTask task = task_of(options);
   const GaitRecord record = gait_synthesis::make_record(robot, task, gait_synthesis::synthesize(robot, task));
-  write_text(gait_files::to_toml(record), options.out);
+  write_output_file("--out", options.out, gait_files::to_toml(record));
   return report(record, gait_synthesis::check_gait(robot, record), options.json_file);
 }
 
@@ -164,7 +156,7 @@ int complete(const GaitOptions& options) {
   GaitRecord record = load_complete(options.file, &robot);
   const GaitCheck result = gait_synthesis::check_gait(*robot, record);
   record.claims = result.metrics;
-  write_text(gait_files::to_toml(record), options.out);
+  write_output_file("--out", options.out, gait_files::to_toml(record));
   return report(record, result, options.json_file);
 }
 
@@ -198,8 +190,8 @@ int library(const GaitOptions& options) {
     const StepTask task = task_of(one);
     const GaitRecord record =
         gait_synthesis::make_record(robot, task, gait_synthesis::synthesize(robot, task));
-    write_text(gait_files::to_toml(record),
-               (std::filesystem::path(options.out) / file_name(record.robot, one.speed_m_s)).string());
+    const auto file = std::filesystem::path(options.out) / file_name(record.robot, one.speed_m_s);
+    write_output_file("--out", file.string(), gait_files::to_toml(record));
     const GaitCheck result = gait_synthesis::check_gait(robot, record);
     if (!result.valid()) status = 1;
     rows.push_back(to_json(record, result));
@@ -215,7 +207,8 @@ int show(const GaitOptions& options) {
   const model::RobotModel* robot = nullptr;
   const GaitRecord record = load_complete(options.file, &robot);
   const GaitCheck result = gait_synthesis::check_gait(*robot, record);
-  write_text(gait_synthesis::render_gait_page(*robot, record, result), options.report_file);
+  write_output_file("--report", options.report_file,
+                    gait_synthesis::render_gait_page(*robot, record, result));
   return report(record, result, options.json_file);
 }
 

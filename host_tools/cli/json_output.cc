@@ -1,11 +1,8 @@
 #include "host_tools/cli/json_output.h"
 
-#include <unistd.h>
+#include <cstdio>
 
-#include <filesystem>
-#include <fstream>
-#include <iostream>
-
+#include "firmware/diagnostics/output_file.h"
 #include "host_tools/cli/usage_error.h"
 
 namespace stilt::cli {
@@ -14,6 +11,12 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json to_json(const model::JointVector& values) { return {values[0], values[1], values[2], values[3]}; }
+
+[[noreturn]] void refuse_output(const std::string& option, const std::string& path,
+                                const std::string& reason) {
+  throw UsageError(option + " " + path + ": the file cannot be written (" + reason +
+                   "); name one in an existing, writable folder");
+}
 
 }  // namespace
 
@@ -58,30 +61,18 @@ Json to_json(const log::RunSummary& summary) {
 }
 
 void check_output_file(const std::string& option, const std::string& path) {
-  if (path.empty() || path == "-") return;
-  const std::filesystem::path file(path);
-  const std::filesystem::path folder =
-      file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
-  std::error_code ignored;
-  const bool replaces = std::filesystem::exists(file, ignored);
-  const bool writable =
-      replaces ? !std::filesystem::is_directory(file, ignored) && access(file.c_str(), W_OK) == 0
-               : std::filesystem::is_directory(folder, ignored) && access(folder.c_str(), W_OK) == 0;
-  if (!writable) {
-    throw UsageError(option + " " + path +
-                     ": the file cannot be written; name one in an existing, writable folder");
-  }
+  const std::string reason = diagnostics::why_not_writable(path);
+  if (!reason.empty()) refuse_output(option, path, reason);
+}
+
+void write_output_file(const std::string& option, const std::string& path, std::string_view text) {
+  const auto written = diagnostics::write_file(path, text);
+  if (!written) refuse_output(option, path, written.error());
+  if (path != "-") std::fprintf(stderr, "written: %s\n", path.c_str());
 }
 
 void write_json(const Json& json, const std::string& path) {
-  if (path == "-") {
-    std::cout << json.dump(2) << '\n' << std::flush;
-    return;
-  }
-  std::ofstream file(path);
-  file << json.dump(2) << '\n' << std::flush;
-  if (!file)
-    throw UsageError("--json " + path + ": the file cannot be written; name one in a writable folder");
+  write_output_file("--json", path, json.dump(2) + '\n');
 }
 
 }  // namespace stilt::cli

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
 
 #include "host_tools/recording/run_record.h"
 
@@ -21,8 +22,11 @@ namespace stilt::cli {
 /// before they write.
 void check_output_file(const std::string& option, const std::string& path);
 
-/// Writes indented JSON to a file, or to standard output when the path is "-". Throws UsageError when the
-/// file cannot be written.
+/// Writes the text to the file that `option` names, and says so on standard error; to standard output when
+/// the path is "-". Throws UsageError when it cannot be written.
+void write_output_file(const std::string& option, const std::string& path, std::string_view text);
+
+/// The same for indented JSON of --json.
 void write_json(const nlohmann::ordered_json& json, const std::string& path);
 
 }  // namespace stilt::cli

@@ -2,12 +2,16 @@
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 #include <algorithm>
+#include <cstdio>
 #include <exception>
 #include <iostream>
 #include <string>
+#include <vector>
 
+#include "firmware/program/usage_text.h"
 #include "host_tools/cli/bench_command.h"
 #include "host_tools/cli/config_command.h"
+#include "host_tools/cli/examples.h"
 #include "host_tools/cli/experiment_command.h"
 #include "host_tools/cli/gait_command.h"
 #include "host_tools/cli/log_command.h"
@@ -36,9 +40,24 @@ int refuse(std::string message) {
   return kBadUsage;
 }
 
+/// The words after the program's name, last first, as CLI11 takes them. `stilt help sim` is `stilt sim
+/// --help`, `stilt version` is `stilt --version`.
+std::vector<std::string> reversed_words(int argc, char** argv) {
+  std::vector<std::string> words(argv + 1, argv + argc);
+  if (!words.empty() && words.front() == "help") {
+    words.erase(words.begin());
+    words.emplace_back("--help");
+  } else if (words == std::vector<std::string>{"version"}) {
+    words = {"--version"};
+  }
+  std::ranges::reverse(words);
+  return words;
+}
+
 int run(int argc, char** argv) {
   CLI::App program{"Onboard whole-body predictive controller for planar walking robots.", "stilt"};
-  program.set_version_flag("--version", stilt::cli::version_text());
+  program.footer("`stilt help COMMAND` or `stilt COMMAND --help` lists the options of a command.");
+  program.set_version_flag("-v,--version", stilt::cli::version_text());
   program.require_subcommand(1);
 
   stilt::cli::SimOptions sim_options;
@@ -69,17 +88,13 @@ int run(int argc, char** argv) {
   std::string model_robot = "amber3m";
   eval->add_option("--robot", model_robot, stilt::cli::robot_help())->capture_default_str();
 
+  stilt::cli::add_examples(program);
   try {
-    program.parse(argc, argv);
+    program.parse(reversed_words(argc, argv));
   } catch (const CLI::Success& help_or_version) {
     return program.exit(help_or_version);
-  } catch (const CLI::RequiredError&) {
-    const std::string unknown = argc > 1 ? std::string(argv[argc - 1]) + ": " : std::string();
-    return refuse(unknown +
-                  "a command is expected: sim, robot, gait, experiment, monitor, bench, record, replay, log, "
-                  "config or model eval; see stilt --help");
   } catch (const CLI::ParseError& error) {
-    return refuse(std::string(error.what()) + "; see stilt COMMAND --help");
+    return refuse(stilt::program::usage_text(program, error));
   }
   if (sim->parsed()) return stilt::cli::run_sim(sim_options, joined(argc, argv));
   if (robot->parsed()) return stilt::cli::run_robot(robot_options, joined(argc, argv));
@@ -100,7 +115,10 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   try {
-    return run(argc, argv);
+    const int status = run(argc, argv);
+    const bool printed = std::cout.flush() && std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
+    return printed ? status
+                   : refuse("standard output cannot be written, so what was printed is not complete");
   } catch (const std::exception& error) {
     return refuse(error.what());
   }

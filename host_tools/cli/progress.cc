@@ -26,9 +26,17 @@ Progress::~Progress() {
   if (shown_ && is_terminal_) std::fputs("\r\033[K", stderr);
 }
 
+void Progress::change(const std::string& what) {
+  if (what == what_) return;
+  what_ = what;
+  shown_done_ = -1.0;
+}
+
 void Progress::update(double done) {
   const Clock::time_point now = Clock::now();
   if (now < next_) return;
+  if (!is_terminal_ && done == shown_done_) return;
+  shown_done_ = done;
   char goal[40] = "";
   if (std::isfinite(total_)) std::snprintf(goal, sizeof goal, " of %.0f", total_);
   std::fprintf(stderr, is_terminal_ ? "\r\033[K%s: %.0f%s %s" : "%s: %.0f%s %s\n", what_.c_str(), done, goal,

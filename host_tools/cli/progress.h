@@ -19,6 +19,9 @@ class Progress {
   /// Reports the amount done, in `unit`.
   void update(double done);
 
+  /// From now on other work is done. Elsewhere than on a terminal work without progress is said once.
+  void change(const std::string& what);
+
  private:
   using Clock = std::chrono::steady_clock;
 
@@ -27,6 +30,7 @@ class Progress {
   std::string unit_;
   bool is_terminal_;
   bool shown_ = false;
+  double shown_done_ = -1.0;
   Clock::time_point next_;
 };
 

@@ -99,7 +99,9 @@ CLI::App* add_replay_command(CLI::App& program, ReplayOptions& options) {
       ->check(CLI::Range(0, 65535))
       ->capture_default_str();
   command->add_flag("--no-browser", options.no_browser, "only prints the address of the page");
-  command->footer("Exit status: 0 all is the same, 1 something differs or is missing, 2 bad usage.");
+  command->footer(
+      "Exit status: 0 all is the same, 1 something differs or is missing, or the file was cut off, 2 bad "
+      "usage.");
   return command;
 }
 
@@ -122,7 +124,7 @@ int run_replay(const ReplayOptions& options) {
   if (options.json_file != "-") {
     for (const Replayed& one : all) print(one);
   }
-  return reproduced ? 0 : 1;
+  return reproduced && contents.problems.empty() ? 0 : 1;
 }
 
 }  // namespace stilt::cli

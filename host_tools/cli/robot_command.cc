@@ -25,6 +25,8 @@ using robot_on_bus::RobotOnBus;
 using robot_on_bus::RunOutcome;
 using Json = nlohmann::ordered_json;
 
+constexpr const char* kHanging = "the robot hangs on its gantry; on its own";
+constexpr const char* kReleased = "the robot is on its own";
 constexpr double kEndless_s = std::numeric_limits<double>::infinity();
 
 std::atomic<bool> interrupted = false;
@@ -109,15 +111,20 @@ std::string outcome_text(const RobotOnBus& robot, const RunOutcome& outcome) {
 
 void write_results(const RobotOptions& options, const RobotOnBus& robot, const log::RunRecord& record,
                    const RunOutcome& outcome) {
-  if (!options.json_file.empty()) write_json(robot_json(robot, record.summary, outcome), options.json_file);
   if (options.json_file != "-") {
     if (robot.gantry_released_s()) {
       std::fputs(plant_text(record.summary, robot.recorder().fall()).c_str(), stdout);
     }
     std::fputs(outcome_text(robot, outcome).c_str(), stdout);
+    std::fflush(stdout);
   }
-  if (!options.log_file.empty()) log::write_sample_log(record, options.log_file);
-  if (!options.report_file.empty()) report::write_report(record, options.report_file);
+  if (!options.json_file.empty()) write_json(robot_json(robot, record.summary, outcome), options.json_file);
+  if (!options.log_file.empty()) {
+    log::write_sample_log(record, options.log_file);
+    std::fprintf(stderr, "written: %s\n", options.log_file.c_str());
+  }
+  if (!options.report_file.empty())
+    write_output_file("--report", options.report_file, report::render_report(record));
 }
 
 /// Contact forces and the active push, for the monitor's picture.
@@ -194,13 +201,16 @@ int run_robot(const RobotOptions& options, const std::string& command_line) {
   announce(hardware.bus_names);
   RunOutcome outcome;
   {
-    Progress progress("walking", options.duration_s.value_or(kEndless_s), "s");
+    Progress progress(kHanging, options.duration_s.value_or(kEndless_s), "s");
     robot_on_bus::RunOptions run;
     run.tick_s = hardware.setup.tick_s;
     run.duration_s = options.duration_s;
     run.once = options.once;
     run.stop = &interrupted;
-    run.progress = [&](double time_s) { progress.update(time_s); };
+    run.progress = [&](const RobotOnBus& watched) {
+      progress.change(watched.walk_time_s() ? kReleased : kHanging);
+      progress.update(watched.walk_time_s().value_or(0.0));
+    };
     std::optional<host_telemetry::SimulationPublisher> publisher;
     if (options.publish) {
       publisher.emplace(options.network);

@@ -85,15 +85,19 @@ RunSettings run_settings(const SimOptions& options, const model::RobotConstants&
 }
 
 void write_results(const SimOptions& options, const log::RunRecord& record, simulation::Fall fall) {
+  if (options.json_file != "-") std::fputs(summary_text(record.summary, fall).c_str(), stdout);
   if (!options.json_file.empty()) {
     nlohmann::ordered_json json = to_json(record.summary);
     json["fall_reason"] = record.summary.survived ? nlohmann::ordered_json(nullptr)
                                                   : nlohmann::ordered_json(simulation::fall_text(fall));
     write_json(json, options.json_file);
   }
-  if (options.json_file != "-") std::fputs(summary_text(record.summary, fall).c_str(), stdout);
-  if (!options.log_file.empty()) log::write_sample_log(record, options.log_file);
-  if (!options.report_file.empty()) report::write_report(record, options.report_file);
+  if (!options.log_file.empty()) {
+    log::write_sample_log(record, options.log_file);
+    std::fprintf(stderr, "written: %s\n", options.log_file.c_str());
+  }
+  if (!options.report_file.empty())
+    write_output_file("--report", options.report_file, report::render_report(record));
 }
 
 }  // namespace
@@ -101,8 +105,13 @@ void write_results(const SimOptions& options, const log::RunRecord& record, simu
 CLI::App* add_sim_command(CLI::App& program, SimOptions& options) {
   CLI::App* sim = program.add_subcommand("sim", "walk the simulated robot under the controller");
   add_controller_options(*sim, options.choice);
-  sim->add_option("--plan-rate", options.choice.plan_rate_hz, "plans per second, Hz");
-  sim->add_option("--plan-delay", options.choice.plan_delay_s, "simulated time that a plan takes, s");
+  const control::TimingParameters shipped = configuration::Configuration{}.timing;
+  sim->add_option("--plan-rate", options.choice.plan_rate_hz,
+                  "plans per second, Hz; default: timing.plan_rate_hz")
+      ->default_str(simulation::number_text(shipped.plan_rate_hz));
+  sim->add_option("--plan-delay", options.choice.plan_delay_s,
+                  "simulated time that a plan takes, s; default: timing.plan_delay_s")
+      ->default_str(simulation::number_text(shipped.plan_delay_s));
   sim->add_option("--gait", options.gait, "stand, step or walk, commanded at the start")
       ->capture_default_str();
   sim->add_option("--speed", options.speed_m_s, "walking speed, m/s, negative backward")

@@ -46,8 +46,8 @@ std::string summary_text(const log::RunSummary& summary, simulation::Fall fall) 
       formatted("planning       p50 %.0f, p99 %.0f, max %.0f us; %.1f iterations on average, %d at most\n",
                 summary.solve_time_us.p50, summary.solve_time_us.p99, summary.solve_time_us.max,
                 summary.sqp_iterations_mean, summary.sqp_iterations_max);
-  text += formatted("memory         %lld heap allocations in the loop, controller object %zu bytes\n",
-                    summary.heap_allocations_in_loop, summary.controller_bytes);
+  text += formatted("memory         %lld heap allocations in the loop, controller object %.2f MB\n",
+                    summary.heap_allocations_in_loop, 1e-6 * static_cast<double>(summary.controller_bytes));
   return text;
 }
 

@@ -1,5 +1,7 @@
 #include "host_tools/recording/sample_log.h"
 
+#include <cerrno>
+#include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -35,11 +37,14 @@ Json to_json(const RunSample& sample) {
 }  // namespace
 
 void write_sample_log(const RunRecord& record, const std::filesystem::path& file) {
+  errno = 0;
   std::ofstream output(file);
   for (const RunSample& sample : record.samples) output << to_json(sample).dump() << '\n';
   output.flush();
-  if (!output)
-    throw std::runtime_error(file.string() + ": the log cannot be written; name a file in a writable folder");
+  if (!output) {
+    throw std::runtime_error("--log " + file.string() + ": cannot be written (" + std::strerror(errno) +
+                             "); name a file in a writable folder");
+  }
 }
 
 }  // namespace stilt::log

@@ -2,6 +2,44 @@
 # (docs/decisions/0012-packages.md).
 include(GNUInstallDirs)
 set(packaging ${PROJECT_SOURCE_DIR}/toolchain/packaging)
+set(made ${PROJECT_BINARY_DIR}/packaging)
+set(contact "Stilt contributors <stilt@users.noreply.github.com>")
+
+# Packages of one release of Debian do not install on the next: the libraries have other names.
+file(STRINGS /etc/os-release release REGEX "^VERSION_ID=")
+string(REGEX MATCH "[0-9.]+" release "${release}")
+set(package_version ${PROJECT_VERSION}+deb${release})
+
+# Texts that every Debian package has. The licence texts follow copyright's table, indented by a space.
+file(READ ${packaging}/copyright copyright)
+file(READ ${PROJECT_SOURCE_DIR}/LICENSE stilt_licence)
+set(uplot_licence "Its text is in the pages of stilt.")  # where toolchain/setup has not brought it yet
+set(uplot_licence_file ${PROJECT_SOURCE_DIR}/host_tools/web/page/node_modules/uplot/LICENSE)
+if(EXISTS ${uplot_licence_file})
+  file(READ ${uplot_licence_file} uplot_licence)
+endif()
+foreach(licence BSD-3-Clause:stilt_licence MIT:uplot_licence)
+  string(REPLACE ":" ";" licence ${licence})
+  list(GET licence 0 name)
+  list(GET licence 1 text)
+  string(STRIP "${${text}}" body)
+  string(REGEX REPLACE "\n" "\n " body "${body}")
+  string(REGEX REPLACE "\n \n" "\n .\n" body "${body}")
+  string(APPEND copyright "\nLicense: ${name}\n ${body}\n")
+endforeach()
+file(WRITE ${made}/copyright "${copyright}")
+foreach(package stilt stiltd)
+  file(WRITE ${made}/${package}/changelog "${package} (${package_version}) unstable; urgency=medium
+
+  * See CHANGELOG.md beside this file.
+
+ -- ${contact}  Sun, 22 Nov 2026 00:00:00 +0000
+")
+  configure_file(${packaging}/${package}.1 ${made}/${package}/${package}.1 COPYONLY)
+  foreach(file changelog ${package}.1)
+    execute_process(COMMAND gzip -9nf ${made}/${package}/${file} COMMAND_ERROR_IS_FATAL ANY)
+  endforeach()
+endforeach()
 
 install(TARGETS stiltd DESTINATION bin COMPONENT robot)
 install(FILES firmware/configuration/amber3m.toml DESTINATION /etc/stilt RENAME stiltd.toml COMPONENT robot)
@@ -10,15 +48,33 @@ install(FILES ${packaging}/stilt.sysusers DESTINATION lib/sysusers.d RENAME stil
 install(FILES ${packaging}/80-can0.network ${packaging}/80-can.rules
   codegen/robots/amber3m.urdf codegen/robots/rabbit.urdf firmware/configuration/rabbit.toml
   DESTINATION share/doc/stiltd/examples COMPONENT robot)
-install(FILES docs/deployment.md docs/security.md LICENSE DESTINATION share/doc/stiltd COMPONENT robot)
 
 install(TARGETS stilt DESTINATION bin COMPONENT host)
-install(DIRECTORY docs DESTINATION share/doc/stilt COMPONENT host PATTERN *.py EXCLUDE)
-install(FILES README.md LICENSE DESTINATION share/doc/stilt COMPONENT host)
+install(PROGRAMS toolchain/make_security DESTINATION share/stilt COMPONENT host)
+
+# Documents in the folders of the tree, so that their links among each other hold.
+foreach(component_package robot:stiltd host:stilt)
+  string(REPLACE ":" ";" pair ${component_package})
+  list(GET pair 0 component)
+  list(GET pair 1 package)
+  set(documents share/doc/${package})
+  install(DIRECTORY docs DESTINATION ${documents} COMPONENT ${component} PATTERN *.py EXCLUDE)
+  install(FILES README.md CONTRIBUTING.md CHANGELOG.md DESTINATION ${documents} COMPONENT ${component})
+  install(FILES hal/README.md DESTINATION ${documents}/hal COMPONENT ${component})
+  install(FILES firmware/telemetry/README.md firmware/telemetry/stilt_msgs.idl firmware/telemetry/ros2.idl
+    DESTINATION ${documents}/firmware/telemetry COMPONENT ${component})
+  install(FILES firmware/configuration/amber3m.toml DESTINATION ${documents}/firmware/configuration
+    COMPONENT ${component})
+  install(FILES ${made}/copyright ${made}/${package}/changelog.gz DESTINATION ${documents} COMPONENT ${component})
+  install(FILES ${made}/${package}/${package}.1.gz DESTINATION share/man/man1 COMPONENT ${component})
+  install(FILES ${packaging}/stilt.bash-completion DESTINATION share/bash-completion/completions RENAME ${package}
+    COMPONENT ${component})
+endforeach()
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_VENDOR Stilt)
-set(CPACK_PACKAGE_CONTACT "Stilt")
+set(CPACK_PACKAGE_CONTACT ${contact})
+set(CPACK_PACKAGE_VERSION ${package_version})
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_PACKAGE_DIRECTORY ${PROJECT_BINARY_DIR}/packages)
 set(CPACK_STRIP_FILES ON)
@@ -28,12 +84,15 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_ROBOT_PACKAGE_NAME stiltd)
-set(CPACK_COMPONENT_ROBOT_DESCRIPTION
-  "stiltd, for the robot's computer: whole-body model predictive control and torque loop over CAN.")
-set(CPACK_DEBIAN_ROBOT_PACKAGE_CONTROL_EXTRA ${PROJECT_BINARY_DIR}/packaging/conffiles ${packaging}/postinst)
+set(CPACK_DEBIAN_ROBOT_DESCRIPTION "controller of a walking robot, for the robot's computer
+Whole-body model predictive control of a planar biped, torque loop and
+telemetry. Drives motors over CAN.")
+set(CPACK_DEBIAN_ROBOT_PACKAGE_CONTROL_EXTRA
+  ${made}/conffiles ${packaging}/postinst ${packaging}/prerm ${packaging}/postrm)
 set(CPACK_DEBIAN_ROBOT_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 set(CPACK_DEBIAN_HOST_PACKAGE_NAME stilt)
-set(CPACK_COMPONENT_HOST_DESCRIPTION
-  "stilt, for the host: simulator, gait synthesis, experiments, monitor, recorder.")
-file(WRITE ${PROJECT_BINARY_DIR}/packaging/conffiles "/etc/stilt/stiltd.toml\n")
+set(CPACK_DEBIAN_HOST_DESCRIPTION "simulator, monitor and recorder of a walking robot, for the host
+Simulated robot, gait synthesis, experiments, live page, records and their
+replay, for the controller stiltd.")
+file(WRITE ${made}/conffiles "/etc/stilt/stiltd.toml\n")
 include(CPack)

@@ -174,6 +174,8 @@ gait::GaitMotion read_motion(const Table& states, const Table& inputs) {
 }
 
 GaitRecord read(const Table& file) {
+  if (!file.has("format"))
+    throw Wrong("is no gait file: format = 1 is missing; stilt gait synthesize writes one");
   GaitRecord record;
   (void)file.integer("format", 1, 1);
   file.know({"format", "robot", "speed_m_s", "step_time_s", "step_length_m", "origin", "limits", "claims",

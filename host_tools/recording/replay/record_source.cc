@@ -67,7 +67,7 @@ void RecordSource::poll(monitor::SampleSink& sink) {
 
 void RecordSource::play_again() {
   reader_ = std::make_unique<mcap::Reader>(path_);
-  decoder_ = {};
+  decoder_ = monitor::MessageDecoder(monitor::Follow::newest);
   start_.reset();
   next_.reset();
   tick_ns_.reset();

@@ -35,7 +35,7 @@ class RecordSource final : public monitor::SampleSource {
   std::string path_;
   std::function<Clock::time_point()> now_;
   std::unique_ptr<mcap::Reader> reader_;
-  monitor::MessageDecoder decoder_;
+  monitor::MessageDecoder decoder_{monitor::Follow::newest};
   std::optional<Clock::time_point> start_;  ///< of the playback
   std::optional<telemetry::Sample> next_;   ///< not yet due
   double due_s_ = 0.0;                      ///< of next_, since the start

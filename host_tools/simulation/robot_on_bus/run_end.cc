@@ -44,7 +44,7 @@ void ProgressTicks::update(const RobotOnBus& robot, const RunOptions& options) {
   options.watch(robot);
   if (robot.time_s() < next_s_) return;
   next_s_ = robot.time_s() + 1.0;
-  options.progress(robot.walk_time_s().value_or(0.0));
+  options.progress(robot);
 }
 
 }  // namespace stilt::robot_on_bus

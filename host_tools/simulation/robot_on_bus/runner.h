@@ -19,8 +19,9 @@ struct RunOptions {
   bool once = false;                 ///< whether the run ends when its controller has left
   double wait_s = 60.0;              ///< lock-step: longest wait for a controller, and for its turn
   double next_wait_s = 10.0;         ///< lock-step: longest wait for the next controller after one has left
-  const std::atomic<bool>* stop = nullptr;                      ///< set by another thread to end the run
-  std::function<void(double time_s)> progress = [](double) {};  ///< about once per simulated second
+  const std::atomic<bool>* stop = nullptr;  ///< set by another thread to end the run
+  /// About once per simulated second.
+  std::function<void(const RobotOnBus& robot)> progress = [](const RobotOnBus&) {};
   std::function<void(const RobotOnBus&)> watch = [](const RobotOnBus&) {};  ///< about once per tick; must be
                                                                             ///< quick
 };

@@ -57,28 +57,57 @@ std::string DdsSource::describe() const {
 }
 
 void DdsSource::poll(SampleSink& sink) {
+  if (!chosen_.empty()) {
+    for (const KnownRun& run : decoder_.runs()) {
+      if (run_text(run.run_id) == chosen_) decoder_.choose(run.run_id, sink);
+    }
+    learn_token();
+    chosen_.clear();
+  }
   listener_.take([&](const telemetry::Sample& message) { take(message, sink); });
 }
 
 void DdsSource::take(const telemetry::Sample& message, SampleSink& sink) {
   if (message.topic != &telemetry::kCommandReplies) {
     decoder_.take(message, sink);
-    if (message.topic == &telemetry::kConfiguration) learn_token();
+    learn_token();
     return;
   }
   if (const auto reply = message.as<telemetry::CommandReply>()) answer(*reply, sink);
 }
 
-/// Reads the token of a new run.
+std::vector<TalkingRun> DdsSource::talking() const {
+  std::vector<TalkingRun> all;
+  for (const KnownRun& run : decoder_.runs()) {
+    if (run.talks) all.push_back({run_text(run.run_id), run.robot});
+  }
+  return all;
+}
+
+/// Empty when it is not known: the commander must then give it.
+std::string DdsSource::token_of(const std::string& file) const {
+  if (!token_.empty()) return token_;
+  try {
+    return host_telemetry::read_token(file);
+  } catch (const std::runtime_error&) {
+    return {};
+  }
+}
+
+/// Reads the token of the run that is shown, when that is another one.
 void DdsSource::learn_token() {
   if (decoder_.run_id() == run_id_) return;
   run_id_ = decoder_.run_id();
-  token_in_force_ = token_;
-  if (!token_.empty()) return;
-  try {
-    token_in_force_ = host_telemetry::read_token(decoder_.token_file());
-  } catch (const std::runtime_error&) {
-    token_in_force_.clear();  // the commander must then give it
+  for (const KnownRun& run : decoder_.runs()) {
+    if (run.run_id == run_id_) token_in_force_ = token_of(run.token_file);
+  }
+}
+
+void DdsSource::stop_others(const Command& command) {
+  for (const KnownRun& run : decoder_.runs()) {
+    if (run.run_id == run_id_) continue;
+    commander_.set_run(run.run_id, command.token.empty() ? token_of(run.token_file) : command.token);
+    static_cast<void>(commander_.send(telemetry::CommandKind::stop));
   }
 }
 
@@ -96,6 +125,7 @@ void DdsSource::command(const Command& command) {
   if (command.kind == CommandKind::heartbeat) return;
   asked_[number] = {command.commander, command.sequence};
   if (asked_.size() > kAskedAtMost) asked_.erase(asked_.begin());
+  if (command.kind == CommandKind::stop) stop_others(command);
 }
 
 }  // namespace stilt::monitor

@@ -20,6 +20,8 @@ class DdsSource final : public SampleSource {
 
   void poll(SampleSink& sink) override;
   void command(const Command& command) override;
+  [[nodiscard]] std::vector<TalkingRun> talking() const override;
+  void choose(const std::string& run_id) override { chosen_ = run_id; }
   [[nodiscard]] std::string describe() const override;
   [[nodiscard]] bool live() const override { return true; }
   [[nodiscard]] bool has_token() const override { return !token_in_force_.empty(); }
@@ -35,6 +37,8 @@ class DdsSource final : public SampleSource {
   void take(const telemetry::Sample& message, SampleSink& sink);
   void answer(const telemetry::CommandReply& reply, SampleSink& sink);
   void learn_token();
+  [[nodiscard]] std::string token_of(const std::string& file) const;
+  void stop_others(const Command& command);
 
   telemetry::Network network_;
   telemetry::Participant participant_;
@@ -44,6 +48,7 @@ class DdsSource final : public SampleSource {
   std::string token_;           ///< given by the user
   std::string token_in_force_;  ///< that token, or the one in the file
   std::uint64_t run_id_ = 0;    ///< of token_in_force_
+  std::string chosen_;          ///< run to show from the next poll on; empty: no change
   std::map<std::uint64_t, Asked> asked_;
 };
 

@@ -83,6 +83,7 @@ void LiveView::apply(Page& page, const std::string& text, double now_s) {
     return;
   }
   if (message->again && !source_.live()) play_again();
+  if (!message->run.empty()) choose(page, message->run);
   if (!message->is_command) return;
   Command& command = message->command;
   if (!source_.live()) {
@@ -98,6 +99,17 @@ void LiveView::apply(Page& page, const std::string& text, double now_s) {
   command.commander = page.commander;
   asked_[page.commander] = command.token;
   source_.command(command);
+}
+
+/// All pages show one run. Nobody takes it away from the page that commands it.
+void LiveView::choose(Page& page, const std::string& run_id) {
+  const bool another_commands = std::ranges::any_of(
+      pages_, [&page](const Page& one) { return one.in_command && one.peer != page.peer; });
+  if (another_commands) {
+    page.peer->send(reply_message(0, false, "Another page commands the robot that is shown."));
+    return;
+  }
+  source_.choose(run_id);
 }
 
 /// All pages show the record from its start, as after opening the page.
@@ -213,6 +225,7 @@ void LiveView::send_link_status(double now_s) {
   if (now_s - link_s_ < kLinkPeriod_s) return;
   link_s_ = now_s;
   link_.of_others = source_.of_others();
+  link_.talking = source_.talking();
   link_.silent_s = link_.received ? now_s - newest_s_ : 0.0;
   for (const Page& page : pages_) {
     link_.not_sent = page.peer->dropped();

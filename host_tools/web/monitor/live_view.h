@@ -60,6 +60,7 @@ class LiveView final : public Endpoint, private SampleSink {
   void apply_page_commands(double now_s);
   void apply(Page& page, const std::string& text, double now_s);
   void flush_tables(double now_s);
+  void choose(Page& page, const std::string& run_id);
   void play_again();
   void send_heartbeats(double now_s);
   void send_link_status(double now_s);

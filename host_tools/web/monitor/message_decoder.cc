@@ -11,8 +11,13 @@
 namespace stilt::monitor {
 namespace {
 
+/// Samples of other runs that are kept until one of them is followed, and runs that are kept.
+constexpr std::size_t kMostWaiting = 4096;
+constexpr std::size_t kMostRuns = 16;
 /// Two seconds. The configuration of a run comes with its first ticks, also to a monitor that starts later.
 constexpr std::uint64_t kTicksWithoutConfiguration = 2000;
+
+}  // namespace
 
 std::string run_text(std::uint64_t run_id) {
   char digits[20];
@@ -20,68 +25,129 @@ std::string run_text(std::uint64_t run_id) {
   return digits;
 }
 
-}  // namespace
+MessageDecoder::Run* MessageDecoder::known(std::uint64_t run_id) {
+  const auto found = std::ranges::find(runs_, run_id, &Run::run_id);
+  return found == runs_.end() ? nullptr : &*found;
+}
 
-bool MessageDecoder::ours(std::uint64_t run_id) {
-  if (run_id == run_id_ && run_id_ != 0) {
-    of_others_ += unknown_run_samples_;
-    unknown_run_samples_ = unknown_run_ticks_ = 0;
+std::vector<KnownRun> MessageDecoder::runs() const {
+  std::vector<KnownRun> all;
+  for (const Run& run : runs_) {
+    const auto message = run.configuration.as<telemetry::ConfigurationInForce>();
+    all.push_back({run.run_id, message->robot, message->token_file, run.batches_ago < kSilentBatches});
+  }
+  return all;
+}
+
+/// Whether a message is of the run that is followed. One of another run waits: perhaps that one is followed
+/// next, and then nothing of it is missing.
+bool MessageDecoder::ours(std::uint64_t run_id, const telemetry::Sample& message, SampleSink& sink) {
+  const bool batch = message.topic == &telemetry::kTicks;
+  for (Run& run : runs_) {
+    if (batch) ++run.batches_ago;
+    if (run.run_id != run_id) continue;
+    run.batches_ago = 0;
+    if (message.topic == &telemetry::kTuning) run.tuning = message;
+  }
+  if (run_id_ == 0) return false;
+  if (run_id == run_id_) {
+    of_others_ += of_next_run_.size();
+    of_next_run_.clear();
     return true;
   }
-  if (run_id_ != 0) ++unknown_run_samples_;
+  of_next_run_.push_back(message);
+  if (of_next_run_.size() > kMostWaiting) of_next_run_.pop_front();
+  const Run* other = known(run_id);
+  const bool silent = known(run_id_)->batches_ago >= kSilentBatches;
+  if (follow_ == Follow::talking && batch && silent && other != nullptr) follow(*other, sink);
   return false;
 }
 
 template <class Message, class Use>
-void MessageDecoder::take_as(const telemetry::Sample& message, Use use) {
+void MessageDecoder::take_as(const telemetry::Sample& message, SampleSink& sink, Use use) {
   const auto decoded = message.as<Message>();
-  if (decoded && ours(decoded->run_id)) use(*decoded);
+  if (decoded && ours(decoded->run_id, message, sink)) use(*decoded);
 }
 
 void MessageDecoder::take(const telemetry::Sample& message, SampleSink& sink) {
   const telemetry::Topic* topic = message.topic;
   if (topic == &telemetry::kConfiguration) {
-    if (const auto decoded = message.as<telemetry::ConfigurationInForce>()) configure(*decoded, sink);
+    configure(message, sink);
   } else if (topic == &telemetry::kTuning) {
-    take_as<telemetry::Tuning>(message, [&](const auto& tuning) { tune(tuning, sink); });
+    take_as<telemetry::Tuning>(message, sink, [&](const auto& tuning) { tune(tuning, sink); });
   } else if (topic == &telemetry::kTicks) {
-    if (const auto batch = message.as<telemetry::TickBatch>()) ticks(*batch, sink);
+    expect_configuration(message, sink);
+    take_as<telemetry::TickBatch>(message, sink, [&](const auto& batch) { ticks(batch, sink); });
   } else if (topic == &telemetry::kPlannerCycles) {
-    take_as<telemetry::PlannerCycle>(message,
+    take_as<telemetry::PlannerCycle>(message, sink,
                                      [&](const auto& cycle) { sink.planner(planner_sample(cycle)); });
   } else if (topic == &telemetry::kPlans) {
-    take_as<telemetry::Plan>(message, [&](const auto& plan) { sink.plan(plan_sample(plan)); });
+    take_as<telemetry::Plan>(message, sink, [&](const auto& plan) { sink.plan(plan_sample(plan)); });
   } else if (topic == &telemetry::kSupervisor) {
-    take_as<telemetry::Supervisor>(message,
+    take_as<telemetry::Supervisor>(message, sink,
                                    [&](const auto& state) { sink.supervisor(supervisor_sample(state)); });
   } else if (topic == &telemetry::kEvents) {
-    take_as<telemetry::Event>(message, [&](const auto& event) { sink.event(event_sample(event)); });
+    take_as<telemetry::Event>(message, sink, [&](const auto& event) { sink.event(event_sample(event)); });
   } else if (topic == &host_telemetry::kSimulation) {
     if (const auto decoded = message.as<host_telemetry::SimulationMessage>()) truth(*decoded, sink);
   } else if (topic == &telemetry::kTiming) {
-    take_as<telemetry::Timing>(message, [&](const auto& timing) { sink.timing(timing_sample(timing)); });
+    take_as<telemetry::Timing>(message, sink,
+                               [&](const auto& timing) { sink.timing(timing_sample(timing)); });
   }
 }
 
-void MessageDecoder::refuse(const std::string& sentence, SampleSink& sink) const {
-  sink.event({.time_s = newest_tick_s_, .text = sentence, .serious = true});
+void MessageDecoder::refuse(std::uint64_t run_id, const std::string& sentence, SampleSink& sink) {
+  if (run_id == refused_run_) return;
+  refused_run_ = run_id;
+  sink.event({.time_s = newest_tick_s_, .text = "run " + run_text(run_id) + " " + sentence, .serious = true});
 }
 
-void MessageDecoder::configure(const telemetry::ConfigurationInForce& message, SampleSink& sink) {
-  if (message.run_id == run_id_ || message.start_time_ns < run_start_ns_) return;
-  if (const auto problem = host_telemetry::wire_version_problem(message.wire_version)) {
-    if (message.run_id != refused_run_) refuse("run " + run_text(message.run_id) + " " + *problem, sink);
-    refused_run_ = message.run_id;
+void MessageDecoder::expect_configuration(const telemetry::Sample& message, SampleSink& sink) {
+  const auto batch = message.as<telemetry::TickBatch>();
+  if (!batch || !telemetry::well_formed(*batch) || known(batch->run_id) != nullptr) return;
+  unconfigured_ticks_ += batch->count;
+  if (unconfigured_ticks_ < kTicksWithoutConfiguration) return;
+  refuse(
+      batch->run_id,
+      "sends ticks but no configuration that this stilt can read, as release 0.1 does; use the stilt of the "
+      "same release as stiltd",
+      sink);
+}
+
+void MessageDecoder::configure(const telemetry::Sample& message, SampleSink& sink) {
+  const auto decoded = message.as<telemetry::ConfigurationInForce>();
+  if (!decoded || known(decoded->run_id) != nullptr) return;
+  if (const auto problem = host_telemetry::wire_version_problem(decoded->wire_version)) {
+    refuse(decoded->run_id, *problem, sink);
     return;
   }
-  run_id_ = message.run_id;
-  run_start_ns_ = message.start_time_ns;
-  clock_start_ns_ = message.start_clock_ns;
-  token_file_ = message.token_file;
-  unknown_run_samples_ = unknown_run_ticks_ = 0;
-  configuration_ = configuration_sample(message);
+  unconfigured_ticks_ = 0;
+  if (runs_.size() == kMostRuns) {
+    runs_.erase(std::ranges::max_element(
+        runs_, {}, [this](const Run& run) { return std::pair(run.run_id != run_id_, run.batches_ago); }));
+  }
+  const Run& run = runs_.emplace_back(Run{decoded->run_id, message, {}});
+  const bool newer = decoded->start_time_ns >= run_start_ns_;
+  if (run_id_ == 0 || (follow_ == Follow::newest && newer)) follow(run, sink);
+}
+
+void MessageDecoder::choose(std::uint64_t run_id, SampleSink& sink) {
+  const Run* run = known(run_id);
+  if (run != nullptr && run_id != run_id_) follow(*run, sink);
+}
+
+void MessageDecoder::follow(const Run& run, SampleSink& sink) {
+  const auto message = run.configuration.as<telemetry::ConfigurationInForce>();
+  run_id_ = message->run_id;
+  run_start_ns_ = message->start_time_ns;
+  clock_start_ns_ = message->start_clock_ns;
+  configuration_ = configuration_sample(*message);
   configuration_.run_id = run_text(run_id_);
+  const auto tuning = run.tuning;
   sink.configuration(configuration_);
+  if (tuning) tune(*tuning->as<telemetry::Tuning>(), sink);
+  const std::deque<telemetry::Sample> waiting = std::exchange(of_next_run_, {});
+  for (const telemetry::Sample& sample : waiting) take(sample, sink);
 }
 
 void MessageDecoder::tune(const telemetry::Tuning& message, SampleSink& sink) {
@@ -103,18 +169,6 @@ void MessageDecoder::truth(const host_telemetry::SimulationMessage& message, Sam
 
 void MessageDecoder::ticks(const telemetry::TickBatch& batch, SampleSink& sink) {
   if (!telemetry::well_formed(batch)) return;
-  if (!ours(batch.run_id)) {
-    const std::uint64_t before = std::exchange(unknown_run_ticks_, unknown_run_ticks_ + batch.count);
-    if (batch.run_id != refused_run_ && before < kTicksWithoutConfiguration &&
-        unknown_run_ticks_ >= kTicksWithoutConfiguration) {
-      refuse("run " + run_text(batch.run_id) +
-                 " sends ticks but no configuration that this stilt can read, as release 0.1 does; use the "
-                 "stilt "
-                 "of the same release as stiltd",
-             sink);
-    }
-    return;
-  }
   for (std::size_t k = 0; k < batch.count; ++k) {
     TickSample sample{0.0, telemetry::tick_record(batch, k)};
     sample.time_s = 1e-9 * static_cast<double>(sample.record.time_ns - clock_start_ns_);

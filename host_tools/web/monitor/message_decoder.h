@@ -1,7 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "firmware/telemetry/reader.h"
 #include "host_tools/telemetry/simulation_publisher.h"
@@ -9,45 +12,85 @@
 
 namespace stilt::monitor {
 
-/// Converts messages of stiltd to samples, from the network or from a record. Follows the run that started
-/// last, with its clock, its tunables and their values.
+/// Which of several runs a decoder follows.
+enum class Follow {
+  newest,   ///< the one that started last: runs of a record come one after the other
+  talking,  ///< the first one, for as long as it talks; then another that talks
+};
+
+/// A run whose configuration is known.
+struct KnownRun {
+  std::uint64_t run_id = 0;
+  std::string robot;
+  std::string token_file;  ///< as stiltd names it
+  bool talks = false;      ///< whether ticks of it come
+};
+
+/// A number of a run as text: "001085a41154fb89".
+[[nodiscard]] std::string run_text(std::uint64_t run_id);
+
+/// Converts messages of stiltd to samples, from the network or from a record. Follows one run, with its
+/// clock, its tunables and their values. One thread.
 class MessageDecoder {
  public:
+  /// Batches of ticks of other runs without one of a run in between, after which that run is silent: 2.5 s at
+  /// the shipped rates.
+  static constexpr std::uint64_t kSilentBatches = 100;
+
+  explicit MessageDecoder(Follow follow = Follow::talking) : follow_(follow) {}
+
   /// Passes the content of the message to `sink`. Ignores topics that a monitor does not show, and bytes that
   /// are not a message. A run whose messages have another wire version is not followed; one event states it,
   /// and so does one when ticks come without the configuration of their run.
   void take(const telemetry::Sample& message, SampleSink& sink);
 
-  /// Run of the newest configuration; 0 before the first.
+  /// Follows another known run from now on, for as long as it talks.
+  void choose(std::uint64_t run_id, SampleSink& sink);
+
+  /// All runs whose configuration is known, oldest first.
+  [[nodiscard]] std::vector<KnownRun> runs() const;
+
+  /// The run that is followed; 0 before the first configuration.
   [[nodiscard]] std::uint64_t run_id() const { return run_id_; }
 
-  /// Path of the run's token file, reported by stiltd; empty before its configuration is received.
-  [[nodiscard]] const std::string& token_file() const { return token_file_; }
-
-  /// Samples ignored because they are of another run that is also publishing.
+  /// Samples left out because they are of another run, while the one that is followed talks.
   [[nodiscard]] std::uint64_t of_others() const { return of_others_; }
 
  private:
-  void refuse(const std::string& sentence, SampleSink& sink) const;
-  void configure(const telemetry::ConfigurationInForce& message, SampleSink& sink);
+  /// What is kept of a run, to follow it later.
+  struct Run {
+    std::uint64_t run_id = 0;
+    telemetry::Sample configuration;
+    std::optional<telemetry::Sample> tuning;
+    std::uint64_t batches_ago = 0;  ///< batches of ticks of all runs since its last sample
+  };
+
+  /// States once that a run's messages cannot be read.
+  void refuse(std::uint64_t run_id, const std::string& sentence, SampleSink& sink);
+  /// Refuses a run whose ticks come without a configuration for two seconds.
+  void expect_configuration(const telemetry::Sample& message, SampleSink& sink);
+  void configure(const telemetry::Sample& message, SampleSink& sink);
+  void follow(const Run& run, SampleSink& sink);
+  [[nodiscard]] bool ours(std::uint64_t run_id, const telemetry::Sample& message, SampleSink& sink);
   void tune(const telemetry::Tuning& message, SampleSink& sink);
   void ticks(const telemetry::TickBatch& batch, SampleSink& sink);
   void truth(const host_telemetry::SimulationMessage& message, SampleSink& sink) const;
-  [[nodiscard]] bool ours(std::uint64_t run_id);
+  [[nodiscard]] Run* known(std::uint64_t run_id);
 
   template <class Message, class Use>
-  void take_as(const telemetry::Sample& message, Use use);
+  void take_as(const telemetry::Sample& message, SampleSink& sink, Use use);
 
+  Follow follow_;
+  std::vector<Run> runs_;
+  std::deque<telemetry::Sample> of_next_run_;  ///< of other runs, since the last sample of the followed one
   std::uint64_t run_id_ = 0;
   std::int64_t run_start_ns_ = 0;
   std::int64_t clock_start_ns_ = 0;
-  std::string token_file_;
   ConfigurationSample configuration_;
   double newest_tick_s_ = 0.0;
   std::uint64_t of_others_ = 0;
-  std::uint64_t unknown_run_samples_ = 0;  ///< messages of another run, since the last one of this run
-  std::uint64_t unknown_run_ticks_ = 0;    ///< likewise ticks
-  std::uint64_t refused_run_ = 0;          ///< has messages of another wire version
+  std::uint64_t unconfigured_ticks_ = 0;  ///< of unknown runs, since the last configuration
+  std::uint64_t refused_run_ = 0;         ///< its messages cannot be read
 };
 
 }  // namespace stilt::monitor

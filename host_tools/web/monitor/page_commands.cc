@@ -30,6 +30,7 @@ std::expected<CommandKind, std::string> kind_of(const std::string& text) {
 std::expected<PageMessage, std::string> read(const Json& json) {
   PageMessage message;
   message.again = member(json, "again", false);
+  message.run = member<std::string>(json, "run", "");
   if (!json.contains("command")) return message;
   const auto kind = kind_of(json.at("command").get<std::string>());
   if (!kind) return std::unexpected(kind.error());

@@ -4,6 +4,7 @@
 #include "firmware/supervisor/fallback.h"
 #include "firmware/supervisor/fault.h"
 #include "firmware/supervisor/state.h"
+#include "firmware/telemetry/command_arbiter.h"
 #include "host_tools/web/monitor/page_tables.h"
 #include "mpc_core/model/robot.h"
 
@@ -46,11 +47,24 @@ Json names_up_to(Enumeration last) {
   return names;
 }
 
+/// Commands that a robot in that state refuses, each with the reason.
+Json refused_json(supervisor::State state) {
+  using telemetry::CommandKind;
+  Json refused = Json::object();
+  for (const CommandKind kind :
+       {CommandKind::stand, CommandKind::step, CommandKind::walk, CommandKind::sit, CommandKind::reset}) {
+    const std::string reason = telemetry::wrong_state(kind, state);
+    if (!reason.empty()) refused[telemetry::name(kind)] = reason;
+  }
+  return refused;
+}
+
 Json states_json() {
   Json states = Json::array();
   for (std::size_t k = 0; k < supervisor::kStates; ++k) {
     const auto state = static_cast<supervisor::State>(k);
-    states.push_back({{"name", name(state)}, {"description", description(state)}});
+    states.push_back(
+        {{"name", name(state)}, {"description", description(state)}, {"refused", refused_json(state)}});
   }
   return states;
 }
@@ -150,6 +164,10 @@ SharedMessage timing_message(const TimingSample& sample) {
 }
 
 SharedMessage link_message(const LinkStatus& status) {
+  Json talking = Json::array();
+  for (const TalkingRun& run : status.talking) {
+    talking.push_back({{"run_id", run.run_id}, {"robot", run.robot}});
+  }
   return text({{"type", "link"},
                {"received", status.received},
                {"silent_s", status.silent_s},
@@ -157,7 +175,8 @@ SharedMessage link_message(const LinkStatus& status) {
                {"missing", status.missing},
                {"of_others", status.of_others},
                {"runs", status.runs},
-               {"not_sent", status.not_sent}});
+               {"not_sent", status.not_sent},
+               {"talking", talking}});
 }
 
 SharedMessage reply_message(std::uint32_t sequence, bool accepted, const std::string& reason) {

@@ -32,13 +32,14 @@ enum class Table : std::uint8_t { ticks = 1, planner = 2, plan = 3, truth = 4 };
 
 /// State of the connection to the source.
 struct LinkStatus {
-  bool received = false;        ///< whether any message has been received
-  double silent_s = 0.0;        ///< since the newest tick was received
-  std::uint64_t ticks = 0;      ///< received
-  std::uint64_t missing = 0;    ///< gaps in the numbers of ticks
-  std::uint64_t runs = 0;       ///< received so far
-  std::uint64_t of_others = 0;  ///< samples ignored because another controller is publishing too
-  std::uint64_t not_sent = 0;   ///< messages not sent to this page because it is too slow
+  bool received = false;            ///< whether any message has been received
+  double silent_s = 0.0;            ///< since the newest tick was received
+  std::uint64_t ticks = 0;          ///< received
+  std::uint64_t missing = 0;        ///< gaps in the numbers of ticks
+  std::uint64_t runs = 0;           ///< received so far
+  std::uint64_t of_others = 0;      ///< samples ignored because another controller is publishing too
+  std::uint64_t not_sent = 0;       ///< messages not sent to this page because it is too slow
+  std::vector<TalkingRun> talking;  ///< controllers that talk now
 };
 [[nodiscard]] SharedMessage link_message(const LinkStatus& status);
 

@@ -28,10 +28,31 @@ void add_fields(TickColumns& columns) {
   });
 }
 
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
+/// Ticks without a reply after which a joint's last reading is no longer shown as what is.
+constexpr std::uint32_t kOldReading_ticks = 100;
+
+bool is_old(const hal::JointReading& reading) { return !(reading.missed_replies <= kOldReading_ticks); }
+
+/// NaN where it is not known: the place of the hip, unless the robot is on its feet; joints that do not
+/// answer.
+double estimated_state(const TickSample& tick, std::size_t index) {
+  constexpr std::size_t kAngle = model::kFirstAngle, kJoint = kAngle + 1;
+  const std::size_t position = index % model::kPositions;
+  const bool off_its_feet = position < kAngle && tick.record.stance_episode == 0;
+  const bool silent = position >= kJoint && is_old(tick.record.joints[position - kJoint]);
+  return off_its_feet || silent ? kUnknown : tick.record.estimated_state[index];
+}
+
+double measured_torque_Nm(const TickSample& tick, std::size_t joint) {
+  const hal::JointReading& reading = tick.record.joints[joint];
+  return is_old(reading) ? kUnknown : reading.torque_Nm;
+}
+
 /// NaN when no commands were sent.
 double commanded_position_rad(const TickSample& tick, std::size_t joint) {
-  return tick.record.action == supervisor::Action::commands ? tick.record.sent[joint].position_rad
-                                                            : std::numeric_limits<double>::quiet_NaN();
+  return tick.record.action == supervisor::Action::commands ? tick.record.sent[joint].position_rad : kUnknown;
 }
 
 /// Feed-forward and gains together, at the measured joint position; 0 when no commands were sent.
@@ -45,10 +66,10 @@ double commanded_torque_Nm(const TickSample& tick, std::size_t joint) {
 
 TickColumns make_tick_columns() {
   TickColumns columns;
-  add_fields<TickGroup::estimate>(columns);
+  columns.push_back({"estimated_state", estimated_state, model::kStates});
   columns.push_back({"commanded_position_rad", commanded_position_rad, hal::kJoints});
   columns.push_back({"commanded_torque_Nm", commanded_torque_Nm, hal::kJoints});
-  add_fields<TickGroup::joints>(columns);
+  columns.push_back({"measured_torque_Nm", measured_torque_Nm, hal::kJoints});
   add_fields<TickGroup::ramp>(columns);
   add_fields<TickGroup::plan>(columns);
   add_fields<TickGroup::timing>(columns);

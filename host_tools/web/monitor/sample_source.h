@@ -19,6 +19,12 @@ struct Command {
   std::string tunable;          ///< name of the tunable
 };
 
+/// A controller that talks.
+struct TalkingRun {
+  std::string run_id;  ///< as in ConfigurationSample
+  std::string robot;
+};
+
 /// Receiver of a source's samples. One call per sample, in order of time within a kind.
 class SampleSink {
  public:
@@ -43,8 +49,16 @@ class SampleSource {
   /// record plays by the clock of the calls. A new run begins with its configuration.
   virtual void poll(SampleSink& sink) = 0;
 
-  /// Sends a command; its reply comes with a later poll(). A record refuses it in the reply.
+  /// Sends a command; its reply comes with a later poll(). A record refuses it in the reply. Stop goes to
+  /// every run whose token is known, for its sender may not know which of them moves; the reply is that of
+  /// the run that is shown.
   virtual void command(const Command& command) = 0;
+
+  /// Controllers that talk now, the one that is shown among them.
+  [[nodiscard]] virtual std::vector<TalkingRun> talking() const { return {}; }
+
+  /// Shows another of them from now on; no effect when it is none of them.
+  virtual void choose(const std::string& /*run_id*/) {}
 
   /// Plays a record from its start again; no effect on a live source.
   virtual void play_again() {}

@@ -8,6 +8,8 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
+#include <stdexcept>
 #include <string_view>
 #include <thread>
 
@@ -85,6 +87,13 @@ void show(const std::string& text) {
 }  // namespace
 
 int run_terminal(SampleSource& source) {
+  const char* kind = std::getenv("TERM");
+  if (isatty(STDOUT_FILENO) == 0 || kind == nullptr || std::string_view(kind) == "dumb") {
+    throw std::runtime_error(
+        "--terminal: standard output is no terminal that can be drawn on; stilt record and stilt log csv "
+        "write "
+        "to files");
+  }
   constexpr auto kPoll = std::chrono::milliseconds(20);
   constexpr double kDrawPeriod_s = 0.2;
   struct sigaction action {};

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <sstream>
 
 #include "firmware/supervisor/fallback.h"
 #include "firmware/supervisor/fault.h"
@@ -20,17 +21,23 @@ std::string line(const char* format, Values... values) {
   return std::string(buffer) + "\n";
 }
 
-/// Cuts long lines and drops lines below the last row, so that the terminal neither wraps nor scrolls.
-std::string cut(const std::string& text, std::size_t columns, std::size_t rows) {
+/// Breaks lines at spaces, continuing under the second column, and drops lines below the last row, so that
+/// the terminal neither wraps nor scrolls.
+std::string fitted(const std::string& text, std::size_t columns, std::size_t rows) {
+  constexpr std::size_t kIndent = 10;
   std::string out;
-  std::size_t length = 0, lines = 0;
-  for (const char letter : text) {
-    if (letter == '\n')
-      length = 0;
-    else if (++length > columns)
-      continue;
-    out += letter;
-    if (letter == '\n' && ++lines == rows) break;
+  std::size_t lines = 0;
+  std::istringstream all(text);
+  for (std::string rest; lines < rows && std::getline(all, rest); ++lines) {
+    while (rest.size() > columns && lines + 1 < rows) {
+      const std::size_t space = rest.rfind(' ', columns);
+      const bool at_word = space != std::string::npos && space > kIndent;
+      out += rest.substr(0, at_word ? space : columns) + '\n';
+      rest = (columns > 2 * kIndent ? std::string(kIndent, ' ') : "") +
+             rest.substr(at_word ? space + 1 : columns);
+      ++lines;
+    }
+    out += rest.substr(0, columns) + '\n';
   }
   return out;
 }
@@ -68,8 +75,16 @@ void TerminalView::tick(const TickSample& sample) {
   received_s_ = now_s_;
 }
 
+/// What happens again is one line with a count, the newest on top.
 void TerminalView::event(const EventSample& sample) {
-  events_.push_front(sample);
+  std::uint64_t times = 1;
+  const auto before =
+      std::ranges::find_if(events_, [&](const Repeated& one) { return one.event.text == sample.text; });
+  if (before != events_.end()) {
+    times += before->times;
+    events_.erase(before);
+  }
+  events_.push_front({sample, times});
   if (events_.size() > kEvents) events_.pop_back();
 }
 
@@ -137,8 +152,10 @@ std::string TerminalView::text(std::size_t columns, std::size_t rows) const {
   if (supervisor_) text += state_text();
   if (tick_) {
     const auto& state = tick_->record.estimated_state;
-    text += line("speed     %+.2f m/s   x %.2f m   hip %.3f m   lean %+.3f rad", speed_m_s_, state[0],
-                 state[1], state[2]);
+    text += tick_->record.stance_episode == 0
+                ? line("speed     -   off its feet   lean %+.3f rad", state[2])
+                : line("speed     %+.2f m/s   x %.2f m   hip %.3f m   lean %+.3f rad", speed_m_s_, state[0],
+                       state[1], state[2]);
   }
   if (supervisor_) text += fault_text();
   if (cycle_) {
@@ -146,8 +163,11 @@ std::string TerminalView::text(std::size_t columns, std::size_t rows) const {
                  duration(cycle_->solve_us).c_str(), cycle_->defect_max, cycle_->equality_violation_max);
   }
   if (timing_) text += timing_text();
-  for (const EventSample& event : events_) text += line("%8.2f  %s", event.time_s, event.text.c_str());
-  return cut(text, columns, rows);
+  for (const auto& [event, times] : events_) {
+    const std::string again = times > 1 ? " (" + std::to_string(times) + " times)" : "";
+    text += line("%8.2f  %s%s", event.time_s, event.text.c_str(), again.c_str());
+  }
+  return fitted(text, columns, rows);
 }
 
 }  // namespace stilt::monitor

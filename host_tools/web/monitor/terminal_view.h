@@ -25,6 +25,12 @@ class TerminalView final : private SampleSink {
   /// Largest number of events shown.
   static constexpr std::size_t kEvents = 12;
 
+  /// An event, and how often it has happened while it was shown.
+  struct Repeated {
+    EventSample event;
+    std::uint64_t times;
+  };
+
   void configuration(const ConfigurationSample& sample) override;
   void tick(const TickSample& sample) override;
   void plan(const PlanSample&) override {}
@@ -46,7 +52,7 @@ class TerminalView final : private SampleSink {
   std::optional<PlannerSample> cycle_;
   std::optional<SupervisorSample> supervisor_;
   std::optional<TimingSample> timing_;
-  std::deque<EventSample> events_;
+  std::deque<Repeated> events_;
   std::uint64_t missing_ = 0;
   double speed_m_s_ = 0.0;  ///< mean over about the last second
   double now_s_ = 0.0;

@@ -78,13 +78,16 @@ class WebServer::Implementation {
     context_ = mg_start(&callbacks, this, static_cast<const char**>(settings));
     if (context_ == nullptr) {
       mg_exit_library();
-      throw std::runtime_error(
-          "monitor: cannot listen on " + port +
-          "; another program may use the port, choose one with --port (0: any free one)");
+      throw std::runtime_error("monitor: cannot listen on " + port +
+                               "; either another program uses the port (--port chooses one, 0: any free "
+                               "one), or this machine has no "
+                               "such address");
     }
     mg_server_port ports[1];
     if (mg_get_server_ports(context_, 1, static_cast<mg_server_port*>(ports)) == 1) port_ = ports[0].port;
     mg_set_request_handler(context_, "**", &Implementation::answer_request, this);
+    mg_set_websocket_handler(context_, "/**", &Implementation::no_such_socket, nullptr, nullptr, nullptr,
+                             nullptr);
   }
 
   ~Implementation() {
@@ -147,14 +150,28 @@ class WebServer::Implementation {
     return 200;
   }
 
+  /// Says why in HTTP: viewers show it. civetweb itself would close without a word, or without a header.
+  static int refuse_socket(const mg_connection* connection, const char* status, std::string_view sentence) {
+    answer(const_cast<mg_connection*>(connection), status, "text/plain", sentence);
+    return kSwitchingRefused;
+  }
+
+  static int no_such_socket(const mg_connection* connection, void* /*context*/) {
+    return refuse_socket(connection, "404 Not Found", "There is no WebSocket at this path.\n");
+  }
+
   static int connecting(const mg_connection* connection, void* context) {
     const auto& socket = *static_cast<Socket*>(context);
-    if (!socket.server->host_fits(connection)) return kSwitchingRefused;
+    if (!socket.server->host_fits(connection)) {
+      return refuse_socket(connection, "403 Forbidden", "Open this page by its loopback address.\n");
+    }
     const std::string origin = header(connection, "Origin");
     const Origins& others = socket.options.origins;
     const bool welcome = origin.empty() || origin == "http://" + header(connection, "Host") || others.any ||
                          std::ranges::find(others.named, origin) != others.named.end();
-    return welcome ? kProceed : kSwitchingRefused;
+    if (welcome) return kProceed;
+    return refuse_socket(connection, "403 Forbidden",
+                         "Pages of this site may not look: start stilt monitor with --viewers.\n");
   }
 
   static void ready(mg_connection* connection, void* context) {

@@ -15,6 +15,7 @@ class RobotData {
     this.planLife_s = planLife_s;
     this.geometry = null;  // lengths of the links and torque limits
     this.ground = { x_m: [], z_m: [] };
+    this.hipUnknown = false;  // the state that is drawn has a hip put anywhere
     this.clear();
   }
 
@@ -41,7 +42,8 @@ class RobotData {
     const x = ticks.group(this.stateGroup).slice(0, 1);
     const from = Math.max(ticks.oldestTime, time_s - 1);
     if (time_s - from < 0.2) return null;
-    return (ticks.at(x, time_s)[0] - ticks.at(x, from)[0]) / (time_s - from);
+    const speed = (ticks.at(x, time_s)[0] - ticks.at(x, from)[0]) / (time_s - from);
+    return Number.isFinite(speed) ? speed : null;
   }
 
   /** Knots of the newest plan that had begun at `time_s`, none when it is long over. */

@@ -41,11 +41,14 @@ class Stage {
     const view = makeView(context, width, height, camera + lead_m, base_z, scale);
     drawGround(view, data.ground, this.colours, data.footprintsUpTo(time_s));
     if (!this.state) return null;
-    if (this.showPlan.checked) {
+    if (this.showPlan.checked && !data.hipUnknown) {
       drawPlannedTorso(view, data.geometry, data.planAt(time_s), this.colours, time_s);
       drawPlannedPaths(view, data.planAt(time_s), this.colours, time_s);
     }
-    drawRobotAt(view, data, poseOfState(data.geometry, this.state), this.colours, time_s, this.showForces.checked);
+    context.globalAlpha = data.hipUnknown ? 0.35 : 1;
+    drawRobotAt(view, data, poseOfState(data.geometry, this.state), this.colours, time_s,
+      this.showForces.checked && !data.hipUnknown);
+    context.globalAlpha = 1;
     return this.state;
   }
 

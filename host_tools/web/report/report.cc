@@ -1,6 +1,5 @@
 #include "host_tools/web/report/report.h"
 
-#include <fstream>
 #include <stdexcept>
 #include <string_view>
 
@@ -79,16 +78,6 @@ std::string render_report(const log::RunRecord& record) {
   page += escape_script(run_data_json(record));
   page += parts.tail;
   return page;
-}
-
-void write_report(const log::RunRecord& record, const std::filesystem::path& file) {
-  std::ofstream stream(file, std::ios::binary | std::ios::trunc);
-  stream << render_report(record);
-  stream.close();
-  if (!stream) {
-    throw std::runtime_error("cannot write the report to " + file.string() +
-                             ": its folder must exist and be writable");
-  }
 }
 
 }  // namespace stilt::report

@@ -65,8 +65,12 @@ TEST(Hardware, AWiringIsReadKeyByKey) {
 
 TEST(Hardware, EveryContradictionOfTheWiringPointsAtItsLine) {
   EXPECT_EQ(mistakes("[hardware]\nbuses = \"can0\"\n"),
-            "robot.toml:2:9: hip_R.bus = 1, but hardware.buses names 1 bus, numbered from 0\n"
-            "robot.toml:2:9: knee_R.bus = 1, but hardware.buses names 1 bus, numbered from 0");
+            "robot.toml:2:9: hip_R.bus = 1, but hardware.buses names 1 bus, numbered from 0; name one more, "
+            "or give "
+            "--bus once for each\n"
+            "robot.toml:2:9: knee_R.bus = 1, but hardware.buses names 1 bus, numbered from 0; name one more, "
+            "or give "
+            "--bus once for each");
   EXPECT_EQ(mistakes("[knee_L]\nid = 1\n"),
             "robot.toml:2:6: knee_L and hip_L are on bus 0 and their frames collide: identifier 0x1 against "
             "identifier 0x1; give one of them another identifier or another bus");
@@ -80,6 +84,17 @@ TEST(Hardware, EveryContradictionOfTheWiringPointsAtItsLine) {
             .starts_with("robot.toml:3:20: runtime.planner_priority"))
         << priority;
   }
+}
+
+TEST(Hardware, ABusIsACanInterfaceOrALoopbackOfSomeName) {
+  for (const char* name : {"foo:bar", "loopback:", "a/b", "an_interface_too_long"}) {
+    const auto result = parse(std::string("[hardware]\nbuses = \"can0, ") + name + "\"\n", "robot.toml");
+    ASSERT_FALSE(result) << name;
+    EXPECT_EQ(to_string(result.error()),
+              std::string("robot.toml:2:9: \"") + name +
+                  "\" is no bus; a CAN interface such as can0, or loopback:NAME, is one");
+  }
+  EXPECT_TRUE(parse("[hardware]\nbuses = \"vcan_left,loopback:my_robot\"\n", "robot.toml"));
 }
 
 /// The configuration with drivers of one protocol everywhere, and more lines of other sections.

@@ -68,7 +68,7 @@ TEST(Options, APresetChangesTheConfigurationBeforeTheGaitsAndWhatTheUserSets) {
   EXPECT_EQ(paper->configuration.discretisation.transition, ocp::Transition::identity);
   EXPECT_EQ(paper->configuration.gait.single_support_s, 0.4);
   EXPECT_EQ(paper->configuration.cost.terminal, 3.0);
-  EXPECT_EQ(paper->source, "the shipped configuration of amber3m, preset paper");
+  EXPECT_EQ(paper->source, "the shipped configuration of amber3m, preset paper, --set cost.terminal=3");
   const auto around_gaits = read({"--preset", "paper", "--set", "controller.reference=hzd"});
   ASSERT_TRUE(around_gaits) << around_gaits.error();
   EXPECT_EQ(around_gaits->configuration.discretisation.transition, ocp::Transition::identity);

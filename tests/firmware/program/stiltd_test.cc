@@ -1,5 +1,8 @@
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <cstdio>
 #include <fstream>
@@ -26,6 +29,8 @@ Answer stiltd(const std::string& arguments) {
   run.status = WEXITSTATUS(pclose(pipe));
   return run;
 }
+
+const std::string kAbsentBuses = "--bus loopback:absent-left --bus loopback:absent-right";
 
 bool has(const Answer& run, const std::string& part) { return run.text.find(part) != std::string::npos; }
 
@@ -63,18 +68,72 @@ TEST(Stiltd, PrintsTheWholeConfigurationAsItWouldReadIt) {
 }
 
 TEST(Stiltd, RefusesABusThatIsNotThereInOneSentence) {
-  const Answer run = stiltd("--bus loopback:absent-left --bus loopback:absent-right --lockstep");
+  const tests::OwnFolder folder;
+  const Answer run = stiltd(kAbsentBuses + " --lockstep --set telemetry.token_file=" + folder.file("token"));
   EXPECT_EQ(run.status, 2);
   EXPECT_TRUE(has(run, "stiltd: bus loopback:absent-left: no program listens there")) << run.text;
 }
 
+TEST(Stiltd, ThatDoesNotStartReplacesNoToken) {
+  const tests::OwnFolder folder;
+  const std::string file = folder.file("token");
+  std::ofstream(file) << "the token of another run\n";
+  EXPECT_EQ(stiltd(kAbsentBuses + " --set telemetry.token_file=" + file).status, 2);
+  std::string token;
+  std::getline(std::ifstream(file), token);
+  EXPECT_EQ(token, "the token of another run");
+}
+
+TEST(Stiltd, RefusesTheTokenFileOfARunThatGoesOn) {
+  const tests::OwnFolder folder;
+  const int lock = open(folder.file("token.lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+  ASSERT_EQ(flock(lock, LOCK_EX | LOCK_NB), 0);
+  const Answer run = stiltd(kAbsentBuses + " --set telemetry.token_file=" + folder.file("token"));
+  close(lock);
+  EXPECT_EQ(run.status, 2);
+  EXPECT_TRUE(has(run, "stiltd runs already with the token file " + folder.file("token"))) << run.text;
+  EXPECT_FALSE(has(run, "loopback:absent")) << "no bus is opened: " << run.text;
+}
+
 TEST(Stiltd, RefusesAMachineThatCannotKeepTimeWhenToldTo) {
-  const Answer run = stiltd(
-      "--bus loopback:absent-left --bus loopback:absent-right --set runtime.require_realtime_always=true "
-      "--set runtime.torque_priority=0 --set runtime.planner_priority=0");
+  const Answer run = stiltd(kAbsentBuses +
+                            " --set telemetry.enabled=false --set runtime.require_realtime_always=true "
+                            "--set runtime.torque_priority=0 --set runtime.planner_priority=0");
   EXPECT_EQ(run.status, 2);
   EXPECT_TRUE(has(run, "runtime.require_realtime is true")) << run.text;
   EXPECT_TRUE(has(run, "the torque loop is set to no priority")) << run.text;
+}
+
+TEST(Stiltd, LooksBeforeTheRunWhetherItsFilesCanBeWritten) {
+  for (const char* option : {"--json", "--black-box"}) {
+    const Answer run = stiltd(kAbsentBuses + " " + option + " /nowhere/file");
+    EXPECT_EQ(run.status, 2);
+    EXPECT_TRUE(
+        has(run, std::string(option) + " /nowhere/file: cannot be written (No such file or directory)"))
+        << run.text;
+    EXPECT_FALSE(has(run, "loopback")) << "before it opens a bus";
+  }
+}
+
+TEST(Stiltd, SaysWhatAConfigurationWasReadFromAndForWhichRobot) {
+  const Answer rabbit = stiltd("--check-config --set hardware.robot=rabbit");
+  EXPECT_TRUE(
+      has(rabbit, "the shipped configuration of amber3m, --set hardware.robot=rabbit: valid\nrobot rabbit\n"))
+      << rabbit.text;
+  const tests::OwnFolder folder;
+  std::ofstream(folder.file("empty.toml")) << "# nothing\n";
+  const Answer empty = stiltd("--check-config --config " + folder.file("empty.toml"));
+  EXPECT_TRUE(has(empty, "empty.toml (names no key: every value is the default): valid")) << empty.text;
+  const Answer slow = stiltd("--check-config --set hardware.bit_rate_bit_s=250000");
+  EXPECT_EQ(slow.status, 2);
+  EXPECT_TRUE(has(slow, "each key is valid, and a bus would be overloaded")) << slow.text;
+}
+
+TEST(Stiltd, SaysWhatWasProbablyMeant) {
+  const Answer run = stiltd("--lock-step");
+  EXPECT_EQ(run.status, 2);
+  EXPECT_TRUE(has(run, "stiltd: --lock-step is no option; did you mean --lockstep?; see stiltd --help"))
+      << run.text;
 }
 
 TEST(Stiltd, RefusesWrongWords) {

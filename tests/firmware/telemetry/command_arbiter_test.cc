@@ -48,7 +48,7 @@ class CommandArbiterTest : public testing::Test {
                            tunables.emplace_back(key, value);
                            return tunable_answer;
                          }};
-  RobotNow now{.clock_ns = 5 * kSecond_ns, .wall_ns = 900 * kSecond_ns, .state = State::stand};
+  RobotNow now{.clock_ns = 5 * kSecond_ns, .wall_ns = 900 * kSecond_ns, .state = State::stand, .present = {}};
   control_loop::OperatorCommand script;
   std::uint64_t number = 0;
 };
@@ -129,6 +129,22 @@ TEST_F(CommandArbiterTest, takes_only_what_makes_sense_in_the_state) {
       EXPECT_EQ(take(kind).accepted, expected) << name(kind) << " in " << supervisor::name(now.state);
     }
   }
+}
+
+TEST_F(CommandArbiterTest, a_reset_whose_cause_is_still_there_and_a_stop_that_changes_nothing_say_so) {
+  now.state = State::fault;
+  now.present.add(supervisor::Fault::bus_off);
+  const Answer early = take(CommandKind::reset);
+  EXPECT_TRUE(early.accepted) << "it makes lost connections again";
+  EXPECT_EQ(early.reason, "it takes effect when what causes bus_off is over");
+  now.present = {};
+  EXPECT_EQ(take(CommandKind::reset).reason, "");
+  now.state = State::idle;
+  const Answer idle = take(CommandKind::stop);
+  EXPECT_TRUE(idle.accepted);
+  EXPECT_EQ(idle.reason, "the robot is in state idle, where stop changes nothing");
+  now.state = State::walk;
+  EXPECT_EQ(take(CommandKind::stop).reason, "");
 }
 
 TEST_F(CommandArbiterTest, without_commands_the_script_continues_and_no_heartbeat_is_needed) {

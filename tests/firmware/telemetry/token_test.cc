@@ -13,6 +13,11 @@
 namespace stilt::telemetry {
 namespace {
 
+std::expected<std::string, std::string> write_token(const std::string& path) {
+  const auto file = TokenFile::hold(path);
+  return file ? file->write() : std::unexpected(file.error());
+}
+
 class Token : public testing::Test {
  protected:
   tests::OwnFolder own;
@@ -74,12 +79,29 @@ TEST_F(Token, is_not_written_where_others_may_write) {
   EXPECT_TRUE(write_token(path).has_value());
 }
 
-TEST_F(Token, leaves_nothing_beside_it_and_its_new_folder_to_its_owner_alone) {
+TEST_F(Token, leaves_only_its_lock_beside_it_and_its_new_folder_to_its_owner_alone) {
   ASSERT_TRUE(write_token(path).has_value());
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 2) << "the token and its lock";
   struct stat status {};
   ASSERT_EQ(stat(folder.c_str(), &status), 0);
   EXPECT_EQ(status.st_mode & 0777, 0700u);
+}
+
+TEST_F(Token, of_a_run_is_not_replaced_by_another_until_the_run_ends) {
+  std::string first;
+  {
+    const auto running = TokenFile::hold(path);
+    ASSERT_TRUE(running.has_value()) << running.error();
+    first = running->write().value();
+    const auto second = TokenFile::hold(path);
+    ASSERT_FALSE(second.has_value());
+    EXPECT_NE(second.error().find("as process " + std::to_string(getpid())), std::string::npos)
+        << second.error();
+    EXPECT_NE(second.error().find("telemetry.domain"), std::string::npos) << second.error();
+    EXPECT_EQ(read_token(path), first);
+  }
+  EXPECT_TRUE(TokenFile::hold(path).has_value()) << "a run that has ended, or was killed, holds nothing";
+  EXPECT_EQ(read_token(path), first) << "written when the next run takes commands, not before";
 }
 
 TEST(TokenPath, auto_is_in_the_users_own_folder_and_other_paths_are_taken) {

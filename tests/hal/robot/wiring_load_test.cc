@@ -23,10 +23,10 @@ TEST(WiringLoad, AllFourJointsOnOneClassicBusAreRefusedInOneSentence) {
   wiring.channel_count = 0;
   const BusLoad load = bus_load(periodic_frames(wiring, 0, 1000, 0), {});
   EXPECT_EQ(load.verdict, BusLoadVerdict::refused);
-  EXPECT_EQ(load_sentence("can0", load),
-            "bus can0: worst-case load 108 %, above 80 %: give each leg its own bus, lower the rate of the "
-            "torque loop, "
-            "or use CAN FD");
+  EXPECT_EQ(
+      load_sentence("can0", load),
+      "bus can0: worst-case load 108 %, above 80 %: use a faster bit rate or CAN FD, put fewer drivers on "
+      "this bus, or lower the rate of the torque loop");
   EXPECT_EQ(bus_load(periodic_frames(wiring, 0, 500, 0), {}).verdict, BusLoadVerdict::fine);
 }
 

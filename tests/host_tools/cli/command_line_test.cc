@@ -1,9 +1,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <regex>
 #include <string>
+#include <utility>
 
 #include "tests/host_tools/program_test.h"
 
@@ -71,6 +73,110 @@ TEST_F(CommandLine, BadUsageIsOneSentenceAndStatusTwo) {
         << arguments << outcome.errors;
     EXPECT_EQ(outcome.errors.rfind("stilt: ", 0), 0u) << arguments << outcome.errors;
   }
+}
+
+TEST_F(CommandLine, AMistakeIsSaidOfTheCommandItBelongsTo) {
+  const std::pair<const char*, const char*> mistakes[] = {
+      {"record", "stilt: record: --out is required; see stilt record --help\n"},
+      {"gait show x.toml", "stilt: gait show: --report is required; see stilt gait show --help\n"},
+      {"gait check", "stilt: gait check: file is required; see stilt gait check --help\n"},
+      {"log csv x.mcap", "stilt: log csv: --out is required; see stilt log csv --help\n"},
+      {"experiment disturbance",
+       "stilt: experiment disturbance: --out is required; see stilt experiment disturbance --help\n"},
+      {"gait",
+       "stilt: gait: a command is expected: synthesize, check, complete, library or show; see stilt gait "
+       "--help\n"},
+      {"gait chek x", "stilt: gait: chek is no command; did you mean check?; see stilt gait --help\n"},
+      {"reccord", "stilt: reccord is no command; did you mean record?; see stilt --help\n"},
+      {"sim 1 --sped", "stilt: sim: --sped is no option; did you mean --speed?; see stilt sim --help\n"},
+      {"sim 1", "stilt: sim: 1 is not expected; see stilt sim --help\n"},
+      {"bench --controller hzd-pd",
+       "stilt: --controller hzd-pd: it tracks gaits without planning; choose one that plans\n"},
+  };
+  for (const auto& [arguments, sentence] : mistakes) {
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.status, 2) << arguments;
+    EXPECT_EQ(outcome.errors, sentence) << arguments;
+  }
+  EXPECT_NE(run("dance").errors.find("dance is no command; there are sim, bench, robot"), std::string::npos)
+      << run("dance").errors;
+}
+
+TEST_F(CommandLine, EveryCommandShowsExamplesOfItself) {
+  for (const std::string command : {"",
+                                    "sim",
+                                    "robot",
+                                    "gait",
+                                    "gait synthesize",
+                                    "gait check",
+                                    "gait complete",
+                                    "gait library",
+                                    "gait show",
+                                    "experiment",
+                                    "experiment frequency",
+                                    "experiment disturbance",
+                                    "experiment horizon",
+                                    "experiment limits",
+                                    "experiment figures",
+                                    "monitor",
+                                    "bench",
+                                    "record",
+                                    "replay",
+                                    "log",
+                                    "log csv",
+                                    "config",
+                                    "config migrate",
+                                    "model",
+                                    "model eval"}) {
+    const Outcome outcome = run(command + " --help");
+    EXPECT_EQ(outcome.status, 0) << command;
+    EXPECT_NE(outcome.output.find("Examples:\n  stilt " + command), std::string::npos) << command;
+    EXPECT_EQ(run("help " + command).output, outcome.output) << command;
+  }
+  EXPECT_EQ(run("version").output, run("--version").output);
+  EXPECT_EQ(run("-v").output, run("--version").output);
+}
+
+TEST_F(CommandLine, HelpShowsTheShippedHorizonIterationsAndPlanRate) {
+  const std::string help = run("sim --help").output;
+  for (const char* option : {"--horizon FLOAT=1 ", "--iterations INT=10 ", "--plan-rate FLOAT=100 "}) {
+    EXPECT_NE(help.find(option), std::string::npos) << option << '\n' << help;
+  }
+}
+
+TEST_F(CommandLine, AFullDiskIsSaidWithItsReasonAndWhatWasPrintedStays) {
+  for (const char* option : {"--json", "--report", "--log"}) {
+    const Outcome outcome = run(std::string("sim --gait stand --duration 0.5 ") + option + " /dev/full");
+    EXPECT_EQ(outcome.status, 2) << option;
+    EXPECT_NE(outcome.errors.find("No space left on device"), std::string::npos) << option << outcome.errors;
+    EXPECT_NE(outcome.errors.find(std::string(option) + " /dev/full"), std::string::npos) << outcome.errors;
+    EXPECT_NE(outcome.output.find("on its feet after 0.5 s"), std::string::npos) << option;
+  }
+  const std::string gait = SHIPPED_GAITS "/amber3m_0.50.toml";
+  EXPECT_NE(run("gait show " + gait + " --report /dev/full")
+                .errors.find("--report /dev/full: the file cannot be "
+                             "written (No space left on device)"),
+            std::string::npos);
+  for (const char* arguments :
+       {"sim --gait stand --duration 0.5 --json -", "sim --gait stand --duration 0.5", "help"}) {
+    EXPECT_EQ(
+        std::system((std::string(STILT_PROGRAM) + " " + arguments + " >/dev/full 2>/dev/null").c_str()) >> 8,
+        2)
+        << arguments;
+  }
+}
+
+TEST_F(CommandLine, AFileThatWasWrittenIsNamed) {
+  const Outcome outcome = run("sim --gait stand --duration 0.5 --json " + file("a.json") + " --report " +
+                              file("a.html") + " --log " + file("a.jsonl"));
+  for (const char* name : {"a.json", "a.html", "a.jsonl"}) {
+    EXPECT_NE(outcome.errors.find("written: " + file(name) + "\n"), std::string::npos) << outcome.errors;
+  }
+}
+
+TEST_F(CommandLine, AFileThatIsNoGaitIsCalledSo) {
+  std::ofstream(file("a.toml")) << "a = 1\n";
+  EXPECT_NE(run("gait check " + file("a.toml")).errors.find("a.toml: is no gait file"), std::string::npos);
 }
 
 TEST_F(CommandLine, ARobotWithAHipOffsetIsRefusedByEveryCommandThatTakesARobot) {

@@ -42,6 +42,17 @@ class CommandPanel {
     if (!hello.live) this.say(`A record: it takes no commands. ${hello.source}`, '');
   }
 
+  /** Buttons that the robot would refuse are grey and say why. */
+  supervise(state) {
+    this.refused = state.refused;
+    for (const button of document.querySelectorAll('[data-command]')) {
+      button.title0 ??= button.title;
+      const reason = this.refused[button.dataset.command];
+      button.setAttribute('aria-disabled', String(reason !== undefined));
+      button.title = reason === undefined ? button.title0 : `Not now: ${reason}`;
+    }
+  }
+
   /** The sliders go as far as the controller lets. */
   configure(configuration) {
     this.configureHeight(configuration.tunables.find((tunable) => tunable.name === kHeightTunable));
@@ -81,6 +92,12 @@ class CommandPanel {
 
   /** Sends a command; the answer appears below the buttons. */
   ask(command, extra = {}) {
+    const stale = document.body.classList.contains('stale');
+    const reason = stale ? undefined : this.refused?.[command];
+    if (reason !== undefined) {
+      this.say(`${command}: ${reason}${/from (stand|ready)/.test(reason) && !this.refused.stand ? '. Press Stand first' : ''}`, 'bad');
+      return;
+    }
     const sequence = ++this.sequence;
     const message = { command, sequence, token: this.token.value, ...extra };
     if (command === 'walk' && extra.value === undefined) message.value = Number(this.speed.value);
@@ -101,7 +118,7 @@ class CommandPanel {
     }
     clearTimeout(asked.timer);
     this.waiting.delete(message.sequence);
-    if (message.accepted) this.say(`${asked.what}: accepted`, 'good');
+    if (message.accepted) this.say(`${asked.what}: accepted${message.reason && `; ${message.reason}`}`, message.reason ? '' : 'good');
     else this.say(`${asked.what}: refused. ${message.reason}`, 'bad');
     if (!message.accepted && this.heightInForce_m !== undefined) {
       this.height.value = String(this.heightInForce_m);

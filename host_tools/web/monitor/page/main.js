@@ -10,7 +10,7 @@ const kLookBackStep_s = 0.05;
 class Monitor {
   constructor() {
     this.robot = new RobotState();
-    this.status = new StatusPanel(this.robot);
+    this.status = new StatusPanel(this.robot, (run) => this.connection.send({ run }));
     this.plots = new PlotGroup({
       data: this.robot, clock: this.robot.clock, sections: plotSections(this.robot),
       container: document.getElementById('plots'), follow_s: 10, lineWidth_px: kLineWidth_px,
@@ -57,6 +57,7 @@ class Monitor {
       supervisor: () => {
         this.robot.supervisor = message;
         this.status.supervise(message);
+        this.commands.supervise(this.robot.hello.states[message.state]);
       },
       event: () => this.addEvent(message),
       timing: () => {
@@ -118,8 +119,9 @@ class Monitor {
     box.textContent = speed === null ? '–' : signed(speed, 2);
     box.dataset.value = speed ?? '';
     if (state) document.getElementById('stage-canvas').dataset.hipX = state[0];
-    document.getElementById('stage-detail').textContent = state
-      ? `x ${signed(state[0], 2)} m · hip ${state[1].toFixed(3)} m high · lean ${signed((state[2] * 180) / Math.PI, 1)}°` : '';
+    document.getElementById('stage-detail').textContent = !state ? (time_s === null ? '' : 'The joints do not answer, so no pose is known')
+      : this.robot.hipUnknown ? 'Pose of the joints; the place of the hip is not known off its feet'
+      : `x ${signed(state[0], 2)} m · hip ${state[1].toFixed(3)} m high · lean ${signed((state[2] * 180) / Math.PI, 1)}°`;
   }
 
   countFrames(now_s) {

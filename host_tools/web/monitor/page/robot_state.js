@@ -31,6 +31,17 @@ class RobotState extends RobotData {
     };
   }
 
+  /** Off its feet the place of the hip is not known: the pose is drawn with its lowest foot on the ground. */
+  stateAt(time_s) {
+    const ticks = this.tables?.ticks;
+    const state = ticks?.at(ticks.group(this.stateGroup), time_s);
+    if (!state?.slice(2, 7).every(Number.isFinite) || !this.geometry) return null;
+    this.hipUnknown = !Number.isFinite(state[0]) || !Number.isFinite(state[1]);
+    if (!this.hipUnknown) return state;
+    const { left, right } = poseOfState(this.geometry, [0, 0, ...state.slice(2, 7)]);
+    return [0, -Math.min(left.foot.z, right.foot.z), ...state.slice(2)];
+  }
+
   greet(hello) {
     this.hello = hello;
     this.configuration = null;
@@ -68,7 +79,8 @@ class RobotState extends RobotData {
   addToTick(slot) {
     const { ticks } = this.tables;
     const state = ticks.group(this.stateGroup).map((values) => values[slot]);
-    const pose = this.geometry ? poseOfState(this.geometry, state) : null;
+    const known = this.geometry && state.slice(0, 7).every(Number.isFinite);
+    const pose = known ? poseOfState(this.geometry, state) : null;
     const walks = this.supervisor?.gait === 2;
     ticks.column('commanded_speed_m_s')[slot] = walks ? this.supervisor.speed_m_s : 0;
     ticks.column('commanded_height_m')[slot] = this.supervisor?.base_height_m || NaN;

@@ -12,14 +12,15 @@ const kLevelText = {
 };
 
 class StatusPanel {
-  constructor(robot) {
+  /** `choose(runId)` asks for another run to be shown. */
+  constructor(robot, choose) {
     this.robot = robot;
+    this.choose = choose;
     this.link = null;
     this.connected = false;
     this.runChanged_s = -Infinity;
     this.lastFaults = null;
-    this.ofOthers = 0;
-    this.othersSeen_s = -Infinity;
+    this.runsWritten = null;
   }
 
   greet(hello) {
@@ -88,10 +89,31 @@ class StatusPanel {
     const fresh = now_s - this.runChanged_s < 15;
     note.hidden = !fresh;
     if (fresh) {
-      note.textContent = `Another run: the controller was started anew (${this.robot.configuration?.run_id}). ` +
+      note.textContent = `Another run is shown (${this.robot.configuration?.run_id}): the one before is silent, or this one was chosen. ` +
         'What was before it is gone from the plots, and it takes commands with its own token.';
     }
+    this.writeRuns(this.connected ? this.link?.talking ?? [] : []);
     this.writeLink();
+  }
+
+  /** When several controllers talk: which one is shown, and a button for each other. */
+  writeRuns(talking) {
+    const shown = this.robot.configuration?.run_id;
+    const key = `${shown}/${talking.map((run) => run.run_id)}`;
+    if (key === this.runsWritten) return;
+    this.runsWritten = key;
+    const box = document.getElementById('runs');
+    box.hidden = talking.length < 2;
+    const name = (run) => `${run.robot.toUpperCase()}, run ${run.run_id}`;
+    const others = talking.filter((run) => run.run_id !== shown).map((run) => {
+      const button = element('button', { type: 'button', textContent: `Show ${name(run)}` });
+      button.addEventListener('click', () => this.choose(run.run_id));
+      return button;
+    });
+    const here = talking.find((run) => run.run_id === shown);
+    box.replaceChildren(element('span', {
+      textContent: `${talking.length} controllers talk. Shown and commanded: ${here ? name(here) : 'none of them'}. STOP goes to all whose token is known.`,
+    }), ...others);
   }
 
   alarmNow() {
@@ -104,11 +126,6 @@ class StatusPanel {
     }
     if (link.silent_s > kStale_s && this.robot.hello.live) {
       return { level: 'stale', alarm: `No data for ${link.silent_s.toFixed(1)} s: the data are stale. stiltd has ended, or the network is gone.` };
-    }
-    if (link.of_others > this.ofOthers) this.othersSeen_s = performance.now() / 1000;
-    this.ofOthers = link.of_others;
-    if (performance.now() / 1000 - this.othersSeen_s < 3) {
-      return { level: 'live', alarm: 'Two controllers talk at once: samples of the other run are left out.' };
     }
     return { level: 'live', alarm: null };
   }

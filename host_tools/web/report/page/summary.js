@@ -10,8 +10,8 @@ function exponent(value) {
   return value === 0 ? '0' : value.toExponential(1).replace('-', '−');
 }
 
-function bytes(value) {
-  return value >= 1024 ? `${(value / 1024).toFixed(0)} KiB` : `${value} B`;
+function megabytes(value) {
+  return `${(value / 1e6).toFixed(2)} MB`;
 }
 
 function outcomeRows(s) {
@@ -61,7 +61,7 @@ function solveEndRows(run) {
 function memoryRows(s) {
   return [
     ['Heap allocations in the loop', String(s.heap_allocations_in_loop)],
-    ['Controller object', bytes(s.controller_bytes)],
+    ['Controller object', megabytes(s.controller_bytes)],
   ];
 }
 

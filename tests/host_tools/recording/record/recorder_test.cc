@@ -46,7 +46,7 @@ TEST(Recorder, WhatItWroteIsReadByOthers) {
   }
   EXPECT_EQ(found["messages"][1]["log_time_ns"], "200");
   EXPECT_EQ(found["messages"][1]["publish_time_ns"], "1000");
-  const Json& ticks = channel_of(found, "/stilt/ticks");
+  const Json ticks = channel_of(found, "/stilt/ticks");
   EXPECT_EQ(ticks["encoding"], "cdr");
   EXPECT_EQ(ticks["schema"], "stilt_msgs/msg/TickBatch");
   EXPECT_EQ(ticks["schema_encoding"], "ros2msg");

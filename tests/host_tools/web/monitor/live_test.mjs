@@ -119,6 +119,23 @@ test('a wrong token is refused in words', async () => {
   await other.kill();
 });
 
+test('a second robot that starts takes the page from no walking one', async () => {
+  const buses = kBuses.map((word) => word.replace('loopback:', 'loopback:second_'));
+  const second = new Program(process.env.STILT_PROGRAM, ['robot', ...buses]);
+  await second.wrote(/ready/);
+  const its = new Program(process.env.STILTD_PROGRAM, [...buses, '--set', `telemetry.domain=${kDomain}`,
+    '--set', `telemetry.token_file=${join(folder, 'second-token')}`]);
+  await until('both', async () => /2 controllers talk/.test(await text('#runs')));
+  const from = await hipX(page);
+  await until('another metre', async () => (await hipX(page)) > from + 1);
+  assert.equal(await text('#state'), 'walk');
+  assert.doesNotMatch(await text('#note'), /Another run/);
+  await its.kill();
+  await until('the walking one alone', () => page.isHidden('#runs'));
+  assert.equal(await text('#state'), 'walk');
+  await second.kill();
+});
+
 test('stop stops', async () => {
   await page.bringToFront();
   await page.keyboard.press('Space');

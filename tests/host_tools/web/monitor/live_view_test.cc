@@ -30,6 +30,7 @@ class SilentSource final : public SampleSource {
     news = nullptr;
   }
   void command(const Command& command) override { commands.push_back(command); }
+  void choose(const std::string& run_id) override { chosen = run_id; }
   [[nodiscard]] std::string describe() const override { return "nothing"; }
   [[nodiscard]] bool live() const override { return true; }
   [[nodiscard]] bool has_token() const override { return true; }
@@ -41,6 +42,7 @@ class SilentSource final : public SampleSource {
   }
 
   std::vector<Command> commands;
+  std::string chosen;
   bool answers = false;
   std::string refusal;                    ///< of all commands; empty: accepted
   std::function<void(SampleSink&)> news;  ///< given once
@@ -137,6 +139,29 @@ TEST(LiveView, AnotherRunTakesTheCommandFromThePageAndBeginsItsTicksAnew) {
   view.step(0.5);
   EXPECT_EQ(source.heartbeats(), 1);
   EXPECT_EQ(page->of_type("link").back()["missing"], 0);
+}
+
+TEST(LiveView, NobodyButThePageInCommandShowsAnotherRun) {
+  SilentSource source;
+  LiveView view(source);
+  const auto commands = std::make_shared<FakePeer>();
+  const auto looks = std::make_shared<FakePeer>();
+  view.opened(commands);
+  view.opened(looks);
+  view.received(*looks, false, R"({"run": "1"})");
+  view.step(0.0);
+  EXPECT_EQ(source.chosen, "1") << "no page commands";
+  view.received(*commands, false, kWalk);
+  source.answers = true;
+  view.step(0.1);
+  view.step(0.2);
+  view.received(*looks, false, R"({"run": "2"})");
+  view.step(0.3);
+  EXPECT_EQ(source.chosen, "1");
+  EXPECT_EQ(looks->of_type("reply").at(0)["reason"], "Another page commands the robot that is shown.");
+  view.received(*commands, false, R"({"run": "3"})");
+  view.step(0.4);
+  EXPECT_EQ(source.chosen, "3");
 }
 
 TEST(LiveView, AClosedPageIsNotSpokenFor) {

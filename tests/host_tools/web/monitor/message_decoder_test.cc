@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <optional>
 
 #include "firmware/telemetry/tick_batch.h"
 #include "firmware/telemetry/wire_version.h"
@@ -66,6 +67,18 @@ telemetry::Sample one_tick(std::uint64_t run_id, std::uint64_t tick) {
   return on(telemetry::kTicks, builder.message());
 }
 
+/// The value of the tunable, or none.
+telemetry::Sample tuning(std::uint64_t run_id, std::optional<double> value) {
+  char empty[] = "";
+  telemetry::Tuning message{};
+  message.run_id = run_id;
+  message.number = 1;
+  message.key = message.commander = empty;
+  if (value) message.values._buffer = &*value;
+  message.values._length = message.values._maximum = value ? 1 : 0;
+  return on(telemetry::kTuning, message);
+}
+
 TEST(MessageDecoder, TicksCountTheirTimeFromTheControllersStart) {
   MessageDecoder decoder;
   Kept kept;
@@ -84,8 +97,8 @@ TEST(MessageDecoder, SamplesWithoutAKnownRunAreLeftOutAndNotCalledAnothers) {
   EXPECT_EQ(decoder.of_others(), 0u);
 }
 
-TEST(MessageDecoder, ANewerRunTakesOverAndAnOlderOneDoesNot) {
-  MessageDecoder decoder;
+TEST(MessageDecoder, OfARecordTheNewerRunTakesOverAndAnOlderOneDoesNot) {
+  MessageDecoder decoder(Follow::newest);
   Kept kept;
   decoder.take(configuration(1, 100), kept);
   decoder.take(configuration(2, 200), kept);
@@ -93,6 +106,84 @@ TEST(MessageDecoder, ANewerRunTakesOverAndAnOlderOneDoesNot) {
   EXPECT_EQ(decoder.run_id(), 2u);
   ASSERT_EQ(kept.configurations.size(), 2u);
   EXPECT_EQ(kept.configurations[1].run_id, "0000000000000002");
+}
+
+TEST(MessageDecoder, ARunThatTalksIsFollowedHoweverLongAnotherTalksToo) {
+  MessageDecoder decoder;
+  Kept kept;
+  decoder.take(configuration(1, 100), kept);
+  decoder.take(configuration(2, 200), kept);
+  for (std::uint64_t tick = 0; tick < 1000; ++tick) {
+    decoder.take(one_tick(2, 2 * tick), kept);
+    if (tick % (MessageDecoder::kSilentBatches - 1) == 0) decoder.take(one_tick(1, tick), kept);
+  }
+  EXPECT_EQ(decoder.run_id(), 1u);
+  EXPECT_EQ(kept.configurations.size(), 1u);
+  for (const TickSample& tick : kept.ticks) {
+    EXPECT_EQ(tick.record.tick % (MessageDecoder::kSilentBatches - 1), 0u);
+  }
+  const auto runs = decoder.runs();
+  ASSERT_EQ(runs.size(), 2u);
+  EXPECT_TRUE(runs[0].talks && runs[1].talks);
+  EXPECT_EQ(runs[1].token_file, "/run/token");
+}
+
+TEST(MessageDecoder, AfterASilentRunTheOneThatTalksIsFollowedFromItsFirstTickKept) {
+  MessageDecoder decoder;
+  Kept kept;
+  decoder.take(configuration(1, 100), kept);
+  decoder.take(one_tick(1, 0), kept);
+  decoder.take(configuration(2, 200), kept);
+  for (std::uint64_t tick = 0; tick < MessageDecoder::kSilentBatches; ++tick) {
+    EXPECT_EQ(decoder.run_id(), 1u) << tick;
+    decoder.take(one_tick(2, tick), kept);
+  }
+  EXPECT_EQ(decoder.run_id(), 2u);
+  ASSERT_EQ(kept.ticks.size(), 1 + MessageDecoder::kSilentBatches);
+  EXPECT_EQ(kept.ticks[1].record.tick, 0u);
+  EXPECT_FALSE(decoder.runs()[0].talks);
+  EXPECT_EQ(decoder.of_others(), 0u);
+}
+
+TEST(MessageDecoder, AnOlderRunThatStillTalksIsFollowedAgainAfterTheNewerHasEnded) {
+  MessageDecoder decoder;
+  Kept kept;
+  decoder.take(configuration(2, 200), kept);
+  decoder.take(one_tick(2, 0), kept);
+  decoder.take(configuration(1, 100), kept);
+  for (std::uint64_t tick = 0; tick < MessageDecoder::kSilentBatches; ++tick) {
+    decoder.take(one_tick(1, tick), kept);
+  }
+  EXPECT_EQ(decoder.run_id(), 1u);
+  ASSERT_EQ(kept.configurations.size(), 2u);
+  EXPECT_EQ(kept.configurations[1].run_id, "0000000000000001");
+}
+
+TEST(MessageDecoder, ARunThatIsChosenIsFollowedWithTheTunablesItHasNow) {
+  MessageDecoder decoder;
+  Kept kept;
+  decoder.take(configuration(1, 100), kept);
+  decoder.take(configuration(2, 200), kept);
+  decoder.take(tuning(2, 350.0), kept);
+  decoder.take(one_tick(1, 0), kept);
+  decoder.choose(3, kept);
+  EXPECT_EQ(decoder.run_id(), 1u) << "there is no such run";
+  decoder.choose(2, kept);
+  EXPECT_EQ(decoder.run_id(), 2u);
+  EXPECT_EQ(kept.configurations.back().tunables.at(0).value, 350.0);
+  decoder.take(one_tick(1, 1), kept);
+  decoder.take(one_tick(2, 9), kept);
+  EXPECT_EQ(kept.ticks.back().record.tick, 9u);
+  EXPECT_EQ(decoder.of_others(), 2u) << "of run 2 its tuning, of run 1 a tick";
+}
+
+TEST(MessageDecoder, RunsThatEndedLongAgoAreForgottenAndTheOneThatIsFollowedIsNot) {
+  MessageDecoder decoder;
+  Kept kept;
+  for (std::uint64_t run = 1; run <= 100; ++run) decoder.take(configuration(run, 100), kept);
+  EXPECT_LE(decoder.runs().size(), 16u);
+  EXPECT_EQ(decoder.runs().front().run_id, 1u);
+  EXPECT_EQ(decoder.runs().back().run_id, 100u);
 }
 
 TEST(MessageDecoder, OnlyASecondControllerThatTalksWhileTheFirstDoesIsCounted) {
@@ -140,20 +231,11 @@ TEST(MessageDecoder, TunablesThatChangeComeAsTheConfigurationAnew) {
   MessageDecoder decoder;
   Kept kept;
   decoder.take(configuration(1, 100), kept);
-  char empty[] = "";
-  double value = 350.0;
-  telemetry::Tuning tuning{};
-  tuning.run_id = 1;
-  tuning.number = 1;
-  tuning.key = tuning.commander = empty;
-  tuning.values._buffer = &value;
-  tuning.values._length = tuning.values._maximum = 1;
-  decoder.take(on(telemetry::kTuning, tuning), kept);
+  decoder.take(tuning(1, 350.0), kept);
   ASSERT_EQ(kept.configurations.size(), 2u);
   EXPECT_EQ(kept.configurations[0].tunables.at(0).value, 400.0);
   EXPECT_EQ(kept.configurations[1].tunables.at(0).value, 350.0);
-  tuning.values._length = 0;
-  decoder.take(on(telemetry::kTuning, tuning), kept);
+  decoder.take(tuning(1, {}), kept);
   EXPECT_EQ(kept.configurations.size(), 2u) << "as many values as tunables, or none of them";
 }
 

@@ -31,6 +31,7 @@ TEST(PageTables, NumbersOfATableAreWhereItsHeadSays) {
   tick.record.tick = 12;
   tick.time_s = 3.25;
   tick.record.estimated_state[7] = 0.5;
+  tick.record.stance_episode = 1;
   TickSample later = tick;
   later.time_s = 3.5;
   const std::vector<TickSample> ticks = {tick, later};
@@ -45,6 +46,35 @@ TEST(PageTables, NumbersOfATableAreWhereItsHeadSays) {
   const std::size_t row = (message->bytes.size() - 24) / 2;
   EXPECT_EQ(number_at(float{}, 24 + row), 0.25f);
   EXPECT_EQ(number_at(float{}, 24 + 8 * sizeof(float)), 0.5f) << "estimated_state7, after the time";
+}
+
+TEST(PageTables, TheHipOfARobotThatIsNotOnItsFeetIsUnknownAndItsJointsAreNot) {
+  control_loop::TickRecord record;
+  record.estimated_state.fill(0.25);
+  for (const char* column :
+       {"estimated_state0", "estimated_state1", "estimated_state7", "estimated_state8"}) {
+    EXPECT_TRUE(std::isnan(shown(record, column))) << column;
+  }
+  for (const char* column :
+       {"estimated_state2", "estimated_state3", "estimated_state9", "estimated_state13"}) {
+    EXPECT_EQ(shown(record, column), 0.25) << column;
+  }
+  record.stance_episode = 1;
+  EXPECT_EQ(shown(record, "estimated_state1"), 0.25);
+}
+
+TEST(PageTables, AJointThatHasNotAnsweredForATenthOfASecondIsUnknown) {
+  control_loop::TickRecord record;
+  record.estimated_state.fill(0.25);
+  record.joints[2].torque_Nm = 7.0;
+  record.joints[2].missed_replies = 100;
+  EXPECT_EQ(shown(record, "estimated_state5"), 0.25);
+  EXPECT_EQ(shown(record, "measured_torque_Nm2"), 7.0);
+  record.joints[2].missed_replies = 101;
+  for (const char* column : {"estimated_state5", "estimated_state12", "measured_torque_Nm2"}) {
+    EXPECT_TRUE(std::isnan(shown(record, column))) << column;
+  }
+  EXPECT_EQ(shown(record, "estimated_state4"), 0.25);
 }
 
 TEST(PageTables, ColumnsOfATickAreThoseThatThePageKnows) {

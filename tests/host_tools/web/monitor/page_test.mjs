@@ -153,7 +153,38 @@ test('another run is shown, and its plots begin anew', async () => {
 
 test('a second controller that publishes at once is shown', async () => {
   monitor.write('others');
-  await until('the alarm', async () => /Two controllers talk at once/.test(await text('#alarm')));
+  await until('both', async () => /2 controllers talk.*synthetic-1[^0-9]/.test(await text('#runs')));
+  await page.click('#runs button');
+  await until('the other', async () => /Shown and commanded: AMBER3M, run synthetic-77/.test(await text('#runs')));
+  assert.match(await text('#run-list'), /synthetic-77/);
+  await picture(page, 'two_robots');
+});
+
+test('a button that the robot would refuse is grey, says why, and sends nothing', async () => {
+  monitor.write('idle');
+  await state('idle');
+  const walk = page.locator('[data-command=walk]');
+  assert.equal(await walk.getAttribute('aria-disabled'), 'true');
+  assert.match(await walk.getAttribute('title'), /it steps and walks from stand/);
+  assert.equal(await page.getAttribute('[data-command=stand]', 'aria-disabled'), 'false');
+  await page.keyboard.press('w');
+  await answer(/walk: the robot is in state idle; it steps and walks from stand. Press Stand first/);
+  assert.equal(await text('#state'), 'idle');
+  await page.keyboard.press('s');
+  await state('stand');
+  assert.equal(await walk.getAttribute('aria-disabled'), 'false');
+});
+
+test('a robot off its feet is drawn pale on the ground, and one that does not answer not at all', async () => {
+  monitor.write('fault bus_off');
+  await state('fault');
+  await until('the words', async () => /the place of the hip is not known/.test(await text('#stage-detail')));
+  await picture(page, 'off_its_feet');
+  const pale = await pixels(page, '#stage-canvas');
+  monitor.write('dead');
+  await until('the words', async () => /The joints do not answer/.test(await text('#stage-detail')));
+  assert.notEqual(await pixels(page, '#stage-canvas'), pale);
+  await picture(page, 'silent_joints');
 });
 
 test('a tunable outside its range is not sent, and one inside takes effect', async () => {

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 #include "firmware/supervisor/fallback.h"
 #include "firmware/supervisor/fault.h"
@@ -81,19 +82,38 @@ void SyntheticSource::change(const std::string& words) {
   } else if (verb == "drop") {
     ticks_ += std::stoull(argument);
   } else if (verb == "run") {
-    ++run_id_;
-    ticks_ = 0;
-    start_s_ = now_s_;
-    introduce_ = true;
+    begin_run(run_id_ + 1);
   } else if (verb == "others") {
-    of_others_ += 100;
+    other_run_id_ = 77;
   } else if (verb == "push") {
     push_N_ = std::stod(argument);
+  } else if (verb == "idle") {
+    state_ = number(State::idle);
+  } else if (verb == "dead") {
+    joints_answer_ = false;
   } else if (verb == "record") {
     live_ = false;
   } else {
     throw std::invalid_argument("not understood: " + words);
   }
+}
+
+void SyntheticSource::begin_run(int run_id) {
+  run_id_ = run_id;
+  ticks_ = 0;
+  start_s_ = now_s_;
+  introduce_ = true;
+}
+
+std::vector<TalkingRun> SyntheticSource::talking() const {
+  std::vector<TalkingRun> all = {{run(), "amber3m"}};
+  if (other_run_id_ != 0) all.push_back({"synthetic-" + std::to_string(other_run_id_), "amber3m"});
+  return all;
+}
+
+void SyntheticSource::choose(const std::string& run_id) {
+  if (run_id != "synthetic-" + std::to_string(other_run_id_)) return;
+  begin_run(std::exchange(other_run_id_, run_id_));
 }
 
 void SyntheticSource::poll(SampleSink& sink) {
@@ -195,10 +215,12 @@ void SyntheticSource::tick(SampleSink& sink) {
           30.0 * std::sin(std::numbers::pi * (phase_ + static_cast<double>(joint)));
       record.joints[joint].position_rad = record.estimated_state[3 + joint];
       record.joints[joint].velocity_rad_s = 0.0;
+      record.joints[joint].missed_replies = joints_answer_ ? 0 : 5000;
       record.joints[joint].torque_Nm = record.sent[joint].torque_Nm;
     }
   }
   record.ramp = 1.0;
+  record.stance_episode = state_ == number(State::fault) || state_ == number(State::idle) ? 0 : 1;
   record.plan_age_s = 0.005 + kTick_s * static_cast<double>(ticks_ % 10);
   record.wakeup_latency_ns = 20'000 + std::lround(15e3 * std::sin(static_cast<double>(ticks_)));
   record.execution_ns = 35'000 + std::lround(5e3 * std::cos(1.3 * static_cast<double>(ticks_)));
@@ -284,7 +306,7 @@ TimingSample SyntheticSource::timing_sample() const {
 
 void SyntheticSource::introduce(SampleSink& sink) {
   ConfigurationSample sample;
-  sample.run_id = "synthetic-" + std::to_string(run_id_);
+  sample.run_id = run();
   sample.robot = "amber3m";
   sample.build = "a test";
   sample.toml = "# of no importance\n";

@@ -19,7 +19,7 @@ class SyntheticSource final : public SampleSource {
   void advance(double now_s);
 
   /// Changes something, in words: "silent", "talk", "fault NAME", "over NAME", "drop N", "run",
-  /// "others", "push N", "record". Throws std::invalid_argument when it is none of them.
+  /// "others", "push N", "idle", "dead", "record". Throws std::invalid_argument when it is none of them.
   void change(const std::string& words);
 
   void poll(SampleSink& sink) override;
@@ -27,9 +27,12 @@ class SyntheticSource final : public SampleSource {
   [[nodiscard]] std::string describe() const override { return "a synthetic robot"; }
   [[nodiscard]] bool live() const override { return live_; }
   [[nodiscard]] bool has_token() const override { return true; }
-  [[nodiscard]] std::uint64_t of_others() const override { return of_others_; }
+  [[nodiscard]] std::vector<TalkingRun> talking() const override;
+  void choose(const std::string& run_id) override;
 
  private:
+  [[nodiscard]] std::string run() const { return "synthetic-" + std::to_string(run_id_); }
+  void begin_run(int run_id);
   [[nodiscard]] std::string refusal(const Command& command) const;
   void apply(const Command& command);
   void tick(SampleSink& sink);
@@ -41,9 +44,11 @@ class SyntheticSource final : public SampleSource {
   [[nodiscard]] TimingSample timing_sample() const;
 
   double now_s_ = -1.0, start_s_ = -1.0;
+  bool joints_answer_ = true;
   bool silent_ = false, live_ = true, introduce_ = true;
   int run_id_ = 1;
-  std::uint64_t ticks_ = 0, of_others_ = 0;
+  int other_run_id_ = 0;  ///< of a controller that talks, too; 0: none
+  std::uint64_t ticks_ = 0;
   double hip_x_m_ = 0.0, speed_m_s_ = 0.0, wanted_m_s_ = 0.0, phase_ = 0.0, push_N_ = 0.0;
   int state_ = 4;  ///< stands
   std::uint32_t present_ = 0, latched_ = 0;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <regex>
 
 #include "synthetic_source.h"
 
@@ -69,6 +70,33 @@ TEST(TerminalView, NoLineIsLongerThanTheTerminal) {
     length = letter == '\n' ? 0 : length + 1;
     EXPECT_LE(length, 40u);
   }
+}
+
+TEST(TerminalView, AtEightyColumnsUnitsAndSentencesGoOnInTheNextLine) {
+  SyntheticSource source;
+  source.change("fault bus_off");
+  TerminalView view(source);
+  after_a_second(source, view);
+  const std::string text = std::regex_replace(view.text(60, 60), std::regex("\n {10}"), " ");
+  for (const char* part : {"deadline 500 us", "clears when: every bus is on; then reset"}) {
+    EXPECT_TRUE(holds(text, part)) << part << " is not whole in\n" << text;
+  }
+}
+
+TEST(TerminalView, WhatHappensAgainAndAgainIsOneLineWithACount) {
+  SyntheticSource source;
+  TerminalView view(source);
+  after_a_second(source, view);
+  for (int k = 0; k < 30; ++k) {
+    source.change("fault torque_loop_overrun");
+    source.change("fault failed_solves");
+  }
+  source.advance(1.4);
+  view.step(1.4);
+  const std::string text = view.text(100, 60);
+  EXPECT_TRUE(holds(text, "fault: torque_loop_overrun (30 times)")) << text;
+  EXPECT_TRUE(holds(text, "fault: failed_solves (30 times)")) << text;
+  EXPECT_TRUE(holds(text, "state: stand")) << text;
 }
 
 TEST(TerminalView, ASmallTerminalShowsStateAndFaultsAndLeavesOutTheRest) {

@@ -134,14 +134,15 @@ class WebServerTest : public testing::Test {
     return status_of(client.head());
   }
 
-  [[nodiscard]] static std::string upgrade(const std::string& host, const std::string& origin) {
+  [[nodiscard]] static std::string upgrade(const std::string& host, const std::string& origin,
+                                           const std::string& path = "/live") {
     Headers headers = {{"Host", host},
                        {"Connection", "Upgrade"},
                        {"Upgrade", "websocket"},
                        {"Sec-WebSocket-Version", "13"},
                        {"Sec-WebSocket-Key", "c3RpbHRzdGlsdHN0aWx0cw=="}};
     if (!origin.empty()) headers.emplace_back("Origin", origin);
-    return request("/live", headers);
+    return request(path, headers);
   }
 
   /// Status of a page's WebSocket with that origin; no origin: a program.
@@ -191,6 +192,22 @@ TEST_F(WebServerTest, PagesOfThisServerAndProgramsGetInAndPagesOfOtherSitesDoNot
         "http://" + host + ".example.com", std::string("http://127.0.0.1"), std::string("null")}) {
     EXPECT_NE(socket(host, origin), 101) << origin;
   }
+}
+
+TEST_F(WebServerTest, ASocketThatIsRefusedGetsAnHttpAnswerThatSaysWhy) {
+  const auto answer_to = [this](const std::string& asked) {
+    const Client client(server.port());
+    client.send(asked);
+    const std::string head = client.head();
+    return head + client.rest();
+  };
+  const std::string foreign = answer_to(upgrade(here(), "http://example.com"));
+  EXPECT_EQ(status_of(foreign), 403) << foreign;
+  EXPECT_NE(foreign.find("--viewers"), std::string::npos) << foreign;
+  EXPECT_EQ(status_of(answer_to(upgrade("example.com", ""))), 403);
+  const std::string none = answer_to(upgrade(here(), "", "/"));
+  EXPECT_EQ(status_of(none), 404) << none;
+  EXPECT_NE(none.find("no WebSocket at this path"), std::string::npos) << none;
 }
 
 TEST_F(WebServerTest, MessagesOfAPageComeAndItsEndIsTold) {

@@ -112,3 +112,20 @@ test('the still picture shows the robot without the page around it', async () =>
   });
   assert.ok(!empty);
 });
+
+test('the report of a robot behind its buses speaks of no plan and no command', async () => {
+  const file = join(folder, 'robot.html');
+  const buses = ['left', 'right'].flatMap((side) => ['--bus', `loopback:stilt_report_${process.pid}_${side}`]);
+  const robot = new Program(process.env.STILT_PROGRAM, ['robot', '--lockstep', '--once', ...buses, '--report', file]);
+  await robot.wrote(/ready/);
+  const controller = new Program(process.env.STILTD_PROGRAM,
+    ['--lockstep', ...buses, '--set', 'telemetry.enabled=false', '--start', 'walk@0.3', '--duration', '6']);
+  assert.equal(await controller.ended, 0, controller.output);
+  assert.equal(await robot.ended, 0, robot.output);
+  page = await openPage(browser, pathToFileURL(file).href);
+  const detail = await until('a readout', async () => (await page.textContent('#stage-detail')) || null);
+  assert.match(detail, /m\/s · stance/);
+  assert.doesNotMatch(detail, /NaN|commanded/);
+  assert.ok(await page.isHidden('.key.plan'));
+  await picture(page, 'robot_report');
+});

@@ -5,17 +5,14 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <fstream>
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <stdexcept>
 
 #include "host_tools/web/report/packed_columns.h"
 #include "host_tools/web/report/run_data.h"
 #include "tests/host_tools/web/report/synthetic_walk.h"
-#include "tests/own_folder.h"
 
 namespace stilt::report {
 namespace {
@@ -258,26 +255,6 @@ TEST(Report, AnHourIsThinnedEvenlyAndThePageKnows) {
   EXPECT_LE(samples["rows"].get<std::size_t>(), kMaxSamples);
   const std::vector<float> time = unpack(samples).at("time_s")[0];
   for (std::size_t row = 0; row < time.size(); ++row) ASSERT_EQ(time[row], static_cast<float>(row * stride));
-}
-
-TEST(Report, AFileThatCannotBeWrittenIsNamed) {
-  const std::filesystem::path file = "/nonexistent-folder/report.html";
-  try {
-    write_report(synthetic_walk(0.1), file);
-    FAIL() << "no exception";
-  } catch (const std::runtime_error& error) {
-    EXPECT_NE(std::string(error.what()).find(file.string()), std::string::npos);
-  }
-}
-
-TEST(Report, TheFileHoldsTheRenderedPage) {
-  const log::RunRecord record = synthetic_walk(1.0);
-  const tests::OwnFolder folder;
-  const auto file = folder.path() / "report.html";
-  write_report(record, file);
-  std::stringstream content;
-  content << std::ifstream(file, std::ios::binary).rdbuf();
-  EXPECT_EQ(content.str(), render_report(record));
 }
 
 TEST(PackedColumns, Base64FollowsTheTestVectorsOfRfc4648) {

@@ -1,0 +1,93 @@
+#include "firmware/program/usage_text.h"
+
+#include <algorithm>
+#include <string_view>
+#include <vector>
+
+#include "firmware/configuration/schema.h"
+
+namespace stilt::program {
+namespace {
+
+using Names = std::vector<std::string>;
+
+/// The command that was being read, and the words that led there: "stilt gait show".
+struct Command {
+  const CLI::App* app;
+  std::string words;
+};
+
+Command command_of(const CLI::App& program) {
+  Command command{&program, program.get_name()};
+  for (auto inner = command.app->get_subcommands(); !inner.empty(); inner = command.app->get_subcommands()) {
+    command.app = inner.back();
+    command.words += ' ' + command.app->get_name();
+  }
+  return command;
+}
+
+Names commands_of(const CLI::App& app) {
+  Names names;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+    names.push_back(command->get_name());
+  }
+  return names;
+}
+
+Names options_of(const CLI::App& app) {
+  Names names;
+  for (const CLI::Option* option : app.get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  return names;
+}
+
+std::string listed(const Names& names) {
+  std::string text;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const char* separator = i == 0 ? "" : i + 1 == names.size() ? " or " : ", ";
+    text += separator + names[i];
+  }
+  return text;
+}
+
+/// "; did you mean --speed?", or nothing.
+std::string suggestion(const std::string& word, const Names& names) {
+  const std::vector<std::string_view> views(names.begin(), names.end());
+  const std::string_view likely = configuration::nearest(word, views);
+  return likely.empty() ? "" : "; did you mean " + std::string(likely) + '?';
+}
+
+std::string missing_command(const Command& command) {
+  const Names names = commands_of(*command.app);
+  const Names words = command.app->remaining();
+  if (words.empty()) return "a command is expected: " + listed(names);
+  const std::string likely = suggestion(words.front(), names);
+  return words.front() + " is no command" + (likely.empty() ? "; there are " + listed(names) : likely);
+}
+
+std::string unexpected_word(const Command& command) {
+  const Names words = command.app->remaining();
+  const auto option =
+      std::ranges::find_if(words, [](const std::string& word) { return word.starts_with("-"); });
+  if (option == words.end()) return words.front() + " is not expected";
+  return *option + " is no option" + suggestion(*option, options_of(*command.app));
+}
+
+}  // namespace
+
+std::string usage_text(const CLI::App& program, const CLI::ParseError& error) {
+  const Command command = command_of(program);
+  const bool lacks_command = command.app->get_require_subcommand_min() > 0;
+  std::string text = error.what();
+  if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr && lacks_command) {
+    text = missing_command(command);
+  } else if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr && !command.app->remaining().empty()) {
+    text = unexpected_word(command);
+  }
+  const std::string_view prefix = std::string_view(command.words).substr(program.get_name().size());
+  return (prefix.empty() ? "" : std::string(prefix.substr(1)) + ": ") + text + "; see " + command.words +
+         " --help";
+}
+
+}  // namespace stilt::program

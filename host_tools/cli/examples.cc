@@ -1,0 +1,60 @@
+#include "host_tools/cli/examples.h"
+
+#include <array>
+#include <string>
+
+namespace stilt::cli {
+namespace {
+
+// clang-format off
+constexpr std::array kExamples = {
+    "stilt sim --speed 0.8 --report walk.html",
+    "stilt sim --gait stand --then step@3 --then walk:0.5@6 --duration 12",
+    "stilt sim --push 60@5+1 --set gait.single_support_s=0.35",
+    "stilt robot --bus loopback:left --bus loopback:right --publish",
+    "stilt gait synthesize --speed 0.5 --out gait.toml",
+    "stilt gait check gait.toml",
+    "stilt gait complete outputs.toml --out gait.toml",
+    "stilt gait library --from 0.1 --to 0.5 --step 0.1 --out gaits",
+    "stilt gait show gait.toml --report gait.html",
+    "stilt experiment frequency --quick --out rates",
+    "stilt experiment disturbance --quick --out pushes",
+    "stilt experiment horizon --quick --out horizons",
+    "stilt experiment limits --quick --out limits",
+    "stilt experiment figures --quick --out figures",
+    "stilt monitor",
+    "stilt monitor --bind 0.0.0.0 --no-browser",
+    "stilt monitor --terminal",
+    "stilt bench --horizon 1.0 --iterations 10 --no-early-stop",
+    "stilt record --out walk.mcap",
+    "stilt replay walk.mcap",
+    "stilt replay walk.mcap --monitor",
+    "stilt log csv walk.mcap --out walk",
+    "stilt config migrate robot.toml",
+    "stilt model eval --robot rabbit < states.jsonl",
+};
+// clang-format on
+
+/// Examples that begin with these words, each a line.
+std::string examples_of(const std::string& words) {
+  std::string text;
+  for (const std::string example : kExamples) {
+    if (example == words || example.starts_with(words + ' ')) text += "  " + example + '\n';
+  }
+  return text;
+}
+
+void add_to(CLI::App& command, const std::string& words) {
+  const std::string text = examples_of(words);
+  const std::string after = command.get_footer();
+  if (!text.empty()) command.footer("Examples:\n" + text + after);
+  for (CLI::App* inner : command.get_subcommands([](const CLI::App*) { return true; })) {
+    add_to(*inner, words + ' ' + inner->get_name());
+  }
+}
+
+}  // namespace
+
+void add_examples(CLI::App& program) { add_to(program, program.get_name()); }
+
+}  // namespace stilt::cli

@@ -1,0 +1,149 @@
+#include "host_tools/web/monitor/dds_source.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <fstream>
+#include <functional>
+#include <map>
+#include <thread>
+
+#include "firmware/telemetry/reader.h"
+#include "firmware/telemetry/tick_batch.h"
+#include "firmware/telemetry/writer.h"
+#include "tests/own_domain.h"
+#include "tests/own_folder.h"
+
+namespace stilt::monitor {
+namespace {
+
+/// Ignores what it is given.
+class Ignored final : public SampleSink {
+ public:
+  void configuration(const ConfigurationSample&) override {}
+  void tick(const TickSample&) override {}
+  void plan(const PlanSample&) override {}
+  void planner(const PlannerSample&) override {}
+  void supervisor(const SupervisorSample&) override {}
+  void event(const EventSample&) override {}
+  void timing(const TimingSample&) override {}
+  void truth(const TruthSample&) override {}
+  void reply(const ReplySample&) override {}
+};
+
+/// Waits for something that comes, with a limit far beyond what it takes.
+bool eventually(const std::function<bool()>& happened) {
+  using namespace std::chrono_literals;
+  const auto end = std::chrono::steady_clock::now() + 60s;
+  while (std::chrono::steady_clock::now() < end) {
+    if (happened()) return true;
+    std::this_thread::sleep_for(5ms);
+  }
+  return false;
+}
+
+Command command(CommandKind kind) {
+  Command command;
+  command.kind = kind;
+  return command;
+}
+
+/// The robots' ends of the topics that a monitor needs, for any number of runs.
+class Robots {
+ public:
+  Robots()
+      : participant_(*telemetry::Participant::open({.domain = tests::own_domain()})),
+        configurations_(*telemetry::AnyWriter::open(participant_, telemetry::kConfiguration)),
+        ticks_(*telemetry::AnyWriter::open(participant_, telemetry::kTicks)),
+        commands_(*telemetry::Reader::open(participant_, telemetry::kCommands)) {}
+
+  void begin(std::uint64_t run_id, std::string token_file) {
+    char empty[] = "", robot[] = "amber3m";
+    telemetry::ConfigurationInForce message{};
+    message.run_id = run_id;
+    message.robot = robot;
+    message.configuration = message.version = message.compiler = message.instruction_set = message.realtime =
+        empty;
+    message.token_file = token_file.data();
+    configurations_.write(&message);
+  }
+
+  void tick(std::uint64_t run_id) {
+    telemetry::TickBatchBuilder builder;
+    builder.add({});
+    builder.message().run_id = run_id;
+    ticks_.write(&builder.message());
+  }
+
+  /// Runs and tokens of the commands of a kind that have come since the last call.
+  std::map<std::uint64_t, std::string> taken(telemetry::CommandKind kind) {
+    std::map<std::uint64_t, std::string> all;
+    commands_.take([&](telemetry::Sample&& sample) {
+      const auto command = sample.as<telemetry::Command>();
+      if (command && command->kind == static_cast<std::uint8_t>(kind)) all[command->run_id] = command->token;
+    });
+    return all;
+  }
+
+ private:
+  telemetry::Participant participant_;
+  telemetry::AnyWriter configurations_, ticks_;
+  telemetry::Reader commands_;
+};
+
+class TwoRobots : public testing::Test {
+ protected:
+  TwoRobots() {
+    std::ofstream(folder_.file("first")) << "token of the first\n";
+    std::ofstream(folder_.file("second")) << "token of the second\n";
+    robots_.begin(1, folder_.file("first"));
+    meet([this] { return source_.has_token(); });
+    robots_.begin(2, folder_.file("second"));
+    meet([this] { return source_.talking().size() == 2; });
+  }
+
+  void meet(const std::function<bool()>& met) {
+    ASSERT_TRUE(eventually([&] {
+      robots_.tick(1);
+      source_.poll(ignored_);
+      return met();
+    }));
+  }
+
+  tests::OwnFolder folder_;
+  Robots robots_;
+  DdsSource source_{{.domain = tests::own_domain()}, ""};
+  Ignored ignored_;
+};
+
+TEST_F(TwoRobots, GetAStopEachWithItsOwnTokenAndOtherCommandsGoToTheOneThatIsShown) {
+  std::map<std::uint64_t, std::string> stops, walks;
+  ASSERT_TRUE(eventually([&] {
+    source_.command(command(CommandKind::walk));
+    walks.merge(robots_.taken(telemetry::CommandKind::walk));
+    return !walks.empty();
+  }));
+  EXPECT_EQ(walks, (std::map<std::uint64_t, std::string>{{1, "token of the first"}}));
+  source_.command(command(CommandKind::stop));
+  ASSERT_TRUE(eventually([&] {
+    stops.merge(robots_.taken(telemetry::CommandKind::stop));
+    return stops.size() >= 2;
+  }));
+  EXPECT_EQ(stops,
+            (std::map<std::uint64_t, std::string>{{1, "token of the first"}, {2, "token of the second"}}));
+}
+
+TEST_F(TwoRobots, AreCommandedByTheirOwnTokensAfterAnotherIsChosen) {
+  source_.choose("0000000000000002");
+  source_.poll(ignored_);
+  std::map<std::uint64_t, std::string> walks;
+  ASSERT_TRUE(eventually([&] {
+    source_.command(command(CommandKind::walk));
+    walks.merge(robots_.taken(telemetry::CommandKind::walk));
+    return !walks.empty();
+  }));
+  EXPECT_EQ(walks, (std::map<std::uint64_t, std::string>{{2, "token of the second"}}));
+}
+
+}  // namespace
+}  // namespace stilt::monitor
