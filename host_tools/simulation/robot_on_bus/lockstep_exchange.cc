@@ -32,9 +32,10 @@ void LockstepExchange::take(std::size_t bus) {
   ends_.flush(bus);
   Turn& turn = turns_[bus];
   // A bus accepts the next controller after reading: what is read now comes from the one connected before.
-  const std::uint64_t connection = connections_ ? connections_(bus) : 0;
-  if (connection != turn.connection)
-    turn = {.frames = {}, .ended = {}, .connection = connection};  // another controller's turn begins
+  const std::uint64_t connection = connections_(bus);
+  if (connection != turn.connection) {  // another controller's turn begins
+    turn = {.frames = {}, .ended = {}, .connection = connection};
+  }
   for (const hal::CanFrame& frame : ends_.receive(bus)) {
     std::uint64_t tick = 0;
     if (hal::decode_sync(hal::kControllerSyncId, frame, tick) == hal::DecodeStatus::ok) {

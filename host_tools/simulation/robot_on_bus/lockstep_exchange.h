@@ -17,10 +17,9 @@ namespace stilt::robot_on_bus {
 /// A restarted controller begins with tick 0 again; the robot's own time continues.
 class LockstepExchange {
  public:
-  /// @param connections  number of controllers that have connected to a bus so far; empty: always the same
-  /// one
+  /// @param connections  number of controllers that have connected to a bus so far
   LockstepExchange(RobotOnBus& robot, BusEnds& ends, double tick_s,
-                   std::function<std::uint64_t(std::size_t)> connections = {});
+                   std::function<std::uint64_t(std::size_t)> connections);
 
   /// Reads the frames that have arrived. When the controller's turn is over: advances the robot by a tick
   /// (not for tick 0), sends the frames of its nodes, ends the robot's turn, and returns true. Never waits.

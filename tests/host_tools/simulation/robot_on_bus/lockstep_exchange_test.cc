@@ -59,7 +59,7 @@ class LockstepExchangeTest : public testing::Test {
   RobotOnBus robot_{setup_of({{"torso_sensor.rate_hz=1000"}, {}, {}, {}})};  ///< one frame per tick
   std::array<hal::FrameBus*, 2> ends_of_buses_{&buses_[0], &buses_[1]};
   BusEnds ends_{robot_, ends_of_buses_, log_};
-  LockstepExchange exchange_{robot_, ends_, 0.001};
+  LockstepExchange exchange_{robot_, ends_, 0.001, [](std::size_t /*bus*/) { return 1; }};
 };
 
 TEST_F(LockstepExchangeTest, TickZeroIsAnsweredWithoutAdvancing) {
