@@ -15,6 +15,7 @@ constexpr Rename kRenames[] = {
     {"inequality", "joint_position_delta", "joint_position_barrier_width_rad"},
     {"inequality", "joint_velocity_mu", "joint_velocity_barrier_weight"},
     {"inequality", "joint_velocity_delta", "joint_velocity_barrier_width_rad_s"},
+    {"inequality", "minimum_normal_force_N", "minimum_normal_force_share"},
     {"sqp", "g_max", "filter_violation_max"},
     {"sqp", "g_min", "filter_violation_min"},
     {"sqp", "gamma_c", "filter_margin"},

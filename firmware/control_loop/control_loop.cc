@@ -132,6 +132,7 @@ void ControlLoop::take_tuning() noexcept {
 
 control::SensorReading ControlLoop::read(std::int64_t now_ns) noexcept {
   if (ticks_ == 0) start_ns_ = now_ns;
+  last_time_s_ = time_s_;
   time_s_ = 1e-9 * static_cast<double>(now_ns - start_ns_);
   robot_->read(now_ns, readings_);
   return sensor_reading(time_s_, readings_, now_ns);
@@ -163,7 +164,10 @@ model::StateVector ControlLoop::estimate_state(const control::SensorReading& rea
   } else if (gait_.ready()) {
     contact = gait_.contact();
   }
-  return estimator_.update(reading, contact);
+  if (plan.use == supervisor::PlanUse::none) return estimator_.update(reading, contact);
+  const control::PlanPoint before = control::interpolate(mail_->plans.newest(), last_time_s_);
+  const control::BaseVelocity change = (plan.point.state - before.state).segment<3>(model::kPositions);
+  return estimator_.update(reading, contact, &change);
 }
 
 /// The gait keeps in step with a robot that steps, whatever commands it.

@@ -119,6 +119,7 @@ class ControlLoop {
   std::int64_t start_ns_ = 0;
   std::int64_t ticks_ = 0;
   double time_s_ = 0.0;
+  double last_time_s_ = 0.0;    ///< of the tick before
   std::uint32_t episode_ = 0;   ///< of stance; 0: no plan is wanted
   std::uint32_t episodes_ = 0;  ///< ever begun
   double episode_start_s_ = 0.0;

@@ -1,5 +1,6 @@
 #include "host_tools/cli/json_output.h"
 
+#include <cmath>
 #include <cstdio>
 
 #include "firmware/diagnostics/output_file.h"
@@ -51,6 +52,13 @@ Json to_json(const log::RunSummary& summary) {
   json["sqp_iterations"] = {{"mean", summary.sqp_iterations_mean}, {"max", summary.sqp_iterations_max}};
   json["dynamics_defect_max"] = summary.dynamics_defect_max;
   json["equality_violation_max"] = summary.equality_violation_max;
+  const log::PlanInUse& plan = summary.plan_in_use;
+  json["plan_in_use"] = {
+      {"defect_max", plan.defect_max},
+      {"equality_violation_max", plan.equality_violation_max},
+      {"cone_violation_max_N", plan.cone_violation_max_N},
+      {"normal_force_min_N",
+       std::isfinite(plan.normal_force_min_N) ? Json(plan.normal_force_min_N) : Json(nullptr)}};
   json["heap_allocations_in_loop"] = summary.heap_allocations_in_loop;
   json["controller_bytes"] = summary.controller_bytes;
   for (std::size_t level = 0; level < supervisor::kFallbackLevels; ++level) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -55,6 +56,15 @@ struct Percentiles {
   double p50 = 0.0, p99 = 0.0, max = 0.0;
 };
 
+/// How well the plans in use hold their constraints: over every plan that drove the robot, its nodes of age 0
+/// to 0.3 s, stance feet.
+struct PlanInUse {
+  double defect_max = 0.0;              ///< largest |x_{k+1} - F(x_k, u_k)|, mixed SI units, whole horizon
+  double equality_violation_max = 0.0;  ///< largest equality residual, m/s^2 or N, whole horizon
+  double cone_violation_max_N = 0.0;    ///< largest |fx| - mu max(fz, 0), not below 0
+  double normal_force_min_N = std::numeric_limits<double>::infinity();  ///< infinite: no plan was in use
+};
+
 /// Summary of a run, the content of `stilt sim --json`.
 struct RunSummary {
   bool survived = false;
@@ -70,6 +80,7 @@ struct RunSummary {
   double sqp_iterations_mean = 0.0;
   int sqp_iterations_max = 0;
   double dynamics_defect_max = 0.0, equality_violation_max = 0.0;
+  PlanInUse plan_in_use;
   /// Time at each fallback level, s.
   std::array<double, supervisor::kFallbackLevels> fallback_s{};
   long long heap_allocations_in_loop = 0;

@@ -37,6 +37,7 @@ void Estimator::reset(const SensorReading& reading, double base_x_m) noexcept {
   robot_->kinematics(state.data(), feet);
   last_time_s_ = reading.time_s;
   base_x_m_ = base_x_m;
+  velocity_ << 0.0, 0.0, reading.base_pitch_rate_rad_s;
   for (int foot = 0; foot < kFeet; ++foot) {
     in_contact_[foot] = true;
     weight_[foot] = 1.0;
@@ -66,11 +67,26 @@ void Estimator::follow_contacts(const model::KinematicsTerms<double>& feet, doub
   }
 }
 
-model::StateVector Estimator::update(const SensorReading& reading, model::ContactMode contact) noexcept {
+void Estimator::filter_velocity(double elapsed_s, const BaseVelocity* planned_change,
+                                model::StateVector& state) noexcept {
+  auto measured = state.segment<3>(kPositions);
+  if (planned_change == nullptr || !(parameters_.velocity_filter_s > 0.0) || !velocity_.allFinite()) {
+    velocity_ = measured;
+    return;
+  }
+  const double share = 1.0 - std::exp(-elapsed_s / parameters_.velocity_filter_s);
+  velocity_ += *planned_change;
+  velocity_ += share * (measured - velocity_);
+  measured = velocity_;
+}
+
+model::StateVector Estimator::update(const SensorReading& reading, model::ContactMode contact,
+                                     const BaseVelocity* planned_change) noexcept {
   model::StateVector state = state_at_origin(reading);
   model::KinematicsTerms<double> feet;
   robot_->kinematics(state.data(), feet);
-  follow_contacts(feet, reading.time_s - last_time_s_, contact);
+  const double elapsed_s = reading.time_s - last_time_s_;
+  follow_contacts(feet, elapsed_s, contact);
   last_time_s_ = reading.time_s;
   base_x_m_ = base_x_m(feet);
 
@@ -90,6 +106,7 @@ model::StateVector Estimator::update(const SensorReading& reading, model::Contac
     state[kPositions + 1] = vz_m_s / total;
   }
   state[0] = base_x_m_;
+  filter_velocity(elapsed_s, planned_change, state);
   return state;
 }
 

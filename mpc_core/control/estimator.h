@@ -22,6 +22,8 @@ struct SensorReading {
          std::isfinite(reading.base_pitch_rate_rad_s);
 }
 
+using BaseVelocity = Eigen::Vector3d;  ///< rates of x (m/s), z (m/s) and pitch (rad/s)
+
 /// Estimates the linear position and velocity of the base from the stance feet, in the world frame:
 ///
 ///   p_b = sum_f w_f (anchor_f - r_f(q)) / sum_f w_f,   v_b = - sum_f w_f dr_f/dt / sum_f w_f
@@ -38,9 +40,16 @@ class Estimator {
   void reset(const SensorReading& reading, double base_x_m) noexcept;
 
   /// Processes one tick: takes the readings and the scheduled contacts, returns the state.
-  [[nodiscard]] model::StateVector update(const SensorReading& reading, model::ContactMode contact) noexcept;
+  /// @param planned_change  change of the base's velocity since the tick before, by the plan; null without a
+  /// plan
+  [[nodiscard]] model::StateVector update(const SensorReading& reading, model::ContactMode contact,
+                                          const BaseVelocity* planned_change = nullptr) noexcept;
 
  private:
+  /// v += planned change + (1 - exp(-dt / velocity_filter_s)) (measured - v)
+  void filter_velocity(double elapsed_s, const BaseVelocity* planned_change,
+                       model::StateVector& state) noexcept;
+
   /// Base position in x from the trusted feet, m; the last estimate when no foot is trusted.
   [[nodiscard]] double base_x_m(const model::KinematicsTerms<double>& feet) const noexcept;
   /// Anchors each foot whose contact begins, and updates the weights.
@@ -51,6 +60,7 @@ class Estimator {
   EstimatorParameters parameters_;
   double last_time_s_ = 0.0;
   double base_x_m_ = 0.0;
+  BaseVelocity velocity_ = BaseVelocity::Zero();
   bool in_contact_[model::kFeet] = {};
   double weight_[model::kFeet] = {};
   double anchor_x_m_[model::kFeet] = {};

@@ -11,9 +11,9 @@ namespace stilt::control {
 struct TorqueLawParameters {
   double joint_kp_Nm_rad = 100.0;
   double joint_kd_Nms_rad = 5.0;
-  bool use_feedback_gains = false;        ///< share of the Coulomb friction fed forward
-  double friction_compensation = 1.0;     ///< share of the joints' Coulomb friction that is fed forward, 0 to
-                                          ///< 1
+  bool use_feedback_gains = false;        ///< adds the plan's feedback K (x - x_plan) to its inputs
+  double friction_compensation = 1.0;     ///< share of the joints' Coulomb friction that is fed forward, as if the
+                                          ///< joint moved as planned
   double friction_velocity_rad_s = 0.05;  ///< width of the smoothed sign, tanh(v / width)
 };
 
@@ -28,6 +28,8 @@ struct GaitTrackerParameters {
 /// Parameters of the base estimator.
 struct EstimatorParameters {
   double blend_s = 0.02;  ///< time over which the weight moves from the old stance foot to the new one
+  /// Time constant with which the base's velocity follows the measured one around the plan's; 0: no filter.
+  double velocity_filter_s = 0.005;
 };
 
 /// Robot parameters that the controller assumes besides the URDF. Friction and damping replace those of the

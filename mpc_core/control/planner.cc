@@ -79,6 +79,7 @@ void Planner::adopt(const PlannerSettings& settings) noexcept {
 
 void Planner::reset(double time_s) noexcept {
   schedule_.reset(time_s);
+  catcher_.reset();
   speed_reference_m_s_ = 0.0;
   lag_m_ = 0.0;
   last_time_s_ = time_s;
@@ -104,12 +105,20 @@ bool Planner::prepare(const PlannerInput& input) noexcept {
   if (has_solution_) speed_reference_m_s_ = reference_.speed_at(input.time_s);
   // A swing that starts within the horizon needs its next contact and the middle of that contact.
   const double beyond_s = 4.0 * (parameters_.gait.single_support_s + parameters_.gait.double_support_s);
-  schedule_.update(input.time_s, input.time_s + parameters_.discretisation.horizon_s + beyond_s,
-                   input.command, parameters_.gait, parameters_.reference, speed_reference_m_s_,
-                   feet[0] >= feet[2]);
-  update_trim(input, schedule_.phase(schedule_.index_at(input.time_s)).gait != gait::GaitKind::stand);
-  reference_.prepare(data_.robot->constants, schedule_, input.command, parameters_.gait,
-                     parameters_.reference, input.time_s, input.state, feet, speed_reference_m_s_,
+  const auto phase_now = [&]() -> const gait::ContactPhase& {
+    return schedule_.phase(schedule_.index_at(input.time_s));
+  };
+  const auto stands = [&] { return phase_now().gait == gait::GaitKind::stand; };
+  const double standing_s = stands() ? input.time_s - phase_now().start_s : 0.0;
+  const gait::GaitCommand command =
+      catcher_.update(input.time_s, input.command, standing_s, input.state, feet, parameters_.gait);
+  schedule_.update(input.time_s, input.time_s + parameters_.discretisation.horizon_s + beyond_s, command,
+                   parameters_.gait, parameters_.reference, speed_reference_m_s_, feet[0] >= feet[2],
+                   catcher_.fall());
+  const bool follows_progress = !stands() && catcher_.fall() == gait::Fall::none;
+  update_trim(input, follows_progress);
+  reference_.prepare(data_.robot->constants, schedule_, command, parameters_.gait, parameters_.reference,
+                     input.time_s, input.state, feet, speed_reference_m_s_,
                      parameters_.reference.speed_trim_1_s * lag_m_);
   if (!ocp::build_horizon(schedule_, input.time_s, parameters_.discretisation, problem_.horizon))
     return false;

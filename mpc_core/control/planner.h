@@ -1,5 +1,6 @@
 #pragma once
 
+#include "mpc_core/control/fall_catcher.h"
 #include "mpc_core/control/parameters.h"
 #include "mpc_core/control/plan.h"
 #include "mpc_core/gait/reference.h"
@@ -82,6 +83,7 @@ class Planner {
   ControllerParameters parameters_;
   ocp::ProblemData data_;
   gait::ContactSchedule schedule_;
+  FallCatcher catcher_;
   gait::HeuristicReference reference_;
   double speed_reference_m_s_ = 0.0;
   double lag_m_ = 0.0;

@@ -1,5 +1,6 @@
 #include "mpc_core/control/torque_law.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "mpc_core/model/debug_assert.h"
@@ -18,6 +19,9 @@ void TorqueLaw::configure(const model::RobotModel& robot, const ControllerParame
   robot_ = &robot;
   law_ = parameters.torque_law;
   drive_ = drive_model(robot.constants, parameters.robot);
+  friction_coefficient_ = parameters.inequality.friction_coefficient;
+  minimum_normal_force_N_ = ocp::MinimumNormalForce::of(parameters.inequality.minimum_normal_force_share,
+                                                        robot.constants.total_mass_kg);
 }
 
 TorqueCommand TorqueLaw::follow(const SensorReading& reading, const model::StateVector& state,
@@ -27,6 +31,7 @@ TorqueCommand TorqueLaw::follow(const SensorReading& reading, const model::State
   if (feedback == Feedback::plan_gains || law_.use_feedback_gains) {
     input += point.gain->lazyProduct(state - point.state);
   }
+  bound_contact_forces(point.mode, input);
   TorqueCommand command;
   command.torque_Nm = track(reading, point.state, input);
   command.finite = command.torque_Nm.allFinite() && is_finite(reading) && state.allFinite();
@@ -38,6 +43,21 @@ TorqueCommand TorqueLaw::follow(const SensorReading& reading, const model::State
     if (command.torque_Nm[j] != wanted_Nm) command.saturated = true;
   }
   return command;
+}
+
+// docs/decisions/0018-contact-forces-and-recovery.md
+void TorqueLaw::bound_contact_forces(model::ContactMode mode, model::InputVector& input) const noexcept {
+  for (int foot = 0; foot < model::kFeet; ++foot) {
+    double& fx = input[kJoints + 2 * foot];
+    double& fz = input[kJoints + 2 * foot + 1];
+    if (!mode[foot]) {
+      fx *= 0.0;  // a force that is not finite stays so
+      fz *= 0.0;
+      continue;
+    }
+    fz = std::max(fz, minimum_normal_force_N_(mode));
+    fx = std::clamp(fx, -friction_coefficient_ * fz, friction_coefficient_ * fz);
+  }
 }
 
 JointVector TorqueLaw::track(const SensorReading& reading, const model::StateVector& planned,

@@ -22,7 +22,8 @@ enum class Feedback {
 /// Joint torques that follow a plan at one instant:
 ///
 ///   tau = tau_ff(x_plan, u) + kp (q_plan - q) + kd (v_plan - v) + friction
-///   u = u_plan (+ K (x - x_plan) with feedback)
+///   u = u_plan (+ K (x - x_plan) with feedback), contact forces f then bounded:
+///   stance foot fz >= least normal force, |fx| <= mu fz; swing foot f = 0
 ///
 /// tau_ff is the torque equation of the whole-body dynamics. Each torque is limited to the drive's torque at
 /// the joint's velocity. When readings, state or plan are not finite, the joints are damped: tau = -kd v. A
@@ -41,12 +42,17 @@ class TorqueLaw {
                                      const PlanPoint& point, Feedback feedback) const noexcept;
 
  private:
+  /// Forces of feet in stance moved into the friction cone above the least normal force, those of feet in the
+  /// air removed.
+  void bound_contact_forces(model::ContactMode mode, model::InputVector& input) const noexcept;
   [[nodiscard]] model::JointVector track(const SensorReading& reading, const model::StateVector& planned,
                                          const model::InputVector& input) const noexcept;
 
   const model::RobotModel* robot_ = nullptr;
   TorqueLawParameters law_;
   DriveModel drive_{};
+  double friction_coefficient_ = 0.0;
+  ocp::MinimumNormalForce minimum_normal_force_N_;
 };
 
 }  // namespace stilt::control

@@ -6,6 +6,9 @@ namespace stilt::gait {
 
 enum class GaitKind : std::uint8_t { stand, step, walk };
 
+/// Direction in which a standing robot falls.
+enum class Fall : std::uint8_t { none, forward, backward };
+
 /// The operator's command. A change of the kind of gait becomes active at a contact boundary. A change of
 /// speed within a walk starts at once and follows the ramp.
 struct GaitCommand {

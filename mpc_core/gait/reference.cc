@@ -55,9 +55,10 @@ void HeuristicReference::prepare(const model::RobotConstants& robot, const Conta
   nominal_ = standing_state(robot, parameters.base_height_m, parameters.base_pitch_rad, 0.0, true);
   // When standing, the reference of the base lies midway between the feet; when stepping, it starts at the
   // measured base.
+  speed_excess_m_s_ = state[kPositions] - speed_m_s;
   const bool standing = stands(schedule.phase(schedule.index_at(time_s)));
   const double x_m = standing ? 0.5 * (foot_position_W_m[0] + foot_position_W_m[2]) : state[0];
-  prepare_speed(time_s, x_m, speed_m_s, speed_trim_m_s);
+  prepare_speed(time_s, x_m, followed_speed_m_s(speed_m_s, state[kPositions]), speed_trim_m_s);
 }
 
 void HeuristicReference::prepare_speed(double time_s, double x_m, double speed_m_s,
@@ -101,6 +102,20 @@ const HeuristicReference::SpeedKnot& HeuristicReference::knot_at(double time_s) 
 
 double HeuristicReference::speed_at(double time_s) const noexcept { return base_at(time_s).speed_m_s; }
 
+double HeuristicReference::followed_speed_m_s(double reference_m_s, double measured_m_s) const noexcept {
+  const double band_m_s = parameters_.speed_follow_band_m_s;
+  const double within_m_s = std::clamp(reference_m_s, measured_m_s - band_m_s, measured_m_s + band_m_s);
+  return std::min(within_m_s, std::max(reference_m_s, parameters_.speed_follow_max_m_s));
+}
+
+double HeuristicReference::foothold_shift_m(const Interval& contact) const noexcept {
+  const double step_s = gait_.single_support_s + gait_.double_support_s;
+  const int steps_ahead = static_cast<int>((contact.start_s - time_s_) / step_s);
+  double shift_m = parameters_.foothold_gain_s * speed_excess_m_s_;
+  for (int step = 0; step < steps_ahead; ++step) shift_m *= parameters_.foothold_gain_decay;
+  return std::clamp(shift_m, -parameters_.foothold_shift_max_m, parameters_.foothold_shift_max_m);
+}
+
 double HeuristicReference::foothold_x_m(int foot, const Interval& contact) const noexcept {
   if (contact.end_s <= time_s_) {  // already lifted off: it stood below the hip half a step earlier
     const double duration_s = std::min(contact.end_s - contact.start_s, gait_.single_support_s);
@@ -116,7 +131,7 @@ double HeuristicReference::foothold_x_m(int foot, const Interval& contact) const
     const double offset_m = ahead ? gait_.stand_half_width_m : -gait_.stand_half_width_m;
     return base_at(schedule_->phase(phase).start_s).x_m + offset_m;
   }
-  return base_at(0.5 * (contact.start_s + contact.end_s)).x_m;
+  return base_at(0.5 * (contact.start_s + contact.end_s)).x_m + foothold_shift_m(contact);
 }
 
 void HeuristicReference::foot_reference(double time_s, int phase, int foot, Motion& x,

@@ -27,8 +27,9 @@ struct ReferencePoint {
                                                 bool left_ahead) noexcept;
 
 /// The heuristic reference of the paper: commanded height, pitch and speed, nominal joints, weight shared
-/// among the stance feet, footholds below the hip at mid-contact. prepare() runs once per plan, evaluate()
-/// once per node. Fixed memory, real-time safe.
+/// among the stance feet, footholds below the hip at mid-contact. The speed reference and the footholds yield
+/// to a measured speed far from the command. prepare() runs once per plan, evaluate() once per node. Fixed
+/// memory, real-time safe.
 class HeuristicReference {
  public:
   /// `state`: measured; anchors the reference in x. `speed_m_s`: speed reference at time_s.
@@ -66,6 +67,10 @@ class HeuristicReference {
   [[nodiscard]] BaseMotion advance(const SpeedKnot& from, double time_s) const noexcept;
   [[nodiscard]] const SpeedKnot& knot_at(double time_s) const noexcept;
   [[nodiscard]] BaseMotion base_at(double time_s) const noexcept { return advance(knot_at(time_s), time_s); }
+  /// Speed reference, moved towards the measured speed.
+  [[nodiscard]] double followed_speed_m_s(double reference_m_s, double measured_m_s) const noexcept;
+  /// Shift of a foothold by the measured speed's excess over the reference (Raibert's speed feedback).
+  [[nodiscard]] double foothold_shift_m(const Interval& contact) const noexcept;
   [[nodiscard]] double foothold_x_m(int foot, const Interval& contact) const noexcept;
   void foot_reference(double time_s, int phase, int foot, Motion& x, Motion& z) const noexcept;
 
@@ -81,6 +86,7 @@ class HeuristicReference {
   ReferenceParameters parameters_{};
   double time_s_ = 0.0;
   double weight_N_ = 0.0;
+  double speed_excess_m_s_ = 0.0;  ///< measured speed above the reference
   model::FeetVector measured_feet_ = model::FeetVector::Zero();
   model::StateVector nominal_ = model::StateVector::Zero();
   std::array<SpeedKnot, kMaxKnots> knots_{};

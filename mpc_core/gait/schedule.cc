@@ -48,7 +48,7 @@ Interval ContactSchedule::foot_interval(int index, int foot) const noexcept {
   return {phases_[first].start_s, end_s(last)};
 }
 
-/// Whether the present swing is in its second half, too late to move its foothold. The last foot but one to
+/// Whether the present swing is too old to move its foothold. The last foot but one to
 /// land before a stand is placed to make room between the feet.
 bool ContactSchedule::about_to_land(double time_s, const GaitParameters& parameters) const noexcept {
   constexpr double kPlaceable = 0.5;
@@ -66,13 +66,10 @@ void ContactSchedule::drop_past(double time_s) noexcept {
 }
 
 void ContactSchedule::append_next(double earliest_start_s, const GaitParameters& parameters,
-                                  bool left_ahead) noexcept {
+                                  bool lift_left) noexcept {
   const ContactPhase& last = phases_[count_ - 1];
   if (last.gait == GaitKind::stand) {
-    // When walking forward the leading foot steps first: the robot then falls forward.
-    const bool lift_left = (command_.speed_m_s >= 0.0) == left_ahead;
-    const double start_s = std::max(earliest_start_s, last.start_s + parameters.switch_lead_s);
-    append(start_s, {!lift_left, lift_left}, command_.kind);
+    append(earliest_start_s, {!lift_left, lift_left}, command_.kind);
     return;
   }
   const bool stopping = command_.kind == GaitKind::stand;
@@ -95,7 +92,7 @@ void ContactSchedule::append_next(double earliest_start_s, const GaitParameters&
 
 void ContactSchedule::update(double time_s, double until_s, const GaitCommand& command,
                              const GaitParameters& parameters, const ReferenceParameters& reference,
-                             double reference_speed_m_s, bool left_ahead) noexcept {
+                             double reference_speed_m_s, bool left_ahead, Fall fall) noexcept {
   drop_past(time_s);
   if (command.kind != command_.kind) {
     count_ = index_at(time_s) + 1;  // keeps the present phase, schedules the future anew
@@ -103,12 +100,15 @@ void ContactSchedule::update(double time_s, double until_s, const GaitCommand& c
     if (about_to_land(time_s, parameters)) ++steps_before_stand_;
   }
   command_ = command;
-  const double earliest_start_s = time_s + parameters.switch_lead_s;
+  // When walking forward the leading foot steps first: the robot then falls forward.
+  const bool forward = fall == Fall::none ? command_.speed_m_s >= 0.0 : fall == Fall::backward;
+  const bool lift_left = forward == left_ahead;
+  const double lead_s = fall == Fall::none ? parameters.switch_lead_s : parameters.catch_lead_s;
   while (count_ < kMaxPhases) {
     const ContactPhase& last = phases_[count_ - 1];
     if (last.gait == GaitKind::stand && command_.kind == GaitKind::stand) break;
     if (last.start_s > until_s) break;
-    append_next(earliest_start_s, parameters, left_ahead);
+    append_next(std::max(time_s, last.start_s) + lead_s, parameters, lift_left);
   }
 }
 

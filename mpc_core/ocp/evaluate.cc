@@ -46,13 +46,14 @@ Batch quadratic_cost(const ProblemData& data, const StageBatch& batch, const Bat
 }
 
 struct Barriers {
-  BarrierConstants joint_position, joint_velocity, joint_torque, friction;
+  BarrierConstants joint_position, joint_velocity, joint_torque, friction, impulse;
 
   explicit Barriers(const InequalityParameters& p) noexcept
       : joint_position(p.joint_position),
         joint_velocity(p.joint_velocity),
         joint_torque(p.joint_torque),
-        friction(p.friction) {}
+        friction(p.friction),
+        impulse(p.impulse) {}
 };
 
 Batch barrier_cost(const ProblemData& data, const Barriers& barriers, const StageBatch& batch,
@@ -78,7 +79,8 @@ Batch barrier_cost(const ProblemData& data, const Barriers& barriers, const Stag
     for (int foot = 0; foot < kFeet; ++foot) {
       if (!batch.mode[foot]) continue;
       const Batch& fx = it.u[kJoints + 2 * foot];
-      const Batch margin = p.friction_coefficient * (it.u[kJoints + 2 * foot + 1] - p.minimum_normal_force_N);
+      const Batch& fz = it.u[kJoints + 2 * foot + 1];
+      const Batch margin = p.friction_coefficient * (fz - data.minimum_normal_force_N(batch.mode));
       friction.add(margin + fx);
       friction.add(margin - fx);
     }
@@ -127,8 +129,8 @@ void add_equalities(const ProblemData& data, const StageBatch& batch, const Batc
   merit.violation_squared += batch.weight * batch.duration * batch.duration * sum;
 }
 
-void add_transitions(const ProblemData& data, const BatchParameters& parameters, const TransitionBatch& batch,
-                     const Trajectory& iterate, BatchMerit& merit) noexcept {
+void add_transitions(const ProblemData& data, const Barriers& barriers, const BatchParameters& parameters,
+                     const TransitionBatch& batch, const Trajectory& iterate, BatchMerit& merit) noexcept {
   const BatchTransition it(iterate, batch);
   model::KinematicsTerms<Batch> feet;
   data.robot->kinematics(it.x, feet);
@@ -142,6 +144,11 @@ void add_transitions(const ProblemData& data, const BatchParameters& parameters,
       model::ImpactTerms<Batch> impact;
       data.robot->impact(foot, after, parameters.value, impact);
       std::copy(impact.velocity_after, impact.velocity_after + kPositions, after + kPositions);
+      BarrierSum cone(barriers.impulse);
+      const Batch friction_Ns = data.inequality.friction_coefficient * impact.impulse[1];
+      cone.add(friction_Ns + impact.impulse[0]);
+      cone.add(friction_Ns - impact.impulse[0]);
+      merit.cost += batch.weight * cone.value();
     }
   }
   Batch sum = Batch(0.0);
@@ -182,7 +189,7 @@ Merit evaluate(const ProblemData& data, const Problem& problem, const Trajectory
     add_equalities(data, batch, it, node, sums);
   }
   for (int b = 0; b < problem.transition_batches; ++b) {
-    add_transitions(data, parameters, problem.transition_batch[b], iterate, sums);
+    add_transitions(data, barriers, parameters, problem.transition_batch[b], iterate, sums);
   }
 
   Merit merit;

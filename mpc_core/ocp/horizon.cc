@@ -17,7 +17,6 @@ namespace {
   }
   return horizon.stages > 0;
 }
-
 }  // namespace
 
 bool build_horizon(const gait::ContactSchedule& schedule, double start_s, const DiscretisationParameters& p,
@@ -25,7 +24,7 @@ bool build_horizon(const gait::ContactSchedule& schedule, double start_s, const 
   STILT_ASSERT(std::isfinite(start_s) && p.time_step_s > 0.0 && p.horizon_s > 0.0 && p.merge_below_s >= 0.0);
   const double end_s = start_s + p.horizon_s;
   double time_s = start_s;
-  int phase = schedule.index_at(start_s);
+  int phase = schedule.index_at(start_s - p.switch_tolerance_s);
   int grid = 1;
   horizon.stages = 0;
   horizon.end_s = end_s;

@@ -14,7 +14,7 @@ struct BarrierParameters {
 /// Diagonal weights of 1/2 (e_x' Q e_x + e_u' R e_u + sum_feet e' W e), the cost per second of horizon.
 struct CostParameters {
   double base_x = 5.0;               ///< 1/m^2
-  double base_z = 400.0;             ///< 1/m^2
+  double base_z = 1000.0;            ///< 1/m^2
   double base_pitch = 200.0;         ///< 1/rad^2
   double joint_position = 5.0;       ///< 1/rad^2
   double base_vx = 40.0;             ///< s^2/m^2
@@ -23,8 +23,8 @@ struct CostParameters {
   double joint_velocity = 0.5;       ///< s^2/rad^2
   double joint_acceleration = 2e-3;  ///< s^4/rad^2
   double contact_force = 1e-3;       ///< 1/N^2
-  double foot_position = 100.0;      ///< 1/m^2
-  double foot_velocity = 20.0;       ///< s^2/m^2
+  double foot_position = 40.0;       ///< 1/m^2
+  double foot_velocity = 12.0;       ///< s^2/m^2
   double foot_acceleration = 1e-4;   ///< s^4/m^2
   double touchdown_velocity = 1.0;   ///< s^2/m^2, on the horizontal velocity of a foot at touch-down
   double terminal = 1.0;      ///< rho, dimensionless: factor of the LQR cost-to-go at the end of the horizon;
@@ -32,11 +32,30 @@ struct CostParameters {
   bool terminal_feet = true;  ///< whether the running cost of that LQR includes the weights of the feet
 };
 
-/// Inequality constraints: friction cone of the stance feet and joint limits, each with a barrier.
+/// Least normal force of a stance foot by the number of feet on the ground, N; entry 0 is unused.
+struct MinimumNormalForce {
+  double by_stance_feet[model::kFeet + 1] = {};
+
+  /// A foot alone carries at least `share` of the weight. With both feet on the ground each may be nearly
+  /// unloaded, so that the centre of pressure can move from one foot to the other.
+  [[nodiscard]] static MinimumNormalForce of(double share, double mass_kg) noexcept {
+    constexpr double kBothFeet = 0.1;
+    const double alone_N = share * mass_kg * model::kGravity_m_s2;
+    return {{0.0, alone_N, kBothFeet * alone_N}};
+  }
+  [[nodiscard]] double operator()(const model::ContactMode& mode) const noexcept {
+    return by_stance_feet[mode.count()];
+  }
+};
+
+/// Inequality constraints: friction cone of the stance feet and of the impulses at touch-down, and joint
+/// limits, each with a barrier.
 struct InequalityParameters {
   double friction_coefficient = 0.6;
-  double minimum_normal_force_N = 5.0;
+  double minimum_normal_force_share =
+      0.28;  ///< least normal force of a foot alone on the ground, share of the weight
   BarrierParameters friction{0.2, 5.0};          ///< N
+  BarrierParameters impulse{0.05, 0.5};          ///< Ns, once per touch-down
   BarrierParameters joint_torque{0.2, 3.0};      ///< Nm
   BarrierParameters joint_position{0.05, 0.05};  ///< rad
   BarrierParameters joint_velocity{0.05, 0.5};   ///< rad/s
@@ -58,7 +77,8 @@ enum class Transition { identity, impact };
 struct DiscretisationParameters {
   double time_step_s = 0.015;
   double horizon_s = 1.0;
-  double merge_below_s = 0.002;  ///< intervals shorter than this are merged with their neighbour
+  double switch_tolerance_s = 1e-6;  ///< a start this long after a switch still contains its touch-down
+  double merge_below_s = 0.002;      ///< intervals shorter than this are merged with their neighbour
   Integrator integrator = Integrator::rk2;
   Transition transition = Transition::impact;
 };

@@ -61,6 +61,8 @@ void fill_transition_batches(Problem& problem) noexcept {
 }  // namespace
 
 void set_weights(ProblemData& data) noexcept {
+  data.minimum_normal_force_N =
+      MinimumNormalForce::of(data.inequality.minimum_normal_force_share, data.robot->constants.total_mass_kg);
   const CostParameters& c = data.cost;
   const double base[] = {c.base_x, c.base_z, c.base_pitch};
   const double base_rate[] = {c.base_vx, c.base_vz, c.base_pitch_rate};

@@ -63,12 +63,13 @@ struct ProblemData {
   DiscretisationParameters discretisation;
   JointLimits limits{};
   double joint_parameters[2 * model::kJoints] = {};
+  MinimumNormalForce minimum_normal_force_N;
   double state_weight[model::kStates] = {};
   double input_weight[model::kInputs] = {};
   double terminal_weight[model::kStates][lq::kRows] = {};  ///< rho S, by columns
 };
 
-/// Sets the diagonal weights from the named ones.
+/// Sets the diagonal weights from the named ones, and the least normal force from the robot's weight.
 void set_weights(ProblemData& data) noexcept;
 
 /// Horizon, references and initial state of one plan.

@@ -29,7 +29,7 @@ struct ForceCost {
     const int z = x + 1;
     const InequalityParameters& p = data.inequality;
     const double mu = p.friction_coefficient;
-    const Batch margin = mu * (u[z] - p.minimum_normal_force_N);
+    const Batch margin = mu * (u[z] - data.minimum_normal_force_N(batch.mode));
     const BarrierPair cone(p.friction, margin - u[x], margin + u[x]);
     const Batch h = batch.duration;
     gx = h * (data.input_weight[x] * (u[x] - batch.u_ref[x]) + cone.b.first - cone.a.first);

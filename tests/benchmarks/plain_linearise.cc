@@ -182,7 +182,7 @@ void add_cost(const PlainStageData& s, Hessian& H, Gradient& g) {
     const int x = kStates + kJoints + 2 * foot;
     const int z = x + 1;
     const double mu = p.friction_coefficient;
-    const double margin = mu * (s.u[z - kStates] - p.minimum_normal_force_N);
+    const double margin = mu * (s.u[z - kStates] - data.minimum_normal_force_N(s.batch.mode));
     const Slope front = barrier(p.friction, margin - s.u[x - kStates]);
     const Slope back = barrier(p.friction, margin + s.u[x - kStates]);
     g[x] += back.first - front.first;

@@ -6,8 +6,8 @@
 namespace stilt::simulation {
 namespace {
 
-constexpr double kSampleRate_hz = 200.0;
 constexpr double kSnapshotRate_hz = 20.0;
+constexpr double kPlanInUse_s = 0.3;   // the part of a plan whose constraints are reported
 constexpr double kSettled_s = 3.0;     // the mean speed counts from this time
 constexpr double kTimeSlack_s = 1e-9;  // equal to that of pushes, so that both begin at the same tick
 
@@ -32,7 +32,7 @@ RunRecorder::RunRecorder(const RunSettings& settings, const control_loop::PlanTi
                          log::RunRecord& record)
     : settings_(settings), record_(record), tick_s_(1e-9 * static_cast<double>(timing.tick_ns)) {
   const double tick_rate_hz = 1.0 / tick_s_;
-  ticks_per_sample_ = every(tick_rate_hz, kSampleRate_hz);
+  ticks_per_sample_ = every(tick_rate_hz, settings.sample_rate_hz);
   plans_per_snapshot_ = every(tick_rate_hz / static_cast<double>(timing.period_ticks), kSnapshotRate_hz);
   start_x_m_ = settled_x_m_ = settings.initial_state[0];
   record_.summary.peak_torque_Nm.setZero();
@@ -62,6 +62,27 @@ void RunRecorder::observe_tick(double time_s, const Plant& plant, const control_
   if (settings_.keep_samples && ticks_ % ticks_per_sample_ == 0)
     take_sample(time_s, plant, tick, active_plan);
   ++ticks_;
+  if (tick.plan_sequence >= 0 && tick.plan_sequence != plan_in_use_) observe_plan_in_use(active_plan);
+}
+
+void RunRecorder::observe_plan_in_use(const control::Plan& plan) {
+  plan_in_use_ = plan.sequence;
+  log::PlanInUse& seen = record_.summary.plan_in_use;
+  seen.defect_max = std::max(seen.defect_max, plan.report.dynamics_defect_max);
+  seen.equality_violation_max = std::max(seen.equality_violation_max, plan.report.equality_violation_max);
+  for (int k = 0; k + 1 < plan.nodes; ++k) {
+    const control::PlanNode& node = plan.node[static_cast<std::size_t>(k)];
+    if (node.time_s > plan.start_time_s + kPlanInUse_s) break;
+    if (plan.node[static_cast<std::size_t>(k + 1)].time_s == node.time_s) continue;  // a touch-down
+    for (int foot = 0; foot < model::kFeet; ++foot) {
+      if (!node.mode[foot]) continue;
+      const double fx_N = node.input[model::kJoints + 2 * foot];
+      const double fz_N = node.input[model::kJoints + 2 * foot + 1];
+      const double cone_N = std::abs(fx_N) - record_.friction_coefficient * std::max(fz_N, 0.0);
+      seen.cone_violation_max_N = std::max(seen.cone_violation_max_N, cone_N);
+      seen.normal_force_min_N = std::min(seen.normal_force_min_N, fz_N);
+    }
+  }
 }
 
 void RunRecorder::take_sample(double time_s, const Plant& plant, const control_loop::TickRecord& tick,

@@ -33,6 +33,7 @@ class RunRecorder {
  private:
   void take_sample(double time_s, const Plant& plant, const control_loop::TickRecord& tick,
                    const control::Plan& active_plan);
+  void observe_plan_in_use(const control::Plan& plan);
   void take_snapshot(const control::Plan& plan);
   void summarise_solves();
 
@@ -44,6 +45,7 @@ class RunRecorder {
   int plans_per_snapshot_ = 5;
   long long ticks_ = 0;
   long long plans_ = 0;
+  std::int64_t plan_in_use_ = -1;  ///< sequence of the newest plan that drove the robot
   double start_x_m_ = 0.0;
   double settled_x_m_ = 0.0;  ///< position of the hip at kSettled_s, or at the start of shorter runs
   double settled_time_s_ = 0.0;

@@ -187,7 +187,7 @@ TEST_F(ExperimentCommand, HorizonFindsTheShortestOneThatWalks) {
                               file("results") + " --json " + file("json"));
   ASSERT_EQ(outcome.status, 0) << outcome.errors;
   const Json result = json();
-  EXPECT_EQ(result.at("rows")[0].at("shortest_horizon_s"), 0.5);
+  EXPECT_EQ(result.at("rows")[0].at("shortest_horizon_s"), 0.2);
   EXPECT_EQ(result.at("rows")[1].at("shortest_horizon_s"), 0.2);
   for (const Json& tried : result.at("rows")[1].at("tried")) {
     EXPECT_EQ(tried.at("walks"), true);

@@ -237,5 +237,54 @@ TEST_F(EstimatorTest, ALateTickOrAStandingClockDoesNoHarm) {
   }
 }
 
+/// Both feet on the ground and at rest, but for the sensors' velocities.
+class VelocityFilterTest : public EstimatorTest {
+ protected:
+  static constexpr double kFilter_s = 0.005;
+
+  void start() {
+    estimator_.configure(robot_, {.blend_s = kBlend_s, .velocity_filter_s = kFilter_s});
+    standing_ = gait::standing_state(robot_.constants, 0.8, 0.0, 0.15, true);
+    estimator_.reset(reading_of(standing_, 0.0), 0.0);
+  }
+  /// Estimate of the pitch rate after a tick in which the gyro reads `measured` and the plan changes it by
+  /// `planned`.
+  double pitch_rate_after(int tick, double measured_rad_s, double planned_rad_s) {
+    StateVector state = standing_;
+    state[kPositions + 2] = measured_rad_s;
+    const BaseVelocity change(0.0, 0.0, planned_rad_s);
+    return estimator_.update(reading_of(state, tick * kTick_s), kBoth, &change)[kPositions + 2];
+  }
+
+  StateVector standing_;
+};
+
+TEST_F(VelocityFilterTest, AMeasuredStepIsReachedExponentiallyWithTheTimeConstant) {
+  start();
+  for (int tick = 1; tick <= 30; ++tick) {
+    const double expected = 1.0 - std::exp(-tick * kTick_s / kFilter_s);
+    EXPECT_NEAR(pitch_rate_after(tick, 1.0, 0.0), expected, 1e-12) << "tick " << tick;
+  }
+}
+
+TEST_F(VelocityFilterTest, AMotionThatFollowsThePlanIsNotDelayed) {
+  start();
+  double rate_rad_s = 0.0;
+  for (int tick = 1; tick <= 200; ++tick) {
+    const double change_rad_s = tick == 100 ? -1.5 : 0.01;  // a touch-down among steady acceleration
+    rate_rad_s += change_rad_s;
+    EXPECT_NEAR(pitch_rate_after(tick, rate_rad_s, change_rad_s), rate_rad_s, 1e-12) << "tick " << tick;
+  }
+}
+
+TEST_F(VelocityFilterTest, WithoutAPlanTheMeasuredVelocityIsTaken) {
+  start();
+  (void)pitch_rate_after(1, 1.0, 0.0);
+  StateVector state = standing_;
+  state[kPositions + 2] = 0.7;
+  EXPECT_EQ(estimator_.update(reading_of(state, 2 * kTick_s), kBoth)[kPositions + 2], 0.7);
+  EXPECT_NEAR(pitch_rate_after(3, 0.7, 0.0), 0.7, 1e-12) << "and the filter goes on from there";
+}
+
 }  // namespace
 }  // namespace stilt::control

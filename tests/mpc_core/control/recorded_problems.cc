@@ -34,9 +34,10 @@ constexpr ocp::CostParameters kCost{.base_x = 5.0,
                                     .touchdown_velocity = 1.0,
                                     .terminal = 1.0};
 
+constexpr double kMinimumNormalForce_N = 5.0;
 constexpr ocp::InequalityParameters kInequality{.friction_coefficient = 0.6,
-                                                .minimum_normal_force_N = 5.0,
                                                 .friction = {0.2, 5.0},
+                                                .impulse = {0.0, 0.5},
                                                 .joint_torque = {0.2, 3.0},
                                                 .joint_position = {0.05, 0.05},
                                                 .joint_velocity = {0.05, 0.5}};
@@ -57,6 +58,8 @@ gait::ReferenceParameters reference_of(const PlanningQuestion& question) {
   return {.base_height_m = question.robot == "rabbit" ? 0.735 : 0.8,
           .base_pitch_rad = 0.0,
           .speed_ramp_m_s2 = 1.0,
+          .speed_follow_band_m_s = 1e9,
+          .foothold_gain_s = 0.0,
           .speed_trim_1_s = 0.5,
           .speed_trim_max_m_s = 0.15};
 }
@@ -69,6 +72,7 @@ ocp::ProblemData data_of(const PlanningQuestion& question, const model::RobotMod
   data.equality = kEquality;
   data.discretisation = {.time_step_s = 0.015,
                          .horizon_s = question.horizon_s,
+                         .switch_tolerance_s = 0.0,
                          .merge_below_s = 0.002,
                          .integrator = question.integrator,
                          .transition = question.transition};
@@ -80,6 +84,7 @@ ocp::ProblemData data_of(const PlanningQuestion& question, const model::RobotMod
   }
   std::ranges::copy(robot.constants.joint_parameters, data.joint_parameters);
   ocp::set_weights(data);
+  data.minimum_normal_force_N = {{0.0, kMinimumNormalForce_N, kMinimumNormalForce_N}};
   const gait::ReferenceParameters reference = reference_of(question);
   const model::StateVector standing =
       gait::standing_state(robot.constants, reference.base_height_m, reference.base_pitch_rad,

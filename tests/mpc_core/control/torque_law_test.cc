@@ -186,6 +186,54 @@ TEST_F(TorqueLawTest, TorqueNeverExceedsTheLimitOfItsJoint) {
   }
 }
 
+/// Torque of the plan with the contact forces of node 1 replaced.
+TEST_F(TorqueLawTest, ContactForcesOutsideTheConeActAsTheNearestOnesWithTheSameNormalForce) {
+  configure(unlimited("amber3m"));
+  PlanNode& node = plan_->node[1];
+  node.mode = {true, false};
+  plan_->node[2] = node;  // held over the interval
+  plan_->node[2].time_s = 2.0;
+  const double mu = parameters_.inequality.friction_coefficient;
+  const double minimum_N = parameters_.inequality.minimum_normal_force_share *
+                           robot_.constants.total_mass_kg * model::kGravity_m_s2;
+  const auto torque = [&](double fx_N, double fz_N, double swing_N) {
+    for (PlanNode* at : {&node, &plan_->node[2]}) {
+      at->input.tail<4>() << fx_N, fz_N, swing_N, swing_N;
+    }
+    return tick().torque_Nm;
+  };
+  const auto expect_same = [&](const JointVector& a, const JointVector& b, const char* what) {
+    EXPECT_LT((a - b).norm(), 1e-9 * (1.0 + b.norm())) << what;
+  };
+  expect_same(torque(20.0, -900.0, 0.0), torque(20.0, minimum_N, 0.0), "pulling");
+  expect_same(torque(20.0, 0.5 * minimum_N, 0.0), torque(20.0, minimum_N, 0.0), "below the least force");
+  expect_same(torque(900.0, 200.0, 0.0), torque(mu * 200.0, 200.0, 0.0), "sliding forward");
+  expect_same(torque(-900.0, 200.0, 0.0), torque(-mu * 200.0, 200.0, 0.0), "sliding backward");
+  expect_same(torque(10.0, 200.0, 50.0), torque(10.0, 200.0, 0.0), "a foot in the air");
+  EXPECT_GT((torque(50.0, 200.0, 0.0) - torque(20.0, 200.0, 0.0)).norm(), 1.0) << "inside nothing changes";
+}
+
+TEST_F(TorqueLawTest, ContactForcesStayInTheConeAfterFeedback) {
+  ControllerParameters parameters = unlimited("amber3m");
+  configure(parameters);
+  PlanNode& node = plan_->node[1];
+  node.mode = {true, false};
+  node.input.tail<4>() << 0.0, 200.0, 0.0, 0.0;
+  node.gain.setZero();
+  node.gain(kJoints + 1, 1) = -1e6;  // a hip that is 1 mm high asks for a pull of 1 kN
+  plan_->node[2] = node;
+  plan_->node[2].time_s = 2.0;
+  model::StateVector state = interpolate(*plan_, kNow_s).state;
+  state[1] += 1e-3;
+  const auto follow_with_gains = [&] {
+    return law_.follow(reading_of(state_, kNow_s), state, interpolate(*plan_, kNow_s), Feedback::plan_gains)
+        .torque_Nm;
+  };
+  const JointVector pulled = follow_with_gains();
+  node.gain(kJoints + 1, 1) = plan_->node[2].gain(kJoints + 1, 1) = -1e7;
+  EXPECT_EQ(follow_with_gains(), pulled);
+}
+
 TEST_F(TorqueLawTest, DampingIsLimitedToo) {
   configure(shipped("amber3m"));
   plan_->node[1].input[0] = kNan;
@@ -324,6 +372,12 @@ TEST_P(FeedForwardTest, TorqueGivesThePlannedJointAccelerations) {
     for (int trial = 0; trial < 200; ++trial) {
       plan->node[1].state = random_state(random);
       plan->node[1].input = random_input(random);
+      for (int foot = 0; foot < model::kFeet; ++foot) {  // forces that the ground can give
+        double* force = plan->node[1].input.data() + kJoints + 2 * foot;
+        const bool stance = plan->node[1].mode[foot];
+        force[1] = stance ? 100.0 + std::abs(force[1]) : 0.0;
+        force[0] = stance ? std::clamp(force[0], -50.0, 50.0) : 0.0;
+      }
       const model::StateVector& state = plan->node[1].state;
       const SensorReading reading = reading_of(state, plan->node[1].time_s);
       const TorqueCommand command =

@@ -40,6 +40,7 @@ struct Walk {
     }
     model::StateVector state = model::StateVector::Zero();
     state[0] = 0.4;
+    state[model::kPositions] = speed_m_s;
     following.follow(testing_support::amber3m(), &library());
     for (HeuristicReference* reference : {&heuristic, &following}) {
       reference->prepare(testing_support::amber3m().constants, schedule, command, gait, parameters, now_s,

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <vector>
 
 #include "tests/robots.h"
 
@@ -19,6 +20,8 @@ struct Options {
   double trim_m_s = 0.0;
   double double_support_s = 0.0;
   double standing_since_s = 0.0;
+  double measured_m_s = 0.3;
+  double foothold_gain_s = 0.0;
 };
 
 /// A reference under way: walking was commanded at 0, the first lift-off is at 0.3.
@@ -38,7 +41,8 @@ struct Walk {
       schedule.update(time_s, end_s + 2.0, options.command, gait, parameters, options.speed_m_s, true);
     }
     state[0] = 0.07;
-    state[kPositions] = 0.3;
+    state[kPositions] = options.measured_m_s;
+    parameters.foothold_gain_s = options.foothold_gain_s;
     reference.prepare(testing_support::amber3m().constants, schedule, options.command, gait, parameters,
                       options.time_s, state, feet, options.speed_m_s, options.trim_m_s);
   }
@@ -117,6 +121,45 @@ TEST(Reference, FootholdsLieBelowTheHipAtMidContact) {
     }
     EXPECT_GT(seen, 100);
   }
+}
+
+TEST(Reference, TheSpeedReferenceStaysWithinABandOfTheMeasuredSpeedUpToTheLargestForwardSpeed) {
+  const auto speed_at_start = [](double measured_m_s, double reference_m_s) {
+    return Walk({.speed_m_s = reference_m_s, .measured_m_s = measured_m_s}).at(0.4).state[kPositions];
+  };
+  const ReferenceParameters p;
+  for (const double inside_m_s : {-p.speed_follow_band_m_s, 0.0, p.speed_follow_band_m_s}) {
+    EXPECT_NEAR(speed_at_start(0.5 + inside_m_s, 0.5), 0.5, 1e-12);
+  }
+  EXPECT_NEAR(speed_at_start(-1.0, 0.5), -1.0 + p.speed_follow_band_m_s, 1e-12);
+  EXPECT_NEAR(speed_at_start(1.3, 0.5), 1.3 - p.speed_follow_band_m_s, 1e-12);
+  EXPECT_NEAR(speed_at_start(3.0, 0.5), p.speed_follow_max_m_s, 1e-12);
+  EXPECT_NEAR(speed_at_start(3.0, 1.2), 1.2, 1e-12) << "a commanded speed above it stays";
+}
+
+TEST(Reference, FootholdsShiftWithTheSpeedAboveTheReferenceLessForEachLaterOne) {
+  const auto footholds = [](double measured_m_s, double gain_s) {
+    const Walk walk({.measured_m_s = measured_m_s, .foothold_gain_s = gain_s});
+    std::vector<double> x_m;
+    for (int phase = walk.schedule.index_at(0.4) + 1; walk.schedule.phase(phase).start_s < walk.end_s;
+         ++phase) {
+      const int foot = walk.schedule.phase(phase).mode.left ? 0 : 1;
+      const double middle_s = 0.5 * (walk.schedule.phase(phase).start_s + walk.schedule.end_s(phase));
+      x_m.push_back(walk.reference.evaluate(middle_s, phase).foot_position_W_m[2 * foot]);
+    }
+    return x_m;
+  };
+  constexpr double kGain_s = 0.2;
+  const ReferenceParameters p;
+  for (const double measured_m_s : {0.2, 0.9}) {
+    const std::vector<double> without = footholds(measured_m_s, 0.0);
+    const std::vector<double> with = footholds(measured_m_s, kGain_s);
+    double shift_m = kGain_s * (measured_m_s - 0.5);
+    for (std::size_t i = 0; i < with.size(); ++i, shift_m *= p.foothold_gain_decay) {
+      EXPECT_NEAR(with[i] - without[i], shift_m, 1e-12) << "foothold " << i << " at " << measured_m_s;
+    }
+  }
+  EXPECT_NEAR(footholds(3.0, kGain_s)[0] - footholds(3.0, 0.0)[0], p.foothold_shift_max_m, 1e-12);
 }
 
 TEST(Reference, AFootOnTheGroundIsWhereItWasMeasuredAndAtRest) {

@@ -274,5 +274,22 @@ TEST(Schedule, ABoundaryBelongsToTheLaterPhase) {
   }
 }
 
+TEST(Schedule, AFallingRobotLiftsTheFootFartherFromTheFallAfterTheShortLead) {
+  for (const bool left_ahead : {true, false}) {
+    for (const Fall fall : {Fall::forward, Fall::backward}) {
+      ContactSchedule schedule;
+      schedule.reset(0.0);
+      const GaitParameters gait;
+      constexpr double kNow_s = 5.0;
+      schedule.update(kNow_s, kNow_s + kAhead_s, {GaitKind::step, 0.0}, gait, {}, 0.0, left_ahead, fall);
+      const ContactPhase& first = schedule.phase(schedule.index_at(kNow_s) + 1);
+      EXPECT_EQ(first.start_s, kNow_s + gait.catch_lead_s);
+      const bool left_lifts = !first.mode.left;
+      EXPECT_EQ(left_lifts, left_ahead == (fall == Fall::backward));
+      EXPECT_EQ(first.mode.count(), 1);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace stilt::gait

@@ -132,6 +132,23 @@ TEST(Horizon, PutsATransitionWhereverAFootComesDownAndNowhereElse) {
   });
 }
 
+TEST(Horizon, BeginsWithTheTouchDownWhenItStartsOnASwitchHoweverSumsAreRounded) {
+  ContactSchedule schedule;
+  schedule.reset(0.0);
+  const gait::GaitParameters gait{.single_support_s = 0.3};
+  const DiscretisationParameters parameters;
+  schedule.update(0.0, 4.0, {GaitKind::walk, 0.4}, gait, {}, 0.0, true);  // first lift-off at 0.3
+  for (int step = 2; step < 400; ++step) {
+    // The switch is a sum of step times, the start a multiple of a millisecond.
+    const double start_s = 0.001 * (300 * step);
+    schedule.update(start_s, start_s + 4.0, {GaitKind::walk, 0.4}, gait, {}, 0.4, true);
+    Horizon horizon;
+    ASSERT_TRUE(build_horizon(schedule, start_s, parameters, horizon));
+    EXPECT_EQ(horizon.stage[0].kind, StageKind::transition) << "start " << start_s;
+    EXPECT_EQ(horizon.stage[0].time_s, start_s);
+  }
+}
+
 TEST(Horizon, SlidesWithTheStart) {
   ContactSchedule schedule;
   schedule.reset(0.0);

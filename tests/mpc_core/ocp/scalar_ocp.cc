@@ -129,8 +129,8 @@ std::vector<CostTerm<T>> ScalarOcp::cost_terms(model::ContactMode mode, const ga
     if (!mode[foot]) continue;
     const T fx = z[kStates + kJoints + 2 * foot];
     const T fz = z[kStates + kJoints + 2 * foot + 1];
-    limit(q.friction, q.friction_coefficient * (fz - q.minimum_normal_force_N) - fx);
-    limit(q.friction, q.friction_coefficient * (fz - q.minimum_normal_force_N) + fx);
+    limit(q.friction, q.friction_coefficient * (fz - data_.minimum_normal_force_N(mode)) - fx);
+    limit(q.friction, q.friction_coefficient * (fz - data_.minimum_normal_force_N(mode)) + fx);
   }
   return terms;
 }
@@ -180,14 +180,30 @@ StateOf<T> ScalarOcp::transition(const ocp::Stage& stage, const StateOf<T>& x) c
 }
 
 template <class T>
-T ScalarOcp::touchdown_cost(const ocp::Stage& stage, const StateOf<T>& x) const {
+std::vector<CostTerm<T>> ScalarOcp::touchdown_terms(const ocp::Stage& stage, const StateOf<T>& x) const {
   const model::KinematicsTerms<T> feet = AnyScalarRobot(*data_.robot).kinematics(x.data());
-  T cost = 0.0;
+  const auto p = joint_parameters<T>(data_);
+  const double mu = data_.inequality.friction_coefficient;
+  std::vector<CostTerm<T>> terms;
+  StateOf<T> after = x;
   for (int foot = 0; foot < kFeet; ++foot) {
-    const T slip = feet.foot_velocity[2 * foot];
-    if (stage.touchdown[static_cast<std::size_t>(foot)])
-      cost += 0.5 * data_.cost.touchdown_velocity * slip * slip;
+    if (!stage.touchdown[static_cast<std::size_t>(foot)]) continue;
+    terms.push_back({feet.foot_velocity[2 * foot], data_.cost.touchdown_velocity, 0.0, nullptr});
+    if (data_.discretisation.transition == ocp::Transition::identity) continue;
+    const model::ImpactTerms<T> impact = AnyScalarRobot(*data_.robot).impact(foot, after.data(), p.data());
+    for (int i = 0; i < kPositions; ++i) after[kPositions + i] = impact.velocity_after[i];
+    for (const double sign : {1.0, -1.0}) {
+      terms.push_back(
+          {mu * impact.impulse[1] - sign * impact.impulse[0], 0.0, 0.0, &data_.inequality.impulse});
+    }
   }
+  return terms;
+}
+
+template <class T>
+T ScalarOcp::touchdown_cost(const ocp::Stage& stage, const StateOf<T>& x) const {
+  T cost = 0.0;
+  for (const CostTerm<T>& term : touchdown_terms(stage, x)) cost += term.value();
   return cost;
 }
 
@@ -241,16 +257,18 @@ StageVector<double> stage_variables(const ocp::Trajectory& iterate, int k) {
 // The two number types of the tests.
 template struct CostTerm<double>;
 template struct CostTerm<Complex>;
-#define STILT_INSTANTIATE(T)                                                                        \
-  template StateOf<T> ScalarOcp::flow<T>(const StateOf<T>&, const T*) const;                        \
-  template StateOf<T> ScalarOcp::step<T>(const StageVector<T>&, double) const;                      \
-  template std::vector<CostTerm<T>> ScalarOcp::cost_terms<T>(                                       \
-      model::ContactMode, const gait::ReferencePoint&, const StageVector<T>&) const;                \
-  template T ScalarOcp::running_cost<T>(model::ContactMode, const gait::ReferencePoint&,            \
-                                        const StageVector<T>&) const;                               \
-  template std::vector<T> ScalarOcp::equalities<T>(model::ContactMode, const gait::ReferencePoint&, \
-                                                   const StageVector<T>&) const;                    \
-  template StateOf<T> ScalarOcp::transition<T>(const ocp::Stage&, const StateOf<T>&) const;         \
+#define STILT_INSTANTIATE(T)                                                                            \
+  template StateOf<T> ScalarOcp::flow<T>(const StateOf<T>&, const T*) const;                            \
+  template StateOf<T> ScalarOcp::step<T>(const StageVector<T>&, double) const;                          \
+  template std::vector<CostTerm<T>> ScalarOcp::cost_terms<T>(                                           \
+      model::ContactMode, const gait::ReferencePoint&, const StageVector<T>&) const;                    \
+  template T ScalarOcp::running_cost<T>(model::ContactMode, const gait::ReferencePoint&,                \
+                                        const StageVector<T>&) const;                                   \
+  template std::vector<T> ScalarOcp::equalities<T>(model::ContactMode, const gait::ReferencePoint&,     \
+                                                   const StageVector<T>&) const;                        \
+  template StateOf<T> ScalarOcp::transition<T>(const ocp::Stage&, const StateOf<T>&) const;             \
+  template std::vector<CostTerm<T>> ScalarOcp::touchdown_terms<T>(const ocp::Stage&, const StateOf<T>&) \
+      const;                                                                                            \
   template T ScalarOcp::touchdown_cost<T>(const ocp::Stage&, const StateOf<T>&) const
 STILT_INSTANTIATE(double);
 STILT_INSTANTIATE(Complex);

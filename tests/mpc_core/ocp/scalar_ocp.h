@@ -64,9 +64,11 @@ class ScalarOcp {
   [[nodiscard]] std::vector<T> equalities(model::ContactMode mode, const gait::ReferencePoint& reference,
                                           const StageVector<T>& z) const;
 
-  /// State after a touch-down, and its cost.
+  /// State after a touch-down, the terms of its cost, and their sum.
   template <class T>
   [[nodiscard]] StateOf<T> transition(const ocp::Stage& stage, const StateOf<T>& x) const;
+  template <class T>
+  [[nodiscard]] std::vector<CostTerm<T>> touchdown_terms(const ocp::Stage& stage, const StateOf<T>& x) const;
   template <class T>
   [[nodiscard]] T touchdown_cost(const ocp::Stage& stage, const StateOf<T>& x) const;
 

@@ -1,0 +1,59 @@
+#include <gtest/gtest.h>
+
+#include <tuple>
+
+#include "tests/closed_loop/simulated_run.h"
+
+/// A standing robot steps when a push would fell it, and stands again; it does not step without need.
+namespace stilt::simulation {
+namespace {
+
+using testing_support::describe;
+using testing_support::RunRequest;
+using testing_support::SimulatedRun;
+
+const std::vector<std::string> kSensorNoise = {"encoder_noise_rad=0.0005",
+                                               "encoder_velocity_noise_rad_s=0.02",
+                                               "base_angle_noise_rad=0.001", "base_rate_noise_rad_s=0.01"};
+
+RunRequest standing(double duration_s, const Push& push, std::uint64_t seed) {
+  return {.plant = kSensorNoise,
+          .commands = {{0.0, {gait::GaitKind::stand, 0.0}}},
+          .pushes = {push},
+          .duration_s = duration_s,
+          .seed = seed};
+}
+
+/// Force at the hip, N, and start of the push, s.
+class StandingPushes : public ::testing::TestWithParam<std::tuple<double, double>> {};
+
+TEST_P(StandingPushes, EndInStandingWithinThreeSeconds) {
+  const auto [force_N, start_s] = GetParam();
+  constexpr double kPush_s = 1.0;
+  constexpr double kRecovered_s = 3.0;
+  constexpr double kStands_s = 2.0;
+  for (const std::uint64_t seed : {1, 2}) {
+    const Push push{force_N, start_s, kPush_s, PushPoint::hip};
+    SimulatedRun run(standing(start_s + kPush_s + kRecovered_s + kStands_s, push, seed));
+    const log::RunRecord record = run.run();
+    ASSERT_TRUE(record.summary.survived) << "seed " << seed << ": " << describe(run, record);
+    ASSERT_FALSE(record.summary.steps.empty()) << "seed " << seed;
+    EXPECT_LT(record.summary.steps.back().time_s, start_s + kPush_s + kRecovered_s) << "seed " << seed;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(ClosedLoop, StandingPushes,
+                         ::testing::Combine(::testing::Values(-85.0, -50.0, 50.0, 85.0),
+                                            ::testing::Values(2.0, 2.13)));
+
+TEST(Standing, TenNewtonsForAMinuteNeedNoStep) {
+  for (const double force_N : {-10.0, 10.0}) {
+    SimulatedRun run(standing(60.0, {force_N, 2.0, 57.0, PushPoint::hip}, 3));
+    const log::RunRecord record = run.run();
+    ASSERT_TRUE(record.summary.survived) << force_N << " N: " << describe(run, record);
+    EXPECT_TRUE(record.summary.steps.empty()) << force_N << " N: " << describe(run, record);
+  }
+}
+
+}  // namespace
+}  // namespace stilt::simulation
