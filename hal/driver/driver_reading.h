@@ -55,6 +55,7 @@ struct DriverCommand {
   double torque_limit_Nm = 0;
   double watchdog_s = 0;
   double law_Nm = 0;  ///< tau at the newest reading, limited: for drivers without gains of their own
+  bool asks_motor_temperature = false;  ///< for drivers that report it on request, beside their reply
 };
 
 }  // namespace stilt::hal

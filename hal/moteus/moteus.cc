@@ -35,10 +35,6 @@ void query(const MoteusDriver& driver, MoteusQuery what, SubframeWriter& writer)
     writer.read(MoteusRegister::firmware_version, Resolution::int32, 2);
     return;
   }
-  if (what == MoteusQuery::motor) {
-    writer.read(MoteusRegister::motor_temperature, Resolution::int16, 1);
-    return;
-  }
   if (what == MoteusQuery::control) {
     writer.read(MoteusRegister::mode, Resolution::int8, 1);
     writer.read(MoteusRegister::fault, Resolution::int8, 1);
@@ -49,6 +45,8 @@ void query(const MoteusDriver& driver, MoteusQuery what, SubframeWriter& writer)
   }
   writer.read(MoteusRegister::mode, Resolution::int32, 4);  // to the torque: one subframe is the shortest
   writer.read(MoteusRegister::voltage, Resolution::int8, 3);
+  if (what == MoteusQuery::state_and_motor)
+    writer.read(MoteusRegister::motor_temperature, Resolution::int8, 1);
   if (driver.extra_encoder >= 0) {
     const auto first =
         static_cast<std::uint16_t>(MoteusRegister::encoder_0_position) + 2 * driver.extra_encoder;

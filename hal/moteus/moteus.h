@@ -102,10 +102,10 @@ struct MoteusReply {
 
 /// What to ask for beside a stop or alone.
 enum class MoteusQuery : std::uint8_t {
-  state,     ///< mode, position, velocity, torque, voltage, temperature, fault
-  identity,  ///< mode, home state, fault, firmware and register map version, watchdog
-  motor,     ///< its temperature
-  control,   ///< mode, fault, terms of the torque before its limit, control position and errors
+  state,            ///< mode, position, velocity, torque, voltage, temperature, fault
+  state_and_motor,  ///< and the temperature of the motor
+  identity,         ///< mode, home state, fault, firmware and register map version, watchdog
+  control,          ///< mode, fault, terms of the torque before its limit, control position and errors
 };
 
 [[nodiscard]] bool valid(const MoteusDriver& driver) noexcept;
@@ -114,8 +114,9 @@ enum class MoteusQuery : std::uint8_t {
 [[nodiscard]] DriverFault moteus_fault(std::uint8_t code) noexcept;
 
 /// Position mode without a limit of the acceleration, and a query: of the state (with the extra encoder) 32
-/// bytes, answered with 24 (48 with encoder). Position, velocity, torque, gains and limit are int16: 0.63
-/// mrad, 1.6 mrad/s, 0.01 Nm, 1/32767; within kMoteusPosition_rad and kMoteusVelocity_rad_s.
+/// bytes, answered with 24 (48 with encoder); with the motor's temperature 48 and 32 (48). Position,
+/// velocity, torque, gains and limit are int16: 0.63 mrad, 1.6 mrad/s, 0.01 Nm, 1/32767; within
+/// kMoteusPosition_rad and kMoteusVelocity_rad_s.
 [[nodiscard]] EncodeStatus encode_command(const MoteusDriver& driver, const MoteusCommand& command,
                                           CanFrame& frame, MoteusQuery query = MoteusQuery::state) noexcept;
 /// Stop: motor off, faults and an expired watchdog cleared.

@@ -60,18 +60,12 @@ EncodeStatus command_frame(const MoteusDriver& driver, const DriverCommand& comm
                           command.kd_Nms_rad,
                           command.torque_limit_Nm,
                           command.watchdog_s};
-  return encode_command(driver, law, frame);
+  return encode_command(driver, law, frame,
+                        command.asks_motor_temperature ? MoteusQuery::state_and_motor : MoteusQuery::state);
 }
 
 EncodeStatus disable_frame(const MoteusDriver& driver, CanFrame& frame) noexcept {
   return encode_stop(driver, MoteusQuery::state, frame);
-}
-
-std::optional<CanFrame> question_frame(const MoteusDriver& driver, unsigned question) noexcept {
-  CanFrame frame;
-  if (question > 0 || encode_query(driver, MoteusQuery::motor, frame) != EncodeStatus::ok)
-    return std::nullopt;
-  return frame;
 }
 
 }  // namespace stilt::hal::moteus

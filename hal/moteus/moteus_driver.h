@@ -24,8 +24,10 @@ namespace stilt::hal::moteus {
 [[nodiscard]] constexpr std::optional<CanFrame> fault_reset_frame(const MoteusDriver&) noexcept {
   return std::nullopt;
 }
-/// It reports the temperature of its motor on request.
-[[nodiscard]] std::optional<CanFrame> question_frame(const MoteusDriver& driver, unsigned question) noexcept;
+/// A frame beside the command would have its identifier, and wait for its echo: the command itself asks.
+[[nodiscard]] constexpr std::optional<CanFrame> question_frame(const MoteusDriver&, unsigned) noexcept {
+  return std::nullopt;
+}
 [[nodiscard]] constexpr bool has_own_gains(const MoteusDriver&) noexcept { return true; }
 [[nodiscard]] constexpr int extra_encoder(const MoteusDriver& driver) noexcept {
   return driver.extra_encoder;

@@ -206,7 +206,8 @@ JointBusStatus CanRobot::write(const JointCommands& commands) noexcept {
   bool all_see = true;
   for (std::size_t joint = 0; joint < kJoints; ++joint) {
     all_see = all_see && !blind(joint);
-    const DriverCommand command = at_shaft(joint, commands[joint]);
+    DriverCommand command = at_shaft(joint, commands[joint]);
+    command.asks_motor_temperature = writes_ % kQuestionsEvery == joint;
     const EncodeStatus status = visit_driver(wiring_.joints[joint].driver, [&](const auto& driver) {
       return command_frame(driver, command, frames[joint]);
     });

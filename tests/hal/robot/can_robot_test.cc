@@ -312,6 +312,18 @@ TEST(CanRobot, AnOdriveIsAskedForSupplyAndTemperatures) {
   for (const JointReading& reading : robot.readings_) EXPECT_EQ(reading.supply_V, 20.5);
 }
 
+TEST(CanRobot, AMoteusIsAskedForTheTemperatureOfItsMotorInItsCommands) {
+  Robot robot(Kind::moteus);
+  run(robot, 110, some_commands());
+  for (std::size_t joint = 0; joint < kJoints; ++joint) {
+    EXPECT_EQ(robot.readings_[joint].motor_temperature_C, 30) << joint;
+    EXPECT_EQ(robot.readings_[joint].state, DriverState::enabled) << joint;
+    robot.drivers_[joint]->motor.temperature_C = 61;
+  }
+  run(robot, 110, some_commands());
+  for (const JointReading& reading : robot.readings_) EXPECT_EQ(reading.motor_temperature_C, 61);
+}
+
 TEST(CanRobot, AnOdriveGetsNoDampingForAVelocityOfLongAgo) {
   Robot robot(Kind::odrive);
   robot.set_joint(1, 0.2, 3.0);
