@@ -34,6 +34,7 @@ struct RunSettings {
   double measure_from_s = 0.0;  ///< slip and time at the torque limit count from this time
   bool use_true_state = false;  ///< the controller gets the plant's state instead of estimating it
   bool keep_samples = true;     ///< false: summary and solves only
+  double sample_rate_hz = 200.0;
   std::function<void(double time_s)> progress = [](double) {};  ///< called once per simulated second
   RunObserver observer;
 };
