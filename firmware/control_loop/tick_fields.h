@@ -197,6 +197,8 @@ constexpr auto tick_fields() noexcept {
       field<G::gait>("stance_episode", {}, &R::stance_episode),
       field<G::gait>("gait", {}, &R::gait, &gait::GaitCommand::kind),
       field<G::gait>("gait_speed_m_s", {}, &R::gait, &gait::GaitCommand::speed_m_s),
+      field<G::drivers>("bring_up_fault_code", {}, &R::bring_up, &BringUp::fault_code),
+      field<G::drivers>("bring_up_setting", {}, &R::bring_up, &BringUp::setting),
   };
   // clang-format on
 }

@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
-#include "firmware/control_loop/event_text.h"
 #include "firmware/control_loop/joint_names.h"
+#include "firmware/diagnostics/event_text.h"
 #include "firmware/telemetry/telemetry_node.h"
 
 namespace stilt::program {
@@ -54,7 +54,7 @@ void take_fault(const Event& event, Outcome& outcome) {
   const char* reaction = supervisor::name(row.reaction);
   outcome.faults.push_back({row.name, event.time_s, reaction, 1, event.found});
   say(event.time_s, std::string("fault ") + row.name + ": " + row.cause +
-                        control_loop::found_text(event.found) + "; reaction: " + reaction);
+                        diagnostics::found_text(event.found) + "; reaction: " + reaction);
 }
 
 void take_state(const Event& event, Outcome& outcome) {
@@ -84,7 +84,7 @@ void take_events(control_loop::EventRing& events, Outcome& outcome,
         say(event->time_s, "not in a pose to stand up from: waits until somebody puts it there");
         break;
       case Event::Kind::bring_up_failed:
-        say(event->time_s, control_loop::bring_up_text(event->bring_up));
+        say(event->time_s, diagnostics::bring_up_text(event->bring_up));
         break;
       case Event::Kind::lost_stance:
         say(event->time_s, "left the standing pose while it stood up: damped; put it there and ask again");

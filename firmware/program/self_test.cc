@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "firmware/control_loop/event_text.h"
 #include "firmware/control_loop/joint_names.h"
+#include "firmware/diagnostics/event_text.h"
 #include "firmware/realtime/pace.h"
 #include "firmware/realtime/thread.h"
 #include "hal/robot/clock.h"
@@ -63,7 +63,7 @@ bool bring_up(Test& test, realtime::Pace& pace) {
     pace.advance(began_ns, test.clock.now_ns());
   }
   if (progress.ready) return true;
-  test.result.failure = "the " + control_loop::bring_up_text(progress);
+  test.result.failure = "the " + diagnostics::bring_up_text(progress);
   return false;
 }
 

@@ -73,7 +73,7 @@ FaultDetail voltage(const Observation& seen, double limit_V, bool low) noexcept 
 
 FaultDetail detail(Fault fault, const Observation& seen, const JointLimits& limits,
                    const SupervisorParameters& parameters) noexcept {
-  const auto frozen = static_cast<std::uint32_t>(parameters.frozen_ticks);
+  const auto frozen = static_cast<std::uint32_t>(parameters.unchanged_replies_limit);
   switch (fault) {
     case Fault::joint_position_limit:
       return position_limit(seen, limits, parameters.position_margin_rad);

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "firmware/configuration/configuration.h"
-#include "firmware/control_loop/event_text.h"
+#include "firmware/diagnostics/event_text.h"
 #include "firmware/telemetry/cycle_message.h"
 #include "firmware/telemetry/histogram_message.h"
 #include "firmware/telemetry/sequence.h"
@@ -37,12 +37,12 @@ std::string sentence_of(const control_loop::Event& event) {
       return supervisor::name(event.state);
     case control_loop::Event::Kind::fault: {
       const supervisor::FaultRow& row = supervisor::row(event.fault);
-      return std::string(row.cause) + control_loop::found_text(event.found) + "; clears when " + row.clears;
+      return std::string(row.cause) + diagnostics::found_text(event.found) + "; clears when " + row.clears;
     }
     case control_loop::Event::Kind::waits_for_pose:
       return "not in a pose to stand up from: waits until somebody puts it there";
     case control_loop::Event::Kind::bring_up_failed:
-      return control_loop::bring_up_text(event.bring_up);
+      return diagnostics::bring_up_text(event.bring_up);
     case control_loop::Event::Kind::lost_stance:
       return "left the standing pose while it stood up: damped; put it there and ask again";
   }

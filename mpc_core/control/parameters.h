@@ -12,8 +12,8 @@ struct TorqueLawParameters {
   double joint_kp_Nm_rad = 100.0;
   double joint_kd_Nms_rad = 5.0;
   bool use_feedback_gains = false;        ///< adds the plan's feedback K (x - x_plan) to its inputs
-  double friction_compensation = 1.0;     ///< share of the joints' Coulomb friction that is fed forward, as if the
-                                          ///< joint moved as planned
+  double friction_compensation = 1.0;     ///< share of the joints' Coulomb friction that is fed forward for
+                                          ///< the planned velocity
   double friction_velocity_rad_s = 0.05;  ///< width of the smoothed sign, tanh(v / width)
 };
 

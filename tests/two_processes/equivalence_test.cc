@@ -45,7 +45,7 @@ class Changes {
 };
 
 constexpr double kTick_s = 0.001;
-constexpr double kPlannerStops_s = 5.0;  ///< after the first walking tick
+constexpr double kPlannerStops_s = 5.005;  ///< after the first walking tick
 constexpr double kFreezes_s =
     7.8;  ///< while the knee swings: later the gait's phase decides when it must move
 constexpr double kEnds_s = 9.0;

@@ -75,7 +75,7 @@ TEST_F(Recording, a_minute_of_walking_is_recorded_whole_and_replays_bit_for_bit)
   ASSERT_EQ(found.at("attachments").size(), 2u) << "configuration and robot";
   EXPECT_TRUE(std::ranges::any_of(found.at("attachments"), [](const Json& attachment) {
     const std::string text = attachment.at("text");
-    return text.starts_with("# Active configuration, from the shipped configuration of amber3m.\n");
+    return text.starts_with("# Active configuration, from the shipped configuration of amber3m, --set ");
   })) << found.at("attachments");
   std::vector<std::string> topics;
   for (const Json& message : found.at("messages")) {

@@ -53,8 +53,8 @@ TEST_F(ControlLoopTest, ADriverThatCannotBeBroughtUpIsNamedAndEndsInAFault) {
   EXPECT_EQ(rig->joints.steps, 1) << "the others are not asked any further";
   const auto events = rig->take(Event::Kind::bring_up_failed);
   ASSERT_EQ(events.size(), 1u);
-  EXPECT_EQ(events[0].joint, 3);
-  EXPECT_EQ(events[0].failure, hal::bring_up::Failure::not_home);
+  EXPECT_EQ(events[0].bring_up.joint, 3);
+  EXPECT_EQ(events[0].bring_up.failure, hal::bring_up::Failure::not_home);
 }
 
 TEST_F(ControlLoopTest, AfterAFailedBringUpTheNextOneMaySucceed) {

@@ -162,7 +162,14 @@ class TrimTest : public ::testing::Test {
     return planning_.planner->problem().x_ref_terminal[kPositions];
   }
 
-  Planning planning_{shipped()};
+  /// Shifts of the robot by metres are no falls.
+  static ControllerParameters without_catching() {
+    ControllerParameters parameters = shipped();
+    parameters.gait.catch_falls = false;
+    return parameters;
+  }
+
+  Planning planning_{without_catching()};
   const gait::ReferenceParameters& parameters_ = planning_.parameters.reference;
 };
 

@@ -1,5 +1,7 @@
 #include "tests/host_tools/simulation/robot_on_bus/driven_robot.h"
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <stdexcept>
 
@@ -56,7 +58,7 @@ void DrivenRobot::tick(const hal::JointCommands* commands) {
 }
 
 hal::JointBringUp DrivenRobot::bring_up(std::size_t joint) const {
-  const auto options = configuration::bring_up_options(configuration.hardware, joint, -3.2, 3.2);
+  const auto options = configuration::bring_up_options(configuration.hardware, joint, -2.8, 2.8);
   return hal::visit_driver(setup.wiring.joints[joint].driver, [&](const auto& driver) -> hal::JointBringUp {
     return make_bring_up(driver, options);
   });
@@ -78,6 +80,12 @@ bool DrivenRobot::enable() {
     }
     tick();
     if (ready) return true;
+  }
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    const std::size_t bus = setup.wiring.joints[joint].bus;
+    const hal::bring_up::StepResult result = base_of(ups[joint]).step(now_ns, received_[bus]);
+    ADD_FAILURE() << "joint " << joint << " is at " << name(result.stage) << ": " << name(result.failure)
+                  << ", " << name(result.setting);
   }
   return false;
 }

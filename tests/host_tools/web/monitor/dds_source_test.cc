@@ -10,6 +10,7 @@
 
 #include "firmware/telemetry/reader.h"
 #include "firmware/telemetry/tick_batch.h"
+#include "firmware/telemetry/wire_version.h"
 #include "firmware/telemetry/writer.h"
 #include "tests/own_domain.h"
 #include "tests/own_folder.h"
@@ -61,6 +62,7 @@ class Robots {
     char empty[] = "", robot[] = "amber3m";
     telemetry::ConfigurationInForce message{};
     message.run_id = run_id;
+    message.wire_version = telemetry::kWireVersion;
     message.robot = robot;
     message.configuration = message.version = message.compiler = message.instruction_set = message.realtime =
         empty;

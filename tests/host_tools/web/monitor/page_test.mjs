@@ -130,7 +130,7 @@ test('a fault says its cause, what the robot does and what clears it', async () 
   assert.match(card, /The robot: damps the joints/);
   assert.match(card, /Clears when: every joint is slower; then Reset/);
   await page.keyboard.press('w');
-  await answer(/refused/);
+  await answer(/walk: the robot is in state fault; it steps and walks from stand/);
   monitor.write('over joint_speed_limit');
   await until('the cause gone', async () => /over; waits for Reset/.test(await text('.fault')));
   await picture(page, 'fault');

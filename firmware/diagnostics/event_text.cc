@@ -1,11 +1,11 @@
-#include "firmware/control_loop/event_text.h"
+#include "firmware/diagnostics/event_text.h"
 
 #include <cmath>
 #include <cstdio>
 
 #include "firmware/control_loop/joint_names.h"
 
-namespace stilt::control_loop {
+namespace stilt::diagnostics {
 namespace {
 
 std::string with_unit(double value, const char* unit) {
@@ -23,7 +23,7 @@ std::string fault_and_code(hal::DriverFault fault, std::uint32_t code) {
 std::string found_text(const supervisor::FaultDetail& found) {
   std::string text;
   const auto add = [&text](const std::string& part) { text += (text.empty() ? ": " : ", ") + part; };
-  if (found.joint >= 0) add(kJointNames[static_cast<std::size_t>(found.joint)]);
+  if (found.joint >= 0) add(control_loop::kJointNames[static_cast<std::size_t>(found.joint)]);
   if (found.driver_fault != hal::DriverFault::none) {
     add(fault_and_code(found.driver_fault, found.fault_code));
   }
@@ -35,7 +35,7 @@ std::string found_text(const supervisor::FaultDetail& found) {
 }
 
 std::string bring_up_text(const hal::BringUpProgress& progress) {
-  std::string text = std::string("driver of ") + kJointNames[progress.joint] +
+  std::string text = std::string("driver of ") + control_loop::kJointNames[progress.joint] +
                      " cannot be brought up: " + hal::bring_up::name(progress.failure);
   if (progress.fault != hal::DriverFault::none) {
     text += " (" + fault_and_code(progress.fault, progress.fault_code) + ")";
@@ -46,4 +46,4 @@ std::string bring_up_text(const hal::BringUpProgress& progress) {
   return text;
 }
 
-}  // namespace stilt::control_loop
+}  // namespace stilt::diagnostics

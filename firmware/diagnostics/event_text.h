@@ -6,7 +6,7 @@
 #include "hal/robot/robot.h"
 
 /// What an event found, in words; the same on the terminal, on the wire and in selftest. Not real time.
-namespace stilt::control_loop {
+namespace stilt::diagnostics {
 
 /// Joint, driver fault with vendor code, value and limit of a fault, such as ": knee_L, 92 C, limit 90 C";
 /// empty when it has none.
@@ -15,4 +15,4 @@ namespace stilt::control_loop {
 /// A sentence about a driver that cannot be brought up: joint, failure, driver fault, setting.
 [[nodiscard]] std::string bring_up_text(const hal::BringUpProgress& progress);
 
-}  // namespace stilt::control_loop
+}  // namespace stilt::diagnostics
