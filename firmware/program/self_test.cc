@@ -95,7 +95,7 @@ long long withheld(Test& test, std::size_t joint) {
   const int bus = joints[joint].bus;
   const hal::BusCounters& counters = test.state.hardware->buses()[static_cast<std::size_t>(bus)].counters();
   const auto together = std::ranges::count(joints, bus, &configuration::JointParameters::bus);
-  return static_cast<long long>(counters.withheld + counters.dropped_full) / together;
+  return static_cast<long long>(counters.withheld + counters.dropped_full) / std::max<long long>(together, 1);
 }
 
 /// Commands zero torque, and counts; a last tick without command takes the last replies.

@@ -13,7 +13,7 @@ using hal::kJoints;
 template <class Crosses>
 FaultDetail of_joint(const Observation& seen, const char* unit, const Crosses& crosses) noexcept {
   for (std::size_t i = 0; i < kJoints; ++i) {
-    FaultDetail found{.joint = static_cast<std::int8_t>(i), .unit = unit};
+    FaultDetail found{.joint = static_cast<int>(i), .unit = unit};
     if (crosses(seen.joints[i], i, found)) return found;
   }
   return {};

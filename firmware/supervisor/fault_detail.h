@@ -9,7 +9,7 @@ namespace stilt::supervisor {
 
 /// What a fault was found by: of all joints with it, the first.
 struct FaultDetail {
-  std::int8_t joint = -1;  ///< hip_L, knee_L, hip_R, knee_R from 0; -1: none in particular
+  int joint = -1;  ///< hip_L, knee_L, hip_R, knee_R from 0; -1: none in particular
   hal::DriverFault driver_fault = hal::DriverFault::none;
   std::uint32_t fault_code = 0;                             ///< vendor code of `driver_fault`
   double value = std::numeric_limits<double>::quiet_NaN();  ///< that crossed its limit; NaN: no number did

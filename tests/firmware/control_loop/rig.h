@@ -87,14 +87,14 @@ class Rig {
     for (int i = 0; i < ticks; ++i) {
       mail.commands.writer() = command;
       mail.commands.publish();
-      if (tick == due && fresh) mail.plans.publish();
+      if (tick == due_ && fresh_) mail.plans.publish();
       cycle.tick({.now_ns = now_ns(), .wakeup_latency_ns = wakeup_latency_ns});
       levels.push_back(decision().level);
       record = *mail.telemetry.front();
       mail.telemetry.pop();
       if (planning && tick % 10 == 0) {
-        fresh = planner.cycle(mail.requests.newest(), mail.plans.writer());
-        due = tick + 5;
+        fresh_ = planner.cycle(mail.requests.newest(), mail.plans.writer());
+        due_ = tick + 5;
       }
       ++tick;
     }
@@ -132,7 +132,7 @@ class Rig {
   /// The planner ends, and this is its last plan: the newest one, changed.
   template <class Change>
   void plan_once_more(const Change& change) {
-    planning = fresh = false;
+    planning = fresh_ = false;
     control::Plan& plan = mail.plans.writer();
     plan = mail.plans.newest();
     change(plan);
@@ -176,8 +176,8 @@ class Rig {
   long long tick = 0;
 
  private:
-  long long due = -1;
-  bool fresh = false;
+  long long due_ = -1;
+  bool fresh_ = false;
 };
 
 }  // namespace stilt::control_loop::testing

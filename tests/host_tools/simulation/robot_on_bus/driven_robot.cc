@@ -23,6 +23,7 @@ hal::ReceiveResult DirectBus::receive(std::span<hal::CanFrame> frames) noexcept 
 
 configuration::Configuration configuration_of(const RobotRequest& request) {
   std::vector<configuration::Override> overrides;
+  overrides.reserve(request.settings.size());
   for (const std::string& setting : request.settings) overrides.push_back({setting});
   const configuration::Result result = configuration::load_robot("amber3m", overrides);
   if (!result) throw std::runtime_error(configuration::to_string(result.error().front()));
