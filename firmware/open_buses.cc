@@ -22,6 +22,7 @@ std::expected<std::vector<hal::AnyBus>, std::string> open_buses(
   const std::vector<std::string> names = configuration::bus_names(hardware);
   std::vector<hal::AnyBus> buses(names.size());
   for (std::size_t bus = 0; bus < names.size(); ++bus) {
+    if (const auto locked = buses[bus].lock(names[bus]); !locked) return std::unexpected(locked.error());
     const auto opened = buses[bus].open(names[bus], bus_options(wiring, bus, lockstep));
     if (!opened) return std::unexpected(opened.error());
   }

@@ -9,8 +9,9 @@
 
 namespace stilt {
 
-/// Opens the buses of a configuration, in the order of their numbers. Beside main, the only place of the
-/// controller that knows what carries its frames. The error is one sentence for the user. Start-up only.
+/// Opens the buses of a configuration, in the order of their numbers, and takes the right to command them.
+/// Beside main, the only place of the controller that knows what carries its frames. The error is one
+/// sentence for the user. Start-up only.
 /// @param lockstep  also lets the sync frames of a simulated robot through
 [[nodiscard]] std::expected<std::vector<hal::AnyBus>, std::string> open_buses(
     const configuration::HardwareParameters& hardware, bool lockstep);

@@ -1,5 +1,7 @@
 #include "hal/any_bus.h"
 
+#include <utility>
+
 namespace stilt::hal {
 
 std::expected<void, std::string> AnyBus::open(const std::string& name, const socketcan::BusOptions& options) {
@@ -12,6 +14,13 @@ std::expected<void, std::string> AnyBus::open(const std::string& name, const soc
   bus_ = std::make_unique<std::variant<socketcan::SocketCanBus, loopback::LoopbackClient>>(
       std::in_place_type<socketcan::SocketCanBus>);
   return std::get<socketcan::SocketCanBus>(*bus_).open(name, options);
+}
+
+std::expected<void, std::string> AnyBus::lock(const std::string& name) {
+  auto taken = BusLock::take(name);
+  if (!taken) return std::unexpected(taken.error());
+  lock_ = std::move(*taken);
+  return {};
 }
 
 bool AnyBus::reconnect() noexcept {

@@ -2,9 +2,11 @@
 
 #include <expected>
 #include <memory>
+#include <optional>
 #include <string>
 #include <variant>
 
+#include "hal/bus_lock.h"
 #include "hal/can/frame_bus.h"
 #include "hal/can/socketcan/socketcan_bus.h"
 #include "hal/loopback/loopback_client.h"
@@ -19,6 +21,10 @@ class AnyBus {
   [[nodiscard]] std::expected<void, std::string> open(const std::string& name,
                                                       const socketcan::BusOptions& options);
 
+  /// Takes the right to command the drivers of the bus of that name, until this object ends; before open().
+  /// The error is one sentence for the user.
+  [[nodiscard]] std::expected<void, std::string> lock(const std::string& name);
+
   /// After BusStatus::disconnected: call until true. Never waits, allocates nothing.
   [[nodiscard]] bool reconnect() noexcept;
 
@@ -28,6 +34,7 @@ class AnyBus {
 
  private:
   std::string name_;
+  std::optional<BusLock> lock_;
   std::unique_ptr<std::variant<socketcan::SocketCanBus, loopback::LoopbackClient>> bus_;
 };
 

@@ -49,6 +49,15 @@ TEST(OpenBuses, MoteusDriversNeedFlexibleFramesAndBothDirections) {
   EXPECT_TRUE(receives(options, 0x100, false));
 }
 
+TEST(OpenBuses, BusesThatAnotherProgramCommandsAreNotOpened) {
+  const auto other = hal::BusLock::take("loopback:test-taken-b");
+  ASSERT_TRUE(other);
+  const Override taken[] = {{"hardware.buses=loopback:test-taken-b,loopback:test-taken-c"}};
+  const auto buses = open_buses(configuration::load_robot("amber3m", taken).value().hardware, false);
+  ASSERT_FALSE(buses);
+  EXPECT_TRUE(buses.error().starts_with("bus loopback:test-taken-b: another stiltd")) << buses.error();
+}
+
 TEST(OpenBuses, ABusThatIsNotThereIsToldInOneSentence) {
   const Override absent[] = {{"hardware.buses=loopback:test-absent-a,loopback:test-absent-b"}};
   const Configuration configuration = configuration::load_robot("amber3m", absent).value();
