@@ -38,6 +38,17 @@ program::ControllerState controller_state;
 program::Signals signals;
 
 void want_stop(int) { signals.stop.store(true, std::memory_order_relaxed); }
+/// A second Ctrl-C cuts. One key press may arrive twice, from the terminal and from a wrapper: not that.
+void want_stop_or_cut(int) {
+  constexpr std::int64_t kOnePress_ns = 300'000'000;
+  static std::int64_t first_ns = 0;
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);  // may be called in a handler
+  const std::int64_t now_ns = std::int64_t{1'000'000'000} * now.tv_sec + now.tv_nsec;
+  if (first_ns == 0) first_ns = now_ns;
+  if (now_ns - first_ns > kOnePress_ns) signals.cut.store(true, std::memory_order_relaxed);
+  want_stop(0);
+}
 void want_statistics(int) { signals.print_statistics.store(true, std::memory_order_relaxed); }
 
 std::string version_text() {
@@ -110,8 +121,10 @@ std::expected<void, std::string> connect(const program::Options& options, std::v
   for (hal::AnyBus& bus : buses) frames.push_back(&bus.frames());
   if (const auto ready = program::set_up(options, frames, controller_state); !ready) return ready;
   controller_state.reconnect = [&buses](std::size_t bus) { static_cast<void>(buses[bus].reconnect()); };
-  std::signal(SIGINT, want_stop);
+  std::signal(SIGINT, want_stop_or_cut);
   std::signal(SIGTERM, want_stop);
+  std::signal(SIGHUP, want_stop);  // the terminal is gone
+  std::signal(SIGPIPE, SIG_IGN);   // who read the output is gone: no reason to fall
   std::signal(SIGUSR1, want_statistics);
   return {};
 }

@@ -207,7 +207,9 @@ supervisor::Observation ControlLoop::observe(const TickTiming& timing, const Ope
   seen.followable = followable;
   seen.failed_solves = of_episode ? static_cast<int>(result.failures_in_a_row) : 0;
   seen.solve_s = of_episode ? 1e-9 * static_cast<double>(result.solve_ns) : 0.0;
+  seen.plan_age_s = episode_ != 0 ? plan.age_s : 0.0;
   seen.wakeup_latency_s = 1e-9 * static_cast<double>(timing.wakeup_latency_ns);
+  seen.tick_gap_s = time_s_ - last_time_s_;
   seen.heartbeat_expected = command.heartbeat_expected;
   seen.heartbeat_age_s = 1e-9 * static_cast<double>(timing.now_ns - command.heartbeat_ns);
   seen.bring_up_failed = bring_up_.failed;
@@ -339,9 +341,11 @@ void ControlLoop::record(const TickTiming& timing, const OperatorCommand& comman
   record_.execution_ns = timing.execution_ns;
   record_.round_trip_ns = timing.round_trip_ns;
   mail_->telemetry.push(record_);
+  const bool harder = decision.reaction >= supervisor::Reaction::hold && decision.reaction > reaction_before_;
+  reaction_before_ = decision.reaction;
   if (TickRecord* kept = mail_->black_box.claim()) {
     *kept = record_;
-    mail_->black_box.commit(decision.reaction >= supervisor::Reaction::hold);
+    mail_->black_box.commit(harder);
   }
 }
 

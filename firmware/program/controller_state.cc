@@ -50,6 +50,9 @@ std::expected<void, std::string> set_up(const Options& options, std::span<hal::F
 
 namespace {
 
+/// A disk or a terminal may hold housekeeping up for so long, and longer by supervisor.heartbeat_timeout_s.
+constexpr std::int64_t kMayBlock_ns = 1'000'000'000;
+
 void take_ticks(ControllerState& state) {
   while (const control_loop::TickRecord* tick = state.mail.telemetry.front()) {
     state.newest_tick = *tick;
@@ -61,14 +64,19 @@ void take_ticks(ControllerState& state) {
 
 }  // namespace
 
-void operate(ControllerState& state, const std::atomic<bool>& stop) {
+void operate(ControllerState& state, const Signals& signals) {
   take_ticks(state);
   const control_loop::TickRecord& tick = state.newest_tick;
   const double time_s = 1e-9 * static_cast<double>(tick.time_ns - state.start_ns);
   control_loop::OperatorCommand& command = state.mail.commands.writer();
   command = state.script->command(time_s, tick.state, tick.ramp);
-  command.shut_down = command.shut_down || stop.load(std::memory_order_relaxed);
+  command.shut_down = command.shut_down || signals.stop.load(std::memory_order_relaxed);
   if (state.telemetry_node != nullptr) command = state.telemetry_node->operate(command);
+  if (signals.cut.load(std::memory_order_relaxed)) command.request.kind = supervisor::RequestKind::cut;
+  if (!command.heartbeat_expected) {
+    command.heartbeat_expected = true;
+    command.heartbeat_ns = tick.time_ns + kMayBlock_ns;
+  }
   state.mail.commands.publish();
 }
 

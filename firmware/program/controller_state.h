@@ -40,7 +40,7 @@ struct ControllerState {
       reconnect;            ///< housekeeping connects a bus again, set by who opened it
   gait::GaitLibrary gaits;  ///< shipped for the robot; loaded at start, then constant
   telemetry::TelemetryNode* telemetry_node = nullptr;  ///< housekeeping's; nullptr: no telemetry
-  bool black_box_saved = false;
+  supervisor::Reaction black_box_reaction = supervisor::Reaction::none;  ///< the hardest in the file
   LoopStatistics loop;
   PlannerStatistics planning;
   exchange::LatestValue<LoopStatistics> loop_statistics;
@@ -53,9 +53,16 @@ struct ControllerState {
                                                       std::span<hal::FrameBus* const> buses,
                                                       ControllerState& state);
 
+/// What people may ask of a run from outside, set by signal handlers.
+struct Signals {
+  std::atomic<bool> stop = false;              ///< sit, damp, disable the drivers, end
+  std::atomic<bool> cut = false;               ///< disable the drivers at once, end
+  std::atomic<bool> print_statistics = false;  ///< print the histograms so far
+};
+
 /// The operator's side: takes the records of the torque loop, and lets the script or the operator at the
-/// host command it.
-void operate(ControllerState& state, const std::atomic<bool>& stop);
+/// host command it. Without an operator at the host its own sign of life is the heartbeat.
+void operate(ControllerState& state, const Signals& signals);
 
 /// Housekeeping's part of a reset: connects buses again that the torque loop found gone.
 void restore_buses(ControllerState& state);

@@ -30,7 +30,7 @@ void run_lockstep(const Options& options, std::size_t bus_count, Signals& signal
   int ticks_off = 0, ticks_alone = 0;
   for (long long tick = 0; ticks_off < kLastTicks && ticks_alone < kTicksAlone; ++tick) {
     const std::int64_t start_ns = wall.now_ns();
-    operate(state, signals.stop);
+    operate(state, signals);
     publish(state, state.loop, state.planning);
     {
       const realtime::AllocationScope allocations;

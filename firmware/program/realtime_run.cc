@@ -2,6 +2,7 @@
 
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <string>
@@ -161,15 +162,22 @@ void print_statistics(ControllerState& state) {
              stderr);
 }
 
-/// Once the black box has frozen: writes it, and lets it record again.
+supervisor::Reaction hardest(const control_loop::TickBlackBox& box) noexcept {
+  auto reaction = supervisor::Reaction::none;
+  for (std::size_t i = 0; i < box.size(); ++i) reaction = std::max(reaction, box.record(i).reaction);
+  return reaction;
+}
+
+/// Once the black box has frozen: writes it unless the file holds something harder, and lets it record again.
 void save_black_box(const Options& options, ControllerState& state) {
   if (options.black_box_file.empty() || !state.mail.black_box.frozen()) return;
-  if (!state.black_box_saved) {
+  const supervisor::Reaction reaction = hardest(state.mail.black_box);
+  if (reaction >= state.black_box_reaction) {
     const auto written = diagnostics::write_csv(options.black_box_file, state.mail.black_box, state.start_ns);
     std::fprintf(
         stderr, "%s\n",
         written ? ("black box written to " + options.black_box_file).c_str() : written.error().c_str());
-    state.black_box_saved = true;
+    state.black_box_reaction = reaction;
   }
   state.mail.black_box.rearm();
 }
@@ -191,7 +199,7 @@ void run_realtime(const Options& options, Signals& signals, ControllerState& sta
   hal::MonotonicClock clock;
   ServiceManager service;
   while (started && !run.torque_done.load(std::memory_order_acquire)) {
-    operate(state, signals.stop);
+    operate(state, signals);
     restore_buses(state);
     take_events(state.mail.events, outcome, state.telemetry_node);
     publish(state, state.loop_statistics.newest(), state.planner_statistics.newest());

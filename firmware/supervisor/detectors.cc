@@ -102,10 +102,11 @@ FaultSet detect_software(const Observation& seen, const SupervisorParameters& pa
   const bool wants_plan = followable.plan == PlanUse::none && !followable.gait_selected;
   faults.add_if(followable.plan == PlanUse::none && !followable.gait, Fault::stale_plan);
   faults.add_if(wants_plan && followable.gait, Fault::plan_missing);
+  faults.add_if(wants_plan && seen.plan_age_s > parameters.planner_lost_s, Fault::planner_lost);
   faults.add_if(seen.failed_solves >= parameters.failed_solves, Fault::failed_solves);
   faults.add_if(seen.solve_s > parameters.planner_overrun_s, Fault::planner_overrun);
   faults.add_if(seen.wakeup_latency_s > parameters.torque_loop_overrun_s, Fault::torque_loop_overrun);
-  faults.add_if(seen.wakeup_latency_s > parameters.torque_loop_stall_s, Fault::torque_loop_stalled);
+  faults.add_if(stall_s(seen) > parameters.torque_loop_stall_s, Fault::torque_loop_stalled);
   faults.add_if(!seen.controller_finite || seen.write_status == hal::JointBusStatus::refused,
                 Fault::not_finite);
   return faults;
@@ -115,6 +116,8 @@ FaultSet detect_operator(const Observation& seen, const SupervisorParameters& pa
   FaultSet faults;
   const bool silent = !(seen.heartbeat_age_s < parameters.heartbeat_timeout_s);
   faults.add_if(seen.heartbeat_expected && silent, Fault::heartbeat_lost);
+  faults.add_if(seen.heartbeat_expected && seen.heartbeat_age_s > parameters.operator_gone_s,
+                Fault::operator_gone);
   faults.add_if(seen.emergency_stop == hal::EmergencyStopState::pressed ||
                     seen.emergency_stop == hal::EmergencyStopState::unknown,
                 Fault::emergency_stop);

@@ -28,11 +28,18 @@ struct Observation {
   Followable followable;            ///< plan and gait
   int failed_solves = 0;            ///< in a row
   double solve_s = 0;               ///< of the newest solve
+  double plan_age_s = 0;            ///< of the newest plan; without one since the robot got on its feet
   double wakeup_latency_s = 0;      ///< of this tick
+  double tick_gap_s = 0;            ///< since the start of the tick before
   bool heartbeat_expected = false;  ///< an operator's program gave the last command
   double heartbeat_age_s = 0;       ///< since its last sign of life
   bool bring_up_failed = false;
 };
+
+/// How long the torque loop stood still, asleep or inside a tick.
+[[nodiscard]] constexpr double stall_s(const Observation& seen) noexcept {
+  return seen.wakeup_latency_s > seen.tick_gap_s ? seen.wakeup_latency_s : seen.tick_gap_s;
+}
 
 /// Beyond travel, speed or torque by more than the margins, or not finite; the torso too far from upright.
 /// A joint without any reply has no position to judge.

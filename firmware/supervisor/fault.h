@@ -39,8 +39,10 @@ enum class Fault : std::uint8_t {
   emergency_stop,
   bring_up_failed,
   plan_missing,
+  planner_lost,
+  operator_gone,
 };
-inline constexpr std::size_t kFaults = 27;
+inline constexpr std::size_t kFaults = 29;
 
 /// What a fault means for what comes after.
 enum class Severity : std::uint8_t {
@@ -117,13 +119,17 @@ inline constexpr std::array<FaultRow, kFaults> kFaultTable = {{
     {Fault::not_finite, 506, "not_finite", Severity::latched, Reaction::damp, Watch::tracking,
      "estimate or command is not a finite number, or the bus refused the command", "the torque law is not in command"},
     {Fault::heartbeat_lost, 601, "heartbeat_lost", Severity::degraded, Reaction::slow, Watch::tracking,
-     "the operator's program is silent", "it sends again; a new command is needed to step again"},
+     "the operator's program is silent, or stiltd beside its loops stands still", "it sends again; a new command is needed to step again"},
     {Fault::emergency_stop, 602, "emergency_stop", Severity::latched, Reaction::damp, Watch::always,
      "the emergency stop is pressed, or silent", "it reports that it is released"},
     {Fault::bring_up_failed, 603, "bring_up_failed", Severity::latched, Reaction::off, Watch::bring_up,
      "a driver could not be brought up", "the next attempt begins"},
     {Fault::plan_missing, 507, "plan_missing", Severity::warning, Reaction::warn, Watch::tracking,
      "the newest plan is too old to follow: the joints track a gait instead", "a plan in step with the gait came"},
+    {Fault::planner_lost, 508, "planner_lost", Severity::latched, Reaction::sit, Watch::tracking,
+     "no plan came for so long that the robot shall not go on", "a plan came, or the torque law is not in command"},
+    {Fault::operator_gone, 604, "operator_gone", Severity::latched, Reaction::sit, Watch::tracking,
+     "the operator's program is silent for so long that nobody may be there", "a command came"},
 }};
 // clang-format on
 

@@ -126,9 +126,13 @@ FaultDetail detail(Fault fault, const Observation& seen, const JointLimits& limi
     case Fault::torque_loop_overrun:
       return of_number(seen.wakeup_latency_s, parameters.torque_loop_overrun_s, "s");
     case Fault::torque_loop_stalled:
-      return of_number(seen.wakeup_latency_s, parameters.torque_loop_stall_s, "s");
+      return of_number(stall_s(seen), parameters.torque_loop_stall_s, "s");
     case Fault::heartbeat_lost:
       return of_number(seen.heartbeat_age_s, parameters.heartbeat_timeout_s, "s");
+    case Fault::operator_gone:
+      return of_number(seen.heartbeat_age_s, parameters.operator_gone_s, "s");
+    case Fault::planner_lost:
+      return of_number(seen.plan_age_s, parameters.planner_lost_s, "s");
     case Fault::bus_error:
     case Fault::bus_off:
     case Fault::bus_disconnected:

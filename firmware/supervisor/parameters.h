@@ -33,9 +33,12 @@ struct SupervisorParameters {
   int failed_solves = 3;                ///< in a row, warning
   double planner_overrun_s = 0.010;     ///< time of one solve, warning
   double torque_loop_overrun_s = 5e-4;  ///< lateness of a tick, warning
-  double torque_loop_stall_s = 0.010;   ///< lateness of a tick before the joints are damped
+  double torque_loop_stall_s = 0.010;   ///< between two ticks, or lateness of one, before joints are damped
+  double planner_lost_s = 10.0;         ///< without a plan on a gait, before the robot sits
   double heartbeat_timeout_s = 0.4;     ///< silence of the operator's program
+  double operator_gone_s = 30.0;        ///< silence of the operator's program before the robot sits
   double emergency_stop_wait_s = 1.0;   ///< after the start, for the emergency stop's first report
+  double emergency_stop_damps_s = 3.0;  ///< damped after an emergency stop, then the motors are off
   double stand_pose_margin_rad = 0.2;   ///< joints and torso off the standing pose, at most, to stand up
   double stand_speed_rad_s = 1.0;       ///< speed of joints and torso, at most, to stand up
   double stance_margin_rad = 0.5;       ///< while it stands up: farther off, the attempt ends

@@ -70,6 +70,7 @@ enum class Condition : std::uint8_t {
   request_sit,
   request_reset,
   request_off,
+  request_cut,
   shut_down,    ///< the program is to end
   lost_stance,  ///< the robot is too far from the standing pose
 };
@@ -96,25 +97,30 @@ struct Transition {
 
 /// Every transition there is. Of those that apply the first is taken, one per tick.
 inline constexpr auto kTransitions = std::to_array<Transition>({
+    {State::boot, Condition::request_cut, Guard::always, State::off},
     {State::boot, Condition::shut_down, Guard::always, State::off},
     {State::boot, Condition::sensors_present, Guard::always, State::idle},
 
+    {State::idle, Condition::request_cut, Guard::always, State::off},
     {State::idle, Condition::damp_fault, Guard::always, State::fault},
     {State::idle, Condition::shut_down, Guard::always, State::off},
     {State::idle, Condition::request_off, Guard::always, State::off},
     {State::idle, Condition::request_calibrate, Guard::always, State::calibrate},
 
+    {State::calibrate, Condition::request_cut, Guard::always, State::off},
     {State::calibrate, Condition::damp_fault, Guard::always, State::fault},
     {State::calibrate, Condition::shut_down, Guard::always, State::off},
     {State::calibrate, Condition::request_off, Guard::always, State::off},
     {State::calibrate, Condition::bring_up_done, Guard::always, State::ready},
 
+    {State::ready, Condition::request_cut, Guard::always, State::off},
     {State::ready, Condition::damp_fault, Guard::always, State::fault},
     {State::ready, Condition::sit_fault, Guard::always, State::fault},
     {State::ready, Condition::shut_down, Guard::always, State::off},
     {State::ready, Condition::request_off, Guard::always, State::off},
     {State::ready, Condition::request_stand, Guard::fit_to_stand, State::stand},
 
+    {State::stand, Condition::request_cut, Guard::always, State::off},
     {State::stand, Condition::damp_fault, Guard::always, State::fault},
     {State::stand, Condition::sit_fault, Guard::cannot_step, State::sit},
     {State::stand, Condition::sit_fault, Guard::slowed_down, State::sit},
@@ -125,6 +131,7 @@ inline constexpr auto kTransitions = std::to_array<Transition>({
     {State::stand, Condition::request_step, Guard::ramp_done, State::step},
     {State::stand, Condition::request_walk, Guard::ramp_done, State::walk},
 
+    {State::step, Condition::request_cut, Guard::always, State::off},
     {State::step, Condition::damp_fault, Guard::always, State::fault},
     {State::step, Condition::sit_fault, Guard::cannot_step, State::sit},
     {State::step, Condition::sit_fault, Guard::slowed_down, State::stand},
@@ -135,6 +142,7 @@ inline constexpr auto kTransitions = std::to_array<Transition>({
     {State::step, Condition::request_off, Guard::slowed_down, State::stand},
     {State::step, Condition::request_walk, Guard::always, State::walk},
 
+    {State::walk, Condition::request_cut, Guard::always, State::off},
     {State::walk, Condition::damp_fault, Guard::always, State::fault},
     {State::walk, Condition::sit_fault, Guard::cannot_step, State::sit},
     {State::walk, Condition::sit_fault, Guard::always, State::step},
@@ -145,10 +153,12 @@ inline constexpr auto kTransitions = std::to_array<Transition>({
     {State::walk, Condition::request_sit, Guard::always, State::step},
     {State::walk, Condition::request_off, Guard::always, State::step},
 
+    {State::sit, Condition::request_cut, Guard::always, State::off},
     {State::sit, Condition::damp_fault, Guard::always, State::fault},
     {State::sit, Condition::sit_done, Guard::fault_latched, State::fault},
     {State::sit, Condition::sit_done, Guard::none_latched, State::ready},
 
+    {State::fault, Condition::request_cut, Guard::always, State::off},
     {State::fault, Condition::shut_down, Guard::always, State::off},
     {State::fault, Condition::request_off, Guard::always, State::off},
     {State::fault, Condition::request_reset, Guard::causes_gone, State::idle},

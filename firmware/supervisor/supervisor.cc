@@ -4,7 +4,8 @@
 
 #include "firmware/supervisor/safe_commands.h"
 
-// States, faults and levels: docs/decisions/0006-supervision-and-real-time-proofs.md
+// States, faults and levels: docs/decisions/0006-supervision-and-real-time-proofs.md; stops, and absences
+// that end: docs/decisions/0019-stops-and-nobody-in-command.md
 namespace stilt::supervisor {
 namespace {
 
@@ -36,6 +37,7 @@ State goal(RequestKind kind) noexcept {
     case RequestKind::reset:
       return State::idle;
     case RequestKind::off:
+    case RequestKind::cut:
     case RequestKind::none:
       return State::off;
   }
@@ -176,6 +178,8 @@ bool Supervisor::applies(Condition condition, const SupervisorInputs& inputs) co
       return requested(RequestKind::reset, request);
     case Condition::request_off:
       return requested(RequestKind::off, request);
+    case Condition::request_cut:
+      return request.kind == RequestKind::cut;  // never void
     case Condition::shut_down:
       return inputs.shut_down;
     case Condition::lost_stance:
@@ -256,9 +260,15 @@ Reaction Supervisor::reaction_of_level() const noexcept {
   return hardest;
 }
 
+/// After an emergency stop the robot settles damped; then the motors need no power until a reset.
+bool Supervisor::stopped_for_good() const noexcept {
+  return output_.state == State::fault && output_.latched.has(Fault::emergency_stop) && !resetting_ &&
+         since_s(entered_ns_) >= parameters_.emergency_stop_damps_s;
+}
+
 void Supervisor::choose(const SupervisorInputs& inputs) noexcept {
   const bool never_up = output_.state == State::fault && drivers_are_ != DriversAre::brought_up;
-  const FallbackLevel level = never_up
+  const FallbackLevel level = never_up || stopped_for_good()
                                   ? FallbackLevel::off
                                   : select_level(output_.state, reaction_of_level(), inputs.seen.followable);
   if (level != output_.level) {

@@ -12,7 +12,9 @@
 
 namespace stilt::supervisor {
 
-enum class RequestKind : std::uint8_t { none, calibrate, stand, step, walk, sit, reset, off };
+/// off: walk, step, stand, sit, then the motors off (stop category 1 of IEC 60204-1). cut: the motors off at
+/// once (category 0); a standing robot falls. Both end the program.
+enum class RequestKind : std::uint8_t { none, calibrate, stand, step, walk, sit, reset, off, cut };
 
 /// What the operator wants last. A request stands until it is met, replaced by one with a higher number, or
 /// void: a fault and a lost heartbeat void what was asked for before, so that nothing moves again by itself.
@@ -88,6 +90,7 @@ class Supervisor {
   [[nodiscard]] bool requested(RequestKind kind, const Request& request) const noexcept;
   [[nodiscard]] bool passes(Guard guard) const noexcept;
   [[nodiscard]] Reaction reaction_of_level() const noexcept;
+  [[nodiscard]] bool stopped_for_good() const noexcept;
   void choose(const SupervisorInputs& inputs) noexcept;
   [[nodiscard]] hal::JointCommands commands_of_level(const hal::JointCommands& wanted) const noexcept;
   [[nodiscard]] hal::JointCommands unloading(const Pose& pose_rad) const noexcept;

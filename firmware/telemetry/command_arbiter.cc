@@ -32,7 +32,8 @@ bool same_secret(const std::string& a, const std::string& b) noexcept {
 
 /// Orders make their sender the commander.
 bool is_order(CommandKind kind) noexcept {
-  return kind != CommandKind::heartbeat && kind != CommandKind::stop && kind != CommandKind::release;
+  return kind != CommandKind::heartbeat && kind != CommandKind::stop && kind != CommandKind::release &&
+         kind != CommandKind::cut;
 }
 
 bool stands_or_moves(State state) noexcept { return supervisor::tracks(state); }
@@ -163,6 +164,11 @@ std::string CommandArbiter::apply(const Asked& asked, CommandKind kind, const Ro
     case CommandKind::stop:
       stop(now);
       return {};
+    case CommandKind::cut:
+      standing_up_ = false;
+      took_over_ = true;
+      ask(RequestKind::cut);
+      return {};
     case CommandKind::release:
       if (commander_ != asked.commander) return asked.commander + " is not in command";
       if (now.state == State::step || now.state == State::walk) stop(now);
@@ -212,6 +218,7 @@ Answer CommandArbiter::take(const Asked& asked, const RobotNow& now) {
   if (moves && kind != CommandKind::stand) standing_up_ = false;
   if (moves) {
     commander_ = asked.commander;
+    deserted_ = false;
     took_over_ = true;
   }
   if (asked.commander == commander_) heartbeat_wall_ns_ = now.wall_ns;
@@ -234,6 +241,7 @@ control_loop::OperatorCommand CommandArbiter::command(const control_loop::Operat
   if (!commander_.empty() && silence_s(now) > rules_.release_s) {
     stop(now);
     commander_.clear();
+    deserted_ = true;
   }
   if (standing_up_ && !alive(now)) {
     stop(now);
@@ -243,7 +251,7 @@ control_loop::OperatorCommand CommandArbiter::command(const control_loop::Operat
   }
   control_loop::OperatorCommand command = script;  // the end of the program is its business
   command.request = request_;
-  command.heartbeat_expected = !commander_.empty();
+  command.heartbeat_expected = !commander_.empty() || deserted_;
   command.heartbeat_ns = now.clock_ns - (now.wall_ns - heartbeat_wall_ns_);
   return command;
 }

@@ -21,13 +21,14 @@ enum class CommandKind : std::uint8_t {
   tunable,  ///< key: section.key of a live tunable; value: its new value
   off,      ///< sit down, disable the drivers, end stiltd
   release,  ///< the commander gives up the command and needs no heartbeat
+  cut,      ///< motors off at once, end stiltd: a robot on its feet falls; of anyone with the token
 };
-inline constexpr std::size_t kCommandKinds = 13;
+inline constexpr std::size_t kCommandKinds = 14;
 
 [[nodiscard]] constexpr const char* name(CommandKind kind) noexcept {
   constexpr std::array<const char*, kCommandKinds> kNames = {
-      "heartbeat", "prepare", "stand",  "step",    "walk", "sit",    "stop",
-      "reset",     "speed",   "height", "tunable", "off",  "release"};
+      "heartbeat", "prepare", "stand",  "step",    "walk", "sit",     "stop",
+      "reset",     "speed",   "height", "tunable", "off",  "release", "cut"};
   return kNames[static_cast<std::size_t>(kind)];
 }
 

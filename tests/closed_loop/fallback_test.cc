@@ -102,5 +102,20 @@ TEST(Fallback, APlannerThatStopsAndAnEncoderThatFreezesLeadDownToDamping) {
   EXPECT_EQ(seen[2].tick, 5240u);
 }
 
+/// Without a planner: on the gait for planner_lost_s, in place, then it sits. There the run ends, as with a
+/// fall.
+TEST(Fallback, ALostPlannerEndsSitting) {
+  RunRequest request = walking(0.5, 1.0, 16.0);
+  request.settings = {"supervisor.planner_lost_s=5"};
+  RunSettings faults;
+  faults.planner_until_s = 5.0;
+  const std::vector<Change> seen = changes(request, faults);
+  std::vector<State> states;
+  for (const Change& change : seen) {
+    if (states.empty() || states.back() != change.state) states.push_back(change.state);
+  }
+  EXPECT_EQ(states, (std::vector{State::walk, State::step, State::stand, State::sit}));
+}
+
 }  // namespace
 }  // namespace stilt::simulation

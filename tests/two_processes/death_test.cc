@@ -2,7 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <csignal>
+#include <thread>
 
 #include "firmware/configuration/configuration.h"
 #include "tests/two_processes/frame_record.h"
@@ -62,6 +64,35 @@ TEST(TwoProcesses, ARestartWhileTheRobotIsBeingLiftedEndsInNoFault) {
     EXPECT_TRUE(run.controller_json().at("faults").empty()) << attempt << run.controller_json().at("faults");
   }
   EXPECT_NE(text_of(run.file("controller.err")).find("stand"), std::string::npos) << run.said();
+}
+
+TEST(TwoProcesses, AControllerWhoseTerminalEndsSitsDownFirst) {
+  RobotAndController run;
+  run.start_robot({"--lockstep", "--once"});
+  run.start_controller({"--lockstep", "--start", "walk@0.5"});
+  ASSERT_TRUE(wait_for_text(run.file("controller.err"), "walk", kLongestRun_s)) << run.said();
+  run.controller().signal(SIGPIPE);
+  run.controller().signal(SIGHUP);
+  run.expect_both_to_end();
+  const nlohmann::json controller = run.controller_json();
+  EXPECT_EQ(controller.at("last_state"), "ready") << "it sat down" << run.said();
+  EXPECT_TRUE(controller.at("faults").empty()) << controller.at("faults");
+}
+
+TEST(TwoProcesses, ASecondInterruptTurnsTheMotorsOffAtOnce) {
+  RobotAndController run;
+  run.start_robot({"--lockstep", "--once"});
+  run.start_controller({"--lockstep", "--start", "walk@0.5"});
+  ASSERT_TRUE(wait_for_text(run.file("controller.err"), "walk", kLongestRun_s)) << run.said();
+  run.robot().signal(SIGSTOP);  // the controller waits for it: both signals come in one tick
+  run.controller().signal(SIGINT);
+  std::this_thread::sleep_for(std::chrono::milliseconds(400));
+  run.controller().signal(SIGINT);
+  run.robot().signal(SIGCONT);
+  ASSERT_EQ(run.controller().wait(kLongestRun_s), 0) << run.said();
+  EXPECT_EQ(run.controller_json().at("last_state"), "walk") << run.said();
+  ASSERT_GE(run.robot().wait(kLongestRun_s), 0);
+  EXPECT_FALSE(any_enabled(run.robot_json()));
 }
 
 TEST(TwoProcesses, AControllerWhoseRobotDiesInMidWalkDampsAndEnds) {

@@ -37,6 +37,8 @@ telemetry::CommandKind wire_kind(CommandKind kind) {
       return telemetry::CommandKind::reset;
     case CommandKind::tunable:
       return telemetry::CommandKind::tunable;
+    case CommandKind::cut:
+      return telemetry::CommandKind::cut;
     case CommandKind::heartbeat:
       break;
   }

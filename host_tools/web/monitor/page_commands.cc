@@ -10,8 +10,8 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::array<const char*, 10> kNames = {"stand", "step", "walk",  "speed",   "height",
-                                                "sit",   "stop", "reset", "tunable", "heartbeat"};
+constexpr std::array<const char*, 11> kNames = {"stand", "step",  "walk",    "speed",     "height", "sit",
+                                                "stop",  "reset", "tunable", "heartbeat", "cut"};
 
 /// The member of that name, or the fallback when it is missing. Throws Json::exception for another type.
 template <class Value>
@@ -24,7 +24,8 @@ std::expected<CommandKind, std::string> kind_of(const std::string& text) {
     if (text == kNames[k]) return static_cast<CommandKind>(k);
   }
   return std::unexpected(
-      "'" + text + "' is no command; stand, step, walk, speed, height, sit, stop, reset and tunable are");
+      "'" + text +
+      "' is no command; stand, step, walk, speed, height, sit, stop, cut, reset and tunable are");
 }
 
 std::expected<PageMessage, std::string> read(const Json& json) {

@@ -7,7 +7,7 @@
 
 namespace stilt::monitor {
 
-enum class CommandKind { stand, step, walk, speed, height, sit, stop, reset, tunable, heartbeat };
+enum class CommandKind { stand, step, walk, speed, height, sit, stop, reset, tunable, heartbeat, cut };
 
 /// A command of an operator to the robot.
 struct Command {

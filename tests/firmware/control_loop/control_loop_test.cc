@@ -293,6 +293,14 @@ TEST_F(ControlLoopTest, ALongTickIsAFault) {
   EXPECT_TRUE(rig->decision().latched.has(Fault::torque_loop_stalled));
 }
 
+TEST_F(ControlLoopTest, AStallInsideATickIsAFault) {
+  rig->stand();
+  rig->tick += 20;  // the loop wakes in time for a later period
+  rig->run(1);
+  EXPECT_EQ(rig->state(), State::fault);
+  EXPECT_TRUE(rig->decision().latched.has(Fault::torque_loop_stalled));
+}
+
 TEST_F(ControlLoopTest, FaultsAndStatesAreTold) {
   rig->stand();
   const auto states = rig->take(Event::Kind::state);
@@ -335,6 +343,25 @@ TEST_F(ControlLoopTest, TheBlackBoxFreezesWhenThePoseIsHeldAndNotForAWarning) {
   rig->run(50);
   EXPECT_EQ(rig->state(), State::stand);
   EXPECT_TRUE(rig->mail.black_box.frozen());
+}
+
+TEST_F(ControlLoopTest, TheBlackBoxIsThereForTheFallAfterAGlitchAndForOneOfAFall) {
+  rig->mail.black_box.set_aftermath(20);
+  rig->stand();
+  rig->joints.silent = true;
+  rig->run(5);
+  rig->joints.silent = false;
+  rig->run(50);
+  ASSERT_TRUE(rig->mail.black_box.frozen());
+  rig->mail.black_box.rearm();
+  rig->run(50);
+  EXPECT_FALSE(rig->mail.black_box.frozen());
+  rig->joints.emergency_stop = hal::EmergencyStopState::pressed;
+  rig->run(50);
+  ASSERT_TRUE(rig->mail.black_box.frozen()) << "the fall";
+  rig->mail.black_box.rearm();
+  rig->run(500);
+  EXPECT_FALSE(rig->mail.black_box.frozen()) << "the fall is in one record only";
 }
 
 TEST_F(ControlLoopTest, ARecordHoldsTheTimesOfItsTickAndWhatLeft) {

@@ -174,6 +174,16 @@ const std::vector<Case>& cases() {
        [](Observation& o) { o.followable = {.plan = PlanUse::none, .gait = true, .gait_selected = true}; },
        [](Observation& o) { o.followable = {.plan = PlanUse::none, .gait = true}; },
        {Fault::plan_missing}},
+      {"no plan for long",
+       [](Observation& o) {
+         o.followable = {.plan = PlanUse::none, .gait = true, .gait_selected = true};
+         o.plan_age_s = 60;
+       },
+       [](Observation& o) {
+         o.followable = {.plan = PlanUse::none, .gait = true};
+         o.plan_age_s = 10.1;
+       },
+       {Fault::plan_missing, Fault::planner_lost}},
       {"solves fail",
        [](Observation& o) { o.failed_solves = 2; },
        [](Observation& o) { o.failed_solves = 3; },
@@ -190,6 +200,10 @@ const std::vector<Case>& cases() {
        [](Observation&) {},
        [](Observation& o) { o.wakeup_latency_s = 0.011; },
        {Fault::torque_loop_overrun, Fault::torque_loop_stalled}},
+      {"torque loop stood still inside a tick",
+       [](Observation& o) { o.tick_gap_s = 0.0099; },
+       [](Observation& o) { o.tick_gap_s = 0.0101; },
+       {Fault::torque_loop_stalled}},
       {"estimate not finite",
        [](Observation&) {},
        [](Observation& o) { o.controller_finite = false; },
@@ -208,6 +222,16 @@ const std::vector<Case>& cases() {
          o.heartbeat_age_s = 0.41;
        },
        {Fault::heartbeat_lost}},
+      {"heartbeat silent for long",
+       [](Observation& o) {
+         o.heartbeat_expected = true;
+         o.heartbeat_age_s = 0.39;
+       },
+       [](Observation& o) {
+         o.heartbeat_expected = true;
+         o.heartbeat_age_s = 30.1;
+       },
+       {Fault::heartbeat_lost, Fault::operator_gone}},
       {"heartbeat not expected",
        [](Observation& o) { o.heartbeat_age_s = 1e9; },
        [](Observation& o) {

@@ -53,9 +53,11 @@ TEST(FaultTable, NamesAndNumbersNeverChange) {
       {505, "torque_loop_stalled"},
       {506, "not_finite"},
       {507, "plan_missing"},
+      {508, "planner_lost"},
       {601, "heartbeat_lost"},
       {602, "emergency_stop"},
       {603, "bring_up_failed"},
+      {604, "operator_gone"},
   };
   std::map<int, std::string> table;
   for (const FaultRow& fault : kFaultTable) table[fault.number] = fault.name;

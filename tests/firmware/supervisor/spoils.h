@@ -49,6 +49,16 @@ inline constexpr std::array<Spoil, kFaults> kSpoils = {{
     {Fault::emergency_stop, [](Observation& o) { o.emergency_stop = hal::EmergencyStopState::pressed; }},
     {Fault::bring_up_failed, [](Observation& o) { o.bring_up_failed = true; }},
     {Fault::plan_missing, [](Observation& o) { o.followable = {.plan = PlanUse::none, .gait = true}; }},
+    {Fault::planner_lost,
+     [](Observation& o) {
+       o.followable = {.plan = PlanUse::none, .gait = true};
+       o.plan_age_s = 60;
+     }},
+    {Fault::operator_gone,
+     [](Observation& o) {
+       o.heartbeat_expected = true;
+       o.heartbeat_age_s = 60;
+     }},
 }};
 
 }  // namespace stilt::supervisor::testing

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <map>
 #include <set>
+#include <vector>
 
 #include "tests/firmware/supervisor/printers.h"
 
@@ -91,23 +93,27 @@ TEST(TransitionTable, DriversAreBroughtUpBeforeTheyAreDriven) {
   }
 }
 
-TEST(TransitionTable, AFaultThatDampsComesBeforeEverythingElse) {
-  std::set<State> seen;
-  for (const Transition& transition : kTransitions) {
-    const bool first = seen.insert(transition.from).second;
-    const bool exempt = transition.from == State::boot || transition.from == State::fault;
-    if (!first || exempt) continue;
-    EXPECT_EQ(transition.condition, Condition::damp_fault) << name(transition.from);
-    EXPECT_EQ(transition.guard, Guard::always) << name(transition.from);
-    EXPECT_EQ(transition.to, State::fault) << name(transition.from);
+TEST(TransitionTable, ACutComesFirstAndThenAFaultThatDamps) {
+  std::map<State, std::vector<Transition>> ways;
+  for (const Transition& transition : kTransitions) ways[transition.from].push_back(transition);
+  for (const auto& [from, of_state] : ways) {
+    SCOPED_TRACE(name(from));
+    EXPECT_EQ(of_state[0].condition, Condition::request_cut);
+    EXPECT_EQ(of_state[0].guard, Guard::always);
+    EXPECT_EQ(of_state[0].to, State::off);
+    if (from == State::boot || from == State::fault) continue;
+    EXPECT_EQ(of_state[1].condition, Condition::damp_fault);
+    EXPECT_EQ(of_state[1].guard, Guard::always);
+    EXPECT_EQ(of_state[1].to, State::fault);
   }
 }
 
 TEST(TransitionTable, WalkingEndsOverSteppingInPlaceUnlessAFaultForbids) {
   for (const Transition& transition : kTransitions) {
     if (transition.from != State::walk) continue;
-    const bool forbids =
-        transition.condition == Condition::damp_fault || transition.guard == Guard::cannot_step;
+    const bool forbids = transition.condition == Condition::request_cut ||
+                         transition.condition == Condition::damp_fault ||
+                         transition.guard == Guard::cannot_step;
     EXPECT_EQ(transition.to == State::step, !forbids);
   }
 }

@@ -100,6 +100,79 @@ TEST_F(SupervisorTest, ALostHeartbeatStopsWalkingAndItsReturnDoesNotStartItAgain
   EXPECT_EQ(tick(), State::walk);
 }
 
+TEST_F(SupervisorTest, WithoutAnOperatorItSitsInTheEnd) {
+  inputs_.seen.heartbeat_expected = true;
+  bring_to_walk();
+  inputs_.seen.heartbeat_age_s = 0.5;
+  EXPECT_EQ(run(parameters_.slow_down_s + 0.1), State::stand);
+  inputs_.seen.heartbeat_age_s = parameters_.operator_gone_s + 0.1;
+  EXPECT_EQ(run(parameters_.slow_down_s), State::sit);
+  EXPECT_EQ(run(parameters_.sit_s + 0.1), State::fault);
+  EXPECT_TRUE(output().latched.has(Fault::operator_gone));
+  EXPECT_TRUE(only_damps());
+}
+
+TEST_F(SupervisorTest, APlannerThatIsLostEndsAWalkOnAGait) {
+  bring_to_walk();
+  inputs_.seen.followable = {.plan = PlanUse::none, .gait = true};
+  inputs_.seen.plan_age_s = parameters_.planner_lost_s - 0.1;
+  EXPECT_EQ(run(1), State::walk);
+  inputs_.seen.plan_age_s = parameters_.planner_lost_s + 0.1;
+  EXPECT_EQ(tick(), State::step);
+  EXPECT_EQ(output().level, FallbackLevel::gait) << "it steps on the gait until it has slowed down";
+  EXPECT_EQ(run(parameters_.slow_down_s), State::stand);
+  EXPECT_EQ(run(parameters_.slow_down_s), State::sit);
+}
+
+TEST_F(SupervisorTest, ACutTurnsTheMotorsOffInTheNextTickFromReady) {
+  bring_to_ready();
+  request(RequestKind::cut);
+  EXPECT_EQ(tick(), State::off);
+  EXPECT_EQ(action_, Action::disable);
+}
+
+TEST_F(SupervisorTest, ACutTurnsTheMotorsOffInTheNextTickFromStand) {
+  bring_to_stand();
+  request(RequestKind::cut);
+  EXPECT_EQ(tick(), State::off);
+  EXPECT_EQ(action_, Action::disable);
+}
+
+TEST_F(SupervisorTest, ACutTurnsTheMotorsOffInTheNextTickFromWalk) {
+  bring_to_walk();
+  request(RequestKind::cut);
+  EXPECT_EQ(tick(), State::off);
+  EXPECT_EQ(action_, Action::disable);
+}
+
+TEST_F(SupervisorTest, ACutIsNotVoidAfterAFault) {
+  bring_to_walk();
+  request(RequestKind::cut);
+  inputs_.seen.joints[2].fault = hal::DriverFault::over_current;
+  EXPECT_EQ(tick(), State::off);
+  EXPECT_EQ(action_, Action::disable);
+}
+
+TEST_F(SupervisorTest, AfterAnEmergencyStopItSettlesAndThenTheMotorsAreOff) {
+  bring_to_walk();
+  inputs_.seen.emergency_stop = hal::EmergencyStopState::pressed;
+  EXPECT_EQ(tick(), State::fault);
+  EXPECT_EQ(run(parameters_.emergency_stop_damps_s - 0.1), State::fault);
+  EXPECT_TRUE(only_damps());
+  EXPECT_EQ(run(0.2), State::fault);
+  EXPECT_EQ(action_, Action::disable);
+  request(RequestKind::reset);
+  run(parameters_.reset_window_s / 2);
+  EXPECT_TRUE(only_damps()) << "while a reset looks for causes";
+  run(parameters_.reset_window_s);
+  EXPECT_EQ(action_, Action::disable) << "and found one";
+  inputs_.seen.emergency_stop = hal::EmergencyStopState::released;
+  EXPECT_EQ(run(1), State::fault) << "not by itself";
+  EXPECT_EQ(action_, Action::disable);
+  request(RequestKind::reset);
+  EXPECT_EQ(run(0.1), State::idle);
+}
+
 TEST_F(SupervisorTest, ALatchedFaultDampsUntilAResetWithTheCauseGone) {
   bring_to_walk();
   inputs_.seen.joints[2].fault = hal::DriverFault::over_current;
@@ -293,6 +366,7 @@ TEST_F(SupervisorTest, CommandsThatAreNotFiniteNeverLeave) {
 }
 
 TEST_F(SupervisorTest, EveryLatchingFaultEndsInFaultWithoutAWayBack) {
+  parameters_.emergency_stop_damps_s = 100;  // then the motors are off, see AfterAnEmergencyStopItSettles
   for (const Spoil& spoil : kSpoils) {
     if (row(spoil.fault).severity != Severity::latched || row(spoil.fault).watch == Watch::bring_up) continue;
     SCOPED_TRACE(name(spoil.fault));

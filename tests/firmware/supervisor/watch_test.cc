@@ -54,6 +54,8 @@ Expected expected(Fault fault) {
     case Fault::not_finite:
       return {Severity::latched, Reaction::damp, Watch::tracking};
     case Fault::stale_plan:
+    case Fault::planner_lost:
+    case Fault::operator_gone:
       return {Severity::latched, Reaction::sit, Watch::tracking};
     case Fault::heartbeat_lost:
       return {Severity::degraded, Reaction::slow, Watch::tracking};

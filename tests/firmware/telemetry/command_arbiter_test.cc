@@ -84,7 +84,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"half_a_token", [](Asked& c) { c.token = "secre"; }, "token is wrong"},
         Refusal{"no_name", [](Asked& c) { c.commander.clear(); }, "needs a name"},
         Refusal{"long_name", [](Asked& c) { c.commander.assign(65, 'a'); }, "needs a name"},
-        Refusal{"unknown_kind", [](Asked& c) { c.kind = 13; }, "no kind of command 13"},
+        Refusal{"unknown_kind", [](Asked& c) { c.kind = 14; }, "no kind of command 14"},
         Refusal{"same_number", [](Asked& c) { c.number = 1; }, "came after 1"},
         Refusal{"older_number", [](Asked& c) { c.number = 0; }, "came after 1"},
         Refusal{"too_fast", [](Asked& c) { c.value = 0.81; }, "beyond telemetry.speed_limit_m_s, 0.8"},
@@ -203,7 +203,7 @@ TEST_F(CommandArbiterTest, a_silent_commander_is_replaced_and_a_living_one_is_no
   EXPECT_EQ(arbiter.commander(), "bert");
 }
 
-TEST_F(CommandArbiterTest, a_silent_commander_leaves_a_robot_that_stands_and_needs_no_heartbeat) {
+TEST_F(CommandArbiterTest, a_silent_commander_leaves_a_robot_that_stands_and_whose_silence_goes_on) {
   now.state = State::walk;
   ASSERT_TRUE(take(CommandKind::walk, 0.3).accepted);
   const auto number_before = command().request.number;
@@ -211,10 +211,22 @@ TEST_F(CommandArbiterTest, a_silent_commander_leaves_a_robot_that_stands_and_nee
   EXPECT_TRUE(command().heartbeat_expected);
   pass(0.2);
   const auto sent = command();
-  EXPECT_FALSE(sent.heartbeat_expected);
+  EXPECT_TRUE(sent.heartbeat_expected) << "nobody may be there";
   EXPECT_EQ(sent.request.kind, RequestKind::stand);
   EXPECT_GT(sent.request.number, number_before);
   EXPECT_EQ(arbiter.commander(), "");
+  pass(30);
+  EXPECT_EQ(command().heartbeat_ns, now.clock_ns - 321 * kSecond_ns / 10);
+  ASSERT_TRUE(take(CommandKind::stand, 0, "bert").accepted);
+  ASSERT_TRUE(take(CommandKind::release, 0, "bert").accepted);
+  EXPECT_FALSE(command().heartbeat_expected) << "who gives up the command was there";
+}
+
+TEST_F(CommandArbiterTest, everybody_with_the_token_may_cut) {
+  now.state = State::walk;
+  ASSERT_TRUE(take(CommandKind::walk, 0.3).accepted);
+  EXPECT_TRUE(take(CommandKind::cut, 0, "bert").accepted);
+  EXPECT_EQ(command().request.kind, RequestKind::cut);
 }
 
 TEST_F(CommandArbiterTest, everybody_with_the_token_may_stop) {

@@ -26,6 +26,7 @@ class CommandPanel {
     }
     document.getElementById('again').addEventListener('click', () => this.connection.send({ again: true }));
     document.getElementById('stop').addEventListener('click', () => this.ask('stop'));
+    document.getElementById('cut').addEventListener('click', () => this.ask('cut'));
     this.speed.addEventListener('input', () => this.changeSpeed());
     this.showSpeed();
     this.height.addEventListener('input', () => this.showHeight());
@@ -35,9 +36,9 @@ class CommandPanel {
   }
 
   greet(hello) {
-    for (const button of document.querySelectorAll('[data-command], #stop')) button.disabled = !hello.live;
+    for (const button of document.querySelectorAll('[data-command], #stop, #cut')) button.disabled = !hello.live;
     document.getElementById('token-box').open = hello.live && !hello.has_token && this.token.value === '';
-    for (const id of ['gaits', 'sliders', 'token-box', 'stop']) document.getElementById(id).hidden = !hello.live;
+    for (const id of ['gaits', 'sliders', 'token-box', 'stop', 'cut']) document.getElementById(id).hidden = !hello.live;
     document.getElementById('again').hidden = hello.live;
     if (!hello.live) this.say(`A record: it takes no commands. ${hello.source}`, '');
   }
@@ -154,13 +155,13 @@ class CommandPanel {
     this.changeSpeed();
   }
 
-  /** Space and Escape stop, wherever the focus is; buttons answer to Enter. */
+  /** Space and Escape stop, with Shift they cut, wherever the focus is; buttons answer to Enter. */
   key(event) {
     if (event.ctrlKey || event.altKey || event.metaKey) return;
     if (event.key === ' ' || event.key === 'Escape') {
       event.preventDefault();
       event.stopPropagation();
-      if (!event.repeat) this.ask('stop');
+      if (!event.repeat) this.ask(event.shiftKey ? 'cut' : 'stop');
       return;
     }
     if (event.target.closest('input:not([type=range]):not([type=checkbox]), select, textarea') || event.repeat) return;

@@ -115,6 +115,16 @@ test('a silent controller is shown at once, and the picture is marked as old', a
   await until('no alarm', async () => page.isHidden('#alarm'));
 });
 
+test('Shift and Escape, or a button, turn the motors off', async () => {
+  await page.focus('#tunable-filter');
+  await page.keyboard.press('Shift+Escape');
+  await answer(/cut: accepted/);
+  await state('off');
+  await page.evaluate(() => { document.getElementById('answer').textContent = ''; });
+  await page.click('#cut');
+  await answer(/cut: accepted/);
+});
+
 test('a monitor that ends is shown', async () => {
   monitor.process.stdin.end();
   await monitor.ended;

@@ -141,7 +141,7 @@ std::string SyntheticSource::refusal(const Command& command) const {
     return "gait.swing_height_m must be 0.005 to 0.3 m.";
   }
   if (state_ == number(State::fault) && command.kind != CommandKind::reset &&
-      command.kind != CommandKind::stop) {
+      command.kind != CommandKind::stop && command.kind != CommandKind::cut) {
     return "A fault waits for a reset.";
   }
   return {};
@@ -169,6 +169,10 @@ void SyntheticSource::apply(const Command& command) {
     case CommandKind::stand:
     case CommandKind::stop:
       if (latched_ == 0) state_ = number(State::stand);
+      wanted_m_s_ = 0.0;
+      break;
+    case CommandKind::cut:
+      state_ = number(State::off);
       wanted_m_s_ = 0.0;
       break;
     case CommandKind::reset:
