@@ -359,6 +359,7 @@ void ControlLoop::report_events(const OperatorCommand& command,
                                 const supervisor::Observation& seen) noexcept {
   const supervisor::SupervisorOutput& decision = supervisor_.output();
   for (const supervisor::FaultRow& row : supervisor::kFaultTable) {
+    if (decision.ended.has(row.fault)) push({.kind = Event::Kind::fault_over, .fault = row.fault});
     if (!decision.raised.has(row.fault)) continue;
     push({.kind = Event::Kind::fault,
           .fault = row.fault,

@@ -18,7 +18,8 @@ struct Event {
     fault,            ///< a fault appeared: `fault`, by `found`
     waits_for_pose,   ///< to stand up was asked for, and the robot is not in a pose for that
     bring_up_failed,  ///< of a driver: `bring_up`
-    lost_stance       ///< while it stood up the robot left the standing pose
+    lost_stance,      ///< while it stood up the robot left the standing pose
+    fault_over        ///< the cause of a fault is gone, or not looked for any more: `fault`
   };
   Kind kind = Kind::state;
   double time_s = 0.0;  ///< controller's clock

@@ -20,6 +20,11 @@ std::string fault_and_code(hal::DriverFault fault, std::uint32_t code) {
 
 }  // namespace
 
+std::string over_text(supervisor::Fault fault) {
+  return supervisor::row(fault).severity == supervisor::Severity::latched ? ": over, and waits for a reset"
+                                                                          : ": over";
+}
+
 std::string found_text(const supervisor::FaultDetail& found) {
   std::string text;
   const auto add = [&text](const std::string& part) { text += (text.empty() ? ": " : ", ") + part; };

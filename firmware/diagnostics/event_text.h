@@ -15,4 +15,7 @@ namespace stilt::diagnostics {
 /// A sentence about a driver that cannot be brought up: joint, failure, driver fault, setting.
 [[nodiscard]] std::string bring_up_text(const hal::BringUpProgress& progress);
 
+/// After the name of a fault whose cause is gone: ": over", and whether it waits for a reset.
+[[nodiscard]] std::string over_text(supervisor::Fault fault);
+
 }  // namespace stilt::diagnostics

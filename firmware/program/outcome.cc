@@ -26,6 +26,7 @@ nlohmann::ordered_json json_of(const diagnostics::Percentiles& percentiles) {
 nlohmann::ordered_json json_of(const ReportedFault& fault) {
   nlohmann::ordered_json json = {
       {"name", fault.name}, {"time_s", fault.time_s}, {"reaction", fault.reaction}, {"count", fault.count}};
+  if (std::isfinite(fault.over_s)) json["over_s"] = fault.over_s;
   const supervisor::FaultDetail& found = fault.found;
   if (found.joint >= 0) json["joint"] = control_loop::kJointNames[static_cast<std::size_t>(found.joint)];
   if (found.driver_fault != hal::DriverFault::none) {
@@ -49,12 +50,24 @@ void take_fault(const Event& event, Outcome& outcome) {
   const auto recent = std::span(outcome.faults).subspan(outcome.faults_before_reset);
   if (const auto entry = std::ranges::find(recent, row.name, &ReportedFault::name); entry != recent.end()) {
     ++entry->count;
+    entry->over_s = kNotOver;
     return;
   }
   const char* reaction = supervisor::name(row.reaction);
-  outcome.faults.push_back({row.name, event.time_s, reaction, 1, event.found});
+  outcome.faults.push_back({row.name, event.time_s, reaction, 1, kNotOver, event.found});
   say(event.time_s, std::string("fault ") + row.name + ": " + row.cause +
                         diagnostics::found_text(event.found) + "; reaction: " + reaction);
+}
+
+/// Said once per entry, and not of warnings, which may come and go in every tick.
+void take_fault_over(const Event& event, Outcome& outcome) {
+  const supervisor::FaultRow& row = supervisor::row(event.fault);
+  const auto entry =
+      std::ranges::find(outcome.faults.rbegin(), outcome.faults.rend(), row.name, &ReportedFault::name);
+  if (entry == outcome.faults.rend()) return;
+  entry->over_s = event.time_s;
+  if (entry->count > 1 || row.severity == supervisor::Severity::warning) return;
+  say(event.time_s, std::string("fault ") + row.name + diagnostics::over_text(event.fault));
 }
 
 void take_state(const Event& event, Outcome& outcome) {
@@ -79,6 +92,9 @@ void take_events(control_loop::EventRing& events, Outcome& outcome,
         break;
       case Event::Kind::fault:
         take_fault(*event, outcome);
+        break;
+      case Event::Kind::fault_over:
+        take_fault_over(*event, outcome);
         break;
       case Event::Kind::waits_for_pose:
         say(event->time_s, "not in a pose to stand up from: waits until somebody puts it there");

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -13,12 +14,15 @@ class TelemetryNode;
 
 namespace stilt::program {
 
+inline constexpr double kNotOver = std::numeric_limits<double>::quiet_NaN();
+
 /// A fault as the report lists it: once until the operator resets the faults, with how often its cause came.
 struct ReportedFault {
   std::string name;
   double time_s = 0.0;  ///< of the first time
   std::string reaction;
   long long count = 1;
+  double over_s = kNotOver;       ///< when its cause was last gone
   supervisor::FaultDetail found;  ///< by the first
 };
 

@@ -117,6 +117,7 @@ void Supervisor::find_faults(const SupervisorInputs& inputs) noexcept {
   command_not_finite_ = false;
   const FaultSet present = found & looked_for(inputs.seen);
   output_.raised = present - output_.present;
+  output_.ended = output_.present - present;
   output_.present = present;
   output_.latched = output_.latched | (present & kLatching);
   output_.reaction = std::max(reaction(present), reaction(output_.latched));

@@ -46,6 +46,7 @@ struct SupervisorOutput {
   Reaction reaction = Reaction::none;  ///< hardest of the present and the latched faults
   FaultSet present;                    ///< causes that are there in this tick
   FaultSet raised;                     ///< those of them that were not there a tick before
+  FaultSet ended;                      ///< those that were, and are not any more
   FaultSet latched;                    ///< waiting for a reset
   double ramp = 0;                     ///< share of the torque law while it takes over, 0 to 1
   gait::GaitCommand gait;              ///< for the planner

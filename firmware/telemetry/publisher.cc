@@ -43,6 +43,8 @@ std::string sentence_of(const control_loop::Event& event) {
       return "not in a pose to stand up from: waits until somebody puts it there";
     case control_loop::Event::Kind::bring_up_failed:
       return diagnostics::bring_up_text(event.bring_up);
+    case control_loop::Event::Kind::fault_over:
+      return std::string(supervisor::name(event.fault)) + diagnostics::over_text(event.fault);
     case control_loop::Event::Kind::lost_stance:
       return "left the standing pose while it stood up: damped; put it there and ask again";
   }
@@ -54,6 +56,7 @@ std::string name_of(const control_loop::Event& event) {
     case control_loop::Event::Kind::state:
       return supervisor::name(event.state);
     case control_loop::Event::Kind::fault:
+    case control_loop::Event::Kind::fault_over:
       return supervisor::name(event.fault);
     case control_loop::Event::Kind::waits_for_pose:
       return "waits_for_pose";

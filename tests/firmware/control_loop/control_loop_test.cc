@@ -314,6 +314,19 @@ TEST_F(ControlLoopTest, FaultsAndStatesAreTold) {
   EXPECT_NEAR(faults[0].time_s, 1e-3 * static_cast<double>(rig->tick - 5), 1e-9);
 }
 
+TEST_F(ControlLoopTest, TheEndOfAFaultIsAnEvent) {
+  rig->stand();
+  static_cast<void>(rig->take(Event::Kind::fault_over));
+  rig->joints.emergency_stop = hal::EmergencyStopState::pressed;
+  rig->run(5);
+  EXPECT_TRUE(rig->take(Event::Kind::fault_over).empty());
+  rig->joints.emergency_stop = hal::EmergencyStopState::released;
+  rig->run(5);
+  const auto over = rig->take(Event::Kind::fault_over);
+  ASSERT_EQ(over.size(), 1u);
+  EXPECT_EQ(over[0].fault, Fault::emergency_stop);
+}
+
 TEST_F(ControlLoopTest, TheBlackBoxFreezesAfterAFaultWithWhatWasBefore) {
   rig->mail.black_box.set_aftermath(100);
   rig->stand();

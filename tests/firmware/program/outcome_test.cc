@@ -52,6 +52,33 @@ TEST_F(OutcomeTest, AFaultThatFlickersIsOneEntryUntilAReset) {
   EXPECT_EQ(outcome.faults[2].time_s, 3.0);
 }
 
+TEST_F(OutcomeTest, TheEndOfAFaultIsSaidOnceAndInTheReport) {
+  const auto over = [this](double time_s, Fault fault) {
+    events->push({.kind = Event::Kind::fault_over, .time_s = time_s, .fault = fault});
+  };
+  fault(1.0, Fault::emergency_stop);
+  fault(1.0, Fault::bus_error);
+  over(1.1, Fault::bus_error);
+  over(2.0, Fault::emergency_stop);
+  fault(2.5, Fault::emergency_stop);
+  over(3.0, Fault::emergency_stop);
+  fault(4.0, Fault::missed_replies);
+  over(4.1, Fault::missed_replies);
+  fault(5.0, Fault::missed_replies);
+  testing::internal::CaptureStderr();
+  take_events(*events, outcome);
+  const std::string said = testing::internal::GetCapturedStderr();
+  EXPECT_NE(said.find("2.000 s  fault emergency_stop: over, and waits for a reset\n"), std::string::npos)
+      << said;
+  EXPECT_EQ(said.find("3.000 s"), std::string::npos) << "once" << said;
+  EXPECT_NE(said.find("4.100 s  fault missed_replies: over\n"), std::string::npos) << said;
+  EXPECT_EQ(said.find("bus_error: over"), std::string::npos) << said;
+  const auto json = nlohmann::json::parse(to_json(outcome));
+  EXPECT_EQ(json["faults"][0]["over_s"], 3.0);
+  EXPECT_EQ(json["faults"][1]["over_s"], 1.1);
+  EXPECT_FALSE(json["faults"][2].contains("over_s")) << "it came again";
+}
+
 TEST_F(OutcomeTest, TheJsonHasTheFieldsThatScriptsRead) {
   fault(1.5, Fault::bus_off);
   take_events(*events, outcome);
