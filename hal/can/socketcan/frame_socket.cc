@@ -167,7 +167,7 @@ bool FrameSocket::take(std::size_t index, CanFrame& frame) noexcept {
   const bool own = echo_ == Echo::kernel ? (header.msg_flags & MSG_CONFIRM) != 0
                                          : echo_ == Echo::marked && marked_echo(wire);
   if (own) {
-    confirmations_.confirm(read);
+    counters_.echoes_lost += confirmations_.confirm(read);
     ++counters_.confirmed;
     return false;
   }

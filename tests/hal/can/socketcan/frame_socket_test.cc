@@ -4,6 +4,7 @@
 #include <linux/can/error.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <vector>
@@ -224,6 +225,43 @@ TEST_F(FrameSocketTest, AtMostOneCommandOfAnIdentifierIsUnconfirmed) {
   const SendResult result = socket.send(commands);
   EXPECT_EQ(result.sent, 1u);
   EXPECT_EQ(receive_all(wire), std::vector<CanFrame>{classic_frame(1, 8)});
+}
+
+TEST_F(FrameSocketTest, ALostEchoSilencesAJointForAFewTicksOnly) {
+  FrameSocket socket(ends_[0], Echo::kernel, {.receive_many = receive_as_echo});
+  FrameSocket wire(ends_[1]);
+  const std::vector<CanFrame> commands{classic_frame(1, 8), classic_frame(2, 8)};
+  int silent = 0;
+  for (int tick = 0; tick < 20; ++tick) {
+    static_cast<void>(socket.send(commands));
+    const std::vector<CanFrame> on_the_wire = receive_all(wire);
+    const bool first_sent = !on_the_wire.empty() && on_the_wire[0].id == 1;
+    if (!first_sent) ++silent;
+    for (const CanFrame& frame : on_the_wire) {
+      const bool echo_lost = tick == 0 && frame.id == 1;
+      if (echo_lost) continue;
+      ASSERT_EQ(wire.send(std::span(&frame, 1)).sent, 1u);
+    }
+    static_cast<void>(receive_all(socket));
+  }
+  EXPECT_EQ(silent, 6) << "fewer than supervisor.missed_damp_ticks";
+  EXPECT_EQ(socket.counters().echoes_lost, 1u);
+  EXPECT_EQ(socket.counters().withheld, 6u);
+}
+
+TEST_F(FrameSocketTest, FramesThatLeaveByPriorityLoseNoEcho) {
+  FrameSocket socket(ends_[0], Echo::kernel, {.receive_many = receive_as_echo});
+  FrameSocket wire(ends_[1]);
+  std::vector<CanFrame> commands;
+  for (std::uint32_t id = 1; id <= 6; ++id) commands.push_back(classic_frame(id, 8));
+  for (int tick = 0; tick < 10; ++tick) {
+    ASSERT_EQ(socket.send(commands).sent, commands.size()) << tick;
+    std::vector<CanFrame> on_the_wire = receive_all(wire);
+    std::ranges::reverse(on_the_wire);
+    ASSERT_EQ(wire.send(on_the_wire).sent, on_the_wire.size());
+    static_cast<void>(receive_all(socket));
+  }
+  EXPECT_EQ(socket.counters().echoes_lost, 0u);
 }
 
 TEST_F(FrameSocketTest, TwoFramesOfOneIdentifierInABatchAreOneTooMany) {
