@@ -84,13 +84,15 @@ TEST(TwoProcesses, ASecondInterruptTurnsTheMotorsOffAtOnce) {
   run.start_robot({"--lockstep", "--once"});
   run.start_controller({"--lockstep", "--start", "walk@0.5"});
   ASSERT_TRUE(wait_for_text(run.file("controller.err"), "walk", kLongestRun_s)) << run.said();
-  run.robot().signal(SIGSTOP);  // the controller waits for it: both signals come in one tick
+  run.robot().signal(SIGSTOP);  // the controller waits for it: hardly a tick lies between the two
   run.controller().signal(SIGINT);
   std::this_thread::sleep_for(std::chrono::milliseconds(400));
   run.controller().signal(SIGINT);
   run.robot().signal(SIGCONT);
   ASSERT_EQ(run.controller().wait(kLongestRun_s), 0) << run.said();
-  EXPECT_EQ(run.controller_json().at("last_state"), "walk") << run.said();
+  const std::string last_state = run.controller_json().at("last_state");
+  EXPECT_TRUE(last_state == "walk" || last_state == "step") << "it did not stand or sit first\n"
+                                                            << run.said();
   ASSERT_GE(run.robot().wait(kLongestRun_s), 0);
   EXPECT_FALSE(any_enabled(run.robot_json()));
 }
