@@ -24,8 +24,7 @@ constexpr Entry kEntries[] = {
      choice<&P::controller, &ControllerChoice::reference>(kReferences)},
     {"runtime", "require_realtime", "",
      "Refuse to start on a CAN interface unless kernel, priorities and locked memory make the torque loop "
-     "real "
-     "time",
+     "real time",
      flag<&P::runtime, &R::require_realtime>()},
     {"runtime", "require_realtime_always", "", "The same with buses that are all loopback:NAME or vcan",
      flag<&P::runtime, &R::require_realtime_always>()},
