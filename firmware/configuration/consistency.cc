@@ -88,6 +88,17 @@ void check_timing(const Parameters& p, std::vector<Contradiction>& found) {
   }
 }
 
+/// Otherwise every tick is a stall.
+void check_stall(const Configuration& configuration, std::vector<Contradiction>& found) {
+  const double tick_s = 1.0 / configuration.timing.torque_rate_hz;
+  const double stall_s = configuration.supervisor.torque_loop_stall_s;
+  if (2.0 * tick_s <= stall_s) return;
+  found.push_back(
+      {{"supervisor.torque_loop_stall_s", "timing.torque_rate_hz"},
+       "supervisor.torque_loop_stall_s = " + number_text(stall_s) +
+           " must be at least two ticks, 2 / timing.torque_rate_hz = " + number_text(2.0 * tick_s)});
+}
+
 void check_line_search(const Parameters& p, std::vector<Contradiction>& found) {
   if (p.sqp.filter_violation_min > p.sqp.filter_violation_max) {
     found.push_back(
@@ -116,6 +127,7 @@ std::vector<Contradiction> contradictions(const Configuration& parameters) {
   check_capacity(parameters, found);
   check_gait(parameters, found);
   check_timing(parameters, found);
+  check_stall(parameters, found);
   check_line_search(parameters, found);
   check_hardware(parameters.hardware, found);
   check_gains(parameters.hardware, parameters.supervisor, found);

@@ -119,6 +119,10 @@ void check_supervisor(const supervisor::SupervisorParameters& supervisor, std::v
         supervisor.stale_plan_s);
   check("supervisor.torque_loop_overrun_s", supervisor.torque_loop_overrun_s,
         "supervisor.torque_loop_stall_s", supervisor.torque_loop_stall_s);
+  check("supervisor.stale_plan_s", supervisor.stale_plan_s, "supervisor.planner_lost_s",
+        supervisor.planner_lost_s);
+  check("supervisor.heartbeat_timeout_s", supervisor.heartbeat_timeout_s, "supervisor.operator_gone_s",
+        supervisor.operator_gone_s);
 }
 
 void check_runtime(const RuntimeParameters& runtime, std::vector<Contradiction>& found) {

@@ -193,10 +193,17 @@ TEST(Hardware, ASlowTorsoSensorIsDueEveryFewTicks) {
 }
 
 TEST(Hardware, AMildReactionMustComeBeforeTheHardOne) {
-  for (const char* key : {"missed_hold_ticks = 10", "hot_C = 95", "low_voltage_V = 60",
-                          "plan_feedback_after_s = 0.3", "torque_loop_overrun_s = 0.02"}) {
+  for (const char* key :
+       {"missed_hold_ticks = 10", "hot_C = 95", "low_voltage_V = 60", "plan_feedback_after_s = 0.3",
+        "torque_loop_overrun_s = 0.02", "stale_plan_s = 11", "heartbeat_timeout_s = 31"}) {
     EXPECT_TRUE(mistakes(std::string("[supervisor]\n") + key + "\n").starts_with("robot.toml:2:")) << key;
   }
+}
+
+TEST(Hardware, TwoTicksFitIntoTheTimeAfterWhichTheTorqueLoopStandsStill) {
+  EXPECT_EQ(mistakes("[timing]\ntorque_rate_hz = 200\n"), "");
+  EXPECT_TRUE(mistakes("[timing]\ntorque_rate_hz = 150\n").starts_with("robot.toml:2:"));
+  EXPECT_TRUE(mistakes("[supervisor]\ntorque_loop_stall_s = 0.0015\n").starts_with("robot.toml:2:"));
 }
 
 TEST(Hardware, TextsThatAreNotUnderstoodSayWhatWouldBeRight) {
