@@ -161,7 +161,8 @@ class Secured : public testing::Test {
 TEST_F(Secured, a_monitor_with_documents_commands_and_a_recorder_without_them_receives_nothing) {
   run.start_robot({"--lockstep", "--once"});
   run.start_controller({"--lockstep", "--start", "stand", "--set", "supervisor.heartbeat_timeout_s=30",
-                        "--set", "telemetry.security_folder=" + documents("ours/stilt")});
+                        "--set", "supervisor.operator_gone_s=60", "--set",
+                        "telemetry.security_folder=" + documents("ours/stilt")});
   Process monitor({STILT_PROGRAM, "monitor", "--port", "0", "--no-browser", "--domain",
                    std::to_string(tests::own_domain()), "--security-folder", documents("ours/laptop")},
                   run.file("monitor.out"), run.file("monitor.err"));

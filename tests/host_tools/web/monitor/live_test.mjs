@@ -15,7 +15,8 @@ const kBuses = ['left', 'right'].flatMap((side) => ['--bus', `loopback:stilt_mon
 const kTurns = process.env.STILT_LIVE_REALTIME ? [] : ['--lockstep'];
 const kPatientSettings = ['supervisor.torque_loop_stall_s=10', 'supervisor.missed_hold_ticks=500',
   'supervisor.missed_damp_ticks=1000', 'supervisor.stale_plan_s=5', 'supervisor.heartbeat_timeout_s=30',
-  'telemetry.release_s=60', `telemetry.domain=${kDomain}`].flatMap((setting) => ['--set', setting]);
+  'supervisor.operator_gone_s=60', 'telemetry.release_s=60',
+  `telemetry.domain=${kDomain}`].flatMap((setting) => ['--set', setting]);
 
 let browser;
 let folder;
