@@ -36,9 +36,12 @@ CanRobot::CanRobot(const RobotWiring& wiring, std::span<FrameBus* const> buses) 
   bus_count_ = std::min(buses.size(), buses_.size());
   std::copy_n(buses.begin(), bus_count_, buses_.begin());
   const auto rows = std::span(wiring_.channels).first(wiring_.channel_count);
-  has_emergency_stop_ = std::any_of(rows.begin(), rows.end(), [](const ChannelRow& row) {
-    return row.channel == BaseChannel::emergency_stop_released;
-  });
+  const auto has = [rows](BaseChannel channel) {
+    return std::any_of(rows.begin(), rows.end(),
+                       [channel](const auto& row) { return row.channel == channel; });
+  };
+  has_emergency_stop_ = has(BaseChannel::emergency_stop_released);
+  has_rate_channel_ = has(BaseChannel::pitch_rate_rad_s);
 }
 
 JointBusStatus CanRobot::bus_status() const noexcept {
@@ -51,7 +54,7 @@ JointBusStatus CanRobot::bus_status() const noexcept {
 
 JointBusStatus CanRobot::read(std::int64_t now_ns, JointReadings& readings) noexcept {
   fresh_.fill(false);
-  base_fresh_ = false;
+  base_fresh_ = rate_fresh_ = false;
   bool disconnected = false;
   for (std::size_t bus = 0; bus < bus_count_; ++bus) {
     for (int round = 0; round < kMaximumRounds; ++round) {
@@ -73,11 +76,14 @@ JointBusStatus CanRobot::read(std::int64_t now_ns, JointReadings& readings) noex
   return status == JointBusStatus::ok && !complete ? JointBusStatus::incomplete : status;
 }
 
-/// A sensor slower than the reads is only missed once its next frame is due.
+/// A sensor slower than the reads is only missed once its next frame is due. Its rate may be in another
+/// frame: the older of the two counts.
 void CanRobot::count_missed_base() noexcept {
   base_silent_ = base_fresh_ ? 0 : base_silent_ + 1;
+  rate_silent_ = rate_fresh_ || !has_rate_channel_ ? 0 : rate_silent_ + 1;
+  const std::uint32_t silent = std::max(base_silent_, rate_silent_);
   const std::uint32_t between = base_period_reads() - 1;
-  base_.missed_replies = base_silent_ > between ? base_silent_ - between : 0;
+  base_.missed_replies = silent > between ? silent - between : 0;
 }
 
 std::uint32_t CanRobot::base_period_reads() const noexcept {
@@ -161,6 +167,7 @@ void CanRobot::take_channels(std::int64_t now_ns, const CanFrame& frame) noexcep
     if (values.has(channel)) field = values[channel];
   };
   set(BaseChannel::pitch_rate_rad_s, base_.pitch_rate_rad_s);
+  rate_fresh_ = rate_fresh_ || values.has(BaseChannel::pitch_rate_rad_s);
   set(BaseChannel::acceleration_x_m_s2, base_.acceleration_x_m_s2);
   set(BaseChannel::acceleration_z_m_s2, base_.acceleration_z_m_s2);
   set(BaseChannel::left_foot_force_N, base_.left_foot_force_N);

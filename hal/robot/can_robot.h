@@ -68,7 +68,10 @@ class CanRobot final {
   BaseReading base_;
   double rate_at_pitch_rad_s_ = 0.0;  ///< of the base, when its newest pitch came
   bool base_fresh_ = false;
+  bool has_rate_channel_ = false;
+  bool rate_fresh_ = false;
   std::uint32_t base_silent_ = 0;  ///< reads in a row without a new angle
+  std::uint32_t rate_silent_ = 0;  ///< reads in a row without a new rate, of a channel
   bool has_emergency_stop_ = false;
   bool emergency_stop_released_ = false;
   std::int64_t emergency_stop_time_ns_ = 0;

@@ -14,7 +14,7 @@ struct BaseReading {
   double left_foot_force_N = std::numeric_limits<double>::quiet_NaN();  ///< normal force of a contact sensor
   double right_foot_force_N = std::numeric_limits<double>::quiet_NaN();
   std::int64_t time_ns = 0;             ///< when the pitch arrived, CLOCK_MONOTONIC; 0: never
-  std::uint32_t missed_replies = 0;     ///< reads in a row without a new pitch since one was due
+  std::uint32_t missed_replies = 0;     ///< reads in a row without a new pitch or rate since one was due
   std::uint32_t unchanged_replies = 0;  ///< reads over which pitch and rate came with the very same bits
   std::uint32_t malformed = 0;          ///< frames of the sensor that could not be decoded, since start
 };

@@ -252,6 +252,29 @@ TEST(CanRobot, ATorsoSensorSlowerThanTheReadsIsMissedOnlyWhenItsFrameIsDue) {
   }
 }
 
+TEST(CanRobot, ARateThatStopsIsMissedThoughThePitchGoesOn) {
+  Robot robot(Kind::mit);
+  robot.wiring_.channels[2] = {
+      .id = 0x51, .byte_offset = 0, .scale = 1e-3, .channel = BaseChannel::pitch_rate_rad_s};
+  robot.wiring_.channel_count = 3;
+  const std::array<FrameBus*, 2> buses{&robot.buses_[0], &robot.buses_[1]};
+  CanRobot with_rate(robot.wiring_, buses);
+  BaseReading base;
+  const auto missed_after = [&](bool pitch, bool rate) {
+    if (pitch) robot.buses_[0].script(classic_frame(0x50, 4), robot.clock_.now_ns());
+    if (rate) robot.buses_[0].script(classic_frame(0x51, 4), robot.clock_.now_ns());
+    static_cast<void>(with_rate.read(robot.clock_.now_ns(), robot.readings_));
+    static_cast<void>(with_rate.read_base(base));
+    robot.clock_.advance(kTick_ns);
+    return base.missed_replies;
+  };
+  EXPECT_EQ(missed_after(true, true), 0u);
+  EXPECT_EQ(missed_after(true, false), 1u);
+  EXPECT_EQ(missed_after(true, false), 2u);
+  EXPECT_EQ(missed_after(false, true), 1u);
+  EXPECT_EQ(missed_after(true, true), 0u);
+}
+
 TEST(CanRobot, ARepetitionOfASlowTorsoSensorCountsTheReadsItLasts) {
   Robot robot(Kind::mit);
   robot.wiring_.channel_period_ticks = 3;
