@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "firmware/control_loop/trace_points.h"
 
@@ -78,12 +79,14 @@ hal::JointCommands feed_forward(const model::JointVector& torque_Nm, const hal::
 
 void ControlLoop::configure(const model::RobotModel& robot, const control::ControllerParameters& parameters,
                             const supervisor::SupervisorParameters& supervision) noexcept {
+  model_ = &robot;
   limits_ = joint_limits(robot.constants);
   supervision_ = supervision;
   standing_ = StandingPose(robot, parameters);
   supervisor_.configure(limits_, supervision);
   estimator_.configure(robot, parameters.estimator);
   law_.configure(robot, parameters);
+  blend_.configure(supervision.torque_blend_s);
   gait_.configure(robot, parameters, nullptr);
 }
 
@@ -95,6 +98,7 @@ void ControlLoop::attach(hal::Robot& robot, Mailboxes& mailboxes) noexcept {
 void ControlLoop::begin_standing(std::int64_t now_ns, const gait::GaitCommand& command,
                                  const model::StateVector* known_state) noexcept {
   supervisor_.begin_standing(now_ns);
+  blend_.remember({FallbackLevel::plan, tuning_});
   const control::SensorReading reading = read(now_ns);
   request_plan(reading.time_s, begin_stance_episode(reading, known_state), command);
 }
@@ -109,7 +113,7 @@ void ControlLoop::tick(const TickTiming& timing, const model::StateVector* known
   const PlanView plan = plan_at(reading.time_s);
   model::StateVector estimate = estimate_state(reading, plan, known_state);
   const supervisor::Followable followable = track_gait(reading, plan, estimate);
-  const supervisor::Observation seen = observe(timing, command, result, plan, estimate, followable);
+  const supervisor::Observation seen = observe(timing, command, result, reading, plan, estimate, followable);
   const supervisor::SupervisorOutput& decision = supervise(seen, command, reading);
   if (decision.start_controller) estimate = begin_stance_episode(reading, known_state);
   const hal::JointCommands wanted = torques(decision.level, reading, plan, estimate);
@@ -118,7 +122,7 @@ void ControlLoop::tick(const TickTiming& timing, const model::StateVector* known
 
   request_plan(reading.time_s, estimate, decision.gait);
   record(timing, command, result, plan, estimate, wanted, action);
-  report_events(command, seen);
+  report_events(seen);
   trace::tick_end(ticks_, static_cast<int>(decision.state), static_cast<int>(decision.level));
   ++ticks_;
 }
@@ -135,6 +139,7 @@ control::SensorReading ControlLoop::read(std::int64_t now_ns) noexcept {
   last_time_s_ = time_s_;
   time_s_ = 1e-9 * static_cast<double>(now_ns - start_ns_);
   robot_->read(now_ns, readings_);
+  asked_Nm_ = commanding_ ? supervisor::asked_torque_Nm(commands_, readings_.joints) : supervisor::Pose{};
   return sensor_reading(time_s_, readings_, now_ns);
 }
 
@@ -189,7 +194,8 @@ supervisor::Followable ControlLoop::track_gait(const control::SensorReading& rea
 }
 
 supervisor::Observation ControlLoop::observe(const TickTiming& timing, const OperatorCommand& command,
-                                             const PlanningResult& result, const PlanView& plan,
+                                             const PlanningResult& result,
+                                             const control::SensorReading& reading, const PlanView& plan,
                                              const model::StateVector& estimate,
                                              const supervisor::Followable& followable) noexcept {
   const std::uint64_t errors = error_count(readings_);
@@ -202,7 +208,14 @@ supervisor::Observation ControlLoop::observe(const TickTiming& timing, const Ope
   seen.write_status = write_status_;
   seen.bus_errors = errors > errors_;
   seen.emergency_stop = readings_.emergency_stop;
-  seen.planned_speed_rad_s = planned_speed_rad_s(plan);
+  const PlannedJoints planned = planned_joints(plan);
+  seen.planned_speed_rad_s = planned.speed_rad_s;
+  if (episode_ == 0) monitor_.reset();
+  if (episode_ != 0) {
+    seen.signals =
+        monitor_.update({timing.now_ns, readings_.joints, readings_.base, asked_Nm_, planned.position_rad});
+    seen.hip_height_share = hip_height_share(reading);
+  }
   seen.controller_finite = torques_finite_ && (episode_ == 0 || estimate.allFinite());
   seen.followable = followable;
   seen.failed_solves = of_episode ? static_cast<int>(result.failures_in_a_row) : 0;
@@ -217,18 +230,30 @@ supervisor::Observation ControlLoop::observe(const TickTiming& timing, const Ope
   return seen;
 }
 
-/// Of the joints by what they follow. 0 before they must follow.
-supervisor::Pose ControlLoop::planned_speed_rad_s(const PlanView& plan) const noexcept {
-  supervisor::Pose speed_rad_s{};
-  if (supervisor_.output().ramp < 1.0) return speed_rad_s;
-  model::JointVector planned = model::JointVector::Zero();
+ControlLoop::PlannedJoints ControlLoop::planned_joints(const PlanView& plan) const noexcept {
+  PlannedJoints planned{};
+  planned.position_rad.fill(std::numeric_limits<double>::quiet_NaN());
+  if (supervisor_.output().ramp < 1.0) return planned;
+  const auto take = [&planned](const model::JointVector& position_rad,
+                               const model::JointVector& speed_rad_s) {
+    std::copy_n(position_rad.data(), planned.position_rad.size(), planned.position_rad.begin());
+    std::copy_n(speed_rad_s.data(), planned.speed_rad_s.size(), planned.speed_rad_s.begin());
+  };
   if (supervisor_.output().level == FallbackLevel::gait) {
-    planned = gait_.velocity_rad_s();
+    take(gait_.position_rad(), gait_.velocity_rad_s());
   } else if (plan.exists) {
-    planned = plan.point.state.tail<kJoints>();
+    take(plan.point.state.segment<kJoints>(model::kFirstJoint), plan.point.state.tail<kJoints>());
   }
-  std::copy_n(planned.data(), speed_rad_s.size(), speed_rad_s.begin());
-  return speed_rad_s;
+  return planned;
+}
+
+/// Of the straight leg; the foot is the lower one.
+double ControlLoop::hip_height_share(const control::SensorReading& reading) const noexcept {
+  const model::StateVector state = measured_state(reading);
+  model::KinematicsTerms<double> feet;
+  model_->kinematics(state.data(), feet);
+  const double height_m = -std::min(feet.foot_position[1], feet.foot_position[3]);
+  return height_m / (model_->constants.thigh_length_m + model_->constants.shin_length_m);
 }
 
 const supervisor::SupervisorOutput& ControlLoop::supervise(const supervisor::Observation& seen,
@@ -262,18 +287,27 @@ model::StateVector ControlLoop::begin_stance_episode(const control::SensorReadin
 hal::JointCommands ControlLoop::torques(FallbackLevel level, const control::SensorReading& reading,
                                         const PlanView& plan, const model::StateVector& estimate) noexcept {
   torques_finite_ = true;
-  if (level == FallbackLevel::gait) return feed_forward(gait_.torque_Nm(), readings_, limits_);
-  if (level > FallbackLevel::plan_feedback) {
-    return feed_forward(model::JointVector::Zero(), readings_, limits_);
+  model::JointVector torque_Nm = model::JointVector::Zero();
+  if (level == FallbackLevel::gait) torque_Nm = gait_.torque_Nm();
+  if (level <= FallbackLevel::plan_feedback) {
+    const auto feedback = level == FallbackLevel::plan_feedback ? control::Feedback::plan_gains
+                                                                : control::Feedback::as_configured;
+    const control::TorqueCommand torque = law_.follow(reading, estimate, plan.point, feedback);
+    torques_finite_ = torque.finite;
+    torque_Nm = torque.torque_Nm;
   }
-  const auto feedback = level == FallbackLevel::plan_feedback ? control::Feedback::plan_gains
-                                                              : control::Feedback::as_configured;
-  const control::TorqueCommand torque = law_.follow(reading, estimate, plan.point, feedback);
-  torques_finite_ = torque.finite;
-  return feed_forward(torque.torque_Nm, readings_, limits_);
+  hal::JointCommands wanted = feed_forward(torque_Nm, readings_, limits_);
+  const TorqueBlend::Law law{level, tuning_};
+  if (level <= FallbackLevel::gait && supervisor_.output().ramp >= 1.0) {
+    blend_.fade(law, reading.time_s, asked_Nm_, wanted);
+  } else {
+    blend_.remember(law);
+  }
+  return wanted;
 }
 
 void ControlLoop::send(supervisor::Action action, std::int64_t now_ns) noexcept {
+  commanding_ = action == supervisor::Action::commands;
   switch (action) {
     case supervisor::Action::commands:
       write_status_ = robot_->write(commands_);
@@ -355,8 +389,7 @@ void ControlLoop::push(const Event& event) noexcept {
   mail_->events.push(timed);
 }
 
-void ControlLoop::report_events(const OperatorCommand& command,
-                                const supervisor::Observation& seen) noexcept {
+void ControlLoop::report_events(const supervisor::Observation& seen) noexcept {
   const supervisor::SupervisorOutput& decision = supervisor_.output();
   for (const supervisor::FaultRow& row : supervisor::kFaultTable) {
     if (decision.ended.has(row.fault)) push({.kind = Event::Kind::fault_over, .fault = row.fault});
@@ -369,9 +402,9 @@ void ControlLoop::report_events(const OperatorCommand& command,
   const bool stood_up = before_ == State::stand && decision.state == State::ready;
   if (decision.entered && stood_up) push({.kind = Event::Kind::lost_stance});
   before_ = decision.state;
-  const bool waits = decision.state == State::ready && !decision.entered &&
-                     command.request.kind == supervisor::RequestKind::stand;
+  const bool waits = decision.state == State::ready && decision.waits_to_stand;
   if (waits && !waiting_reported_) push({.kind = Event::Kind::waits_for_pose});
+  if (decision.stand_void) push({.kind = Event::Kind::stopped_waiting});
   waiting_reported_ = waits;
 }
 

@@ -5,6 +5,7 @@
 #include "firmware/control_loop/gait_fallback.h"
 #include "firmware/control_loop/mailboxes.h"
 #include "firmware/control_loop/standing_pose.h"
+#include "firmware/control_loop/torque_blend.h"
 #include "firmware/supervisor/supervisor.h"
 #include "hal/robot/robot.h"
 #include "mpc_core/control/estimator.h"
@@ -66,6 +67,12 @@ class ControlLoop {
     supervisor::PlanUse use = supervisor::PlanUse::none;
   };
 
+  /// Of the joints, by what they follow. No position and no speed before they must follow.
+  struct PlannedJoints {
+    supervisor::Pose position_rad;
+    supervisor::Pose speed_rad_s;
+  };
+
   void take_tuning() noexcept;
   [[nodiscard]] control::SensorReading read(std::int64_t now_ns) noexcept;
   [[nodiscard]] PlanView plan_at(double time_s) const noexcept;
@@ -74,10 +81,12 @@ class ControlLoop {
   [[nodiscard]] supervisor::Followable track_gait(const control::SensorReading& reading, const PlanView& plan,
                                                   const model::StateVector& estimate) noexcept;
   [[nodiscard]] supervisor::Observation observe(const TickTiming& timing, const OperatorCommand& command,
-                                                const PlanningResult& result, const PlanView& plan,
+                                                const PlanningResult& result,
+                                                const control::SensorReading& reading, const PlanView& plan,
                                                 const model::StateVector& estimate,
                                                 const supervisor::Followable& followable) noexcept;
-  [[nodiscard]] supervisor::Pose planned_speed_rad_s(const PlanView& plan) const noexcept;
+  [[nodiscard]] PlannedJoints planned_joints(const PlanView& plan) const noexcept;
+  [[nodiscard]] double hip_height_share(const control::SensorReading& reading) const noexcept;
   const supervisor::SupervisorOutput& supervise(const supervisor::Observation& seen,
                                                 const OperatorCommand& command,
                                                 const control::SensorReading& reading) noexcept;
@@ -93,9 +102,10 @@ class ControlLoop {
   void record(const TickTiming& timing, const OperatorCommand& command, const PlanningResult& result,
               const PlanView& plan, const model::StateVector& estimate, const hal::JointCommands& wanted,
               supervisor::Action action) noexcept;
-  void report_events(const OperatorCommand& command, const supervisor::Observation& seen) noexcept;
+  void report_events(const supervisor::Observation& seen) noexcept;
   void push(const Event& event) noexcept;
 
+  const model::RobotModel* model_ = nullptr;
   hal::Robot* robot_ = nullptr;
   Mailboxes* mail_ = nullptr;
   supervisor::JointLimits limits_;
@@ -106,11 +116,15 @@ class ControlLoop {
   supervisor::Supervisor supervisor_;
   control::Estimator estimator_;
   control::TorqueLaw law_;
+  TorqueBlend blend_;
+  supervisor::SignalMonitor monitor_;
   GaitFallback gait_;
   bool gait_selected_ = false;   ///< plans are not followed, by supervisor.select_gait
   double stepping_since_s_ = 0;  ///< the robot began to step
   hal::RobotReadings readings_;  ///< newest of each channel
   hal::JointCommands commands_{};
+  bool commanding_ = false;      ///< commands_ left in the tick before
+  supervisor::Pose asked_Nm_{};  ///< by commands_, at the newest readings; 0 without commands
   hal::JointBusStatus write_status_ = hal::JointBusStatus::ok;
   hal::BringUpProgress bring_up_;
   bool torques_finite_ = true;

@@ -19,7 +19,8 @@ struct Event {
     waits_for_pose,   ///< to stand up was asked for, and the robot is not in a pose for that
     bring_up_failed,  ///< of a driver: `bring_up`
     lost_stance,      ///< while it stood up the robot left the standing pose
-    fault_over        ///< the cause of a fault is gone, or not looked for any more: `fault`
+    fault_over,       ///< the cause of a fault is gone, or not looked for any more: `fault`
+    stopped_waiting   ///< for the standing pose: to stand up has to be asked for again
   };
   Kind kind = Kind::state;
   double time_s = 0.0;  ///< controller's clock

@@ -30,6 +30,7 @@ class GaitFallback {
   [[nodiscard]] bool ready() const noexcept { return in_step_ && command_.finite; }
   [[nodiscard]] const model::JointVector& torque_Nm() const noexcept { return command_.torque_Nm; }
   /// Of the joints, by the gait.
+  [[nodiscard]] const model::JointVector& position_rad() const noexcept { return command_.position_rad; }
   [[nodiscard]] const model::JointVector& velocity_rad_s() const noexcept { return command_.velocity_rad_s; }
   /// Which foot carries, by the gait; meaningful when ready().
   [[nodiscard]] model::ContactMode contact() const noexcept;

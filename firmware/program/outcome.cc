@@ -105,6 +105,9 @@ void take_events(control_loop::EventRing& events, Outcome& outcome,
       case Event::Kind::lost_stance:
         say(event->time_s, "left the standing pose while it stood up: damped; put it there and ask again");
         break;
+      case Event::Kind::stopped_waiting:
+        say(event->time_s, "waits no longer for the standing pose: put it there and ask again");
+        break;
     }
     events.pop();
   }

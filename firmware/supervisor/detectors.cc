@@ -25,6 +25,11 @@ bool joints_should_move(const Observation& seen, double moving_rad_s) noexcept {
                      [moving_rad_s](double speed_rad_s) { return std::abs(speed_rad_s) > moving_rad_s; });
 }
 
+bool any_beyond(const Pose& values, double limit) noexcept {
+  return std::any_of(values.begin(), values.end(),
+                     [limit](double value) { return !(std::abs(value) <= limit); });
+}
+
 bool any_hotter(const Observation& seen, double limit_C) noexcept {
   return std::any_of(seen.joints.begin(), seen.joints.end(), [limit_C](const JointReading& joint) {
     return joint.driver_temperature_C > limit_C || joint.motor_temperature_C > limit_C;
@@ -50,6 +55,9 @@ FaultSet detect_limits(const Observation& seen, const JointLimits& limits,
   faults.add_if(
       !within(seen.base.pitch_rad, -parameters.base_angle_limit_rad, parameters.base_angle_limit_rad),
       Fault::base_angle_limit);
+  faults.add_if(!(seen.hip_height_share >= parameters.hip_height_share), Fault::hip_height_limit);
+  faults.add_if(any_beyond(seen.signals.following_error_rad, parameters.following_error_rad),
+                Fault::following_error);
   return faults;
 }
 
@@ -62,6 +70,9 @@ FaultSet detect_sensors(const Observation& seen, const SupervisorParameters& par
     const bool moves = std::abs(seen.planned_speed_rad_s[i]) > parameters.moving_rad_s;
     faults.add_if(moves && seen.joints[i].unchanged_replies >= unchanged, Fault::encoder_frozen);
   }
+  faults.add_if(any_beyond(seen.signals.encoder_jump_rad, parameters.encoder_jump_rad), Fault::encoder_jump);
+  faults.add_if(!(std::abs(seen.signals.torso_mismatch_rad) <= parameters.torso_mismatch_rad),
+                Fault::torso_sensor_implausible);
   const bool repeats =
       seen.base.unchanged_replies >= unchanged && joints_should_move(seen, parameters.moving_rad_s);
   faults.add_if(repeats || seen.base.missed_replies >= damp, Fault::stale_torso_sensor);
@@ -69,6 +80,13 @@ FaultSet detect_sensors(const Observation& seen, const SupervisorParameters& par
                 Fault::missed_replies);
   faults.add_if(any_joint_missed(seen, parameters.missed_damp_ticks), Fault::lost_replies);
   return faults;
+}
+
+bool torque_is_missing(const Signals& signals, std::size_t joint,
+                       const SupervisorParameters& parameters) noexcept {
+  const double limit_Nm = std::max(parameters.torque_mismatch_Nm,
+                                   parameters.torque_mismatch_share * signals.asked_torque_Nm[joint]);
+  return !(std::abs(signals.torque_mismatch_Nm[joint]) <= limit_Nm);
 }
 
 FaultSet detect_buses(const Observation& seen) noexcept {
@@ -90,6 +108,9 @@ FaultSet detect_drivers(const Observation& seen, const SupervisorParameters& par
     faults.add_if(joint.state == hal::DriverState::idle, Fault::driver_not_enabled);
     faults.add_if(joint.supply_V < parameters.low_voltage_V, Fault::low_voltage);
     faults.add_if(joint.supply_V > parameters.high_voltage_V, Fault::high_voltage);
+  }
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    faults.add_if(torque_is_missing(seen.signals, i, parameters), Fault::torque_mismatch);
   }
   faults.add_if(any_hotter(seen, parameters.hot_C), Fault::driver_hot);
   faults.add_if(any_hotter(seen, parameters.overheated_C), Fault::driver_overheated);

@@ -5,6 +5,7 @@
 #include "firmware/supervisor/fallback.h"
 #include "firmware/supervisor/fault.h"
 #include "firmware/supervisor/parameters.h"
+#include "firmware/supervisor/signal_monitor.h"
 #include "hal/robot/joint_bus.h"
 #include "hal/sensors/emergency_stop.h"
 #include "hal/sensors/torso_sensor.h"
@@ -24,6 +25,8 @@ struct Observation {
   bool bus_errors = false;  ///< counters of errors, drops or malformed frames rose since the last tick
   hal::EmergencyStopState emergency_stop = hal::EmergencyStopState::absent;
   Pose planned_speed_rad_s{};       ///< of plan or gait at this time, 0 while neither is followed
+  Signals signals;                  ///< 0 while the torque law is not in command
+  double hip_height_share = 1.0;    ///< hip above the lower foot, of the straight leg
   bool controller_finite = true;    ///< estimate and torques of the last tick were finite numbers
   Followable followable;            ///< plan and gait
   int failed_solves = 0;            ///< in a row
@@ -42,18 +45,22 @@ struct Observation {
 }
 
 /// Beyond travel, speed or torque by more than the margins, or not finite; the torso too far from upright.
-/// A joint without any reply has no position to judge.
+/// A joint without any reply has no position to judge. Legs that fold; joints far from where they should be.
 [[nodiscard]] FaultSet detect_limits(const Observation& seen, const JointLimits& limits,
                                      const SupervisorParameters& parameters) noexcept;
 
-/// Sensors that repeat themselves or are silent.
+/// Sensors that repeat themselves, are silent, or contradict themselves.
 [[nodiscard]] FaultSet detect_sensors(const Observation& seen,
                                       const SupervisorParameters& parameters) noexcept;
+
+/// A joint's reported torque is far from the asked one, in Nm and as a share of it.
+[[nodiscard]] bool torque_is_missing(const Signals& signals, std::size_t joint,
+                                     const SupervisorParameters& parameters) noexcept;
 
 /// Buses that err, are off, or gone.
 [[nodiscard]] FaultSet detect_buses(const Observation& seen) noexcept;
 
-/// Drivers with faults, not enabled, hot, or badly supplied.
+/// Drivers with faults, not enabled, hot, badly supplied, or with another torque than asked for.
 [[nodiscard]] FaultSet detect_drivers(const Observation& seen,
                                       const SupervisorParameters& parameters) noexcept;
 

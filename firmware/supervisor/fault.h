@@ -41,8 +41,13 @@ enum class Fault : std::uint8_t {
   plan_missing,
   planner_lost,
   operator_gone,
+  following_error,
+  hip_height_limit,
+  encoder_jump,
+  torso_sensor_implausible,
+  torque_mismatch,
 };
-inline constexpr std::size_t kFaults = 29;
+inline constexpr std::size_t kFaults = 34;
 
 /// What a fault means for what comes after.
 enum class Severity : std::uint8_t {
@@ -130,6 +135,16 @@ inline constexpr std::array<FaultRow, kFaults> kFaultTable = {{
      "no plan came for so long that the robot shall not go on", "a plan came, or the torque law is not in command"},
     {Fault::operator_gone, 604, "operator_gone", Severity::latched, Reaction::sit, Watch::tracking,
      "the operator's program is silent for so long that nobody may be there", "a command came"},
+    {Fault::following_error, 105, "following_error", Severity::latched, Reaction::damp, Watch::tracking,
+     "a joint stays far from where plan or gait has it", "the torque law is not in command"},
+    {Fault::hip_height_limit, 106, "hip_height_limit", Severity::latched, Reaction::damp, Watch::tracking,
+     "the hip is too near to the lower foot: the legs fold", "the torque law is not in command"},
+    {Fault::encoder_jump, 203, "encoder_jump", Severity::latched, Reaction::damp, Watch::tracking,
+     "an encoder's angle and rate do not belong together", "the torque law is not in command"},
+    {Fault::torso_sensor_implausible, 204, "torso_sensor_implausible", Severity::latched, Reaction::damp, Watch::tracking,
+     "the torso sensor's angle and rate do not belong together", "the torque law is not in command"},
+    {Fault::torque_mismatch, 407, "torque_mismatch", Severity::latched, Reaction::damp, Watch::tracking,
+     "a driver reports a torque far from the one it was asked for", "the torque law is not in command"},
 }};
 // clang-format on
 
@@ -142,7 +157,7 @@ inline constexpr std::array<FaultRow, kFaults> kFaultTable = {{
 class FaultSet {
  public:
   constexpr FaultSet() noexcept = default;
-  constexpr explicit FaultSet(std::uint32_t bits) noexcept : bits_(bits) {}
+  constexpr explicit FaultSet(std::uint64_t bits) noexcept : bits_(bits) {}
 
   constexpr void add(Fault fault) noexcept { bits_ |= bit(fault); }
   constexpr void add_if(bool present, Fault fault) noexcept {
@@ -151,7 +166,7 @@ class FaultSet {
   [[nodiscard]] constexpr bool has(Fault fault) const noexcept { return (bits_ & bit(fault)) != 0; }
   [[nodiscard]] constexpr bool empty() const noexcept { return bits_ == 0; }
   [[nodiscard]] constexpr int count() const noexcept { return std::popcount(bits_); }
-  [[nodiscard]] constexpr std::uint32_t bits() const noexcept { return bits_; }
+  [[nodiscard]] constexpr std::uint64_t bits() const noexcept { return bits_; }
 
   [[nodiscard]] constexpr FaultSet operator|(FaultSet other) const noexcept {
     return FaultSet(bits_ | other.bits_);
@@ -166,10 +181,10 @@ class FaultSet {
   [[nodiscard]] constexpr bool operator==(const FaultSet&) const noexcept = default;
 
  private:
-  [[nodiscard]] static constexpr std::uint32_t bit(Fault fault) noexcept {
-    return std::uint32_t{1} << static_cast<unsigned>(fault);
+  [[nodiscard]] static constexpr std::uint64_t bit(Fault fault) noexcept {
+    return std::uint64_t{1} << static_cast<unsigned>(fault);
   }
-  std::uint32_t bits_ = 0;
+  std::uint64_t bits_ = 0;
 };
 
 /// Those of a severity.

@@ -33,6 +33,15 @@ FaultDetail position_limit(const Observation& seen, const JointLimits& limits, d
   });
 }
 
+/// The first joint of which a signal is beyond its limit.
+FaultDetail beyond(const Observation& seen, const Pose& values, double limit, const char* unit) noexcept {
+  return of_joint(seen, unit, [&](const JointReading&, std::size_t i, FaultDetail& found) {
+    found.value = values[i];
+    found.limit = limit;
+    return !(std::abs(values[i]) <= limit);
+  });
+}
+
 FaultDetail replies(const Observation& seen, int ticks) noexcept {
   const double limit = ticks;
   FaultDetail found =
@@ -91,6 +100,20 @@ FaultDetail detail(Fault fault, const Observation& seen, const JointLimits& limi
       });
     case Fault::base_angle_limit:
       return of_number(seen.base.pitch_rad, parameters.base_angle_limit_rad, "rad");
+    case Fault::hip_height_limit:
+      return of_number(seen.hip_height_share, parameters.hip_height_share, "of the leg");
+    case Fault::following_error:
+      return beyond(seen, seen.signals.following_error_rad, parameters.following_error_rad, "rad");
+    case Fault::encoder_jump:
+      return beyond(seen, seen.signals.encoder_jump_rad, parameters.encoder_jump_rad, "rad");
+    case Fault::torso_sensor_implausible:
+      return of_number(seen.signals.torso_mismatch_rad, parameters.torso_mismatch_rad, "rad");
+    case Fault::torque_mismatch:
+      return of_joint(seen, "Nm", [&](const JointReading&, std::size_t i, FaultDetail& found) {
+        found.value = seen.signals.torque_mismatch_Nm[i];
+        found.limit = parameters.torque_mismatch_Nm;
+        return torque_is_missing(seen.signals, i, parameters);
+      });
     case Fault::encoder_frozen:
       return of_joint(seen, "ticks", [&](const JointReading& joint, std::size_t i, FaultDetail& found) {
         found.value = joint.unchanged_replies;

@@ -70,14 +70,38 @@ bool finite(const JointCommands& commands) noexcept {
   });
 }
 
-JointCommands bounded(const JointCommands& commands, const JointLimits& limits) noexcept {
+JointCommands bounded(const JointCommands& commands, const JointReadings& measured,
+                      const JointLimits& limits) noexcept {
   JointCommands result = commands;
   for (std::size_t i = 0; i < kJoints; ++i) {
     const double limit_Nm = limits.torque_Nm[i];
-    result[i].torque_Nm = std::clamp(commands[i].torque_Nm, -limit_Nm, limit_Nm);
-    result[i].torque_limit_Nm = std::clamp(commands[i].torque_limit_Nm, 0.0, limit_Nm);
-    result[i].kp_Nm_rad = std::max(commands[i].kp_Nm_rad, 0.0);
-    result[i].kd_Nms_rad = std::max(commands[i].kd_Nms_rad, 0.0);
+    JointCommand& command = result[i];
+    command.torque_Nm = std::clamp(command.torque_Nm, -limit_Nm, limit_Nm);
+    command.torque_limit_Nm = std::clamp(command.torque_limit_Nm, 0.0, limit_Nm);
+    command.kp_Nm_rad = std::max(command.kp_Nm_rad, 0.0);
+    command.kd_Nms_rad = std::max(command.kd_Nms_rad, 0.0);
+    const double feedback_Nm = command.kp_Nm_rad * (command.position_rad - measured[i].position_rad) +
+                               command.kd_Nms_rad * (command.velocity_rad_s - measured[i].velocity_rad_s);
+    const double law_Nm = command.torque_Nm + feedback_Nm;
+    if (!(std::abs(law_Nm) > limit_Nm)) continue;  // or nothing is measured to judge it by
+    const double share = (std::copysign(limit_Nm, law_Nm) - command.torque_Nm) / feedback_Nm;
+    command.kp_Nm_rad *= share;
+    command.kd_Nms_rad *= share;
+  }
+  return result;
+}
+
+JointLimits derated(const JointLimits& limits, const JointReadings& measured,
+                    const SupervisorParameters& parameters) noexcept {
+  JointLimits result = limits;
+  const double range_C = parameters.overheated_C - parameters.hot_C;
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    double way = 0.0;  // from hot to overheated
+    for (const double temperature_C : {measured[i].driver_temperature_C, measured[i].motor_temperature_C}) {
+      if (!(temperature_C > parameters.hot_C)) continue;  // or not reported
+      way = std::max(way, range_C > 0 ? std::min((temperature_C - parameters.hot_C) / range_C, 1.0) : 1.0);
+    }
+    result.torque_Nm[i] *= 1.0 + way * (parameters.hot_torque_share - 1.0);
   }
   return result;
 }

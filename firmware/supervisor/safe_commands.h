@@ -26,9 +26,17 @@ namespace stilt::supervisor {
 /// No field of any joint is NaN or infinite.
 [[nodiscard]] bool finite(const hal::JointCommands& commands) noexcept;
 
-/// Torques and torque limits within the joints' limits; gains not negative.
+/// Torques and torque limits within the joints' limits; gains not negative, and lower where the law
+/// tau = torque + kp (position - q) + kd (velocity - v) of a driver without a limit of its own would be
+/// beyond it at this reading. A driver that has no reading follows the law from what it measures itself.
 [[nodiscard]] hal::JointCommands bounded(const hal::JointCommands& commands,
+                                         const hal::JointReadings& measured,
                                          const JointLimits& limits) noexcept;
+
+/// Hot drivers and motors get less torque: the limit falls from all of it at hot_C to hot_torque_share at
+/// overheated_C, linearly in the hotter temperature of a joint.
+[[nodiscard]] JointLimits derated(const JointLimits& limits, const hal::JointReadings& measured,
+                                  const SupervisorParameters& parameters) noexcept;
 
 /// The measured positions where they are finite, `before_rad` where not.
 [[nodiscard]] Pose measured_pose_rad(const hal::JointReadings& measured, const Pose& before_rad) noexcept;

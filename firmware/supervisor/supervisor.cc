@@ -90,6 +90,7 @@ const SupervisorOutput& Supervisor::update(const SupervisorInputs& inputs) noexc
   find_faults(inputs);
   void_request_after_faults(inputs.request);
   watch_reset_window(inputs.request);
+  give_up_waiting_to_stand(inputs.request);
   move(inputs);
   choose(inputs);
   return output_;
@@ -141,6 +142,15 @@ void Supervisor::watch_reset_window(const Request& request) noexcept {
     resetting_ = false;
   }
   output_.clear_buses = resetting_;
+}
+
+/// Nothing stands up by itself minutes after it was asked for.
+void Supervisor::give_up_waiting_to_stand(const Request& request) noexcept {
+  const bool waits = output_.state == State::ready && requested(RequestKind::stand, request);
+  if (!waits || !output_.waits_to_stand) stand_asked_ns_ = now_ns_;
+  output_.stand_void = waits && since_s(stand_asked_ns_) > parameters_.stand_wait_s;
+  if (output_.stand_void) void_number_ = std::max(void_number_, request.number);
+  output_.waits_to_stand = waits && !output_.stand_void;
 }
 
 bool Supervisor::requested(RequestKind kind, const Request& request) const noexcept {
@@ -331,7 +341,7 @@ Action Supervisor::bound(const hal::JointCommands& wanted, hal::JointCommands& c
     command_not_finite_ = true;
     commands = damped(measured_, limits_, parameters_);
   }
-  commands = bounded(commands, limits_);
+  commands = bounded(commands, measured_, derated(limits_, measured_, parameters_));
   if (output_.level <= FallbackLevel::gait) followed_ = commands;
   return Action::commands;
 }

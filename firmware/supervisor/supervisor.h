@@ -52,6 +52,8 @@ struct SupervisorOutput {
   gait::GaitCommand gait;              ///< for the planner
   bool entered = false;                ///< the state changed in this tick
   bool start_controller = false;       ///< estimator and planner start anew from this tick's readings
+  bool waits_to_stand = false;         ///< in ready, until the robot is fit to stand
+  bool stand_void = false;             ///< in this tick the request to stand had waited for too long
   bool clear_buses = false;            ///< a reset was asked for: forget bus-off, clear faults of drivers
 };
 
@@ -85,6 +87,7 @@ class Supervisor {
   [[nodiscard]] FaultSet looked_for(const Observation& seen) const noexcept;
   void void_request_after_faults(const Request& request) noexcept;
   void watch_reset_window(const Request& request) noexcept;
+  void give_up_waiting_to_stand(const Request& request) noexcept;
   void move(const SupervisorInputs& inputs) noexcept;
   void enter(State state, const SupervisorInputs& inputs) noexcept;
   [[nodiscard]] bool applies(Condition condition, const SupervisorInputs& inputs) const noexcept;
@@ -102,17 +105,18 @@ class Supervisor {
   SupervisorOutput output_;
   hal::JointReadings measured_;
   std::int64_t now_ns_ = 0;
-  std::int64_t entered_ns_ = 0;    ///< the state
-  std::int64_t driven_ns_ = 0;     ///< the drivers last began to get commands
-  std::int64_t tracking_ns_ = 0;   ///< the torque law last came into command
-  std::int64_t level_ns_ = 0;      ///< the level
-  std::int64_t hold_ns_ = 0;       ///< position control came into command: hold, sit
-  std::int64_t reset_ns_ = 0;      ///< a reset was asked for
-  std::uint32_t void_number_ = 0;  ///< requests up to this one are met or void
-  Pose pose_rad_{};                ///< newest finite positions
-  Pose level_pose_rad_{};          ///< pose_rad_ when the level was reached
-  Pose stand_pose_rad_{};          ///< pose_rad_ when the torque law came into command
-  hal::JointCommands followed_{};  ///< newest of plan or gait
+  std::int64_t entered_ns_ = 0;      ///< the state
+  std::int64_t driven_ns_ = 0;       ///< the drivers last began to get commands
+  std::int64_t tracking_ns_ = 0;     ///< the torque law last came into command
+  std::int64_t level_ns_ = 0;        ///< the level
+  std::int64_t hold_ns_ = 0;         ///< position control came into command: hold, sit
+  std::int64_t reset_ns_ = 0;        ///< a reset was asked for
+  std::int64_t stand_asked_ns_ = 0;  ///< in ready
+  std::uint32_t void_number_ = 0;    ///< requests up to this one are met or void
+  Pose pose_rad_{};                  ///< newest finite positions
+  Pose level_pose_rad_{};            ///< pose_rad_ when the level was reached
+  Pose stand_pose_rad_{};            ///< pose_rad_ when the torque law came into command
+  hal::JointCommands followed_{};    ///< newest of plan or gait
   DriversAre drivers_are_ = DriversAre::left_alone;
   bool was_up_ = false;  ///< drivers_are_ before the newest idle: they are to be disabled
   bool started_ = false;

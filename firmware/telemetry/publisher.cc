@@ -47,6 +47,8 @@ std::string sentence_of(const control_loop::Event& event) {
       return std::string(supervisor::name(event.fault)) + diagnostics::over_text(event.fault);
     case control_loop::Event::Kind::lost_stance:
       return "left the standing pose while it stood up: damped; put it there and ask again";
+    case control_loop::Event::Kind::stopped_waiting:
+      return "waits no longer for the standing pose: put it there and ask again";
   }
   return {};
 }
@@ -64,6 +66,8 @@ std::string name_of(const control_loop::Event& event) {
       return "bring_up_failed";
     case control_loop::Event::Kind::lost_stance:
       return "lost_stance";
+    case control_loop::Event::Kind::stopped_waiting:
+      return "stopped_waiting";
   }
   return {};
 }

@@ -57,9 +57,12 @@ class EmulatedDriver {
     frozen_ = frozen;
     frozen_motor_ = motor;
   }
+  /// The driver answers as ever, and the motor gives no torque: one of its phases is open.
+  void lose_torque(bool lost) noexcept { torque_lost_ = lost; }
   /// A driver without power neither answers nor drives.
   void set_powered(bool powered) noexcept { powered_ = powered; }
   [[nodiscard]] bool powered() const noexcept { return powered_; }
+  [[nodiscard]] bool gives_torque() const noexcept { return powered_ && !torque_lost_; }
 
  protected:
   ~EmulatedDriver() = default;
@@ -69,6 +72,7 @@ class EmulatedDriver {
  private:
   bool frozen_ = false;
   bool powered_ = true;
+  bool torque_lost_ = false;
   Motor frozen_motor_;
 };
 

@@ -66,7 +66,7 @@ void MitEmulator::raise(DriverFault fault) noexcept {
 }
 
 double MitEmulator::torque_Nm() const noexcept {
-  if (!enabled_ || !powered()) return 0;
+  if (!enabled_ || !gives_torque()) return 0;
   const double torque_Nm = command_.kp_Nm_rad * (command_.position_rad - sensed().position_rad) +
                            command_.kd_Nms_rad * (command_.velocity_rad_s - sensed().velocity_rad_s) +
                            command_.torque_Nm;

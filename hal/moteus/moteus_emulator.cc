@@ -81,7 +81,7 @@ double MoteusEmulator::damping_Nm() const noexcept {
 }
 
 double MoteusEmulator::torque_Nm() const noexcept {
-  if (!powered()) return 0;
+  if (!gives_torque()) return 0;
   if (mode_ == MoteusMode::timeout || mode_ == MoteusMode::zero_velocity) return damping_Nm();
   if (mode_ != MoteusMode::position) return 0;
   double torque_Nm = command_[kTorque] - integral_Nm_ -

@@ -52,7 +52,7 @@ bool OdriveEmulator::enabled() const noexcept {
 
 /// In torque mode with its limit: |torque| falls with the velocity, to nothing at the velocity limit.
 double OdriveEmulator::torque_Nm() const noexcept {
-  if (!enabled() || !powered()) return 0;
+  if (!enabled() || !gives_torque()) return 0;
   if (!settings_.torque_mode_limit) return torque_Nm_;
   const double velocity_rev_s = sensed().velocity_rad_s / kRadiansPerRevolution;
   return std::clamp(torque_Nm_, (-kVelocityLimit_rev_s - velocity_rev_s) * kVelocityGain_Nm_s_rev,

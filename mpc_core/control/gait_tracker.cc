@@ -113,6 +113,7 @@ void GaitTracker::track(const Sensed& sensed, double s, Command& command) const 
       parameters_.joint_kp_Nm_rad * (angle - exchange(sensed.state.segment<kJoints>(kFirstJoint), stance_)) +
       parameters_.joint_kd_Nms_rad * (velocity - exchange(sensed.state.tail<kJoints>(), stance_));
   command.torque_Nm = exchange(torque_Nm, stance_);
+  command.position_rad = exchange(angle, stance_);
   command.velocity_rad_s = exchange(velocity, stance_);
 }
 
@@ -136,7 +137,10 @@ GaitTracker::Command GaitTracker::tick(const SensorReading& reading, double spee
     const double torque_Nm = command.finite ? command.torque_Nm[j] : damping_Nm;
     command.torque_Nm[j] = drive_.limited_torque_Nm(j, torque_Nm, velocity);
   }
-  if (!command.finite) command.estimated_state.setConstant(std::numeric_limits<double>::quiet_NaN());
+  if (!command.finite) {
+    command.estimated_state.setConstant(std::numeric_limits<double>::quiet_NaN());
+    command.position_rad.setConstant(std::numeric_limits<double>::quiet_NaN());
+  }
   return command;
 }
 

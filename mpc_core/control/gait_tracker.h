@@ -27,6 +27,8 @@ class GaitTracker {
     /// State of the base estimated from the stance foot; NaN when a reading is not finite.
     model::StateVector estimated_state = model::StateVector::Zero();
     model::JointVector torque_Nm = model::JointVector::Zero();
+    /// Joint angles of the gait; NaN when a reading is not finite.
+    model::JointVector position_rad = model::JointVector::Zero();
     /// Joint velocities of the gait. They are 0 while the phase saturates at an end of the step, and when a
     /// reading is not finite.
     model::JointVector velocity_rad_s = model::JointVector::Zero();

@@ -67,7 +67,7 @@ struct Change {
   std::uint64_t tick;
   State state;
   FallbackLevel level;
-  std::uint32_t faults;
+  std::uint64_t faults;
 };
 
 std::vector<Change> changes(const RunRequest& request, const RunSettings& faults) {

@@ -124,6 +124,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Expectation{"BusOff", "bus-off:1@4", "bus_off", "damp", 2},
                     Expectation{"BusOffThatRestarts", "bus-off:1@4+0.1", "bus_off", "damp", 2},
                     Expectation{"DriverFault", "driver-fault:hip_R@4", "driver_fault", "damp", 2},
+                    Expectation{"TorqueLost", "torque-loss@4", "torque_mismatch", "damp", 400},
                     Expectation{"FrozenEncoder", "encoder-freeze@4", "encoder_frozen", "damp", 40},
                     Expectation{"PowerCycle", "power-cycle@4", "lost_replies", "damp", 12},
                     Expectation{"LowVoltage", "low-voltage@4", "driver_fault", "damp", 2},

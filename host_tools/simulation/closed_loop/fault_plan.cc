@@ -34,6 +34,8 @@ constexpr std::array kTable = {
                      "the driver reports over-current and is disabled, until it is cleared"},
     FaultDescription{encoder_freeze, "encoder-freeze", FaultTarget::joint, false, kForever_s,
                      "the encoder goes on reporting its last value"},
+    FaultDescription{torque_loss, "torque-loss", FaultTarget::joint, false, kForever_s,
+                     "the driver answers as ever, and the motor gives no torque"},
     FaultDescription{power_cycle, "power-cycle", FaultTarget::drivers, false, 0.5,
                      "the drivers have no power, and start anew when it returns"},
     FaultDescription{low_voltage, "low-voltage", FaultTarget::drivers, false, kForever_s,

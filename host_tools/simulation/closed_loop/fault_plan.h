@@ -17,6 +17,7 @@ enum class FaultKind {
   disconnect,
   driver_fault,
   encoder_freeze,
+  torque_loss,
   power_cycle,
   low_voltage,
   over_temperature,

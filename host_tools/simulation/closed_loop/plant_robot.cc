@@ -51,7 +51,7 @@ void PlantRobot::drive() {
   const model::StateVector state = plant_.state();
   model::JointVector torque_Nm = model::JointVector::Zero();
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
-    if (!enabled_[joint]) continue;
+    if (!enabled_[joint] || active(FaultKind::torque_loss, joint)) continue;
     const hal::JointCommand& command = commands_[joint];
     const auto j = static_cast<int>(joint);
     const double position_rad = state[model::kFirstJoint + j];

@@ -67,6 +67,9 @@ void RobotOnBus::begin_fault(std::int64_t now_ns, const simulation::TimedFault& 
     case simulation::FaultKind::encoder_freeze:
       for_each_driver(fault, [](Driver& driver) { driver.freeze_encoder(true); });
       break;
+    case simulation::FaultKind::torque_loss:
+      for_each_driver(fault, [](Driver& driver) { driver.lose_torque(true); });
+      break;
     case simulation::FaultKind::power_cycle:
       for_each_driver(fault, [](Driver& driver) { driver.set_powered(false); });
       break;
@@ -92,6 +95,9 @@ void RobotOnBus::end_fault(std::int64_t now_ns, const simulation::TimedFault& fa
       break;
     case simulation::FaultKind::encoder_freeze:
       for_each_driver(fault, [](Driver& driver) { driver.freeze_encoder(false); });
+      break;
+    case simulation::FaultKind::torque_loss:
+      for_each_driver(fault, [](Driver& driver) { driver.lose_torque(false); });
       break;
     case simulation::FaultKind::power_cycle:
       for_each_driver(fault, [](Driver& driver) {

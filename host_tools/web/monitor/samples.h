@@ -50,8 +50,8 @@ struct SupervisorSample {
   int state = 0;                 ///< number of supervisor::State
   int fallback_level = 0;        ///< number of supervisor::FallbackLevel
   int reaction = 0;              ///< number of supervisor::Reaction
-  std::uint32_t present = 0;     ///< bits of supervisor::FaultSet
-  std::uint32_t latched = 0;     ///< the same, waiting for a reset
+  std::uint64_t present = 0;     ///< bits of supervisor::FaultSet
+  std::uint64_t latched = 0;     ///< the same, waiting for a reset
   double ramp = 0.0;             ///< progress of the blend-in of the torque law, 0 to 1
   int gait = 0;                  ///< active gait, number of gait::GaitKind
   double speed_m_s = 0.0;        ///< active speed of walk

@@ -104,11 +104,11 @@ std::string TerminalView::link_text() const {
 }
 
 std::string TerminalView::fault_text() const {
-  const std::uint32_t any = supervisor_->present | supervisor_->latched;
+  const std::uint64_t any = supervisor_->present | supervisor_->latched;
   if (any == 0) return "faults    none\n";
   std::string text;
   for (std::size_t row = 0; row < supervisor::kFaults; ++row) {
-    const std::uint32_t bit = std::uint32_t{1} << row;
+    const std::uint64_t bit = std::uint64_t{1} << row;
     if ((any & bit) == 0) continue;
     const supervisor::FaultRow& fault = supervisor::kFaultTable[row];
     text += line("FAULT     %s (%s): %s", fault.name,

@@ -91,13 +91,33 @@ TEST_F(StandingUpTest, EveryWaitForThePoseIsReported) {
   }
 }
 
+TEST_F(StandingUpTest, AWaitForThePoseEndsAndToStandHasToBeAskedForAgain) {
+  rig->get_ready();
+  rig->joints.readings[1].position_rad += 0.3;
+  rig->ask(RequestKind::stand);
+  const int wait = static_cast<int>(1000 * rig->configuration.supervisor.stand_wait_s);
+  rig->run(wait);
+  EXPECT_EQ(rig->take(Event::Kind::stopped_waiting).size(), 0u);
+  rig->run(3);
+  EXPECT_EQ(rig->take(Event::Kind::stopped_waiting).size(), 1u);
+  rig->joints.readings[1].position_rad -= 0.3;
+  rig->run(100);
+  EXPECT_EQ(rig->state(), State::ready) << "minutes later somebody lifts it into the pose";
+  rig->ask(RequestKind::stand);
+  rig->run(10);
+  EXPECT_EQ(rig->state(), State::stand);
+}
+
 TEST_F(StandingUpTest, LeavingTheStandingPoseEndsDampedAndIsReported) {
   rig->get_ready();
   rig->ask(RequestKind::stand);
   rig->run(500);
   ASSERT_EQ(rig->state(), State::stand);
-  rig->joints.readings[1].position_rad += rig->configuration.supervisor.stance_margin_rad + 0.01;
-  rig->run(2);
+  for (int step = 0; step < 20; ++step) {  // no jump of the encoder
+    rig->joints.readings[1].position_rad += 0.05 * rig->configuration.supervisor.stance_margin_rad + 0.001;
+    rig->run(1);
+  }
+  rig->run(1);
   EXPECT_EQ(rig->state(), State::ready);
   EXPECT_TRUE(rig->only_damps());
   EXPECT_EQ(rig->take(Event::Kind::lost_stance).size(), 1u);

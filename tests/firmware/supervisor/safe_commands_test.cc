@@ -132,13 +132,59 @@ TEST(Bounded, KeepsTorquesWithinTheJointsAndGainsPositive) {
   commands[1].torque_Nm = -200;
   commands[2].torque_limit_Nm = 1e9;
   commands[3].kp_Nm_rad = commands[3].kd_Nms_rad = -1;
-  const hal::JointCommands result = bounded(commands, testing::joint_limits());
+  const hal::JointCommands result = bounded(commands, {}, testing::joint_limits());
   EXPECT_EQ(result[0].torque_Nm, 80);
   EXPECT_EQ(result[1].torque_Nm, -80);
   EXPECT_EQ(result[2].torque_limit_Nm, 80);
   EXPECT_EQ(result[3].kp_Nm_rad, 0);
   EXPECT_EQ(result[3].kd_Nms_rad, 0);
   EXPECT_EQ(result[0].kp_Nm_rad, 60) << "the rest stays";
+}
+
+/// The driver follows its law without a limit of its own.
+TEST(Bounded, LowersTheGainsOfALawThatAsksForMoreThanTheLimit) {
+  hal::JointReadings measured = testing::healthy().joints;
+  for (int i = 0; i < 4; ++i) {
+    const auto joint = static_cast<std::size_t>(i);
+    measured[joint].position_rad = 0.3 * i - 0.5;
+    measured[joint].velocity_rad_s = 4.0 - 3.0 * i;
+    hal::JointCommands commands{};
+    hal::JointCommand& command = commands[joint];
+    command = {
+        .position_rad = 1.2, .torque_Nm = -20, .kp_Nm_rad = 300, .kd_Nms_rad = 6, .torque_limit_Nm = 80};
+    const double asked_Nm = torque_Nm(command, measured[joint].position_rad, measured[joint].velocity_rad_s);
+    const hal::JointCommand result = bounded(commands, measured, testing::joint_limits())[joint];
+    const double given_Nm = torque_Nm(result, measured[joint].position_rad, measured[joint].velocity_rad_s);
+    EXPECT_GT(std::abs(asked_Nm), 80) << joint;
+    EXPECT_NEAR(given_Nm, asked_Nm > 0 ? 80 : -80, 1e-9) << joint;
+    EXPECT_EQ(result.torque_Nm, -20) << joint;
+  }
+}
+
+TEST(Bounded, LeavesALawWithinTheLimitAsItIs) {
+  const hal::JointReadings measured = testing::healthy().joints;
+  hal::JointCommands commands{};
+  commands.fill(
+      {.position_rad = 0.5, .torque_Nm = 30, .kp_Nm_rad = 60, .kd_Nms_rad = 2, .torque_limit_Nm = 80});
+  const hal::JointCommands result = bounded(commands, measured, testing::joint_limits());
+  for (std::size_t i = 0; i < hal::kJoints; ++i) {
+    EXPECT_EQ(result[i].kp_Nm_rad, 60);
+    EXPECT_EQ(result[i].kd_Nms_rad, 2);
+  }
+}
+
+TEST(Derated, TheTorqueLimitFallsWithTheHotterTemperature) {
+  hal::JointReadings measured = testing::healthy().joints;
+  measured[0].driver_temperature_C = kParameters.hot_C;
+  measured[1].motor_temperature_C = 0.5 * (kParameters.hot_C + kParameters.overheated_C);
+  measured[2].driver_temperature_C = 200;
+  measured[3].driver_temperature_C = measured[3].motor_temperature_C = kNan;
+  const JointLimits result = derated(testing::joint_limits(), measured, kParameters);
+  EXPECT_EQ(result.torque_Nm[0], 80);
+  EXPECT_NEAR(result.torque_Nm[1], 80 * (0.5 + 0.5 * kParameters.hot_torque_share), 1e-12);
+  EXPECT_NEAR(result.torque_Nm[2], 80 * kParameters.hot_torque_share, 1e-12);
+  EXPECT_EQ(result.torque_Nm[3], 80);
+  EXPECT_EQ(result.speed_rad_s, testing::joint_limits().speed_rad_s);
 }
 
 TEST(MeasuredPose, KeepsTheLastFinitePosition) {

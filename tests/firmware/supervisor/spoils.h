@@ -59,6 +59,11 @@ inline constexpr std::array<Spoil, kFaults> kSpoils = {{
        o.heartbeat_expected = true;
        o.heartbeat_age_s = 60;
      }},
+    {Fault::following_error, [](Observation& o) { o.signals.following_error_rad[0] = 2; }},
+    {Fault::hip_height_limit, [](Observation& o) { o.hip_height_share = 0.1; }},
+    {Fault::encoder_jump, [](Observation& o) { o.signals.encoder_jump_rad[0] = 0.5; }},
+    {Fault::torso_sensor_implausible, [](Observation& o) { o.signals.torso_mismatch_rad = -0.5; }},
+    {Fault::torque_mismatch, [](Observation& o) { o.signals.torque_mismatch_Nm[0] = -60; }},
 }};
 
 }  // namespace stilt::supervisor::testing

@@ -50,6 +50,11 @@ Expected expected(Fault fault) {
       return {Severity::warning, Reaction::warn, Watch::driven};
     case Fault::base_angle_limit:
     case Fault::encoder_frozen:
+    case Fault::following_error:
+    case Fault::hip_height_limit:
+    case Fault::encoder_jump:
+    case Fault::torso_sensor_implausible:
+    case Fault::torque_mismatch:
     case Fault::driver_not_enabled:
     case Fault::not_finite:
       return {Severity::latched, Reaction::damp, Watch::tracking};

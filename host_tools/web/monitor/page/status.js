@@ -11,6 +11,9 @@ const kLevelText = {
   sit: 'sitting down', damp: 'joints damped', off: 'motors left alone',
 };
 
+/** Numbers of more than 32 bits are beyond the bitwise operators. */
+const hasBit = (number, bit) => Math.floor(number / 2 ** bit) % 2 === 1;
+
 class StatusPanel {
   /** `choose(runId)` asks for another run to be shown. */
   constructor(robot, choose) {
@@ -67,8 +70,8 @@ class StatusPanel {
     if (key === this.lastFaults) return;
     this.lastFaults = key;
     const cards = this.robot.hello.faults.flatMap((fault, bit) => {
-      const present = (message.present >>> bit) & 1;
-      const latched = (message.latched >>> bit) & 1;
+      const present = hasBit(message.present, bit);
+      const latched = hasBit(message.latched, bit);
       return present || latched ? [faultCard(fault, present, latched)] : [];
     });
     const list = document.getElementById('fault-list');

@@ -110,7 +110,7 @@ class Run {
       hal::JointReading& reading = sensed.joints[i];
       reading.position_rad = state_[joint] + noise();
       reading.velocity_rad_s = state_[model::kPositions + joint] + noise();
-      reading.torque_Nm = noise();
+      reading.torque_Nm = noise() + commanded_torque_Nm(i);
       reading.time_ns = now_ns;
       reading.state = hal::DriverState::enabled;
     }
@@ -118,6 +118,12 @@ class Run {
     sensed.base.pitch_rate_rad_s = state_[model::kPositions + model::kFirstAngle] + noise();
     sensed.base.time_ns = now_ns;
     return sensed;
+  }
+
+  /// The drivers give what they were asked for in the tick before.
+  double commanded_torque_Nm(std::size_t joint) const {
+    const bool commands = !walk_.ticks.empty() && walk_.ticks.back().action == supervisor::Action::commands;
+    return commands ? walk_.ticks.back().sent[joint].torque_Nm : 0.0;
   }
 
   double noise() { return kNoise_rad * std::normal_distribution<>()(random_); }

@@ -43,9 +43,9 @@ std::array<double, 2> foot_at(double phase, double speed_m_s, double lift_m, dou
   return {stand_m - half + 2 * half * eased, lift_m * std::sin(std::numbers::pi * swing)};
 }
 
-std::uint32_t bit_of(const std::string& name) {
+std::uint64_t bit_of(const std::string& name) {
   for (std::size_t row = 0; row < supervisor::kFaults; ++row) {
-    if (name == supervisor::kFaultTable[row].name) return std::uint32_t{1} << row;
+    if (name == supervisor::kFaultTable[row].name) return std::uint64_t{1} << row;
   }
   throw std::invalid_argument("no fault is called " + name);
 }
@@ -72,7 +72,7 @@ void SyntheticSource::change(const std::string& words) {
   } else if (verb == "talk") {
     silent_ = false;
   } else if (verb == "fault") {
-    const std::uint32_t bit = bit_of(argument);
+    const std::uint64_t bit = bit_of(argument);
     present_ |= bit;
     if (supervisor::of_severity(supervisor::Severity::latched).bits() & bit) latched_ |= bit;
     if (latched_ != 0) state_ = number(State::fault);

@@ -51,7 +51,7 @@ class SyntheticSource final : public SampleSource {
   std::uint64_t ticks_ = 0;
   double hip_x_m_ = 0.0, speed_m_s_ = 0.0, wanted_m_s_ = 0.0, phase_ = 0.0, push_N_ = 0.0;
   int state_ = 4;  ///< stands
-  std::uint32_t present_ = 0, latched_ = 0;
+  std::uint64_t present_ = 0, latched_ = 0;
   double swing_height_m_ = 0.06, hip_height_m_ = 0.78;
   std::deque<ReplySample> replies_;
   std::deque<EventSample> events_;
