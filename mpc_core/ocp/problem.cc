@@ -15,7 +15,7 @@ using model::kJoints;
 using model::kPositions;
 using model::kStates;
 
-[[maybe_unused]] bool is_weight(double value) noexcept { return std::isfinite(value) && value >= 0.0; }
+[[maybe_unused]] bool is_finite(double value) noexcept { return std::isfinite(value); }
 
 void set_lane(StageBatch& batch, int lane, int stage, double duration_s, double weight,
               const gait::ReferencePoint& point) noexcept {
@@ -76,8 +76,8 @@ void set_weights(ProblemData& data) noexcept {
     data.input_weight[j] = c.joint_acceleration;
     data.input_weight[kJoints + j] = c.contact_force;
   }
-  STILT_ASSERT(std::ranges::all_of(data.state_weight, is_weight));
-  STILT_ASSERT(std::ranges::all_of(data.input_weight, is_weight));
+  STILT_ASSERT(std::ranges::all_of(data.state_weight, is_finite));
+  STILT_ASSERT(std::ranges::all_of(data.input_weight, is_finite));
 }
 
 void fill_batches(const gait::HeuristicReference& reference, Problem& problem) noexcept {
