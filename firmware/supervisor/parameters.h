@@ -26,7 +26,7 @@ struct SupervisorParameters {
   double moving_rad_s = 0.5;      ///< a joint that is planned to be faster must move, and the base with it
   int missed_hold_ticks = 3;      ///< missed replies in a row before the pose is held
   int missed_damp_ticks = 10;     ///< missed replies in a row before the joints are damped
-  double settle_s = 0.05;         ///< after the drivers came up, before replies are expected
+  double settle_s = 0.05;         ///< after the drivers came up, before their states count
   double hot_C = 75.0;            ///< driver or motor, warning
   double overheated_C = 90.0;     ///< driver or motor, sit down
   double hot_torque_share = 0.7;  ///< of the torque limit just below overheated_C; 1 up to hot_C

@@ -11,11 +11,20 @@ namespace {
 
 constexpr FaultSet kLatching = of_severity(Severity::latched);
 
-/// Causes that show only in what drivers and sensors send; they need a moment after drivers came up.
+/// Causes that show only in what drivers and sensors send.
 constexpr FaultSet kOfReplies = [] {
   FaultSet set;
   for (const Fault fault : {Fault::missed_replies, Fault::lost_replies, Fault::stale_torso_sensor,
                             Fault::driver_not_enabled, Fault::driver_fault}) {
+    set.add(fault);
+  }
+  return set;
+}();
+
+/// Those that need a moment after drivers came up. Silence does not: bring-up ends with drivers that answer.
+constexpr FaultSet kUnsettled = [] {
+  FaultSet set;
+  for (const Fault fault : {Fault::stale_torso_sensor, Fault::driver_not_enabled, Fault::driver_fault}) {
     set.add(fault);
   }
   return set;
@@ -103,7 +112,7 @@ FaultSet Supervisor::looked_for(const Observation& seen) const noexcept {
   if (output_.state == State::calibrate) set = set | watched(Watch::bring_up);
   if (drives(output_.state) && drivers_are_ == DriversAre::brought_up) set = set | watched(Watch::driven);
   if (tracks(output_.state)) set = set | watched(Watch::tracking);
-  if (1e-9 * static_cast<double>(seen.time_ns - driven_ns_) < parameters_.settle_s) set = set - kOfReplies;
+  if (1e-9 * static_cast<double>(seen.time_ns - driven_ns_) < parameters_.settle_s) set = set - kUnsettled;
   if (1e-9 * static_cast<double>(seen.time_ns - tracking_ns_) < parameters_.stale_plan_s) {
     FaultSet no_plan_yet;
     no_plan_yet.add(Fault::stale_plan);

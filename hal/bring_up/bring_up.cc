@@ -1,5 +1,6 @@
 #include "hal/bring_up/bring_up.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "hal/bring_up/absolute_turn.h"
@@ -73,6 +74,11 @@ const char* name(Failure failure) noexcept {
 }
 
 void BringUp::restart() noexcept {
+  losses_ = 0;
+  begin_anew();
+}
+
+void BringUp::begin_anew() noexcept {
   stage_ = Stage::identify;
   failure_ = suspected_ = Failure::none;
   blame_ = suspicion_ = {};
@@ -124,6 +130,36 @@ void BringUp::advance() noexcept {
   part_ = tries_ = 0;
   waiting_ = answered_ = false;
   suspected_ = Failure::none;
+  silent_ns_ = 0;
+}
+
+/// While other drivers come up, one that is ready may lose what it was given: its answers still judge whether
+/// it is enabled. A program that stood still has asked nothing meanwhile, so that this is no silence.
+void BringUp::watch(std::span<const CanFrame> received, std::int64_t since_last_step_ns) noexcept {
+  constexpr std::int64_t kLongestStep_ns = 2'000'000;
+  bool lost = false;
+  silent_ns_ += std::min(since_last_step_ns, kLongestStep_ns);
+  for (const CanFrame& frame : received) {
+    switch (judge(Stage::enable, 0, frame)) {
+      case Verdict::ignore:
+      case Verdict::fail:
+        break;
+      case Verdict::next_part:
+      case Verdict::next_stage:
+        silent_ns_ = 0;
+        break;
+      case Verdict::not_yet:
+      case Verdict::first_part:
+        lost = true;
+        break;
+    }
+  }
+  if (stage_ != Stage::ready || (!lost && silent_ns_ <= longest_silence_ns())) return;
+  if (++losses_ > options_.tries) {
+    failure(lost ? Failure::rejected : Failure::silent);
+  } else {
+    begin_anew();
+  }
 }
 
 void BringUp::take(const CanFrame& frame) noexcept {
@@ -170,8 +206,13 @@ StepResult BringUp::result_with_keep_alive(bool wanted) noexcept {
 }
 
 StepResult BringUp::step(std::int64_t now_ns, std::span<const CanFrame> received) noexcept {
+  const std::int64_t since_last_step_ns = now_ns - now_ns_;
   now_ns_ = now_ns;
   if (stage_ != Stage::failed && !valid(options_)) failure(Failure::invalid);
+  if (stage_ == Stage::ready) {
+    watch(received, since_last_step_ns);
+    received = {};
+  }
   for (const CanFrame& frame : received) {
     if (waiting_) take(frame);
   }

@@ -23,7 +23,7 @@ enum class Stage : std::uint8_t {
   watchdog_read,
   home,
   enable,
-  ready,   ///< enabled, at zero torque; each step feeds its watchdog
+  ready,   ///< enabled, at zero torque; each step feeds its watchdog, and one that is lost begins anew
   failed,  ///< see StepResult::failure; nothing is sent any more
 };
 [[nodiscard]] const char* name(Stage stage) noexcept;
@@ -106,6 +106,11 @@ class BringUp {
   /// none.
   [[nodiscard]] virtual bool keep_alive(CanFrame& frame) noexcept = 0;
 
+  /// A driver that is ready and has not answered for so long has lost its power or its bus.
+  [[nodiscard]] virtual std::int64_t longest_silence_ns() const noexcept {
+    return options_.answer_timeout_ns;
+  }
+
   /// What a failure is to be put down to.
   struct Blame {
     DriverFault fault = DriverFault::none;
@@ -131,6 +136,8 @@ class BringUp {
   static constexpr std::int64_t kListen_ns = 50'000'000;
 
  private:
+  void begin_anew() noexcept;
+  void watch(std::span<const CanFrame> received, std::int64_t since_last_step_ns) noexcept;
   void take(const CanFrame& frame) noexcept;
   void advance() noexcept;
   void give_up() noexcept;
@@ -149,6 +156,8 @@ class BringUp {
   bool answered_ = false;
   std::int64_t now_ns_ = 0;
   std::int64_t deadline_ns_ = 0;
+  std::int64_t silent_ns_ = 0;  ///< since the last answer of a driver that is ready
+  unsigned losses_ = 0;         ///< of a driver that was ready, since restart()
   double position_rad_ = std::numeric_limits<double>::quiet_NaN();
   double turn_offset_rad_ = 0;
 };

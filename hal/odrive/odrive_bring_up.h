@@ -20,6 +20,8 @@ class OdriveBringUp final : public bring_up::BringUp {
   [[nodiscard]] Ask ask(bring_up::Stage stage, unsigned part, CanFrame& frame) noexcept override;
   [[nodiscard]] Verdict judge(bring_up::Stage stage, unsigned part, const CanFrame& frame) noexcept override;
   [[nodiscard]] bool keep_alive(CanFrame& frame) noexcept override;
+  /// Its state comes with heartbeats only, by default every 100 ms.
+  [[nodiscard]] std::int64_t longest_silence_ns() const noexcept override { return 250'000'000; }
 
   [[nodiscard]] bool knows_endpoints() const noexcept {
     return endpoints_.watchdog_timeout != 0 && endpoints_.enable_watchdog != 0;

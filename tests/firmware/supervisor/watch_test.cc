@@ -189,8 +189,7 @@ class SettlingTest : public SupervisorTest {
 };
 
 TEST_F(SettlingTest, FaultsOfRepliesCountFromTheSettlingTimeOn) {
-  for (const Fault fault : {Fault::missed_replies, Fault::lost_replies, Fault::stale_torso_sensor,
-                            Fault::driver_not_enabled, Fault::driver_fault}) {
+  for (const Fault fault : {Fault::stale_torso_sensor, Fault::driver_not_enabled, Fault::driver_fault}) {
     SCOPED_TRACE(name(fault));
     spoil_drivers_that_just_came_up(fault);
     run(parameters_.settle_s - 0.001);
@@ -202,9 +201,9 @@ TEST_F(SettlingTest, FaultsOfRepliesCountFromTheSettlingTimeOn) {
 }
 
 TEST_F(SettlingTest, AllOtherFaultsCountAtOnce) {
-  for (const Fault fault :
-       {Fault::joint_position_limit, Fault::joint_speed_limit, Fault::joint_torque_limit, Fault::low_voltage,
-        Fault::high_voltage, Fault::driver_overheated, Fault::torque_loop_stalled, Fault::bus_off}) {
+  for (const Fault fault : {Fault::joint_position_limit, Fault::joint_speed_limit, Fault::joint_torque_limit,
+                            Fault::low_voltage, Fault::high_voltage, Fault::driver_overheated,
+                            Fault::torque_loop_stalled, Fault::bus_off, Fault::lost_replies}) {
     SCOPED_TRACE(name(fault));
     spoil_drivers_that_just_came_up(fault);
     tick();

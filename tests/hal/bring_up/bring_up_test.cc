@@ -72,6 +72,45 @@ TEST_F(BringUpTest, AReadyDriverStaysEnabledAsLongAsStepsGoOnAndIsDisabledAfterw
   EXPECT_EQ(moteus.mode(), moteus::MoteusMode::timeout) << "which damps";
 }
 
+TEST_F(BringUpTest, AReadyDriverThatLosesItsPowerIsBroughtUpAnew) {
+  moteus::MoteusEmulator moteus = moteus::make_emulator({});
+  mit::MitEmulator mit(damiao());
+  odrive::OdriveEmulator odrive = odrive::make_emulator({3, kEndpoints});
+  MoteusBringUp moteus_up({}, options_);
+  MitBringUp mit_up(damiao(), options_);
+  OdriveBringUp odrive_up({3, kEndpoints}, options_);
+  const auto check = [this](EmulatedDriver& driver, BringUp& bring_up) {
+    MockBus bus(clock_);
+    bus.attach(driver);
+    ASSERT_EQ(run(bring_up, bus, clock_).stage, Stage::ready);
+    driver.set_powered(false);
+    for (int tick = 0; tick < 40; ++tick) static_cast<void>(run(bring_up, bus, clock_, 1));
+    driver.power_cycle();
+    driver.set_powered(true);
+    for (int tick = 0; tick < 400; ++tick) static_cast<void>(run(bring_up, bus, clock_, 1));
+    EXPECT_EQ(bring_up.stage(), Stage::ready);
+    EXPECT_TRUE(driver.enabled());
+  };
+  check(moteus, moteus_up);
+  check(mit, mit_up);
+  check(odrive, odrive_up);
+}
+
+TEST_F(BringUpTest, AReadyDriverThatIsGoneFailsAndAProgramThatStoodStillIsNoSilence) {
+  moteus::MoteusEmulator driver = moteus::make_emulator({});
+  bus_.attach(driver);
+  MoteusBringUp bring_up({}, options_);
+  ASSERT_EQ(run(bring_up, bus_, clock_).stage, Stage::ready);
+  clock_.advance(15'000'000);  // within the watchdog
+  EXPECT_EQ(run(bring_up, bus_, clock_, 1).stage, Stage::ready);
+  driver.set_powered(false);
+  StepResult result;
+  for (int tick = 0; tick < 1000 && result.stage != Stage::failed; ++tick) {
+    result = run(bring_up, bus_, clock_, 1);
+  }
+  EXPECT_EQ(result.failure, Failure::silent);
+}
+
 TEST_F(BringUpTest, AnAbsentDriverFailsInTheStageThatGotNoAnswer) {
   MoteusBringUp bring_up({}, options_);
   const StepResult result = run(bring_up, bus_, clock_);
