@@ -41,7 +41,7 @@ CanRobot::CanRobot(const RobotWiring& wiring, std::span<FrameBus* const> buses) 
                        [channel](const auto& row) { return row.channel == channel; });
   };
   has_emergency_stop_ = has(BaseChannel::emergency_stop_released);
-  has_rate_channel_ = has(BaseChannel::pitch_rate_rad_s);
+  has_rate_channel_ = wiring_.pitch_encoder_joint < 0 && has(BaseChannel::pitch_rate_rad_s);
 }
 
 JointBusStatus CanRobot::bus_status() const noexcept {
