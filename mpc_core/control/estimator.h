@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cmath>
 
 #include "mpc_core/control/parameters.h"
@@ -22,7 +23,7 @@ struct SensorReading {
          std::isfinite(reading.base_pitch_rate_rad_s);
 }
 
-using BaseVelocity = Eigen::Vector3d;  ///< rates of x (m/s), z (m/s) and pitch (rad/s)
+using BaseVelocity = Eigen::Vector2d;  ///< linear, x and z, m/s
 
 /// Estimates the linear position and velocity of the base from the stance feet, in the world frame:
 ///
@@ -30,8 +31,10 @@ using BaseVelocity = Eigen::Vector3d;  ///< rates of x (m/s), z (m/s) and pitch 
 ///
 /// r_f is the position of foot f relative to the base. anchor_f is its position on the ground, z = 0, at the
 /// start of its scheduled contact. The weights w_f rise and fall linearly over `blend_s` at a scheduled
-/// switch; impacts are not sensed. The estimate drifts in x by the slip of the feet, and does not drift in z.
-/// Real-time safe.
+/// switch. A swing foot that was up and is now below the stance foot has landed early and carries: height and
+/// vertical velocity of the base follow it alone until the schedule changes. The horizontal velocity stays
+/// that of the scheduled foot, which the plan is made for. The estimate drifts in x by the slip of the feet,
+/// and does not drift in z. Real-time safe.
 class Estimator {
  public:
   void configure(const model::RobotModel& robot, const EstimatorParameters& parameters) noexcept;
@@ -47,11 +50,17 @@ class Estimator {
 
  private:
   /// v += planned change + (1 - exp(-dt / velocity_filter_s)) (measured - v)
+  /// The correction is bounded: a foot that lands late moves at metres per second while the schedule has it
+  /// on the ground, and no push accelerates the base as fast. The pitch rate is the sensor's, without a
+  /// filter: its lag would cost more than the sensor's noise.
   void filter_velocity(double elapsed_s, const BaseVelocity* planned_change,
                        model::StateVector& state) noexcept;
 
   /// Base position in x from the trusted feet, m; the last estimate when no foot is trusted.
   [[nodiscard]] double base_x_m(const model::KinematicsTerms<double>& feet) const noexcept;
+  /// Weights of the feet in the height of the base.
+  [[nodiscard]] std::array<double, model::kFeet> carrying(const model::KinematicsTerms<double>& feet,
+                                                          model::ContactMode contact) noexcept;
   /// Anchors each foot whose contact begins, and updates the weights.
   void follow_contacts(const model::KinematicsTerms<double>& feet, double elapsed_s,
                        model::ContactMode contact) noexcept;
@@ -64,6 +73,9 @@ class Estimator {
   bool in_contact_[model::kFeet] = {};
   double weight_[model::kFeet] = {};
   double anchor_x_m_[model::kFeet] = {};
+  model::ContactMode scheduled_{true, true};
+  bool swing_foot_lifted_ = false;  ///< since the schedule changed
+  bool landed_early_ = false;       ///< the swing foot, before the schedule changes
 };
 
 }  // namespace stilt::control

@@ -11,7 +11,9 @@ namespace stilt::control {
 struct TorqueLawParameters {
   double joint_kp_Nm_rad = 100.0;
   double joint_kd_Nms_rad = 5.0;
-  bool use_feedback_gains = false;        ///< adds the plan's feedback K (x - x_plan) to its inputs
+  bool use_feedback_gains = false;           ///< adds the plan's feedback K (x - x_plan) to its inputs
+  double minimum_normal_force_share = 0.28;  ///< least normal force of a foot alone on the ground, share of
+                                             ///< the weight: it stays pressed down
   double friction_compensation = 1.0;     ///< share of the joints' Coulomb friction that is fed forward for
                                           ///< the planned velocity
   double friction_velocity_rad_s = 0.05;  ///< width of the smoothed sign, tanh(v / width)
@@ -30,6 +32,7 @@ struct EstimatorParameters {
   double blend_s = 0.02;  ///< time over which the weight moves from the old stance foot to the new one
   /// Time constant with which the base's velocity follows the measured one around the plan's; 0: no filter.
   double velocity_filter_s = 0.005;
+  double velocity_correction_max_m_s2 = 1e6;  ///< largest rate of that correction, of x and z
 };
 
 /// Robot parameters that the controller assumes besides the URDF. Friction and damping replace those of the

@@ -41,6 +41,13 @@ model::FeetVector foot_positions(const model::RobotModel& robot, const model::St
   return model::FeetVector(feet.foot_position);
 }
 
+// docs/decisions/0022-feasible-plans.md
+bool feasible(const sqp::SqpParameters& p, const sqp::SolveReport& report) noexcept {
+  const ocp::Violations& v = report.violations;
+  return report.dynamics_defect_max <= p.plan_defect_max &&
+         std::max(v.friction_cone_N, v.pulling_force_N) <= p.plan_force_violation_max_N;
+}
+
 }  // namespace
 
 ConfigureStatus prepare_settings(const model::RobotModel& robot, const ControllerParameters& parameters,
@@ -188,14 +195,15 @@ sqp::SolveReport Planner::plan(const PlannerInput& input, Plan& plan) noexcept {
   ocp::Trajectory& work = solution_[1 - current_];
   warm_start(input, work);
   report = sqp_.solve(data_, problem_, parameters_.sqp, work);
-  if (!report.usable()) {
-    has_solution_ = false;  // the next solve does not start from the last solution
-    return report;
+  if (report.usable() && !feasible(parameters_.sqp, report)) report.status = sqp::SolveStatus::infeasible;
+  // After an infeasible plan the next solve starts cold; a cold start that is infeasible is continued.
+  const bool is_cold_start = !has_solution_;
+  has_solution_ = report.usable() || (is_cold_start && report.status == sqp::SolveStatus::infeasible);
+  if (has_solution_) {
+    current_ = 1 - current_;
+    solved_horizon_ = problem_.horizon;
   }
-  current_ = 1 - current_;
-  solved_horizon_ = problem_.horizon;
-  has_solution_ = true;
-  write_plan(input, report, plan);
+  if (report.usable()) write_plan(input, report, plan);
   return report;
 }
 

@@ -20,7 +20,7 @@ void TorqueLaw::configure(const model::RobotModel& robot, const ControllerParame
   law_ = parameters.torque_law;
   drive_ = drive_model(robot.constants, parameters.robot);
   friction_coefficient_ = parameters.inequality.friction_coefficient;
-  minimum_normal_force_N_ = ocp::MinimumNormalForce::of(parameters.inequality.minimum_normal_force_share,
+  minimum_normal_force_N_ = ocp::MinimumNormalForce::of(parameters.torque_law.minimum_normal_force_share,
                                                         robot.constants.total_mass_kg);
 }
 

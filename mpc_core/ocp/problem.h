@@ -5,6 +5,7 @@
 #include "mpc_core/ocp/horizon.h"
 #include "mpc_core/ocp/parameters.h"
 #include "mpc_core/ocp/trajectory.h"
+#include "mpc_core/ocp/violations.h"
 
 /// One planning problem: horizon, references and weights, stored for batched evaluation.
 namespace stilt::ocp {
@@ -86,6 +87,10 @@ struct Problem {
 
 /// Sorts the stages of the horizon into batches and evaluates the reference at each.
 void fill_batches(const gait::HeuristicReference& reference, Problem& problem) noexcept;
+
+/// Violations of the inequalities by an iterate.
+[[nodiscard]] Violations violations(const ProblemData& data, const Problem& problem,
+                                    const Trajectory& iterate) noexcept;
 
 /// Merit of an iterate: running, touch-down and terminal cost, defects, equality residuals.
 [[nodiscard]] Merit evaluate(const ProblemData& data, const Problem& problem,

@@ -2,6 +2,8 @@
 
 #include <cstdint>
 
+#include "mpc_core/ocp/violations.h"
+
 namespace stilt::sqp {
 
 /// Why a solve ended.
@@ -11,6 +13,7 @@ enum class SolveStatus : std::uint8_t {
   step_rejected,    ///< the line search found no acceptable step; the last accepted iterate is the plan
   not_finite,       ///< NaN or infinity in input, linearisation or step: no plan
   not_convex,       ///< a reduced Hessian was not positive definite: no plan
+  infeasible,       ///< defects or contact forces exceed those of a usable plan (planner): no plan
 };
 
 /// Result of one solve.
@@ -21,13 +24,12 @@ struct SolveReport {
   double cost = 0.0;
   double dynamics_defect_max = 0.0;     ///< largest |x_{k+1} - F(x_k, u_k)|, mixed SI units
   double equality_violation_max = 0.0;  ///< largest equality residual, m/s^2 or N
+  ocp::Violations violations;           ///< of the inequalities, by kind
   double step_length = 0.0;             ///< of the last iteration
   double step_size = 0.0;               ///< largest component of the last accepted step
 
   /// True when the plan may be executed.
-  [[nodiscard]] constexpr bool usable() const noexcept {
-    return status != SolveStatus::not_finite && status != SolveStatus::not_convex;
-  }
+  [[nodiscard]] constexpr bool usable() const noexcept { return status < SolveStatus::not_finite; }
 };
 
 }  // namespace stilt::sqp

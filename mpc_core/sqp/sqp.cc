@@ -192,6 +192,7 @@ SolveReport Sqp::solve(const ocp::ProblemData& data, const ocp::Problem& problem
   report.cost = merit.cost;
   report.dynamics_defect_max = merit.defect_max;
   report.equality_violation_max = merit.equality_max;
+  if (report.usable()) report.violations = ocp::violations(data, problem, iterate);
   times_.total_us = 1e-3 * static_cast<double>(now_ns() - start_ns);
   return report;
 }

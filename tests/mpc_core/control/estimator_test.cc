@@ -247,13 +247,28 @@ class VelocityFilterTest : public EstimatorTest {
     standing_ = gait::standing_state(robot_.constants, 0.8, 0.0, 0.15, true);
     estimator_.reset(reading_of(standing_, 0.0), 0.0);
   }
-  /// Estimate of the pitch rate after a tick in which the gyro reads `measured` and the plan changes it by
-  /// `planned`.
-  double pitch_rate_after(int tick, double measured_rad_s, double planned_rad_s) {
+  /// Estimate of the base's velocity after a tick in which the feet show `measured` and the plan changes it
+  /// by `planned`, both forward.
+  double speed_after(int tick, double measured_m_s, double planned_m_s) {
+    const BaseVelocity change(planned_m_s, 0.0);
+    return estimator_.update(reading_of(moving(measured_m_s), tick * kTick_s), kBoth, &change)[kPositions];
+  }
+  /// Both feet at rest while the base moves forward.
+  [[nodiscard]] StateVector moving(double speed_m_s) const {
     StateVector state = standing_;
-    state[kPositions + 2] = measured_rad_s;
-    const BaseVelocity change(0.0, 0.0, planned_rad_s);
-    return estimator_.update(reading_of(state, tick * kTick_s), kBoth, &change)[kPositions + 2];
+    model::KinematicsTerms<double> feet;
+    robot_.kinematics(state.data(), feet);
+    for (int foot = 0; foot < model::kFeet; ++foot) {
+      Eigen::Matrix2d leg;
+      for (int row = 0; row < 2; ++row) {
+        for (int joint = 0; joint < 2; ++joint) {
+          leg(row, joint) = feet.foot_jacobian[2 * foot + row][kFirstJoint + 2 * foot + joint];
+        }
+      }
+      state.segment<2>(kPositions + kFirstJoint + 2 * foot) =
+          leg.inverse() * Eigen::Vector2d(-speed_m_s, 0.0);
+    }
+    return state;
   }
 
   StateVector standing_;
@@ -263,27 +278,112 @@ TEST_F(VelocityFilterTest, AMeasuredStepIsReachedExponentiallyWithTheTimeConstan
   start();
   for (int tick = 1; tick <= 30; ++tick) {
     const double expected = 1.0 - std::exp(-tick * kTick_s / kFilter_s);
-    EXPECT_NEAR(pitch_rate_after(tick, 1.0, 0.0), expected, 1e-12) << "tick " << tick;
+    EXPECT_NEAR(speed_after(tick, 1.0, 0.0), expected, 1e-9) << "tick " << tick;
+  }
+}
+
+TEST_F(VelocityFilterTest, ThePitchRateIsTheSensorsAtOnce) {
+  start();
+  StateVector state = standing_;
+  state[kPositions + 2] = 1.3;
+  const BaseVelocity none = BaseVelocity::Zero();
+  EXPECT_EQ(estimator_.update(reading_of(state, kTick_s), kBoth, &none)[kPositions + 2], 1.3);
+}
+
+TEST_F(VelocityFilterTest, TheLinearVelocityIsCorrectedAtTheLargestRateAtMost) {
+  constexpr double kMost_m_s2 = 14.0;
+  estimator_.configure(
+      robot_,
+      {.blend_s = kBlend_s, .velocity_filter_s = kFilter_s, .velocity_correction_max_m_s2 = kMost_m_s2});
+  standing_ = gait::standing_state(robot_.constants, 0.8, 0.0, 0.15, true);
+  estimator_.reset(reading_of(standing_, 0.0), 0.0);
+  StateVector state = standing_;
+  state.tail<model::kJoints>() << 6.0, 0.0, 6.0, 0.0;  // both thighs swing: metres per second at the feet
+  const BaseVelocity none = BaseVelocity::Zero();
+  BaseVelocity before = none;
+  for (int tick = 1; tick <= 20; ++tick) {
+    const StateVector estimate = estimator_.update(reading_of(state, tick * kTick_s), kBoth, &none);
+    const BaseVelocity now = estimate.segment<2>(kPositions);
+    EXPECT_NEAR(std::abs(now[0] - before[0]), kMost_m_s2 * kTick_s, 1e-12) << "tick " << tick;
+    EXPECT_LE(std::abs(now[1] - before[1]), kMost_m_s2 * kTick_s + 1e-12) << "tick " << tick;
+    before = now;
   }
 }
 
 TEST_F(VelocityFilterTest, AMotionThatFollowsThePlanIsNotDelayed) {
   start();
-  double rate_rad_s = 0.0;
+  double speed_m_s = 0.0;
   for (int tick = 1; tick <= 200; ++tick) {
-    const double change_rad_s = tick == 100 ? -1.5 : 0.01;  // a touch-down among steady acceleration
-    rate_rad_s += change_rad_s;
-    EXPECT_NEAR(pitch_rate_after(tick, rate_rad_s, change_rad_s), rate_rad_s, 1e-12) << "tick " << tick;
+    const double change_m_s = tick == 100 ? -1.5 : 0.01;  // a touch-down among steady acceleration
+    speed_m_s += change_m_s;
+    EXPECT_NEAR(speed_after(tick, speed_m_s, change_m_s), speed_m_s, 1e-9) << "tick " << tick;
   }
 }
 
 TEST_F(VelocityFilterTest, WithoutAPlanTheMeasuredVelocityIsTaken) {
   start();
-  (void)pitch_rate_after(1, 1.0, 0.0);
-  StateVector state = standing_;
-  state[kPositions + 2] = 0.7;
-  EXPECT_EQ(estimator_.update(reading_of(state, 2 * kTick_s), kBoth)[kPositions + 2], 0.7);
-  EXPECT_NEAR(pitch_rate_after(3, 0.7, 0.0), 0.7, 1e-12) << "and the filter goes on from there";
+  (void)speed_after(1, 1.0, 0.0);
+  EXPECT_NEAR(estimator_.update(reading_of(moving(0.7), 2 * kTick_s), kBoth)[kPositions], 0.7, 1e-9);
+  EXPECT_NEAR(speed_after(3, 0.7, 0.0), 0.7, 1e-9) << "and the filter goes on from there";
+}
+
+/// The left foot is scheduled to stand; the knees bend and stretch.
+class EarlyTouchdownTest : public EstimatorTest {
+ protected:
+  void SetUp() override {
+    EstimatorTest::SetUp();
+    estimator_.configure(robot_, {.blend_s = 0.0});
+    estimator_.reset(reading_of(with_knees(0.5, 0.5), 0.0), 0.0);
+  }
+  [[nodiscard]] static StateVector with_knees(double left_rad, double right_rad) {
+    StateVector state = StateVector::Zero();
+    state[kFirstJoint] = -0.5 * left_rad;
+    state[kFirstJoint + 1] = left_rad;
+    state[kFirstJoint + 2] = -0.5 * right_rad;
+    state[kFirstJoint + 3] = right_rad;
+    state[kPositions + kFirstJoint + 1] = -1.0;  // both knees stretch, at different speeds of the feet
+    state[kPositions + kFirstJoint + 3] = -2.0;
+    return state;
+  }
+  [[nodiscard]] StateVector after(const StateVector& state, ContactMode contact) {
+    time_s_ += kTick_s;
+    return estimator_.update(reading_of(state, time_s_), contact);
+  }
+  void expect_carried_by(int foot, const StateVector& state, const StateVector& estimate) const {
+    const RelativeFeet feet(robot_, state);
+    EXPECT_NEAR(estimate[1], feet.height_m(foot), kExact);
+    EXPECT_NEAR(estimate[kPositions + 1], feet.vz_m_s(foot), kExact);
+    EXPECT_NEAR(estimate[kPositions], feet.vx_m_s(kLeft), kExact) << "that of the scheduled foot";
+  }
+
+  const StateVector lifted_ = with_knees(0.5, 0.9);
+  const StateVector lower_ = with_knees(0.5, 0.45);
+  double time_s_ = 0.0;
+};
+
+TEST_F(EarlyTouchdownTest, ASwingFootThatComesBelowTheStanceFootCarries) {
+  expect_carried_by(kLeft, lifted_, after(lifted_, kLeftOnly));
+  expect_carried_by(kRight, lower_, after(lower_, kLeftOnly));
+  expect_carried_by(kRight, lifted_, after(lifted_, kLeftOnly));  // the stance foot flies up
+}
+
+TEST_F(EarlyTouchdownTest, AFootThatHasNotLeftTheGroundHasNotLanded) {
+  expect_carried_by(kLeft, lower_, after(lower_, kLeftOnly));
+}
+
+TEST_F(EarlyTouchdownTest, TheScheduleCountsAgainOnceItChanges) {
+  (void)after(lifted_, kLeftOnly);
+  (void)after(lower_, kLeftOnly);
+  (void)after(lower_, kRightOnly);
+  expect_carried_by(kLeft, lower_, after(lower_, kLeftOnly));
+}
+
+TEST_F(EarlyTouchdownTest, AMillimetreIsNoise) {
+  const StateVector nearly = with_knees(0.5, 0.49);
+  const RelativeFeet feet(robot_, nearly);
+  ASSERT_GT(feet.height_m(kRight) - feet.height_m(kLeft), 0.0005);
+  (void)after(lifted_, kLeftOnly);
+  expect_carried_by(kLeft, nearly, after(nearly, kLeftOnly));
 }
 
 }  // namespace

@@ -194,7 +194,7 @@ TEST_F(TorqueLawTest, ContactForcesOutsideTheConeActAsTheNearestOnesWithTheSameN
   plan_->node[2] = node;  // held over the interval
   plan_->node[2].time_s = 2.0;
   const double mu = parameters_.inequality.friction_coefficient;
-  const double minimum_N = parameters_.inequality.minimum_normal_force_share *
+  const double minimum_N = parameters_.torque_law.minimum_normal_force_share *
                            robot_.constants.total_mass_kg * model::kGravity_m_s2;
   const auto torque = [&](double fx_N, double fz_N, double swing_N) {
     for (PlanNode* at : {&node, &plan_->node[2]}) {

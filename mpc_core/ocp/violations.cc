@@ -1,0 +1,92 @@
+#include <algorithm>
+
+#include "mpc_core/ocp/batch_access.h"
+#include "mpc_core/ocp/problem.h"
+#include "mpc_core/ocp/torque_limit.h"
+
+namespace stilt::ocp {
+namespace {
+
+using model::kFeet;
+using model::kFirstJoint;
+using model::kJoints;
+using model::kPositions;
+
+/// Largest violations so far, one lane per stage.
+struct BatchViolations {
+  Batch friction_cone = Batch(0.0);
+  Batch pulling_force = Batch(0.0);
+  Batch impulse_cone = Batch(0.0);
+  Batch joint_torque = Batch(0.0);
+  Batch joint_position = Batch(0.0);
+  Batch joint_velocity = Batch(0.0);
+};
+
+void raise(Batch& largest, const Batch& violation) noexcept { largest = max(largest, violation); }
+
+void check_joints(const JointLimits& limits, const BatchIterate& it, const model::NodeTerms<Batch>& node,
+                  BatchViolations& largest) noexcept {
+  for (int j = 0; j < kJoints; ++j) {
+    const Batch& q = it.x[kFirstJoint + j];
+    const Batch& v = it.x[kPositions + kFirstJoint + j];
+    raise(largest.joint_position, limits.position_min_rad[j] - q);
+    raise(largest.joint_position, q - limits.position_max_rad[j]);
+    raise(largest.joint_velocity, abs(v) - limits.velocity_rad_s[j]);
+    const TorqueMargins margins(limits, j, node.joint_torque[j], v);
+    raise(largest.joint_torque, -margins.lower);
+    raise(largest.joint_torque, -margins.upper);
+  }
+}
+
+void check_forces(const ProblemData& data, const StageBatch& batch, const BatchIterate& it,
+                  BatchViolations& largest) noexcept {
+  for (int foot = 0; foot < kFeet; ++foot) {
+    if (!batch.mode[foot]) continue;
+    const Batch& fx = it.u[kJoints + 2 * foot];
+    const Batch& fz = it.u[kJoints + 2 * foot + 1];
+    raise(largest.friction_cone, abs(fx) - data.inequality.friction_coefficient * max(fz, Batch(0.0)));
+    raise(largest.pulling_force, -fz);
+  }
+}
+
+void check_impulses(const ProblemData& data, const BatchParameters& parameters, const TransitionBatch& batch,
+                    const Trajectory& iterate, BatchViolations& largest) noexcept {
+  const BatchTransition it(iterate, batch);
+  Batch after[model::kStates];
+  std::copy(it.x, it.x + model::kStates, after);
+  for (int foot = 0; foot < kFeet; ++foot) {
+    if (!batch.touchdown[foot]) continue;
+    model::ImpactTerms<Batch> impact;
+    data.robot->impact(foot, after, parameters.value, impact);
+    std::copy(impact.velocity_after, impact.velocity_after + kPositions, after + kPositions);
+    raise(largest.impulse_cone,
+          abs(impact.impulse[0]) - data.inequality.friction_coefficient * impact.impulse[1]);
+  }
+}
+
+}  // namespace
+
+Violations violations(const ProblemData& data, const Problem& problem, const Trajectory& iterate) noexcept {
+  const BatchParameters parameters(data);
+  BatchViolations largest;
+  for (int b = 0; b < problem.batches; ++b) {
+    const StageBatch& batch = problem.batch[b];
+    const BatchIterate it(iterate, batch);
+    model::NodeTerms<Batch> node;
+    data.robot->node(it.x, it.u, parameters.value, node);
+    check_joints(data.limits, it, node, largest);
+    check_forces(data, batch, it, largest);
+  }
+  if (data.discretisation.transition == Transition::impact) {
+    for (int b = 0; b < problem.transition_batches; ++b)
+      check_impulses(data, parameters, problem.transition_batch[b], iterate, largest);
+  }
+  return {.friction_cone_N = hmax(largest.friction_cone),
+          .pulling_force_N = hmax(largest.pulling_force),
+          .impulse_cone_Ns = hmax(largest.impulse_cone),
+          .joint_torque_Nm = hmax(largest.joint_torque),
+          .joint_position_rad = hmax(largest.joint_position),
+          .joint_velocity_rad_s = hmax(largest.joint_velocity)};
+}
+
+}  // namespace stilt::ocp

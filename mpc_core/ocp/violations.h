@@ -1,0 +1,17 @@
+#pragma once
+
+namespace stilt::ocp {
+
+/// Largest violation of each kind of inequality over a horizon; 0: it holds at every node. The barriers are
+/// soft, so that a plan may leave its limits; the least normal force and the margins of the torque law are
+/// not counted here, only what the ground and the drives cannot give.
+struct Violations {
+  double friction_cone_N = 0.0;       ///< |f_x| - mu max(f_z, 0) of a stance foot
+  double pulling_force_N = 0.0;       ///< -f_z of a stance foot
+  double impulse_cone_Ns = 0.0;       ///< |L_x| - mu L_z of a foot that touches down
+  double joint_torque_Nm = 0.0;       ///< beyond the drive's limit at that speed
+  double joint_position_rad = 0.0;    ///< beyond the travel
+  double joint_velocity_rad_s = 0.0;  ///< beyond the limit
+};
+
+}  // namespace stilt::ocp
