@@ -13,7 +13,7 @@ constexpr double kLongestWatchdog_s = 0.1;
 
 bool valid(const Options& options) noexcept {
   return options.watchdog_s >= kShortestWatchdog_s && options.watchdog_s <= kLongestWatchdog_s &&
-         options.tries > 0 && options.answer_timeout_ns > 0 &&
+         options.tries > 0 && options.answer_timeout_ns > 0 && options.longest_reply_lag_ns > 0 &&
          options.minimum_angle_rad <= options.maximum_angle_rad && options.encoder_period_rad >= 0;
 }
 
@@ -69,6 +69,8 @@ const char* name(Failure failure) noexcept {
       return "driver fault";
     case Failure::wrong_setting:
       return "a setting of the driver is wrong";
+    case Failure::slow_reply:
+      return "replies come too late";
   }
   return "unknown";
 }
@@ -86,6 +88,41 @@ void BringUp::begin_anew() noexcept {
   waiting_ = answered_ = false;
   position_rad_ = std::numeric_limits<double>::quiet_NaN();
   turn_offset_rad_ = 0;
+  reply_lag_ns_ = 0;
+  lag_probes_ = 0;
+  begins_rest_ = false;
+  rest_until_ns_ = 0;
+}
+
+/// Until replies to what was sent before are over.
+void BringUp::rest() noexcept {
+  part_ = tries_ = 0;
+  waiting_ = false;
+  begins_rest_ = true;
+}
+
+bool BringUp::resting() noexcept {
+  if (begins_rest_) rest_until_ns_ = now_ns_ + kRest_ns;
+  begins_rest_ = false;
+  return now_ns_ < rest_until_ns_;
+}
+
+bool BringUp::measures_lag() const noexcept {
+  return stage_ == lag_stage() && (reply_lag_ns_ == 0 || lag_probes_ > 0);
+}
+
+/// At the answer to the first request. One that was late is asked again after a rest: a frame may be lost,
+/// and the computer may have been late.
+bool BringUp::replies_in_time() noexcept {
+  const std::int64_t lag_ns = now_ns_ - asked_ns_;
+  reply_lag_ns_ = reply_lag_ns_ == 0 ? lag_ns : std::min(reply_lag_ns_, lag_ns);
+  if (reply_lag_ns_ <= options_.longest_reply_lag_ns) return true;
+  if (++lag_probes_ == kLagProbes) {
+    failure(Failure::slow_reply);
+  } else {
+    rest();
+  }
+  return false;
 }
 
 void BringUp::failure(Failure failure, const Blame& blame) noexcept {
@@ -131,6 +168,7 @@ void BringUp::advance() noexcept {
   waiting_ = answered_ = false;
   suspected_ = Failure::none;
   silent_ns_ = 0;
+  if (stage_ == lag_stage()) rest();
 }
 
 /// While other drivers come up, one that is ready may lose what it was given: its answers still judge whether
@@ -163,7 +201,13 @@ void BringUp::watch(std::span<const CanFrame> received, std::int64_t since_last_
 }
 
 void BringUp::take(const CanFrame& frame) noexcept {
-  switch (judge(stage_, part_, frame)) {
+  const bool measures = measures_lag();
+  const Verdict verdict = judge(stage_, part_, frame);
+  if (measures && verdict != Verdict::ignore && verdict != Verdict::fail) {
+    if (!replies_in_time()) return;
+    lag_probes_ = 0;
+  }
+  switch (verdict) {
     case Verdict::ignore:
     case Verdict::fail:
       break;
@@ -196,6 +240,7 @@ StepResult BringUp::result() const noexcept {
   result.setting = blame_.setting;
   result.position_rad = position_rad_;
   result.turn_offset_rad = turn_offset_rad_;
+  result.reply_lag_ns = reply_lag_ns_;
   return result;
 }
 
@@ -213,9 +258,11 @@ StepResult BringUp::step(std::int64_t now_ns, std::span<const CanFrame> received
     watch(received, since_last_step_ns);
     received = {};
   }
+  if (stage_ < Stage::ready && resting()) return result();
   for (const CanFrame& frame : received) {
     if (waiting_) take(frame);
   }
+  if (begins_rest_) return result();
   if (waiting_ && now_ns < deadline_ns_) return result_with_keep_alive(stage_ == Stage::enable);
   CanFrame frame;
   while (stage_ < Stage::ready) {
@@ -227,6 +274,7 @@ StepResult BringUp::step(std::int64_t now_ns, std::span<const CanFrame> received
     if (asked == Ask::fail) break;
     if (asked == Ask::skip) {
       advance();
+      if (begins_rest_) return result();
       continue;
     }
     if (asked == Ask::listen) {
@@ -238,8 +286,9 @@ StepResult BringUp::step(std::int64_t now_ns, std::span<const CanFrame> received
       ++part_;
     } else {
       ++tries_;
+      asked_ns_ = now_ns;
       waiting_ = true;
-      deadline_ns_ = now_ns + options_.answer_timeout_ns;
+      deadline_ns_ = now_ns + (measures_lag() ? kLagTimeout_ns : options_.answer_timeout_ns);
     }
     StepResult asking = result();
     asking.send = true;

@@ -11,8 +11,9 @@
 /// From a driver that has power to one that is enabled: identify it, check its version and scaling, write its
 /// watchdog and read it back, check that its position means something, enable it without torque, check what
 /// can only be seen then. A driver takes milliseconds to enable, and its watchdog runs meanwhile: from the
-/// request to enable on, every step without another frame sends a command of zero torque. Pure step
-/// functions: time and frames in, at most one frame out. Real-time safe.
+/// request to enable on, every step without another frame sends a command of zero torque. The time from a
+/// request after silence to its reply is that by which every reading will be late. Pure step functions: time
+/// and frames in, at most one frame out. Real-time safe.
 namespace stilt::hal::bring_up {
 
 enum class Stage : std::uint8_t {
@@ -41,6 +42,7 @@ enum class Failure : std::uint8_t {
   not_home,        ///< position not referenced, or not in exactly one turn of the joint's travel
   driver_fault,    ///< see StepResult::driver_fault
   wrong_setting,   ///< see StepResult::setting
+  slow_reply,      ///< see StepResult::reply_lag_ns
 };
 [[nodiscard]] const char* name(Failure failure) noexcept;
 
@@ -52,9 +54,12 @@ struct Options {
   double minimum_angle_rad =
       -std::numeric_limits<double>::infinity();  ///< travel of the joint at the driver's shaft
   double maximum_angle_rad = std::numeric_limits<double>::infinity();
-  double encoder_period_rad = 0;  ///< the absolute encoder repeats after this angle; 0: never
+  double maximum_speed_rad_s = 0;  ///< of the joint, at the driver's shaft
+  double encoder_period_rad = 0;   ///< the absolute encoder repeats after this angle; 0: never
   std::int64_t answer_timeout_ns = 20'000'000;
   unsigned tries = 5;  ///< of each request
+  /// From a request to the step that receives its reply, a step included. All replies are as old.
+  std::int64_t longest_reply_lag_ns = 3'000'000;
 };
 
 struct StepResult {
@@ -65,8 +70,9 @@ struct StepResult {
   Setting setting = Setting::none;  ///< of the driver, when one is to blame
   double position_rad =
       std::numeric_limits<double>::quiet_NaN();  ///< once home is checked: at the driver's shaft
-  double turn_offset_rad = 0;  ///< whole encoder periods to add to every position of the driver
-  bool send = false;           ///< `frame` is to be sent
+  double turn_offset_rad = 0;     ///< whole encoder periods to add to every position of the driver
+  std::int64_t reply_lag_ns = 0;  ///< shortest of the first request's tries; 0: not measured yet
+  bool send = false;              ///< `frame` is to be sent
   CanFrame frame;
 };
 
@@ -79,6 +85,9 @@ class BringUp {
   [[nodiscard]] StepResult step(std::int64_t now_ns, std::span<const CanFrame> received) noexcept;
   void restart() noexcept;
   [[nodiscard]] Stage stage() const noexcept { return stage_; }
+
+  /// Replies to what was sent before are over then.
+  static constexpr std::int64_t kRest_ns = 25'000'000;
 
  protected:
   ~BringUp() = default;
@@ -117,6 +126,9 @@ class BringUp {
     std::uint32_t fault_code = 0;
     Setting setting = Setting::none;
   };
+  /// Begins with silence, and its first request gets a reply that nothing else sends.
+  [[nodiscard]] virtual Stage lag_stage() const noexcept { return Stage::identify; }
+
   void failure(Failure failure, const Blame& blame) noexcept;
   void failure(Failure what) noexcept { failure(what, Blame{}); }
   /// What the failure will be if the request that is under way never gets the answer it wants: a fault that
@@ -134,9 +146,15 @@ class BringUp {
   [[nodiscard]] double turn_offset_rad() const noexcept { return turn_offset_rad_; }
 
   static constexpr std::int64_t kListen_ns = 50'000'000;
+  static constexpr std::int64_t kLagTimeout_ns = 50'000'000;  ///< of a request after it
+  static constexpr unsigned kLagProbes = 5;
 
  private:
   void begin_anew() noexcept;
+  void rest() noexcept;
+  [[nodiscard]] bool resting() noexcept;
+  [[nodiscard]] bool measures_lag() const noexcept;
+  [[nodiscard]] bool replies_in_time() noexcept;
   void watch(std::span<const CanFrame> received, std::int64_t since_last_step_ns) noexcept;
   void take(const CanFrame& frame) noexcept;
   void advance() noexcept;
@@ -156,6 +174,11 @@ class BringUp {
   bool answered_ = false;
   std::int64_t now_ns_ = 0;
   std::int64_t deadline_ns_ = 0;
+  std::int64_t asked_ns_ = 0;       ///< newest try of the present request
+  std::int64_t rest_until_ns_ = 0;  ///< nothing is sent, and what arrives is not looked at
+  bool begins_rest_ = false;
+  std::int64_t reply_lag_ns_ = 0;
+  unsigned lag_probes_ = 0;
   std::int64_t silent_ns_ = 0;  ///< since the last answer of a driver that is ready
   unsigned losses_ = 0;         ///< of a driver that was ready, since restart()
   double position_rad_ = std::numeric_limits<double>::quiet_NaN();

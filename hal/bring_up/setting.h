@@ -4,7 +4,8 @@
 
 namespace stilt::hal::bring_up {
 
-/// A setting of a driver that bring-up found to be wrong, under the maker's name.
+/// A setting of a driver that bring-up found to be wrong, under the maker's name. The number is on the wire:
+/// new ones go to the end.
 enum class Setting : std::uint8_t {
   none,
   moteus_position_bounds,
@@ -20,6 +21,9 @@ enum class Setting : std::uint8_t {
   damiao_velocity_range,
   damiao_torque_range,
   damiao_timeout,
+  moteus_timeout_mode,
+  moteus_bemf_feedforward,
+  odrive_velocity_limit,
 };
 
 /// The maker's name, and what it must be. Real-time safe.
@@ -53,6 +57,12 @@ enum class Setting : std::uint8_t {
       return "TMAX must be torque_range_Nm and reply_torque_range_Nm of the configuration";
     case Setting::damiao_timeout:
       return "TIMEOUT does not keep what is written";
+    case Setting::moteus_timeout_mode:
+      return "servo.timeout_mode must be 12";
+    case Setting::moteus_bemf_feedforward:
+      return "servo.bemf_feedforward must be 0";
+    case Setting::odrive_velocity_limit:
+      return "axis0.controller.config.vel_limit must be above the joint's velocity limit, or inf";
   }
   return "unknown";
 }

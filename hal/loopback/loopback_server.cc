@@ -1,5 +1,7 @@
 #include "hal/loopback/loopback_server.h"
 
+#include <poll.h>
+
 #include <cerrno>
 #include <cstring>
 #include <span>
@@ -37,7 +39,14 @@ std::expected<void, std::string> LoopbackServer::open(const std::string& name) {
   return {};
 }
 
+/// The end of a connection shows before its last frames are read.
+bool LoopbackServer::client_has_left() const noexcept {
+  pollfd client{client_.get(), 0, 0};
+  return client_.open() && ::poll(&client, 1, 0) == 1 && (client.revents & POLLHUP) != 0;
+}
+
 void LoopbackServer::let_in() noexcept {
+  if (client_has_left()) return;  // who waits comes in once its last frames are read
   socketcan::Descriptor caller(::accept4(listener_.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
   if (!caller.open()) return;
   if (socket_.connected()) {

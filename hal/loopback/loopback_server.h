@@ -46,6 +46,7 @@ class LoopbackServer final : public FrameBus {
   [[nodiscard]] const BusCounters& counters() const noexcept override { return socket_.counters(); }
 
  private:
+  [[nodiscard]] bool client_has_left() const noexcept;
   void let_in() noexcept;
   void return_echo(const CanFrame& frame) noexcept;
 

@@ -62,8 +62,14 @@ BringUp::Ask MitBringUp::limp(CanFrame& frame) noexcept {
 BringUp::Ask MitBringUp::ask_identity(unsigned part, CanFrame& frame) noexcept {
   if (has_registers()) return ask_register(asked_register(Stage::identify, part), frame);
   if (part == 0) return limp(frame);
-  frame = special_frame(driver_, tries() % 2 == 0 ? MitSpecial::leave : MitSpecial::enter);
+  frame = off_or_on();
   return Ask::wait_for_answer;
+}
+
+/// In turn: an AK that is off may not answer.
+CanFrame MitBringUp::off_or_on() const noexcept {
+  const bool off = tries() % 2 == 0 || driver_.layout == ReplyLayout::damiao;
+  return special_frame(driver_, off ? MitSpecial::leave : MitSpecial::enter);
 }
 
 BringUp::Ask MitBringUp::ask_watchdog(Stage stage, unsigned part, CanFrame& frame) noexcept {
@@ -105,7 +111,7 @@ BringUp::Ask MitBringUp::ask(Stage stage, unsigned part, CanFrame& frame) noexce
     case Stage::watchdog_read:
       return ask_watchdog(stage, part, frame);
     case Stage::home:
-      frame = special_frame(driver_, MitSpecial::leave);
+      frame = off_or_on();
       return Ask::wait_for_answer;
     case Stage::enable:
       return ask_enable(part, frame);

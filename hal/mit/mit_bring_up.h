@@ -21,6 +21,12 @@ class MitBringUp final : public bring_up::BringUp {
   [[nodiscard]] Verdict judge(bring_up::Stage stage, unsigned part, const CanFrame& frame) noexcept override;
   [[nodiscard]] bool keep_alive(CanFrame& frame) noexcept override;
 
+  /// Without registers every reply is the same: only after silence it is known to which request.
+  [[nodiscard]] bring_up::Stage lag_stage() const noexcept override {
+    return has_registers() ? bring_up::Stage::identify : bring_up::Stage::home;
+  }
+  [[nodiscard]] CanFrame off_or_on() const noexcept;
+
   [[nodiscard]] bool has_registers() const noexcept { return driver_.layout == ReplyLayout::damiao; }
   [[nodiscard]] Ask ask_identity(unsigned part, CanFrame& frame) noexcept;
   [[nodiscard]] Ask ask_watchdog(bring_up::Stage stage, unsigned part, CanFrame& frame) noexcept;

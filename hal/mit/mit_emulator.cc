@@ -164,12 +164,18 @@ void MitEmulator::take(std::int64_t now_ns, const CanFrame& frame, FrameSink& re
     elapse(now_ns, replies);
   } else {
     command_ = command;
+    uncommanded_ns_ = 0;
   }
   if (!before && (enabled_ || was_enabled || !behaviour_.silent_while_off)) reply(replies);
 }
 
 void MitEmulator::elapse(std::int64_t now_ns, FrameSink& /*replies*/) noexcept {
   if (enabled_from_ns_ != 0 && now_ns >= enabled_from_ns_) enabled_ = fault_code_ == 0;
+  if (enabled_) uncommanded_ns_ += now_ns - elapsed_ns_;
+  elapsed_ns_ = now_ns;
+  const std::int64_t allowed_ns =
+      driver_.layout == ReplyLayout::mini_cheetah ? behaviour_.command_timeout_ns : 0;
+  if (allowed_ns > 0 && uncommanded_ns_ >= allowed_ns) command_ = {};
   const double silence_s = static_cast<double>(now_ns - last_command_ns_) * 1e-9;
   const bool watched = enabled_ || behaviour_.timeout_while_off;
   if (watched && timeout_units_ > 0 && silence_s > timeout_units_ * kDamiaoTimeoutUnit_s) {

@@ -13,12 +13,16 @@ struct MitBehaviour {
   bool silent_while_off = false;      ///< AK: answers only while it is on, and the frame that ends it
   bool keeps_fault = false;           ///< AK: until power is gone; otherwise until it is switched off
   std::int64_t enable_ns = 0;         ///< from the request to enabled
+  /// Mini-cheetah: CAN_TIMEOUT, 1,000 loops of 25 us, after which it follows a command of zeros; 0: the
+  /// firmware before 2021 has none.
+  std::int64_t command_timeout_ns = 25'025'000;
 };
 
 /// A driver in MIT mode. With the Damiao layout it has registers and a timeout (off until written) after
 /// which it disables itself and reports lost communication; with the others it has neither. A mini-cheetah
 /// answers every frame in every mode from the state before it, and keeps commands that it gets while it is
-/// off: github.com/bgkatz/motorcontrol, Core/Src/stm32f4xx_it.c, Core/Src/fsm.c (3586419).
+/// off: github.com/bgkatz/motorcontrol, Core/Src/stm32f4xx_it.c, Core/Src/fsm.c (3586419); a trace of that
+/// firmware: tests/data/traces.
 class MitEmulator final : public EmulatedDriver {
  public:
   explicit MitEmulator(const MitDriver& driver, std::uint32_t software_version = 5,
@@ -53,6 +57,8 @@ class MitEmulator final : public EmulatedDriver {
   std::uint8_t fault_code_ = 0;
   std::uint32_t timeout_units_ = 0;
   std::int64_t last_command_ns_ = 0;
+  std::int64_t elapsed_ns_ = 0;       ///< time of the last elapse()
+  std::int64_t uncommanded_ns_ = 0;   ///< time enabled since the last command
   std::int64_t enabled_from_ns_ = 0;  ///< 0: not asked to
 };
 

@@ -14,14 +14,6 @@ constexpr std::uint8_t kFirstLimitCode = 96;
 constexpr double kWatchdogStep_s = 0.001;
 constexpr double kNoLimit = -0.05;  // anything negative: one step of an acceleration in int8
 
-void begin(const MoteusDriver& driver, CanFrame& frame) noexcept {
-  frame = CanFrame{};
-  frame.id = kReplyBit | static_cast<std::uint32_t>(driver.source) << 8 | driver.id;
-  frame.extended = true;  // the reply bit is beyond the 11 bits of a standard identifier
-  frame.fd = true;
-  frame.bit_rate_switch = driver.bit_rate_switch;
-}
-
 void write_one(SubframeWriter& writer, MoteusRegister where, Resolution resolution, double value) noexcept {
   writer.values(SubframeKind::write, where, resolution, std::span(&value, 1));
 }
@@ -158,12 +150,35 @@ bool take(MoteusReply& reply, std::uint32_t register_number, double value) noexc
   return true;
 }
 
+}  // namespace
+
+CanFrame frame_to(const MoteusDriver& driver) noexcept {
+  CanFrame frame;
+  frame.id = kReplyBit | static_cast<std::uint32_t>(driver.source) << 8 | driver.id;
+  frame.extended = true;  // the reply bit is beyond the 11 bits of a standard identifier
+  frame.fd = true;
+  frame.bit_rate_switch = driver.bit_rate_switch;
+  return frame;
+}
+
 bool is_reply_of(const MoteusDriver& driver, const CanFrame& frame) noexcept {
   const std::uint32_t expected = static_cast<std::uint32_t>(driver.id) << 8 | driver.source;
   return frame.id == expected && !frame.remote && !frame.error;
 }
 
-}  // namespace
+bool is_frame_to(const MoteusDriver& driver, const CanFrame& frame) noexcept {
+  const std::uint32_t expected = static_cast<std::uint32_t>(driver.source) << 8 | driver.id;
+  return (frame.id & ~kReplyBit) == expected && !frame.remote && !frame.error;
+}
+
+CanFrame answer_to(const MoteusDriver& driver, const CanFrame& frame) noexcept {
+  CanFrame answer;
+  answer.id = static_cast<std::uint32_t>(driver.id) << 8 | driver.source;
+  answer.extended = answer.id > kMaximumStandardId;
+  answer.fd = frame.fd;
+  answer.bit_rate_switch = frame.bit_rate_switch;
+  return answer;
+}
 
 bool valid(const MoteusDriver& driver) noexcept {
   return driver.id >= 1 && driver.id <= kMoteusMaximumId && driver.source <= kMoteusMaximumId &&
@@ -218,7 +233,7 @@ EncodeStatus encode_command(const MoteusDriver& driver, const MoteusCommand& com
                                         scale_of(command.kp_Nm_rad, driver.kp_Nm_rev, saturated),
                                         scale_of(command.kd_Nms_rad, driver.kd_Nm_s_rev, saturated),
                                         command.maximum_torque_Nm};
-  begin(driver, frame);
+  frame = frame_to(driver);
   SubframeWriter writer(frame);
   write_one(writer, MoteusRegister::mode, Resolution::int8, static_cast<double>(MoteusMode::position));
   writer.values(SubframeKind::write, MoteusRegister::command_position, Resolution::int16, registers);
@@ -232,7 +247,7 @@ EncodeStatus encode_command(const MoteusDriver& driver, const MoteusCommand& com
 
 EncodeStatus encode_stop(const MoteusDriver& driver, MoteusQuery what, CanFrame& frame) noexcept {
   if (!valid(driver)) return EncodeStatus::invalid;
-  begin(driver, frame);
+  frame = frame_to(driver);
   SubframeWriter writer(frame);
   write_one(writer, MoteusRegister::mode, Resolution::int8, static_cast<double>(MoteusMode::stopped));
   query(driver, what, writer);
@@ -241,7 +256,7 @@ EncodeStatus encode_stop(const MoteusDriver& driver, MoteusQuery what, CanFrame&
 
 EncodeStatus encode_query(const MoteusDriver& driver, MoteusQuery what, CanFrame& frame) noexcept {
   if (!valid(driver)) return EncodeStatus::invalid;
-  begin(driver, frame);
+  frame = frame_to(driver);
   SubframeWriter writer(frame);
   query(driver, what, writer);
   return writer.finish();
@@ -250,7 +265,7 @@ EncodeStatus encode_query(const MoteusDriver& driver, MoteusQuery what, CanFrame
 EncodeStatus encode_watchdog(const MoteusDriver& driver, double watchdog_s, CanFrame& frame) noexcept {
   if (!valid(driver)) return EncodeStatus::invalid;
   if (!std::isfinite(watchdog_s)) return EncodeStatus::not_finite;
-  begin(driver, frame);
+  frame = frame_to(driver);
   SubframeWriter writer(frame);
   write_one(writer, MoteusRegister::command_timeout, Resolution::int16, watchdog_register(watchdog_s));
   query(driver, MoteusQuery::identity, writer);
@@ -268,6 +283,7 @@ DecodeStatus decode_reply(const MoteusDriver& driver, const CanFrame& frame, Mot
       decoded.register_error = true;
       continue;
     }
+    if (subframe.kind == SubframeKind::stream_out) continue;
     if (subframe.kind != SubframeKind::reply) return DecodeStatus::malformed;
     for (std::uint32_t i = 0; i < subframe.count; ++i) {
       if (!take(decoded, subframe.start + i, value_of(subframe, i))) return DecodeStatus::not_finite;
@@ -281,13 +297,8 @@ DecodeStatus decode_reply(const MoteusDriver& driver, const CanFrame& frame, Mot
 DecodeStatus serve_frame(const MoteusDriver& driver, const CanFrame& frame, void* context,
                          MoteusRegisterReader read, MoteusRegisterWriter write, CanFrame& answer,
                          bool& answered) noexcept {
-  const std::uint32_t expected = static_cast<std::uint32_t>(driver.source) << 8 | driver.id;
-  if ((frame.id & ~kReplyBit) != expected || frame.remote || frame.error) return DecodeStatus::not_addressed;
-  CanFrame built;
-  built.id = static_cast<std::uint32_t>(driver.id) << 8 | driver.source;
-  built.extended = built.id > kMaximumStandardId;
-  built.fd = frame.fd;
-  built.bit_rate_switch = frame.bit_rate_switch;
+  if (!is_frame_to(driver, frame)) return DecodeStatus::not_addressed;
+  CanFrame built = answer_to(driver, frame);
   SubframeWriter writer(built);
   SubframeReader reader(frame.payload());
   Subframe subframe;

@@ -16,7 +16,8 @@
 ///   tau = kp_scale kp (position - q) + kd_scale kd (velocity - v) + torque, |tau| <= maximum torque
 ///
 /// with kp and kd from its own configuration, so both are data here. Each command restarts the driver's
-/// watchdog; when that expires the driver latches mode `timeout`, damps, and accepts nothing but a stop.
+/// watchdog; when that expires the driver latches mode `timeout`, damps with the newest command's kd scale
+/// (servo.timeout_mode 12: not at all after a command without kd), and accepts nothing but a stop.
 /// A frame is answered from the state before it: what it writes takes effect afterwards. Without limits in
 /// the command the driver follows position and velocity by a trajectory of its own
 /// (servo.default_accel_limit, 50 rev/s^2 from firmware 1.0.0 on), which cancels damping; every command here
@@ -110,6 +111,14 @@ enum class MoteusQuery : std::uint8_t {
 
 [[nodiscard]] bool valid(const MoteusDriver& driver) noexcept;
 
+/// An empty CAN FD frame to the driver that asks for a reply.
+[[nodiscard]] CanFrame frame_to(const MoteusDriver& driver) noexcept;
+/// Whether a frame is the driver's reply.
+[[nodiscard]] bool is_reply_of(const MoteusDriver& driver, const CanFrame& frame) noexcept;
+/// Whether a frame is to the driver, and an empty frame from it that answers this one: the driver's side.
+[[nodiscard]] bool is_frame_to(const MoteusDriver& driver, const CanFrame& frame) noexcept;
+[[nodiscard]] CanFrame answer_to(const MoteusDriver& driver, const CanFrame& frame) noexcept;
+
 /// Number of the reference -> common name. Codes from 96 name what limits the output: no fault.
 [[nodiscard]] DriverFault moteus_fault(std::uint8_t code) noexcept;
 
@@ -128,6 +137,7 @@ enum class MoteusQuery : std::uint8_t {
 [[nodiscard]] EncodeStatus encode_watchdog(const MoteusDriver& driver, double watchdog_s,
                                            CanFrame& frame) noexcept;
 
+/// Bytes of the driver's command line beside the registers are no error, and change nothing.
 [[nodiscard]] DecodeStatus decode_reply(const MoteusDriver& driver, const CanFrame& frame,
                                         MoteusReply& reply) noexcept;
 

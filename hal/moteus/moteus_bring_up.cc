@@ -1,6 +1,9 @@
 #include "hal/moteus/moteus_bring_up.h"
 
+#include <array>
 #include <cmath>
+#include <optional>
+#include <string_view>
 
 #include "hal/can/bytes.h"
 
@@ -22,7 +25,37 @@ constexpr double kProbeVelocity_rad_s = 2;  // shows kd
 constexpr double kControlTolerance_rad = 0.1;
 constexpr double kGainTolerance = 0.02;      // relative
 constexpr double kTermTolerance_Nm = 0.005;  // beside it: registers of 1 mNm
+/// Settings that no register shows, with the value that docs/deployment.md asks for.
+struct WantedSetting {
+  std::string_view name;
+  double value;
+  Setting setting;
+};
+constexpr std::array<WantedSetting, 2> kSettings{{
+    {"servo.timeout_mode", 12, Setting::moteus_timeout_mode},
+    {"servo.bemf_feedforward", 0, Setting::moteus_bemf_feedforward},
+}};
 constexpr std::uint8_t kOutsideBounds = 39;  // enabled outside servopos.position_min and position_max
+
+/// A number as a driver writes it: digits, and perhaps a point among them.
+std::optional<double> number(std::string_view text) noexcept {
+  if (text.empty()) return std::nullopt;
+  double value = 0;
+  double place = 0;  // of the next digit behind the point; 0: none yet
+  for (const char each : text) {
+    if (each == '.' && place == 0) {
+      place = 0.1;
+    } else if (each < '0' || each > '9') {
+      return std::nullopt;
+    } else if (place == 0) {
+      value = 10 * value + (each - '0');
+    } else {
+      value += place * (each - '0');
+      place /= 10;
+    }
+  }
+  return value;
+}
 
 bool is_mode(const MoteusReply& reply, MoteusMode mode) noexcept {
   return reply.has_mode && reply.mode == static_cast<std::uint8_t>(mode);
@@ -40,10 +73,13 @@ BringUp::Ask MoteusBringUp::ask(Stage stage, unsigned /*part*/, CanFrame& frame)
   EncodeStatus status = EncodeStatus::invalid;
   switch (stage) {
     case Stage::identify:
+      setting_ = 0;
+      console_.begin();
       status = encode_stop(driver_, MoteusQuery::identity, frame);
       break;
-    case Stage::scaling:
-      return Ask::skip;  // fixed by the register map version; gains show when it is enabled
+    case Stage::scaling:  // fixed by the register map version; gains show when it is enabled
+      status = console_.ask(driver_, kSettings[setting_].name, tries() > 0, frame);
+      break;
     case Stage::version:
     case Stage::watchdog_read:
       status = encode_query(driver_, MoteusQuery::identity, frame);
@@ -68,6 +104,24 @@ BringUp::Ask MoteusBringUp::ask(Stage stage, unsigned /*part*/, CanFrame& frame)
 BringUp::Verdict MoteusBringUp::wrong(Failure what, const Blame& blame) noexcept {
   failure(what, blame);
   return Verdict::fail;
+}
+
+BringUp::Verdict MoteusBringUp::judge_setting(const CanFrame& frame) noexcept {
+  switch (console_.take(driver_, frame)) {
+    case ConsoleReader::Progress::none:
+      return Verdict::ignore;
+    case ConsoleReader::Progress::more:
+      return Verdict::next_part;
+    case ConsoleReader::Progress::failed:
+      return wrong(Failure::rejected);
+    case ConsoleReader::Progress::answer:
+      break;
+  }
+  const WantedSetting& wanted = kSettings[setting_];
+  if (number(console_.answer()) != wanted.value) {
+    return wrong(Failure::wrong_setting, {.setting = wanted.setting});
+  }
+  return ++setting_ < kSettings.size() ? Verdict::next_part : Verdict::next_stage;
 }
 
 BringUp::Verdict MoteusBringUp::judge_version(const MoteusReply& reply) noexcept {
@@ -130,6 +184,7 @@ BringUp::Verdict MoteusBringUp::judge_probe(const MoteusReply& reply) noexcept {
 }
 
 BringUp::Verdict MoteusBringUp::judge(Stage stage, unsigned part, const CanFrame& frame) noexcept {
+  if (stage == Stage::scaling) return judge_setting(frame);
   MoteusReply reply;
   if (decode_reply(driver_, frame, reply) != DecodeStatus::ok || !reply.has_mode) return Verdict::ignore;
   if (is_mode(reply, MoteusMode::fault)) {

@@ -1,15 +1,19 @@
 #pragma once
 
+#include <cstddef>
+
 #include "hal/bring_up/bring_up.h"
 #include "hal/moteus/moteus.h"
+#include "hal/moteus/moteus_console.h"
 
 namespace stilt::hal::moteus {
 
 /// moteus: stops it (which clears faults and an expired watchdog), checks firmware and register map version,
-/// writes the watchdog register and reads it back, wants a position referenced to the output (or to the rotor
-/// with an encoder period that leaves one turn), and enables position mode at zero gain and torque. Enabled
-/// at zero torque it is asked to hold both ends of the joint's travel: its control position shows bounds and
-/// limits of the trajectory, the terms of its torque, which its limit of 0 keeps from the motor, the gains.
+/// reads the settings that no register shows over its command line, writes the watchdog register and reads it
+/// back, wants a position referenced to the output (or to the rotor with an encoder period that leaves one
+/// turn), and enables position mode at zero gain and torque. Enabled at zero torque it is asked to hold both
+/// ends of the joint's travel: its control position shows bounds and limits of the trajectory, the terms of
+/// its torque, which its limit of 0 keeps from the motor, the gains.
 class MoteusBringUp final : public bring_up::BringUp {
  public:
   MoteusBringUp(const MoteusDriver& driver, const bring_up::Options& options) noexcept
@@ -20,6 +24,7 @@ class MoteusBringUp final : public bring_up::BringUp {
   [[nodiscard]] Verdict judge(bring_up::Stage stage, unsigned part, const CanFrame& frame) noexcept override;
   [[nodiscard]] bool keep_alive(CanFrame& frame) noexcept override;
 
+  [[nodiscard]] Verdict judge_setting(const CanFrame& frame) noexcept;
   [[nodiscard]] Verdict judge_version(const MoteusReply& reply) noexcept;
   [[nodiscard]] Verdict judge_home(const MoteusReply& reply) noexcept;
   [[nodiscard]] Verdict judge_enabling(const MoteusReply& reply) noexcept;
@@ -32,6 +37,8 @@ class MoteusBringUp final : public bring_up::BringUp {
   bool output_referenced_ = false;
   bool rotor_referenced_ = false;
   double last_control_rad_ = 0;
+  std::size_t setting_ = 0;  ///< that is asked for
+  ConsoleReader console_;
 };
 
 }  // namespace stilt::hal::moteus

@@ -5,16 +5,11 @@
 namespace stilt::hal::moteus {
 namespace {
 
+/// In every other mode it does not follow our commands: on its way, or driven by somebody else.
 DriverState state_of(std::uint8_t mode) noexcept {
-  switch (static_cast<MoteusMode>(mode)) {
-    case MoteusMode::stopped:
-      return DriverState::idle;
-    case MoteusMode::position:
-    case MoteusMode::zero_velocity:
-      return DriverState::enabled;
-    default:
-      return DriverState::unknown;
-  }
+  const auto is = static_cast<MoteusMode>(mode);
+  const bool follows = is == MoteusMode::position || is == MoteusMode::zero_velocity;
+  return follows ? DriverState::enabled : DriverState::idle;
 }
 
 DriverFault fault_of(const MoteusReply& reply) noexcept {

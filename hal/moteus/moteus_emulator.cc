@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <iterator>
 #include <limits>
 
 #include "hal/can/bytes.h"
@@ -20,8 +22,9 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 /// Values of registers that a command leaves out.
 constexpr std::array<double, 10> kUnspecified{kNaN, 0, 0, 1, 1, kNaN, kNaN, 0, kNaN, kNaN};
 constexpr double kDefaultTimeout_s = 0.1;
-constexpr double kDerate_rev = 0.02;             // beyond its bounds: torque outwards fades over this
-constexpr std::uint8_t kStartOutsideLimit = 39;  // position mode outside its bounds
+constexpr double kDerate_rev = 0.02;                   // beyond its bounds: torque outwards fades over this
+constexpr std::uint8_t kStartOutsideLimit = 39;        // position mode outside its bounds
+constexpr std::uint8_t kFeedforwardWithoutLimit = 47;  // of the acceleration
 
 /// A limit of a trajectory: unset is the driver's own, negative none.
 double limit_of(double commanded, double configured) noexcept {
@@ -58,6 +61,9 @@ MoteusEmulator::MoteusEmulator(const MoteusDriver& driver, const MoteusSettings&
 void MoteusEmulator::power_cycle() noexcept {
   mode_ = MoteusMode::stopped;
   fault_code_ = 0;
+  power_stage_off_ns_ = 0;
+  question_.clear();
+  answers_ = {};
   staged_ = command_ = kUnspecified;
 }
 
@@ -74,19 +80,31 @@ double MoteusEmulator::velocity_error_rev_s() const noexcept {
   return sensed().velocity_rad_s / kRadiansPerRevolution - trajectory_.velocity_rev_s();
 }
 
+/// With the kd of the newest command.
 double MoteusEmulator::damping_Nm() const noexcept {
   const double most_Nm = settings_.timeout_max_torque_Nm;
-  return std::clamp(-settings_.kd_Nm_s_rev * sensed().velocity_rad_s / kRadiansPerRevolution, -most_Nm,
-                    most_Nm);
+  const double velocity_rev_s = sensed().velocity_rad_s / kRadiansPerRevolution;
+  return std::clamp(-command_[kKdScale] * settings_.kd_Nm_s_rev * velocity_rev_s, -most_Nm, most_Nm);
+}
+
+double MoteusEmulator::law_Nm(double kp_scale, double kd_scale) const noexcept {
+  return -integral_Nm_ - kp_scale * settings_.kp_Nm_rev * position_error_rev() -
+         kd_scale * settings_.kd_Nm_s_rev * velocity_error_rev_s();
+}
+
+/// Its power stage carries current.
+bool MoteusEmulator::drives() const noexcept {
+  return mode_ == MoteusMode::position || mode_ == MoteusMode::zero_velocity ||
+         (mode_ == MoteusMode::timeout && settings_.timeout_mode != MoteusTimeout::off);
 }
 
 double MoteusEmulator::torque_Nm() const noexcept {
-  if (!gives_torque()) return 0;
-  if (mode_ == MoteusMode::timeout || mode_ == MoteusMode::zero_velocity) return damping_Nm();
-  if (mode_ != MoteusMode::position) return 0;
-  double torque_Nm = command_[kTorque] - integral_Nm_ -
-                     command_[kKpScale] * settings_.kp_Nm_rev * position_error_rev() -
-                     command_[kKdScale] * settings_.kd_Nm_s_rev * velocity_error_rev_s();
+  if (!gives_torque() || !drives()) return 0;
+  if (mode_ == MoteusMode::timeout && settings_.timeout_mode == MoteusTimeout::hold_position) {
+    return law_Nm(1, 1);
+  }
+  if (mode_ != MoteusMode::position) return damping_Nm();
+  double torque_Nm = command_[kTorque] + law_Nm(command_[kKpScale], command_[kKdScale]);
   const double limit_Nm = std::abs(command_[kMaximumTorque]);
   if (!std::isnan(limit_Nm)) torque_Nm = std::clamp(torque_Nm, -limit_Nm, limit_Nm);
   const double position_rev = sensed().position_rad / kRadiansPerRevolution;
@@ -171,16 +189,31 @@ void MoteusEmulator::write(void* context, std::uint32_t number, double value) no
   driver.staged_[number - kFirstCommand] = value;
 }
 
+/// The power stage of a motor that was driven stays on until the current has gone.
+void MoteusEmulator::turn_off(std::int64_t now_ns) noexcept {
+  if (drives()) power_stage_off_ns_ = now_ns + kCooldown_ns;
+  mode_ = MoteusMode::stopped;
+  fault_code_ = 0;
+}
+
+void MoteusEmulator::begin_enabling(std::int64_t now_ns) noexcept {
+  constexpr std::int64_t kPoll_ns = 500'000;  // half a millisecond
+  mode_ = MoteusMode::enabling;
+  calibrating_from_ns_ = now_ns + (now_ns < power_stage_off_ns_ ? kPoll_ns : settings_.power_stage_ns);
+}
+
 /// After the frame was answered.
 void MoteusEmulator::apply(std::int64_t now_ns, MoteusMode wanted) noexcept {
   command_ = staged_;
   last_command_ns_ = now_ns;
+  const double accel_limit = limit_of(command_[kAccelLimit], settings_.default_accel_limit_rev_s2);
   if (wanted == MoteusMode::stopped) {
-    mode_ = MoteusMode::stopped;
-    fault_code_ = 0;
+    turn_off(now_ns);
+  } else if (settings_.bemf_feedforward != 0 && std::isnan(accel_limit)) {
+    mode_ = MoteusMode::fault;
+    fault_code_ = kFeedforwardWithoutLimit;
   } else if (mode_ == MoteusMode::stopped) {
-    mode_ = MoteusMode::enabling;
-    enabling_since_ns_ = now_ns;
+    begin_enabling(now_ns);
   } else if (mode_ == MoteusMode::position || mode_ == MoteusMode::zero_velocity) {
     mode_ = wanted;
   }
@@ -193,6 +226,12 @@ void MoteusEmulator::aim() noexcept {
        .velocity_rev_s = std::isnan(command_[kVelocity]) ? 0 : command_[kVelocity],
        .velocity_limit_rev_s = limit_of(command_[kVelocityLimit], settings_.default_velocity_limit_rev_s),
        .accel_limit_rev_s2 = limit_of(command_[kAccelLimit], settings_.default_accel_limit_rev_s2)});
+}
+
+/// As its watchdog expires, with its own limits.
+void MoteusEmulator::come_to_rest() noexcept {
+  trajectory_.aim({.velocity_limit_rev_s = settings_.default_velocity_limit_rev_s,
+                   .accel_limit_rev_s2 = settings_.default_accel_limit_rev_s2});
 }
 
 void MoteusEmulator::enter_position_mode() noexcept {
@@ -212,15 +251,70 @@ void MoteusEmulator::enter_position_mode() noexcept {
 void MoteusEmulator::advance(std::int64_t now_ns) noexcept {
   const double passed_s = static_cast<double>(now_ns - advanced_ns_) * 1e-9;
   advanced_ns_ = now_ns;
-  if (mode_ != MoteusMode::position) return;
+  const bool holds = mode_ == MoteusMode::timeout && settings_.timeout_mode == MoteusTimeout::hold_position;
+  if (mode_ != MoteusMode::position && !holds) return;
   trajectory_.advance(passed_s, sensed().position_rad / kRadiansPerRevolution,
                       sensed().velocity_rad_s / kRadiansPerRevolution, settings_.bounds);
-  integral_Nm_ += settings_.ki * position_error_rev() * passed_s;
+  integral_Nm_ = std::clamp(integral_Nm_ + settings_.ki * position_error_rev() * passed_s,
+                            -settings_.ilimit_Nm, settings_.ilimit_Nm);
+}
+
+/// As the command line writes it.
+ConsoleText MoteusEmulator::setting(std::string_view name) const noexcept {
+  const auto mode = static_cast<double>(settings_.timeout_mode);
+  struct Named {
+    std::string_view name;
+    double value;
+    const char* format = "%f";
+  };
+  const Named named[] = {
+      {"servo.pid_position.kp", settings_.kp_Nm_rev},
+      {"servo.pid_position.ki", settings_.ki},
+      {"servo.pid_position.kd", settings_.kd_Nm_s_rev},
+      {"servopos.position_min", settings_.bounds.minimum_rev},
+      {"servopos.position_max", settings_.bounds.maximum_rev},
+      {"servo.default_velocity_limit", settings_.default_velocity_limit_rev_s},
+      {"servo.default_accel_limit", settings_.default_accel_limit_rev_s2},
+      {"servo.bemf_feedforward", settings_.bemf_feedforward},
+      {"servo.timeout_mode", mode, "%.0f"},
+      {"servo.timeout_max_torque_Nm", settings_.timeout_max_torque_Nm},
+  };
+  ConsoleText text;
+  const auto* const found = std::ranges::find(named, name, &Named::name);
+  if (found == std::end(named)) {
+    text.append("ERR error reading");
+    return text;
+  }
+  char digits[32];
+  std::snprintf(digits, sizeof digits, found->format, found->value);
+  text.append(digits);
+  return text;
+}
+
+/// Answered by a later reply, a part at a time.
+bool MoteusEmulator::take_console(const CanFrame& frame, FrameSink& replies) noexcept {
+  const std::optional<ConsoleText> text = decode_console_request(driver_, frame);
+  if (!text) return false;
+  CanFrame answer;
+  if (encode_console_answer(driver_, frame, answers_[0].view(), answer) == EncodeStatus::ok) {
+    replies.push(answer);
+  }
+  answers_ = {answers_[1], ConsoleText{}};
+  question_.append(text->view());
+  if (!question_.view().ends_with('\n')) return true;
+  constexpr std::string_view kGet = "conf get ";
+  std::string_view line = question_.view();
+  line.remove_suffix(1);
+  answers_[0] = setting(line.starts_with(kGet) ? line.substr(kGet.size()) : "");
+  answers_[1].append("\r\n");
+  question_.clear();
+  return true;
 }
 
 void MoteusEmulator::take(std::int64_t now_ns, const CanFrame& frame, FrameSink& replies) noexcept {
   if (!powered()) return;
   elapse(now_ns, replies);
+  if (take_console(frame, replies)) return;
   staged_mode_ = -1;
   CanFrame answer;
   bool answered = false;
@@ -234,14 +328,17 @@ void MoteusEmulator::take(std::int64_t now_ns, const CanFrame& frame, FrameSink&
 
 /// The watchdog runs from the newest command on, in position mode and on the way there.
 void MoteusEmulator::elapse(std::int64_t now_ns, FrameSink& /*replies*/) noexcept {
-  if (mode_ == MoteusMode::enabling && now_ns - enabling_since_ns_ >= settings_.enable_ns) {
+  if (mode_ == MoteusMode::enabling && now_ns >= calibrating_from_ns_) mode_ = MoteusMode::calibrating;
+  if (mode_ == MoteusMode::calibrating && now_ns >= calibrating_from_ns_ + settings_.calibration_ns) {
     enter_position_mode();
     advanced_ns_ = now_ns;
   }
   advance(now_ns);
   if (mode_ != MoteusMode::position || std::isnan(command_[kTimeout])) return;
   const double allowed_s = command_[kTimeout] > 0 ? command_[kTimeout] : kDefaultTimeout_s;
-  if (static_cast<double>(now_ns - last_command_ns_) * 1e-9 > allowed_s) mode_ = MoteusMode::timeout;
+  if (static_cast<double>(now_ns - last_command_ns_) * 1e-9 <= allowed_s) return;
+  mode_ = MoteusMode::timeout;
+  come_to_rest();
 }
 
 }  // namespace stilt::hal::moteus

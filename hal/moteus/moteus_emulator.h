@@ -4,36 +4,50 @@
 
 #include "hal/driver/emulated_driver.h"
 #include "hal/moteus/moteus.h"
+#include "hal/moteus/moteus_console.h"
 #include "hal/moteus/moteus_trajectory.h"
 
 namespace stilt::hal::moteus {
+
+/// What a moteus does once its watchdog has expired, servo.timeout_mode; 15, phases shorted, is not modelled.
+enum class MoteusTimeout : std::uint8_t {
+  off = 0,
+  hold_position = 10,  ///< comes to rest along its trajectory and holds, with all of its gains
+  zero_velocity = 12,  ///< damps with the kd of the newest command
+};
 
 /// What a moteus keeps in its own configuration, by default as it comes from the maker with firmware 1.1.0.
 struct MoteusSettings {
   std::uint32_t firmware_version = 0x010100;
   double kp_Nm_rev = 4;                                            ///< servo.pid_position.kp
-  double ki = 0;                                                   ///< servo.pid_position.ki
+  double ki = 1;                                                   ///< servo.pid_position.ki
+  double ilimit_Nm = 0;                                            ///< servo.pid_position.ilimit
   double kd_Nm_s_rev = 0.05;                                       ///< servo.pid_position.kd
   double default_accel_limit_rev_s2 = 50;                          ///< servo, of firmware 1.0.0 on
   double default_velocity_limit_rev_s = MoteusTrajectory::kUnset;  ///< servo
   MoteusTrajectory::Bounds bounds{.minimum_rev = -0.01, .maximum_rev = 0.01};  ///< servopos
+  double bemf_feedforward = 0;                                                 ///< servo
+  MoteusTimeout timeout_mode = MoteusTimeout::zero_velocity;                   ///< servo
   double timeout_max_torque_Nm = 5;                                            ///< servo
-  std::int64_t enable_ns = 12'500'000;  ///< power stage 4 ms, zero of the current sensors 8.5 ms
+  std::int64_t power_stage_ns = 4'500'000;  ///< polled every millisecond: 4 to 5 ms
+  std::int64_t calibration_ns = 8'533'000;  ///< 256 samples of the current sensors' zero
 };
 
 /// Set up as docs/deployment.md says.
 [[nodiscard]] constexpr MoteusSettings documented_settings(const MoteusDriver& driver) noexcept {
   MoteusSettings settings;
   settings.kp_Nm_rev = driver.kp_Nm_rev;
+  settings.ki = 0;
   settings.kd_Nm_s_rev = driver.kd_Nm_s_rev;
   settings.bounds = {};
   return settings;
 }
 
-/// moteus: registers, stopped to position mode over the time that its power stage takes, trajectory, bounds,
-/// and the watchdog that latches mode `timeout` and damps until a stop arrives. A frame is answered before
-/// what it writes takes effect. Facts: github.com/mjbots/moteus, fw/moteus_controller.cc,
-/// fw/bldc_servo_control.h, fw/drv8323.cc (db1a762).
+/// moteus: registers, stopped to position mode over the time that its power stage and its current sensors
+/// take, trajectory, bounds, and the watchdog that latches mode `timeout` until a stop arrives. The power
+/// stage stays on for a while after a stop. A frame is answered before what it writes takes effect. Facts:
+/// github.com/mjbots/moteus, fw/moteus_controller.cc, fw/bldc_servo_control.h, fw/bldc_servo.cc,
+/// fw/drv8323.cc (db1a762); traces of that firmware: tests/data/traces.
 class MoteusEmulator final : public EmulatedDriver {
  public:
   explicit MoteusEmulator(const MoteusDriver& driver, const MoteusSettings& settings = {}) noexcept;
@@ -59,6 +73,7 @@ class MoteusEmulator final : public EmulatedDriver {
     double position_rad = 0;
     double velocity_rad_s = 0;
   };
+  static constexpr std::int64_t kCooldown_ns = 8'533'000;  ///< servo.cooldown_cycles
   static constexpr std::size_t kCommandRegisters = 10;
   using CommandRegisters = std::array<double, kCommandRegisters>;
 
@@ -69,8 +84,15 @@ class MoteusEmulator final : public EmulatedDriver {
   [[nodiscard]] double position_error_rev() const noexcept;
   [[nodiscard]] double velocity_error_rev_s() const noexcept;
   [[nodiscard]] double damping_Nm() const noexcept;
+  [[nodiscard]] double law_Nm(double kp_scale, double kd_scale) const noexcept;
+  [[nodiscard]] bool drives() const noexcept;
   void apply(std::int64_t now_ns, MoteusMode wanted) noexcept;
+  [[nodiscard]] bool take_console(const CanFrame& frame, FrameSink& replies) noexcept;
+  [[nodiscard]] ConsoleText setting(std::string_view name) const noexcept;
+  void begin_enabling(std::int64_t now_ns) noexcept;
+  void turn_off(std::int64_t now_ns) noexcept;
   void aim() noexcept;
+  void come_to_rest() noexcept;
   void advance(std::int64_t now_ns) noexcept;
   void enter_position_mode() noexcept;
 
@@ -86,7 +108,10 @@ class MoteusEmulator final : public EmulatedDriver {
   double integral_Nm_ = 0;
   std::array<Encoder, kMoteusEncoders> encoders_{};
   bool ignore_watchdog_ = false;
-  std::int64_t enabling_since_ns_ = 0;
+  ConsoleText question_;                  ///< that its command line has so far
+  std::array<ConsoleText, 2> answers_{};  ///< of its command line, one a reply: value, end of line
+  std::int64_t calibrating_from_ns_ = 0;
+  std::int64_t power_stage_off_ns_ = 0;  ///< from then on
   std::int64_t last_command_ns_ = 0;
   std::int64_t advanced_ns_ = 0;
 };

@@ -15,6 +15,9 @@ constexpr std::uint8_t kReadType = 0x10;
 constexpr std::uint8_t kReplyType = 0x20;
 constexpr std::uint8_t kWriteError = 0x30;
 constexpr std::uint8_t kReadError = 0x31;
+constexpr std::uint8_t kStreamIn = 0x40;
+constexpr std::uint8_t kStreamOut = 0x41;
+constexpr std::uint8_t kStreamPoll = 0x42;
 constexpr std::uint8_t kPadding = 0x50;
 constexpr std::uint32_t kMaximumRegister = 0xffff;
 
@@ -177,6 +180,13 @@ bool SubframeReader::take_number(std::uint32_t& number) noexcept {
   return false;
 }
 
+bool SubframeReader::take_values(std::size_t size, Subframe& subframe) noexcept {
+  if (size > rest_.size()) return false;
+  subframe.values = rest_.first(size);
+  rest_ = rest_.subspan(size);
+  return true;
+}
+
 bool SubframeReader::next(Subframe& subframe) noexcept {
   while (!rest_.empty() && rest_.front() == kPadding) rest_ = rest_.subspan(1);
   if (rest_.empty()) return false;
@@ -186,35 +196,46 @@ bool SubframeReader::next(Subframe& subframe) noexcept {
   if (head == kWriteError || head == kReadError) {
     found.kind = head == kWriteError ? SubframeKind::write_error : SubframeKind::read_error;
     if (!take_number(found.start) || !take_number(found.count)) return fail();
-    subframe = found;
-    return true;
-  }
-  switch (head & kTypeMask) {
-    case kWriteType:
-      found.kind = SubframeKind::write;
-      break;
-    case kReadType:
-      found.kind = SubframeKind::read;
-      break;
-    case kReplyType:
-      found.kind = SubframeKind::reply;
-      break;
-    default:
-      return fail();
-  }
-  found.resolution = static_cast<Resolution>(head >> 2 & 0x3);
-  found.count = head & 0x3;
-  if (found.count == 0 && !take_number(found.count)) return fail();
-  if (!take_number(found.start)) return fail();
-  if (found.count == 0 || found.count > kMaximumFrameBytes || found.start > kMaximumRegister) return fail();
-  if (found.kind != SubframeKind::read) {
-    const std::size_t size = found.count * bytes_of(found.resolution);
-    if (size > rest_.size()) return fail();
-    found.values = rest_.first(size);
-    rest_ = rest_.subspan(size);
+  } else if (head >= kStreamIn && head <= kStreamPoll) {
+    if (!next_stream(head, found)) return fail();
+  } else if (!next_registers(head, found)) {
+    return fail();
   }
   subframe = found;
   return true;
+}
+
+bool SubframeReader::next_stream(std::uint8_t head, Subframe& subframe) noexcept {
+  subframe.kind = head == kStreamIn    ? SubframeKind::stream_in
+                  : head == kStreamOut ? SubframeKind::stream_out
+                                       : SubframeKind::stream_poll;
+  if (!take_number(subframe.start) || !take_number(subframe.count)) return false;
+  return head == kStreamPoll || take_values(subframe.count, subframe);
+}
+
+bool SubframeReader::next_registers(std::uint8_t head, Subframe& subframe) noexcept {
+  switch (head & kTypeMask) {
+    case kWriteType:
+      subframe.kind = SubframeKind::write;
+      break;
+    case kReadType:
+      subframe.kind = SubframeKind::read;
+      break;
+    case kReplyType:
+      subframe.kind = SubframeKind::reply;
+      break;
+    default:
+      return false;
+  }
+  subframe.resolution = static_cast<Resolution>(head >> 2 & 0x3);
+  subframe.count = head & 0x3;
+  if (subframe.count == 0 && !take_number(subframe.count)) return false;
+  if (!take_number(subframe.start)) return false;
+  if (subframe.count == 0 || subframe.count > kMaximumFrameBytes || subframe.start > kMaximumRegister) {
+    return false;
+  }
+  return subframe.kind == SubframeKind::read ||
+         take_values(subframe.count * bytes_of(subframe.resolution), subframe);
 }
 
 void SubframeWriter::byte(std::uint8_t value) noexcept {
@@ -265,6 +286,20 @@ void SubframeWriter::values(SubframeKind kind, MoteusRegister start, Resolution 
 
 void SubframeWriter::read(MoteusRegister start, Resolution resolution, std::uint32_t count) noexcept {
   header(kReadType, static_cast<std::uint32_t>(start), resolution, count);
+}
+
+void SubframeWriter::stream(SubframeKind kind, std::uint32_t channel,
+                            std::span<const std::uint8_t> bytes) noexcept {
+  byte(kind == SubframeKind::stream_in ? kStreamIn : kStreamOut);
+  number(channel);
+  number(static_cast<std::uint32_t>(bytes.size()));
+  for (const std::uint8_t each : bytes) byte(each);
+}
+
+void SubframeWriter::poll_stream(std::uint32_t channel, std::uint32_t count) noexcept {
+  byte(kStreamPoll);
+  number(channel);
+  number(count);
 }
 
 EncodeStatus SubframeWriter::finish() noexcept {

@@ -15,6 +15,9 @@
 ///   write 00 04 08 0c, read 10 14 18 1c, reply 20 24 28 2c (int8, int16, int32, float), error 30 31, padding
 ///   50
 ///
+/// or it carries bytes of a stream: 40 to the driver, 41 from it, 42 asks for some; then channel, number of
+/// bytes, and with 40 and 41 the bytes. Channel 1 is the driver's command line.
+///
 /// Numbers are variable-length unsigned integers (7 bits a byte, least significant first, at most 5 bytes),
 /// values little endian. Facts: github.com/mjbots/moteus, docs/protocol/can.md and
 /// docs/protocol/registers.md. Real-time safe.
@@ -65,14 +68,25 @@ enum class Resolution : std::uint8_t { int8, int16, int32, real };
 /// Whether the register is a plain number (mode, fault, version): no NaN, no scale.
 [[nodiscard]] bool is_plain(std::uint32_t register_number) noexcept;
 
-enum class SubframeKind : std::uint8_t { write, read, reply, write_error, read_error };
+enum class SubframeKind : std::uint8_t {
+  write,
+  read,
+  reply,
+  write_error,
+  read_error,
+  stream_in,   ///< to the driver
+  stream_out,  ///< from the driver
+  stream_poll,
+};
 
 struct Subframe {
   SubframeKind kind = SubframeKind::read;
   Resolution resolution = Resolution::int8;
-  std::uint32_t start = 0;               ///< first register; of an error: the register
-  std::uint32_t count = 0;               ///< registers; of an error: its number
-  std::span<const std::uint8_t> values;  ///< count values, little endian; empty for reads and errors
+  std::uint32_t start = 0;  ///< first register; of an error: the register; of a stream: its channel
+  std::uint32_t count =
+      0;  ///< registers; of an error: its number; of a stream: bytes, or most that are wanted
+  /// Count values, little endian, or bytes of a stream; empty for reads, polls and errors.
+  std::span<const std::uint8_t> values;
 };
 
 /// Value i of a write or reply in the register's unit; the most negative integer of a scaled register is NaN.
@@ -93,6 +107,9 @@ class SubframeReader {
 
  private:
   [[nodiscard]] bool take_number(std::uint32_t& number) noexcept;
+  [[nodiscard]] bool take_values(std::size_t size, Subframe& subframe) noexcept;
+  [[nodiscard]] bool next_registers(std::uint8_t head, Subframe& subframe) noexcept;
+  [[nodiscard]] bool next_stream(std::uint8_t head, Subframe& subframe) noexcept;
   [[nodiscard]] bool fail() noexcept;
 
   std::span<const std::uint8_t> rest_;
@@ -109,6 +126,10 @@ class SubframeWriter {
   void values(SubframeKind kind, MoteusRegister start, Resolution resolution,
               std::span<const double> values) noexcept;
   void read(MoteusRegister start, Resolution resolution, std::uint32_t count) noexcept;
+
+  /// Bytes of a stream (stream_in, stream_out), or a poll for at most `count` of them.
+  void stream(SubframeKind kind, std::uint32_t channel, std::span<const std::uint8_t> bytes) noexcept;
+  void poll_stream(std::uint32_t channel, std::uint32_t count) noexcept;
 
   /// Pads to the next length of a CAN FD frame and sets it.
   [[nodiscard]] EncodeStatus finish() noexcept;

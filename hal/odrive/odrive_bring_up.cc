@@ -3,6 +3,9 @@
 #include <bit>
 #include <cmath>
 
+#include "hal/can/bytes.h"
+#include "hal/odrive/odrive_version.h"
+
 namespace stilt::hal::odrive {
 namespace {
 
@@ -46,8 +49,8 @@ BringUp::Ask OdriveBringUp::ask(Stage stage, unsigned part, CanFrame& frame) noe
             encode_set_controller_mode(node_, OdriveControlMode::torque, OdriveInputMode::passthrough, frame),
             Ask::send_only);
       }
-      if (endpoints_.torque_mode_limit == 0) return Ask::skip;
-      return asked(encode_parameter_request(node_, {false, endpoints_.torque_mode_limit, 0, 1}, frame),
+      if (checked_endpoint(part) == 0) return Ask::skip;
+      return asked(encode_parameter_request(node_, {false, checked_endpoint(part), 0, 4}, frame),
                    Ask::wait_for_answer);
     case Stage::watchdog_write:
     case Stage::watchdog_read:
@@ -117,7 +120,7 @@ BringUp::Verdict OdriveBringUp::judge(Stage stage, unsigned part, const CanFrame
     case Stage::enable:
       return judge_enable(frame);
     case Stage::scaling:
-      return judge_torque_mode_limit(frame);
+      return judge_limits(part, frame);
     case Stage::watchdog_write:
     case Stage::ready:
     case Stage::failed:
@@ -133,10 +136,7 @@ BringUp::Verdict OdriveBringUp::judge_version(const CanFrame& frame) noexcept {
     if (is_of(node_, frame)) suspect(Failure::old_version, {});
     return Verdict::ignore;
   }
-  const std::uint32_t number = static_cast<std::uint32_t>(version.firmware_major) << 16 |
-                               static_cast<std::uint32_t>(version.firmware_minor) << 8 |
-                               version.firmware_revision;
-  if (number >= options().minimum_version) return Verdict::next_stage;
+  if (version_number(version) >= options().minimum_version) return Verdict::next_stage;
   failure(Failure::old_version);
   return Verdict::fail;
 }
@@ -158,14 +158,29 @@ BringUp::Verdict OdriveBringUp::judge_watchdog(unsigned part, const CanFrame& fr
   return Verdict::fail;
 }
 
-BringUp::Verdict OdriveBringUp::judge_torque_mode_limit(const CanFrame& frame) noexcept {
+/// Of those that are known, in parts 1 and 2 of the stage; 0: no more.
+std::uint16_t OdriveBringUp::checked_endpoint(unsigned part) const noexcept {
+  const std::uint16_t first = endpoints_.torque_mode_limit;
+  const std::uint16_t second = endpoints_.velocity_limit;
+  if (part == 1) return first != 0 ? first : second;
+  return part == 2 && first != 0 ? second : 0;
+}
+
+/// In torque mode both limit the torque, and an axis faster than 1.2 vel_limit disarms in any mode.
+BringUp::Verdict OdriveBringUp::judge_limits(unsigned part, const CanFrame& frame) noexcept {
   OdriveParameter answer;
   if (decode_parameter_answer(node_, frame, answer) != DecodeStatus::ok ||
-      answer.endpoint != endpoints_.torque_mode_limit || answer.value_bytes == 0) {
+      answer.endpoint != checked_endpoint(part) || answer.value_bytes == 0) {
     return Verdict::ignore;
   }
-  if ((answer.bits & 0xff) == 0) return Verdict::next_stage;
-  failure(Failure::wrong_setting, {.setting = Setting::odrive_torque_mode_limit});
+  if (answer.endpoint == endpoints_.torque_mode_limit) {
+    if ((answer.bits & 0xff) == 0) return Verdict::next_part;
+    failure(Failure::wrong_setting, {.setting = Setting::odrive_torque_mode_limit});
+    return Verdict::fail;
+  }
+  const double limit_rad_s = static_cast<double>(std::bit_cast<float>(answer.bits)) * kRadiansPerRevolution;
+  if (limit_rad_s >= options().maximum_speed_rad_s) return Verdict::next_part;
+  failure(Failure::wrong_setting, {.setting = Setting::odrive_velocity_limit});
   return Verdict::fail;
 }
 

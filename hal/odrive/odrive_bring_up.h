@@ -20,6 +20,8 @@ class OdriveBringUp final : public bring_up::BringUp {
   [[nodiscard]] Ask ask(bring_up::Stage stage, unsigned part, CanFrame& frame) noexcept override;
   [[nodiscard]] Verdict judge(bring_up::Stage stage, unsigned part, const CanFrame& frame) noexcept override;
   [[nodiscard]] bool keep_alive(CanFrame& frame) noexcept override;
+  /// Heartbeats and estimates, which it sends unasked, identify it.
+  [[nodiscard]] bring_up::Stage lag_stage() const noexcept override { return bring_up::Stage::version; }
   /// Its state comes with heartbeats only, by default every 100 ms.
   [[nodiscard]] std::int64_t longest_silence_ns() const noexcept override { return 250'000'000; }
 
@@ -32,7 +34,8 @@ class OdriveBringUp final : public bring_up::BringUp {
   [[nodiscard]] Ask ask_rates() noexcept;
   [[nodiscard]] Verdict judge_version(const CanFrame& frame) noexcept;
   [[nodiscard]] Verdict judge_watchdog(unsigned part, const CanFrame& frame) noexcept;
-  [[nodiscard]] Verdict judge_torque_mode_limit(const CanFrame& frame) noexcept;
+  [[nodiscard]] std::uint16_t checked_endpoint(unsigned part) const noexcept;
+  [[nodiscard]] Verdict judge_limits(unsigned part, const CanFrame& frame) noexcept;
   [[nodiscard]] Verdict judge_home(unsigned part, const CanFrame& frame) noexcept;
   [[nodiscard]] Verdict judge_enable(const CanFrame& frame) noexcept;
 

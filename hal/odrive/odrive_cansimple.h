@@ -42,6 +42,7 @@ struct OdriveEndpoints {
   std::uint16_t watchdog_timeout = 0;   ///< axis0.config.watchdog_timeout, float, s
   std::uint16_t enable_watchdog = 0;    ///< axis0.config.enable_watchdog, bool
   std::uint16_t torque_mode_limit = 0;  ///< axis0.controller.config.enable_torque_mode_vel_limit, bool
+  std::uint16_t velocity_limit = 0;     ///< axis0.controller.config.vel_limit, float, rev/s
 };
 
 struct OdriveDriver {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 
 #include "hal/can/bytes.h"
 
@@ -9,7 +10,8 @@ namespace stilt::hal::odrive {
 namespace {
 
 constexpr std::uint32_t kWatchdogExpired = 0x01000000;
-constexpr double kVelocityLimit_rev_s = 2;          // controller.config.vel_limit
+constexpr std::uint32_t kTooFast = 0x00008000;      // velocity limit violation
+constexpr double kVelocityTolerance = 1.2;          // controller.config.vel_limit_tolerance
 constexpr double kVelocityGain_Nm_s_rev = 1.0 / 6;  // controller.config.vel_gain
 
 std::uint32_t bit_of(DriverFault fault) noexcept {
@@ -55,8 +57,9 @@ double OdriveEmulator::torque_Nm() const noexcept {
   if (!enabled() || !gives_torque()) return 0;
   if (!settings_.torque_mode_limit) return torque_Nm_;
   const double velocity_rev_s = sensed().velocity_rad_s / kRadiansPerRevolution;
-  return std::clamp(torque_Nm_, (-kVelocityLimit_rev_s - velocity_rev_s) * kVelocityGain_Nm_s_rev,
-                    (kVelocityLimit_rev_s - velocity_rev_s) * kVelocityGain_Nm_s_rev);
+  const double limit_rev_s = settings_.velocity_limit_rev_s;
+  return std::clamp(torque_Nm_, (-limit_rev_s - velocity_rev_s) * kVelocityGain_Nm_s_rev,
+                    (limit_rev_s - velocity_rev_s) * kVelocityGain_Nm_s_rev);
 }
 
 void OdriveEmulator::disarm(std::uint32_t error) noexcept {
@@ -107,6 +110,7 @@ void OdriveEmulator::take_parameter(const OdriveParameter& request, FrameSink& r
   const bool timeout = request.endpoint == endpoints_.watchdog_timeout;
   const bool enable = request.endpoint == endpoints_.enable_watchdog;
   const bool limit = request.endpoint == endpoints_.torque_mode_limit;
+  const bool velocity = request.endpoint == endpoints_.velocity_limit;
   OdriveParameter answer{false, request.endpoint, 0, 0};
   if (request.write) {
     if (timeout) watchdog_s_ = std::bit_cast<float>(request.bits);
@@ -120,6 +124,9 @@ void OdriveEmulator::take_parameter(const OdriveParameter& request, FrameSink& r
   } else if (limit) {
     answer.bits = settings_.torque_mode_limit ? 1 : 0;
     answer.value_bytes = 1;
+  } else if (velocity) {
+    answer.bits = std::bit_cast<std::uint32_t>(static_cast<float>(settings_.velocity_limit_rev_s));
+    answer.value_bytes = 4;
   }
   CanFrame frame;
   if (encode_parameter_answer(node_, answer, frame) == EncodeStatus::ok) replies.push(frame);
@@ -184,6 +191,8 @@ void OdriveEmulator::elapse(std::int64_t now_ns, FrameSink& replies) noexcept {
   if (!powered()) return;
   const double silence_s = static_cast<double>(now_ns - fed_ns_) * 1e-9;
   if (watchdog_enabled_ && silence_s > static_cast<double>(watchdog_s_)) disarm(kWatchdogExpired);
+  const double fastest_rad_s = kVelocityTolerance * settings_.velocity_limit_rev_s * kRadiansPerRevolution;
+  if (enabled() && std::abs(sensed().velocity_rad_s) > fastest_rad_s) disarm(kTooFast);
   if (enabled_from_ns_ != 0 && now_ns >= enabled_from_ns_) {
     state_ = static_cast<std::uint32_t>(OdriveState::closed_loop);
     enabled_from_ns_ = 0;

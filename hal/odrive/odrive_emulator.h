@@ -1,5 +1,7 @@
 #pragma once
 
+#include <limits>
+
 #include "hal/driver/emulated_driver.h"
 #include "hal/odrive/odrive_cansimple.h"
 
@@ -10,6 +12,7 @@ namespace stilt::hal::odrive {
 struct OdriveSettings {
   std::int64_t heartbeat_period_ns = 100'000'000;  ///< can.heartbeat_msg_rate_ms
   std::int64_t estimates_period_ns = 10'000'000;   ///< can.encoder_msg_rate_ms
+  double velocity_limit_rev_s = 2;                 ///< controller.config.vel_limit
   bool torque_mode_limit = true;                   ///< controller.config.enable_torque_mode_vel_limit
   bool answers_heartbeat_request = false;          ///< not public
   bool setpoints_alone_feed = false;               ///< the watchdog; not public
@@ -23,12 +26,14 @@ struct OdriveSettings {
   settings.heartbeat_period_ns = 10'000'000;
   settings.estimates_period_ns = 1'000'000;
   settings.torque_mode_limit = false;
+  settings.velocity_limit_rev_s = std::numeric_limits<double>::infinity();
   return settings;
 }
 
 /// ODrive with torque control: heartbeat and estimates on a timer, parameters for the watchdog, which is off
 /// at first and disarms the axis when it expires. Facts: github.com/odriverobotics/ODrive,
-/// Firmware/communication/can/can_simple.cpp, Firmware/MotorControl/controller.cpp (f9b5419, 0.5.6).
+/// Firmware/communication/can/can_simple.cpp, Firmware/MotorControl/controller.cpp (f9b5419, 0.5.6). Too
+/// fast, it disarms in every mode.
 class OdriveEmulator final : public EmulatedDriver {
  public:
   explicit OdriveEmulator(const OdriveDriver& driver, const OdriveSettings& settings = {},

@@ -65,6 +65,7 @@ void CanDrivers::step_joint(std::int64_t now_ns, std::size_t joint, BringUpProgr
   progress.fault = result.driver_fault;
   progress.fault_code = result.fault_code;
   progress.setting = result.setting;
+  progress.reply_lag_s = 1e-9 * static_cast<double>(result.reply_lag_ns);
 }
 
 BringUpProgress CanDrivers::step(std::int64_t now_ns) noexcept {
@@ -74,6 +75,9 @@ BringUpProgress CanDrivers::step(std::int64_t now_ns) noexcept {
   if (beginning_) {
     clear_latched_faults();
     beginning_ = false;
+    rest_until_ns_ = now_ns + bring_up::BringUp::kRest_ns;
+  }
+  if (now_ns < rest_until_ns_) {
     progress.ready = false;
     progress.stage = Stage::identify;
   } else {

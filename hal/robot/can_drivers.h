@@ -44,6 +44,7 @@ class CanDrivers final {
   CanRobot& robot_;
   std::array<JointBringUp, kJoints> bring_up_;
   bool beginning_ = true;
+  std::int64_t rest_until_ns_ = 0;
 };
 
 }  // namespace stilt::hal

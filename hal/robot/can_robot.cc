@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 
 // Layers of the hardware abstraction: docs/decisions/0004-hardware-abstraction.md
@@ -18,12 +17,6 @@ bool usable(EncodeStatus status) noexcept {
   return status == EncodeStatus::ok || status == EncodeStatus::saturated;
 }
 
-/// An encoder of one turn repeats: the angle next to the last one, at first next to upright.
-double nearest_turn(double angle_rad, double last_rad) noexcept {
-  const double near_rad = std::isfinite(last_rad) ? last_rad : 0;
-  return near_rad + std::remainder(angle_rad - near_rad, 2 * std::numbers::pi);
-}
-
 bool finite(const JointCommand& command) noexcept {
   return std::isfinite(command.position_rad) && std::isfinite(command.velocity_rad_s) &&
          std::isfinite(command.torque_Nm) && std::isfinite(command.kp_Nm_rad) &&
@@ -32,16 +25,16 @@ bool finite(const JointCommand& command) noexcept {
 
 }  // namespace
 
-CanRobot::CanRobot(const RobotWiring& wiring, std::span<FrameBus* const> buses) noexcept : wiring_(wiring) {
+CanRobot::CanRobot(const RobotWiring& wiring, std::span<FrameBus* const> buses) noexcept
+    : wiring_(wiring), torso_(torso_sensor_traits(wiring)), pitch_is_channel_(hal::pitch_is_channel(wiring)) {
   bus_count_ = std::min(buses.size(), buses_.size());
   std::copy_n(buses.begin(), bus_count_, buses_.begin());
   const auto rows = std::span(wiring_.channels).first(wiring_.channel_count);
-  const auto has = [rows](BaseChannel channel) {
-    return std::any_of(rows.begin(), rows.end(),
-                       [channel](const auto& row) { return row.channel == channel; });
-  };
-  has_emergency_stop_ = has(BaseChannel::emergency_stop_released);
-  has_rate_channel_ = wiring_.pitch_encoder_joint < 0 && has(BaseChannel::pitch_rate_rad_s);
+  has_emergency_stop_ = std::any_of(rows.begin(), rows.end(), [](const auto& row) {
+    return row.channel == BaseChannel::emergency_stop_released;
+  });
+  if (wiring_.pitch_encoder)
+    encoder_.emplace(*wiring_.pitch_encoder, static_cast<std::uint32_t>(wiring_.channel_period_ticks));
 }
 
 JointBusStatus CanRobot::bus_status() const noexcept {
@@ -54,7 +47,7 @@ JointBusStatus CanRobot::bus_status() const noexcept {
 
 JointBusStatus CanRobot::read(std::int64_t now_ns, JointReadings& readings) noexcept {
   fresh_.fill(false);
-  base_fresh_ = rate_fresh_ = false;
+  torso_.begin_read();
   bool disconnected = false;
   for (std::size_t bus = 0; bus < bus_count_; ++bus) {
     for (int round = 0; round < kMaximumRounds; ++round) {
@@ -69,26 +62,12 @@ JointBusStatus CanRobot::read(std::int64_t now_ns, JointReadings& readings) noex
     readings_[joint].missed_replies = fresh_[joint] ? 0 : readings_[joint].missed_replies + 1;
     complete = complete && fresh_[joint];
   }
-  count_missed_base();
+  take_feed();
+  torso_.end_read();
   readings = readings_;
   if (disconnected) return JointBusStatus::disconnected;
   const JointBusStatus status = bus_status();
   return status == JointBusStatus::ok && !complete ? JointBusStatus::incomplete : status;
-}
-
-/// A sensor slower than the reads is only missed once its next frame is due. Its rate may be in another
-/// frame: the older of the two counts.
-void CanRobot::count_missed_base() noexcept {
-  base_silent_ = base_fresh_ ? 0 : base_silent_ + 1;
-  rate_silent_ = rate_fresh_ || !has_rate_channel_ ? 0 : rate_silent_ + 1;
-  const std::uint32_t silent = std::max(base_silent_, rate_silent_);
-  const std::uint32_t between = base_period_reads() - 1;
-  base_.missed_replies = silent > between ? silent - between : 0;
-}
-
-std::uint32_t CanRobot::base_period_reads() const noexcept {
-  const bool by_channel = wiring_.pitch_encoder_joint < 0;
-  return by_channel ? static_cast<std::uint32_t>(wiring_.channel_period_ticks) : 1;
 }
 
 void CanRobot::receive(std::int64_t now_ns, std::size_t bus, const CanFrame& frame) noexcept {
@@ -100,6 +79,7 @@ void CanRobot::receive(std::int64_t now_ns, std::size_t bus, const CanFrame& fra
     return;
   }
   if (bus == wiring_.channel_bus) take_channels(now_ns, frame);
+  if (encoder_ && bus == wiring_.pitch_encoder_bus) take_torso_encoder(now_ns, frame);
 }
 
 DecodeStatus CanRobot::take_joint(std::int64_t now_ns, std::size_t joint, const CanFrame& frame) noexcept {
@@ -118,13 +98,8 @@ DecodeStatus CanRobot::take_joint(std::int64_t now_ns, std::size_t joint, const 
   reading.state = shaft.state;
   reading.fault = shaft.fault;
   reading.fault_code = shaft.fault_code;
-  if (wiring_.pitch_encoder_joint == static_cast<int>(joint) && std::isfinite(shaft.encoder_position_rad)) {
-    if (std::isfinite(shaft.encoder_velocity_rad_s)) {
-      base_.pitch_rate_rad_s = wiring_.pitch_direction * shaft.encoder_velocity_rad_s;
-    }
-    const double pitch_rad = wiring_.pitch_direction * shaft.encoder_position_rad + wiring_.pitch_offset_rad;
-    set_pitch(now_ns, nearest_turn(pitch_rad, base_.pitch_rad));
-  }
+  if (wiring_.pitch_encoder_joint == static_cast<int>(joint) && std::isfinite(shaft.encoder_position_rad))
+    set_torso_angle(now_ns, shaft.encoder_position_rad, shaft.encoder_velocity_rad_s);
   return status;
 }
 
@@ -143,36 +118,51 @@ void CanRobot::set_motion(std::int64_t now_ns, std::size_t joint) noexcept {
   fresh_[joint] = true;
 }
 
-/// After the rate of the same moment. A pitch alone stays equal over many readings of a coarse sensor.
-void CanRobot::set_pitch(std::int64_t now_ns, double pitch_rad) noexcept {
-  const double rate_rad_s = base_.pitch_rate_rad_s;
-  const bool same_rate = rate_rad_s == rate_at_pitch_rad_s_ || std::isnan(rate_rad_s);
-  const bool same = pitch_rad == base_.pitch_rad && same_rate;
-  base_.unchanged_replies = same ? base_.unchanged_replies + base_period_reads() : 0;
-  rate_at_pitch_rad_s_ = rate_rad_s;
-  base_.pitch_rad = pitch_rad;
-  base_.time_ns = now_ns;
-  base_fresh_ = true;
+void CanRobot::take_feed() noexcept {
+  if (feed_ == nullptr) return;
+  const TorsoSample& newest = feed_->newest();
+  torso_.reading().malformed += newest.malformed - sample_.malformed;
+  if (newest.number != sample_.number) {
+    if (std::isfinite(newest.pitch_rate_rad_s)) torso_.set_rate(newest.pitch_rate_rad_s);
+    torso_.set_pitch(newest.time_ns, newest.pitch_rad);
+  }
+  sample_ = newest;
+}
+
+void CanRobot::take_torso_encoder(std::int64_t now_ns, const CanFrame& frame) noexcept {
+  canopen::EncoderPosition position;
+  const DecodeStatus status = encoder_->take(now_ns, frame, position);
+  if (status == DecodeStatus::ok) set_torso_angle(position.time_ns, position.angle_rad, position.speed_rad_s);
+  if (status != DecodeStatus::ok && status != DecodeStatus::not_addressed) ++torso_.reading().malformed;
+}
+
+/// Of the encoder's shaft. @param speed_rad_s  NaN: not reported
+void CanRobot::set_torso_angle(std::int64_t time_ns, double angle_rad, double speed_rad_s) noexcept {
+  const double turns = wiring_.pitch_direction / wiring_.pitch_ratio;
+  if (std::isfinite(speed_rad_s)) torso_.set_rate(turns * speed_rad_s);
+  torso_.set_pitch(time_ns, turns * angle_rad + wiring_.pitch_offset_rad);
 }
 
 void CanRobot::take_channels(std::int64_t now_ns, const CanFrame& frame) noexcept {
   ChannelValues values;
   const DecodeStatus status = decode(std::span(wiring_.channels).first(wiring_.channel_count), frame, values);
   if (status == DecodeStatus::not_addressed) return;
+  BaseReading& base = torso_.reading();
   if (status != DecodeStatus::ok) {
-    ++base_.malformed;
+    ++base.malformed;
     return;
   }
   const auto set = [&values](BaseChannel channel, double& field) {
     if (values.has(channel)) field = values[channel];
   };
-  set(BaseChannel::pitch_rate_rad_s, base_.pitch_rate_rad_s);
-  rate_fresh_ = rate_fresh_ || values.has(BaseChannel::pitch_rate_rad_s);
-  set(BaseChannel::acceleration_x_m_s2, base_.acceleration_x_m_s2);
-  set(BaseChannel::acceleration_z_m_s2, base_.acceleration_z_m_s2);
-  set(BaseChannel::left_foot_force_N, base_.left_foot_force_N);
-  set(BaseChannel::right_foot_force_N, base_.right_foot_force_N);
-  if (values.has(BaseChannel::pitch_rad)) set_pitch(now_ns, values[BaseChannel::pitch_rad]);
+  set(BaseChannel::acceleration_x_m_s2, base.acceleration_x_m_s2);
+  set(BaseChannel::acceleration_z_m_s2, base.acceleration_z_m_s2);
+  set(BaseChannel::left_foot_force_N, base.left_foot_force_N);
+  set(BaseChannel::right_foot_force_N, base.right_foot_force_N);
+  if (pitch_is_channel_ && values.has(BaseChannel::pitch_rate_rad_s))
+    torso_.set_rate(values[BaseChannel::pitch_rate_rad_s]);
+  if (pitch_is_channel_ && values.has(BaseChannel::pitch_rad))
+    torso_.set_pitch(now_ns, values[BaseChannel::pitch_rad]);
   if (values.has(BaseChannel::emergency_stop_released)) {
     emergency_stop_released_ = values[BaseChannel::emergency_stop_released] != 0;
     emergency_stop_time_ns_ = now_ns;
@@ -283,8 +273,15 @@ JointBusStatus CanRobot::send(const std::array<CanFrame, kJoints>& frames) noexc
 }
 
 TorsoSensorStatus CanRobot::read_base(BaseReading& reading) noexcept {
-  reading = base_;
-  return base_fresh_ ? TorsoSensorStatus::ok : TorsoSensorStatus::stale;
+  reading = torso_.reading();
+  return torso_.pitch_is_new() ? TorsoSensorStatus::ok : TorsoSensorStatus::stale;
+}
+
+void CanRobot::serve_torso_sensor(std::int64_t now_ns) noexcept {
+  if (!encoder_) return;
+  const std::optional<CanFrame> frame = encoder_->step(now_ns);
+  if (!frame) return;
+  static_cast<void>(buses_[wiring_.pitch_encoder_bus]->send(std::span(&*frame, 1)));  // sent again soon
 }
 
 EmergencyStopState CanRobot::read_emergency_stop(std::int64_t now_ns) noexcept {

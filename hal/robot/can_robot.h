@@ -2,12 +2,16 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "hal/can/frame_bus.h"
+#include "hal/canopen/encoder.h"
 #include "hal/robot/joint_bus.h"
 #include "hal/robot/robot_wiring.h"
 #include "hal/sensors/emergency_stop.h"
+#include "hal/sensors/torso_feed.h"
+#include "hal/sensors/torso_measurement.h"
 #include "hal/sensors/torso_sensor.h"
 
 namespace stilt::hal {
@@ -35,6 +39,14 @@ class CanRobot final {
   /// Newest reading of the torso. Call after read(): both share the buses.
   [[nodiscard]] TorsoSensorStatus read_base(BaseReading& reading) noexcept;
   [[nodiscard]] EmergencyStopState read_emergency_stop(std::int64_t now_ns) noexcept;
+  /// Takes the torso sensor's samples from here. At start-up; outlives this object.
+  void attach(TorsoFeed& feed) noexcept { feed_ = &feed; }
+  /// Sends what a torso sensor must be asked for. Once per read, after it.
+  void serve_torso_sensor(std::int64_t now_ns) noexcept;
+  /// Why the torso sensor does not report, as far as it says. From any thread.
+  [[nodiscard]] canopen::EncoderTrouble torso_sensor_trouble() const noexcept {
+    return encoder_ ? encoder_->trouble() : canopen::EncoderTrouble{};
+  }
 
   /// Whole encoder periods found at bring-up, at the driver's shaft (StepResult::turn_offset_rad).
   void set_turn_offset(std::size_t joint, double shaft_rad) noexcept { turn_offset_rad_[joint] = shaft_rad; }
@@ -43,14 +55,14 @@ class CanRobot final {
   [[nodiscard]] std::uint64_t saturated() const noexcept { return saturated_; }
 
  private:
-  void count_missed_base() noexcept;
-  [[nodiscard]] std::uint32_t base_period_reads() const noexcept;
   void receive(std::int64_t now_ns, std::size_t bus, const CanFrame& frame) noexcept;
   [[nodiscard]] DecodeStatus take_joint(std::int64_t now_ns, std::size_t joint,
                                         const CanFrame& frame) noexcept;
   void take_channels(std::int64_t now_ns, const CanFrame& frame) noexcept;
   void set_motion(std::int64_t now_ns, std::size_t joint) noexcept;
-  void set_pitch(std::int64_t now_ns, double pitch_rad) noexcept;
+  void take_feed() noexcept;
+  void take_torso_encoder(std::int64_t now_ns, const CanFrame& frame) noexcept;
+  void set_torso_angle(std::int64_t time_ns, double angle_rad, double speed_rad_s) noexcept;
 
   [[nodiscard]] bool blind(std::size_t joint) const noexcept;
   [[nodiscard]] DriverCommand at_shaft(std::size_t joint, const JointCommand& command) const noexcept;
@@ -65,13 +77,11 @@ class CanRobot final {
   std::array<DriverReading, kJoints> shafts_;
   JointReadings readings_;
   std::array<bool, kJoints> fresh_{};
-  BaseReading base_;
-  double rate_at_pitch_rad_s_ = 0.0;  ///< of the base, when its newest pitch came
-  bool base_fresh_ = false;
-  bool has_rate_channel_ = false;
-  bool rate_fresh_ = false;
-  std::uint32_t base_silent_ = 0;  ///< reads in a row without a new angle
-  std::uint32_t rate_silent_ = 0;  ///< reads in a row without a new rate, of a channel
+  TorsoMeasurement torso_;
+  bool pitch_is_channel_ = true;
+  std::optional<canopen::EncoderReader> encoder_;
+  TorsoFeed* feed_ = nullptr;
+  TorsoSample sample_;  ///< newest that was taken
   bool has_emergency_stop_ = false;
   bool emergency_stop_released_ = false;
   std::int64_t emergency_stop_time_ns_ = 0;

@@ -31,6 +31,7 @@ struct BringUpProgress {
   DriverFault fault = DriverFault::none;
   std::uint32_t fault_code = 0;                         ///< vendor code of `fault`
   bring_up::Setting setting = bring_up::Setting::none;  ///< of the driver, when one is to blame
+  double reply_lag_s = 0;                               ///< of the driver, with failure slow_reply
 };
 
 /// A robot as the control loop uses it: readings in, commands out. Implemented by motor drivers on CAN buses,

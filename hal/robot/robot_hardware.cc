@@ -39,6 +39,7 @@ std::uint64_t RobotHardware::errors() const noexcept {
 void RobotHardware::read(std::int64_t now_ns, RobotReadings& readings) noexcept {
   readings.status = robot_.read(now_ns, readings.joints);
   static_cast<void>(robot_.read_base(readings.base));  // its age is in the reading
+  robot_.serve_torso_sensor(now_ns);
   readings.emergency_stop = robot_.read_emergency_stop(now_ns);
   readings.bus_errors = errors();
 }

@@ -36,6 +36,14 @@ class RobotHardware final : public Robot {
   /// Frames lost, withheld or malformed and error reports, on all buses since the start.
   [[nodiscard]] std::uint64_t errors() const noexcept;
 
+  /// Takes the torso sensor's samples from here. At start-up; outlives this object.
+  void attach(TorsoFeed& feed) noexcept { robot_.attach(feed); }
+
+  /// Why the torso sensor does not report, as far as it says. From any thread.
+  [[nodiscard]] canopen::EncoderTrouble torso_sensor_trouble() const noexcept {
+    return robot_.torso_sensor_trouble();
+  }
+
   /// The other half of restore_buses(), on any thread but the torque loop's: connects the buses again that
   /// restore_buses() found gone. Opens sockets; not real time.
   /// @param connect  connects a bus, known to who opened them; tried again by the next restore_buses() when

@@ -3,10 +3,14 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
+#include "hal/canopen/encoder.h"
 #include "hal/robot/joint_bus.h"
 #include "hal/robot/joint_driver.h"
+#include "hal/sensors/torso_measurement.h"
 #include "hal/sensors/torso_sensor_table.h"
+#include "hal/vectornav/vectornav.h"
 
 namespace stilt::hal {
 
@@ -36,15 +40,27 @@ struct RobotWiring {
   std::array<ChannelRow, kMaximumChannels> channels{};
   std::size_t channel_count = 0;
   std::uint8_t channel_bus = 0;
-  int channel_period_ticks = 1;  ///< reads from one frame of a channel to the next
-  /// The joint whose driver reports an extra encoder that measures the pitch; -1: none. pitch = direction *
-  /// angle + offset.
+  int channel_period_ticks = 1;  ///< reads from one value of the torso sensor to the next
+  /// What measures the pitch, when it is no channel: an extra encoder that this joint's driver reports (-1:
+  /// none), an encoder on CANopen, or a unit on a serial port. Of encoders, pitch = direction * angle / ratio
+  /// + offset.
   int pitch_encoder_joint = -1;
+  std::optional<canopen::Encoder> pitch_encoder;
+  std::uint8_t pitch_encoder_bus = 0;
+  std::optional<vectornav::Mounting> serial_imu;
   double pitch_direction = 1;
+  double pitch_ratio = 1;  ///< turns of the encoder per turn of the torso
   double pitch_offset_rad = 0;
+  double rate_window_s = 0.01;      ///< TorsoSensorTraits, where nothing measures the pitch rate
   double driver_watchdog_s = 0.02;  ///< in every moteus command
   std::int64_t emergency_stop_timeout_ns = 100'000'000;
 };
+
+/// How the pitch is measured.
+[[nodiscard]] TorsoSensorTraits torso_sensor_traits(const RobotWiring& wiring) noexcept;
+
+/// Whether pitch and pitch rate are channels.
+[[nodiscard]] bool pitch_is_channel(const RobotWiring& wiring) noexcept;
 
 /// Buses exist, directions are 1 or -1, ratios positive, drivers and channels valid, and no two joints share
 /// a driver's identifier on a bus.

@@ -42,6 +42,11 @@ std::vector<PeriodicFrame> periodic_frames(const RobotWiring& wiring, std::size_
   if (wiring.channel_bus == bus) {
     add_channels(list, std::span(wiring.channels).first(wiring.channel_count), sensor_hz);
   }
+  if (wiring.pitch_encoder && wiring.pitch_encoder_bus == bus) {
+    const double sync_hz = std::min(sensor_hz, tick_hz);
+    const std::vector<PeriodicFrame> frames = canopen::periodic_frames(*wiring.pitch_encoder, sync_hz);
+    list.insert(list.end(), frames.begin(), frames.end());
+  }
   return list;
 }
 
@@ -66,6 +71,10 @@ std::vector<FrameId> receive_ids(const RobotWiring& wiring, std::size_t bus) {
     for (const ChannelRow& row : std::span(wiring.channels).first(wiring.channel_count)) {
       all.push_back({row.id, row.extended});
     }
+  }
+  if (wiring.pitch_encoder && wiring.pitch_encoder_bus == bus) {
+    const std::vector<FrameId> ids = canopen::receive_ids(*wiring.pitch_encoder);
+    all.insert(all.end(), ids.begin(), ids.end());
   }
   return all;
 }

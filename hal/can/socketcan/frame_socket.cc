@@ -23,7 +23,7 @@ bool marked_echo(std::span<const std::byte> wire) noexcept {
 
 void FrameSocket::reset(int descriptor) noexcept {
   descriptor_ = descriptor;
-  gone_ = false;
+  gone_ = carrier_lost_ = false;
   overflow_total_ = 0;
   confirmations_.forget();
 }
@@ -197,10 +197,13 @@ void FrameSocket::take_error(const CanFrame& frame) noexcept {
   if ((frame.id & CAN_ERR_BUSOFF) != 0) {
     ++counters_.bus_off;
     health_ = BusHealth::off;
+    carrier_lost_ = true;
     confirmations_.forget();  // the controller has dropped its queue
   }
-  // A restart drops without echo what came since.
-  if ((frame.id & CAN_ERR_RESTARTED) != 0) confirmations_.forget();
+  if ((frame.id & CAN_ERR_RESTARTED) != 0) {
+    carrier_lost_ = false;
+    confirmations_.forget();  // a restart drops without echo what came since
+  }
   if (health_ == BusHealth::off) return;  // an automatic restart does not undo it
   if ((frame.id & CAN_ERR_CRTL) != 0) {
     const std::uint8_t detail = frame.data[1];

@@ -47,7 +47,7 @@ class FrameSocket final : public FrameBus {
 
   [[nodiscard]] BusHealth health() const noexcept override { return health_; }
   void clear_bus_off() noexcept override {
-    if (health_ == BusHealth::off) confirmations_.forget();  // what was sent since is not on the bus
+    if (carrier_lost_) confirmations_.forget();  // what was sent since is not on the bus
     health_ = BusHealth::active;
   }
   [[nodiscard]] const BusCounters& counters() const noexcept override { return counters_; }
@@ -81,6 +81,7 @@ class FrameSocket final : public FrameBus {
   Echo echo_;
   SocketCalls calls_;
   bool gone_ = false;
+  bool carrier_lost_ = false;  ///< went off the bus, and has not restarted since
   std::uint32_t overflow_total_ = 0;
   BusHealth health_ = BusHealth::active;
   BusCounters counters_;

@@ -49,6 +49,19 @@ inline mit::MitDriver damiao() {
   return driver;
 }
 
+inline moteus::MoteusDriver moteus_driver() {
+  moteus::MoteusDriver driver;
+  driver.kp_Nm_rev = 800;
+  driver.kd_Nm_s_rev = 40;
+  return driver;
+}
+
+inline mit::MitDriver mit_driver(mit::ReplyLayout layout) {
+  mit::MitDriver driver = damiao();
+  driver.layout = layout;
+  return driver;
+}
+
 class BringUpTest : public ::testing::Test {
  protected:
   mock::MockClock clock_;

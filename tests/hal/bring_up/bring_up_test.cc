@@ -130,6 +130,7 @@ TEST_F(BringUpTest, LostAnswersAreAskedForAgain) {
 }
 
 TEST_F(BringUpTest, LateAndDoubledAnswersDoNotConfuseTheStages) {
+  options_.longest_reply_lag_ns = 10 * kTick_ns;
   for (const FrameFault fault : {FrameFault::delay, FrameFault::duplicate}) {
     moteus::MoteusEmulator moteus = moteus::make_emulator({});
     mit::MitEmulator mit(damiao());

@@ -85,30 +85,19 @@ struct Case {
   double torque_step_Nm = 0;  ///< resolution of a command of zero
 };
 
-moteus::MoteusDriver moteus_driver() {
-  moteus::MoteusDriver driver;
-  driver.kp_Nm_rev = 800;
-  driver.kd_Nm_s_rev = 40;
-  return driver;
-}
-
-mit::MitDriver mit_driver(mit::ReplyLayout layout) {
-  mit::MitDriver driver = damiao();
-  driver.layout = layout;
-  return driver;
-}
-
 Case moteus_case(double enable_ms) {
-  return {"moteus that takes " + std::to_string(enable_ms) + " ms",
-          [enable_ms](auto& random) {
-            auto settings = moteus::documented_settings(moteus_driver());
-            settings.enable_ns =
-                static_cast<std::int64_t>(random.between(enable_ms - 0.5, enable_ms + 0.5) * kMillisecond_ns);
-            auto driver = std::make_shared<MoteusEmulator>(moteus_driver(), settings);
-            driver->motor.position_rad = random.between(-1, 1);
-            return driver;
-          },
-          [](const Options& options) { return std::make_shared<MoteusBringUp>(moteus_driver(), options); }};
+  return {
+      "moteus that takes " + std::to_string(enable_ms) + " ms",
+      [enable_ms](auto& random) {
+        auto settings = moteus::documented_settings(moteus_driver());
+        settings.power_stage_ns =
+            static_cast<std::int64_t>(random.between(enable_ms - 0.5, enable_ms + 0.5) * kMillisecond_ns) -
+            settings.calibration_ns;
+        auto driver = std::make_shared<MoteusEmulator>(moteus_driver(), settings);
+        driver->motor.position_rad = random.between(-1, 1);
+        return driver;
+      },
+      [](const Options& options) { return std::make_shared<MoteusBringUp>(moteus_driver(), options); }};
 }
 
 Case odrive_case(bool answers_heartbeat_request, bool setpoints_alone_feed, double enable_ms) {
@@ -188,126 +177,54 @@ TEST(MakersFirmware, DriversAsDocumentedComeUpAndStayUpAtEveryWatchdogPhaseAndCl
   }
 }
 
-class FactorySettings : public BringUpTest {
- protected:
-  FactorySettings() {
-    options_.minimum_angle_rad = -2.4;
-    options_.maximum_angle_rad = 2.4;
-  }
-  StepResult moteus(const moteus::MoteusSettings& settings, double position_rad = 0) {
-    MoteusEmulator driver(moteus_driver(), settings);
-    driver.motor.position_rad = position_rad;
-    MoteusBringUp bring_up(moteus_driver(), options_);
-    return end(driver, bring_up);
-  }
-  StepResult odrive(const odrive::OdriveSettings& settings) {
-    constexpr odrive::OdriveDriver kDriver{3, {0x191, 0x192, 0x193}};
-    OdriveEmulator driver(kDriver, settings);
-    OdriveBringUp bring_up(kDriver, options_);
-    return end(driver, bring_up);
-  }
-
- private:
-  StepResult end(EmulatedDriver& driver, BringUp& bring_up) {
-    mock::MockBus bus(clock_);
-    bus.attach(driver);
-    return run(bring_up, bus, clock_);
-  }
-};
-
-TEST_F(FactorySettings, OfAMoteusAreRefusedOneByOneByName) {
-  moteus::MoteusSettings settings;
-  settings.firmware_version = 0x010000;
-  const StepResult outside = moteus(settings, 0.5);
-  EXPECT_EQ(outside.failure, Failure::driver_fault);
-  EXPECT_EQ(outside.driver_fault, DriverFault::position_limit);
-  EXPECT_EQ(outside.fault_code, 39u);
-  EXPECT_EQ(outside.setting, Setting::moteus_position_bounds);
-  const StepResult inside = moteus(settings, 0.01);
-  EXPECT_EQ(inside.failure, Failure::wrong_setting) << "inside the bounds, which do not contain the travel";
-  EXPECT_EQ(inside.setting, Setting::moteus_position_bounds);
-  settings.bounds = {.minimum_rev = -1, .maximum_rev = 0.3};
-  EXPECT_EQ(moteus(settings).setting, Setting::moteus_kp) << "the lower end shows 4 instead of 800 Nm/rev";
-  settings.kp_Nm_rev = 800;
-  EXPECT_EQ(moteus(settings).setting, Setting::moteus_kd);
-  settings.kd_Nm_s_rev = 40;
-  EXPECT_EQ(moteus(settings).setting, Setting::moteus_position_bounds) << "the upper end is cut off";
-  settings.bounds.maximum_rev = 1;
-  EXPECT_EQ(moteus(settings).stage, Stage::ready) << "no limit of the acceleration: it is in every command";
-  settings.default_velocity_limit_rev_s = 2;
-  EXPECT_EQ(moteus(settings).setting, Setting::moteus_trajectory_limits);
-  settings.default_velocity_limit_rev_s = moteus::MoteusTrajectory::kUnset;
-  settings.ki = 50;
-  EXPECT_EQ(moteus(settings).setting, Setting::moteus_ki);
+/// Replies of a driver behind an adapter that holds them up for so long.
+Trial attempt_behind(EmulatedDriver& driver, BringUp& bring_up, std::int64_t lag_ns) {
+  mock::MockClock clock;
+  mock::MockBus bus(clock);
+  bus.attach(driver);
+  bus.add_fault({.fault = FrameFault::delay, .delay_ns = lag_ns});
+  return {.result = run(bring_up, bus, clock)};
 }
 
-TEST_F(FactorySettings, OfAnOdriveAreRefusedOneByOneByName) {
-  odrive::OdriveSettings settings;
-  EXPECT_EQ(odrive(settings).setting, Setting::odrive_torque_mode_limit);
-  settings.torque_mode_limit = false;
-  EXPECT_EQ(odrive(settings).setting, Setting::odrive_encoder_rate);
-  settings.estimates_period_ns = kMillisecond_ns;
-  EXPECT_EQ(odrive(settings).setting, Setting::odrive_heartbeat_rate);
-  settings.heartbeat_period_ns = 10 * kMillisecond_ns;
-  EXPECT_EQ(odrive(settings).stage, Stage::ready);
-}
-
-TEST_F(FactorySettings, AnOdriveOfFirmware05IsTooOldAndNotSilent) {
-  odrive::OdriveSettings settings;
-  settings.answers_version = false;
-  EXPECT_EQ(odrive(settings).failure, Failure::old_version);
-}
-
-TEST_F(FactorySettings, AMoteusWithALatchedFaultComesUpAtTheFirstTry) {
-  for (const bool timed_out : {false, true}) {
-    MoteusEmulator driver = make_emulator(moteus_driver());
-    bus_.attach(driver);
-    if (timed_out) {
-      MoteusBringUp first(moteus_driver(), options_);
-      ASSERT_EQ(run(first, bus_, clock_).stage, Stage::ready);
-      clock_.advance(50 * kMillisecond_ns);
-      FrameSink none;
-      driver.elapse(clock_.now_ns(), none);
-      ASSERT_EQ(driver.mode(), moteus::MoteusMode::timeout);
-    } else {
-      driver.raise(DriverFault::gate_driver);
+TEST(ReplyLag, OfAnAdapterIsRefusedWithItsSizeByEveryProtocol) {
+  for (const Case& which : documented_cases()) {
+    for (const int lag_ms : {4, 8, 15, 19, 22, 30}) {
+      stilt::hal::testing::RandomValues random(1);
+      const auto driver = which.driver(random);
+      const auto bring_up = which.bring_up({.accept_missing_watchdog = true});
+      const Trial trial = attempt_behind(*driver, *bring_up, lag_ms * kMillisecond_ns);
+      EXPECT_EQ(trial.result.failure, Failure::slow_reply) << which.name << ", " << lag_ms << " ms";
+      EXPECT_NEAR(static_cast<double>(trial.result.reply_lag_ns) * 1e-6, lag_ms, 1.01) << which.name;
     }
-    MoteusBringUp bring_up(moteus_driver(), options_);
-    mock::MockBus bus(clock_);
-    bus.attach(driver);
-    const StepResult result = run(bring_up, bus, clock_);
-    EXPECT_EQ(result.stage, Stage::ready) << name(result.failure) << ", " << name(result.driver_fault);
   }
 }
 
-TEST_F(FactorySettings, AMoteusThatKeepsItsFaultNamesItWithItsCode) {
+TEST(ReplyLag, OfLessThanTheLimitComesUp) {
+  for (const Case& which : documented_cases()) {
+    stilt::hal::testing::RandomValues random(1);
+    const auto driver = which.driver(random);
+    const auto bring_up = which.bring_up({.accept_missing_watchdog = true});
+    const Trial trial = attempt_behind(*driver, *bring_up, 1'900'000);
+    EXPECT_EQ(trial.result.stage, Stage::ready) << which.name << ": " << name(trial.result.failure);
+    EXPECT_EQ(trial.result.reply_lag_ns, 2 * kMillisecond_ns) << which.name;
+  }
+}
+
+TEST(ReplyLag, OfALateComputerIsMeasuredAgain) {
   MoteusEmulator driver = make_emulator(moteus_driver());
-  bus_.attach(driver);
-  MoteusBringUp bring_up(moteus_driver(), options_);
+  MoteusBringUp bring_up(moteus_driver(), {});
+  mock::MockClock clock;
+  mock::MockBus bus(clock);
+  bus.attach(driver);
   StepResult result;
-  for (int tick = 0; tick < 500 && result.stage != Stage::failed; ++tick) {
-    driver.raise(DriverFault::gate_driver);
-    result = run(bring_up, bus_, clock_, 1);
+  for (int late = 0; late < 4; ++late) {
+    for (int tick = 0; tick < 100 && !result.send; ++tick) result = run(bring_up, bus, clock, 1);
+    clock.advance(10 * kMillisecond_ns);  // the tick after the request is late
+    result = run(bring_up, bus, clock, 1);
+    EXPECT_EQ(result.stage, Stage::identify);
+    EXPECT_EQ(result.reply_lag_ns, 11 * kMillisecond_ns);
   }
-  EXPECT_EQ(result.failure, Failure::driver_fault);
-  EXPECT_EQ(result.driver_fault, DriverFault::gate_driver);
-  EXPECT_EQ(result.fault_code, 33u);
-}
-
-TEST_F(FactorySettings, AMiniCheetahDoesNotFollowACommandOfBeforeItWasOn) {
-  const mit::MitDriver described = mit_driver(mit::ReplyLayout::mini_cheetah);
-  MitEmulator driver(described);
-  bus_.attach(driver);
-  CanFrame old;
-  ASSERT_EQ(encode_command(described, {.position_rad = 2, .kp_Nm_rad = 100}, old), EncodeStatus::ok);
-  ASSERT_EQ(bus_.send(std::span(&old, 1)).sent, 1u);
-  options_.accept_missing_watchdog = true;
-  MitBringUp bring_up(described, options_);
-  for (int tick = 0; tick < 500 && bring_up.stage() != Stage::ready; ++tick) {
-    static_cast<void>(run(bring_up, bus_, clock_, 1));
-    EXPECT_LE(std::abs(driver.torque_Nm()), step(described.torque_Nm, 12)) << tick;
-  }
-  EXPECT_EQ(bring_up.stage(), Stage::ready);
+  EXPECT_EQ(run(bring_up, bus, clock).stage, Stage::ready);
 }
 
 }  // namespace

@@ -53,7 +53,7 @@ class StoppedMoteus final : public EmulatedDriver {
   void take(std::int64_t now_ns, const CanFrame& frame, FrameSink& replies) noexcept override {
     constexpr std::uint8_t kPositionMode_bytes = 32;
     CanFrame instead = frame;
-    if (frame.length == kPositionMode_bytes)
+    if (frame.length == kPositionMode_bytes && !moteus::decode_console_request({}, frame))
       static_cast<void>(encode_query({}, moteus::MoteusQuery::state, instead));
     inner_.take(now_ns, instead, replies);
   }

@@ -161,6 +161,23 @@ TEST(Loopback, TheRobotServesTheNextControllerAfterOneHasDied) {
   EXPECT_TRUE(server.connected());
 }
 
+/// A batch of its frames is read before its end shows as the end of the connection.
+TEST(Loopback, TheNextControllerIsNotRefusedWhileTheLastFramesOfADeadOneWait) {
+  const std::string name = unique_name("last-frames");
+  LoopbackServer server;
+  ASSERT_TRUE(server.open(name));
+  std::vector<CanFrame> last;
+  for (std::uint32_t id = 1; id <= kMaximumBatch; ++id) last.push_back(classic_frame(id, 8));
+  {
+    LoopbackClient first;
+    ASSERT_EQ(connect(first, server, name), Connection::connected);
+    ASSERT_EQ(first.frames().send(last).sent, last.size());
+  }
+  LoopbackClient second;
+  EXPECT_EQ(connect(second, server, name), Connection::connected);
+  EXPECT_EQ(server.refused(), 0u);
+}
+
 TEST(Loopback, TwoRobotsCannotShareAName) {
   const std::string name = unique_name("shared");
   LoopbackServer first;

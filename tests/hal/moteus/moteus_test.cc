@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 #include <map>
 #include <numbers>
 
+#include "hal/moteus/moteus_driver.h"
 #include "tests/hal/hex.h"
 #include "tests/hal/random_values.h"
 
@@ -258,7 +260,7 @@ TEST(Moteus, RepliesThatDoNotFitAreNamed) {
   reply.mode = 77;
   EXPECT_EQ(decode_reply({}, reply_frame("2f010000"), reply), DecodeStatus::malformed)
       << "three floats cut off";
-  EXPECT_EQ(decode_reply({}, reply_frame("4000"), reply), DecodeStatus::malformed) << "unknown type";
+  EXPECT_EQ(decode_reply({}, reply_frame("6000"), reply), DecodeStatus::malformed) << "unknown type";
   EXPECT_EQ(decode_reply({}, reply_frame("20ffffffffff"), reply), DecodeStatus::malformed)
       << "endless number";
   EXPECT_EQ(decode_reply({}, reply_frame("200001"), reply), DecodeStatus::malformed) << "no registers at all";
@@ -276,6 +278,21 @@ TEST(Moteus, AnErrorSubframeIsReportedAndTheRestStillRead) {
   ASSERT_EQ(decode_reply({}, reply_frame("310c0221000a5050"), reply), DecodeStatus::ok);
   EXPECT_TRUE(reply.register_error);
   EXPECT_EQ(reply.mode, 10);
+}
+
+TEST(Moteus, OnlyAModeThatFollowsCommandsCountsAsEnabled) {
+  for (int mode = 0; mode <= 15; ++mode) {
+    char digits[16];
+    std::snprintf(digits, sizeof digits, "2100%02x210f00", mode);
+    DriverReading reading;
+    ASSERT_EQ(take_frame({}, reply_frame(digits), reading), DecodeStatus::ok);
+    const bool faulty = mode == 1 || mode == 11;
+    const bool follows = mode == 10 || mode == 12;
+    EXPECT_EQ(reading.state, faulty    ? DriverState::fault
+                             : follows ? DriverState::enabled
+                                       : DriverState::idle)
+        << mode;
+  }
 }
 
 TEST(Moteus, FaultCodesFrom96AreLimitsNotFaults) {

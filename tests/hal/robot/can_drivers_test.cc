@@ -68,7 +68,7 @@ TEST(CanDrivers, ReadyOnesAreKeptContentWhileOthersAreSlow) {
   const std::array<FrameBus*, 2> buses{&bench.robot.buses_[0], &bench.robot.buses_[1]};
   RobotHardware hardware(bench.robot.wiring_, bench.options, buses);
   hardware.begin_bring_up();
-  for (int tick = 0; tick < 60; ++tick) {  // three times the watchdog
+  for (int tick = 0; tick < 85; ++tick) {  // three times the watchdog, after the rest
     RobotReadings readings;
     hardware.read(bench.robot.clock_.now_ns(), readings);
     EXPECT_FALSE(hardware.bring_up(bench.robot.clock_.now_ns()).ready);
@@ -115,7 +115,7 @@ TEST(CanDrivers, JointsOfOneBusComeUpOneAfterTheOther) {
   const std::array<FrameBus*, 2> buses{&bench.robot.buses_[0], &bench.robot.buses_[1]};
   RobotHardware hardware(bench.robot.wiring_, bench.options, buses);
   hardware.begin_bring_up();
-  for (int tick = 0; tick < 40; ++tick) {
+  for (int tick = 0; tick < 65; ++tick) {
     RobotReadings readings;
     hardware.read(bench.robot.clock_.now_ns(), readings);
     EXPECT_FALSE(hardware.bring_up(bench.robot.clock_.now_ns()).ready);

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <expected>
+#include <span>
+#include <string>
+
+#include "hal/can/socketcan/descriptor.h"
+
+namespace stilt::hal::serial {
+
+/// Bit rates that a port can be set to, of those VectorNav's units have.
+[[nodiscard]] std::span<const int> bit_rates() noexcept;
+
+/// A serial port that is read: 8 bits, no parity, one stop bit, no flow control, nothing translated. Not for
+/// real-time threads: a call of the kernel's terminals takes locks.
+class SerialPort {
+ public:
+  /// Opens the port for this program alone, and asks its adapter not to collect bytes where that can be
+  /// asked. The error is one sentence for the user.
+  /// @param bit_rate_bit_s  of bit_rates()
+  [[nodiscard]] static std::expected<SerialPort, std::string> open(const std::string& path,
+                                                                   int bit_rate_bit_s);
+
+  /// Waits for bytes. False: none came in time.
+  [[nodiscard]] bool wait(std::int64_t timeout_ns) const noexcept;
+
+  /// Reads what waits. @return  bytes read, 0 when none wait; -1: the port is gone
+  [[nodiscard]] std::ptrdiff_t read(std::span<std::uint8_t> bytes) const noexcept;
+
+ private:
+  explicit SerialPort(int descriptor) noexcept : descriptor_(descriptor) {}
+
+  socketcan::Descriptor descriptor_;
+};
+
+}  // namespace stilt::hal::serial

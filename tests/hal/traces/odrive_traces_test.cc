@@ -1,0 +1,132 @@
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <string>
+
+#include "hal/can/bytes.h"
+#include "hal/odrive/odrive_cansimple.h"
+#include "tests/hal/traces/firmware_trace.h"
+
+// Our ODrive codec against the messages of ODrive's own library.
+namespace stilt::hal::odrive {
+namespace {
+
+using testing::TraceEvent;
+
+/// Values of a message beside its frame.
+using Check = std::function<void(std::uint8_t node, const TraceEvent& said, const CanFrame& frame)>;
+
+template <class Message>
+Message decoded(std::uint8_t node, const CanFrame& frame) {
+  Message message;
+  EXPECT_EQ(decode(node, frame, message), DecodeStatus::ok);
+  return message;
+}
+
+std::uint8_t byte(const TraceEvent& said, std::size_t i) {
+  return static_cast<std::uint8_t>(said.integer(i));
+}
+std::uint32_t bits(const TraceEvent& said, std::size_t i) {
+  return static_cast<std::uint32_t>(std::stoul(said.words.at(i)));
+}
+void expect_turns(double value_rad, double turns) {
+  EXPECT_DOUBLE_EQ(value_rad, static_cast<double>(static_cast<float>(turns)) * kRadiansPerRevolution);
+}
+void expect_float(double value, double wanted) {
+  EXPECT_EQ(static_cast<float>(value), static_cast<float>(wanted));
+}
+/// Their library fills every message with zeros to 8 bytes; their example can_simple.py does not.
+void expect_bytes(const CanFrame& ours, const CanFrame& theirs) {
+  EXPECT_EQ(ours.id, theirs.id);
+  CanFrame filled = ours;
+  filled.length = kClassicFrameBytes;
+  EXPECT_EQ(testing::hex(filled), testing::hex(theirs));
+}
+
+const std::map<std::string, Check> kChecks{
+    {"version",
+     [](auto node, const auto& said, const auto& frame) {
+       const OdriveVersion expected{2,
+                                    byte(said, 0),
+                                    byte(said, 1),
+                                    byte(said, 2),
+                                    byte(said, 3),
+                                    byte(said, 4),
+                                    byte(said, 5),
+                                    byte(said, 6)};
+       EXPECT_EQ(decoded<OdriveVersion>(node, frame), expected);
+     }},
+    {"heartbeat",
+     [](auto node, const auto& said, const auto& frame) {
+       const OdriveHeartbeat expected{bits(said, 0), byte(said, 1), byte(said, 2), said.integer(3) == 1};
+       EXPECT_EQ(decoded<OdriveHeartbeat>(node, frame), expected);
+     }},
+    {"errors",
+     [](auto node, const auto& said, const auto& frame) {
+       EXPECT_EQ(decoded<OdriveErrors>(node, frame), (OdriveErrors{bits(said, 0), bits(said, 1)}));
+     }},
+    {"estimates",
+     [](auto node, const auto& said, const auto& frame) {
+       const auto estimates = decoded<OdriveEstimates>(node, frame);
+       expect_turns(estimates.position_rad, said.number(0));
+       expect_turns(estimates.velocity_rad_s, said.number(1));
+     }},
+    {"torques",
+     [](auto node, const auto& said, const auto& frame) {
+       const auto torques = decoded<OdriveTorques>(node, frame);
+       expect_float(torques.target_Nm, said.number(0));
+       expect_float(torques.estimate_Nm, said.number(1));
+     }},
+    {"temperatures",
+     [](auto node, const auto& said, const auto& frame) {
+       const auto temperatures = decoded<OdriveTemperatures>(node, frame);
+       expect_float(temperatures.driver_C, said.number(0));
+       expect_float(temperatures.motor_C, said.number(1));
+     }},
+    {"supply",
+     [](auto node, const auto& said, const auto& frame) {
+       const auto supply = decoded<OdriveSupply>(node, frame);
+       expect_float(supply.voltage_V, said.number(0));
+       expect_float(supply.current_A, said.number(1));
+     }},
+    {"set_state",
+     [](auto node, const auto& said, const auto& frame) {
+       CanFrame ours;
+       ASSERT_EQ(encode_set_state(node, bits(said, 0), ours), EncodeStatus::ok);
+       expect_bytes(ours, frame);
+     }},
+    {"set_controller_mode",
+     [](auto node, const auto& said, const auto& frame) {
+       CanFrame ours;
+       ASSERT_EQ(encode_set_controller_mode(node, static_cast<OdriveControlMode>(said.integer(0)),
+                                            static_cast<OdriveInputMode>(said.integer(1)), ours),
+                 EncodeStatus::ok);
+       expect_bytes(ours, frame);
+     }},
+    {"set_input_torque",
+     [](auto node, const auto& said, const auto& frame) {
+       CanFrame ours;
+       ASSERT_EQ(encode_input_torque(node, said.number(0), ours), EncodeStatus::ok);
+       expect_bytes(ours, frame);
+     }},
+};
+
+TEST(OdriveTraces, EveryMessageIsThatOfTheMakersLibrary) {
+  const auto scenarios = testing::read_trace("odrive.trace");
+  ASSERT_EQ(scenarios.size(), 1u);
+  const auto& events = scenarios[0].events;
+  int messages = 0;
+  for (std::size_t i = 0; i + 1 < events.size(); i += 2, ++messages) {
+    const CanFrame frame = events[i + 1].frame();
+    SCOPED_TRACE(events[i].kind + ", message " + std::to_string(messages));
+    const auto check = kChecks.find(events[i].kind);
+    ASSERT_NE(check, kChecks.end());
+    check->second(static_cast<std::uint8_t>(frame.id >> 5), events[i], frame);
+  }
+  EXPECT_EQ(messages, 400);
+}
+
+}  // namespace
+}  // namespace stilt::hal::odrive
