@@ -12,6 +12,7 @@
 
 #include "firmware/diagnostics/output_file.h"
 #include "firmware/open_buses.h"
+#include "firmware/program/commissioning_run.h"
 #include "firmware/program/controller_state.h"
 #include "firmware/program/lockstep_run.h"
 #include "firmware/program/options.h"
@@ -70,7 +71,8 @@ std::string not_written(const std::string& option, const std::string& file, cons
 /// Looks before the run whether its files can be written after it.
 std::expected<void, std::string> check_files(const program::Options& options) {
   for (const auto& [option, file] : {std::pair<std::string, std::string>{"--json", options.json_file},
-                                     {"--black-box", options.black_box_file}}) {
+                                     {"--black-box", options.black_box_file},
+                                     {"--out", options.out_file}}) {
     const std::string reason = diagnostics::why_not_writable(file);
     if (!reason.empty()) return std::unexpected(not_written(option, file, reason));
   }
@@ -114,7 +116,9 @@ int report(const program::Options& options, const program::Outcome& outcome) {
 
 /// Opens the buses and puts the controller together over them.
 std::expected<void, std::string> connect(const program::Options& options, std::vector<hal::AnyBus>& buses) {
-  auto opened = open_buses(options.configuration.hardware, options.lockstep);
+  const Received received =
+      options.task == program::Task::scan ? Received::all : Received::those_of_the_wiring;
+  auto opened = open_buses(options.configuration.hardware, options.lockstep, received);
   if (!opened) return std::unexpected(opened.error());
   buses = std::move(*opened);
   std::vector<hal::FrameBus*> frames;
@@ -192,6 +196,22 @@ int run_self_test(const program::Options& options) {
   return result.passed() ? kDone : kFailed;
 }
 
+/// scan, watch, jog, calibrate, identify: no torque loop, and no machine that must keep time.
+int run_commissioning(const program::Options& options) {
+  std::vector<hal::AnyBus> buses;
+  if (const auto writable = check_files(options); !writable) return refuse(writable.error());
+  if (const auto connected = connect(options, buses); !connected) return refuse(connected.error());
+  const program::CommissioningOutcome outcome =
+      program::run_commissioning(options, controller_state, signals.stop);
+  if (!outcome.error.empty()) {
+    std::fprintf(stderr, "stiltd: %s\n", outcome.error.c_str());
+    return outcome.bad_input ? kBadUsage : kFailed;
+  }
+  if (options.json_file != "-") std::fputs(outcome.text.c_str(), stdout);
+  if (!outcome.json.empty() && !write_figures(options, outcome.json)) return kBadUsage;
+  return outcome.passed ? kDone : kFailed;
+}
+
 /// --check-config: the configuration was read; what it means here.
 int check_config(const program::Options& options) {
   const program::BusReport buses = program::report_buses(options.configuration);
@@ -217,6 +237,12 @@ int main(int argc, char** argv) {
       return check_config(*options);
     case program::Task::self_test:
       return run_self_test(*options);
+    case program::Task::scan:
+    case program::Task::watch:
+    case program::Task::jog:
+    case program::Task::calibrate:
+    case program::Task::identify:
+      return run_commissioning(*options);
     case program::Task::control:
       break;
   }

@@ -17,13 +17,15 @@ hal::socketcan::BusOptions bus_options(const hal::RobotWiring& wiring, std::size
 }
 
 std::expected<std::vector<hal::AnyBus>, std::string> open_buses(
-    const configuration::HardwareParameters& hardware, bool lockstep) {
+    const configuration::HardwareParameters& hardware, bool lockstep, Received received) {
   const hal::RobotWiring wiring = configuration::robot_wiring(hardware);
   const std::vector<std::string> names = configuration::bus_names(hardware);
   std::vector<hal::AnyBus> buses(names.size());
   for (std::size_t bus = 0; bus < names.size(); ++bus) {
     if (const auto locked = buses[bus].lock(names[bus]); !locked) return std::unexpected(locked.error());
-    const auto opened = buses[bus].open(names[bus], bus_options(wiring, bus, lockstep));
+    hal::socketcan::BusOptions options = bus_options(wiring, bus, lockstep);
+    if (received == Received::all) options.receive_ids.clear();
+    const auto opened = buses[bus].open(names[bus], options);
     if (!opened) return std::unexpected(opened.error());
   }
   return buses;

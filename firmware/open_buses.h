@@ -9,12 +9,16 @@
 
 namespace stilt {
 
+/// Identifiers that come in from a bus.
+enum class Received { those_of_the_wiring, all };
+
 /// Opens the buses of a configuration, in the order of their numbers, and takes the right to command them.
 /// Beside main, the only place of the controller that knows what carries its frames. The error is one
 /// sentence for the user. Start-up only.
 /// @param lockstep  also lets the sync frames of a simulated robot through
 [[nodiscard]] std::expected<std::vector<hal::AnyBus>, std::string> open_buses(
-    const configuration::HardwareParameters& hardware, bool lockstep);
+    const configuration::HardwareParameters& hardware, bool lockstep,
+    Received received = Received::those_of_the_wiring);
 
 /// What a bus receives: replies, echoes of our own commands, sensors.
 [[nodiscard]] hal::socketcan::BusOptions bus_options(const hal::RobotWiring& wiring, std::size_t bus,

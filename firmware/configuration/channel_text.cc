@@ -5,6 +5,8 @@
 #include <sstream>
 #include <vector>
 
+#include "firmware/configuration/schema.h"
+
 namespace stilt::configuration {
 namespace {
 
@@ -112,6 +114,24 @@ std::expected<std::optional<ChannelRow>, std::string> parse_channel(std::string_
         std::string(kForm));
   }
   return row;
+}
+
+std::string transformed_channel(std::string_view text, double factor, double offset) {
+  std::istringstream stream{std::string(text)};
+  std::string result;
+  double scale = 1, old_offset = 0;
+  for (std::string word; stream >> word;) {
+    if (word == "scale") {
+      stream >> scale;
+    } else if (word == "offset") {
+      stream >> old_offset;
+    } else {
+      result += word + ' ';
+    }
+  }
+  const double new_offset = factor * old_offset + offset;
+  result += "scale " + number_text(factor * scale);
+  return new_offset == 0 ? result : result + " offset " + number_text(new_offset);
 }
 
 }  // namespace stilt::configuration

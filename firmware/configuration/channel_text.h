@@ -19,4 +19,7 @@ namespace stilt::configuration {
 [[nodiscard]] std::expected<std::optional<hal::ChannelRow>, std::string> parse_channel(
     std::string_view text, hal::BaseChannel channel);
 
+/// The text of a channel whose value is factor * (that of `text`) + offset, its scale and offset last.
+[[nodiscard]] std::string transformed_channel(std::string_view text, double factor, double offset);
+
 }  // namespace stilt::configuration

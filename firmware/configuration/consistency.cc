@@ -130,6 +130,7 @@ std::vector<Contradiction> contradictions(const Configuration& parameters) {
   check_stall(parameters, found);
   check_line_search(parameters, found);
   check_hardware(parameters.hardware, found);
+  check_torso_range(parameters.hardware, parameters.supervisor, found);
   check_gains(parameters.hardware, parameters.supervisor, found);
   check_supervisor(parameters.supervisor, found);
   check_runtime(parameters.runtime, found);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string_view>
 #include <utility>
 
@@ -54,11 +55,12 @@ hal::moteus::MoteusDriver moteus_driver(const HardwareParameters& hardware, std:
 }
 
 hal::odrive::OdriveDriver odrive_driver(const DriverParameters& driver, const JointParameters& joint) {
-  return {.node = static_cast<std::uint8_t>(joint.id),
-          .endpoints = {
-              .watchdog_timeout = static_cast<std::uint16_t>(driver.odrive_watchdog_timeout_endpoint),
-              .enable_watchdog = static_cast<std::uint16_t>(driver.odrive_enable_watchdog_endpoint),
-              .torque_mode_limit = static_cast<std::uint16_t>(driver.odrive_torque_mode_limit_endpoint)}};
+  return {
+      .node = static_cast<std::uint8_t>(joint.id),
+      .endpoints = {.watchdog_timeout = static_cast<std::uint16_t>(driver.odrive_watchdog_timeout_endpoint),
+                    .enable_watchdog = static_cast<std::uint16_t>(driver.odrive_enable_watchdog_endpoint),
+                    .torque_mode_limit = static_cast<std::uint16_t>(driver.odrive_torque_mode_limit_endpoint),
+                    .velocity_limit = static_cast<std::uint16_t>(driver.odrive_velocity_limit_endpoint)}};
 }
 
 hal::JointWiring joint_wiring(const HardwareParameters& hardware, std::size_t joint) {
@@ -84,6 +86,66 @@ void add_channel(const std::string& text, BaseChannel channel, hal::RobotWiring&
   if (row && *row) wiring.channels[wiring.channel_count++] = **row;
 }
 
+/// Euler angles (0x022: roll, pitch, yaw) and rates of turn (0x032: x, y, z) of an Xsens MTi, 16 bits each,
+/// most significant byte first; y to the left as in the torso's frame. Source: Movella, "MTi CAN messages",
+/// mtidocs.movella.com/canmessages; MT CAN protocol, MT1604P.
+void add_xsens(const TorsoSensorParameters& sensor, hal::RobotWiring& wiring) {
+  constexpr double kAngleStep_rad = std::numbers::pi / 180 / 128;
+  constexpr double kRateStep_rad_s = 1.0 / 512;
+  const double direction = sensor.imu_reversed ? -1 : 1;
+  const std::uint8_t byte = sensor.imu_axis == ImuAxis::roll ? 0 : 2;
+  hal::ChannelRow row{.id = 0x022, .byte_offset = byte, .bits = 16, .order = hal::ByteOrder::big};
+  row.scale = direction * kAngleStep_rad;
+  row.offset = sensor.imu_offset_rad;
+  row.channel = BaseChannel::pitch_rad;
+  wiring.channels[wiring.channel_count++] = row;
+  row.id = 0x032;
+  row.scale = direction * kRateStep_rad_s;
+  row.offset = 0;
+  row.channel = BaseChannel::pitch_rate_rad_s;
+  wiring.channels[wiring.channel_count++] = row;
+}
+
+void add_pitch(const TorsoSensorParameters& sensor, hal::RobotWiring& wiring) {
+  wiring.pitch_encoder_joint = sensor.encoder_joint;
+  wiring.pitch_direction = sensor.encoder_reversed ? -1 : 1;
+  wiring.pitch_offset_rad = sensor.encoder_offset_rad;
+  wiring.pitch_ratio = sensor.encoder_ratio;
+  wiring.rate_window_s = sensor.rate_window_s;
+  switch (sensor.device) {
+    case TorsoDevice::channels:
+      if (sensor.encoder_joint >= 0) return;
+      add_channel(sensor.pitch, BaseChannel::pitch_rad, wiring);
+      add_channel(sensor.pitch_rate, BaseChannel::pitch_rate_rad_s, wiring);
+      return;
+    case TorsoDevice::canopen_encoder:
+      wiring.pitch_encoder_bus = static_cast<std::uint8_t>(sensor.bus);
+      wiring.pitch_encoder = {.node = static_cast<std::uint8_t>(sensor.encoder_node),
+                              .steps_per_turn = static_cast<std::uint32_t>(sensor.encoder_steps),
+                              .turns = static_cast<std::uint32_t>(sensor.encoder_turns),
+                              .speed_rad_s = sensor.encoder_speed_rad_s};
+      return;
+    case TorsoDevice::xsens_can:
+      add_xsens(sensor, wiring);
+      return;
+    case TorsoDevice::vectornav:
+      wiring.serial_imu = {.by_roll = sensor.imu_axis == ImuAxis::roll,
+                           .direction = sensor.imu_reversed ? -1.0 : 1.0,
+                           .offset_rad = sensor.imu_offset_rad};
+      return;
+  }
+}
+
+void add_torso_sensor(const TorsoSensorParameters& sensor, hal::RobotWiring& wiring) {
+  add_pitch(sensor, wiring);
+  add_channel(sensor.acceleration_x, BaseChannel::acceleration_x_m_s2, wiring);
+  add_channel(sensor.acceleration_z, BaseChannel::acceleration_z_m_s2, wiring);
+  add_channel(sensor.left_foot_force, BaseChannel::left_foot_force_N, wiring);
+  add_channel(sensor.right_foot_force, BaseChannel::right_foot_force_N, wiring);
+  add_channel(sensor.emergency_stop_released, BaseChannel::emergency_stop_released, wiring);
+  wiring.channel_bus = static_cast<std::uint8_t>(sensor.bus);
+}
+
 }  // namespace
 
 std::vector<std::string> bus_names(const HardwareParameters& hardware) {
@@ -105,20 +167,9 @@ hal::RobotWiring robot_wiring(const HardwareParameters& hardware) {
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
     wiring.joints[joint] = joint_wiring(hardware, joint);
   }
-  const TorsoSensorParameters& sensor = hardware.torso_sensor;
-  add_channel(sensor.pitch, BaseChannel::pitch_rad, wiring);
-  add_channel(sensor.pitch_rate, BaseChannel::pitch_rate_rad_s, wiring);
-  add_channel(sensor.acceleration_x, BaseChannel::acceleration_x_m_s2, wiring);
-  add_channel(sensor.acceleration_z, BaseChannel::acceleration_z_m_s2, wiring);
-  add_channel(sensor.left_foot_force, BaseChannel::left_foot_force_N, wiring);
-  add_channel(sensor.right_foot_force, BaseChannel::right_foot_force_N, wiring);
-  add_channel(sensor.emergency_stop_released, BaseChannel::emergency_stop_released, wiring);
-  wiring.channel_bus = static_cast<std::uint8_t>(sensor.bus);
-  wiring.pitch_encoder_joint = sensor.encoder_joint;
-  wiring.pitch_direction = sensor.encoder_reversed ? -1 : 1;
-  wiring.pitch_offset_rad = sensor.encoder_offset_rad;
+  add_torso_sensor(hardware.torso_sensor, wiring);
   wiring.driver_watchdog_s = hardware.driver_watchdog_s;
-  wiring.emergency_stop_timeout_ns = std::llround(1e9 * sensor.emergency_stop_timeout_s);
+  wiring.emergency_stop_timeout_ns = std::llround(1e9 * hardware.torso_sensor.emergency_stop_timeout_s);
   return wiring;
 }
 
@@ -128,7 +179,7 @@ int base_period_ticks(const HardwareParameters& hardware, double torque_rate_hz)
 }
 
 hal::bring_up::Options bring_up_options(const HardwareParameters& hardware, std::size_t joint,
-                                        double minimum_rad, double maximum_rad) {
+                                        double minimum_rad, double maximum_rad, double speed_rad_s) {
   const DriverParameters& driver = driver_of(hardware, joint);
   const JointParameters& place = hardware.joint[joint];
   const double direction = place.reversed ? -1 : 1;
@@ -136,10 +187,12 @@ hal::bring_up::Options bring_up_options(const HardwareParameters& hardware, std:
                                           direction * driver.ratio * (maximum_rad - place.offset_rad)});
   hal::bring_up::Options options;
   options.watchdog_s = hardware.driver_watchdog_s;
+  options.longest_reply_lag_ns = std::llround(1e9 * hardware.longest_reply_lag_s);
   options.accept_missing_watchdog = driver.accept_missing_watchdog;
   options.minimum_version = static_cast<std::uint32_t>(driver.minimum_version);
   options.minimum_angle_rad = first;
   options.maximum_angle_rad = last;
+  options.maximum_speed_rad_s = driver.ratio * speed_rad_s;
   options.encoder_period_rad = driver.encoder_period_rad;
   return options;
 }

@@ -15,6 +15,13 @@ namespace stilt::configuration {
 /// Protocol of a motor driver; the MIT mode as its vendor defines it.
 enum class DriverProtocol { mit_mini_cheetah, mit_ak, mit_damiao, moteus, odrive };
 
+/// What measures the pitch of the torso: channels of frames (or the extra encoder of a moteus), an encoder on
+/// CANopen, an Xsens MTi on CAN, a VectorNav on a serial port.
+enum class TorsoDevice { channels, canopen_encoder, xsens_can, vectornav };
+
+/// Axis of an inertial measurement unit that is parallel to the pitch axis of the torso: its y, or its x.
+enum class ImuAxis { pitch, roll };
+
 /// A kind of motor driver. Hips have one kind and knees one; left and right are the same.
 struct DriverParameters {
   DriverProtocol protocol = DriverProtocol::mit_damiao;
@@ -33,10 +40,11 @@ struct DriverParameters {
   double moteus_kp_Nm_rev = 800.0;
   double moteus_kd_Nms_rev = 40.0;
   bool bit_rate_switch = true;
-  /// ODrive: numbers of three parameters in its firmware; 0: unknown.
+  /// ODrive: numbers of four parameters in its firmware; 0: unknown.
   int odrive_watchdog_timeout_endpoint = 0;
   int odrive_enable_watchdog_endpoint = 0;
   int odrive_torque_mode_limit_endpoint = 0;
+  int odrive_velocity_limit_endpoint = 0;
   double encoder_period_rad = 0.0;  ///< of the shaft; 0: the encoder does not repeat
   int minimum_version = 0;
   bool accept_missing_watchdog = false;
@@ -53,8 +61,10 @@ struct JointParameters {
 
 /// Where the sensors of the torso are. A channel is a line of text, see parse_channel(); "none" without one.
 struct TorsoSensorParameters {
+  TorsoDevice device = TorsoDevice::channels;
   int bus = 0;
   double rate_hz = 500.0;
+  double rate_window_s = 0.01;  ///< hal::TorsoSensorTraits, where nothing measures the pitch rate
   std::string pitch = "id 0x150 byte 0 bits 24 signed little scale 1e-6";
   std::string pitch_rate = "id 0x150 byte 3 bits 16 signed little scale 5e-4";
   std::string acceleration_x = "none";
@@ -67,6 +77,16 @@ struct TorsoSensorParameters {
   int encoder_number = 1;  ///< of that moteus, 0 to 2
   bool encoder_reversed = false;
   double encoder_offset_rad = 0.0;
+  double encoder_ratio = 1.0;        ///< turns of the encoder per turn of the torso
+  int encoder_node = 32;             ///< of CANopen, 1 to 127
+  int encoder_steps = 65536;         ///< of a turn
+  int encoder_turns = 1;             ///< after which its position repeats
+  double encoder_speed_rad_s = 0.0;  ///< of its shaft, a unit of object 0x6030; 0: that is not read
+  ImuAxis imu_axis = ImuAxis::pitch;
+  bool imu_reversed = false;
+  double imu_offset_rad = 0.0;  ///< pitch where the unit reads 0
+  std::string serial_port = "/dev/ttyUSB0";
+  int serial_baud = 921600;
 };
 
 /// Everything on the far side of the buses.
@@ -76,6 +96,7 @@ struct HardwareParameters {
   double bit_rate_bit_s = 1e6;
   double data_bit_rate_bit_s = 5e6;
   double driver_watchdog_s = 0.02;
+  double longest_reply_lag_s = 0.003;  ///< at bring-up, from a request to the tick that receives its reply
   DriverParameters hip;
   DriverParameters knee;
   /// hip_L, knee_L, hip_R, knee_R.
@@ -98,8 +119,10 @@ struct HardwareParameters {
 
 /// What the bring-up of a joint's driver shall insist on.
 /// @param minimum_rad, maximum_rad  travel of the joint, margin included
+/// @param speed_rad_s               that the joint may reach; 0: its driver's limit is not checked
 [[nodiscard]] hal::bring_up::Options bring_up_options(const HardwareParameters& hardware, std::size_t joint,
-                                                      double minimum_rad, double maximum_rad);
+                                                      double minimum_rad, double maximum_rad,
+                                                      double speed_rad_s = 0);
 
 /// Worst-case load of a bus with the torque loop at this rate.
 [[nodiscard]] hal::BusLoad bus_load(const HardwareParameters& hardware, std::size_t bus,

@@ -16,10 +16,6 @@ constexpr JointKeys kKeys[hal::kJoints] = {{"hip_L.bus", "hip_L.id"},
                                            {"hip_R.bus", "hip_R.id"},
                                            {"knee_R.bus", "knee_R.id"}};
 
-DriverProtocol protocol_of(const HardwareParameters& hardware, std::size_t joint) {
-  return (joint % 2 == 0 ? hardware.hip : hardware.knee).protocol;
-}
-
 /// Largest identifier a driver can have.
 int largest_id(DriverProtocol protocol) {
   if (protocol == DriverProtocol::moteus) return hal::moteus::kMoteusMaximumId;
@@ -62,28 +58,11 @@ void check_ids(const HardwareParameters& hardware, std::size_t i, std::vector<Co
   }
 }
 
-void check_pitch(const HardwareParameters& hardware, std::vector<Contradiction>& found) {
-  const TorsoSensorParameters& sensor = hardware.torso_sensor;
-  if (sensor.pitch == "none" && sensor.encoder_joint < 0) {
-    found.push_back({{"torso_sensor.pitch", "torso_sensor.encoder_joint"},
-                     "nothing measures the pitch of the torso; give torso_sensor.pitch a channel, or "
-                     "torso_sensor.encoder_joint a moteus with an extra encoder"});
-  }
-  if (sensor.pitch != "none" && sensor.pitch_rate == "none" && sensor.encoder_joint < 0) {
-    found.push_back(
-        {{"torso_sensor.pitch_rate"},
-         "nothing measures the pitch rate of the torso, without which the robot cannot stand up; give "
-         "torso_sensor.pitch_rate a channel"});
-  }
-  if (sensor.encoder_joint >= 0 &&
-      protocol_of(hardware, static_cast<std::size_t>(sensor.encoder_joint)) != DriverProtocol::moteus) {
-    found.push_back({{"torso_sensor.encoder_joint"},
-                     "torso_sensor.encoder_joint = " + std::to_string(sensor.encoder_joint) +
-                         ": only a moteus has extra encoders, that joint has another driver"});
-  }
-}
-
 }  // namespace
+
+DriverProtocol protocol_of(const HardwareParameters& hardware, std::size_t joint) {
+  return (joint % 2 == 0 ? hardware.hip : hardware.knee).protocol;
+}
 
 void check_hardware(const HardwareParameters& hardware, std::vector<Contradiction>& found) {
   const std::vector<std::string> names = bus_names(hardware);
@@ -95,7 +74,7 @@ void check_hardware(const HardwareParameters& hardware, std::vector<Contradictio
     check_ids(hardware, i, found);
   }
   check_bus("torso_sensor.bus", hardware.torso_sensor.bus, buses, found);
-  check_pitch(hardware, found);
+  check_torso_sensor(hardware, found);
   if (found.size() == before) check_identifiers(hardware, found);
   if (found.size() == before && !hal::valid(robot_wiring(hardware), buses)) {
     found.push_back({{"hardware.buses"}, "the wiring of the joints contradicts itself"});

@@ -9,9 +9,21 @@
 
 namespace stilt::configuration {
 
+/// Protocol of a joint's driver.
+[[nodiscard]] DriverProtocol protocol_of(const HardwareParameters& hardware, std::size_t joint);
+
 /// Contradictions of the wiring: joints on buses that do not exist, drivers that share an identifier,
-/// identifiers their protocol does not have, no sensor of the pitch.
+/// identifiers their protocol does not have, and those of check_torso_sensor().
 void check_hardware(const HardwareParameters& hardware, std::vector<Contradiction>& found);
+
+/// No sensor of the pitch; settings of one that contradict one another; a rate that would be too coarse, or
+/// whose window holds too few pitches.
+void check_torso_sensor(const HardwareParameters& hardware, std::vector<Contradiction>& found);
+
+/// Angles before base_angle_limit, and rates on the way there, that the frames of the torso sensor cannot
+/// carry: they would read less, and a fall would not be seen.
+void check_torso_range(const HardwareParameters& hardware, const supervisor::SupervisorParameters& supervisor,
+                       std::vector<Contradiction>& found);
 
 /// Nodes of one bus whose frames would be taken for each other's: drivers among themselves, and drivers and
 /// torso sensor. Supposes a wiring that is right in all else.

@@ -1,9 +1,9 @@
 #include <array>
 #include <set>
+#include <span>
 #include <string>
 #include <utility>
 
-#include "firmware/configuration/channel_text.h"
 #include "firmware/configuration/hardware_consistency.h"
 #include "hal/robot/wiring_load.h"
 
@@ -20,18 +20,25 @@ struct Node {
   hal::NodeIdentifiers identifiers;
 };
 
-struct ChannelKey {
-  std::string_view name;
-  std::string TorsoSensorParameters::*text;
-};
-constexpr ChannelKey kChannels[] = {
-    {"torso_sensor.pitch", &TorsoSensorParameters::pitch},
-    {"torso_sensor.pitch_rate", &TorsoSensorParameters::pitch_rate},
-    {"torso_sensor.acceleration_x", &TorsoSensorParameters::acceleration_x},
-    {"torso_sensor.acceleration_z", &TorsoSensorParameters::acceleration_z},
-    {"torso_sensor.left_foot_force", &TorsoSensorParameters::left_foot_force},
-    {"torso_sensor.right_foot_force", &TorsoSensorParameters::right_foot_force},
-    {"torso_sensor.emergency_stop_released", &TorsoSensorParameters::emergency_stop_released}};
+std::string_view key_of(const hal::ChannelRow& row, TorsoDevice device) {
+  switch (row.channel) {
+    case BaseChannel::pitch_rad:
+      return device == TorsoDevice::channels ? "torso_sensor.pitch" : "torso_sensor.device";
+    case BaseChannel::pitch_rate_rad_s:
+      return device == TorsoDevice::channels ? "torso_sensor.pitch_rate" : "torso_sensor.device";
+    case BaseChannel::acceleration_x_m_s2:
+      return "torso_sensor.acceleration_x";
+    case BaseChannel::acceleration_z_m_s2:
+      return "torso_sensor.acceleration_z";
+    case BaseChannel::left_foot_force_N:
+      return "torso_sensor.left_foot_force";
+    case BaseChannel::right_foot_force_N:
+      return "torso_sensor.right_foot_force";
+    case BaseChannel::emergency_stop_released:
+      return "torso_sensor.emergency_stop_released";
+  }
+  return "torso_sensor.device";
+}
 
 std::vector<Node> drivers(const HardwareParameters& hardware) {
   constexpr std::array<std::pair<std::string_view, std::string_view>, hal::kJoints> kNames = {
@@ -45,14 +52,20 @@ std::vector<Node> drivers(const HardwareParameters& hardware) {
   return nodes;
 }
 
-/// One a frame, named by its first channel.
-std::vector<Node> sensor_frames(const TorsoSensorParameters& sensor) {
+/// One a frame, named by its first channel; and an encoder on CANopen.
+std::vector<Node> sensor_nodes(const HardwareParameters& hardware) {
+  const TorsoSensorParameters& sensor = hardware.torso_sensor;
+  const hal::RobotWiring wiring = robot_wiring(hardware);
   std::vector<Node> nodes;
   std::set<std::pair<std::uint32_t, bool>> seen;
-  for (const ChannelKey& channel : kChannels) {
-    const auto row = parse_channel(sensor.*channel.text, BaseChannel::pitch_rad);
-    if (!row || !*row || !seen.emplace((*row)->id, (*row)->extended).second) continue;
-    nodes.push_back({channel.name, channel.name, sensor.bus, hal::identifiers(**row)});
+  for (const hal::ChannelRow& row : std::span(wiring.channels).first(wiring.channel_count)) {
+    if (!seen.emplace(row.id, row.extended).second) continue;
+    const std::string_view key = key_of(row, sensor.device);
+    nodes.push_back({key, key, sensor.bus, hal::identifiers(row)});
+  }
+  if (wiring.pitch_encoder) {
+    constexpr std::string_view kKey = "torso_sensor.encoder_node";
+    nodes.push_back({kKey, kKey, sensor.bus, hal::canopen::identifiers(*wiring.pitch_encoder)});
   }
   return nodes;
 }
@@ -74,9 +87,14 @@ void compare(const Node& earlier, const Node& later, std::vector<Contradiction>&
 
 void check_identifiers(const HardwareParameters& hardware, std::vector<Contradiction>& found) {
   const std::vector<Node> joints = drivers(hardware);
+  const std::vector<Node> sensors = sensor_nodes(hardware);
   for (std::size_t i = 0; i < joints.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) compare(joints[j], joints[i], found);
-    for (const Node& frame : sensor_frames(hardware.torso_sensor)) compare(joints[i], frame, found);
+    for (const Node& sensor : sensors) compare(joints[i], sensor, found);
+  }
+  if (!sensors.empty()) {
+    for (const Node& frame : std::span(sensors).first(sensors.size() - 1))
+      compare(frame, sensors.back(), found);
   }
 }
 

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "firmware/configuration/renames.h"
+#include "firmware/configuration/toml_place.h"
 
 namespace stilt::configuration {
 namespace {
@@ -18,18 +19,6 @@ struct Found {
   const Rename* rename;
   toml::source_position place;
 };
-
-/// Byte of a place; TOML counts columns in characters, which are one to four bytes of UTF-8.
-std::size_t offset_of(std::string_view text, toml::source_position place) {
-  std::size_t offset = 0;
-  for (toml::source_index line = 1; line < place.line; ++line) offset = text.find('\n', offset) + 1;
-  const auto continues = [&] { return offset < text.size() && (text[offset] & 0xc0) == 0x80; };
-  for (toml::source_index column = 1; column < place.column; ++column) {
-    ++offset;
-    while (continues()) ++offset;
-  }
-  return offset;
-}
 
 /// Old names of a parsed file in the order of the text. A section that is written with dots on every line has
 /// one key node, so only its first line is found.

@@ -2,6 +2,7 @@
 
 #include "firmware/configuration/channel_text.h"
 #include "firmware/configuration/configuration.h"
+#include "firmware/configuration/protocol_name.h"
 #include "firmware/configuration/schema_fields.h"
 #include "firmware/configuration/schema_tables.h"
 #include "firmware/robots/robots.h"
@@ -18,6 +19,11 @@ using P = Parameters;
 
 constexpr std::string_view kProtocols[] = {"mit_mini_cheetah", "mit_ak", "mit_damiao", "moteus", "odrive"};
 static_assert(static_cast<int>(DriverProtocol::odrive) == 4);
+
+constexpr std::string_view kDevices[] = {"channels", "canopen_encoder", "xsens_can", "vectornav"};
+static_assert(static_cast<int>(TorsoDevice::vectornav) == 3);
+constexpr std::string_view kImuAxes[] = {"pitch", "roll"};
+static_assert(static_cast<int>(ImuAxis::roll) == 1);
 
 constexpr Section kSections[] = {
     {"hardware",
@@ -63,6 +69,11 @@ std::optional<std::string> buses_mistake(const std::string& line) {
 std::optional<std::string> channel_mistake(const std::string& line) {
   const auto row = parse_channel(line, hal::BaseChannel::pitch_rad);
   return row ? std::nullopt : std::optional(row.error());
+}
+
+std::optional<std::string> port_mistake(const std::string& name) {
+  if (name.starts_with('/')) return std::nullopt;
+  return "\"" + name + "\" is no absolute path; right is one such as /dev/ttyUSB0";
 }
 
 constexpr std::string_view kChannelForm = "a channel, or \"none\"";
@@ -112,6 +123,9 @@ void add_driver(std::string_view section, std::vector<Entry>& rows) {
       {section, "odrive_torque_mode_limit_endpoint", "1",
        "ODrive: number of axis0.controller.config.enable_torque_mode_vel_limit; 0: unknown, not checked",
        integer<&P::hardware, Driver, &D::odrive_torque_mode_limit_endpoint>(0, 65535)},
+      {section, "odrive_velocity_limit_endpoint", "1",
+       "ODrive: number of axis0.controller.config.vel_limit; 0: unknown, not checked",
+       integer<&P::hardware, Driver, &D::odrive_velocity_limit_endpoint>(0, 65535)},
       {section, "encoder_period_rad", "rad",
        "The absolute encoder repeats after this angle of the shaft; 0: never",
        real<&P::hardware, Driver, &D::encoder_period_rad>(0.0, 1e3)},
@@ -152,12 +166,22 @@ const Entry kHardware[] = {
      real<&P::hardware, &H::data_bit_rate_bit_s>(1e4, 1e7)},
     {"hardware", "driver_watchdog_s", "s", "Time without commands after which a driver disables itself",
      real<&P::hardware, &H::driver_watchdog_s>(0.005, 0.1)},
+    {"hardware", "longest_reply_lag_s", "s",
+     "From a request to the tick that receives a driver's reply, at bring-up; later, and it is refused",
+     real<&P::hardware, &H::longest_reply_lag_s>(0.001, 0.1)},
 };
 
 const Entry kTorsoSensor[] = {
+    {"torso_sensor", "device", "",
+     "What measures pitch and pitch rate: the channels below (or encoder_joint), an absolute encoder on\n"
+     "CANopen, an Xsens MTi on CAN, a VectorNav on a serial port",
+     choice<&P::hardware, &H::torso_sensor, &B::device>(kDevices)},
     {"torso_sensor", "bus", "1", "Number of its bus", integer<&P::hardware, &H::torso_sensor, &B::bus>(0, 3)},
     {"torso_sensor", "rate_hz", "Hz", "Frames per second of each identifier",
      real<&P::hardware, &H::torso_sensor, &B::rate_hz>(1.0, 1e4)},
+    {"torso_sensor", "rate_window_s", "s",
+     "Where nothing measures the pitch rate: it is the mean of so long, and late by half of it",
+     real<&P::hardware, &H::torso_sensor, &B::rate_window_s>(0.002, 0.05)},
     {"torso_sensor", "pitch", "", "Pitch of the torso, rad, positive leans forward", channel<&B::pitch>()},
     {"torso_sensor", "pitch_rate", "", "Its rate, rad/s", channel<&B::pitch_rate>()},
     {"torso_sensor", "acceleration_x", "", "Specific force along the torso's x, m/s^2",
@@ -182,9 +206,34 @@ const Entry kTorsoSensor[] = {
      flag<&P::hardware, &H::torso_sensor, &B::encoder_reversed>()},
     {"torso_sensor", "encoder_offset_rad", "rad", "Pitch where it reads 0",
      real<&P::hardware, &H::torso_sensor, &B::encoder_offset_rad>(-100.0, 100.0)},
+    {"torso_sensor", "encoder_ratio", "1", "Turns of the encoder per turn of the torso",
+     real<&P::hardware, &H::torso_sensor, &B::encoder_ratio>(0.01, 1e3)},
+    {"torso_sensor", "encoder_node", "1", "canopen_encoder: its node",
+     integer<&P::hardware, &H::torso_sensor, &B::encoder_node>(1, hal::canopen::kMaximumNode)},
+    {"torso_sensor", "encoder_steps", "1", "canopen_encoder: steps of a turn",
+     integer<&P::hardware, &H::torso_sensor, &B::encoder_steps>(2, 1 << 30)},
+    {"torso_sensor", "encoder_turns", "1", "canopen_encoder: turns after which its position repeats",
+     integer<&P::hardware, &H::torso_sensor, &B::encoder_turns>(1, 65536)},
+    {"torso_sensor", "encoder_speed_rad_s", "rad/s",
+     "canopen_encoder: speed of its shaft that is 1 in object 0x6030; 0: that is not read",
+     real<&P::hardware, &H::torso_sensor, &B::encoder_speed_rad_s>(0.0, 100.0)},
+    {"torso_sensor", "imu_axis", "",
+     "xsens_can, vectornav: the axis that is parallel to the torso's pitch axis, its y (pitch) or its x "
+     "(roll)",
+     choice<&P::hardware, &H::torso_sensor, &B::imu_axis>(kImuAxes)},
+    {"torso_sensor", "imu_reversed", "", "xsens_can, vectornav: that axis points the other way",
+     flag<&P::hardware, &H::torso_sensor, &B::imu_reversed>()},
+    {"torso_sensor", "imu_offset_rad", "rad", "xsens_can, vectornav: pitch of the torso where it reads 0",
+     real<&P::hardware, &H::torso_sensor, &B::imu_offset_rad>(-3.2, 3.2)},
+    {"torso_sensor", "serial_port", "", "vectornav: its port",
+     text<&P::hardware, &H::torso_sensor, &B::serial_port>("an absolute path", port_mistake)},
+    {"torso_sensor", "serial_baud", "bit/s", "vectornav: bit rate of its port",
+     integer<&P::hardware, &H::torso_sensor, &B::serial_baud>(9600, 921600)},
 };
 
 }  // namespace
+
+std::string_view name(DriverProtocol protocol) noexcept { return kProtocols[static_cast<int>(protocol)]; }
 
 std::span<const Section> hardware_sections() { return kSections; }
 

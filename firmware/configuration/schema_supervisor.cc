@@ -14,6 +14,12 @@ constexpr Section kSections[] = {
      "those of the robot; here are the margins beyond them."}};
 
 constexpr Entry kEntries[] = {
+    {"supervisor", "torque_limit_share", "1",
+     "Share of the robot's torque limits that may be used, whatever commands the joints; --torque-limit",
+     real<&P::supervisor, &S::torque_limit_share>(0.05, 1.0)},
+    {"supervisor", "walk_torque_share", "1",
+     "With a smaller torque_limit_share the robot stands, and neither steps nor walks",
+     real<&P::supervisor, &S::walk_torque_share>(0.0, 1.0)},
     {"supervisor", "position_margin_rad", "rad", "Travel beyond the robot's before joint_position_limit",
      real<&P::supervisor, &S::position_margin_rad>(0.0, 3.0)},
     {"supervisor", "speed_margin_rad_s", "rad/s", "Speed beyond the robot's before joint_speed_limit",

@@ -1,5 +1,8 @@
 #include "firmware/program/controller_state.h"
 
+#include <algorithm>
+#include <limits>
+
 #include "firmware/configuration/hardware.h"
 #include "firmware/configuration/reach.h"
 #include "firmware/program/configure_cycles.h"
@@ -9,16 +12,44 @@
 namespace stilt::program {
 namespace {
 
+/// Before the offsets are known, an angle may be anywhere.
+bool angles_are_known(Task task) {
+  return task != Task::watch && task != Task::jog && task != Task::calibrate;
+}
+
 hal::BringUpOptions bring_up_options(const configuration::HardwareParameters& hardware,
-                                     const model::RobotConstants& robot) {
+                                     const model::RobotConstants& robot, bool angles_known) {
   using configuration::kTravelMargin_rad;
+  constexpr double kAnywhere_rad = std::numeric_limits<double>::infinity();
   hal::BringUpOptions options;
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
-    options[joint] =
-        configuration::bring_up_options(hardware, joint, robot.position_min_rad[joint] - kTravelMargin_rad,
-                                        robot.position_max_rad[joint] + kTravelMargin_rad);
+    const double margin_rad = angles_known ? kTravelMargin_rad : kAnywhere_rad;
+    options[joint] = configuration::bring_up_options(
+        hardware, joint, robot.position_min_rad[joint] - margin_rad,
+        robot.position_max_rad[joint] + margin_rad, robot.velocity_limit_rad_s[joint]);
+    if (!angles_known) options[joint].encoder_period_rad = 0;
   }
   return options;
+}
+
+std::expected<void, std::string> start_serial_sensor(const Options& options, const hal::RobotWiring& wiring,
+                                                     ControllerState& state) {
+  if (!wiring.serial_imu) return {};
+  if (options.lockstep) {
+    return std::unexpected(
+        "--lockstep: torso_sensor.device is on a serial port, which knows no virtual time; omit --lockstep, "
+        "or "
+        "take a sensor on a bus");
+  }
+  const configuration::TorsoSensorParameters& sensor = options.configuration.hardware.torso_sensor;
+  // Above the planner, that no solve delays it, and below the torque loop.
+  const int priority = std::max(options.configuration.runtime.torque_priority - 1, 0);
+  const auto started = state.serial_torso_sensor.start({.port = sensor.serial_port,
+                                                        .bit_rate_bit_s = sensor.serial_baud,
+                                                        .mounting = *wiring.serial_imu,
+                                                        .priority = priority});
+  if (started) state.hardware->attach(state.serial_torso_sensor);
+  return started;
 }
 
 }  // namespace
@@ -41,8 +72,11 @@ std::expected<void, std::string> set_up(const Options& options, std::span<hal::F
   hal::RobotWiring wiring = configuration::robot_wiring(configuration.hardware);
   wiring.channel_period_ticks =
       configuration::base_period_ticks(configuration.hardware, configuration.timing.torque_rate_hz);
-  state.hardware.emplace(wiring, bring_up_options(configuration.hardware, (*robot)->model.constants),
-                         std::span(carried).first(buses.size()));
+  state.hardware.emplace(
+      wiring,
+      bring_up_options(configuration.hardware, (*robot)->model.constants, angles_are_known(options.task)),
+      std::span(carried).first(buses.size()));
+  if (const auto started = start_serial_sensor(options, wiring, state); !started) return started;
   state.control.attach(*state.hardware, state.mail);
   state.script.emplace(options.start, configuration.runtime.start_settle_s, options.duration_s);
   return {};

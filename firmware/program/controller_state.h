@@ -13,6 +13,7 @@
 #include "firmware/exchange/latest_value.h"
 #include "firmware/program/options.h"
 #include "firmware/program/outcome.h"
+#include "firmware/torso_sensor/serial_torso_sensor.h"
 #include "hal/robot/lockstep_bus.h"
 #include "hal/robot/robot_hardware.h"
 
@@ -35,6 +36,7 @@ struct ControllerState {
   control_loop::TickRecord newest_tick;  ///< that housekeeping knows of
   std::int64_t start_ns = 0;             ///< time of the first tick, known to housekeeping
   std::array<hal::LockstepBus, hal::kMaximumBuses> lockstep_buses;
+  torso_sensor::SerialTorsoSensor serial_torso_sensor;  ///< started where the configuration has one
   std::optional<hal::RobotHardware> hardware;
   std::function<void(std::size_t bus)>
       reconnect;            ///< housekeeping connects a bus again, set by who opened it

@@ -3,16 +3,21 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+#include <CLI/Validators.hpp>
+#include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <memory>
 #include <string_view>
 
+#include "firmware/commissioning/jog.h"
 #include "firmware/configuration/gaits/gait_overrides.h"
 #include "firmware/configuration/gaits/shipped_gaits.h"
+#include "firmware/control_loop/joint_names.h"
 #include "firmware/program/usage_text.h"
 #include "firmware/robots/robots.h"
 
@@ -21,6 +26,7 @@ namespace {
 
 constexpr double kLargestSpeed_m_s = 5.0;
 constexpr double kLongestRun_s = 86400.0;
+constexpr double kLeastTorqueShare = 0.05;
 
 /// The arguments of the command line before they mean anything.
 struct Arguments {
@@ -32,6 +38,18 @@ struct Arguments {
   std::string start;
   bool check_config = false;
   bool print_config = false;
+  std::string jog_joint;
+  std::string reference = "stops";
+};
+
+/// The subcommands of a command line.
+struct Commands {
+  CLI::App* self_test = nullptr;
+  CLI::App* scan = nullptr;
+  CLI::App* watch = nullptr;
+  CLI::App* jog = nullptr;
+  CLI::App* calibrate = nullptr;
+  CLI::App* identify = nullptr;
 };
 
 void add_configuration_options(CLI::App& app, Arguments& arguments) {
@@ -119,8 +137,124 @@ std::expected<void, std::string> read_configuration(const Arguments& arguments, 
   return {};
 }
 
-std::expected<void, std::string> interpret(const Arguments& arguments, bool self_test, Options& options) {
-  if (self_test) options.task = Task::self_test;
+/// Plans keep the limit, too. A robot that may not step does not catch falls by steps.
+void limit_torque(Options& options) {
+  if (options.torque_limit_share == 1.0) return;
+  options.configuration.supervisor.torque_limit_share *= options.torque_limit_share;
+  options.configuration.robot.torque_limit_scale *= options.torque_limit_share;
+  if (!supervisor::may_walk(options.configuration.supervisor)) options.configuration.gait.catch_falls = false;
+  char text[40];
+  std::snprintf(text, sizeof text, ", --torque-limit %g", options.torque_limit_share);
+  options.source += text;
+}
+
+std::expected<void, std::string> check_walk(const Options& options) {
+  const supervisor::SupervisorParameters& parameters = options.configuration.supervisor;
+  const bool steps = options.start && options.start->kind != gait::GaitKind::stand;
+  if (!steps || supervisor::may_walk(parameters)) return {};
+  char text[200];
+  std::snprintf(
+      text, sizeof text,
+      "--start: stepping and walking need a torque limit of at least %g of the joints' "
+      "(supervisor.walk_torque_share), and it is %g; take --start stand, or a larger --torque-limit",
+      parameters.walk_torque_share, parameters.torque_limit_share);
+  return std::unexpected(text);
+}
+
+/// A subcommand that talks to the robot instead of the controller.
+CLI::App* add_command(CLI::App& app, const char* name, const char* description, Arguments& arguments,
+                      Options& options) {
+  CLI::App* command = app.add_subcommand(name, description);
+  add_configuration_options(*command, arguments);
+  command->add_flag("--lockstep", options.lockstep,
+                    "takes turns with a simulated robot instead of following the clock");
+  command->add_option("--json", options.json_file, "writes the figures as JSON, - for standard output");
+  return command;
+}
+
+void add_answers(CLI::App& command, Options& options) {
+  command.add_option("--answers", options.answers_file,
+                     "a file with the answers, a line each, instead of standard input");
+}
+
+void add_out(CLI::App& command, Options& options) {
+  command.add_option("--out", options.out_file,
+                     "writes what was found to this configuration: changes it, comments stay, or makes it of "
+                     "the one that was read");
+}
+
+Commands add_commands(CLI::App& app, Arguments& arguments, Options& options) {
+  Commands commands;
+  commands.scan = add_command(app, "scan", "finds the drivers and sensors on the buses; enables nothing",
+                              arguments, options);
+  commands.watch = add_command(app, "watch",
+                               "shows joints, torso and emergency stop; drivers up, at zero torque and gains",
+                               arguments, options);
+  commands.watch->add_option("--duration", options.duration_s, "ends after this time, s; 0: when stopped");
+  commands.jog = add_command(app, "jog",
+                             "moves one joint slowly with at most 20 % of its torque, asks which link moved, "
+                             "and names what is wired wrong",
+                             arguments, options);
+  commands.jog->add_option("joint", arguments.jog_joint, "hip_L, knee_L, hip_R or knee_R")->required();
+  commands.jog->add_option("angle", options.jog_angle_rad, "from where it hangs, rad: 0.08 to 0.5 either way")
+      ->required();
+  add_answers(*commands.jog, options);
+  commands.calibrate = add_command(app, "calibrate",
+                                   "signs and offsets of joints that a person moves to end stops or marks, "
+                                   "and the torso sensor against gravity; no torque",
+                                   arguments, options);
+  commands.calibrate
+      ->add_option("--at", arguments.reference,
+                   "stops: both end stops of each joint; marks: alignment marks at angle 0, links in line")
+      ->check(CLI::IsMember({"stops", "marks"}))
+      ->capture_default_str();
+  add_answers(*commands.calibrate, options);
+  add_out(*commands.calibrate, options);
+  commands.identify =
+      add_command(app, "identify",
+                  "friction, reflected inertia and torque constant of each drive, from slow and "
+                  "quick motions of one joint after the other on the gantry",
+                  arguments, options);
+  commands.identify
+      ->add_option("--torque-limit", options.identify_torque_share,
+                   "share of the joints' torque limits that may be used, 0.05 to 1")
+      ->capture_default_str();
+  add_out(*commands.identify, options);
+  commands.self_test =
+      add_command(app, "selftest", "talks to all drivers at zero torque, reports replies and their times",
+                  arguments, options);
+  commands.self_test->add_option("--seconds", options.self_test_s, "how long, s")->capture_default_str();
+  return commands;
+}
+
+std::expected<void, std::string> interpret_jog(const Arguments& arguments, Options& options) {
+  const auto& names = control_loop::kJointNames;
+  const auto joint = std::ranges::find(names, arguments.jog_joint);
+  if (joint == names.end()) {
+    return std::unexpected("jog: \"" + arguments.jog_joint +
+                           "\" is no joint; right are hip_L, knee_L, hip_R and knee_R");
+  }
+  options.jog_joint = static_cast<std::size_t>(joint - names.begin());
+  const double angle_rad = std::abs(options.jog_angle_rad);
+  if (!(angle_rad >= commissioning::kSmallestJog_rad && angle_rad <= commissioning::kLargestJog_rad)) {
+    return std::unexpected("jog: the angle must be 0.08 to 0.5 rad, either way");
+  }
+  return {};
+}
+
+std::expected<void, std::string> interpret(const Arguments& arguments, const Commands& commands,
+                                           Options& options) {
+  if (commands.self_test->parsed()) options.task = Task::self_test;
+  if (commands.scan->parsed()) options.task = Task::scan;
+  if (commands.watch->parsed()) options.task = Task::watch;
+  if (commands.calibrate->parsed()) options.task = Task::calibrate;
+  if (commands.identify->parsed()) options.task = Task::identify;
+  options.config_file = arguments.config_file;
+  if (arguments.reference == "marks") options.reference = commissioning::Reference::marks;
+  if (commands.jog->parsed()) {
+    options.task = Task::jog;
+    if (const auto right = interpret_jog(arguments, options); !right) return right;
+  }
   if (arguments.check_config) options.task = Task::check_config;
   if (arguments.print_config) options.task = Task::print_config;
   if (!arguments.start.empty()) {
@@ -134,7 +268,13 @@ std::expected<void, std::string> interpret(const Arguments& arguments, bool self
   if (!(options.self_test_s > 0.0 && options.self_test_s <= kLongestRun_s)) {
     return std::unexpected("--seconds: must be above 0 and at most 86400 s");
   }
-  return read_configuration(arguments, options);
+  const auto is_share = [](double share) { return share >= kLeastTorqueShare && share <= 1.0; };
+  if (!is_share(options.torque_limit_share) || !is_share(options.identify_torque_share)) {
+    return std::unexpected("--torque-limit: must be a share of the torque, 0.05 to 1");
+  }
+  if (const auto read = read_configuration(arguments, options); !read) return read;
+  limit_torque(options);
+  return check_walk(options);
 }
 
 }  // namespace
@@ -169,6 +309,9 @@ std::expected<Options, std::string> read_options(int argc, char** argv, const st
   app.add_option("--start", arguments.start,
                  "goes there without an operator: stand, step or walk@SPEED (m/s); without it, waits idle");
   app.add_option("--duration", options.duration_s, "sits down and ends after this time, s; 0: never");
+  app.add_option("--torque-limit", options.torque_limit_share,
+                 "share of the joints' torque limits that may be used, 0.05 to 1, for first days; below "
+                 "supervisor.walk_torque_share the robot stands and does not walk");
   app.add_flag("--lockstep", options.lockstep,
                "takes turns with a simulated robot instead of following the clock");
   app.add_option("--json", options.json_file, "writes figures at the end as JSON, - for standard output");
@@ -182,13 +325,7 @@ std::expected<Options, std::string> read_options(int argc, char** argv, const st
                  "for tests: the planner stops working at this time, s; 0: never");
   app.add_flag("--check-config", arguments.check_config, "reads the configuration, reports on it, and ends");
   app.add_flag("--print-config", arguments.print_config, "prints the configuration with every key, and ends");
-  CLI::App* self_test =
-      app.add_subcommand("selftest", "talks to all drivers at zero torque, reports replies and their times");
-  add_configuration_options(*self_test, arguments);
-  self_test->add_option("--seconds", options.self_test_s, "how long, s")->capture_default_str();
-  self_test->add_flag("--lockstep", options.lockstep,
-                      "takes turns with a simulated robot instead of following the clock");
-  self_test->add_option("--json", options.json_file, "writes the figures as JSON, - for standard output");
+  const Commands commands = add_commands(app, arguments, options);
   app.footer(
       "Exit status: 0 ended as requested, 1 a fault stopped the robot or a check failed, 2 bad usage.");
   try {
@@ -200,7 +337,7 @@ std::expected<Options, std::string> read_options(int argc, char** argv, const st
   } catch (const CLI::ParseError& error) {
     return std::unexpected(usage_text(app, error));
   }
-  if (const auto right = interpret(arguments, self_test->parsed(), options); !right) {
+  if (const auto right = interpret(arguments, commands, options); !right) {
     return std::unexpected(right.error());
   }
   return options;

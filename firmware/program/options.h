@@ -1,10 +1,12 @@
 #pragma once
 
+#include <cstddef>
 #include <expected>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "firmware/commissioning/calibration.h"
 #include "firmware/configuration/configuration.h"
 #include "mpc_core/gait/command.h"
 
@@ -13,6 +15,11 @@ namespace stilt::program {
 enum class Task {
   control,       ///< run the controller
   self_test,     ///< talk to the drivers at zero torque and report
+  scan,          ///< find the drivers of the buses
+  watch,         ///< show joints and sensors, limp
+  jog,           ///< move one joint, ask which link moved
+  calibrate,     ///< signs and offsets, from joints that a person moves
+  identify,      ///< friction, inertia and torque constant of each drive
   check_config,  ///< read the configuration, say what it means, and end
   print_config,  ///< write the configuration with every key
   nothing,       ///< --help or --version: printed already
@@ -31,6 +38,14 @@ struct Options {
   bool forbid_syscalls = false;  ///< for proofs: see realtime::forbid_other_system_calls()
   double planner_until_s = 0.0;  ///< for tests: no plans from states later than this; 0: always
   double self_test_s = 10.0;
+  std::size_t jog_joint = 0;
+  double jog_angle_rad = 0.0;
+  double torque_limit_share = 1.0;  ///< of --torque-limit, in the configuration already
+  std::string answers_file;         ///< answers to what a command asks; empty: standard input
+  std::string config_file;          ///< of --config; empty: none
+  std::string out_file;             ///< configuration to write what was found to; empty: none
+  commissioning::Reference reference = commissioning::Reference::stops;
+  double identify_torque_share = 0.3;
 
   /// Whether the planner still works at this time of the controller.
   [[nodiscard]] bool plans_at(double time_s) const noexcept {

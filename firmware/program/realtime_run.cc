@@ -10,6 +10,7 @@
 #include "firmware/diagnostics/histogram_text.h"
 #include "firmware/diagnostics/tick_csv.h"
 #include "firmware/program/service_manager.h"
+#include "firmware/program/torso_sensor_report.h"
 #include "firmware/realtime/allocation_counter.h"
 #include "firmware/realtime/pace.h"
 #include "firmware/realtime/system_call_guard.h"
@@ -198,9 +199,11 @@ void run_realtime(const Options& options, Signals& signals, ControllerState& sta
   if (!started) outcome.error = "threads cannot be started; raise the limits of memory and processes";
   hal::MonotonicClock clock;
   ServiceManager service;
+  TorsoSensorReport torso_sensor(options);
   while (started && !run.torque_done.load(std::memory_order_acquire)) {
     operate(state, signals);
     restore_buses(state);
+    torso_sensor.update(state);
     take_events(state.mail.events, outcome, state.telemetry_node);
     publish(state, state.loop_statistics.newest(), state.planner_statistics.newest());
     service.notify(clock.now_ns(), state.loop_statistics.newest().ticks,

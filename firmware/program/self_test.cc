@@ -5,10 +5,9 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "firmware/commissioning/session.h"
 #include "firmware/control_loop/joint_names.h"
-#include "firmware/diagnostics/event_text.h"
-#include "firmware/realtime/pace.h"
-#include "firmware/realtime/thread.h"
+#include "firmware/program/commissioning_run.h"
 #include "hal/robot/clock.h"
 #include "hal/robot/round_trip.h"
 
@@ -17,7 +16,6 @@ namespace {
 
 using control_loop::kJointNames;
 
-constexpr long long kBringUpTicks = 5000;
 /// Share of a tick in which replies must come.
 constexpr double kReplyShare = 0.8;
 
@@ -39,41 +37,15 @@ struct Test {
   hal::Clock& clock;
   std::array<hal::ReplyFrame, hal::kJoints> replies;
   SelfTestResult result;
-  hal::RobotReadings readings;
-  bool base_is_new = false;
 };
 
-/// One tick: sleeps, reads. Returns its time.
-std::int64_t begin_tick(Test& test, realtime::Pace& pace) {
-  const std::int64_t now_ns = test.clock.sleep_until(pace.next_ns());
-  test.result.wakeup_latency.add_ns(now_ns - pace.next_ns());
-  const std::int64_t newest_base_ns = test.readings.base.time_ns;
-  test.state.hardware->read(now_ns, test.readings);
-  test.base_is_new = test.readings.base.time_ns != newest_base_ns;
-  return now_ns;
-}
-
-bool bring_up(Test& test, realtime::Pace& pace) {
-  hal::RobotHardware& hardware = *test.state.hardware;
-  hardware.begin_bring_up();
-  hal::BringUpProgress progress;
-  for (long long tick = 0; tick < kBringUpTicks && !progress.ready && !progress.failed; ++tick) {
-    const std::int64_t began_ns = begin_tick(test, pace);
-    progress = hardware.bring_up(began_ns);
-    pace.advance(began_ns, test.clock.now_ns());
-  }
-  if (progress.ready) return true;
-  test.result.failure = "the " + diagnostics::bring_up_text(progress);
-  return false;
-}
-
 /// What came since the last tick. A driver without replies counts by its readings.
-void count(Test& test) {
+void count(Test& test, const hal::RobotReadings& readings, bool base_is_new) {
   SelfTestResult& result = test.result;
   ++result.ticks;
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
     const hal::ReplyFrame& reply = test.replies[joint];
-    const bool in_time = test.readings.joints[joint].missed_replies == 0;
+    const bool in_time = readings.joints[joint].missed_replies == 0;
     if (in_time) ++result.in_time[joint];
     if (!reply.exists && in_time) ++result.answered[joint];
     if (!reply.exists) continue;
@@ -81,7 +53,7 @@ void count(Test& test) {
     result.answered[joint] +=
         std::ranges::count_if(kept, [&reply](const hal::CanFrame& frame) { return reply.is(frame); });
   }
-  if (test.base_is_new) ++result.base_readings;
+  if (base_is_new) ++result.base_readings;
 }
 
 void forget(Test& test) {
@@ -99,58 +71,46 @@ long long withheld(Test& test, std::size_t joint) {
 }
 
 /// Commands zero torque, and counts; a last tick without command takes the last replies.
-void talk(Test& test, realtime::Pace& pace, std::int64_t tick_ns) {
+void talk(Test& test, commissioning::Session& session) {
   hal::RobotHardware& hardware = *test.state.hardware;
   hal::RoundTrip round_trip(configuration::robot_wiring(test.options.configuration.hardware),
                             hardware.buses());
-  const long long ticks = std::llround(test.options.self_test_s * 1e9 / static_cast<double>(tick_ns));
+  const long long ticks = std::llround(test.options.self_test_s / session.tick_s());
   const std::uint64_t errors = hardware.errors();
   std::array<long long, hal::kJoints> before;
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) before[joint] = withheld(test, joint);
   for (long long tick = 0; tick <= ticks; ++tick) {
-    const std::int64_t began_ns = begin_tick(test, pace);
-    if (tick > 0) count(test);  // the first command has no predecessor
+    const std::int64_t due_ns = session.due_ns();
+    const std::int64_t newest_base_ns = session.readings().base.time_ns;
+    test.result.wakeup_latency.add_ns(session.begin_tick() - due_ns);
+    const bool base_is_new = session.readings().base.time_ns != newest_base_ns;
+    if (tick > 0) count(test, session.readings(), base_is_new);  // the first command has no predecessor
     forget(test);
     if (tick == ticks || test.stop.load()) break;
     static_cast<void>(hardware.write({}));
     const std::int64_t sent_ns = test.clock.now_ns();
-    const auto wait_ns = std::llround(kReplyShare * static_cast<double>(tick_ns));
+    const auto wait_ns = std::llround(kReplyShare * static_cast<double>(session.tick_ns()));
     const std::int64_t took_ns =
-        test.options.lockstep ? -1 : round_trip.measure(test.clock, sent_ns, pace.next_ns() + wait_ns);
+        test.options.lockstep ? -1 : round_trip.measure(test.clock, sent_ns, due_ns + wait_ns);
     if (took_ns >= 0) test.result.round_trip.add_ns(took_ns);
-    pace.advance(began_ns, test.clock.now_ns());
+    session.end_tick();
   }
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
     test.result.commands[joint] = test.result.ticks - (withheld(test, joint) - before[joint]);
   }
   test.result.bus_errors = static_cast<long long>(hardware.errors() - errors);
-  test.result.last = test.readings;
+  test.result.last = session.readings();
 }
 
-void run(void* context) {
-  Test& test = *static_cast<Test*>(context);
+void run(Test& test) {
   const auto tick_ns = std::llround(1e9 / test.options.configuration.timing.torque_rate_hz);
-  realtime::Pace pace(test.clock.now_ns() + tick_ns, tick_ns);
-  if (bring_up(test, pace)) talk(test, pace, tick_ns);
-  static_cast<void>(test.state.hardware->disable());
-}
-
-void run_in_turns(Test& test, hal::LockstepClock& clock) {
-  if (!clock.open()) {
-    test.result.failure = "the simulated robot does not answer in lock-step; start it with --lockstep too";
-    return;
+  commissioning::Session session(*test.state.hardware, test.clock, tick_ns, test.stop);
+  if (const auto up = session.bring_up()) {
+    talk(test, session);
+  } else {
+    test.result.failure = up.error();
   }
-  run(&test);
-  static_cast<void>(clock.sleep_until(clock.now_ns() + 1));  // what was sent last is received
-}
-
-void run_on_thread(Test& test) {
-  const configuration::RuntimeParameters& runtime = test.options.configuration.runtime;
-  realtime::Thread thread;
-  if (!thread.start({"self-test", runtime.torque_priority, runtime.torque_core}, run, &test)) {
-    test.result.failure = "no thread can be started";
-  }
-  thread.join();
+  session.disable();
 }
 
 double share(long long part, long long whole) {
@@ -188,19 +148,14 @@ bool SelfTestResult::in_time_enough() const noexcept {
 }
 
 SelfTestResult run_self_test(const Options& options, ControllerState& state, const std::atomic<bool>& stop) {
-  if (!options.lockstep) {
-    hal::MonotonicClock clock;
+  SelfTestResult result;
+  const auto ran = run_with_clock(options, state, [&](hal::Clock& clock) {
     Test test(options, state, stop, clock);
-    run_on_thread(test);
-    return test.result;
-  }
-  constexpr double kPatience_s = 10.0;
-  const std::size_t buses = configuration::bus_names(options.configuration.hardware).size();
-  hal::LockstepClock clock(std::span(state.lockstep_buses).first(buses),
-                           std::llround(1e9 / options.configuration.timing.torque_rate_hz), kPatience_s);
-  Test test(options, state, stop, clock);
-  run_in_turns(test, clock);
-  return test.result;
+    run(test);
+    result = test.result;
+  });
+  if (!ran) result.failure = ran.error();
+  return result;
 }
 
 std::string to_text(const SelfTestResult& result) {

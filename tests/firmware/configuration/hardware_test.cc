@@ -60,7 +60,7 @@ TEST(Hardware, AWiringIsReadKeyByKey) {
   EXPECT_EQ(odrive.endpoints.watchdog_timeout, 401);
   EXPECT_EQ(wiring.pitch_encoder_joint, 2);
   EXPECT_EQ(wiring.pitch_direction, -1);
-  EXPECT_EQ(wiring.channel_count, 2u) << "pitch rate and emergency stop are left";
+  EXPECT_EQ(wiring.channel_count, 1u) << "the emergency stop is left";
 }
 
 TEST(Hardware, EveryContradictionOfTheWiringPointsAtItsLine) {
@@ -230,13 +230,15 @@ TEST(Hardware, TextsThatAreNotUnderstoodSayWhatWouldBeRight) {
 
 TEST(Hardware, BringUpAndWiringHaveTheNumbersOfTheFile) {
   const Result result = parse(
-      "[hardware]\ndriver_watchdog_s = 0.05\n"
+      "[hardware]\ndriver_watchdog_s = 0.05\nlongest_reply_lag_s = 0.0045\n"
       "[knee_driver]\nminimum_version = 77\nencoder_period_rad = 0.75\naccept_missing_watchdog = true\n"
       "torque_range_Nm = 40\nreply_torque_range_Nm = 45\n"
       "[torso_sensor]\nemergency_stop_timeout_s = 0.25\nencoder_offset_rad = 0.125\n",
       "robot.toml");
   ASSERT_TRUE(result) << to_string(result.error());
-  const hal::bring_up::Options knee = bring_up_options(result->hardware, 1, 0, 1);
+  const hal::bring_up::Options knee = bring_up_options(result->hardware, 1, 0, 1, 2);
+  EXPECT_EQ(knee.maximum_speed_rad_s, 2 * result->hardware.knee.ratio);
+  EXPECT_EQ(knee.longest_reply_lag_ns, 4'500'000);
   EXPECT_EQ(knee.minimum_version, 77u);
   EXPECT_EQ(knee.encoder_period_rad, 0.75);
   EXPECT_TRUE(knee.accept_missing_watchdog);

@@ -79,7 +79,7 @@ TEST(Options, APresetChangesTheConfigurationBeforeTheGaitsAndWhatTheUserSets) {
 
 TEST(Options, AnUnknownPresetIsRefusedWithTheKnownOnes) {
   EXPECT_EQ(mistake({"--preset", "nonsense"}),
-            "--preset: there is no preset \"nonsense\"; known presets are paper");
+            "--preset: there is no preset \"nonsense\"; known presets are feasible, paper");
 }
 
 TEST(Options, NumbersOutOfRangeAreRefused) {
@@ -95,6 +95,67 @@ TEST(Options, TheSelfTestHasItsOwnOptions) {
   EXPECT_EQ(options->task, Task::self_test);
   EXPECT_EQ(options->self_test_s, 2.0);
   EXPECT_EQ(configuration::bus_names(options->configuration.hardware).front(), "vcan0");
+}
+
+TEST(Options, ATorqueLimitBoundsSupervisorAndPlansAlike) {
+  const auto limited = read({"--torque-limit", "0.3", "--start", "stand"});
+  ASSERT_TRUE(limited) << limited.error();
+  EXPECT_EQ(limited->configuration.supervisor.torque_limit_share, 0.3);
+  EXPECT_EQ(limited->configuration.robot.torque_limit_scale, 0.3);
+  EXPECT_FALSE(limited->configuration.gait.catch_falls);
+  EXPECT_NE(limited->source.find("--torque-limit 0.3"), std::string::npos);
+  EXPECT_TRUE(read({"--torque-limit", "0.7"})->configuration.gait.catch_falls);
+  for (const char* wrong : {"0", "1.5", "-0.3", "nan", "0.04"}) {
+    EXPECT_EQ(mistake({"--torque-limit", wrong}), "--torque-limit: must be a share of the torque, 0.05 to 1");
+  }
+}
+
+TEST(Options, WalkingIsRefusedBelowTheTorqueThatItNeeds) {
+  for (const char* start : {"walk@0.3", "step"}) {
+    EXPECT_TRUE(mistake({"--torque-limit", "0.5", "--start", start})
+                    .starts_with("--start: stepping and walking need a torque limit of at least 0.6"));
+    EXPECT_TRUE(read({"--torque-limit", "0.6", "--start", start}));
+    EXPECT_FALSE(read({"--set", "supervisor.torque_limit_share=0.3", "--start", start}));
+  }
+}
+
+TEST(Options, TheCommandsBeforeTheControllerHaveTheirOwnTasks) {
+  EXPECT_EQ(read({"scan"})->task, Task::scan);
+  const auto watch = read({"watch", "--duration", "3"});
+  ASSERT_TRUE(watch) << watch.error();
+  EXPECT_EQ(watch->task, Task::watch);
+  EXPECT_EQ(watch->duration_s, 3.0);
+  const auto jog = read({"jog", "knee_R", "-0.25", "--answers", "file"});
+  ASSERT_TRUE(jog) << jog.error();
+  EXPECT_EQ(jog->task, Task::jog);
+  EXPECT_EQ(jog->jog_joint, 3u);
+  EXPECT_EQ(jog->jog_angle_rad, -0.25);
+  EXPECT_EQ(jog->answers_file, "file");
+  const auto calibrate = read({"calibrate", "--at", "marks", "--out", "robot.toml"});
+  ASSERT_TRUE(calibrate) << calibrate.error();
+  EXPECT_EQ(calibrate->task, Task::calibrate);
+  EXPECT_EQ(calibrate->reference, commissioning::Reference::marks);
+  EXPECT_EQ(calibrate->out_file, "robot.toml");
+  const auto identify = read({"identify", "--torque-limit", "0.2"});
+  ASSERT_TRUE(identify) << identify.error();
+  EXPECT_EQ(identify->task, Task::identify);
+  EXPECT_EQ(identify->identify_torque_share, 0.2);
+  EXPECT_EQ(identify->torque_limit_share, 1.0);
+}
+
+TEST(Options, CalibrateAndIdentifyRefuseWhatTheyDoNotKnow) {
+  EXPECT_NE(mistake({"calibrate", "--at", "walls"}), "");
+  EXPECT_EQ(mistake({"identify", "--torque-limit", "2"}),
+            "--torque-limit: must be a share of the torque, 0.05 to 1");
+}
+
+TEST(Options, AJogOfNoJointOrTooFarIsRefused) {
+  EXPECT_EQ(mistake({"jog", "ankle", "0.2"}),
+            "jog: \"ankle\" is no joint; right are hip_L, knee_L, hip_R and knee_R");
+  for (const char* angle : {"0.6", "-0.6", "0.01", "0", "nan"}) {
+    EXPECT_EQ(mistake({"jog", "hip_L", angle}), "jog: the angle must be 0.08 to 0.5 rad, either way");
+  }
+  EXPECT_NE(mistake({"jog", "hip_L"}), "");
 }
 
 }  // namespace

@@ -142,5 +142,19 @@ TEST_F(OutcomeTest, ADriverThatCannotBeBroughtUpNamesItsFaultAndSetting) {
       << said;
 }
 
+TEST_F(OutcomeTest, ADriverWhoseRepliesAreLateIsNamedWithTheirLag) {
+  events->push(
+      {.kind = Event::Kind::bring_up_failed,
+       .time_s = 1.0,
+       .bring_up = {.joint = 1, .failure = hal::bring_up::Failure::slow_reply, .reply_lag_s = 0.0155}});
+  testing::internal::CaptureStderr();
+  take_events(*events, outcome);
+  const std::string said = testing::internal::GetCapturedStderr();
+  EXPECT_NE(said.find("driver of knee_L cannot be brought up: replies come too late: after 15.5 ms, see "
+                      "hardware.longest_reply_lag_s"),
+            std::string::npos)
+      << said;
+}
+
 }  // namespace
 }  // namespace stilt::program

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <expected>
+#include <string>
+
+#include "firmware/commissioning/calibration.h"
+#include "firmware/commissioning/dialog.h"
+
+/// A person moves the joints of the limp robot to known angles, and rocks its torso: signs and offsets
+/// follow. Ordinary threads; why so: docs/decisions/0021-commissioning.md
+namespace stilt::commissioning {
+
+struct CalibrationRequest {
+  Reference reference = Reference::stops;
+  configuration::HardwareParameters hardware;
+  Angles minimum_rad{};  ///< ends of the travel by the URDF
+  Angles maximum_rad{};
+};
+
+struct CalibrationReport {
+  Reference reference = Reference::stops;
+  std::array<JointCalibration, hal::kJoints> joints;
+  TorsoCalibration torso;
+  std::vector<configuration::NewValue> values;  ///< for the configuration file; empty unless all is good
+
+  [[nodiscard]] bool good() const;
+};
+
+/// Brings the drivers up, asks for one pose after the other, and turns them off: no frame asks for a torque
+/// or a gain. The torso is tried when all joints are good.
+[[nodiscard]] std::expected<CalibrationReport, CommandFailure> calibrate(Session& session,
+                                                                         const CalibrationRequest& request,
+                                                                         Person& person);
+
+[[nodiscard]] std::string to_text(const CalibrationReport& report);
+/// @param file  that the values were written to; empty: none
+[[nodiscard]] std::string to_json(const CalibrationReport& report, const std::string& file);
+
+}  // namespace stilt::commissioning

@@ -1,0 +1,106 @@
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "firmware/commissioning/lag_fit.h"
+#include "firmware/commissioning/session.h"
+#include "firmware/configuration/edit.h"
+#include "firmware/configuration/hardware.h"
+
+/// Signs and offsets from what encoders read in known poses. Pure. With the shaft's angle at the joint
+/// u = shaft / ratio
+///
+///   joint = direction u + offset_rad
+namespace stilt::commissioning {
+
+/// What a joint is moved to by hand.
+enum class Reference {
+  stops,  ///< its two end stops, which are the limits of the URDF
+  marks,  ///< an alignment mark at angle 0: links in line; then backward
+};
+
+/// Two angles of a joint, the second one farther backward.
+struct JointPoses {
+  double first_rad = 0.0;
+  double second_rad = 0.0;
+  bool second_exact = true;  ///< otherwise the second is only known to be that far, or farther
+};
+[[nodiscard]] JointPoses joint_poses(Reference reference, double minimum_rad, double maximum_rad);
+
+enum class CalibrationFinding {
+  right,
+  changed,             ///< sign or offset differ from the configuration's; the new ones are right
+  dead_encoder,        ///< no encoder moved
+  exchanged_encoders,  ///< another encoder moved
+  wrong_travel,        ///< the encoder's angle between the stops is not that of the URDF
+};
+[[nodiscard]] const char* name(CalibrationFinding finding);
+
+struct JointCalibration {
+  CalibrationFinding finding = CalibrationFinding::right;
+  std::string sentence;
+  bool reversed = false;
+  double offset_rad = 0.0;
+  double travel_share = 0.0;  ///< of the encoder between the poses, over that between their angles
+
+  [[nodiscard]] bool good() const {
+    return finding == CalibrationFinding::right || finding == CalibrationFinding::changed;
+  }
+};
+
+/// @param first, second  u of all joints in the two poses
+/// @param place          as configured
+/// @param ratio          of the joint's driver
+[[nodiscard]] JointCalibration calibrate_joint(std::size_t joint, const JointPoses& poses,
+                                               const Angles& first, const Angles& second,
+                                               const configuration::JointParameters& place, double ratio);
+
+enum class TorsoFinding {
+  right,
+  changed,         ///< sign or offset differ from the configuration's; the new ones are right
+  not_tried,       ///< a joint is not calibrated
+  silent,          ///< no pitch
+  legs_not_plumb,  ///< nothing to compare with
+  dead,            ///< the torso moved, and the pitch did not
+  unclear,         ///< the pitch does not follow the torso
+  wrong_scale,
+  late,
+  wrong_rate,  ///< the rate is no derivative of the pitch
+};
+[[nodiscard]] const char* name(TorsoFinding finding);
+
+/// What was read of the torso. Angles of the joints are calibrated.
+struct TorsoMotion {
+  double rest_pitch_rad = 0.0;  ///< by the sensor, all hanging at rest
+  Angles rest_rad{};
+  LagFit pitch{};  ///< of the sensor's pitch against the torso's angle, while the torso rocks
+  LagFit rate{};   ///< of the integral of its rate against the same
+};
+
+struct TorsoCalibration {
+  TorsoFinding finding = TorsoFinding::not_tried;
+  std::string sentence = "the torso sensor waits for calibrated joints";
+  bool reversed = false;       ///< the pitch must change its sign
+  bool rate_reversed = false;  ///< the rate must
+  double offset_rad = 0.0;     ///< to be added to the pitch of the right sign
+  TorsoMotion motion;
+
+  [[nodiscard]] bool good() const {
+    return finding == TorsoFinding::right || finding == TorsoFinding::changed;
+  }
+};
+
+/// The legs are plumb lines: centres of mass lie on the links' axes, so that limp legs hang straight down,
+/// and the torso's pitch is minus the angle of a hip. While the left thigh is held still in the world, its
+/// hip says how the torso moves.
+[[nodiscard]] TorsoCalibration calibrate_torso(const TorsoMotion& motion);
+
+/// The values for the configuration file: sign and offset of each joint, and of the torso sensor what
+/// changes.
+[[nodiscard]] std::vector<configuration::NewValue> new_values(
+    const configuration::HardwareParameters& hardware,
+    const std::array<JointCalibration, hal::kJoints>& joints, const TorsoCalibration& torso);
+
+}  // namespace stilt::commissioning

@@ -1,0 +1,108 @@
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "firmware/commissioning/formatted.h"
+#include "firmware/commissioning/identify.h"
+#include "firmware/commissioning/values_report.h"
+#include "firmware/configuration/schema.h"
+#include "firmware/control_loop/joint_names.h"
+
+namespace stilt::commissioning {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using control_loop::kJointNames;
+
+constexpr double kClearFactor = 0.2;  // half width of the torque factor's interval
+constexpr double kRightFactor = 0.1;  // away from 1
+
+bool clear(const DriveNumbers& drive) {
+  return drive.samples > 0 && drive.torque_factor.half_width < kClearFactor;
+}
+
+/// Mean over a joint of both legs, at least 0, as TOML.
+std::string mean_text(const IdentificationReport& report, std::size_t joint, Estimate DriveNumbers::*number) {
+  constexpr double kDigits = 1e4;
+  const double mean = 0.5 * ((report.drives[joint].*number).value + (report.drives[joint + 2].*number).value);
+  return configuration::number_text(std::round(kDigits * std::max(0.0, mean)) / kDigits);
+}
+
+std::string armature_scale_text(const model::RobotModel& robot, const IdentificationReport& report) {
+  double found = 0, of_urdf = 0;
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    found += std::max(0.0, report.drives[joint].armature_kg_m2.value);
+    of_urdf += robot.constants.joint_parameters[joint];
+  }
+  return of_urdf > 0 ? configuration::number_text(std::round(1e4 * found / of_urdf) / 1e4) : "";
+}
+
+Json estimate_json(const Estimate& estimate) {
+  return {{"value", estimate.value}, {"half_width_95", estimate.half_width}};
+}
+
+}  // namespace
+
+void judge(const model::RobotModel& robot, IdentificationReport& report) {
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    const DriveNumbers& drive = report.drives[joint];
+    const Estimate& factor = drive.torque_factor;
+    if (!clear(drive)) {
+      report.findings.push_back(
+          formatted("%s: not clear, torque factor %.2f +- %.2f; look whether it moves freely and the gantry "
+                    "holds the torso, then repeat",
+                    kJointNames[joint], factor.value, factor.half_width));
+    } else if (std::abs(factor.value - 1) > kRightFactor + factor.half_width) {
+      report.findings.push_back(
+          formatted("%s gives %.2f Nm per Nm asked; correct the torque constant of its driver, then repeat",
+                    kJointNames[joint], factor.value));
+    }
+  }
+  if (!std::ranges::all_of(report.drives, clear)) return;
+  constexpr std::size_t kHip = 0, kKnee = 1;
+  report.values = {
+      {"robot", "hip_coulomb_friction_Nm", mean_text(report, kHip, &DriveNumbers::coulomb_friction_Nm)},
+      {"robot", "knee_coulomb_friction_Nm", mean_text(report, kKnee, &DriveNumbers::coulomb_friction_Nm)},
+      {"robot", "hip_damping_Nms_rad", mean_text(report, kHip, &DriveNumbers::damping_Nms_rad)},
+      {"robot", "knee_damping_Nms_rad", mean_text(report, kKnee, &DriveNumbers::damping_Nms_rad)}};
+  const std::string armature = armature_scale_text(robot, report);
+  if (!armature.empty()) report.values.push_back({"robot", "armature_scale", armature});
+}
+
+std::string to_text(const IdentificationReport& report) {
+  std::string text =
+      "joint   torque factor   armature kg m^2   damping Nm s/rad      friction Nm   residual Nm   peak Nm\n";
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    const DriveNumbers& drive = report.drives[joint];
+    text +=
+        formatted("%-7s %5.3f +- %5.3f   %6.4f +- %6.4f   %6.3f +- %6.3f   %5.2f +- %5.2f  %12.3f  %8.1f\n",
+                  kJointNames[joint], drive.torque_factor.value, drive.torque_factor.half_width,
+                  drive.armature_kg_m2.value, drive.armature_kg_m2.half_width, drive.damping_Nms_rad.value,
+                  drive.damping_Nms_rad.half_width, drive.coulomb_friction_Nm.value,
+                  drive.coulomb_friction_Nm.half_width, drive.residual_Nm, report.peak_torque_Nm[joint]);
+  }
+  for (const std::string& finding : report.findings) text += finding + '\n';
+  return text + values_text(report.values);
+}
+
+std::string to_json(const IdentificationReport& report, const std::string& file) {
+  Json json;
+  json["good"] = report.findings.empty();
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    const DriveNumbers& drive = report.drives[joint];
+    json["joints"][kJointNames[joint]] = {{"torque_factor", estimate_json(drive.torque_factor)},
+                                          {"armature_kg_m2", estimate_json(drive.armature_kg_m2)},
+                                          {"damping_Nms_rad", estimate_json(drive.damping_Nms_rad)},
+                                          {"coulomb_friction_Nm", estimate_json(drive.coulomb_friction_Nm)},
+                                          {"torque_offset_Nm", estimate_json(drive.torque_offset_Nm)},
+                                          {"residual_Nm", drive.residual_Nm},
+                                          {"samples", drive.samples},
+                                          {"peak_torque_Nm", report.peak_torque_Nm[joint]}};
+  }
+  json["findings"] = report.findings;
+  json["values"] = values_json(report.values);
+  json["written"] = file.empty() ? Json(nullptr) : Json(file);
+  return json.dump(2) + "\n";
+}
+
+}  // namespace stilt::commissioning

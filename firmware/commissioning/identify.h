@@ -1,0 +1,41 @@
+#pragma once
+
+#include <array>
+#include <expected>
+#include <string>
+#include <vector>
+
+#include "firmware/commissioning/drive_fit.h"
+#include "firmware/commissioning/session.h"
+#include "firmware/configuration/edit.h"
+
+/// One joint after the other moves on the gantry, slowly and then quickly, the others held: the numbers of
+/// its drive follow. Ordinary threads; why so: docs/decisions/0021-commissioning.md
+namespace stilt::commissioning {
+
+struct IdentificationRequest {
+  const model::RobotModel* robot = nullptr;
+  double torque_share = 0.3;  ///< of the joints' limits: most torque
+  double kp_Nm_rad = 0.0;     ///< of all motions, closed here
+};
+
+struct IdentificationReport {
+  std::array<DriveNumbers, hal::kJoints> drives;
+  std::array<double, hal::kJoints> peak_torque_Nm{};
+  std::vector<configuration::NewValue> values;  ///< for the configuration file; empty unless all is known
+  std::vector<std::string> findings;            ///< sentences; empty: all is good
+};
+
+/// Brings the drivers up, excites each joint, and turns them off. Torque, travel and speed stay within
+/// limits: beyond them, at a fault and at the emergency stop the robot is limp and the error names the cause.
+[[nodiscard]] std::expected<IdentificationReport, std::string> identify(Session& session,
+                                                                        const IdentificationRequest& request);
+
+/// What the numbers mean: values for the configuration, and what is wrong.
+void judge(const model::RobotModel& robot, IdentificationReport& report);
+
+[[nodiscard]] std::string to_text(const IdentificationReport& report);
+/// @param file  that the values were written to; empty: none
+[[nodiscard]] std::string to_json(const IdentificationReport& report, const std::string& file);
+
+}  // namespace stilt::commissioning

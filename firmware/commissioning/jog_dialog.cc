@@ -1,0 +1,113 @@
+#include "firmware/commissioning/jog_dialog.h"
+
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "firmware/control_loop/joint_names.h"
+
+namespace stilt::commissioning {
+namespace {
+
+constexpr double kRadians = std::numbers::pi / 180.0;
+constexpr double kLargestSighting_deg = 360.0;
+
+constexpr const char* kWhichLink =
+    "Which link moved? left thigh, left shin, right thigh, right shin, or none (left and right are the "
+    "robot's)";
+constexpr const char* kWhichWay = "Which way did it move first? forward or backward";
+constexpr const char* kHowFar = "By how many degrees did it turn, about? Empty: not measured";
+
+bool take_link(const std::string& answer, Sighting& seen) {
+  if (answer == "none") return true;
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    if (answer == link_name(joint)) seen.link = joint;
+  }
+  return seen.link.has_value();
+}
+
+bool take_way(const std::string& answer, Sighting& seen) {
+  seen.way = answer == "backward" ? Way::backward : Way::forward;
+  return answer == "backward" || answer == "forward";
+}
+
+bool take_angle(const std::string& answer, Sighting& seen) {
+  if (answer.empty()) return true;
+  double angle_deg = 0;
+  const auto read = std::from_chars(answer.data(), answer.data() + answer.size(), angle_deg);
+  const bool whole = read.ec == std::errc{} && read.ptr == answer.data() + answer.size();
+  if (!whole || !(angle_deg > 0 && angle_deg <= kLargestSighting_deg)) return false;
+  seen.angle_rad = angle_deg * kRadians;
+  return true;
+}
+
+std::expected<Sighting, CommandFailure> ask_all(Session& session, Person& person, const JogMotion& motion) {
+  Sighting seen;
+  const auto put = [&](const char* question, bool (*take)(const std::string&, Sighting&)) {
+    return ask(session, person, question,
+               [take, &seen](const std::string& answer) { return take(answer, seen); });
+  };
+  if (const auto link = put(kWhichLink, take_link); !link) return std::unexpected(link.error());
+  if (!seen.link) return seen;
+  if (const auto way = put(kWhichWay, take_way); !way) return std::unexpected(way.error());
+  if (!motion.completed) return seen;
+  if (const auto far = put(kHowFar, take_angle); !far) return std::unexpected(far.error());
+  return seen;
+}
+
+std::expected<JogReport, CommandFailure> run(Session& session, const JogRequest& request, double ratio,
+                                             Person& person) {
+  if (const auto up = session.bring_up(); !up) return std::unexpected(CommandFailure{up.error(), false});
+  const auto motion = jog(session, request);
+  if (!motion) return std::unexpected(CommandFailure{motion.error(), false});
+  const auto seen = ask_all(session, person, *motion);
+  if (!seen) return std::unexpected(seen.error());
+  return JogReport{request, *motion, *seen, judge(request, *motion, *seen, ratio)};
+}
+
+}  // namespace
+
+std::expected<JogReport, CommandFailure> jog_and_ask(Session& session, const JogRequest& request,
+                                                     double ratio, Person& person) {
+  auto report = run(session, request, ratio, person);
+  session.disable();
+  return report;
+}
+
+std::string to_text(const JogReport& report) {
+  char figures[160];
+  std::snprintf(figures, sizeof figures, "moved at %.2f Nm, went %.3f rad by its encoder, peak %.2f Nm\n",
+                report.motion.breakaway_Nm, report.motion.reached_rad, report.motion.peak_torque_Nm);
+  return (report.motion.response == Response::none ? "" : figures) + report.verdict.sentence + '\n';
+}
+
+std::string to_json(const JogReport& report) {
+  const JogMotion& motion = report.motion;
+  const auto number = [](double value) {
+    return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
+  };
+  nlohmann::ordered_json json;
+  json["joint"] = control_loop::kJointNames[report.request.joint];
+  json["angle_rad"] = report.request.angle_rad;
+  json["finding"] = name(report.verdict.finding);
+  json["sentence"] = report.verdict.sentence;
+  json["response"] = name(motion.response);
+  json["other_encoder"] =
+      motion.other ? nlohmann::ordered_json(control_loop::kJointNames[*motion.other]) : nullptr;
+  json["breakaway_Nm"] = motion.breakaway_Nm;
+  json["reported_torque_Nm"] = number(motion.reported_torque_Nm);
+  json["leg_rad"] = motion.leg_rad;
+  json["reached_rad"] = motion.reached_rad;
+  json["peak_torque_Nm"] = motion.peak_torque_Nm;
+  json["completed"] = motion.completed;
+  json["seen_link"] = report.seen.link ? nlohmann::ordered_json(link_name(*report.seen.link)) : nullptr;
+  json["seen_way"] = !report.seen.link                  ? nlohmann::ordered_json(nullptr)
+                     : report.seen.way == Way::backward ? "backward"
+                                                        : "forward";
+  json["seen_angle_rad"] = report.seen.angle_rad ? nlohmann::ordered_json(*report.seen.angle_rad) : nullptr;
+  return json.dump(2) + "\n";
+}
+
+}  // namespace stilt::commissioning

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <expected>
+#include <string>
+
+#include "firmware/commissioning/dialog.h"
+#include "firmware/commissioning/wiring_verdict.h"
+
+/// The questions after a jog. Ordinary threads.
+namespace stilt::commissioning {
+
+struct JogReport {
+  JogRequest request;
+  JogMotion motion;
+  Sighting seen;
+  Verdict verdict;
+};
+
+/// Moves the joint and asks what was seen; the robot stays limp meanwhile. Drivers are brought up first and
+/// off at the end.
+[[nodiscard]] std::expected<JogReport, CommandFailure> jog_and_ask(Session& session,
+                                                                   const JogRequest& request, double ratio,
+                                                                   Person& person);
+
+[[nodiscard]] std::string to_text(const JogReport& report);
+[[nodiscard]] std::string to_json(const JogReport& report);
+
+}  // namespace stilt::commissioning

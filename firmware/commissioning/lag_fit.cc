@@ -1,0 +1,54 @@
+#include "firmware/commissioning/lag_fit.h"
+
+#include <cmath>
+#include <cstddef>
+
+namespace stilt::commissioning {
+namespace {
+
+double mean(std::span<const double> values) {
+  double sum = 0;
+  for (const double value : values) sum += value;
+  return sum / static_cast<double>(values.size());
+}
+
+/// Means of products about the means.
+struct Moments {
+  double reference = 0, signal = 0, both = 0;
+};
+
+Moments moments(std::span<const double> reference, std::span<const double> signal) {
+  const double reference_mean = mean(reference), signal_mean = mean(signal);
+  Moments sum;
+  for (std::size_t i = 0; i < reference.size(); ++i) {
+    const double r = reference[i] - reference_mean, s = signal[i] - signal_mean;
+    sum.reference += r * r;
+    sum.signal += s * s;
+    sum.both += r * s;
+  }
+  const auto count = static_cast<double>(reference.size());
+  return {sum.reference / count, sum.signal / count, sum.both / count};
+}
+
+}  // namespace
+
+LagFit fit_lag(std::span<const double> reference, std::span<const double> signal, double period_s) {
+  const auto most = static_cast<std::size_t>(std::lround(kLargestDelay_s / period_s));
+  LagFit best;
+  if (reference.size() != signal.size() || reference.size() <= 2 * most + 1) return best;
+  const std::size_t count = reference.size() - 2 * most;
+  const std::span<const double> middle = signal.subspan(most, count);
+  for (std::size_t shift = 0; shift <= 2 * most; ++shift) {
+    const Moments at = moments(reference.subspan(shift, count), middle);
+    const double explained = at.both * at.both / (at.reference * at.signal);
+    if (!(explained > best.explained)) continue;  // also where one of them does not move
+    const double delay_s = (static_cast<double>(most) - static_cast<double>(shift)) * period_s;
+    best = {.gain = at.both / at.reference, .delay_s = delay_s, .explained = explained};
+  }
+  const Moments all = moments(reference, signal);
+  best.reference_spread = std::sqrt(all.reference);
+  best.signal_spread = std::sqrt(all.signal);
+  return best;
+}
+
+}  // namespace stilt::commissioning

@@ -1,0 +1,254 @@
+#include "firmware/commissioning/scan.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "firmware/configuration/protocol_name.h"
+#include "hal/robot/driver_scan.h"
+#include "hal/robot/wiring_load.h"
+
+namespace stilt::commissioning {
+namespace {
+
+constexpr std::int64_t kStep_ns = 1'000'000;
+constexpr int kListenSteps = 200;
+constexpr int kTries = 3;  ///< of a driver of the configuration
+
+/// How a driver is asked.
+struct Patience {
+  int answer_steps;    ///< after each question
+  bool all_questions;  ///< also when the first one was not answered
+};
+constexpr Patience kForExpected{10, true};
+constexpr Patience kForOthers{3, false};
+
+using FrameKey = std::pair<std::uint32_t, bool>;  ///< identifier, extended
+
+struct Candidate {
+  hal::JointDriver driver;
+  ScannedNode node;
+};
+
+ScannedNode node_of(const hal::JointDriver& driver, configuration::DriverProtocol protocol) {
+  ScannedNode node;
+  node.protocol = configuration::name(protocol);
+  node.id = hal::scan_id(driver);
+  return node;
+}
+
+/// One bus: its nodes, and what was received.
+class BusScan {
+ public:
+  BusScan(const configuration::HardwareParameters& hardware, std::size_t bus, hal::FrameBus& frames,
+          hal::Clock& clock, const std::atomic<bool>& stop)
+      : wiring_(configuration::robot_wiring(hardware)),
+        sensor_rate_hz_(hardware.torso_sensor.rate_hz),
+        frames_(frames),
+        clock_(clock),
+        stop_(stop) {
+    result_.name = configuration::bus_names(hardware)[bus];
+    for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+      if (wiring_.joints[joint].bus == bus) expect(hardware, joint);
+    }
+    if (wiring_.channel_bus != bus) wiring_.channel_count = 0;
+    if (wiring_.pitch_encoder_bus != bus) wiring_.pitch_encoder.reset();
+  }
+
+  ScannedBus run() {
+    for (int step = 0; step < kListenSteps && !stop_; ++step) take_step(nullptr);
+    listening_ = false;
+    sort_unasked();
+    const hal::BusCounters before = frames_.counters();
+    ask_expected();
+    const hal::BusCounters& after = frames_.counters();
+    result_.acknowledged = after.withheld == before.withheld && after.dropped_full == before.dropped_full &&
+                           frames_.health() < hal::BusHealth::passive;
+    if (wiring_.pitch_encoder) start_encoder();
+    if (result_.acknowledged && protocols_.size() == 1) ask_others();
+    for (Candidate& candidate : expected_) result_.expected.push_back(finished(candidate));
+    return std::move(result_);
+  }
+
+ private:
+  void expect(const configuration::HardwareParameters& hardware, std::size_t joint) {
+    const hal::JointDriver& driver = wiring_.joints[joint].driver;
+    const auto protocol = (joint % 2 == 0 ? hardware.hip : hardware.knee).protocol;
+    protocols_.insert(protocol);
+    Candidate candidate{driver, node_of(driver, protocol)};
+    candidate.node.joint = joint;
+    if (std::holds_alternative<hal::mit::MitDriver>(driver)) {
+      candidate.node.expected_reply_id = hardware.joint[joint].reply_id;
+    }
+    expected_.push_back(std::move(candidate));
+  }
+
+  static ScannedNode finished(const Candidate& candidate) {
+    ScannedNode node = candidate.node;
+    if (node.found.version) node.firmware = hal::version_text(candidate.driver, *node.found.version);
+    return node;
+  }
+
+  void take_step(Candidate* asked) {
+    static_cast<void>(clock_.sleep_until(clock_.now_ns() + kStep_ns));
+    std::array<hal::CanFrame, hal::kMaximumBatch> batch;
+    hal::ReceiveResult received;
+    do {
+      received = frames_.receive(batch);
+      for (const hal::CanFrame& frame : std::span(batch).first(received.received)) take(frame, asked);
+    } while (received.status == hal::BusStatus::more);
+  }
+
+  void take(const hal::CanFrame& frame, Candidate* asked) {
+    const FrameKey key{frame.id, frame.extended};
+    if (listening_) ++unasked_[key];
+    if (encoder_ && encoder_->take(clock_.now_ns(), frame, position_) == hal::DecodeStatus::ok) ++positions_;
+    for (Candidate& candidate : expected_) {
+      if (hal::sends_unasked(candidate.driver) &&
+          hal::take_scan(candidate.driver, frame, candidate.node.found)) {
+        of_drivers_.insert(key);
+        return;
+      }
+    }
+    if (asked == nullptr || of_sensor(key)) return;
+    // What came before anybody was asked is the answer of no driver that only answers.
+    if (!hal::sends_unasked(asked->driver) && unasked_.contains(key)) return;
+    if (hal::take_scan(asked->driver, frame, asked->node.found)) of_drivers_.insert(key);
+  }
+
+  [[nodiscard]] std::span<const hal::ChannelRow> channels() const {
+    return std::span(wiring_.channels).first(wiring_.channel_count);
+  }
+
+  [[nodiscard]] bool of_sensor(const FrameKey& key) const {
+    return std::ranges::any_of(channels(), [&key](const hal::ChannelRow& row) {
+      return FrameKey{row.id, row.extended} == key;
+    });
+  }
+
+  /// Frames that came unasked are those of the torso sensor, of drivers, or unknown.
+  void sort_unasked() {
+    constexpr double kListened_s = kListenSteps * kStep_ns * 1e-9;
+    std::set<FrameKey> expected;
+    for (const hal::ChannelRow& row : channels()) expected.emplace(row.id, row.extended);
+    if (wiring_.pitch_encoder) {
+      for (const hal::FrameId& frame : hal::canopen::receive_ids(*wiring_.pitch_encoder))
+        of_drivers_.emplace(frame.id, frame.extended);
+    }
+    for (const FrameKey& key : expected) {
+      const auto found = unasked_.find(key);
+      const int count = found == unasked_.end() ? 0 : found->second;
+      result_.torso_sensor.push_back({key.first, key.second, count / kListened_s, sensor_rate_hz_});
+    }
+    for (const auto& [key, count] : unasked_) {
+      if (expected.contains(key) || of_drivers_.contains(key)) continue;
+      result_.unknown.push_back({key.first, key.second, count / kListened_s});
+    }
+  }
+
+  /// An encoder on CANopen is asked and started as the controller does it: it moves nothing.
+  void start_encoder() {
+    constexpr int kLongest = 500, kCounted = 100;
+    const hal::canopen::Encoder& encoder = *wiring_.pitch_encoder;
+    encoder_.emplace(encoder, 1);
+    for (int step = 0; step < kLongest && positions_ == 0 && !stop_; ++step) step_encoder();
+    if (positions_ > 0) {
+      positions_ = 0;
+      for (int step = 0; step < kCounted && !stop_; ++step) step_encoder();
+    }
+    result_.torso_sensor.push_back(
+        {hal::canopen::tpdo1_id(encoder.node), false, positions_ / (kCounted * kStep_ns * 1e-9)});
+    result_.torso_trouble = sentence(encoder_->trouble(), encoder);
+    encoder_.reset();
+  }
+
+  void step_encoder() {
+    if (const auto frame = encoder_->step(clock_.now_ns()))
+      static_cast<void>(frames_.send(std::span(&*frame, 1)));  // what does not leave is not answered
+    take_step(nullptr);
+  }
+
+  void ask(Candidate& candidate, const Patience& patience) {
+    for (const hal::CanFrame& question : hal::scan_frames(candidate.driver)) {
+      static_cast<void>(frames_.send(std::span(&question, 1)));  // what does not leave is not answered
+      for (int step = 0; step < patience.answer_steps && !stop_; ++step) take_step(&candidate);
+      if (!patience.all_questions && !candidate.node.found.answered) return;
+    }
+  }
+
+  void ask_expected() {
+    for (Candidate& candidate : expected_) {
+      for (int attempt = 0; attempt < kTries && !stop_; ++attempt) {
+        ask(candidate, kForExpected);
+        if (candidate.node.found.answered) break;
+      }
+    }
+  }
+
+  void ask_others() {
+    result_.asked_others = true;
+    for (const hal::JointDriver& driver : hal::scan_others(expected_.front().driver)) {
+      if (stop_ || is_expected(driver) || uses_sensor_identifier(driver)) continue;
+      Candidate candidate{driver, node_of(driver, *protocols_.begin())};
+      ask(candidate, kForOthers);
+      if (!candidate.node.found.answered) continue;
+      std::erase_if(result_.unknown, [this](const ScannedFrames& frames) {
+        return of_drivers_.contains({frames.id, frames.extended});
+      });
+      result_.unexpected.push_back(finished(candidate));
+    }
+  }
+
+  [[nodiscard]] bool is_expected(const hal::JointDriver& driver) const {
+    return std::ranges::any_of(expected_, [&driver](const Candidate& candidate) {
+      return candidate.node.id == hal::scan_id(driver);
+    });
+  }
+
+  [[nodiscard]] bool uses_sensor_identifier(const hal::JointDriver& driver) const {
+    const hal::NodeIdentifiers node = hal::identifiers(driver);
+    if (wiring_.pitch_encoder &&
+        !hal::collisions(hal::canopen::identifiers(*wiring_.pitch_encoder), node).empty())
+      return true;
+    return std::ranges::any_of(channels(), [&node](const hal::ChannelRow& row) {
+      return !hal::collisions(hal::identifiers(row), node).empty();
+    });
+  }
+
+  hal::RobotWiring wiring_;
+  double sensor_rate_hz_;
+  hal::FrameBus& frames_;
+  hal::Clock& clock_;
+  const std::atomic<bool>& stop_;
+  ScannedBus result_;
+  std::vector<Candidate> expected_;
+  std::set<configuration::DriverProtocol> protocols_;
+  std::map<FrameKey, int> unasked_;
+  std::set<FrameKey> of_drivers_;  ///< and of an encoder on CANopen
+  std::optional<hal::canopen::EncoderReader> encoder_;
+  hal::canopen::EncoderPosition position_;
+  int positions_ = 0;
+  bool listening_ = true;
+};
+
+}  // namespace
+
+bool ScanResult::complete() const noexcept {
+  return std::ranges::all_of(buses, [](const ScannedBus& bus) {
+    return std::ranges::all_of(bus.expected, &ScannedNode::good) &&
+           std::ranges::all_of(bus.torso_sensor, [](const auto& frames) { return !frames.slow(); });
+  });
+}
+
+ScanResult scan(const configuration::HardwareParameters& hardware, std::span<hal::FrameBus* const> buses,
+                hal::Clock& clock, const std::atomic<bool>& stop) {
+  ScanResult result;
+  for (std::size_t bus = 0; bus < buses.size(); ++bus) {
+    result.buses.push_back(BusScan(hardware, bus, *buses[bus], clock, stop).run());
+  }
+  return result;
+}
+
+}  // namespace stilt::commissioning

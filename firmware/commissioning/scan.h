@@ -1,0 +1,77 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "firmware/configuration/hardware.h"
+#include "hal/can/frame_bus.h"
+#include "hal/driver/scanned_driver.h"
+#include "hal/robot/clock.h"
+
+/// Which drivers and sensors are on the buses of a configuration. Only questions are sent: no frame enables
+/// a motor. Ordinary threads; why so: docs/decisions/0021-commissioning.md
+namespace stilt::commissioning {
+
+/// A driver that the configuration names, or another that answered.
+struct ScannedNode {
+  std::optional<std::size_t> joint;  ///< nothing: not in the configuration of this bus
+  std::string protocol;
+  int id = 0;
+  std::optional<int> expected_reply_id;  ///< by the configuration, where the driver has such a setting
+  std::string firmware;                  ///< as the maker writes it; empty: not reported
+  hal::ScannedDriver found;
+
+  [[nodiscard]] bool wrong_reply_id() const noexcept {
+    return expected_reply_id && found.reply_id && static_cast<int>(*found.reply_id) != *expected_reply_id;
+  }
+  /// It answers, with the identifiers of the configuration, and has no fault.
+  [[nodiscard]] bool good() const noexcept {
+    return found.answered && !wrong_reply_id() && found.reading.fault == hal::DriverFault::none;
+  }
+};
+
+/// Frames of one identifier that came unasked.
+struct ScannedFrames {
+  std::uint32_t id = 0;
+  bool extended = false;
+  double rate_hz = 0.0;
+  double expected_hz = 0.0;  ///< by the configuration; 0: nothing expects them
+
+  /// They come more rarely than the controller counts on: its readings would be late.
+  [[nodiscard]] bool slow() const noexcept { return rate_hz < 0.8 * expected_hz; }
+};
+
+struct ScannedBus {
+  std::string name;
+  std::vector<ScannedNode> expected;
+  std::vector<ScannedNode> unexpected;
+  std::vector<ScannedFrames> torso_sensor;  ///< those of the configuration, with the rates they came at
+  std::string torso_trouble;  ///< why it does not report, where that is known; empty: nothing is
+  std::vector<ScannedFrames> unknown;
+  bool acknowledged = true;   ///< frames leave: somebody acknowledges them
+  bool asked_others = false;  ///< identifiers outside the configuration were asked, too
+};
+
+struct ScanResult {
+  std::vector<ScannedBus> buses;
+  /// Everything that the configuration names is there, well, and often enough.
+  [[nodiscard]] bool complete() const noexcept;
+};
+
+/// Listens for 0.2 s a bus, then asks every driver of the configuration, starts an encoder of the torso on
+/// CANopen, then asks other identifiers of the drivers' protocol: only where all drivers of the bus speak one
+/// protocol, and none that the torso sensor uses.
+/// @param buses  in the order of their numbers, receiving all identifiers
+/// @param stop   ends the scan early
+[[nodiscard]] ScanResult scan(const configuration::HardwareParameters& hardware,
+                              std::span<hal::FrameBus* const> buses, hal::Clock& clock,
+                              const std::atomic<bool>& stop);
+
+[[nodiscard]] std::string to_text(const ScanResult& result);
+[[nodiscard]] std::string to_json(const ScanResult& result);
+
+}  // namespace stilt::commissioning

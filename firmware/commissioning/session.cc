@@ -1,0 +1,66 @@
+#include "firmware/commissioning/session.h"
+
+#include <cmath>
+
+#include "firmware/control_loop/joint_names.h"
+#include "firmware/diagnostics/event_text.h"
+
+namespace stilt::commissioning {
+namespace {
+
+constexpr std::int64_t kLongestBringUp_ns = 5'000'000'000;
+
+}  // namespace
+
+std::int64_t Session::begin_tick() {
+  began_ns_ = clock_.sleep_until(pace_.next_ns());
+  robot_.read(began_ns_, readings_);
+  return began_ns_;
+}
+
+void Session::command(const hal::JointCommands& commands) {
+  static_cast<void>(robot_.write(commands));  // a frame that did not leave shows as a missed reply
+}
+
+void Session::tick(const hal::JointCommands& commands) {
+  begin_tick();
+  command(commands);
+  end_tick();
+}
+
+std::string Session::trouble() const {
+  if (stopped()) return "stopped";
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    const hal::JointReading& reading = readings_.joints[joint];
+    const std::string driver = std::string("driver of ") + control_loop::kJointNames[joint];
+    if (reading.fault != hal::DriverFault::none) {
+      return driver + ": " + diagnostics::fault_text(reading.fault, reading.fault_code);
+    }
+    if (reading.missed_replies > kSilentReads || !std::isfinite(reading.position_rad)) {
+      return driver + " is silent";
+    }
+  }
+  return "";
+}
+
+std::string Session::trouble_with_torque() const {
+  if (stopped()) return "stopped";
+  if (readings_.emergency_stop == hal::EmergencyStopState::pressed) return "emergency stop";
+  if (readings_.emergency_stop == hal::EmergencyStopState::unknown) return "emergency stop is silent";
+  return trouble();
+}
+
+std::expected<void, std::string> Session::bring_up() {
+  robot_.begin_bring_up();
+  hal::BringUpProgress progress;
+  for (std::int64_t left_ns = kLongestBringUp_ns; left_ns > 0 && !stopped(); left_ns -= tick_ns_) {
+    progress = robot_.bring_up(begin_tick());
+    end_tick();
+    if (progress.ready) return {};
+    if (progress.failed) break;
+  }
+  return std::unexpected(stopped() ? "stopped before the drivers were up"
+                                   : "the " + diagnostics::bring_up_text(progress));
+}
+
+}  // namespace stilt::commissioning

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <expected>
+#include <string>
+
+#include "firmware/realtime/pace.h"
+#include "hal/robot/clock.h"
+#include "hal/robot/robot.h"
+
+namespace stilt::commissioning {
+
+using Angles = std::array<double, hal::kJoints>;  ///< hip_L, knee_L, hip_R, knee_R, rad
+
+/// Reads without a new position or pitch: older readings are none of now.
+inline constexpr std::uint32_t kSilentReads = 20;
+
+/// A robot without its controller: drivers are brought up, read and commanded at the rate of the torque
+/// loop. What is not commanded is limp: no torque, no gain. Ordinary threads.
+class Session {
+ public:
+  /// @param robot, clock, stop  outlive this object
+  Session(hal::Robot& robot, hal::Clock& clock, std::int64_t tick_ns, const std::atomic<bool>& stop)
+      : robot_(robot),
+        clock_(clock),
+        stop_(stop),
+        tick_ns_(tick_ns),
+        pace_(clock.now_ns() + tick_ns, tick_ns) {}
+
+  /// All drivers enabled, at zero torque; at most 5 s. The error names joint and cause.
+  [[nodiscard]] std::expected<void, std::string> bring_up();
+
+  /// First half of a tick: waits for its time and reads. Returns when it began.
+  std::int64_t begin_tick();
+  /// Between both halves; what is not commanded is limp.
+  void command(const hal::JointCommands& commands = {});
+  /// Second half.
+  void end_tick() { pace_.advance(began_ns_, clock_.now_ns()); }
+  /// A tick with these commands; without any the robot is limp.
+  void tick(const hal::JointCommands& commands = {});
+  /// Every driver off.
+  void disable() { static_cast<void>(robot_.disable()); }
+
+  [[nodiscard]] const hal::RobotReadings& readings() const noexcept { return readings_; }
+  /// When the present tick is due.
+  [[nodiscard]] std::int64_t due_ns() const noexcept { return pace_.next_ns(); }
+  [[nodiscard]] std::int64_t tick_ns() const noexcept { return tick_ns_; }
+  [[nodiscard]] double tick_s() const noexcept { return 1e-9 * static_cast<double>(tick_ns_); }
+  [[nodiscard]] hal::Clock& clock() noexcept { return clock_; }
+  /// What is wrong with stop, drivers or their replies; empty: nothing.
+  [[nodiscard]] std::string trouble() const;
+  /// The same, and the emergency stop is pressed or silent: before and while a joint gets torque.
+  [[nodiscard]] std::string trouble_with_torque() const;
+  [[nodiscard]] bool stopped() const noexcept { return stop_.load(std::memory_order_relaxed); }
+
+ private:
+  hal::Robot& robot_;
+  hal::Clock& clock_;
+  const std::atomic<bool>& stop_;
+  std::int64_t tick_ns_;
+  realtime::Pace pace_;
+  std::int64_t began_ns_ = 0;
+  hal::RobotReadings readings_;
+};
+
+}  // namespace stilt::commissioning

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <expected>
+#include <functional>
+#include <string>
+
+#include "firmware/commissioning/session.h"
+
+/// Joints, torso, emergency stop, live, while nothing gives torque. Ordinary threads.
+namespace stilt::commissioning {
+
+struct WatchSample {
+  double time_s = 0.0;  ///< since the drivers were up
+  hal::RobotReadings readings;
+};
+
+/// Brings the drivers up and keeps them limp: no frame asks for a torque or a gain. Hands a sample to
+/// `show` every 0.1 s; at the end the drivers are off.
+/// @param duration_s  0: until the session is stopped
+/// @return  the error names joint and cause
+[[nodiscard]] std::expected<void, std::string> watch(Session& session, double duration_s,
+                                                     const std::function<void(const WatchSample&)>& show);
+
+/// A table of kWatchLines lines.
+[[nodiscard]] std::string to_table(const WatchSample& sample);
+inline constexpr int kWatchLines = 8;
+
+/// One line of JSON.
+[[nodiscard]] std::string to_json_line(const WatchSample& sample);
+
+}  // namespace stilt::commissioning

@@ -1,0 +1,140 @@
+#include "firmware/commissioning/wiring_verdict.h"
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "firmware/control_loop/joint_names.h"
+
+namespace stilt::commissioning {
+namespace {
+
+/// Seen and read angles that differ by more than this factor are of different gears; an eye is that good.
+constexpr double kRatioTolerance = 1.4;
+/// Of the asked torque: a driver that reports less gives none.
+constexpr double kGivenShare = 0.5;
+/// Of the own encoder's motion: what the leg's other encoder moves when the two are exchanged.
+constexpr double kExchangedShare = 0.5;
+
+std::string joint_name(std::size_t joint) { return control_loop::kJointNames[joint]; }
+
+bool same_leg(std::size_t a, std::size_t b) { return a / 2 == b / 2; }
+bool same_link(std::size_t a, std::size_t b) { return a % 2 == b % 2; }
+
+Verdict exchanged_encoders(std::size_t joint, std::size_t read) {
+  return {Finding::exchanged_encoders, "exchanged encoders: the " + std::string(link_name(joint)) +
+                                           " moved, and the encoder of " + joint_name(read) +
+                                           " says so; exchange the encoders' cables"};
+}
+
+/// A limp shin hangs plumb while its thigh moves, and a thigh gives way when its shin moves: the other joint
+/// of the leg turns against the torque. So an own encoder that turns against it while the other one turns
+/// with it reads the other joint.
+bool reads_other_joint(const JogRequest& request, const JogMotion& motion) {
+  const double with_torque_rad = request.angle_rad > 0 ? motion.leg_rad : -motion.leg_rad;
+  return motion.response == Response::against_torque &&
+         with_torque_rad > kExchangedShare * std::abs(motion.reached_rad);
+}
+
+Verdict other_link(std::size_t joint, std::size_t link) {
+  const std::string pair = joint_name(joint) + " and " + joint_name(link);
+  const std::string keys = "exchange bus, id and reply_id of " + pair + " in the configuration";
+  if (!same_leg(joint, link) && same_link(joint, link)) {
+    return {Finding::exchanged_legs, "exchanged legs: the motor of " + joint_name(joint) + " moved the " +
+                                         link_name(link) + "; " + keys +
+                                         " (of both legs, or the cables of the legs), then jog again"};
+  }
+  return {Finding::exchanged_motors, "exchanged motors: the motor of " + joint_name(joint) + " moved the " +
+                                         link_name(link) + "; " + keys + ", then jog again"};
+}
+
+Verdict nothing_moved(std::size_t joint, const JogMotion& motion) {
+  const bool gives = std::abs(motion.reported_torque_Nm) > kGivenShare * motion.breakaway_Nm;
+  char torque[40];
+  std::snprintf(torque, sizeof torque, "%.1f Nm", motion.breakaway_Nm);
+  if (gives) {
+    return {Finding::blocked_joint, "blocked joint: " + joint_name(joint) + " does not move with " + torque +
+                                        ", which its driver reports to give; look for what holds it"};
+  }
+  return {Finding::dead_joint,
+          "dead joint: " + joint_name(joint) + " does not move when asked for " + torque +
+              "; look at the motor's phases, its power stage and the driver's own limits"};
+}
+
+Verdict directions(std::size_t joint, bool motor_right, bool encoder_follows) {
+  const std::string name = joint_name(joint);
+  if (motor_right && encoder_follows) return {Finding::right, name + " is wired right"};
+  if (!motor_right && encoder_follows) {
+    return {Finding::reversed_joint, "reversed joint: motor and encoder of " + name +
+                                         " turn against the joint; change " + name +
+                                         ".reversed in the configuration"};
+  }
+  const std::string mend =
+      "; its driver would run away. Exchange two phases of the motor or the driver's own sign, and calibrate "
+      "the driver again";
+  if (motor_right) {
+    return {Finding::reversed_encoder,
+            "reversed encoder: that of " + name + " counts against its motor" + mend};
+  }
+  return {Finding::reversed_motor, "reversed motor: that of " + name + " turns against its encoder" + mend};
+}
+
+Verdict gear(std::size_t joint, const JogMotion& motion, double seen_rad, double ratio) {
+  const double factor = std::abs(motion.reached_rad) / seen_rad;
+  if (factor < kRatioTolerance && factor > 1 / kRatioTolerance) return directions(joint, true, true);
+  char text[200];
+  std::snprintf(
+      text, sizeof text,
+      "wrong gear ratio: the %s turned by %.0f degrees where the encoder of %s says %.0f; the ratio "
+      "is about %.3g, and the configuration has %.3g",
+      link_name(joint), seen_rad * 180 / M_PI, joint_name(joint).c_str(),
+      std::abs(motion.reached_rad) * 180 / M_PI, ratio * factor, ratio);
+  return {Finding::wrong_ratio, text};
+}
+
+}  // namespace
+
+const char* name(Finding finding) {
+  constexpr std::array<const char*, 12> kNames = {
+      "right",          "exchanged_motors", "exchanged_legs",   "exchanged_encoders",
+      "reversed_joint", "reversed_motor",   "reversed_encoder", "wrong_ratio",
+      "dead_joint",     "blocked_joint",    "dead_encoder",     "loose_link"};
+  return kNames[static_cast<std::size_t>(finding)];
+}
+
+const char* link_name(std::size_t joint) {
+  constexpr std::array<const char*, hal::kJoints> kNames = {"left thigh", "left shin", "right thigh",
+                                                            "right shin"};
+  return kNames[joint];
+}
+
+Verdict judge(const JogRequest& request, const JogMotion& motion, const Sighting& seen, double ratio) {
+  const std::size_t joint = request.joint;
+  if (!seen.link) {
+    if (motion.response == Response::none) return nothing_moved(joint, motion);
+    const std::size_t read = motion.other.value_or(joint);
+    return {Finding::loose_link, "loose link: the encoder of " + joint_name(read) +
+                                     " moved, and no link; look for a gear or coupling that slips"};
+  }
+  // Limp links of a leg move with one another: the other encoder of the leg proves nothing.
+  const bool own_still = motion.response == Response::none ||
+                         (motion.response == Response::other && same_leg(*motion.other, joint));
+  if (own_still && (*seen.link == joint || motion.response == Response::none)) {
+    return {Finding::dead_encoder, std::string("dead encoder: the ") + link_name(*seen.link) +
+                                       " moved, and the encoder of " + joint_name(*seen.link) +
+                                       " stood still; look at its cable and magnet"};
+  }
+  if (motion.response == Response::other && *seen.link == joint) {
+    return exchanged_encoders(joint, *motion.other);
+  }
+  if (*seen.link != joint) return other_link(joint, *seen.link);
+  if (reads_other_joint(request, motion)) return exchanged_encoders(joint, joint ^ 1U);
+  const bool motor_right = (seen.way == Way::backward) == (request.angle_rad > 0);
+  const bool encoder_follows = motion.response == Response::with_torque;
+  if (motor_right && encoder_follows && motion.completed && seen.angle_rad) {
+    return gear(joint, motion, *seen.angle_rad, ratio);
+  }
+  return directions(joint, motor_right, encoder_follows);
+}
+
+}  // namespace stilt::commissioning

@@ -1,0 +1,55 @@
+#include "firmware/configuration/edit.h"
+
+#include <toml++/toml.h>
+
+#include <algorithm>
+
+#include "firmware/configuration/toml_place.h"
+
+namespace stilt::configuration {
+namespace {
+
+/// Where a line of a section can be added: behind its last line that holds a key, or behind its head.
+std::size_t end_of_section(std::string_view text, const toml::table& section) {
+  toml::source_index last = section.source().begin.line;
+  for (auto&& [key, node] : section) last = std::max(last, node.source().end.line);
+  const std::size_t line = offset_of(text, {.line = last, .column = 1});
+  return std::min(text.find('\n', line), text.size());
+}
+
+void add_line(std::string& text, std::size_t at, const std::string& line) { text.insert(at, '\n' + line); }
+
+void put(std::string& text, const toml::table& root, const NewValue& value) {
+  const std::string line = value.key + " = " + value.value;
+  const toml::node* section = root.get(value.section);
+  if (section == nullptr || !section->is_table()) {
+    if (!text.empty() && text.back() != '\n') text += '\n';
+    text += (text.empty() ? "[" : "\n[") + value.section + "]\n" + line + '\n';
+    return;
+  }
+  const toml::table& keys = *section->as_table();
+  if (const toml::node* old = keys.get(value.key)) {
+    const std::size_t from = offset_of(text, old->source().begin);
+    text.replace(from, offset_of(text, old->source().end) - from, value.value);
+    return;
+  }
+  add_line(text, end_of_section(text, keys), line);
+}
+
+}  // namespace
+
+std::expected<std::string, Diagnostic> with_values(std::string_view toml, std::string_view file,
+                                                   std::span<const NewValue> values) {
+  std::string text(toml);
+  try {
+    for (const NewValue& value : values) put(text, toml::parse(text, file), value);
+  } catch (const toml::parse_error& error) {
+    const toml::source_position place = error.source().begin;
+    return std::unexpected(Diagnostic{std::string(file), static_cast<int>(place.line),
+                                      static_cast<int>(place.column),
+                                      "not valid TOML: " + std::string(error.description())});
+  }
+  return text;
+}
+
+}  // namespace stilt::configuration

@@ -1,0 +1,209 @@
+#include "firmware/program/commissioning_run.h"
+
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <vector>
+
+#include "firmware/commissioning/calibrate.h"
+#include "firmware/commissioning/identify.h"
+#include "firmware/commissioning/jog_dialog.h"
+#include "firmware/commissioning/scan.h"
+#include "firmware/commissioning/watch.h"
+#include "firmware/program/found_values.h"
+#include "firmware/program/terminal_person.h"
+#include "firmware/program/torso_sensor_report.h"
+#include "firmware/realtime/thread.h"
+#include "firmware/robots/robots.h"
+
+// What a person does before the controller runs: docs/decisions/0021-commissioning.md
+namespace stilt::program {
+namespace {
+
+using commissioning::Angles;
+using commissioning::Session;
+
+std::int64_t tick_ns(const Options& options) {
+  return std::llround(1e9 / options.configuration.timing.torque_rate_hz);
+}
+
+CommissioningOutcome failed(const std::string& error, bool bad_input = false) {
+  return {.error = error, .bad_input = bad_input, .text = {}, .json = {}};
+}
+
+CommissioningOutcome run_scan(const Options& options, ControllerState& state, hal::Clock& clock,
+                              const std::atomic<bool>& stop) {
+  std::vector<hal::FrameBus*> buses;
+  for (hal::TapBus& bus : state.hardware->buses()) buses.push_back(&bus);
+  const auto result = commissioning::scan(options.configuration.hardware, buses, clock, stop);
+  return {.error = {}, .passed = result.complete(), .text = to_text(result), .json = to_json(result)};
+}
+
+/// A table that is drawn over the one before on a terminal, lines of JSON elsewhere.
+class WatchDisplay {
+ public:
+  /// @param json_file  "-": standard output; empty: none
+  explicit WatchDisplay(const std::string& json_file)
+      : lines_(json_file.empty() || json_file == "-" ? nullptr : std::fopen(json_file.c_str(), "w")),
+        json_(json_file.empty() ? nullptr
+              : lines_          ? lines_.get()
+                                : stdout),
+        draws_(json_ != stdout),
+        redraws_(isatty(STDOUT_FILENO) == 1) {}
+
+  void show(const commissioning::WatchSample& sample) {
+    if (json_ != nullptr) {
+      std::fputs(commissioning::to_json_line(sample).c_str(), json_);
+      std::fflush(json_);
+    }
+    last_ = commissioning::to_table(sample);
+    if (!draws_ || !redraws_) return;
+    if (drawn_) std::printf("\x1b[%dA\x1b[J", commissioning::kWatchLines);
+    std::fputs(last_.c_str(), stdout);
+    std::fflush(stdout);
+    drawn_ = true;
+  }
+
+  /// The table of the end, where nothing was drawn.
+  [[nodiscard]] std::string last() const { return redraws_ ? "" : last_; }
+
+ private:
+  struct Close {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+  std::unique_ptr<std::FILE, Close> lines_;
+  std::FILE* json_;
+  bool draws_;
+  bool redraws_;
+  bool drawn_ = false;
+  std::string last_;
+};
+
+CommissioningOutcome run_watch(const Options& options, ControllerState& state, hal::Clock& clock,
+                               const std::atomic<bool>& stop) {
+  Session session(*state.hardware, clock, tick_ns(options), stop);
+  WatchDisplay display(options.json_file);
+  const auto done = commissioning::watch(session, options.duration_s,
+                                         [&display](const auto& sample) { display.show(sample); });
+  if (!done) return failed(done.error());
+  return {.error = {}, .passed = true, .text = display.last(), .json = {}};
+}
+
+CommissioningOutcome run_jog(const Options& options, ControllerState& state, hal::Clock& clock,
+                             const std::atomic<bool>& stop) {
+  auto person = TerminalPerson::open(options.answers_file);
+  if (!person) return failed(person.error(), true);
+  const configuration::Configuration& configuration = options.configuration;
+  const auto robot = robots::find(configuration.hardware.robot);
+  if (!robot) return failed(robot.error(), true);
+  const bool hip = options.jog_joint % 2 == 0;
+  const double ratio = (hip ? configuration.hardware.hip : configuration.hardware.knee).ratio;
+  Session session(*state.hardware, clock, tick_ns(options), stop);
+  const commissioning::JogRequest request{
+      .joint = options.jog_joint,
+      .angle_rad = options.jog_angle_rad,
+      .torque_limit_Nm = (*robot)->model.constants.torque_limit_Nm[options.jog_joint],
+      .kp_Nm_rad = configuration.supervisor.hold_kp_Nm_rad,
+      .kd_Nms_rad = configuration.supervisor.hold_kd_Nms_rad};
+  const auto report = commissioning::jog_and_ask(session, request, ratio, *person);
+  if (!report) return failed(report.error().sentence, report.error().bad_answer);
+  return {.error = {},
+          .passed = report->verdict.finding == commissioning::Finding::right,
+          .text = to_text(*report),
+          .json = to_json(*report)};
+}
+
+/// The outcome of a command that has found values, which are written where that is asked for.
+template <class Report>
+CommissioningOutcome written(const Options& options, const Report& report, bool passed) {
+  const bool writes = !report.values.empty() && !options.out_file.empty();
+  if (writes) {
+    if (const auto done = write_values(options, report.values); !done) return failed(done.error(), true);
+  }
+  return {.error = {},
+          .passed = passed,
+          .text = to_text(report),
+          .json = to_json(report, writes ? options.out_file : "")};
+}
+
+/// Angles of the joints' travel, and the like.
+Angles joint_values(const double (&values)[model::kJoints]) { return std::to_array(values); }
+
+CommissioningOutcome run_calibrate(const Options& options, ControllerState& state, hal::Clock& clock,
+                                   const std::atomic<bool>& stop) {
+  auto person = TerminalPerson::open(options.answers_file);
+  if (!person) return failed(person.error(), true);
+  const auto robot = robots::find(options.configuration.hardware.robot);
+  if (!robot) return failed(robot.error(), true);
+  const model::RobotConstants& constants = (*robot)->model.constants;
+  Session session(*state.hardware, clock, tick_ns(options), stop);
+  const commissioning::CalibrationRequest request{.reference = options.reference,
+                                                  .hardware = options.configuration.hardware,
+                                                  .minimum_rad = joint_values(constants.position_min_rad),
+                                                  .maximum_rad = joint_values(constants.position_max_rad)};
+  const auto report = commissioning::calibrate(session, request, *person);
+  if (!report) return failed(report.error().sentence, report.error().bad_answer);
+  return written(options, *report, report->good());
+}
+
+CommissioningOutcome run_identify(const Options& options, ControllerState& state, hal::Clock& clock,
+                                  const std::atomic<bool>& stop) {
+  const auto robot = robots::find(options.configuration.hardware.robot);
+  if (!robot) return failed(robot.error(), true);
+  Session session(*state.hardware, clock, tick_ns(options), stop);
+  const commissioning::IdentificationRequest request{
+      .robot = &(*robot)->model,
+      .torque_share = options.identify_torque_share,
+      .kp_Nm_rad = options.configuration.supervisor.hold_kp_Nm_rad};
+  const auto report = commissioning::identify(session, request);
+  if (!report) return failed(report.error());
+  return written(options, *report, report->findings.empty());
+}
+
+}  // namespace
+
+CommissioningOutcome run_commissioning(const Options& options, ControllerState& state,
+                                       const std::atomic<bool>& stop) {
+  CommissioningOutcome outcome;
+  const auto ran = run_with_clock(options, state, [&](hal::Clock& clock) {
+    if (options.task == Task::scan) outcome = run_scan(options, state, clock, stop);
+    if (options.task == Task::watch) outcome = run_watch(options, state, clock, stop);
+    if (options.task == Task::jog) outcome = run_jog(options, state, clock, stop);
+    if (options.task == Task::calibrate) outcome = run_calibrate(options, state, clock, stop);
+    if (options.task == Task::identify) outcome = run_identify(options, state, clock, stop);
+  });
+  TorsoSensorReport(options).update(state);
+  return ran ? outcome : failed(ran.error());
+}
+
+std::expected<void, std::string> run_with_clock(const Options& options, ControllerState& state,
+                                                const std::function<void(hal::Clock&)>& work) {
+  if (options.lockstep) {
+    constexpr double kPatience_s = 10.0;
+    const std::size_t buses = configuration::bus_names(options.configuration.hardware).size();
+    hal::LockstepClock clock(std::span(state.lockstep_buses).first(buses), tick_ns(options), kPatience_s);
+    if (!clock.open()) {
+      return std::unexpected(
+          "the simulated robot does not answer in lock-step; start it with --lockstep too");
+    }
+    work(clock);
+    static_cast<void>(clock.sleep_until(clock.now_ns() + 1));  // what was sent last is received
+    return {};
+  }
+  const configuration::RuntimeParameters& runtime = options.configuration.runtime;
+  realtime::Thread thread;
+  auto body = [&work] {
+    hal::MonotonicClock clock;
+    work(clock);
+  };
+  const auto call = [](void* context) { (*static_cast<decltype(body)*>(context))(); };
+  if (!thread.start({"commissioning", runtime.torque_priority, runtime.torque_core}, call, &body)) {
+    return std::unexpected("no thread can be started");
+  }
+  thread.join();
+  return {};
+}
+
+}  // namespace stilt::program

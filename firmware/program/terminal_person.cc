@@ -1,0 +1,46 @@
+#include "firmware/program/terminal_person.h"
+
+#include <poll.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+
+namespace stilt::program {
+
+std::expected<TerminalPerson, std::string> TerminalPerson::open(const std::string& file) {
+  TerminalPerson person;
+  if (file.empty()) {
+    person.patient_ = isatty(STDIN_FILENO) == 1;
+    return person;
+  }
+  std::ifstream stream(file);
+  if (!stream) {
+    return std::unexpected("--answers " + file + ": cannot be read; name a file with an answer a line");
+  }
+  person.pending_.assign(std::istreambuf_iterator<char>(stream), {});
+  person.ended_ = true;
+  return person;
+}
+
+void TerminalPerson::ask(const std::string& question) { std::fprintf(stderr, "%s: ", question.c_str()); }
+
+std::optional<std::string> TerminalPerson::answer() {
+  pollfd input{STDIN_FILENO, POLLIN, 0};
+  if (!ended_ && pending_.find('\n') == std::string::npos && ::poll(&input, 1, 0) > 0) {
+    std::array<char, 256> bytes;
+    const ssize_t count = ::read(STDIN_FILENO, bytes.data(), bytes.size());
+    ended_ = count <= 0;
+    if (count > 0) pending_.append(bytes.data(), static_cast<std::size_t>(count));
+  }
+  const std::size_t end = pending_.find('\n');
+  if (end == std::string::npos && !ended_) return std::nullopt;
+  if (pending_.empty()) return std::nullopt;
+  std::string line = pending_.substr(0, end);
+  pending_.erase(0, end == std::string::npos ? end : end + 1);
+  return line;
+}
+
+}  // namespace stilt::program

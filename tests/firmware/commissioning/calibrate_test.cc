@@ -1,0 +1,154 @@
+#include "firmware/commissioning/calibrate.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/firmware/commissioning/helper.h"
+
+namespace stilt::commissioning {
+namespace {
+
+using testing::HangingRobot;
+using testing::Helper;
+using testing::Wiring;
+
+constexpr double kAsFarAsAHandHolds_rad = 0.02;
+
+std::expected<CalibrationReport, CommandFailure> calibrated(HangingRobot& robot, Helper& person,
+                                                            Reference reference = Reference::stops) {
+  Session session = robot.session();
+  return calibrate(session, testing::calibration_request(robot, reference), person);
+}
+
+/// The configuration that a person has after writing the values down.
+configuration::Configuration with(const HangingRobot& robot, const CalibrationReport& report) {
+  const std::string before = configuration::to_toml(robot.configuration, "");
+  const auto text = configuration::with_values(before, "robot.toml", report.values);
+  EXPECT_TRUE(text);
+  const auto result = configuration::parse(*text, "robot.toml");
+  EXPECT_TRUE(result) << configuration::to_string(result.error());
+  return *result;
+}
+
+const std::vector<std::string> kUnknown = {"hip_L.offset_rad=0.4", "knee_L.reversed=true",
+                                           "knee_L.offset_rad=-0.6", "hip_R.reversed=false",
+                                           "hip_R.offset_rad=-0.9"};
+
+void expect_signs_and_offsets(const HangingRobot& robot, const CalibrationReport& report,
+                              const std::vector<std::string>& of_the_robot) {
+  ASSERT_TRUE(report.good()) << to_text(report);
+  std::vector<configuration::Override> overrides;
+  for (const std::string& setting : of_the_robot) overrides.push_back({setting});
+  const auto truth = configuration::load_robot("amber3m", overrides);
+  const configuration::Configuration found = with(robot, report);
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    EXPECT_EQ(found.hardware.joint[joint].reversed, truth->hardware.joint[joint].reversed) << joint;
+    EXPECT_NEAR(found.hardware.joint[joint].offset_rad, truth->hardware.joint[joint].offset_rad,
+                kAsFarAsAHandHolds_rad)
+        << joint;
+  }
+}
+
+TEST(Calibrate, FindsSignsAndOffsetsAtEndStopsAndAtMarks) {
+  for (const Reference reference : {Reference::stops, Reference::marks}) {
+    SCOPED_TRACE(reference == Reference::stops ? "stops" : "marks");
+    HangingRobot robot({.both = {}, .robot = kUnknown, .miswired = {}});
+    Helper person(robot);
+    const auto report = calibrated(robot, person, reference);
+    ASSERT_TRUE(report) << report.error().sentence;
+    expect_signs_and_offsets(robot, *report, kUnknown);
+    EXPECT_EQ(report->joints[1].finding, CalibrationFinding::changed);
+    EXPECT_EQ(report->joints[3].finding, CalibrationFinding::right) << report->joints[3].sentence;
+  }
+}
+
+TEST(Calibrate, NoJointGetsTorqueAndDriversAreOffAtTheEnd) {
+  HangingRobot robot;
+  Helper person(robot);
+  ASSERT_TRUE(calibrated(robot, person));
+  constexpr double kHalfAStepOfAFrame_Nm = 0.03;
+  static_cast<void>(robot.sleep_until(robot.now_ns() + 2'000'000));
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    EXPECT_LE(robot.peak_torque_Nm(joint), kHalfAStepOfAFrame_Nm);
+    EXPECT_FALSE(robot.robot.drivers().driver(joint).enabled());
+  }
+}
+
+TEST(Calibrate, ChangesNothingOfARobotThatIsRight) {
+  HangingRobot robot;
+  Helper person(robot);
+  const auto report = calibrated(robot, person);
+  ASSERT_TRUE(report) << report.error().sentence;
+  EXPECT_TRUE(report->good()) << to_text(*report);
+  EXPECT_EQ(report->torso.finding, TorsoFinding::right) << report->torso.sentence;
+  EXPECT_NEAR(report->torso.motion.pitch.gain, 1.0, 0.02);
+  EXPECT_NEAR(report->torso.motion.rate.gain, 1.0, 0.02);
+  EXPECT_EQ(report->values.size(), 8u) << "sign and offset of each joint, nothing of the sensor";
+}
+
+TEST(Calibrate, FindsAStopThatWasNotReached) {
+  HangingRobot robot;
+  Helper person(robot);
+  person.share_of_travel = 0.9;
+  const auto report = calibrated(robot, person);
+  ASSERT_TRUE(report) << report.error().sentence;
+  EXPECT_EQ(report->joints[0].finding, CalibrationFinding::wrong_travel) << report->joints[0].sentence;
+  EXPECT_NEAR(report->joints[0].travel_share, 0.9, 0.01);
+  EXPECT_TRUE(report->values.empty());
+  EXPECT_EQ(report->torso.finding, TorsoFinding::not_tried);
+}
+
+TEST(Calibrate, TakesGravityForTheOffsetOfTheTorsoSensorWhereverTheTorsoHangs) {
+  constexpr double kOffset_rad = 0.3;
+  HangingRobot robot(
+      {.both = {},
+       .robot = {"torso_sensor.pitch=id 0x150 byte 0 bits 24 signed little scale -1e-6 offset 0.3",
+                 "torso_sensor.pitch_rate=id 0x150 byte 3 bits 16 signed little scale -5e-4"},
+       .miswired = {}});
+  Helper person(robot);
+  person.torso_rest_rad = 0.12;
+  const auto report = calibrated(robot, person);
+  ASSERT_TRUE(report) << report.error().sentence;
+  ASSERT_TRUE(report->good()) << to_text(*report);
+  EXPECT_TRUE(report->torso.reversed);
+  EXPECT_TRUE(report->torso.rate_reversed);
+  EXPECT_NEAR(report->torso.offset_rad, kOffset_rad, kAsFarAsAHandHolds_rad);
+  const hal::RobotWiring wiring = configuration::robot_wiring(with(robot, *report).hardware);
+  EXPECT_NEAR(wiring.channels[0].scale, -1e-6, 1e-12);
+  EXPECT_NEAR(wiring.channels[0].offset, kOffset_rad, kAsFarAsAHandHolds_rad);
+  EXPECT_NEAR(wiring.channels[1].scale, -5e-4, 1e-9);
+}
+
+TEST(Calibrate, AnAnswerThatIsNoneIsRefused) {
+  class Talker final : public Person {
+   public:
+    void ask(const std::string&) override {}
+    std::optional<std::string> answer() override { return "yes"; }
+    bool gone() const override { return false; }
+    bool patient() const override { return false; }
+  } person;
+  HangingRobot robot;
+  Session session = robot.session();
+  const auto report = calibrate(session, testing::calibration_request(robot, Reference::stops), person);
+  ASSERT_FALSE(report);
+  EXPECT_TRUE(report.error().bad_answer);
+  EXPECT_TRUE(report.error().sentence.starts_with("\"yes\" is no answer to: Hold the leg straight"));
+}
+
+TEST(Calibrate, JsonHasEveryJointAndTheTorso) {
+  HangingRobot robot({.both = {}, .robot = {"hip_R.offset_rad=0.2"}, .miswired = {}});
+  Helper person(robot);
+  const auto report = calibrated(robot, person);
+  ASSERT_TRUE(report) << report.error().sentence;
+  const auto json = nlohmann::json::parse(to_json(*report, "robot.toml"));
+  EXPECT_TRUE(json["good"]);
+  EXPECT_EQ(json["joints"]["hip_R"]["finding"], "changed");
+  EXPECT_NEAR(json["joints"]["hip_R"]["offset_rad"], 0.2, kAsFarAsAHandHolds_rad);
+  EXPECT_EQ(json["torso"]["finding"], "right");
+  EXPECT_EQ(json["written"], "robot.toml");
+  EXPECT_TRUE(json["values"].contains("hip_R.offset_rad"));
+}
+
+}  // namespace
+}  // namespace stilt::commissioning

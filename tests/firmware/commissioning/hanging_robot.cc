@@ -1,0 +1,149 @@
+#include "tests/firmware/commissioning/hanging_robot.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "firmware/robots/robots.h"
+#include "host_tools/cli/robot_setup.h"
+
+namespace stilt::commissioning::testing {
+namespace {
+
+constexpr std::int64_t kTick_ns = 1'000'000;
+constexpr double kGivesTorque_Nm = 0.2;  // more than a step of a frame
+constexpr double kSeen_rad = 0.02;
+
+std::vector<std::string> joined(std::vector<std::string> first, const std::vector<std::string>& second) {
+  first.insert(first.end(), second.begin(), second.end());
+  return first;
+}
+
+configuration::Configuration configuration_of(const std::vector<std::string>& settings) {
+  std::vector<configuration::Override> overrides;
+  for (const std::string& setting : settings) overrides.push_back({setting});
+  const configuration::Result result = configuration::load_robot("amber3m", overrides);
+  if (!result) throw std::runtime_error(configuration::to_string(result.error()));
+  return *result;
+}
+
+robot_on_bus::RobotSetup setup_of(const Wiring& wiring) {
+  cli::RobotOptions options;
+  options.hang = true;
+  options.settings = joined(wiring.both, wiring.robot);
+  options.miswired = wiring.miswired;
+  options.plant_settings = wiring.plant;
+  options.seed = wiring.seed;
+  robot_on_bus::RobotSetup setup = cli::simulated_hardware(options).setup;
+  for (robot_on_bus::JointMistake& mistake : setup.mistakes) mistake.torque_factor = wiring.torque_factor;
+  return setup;
+}
+
+/// As stiltd has them before offsets are known.
+hal::BringUpOptions bring_up_options(const configuration::HardwareParameters& hardware) {
+  constexpr double kAnywhere_rad = std::numeric_limits<double>::infinity();
+  hal::BringUpOptions options;
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    options[joint] = configuration::bring_up_options(hardware, joint, -kAnywhere_rad, kAnywhere_rad);
+  }
+  return options;
+}
+
+}  // namespace
+
+hal::SendResult WatchedBus::send(std::span<const hal::CanFrame> frames) noexcept {
+  for (const hal::CanFrame& frame : frames) {
+    sent.push_back(frame);
+    robot_.receive(now_ns_, bus_, frame);
+  }
+  return {frames.size(), hal::BusStatus::ok};
+}
+
+hal::ReceiveResult WatchedBus::receive(std::span<hal::CanFrame> frames) noexcept {
+  const std::size_t count = std::min(frames.size(), waiting.size());
+  std::copy_n(waiting.begin(), count, frames.begin());
+  waiting.erase(waiting.begin(), waiting.begin() + static_cast<std::ptrdiff_t>(count));
+  return {count, waiting.empty() ? hal::BusStatus::ok : hal::BusStatus::more};
+}
+
+HangingRobot::HangingRobot(const Wiring& wiring)
+    : configuration(configuration_of(wiring.both)),
+      robot(setup_of(wiring)),
+      buses{WatchedBus(robot, 0, now_ns_), WatchedBus(robot, 1, now_ns_)} {
+  hardware = std::make_unique<hal::RobotHardware>(configuration::robot_wiring(configuration.hardware),
+                                                  bring_up_options(configuration.hardware), frame_buses());
+}
+
+std::int64_t HangingRobot::sleep_until(std::int64_t time_ns) noexcept {
+  while (now_ns_ < time_ns) {
+    now_ns_ += kTick_ns;
+    robot.tick(now_ns_);
+    for (std::size_t bus = 0; bus < buses.size(); ++bus) {
+      const std::vector<hal::CanFrame> frames = robot.take_outgoing(now_ns_, bus);
+      buses[bus].waiting.insert(buses[bus].waiting.end(), frames.begin(), frames.end());
+    }
+    look();
+  }
+  return now_ns_;
+}
+
+void HangingRobot::look() {
+  const model::StateVector state = robot.plant().state();
+  std::array<double, hal::kJoints> link_rad{};
+  bool gives_torque = false;
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    const auto own = model::kFirstJoint + static_cast<int>(joint);
+    link_rad[joint] = state[own] + (joint % 2 == 1 ? state[own - 1] : 0.0);
+    const double torque_Nm = std::abs(robot.plant().applied_torque_Nm()[static_cast<int>(joint)]);
+    peak_torque_Nm_[joint] = std::max(peak_torque_Nm_[joint], torque_Nm);
+    gives_torque = gives_torque || torque_Nm > kGivesTorque_Nm;
+  }
+  if (!hung_rad_ && gives_torque) hung_rad_ = link_rad;
+  if (!hung_rad_) return;
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    const double moved_rad = link_rad[joint] - (*hung_rad_)[joint];
+    farthest_rad_[joint] = std::max(farthest_rad_[joint], std::abs(moved_rad));
+    if (first_link_ || std::abs(moved_rad) < kSeen_rad) continue;
+    first_link_ = joint;
+    first_way_ = moved_rad;
+  }
+}
+
+JogRequest HangingRobot::jog_request(std::size_t joint, double angle_rad) const {
+  const auto found = robots::find("amber3m");
+  if (!found) throw std::runtime_error(found.error());
+  return {.joint = joint,
+          .angle_rad = angle_rad,
+          .torque_limit_Nm = (*found)->model.constants.torque_limit_Nm[joint],
+          .kp_Nm_rad = configuration.supervisor.hold_kp_Nm_rad,
+          .kd_Nms_rad = configuration.supervisor.hold_kd_Nms_rad};
+}
+
+Sighting HangingRobot::sighting() const {
+  Sighting seen;
+  if (!first_link_) return seen;
+  seen.link = first_link_;
+  seen.way = first_way_ > 0 ? Way::backward : Way::forward;
+  seen.angle_rad = farthest_rad_[*first_link_];
+  return seen;
+}
+
+void HangingRobot::forget_sightings() {
+  hung_rad_.reset();
+  farthest_rad_.fill(0);
+  first_link_.reset();
+}
+
+void Onlooker::ask(const std::string& question) {
+  const Sighting seen = robot_.sighting();
+  if (question.starts_with("Which link")) {
+    answer_ = seen.link ? link_name(*seen.link) : "none";
+  } else if (question.starts_with("Which way")) {
+    answer_ = seen.way == Way::backward ? "backward" : "forward";
+  } else {
+    answer_ = std::to_string(std::lround(seen.angle_rad.value_or(0.0) * 180.0 / M_PI));
+  }
+}
+
+}  // namespace stilt::commissioning::testing

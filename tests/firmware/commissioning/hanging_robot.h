@@ -1,0 +1,102 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "firmware/commissioning/jog_dialog.h"
+#include "firmware/configuration/configuration.h"
+#include "hal/robot/robot_hardware.h"
+#include "host_tools/simulation/robot_on_bus/robot_on_bus.h"
+
+namespace stilt::commissioning::testing {
+
+/// What is simulated, and how it differs from the configuration that the commands have.
+struct Wiring {
+  std::vector<std::string> both;   ///< settings of robot and commands
+  std::vector<std::string> robot;  ///< settings of the robot alone: mistakes
+  std::vector<std::string> miswired;
+  std::vector<std::string> plant = {};  ///< options of the plant
+  double torque_factor = 1.0;           ///< torque that the motors give, over what their drivers report
+  int seed = 1;                         ///< of the sensors' noise
+};
+
+/// A bus that leads straight to the simulated robot, and keeps what was sent.
+class WatchedBus final : public hal::FrameBus {
+ public:
+  WatchedBus(robot_on_bus::RobotOnBus& robot, std::size_t bus, const std::int64_t& now_ns)
+      : robot_(robot), bus_(bus), now_ns_(now_ns) {}
+
+  [[nodiscard]] hal::SendResult send(std::span<const hal::CanFrame> frames) noexcept override;
+  [[nodiscard]] hal::ReceiveResult receive(std::span<hal::CanFrame> frames) noexcept override;
+  [[nodiscard]] hal::BusHealth health() const noexcept override { return hal::BusHealth::active; }
+  void clear_bus_off() noexcept override {}
+  [[nodiscard]] const hal::BusCounters& counters() const noexcept override { return counters_; }
+
+  std::deque<hal::CanFrame> waiting;
+  std::vector<hal::CanFrame> sent;
+
+ private:
+  robot_on_bus::RobotOnBus& robot_;
+  std::size_t bus_;
+  const std::int64_t& now_ns_;
+  hal::BusCounters counters_;
+};
+
+/// A simulated robot that hangs, its legs free, as the commands meet it. Its clock advances it. It remembers
+/// what a person would see of its links, and the largest torque of each joint.
+class HangingRobot final : public hal::Clock {
+ public:
+  explicit HangingRobot(const Wiring& wiring = {});
+
+  [[nodiscard]] std::int64_t now_ns() noexcept override { return now_ns_; }
+  [[nodiscard]] std::int64_t sleep_until(std::int64_t time_ns) noexcept override;
+
+  [[nodiscard]] std::vector<hal::FrameBus*> frame_buses() { return {&buses[0], &buses[1]}; }
+  [[nodiscard]] Session session() { return {*hardware, *this, 1'000'000, stop}; }
+  [[nodiscard]] JogRequest jog_request(std::size_t joint, double angle_rad) const;
+
+  /// Of the links' angles in the world, from where they hung when the first motor gave torque: the link that
+  /// moved first, which way, and how far it went.
+  [[nodiscard]] Sighting sighting() const;
+  /// Before another jog.
+  void forget_sightings();
+  [[nodiscard]] double peak_torque_Nm(std::size_t joint) const { return peak_torque_Nm_[joint]; }
+
+  configuration::Configuration configuration;  ///< that of the commands
+  robot_on_bus::RobotOnBus robot;
+  std::array<WatchedBus, 2> buses;
+  std::unique_ptr<hal::RobotHardware> hardware;
+  std::atomic<bool> stop = false;
+
+ private:
+  void look();
+
+  std::int64_t now_ns_ = 1'000'000'000;
+  std::array<double, hal::kJoints> peak_torque_Nm_{};
+  std::optional<std::array<double, hal::kJoints>> hung_rad_;  ///< angles of the links
+  std::array<double, hal::kJoints> farthest_rad_{};
+  std::optional<std::size_t> first_link_;
+  double first_way_ = 0.0;
+};
+
+/// Answers from what the robot's links did.
+class Onlooker final : public Person {
+ public:
+  explicit Onlooker(const HangingRobot& robot) : robot_(robot) {}
+
+  void ask(const std::string& question) override;
+  [[nodiscard]] std::optional<std::string> answer() override { return std::exchange(answer_, std::nullopt); }
+  [[nodiscard]] bool gone() const override { return false; }
+  [[nodiscard]] bool patient() const override { return false; }
+
+ private:
+  const HangingRobot& robot_;
+  std::optional<std::string> answer_;
+};
+
+}  // namespace stilt::commissioning::testing

@@ -1,0 +1,140 @@
+#include "firmware/commissioning/identify.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "firmware/robots/robots.h"
+#include "tests/firmware/commissioning/hanging_robot.h"
+
+namespace stilt::commissioning {
+namespace {
+
+using testing::HangingRobot;
+using testing::Wiring;
+
+const model::RobotModel& amber3m() { return (*robots::find("amber3m"))->model; }
+
+IdentificationRequest request_of(const HangingRobot& robot, double torque_share = 0.3) {
+  return {.robot = &amber3m(),
+          .torque_share = torque_share,
+          .kp_Nm_rad = robot.configuration.supervisor.hold_kp_Nm_rad};
+}
+
+std::expected<IdentificationReport, std::string> identified(HangingRobot& robot, double torque_share = 0.3) {
+  Session session = robot.session();
+  return identify(session, request_of(robot, torque_share));
+}
+
+/// A plant with other numbers, and noise on its sensors.
+struct Drives {
+  const char* name;
+  double torque_factor;
+  double armature_kg_m2;
+  double damping_Nms_rad;
+  double friction_Nm;
+  double noise_rad;
+  int seed;
+};
+
+Wiring wiring_of(const Drives& drives) {
+  return {
+      .both = {},
+      .robot = {},
+      .miswired = {},
+      .plant = {"armature=" + std::to_string(drives.armature_kg_m2),
+                "joint_damping=" + std::to_string(drives.damping_Nms_rad),
+                "joint_friction_Nm=" + std::to_string(drives.friction_Nm),
+                "encoder_noise_rad=" + std::to_string(drives.noise_rad), "encoder_velocity_noise_rad_s=0.02",
+                "base_angle_noise_rad=0.001", "base_rate_noise_rad_s=0.01"},
+      .torque_factor = drives.torque_factor,
+      .seed = drives.seed};
+}
+
+void expect_within(double share, const Estimate& estimate, double truth, double at_least) {
+  EXPECT_NEAR(estimate.value, truth, std::max(share * truth, at_least));
+}
+
+class IdentifyDrives : public ::testing::TestWithParam<Drives> {};
+
+TEST_P(IdentifyDrives, IsWithinTenPercentOrThreeTenthsOfANewtonMetreOfFriction) {
+  const Drives& truth = GetParam();
+  HangingRobot robot(wiring_of(truth));
+  const auto report = identified(robot);
+  ASSERT_TRUE(report) << report.error();
+  constexpr double kShare = 0.1, kFriction_Nm = 0.3, kFastest_rad_s = 1.2;
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    SCOPED_TRACE("joint " + std::to_string(joint) + ", seed " + std::to_string(truth.seed));
+    const DriveNumbers& drive = report->drives[joint];
+    expect_within(kShare, drive.torque_factor, truth.torque_factor, 0);
+    expect_within(kShare, drive.armature_kg_m2, truth.armature_kg_m2, 0);
+    expect_within(kShare, drive.coulomb_friction_Nm, truth.friction_Nm, kFriction_Nm);
+    expect_within(kShare, drive.damping_Nms_rad, truth.damping_Nms_rad, kFriction_Nm / kFastest_rad_s);
+    EXPECT_LE(robot.peak_torque_Nm(joint), 0.3 * 80.0 * std::max(1.0, truth.torque_factor) + 0.1);
+  }
+  if (::testing::Test::HasFailure()) std::fputs(to_text(*report).c_str(), stderr);
+}
+
+INSTANTIATE_TEST_SUITE_P(ThreePlants, IdentifyDrives,
+                         ::testing::Values(Drives{"AsInTheUrdf", 1.0, 0.4263, 0.5, 1.0, 0.0002, 1},
+                                           Drives{"WeakAndRough", 0.85, 0.6, 1.5, 3.0, 0.0005, 2},
+                                           Drives{"StrongAndLight", 1.15, 0.25, 0.2, 0.4, 0.001, 3}),
+                         [](const auto& row) { return std::string(row.param.name); });
+
+TEST(Identify, WritesMeansOfBothLegsAndNamesAWrongTorqueConstant) {
+  HangingRobot robot(wiring_of({"", 0.8, 0.4263, 0.5, 1.0, 0.0002, 1}));
+  const auto report = identified(robot);
+  ASSERT_TRUE(report) << report.error();
+  ASSERT_EQ(report->findings.size(), 4u) << to_text(*report);
+  EXPECT_TRUE(report->findings[0].starts_with("hip_L gives 0.")) << report->findings[0];
+  const auto text = configuration::with_values("", "robot.toml", report->values);
+  const auto result = configuration::parse(*text, "robot.toml");
+  ASSERT_TRUE(result) << configuration::to_string(result.error());
+  EXPECT_NEAR(result->robot.hip_coulomb_friction_Nm, 1.0, 0.3);
+  EXPECT_NEAR(result->robot.knee_coulomb_friction_Nm, 1.0, 0.3);
+  EXPECT_NEAR(result->robot.hip_damping_Nms_rad, 0.5, 0.25);
+  EXPECT_NEAR(result->robot.armature_scale, 1.0, 0.1);
+  const auto json = nlohmann::json::parse(to_json(*report, ""));
+  EXPECT_FALSE(json["good"]);
+  EXPECT_NEAR(json["joints"]["knee_R"]["torque_factor"]["value"], 0.8, 0.08);
+  EXPECT_TRUE(json["written"].is_null());
+}
+
+TEST(Identify, AnEmergencyStopEndsItLimp) {
+  HangingRobot robot({.both = {}, .robot = {"torso_sensor.emergency_stop_released=none"}, .miswired = {}});
+  const auto report = identified(robot);
+  ASSERT_FALSE(report);
+  EXPECT_EQ(report.error(), "emergency stop is silent");
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) EXPECT_LT(robot.peak_torque_Nm(joint), 0.06);
+}
+
+TEST(Identify, AJointThatIsHeldEndsIt) {
+  HangingRobot robot({.both = {}, .robot = {}, .miswired = {"blocked:knee_L"}});
+  const auto report = identified(robot);
+  ASSERT_FALSE(report);
+  EXPECT_TRUE(report.error().starts_with("knee_L does not follow")) << report.error();
+  static_cast<void>(robot.sleep_until(robot.now_ns() + 2'000'000));
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    EXPECT_FALSE(robot.robot.drivers().driver(joint).enabled());
+  }
+}
+
+TEST(Identify, KeepsTheTorqueLimit) {
+  HangingRobot robot;
+  static_cast<void>(identified(robot, 0.05));  // the joints may be too weak to follow
+  constexpr double kAStepOfAFrame_Nm = 0.06;
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    EXPECT_LE(robot.peak_torque_Nm(joint), 0.05 * 80.0 + kAStepOfAFrame_Nm);
+  }
+  EXPECT_GT(robot.peak_torque_Nm(0), 0.04 * 80.0);
+}
+
+TEST(Identify, AJointOutsideItsTravelEndsIt) {
+  HangingRobot robot({.both = {}, .robot = {"knee_R.offset_rad=2"}, .miswired = {}});
+  const auto report = identified(robot);
+  ASSERT_FALSE(report);
+  EXPECT_TRUE(report.error().starts_with("knee_R is at -")) << report.error();
+}
+
+}  // namespace
+}  // namespace stilt::commissioning

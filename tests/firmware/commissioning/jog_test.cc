@@ -1,0 +1,194 @@
+#include "firmware/commissioning/jog.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/firmware/commissioning/hanging_robot.h"
+
+namespace stilt::commissioning {
+namespace {
+
+using testing::HangingRobot;
+using testing::Onlooker;
+using testing::Wiring;
+
+constexpr double kLimit_Nm = 80.0;
+constexpr std::size_t kHipLeft = 0, kKneeLeft = 1, kHipRight = 2, kKneeRight = 3;
+
+std::expected<JogReport, CommandFailure> jogged(HangingRobot& robot, std::size_t joint, double angle_rad) {
+  Session session = robot.session();
+  Onlooker person(robot);
+  const auto& hardware = robot.configuration.hardware;
+  const double ratio = (joint % 2 == 0 ? hardware.hip : hardware.knee).ratio;
+  return jog_and_ask(session, robot.jog_request(joint, angle_rad), ratio, person);
+}
+
+struct Miswiring {
+  const char* what;
+  Wiring wiring;
+  std::size_t joint;
+  Finding finding;
+};
+
+/// The robot's settings; those of the commands are the shipped ones.
+const std::vector<std::string> kExchangedMotors = {"hip_L.id=2", "hip_L.reply_id=18", "knee_L.id=1",
+                                                   "knee_L.reply_id=17"};
+const std::vector<std::string> kExchangedLegs = {
+    "hip_L.bus=1", "hip_L.id=3", "hip_L.reply_id=19", "knee_L.bus=1", "knee_L.id=4", "knee_L.reply_id=20",
+    "hip_R.bus=0", "hip_R.id=1", "hip_R.reply_id=17", "knee_R.bus=0", "knee_R.id=2", "knee_R.reply_id=18"};
+
+const std::vector<Miswiring>& miswirings() {
+  static const std::vector<Miswiring> all = {
+      {"nothing wrong", {}, kHipLeft, Finding::right},
+      {"nothing wrong", {}, kKneeRight, Finding::right},
+      {"an offset", {{}, {"hip_R.offset_rad=1.5"}, {}}, kHipRight, Finding::right},
+      {"exchanged motors of a leg", {{}, kExchangedMotors, {}}, kHipLeft, Finding::exchanged_motors},
+      {"exchanged motors of a leg", {{}, kExchangedMotors, {}}, kKneeLeft, Finding::exchanged_motors},
+      {"exchanged legs", {{}, kExchangedLegs, {}}, kHipLeft, Finding::exchanged_legs},
+      {"exchanged legs", {{}, kExchangedLegs, {}}, kKneeRight, Finding::exchanged_legs},
+      {"reversed joint", {{}, {"hip_L.reversed=true"}, {}}, kHipLeft, Finding::reversed_joint},
+      {"reversed joint", {{}, {"knee_R.reversed=false"}, {}}, kKneeRight, Finding::reversed_joint},
+      {"reversed motor", {{}, {}, {"motor-reversed:hip_R"}}, kHipRight, Finding::reversed_motor},
+      {"reversed motor", {{}, {}, {"motor-reversed:knee_L"}}, kKneeLeft, Finding::reversed_motor},
+      {"reversed encoder", {{}, {}, {"encoder-reversed:hip_L"}}, kHipLeft, Finding::reversed_encoder},
+      {"reversed encoder", {{}, {}, {"encoder-reversed:knee_R"}}, kKneeRight, Finding::reversed_encoder},
+      {"motor and encoder reversed",
+       {{}, {}, {"motor-reversed:knee_L", "encoder-reversed:knee_L"}},
+       kKneeLeft,
+       Finding::reversed_joint},
+      {"dead motor", {{}, {}, {"dead:knee_L"}}, kKneeLeft, Finding::dead_joint},
+      {"dead encoder", {{}, {}, {"encoder-dead:hip_R"}}, kHipRight, Finding::dead_encoder},
+      {"half the gear", {{}, {"hip_driver.ratio=2"}, {}}, kHipLeft, Finding::wrong_ratio},
+      {"twice the gear",
+       {{}, {"knee_driver.ratio=0.5", "knee_driver.kd_range_Nms_rad=50"}, {}},
+       kKneeRight,
+       Finding::wrong_ratio},
+  };
+  return all;
+}
+
+TEST(Jog, NamesEveryMistakeOfTheWiringWithLessThanAFifthOfTheTorque) {
+  for (const Miswiring& miswiring : miswirings()) {
+    for (const double angle_rad : {0.3, -0.3}) {
+      SCOPED_TRACE(miswiring.what + std::string(", joint ") + std::to_string(miswiring.joint) + ", to " +
+                   std::to_string(angle_rad));
+      HangingRobot robot(miswiring.wiring);
+      const auto report = jogged(robot, miswiring.joint, angle_rad);
+      ASSERT_TRUE(report) << report.error().sentence;
+      EXPECT_STREQ(name(report->verdict.finding), name(miswiring.finding)) << report->verdict.sentence;
+      for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+        EXPECT_LT(robot.peak_torque_Nm(joint), kJogTorqueShare * kLimit_Nm);
+      }
+    }
+  }
+}
+
+TEST(Jog, WorksWithDriversOfEveryProtocol) {
+  const std::vector<std::vector<std::string>> protocols = {
+      {"hip_driver.protocol=mit_ak", "knee_driver.protocol=mit_ak", "hip_driver.accept_missing_watchdog=true",
+       "knee_driver.accept_missing_watchdog=true"},
+      {"hip_driver.protocol=moteus", "knee_driver.protocol=moteus"},
+      {"hip_driver.protocol=odrive", "knee_driver.protocol=odrive", "hip_driver.accept_missing_watchdog=true",
+       "knee_driver.accept_missing_watchdog=true"}};
+  for (const std::vector<std::string>& settings : protocols) {
+    HangingRobot robot({.both = settings, .robot = {}, .miswired = {"motor-reversed:knee_R"}});
+    const auto right = jogged(robot, kHipLeft, 0.3);
+    ASSERT_TRUE(right) << settings[0] << ": " << right.error().sentence;
+    EXPECT_EQ(right->verdict.finding, Finding::right) << settings[0] << right->verdict.sentence;
+    HangingRobot again({.both = settings, .robot = {}, .miswired = {"motor-reversed:knee_R"}});
+    const auto reversed = jogged(again, kKneeRight, 0.3);
+    ASSERT_TRUE(reversed) << settings[0] << ": " << reversed.error().sentence;
+    EXPECT_EQ(reversed->verdict.finding, Finding::reversed_motor) << settings[0];
+  }
+}
+
+TEST(Jog, TheOtherJointsAreLimp) {
+  HangingRobot robot;
+  const auto report = jogged(robot, kKneeLeft, 0.2);
+  ASSERT_TRUE(report);
+  constexpr double kAStepOfAFrame_Nm = 0.06;
+  for (const std::size_t joint : {kHipLeft, kHipRight, kKneeRight}) {
+    EXPECT_LE(robot.peak_torque_Nm(joint), kAStepOfAFrame_Nm);
+  }
+}
+
+TEST(Jog, GoesToTheAngleAndBack) {
+  HangingRobot robot;
+  const auto report = jogged(robot, kHipLeft, -0.2);
+  ASSERT_TRUE(report);
+  EXPECT_NEAR(report->motion.reached_rad, -0.2, 0.03);
+  EXPECT_TRUE(report->motion.completed);
+  EXPECT_NEAR(robot.sighting().angle_rad.value(), 0.2, 0.03);
+}
+
+TEST(Jog, AJointThatDoesNotMoveGetsAFifthOfItsTorqueAndNoMore) {
+  HangingRobot robot({.both = {}, .robot = {}, .miswired = {"dead:hip_L"}});
+  const auto report = jogged(robot, kHipLeft, 0.3);
+  ASSERT_TRUE(report);
+  EXPECT_LE(report->motion.peak_torque_Nm, kJogTorqueShare * kLimit_Nm);
+  EXPECT_NEAR(report->motion.breakaway_Nm, kJogTorqueShare * kLimit_Nm, 1e-9);
+}
+
+TEST(Jog, AnEmergencyStopThatIsSilentIsNotOverlooked) {
+  HangingRobot robot({.both = {}, .robot = {"torso_sensor.emergency_stop_released=none"}, .miswired = {}});
+  const auto report = jogged(robot, kHipLeft, 0.2);
+  ASSERT_FALSE(report);
+  EXPECT_EQ(report.error().sentence, "emergency stop is silent");
+  EXPECT_LT(robot.peak_torque_Nm(kHipLeft), 0.06) << "before any torque";
+}
+
+TEST(Jog, AStopDuringTheMotionEndsIt) {
+  HangingRobot robot;
+  Session session = robot.session();
+  ASSERT_TRUE(session.bring_up());
+  robot.stop = true;
+  const auto motion = jog(session, robot.jog_request(kHipLeft, 0.2));
+  ASSERT_FALSE(motion);
+  EXPECT_EQ(motion.error(), "stopped");
+}
+
+/// Answers that somebody wrote down before.
+class Written final : public Person {
+ public:
+  explicit Written(std::vector<std::string> answers) : answers_(std::move(answers)) {}
+  void ask(const std::string& /*question*/) override {}
+  std::optional<std::string> answer() override {
+    if (answers_.empty()) return std::nullopt;
+    std::string first = answers_.front();
+    answers_.erase(answers_.begin());
+    return first;
+  }
+  bool gone() const override { return answers_.empty(); }
+  bool patient() const override { return false; }
+
+ private:
+  std::vector<std::string> answers_;
+};
+
+TEST(Jog, AWrongAnswerIsRefusedWithTheQuestion) {
+  for (const auto& [answers, part] :
+       {std::pair<std::vector<std::string>, std::string>{{"banana"},
+                                                         "\"banana\" is no answer to: Which link"},
+        {{"left thigh", "up"}, "\"up\" is no answer to: Which way"},
+        {{"left thigh", "backward", "-5"}, "\"-5\" is no answer to: By how many"},
+        {{"left thigh"}, "no answer to: Which way"}}) {
+    HangingRobot robot;
+    Session session = robot.session();
+    Written person(answers);
+    const auto report = jog_and_ask(session, robot.jog_request(kHipLeft, 0.1), 1.0, person);
+    ASSERT_FALSE(report);
+    EXPECT_TRUE(report.error().bad_answer);
+    EXPECT_TRUE(report.error().sentence.starts_with(part)) << report.error().sentence;
+  }
+}
+
+TEST(Jog, TheRobotIsOffWhenTheAnswersAreGiven) {
+  HangingRobot robot;
+  ASSERT_TRUE(jogged(robot, kHipLeft, 0.1));
+  static_cast<void>(robot.sleep_until(robot.now_ns() + 2'000'000));
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    EXPECT_FALSE(robot.robot.drivers().driver(joint).enabled());
+  }
+}
+
+}  // namespace
+}  // namespace stilt::commissioning

@@ -1,0 +1,148 @@
+#include "firmware/commissioning/scan.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/firmware/commissioning/hanging_robot.h"
+
+namespace stilt::commissioning {
+namespace {
+
+using testing::HangingRobot;
+using testing::Wiring;
+
+const std::vector<std::string> kMoteus = {"hip_driver.protocol=moteus", "knee_driver.protocol=moteus"};
+const std::vector<std::string> kOdrive = {"hip_driver.protocol=odrive", "knee_driver.protocol=odrive"};
+const std::vector<std::string> kAk = {"hip_driver.protocol=mit_ak", "knee_driver.protocol=mit_ak"};
+
+ScanResult scanned(HangingRobot& robot) {
+  return scan(robot.configuration.hardware, robot.frame_buses(), robot, robot.stop);
+}
+
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+TEST(Scan, FindsEveryDriverOfTheConfigurationWithWhatItReports) {
+  HangingRobot robot;
+  const ScanResult result = scanned(robot);
+  EXPECT_TRUE(result.complete()) << to_text(result);
+  ASSERT_EQ(result.buses.size(), 2u);
+  for (const ScannedBus& bus : result.buses) {
+    ASSERT_EQ(bus.expected.size(), 2u);
+    EXPECT_TRUE(bus.unexpected.empty());
+    EXPECT_TRUE(bus.unknown.empty());
+    for (const ScannedNode& node : bus.expected) {
+      EXPECT_EQ(node.protocol, "mit_damiao");
+      EXPECT_FALSE(node.firmware.empty());
+      EXPECT_EQ(node.found.reading.driver_temperature_C, 30.0);
+      EXPECT_EQ(node.found.reading.state, hal::DriverState::idle);
+    }
+  }
+  ASSERT_EQ(result.buses[0].torso_sensor.size(), 1u);
+  EXPECT_NEAR(result.buses[0].torso_sensor[0].rate_hz, 500.0, 10.0);
+}
+
+TEST(Scan, FindsDriversOfEveryProtocol) {
+  for (const std::vector<std::string>& settings : {kMoteus, kOdrive, kAk}) {
+    HangingRobot robot({.both = settings, .robot = {}, .miswired = {}});
+    const ScanResult result = scanned(robot);
+    EXPECT_TRUE(result.complete()) << to_text(result);
+    for (const ScannedBus& bus : result.buses) EXPECT_TRUE(bus.unexpected.empty()) << to_text(result);
+  }
+}
+
+TEST(Scan, ReportsSupplyAndFirmwareAsTheMakersWriteThem) {
+  HangingRobot moteus({.both = kMoteus, .robot = {}, .miswired = {}});
+  const ScannedNode hip = scanned(moteus).buses[0].expected[0];
+  EXPECT_EQ(hip.found.reading.supply_V, 48.0);
+  EXPECT_EQ(std::count(hip.firmware.begin(), hip.firmware.end(), '.'), 2);
+}
+
+TEST(Scan, EnablesNoDriverAndMovesNothing) {
+  for (const std::vector<std::string>& settings : {std::vector<std::string>{}, kMoteus, kOdrive, kAk}) {
+    HangingRobot robot({.both = settings, .robot = {}, .miswired = {}});
+    static_cast<void>(scanned(robot));
+    for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+      EXPECT_FALSE(robot.robot.drivers().driver(joint).enabled());
+      EXPECT_EQ(robot.peak_torque_Nm(joint), 0.0);
+    }
+    EXPECT_GT(robot.buses[0].sent.size(), 4u);
+    for (const testing::WatchedBus& bus : robot.buses) {
+      for (const hal::CanFrame& frame : bus.sent) {
+        EXPECT_FALSE(frame.length == 8 && !frame.fd && !frame.remote && frame.data[7] == 0xfc)
+            << "an MIT frame that turns the motor on";
+      }
+    }
+  }
+}
+
+TEST(Scan, NamesADriverThatIsMissingAndOneThatIsNotConfigured) {
+  for (const std::vector<std::string>& settings : {std::vector<std::string>{}, kMoteus, kOdrive, kAk}) {
+    HangingRobot robot({.both = settings, .robot = {"hip_R.id=9"}, .miswired = {}});
+    const ScanResult result = scanned(robot);
+    EXPECT_FALSE(result.complete());
+    const ScannedBus& right = result.buses[1];
+    EXPECT_FALSE(right.expected[0].found.answered);
+    EXPECT_TRUE(right.expected[1].good());
+    ASSERT_EQ(right.unexpected.size(), 1u) << to_text(result);
+    EXPECT_EQ(right.unexpected[0].id, 9);
+    EXPECT_TRUE(has(to_text(result), "hip_R (" + right.unexpected[0].protocol + " 3): MISSING"));
+    EXPECT_TRUE(has(to_text(result), "UNEXPECTED: " + right.unexpected[0].protocol + " 9"));
+  }
+}
+
+TEST(Scan, NamesADriverThatAnswersWithAnotherIdentifier) {
+  HangingRobot robot({.both = {}, .robot = {"knee_L.reply_id=0"}, .miswired = {}});
+  const ScanResult result = scanned(robot);
+  EXPECT_FALSE(result.complete());
+  EXPECT_TRUE(result.buses[0].expected[1].wrong_reply_id());
+  EXPECT_TRUE(has(to_text(result), "with identifier 0x0 where knee_L.reply_id is 0x12")) << to_text(result);
+}
+
+TEST(Scan, NamesExchangedBuses) {
+  HangingRobot robot(
+      {.both = {}, .robot = {"hip_L.bus=1", "knee_L.bus=1", "hip_R.bus=0", "knee_R.bus=0"}, .miswired = {}});
+  const std::string text = to_text(scanned(robot));
+  EXPECT_TRUE(has(text, "exchanged buses: can0 and can1")) << text;
+  EXPECT_TRUE(has(text, "hip_R has this identifier on can1, where it is missing")) << text;
+}
+
+TEST(Scan, NamesFramesThatTheConfigurationDoesNotKnow) {
+  HangingRobot robot({.both = {},
+                      .robot = {"torso_sensor.pitch=id 0x160 byte 0 bits 24 signed little scale 1e-6",
+                                "torso_sensor.pitch_rate=id 0x160 byte 3 bits 16 signed little scale 5e-4",
+                                "torso_sensor.emergency_stop_released=none"},
+                      .miswired = {}});
+  const ScanResult result = scanned(robot);
+  EXPECT_FALSE(result.complete());
+  ASSERT_EQ(result.buses[0].unknown.size(), 1u);
+  EXPECT_EQ(result.buses[0].unknown[0].id, 0x160u);
+  EXPECT_TRUE(has(to_text(result), "torso sensor: MISSING, identifier 0x150"));
+}
+
+TEST(Scan, AFaultOfADriverIsNotComplete) {
+  HangingRobot robot;
+  const_cast<hal::EmulatedDriver&>(robot.robot.drivers().driver(1)).raise(hal::DriverFault::over_voltage);
+  const ScanResult result = scanned(robot);
+  EXPECT_FALSE(result.complete());
+  EXPECT_TRUE(has(to_text(result), "over voltage")) << to_text(result);
+}
+
+TEST(Scan, AsksNoOtherIdentifiersWhereProtocolsAreMixed) {
+  HangingRobot robot({.both = {"hip_driver.protocol=odrive"}, .robot = {}, .miswired = {}});
+  const ScanResult result = scanned(robot);
+  EXPECT_TRUE(result.complete()) << to_text(result);
+  EXPECT_FALSE(result.buses[0].asked_others);
+}
+
+TEST(Scan, JsonHasEveryDriver) {
+  HangingRobot robot;
+  const auto json = nlohmann::json::parse(to_json(scanned(robot)));
+  EXPECT_TRUE(json["complete"]);
+  EXPECT_EQ(json["buses"][1]["drivers"][0]["joint"], "hip_R");
+  EXPECT_EQ(json["buses"][1]["drivers"][0]["mode"], "idle");
+  EXPECT_TRUE(json["buses"][0]["drivers"][0]["supply_V"].is_null()) << "a Damiao does not report it";
+}
+
+}  // namespace
+}  // namespace stilt::commissioning

@@ -1,0 +1,126 @@
+#include "firmware/commissioning/watch.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "tests/firmware/commissioning/hanging_robot.h"
+
+namespace stilt::commissioning {
+namespace {
+
+using testing::HangingRobot;
+
+const std::vector<std::string> kOdrive = {"hip_driver.protocol=odrive", "knee_driver.protocol=odrive",
+                                          "hip_driver.accept_missing_watchdog=true",
+                                          "knee_driver.accept_missing_watchdog=true"};
+
+std::vector<WatchSample> watched(HangingRobot& robot, double duration_s) {
+  Session session = robot.session();
+  std::vector<WatchSample> samples;
+  const auto done =
+      watch(session, duration_s, [&samples](const WatchSample& sample) { samples.push_back(sample); });
+  EXPECT_TRUE(done) << done.error();
+  return samples;
+}
+
+TEST(Watch, ShowsTheAnglesOfTheRobotTenTimesPerSecond) {
+  HangingRobot robot;
+  const std::vector<WatchSample> samples = watched(robot, 2.0);
+  ASSERT_EQ(samples.size(), 20u);
+  const model::StateVector state = robot.robot.plant().state();
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    const hal::JointReading& reading = samples.back().readings.joints[joint];
+    EXPECT_NEAR(reading.position_rad, state[model::kFirstJoint + static_cast<int>(joint)], 0.2);
+    EXPECT_EQ(reading.state, hal::DriverState::enabled);
+  }
+  EXPECT_EQ(samples.back().readings.emergency_stop, hal::EmergencyStopState::released);
+}
+
+/// The bytes of the makers' manuals, not our codecs: kp, kd and torque of an MIT frame.
+void expect_limp_mit(const hal::CanFrame& frame) {
+  const bool special = frame.data[6] == 0xff && frame.data[5] == 0xff;
+  if (frame.id == 0x7ff || special) return;  // a register of a Damiao; motor on, motor off
+  const unsigned kp = (frame.data[3] & 0xfu) << 8 | frame.data[4];
+  const unsigned kd = static_cast<unsigned>(frame.data[5]) << 4 | frame.data[6] >> 4;
+  const unsigned torque = (frame.data[6] & 0xfu) << 8 | frame.data[7];
+  EXPECT_EQ(kp, 0u);
+  EXPECT_EQ(kd, 0u);
+  EXPECT_TRUE(torque == 0x7ff || torque == 0x800) << torque;
+}
+
+TEST(Watch, NoFrameAsksForATorqueOrAGain) {
+  HangingRobot damiao;
+  static_cast<void>(watched(damiao, 1.0));
+  for (const testing::WatchedBus& bus : damiao.buses) {
+    EXPECT_GT(bus.sent.size(), 1000u);
+    for (const hal::CanFrame& frame : bus.sent) expect_limp_mit(frame);
+  }
+  HangingRobot odrive({.both = kOdrive, .robot = {}, .miswired = {}});
+  static_cast<void>(watched(odrive, 1.0));
+  for (const testing::WatchedBus& bus : odrive.buses) {
+    constexpr unsigned kSetInputTorque = 0x0e;
+    long torques = 0;
+    for (const hal::CanFrame& frame : bus.sent) {
+      if (frame.remote || (frame.id & 0x1f) != kSetInputTorque) continue;
+      ++torques;
+      EXPECT_EQ(frame.data[0] | frame.data[1] | frame.data[2] | (frame.data[3] & 0x7f), 0);
+    }
+    EXPECT_GT(torques, 1000);
+  }
+}
+
+TEST(Watch, MotorsOfEveryProtocolGiveNoTorqueWhileTheLegsSwing) {
+  const std::vector<std::vector<std::string>> protocols = {
+      {},
+      kOdrive,
+      {"hip_driver.protocol=mit_ak", "knee_driver.protocol=mit_ak", "hip_driver.accept_missing_watchdog=true",
+       "knee_driver.accept_missing_watchdog=true"},
+      {"hip_driver.protocol=moteus", "knee_driver.protocol=moteus"}};
+  for (const std::vector<std::string>& settings : protocols) {
+    HangingRobot robot({.both = settings, .robot = {}, .miswired = {}});
+    EXPECT_FALSE(watched(robot, 1.0).empty());
+    for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+      constexpr double kHalfAStepOfAFrame_Nm = 0.03;
+      EXPECT_LE(robot.peak_torque_Nm(joint), kHalfAStepOfAFrame_Nm);
+    }
+  }
+}
+
+TEST(Watch, DriversAreOffAtTheEnd) {
+  HangingRobot robot;
+  static_cast<void>(watched(robot, 0.2));
+  static_cast<void>(robot.sleep_until(robot.now_ns() + 2'000'000));
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    EXPECT_FALSE(robot.robot.drivers().driver(joint).enabled());
+  }
+}
+
+TEST(Watch, NeedsNoOffsets) {
+  HangingRobot robot({.both = {}, .robot = {"hip_L.offset_rad=2.5"}, .miswired = {}});
+  EXPECT_EQ(watched(robot, 0.2).size(), 2u);
+}
+
+TEST(Watch, SaysWhichDriverCannotBeBroughtUp) {
+  HangingRobot robot({.both = {}, .robot = {"hip_R.id=9"}, .miswired = {}});
+  Session session = robot.session();
+  const auto done = watch(session, 1.0, [](const WatchSample&) {});
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error(), "the driver of hip_R cannot be brought up: no answer");
+}
+
+TEST(Watch, ALineOfJsonIsASampleAndATableHasItsLines) {
+  HangingRobot robot;
+  const WatchSample sample = watched(robot, 0.2).back();
+  const auto json = nlohmann::json::parse(to_json_line(sample));
+  EXPECT_EQ(json["joints"]["knee_R"]["position_rad"], sample.readings.joints[3].position_rad);
+  EXPECT_TRUE(json["joints"]["knee_R"]["supply_V"].is_null());
+  EXPECT_EQ(json["emergency_stop"], "released");
+  const std::string table = to_table(sample);
+  EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), kWatchLines);
+}
+
+}  // namespace
+}  // namespace stilt::commissioning

@@ -1,0 +1,72 @@
+#include "firmware/program/found_values.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "tests/own_folder.h"
+
+namespace stilt::program {
+namespace {
+
+const std::vector<configuration::NewValue> kFound = {{"hip_L", "reversed", "true"},
+                                                     {"hip_L", "offset_rad", "0.125"}};
+
+std::string content(const std::string& file) {
+  std::ifstream stream(file);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+Options options_of(const std::string& robot, const std::string& out) {
+  Options options;
+  options.configuration = *configuration::load_robot(robot);
+  options.out_file = out;
+  return options;
+}
+
+TEST(FoundValues, ANewFileIsACopyOfWhatWasReadWithTheValues) {
+  const tests::OwnFolder folder;
+  const std::string file = folder.file("robot.toml");
+  ASSERT_TRUE(write_values(options_of("rabbit", file), kFound));
+  const auto read = configuration::load_file(file);
+  ASSERT_TRUE(read) << configuration::to_string(read.error());
+  EXPECT_EQ(read->hardware.robot, "rabbit");
+  EXPECT_EQ(read->hardware.joint[0].offset_rad, 0.125);
+  EXPECT_TRUE(read->hardware.joint[0].reversed);
+  EXPECT_EQ(read->gait.single_support_s, configuration::load_robot("rabbit")->gait.single_support_s);
+}
+
+TEST(FoundValues, TheFileOfConfigIsTheOneThatIsCopied) {
+  const tests::OwnFolder folder;
+  Options options = options_of("amber3m", folder.file("new.toml"));
+  options.config_file = folder.file("mine.toml");
+  std::ofstream(options.config_file) << "# mine\n[hip_L]\nid = 9\nreply_id = 25\n";
+  ASSERT_TRUE(write_values(options, kFound));
+  const std::string text = content(options.out_file);
+  EXPECT_TRUE(text.starts_with("# mine\n[hip_L]\nid = 9\n")) << text;
+  EXPECT_EQ(configuration::load_file(options.out_file)->hardware.joint[0].id, 9);
+}
+
+TEST(FoundValues, AFileThatIsThereKeepsItsComments) {
+  const tests::OwnFolder folder;
+  const std::string file = folder.file("robot.toml");
+  std::ofstream(file) << "# by hand\n[hip_L]\noffset_rad = 3.0 # old\n";
+  ASSERT_TRUE(write_values(options_of("amber3m", file), kFound));
+  EXPECT_EQ(content(file), "# by hand\n[hip_L]\noffset_rad = 0.125 # old\nreversed = true\n");
+}
+
+TEST(FoundValues, NothingIsWrittenThatWouldBeRefused) {
+  const tests::OwnFolder folder;
+  const std::string file = folder.file("robot.toml");
+  const std::vector<configuration::NewValue> far = {{"hip_L", "offset_rad", "1e6"}};
+  const auto written = write_values(options_of("amber3m", file), far);
+  ASSERT_FALSE(written);
+  EXPECT_TRUE(written.error().starts_with("--out: what was found makes no valid configuration"))
+      << written.error();
+  EXPECT_FALSE(std::filesystem::exists(file));
+}
+
+}  // namespace
+}  // namespace stilt::program

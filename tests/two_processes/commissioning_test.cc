@@ -1,0 +1,131 @@
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <string>
+
+#include "tests/two_processes/robot_and_controller.h"
+
+/// The commands before the controller, as a person types them.
+namespace stilt::two_processes {
+namespace {
+
+const std::vector<std::string> kHanging = {"--lockstep", "--once", "--hang"};
+
+std::vector<std::string> with(std::vector<std::string> options, const std::vector<std::string>& more) {
+  options.insert(options.end(), more.begin(), more.end());
+  return options;
+}
+
+std::string answers(const RobotAndController& run, const std::string& text) {
+  const std::string file = run.file("answers");
+  std::ofstream(file) << text;
+  return file;
+}
+
+TEST(TwoProcesses, AScanFindsTheDriversOfTheRobot) {
+  RobotAndController run;
+  run.start_robot(kHanging);
+  run.start_command({"scan"}, {"--lockstep"});
+  run.expect_both_to_end();
+  EXPECT_EQ(run.controller().wait(0), 0) << run.said();
+  EXPECT_EQ(run.controller_json().at("complete"), true);
+  EXPECT_NE(text_of(run.file("controller.out")).find("knee_R (mit_damiao 4): answers"), std::string::npos);
+}
+
+TEST(TwoProcesses, AScanWithAMissingDriverFails) {
+  RobotAndController run;
+  run.start_robot(with(kHanging, {"--set", "knee_R.id=9"}));
+  run.start_command({"scan"}, {"--lockstep"});
+  run.expect_both_to_end();
+  EXPECT_EQ(run.controller().wait(0), 1) << run.said();
+}
+
+TEST(TwoProcesses, AWatchWritesALineASample) {
+  RobotAndController run;
+  run.start_robot(kHanging);
+  run.start_command({"watch"}, {"--lockstep", "--duration", "1"});
+  run.expect_both_to_end();
+  EXPECT_EQ(run.controller().wait(0), 0) << run.said();
+  std::ifstream lines(run.file("controller.json"));
+  int samples = 0;
+  for (std::string line; std::getline(lines, line); ++samples) {
+    EXPECT_TRUE(nlohmann::json::parse(line).at("joints").contains("hip_R"));
+  }
+  EXPECT_EQ(samples, 10);
+}
+
+TEST(TwoProcesses, AJogNamesAReversedMotorFromAnswersInAFile) {
+  RobotAndController run;
+  run.start_robot(with(kHanging, {"--miswired", "motor-reversed:hip_L"}));
+  run.start_command({"jog", "hip_L", "-0.2"},
+                    {"--lockstep", "--answers", answers(run, "left thigh\nbackward\n")});
+  run.expect_both_to_end();
+  EXPECT_EQ(run.controller().wait(0), 1) << run.said();
+  EXPECT_EQ(run.controller_json().at("finding"), "reversed_motor");
+  EXPECT_LT(run.controller_json().at("peak_torque_Nm"), 16.0);
+}
+
+TEST(TwoProcesses, AJogWithAnswersThatAreNoneIsBadInput) {
+  RobotAndController run;
+  run.start_robot(kHanging);
+  run.start_command({"jog", "hip_L", "0.2"}, {"--lockstep", "--answers", answers(run, "banana\n")});
+  run.expect_both_to_end();
+  EXPECT_EQ(run.controller().wait(0), 2) << run.said();
+  EXPECT_NE(text_of(run.file("controller.err")).find("\"banana\" is no answer to: Which link"),
+            std::string::npos);
+}
+
+TEST(TwoProcesses, NoCommandWorksBesideARunningController) {
+  RobotAndController run;
+  run.start_robot({"--once", "--hang"});
+  run.start_command({"watch"}, {"--duration", "60"});
+  ASSERT_TRUE(wait_for_text(run.file("controller.json"), "hip_R", kLongestRun_s)) << run.said();
+  for (const std::string command : {"scan", "watch", "jog hip_L 0.2"}) {
+    const std::string line = std::string(STILTD_PROGRAM) + " " + command + " --bus " + run.bus(0) +
+                             " --bus " + run.bus(1) + " > " + run.file("second") + " 2>&1";
+    EXPECT_EQ(WEXITSTATUS(std::system(line.c_str())), 2);
+    EXPECT_NE(text_of(run.file("second")).find("commands the drivers; end it first"), std::string::npos)
+        << text_of(run.file("second"));
+  }
+  run.controller().signal(SIGINT);
+  run.expect_both_to_end();
+  EXPECT_EQ(run.controller().wait(0), 0) << run.said();
+}
+
+struct LimitedRun {
+  const char* name;
+  const char* fault;  ///< of the robot; empty: none
+  int status;         ///< of the controller at its end
+};
+
+/// Stands up, stands and sits, or is held or damped after a fault: what the plant's motors gave.
+class TorqueLimit : public testing::TestWithParam<LimitedRun> {};
+
+TEST_P(TorqueLimit, HoldsFromStandingUpToTheEnd) {
+  RobotAndController run;
+  std::vector<std::string> robot = {"--lockstep", "--once"};
+  if (*GetParam().fault != '\0') robot = with(robot, {"--fault", GetParam().fault});
+  run.start_robot(robot);
+  run.start_controller({"--lockstep", "--torque-limit", "0.3", "--start", "stand", "--duration", "8"});
+  run.expect_both_to_end();
+  EXPECT_EQ(run.controller().wait(0), GetParam().status) << run.said();
+  const nlohmann::json plant = run.robot_json();
+  EXPECT_FALSE(plant.at("gantry_released_s").is_null()) << "it stood on its own: " << run.said();
+  // A driver that closes gains itself sees the joint move between two commands: kp 100 Nm/rad, 3 rad/s, 2 ms.
+  constexpr double kBetweenCommands_Nm = 0.6;
+  for (const double torque_Nm : plant.at("peak_torque_Nm")) {
+    EXPECT_LE(torque_Nm, 0.3 * 80.0 + kBetweenCommands_Nm);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(TwoProcesses, TorqueLimit,
+                         testing::Values(LimitedRun{"NoFault", "", 0},
+                                         LimitedRun{"EmergencyStop", "emergency-stop@1", 1},
+                                         LimitedRun{"LostReplies", "drop:hip_L@1+0.005", 0},
+                                         LimitedRun{"Overheated", "over-temperature@1", 1}),
+                         [](const auto& row) { return std::string(row.param.name); });
+
+}  // namespace
+}  // namespace stilt::two_processes
