@@ -26,7 +26,7 @@ struct ArbiterRules {
 /// A command as it came.
 struct Asked {
   std::uint64_t run_id = 0;
-  std::string token;
+  std::string token;  ///< a proof of it (secret.h), or the token itself
   std::string commander;
   std::uint64_t number = 0;
   std::uint8_t kind = 0;  ///< CommandKind
@@ -35,8 +35,8 @@ struct Asked {
 };
 
 /// What became of it. No answer is sent when it is silent: a heartbeat that is fine needs none, and those
-/// without the token get at most twenty per second, so that a flood of theirs does not become a flood of
-/// ours.
+/// without the token, who may repeat what others have sent, get at most twenty per second, so that a flood of
+/// theirs does not become a flood of ours.
 struct Answer {
   bool accepted = false;
   bool silent = false;
@@ -80,6 +80,7 @@ class CommandArbiter {
   [[nodiscard]] bool alive(const RobotNow& now) const noexcept;
 
  private:
+  [[nodiscard]] bool has_token(const Asked& asked) const;
   [[nodiscard]] std::string rejection(const Asked& asked) const;
   [[nodiscard]] Answer reject(std::string reason, const RobotNow& now) noexcept;
   [[nodiscard]] std::string refusal(const Asked& asked, const RobotNow& now);

@@ -7,6 +7,8 @@
 #include <filesystem>
 #include <sstream>
 
+#include "firmware/telemetry/udp_sockets.h"
+
 namespace stilt::telemetry {
 namespace {
 
@@ -113,13 +115,20 @@ std::expected<Participant, std::string> Participant::open(const Network& network
   const SmallStacks stacks;
   Participant made;
   const auto domain = static_cast<dds_domainid_t>(network.domain);
+  const std::set<int> sockets = udp_sockets();
   dds_return_t result = dds_create_domain(domain, to_xml(network).c_str());
   if (result > 0) made.domain_ = Entity(result);
+  if (const auto kept = restrict_new_sockets(sockets, network.interface); !kept) {
+    return std::unexpected(kept.error());
+  }
   // A second participant of this process joins the domain as the first one set it up.
   if (result > 0 || result == DDS_RETCODE_PRECONDITION_NOT_MET) {
     result = dds_create_participant(domain, nullptr, nullptr);
     if (result > 0) {
       made.participant_ = Entity(result);
+      if (const auto kept = restrict_new_sockets(sockets, network.interface); !kept) {
+        return std::unexpected(kept.error());
+      }
       return made;
     }
   }

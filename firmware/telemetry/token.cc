@@ -15,27 +15,17 @@
 #include <fstream>
 #include <system_error>
 
+#include "firmware/telemetry/secret.h"
+
 namespace stilt::telemetry {
 namespace {
 
-constexpr std::size_t kToken_bytes = 16;
 constexpr std::size_t kShortestToken = 16;
 constexpr mode_t kOwnerOnly = 0600;
 constexpr unsigned kOfOthers = 077;
 
 std::string failure(const std::string& path, const std::string& what) {
   return "token file " + path + ": " + what + "; name another one in telemetry.token_file";
-}
-
-std::string random_hex() {
-  std::array<unsigned char, kToken_bytes> bytes{};
-  if (getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) return {};
-  std::string text;
-  for (const unsigned char byte : bytes) {
-    text += "0123456789abcdef"[byte >> 4];
-    text += "0123456789abcdef"[byte & 15];
-  }
-  return text;
 }
 
 /// A folder of our own: no other user may put files there.
@@ -94,7 +84,7 @@ std::expected<TokenFile, std::string> TokenFile::hold(const std::string& path) {
 }
 
 std::expected<std::string, std::string> TokenFile::write() const {
-  std::string token = random_hex();
+  std::string token = random_secret();
   // Made beside its place and moved there: a reader finds the old one or the new one.
   const std::string beside = path_ + '.' + std::to_string(getpid());
   unlink(beside.c_str());

@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "firmware/telemetry/secret.h"
+
 namespace stilt::host_telemetry {
 
 Commander::Commander(const telemetry::Participant& participant, std::string name) : name_(std::move(name)) {
@@ -21,11 +23,14 @@ void Commander::set_run(std::uint64_t run_id, std::string token) {
 
 std::uint64_t Commander::send(telemetry::CommandKind kind, double value, const std::string& key) {
   std::string its_key = key;
+  ++number_;
+  std::string proven =
+      telemetry::proof(token_, {run_id_, name_, number_, static_cast<std::uint8_t>(kind), value, key});
   telemetry::Command command{};
   command.run_id = run_id_;
-  command.token = token_.data();
+  command.token = proven.data();
   command.commander = name_.data();
-  command.number = ++number_;
+  command.number = number_;
   command.kind = static_cast<std::uint8_t>(kind);
   command.value = value;
   command.key = its_key.data();

@@ -9,8 +9,9 @@
 
 namespace stilt::host_telemetry {
 
-/// Sends commands to the robot. Replies arrive as CommandReply on telemetry::kCommandReplies, with this
-/// commander's name and the command's number. While in command, call heartbeat() at least every 100 ms:
+/// Sends commands to the robot, each with a proof of the token and not with the token: every program that
+/// shares the domain may read commands. Replies arrive as CommandReply on telemetry::kCommandReplies, with
+/// this commander's name and the command's number. While in command, call heartbeat() at least every 100 ms:
 /// otherwise the robot slows down.
 class Commander {
  public:

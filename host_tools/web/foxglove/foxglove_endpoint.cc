@@ -64,6 +64,7 @@ FoxgloveEndpoint::FoxgloveEndpoint(std::string name)
     : name_(std::move(name)), session_(time_text()), channels_(record::Recorder::topics()) {}
 
 monitor::EndpointOptions FoxgloveEndpoint::options(monitor::Origins viewers) {
+  viewers.programs = true;
   return {"/", {"foxglove.sdk.v1", "foxglove.websocket.v1"}, std::move(viewers)};
 }
 

@@ -87,12 +87,12 @@ std::vector<TalkingRun> DdsSource::talking() const {
 }
 
 /// Empty when it is not known: the commander must then give it.
-std::string DdsSource::token_of(const std::string& file) const {
-  if (!token_.empty()) return token_;
+std::string DdsSource::token_of(const KnownRun& run) const {
+  if (run.run_id == decoder_.run_id() && !token_.empty()) return token_;
   try {
-    return host_telemetry::read_token(file);
+    return host_telemetry::read_token(run.token_file);
   } catch (const std::runtime_error&) {
-    return {};
+    return token_;
   }
 }
 
@@ -101,14 +101,22 @@ void DdsSource::learn_token() {
   if (decoder_.run_id() == run_id_) return;
   run_id_ = decoder_.run_id();
   for (const KnownRun& run : decoder_.runs()) {
-    if (run.run_id == run_id_) token_in_force_ = token_of(run.token_file);
+    if (run.run_id == run_id_) token_in_force_ = token_of(run);
   }
 }
 
 void DdsSource::stop_others(const Command& command) {
   for (const KnownRun& run : decoder_.runs()) {
     if (run.run_id == run_id_) continue;
-    commander_.set_run(run.run_id, command.token.empty() ? token_of(run.token_file) : command.token);
+    const auto given = command.tokens_of_others.find(run_text(run.run_id));
+    std::string token;
+    if (given != command.tokens_of_others.end()) {
+      token = given->second;
+    } else if (command.with_known_tokens) {
+      token = token_of(run);
+    }
+    if (token.empty()) continue;
+    commander_.set_run(run.run_id, token);
     static_cast<void>(commander_.send(telemetry::CommandKind::stop));
   }
 }
@@ -116,7 +124,8 @@ void DdsSource::stop_others(const Command& command) {
 void DdsSource::answer(const telemetry::CommandReply& reply, SampleSink& sink) {
   if (commander_.name() != reply.commander) return;
   const auto asked = asked_.find(reply.number);
-  if (asked == asked_.end()) return;
+  // Every robot of the domain receives a command; those that it is not for refuse it.
+  if (asked == asked_.end() || asked->second.run_id != reply.run_id) return;
   sink.reply({asked->second.commander, asked->second.sequence, reply.accepted, reply.reason});
   asked_.erase(asked);
 }
@@ -125,7 +134,7 @@ void DdsSource::command(const Command& command) {
   commander_.set_run(decoder_.run_id(), command.token.empty() ? token_in_force_ : command.token);
   const std::uint64_t number = commander_.send(wire_kind(command.kind), command.value, command.tunable);
   if (command.kind == CommandKind::heartbeat) return;
-  asked_[number] = {command.commander, command.sequence};
+  asked_[number] = {decoder_.run_id(), command.commander, command.sequence};
   if (asked_.size() > kAskedAtMost) asked_.erase(asked_.begin());
   if (command.kind == CommandKind::stop) stop_others(command);
 }

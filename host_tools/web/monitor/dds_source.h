@@ -14,7 +14,8 @@ namespace stilt::monitor {
 /// Samples of the live robot from the network.
 class DdsSource final : public SampleSource {
  public:
-  /// @param token  token of the run; empty: the token in the file that stiltd names, when it is readable.
+  /// @param token  token of the run that is shown; empty: the token in the file that stiltd names, when it is
+  ///               readable. For other runs their file comes first.
   ///               Throws std::runtime_error with one sentence when the network cannot be joined.
   DdsSource(const telemetry::Network& network, std::string token);
 
@@ -30,6 +31,7 @@ class DdsSource final : public SampleSource {
  private:
   /// Sender of a command without reply.
   struct Asked {
+    std::uint64_t run_id;
     std::uint64_t commander;
     std::uint32_t sequence;
   };
@@ -37,7 +39,7 @@ class DdsSource final : public SampleSource {
   void take(const telemetry::Sample& message, SampleSink& sink);
   void answer(const telemetry::CommandReply& reply, SampleSink& sink);
   void learn_token();
-  [[nodiscard]] std::string token_of(const std::string& file) const;
+  [[nodiscard]] std::string token_of(const KnownRun& run) const;
   void stop_others(const Command& command);
 
   telemetry::Network network_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <random>
 
+#include "firmware/telemetry/secret.h"
 #include "host_tools/web/monitor/page_commands.h"
 
 namespace stilt::monitor {
@@ -15,7 +16,7 @@ std::uint64_t random_number() {
 
 }  // namespace
 
-LiveView::LiveView(SampleSource& source) : source_(source) {}
+LiveView::LiveView(SampleSource& source, std::string key) : source_(source), key_(std::move(key)) {}
 
 void LiveView::step(double now_s) {
   now_s_ = now_s;
@@ -35,7 +36,8 @@ void LiveView::opened(const std::shared_ptr<Peer>& peer) {
 void LiveView::received(Peer& peer, bool binary, std::string_view data) {
   if (binary) return;
   const std::lock_guard lock(mutex_);
-  inbox_.emplace_back(&peer, data);
+  std::deque<std::string>& waiting = inbox_[&peer];
+  if (waiting.size() < kWaitingMessages) waiting.emplace_back(data);
 }
 
 void LiveView::closed(Peer& peer) {
@@ -52,8 +54,8 @@ void LiveView::welcome_new_pages() {
     closed.swap(closed_);
   }
   for (auto& peer : opened) {
-    pages_.push_back({peer, random_number(), now_s_, {}, false});
-    peer->send(hello_message(source_, gives_token(pages_.back())));
+    pages_.push_back({.peer = peer, .commander = random_number(), .alive_s = now_s_});
+    peer->send(hello_message(source_));
     history_.send_to(*peer);
     watched_ = true;
   }
@@ -63,15 +65,16 @@ void LiveView::welcome_new_pages() {
 }
 
 void LiveView::apply_page_commands(double now_s) {
-  std::vector<std::pair<Peer*, std::string>> inbox;
+  std::map<Peer*, std::deque<std::string>> inbox;
   {
     const std::lock_guard lock(mutex_);
     inbox.swap(inbox_);
   }
-  for (const auto& [peer, text] : inbox) {
+  for (const auto& [peer, texts] : inbox) {
     const auto page = std::find_if(pages_.begin(), pages_.end(),
                                    [wanted = peer](const Page& one) { return one.peer.get() == wanted; });
-    if (page != pages_.end()) apply(*page, text, now_s);
+    if (page == pages_.end()) continue;
+    for (const std::string& text : texts) apply(*page, text, now_s);
   }
 }
 
@@ -82,27 +85,64 @@ void LiveView::apply(Page& page, const std::string& text, double now_s) {
     page.peer->send(reply_message(0, false, message.error()));
     return;
   }
+  if (!message->key.empty()) take_key(page, message->key);
+  if (message->new_key && page.has_key) replace_key(page);
   if (message->again && !source_.live()) play_again();
   if (!message->run.empty()) choose(page, message->run);
-  if (!message->is_command) return;
-  Command& command = message->command;
+  if (message->is_command) command(page, std::move(message->command));
+}
+
+void LiveView::command(Page& page, Command command) {
   if (!source_.live()) {
     page.peer->send(reply_message(command.sequence, false, "This is a record: it takes no commands."));
     return;
   }
-  if (command.token.empty() && !gives_token(page)) {
-    page.peer->send(reply_message(
-        command.sequence, false,
-        "A token is needed: enter the one of the run, or open the page on the machine of the monitor."));
+  if (command.token.empty() && !may_use_token(page)) {
+    page.peer->send(reply_message(command.sequence, false,
+                                  page.has_key
+                                      ? "A token is needed: the monitor cannot read that of this run."
+                                      : "This page only looks: open the link that stilt monitor "
+                                        "printed, or enter the token of the run."));
     return;
   }
   command.commander = page.commander;
+  command.with_known_tokens = page.has_key;
   asked_[page.commander] = command.token;
   source_.command(command);
 }
 
-/// All pages show one run. Nobody takes it away from the page that commands it.
+/// A page with the key keeps its connection, however many others connect.
+void LiveView::take_key(Page& page, const std::string& key) {
+  page.has_key = telemetry::same_secret(key, key_);
+  page.peer->hold(page.has_key);
+  send_access(page);
+}
+
+/// Ends what every other page may do by the old key.
+void LiveView::replace_key(Page& page) {
+  key_ = telemetry::random_secret();
+  for (Page& other : pages_) {
+    if (other.peer == page.peer || !other.has_key) continue;
+    other.has_key = false;
+    other.peer->hold(false);
+    send_access(other);
+  }
+  page.has_key = !key_.empty();
+  send_access(page);
+}
+
+void LiveView::send_access(Page& page) {
+  page.sent_has_token = source_.has_token();
+  page.peer->send(access_message({page.has_key, page.sent_has_token, page.has_key ? key_ : std::string(),
+                                  page.has_key ? urls_ : std::vector<std::string>()}));
+}
+
+/// All pages show one run. It changes for a page that may command, and not under a page that does.
 void LiveView::choose(Page& page, const std::string& run_id) {
+  if (!page.has_key && page.token.empty()) {
+    page.peer->send(reply_message(0, false, "This page only looks: it shows the robot that is commanded."));
+    return;
+  }
   const bool another_commands = std::ranges::any_of(
       pages_, [&page](const Page& one) { return one.in_command && one.peer != page.peer; });
   if (another_commands) {
@@ -122,10 +162,8 @@ void LiveView::play_again() {
   run_id_.clear();
   link_ = {};
   ticks_follow_ = false;
-  for (const Page& page : pages_) page.peer->send(hello_message(source_, gives_token(page)));
+  for (const Page& page : pages_) page.peer->send(hello_message(source_));
 }
-
-bool LiveView::gives_token(const Page& page) const { return source_.has_token() && page.peer->local(); }
 
 void LiveView::send(const SharedMessage& message) {
   for (const Page& page : pages_) page.peer->send(message);
@@ -192,6 +230,7 @@ void LiveView::reply(const ReplySample& sample) {
     for (Page& other : pages_) other.in_command = false;
     page->in_command = true;
     page->token = asked_[sample.commander];
+    page->peer->hold(true);
   }
   page->peer->send(reply_message(sample.sequence, sample.accepted, sample.reason));
 }
@@ -214,6 +253,7 @@ void LiveView::send_heartbeats(double now_s) {
   heartbeat_s_ = now_s;
   for (const Page& page : pages_) {
     if (!page.in_command || now_s - page.alive_s > kPageSilence_s) continue;
+    if (page.token.empty() && !page.has_key) continue;
     Command heartbeat;
     heartbeat.commander = page.commander;
     heartbeat.token = page.token;
@@ -227,7 +267,8 @@ void LiveView::send_link_status(double now_s) {
   link_.of_others = source_.of_others();
   link_.talking = source_.talking();
   link_.silent_s = link_.received ? now_s - newest_s_ : 0.0;
-  for (const Page& page : pages_) {
+  for (Page& page : pages_) {
+    if (page.sent_has_token != source_.has_token()) send_access(page);
     link_.not_sent = page.peer->dropped();
     page.peer->send(link_message(link_));
   }

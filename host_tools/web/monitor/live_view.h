@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -17,9 +18,9 @@ namespace stilt::monitor {
 
 /// The WebSocket /live: passes samples on to every open page, and commands of the pages to the source.
 ///
-/// A page may command when it sends the run's token; pages on this machine may use the token that the
-/// source knows. The page whose command was accepted last is in command. While that page sends signs of life,
-/// several per second, the robot gets a heartbeat.
+/// A page may command when it sends the run's token; a page that has sent the monitor's key may use the
+/// tokens that the source knows. Nothing follows from where a page is. The page whose command was accepted
+/// last is in command. While that page sends signs of life, several per second, the robot gets a heartbeat.
 class LiveView final : public Endpoint, private SampleSink {
  public:
   /// Seconds without a sign of life after which a page's heartbeat is no longer passed on.
@@ -27,7 +28,14 @@ class LiveView final : public Endpoint, private SampleSink {
   static constexpr double kHeartbeatPeriod_s = 0.08;
   static constexpr double kLinkPeriod_s = 0.2;
 
-  explicit LiveView(SampleSource& source);
+  /// Messages of a page that wait for a step; more are left out.
+  static constexpr std::size_t kWaitingMessages = 200;
+
+  /// @param key  of the monitor; empty: no page may use the source's tokens
+  LiveView(SampleSource& source, std::string key);
+
+  /// Addresses of the page for other machines, shown to pages with the key. Before the first step.
+  void set_urls(std::vector<std::string> urls) { urls_ = std::move(urls); }
 
   /// Reads and sends the new samples. Call some hundred times per second from one thread.
   /// @param now_s  time of a steady clock, s
@@ -42,8 +50,10 @@ class LiveView final : public Endpoint, private SampleSink {
     std::shared_ptr<Peer> peer;
     std::uint64_t commander = 0;
     double alive_s = 0.0;
-    std::string token;  ///< of its last accepted command
+    std::string token{};  ///< of its last accepted command
     bool in_command = false;
+    bool has_key = false;
+    bool sent_has_token = false;  ///< in the last access message
   };
 
   void configuration(const ConfigurationSample& sample) override;
@@ -60,14 +70,20 @@ class LiveView final : public Endpoint, private SampleSink {
   void apply_page_commands(double now_s);
   void apply(Page& page, const std::string& text, double now_s);
   void flush_tables(double now_s);
+  void take_key(Page& page, const std::string& key);
+  void replace_key(Page& page);
+  void send_access(Page& page);
+  void command(Page& page, Command command);
   void choose(Page& page, const std::string& run_id);
   void play_again();
   void send_heartbeats(double now_s);
   void send_link_status(double now_s);
   void send(const SharedMessage& message);
-  [[nodiscard]] bool gives_token(const Page& page) const;
+  [[nodiscard]] bool may_use_token(const Page& page) const { return page.has_key && source_.has_token(); }
 
   SampleSource& source_;
+  std::string key_;
+  std::vector<std::string> urls_;
   History history_;
   std::vector<TickSample> ticks_;
   std::vector<PlannerSample> cycles_;
@@ -87,7 +103,7 @@ class LiveView final : public Endpoint, private SampleSink {
   std::mutex mutex_;  ///< protects the members below
   std::vector<std::shared_ptr<Peer>> opened_;
   std::vector<Peer*> closed_;
-  std::vector<std::pair<Peer*, std::string>> inbox_;
+  std::map<Peer*, std::deque<std::string>> inbox_;
 };
 
 }  // namespace stilt::monitor

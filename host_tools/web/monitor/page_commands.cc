@@ -32,6 +32,8 @@ std::expected<PageMessage, std::string> read(const Json& json) {
   PageMessage message;
   message.again = member(json, "again", false);
   message.run = member<std::string>(json, "run", "");
+  message.key = member<std::string>(json, "key", "");
+  message.new_key = member(json, "new_key", false);
   if (!json.contains("command")) return message;
   const auto kind = kind_of(json.at("command").get<std::string>());
   if (!kind) return std::unexpected(kind.error());
@@ -45,6 +47,7 @@ std::expected<PageMessage, std::string> read(const Json& json) {
   }
   command.sequence = sequence.get<std::uint32_t>();
   command.token = member<std::string>(json, "token", "");
+  command.tokens_of_others = member<std::map<std::string, std::string>>(json, "tokens", {});
   command.value = member(json, "value", 0.0);
   command.tunable = member<std::string>(json, "tunable", "");
   if (!std::isfinite(command.value)) return std::unexpected(std::string("the value is not a number"));

@@ -7,9 +7,15 @@
 
 #include "host_tools/web/monitor/sample_source.h"
 
-/// Messages of the page: {"alive": true} several times per second, and {"command": "walk", "sequence": 3,
-/// "value": 0.5, "tunable": "", "token": ""}, where only the first two members are required; and {"again":
-/// true}, which restarts a record; and {"run": "001085a41154fb89"}, which shows another run.
+/// Messages of the page:
+///   {"alive": true}   several times per second
+///   {"command": "walk", "sequence": 3, "value": 0.5, "tunable": "", "token": "", "tokens": {}}, where only
+///   the
+///                     first two members are required; `tokens` are those of other runs, for stop
+///   {"key": "..."}    the monitor's key, first of all when the page has it
+///   {"new_key": true} the key ends, another one begins
+///   {"again": true}   restarts a record
+///   {"run": "001085a41154fb89"}   shows another run
 namespace stilt::monitor {
 
 /// A message of the page.
@@ -17,6 +23,8 @@ struct PageMessage {
   bool is_command = false;  ///< false: a sign of life
   bool again = false;       ///< whether a record starts again
   std::string run;          ///< run to show from now on; empty: no change
+  std::string key;          ///< of the monitor; empty: none is given
+  bool new_key = false;     ///< whether the monitor's key is replaced
   Command command;          ///< `commander` is set by the caller
 };
 

@@ -92,18 +92,26 @@ Json tunables_json(const std::vector<Tunable>& tunables) {
 
 }  // namespace
 
-SharedMessage hello_message(const SampleSource& source, bool has_token) {
+SharedMessage hello_message(const SampleSource& source) {
   return text({{"type", "hello"},
                {"source", source.describe()},
                {"live", source.live()},
-               {"has_token", has_token},
                {"states", states_json()},
                {"fallback_levels", names_up_to(supervisor::FallbackLevel::off)},
                {"reactions", names_up_to(supervisor::Reaction::off)},
-               {"statuses", {"converged", "iteration limit", "step rejected", "not finite", "not convex"}},
+               {"statuses",
+                {"converged", "iteration limit", "step rejected", "not finite", "not convex", "infeasible"}},
                {"gaits", {"stand", "step", "walk"}},
                {"faults", faults_json()},
                {"columns", all_column_names()}});
+}
+
+SharedMessage access_message(const Access& access) {
+  return text({{"type", "access"},
+               {"has_key", access.has_key},
+               {"has_token", access.has_token},
+               {"key", access.key},
+               {"urls", access.urls}});
 }
 
 SharedMessage configuration_message(const ConfigurationSample& sample) {

@@ -21,7 +21,17 @@ namespace stilt::monitor {
 enum class Table : std::uint8_t { ticks = 1, planner = 2, plan = 3, truth = 4 };
 
 /// First message to a page: the source, the supervisor's tables, the columns of the tables.
-[[nodiscard]] SharedMessage hello_message(const SampleSource& source, bool has_token);
+[[nodiscard]] SharedMessage hello_message(const SampleSource& source);
+
+/// What a page may do, and for one with the monitor's key: that key, and the addresses of the monitor's page
+/// for other machines.
+struct Access {
+  bool has_key = false;    ///< it may use the tokens that the monitor knows
+  bool has_token = false;  ///< the monitor knows the token of the run that is shown
+  std::string key;         ///< empty for a page without it
+  std::vector<std::string> urls;
+};
+[[nodiscard]] SharedMessage access_message(const Access& access);
 
 /// Message with robot, run, tunables and drawing.
 [[nodiscard]] SharedMessage configuration_message(const ConfigurationSample& sample);

@@ -87,6 +87,9 @@ const std::vector<Column<PlannerSample>> kPlannerColumns = {
     {"iterations", [](const PlannerSample& c, std::size_t) { return static_cast<double>(c.iterations); }},
     {"dynamics_defect_max", [](const PlannerSample& c, std::size_t) { return c.defect_max; }},
     {"equality_violation_max", [](const PlannerSample& c, std::size_t) { return c.equality_violation_max; }},
+    {"friction_cone_N", [](const PlannerSample& c, std::size_t) { return c.violations.friction_cone_N; }},
+    {"pulling_force_N", [](const PlannerSample& c, std::size_t) { return c.violations.pulling_force_N; }},
+    {"joint_torque_Nm", [](const PlannerSample& c, std::size_t) { return c.violations.joint_torque_Nm; }},
     {"cost", [](const PlannerSample& c, std::size_t) { return c.cost; }},
     {"solve_ms", [](const PlannerSample& c, std::size_t) { return 1e-3 * c.solve_us; }},
 };

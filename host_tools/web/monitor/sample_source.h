@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <string>
+#include <vector>
 
 #include "host_tools/web/monitor/samples.h"
 
@@ -15,8 +17,11 @@ struct Command {
   std::uint64_t commander = 0;  ///< one number per operator (open page)
   std::uint32_t sequence = 0;   ///< counts the operator's commands
   std::string token;            ///< token of the run; empty: the one that the source knows
-  double value = 0.0;           ///< m/s of walk and speed, m of height, or of the tunable
-  std::string tunable;          ///< name of the tunable
+  /// Of stop: tokens of other runs, by run_id, for those runs.
+  std::map<std::string, std::string> tokens_of_others;
+  bool with_known_tokens = false;  ///< of stop: whether other runs get it with tokens that the source knows
+  double value = 0.0;              ///< m/s of walk and speed, m of height, or of the tunable
+  std::string tunable;             ///< name of the tunable
 };
 
 /// A controller that talks.
@@ -50,8 +55,8 @@ class SampleSource {
   virtual void poll(SampleSink& sink) = 0;
 
   /// Sends a command; its reply comes with a later poll(). A record refuses it in the reply. Stop goes to
-  /// every run whose token is known, for its sender may not know which of them moves; the reply is that of
-  /// the run that is shown.
+  /// every run whose token its sender or, for a sender that may use them, the source has: which of them moves
+  /// may not be known. The reply is that of the run that is shown.
   virtual void command(const Command& command) = 0;
 
   /// Controllers that talk now, the one that is shown among them.

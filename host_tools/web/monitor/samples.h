@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "firmware/control_loop/tick_record.h"
+#include "mpc_core/ocp/violations.h"
 
 /// Data that a monitor shows, from the live robot, a record or a test. SI units; time_s is the
 /// controller's clock, seconds since its first tick. Ordinary threads.
@@ -25,6 +26,7 @@ struct PlannerSample {
   int iterations = 0;
   double defect_max = 0.0;              ///< mixed SI units
   double equality_violation_max = 0.0;  ///< m/s^2 or N
+  ocp::Violations violations;           ///< of the inequalities
   double cost = 0.0;
   double solve_us = 0.0;  ///< 0 in lock-step
 };

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -28,14 +29,14 @@ class Peer {
   /// Messages left out so far.
   [[nodiscard]] virtual std::uint64_t dropped() const = 0;
 
-  /// Whether the other end is on this machine.
-  [[nodiscard]] virtual bool local() const = 0;
+  /// Whether the connection is kept when others need room; at first it is not.
+  virtual void hold(bool held) = 0;
 
   /// The agreed subprotocol; empty when there is none.
   [[nodiscard]] virtual const std::string& subprotocol() const = 0;
 };
 
-/// Handler of a WebSocket path. Called from the server's threads; calls for one peer are in order.
+/// Handler of a WebSocket path. Called from the server's thread.
 class Endpoint {
  public:
   virtual ~Endpoint() = default;
@@ -44,11 +45,11 @@ class Endpoint {
   virtual void closed(Peer& peer) = 0;
 };
 
-/// Other web sites whose pages may connect, besides those of this server. Programs, which send no origin, may
-/// always connect.
+/// Who may connect, besides the pages of this server.
 struct Origins {
-  bool any = false;
-  std::vector<std::string> named{};  ///< "https://app.foxglove.dev"
+  bool any = false;                  ///< pages of every other site
+  std::vector<std::string> named{};  ///< pages of these: "https://app.foxglove.dev"
+  bool programs = false;             ///< programs, which send no origin
 };
 
 struct EndpointOptions {
@@ -60,11 +61,16 @@ struct EndpointOptions {
 
 struct ServerOptions {
   std::string address = "127.0.0.1";
-  int port = 8080;  ///< 0: any free one
+  int port = 8080;                   ///< 0: any free one
+  std::vector<std::string> names{};  ///< host names that lead here, besides those of OwnNames
+  /// Connections at a time. For one more the oldest that has sent no whole request is closed, otherwise the
+  /// WebSocket that has been silent longest; never one that is held (Peer::hold).
+  std::size_t connections_max = 256;
+  std::size_t message_bytes_max = 65536;  ///< of a client; a longer one ends its connection
 };
 
-/// Serves a page and WebSockets. When the address is a loopback address, requests for another host name are
-/// refused: the name of another site cannot lead to this server.
+/// Serves a page and WebSockets, all from one thread that waits for no client. Requests for a host name that
+/// is not the server's own are refused: the name of another site cannot lead here.
 class WebServer {
  public:
   /// Throws std::runtime_error, one sentence, when it cannot listen on the address.
@@ -73,15 +79,20 @@ class WebServer {
   WebServer(const WebServer&) = delete;
   WebServer& operator=(const WebServer&) = delete;
 
-  /// Sets the page of "/". Call before the first request; `html` must outlive the server.
+  /// Sets the page of "/". Call before start(); `html` must outlive the server.
   void serve_page(std::string_view html);
 
-  /// The endpoint must outlive the server.
+  /// Call before start(); the endpoint must outlive the server.
   void add_endpoint(const EndpointOptions& options, Endpoint& endpoint);
+
+  /// Begins to accept connections.
+  void start();
 
   [[nodiscard]] int port() const;
   /// "http://127.0.0.1:8080/".
   [[nodiscard]] std::string url() const;
+  /// The same under each address at which another machine reaches this server; none on loopback.
+  [[nodiscard]] std::vector<std::string> urls_for_others() const;
 
  private:
   class Implementation;

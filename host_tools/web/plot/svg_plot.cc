@@ -20,6 +20,7 @@ h1{font-size:22px;margin:0 0 4px}p{color:var(--muted);margin:0 0 16px}
 .wide{grid-column:1/-1}svg{width:100%;height:auto;display:block}
 svg text{fill:var(--muted);font-size:11px}svg .title{fill:var(--text);font-size:14px;font-weight:600}
 svg .grid{stroke:var(--line);fill:none}svg .curve{fill:none;stroke-width:1.8;stroke-linejoin:round}
+svg .dots{fill:none;stroke-width:4.5;stroke-linecap:round;opacity:.65}
 table{border-collapse:collapse;width:100%}td,th{text-align:left;padding:3px 10px 3px 0;border-bottom:1px solid var(--line)}
 td.n{font-variant-numeric:tabular-nums}.bad{color:var(--bad);font-weight:600}.good{color:var(--good);font-weight:600}
 )";
@@ -93,15 +94,16 @@ std::string path(const Curve& curve, const Axis& x, const Axis& y) {
   for (std::size_t i = 0; i < std::min(curve.x.size(), curve.y.size()); ++i) {
     const bool finite = std::isfinite(curve.x[i]) && std::isfinite(curve.y[i]);
     if (finite) {
-      d += pen_down ? 'L' : 'M';
+      d += pen_down && !curve.dots ? 'L' : 'M';
       d += number(x.px(curve.x[i]));
       d += ' ';
       d += number(y.px(curve.y[i]));
+      if (curve.dots) d += "h0";
     }
     pen_down = finite;
   }
-  return "<path class='curve' d='" + d + "' style='stroke:" + curve.colour + "'" +
-         (curve.dashed ? " stroke-dasharray='5 4'" : "") + "/>";
+  return std::string("<path class='") + (curve.dots ? "dots" : "curve") + "' d='" + d +
+         "' style='stroke:" + curve.colour + "'" + (curve.dashed ? " stroke-dasharray='5 4'" : "") + "/>";
 }
 
 std::string grid(const Plot& plot, const Axis& x, const Axis& y) {

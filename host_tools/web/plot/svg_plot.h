@@ -11,6 +11,7 @@ struct Curve {
   std::string colour;  ///< of CSS, var(--x) included
   std::vector<double> x, y;
   bool dashed = false;
+  bool dots = false;  ///< points without a line between them
 };
 
 /// Text in a plot, centred at a point.

@@ -29,6 +29,7 @@ TEST(CycleMessage, EveryFieldOfASolveIsUnderItsNameAndComesBack) {
                    .cost = 8.5,
                    .dynamics_defect_max = 9.5,
                    .equality_violation_max = 10.5,
+                   .violations = {18.5, 19.5, 20.5, 21.5, 22.5, 23.5},
                    .step_length = 11.5,
                    .step_size = 12.5};
   record.failures = 13;
@@ -40,7 +41,9 @@ TEST(CycleMessage, EveryFieldOfASolveIsUnderItsNameAndComesBack) {
   const Json expected = Json::parse(R"({"run_id": 0, "cycle": 1, "dropped": 0, "tick": 2, "time_s": 3.5,
       "stance_episode": 4, "plan_sequence": 5, "status": 2, "iterations": 7, "failures": 13, "cost": 8.5,
       "dynamics_defect_max": 9.5, "equality_violation_max": 10.5, "step_length": 11.5, "step_size": 12.5,
-      "nodes": 14, "solve_ns": 15, "checksum": 16, "tuning": 17})");
+      "nodes": 14, "solve_ns": 15, "checksum": 16, "tuning": 17,
+      "friction_cone_violation_max_N": 18.5, "pulling_force_max_N": 19.5, "impulse_cone_violation_max_Ns": 20.5,
+      "torque_violation_max_Nm": 21.5, "position_violation_max_rad": 22.5, "velocity_violation_max_rad_s": 23.5})");
   EXPECT_EQ(read_by_names(message), expected);
   EXPECT_EQ(read_by_names(cycle_message(cycle_record(message))), expected);
 }

@@ -14,12 +14,13 @@ class CommandPanel {
     this.waiting = new Map();
     this.answer = document.getElementById('answer');
     this.token = document.getElementById('token');
+    this.access = { has_key: false, has_token: false };
     this.speed = document.getElementById('speed');
     this.speedSent_ms = 0;
     this.height = document.getElementById('height');
-    const given = new URLSearchParams(window.location.hash.slice(1)).get('token');
-    this.token.value = given ?? sessionStorage.getItem('token') ?? '';
-    this.token.addEventListener('input', () => sessionStorage.setItem('token', this.token.value));
+    this.takeLink();
+    this.token.addEventListener('input', () => this.keepToken());
+    document.getElementById('new-key').addEventListener('click', () => this.connection.send({ new_key: true }));
     document.getElementById('token-form').addEventListener('submit', (event) => event.preventDefault());
     for (const button of document.querySelectorAll('[data-command]')) {
       button.addEventListener('click', () => this.ask(button.dataset.command));
@@ -35,9 +36,73 @@ class CommandPanel {
     this.beat();
   }
 
+  /**
+   * Takes key or token out of the address of a link. The key stays in the storage of this origin: a cookie would go to
+   * every port of the host, so also to what another user serves there.
+   */
+  takeLink() {
+    const words = new URLSearchParams(window.location.hash.slice(1));
+    if (words.has('key')) localStorage.setItem('key', words.get('key'));
+    this.tokens = JSON.parse(sessionStorage.getItem('tokens') ?? '{}');
+    this.given = words.get('token') ?? '';
+    this.token.value = this.given;
+    words.delete('key');
+    words.delete('token');
+    history.replaceState(null, '', `${window.location.pathname}${words.toString() && `#${words}`}`);
+  }
+
+  /** The connection is open: the monitor takes the key before any command, and says what the page may do. */
+  present() {
+    this.connection.send({ key: localStorage.getItem('key') ?? 'none' });
+  }
+
+  /** What this page may do now. */
+  admit(access) {
+    this.access = access;
+    if (access.has_key) localStorage.setItem('key', access.key);
+    document.getElementById('access').textContent = this.accessText();
+    document.getElementById('links').hidden = !access.has_key;
+    document.getElementById('link-list').replaceChildren(...access.urls.map((url) => element('li', {},
+      element('a', { href: `${url}#key=${access.key}`, textContent: `${url}#key=${access.key}` }))));
+    document.getElementById('no-link').hidden = access.urls.length > 0;
+    document.getElementById('link-box').hidden = access.urls.length === 0;
+    this.openTokenBox();
+  }
+
+  accessText() {
+    if (!this.access.has_key) {
+      return 'This page only looks. It commands when it is opened by the link that stilt monitor printed, or with the token of the run.';
+    }
+    return this.access.has_token ? 'This page commands with the token that the monitor read.'
+      : 'The monitor cannot read the token of this run: enter it.';
+  }
+
+  openTokenBox() {
+    const commands = (this.access.has_key && this.access.has_token) || this.token.value !== '';
+    document.getElementById('token-box').open = Boolean(this.robot.hello?.live) && !commands;
+  }
+
+  /** Tokens are of a run; those of all runs stop theirs. */
+  keepToken() {
+    const run = this.robot.configuration?.run_id;
+    if (run === undefined) return;
+    if (this.token.value === '') delete this.tokens[run];
+    else this.tokens[run] = this.token.value;
+    sessionStorage.setItem('tokens', JSON.stringify(this.tokens));
+  }
+
+  /** The run that is shown is this one from now on. */
+  enterRun(run) {
+    if (run === this.run) return;
+    this.run = run;
+    this.token.value = this.given || this.tokens[run] || '';
+    this.given = '';
+    this.keepToken();
+    this.openTokenBox();
+  }
+
   greet(hello) {
     for (const button of document.querySelectorAll('[data-command], #stop, #cut')) button.disabled = !hello.live;
-    document.getElementById('token-box').open = hello.live && !hello.has_token && this.token.value === '';
     for (const id of ['gaits', 'sliders', 'token-box', 'stop', 'cut']) document.getElementById(id).hidden = !hello.live;
     document.getElementById('again').hidden = hello.live;
     if (!hello.live) this.say(`A record: it takes no commands. ${hello.source}`, '');
@@ -56,6 +121,7 @@ class CommandPanel {
 
   /** The sliders go as far as the controller lets. */
   configure(configuration) {
+    this.enterRun(configuration.run_id);
     this.configureHeight(configuration.tunables.find((tunable) => tunable.name === kHeightTunable));
     const limit = Number(configuration.toml.match(/^speed_limit_m_s = ([\d.e+-]+)/m)?.[1]);
     if (!(limit > 0)) return;
@@ -101,6 +167,7 @@ class CommandPanel {
     }
     const sequence = ++this.sequence;
     const message = { command, sequence, token: this.token.value, ...extra };
+    if (command === 'stop') message.tokens = this.tokens;
     if (command === 'walk' && extra.value === undefined) message.value = Number(this.speed.value);
     if (!this.connection.send(message)) {
       this.say(`${command}: not sent, the monitor does not answer`, 'bad');

@@ -31,6 +31,7 @@ class Monitor {
   opened() {
     this.status.connected = true;
     this.status.link = null;
+    this.commands.present();
   }
 
   closed() {
@@ -66,6 +67,7 @@ class Monitor {
       },
       link: () => { this.status.link = message; },
       reply: () => this.commands.reply(message),
+      access: () => this.commands.admit(message),
     };
     takers[message.type]?.();
   }

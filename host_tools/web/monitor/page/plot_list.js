@@ -61,6 +61,12 @@ function plannerPlots(robot) {
         { label: 'equalities', colour: 'push', column: 'equality_violation_max' }],
     },
     {
+      title: 'Planned beyond ground and drives', axis: 'N, Nm', unit: '', digits: 0, table: 'planner', fromZero: true, least: 10,
+      lines: [{ label: 'friction cone', colour: 'plan', column: 'friction_cone_N' },
+        { label: 'pulling force', colour: 'push', column: 'pulling_force_N' },
+        { label: 'joint torque', colour: 'body', column: 'joint_torque_Nm' }],
+    },
+    {
       title: 'Planned contact force', axis: 'N', unit: 'N', digits: 0, table: 'force', fromZero: true, least: 100,
       lines: kSides.map(([label, colour]) => ({ label, colour, column: `${label}_N` })),
     },

@@ -49,6 +49,7 @@ TEST_P(EachName, AViewerFindsTopicsAndReadsMessages) {
   monitor::WebServer server({"127.0.0.1", 0});
   server.serve_page("<p>a page at the same address</p>");
   server.add_endpoint(FoxgloveEndpoint::options(), endpoint);
+  server.start();
   endpoint.publish(event(7), 6'000'000'000);  // before anybody is there
   std::jthread robot([&](const std::stop_token& stop) {
     while (!stop.stop_requested()) {
@@ -90,6 +91,7 @@ class PagesOfOtherSites : public testing::Test {
     server.serve_page("<p>a page</p>");
     server.add_endpoint(FoxgloveEndpoint::options(viewers), endpoint);
     server.add_endpoint({"/live", {}, {}}, commands);
+    server.start();
     endpoint.publish(event(7), 6'000'000'000);
   }
   /// What a page of that site finds out there.
@@ -133,7 +135,7 @@ class FakePeer final : public monitor::Peer {
   std::vector<monitor::SharedMessage> sent;
   void send(monitor::SharedMessage message) override { sent.push_back(std::move(message)); }
   [[nodiscard]] std::uint64_t dropped() const override { return 0; }
-  [[nodiscard]] bool local() const override { return true; }
+  void hold(bool) override {}
   [[nodiscard]] const std::string& subprotocol() const override { return subprotocol_; }
 
  private:

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "firmware/telemetry/reader.h"
+#include "firmware/telemetry/secret.h"
 #include "firmware/telemetry/tick_batch.h"
 #include "firmware/telemetry/wire_version.h"
 #include "firmware/telemetry/writer.h"
@@ -18,7 +19,7 @@
 namespace stilt::monitor {
 namespace {
 
-/// Ignores what it is given.
+/// Ignores what it is given, but replies.
 class Ignored final : public SampleSink {
  public:
   void configuration(const ConfigurationSample&) override {}
@@ -29,7 +30,9 @@ class Ignored final : public SampleSink {
   void event(const EventSample&) override {}
   void timing(const TimingSample&) override {}
   void truth(const TruthSample&) override {}
-  void reply(const ReplySample&) override {}
+  void reply(const ReplySample& sample) override { replies.push_back(sample); }
+
+  std::vector<ReplySample> replies;
 };
 
 /// Waits for something that comes, with a limit far beyond what it takes.
@@ -56,6 +59,7 @@ class Robots {
       : participant_(*telemetry::Participant::open({.domain = tests::own_domain()})),
         configurations_(*telemetry::AnyWriter::open(participant_, telemetry::kConfiguration)),
         ticks_(*telemetry::AnyWriter::open(participant_, telemetry::kTicks)),
+        replies_(*telemetry::AnyWriter::open(participant_, telemetry::kCommandReplies)),
         commands_(*telemetry::Reader::open(participant_, telemetry::kCommands)) {}
 
   void begin(std::uint64_t run_id, std::string token_file) {
@@ -77,19 +81,42 @@ class Robots {
     ticks_.write(&builder.message());
   }
 
-  /// Runs and tokens of the commands of a kind that have come since the last call.
+  /// Both answer the commands that have come since the last call: the second refuses each before the first
+  /// accepts it.
+  void answer() {
+    commands_.take([&](telemetry::Sample&& sample) {
+      const auto command = sample.as<telemetry::Command>();
+      if (!command) return;
+      char reason[] = "an answer";
+      for (const std::uint64_t run_id : {2, 1}) {
+        const telemetry::CommandReply reply = {run_id,      command->commander,         command->number,
+                                               run_id == 1, static_cast<char*>(reason), 0.0};
+        replies_.write(&reply);
+      }
+    });
+  }
+
+  /// Runs of the commands of a kind that have come since the last call, each with the token that it proves.
   std::map<std::uint64_t, std::string> taken(telemetry::CommandKind kind) {
     std::map<std::uint64_t, std::string> all;
     commands_.take([&](telemetry::Sample&& sample) {
       const auto command = sample.as<telemetry::Command>();
-      if (command && command->kind == static_cast<std::uint8_t>(kind)) all[command->run_id] = command->token;
+      if (!command || command->kind != static_cast<std::uint8_t>(kind)) return;
+      all[command->run_id] = "no token";
+      for (const std::string token : {"token of the first", "token of the second", "given by a page"}) {
+        EXPECT_STRNE(command->token, token.c_str()) << "every program of the domain may read commands";
+        const std::string proof =
+            telemetry::proof(token, {command->run_id, command->commander, command->number, command->kind,
+                                     command->value, command->key});
+        if (proof == command->token) all[command->run_id] = token;
+      }
     });
     return all;
   }
 
  private:
   telemetry::Participant participant_;
-  telemetry::AnyWriter configurations_, ticks_;
+  telemetry::AnyWriter configurations_, ticks_, replies_;
   telemetry::Reader commands_;
 };
 
@@ -126,13 +153,45 @@ TEST_F(TwoRobots, GetAStopEachWithItsOwnTokenAndOtherCommandsGoToTheOneThatIsSho
     return !walks.empty();
   }));
   EXPECT_EQ(walks, (std::map<std::uint64_t, std::string>{{1, "token of the first"}}));
-  source_.command(command(CommandKind::stop));
+  Command stop = command(CommandKind::stop);
+  stop.with_known_tokens = true;
+  source_.command(stop);
   ASSERT_TRUE(eventually([&] {
     stops.merge(robots_.taken(telemetry::CommandKind::stop));
     return stops.size() >= 2;
   }));
   EXPECT_EQ(stops,
             (std::map<std::uint64_t, std::string>{{1, "token of the first"}, {2, "token of the second"}}));
+}
+
+/// A page without the monitor's key: what it stops is what it has tokens for.
+TEST_F(TwoRobots, GetAStopWithTheTokensOfThePageAndNotWithThoseOfTheMonitor) {
+  Command stop = command(CommandKind::stop);
+  stop.token = "given by a page";
+  const auto stops_after = [&](const Command& first, std::size_t count) {
+    std::map<std::uint64_t, std::string> stops;
+    EXPECT_TRUE(eventually([&] {
+      source_.command(first);
+      stops.merge(robots_.taken(telemetry::CommandKind::stop));
+      return stops.size() >= count;
+    }));
+    return stops;
+  };
+  EXPECT_EQ(stops_after(stop, 1), (std::map<std::uint64_t, std::string>{{1, "given by a page"}}));
+  stop.tokens_of_others["0000000000000002"] = "token of the second";
+  EXPECT_EQ(stops_after(stop, 2),
+            (std::map<std::uint64_t, std::string>{{1, "given by a page"}, {2, "token of the second"}}));
+}
+
+/// Each receives every command, and the one that it is not for may be faster with its refusal.
+TEST_F(TwoRobots, DoNotAnswerForEachOther) {
+  ASSERT_TRUE(eventually([&] {
+    source_.command(command(CommandKind::walk));
+    robots_.answer();
+    source_.poll(ignored_);
+    return !ignored_.replies.empty();
+  }));
+  EXPECT_TRUE(ignored_.replies.front().accepted);
 }
 
 TEST_F(TwoRobots, AreCommandedByTheirOwnTokensAfterAnotherIsChosen) {

@@ -11,11 +11,9 @@ namespace stilt::monitor {
 /// A page that keeps what it is sent.
 class FakePeer final : public Peer {
  public:
-  explicit FakePeer(bool local = true) : local_(local) {}
-
   void send(SharedMessage message) override { messages.push_back(std::move(message)); }
   [[nodiscard]] std::uint64_t dropped() const override { return 0; }
-  [[nodiscard]] bool local() const override { return local_; }
+  void hold(bool is_held) override { held = is_held; }
   [[nodiscard]] const std::string& subprotocol() const override { return subprotocol_; }
 
   /// The text messages of a type, oldest first.
@@ -30,9 +28,9 @@ class FakePeer final : public Peer {
   }
 
   std::vector<SharedMessage> messages;
+  bool held = false;
 
  private:
-  bool local_;
   std::string subprotocol_;
 };
 

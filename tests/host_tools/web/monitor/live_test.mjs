@@ -3,7 +3,7 @@
 // STILT_LIVE_REALTIME=1 they follow the clock, and late ticks are only reported.
 
 import assert from 'node:assert/strict';
-import { mkdtempSync, rmSync } from 'node:fs';
+import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
@@ -27,10 +27,10 @@ let page;
 
 const text = (selector) => page.textContent(selector);
 /** What the page said when it was not what the test waits for. */
-const waitFor = (selector, pattern) => {
+const waitFor = (selector, pattern, from = page) => {
   let seen = '';
   return until(`${selector} to be like ${pattern}`, async () => {
-    seen = await text(selector);
+    seen = await from.textContent(selector);
     return pattern.test(seen);
   }).catch((error) => { throw new Error(`${error.message}; it is: ${seen}`); });
 };
@@ -120,21 +120,73 @@ test('a wrong token is refused in words', async () => {
   await other.kill();
 });
 
-test('a second robot that starts takes the page from no walking one', async () => {
+/** Another simulated robot and its stiltd on the same domain. */
+async function startSecond(words) {
   const buses = kBuses.map((word) => word.replace('loopback:', 'loopback:second_'));
-  const second = new Program(process.env.STILT_PROGRAM, ['robot', ...buses]);
+  const second = new Program(process.env.STILT_PROGRAM, ['robot', ...kTurns, ...buses]);
   await second.wrote(/ready/);
-  const its = new Program(process.env.STILTD_PROGRAM, [...buses, '--set', `telemetry.domain=${kDomain}`,
+  const its = new Program(process.env.STILTD_PROGRAM, [...kTurns, ...buses, ...words, ...kPatientSettings,
     '--set', `telemetry.token_file=${join(folder, 'second-token')}`]);
+  return { second, its, end: async () => { await its.kill('SIGKILL'); await second.kill('SIGKILL'); } };
+}
+
+test('a second robot that starts takes the page from no walking one', async () => {
+  const { end } = await startSecond([]);
   await until('both', async () => /2 controllers talk/.test(await text('#runs')));
   const from = await hipX(page);
   await until('another metre', async () => (await hipX(page)) > from + 1);
   assert.equal(await text('#state'), 'walk');
   assert.doesNotMatch(await text('#note'), /Another run/);
-  await its.kill();
+  await end();
   await until('the walking one alone', () => page.isHidden('#runs'));
   assert.equal(await text('#state'), 'walk');
-  await second.kill();
+});
+
+test('stop stops both robots, of which the page shows one', async () => {
+  const { its, end } = await startSecond(['--start', 'walk@0.3']);
+  await until('both', async () => /2 controllers talk/.test(await text('#runs')));
+  await its.wrote(/ s {2}walk/);
+  await picture(page, 'live_two_robots');
+  await page.bringToFront();
+  await page.keyboard.press('Space');
+  await answer(/stop: accepted/);
+  await state('stand');
+  await its.wrote(/ s {2}walk[^]* s {2}stand/);
+  await end();
+  await until('one alone', () => page.isHidden('#runs'));
+});
+
+test('a page without the link that was given both tokens stops both robots, too', async () => {
+  const other = startMonitor();
+  const [url] = await other.wrote(/http:\S+/);
+  const phone = await openPage(browser, new URL('/', url).href);
+  const said = (pattern) => waitFor('#answer', pattern, phone);
+  const enter = async (name) => {
+    await phone.fill('#token', readFileSync(join(folder, name), 'utf-8').trim());
+    await phone.evaluate(() => { document.activeElement.blur(); document.getElementById('answer').textContent = ''; });
+  };
+  await until('live data there', async () => (await phone.textContent('#link-status')).startsWith('live'));
+  await enter('token');
+  await phone.keyboard.press('Space');
+  await said(/stop: accepted/);
+  const { its, end } = await startSecond(['--start', 'walk@0.3']);
+  await its.wrote(/ s {2}walk/);
+  const first = await phone.textContent('#run-list');
+  await phone.click('#runs button');
+  await until('the other run', async () => (await phone.textContent('#run-list')) !== first);
+  await enter('second-token');
+  await page.bringToFront();
+  await page.click('[data-command=walk]');
+  await state('walk');
+  await phone.bringToFront();
+  await phone.keyboard.press('Space');
+  await said(/stop: accepted/);
+  await state('stand');
+  await its.wrote(/ s {2}walk[^]* s {2}stand/);
+  await phone.close();
+  await other.kill();
+  await end();
+  await until('one alone', () => page.isHidden('#runs'));
 });
 
 test('stop stops', async () => {

@@ -7,54 +7,19 @@
 #include <functional>
 #include <utility>
 
-#include "fake_peer.h"
 #include "firmware/supervisor/fault.h"
 #include "firmware/supervisor/state.h"
+#include "silent_source.h"
 #include "synthetic_source.h"
 
 namespace stilt::monitor {
 namespace {
 
-/// A source that only keeps what it was given.
-class SilentSource final : public SampleSource {
- public:
-  void poll(SampleSink& sink) override {
-    if (answers) {
-      for (const Command& command : commands) {
-        if (command.kind != CommandKind::heartbeat)
-          sink.reply({command.commander, command.sequence, refusal.empty(), refusal});
-      }
-    }
-    answers = false;
-    if (news) news(sink);
-    news = nullptr;
-  }
-  void command(const Command& command) override { commands.push_back(command); }
-  void choose(const std::string& run_id) override { chosen = run_id; }
-  [[nodiscard]] std::string describe() const override { return "nothing"; }
-  [[nodiscard]] bool live() const override { return true; }
-  [[nodiscard]] bool has_token() const override { return true; }
-
-  [[nodiscard]] int heartbeats() const {
-    return static_cast<int>(std::count_if(commands.begin(), commands.end(), [](const Command& command) {
-      return command.kind == CommandKind::heartbeat;
-    }));
-  }
-
-  std::vector<Command> commands;
-  std::string chosen;
-  bool answers = false;
-  std::string refusal;                    ///< of all commands; empty: accepted
-  std::function<void(SampleSink&)> news;  ///< given once
-};
-
-constexpr const char* kWalk = R"({"command": "walk", "sequence": 7, "value": 0.5})";
-
 TEST(LiveView, APageIsGreetedWithTheSupervisorsTables) {
   SilentSource source;
-  LiveView view(source);
+  LiveView view(source, kKey);
   const auto page = std::make_shared<FakePeer>();
-  view.opened(page);
+  open_with_key(view, page);
   view.step(0.0);
   const auto hello = page->of_type("hello").at(0);
   EXPECT_EQ(hello["faults"].size(), supervisor::kFaults);
@@ -64,9 +29,9 @@ TEST(LiveView, APageIsGreetedWithTheSupervisorsTables) {
 
 TEST(LiveView, TheHeartbeatOfAPageInCommandGoesOnAsLongAsThePageLives) {
   SilentSource source;
-  LiveView view(source);
+  LiveView view(source, kKey);
   const auto page = std::make_shared<FakePeer>();
-  view.opened(page);
+  open_with_key(view, page);
   view.step(0.0);
   EXPECT_EQ(source.heartbeats(), 0) << "a page that only looks does not command";
   view.received(*page, false, kWalk);
@@ -84,8 +49,8 @@ TEST(LiveView, TheHeartbeatOfAPageInCommandGoesOnAsLongAsThePageLives) {
 
 TEST(LiveView, AHeartbeatHasTheTokenOfThePagesCommand) {
   SilentSource source;
-  LiveView view(source);
-  const auto page = std::make_shared<FakePeer>(false);
+  LiveView view(source, kKey);
+  const auto page = std::make_shared<FakePeer>();
   view.opened(page);
   view.received(*page, false, R"({"command": "walk", "sequence": 7, "value": 0.5, "token": "of the page"})");
   source.answers = true;
@@ -99,9 +64,9 @@ TEST(LiveView, AHeartbeatHasTheTokenOfThePagesCommand) {
 TEST(LiveView, ARefusedCommandPutsNoPageInCommand) {
   SilentSource source;
   source.refusal = "the robot has fallen";
-  LiveView view(source);
+  LiveView view(source, kKey);
   const auto page = std::make_shared<FakePeer>();
-  view.opened(page);
+  open_with_key(view, page);
   view.received(*page, false, kWalk);
   source.answers = true;
   view.step(0.0);
@@ -112,9 +77,9 @@ TEST(LiveView, ARefusedCommandPutsNoPageInCommand) {
 
 TEST(LiveView, AnotherRunTakesTheCommandFromThePageAndBeginsItsTicksAnew) {
   SilentSource source;
-  LiveView view(source);
+  LiveView view(source, kKey);
   const auto page = std::make_shared<FakePeer>();
-  view.opened(page);
+  open_with_key(view, page);
   view.received(*page, false, kWalk);
   source.answers = true;
   const auto begin = [](const char* run_id, std::uint64_t tick) {
@@ -143,11 +108,11 @@ TEST(LiveView, AnotherRunTakesTheCommandFromThePageAndBeginsItsTicksAnew) {
 
 TEST(LiveView, NobodyButThePageInCommandShowsAnotherRun) {
   SilentSource source;
-  LiveView view(source);
+  LiveView view(source, kKey);
   const auto commands = std::make_shared<FakePeer>();
   const auto looks = std::make_shared<FakePeer>();
-  view.opened(commands);
-  view.opened(looks);
+  open_with_key(view, commands);
+  open_with_key(view, looks);
   view.received(*looks, false, R"({"run": "1"})");
   view.step(0.0);
   EXPECT_EQ(source.chosen, "1") << "no page commands";
@@ -166,9 +131,9 @@ TEST(LiveView, NobodyButThePageInCommandShowsAnotherRun) {
 
 TEST(LiveView, AClosedPageIsNotSpokenFor) {
   SilentSource source;
-  LiveView view(source);
+  LiveView view(source, kKey);
   const auto page = std::make_shared<FakePeer>();
-  view.opened(page);
+  open_with_key(view, page);
   view.received(*page, false, kWalk);
   view.step(0.0);
   source.answers = true;
@@ -182,11 +147,11 @@ TEST(LiveView, AClosedPageIsNotSpokenFor) {
 
 TEST(LiveView, ThePageWhoseCommandWasAcceptedLastIsInCommandAlone) {
   SilentSource source;
-  LiveView view(source);
+  LiveView view(source, kKey);
   const auto first = std::make_shared<FakePeer>();
   const auto second = std::make_shared<FakePeer>();
-  view.opened(first);
-  view.opened(second);
+  open_with_key(view, first);
+  open_with_key(view, second);
   view.received(*first, false, kWalk);
   view.step(0.0);
   source.answers = true;
@@ -203,24 +168,6 @@ TEST(LiveView, ThePageWhoseCommandWasAcceptedLastIsInCommandAlone) {
   EXPECT_EQ(source.heartbeats(), 0);
 }
 
-TEST(LiveView, TheTokenIsLentToPagesOfThisMachineOnly) {
-  SilentSource source;
-  LiveView view(source);
-  const auto far = std::make_shared<FakePeer>(false);
-  view.opened(far);
-  view.received(*far, false, kWalk);
-  view.step(0.0);
-  EXPECT_TRUE(source.commands.empty());
-  EXPECT_FALSE(far->of_type("hello").at(0)["has_token"]);
-  const auto reply = far->of_type("reply").at(0);
-  EXPECT_FALSE(reply["accepted"]);
-  EXPECT_NE(reply["reason"].get<std::string>().find("token"), std::string::npos);
-  view.received(*far, false, R"({"command": "walk", "sequence": 8, "value": 0.5, "token": "t"})");
-  view.step(0.1);
-  ASSERT_EQ(source.commands.size(), 1u);
-  EXPECT_EQ(source.commands[0].token, "t");
-}
-
 TEST(LiveView, WhatIsNoMessageOfThePageIsRefusedAndTheViewGoesOn) {
   for (const char* text :
        {"", "{", "[]", "7", R"({"command": "fly", "sequence": 1})", R"({"command": "walk"})",
@@ -230,9 +177,9 @@ TEST(LiveView, WhatIsNoMessageOfThePageIsRefusedAndTheViewGoesOn) {
         R"({"command": "walk", "sequence": 1, "token": 7})",
         R"({"command": "walk", "sequence": 1, "value": "fast"})", "\xff\xfe"}) {
     SilentSource source;
-    LiveView view(source);
+    LiveView view(source, kKey);
     const auto page = std::make_shared<FakePeer>();
-    view.opened(page);
+    open_with_key(view, page);
     view.received(*page, false, text);
     view.step(0.0);
     EXPECT_TRUE(source.commands.empty()) << text;
@@ -251,9 +198,9 @@ TEST(LiveView, EveryCommandGoesOnWithItsNumbers) {
       {"tunable", CommandKind::tunable}, {"heartbeat", CommandKind::heartbeat}};
   for (const auto& [text, kind] : kinds) {
     SilentSource source;
-    LiveView view(source);
+    LiveView view(source, kKey);
     const auto page = std::make_shared<FakePeer>();
-    view.opened(page);
+    open_with_key(view, page);
     view.received(*page, false,
                   std::string(R"({"command": ")") + text +
                       R"(", "sequence": 4294967295, "value": -0.25, "tunable": "cost.base_z"})");
@@ -269,9 +216,9 @@ TEST(LiveView, EveryCommandGoesOnWithItsNumbers) {
 
 TEST(LiveView, AGapInTheTicksIsCounted) {
   SyntheticSource source;
-  LiveView view(source);
+  LiveView view(source, kKey);
   const auto page = std::make_shared<FakePeer>();
-  view.opened(page);
+  open_with_key(view, page);
   source.advance(0.0);
   view.step(0.0);
   source.advance(0.1);
@@ -295,13 +242,13 @@ std::uint32_t rows_of_ticks(const FakePeer& page) {
 
 TEST(LiveView, APageThatOpensLaterGetsTheLastSeconds) {
   SyntheticSource source;
-  LiveView view(source);
+  LiveView view(source, kKey);
   for (int k = 0; k <= 50; ++k) {
     source.advance(0.1 * k);
     view.step(0.1 * k);
   }
   const auto page = std::make_shared<FakePeer>();
-  view.opened(page);
+  open_with_key(view, page);
   view.step(5.01);
   EXPECT_EQ(rows_of_ticks(*page), 5000u);
   EXPECT_EQ(page->of_type("configuration").size(), 1u);
@@ -310,20 +257,20 @@ TEST(LiveView, APageThatOpensLaterGetsTheLastSeconds) {
 
 TEST(LiveView, APageThatOpensLaterGetsNoMoreThanTheLastTwelveSeconds) {
   SyntheticSource source;
-  LiveView view(source);
+  LiveView view(source, kKey);
   for (int k = 0; k <= 200; ++k) {
     source.advance(0.1 * k);
     view.step(0.1 * k);
   }
   const auto page = std::make_shared<FakePeer>();
-  view.opened(page);
+  open_with_key(view, page);
   view.step(20.0);
   EXPECT_NEAR(rows_of_ticks(*page), 12'000, 200);
 }
 
 TEST(LiveView, AnotherRunLeavesNothingOfTheOneBefore) {
   SyntheticSource source;
-  LiveView view(source);
+  LiveView view(source, kKey);
   source.advance(0.0);
   view.step(0.0);
   source.advance(1.0);
@@ -331,7 +278,7 @@ TEST(LiveView, AnotherRunLeavesNothingOfTheOneBefore) {
   source.change("run");
   view.step(1.01);
   const auto page = std::make_shared<FakePeer>();
-  view.opened(page);
+  open_with_key(view, page);
   view.step(1.02);
   EXPECT_EQ(page->of_type("configuration").at(0)["run_id"], "synthetic-2");
   for (const SharedMessage& message : page->messages) EXPECT_FALSE(message->binary);
@@ -341,9 +288,9 @@ TEST(LiveView, AnotherRunLeavesNothingOfTheOneBefore) {
 TEST(LiveView, ARecordTakesNoCommands) {
   SyntheticSource source;
   source.change("record");
-  LiveView view(source);
+  LiveView view(source, kKey);
   const auto page = std::make_shared<FakePeer>();
-  view.opened(page);
+  open_with_key(view, page);
   view.received(*page, false, kWalk);
   view.step(0.0);
   EXPECT_FALSE(page->of_type("reply").at(0)["accepted"]);
@@ -368,20 +315,20 @@ class Record final : public SampleSource {
 
 TEST(LiveView, ARecordWaitsForItsFirstPage) {
   Record source;
-  LiveView view(source);
+  LiveView view(source, kKey);
   view.step(0.0);
   EXPECT_EQ(source.polls, 0);
-  view.opened(std::make_shared<FakePeer>());
+  open_with_key(view, std::make_shared<FakePeer>());
   view.step(0.1);
   EXPECT_EQ(source.polls, 1);
 }
 
 TEST(LiveView, ARecordPlayedAgainBeginsAnewOnEveryPage) {
   Record source;
-  LiveView view(source);
+  LiveView view(source, kKey);
   const auto first = std::make_shared<FakePeer>(), second = std::make_shared<FakePeer>();
-  view.opened(first);
-  view.opened(second);
+  open_with_key(view, first);
+  open_with_key(view, second);
   view.step(0.0);
   view.received(*first, false, R"({"again": true})");
   view.step(0.1);
@@ -390,7 +337,7 @@ TEST(LiveView, ARecordPlayedAgainBeginsAnewOnEveryPage) {
     EXPECT_EQ(page->of_type("configuration").size(), 2u);
   }
   const auto third = std::make_shared<FakePeer>();
-  view.opened(third);
+  open_with_key(view, third);
   view.step(0.2);
   EXPECT_EQ(third->of_type("event").size(), 1u) << "of this time alone";
 }

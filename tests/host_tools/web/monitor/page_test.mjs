@@ -1,36 +1,9 @@
 // The page in a browser, with a synthetic robot that does what the tests say: synthetic_monitor.
 
 import assert from 'node:assert/strict';
-import http from 'node:http';
-import { after, afterEach, before, beforeEach, test } from 'node:test';
-import { firstMotion_ms, hipX, openBrowser, openPage, picture, pixels, Program, shownSpeed, until } from './browser.mjs';
-
-let browser;
-let monitor;
-let page;
-
-before(async () => { browser = await openBrowser(); });
-after(async () => { await browser.close(); });
-
-beforeEach(async () => {
-  monitor = new Program(process.env.STILT_SYNTHETIC_MONITOR, []);
-  const [url] = await monitor.wrote(/http:\S+/);
-  monitor.url = url;
-  page = await openPage(browser, url);
-  await until('the robot in the picture', () => page.getAttribute('#stage-canvas', 'data-hip-x'));
-});
-
-afterEach(async () => {
-  const { problems } = page;
-  await page.close();
-  monitor.process.stdin.end();
-  await monitor.ended;
-  assert.deepEqual(problems, []);
-});
-
-const text = (selector) => page.textContent(selector);
-const answer = (pattern) => until(`an answer like ${pattern}`, async () => pattern.test(await text('#answer')));
-const state = (name) => until(`state ${name}`, async () => (await text('#state')) === name);
+import { test } from 'node:test';
+import { firstMotion_ms, hipX, openPage, picture, pixels, shownSpeed, until } from './browser.mjs';
+import { answer, browser, monitor, page, state, text } from './synthetic.mjs';
 
 test('the first moving picture comes soon after the page is opened', async () => {
   await page.keyboard.press('w');
@@ -291,30 +264,4 @@ test('a record is shown as one and takes no commands', async () => {
   await until('the words', async () => /A record: it takes no commands/.test(await text('#answer')));
   assert.ok(await page.isHidden('#stop'));
   assert.ok(await page.isHidden('#gaits'));
-});
-
-/** Status of a request to the monitor with other headers than a browser of this page would send. */
-function statusOf(url, path, headers) {
-  return new Promise((resolve, reject) => {
-    const request = http.request(new URL(path, url), { headers });
-    request.on('response', (response) => { response.resume(); resolve(response.statusCode); });
-    request.on('upgrade', (response, socket) => { socket.destroy(); resolve(response.statusCode); });
-    request.on('error', (error) => (error.code === 'ECONNRESET' ? resolve('closed') : reject(error)));
-    request.end();
-  });
-}
-
-const kUpgrade = {
-  Connection: 'Upgrade', Upgrade: 'websocket', 'Sec-WebSocket-Version': '13', 'Sec-WebSocket-Key': 'c3RpbHRzdGlsdHN0aWx0cw==',
-};
-
-test('pages of other sites, and other names for this machine, get nothing', async () => {
-  const { host, origin } = new URL(monitor.url);
-  assert.equal(await statusOf(monitor.url, '/live', { ...kUpgrade, Origin: origin }), 101);
-  assert.notEqual(await statusOf(monitor.url, '/live', { ...kUpgrade, Origin: 'http://example.com' }), 101);
-  assert.notEqual(await statusOf(monitor.url, '/live', { ...kUpgrade, Origin: `http://evil${host}` }), 101);
-  assert.notEqual(await statusOf(monitor.url, '/live', { ...kUpgrade, Host: 'example.com' }), 101);
-  assert.equal(await statusOf(monitor.url, '/', { Host: host }), 200);
-  assert.equal(await statusOf(monitor.url, '/', { Host: 'example.com' }), 403);
-  assert.equal(await statusOf(monitor.url, '/../etc/passwd', {}), 404);
 });

@@ -15,6 +15,8 @@
 
 namespace {
 
+constexpr const char* kKey = "key-of-a-test";
+
 bool line_waits() {
   pollfd input{0, POLLIN, 0};
   return ::poll(&input, 1, 0) > 0;
@@ -26,11 +28,12 @@ int main() {
   using namespace stilt::monitor;
   std::setvbuf(stdin, nullptr, _IONBF, 0);  // no line may hide in a buffer from poll()
   SyntheticSource source;
-  LiveView view(source);
+  LiveView view(source, kKey);
   WebServer server({"127.0.0.1", 0});
   server.serve_page(kMonitorPage);
   server.add_endpoint({"/live", {}, {}}, view);
-  std::printf("%s\n", server.url().c_str());
+  server.start();
+  std::printf("%s#key=%s\n", server.url().c_str(), kKey);
   std::fflush(stdout);
   const auto start = std::chrono::steady_clock::now();
   for (;;) {

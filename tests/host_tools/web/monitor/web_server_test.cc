@@ -1,160 +1,21 @@
 #include "host_tools/web/monitor/web_server.h"
 
-#include <arpa/inet.h>
 #include <gtest/gtest.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
 #include <unistd.h>
 
-#include <condition_variable>
+#include <array>
 #include <memory>
-#include <mutex>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
-#include "host_tools/web/monitor/web_socket_peer.h"
+#include "host_tools/web/monitor/send_queue.h"
+#include "web_client.h"
 
 namespace stilt::monitor {
 namespace {
-
-constexpr int kClosed = 0;  ///< instead of a status: the connection was closed without an answer
-
-/// A connection to a server on this machine.
-class Client {
- public:
-  explicit Client(int port) : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_port = htons(static_cast<std::uint16_t>(port));
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    if (::connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
-      throw std::runtime_error("nothing listens");
-    }
-  }
-  ~Client() { ::close(socket_); }
-  Client(const Client&) = delete;
-  Client& operator=(const Client&) = delete;
-
-  void send(const std::string& bytes) const {
-    ASSERT_EQ(::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL), static_cast<ssize_t>(bytes.size()));
-  }
-  /// Head of the answer, as far as it comes.
-  [[nodiscard]] std::string head() const {
-    std::string head;
-    char letter = 0;
-    while (!head.ends_with("\r\n\r\n") && ::recv(socket_, &letter, 1, 0) == 1) head += letter;
-    return head;
-  }
-  [[nodiscard]] std::string rest() const {
-    std::string rest;
-    char letter = 0;
-    while (::recv(socket_, &letter, 1, 0) == 1) rest += letter;
-    return rest;
-  }
-
- private:
-  int socket_;
-};
-
-using Headers = std::vector<std::pair<std::string, std::string>>;
-
-std::string request(const std::string& path, const Headers& headers) {
-  std::string text = "GET " + path + " HTTP/1.1\r\n";
-  for (const auto& [name, value] : headers) text += name + ": " + value + "\r\n";
-  return text + "\r\n";
-}
-
-int status_of(const std::string& head) {
-  return head.starts_with("HTTP/1.1 ") ? std::stoi(head.substr(9)) : kClosed;
-}
-
-/// Keeps pages and what they send.
-class Pages final : public Endpoint {
- public:
-  void opened(const std::shared_ptr<Peer>& peer) override {
-    change([&] { peers_.push_back(peer); });
-  }
-  void received(Peer&, bool binary, std::string_view data) override {
-    change([&] {
-      received_ += binary ? "binary " : "text ";
-      received_ += data;
-      received_ += '\n';
-    });
-  }
-  void closed(Peer&) override {
-    change([&] { ++closed_; });
-  }
-
-  /// The peer of the page that opened last; waits for the first.
-  [[nodiscard]] std::shared_ptr<Peer> peer() {
-    std::unique_lock lock(mutex_);
-    news_.wait(lock, [&] { return !peers_.empty(); });
-    return peers_.back();
-  }
-  /// All that came, once it is that long.
-  [[nodiscard]] std::string received(std::size_t size) {
-    std::unique_lock lock(mutex_);
-    news_.wait(lock, [&] { return received_.size() >= size; });
-    return received_;
-  }
-  void wait_for_closed(int count) {
-    std::unique_lock lock(mutex_);
-    news_.wait(lock, [&] { return closed_ >= count; });
-  }
-
- private:
-  template <class Change>
-  void change(Change&& make) {
-    const std::lock_guard lock(mutex_);
-    make();
-    news_.notify_all();
-  }
-
-  std::mutex mutex_;
-  std::condition_variable news_;
-  std::vector<std::shared_ptr<Peer>> peers_;
-  std::string received_;
-  int closed_ = 0;
-};
-
-class WebServerTest : public testing::Test {
- protected:
-  explicit WebServerTest(const std::string& address = "127.0.0.1") : server({address, 0}) {
-    server.serve_page("<p>a page</p>");
-    server.add_endpoint({"/live", {}, {}}, pages);
-  }
-
-  [[nodiscard]] std::string here() const { return "127.0.0.1:" + std::to_string(server.port()); }
-
-  [[nodiscard]] int page(const std::string& path, const std::string& host) const {
-    const Client client(server.port());
-    client.send(request(path, {{"Host", host}}));
-    return status_of(client.head());
-  }
-
-  [[nodiscard]] static std::string upgrade(const std::string& host, const std::string& origin,
-                                           const std::string& path = "/live") {
-    Headers headers = {{"Host", host},
-                       {"Connection", "Upgrade"},
-                       {"Upgrade", "websocket"},
-                       {"Sec-WebSocket-Version", "13"},
-                       {"Sec-WebSocket-Key", "c3RpbHRzdGlsdHN0aWx0cw=="}};
-    if (!origin.empty()) headers.emplace_back("Origin", origin);
-    return request(path, headers);
-  }
-
-  /// Status of a page's WebSocket with that origin; no origin: a program.
-  [[nodiscard]] int socket(const std::string& host, const std::string& origin) const {
-    const Client client(server.port());
-    client.send(upgrade(host, origin));
-    return status_of(client.head());
-  }
-
-  Pages pages;  ///< outlives the server
-  WebServer server;
-};
 
 TEST_F(WebServerTest, ThePageIsAtTheRootAlone) {
   const Client client(server.port());
@@ -171,22 +32,27 @@ TEST_F(WebServerTest, ThePageIsAtTheRootAlone) {
 TEST_F(WebServerTest, OnlyLoopbackNamesOfThisMachineLeadHere) {
   const std::string port = here().substr(here().find(':'));
   for (const std::string host : {"127.0.0.1", "127.1.2.3", "localhost", "[::1]"}) {
-    EXPECT_EQ(page("/", host + port), 200) << host;
+    const std::string address = host + port;
+    EXPECT_EQ(page("/", address), 200) << host;
     EXPECT_EQ(page("/", host), 200) << host;
-    EXPECT_EQ(socket(host + port, "http://" + host + port), 101) << host;
+    EXPECT_EQ(socket(address, "http://" + address), 101) << host;
   }
   for (const std::string host : {"example.com", "127.example.com", "localhost.example.com",
                                  "127.0.0.1.example.com", "10.0.0.1", "[::2]"}) {
-    EXPECT_EQ(page("/", host + port), 403) << host;
-    EXPECT_NE(socket(host + port, "http://" + host + port), 101) << host;
-    EXPECT_NE(socket(host + port, ""), 101) << host;
+    const std::string address = host + port;
+    EXPECT_EQ(page("/", address), 403) << host;
+    EXPECT_NE(socket(address, "http://" + address), 101) << host;
+    EXPECT_NE(socket(address, ""), 101) << host;
   }
 }
 
-TEST_F(WebServerTest, PagesOfThisServerAndProgramsGetInAndPagesOfOtherSitesDoNot) {
+TEST_F(WebServerTest, ThePagesOfThisServerGetInAndThoseOfOtherSitesAndWhatHasNoOriginDoNot) {
   const std::string host = here();
   EXPECT_EQ(socket(host, "http://" + host), 101);
-  EXPECT_EQ(socket(host, ""), 101);
+  EXPECT_EQ(socket(host, ""), 403) << "where commands are taken";
+  const Client program(server.port());
+  program.send(upgrade(host, "", "/viewers"));
+  EXPECT_EQ(status_of(program.head()), 101);
   for (const std::string& origin :
        {std::string("http://example.com"), "http://evil" + host, "https://" + host, host,
         "http://" + host + ".example.com", std::string("http://127.0.0.1"), std::string("null")}) {
@@ -204,7 +70,7 @@ TEST_F(WebServerTest, ASocketThatIsRefusedGetsAnHttpAnswerThatSaysWhy) {
   const std::string foreign = answer_to(upgrade(here(), "http://example.com"));
   EXPECT_EQ(status_of(foreign), 403) << foreign;
   EXPECT_NE(foreign.find("--viewers"), std::string::npos) << foreign;
-  EXPECT_EQ(status_of(answer_to(upgrade("example.com", ""))), 403);
+  EXPECT_EQ(status_of(answer_to(upgrade("example.com", "http://example.com"))), 403);
   const std::string none = answer_to(upgrade(here(), "", "/"));
   EXPECT_EQ(status_of(none), 404) << none;
   EXPECT_NE(none.find("no WebSocket at this path"), std::string::npos) << none;
@@ -213,15 +79,88 @@ TEST_F(WebServerTest, ASocketThatIsRefusedGetsAnHttpAnswerThatSaysWhy) {
 TEST_F(WebServerTest, MessagesOfAPageComeAndItsEndIsTold) {
   {
     const Client client(server.port());
-    client.send(upgrade(here(), ""));
+    client.send(own_page());
     ASSERT_EQ(status_of(client.head()), 101);
     client.send(std::string("\x81\x82\0\0\0\0hi\x82\x81\0\0\0\0!", 15));  // masked by zeros
     const std::string wanted = "text hi\nbinary !\n";
     EXPECT_EQ(pages.received(wanted.size()), wanted);
-    EXPECT_TRUE(pages.peer()->local());
     EXPECT_EQ(pages.peer()->subprotocol(), "");
   }
   pages.wait_for_closed(1);
+}
+
+/// A client that reads frames itself need not put pieces together. RFC 6455, section 5.2: the shortest
+/// length.
+TEST_F(WebServerTest, EveryMessageIsOneFrame) {
+  const Client client(server.port());
+  client.send(own_page());
+  ASSERT_EQ(status_of(client.head()), 101);
+  const std::pair<std::size_t, std::string> cases[] = {
+      {125, std::string("\x82\x7d")},
+      {126, std::string("\x82\x7e\0\x7e", 4)},
+      {65535, std::string("\x82\x7e\xff\xff")},
+      {65536, std::string("\x82\x7f\0\0\0\0\0\x01\0\0", 10)}};
+  for (const auto& [size, head] : cases) {
+    const std::string bytes(size, 'x');
+    pages.peer()->send(std::make_shared<const Message>(Message{bytes, true, false}));
+    EXPECT_TRUE(client.next(head.size() + size) == head + bytes) << size;
+  }
+  pages.peer()->send(std::make_shared<const Message>(Message{"{}", false, true}));
+  EXPECT_EQ(client.next(4), "\x81\x02{}");
+}
+
+TEST_F(WebServerTest, MessagesComeInTheirOrderFromAnyThread) {
+  constexpr int kThreads = 4, kMessages = 2000;
+  const Client client(server.port());
+  client.send(own_page());
+  ASSERT_EQ(status_of(client.head()), 101);
+  const std::shared_ptr<Peer> peer = pages.peer();
+  std::vector<std::jthread> senders;
+  for (int k = 0; k < kThreads; ++k) {
+    senders.emplace_back([peer, k] {
+      for (int i = 0; i < kMessages; ++i) {
+        const std::string bytes = {static_cast<char>(k), static_cast<char>(i / 100),
+                                   static_cast<char>(i % 100)};
+        peer->send(std::make_shared<const Message>(Message{bytes, true, false}));
+      }
+    });
+  }
+  std::array<int, kThreads> next{};
+  for (int i = 0; i < kThreads * kMessages; ++i) {
+    const std::string frame = client.next(5);
+    ASSERT_EQ(frame.substr(0, 2), "\x82\x03") << i;
+    ASSERT_LT(frame[2], kThreads);
+    ASSERT_EQ(100 * frame[3] + frame[4], next[static_cast<std::size_t>(frame[2])]++)
+        << "thread " << int{frame[2]};
+  }
+}
+
+/// Sockets of viewers agree on the first protocol of the viewer's list that is known.
+TEST_F(WebServerTest, ASubprotocolIsTheFirstOneOfferedThatIsKnown) {
+  const auto agreed = [this](const std::string& offered) {
+    const Client client(server.port());
+    std::string asked = upgrade(here(), "", "/protocols");
+    asked.insert(asked.size() - 2, "Sec-WebSocket-Protocol: " + offered + "\r\n");
+    client.send(asked);
+    const std::string head = client.head();
+    EXPECT_EQ(status_of(head), 101) << head;
+    const std::size_t at = head.find("Sec-WebSocket-Protocol: ");
+    return at == std::string::npos ? std::string() : head.substr(at + 24, head.find('\r', at) - at - 24);
+  };
+  EXPECT_EQ(agreed("stilt.v0, stilt.v2 ,stilt.v1"), "stilt.v2");
+  EXPECT_EQ(agreed("stilt.v1"), "stilt.v1");
+  EXPECT_EQ(agreed("stilt.v10, stilt"), "");
+}
+
+/// RFC 6455, section 1.3.
+TEST_F(WebServerTest, AKeyIsAcceptedAsTheStandardSays) {
+  const Client client(server.port());
+  std::string asked = own_page();
+  const std::string key = "c3RpbHRzdGlsdHN0aWx0cw==";
+  client.send(asked.replace(asked.find(key), key.size(), "dGhlIHNhbXBsZSBub25jZQ=="));
+  const std::string head = client.head();
+  EXPECT_NE(head.find("\r\nSec-WebSocket-Accept: s3pPLMBiTxaQ9kYGzzhZRbK+xOo=\r\n"), std::string::npos)
+      << head;
 }
 
 /// The client reads nothing, so what the kernel does not hold is queued.
@@ -233,16 +172,16 @@ TEST_F(WebServerTest, APageThatDoesNotKeepUpLosesDroppableMessagesAndNoOthersUnt
   };
   {
     const Client client(server.port());
-    client.send(upgrade(here(), ""));
+    client.send(own_page());
     ASSERT_EQ(status_of(client.head()), 101);
     const std::shared_ptr<Peer> peer = pages.peer();
     std::uint64_t sent = 0;
     for (; peer->dropped() == 0 && sent * kMessage_bytes < kKernel_bytes; ++sent) peer->send(message(true));
     EXPECT_EQ(peer->dropped(), 1u);
-    EXPECT_GT(sent * kMessage_bytes, WebSocketPeer::kCongested_bytes);
+    EXPECT_GT(sent * kMessage_bytes, SendQueue::kCongested_bytes);
     peer->send(message(false));
     EXPECT_EQ(peer->dropped(), 1u);
-    for (std::size_t bytes = 0; bytes <= WebSocketPeer::kHopeless_bytes; bytes += kMessage_bytes) {
+    for (std::size_t bytes = 0; bytes <= SendQueue::kHopeless_bytes; bytes += kMessage_bytes) {
       peer->send(message(false));
     }
     const std::uint64_t dropped = peer->dropped();
@@ -254,13 +193,52 @@ TEST_F(WebServerTest, APageThatDoesNotKeepUpLosesDroppableMessagesAndNoOthersUnt
 
 class ServerOfAllAddresses : public WebServerTest {
  protected:
-  ServerOfAllAddresses() : WebServerTest("0.0.0.0") {}
+  ServerOfAllAddresses() : WebServerTest({.address = "0.0.0.0", .port = 0, .names = {"robot.example.com"}}) {}
 };
 
-TEST_F(ServerOfAllAddresses, AnswersUnderAnyNameButPagesOfOtherSites) {
-  EXPECT_EQ(page("/", "robot.example.com"), 200);
-  EXPECT_EQ(socket("robot.example.com", "http://robot.example.com"), 101);
+TEST_F(ServerOfAllAddresses, AnswersUnderItsOwnNamesAndAddresses) {
+  std::array<char, 256> machine{};
+  ASSERT_EQ(gethostname(machine.data(), machine.size() - 1), 0);
+  std::vector<std::string> hosts = {
+      "robot.example.com", "Robot.Example.com:8080", here(),
+      "localhost",         machine.data(),           std::string(machine.data()) + ".local:8080"};
+  for (const std::string& url : server.urls_for_others()) {
+    hosts.push_back(url.substr(7, url.size() - 8));  // without http:// and the last stroke
+  }
+  for (const std::string& host : hosts) {
+    EXPECT_EQ(page("/", host), 200) << host;
+    EXPECT_EQ(socket(host, "http://" + host), 101) << host;
+  }
+  EXPECT_EQ(server.url(), "http://" + here() + "/") << "an address that a browser can open";
+}
+
+/// A name of the attacker's that has come to lead here: its pages have it as origin and as host.
+TEST_F(ServerOfAllAddresses, GivesAReboundNameNothing) {
+  const std::string port = here().substr(here().find(':'));
+  for (const std::string host : {"evil.example.com", "robot.example.com.evil.com", "10.255.255.254"}) {
+    const std::string address = host + port;
+    EXPECT_EQ(page("/", address), 403) << host;
+    EXPECT_EQ(socket(address, "http://" + address), 403) << host;
+    const Client viewer(server.port());
+    viewer.send(upgrade(address, "", "/viewers"));
+    EXPECT_EQ(status_of(viewer.head()), 403) << host;
+  }
   EXPECT_NE(socket("robot.example.com", "http://example.com"), 101);
+}
+
+TEST(WebServer, ThatEndsSaysSoToItsPages) {
+  Pages pages;
+  auto server = std::make_unique<WebServer>(ServerOptions{.port = 0});
+  server->add_endpoint({"/live", {}, {.programs = true}}, pages);
+  server->start();
+  const Client client(server->port());
+  client.send(WebServerTest::upgrade("127.0.0.1", ""));
+  ASSERT_EQ(status_of(client.head()), 101);
+  const std::shared_ptr<Peer> peer = pages.peer();
+  server.reset();
+  EXPECT_EQ(client.rest(), "\x88\x02\x03\xe8");
+  pages.wait_for_closed(1);
+  peer->send(std::make_shared<const Message>(Message{"late", false, false}));  // outlives the server
 }
 
 TEST(WebServer, AnAddressThatCannotBeListenedOnIsRefusedInOneSentence) {

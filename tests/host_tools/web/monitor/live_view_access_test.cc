@@ -1,0 +1,121 @@
+// What a page may do with and without the key and tokens.
+#include <gtest/gtest.h>
+
+#include <map>
+#include <string>
+
+#include "silent_source.h"
+
+namespace stilt::monitor {
+namespace {
+
+TEST(LiveView, WithoutKeyOrTokenAPageCommandsNothingWhereverItIs) {
+  SilentSource source;
+  LiveView view(source, kKey);
+  const auto page = std::make_shared<FakePeer>();
+  view.opened(page);
+  for (const char* key : {"", "0123456789abcde", "0123456789abcdeF", "0123456789abcdef0"}) {
+    view.received(*page, false, std::string(R"({"key": ")") + key + "\"}");
+    view.received(*page, false, kWalk);
+  }
+  view.received(*page, false, R"({"run": "other"})");
+  view.received(*page, false, R"({"new_key": true})");
+  view.step(0.0);
+  EXPECT_TRUE(source.commands.empty());
+  EXPECT_TRUE(source.chosen.empty()) << "nor does it show another robot to the page that commands";
+  EXPECT_FALSE(page->held);
+  for (const auto& access : page->of_type("access")) {
+    EXPECT_FALSE(access["has_key"]);
+    EXPECT_EQ(access["key"], "");
+    EXPECT_TRUE(access["urls"].empty());
+  }
+  const auto replies = page->of_type("reply");
+  ASSERT_EQ(replies.size(), 5u);
+  for (const auto& reply : replies) EXPECT_FALSE(reply["accepted"]);
+  EXPECT_NE(replies[0]["reason"].get<std::string>().find("link that stilt monitor printed"),
+            std::string::npos);
+  view.received(*page, false, R"({"command": "walk", "sequence": 8, "value": 0.5, "token": "t"})");
+  view.step(0.1);
+  ASSERT_EQ(source.commands.size(), 1u);
+  EXPECT_EQ(source.commands[0].token, "t");
+  EXPECT_FALSE(source.commands[0].with_known_tokens);
+}
+
+TEST(LiveView, APageWithTheKeyCommandsAndKnowsTheLinksForOtherMachines) {
+  SilentSource source;
+  LiveView view(source, kKey);
+  view.set_urls({"http://10.0.0.7:8080/"});
+  const auto page = std::make_shared<FakePeer>();
+  open_with_key(view, page);
+  view.received(*page, false, kWalk);
+  view.step(0.0);
+  ASSERT_EQ(source.commands.size(), 1u);
+  EXPECT_TRUE(source.commands[0].with_known_tokens);
+  EXPECT_TRUE(page->held);
+  const auto access = page->of_type("access").back();
+  EXPECT_TRUE(access["has_key"]);
+  EXPECT_TRUE(access["has_token"]);
+  EXPECT_EQ(access["key"], kKey);
+  EXPECT_EQ(access["urls"], nlohmann::json({"http://10.0.0.7:8080/"}));
+}
+
+TEST(LiveView, ANewKeyEndsWhatEveryOtherPageMayDo) {
+  SilentSource source;
+  LiveView view(source, kKey);
+  const auto owner = std::make_shared<FakePeer>(), lost_phone = std::make_shared<FakePeer>();
+  open_with_key(view, owner);
+  open_with_key(view, lost_phone);
+  view.received(*lost_phone, false, kWalk);
+  view.step(0.0);
+  source.answers = true;
+  view.step(0.1);
+  ASSERT_EQ(source.heartbeats(), 1) << "in command";
+  view.received(*owner, false, R"({"new_key": true})");
+  view.step(0.2);
+  source.commands.clear();
+  for (int k = 1; k <= 5; ++k) {
+    view.received(*lost_phone, false, kWalk);
+    view.received(*lost_phone, false, std::string(R"({"key": ")") + kKey + "\"}");
+    view.step(0.2 + 0.1 * k);
+  }
+  EXPECT_TRUE(source.commands.empty()) << "neither commands nor heartbeats";
+  EXPECT_FALSE(lost_phone->held);
+  EXPECT_FALSE(lost_phone->of_type("access").back()["has_key"]);
+  const auto access = owner->of_type("access").back();
+  EXPECT_TRUE(access["has_key"]);
+  EXPECT_NE(access["key"], kKey);
+  view.received(*owner, false, kWalk);
+  view.step(1.0);
+  EXPECT_EQ(source.commands.size(), 1u);
+}
+
+TEST(LiveView, StopCarriesTheTokensOfOtherRuns) {
+  SilentSource source;
+  LiveView view(source, kKey);
+  const auto page = std::make_shared<FakePeer>();
+  view.opened(page);
+  view.received(
+      *page, false,
+      R"({"command": "stop", "sequence": 1, "token": "a", "tokens": {"run a": "a", "run b": "b"}})");
+  view.step(0.0);
+  ASSERT_EQ(source.commands.size(), 1u);
+  EXPECT_EQ(source.commands[0].tokens_of_others,
+            (std::map<std::string, std::string>{{"run a", "a"}, {"run b", "b"}}));
+}
+
+TEST(LiveView, APageThatSendsWithoutEndLosesItsOwnMessagesAndNoneOfAnotherPage) {
+  SilentSource source;
+  LiveView view(source, kKey);
+  const auto flood = std::make_shared<FakePeer>(), operators = std::make_shared<FakePeer>();
+  open_with_key(view, flood);
+  open_with_key(view, operators);
+  for (int k = 0; k < 100'000; ++k) view.received(*flood, false, R"({"alive": true})");
+  view.received(*flood, false, kWalk);
+  view.received(*operators, false, R"({"command": "stop", "sequence": 1})");
+  view.step(0.0);
+  ASSERT_EQ(source.commands.size(), 1u);
+  EXPECT_EQ(source.commands[0].kind, CommandKind::stop);
+}
+
+}  // namespace
+}  // namespace stilt::monitor

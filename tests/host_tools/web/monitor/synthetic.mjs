@@ -1,0 +1,32 @@
+// A browser, and for each test a synthetic robot that does what the test says, with its page: synthetic_monitor.
+
+import assert from 'node:assert/strict';
+import { after, afterEach, before, beforeEach } from 'node:test';
+import { openBrowser, openPage, Program, until } from './browser.mjs';
+
+export let browser;
+export let monitor;
+export let page;
+
+before(async () => { browser = await openBrowser(); });
+after(async () => { await browser.close(); });
+
+beforeEach(async () => {
+  monitor = new Program(process.env.STILT_SYNTHETIC_MONITOR, []);
+  const [url] = await monitor.wrote(/http:\S+/);
+  monitor.url = url;
+  page = await openPage(browser, url);
+  await until('the robot in the picture', () => page.getAttribute('#stage-canvas', 'data-hip-x'));
+});
+
+afterEach(async () => {
+  const { problems } = page;
+  await page.close();
+  monitor.process.stdin.end();
+  await monitor.ended;
+  assert.deepEqual(problems, []);
+});
+
+export const text = (selector) => page.textContent(selector);
+export const answer = (pattern) => until(`an answer like ${pattern}`, async () => pattern.test(await text('#answer')));
+export const state = (name) => until(`state ${name}`, async () => (await text('#state')) === name);
