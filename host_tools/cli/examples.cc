@@ -21,6 +21,7 @@ constexpr std::array kExamples = {
     "stilt experiment disturbance --quick --out pushes",
     "stilt experiment horizon --quick --out horizons",
     "stilt experiment limits --quick --out limits",
+    "stilt experiment robustness --quick --out robots",
     "stilt experiment figures --quick --out figures",
     "stilt monitor",
     "stilt monitor --bind 0.0.0.0 --no-browser",

@@ -12,6 +12,7 @@
 #include "host_tools/cli/json_output.h"
 #include "host_tools/cli/limits_experiment.h"
 #include "host_tools/cli/published_command.h"
+#include "host_tools/cli/robustness_experiment.h"
 #include "host_tools/cli/usage_error.h"
 #include "host_tools/experiments/figures.h"
 #include "host_tools/experiments/shortest_horizon.h"
@@ -44,12 +45,16 @@ void add_common_options(CLI::App& command, ExperimentOptions& options) {
       ->capture_default_str();
 }
 
-void add_job_options(CLI::App& command, ExperimentOptions& options, const char* seeds_text) {
+void add_job_options(CLI::App& command, ExperimentOptions& options) {
   command.add_flag("--list-jobs", options.list_jobs, "prints the names of the jobs and runs none");
   command.add_option("--job", options.job, "runs only this job, unless it has a result");
   command.add_flag("--merge", options.merge, "runs no job, merges the results");
   command.add_option("--processes", options.at_once, "jobs at a time; all cores by default")
       ->check(CLI::Range(1, 1024));
+}
+
+/// Options that choose among the jobs of an experiment.
+void add_choice_options(CLI::App& command, ExperimentOptions& options, const char* seeds_text) {
   command.add_option("--controller", options.controllers, "only this controller; repeatable")
       ->allow_extra_args(false);
   command.add_option("--horizon", options.horizons_s, "only this horizon, s; repeatable")
@@ -115,19 +120,29 @@ CLI::App* add_experiment_command(CLI::App& program, ExperimentOptions& options) 
       "disturbance",
       "largest push of 1 s survived, five controllers walking at 0.5 m/s or the rows of a file");
   add_common_options(*disturbance, options);
-  add_job_options(*disturbance, options, "of the sensor noise, default 3");
+  add_job_options(*disturbance, options);
+  add_choice_options(*disturbance, options, "of the sensor noise, default 3");
   add_disturbance_options(*disturbance, options);
   CLI::App* horizon = experiment->add_subcommand(
       "horizon", "shortest horizon that walks 60 s at 0.5 m/s, for every predictive controller");
   add_common_options(*horizon, options);
-  add_job_options(*horizon, options,
-                  "seeds of the sensor noise, default 1; a horizon counts when all of them walk");
+  add_job_options(*horizon, options);
+  add_choice_options(*horizon, options,
+                     "seeds of the sensor noise, default 1; a horizon counts when all of them walk");
   CLI::App* limits = experiment->add_subcommand("limits",
                                                 "changes of ground, speed, friction, mass and delays that "
                                                 "the robot survives unannounced, and random commands");
   add_common_options(*limits, options);
-  add_job_options(*limits, options, "of the sensor noise, default 3");
+  add_job_options(*limits, options);
+  add_choice_options(*limits, options, "of the sensor noise, default 3");
   add_limit_options(*limits, options);
+  CLI::App* robustness = experiment->add_subcommand(
+      "robustness",
+      "random robots in random worlds under a push: how many stay on their feet, and what goes with falls: "
+      "robustness.html");
+  add_common_options(*robustness, options);
+  add_job_options(*robustness, options);
+  add_robustness_options(*robustness, options);
   CLI::App* figures = experiment->add_subcommand(
       "figures",
       "a push over time, postures, joint angles and their repeatability, terminal states: figures.html");
@@ -145,6 +160,7 @@ int run_experiment(const CLI::App& experiment, ExperimentOptions options,
   if (experiment.got_subcommand("frequency")) return run_frequency(options);
   if (experiment.got_subcommand("horizon")) return run_horizons(options, arguments);
   if (experiment.got_subcommand("limits")) return run_limits(options, arguments);
+  if (experiment.got_subcommand("robustness")) return run_robustness(options, arguments);
   if (experiment.got_subcommand("figures")) return run_figures(options);
   return run_disturbance(std::move(options), arguments);
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <CLI/App.hpp>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -33,12 +34,16 @@ struct ExperimentOptions {
   double coarse_N = 10.0;
   // Options of limits.
   std::vector<std::string> quantities;  ///< of --quantity; empty: all, and random commands
+  // Options of robustness.
+  int runs = 500;
+  std::uint32_t seed = 1;
+  double force_N = 40.0;
   // Options of frequency.
   int problems = 500;
 };
 
-/// Adds `experiment` with frequency, disturbance, horizon, limits and figures; stores the options in
-/// `options`.
+/// Adds `experiment` with frequency, disturbance, horizon, limits, robustness and figures; stores the
+/// options in `options`.
 CLI::App* add_experiment_command(CLI::App& program, ExperimentOptions& options);
 
 /// Runs the command that was given. `arguments` is the command line, for the processes of the jobs. Returns

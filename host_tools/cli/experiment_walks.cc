@@ -32,16 +32,34 @@ ControllerChoice choice_of(const WalkSetting& setting, const WalkCase& walk) {
 }
 
 /// Sensor noise, as options of the plant.
-constexpr const char* kSensorNoise[] = {"encoder_noise_rad=0.0005", "encoder_velocity_noise_rad_s=0.02",
-                                        "base_angle_noise_rad=0.001", "base_rate_noise_rad_s=0.01"};
+std::vector<std::string> sensor_noise(double scale) {
+  struct Noise {
+    const char* option;
+    double standard_deviation;
+  };
+  constexpr Noise kNoise[] = {{"encoder_noise_rad", 0.0005},
+                              {"encoder_velocity_noise_rad_s", 0.02},
+                              {"base_angle_noise_rad", 0.001},
+                              {"base_rate_noise_rad_s", 0.01}};
+  std::vector<std::string> assignments;
+  for (const Noise& noise : kNoise) {
+    assignments.push_back(std::string(noise.option) + "=" +
+                          simulation::number_text(scale * noise.standard_deviation));
+  }
+  return assignments;
+}
+
+/// All changes of the plant, in the order in which they apply.
+std::vector<std::string> plant_assignments(const WalkSetting& setting, const WalkCase& walk) {
+  std::vector<std::string> all = sensor_noise(walk.sensor_noise_scale);
+  all.insert(all.end(), setting.plant_settings.begin(), setting.plant_settings.end());
+  all.insert(all.end(), walk.plant.begin(), walk.plant.end());
+  return all;
+}
 
 simulation::PlantOptions world_of(const WalkSetting& setting, const WalkCase& walk) {
   simulation::PlantOptions world;
-  if (walk.sensor_noise) {
-    for (const char* assignment : kSensorNoise) set_plant_option(world, assignment);
-  }
-  for (const std::string& assignment : setting.plant_settings) set_plant_option(world, assignment);
-  for (const std::string& assignment : walk.plant) set_plant_option(world, assignment);
+  for (const std::string& assignment : plant_assignments(setting, walk)) set_plant_option(world, assignment);
   return world;
 }
 
@@ -72,12 +90,15 @@ std::string gaits_text(const ControllerChoice& choice) {
   return all;
 }
 
+/// The push as an option of `stilt sim`.
+std::string push_text(const WalkSetting& setting, const WalkCase& walk) {
+  return simulation::number_text(walk.push_N) + "@" + simulation::number_text(walk.push_start_s) + "+" +
+         simulation::number_text(walk.push_duration_s) + "@" + setting.push_point;
+}
+
 std::vector<simulation::Push> pushes_of(const WalkSetting& setting, const WalkCase& walk) {
   if (walk.push_N == 0.0) return {};
-  const std::string text = simulation::number_text(walk.push_N) + "@" +
-                           simulation::number_text(walk.push_start_s) + "+" +
-                           simulation::number_text(walk.push_duration_s) + "@" + setting.push_point;
-  return {simulation::parse_push(text)};
+  return {simulation::parse_push(push_text(setting, walk))};
 }
 
 log::RunRecord run(const WalkSetting& setting, const WalkCase& walk) {
@@ -113,6 +134,37 @@ WalkSetting setting_for(const WalkSetting& setting, const std::string& controlle
   return own;
 }
 
+std::string sim_command(const WalkSetting& setting, const WalkCase& walk) {
+  const ControllerChoice choice = choice_of(setting, walk);
+  std::string command = "stilt sim";
+  const auto add = [&command](const char* option, const std::string& value) {
+    if (!value.empty()) command.append(" ").append(option).append(" ").append(value);
+  };
+  add("--robot", choice.robot);
+  add("--config", choice.config_file);
+  add("--preset", choice.preset);
+  add("--controller", choice.controller);
+  add("--gaits", choice.gait_folder);
+  if (choice.controller == "mpc-lumped") add("--lump", choice.lump);
+  add("--horizon", simulation::number_text(walk.horizon_s));
+  add("--plan-rate", simulation::number_text(*choice.plan_rate_hz));
+  if (choice.plan_delay_s) add("--plan-delay", simulation::number_text(*choice.plan_delay_s));
+  for (const std::string& assignment : choice.settings) add("--set", assignment);
+  add("--gait", simulation::gait_name(walk.command.kind));
+  add("--speed", simulation::number_text(walk.command.speed_m_s));
+  for (const simulation::TimedCommand& later : walk.later_commands) {
+    add("--then", std::string(simulation::gait_name(later.command.kind)) + ":" +
+                      simulation::number_text(later.command.speed_m_s) + "@" +
+                      simulation::number_text(later.start_s));
+  }
+  if (walk.push_N != 0.0) add("--push", push_text(setting, walk));
+  add("--state", setting.state);
+  for (const std::string& assignment : plant_assignments(setting, walk)) add("--plant", assignment);
+  add("--duration", simulation::number_text(walk.duration_s));
+  add("--seed", std::to_string(walk.seed));
+  return command;
+}
+
 std::string dependencies_text(const WalkSetting& setting, const std::string& controller, double horizon_s) {
   const ControllerChoice choice = choice_of(setting, controller, horizon_s);
   std::string text = configuration::to_toml(controller_configuration(choice), "");
@@ -120,7 +172,7 @@ std::string dependencies_text(const WalkSetting& setting, const std::string& con
   for (const simulation::PlantOption& option : simulation::plant_option_table()) {
     text += std::string(option.key) + "=" + option.default_text + "\n";
   }
-  for (const char* assignment : kSensorNoise) text += std::string(assignment) + "\n";
+  for (const std::string& assignment : sensor_noise(1.0)) text += assignment + "\n";
   for (const std::string& assignment : setting.plant_settings) text += assignment + "\n";
   text += gaits_text(choice);
   if (controller == "mpc-lumped") text += "lump " + choice.lump + "\n";

@@ -9,8 +9,8 @@
 
 namespace stilt::cli {
 
-/// Settings common to all walks of an experiment. Unless a case has none, the sensors have noise, so that
-/// seeds differ: joints 0.5 mrad and 20 mrad/s, base 1 mrad and 10 mrad/s. plant_settings may change it.
+/// Settings common to all walks of an experiment. The sensors have noise, so that seeds differ; with a
+/// factor of 1: joints 0.5 mrad and 20 mrad/s, base 1 mrad and 10 mrad/s. plant_settings may change it.
 struct WalkSetting {
   ControllerChoice choice;  ///< each case sets controller and horizon
   std::vector<std::string> plant_settings;
@@ -27,6 +27,9 @@ struct WalkSetting {
 
 /// The same for walks of several controllers.
 [[nodiscard]] experiments::WalkRunner runner_for_each(const WalkSetting& setting);
+
+/// The `stilt sim` command that repeats a walk of walk_runner(): the same figures, to the last bit.
+[[nodiscard]] std::string sim_command(const WalkSetting& setting, const experiments::WalkCase& walk);
 
 /// All data that the walks of a controller under the setting depend on besides the program: active
 /// configuration, robot, plant, gaits.

@@ -33,6 +33,7 @@ Json plant_json(const log::RunSummary& summary) {
   Json json;
   json["survived"] = summary.survived;
   json["fall_time_s"] = summary.fall_time_s < 0.0 ? Json(nullptr) : Json(summary.fall_time_s);
+  json["fall_margin_min"] = summary.fall_margin_min;
   json["duration_s"] = summary.duration_s;
   json["distance_m"] = summary.distance_m;
   json["mean_speed_m_s"] = summary.mean_speed_m_s;

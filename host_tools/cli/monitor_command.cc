@@ -53,8 +53,11 @@ CLI::App* add_monitor_command(CLI::App& program, MonitorOptions& options) {
   monitor
       ->add_option("--bind", options.address,
                    "address of the page; on an address other than loopback, every host that reaches it "
-                   "can view the page, and can command with the token")
+                   "can view the page, and can command with the link or the token")
       ->capture_default_str();
+  monitor->add_option("--name", options.names,
+                      "host name under which the page is opened, such as that of a reverse proxy; the "
+                      "addresses of this machine, its name and that in .local are known");
   CLI::Option* token = monitor->add_option("--token", options.token, "token of the run, for commands");
   monitor
       ->add_option("--token-file", options.token_file,
@@ -87,7 +90,7 @@ int run_monitor(const MonitorOptions& options) {
   foxglove::FoxgloveEndpoint viewers("stilt monitor");
   const foxglove::Bridge bridge(options.network, viewers);
   monitor::ServeOptions serve;
-  serve.server = {options.address, options.port};
+  serve.server = {.address = options.address, .port = options.port, .names = options.names};
   serve.open_browser = !options.no_browser;
   serve.stop = &stop;
   serve.extend = [&](monitor::WebServer& server) {

@@ -15,6 +15,7 @@
 #include "host_tools/cli/usage_error.h"
 #include "host_tools/recording/sample_log.h"
 #include "host_tools/simulation/robot_on_bus/runner.h"
+#include "host_tools/simulation/robot_on_bus/serial_line.h"
 #include "host_tools/telemetry/simulation_publisher.h"
 #include "host_tools/web/report/report.h"
 
@@ -172,6 +173,12 @@ CLI::App* add_robot_command(CLI::App& program, RobotOptions& options) {
       ->add_option("--plant", options.plant_settings,
                    "changes the simulated robot or its world: KEY=VALUE; repeatable")
       ->allow_extra_args(false);
+  robot->add_flag("--hang", options.hang, "hangs for good, its legs free: for stiltd scan, watch and jog");
+  robot
+      ->add_option("--miswired", options.miswired,
+                   "a mistake of the wiring, NAME:JOINT; repeatable. Others are keys of --set, such as "
+                   "exchanged identifiers")
+      ->allow_extra_args(false);
   robot->add_option("--seed", options.seed, "of the sensor noise")->capture_default_str();
   robot->add_flag(
       "--publish", options.publish,
@@ -184,7 +191,8 @@ CLI::App* add_robot_command(CLI::App& program, RobotOptions& options) {
   robot->add_option("--frames", options.frames_file, "writes every frame on the buses with its tick");
   robot->footer(
       "Faults of --fault:\n" + simulation::describe_faults(simulation::FaultsOf::robot_on_buses) +
-      "Keys of --plant:\n" + simulation::describe_plant_options() +
+      "Keys of --plant:\n" + simulation::describe_plant_options() + "Mistakes of --miswired:\n" +
+      describe_mistakes() +
       "Times of --push, --fault and of all figures count from when the gantry has released the robot.\n"
       "Exit status: 0 done, 1 the robot fell or never left the gantry, 2 bad usage.");
   return robot;
@@ -196,6 +204,8 @@ int run_robot(const RobotOptions& options, const std::string& command_line) {
   RobotOnBus robot(hardware.setup);
   std::vector<robot_on_bus::RobotBus> buses;
   for (const std::string& name : hardware.bus_names) buses.emplace_back(name, hardware.fd);
+  std::optional<robot_on_bus::SerialLine> serial;
+  if (!hardware.serial_port.empty()) serial.emplace(hardware.serial_port);
   robot_on_bus::FrameLog frames(options.frames_file);
   catch_signals();
   announce(hardware.bus_names);
@@ -207,6 +217,7 @@ int run_robot(const RobotOptions& options, const std::string& command_line) {
     run.duration_s = options.duration_s;
     run.once = options.once;
     run.stop = &interrupted;
+    if (serial) run.serial = [&serial](std::span<const std::uint8_t> bytes) { serial->write(bytes); };
     run.progress = [&](const RobotOnBus& watched) {
       progress.change(watched.walk_time_s() ? kReleased : kHanging);
       progress.update(watched.walk_time_s().value_or(0.0));
@@ -227,7 +238,7 @@ int run_robot(const RobotOptions& options, const std::string& command_line) {
   record.command_line = command_line;
   describe_run(hardware.robot->constants, robot.plant(), hardware.setup.plant, record);
   write_results(options, robot, record, outcome);
-  return record.summary.survived ? 0 : 1;
+  return options.hang || record.summary.survived ? 0 : 1;
 }
 
 }  // namespace stilt::cli

@@ -21,6 +21,8 @@ struct RobotOptions {
   std::optional<double> duration_s;
   std::vector<std::string> faults;
   std::vector<std::string> pushes;
+  bool hang = false;
+  std::vector<std::string> miswired;  ///< of --miswired
   std::vector<std::string> plant_settings;
   bool publish = false;
   telemetry::Network network;

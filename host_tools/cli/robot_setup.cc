@@ -1,6 +1,7 @@
 #include "host_tools/cli/robot_setup.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <variant>
 
 #include "firmware/configuration/configuration.h"
@@ -40,6 +41,45 @@ std::vector<simulation::TimedFault> faults_of(const RobotOptions& options, std::
   return faults;
 }
 
+struct MistakeName {
+  const char* name;
+  bool robot_on_bus::JointMistake::*mistake;
+  const char* description;
+};
+constexpr MistakeName kMistakes[] = {
+    {"motor-reversed", &robot_on_bus::JointMistake::motor_reversed, "its torque acts the other way"},
+    {"encoder-reversed", &robot_on_bus::JointMistake::encoder_reversed, "it counts the other way"},
+    {"dead", &robot_on_bus::JointMistake::dead, "its motor gives no torque"},
+    {"encoder-dead", &robot_on_bus::JointMistake::encoder_dead, "its angle never changes"},
+    {"encoder-exchanged", &robot_on_bus::JointMistake::encoder_exchanged,
+     "its encoder and that of the leg's other joint are exchanged"},
+    {"blocked", &robot_on_bus::JointMistake::blocked, "something holds it"}};
+
+constexpr std::string_view kTorsoLate = "torso-late";
+constexpr double kLate_s = 0.05;
+
+void add_mistakes(const RobotOptions& options, robot_on_bus::RobotSetup& setup) {
+  for (const std::string& text : options.miswired) {
+    const std::string_view all = text;
+    if (all == kTorsoLate) {
+      setup.torso_sensor_delay_s = kLate_s;
+      continue;
+    }
+    const std::size_t colon = std::min(all.find(':'), all.size() - 1);
+    const auto named = std::ranges::find_if(
+        kMistakes, [&](const MistakeName& row) { return all.substr(0, colon) == row.name; });
+    std::size_t joint = 0;
+    while (joint < hal::kJoints && all.substr(colon + 1) != simulation::joint_name(joint)) ++joint;
+    if (named == std::end(kMistakes) || joint == hal::kJoints) {
+      throw UsageError("--miswired " + text +
+                       ": expected NAME:JOINT, such as motor-reversed:knee_L, or torso-late; names are\n" +
+                       describe_mistakes());
+    }
+    setup.mistakes[joint].*named->mistake = true;
+    if (setup.mistakes[joint].encoder_exchanged) setup.mistakes[joint ^ 1U].encoder_exchanged = true;
+  }
+}
+
 void check_numbers(const RobotOptions& options) {
   if (options.seed < 0) {
     throw UsageError("--seed " + std::to_string(options.seed) + ": the seed must not be negative");
@@ -51,6 +91,16 @@ void check_numbers(const RobotOptions& options) {
 }
 
 }  // namespace
+
+std::string describe_mistakes() {
+  std::string text;
+  for (const MistakeName& row : kMistakes) {
+    char line[120];
+    std::snprintf(line, sizeof line, "  %-18s %s\n", row.name, row.description);
+    text += line;
+  }
+  return text + "  torso-late         without a joint: the torso sensor is late by 0.05 s\n";
+}
 
 SimulatedHardware simulated_hardware(const RobotOptions& options) {
   check_numbers(options);
@@ -64,6 +114,15 @@ SimulatedHardware simulated_hardware(const RobotOptions& options) {
   for (std::size_t bus = 0; bus < setup.bus_count; ++bus) {
     hardware.fd = hardware.fd || hal::uses_fd(setup.wiring, bus);
   }
+  if (setup.wiring.serial_imu) {
+    hardware.serial_port = configured.hardware.torso_sensor.serial_port;
+    if (options.lockstep) {
+      throw UsageError(
+          "--lockstep: torso_sensor.device is on a serial port, which knows no virtual time; omit "
+          "--lockstep, "
+          "or take a sensor on a bus");
+    }
+  }
   setup.base_rate_hz = configured.hardware.torso_sensor.rate_hz;
   setup.wiring.channel_period_ticks =
       configuration::base_period_ticks(configured.hardware, configured.timing.torque_rate_hz);
@@ -75,6 +134,9 @@ SimulatedHardware simulated_hardware(const RobotOptions& options) {
   setup.seed = static_cast<std::uint64_t>(options.seed);
   const model::RobotConstants& robot = hardware.robot->constants;
   setup.standing = standing_on_ground(setup.plant, {robot.thigh_length_m, robot.shin_length_m}, configured);
+  if (options.hang) setup.gantry = robot_on_bus::hanging_for_good();
+  if (options.hang && setup.plant.joint_damping_Nms_rad) setup.gantry.rest_damping_Nms_rad = 0.0;
+  add_mistakes(options, setup);
   setup.faults = faults_of(options, setup.bus_count);
   for (const std::string& text : options.pushes) setup.pushes.push_back(simulation::parse_push(text));
   simulation::check_pushes(setup.pushes);

@@ -13,9 +13,13 @@ namespace stilt::cli {
 struct SimulatedHardware {
   robot_on_bus::RobotSetup setup;
   std::vector<std::string> bus_names;
-  bool fd = false;  ///< whether a driver uses CAN FD
+  bool fd = false;          ///< whether a driver uses CAN FD
+  std::string serial_port;  ///< of the torso sensor; empty: it is on a bus
   const model::RobotModel* robot = nullptr;
 };
+
+/// The mistakes of --miswired as text, one a line.
+[[nodiscard]] std::string describe_mistakes();
 
 /// Reads and checks the options. Throws UsageError or std::invalid_argument, one sentence.
 [[nodiscard]] SimulatedHardware simulated_hardware(const RobotOptions& options);

@@ -57,20 +57,16 @@ Json run_limit(const LimitPlan& plan, const LimitPlan::Controller& controller, c
           {"trials", std::move(trials)}};
 }
 
-const char* gait_name(gait::GaitKind kind) {
-  constexpr const char* kNames[] = {"stand", "step", "walk"};
-  return kNames[static_cast<int>(kind)];
-}
-
 Json run_sequence(const LimitPlan& plan, const LimitPlan::Controller& controller, int seed,
                   const WalkRunner& run) {
   const WalkCase walk = sequence_case(plan, controller, seed);
   const log::RunSummary summary = run(walk).summary;
-  Json commands = {
-      {{"start_s", 0.0}, {"gait", gait_name(walk.command.kind)}, {"speed_m_s", walk.command.speed_m_s}}};
+  Json commands = {{{"start_s", 0.0},
+                    {"gait", simulation::gait_name(walk.command.kind)},
+                    {"speed_m_s", walk.command.speed_m_s}}};
   for (const simulation::TimedCommand& timed : walk.later_commands) {
     commands.push_back({{"start_s", timed.start_s},
-                        {"gait", gait_name(timed.command.kind)},
+                        {"gait", simulation::gait_name(timed.command.kind)},
                         {"speed_m_s", timed.command.speed_m_s}});
   }
   return {{"seed", seed},

@@ -2,19 +2,17 @@
 
 #include <random>
 
+#include "host_tools/experiments/portable_random.h"
+
 namespace stilt::experiments {
 
 std::vector<simulation::TimedCommand> random_commands(std::uint32_t seed, double duration_s) {
   constexpr gait::GaitKind kKinds[] = {gait::GaitKind::stand, gait::GaitKind::step, gait::GaitKind::walk};
   std::mt19937 random(seed);
-  // Not a distribution of the standard library: those differ between libraries.
-  const auto between = [&](double low, double high) {
-    return low + (high - low) * static_cast<double>(random()) / 4294967296.0;
-  };
   std::vector<simulation::TimedCommand> commands;
-  for (double time_s = 0.0; time_s < duration_s; time_s += between(3.0, 8.0)) {
+  for (double time_s = 0.0; time_s < duration_s; time_s += between(random, 3.0, 8.0)) {
     const gait::GaitKind kind = kKinds[random() % 3];
-    commands.push_back({time_s, {kind, kind == gait::GaitKind::walk ? between(-0.4, 0.8) : 0.0}});
+    commands.push_back({time_s, {kind, kind == gait::GaitKind::walk ? between(random, -0.4, 0.8) : 0.0}});
   }
   return commands;
 }

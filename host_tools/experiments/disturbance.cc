@@ -92,11 +92,13 @@ std::vector<PublishedRow> published_rows() {
   return rows;
 }
 
-double push_start_s(const DisturbancePlan& plan, const PushRow& row, int phase) {
+double lift_off_s(double settled_s, double step_s, double steps) {
   constexpr double kFirstLiftOff_s = 0.3;
-  const double steps = std::ceil((plan.settled_s - kFirstLiftOff_s) / row.step_s - 1e-9);
-  const double share = phase % 2 + static_cast<double>(phase) / row.phases;
-  return kFirstLiftOff_s + row.step_s * (steps + share);
+  return kFirstLiftOff_s + step_s * (std::ceil((settled_s - kFirstLiftOff_s) / step_s - 1e-9) + steps);
+}
+
+double push_start_s(const DisturbancePlan& plan, const PushRow& row, int phase) {
+  return lift_off_s(plan.settled_s, row.step_s, phase % 2 + static_cast<double>(phase) / row.phases);
 }
 
 PushTrial push_case(const DisturbancePlan& plan, const PushRow& row, int phase, int seed, double force_N) {

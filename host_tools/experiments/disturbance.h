@@ -43,6 +43,9 @@ struct PublishedRow {
 /// Five controllers at horizons 2.0, 0.5 and 0.2 s; hzd-pd plans nothing and occurs once.
 [[nodiscard]] std::vector<PublishedRow> published_rows();
 
+/// Time of the first lift-off of a walk at or after `settled_s`, and `steps` steps later.
+[[nodiscard]] double lift_off_s(double settled_s, double step_s, double steps);
+
 /// Start time of the push at a phase.
 [[nodiscard]] double push_start_s(const DisturbancePlan& plan, const PushRow& row, int phase);
 

@@ -179,9 +179,9 @@ Figures make_figures(const WalkRunner& run, double duration_s) {
   for (const Compared& compared : kCompared) {
     walk.controller = compared.controller;
     walk.horizon_s = compared.horizon_s;
-    walk.sensor_noise = true;
+    walk.sensor_noise_scale = 1.0;
     const Periodicity noisy = periodicity(run(walk), kSettled_s);
-    walk.sensor_noise = false;
+    walk.sensor_noise_scale = 0.0;
     const RunRecord record = run(walk);
     const Periodicity variation = periodicity(record, kSettled_s);
     figures.numbers["periodicity"].push_back({{"controller", compared.controller},

@@ -37,18 +37,6 @@ std::optional<double> paper_N(const PushRow& row) {
   return found == kPaper.end() ? std::nullopt : std::optional(found->second);
 }
 
-const char* name_of(gait::GaitKind kind) {
-  switch (kind) {
-    case gait::GaitKind::stand:
-      return "stand";
-    case gait::GaitKind::step:
-      return "step";
-    case gait::GaitKind::walk:
-      return "walk";
-  }
-  return "";
-}
-
 const Json& unpushed(const Json& one) { return one.at("trials").at(0); }
 
 /// The survived trials of a case; with force_N only those with that force.
@@ -181,7 +169,7 @@ Json described(const PushRow& row) {
                {"robot", row.robot},
                {"controller", row.controller},
                {"horizon_s", row.controller == "hzd-pd" ? Json(nullptr) : Json(row.horizon_s)},
-               {"gait", name_of(row.command.kind)},
+               {"gait", simulation::gait_name(row.command.kind)},
                {"speed_m_s", row.command.kind == gait::GaitKind::walk ? row.command.speed_m_s : 0.0},
                {"direction", row.backward ? "backward" : "forward"},
                {"phases", row.phases},

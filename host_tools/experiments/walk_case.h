@@ -28,8 +28,8 @@ struct WalkCase {
   std::vector<std::string> plant;     ///< "KEY=VALUE" of the simulated robot or its world, applied after the
                                       ///< user's
   std::uint64_t seed = 1;             ///< of the sensor noise
-  bool sensor_noise = true;
-  bool keep_samples = false;  ///< false: only the summary
+  double sensor_noise_scale = 1.0;    ///< factor on the noise of all sensors
+  bool keep_samples = false;          ///< false: only the summary
 };
 
 /// Runs a case. Throws when the case cannot be set up.

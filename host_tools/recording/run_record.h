@@ -68,7 +68,9 @@ struct PlanInUse {
 /// Summary of a run, the content of `stilt sim --json`.
 struct RunSummary {
   bool survived = false;
-  double fall_time_s = -1.0;  ///< negative when the robot did not fall
+  double fall_time_s = -1.0;     ///< negative when the robot did not fall
+  double fall_margin_min = 1.0;  ///< smallest share of the way to a fall that was left, see
+                                 ///< Plant::fall_margin(); 1: upright at nominal height
   double duration_s = 0.0, distance_m = 0.0, mean_speed_m_s = 0.0;
   std::vector<Step> steps;
   double step_length_min_m = 0.0, step_length_max_m = 0.0;

@@ -106,6 +106,14 @@ std::optional<Difference> compare(const control_loop::CycleRecord& recorded,
                  replayed.report.dynamics_defect_max, "the solve");
   comparison.add("equality_violation_max", recorded.report.equality_violation_max,
                  replayed.report.equality_violation_max, "the solve");
+  const ocp::Violations& before = recorded.report.violations;
+  const ocp::Violations& now = replayed.report.violations;
+  comparison.add("friction_cone_N", before.friction_cone_N, now.friction_cone_N, "the solve");
+  comparison.add("pulling_force_N", before.pulling_force_N, now.pulling_force_N, "the solve");
+  comparison.add("impulse_cone_Ns", before.impulse_cone_Ns, now.impulse_cone_Ns, "the solve");
+  comparison.add("joint_torque_Nm", before.joint_torque_Nm, now.joint_torque_Nm, "the solve");
+  comparison.add("joint_position_rad", before.joint_position_rad, now.joint_position_rad, "the solve");
+  comparison.add("joint_velocity_rad_s", before.joint_velocity_rad_s, now.joint_velocity_rad_s, "the solve");
   comparison.add("step_length", recorded.report.step_length, replayed.report.step_length, "the solve");
   comparison.add("step_size", recorded.report.step_size, replayed.report.step_size, "the solve");
   comparison.add("failures in a row", recorded.failures, replayed.failures);

@@ -44,6 +44,7 @@ void RunRecorder::observe_step(const Plant& plant) {
   const model::JointVector speed = plant.state().tail<model::kJoints>().cwiseAbs();
   summary.peak_torque_Nm = summary.peak_torque_Nm.cwiseMax(plant.applied_torque_Nm().cwiseAbs());
   summary.peak_joint_speed_rad_s = summary.peak_joint_speed_rad_s.cwiseMax(speed);
+  summary.fall_margin_min = std::min(summary.fall_margin_min, plant.fall_margin());
   if (plant.saturated() && measuring_) summary.saturated_s += plant.time_step_s();
 }
 

@@ -75,6 +75,11 @@ gait::GaitKind parse_gait(std::string_view text) {
   refuse("--gait", text, "no such gait; known are stand, step, walk");
 }
 
+const char* gait_name(gait::GaitKind kind) {
+  constexpr const char* kNames[] = {"stand", "step", "walk"};
+  return kNames[static_cast<int>(kind)];
+}
+
 bool parse_knows_truth(std::string_view text) {
   if (text != "estimated" && text != "truth") {
     refuse("--state", text, "no such source of the state; known are estimated, truth");

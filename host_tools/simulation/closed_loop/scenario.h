@@ -38,6 +38,9 @@ struct ActingPush {
 /// Parses stand, step or walk. Throws std::invalid_argument, one sentence, for any other text.
 [[nodiscard]] gait::GaitKind parse_gait(std::string_view text);
 
+/// The text of a gait for parse_gait().
+[[nodiscard]] const char* gait_name(gait::GaitKind kind);
+
 /// Whether the controller gets the plant's state: "truth" instead of "estimated". Throws
 /// std::invalid_argument, one sentence, for any other text.
 [[nodiscard]] bool parse_knows_truth(std::string_view text);

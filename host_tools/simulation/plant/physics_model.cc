@@ -42,6 +42,7 @@ void apply_options(mjModel& physics, const PlantOptions& options) {
   }
   for (int dof = model::kFirstJoint; dof < model::kPositions; ++dof) {
     if (options.armature_kg_m2) physics.dof_armature[dof] = *options.armature_kg_m2;
+    physics.dof_armature[dof] *= options.armature_scale;
     if (options.joint_damping_Nms_rad) physics.dof_damping[dof] = *options.joint_damping_Nms_rad;
     if (options.joint_friction_Nm) physics.dof_frictionloss[dof] = *options.joint_friction_Nm;
   }

@@ -51,6 +51,7 @@ Plant::Plant(const PlantModel& model, const PlantOptions& options, std::uint64_t
   apply_options(*model_, options_);
   data_.reset(mj_makeData(model_.get()));
   if (options_.torque_limit_Nm) torque_limit_Nm_.setConstant(*options_.torque_limit_Nm);
+  torque_limit_Nm_ *= options_.torque_limit_scale;
   delay_line_.resize(static_cast<std::size_t>(std::lround(options_.delay_s / options_.time_step_s)));
   drive_share_ = share_of_step(options_.time_step_s, options_.drive_time_constant_s);
   set_state(model::StateVector::Zero());
@@ -185,24 +186,23 @@ control::SensorReading Plant::read_sensors() {
   control::SensorReading reading;
   reading.time_s = data_->time;
   const PlantOptions& o = options_;
-  const auto position_rad = [this](int dof, double noise_rad, double resolution_rad) {
-    return quantised(data_->qpos[dof] + noise_rad * normal_(random_), resolution_rad);
-  };
-  const auto velocity_rad_s = [this](int dof, double noise_rad_s, double resolution_rad_s) {
-    return quantised(data_->qvel[dof] + noise_rad_s * normal_(random_), resolution_rad_s);
+  const auto noisy = [this](double value, double noise, double resolution) {
+    return quantised(value + noise * normal_(random_), resolution);
   };
   const auto own_or = [](double own, double common) { return own > 0.0 ? own : common; };
   for (int joint = 0; joint < model::kJoints; ++joint) {
     const int dof = model::kFirstJoint + joint;
-    reading.joint_position_rad[joint] = position_rad(dof, o.encoder_noise_rad, o.encoder_resolution_rad);
+    reading.joint_position_rad[joint] =
+        noisy(data_->qpos[dof], o.encoder_noise_rad, o.encoder_resolution_rad);
     reading.joint_velocity_rad_s[joint] =
-        velocity_rad_s(dof, o.encoder_velocity_noise_rad_s, o.encoder_velocity_resolution_rad_s);
+        noisy(data_->qvel[dof], o.encoder_velocity_noise_rad_s, o.encoder_velocity_resolution_rad_s);
   }
-  reading.base_pitch_rad = position_rad(model::kFirstAngle, o.base_angle_noise_rad,
-                                        own_or(o.base_resolution_rad, o.encoder_resolution_rad));
+  reading.base_pitch_rad =
+      noisy(data_->qpos[model::kFirstAngle] + o.base_angle_bias_rad, o.base_angle_noise_rad,
+            own_or(o.base_resolution_rad, o.encoder_resolution_rad));
   reading.base_pitch_rate_rad_s =
-      velocity_rad_s(model::kFirstAngle, o.base_rate_noise_rad_s,
-                     own_or(o.base_rate_resolution_rad_s, o.encoder_velocity_resolution_rad_s));
+      noisy(data_->qvel[model::kFirstAngle] + o.base_rate_bias_rad_s, o.base_rate_noise_rad_s,
+            own_or(o.base_rate_resolution_rad_s, o.encoder_velocity_resolution_rad_s));
   return reading;
 }
 
@@ -232,13 +232,19 @@ Eigen::Vector2d Plant::torso_com_m() const {
   return {position[0], position[2]};
 }
 
+double Plant::hip_above_ground_m() const { return data_->qpos[1] - ground_height_m(data_->qpos[0]); }
+
+double Plant::fall_margin() const {
+  const double height = (hip_above_ground_m() / nominal_hip_height_m_ - kLowestHip) / (1.0 - kLowestHip);
+  return std::min(height, 1.0 - std::abs(data_->qpos[model::kFirstAngle]) / kLargestPitch_rad);
+}
+
 Fall Plant::fall() const {
   const bool engine_stopped = data_->warning[mjWARN_BADQPOS].number > 0 ||
                               data_->warning[mjWARN_BADQVEL].number > 0 ||
                               data_->warning[mjWARN_BADQACC].number > 0;
   if (engine_stopped || !state().allFinite()) return Fall::not_finite;
-  const double hip_m = data_->qpos[1] - ground_height_m(data_->qpos[0]);
-  if (hip_m < kLowestHip * nominal_hip_height_m_) return Fall::hip_too_low;
+  if (hip_above_ground_m() < kLowestHip * nominal_hip_height_m_) return Fall::hip_too_low;
   if (std::abs(data_->qpos[model::kFirstAngle]) > kLargestPitch_rad) return Fall::pitch_too_large;
   for (int joint = model::kFirstJoint; joint < model::kPositions; ++joint) {
     const mjtNum* anchor = data_->xanchor + 3 * joint;

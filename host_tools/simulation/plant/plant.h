@@ -99,6 +99,11 @@ class Plant {
   /// a knee or the torso's centre of mass on the ground, or a non-finite state.
   [[nodiscard]] Fall fall() const;
 
+  /// Share of the way to a fall that is left: the smaller of (hip - lowest hip) / (nominal hip - lowest hip)
+  /// and 1 - |pitch| / largest pitch, heights above the ground and bounds as in fall(). At most 0 when the
+  /// hip is too low or the pitch too large; knees and torso on the ground do not count.
+  [[nodiscard]] double fall_margin() const;
+
  private:
   [[nodiscard]] model::JointVector limit_Nm(const model::JointVector& torque_Nm) const;
   [[nodiscard]] model::JointVector limited(const model::JointVector& torque_Nm) const;
@@ -107,6 +112,7 @@ class Plant {
   void apply_forces();
   void measure_contact();
   void measure_feet();
+  [[nodiscard]] double hip_above_ground_m() const;
 
   PlantOptions options_;
   model::JointVector torque_limit_Nm_;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdio>
 #include <stdexcept>
 
@@ -12,16 +13,63 @@ namespace {
 
 using Options = PlantOptions;
 
+template <std::size_t link, double LinkChange::*value>
+void set_link(Options& options, double number) {
+  options.links[link].*value = number;
+}
+
 constexpr std::array kTable = {
     PlantOption{"time_step_s", "s", 1e-5, 5e-4, "0.0005",
                 "longest step of the physics engine; shortened to divide the control tick",
                 [](Options& o, double v) { o.time_step_s = v; }},
     PlantOption{"mass_scale", "-", 0.2, 5.0, "1", "factor on mass and inertia of every link",
                 [](Options& o, double v) { o.mass_scale = v; }},
+    PlantOption{"torso_mass_scale", "-", 0.2, 5.0, "1", "factor on the mass of the torso",
+                set_link<0, &LinkChange::mass_scale>},
+    PlantOption{"torso_inertia_scale", "-", 0.2, 5.0, "1", "factor on the inertia of the torso",
+                set_link<0, &LinkChange::inertia_scale>},
+    PlantOption{"torso_com_x_m", "m", -0.2, 0.2, "0", "shift of the centre of mass of the torso, forward",
+                set_link<0, &LinkChange::com_x_m>},
+    PlantOption{"torso_com_z_m", "m", -0.2, 0.2, "0", "shift of the centre of mass of the torso, up",
+                set_link<0, &LinkChange::com_z_m>},
+    PlantOption{"thigh_L_mass_scale", "-", 0.2, 5.0, "1", "factor on the mass of the left thigh",
+                set_link<1, &LinkChange::mass_scale>},
+    PlantOption{"thigh_L_inertia_scale", "-", 0.2, 5.0, "1", "factor on the inertia of the left thigh",
+                set_link<1, &LinkChange::inertia_scale>},
+    PlantOption{"thigh_L_com_x_m", "m", -0.2, 0.2, "0",
+                "shift of the centre of mass of the left thigh, forward", set_link<1, &LinkChange::com_x_m>},
+    PlantOption{"thigh_L_com_z_m", "m", -0.2, 0.2, "0", "shift of the centre of mass of the left thigh, up",
+                set_link<1, &LinkChange::com_z_m>},
+    PlantOption{"shin_L_mass_scale", "-", 0.2, 5.0, "1", "factor on the mass of the left shin",
+                set_link<2, &LinkChange::mass_scale>},
+    PlantOption{"shin_L_inertia_scale", "-", 0.2, 5.0, "1", "factor on the inertia of the left shin",
+                set_link<2, &LinkChange::inertia_scale>},
+    PlantOption{"shin_L_com_x_m", "m", -0.2, 0.2, "0",
+                "shift of the centre of mass of the left shin, forward", set_link<2, &LinkChange::com_x_m>},
+    PlantOption{"shin_L_com_z_m", "m", -0.2, 0.2, "0", "shift of the centre of mass of the left shin, up",
+                set_link<2, &LinkChange::com_z_m>},
+    PlantOption{"thigh_R_mass_scale", "-", 0.2, 5.0, "1", "factor on the mass of the right thigh",
+                set_link<3, &LinkChange::mass_scale>},
+    PlantOption{"thigh_R_inertia_scale", "-", 0.2, 5.0, "1", "factor on the inertia of the right thigh",
+                set_link<3, &LinkChange::inertia_scale>},
+    PlantOption{"thigh_R_com_x_m", "m", -0.2, 0.2, "0",
+                "shift of the centre of mass of the right thigh, forward", set_link<3, &LinkChange::com_x_m>},
+    PlantOption{"thigh_R_com_z_m", "m", -0.2, 0.2, "0", "shift of the centre of mass of the right thigh, up",
+                set_link<3, &LinkChange::com_z_m>},
+    PlantOption{"shin_R_mass_scale", "-", 0.2, 5.0, "1", "factor on the mass of the right shin",
+                set_link<4, &LinkChange::mass_scale>},
+    PlantOption{"shin_R_inertia_scale", "-", 0.2, 5.0, "1", "factor on the inertia of the right shin",
+                set_link<4, &LinkChange::inertia_scale>},
+    PlantOption{"shin_R_com_x_m", "m", -0.2, 0.2, "0",
+                "shift of the centre of mass of the right shin, forward", set_link<4, &LinkChange::com_x_m>},
+    PlantOption{"shin_R_com_z_m", "m", -0.2, 0.2, "0", "shift of the centre of mass of the right shin, up",
+                set_link<4, &LinkChange::com_z_m>},
     PlantOption{"friction", "-", 0.01, 5.0, "0.6", "friction coefficient between foot and ground",
                 [](Options& o, double v) { o.friction = v; }},
     PlantOption{"armature", "kg m^2", 0.0, 10.0, "from the URDF", "reflected drive inertia of every joint",
                 [](Options& o, double v) { o.armature_kg_m2 = v; }},
+    PlantOption{"armature_scale", "-", 0.0, 10.0, "1", "factor on the reflected drive inertia of every joint",
+                [](Options& o, double v) { o.armature_scale = v; }},
     PlantOption{"joint_damping", "Nm s/rad", 0.0, 100.0, "from the URDF", "viscous friction of every joint",
                 [](Options& o, double v) { o.joint_damping_Nms_rad = v; }},
     PlantOption{"joint_friction_Nm", "Nm", 0.0, 100.0, "from the URDF",
@@ -29,6 +77,9 @@ constexpr std::array kTable = {
                 [](Options& o, double v) { o.joint_friction_Nm = v; }},
     PlantOption{"torque_limit_Nm", "Nm", 0.0, 10000.0, "from the URDF", "largest torque of every motor",
                 [](Options& o, double v) { o.torque_limit_Nm = v; }},
+    PlantOption{"torque_limit_scale", "-", 0.0, 10.0, "1",
+                "factor on the largest torque of every motor; the controller keeps its limit",
+                [](Options& o, double v) { o.torque_limit_scale = v; }},
     PlantOption{"no_load_speed_rad_s", "rad/s", 0.0, 1000.0, "0, no limit",
                 "joint speed at which a motor's driving torque ends; falls linearly to there, braking stays",
                 [](Options& o, double v) { o.no_load_speed_rad_s = v; }},
@@ -58,6 +109,11 @@ constexpr std::array kTable = {
                 [](Options& o, double v) { o.base_angle_noise_rad = v; }},
     PlantOption{"base_rate_noise_rad_s", "rad/s", 0.0, 10.0, "0", "standard deviation of the base pitch rate",
                 [](Options& o, double v) { o.base_rate_noise_rad_s = v; }},
+    PlantOption{"base_angle_bias_rad", "rad", -0.5, 0.5, "0",
+                "added to the base pitch: mounting error and bias of its sensor",
+                [](Options& o, double v) { o.base_angle_bias_rad = v; }},
+    PlantOption{"base_rate_bias_rad_s", "rad/s", -1.0, 1.0, "0", "added to the base pitch rate",
+                [](Options& o, double v) { o.base_rate_bias_rad_s = v; }},
     PlantOption{"encoder_resolution_rad", "rad", 0.0, 0.1, "0",
                 "joint positions and base pitch are multiples of it, noise included",
                 [](Options& o, double v) { o.encoder_resolution_rad = v; }},

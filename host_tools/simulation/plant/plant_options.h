@@ -1,22 +1,36 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 
+#include "mpc_core/model/types.h"
+
 /// Differences between the simulated robot and the controller's model.
 namespace stilt::simulation {
+
+/// Change of one link against the robot's URDF.
+struct LinkChange {
+  double mass_scale = 1.0;
+  double inertia_scale = 1.0;  ///< of the inertia about the centre of mass
+  double com_x_m = 0.0;        ///< added to the centre of mass, in the link's frame: x forward and z up while
+  double com_z_m = 0.0;        ///< the robot is upright with all joint angles zero
+};
 
 /// Options of the plant. An empty optional keeps the value of the robot's URDF.
 struct PlantOptions {
   double time_step_s = 0.0005;
-  double mass_scale = 1.0;
+  double mass_scale = 1.0;                             ///< of every link
+  std::array<LinkChange, 1 + model::kJoints> links{};  ///< torso, thigh_L, shin_L, thigh_R, shin_R
   double friction = 0.6;
   std::optional<double> armature_kg_m2;
+  double armature_scale = 1.0;
   std::optional<double> joint_damping_Nms_rad;
   std::optional<double> joint_friction_Nm;
   std::optional<double> torque_limit_Nm;
+  double torque_limit_scale = 1.0;
   double no_load_speed_rad_s = 0.0;         ///< of every joint; 0: the torque limit does not depend on the
                                             ///< speed
   double base_resolution_rad = 0.0;         ///< of the base pitch; 0: that of the encoders
@@ -32,7 +46,9 @@ struct PlantOptions {
   double encoder_velocity_noise_rad_s = 0.0;
   double base_angle_noise_rad = 0.0;
   double base_rate_noise_rad_s = 0.0;
-  double encoder_resolution_rad = 0.0;             ///< 0: not quantised
+  double base_angle_bias_rad = 0.0;     ///< added to the base pitch: mounting error and bias of its sensor
+  double base_rate_bias_rad_s = 0.0;    ///< added to its rate
+  double encoder_resolution_rad = 0.0;  ///< 0: not quantised
   double encoder_velocity_resolution_rad_s = 0.0;  ///< 0: not quantised
   double delay_s = 0.0;
   double ground_slope_rad = 0.0;

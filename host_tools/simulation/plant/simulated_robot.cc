@@ -1,5 +1,7 @@
 #include "host_tools/simulation/plant/simulated_robot.h"
 
+#include <algorithm>
+#include <cstddef>
 #include <stdexcept>
 
 #include "host_tools/simulation/plant/mjcf.h"
@@ -17,12 +19,24 @@ void check_contact(const PlantOptions& options) {
       ": must be at least " + number_text(shortest_s) + " s, twice the time step of the physics");
 }
 
+void change_links(const PlantOptions& options, codegen::PlanarTree& tree) {
+  if (options.torso_com_m) tree.links[0].com_m.z = *options.torso_com_m;
+  for (std::size_t i = 0; i < std::min(tree.links.size(), options.links.size()); ++i) {
+    const LinkChange& change = options.links[i];
+    codegen::PlanarLink& link = tree.links[i];
+    link.mass_kg *= change.mass_scale;
+    link.inertia_kg_m2 *= change.inertia_scale;
+    link.com_m.x += change.com_x_m;
+    link.com_m.z += change.com_z_m;
+  }
+}
+
 }  // namespace
 
 PlantModel make_plant_model(codegen::PlanarTree tree, const PlantOptions& options,
                             double nominal_hip_height_m) {
   check_contact(options);
-  if (options.torso_com_m) tree.links[0].com_m.z = *options.torso_com_m;
+  change_links(options, tree);
   MjcfOptions world;
   world.time_step_s = options.time_step_s;
   world.foot_radius_m = options.foot_radius_m;

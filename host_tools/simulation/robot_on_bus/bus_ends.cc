@@ -29,14 +29,24 @@ void BusEnds::deliver(std::int64_t now_ns, std::size_t bus, const hal::CanFrame&
   robot_.receive(now_ns, bus, frame);
 }
 
+std::vector<hal::CanFrame> BusEnds::take_outgoing(std::int64_t now_ns, std::size_t bus) {
+  std::vector<hal::CanFrame> frames = robot_.take_outgoing(now_ns, bus);
+  for (const hal::CanFrame& frame : frames) {
+    log_.write(robot_.ticks(), bus, FrameLog::Sender::robot, frame);
+  }
+  return frames;
+}
+
 void BusEnds::send_outgoing(std::int64_t now_ns) {
   for (std::size_t bus = 0; bus < buses_.size(); ++bus) {
-    for (const hal::CanFrame& frame : robot_.take_outgoing(now_ns, bus)) {
-      log_.write(robot_.ticks(), bus, FrameLog::Sender::robot, frame);
-      waiting_[bus].push_back(frame);
-    }
+    const std::vector<hal::CanFrame> frames = take_outgoing(now_ns, bus);
+    waiting_[bus].insert(waiting_[bus].end(), frames.begin(), frames.end());
     flush(bus);
   }
+}
+
+void BusEnds::discard_outgoing(std::int64_t now_ns) {
+  for (std::size_t bus = 0; bus < buses_.size(); ++bus) static_cast<void>(take_outgoing(now_ns, bus));
 }
 
 void BusEnds::send(std::size_t bus, const hal::CanFrame& frame) {

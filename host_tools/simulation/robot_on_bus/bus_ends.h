@@ -28,6 +28,9 @@ class BusEnds {
   /// Sends the frames of the robot's nodes.
   void send_outgoing(std::int64_t now_ns);
 
+  /// Nobody takes the frames of the robot's nodes: only the log has them.
+  void discard_outgoing(std::int64_t now_ns);
+
   /// Sends a frame on a bus, after the frames that found its queue full.
   void send(std::size_t bus, const hal::CanFrame& frame);
 
@@ -38,6 +41,8 @@ class BusEnds {
   void forget();
 
  private:
+  [[nodiscard]] std::vector<hal::CanFrame> take_outgoing(std::int64_t now_ns, std::size_t bus);
+
   RobotOnBus& robot_;
   std::vector<hal::FrameBus*> buses_;
   FrameLog& log_;

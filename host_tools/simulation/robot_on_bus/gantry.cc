@@ -31,6 +31,15 @@ const char* name(GantryState state) {
   return "";
 }
 
+GantryParameters hanging_for_good() {
+  GantryParameters parameters;
+  parameters.clearance_m = 0.3;
+  parameters.rest_stiffness_Nm_rad = 0.0;
+  parameters.rest_damping_Nms_rad = 2.0;
+  parameters.keeps = true;
+  return parameters;
+}
+
 Gantry::Gantry(const GantryParameters& parameters, const model::StateVector& standing, double weight_N)
     : parameters_(parameters), target_(standing.head<model::kPositions>()), weight_N_(weight_N) {
   target_[kZ] += parameters_.clearance_m;
@@ -84,6 +93,7 @@ void Gantry::elapse(const model::StateVector& state, bool torque_on, double dura
     case GantryState::lowering:
       break;
   }
+  if (parameters_.keeps) return;
   pay_out(torque_on, duration_s);
   const bool carried = torque_on && rope_N(state) < parameters_.carried_share * weight_N_;
   carried_s_ = carried ? carried_s_ + duration_s : 0.0;

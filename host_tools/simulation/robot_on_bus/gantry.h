@@ -36,7 +36,11 @@ struct GantryParameters {
   double release_s = 0.2;
   double lifting_speed_m_s = 0.2;
   double lifting_rate_rad_s = 0.8;
+  bool keeps = false;  ///< never pays out the rope
 };
+
+/// A robot that hangs high for good, its legs free: rests that damp and do not hold.
+[[nodiscard]] GantryParameters hanging_for_good();
 
 /// A stand for a robot with point feet while its motors are off. A rope holds the hip at the height of the
 /// starting pose plus the clearance. Guides hold x and pitch. Leg rests hold the joints with at most

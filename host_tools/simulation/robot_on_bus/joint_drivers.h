@@ -8,12 +8,24 @@
 
 namespace stilt::robot_on_bus {
 
+/// What is wrong between a joint and its driver.
+struct JointMistake {
+  bool motor_reversed = false;     ///< its torque acts the other way
+  double torque_factor = 1.0;      ///< given torque over the driver's: another torque constant
+  bool encoder_reversed = false;   ///< it counts the other way
+  bool dead = false;               ///< it gives no torque
+  bool encoder_dead = false;       ///< it stays at its first angle
+  bool encoder_exchanged = false;  ///< its encoder is wired to the driver of the leg's other joint
+  bool blocked = false;            ///< something holds it where it first was
+};
+using JointMistakes = std::array<JointMistake, hal::kJoints>;
+
 /// The four emulated motor drivers of a robot, with quantities at the joints. Direction, ratio and offset of
 /// the wiring convert between a joint and its driver's shaft.
 class JointDrivers {
  public:
   /// @param wiring  must be valid
-  explicit JointDrivers(const hal::RobotWiring& wiring);
+  explicit JointDrivers(const hal::RobotWiring& wiring, const JointMistakes& mistakes = {});
 
   [[nodiscard]] hal::EmulatedDriver& driver(std::size_t joint);
   [[nodiscard]] const hal::EmulatedDriver& driver(std::size_t joint) const;
@@ -32,6 +44,7 @@ class JointDrivers {
 
  private:
   hal::RobotWiring wiring_;
+  JointMistakes mistakes_;
   std::array<hal::JointEmulator, hal::kJoints> emulators_;
 };
 

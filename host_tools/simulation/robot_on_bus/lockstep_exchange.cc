@@ -79,8 +79,7 @@ bool LockstepExchange::poll() {
 
 void LockstepExchange::advance_alone() {
   robot_.tick(now_ns() + tick_ns_);
-  ends_.send_outgoing(now_ns());
-  ends_.forget();
+  ends_.discard_outgoing(now_ns());
 }
 
 void LockstepExchange::forget_controller() {

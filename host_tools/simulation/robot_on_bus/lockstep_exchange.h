@@ -26,7 +26,8 @@ class LockstepExchange {
   /// Throws std::runtime_error, one sentence, when the controller's tick number is wrong.
   bool poll();
 
-  /// Advances the robot by one tick without a controller.
+  /// Advances the robot by one tick without a controller. A controller that is connected already gets
+  /// nothing: the frames of many ticks would fill its queue before its first turn.
   void advance_alone();
 
   /// The controller has left: resets the exchange. A bus on which the next controller has begun its turn

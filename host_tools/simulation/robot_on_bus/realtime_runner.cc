@@ -64,6 +64,7 @@ class RealtimeRun {
       robot_.step(clock_.now_ns());
       next_ns_ += step_ns_;
       ends_.send_outgoing(clock_.now_ns());
+      if (const auto bytes = robot_.take_serial(); !bytes.empty()) options_.serial(bytes);
     }
     progress_.update(robot_, options_);
   }

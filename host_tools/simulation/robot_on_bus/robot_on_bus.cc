@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 // Simulated robot behind its buses: docs/decisions/0007-robot-on-the-bus.md
 namespace stilt::robot_on_bus {
@@ -25,15 +26,21 @@ RobotOnBus::RobotOnBus(const RobotSetup& setup)
     : setup_(setup),
       plant_(setup.model, setup.plant, setup.seed),
       steps_per_tick_(static_cast<int>(std::lround(setup.tick_s / plant_.time_step_s()))),
-      drivers_(setup.wiring),
+      drivers_(setup.wiring, setup.mistakes),
       torso_sensor_(setup.wiring),
       gantry_(setup.gantry, setup.standing, plant_.mass_kg() * model::kGravity_m_s2),
       line_(setup.faults),
       recorder_(setup.keep_samples),
       fault_active_(setup.faults.size(), false) {
+  if (setup.wiring.pitch_encoder) torso_encoder_.emplace(*setup.wiring.pitch_encoder);
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint)
     drivers_.driver(joint).motor.supply_V = kSupply_V;
   plant_.set_state(gantry_.hanging());
+  for (int joint = 0; joint < model::kJoints; ++joint) {
+    const int angle = model::kFirstJoint + joint;
+    if (setup.mistakes[static_cast<std::size_t>(joint)].blocked)
+      obstacles_.move(angle, plant_.state()[angle]);
+  }
   read_encoders();
 }
 
@@ -56,6 +63,22 @@ void RobotOnBus::receive(std::int64_t now_ns, std::size_t bus, const hal::CanFra
     for (const hal::CanFrame& reply : replies.frames())
       line_.send(fault_clock_s_, now_ns, {bus, joint}, reply);
   }
+  if (!torso_encoder_ || setup_.wiring.pitch_encoder_bus != bus) return;
+  hal::FrameSink replies;
+  torso_encoder_->take(now_ns, frame, replies);
+  send_from_torso(now_ns, bus, replies);
+}
+
+void RobotOnBus::send_from_torso(std::int64_t now_ns, std::size_t bus, const hal::FrameSink& frames) {
+  if (active(simulation::FaultKind::base_silent)) return;
+  for (const hal::CanFrame& frame : frames.frames())
+    line_.send(fault_clock_s_, now_ns, {bus, std::nullopt}, frame);
+}
+
+void RobotOnBus::set_torso_encoder(double pitch_rad, double pitch_rate_rad_s) {
+  if (!torso_encoder_) return;
+  const double turns = setup_.wiring.pitch_direction * setup_.wiring.pitch_ratio;
+  torso_encoder_->set_motion(turns * (pitch_rad - setup_.wiring.pitch_offset_rad), turns * pitch_rate_rad_s);
 }
 
 std::vector<hal::CanFrame> RobotOnBus::take_outgoing(std::int64_t now_ns, std::size_t bus) {
@@ -88,6 +111,7 @@ void RobotOnBus::read_encoders() {
   }
   if (active(simulation::FaultKind::base_freeze)) return;
   drivers_.set_pitch(reading.base_pitch_rad, reading.base_pitch_rate_rad_s);
+  set_torso_encoder(reading.base_pitch_rad, reading.base_pitch_rate_rad_s);
   channel(base_values_, BaseChannel::pitch_rad) = reading.base_pitch_rad;
   channel(base_values_, BaseChannel::pitch_rate_rad_s) = reading.base_pitch_rate_rad_s;
 }
@@ -101,7 +125,10 @@ void RobotOnBus::act() {
   plant_.command_torque(torque_Nm);
   const simulation::ActingPush push = push_at(setup_.pushes, clock_s());
   plant_.set_push(push.force_N, push.point);
-  plant_.set_surroundings_force(gantry_.force(plant_.state()));
+  const model::StateVector state = plant_.state();
+  hands_.elapse(state, time_step_s());
+  obstacles_.elapse(state, time_step_s());
+  plant_.set_surroundings_force(gantry_.force(state) + hands_.force(state) + obstacles_.force(state));
 }
 
 void RobotOnBus::finish_tick(std::int64_t now_ns) {
@@ -119,15 +146,33 @@ void RobotOnBus::run_timers(std::int64_t now_ns) {
       line_.send(fault_clock_s_, now_ns, {drivers_.bus(joint), joint}, frame);
     }
   }
+  if (!torso_encoder_) return;
+  hal::FrameSink frames;
+  torso_encoder_->elapse(now_ns, frames);
+  send_from_torso(now_ns, setup_.wiring.pitch_encoder_bus, frames);
 }
 
 void RobotOnBus::send_base(std::int64_t now_ns) {
-  const BaseValues values = base_values();
+  late_values_.push_back(base_values());
+  const BaseValues values = late_values_.front();
+  if (time_s() > setup_.torso_sensor_delay_s) late_values_.pop_front();
   if (!base_due() || active(simulation::FaultKind::base_silent)) return;
   for (const hal::CanFrame& frame : torso_sensor_.encode(values)) {
     line_.send(fault_clock_s_, now_ns, {setup_.wiring.channel_bus, std::nullopt}, frame);
   }
+  if (setup_.wiring.serial_imu) send_serial(values);
 }
+
+void RobotOnBus::send_serial(const BaseValues& values) {
+  constexpr std::size_t kMostWaiting = 4096;  // bytes that nobody takes
+  const hal::vectornav::Pitch pitch{values[static_cast<std::size_t>(BaseChannel::pitch_rad)],
+                                    values[static_cast<std::size_t>(BaseChannel::pitch_rate_rad_s)]};
+  const auto message = hal::vectornav::encode(packet_of(pitch, *setup_.wiring.serial_imu));
+  if (serial_bytes_.size() + message.size() <= kMostWaiting)
+    serial_bytes_.insert(serial_bytes_.end(), message.begin(), message.end());
+}
+
+std::vector<std::uint8_t> RobotOnBus::take_serial() { return std::exchange(serial_bytes_, {}); }
 
 /// Whether a period of the torso sensor, counted from the start, ended with this tick.
 bool RobotOnBus::base_due() {

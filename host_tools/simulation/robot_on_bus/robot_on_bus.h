@@ -2,17 +2,20 @@
 
 #include <array>
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "hal/can/frame.h"
+#include "hal/canopen/encoder_emulator.h"
 #include "hal/robot/robot_wiring.h"
 #include "host_tools/simulation/closed_loop/fault_plan.h"
 #include "host_tools/simulation/closed_loop/scenario.h"
 #include "host_tools/simulation/plant/plant.h"
 #include "host_tools/simulation/robot_on_bus/frame_line.h"
 #include "host_tools/simulation/robot_on_bus/gantry.h"
+#include "host_tools/simulation/robot_on_bus/hands.h"
 #include "host_tools/simulation/robot_on_bus/joint_drivers.h"
 #include "host_tools/simulation/robot_on_bus/torso_sensor_frames.h"
 #include "host_tools/simulation/robot_on_bus/walk_recorder.h"
@@ -30,6 +33,8 @@ struct RobotSetup {
   double tick_s = 0.001;
   double base_rate_hz = 1000.0;  ///< frames per second of the torso sensor, at most one per tick
   GantryParameters gantry;
+  JointMistakes mistakes{};
+  double torso_sensor_delay_s = 0.0;  ///< of all its channels
   std::vector<simulation::TimedFault> faults;
   std::vector<simulation::Push> pushes;
   bool keep_samples = false;
@@ -63,8 +68,14 @@ class RobotOnBus {
   /// Advances by a whole tick.
   void tick(std::int64_t now_ns);
 
+  /// What people do to the robot with their hands.
+  [[nodiscard]] Hands& hands() { return hands_; }
+
   /// Takes the frames that the robot's nodes have sent on a bus by now.
   [[nodiscard]] std::vector<hal::CanFrame> take_outgoing(std::int64_t now_ns, std::size_t bus);
+
+  /// Takes the bytes that a torso sensor on a serial port has sent by now.
+  [[nodiscard]] std::vector<std::uint8_t> take_serial();
 
   /// Whether a fault has disconnected the bus.
   [[nodiscard]] bool disconnected(std::size_t bus) const { return bus_gone_[bus]; }
@@ -104,6 +115,9 @@ class RobotOnBus {
   void finish_tick(std::int64_t now_ns);
   void run_timers(std::int64_t now_ns);
   void send_base(std::int64_t now_ns);
+  void send_serial(const BaseValues& values);
+  void send_from_torso(std::int64_t now_ns, std::size_t bus, const hal::FrameSink& frames);
+  void set_torso_encoder(double pitch_rad, double pitch_rate_rad_s);
   [[nodiscard]] bool base_due();
   [[nodiscard]] BaseValues base_values();
   void update_rig();
@@ -120,7 +134,11 @@ class RobotOnBus {
   int steps_per_tick_;
   JointDrivers drivers_;
   TorsoSensorFrames torso_sensor_;
+  std::optional<hal::canopen::EncoderEmulator> torso_encoder_;
+  std::vector<std::uint8_t> serial_bytes_;
   Gantry gantry_;
+  Hands hands_;
+  Hands obstacles_;  ///< what blocks joints
   FrameLine line_;
   WalkRecorder recorder_;
   std::uint64_t ticks_ = 0;
@@ -135,6 +153,7 @@ class RobotOnBus {
   std::array<bool, hal::kMaximumBuses> bus_off_{};
   std::array<bool, hal::kMaximumBuses> bus_gone_{};
   BaseValues base_values_{};
+  std::deque<BaseValues> late_values_;  ///< of the ticks that the torso sensor is late by
   double base_velocity_m_s_[2] = {};
 };
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "host_tools/simulation/robot_on_bus/bus_ends.h"
@@ -22,6 +23,8 @@ struct RunOptions {
   const std::atomic<bool>* stop = nullptr;  ///< set by another thread to end the run
   /// About once per simulated second.
   std::function<void(const RobotOnBus& robot)> progress = [](const RobotOnBus&) {};
+  /// Real time: receives the bytes of a torso sensor on a serial port.
+  std::function<void(std::span<const std::uint8_t>)> serial = [](std::span<const std::uint8_t>) {};
   std::function<void(const RobotOnBus&)> watch = [](const RobotOnBus&) {};  ///< about once per tick; must be
                                                                             ///< quick
 };

@@ -25,6 +25,7 @@ void WalkRecorder::observe_step(const simulation::Plant& plant) {
   const model::JointVector speed = plant.state().tail<model::kJoints>().cwiseAbs();
   summary.peak_torque_Nm = summary.peak_torque_Nm.cwiseMax(plant.applied_torque_Nm().cwiseAbs());
   summary.peak_joint_speed_rad_s = summary.peak_joint_speed_rad_s.cwiseMax(speed);
+  summary.fall_margin_min = std::min(summary.fall_margin_min, plant.fall_margin());
 }
 
 void WalkRecorder::observe_tick(double time_s, const simulation::Plant& plant,

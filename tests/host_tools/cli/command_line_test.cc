@@ -117,6 +117,7 @@ TEST_F(CommandLine, EveryCommandShowsExamplesOfItself) {
                                     "experiment disturbance",
                                     "experiment horizon",
                                     "experiment limits",
+                                    "experiment robustness",
                                     "experiment figures",
                                     "monitor",
                                     "bench",
@@ -214,10 +215,10 @@ TEST_F(CommandLine, ASimulationGivesEveryFigureOfItsContract) {
   ASSERT_EQ(outcome.status, 0) << outcome.errors;
   const Json json = Json::parse(outcome.output);
   for (const char* field :
-       {"survived", "fall_time_s", "duration_s", "distance_m", "mean_speed_m_s", "steps", "step_length_min_m",
-        "step_length_max_m", "peak_torque_Nm", "peak_joint_speed_rad_s", "slip_distance_m", "solve_time_us",
-        "sqp_iterations", "dynamics_defect_max", "equality_violation_max", "heap_allocations_in_loop",
-        "controller_bytes"}) {
+       {"survived", "fall_time_s", "fall_margin_min", "duration_s", "distance_m", "mean_speed_m_s", "steps",
+        "step_length_min_m", "step_length_max_m", "peak_torque_Nm", "peak_joint_speed_rad_s",
+        "slip_distance_m", "solve_time_us", "sqp_iterations", "dynamics_defect_max", "equality_violation_max",
+        "heap_allocations_in_loop", "controller_bytes"}) {
     EXPECT_TRUE(json.contains(field)) << field;
   }
   EXPECT_EQ(json["survived"], true);

@@ -52,6 +52,14 @@ const std::vector<Change> kCycleFields = {
     {"dynamics_defect_max of the solve", [](CycleRecord& r) { change(r.report.dynamics_defect_max); }},
     {"equality_violation_max of the solve", [](CycleRecord& r) { change(r.report.equality_violation_max); }},
     {"step_length of the solve", [](CycleRecord& r) { change(r.report.step_length); }},
+    {"friction_cone_N of the solve", [](CycleRecord& r) { change(r.report.violations.friction_cone_N); }},
+    {"pulling_force_N of the solve", [](CycleRecord& r) { change(r.report.violations.pulling_force_N); }},
+    {"impulse_cone_Ns of the solve", [](CycleRecord& r) { change(r.report.violations.impulse_cone_Ns); }},
+    {"joint_torque_Nm of the solve", [](CycleRecord& r) { change(r.report.violations.joint_torque_Nm); }},
+    {"joint_position_rad of the solve",
+     [](CycleRecord& r) { change(r.report.violations.joint_position_rad); }},
+    {"joint_velocity_rad_s of the solve",
+     [](CycleRecord& r) { change(r.report.violations.joint_velocity_rad_s); }},
     {"step_size of the solve", [](CycleRecord& r) { change(r.report.step_size); }},
 };
 

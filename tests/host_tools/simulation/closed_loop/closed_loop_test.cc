@@ -103,6 +103,19 @@ TEST(ClosedLoop, ARunEndsWhenTheRobotFalls) {
   EXPECT_EQ(summary.duration_s, summary.fall_time_s);
 }
 
+TEST(ClosedLoop, TheSmallestMarginToAFallIsThatOfTheWorstMoment) {
+  const auto margin = [](double force_N) {
+    Plant plant = amber_plant();
+    RunSettings settings = standing_run(2.0);
+    if (force_N > 0.0) settings.pushes = {{force_N, 0.5, 0.3, PushPoint::hip}};
+    return run_closed_loop(plant, *amber_controller(), settings).summary.fall_margin_min;
+  };
+  EXPECT_GT(margin(0.0), 0.9);
+  EXPECT_LT(margin(40.0), margin(0.0));
+  EXPECT_GT(margin(40.0), 0.0);
+  EXPECT_LT(margin(400.0), 0.1) << "a fall";
+}
+
 TEST(ClosedLoop, TimeAtTheTorqueLimitIsCountedAndNoOther) {
   const auto saturated_s = [](double torque_limit_Nm) {
     PlantOptions options;

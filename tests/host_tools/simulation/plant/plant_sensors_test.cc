@@ -41,6 +41,24 @@ TEST(PlantSensors, SensorNoiseHasItsStandardDeviationAndFollowsTheSeed) {
   EXPECT_TRUE(differs);
 }
 
+TEST(PlantSensors, ABiasShiftsPitchAndRateOfTheTorsoAndNothingElse) {
+  PlantOptions exact, biased;
+  exact.encoder_noise_rad = exact.base_angle_noise_rad = exact.base_rate_noise_rad_s = 0.01;
+  biased = exact;
+  biased.base_angle_bias_rad = 0.02;
+  biased.base_rate_bias_rad_s = -0.03;
+  Plant exact_plant = amber_plant(exact), biased_plant = amber_plant(biased);
+  exact_plant.set_state(tumbling());
+  biased_plant.set_state(tumbling());
+  for (int i = 0; i < 10; ++i) {
+    const control::SensorReading expected = exact_plant.read_sensors(), reading = biased_plant.read_sensors();
+    EXPECT_NEAR(reading.base_pitch_rad - expected.base_pitch_rad, 0.02, 1e-12);
+    EXPECT_NEAR(reading.base_pitch_rate_rad_s - expected.base_pitch_rate_rad_s, -0.03, 1e-12);
+    EXPECT_EQ(reading.joint_position_rad, expected.joint_position_rad);
+    EXPECT_EQ(reading.joint_velocity_rad_s, expected.joint_velocity_rad_s);
+  }
+}
+
 TEST(PlantSensors, QuantisedReadingsAreTheMultiplesNextToTheNoisyValues) {
   PlantOptions noisy;
   noisy.encoder_noise_rad = 0.01;

@@ -145,6 +145,32 @@ TEST(Plant, EachWayOfFallingIsRecognised) {
   EXPECT_EQ(plant.fall(), Fall::pitch_too_large);
 }
 
+TEST(Plant, TheMarginToAFallIsOneUprightAndZeroWhereTheFallBegins) {
+  PlantOptions slope;
+  slope.ground_slope_rad = 0.1;
+  Plant plant = amber_plant(), on_slope = amber_plant(slope);
+  StateVector state = standing_state(kAmberLeg, 0.8, 0.15);
+  const auto margin = [&](double hip_m, double pitch_rad) {
+    state[1] = hip_m;
+    state[2] = pitch_rad;
+    plant.set_state(state);
+    EXPECT_EQ(plant.fall() == Fall::none, plant.fall_margin() >= 0.0) << hip_m << " " << pitch_rad;
+    return plant.fall_margin();
+  };
+  EXPECT_NEAR(margin(0.8, 0.0), 1.0, 1e-12);
+  EXPECT_NEAR(margin(0.72, 0.0), 0.75, 1e-12) << "a quarter of the way from 0.8 m to 0.48 m";
+  EXPECT_NEAR(margin(0.72, -0.4), 0.6, 1e-12) << "the pitch is nearer to its bound";
+  EXPECT_NEAR(margin(0.4801, 0.0), 0.0, 1e-3);
+  EXPECT_NEAR(margin(0.8, 0.999), 0.001, 1e-12);
+  EXPECT_LT(margin(0.47, 0.0), 0.0);
+  EXPECT_LT(margin(0.8, 1.01), 0.0);
+  state[0] = 2.0;
+  state[1] = 0.72 + 2.0 * std::tan(0.1);
+  state[2] = 0.0;
+  on_slope.set_state(state);
+  EXPECT_NEAR(on_slope.fall_margin(), 0.75, 1e-9) << "heights count from the ground under the hip";
+}
+
 TEST(Plant, AKneeUnderTheGroundIsAFall) {
   PlantOptions options;
   options.step_height_m = 0.3;

@@ -56,6 +56,7 @@ void DrivenRobot::tick(const hal::JointCommands* commands) {
   }
   static_cast<void>(can.read(now_ns, readings));
   static_cast<void>(can.read_base(base));
+  can.serve_torso_sensor(now_ns);
 }
 
 hal::JointBringUp DrivenRobot::bring_up(std::size_t joint) const {

@@ -99,6 +99,21 @@ TEST_F(LockstepExchangeTest, TheNextControllerMayBeginBeforeTheLastOneIsMissed) 
   EXPECT_EQ(exchange.controller()[1], 2u);
 }
 
+/// A controller that was killed is missed only when the next one has connected to a bus. Its queue must have
+/// room for the answer to its first turn.
+TEST_F(LockstepExchangeTest, ANextControllerGetsNoFramesOfTicksWithoutAController) {
+  end_turn(0);
+  ASSERT_TRUE(exchange_.poll());
+  for (MemoryBus& bus : buses_) bus.to_controller.clear();
+  exchange_.forget_controller();
+  for (int tick = 0; tick < 1000; ++tick) exchange_.advance_alone();
+  EXPECT_EQ(robot_.ticks(), 1000u);
+  for (const MemoryBus& bus : buses_) EXPECT_TRUE(bus.to_controller.empty()) << bus.to_controller.size();
+  end_turn(0);
+  ASSERT_TRUE(exchange_.poll());
+  for (const MemoryBus& bus : buses_) EXPECT_EQ(bus.to_controller.size(), 1u);
+}
+
 TEST_F(LockstepExchangeTest, EachLaterTickAdvancesByOneAndEndsWithSync) {
   for (std::uint64_t tick = 0; tick < 5; ++tick) {
     end_turn(tick);
