@@ -171,7 +171,7 @@ model::StateVector ControlLoop::estimate_state(const control::SensorReading& rea
   }
   if (plan.use == supervisor::PlanUse::none) return estimator_.update(reading, contact);
   const control::PlanPoint before = control::interpolate(mail_->plans.newest(), last_time_s_);
-  const control::BaseVelocity change = (plan.point.state - before.state).segment<3>(model::kPositions);
+  const control::BaseVelocity change = (plan.point.state - before.state).segment<2>(model::kPositions);
   return estimator_.update(reading, contact, &change);
 }
 

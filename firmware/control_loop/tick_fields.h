@@ -199,6 +199,7 @@ constexpr auto tick_fields() noexcept {
       field<G::gait>("gait_speed_m_s", {}, &R::gait, &gait::GaitCommand::speed_m_s),
       field<G::drivers>("bring_up_fault_code", {}, &R::bring_up, &BringUp::fault_code),
       field<G::drivers>("bring_up_setting", {}, &R::bring_up, &BringUp::setting),
+      field<G::drivers>("bring_up_reply_lag_s", {}, &R::bring_up, &BringUp::reply_lag_s),
   };
   // clang-format on
 }

@@ -1,5 +1,6 @@
 #include "firmware/diagnostics/event_text.h"
 
+#include <array>
 #include <cmath>
 #include <cstdio>
 
@@ -14,11 +15,16 @@ std::string with_unit(double value, const char* unit) {
   return text;
 }
 
-std::string fault_and_code(hal::DriverFault fault, std::uint32_t code) {
-  return std::string(hal::name(fault)) + ", vendor code " + std::to_string(code);
+}  // namespace
+
+const char* state_text(hal::DriverState state) {
+  constexpr std::array<const char*, 4> kNames = {"unknown", "idle", "enabled", "fault"};
+  return kNames[static_cast<std::size_t>(state)];
 }
 
-}  // namespace
+std::string fault_text(hal::DriverFault fault, std::uint32_t code) {
+  return std::string(hal::name(fault)) + ", vendor code " + std::to_string(code);
+}
 
 std::string over_text(supervisor::Fault fault) {
   return supervisor::row(fault).severity == supervisor::Severity::latched ? ": over, and waits for a reset"
@@ -30,7 +36,7 @@ std::string found_text(const supervisor::FaultDetail& found) {
   const auto add = [&text](const std::string& part) { text += (text.empty() ? ": " : ", ") + part; };
   if (found.joint >= 0) add(control_loop::kJointNames[static_cast<std::size_t>(found.joint)]);
   if (found.driver_fault != hal::DriverFault::none) {
-    add(fault_and_code(found.driver_fault, found.fault_code));
+    add(fault_text(found.driver_fault, found.fault_code));
   }
   if (!std::isnan(found.limit)) {
     add(std::isnan(found.value) ? "not a number" : with_unit(found.value, found.unit));
@@ -43,7 +49,10 @@ std::string bring_up_text(const hal::BringUpProgress& progress) {
   std::string text = std::string("driver of ") + control_loop::kJointNames[progress.joint] +
                      " cannot be brought up: " + hal::bring_up::name(progress.failure);
   if (progress.fault != hal::DriverFault::none) {
-    text += " (" + fault_and_code(progress.fault, progress.fault_code) + ")";
+    text += " (" + fault_text(progress.fault, progress.fault_code) + ")";
+  }
+  if (progress.failure == hal::bring_up::Failure::slow_reply) {
+    text += ": after " + with_unit(1e3 * progress.reply_lag_s, "ms") + ", see hardware.longest_reply_lag_s";
   }
   if (progress.setting != hal::bring_up::Setting::none) {
     text += std::string("; ") + hal::bring_up::name(progress.setting);

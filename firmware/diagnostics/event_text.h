@@ -15,6 +15,12 @@ namespace stilt::diagnostics {
 /// A sentence about a driver that cannot be brought up: joint, failure, driver fault, setting.
 [[nodiscard]] std::string bring_up_text(const hal::BringUpProgress& progress);
 
+/// "unknown", "idle", "enabled" or "fault".
+[[nodiscard]] const char* state_text(hal::DriverState state);
+
+/// A fault of a driver with its vendor code.
+[[nodiscard]] std::string fault_text(hal::DriverFault fault, std::uint32_t code);
+
 /// After the name of a fault whose cause is gone: ": over", and whether it waits for a reset.
 [[nodiscard]] std::string over_text(supervisor::Fault fault);
 

@@ -82,10 +82,15 @@ FaultSet detect_sensors(const Observation& seen, const SupervisorParameters& par
   return faults;
 }
 
+double torque_mismatch_limit_Nm(const Signals& signals, std::size_t joint,
+                                const SupervisorParameters& parameters) noexcept {
+  return std::max(parameters.torque_mismatch_Nm,
+                  parameters.torque_mismatch_share * signals.asked_torque_Nm[joint]);
+}
+
 bool torque_is_missing(const Signals& signals, std::size_t joint,
                        const SupervisorParameters& parameters) noexcept {
-  const double limit_Nm = std::max(parameters.torque_mismatch_Nm,
-                                   parameters.torque_mismatch_share * signals.asked_torque_Nm[joint]);
+  const double limit_Nm = torque_mismatch_limit_Nm(signals, joint, parameters);
   return !(std::abs(signals.torque_mismatch_Nm[joint]) <= limit_Nm);
 }
 

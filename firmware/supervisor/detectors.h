@@ -53,6 +53,10 @@ struct Observation {
 [[nodiscard]] FaultSet detect_sensors(const Observation& seen,
                                       const SupervisorParameters& parameters) noexcept;
 
+/// Largest difference between a joint's reported and asked torque, mean of 0.2 s.
+[[nodiscard]] double torque_mismatch_limit_Nm(const Signals& signals, std::size_t joint,
+                                              const SupervisorParameters& parameters) noexcept;
+
 /// A joint's reported torque is far from the asked one, in Nm and as a share of it.
 [[nodiscard]] bool torque_is_missing(const Signals& signals, std::size_t joint,
                                      const SupervisorParameters& parameters) noexcept;

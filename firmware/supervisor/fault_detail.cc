@@ -111,7 +111,7 @@ FaultDetail detail(Fault fault, const Observation& seen, const JointLimits& limi
     case Fault::torque_mismatch:
       return of_joint(seen, "Nm", [&](const JointReading&, std::size_t i, FaultDetail& found) {
         found.value = seen.signals.torque_mismatch_Nm[i];
-        found.limit = parameters.torque_mismatch_Nm;
+        found.limit = torque_mismatch_limit_Nm(seen.signals, i, parameters);
         return torque_is_missing(seen.signals, i, parameters);
       });
     case Fault::encoder_frozen:

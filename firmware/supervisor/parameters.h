@@ -12,6 +12,8 @@ using Pose = std::array<double, hal::kJoints>;
 /// Limits of the supervisor and the gains of what it does itself. Joint limits are those of the robot's URDF;
 /// here are the margins beyond them.
 struct SupervisorParameters {
+  double torque_limit_share = 1.0;     ///< of the joints' torque limits, at every level
+  double walk_torque_share = 0.6;      ///< smaller shares of torque only stand
   double position_margin_rad = 0.15;   ///< travel beyond the URDF's before joint_position_limit
   double speed_margin_rad_s = 8.0;     ///< speed beyond the URDF's before joint_speed_limit
   double torque_margin_Nm = 20.0;      ///< reported torque beyond the URDF's before joint_torque_limit
@@ -20,8 +22,8 @@ struct SupervisorParameters {
   double following_error_rad = 0.8;    ///< joint from plan or gait, mean of 0.05 s
   double encoder_jump_rad = 0.05;      ///< between two replies, beyond what the joint's rate explains
   double torso_mismatch_rad = 0.05;    ///< of pitch and the integral of its rate, over 0.2 s
-  double torque_mismatch_share = 0.6;  ///< and of the asked torque: a motor at speed gives less, too
   double torque_mismatch_Nm = 10.0;    ///< of reported and asked torque, mean of 0.2 s
+  double torque_mismatch_share = 0.6;  ///< and of the asked torque: a motor at speed gives less, too
   int unchanged_replies_limit = 25;    ///< equal values in a row of something that must move
   double moving_rad_s = 0.5;      ///< a joint that is planned to be faster must move, and the base with it
   int missed_hold_ticks = 3;      ///< missed replies in a row before the pose is held
@@ -66,6 +68,11 @@ struct SupervisorParameters {
 
 [[nodiscard]] constexpr Pose sitting_pose_rad(const SupervisorParameters& parameters) noexcept {
   return {parameters.sit_hip_rad, parameters.sit_knee_rad, parameters.sit_hip_rad, parameters.sit_knee_rad};
+}
+
+/// Whether the torque limit leaves enough to step and walk.
+[[nodiscard]] constexpr bool may_walk(const SupervisorParameters& parameters) noexcept {
+  return parameters.torque_limit_share >= parameters.walk_torque_share;
 }
 
 /// What the joints can bear, in the order of Pose.

@@ -101,7 +101,7 @@ JointLimits derated(const JointLimits& limits, const JointReadings& measured,
       if (!(temperature_C > parameters.hot_C)) continue;  // or not reported
       way = std::max(way, range_C > 0 ? std::min((temperature_C - parameters.hot_C) / range_C, 1.0) : 1.0);
     }
-    result.torque_Nm[i] *= 1.0 + way * (parameters.hot_torque_share - 1.0);
+    result.torque_Nm[i] *= parameters.torque_limit_share * (1.0 + way * (parameters.hot_torque_share - 1.0));
   }
   return result;
 }

@@ -33,8 +33,8 @@ namespace stilt::supervisor {
                                          const hal::JointReadings& measured,
                                          const JointLimits& limits) noexcept;
 
-/// Hot drivers and motors get less torque: the limit falls from all of it at hot_C to hot_torque_share at
-/// overheated_C, linearly in the hotter temperature of a joint.
+/// The torque limits in force: torque_limit_share of the joints'. Hot drivers and motors get less: from all
+/// of that at hot_C to hot_torque_share of it at overheated_C, linearly in the hotter temperature of a joint.
 [[nodiscard]] JointLimits derated(const JointLimits& limits, const hal::JointReadings& measured,
                                   const SupervisorParameters& parameters) noexcept;
 

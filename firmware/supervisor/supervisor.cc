@@ -100,6 +100,7 @@ const SupervisorOutput& Supervisor::update(const SupervisorInputs& inputs) noexc
   void_request_after_faults(inputs.request);
   watch_reset_window(inputs.request);
   give_up_waiting_to_stand(inputs.request);
+  refuse_steps(inputs.request);
   move(inputs);
   choose(inputs);
   return output_;
@@ -151,6 +152,12 @@ void Supervisor::watch_reset_window(const Request& request) noexcept {
     resetting_ = false;
   }
   output_.clear_buses = resetting_;
+}
+
+/// A step needs more torque than may be used: what cannot be met does not wait for another limit.
+void Supervisor::refuse_steps(const Request& request) noexcept {
+  const bool steps = request.kind == RequestKind::step || request.kind == RequestKind::walk;
+  if (steps && !may_walk(parameters_)) void_number_ = std::max(void_number_, request.number);
 }
 
 /// Nothing stands up by itself minutes after it was asked for.

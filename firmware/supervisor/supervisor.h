@@ -88,6 +88,7 @@ class Supervisor {
   void void_request_after_faults(const Request& request) noexcept;
   void watch_reset_window(const Request& request) noexcept;
   void give_up_waiting_to_stand(const Request& request) noexcept;
+  void refuse_steps(const Request& request) noexcept;
   void move(const SupervisorInputs& inputs) noexcept;
   void enter(State state, const SupervisorInputs& inputs) noexcept;
   [[nodiscard]] bool applies(Condition condition, const SupervisorInputs& inputs) const noexcept;

@@ -4,6 +4,7 @@ hal_test --gtest_filter='VirtualCan.*' >hal.log 2>&1
 status=$?
 cat hal.log
 virtual_can_test || status=1
+slcan_test || status=1
 if grep -q SKIPPED hal.log; then
   echo "tests were skipped"
   status=1

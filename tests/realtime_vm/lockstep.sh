@@ -1,4 +1,8 @@
-# For scripts in the virtual machine: robot and controller taking turns on vcan0 and vcan1.
+# For scripts in the virtual machine: robot and controller taking turns on vcan0 and vcan1, or on the interfaces that the
+# script names before it reads this file.
+: "${robot_left:=vcan0}" "${robot_right:=vcan1}" "${controller_left:=vcan0}" "${controller_right:=vcan1}"
+# That robot_right sends: two commands, two replies, two syncs; of an interface of its own the robot's half.
+: "${frames_per_tick:=6}"
 quick="--set runtime.start_settle_s=1.2 --set supervisor.stand_ramp_s=0.4 --set supervisor.slow_down_s=0.8"
 failed=0
 
@@ -10,9 +14,9 @@ fail() {
 # Starts the robot with the options given, and waits until it listens on the last bus it opens.
 start_robot() {
   rm -f robot.json
-  stilt robot --bus vcan0 --bus vcan1 --lockstep --json robot.json "$@" >robot.log 2>&1 &
+  stilt robot --bus $robot_left --bus $robot_right --lockstep --json robot.json "$@" >robot.log 2>&1 &
   robot=$!
-  until grep -qs '^ *vcan1 ' /proc/net/can/rcvlist_*; do
+  until grep -qs "^ *$robot_right " /proc/net/can/rcvlist_*; do
     kill -0 $robot 2>/dev/null || {
       cat robot.log
       fail "the robot ended before it began"
@@ -25,7 +29,7 @@ start_robot() {
 # start_controller OPTIONS: in the background; what it says goes to stiltd.log.
 start_controller() {
   rm -f stiltd.json stiltd.log
-  stiltd --bus vcan0 --bus vcan1 $quick --lockstep --json stiltd.json "$@" >stiltd.log 2>&1 &
+  stiltd --bus $controller_left --bus $controller_right $quick --lockstep --json stiltd.json "$@" >stiltd.log 2>&1 &
   controller=$!
 }
 
@@ -40,10 +44,10 @@ wait_for_controller() {
   done
 }
 
-# wait_for_ticks COUNT: of lock-step, with six frames per tick on vcan1: two commands, two replies, two syncs.
+# wait_for_ticks COUNT: of lock-step.
 wait_for_ticks() {
-  local sent=/sys/class/net/vcan1/statistics/tx_packets
-  local enough=$(($(cat $sent) + 6 * $1))
+  local sent=/sys/class/net/$robot_right/statistics/tx_packets
+  local enough=$(($(cat $sent) + frames_per_tick * $1))
   while [ "$(cat $sent)" -lt $enough ] && kill -0 $controller 2>/dev/null; do sleep 0.2; done
 }
 

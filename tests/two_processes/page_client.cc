@@ -58,6 +58,8 @@ PageClient::PageClient(const std::string& url) : socket_(::socket(AF_INET, SOCK_
                         "Sec-WebSocket-Key: c3RpbHRzdGlsdHN0aWx0cw==\r\n\r\n");
   reader_ = std::jthread([this] { read(); });
   if (!wait_for("101 Switching", kWelcome_s)) throw std::runtime_error("the monitor lets no page in");
+  const std::size_t key = url.find("#key=");
+  if (key != std::string::npos) send(R"({"key": ")" + url.substr(key + 5) + "\"}");
 }
 
 PageClient::~PageClient() {
@@ -103,9 +105,10 @@ bool PageClient::wait_for_end(double longest_s) {
 }
 
 std::string url_of_monitor(const std::string& output, double longest_s) {
-  if (!wait_for_text(output, "/\n", longest_s)) throw std::runtime_error("the monitor prints no address");
+  if (!wait_for_text(output, "#key=", longest_s)) throw std::runtime_error("the monitor prints no link");
   const std::string text = text_of(output);
-  return text.substr(text.find("http://"));
+  const std::size_t begin = text.find("http://");
+  return text.substr(begin, text.find('\n', begin) - begin);
 }
 
 }  // namespace stilt::two_processes

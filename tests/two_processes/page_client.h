@@ -6,11 +6,12 @@
 
 namespace stilt::two_processes {
 
-/// An open page of a monitor, as far as a test needs one: a WebSocket to /live that reads all it is sent.
+/// An open page of a monitor, as far as a test needs one: a WebSocket to /live that gives the key of its link
+/// and reads all it is sent.
 class PageClient {
  public:
   /// Throws std::runtime_error when it is not let in.
-  /// @param url  as `stilt monitor` prints it, "http://127.0.0.1:8080/"
+  /// @param url  as `stilt monitor` prints it, "http://127.0.0.1:8080/#key=..."
   explicit PageClient(const std::string& url);
   ~PageClient();
   PageClient(const PageClient&) = delete;
@@ -35,7 +36,7 @@ class PageClient {
   std::jthread reader_;  ///< last: it uses the others
 };
 
-/// The address that a monitor prints, once it has; throws std::runtime_error when it takes longer.
+/// The link that a monitor prints, once it has; throws std::runtime_error when it takes longer.
 /// @param output  file of its standard output
 [[nodiscard]] std::string url_of_monitor(const std::string& output, double longest_s);
 

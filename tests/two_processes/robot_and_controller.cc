@@ -16,12 +16,16 @@ RobotAndController::~RobotAndController() {
 std::vector<std::string> RobotAndController::words(const std::vector<std::string>& program,
                                                    const std::vector<std::string>& options) const {
   std::vector<std::string> all = program;
-  for (const char* leg : {".left", ".right"}) {
+  for (const std::size_t number : {0u, 1u}) {
     all.emplace_back("--bus");
-    all.push_back("loopback:" + bus_ + leg);
+    all.push_back(bus(number));
   }
   all.insert(all.end(), options.begin(), options.end());
   return all;
+}
+
+std::string RobotAndController::bus(std::size_t number) const {
+  return "loopback:" + bus_ + (number == 0 ? ".left" : ".right");
 }
 
 void RobotAndController::start_robot(const std::vector<std::string>& options) {
@@ -46,7 +50,14 @@ void RobotAndController::start_controller(const std::vector<std::string>& option
 }
 
 void RobotAndController::start_self_test(const std::vector<std::string>& options) {
-  start({STILTD_PROGRAM, "selftest"}, options);
+  start_command({"selftest"}, options);
+}
+
+void RobotAndController::start_command(const std::vector<std::string>& command,
+                                       const std::vector<std::string>& options) {
+  std::vector<std::string> program{STILTD_PROGRAM};
+  program.insert(program.end(), command.begin(), command.end());
+  start(program, options);
 }
 
 void RobotAndController::expect_both_to_end() {

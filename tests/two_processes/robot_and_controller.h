@@ -23,6 +23,8 @@ class RobotAndController {
   void start_controller(const std::vector<std::string>& options);
   /// stiltd selftest in the controller's place.
   void start_self_test(const std::vector<std::string>& options);
+  /// Another of stiltd's commands there, with its own arguments.
+  void start_command(const std::vector<std::string>& command, const std::vector<std::string>& options);
 
   [[nodiscard]] Process& robot() { return *robot_; }
   [[nodiscard]] Process& controller() { return *controller_; }
@@ -32,6 +34,8 @@ class RobotAndController {
 
   [[nodiscard]] nlohmann::json robot_json() const { return json("robot.json"); }
   [[nodiscard]] nlohmann::json controller_json() const { return json("controller.json"); }
+  /// Name of a bus, 0 or 1.
+  [[nodiscard]] std::string bus(std::size_t number) const;
   [[nodiscard]] std::string file(const std::string& name) const { return folder_.file(name); }
   /// What both said, for messages.
   [[nodiscard]] std::string said() const;

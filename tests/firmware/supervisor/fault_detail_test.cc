@@ -55,5 +55,15 @@ TEST(FaultDetail, TheJointIsTheOneThatIsSpoilt) {
   }
 }
 
+TEST(FaultDetail, TheLimitOfAMissingTorqueIsTheLargerOfTheTwo) {
+  Observation seen = healthy();
+  seen.signals.asked_torque_Nm[2] = 50;
+  seen.signals.torque_mismatch_Nm[2] = -31;
+  EXPECT_EQ(detail(Fault::torque_mismatch, seen, joint_limits(), {}).limit, 30);
+  seen.signals.asked_torque_Nm[2] = 5;
+  EXPECT_EQ(detail(Fault::torque_mismatch, seen, joint_limits(), {}).limit,
+            SupervisorParameters{}.torque_mismatch_Nm);
+}
+
 }  // namespace
 }  // namespace stilt::supervisor

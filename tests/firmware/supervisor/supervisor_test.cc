@@ -11,6 +11,7 @@
 namespace stilt::supervisor {
 namespace {
 
+using testing::joint_limits;
 using testing::SupervisorTest;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -112,6 +113,59 @@ TEST_F(SupervisorTest, TorquesNeverExceedTheJoint) {
   tick();
   EXPECT_EQ(commands_[0].torque_Nm, 80);
   EXPECT_EQ(commands_[1].torque_Nm, -80);
+}
+
+/// Torque of the law of a driver that closes it itself, at a reading.
+double law_Nm(const hal::JointCommand& command, const hal::JointReading& reading) {
+  return command.torque_Nm + command.kp_Nm_rad * (command.position_rad - reading.position_rad) +
+         command.kd_Nms_rad * (command.velocity_rad_s - reading.velocity_rad_s);
+}
+
+TEST_F(SupervisorTest, ATorqueLimitHoldsAtEveryLevel) {
+  parameters_.torque_limit_share = 0.25;
+  power_on();
+  bring_to_stand();
+  const auto expect_within_limit = [this](FallbackLevel level) {
+    ASSERT_EQ(output().level, level);
+    for (std::size_t i = 0; i < hal::kJoints; ++i) {
+      const double limit_Nm = 0.25 * joint_limits().torque_Nm[i];
+      const double rounding = 1 + 1e-12;
+      EXPECT_LE(std::abs(commands_[i].torque_Nm), limit_Nm);
+      EXPECT_LE(commands_[i].torque_limit_Nm, limit_Nm);
+      EXPECT_LE(std::abs(law_Nm(commands_[i], inputs_.seen.joints[i])), limit_Nm * rounding);
+    }
+  };
+  wanted_[0].torque_Nm = 500;
+  tick();
+  expect_within_limit(FallbackLevel::plan);
+  EXPECT_EQ(commands_[0].torque_Nm, 0.25 * joint_limits().torque_Nm[0]) << "all that is left, where wanted";
+
+  for (hal::JointReading& joint : inputs_.seen.joints) joint.velocity_rad_s = 9;
+  inputs_.seen.joints[3].missed_replies = static_cast<std::uint32_t>(parameters_.missed_hold_ticks);
+  run(2 * parameters_.hold_ramp_s);
+  expect_within_limit(FallbackLevel::hold);
+  inputs_.seen.joints[3].missed_replies = 0;
+  inputs_.seen.joints[0].driver_temperature_C = parameters_.overheated_C + 1;
+  for (double time_s = 0; time_s < 10 && output().level != FallbackLevel::sit; time_s += 1e-3) tick();
+  for (hal::JointReading& joint : inputs_.seen.joints) joint.position_rad += 1.0;
+  tick();
+  expect_within_limit(FallbackLevel::sit);
+  inputs_.seen.emergency_stop = hal::EmergencyStopState::pressed;
+  tick();
+  expect_within_limit(FallbackLevel::damp);
+}
+
+TEST_F(SupervisorTest, WithLessTorqueThanAWalkNeedsItStandsAndNeitherStepsNorWalks) {
+  parameters_.torque_limit_share = 0.5;
+  power_on();
+  bring_to_stand();
+  for (const RequestKind kind : {RequestKind::step, RequestKind::walk}) {
+    request(kind, 0.5);
+    EXPECT_EQ(run(1.0), State::stand);
+  }
+  parameters_.torque_limit_share = parameters_.walk_torque_share;
+  power_on();
+  bring_to_walk();
 }
 
 TEST_F(SupervisorTest, BootWaitsForTheEmergencyStopAndThenTreatsSilenceAsPressed) {
