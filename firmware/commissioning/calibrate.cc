@@ -144,7 +144,7 @@ class Calibration {
   std::expected<void, CommandFailure> try_torso() {
     Measured rest;
     const std::string question =
-        "Let go of the legs, and help them to hang plumb; leave the torso alone. Press Enter when all is at "
+        "Release the legs, and help them to hang plumb; leave the torso alone. Press Enter when all is at "
         "rest";
     const auto both_legs = [](const Measured& all) {
       return std::max(all.leg_motion_rad(0), all.leg_motion_rad(2));

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "firmware/control_loop/sensor_reading.h"
 #include "firmware/control_loop/trace_points.h"
 
 // One control loop for robot, simulation and replay: docs/decisions/0015-one-control-loop.md
@@ -23,39 +24,6 @@ supervisor::JointLimits joint_limits(const model::RobotConstants& robot) noexcep
     limits.torque_Nm[i] = robot.torque_limit_Nm[i];
   }
   return limits;
-}
-
-/// The pitch now: the newest one, extrapolated with its rate when the torso sensor is slower than the torque
-/// loop.
-double pitch_now_rad(const hal::BaseReading& base, std::int64_t now_ns) noexcept {
-  constexpr std::int64_t kLongest_ns = 10'000'000;
-  const std::int64_t age_ns = std::clamp<std::int64_t>(now_ns - base.time_ns, 0, kLongest_ns);
-  const double change_rad = 1e-9 * static_cast<double>(age_ns) * base.pitch_rate_rad_s;
-  return std::isfinite(change_rad) ? base.pitch_rad + change_rad : base.pitch_rad;
-}
-
-control::SensorReading sensor_reading(double time_s, const hal::RobotReadings& readings,
-                                      std::int64_t now_ns) noexcept {
-  control::SensorReading reading;
-  reading.time_s = time_s;
-  for (int i = 0; i < kJoints; ++i) {
-    const hal::JointReading& joint = readings.joints[static_cast<std::size_t>(i)];
-    reading.joint_position_rad[i] = joint.position_rad;
-    reading.joint_velocity_rad_s[i] = joint.velocity_rad_s;
-  }
-  reading.base_pitch_rad = pitch_now_rad(readings.base, now_ns);
-  reading.base_pitch_rate_rad_s = readings.base.pitch_rate_rad_s;
-  return reading;
-}
-
-/// The sensors as a state; the hip stands still at the origin.
-model::StateVector measured_state(const control::SensorReading& reading) noexcept {
-  model::StateVector state = model::StateVector::Zero();
-  state[model::kFirstAngle] = reading.base_pitch_rad;
-  state.segment<kJoints>(model::kFirstJoint) = reading.joint_position_rad;
-  state[model::kPositions + model::kFirstAngle] = reading.base_pitch_rate_rad_s;
-  state.tail<kJoints>() = reading.joint_velocity_rad_s;
-  return state;
 }
 
 std::uint64_t error_count(const hal::RobotReadings& readings) noexcept {
@@ -214,7 +182,7 @@ supervisor::Observation ControlLoop::observe(const TickTiming& timing, const Ope
   if (episode_ != 0) {
     seen.signals =
         monitor_.update({timing.now_ns, readings_.joints, readings_.base, asked_Nm_, planned.position_rad});
-    seen.hip_height_share = hip_height_share(reading);
+    seen.hip_height_share = hip_height_share(*model_, reading);
   }
   seen.controller_finite = torques_finite_ && (episode_ == 0 || estimate.allFinite());
   seen.followable = followable;
@@ -245,15 +213,6 @@ ControlLoop::PlannedJoints ControlLoop::planned_joints(const PlanView& plan) con
     take(plan.point.state.segment<kJoints>(model::kFirstJoint), plan.point.state.tail<kJoints>());
   }
   return planned;
-}
-
-/// Of the straight leg; the foot is the lower one.
-double ControlLoop::hip_height_share(const control::SensorReading& reading) const noexcept {
-  const model::StateVector state = measured_state(reading);
-  model::KinematicsTerms<double> feet;
-  model_->kinematics(state.data(), feet);
-  const double height_m = -std::min(feet.foot_position[1], feet.foot_position[3]);
-  return height_m / (model_->constants.thigh_length_m + model_->constants.shin_length_m);
 }
 
 const supervisor::SupervisorOutput& ControlLoop::supervise(const supervisor::Observation& seen,

@@ -86,7 +86,6 @@ class ControlLoop {
                                                 const model::StateVector& estimate,
                                                 const supervisor::Followable& followable) noexcept;
   [[nodiscard]] PlannedJoints planned_joints(const PlanView& plan) const noexcept;
-  [[nodiscard]] double hip_height_share(const control::SensorReading& reading) const noexcept;
   const supervisor::SupervisorOutput& supervise(const supervisor::Observation& seen,
                                                 const OperatorCommand& command,
                                                 const control::SensorReading& reading) noexcept;

@@ -96,7 +96,7 @@ class CommandArbiter {
   std::string commander_;                         ///< empty: none
   std::int64_t heartbeat_wall_ns_ = 0;
   supervisor::Request request_;
-  bool deserted_ = false;     ///< the last commander fell silent, and nobody commands
+  bool deserted_ = false;     ///< the last commander fell silent, and no other has taken over
   bool took_over_ = false;    ///< the script has no say any more
   bool standing_up_ = false;  ///< after the bring-up: stand
   bool rejected_ = false;

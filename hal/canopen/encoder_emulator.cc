@@ -81,7 +81,7 @@ CanFrame EncoderEmulator::position_frame() noexcept {
   return frame;
 }
 
-void EncoderEmulator::obey(NmtCommand command, FrameSink& replies) {
+void EncoderEmulator::change_state(NmtCommand command, FrameSink& replies) {
   switch (command) {
     case NmtCommand::start:
       if (state_ != NmtState::operational) replies.push(position_frame());
@@ -116,7 +116,7 @@ void EncoderEmulator::take(std::int64_t now_ns, const CanFrame& frame, FrameSink
   const bool is_data = !frame.extended && !frame.remote && !frame.error;
   if (is_data && frame.id == kNmtId && frame.length == 2 &&
       (frame.data[1] == encoder_.node || frame.data[1] == 0)) {
-    obey(static_cast<NmtCommand>(frame.data[0]), replies);
+    change_state(static_cast<NmtCommand>(frame.data[0]), replies);
     next_heartbeat_ns_ = now_ns;
     return;
   }

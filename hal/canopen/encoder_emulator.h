@@ -41,7 +41,7 @@ class EncoderEmulator {
   [[nodiscard]] Entry* find(const Object& object) noexcept;
   [[nodiscard]] std::uint32_t value_of(const Object& object) noexcept;
   [[nodiscard]] SdoAnswer answer(const SdoRequest& request, std::uint8_t& bytes) noexcept;
-  void obey(NmtCommand command, FrameSink& replies);
+  void change_state(NmtCommand command, FrameSink& replies);
   [[nodiscard]] CanFrame position_frame() noexcept;
 
   Encoder encoder_;

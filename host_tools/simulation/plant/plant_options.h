@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -61,13 +62,13 @@ struct PlantOptions {
 
 /// One row of the table of options: what `--plant KEY=VALUE` accepts.
 struct PlantOption {
-  const char* key;
+  std::string key;
   const char* unit;
   double minimum;
   double maximum;
   const char* default_text;
-  const char* description;
-  void (*set)(PlantOptions&, double);
+  std::string description;
+  std::function<void(PlantOptions&, double)> set;
   bool is_switch = false;  ///< the only values are 0 and 1
 };
 

@@ -28,7 +28,7 @@ class BusEnds {
   /// Sends the frames of the robot's nodes.
   void send_outgoing(std::int64_t now_ns);
 
-  /// Nobody takes the frames of the robot's nodes: only the log has them.
+  /// Frames of the robot's nodes reach the log only.
   void discard_outgoing(std::int64_t now_ns);
 
   /// Sends a frame on a bus, after the frames that found its queue full.

@@ -164,7 +164,7 @@ void RobotOnBus::send_base(std::int64_t now_ns) {
 }
 
 void RobotOnBus::send_serial(const BaseValues& values) {
-  constexpr std::size_t kMostWaiting = 4096;  // bytes that nobody takes
+  constexpr std::size_t kMostWaiting = 4096;  // bytes without a reader
   const hal::vectornav::Pitch pitch{values[static_cast<std::size_t>(BaseChannel::pitch_rad)],
                                     values[static_cast<std::size_t>(BaseChannel::pitch_rate_rad_s)]};
   const auto message = hal::vectornav::encode(packet_of(pitch, *setup_.wiring.serial_imu));

@@ -18,7 +18,7 @@ class SerialLine {
   SerialLine& operator=(const SerialLine&) = delete;
   ~SerialLine();
 
-  /// Never waits: what does not fit is lost, as on a line that nobody reads.
+  /// Never waits: what does not fit is lost, as on a line without a reader.
   void write(std::span<const std::uint8_t> bytes) const noexcept;
 
  private:

@@ -52,25 +52,10 @@ hal::BringUpOptions bring_up_options(const configuration::HardwareParameters& ha
 
 }  // namespace
 
-hal::SendResult WatchedBus::send(std::span<const hal::CanFrame> frames) noexcept {
-  for (const hal::CanFrame& frame : frames) {
-    sent.push_back(frame);
-    robot_.receive(now_ns_, bus_, frame);
-  }
-  return {frames.size(), hal::BusStatus::ok};
-}
-
-hal::ReceiveResult WatchedBus::receive(std::span<hal::CanFrame> frames) noexcept {
-  const std::size_t count = std::min(frames.size(), waiting.size());
-  std::copy_n(waiting.begin(), count, frames.begin());
-  waiting.erase(waiting.begin(), waiting.begin() + static_cast<std::ptrdiff_t>(count));
-  return {count, waiting.empty() ? hal::BusStatus::ok : hal::BusStatus::more};
-}
-
 HangingRobot::HangingRobot(const Wiring& wiring)
     : configuration(configuration_of(wiring.both)),
       robot(setup_of(wiring)),
-      buses{WatchedBus(robot, 0, now_ns_), WatchedBus(robot, 1, now_ns_)} {
+      buses{DirectBus(robot, 0, now_ns_), DirectBus(robot, 1, now_ns_)} {
   hardware = std::make_unique<hal::RobotHardware>(configuration::robot_wiring(configuration.hardware),
                                                   bring_up_options(configuration.hardware), frame_buses());
 }

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <atomic>
-#include <deque>
 #include <memory>
 #include <optional>
 #include <string>
@@ -12,6 +11,7 @@
 #include "firmware/configuration/configuration.h"
 #include "hal/robot/robot_hardware.h"
 #include "host_tools/simulation/robot_on_bus/robot_on_bus.h"
+#include "tests/host_tools/simulation/robot_on_bus/direct_bus.h"
 
 namespace stilt::commissioning::testing {
 
@@ -25,27 +25,7 @@ struct Wiring {
   int seed = 1;                         ///< of the sensors' noise
 };
 
-/// A bus that leads straight to the simulated robot, and keeps what was sent.
-class WatchedBus final : public hal::FrameBus {
- public:
-  WatchedBus(robot_on_bus::RobotOnBus& robot, std::size_t bus, const std::int64_t& now_ns)
-      : robot_(robot), bus_(bus), now_ns_(now_ns) {}
-
-  [[nodiscard]] hal::SendResult send(std::span<const hal::CanFrame> frames) noexcept override;
-  [[nodiscard]] hal::ReceiveResult receive(std::span<hal::CanFrame> frames) noexcept override;
-  [[nodiscard]] hal::BusHealth health() const noexcept override { return hal::BusHealth::active; }
-  void clear_bus_off() noexcept override {}
-  [[nodiscard]] const hal::BusCounters& counters() const noexcept override { return counters_; }
-
-  std::deque<hal::CanFrame> waiting;
-  std::vector<hal::CanFrame> sent;
-
- private:
-  robot_on_bus::RobotOnBus& robot_;
-  std::size_t bus_;
-  const std::int64_t& now_ns_;
-  hal::BusCounters counters_;
-};
+using robot_on_bus::testing_support::DirectBus;
 
 /// A simulated robot that hangs, its legs free, as the commands meet it. Its clock advances it. It remembers
 /// what a person would see of its links, and the largest torque of each joint.
@@ -69,7 +49,7 @@ class HangingRobot final : public hal::Clock {
 
   configuration::Configuration configuration;  ///< that of the commands
   robot_on_bus::RobotOnBus robot;
-  std::array<WatchedBus, 2> buses;
+  std::array<DirectBus, 2> buses;
   std::unique_ptr<hal::RobotHardware> hardware;
   std::atomic<bool> stop = false;
 

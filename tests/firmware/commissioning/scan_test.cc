@@ -67,7 +67,7 @@ TEST(Scan, EnablesNoDriverAndMovesNothing) {
       EXPECT_EQ(robot.peak_torque_Nm(joint), 0.0);
     }
     EXPECT_GT(robot.buses[0].sent.size(), 4u);
-    for (const testing::WatchedBus& bus : robot.buses) {
+    for (const testing::DirectBus& bus : robot.buses) {
       for (const hal::CanFrame& frame : bus.sent) {
         EXPECT_FALSE(frame.length == 8 && !frame.fd && !frame.remote && frame.data[7] == 0xfc)
             << "an MIT frame that turns the motor on";

@@ -54,13 +54,13 @@ void expect_limp_mit(const hal::CanFrame& frame) {
 TEST(Watch, NoFrameAsksForATorqueOrAGain) {
   HangingRobot damiao;
   static_cast<void>(watched(damiao, 1.0));
-  for (const testing::WatchedBus& bus : damiao.buses) {
+  for (const testing::DirectBus& bus : damiao.buses) {
     EXPECT_GT(bus.sent.size(), 1000u);
     for (const hal::CanFrame& frame : bus.sent) expect_limp_mit(frame);
   }
   HangingRobot odrive({.both = kOdrive, .robot = {}, .miswired = {}});
   static_cast<void>(watched(odrive, 1.0));
-  for (const testing::WatchedBus& bus : odrive.buses) {
+  for (const testing::DirectBus& bus : odrive.buses) {
     constexpr unsigned kSetInputTorque = 0x0e;
     long torques = 0;
     for (const hal::CanFrame& frame : bus.sent) {

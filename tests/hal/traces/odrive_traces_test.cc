@@ -37,6 +37,13 @@ void expect_turns(double value_rad, double turns) {
 void expect_float(double value, double wanted) {
   EXPECT_EQ(static_cast<float>(value), static_cast<float>(wanted));
 }
+/// A message of two numbers.
+template <class Message, auto first, auto second>
+void two_floats(std::uint8_t node, const TraceEvent& said, const CanFrame& frame) {
+  const auto message = decoded<Message>(node, frame);
+  expect_float(message.*first, said.number(0));
+  expect_float(message.*second, said.number(1));
+}
 /// Their library fills every message with zeros to 8 bytes; their example can_simple.py does not.
 void expect_bytes(const CanFrame& ours, const CanFrame& theirs) {
   EXPECT_EQ(ours.id, theirs.id);
@@ -73,24 +80,10 @@ const std::map<std::string, Check> kChecks{
        expect_turns(estimates.position_rad, said.number(0));
        expect_turns(estimates.velocity_rad_s, said.number(1));
      }},
-    {"torques",
-     [](auto node, const auto& said, const auto& frame) {
-       const auto torques = decoded<OdriveTorques>(node, frame);
-       expect_float(torques.target_Nm, said.number(0));
-       expect_float(torques.estimate_Nm, said.number(1));
-     }},
+    {"torques", two_floats<OdriveTorques, &OdriveTorques::target_Nm, &OdriveTorques::estimate_Nm>},
     {"temperatures",
-     [](auto node, const auto& said, const auto& frame) {
-       const auto temperatures = decoded<OdriveTemperatures>(node, frame);
-       expect_float(temperatures.driver_C, said.number(0));
-       expect_float(temperatures.motor_C, said.number(1));
-     }},
-    {"supply",
-     [](auto node, const auto& said, const auto& frame) {
-       const auto supply = decoded<OdriveSupply>(node, frame);
-       expect_float(supply.voltage_V, said.number(0));
-       expect_float(supply.current_A, said.number(1));
-     }},
+     two_floats<OdriveTemperatures, &OdriveTemperatures::driver_C, &OdriveTemperatures::motor_C>},
+    {"supply", two_floats<OdriveSupply, &OdriveSupply::voltage_V, &OdriveSupply::current_A>},
     {"set_state",
      [](auto node, const auto& said, const auto& frame) {
        CanFrame ours;

@@ -157,7 +157,7 @@ TEST(Vectornav, AnglesThatAreNoNumbersAreNoPacket) {
   EXPECT_EQ(stream.malformed(), 1u);
 }
 
-TEST(Vectornav, AStreamThatNobodyReadsKeepsItsFirstBytes) {
+TEST(Vectornav, AStreamWithoutAReaderKeepsItsFirstBytes) {
   Stream stream;
   const Bytes much(1000, 0xfa);
   EXPECT_EQ(stream.push(much), Stream::kCapacity);

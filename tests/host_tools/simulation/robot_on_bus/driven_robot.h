@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <deque>
 #include <memory>
 #include <string>
 #include <vector>
@@ -9,32 +8,11 @@
 #include "firmware/configuration/configuration.h"
 #include "hal/robot/can_robot.h"
 #include "host_tools/simulation/robot_on_bus/robot_on_bus.h"
+#include "tests/host_tools/simulation/robot_on_bus/direct_bus.h"
 
 namespace stilt::robot_on_bus::testing_support {
 
 inline constexpr std::int64_t kTick_ns = 1'000'000;
-
-/// The controller's end of a bus that leads straight to the robot.
-class DirectBus final : public hal::FrameBus {
- public:
-  DirectBus(RobotOnBus& robot, std::size_t bus, const std::int64_t& now_ns)
-      : robot_(robot), bus_(bus), now_ns_(now_ns) {}
-
-  [[nodiscard]] hal::SendResult send(std::span<const hal::CanFrame> frames) noexcept override;
-  [[nodiscard]] hal::ReceiveResult receive(std::span<hal::CanFrame> frames) noexcept override;
-  [[nodiscard]] hal::BusHealth health() const noexcept override { return hal::BusHealth::active; }
-  void clear_bus_off() noexcept override {}
-  [[nodiscard]] const hal::BusCounters& counters() const noexcept override { return counters_; }
-
-  /// Frames on their way to the controller.
-  std::deque<hal::CanFrame> waiting;
-
- private:
-  RobotOnBus& robot_;
-  std::size_t bus_;
-  const std::int64_t& now_ns_;
-  hal::BusCounters counters_;
-};
 
 /// What a test changes of the shipped configuration and of the nominal robot.
 struct RobotRequest {

@@ -96,7 +96,7 @@ TEST(SerialLine, IsAPortOfThatNameUntilItEnds) {
     ASSERT_TRUE(port->wait(20'000'000'000));
     EXPECT_EQ(port->read(received), 4);
     EXPECT_EQ(received[1], 13);
-    for (int i = 0; i < 10000; ++i) line.write(sent);  // nobody reads: returns
+    for (int i = 0; i < 10000; ++i) line.write(sent);  // without a reader: returns
   }
   struct stat ignored {};
   EXPECT_NE(lstat(path.c_str(), &ignored), 0) << "the link is gone";
