@@ -280,6 +280,13 @@ Result parse(std::string_view toml, std::string_view file, std::span<const Overr
   return reader.finish();
 }
 
+void keep_torque_limit(Configuration& configuration) {
+  const double share = configuration.supervisor.torque_limit_share;
+  if (share >= 1.0) return;
+  configuration.robot.torque_limit_scale = std::min(configuration.robot.torque_limit_scale, share);
+  if (!supervisor::may_walk(configuration.supervisor)) configuration.gait.catch_falls = false;
+}
+
 Result load_file(const std::string& path, std::span<const Override> overrides, std::string_view preset) {
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored)) {

@@ -137,12 +137,11 @@ std::expected<void, std::string> read_configuration(const Arguments& arguments, 
   return {};
 }
 
-/// Plans keep the limit, too. A robot that may not step does not catch falls by steps.
+/// The share of --torque-limit is one of the configured limit.
 void limit_torque(Options& options) {
-  if (options.torque_limit_share == 1.0) return;
   options.configuration.supervisor.torque_limit_share *= options.torque_limit_share;
-  options.configuration.robot.torque_limit_scale *= options.torque_limit_share;
-  if (!supervisor::may_walk(options.configuration.supervisor)) options.configuration.gait.catch_falls = false;
+  configuration::keep_torque_limit(options.configuration);
+  if (options.torque_limit_share == 1.0) return;
   char text[40];
   std::snprintf(text, sizeof text, ", --torque-limit %g", options.torque_limit_share);
   options.source += text;

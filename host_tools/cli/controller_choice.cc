@@ -150,7 +150,10 @@ configuration::Configuration load_configuration(const std::string& robot, const 
 
 configuration::Configuration controller_configuration(const ControllerChoice& choice) {
   check_controller(choice.controller);
-  return load_configuration(choice.robot, choice.config_file, choice.preset, overrides_of(choice));
+  configuration::Configuration configuration =
+      load_configuration(choice.robot, choice.config_file, choice.preset, overrides_of(choice));
+  configuration::keep_torque_limit(configuration);
+  return configuration;
 }
 
 control::ControllerParameters controller_parameters(const ControllerChoice& choice) {

@@ -49,7 +49,7 @@ std::vector<RandomQuantity> random_quantities(std::optional<std::pair<double, do
       {"armature_scale", "reflected drive inertia, factor", "1", 0.75, 1.25, 1.0},
       {"joint_friction_Nm", "Coulomb friction of the joints", "Nm", 0.0, 5.0, 0.0},
       {"torque_limit_scale", "torque limit, factor", "1", 0.8, 1.0, 1.0},
-      {"plan_delay_s", "delay of the plan", "s", 0.0, 0.006, 0.005, Changes::plan_delay},
+      {"plan_delay_s", "delay of the plan", "s", 0.0, 0.006, {}, Changes::plan_delay},
       {"sensor_noise_scale", "sensor noise, factor", "1", 0.0, 3.0, 1.0, Changes::sensor_noise},
       {"base_angle_bias_rad", "torso sensor: mounting error and bias of the pitch", "rad", -0.026, 0.026,
        0.0},

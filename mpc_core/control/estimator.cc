@@ -70,6 +70,11 @@ void Estimator::follow_contacts(const model::KinematicsTerms<double>& feet, doub
     in_contact_[foot] = contact[foot];
     weight_[foot] = std::clamp(weight_[foot] + (contact[foot] ? change : -change), 0.0, 1.0);
   }
+  if (!landed_early_ || contact == scheduled_) return;
+  const int landed = scheduled_[model::kLeft] ? model::kRight : model::kLeft;
+  if (!contact[landed]) return;
+  weight_[landed] = 1.0;
+  weight_[1 - landed] = 0.0;
 }
 
 std::array<double, kFeet> Estimator::carrying(const model::KinematicsTerms<double>& feet,

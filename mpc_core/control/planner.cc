@@ -88,23 +88,8 @@ void Planner::reset(double time_s) noexcept {
   schedule_.reset(time_s);
   catcher_.reset();
   speed_reference_m_s_ = 0.0;
-  lag_m_ = 0.0;
-  last_time_s_ = time_s;
+  trim_.reset();
   has_solution_ = false;
-}
-
-void Planner::update_trim(const PlannerInput& input, bool stepping) noexcept {
-  const double limit_m =
-      parameters_.reference.speed_trim_max_m_s / std::max(parameters_.reference.speed_trim_1_s, 1e-9);
-  const double elapsed_s = input.time_s - last_time_s_;
-  if (stepping && has_solution_) {
-    lag_m_ = std::clamp(lag_m_ + speed_reference_m_s_ * elapsed_s - (input.state[0] - last_x_m_), -limit_m,
-                        limit_m);
-  } else {
-    lag_m_ = 0.0;
-  }
-  last_time_s_ = input.time_s;
-  last_x_m_ = input.state[0];
 }
 
 bool Planner::prepare(const PlannerInput& input) noexcept {
@@ -122,11 +107,15 @@ bool Planner::prepare(const PlannerInput& input) noexcept {
   schedule_.update(input.time_s, input.time_s + parameters_.discretisation.horizon_s + beyond_s, command,
                    parameters_.gait, parameters_.reference, speed_reference_m_s_, feet[0] >= feet[2],
                    catcher_.fall());
-  const bool follows_progress = !stands() && catcher_.fall() == gait::Fall::none;
-  update_trim(input, follows_progress);
+  const double trim_m_s =
+      trim_.update({.time_s = input.time_s,
+                    .base_x_m = input.state[0],
+                    .speed_reference_m_s = speed_reference_m_s_,
+                    .contact = phase_now().mode,
+                    .stepping = has_solution_ && !stands() && catcher_.fall() == gait::Fall::none},
+                   parameters_.reference);
   reference_.prepare(data_.robot->constants, schedule_, command, parameters_.gait, parameters_.reference,
-                     input.time_s, input.state, feet, speed_reference_m_s_,
-                     parameters_.reference.speed_trim_1_s * lag_m_);
+                     input.time_s, input.state, feet, speed_reference_m_s_, trim_m_s);
   if (!ocp::build_horizon(schedule_, input.time_s, parameters_.discretisation, problem_.horizon))
     return false;
   ocp::fill_batches(reference_, problem_);

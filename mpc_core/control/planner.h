@@ -3,6 +3,7 @@
 #include "mpc_core/control/fall_catcher.h"
 #include "mpc_core/control/parameters.h"
 #include "mpc_core/control/plan.h"
+#include "mpc_core/control/speed_trim.h"
 #include "mpc_core/gait/reference.h"
 #include "mpc_core/model/robot.h"
 #include "mpc_core/sqp/sqp.h"
@@ -71,10 +72,6 @@ class Planner {
   [[nodiscard]] const ocp::Trajectory& solution() const noexcept { return solution_[current_]; }
 
  private:
-  /// Updates the trim of the speed reference. Steps track the commanded speed with a bias, a compromise
-  /// between the terms of the cost. The trim reduces the bounded distance by which the base lags behind the
-  /// commanded progress.
-  void update_trim(const PlannerInput& input, bool stepping) noexcept;
   [[nodiscard]] bool prepare(const PlannerInput& input) noexcept;
   void warm_start(const PlannerInput& input, ocp::Trajectory& guess) const noexcept;
   void guess_node(double time_s, int phase, bool is_end, double* x, double* u, int& hint) const noexcept;
@@ -84,11 +81,9 @@ class Planner {
   ocp::ProblemData data_;
   gait::ContactSchedule schedule_;
   FallCatcher catcher_;
+  SpeedTrim trim_;
   gait::HeuristicReference reference_;
   double speed_reference_m_s_ = 0.0;
-  double lag_m_ = 0.0;
-  double last_time_s_ = 0.0;
-  double last_x_m_ = 0.0;
   long long sequence_ = 0;
 
   sqp::TerminalCostWorkspace terminal_cost_work_;

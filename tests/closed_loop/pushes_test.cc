@@ -2,6 +2,7 @@
 
 #include <tuple>
 
+#include "host_tools/experiments/steps.h"
 #include "tests/closed_loop/simulated_run.h"
 
 namespace stilt::simulation {
@@ -18,15 +19,22 @@ constexpr double kPush_s = 1.0;
 /// Phase of the step at which the push begins, and horizon.
 class Pushes : public ::testing::TestWithParam<std::tuple<int, double>> {};
 
-TEST_P(Pushes, SurvivesFortyNewtonsForASecondAndGoesOnWalking) {
-  const auto [phase, horizon_s] = GetParam();
+/// A walk with one push; `start_s` becomes its beginning.
+RunRequest pushed_walk(int phase, double horizon_s, double push_N, double& start_s) {
   RunRequest request = testing_support::walking(0.5, horizon_s, 14.0);
   const gait::GaitParameters gait = testing_support::parameters_of(request).gait;
   const double step_s = gait.single_support_s + gait.double_support_s;
   // Steps begin at whole step times after the first lift-off; the odd phases push on the other foot.
   const int step = 12 + phase % 2;
-  const double start_s = gait.switch_lead_s + step_s * (step + static_cast<double>(phase) / kPhases);
-  request.pushes = {{kPush_N, start_s, kPush_s, PushPoint::hip}};
+  start_s = gait.switch_lead_s + step_s * (step + static_cast<double>(phase) / kPhases);
+  request.pushes = {{push_N, start_s, kPush_s, PushPoint::hip}};
+  return request;
+}
+
+TEST_P(Pushes, SurvivesFortyNewtonsForASecondAndGoesOnWalking) {
+  const auto [phase, horizon_s] = GetParam();
+  double start_s = 0.0;
+  RunRequest request = pushed_walk(phase, horizon_s, kPush_N, start_s);
   request.keep_samples = true;
   SimulatedRun run(request);
   const log::RunRecord record = run.run();
@@ -36,6 +44,17 @@ TEST_P(Pushes, SurvivesFortyNewtonsForASecondAndGoesOnWalking) {
   const log::RunSample& end = record.samples.back();
   const log::RunSample& before = record.samples[record.samples.size() - 600];
   EXPECT_NEAR((end.true_state[0] - before.true_state[0]) / (end.time_s - before.time_s), 0.5, 0.1);
+}
+
+TEST_P(Pushes, IsBackAtItsSpeedTwoStepsAfterTwentyNewtons) {
+  const auto [phase, horizon_s] = GetParam();
+  double start_s = 0.0;
+  SimulatedRun run(pushed_walk(phase, horizon_s, 20.0, start_s));
+  const log::RunRecord record = run.run();
+  ASSERT_TRUE(record.summary.survived) << describe(run, record);
+  const auto steps = experiments::recovery_steps(record.summary.steps, start_s + kPush_s, 0.5);
+  ASSERT_TRUE(steps.has_value()) << "pushed at " << start_s << " s";
+  EXPECT_LE(*steps, 2) << "pushed at " << start_s << " s";
 }
 
 INSTANTIATE_TEST_SUITE_P(ClosedLoop, Pushes,

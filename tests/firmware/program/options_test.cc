@@ -104,6 +104,12 @@ TEST(Options, ATorqueLimitBoundsSupervisorAndPlansAlike) {
   EXPECT_EQ(limited->configuration.robot.torque_limit_scale, 0.3);
   EXPECT_FALSE(limited->configuration.gait.catch_falls);
   EXPECT_NE(limited->source.find("--torque-limit 0.3"), std::string::npos);
+  const auto configured = read({"--set", "supervisor.torque_limit_share=0.3"});
+  ASSERT_TRUE(configured) << configured.error();
+  EXPECT_EQ(configured->configuration.robot.torque_limit_scale, 0.3);
+  EXPECT_FALSE(configured->configuration.gait.catch_falls);
+  const auto weaker_plans = read({"--set", "robot.torque_limit_scale=0.2", "--torque-limit", "0.3"});
+  EXPECT_EQ(weaker_plans->configuration.robot.torque_limit_scale, 0.2);
   EXPECT_TRUE(read({"--torque-limit", "0.7"})->configuration.gait.catch_falls);
   for (const char* wrong : {"0", "1.5", "-0.3", "nan", "0.04"}) {
     EXPECT_EQ(mistake({"--torque-limit", wrong}), "--torque-limit: must be a share of the torque, 0.05 to 1");

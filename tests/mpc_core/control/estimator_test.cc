@@ -378,6 +378,20 @@ TEST_F(EarlyTouchdownTest, TheScheduleCountsAgainOnceItChanges) {
   expect_carried_by(kLeft, lower_, after(lower_, kLeftOnly));
 }
 
+TEST_F(EarlyTouchdownTest, TheHeightIsContinuousWhereTheFootThatLandedIsScheduledToLand) {
+  for (const ContactMode& next : {kRightOnly, ContactMode{true, true}}) {
+    estimator_.configure(robot_, {.blend_s = 0.02});
+    estimator_.reset(reading_of(with_knees(0.5, 0.5), 0.0), 0.0);
+    time_s_ = 0.1;
+    for (int tick = 0; tick < 30; ++tick) (void)after(lifted_, kLeftOnly);
+    const StateVector before = after(lower_, kLeftOnly);
+    const StateVector at_switch = after(lower_, next);
+    EXPECT_NEAR(before[1], RelativeFeet(robot_, lower_).height_m(kRight), kExact);
+    EXPECT_NEAR(at_switch[0], before[0], kExact);
+    EXPECT_NEAR(at_switch[1], before[1], kExact);
+  }
+}
+
 TEST_F(EarlyTouchdownTest, AMillimetreIsNoise) {
   const StateVector nearly = with_knees(0.5, 0.49);
   const RelativeFeet feet(robot_, nearly);

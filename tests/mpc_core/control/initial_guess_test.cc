@@ -1,4 +1,4 @@
-// Where a solve starts from, and the trim of the speed reference: what the planner does before it solves.
+// Where a solve starts from: what the planner does before it solves.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,7 +16,6 @@ using model::kInputs;
 using model::kPositions;
 using model::StateVector;
 using testing_support::kPeriod_s;
-using testing_support::kStand;
 using testing_support::kWalk;
 using testing_support::Planning;
 using testing_support::shipped;
@@ -142,60 +141,6 @@ TEST(InitialGuess, WithoutAPlanBeforeIsTheStateOnItsWayWithTheReference) {
     for (int i = 0; i < kInputs; ++i) {
       EXPECT_EQ(node.input[i], problem.batch[place.batch].u_ref[i][place.lane]) << "node " << k;
     }
-  }
-}
-
-/// Walking at a steady speed, then guesses alone, the base going at the commanded speed: what is shown here
-/// happens before the solver.
-class TrimTest : public ::testing::Test {
- protected:
-  void SetUp() override {
-    planning_.advance(kWalk, 150);
-    guess_only(planning_);
-  }
-
-  /// Speed reference at the end of the next plan, when the base is that much ahead of its steady motion.
-  double speed_after_a_shift_of(double ahead_m, const gait::GaitCommand& command = kWalk) {
-    planning_.time_s += kPeriod_s;
-    planning_.state[0] += kPeriod_s * command.speed_m_s + ahead_m;
-    EXPECT_TRUE(planning_.solve(command).usable());
-    return planning_.planner->problem().x_ref_terminal[kPositions];
-  }
-
-  /// Shifts of the robot by metres are no falls.
-  static ControllerParameters without_catching() {
-    ControllerParameters parameters = shipped();
-    parameters.gait.catch_falls = false;
-    return parameters;
-  }
-
-  Planning planning_{without_catching()};
-  const gait::ReferenceParameters& parameters_ = planning_.parameters.reference;
-};
-
-TEST_F(TrimTest, WorksOffTheLagBehindTheCommandedProgress) {
-  constexpr double kLag_m = 0.05;
-  const double before_m_s = speed_after_a_shift_of(0.0);
-  const double behind_m_s = speed_after_a_shift_of(-kLag_m);
-  EXPECT_NEAR(behind_m_s - before_m_s, parameters_.speed_trim_1_s * kLag_m, 1e-9);
-  EXPECT_NEAR(speed_after_a_shift_of(kLag_m), before_m_s, 1e-9);
-}
-
-TEST_F(TrimTest, IsBoundedEitherWayWhateverTheLag) {
-  EXPECT_NEAR(speed_after_a_shift_of(-5.0), kWalk.speed_m_s + parameters_.speed_trim_max_m_s, 1e-9);
-  EXPECT_NEAR(speed_after_a_shift_of(1.0), kWalk.speed_m_s - parameters_.speed_trim_max_m_s, 1e-9)
-      << "the lag to make up is bounded too, so that a metre ahead outweighs it";
-}
-
-TEST_F(TrimTest, IsForgottenInAStand) {
-  speed_after_a_shift_of(-5.0);
-  for (int cycle = 0; cycle < 300; ++cycle) speed_after_a_shift_of(0.0, kStand);
-  ASSERT_EQ(planning_.plan->gait, GaitKind::stand);
-  EXPECT_EQ(speed_after_a_shift_of(-1.0, kStand), 0.0);
-  const double of_one_period_m_s = parameters_.speed_trim_1_s * kPeriod_s * kWalk.speed_m_s;
-  while (planning_.plan->gait == GaitKind::stand) {
-    EXPECT_NEAR(speed_after_a_shift_of(0.0), kWalk.speed_m_s, 1.01 * of_one_period_m_s);
-    ASSERT_LT(planning_.time_s, 10.0);
   }
 }
 
