@@ -228,6 +228,9 @@ constexpr Entry kEntries[] = {
 
     {"sqp", "iterations", "1", "Most iterations of one solve",
      integer<&P::sqp, &SqpParameters::iterations>(1, 100)},
+    {"sqp", "backtracking_steps", "1",
+     "Most shortened steps that the line searches of one solve try; bounds the work of a plan",
+     integer<&P::sqp, &SqpParameters::backtracking_steps>(0, 1000)},
     {"sqp", "early_stop", "", "End as soon as the tolerances are met",
      flag<&P::sqp, &SqpParameters::early_stop>()},
     {"sqp", "cost_tolerance", "1", "Ends when the cost changes by less and g is below violation_tolerance",

@@ -41,6 +41,10 @@ CLI::App* add_bench_command(CLI::App& program, BenchOptions& options) {
       "time this many consecutive plans of a walk instead, with all iterations, and compare the "
       "longest with the median");
   bench->add_option("--speed", options.speed_m_s, "speed of the recorded walk, m/s")->capture_default_str();
+  bench
+      ->add_option("--push", options.pushes,
+                   "with --closed-loop: a push, N@START+DURATION[@hip|torso], positive forward; repeatable")
+      ->allow_extra_args(false);
   bench->add_option("--json", options.json_file,
                     "writes the figures as JSON to a file, or - for standard output");
   return bench;
@@ -58,6 +62,9 @@ int run_bench(const BenchOptions& options) {
   if (options.closed_loop_plans < 0 || options.closed_loop_plans > kMostProblems) {
     throw UsageError("--closed-loop " + std::to_string(options.closed_loop_plans) + ": must be from 1 to " +
                      std::to_string(kMostProblems));
+  }
+  if (!options.pushes.empty() && options.closed_loop_plans == 0) {
+    throw UsageError("--push " + options.pushes.front() + ": needs --closed-loop");
   }
   if (options.choice.controller == "hzd-pd") {
     throw UsageError("--controller hzd-pd: it tracks gaits without planning; choose one that plans");

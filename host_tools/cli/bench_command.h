@@ -2,6 +2,7 @@
 
 #include <CLI/App.hpp>
 #include <string>
+#include <vector>
 
 #include "host_tools/cli/controller_choice.h"
 
@@ -13,6 +14,7 @@ struct BenchOptions {
   int problems = 400;
   int closed_loop_plans = 0;  ///< 0: times the recorded problems instead
   double speed_m_s = 0.5;
+  std::vector<std::string> pushes;  ///< of the closed loop
   std::string json_file;
 };
 

@@ -139,11 +139,16 @@ int run_closed_loop_bench(const BenchOptions& options) {
   choice.no_early_stop = true;
   const auto controller =
       make_controller(controller_setup(choice, robot_model(choice.robot), controller_configuration(choice)));
+  std::vector<simulation::Push> pushes;
+  for (const std::string& text : options.pushes) pushes.push_back(simulation::parse_push(text));
+  simulation::check_pushes(pushes);
   Measurement measurement(controller->planner());
   const PlanObserver observer{
       [&] { measurement.before(); },
       [&](const control::PlannerInput& input) { measurement.after(input, controller->report()); }};
-  const bool survived = walk(choice, options.speed_m_s, options.closed_loop_plans, *controller, observer);
+  const bool survived =
+      walk(choice, {.speed_m_s = options.speed_m_s, .plans = options.closed_loop_plans, .pushes = pushes},
+           *controller, observer);
   const Summary summary = summarise(measurement.samples);
   if (!options.json_file.empty()) write_json(to_json(summary, measurement.samples), options.json_file);
   if (options.json_file != "-") print(summary, measurement.samples);

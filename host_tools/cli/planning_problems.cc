@@ -6,11 +6,11 @@
 
 namespace stilt::cli {
 
-bool walk(const ControllerChoice& choice, double speed_m_s, int count,
-          simulation::SimulatedController& controller, const PlanObserver& observer) {
+bool walk(const ControllerChoice& choice, const Walk& walk, simulation::SimulatedController& controller,
+          const PlanObserver& observer) {
   const model::RobotModel& robot = robot_model(choice.robot);
   const control::ControllerParameters parameters = controller_parameters(choice);
-  simulation::PlantOptions world;
+  simulation::PlantOptions world = walk.world;
   world.time_step_s =
       simulation::time_step_for_tick(world.time_step_s, 1.0 / parameters.timing.torque_rate_hz);
   simulation::Plant plant(
@@ -19,11 +19,12 @@ bool walk(const ControllerChoice& choice, double speed_m_s, int count,
   const control_loop::PlanTiming timing(parameters.timing);
   simulation::RunSettings settings;
   settings.duration_s =
-      1e-9 * static_cast<double>(count * timing.period_ticks * static_cast<long long>(timing.tick_ns));
+      1e-9 * static_cast<double>(walk.plans * timing.period_ticks * static_cast<long long>(timing.tick_ns));
   settings.leg = {robot.constants.thigh_length_m, robot.constants.shin_length_m};
   settings.initial_state = simulation::standing_state(settings.leg, parameters.reference.base_height_m,
                                                       parameters.gait.stand_half_width_m);
-  settings.commands = {{0.0, {gait::GaitKind::walk, speed_m_s}}};
+  settings.commands = {{0.0, {gait::GaitKind::walk, walk.speed_m_s}}};
+  settings.pushes = walk.pushes;
   settings.keep_samples = false;
   Progress progress("walking", settings.duration_s, "s");
   settings.progress = [&](double time_s) { progress.update(time_s); };
@@ -43,7 +44,7 @@ PlanningProblems record_walk(const ControllerChoice& choice, double speed_m_s, i
   PlanningProblems problems;
   PlanObserver recorder;
   recorder.after = [&](const control::PlannerInput& input) { problems.inputs.push_back(input); };
-  problems.survived = walk(choice, speed_m_s, count, *controller, recorder);
+  problems.survived = walk(choice, {.speed_m_s = speed_m_s, .plans = count}, *controller, recorder);
   return problems;
 }
 

@@ -4,6 +4,8 @@
 #include <vector>
 
 #include "host_tools/cli/controller_choice.h"
+#include "host_tools/simulation/closed_loop/scenario.h"
+#include "host_tools/simulation/plant/plant_options.h"
 #include "mpc_core/control/planner.h"
 
 namespace stilt::cli {
@@ -24,9 +26,16 @@ struct PlanObserver {
   std::function<void(const control::PlannerInput&)> after = [](const control::PlannerInput&) {};
 };
 
-/// Walks the simulated robot under `controller`, set up by `choice`, for `count` plans. The walk starts
-/// standing at time 0. True when the robot did not fall.
-[[nodiscard]] bool walk(const ControllerChoice& choice, double speed_m_s, int count,
+/// A walk that starts standing at time 0.
+struct Walk {
+  double speed_m_s = 0.5;
+  int plans = 0;
+  std::vector<simulation::Push> pushes = {};
+  simulation::PlantOptions world = {};
+};
+
+/// Walks the simulated robot under `controller`, set up by `choice`. True when the robot did not fall.
+[[nodiscard]] bool walk(const ControllerChoice& choice, const Walk& walk,
                         simulation::SimulatedController& controller, const PlanObserver& observer);
 
 }  // namespace stilt::cli

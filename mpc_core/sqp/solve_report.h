@@ -9,7 +9,7 @@ namespace stilt::sqp {
 /// Why a solve ended.
 enum class SolveStatus : std::uint8_t {
   converged,        ///< cost change and violation below tolerance, or the step vanished (taken or not)
-  iteration_limit,  ///< used all iterations; the plan is usable
+  iteration_limit,  ///< used all iterations or backtracking steps; the plan is usable
   step_rejected,    ///< the line search found no acceptable step; the last accepted iterate is the plan
   not_finite,       ///< NaN or infinity in input, linearisation or step: no plan
   not_convex,       ///< a reduced Hessian was not positive definite: no plan

@@ -142,6 +142,7 @@ Sqp::Search Sqp::line_search(const ocp::ProblemData& data, const ocp::Problem& p
   const long long start_ns = now_ns();
   Search result = Search::rejected;
   for (double length = 1.0; length >= p.step_min; length *= p.step_decrease) {
+    if (report.trial_steps == report.iterations + p.backtracking_steps) return Search::exhausted;
     ++report.trial_steps;
     const double step_size = take_step(iterate, length, stages, trial);
     if (length == 1.0) full_step_size_ = step_size;
@@ -171,8 +172,10 @@ SolveReport Sqp::solve(const ocp::ProblemData& data, const ocp::Problem& problem
     if (!step(data, problem, *current, report)) break;
     ++report.iterations;
     const double cost_before = merit.cost;
-    if (line_search(data, problem, p, *current, *trial, merit, report) == Search::rejected) {
-      report.step_length = 0.0;
+    const Search search = line_search(data, problem, p, *current, *trial, merit, report);
+    if (search != Search::accepted) report.step_length = 0.0;
+    if (search == Search::exhausted) break;
+    if (search == Search::rejected) {
       // A step this small changes the cost by less than rounding: acceptance means nothing.
       const bool vanished = full_step_size_ < p.step_tolerance;
       if (p.early_stop) report.status = vanished ? SolveStatus::converged : SolveStatus::step_rejected;

@@ -29,7 +29,8 @@ using ocp::ClockFunction;
 ///   g, g_new < violation_min, downhill: cost_new <= cost + armijo * step * slope
 ///   otherwise:                          cost_new < cost - margin g  or  g_new < (1 - margin) g
 /// Sources: Galliker et al. 2022, section III; Grandia et al. 2022, "Perceptive locomotion through nonlinear
-/// model predictive control", appendix B. Fixed memory, no heap, bounded time: real-time safe.
+/// model predictive control", appendix B. Fixed memory, no heap, bounded time (iterations, and
+/// `backtracking_steps` over all of them): real-time safe.
 class Sqp {
  public:
   /// Improves `iterate` in place. Its first state must be the problem's initial state: a full step would move
@@ -47,7 +48,7 @@ class Sqp {
   [[nodiscard]] const PhaseTimes& phase_times() const noexcept { return times_; }
 
  private:
-  enum class Search { accepted, rejected };
+  enum class Search { accepted, rejected, exhausted };
 
   [[nodiscard]] bool step(const ocp::ProblemData& data, const ocp::Problem& problem,
                           const ocp::Trajectory& iterate, SolveReport& report) noexcept;

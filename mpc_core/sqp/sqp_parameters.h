@@ -6,6 +6,7 @@ namespace stilt::sqp {
 /// root of the summed squared defects of dynamics and equality constraints.
 struct SqpParameters {
   int iterations = 10;                      ///< largest number
+  int backtracking_steps = 20;              ///< largest number in a solve, all line searches together
   bool early_stop = true;                   ///< whether the solve ends when it has converged
   double cost_tolerance = 1e-4;             ///< converged: change of the cost below this ...
   double violation_tolerance = 1e-3;        ///< ... and g below this

@@ -104,6 +104,27 @@ TEST(Sqp, RejectsAStepThatTheFilterRefusesAndLeavesTheIterateAlone) {
   EXPECT_TRUE(same_bits(*solve.iterate, solve.scene->guess, solve.stages()));
 }
 
+TEST(Sqp, EndsWithItsLastIterateWhenTheBacktrackingStepsAreUsedUp) {
+  for (const int most : {0, 5, 30}) {
+    Solve solve;
+    solve.parameters.early_stop = false;  // without a bound every iteration tries the same 14 lengths
+    solve.parameters.filter_margin = 1e9;
+    solve.parameters.backtracking_steps = most;
+    const SolveReport report = solve.run(10);
+    EXPECT_EQ(report.status, SolveStatus::iteration_limit);
+    EXPECT_EQ(report.iterations, 1 + most / 14);
+    EXPECT_EQ(report.trial_steps, report.iterations + most);
+    EXPECT_EQ(report.step_length, 0.0);
+    EXPECT_TRUE(same_bits(*solve.iterate, solve.scene->guess, solve.stages()));
+  }
+  Solve enough;
+  Solve bounded;
+  const SolveReport report = enough.run(20);
+  bounded.parameters.backtracking_steps = report.trial_steps - report.iterations;
+  EXPECT_EQ(bounded.run(20).trial_steps, report.trial_steps) << "a full step each is always tried";
+  EXPECT_TRUE(same_bits(*bounded.iterate, *enough.iterate, enough.stages()));
+}
+
 TEST(Sqp, ARejectedLastStepHasNoLengthWhateverWasTakenBefore) {
   const auto prepared = [] {
     Solve solve;
