@@ -6,6 +6,7 @@
 #include <fstream>
 #include <functional>
 #include <map>
+#include <optional>
 #include <thread>
 
 #include "firmware/telemetry/reader.h"
@@ -94,6 +95,30 @@ class Robots {
         replies_.write(&reply);
       }
     });
+  }
+
+  /// What names a command.
+  struct Received {
+    std::string commander;
+    std::uint64_t number;
+  };
+
+  /// The first command of a kind that has come since the last call.
+  std::optional<Received> first(telemetry::CommandKind kind) {
+    std::optional<Received> found;
+    commands_.take([&](telemetry::Sample&& sample) {
+      const auto command = sample.as<telemetry::Command>();
+      if (!command || found || command->kind != static_cast<std::uint8_t>(kind)) return;
+      found = Received{command->commander, command->number};
+    });
+    return found;
+  }
+
+  void accept(std::uint64_t run_id, Received command) {
+    char reason[] = "";
+    const telemetry::CommandReply reply = {run_id, command.commander.data(),   command.number,
+                                           true,   static_cast<char*>(reason), 0.0};
+    replies_.write(&reply);
   }
 
   /// Runs of the commands of a kind that have come since the last call, each with the token that it proves.
@@ -192,6 +217,52 @@ TEST_F(TwoRobots, DoNotAnswerForEachOther) {
     return !ignored_.replies.empty();
   }));
   EXPECT_TRUE(ignored_.replies.front().accepted);
+}
+
+/// A page that only looks may send commands with wrong tokens without end.
+TEST_F(TwoRobots, AnswerASenderWhateverAnotherHasAskedSince) {
+  Command first = command(CommandKind::sit);
+  first.commander = 5;
+  first.sequence = 7;
+  std::optional<Robots::Received> received;
+  ASSERT_TRUE(eventually([&] {
+    source_.command(first);
+    received = robots_.first(telemetry::CommandKind::sit);
+    return received.has_value();
+  }));
+  Command flood = command(CommandKind::walk);
+  flood.commander = 6;
+  flood.token = "wrong";
+  for (int k = 0; k < 2000; ++k) source_.command(flood);
+  ASSERT_TRUE(eventually([&] {
+    robots_.accept(1, *received);
+    source_.poll(ignored_);
+    return !ignored_.replies.empty();
+  }));
+  EXPECT_EQ(ignored_.replies.front().commander, 5u);
+  EXPECT_EQ(ignored_.replies.front().sequence, 7u);
+}
+
+TEST_F(TwoRobots, DoNotAnswerASenderThatIsGone) {
+  Command first = command(CommandKind::sit);
+  first.commander = 5;
+  std::optional<Robots::Received> received;
+  ASSERT_TRUE(eventually([&] {
+    source_.command(first);
+    received = robots_.first(telemetry::CommandKind::sit);
+    return received.has_value();
+  }));
+  source_.forget(5);
+  Command next = command(CommandKind::walk);
+  next.commander = 6;
+  robots_.accept(1, *received);
+  ASSERT_TRUE(eventually([&] {
+    source_.command(next);
+    robots_.answer();
+    source_.poll(ignored_);
+    return !ignored_.replies.empty();
+  }));
+  for (const ReplySample& reply : ignored_.replies) EXPECT_EQ(reply.commander, 6u);
 }
 
 TEST_F(TwoRobots, AreCommandedByTheirOwnTokensAfterAnotherIsChosen) {
