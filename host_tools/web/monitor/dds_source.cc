@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <stdexcept>
+
+#include "firmware/telemetry/token.h"
 
 namespace stilt::monitor {
 namespace {
@@ -90,11 +91,7 @@ std::vector<TalkingRun> DdsSource::talking() const {
 /// Empty when it is not known: the commander must then give it.
 std::string DdsSource::token_of(const KnownRun& run) const {
   if (run.run_id == decoder_.run_id() && !token_.empty()) return token_;
-  try {
-    return host_telemetry::read_token(run.token_file);
-  } catch (const std::runtime_error&) {
-    return token_;
-  }
+  return telemetry::read_token(run.token_file).value_or(token_);
 }
 
 /// Reads the token of the run that is shown, when that is another one.
