@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <array>
 #include <map>
+#include <span>
 #include <string>
 
 #include "fake_peer.h"
@@ -68,11 +68,10 @@ TEST(PageInbox, AStepTakesNoMoreOfHundredsOfPagesThanItCanParse) {
 
 TEST(PageInbox, PagesThatSendWithoutEndDelayATrustedPageNotAtAllAndAnotherByAFewSteps) {
   PageInbox inbox;
-  std::array<FakePeer, 250> floods;
-  FakePeer trusted, other;
-  for (FakePeer& page : floods) inbox.open(page);
-  inbox.open(trusted);
-  inbox.open(other);
+  std::array<FakePeer, 252> pages;
+  for (FakePeer& page : pages) inbox.open(page);
+  const auto floods = std::span(pages).first<250>();
+  FakePeer &trusted = pages[250], &other = pages[251];  // the last in the order of addresses
   inbox.trust(trusted, true);
   inbox.add(trusted, "stop");
   inbox.add(other, "stop");
