@@ -2,8 +2,8 @@
 
 #include <atomic>
 #include <csignal>
-#include <stdexcept>
 #include <sstream>
+#include <stdexcept>
 
 #include "firmware/telemetry/token.h"
 #include "host_tools/cli/network_options.h"
