@@ -23,10 +23,14 @@ std::string number_text(double value) {
   return text;
 }
 
+/// Whoever sends these need not be known.
+bool is_of_everybody(CommandKind kind) noexcept {
+  return kind == CommandKind::stop || kind == CommandKind::cut;
+}
+
 /// Orders make their sender the commander.
 bool is_order(CommandKind kind) noexcept {
-  return kind != CommandKind::heartbeat && kind != CommandKind::stop && kind != CommandKind::release &&
-         kind != CommandKind::cut;
+  return kind != CommandKind::heartbeat && kind != CommandKind::release && !is_of_everybody(kind);
 }
 
 bool stands_or_moves(State state) noexcept { return supervisor::tracks(state); }
@@ -82,7 +86,7 @@ double CommandArbiter::silence_s(const RobotNow& now) const noexcept {
 }
 
 bool CommandArbiter::alive(const RobotNow& now) const noexcept {
-  return !commander_.empty() && silence_s(now) <= rules_.heartbeat_timeout_s;
+  return !commander_.empty() && silence_s(now) <= rules_.supervisor.heartbeat_timeout_s;
 }
 
 void CommandArbiter::ask(RequestKind kind, double speed_m_s) noexcept {
@@ -136,11 +140,12 @@ std::string CommandArbiter::refusal(const Asked& asked, const RobotNow& now) {
     return "there is no kind of command " + std::to_string(asked.kind) + "; they are 0 to " +
            std::to_string(kCommandKinds - 1);
   }
-  if (!numbers_.contains(asked.commander) && numbers_.size() >= kMostCommanders) {
+  const auto kind = static_cast<CommandKind>(asked.kind);
+  const bool is_new = !numbers_.contains(asked.commander) && !is_of_everybody(kind);
+  if (is_new && numbers_.size() >= kMostCommanders) {
     return "there were too many commanders in this run; start stiltd again, or use a name a second time";
   }
   numbers_[asked.commander] = asked.number;
-  const auto kind = static_cast<CommandKind>(asked.kind);
   return is_order(kind) ? refusal_of_order(asked, kind, now) : "";
 }
 
@@ -155,6 +160,12 @@ std::string CommandArbiter::refusal_of_order(const Asked& asked, CommandKind kin
     return std::string(name(kind)) + " " + number_text(asked.value) +
            " m/s is beyond telemetry.speed_limit_m_s, " + number_text(rules_.speed_limit_m_s) +
            " m/s either way";
+  }
+  const bool steps = kind == CommandKind::step || kind == CommandKind::walk;
+  if (steps && !supervisor::may_walk(rules_.supervisor)) {
+    return std::string(name(kind)) + " needs supervisor.torque_limit_share of at least " +
+           number_text(rules_.supervisor.walk_torque_share) + " (supervisor.walk_torque_share), and it is " +
+           number_text(rules_.supervisor.torque_limit_share);
   }
   return wrong_state(kind, now.state);
 }

@@ -7,6 +7,7 @@
 
 #include "firmware/control_loop/messages.h"
 #include "firmware/supervisor/fault.h"
+#include "firmware/supervisor/parameters.h"
 #include "firmware/supervisor/state.h"
 #include "firmware/telemetry/command_kind.h"
 
@@ -18,7 +19,7 @@ struct ArbiterRules {
   std::string token;           ///< without it nothing is accepted
   std::string token_file;      ///< named in refusals
   double speed_limit_m_s = 0;  ///< of walk, speed and cmd_vel, either way
-  double heartbeat_timeout_s = 0.4;
+  supervisor::SupervisorParameters supervisor;
   double release_s = 2.0;  ///< silence after which somebody is no longer the commander
   bool cmd_vel = false;    ///< whether Twist is listened to
 };

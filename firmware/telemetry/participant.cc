@@ -115,10 +115,11 @@ std::expected<Participant, std::string> Participant::open(const Network& network
   const SmallStacks stacks;
   Participant made;
   const auto domain = static_cast<dds_domainid_t>(network.domain);
-  const std::set<int> sockets = udp_sockets();
+  const auto sockets = udp_sockets();
+  if (!sockets) return std::unexpected(sockets.error());
   dds_return_t result = dds_create_domain(domain, to_xml(network).c_str());
   if (result > 0) made.domain_ = Entity(result);
-  if (const auto kept = restrict_new_sockets(sockets, network.interface); !kept) {
+  if (const auto kept = restrict_new_sockets(*sockets, network.interface); !kept) {
     return std::unexpected(kept.error());
   }
   // A second participant of this process joins the domain as the first one set it up.
@@ -126,7 +127,7 @@ std::expected<Participant, std::string> Participant::open(const Network& network
     result = dds_create_participant(domain, nullptr, nullptr);
     if (result > 0) {
       made.participant_ = Entity(result);
-      if (const auto kept = restrict_new_sockets(sockets, network.interface); !kept) {
+      if (const auto kept = restrict_new_sockets(*sockets, network.interface); !kept) {
         return std::unexpected(kept.error());
       }
       return made;

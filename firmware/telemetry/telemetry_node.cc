@@ -100,7 +100,7 @@ std::expected<void, std::string> TelemetryNode::take_commands() {
                            *secret,
                            run_.token_file,
                            parameters.speed_limit_m_s,
-                           configuration_.supervisor.heartbeat_timeout_s,
+                           configuration_.supervisor,
                            parameters.release_s,
                            parameters.cmd_vel};
   arbiter_ = std::make_unique<CommandArbiter>(rules, [this](const std::string& key, double value) {

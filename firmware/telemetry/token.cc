@@ -12,7 +12,8 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
+#include <memory>
+#include <string_view>
 #include <system_error>
 
 #include "firmware/telemetry/secret.h"
@@ -21,8 +22,22 @@ namespace stilt::telemetry {
 namespace {
 
 constexpr std::size_t kShortestToken = 16;
+constexpr std::size_t kLongestToken = 256;
 constexpr mode_t kOwnerOnly = 0600;
 constexpr unsigned kOfOthers = 077;
+
+std::string unreadable(const std::string& path, const std::string& why) {
+  return "token file " + path + ": " + why;
+}
+
+/// Hexadecimal, base64 and its form for addresses. Other secrets, such as passwords with their user's name in
+/// front, mostly have other characters.
+bool is_token(const std::string& text) {
+  constexpr std::string_view kCharacters =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/=-_";
+  return text.size() >= kShortestToken && text.size() <= kLongestToken &&
+         text.find_first_not_of(kCharacters) == std::string::npos;
+}
 
 std::string failure(const std::string& path, const std::string& what) {
   return "token file " + path + ": " + what + "; name another one in telemetry.token_file";
@@ -97,19 +112,29 @@ std::expected<std::string, std::string> TokenFile::write() const {
 }
 
 std::expected<std::string, std::string> read_token(const std::string& path) {
+  // The path may come from the network: neither a FIFO nor a device may stop this thread.
+  const int number = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_NOFOLLOW | O_CLOEXEC);
+  const std::string why_not = number < 0 ? std::strerror(errno) : "";
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(number < 0 ? nullptr : fdopen(number, "r"),
+                                                             &std::fclose);
   struct stat status {};
-  if (stat(path.c_str(), &status) != 0) {
-    return std::unexpected(failure(
-        path, std::string(std::strerror(errno)) + "; telemetry.fixed_token needs a file with a token"));
+  if (!file || fstat(number, &status) != 0) {
+    return std::unexpected(unreadable(path, why_not + "; stiltd prints where its token is, and with "
+                                                      "telemetry.fixed_token it reads yours"));
+  }
+  if (!S_ISREG(status.st_mode)) return std::unexpected(unreadable(path, "it is no regular file"));
+  if (status.st_uid != geteuid() && status.st_uid != 0) {
+    return std::unexpected(unreadable(path, "it belongs to another user; run as the user of stiltd"));
   }
   if ((status.st_mode & kOfOthers) != 0) {
-    return std::unexpected(failure(path, "others may read or write it; chmod 600 makes it yours alone"));
+    return std::unexpected(unreadable(path, "others may read or write it; chmod 600 makes it yours alone"));
   }
-  std::ifstream stream(path);
-  std::string token;
-  std::getline(stream, token);
-  if (token.size() >= kShortestToken) return token;
-  return std::unexpected(failure(path, "its first line is no token of 16 characters or more"));
+  std::string text(kLongestToken + 1, '\0');
+  text.resize(std::fread(text.data(), 1, text.size(), file.get()));
+  std::string token = text.substr(0, text.find('\n'));
+  if (is_token(token)) return token;
+  return std::unexpected(unreadable(
+      path, "its first line is no token of 16 to 256 characters, which are letters, digits, + / = - or _"));
 }
 
 std::uint64_t random_run_id() {

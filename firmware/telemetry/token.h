@@ -41,7 +41,9 @@ class TokenFile {
   File lock_;
 };
 
-/// The token in the file: its first line, at least 16 characters, of a file that its owner alone may read.
+/// The token in the file: its first line, 16 to 256 letters, digits, + / = - or _. The file must be a regular
+/// one, no symbolic link, of this user or root, which nobody else may read. Never waits, whatever the path
+/// names. The error is one sentence for the user.
 [[nodiscard]] std::expected<std::string, std::string> read_token(const std::string& path);
 
 /// A random number of a run of stiltd, 1 to 2^53 - 1, which JavaScript holds exactly.

@@ -33,10 +33,14 @@ bool is_restricted(int socket, const std::string& interface) {
 
 }  // namespace
 
-std::set<int> udp_sockets() {
+std::expected<std::set<int>, std::string> udp_sockets() {
   std::set<int> sockets;
   const std::unique_ptr<DIR, CloseFolder> folder(opendir("/proc/self/fd"));
-  while (const dirent* entry = folder ? readdir(folder.get()) : nullptr) {
+  if (!folder) {
+    return std::unexpected(std::string("telemetry cannot find its own sockets: /proc/self/fd: ") +
+                           std::strerror(errno) + "; mount /proc, and allow more open files (ulimit -n)");
+  }
+  while (const dirent* entry = readdir(folder.get())) {
     char* end = nullptr;
     const int number = static_cast<int>(std::strtol(static_cast<const char*>(entry->d_name), &end, 10));
     const bool is_number = end != entry->d_name && *end == '\0';
@@ -48,7 +52,9 @@ std::set<int> udp_sockets() {
 
 std::expected<void, std::string> restrict_new_sockets(const std::set<int>& before,
                                                       const std::string& interface) {
-  for (const int socket : udp_sockets()) {
+  const auto sockets = udp_sockets();
+  if (!sockets) return std::unexpected(sockets.error());
+  for (const int socket : *sockets) {
     if (before.contains(socket) || is_restricted(socket, interface)) continue;
     const auto size = static_cast<socklen_t>(interface.size());
     if (setsockopt(socket, SOL_SOCKET, SO_BINDTODEVICE, interface.data(), size) == 0) continue;

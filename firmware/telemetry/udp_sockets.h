@@ -8,8 +8,8 @@
 /// given: without more, a robot on loopback takes packets from every network. Start-up only.
 namespace stilt::telemetry {
 
-/// Descriptors of this process's UDP sockets.
-[[nodiscard]] std::set<int> udp_sockets();
+/// Descriptors of this process's UDP sockets. The error is one sentence for the user.
+[[nodiscard]] std::expected<std::set<int>, std::string> udp_sockets();
 
 /// Restricts all UDP sockets but those of `before` to one network interface (SO_BINDTODEVICE): the kernel
 /// gives them no packet that comes through another one, and answers its sender "port unreachable". Packets

@@ -90,6 +90,15 @@ std::string gaits_text(const ControllerChoice& choice) {
   return all;
 }
 
+/// A word as a shell reads it.
+std::string shell_word(const std::string& word) {
+  constexpr const char* kPlain = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789@%+=:,./_-";
+  if (word.find_first_not_of(kPlain) == std::string::npos) return word;
+  std::string quoted = "'";
+  for (const char letter : word) quoted += letter == '\'' ? std::string("'\\''") : std::string(1, letter);
+  return quoted + "'";
+}
+
 /// The push as an option of `stilt sim`.
 std::string push_text(const WalkSetting& setting, const WalkCase& walk) {
   return simulation::number_text(walk.push_N) + "@" + simulation::number_text(walk.push_start_s) + "+" +
@@ -138,7 +147,7 @@ std::string sim_command(const WalkSetting& setting, const WalkCase& walk) {
   const ControllerChoice choice = choice_of(setting, walk);
   std::string command = "stilt sim";
   const auto add = [&command](const char* option, const std::string& value) {
-    if (!value.empty()) command.append(" ").append(option).append(" ").append(value);
+    if (!value.empty()) command.append(" ").append(option).append(" ").append(shell_word(value));
   };
   add("--robot", choice.robot);
   add("--config", choice.config_file);

@@ -3,7 +3,9 @@
 #include <atomic>
 #include <csignal>
 #include <sstream>
+#include <stdexcept>
 
+#include "firmware/telemetry/token.h"
 #include "host_tools/cli/network_options.h"
 #include "host_tools/cli/usage_error.h"
 #include "host_tools/web/foxglove/bridge.h"
@@ -82,9 +84,9 @@ CLI::App* add_monitor_command(CLI::App& program, MonitorOptions& options) {
 
 int run_monitor(const MonitorOptions& options) {
   const monitor::Origins may_look = viewers_of(options.viewers);
-  const std::string token =
-      options.token_file.empty() ? options.token : host_telemetry::read_token(options.token_file);
-  monitor::DdsSource source(options.network, token);
+  const auto token = options.token_file.empty() ? options.token : telemetry::read_token(options.token_file);
+  if (!token) throw std::runtime_error(token.error());
+  monitor::DdsSource source(options.network, *token);
   if (options.terminal) return monitor::run_terminal(source);
   catch_signals();
   foxglove::FoxgloveEndpoint viewers("stilt monitor");

@@ -50,7 +50,7 @@ void write_pages(const ExperimentOptions& options, const WalkSetting& setting, c
 }  // namespace
 
 void add_robustness_options(CLI::App& command, ExperimentOptions& options) {
-  command.add_option("--runs,--cases", options.runs, "number of random robots")
+  command.add_option("--runs", options.runs, "number of random robots")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
   command

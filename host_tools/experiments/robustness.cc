@@ -63,10 +63,8 @@ double strength(const Json& quantity) {
   return largest;
 }
 
-std::string estimate_cell(const Json& estimate) {
-  if (estimate.is_null()) return "-";
-  return cell(estimate.at("value"), "%.2f") + " (" + cell(estimate.at("low"), "%.2f") + " to " +
-         cell(estimate.at("high"), "%.2f") + ")";
+std::string correlation_text(const Json& estimate) {
+  return estimate.is_null() ? "-" : estimate_text(estimate, "%.2f");
 }
 
 }  // namespace
@@ -147,8 +145,8 @@ std::string robustness_table(const Json& merged) {
       "from nominal with the margin |\n|---|---|---|---|---|---|\n";
   for (const Json& one : merged.at("quantities")) {
     table += "| " + one.at("name").get<std::string>() + " | " + cell(one.at("low"), "%g") + " | " +
-             cell(one.at("high"), "%g") + " | " + estimate_cell(one.at("falls")) + " | " +
-             estimate_cell(one.at("margin")) + " | " + estimate_cell(one.at("distance")) + " |\n";
+             cell(one.at("high"), "%g") + " | " + correlation_text(one.at("falls")) + " | " +
+             correlation_text(one.at("margin")) + " | " + correlation_text(one.at("distance")) + " |\n";
   }
   table += "\n| worst run | seed | falls at s | smallest margin |\n|---|---|---|---|\n";
   for (const Json& one : merged.at("worst")) {

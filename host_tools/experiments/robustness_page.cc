@@ -73,12 +73,12 @@ std::string worst_table(const Json& merged) {
   return rows + "</table>";
 }
 
-std::string estimate_cell(const Json& estimate) {
+/// Bold where the interval leaves out 0.
+std::string correlation_cell(const Json& estimate) {
   if (estimate.is_null()) return "<td></td>";
-  const double low = estimate.at("low").get<double>(), high = estimate.at("high").get<double>();
-  const std::string words =
-      cell(estimate.at("value"), "%+.2f") + " (" + text("%+.2f", low) + " to " + text("%+.2f", high) + ")";
-  return "<td class='n'>" + (low > 0.0 || high < 0.0 ? "<b>" + words + "</b>" : words) + "</td>";
+  const std::string words = estimate_text(estimate, "%+.2f");
+  const bool is_clear = estimate.at("low").get<double>() > 0.0 || estimate.at("high").get<double>() < 0.0;
+  return "<td class='n'>" + (is_clear ? "<b>" + words + "</b>" : words) + "</td>";
 }
 
 std::string correlation_table(const Json& quantities) {
@@ -89,8 +89,8 @@ std::string correlation_table(const Json& quantities) {
     rows += "<tr><td>" + words_of(one.at("words")) + plot::escaped(unit_of(one, ", ")) +
             "</td><td class='n'>" + cell(one.at("low"), "%g") + "</td><td class='n'>" +
             cell(one.at("high"), "%g") + "</td><td class='n'>" + cell(one.at("nominal"), "%g", "") + "</td>" +
-            estimate_cell(one.at("falls")) + estimate_cell(one.at("margin")) +
-            estimate_cell(one.at("distance")) + "</tr>";
+            correlation_cell(one.at("falls")) + correlation_cell(one.at("margin")) +
+            correlation_cell(one.at("distance")) + "</tr>";
   }
   return rows + "</table>";
 }
@@ -130,7 +130,6 @@ std::string margins_plot(const std::vector<Json>& results) {
 std::string robustness_page(const Json& merged, const std::vector<Json>& results) {
   const Json& survival = merged.at("survival");
   const Json& quantities = merged.at("quantities");
-  const std::string count = std::to_string(quantities.size());
   std::string body =
       std::string(kPageStyle) + "<h1>Random robots and worlds</h1><p>" + words_of(merged.at("controller")) +
       ", horizon " + cell(merged.at("horizon_s"), "%.1f") + " s, walking at " +
@@ -149,8 +148,8 @@ std::string robustness_page(const Json& merged, const std::vector<Json>& results
   body +=
       "<h2>What goes with falls and small margins</h2><p>Correlation with 95 % interval. With falling: "
       "point-biserial, Fisher's interval. With the margin: Spearman's of the ranks, a fall below every "
-      "margin, interval of Bonett and Wright. Bold where the interval leaves out 0; of " +
-      count + " quantities without effect, one in 20 would be bold by chance.</p><div class='card'>" +
+      "margin, interval of Bonett and Wright. Bold where the interval leaves out 0: without any effect, one "
+      "interval in 20 would by chance.</p><div class='card'>" +
       correlation_table(quantities) + "</div><h2>The strongest</h2><div class='grid-of-plots'>";
   for (std::size_t i = 0; i < std::min(kPlots, quantities.size()); ++i)
     body += scatter(quantities[i], results);

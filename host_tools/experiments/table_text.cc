@@ -14,4 +14,9 @@ std::string cell(const Json& value, const char* format, const char* absent) {
   return value.is_null() ? absent : text(format, value.get<double>());
 }
 
+std::string estimate_text(const Json& estimate, const char* format) {
+  return cell(estimate.at("value"), format) + " (" + cell(estimate.at("low"), format) + " to " +
+         cell(estimate.at("high"), format) + ")";
+}
+
 }  // namespace stilt::experiments

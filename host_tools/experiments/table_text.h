@@ -13,4 +13,8 @@ namespace stilt::experiments {
 /// The same for a value that may be null.
 [[nodiscard]] std::string cell(const Json& value, const char* format, const char* absent = "-");
 
+/// An estimate with its interval, "0.20 (0.10 to 0.30)", from {value, low, high}.
+/// @param format  of each of the three, as in text()
+[[nodiscard]] std::string estimate_text(const Json& estimate, const char* format);
+
 }  // namespace stilt::experiments

@@ -1,7 +1,6 @@
 #include "host_tools/telemetry/commander.h"
 
 #include <cstdio>
-#include <fstream>
 #include <random>
 #include <stdexcept>
 #include <utility>
@@ -50,16 +49,6 @@ std::string unique_name(const std::string& prefix) {
   char digits[16];
   std::snprintf(digits, sizeof digits, "-%06x", std::random_device{}() & 0xffffffu);
   return prefix + digits;
-}
-
-std::string read_token(const std::string& path) {
-  std::ifstream file(path);
-  std::string token;
-  if (std::getline(file, token) && !token.empty()) return token;
-  throw std::runtime_error(
-      "token file " + path +
-      " cannot be read or is empty; stiltd prints where it writes its token, and only its "
-      "own user may read it");
 }
 
 }  // namespace stilt::host_telemetry

@@ -47,7 +47,4 @@ class Commander {
 /// A random name for a commander: "monitor-3fa9c1".
 [[nodiscard]] std::string unique_name(const std::string& prefix);
 
-/// The token in a file: its first line. Throws std::runtime_error with one sentence.
-[[nodiscard]] std::string read_token(const std::string& path);
-
 }  // namespace stilt::host_telemetry

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "firmware/telemetry/token.h"
 #include "tests/two_processes/host.h"
 #include "tests/two_processes/page_client.h"
 #include "tests/two_processes/robot_and_controller.h"
@@ -25,7 +26,7 @@ void start(RobotAndController& run, Host& host, const std::vector<std::string>& 
   run.start_robot({"--lockstep", "--once"});
   run.start_controller(all);
   ASSERT_TRUE(host.until([&] { return host.run_id != 0; })) << run.said();
-  host.learn(host_telemetry::read_token(run.file("token")));
+  host.learn(telemetry::read_token(run.file("token")).value());
 }
 
 TEST(Telemetry, a_commander_stands_the_robot_up_walks_it_and_its_silence_brings_it_to_a_stand) {
@@ -66,7 +67,7 @@ TEST(Telemetry, a_wrong_token_is_refused_in_words_and_everybody_with_the_token_m
   host.learn("guess");
   EXPECT_NE(host.ask(CommandKind::stop).find("the token is wrong"), std::string::npos);
   EXPECT_EQ(host.state, State::walk);
-  host.learn(host_telemetry::read_token(run.file("token")));
+  host.learn(telemetry::read_token(run.file("token")).value());
   EXPECT_EQ(host.ask(CommandKind::stop), "accepted");
   ASSERT_TRUE(host.until_state(State::stand)) << run.said();
   run.controller().signal(SIGTERM);

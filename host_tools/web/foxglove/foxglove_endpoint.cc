@@ -102,8 +102,13 @@ void FoxgloveEndpoint::received(monitor::Peer& peer, bool binary, std::string_vi
   try {
     if (op == "subscribe") {
       for (const Json& entry : request.at("subscriptions")) {
-        subscribe(client->second, entry.at("id").get<std::uint32_t>(),
-                  entry.at("channelId").get<std::uint64_t>());
+        const auto subscription = entry.at("id").get<std::uint32_t>();
+        if (!has_room(client->second, subscription)) {
+          send_error(peer, "a client may have " + std::to_string(channels_.size()) +
+                               " subscriptions, one of each channel; unsubscribe from one first");
+          break;
+        }
+        subscribe(client->second, subscription, entry.at("channelId").get<std::uint64_t>());
       }
     } else if (op == "unsubscribe") {
       for (const Json& id : request.at("subscriptionIds")) {
@@ -115,6 +120,10 @@ void FoxgloveEndpoint::received(monitor::Peer& peer, bool binary, std::string_vi
   } catch (const Json::exception&) {
     send_error(peer, "\"" + op + "\" lacks a field or has one of a wrong type");
   }
+}
+
+bool FoxgloveEndpoint::has_room(const Client& client, std::uint32_t subscription) const {
+  return client.subscriptions.size() < channels_.size() || client.subscriptions.contains(subscription);
 }
 
 void FoxgloveEndpoint::subscribe(Client& client, std::uint32_t subscription, std::uint64_t channel) {

@@ -18,7 +18,8 @@ namespace stilt::foxglove {
 ///
 /// Text frames are JSON with a field "op": the server sends serverInfo and advertise, the client subscribe
 /// and unsubscribe. A message is a binary frame: 1, id of the client's subscription (32 bits), time of day in
-/// nanoseconds (64 bits), CDR; numbers are little endian.
+/// nanoseconds (64 bits), CDR; numbers are little endian. A client has at most as many subscriptions as there
+/// are channels: each gets a copy of every message.
 class FoxgloveEndpoint final : public monitor::Endpoint {
  public:
   /// @param name  name that viewers show
@@ -50,6 +51,7 @@ class FoxgloveEndpoint final : public monitor::Endpoint {
     std::int64_t time_ns = 0;
   };
 
+  [[nodiscard]] bool has_room(const Client& client, std::uint32_t subscription) const;
   void subscribe(Client& client, std::uint32_t subscription, std::uint64_t channel);
 
   std::string name_;

@@ -1,7 +1,9 @@
 #include "host_tools/web/monitor/dds_source.h"
 
+#include <algorithm>
 #include <array>
-#include <stdexcept>
+
+#include "firmware/telemetry/token.h"
 
 namespace stilt::monitor {
 namespace {
@@ -14,8 +16,8 @@ constexpr std::array<const Topic*, 10> kTopics = {
     &telemetry::kPlans,          &telemetry::kSupervisor,     &telemetry::kEvents, &telemetry::kTiming,
     &telemetry::kCommandReplies, &host_telemetry::kSimulation};
 
-/// Largest number of commands without reply; the oldest is dropped.
-constexpr std::size_t kAskedAtMost = 1000;
+/// Largest number of commands without reply of one sender; its oldest is dropped, and none of another.
+constexpr std::size_t kAskedAtMost = 32;
 
 telemetry::CommandKind wire_kind(CommandKind kind) {
   switch (kind) {
@@ -89,11 +91,7 @@ std::vector<TalkingRun> DdsSource::talking() const {
 /// Empty when it is not known: the commander must then give it.
 std::string DdsSource::token_of(const KnownRun& run) const {
   if (run.run_id == decoder_.run_id() && !token_.empty()) return token_;
-  try {
-    return host_telemetry::read_token(run.token_file);
-  } catch (const std::runtime_error&) {
-    return token_;
-  }
+  return telemetry::read_token(run.token_file).value_or(token_);
 }
 
 /// Reads the token of the run that is shown, when that is another one.
@@ -123,19 +121,24 @@ void DdsSource::stop_others(const Command& command) {
 
 void DdsSource::answer(const telemetry::CommandReply& reply, SampleSink& sink) {
   if (commander_.name() != reply.commander) return;
-  const auto asked = asked_.find(reply.number);
-  // Every robot of the domain receives a command; those that it is not for refuse it.
-  if (asked == asked_.end() || asked->second.run_id != reply.run_id) return;
-  sink.reply({asked->second.commander, asked->second.sequence, reply.accepted, reply.reason});
-  asked_.erase(asked);
+  for (auto& [sender, commands] : asked_) {
+    const auto asked = std::ranges::find(commands, reply.number, &Asked::number);
+    if (asked == commands.end()) continue;
+    // Every robot of the domain receives a command; those that it is not for refuse it.
+    if (asked->run_id != reply.run_id) return;
+    sink.reply({sender, asked->sequence, reply.accepted, reply.reason});
+    commands.erase(asked);
+    return;
+  }
 }
 
 void DdsSource::command(const Command& command) {
   commander_.set_run(decoder_.run_id(), command.token.empty() ? token_in_force_ : command.token);
   const std::uint64_t number = commander_.send(wire_kind(command.kind), command.value, command.tunable);
   if (command.kind == CommandKind::heartbeat) return;
-  asked_[number] = {decoder_.run_id(), command.commander, command.sequence};
-  if (asked_.size() > kAskedAtMost) asked_.erase(asked_.begin());
+  std::deque<Asked>& of_sender = asked_[command.commander];
+  of_sender.push_back({number, decoder_.run_id(), command.sequence});
+  if (of_sender.size() > kAskedAtMost) of_sender.pop_front();
   if (command.kind == CommandKind::stop) stop_others(command);
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <string>
 
@@ -22,6 +23,7 @@ class DdsSource final : public SampleSource {
   void poll(SampleSink& sink) override;
   void command(const Command& command) override;
   [[nodiscard]] std::vector<TalkingRun> talking() const override;
+  void forget(std::uint64_t commander) override { asked_.erase(commander); }
   void choose(const std::string& run_id) override { chosen_ = run_id; }
   [[nodiscard]] std::string describe() const override;
   [[nodiscard]] bool live() const override { return true; }
@@ -29,10 +31,10 @@ class DdsSource final : public SampleSource {
   [[nodiscard]] std::uint64_t of_others() const override { return decoder_.of_others(); }
 
  private:
-  /// Sender of a command without reply.
+  /// A command without reply.
   struct Asked {
+    std::uint64_t number;  ///< on the wire
     std::uint64_t run_id;
-    std::uint64_t commander;
     std::uint32_t sequence;
   };
 
@@ -47,11 +49,11 @@ class DdsSource final : public SampleSource {
   host_telemetry::Listener listener_;
   host_telemetry::Commander commander_;
   MessageDecoder decoder_;
-  std::string token_;           ///< given by the user
-  std::string token_in_force_;  ///< that token, or the one in the file
-  std::uint64_t run_id_ = 0;    ///< of token_in_force_
-  std::string chosen_;          ///< run to show from the next poll on; empty: no change
-  std::map<std::uint64_t, Asked> asked_;
+  std::string token_;                                 ///< given by the user
+  std::string token_in_force_;                        ///< that token, or the one in the file
+  std::uint64_t run_id_ = 0;                          ///< of token_in_force_
+  std::string chosen_;                                ///< run to show from the next poll on; empty: no change
+  std::map<std::uint64_t, std::deque<Asked>> asked_;  ///< of each sender, oldest first
 };
 
 }  // namespace stilt::monitor

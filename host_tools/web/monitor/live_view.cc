@@ -21,26 +21,25 @@ LiveView::LiveView(SampleSource& source, std::string key) : source_(source), key
 void LiveView::step(double now_s) {
   now_s_ = now_s;
   welcome_new_pages();
+  send_heartbeats(now_s);  // first: nothing that pages send delays them
   apply_page_commands(now_s);
   if (source_.live() || watched_) source_.poll(*this);
   flush_tables(now_s);
-  send_heartbeats(now_s);
   send_link_status(now_s);
 }
 
 void LiveView::opened(const std::shared_ptr<Peer>& peer) {
+  inbox_.open(*peer);
   const std::lock_guard lock(mutex_);
   opened_.push_back(peer);
 }
 
 void LiveView::received(Peer& peer, bool binary, std::string_view data) {
-  if (binary) return;
-  const std::lock_guard lock(mutex_);
-  std::deque<std::string>& waiting = inbox_[&peer];
-  if (waiting.size() < kWaitingMessages) waiting.emplace_back(data);
+  if (!binary) inbox_.add(peer, data);
 }
 
 void LiveView::closed(Peer& peer) {
+  inbox_.close(peer);
   const std::lock_guard lock(mutex_);
   closed_.push_back(&peer);
 }
@@ -60,22 +59,26 @@ void LiveView::welcome_new_pages() {
     watched_ = true;
   }
   std::erase_if(pages_, [&](const Page& page) {
-    return std::find(closed.begin(), closed.end(), page.peer.get()) != closed.end();
+    const bool is_closed = std::ranges::find(closed, page.peer.get()) != closed.end();
+    if (is_closed) source_.forget(page.commander);
+    return is_closed;
   });
 }
 
 void LiveView::apply_page_commands(double now_s) {
-  std::map<Peer*, std::deque<std::string>> inbox;
-  {
-    const std::lock_guard lock(mutex_);
-    inbox.swap(inbox_);
-  }
-  for (const auto& [peer, texts] : inbox) {
+  for (const auto& [peer, text] : inbox_.take()) {
     const auto page = std::find_if(pages_.begin(), pages_.end(),
                                    [wanted = peer](const Page& one) { return one.peer.get() == wanted; });
-    if (page == pages_.end()) continue;
-    for (const std::string& text : texts) apply(*page, text, now_s);
+    if (page != pages_.end()) apply(*page, text, now_s);
   }
+}
+
+/// A page with the key, or with a token that the robot took, is trusted: it keeps its connection, however
+/// many others connect, and its messages come before theirs.
+void LiveView::rate(Page& page) {
+  const bool trusted = page.has_key || !page.token.empty();
+  page.peer->hold(trusted);
+  inbox_.trust(*page.peer, trusted);
 }
 
 void LiveView::apply(Page& page, const std::string& text, double now_s) {
@@ -107,14 +110,14 @@ void LiveView::command(Page& page, Command command) {
   }
   command.commander = page.commander;
   command.with_known_tokens = page.has_key;
-  asked_[page.commander] = command.token;
+  page.asked[command.sequence] = command.token;
+  if (page.asked.size() > kAskedAtMost) page.asked.erase(page.asked.begin());
   source_.command(command);
 }
 
-/// A page with the key keeps its connection, however many others connect.
 void LiveView::take_key(Page& page, const std::string& key) {
   page.has_key = telemetry::same_secret(key, key_);
-  page.peer->hold(page.has_key);
+  rate(page);
   send_access(page);
 }
 
@@ -124,7 +127,7 @@ void LiveView::replace_key(Page& page) {
   for (Page& other : pages_) {
     if (other.peer == page.peer || !other.has_key) continue;
     other.has_key = false;
-    other.peer->hold(false);
+    rate(other);
     send_access(other);
   }
   page.has_key = !key_.empty();
@@ -137,9 +140,9 @@ void LiveView::send_access(Page& page) {
                                   page.has_key ? urls_ : std::vector<std::string>()}));
 }
 
-/// All pages show one run. It changes for a page that may command, and not under a page that does.
+/// All pages show one run. It changes for a page with the key, and not under a page that commands.
 void LiveView::choose(Page& page, const std::string& run_id) {
-  if (!page.has_key && page.token.empty()) {
+  if (!page.has_key) {
     page.peer->send(reply_message(0, false, "This page only looks: it shows the robot that is commanded."));
     return;
   }
@@ -176,7 +179,12 @@ void LiveView::configuration(const ConfigurationSample& sample) {
     run_id_ = sample.run_id;
     ticks_follow_ = false;
     ++link_.runs;
-    for (Page& page : pages_) page.in_command = false;
+    for (Page& page : pages_) {
+      page.in_command = false;
+      page.token.clear();
+      page.asked.clear();
+      rate(page);
+    }
   }
   const SharedMessage message = configuration_message(sample);
   history_.configuration(message);
@@ -226,11 +234,12 @@ void LiveView::reply(const ReplySample& sample) {
   const auto page = std::find_if(pages_.begin(), pages_.end(),
                                  [&](const Page& one) { return one.commander == sample.commander; });
   if (page == pages_.end()) return;
-  if (sample.accepted) {
+  const auto asked = page->asked.extract(sample.sequence);
+  if (sample.accepted && !asked.empty()) {
     for (Page& other : pages_) other.in_command = false;
     page->in_command = true;
-    page->token = asked_[sample.commander];
-    page->peer->hold(true);
+    page->token = asked.mapped();
+    rate(*page);
   }
   page->peer->send(reply_message(sample.sequence, sample.accepted, sample.reason));
 }

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -10,6 +9,7 @@
 #include <vector>
 
 #include "host_tools/web/monitor/history.h"
+#include "host_tools/web/monitor/page_inbox.h"
 #include "host_tools/web/monitor/page_messages.h"
 #include "host_tools/web/monitor/sample_source.h"
 #include "host_tools/web/monitor/web_server.h"
@@ -28,8 +28,8 @@ class LiveView final : public Endpoint, private SampleSink {
   static constexpr double kHeartbeatPeriod_s = 0.08;
   static constexpr double kLinkPeriod_s = 0.2;
 
-  /// Messages of a page that wait for a step; more are left out.
-  static constexpr std::size_t kWaitingMessages = 200;
+  /// Commands of a page without reply; the one with the lowest number is forgotten.
+  static constexpr std::size_t kAskedAtMost = 32;
 
   /// @param key  of the monitor; empty: no page may use the source's tokens
   LiveView(SampleSource& source, std::string key);
@@ -50,7 +50,8 @@ class LiveView final : public Endpoint, private SampleSink {
     std::shared_ptr<Peer> peer;
     std::uint64_t commander = 0;
     double alive_s = 0.0;
-    std::string token{};  ///< of its last accepted command
+    std::string token{};                           ///< of its last accepted command to the run that is shown
+    std::map<std::uint32_t, std::string> asked{};  ///< tokens of its commands without reply, by their numbers
     bool in_command = false;
     bool has_key = false;
     bool sent_has_token = false;  ///< in the last access message
@@ -69,6 +70,7 @@ class LiveView final : public Endpoint, private SampleSink {
   void welcome_new_pages();
   void apply_page_commands(double now_s);
   void apply(Page& page, const std::string& text, double now_s);
+  void rate(Page& page);
   void flush_tables(double now_s);
   void take_key(Page& page, const std::string& key);
   void replace_key(Page& page);
@@ -98,12 +100,11 @@ class LiveView final : public Endpoint, private SampleSink {
   double heartbeat_s_ = -1.0;
   double link_s_ = -1.0;
   std::vector<Page> pages_;
-  std::map<std::uint64_t, std::string> asked_;  ///< token by commander, until the reply
+  PageInbox inbox_;
 
   std::mutex mutex_;  ///< protects the members below
   std::vector<std::shared_ptr<Peer>> opened_;
   std::vector<Peer*> closed_;
-  std::map<Peer*, std::deque<std::string>> inbox_;
 };
 
 }  // namespace stilt::monitor

@@ -7,6 +7,7 @@
 #include "firmware/telemetry/command_arbiter.h"
 #include "host_tools/web/monitor/page_tables.h"
 #include "mpc_core/model/robot.h"
+#include "mpc_core/sqp/solve_status_names.h"
 
 namespace stilt::monitor {
 namespace {
@@ -99,8 +100,7 @@ SharedMessage hello_message(const SampleSource& source) {
                {"states", states_json()},
                {"fallback_levels", names_up_to(supervisor::FallbackLevel::off)},
                {"reactions", names_up_to(supervisor::Reaction::off)},
-               {"statuses",
-                {"converged", "iteration limit", "step rejected", "not finite", "not convex", "infeasible"}},
+               {"statuses", sqp::kSolveStatusNames},
                {"gaits", {"stand", "step", "walk"}},
                {"faults", faults_json()},
                {"columns", all_column_names()}});

@@ -59,6 +59,9 @@ class SampleSource {
   /// may not be known. The reply is that of the run that is shown.
   virtual void command(const Command& command) = 0;
 
+  /// The sender of commands is gone: no reply to it is needed any more.
+  virtual void forget(std::uint64_t /*commander*/) {}
+
   /// Controllers that talk now, the one that is shown among them.
   [[nodiscard]] virtual std::vector<TalkingRun> talking() const { return {}; }
 

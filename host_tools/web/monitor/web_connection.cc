@@ -53,9 +53,10 @@ bool ambiguous(const http::fields& headers) {
       headers, [&headers](const auto& header) { return headers.count(header.name_string()) > 1; });
 }
 
+/// A reverse proxy may serve the page under https.
 bool welcome(const Origins& others, const std::string& origin, const std::string& host) {
   if (origin.empty()) return others.programs;
-  return origin == "http://" + host || others.any ||
+  return origin == "http://" + host || origin == "https://" + host || others.any ||
          std::ranges::find(others.named, origin) != others.named.end();
 }
 
@@ -112,7 +113,8 @@ void WebConnection::answer() {
                   "This host name is not the monitor's own: open the link that stilt monitor printed, or "
                   "start it with --name.\n");
   }
-  if (request.method() != http::verb::get) return refuse(Status::method_not_allowed, "Only GET is.\n");
+  if (request.method() != http::verb::get)
+    return refuse(Status::method_not_allowed, "The method of a request must be GET.\n");
   if (http::token_list(request[http::field::upgrade]).exists("websocket")) return open_socket(request);
   const std::string target = text_of(request.target());
   if (target.substr(0, target.find('?')) != "/") {
@@ -159,7 +161,7 @@ void WebConnection::open_socket(const Request& request) {
   }
   const std::string subprotocol =
       agreed_subprotocol(request[http::field::sec_websocket_protocol], options.subprotocols);
-  if (buffer_.size() > 0) return refuse(Status::bad_request, "A WebSocket begins with its answer.\n");
+  if (buffer_.size() > 0) return refuse(Status::bad_request, "Send nothing before the WebSocket is open.\n");
   socket_.read_message_max(site_.message_bytes_max);
   socket_.auto_fragment(false);
   socket_.control_callback(

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "host_tools/web/report/packed_columns.h"
+#include "mpc_core/sqp/solve_status_names.h"
 
 namespace stilt::report {
 namespace {
@@ -136,9 +137,7 @@ Json planner_json(const std::vector<log::SolveSample>& solves) {
   add("pulling_force_N", [](const Solve& s) { return s.report.violations.pulling_force_N; });
   add("joint_torque_Nm", [](const Solve& s) { return s.report.violations.joint_torque_Nm; });
   Json json = columns.json();
-  // In the order of sqp::SolveStatus.
-  json["status_names"] = {"converged",  "iteration limit", "step rejected",
-                          "not finite", "not convex",      "infeasible"};
+  json["status_names"] = sqp::kSolveStatusNames;
   return json;
 }
 

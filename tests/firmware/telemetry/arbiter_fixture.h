@@ -20,7 +20,7 @@ class CommandArbiterTest : public testing::Test {
             .token = "secret",
             .token_file = "/run/token",
             .speed_limit_m_s = 0.8,
-            .heartbeat_timeout_s = 0.4,
+            .supervisor = {.heartbeat_timeout_s = 0.4},
             .release_s = 2.0,
             .cmd_vel = true};
   }

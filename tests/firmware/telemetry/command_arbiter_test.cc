@@ -314,6 +314,37 @@ TEST_F(CommandArbiterTest, the_257th_commander_of_a_session_is_refused_and_the_f
   EXPECT_TRUE(take(CommandKind::heartbeat, 0, "commander 0").accepted);
 }
 
+TEST_F(CommandArbiterTest, of_more_commanders_than_there_may_be_each_may_stop_and_cut_once) {
+  now.state = State::walk;
+  for (int i = 0; i < 256; ++i) ASSERT_TRUE(take(CommandKind::heartbeat, 0, std::to_string(i)).accepted);
+  ASSERT_FALSE(take(CommandKind::walk, 0.1, "the last").accepted);
+  for (const CommandKind kind : {CommandKind::stop, CommandKind::cut}) {
+    const Asked order = asked(kind, 0, std::string("the last to ") + name(kind));
+    EXPECT_TRUE(take(order).accepted) << name(kind);
+    EXPECT_NE(take(order).reason.find("sent twice"), std::string::npos) << "without the token";
+  }
+  EXPECT_EQ(command().request.kind, RequestKind::cut);
+}
+
+TEST_F(CommandArbiterTest, a_robot_whose_torque_does_not_suffice_refuses_to_step_and_names_what_would_do) {
+  ArbiterRules weak = rules();
+  weak.supervisor.torque_limit_share = 0.3;
+  weak.supervisor.walk_torque_share = 0.6;
+  arbiter = CommandArbiter(weak, {});
+  for (const CommandKind kind : {CommandKind::step, CommandKind::walk}) {
+    const Answer answer = take(kind, 0.1);
+    EXPECT_FALSE(answer.accepted) << name(kind);
+    EXPECT_EQ(answer.reason, std::string(name(kind)) +
+                                 " needs supervisor.torque_limit_share of at least 0.6 "
+                                 "(supervisor.walk_torque_share), and it is 0.3");
+  }
+  EXPECT_EQ(arbiter.commander(), "");
+  EXPECT_TRUE(take(CommandKind::stand).accepted);
+  weak.supervisor.torque_limit_share = 0.6;
+  arbiter = CommandArbiter(weak, {});
+  EXPECT_TRUE(take(CommandKind::walk, 0.1).accepted);
+}
+
 TEST_F(CommandArbiterTest, tunables_pass_on_and_their_refusals_come_back) {
   Asked command = asked(CommandKind::tunable, 55);
   command.key = "torque_law.joint_kp_Nm_rad";

@@ -1,6 +1,7 @@
 #include "firmware/telemetry/participant.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <chrono>
 #include <functional>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "firmware/telemetry/reader.h"
+#include "firmware/telemetry/udp_sockets.h"
 #include "firmware/telemetry/writer.h"
 #include "tests/firmware/telemetry/later_msgs.h"
 #include "tests/own_domain.h"
@@ -40,6 +42,20 @@ TEST(Participant, without_the_documents_security_is_refused_and_the_missing_file
   const auto participant = Participant::open({.security_folder = "/nowhere"});
   ASSERT_FALSE(participant.has_value());
   EXPECT_NE(participant.error().find("/nowhere/ca_identity.pem is missing"), std::string::npos);
+}
+
+/// A participant whose sockets are not known could not be kept to its interface.
+TEST(Participant, sockets_that_cannot_be_listed_are_an_error) {
+  rlimit files{};
+  ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &files), 0);
+  const rlimit none = {0, files.rlim_max};
+  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &none), 0);
+  const auto sockets = udp_sockets();
+  const auto restricted = restrict_new_sockets({}, "lo");
+  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &files), 0);
+  ASSERT_FALSE(sockets.has_value());
+  EXPECT_NE(sockets.error().find("/proc/self/fd"), std::string::npos) << sockets.error();
+  EXPECT_FALSE(restricted.has_value());
 }
 
 TEST(Participant, loopback_uses_no_multicast_and_meets_on_this_machine) {

@@ -60,11 +60,48 @@ TEST_F(Token, that_is_short_or_missing_is_refused) {
   std::filesystem::create_directory(folder);
   std::ofstream(path) << "short\n";
   ASSERT_EQ(chmod(path.c_str(), 0600), 0);
-  EXPECT_NE(read_token(path).error().find("16 characters"), std::string::npos);
-  std::ofstream(path) << "fifteen letters\n";
+  EXPECT_NE(read_token(path).error().find("16 to 256 characters"), std::string::npos);
+  std::ofstream(path) << "fifteen-letters\n";
   EXPECT_FALSE(read_token(path).has_value());
-  std::ofstream(path) << "sixteen  letters\n";
+  std::ofstream(path) << "sixteen--letters\n";
   EXPECT_TRUE(read_token(path).has_value());
+}
+
+TEST_F(Token, has_the_form_of_one_and_not_that_of_another_secret) {
+  std::filesystem::create_directory(folder);
+  std::ofstream(path) << "";
+  ASSERT_EQ(chmod(path.c_str(), 0600), 0);
+  const std::string longest(256, 'a');
+  for (const std::string& token : {std::string("a-b_c+d/0123456="), longest}) {
+    std::ofstream(path) << token << "\nmore\n";
+    EXPECT_EQ(read_token(path), token);
+    std::ofstream(path) << token;
+    EXPECT_EQ(read_token(path), token) << "the end of the line is the end of the file";
+  }
+  for (const std::string& other :
+       {longest + "a", std::string(1 << 20, 'a'), std::string(16, '\0'),
+        std::string("root:$6$0123456789abcdef:1:"), std::string("machine example.com login anna")}) {
+    std::ofstream(path) << other << "\n";
+    const auto read = read_token(path);
+    ASSERT_FALSE(read.has_value()) << other.substr(0, 40);
+    EXPECT_NE(read.error().find("letters, digits"), std::string::npos);
+  }
+}
+
+/// The path of a token may come from anybody on the network.
+TEST_F(Token, is_in_a_regular_file_of_this_user_and_nothing_else_is_waited_for) {
+  ASSERT_TRUE(write_token(path).has_value());
+  const std::string fifo = (folder / "fifo").string(), link = (folder / "link").string();
+  ASSERT_EQ(mkfifo(fifo.c_str(), 0600), 0);
+  ASSERT_EQ(symlink(path.c_str(), link.c_str()), 0);
+  for (const std::string& other : {fifo, folder.string(), link, std::string("/dev/zero"), std::string()}) {
+    EXPECT_FALSE(read_token(other).has_value()) << other;
+  }
+  EXPECT_NE(read_token(fifo).error().find("no regular file"), std::string::npos);
+  ASSERT_TRUE(read_token(path).has_value());
+  constexpr uid_t kNobody = 65534;
+  if (chown(path.c_str(), kNobody, static_cast<gid_t>(-1)) != 0) GTEST_SKIP() << "only root gives files away";
+  EXPECT_NE(read_token(path).error().find("another user"), std::string::npos);
 }
 
 TEST_F(Token, is_not_written_where_others_may_write) {

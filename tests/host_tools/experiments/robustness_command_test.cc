@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -51,9 +52,11 @@ TEST_F(RobustnessCommand, GivesTheFieldsOfItsContractAndItsPages) {
 }
 
 TEST_F(RobustnessCommand, TheCommandOfARunRepeatsItsOutcomeToTheLastBit) {
-  const std::string setting =
-      "--runs 2 --seed 9 --set gait.single_support_s=0.32 --plant contact_damping_ratio=0.9 --push-at torso "
-      "--force -35 --horizon 0.8";
+  const std::string robot = file("anna's robot.toml");
+  std::ofstream(robot) << "[gait]\nsingle_support_s = 0.32\n";
+  const std::string setting = "--runs 2 --seed 9 --config \"" + robot +
+                              "\" --plant contact_damping_ratio=0.9 --push-at torso "
+                              "--force -35 --horizon 0.8";
   ASSERT_EQ(walk_robots(setting, "results").status, 0) << text_of(file("err"));
   for (const char* name : {"seed9_run0000.json", "seed9_run0001.json"}) {
     const Json expected = Json::parse(text("results", name));

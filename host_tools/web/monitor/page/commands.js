@@ -19,6 +19,7 @@ class CommandPanel {
     this.speedSent_ms = 0;
     this.height = document.getElementById('height');
     this.takeLink();
+    window.addEventListener('hashchange', () => this.followLink());
     this.token.addEventListener('input', () => this.keepToken());
     document.getElementById('new-key').addEventListener('click', () => this.connection.send({ new_key: true }));
     document.getElementById('token-form').addEventListener('submit', (event) => event.preventDefault());
@@ -45,10 +46,17 @@ class CommandPanel {
     if (words.has('key')) localStorage.setItem('key', words.get('key'));
     this.tokens = JSON.parse(sessionStorage.getItem('tokens') ?? '{}');
     this.given = words.get('token') ?? '';
-    this.token.value = this.given;
+    if (this.given !== '') this.token.value = this.given;
     words.delete('key');
     words.delete('token');
     history.replaceState(null, '', `${window.location.pathname}${words.toString() && `#${words}`}`);
+  }
+
+  /** A link was entered in the address bar of the open page, which does not load it again. */
+  followLink() {
+    this.takeLink();
+    this.useGivenToken();
+    this.present();
   }
 
   /** The connection is open: the monitor takes the key before any command, and says what the page may do. */
@@ -91,14 +99,20 @@ class CommandPanel {
     sessionStorage.setItem('tokens', JSON.stringify(this.tokens));
   }
 
+  /** The token of a link is of the run that is shown when it is known. */
+  useGivenToken() {
+    if (this.run === undefined) return;
+    this.given = '';
+    this.keepToken();
+    this.openTokenBox();
+  }
+
   /** The run that is shown is this one from now on. */
   enterRun(run) {
     if (run === this.run) return;
     this.run = run;
     this.token.value = this.given || this.tokens[run] || '';
-    this.given = '';
-    this.keepToken();
-    this.openTokenBox();
+    this.useGivenToken();
   }
 
   greet(hello) {

@@ -27,7 +27,8 @@ class Connection {
   }
 
   open() {
-    const socket = new WebSocket(`ws://${window.location.host}/live`);
+    const scheme = window.location.protocol === 'https:' ? 'wss' : 'ws';
+    const socket = new WebSocket(`${scheme}://${window.location.host}/live`);
     socket.binaryType = 'arraybuffer';
     this.socket = socket;
     socket.onopen = () => this.listener.opened();

@@ -197,6 +197,24 @@ TEST_F(Connected, StreamsMayBeDroppedForASlowViewerAndEventsMayNot) {
   EXPECT_FALSE(peer->sent.back()->droppable);
 }
 
+/// Each subscription gets a copy of every message.
+TEST_F(Connected, AClientHasAsManySubscriptionsAsThereAreChannels) {
+  const std::size_t channels = Json::parse(peer->sent.at(1)->bytes)["channels"].size();
+  const std::size_t twists = channel("/cmd_vel");
+  Json all = Json::array();
+  for (std::size_t id = 0; id < 10 * channels; ++id) all.push_back({{"id", id}, {"channelId", twists}});
+  const std::size_t before = peer->sent.size();
+  say({{"op", "subscribe"}, {"subscriptions", all}});
+  ASSERT_EQ(peer->sent.size(), before + 1) << "one error";
+  EXPECT_EQ(last()["op"], "status");
+  EXPECT_NE(last()["message"].get<std::string>().find("unsubscribe from one first"), std::string::npos);
+  endpoint.publish(twist(), 1);
+  EXPECT_EQ(peer->sent.size(), before + 1 + channels);
+  subscribe(0, "/stilt/command_reply");
+  endpoint.publish(reply(1), 1);
+  EXPECT_EQ(peer->sent.size(), before + 2 + channels) << "its own subscriptions change";
+}
+
 TEST_F(Connected, WhatIsNotUnderstoodIsAnsweredWithAnError) {
   for (const std::string text :
        {"", "no json", "[]", "{}", R"({"op": "advertise"})", R"({"op": "subscribe"})", R"({"op": 5})",

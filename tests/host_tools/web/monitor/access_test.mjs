@@ -1,8 +1,13 @@
 // Who may command through the page, in a browser, with a synthetic robot: synthetic_monitor.
 
 import assert from 'node:assert/strict';
+import { execFileSync } from 'node:child_process';
+import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
 import http from 'node:http';
+import https from 'node:https';
 import net from 'node:net';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
 import { test } from 'node:test';
 import { openPage, picture, until } from './browser.mjs';
 import { answer, browser, monitor, page, state, text } from './synthetic.mjs';
@@ -31,6 +36,59 @@ test('a page that was not opened by the link looks, commands nothing, and says h
   await looker.click('[data-command=walk]');
   await said(/accepted/);
   await looker.close();
+});
+
+test('a link that is entered in the open page of the plain address lets it command and leaves the address bar', async () => {
+  const looker = await pageWithoutKey();
+  await until('the words', async () => /This page only looks/.test(await looker.textContent('#access')));
+  await looker.evaluate((hash) => { window.location.hash = hash; }, new URL(monitor.url).hash);
+  await until('the words', async () => /This page commands/.test(await looker.textContent('#access')));
+  assert.equal(new URL(looker.url()).hash, '');
+  await looker.keyboard.press('w');
+  await state('walk');
+  await looker.evaluate(() => { window.location.hash = 'token=open-sesame'; });
+  await until('the token', async () => (await looker.inputValue('#token')) === 'open-sesame');
+  assert.equal(new URL(looker.url()).hash, '');
+  await looker.close();
+});
+
+/** A reverse proxy that speaks TLS with a certificate of its own. */
+async function tlsProxy(target) {
+  const folder = mkdtempSync(join(tmpdir(), 'stilt-proxy-'));
+  const [key, cert] = ['key.pem', 'cert.pem'].map((name) => join(folder, name));
+  execFileSync('openssl', ['req', '-x509', '-newkey', 'ec', '-pkeyopt', 'ec_paramgen_curve:prime256v1', '-nodes',
+    '-subj', '/CN=localhost', '-days', '1', '-keyout', key, '-out', cert], { stdio: 'ignore' });
+  const proxy = https.createServer({ key: readFileSync(key), cert: readFileSync(cert) });
+  rmSync(folder, { recursive: true });
+  const pass = ({ url, method, headers }) => http.request(new URL(url, target), { method, headers });
+  proxy.on('request', (request, response) => {
+    const passed = pass(request);
+    passed.on('response', (answered) => { response.writeHead(answered.statusCode, answered.headers); answered.pipe(response); });
+    passed.end();
+  });
+  proxy.on('upgrade', (request, socket) => {
+    const passed = pass(request);
+    passed.on('response', (answered) => socket.end(`HTTP/1.1 ${answered.statusCode} Refused\r\n\r\n`));
+    passed.on('upgrade', (answered, behind) => {
+      const lines = Object.entries(answered.headers).map(([name, value]) => `${name}: ${value}\r\n`);
+      socket.write(`HTTP/1.1 101 Switching Protocols\r\n${lines.join('')}\r\n`);
+      for (const end of [socket, behind]) end.on('error', () => {});
+      behind.pipe(socket).pipe(behind);
+    });
+    passed.end();
+  });
+  await new Promise((resolve) => { proxy.listen(0, '127.0.0.1', resolve); });
+  return proxy;
+}
+
+test('behind a reverse proxy with TLS the page works as without', async () => {
+  const proxy = await tlsProxy(monitor.url);
+  const secure = await openPage(browser, `https://127.0.0.1:${proxy.address().port}/${new URL(monitor.url).hash}`);
+  await until('the robot there', () => secure.getAttribute('#stage-canvas', 'data-hip-x'));
+  await secure.keyboard.press('t');
+  await state('step');
+  await secure.close();
+  proxy.close();
 });
 
 test('the key stays with the pages of this address: neither the address bar nor another port of it gets it', async () => {
@@ -109,7 +167,9 @@ const kUpgrade = {
 test('pages of other sites, and other names for this machine, get nothing', async () => {
   const { host, origin } = new URL(monitor.url);
   assert.equal(await statusOf(monitor.url, '/live', { ...kUpgrade, Origin: origin }), 101);
+  assert.equal(await statusOf(monitor.url, '/live', { ...kUpgrade, Origin: `https://${host}` }), 101, 'behind TLS');
   assert.notEqual(await statusOf(monitor.url, '/live', { ...kUpgrade, Origin: 'http://example.com' }), 101);
+  assert.notEqual(await statusOf(monitor.url, '/live', { ...kUpgrade, Origin: 'https://example.com' }), 101);
   assert.notEqual(await statusOf(monitor.url, '/live', { ...kUpgrade, Origin: `http://evil${host}` }), 101);
   assert.notEqual(await statusOf(monitor.url, '/live', { ...kUpgrade, Host: 'example.com' }), 101);
   assert.equal(await statusOf(monitor.url, '/', { Host: host }), 200);

@@ -72,6 +72,7 @@ export async function openBrowser() {
     args: kArguments,
     headless: true,
     viewport: { width: 1440, height: 900 },
+    ignoreHTTPSErrors: true,
     timeout: kPatience_ms,
   });
   context.setDefaultTimeout(kPatience_ms);

@@ -1,11 +1,13 @@
 #include "host_tools/web/monitor/dds_source.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <chrono>
 #include <fstream>
 #include <functional>
 #include <map>
+#include <optional>
 #include <thread>
 
 #include "firmware/telemetry/reader.h"
@@ -96,6 +98,30 @@ class Robots {
     });
   }
 
+  /// What names a command.
+  struct Received {
+    std::string commander;
+    std::uint64_t number;
+  };
+
+  /// The first command of a kind that has come since the last call.
+  std::optional<Received> first(telemetry::CommandKind kind) {
+    std::optional<Received> found;
+    commands_.take([&](telemetry::Sample&& sample) {
+      const auto command = sample.as<telemetry::Command>();
+      if (!command || found || command->kind != static_cast<std::uint8_t>(kind)) return;
+      found = Received{command->commander, command->number};
+    });
+    return found;
+  }
+
+  void accept(std::uint64_t run_id, Received command) {
+    char reason[] = "";
+    const telemetry::CommandReply reply = {run_id, command.commander.data(),   command.number,
+                                           true,   static_cast<char*>(reason), 0.0};
+    replies_.write(&reply);
+  }
+
   /// Runs of the commands of a kind that have come since the last call, each with the token that it proves.
   std::map<std::uint64_t, std::string> taken(telemetry::CommandKind kind) {
     std::map<std::uint64_t, std::string> all;
@@ -103,7 +129,7 @@ class Robots {
       const auto command = sample.as<telemetry::Command>();
       if (!command || command->kind != static_cast<std::uint8_t>(kind)) return;
       all[command->run_id] = "no token";
-      for (const std::string token : {"token of the first", "token of the second", "given by a page"}) {
+      for (const std::string token : {"token_of_the_first", "token_of_the_second", "given by a page"}) {
         EXPECT_STRNE(command->token, token.c_str()) << "every program of the domain may read commands";
         const std::string proof =
             telemetry::proof(token, {command->run_id, command->commander, command->number, command->kind,
@@ -123,8 +149,9 @@ class Robots {
 class TwoRobots : public testing::Test {
  protected:
   TwoRobots() {
-    std::ofstream(folder_.file("first")) << "token of the first\n";
-    std::ofstream(folder_.file("second")) << "token of the second\n";
+    std::ofstream(folder_.file("first")) << "token_of_the_first\n";
+    std::ofstream(folder_.file("second")) << "token_of_the_second\n";
+    for (const char* name : {"first", "second"}) chmod(folder_.file(name).c_str(), S_IRUSR | S_IWUSR);
     robots_.begin(1, folder_.file("first"));
     meet([this] { return source_.has_token(); });
     robots_.begin(2, folder_.file("second"));
@@ -152,7 +179,7 @@ TEST_F(TwoRobots, GetAStopEachWithItsOwnTokenAndOtherCommandsGoToTheOneThatIsSho
     walks.merge(robots_.taken(telemetry::CommandKind::walk));
     return !walks.empty();
   }));
-  EXPECT_EQ(walks, (std::map<std::uint64_t, std::string>{{1, "token of the first"}}));
+  EXPECT_EQ(walks, (std::map<std::uint64_t, std::string>{{1, "token_of_the_first"}}));
   Command stop = command(CommandKind::stop);
   stop.with_known_tokens = true;
   source_.command(stop);
@@ -161,7 +188,7 @@ TEST_F(TwoRobots, GetAStopEachWithItsOwnTokenAndOtherCommandsGoToTheOneThatIsSho
     return stops.size() >= 2;
   }));
   EXPECT_EQ(stops,
-            (std::map<std::uint64_t, std::string>{{1, "token of the first"}, {2, "token of the second"}}));
+            (std::map<std::uint64_t, std::string>{{1, "token_of_the_first"}, {2, "token_of_the_second"}}));
 }
 
 /// A page without the monitor's key: what it stops is what it has tokens for.
@@ -178,9 +205,9 @@ TEST_F(TwoRobots, GetAStopWithTheTokensOfThePageAndNotWithThoseOfTheMonitor) {
     return stops;
   };
   EXPECT_EQ(stops_after(stop, 1), (std::map<std::uint64_t, std::string>{{1, "given by a page"}}));
-  stop.tokens_of_others["0000000000000002"] = "token of the second";
+  stop.tokens_of_others["0000000000000002"] = "token_of_the_second";
   EXPECT_EQ(stops_after(stop, 2),
-            (std::map<std::uint64_t, std::string>{{1, "given by a page"}, {2, "token of the second"}}));
+            (std::map<std::uint64_t, std::string>{{1, "given by a page"}, {2, "token_of_the_second"}}));
 }
 
 /// Each receives every command, and the one that it is not for may be faster with its refusal.
@@ -194,6 +221,65 @@ TEST_F(TwoRobots, DoNotAnswerForEachOther) {
   EXPECT_TRUE(ignored_.replies.front().accepted);
 }
 
+/// A page that only looks may send commands with wrong tokens without end.
+TEST_F(TwoRobots, AnswerASenderWhateverAnotherHasAskedSince) {
+  Command first = command(CommandKind::sit);
+  first.commander = 5;
+  first.sequence = 7;
+  std::optional<Robots::Received> received;
+  ASSERT_TRUE(eventually([&] {
+    source_.command(first);
+    received = robots_.first(telemetry::CommandKind::sit);
+    return received.has_value();
+  }));
+  Command flood = command(CommandKind::walk);
+  flood.commander = 6;
+  flood.token = "wrong";
+  for (int k = 0; k < 2000; ++k) source_.command(flood);
+  ASSERT_TRUE(eventually([&] {
+    robots_.accept(1, *received);
+    source_.poll(ignored_);
+    return !ignored_.replies.empty();
+  }));
+  EXPECT_EQ(ignored_.replies.front().commander, 5u);
+  EXPECT_EQ(ignored_.replies.front().sequence, 7u);
+}
+
+TEST_F(TwoRobots, DoNotAnswerASenderThatIsGone) {
+  Command first = command(CommandKind::sit);
+  first.commander = 5;
+  std::optional<Robots::Received> received;
+  ASSERT_TRUE(eventually([&] {
+    source_.command(first);
+    received = robots_.first(telemetry::CommandKind::sit);
+    return received.has_value();
+  }));
+  source_.forget(5);
+  Command next = command(CommandKind::walk);
+  next.commander = 6;
+  robots_.accept(1, *received);
+  ASSERT_TRUE(eventually([&] {
+    source_.command(next);
+    robots_.answer();
+    source_.poll(ignored_);
+    return !ignored_.replies.empty();
+  }));
+  for (const ReplySample& reply : ignored_.replies) EXPECT_EQ(reply.commander, 6u);
+}
+
+TEST_F(TwoRobots, AThirdWhoseTokenFileIsAFifoStopsNothing) {
+  const std::string fifo = folder_.file("fifo");
+  ASSERT_EQ(mkfifo(fifo.c_str(), S_IRUSR | S_IWUSR), 0);
+  robots_.begin(3, fifo);
+  meet([this] {
+    robots_.tick(3);
+    return source_.talking().size() == 3;
+  });
+  source_.choose("0000000000000003");
+  source_.poll(ignored_);
+  EXPECT_FALSE(source_.has_token());
+}
+
 TEST_F(TwoRobots, AreCommandedByTheirOwnTokensAfterAnotherIsChosen) {
   source_.choose("0000000000000002");
   source_.poll(ignored_);
@@ -203,7 +289,7 @@ TEST_F(TwoRobots, AreCommandedByTheirOwnTokensAfterAnotherIsChosen) {
     walks.merge(robots_.taken(telemetry::CommandKind::walk));
     return !walks.empty();
   }));
-  EXPECT_EQ(walks, (std::map<std::uint64_t, std::string>{{2, "token of the second"}}));
+  EXPECT_EQ(walks, (std::map<std::uint64_t, std::string>{{2, "token_of_the_second"}}));
 }
 
 }  // namespace

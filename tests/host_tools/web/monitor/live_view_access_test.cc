@@ -1,6 +1,7 @@
 // What a page may do with and without the key and tokens.
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <map>
 #include <string>
 
@@ -69,6 +70,7 @@ TEST(LiveView, ANewKeyEndsWhatEveryOtherPageMayDo) {
   view.step(0.0);
   source.answers = true;
   view.step(0.1);
+  view.step(0.19);
   ASSERT_EQ(source.heartbeats(), 1) << "in command";
   view.received(*owner, false, R"({"new_key": true})");
   view.step(0.2);
@@ -101,6 +103,124 @@ TEST(LiveView, StopCarriesTheTokensOfOtherRuns) {
   ASSERT_EQ(source.commands.size(), 1u);
   EXPECT_EQ(source.commands[0].tokens_of_others,
             (std::map<std::string, std::string>{{"run a", "a"}, {"run b", "b"}}));
+}
+
+/// A walk with a token of the page, whose command has this number.
+std::string walk_with_token(int sequence, const std::string& token) {
+  return R"({"command": "walk", "sequence": )" + std::to_string(sequence) + R"(, "token": ")" + token +
+         R"("})";
+}
+
+TEST(LiveView, AHeartbeatHasTheTokenOfTheCommandThatWasAcceptedAndNotOfTheNewest) {
+  SilentSource source;
+  LiveView view(source, kKey);
+  const auto page = std::make_shared<FakePeer>();
+  view.opened(page);
+  view.received(*page, false, walk_with_token(1, "right"));
+  view.received(*page, false, walk_with_token(2, "wrong"));
+  view.step(0.0);
+  const std::uint64_t commander = source.commands.at(0).commander;
+  source.news = [commander](SampleSink& sink) { sink.reply({commander, 1, true, ""}); };
+  view.step(0.2);
+  view.step(0.4);
+  ASSERT_EQ(source.heartbeats(), 1);
+  EXPECT_EQ(source.commands.back().token, "right");
+}
+
+TEST(LiveView, AReplyCountsOnceAndOnlyForACommandThatWasAsked) {
+  SilentSource source;
+  LiveView view(source, kKey);
+  const auto page = std::make_shared<FakePeer>();
+  view.opened(page);
+  const int most = static_cast<int>(LiveView::kAskedAtMost);
+  for (int k = 1; k <= most + 1; ++k) {
+    view.received(*page, false, walk_with_token(k, "of the page"));
+    view.step(0.001 * k);
+  }
+  const std::uint64_t commander = source.commands.at(0).commander;
+  const auto accept = [commander](std::uint32_t sequence) {
+    return [=](SampleSink& sink) { sink.reply({commander, sequence, true, ""}); };
+  };
+  source.news = accept(1);
+  view.step(0.2);
+  source.news = accept(1000);
+  view.step(0.3);
+  view.step(0.4);
+  EXPECT_EQ(source.heartbeats(), 0) << "the first is forgotten, the other was never asked";
+  source.news = [commander](SampleSink& sink) { sink.reply({commander, 2, false, "no"}); };
+  view.step(0.5);
+  source.news = accept(2);
+  view.step(0.6);
+  view.step(0.7);
+  EXPECT_EQ(source.heartbeats(), 0) << "refused, so no longer asked";
+  source.news = accept(3);
+  view.step(0.8);
+  view.received(*page, false, R"({"alive": true})");
+  view.step(0.9);
+  view.step(1.0);
+  EXPECT_EQ(source.heartbeats(), 1);
+}
+
+TEST(LiveView, AnAcceptedTokenIsOfItsRunAndShowsNoOtherRobot) {
+  SilentSource source;
+  LiveView view(source, kKey);
+  const auto page = std::make_shared<FakePeer>();
+  view.opened(page);
+  view.received(*page, false, walk_with_token(1, "of the page"));
+  view.step(0.0);
+  source.answers = true;
+  view.step(0.1);
+  EXPECT_TRUE(page->held);
+  view.received(*page, false, R"({"run": "other"})");
+  view.step(0.2);
+  EXPECT_TRUE(source.chosen.empty()) << "only a page with the key changes what all see";
+  source.commands.clear();
+  view.received(*page, false, walk_with_token(2, "of the page"));
+  view.step(0.21);
+  const std::uint64_t commander = source.commands.at(0).commander;
+  source.commands.clear();
+  source.news = [commander](SampleSink& sink) {
+    ConfigurationSample next;
+    next.run_id = "next";
+    sink.configuration(next);
+    sink.reply({commander, 2, true, ""});
+  };
+  view.step(0.25);
+  EXPECT_FALSE(page->held);
+  view.received(*page, false, R"({"alive": true})");
+  view.step(0.3);
+  view.step(0.4);
+  EXPECT_EQ(source.heartbeats(), 0) << "nor does a late reply of the run before";
+}
+
+TEST(LiveView, AHeartbeatComesBeforeWhatPagesSend) {
+  SilentSource source;
+  LiveView view(source, kKey);
+  const auto page = std::make_shared<FakePeer>(), other = std::make_shared<FakePeer>();
+  open_with_key(view, page);
+  open_with_key(view, other);
+  view.received(*page, false, kWalk);
+  view.step(0.0);
+  source.answers = true;
+  view.step(0.1);
+  source.commands.clear();
+  view.received(*other, false, kWalk);
+  view.step(0.2);
+  ASSERT_EQ(source.commands.size(), 2u);
+  EXPECT_EQ(source.commands[0].kind, CommandKind::heartbeat);
+  EXPECT_EQ(source.commands[1].kind, CommandKind::walk);
+}
+
+TEST(LiveView, RepliesToAPageThatIsClosedAreNotWaitedFor) {
+  SilentSource source;
+  LiveView view(source, kKey);
+  const auto page = std::make_shared<FakePeer>();
+  open_with_key(view, page);
+  view.received(*page, false, kWalk);
+  view.step(0.0);
+  view.closed(*page);
+  view.step(0.1);
+  EXPECT_EQ(source.forgotten, std::vector<std::uint64_t>{source.commands.at(0).commander});
 }
 
 TEST(LiveView, APageThatSendsWithoutEndLosesItsOwnMessagesAndNoneOfAnotherPage) {

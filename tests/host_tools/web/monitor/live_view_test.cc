@@ -97,6 +97,7 @@ TEST(LiveView, AnotherRunTakesTheCommandFromThePageAndBeginsItsTicksAnew) {
   view.received(*page, false, kWalk);
   source.answers = true;
   view.step(0.2);
+  view.step(0.29);
   ASSERT_EQ(source.heartbeats(), 1) << "in command";
   source.news = begin("2", 100);
   view.step(0.3);

@@ -26,6 +26,7 @@ class SilentSource final : public SampleSource {
     news = nullptr;
   }
   void command(const Command& command) override { commands.push_back(command); }
+  void forget(std::uint64_t commander) override { forgotten.push_back(commander); }
   void choose(const std::string& run_id) override { chosen = run_id; }
   [[nodiscard]] std::string describe() const override { return "nothing"; }
   [[nodiscard]] bool live() const override { return true; }
@@ -38,6 +39,7 @@ class SilentSource final : public SampleSource {
   }
 
   std::vector<Command> commands;
+  std::vector<std::uint64_t> forgotten;
   std::string chosen;
   bool answers = false;
   std::string refusal;                    ///< of all commands; empty: accepted

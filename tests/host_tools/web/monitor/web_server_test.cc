@@ -49,12 +49,13 @@ TEST_F(WebServerTest, OnlyLoopbackNamesOfThisMachineLeadHere) {
 TEST_F(WebServerTest, ThePagesOfThisServerGetInAndThoseOfOtherSitesAndWhatHasNoOriginDoNot) {
   const std::string host = here();
   EXPECT_EQ(socket(host, "http://" + host), 101);
+  EXPECT_EQ(socket(host, "https://" + host), 101) << "behind a reverse proxy with TLS";
   EXPECT_EQ(socket(host, ""), 403) << "where commands are taken";
   const Client program(server.port());
   program.send(upgrade(host, "", "/viewers"));
   EXPECT_EQ(status_of(program.head()), 101);
   for (const std::string& origin :
-       {std::string("http://example.com"), "http://evil" + host, "https://" + host, host,
+       {std::string("http://example.com"), "http://evil" + host, "https://evil" + host, "ftp://" + host, host,
         "http://" + host + ".example.com", std::string("http://127.0.0.1"), std::string("null")}) {
     EXPECT_NE(socket(host, origin), 101) << origin;
   }
