@@ -26,7 +26,7 @@ void Helper::ask(const std::string& question) {
   if (rocks_) {
     hands.hold_left_thigh();
     done_ns_ = asked_ns_ + kRocking_ns;
-  } else if (question.starts_with("Let go")) {
+  } else if (question.starts_with("Release the legs")) {
     hands.move(model::kFirstAngle, torso_rest_rad);
     done_ns_ = asked_ns_ + 8 * kSecond_ns;
   } else {
