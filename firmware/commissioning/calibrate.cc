@@ -9,6 +9,7 @@
 
 #include "firmware/commissioning/formatted.h"
 #include "firmware/commissioning/wiring_verdict.h"
+#include "firmware/configuration/driver_of.h"
 #include "firmware/control_loop/joint_names.h"
 
 namespace stilt::commissioning {
@@ -72,7 +73,7 @@ class PoseReader {
     const auto& hardware = request_.hardware;
     readings_.joints[joint] =
         calibrate_joint(joint, poses, before_wiring(at_first.joint_rad), before_wiring(at_second.joint_rad),
-                        hardware.joint[joint], (joint % 2 == 0 ? hardware.hip : hardware.knee).ratio);
+                        hardware.joint[joint], configuration::driver_of(hardware, joint).ratio);
     return {};
   }
 
@@ -171,7 +172,7 @@ class PoseReader {
     return torso.silent ? std::expected<void, CommandFailure>() : rock(torso);
   }
 
-  /// The left hip says how the torso turns, since its thigh does not. Ends early where the pitch is silent.
+  /// The left hip says how the torso turns, since its thigh does not.
   std::expected<void, CommandFailure> rock(TorsoReadings& torso) {
     const std::string question =
         "Hold the left thigh still with one hand. With the other rock the torso forward and backward three "

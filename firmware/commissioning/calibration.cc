@@ -45,7 +45,7 @@ void describe_change(std::size_t joint, const configuration::JointParameters& pl
   const bool same_sign = result.reversed == place.reversed;
   const char* name = kJointNames[joint];
   if (same_sign && std::abs(result.offset_rad - place.offset_rad) <= kSameOffset_rad) {
-    result.sentence = formatted("%s is right", name);
+    result.sentence = formatted("%s is correct", name);
     return;
   }
   result.finding = CalibrationFinding::changed;
@@ -181,13 +181,13 @@ void add_torso(const configuration::TorsoSensorParameters& sensor, const TorsoCa
 }  // namespace
 
 const char* name(CalibrationFinding finding) {
-  constexpr std::array<const char*, 5> kNames = {"right", "changed", "dead_encoder", "exchanged_encoders",
+  constexpr std::array<const char*, 5> kNames = {"correct", "changed", "dead_encoder", "exchanged_encoders",
                                                  "wrong_travel"};
   return kNames[static_cast<std::size_t>(finding)];
 }
 
 const char* name(TorsoFinding finding) {
-  constexpr std::array<const char*, 10> kNames = {"right",          "changed",   "not_tried", "silent",
+  constexpr std::array<const char*, 10> kNames = {"correct",        "changed",   "not_tried", "silent",
                                                   "legs_not_plumb", "dead",      "unclear",   "wrong_scale",
                                                   "late",           "wrong_rate"};
   return kNames[static_cast<std::size_t>(finding)];
@@ -258,7 +258,7 @@ TorsoMotion torso_motion(const TorsoReadings& readings) {
 TorsoCalibration calibrate_torso(const TorsoMotion& motion,
                                  const configuration::TorsoSensorParameters& sensor) {
   if (auto bad = unusable(motion, sensor)) return *bad;
-  TorsoCalibration result = found(motion, TorsoFinding::right, "the torso sensor is right");
+  TorsoCalibration result = found(motion, TorsoFinding::correct, "the torso sensor is correct");
   result.reversed = motion.pitch.gain < 0;
   result.rate_reversed = motion.rate.gain < 0;
   const double offset_rad =

@@ -30,7 +30,7 @@ struct JointPoses {
 [[nodiscard]] JointPoses joint_poses(Reference reference, double minimum_rad, double maximum_rad);
 
 enum class CalibrationFinding {
-  right,
+  correct,
   changed,             ///< sign or offset differ from the configuration's; the new ones are right
   dead_encoder,        ///< no encoder moved
   exchanged_encoders,  ///< another encoder moved
@@ -39,14 +39,14 @@ enum class CalibrationFinding {
 [[nodiscard]] const char* name(CalibrationFinding finding);
 
 struct JointCalibration {
-  CalibrationFinding finding = CalibrationFinding::right;
+  CalibrationFinding finding = CalibrationFinding::correct;
   std::string sentence;
   bool reversed = false;
   double offset_rad = 0.0;
   double travel_share = 0.0;  ///< of the encoder between the poses, over that between their angles
 
   [[nodiscard]] bool good() const {
-    return finding == CalibrationFinding::right || finding == CalibrationFinding::changed;
+    return finding == CalibrationFinding::correct || finding == CalibrationFinding::changed;
   }
 };
 
@@ -58,7 +58,7 @@ struct JointCalibration {
                                                const configuration::JointParameters& place, double ratio);
 
 enum class TorsoFinding {
-  right,
+  correct,
   changed,         ///< sign or offset differ from the configuration's; the new ones are right
   not_tried,       ///< a joint is not calibrated
   silent,          ///< no pitch, or an old one
@@ -102,7 +102,7 @@ struct TorsoCalibration {
   TorsoMotion motion;
 
   [[nodiscard]] bool good() const {
-    return finding == TorsoFinding::right || finding == TorsoFinding::changed;
+    return finding == TorsoFinding::correct || finding == TorsoFinding::changed;
   }
 };
 

@@ -7,16 +7,13 @@
 #include <utility>
 
 #include "firmware/configuration/channel_text.h"
+#include "firmware/configuration/driver_of.h"
 #include "hal/robot/wiring_load.h"
 
 namespace stilt::configuration {
 namespace {
 
 using hal::BaseChannel;
-
-const DriverParameters& driver_of(const HardwareParameters& hardware, std::size_t joint) {
-  return joint % 2 == 0 ? hardware.hip : hardware.knee;
-}
 
 hal::mit::ReplyLayout layout_of(DriverProtocol protocol) {
   if (protocol == DriverProtocol::mit_ak) return hal::mit::ReplyLayout::ak;
@@ -147,6 +144,10 @@ void add_torso_sensor(const TorsoSensorParameters& sensor, hal::RobotWiring& wir
 }
 
 }  // namespace
+
+const DriverParameters& driver_of(const HardwareParameters& hardware, std::size_t joint) {
+  return joint % 2 == 0 ? hardware.hip : hardware.knee;
+}
 
 std::vector<std::string> bus_names(const HardwareParameters& hardware) {
   std::vector<std::string> names;

@@ -4,6 +4,7 @@
 #include <span>
 #include <string>
 
+#include "firmware/configuration/driver_of.h"
 #include "firmware/configuration/hardware_consistency.h"
 #include "firmware/configuration/schema.h"
 #include "hal/robot/robot_wiring.h"
@@ -78,7 +79,8 @@ void check_encoder_joint(const HardwareParameters& hardware, std::vector<Contrad
   const TorsoSensorParameters& sensor = hardware.torso_sensor;
   if (sensor.encoder_joint < 0) return;
   const std::string value = "torso_sensor.encoder_joint = " + std::to_string(sensor.encoder_joint);
-  if (protocol_of(hardware, static_cast<std::size_t>(sensor.encoder_joint)) != DriverProtocol::moteus) {
+  if (driver_of(hardware, static_cast<std::size_t>(sensor.encoder_joint)).protocol !=
+      DriverProtocol::moteus) {
     found.push_back({{"torso_sensor.encoder_joint"},
                      value + ": only a moteus has extra encoders, that joint has another driver"});
   }

@@ -62,7 +62,7 @@ TEST(Calibrate, FindsSignsAndOffsetsAtEndStopsAndAtMarks) {
     ASSERT_TRUE(report) << report.error().sentence;
     expect_signs_and_offsets(robot, *report, kUnknown);
     EXPECT_EQ(report->joints[1].finding, CalibrationFinding::changed);
-    EXPECT_EQ(report->joints[3].finding, CalibrationFinding::right) << report->joints[3].sentence;
+    EXPECT_EQ(report->joints[3].finding, CalibrationFinding::correct) << report->joints[3].sentence;
   }
 }
 
@@ -84,7 +84,7 @@ TEST(Calibrate, ChangesNothingOfARobotThatIsRight) {
   const auto report = tried(robot, person);
   ASSERT_TRUE(report) << report.error().sentence;
   EXPECT_TRUE(report->good()) << to_text(*report);
-  EXPECT_EQ(report->torso.finding, TorsoFinding::right) << report->torso.sentence;
+  EXPECT_EQ(report->torso.finding, TorsoFinding::correct) << report->torso.sentence;
   EXPECT_NEAR(report->torso.motion.pitch.gain, 1.0, 0.02);
   EXPECT_NEAR(report->torso.motion.rate.gain, 1.0, 0.02);
   EXPECT_EQ(report->values.size(), 8u) << "sign and offset of each joint, nothing of the sensor";
@@ -194,6 +194,15 @@ TEST(Calibrate, AQuestionThatIsRepeatedSaysWhy) {
       << questions.back();
 }
 
+TEST(Calibrate, TheNewestMotionOfTheTorsoCounts) {
+  HangingRobot robot;
+  Helper person(robot);
+  person.waits_to_rock_s = 40;
+  const auto report = tried(robot, person);
+  ASSERT_TRUE(report) << report.error().sentence;
+  EXPECT_EQ(report->torso.finding, TorsoFinding::correct) << report->torso.sentence;
+}
+
 TEST(Calibrate, AnAnswerThatIsNoneIsRefused) {
   class Talker final : public Person {
    public:
@@ -219,7 +228,7 @@ TEST(Calibrate, JsonHasEveryJointAndTheTorso) {
   EXPECT_TRUE(json["good"]);
   EXPECT_EQ(json["joints"]["hip_R"]["finding"], "changed");
   EXPECT_NEAR(json["joints"]["hip_R"]["offset_rad"], 0.2, kAsFarAsAHandHolds_rad);
-  EXPECT_EQ(json["torso"]["finding"], "right");
+  EXPECT_EQ(json["torso"]["finding"], "correct");
   EXPECT_EQ(json["written"], "robot.toml");
   EXPECT_TRUE(json["values"].contains("hip_R.offset_rad"));
 }

@@ -36,7 +36,7 @@ TorsoCalibration calibration(const TorsoReadings& readings, const TorsoSensorPar
 
 TEST(Calibration, TheBiasOfAGyroscopeIsNoWrongRate) {
   const TorsoCalibration torso = calibration(rocking(1, 1, 0.01));
-  EXPECT_STREQ(name(torso.finding), "right") << torso.sentence;
+  EXPECT_STREQ(name(torso.finding), "correct") << torso.sentence;
   EXPECT_NEAR(torso.motion.rate.gain, 1, 0.02);
 }
 
