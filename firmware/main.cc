@@ -14,6 +14,7 @@
 #include "firmware/open_buses.h"
 #include "firmware/program/commissioning_run.h"
 #include "firmware/program/controller_state.h"
+#include "firmware/program/found_values.h"
 #include "firmware/program/lockstep_run.h"
 #include "firmware/program/options.h"
 #include "firmware/program/outcome.h"
@@ -200,15 +201,17 @@ int run_self_test(const program::Options& options) {
 int run_commissioning(const program::Options& options) {
   std::vector<hal::AnyBus> buses;
   if (const auto writable = check_files(options); !writable) return refuse(writable.error());
+  if (const auto fit = program::check_out_file(options); !fit) return refuse(fit.error());
   if (const auto connected = connect(options, buses); !connected) return refuse(connected.error());
   const program::CommissioningOutcome outcome =
       program::run_commissioning(options, controller_state, signals.stop);
+  if (options.json_file != "-") std::fputs(outcome.text.c_str(), stdout);
+  const bool reported = outcome.json.empty() || write_figures(options, outcome.json);
   if (!outcome.error.empty()) {
     std::fprintf(stderr, "stiltd: %s\n", outcome.error.c_str());
     return outcome.bad_input ? kBadUsage : kFailed;
   }
-  if (options.json_file != "-") std::fputs(outcome.text.c_str(), stdout);
-  if (!outcome.json.empty() && !write_figures(options, outcome.json)) return kBadUsage;
+  if (!reported) return kBadUsage;
   return outcome.passed ? kDone : kFailed;
 }
 

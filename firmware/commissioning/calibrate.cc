@@ -2,10 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
+#include <functional>
 #include <numbers>
+#include <utility>
 
 #include "firmware/commissioning/formatted.h"
 #include "firmware/commissioning/wiring_verdict.h"
+#include "firmware/configuration/driver_of.h"
 #include "firmware/control_loop/joint_names.h"
 
 namespace stilt::commissioning {
@@ -17,7 +21,7 @@ constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr double kMeasured_s = 0.5;
 constexpr double kStill_rad = 0.02;   // while it is measured, by hand
 constexpr double kRocked_rad = 0.03;  // standard deviation
-constexpr std::size_t kMostSamples = 30'000;
+constexpr double kKept_s = 30.0;      // the newest of the rocking
 
 std::expected<void, CommandFailure> failure(const std::string& sentence) {
   return std::unexpected(CommandFailure{sentence, false});
@@ -27,6 +31,7 @@ std::expected<void, CommandFailure> failure(const std::string& sentence) {
 struct Measured {
   Angles joint_rad{};
   double pitch_rad = 0;
+  bool pitch_silent = false;
   Angles motion_rad{};
 
   [[nodiscard]] double leg_motion_rad(std::size_t joint) const {
@@ -34,23 +39,25 @@ struct Measured {
   }
 };
 
-class Calibration {
- public:
-  Calibration(Session& session, const CalibrationRequest& request, Person& person)
-      : session_(session), request_(request), person_(person) {
-    report_.reference = request.reference;
-  }
+/// A moment of a torso that rocks.
+struct Rocked {
+  double torso_rad, pitch_rad, pitch_rate_rad_s;
+};
 
-  std::expected<CalibrationReport, CommandFailure> run() {
+class PoseReader {
+ public:
+  PoseReader(Session& session, const CalibrationRequest& request, Person& person)
+      : session_(session), request_(request), person_(person) {}
+
+  std::expected<CalibrationReadings, CommandFailure> run() {
     if (const auto up = session_.bring_up(); !up) return std::unexpected(CommandFailure{up.error(), false});
     for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
       if (const auto done = calibrate(joint); !done) return std::unexpected(done.error());
     }
-    if (std::ranges::all_of(report_.joints, &JointCalibration::good)) {
+    if (std::ranges::all_of(readings_.joints, &JointCalibration::good)) {
       if (const auto done = try_torso(); !done) return std::unexpected(done.error());
     }
-    if (report_.good()) report_.values = new_values(request_.hardware, report_.joints, report_.torso);
-    return report_;
+    return std::move(readings_);
   }
 
  private:
@@ -64,9 +71,9 @@ class Calibration {
     const std::string second = stops ? "backward to its other end stop" : "backward, at least";
     if (auto done = move(joint, second + angle(joint, poses.second_rad), at_second); !done) return done;
     const auto& hardware = request_.hardware;
-    report_.joints[joint] =
+    readings_.joints[joint] =
         calibrate_joint(joint, poses, before_wiring(at_first.joint_rad), before_wiring(at_second.joint_rad),
-                        hardware.joint[joint], (joint % 2 == 0 ? hardware.hip : hardware.knee).ratio);
+                        hardware.joint[joint], configuration::driver_of(hardware, joint).ratio);
     return {};
   }
 
@@ -87,19 +94,23 @@ class Calibration {
   template <class Motion>
   std::expected<void, CommandFailure> pose(const std::string& question, const Motion& motion_rad,
                                            Measured& measured) {
+    std::string reason;
     while (true) {
-      if (auto put = ask(session_, person_, question, [](const auto& answer) { return answer.empty(); });
-          !put) {
-        return put;
-      }
+      if (auto put = press_enter(reason + question); !put) return put;
       measured = measure();
       if (const std::string trouble = session_.trouble(); !trouble.empty()) return failure(trouble);
       if (motion_rad(measured) < kStill_rad) return {};
-      if (!person_.patient()) {
-        return failure(formatted("a joint moved by %.3f rad while it was measured; hold the robot still",
-                                 motion_rad(measured)));
-      }
+      const std::string moved = formatted(
+          "a joint moved by %.3f rad while it was measured; hold the robot still", motion_rad(measured));
+      if (!person_.patient()) return failure(moved);
+      reason = moved + ".\n";
     }
+  }
+
+  std::expected<void, CommandFailure> press_enter(const std::string& question,
+                                                  const std::function<void()>& each_tick = {}) {
+    const auto is_enter = [](const std::string& answer) { return answer.empty(); };
+    return ask(session_, person_, question, is_enter, each_tick);
   }
 
   Measured measure() {
@@ -110,13 +121,14 @@ class Calibration {
     const auto count = static_cast<int>(std::lround(kMeasured_s / session_.tick_s()));
     for (int i = 0; i < count; ++i) {
       session_.tick();
+      const Angles now_rad = joint_angles(session_.readings());
       for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
-        const double now_rad = session_.readings().joints[joint].position_rad;
-        measured.joint_rad[joint] += now_rad / count;
-        least[joint] = std::min(least[joint], now_rad);
-        most[joint] = std::max(most[joint], now_rad);
+        measured.joint_rad[joint] += now_rad[joint] / count;
+        least[joint] = std::min(least[joint], now_rad[joint]);
+        most[joint] = std::max(most[joint], now_rad[joint]);
         measured.motion_rad[joint] = most[joint] - least[joint];
       }
+      measured.pitch_silent = measured.pitch_silent || !session_.torso_trouble().empty();
       measured.pitch_rad += session_.readings().base.pitch_rad / count;
     }
     return measured;
@@ -135,7 +147,7 @@ class Calibration {
   [[nodiscard]] Angles calibrated(const Angles& configured_rad) const {
     Angles angles_rad = before_wiring(configured_rad);
     for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
-      const JointCalibration& result = report_.joints[joint];
+      const JointCalibration& result = readings_.joints[joint];
       angles_rad[joint] = (result.reversed ? -1 : 1) * angles_rad[joint] + result.offset_rad;
     }
     return angles_rad;
@@ -152,48 +164,55 @@ class Calibration {
     if (auto done = pose(question, both_legs, rest); !done) {
       return done;
     }
-    TorsoMotion motion{.rest_pitch_rad = rest.pitch_rad, .rest_rad = calibrated(rest.joint_rad)};
-    if (auto done = rock(motion); !done) return done;
-    report_.torso = calibrate_torso(motion);
-    return {};
+    TorsoReadings& torso = readings_.torso.emplace();
+    torso.rest_pitch_rad = rest.pitch_rad;
+    torso.rest_rad = calibrated(rest.joint_rad);
+    torso.silent = rest.pitch_silent;
+    torso.period_s = session_.tick_s();
+    return torso.silent ? std::expected<void, CommandFailure>() : rock(torso);
   }
 
   /// The left hip says how the torso turns, since its thigh does not.
-  std::expected<void, CommandFailure> rock(TorsoMotion& motion) {
+  std::expected<void, CommandFailure> rock(TorsoReadings& torso) {
     const std::string question =
         "Hold the left thigh still with one hand. With the other rock the torso forward and backward three "
         "times, by 10 degrees or more. Press Enter";
+    const auto most = static_cast<std::size_t>(std::lround(kKept_s / session_.tick_s()));
+    std::string reason;
     while (true) {
-      std::vector<double> torso_rad, pitch_rad, integral_rad;
+      std::deque<Rocked> rocked;
       const auto record = [&] {
-        if (torso_rad.size() == kMostSamples) return;
         const hal::BaseReading& base = session_.readings().base;
-        Angles now_rad;
-        for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
-          now_rad[joint] = session_.readings().joints[joint].position_rad;
-        }
-        torso_rad.push_back(-calibrated(now_rad)[0]);
-        pitch_rad.push_back(base.pitch_rad);
-        const double last_rad = integral_rad.empty() ? 0 : integral_rad.back();
-        integral_rad.push_back(last_rad + base.pitch_rate_rad_s * session_.tick_s());
+        const double torso_rad = -calibrated(joint_angles(session_.readings()))[0];
+        rocked.push_back({torso_rad, base.pitch_rad, base.pitch_rate_rad_s});
+        if (rocked.size() > most) rocked.pop_front();
+        torso.silent = torso.silent || !session_.torso_trouble().empty();
       };
-      if (auto put = ask(
-              session_, person_, question, [](const auto& answer) { return answer.empty(); }, record);
-          !put) {
-        return put;
-      }
+      if (auto put = press_enter(reason + question, record); !put) return put;
       if (const std::string trouble = session_.trouble(); !trouble.empty()) return failure(trouble);
-      motion.pitch = fit_lag(torso_rad, pitch_rad, session_.tick_s());
-      motion.rate = fit_lag(torso_rad, integral_rad, session_.tick_s());
-      if (motion.pitch.reference_spread > kRocked_rad) return {};
-      if (!person_.patient()) return failure("the torso did not rock against the left thigh");
+      keep(rocked, torso);
+      if (torso.silent || spread(torso.torso_rad) > kRocked_rad) return {};
+      const std::string unmoved = "the torso did not rock against the left thigh";
+      if (!person_.patient()) return failure(unmoved);
+      reason = unmoved + ".\n";
+    }
+  }
+
+  static void keep(const std::deque<Rocked>& rocked, TorsoReadings& torso) {
+    torso.torso_rad.clear();
+    torso.pitch_rad.clear();
+    torso.pitch_rate_rad_s.clear();
+    for (const Rocked& moment : rocked) {
+      torso.torso_rad.push_back(moment.torso_rad);
+      torso.pitch_rad.push_back(moment.pitch_rad);
+      torso.pitch_rate_rad_s.push_back(moment.pitch_rate_rad_s);
     }
   }
 
   Session& session_;
   const CalibrationRequest& request_;
   Person& person_;
-  CalibrationReport report_;
+  CalibrationReadings readings_;
 };
 
 }  // namespace
@@ -202,12 +221,31 @@ bool CalibrationReport::good() const {
   return std::ranges::all_of(joints, &JointCalibration::good) && torso.good();
 }
 
+std::expected<CalibrationReadings, CommandFailure> read_poses(Session& session,
+                                                              const CalibrationRequest& request,
+                                                              Person& person) {
+  auto readings = PoseReader(session, request, person).run();
+  session.disable();
+  return readings;
+}
+
+CalibrationReport calibrated(const CalibrationRequest& request, const CalibrationReadings& readings) {
+  CalibrationReport report{
+      .reference = request.reference, .joints = readings.joints, .torso = {}, .values = {}};
+  const configuration::HardwareParameters& hardware = request.hardware;
+  if (readings.torso) {
+    report.torso = calibrate_torso(torso_motion(*readings.torso), hardware.torso_sensor);
+  }
+  if (report.good()) report.values = new_values(hardware, report.joints, report.torso);
+  return report;
+}
+
 std::expected<CalibrationReport, CommandFailure> calibrate(Session& session,
                                                            const CalibrationRequest& request,
                                                            Person& person) {
-  auto report = Calibration(session, request, person).run();
-  session.disable();
-  return report;
+  const auto readings = read_poses(session, request, person);
+  if (!readings) return std::unexpected(readings.error());
+  return calibrated(request, *readings);
 }
 
 }  // namespace stilt::commissioning

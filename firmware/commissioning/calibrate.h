@@ -1,6 +1,7 @@
 #pragma once
 
 #include <expected>
+#include <optional>
 #include <string>
 
 #include "firmware/commissioning/calibration.h"
@@ -17,6 +18,12 @@ struct CalibrationRequest {
   Angles maximum_rad{};
 };
 
+/// What the person's hands have shown. The drivers are off by then: to judge the torso takes long.
+struct CalibrationReadings {
+  std::array<JointCalibration, hal::kJoints> joints;
+  std::optional<TorsoReadings> torso;  ///< nothing: a joint is not calibrated
+};
+
 struct CalibrationReport {
   Reference reference = Reference::stops;
   std::array<JointCalibration, hal::kJoints> joints;
@@ -28,6 +35,15 @@ struct CalibrationReport {
 
 /// Brings the drivers up, asks for one pose after the other, and turns them off: no frame asks for a torque
 /// or a gain. The torso is tried when all joints are good.
+[[nodiscard]] std::expected<CalibrationReadings, CommandFailure> read_poses(Session& session,
+                                                                            const CalibrationRequest& request,
+                                                                            Person& person);
+
+/// Signs and offsets from the readings. Pure.
+[[nodiscard]] CalibrationReport calibrated(const CalibrationRequest& request,
+                                           const CalibrationReadings& readings);
+
+/// Both, one after the other.
 [[nodiscard]] std::expected<CalibrationReport, CommandFailure> calibrate(Session& session,
                                                                          const CalibrationRequest& request,
                                                                          Person& person);

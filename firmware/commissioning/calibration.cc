@@ -1,6 +1,7 @@
 #include "firmware/commissioning/calibration.h"
 
 #include <cmath>
+#include <numbers>
 
 #include "firmware/commissioning/formatted.h"
 #include "firmware/commissioning/wiring_verdict.h"
@@ -13,6 +14,7 @@ namespace {
 
 using configuration::NewValue;
 using configuration::number_text;
+using configuration::TorsoDevice;
 using control_loop::kJointNames;
 
 constexpr double kSwing_rad = 0.35;        // backward from a mark
@@ -43,7 +45,7 @@ void describe_change(std::size_t joint, const configuration::JointParameters& pl
   const bool same_sign = result.reversed == place.reversed;
   const char* name = kJointNames[joint];
   if (same_sign && std::abs(result.offset_rad - place.offset_rad) <= kSameOffset_rad) {
-    result.sentence = formatted("%s is right", name);
+    result.sentence = formatted("%s is correct", name);
     return;
   }
   result.finding = CalibrationFinding::changed;
@@ -72,12 +74,40 @@ TorsoCalibration found(const TorsoMotion& motion, TorsoFinding finding, const st
   return result;
 }
 
+bool is_encoder(const configuration::TorsoSensorParameters& sensor) {
+  return sensor.device == TorsoDevice::canopen_encoder || sensor.encoder_joint >= 0;
+}
+
+bool is_imu(const configuration::TorsoSensorParameters& sensor) {
+  return sensor.device == TorsoDevice::xsens_can || sensor.device == TorsoDevice::vectornav;
+}
+
+/// One setting reverses pitch and rate.
+bool has_one_sign(const configuration::TorsoSensorParameters& sensor) {
+  return is_encoder(sensor) || is_imu(sensor) || sensor.pitch_rate == "none";
+}
+
+std::string scale_mend(const configuration::TorsoSensorParameters& sensor) {
+  if (is_encoder(sensor)) return "multiply torso_sensor.encoder_ratio by that";
+  if (is_imu(sensor)) return "look at torso_sensor.imu_axis and how the unit is mounted";
+  return "divide the scale of torso_sensor.pitch by that";
+}
+
+std::string rate_mend(const configuration::TorsoSensorParameters& sensor) {
+  if (is_imu(sensor)) return "look at torso_sensor.imu_axis and how the unit is mounted";
+  if (sensor.device == TorsoDevice::canopen_encoder) return "look at torso_sensor.encoder_speed_rad_s";
+  if (is_encoder(sensor)) return "look at torso_sensor.encoder_ratio and the encoder's own settings";
+  return "look at torso_sensor.pitch_rate";
+}
+
 /// What no change of sign and offset mends.
-std::optional<TorsoCalibration> unusable(const TorsoMotion& motion) {
+std::optional<TorsoCalibration> unusable(const TorsoMotion& motion,
+                                         const configuration::TorsoSensorParameters& sensor) {
   const LagFit& pitch = motion.pitch;
   const LagFit& rate = motion.rate;
-  if (!std::isfinite(motion.rest_pitch_rad)) {
-    return found(motion, TorsoFinding::silent, "the torso sensor gives no pitch; stiltd scan says more");
+  if (motion.silent || !std::isfinite(motion.rest_pitch_rad)) {
+    return found(motion, TorsoFinding::silent,
+                 "silent torso sensor: no new pitch comes from it; stiltd scan says more");
   }
   if (!legs_plumb(motion.rest_rad)) {
     return found(
@@ -98,11 +128,9 @@ std::optional<TorsoCalibration> unusable(const TorsoMotion& motion) {
                   100 * pitch.explained));
   }
   if (!near_one(std::abs(pitch.gain))) {
-    return found(
-        motion, TorsoFinding::wrong_scale,
-        formatted("wrong scale of the torso sensor: its pitch turns by %.3g rad per rad; divide the scale of "
-                  "torso_sensor.pitch by that",
-                  std::abs(pitch.gain)));
+    return found(motion, TorsoFinding::wrong_scale,
+                 formatted("wrong scale of the torso sensor: its pitch turns by %.3g rad per rad; %s",
+                           std::abs(pitch.gain), scale_mend(sensor).c_str()));
   }
   if (pitch.delay_s > kLate_s || rate.delay_s > kLate_s) {
     return found(
@@ -112,11 +140,14 @@ std::optional<TorsoCalibration> unusable(const TorsoMotion& motion) {
                   1e3 * pitch.delay_s, 1e3 * rate.delay_s, 1e3 * kLate_s));
   }
   if (!near_one(std::abs(rate.gain)) || rate.explained < kExplained) {
+    return found(motion, TorsoFinding::wrong_rate,
+                 formatted("wrong pitch rate of the torso sensor: its integral turns by %.3g rad per rad; %s",
+                           std::abs(rate.gain), rate_mend(sensor).c_str()));
+  }
+  if (has_one_sign(sensor) && pitch.gain * rate.gain < 0) {
     return found(
         motion, TorsoFinding::wrong_rate,
-        formatted("wrong pitch rate of the torso sensor: its integral turns by %.3g rad per rad; look at "
-                  "torso_sensor.pitch_rate",
-                  std::abs(rate.gain)));
+        "wrong pitch rate of the torso sensor: its sign is not that of the pitch; " + rate_mend(sensor));
   }
   return std::nullopt;
 }
@@ -128,26 +159,35 @@ NewValue channel(const char* key, const std::string& old, double factor, double 
 void add_torso(const configuration::TorsoSensorParameters& sensor, const TorsoCalibration& torso,
                std::vector<NewValue>& values) {
   const double sign = torso.reversed ? -1 : 1;
-  if (sensor.encoder_joint >= 0) {
+  if (is_encoder(sensor)) {
     values.push_back({"torso_sensor", "encoder_reversed", flag(sensor.encoder_reversed != torso.reversed)});
     values.push_back({"torso_sensor", "encoder_offset_rad",
                       number_text(sign * sensor.encoder_offset_rad + torso.offset_rad)});
     return;
   }
+  if (is_imu(sensor)) {
+    const double offset_rad = sign * sensor.imu_offset_rad + torso.offset_rad;
+    values.push_back({"torso_sensor", "imu_reversed", flag(sensor.imu_reversed != torso.reversed)});
+    values.push_back(
+        {"torso_sensor", "imu_offset_rad", number_text(std::remainder(offset_rad, 2 * std::numbers::pi))});
+    return;
+  }
   values.push_back(channel("pitch", sensor.pitch, sign, torso.offset_rad));
-  if (torso.rate_reversed) values.push_back(channel("pitch_rate", sensor.pitch_rate, -1, 0));
+  if (torso.rate_reversed && sensor.pitch_rate != "none") {
+    values.push_back(channel("pitch_rate", sensor.pitch_rate, -1, 0));
+  }
 }
 
 }  // namespace
 
 const char* name(CalibrationFinding finding) {
-  constexpr std::array<const char*, 5> kNames = {"right", "changed", "dead_encoder", "exchanged_encoders",
+  constexpr std::array<const char*, 5> kNames = {"correct", "changed", "dead_encoder", "exchanged_encoders",
                                                  "wrong_travel"};
   return kNames[static_cast<std::size_t>(finding)];
 }
 
 const char* name(TorsoFinding finding) {
-  constexpr std::array<const char*, 10> kNames = {"right",          "changed",   "not_tried", "silent",
+  constexpr std::array<const char*, 10> kNames = {"correct",        "changed",   "not_tried", "silent",
                                                   "legs_not_plumb", "dead",      "unclear",   "wrong_scale",
                                                   "late",           "wrong_rate"};
   return kNames[static_cast<std::size_t>(finding)];
@@ -201,9 +241,24 @@ JointCalibration calibrate_joint(std::size_t joint, const JointPoses& poses, con
   return result;
 }
 
-TorsoCalibration calibrate_torso(const TorsoMotion& motion) {
-  if (auto bad = unusable(motion)) return *bad;
-  TorsoCalibration result = found(motion, TorsoFinding::right, "the torso sensor is right");
+TorsoMotion torso_motion(const TorsoReadings& readings) {
+  TorsoMotion motion{
+      .rest_pitch_rad = readings.rest_pitch_rad, .rest_rad = readings.rest_rad, .silent = readings.silent};
+  std::vector<double> integral_rad;
+  double sum_rad = 0;
+  for (const double rate_rad_s : readings.pitch_rate_rad_s) {
+    sum_rad += rate_rad_s * readings.period_s;
+    integral_rad.push_back(sum_rad);
+  }
+  motion.pitch = fit_lag(readings.torso_rad, readings.pitch_rad, readings.period_s);
+  motion.rate = fit_lag(detrended(readings.torso_rad), detrended(integral_rad), readings.period_s);
+  return motion;
+}
+
+TorsoCalibration calibrate_torso(const TorsoMotion& motion,
+                                 const configuration::TorsoSensorParameters& sensor) {
+  if (auto bad = unusable(motion, sensor)) return *bad;
+  TorsoCalibration result = found(motion, TorsoFinding::correct, "the torso sensor is correct");
   result.reversed = motion.pitch.gain < 0;
   result.rate_reversed = motion.rate.gain < 0;
   const double offset_rad =

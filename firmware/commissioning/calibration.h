@@ -30,7 +30,7 @@ struct JointPoses {
 [[nodiscard]] JointPoses joint_poses(Reference reference, double minimum_rad, double maximum_rad);
 
 enum class CalibrationFinding {
-  right,
+  correct,
   changed,             ///< sign or offset differ from the configuration's; the new ones are right
   dead_encoder,        ///< no encoder moved
   exchanged_encoders,  ///< another encoder moved
@@ -39,14 +39,14 @@ enum class CalibrationFinding {
 [[nodiscard]] const char* name(CalibrationFinding finding);
 
 struct JointCalibration {
-  CalibrationFinding finding = CalibrationFinding::right;
+  CalibrationFinding finding = CalibrationFinding::correct;
   std::string sentence;
   bool reversed = false;
   double offset_rad = 0.0;
   double travel_share = 0.0;  ///< of the encoder between the poses, over that between their angles
 
   [[nodiscard]] bool good() const {
-    return finding == CalibrationFinding::right || finding == CalibrationFinding::changed;
+    return finding == CalibrationFinding::correct || finding == CalibrationFinding::changed;
   }
 };
 
@@ -58,10 +58,10 @@ struct JointCalibration {
                                                const configuration::JointParameters& place, double ratio);
 
 enum class TorsoFinding {
-  right,
+  correct,
   changed,         ///< sign or offset differ from the configuration's; the new ones are right
   not_tried,       ///< a joint is not calibrated
-  silent,          ///< no pitch
+  silent,          ///< no pitch, or an old one
   legs_not_plumb,  ///< nothing to compare with
   dead,            ///< the torso moved, and the pitch did not
   unclear,         ///< the pitch does not follow the torso
@@ -72,12 +72,26 @@ enum class TorsoFinding {
 [[nodiscard]] const char* name(TorsoFinding finding);
 
 /// What was read of the torso. Angles of the joints are calibrated.
-struct TorsoMotion {
+struct TorsoReadings {
   double rest_pitch_rad = 0.0;  ///< by the sensor, all hanging at rest
   Angles rest_rad{};
-  LagFit pitch{};  ///< of the sensor's pitch against the torso's angle, while the torso rocks
-  LagFit rate{};   ///< of the integral of its rate against the same
+  bool silent = false;  ///< at rest or while it rocked, the pitch was none of its time
+  /// While it rocked, period_s apart: its angle by the left hip, and pitch and rate by the sensor.
+  std::vector<double> torso_rad, pitch_rad, pitch_rate_rad_s;
+  double period_s = 0.0;
 };
+
+/// What the readings come to.
+struct TorsoMotion {
+  double rest_pitch_rad = 0.0;
+  Angles rest_rad{};
+  bool silent = false;
+  LagFit pitch{};  ///< of the sensor's pitch against the torso's angle, while the torso rocks
+  LagFit rate{};   ///< of the integral of its rate against the same, both without their trends
+};
+
+/// The trend of the integral is the rate's bias. Takes long: for a robot whose drivers are off.
+[[nodiscard]] TorsoMotion torso_motion(const TorsoReadings& readings);
 
 struct TorsoCalibration {
   TorsoFinding finding = TorsoFinding::not_tried;
@@ -88,17 +102,19 @@ struct TorsoCalibration {
   TorsoMotion motion;
 
   [[nodiscard]] bool good() const {
-    return finding == TorsoFinding::right || finding == TorsoFinding::changed;
+    return finding == TorsoFinding::correct || finding == TorsoFinding::changed;
   }
 };
 
 /// The legs are plumb lines: centres of mass lie on the links' axes, so that limp legs hang straight down,
 /// and the torso's pitch is minus the angle of a hip. While the left thigh is held still in the world, its
 /// hip says how the torso moves.
-[[nodiscard]] TorsoCalibration calibrate_torso(const TorsoMotion& motion);
+/// @param sensor  as configured: some have one sign for pitch and rate, and a rate that differs is wrong_rate
+[[nodiscard]] TorsoCalibration calibrate_torso(const TorsoMotion& motion,
+                                               const configuration::TorsoSensorParameters& sensor);
 
 /// The values for the configuration file: sign and offset of each joint, and of the torso sensor what
-/// changes.
+/// changes, under the keys that its device reads.
 [[nodiscard]] std::vector<configuration::NewValue> new_values(
     const configuration::HardwareParameters& hardware,
     const std::array<JointCalibration, hal::kJoints>& joints, const TorsoCalibration& torso);

@@ -1,7 +1,7 @@
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "firmware/commissioning/calibrate.h"
+#include "firmware/commissioning/json_number.h"
 #include "firmware/commissioning/values_report.h"
 #include "firmware/control_loop/joint_names.h"
 
@@ -10,10 +10,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
 Json fit_json(const LagFit& fit) {
-  return {{"gain", number(fit.gain)}, {"delay_s", fit.delay_s}, {"explained", number(fit.explained)}};
+  return {
+      {"gain", json_number(fit.gain)}, {"delay_s", fit.delay_s}, {"explained", json_number(fit.explained)}};
 }
 
 }  // namespace
@@ -35,7 +34,7 @@ std::string to_json(const CalibrationReport& report, const std::string& file) {
                                                         {"sentence", result.sentence},
                                                         {"reversed", result.reversed},
                                                         {"offset_rad", result.offset_rad},
-                                                        {"travel_share", number(result.travel_share)}};
+                                                        {"travel_share", json_number(result.travel_share)}};
   }
   const TorsoCalibration& torso = report.torso;
   json["torso"] = {{"finding", name(torso.finding)},
@@ -43,7 +42,7 @@ std::string to_json(const CalibrationReport& report, const std::string& file) {
                    {"reversed", torso.reversed},
                    {"rate_reversed", torso.rate_reversed},
                    {"offset_rad", torso.offset_rad},
-                   {"rest_pitch_rad", number(torso.motion.rest_pitch_rad)},
+                   {"rest_pitch_rad", json_number(torso.motion.rest_pitch_rad)},
                    {"pitch", fit_json(torso.motion.pitch)},
                    {"rate", fit_json(torso.motion.rate)}};
   json["values"] = values_json(report.values);

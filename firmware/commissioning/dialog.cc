@@ -29,7 +29,7 @@ std::expected<void, CommandFailure> ask(Session& session, Person& person, const 
     if (!person.patient()) {
       return std::unexpected(CommandFailure{"\"" + *answer + "\" is no answer to: " + question, true});
     }
-    person.ask(question);
+    person.ask("\"" + *answer + "\" is no answer here.\n" + question);
   }
   return std::unexpected(CommandFailure{"stopped", false});
 }

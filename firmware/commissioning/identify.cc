@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
+#include <utility>
 
 #include "firmware/commissioning/formatted.h"
 #include "firmware/control_loop/joint_names.h"
@@ -43,23 +45,20 @@ struct Range {
   [[nodiscard]] double half_rad() const { return 0.5 * (high_rad - low_rad); }
 };
 
-class Identification {
+class Exciter {
  public:
-  Identification(Session& session, const IdentificationRequest& request)
+  Exciter(Session& session, const IdentificationRequest& request)
       : session_(session), request_(request), constants_(request.robot->constants) {}
 
-  std::expected<IdentificationReport, std::string> run() {
+  std::expected<Excitation, std::string> run() {
     if (const auto up = session_.bring_up(); !up) return std::unexpected(up.error());
     for (double time_s = 0; time_s < kFirstReadings_s; time_s += session_.tick_s()) session_.tick();
-    IdentificationReport report;
     if (!hold_from_here() || !spread()) return std::unexpected(stopped_);
     for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
       if (!excite(joint)) return std::unexpected(stopped_);
-      report.drives[joint] = fit_drive(*request_.robot, joint, records_, session_.tick_s());
     }
-    report.peak_torque_Nm = peak_Nm_;
-    judge(*request_.robot, report);
-    return report;
+    result_.period_s = session_.tick_s();
+    return std::move(result_);
   }
 
  private:
@@ -139,10 +138,8 @@ class Identification {
   }
 
   bool excite(std::size_t joint) {
-    records_.clear();
     if (!approach(joint, range(joint).middle_rad())) return false;
-    records_.emplace_back();
-    recorded_ = &records_.back();
+    recorded_ = &result_.records[joint];
     const bool done =
         ramps(joint, kSlowRamp_s) && ramps(joint, kFastRamp_s) && ramps(joint, kFastRamp_s) && sweep(joint);
     recorded_ = nullptr;
@@ -179,7 +176,7 @@ class Identification {
       const double torque_Nm = std::clamp(wanted_Nm, -limit_Nm, limit_Nm);
       commands[joint].torque_Nm = torque_Nm;
       commands[joint].torque_limit_Nm = limit_Nm;
-      peak_Nm_[joint] = std::max(peak_Nm_[joint], std::abs(torque_Nm));
+      result_.peak_torque_Nm[joint] = std::max(result_.peak_torque_Nm[joint], std::abs(torque_Nm));
       before_last_Nm_[joint] = last_Nm_[joint];
       last_Nm_[joint] = torque_Nm;
     }
@@ -202,11 +199,8 @@ class Identification {
 
   bool within_limits() {
     stopped_ = session_.trouble_with_torque();
+    if (stopped_.empty()) stopped_ = session_.torso_trouble();
     if (!stopped_.empty()) return false;
-    if (!std::isfinite(session_.readings().base.pitch_rad)) {
-      stopped_ = "the torso sensor gives no pitch";
-      return false;
-    }
     for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
       const hal::JointReading& reading = session_.readings().joints[joint];
       const char* name = kJointNames[joint];
@@ -228,19 +222,36 @@ class Identification {
   const model::RobotConstants& constants_;
   std::array<Target, hal::kJoints> targets_;
   std::size_t moving_ = 0;
-  std::vector<DriveRecord> records_;
+  Excitation result_;
   DriveRecord* recorded_ = nullptr;
-  std::array<double, hal::kJoints> last_Nm_{}, before_last_Nm_{}, peak_Nm_{};
+  std::array<double, hal::kJoints> last_Nm_{}, before_last_Nm_{};
   std::string stopped_;
 };
 
 }  // namespace
 
+std::expected<Excitation, std::string> excite(Session& session, const IdentificationRequest& request) {
+  auto excitation = Exciter(session, request).run();
+  session.disable();
+  return excitation;
+}
+
+IdentificationReport identified(const model::RobotModel& robot, const Excitation& excitation) {
+  IdentificationReport report;
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    report.drives[joint] =
+        fit_drive(robot, joint, std::span(&excitation.records[joint], 1), excitation.period_s);
+  }
+  report.peak_torque_Nm = excitation.peak_torque_Nm;
+  judge(robot, report);
+  return report;
+}
+
 std::expected<IdentificationReport, std::string> identify(Session& session,
                                                           const IdentificationRequest& request) {
-  auto report = Identification(session, request).run();
-  session.disable();
-  return report;
+  const auto excitation = excite(session, request);
+  if (!excitation) return std::unexpected(excitation.error());
+  return identified(*request.robot, *excitation);
 }
 
 }  // namespace stilt::commissioning

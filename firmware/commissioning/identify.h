@@ -19,6 +19,14 @@ struct IdentificationRequest {
   double kp_Nm_rad = 0.0;     ///< of all motions, closed here
 };
 
+/// What was asked of the joints and read of them. The drivers are off by then: the fit takes long, and
+/// nothing may wait for it that has torque.
+struct Excitation {
+  std::array<DriveRecord, hal::kJoints> records;  ///< of each joint while it moved
+  std::array<double, hal::kJoints> peak_torque_Nm{};
+  double period_s = 0.0;
+};
+
 struct IdentificationReport {
   std::array<DriveNumbers, hal::kJoints> drives;
   std::array<double, hal::kJoints> peak_torque_Nm{};
@@ -27,7 +35,15 @@ struct IdentificationReport {
 };
 
 /// Brings the drivers up, excites each joint, and turns them off. Torque, travel and speed stay within
-/// limits: beyond them, at a fault and at the emergency stop the robot is limp and the error names the cause.
+/// limits: beyond them, at a fault, at the emergency stop and without a pitch the robot is limp and the error
+/// names the cause.
+[[nodiscard]] std::expected<Excitation, std::string> excite(Session& session,
+                                                            const IdentificationRequest& request);
+
+/// The numbers of the drives from their motions, and what they mean. Pure.
+[[nodiscard]] IdentificationReport identified(const model::RobotModel& robot, const Excitation& excitation);
+
+/// Both, one after the other.
 [[nodiscard]] std::expected<IdentificationReport, std::string> identify(Session& session,
                                                                         const IdentificationRequest& request);
 

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kMoved_rad = 0.05;      // of an encoder, before it counts
 constexpr double kStandsStill = 0.02;    // of another encoder's motion: the joint's own has not moved
-constexpr double kTorqueGrowth_s = 4.0;  // from nothing to kJogTorqueShare
+constexpr double kTorqueGrowth_s = 4.0;  // from nothing to the largest torque
 constexpr double kAtLargest_s = 0.5;     // there
 constexpr double kSpeed_rad_s = 0.2;
 constexpr double kHold_s = 0.5;
@@ -21,21 +21,13 @@ constexpr double kStill_rad = 0.01;
 constexpr double kStill_s = 1.5;  // a leg that swings stands still for less
 constexpr double kLongestWait_s = 30.0;
 
-Angles angles(const hal::RobotReadings& readings) {
-  Angles all_rad;
-  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
-    all_rad[joint] = readings.joints[joint].position_rad;
-  }
-  return all_rad;
-}
-
 class Jog {
  public:
   Jog(Session& session, const JogRequest& request)
       : session_(session),
         request_(request),
         sign_(request.angle_rad > 0 ? 1.0 : -1.0),
-        largest_Nm_(kJogTorqueShare * request.torque_limit_Nm) {}
+        largest_Nm_(std::min(kJogTorqueShare, request.torque_share) * request.torque_limit_Nm) {}
 
   std::expected<JogMotion, std::string> run() {
     if (!wait_until_still() || !push_until_moved() || !settle()) return std::unexpected(stopped_);
@@ -74,11 +66,11 @@ class Jog {
   bool wait_until_still() {
     const double step_s = session_.tick_s();
     for (double time_s = 0; time_s < kFirstReadings_s; time_s += step_s) session_.tick();
-    start_rad_ = angles(session_.readings());
+    start_rad_ = joint_angles(session_.readings());
     double still_s = 0;
     for (double time_s = 0; time_s < kLongestWait_s; time_s += step_s) {
       if (!tick(0)) return false;
-      const Angles now_rad = angles(session_.readings());
+      const Angles now_rad = joint_angles(session_.readings());
       still_s += step_s;
       for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
         if (std::abs(now_rad[joint] - start_rad_[joint]) > kStill_rad) still_s = 0;

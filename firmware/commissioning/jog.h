@@ -18,8 +18,9 @@ inline constexpr double kLargestJog_rad = 0.5;
 struct JogRequest {
   std::size_t joint = 0;
   double angle_rad = 0.0;  ///< from where the joint hangs; kSmallestJog_rad to kLargestJog_rad, either way
-  double torque_limit_Nm = 0.0;  ///< all of the joint's; kJogTorqueShare of it is used
-  double kp_Nm_rad = 0.0;        ///< of the slow motion, closed here: drivers get a torque alone
+  double torque_limit_Nm = 0.0;           ///< all of the joint's
+  double torque_share = kJogTorqueShare;  ///< of it that is used; never more than kJogTorqueShare
+  double kp_Nm_rad = 0.0;                 ///< of the slow motion, closed here: drivers get a torque alone
   double kd_Nms_rad = 0.0;
 };
 
@@ -48,7 +49,7 @@ struct JogMotion {
 /// First a torque grows until an encoder has moved by 0.05 rad: without feedback, so that wrong signs cannot
 /// run away. Only a joint whose encoder follows the torque then goes to the angle and back, at 0.2 rad/s.
 /// The torque of that motion is limited to what the first part needed, more for the larger angle, and to
-/// kJogTorqueShare.
+/// JogRequest::torque_share.
 /// @return  the error says what stopped it: emergency stop, silent or faulty driver, legs that swing
 [[nodiscard]] std::expected<JogMotion, std::string> jog(Session& session, const JogRequest& request);
 

@@ -1,11 +1,11 @@
 #include "firmware/commissioning/jog_dialog.h"
 
 #include <charconv>
-#include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "firmware/commissioning/json_number.h"
 #include "firmware/control_loop/joint_names.h"
 
 namespace stilt::commissioning {
@@ -85,9 +85,6 @@ std::string to_text(const JogReport& report) {
 
 std::string to_json(const JogReport& report) {
   const JogMotion& motion = report.motion;
-  const auto number = [](double value) {
-    return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
-  };
   nlohmann::ordered_json json;
   json["joint"] = control_loop::kJointNames[report.request.joint];
   json["angle_rad"] = report.request.angle_rad;
@@ -97,7 +94,7 @@ std::string to_json(const JogReport& report) {
   json["other_encoder"] =
       motion.other ? nlohmann::ordered_json(control_loop::kJointNames[*motion.other]) : nullptr;
   json["breakaway_Nm"] = motion.breakaway_Nm;
-  json["reported_torque_Nm"] = number(motion.reported_torque_Nm);
+  json["reported_torque_Nm"] = json_number(motion.reported_torque_Nm);
   json["leg_rad"] = motion.leg_rad;
   json["reached_rad"] = motion.reached_rad;
   json["peak_torque_Nm"] = motion.peak_torque_Nm;

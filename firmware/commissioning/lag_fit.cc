@@ -51,4 +51,26 @@ LagFit fit_lag(std::span<const double> reference, std::span<const double> signal
   return best;
 }
 
+std::vector<double> detrended(std::span<const double> values) {
+  std::vector<double> result(values.begin(), values.end());
+  if (values.empty()) return result;
+  const double value_mean = mean(values);
+  const double index_mean = 0.5 * static_cast<double>(values.size() - 1);
+  double both = 0, squares = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double from_mean = static_cast<double>(i) - index_mean;
+    both += from_mean * (values[i] - value_mean);
+    squares += from_mean * from_mean;
+  }
+  const double slope = squares > 0 ? both / squares : 0;
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    result[i] -= value_mean + slope * (static_cast<double>(i) - index_mean);
+  }
+  return result;
+}
+
+double spread(std::span<const double> values) {
+  return values.empty() ? 0 : std::sqrt(moments(values, values).reference);
+}
+
 }  // namespace stilt::commissioning

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 /// How a signal follows another: gain and delay. Pure.
 namespace stilt::commissioning {
@@ -21,5 +22,11 @@ inline constexpr double kLargestDelay_s = 0.1;
 /// @param reference, signal  as many samples of each, period_s apart; more than two kLargestDelay_s
 [[nodiscard]] LagFit fit_lag(std::span<const double> reference, std::span<const double> signal,
                              double period_s);
+
+/// The values without their least-squares line over the index: what the integral of a biased rate needs.
+[[nodiscard]] std::vector<double> detrended(std::span<const double> values);
+
+/// Standard deviation; 0 without values.
+[[nodiscard]] double spread(std::span<const double> values);
 
 }  // namespace stilt::commissioning

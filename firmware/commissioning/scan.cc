@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include "firmware/configuration/driver_of.h"
 #include "firmware/configuration/protocol_name.h"
 #include "hal/robot/driver_scan.h"
 #include "hal/robot/wiring_load.h"
@@ -75,7 +76,7 @@ class BusScan {
  private:
   void expect(const configuration::HardwareParameters& hardware, std::size_t joint) {
     const hal::JointDriver& driver = wiring_.joints[joint].driver;
-    const auto protocol = (joint % 2 == 0 ? hardware.hip : hardware.knee).protocol;
+    const auto protocol = configuration::driver_of(hardware, joint).protocol;
     protocols_.insert(protocol);
     Candidate candidate{driver, node_of(driver, protocol)};
     candidate.node.joint = joint;
@@ -236,10 +237,10 @@ class BusScan {
 }  // namespace
 
 bool ScanResult::complete() const noexcept {
-  return std::ranges::all_of(buses, [](const ScannedBus& bus) {
-    return std::ranges::all_of(bus.expected, &ScannedNode::good) &&
-           std::ranges::all_of(bus.torso_sensor, [](const auto& frames) { return !frames.slow(); });
-  });
+  return serial_sensor_trouble.empty() && std::ranges::all_of(buses, [](const ScannedBus& bus) {
+           return bus.torso_trouble.empty() && std::ranges::all_of(bus.expected, &ScannedNode::good) &&
+                  std::ranges::all_of(bus.torso_sensor, &ScannedFrames::well);
+         });
 }
 
 ScanResult scan(const configuration::HardwareParameters& hardware, std::span<hal::FrameBus* const> buses,

@@ -12,8 +12,10 @@
 #include "hal/driver/scanned_driver.h"
 #include "hal/robot/clock.h"
 
-/// Which drivers and sensors are on the buses of a configuration. Only questions are sent: no frame enables
-/// a motor. Ordinary threads; why so: docs/decisions/0021-commissioning.md
+/// Which drivers and sensors are on the buses of a configuration. No frame enables a motor: drivers get
+/// questions, those of the MIT mode the frame that turns a motor off, which they answer. An encoder of the
+/// torso on CANopen is started: NMT commands, SDO reads, and SDO writes of its transmission type, which it
+/// does not store, and SYNC. Ordinary threads; why so: docs/decisions/0021-commissioning.md
 namespace stilt::commissioning {
 
 /// A driver that the configuration names, or another that answered.
@@ -43,6 +45,8 @@ struct ScannedFrames {
 
   /// They come more rarely than the controller counts on: its readings would be late.
   [[nodiscard]] bool slow() const noexcept { return rate_hz < 0.8 * expected_hz; }
+  /// The configuration names them, and they come often enough.
+  [[nodiscard]] bool well() const noexcept { return rate_hz > 0 && !slow(); }
 };
 
 struct ScannedBus {
@@ -58,6 +62,8 @@ struct ScannedBus {
 
 struct ScanResult {
   std::vector<ScannedBus> buses;
+  std::string
+      serial_sensor_trouble;  ///< of a torso sensor on a serial port, set by who reads it; empty: none
   /// Everything that the configuration names is there, well, and often enough.
   [[nodiscard]] bool complete() const noexcept;
 };

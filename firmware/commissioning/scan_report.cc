@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "firmware/commissioning/formatted.h"
+#include "firmware/commissioning/json_number.h"
 #include "firmware/commissioning/scan.h"
 #include "firmware/control_loop/joint_names.h"
 #include "firmware/diagnostics/event_text.h"
@@ -121,8 +122,6 @@ std::string exchanged_buses(const ScanResult& result) {
   return "";
 }
 
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
 Json node_json(const ScannedNode& node) {
   const hal::DriverReading& reading = node.found.reading;
   Json json;
@@ -133,9 +132,9 @@ Json node_json(const ScannedNode& node) {
   json["reply_id"] = node.found.reply_id ? Json(*node.found.reply_id) : Json(nullptr);
   json["wrong_reply_id"] = node.wrong_reply_id();
   json["firmware"] = node.firmware.empty() ? Json(nullptr) : Json(node.firmware);
-  json["supply_V"] = number(reading.supply_V);
-  json["driver_temperature_C"] = number(reading.driver_temperature_C);
-  json["motor_temperature_C"] = number(reading.motor_temperature_C);
+  json["supply_V"] = json_number(reading.supply_V);
+  json["driver_temperature_C"] = json_number(reading.driver_temperature_C);
+  json["motor_temperature_C"] = json_number(reading.motor_temperature_C);
   json["mode"] = diagnostics::state_text(reading.state);
   json["fault"] = hal::name(reading.fault);
   json["fault_code"] = reading.fault_code;
@@ -157,12 +156,14 @@ std::string to_text(const ScanResult& result) {
   std::string text;
   for (const ScannedBus& bus : result.buses) text += bus_text(result, bus);
   text += exchanged_buses(result);
+  if (!result.serial_sensor_trouble.empty()) text += result.serial_sensor_trouble + '\n';
   return text + (result.complete() ? "complete\n" : "not complete, see above\n");
 }
 
 std::string to_json(const ScanResult& result) {
   Json json;
   json["complete"] = result.complete();
+  json["serial_sensor_trouble"] = result.serial_sensor_trouble;
   json["buses"] = Json::array();
   for (const ScannedBus& bus : result.buses) {
     Json drivers = Json::array(), unexpected = Json::array();

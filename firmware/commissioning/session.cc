@@ -12,6 +12,14 @@ constexpr std::int64_t kLongestBringUp_ns = 5'000'000'000;
 
 }  // namespace
 
+Angles joint_angles(const hal::RobotReadings& readings) {
+  Angles all_rad;
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    all_rad[joint] = readings.joints[joint].position_rad;
+  }
+  return all_rad;
+}
+
 std::int64_t Session::begin_tick() {
   began_ns_ = clock_.sleep_until(pace_.next_ns());
   robot_.read(began_ns_, readings_);
@@ -41,6 +49,11 @@ std::string Session::trouble() const {
     }
   }
   return "";
+}
+
+std::string Session::torso_trouble() const {
+  if (!std::isfinite(readings_.base.pitch_rad)) return "the torso sensor gives no pitch";
+  return readings_.base.missed_replies > kSilentReads ? "the torso sensor is silent" : "";
 }
 
 std::string Session::trouble_with_torque() const {

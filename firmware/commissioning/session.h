@@ -14,6 +14,8 @@ namespace stilt::commissioning {
 
 using Angles = std::array<double, hal::kJoints>;  ///< hip_L, knee_L, hip_R, knee_R, rad
 
+[[nodiscard]] Angles joint_angles(const hal::RobotReadings& readings);
+
 /// Reads without a new position or pitch: older readings are none of now.
 inline constexpr std::uint32_t kSilentReads = 20;
 
@@ -51,6 +53,8 @@ class Session {
   [[nodiscard]] hal::Clock& clock() noexcept { return clock_; }
   /// What is wrong with stop, drivers or their replies; empty: nothing.
   [[nodiscard]] std::string trouble() const;
+  /// Why the torso's pitch is none of now; empty: it is. For commands that need it.
+  [[nodiscard]] std::string torso_trouble() const;
   /// The same, and the emergency stop is pressed or silent: before and while a joint gets torque.
   [[nodiscard]] std::string trouble_with_torque() const;
   [[nodiscard]] bool stopped() const noexcept { return stop_.load(std::memory_order_relaxed); }

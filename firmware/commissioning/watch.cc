@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "firmware/commissioning/json_number.h"
 #include "firmware/control_loop/joint_names.h"
 #include "firmware/diagnostics/event_text.h"
 
@@ -53,15 +54,13 @@ std::string joint_line(const char* name, const hal::JointReading& joint) {
   return line + (joint.missed_replies > kSilentReads ? ", SILENT\n" : "\n");
 }
 
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
 Json joint_json(const hal::JointReading& joint) {
-  return {{"position_rad", number(joint.position_rad)},
-          {"velocity_rad_s", number(joint.velocity_rad_s)},
-          {"torque_Nm", number(joint.torque_Nm)},
-          {"driver_temperature_C", number(joint.driver_temperature_C)},
-          {"motor_temperature_C", number(joint.motor_temperature_C)},
-          {"supply_V", number(joint.supply_V)},
+  return {{"position_rad", json_number(joint.position_rad)},
+          {"velocity_rad_s", json_number(joint.velocity_rad_s)},
+          {"torque_Nm", json_number(joint.torque_Nm)},
+          {"driver_temperature_C", json_number(joint.driver_temperature_C)},
+          {"motor_temperature_C", json_number(joint.motor_temperature_C)},
+          {"supply_V", json_number(joint.supply_V)},
           {"mode", diagnostics::state_text(joint.state)},
           {"fault", hal::name(joint.fault)},
           {"fault_code", joint.fault_code},
@@ -110,8 +109,8 @@ std::string to_json_line(const WatchSample& sample) {
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
     json["joints"][control_loop::kJointNames[joint]] = joint_json(readings.joints[joint]);
   }
-  json["torso"] = {{"pitch_rad", number(readings.base.pitch_rad)},
-                   {"pitch_rate_rad_s", number(readings.base.pitch_rate_rad_s)},
+  json["torso"] = {{"pitch_rad", json_number(readings.base.pitch_rad)},
+                   {"pitch_rate_rad_s", json_number(readings.base.pitch_rate_rad_s)},
                    {"missed_replies", readings.base.missed_replies}};
   json["emergency_stop"] = text(readings.emergency_stop);
   json["bus_errors"] = readings.bus_errors;

@@ -63,7 +63,7 @@ Verdict nothing_moved(std::size_t joint, const JogMotion& motion) {
 
 Verdict directions(std::size_t joint, bool motor_right, bool encoder_follows) {
   const std::string name = joint_name(joint);
-  if (motor_right && encoder_follows) return {Finding::right, name + " is wired right"};
+  if (motor_right && encoder_follows) return {Finding::correct, name + " is wired correctly"};
   if (!motor_right && encoder_follows) {
     return {Finding::reversed_joint, "reversed joint: motor and encoder of " + name +
                                          " turn against the joint; change " + name +
@@ -96,7 +96,7 @@ Verdict gear(std::size_t joint, const JogMotion& motion, double seen_rad, double
 
 const char* name(Finding finding) {
   constexpr std::array<const char*, 12> kNames = {
-      "right",          "exchanged_motors", "exchanged_legs",   "exchanged_encoders",
+      "correct",        "exchanged_motors", "exchanged_legs",   "exchanged_encoders",
       "reversed_joint", "reversed_motor",   "reversed_encoder", "wrong_ratio",
       "dead_joint",     "blocked_joint",    "dead_encoder",     "loose_link"};
   return kNames[static_cast<std::size_t>(finding)];

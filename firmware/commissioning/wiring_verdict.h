@@ -21,7 +21,7 @@ struct Sighting {
 };
 
 enum class Finding {
-  right,
+  correct,
   exchanged_motors,    ///< another link moved, of the same leg or across
   exchanged_legs,      ///< the same link of the other leg moved
   exchanged_encoders,  ///< the right link moved, and another joint's encoder
@@ -37,7 +37,7 @@ enum class Finding {
 [[nodiscard]] const char* name(Finding finding);
 
 struct Verdict {
-  Finding finding = Finding::right;
+  Finding finding = Finding::correct;
   std::string sentence;  ///< what is wrong, and what mends it
 };
 

@@ -99,6 +99,17 @@ void check_stall(const Configuration& configuration, std::vector<Contradiction>&
            " must be at least two ticks, 2 / timing.torque_rate_hz = " + number_text(2.0 * tick_s)});
 }
 
+/// A reply to what a tick sends is received by the next tick.
+void check_reply_lag(const Configuration& configuration, std::vector<Contradiction>& found) {
+  const double tick_s = 1.0 / configuration.timing.torque_rate_hz;
+  const double lag_s = configuration.hardware.longest_reply_lag_s;
+  if (lag_s >= tick_s - kRounding) return;
+  found.push_back({{"hardware.longest_reply_lag_s", "timing.torque_rate_hz"},
+                   "hardware.longest_reply_lag_s = " + number_text(lag_s) +
+                       " must be at least a tick, 1 / timing.torque_rate_hz = " + number_text(tick_s) +
+                       "; every driver would be refused for slow replies"});
+}
+
 void check_line_search(const Parameters& p, std::vector<Contradiction>& found) {
   if (p.sqp.filter_violation_min > p.sqp.filter_violation_max) {
     found.push_back(
@@ -128,6 +139,7 @@ std::vector<Contradiction> contradictions(const Configuration& parameters) {
   check_gait(parameters, found);
   check_timing(parameters, found);
   check_stall(parameters, found);
+  check_reply_lag(parameters, found);
   check_line_search(parameters, found);
   check_hardware(parameters.hardware, found);
   check_torso_range(parameters.hardware, parameters.supervisor, found);

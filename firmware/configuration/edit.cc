@@ -52,4 +52,20 @@ std::expected<std::string, Diagnostic> with_values(std::string_view toml, std::s
   return text;
 }
 
+std::vector<std::string> keys_of(std::string_view toml) {
+  std::vector<std::string> names;
+  try {
+    for (auto&& [section, node] : toml::parse(toml)) {
+      const toml::table* table = node.as_table();
+      if (table == nullptr) continue;
+      for (auto&& [key, value] : *table) {
+        names.push_back(std::string(section.str()) + '.' + std::string(key.str()));
+      }
+    }
+  } catch (const toml::parse_error&) {
+    return {};
+  }
+  return names;
+}
+
 }  // namespace stilt::configuration

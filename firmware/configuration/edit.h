@@ -4,6 +4,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "firmware/configuration/diagnostic.h"
 
@@ -22,5 +23,8 @@ struct NewValue {
 /// @param file  names the text in errors
 [[nodiscard]] std::expected<std::string, Diagnostic> with_values(std::string_view toml, std::string_view file,
                                                                  std::span<const NewValue> values);
+
+/// "section.key" of all that a text names; empty for text that is not TOML.
+[[nodiscard]] std::vector<std::string> keys_of(std::string_view toml);
 
 }  // namespace stilt::configuration

@@ -7,16 +7,13 @@
 #include <utility>
 
 #include "firmware/configuration/channel_text.h"
+#include "firmware/configuration/driver_of.h"
 #include "hal/robot/wiring_load.h"
 
 namespace stilt::configuration {
 namespace {
 
 using hal::BaseChannel;
-
-const DriverParameters& driver_of(const HardwareParameters& hardware, std::size_t joint) {
-  return joint % 2 == 0 ? hardware.hip : hardware.knee;
-}
 
 hal::mit::ReplyLayout layout_of(DriverProtocol protocol) {
   if (protocol == DriverProtocol::mit_ak) return hal::mit::ReplyLayout::ak;
@@ -87,13 +84,16 @@ void add_channel(const std::string& text, BaseChannel channel, hal::RobotWiring&
 }
 
 /// Euler angles (0x022: roll, pitch, yaw) and rates of turn (0x032: x, y, z) of an Xsens MTi, 16 bits each,
-/// most significant byte first; y to the left as in the torso's frame. Source: Movella, "MTi CAN messages",
-/// mtidocs.movella.com/canmessages; MT CAN protocol, MT1604P.
+/// most significant byte first; y to the left as in the torso's frame. A roll repeats after a turn, a pitch
+/// ends at a quarter of one. Source: Movella, "MTi CAN messages", mtidocs.movella.com/canmessages; MT CAN
+/// protocol, MT1604P.
 void add_xsens(const TorsoSensorParameters& sensor, hal::RobotWiring& wiring) {
   constexpr double kAngleStep_rad = std::numbers::pi / 180 / 128;
   constexpr double kRateStep_rad_s = 1.0 / 512;
   const double direction = sensor.imu_reversed ? -1 : 1;
-  const std::uint8_t byte = sensor.imu_axis == ImuAxis::roll ? 0 : 2;
+  const bool by_roll = sensor.imu_axis == ImuAxis::roll;
+  const std::uint8_t byte = by_roll ? 0 : 2;
+  if (by_roll) wiring.channel_pitch_period_rad = 2 * std::numbers::pi;
   hal::ChannelRow row{.id = 0x022, .byte_offset = byte, .bits = 16, .order = hal::ByteOrder::big};
   row.scale = direction * kAngleStep_rad;
   row.offset = sensor.imu_offset_rad;
@@ -147,6 +147,10 @@ void add_torso_sensor(const TorsoSensorParameters& sensor, hal::RobotWiring& wir
 }
 
 }  // namespace
+
+const DriverParameters& driver_of(const HardwareParameters& hardware, std::size_t joint) {
+  return joint % 2 == 0 ? hardware.hip : hardware.knee;
+}
 
 std::vector<std::string> bus_names(const HardwareParameters& hardware) {
   std::vector<std::string> names;

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <string>
 
+#include "firmware/configuration/driver_of.h"
 #include "firmware/configuration/schema.h"
 
 namespace stilt::configuration {
@@ -48,7 +49,7 @@ void check_bus_names(const std::vector<std::string>& names, std::vector<Contradi
 
 void check_ids(const HardwareParameters& hardware, std::size_t i, std::vector<Contradiction>& found) {
   const JointParameters& joint = hardware.joint[i];
-  const DriverProtocol protocol = protocol_of(hardware, i);
+  const DriverProtocol protocol = driver_of(hardware, i).protocol;
   const int least = protocol == DriverProtocol::moteus ? 1 : 0;
   if (joint.id < least || joint.id > largest_id(protocol)) {
     found.push_back({{kKeys[i].id},
@@ -59,10 +60,6 @@ void check_ids(const HardwareParameters& hardware, std::size_t i, std::vector<Co
 }
 
 }  // namespace
-
-DriverProtocol protocol_of(const HardwareParameters& hardware, std::size_t joint) {
-  return (joint % 2 == 0 ? hardware.hip : hardware.knee).protocol;
-}
 
 void check_hardware(const HardwareParameters& hardware, std::vector<Contradiction>& found) {
   const std::vector<std::string> names = bus_names(hardware);

@@ -9,9 +9,6 @@
 
 namespace stilt::configuration {
 
-/// Protocol of a joint's driver.
-[[nodiscard]] DriverProtocol protocol_of(const HardwareParameters& hardware, std::size_t joint);
-
 /// Contradictions of the wiring: joints on buses that do not exist, drivers that share an identifier,
 /// identifiers their protocol does not have, and those of check_torso_sensor().
 void check_hardware(const HardwareParameters& hardware, std::vector<Contradiction>& found);

@@ -4,6 +4,7 @@
 #include <span>
 #include <string>
 
+#include "firmware/configuration/driver_of.h"
 #include "firmware/configuration/hardware_consistency.h"
 #include "firmware/configuration/schema.h"
 #include "hal/robot/robot_wiring.h"
@@ -78,7 +79,8 @@ void check_encoder_joint(const HardwareParameters& hardware, std::vector<Contrad
   const TorsoSensorParameters& sensor = hardware.torso_sensor;
   if (sensor.encoder_joint < 0) return;
   const std::string value = "torso_sensor.encoder_joint = " + std::to_string(sensor.encoder_joint);
-  if (protocol_of(hardware, static_cast<std::size_t>(sensor.encoder_joint)) != DriverProtocol::moteus) {
+  if (driver_of(hardware, static_cast<std::size_t>(sensor.encoder_joint)).protocol !=
+      DriverProtocol::moteus) {
     found.push_back({{"torso_sensor.encoder_joint"},
                      value + ": only a moteus has extra encoders, that joint has another driver"});
   }
@@ -149,7 +151,8 @@ void check_torso_range(const HardwareParameters& hardware, const supervisor::Sup
       check_reach("torso_sensor.pitch_rate", reach(*row), kFallingTorso_rad_s, "rad/s", kRate, found);
   }
   const double period_rad = hal::torso_sensor_traits(wiring).pitch_period_rad;
-  if (period_rad > 0)
+  const bool is_encoder = wiring.pitch_encoder || wiring.pitch_encoder_joint >= 0;
+  if (period_rad > 0 && is_encoder)
     check_reach("torso_sensor.encoder_ratio", period_rad / 2, angle_rad, "rad", kAngle, found);
   if (wiring.pitch_encoder && sensor.encoder_speed_rad_s > 0) {
     const double fastest_rad_s = std::ldexp(1.0, 15) * sensor.encoder_speed_rad_s / sensor.encoder_ratio;

@@ -1,5 +1,7 @@
 #include "firmware/diagnostics/output_file.h"
 
+#include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -9,28 +11,90 @@
 #include <system_error>
 
 namespace stilt::diagnostics {
+namespace {
 
-std::string why_not_writable(const std::string& path) {
-  if (path.empty() || path == "-") return {};
-  const std::filesystem::path file(path);
-  const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
+using std::filesystem::path;
+
+path folder_of(const path& file) { return file.has_parent_path() ? file.parent_path() : "."; }
+
+/// A device, a FIFO or a socket: written to as it is. What is a file, or is not there yet, is replaced.
+bool is_special(const path& file) {
   std::error_code ignored;
-  if (std::filesystem::is_directory(file, ignored)) return std::strerror(EISDIR);
-  const bool replaces = std::filesystem::exists(file, ignored);
-  return access(replaces ? file.c_str() : folder.c_str(), W_OK) == 0 ? "" : std::strerror(errno);
+  return std::filesystem::exists(file, ignored) && !std::filesystem::is_regular_file(file, ignored);
 }
 
-std::expected<void, std::string> write_file(const std::string& path, std::string_view text) {
-  const bool standard_output = path == "-";
+/// The file that a symbolic link stands for, so that the link stays.
+path target_of(const path& file) {
+  std::error_code error;
+  const path target = std::filesystem::weakly_canonical(file, error);
+  return error ? file : target;
+}
+
+std::unexpected<std::string> system_error() { return std::unexpected<std::string>(std::strerror(errno)); }
+
+std::expected<void, std::string> put(std::FILE* stream, std::string_view text) {
   errno = 0;
-  std::FILE* stream = standard_output ? stdout : std::fopen(path.c_str(), "w");
-  if (stream == nullptr) return std::unexpected(std::strerror(errno));
   const bool all = std::fwrite(text.data(), 1, text.size(), stream) == text.size();
-  const bool flushed = std::fflush(stream) == 0;
-  const std::string reason = std::strerror(errno);
-  const bool closed = standard_output || std::fclose(stream) == 0;
-  if (all && flushed && closed) return {};
-  return std::unexpected(all && flushed ? std::strerror(errno) : reason);
+  if (!all || std::fflush(stream) != 0) return system_error();
+  return {};
+}
+
+std::expected<void, std::string> write_special(const std::string& name, std::string_view text) {
+  std::FILE* stream = std::fopen(name.c_str(), "w");
+  if (stream == nullptr) return system_error();
+  const auto written = put(stream, text);
+  if (std::fclose(stream) != 0 && written) return system_error();
+  return written;
+}
+
+/// Owner and permissions of the file that is replaced; those of a new one are the process's.
+bool keep_attributes(int descriptor, const path& file) {
+  struct stat old {};
+  if (stat(file.c_str(), &old) != 0) return true;
+  const bool same_owner = fchown(descriptor, old.st_uid, old.st_gid) == 0;
+  return fchmod(descriptor, old.st_mode & 07777) == 0 && (same_owner || geteuid() != 0);
+}
+
+/// To the disk, with the attributes of `file`.
+std::expected<void, std::string> write_new(int descriptor, const path& file, std::string_view text) {
+  std::FILE* stream = fdopen(descriptor, "w");
+  if (stream == nullptr) {
+    const auto error = system_error();
+    close(descriptor);
+    return error;
+  }
+  auto written = put(stream, text);
+  const bool kept = keep_attributes(descriptor, file) && fsync(descriptor) == 0;
+  if (written && !kept) written = system_error();
+  if (std::fclose(stream) != 0 && written) written = system_error();
+  return written;
+}
+
+}  // namespace
+
+std::string why_not_writable(const std::string& name) {
+  if (name.empty() || name == "-") return {};
+  const path file(name);
+  std::error_code ignored;
+  if (std::filesystem::is_directory(file, ignored)) return std::strerror(EISDIR);
+  const bool is_there = std::filesystem::exists(file, ignored);
+  if (is_there && access(file.c_str(), W_OK) != 0) return std::strerror(errno);
+  if (is_special(file)) return {};
+  return access(folder_of(target_of(file)).c_str(), W_OK) == 0 ? "" : std::strerror(errno);
+}
+
+std::expected<void, std::string> write_file(const std::string& name, std::string_view text) {
+  if (name == "-") return put(stdout, text);
+  if (is_special(name)) return write_special(name, text);
+  const path file = target_of(name);
+  const std::string beside = file.string() + ".new-" + std::to_string(getpid());
+  unlink(beside.c_str());  // of a process of the same number that was cut off
+  const int descriptor = open(beside.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  if (descriptor < 0) return system_error();
+  auto written = write_new(descriptor, file, text);
+  if (written && std::rename(beside.c_str(), file.c_str()) != 0) written = system_error();
+  if (!written) unlink(beside.c_str());
+  return written;
 }
 
 }  // namespace stilt::diagnostics

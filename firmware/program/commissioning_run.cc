@@ -12,6 +12,8 @@
 #include "firmware/commissioning/jog_dialog.h"
 #include "firmware/commissioning/scan.h"
 #include "firmware/commissioning/watch.h"
+#include "firmware/configuration/driver_of.h"
+#include "firmware/program/commissioning_requests.h"
 #include "firmware/program/found_values.h"
 #include "firmware/program/terminal_person.h"
 #include "firmware/program/torso_sensor_report.h"
@@ -33,11 +35,25 @@ CommissioningOutcome failed(const std::string& error, bool bad_input = false) {
   return {.error = error, .bad_input = bad_input, .text = {}, .json = {}};
 }
 
+/// Why the torso sensor on a serial port does not report; empty: it does. It is known after half a second.
+std::string serial_trouble(torso_sensor::SerialTorsoSensor& sensor, hal::Clock& clock) {
+  constexpr int kMostSteps = 1000;
+  constexpr std::int64_t kStep_ns = 1'000'000;
+  for (int step = 0; step < kMostSteps && sensor.newest().number == 0; ++step) {
+    if (sensor.trouble() != torso_sensor::SerialTrouble::none) break;
+    static_cast<void>(clock.sleep_until(clock.now_ns() + kStep_ns));
+  }
+  return sentence(sensor.trouble(), sensor.settings());
+}
+
 CommissioningOutcome run_scan(const Options& options, ControllerState& state, hal::Clock& clock,
                               const std::atomic<bool>& stop) {
   std::vector<hal::FrameBus*> buses;
   for (hal::TapBus& bus : state.hardware->buses()) buses.push_back(&bus);
-  const auto result = commissioning::scan(options.configuration.hardware, buses, clock, stop);
+  auto result = commissioning::scan(options.configuration.hardware, buses, clock, stop);
+  if (options.configuration.hardware.torso_sensor.device == configuration::TorsoDevice::vectornav) {
+    result.serial_sensor_trouble = serial_trouble(state.serial_torso_sensor, clock);
+  }
   return {.error = {}, .passed = result.complete(), .text = to_text(result), .json = to_json(result)};
 }
 
@@ -98,34 +114,33 @@ CommissioningOutcome run_jog(const Options& options, ControllerState& state, hal
   const configuration::Configuration& configuration = options.configuration;
   const auto robot = robots::find(configuration.hardware.robot);
   if (!robot) return failed(robot.error(), true);
-  const bool hip = options.jog_joint % 2 == 0;
-  const double ratio = (hip ? configuration.hardware.hip : configuration.hardware.knee).ratio;
+  const double ratio = configuration::driver_of(configuration.hardware, options.jog_joint).ratio;
   Session session(*state.hardware, clock, tick_ns(options), stop);
-  const commissioning::JogRequest request{
-      .joint = options.jog_joint,
-      .angle_rad = options.jog_angle_rad,
-      .torque_limit_Nm = (*robot)->model.constants.torque_limit_Nm[options.jog_joint],
-      .kp_Nm_rad = configuration.supervisor.hold_kp_Nm_rad,
-      .kd_Nms_rad = configuration.supervisor.hold_kd_Nms_rad};
+  const commissioning::JogRequest request = jog_request(options, (*robot)->model);
   const auto report = commissioning::jog_and_ask(session, request, ratio, *person);
   if (!report) return failed(report.error().sentence, report.error().bad_answer);
   return {.error = {},
-          .passed = report->verdict.finding == commissioning::Finding::right,
+          .passed = report->verdict.finding == commissioning::Finding::correct,
           .text = to_text(*report),
           .json = to_json(*report)};
 }
 
-/// The outcome of a command that has found values, which are written where that is asked for.
+/// The outcome of a command that has found values, which are written where that is asked for. What was found
+/// is reported also when it cannot be written.
 template <class Report>
 CommissioningOutcome written(const Options& options, const Report& report, bool passed) {
-  const bool writes = !report.values.empty() && !options.out_file.empty();
+  CommissioningOutcome outcome{.error = {}, .passed = passed, .text = to_text(report), .json = {}};
+  bool writes = !report.values.empty() && !options.out_file.empty();
   if (writes) {
-    if (const auto done = write_values(options, report.values); !done) return failed(done.error(), true);
+    if (const auto done = write_values(options, report.values); !done) {
+      outcome.error = done.error();
+      outcome.bad_input = true;
+      writes = false;
+    }
   }
-  return {.error = {},
-          .passed = passed,
-          .text = to_text(report),
-          .json = to_json(report, writes ? options.out_file : "")};
+  if (writes) outcome.text += written_text(options);
+  outcome.json = to_json(report, writes ? options.out_file : "");
+  return outcome;
 }
 
 /// Angles of the joints' travel, and the like.
@@ -153,10 +168,7 @@ CommissioningOutcome run_identify(const Options& options, ControllerState& state
   const auto robot = robots::find(options.configuration.hardware.robot);
   if (!robot) return failed(robot.error(), true);
   Session session(*state.hardware, clock, tick_ns(options), stop);
-  const commissioning::IdentificationRequest request{
-      .robot = &(*robot)->model,
-      .torque_share = options.identify_torque_share,
-      .kp_Nm_rad = options.configuration.supervisor.hold_kp_Nm_rad};
+  const commissioning::IdentificationRequest request = identification_request(options, (*robot)->model);
   const auto report = commissioning::identify(session, request);
   if (!report) return failed(report.error());
   return written(options, *report, report->findings.empty());

@@ -12,7 +12,7 @@ namespace stilt::program {
 
 /// How a commissioning command ended.
 struct CommissioningOutcome {
-  std::string error;       ///< why it could not do its work; empty: it did
+  std::string error;       ///< why it could not do its work, or write what it found; empty: it did
   bool bad_input = false;  ///< the error is about what the user gave
   bool passed = false;     ///< what was looked at is right
   std::string text;        ///< for people, when the JSON does not go to standard output

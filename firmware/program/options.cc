@@ -118,6 +118,26 @@ bool names_a_key(const std::string& file) {
   return false;
 }
 
+std::string name_of(const configuration::Override& change) {
+  const std::string name = change.assignment.substr(0, change.assignment.find('='));
+  const std::size_t first = name.find_first_not_of(" \t");
+  return name.substr(first, name.find_last_not_of(" \t") - first + 1);
+}
+
+/// Of a command line that was accepted.
+std::vector<std::string> changed_keys(const Arguments& arguments,
+                                      const std::vector<configuration::Override>& overrides) {
+  std::vector<std::string> names;
+  for (const configuration::ShippedPreset& preset : configuration::shipped_presets()) {
+    if (preset.name == arguments.preset) names = configuration::keys_of(preset.text);
+  }
+  for (const configuration::Override& change : overrides) names.push_back(name_of(change));
+  std::ranges::sort(names);
+  const auto twice = std::ranges::unique(names);
+  names.erase(twice.begin(), twice.end());
+  return names;
+}
+
 std::expected<void, std::string> read_configuration(const Arguments& arguments, Options& options) {
   const auto overrides = overrides_of(arguments);
   configuration::Result result = load(arguments, overrides);
@@ -128,6 +148,7 @@ std::expected<void, std::string> read_configuration(const Arguments& arguments, 
   }
   if (!result) return std::unexpected(configuration::to_string(result.error()));
   options.configuration = *result;
+  options.changed_keys = changed_keys(arguments, overrides);
   options.source = source_of(arguments);
   if (!arguments.config_file.empty() && !names_a_key(arguments.config_file)) {
     options.source += " (names no key: every value is the default)";

@@ -40,10 +40,11 @@ struct Options {
   double self_test_s = 10.0;
   std::size_t jog_joint = 0;
   double jog_angle_rad = 0.0;
-  double torque_limit_share = 1.0;  ///< of --torque-limit, in the configuration already
-  std::string answers_file;         ///< answers to what a command asks; empty: standard input
-  std::string config_file;          ///< of --config; empty: none
-  std::string out_file;             ///< configuration to write what was found to; empty: none
+  double torque_limit_share = 1.0;        ///< of --torque-limit, in the configuration already
+  std::string answers_file;               ///< answers to what a command asks; empty: standard input
+  std::string config_file;                ///< of --config; empty: none
+  std::string out_file;                   ///< configuration to write what was found to; empty: none
+  std::vector<std::string> changed_keys;  ///< "section.key" that --preset, --set and --bus have set
   commissioning::Reference reference = commissioning::Reference::stops;
   double identify_torque_share = 0.3;
 

@@ -1,6 +1,7 @@
 #include "firmware/program/terminal_person.h"
 
 #include <poll.h>
+#include <termios.h>
 #include <unistd.h>
 
 #include <array>
@@ -25,7 +26,14 @@ std::expected<TerminalPerson, std::string> TerminalPerson::open(const std::strin
   return person;
 }
 
-void TerminalPerson::ask(const std::string& question) { std::fprintf(stderr, "%s: ", question.c_str()); }
+/// What was typed before the question answers another one.
+void TerminalPerson::ask(const std::string& question) {
+  if (patient_) {
+    static_cast<void>(tcflush(STDIN_FILENO, TCIFLUSH));  // fails where the terminal is gone
+    pending_.clear();
+  }
+  std::fprintf(stderr, "%s: ", question.c_str());
+}
 
 std::optional<std::string> TerminalPerson::answer() {
   pollfd input{STDIN_FILENO, POLLIN, 0};

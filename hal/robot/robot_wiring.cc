@@ -30,9 +30,9 @@ bool valid_torso_sensor(const RobotWiring& wiring, std::size_t bus_count) noexce
   if (wiring.pitch_encoder && (wiring.pitch_encoder_bus >= bus_count || !valid(*wiring.pitch_encoder)))
     return false;
   const auto rows = std::span(wiring.channels).first(wiring.channel_count);
-  return wiring.channel_period_ticks >= 1 && std::abs(wiring.pitch_direction) == 1 &&
-         std::isfinite(wiring.pitch_offset_rad) && std::isfinite(wiring.pitch_ratio) &&
-         wiring.pitch_ratio > 0 &&
+  return wiring.channel_period_ticks >= 1 && wiring.channel_pitch_period_rad >= 0 &&
+         std::abs(wiring.pitch_direction) == 1 && std::isfinite(wiring.pitch_offset_rad) &&
+         std::isfinite(wiring.pitch_ratio) && wiring.pitch_ratio > 0 &&
          std::all_of(rows.begin(), rows.end(), [](const ChannelRow& row) { return valid(row); });
 }
 
@@ -60,7 +60,11 @@ TorsoSensorTraits torso_sensor_traits(const RobotWiring& wiring) noexcept {
     traits.pitch_period_rad = kTurn_rad * wiring.pitch_encoder->turns / wiring.pitch_ratio;
     return traits;
   }
-  if (wiring.serial_imu) return traits;
+  if (wiring.serial_imu) {
+    if (wiring.serial_imu->by_roll) traits.pitch_period_rad = kTurn_rad;
+    return traits;
+  }
+  traits.pitch_period_rad = wiring.channel_pitch_period_rad;
   const auto rows = std::span(wiring.channels).first(wiring.channel_count);
   traits.has_rate = std::any_of(rows.begin(), rows.end(), [](const ChannelRow& row) {
     return row.channel == BaseChannel::pitch_rate_rad_s;

@@ -77,6 +77,29 @@ TEST(TwoProcesses, AJogWithAnswersThatAreNoneIsBadInput) {
             std::string::npos);
 }
 
+TEST(TwoProcesses, WhatWasFoundIsReportedAlsoWhenItCannotBeWritten) {
+  RobotAndController run;
+  run.start_robot(kHanging);
+  run.start_command({"identify"}, {"--lockstep", "--out", "/dev/full"});
+  run.expect_both_to_end();
+  EXPECT_EQ(run.controller().wait(0), 2) << run.said();
+  EXPECT_NE(text_of(run.file("controller.err")).find("--out /dev/full: cannot be written (No space left"),
+            std::string::npos)
+      << run.said();
+  EXPECT_NE(text_of(run.file("controller.out")).find("robot.hip_coulomb_friction_Nm = "), std::string::npos);
+  EXPECT_TRUE(run.controller_json().at("written").is_null());
+}
+
+TEST(TwoProcesses, AnOutFileThatIsNoConfigurationIsRefusedBeforeAnythingMoves) {
+  RobotAndController run;
+  run.start_robot(kHanging);
+  const std::string out = run.file("out.toml");
+  std::ofstream(out) << "[hip_L\n";
+  run.start_command({"identify"}, {"--lockstep", "--out", out});
+  EXPECT_EQ(run.controller().wait(kLongestRun_s), 2) << run.said();
+  EXPECT_NE(text_of(run.file("controller.err")).find(out + ":1:"), std::string::npos) << run.said();
+}
+
 TEST(TwoProcesses, NoCommandWorksBesideARunningController) {
   RobotAndController run;
   run.start_robot({"--once", "--hang"});

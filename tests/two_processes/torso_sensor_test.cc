@@ -5,6 +5,7 @@
 #include <csignal>
 #include <fstream>
 
+#include "tests/pseudo_terminal.h"
 #include "tests/two_processes/robot_and_controller.h"
 
 namespace stilt::two_processes {
@@ -104,6 +105,17 @@ TEST(TwoProcesses, AVectornavOnASerialPortIsWatched) {
   run.controller().signal(SIGINT);
   run.expect_both_to_end();
   EXPECT_EQ(run.controller().wait(0), 0) << run.said();
+}
+
+TEST(TwoProcesses, AVectornavThatIsSilentMakesAScanIncomplete) {
+  RobotAndController run;
+  const tests::PseudoTerminal port;
+  run.start_robot({"--once", "--hang"});
+  run.start_command({"scan"}, with_settings({}, {"device=vectornav", "serial_port=" + port.port()}));
+  EXPECT_EQ(run.controller().wait(kLongestRun_s), 1) << run.said();
+  EXPECT_NE(text_of(run.file("controller.out")).find("not complete"), std::string::npos) << run.said();
+  EXPECT_EQ(run.controller_json().at("complete"), false);
+  EXPECT_NE(run.controller_json().at("serial_sensor_trouble"), "");
 }
 
 TEST(TwoProcesses, ASerialPortHasNoLockstep) {

@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <nlohmann/json.hpp>
+#include <utility>
+#include <vector>
 
 #include "tests/firmware/commissioning/helper.h"
 
@@ -15,8 +18,8 @@ using testing::Wiring;
 
 constexpr double kAsFarAsAHandHolds_rad = 0.02;
 
-std::expected<CalibrationReport, CommandFailure> calibrated(HangingRobot& robot, Helper& person,
-                                                            Reference reference = Reference::stops) {
+std::expected<CalibrationReport, CommandFailure> tried(HangingRobot& robot, Person& person,
+                                                       Reference reference = Reference::stops) {
   Session session = robot.session();
   return calibrate(session, testing::calibration_request(robot, reference), person);
 }
@@ -55,18 +58,18 @@ TEST(Calibrate, FindsSignsAndOffsetsAtEndStopsAndAtMarks) {
     SCOPED_TRACE(reference == Reference::stops ? "stops" : "marks");
     HangingRobot robot({.both = {}, .robot = kUnknown, .miswired = {}});
     Helper person(robot);
-    const auto report = calibrated(robot, person, reference);
+    const auto report = tried(robot, person, reference);
     ASSERT_TRUE(report) << report.error().sentence;
     expect_signs_and_offsets(robot, *report, kUnknown);
     EXPECT_EQ(report->joints[1].finding, CalibrationFinding::changed);
-    EXPECT_EQ(report->joints[3].finding, CalibrationFinding::right) << report->joints[3].sentence;
+    EXPECT_EQ(report->joints[3].finding, CalibrationFinding::correct) << report->joints[3].sentence;
   }
 }
 
 TEST(Calibrate, NoJointGetsTorqueAndDriversAreOffAtTheEnd) {
   HangingRobot robot;
   Helper person(robot);
-  ASSERT_TRUE(calibrated(robot, person));
+  ASSERT_TRUE(tried(robot, person));
   constexpr double kHalfAStepOfAFrame_Nm = 0.03;
   static_cast<void>(robot.sleep_until(robot.now_ns() + 2'000'000));
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
@@ -78,10 +81,10 @@ TEST(Calibrate, NoJointGetsTorqueAndDriversAreOffAtTheEnd) {
 TEST(Calibrate, ChangesNothingOfARobotThatIsRight) {
   HangingRobot robot;
   Helper person(robot);
-  const auto report = calibrated(robot, person);
+  const auto report = tried(robot, person);
   ASSERT_TRUE(report) << report.error().sentence;
   EXPECT_TRUE(report->good()) << to_text(*report);
-  EXPECT_EQ(report->torso.finding, TorsoFinding::right) << report->torso.sentence;
+  EXPECT_EQ(report->torso.finding, TorsoFinding::correct) << report->torso.sentence;
   EXPECT_NEAR(report->torso.motion.pitch.gain, 1.0, 0.02);
   EXPECT_NEAR(report->torso.motion.rate.gain, 1.0, 0.02);
   EXPECT_EQ(report->values.size(), 8u) << "sign and offset of each joint, nothing of the sensor";
@@ -91,7 +94,7 @@ TEST(Calibrate, FindsAStopThatWasNotReached) {
   HangingRobot robot;
   Helper person(robot);
   person.share_of_travel = 0.9;
-  const auto report = calibrated(robot, person);
+  const auto report = tried(robot, person);
   ASSERT_TRUE(report) << report.error().sentence;
   EXPECT_EQ(report->joints[0].finding, CalibrationFinding::wrong_travel) << report->joints[0].sentence;
   EXPECT_NEAR(report->joints[0].travel_share, 0.9, 0.01);
@@ -108,7 +111,7 @@ TEST(Calibrate, TakesGravityForTheOffsetOfTheTorsoSensorWhereverTheTorsoHangs) {
        .miswired = {}});
   Helper person(robot);
   person.torso_rest_rad = 0.12;
-  const auto report = calibrated(robot, person);
+  const auto report = tried(robot, person);
   ASSERT_TRUE(report) << report.error().sentence;
   ASSERT_TRUE(report->good()) << to_text(*report);
   EXPECT_TRUE(report->torso.reversed);
@@ -118,6 +121,86 @@ TEST(Calibrate, TakesGravityForTheOffsetOfTheTorsoSensorWhereverTheTorsoHangs) {
   EXPECT_NEAR(wiring.channels[0].scale, -1e-6, 1e-12);
   EXPECT_NEAR(wiring.channels[0].offset, kOffset_rad, kAsFarAsAHandHolds_rad);
   EXPECT_NEAR(wiring.channels[1].scale, -5e-4, 1e-9);
+}
+
+TEST(Calibrate, DriversAreOffBeforeTheTorsoIsJudged) {
+  HangingRobot robot;
+  Helper person(robot);
+  Session session = robot.session();
+  const CalibrationRequest request = testing::calibration_request(robot, Reference::stops);
+  const auto readings = read_poses(session, request, person);
+  ASSERT_TRUE(readings) << readings.error().sentence;
+  static_cast<void>(robot.sleep_until(robot.now_ns() + 2'000'000));
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    EXPECT_FALSE(robot.robot.drivers().driver(joint).enabled());
+  }
+  EXPECT_TRUE(calibrated(request, *readings).good());  // has no session to keep alive
+}
+
+/// A helper who does something of his own at a question.
+class OtherHelper final : public Person {
+ public:
+  using AtQuestion = std::function<void(const std::string&)>;
+  OtherHelper(HangingRobot& robot, AtQuestion at_question)
+      : helper_(robot), at_question_(std::move(at_question)) {}
+
+  void ask(const std::string& question) override {
+    helper_.ask(question);
+    at_question_(question);
+  }
+  std::optional<std::string> answer() override {
+    return answers_at_once ? std::optional<std::string>("") : helper_.answer();
+  }
+  bool gone() const override { return false; }
+  bool patient() const override { return answers_at_once; }
+
+  bool answers_at_once = false;
+
+ private:
+  Helper helper_;
+  AtQuestion at_question_;
+};
+
+TEST(Calibrate, APitchThatIsFrozenIsSilentAndNotDead) {
+  for (const char* from : {"Release the legs", "Hold the left thigh still with one hand"}) {
+    SCOPED_TRACE(from);
+    HangingRobot robot;
+    OtherHelper person(robot, [&](const std::string& question) {
+      if (question.starts_with(from)) robot.lost_id = 0x150;
+    });
+    const auto report = tried(robot, person);
+    ASSERT_TRUE(report) << report.error().sentence;
+    EXPECT_EQ(report->torso.finding, TorsoFinding::silent) << report->torso.sentence;
+    EXPECT_TRUE(report->values.empty());
+  }
+}
+
+TEST(Calibrate, AQuestionThatIsRepeatedSaysWhy) {
+  HangingRobot robot;
+  std::vector<std::string> questions;
+  OtherHelper* helper = nullptr;
+  OtherHelper person(robot, [&](const std::string& question) {
+    questions.push_back(question);
+    const bool first = questions.size() == 1;  // the hands are still on their way
+    const bool rocks = question.starts_with("Hold the left thigh still");
+    helper->answers_at_once = first || rocks;
+    if (question.starts_with("the torso did not rock")) robot.stop = true;
+  });
+  helper = &person;
+  ASSERT_FALSE(tried(robot, person));
+  EXPECT_TRUE(questions[1].starts_with("a joint moved by ")) << questions[1];
+  EXPECT_TRUE(questions[1].ends_with(questions[0])) << questions[1];
+  EXPECT_TRUE(questions.back().starts_with("the torso did not rock against the left thigh"))
+      << questions.back();
+}
+
+TEST(Calibrate, TheNewestMotionOfTheTorsoCounts) {
+  HangingRobot robot;
+  Helper person(robot);
+  person.waits_to_rock_s = 40;
+  const auto report = tried(robot, person);
+  ASSERT_TRUE(report) << report.error().sentence;
+  EXPECT_EQ(report->torso.finding, TorsoFinding::correct) << report->torso.sentence;
 }
 
 TEST(Calibrate, AnAnswerThatIsNoneIsRefused) {
@@ -139,13 +222,13 @@ TEST(Calibrate, AnAnswerThatIsNoneIsRefused) {
 TEST(Calibrate, JsonHasEveryJointAndTheTorso) {
   HangingRobot robot({.both = {}, .robot = {"hip_R.offset_rad=0.2"}, .miswired = {}});
   Helper person(robot);
-  const auto report = calibrated(robot, person);
+  const auto report = tried(robot, person);
   ASSERT_TRUE(report) << report.error().sentence;
   const auto json = nlohmann::json::parse(to_json(*report, "robot.toml"));
   EXPECT_TRUE(json["good"]);
   EXPECT_EQ(json["joints"]["hip_R"]["finding"], "changed");
   EXPECT_NEAR(json["joints"]["hip_R"]["offset_rad"], 0.2, kAsFarAsAHandHolds_rad);
-  EXPECT_EQ(json["torso"]["finding"], "right");
+  EXPECT_EQ(json["torso"]["finding"], "correct");
   EXPECT_EQ(json["written"], "robot.toml");
   EXPECT_TRUE(json["values"].contains("hip_R.offset_rad"));
 }

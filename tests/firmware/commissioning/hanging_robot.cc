@@ -65,7 +65,10 @@ std::int64_t HangingRobot::sleep_until(std::int64_t time_ns) noexcept {
     now_ns_ += kTick_ns;
     robot.tick(now_ns_);
     for (std::size_t bus = 0; bus < buses.size(); ++bus) {
-      const std::vector<hal::CanFrame> frames = robot.take_outgoing(now_ns_, bus);
+      std::vector<hal::CanFrame> frames = robot.take_outgoing(now_ns_, bus);
+      std::erase_if(frames, [this](const hal::CanFrame& frame) {
+        return lost_id == frame.id && now_ns_ >= lost_from_ns;
+      });
       buses[bus].waiting.insert(buses[bus].waiting.end(), frames.begin(), frames.end());
     }
     look();

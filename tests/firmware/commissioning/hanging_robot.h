@@ -52,6 +52,8 @@ class HangingRobot final : public hal::Clock {
   std::array<DirectBus, 2> buses;
   std::unique_ptr<hal::RobotHardware> hardware;
   std::atomic<bool> stop = false;
+  std::optional<std::uint32_t> lost_id;  ///< frames of it do not arrive
+  std::int64_t lost_from_ns = 0;         ///< from then on
 
  private:
   void look();

@@ -25,8 +25,9 @@ void Helper::ask(const std::string& question) {
   hands.let_go();
   if (rocks_) {
     hands.hold_left_thigh();
-    done_ns_ = asked_ns_ + kRocking_ns;
-  } else if (question.starts_with("Let go")) {
+    begins_ns_ = asked_ns_ + static_cast<std::int64_t>(waits_to_rock_s * kSecond_ns);
+    done_ns_ = begins_ns_ + kRocking_ns;
+  } else if (question.starts_with("Release the legs")) {
     hands.move(model::kFirstAngle, torso_rest_rad);
     done_ns_ = asked_ns_ + 8 * kSecond_ns;
   } else {
@@ -51,7 +52,8 @@ void Helper::move_joint(const std::string& question) {
 }
 
 void Helper::rock() {
-  const double time_s = 1e-9 * static_cast<double>(robot_.now_ns() - asked_ns_);
+  if (robot_.now_ns() < begins_ns_) return;
+  const double time_s = 1e-9 * static_cast<double>(robot_.now_ns() - begins_ns_);
   const double angle_rad = kRocking_rad * std::sin(2 * M_PI * kRocking_hz * time_s);
   robot_.robot.hands().move(model::kFirstAngle, angle_rad);
 }

@@ -24,6 +24,8 @@ class Helper final : public Person {
   double share_of_travel = 1.0;
   /// Where the torso hangs at rest, once calibrate comes to it.
   double torso_rest_rad = 0.0;
+  /// How long it holds the thigh before it rocks the torso.
+  double waits_to_rock_s = 0.0;
 
  private:
   void move_joint(const std::string& question);
@@ -34,6 +36,7 @@ class Helper final : public Person {
   bool looks_ = false;
   bool rocks_ = false;
   std::int64_t asked_ns_ = 0;
+  std::int64_t begins_ns_ = 0;  ///< to rock
   std::int64_t done_ns_ = 0;
 };
 

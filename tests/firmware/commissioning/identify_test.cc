@@ -21,7 +21,7 @@ IdentificationRequest request_of(const HangingRobot& robot, double torque_share 
           .kp_Nm_rad = robot.configuration.supervisor.hold_kp_Nm_rad};
 }
 
-std::expected<IdentificationReport, std::string> identified(HangingRobot& robot, double torque_share = 0.3) {
+std::expected<IdentificationReport, std::string> tried(HangingRobot& robot, double torque_share = 0.3) {
   Session session = robot.session();
   return identify(session, request_of(robot, torque_share));
 }
@@ -60,7 +60,7 @@ class IdentifyDrives : public ::testing::TestWithParam<Drives> {};
 TEST_P(IdentifyDrives, IsWithinTenPercentOrThreeTenthsOfANewtonMetreOfFriction) {
   const Drives& truth = GetParam();
   HangingRobot robot(wiring_of(truth));
-  const auto report = identified(robot);
+  const auto report = tried(robot);
   ASSERT_TRUE(report) << report.error();
   constexpr double kShare = 0.1, kFriction_Nm = 0.3, kFastest_rad_s = 1.2;
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
@@ -83,7 +83,7 @@ INSTANTIATE_TEST_SUITE_P(ThreePlants, IdentifyDrives,
 
 TEST(Identify, WritesMeansOfBothLegsAndNamesAWrongTorqueConstant) {
   HangingRobot robot(wiring_of({"", 0.8, 0.4263, 0.5, 1.0, 0.0002, 1}));
-  const auto report = identified(robot);
+  const auto report = tried(robot);
   ASSERT_TRUE(report) << report.error();
   ASSERT_EQ(report->findings.size(), 4u) << to_text(*report);
   EXPECT_TRUE(report->findings[0].starts_with("hip_L gives 0.")) << report->findings[0];
@@ -102,15 +102,38 @@ TEST(Identify, WritesMeansOfBothLegsAndNamesAWrongTorqueConstant) {
 
 TEST(Identify, AnEmergencyStopEndsItLimp) {
   HangingRobot robot({.both = {}, .robot = {"torso_sensor.emergency_stop_released=none"}, .miswired = {}});
-  const auto report = identified(robot);
+  const auto report = tried(robot);
   ASSERT_FALSE(report);
   EXPECT_EQ(report.error(), "emergency stop is silent");
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) EXPECT_LT(robot.peak_torque_Nm(joint), 0.06);
 }
 
+TEST(Identify, DriversAreOffBeforeAnythingIsFitted) {
+  HangingRobot robot;
+  Session session = robot.session();
+  const auto excitation = excite(session, request_of(robot));
+  ASSERT_TRUE(excitation) << excitation.error();
+  static_cast<void>(robot.sleep_until(robot.now_ns() + 2'000'000));
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    EXPECT_FALSE(robot.robot.drivers().driver(joint).enabled());
+    EXPECT_GT(excitation->records[joint].torque_Nm.size(), 20'000u);
+  }
+  const IdentificationReport report = identified(amber3m(), *excitation);  // has no session to keep alive
+  EXPECT_EQ(report.values.size(), 5u) << to_text(report);
+}
+
+TEST(Identify, APitchThatIsFrozenEndsIt) {
+  HangingRobot robot;
+  robot.lost_id = 0x150;
+  robot.lost_from_ns = robot.now_ns() + 5'000'000'000;
+  const auto report = tried(robot);
+  ASSERT_FALSE(report);
+  EXPECT_EQ(report.error(), "the torso sensor is silent");
+}
+
 TEST(Identify, AJointThatIsHeldEndsIt) {
   HangingRobot robot({.both = {}, .robot = {}, .miswired = {"blocked:knee_L"}});
-  const auto report = identified(robot);
+  const auto report = tried(robot);
   ASSERT_FALSE(report);
   EXPECT_TRUE(report.error().starts_with("knee_L does not follow")) << report.error();
   static_cast<void>(robot.sleep_until(robot.now_ns() + 2'000'000));
@@ -121,7 +144,7 @@ TEST(Identify, AJointThatIsHeldEndsIt) {
 
 TEST(Identify, KeepsTheTorqueLimit) {
   HangingRobot robot;
-  static_cast<void>(identified(robot, 0.05));  // the joints may be too weak to follow
+  static_cast<void>(tried(robot, 0.05));  // the joints may be too weak to follow
   constexpr double kAStepOfAFrame_Nm = 0.06;
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
     EXPECT_LE(robot.peak_torque_Nm(joint), 0.05 * 80.0 + kAStepOfAFrame_Nm);
@@ -131,7 +154,7 @@ TEST(Identify, KeepsTheTorqueLimit) {
 
 TEST(Identify, AJointOutsideItsTravelEndsIt) {
   HangingRobot robot({.both = {}, .robot = {"knee_R.offset_rad=2"}, .miswired = {}});
-  const auto report = identified(robot);
+  const auto report = tried(robot);
   ASSERT_FALSE(report);
   EXPECT_TRUE(report.error().starts_with("knee_R is at -")) << report.error();
 }

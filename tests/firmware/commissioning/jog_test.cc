@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "firmware/configuration/driver_of.h"
 #include "tests/firmware/commissioning/hanging_robot.h"
 
 namespace stilt::commissioning {
@@ -18,7 +19,7 @@ std::expected<JogReport, CommandFailure> jogged(HangingRobot& robot, std::size_t
   Session session = robot.session();
   Onlooker person(robot);
   const auto& hardware = robot.configuration.hardware;
-  const double ratio = (joint % 2 == 0 ? hardware.hip : hardware.knee).ratio;
+  const double ratio = configuration::driver_of(hardware, joint).ratio;
   return jog_and_ask(session, robot.jog_request(joint, angle_rad), ratio, person);
 }
 
@@ -38,9 +39,9 @@ const std::vector<std::string> kExchangedLegs = {
 
 const std::vector<Miswiring>& miswirings() {
   static const std::vector<Miswiring> all = {
-      {"nothing wrong", {}, kHipLeft, Finding::right},
-      {"nothing wrong", {}, kKneeRight, Finding::right},
-      {"an offset", {{}, {"hip_R.offset_rad=1.5"}, {}}, kHipRight, Finding::right},
+      {"nothing wrong", {}, kHipLeft, Finding::correct},
+      {"nothing wrong", {}, kKneeRight, Finding::correct},
+      {"an offset", {{}, {"hip_R.offset_rad=1.5"}, {}}, kHipRight, Finding::correct},
       {"exchanged motors of a leg", {{}, kExchangedMotors, {}}, kHipLeft, Finding::exchanged_motors},
       {"exchanged motors of a leg", {{}, kExchangedMotors, {}}, kKneeLeft, Finding::exchanged_motors},
       {"exchanged legs", {{}, kExchangedLegs, {}}, kHipLeft, Finding::exchanged_legs},
@@ -93,7 +94,7 @@ TEST(Jog, WorksWithDriversOfEveryProtocol) {
     HangingRobot robot({.both = settings, .robot = {}, .miswired = {"motor-reversed:knee_R"}});
     const auto right = jogged(robot, kHipLeft, 0.3);
     ASSERT_TRUE(right) << settings[0] << ": " << right.error().sentence;
-    EXPECT_EQ(right->verdict.finding, Finding::right) << settings[0] << right->verdict.sentence;
+    EXPECT_EQ(right->verdict.finding, Finding::correct) << settings[0] << right->verdict.sentence;
     HangingRobot again({.both = settings, .robot = {}, .miswired = {"motor-reversed:knee_R"}});
     const auto reversed = jogged(again, kKneeRight, 0.3);
     ASSERT_TRUE(reversed) << settings[0] << ": " << reversed.error().sentence;

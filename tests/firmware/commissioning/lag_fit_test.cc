@@ -45,5 +45,18 @@ TEST(LagFit, TooFewSamplesGiveNothing) {
   EXPECT_EQ(fit_lag(few, few, kPeriod_s).explained, 0.0);
 }
 
+TEST(LagFit, WhatIsDetrendedHasNeitherMeanNorSlope) {
+  std::vector<double> wave, drifting;
+  for (int i = 0; i < 4000; ++i) {
+    wave.push_back(rocking(kPeriod_s * i));
+    drifting.push_back(wave.back() + 0.7 - 2.0 * kPeriod_s * i);
+  }
+  const std::vector<double> straight = detrended(wave), mended = detrended(drifting);
+  for (std::size_t i = 0; i < wave.size(); ++i) EXPECT_NEAR(mended[i], straight[i], 1e-9);
+  EXPECT_TRUE(detrended({}).empty());
+  EXPECT_NEAR(spread(std::vector<double>{1.0, 3.0}), 1.0, 1e-12);
+  EXPECT_EQ(spread({}), 0.0);
+}
+
 }  // namespace
 }  // namespace stilt::commissioning

@@ -5,6 +5,7 @@
 
 #include "firmware/commissioning/scan.h"
 #include "firmware/commissioning/watch.h"
+#include "firmware/configuration/driver_of.h"
 #include "firmware/control_loop/joint_names.h"
 #include "tests/firmware/commissioning/helper.h"
 
@@ -69,10 +70,10 @@ Complaints jogged(HangingRobot& robot, Helper& person, std::size_t joint) {
   robot.forget_sightings();
   Session session = robot.session();
   const auto& hardware = robot.configuration.hardware;
-  const double ratio = (joint % 2 == 0 ? hardware.hip : hardware.knee).ratio;
+  const double ratio = configuration::driver_of(hardware, joint).ratio;
   const auto report = jog_and_ask(session, robot.jog_request(joint, 0.3), ratio, person);
   if (!report) return Complaint{command, report.error().sentence};
-  if (report->verdict.finding == Finding::right) return std::nullopt;
+  if (report->verdict.finding == Finding::correct) return std::nullopt;
   return Complaint{command, report->verdict.sentence};
 }
 
@@ -81,9 +82,9 @@ Complaints calibrated(HangingRobot& robot, Helper& person) {
   Session session = robot.session();
   const auto report = calibrate(session, testing::calibration_request(robot, Reference::stops), person);
   if (!report) return Complaint{"calibrate", report.error().sentence};
-  const bool right = report->torso.finding == TorsoFinding::right &&
+  const bool right = report->torso.finding == TorsoFinding::correct &&
                      std::ranges::all_of(report->joints, [](const JointCalibration& joint) {
-                       return joint.finding == CalibrationFinding::right;
+                       return joint.finding == CalibrationFinding::correct;
                      });
   if (right) return std::nullopt;
   return Complaint{"calibrate", to_text(*report)};

@@ -99,6 +99,33 @@ TEST(Scan, NamesADriverThatAnswersWithAnotherIdentifier) {
   EXPECT_TRUE(has(to_text(result), "with identifier 0x0 where knee_L.reply_id is 0x12")) << to_text(result);
 }
 
+TEST(Scan, AnEncoderOnCanopenThatIsMissingOrMuteIsNotComplete) {
+  const std::vector<std::string> encoder = {"torso_sensor.device=canopen_encoder"};
+  HangingRobot whole({.both = encoder, .robot = {}, .miswired = {}});
+  EXPECT_TRUE(scanned(whole).complete()) << to_text(scanned(whole));
+  HangingRobot missing({.both = encoder, .robot = {"torso_sensor.encoder_node=9"}, .miswired = {}});
+  EXPECT_FALSE(scanned(missing).complete());
+  HangingRobot mute({.both = encoder, .robot = {}, .miswired = {}});
+  mute.lost_id = 0x1a0;  // its positions
+  EXPECT_FALSE(scanned(mute).complete());
+}
+
+TEST(Scan, ATroubleOfTheTorsoSensorIsNotComplete) {
+  HangingRobot robot;
+  ScanResult result = scanned(robot);
+  ASSERT_TRUE(result.complete());
+  result.serial_sensor_trouble = "torso sensor: silent";
+  EXPECT_FALSE(result.complete());
+  EXPECT_TRUE(has(to_text(result), "torso sensor: silent\nnot complete")) << to_text(result);
+  result.serial_sensor_trouble.clear();
+  result.buses[0].torso_trouble = "wrong steps";
+  EXPECT_FALSE(result.complete());
+  result.buses[0].torso_trouble.clear();
+  result.buses[0].torso_sensor[0].rate_hz = 0;
+  result.buses[0].torso_sensor[0].expected_hz = 0;
+  EXPECT_FALSE(result.complete());
+}
+
 TEST(Scan, NamesExchangedBuses) {
   HangingRobot robot(
       {.both = {}, .robot = {"hip_L.bus=1", "knee_L.bus=1", "hip_R.bus=0", "knee_R.bus=0"}, .miswired = {}});

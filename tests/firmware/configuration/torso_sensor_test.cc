@@ -54,6 +54,19 @@ TEST(TorsoSensor, WithoutASpeedTheRateIsThatOfThePitch) {
   EXPECT_TRUE(hal::torso_sensor_traits(wiring_of("")).has_rate);
 }
 
+TEST(TorsoSensor, ARollRepeatsAfterATurnAndAPitchDoesNot) {
+  for (const std::string device : {"xsens_can", "vectornav"}) {
+    const auto period_rad = [&](const std::string& axis) {
+      const hal::RobotWiring wiring = wiring_of("device = \"" + device + "\"\nimu_axis = \"" + axis + "\"\n");
+      EXPECT_TRUE(hal::valid(wiring, 2));
+      return hal::torso_sensor_traits(wiring).pitch_period_rad;
+    };
+    EXPECT_DOUBLE_EQ(period_rad("roll"), 2 * std::numbers::pi) << device;
+    EXPECT_EQ(period_rad("pitch"), 0) << device;
+  }
+  EXPECT_EQ(hal::torso_sensor_traits(wiring_of("")).pitch_period_rad, 0);
+}
+
 /// Frames by hand from MT1604P, 6.3.2 and 6.4.2: roll, pitch, yaw in steps of 2^-7 degrees; rates about x, y,
 /// z in steps of 2^-9 rad/s; most significant byte first. Pitch -45 degrees is 0xe980, 1 rad/s 0x0200.
 TEST(TorsoSensor, AnXsensIsReadAsItsManualSays) {

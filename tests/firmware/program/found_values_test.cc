@@ -57,6 +57,44 @@ TEST(FoundValues, AFileThatIsThereKeepsItsComments) {
   EXPECT_EQ(content(file), "# by hand\n[hip_L]\noffset_rad = 0.125 # old\nreversed = true\n");
 }
 
+/// What the command line `stiltd ... --out FILE` says.
+std::expected<Options, std::string> read(std::vector<std::string> words) {
+  words.insert(words.begin(), "stiltd");
+  std::vector<char*> pointers;
+  for (std::string& word : words) pointers.push_back(word.data());
+  return read_options(static_cast<int>(pointers.size()), pointers.data(), "version");
+}
+
+TEST(FoundValues, WhatTheCommandLineSetsIsWrittenWithThem) {
+  const tests::OwnFolder folder;
+  const std::string file = folder.file("robot.toml");
+  const auto options =
+      read({"calibrate", "--out", file, "--preset", "feasible", "--set", "hip_driver.ratio = 1.5", "--set",
+            "hip_L.offset_rad=7", "--bus", "loopback:left", "--bus", "loopback:right"});
+  ASSERT_TRUE(options) << options.error();
+  ASSERT_TRUE(write_values(*options, kFound));
+  const auto read = configuration::load_file(file);
+  ASSERT_TRUE(read) << configuration::to_string(read.error());
+  EXPECT_EQ(read->hardware.hip.ratio, 1.5);
+  EXPECT_EQ(read->hardware.buses, "loopback:left,loopback:right");
+  EXPECT_EQ(read->hardware.joint[0].offset_rad, 0.125) << "found, and not the one of the command line";
+  const auto feasible = configuration::load_robot("amber3m", {}, "feasible");
+  EXPECT_EQ(read->sqp.plan_defect_max, feasible->sqp.plan_defect_max);
+  EXPECT_NE(read->sqp.plan_defect_max, configuration::load_robot("amber3m")->sqp.plan_defect_max);
+  EXPECT_NE(written_text(*options).find("what the command line sets: "), std::string::npos);
+  EXPECT_NE(written_text(*options).find("hip_driver.ratio"), std::string::npos);
+}
+
+TEST(FoundValues, AFileThatIsNoConfigurationIsRefusedBeforeTheRun) {
+  const tests::OwnFolder folder;
+  const std::string file = folder.file("robot.toml");
+  EXPECT_TRUE(check_out_file(options_of("amber3m", file))) << "it is not there yet";
+  std::ofstream(file) << "[hip_L]\noffset_rad = far\n";
+  const auto checked = check_out_file(options_of("amber3m", file));
+  ASSERT_FALSE(checked);
+  EXPECT_NE(checked.error().find(file + ":2:"), std::string::npos) << checked.error();
+}
+
 TEST(FoundValues, NothingIsWrittenThatWouldBeRefused) {
   const tests::OwnFolder folder;
   const std::string file = folder.file("robot.toml");

@@ -147,6 +147,26 @@ TEST(TorsoSensors, ASampleOfAFeedCountsOnce) {
   EXPECT_EQ(read().missed_replies, 3u);
 }
 
+TEST(TorsoSensors, ARollGoesOnBeyondHalfATurn) {
+  Robot robot(Kind::mit);
+  robot.wiring_.serial_imu = vectornav::Mounting{.by_roll = true, .direction = 1, .offset_rad = -3.0};
+  const std::array<FrameBus*, 2> buses{&robot.buses_[0], &robot.buses_[1]};
+  CanRobot sensing(robot.wiring_, buses);
+  ScriptedFeed feed;
+  sensing.attach(feed);
+  const auto pitch_rad = [&](double roll_rad) {
+    feed.sample = {.pitch_rad = roll_rad - 3.0, .pitch_rate_rad_s = 0, .number = feed.sample.number + 1};
+    robot.clock_.advance(kTick_ns);
+    static_cast<void>(sensing.read(robot.clock_.now_ns(), robot.readings_));
+    BaseReading base;
+    static_cast<void>(sensing.read_base(base));
+    return base.pitch_rad;
+  };
+  EXPECT_NEAR(pitch_rad(3.1), 0.1, 1e-12);
+  EXPECT_NEAR(pitch_rad(-3.1), 2 * std::numbers::pi - 6.1, 1e-12);
+  EXPECT_NEAR(pitch_rad(3.1), 0.1, 1e-12);
+}
+
 TEST(TorsoSensors, AMoteusEncoderWithoutVelocityIsMissed) {
   Robot robot(Kind::moteus);
   robot.set_joint(0, 0, 0);
