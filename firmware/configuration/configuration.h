@@ -60,8 +60,8 @@ struct ShippedPreset {
 [[nodiscard]] Result load_file(const std::string& path, std::span<const Override> overrides = {},
                                std::string_view preset = {});
 
-/// Plans keep supervisor.torque_limit_share, too, and a robot that may not step catches no fall by steps. What
-/// runs a controller calls it after the last change; twice is as good as once.
+/// Plans keep supervisor.torque_limit_share, too, and a robot that may not step catches no fall by steps.
+/// What runs a controller calls it after the last change; twice is as good as once.
 void keep_torque_limit(Configuration& configuration);
 
 /// The TOML of the same stem beside a URDF file.

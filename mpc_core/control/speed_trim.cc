@@ -27,8 +27,8 @@ void SpeedTrim::touch_down(const Touchdown& now, const gait::ReferenceParameters
     const bool steady =
         has_mean_ && std::abs(speed_m_s - mean_speed_m_s_) <= parameters.speed_trim_steady_m_s;
     if (steady) {
-      const double error_m_s = std::clamp(reference_m_s - speed_m_s, -parameters.speed_trim_steady_m_s,
-                                          parameters.speed_trim_steady_m_s);
+      const double error_m_s = std::clamp(reference_m_s - speed_m_s, -parameters.speed_trim_max_m_s,
+                                          parameters.speed_trim_max_m_s);
       const double change_m_s = parameters.speed_trim_1_s * error_m_s * (now.time_s - past_[0].time_s);
       trim_m_s_ =
           std::clamp(trim_m_s_ + change_m_s, -parameters.speed_trim_max_m_s, parameters.speed_trim_max_m_s);

@@ -49,10 +49,10 @@ TEST_F(SpeedTrimTest, IntegratesASteadyErrorAtEveryTouchdown) {
   EXPECT_NEAR(after_steps(10, kReference_m_s), after_steps(10, kReference_m_s), 1e-12) << "and keeps it";
 }
 
-TEST_F(SpeedTrimTest, AnErrorCountsUpToTheSteadyChangeOnly) {
-  const double before_m_s = after_steps(10, 0.0);
+TEST_F(SpeedTrimTest, AnErrorCountsUpToTheLargestTrimOnly) {
+  const double before_m_s = after_steps(5, 0.0);
   EXPECT_NEAR(after_steps(1, 0.0) - before_m_s,
-              kStep_s * parameters_.speed_trim_1_s * parameters_.speed_trim_steady_m_s, 1e-12);
+              kStep_s * parameters_.speed_trim_1_s * parameters_.speed_trim_max_m_s, 1e-12);
 }
 
 TEST_F(SpeedTrimTest, StaysAsItIsWhileTheSpeedChanges) {
@@ -63,7 +63,7 @@ TEST_F(SpeedTrimTest, StaysAsItIsWhileTheSpeedChanges) {
   const auto slower = [&](int step) { return kReference_m_s + (25 - step) * change_m_s; };
   const double before_m_s = after_steps(1, faster);
   EXPECT_EQ(after_steps(7, faster), before_m_s);
-  const double of_the_peak_m_s = kStep_s * parameters_.speed_trim_1_s * parameters_.speed_trim_steady_m_s;
+  const double of_the_peak_m_s = kStep_s * parameters_.speed_trim_1_s * parameters_.speed_trim_max_m_s;
   EXPECT_NEAR(after_steps(7, slower), before_m_s, 1.001 * of_the_peak_m_s);
 }
 
