@@ -29,7 +29,7 @@ struct ReferenceParameters {
   double foothold_gain_s = 0.2;       ///< shift of the next foothold for each m/s above the reference
   double foothold_gain_decay = 0.5;   ///< factor on the shift for each later foothold
   double foothold_shift_max_m = 0.3;
-  double speed_trim_1_s = 0.5;          ///< change of the trim for each m/s of steady error (SpeedTrim)
+  double speed_trim_1_s = 0.8;          ///< change of the trim for each m/s of steady error (SpeedTrim)
   double speed_trim_steady_m_s = 0.03;  ///< an error is steady while the speed changes by less in a step
   double speed_trim_max_m_s = 0.15;     ///< largest trim
 };
