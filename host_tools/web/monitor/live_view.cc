@@ -140,9 +140,9 @@ void LiveView::send_access(Page& page) {
                                   page.has_key ? urls_ : std::vector<std::string>()}));
 }
 
-/// All pages show one run. It changes for a page with the key, and not under a page that commands.
+/// All pages show one run. It changes for a page that is trusted, and not under a page that commands.
 void LiveView::choose(Page& page, const std::string& run_id) {
-  if (!page.has_key) {
+  if (!page.has_key && page.token.empty()) {
     page.peer->send(reply_message(0, false, "This page only looks: it shows the robot that is commanded."));
     return;
   }

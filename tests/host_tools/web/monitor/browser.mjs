@@ -29,11 +29,19 @@ export async function until(what, look, patience_ms = kPatience_ms) {
 
 /** A program of the build; `output` is all that it wrote. */
 export class Program {
+  static #all = [];
+
+  /** Also those of a test that failed: a process that goes on would keep this one. */
+  static async killAll() {
+    for (const program of Program.#all) await program.kill('SIGKILL');
+  }
+
   constructor(command, words, options = {}) {
     this.name = command.split('/').pop();
     this.output = '';
     this.status = null;
     this.process = spawn(command, words, options);
+    Program.#all.push(this);
     for (const stream of [this.process.stdout, this.process.stderr]) {
       stream.on('data', (text) => { this.output += text; });
     }

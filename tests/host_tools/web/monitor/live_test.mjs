@@ -59,7 +59,7 @@ before(async () => {
 
 after(async () => {
   await browser.close();
-  for (const program of [monitor, controller, robot]) await program?.kill('SIGKILL');
+  await Program.killAll();
   for (const program of [monitor, controller, robot]) console.log(`${program?.name}: ${program?.output.slice(-1500)}`);
   rmSync(folder, { recursive: true, force: true });
 });

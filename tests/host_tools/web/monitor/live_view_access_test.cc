@@ -161,19 +161,21 @@ TEST(LiveView, AReplyCountsOnceAndOnlyForACommandThatWasAsked) {
   EXPECT_EQ(source.heartbeats(), 1);
 }
 
-TEST(LiveView, AnAcceptedTokenIsOfItsRunAndShowsNoOtherRobot) {
+TEST(LiveView, AnAcceptedTokenIsOfItsRun) {
   SilentSource source;
   LiveView view(source, kKey);
   const auto page = std::make_shared<FakePeer>();
   view.opened(page);
   view.received(*page, false, walk_with_token(1, "of the page"));
+  view.received(*page, false, R"({"run": "other"})");
   view.step(0.0);
+  EXPECT_TRUE(source.chosen.empty()) << "no robot has accepted its token yet";
   source.answers = true;
   view.step(0.1);
   EXPECT_TRUE(page->held);
   view.received(*page, false, R"({"run": "other"})");
   view.step(0.2);
-  EXPECT_TRUE(source.chosen.empty()) << "only a page with the key changes what all see";
+  EXPECT_EQ(source.chosen, "other");
   source.commands.clear();
   view.received(*page, false, walk_with_token(2, "of the page"));
   view.step(0.21);
