@@ -26,9 +26,10 @@ void WorkTable::repeat(const ocp::Problem& whole, const AnyBatch& batch, int cou
     for (int lane = 0; lane < model::kLanes; ++lane) {
       const int k = b * batch.lanes + std::min(lane, batch.lanes - 1);
       batches[b].stage[lane] = k;
+      if (lane >= batch.lanes) continue;
       part_.horizon.stage[static_cast<std::size_t>(k)] =
           whole.horizon.stage[static_cast<std::size_t>(example)];
-      if (lane < batch.lanes) part_.place[k] = {b, whole.place[example].group, lane};
+      part_.place[k] = {b, whole.place[example].group, lane};
     }
   }
 }
