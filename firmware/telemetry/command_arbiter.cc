@@ -23,7 +23,7 @@ std::string number_text(double value) {
   return text;
 }
 
-/// Whoever sends these need not be known.
+/// Taken from every sender with the token, a new name or not.
 bool is_of_everybody(CommandKind kind) noexcept {
   return kind == CommandKind::stop || kind == CommandKind::cut;
 }

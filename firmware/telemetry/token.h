@@ -42,7 +42,7 @@ class TokenFile {
 };
 
 /// The token in the file: its first line, 16 to 256 letters, digits, + / = - or _. The file must be a regular
-/// one, no symbolic link, of this user or root, which nobody else may read. Never waits, whatever the path
+/// one, no symbolic link, of this user or root, which no other user may read. Never waits, whatever the path
 /// names. The error is one sentence for the user.
 [[nodiscard]] std::expected<std::string, std::string> read_token(const std::string& path);
 
