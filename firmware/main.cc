@@ -15,6 +15,7 @@
 #include "firmware/program/commissioning_run.h"
 #include "firmware/program/controller_state.h"
 #include "firmware/program/found_values.h"
+#include "firmware/program/instruction_sets.h"
 #include "firmware/program/lockstep_run.h"
 #include "firmware/program/options.h"
 #include "firmware/program/outcome.h"
@@ -23,7 +24,6 @@
 #include "firmware/program/self_test.h"
 #include "firmware/telemetry/telemetry_node.h"
 #include "firmware/version/commit.h"
-#include "mpc_core/model/batch.h"
 
 /// stiltd: reads the configuration, opens the buses, runs the controller, reports.
 namespace {
@@ -56,7 +56,7 @@ void want_statistics(int) { signals.print_statistics.store(true, std::memory_ord
 std::string version_text() {
   return "stiltd " STILT_VERSION "\ncommit            " + std::string(version::commit()) +
          "\ncompiler          GCC " __VERSION__ "\ninstruction set   " STILT_ISA ", " +
-         std::to_string(model::kLanes) + " lanes\ncontroller object " +
+         program::planner_instruction_sets() + "\ncontroller object " +
          std::to_string(sizeof controller_state) + " bytes";
 }
 
@@ -143,7 +143,12 @@ std::expected<std::unique_ptr<telemetry::TelemetryNode>, std::string> open_telem
   mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
   mallopt(M_MMAP_THRESHOLD, 32 * 1024 * 1024);  // the most that glibc takes
   const telemetry::RunDescription run{
-      STILT_VERSION, "GCC " __VERSION__, STILT_ISA, options.lockstep, options.lockstep ? "lock-step" : "", "",
+      STILT_VERSION,
+      "GCC " __VERSION__,
+      STILT_ISA ", planner " + std::string(name_of(options.configuration.sqp.instruction_set)),
+      options.lockstep,
+      options.lockstep ? "lock-step" : "",
+      "",
       options.source};
   auto node = telemetry::TelemetryNode::open(options.configuration, run, controller_state.mail);
   if (!node) return std::unexpected(node.error() + "; or set telemetry.enabled to false");

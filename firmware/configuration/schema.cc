@@ -32,6 +32,9 @@ static_assert(static_cast<int>(ocp::Integrator::rk2) == 0 && static_cast<int>(oc
 static_assert(static_cast<int>(ocp::Transition::identity) == 0 &&
               static_cast<int>(ocp::Transition::impact) == 1);
 
+static_assert(model::name_of(model::InstructionSet::avx512) == "avx512" &&
+              model::name_of(model::InstructionSet::neon) == "neon");
+
 static_assert(control::kMaxHorizonIntervals == 134, "the description of discretisation.horizon_s names it");
 
 constexpr Section kSections[] = {
@@ -255,6 +258,9 @@ constexpr Entry kEntries[] = {
      real<&P::sqp, &SqpParameters::plan_defect_max>(1e-6, 1e12)},
     {"sqp", "plan_force_violation_max_N", "N", "A plan that violates the friction cone by more is not used",
      real<&P::sqp, &SqpParameters::plan_force_violation_max_N>(0.0, 1e12)},
+    {"sqp", "instruction_set", "",
+     "Instructions that the planner uses; auto: the best of the processor, in simulations those of the build",
+     choice<&P::sqp, &SqpParameters::instruction_set>(model::kInstructionSetNames)},
 
     {"torque_law", "joint_kp_Nm_rad", "Nm/rad", "kp of every joint",
      real<&P::torque_law, &TorqueLawParameters::joint_kp_Nm_rad>(0.0, 1e4)},

@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "firmware/supervisor/supervisor.h"
-#include "mpc_core/control/planner.h"
+#include "mpc_core/control/planner_settings.h"
 #include "mpc_core/gait/command.h"
 #include "mpc_core/model/types.h"
 #include "mpc_core/sqp/solve_report.h"

@@ -7,13 +7,13 @@ namespace stilt::control_loop {
 
 bool PlannerTask::cycle(const PlanningRequest& request, control::Plan& plan) noexcept {
   if (request.stance_episode != result_.stance_episode) {
-    planner_.reset(request.time_s);
+    planner_.planner().reset(request.time_s);
     result_.failures_in_a_row = 0;
     result_.stance_episode = request.stance_episode;
   }
   if (request.stance_episode == 0) return false;
   trace::solve_begin(request.tick, static_cast<int>(request.command.kind));
-  report_ = planner_.plan({request.time_s, request.state, request.command}, plan);
+  report_ = planner_.planner().plan({request.time_s, request.state, request.command}, plan);
   trace::solve_end(request.tick, static_cast<int>(report_.status), report_.iterations);
   ++result_.cycles;
   result_.status = report_.status;

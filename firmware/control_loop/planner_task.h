@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "firmware/control_loop/mailboxes.h"
-#include "mpc_core/control/planner.h"
+#include "mpc_core/dispatch/dispatched_planner.h"
 
 namespace stilt::control_loop {
 
@@ -22,12 +22,13 @@ class PlannerTask {
     return planner_.configure(robot, parameters);
   }
 
-  /// From now on steps follow the gaits of the library, which outlives this object; see Planner::follow().
-  void follow(const gait::GaitLibrary& library) noexcept { planner_.follow(&library); }
+  /// From now on steps follow the gaits of the library, which outlives this object; see
+  /// PlannerInterface::follow().
+  void follow(const gait::GaitLibrary& library) noexcept { planner_.planner().follow(&library); }
 
   /// Plans with these settings from the next cycle on.
   void tune(const PlannerTuning& tuning) noexcept {
-    planner_.adopt(tuning.settings);
+    planner_.planner().adopt(tuning.settings);
     tuning_ = tuning.number;
   }
 
@@ -63,10 +64,10 @@ class PlannerTask {
   /// Of the newest solve.
   [[nodiscard]] const sqp::SolveReport& report() const noexcept { return report_; }
 
-  [[nodiscard]] control::Planner& planner() noexcept { return planner_; }
+  [[nodiscard]] dispatch::DispatchedPlanner& planner() noexcept { return planner_; }
 
  private:
-  control::Planner planner_;
+  dispatch::DispatchedPlanner planner_;
   PlanningResult result_;
   sqp::SolveReport report_;
   std::uint32_t tuning_ = 0;

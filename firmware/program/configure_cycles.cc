@@ -1,6 +1,7 @@
 #include "firmware/program/configure_cycles.h"
 
 #include "firmware/configuration/gaits/shipped_gaits.h"
+#include "firmware/program/instruction_sets.h"
 #include "firmware/robots/robots.h"
 
 namespace stilt::program {
@@ -17,6 +18,8 @@ std::expected<void, std::string> configure_planner(const model::RobotModel& robo
       return std::unexpected(source +
                              ": discretisation.horizon_s needs more intervals or contact switches than the "
                              "planner holds; take a shorter horizon or a longer time step");
+    case control::ConfigureStatus::no_such_instructions:
+      return std::unexpected(source + ": " + no_such_instructions(configuration));
     case control::ConfigureStatus::terminal_cost_failed:
       break;
   }

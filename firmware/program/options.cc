@@ -18,6 +18,7 @@
 #include "firmware/configuration/gaits/gait_overrides.h"
 #include "firmware/configuration/gaits/shipped_gaits.h"
 #include "firmware/control_loop/joint_names.h"
+#include "firmware/program/instruction_sets.h"
 #include "firmware/program/usage_text.h"
 #include "firmware/robots/robots.h"
 
@@ -294,6 +295,7 @@ std::expected<void, std::string> interpret(const Arguments& arguments, const Com
   }
   if (const auto read = read_configuration(arguments, options); !read) return read;
   limit_torque(options);
+  choose_instruction_set(options.configuration);
   return check_walk(options);
 }
 

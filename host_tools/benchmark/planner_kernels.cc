@@ -15,6 +15,11 @@ void keep(const T& value) noexcept {
 
 }  // namespace
 
+const control::Planner* planner_of_build(const dispatch::DispatchedPlanner& planner) noexcept {
+  if (planner.instruction_set() != dispatch::instruction_set_of_build()) return nullptr;
+  return static_cast<const control::Planner*>(&planner.planner());
+}
+
 PlannerKernels::PlannerKernels(const control::Planner& planner)
     : data_(planner.problem_data()),
       problem_(planner.problem()),

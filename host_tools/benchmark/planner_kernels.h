@@ -4,8 +4,13 @@
 
 #include "host_tools/benchmark/linearised_problem.h"
 #include "mpc_core/control/planner.h"
+#include "mpc_core/dispatch/dispatched_planner.h"
 
 namespace stilt::benchmark {
+
+/// The planner behind it when that is the one for the instruction set of the whole program, which the kernels
+/// and the counting of their work are compiled for; otherwise null.
+[[nodiscard]] const control::Planner* planner_of_build(const dispatch::DispatchedPlanner& planner) noexcept;
 
 /// The last problem of a planner, at its solution, with every kernel of the solver ready to run alone. Large:
 /// place it on the heap.

@@ -2,7 +2,7 @@
 
 #include <stdexcept>
 
-#include "mpc_core/control/torque_law.h"
+#include "mpc_core/gait/reference.h"
 
 namespace stilt::benchmark {
 namespace {
@@ -12,19 +12,20 @@ constexpr int kPlans = 120;
 
 }  // namespace
 
-WalkingPlanner::WalkingPlanner(double horizon_s, const model::RobotModel& robot) {
+WalkingPlanner::WalkingPlanner(double horizon_s, const model::RobotModel& robot, model::InstructionSet set) {
   control::ControllerParameters parameters;
   parameters.discretisation.horizon_s = horizon_s;
   parameters.sqp.early_stop = false;
+  parameters.sqp.instruction_set = set;
   if (planner->configure(robot, parameters) != control::ConfigureStatus::ok) {
-    throw std::runtime_error("WalkingPlanner: the horizon is longer than the planner holds");
+    throw std::runtime_error("WalkingPlanner: the planner refuses horizon or instruction set");
   }
-  planner->reset(0.0);
+  planner->planner().reset(0.0);
   input.state =
       gait::standing_state(robot.constants, parameters.reference.base_height_m,
                            parameters.reference.base_pitch_rad, parameters.gait.stand_half_width_m, true);
   input.command = {gait::GaitKind::walk, 0.5};
-  bool usable = planner->plan(input, *plan).usable();
+  bool usable = planner->planner().plan(input, *plan).usable();
   for (int i = 0; i < kPlans && usable; ++i) usable = plan_next().usable();
   if (!usable) throw std::runtime_error("WalkingPlanner: a plan failed");
 }
@@ -32,7 +33,7 @@ WalkingPlanner::WalkingPlanner(double horizon_s, const model::RobotModel& robot)
 sqp::SolveReport WalkingPlanner::plan_next() noexcept {
   input.time_s += kPeriod_s;
   input.state = control::interpolate(*plan, input.time_s).state;
-  return planner->plan(input, *plan);
+  return planner->planner().plan(input, *plan);
 }
 
 }  // namespace stilt::benchmark

@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "firmware/program/instruction_sets.h"
 #include "host_tools/cli/bench_output.h"
 #include "host_tools/cli/closed_loop_bench.h"
 #include "host_tools/cli/json_output.h"
@@ -72,7 +73,8 @@ int run_bench(const BenchOptions& options) {
   check_output_file("--json", options.json_file);
   if (options.closed_loop_plans > 0) return run_closed_loop_bench(options);
   const model::RobotModel& robot = robot_model(options.choice.robot);
-  const configuration::Configuration parameters = controller_configuration(options.choice);
+  configuration::Configuration parameters = controller_configuration(options.choice);
+  program::choose_instruction_set(parameters);
   const auto controller = make_controller(controller_setup(options.choice, robot, parameters));
   ControllerChoice recorded = options.choice;
   recorded.horizon_s.reset();
@@ -80,7 +82,11 @@ int run_bench(const BenchOptions& options) {
   recorded.no_early_stop = false;
   const PlanningProblems problems = record_walk(recorded, options.speed_m_s, options.problems);
   const PlannerTimings timings = time_planner(controller->planner(), problems.inputs);
-  const benchmark::PhaseSpeeds speeds = measure_last(controller->planner());
+  // The kernels alone are those of the build.
+  parameters.sqp.instruction_set = dispatch::instruction_set_of_build();
+  const auto of_build = make_controller(controller_setup(options.choice, robot, parameters));
+  static_cast<void>(time_planner(of_build->planner(), problems.inputs));
+  const benchmark::PhaseSpeeds speeds = measure_last(*benchmark::planner_of_build(of_build->planner()));
   if (!options.json_file.empty()) write_json(bench_json(timings, speeds), options.json_file);
   if (options.json_file != "-") print_bench(timings, speeds, parameters.discretisation.horizon_s);
   if (!problems.survived) std::fputs("stilt bench: the robot fell in the recorded walk\n", stderr);

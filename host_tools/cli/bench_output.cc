@@ -5,7 +5,6 @@
 #include <numeric>
 
 #include "host_tools/cli/json_output.h"
-#include "host_tools/cli/version.h"
 #include "host_tools/simulation/closed_loop/run_recorder.h"
 
 namespace stilt::cli {
@@ -37,7 +36,8 @@ Json phase_json(const PhaseSpeed& speed) {
 }
 
 Json speeds_json(const PhaseSpeeds& s) {
-  return {{"peak_gflop_s", s.peak_gflop_s},
+  return {{"isa", model::name_of(dispatch::instruction_set_of_build())},
+          {"peak_gflop_s", s.peak_gflop_s},
           {"linearise", phase_json(s.linearise)},
           {"riccati", phase_json(s.sweep)},
           {"line_search_step", phase_json(s.evaluate)},
@@ -67,7 +67,7 @@ Json bench_json(const PlannerTimings& timings, const PhaseSpeeds& speeds) {
                        {"other", mean(timings.other_us)}};
   json["iterations"] = {{"mean", mean(timings.iterations)},
                         {"max", static_cast<int>(maximum(timings.iterations))}};
-  json["isa"] = instruction_set();
+  json["isa"] = timings.instruction_set;
   json["threads"] = 1;
   json["problems"] = timings.solve_us.size();
   json["failed"] = timings.failed;
@@ -78,7 +78,7 @@ Json bench_json(const PlannerTimings& timings, const PhaseSpeeds& speeds) {
 void print_bench(const PlannerTimings& timings, const PhaseSpeeds& s, double horizon_s) {
   const log::Percentiles solve_us = simulation::percentiles(timings.solve_us);
   std::printf("planner        %zu problems of a walk, horizon %.2f s, at most %d nodes, %s, 1 thread\n",
-              timings.solve_us.size(), horizon_s, timings.nodes_max, instruction_set().c_str());
+              timings.solve_us.size(), horizon_s, timings.nodes_max, timings.instruction_set.c_str());
   std::printf("solve          p50 %.0f, p99 %.0f, max %.0f us; %.0f solves per second on average\n",
               solve_us.p50, solve_us.p99, solve_us.max, 1e6 / mean(timings.solve_us));
   std::printf("phases         linearise %.0f, riccati %.0f, line search %.0f, other %.0f us on average\n",
@@ -86,8 +86,8 @@ void print_bench(const PlannerTimings& timings, const PhaseSpeeds& s, double hor
               mean(timings.other_us));
   std::printf("iterations     %.1f on average, %.0f at most; %d solves gave no plan\n",
               mean(timings.iterations), maximum(timings.iterations), timings.failed);
-  std::printf("each once      medians on the last problem; the core's peak is %.1f Gflop/s\n",
-              s.peak_gflop_s);
+  std::printf("each once      medians on the last problem, %s; the core's peak is %.1f Gflop/s\n",
+              model::name_of(dispatch::instruction_set_of_build()).data(), s.peak_gflop_s);
   print_phase("linearise", s.linearise);
   print_phase("riccati", s.sweep);
   print_phase("trial step", s.evaluate);

@@ -8,9 +8,10 @@
 #include <vector>
 
 #include "host_tools/benchmark/plan_sample.h"
+#include "host_tools/benchmark/planner_kernels.h"
 #include "host_tools/cli/json_output.h"
 #include "host_tools/cli/planning_problems.h"
-#include "host_tools/cli/version.h"
+#include "host_tools/cli/usage_error.h"
 
 namespace stilt::cli {
 namespace {
@@ -99,7 +100,7 @@ Json to_json(const PlanSample& sample) {
 Json to_json(const Summary& summary, const std::vector<PlanSample>& samples) {
   Json json;
   json["plans"] = samples.size();
-  json["isa"] = instruction_set();
+  json["isa"] = model::name_of(dispatch::instruction_set_of_build());
   json["solve_us"] = to_json(summary.solve_us);
   json["preempted_plans"] = summary.preempted;
   json["undisturbed_us"] = to_json(summary.undisturbed_us);
@@ -118,7 +119,7 @@ void print_tail(const char* name, const Tail& tail, double unit) {
 
 void print(const Summary& summary, const std::vector<PlanSample>& samples) {
   std::printf("%zu plans in closed loop, %s; %zu were interrupted by the operating system\n", samples.size(),
-              instruction_set().c_str(), summary.preempted);
+              model::name_of(dispatch::instruction_set_of_build()).data(), summary.preempted);
   print_tail("time, ms", summary.solve_us, 1e-3);
   print_tail("uninterrupted", summary.undisturbed_us, 1e-3);
   if (benchmark::can_count_work()) print_tail("Minstructions", summary.instructions, 1e-6);
@@ -142,7 +143,13 @@ int run_closed_loop_bench(const BenchOptions& options) {
   std::vector<simulation::Push> pushes;
   for (const std::string& text : options.pushes) pushes.push_back(simulation::parse_push(text));
   simulation::check_pushes(pushes);
-  Measurement measurement(controller->planner());
+  const control::Planner* planner = benchmark::planner_of_build(controller->planner());
+  if (planner == nullptr) {
+    throw UsageError(
+        "--closed-loop: counts the instructions of the planner for the whole program's instruction set; "
+        "leave sqp.instruction_set at auto");
+  }
+  Measurement measurement(*planner);
   const PlanObserver observer{
       [&] { measurement.before(); },
       [&](const control::PlannerInput& input) { measurement.after(input, controller->report()); }};

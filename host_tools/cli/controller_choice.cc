@@ -5,6 +5,7 @@
 
 #include "firmware/configuration/gaits/gait_overrides.h"
 #include "firmware/configuration/gaits/shipped_gaits.h"
+#include "firmware/program/instruction_sets.h"
 #include "host_tools/cli/usage_error.h"
 #include "host_tools/experiments/planning_model/lumped.h"
 #include "host_tools/simulation/plant/number.h"
@@ -208,6 +209,8 @@ std::unique_ptr<simulation::SimulatedController> make_controller(const simulatio
                        simulation::number_text(setup.parameters.discretisation.horizon_s) +
                        ": the horizon needs more intervals or contact switches than the planner holds; "
                        "take a shorter horizon or a longer time step");
+    case control::ConfigureStatus::no_such_instructions:
+      throw UsageError(program::no_such_instructions(setup.parameters));
     case control::ConfigureStatus::terminal_cost_failed:
       break;
   }

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <utility>
 
+#include "firmware/program/instruction_sets.h"
 #include "host_tools/cli/experiment_jobs.h"
 #include "host_tools/cli/json_output.h"
 #include "host_tools/cli/planner_timing.h"
@@ -25,8 +26,9 @@ PlannerTimings timings_of(ControllerChoice choice, double horizon_s, bool early_
   choice.horizon_s = horizon_s;
   choice.iterations = kIterations;
   choice.no_early_stop = !early_stop;
-  const auto controller =
-      make_controller(controller_setup(choice, robot_model(choice.robot), controller_configuration(choice)));
+  configuration::Configuration configuration = controller_configuration(choice);
+  program::choose_instruction_set(configuration);
+  const auto controller = make_controller(controller_setup(choice, robot_model(choice.robot), configuration));
   return time_planner(controller->planner(), inputs);
 }
 
@@ -79,6 +81,7 @@ int run_frequency(const ExperimentOptions& options) {
                     {"paper_hz", paper_hz},
                     {"solve_us", to_json(simulation::percentiles(all.solve_us))},
                     {"solve_early_stop_us", to_json(simulation::percentiles(early.solve_us))},
+                    {"isa", all.instruction_set},
                     {"threads", 1},
                     {"problems", problems}});
   }

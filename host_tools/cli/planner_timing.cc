@@ -17,8 +17,11 @@ long long steady_ns() noexcept {
 
 }  // namespace
 
-PlannerTimings time_planner(control::Planner& planner, const std::vector<control::PlannerInput>& inputs) {
+PlannerTimings time_planner(dispatch::DispatchedPlanner& dispatched,
+                            const std::vector<control::PlannerInput>& inputs) {
+  control::PlannerInterface& planner = dispatched.planner();
   PlannerTimings timings;
+  timings.instruction_set = model::name_of(dispatched.instruction_set());
   const auto plan = std::make_unique<control::Plan>();
   Progress progress("timing the planner", static_cast<double>(inputs.size()), "plans");
   planner.set_clock(steady_ns);

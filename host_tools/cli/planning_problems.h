@@ -6,7 +6,7 @@
 #include "host_tools/cli/controller_choice.h"
 #include "host_tools/simulation/closed_loop/scenario.h"
 #include "host_tools/simulation/plant/plant_options.h"
-#include "mpc_core/control/planner.h"
+#include "mpc_core/control/planner_settings.h"
 
 namespace stilt::cli {
 

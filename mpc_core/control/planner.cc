@@ -3,37 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mpc_core/control/drive_model.h"
 #include "mpc_core/model/debug_assert.h"
 
 namespace stilt::control {
 namespace {
 
 using model::kInputs;
-using model::kJoints;
 using model::kPositions;
 using model::kStates;
-
-ocp::JointLimits limits_of(const model::RobotConstants& robot, const RobotParameters& parameters,
-                           const DriveModel& drive) noexcept {
-  ocp::JointLimits limits{};
-  for (int j = 0; j < kJoints; ++j) {
-    limits.position_min_rad[j] = robot.position_min_rad[j];
-    limits.position_max_rad[j] = robot.position_max_rad[j];
-    limits.velocity_rad_s[j] = parameters.velocity_limit_scale * robot.velocity_limit_rad_s[j];
-    limits.torque_Nm[j] = drive.torque_limit_Nm[j];
-    limits.torque_speed_slope_Nms_rad[j] = drive.torque_speed_slope_Nms_rad[j];
-  }
-  return limits;
-}
-
-bool fits(const ControllerParameters& p) noexcept {
-  const double intervals = std::ceil(p.discretisation.horizon_s / p.discretisation.time_step_s - 1e-9);
-  const double step_s = p.gait.single_support_s + p.gait.double_support_s;
-  const double switches_per_step = p.gait.double_support_s > 0.0 ? 2.0 : 1.0;
-  const double switches = std::ceil(p.discretisation.horizon_s / step_s) * switches_per_step;
-  return intervals <= ocp::kMaxHorizonIntervals && switches <= ocp::kMaxSwitches;
-}
 
 model::FeetVector foot_positions(const model::RobotModel& robot, const model::StateVector& state) noexcept {
   model::KinematicsTerms<double> feet;
@@ -49,27 +26,6 @@ bool feasible(const sqp::SqpParameters& p, const sqp::SolveReport& report) noexc
 }
 
 }  // namespace
-
-ConfigureStatus prepare_settings(const model::RobotModel& robot, const ControllerParameters& parameters,
-                                 sqp::TerminalCostWorkspace& work, PlannerSettings& settings) noexcept {
-  if (!fits(parameters)) return ConfigureStatus::horizon_over_capacity;
-  settings.parameters = parameters;
-  ocp::ProblemData& data = settings.data;
-  data.robot = &robot;
-  data.cost = parameters.cost;
-  data.inequality = parameters.inequality;
-  data.equality = parameters.equality;
-  data.discretisation = parameters.discretisation;
-  const DriveModel drive = drive_model(robot.constants, parameters.robot);
-  data.limits = limits_of(robot.constants, parameters.robot, drive);
-  std::ranges::copy(drive.joint_parameters, data.joint_parameters);
-  ocp::set_weights(data);
-  const model::StateVector standing =
-      gait::standing_state(robot.constants, parameters.reference.base_height_m,
-                           parameters.reference.base_pitch_rad, parameters.gait.stand_half_width_m, true);
-  return sqp::set_terminal_cost(data, standing, work) ? ConfigureStatus::ok
-                                                      : ConfigureStatus::terminal_cost_failed;
-}
 
 ConfigureStatus Planner::configure(const model::RobotModel& robot,
                                    const ControllerParameters& parameters) noexcept {

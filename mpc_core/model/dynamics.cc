@@ -1,8 +1,7 @@
-#include <type_traits>
-
 #include "codegen/generated/five_link/impact.h"
 #include "codegen/generated/five_link/kinematics.h"
 #include "codegen/generated/five_link/node.h"
+#include "mpc_core/model/batch.h"
 #include "mpc_core/model/leg_exchange.h"
 #include "mpc_core/model/robot.h"
 
@@ -12,70 +11,72 @@ namespace {
 
 namespace five_link = generated::five_link;
 
+/// The coefficients as arguments of the generated functions; batches have each in all lanes.
 template <class T>
-const T* coefficients(const RobotModel& robot) noexcept {
-  if constexpr (std::is_same_v<T, Batch>) {
-    return robot.batch.coefficient;
-  } else {
-    return robot.scalar.coefficient;
+Coefficients<T> coefficients_of(const RobotModel& robot) noexcept {
+  Coefficients<T> result;
+  for (int i = 0; i < five_link::kCoefficientCount; ++i) {
+    result.coefficient[i] = T(robot.coefficients.coefficient[i]);
   }
+  return result;
 }
 
 }  // namespace
 
 template <class T>
 void RobotModel::flow(const T* x, const T* u, FlowTerms<T>& out) const noexcept {
-  five_link::flow(x, u, coefficients<T>(*this), out);
+  five_link::flow(x, u, coefficients_of<T>(*this).coefficient, out);
 }
 
 template <class T>
 void RobotModel::flow_derivatives(const T* x, const T* u, FlowDerivatives<T>& out) const noexcept {
-  five_link::flow_derivatives(x, u, coefficients<T>(*this), out);
+  five_link::flow_derivatives(x, u, coefficients_of<T>(*this).coefficient, out);
 }
 
 template <class T>
 void RobotModel::node(const T* x, const T* u, const T* p, NodeTerms<T>& out) const noexcept {
-  five_link::node(x, u, p, coefficients<T>(*this), out);
+  five_link::node(x, u, p, coefficients_of<T>(*this).coefficient, out);
 }
 
 template <class T>
 void RobotModel::node_derivatives(const T* x, const T* u, const T* p,
                                   NodeDerivatives<T>& out) const noexcept {
-  five_link::node_derivatives(x, u, p, coefficients<T>(*this), out);
+  five_link::node_derivatives(x, u, p, coefficients_of<T>(*this).coefficient, out);
 }
 
 template <class T>
 void RobotModel::kinematics(const T* x, KinematicsTerms<T>& out) const noexcept {
-  five_link::kinematics(x, coefficients<T>(*this), out);
+  five_link::kinematics(x, coefficients_of<T>(*this).coefficient, out);
 }
 
 template <class T>
 void RobotModel::impact(int foot, const T* x, const T* p, ImpactTerms<T>& out) const noexcept {
-  if (foot == kLeft) return five_link::impact_left(x, p, coefficients<T>(*this), out);
+  if (foot == kLeft) return five_link::impact_left(x, p, coefficients_of<T>(*this).coefficient, out);
   const ExchangedArguments<T> mirrored(x, p);
   ImpactTerms<T> left;
-  five_link::impact_left(mirrored.x, mirrored.p, coefficients<T>(*this), left);
+  five_link::impact_left(mirrored.x, mirrored.p, coefficients_of<T>(*this).coefficient, left);
   exchange_legs(left, out);
 }
 
 template <class T>
 void RobotModel::impact_derivatives(int foot, const T* x, const T* p,
                                     ImpactDerivatives<T>& out) const noexcept {
-  if (foot == kLeft) return five_link::impact_left_derivatives(x, p, coefficients<T>(*this), out);
+  if (foot == kLeft)
+    return five_link::impact_left_derivatives(x, p, coefficients_of<T>(*this).coefficient, out);
   const ExchangedArguments<T> mirrored(x, p);
   ImpactDerivatives<T> left;
-  five_link::impact_left_derivatives(mirrored.x, mirrored.p, coefficients<T>(*this), left);
+  five_link::impact_left_derivatives(mirrored.x, mirrored.p, coefficients_of<T>(*this).coefficient, left);
   exchange_legs(left, out);
 }
 
 template <class T>
 void RobotModel::mass_matrix(const T* x, const T* p, MassMatrixTerms<T>& out) const noexcept {
-  five_link::mass_matrix(x, p, coefficients<T>(*this), out);
+  five_link::mass_matrix(x, p, coefficients_of<T>(*this).coefficient, out);
 }
 
 template <class T>
 void RobotModel::bias(const T* x, BiasTerms<T>& out) const noexcept {
-  five_link::bias(x, coefficients<T>(*this), out);
+  five_link::bias(x, coefficients_of<T>(*this).coefficient, out);
 }
 
 template void RobotModel::flow(const double*, const double*, FlowTerms<double>&) const noexcept;

@@ -1,7 +1,5 @@
 #include "mpc_core/model/robot.h"
 
-#include <algorithm>
-
 // Compiled without contraction, so that a robot's coefficients are the same on every machine.
 namespace stilt::model {
 
@@ -16,9 +14,8 @@ RobotModel make_robot(RobotConstants constants) noexcept {
   constants.thigh_length_m = numbers[thigh_length_m];
   constants.shin_length_m = numbers[shin_length_m];
   constants.torso_com_height_m = numbers[torso_com_m];
-  RobotModel robot{.constants = constants, .scalar = {}, .batch = {}};
-  generated::five_link::prepare(numbers, robot.scalar);
-  std::ranges::copy(robot.scalar.coefficient, robot.batch.coefficient);
+  RobotModel robot{.constants = constants, .coefficients = {}};
+  generated::five_link::prepare(numbers, robot.coefficients);
   return robot;
 }
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "codegen/generated/five_link/constants.h"
-#include "mpc_core/model/batch.h"
 #include "mpc_core/model/terms.h"
 
 namespace stilt::model {
@@ -32,12 +31,11 @@ struct Coefficients {
 };
 
 /// A robot and its dynamics: plain data, and functions that are the same for all robots. T is double or
-/// Batch. Arguments: x[14], u[8], p[8] = {armature[4] (kg m^2), damping[4] (Nm s/rad)}; results: terms.h.
-/// Real-time safe.
+/// Batch (batch.h). Arguments: x[14], u[8], p[8] = {armature[4] (kg m^2), damping[4] (Nm s/rad)}; results:
+/// terms.h. Real-time safe.
 struct RobotModel {
   RobotConstants constants;
-  Coefficients<double> scalar;
-  Coefficients<Batch> batch;
+  Coefficients<double> coefficients;
 
   template <class T>
   void flow(const T* x, const T* u, FlowTerms<T>& out) const noexcept;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "mpc_core/model/batch.h"
 #include "mpc_core/model/robot.h"
 #include "mpc_core/ocp/parameters.h"
 

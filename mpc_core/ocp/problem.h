@@ -1,9 +1,8 @@
 #pragma once
 
 #include "mpc_core/gait/reference.h"
-#include "mpc_core/model/robot.h"
-#include "mpc_core/ocp/horizon.h"
-#include "mpc_core/ocp/parameters.h"
+#include "mpc_core/model/batch.h"
+#include "mpc_core/ocp/problem_data.h"
 #include "mpc_core/ocp/trajectory.h"
 #include "mpc_core/ocp/violations.h"
 
@@ -54,24 +53,6 @@ struct StagePlace {
   int group = 0;
   int lane = 0;
 };
-
-/// Active weights and limits, and values derived from them.
-struct ProblemData {
-  const model::RobotModel* robot = nullptr;
-  CostParameters cost;
-  InequalityParameters inequality;
-  EqualityParameters equality;
-  DiscretisationParameters discretisation;
-  JointLimits limits{};
-  double joint_parameters[2 * model::kJoints] = {};
-  MinimumNormalForce minimum_normal_force_N;
-  double state_weight[model::kStates] = {};
-  double input_weight[model::kInputs] = {};
-  double terminal_weight[model::kStates][lq::kRows] = {};  ///< rho S, by columns
-};
-
-/// Sets the diagonal weights from the named ones, and the least normal force from the robot's weight.
-void set_weights(ProblemData& data) noexcept;
 
 /// Horizon, references and initial state of one plan.
 struct Problem {

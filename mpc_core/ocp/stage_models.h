@@ -1,11 +1,9 @@
 #pragma once
 
+#include "mpc_core/ocp/clock.h"
 #include "mpc_core/ocp/linearise.h"
 
 namespace stilt::ocp {
-
-/// A monotonic clock in nanoseconds, for measurements only: results never depend on it.
-using ClockFunction = long long (*)() noexcept;
 
 /// Quadratic model of one stage.
 struct StageModel {

@@ -32,4 +32,12 @@ struct SolveReport {
   [[nodiscard]] constexpr bool usable() const noexcept { return status < SolveStatus::not_finite; }
 };
 
+/// Time spent in each phase of a solve, microseconds.
+struct PhaseTimes {
+  double linearise_us = 0.0;
+  double riccati_us = 0.0;
+  double line_search_us = 0.0;
+  double total_us = 0.0;
+};
+
 }  // namespace stilt::sqp

@@ -7,14 +7,6 @@
 
 namespace stilt::sqp {
 
-/// Time spent in each phase of a solve, microseconds.
-struct PhaseTimes {
-  double linearise_us = 0.0;
-  double riccati_us = 0.0;
-  double line_search_us = 0.0;
-  double total_us = 0.0;
-};
-
 using ocp::ClockFunction;
 
 /// Gauss-Newton sequential quadratic programming by multiple shooting. Each iteration linearises all stages

@@ -1,10 +1,14 @@
 #pragma once
 
+#include "mpc_core/model/instruction_set.h"
+
 namespace stilt::sqp {
 
 /// Iteration limits and tolerances of the SQP, and what the planner accepts of it. g, the violation, is the
 /// root of the summed squared defects of dynamics and equality constraints.
 struct SqpParameters {
+  /// Instructions that the planner is compiled for; chosen at start (mpc_core/dispatch).
+  model::InstructionSet instruction_set = model::InstructionSet::automatic;
   int iterations = 10;                      ///< largest number
   int backtracking_steps = 20;              ///< largest number in a solve, all line searches together
   bool early_stop = true;                   ///< whether the solve ends when it has converged

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "mpc_core/lq/care.h"
-#include "mpc_core/ocp/problem.h"
+#include "mpc_core/ocp/problem_data.h"
 
 namespace stilt::sqp {
 

@@ -3,6 +3,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <string>
 
 #include "host_tools/benchmark/interleaved.h"
 #include "host_tools/benchmark/planner_kernels.h"
@@ -31,7 +32,7 @@ Versions& versions_for(const ::benchmark::State& state) {
   std::unique_ptr<Versions>& versions = known[state.range(0)];
   if (!versions) {
     const WalkingPlanner walking(horizon_s(state), testing_support::amber3m());
-    const auto kernels = std::make_unique<PlannerKernels>(*walking.planner);
+    const auto kernels = std::make_unique<PlannerKernels>(*planner_of_build(*walking.planner));
     versions = std::make_unique<Versions>(*kernels, PlainKernels(*kernels));
   }
   return *versions;
@@ -104,13 +105,23 @@ void riccati_backward_in_eigen(::benchmark::State& state) {
 BENCHMARK(riccati_backward_in_eigen)->Apply(horizons);
 
 /// Ten iterations, warm-started, the robot walking on exactly as planned.
-void whole_plan(::benchmark::State& state) {
-  WalkingPlanner walking(horizon_s(state), testing_support::amber3m());
+void whole_plan(::benchmark::State& state, model::InstructionSet set) {
+  WalkingPlanner walking(horizon_s(state), testing_support::amber3m(), set);
   for (auto _ : state) {
     if (!walking.plan_next().usable()) state.SkipWithError("no plan");
   }
 }
-BENCHMARK(whole_plan)->Apply(horizons);
+
+/// One for each instruction set that program and processor have.
+[[maybe_unused]] const bool kWholePlans = [] {
+  using enum model::InstructionSet;
+  for (const model::InstructionSet set : {sse2, avx2, avx512, neon}) {
+    if (!dispatch::available(set)) continue;
+    const std::string name = "whole_plan/" + std::string(model::name_of(set));
+    ::benchmark::RegisterBenchmark(name.c_str(), whole_plan, set)->Apply(horizons);
+  }
+  return true;
+}();
 
 }  // namespace
 }  // namespace stilt::benchmark

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "host_tools/benchmark/plan_sample.h"
+#include "host_tools/benchmark/planner_kernels.h"
 #include "host_tools/cli/planning_problems.h"
 
 /// The time of a plan is predictable: with a fixed number of iterations the longest plans take little more
@@ -30,8 +31,8 @@ std::vector<PlanSample> measured(const ControllerChoice& choice, const Walk& req
                               [&](const control::PlannerInput& input) {
                                 PlanSample sample;
                                 sample.time_s = input.time_s;
-                                benchmark::describe_work(controller->planner(), controller->report(), table,
-                                                         sample);
+                                benchmark::describe_work(*benchmark::planner_of_build(controller->planner()),
+                                                         controller->report(), table, sample);
                                 samples.push_back(sample);
                               }};
   EXPECT_TRUE(walk(choice, request, *controller, observer)) << "the robot fell";

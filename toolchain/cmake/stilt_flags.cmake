@@ -27,20 +27,29 @@ endif()
 set(STILT_ISA ${STILT_ISA_DEFAULT} CACHE STRING "Instruction set: a value of -march")
 set(STILT_SANITIZE "" CACHE STRING "Sanitizers: 'address,undefined' or 'thread'")
 
+# What is the same for all instruction sets, and the whole.
+add_library(stilt_common_flags INTERFACE)
 add_library(stilt_flags INTERFACE)
-target_include_directories(stilt_flags INTERFACE ${PROJECT_SOURCE_DIR})
-target_compile_options(stilt_flags INTERFACE
+target_link_libraries(stilt_flags INTERFACE stilt_common_flags)
+target_include_directories(stilt_common_flags INTERFACE ${PROJECT_SOURCE_DIR})
+target_compile_options(stilt_common_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Werror -Wno-psabi
-  -march=${STILT_ISA}
   # Results may depend on the build, never on the run: no -ffast-math (NaN must stay visible),
   # multiply-add contraction allowed, errno and traps of mathematical functions unused.
   -ffp-contract=fast -fno-math-errno -fno-trapping-math)
 # Eigen's assertions would end the program in the real-time path; debug builds keep them.
-target_compile_definitions(stilt_flags INTERFACE $<$<CONFIG:Release>:EIGEN_NO_DEBUG>)
+target_compile_definitions(stilt_common_flags INTERFACE $<$<CONFIG:Release>:EIGEN_NO_DEBUG>)
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+  # The layout of Eigen's types must not depend on the instruction set: code for several is linked together.
+  target_compile_definitions(stilt_common_flags INTERFACE EIGEN_MAX_STATIC_ALIGN_BYTES=64)
+endif()
+# GCC 12's AVX-512 headers use uninitialised registers on purpose, which gives warnings.
+set(avx512_options -mprefer-vector-width=512 -Wno-maybe-uninitialized -Wno-uninitialized)
+set(STILT_AVX512_FLAGS -march=x86-64-v4 ${avx512_options})
+target_compile_options(stilt_flags INTERFACE -march=${STILT_ISA})
 if(STILT_ISA STREQUAL "x86-64-v4" OR STILT_ISA STREQUAL "native")
   if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
-    # GCC 12's AVX-512 headers use uninitialised registers on purpose, which gives warnings.
-    target_compile_options(stilt_flags INTERFACE -mprefer-vector-width=512 -Wno-maybe-uninitialized -Wno-uninitialized)
+    target_compile_options(stilt_flags INTERFACE ${avx512_options})
   endif()
 endif()
 if(STILT_SANITIZE)

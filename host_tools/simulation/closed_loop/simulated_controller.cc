@@ -28,6 +28,10 @@ control::ConfigureStatus SimulatedController::configure(ControllerSetup setup) {
   setup_ = std::move(setup);
   schedule_ = control_loop::PlannerSchedule(setup_.parameters.timing);
   const model::RobotModel* planned = setup_.planning_model != nullptr ? setup_.planning_model : setup_.robot;
+  model::InstructionSet& instruction_set = setup_.parameters.sqp.instruction_set;
+  if (instruction_set == model::InstructionSet::automatic) {
+    instruction_set = dispatch::instruction_set_of_build();
+  }
   const control::ConfigureStatus status = planner_->configure(*planned, setup_.parameters);
   if (setup_.reference_gaits != nullptr) planner_->follow(*setup_.reference_gaits);
   return status;

@@ -27,7 +27,8 @@ struct ControllerSetup {
 /// durations of solves.
 class SimulatedController {
  public:
-  /// Configures the controller. Takes milliseconds.
+  /// Configures the controller. Takes milliseconds. An automatic sqp.instruction_set is that of the build, so
+  /// that a simulation gives the same on every processor.
   [[nodiscard]] control::ConfigureStatus configure(ControllerSetup setup);
 
   /// Restarts for a robot that stands, with a first plan for the command. Call before tick 0.
@@ -53,7 +54,7 @@ class SimulatedController {
   /// The report of the newest solve.
   [[nodiscard]] const sqp::SolveReport& report() const { return planner_->report(); }
   [[nodiscard]] const control_loop::PlanTiming& timing() const { return schedule_.timing(); }
-  [[nodiscard]] control::Planner& planner() { return planner_->planner(); }
+  [[nodiscard]] dispatch::DispatchedPlanner& planner() { return planner_->planner(); }
 
   /// Size of control loop, planner, and the plans between them, bytes.
   [[nodiscard]] static std::size_t bytes();

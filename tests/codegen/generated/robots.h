@@ -90,7 +90,7 @@ class AnyScalarRobot {
   template <class T>
   std::array<T, generated::five_link::kCoefficientCount> coefficients() const {
     std::array<T, generated::five_link::kCoefficientCount> values;
-    std::ranges::copy(robot_.scalar.coefficient, values.begin());
+    std::ranges::copy(robot_.coefficients.coefficient, values.begin());
     return values;
   }
 

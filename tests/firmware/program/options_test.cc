@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "mpc_core/dispatch/dispatched_planner.h"
+
 namespace stilt::program {
 namespace {
 
@@ -75,6 +77,16 @@ TEST(Options, APresetChangesTheConfigurationBeforeTheGaitsAndWhatTheUserSets) {
   EXPECT_NEAR(around_gaits->configuration.gait.single_support_s, 0.3, 1e-6)
       << "step time of the shipped gaits";
   EXPECT_EQ(around_gaits->configuration.cost.terminal, 10.0);
+}
+
+TEST(Options, AnAutomaticInstructionSetBecomesTheOneInUse) {
+  const auto automatic = read({});
+  ASSERT_TRUE(automatic) << automatic.error();
+  EXPECT_EQ(automatic->configuration.sqp.instruction_set, dispatch::choose(model::InstructionSet::automatic));
+  const auto chosen = read({"--set", "sqp.instruction_set=avx2"});
+  ASSERT_TRUE(chosen) << chosen.error();
+  EXPECT_EQ(chosen->configuration.sqp.instruction_set, model::InstructionSet::avx2);
+  EXPECT_NE(mistake({"--set", "sqp.instruction_set=mmx"}).find("avx512"), std::string::npos);
 }
 
 TEST(Options, AnUnknownPresetIsRefusedWithTheKnownOnes) {

@@ -52,7 +52,7 @@ TEST_P(ShippedRobot, HasTheNumbersOfTheTests) {
     EXPECT_EQ(found.joint_parameters[model::kJoints + j], expected.joint_parameters[model::kJoints + j]);
   }
   for (int i = 0; i < generated::five_link::kCoefficientCount; ++i) {
-    EXPECT_EQ((*robot)->model.scalar.coefficient[i], GetParam()->scalar.coefficient[i])
+    EXPECT_EQ((*robot)->model.coefficients.coefficient[i], GetParam()->coefficients.coefficient[i])
         << "coefficient " << i;
   }
   EXPECT_EQ(found.total_mass_kg, (*robot)->tree.mass_kg());

@@ -6,6 +6,7 @@
 #include <random>
 #include <string>
 
+#include "mpc_core/model/batch.h"
 #include "tests/robots.h"
 
 namespace stilt::model {

@@ -53,6 +53,11 @@ TEST(ClosedLoop, TwoRunsOfTheSameSeedAreIdenticalAndAnotherSeedDiffers) {
   EXPECT_NE(first.samples.back().true_state, other.samples.back().true_state);
 }
 
+TEST(ClosedLoop, AnAutomaticInstructionSetIsThatOfTheBuild) {
+  const auto controller = amber_controller();
+  EXPECT_EQ(controller->planner().instruction_set(), dispatch::instruction_set_of_build());
+}
+
 TEST(ClosedLoop, TheControllersCallsNeverTouchTheHeap) {
   EXPECT_EQ(noisy_walk(1, 3.0).summary.heap_allocations_in_loop, 0);
 }

@@ -1,0 +1,153 @@
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <ostream>
+#include <vector>
+
+#include "firmware/configuration/configuration.h"
+#include "mpc_core/control/plan.h"
+#include "mpc_core/dispatch/dispatched_planner.h"
+#include "mpc_core/gait/reference.h"
+#include "tests/robots.h"
+
+/// The planners for several instruction sets in one program: the same problem has the same optimum in each.
+namespace stilt::dispatch {
+namespace {
+
+using control::ConfigureStatus;
+using control::ControllerParameters;
+using control::Plan;
+using gait::GaitCommand;
+using gait::GaitKind;
+using model::InstructionSet;
+
+constexpr double kPeriod_s = 0.01;
+constexpr GaitCommand kWalk{GaitKind::walk, 0.5};
+
+std::vector<InstructionSet> sets_here() {
+  std::vector<InstructionSet> sets;
+  for (const InstructionSet set :
+       {InstructionSet::sse2, InstructionSet::avx2, InstructionSet::avx512, InstructionSet::neon}) {
+    if (available(set)) sets.push_back(set);
+  }
+  return sets;
+}
+
+ControllerParameters parameters_for(InstructionSet set) {
+  ControllerParameters parameters = configuration::load_robot("amber3m").value();
+  parameters.sqp.instruction_set = set;
+  return parameters;
+}
+
+model::StateVector standing() {
+  const ControllerParameters p = parameters_for(InstructionSet::automatic);
+  return gait::standing_state(testing_support::amber3m().constants, p.reference.base_height_m,
+                              p.reference.base_pitch_rad, p.gait.stand_half_width_m, true);
+}
+
+/// A planner and its plan, on the heap for their size.
+struct Planning {
+  explicit Planning(const ControllerParameters& parameters) { begin(parameters); }
+
+  void begin(const ControllerParameters& parameters) {
+    EXPECT_EQ(dispatched->configure(testing_support::amber3m(), parameters), ConfigureStatus::ok);
+    dispatched->planner().reset(0.0);
+  }
+
+  sqp::SolveReport plan_from(double time_s, const model::StateVector& state) {
+    return dispatched->planner().plan({time_s, state, kWalk}, *plan);
+  }
+
+  std::unique_ptr<DispatchedPlanner> dispatched = std::make_unique<DispatchedPlanner>();
+  std::unique_ptr<Plan> plan = std::make_unique<Plan>();
+};
+
+/// Numbers of a walk that follows its own plans, for comparing bits.
+std::vector<double> walk(Planning& planning, int cycles) {
+  std::vector<double> numbers;
+  model::StateVector state = standing();
+  for (int i = 0; i < cycles; ++i) {
+    EXPECT_TRUE(planning.plan_from(i * kPeriod_s, state).usable()) << "cycle " << i;
+    state = control::interpolate(*planning.plan, (i + 1) * kPeriod_s).state;
+    numbers.insert(numbers.end(), state.begin(), state.end());
+  }
+  return numbers;
+}
+
+TEST(Dispatch, KernelsShareTheLayoutOfTheTypesThatPassThrough) {
+  EXPECT_EQ(stilt_planner_kernel.layout, layout());
+#ifdef STILT_AVX512_KERNEL
+  EXPECT_EQ(stilt_planner_kernel_avx512.layout, layout());
+  EXPECT_EQ(stilt_planner_kernel_avx512.instruction_set, InstructionSet::avx512);
+#endif
+}
+
+class EverySet : public ::testing::TestWithParam<InstructionSet> {};
+
+TEST_P(EverySet, FindsTheSameOptimumAlongAWalk) {
+  constexpr int kCycles = 80;  // from standing into the second step
+  constexpr double kSame = 1e-6;
+  const auto converged = [](InstructionSet set) {
+    ControllerParameters parameters = parameters_for(set);
+    parameters.sqp.iterations = 40;
+    parameters.sqp.cost_tolerance = 1e-12;
+    parameters.sqp.step_tolerance = 1e-10;
+    return parameters;
+  };
+  Planning reference(converged(instruction_set_of_build()));
+  Planning planning(converged(GetParam()));
+  ASSERT_EQ(planning.dispatched->instruction_set(), GetParam());
+  model::StateVector state = standing();
+  for (int i = 0; i < kCycles; ++i) {
+    const double time_s = i * kPeriod_s;
+    ASSERT_TRUE(reference.plan_from(time_s, state).usable()) << "cycle " << i;
+    ASSERT_TRUE(planning.plan_from(time_s, state).usable()) << "cycle " << i;
+    ASSERT_EQ(planning.plan->nodes, reference.plan->nodes) << "cycle " << i;
+    for (int k = 0; k < reference.plan->nodes; ++k) {
+      const control::PlanNode& expected = reference.plan->node[static_cast<std::size_t>(k)];
+      const control::PlanNode& node = planning.plan->node[static_cast<std::size_t>(k)];
+      ASSERT_EQ(node.time_s, expected.time_s);
+      ASSERT_LT((node.state - expected.state).cwiseAbs().maxCoeff(), kSame)
+          << "cycle " << i << ", node " << k;
+    }
+    state = control::interpolate(*reference.plan, time_s + kPeriod_s).state;
+  }
+}
+
+TEST_P(EverySet, GivesTheSameBitsEachTimeAndAfterAnotherSet) {
+  constexpr int kCycles = 20;
+  Planning planning(parameters_for(GetParam()));
+  const std::vector<double> first = walk(planning, kCycles);
+  for (const InstructionSet other : sets_here()) planning.begin(parameters_for(other));
+  planning.begin(parameters_for(GetParam()));
+  EXPECT_EQ(walk(planning, kCycles), first);
+}
+
+TEST_P(EverySet, IsWhatItIsAskedFor) {
+  EXPECT_EQ(choose(GetParam()), GetParam());
+  EXPECT_TRUE(available(GetParam()));
+}
+
+INSTANTIATE_TEST_SUITE_P(Here, EverySet, ::testing::ValuesIn(sets_here()),
+                         [](const auto& set) { return std::string(model::name_of(set.param)); });
+
+TEST(Dispatch, AutomaticIsAvailableAndNeverLessThanTheBuild) {
+  const std::optional<InstructionSet> best = choose(InstructionSet::automatic);
+  ASSERT_TRUE(best.has_value());
+  EXPECT_TRUE(available(*best));
+  EXPECT_TRUE(available(instruction_set_of_build()));
+  EXPECT_TRUE(*best == instruction_set_of_build() || *best == InstructionSet::avx512);
+  EXPECT_EQ(std::make_unique<DispatchedPlanner>()->instruction_set(), *best);
+}
+
+TEST(Dispatch, RefusesAnInstructionSetOfAnotherFamily) {
+  const bool arm = instruction_set_of_build() == InstructionSet::neon;
+  const InstructionSet other = arm ? InstructionSet::avx2 : InstructionSet::neon;
+  EXPECT_FALSE(choose(other).has_value());
+  const auto planner = std::make_unique<DispatchedPlanner>();
+  EXPECT_EQ(planner->configure(testing_support::amber3m(), parameters_for(other)),
+            ConfigureStatus::no_such_instructions);
+}
+
+}  // namespace
+}  // namespace stilt::dispatch
