@@ -8,6 +8,7 @@
 #include "firmware/diagnostics/event_text.h"
 #include "firmware/telemetry/cycle_message.h"
 #include "firmware/telemetry/histogram_message.h"
+#include "firmware/telemetry/secret.h"
 #include "firmware/telemetry/sequence.h"
 #include "firmware/telemetry/wire_version.h"
 
@@ -301,10 +302,11 @@ void Publisher::timing(const diagnostics::LoopStatistics& loop,
   timing_.write(message);
 }
 
-void Publisher::reply(const std::string& commander, std::uint64_t number, bool accepted,
-                      const std::string& reason, double time_s) {
+void Publisher::reply(std::string_view token, const std::string& commander, std::uint64_t number,
+                      bool accepted, const std::string& reason, double time_s) {
   std::string who = commander;
   std::string why = reason;
+  std::string proven = proof(token, ReplyText{run_id_, who, number, accepted, why, time_s});
   CommandReply message{};
   message.run_id = run_id_;
   set_view(message.commander, who);
@@ -312,6 +314,7 @@ void Publisher::reply(const std::string& commander, std::uint64_t number, bool a
   message.accepted = accepted;
   set_view(message.reason, why);
   message.time_s = time_s;
+  set_view(message.proof, proven);
   replies_.write(message);
 }
 

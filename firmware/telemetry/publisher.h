@@ -2,6 +2,7 @@
 
 #include <expected>
 #include <string>
+#include <string_view>
 
 #include "firmware/control_loop/cycle_record.h"
 #include "firmware/control_loop/events.h"
@@ -58,8 +59,9 @@ class Publisher {
             const Drops& drops);
   void timing(const diagnostics::LoopStatistics& loop, const diagnostics::PlannerStatistics& planning,
               const configuration::Configuration& configuration, double time_s, const Drops& drops);
-  void reply(const std::string& commander, std::uint64_t number, bool accepted, const std::string& reason,
-             double time_s);
+  /// Proves the token of the run with the reply.
+  void reply(std::string_view token, const std::string& commander, std::uint64_t number, bool accepted,
+             const std::string& reason, double time_s);
   void ticks(TickBatchBuilder& batch, const Drops& drops);
 
   /// Waits until subscribers have what was sent, at most so long.

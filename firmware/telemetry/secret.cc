@@ -64,4 +64,15 @@ std::string proof(std::string_view token, const CommandText& command) {
   return "hmac-sha256:" + hmac_sha256(token, text);
 }
 
+std::string proof(std::string_view token, const ReplyText& reply) {
+  std::string text;
+  append_big_endian(text, reply.run_id, 8);
+  append_text(text, reply.commander);
+  append_big_endian(text, reply.number, 8);
+  append_big_endian(text, reply.accepted ? 1 : 0, 1);
+  append_text(text, reply.reason);
+  append_big_endian(text, std::bit_cast<std::uint64_t>(reply.time_s), 8);
+  return "hmac-sha256:" + hmac_sha256(hmac_sha256(token, "reply"), text);
+}
+
 }  // namespace stilt::telemetry

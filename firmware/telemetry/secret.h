@@ -31,4 +31,18 @@ struct CommandText {
 /// reveals neither the token nor the proof of another command.
 [[nodiscard]] std::string proof(std::string_view token, const CommandText& command);
 
+/// What a reply says, without its proof.
+struct ReplyText {
+  std::uint64_t run_id = 0;
+  std::string_view commander;
+  std::uint64_t number = 0;
+  bool accepted = false;
+  std::string_view reason;
+  double time_s = 0;
+};
+
+/// Proof that the sender of this reply has the token: "hmac-sha256:" and the HMAC of all fields. Its key is
+/// the HMAC of the word "reply" by the token, so that no proof of a command is one of a reply.
+[[nodiscard]] std::string proof(std::string_view token, const ReplyText& reply);
+
 }  // namespace stilt::telemetry

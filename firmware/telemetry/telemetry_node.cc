@@ -96,6 +96,7 @@ std::expected<void, std::string> TelemetryNode::take_commands() {
   const configuration::TelemetryParameters& parameters = configuration_.telemetry;
   const auto secret = parameters.fixed_token ? read_token(run_.token_file) : token_file_.write();
   if (!secret) return std::unexpected(secret.error());
+  token_ = *secret;
   const ArbiterRules rules{run_id_,
                            *secret,
                            run_.token_file,
@@ -182,7 +183,7 @@ void TelemetryNode::answer(const Command& command) {
   const Answer answer = arbiter_->take(what, now());
   const double time_s = time_.seconds(newest_.time_ns);
   if (!answer.silent) {
-    publisher_->reply(what.commander, what.number, answer.accepted, answer.reason, time_s);
+    publisher_->reply(token_, what.commander, what.number, answer.accepted, answer.reason, time_s);
   }
   if (answer.accepted && !answer.silent) {
     publisher_->note(kCommandEvent, time_s, name(static_cast<CommandKind>(what.kind)), described(what),

@@ -70,6 +70,7 @@ class TelemetryNode {
   Tuner tuner_;
   std::string tuned_by_;
   TokenFile token_file_;  ///< empty with telemetry.fixed_token
+  std::string token_;     ///< of this run; empty until commands are taken
   std::unique_ptr<Participant> participant_;
   std::unique_ptr<Publisher> publisher_;
   std::unique_ptr<RosPublisher> ros_;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "firmware/supervisor/state.h"
+#include "firmware/telemetry/secret.h"
 #include "host_tools/telemetry/commander.h"
 #include "host_tools/telemetry/listener.h"
 #include "tests/own_domain.h"
@@ -44,7 +45,10 @@ class Host {
     return replies[number];
   }
 
-  void learn(const std::string& token) { commander_.set_run(run_id, token); }
+  void learn(const std::string& token) {
+    token_ = token;
+    commander_.set_run(run_id, token);
+  }
   [[nodiscard]] const std::string& name() const { return commander_.name(); }
 
   bool alive = false;
@@ -59,6 +63,14 @@ class Host {
   std::uint64_t refused = 0;  ///< commands of whomever
 
  private:
+  /// The robot refuses a wrong token with a proof of its own.
+  [[nodiscard]] bool proves_token(const telemetry::CommandReply& reply) const {
+    return !reply.accepted ||
+           reply.proof ==
+               telemetry::proof(token_, telemetry::ReplyText{reply.run_id, reply.commander, reply.number,
+                                                             reply.accepted, reply.reason, reply.time_s});
+  }
+
   void take(const telemetry::Sample& sample) {
     if (const auto configuration = sample.as<telemetry::ConfigurationInForce>()) {
       run_id = configuration->run_id;
@@ -68,7 +80,7 @@ class Host {
       time_s = supervisor->time_s;
     } else if (const auto reply = sample.as<telemetry::CommandReply>()) {
       refused += reply->accepted ? 0 : 1;
-      if (reply->commander == commander_.name()) {
+      if (reply->commander == commander_.name() && proves_token(*reply)) {
         replies[reply->number] = reply->accepted ? "accepted" : reply->reason;
       }
     } else if (const auto event = sample.as<telemetry::Event>()) {
@@ -81,6 +93,7 @@ class Host {
   telemetry::Participant participant_;
   host_telemetry::Listener listener_;
   host_telemetry::Commander commander_;
+  std::string token_;
 };
 
 }  // namespace stilt::two_processes

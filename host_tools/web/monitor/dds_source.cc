@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "firmware/telemetry/secret.h"
 #include "firmware/telemetry/token.h"
 
 namespace stilt::monitor {
@@ -126,18 +127,30 @@ void DdsSource::answer(const telemetry::CommandReply& reply, SampleSink& sink) {
     if (asked == commands.end()) continue;
     // Every robot of the domain receives a command; those that it is not for refuse it.
     if (asked->run_id != reply.run_id) return;
+    const std::string expected =
+        telemetry::proof(asked->token, telemetry::ReplyText{reply.run_id, reply.commander, reply.number,
+                                                            reply.accepted, reply.reason, reply.time_s});
+    const bool proven = !asked->token.empty() && telemetry::same_secret(reply.proof, expected);
+    // A robot with another token refuses and cannot prove ours. Whoever forges a refusal gains a line on the
+    // page; the robot's own reply still counts.
+    if (!proven && (reply.accepted || asked->refused)) return;
     sink.reply({sender, asked->sequence, reply.accepted, reply.reason});
-    commands.erase(asked);
+    if (proven) {
+      commands.erase(asked);
+    } else {
+      asked->refused = true;
+    }
     return;
   }
 }
 
 void DdsSource::command(const Command& command) {
-  commander_.set_run(decoder_.run_id(), command.token.empty() ? token_in_force_ : command.token);
+  const std::string& token = command.token.empty() ? token_in_force_ : command.token;
+  commander_.set_run(decoder_.run_id(), token);
   const std::uint64_t number = commander_.send(wire_kind(command.kind), command.value, command.tunable);
   if (command.kind == CommandKind::heartbeat) return;
   std::deque<Asked>& of_sender = asked_[command.commander];
-  of_sender.push_back({number, decoder_.run_id(), command.sequence});
+  of_sender.push_back({number, decoder_.run_id(), command.sequence, token});
   if (of_sender.size() > kAskedAtMost) of_sender.pop_front();
   if (command.kind == CommandKind::stop) stop_others(command);
 }

@@ -36,6 +36,8 @@ class DdsSource final : public SampleSource {
     std::uint64_t number;  ///< on the wire
     std::uint64_t run_id;
     std::uint32_t sequence;
+    std::string token;     ///< that the command proves
+    bool refused = false;  ///< by a reply without proof of it
   };
 
   void take(const telemetry::Sample& message, SampleSink& sink);

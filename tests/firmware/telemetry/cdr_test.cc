@@ -32,19 +32,22 @@ TEST(Cdr, a_reply_is_aligned_as_plain_cdr_asks) {
   CommandReply reply{};
   std::string commander = "ab";
   std::string reason = "no";
+  std::string proof = "p";
   reply.run_id = 0x0102;
   reply.commander = commander.data();
   reply.number = 7;
   reply.accepted = false;
   reply.reason = reason.data();
   reply.time_s = 1.0;
+  reply.proof = proof.data();
   EXPECT_EQ(encode(reply),
             bytes({0, 1, 0, 0,                     //
                    2, 1, 0, 0, 0,   0,   0,    0,  // run
                    3, 0, 0, 0, 'a', 'b', 0,    0,  // commander, a byte to fill up
                    7, 0, 0, 0, 0,   0,   0,    0,  // number
-                   0, 0, 0, 0, 3,   0,   0,    0,   'n', 'o', 0, 0, 0, 0, 0, 0,  // accepted, reason
-                   0, 0, 0, 0, 0,   0,   0xf0, 0x3f}));
+                   0, 0, 0, 0, 3,   0,   0,    0,    'n', 'o', 0, 0, 0, 0, 0, 0,  // accepted, reason
+                   0, 0, 0, 0, 0,   0,   0xf0, 0x3f,                              //
+                   2, 0, 0, 0, 'p', 0}));                                         // proof
 }
 
 TEST(Cdr, a_reply_of_a_big_endian_peer_reads_the_same) {
@@ -53,7 +56,8 @@ TEST(Cdr, a_reply_of_a_big_endian_peer_reads_the_same) {
              0, 0, 0, 0, 0,   0,   1, 2,  // run
              0, 0, 0, 3, 'a', 'b', 0, 0,  // commander
              0, 0, 0, 0, 0,   0,   0, 7,  // number
-             1, 0, 0, 0, 0,   0,   0, 3, 'n', 'o', 0, 0, 0, 0, 0, 0, 0x3f, 0xf0, 0, 0, 0, 0, 0, 0}));
+             1, 0, 0, 0, 0,   0,   0, 3, 'n', 'o', 0, 0, 0, 0, 0, 0, 0x3f, 0xf0, 0, 0, 0, 0, 0, 0,  //
+             0, 0, 0, 2, 'p', 0}));
   ASSERT_NE(reply, nullptr);
   EXPECT_EQ(reply->run_id, 0x0102u);
   EXPECT_STREQ(reply->commander, "ab");
@@ -61,6 +65,7 @@ TEST(Cdr, a_reply_of_a_big_endian_peer_reads_the_same) {
   EXPECT_TRUE(reply->accepted);
   EXPECT_STREQ(reply->reason, "no");
   EXPECT_EQ(reply->time_s, 1.0);
+  EXPECT_STREQ(reply->proof, "p");
 }
 
 TEST(Cdr, a_message_reads_back) {

@@ -105,8 +105,9 @@ TEST(ReaderAndWriter, a_message_of_a_later_release_with_one_more_field_is_read) 
   auto reader = Reader::open(*host, kCommandReplies);
   ASSERT_TRUE(writer && reader);
   ASSERT_TRUE(eventually([&] { return writer->subscribers() == 1 && reader->senders() == 1; }));
-  std::string commander = "me", reason = "no token", advice = "name one";
-  const later_msgs_CommandReply_ reply = {7, commander.data(), 9, false, reason.data(), 1.5, advice.data()};
+  std::string commander = "me", reason = "no token", proof = "none", advice = "name one";
+  const later_msgs_CommandReply_ reply = {
+      7, commander.data(), 9, false, reason.data(), 1.5, proof.data(), advice.data()};
   ASSERT_TRUE(writer->write(&reply));
   std::vector<Sample> samples;
   ASSERT_TRUE(eventually([&] {
@@ -120,6 +121,7 @@ TEST(ReaderAndWriter, a_message_of_a_later_release_with_one_more_field_is_read) 
   EXPECT_EQ(read->number, 9u);
   EXPECT_STREQ(read->reason, "no token");
   EXPECT_EQ(read->time_s, 1.5);
+  EXPECT_STREQ(read->proof, "none");
 }
 
 TEST(ReaderAndWriter, a_record_tells_late_subscribers_what_it_keeps) {

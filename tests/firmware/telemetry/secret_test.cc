@@ -53,6 +53,24 @@ TEST(Secret, proves_a_command_by_the_code_of_all_its_fields) {
             "hmac-sha256:6f5962605250e22923cd4131702930a25b58d47deef78d308fbe552848c938b2");
 }
 
+TEST(Secret, proves_a_reply_by_the_code_of_all_its_fields_with_a_key_of_its_own) {
+  const ReplyText reply = {0x1085a41154fb89, "monitor-3fa9c1", 17, false, "the robot sits", 2.5};
+  EXPECT_EQ(proof(kToken, reply),
+            "hmac-sha256:50a83e371110ccb3d02644e8beec84b7953352565fcc44571f437765dcd771c7");
+}
+
+TEST(Secret, proves_no_other_reply) {
+  const ReplyText reply = {1, "me", 2, false, "no", 3.0};
+  const std::string given = proof(kToken, reply);
+  for (const ReplyText& other :
+       {ReplyText{2, "me", 2, false, "no", 3.0}, ReplyText{1, "you", 2, false, "no", 3.0},
+        ReplyText{1, "me", 3, false, "no", 3.0}, ReplyText{1, "me", 2, true, "no", 3.0},
+        ReplyText{1, "me", 2, false, "", 3.0}, ReplyText{1, "me", 2, false, "no", 4.0}}) {
+    EXPECT_NE(proof(kToken, other), given);
+  }
+  EXPECT_NE(proof("another token", reply), given);
+}
+
 TEST(Secret, proves_no_other_command) {
   const std::function<void(CommandText&)> changes[] = {
       [](CommandText& c) { ++c.run_id; },         [](CommandText& c) { c.commander = "monitor-3fa9c"; },

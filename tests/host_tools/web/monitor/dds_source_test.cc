@@ -83,26 +83,24 @@ class Robots {
     ticks_.write(&builder.message());
   }
 
+  /// What names a command.
+  struct Received {
+    std::string commander;
+    std::uint64_t number;
+  };
+
   /// Both answer the commands that have come since the last call: the second refuses each before the first
   /// accepts it.
   void answer() {
     commands_.take([&](telemetry::Sample&& sample) {
       const auto command = sample.as<telemetry::Command>();
       if (!command) return;
-      char reason[] = "an answer";
+      const std::string reason = "an answer";
       for (const std::uint64_t run_id : {2, 1}) {
-        const telemetry::CommandReply reply = {run_id,      command->commander,         command->number,
-                                               run_id == 1, static_cast<char*>(reason), 0.0};
-        replies_.write(&reply);
+        reply(run_id, {command->commander, command->number}, run_id == 1, reason, token_of(run_id));
       }
     });
   }
-
-  /// What names a command.
-  struct Received {
-    std::string commander;
-    std::uint64_t number;
-  };
 
   /// The first command of a kind that has come since the last call.
   std::optional<Received> first(telemetry::CommandKind kind) {
@@ -115,10 +113,17 @@ class Robots {
     return found;
   }
 
-  void accept(std::uint64_t run_id, Received command) {
-    char reason[] = "";
-    const telemetry::CommandReply reply = {run_id, command.commander.data(),   command.number,
-                                           true,   static_cast<char*>(reason), 0.0};
+  void accept(std::uint64_t run_id, const Received& command) {
+    reply(run_id, command, true, "", token_of(run_id));
+  }
+
+  /// Anybody's reply, with the proof of a token.
+  void reply(std::uint64_t run_id, Received command, bool accepted, std::string reason,
+             const std::string& token) {
+    std::string proof = telemetry::proof(
+        token, telemetry::ReplyText{run_id, command.commander, command.number, accepted, reason, 0.0});
+    const telemetry::CommandReply reply = {
+        run_id, command.commander.data(), command.number, accepted, reason.data(), 0.0, proof.data()};
     replies_.write(&reply);
   }
 
@@ -141,6 +146,10 @@ class Robots {
   }
 
  private:
+  static std::string token_of(std::uint64_t run_id) {
+    return run_id == 1 ? "token_of_the_first" : "token_of_the_second";
+  }
+
   telemetry::Participant participant_;
   telemetry::AnyWriter configurations_, ticks_, replies_;
   telemetry::Reader commands_;
@@ -219,6 +228,50 @@ TEST_F(TwoRobots, DoNotAnswerForEachOther) {
     return !ignored_.replies.empty();
   }));
   EXPECT_TRUE(ignored_.replies.front().accepted);
+}
+
+/// Every program of the domain reads commands and may answer them.
+TEST_F(TwoRobots, AreBelievedWhenTheyProveTheTokenOfTheCommand) {
+  Command sit = command(CommandKind::sit);
+  sit.commander = 5;
+  std::optional<Robots::Received> received;
+  ASSERT_TRUE(eventually([&] {
+    source_.command(sit);
+    received = robots_.first(telemetry::CommandKind::sit);
+    return received.has_value();
+  }));
+  for (const char* token : {"", "a guess", "token_of_the_second"}) {
+    robots_.reply(1, *received, true, "", token);
+  }
+  robots_.reply(1, *received, false, "a forged refusal", "a guess");
+  robots_.reply(1, *received, false, "and another", "a guess");
+  robots_.accept(1, *received);
+  robots_.reply(1, *received, false, "too late", "token_of_the_first");
+  ASSERT_TRUE(eventually([&] {
+    source_.poll(ignored_);
+    return ignored_.replies.size() >= 2;
+  }));
+  ASSERT_EQ(ignored_.replies.size(), 2u);
+  EXPECT_FALSE(ignored_.replies[0].accepted);
+  EXPECT_EQ(ignored_.replies[0].reason, "a forged refusal");
+  EXPECT_TRUE(ignored_.replies[1].accepted) << "the robot's own reply";
+}
+
+TEST_F(TwoRobots, RefuseAWrongTokenInTheirOwnWords) {
+  Command sit = command(CommandKind::sit);
+  sit.token = "wrong";
+  std::optional<Robots::Received> received;
+  ASSERT_TRUE(eventually([&] {
+    source_.command(sit);
+    received = robots_.first(telemetry::CommandKind::sit);
+    return received.has_value();
+  }));
+  robots_.reply(1, *received, false, "the token is wrong", "token_of_the_first");
+  ASSERT_TRUE(eventually([&] {
+    source_.poll(ignored_);
+    return !ignored_.replies.empty();
+  }));
+  EXPECT_EQ(ignored_.replies.front().reason, "the token is wrong");
 }
 
 /// A page that only looks may send commands with wrong tokens without end.
