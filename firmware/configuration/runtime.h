@@ -14,6 +14,7 @@ struct RuntimeParameters {
   int planner_priority = 60;                ///< as above, below torque_priority
   double self_test_answered_share = 0.999;  ///< of the commands of stiltd selftest, in time or late
   double self_test_in_time_share = 0.99;    ///< of the commands, before the next one
+  double self_test_late_share = 0.001;      ///< of the ticks, later than supervisor.torque_loop_overrun_s
   double start_settle_s = 2.0;              ///< stiltd --start: stands this long before it steps
 };
 

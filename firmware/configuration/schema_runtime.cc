@@ -43,6 +43,10 @@ constexpr Entry kEntries[] = {
     {"runtime", "self_test_in_time_share", "1",
      "stiltd selftest: share of the commands that must be answered before the next one",
      real<&P::runtime, &R::self_test_in_time_share>(0.0, 1.0)},
+    {"runtime", "self_test_late_share", "1",
+     "stiltd selftest: share of the ticks that may begin later than supervisor.torque_loop_overrun_s, with "
+     "the planner at work",
+     real<&P::runtime, &R::self_test_late_share>(0.0, 1.0)},
     {"runtime", "start_settle_s", "s", "stiltd --start: stands this long before the first step",
      real<&P::runtime, &R::start_settle_s>(0.0, 60.0)},
 };

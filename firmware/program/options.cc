@@ -295,7 +295,7 @@ std::expected<void, std::string> interpret(const Arguments& arguments, const Com
   }
   if (const auto read = read_configuration(arguments, options); !read) return read;
   limit_torque(options);
-  choose_instruction_set(options.configuration);
+  if (options.task == Task::control) choose_instruction_set(options.configuration);
   return check_walk(options);
 }
 

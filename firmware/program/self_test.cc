@@ -2,19 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <nlohmann/json.hpp>
 
 #include "firmware/commissioning/session.h"
-#include "firmware/control_loop/joint_names.h"
 #include "firmware/program/commissioning_run.h"
+#include "firmware/program/planner_load.h"
 #include "hal/robot/clock.h"
 #include "hal/robot/round_trip.h"
 
 namespace stilt::program {
 namespace {
-
-using control_loop::kJointNames;
 
 /// Share of a tick in which replies must come.
 constexpr double kReplyShare = 0.8;
@@ -27,8 +23,11 @@ struct Test {
         stop(end),
         clock(time),
         replies(hal::reply_frames(configuration::robot_wiring(asked.configuration.hardware))) {
-    result.enough_answered = asked.configuration.runtime.self_test_answered_share;
-    result.enough_in_time = asked.configuration.runtime.self_test_in_time_share;
+    const configuration::Configuration& configuration = asked.configuration;
+    result.limits = {
+        configuration.runtime.self_test_answered_share, configuration.runtime.self_test_in_time_share,
+        configuration.runtime.self_test_late_share,     configuration.supervisor.torque_loop_overrun_s,
+        1.0 / configuration.timing.plan_rate_hz,        configuration.runtime.planner_priority};
   }
 
   const Options& options;
@@ -37,6 +36,7 @@ struct Test {
   hal::Clock& clock;
   std::array<hal::ReplyFrame, hal::kJoints> replies;
   SelfTestResult result;
+  long long base_silent_ticks = 0;  ///< up to now
 };
 
 /// What came since the last tick. A driver without replies counts by its readings.
@@ -53,7 +53,16 @@ void count(Test& test, const hal::RobotReadings& readings, bool base_is_new) {
     result.answered[joint] +=
         std::ranges::count_if(kept, [&reply](const hal::CanFrame& frame) { return reply.is(frame); });
   }
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    if (result.fault[joint] != hal::DriverFault::none) continue;
+    result.fault[joint] = readings.joints[joint].fault;
+    result.fault_code[joint] = readings.joints[joint].fault_code;
+  }
+  result.emergency_stop_pressed |= readings.emergency_stop == hal::EmergencyStopState::pressed;
+  result.emergency_stop_silent |= readings.emergency_stop == hal::EmergencyStopState::unknown;
   if (base_is_new) ++result.base_readings;
+  test.base_silent_ticks = base_is_new ? 0 : test.base_silent_ticks + 1;
+  result.base_silent_ticks = std::max(result.base_silent_ticks, test.base_silent_ticks);
 }
 
 void forget(Test& test) {
@@ -82,7 +91,9 @@ void talk(Test& test, commissioning::Session& session) {
   for (long long tick = 0; tick <= ticks; ++tick) {
     const std::int64_t due_ns = session.due_ns();
     const std::int64_t newest_base_ns = session.readings().base.time_ns;
-    test.result.wakeup_latency.add_ns(session.begin_tick() - due_ns);
+    const std::int64_t late_ns = session.begin_tick() - due_ns;
+    test.result.wakeup_latency.add_ns(late_ns);
+    if (static_cast<double>(late_ns) > 1e9 * test.result.limits.late_s) ++test.result.late_ticks;
     const bool base_is_new = session.readings().base.time_ns != newest_base_ns;
     if (tick > 0) count(test, session.readings(), base_is_new);  // the first command has no predecessor
     forget(test);
@@ -102,50 +113,51 @@ void talk(Test& test, commissioning::Session& session) {
   test.result.last = session.readings();
 }
 
+/// Threads of the kernel that serve a bus, may run on the planner's processor, and wait there for a solve.
+std::vector<realtime::InterruptThread> delayed_interrupts(const Options& options) {
+  const configuration::RuntimeParameters& runtime = options.configuration.runtime;
+  const auto serves_a_bus = [&](const realtime::InterruptThread& thread) {
+    return std::ranges::any_of(
+        configuration::bus_names(options.configuration.hardware),
+        [&](const std::string& bus) { return thread.name.find("-" + bus) != std::string::npos; });
+  };
+  std::vector<realtime::InterruptThread> delayed = realtime::interrupt_threads();
+  std::erase_if(delayed, [&](const realtime::InterruptThread& thread) {
+    return !serves_a_bus(thread) || thread.priority > runtime.planner_priority ||
+           !realtime::has_processor(thread.processors, runtime.planner_core);
+  });
+  return delayed;
+}
+
+/// The same with the planner at work, and what the kernel reports of the processors.
+void talk_under_load(Test& test, commissioning::Session& session) {
+  const int core = test.options.configuration.runtime.torque_core;
+  const std::optional<long long> throttled = realtime::thermal_throttle_count();
+  PlannerLoad load(test.options, test.state);
+  if (!load.start()) {
+    test.result.failure = "no thread for the planner";
+    return;
+  }
+  talk(test, session);
+  load.end();
+  test.result.solve = load.solve();
+  test.result.interrupts = delayed_interrupts(test.options);
+  test.result.idle = realtime::deepest_idle_state(core);
+  if (throttled) test.result.throttled = realtime::thermal_throttle_count().value_or(*throttled) - *throttled;
+}
+
 void run(Test& test) {
   const auto tick_ns = std::llround(1e9 / test.options.configuration.timing.torque_rate_hz);
   commissioning::Session session(*test.state.hardware, test.clock, tick_ns, test.stop);
   if (const auto up = session.bring_up()) {
-    talk(test, session);
+    test.options.lockstep ? talk(test, session) : talk_under_load(test, session);
   } else {
     test.result.failure = up.error();
   }
   session.disable();
 }
 
-double share(long long part, long long whole) {
-  return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0.0;
-}
-
-/// "-" for what is not reported.
-std::string measured(double value, const char* unit) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.3f %s", value, unit);
-  return std::isfinite(value) ? text : "-";
-}
-
-std::string line(const char* name, const diagnostics::Percentiles& time_us) {
-  char text[120];
-  std::snprintf(text, sizeof text, "%-14s p50 %.0f, p99 %.0f, max %.0f us\n", name, time_us.p50_us,
-                time_us.p99_us, time_us.max_us);
-  return text;
-}
-
 }  // namespace
-
-bool SelfTestResult::answered_enough() const noexcept {
-  if (!failure.empty() || ticks == 0) return false;
-  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
-    if (share(answered[joint], commands[joint]) < enough_answered) return false;
-  }
-  return true;
-}
-
-bool SelfTestResult::in_time_enough() const noexcept {
-  return failure.empty() && ticks > 0 && std::ranges::all_of(in_time, [this](long long of_joint) {
-           return share(of_joint, ticks) >= enough_in_time;
-         });
-}
 
 SelfTestResult run_self_test(const Options& options, ControllerState& state, const std::atomic<bool>& stop) {
   SelfTestResult result;
@@ -156,58 +168,6 @@ SelfTestResult run_self_test(const Options& options, ControllerState& state, con
   });
   if (!ran) result.failure = ran.error();
   return result;
-}
-
-std::string to_text(const SelfTestResult& result) {
-  if (!result.failure.empty()) return result.failure + '\n';
-  std::string text;
-  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
-    char replies[160];
-    std::snprintf(replies, sizeof replies, "%-14s %.2f %% of %lld commands answered, %.2f %% in time\n",
-                  kJointNames[joint], 100 * share(result.answered[joint], result.commands[joint]),
-                  result.commands[joint], 100 * share(result.in_time[joint], result.ticks));
-    text += replies;
-  }
-  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
-    const hal::JointReading& reading = result.last.joints[joint];
-    text += std::string(kJointNames[joint]) + " at " + measured(reading.position_rad, "rad") + ", driver " +
-            measured(reading.driver_temperature_C, "C") + ", supply " + measured(reading.supply_V, "V") +
-            '\n';
-  }
-  text += "torso sensor   " + std::to_string(result.base_readings) + " readings, pitch " +
-          measured(result.last.base.pitch_rad, "rad") + '\n';
-  text += "bus errors     " + std::to_string(result.bus_errors) + '\n';
-  text += line("round trip", result.round_trip.percentiles());
-  text += line("wake-up", result.wakeup_latency.percentiles());
-  if (result.passed()) return text + "passed\n";
-  if (result.answered_enough()) {
-    return text +
-           "failed: the drivers answer, but too late for runtime.self_test_in_time_share; see wake-up "
-           "and round trip for who is late\n";
-  }
-  return text + "failed: a driver answers less than runtime.self_test_answered_share of its commands\n";
-}
-
-std::string to_json(const SelfTestResult& result) {
-  const auto percentiles = [](const diagnostics::Histogram& histogram) {
-    const diagnostics::Percentiles time_us = histogram.percentiles();
-    return nlohmann::ordered_json{{"p50", time_us.p50_us}, {"p99", time_us.p99_us}, {"max", time_us.max_us}};
-  };
-  nlohmann::ordered_json json;
-  json["passed"] = result.passed();
-  if (!result.failure.empty()) json["failure"] = result.failure;
-  json["commands"] = result.ticks;
-  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
-    json["reply_share"][kJointNames[joint]] = share(result.answered[joint], result.commands[joint]);
-    json["in_time_share"][kJointNames[joint]] = share(result.in_time[joint], result.ticks);
-    json["position_rad"][kJointNames[joint]] = result.last.joints[joint].position_rad;
-  }
-  json["base_readings"] = result.base_readings;
-  json["base_pitch_rad"] = result.last.base.pitch_rad;
-  json["bus_errors"] = result.bus_errors;
-  json["bus_round_trip_us"] = percentiles(result.round_trip);
-  json["wakeup_us"] = percentiles(result.wakeup_latency);
-  return json.dump(2) + "\n";
 }
 
 }  // namespace stilt::program

@@ -2,40 +2,73 @@
 
 #include <array>
 #include <atomic>
+#include <cstdint>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "firmware/diagnostics/histogram.h"
 #include "firmware/program/controller_state.h"
 #include "firmware/program/options.h"
+#include "firmware/realtime/processor_state.h"
 
 namespace stilt::program {
 
-/// What the drivers and sensors answered.
+/// What is asked of robot and computer.
+struct SelfTestLimits {
+  double answered_share = 0.999;  ///< runtime.self_test_answered_share
+  double in_time_share = 0.99;    ///< runtime.self_test_in_time_share
+  double late_share = 0.001;      ///< runtime.self_test_late_share
+  double late_s = 5e-4;           ///< supervisor.torque_loop_overrun_s
+  double plan_period_s = 0.01;    ///< 1 / timing.plan_rate_hz
+  int planner_priority = 60;      ///< runtime.planner_priority
+};
+
+/// One thing that was looked at.
+struct Check {
+  std::string name;
+  bool passed = false;
+  std::string measured;
+  std::string limit;  ///< what would be right
+};
+
+/// What drivers, sensors and computer did.
 struct SelfTestResult {
+  SelfTestLimits limits;
   std::string failure;  ///< why the test could not be done; empty: it was
   long long ticks = 0;
   std::array<long long, hal::kJoints> commands{};  ///< that left; others found the one before still waiting
   std::array<long long, hal::kJoints> answered{};  ///< replies in all
   std::array<long long, hal::kJoints> in_time{};   ///< ticks in which the reply to the tick before was there
+  std::array<hal::DriverFault, hal::kJoints> fault{};  ///< the first that each driver reported
+  std::array<std::uint32_t, hal::kJoints> fault_code{};
   long long base_readings = 0;
+  long long base_silent_ticks = 0;  ///< most in a row without a new reading of the torso sensor
+  bool emergency_stop_pressed = false;
+  bool emergency_stop_silent = false;
   hal::RobotReadings last;  ///< newest of all joints and of the torso
   long long bus_errors = 0;
+  long long late_ticks = 0;  ///< later than limits.late_s
   diagnostics::Histogram wakeup_latency;
   diagnostics::Histogram round_trip;
-
-  double enough_answered = 0.999;  ///< runtime.self_test_answered_share
-  double enough_in_time = 0.99;    ///< runtime.self_test_in_time_share
+  diagnostics::Histogram solve;  ///< of the planner at work beside; empty in lock-step
+  std::optional<realtime::IdleState> idle;
+  std::vector<realtime::InterruptThread> interrupts;  ///< of the buses, that a solve may delay
+  std::optional<long long> throttled;                 ///< times a processor was slowed down during the test
 
   /// Every joint answered enough of its commands. A machine that is late itself withholds commands and reads
   /// replies late, which is no fault of the drivers: they must answer what left, sooner or later.
   [[nodiscard]] bool answered_enough() const noexcept;
   /// And enough of all commands in time: together with the machine they are fit to be driven.
   [[nodiscard]] bool in_time_enough() const noexcept;
-  [[nodiscard]] bool passed() const noexcept { return answered_enough() && in_time_enough(); }
+  /// Everything that was looked at; nothing when the test could not be done.
+  [[nodiscard]] std::vector<Check> checks() const;
+  [[nodiscard]] bool passed() const;
 };
 
 /// Brings all drivers up and commands zero torque at the rate of the torque loop for options.self_test_s,
-/// then disables the drivers. Nothing moves. In lock-step a tick is a turn of the simulated robot.
+/// with the planner at work on its own thread, then disables the drivers. Nothing moves. In lock-step a tick
+/// is a turn of the simulated robot, and nothing is said of the computer.
 [[nodiscard]] SelfTestResult run_self_test(const Options& options, ControllerState& state,
                                            const std::atomic<bool>& stop);
 

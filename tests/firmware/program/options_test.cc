@@ -86,6 +86,9 @@ TEST(Options, AnAutomaticInstructionSetBecomesTheOneInUse) {
   const auto chosen = read({"--set", "sqp.instruction_set=avx2"});
   ASSERT_TRUE(chosen) << chosen.error();
   EXPECT_EQ(chosen->configuration.sqp.instruction_set, model::InstructionSet::avx2);
+  const auto printed = read({"--print-config"});
+  ASSERT_TRUE(printed) << printed.error();
+  EXPECT_EQ(printed->configuration.sqp.instruction_set, model::InstructionSet::automatic);
   EXPECT_NE(mistake({"--set", "sqp.instruction_set=mmx"}).find("avx512"), std::string::npos);
 }
 

@@ -1,0 +1,209 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "firmware/commissioning/session.h"
+#include "firmware/control_loop/joint_names.h"
+#include "firmware/program/self_test.h"
+
+namespace stilt::program {
+namespace {
+
+using control_loop::kJointNames;
+
+[[gnu::format(printf, 1, 2)]] std::string formatted(const char* format, ...) {
+  char text[200];
+  va_list arguments;
+  va_start(arguments, format);
+  std::vsnprintf(text, sizeof text, format, arguments);
+  va_end(arguments);
+  return text;
+}
+
+double share(long long part, long long whole) {
+  return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0.0;
+}
+
+/// "-" for what is not reported.
+std::string measured(double value, const char* unit) {
+  return std::isfinite(value) ? formatted("%.3f %s", value, unit) : "-";
+}
+
+std::string text_of(const diagnostics::Histogram& histogram) {
+  const diagnostics::Percentiles time_us = histogram.percentiles();
+  return formatted("p50 %.0f, p99 %.0f, max %.0f us", time_us.p50_us, time_us.p99_us, time_us.max_us);
+}
+
+Check driver(const SelfTestResult& result, std::size_t joint) {
+  Check check{kJointNames[joint], true, {}, {}};
+  const double answered = share(result.answered[joint], result.commands[joint]);
+  const double in_time = share(result.in_time[joint], result.ticks);
+  check.measured = formatted("%.2f %% of %lld commands answered, %.2f %% in time", 100 * answered,
+                             result.commands[joint], 100 * in_time);
+  check.limit =
+      formatted("%.2f and %.2f %%", 100 * result.limits.answered_share, 100 * result.limits.in_time_share);
+  check.passed = answered >= result.limits.answered_share && in_time >= result.limits.in_time_share;
+  if (result.fault[joint] != hal::DriverFault::none) {
+    check.passed = false;
+    check.measured += formatted(", fault: %s (%u)", name(result.fault[joint]), result.fault_code[joint]);
+    check.limit += ", no fault";
+  }
+  return check;
+}
+
+Check torso_sensor(const SelfTestResult& result) {
+  const hal::BaseReading& base = result.last.base;
+  return {"torso sensor",
+          std::isfinite(base.pitch_rad) && std::isfinite(base.pitch_rate_rad_s) &&
+              result.base_silent_ticks <= static_cast<long long>(commissioning::kSilentReads),
+          formatted("%lld readings, at most %lld ticks without one, pitch %s", result.base_readings,
+                    result.base_silent_ticks, measured(base.pitch_rad, "rad").c_str()),
+          formatted("at most %u ticks without one", commissioning::kSilentReads)};
+}
+
+Check emergency_stop(const SelfTestResult& result) {
+  const bool absent = result.last.emergency_stop == hal::EmergencyStopState::absent;
+  return {"emergency stop", !result.emergency_stop_pressed && !result.emergency_stop_silent,
+          result.emergency_stop_pressed  ? "pressed"
+          : result.emergency_stop_silent ? "silent"
+          : absent                       ? "not wired to this program"
+                                         : "released",
+          "released"};
+}
+
+Check errors_of_buses(const SelfTestResult& result) {
+  long long commands = 0;
+  for (const long long of_joint : result.commands) commands += of_joint;
+  const auto most =
+      static_cast<long long>((1.0 - result.limits.answered_share) * static_cast<double>(commands));
+  return {"bus errors", result.bus_errors <= most, std::to_string(result.bus_errors),
+          "at most " + std::to_string(most)};
+}
+
+Check wakeup(const SelfTestResult& result) {
+  return {
+      "wake-up", share(result.late_ticks, result.ticks) <= result.limits.late_share,
+      text_of(result.wakeup_latency) +
+          formatted(", %lld of %lld ticks late", result.late_ticks, result.ticks),
+      formatted("%.2f %% later than %.0f us", 100 * result.limits.late_share, 1e6 * result.limits.late_s)};
+}
+
+Check planner(const SelfTestResult& result) {
+  return {"planner", result.solve.percentile_us(0.99) <= 1e6 * result.limits.plan_period_s,
+          text_of(result.solve) +
+              formatted(", %llu plans", static_cast<unsigned long long>(result.solve.count())),
+          formatted("p99 within %.0f us", 1e6 * result.limits.plan_period_s)};
+}
+
+Check interrupt_threads(const SelfTestResult& result) {
+  const std::string limit =
+      formatted("priority above %d (chrt -f -p), or another processor", result.limits.planner_priority);
+  std::string waiting;
+  for (const realtime::InterruptThread& thread : result.interrupts) {
+    waiting += formatted("%s%s (process %d, priority %d) waits for the planner", waiting.empty() ? "" : "; ",
+                         thread.name.c_str(), thread.process, thread.priority);
+  }
+  return {"interrupts", waiting.empty(),
+          waiting.empty() ? "none named after a bus waits for the planner" : waiting, limit};
+}
+
+Check idle_states(const SelfTestResult& result) {
+  const double most_us = 1e6 * result.limits.late_s;
+  if (!result.idle) return {"idle states", true, "not reported by the kernel", ""};
+  return {"idle states", result.idle->exit_us <= most_us,
+          formatted("%s, %.0f us to wake", result.idle->name.c_str(), result.idle->exit_us),
+          formatted("at most %.0f us", most_us)};
+}
+
+Check throttling(const SelfTestResult& result) {
+  if (!result.throttled) return {"throttling", true, "not reported by the kernel", ""};
+  return {"throttling", *result.throttled == 0, std::to_string(*result.throttled) + " times", "never"};
+}
+
+}  // namespace
+
+bool SelfTestResult::answered_enough() const noexcept {
+  if (!failure.empty() || ticks == 0) return false;
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    if (share(answered[joint], commands[joint]) < limits.answered_share) return false;
+  }
+  return true;
+}
+
+bool SelfTestResult::in_time_enough() const noexcept {
+  return failure.empty() && ticks > 0 && std::ranges::all_of(in_time, [this](long long of_joint) {
+           return share(of_joint, ticks) >= limits.in_time_share;
+         });
+}
+
+std::vector<Check> SelfTestResult::checks() const {
+  if (!failure.empty() || ticks == 0) return {};
+  std::vector<Check> all;
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) all.push_back(driver(*this, joint));
+  all.insert(all.end(), {torso_sensor(*this), emergency_stop(*this), errors_of_buses(*this)});
+  if (solve.count() == 0) return all;  // lock-step
+  all.insert(all.end(), {wakeup(*this), planner(*this), interrupt_threads(*this), idle_states(*this),
+                         throttling(*this)});
+  return all;
+}
+
+bool SelfTestResult::passed() const {
+  const std::vector<Check> all = checks();
+  return !all.empty() && std::ranges::all_of(all, &Check::passed);
+}
+
+std::string to_text(const SelfTestResult& result) {
+  if (!result.failure.empty()) return result.failure + '\n';
+  std::string text;
+  for (const Check& check : result.checks()) {
+    text += formatted("%-7s %-15s ", check.passed ? "ok" : "FAILED", check.name.c_str()) + check.measured;
+    text += check.limit.empty() ? "\n" : " (limit: " + check.limit + ")\n";
+  }
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    const hal::JointReading& reading = result.last.joints[joint];
+    text += std::string(kJointNames[joint]) + " at " + measured(reading.position_rad, "rad") + ", driver " +
+            measured(reading.driver_temperature_C, "C") + ", supply " + measured(reading.supply_V, "V") +
+            '\n';
+  }
+  if (result.round_trip.count() > 0) text += "round trip " + text_of(result.round_trip) + '\n';
+  if (result.passed()) return text + "passed\n";
+  if (result.answered_enough() && !result.in_time_enough()) {
+    return text + "failed: the drivers answer, but too late; wake-up and round trip show who is late\n";
+  }
+  return text + "failed\n";
+}
+
+std::string to_json(const SelfTestResult& result) {
+  const auto percentiles = [](const diagnostics::Histogram& histogram) {
+    const diagnostics::Percentiles time_us = histogram.percentiles();
+    return nlohmann::ordered_json{{"p50", time_us.p50_us}, {"p99", time_us.p99_us}, {"max", time_us.max_us}};
+  };
+  nlohmann::ordered_json json;
+  json["passed"] = result.passed();
+  if (!result.failure.empty()) json["failure"] = result.failure;
+  json["checks"] = nlohmann::ordered_json::array();
+  for (const Check& check : result.checks()) {
+    json["checks"].push_back({{"name", check.name},
+                              {"passed", check.passed},
+                              {"measured", check.measured},
+                              {"limit", check.limit}});
+  }
+  json["commands"] = result.ticks;
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    json["reply_share"][kJointNames[joint]] = share(result.answered[joint], result.commands[joint]);
+    json["in_time_share"][kJointNames[joint]] = share(result.in_time[joint], result.ticks);
+    json["position_rad"][kJointNames[joint]] = result.last.joints[joint].position_rad;
+  }
+  json["base_readings"] = result.base_readings;
+  json["base_pitch_rad"] = result.last.base.pitch_rad;
+  json["bus_errors"] = result.bus_errors;
+  json["bus_round_trip_us"] = percentiles(result.round_trip);
+  json["wakeup_us"] = percentiles(result.wakeup_latency);
+  json["late_ticks"] = result.late_ticks;
+  if (result.solve.count() > 0) json["solve_us"] = percentiles(result.solve);
+  return json.dump(2) + "\n";
+}
+
+}  // namespace stilt::program
