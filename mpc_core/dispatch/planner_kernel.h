@@ -22,7 +22,7 @@ using Layout = std::array<std::size_t, 7>;
 }
 
 /// Room for the largest planner.
-inline constexpr std::size_t kPlannerBytes = 1792 * 1024;
+inline constexpr std::size_t kPlannerBytes = 1300 * 1024;
 inline constexpr std::size_t kPlannerAlignment = 64;
 
 struct PlannerKernel {
