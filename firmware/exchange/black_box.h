@@ -56,6 +56,9 @@ class BlackBox {
   /// Reader: whether the records stand still and may be read.
   [[nodiscard]] bool frozen() const noexcept { return state_.load(std::memory_order_acquire) == kFrozen; }
 
+  /// Anyone when the recorder has ended: whether something happened whose aftermath was cut short.
+  [[nodiscard]] bool cut_short() const noexcept { return triggered_ && !frozen_; }
+
   /// Reader while frozen, or anyone when the recorder has ended: number of records.
   [[nodiscard]] std::size_t size() const noexcept { return count_; }
 

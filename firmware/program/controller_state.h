@@ -42,7 +42,6 @@ struct ControllerState {
       reconnect;            ///< housekeeping connects a bus again, set by who opened it
   gait::GaitLibrary gaits;  ///< shipped for the robot; loaded at start, then constant
   telemetry::TelemetryNode* telemetry_node = nullptr;  ///< housekeeping's; nullptr: no telemetry
-  supervisor::Reaction black_box_reaction = supervisor::Reaction::none;  ///< the hardest in the file
   LoopStatistics loop;
   PlannerStatistics planning;
   exchange::LatestValue<LoopStatistics> loop_statistics;

@@ -1,6 +1,7 @@
 #include "firmware/program/lockstep_run.h"
 
 #include "firmware/control_loop/planner_schedule.h"
+#include "firmware/program/black_box_file.h"
 #include "firmware/program/torso_sensor_report.h"
 #include "firmware/realtime/allocation_counter.h"
 #include "hal/robot/clock.h"
@@ -30,6 +31,7 @@ void run_lockstep(const Options& options, std::size_t bus_count, Signals& signal
   std::int64_t next_ns = clock.now_ns();
   int ticks_off = 0, ticks_alone = 0;
   TorsoSensorReport torso_sensor(options);
+  BlackBoxFile black_box(options, state);
   for (long long tick = 0; ticks_off < kLastTicks && ticks_alone < kTicksAlone; ++tick) {
     const std::int64_t start_ns = wall.now_ns();
     operate(state, signals);
@@ -50,6 +52,7 @@ void run_lockstep(const Options& options, std::size_t bus_count, Signals& signal
     take_events(state.mail.events, outcome, state.telemetry_node);
     restore_buses(state);
     torso_sensor.update(state);
+    black_box.save();
     ++state.loop.ticks;
     ticks_off = state.control.decision().state == supervisor::State::off ? ticks_off + 1 : 0;
     next_ns += tick_ns;
@@ -59,6 +62,7 @@ void run_lockstep(const Options& options, std::size_t bus_count, Signals& signal
     }
   }
   flush_telemetry(state);
+  black_box.finish();
 }
 
 }  // namespace stilt::program

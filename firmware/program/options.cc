@@ -338,7 +338,7 @@ std::expected<Options, std::string> read_options(int argc, char** argv, const st
                "takes turns with a simulated robot instead of following the clock");
   app.add_option("--json", options.json_file, "writes figures at the end as JSON, - for standard output");
   app.add_option("--black-box", options.black_box_file,
-                 "writes the last seconds before the first fault to this file, CSV");
+                 "writes the ticks around the fault with the hardest reaction to this file, CSV");
   app.add_flag(
       "--forbid-syscalls", options.forbid_syscalls,
       "for tests: ends at once when a real-time thread uses the heap, or a system call that can make it "

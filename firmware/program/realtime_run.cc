@@ -2,13 +2,12 @@
 
 #include <sys/resource.h>
 
-#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <string>
 
 #include "firmware/diagnostics/histogram_text.h"
-#include "firmware/diagnostics/tick_csv.h"
+#include "firmware/program/black_box_file.h"
 #include "firmware/program/service_manager.h"
 #include "firmware/program/torso_sensor_report.h"
 #include "firmware/realtime/allocation_counter.h"
@@ -163,26 +162,6 @@ void print_statistics(ControllerState& state) {
              stderr);
 }
 
-supervisor::Reaction hardest(const control_loop::TickBlackBox& box) noexcept {
-  auto reaction = supervisor::Reaction::none;
-  for (std::size_t i = 0; i < box.size(); ++i) reaction = std::max(reaction, box.record(i).reaction);
-  return reaction;
-}
-
-/// Once the black box has frozen: writes it unless the file holds something harder, and lets it record again.
-void save_black_box(const Options& options, ControllerState& state) {
-  if (options.black_box_file.empty() || !state.mail.black_box.frozen()) return;
-  const supervisor::Reaction reaction = hardest(state.mail.black_box);
-  if (reaction >= state.black_box_reaction) {
-    const auto written = diagnostics::write_csv(options.black_box_file, state.mail.black_box, state.start_ns);
-    std::fprintf(
-        stderr, "%s\n",
-        written ? ("black box written to " + options.black_box_file).c_str() : written.error().c_str());
-    state.black_box_reaction = reaction;
-  }
-  state.mail.black_box.rearm();
-}
-
 }  // namespace
 
 void run_realtime(const Options& options, Signals& signals, ControllerState& state, Outcome& outcome) {
@@ -190,7 +169,7 @@ void run_realtime(const Options& options, Signals& signals, ControllerState& sta
   Run run{
       options, state,
       hal::RoundTrip(configuration::robot_wiring(options.configuration.hardware), state.hardware->buses())};
-  state.mail.black_box.set_aftermath(control_loop::kBlackBoxRecords / 4);
+  BlackBoxFile black_box(options, state);
   realtime::Thread planner;
   realtime::Thread torque_loop;
   const bool started =
@@ -208,7 +187,7 @@ void run_realtime(const Options& options, Signals& signals, ControllerState& sta
     publish(state, state.loop_statistics.newest(), state.planner_statistics.newest());
     service.notify(clock.now_ns(), state.loop_statistics.newest().ticks,
                    supervisor::name(state.newest_tick.state));
-    save_black_box(options, state);
+    black_box.save();
     if (signals.print_statistics.exchange(false)) print_statistics(state);
     static_cast<void>(clock.sleep_until(clock.now_ns() + kHousekeepingPeriod_ns));
   }
@@ -219,7 +198,7 @@ void run_realtime(const Options& options, Signals& signals, ControllerState& sta
   if (run.unguarded) outcome.error = "--forbid-syscalls: this kernel has no seccomp filters";
   take_events(state.mail.events, outcome, state.telemetry_node);
   flush_telemetry(state);
-  save_black_box(options, state);
+  black_box.finish();
 }
 
 }  // namespace stilt::program

@@ -6,8 +6,8 @@
 namespace stilt::ocp {
 
 /// Number of batches of a contact mode that are linearised together, step by step. The code is far larger
-/// than the instruction cache; each step is then loaded once for all of them. With eight lanes two batches take
-/// the time of four, and the memory of four with four lanes.
+/// than the instruction cache; each step is then loaded once for all of them. With eight lanes two batches
+/// take the time of four, and the memory of four with four lanes.
 inline constexpr int kBatchesPerGroup = kLanes < 8 ? 4 : 2;
 
 /// The force elimination and the constraint elimination of one batch.

@@ -74,6 +74,26 @@ TEST(TwoProcesses, PlansAroundGaitsOfTheLibraryWalkToo) {
   EXPECT_TRUE(faults_of(run).empty()) << faults_of(run);
 }
 
+/// A driver's fault 4 s after the release; the run ends after the black box is full, or before.
+class BlackBoxInLockStep : public testing::TestWithParam<const char*> {};
+
+TEST_P(BlackBoxInLockStep, HoldsTheTicksAroundTheFault) {
+  RobotAndController run;
+  run.start_robot({"--lockstep", "--once", "--fault", "driver-fault:knee_L@4"});
+  const std::string file = run.file("black_box.csv");
+  run.start_controller({"--lockstep", "--start", "walk@0.5", "--duration", GetParam(), "--black-box", file});
+  run.expect_both_to_end();
+  const std::string ticks = text_of(file);
+  EXPECT_EQ(ticks.find("tick,time_s,state,"), 0u) << run.said();
+  EXPECT_NE(ticks.find(",walk,plan,none,"), std::string::npos) << "before the fault";
+  EXPECT_NE(ticks.find(",fault,"), std::string::npos) << "after it";
+  EXPECT_NE(ticks.find("driver_fault"), std::string::npos);
+}
+
+INSTANTIATE_TEST_SUITE_P(TwoProcesses, BlackBoxInLockStep, testing::Values("10", "5.9"), [](const auto& row) {
+  return row.param == std::string("10") ? "whole" : "cut_short";
+});
+
 class SelfTest : public testing::TestWithParam<const char*> {};
 
 TEST_P(SelfTest, EveryCommandIsAnsweredInTime) {

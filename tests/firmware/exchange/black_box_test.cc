@@ -53,6 +53,21 @@ TEST(BlackBox, FreezesAfterTheAftermathOfTheFirstTrigger) {
   EXPECT_EQ(contents(box), (std::vector<int>{6, 7, 8, 9, 10, 11, 12, 13}));
 }
 
+TEST(BlackBox, KnowsOfAnAftermathThatTheEndCutsShort) {
+  BlackBox<int, 8> box;
+  box.set_aftermath(3);
+  record(box, 0, 4);
+  EXPECT_FALSE(box.cut_short()) << "nothing happened";
+  record(box, 4, 3, 4);
+  EXPECT_TRUE(box.cut_short());
+  record(box, 7, 1);
+  EXPECT_TRUE(box.frozen());
+  EXPECT_FALSE(box.cut_short()) << "it is whole";
+  box.rearm();
+  record(box, 8, 2);
+  EXPECT_FALSE(box.cut_short()) << "nothing happened since";
+}
+
 TEST(BlackBox, AnotherTriggerBeforeTheFreezeChangesNothing) {
   BlackBox<int, 8> box;
   box.set_aftermath(3);
