@@ -135,7 +135,7 @@ sqp::SolveReport Planner::plan(const PlannerInput& input, Plan& plan) noexcept {
   const bool finite =
       std::isfinite(input.time_s) && input.state.allFinite() && std::isfinite(input.command.speed_m_s);
   STILT_ASSERT(data_.robot != nullptr);
-  STILT_ASSERT(!finite || !has_solution_ || input.time_s >= last_time_s_);
+  STILT_ASSERT(!finite || !has_solution_ || input.time_s >= solved_horizon_.node_time_s(0));
   if (!finite || !prepare(input)) return report;
   ocp::Trajectory& work = solution_[1 - current_];
   warm_start(input, work);
