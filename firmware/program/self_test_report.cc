@@ -1,9 +1,8 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdarg>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "firmware/commissioning/formatted.h"
 #include "firmware/commissioning/session.h"
 #include "firmware/control_loop/joint_names.h"
 #include "firmware/program/self_test.h"
@@ -11,16 +10,8 @@
 namespace stilt::program {
 namespace {
 
+using commissioning::formatted;
 using control_loop::kJointNames;
-
-[[gnu::format(printf, 1, 2)]] std::string formatted(const char* format, ...) {
-  char text[200];
-  va_list arguments;
-  va_start(arguments, format);
-  std::vsnprintf(text, sizeof text, format, arguments);
-  va_end(arguments);
-  return text;
-}
 
 double share(long long part, long long whole) {
   return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0.0;

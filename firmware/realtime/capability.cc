@@ -8,17 +8,11 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <fstream>
+
+#include "firmware/realtime/kernel_file.h"
 
 namespace stilt::realtime {
 namespace {
-
-std::string first_line(const std::string& path) {
-  std::ifstream stream(path);
-  std::string line;
-  std::getline(stream, line);
-  return line;
-}
 
 /// Tries the priority on this thread, and puts the old one back.
 bool may_have_priority(int priority) {

@@ -6,17 +6,12 @@
 #include <fstream>
 #include <sstream>
 
+#include "firmware/realtime/kernel_file.h"
+
 namespace stilt::realtime {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string first_line(const fs::path& path) {
-  std::ifstream stream(path);
-  std::string line;
-  std::getline(stream, line);
-  return line;
-}
 
 /// The number in a file; nothing when there is none.
 std::optional<long long> number_in(const fs::path& path) {

@@ -131,8 +131,8 @@ void DdsSource::answer(const telemetry::CommandReply& reply, SampleSink& sink) {
         telemetry::proof(asked->token, telemetry::ReplyText{reply.run_id, reply.commander, reply.number,
                                                             reply.accepted, reply.reason, reply.time_s});
     const bool proven = !asked->token.empty() && telemetry::same_secret(reply.proof, expected);
-    // A robot with another token refuses and cannot prove ours. Whoever forges a refusal gains a line on the
-    // page; the robot's own reply still counts.
+    // A robot with another token refuses and cannot prove ours. A forged refusal is a line on the page; the
+    // robot's own reply still counts.
     if (!proven && (reply.accepted || asked->refused)) return;
     sink.reply({sender, asked->sequence, reply.accepted, reply.reason});
     if (proven) {

@@ -86,7 +86,7 @@ class Robots {
   /// What names a command.
   struct Received {
     std::string commander;
-    std::uint64_t number;
+    std::uint64_t number = 0;
   };
 
   /// Both answer the commands that have come since the last call: the second refuses each before the first
@@ -175,6 +175,17 @@ class TwoRobots : public testing::Test {
     }));
   }
 
+  /// Sends a command to sit until the robots have it.
+  Robots::Received sent(const Command& sit) {
+    std::optional<Robots::Received> received;
+    EXPECT_TRUE(eventually([&] {
+      source_.command(sit);
+      received = robots_.first(telemetry::CommandKind::sit);
+      return received.has_value();
+    }));
+    return received.value_or(Robots::Received{});
+  }
+
   tests::OwnFolder folder_;
   Robots robots_;
   DdsSource source_{{.domain = tests::own_domain()}, ""};
@@ -234,19 +245,14 @@ TEST_F(TwoRobots, DoNotAnswerForEachOther) {
 TEST_F(TwoRobots, AreBelievedWhenTheyProveTheTokenOfTheCommand) {
   Command sit = command(CommandKind::sit);
   sit.commander = 5;
-  std::optional<Robots::Received> received;
-  ASSERT_TRUE(eventually([&] {
-    source_.command(sit);
-    received = robots_.first(telemetry::CommandKind::sit);
-    return received.has_value();
-  }));
+  const Robots::Received received = sent(sit);
   for (const char* token : {"", "a guess", "token_of_the_second"}) {
-    robots_.reply(1, *received, true, "", token);
+    robots_.reply(1, received, true, "", token);
   }
-  robots_.reply(1, *received, false, "a forged refusal", "a guess");
-  robots_.reply(1, *received, false, "and another", "a guess");
-  robots_.accept(1, *received);
-  robots_.reply(1, *received, false, "too late", "token_of_the_first");
+  robots_.reply(1, received, false, "a forged refusal", "a guess");
+  robots_.reply(1, received, false, "and another", "a guess");
+  robots_.accept(1, received);
+  robots_.reply(1, received, false, "too late", "token_of_the_first");
   ASSERT_TRUE(eventually([&] {
     source_.poll(ignored_);
     return ignored_.replies.size() >= 2;
@@ -260,13 +266,8 @@ TEST_F(TwoRobots, AreBelievedWhenTheyProveTheTokenOfTheCommand) {
 TEST_F(TwoRobots, RefuseAWrongTokenInTheirOwnWords) {
   Command sit = command(CommandKind::sit);
   sit.token = "wrong";
-  std::optional<Robots::Received> received;
-  ASSERT_TRUE(eventually([&] {
-    source_.command(sit);
-    received = robots_.first(telemetry::CommandKind::sit);
-    return received.has_value();
-  }));
-  robots_.reply(1, *received, false, "the token is wrong", "token_of_the_first");
+  const Robots::Received received = sent(sit);
+  robots_.reply(1, received, false, "the token is wrong", "token_of_the_first");
   ASSERT_TRUE(eventually([&] {
     source_.poll(ignored_);
     return !ignored_.replies.empty();
@@ -279,18 +280,13 @@ TEST_F(TwoRobots, AnswerASenderWhateverAnotherHasAskedSince) {
   Command first = command(CommandKind::sit);
   first.commander = 5;
   first.sequence = 7;
-  std::optional<Robots::Received> received;
-  ASSERT_TRUE(eventually([&] {
-    source_.command(first);
-    received = robots_.first(telemetry::CommandKind::sit);
-    return received.has_value();
-  }));
+  const Robots::Received received = sent(first);
   Command flood = command(CommandKind::walk);
   flood.commander = 6;
   flood.token = "wrong";
   for (int k = 0; k < 2000; ++k) source_.command(flood);
   ASSERT_TRUE(eventually([&] {
-    robots_.accept(1, *received);
+    robots_.accept(1, received);
     source_.poll(ignored_);
     return !ignored_.replies.empty();
   }));
@@ -301,16 +297,11 @@ TEST_F(TwoRobots, AnswerASenderWhateverAnotherHasAskedSince) {
 TEST_F(TwoRobots, DoNotAnswerASenderThatIsGone) {
   Command first = command(CommandKind::sit);
   first.commander = 5;
-  std::optional<Robots::Received> received;
-  ASSERT_TRUE(eventually([&] {
-    source_.command(first);
-    received = robots_.first(telemetry::CommandKind::sit);
-    return received.has_value();
-  }));
+  const Robots::Received received = sent(first);
   source_.forget(5);
   Command next = command(CommandKind::walk);
   next.commander = 6;
-  robots_.accept(1, *received);
+  robots_.accept(1, received);
   ASSERT_TRUE(eventually([&] {
     source_.command(next);
     robots_.answer();
