@@ -154,7 +154,7 @@ int run_experiment(const CLI::App& experiment, ExperimentOptions options,
                    const std::vector<std::string>& arguments) {
   check_output_file("--json", options.json_file);
   options.command = published_command(arguments);
-  if (options.quick) {
+  if (options.quick && options.job.empty()) {
     std::fputs("quick: few cases in coarse steps, so figures differ from docs/results.md\n", stderr);
   }
   if (experiment.got_subcommand("frequency")) return run_frequency(options);

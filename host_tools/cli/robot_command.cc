@@ -88,6 +88,7 @@ Json robot_json(const RobotOnBus& robot, const log::RunSummary& summary, const R
   json["robot_time_s"] = robot.time_s();
   json["ended"] = outcome.ended;
   json["controllers"] = outcome.controllers;
+  json["controllers_came_s"] = outcome.controllers_came_s;
   json["drivers"] = drivers_json(robot);
   json["faults"] = faults_json(robot);
   json["has_priority"] = outcome.has_priority;
@@ -96,17 +97,30 @@ Json robot_json(const RobotOnBus& robot, const log::RunSummary& summary, const R
   return json;
 }
 
+/// Robot's time at which the clock of the last controller before time_s started; 0 without one.
+double controller_start_s(const RunOutcome& outcome, double time_s) {
+  double start_s = 0.0;
+  for (const double came_s : outcome.controllers_came_s) {
+    if (came_s <= time_s) start_s = came_s;
+  }
+  return start_s;
+}
+
+/// Times are those of the controller's clock, so that they compare with the events that stiltd prints.
 std::string outcome_text(const RobotOnBus& robot, const RunOutcome& outcome) {
-  char text[200];
+  char text[300];
   if (!robot.gantry_released_s()) {
     std::snprintf(text, sizeof text, "result         never left the gantry in %.1f s (%s)\n", robot.time_s(),
                   outcome.ended);
     return text;
   }
+  const double released_s = *robot.gantry_released_s();
   std::snprintf(text, sizeof text,
-                "gantry         released at %.2f s\nend            %s at %.2f s, %llu late\n",
-                *robot.gantry_released_s(), outcome.ended, robot.time_s(),
-                static_cast<unsigned long long>(outcome.late));
+                "gantry         released at %.2f s\nend            %s at %.2f s, %llu late\n"
+                "clock          the controller's, which came %.2f s after the start of the robot\n",
+                released_s - controller_start_s(outcome, released_s), outcome.ended,
+                robot.time_s() - controller_start_s(outcome, robot.time_s()),
+                static_cast<unsigned long long>(outcome.late), controller_start_s(outcome, robot.time_s()));
   return text;
 }
 
@@ -114,7 +128,9 @@ void write_results(const RobotOptions& options, const RobotOnBus& robot, const l
                    const RunOutcome& outcome) {
   if (options.json_file != "-") {
     if (robot.gantry_released_s()) {
-      std::fputs(plant_text(record.summary, robot.recorder().fall()).c_str(), stdout);
+      const double released_s = *robot.gantry_released_s();
+      const double start_s = released_s - controller_start_s(outcome, released_s);
+      std::fputs(plant_text(record.summary, robot.recorder().fall(), start_s).c_str(), stdout);
     }
     std::fputs(outcome_text(robot, outcome).c_str(), stdout);
     std::fflush(stdout);

@@ -8,7 +8,8 @@
 namespace stilt::cli {
 
 /// The plant's part of a run's summary as text.
-[[nodiscard]] std::string plant_text(const log::RunSummary& summary, simulation::Fall fall);
+/// @param start_s  of the run on the clock of the printed times
+[[nodiscard]] std::string plant_text(const log::RunSummary& summary, simulation::Fall fall, double start_s);
 
 /// The summary of a run as a few lines of text.
 [[nodiscard]] std::string summary_text(const log::RunSummary& summary, simulation::Fall fall);

@@ -35,6 +35,14 @@ TEST(TwoProcesses, AfterAKillTheDriversDisableThemselvesAndARestartComesUpIdle) 
   ASSERT_EQ(run.robot().wait(kLongestRun_s), 1) << "it fell\n" << run.said();
   const nlohmann::json robot = run.robot_json();
   EXPECT_EQ(robot.at("controllers"), 2);
+  const auto came_s = robot.at("controllers_came_s").get<std::vector<double>>();
+  ASSERT_EQ(came_s.size(), 2u);
+  EXPECT_EQ(came_s[0], 0.0);
+  const std::string robot_says = text_of(run.file("robot.out"));
+  char clock[80];
+  std::snprintf(clock, sizeof clock, "the controller's, which came %.2f s after the start of the robot",
+                came_s[1]);
+  EXPECT_NE(robot_says.find(clock), std::string::npos) << robot_says;
   EXPECT_FALSE(robot.at("survived"));
   EXPECT_FALSE(any_enabled(robot));
 

@@ -41,6 +41,9 @@ class LockstepRun {
     wait_for_frames(robot_, buses_, kLongestWait_ns);
     const bool advanced = exchange_.poll();
     if (advanced) {
+      if (outcome_.controllers_came_s.size() < buses_.front().connections()) {
+        outcome_.controllers_came_s.push_back(robot_.time_s());
+      }
       quiet_since_ = SteadyClock::now();
       patience_s_ = options_.wait_s;
       progress_.update(robot_, options_);

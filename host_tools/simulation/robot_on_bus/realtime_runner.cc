@@ -48,7 +48,12 @@ class RealtimeRun {
         buses_[bus].hang_up();
         continue;
       }
-      for (const hal::CanFrame& frame : ends_.receive(bus)) ends_.deliver(clock_.now_ns(), bus, frame);
+      for (const hal::CanFrame& frame : ends_.receive(bus)) {
+        if (outcome_.controllers_came_s.size() < buses_.front().connections()) {
+          outcome_.controllers_came_s.push_back(robot_.time_s());
+        }
+        ends_.deliver(clock_.now_ns(), bus, frame);
+      }
     }
     ends_.send_outgoing(clock_.now_ns());
   }

@@ -34,9 +34,12 @@ struct RunOutcome {
   bool has_priority = false;      ///< real time: the kernel granted SCHED_FIFO
   const char* ended = "";         ///< reason for the end
   std::uint64_t controllers = 0;  ///< number that connected, as far as the buses show it
-  std::uint64_t late = 0;         ///< real time: number of times that the robot was late and skipped the lost
-                                  ///< time
-  double late_max_s = 0.0;        ///< longest of these delays
+  /// First frame of each controller, on the robot's clock: where the controller's own clock starts. On
+  /// SocketCAN all frames count as one controller's.
+  std::vector<double> controllers_came_s;
+  std::uint64_t late = 0;   ///< real time: number of times that the robot was late and skipped the lost
+                            ///< time
+  double late_max_s = 0.0;  ///< longest of these delays
 };
 
 /// Runs the robot in turns with the controller. After a controller has left (loopback), the robot continues
