@@ -93,7 +93,7 @@ constexpr Entry kEntries[] = {
     {"supervisor", "torque_loop_stall_s", "s",
      "Time between two ticks, or lateness of one, after which the joints are damped",
      real<&P::supervisor, &S::torque_loop_stall_s>(0.0001, 10.0)},
-    {"supervisor", "planner_lost_s", "s", "Time on a gait without a plan after which the robot sits",
+    {"supervisor", "planner_lost_s", "s", "Age of the newest plan at which a robot on a gait sits",
      real<&P::supervisor, &S::planner_lost_s>(0.5, 1e6)},
     {"supervisor", "heartbeat_timeout_s", "s", "Silence of the operator's program after which walking ends",
      real<&P::supervisor, &S::heartbeat_timeout_s>(0.01, 60.0)},

@@ -37,8 +37,8 @@ enum class Reaction : std::uint8_t {
   /// Hold the measured pose, for less than missed_damp_ticks: by then replies are back, or it is damped.
   hold,
   /// Walking becomes stepping in place at once, standing after slow_down_s, sitting after as much again, and
-  /// damping after sit_s: 5 s with the shipped configuration. Without a plan or gait to step with it sits at
-  /// once.
+  /// damping after sit_s: 5 s with the shipped configuration. On a gait alone it sits instead of standing,
+  /// and without plan and gait at once.
   sit,
   damp,  ///< damp the joints
   off,   ///< the motors are disabled

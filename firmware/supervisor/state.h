@@ -62,7 +62,7 @@ enum class Condition : std::uint8_t {
   sit_done,           ///< the sitting pose is reached
   damp_fault,         ///< a fault that asks for damping, or for off
   sit_fault,          ///< a fault that asks to sit
-  slow_fault,         ///< a fault that asks not to walk
+  slow_fault,         ///< a fault that asks not to walk, such as heartbeat_lost
   request_calibrate,  ///< requests: the operator's
   request_stand,
   request_step,

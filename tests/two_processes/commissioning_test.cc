@@ -2,6 +2,7 @@
 
 #include <csignal>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <string>
 
@@ -75,6 +76,24 @@ TEST(TwoProcesses, AJogWithAnswersThatAreNoneIsBadInput) {
   EXPECT_EQ(run.controller().wait(0), 2) << run.said();
   EXPECT_NE(text_of(run.file("controller.err")).find("\"banana\" is no answer to: Which link"),
             std::string::npos);
+}
+
+/// A person who presses Enter and moves nothing.
+TEST(TwoProcesses, ACalibrateOfJointsThatDidNotMoveWritesNothingAndGivesNoTorque) {
+  RobotAndController run;
+  run.start_robot(with(kHanging, {"--plant", "joint_friction_Nm=20", "--plant", "joint_damping=5"}));
+  const std::string out = run.file("out.toml");
+  run.start_command({"calibrate"},
+                    {"--lockstep", "--out", out, "--answers", answers(run, std::string(20, '\n'))});
+  run.expect_both_to_end();
+  EXPECT_EQ(run.controller().wait(0), 1) << run.said();
+  const nlohmann::json found = run.controller_json();
+  EXPECT_EQ(found.at("good"), false);
+  for (const auto& [joint, result] : found.at("joints").items()) {
+    EXPECT_EQ(result.at("finding"), "dead_encoder") << joint;
+  }
+  EXPECT_FALSE(std::filesystem::exists(out));
+  for (const double torque_Nm : run.robot_json().at("peak_torque_Nm")) EXPECT_EQ(torque_Nm, 0.0);
 }
 
 TEST(TwoProcesses, WhatWasFoundIsReportedAlsoWhenItCannotBeWritten) {
