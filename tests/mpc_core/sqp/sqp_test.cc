@@ -88,6 +88,8 @@ TEST(Sqp, StopsAtTheIterationLimit) {
 TEST(Sqp, UsesEveryIterationWithoutEarlyStop) {
   Solve solve;
   solve.parameters.early_stop = false;
+  // At the solution rounding decides whether the filter accepts a step; one that it refuses costs 14 lengths.
+  solve.parameters.backtracking_steps = 30 * 14;
   const SolveReport report = solve.run(30);
   EXPECT_EQ(report.status, SolveStatus::iteration_limit);
   EXPECT_EQ(report.iterations, 30);

@@ -76,7 +76,7 @@ TEST_F(RecordToCsv, AFileTakesTheTicksOfAllRuns) {
 
 TEST_F(RecordToCsv, ARecordThatWasCutOffIsWrittenAsFarAsItGoesAndThatIsTold) {
   mcap::Bytes bytes = record.bytes();
-  bytes.resize(bytes.size() - 100);
+  bytes.erase(bytes.end() - 100, bytes.end());
   record.set_bytes(bytes);
   const Written written = record_to_csv(record.path(), folder.string());
   EXPECT_EQ(written.problems.size(), 1u);
