@@ -36,7 +36,8 @@ int refuse(const std::string& sentence) {
 }  // namespace
 
 int main(int argument_count, char** arguments) {
-  if (argument_count != 2) return refuse("usage: stilt_write_configuration FILE.toml");
+  if (argument_count != 2 || *arguments[1] == '-')
+    return refuse("usage: stilt_write_configuration FILE.toml");
   const std::string path = arguments[1];
 
   std::string toml;

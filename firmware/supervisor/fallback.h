@@ -59,13 +59,14 @@ enum class Reaction : std::uint8_t {
 
 /// How a plan can be followed.
 enum class PlanUse : std::uint8_t {
-  none,          ///< there is none, it has ended, or it is older than stale_plan_s
+  none,          ///< there is none to follow, or it is older than stale_plan_s
   as_it_is,      ///< younger than plan_feedback_after_s
   with_feedback  ///< older than that: its gains correct what has happened since
 };
 
 /// The one judgement of a plan.
-/// @param exists  a plan of this stance episode that has not ended
+/// @param exists  a plan of this stance episode that has not ended; after a gait, with the gait's contact
+/// mode
 /// @param age_s   since the state it started from; NaN counts as too old
 [[nodiscard]] constexpr PlanUse plan_use(bool exists, double age_s,
                                          const SupervisorParameters& parameters) noexcept {
@@ -80,9 +81,10 @@ struct Followable {
   bool gait_selected = false;  ///< and is preferred to plans on purpose
 };
 
-/// The state bounds the level from above: only states that track reach plan and gait, and no state but fault
-/// and off disables the motors.
-/// @param reaction  to the present and the latched faults
+/// The state bounds the level from above: only states that track reach plan and gait; the level of states
+/// that drive nothing is off.
+/// @param reaction  to the present and the latched faults; in states that track, without sit, which changes
+///                  the state
 [[nodiscard]] FallbackLevel select_level(State state, Reaction reaction,
                                          const Followable& followable) noexcept;
 

@@ -16,7 +16,7 @@ enum class State : std::uint8_t {
   step,       ///< steps in place
   walk,
   sit,    ///< the pose moves to the sitting pose
-  fault,  ///< damped until reset
+  fault,  ///< damped or off, until reset
   off,    ///< drivers are disabled; the end
 };
 inline constexpr std::size_t kStates = 10;
@@ -29,16 +29,17 @@ inline constexpr std::size_t kStates = 10;
 
 /// What the robot does there, a sentence without a full stop.
 [[nodiscard]] constexpr const char* description(State state) noexcept {
-  constexpr std::array<const char*, kStates> kTexts = {"No sensor data yet, nothing is sent",
-                                                       "The motor drivers are left alone",
-                                                       "The motor drivers are brought up",
-                                                       "The drivers are enabled, the joints are damped",
-                                                       "The torque law takes over and stands",
-                                                       "Steps in place",
-                                                       "Walks",
-                                                       "Goes to the sitting pose",
-                                                       "Damped until the faults are reset",
-                                                       "The drivers are disabled, the end"};
+  constexpr std::array<const char*, kStates> kTexts = {
+      "No sensor data yet, nothing is sent",
+      "The motor drivers are left alone",
+      "The motor drivers are brought up",
+      "The drivers are enabled, the joints are damped",
+      "The torque law takes over and stands",
+      "Steps in place",
+      "Walks",
+      "Goes to the sitting pose",
+      "Damped, or the motors off, until the faults are reset",
+      "The drivers are disabled, the end"};
   return kTexts[static_cast<std::size_t>(state)];
 }
 
@@ -59,7 +60,7 @@ inline constexpr std::size_t kStates = 10;
 enum class Condition : std::uint8_t {
   sensors_present,    ///< the emergency stop has reported, or had its time to
   bring_up_done,      ///< every driver is enabled
-  sit_done,           ///< the sitting pose is reached
+  sit_done,           ///< sit_s are over
   damp_fault,         ///< a fault that asks for damping, or for off
   sit_fault,          ///< a fault that asks to sit
   slow_fault,         ///< a fault that asks not to walk, such as heartbeat_lost
@@ -82,7 +83,7 @@ enum class Guard : std::uint8_t {
   ramping,        ///< it has not yet
   cannot_step,    ///< there is neither a plan recent enough nor a gait to step with
   slowed_down,    ///< stepped in place, or stood with both feet down, for long enough
-  causes_gone,    ///< no fault is present
+  causes_gone,    ///< a reset is under way, and no fault that latches is present
   none_latched,   ///< no fault waits for a reset
   fit_to_stand,   ///< nor does one, and the robot is in a pose to stand up from
   fault_latched,  ///< one does

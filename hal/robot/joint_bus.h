@@ -36,7 +36,7 @@ struct JointCommand {
   double torque_Nm = 0;
   double kp_Nm_rad = 0;
   double kd_Nms_rad = 0;
-  double torque_limit_Nm = 0;  ///< for drivers that take one; the caller limits torque_Nm itself
+  double torque_limit_Nm = 0;  ///< limits the law in drivers that take it, and where an ODrive's is computed
 };
 
 using JointReadings = std::array<JointReading, kJoints>;

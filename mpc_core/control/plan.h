@@ -27,7 +27,7 @@ struct PlanNode {
 /// State and input trajectory over the horizon, and the report of the solve that computed it. Times are those
 /// of the controller's clock, s.
 struct Plan {
-  long long sequence = -1;  ///< number of the solve; -1: no plan yet
+  long long sequence = -1;  ///< number of usable plans before it; -1: no plan yet
   int nodes = 0;
   double start_time_s = 0.0;
   gait::GaitKind gait = gait::GaitKind::stand;  ///< active gait at start_time_s
