@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -12,11 +13,34 @@
 
 namespace stilt::replay {
 
-/// Plays a record for the monitor in real time, by the clock of the control loop. In lock-step that clock
-/// is not the clock of the record. Gaps without messages are skipped.
+/// Reads the messages of a record in turn, each with the time at which it is due when the record is played, s
+/// since the first tick. That is the clock of the control loop, which in lock-step is not that of the record.
+/// Gaps without ticks are shortened. Ticks have a time; other messages are due with the ticks before them.
+class RecordCursor {
+ public:
+  /// Stands on the first message. Throws as mcap::Reader.
+  explicit RecordCursor(const std::string& path);
+
+  /// The next message; null at the end.
+  [[nodiscard]] const telemetry::Sample* message() const { return message_ ? &*message_ : nullptr; }
+  [[nodiscard]] double due_s() const { return due_s_; }
+
+  void advance();
+
+ private:
+  std::unique_ptr<mcap::Reader> reader_;
+  std::optional<telemetry::Sample> message_;
+  std::optional<std::int64_t> tick_ns_;  ///< of the tick read last
+  double due_s_ = 0.0;
+};
+
+/// Plays a record for the monitor in real time.
 class RecordSource final : public monitor::SampleSource {
  public:
   using Clock = std::chrono::steady_clock;
+
+  /// Seconds of ticks before the time of play_from() that are passed on too.
+  static constexpr double kBefore_s = 5.0;
 
   /// Throws std::runtime_error, one sentence, when the file is not a record, or has messages of another
   /// wire version.
@@ -25,23 +49,34 @@ class RecordSource final : public monitor::SampleSource {
 
   void poll(monitor::SampleSink& sink) override;
   void command(const monitor::Command& command) override;
-  void play_again() override;
+  void play_from(double from_s) override;
+  void hold(bool held) override { held_ = held; }
+  [[nodiscard]] std::optional<monitor::Playback> playback() const override {
+    return monitor::Playback{at_s_, length_s_, held_};
+  }
   [[nodiscard]] std::string describe() const override { return path_; }
   [[nodiscard]] bool live() const override { return false; }
 
  private:
-  void advance();
+  /// The last messages of a topic that are still true later.
+  struct Lasting {
+    const telemetry::Topic* topic;
+    std::size_t most;
+    std::deque<telemetry::Sample> messages{};
+  };
+
+  void skip(monitor::SampleSink& sink);
 
   std::string path_;
   std::function<Clock::time_point()> now_;
-  std::unique_ptr<mcap::Reader> reader_;
+  double length_s_ = 0.0;
+  RecordCursor cursor_;
   monitor::MessageDecoder decoder_{monitor::Follow::newest};
-  std::optional<Clock::time_point> start_;  ///< of the playback
-  std::optional<telemetry::Sample> next_;   ///< not yet due
-  double due_s_ = 0.0;                      ///< of next_, since the start
-  std::optional<std::int64_t> tick_ns_;     ///< of the tick read last
-  std::optional<monitor::Command> asked_;   ///< command to reply to
-  bool ended_ = false;
+  std::optional<Clock::time_point> polled_;  ///< time of the last poll
+  double at_s_ = 0.0;
+  double skip_to_s_ = 0.0;  ///< of what is due earlier, only what lasts is passed on
+  bool held_ = false;
+  std::optional<monitor::Command> asked_;  ///< command to reply to
 };
 
 }  // namespace stilt::replay

@@ -25,7 +25,7 @@ void LiveView::step(double now_s) {
   apply_page_commands(now_s);
   if (source_.live() || watched_) source_.poll(*this);
   flush_tables(now_s);
-  send_link_status(now_s);
+  if (now_s - link_s_ >= kLinkPeriod_s) send_link_status(now_s);
 }
 
 void LiveView::opened(const std::shared_ptr<Peer>& peer) {
@@ -90,7 +90,8 @@ void LiveView::apply(Page& page, const std::string& text, double now_s) {
   }
   if (!message->key.empty()) take_key(page, message->key);
   if (message->new_key && page.has_key) replace_key(page);
-  if (message->again && !source_.live()) play_again();
+  if (message->from_s && !source_.live()) play_from(*message->from_s);
+  if (message->hold && !source_.live()) hold(*message->hold);
   if (!message->run.empty()) choose(page, message->run);
   if (message->is_command) command(page, std::move(message->command));
 }
@@ -155,9 +156,9 @@ void LiveView::choose(Page& page, const std::string& run_id) {
   source_.choose(run_id);
 }
 
-/// All pages show the record from its start, as after opening the page.
-void LiveView::play_again() {
-  source_.play_again();
+/// All pages show the record from that time on, as after opening the page.
+void LiveView::play_from(double from_s) {
+  source_.play_from(from_s);
   history_ = {};
   ticks_.clear();
   cycles_.clear();
@@ -166,6 +167,12 @@ void LiveView::play_again() {
   link_ = {};
   ticks_follow_ = false;
   for (const Page& page : pages_) page.peer->send(hello_message(source_));
+}
+
+/// All pages learn it at once.
+void LiveView::hold(bool held) {
+  source_.hold(held);
+  send_link_status(now_s_);
 }
 
 void LiveView::send(const SharedMessage& message) {
@@ -271,10 +278,10 @@ void LiveView::send_heartbeats(double now_s) {
 }
 
 void LiveView::send_link_status(double now_s) {
-  if (now_s - link_s_ < kLinkPeriod_s) return;
   link_s_ = now_s;
   link_.of_others = source_.of_others();
   link_.talking = source_.talking();
+  link_.playback = source_.playback();
   link_.silent_s = link_.received ? now_s - newest_s_ : 0.0;
   for (Page& page : pages_) {
     if (page.sent_has_token != source_.has_token()) send_access(page);

@@ -77,7 +77,8 @@ class LiveView final : public Endpoint, private SampleSink {
   void send_access(Page& page);
   void command(Page& page, Command command);
   void choose(Page& page, const std::string& run_id);
-  void play_again();
+  void play_from(double from_s);
+  void hold(bool held);
   void send_heartbeats(double now_s);
   void send_link_status(double now_s);
   void send(const SharedMessage& message);

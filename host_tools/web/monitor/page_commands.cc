@@ -30,7 +30,8 @@ std::expected<CommandKind, std::string> kind_of(const std::string& text) {
 
 std::expected<PageMessage, std::string> read(const Json& json) {
   PageMessage message;
-  message.again = member(json, "again", false);
+  if (json.contains("from")) message.from_s = json.at("from").get<double>();
+  if (json.contains("hold")) message.hold = json.at("hold").get<bool>();
   message.run = member<std::string>(json, "run", "");
   message.key = member<std::string>(json, "key", "");
   message.new_key = member(json, "new_key", false);

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <expected>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -14,18 +15,20 @@
 ///                     first two members are required; `tokens` are those of other runs, for stop
 ///   {"key": "..."}    the monitor's key, first of all when the page has it
 ///   {"new_key": true} the key ends, another one begins
-///   {"again": true}   restarts a record
+///   {"from": 12.5}    plays a record from that time of Playback, s
+///   {"hold": true}    holds a record where it is; false: lets it go on
 ///   {"run": "001085a41154fb89"}   shows another run
 namespace stilt::monitor {
 
 /// A message of the page.
 struct PageMessage {
-  bool is_command = false;  ///< false: a sign of life
-  bool again = false;       ///< whether a record starts again
-  std::string run;          ///< run to show from now on; empty: no change
-  std::string key;          ///< of the monitor; empty: none is given
-  bool new_key = false;     ///< whether the monitor's key is replaced
-  Command command;          ///< `commander` is set by the caller
+  bool is_command = false;       ///< false: a sign of life
+  std::optional<double> from_s;  ///< a record is played from there; finite
+  std::optional<bool> hold;      ///< of a record; none: no change
+  std::string run;               ///< run to show from now on; empty: no change
+  std::string key;               ///< of the monitor; empty: none is given
+  bool new_key = false;          ///< whether the monitor's key is replaced
+  Command command;               ///< `commander` is set by the caller
 };
 
 /// Parses a message; the error is one sentence.

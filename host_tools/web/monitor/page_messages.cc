@@ -176,6 +176,12 @@ SharedMessage link_message(const LinkStatus& status) {
   for (const TalkingRun& run : status.talking) {
     talking.push_back({{"run_id", run.run_id}, {"robot", run.robot}});
   }
+  Json playback;
+  if (status.playback) {
+    playback = {{"at_s", status.playback->at_s},
+                {"length_s", status.playback->length_s},
+                {"held", status.playback->held}};
+  }
   return text({{"type", "link"},
                {"received", status.received},
                {"silent_s", status.silent_s},
@@ -184,7 +190,8 @@ SharedMessage link_message(const LinkStatus& status) {
                {"of_others", status.of_others},
                {"runs", status.runs},
                {"not_sent", status.not_sent},
-               {"talking", talking}});
+               {"talking", talking},
+               {"playback", playback}});
 }
 
 SharedMessage reply_message(std::uint32_t sequence, bool accepted, const std::string& reason) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -42,14 +43,15 @@ struct Access {
 
 /// State of the connection to the source.
 struct LinkStatus {
-  bool received = false;            ///< whether any message has been received
-  double silent_s = 0.0;            ///< since the newest tick was received
-  std::uint64_t ticks = 0;          ///< received
-  std::uint64_t missing = 0;        ///< gaps in the numbers of ticks
-  std::uint64_t runs = 0;           ///< received so far
-  std::uint64_t of_others = 0;      ///< samples ignored because another controller is publishing too
-  std::uint64_t not_sent = 0;       ///< messages not sent to this page because it is too slow
-  std::vector<TalkingRun> talking;  ///< controllers that talk now
+  bool received = false;             ///< whether any message has been received
+  double silent_s = 0.0;             ///< since the newest tick was received
+  std::uint64_t ticks = 0;           ///< received
+  std::uint64_t missing = 0;         ///< gaps in the numbers of ticks
+  std::uint64_t runs = 0;            ///< received so far
+  std::uint64_t of_others = 0;       ///< samples ignored because another controller is publishing too
+  std::uint64_t not_sent = 0;        ///< messages not sent to this page because it is too slow
+  std::vector<TalkingRun> talking;   ///< controllers that talk now
+  std::optional<Playback> playback;  ///< of a record
 };
 [[nodiscard]] SharedMessage link_message(const LinkStatus& status);
 

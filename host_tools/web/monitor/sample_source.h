@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,13 @@ struct Command {
 struct TalkingRun {
   std::string run_id;  ///< as in ConfigurationSample
   std::string robot;
+};
+
+/// Where the playing of a record is. Times in s since the first tick of the record; its gaps are shortened.
+struct Playback {
+  double at_s = 0.0;
+  double length_s = 0.0;
+  bool held = false;  ///< it stands still
 };
 
 /// Receiver of a source's samples. One call per sample, in order of time within a kind.
@@ -68,8 +76,15 @@ class SampleSource {
   /// Shows another of them from now on; no effect when it is none of them.
   virtual void choose(const std::string& /*run_id*/) {}
 
-  /// Plays a record from its start again; no effect on a live source.
-  virtual void play_again() {}
+  /// Plays a record from another time of Playback, after what is still true then and the ticks of the seconds
+  /// before it; no effect on a live source.
+  virtual void play_from(double /*from_s*/) {}
+
+  /// Holds a record where it is, or lets it go on; no effect on a live source.
+  virtual void hold(bool /*held*/) {}
+
+  /// None for a live source.
+  [[nodiscard]] virtual std::optional<Playback> playback() const { return std::nullopt; }
 
   /// One line of text: "domain 0 on lo", "walk.mcap".
   [[nodiscard]] virtual std::string describe() const = 0;

@@ -26,7 +26,6 @@ class CommandPanel {
     for (const button of document.querySelectorAll('[data-command]')) {
       button.addEventListener('click', () => this.ask(button.dataset.command));
     }
-    document.getElementById('again').addEventListener('click', () => this.connection.send({ again: true }));
     document.getElementById('stop').addEventListener('click', () => this.ask('stop'));
     document.getElementById('cut').addEventListener('click', () => this.ask('cut'));
     this.speed.addEventListener('input', () => this.changeSpeed());
@@ -118,7 +117,6 @@ class CommandPanel {
   greet(hello) {
     for (const button of document.querySelectorAll('[data-command], #stop, #cut')) button.disabled = !hello.live;
     for (const id of ['gaits', 'sliders', 'token-box', 'stop', 'cut']) document.getElementById(id).hidden = !hello.live;
-    document.getElementById('again').hidden = hello.live;
     if (!hello.live) this.say(`A record: it takes no commands. ${hello.source}`, '');
   }
 

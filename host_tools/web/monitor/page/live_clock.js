@@ -47,6 +47,11 @@ class LiveClock {
     this.held_s = this.pausedAt_s;
   }
 
+  /** Samples may come with another delay from now on. */
+  expectOtherDelay() {
+    this.offset_s = null;
+  }
+
   /** Moves a paused clock. */
   seek(time_s) {
     if (!this.playing) this.held_s = Math.min(this.end_s, Math.max(this.start_s, time_s));
@@ -55,7 +60,7 @@ class LiveClock {
   /** The robot's time to show at `now_s`; null before the first sample. */
   time(now_s) {
     if (!this.playing) return this.held_s;
-    if (this.offset_s === null) return null;
+    if (this.offset_s === null) return this.shown_s;
     const ideal = now_s - this.offset_s;
     const late = ideal - this.newest_s;
     if (late < 0.5) this.lag_s = Math.min(0.3, Math.max(late, this.lag_s * 0.9995, 0.03));

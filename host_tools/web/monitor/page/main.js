@@ -21,6 +21,7 @@ class Monitor {
     this.timing = new TimingPanel();
     this.connection = new Connection(this);
     this.commands = new CommandPanel(this.connection, this.robot);
+    this.record = new RecordBar(this.connection, this.robot.clock);
     this.tunables = new TunablesPanel(this.commands);
     this.frames_s = [];
     this.numbers_s = 0;
@@ -65,7 +66,10 @@ class Monitor {
         this.robot.timing = message;
         this.timing.show(message);
       },
-      link: () => { this.status.link = message; },
+      link: () => {
+        this.status.link = message;
+        this.record.show(message.playback);
+      },
       reply: () => this.commands.reply(message),
       access: () => this.commands.admit(message),
     };
@@ -143,7 +147,7 @@ class Monitor {
     document.getElementById('theme').addEventListener('click', toggleTheme);
     document.addEventListener('keydown', (event) => {
       if (event.ctrlKey || event.altKey || event.metaKey || event.target.closest('input, select')) return;
-      if (event.key === 'p') this.robot.clock.toggle();
+      if (event.key === 'p') this.togglePause();
       if (event.key === 'l') toggleTheme();
     });
     const asked = new URLSearchParams(window.location.hash.slice(1)).get('theme') ?? localStorage.getItem('theme');
@@ -151,11 +155,16 @@ class Monitor {
     this.recolour();
   }
 
+  /** A record stands still itself, on every page. */
+  togglePause() {
+    if (!this.record.toggleHold()) this.robot.clock.toggle();
+  }
+
   /** While the picture is paused a slider looks back, as far as the page remembers. */
   bindPause() {
     const { clock } = this.robot;
     this.back = document.getElementById('back');
-    document.getElementById('pause').addEventListener('click', () => clock.toggle());
+    document.getElementById('pause').addEventListener('click', () => this.togglePause());
     this.back.addEventListener('input', () => clock.seek(clock.end_s + Number(this.back.value)));
     document.addEventListener('keydown', (event) => {
       const step_s = { ArrowLeft: -kLookBackStep_s, ArrowRight: kLookBackStep_s }[event.key];

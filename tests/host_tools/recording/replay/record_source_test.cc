@@ -75,12 +75,39 @@ TEST_F(RecordSourceTest, PlaysByTheClockOfTheTorqueLoop) {
 TEST_F(RecordSourceTest, PlaysAgainFromItsStart) {
   after(0);
   ASSERT_EQ(after(1000).ticks.size(), 100u);
-  source.play_again();
+  source.play_from(0.0);
   EXPECT_EQ(after(1500).ticks.size(), 120u) << "the first batch at once";
   EXPECT_EQ(sink.ticks[100].record.tick, 0u);
   EXPECT_EQ(sink.configurations.size(), 2u);
   EXPECT_EQ(after(1521).ticks.size(), 140u);
   EXPECT_EQ(after(3000).ticks.size(), 200u);
+}
+
+TEST_F(RecordSourceTest, StandsStillWhileItIsHeld) {
+  after(0);
+  ASSERT_EQ(after(21).ticks.size(), 40u);
+  source.hold(true);
+  EXPECT_EQ(after(5000).ticks.size(), 40u);
+  EXPECT_TRUE(source.playback()->held);
+  source.hold(false);
+  EXPECT_EQ(after(5015).ticks.size(), 40u);
+  EXPECT_EQ(after(5021).ticks.size(), 60u);
+}
+
+TEST_F(RecordSourceTest, SaysWhereItIs) {
+  after(0);
+  after(30);
+  EXPECT_NEAR(source.playback()->at_s, 0.030, 1e-9);
+  EXPECT_NEAR(source.playback()->length_s, 0.080, 1e-9) << "first to last batch";
+  after(4000);
+  EXPECT_EQ(source.playback()->at_s, source.playback()->length_s);
+}
+
+TEST_F(RecordSourceTest, ATimeOutsideTheRecordIsItsStartOrItsEnd) {
+  source.play_from(-3.0);
+  EXPECT_EQ(after(0).ticks.size(), 20u);
+  source.play_from(1e9);
+  EXPECT_EQ(after(1).ticks.size(), 120u);
 }
 
 TEST_F(RecordSourceTest, TicksKeepTheirNumbers) {
@@ -105,6 +132,42 @@ TEST_F(RecordSourceTest, TakesNoCommandsAndSaysSo) {
   EXPECT_EQ(sink.replies[0].commander, 3u);
   EXPECT_EQ(sink.replies[0].sequence, 9u);
   EXPECT_EQ(after(1).replies.size(), 1u);
+}
+
+/// A run of 20 s, with an event in its 3rd and its 15th second.
+TEST(RecordSource, PlaysFromTheMiddleWithWhatIsStillTrue) {
+  const mcap::TemporaryFile file("middle");
+  {
+    record::Recorder recorder(file.path(), {});
+    recorder.take(record::configuration_sample(7, ""), 1);
+    for (std::uint64_t first = 0; first < 20'000; first += 20) {
+      recorder.take(record::ticks_sample(7, first, 20), 2);
+      if (first == 3000) recorder.take(record::event_sample(7, "the robot walks"), 2);
+      if (first == 15'000) recorder.take(record::event_sample(7, "the robot falls"), 2);
+    }
+  }
+  RecordSource::Clock::time_point now{};
+  RecordSource source{file.path(), [&now] { return now; }};
+  Sink sink;
+  const auto tick_s = [](const monitor::TickSample& tick) {
+    return 1e-3 * static_cast<double>(tick.record.tick);
+  };
+  source.poll(sink);
+  source.hold(true);
+  sink = {};
+  source.play_from(12.0);
+  source.poll(sink);
+  EXPECT_EQ(sink.configurations.size(), 1u);
+  ASSERT_EQ(sink.events.size(), 1u);
+  EXPECT_NE(sink.events[0].text.find("walks"), std::string::npos);
+  ASSERT_FALSE(sink.ticks.empty());
+  EXPECT_NEAR(tick_s(sink.ticks.front()), 12.0 - RecordSource::kBefore_s, 0.03);
+  EXPECT_NEAR(tick_s(sink.ticks.back()), 12.0, 0.03);
+  source.hold(false);
+  now += std::chrono::seconds(4);
+  source.poll(sink);
+  EXPECT_NEAR(tick_s(sink.ticks.back()), 16.0, 0.03);
+  EXPECT_EQ(sink.events.size(), 2u);
 }
 
 TEST(RecordSource, ARecordOfRelease01IsRefusedAtOnce) {

@@ -308,10 +308,16 @@ class Record final : public SampleSource {
     sink.event({});
   }
   void command(const Command&) override {}
-  void play_again() override { polls = 0; }
+  void play_from(double from_s) override {
+    polls = 0;
+    at = {.at_s = from_s, .length_s = 60.0};
+  }
+  void hold(bool held) override { at.held = held; }
+  [[nodiscard]] std::optional<Playback> playback() const override { return at; }
   [[nodiscard]] std::string describe() const override { return "walk.mcap"; }
   [[nodiscard]] bool live() const override { return false; }
   int polls = 0;
+  Playback at;
 };
 
 TEST(LiveView, ARecordWaitsForItsFirstPage) {
@@ -324,23 +330,51 @@ TEST(LiveView, ARecordWaitsForItsFirstPage) {
   EXPECT_EQ(source.polls, 1);
 }
 
-TEST(LiveView, ARecordPlayedAgainBeginsAnewOnEveryPage) {
+TEST(LiveView, ARecordPlayedFromAnotherTimeBeginsAnewOnEveryPage) {
   Record source;
   LiveView view(source, kKey);
   const auto first = std::make_shared<FakePeer>(), second = std::make_shared<FakePeer>();
   open_with_key(view, first);
   open_with_key(view, second);
   view.step(0.0);
-  view.received(*first, false, R"({"again": true})");
+  view.received(*first, false, R"({"from": 12.5})");
   view.step(0.1);
   for (const auto& page : {first, second}) {
     EXPECT_EQ(page->of_type("hello").size(), 2u);
     EXPECT_EQ(page->of_type("configuration").size(), 2u);
   }
+  EXPECT_EQ(source.at.at_s, 12.5);
   const auto third = std::make_shared<FakePeer>();
   open_with_key(view, third);
   view.step(0.2);
   EXPECT_EQ(third->of_type("event").size(), 1u) << "of this time alone";
+}
+
+TEST(LiveView, ARecordThatIsHeldIsHeldOnEveryPageAtOnce) {
+  Record source;
+  LiveView view(source, kKey);
+  const auto first = std::make_shared<FakePeer>(), second = std::make_shared<FakePeer>();
+  open_with_key(view, first);
+  open_with_key(view, second);
+  view.step(0.0);
+  for (const bool held : {true, false}) {
+    view.received(*second, false, held ? R"({"hold": true})" : R"({"hold": false})");
+    view.step(0.001);
+    EXPECT_EQ(source.at.held, held);
+    for (const auto& page : {first, second}) {
+      EXPECT_EQ(page->of_type("link").back()["playback"]["held"], held);
+    }
+  }
+}
+
+TEST(LiveView, ALiveRobotHasNoPlayback) {
+  SilentSource source;
+  LiveView view(source, kKey);
+  const auto page = std::make_shared<FakePeer>();
+  open_with_key(view, page);
+  view.received(*page, false, R"({"from": 3, "hold": true})");
+  view.step(0.0);
+  EXPECT_TRUE(page->of_type("link").back()["playback"].is_null());
 }
 
 }  // namespace
