@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 namespace stilt::monitor {
 namespace {
@@ -16,7 +17,7 @@ constexpr std::array<const char*, 11> kNames = {"stand", "step",  "walk",    "sp
 /// The member of that name, or the fallback when it is missing. Throws Json::exception for another type.
 template <class Value>
 Value member(const Json& json, const char* key, Value fallback) {
-  return json.contains(key) ? json.at(key).get<Value>() : fallback;
+  return json.contains(key) ? json.at(key).get<Value>() : std::move(fallback);
 }
 
 std::expected<CommandKind, std::string> kind_of(const std::string& text) {
