@@ -83,12 +83,9 @@ class Adapter : public Ipopt::TNLP {
   bool intermediate_callback(Ipopt::AlgorithmMode, Index, Number, Number constraint_violation, Number, Number,
                              Number, Number, Number, Number, Index, const Ipopt::IpoptData*,
                              Ipopt::IpoptCalculatedQuantities*) override {
-    constraint_violation_ = constraint_violation;
+    solution_.constraint_violation = constraint_violation;
     return true;
   }
-
-  /// Largest distance of a constraint from the bounds that Ipopt works with, at the last iterate.
-  [[nodiscard]] double constraint_violation() const { return constraint_violation_; }
 
  private:
   static VectorXd view(const Number* values, Index count) { return VectorXd::Map(values, count); }
@@ -106,7 +103,6 @@ class Adapter : public Ipopt::TNLP {
   const NonlinearProgram& program_;
   const VectorXd& start_;
   IpoptSolution& solution_;
-  double constraint_violation_ = 0.0;
 };
 
 const char* text(Ipopt::ApplicationReturnStatus status) {
@@ -149,11 +145,10 @@ IpoptSolution solve(const NonlinearProgram& program, const VectorXd& start, cons
   application->Options()->SetNumericValue("max_cpu_time", options.time_max_s);
   solution.status = "Ipopt could not be started";
   if (application->Initialize() != Ipopt::Solve_Succeeded) return solution;
-  const Ipopt::SmartPtr<Adapter> adapter = new Adapter(program, start, solution);
-  const Ipopt::ApplicationReturnStatus status = application->OptimizeTNLP(GetRawPtr(adapter));
-  solution.solved =
-      status == Ipopt::Solve_Succeeded ||
-      (status == Ipopt::Solved_To_Acceptable_Level && adapter->constraint_violation() <= options.tolerance);
+  const Ipopt::SmartPtr<Ipopt::TNLP> adapter = new Adapter(program, start, solution);
+  const Ipopt::ApplicationReturnStatus status = application->OptimizeTNLP(adapter);
+  solution.solved = status == Ipopt::Solve_Succeeded || (status == Ipopt::Solved_To_Acceptable_Level &&
+                                                         solution.constraint_violation <= options.tolerance);
   solution.status = text(solution.solved ? Ipopt::Solve_Succeeded : status);
   if (Ipopt::IsValid(application->Statistics())) {
     solution.iterations = application->Statistics()->IterationCount();

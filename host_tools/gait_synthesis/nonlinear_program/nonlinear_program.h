@@ -43,6 +43,7 @@ struct IpoptSolution {
   bool solved = false;
   std::string status;  ///< in words
   double cost = 0.0;
+  double constraint_violation = 0.0;  ///< of the last iterate, beyond the bounds that Ipopt works with
   int iterations = 0;
   Eigen::VectorXd v;
 };
