@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <functional>
 #include <utility>
@@ -315,8 +316,9 @@ class Record final : public SampleSource {
   void hold(bool held) override { at.held = held; }
   [[nodiscard]] std::optional<Playback> playback() const override { return at; }
   [[nodiscard]] std::string describe() const override { return "walk.mcap"; }
-  [[nodiscard]] bool live() const override { return false; }
+  [[nodiscard]] bool live() const override { return is_live; }
   int polls = 0;
+  bool is_live = false;
   Playback at;
 };
 
@@ -330,51 +332,52 @@ TEST(LiveView, ARecordWaitsForItsFirstPage) {
   EXPECT_EQ(source.polls, 1);
 }
 
-TEST(LiveView, ARecordPlayedFromAnotherTimeBeginsAnewOnEveryPage) {
+/// A record on two pages.
+struct RecordOnTwoPages {
+  RecordOnTwoPages() {
+    for (const auto& page : pages) open_with_key(view, page);
+    view.step(0.0);
+  }
+
   Record source;
-  LiveView view(source, kKey);
-  const auto first = std::make_shared<FakePeer>(), second = std::make_shared<FakePeer>();
-  open_with_key(view, first);
-  open_with_key(view, second);
-  view.step(0.0);
-  view.received(*first, false, R"({"from": 12.5})");
-  view.step(0.1);
-  for (const auto& page : {first, second}) {
+  LiveView view{source, kKey};
+  std::array<std::shared_ptr<FakePeer>, 2> pages{std::make_shared<FakePeer>(), std::make_shared<FakePeer>()};
+};
+
+TEST(LiveView, ARecordPlayedFromAnotherTimeBeginsAnewOnEveryPage) {
+  RecordOnTwoPages record;
+  record.view.received(*record.pages[0], false, R"({"from": 12.5})");
+  record.view.step(0.1);
+  for (const auto& page : record.pages) {
     EXPECT_EQ(page->of_type("hello").size(), 2u);
     EXPECT_EQ(page->of_type("configuration").size(), 2u);
   }
-  EXPECT_EQ(source.at.at_s, 12.5);
+  EXPECT_EQ(record.source.at.at_s, 12.5);
   const auto third = std::make_shared<FakePeer>();
-  open_with_key(view, third);
-  view.step(0.2);
+  open_with_key(record.view, third);
+  record.view.step(0.2);
   EXPECT_EQ(third->of_type("event").size(), 1u) << "of this time alone";
 }
 
 TEST(LiveView, ARecordThatIsHeldIsHeldOnEveryPageAtOnce) {
-  Record source;
-  LiveView view(source, kKey);
-  const auto first = std::make_shared<FakePeer>(), second = std::make_shared<FakePeer>();
-  open_with_key(view, first);
-  open_with_key(view, second);
-  view.step(0.0);
+  RecordOnTwoPages record;
   for (const bool held : {true, false}) {
-    view.received(*second, false, held ? R"({"hold": true})" : R"({"hold": false})");
-    view.step(0.001);
-    EXPECT_EQ(source.at.held, held);
-    for (const auto& page : {first, second}) {
+    record.view.received(*record.pages[1], false, held ? R"({"hold": true})" : R"({"hold": false})");
+    record.view.step(0.001);
+    EXPECT_EQ(record.source.at.held, held);
+    for (const auto& page : record.pages) {
       EXPECT_EQ(page->of_type("link").back()["playback"]["held"], held);
     }
   }
 }
 
-TEST(LiveView, ALiveRobotHasNoPlayback) {
-  SilentSource source;
-  LiveView view(source, kKey);
-  const auto page = std::make_shared<FakePeer>();
-  open_with_key(view, page);
-  view.received(*page, false, R"({"from": 3, "hold": true})");
-  view.step(0.0);
-  EXPECT_TRUE(page->of_type("link").back()["playback"].is_null());
+TEST(LiveView, ALiveSourceIsNeitherHeldNorPlayedFromAnotherTime) {
+  RecordOnTwoPages record;
+  record.source.is_live = true;
+  record.view.received(*record.pages[0], false, R"({"from": 3, "hold": true})");
+  record.view.step(0.1);
+  EXPECT_EQ(record.source.at.at_s, 0.0);
+  EXPECT_FALSE(record.source.at.held);
 }
 
 }  // namespace
