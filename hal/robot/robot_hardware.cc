@@ -45,11 +45,9 @@ void RobotHardware::read(std::int64_t now_ns, RobotReadings& readings) noexcept 
 }
 
 void RobotHardware::restore_buses() noexcept {
+  for (TapBus& tap : buses()) tap.clear_bus_off();  // first: it may be what withholds the next frames
   robot_.clear_faults();
-  for (TapBus& tap : buses()) {
-    tap.clear_bus_off();
-    tap.begin_reconnect();
-  }
+  for (TapBus& tap : buses()) tap.begin_reconnect();
 }
 
 }  // namespace stilt::hal

@@ -93,6 +93,35 @@ TEST(RobotHardware, ErrorsAreThoseOfAllBusesAndOfEveryKind) {
   EXPECT_EQ(hardware.errors(), 2 * 54321u);
 }
 
+/// A bus that withholds frames until a reset gives up the echoes that it waits for.
+class SilencedBus final : public FrameBus {
+ public:
+  bool silenced = true;
+  int carried = 0;
+  SendResult send(std::span<const CanFrame> frames) noexcept override {
+    if (silenced) return {0, BusStatus::unconfirmed};
+    carried += static_cast<int>(frames.size());
+    return {frames.size()};
+  }
+  ReceiveResult receive(std::span<CanFrame>) noexcept override { return {}; }
+  BusHealth health() const noexcept override { return BusHealth::active; }
+  void clear_bus_off() noexcept override { silenced = false; }
+  const BusCounters& counters() const noexcept override { return counters_; }
+
+ private:
+  BusCounters counters_;
+};
+
+TEST(RobotHardware, ResetFramesOfSilentDriversLeaveABusThatLostAllEchoes) {
+  std::array<SilencedBus, 2> buses;
+  const Robot robot(Kind::mit);
+  RobotHardware hardware(robot.wiring_, BringUpOptions{}, std::array<FrameBus*, 2>{&buses[0], &buses[1]});
+  RobotReadings readings;
+  for (int tick = 0; tick < 20; ++tick) hardware.read(tick, readings);
+  hardware.restore_buses();
+  EXPECT_EQ(buses[0].carried + buses[1].carried, 4) << "one a driver";
+}
+
 TEST_F(RestoreTest, AConnectionThatFailsIsTriedAgainWithTheNextTick) {
   robot_.buses_[0].set_disconnected(true);
   for (int tick = 0; tick < 3; ++tick) {
