@@ -175,6 +175,7 @@ supervisor::Observation ControlLoop::observe(const TickTiming& timing, const Ope
   seen.read_status = readings_.status;
   seen.write_status = write_status_;
   seen.bus_errors = errors > errors_;
+  seen.buses = readings_.buses;
   seen.emergency_stop = readings_.emergency_stop;
   const PlannedJoints planned = planned_joints(plan);
   seen.planned_speed_rad_s = planned.speed_rad_s;
@@ -353,9 +354,13 @@ void ControlLoop::report_events(const supervisor::Observation& seen) noexcept {
   for (const supervisor::FaultRow& row : supervisor::kFaultTable) {
     if (decision.ended.has(row.fault)) push({.kind = Event::Kind::fault_over, .fault = row.fault});
     if (!decision.raised.has(row.fault)) continue;
-    push({.kind = Event::Kind::fault,
-          .fault = row.fault,
-          .found = supervisor::detail(row.fault, seen, limits_, supervision_)});
+    supervisor::FaultDetail found = supervisor::detail(row.fault, seen, limits_, supervision_);
+    if (row.fault == supervisor::Fault::bring_up_failed) {
+      found = {.joint = static_cast<int>(bring_up_.joint),
+               .driver_fault = bring_up_.fault,
+               .fault_code = bring_up_.fault_code};
+    }
+    push({.kind = Event::Kind::fault, .fault = row.fault, .found = found});
   }
   if (decision.entered || ticks_ == 0) push({.kind = Event::Kind::state, .state = decision.state});
   const bool stood_up = before_ == State::stand && decision.state == State::ready;

@@ -31,18 +31,25 @@ std::string over_text(supervisor::Fault fault) {
                                                                           : ": over";
 }
 
-std::string found_text(const supervisor::FaultDetail& found) {
+std::string found_words(const supervisor::FaultDetail& found) {
   std::string text;
-  const auto add = [&text](const std::string& part) { text += (text.empty() ? ": " : ", ") + part; };
+  const auto add = [&text](const std::string& part) { text += (text.empty() ? "" : ", ") + part; };
   if (found.joint >= 0) add(control_loop::kJointNames[static_cast<std::size_t>(found.joint)]);
   if (found.driver_fault != hal::DriverFault::none) {
     add(fault_text(found.driver_fault, found.fault_code));
   }
+  if (found.bus >= 0) add("bus " + std::to_string(found.bus) + " of hardware.buses");
+  if (*found.condition != '\0') add(found.condition);
   if (!std::isnan(found.limit)) {
     add(std::isnan(found.value) ? "not a number" : with_unit(found.value, found.unit));
     add("limit " + with_unit(found.limit, found.unit));
   }
   return text;
+}
+
+std::string found_text(const supervisor::FaultDetail& found) {
+  const std::string words = found_words(found);
+  return words.empty() ? words : ": " + words;
 }
 
 std::string bring_up_text(const hal::BringUpProgress& progress) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <string>
 
 #include "firmware/control_loop/events.h"
@@ -8,9 +9,15 @@
 /// What an event found, in words; the same on the terminal, on the wire and in selftest. Not real time.
 namespace stilt::diagnostics {
 
-/// Joint, driver fault with vendor code, value and limit of a fault, such as ": knee_L, 92 C, limit 90 C";
-/// empty when it has none.
+/// Joint or bus, driver fault with vendor code, condition, value and limit, such as ": knee_L, motor, 92 C,
+/// limit 90 C"; empty when it has none.
 [[nodiscard]] std::string found_text(const supervisor::FaultDetail& found);
+
+/// The same without the colon.
+[[nodiscard]] std::string found_words(const supervisor::FaultDetail& found);
+
+/// The words for every fault, as it was found last; empty: nothing is known.
+using FoundWords = std::array<std::string, supervisor::kFaults>;
 
 /// A sentence about a driver that cannot be brought up: joint, failure, driver fault, setting.
 [[nodiscard]] std::string bring_up_text(const hal::BringUpProgress& progress);

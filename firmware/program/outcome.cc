@@ -22,7 +22,7 @@ nlohmann::ordered_json json_of(const diagnostics::Percentiles& percentiles) {
           {"max", percentiles.max_us}};
 }
 
-/// Joint, driver fault and numbers where the fault has them.
+/// Joint or bus, driver fault, condition and numbers where the fault has them.
 nlohmann::ordered_json json_of(const ReportedFault& fault) {
   nlohmann::ordered_json json = {
       {"name", fault.name}, {"time_s", fault.time_s}, {"reaction", fault.reaction}, {"count", fault.count}};
@@ -38,6 +38,8 @@ nlohmann::ordered_json json_of(const ReportedFault& fault) {
     json["limit"] = found.limit;
     json["unit"] = found.unit;
   }
+  if (found.bus >= 0) json["bus"] = found.bus;
+  if (*found.condition != '\0') json["condition"] = found.condition;
   return json;
 }
 
@@ -59,15 +61,15 @@ void take_fault(const Event& event, Outcome& outcome) {
                         diagnostics::found_text(event.found) + "; reaction: " + reaction);
 }
 
-/// Said once per entry, and not of warnings, which may come and go in every tick.
+/// Said once per entry: a warning may come and go in every tick.
 void take_fault_over(const Event& event, Outcome& outcome) {
-  const supervisor::FaultRow& row = supervisor::row(event.fault);
+  const char* name = supervisor::name(event.fault);
   const auto entry =
-      std::ranges::find(outcome.faults.rbegin(), outcome.faults.rend(), row.name, &ReportedFault::name);
+      std::ranges::find(outcome.faults.rbegin(), outcome.faults.rend(), name, &ReportedFault::name);
   if (entry == outcome.faults.rend()) return;
   entry->over_s = event.time_s;
-  if (entry->count > 1 || row.severity == supervisor::Severity::warning) return;
-  say(event.time_s, std::string("fault ") + row.name + diagnostics::over_text(event.fault));
+  if (entry->count > 1) return;
+  say(event.time_s, std::string("fault ") + name + diagnostics::over_text(event.fault));
 }
 
 void take_state(const Event& event, Outcome& outcome) {

@@ -162,6 +162,14 @@ void print_statistics(ControllerState& state) {
              stderr);
 }
 
+/// A thread without its priority or processor is not real time, whatever the machine promised.
+void report_refused(const realtime::Thread& thread, Outcome& outcome) {
+  const std::string refused = thread.refused();
+  if (refused.empty()) return;
+  std::fprintf(stderr, "not real time: %s\n", refused.c_str());
+  outcome.not_realtime += (outcome.not_realtime.empty() ? "" : "; ") + refused;
+}
+
 }  // namespace
 
 void run_realtime(const Options& options, Signals& signals, ControllerState& state, Outcome& outcome) {
@@ -176,6 +184,9 @@ void run_realtime(const Options& options, Signals& signals, ControllerState& sta
       planner.start({"planner", runtime.planner_priority, runtime.planner_core}, run_planner, &run) &&
       torque_loop.start({"torque loop", runtime.torque_priority, runtime.torque_core}, run_torque_loop, &run);
   if (!started) outcome.error = "threads cannot be started; raise the limits of memory and processes";
+  for (const realtime::Thread* thread : {&torque_loop, &planner}) {
+    if (started) report_refused(*thread, outcome);
+  }
   hal::MonotonicClock clock;
   ServiceManager service;
   TorsoSensorReport torso_sensor(options);

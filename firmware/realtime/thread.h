@@ -3,6 +3,7 @@
 #include <pthread.h>
 
 #include <cstddef>
+#include <semaphore>
 #include <string>
 
 namespace stilt::realtime {
@@ -20,10 +21,13 @@ struct ThreadSettings {
 /// Construction and join are for start-up and exit.
 class Thread {
  public:
-  /// Starts work(context) on a new thread. Priority or processor that cannot be had are left out (acquire()
-  /// reports them); false only when there is no thread at all.
+  /// Starts work(context) on a new thread. Priority or processor that cannot be had are left out, see
+  /// refused(); false only when there is no thread at all.
   [[nodiscard]] bool start(const ThreadSettings& settings, void (*work)(void*), void* context);
   void join();
+
+  /// What the thread asked for and did not get, one sentence; empty: it has all. After start().
+  [[nodiscard]] std::string refused() const;
 
   Thread() = default;
   Thread(const Thread&) = delete;
@@ -32,12 +36,16 @@ class Thread {
 
  private:
   static void* run(void* self);
+  void apply() noexcept;
 
   ThreadSettings settings_;
   void (*work_)(void*) = nullptr;
   void* context_ = nullptr;
   pthread_t handle_{};
   bool running_ = false;
+  bool has_priority_ = false;
+  bool has_core_ = false;
+  std::binary_semaphore applied_{0};  ///< the two above are known
 };
 
 }  // namespace stilt::realtime

@@ -7,6 +7,7 @@
 #include "firmware/supervisor/parameters.h"
 #include "firmware/supervisor/signal_monitor.h"
 #include "hal/robot/joint_bus.h"
+#include "hal/robot/robot.h"
 #include "hal/sensors/emergency_stop.h"
 #include "hal/sensors/torso_sensor.h"
 
@@ -23,6 +24,7 @@ struct Observation {
   hal::JointBusStatus read_status = hal::JointBusStatus::ok;
   hal::JointBusStatus write_status = hal::JointBusStatus::ok;  ///< of the last tick's commands
   bool bus_errors = false;  ///< counters of errors, drops or malformed frames rose since the last tick
+  hal::BusStates buses;     ///< which they are
   hal::EmergencyStopState emergency_stop = hal::EmergencyStopState::absent;
   Pose planned_speed_rad_s{};       ///< of plan or gait at this time, 0 while neither is followed
   Signals signals;                  ///< 0 while the torque law is not in command

@@ -1,6 +1,7 @@
 #include "firmware/supervisor/fault_detail.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace stilt::supervisor {
@@ -50,7 +51,48 @@ FaultDetail replies(const Observation& seen, int ticks) noexcept {
         missed.limit = limit;
         return missed.value >= limit;
       });
-  return found.joint < 0 ? of_number(seen.base.missed_replies, limit, "ticks") : found;
+  if (found.joint >= 0) return found;
+  found = of_number(seen.base.missed_replies, limit, "ticks");
+  found.condition = "torso sensor";
+  return found;
+}
+
+/// The first bus of a set of bits.
+FaultDetail of_bus(std::uint8_t buses) noexcept { return {.bus = buses == 0 ? -1 : std::countr_zero(buses)}; }
+
+/// A bus with errors, or else a joint whose frames cannot be decoded.
+FaultDetail bus_error(const Observation& seen) noexcept {
+  if (seen.buses.erring != 0) return of_bus(seen.buses.erring);
+  FaultDetail found = of_bus(0);
+  found.condition = "frames that cannot be decoded";
+  return found;
+}
+
+FaultDetail torso_sensor(const Observation& seen, const SupervisorParameters& parameters) noexcept {
+  const bool silent = seen.base.missed_replies >= static_cast<std::uint32_t>(parameters.missed_damp_ticks);
+  FaultDetail found =
+      silent ? of_number(seen.base.missed_replies, parameters.missed_damp_ticks, "ticks")
+             : of_number(seen.base.unchanged_replies, parameters.unchanged_replies_limit, "ticks");
+  found.condition = silent ? "silent" : "repeats one value";
+  return found;
+}
+
+/// A plan that is recent enough is missing because it is not in step with the robot.
+FaultDetail missing_plan(const Observation& seen, const SupervisorParameters& parameters) noexcept {
+  if (seen.plan_age_s > parameters.stale_plan_s)
+    return of_number(seen.plan_age_s, parameters.stale_plan_s, "s");
+  return {.condition = "not in step"};
+}
+
+FaultDetail not_finite(const Observation& seen) noexcept {
+  if (seen.write_status == hal::JointBusStatus::refused) return {.condition = "command refused"};
+  FaultDetail found = of_joint(seen, "", [](const JointReading& joint, std::size_t, FaultDetail& reading) {
+    reading.condition = "reading not a number";
+    return !std::isfinite(joint.position_rad) || !std::isfinite(joint.velocity_rad_s);
+  });
+  if (found.joint >= 0) return found;
+  const bool torso = !std::isfinite(seen.base.pitch_rad) || !std::isfinite(seen.base.pitch_rate_rad_s);
+  return {.condition = torso ? "torso sensor not a number" : "estimate or torque not a number"};
 }
 
 FaultDetail driver_fault(const Observation& seen) noexcept {
@@ -66,6 +108,7 @@ FaultDetail hotter(const Observation& seen, double limit_C) noexcept {
     const bool motor = !(joint.driver_temperature_C > limit_C);
     found.value = motor ? joint.motor_temperature_C : joint.driver_temperature_C;
     found.limit = limit_C;
+    found.condition = motor ? "motor" : "driver";
     return found.value > limit_C;
   });
 }
@@ -122,8 +165,7 @@ FaultDetail detail(Fault fault, const Observation& seen, const JointLimits& limi
                joint.unchanged_replies >= frozen;
       });
     case Fault::stale_torso_sensor:
-      return of_number(std::max(seen.base.missed_replies, seen.base.unchanged_replies),
-                       parameters.missed_damp_ticks, "ticks");
+      return torso_sensor(seen, parameters);
     case Fault::missed_replies:
       return replies(seen, parameters.missed_hold_ticks);
     case Fault::lost_replies:
@@ -157,13 +199,19 @@ FaultDetail detail(Fault fault, const Observation& seen, const JointLimits& limi
     case Fault::planner_lost:
       return of_number(seen.plan_age_s, parameters.planner_lost_s, "s");
     case Fault::bus_error:
+      return bus_error(seen);
     case Fault::bus_off:
+      return of_bus(seen.buses.off);
     case Fault::bus_disconnected:
+      return of_bus(seen.buses.gone);
     case Fault::stale_plan:
-    case Fault::not_finite:
-    case Fault::emergency_stop:
-    case Fault::bring_up_failed:
     case Fault::plan_missing:
+      return missing_plan(seen, parameters);
+    case Fault::not_finite:
+      return not_finite(seen);
+    case Fault::emergency_stop:
+      return {.condition = seen.emergency_stop == hal::EmergencyStopState::pressed ? "pressed" : "silent"};
+    case Fault::bring_up_failed:  // of the bring-up, which is not observed here
       break;
   }
   return {};

@@ -15,6 +15,8 @@ struct FaultDetail {
   double value = std::numeric_limits<double>::quiet_NaN();  ///< that crossed its limit; NaN: no number did
   double limit = std::numeric_limits<double>::quiet_NaN();  ///< margin included
   const char* unit = "";                                    ///< of both
+  int bus = -1;                ///< number in hardware.buses, the first with the fault; -1: none in particular
+  const char* condition = "";  ///< which of the fault's conditions, or what of the joint; may be empty
 };
 
 /// The detail of a fault that detect() has found in what was seen. Pure, real-time safe.

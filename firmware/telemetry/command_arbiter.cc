@@ -14,6 +14,7 @@ using supervisor::State;
 
 constexpr std::size_t kLongestName = 64;
 constexpr std::size_t kMostCommanders = 256;
+constexpr std::size_t kMostLatecomers = 64;
 /// Refusals of those without the token: one in this time is answered.
 constexpr std::int64_t kRejectionsApart_ns = 50'000'000;
 
@@ -117,12 +118,28 @@ std::string CommandArbiter::rejection(const Asked& asked) const {
   if (!has_token(asked)) {
     return "the token is wrong; it is the first line of " + rules_.token_file + " on the robot";
   }
-  const auto last = numbers_.find(asked.commander);
-  if (last != numbers_.end() && asked.number <= last->second) {
-    return "command " + std::to_string(asked.number) + " came after " + std::to_string(last->second) +
+  const std::uint64_t* last = last_number(asked.commander);
+  if (last != nullptr && asked.number <= *last) {
+    return "command " + std::to_string(asked.number) + " came after " + std::to_string(*last) +
            ": it is late, or was sent twice";
   }
   return {};
+}
+
+const std::uint64_t* CommandArbiter::last_number(const std::string& commander) const {
+  if (const auto found = numbers_.find(commander); found != numbers_.end()) return &found->second;
+  const auto late = std::ranges::find(latecomers_, commander, &Latecomer::first);
+  return late == latecomers_.end() ? nullptr : &late->second;
+}
+
+void CommandArbiter::remember(const std::string& commander, std::uint64_t number) {
+  if (numbers_.contains(commander) || numbers_.size() < kMostCommanders) {
+    numbers_[commander] = number;
+    return;
+  }
+  std::erase_if(latecomers_, [&](const Latecomer& late) { return late.first == commander; });
+  latecomers_.emplace_back(commander, number);
+  if (latecomers_.size() > kMostLatecomers) latecomers_.pop_front();
 }
 
 Answer CommandArbiter::reject(std::string reason, const RobotNow& now) noexcept {
@@ -145,7 +162,7 @@ std::string CommandArbiter::refusal(const Asked& asked, const RobotNow& now) {
   if (is_new && numbers_.size() >= kMostCommanders) {
     return "there were too many commanders in this run; start stiltd again, or use a name a second time";
   }
-  numbers_[asked.commander] = asked.number;
+  remember(asked.commander, asked.number);
   return is_order(kind) ? refusal_of_order(asked, kind, now) : "";
 }
 

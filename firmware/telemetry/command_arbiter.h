@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <map>
 #include <string>
+#include <utility>
 
 #include "firmware/control_loop/messages.h"
 #include "firmware/supervisor/fault.h"
@@ -84,6 +86,9 @@ class CommandArbiter {
  private:
   [[nodiscard]] bool has_token(const Asked& asked) const;
   [[nodiscard]] std::string rejection(const Asked& asked) const;
+  /// Of a commander's newest command; nullptr: none is remembered.
+  [[nodiscard]] const std::uint64_t* last_number(const std::string& commander) const;
+  void remember(const std::string& commander, std::uint64_t number);
   [[nodiscard]] Answer reject(std::string reason, const RobotNow& now) noexcept;
   [[nodiscard]] std::string refusal(const Asked& asked, const RobotNow& now);
   [[nodiscard]] std::string refusal_of_order(const Asked& asked, CommandKind kind, const RobotNow& now) const;
@@ -94,8 +99,12 @@ class CommandArbiter {
 
   ArbiterRules rules_;
   SetTunable set_tunable_;
+  using Latecomer = std::pair<std::string, std::uint64_t>;
+
   std::map<std::string, std::uint64_t> numbers_;  ///< last of every commander
-  std::string commander_;                         ///< empty: none
+  /// Of those beyond the most commanders, who may only stop and cut: the newest few.
+  std::deque<Latecomer> latecomers_;
+  std::string commander_;  ///< empty: none
   std::int64_t heartbeat_wall_ns_ = 0;
   supervisor::Request request_;
   bool deserted_ = false;     ///< the last commander fell silent, and no other has taken over

@@ -84,6 +84,7 @@ void set_found(const control_loop::Event& event, Event& message) noexcept {
   message.limit = found.limit;
   message.bring_up_failure = static_cast<std::uint8_t>(event.bring_up.failure);
   message.driver_setting = static_cast<std::uint8_t>(event.bring_up.setting);
+  message.bus = found.bus;
 }
 
 /// Numbers of a preview, as the message wants them.
@@ -205,11 +206,15 @@ void Publisher::plan(const control_loop::PlanPreview& preview, const control::Pl
 }
 
 void Publisher::supervisor(const control_loop::TickRecord& tick, const WallTime& time,
-                           const InCommand& in_command, double base_height_m) {
+                           const InCommand& in_command, double base_height_m,
+                           const diagnostics::FoundWords& found) {
   std::string commander = in_command.name;
   Texts faults;
+  Texts words;
   for (const supervisor::FaultRow& row : supervisor::kFaultTable) {
-    if (tick.present.has(row.fault) || tick.latched.has(row.fault)) faults.add(row.name);
+    if (!tick.present.has(row.fault) && !tick.latched.has(row.fault)) continue;
+    faults.add(row.name);
+    words.add(found[static_cast<std::size_t>(row.fault)]);
   }
   Supervisor message{};
   message.run_id = run_id_;
@@ -233,6 +238,7 @@ void Publisher::supervisor(const control_loop::TickRecord& tick, const WallTime&
   set_view(message.state_name, supervisor::name(tick.state));
   set_view(message.fallback_level_name, supervisor::name(tick.level));
   faults.set_view_in(message.faults);
+  words.set_view_in(message.found);
   supervisor_.write(message);
 }
 

@@ -7,6 +7,7 @@
 #include "firmware/control_loop/cycle_record.h"
 #include "firmware/control_loop/events.h"
 #include "firmware/control_loop/tick_record.h"
+#include "firmware/diagnostics/event_text.h"
 #include "firmware/diagnostics/statistics.h"
 #include "firmware/telemetry/tick_batch.h"
 #include "firmware/telemetry/tuner.h"
@@ -52,7 +53,7 @@ class Publisher {
   void cycle(const control_loop::CycleRecord& record, const Drops& drops);
   void plan(const control_loop::PlanPreview& preview, const control::PlannerSettings& settings);
   void supervisor(const control_loop::TickRecord& tick, const WallTime& time, const InCommand& in_command,
-                  double base_height_m);
+                  double base_height_m, const diagnostics::FoundWords& found);
   void event(const control_loop::Event& event, const Drops& drops);
   /// Event of kind 4 (a command) or 5 (the commander).
   void note(std::uint8_t kind, double time_s, const std::string& name, const std::string& text,

@@ -62,7 +62,7 @@ class Array {
   DiagnosticArray message_{};
 };
 
-Status supervisor_status(const TickRecord& tick) {
+Status supervisor_status(const TickRecord& tick, const diagnostics::FoundWords& found) {
   Status status{
       .level = kOk, .name = "stiltd: supervisor", .message = supervisor::name(tick.state), .values = {}};
   if (tick.reaction != supervisor::Reaction::none) {
@@ -73,8 +73,10 @@ Status supervisor_status(const TickRecord& tick) {
   for (const supervisor::FaultRow& row : supervisor::kFaultTable) {
     const bool present = tick.present.has(row.fault);
     if (!present && !tick.latched.has(row.fault)) continue;
-    status.message += std::string("; ") + row.cause;
-    status.values.emplace_back(row.name, present ? "present" : "waits for a reset");
+    const std::string& words = found[static_cast<std::size_t>(row.fault)];
+    const std::string by = words.empty() ? "" : ": " + words;
+    status.message += std::string("; ") + row.cause + by;
+    status.values.emplace_back(row.name, (present ? "present" : "waits for a reset") + by);
   }
   return status;
 }
@@ -169,9 +171,9 @@ void RosPublisher::odometry(const TickRecord& tick, const WallTime& time) {
 
 void RosPublisher::diagnostics(const TickRecord& tick, const diagnostics::LoopStatistics& loop,
                                const diagnostics::PlannerStatistics& planning, const WallTime& time,
-                               const std::string& robot) {
+                               const std::string& robot, const diagnostics::FoundWords& found) {
   Array array;
-  array.add(supervisor_status(tick));
+  array.add(supervisor_status(tick, found));
   array.add(timing_status(loop, planning));
   for (std::size_t i = 0; i < hal::kJoints; ++i) array.add(driver_status(tick.joints[i], i));
   std::string hardware = robot;

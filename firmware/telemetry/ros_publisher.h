@@ -3,6 +3,7 @@
 #include <string>
 
 #include "firmware/control_loop/tick_record.h"
+#include "firmware/diagnostics/event_text.h"
 #include "firmware/diagnostics/statistics.h"
 #include "firmware/telemetry/wall_time.h"
 #include "firmware/telemetry/writer.h"
@@ -22,7 +23,7 @@ class RosPublisher {
   void odometry(const control_loop::TickRecord& tick, const WallTime& time);
   void diagnostics(const control_loop::TickRecord& tick, const diagnostics::LoopStatistics& loop,
                    const diagnostics::PlannerStatistics& planning, const WallTime& time,
-                   const std::string& robot);
+                   const std::string& robot, const diagnostics::FoundWords& found);
 
  private:
   Writer<JointState> joint_states_;

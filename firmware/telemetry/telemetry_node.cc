@@ -132,7 +132,7 @@ void TelemetryNode::begin(const control_loop::TickRecord& record) {
 
 void TelemetryNode::send_supervisor() {
   publisher_->supervisor(newest_, time_, {arbiter_->commander(), arbiter_->alive(now())},
-                         tuner_.base_height_m());
+                         tuner_.base_height_m(), found_);
 }
 
 /// In lock-step time waits for subscribers, as it does for the robot: a record has every tick, however fast
@@ -158,7 +158,17 @@ void TelemetryNode::tick(const control_loop::TickRecord& record) {
   ros_->odometry(record, time_);
 }
 
-void TelemetryNode::event(const control_loop::Event& event) { publisher_->event(event, drops()); }
+void TelemetryNode::event(const control_loop::Event& event) {
+  using Kind = control_loop::Event::Kind;
+  publisher_->event(event, drops());
+  const bool bring_up = event.kind == Kind::bring_up_failed;
+  const supervisor::Fault fault = bring_up ? supervisor::Fault::bring_up_failed : event.fault;
+  if (!bring_up && (event.kind != Kind::fault || fault == supervisor::Fault::bring_up_failed)) return;
+  found_[static_cast<std::size_t>(fault)] =
+      bring_up ? diagnostics::bring_up_text(event.bring_up) : diagnostics::found_words(event.found);
+  changed_ = true;
+  if (begun_) send_supervisor();
+}
 
 void TelemetryNode::publish(const diagnostics::LoopStatistics& loop,
                             const diagnostics::PlannerStatistics& planning) {
@@ -173,7 +183,8 @@ void TelemetryNode::publish(const diagnostics::LoopStatistics& loop,
     statistics_due_ = newest_.tick + second_;
     publisher_->timing(loop, planning, configuration_, time_.seconds(newest_.time_ns), drops());
   }
-  if (due || changed_) ros_->diagnostics(newest_, loop, planning, time_, configuration_.hardware.robot);
+  if (due || changed_)
+    ros_->diagnostics(newest_, loop, planning, time_, configuration_.hardware.robot, found_);
   changed_ = false;
 }
 

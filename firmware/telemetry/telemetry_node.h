@@ -83,6 +83,7 @@ class TelemetryNode {
   WallTime time_;
   bool begun_ = false;
   control_loop::TickRecord newest_;
+  diagnostics::FoundWords found_;
   std::uint64_t joint_states_every_;  ///< ticks
   std::uint64_t supervisor_every_;    ///< ticks
   std::uint64_t second_;              ///< ticks

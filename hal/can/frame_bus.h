@@ -34,7 +34,7 @@ struct BusCounters {
   std::uint64_t sent = 0;              ///< frames handed to the kernel
   std::uint64_t received = 0;          ///< frames of other nodes
   std::uint64_t confirmed = 0;         ///< own frames seen on the bus (echo)
-  std::uint64_t echoes_lost = 0;       ///< own frames whose echo never came, on a bus that carried later ones
+  std::uint64_t echoes_lost = 0;       ///< own frames whose echo was given up
   std::uint64_t dropped_full = 0;      ///< not sent: queue full
   std::uint64_t withheld = 0;          ///< not sent: predecessor with the same identifier unconfirmed
   std::uint64_t dropped_received = 0;  ///< lost by the kernel: our receive queue was full (SO_RXQ_OVFL)
@@ -67,6 +67,7 @@ class FrameBus {
   [[nodiscard]] virtual ReceiveResult receive(std::span<CanFrame> frames) noexcept = 0;
 
   [[nodiscard]] virtual BusHealth health() const noexcept = 0;
+  /// A person resets faults: a bus that went off counts as on, and echoes that may be lost are given up.
   virtual void clear_bus_off() noexcept = 0;
   [[nodiscard]] virtual const BusCounters& counters() const noexcept = 0;
 

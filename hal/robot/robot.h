@@ -11,6 +11,13 @@
 
 namespace stilt::hal {
 
+/// Buses by their numbers in the wiring: bit n is bus n.
+struct BusStates {
+  std::uint8_t off = 0;     ///< their controllers took themselves off
+  std::uint8_t gone = 0;    ///< disconnected
+  std::uint8_t erring = 0;  ///< errors or lost frames since the read before
+};
+
 /// Newest reading of every channel. A channel without news keeps its values and counts what it missed.
 struct RobotReadings {
   JointReadings joints;
@@ -18,6 +25,7 @@ struct RobotReadings {
   JointBusStatus status = JointBusStatus::ok;
   EmergencyStopState emergency_stop = EmergencyStopState::absent;
   std::uint64_t bus_errors = 0;  ///< frames lost, withheld or malformed and error reports, since the start
+  BusStates buses;
 };
 
 /// Progress of the motor drivers from powered to enabled.

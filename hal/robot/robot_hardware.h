@@ -35,6 +35,7 @@ class RobotHardware final : public Robot {
 
   /// Frames lost, withheld or malformed and error reports, on all buses since the start.
   [[nodiscard]] std::uint64_t errors() const noexcept;
+  [[nodiscard]] std::uint64_t errors(std::size_t bus) const noexcept;
 
   /// Takes the torso sensor's samples from here. At start-up; outlives this object.
   void attach(TorsoFeed& feed) noexcept { robot_.attach(feed); }
@@ -61,7 +62,10 @@ class RobotHardware final : public Robot {
   [[nodiscard]] std::span<TapBus> buses() noexcept { return std::span(taps_).first(bus_count_); }
 
  private:
+  [[nodiscard]] BusStates bus_states() noexcept;
+
   std::size_t bus_count_;
+  std::array<std::uint64_t, kMaximumBuses> errors_before_{};
   std::array<TapBus, kMaximumBuses> taps_;
   std::array<FrameBus*, kMaximumBuses> tap_pointers_;
   CanRobot robot_;

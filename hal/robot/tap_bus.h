@@ -64,6 +64,8 @@ class TapBus final : public FrameBus {
   }
   /// Whether it is being reconnected. The reconnecting thread has the inner bus to itself then.
   [[nodiscard]] bool reconnecting() const noexcept { return reconnecting_.load(std::memory_order_acquire); }
+  /// Whether the newest call found it gone, or it is being reconnected.
+  [[nodiscard]] bool disconnected() const noexcept { return disconnected_ || reconnecting(); }
   /// The attempt is over, with or without success.
   void end_reconnect() noexcept { reconnecting_.store(false, std::memory_order_release); }
 

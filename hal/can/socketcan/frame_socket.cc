@@ -55,8 +55,7 @@ BusStatus FrameSocket::failure(int error_number) noexcept {
 /// before.
 bool FrameSocket::must_wait(std::span<const CanFrame> frames, std::size_t i,
                             std::span<const std::uint8_t> taken) const noexcept {
-  if (confirmations_.waiting(frames[i]) || confirmations_.size() + taken.size() >= Confirmations::kCapacity)
-    return true;
+  if (confirmations_.waiting(frames[i]) || !confirmations_.has_room(frames[i], taken.size())) return true;
   return std::any_of(taken.begin(), taken.end(),
                      [&](std::uint8_t j) { return Confirmations::same(frames[j], frames[i]); });
 }
@@ -68,6 +67,9 @@ std::size_t FrameSocket::collect(std::span<const CanFrame> frames,
   for (std::size_t i = 0; i < frames.size(); ++i) {
     if (echo_ != Echo::none && must_wait(frames, i, std::span(taken).first(count))) {
       ++counters_.withheld;
+      // Frames of a controller that no node acknowledges wait, and so do those for a stopped process.
+      const bool may_be_lost = echo_ == Echo::kernel && health_ != BusHealth::passive;
+      if (confirmations_.refuse(frames[i], may_be_lost)) ++counters_.echoes_lost;
       status = BusStatus::unconfirmed;
       continue;
     }

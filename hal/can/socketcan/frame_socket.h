@@ -48,6 +48,7 @@ class FrameSocket final : public FrameBus {
   [[nodiscard]] BusHealth health() const noexcept override { return health_; }
   void clear_bus_off() noexcept override {
     if (carrier_lost_) confirmations_.forget();  // what was sent since is not on the bus
+    counters_.echoes_lost += confirmations_.try_again();
     health_ = BusHealth::active;
   }
   [[nodiscard]] const BusCounters& counters() const noexcept override { return counters_; }

@@ -12,7 +12,7 @@ class RecordedRobot final : public hal::Robot {
   void set(const control_loop::TickRecord& tick) noexcept { tick_ = &tick; }
 
   void read(std::int64_t, hal::RobotReadings& readings) noexcept override {
-    readings = {tick_->joints, tick_->base, tick_->read_status, tick_->emergency_stop, tick_->bus_errors};
+    readings = {tick_->joints, tick_->base, tick_->read_status, tick_->emergency_stop, tick_->bus_errors, {}};
   }
   [[nodiscard]] hal::JointBusStatus write(const hal::JointCommands&) noexcept override {
     return tick_->write_status;

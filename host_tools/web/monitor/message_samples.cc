@@ -86,6 +86,9 @@ SupervisorSample supervisor_sample(const telemetry::Supervisor& message) {
   sample.base_height_m = message.base_height_m;
   sample.commander = message.commander;
   sample.commander_alive = message.commander_alive;
+  const auto names = span_of(message.faults);
+  const auto found = span_of(message.found);
+  for (std::size_t i = 0; i < std::min(names.size(), found.size()); ++i) sample.found[names[i]] = found[i];
   return sample;
 }
 

@@ -140,7 +140,8 @@ SharedMessage supervisor_message(const SupervisorSample& sample) {
                {"speed_m_s", sample.speed_m_s},
                {"base_height_m", sample.base_height_m},
                {"commander", sample.commander},
-               {"commander_alive", sample.commander_alive}});
+               {"commander_alive", sample.commander_alive},
+               {"found", sample.found}});
 }
 
 SharedMessage event_message(const EventSample& sample) {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -49,17 +50,18 @@ struct PlanSample {
 /// State of the supervisor.
 struct SupervisorSample {
   double time_s = 0.0;
-  int state = 0;                 ///< number of supervisor::State
-  int fallback_level = 0;        ///< number of supervisor::FallbackLevel
-  int reaction = 0;              ///< number of supervisor::Reaction
-  std::uint64_t present = 0;     ///< bits of supervisor::FaultSet
-  std::uint64_t latched = 0;     ///< the same, waiting for a reset
-  double ramp = 0.0;             ///< progress of the blend-in of the torque law, 0 to 1
-  int gait = 0;                  ///< active gait, number of gait::GaitKind
-  double speed_m_s = 0.0;        ///< active speed of walk
-  double base_height_m = 0.0;    ///< active height of the hip; 0: unknown
-  std::string commander;         ///< who is in command; empty: none
-  bool commander_alive = false;  ///< whether its heartbeat arrives
+  int state = 0;                             ///< number of supervisor::State
+  int fallback_level = 0;                    ///< number of supervisor::FallbackLevel
+  int reaction = 0;                          ///< number of supervisor::Reaction
+  std::uint64_t present = 0;                 ///< bits of supervisor::FaultSet
+  std::uint64_t latched = 0;                 ///< the same, waiting for a reset
+  double ramp = 0.0;                         ///< progress of the blend-in of the torque law, 0 to 1
+  int gait = 0;                              ///< active gait, number of gait::GaitKind
+  double speed_m_s = 0.0;                    ///< active speed of walk
+  double base_height_m = 0.0;                ///< active height of the hip; 0: unknown
+  std::string commander;                     ///< who is in command; empty: none
+  bool commander_alive = false;              ///< whether its heartbeat arrives
+  std::map<std::string, std::string> found;  ///< by name of a fault: joint, driver, numbers, in words
 };
 
 /// An event; the text is one sentence.

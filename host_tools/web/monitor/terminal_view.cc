@@ -111,8 +111,11 @@ std::string TerminalView::fault_text() const {
     const std::uint64_t bit = std::uint64_t{1} << row;
     if ((any & bit) == 0) continue;
     const supervisor::FaultRow& fault = supervisor::kFaultTable[row];
+    const auto found = supervisor_->found.find(fault.name);
+    const bool known = found != supervisor_->found.end() && !found->second.empty();
     text += line("FAULT     %s (%s): %s", fault.name,
                  (supervisor_->present & bit) ? "now" : "waits for reset", fault.cause);
+    if (known) text += line("          found: %s", found->second.c_str());
     text += line("          clears when: %s%s", fault.clears,
                  fault.severity == supervisor::Severity::latched ? "; then reset" : "");
   }

@@ -208,7 +208,7 @@ TEST_F(Recovery, OfASampleOfCasesEachEndsStandingAgain) {
   EXPECT_GE(cases_, 75);
 }
 
-// All of them: recovery_test --gtest_also_run_disabled_tests --gtest_filter='*OfEveryCase'
+// All of them, about 3,200: ctest -C long -R Recovery.of_every_case
 TEST_F(Recovery, DISABLED_OfEveryCase) {
   expect_to_recover_from_one_in(1);
   EXPECT_GE(cases_, 3000);

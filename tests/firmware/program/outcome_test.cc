@@ -52,13 +52,15 @@ TEST_F(OutcomeTest, AFaultThatFlickersIsOneEntryUntilAReset) {
   EXPECT_EQ(outcome.faults[2].time_s, 3.0);
 }
 
-TEST_F(OutcomeTest, TheEndOfAFaultIsSaidOnceAndInTheReport) {
+TEST_F(OutcomeTest, TheEndOfAFaultOrWarningIsSaidOnceAndInTheReport) {
   const auto over = [this](double time_s, Fault fault) {
     events->push({.kind = Event::Kind::fault_over, .time_s = time_s, .fault = fault});
   };
   fault(1.0, Fault::emergency_stop);
   fault(1.0, Fault::bus_error);
   over(1.1, Fault::bus_error);
+  fault(1.2, Fault::bus_error);
+  over(1.3, Fault::bus_error);
   over(2.0, Fault::emergency_stop);
   fault(2.5, Fault::emergency_stop);
   over(3.0, Fault::emergency_stop);
@@ -72,10 +74,11 @@ TEST_F(OutcomeTest, TheEndOfAFaultIsSaidOnceAndInTheReport) {
       << said;
   EXPECT_EQ(said.find("3.000 s"), std::string::npos) << "once" << said;
   EXPECT_NE(said.find("4.100 s  fault missed_replies: over\n"), std::string::npos) << said;
-  EXPECT_EQ(said.find("bus_error: over"), std::string::npos) << said;
+  EXPECT_NE(said.find("1.100 s  fault bus_error: over\n"), std::string::npos) << said;
+  EXPECT_EQ(said.find("1.300 s"), std::string::npos) << "once" << said;
   const auto json = nlohmann::json::parse(to_json(outcome));
   EXPECT_EQ(json["faults"][0]["over_s"], 3.0);
-  EXPECT_EQ(json["faults"][1]["over_s"], 1.1);
+  EXPECT_EQ(json["faults"][1]["over_s"], 1.3);
   EXPECT_FALSE(json["faults"][2].contains("over_s")) << "it came again";
 }
 
@@ -123,6 +126,22 @@ TEST_F(OutcomeTest, AFaultNamesItsJointTheVendorCodeAndTheNumbers) {
   EXPECT_EQ(json["faults"][1]["value"], 77);
   EXPECT_EQ(json["faults"][1]["limit"], 75);
   EXPECT_EQ(json["faults"][1]["unit"], "C");
+}
+
+TEST_F(OutcomeTest, AFaultNamesItsBusAndItsCondition) {
+  events->push({.kind = Event::Kind::fault, .fault = Fault::bus_off, .found = {.bus = 1}});
+  events->push(
+      {.kind = Event::Kind::fault, .fault = Fault::emergency_stop, .found = {.condition = "silent"}});
+  testing::internal::CaptureStderr();
+  take_events(*events, outcome);
+  const std::string said = testing::internal::GetCapturedStderr();
+  EXPECT_NE(said.find("took itself off: bus 1 of hardware.buses; reaction: damp"), std::string::npos) << said;
+  EXPECT_NE(said.find("is pressed, or silent: silent; reaction: damp"), std::string::npos) << said;
+  const auto json = nlohmann::json::parse(to_json(outcome));
+  EXPECT_EQ(json["faults"][0]["bus"], 1);
+  EXPECT_FALSE(json["faults"][0].contains("condition"));
+  EXPECT_EQ(json["faults"][1]["condition"], "silent");
+  EXPECT_FALSE(json["faults"][1].contains("bus"));
 }
 
 TEST_F(OutcomeTest, ADriverThatCannotBeBroughtUpNamesItsFaultAndSetting) {

@@ -28,14 +28,25 @@ TEST(Thread, TheStackIsInMemoryBeforeTheWorkBegins) {
   EXPECT_EQ(faults, 0);
 }
 
-TEST(Thread, PriorityThatCannotBeHadIsLeftOut) {
+TEST(Thread, PriorityAndProcessorThatCannotBeHadAreLeftOutAndNamed) {
   bool ran = false;
   Thread thread;
   ASSERT_TRUE(thread.start(
-      {.name = "test", .priority = 1, .core = 1000}, [](void* flag) { *static_cast<bool*>(flag) = true; },
+      {.name = "test", .priority = 200, .core = 1000}, [](void* flag) { *static_cast<bool*>(flag) = true; },
       &ran));
+  EXPECT_EQ(thread.refused(),
+            "the thread of the test did not get SCHED_FIFO priority 200 and processor 1000");
   thread.join();
   EXPECT_TRUE(ran);
+}
+
+TEST(Thread, AProcessorBeyondAllIsNamedAndWhatWasNotAskedForIsNot) {
+  const auto nothing = [](void*) {};
+  Thread beyond, modest;
+  ASSERT_TRUE(beyond.start({.name = "test", .core = 5000}, nothing, nullptr));
+  EXPECT_EQ(beyond.refused(), "the thread of the test did not get processor 5000");
+  ASSERT_TRUE(modest.start({.name = "test"}, nothing, nullptr));
+  EXPECT_EQ(modest.refused(), "");
 }
 
 }  // namespace

@@ -55,6 +55,90 @@ TEST(FaultDetail, TheJointIsTheOneThatIsSpoilt) {
   }
 }
 
+/// Only the bring-up knows why it failed; the control loop adds that.
+TEST(FaultDetail, EveryFaultHasAJointOrABusOrAConditionOrANumber) {
+  for (Spoil spoil : kSpoils) {
+    if (spoil.fault == Fault::bring_up_failed) continue;
+    Observation seen = healthy();
+    spoil.apply(seen);
+    seen.buses = {.off = 2, .gone = 4, .erring = 8};
+    const FaultDetail found = detail(spoil.fault, seen, joint_limits(), {});
+    EXPECT_TRUE(found.joint >= 0 || found.bus >= 0 || *found.condition != '\0' || !std::isnan(found.value))
+        << name(spoil.fault);
+  }
+}
+
+TEST(FaultDetail, TheBusIsTheFirstThatIsOffOrGoneOrErrs) {
+  Observation seen = healthy();
+  seen.buses = {.off = 0b1100, .gone = 0b1000, .erring = 0b0010};
+  const auto bus = [&](Fault fault) { return detail(fault, seen, joint_limits(), {}).bus; };
+  EXPECT_EQ(bus(Fault::bus_off), 2);
+  EXPECT_EQ(bus(Fault::bus_disconnected), 3);
+  EXPECT_EQ(bus(Fault::bus_error), 1);
+  seen.buses = {};
+  EXPECT_EQ(bus(Fault::bus_off), -1) << "a robot without buses";
+  EXPECT_STREQ(detail(Fault::bus_error, seen, joint_limits(), {}).condition, "frames that cannot be decoded");
+}
+
+TEST(FaultDetail, AnEmergencyStopIsPressedOrSilent) {
+  Observation seen = healthy();
+  const auto condition = [&] { return detail(Fault::emergency_stop, seen, joint_limits(), {}).condition; };
+  seen.emergency_stop = hal::EmergencyStopState::pressed;
+  EXPECT_STREQ(condition(), "pressed");
+  seen.emergency_stop = hal::EmergencyStopState::unknown;
+  EXPECT_STREQ(condition(), "silent");
+}
+
+TEST(FaultDetail, ATorsoSensorIsSilentOrRepeatsOneValueEachWithItsOwnLimit) {
+  const SupervisorParameters parameters;
+  Observation seen = healthy();
+  const auto found = [&] { return detail(Fault::stale_torso_sensor, seen, joint_limits(), parameters); };
+  seen.base.unchanged_replies = 25;
+  EXPECT_STREQ(found().condition, "repeats one value");
+  EXPECT_EQ(found().value, 25);
+  EXPECT_EQ(found().limit, parameters.unchanged_replies_limit);
+  seen.base.missed_replies = 12;
+  EXPECT_STREQ(found().condition, "silent");
+  EXPECT_EQ(found().value, 12);
+  EXPECT_EQ(found().limit, parameters.missed_damp_ticks);
+}
+
+TEST(FaultDetail, AMissingPlanIsTooOldOrNotInStep) {
+  const SupervisorParameters parameters;
+  for (const Fault fault : {Fault::stale_plan, Fault::plan_missing}) {
+    Observation seen = healthy();
+    seen.plan_age_s = parameters.stale_plan_s + 0.1;
+    EXPECT_EQ(detail(fault, seen, joint_limits(), parameters).value, seen.plan_age_s);
+    EXPECT_EQ(detail(fault, seen, joint_limits(), parameters).limit, parameters.stale_plan_s);
+    seen.plan_age_s = 0.5 * parameters.stale_plan_s;
+    EXPECT_STREQ(detail(fault, seen, joint_limits(), parameters).condition, "not in step");
+  }
+}
+
+TEST(FaultDetail, WhatIsNotFiniteIsNamed) {
+  const auto found = [](const Observation& seen) {
+    return detail(Fault::not_finite, seen, joint_limits(), {});
+  };
+  Observation seen = healthy();
+  EXPECT_STREQ(found(seen).condition, "estimate or torque not a number");
+  seen.base.pitch_rate_rad_s = NAN;
+  EXPECT_STREQ(found(seen).condition, "torso sensor not a number");
+  seen.joints[2].velocity_rad_s = NAN;
+  EXPECT_EQ(found(seen).joint, 2);
+  EXPECT_STREQ(found(seen).condition, "reading not a number");
+  seen.write_status = hal::JointBusStatus::refused;
+  EXPECT_STREQ(found(seen).condition, "command refused");
+}
+
+TEST(FaultDetail, HeatIsOfTheMotorOrOfItsDriver) {
+  Observation seen = healthy();
+  seen.joints[3].driver_temperature_C = 96;
+  EXPECT_STREQ(detail(Fault::driver_overheated, seen, joint_limits(), {}).condition, "driver");
+  seen = healthy();
+  seen.joints[3].motor_temperature_C = 96;
+  EXPECT_STREQ(detail(Fault::driver_overheated, seen, joint_limits(), {}).condition, "motor");
+}
+
 TEST(FaultDetail, TheLimitOfAMissingTorqueIsTheLargerOfTheTwo) {
   Observation seen = healthy();
   seen.signals.asked_torque_Nm[2] = 50;

@@ -314,6 +314,16 @@ TEST_F(CommandArbiterTest, the_257th_commander_of_a_session_is_refused_and_the_f
   EXPECT_TRUE(take(CommandKind::heartbeat, 0, "commander 0").accepted);
 }
 
+TEST_F(CommandArbiterTest, of_those_beyond_the_most_commanders_only_the_newest_few_are_remembered) {
+  now.state = State::walk;
+  for (int i = 0; i < 256; ++i) ASSERT_TRUE(take(CommandKind::heartbeat, 0, std::to_string(i)).accepted);
+  std::vector<Asked> stops;
+  for (int i = 0; i < 65; ++i) stops.push_back(asked(CommandKind::stop, 0, "late " + std::to_string(i)));
+  for (const Asked& stop : stops) ASSERT_TRUE(take(stop).accepted);
+  for (int i = 1; i < 65; ++i) ASSERT_FALSE(take(stops[static_cast<std::size_t>(i)]).accepted) << i;
+  EXPECT_TRUE(take(stops[0]).accepted) << "forgotten, so that memory has an end";
+}
+
 TEST_F(CommandArbiterTest, of_more_commanders_than_there_may_be_each_may_stop_and_cut_once) {
   now.state = State::walk;
   for (int i = 0; i < 256; ++i) ASSERT_TRUE(take(CommandKind::heartbeat, 0, std::to_string(i)).accepted);

@@ -154,13 +154,17 @@ TEST_F(RosWire, diagnostics_read_as_a_diagnostic_array_that_names_the_fault) {
   tick.state = supervisor::State::fault;
   tick.reaction = supervisor::Reaction::damp;
   tick.latched.add(supervisor::Fault::bus_off);
-  const Cdr cdr = sent(kDiagnostics, [&] { publisher.diagnostics(tick, {}, {}, time, "amber3m"); });
+  diagnostics::FoundWords found;
+  found[static_cast<std::size_t>(supervisor::Fault::bus_off)] = "bus 1 of hardware.buses";
+  const Cdr cdr = sent(kDiagnostics, [&] { publisher.diagnostics(tick, {}, {}, time, "amber3m", found); });
   const nlohmann::json message = read_elsewhere(kDiagnostics.name, cdr);
   ASSERT_EQ(message.at("status").size(), 6u);
   const nlohmann::json& first = message.at("status").at(0);
   EXPECT_EQ(first.at("level"), 2);
   EXPECT_EQ(first.at("hardware_id"), "amber3m");
   EXPECT_EQ(first.at("values").back().at("key"), "bus_off");
+  EXPECT_EQ(first.at("values").back().at("value"), "waits for a reset: bus 1 of hardware.buses");
+  EXPECT_EQ(first.at("message"), "fault; the controller of a bus took itself off: bus 1 of hardware.buses");
 }
 
 TEST_F(RosWire, a_twist_of_others_reads_as_ours) {

@@ -177,6 +177,27 @@ TEST(MakersFirmware, DriversAsDocumentedComeUpAndStayUpAtEveryWatchdogPhaseAndCl
   }
 }
 
+/// What an AK does with a fault when it is switched off is not public.
+TEST(MakersFirmware, AnAkWithAFaultComesUpOrIsRefusedWithItUntilItsPowerIsGone) {
+  const mit::MitDriver described = mit_driver(mit::ReplyLayout::ak);
+  for (const bool keeps_fault : {false, true}) {
+    MitEmulator driver(described, 5, {.keeps_fault = keeps_fault});
+    driver.raise(DriverFault::over_current);
+    const auto bring_up = [&] {
+      MitBringUp anew(described, {.accept_missing_watchdog = true});
+      return attempt(driver, anew, 7).result;
+    };
+    const StepResult first = bring_up();
+    EXPECT_EQ(first.stage, keeps_fault ? Stage::failed : Stage::ready) << name(first.failure);
+    if (!keeps_fault) continue;
+    EXPECT_EQ(first.failure, Failure::driver_fault);
+    EXPECT_EQ(first.driver_fault, DriverFault::over_current);
+    EXPECT_FALSE(driver.enabled());
+    driver.power_cycle();
+    EXPECT_EQ(bring_up().stage, Stage::ready) << "after its power was gone";
+  }
+}
+
 /// Replies of a driver behind an adapter that holds them up for so long.
 Trial attempt_behind(EmulatedDriver& driver, BringUp& bring_up, std::int64_t lag_ns) {
   mock::MockClock clock;

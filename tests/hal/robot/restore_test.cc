@@ -67,9 +67,10 @@ TEST_F(RestoreTest, ABusThatIsLentIsNotTouched) {
 class CountingBus final : public FrameBus {
  public:
   BusCounters count;
+  BusHealth condition = BusHealth::active;
   SendResult send(std::span<const CanFrame> frames) noexcept override { return {frames.size()}; }
   ReceiveResult receive(std::span<CanFrame>) noexcept override { return {}; }
-  BusHealth health() const noexcept override { return BusHealth::active; }
+  BusHealth health() const noexcept override { return condition; }
   void clear_bus_off() noexcept override {}
   const BusCounters& counters() const noexcept override { return count; }
 };
@@ -91,6 +92,67 @@ TEST(RobotHardware, ErrorsAreThoseOfAllBusesAndOfEveryKind) {
   EXPECT_EQ(hardware.errors(), 54321u);
   buses[1].count = buses[0].count;
   EXPECT_EQ(hardware.errors(), 2 * 54321u);
+}
+
+TEST_F(RestoreTest, BusesThatAreOffOrGoneOrErrAreNamed) {
+  RobotReadings readings;
+  const auto states = [&] {
+    hardware_.read(robot_.clock_.now_ns(), readings);
+    return readings.buses;
+  };
+  EXPECT_EQ(states().gone, 0);
+  robot_.buses_[1].set_disconnected(true);
+  EXPECT_EQ(states().gone, 0b10);
+  hardware_.restore_buses();
+  EXPECT_EQ(states().gone, 0b10) << "while it is connected again";
+  static_cast<void>(serve(true));
+  EXPECT_EQ(states().gone, 0);
+}
+
+TEST(RobotHardware, ABusErrsInTheReadAfterItsCountersRose) {
+  std::array<CountingBus, 2> buses;
+  const Robot robot(Kind::mit);
+  RobotHardware hardware(robot.wiring_, BringUpOptions{}, std::array<FrameBus*, 2>{&buses[0], &buses[1]});
+  RobotReadings readings;
+  const auto states = [&] {
+    hardware.read(0, readings);
+    return readings.buses;
+  };
+  EXPECT_EQ(states().erring, 0);
+  buses[1].count.error_frames = 3;
+  EXPECT_EQ(states().erring, 0b10);
+  EXPECT_EQ(states().erring, 0);
+  buses[0].condition = BusHealth::off;
+  EXPECT_EQ(states().off, 0b01);
+}
+
+/// A bus that withholds frames until a reset gives up the echoes that it waits for.
+class SilencedBus final : public FrameBus {
+ public:
+  bool silenced = true;
+  int carried = 0;
+  SendResult send(std::span<const CanFrame> frames) noexcept override {
+    if (silenced) return {0, BusStatus::unconfirmed};
+    carried += static_cast<int>(frames.size());
+    return {frames.size()};
+  }
+  ReceiveResult receive(std::span<CanFrame>) noexcept override { return {}; }
+  BusHealth health() const noexcept override { return BusHealth::active; }
+  void clear_bus_off() noexcept override { silenced = false; }
+  const BusCounters& counters() const noexcept override { return counters_; }
+
+ private:
+  BusCounters counters_;
+};
+
+TEST(RobotHardware, ResetFramesOfSilentDriversLeaveABusThatLostAllEchoes) {
+  std::array<SilencedBus, 2> buses;
+  const Robot robot(Kind::mit);
+  RobotHardware hardware(robot.wiring_, BringUpOptions{}, std::array<FrameBus*, 2>{&buses[0], &buses[1]});
+  RobotReadings readings;
+  for (int tick = 0; tick < 20; ++tick) hardware.read(tick, readings);
+  hardware.restore_buses();
+  EXPECT_EQ(buses[0].carried + buses[1].carried, 4) << "one a driver";
 }
 
 TEST_F(RestoreTest, AConnectionThatFailsIsTriedAgainWithTheNextTick) {

@@ -66,13 +66,14 @@ class StatusPanel {
   }
 
   showFaults(message) {
-    const key = `${message.present}/${message.latched}`;
+    const found = message.found ?? {};
+    const key = `${message.present}/${message.latched}/${JSON.stringify(found)}`;
     if (key === this.lastFaults) return;
     this.lastFaults = key;
     const cards = this.robot.hello.faults.flatMap((fault, bit) => {
       const present = hasBit(message.present, bit);
       const latched = hasBit(message.latched, bit);
-      return present || latched ? [faultCard(fault, present, latched)] : [];
+      return present || latched ? [faultCard(fault, present, latched, found[fault.name])] : [];
     });
     const list = document.getElementById('fault-list');
     list.replaceChildren(...(cards.length > 0 ? cards : [element('p', { className: 'fine', textContent: 'None.' })]));
@@ -153,11 +154,13 @@ function clearing(fault) {
   return fault.severity === 'latched' ? `${fault.clears}; then Reset` : fault.clears;
 }
 
-function faultCard(fault, present, latched) {
+/** `found`: joint or bus, driver, value and limit, in words; may be missing. */
+function faultCard(fault, present, latched, found) {
   const when = present ? 'happening now' : 'over; waits for Reset';
   return element('article', { className: `fault ${latched ? 'latched' : fault.severity}` },
     element('h3', {}, `${fault.name} `, element('small', { textContent: `${fault.number} · ${when}` })),
     element('p', {}, `Cause: ${fault.cause}.`),
+    ...(found ? [element('p', { className: 'found', textContent: `Found: ${found}.` })] : []),
     element('p', {}, `The robot: ${kReactionText[fault.reaction]}.`),
     element('p', {}, `Clears when: ${clearing(fault)}.`));
 }

@@ -21,6 +21,17 @@ namespace {
 
 using stilt::hal::testing::RandomValues;
 
+/// Marked frames are the kernel's echoes.
+int receive_with_echoes(int descriptor, mmsghdr* headers, unsigned count, int flags, timespec* timeout) {
+  const int messages = ::recvmmsg(descriptor, headers, count, flags, timeout);
+  for (int i = 0; i < messages; ++i) {
+    const iovec& part = *headers[i].msg_hdr.msg_iov;
+    if (marked_echo({static_cast<const std::byte*>(part.iov_base), headers[i].msg_len}))
+      headers[i].msg_hdr.msg_flags |= MSG_CONFIRM;
+  }
+  return messages;
+}
+
 class Interface {
  public:
   Interface(int descriptor, std::size_t mailboxes) : descriptor_(descriptor), mailboxes_(mailboxes) {}
@@ -109,11 +120,17 @@ class Interface {
   std::deque<OnWire> with_controller_;
 };
 
-constexpr std::uint32_t kCommands = 4;
 constexpr int kTicks = 600;
-constexpr int kQuietTicks = 100;  // at the end, without events
+constexpr int kMostBlocked = 5;                         // ticks in a row, shorter than an echo is waited for
+constexpr int kLongestLoss = 20, kBetweenLosses = 100;  // ticks, of all echoes
+constexpr int kQuietTicks = 100;                        // at the end, without events
 
-class EchoQueue : public ::testing::TestWithParam<std::size_t> {
+struct Case {
+  std::size_t mailboxes;
+  std::uint32_t commands;  ///< in every tick
+};
+
+class EchoQueue : public ::testing::TestWithParam<Case> {
  protected:
   void SetUp() override { ASSERT_EQ(::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK, 0, ends_), 0); }
   void TearDown() override {
@@ -122,26 +139,33 @@ class EchoQueue : public ::testing::TestWithParam<std::size_t> {
   int ends_[2] = {-1, -1};
 };
 
-/// Commands of four joints in every tick, at random times a bus-off, a restart some ticks later, a reset of
-/// the fault before or after it, a bus that others fill, and lost echoes.
+/// At random times a bus-off, a restart some ticks later, a reset of the fault before or after it, a bus that
+/// others fill, single lost echoes, and some ticks without any.
 TEST_P(EchoQueue, BusOffAndRestartNeitherSilenceAnIdentifierNorLeaveOldCommands) {
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     RandomValues random(seed);
-    FrameSocket bus(ends_[0], Echo::marked);
-    Interface interface(ends_[1], GetParam());
-    std::vector<int> last_on_wire(kCommands, 0);
+    FrameSocket bus(ends_[0], Echo::kernel, {.receive_many = receive_with_echoes});
+    const auto [mailboxes, count] = GetParam();
+    Interface interface(ends_[1], mailboxes);
+    std::vector<int> last_on_wire(count, 0);
+    int blocked_for = 0;
+    int echoes_from = 0;
     for (int tick = 0; tick < kTicks; ++tick) {
       const bool quiet = tick >= kTicks - kQuietTicks;
-      std::array<CanFrame, kCommands> commands;
-      for (std::uint32_t i = 0; i < kCommands; ++i) commands[i] = classic_frame(1 + i, 8);
+      std::vector<CanFrame> commands;
+      for (std::uint32_t i = 0; i < count; ++i) commands.push_back(classic_frame(1 + i, 8));
       static_cast<void>(bus.send(commands));
       interface.take(tick);
       if (!quiet && random.chance(0.02) && interface.carrier()) interface.bus_off();
       if ((quiet || random.chance(0.1)) && !interface.carrier()) interface.restart();
-      const bool blocked = !quiet && random.chance(0.3);
-      const int most = blocked ? static_cast<int>(random.below(3)) : static_cast<int>(kCommands);
-      for (const auto& sent : interface.send_some(most, quiet ? 0 : 0.01, random)) {
+      const bool blocked = !quiet && blocked_for < kMostBlocked && random.chance(0.3);
+      blocked_for = blocked ? blocked_for + 1 : 0;
+      const int most = blocked ? static_cast<int>(random.below(3)) : static_cast<int>(count);
+      if (!quiet && tick >= echoes_from + kBetweenLosses && random.chance(0.02))
+        echoes_from = tick + 1 + static_cast<int>(random.below(kLongestLoss));
+      const double loss = quiet ? 0 : tick < echoes_from ? 1 : 0.01;
+      for (const auto& sent : interface.send_some(most, loss, random)) {
         EXPECT_LE(tick - sent.sent_tick, 8) << "an old command at tick " << tick;
         last_on_wire[sent.frame.id - 1] = tick;
       }
@@ -149,8 +173,8 @@ TEST_P(EchoQueue, BusOffAndRestartNeitherSilenceAnIdentifierNorLeaveOldCommands)
       std::array<CanFrame, kMaximumBatch> received;
       static_cast<void>(bus.receive(received));
       if (bus.health() == BusHealth::off && (quiet || random.chance(0.05))) bus.clear_bus_off();
-      if (tick < kTicks - kQuietTicks + 10) continue;
-      for (std::uint32_t i = 0; i < kCommands; ++i) {
+      if (tick < kTicks - kQuietTicks + 30) continue;
+      for (std::uint32_t i = 0; i < count; ++i) {
         EXPECT_GE(last_on_wire[i], tick - 1) << "identifier " << i + 1 << " at tick " << tick;
       }
     }
@@ -159,7 +183,9 @@ TEST_P(EchoQueue, BusOffAndRestartNeitherSilenceAnIdentifierNorLeaveOldCommands)
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Mailboxes, EchoQueue, ::testing::Values(1, 3, 16));
+INSTANTIATE_TEST_SUITE_P(Mailboxes, EchoQueue,
+                         ::testing::Values(Case{1, 4}, Case{3, 4}, Case{16, 4}, Case{3, 2}, Case{16, 2},
+                                           Case{1, 1}, Case{16, 1}));
 
 }  // namespace
 }  // namespace stilt::hal::socketcan

@@ -9,46 +9,13 @@
 #include <cstring>
 #include <vector>
 
+#include "tests/hal/can/socketcan/frame_socket_rig.h"
 #include "tests/hal/random_values.h"
 
-// The real I/O code over a pair of Unix SOCK_SEQPACKET sockets, which frames like CAN_RAW.
 namespace stilt::hal::socketcan {
 namespace {
 
 using stilt::hal::testing::RandomValues;
-
-class FrameSocketTest : public ::testing::Test {
- protected:
-  void SetUp() override { ASSERT_EQ(::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK, 0, ends_), 0); }
-  void TearDown() override {
-    close_end(0);
-    close_end(1);
-  }
-  void close_end(int end) {
-    if (ends_[end] >= 0) ::close(ends_[end]);
-    ends_[end] = -1;
-  }
-  int ends_[2] = {-1, -1};
-};
-
-std::vector<CanFrame> receive_all(FrameBus& bus) {
-  std::vector<CanFrame> all;
-  std::array<CanFrame, kMaximumBatch> frames;
-  while (true) {
-    const ReceiveResult result = bus.receive(frames);
-    all.insert(all.end(), frames.begin(), frames.begin() + static_cast<std::ptrdiff_t>(result.received));
-    if (result.status != BusStatus::more) return all;
-  }
-}
-
-CanFrame error_frame(std::uint32_t classes, std::uint8_t controller_detail = 0) {
-  CanFrame frame;
-  frame.error = true;
-  frame.id = classes;
-  frame.length = 8;
-  frame.data[1] = controller_detail;
-  return frame;
-}
 
 TEST_F(FrameSocketTest, FramesArriveInOrderAndUnchanged) {
   constexpr std::uint64_t kSeed = 4601;
@@ -196,72 +163,6 @@ TEST_F(FrameSocketTest, WithoutADescriptorItIsDisconnected) {
   std::array<CanFrame, 1> frames;
   EXPECT_EQ(socket.receive(frames).status, BusStatus::disconnected);
   EXPECT_EQ(socket.send(frames).status, BusStatus::disconnected);
-}
-
-/// As the kernel delivers echoes: everything received is confirmed as our own.
-int receive_as_echo(int descriptor, mmsghdr* headers, unsigned count, int flags, timespec* timeout) {
-  const int messages = ::recvmmsg(descriptor, headers, count, flags, timeout);
-  for (int i = 0; i < messages; ++i) headers[i].msg_hdr.msg_flags |= MSG_CONFIRM;
-  return messages;
-}
-
-TEST_F(FrameSocketTest, AtMostOneCommandOfAnIdentifierIsUnconfirmed) {
-  FrameSocket socket(ends_[0], Echo::kernel, {.receive_many = receive_as_echo});
-  FrameSocket wire(ends_[1]);
-  const std::vector<CanFrame> commands{classic_frame(1, 8), classic_frame(2, 8)};
-  ASSERT_EQ(socket.send(commands).status, BusStatus::ok);
-  EXPECT_EQ(socket.unconfirmed(), 2u);
-  for (int tick = 0; tick < 50; ++tick) {  // drivers without power: no node acknowledges
-    const SendResult result = socket.send(commands);
-    EXPECT_EQ(result.sent, 0u);
-    EXPECT_EQ(result.status, BusStatus::unconfirmed);
-  }
-  EXPECT_EQ(socket.counters().withheld, 100u);
-  const std::vector<CanFrame> on_the_wire = receive_all(wire);
-  EXPECT_EQ(on_the_wire.size(), 2u) << "power returns: one frame a joint, no burst";
-  ASSERT_EQ(wire.send(std::span(on_the_wire).first(1)).sent, 1u);  // the first leaves the controller: echo
-  EXPECT_TRUE(receive_all(socket).empty()) << "an echo is no reply";
-  EXPECT_EQ(socket.counters().confirmed, 1u);
-  const SendResult result = socket.send(commands);
-  EXPECT_EQ(result.sent, 1u);
-  EXPECT_EQ(receive_all(wire), std::vector<CanFrame>{classic_frame(1, 8)});
-}
-
-TEST_F(FrameSocketTest, ALostEchoSilencesAJointForAFewTicksOnly) {
-  FrameSocket socket(ends_[0], Echo::kernel, {.receive_many = receive_as_echo});
-  FrameSocket wire(ends_[1]);
-  const std::vector<CanFrame> commands{classic_frame(1, 8), classic_frame(2, 8)};
-  int silent = 0;
-  for (int tick = 0; tick < 20; ++tick) {
-    static_cast<void>(socket.send(commands));
-    const std::vector<CanFrame> on_the_wire = receive_all(wire);
-    const bool first_sent = !on_the_wire.empty() && on_the_wire[0].id == 1;
-    if (!first_sent) ++silent;
-    for (const CanFrame& frame : on_the_wire) {
-      const bool echo_lost = tick == 0 && frame.id == 1;
-      if (echo_lost) continue;
-      ASSERT_EQ(wire.send(std::span(&frame, 1)).sent, 1u);
-    }
-    static_cast<void>(receive_all(socket));
-  }
-  EXPECT_EQ(silent, 6) << "fewer than supervisor.missed_damp_ticks";
-  EXPECT_EQ(socket.counters().echoes_lost, 1u);
-  EXPECT_EQ(socket.counters().withheld, 6u);
-}
-
-TEST_F(FrameSocketTest, FramesThatLeaveByPriorityLoseNoEcho) {
-  FrameSocket socket(ends_[0], Echo::kernel, {.receive_many = receive_as_echo});
-  FrameSocket wire(ends_[1]);
-  std::vector<CanFrame> commands;
-  for (std::uint32_t id = 1; id <= 6; ++id) commands.push_back(classic_frame(id, 8));
-  for (int tick = 0; tick < 10; ++tick) {
-    ASSERT_EQ(socket.send(commands).sent, commands.size()) << tick;
-    std::vector<CanFrame> on_the_wire = receive_all(wire);
-    std::ranges::reverse(on_the_wire);
-    ASSERT_EQ(wire.send(on_the_wire).sent, on_the_wire.size());
-    static_cast<void>(receive_all(socket));
-  }
-  EXPECT_EQ(socket.counters().echoes_lost, 0u);
 }
 
 TEST_F(FrameSocketTest, TwoFramesOfOneIdentifierInABatchAreOneTooMany) {

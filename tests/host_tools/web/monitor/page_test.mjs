@@ -105,11 +105,12 @@ test('a monitor that ends is shown', async () => {
 });
 
 test('a fault says its cause, what the robot does and what clears it', async () => {
-  monitor.write('fault joint_speed_limit');
+  monitor.write('fault joint_speed_limit knee_R, 31 rad/s, limit 21 rad/s');
   await state('fault');
   const card = await until('the fault', () => text('.fault'));
   assert.match(card, /joint_speed_limit 102 · happening now/);
   assert.match(card, /Cause: a joint is faster than its limit/);
+  assert.match(card, /Found: knee_R, 31 rad\/s, limit 21 rad\/s\./);
   assert.match(card, /The robot: damps the joints/);
   assert.match(card, /Clears when: every joint is slower; then Reset/);
   await page.keyboard.press('w');

@@ -76,6 +76,7 @@ void SyntheticSource::change(const std::string& words) {
     present_ |= bit;
     if (supervisor::of_severity(supervisor::Severity::latched).bits() & bit) latched_ |= bit;
     if (latched_ != 0) state_ = number(State::fault);
+    std::getline(stream >> std::ws, found_[argument]);
     publish_event("fault: " + argument, true);
   } else if (verb == "over") {
     present_ &= ~bit_of(argument);
@@ -292,6 +293,7 @@ SupervisorSample SyntheticSource::supervisor_sample() const {
   sample.gait = state_ == number(State::walk) ? 2 : state_ == number(State::step) ? 1 : 0;
   sample.speed_m_s = wanted_m_s_;
   sample.base_height_m = hip_height_m_;
+  sample.found = found_;
   return sample;
 }
 

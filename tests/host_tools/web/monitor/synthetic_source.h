@@ -1,6 +1,7 @@
 #pragma once
 
 #include <deque>
+#include <map>
 #include <string>
 
 #include "host_tools/web/monitor/sample_source.h"
@@ -18,7 +19,7 @@ class SyntheticSource final : public SampleSource {
   /// Ticks up to `now_s` of any steady clock are there at the next poll().
   void advance(double now_s);
 
-  /// Changes something, in words: "silent", "talk", "fault NAME", "over NAME", "drop N", "run",
+  /// Changes something, in words: "silent", "talk", "fault NAME FOUND", "over NAME", "drop N", "run",
   /// "others", "push N", "idle", "dead", "record". Throws std::invalid_argument when it is none of them.
   void change(const std::string& words);
 
@@ -52,6 +53,7 @@ class SyntheticSource final : public SampleSource {
   double hip_x_m_ = 0.0, speed_m_s_ = 0.0, wanted_m_s_ = 0.0, phase_ = 0.0, push_N_ = 0.0;
   int state_ = 4;  ///< stands
   std::uint64_t present_ = 0, latched_ = 0;
+  std::map<std::string, std::string> found_;
   double swing_height_m_ = 0.06, hip_height_m_ = 0.78;
   std::deque<ReplySample> replies_;
   std::deque<EventSample> events_;

@@ -39,6 +39,14 @@ TEST(TerminalView, AFaultSaysItsCauseAndWhatClearsIt) {
   EXPECT_TRUE(holds(text, "clears when: every bus is on; then reset")) << text;
 }
 
+TEST(TerminalView, AFaultSaysWhatItWasFoundBy) {
+  SyntheticSource source;
+  source.change("fault bus_off bus 1 of hardware.buses");
+  TerminalView view(source);
+  const std::string text = after_a_second(source, view);
+  EXPECT_TRUE(holds(text, "took itself off\n          found: bus 1 of hardware.buses\n")) << text;
+}
+
 TEST(TerminalView, AFaultThatIsOverWaitsForItsReset) {
   SyntheticSource source;
   source.change("fault bus_off");
