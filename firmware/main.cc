@@ -24,6 +24,7 @@
 #include "firmware/program/self_test.h"
 #include "firmware/telemetry/telemetry_node.h"
 #include "firmware/version/commit.h"
+#include "firmware/version/megabytes.h"
 
 /// stiltd: reads the configuration, opens the buses, runs the controller, reports.
 namespace {
@@ -57,7 +58,7 @@ std::string version_text() {
   return "stiltd " STILT_VERSION "\ncommit            " + std::string(version::commit()) +
          "\ncompiler          GCC " __VERSION__ "\ninstruction set   " STILT_ISA ", " +
          program::planner_instruction_sets() + "\ncontroller object " +
-         std::to_string(sizeof controller_state) + " bytes";
+         version::megabytes(sizeof controller_state);
 }
 
 int refuse(const std::string& sentence) {
@@ -111,7 +112,9 @@ std::expected<void, std::string> check_start(const program::Options& options, pr
 
 int report(const program::Options& options, const program::Outcome& outcome) {
   if (!outcome.error.empty()) std::fprintf(stderr, "stiltd: %s\n", outcome.error.c_str());
-  if (!write_figures(options, program::to_json(outcome))) return kBadUsage;
+  if (!outcome.not_written.empty()) std::fprintf(stderr, "stiltd: %s\n", outcome.not_written.c_str());
+  const bool figures_written = write_figures(options, program::to_json(outcome));
+  if (!figures_written || !outcome.not_written.empty()) return kBadUsage;
   return outcome.error.empty() && outcome.last_state != "fault" ? kDone : kFailed;
 }
 

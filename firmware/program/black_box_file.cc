@@ -28,9 +28,11 @@ void BlackBoxFile::save() {
   state_.mail.black_box.rearm();
 }
 
-void BlackBoxFile::finish() {
+std::expected<void, std::string> BlackBoxFile::finish() {
   save();
   if (!options_.black_box_file.empty() && state_.mail.black_box.cut_short()) write();
+  if (!complaint_.empty()) return std::unexpected(complaint_);
+  return {};
 }
 
 void BlackBoxFile::write() {
@@ -38,8 +40,13 @@ void BlackBoxFile::write() {
   const supervisor::Reaction reaction = hardest(box);
   if (reaction < written_) return;
   const auto written = diagnostics::write_csv(options_.black_box_file, box, state_.start_ns);
-  const std::string said = written ? "black box written to " + options_.black_box_file : written.error();
-  std::fprintf(stderr, "%s\n", said.c_str());
+  if (!written) {
+    complaint_ = "--black-box " + written.error() + "; name a file in a writable folder";
+    std::fprintf(stderr, "%s\n", complaint_.c_str());
+    return;
+  }
+  std::fprintf(stderr, "black box written to %s\n", options_.black_box_file.c_str());
+  complaint_.clear();
   written_ = reaction;
 }
 

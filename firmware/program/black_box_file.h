@@ -1,5 +1,8 @@
 #pragma once
 
+#include <expected>
+#include <string>
+
 #include "firmware/program/controller_state.h"
 #include "firmware/program/options.h"
 
@@ -16,8 +19,9 @@ class BlackBoxFile {
   /// again. Says so on standard error.
   void save();
 
-  /// The torque loop has ended: also what it had no time to finish.
-  void finish();
+  /// The torque loop has ended: also what it had no time to finish. The error, one sentence for the user,
+  /// says that the last black box to be written is not in the file.
+  [[nodiscard]] std::expected<void, std::string> finish();
 
  private:
   void write();
@@ -25,6 +29,7 @@ class BlackBoxFile {
   const Options& options_;
   ControllerState& state_;
   supervisor::Reaction written_ = supervisor::Reaction::none;  ///< the hardest in the file
+  std::string complaint_;                                      ///< about the last write; empty: it is there
 };
 
 }  // namespace stilt::program

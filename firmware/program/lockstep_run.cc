@@ -62,7 +62,7 @@ void run_lockstep(const Options& options, std::size_t bus_count, Signals& signal
     }
   }
   flush_telemetry(state);
-  black_box.finish();
+  if (const auto saved = black_box.finish(); !saved) outcome.not_written = saved.error();
 }
 
 }  // namespace stilt::program

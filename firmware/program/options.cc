@@ -5,6 +5,7 @@
 #include <CLI/Formatter.hpp>
 #include <CLI/Validators.hpp>
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
@@ -18,6 +19,7 @@
 #include "firmware/configuration/gaits/gait_overrides.h"
 #include "firmware/configuration/gaits/shipped_gaits.h"
 #include "firmware/control_loop/joint_names.h"
+#include "firmware/program/examples.h"
 #include "firmware/program/instruction_sets.h"
 #include "firmware/program/usage_text.h"
 #include "firmware/robots/robots.h"
@@ -28,6 +30,20 @@ namespace {
 constexpr double kLargestSpeed_m_s = 5.0;
 constexpr double kLongestRun_s = 86400.0;
 constexpr double kLeastTorqueShare = 0.05;
+
+// clang-format off
+constexpr std::array kExamples = {
+    "stiltd --config robot.toml --check-config",
+    "stiltd --config robot.toml --json run.json --black-box fault.csv",
+    "stiltd --bus loopback:left --bus loopback:right --start walk@0.5 --duration 30",
+    "stiltd scan --config robot.toml",
+    "stiltd watch --config robot.toml --duration 20",
+    "stiltd jog hip_L 0.3 --config robot.toml",
+    "stiltd calibrate --config robot.toml --out robot.toml",
+    "stiltd identify --config robot.toml --torque-limit 0.3 --out robot.toml",
+    "stiltd selftest --config robot.toml --seconds 10",
+};
+// clang-format on
 
 /// The arguments of the command line before they mean anything.
 struct Arguments {
@@ -350,6 +366,7 @@ std::expected<Options, std::string> read_options(int argc, char** argv, const st
   const Commands commands = add_commands(app, arguments, options);
   app.footer(
       "Exit status: 0 ended as requested, 1 a fault stopped the robot or a check failed, 2 bad usage.");
+  add_examples(app, kExamples);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help_or_version) {

@@ -44,6 +44,7 @@ struct Outcome {
   long long page_faults = 0;
   std::string not_realtime;  ///< why the machine cannot keep time; empty: it can
   std::string error;         ///< what ended the run from outside; empty: nothing
+  std::string not_written;   ///< about the file of --black-box; empty: it is complete, or was not needed
 };
 
 /// Takes what happened out of the ring: says it on standard error and to telemetry, if any, and keeps the

@@ -209,7 +209,7 @@ void run_realtime(const Options& options, Signals& signals, ControllerState& sta
   if (run.unguarded) outcome.error = "--forbid-syscalls: this kernel has no seccomp filters";
   take_events(state.mail.events, outcome, state.telemetry_node);
   flush_telemetry(state);
-  black_box.finish();
+  if (const auto saved = black_box.finish(); !saved) outcome.not_written = saved.error();
 }
 
 }  // namespace stilt::program

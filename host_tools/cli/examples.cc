@@ -1,7 +1,8 @@
 #include "host_tools/cli/examples.h"
 
 #include <array>
-#include <string>
+
+#include "firmware/program/examples.h"
 
 namespace stilt::cli {
 namespace {
@@ -36,26 +37,8 @@ constexpr std::array kExamples = {
 };
 // clang-format on
 
-/// Examples that begin with these words, each a line.
-std::string examples_of(const std::string& words) {
-  std::string text;
-  for (const std::string example : kExamples) {
-    if (example == words || example.starts_with(words + ' ')) text += "  " + example + '\n';
-  }
-  return text;
-}
-
-void add_to(CLI::App& command, const std::string& words) {
-  const std::string text = examples_of(words);
-  const std::string after = command.get_footer();
-  if (!text.empty()) command.footer("Examples:\n" + text + after);
-  for (CLI::App* inner : command.get_subcommands([](const CLI::App*) { return true; })) {
-    add_to(*inner, words + ' ' + inner->get_name());
-  }
-}
-
 }  // namespace
 
-void add_examples(CLI::App& program) { add_to(program, program.get_name()); }
+void add_examples(CLI::App& program) { program::add_examples(program, kExamples); }
 
 }  // namespace stilt::cli

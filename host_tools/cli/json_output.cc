@@ -2,9 +2,11 @@
 
 #include <cmath>
 #include <cstdio>
+#include <exception>
 
 #include "firmware/diagnostics/output_file.h"
 #include "host_tools/cli/usage_error.h"
+#include "host_tools/recording/sample_log.h"
 
 namespace stilt::cli {
 namespace {
@@ -82,6 +84,24 @@ void write_output_file(const std::string& option, const std::string& path, std::
 
 void write_json(const Json& json, const std::string& path) {
   write_output_file("--json", path, json.dump(2) + '\n');
+}
+
+void write_log(const log::RunRecord& record, const std::string& path) {
+  if (path.empty()) return;
+  log::write_sample_log(record, path);
+  std::fprintf(stderr, "written: %s\n", path.c_str());
+}
+
+void write_each(std::initializer_list<std::function<void()>> writers) {
+  std::string complaints;
+  for (const std::function<void()>& write : writers) {
+    try {
+      write();
+    } catch (const std::exception& error) {
+      complaints += (complaints.empty() ? "" : "; ") + std::string(error.what());
+    }
+  }
+  if (!complaints.empty()) throw UsageError(complaints);
 }
 
 }  // namespace stilt::cli

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+#include <initializer_list>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
@@ -28,5 +30,13 @@ void write_output_file(const std::string& option, const std::string& path, std::
 
 /// The same for indented JSON of --json.
 void write_json(const nlohmann::ordered_json& json, const std::string& path);
+
+/// The samples of a run for --log; nothing when the path is empty. Throws std::runtime_error, one sentence,
+/// when the file cannot be written.
+void write_log(const log::RunRecord& record, const std::string& path);
+
+/// Calls each of the writers, also after one has thrown: a file that cannot be written keeps none of the
+/// others back. Throws UsageError with the sentences of those that threw.
+void write_each(std::initializer_list<std::function<void()>> writers);
 
 }  // namespace stilt::cli

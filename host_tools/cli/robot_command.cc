@@ -9,22 +9,19 @@
 #include "host_tools/cli/json_output.h"
 #include "host_tools/cli/network_options.h"
 #include "host_tools/cli/progress.h"
+#include "host_tools/cli/robot_results.h"
 #include "host_tools/cli/robot_setup.h"
 #include "host_tools/cli/run_description.h"
-#include "host_tools/cli/summary_text.h"
 #include "host_tools/cli/usage_error.h"
-#include "host_tools/recording/sample_log.h"
 #include "host_tools/simulation/robot_on_bus/runner.h"
 #include "host_tools/simulation/robot_on_bus/serial_line.h"
 #include "host_tools/telemetry/simulation_publisher.h"
-#include "host_tools/web/report/report.h"
 
 namespace stilt::cli {
 namespace {
 
 using robot_on_bus::RobotOnBus;
 using robot_on_bus::RunOutcome;
-using Json = nlohmann::ordered_json;
 
 constexpr const char* kHanging = "the robot hangs on its gantry; on its own";
 constexpr const char* kReleased = "the robot is on its own";
@@ -55,93 +52,6 @@ void check_outputs(const RobotOptions& options) {
   check_output_file("--report", options.report_file);
   check_output_file("--log", options.log_file);
   check_output_file("--frames", options.frames_file);
-}
-
-Json drivers_json(const RobotOnBus& robot) {
-  Json drivers = Json::array();
-  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
-    const hal::EmulatedDriver& driver = robot.drivers().driver(joint);
-    drivers.push_back({{"joint", simulation::joint_name(joint)},
-                       {"powered", driver.powered()},
-                       {"enabled", driver.enabled()},
-                       {"torque_Nm", robot.drivers().torque_Nm(joint)}});
-  }
-  return drivers;
-}
-
-Json faults_json(const RobotOnBus& robot) {
-  Json faults = Json::array();
-  for (const robot_on_bus::InjectedFault& fault : robot.injected_faults()) {
-    faults.push_back({{"name", fault.name}, {"robot_time_s", fault.time_s}});
-  }
-  return faults;
-}
-
-Json robot_json(const RobotOnBus& robot, const log::RunSummary& summary, const RunOutcome& outcome) {
-  Json json = plant_json(summary);
-  const auto released_s = robot.gantry_released_s();
-  const bool fell = robot.recorder().fall() != simulation::Fall::none;
-  json["fall_reason"] = fell ? Json(simulation::fall_text(robot.recorder().fall())) : Json(nullptr);
-  json["gantry_released_s"] = released_s ? Json(*released_s) : Json(nullptr);
-  json["sat_down_s"] = robot.sat_down_s() ? Json(*robot.sat_down_s()) : Json(nullptr);
-  json["gantry"] = robot_on_bus::name(robot.gantry().state());
-  json["robot_time_s"] = robot.time_s();
-  json["ended"] = outcome.ended;
-  json["controllers"] = outcome.controllers;
-  json["controllers_came_s"] = outcome.controllers_came_s;
-  json["drivers"] = drivers_json(robot);
-  json["faults"] = faults_json(robot);
-  json["has_priority"] = outcome.has_priority;
-  json["late"] = outcome.late;
-  json["late_max_s"] = outcome.late_max_s;
-  return json;
-}
-
-/// Robot's time at which the clock of the last controller before time_s started; 0 without one.
-double controller_start_s(const RunOutcome& outcome, double time_s) {
-  double start_s = 0.0;
-  for (const double came_s : outcome.controllers_came_s) {
-    if (came_s <= time_s) start_s = came_s;
-  }
-  return start_s;
-}
-
-/// Times are those of the controller's clock, so that they compare with the events that stiltd prints.
-std::string outcome_text(const RobotOnBus& robot, const RunOutcome& outcome) {
-  char text[300];
-  if (!robot.gantry_released_s()) {
-    std::snprintf(text, sizeof text, "result         never left the gantry in %.1f s (%s)\n", robot.time_s(),
-                  outcome.ended);
-    return text;
-  }
-  const double released_s = *robot.gantry_released_s();
-  std::snprintf(text, sizeof text,
-                "gantry         released at %.2f s\nend            %s at %.2f s, %llu late\n"
-                "clock          the controller's, which came %.2f s after the start of the robot\n",
-                released_s - controller_start_s(outcome, released_s), outcome.ended,
-                robot.time_s() - controller_start_s(outcome, robot.time_s()),
-                static_cast<unsigned long long>(outcome.late), controller_start_s(outcome, robot.time_s()));
-  return text;
-}
-
-void write_results(const RobotOptions& options, const RobotOnBus& robot, const log::RunRecord& record,
-                   const RunOutcome& outcome) {
-  if (options.json_file != "-") {
-    if (robot.gantry_released_s()) {
-      const double released_s = *robot.gantry_released_s();
-      const double start_s = released_s - controller_start_s(outcome, released_s);
-      std::fputs(plant_text(record.summary, robot.recorder().fall(), start_s).c_str(), stdout);
-    }
-    std::fputs(outcome_text(robot, outcome).c_str(), stdout);
-    std::fflush(stdout);
-  }
-  if (!options.json_file.empty()) write_json(robot_json(robot, record.summary, outcome), options.json_file);
-  if (!options.log_file.empty()) {
-    log::write_sample_log(record, options.log_file);
-    std::fprintf(stderr, "written: %s\n", options.log_file.c_str());
-  }
-  if (!options.report_file.empty())
-    write_output_file("--report", options.report_file, report::render_report(record));
 }
 
 /// Contact forces and the active push, for the monitor's picture.
@@ -209,7 +119,8 @@ CLI::App* add_robot_command(CLI::App& program, RobotOptions& options) {
       "Faults of --fault:\n" + simulation::describe_faults(simulation::FaultsOf::robot_on_buses) +
       "Keys of --plant:\n" + simulation::describe_plant_options() + "Mistakes of --miswired:\n" +
       describe_mistakes() +
-      "Times of --push, --fault and of all figures count from when the gantry has released the robot.\n"
+      "Times of --push and --fault count from when the gantry has released the robot. Times of the figures,\n"
+      "report and log are on the clock of the controller that stood it up, as those that stiltd prints.\n"
       "Exit status: 0 done, 1 the robot fell or never left the gantry, 2 bad usage.");
   return robot;
 }
@@ -253,7 +164,7 @@ int run_robot(const RobotOptions& options, const std::string& command_line) {
   log::RunRecord record = robot.recorder().record();
   record.command_line = command_line;
   describe_run(hardware.robot->constants, robot.plant(), hardware.setup.plant, record);
-  write_results(options, robot, record, outcome);
+  write_robot_results(options, robot, record, outcome);
   return options.hang || record.summary.survived ? 0 : 1;
 }
 

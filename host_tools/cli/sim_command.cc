@@ -11,7 +11,6 @@
 #include "host_tools/cli/run_description.h"
 #include "host_tools/cli/summary_text.h"
 #include "host_tools/cli/usage_error.h"
-#include "host_tools/recording/sample_log.h"
 #include "host_tools/simulation/closed_loop/closed_loop.h"
 #include "host_tools/simulation/plant/number.h"
 #include "host_tools/simulation/plant/simulated_robot.h"
@@ -84,20 +83,23 @@ RunSettings run_settings(const SimOptions& options, const model::RobotConstants&
   return settings;
 }
 
+void write_sim_json(const log::RunSummary& summary, simulation::Fall fall, const std::string& path) {
+  nlohmann::ordered_json json = to_json(summary);
+  json["fall_reason"] = summary.survived ? nlohmann::ordered_json(nullptr)
+                                         : nlohmann::ordered_json(simulation::fall_text(fall));
+  write_json(json, path);
+}
+
 void write_results(const SimOptions& options, const log::RunRecord& record, simulation::Fall fall) {
   if (options.json_file != "-") std::fputs(summary_text(record.summary, fall).c_str(), stdout);
-  if (!options.json_file.empty()) {
-    nlohmann::ordered_json json = to_json(record.summary);
-    json["fall_reason"] = record.summary.survived ? nlohmann::ordered_json(nullptr)
-                                                  : nlohmann::ordered_json(simulation::fall_text(fall));
-    write_json(json, options.json_file);
-  }
-  if (!options.log_file.empty()) {
-    log::write_sample_log(record, options.log_file);
-    std::fprintf(stderr, "written: %s\n", options.log_file.c_str());
-  }
-  if (!options.report_file.empty())
-    write_output_file("--report", options.report_file, report::render_report(record));
+  write_each({[&] {
+                if (!options.json_file.empty()) write_sim_json(record.summary, fall, options.json_file);
+              },
+              [&] { write_log(record, options.log_file); },
+              [&] {
+                if (!options.report_file.empty())
+                  write_output_file("--report", options.report_file, report::render_report(record));
+              }});
 }
 
 }  // namespace

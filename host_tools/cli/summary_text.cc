@@ -23,10 +23,10 @@ std::string steps_line(const log::RunSummary& summary) {
 
 }  // namespace
 
-std::string plant_text(const log::RunSummary& summary, simulation::Fall fall, double start_s) {
+std::string plant_text(const log::RunSummary& summary, simulation::Fall fall) {
   std::string text = summary.survived
                          ? formatted("result         on its feet after %.1f s\n", summary.duration_s)
-                         : formatted("result         FELL at %.2f s: %s\n", start_s + summary.fall_time_s,
+                         : formatted("result         FELL at %.2f s: %s\n", summary.fall_time_s,
                                      simulation::fall_text(fall));
   const model::JointVector& torque = summary.peak_torque_Nm;
   const model::JointVector& speed = summary.peak_joint_speed_rad_s;
@@ -41,7 +41,7 @@ std::string plant_text(const log::RunSummary& summary, simulation::Fall fall, do
 }
 
 std::string summary_text(const log::RunSummary& summary, simulation::Fall fall) {
-  std::string text = plant_text(summary, fall, 0.0);
+  std::string text = plant_text(summary, fall);
   text +=
       formatted("planning       p50 %.0f, p99 %.0f, max %.0f us; %.1f iterations on average, %d at most\n",
                 summary.solve_time_us.p50, summary.solve_time_us.p99, summary.solve_time_us.max,

@@ -8,8 +8,7 @@
 namespace stilt::cli {
 
 /// The plant's part of a run's summary as text.
-/// @param start_s  of the run on the clock of the printed times
-[[nodiscard]] std::string plant_text(const log::RunSummary& summary, simulation::Fall fall, double start_s);
+[[nodiscard]] std::string plant_text(const log::RunSummary& summary, simulation::Fall fall);
 
 /// The summary of a run as a few lines of text.
 [[nodiscard]] std::string summary_text(const log::RunSummary& summary, simulation::Fall fall);

@@ -2,6 +2,7 @@
 
 #include "firmware/program/instruction_sets.h"
 #include "firmware/version/commit.h"
+#include "firmware/version/megabytes.h"
 #include "host_tools/simulation/closed_loop/simulated_controller.h"
 
 namespace stilt::cli {
@@ -10,7 +11,7 @@ std::string version_text() {
   return "stilt " STILT_VERSION "\ncommit            " + std::string(version::commit()) +
          "\ncompiler          GCC " __VERSION__ "\ninstruction set   " STILT_ISA ", " +
          program::planner_instruction_sets() + "\ncontroller object " +
-         std::to_string(simulation::SimulatedController::bytes()) + " bytes";
+         version::megabytes(simulation::SimulatedController::bytes());
 }
 
 }  // namespace stilt::cli

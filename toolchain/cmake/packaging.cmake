@@ -52,14 +52,18 @@ install(FILES ${packaging}/80-can0.network ${packaging}/80-can.rules
 install(TARGETS stilt DESTINATION bin COMPONENT host)
 install(PROGRAMS toolchain/make_security DESTINATION share/stilt COMPONENT host)
 
-# Documents in the folders of the tree, so that their links among each other hold.
+# Documents in the folders of the tree, so that their links among each other hold. Packages have the licence in the
+# file copyright.
+file(READ README.md readme)
+string(REPLACE "[LICENSE](LICENSE)" "[copyright](copyright)" readme "${readme}")
+file(WRITE ${made}/README.md "${readme}")
 foreach(component_package robot:stiltd host:stilt)
   string(REPLACE ":" ";" pair ${component_package})
   list(GET pair 0 component)
   list(GET pair 1 package)
   set(documents share/doc/${package})
   install(DIRECTORY docs DESTINATION ${documents} COMPONENT ${component} PATTERN *.py EXCLUDE)
-  install(FILES README.md CONTRIBUTING.md CHANGELOG.md DESTINATION ${documents} COMPONENT ${component})
+  install(FILES ${made}/README.md CONTRIBUTING.md CHANGELOG.md DESTINATION ${documents} COMPONENT ${component})
   install(FILES hal/README.md DESTINATION ${documents}/hal COMPONENT ${component})
   install(FILES firmware/telemetry/README.md firmware/telemetry/stilt_msgs.idl firmware/telemetry/ros2.idl
     DESTINATION ${documents}/firmware/telemetry COMPONENT ${component})

@@ -48,14 +48,21 @@ class RealtimeRun {
         buses_[bus].hang_up();
         continue;
       }
-      for (const hal::CanFrame& frame : ends_.receive(bus)) {
-        if (outcome_.controllers_came_s.size() < buses_.front().connections()) {
-          outcome_.controllers_came_s.push_back(robot_.time_s());
-        }
-        ends_.deliver(clock_.now_ns(), bus, frame);
-      }
+      const auto frames = ends_.receive(bus);
+      note_arrival(!frames.empty());
+      for (const hal::CanFrame& frame : frames) ends_.deliver(clock_.now_ns(), bus, frame);
     }
     ends_.send_outgoing(clock_.now_ns());
+  }
+
+  /// An idle controller sends no frame: a loopback bus shows it when it connects. An interface of the kernel
+  /// shows it with its first frame.
+  void note_arrival(bool has_sent) {
+    const RobotBus& first = buses_.front();
+    const bool shows = has_sent || first.is_loopback();
+    if (shows && outcome_.controllers_came_s.size() < first.connections()) {
+      outcome_.controllers_came_s.push_back(robot_.time_s());
+    }
   }
 
   void advance() {

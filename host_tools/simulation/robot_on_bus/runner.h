@@ -34,8 +34,8 @@ struct RunOutcome {
   bool has_priority = false;      ///< real time: the kernel granted SCHED_FIFO
   const char* ended = "";         ///< reason for the end
   std::uint64_t controllers = 0;  ///< number that connected, as far as the buses show it
-  /// First frame of each controller, on the robot's clock: where the controller's own clock starts. On
-  /// SocketCAN all frames count as one controller's.
+  /// When each controller came, on the robot's clock: where the controller's own clock starts. A loopback bus
+  /// shows it when it connects, SocketCAN with its first frame, where all frames count as one controller's.
   std::vector<double> controllers_came_s;
   std::uint64_t late = 0;   ///< real time: number of times that the robot was late and skipped the lost
                             ///< time

@@ -39,7 +39,16 @@ TEST(Stiltd, SaysItsVersionCommitAndTheSizeOfTheController) {
   EXPECT_EQ(run.status, 0);
   EXPECT_TRUE(std::regex_search(run.text, std::regex("\ncommit +([0-9a-f]{12,}(-dirty)?|unknown)\n")))
       << run.text;
-  EXPECT_TRUE(has(run, "controller object")) << run.text;
+  EXPECT_TRUE(std::regex_search(run.text, std::regex("\ncontroller object [0-9]+\\.[0-9]{2} MB\n")))
+      << run.text;
+}
+
+TEST(Stiltd, EveryCommandShowsExamplesOfItself) {
+  for (const std::string command : {"", " scan", " watch", " jog", " calibrate", " identify", " selftest"}) {
+    const Answer run = stiltd(command + " --help");
+    EXPECT_EQ(run.status, 0) << command;
+    EXPECT_TRUE(has(run, "Examples:\n  stiltd" + command + " ")) << command << run.text;
+  }
 }
 
 TEST(Stiltd, ChecksAConfigurationWithoutOpeningABus) {

@@ -153,6 +153,10 @@ TEST_F(CommandLine, AFullDiskIsSaidWithItsReasonAndWhatWasPrintedStays) {
     EXPECT_NE(outcome.errors.find(std::string(option) + " /dev/full"), std::string::npos) << outcome.errors;
     EXPECT_NE(outcome.output.find("on its feet after 0.5 s"), std::string::npos) << option;
   }
+  const Outcome others = run("sim --gait stand --duration 0.5 --json /dev/full --log " + file("a.jsonl") +
+                             " --report " + file("a.html"));
+  EXPECT_EQ(others.status, 2);
+  for (const char* name : {"a.jsonl", "a.html"}) EXPECT_NE(text_of(file(name)), "") << name << others.errors;
   const std::string gait = SHIPPED_GAITS "/amber3m_0.50.toml";
   EXPECT_NE(run("gait show " + gait + " --report /dev/full")
                 .errors.find("--report /dev/full: the file cannot be "
@@ -205,7 +209,8 @@ TEST_F(CommandLine, HelpAndVersionGoToStandardOutput) {
   }
   const Outcome version = run("--version");
   EXPECT_EQ(version.status, 0);
-  EXPECT_NE(version.output.find("controller object"), std::string::npos);
+  EXPECT_TRUE(std::regex_search(version.output, std::regex("\ncontroller object [0-9]+\\.[0-9]{2} MB\n")))
+      << version.output;
   EXPECT_TRUE(std::regex_search(version.output, std::regex("\ncommit +([0-9a-f]{12,}(-dirty)?|unknown)\n")))
       << version.output;
 }
