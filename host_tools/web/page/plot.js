@@ -25,10 +25,15 @@ class Plot {
   makeLegend(line, series) {
     const value = element('b');
     value.style.minWidth = `${5 + (this.plot.digits ?? 2) + this.plot.unit.length}ch`;
-    const item = element('span', { className: 'legend', title: 'Show or hide' }, `${line.label} `, value);
+    const item = element('button', { type: 'button', className: 'legend', title: 'Show or hide' }, `${line.label} `, value);
+    item.setAttribute('aria-pressed', 'true');
     item.style.setProperty('--colour', `var(--${line.colour})`);
     if (line.dash) item.classList.add('dashed');
-    item.addEventListener('click', () => this.u.setSeries(series, { show: !item.classList.toggle('off') }));
+    item.addEventListener('click', () => {
+      const show = !item.classList.toggle('off');
+      item.setAttribute('aria-pressed', String(show));
+      this.u.setSeries(series, { show });
+    });
     return { item, value };
   }
 
