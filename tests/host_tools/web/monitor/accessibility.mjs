@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import { createRequire } from 'node:module';
 import { readFileSync } from 'node:fs';
-import { picture } from './browser.mjs';
+import { picture, until } from './browser.mjs';
 
 const kAxe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf-8');
 
@@ -18,10 +18,11 @@ async function findings(page) {
   });
 }
 
-/** Asserts that there are none in the light and in the dark; a picture of both is kept. */
+/** Asserts that there are none in the light and in the dark of the system; a picture of both is kept. */
 export async function assertAccessible(page, name) {
   for (const theme of ['light', 'dark']) {
-    await page.evaluate((wanted) => { document.documentElement.dataset.theme = wanted; }, theme);
+    await page.emulateMedia({ colorScheme: theme });
+    await until(`the page ${theme}`, async () => (await page.getAttribute('html', 'data-theme')) === theme);
     await picture(page, `${name}_${theme}`);
     assert.deepEqual(await findings(page), [], `${name}, ${theme}`);
   }
