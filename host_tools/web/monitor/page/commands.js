@@ -215,11 +215,23 @@ class CommandPanel {
     document.getElementById('speed-value').textContent = `${signed(Number(this.speed.value), 2)} m/s`;
   }
 
+  get walks() {
+    return this.robot.hello?.states[this.robot.supervisor?.state]?.name === 'walk';
+  }
+
+  /** Sets the slider to a share, -1 to 1, of the largest speed in that direction; whether a robot that walks is sent it. */
+  setSpeedShare(share) {
+    const before = this.speed.value;
+    this.speed.value = String(Math.abs(share) * Number(share < 0 ? this.speed.min : this.speed.max));
+    if (this.speed.value === before) return false;
+    this.changeSpeed();
+    return this.walks;
+  }
+
   /** While the robot walks a new speed is sent at once, at most ten times a second. */
   changeSpeed() {
     this.showSpeed();
-    const walks = this.robot.hello?.states[this.robot.supervisor?.state]?.name === 'walk';
-    if (!walks || this.speedTimer) return;
+    if (!this.walks || this.speedTimer) return;
     const wait = Math.max(0, this.speedSent_ms + kSpeedPeriod_ms - performance.now());
     this.speedTimer = setTimeout(() => {
       this.speedTimer = null;

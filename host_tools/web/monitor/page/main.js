@@ -21,6 +21,8 @@ class Monitor {
     this.timing = new TimingPanel();
     this.connection = new Connection(this);
     this.commands = new CommandPanel(this.connection, this.robot);
+    this.gamepad = new GamepadPanel(this.commands);
+    this.keys = new KeyList();
     this.record = new RecordBar(this.connection, this.robot.clock);
     this.tunables = new TunablesPanel(this.commands);
     this.frames_s = [];
