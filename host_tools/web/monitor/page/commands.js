@@ -6,6 +6,12 @@ const kPatience_ms = 3000;
 const kHeightTunable = 'reference.base_height_m';
 const kKeys = { s: 'stand', t: 'step', w: 'walk', d: 'sit', r: 'reset' };
 
+/** A link, and its QR code for the camera of a phone. */
+function linkItem(link) {
+  const code = qrPicture(link, 'QR code of this link');
+  return element('li', {}, element('a', { href: link, textContent: link }), ...(code ? [code] : []));
+}
+
 class CommandPanel {
   constructor(connection, robot) {
     this.connection = connection;
@@ -69,8 +75,7 @@ class CommandPanel {
     if (access.has_key) localStorage.setItem('key', access.key);
     document.getElementById('access').textContent = this.accessText();
     document.getElementById('links').hidden = !access.has_key;
-    document.getElementById('link-list').replaceChildren(...access.urls.map((url) => element('li', {},
-      element('a', { href: `${url}#key=${access.key}`, textContent: `${url}#key=${access.key}` }))));
+    document.getElementById('link-list').replaceChildren(...access.urls.map((url) => linkItem(`${url}#key=${access.key}`)));
     document.getElementById('no-link').hidden = access.urls.length > 0;
     document.getElementById('link-box').hidden = access.urls.length === 0;
     this.openTokenBox();
