@@ -15,7 +15,7 @@ class Plot {
     this.legends = plot.lines.map((line, k) => this.makeLegend(line, k + 1));
     const named = this.legends.filter((_, k) => !plot.lines[k].unnamed).map((legend) => legend.item);
     const title = element('span', { className: 'title', textContent: plot.title });
-    this.figure = element('figure', {}, element('figcaption', {}, title, ...named));
+    this.figure = element('figure', { tabIndex: -1 }, element('figcaption', {}, title, ...named));
     this.figure.dataset.title = plot.title;
     container.append(this.figure);
     this.build();

@@ -5,6 +5,7 @@
 /** However slow the machine, a frame draws this share of the plots in view. */
 const kLeastShare = 0.25;
 const kSlow = 1.4;
+const kPointedOut_ms = 4000;
 
 class PlotGroup {
   /** `follow_s`: length of the window that ends at the time shown; null: the window is `fixed`, [from_s, to_s]. */
@@ -26,7 +27,7 @@ class PlotGroup {
 
   addSection(section, container) {
     const grid = element('div', { className: 'plot-grid' });
-    container.append(element('details', { open: true }, element('summary', { textContent: section.title }), grid));
+    container.append(element('details', { open: !section.folded }, element('summary', { textContent: section.title }), grid));
     return section.plots.map((plot, k) => new Plot(this, plot, grid, k / section.plots.length));
   }
 
@@ -55,6 +56,18 @@ class PlotGroup {
     if (!this.choosable) return;
     this.fixed = this.window;
     this.clock.seek(time_s);
+  }
+
+  /** Scrolls to the first of the plots of these titles, unfolded, and marks them all for a while. */
+  pointOut(titles) {
+    const figures = this.plots.map((plot) => plot.figure).filter((figure) => titles.includes(figure.dataset.title));
+    for (const figure of figures) {
+      figure.closest('details').open = true;
+      figure.classList.add('pointed-out');
+      setTimeout(() => figure.classList.remove('pointed-out'), kPointedOut_ms);
+    }
+    figures[0].scrollIntoView({ block: 'center' });
+    figures[0].focus({ preventScroll: true });
   }
 
   draw(time_s, now_s) {

@@ -10,7 +10,7 @@ const kLookBackStep_s = 0.05;
 class Monitor {
   constructor() {
     this.robot = new RobotState();
-    this.status = new StatusPanel(this.robot, (run) => this.connection.send({ run }));
+    this.status = new StatusPanel(this.robot, (run) => this.connection.send({ run }), (titles) => this.plots.pointOut(titles));
     this.plots = new PlotGroup({
       data: this.robot, clock: this.robot.clock, sections: plotSections(this.robot),
       container: document.getElementById('plots'), follow_s: 10, lineWidth_px: kLineWidth_px,

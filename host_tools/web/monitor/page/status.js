@@ -15,10 +15,9 @@ const kLevelText = {
 const hasBit = (number, bit) => Math.floor(number / 2 ** bit) % 2 === 1;
 
 class StatusPanel {
-  /** `choose(runId)` asks for another run to be shown. */
-  constructor(robot, choose) {
-    this.robot = robot;
-    this.choose = choose;
+  /** `choose(runId)` asks for another run to be shown; `showPlots(titles)` leads to plots. */
+  constructor(robot, choose, showPlots) {
+    Object.assign(this, { robot, choose, showPlots });
     this.link = null;
     this.connected = false;
     this.runChanged_s = -Infinity;
@@ -35,6 +34,8 @@ class StatusPanel {
       for (const text of [fault.number, fault.name, fault.cause, kReactionText[fault.reaction], clearing(fault)]) {
         row.insertCell().textContent = text;
       }
+      const button = plotButton(fault, fault.name, this.showPlots);
+      if (button) row.cells[1].replaceChildren(button);
     }
     document.getElementById('fault-table').replaceChildren(table);
     this.lastFaults = null;
@@ -72,7 +73,7 @@ class StatusPanel {
     const cards = this.robot.hello.faults.flatMap((fault, bit) => {
       const present = hasBit(message.present, bit);
       const latched = hasBit(message.latched, bit);
-      return present || latched ? [faultCard(fault, present, latched)] : [];
+      return present || latched ? [faultCard(fault, present, latched, plotButton(fault, 'Plot', this.showPlots))] : [];
     });
     const list = document.getElementById('fault-list');
     list.replaceChildren(...(cards.length > 0 ? cards : [element('p', { className: 'fine', textContent: 'None.' })]));
@@ -153,10 +154,10 @@ function clearing(fault) {
   return fault.severity === 'latched' ? `${fault.clears}; then Reset` : fault.clears;
 }
 
-function faultCard(fault, present, latched) {
+function faultCard(fault, present, latched, toPlot) {
   const when = present ? 'happening now' : 'over; waits for Reset';
   return element('article', { className: `fault ${latched ? 'latched' : fault.severity}` },
-    element('h3', {}, `${fault.name} `, element('small', { textContent: `${fault.number} · ${when}` })),
+    element('h3', {}, `${fault.name} `, element('small', { textContent: `${fault.number} · ${when}` }), ...(toPlot ? [toPlot] : [])),
     element('p', {}, `Cause: ${fault.cause}.`),
     element('p', {}, `The robot: ${kReactionText[fault.reaction]}.`),
     element('p', {}, `Clears when: ${clearing(fault)}.`));

@@ -121,6 +121,42 @@ test('a fault says its cause, what the robot does and what clears it', async () 
   await until('none', async () => (await text('#fault-list')) === 'None.');
 });
 
+const pointedOut = () => page.$$eval('figure.pointed-out', (figures) => figures.map((figure) => figure.dataset.title));
+
+test('a fault leads to its plot, which is unfolded where it was folded', async () => {
+  const plot = page.locator('figure[data-title="Hip velocity"]');
+  assert.ok(await plot.isHidden());
+  monitor.write('fault joint_speed_limit');
+  await state('fault');
+  await page.click('.fault .to-plot');
+  assert.deepEqual(await pointedOut(), ['Hip velocity', 'Knee velocity']);
+  await until('the plot in view', async () => {
+    const box = await plot.boundingBox();
+    return box !== null && box.y > 0 && box.y + box.height < 900;
+  });
+  const still = await pixels(page, 'figure[data-title="Hip velocity"] canvas');
+  await until('it drawn', async () => (await pixels(page, 'figure[data-title="Hip velocity"] canvas')) !== still);
+  await until('its full width', () => plot.evaluate((figure) => Math.abs(figure.clientWidth - figure.querySelector('canvas').clientWidth) < 2));
+  await until('the mark gone', async () => (await pointedOut()).length === 0);
+});
+
+test('every fault of the table leads to a plot in view, but for those that watch what no plot shows', async () => {
+  const kWithout = ['driver_fault', 'driver_not_enabled', 'driver_hot', 'driver_overheated', 'low_voltage', 'high_voltage',
+    'not_finite', 'heartbeat_lost', 'operator_gone', 'emergency_stop', 'bring_up_failed'];
+  await page.click('text=Every fault there is');
+  const rows = await page.$$eval('#fault-table tbody tr', (all) => all.map((row) => [row.cells[1].textContent, row.querySelector('.to-plot') !== null]));
+  assert.ok(rows.length >= 34);
+  assert.deepEqual(rows.filter(([, leads]) => !leads).map(([name]) => name).sort(), kWithout.sort());
+  for (const [name] of rows.filter(([, leads]) => leads)) {
+    await page.$$eval('figure.pointed-out', (figures) => figures.forEach((figure) => figure.classList.remove('pointed-out')));
+    await page.locator('#fault-table .to-plot', { hasText: new RegExp(`^${name}$`) }).click();
+    const [title] = await pointedOut();
+    assert.ok(title, `${name} leads to no plot`);
+    const box = await page.locator('figure.pointed-out').first().boundingBox();
+    assert.ok(box.y > 0 && box.y + box.height < 900, `${name}: ${title} is out of view`);
+  }
+});
+
 test('dropped ticks are counted', async () => {
   monitor.write('drop 40');
   await until('the count', async () => /live · 40 lost/.test(await text('#link-status')));
