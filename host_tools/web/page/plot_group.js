@@ -5,7 +5,6 @@
 /** However slow the machine, a frame draws this share of the plots in view. */
 const kLeastShare = 0.25;
 const kSlow = 1.4;
-const kPointedOut_ms = 4000;
 
 class PlotGroup {
   /** `follow_s`: length of the window that ends at the time shown; null: the window is `fixed`, [from_s, to_s]. */
@@ -58,16 +57,17 @@ class PlotGroup {
     this.clock.seek(time_s);
   }
 
-  /** Scrolls to the first of the plots of these titles, unfolded, and marks them all for a while. */
+  /** Scrolls to the first of the plots of these titles, unfolded, and marks them all while that one has the focus. */
   pointOut(titles) {
     const figures = this.plots.map((plot) => plot.figure).filter((figure) => titles.includes(figure.dataset.title));
     for (const figure of figures) {
       figure.closest('details').open = true;
       figure.classList.add('pointed-out');
-      setTimeout(() => figure.classList.remove('pointed-out'), kPointedOut_ms);
     }
     figures[0].scrollIntoView({ block: 'center' });
     figures[0].focus({ preventScroll: true });
+    const unmark = () => figures.forEach((figure) => figure.classList.remove('pointed-out'));
+    figures[0].addEventListener('focusout', unmark, { once: true });
   }
 
   draw(time_s, now_s) {

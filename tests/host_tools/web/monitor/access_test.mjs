@@ -15,6 +15,7 @@ import { answer, browser, monitor, page, state, text } from './synthetic.mjs';
 
 /** A page without the monitor's key: as if it were opened by the address alone. */
 async function pageWithoutKey() {
+  await until('the key of the first page stored', async () => /This page commands/.test(await text('#access')));
   await page.evaluate(() => localStorage.clear());
   const other = await openPage(browser, new URL('/', monitor.url).href);
   await until('the robot there', () => other.getAttribute('#stage-canvas', 'data-hip-x'));

@@ -4,7 +4,7 @@
 import { test } from 'node:test';
 import { assertAccessible } from './accessibility.mjs';
 import { hipX, openPage, until } from './browser.mjs';
-import { answer, browser, monitor, page, state } from './synthetic.mjs';
+import { answer, browser, monitor, page, state, text } from './synthetic.mjs';
 
 test('no serious finding while the robot walks', async () => {
   await page.keyboard.press('w');
@@ -32,6 +32,7 @@ test('no serious finding in a state that refuses commands, or when the data are 
 });
 
 test('no serious finding on a phone that only looks', async () => {
+  await until('the key of the first page stored', async () => /This page commands/.test(await text('#access')));
   await page.evaluate(() => localStorage.clear());
   const phone = await openPage(browser, new URL('/', monitor.url).href);
   await phone.setViewportSize({ width: 390, height: 844 });
