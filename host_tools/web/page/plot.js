@@ -15,7 +15,10 @@ class Plot {
     this.legends = plot.lines.map((line, k) => this.makeLegend(line, k + 1));
     const named = this.legends.filter((_, k) => !plot.lines[k].unnamed).map((legend) => legend.item);
     const title = element('span', { className: 'title', textContent: plot.title });
-    this.figure = element('figure', { tabIndex: -1 }, element('figcaption', {}, title, ...named));
+    const save = element('button', { type: 'button', className: 'save', textContent: 'SVG', title: 'Save this plot as SVG' });
+    save.setAttribute('aria-label', `Save ${plot.title} as SVG`);
+    save.addEventListener('click', () => saveSvg(plot.title.replace(/\W+/g, '_'), plotSvg(this)));
+    this.figure = element('figure', { tabIndex: -1 }, element('figcaption', {}, title, ...named, save));
     this.figure.dataset.title = plot.title;
     container.append(this.figure);
     this.build();

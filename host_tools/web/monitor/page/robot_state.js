@@ -52,6 +52,7 @@ class RobotState extends RobotData {
     if (this.configuration && this.configuration.run_id !== configuration.run_id) this.forget();
     this.configuration = configuration;
     this.geometry = configuration.drawing;
+    this.friction_coefficient = Number(configuration.toml.match(/^friction_coefficient = ([\d.e+-]+)/m)?.[1]);
   }
 
   /** Takes the samples of a message (see protocol.js) that came at `now_s` of the page's clock. */
