@@ -1,7 +1,8 @@
 // What the monitor's page knows: what is drawn of the robot, and the newest of everything else.
 
-const kKept_s = 2 * kLookBack_s + 2;
+const kKept_s = kLookBack_s + kPausedOn_s + 2;
 const kKnotsKept = kKept_s * 2000;
+const kFootprintsKept = kKept_s * 4;
 const kFeetColumns = ['left_foot_z_m', 'right_foot_z_m'];
 const kAddedColumns = [...kFeetColumns, 'commanded_speed_m_s', 'commanded_height_m'];
 
@@ -29,6 +30,12 @@ class RobotState extends RobotData {
       truth: new Table(truth, kKept_s * 250),
       force: new Table(['time_s', 'left_N', 'right_N'], kKept_s * 100),
     };
+  }
+
+  /** Memory of all samples: it is taken at once and does not grow. */
+  get bytes() {
+    const columns = Object.values(this.tables ?? {}).flatMap((table) => table.values);
+    return columns.reduce((sum, values) => sum + values.byteLength, 0);
   }
 
   /** Off its feet the place of the hip is not known: the pose is drawn with its lowest foot on the ground. */
@@ -59,7 +66,7 @@ class RobotState extends RobotData {
   take(message, now_s) {
     const { ticks } = this.tables;
     const isTicks = message.name === 'ticks' && message.rows > 0;
-    if (!this.clock.playing && message.base_s > this.clock.pausedAt_s + kLookBack_s) {
+    if (!this.clock.playing && message.base_s > this.clock.pausedAt_s + kPausedOn_s) {
       if (isTicks) this.clock.arrived(ticks.oldestTime, message.base_s, now_s);
       return;
     }
@@ -101,7 +108,7 @@ class RobotState extends RobotData {
     if (!this.lifted[foot] || now.z > kDown_m || Math.abs(now.x - before.x) > 0.002) return;
     this.lifted[foot] = false;
     this.footprints.push({ foot, x: now.x, z: 0, time: time_s });
-    if (this.footprints.length > 40) this.footprints.shift();
+    if (this.footprints.length > kFootprintsKept) this.footprints.shift();
   }
 
   /** Notes the plan whose knots come next in their table; those whose knots are gone from it are forgotten. */

@@ -239,7 +239,22 @@ test('pause holds the picture and looks back, and pause again lets it go', async
   await until('where it was', async () => (await hipX(page)) === there);
   await page.click('#pause');
   await until('motion', async () => (await pixels(page, '#stage-canvas')) !== still);
-  assert.ok(await page.isHidden('#look-back'));
+  assert.equal(await text('#back-value'), 'live');
+  assert.equal(await page.inputValue('#back'), '0');
+});
+
+test('the bar of a live robot goes back as far as the page remembers, and who moves it pauses', async () => {
+  await page.keyboard.press('w');
+  await until('motion', async () => (await hipX(page)) > 1);
+  assert.equal(await text('#back-value'), 'live');
+  await until('some seconds', async () => Number(await page.getAttribute('#back', 'min')) <= -2);
+  const [, megabytes] = (await page.getAttribute('#back', 'title')).match(/The last \d+ s are remembered, 300 s at most, in (\d+) MB/);
+  assert.ok(Number(megabytes) > 50 && Number(megabytes) < 115, `${megabytes} MB`);
+  await page.fill('#back', '-2');
+  await until('two seconds back', async () => (await text('#back-value')) === '−2.00 s');
+  assert.equal(await page.getAttribute('#pause', 'aria-pressed'), 'true');
+  await page.keyboard.press('p');
+  await until('now', async () => (await text('#back-value')) === 'live');
 });
 
 test('dragging over a plot zooms only while paused, and a click there shows that moment', async () => {
@@ -264,34 +279,6 @@ test('dragging over a plot zooms only while paused, and a click there shows that
   await until('the start of the window', async () => Math.abs(parseFloat((await text('#back-value')).replace('−', '-')) + 1.5) < 0.1);
   await page.mouse.click(box.x + 0.5 * box.width, box.y + 50);
   await until('its middle', async () => Math.abs(parseFloat((await text('#back-value')).replace('−', '-')) + 1) < 0.1);
-});
-
-test('on a phone in the dark the stop button is in reach and nothing is wider than the screen', async () => {
-  await page.evaluate(() => localStorage.setItem('theme', 'dark'));
-  await page.setViewportSize({ width: 390, height: 844 });
-  await page.reload();
-  await until('the robot again', () => page.getAttribute('#stage-canvas', 'data-hip-x'));
-  await page.keyboard.press('w');
-  await until('motion', async () => (await hipX(page)) > 0.3);
-  const stop = await page.locator('#stop').boundingBox();
-  assert.ok(stop.y > 700 && stop.y + stop.height <= 844 && stop.width > 300, JSON.stringify(stop));
-  assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= window.innerWidth));
-  await picture(page, 'phone');
-  await page.evaluate(() => localStorage.clear());
-});
-
-test('every control can be reached with the keyboard, and Enter presses', async () => {
-  const reached = new Set();
-  for (let k = 0; k < 60; ++k) {
-    await page.keyboard.press('Tab');
-    reached.add(await page.evaluate(() => document.activeElement.dataset.command ?? document.activeElement.id));
-  }
-  for (const name of ['stop', 'stand', 'step', 'walk', 'sit', 'reset', 'speed', 'height', 'window', 'pause', 'tunable-filter']) {
-    assert.ok(reached.has(name), `${name} is not reached with Tab: ${[...reached]}`);
-  }
-  await page.focus('[data-command=step]');
-  await page.keyboard.press('Enter');
-  await state('step');
 });
 
 test('a record is shown as one and takes no commands', async () => {
