@@ -1,6 +1,6 @@
 // Serves the monitor's page for a synthetic robot, for tests in a browser. Prints the address; standard input
-// takes words for SyntheticSource::change(), a line each; ends with it. Its arguments are addresses that the page
-// offers to others.
+// takes words for SyntheticSource::change(), a line each; ends with it. Its arguments are addresses that the
+// page offers to others.
 
 #include <poll.h>
 
