@@ -15,7 +15,10 @@ class Plot {
     this.legends = plot.lines.map((line, k) => this.makeLegend(line, k + 1));
     const named = this.legends.filter((_, k) => !plot.lines[k].unnamed).map((legend) => legend.item);
     const title = element('span', { className: 'title', textContent: plot.title });
-    this.figure = element('figure', {}, element('figcaption', {}, title, ...named));
+    const save = element('button', { type: 'button', className: 'save', textContent: 'SVG', title: 'Save this plot as SVG' });
+    save.setAttribute('aria-label', `Save ${plot.title} as SVG`);
+    save.addEventListener('click', () => saveSvg(plot.title.replace(/\W+/g, '_'), plotSvg(this)));
+    this.figure = element('figure', { tabIndex: -1 }, element('figcaption', {}, title, ...named, save));
     this.figure.dataset.title = plot.title;
     container.append(this.figure);
     this.build();
@@ -25,10 +28,15 @@ class Plot {
   makeLegend(line, series) {
     const value = element('b');
     value.style.minWidth = `${5 + (this.plot.digits ?? 2) + this.plot.unit.length}ch`;
-    const item = element('span', { className: 'legend', title: 'Show or hide' }, `${line.label} `, value);
+    const item = element('button', { type: 'button', className: 'legend', title: 'Show or hide' }, `${line.label} `, value);
+    item.setAttribute('aria-pressed', 'true');
     item.style.setProperty('--colour', `var(--${line.colour})`);
     if (line.dash) item.classList.add('dashed');
-    item.addEventListener('click', () => this.u.setSeries(series, { show: !item.classList.toggle('off') }));
+    item.addEventListener('click', () => {
+      const show = !item.classList.toggle('off');
+      item.setAttribute('aria-pressed', String(show));
+      this.u.setSeries(series, { show });
+    });
     return { item, value };
   }
 

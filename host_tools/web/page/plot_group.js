@@ -26,7 +26,7 @@ class PlotGroup {
 
   addSection(section, container) {
     const grid = element('div', { className: 'plot-grid' });
-    container.append(element('details', { open: true }, element('summary', { textContent: section.title }), grid));
+    container.append(element('details', { open: !section.folded }, element('summary', { textContent: section.title }), grid));
     return section.plots.map((plot, k) => new Plot(this, plot, grid, k / section.plots.length));
   }
 
@@ -55,6 +55,19 @@ class PlotGroup {
     if (!this.choosable) return;
     this.fixed = this.window;
     this.clock.seek(time_s);
+  }
+
+  /** Scrolls to the first of the plots of these titles, unfolded, and marks them all while that one has the focus. */
+  pointOut(titles) {
+    const figures = this.plots.map((plot) => plot.figure).filter((figure) => titles.includes(figure.dataset.title));
+    for (const figure of figures) {
+      figure.closest('details').open = true;
+      figure.classList.add('pointed-out');
+    }
+    figures[0].scrollIntoView({ block: 'center' });
+    figures[0].focus({ preventScroll: true });
+    const unmark = () => figures.forEach((figure) => figure.classList.remove('pointed-out'));
+    figures[0].addEventListener('focusout', unmark, { once: true });
   }
 
   draw(time_s, now_s) {

@@ -2,6 +2,7 @@
 
 const kForceScale_m_N = 0.0017;
 const kLongestForce_m = 1;
+const kConeFrom_N = 10;
 const kPushScale_m_N = 0.006;
 
 function drawGround(view, ground, colours, footprints) {
@@ -121,11 +122,40 @@ function drawPush(view, pose, force_N, share, colours) {
   c.fillText(label, x, y);
 }
 
-/** The robot at `time_s` with the push on it and, when wanted, its contact forces. */
-function drawRobotAt(view, data, pose, colours, time_s, withForces = true) {
+/**
+ * Friction cones of the feet that carry, as high as their normal force: a force within its cone ends on the upper edge.
+ * The cone of a foot whose force is not within has the colour of a limit.
+ */
+function drawFrictionCones(view, pose, forces, mu, colours) {
+  const c = view.context;
+  ['left', 'right'].forEach((side, foot) => {
+    const [fx, fz] = [forces[2 * foot], forces[2 * foot + 1]];
+    if (!(fz > kConeFrom_N)) return;
+    const { x, z } = pose[side].foot;
+    const height_m = fz * Math.min(kForceScale_m_N, kLongestForce_m / Math.hypot(fx, fz));
+    const edges = [{ x: x - mu * height_m, z: z + height_m }, { x, z }, { x: x + mu * height_m, z: z + height_m }];
+    const colour = Math.abs(fx) > mu * fz ? colours.limit : colours.force;
+    const alpha = c.globalAlpha;
+    c.beginPath();
+    for (const p of edges) c.lineTo(view.x(p.x), view.y(p.z));
+    c.closePath();
+    c.globalAlpha = 0.16 * alpha;
+    c.fillStyle = colour;
+    c.fill();
+    c.globalAlpha = 0.7 * alpha;
+    drawPath(view, edges, colour, 1);
+    c.globalAlpha = alpha;
+  });
+}
+
+/** The robot at `time_s` with the push on it and, when wanted, its contact forces and friction cones. */
+function drawRobotAt(view, data, pose, colours, time_s, withForces = true, withCones = false) {
+  const forces = data.forcesAt(time_s);
+  if (withCones && forces && data.friction_coefficient > 0) {
+    drawFrictionCones(view, pose, forces, data.friction_coefficient, colours);
+  }
   drawRobot(view, pose, colours);
-  const forces = withForces && data.forcesAt(time_s);
-  if (forces) drawContactForces(view, pose, forces, colours);
+  if (withForces && forces) drawContactForces(view, pose, forces, colours);
   const push = data.pushAt(time_s);
   if (push) drawPush(view, pose, push.force_N, push.above_hip_m / data.geometry.torso_length_m, colours);
 }

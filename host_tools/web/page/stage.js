@@ -10,13 +10,15 @@ class Stage {
     this.canvas = document.getElementById('stage-canvas');
     this.showPlan = document.getElementById('show-plan');
     this.showForces = document.getElementById('show-forces');
+    this.showCones = document.getElementById('show-cones');
     this.size = { width: 0, height: 0 };
-    for (const box of [this.showPlan, this.showForces]) box.addEventListener('change', () => { this.stale = true; });
+    for (const box of [this.showPlan, this.showForces, this.showCones]) box.addEventListener('change', () => { this.stale = true; });
     new ResizeObserver(([entry]) => {
       this.size = entry.contentRect;
       this.stale = true;
     }).observe(this.canvas);
     this.recolour();
+    this.export = new StageExport(this);
   }
 
   recolour() {
@@ -33,23 +35,30 @@ class Stage {
     this.geometry = data.geometry;
     this.state = time_s === null || !data.geometry ? null : data.stateAt(time_s);
     const { context, width, height } = fitCanvas(this.canvas, this.size);
-    if (width === 0) return this.state;
+    if (width > 0) this.paint(context, width, height);
+    return this.state;
+  }
+
+  /** Paints the state shown on a canvas, or on what stands for one (svg_context.js). */
+  paint(context, width, height) {
+    const { data, time_s } = this;
+    context.fillStyle = this.colours.sky;
+    context.fillRect(0, 0, width, height);
     const camera = this.state ? this.cameraX() : 0;
     const scale = (height - kBelowGround_px - kReadout_px) / kRobotHeight_m;
     const base_z = groundHeight(data.ground, camera) - kBelowGround_px / scale;
     const lead_m = Math.min(0.35, (0.18 * width) / scale);
     const view = makeView(context, width, height, camera + lead_m, base_z, scale);
     drawGround(view, data.ground, this.colours, data.footprintsUpTo(time_s));
-    if (!this.state) return null;
+    if (!this.state) return;
     if (this.showPlan.checked && !data.hipUnknown) {
       drawPlannedTorso(view, data.geometry, data.planAt(time_s), this.colours, time_s);
       drawPlannedPaths(view, data.planAt(time_s), this.colours, time_s);
     }
     context.globalAlpha = data.hipUnknown ? 0.35 : 1;
     drawRobotAt(view, data, poseOfState(data.geometry, this.state), this.colours, time_s,
-      this.showForces.checked && !data.hipUnknown);
+      this.showForces.checked && !data.hipUnknown, this.showCones.checked && !data.hipUnknown);
     context.globalAlpha = 1;
-    return this.state;
   }
 
   /** Mean hip position of late, moved ahead with the speed, so that the camera glides. */

@@ -4,8 +4,8 @@ set(page_dir ${CMAKE_CURRENT_LIST_DIR})
 set(uplot_dir ${page_dir}/node_modules/uplot)
 set(page_parts head.html stage.html scripts.html)
 # In order of use: all scripts share one scope.
-set(page_scripts elements.js theme.js table.js kinematics.js canvas_shapes.js scene.js robot_data.js stage.js
-  plot_parts.js plot.js plot_group.js viewer.js)
+set(page_scripts elements.js theme.js table.js kinematics.js canvas_shapes.js scene.js robot_data.js svg_context.js
+  export.js stage.js plot_parts.js plot.js plot_group.js viewer.js)
 
 # stilt_page(OUTPUT NAME.cc PAGE page.html STYLES ... SCRIPTS ... VARIABLE stilt::x::kName HEADER x.h)
 function(stilt_page)

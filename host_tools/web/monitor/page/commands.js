@@ -6,6 +6,12 @@ const kPatience_ms = 3000;
 const kHeightTunable = 'reference.base_height_m';
 const kKeys = { s: 'stand', t: 'step', w: 'walk', d: 'sit', r: 'reset' };
 
+/** A link, and its QR code for the camera of a phone. */
+function linkItem(link) {
+  const code = qrPicture(link, 'QR code of this link');
+  return element('li', {}, element('a', { href: link, textContent: link }), ...(code ? [code] : []));
+}
+
 class CommandPanel {
   constructor(connection, robot) {
     this.connection = connection;
@@ -69,8 +75,7 @@ class CommandPanel {
     if (access.has_key) localStorage.setItem('key', access.key);
     document.getElementById('access').textContent = this.accessText();
     document.getElementById('links').hidden = !access.has_key;
-    document.getElementById('link-list').replaceChildren(...access.urls.map((url) => element('li', {},
-      element('a', { href: `${url}#key=${access.key}`, textContent: `${url}#key=${access.key}` }))));
+    document.getElementById('link-list').replaceChildren(...access.urls.map((url) => linkItem(`${url}#key=${access.key}`)));
     document.getElementById('no-link').hidden = access.urls.length > 0;
     document.getElementById('link-box').hidden = access.urls.length === 0;
     this.openTokenBox();
@@ -215,11 +220,23 @@ class CommandPanel {
     document.getElementById('speed-value').textContent = `${signed(Number(this.speed.value), 2)} m/s`;
   }
 
+  get walks() {
+    return this.robot.hello?.states[this.robot.supervisor?.state]?.name === 'walk';
+  }
+
+  /** Sets the slider to a share, -1 to 1, of the largest speed in that direction; whether a robot that walks is sent it. */
+  setSpeedShare(share) {
+    const before = this.speed.value;
+    this.speed.value = String(Math.abs(share) * Number(share < 0 ? this.speed.min : this.speed.max));
+    if (this.speed.value === before) return false;
+    this.changeSpeed();
+    return this.walks;
+  }
+
   /** While the robot walks a new speed is sent at once, at most ten times a second. */
   changeSpeed() {
     this.showSpeed();
-    const walks = this.robot.hello?.states[this.robot.supervisor?.state]?.name === 'walk';
-    if (!walks || this.speedTimer) return;
+    if (!this.walks || this.speedTimer) return;
     const wait = Math.max(0, this.speedSent_ms + kSpeedPeriod_ms - performance.now());
     this.speedTimer = setTimeout(() => {
       this.speedTimer = null;

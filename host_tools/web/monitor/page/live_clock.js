@@ -1,8 +1,9 @@
 // When to show what (a clock, see viewer.js). Samples come in batches with varying delay; the picture follows the
 // robot's clock evenly, a little behind, so that there is nearly always a sample to show. Paused, it looks back.
 
-/** How far one may look back, and how long the page may be paused before it takes nothing new, to keep that. */
-const kLookBack_s = 60;
+/** How far one may look back, and how long a paused page takes what is new before it takes nothing more, to keep that. */
+const kLookBack_s = 300;
+const kPausedOn_s = 60;
 
 class LiveClock {
   constructor() {

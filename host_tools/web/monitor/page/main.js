@@ -10,7 +10,7 @@ const kLookBackStep_s = 0.05;
 class Monitor {
   constructor() {
     this.robot = new RobotState();
-    this.status = new StatusPanel(this.robot, (run) => this.connection.send({ run }));
+    this.status = new StatusPanel(this.robot, (run) => this.connection.send({ run }), (titles) => this.plots.pointOut(titles));
     this.plots = new PlotGroup({
       data: this.robot, clock: this.robot.clock, sections: plotSections(this.robot),
       container: document.getElementById('plots'), follow_s: 10, lineWidth_px: kLineWidth_px,
@@ -21,6 +21,8 @@ class Monitor {
     this.timing = new TimingPanel();
     this.connection = new Connection(this);
     this.commands = new CommandPanel(this.connection, this.robot);
+    this.gamepad = new GamepadPanel(this.commands);
+    this.keys = new KeyList();
     this.record = new RecordBar(this.connection, this.robot.clock);
     this.tunables = new TunablesPanel(this.commands);
     this.frames_s = [];
@@ -146,7 +148,8 @@ class Monitor {
     const toggleTheme = () => this.setTheme(document.documentElement.dataset.theme === 'dark' ? 'light' : 'dark');
     document.getElementById('theme').addEventListener('click', toggleTheme);
     document.addEventListener('keydown', (event) => {
-      if (event.ctrlKey || event.altKey || event.metaKey || event.target.closest('input, select')) return;
+      if (event.ctrlKey || event.altKey || event.metaKey) return;
+      if (event.target.closest('input:not([type=range]):not([type=checkbox]), select')) return;
       if (event.key === 'p') this.togglePause();
       if (event.key === 'l') toggleTheme();
     });
@@ -160,12 +163,15 @@ class Monitor {
     if (!this.record.toggleHold()) this.robot.clock.toggle();
   }
 
-  /** While the picture is paused a slider looks back, as far as the page remembers. */
+  /** A bar looks back, as far as the page remembers; who moves it pauses the picture. */
   bindPause() {
     const { clock } = this.robot;
     this.back = document.getElementById('back');
     document.getElementById('pause').addEventListener('click', () => this.togglePause());
-    this.back.addEventListener('input', () => clock.seek(clock.end_s + Number(this.back.value)));
+    this.back.addEventListener('input', () => {
+      if (clock.playing) clock.toggle();
+      clock.seek(clock.end_s + Number(this.back.value));
+    });
     document.addEventListener('keydown', (event) => {
       const step_s = { ArrowLeft: -kLookBackStep_s, ArrowRight: kLookBackStep_s }[event.key];
       if (step_s === undefined || clock.playing || event.target.closest('input, select')) return;
@@ -175,16 +181,18 @@ class Monitor {
   }
 
   showPause() {
-    const { clock } = this.robot;
-    if (clock.held_s === this.shownHeld_s) return;
-    this.shownHeld_s = clock.held_s;
+    const { clock, hello } = this.robot;
+    const remembered_s = Math.floor(clock.end_s - clock.start_s);
+    const shown = `${clock.held_s} ${remembered_s} ${hello?.live}`;
+    if (shown === this.shownPause) return;
+    this.shownPause = shown;
     document.getElementById('pause').setAttribute('aria-pressed', String(!clock.playing));
-    document.getElementById('look-back').hidden = clock.playing;
-    if (clock.playing) return;
-    const back_s = clock.held_s - clock.end_s;
-    this.back.min = String(-Math.floor(clock.end_s - clock.start_s));
+    document.getElementById('look-back').hidden = clock.playing && !hello?.live;
+    const back_s = clock.playing ? 0 : clock.held_s - clock.end_s;
+    this.back.min = String(-remembered_s);
     this.back.value = String(back_s);
-    document.getElementById('back-value').textContent = `${signed(back_s, 2)} s`;
+    this.back.title = `The last ${remembered_s} s are remembered, ${kLookBack_s} s at most, in ${Math.round(this.robot.bytes / 1e6)} MB. Left and right arrow`;
+    document.getElementById('back-value').textContent = clock.playing ? 'live' : `${signed(back_s, 2)} s`;
   }
 
   setTheme(theme) {

@@ -41,6 +41,23 @@ function jointPlots(robot) {
   ];
 }
 
+/** What the faults of single joints watch. */
+function measuredJointPlots() {
+  const velocity = (k) => kSides.map(([label, colour, first]) => (
+    { label, colour, column: `estimated_state${10 + first + k}` }));
+  const torque = (k) => kSides.flatMap(([label, colour, first]) => [
+    { label, colour, column: `measured_torque_Nm${first + k}` },
+    { label: 'commanded', colour, ...kCommanded, column: `commanded_torque_Nm${first + k}`, unnamed: true },
+  ]);
+  const plot = { table: 'ticks', digits: 1 };
+  return [
+    { title: 'Hip velocity', axis: 'rad/s', unit: 'rad/s', least: 1, lines: velocity(0), ...plot },
+    { title: 'Knee velocity', axis: 'rad/s', unit: 'rad/s', least: 1, lines: velocity(1), ...plot },
+    { title: 'Measured hip torque (dashed: commanded)', axis: 'Nm', unit: 'Nm', lines: torque(0), ...plot },
+    { title: 'Measured knee torque (dashed: commanded)', axis: 'Nm', unit: 'Nm', lines: torque(1), ...plot },
+  ];
+}
+
 function plannerPlots(robot) {
   const budget = () => {
     const limit_us = robot.timing?.histograms.find((one) => one.name === 'solve')?.deadline_us;
@@ -98,6 +115,7 @@ function plotSections(robot) {
   return [
     { title: 'Motion', plots: motionPlots() },
     { title: 'Joints', plots: jointPlots(robot) },
+    { title: 'Velocities and measured torques', plots: measuredJointPlots(), folded: true },
     { title: 'Planner', plots: plannerPlots(robot) },
     { title: 'Loop and buses', plots: loopPlots() },
   ];

@@ -1,7 +1,8 @@
 // What the monitor's page knows: what is drawn of the robot, and the newest of everything else.
 
-const kKept_s = 2 * kLookBack_s + 2;
+const kKept_s = kLookBack_s + kPausedOn_s + 2;
 const kKnotsKept = kKept_s * 2000;
+const kFootprintsKept = kKept_s * 4;
 const kFeetColumns = ['left_foot_z_m', 'right_foot_z_m'];
 const kAddedColumns = [...kFeetColumns, 'commanded_speed_m_s', 'commanded_height_m'];
 
@@ -31,6 +32,12 @@ class RobotState extends RobotData {
     };
   }
 
+  /** Memory of all samples: it is taken at once and does not grow. */
+  get bytes() {
+    const columns = Object.values(this.tables ?? {}).flatMap((table) => table.values);
+    return columns.reduce((sum, values) => sum + values.byteLength, 0);
+  }
+
   /** Off its feet the place of the hip is not known: the pose is drawn with its lowest foot on the ground. */
   stateAt(time_s) {
     const ticks = this.tables?.ticks;
@@ -52,13 +59,14 @@ class RobotState extends RobotData {
     if (this.configuration && this.configuration.run_id !== configuration.run_id) this.forget();
     this.configuration = configuration;
     this.geometry = configuration.drawing;
+    this.friction_coefficient = Number(configuration.toml.match(/^friction_coefficient = ([\d.e+-]+)/m)?.[1]);
   }
 
   /** Takes the samples of a message (see protocol.js) that came at `now_s` of the page's clock. */
   take(message, now_s) {
     const { ticks } = this.tables;
     const isTicks = message.name === 'ticks' && message.rows > 0;
-    if (!this.clock.playing && message.base_s > this.clock.pausedAt_s + kLookBack_s) {
+    if (!this.clock.playing && message.base_s > this.clock.pausedAt_s + kPausedOn_s) {
       if (isTicks) this.clock.arrived(ticks.oldestTime, message.base_s, now_s);
       return;
     }
@@ -100,7 +108,7 @@ class RobotState extends RobotData {
     if (!this.lifted[foot] || now.z > kDown_m || Math.abs(now.x - before.x) > 0.002) return;
     this.lifted[foot] = false;
     this.footprints.push({ foot, x: now.x, z: 0, time: time_s });
-    if (this.footprints.length > 40) this.footprints.shift();
+    if (this.footprints.length > kFootprintsKept) this.footprints.shift();
   }
 
   /** Notes the plan whose knots come next in their table; those whose knots are gone from it are forgotten. */

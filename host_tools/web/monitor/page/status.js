@@ -15,10 +15,9 @@ const kLevelText = {
 const hasBit = (number, bit) => Math.floor(number / 2 ** bit) % 2 === 1;
 
 class StatusPanel {
-  /** `choose(runId)` asks for another run to be shown. */
-  constructor(robot, choose) {
-    this.robot = robot;
-    this.choose = choose;
+  /** `choose(runId)` asks for another run to be shown; `showPlots(titles)` leads to plots. */
+  constructor(robot, choose, showPlots) {
+    Object.assign(this, { robot, choose, showPlots });
     this.link = null;
     this.connected = false;
     this.runChanged_s = -Infinity;
@@ -35,6 +34,8 @@ class StatusPanel {
       for (const text of [fault.number, fault.name, fault.cause, kReactionText[fault.reaction], clearing(fault)]) {
         row.insertCell().textContent = text;
       }
+      const button = plotButton(fault, fault.name, this.showPlots);
+      if (button) row.cells[1].replaceChildren(button);
     }
     document.getElementById('fault-table').replaceChildren(table);
     this.lastFaults = null;
@@ -73,7 +74,9 @@ class StatusPanel {
     const cards = this.robot.hello.faults.flatMap((fault, bit) => {
       const present = hasBit(message.present, bit);
       const latched = hasBit(message.latched, bit);
-      return present || latched ? [faultCard(fault, present, latched, found[fault.name])] : [];
+      if (!present && !latched) return [];
+      const toPlot = plotButton(fault, 'Plot', this.showPlots);
+      return [faultCard(fault, present, latched, found[fault.name], toPlot)];
     });
     const list = document.getElementById('fault-list');
     list.replaceChildren(...(cards.length > 0 ? cards : [element('p', { className: 'fine', textContent: 'None.' })]));
@@ -154,11 +157,11 @@ function clearing(fault) {
   return fault.severity === 'latched' ? `${fault.clears}; then Reset` : fault.clears;
 }
 
-/** `found`: joint or bus, driver, value and limit, in words; may be missing. */
-function faultCard(fault, present, latched, found) {
+/** `found`: joint or bus, driver, value and limit, in words; `toPlot`: button to its plot. Both may be missing. */
+function faultCard(fault, present, latched, found, toPlot) {
   const when = present ? 'happening now' : 'over; waits for Reset';
   return element('article', { className: `fault ${latched ? 'latched' : fault.severity}` },
-    element('h3', {}, `${fault.name} `, element('small', { textContent: `${fault.number} · ${when}` })),
+    element('h3', {}, `${fault.name} `, element('small', { textContent: `${fault.number} · ${when}` }), ...(toPlot ? [toPlot] : [])),
     element('p', {}, `Cause: ${fault.cause}.`),
     ...(found ? [element('p', { className: 'found', textContent: `Found: ${found}.` })] : []),
     element('p', {}, `The robot: ${kReactionText[fault.reaction]}.`),

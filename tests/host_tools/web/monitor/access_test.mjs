@@ -9,11 +9,13 @@ import net from 'node:net';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { test } from 'node:test';
-import { openPage, picture, until } from './browser.mjs';
+import { openPage, picture, Program, until } from './browser.mjs';
+import { qrCode, readQrCode, readQrPicture } from './qr_code.mjs';
 import { answer, browser, monitor, page, state, text } from './synthetic.mjs';
 
 /** A page without the monitor's key: as if it were opened by the address alone. */
 async function pageWithoutKey() {
+  await until('the key of the first page stored', async () => /This page commands/.test(await text('#access')));
   await page.evaluate(() => localStorage.clear());
   const other = await openPage(browser, new URL('/', monitor.url).href);
   await until('the robot there', () => other.getAttribute('#stage-canvas', 'data-hip-x'));
@@ -80,6 +82,35 @@ async function tlsProxy(target) {
   await new Promise((resolve) => { proxy.listen(0, '127.0.0.1', resolve); });
   return proxy;
 }
+
+test('the page shows the link for a phone as a QR code, in the light and in the dark', async () => {
+  const other = new Program(process.env.STILT_SYNTHETIC_MONITOR, ['http://192.168.178.20:8080/', 'http://robot.example.com:8080/']);
+  const [url] = await other.wrote(/http:\S+/);
+  const here = await openPage(browser, url);
+  await until('the links', async () => (await here.locator('#link-list a').count()) === 2);
+  await here.click('#token-box summary');
+  const links = await here.locator('#link-list a').allTextContents();
+  assert.deepEqual(links, ['http://192.168.178.20:8080/', 'http://robot.example.com:8080/'].map((link) => link + new URL(url).hash));
+  for (const theme of ['light', 'dark']) {
+    await here.emulateMedia({ colorScheme: theme });
+    for (const [k, link] of links.entries()) {
+      assert.equal(await readQrPicture(here, here.locator('.qr-code').nth(k)), link, theme);
+    }
+  }
+  await picture(here, 'qr_code');
+  await here.close();
+  other.process.stdin.end();
+  await other.ended;
+});
+
+test('QR codes of every length up to 180 bytes are read by an independent decoder, and longer texts have none', () => {
+  for (let length = 1; length <= 180; ++length) {
+    const words = Array.from({ length }, (_, k) => String.fromCharCode(33 + ((k * 7919 + length * 31) % 90))).join('');
+    assert.equal(readQrCode(qrCode(words)), words);
+  }
+  assert.equal(readQrCode(qrCode('http://röbot.example/#key=ß')), 'http://röbot.example/#key=ß');
+  assert.equal(qrCode('x'.repeat(181)), null);
+});
 
 test('behind a reverse proxy with TLS the page works as without', async () => {
   const proxy = await tlsProxy(monitor.url);

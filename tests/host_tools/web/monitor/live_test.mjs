@@ -37,6 +37,14 @@ const waitFor = (selector, pattern, from = page) => {
 const state = (name) => waitFor('#state', new RegExp(`^${name}$`));
 const answer = (pattern) => waitFor('#answer', pattern);
 
+/** Asks for it again while it is refused: until the torque law has taken over. */
+const walk = () => until('walking', async () => {
+  if ((await text('#state')) === 'walk') return true;
+  await page.keyboard.press('w');
+  await page.waitForTimeout(2000);
+  return false;
+});
+
 function startController() {
   return new Program(process.env.STILTD_PROGRAM, [...kTurns, ...kBuses, ...kPatientSettings,
     '--set', `telemetry.token_file=${join(folder, 'token')}`]);
@@ -53,8 +61,8 @@ before(async () => {
   await robot.wrote(/ready/);
   controller = startController();
   monitor = startMonitor();
-  const [url] = await monitor.wrote(/http:\S+/);
-  page = await openPage(browser, url);
+  [monitor.url] = await monitor.wrote(/http:\S+/);
+  page = await openPage(browser, monitor.url);
 });
 
 after(async () => {
@@ -72,12 +80,7 @@ test('the page finds the controller and shows the robot standing up and walking'
   await page.keyboard.press('s');
   await state('stand');
   await page.fill('#speed', '0.3');
-  await until('walking', async () => {  // refused until the torque law has taken over
-    if ((await text('#state')) === 'walk') return true;
-    await page.keyboard.press('w');
-    await page.waitForTimeout(2000);
-    return false;
-  });
+  await walk();
   const from = await hipX(page);
   const still = await pixels(page, '#stage-canvas');
   await until('a metre', async () => (await hipX(page)) > from + 1);
@@ -205,5 +208,18 @@ test('a killed controller leaves a stale picture, marked as one, and the next is
   controller = startController();
   await until('the note', async () => /Another run/.test(await text('#note')));
   await until('live data', async () => (await text('#link-status')).startsWith('live'));
+  assert.deepEqual(page.problems, []);
+});
+
+test('a killed robot is a fault with its cause, and the picture is marked as old once its controller has ended', async () => {
+  await until('live data', async () => (await text('#link-status')).startsWith('live'));
+  await page.keyboard.press('s');
+  await state('stand');
+  await robot.kill('SIGKILL');
+  await waitFor('#event-list', /a bus is gone/);
+  await waitFor('#fault-list', /bus_disconnected 305.*Cause: a bus is gone.*The robot: damps the joints/);
+  await waitFor('#alarm', /No data for .* the data are stale/);
+  assert.equal(await text('#stage-cover'), 'STALE DATA');
+  await picture(page, 'live_killed_robot');
   assert.deepEqual(page.problems, []);
 });

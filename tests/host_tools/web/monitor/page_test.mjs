@@ -122,6 +122,42 @@ test('a fault says its cause, what the robot does and what clears it', async () 
   await until('none', async () => (await text('#fault-list')) === 'None.');
 });
 
+const pointedOut = () => page.$$eval('figure.pointed-out', (figures) => figures.map((figure) => figure.dataset.title));
+
+test('a fault leads to its plot, which is unfolded where it was folded', async () => {
+  const plot = page.locator('figure[data-title="Hip velocity"]');
+  assert.ok(await plot.isHidden());
+  monitor.write('fault joint_speed_limit');
+  await state('fault');
+  await page.click('.fault .to-plot');
+  assert.deepEqual(await pointedOut(), ['Hip velocity', 'Knee velocity']);
+  await until('the plot in view', async () => {
+    const box = await plot.boundingBox();
+    return box !== null && box.y > 0 && box.y + box.height < 900;
+  });
+  const still = await pixels(page, 'figure[data-title="Hip velocity"] canvas');
+  await until('it drawn', async () => (await pixels(page, 'figure[data-title="Hip velocity"] canvas')) !== still);
+  await until('its full width', () => plot.evaluate((figure) => Math.abs(figure.clientWidth - figure.querySelector('canvas').clientWidth) < 2));
+  await page.focus('#window');
+  assert.deepEqual(await pointedOut(), []);
+});
+
+test('every fault of the table leads to a plot in view, but for those that watch what no plot shows', async () => {
+  const kWithout = ['driver_fault', 'driver_not_enabled', 'driver_hot', 'driver_overheated', 'low_voltage', 'high_voltage',
+    'not_finite', 'heartbeat_lost', 'operator_gone', 'emergency_stop', 'bring_up_failed'];
+  await page.click('text=Every fault there is');
+  const rows = await page.$$eval('#fault-table tbody tr', (all) => all.map((row) => [row.cells[1].textContent, row.querySelector('.to-plot') !== null]));
+  assert.ok(rows.length >= 34);
+  assert.deepEqual(rows.filter(([, leads]) => !leads).map(([name]) => name).sort(), kWithout.sort());
+  for (const [name] of rows.filter(([, leads]) => leads)) {
+    await page.locator('#fault-table .to-plot', { hasText: new RegExp(`^${name}$`) }).click();
+    const [title] = await pointedOut();
+    assert.ok(title, `${name} leads to no plot`);
+    const box = await page.locator('figure.pointed-out').first().boundingBox();
+    assert.ok(box.y > 0 && box.y + box.height < 900, `${name}: ${title} is out of view`);
+  }
+});
+
 test('dropped ticks are counted', async () => {
   monitor.write('drop 40');
   await until('the count', async () => /live · 40 lost/.test(await text('#link-status')));
@@ -204,7 +240,22 @@ test('pause holds the picture and looks back, and pause again lets it go', async
   await until('where it was', async () => (await hipX(page)) === there);
   await page.click('#pause');
   await until('motion', async () => (await pixels(page, '#stage-canvas')) !== still);
-  assert.ok(await page.isHidden('#look-back'));
+  assert.equal(await text('#back-value'), 'live');
+  assert.equal(await page.inputValue('#back'), '0');
+});
+
+test('the bar of a live robot goes back as far as the page remembers, and who moves it pauses', async () => {
+  await page.keyboard.press('w');
+  await until('motion', async () => (await hipX(page)) > 1);
+  assert.equal(await text('#back-value'), 'live');
+  await until('some seconds', async () => Number(await page.getAttribute('#back', 'min')) <= -2);
+  const [, megabytes] = (await page.getAttribute('#back', 'title')).match(/The last \d+ s are remembered, 300 s at most, in (\d+) MB/);
+  assert.ok(Number(megabytes) > 50 && Number(megabytes) < 115, `${megabytes} MB`);
+  await page.fill('#back', '-2');
+  await until('two seconds back', async () => (await text('#back-value')) === '−2.00 s');
+  assert.equal(await page.getAttribute('#pause', 'aria-pressed'), 'true');
+  await page.keyboard.press('p');
+  await until('now', async () => (await text('#back-value')) === 'live');
 });
 
 test('dragging over a plot zooms only while paused, and a click there shows that moment', async () => {
@@ -229,34 +280,6 @@ test('dragging over a plot zooms only while paused, and a click there shows that
   await until('the start of the window', async () => Math.abs(parseFloat((await text('#back-value')).replace('−', '-')) + 1.5) < 0.1);
   await page.mouse.click(box.x + 0.5 * box.width, box.y + 50);
   await until('its middle', async () => Math.abs(parseFloat((await text('#back-value')).replace('−', '-')) + 1) < 0.1);
-});
-
-test('on a phone in the dark the stop button is in reach and nothing is wider than the screen', async () => {
-  await page.evaluate(() => localStorage.setItem('theme', 'dark'));
-  await page.setViewportSize({ width: 390, height: 844 });
-  await page.reload();
-  await until('the robot again', () => page.getAttribute('#stage-canvas', 'data-hip-x'));
-  await page.keyboard.press('w');
-  await until('motion', async () => (await hipX(page)) > 0.3);
-  const stop = await page.locator('#stop').boundingBox();
-  assert.ok(stop.y > 700 && stop.y + stop.height <= 844 && stop.width > 300, JSON.stringify(stop));
-  assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= window.innerWidth));
-  await picture(page, 'phone');
-  await page.evaluate(() => localStorage.clear());
-});
-
-test('every control can be reached with the keyboard, and Enter presses', async () => {
-  const reached = new Set();
-  for (let k = 0; k < 60; ++k) {
-    await page.keyboard.press('Tab');
-    reached.add(await page.evaluate(() => document.activeElement.dataset.command ?? document.activeElement.id));
-  }
-  for (const name of ['stop', 'stand', 'step', 'walk', 'sit', 'reset', 'speed', 'height', 'window', 'pause', 'tunable-filter']) {
-    assert.ok(reached.has(name), `${name} is not reached with Tab: ${[...reached]}`);
-  }
-  await page.focus('[data-command=step]');
-  await page.keyboard.press('Enter');
-  await state('step');
 });
 
 test('a record is shown as one and takes no commands', async () => {

@@ -5,6 +5,7 @@ import { mkdtempSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, afterEach, before, beforeEach, test } from 'node:test';
+import { assertAccessible } from './accessibility.mjs';
 import { hipX, openBrowser, openPage, picture, Program, until } from './browser.mjs';
 
 const kDomain = process.env.STILT_TEST_DOMAIN ?? '96';  // ctest: tests/own_domain.py; by hand: none of its domains
@@ -98,4 +99,9 @@ test('a pause holds the record on every page', async () => {
   await until('both go on', async () => (await shownTime()).at_s > at_s + 0.2 && (await shownTime(other)).at_s > at_s + 0.2);
   assert.ok(!(await held()) && !(await held(other)));
   await other.close();
+});
+
+test('no serious finding by the rules of accessibility, in the light and in the dark', async () => {
+  await until('the bar', async () => (await shownTime()).length_s > 0);
+  await assertAccessible(page, 'accessible_record');
 });

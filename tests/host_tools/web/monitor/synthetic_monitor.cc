@@ -1,5 +1,6 @@
 // Serves the monitor's page for a synthetic robot, for tests in a browser. Prints the address; standard input
-// takes words for SyntheticSource::change(), a line each; ends with it.
+// takes words for SyntheticSource::change(), a line each; ends with it. Its arguments are addresses that the
+// page offers to others.
 
 #include <poll.h>
 
@@ -24,11 +25,12 @@ bool line_waits() {
 
 }  // namespace
 
-int main() {
+int main(int count, char** addresses) {
   using namespace stilt::monitor;
   std::setvbuf(stdin, nullptr, _IONBF, 0);  // no line may hide in a buffer from poll()
   SyntheticSource source;
   LiveView view(source, kKey);
+  view.set_urls({addresses + 1, addresses + count});
   WebServer server({"127.0.0.1", 0});
   server.serve_page(kMonitorPage);
   server.add_endpoint({"/live", {}, {}}, view);

@@ -6,6 +6,7 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { pathToFileURL } from 'node:url';
 import { after, afterEach, before, test } from 'node:test';
+import { assertAccessible } from '../monitor/accessibility.mjs';
 import { openBrowser, openPage, picture, pixels, Program, until } from '../monitor/browser.mjs';
 
 const kSpeed = 'figure[data-title="Forward speed of the base"]';
@@ -128,4 +129,10 @@ test('the report of a robot behind its buses speaks of no plan and no command', 
   assert.doesNotMatch(detail, /NaN|commanded/);
   assert.ok(await page.isHidden('.key.plan'));
   await picture(page, 'robot_report');
+});
+
+test('no serious finding by the rules of accessibility, in the light and in the dark', async () => {
+  page = await openPage(browser, url, '#t=2.1');
+  await shows(2.1);
+  await assertAccessible(page, 'accessible_report');
 });

@@ -1,0 +1,138 @@
+// Friction cones, and what the page saves: PNG, SVG and WebM; with a synthetic robot: synthetic_monitor.
+
+import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
+import { test } from 'node:test';
+import { hipX, pixels, until } from './browser.mjs';
+import { browser, page } from './synthetic.mjs';
+
+const kMu = 0.6;  // of the synthetic robot's configuration
+
+/** What a click on `button` saves: its name and content. */
+async function saved(button, of = page) {
+  const [download] = await Promise.all([of.waitForEvent('download'), of.click(button)]);
+  return { name: download.suggestedFilename(), content: readFileSync(await download.path()) };
+}
+
+/** Share of the pixels of the stage that differ visibly from an image that the page loads from `type` and `content`. */
+function difference(content, type, alike) {
+  return page.evaluate(async ([base64, media, tolerance]) => {
+    const image = new Image();
+    image.src = `data:${media};base64,${base64}`;
+    await image.decode();
+    const stage = document.getElementById('stage-canvas');
+    const canvas = Object.assign(document.createElement('canvas'), { width: stage.width, height: stage.height });
+    canvas.getContext('2d').drawImage(image, 0, 0, stage.width, stage.height);
+    const [a, b] = [stage, canvas].map((one) => one.getContext('2d').getImageData(0, 0, stage.width, stage.height).data);
+    let others = 0;
+    for (let k = 0; k < a.length; k += 4) {
+      if ([0, 1, 2].some((channel) => Math.abs(a[k + channel] - b[k + channel]) > tolerance)) ++others;
+    }
+    return (4 * others) / a.length;
+  }, [content.toString('base64'), type, alike]);
+}
+
+/** Walks a little and pauses, so that the picture stands still. */
+async function walkAndPause() {
+  await page.keyboard.press('w');
+  await until('motion', async () => (await hipX(page)) > 0.3);
+  await page.keyboard.press('p');
+  await until('a still picture', async () => {
+    const first = await pixels(page, '#stage-canvas');
+    await page.waitForTimeout(200);
+    return (await pixels(page, '#stage-canvas')) === first;
+  });
+}
+
+/** Corners of the open triangles in an SVG picture, pixels. */
+function triangles(svg) {
+  return [...svg.matchAll(/<path d="M(\S+) (\S+?)L(\S+) (\S+?)L(\S+) ([\d.]+?)" fill="none"/g)]
+    .map((match) => match.slice(1).map(Number)).map(([x0, y0, x1, y1, x2, y2]) => ({ x0, y0, x1, y1, x2, y2 }))
+    .filter(({ x0, y0, x1, y1, x2, y2 }) => Math.abs(y0 - y2) < 0.02 && y1 > y0 && Math.abs(x0 + x2 - 2 * x1) < 0.03);
+}
+
+test('the friction cone of a foot that carries opens by the friction coefficient, and can be left out', async () => {
+  await until('the robot', () => page.getAttribute('#stage-canvas', 'data-hip-x'));
+  const cones = triangles((await saved('#save-svg')).content.toString());
+  assert.equal(cones.length, 2, 'it stands on both feet');
+  for (const { x0, y0, x2, y1 } of cones) assert.ok(Math.abs((x2 - x0) / 2 / (y1 - y0) - kMu) < 0.01);
+  await page.uncheck('#show-cones');
+  assert.equal(triangles((await saved('#save-svg')).content.toString()).length, 0);
+});
+
+test('a force outside its friction cone gives the cone the colour of a limit, and a foot in the air has none', () => {
+  const folder = new URL('../../../../host_tools/web/page/', import.meta.url);
+  const source = ['canvas_shapes.js', 'svg_context.js', 'scene.js'].map((name) => readFileSync(new URL(name, folder), 'utf-8')).join('\n');
+  const { drawFrictionCones, makeView, SvgContext } = new Function(`${source}\nreturn { drawFrictionCones, makeView, SvgContext };`)();
+  const draw = (forces) => {
+    const context = new SvgContext(400, 300);
+    const pose = { left: { foot: { x: 0, z: 0 } }, right: { foot: { x: 0.3, z: 0.1 } } };
+    drawFrictionCones(makeView(context, 400, 300, 0, -0.1, 200), pose, forces, kMu, { limit: 'red', force: 'green' });
+    return String(context);
+  };
+  assert.match(draw([59, 100, 0, 0]), /green/);
+  assert.doesNotMatch(draw([59, 100, 0, 0]), /red/);
+  assert.match(draw([-61, 100, 0, 0]), /red/);
+  assert.equal(triangles(draw([20, 100, 0, 5])).length, 1);
+});
+
+test('PNG and SVG show what the stage shows', async () => {
+  await walkAndPause();
+  const png = await saved('#save-png');
+  assert.match(png.name, /^stilt_[\d.]+_s\.png$/);
+  assert.equal(await difference(png.content, 'image/png', 0), 0);
+  const svg = await saved('#save-svg');
+  assert.match(svg.name, /^stilt_[\d.]+_s\.svg$/);
+  const share = await difference(svg.content, 'image/svg+xml', 60);
+  assert.ok(share < 0.01, `${(100 * share).toFixed(2)} % of the pixels differ`);
+  await page.keyboard.press('p');
+  await until('motion', async () => (await difference(svg.content, 'image/svg+xml', 60)) > 0.02);
+});
+
+test('a plot is saved as SVG, without the lines that are hidden', async () => {
+  await walkAndPause();
+  const figure = 'figure[data-title="Height of the feet"]';
+  const lines = (svg) => page.evaluate((text) => {
+    const picture = new DOMParser().parseFromString(text, 'image/svg+xml');
+    return {
+      error: picture.querySelector('parsererror')?.textContent ?? null,
+      words: picture.documentElement.textContent,
+      long: [...picture.querySelectorAll('path')].map((path) => path.getAttribute('d')).filter((d) => d.split('L').length > 50).length,
+    };
+  }, svg.content.toString());
+  const all = await saved(`${figure} .save`);
+  assert.equal(all.name, 'Height_of_the_feet.svg');
+  const { error, words, long } = await lines(all);
+  assert.equal(error, null);
+  assert.match(words, /Height of the feet/);
+  assert.match(words, /−?\d s/);
+  assert.equal(long, 2);
+  await page.click(`${figure} .legend`);
+  assert.equal((await lines(await saved(`${figure} .save`))).long, 1);
+});
+
+test('a video of the stage is a WebM file that plays, and its button says that it films', async () => {
+  await page.keyboard.press('w');
+  await until('motion', async () => (await hipX(page)) > 0.3);
+  await page.click('#save-video');
+  assert.equal(await page.getAttribute('#save-video', 'aria-pressed'), 'true');
+  assert.equal(await page.textContent('#save-video'), 'End video');
+  const from = await hipX(page);
+  await until('half a metre', async () => (await hipX(page)) > from + 0.5);
+  const { name, content } = await saved('#save-video');
+  assert.match(name, /^stilt_[\d.]+_s\.webm$/);
+  assert.equal(content.subarray(0, 4).toString('hex'), '1a45dfa3');
+  const stage = await page.$eval('#stage-canvas', ({ width, height }) => ({ width, height }));
+  const other = await browser.context.newPage();
+  const film = await other.evaluate(async (base64) => {
+    const video = Object.assign(document.createElement('video'), { src: `data:video/webm;base64,${base64}`, muted: true });
+    await new Promise((resolve, reject) => { video.onloadeddata = resolve; video.onerror = () => reject(video.error); });
+    await video.play();
+    await new Promise((resolve) => { video.onended = resolve; });
+    return { width: video.videoWidth, height: video.videoHeight, length_s: video.currentTime };
+  }, content.toString('base64'));
+  await other.close();
+  assert.ok(Math.abs(film.width - stage.width) < 2 && Math.abs(film.height - stage.height) < 2, JSON.stringify([film, stage]));
+  assert.ok(film.length_s > 0.5, `${film.length_s} s`);
+  assert.equal(await page.textContent('#save-video'), 'Video');
+});
