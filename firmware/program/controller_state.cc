@@ -5,7 +5,7 @@
 
 #include "firmware/configuration/hardware.h"
 #include "firmware/configuration/reach.h"
-#include "firmware/program/configure_cycles.h"
+#include "firmware/program/configure_controller.h"
 #include "firmware/robots/robots.h"
 #include "firmware/telemetry/telemetry_node.h"
 
@@ -58,7 +58,7 @@ std::expected<void, std::string> set_up(const Options& options, std::span<hal::F
                                         ControllerState& state) {
   const configuration::Configuration& configuration = options.configuration;
   if (const auto ready =
-          configure_cycles(configuration, options.source, state.planner, state.control, &state.gaits);
+          configure_controller(configuration, options.source, state.planner, state.control, &state.gaits);
       !ready) {
     return ready;
   }

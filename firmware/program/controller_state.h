@@ -74,7 +74,7 @@ void publish(ControllerState& state, const LoopStatistics& loop, const PlannerSt
 /// Publishes what is left, after the last tick.
 void flush_telemetry(ControllerState& state);
 
-/// The figures of a run that has ended.
+/// The results of a run that has ended.
 void take_statistics(const ControllerState& state, Outcome& outcome);
 
 }  // namespace stilt::program

@@ -189,7 +189,7 @@ CLI::App* add_command(CLI::App& app, const char* name, const char* description, 
   add_configuration_options(*command, arguments);
   command->add_flag("--lockstep", options.lockstep,
                     "takes turns with a simulated robot instead of following the clock");
-  command->add_option("--json", options.json_file, "writes the figures as JSON, - for standard output");
+  command->add_option("--json", options.json_file, "writes the results as JSON, - for standard output");
   return command;
 }
 

@@ -91,9 +91,9 @@ void talk(Test& test, commissioning::Session& session) {
   for (long long tick = 0; tick <= ticks; ++tick) {
     const std::int64_t due_ns = session.due_ns();
     const std::int64_t newest_base_ns = session.readings().base.time_ns;
-    const std::int64_t late_ns = session.begin_tick() - due_ns;
-    test.result.wakeup_latency.add_ns(late_ns);
-    if (static_cast<double>(late_ns) > 1e9 * test.result.limits.late_s) ++test.result.late_ticks;
+    const std::int64_t wakeup_latency_ns = session.begin_tick() - due_ns;
+    test.result.wakeup_latency.add_ns(wakeup_latency_ns);
+    if (static_cast<double>(wakeup_latency_ns) > 1e9 * test.result.limits.late_s) ++test.result.late_ticks;
     const bool base_is_new = session.readings().base.time_ns != newest_base_ns;
     if (tick > 0) count(test, session.readings(), base_is_new);  // the first command has no predecessor
     forget(test);

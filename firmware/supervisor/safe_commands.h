@@ -33,7 +33,7 @@ namespace stilt::supervisor {
                                          const hal::JointReadings& measured,
                                          const JointLimits& limits) noexcept;
 
-/// The torque limits in force: torque_limit_share of the joints'. Hot drivers and motors get less: from all
+/// The active torque limits: torque_limit_share of the joints'. Hot drivers and motors get less: from all
 /// of that at hot_C to hot_torque_share of it at overheated_C, linearly in the hotter temperature of a joint.
 [[nodiscard]] JointLimits derated(const JointLimits& limits, const hal::JointReadings& measured,
                                   const SupervisorParameters& parameters) noexcept;

@@ -26,7 +26,7 @@ class Tuner {
 
   /// Counts changes; 0: as configured.
   [[nodiscard]] std::uint32_t number() const noexcept { return number_; }
-  /// In force from this number on, in the order of tunables().
+  /// Active from this number on, in the order of tunables().
   [[nodiscard]] const std::vector<double>& values() const noexcept { return values_; }
   /// Active height of the hip.
   [[nodiscard]] double base_height_m() const noexcept { return settings_.parameters.reference.base_height_m; }

@@ -34,7 +34,7 @@ enum class Failure : std::uint8_t {
   invalid,         ///< configuration of the driver or of the bring-up makes no sense
   silent,          ///< no answer in this stage
   rejected,        ///< answers, but does not do what it was asked in this stage
-  wrong_identity,  ///< answers, but says it is another
+  wrong_identity,  ///< answers, but is another device
   old_version,     ///< firmware older than required
   wrong_scaling,   ///< its ranges or gains differ from the configuration
   no_watchdog,     ///< cannot promise a watchdog, and the configuration does not accept that

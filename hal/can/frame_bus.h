@@ -21,7 +21,7 @@ enum class BusStatus : std::uint8_t {
   disconnected,  ///< no bus: interface down, peer gone; nothing is sent or received
 };
 
-/// What the controller of the bus says of itself, from its error frames.
+/// State of the controller of the bus, from its error frames.
 enum class BusHealth : std::uint8_t {
   active,   ///< errors, if any, are below the warning level
   warning,  ///< many errors

@@ -16,7 +16,7 @@ enum class MoteusTimeout : std::uint8_t {
   zero_velocity = 12,  ///< damps with the kd of the newest command
 };
 
-/// What a moteus keeps in its own configuration, by default as it comes from the maker with firmware 1.1.0.
+/// What a moteus keeps in its own configuration, by default as it comes from the vendor with firmware 1.1.0.
 struct MoteusSettings {
   std::uint32_t firmware_version = 0x010100;
   double kp_Nm_rev = 4;                                            ///< servo.pid_position.kp

@@ -30,7 +30,7 @@ struct ReplyFrame {
 /// safe.
 class RoundTrip {
  public:
-  /// @param taps  one a bus of the wiring, outlive this object
+  /// @param taps  one per bus of the wiring, outlive this object
   RoundTrip(const RobotWiring& wiring, std::span<TapBus> taps) noexcept;
 
   /// Listens until every driver has replied, at most until give_up_ns. A reply to an earlier command that was

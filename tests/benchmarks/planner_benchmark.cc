@@ -8,7 +8,7 @@
 #include "host_tools/benchmark/interleaved.h"
 #include "host_tools/benchmark/planner_kernels.h"
 #include "host_tools/benchmark/walking_planner.h"
-#include "tests/benchmarks/plain_kernels.h"
+#include "tests/benchmarks/baseline_kernels.h"
 #include "tests/robots.h"
 
 /// Phases of the planner and the whole plan, on the problem of a walking robot at several horizons, with the

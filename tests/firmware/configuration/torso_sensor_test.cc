@@ -144,7 +144,7 @@ TEST(TorsoSensor, SettingsThatContradictOneAnotherAreRefused) {
           .find("torso_sensor.serial_baud = 128000 is no bit rate of the sensor; right are 9600, 19200"),
       std::string::npos);
   EXPECT_NE(mistakes("device = \"vectornav\"\nserial_baud = 115200\n")
-                .find("torso_sensor.serial_baud = 115200 carries at most 345 messages a second, and "
+                .find("torso_sensor.serial_baud = 115200 carries at most 345 messages per second, and "
                       "torso_sensor.rate_hz is 500"),
             std::string::npos);
   EXPECT_EQ(mistakes("device = \"vectornav\"\nserial_baud = 115200\nrate_hz = 200\n"), "");

@@ -118,7 +118,7 @@ TEST(Disturbance, FiguresAtTwentyNewtonsNeedThatForce) {
 
 TEST(Disturbance, SlipIsThatOfTheUnpushedRunTakenOff) {
   const Json row = merged(small_plan()).at("rows").at(0);
-  EXPECT_EQ(row.at("first_slip_N"), 25.0) << "20 mm of slip without a push is none of the push";
+  EXPECT_EQ(row.at("first_slip_N"), 25.0) << "20 mm of slip without a push do not come from the push";
 }
 
 TEST(Disturbance, MeasuresFromTheStartOfThePush) {

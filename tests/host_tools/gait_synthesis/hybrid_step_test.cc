@@ -160,7 +160,7 @@ TEST(IntegrateStep, OnlyTheSecondHalfOfTheStepEndsWithTouchDown) {
   EXPECT_GT(step->duration_s, 0.6 * walking_gait().step_time_s);
 }
 
-TEST(IntegrateStep, TellsWhenTheRobotFalls) {
+TEST(IntegrateStep, ReportsWhenTheRobotFalls) {
   ReducedState r = reduce(start_of_motion(walking_gait()));
   r[kReducedStates / 2] = -8.0;
   EXPECT_FALSE(
@@ -191,7 +191,7 @@ TEST(ReturnMap, HasTheEigenvalueThatTheMomentumAboutTheStanceFootGives) {
   EXPECT_LT(map->eigenvalue_magnitudes[1], 0.05);
 }
 
-TEST(ReturnMap, ForetellsHowADisturbanceDecays) {
+TEST(ReturnMap, PredictsHowADisturbanceDecays) {
   for (const gait::HzdGait* gait : {&walking_gait(), &stepping_gait()}) {
     const ReducedState nominal = reduce(start_of_motion(*gait));
     const auto map = linearise_return_map(testing_support::amber3m(), *gait, nominal);

@@ -5,7 +5,7 @@
 #include "mpc_core/control/planner.h"
 
 /// The data that one Riccati sweep walks through stay in the second-level cache of the processors in question
-/// (1 MiB a core) at the longest horizon, so that the sweep never waits for main memory.
+/// (1 MiB per core) at the longest horizon, so that the sweep never waits for main memory.
 namespace stilt::lq {
 namespace {
 

@@ -215,7 +215,7 @@ class CommandPanel {
     document.getElementById('speed-value').textContent = `${signed(Number(this.speed.value), 2)} m/s`;
   }
 
-  /** While the robot walks a new speed is sent at once, at most ten times a second. */
+  /** While the robot walks a new speed is sent at once, at most ten times per second. */
   changeSpeed() {
     this.showSpeed();
     const walks = this.robot.hello?.states[this.robot.supervisor?.state]?.name === 'walk';

@@ -60,7 +60,7 @@ TEST(FrameLog, WithoutANameNothingIsWritten) {
   std::filesystem::remove_all(folder);
 }
 
-TEST(FrameLog, AFileThatCannotBeMadeOrFilledIsToldByName) {
+TEST(FrameLog, AFileThatCannotBeMadeOrFilledIsReportedByName) {
   EXPECT_THROW(FrameLog("/nowhere/at/all"), std::runtime_error);
   FrameLog log("/dev/full");
   log.write(1, 0, FrameLog::Sender::robot, frame(1, {}));

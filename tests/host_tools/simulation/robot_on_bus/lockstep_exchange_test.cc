@@ -150,7 +150,7 @@ TEST_F(LockstepExchangeTest, CommandsAreAnsweredInTheirTick) {
   EXPECT_EQ(buses_[0].to_controller[0].id, 0x11u) << "the driver's reply";
 }
 
-TEST_F(LockstepExchangeTest, AControllerThatLosesCountIsToldSo) {
+TEST_F(LockstepExchangeTest, AControllerThatLosesCountIsRefusedWithThatReason) {
   end_turn(0);
   ASSERT_TRUE(exchange_.poll());
   end_turn(2);
