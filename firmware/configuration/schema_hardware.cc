@@ -132,7 +132,7 @@ void add_driver(std::string_view section, std::vector<Entry>& rows) {
       {section, "minimum_version", "1", "Oldest firmware that is accepted, vendor code; 0: any",
        integer<&P::hardware, Driver, &D::minimum_version>(0, 0xffffff)},
       {section, "accept_missing_watchdog", "",
-       "Enable it even when it cannot promise a watchdog: it then drives on when the program ends",
+       "Enable it even when it has no watchdog: it then drives on when the program ends",
        flag<&P::hardware, Driver, &D::accept_missing_watchdog>()},
   };
   rows.insert(rows.end(), std::begin(driver), std::end(driver));

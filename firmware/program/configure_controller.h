@@ -9,7 +9,7 @@
 
 namespace stilt::program {
 
-/// Planner and control loop as a configuration wants them: in stiltd, and when a record is replayed. `source`
+/// Planner and control loop as a configuration sets them: in stiltd, and when a record is replayed. `source`
 /// names the configuration in the error, one sentence for the user. Start-up only.
 /// @param gaits  filled with the robot's shipped gaits where the configuration uses them, nullptr: none;
 ///               outlives both cycles

@@ -37,7 +37,7 @@ std::expected<void, std::string> start_serial_sensor(const Options& options, con
   if (!wiring.serial_imu) return {};
   if (options.lockstep) {
     return std::unexpected(
-        "--lockstep: torso_sensor.device is on a serial port, which knows no virtual time; omit --lockstep, "
+        "--lockstep: torso_sensor.device is on a serial port, which has no virtual time; omit --lockstep, "
         "or "
         "take a sensor on a bus");
   }

@@ -71,7 +71,8 @@ class CommandArbiter {
   /// Decides about a command.
   [[nodiscard]] Answer take(const Asked& asked, const RobotNow& now);
 
-  /// A Twist came. It acts only where the rules allow it, while a commander lives and the robot walks.
+  /// A Twist came. It acts only where the rules allow it, while a commander sends heartbeats and the robot
+  /// walks.
   void twist(double speed_m_s, const RobotNow& now);
 
   /// What the torque loop shall do now. Until the first order came that is what `script` says.
@@ -98,9 +99,9 @@ class CommandArbiter {
   std::string commander_;                         ///< empty: none
   std::int64_t heartbeat_wall_ns_ = 0;
   supervisor::Request request_;
-  bool deserted_ = false;     ///< the last commander fell silent, and no other has taken over
-  bool took_over_ = false;    ///< the script has no say any more
-  bool standing_up_ = false;  ///< after the bring-up: stand
+  bool commander_lost_ = false;  ///< the last commander fell silent, and no other has taken over
+  bool took_over_ = false;       ///< the script has no say any more
+  bool standing_up_ = false;     ///< after the bring-up: stand
   bool rejected_ = false;
   std::int64_t rejected_wall_ns_ = 0;  ///< when somebody without the token was answered last
 };

@@ -8,7 +8,7 @@ namespace stilt::telemetry {
 /// it. Release 0.2.0 has version 2; release 0.1 has no version.
 ///
 /// A field appended at the end of a message keeps the version, because readers skip bytes behind the fields
-/// they know. The version rises when a field is removed or renamed, when its type, unit, place or meaning
+/// they have. The version rises when a field is removed or renamed, when its type, unit, place or meaning
 /// changes, and with every change of a nested structure (Tunable_, Histogram_).
 inline constexpr std::uint32_t kWireVersion = 2;
 

@@ -37,7 +37,7 @@ enum class Failure : std::uint8_t {
   wrong_identity,  ///< answers, but is another device
   old_version,     ///< firmware older than required
   wrong_scaling,   ///< its ranges or gains differ from the configuration
-  no_watchdog,     ///< cannot promise a watchdog, and the configuration does not accept that
+  no_watchdog,     ///< has no watchdog, and the configuration does not accept that
   wrong_watchdog,  ///< reads back another time than was written
   not_home,        ///< position not referenced, or not in exactly one turn of the joint's travel
   driver_fault,    ///< see StepResult::driver_fault

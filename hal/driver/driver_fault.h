@@ -4,7 +4,7 @@
 
 namespace stilt::hal {
 
-/// What a motor driver complains about, the same names for every vendor. The vendor's own number is kept
+/// Fault that a motor driver reports, the same names for every vendor. The vendor's own number is kept
 /// beside it.
 enum class DriverFault : std::uint8_t {
   none,

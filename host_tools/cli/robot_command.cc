@@ -198,7 +198,7 @@ CLI::App* add_robot_command(CLI::App& program, RobotOptions& options) {
   robot->add_option("--seed", options.seed, "of the sensor noise")->capture_default_str();
   robot->add_flag(
       "--publish", options.publish,
-      "publishes over DDS what only a simulation knows (contact forces, pushes), for stilt monitor");
+      "publishes over DDS what only a simulation has (contact forces, pushes), for stilt monitor");
   add_network_options(*robot, options.network);
   robot->add_option("--json", options.json_file,
                     "writes the results as JSON to a file, or - for standard output");

@@ -251,7 +251,7 @@ template <class Mode>
   unroll<kMaxFreeInputs - kInputs>([&](auto i) STILT_INLINE { gain.k[kInputs + i] = 0.0; });
 
   update_gradient<kInputs>(work, z, value.p);
-  forget_values();
+  reload_values();
   half_hessian<Mode>(stage, next, motion, work, value.P);
   add_transpose(value.P);
   return outcome;

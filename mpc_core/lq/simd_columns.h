@@ -203,7 +203,7 @@ STILT_INLINE inline Vec free_motion(const double* v, const FreeMotion& motion) n
 
 /// Prevents the compiler from keeping stored values in registers, which it would have to spill. Loading them
 /// again costs less.
-STILT_INLINE inline void forget_values() noexcept { asm volatile("" ::: "memory"); }
+STILT_INLINE inline void reload_values() noexcept { asm volatile("" ::: "memory"); }
 
 /// Prevents the compiler from loading v again at each use.
 STILT_INLINE inline Vec in_register(Vec v) noexcept {
@@ -249,7 +249,7 @@ STILT_INLINE inline void for_each_tile(const Body& body) noexcept {
     constexpr int kCount = kEnd - kFirst < kFit ? kEnd - kFirst : kFit;
     Tile<kFirst, kCount> tile;
     body(tile);
-    forget_values();
+    reload_values();
     for_each_tile<kFirst + kCount, kEnd>(body);
   }
 }
@@ -289,7 +289,7 @@ STILT_INLINE inline void add_transpose(double (*P)[kRows]) noexcept {
         store_sum<left * kLanes, kLow>(P, below, above_transposed);
         store_sum<kLow * kLanes, left>(P, above, below_transposed);
       }
-      forget_values();
+      reload_values();
     });
   });
 }
