@@ -185,8 +185,8 @@ Json merge_limits(const LimitPlan& plan, const std::vector<Json>& results) {
   for (const LimitPlan::Controller& controller : plan.controllers) {
     for (const BlindQuantity& quantity : plan.quantities) {
       RowSummary summary;
-      for (int i = 0; i < phases_of(plan, quantity) * plan.seeds; ++i) figures.add(*result++);
-      rows.push_back(figures.row(controller, quantity, plan.phases));
+      for (int i = 0; i < phases_of(plan, quantity) * plan.seeds; ++i) summary.add(*result++);
+      rows.push_back(summary.row(controller, quantity, plan.phases));
     }
     if (plan.sequences == 0) continue;
     int survived = 0;
