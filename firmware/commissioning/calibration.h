@@ -106,9 +106,9 @@ struct TorsoCalibration {
   }
 };
 
-/// The legs are plumb lines: centres of mass lie on the links' axes, so that limp legs hang straight down,
-/// and the torso's pitch is minus the angle of a hip. While the left thigh is held still in the world, its
-/// hip says how the torso moves.
+/// The legs are plumb lines: centres of mass lie on the links' axes, so that limp legs hang straight down.
+/// The torso's pitch is then minus the angle of a hip. While the left thigh is held still in the world, its
+/// hip shows how the torso moves.
 /// @param sensor  as configured: some have one sign for pitch and rate, and a rate that differs is wrong_rate
 [[nodiscard]] TorsoCalibration calibrate_torso(const TorsoMotion& motion,
                                                const configuration::TorsoSensorParameters& sensor);

@@ -68,9 +68,9 @@ struct ScanResult {
   [[nodiscard]] bool complete() const noexcept;
 };
 
-/// Listens for 0.2 s per bus, then asks every driver of the configuration, starts an encoder of the torso on
-/// CANopen, then asks other identifiers of the drivers' protocol: only where all drivers of the bus speak one
-/// protocol, and none that the torso sensor uses.
+/// Listens for 0.2 s per bus, then asks every driver of the configuration and starts an encoder of the
+/// torso on CANopen. Then it asks other identifiers of the drivers' protocol: only where all drivers of the
+/// bus speak one protocol, and none that the torso sensor uses.
 /// @param buses  in the order of their numbers, receiving all identifiers
 /// @param stop   ends the scan early
 [[nodiscard]] ScanResult scan(const configuration::HardwareParameters& hardware,

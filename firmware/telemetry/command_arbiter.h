@@ -35,9 +35,9 @@ struct Asked {
   std::string key;
 };
 
-/// What became of it. No answer is sent when it is silent: a heartbeat that is fine needs none, and those
-/// without the token, who may repeat what others have sent, get at most twenty per second, so that a flood of
-/// theirs does not become a flood of ours.
+/// What became of it. No answer is sent when it is silent: a heartbeat that is fine needs none. Those
+/// without the token may repeat what others have sent. They get at most twenty per second, so that a flood
+/// of theirs does not become a flood of ours.
 struct Answer {
   bool accepted = false;
   bool silent = false;

@@ -11,8 +11,8 @@
 
 namespace stilt::telemetry {
 
-/// Live tunables: checks a new value, works out what the planner needs of it (milliseconds), and hands it to
-/// torque loop and planner, which take it before their next tick and solve. Ordinary threads.
+/// Live tunables: checks a new value and works out what the planner needs of it (milliseconds). Torque loop
+/// and planner take it before their next tick and solve. Ordinary threads.
 class Tuner {
  public:
   /// Everything outlives this object.

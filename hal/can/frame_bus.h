@@ -59,8 +59,8 @@ struct ReceiveResult {
 class FrameBus {
  public:
   /// Sends up to kMaximumBatch frames in order; more are an error of the caller and stay unsent (queue_full).
-  /// A frame is withheld while an earlier one with its identifier has not been seen on the bus, so that
-  /// commands queued for an unpowered driver cannot burst out when its power returns.
+  /// A frame is withheld while an earlier one with its identifier has not been seen on the bus. Commands
+  /// queued for an unpowered driver can then not burst out when its power returns.
   [[nodiscard]] virtual SendResult send(std::span<const CanFrame> frames) noexcept = 0;
 
   /// Takes what has arrived, at most kMaximumBatch frames and at most the span.

@@ -15,8 +15,8 @@
 /// Command, most significant bit first: position 16, velocity 12, kp 12, kd 12, torque 12 bits.
 /// Reply: driver identifier 8, position 16, velocity 12, torque 12 bits, then bytes that differ by vendor
 /// (ReplyLayout). A value x of range [a, b] in n bits is the integer part of (x - a) (2^n - 1) / (b - a):
-/// vendors cut off instead of rounding, so what arrives is up to one step below what was asked, and no code
-/// is exactly zero in a symmetric range.
+/// vendors cut off instead of rounding. What arrives is up to one step below what was asked, and no code is
+/// exactly zero in a symmetric range.
 ///
 /// Facts: B. Katz, HKC_MiniCheetah CAN_com.cpp (layout, cut-off); CubeMars AK series manual 1.0.17,
 /// section 5.3 (8-byte reply, temperature = byte - 40); Damiao DM-J manuals and

@@ -8,8 +8,9 @@
 namespace stilt::experiments {
 namespace {
 
-/// What a made-up robot does in a case; it begins to walk with steps of 0.9 m, then 0.1 m and longer under a
-/// push, slips 20 mm without a push and 20 mm more from 24.5 N on, and falls when the push is too large.
+/// What a made-up robot does in a case; it begins to walk with steps of 0.9 m, then 0.1 m and longer under
+/// a push. It slips 20 mm without a push and 20 mm more from 24.5 N on, and falls when the push is too
+/// large.
 log::RunRecord walk_of(const WalkCase& walk) {
   const bool second_phase = walk.push_start_s > 4.3;
   const double limit_N =

@@ -122,7 +122,7 @@ class EchoQueue : public ::testing::TestWithParam<std::size_t> {
   int ends_[2] = {-1, -1};
 };
 
-/// Commands of four joints in every tick, at random times a bus-off, a restart some ticks later, a reset of
+/// Commands of four joints in every tick. At random times a bus-off, a restart some ticks later, a reset of
 /// the fault before or after it, a bus that others fill, and lost echoes.
 TEST_P(EchoQueue, BusOffAndRestartNeitherSilenceAnIdentifierNorLeaveOldCommands) {
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
