@@ -169,7 +169,7 @@ TEST(IntegrateStep, ReportsWhenTheRobotFalls) {
 
 TEST(ReturnMap, HasTheEigenvalueThatTheMomentumAboutTheStanceFootGives) {
   // On the zero dynamics half the squared momentum about the stance foot is scaled by (H+ / H-)^2 at
-  // touch-down and gains the same over every step: that ratio is the eigenvalue of the return map
+  // touch-down. It gains the same over every step: that ratio is the eigenvalue of the return map
   // (Westervelt, Grizzle, Koditschek 2003); the outputs' own eigenvalues are far smaller.
   const auto momentum = [](const StateVector& x) {  // the left foot at the origin
     model::MassMatrixTerms<double> mass;

@@ -1,18 +1,18 @@
 // clang-format off
-/// Writes tests/data/recorded_problems.txt. Not run by the tests: it defines the optima that later solvers
-/// have to find.
-///
-/// Candidates are seeded 1, 2, ...: robot, gait, speed, horizon and discretisation are drawn; a planner then
-/// walks the robot exactly along its plans to a random time, pushed on the way (jumps of the base's
-/// velocity), and what it reaches is disturbed. A candidate is left out when
-///   - the walk or the solve fails,
-///   - the last of 40 full Gauss-Newton steps after 60 with line search still exceeds 1e-9 (any unit),
-///   - one of three other initial guesses leads to another optimum (relative cost 1e-9, trajectory 1e-8).
+// Writes tests/data/recorded_problems.txt. Not run by the tests: it defines the optima that later solvers
+// have to find.
+//
+// Candidates are seeded 1, 2, ...: robot, gait, speed, horizon and discretisation are drawn; a planner then
+// walks the robot exactly along its plans to a random time, pushed on the way (jumps of the base's
+// velocity). The state that it reaches is disturbed. A candidate is left out when
+//   - the walk or the solve fails,
+//   - the last of 40 full Gauss-Newton steps after 60 with line search still exceeds 1e-9 (any unit),
+//   - one of three other initial guesses leads to another optimum (relative cost 1e-9, trajectory 1e-8).
 // clang-format on
-#include <cmath>
-#include <cstdio>
-#include <exception>
-#include <random>
+// include <cmath>
+// include <cstdio>
+// include <exception>
+// include <random>
 
 #include "mpc_core/control/planner.h"
 #include "mpc_core/control/torque_law.h"

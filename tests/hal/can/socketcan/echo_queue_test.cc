@@ -123,7 +123,7 @@ class EchoQueue : public ::testing::TestWithParam<std::size_t> {
 };
 
 /// Commands of four joints in every tick. At random times a bus-off, a restart some ticks later, a reset of
-/// the fault before or after it, a bus that others fill, and lost echoes.
+/// the fault before or after it; also a bus that others fill, and lost echoes.
 TEST_P(EchoQueue, BusOffAndRestartNeitherSilenceAnIdentifierNorLeaveOldCommands) {
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
