@@ -72,6 +72,8 @@ TEST(Disturbance, ARowHasTheSmallestLimitAndThatOfHalfTheCases) {
   EXPECT_EQ(row.at("limits_N"), Json({21.0, 22.0, 28.0, 29.0}));
   EXPECT_EQ(row.at("push_all_phases_N"), 21.0);
   EXPECT_EQ(row.at("push_half_phases_N"), 28.0) << "two of four cases reach it";
+  EXPECT_EQ(row.at("worst_cases"), Json({{{"phase", 0}, {"seed", 1}, {"limit_N", 21.0}},
+                                         {{"phase", 0}, {"seed", 2}, {"limit_N", 22.0}}}));
   EXPECT_EQ(row.at("paper_N"), 22.0);
   EXPECT_EQ(row.at("cases"), 4);
   EXPECT_NEAR(row.at("saturated_s").get<double>(), 0.029, 1e-12);
@@ -98,6 +100,23 @@ TEST(Disturbance, ARowSaysWhetherItWalksAtTheCommandWithoutAPush) {
   EXPECT_EQ(rows[2].at("walks"), false);
   EXPECT_EQ(rows[2].at("cases_walk"), 0);
   EXPECT_EQ(rows[2].at("push_all_phases_N"), 21.0) << "it stays on its feet all the same";
+}
+
+TEST(Disturbance, ARowWalksWhenEveryCaseDoes) {
+  PushRow row = row_of("a", "mpc-heuristic", 2.0);
+  row.walk = [](const WalkCase& walk) {
+    log::RunRecord record = walk_of(walk);
+    if (walk.seed == 2 && walk.push_start_s < 4.3) record.summary.mean_speed_m_s = 0.4;
+    return record;
+  };
+  const Json json = only_row(row);
+  EXPECT_EQ(json.at("walks"), false);
+  EXPECT_EQ(json.at("cases_walk"), 3);
+}
+
+TEST(Disturbance, RecoveryIsToTheSpeedWithoutAPushNotToTheCommand) {
+  const Json lumped = merged(small_plan()).at("rows").at(2);
+  EXPECT_EQ(lumped.at("recovery_steps").at("at_20N").at("recovered"), 4) << "0.707 m/s, commanded 0.5 m/s";
 }
 
 TEST(Disturbance, StepLengthsCountFromTheStartOfThePushOn) {
