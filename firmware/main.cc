@@ -81,8 +81,8 @@ std::expected<void, std::string> check_files(const program::Options& options) {
   return {};
 }
 
-/// Figures as JSON where they are asked for. False: they could not be written, and the user was told.
-bool write_figures(const program::Options& options, const std::string& json) {
+/// Results as JSON where they are asked for. False: they could not be written; standard error says why.
+bool write_json(const program::Options& options, const std::string& json) {
   if (options.json_file.empty()) return true;
   const auto written = diagnostics::write_file(options.json_file, json);
   if (!written) static_cast<void>(refuse(not_written("--json", options.json_file, written.error())));
@@ -113,8 +113,8 @@ std::expected<void, std::string> check_start(const program::Options& options, pr
 int report(const program::Options& options, const program::Outcome& outcome) {
   if (!outcome.error.empty()) std::fprintf(stderr, "stiltd: %s\n", outcome.error.c_str());
   if (!outcome.not_written.empty()) std::fprintf(stderr, "stiltd: %s\n", outcome.not_written.c_str());
-  const bool figures_written = write_figures(options, program::to_json(outcome));
-  if (!figures_written || !outcome.not_written.empty()) return kBadUsage;
+  const bool results_written = write_json(options, program::to_json(outcome));
+  if (!results_written || !outcome.not_written.empty()) return kBadUsage;
   return outcome.error.empty() && outcome.last_state != "fault" ? kDone : kFailed;
 }
 
@@ -158,7 +158,7 @@ std::expected<std::unique_ptr<telemetry::TelemetryNode>, std::string> open_telem
   return node;
 }
 
-/// Once the buses are open: a controller that cannot start changes nobody's token.
+/// Once the buses are open: a controller that cannot start leaves every token as it is.
 std::expected<void, std::string> take_commands(const program::Options& options,
                                                telemetry::TelemetryNode& node) {
   if (const auto taken = node.take_commands(); !taken) return taken;
@@ -201,7 +201,7 @@ int run_self_test(const program::Options& options) {
   if (const auto connected = connect(options, buses); !connected) return refuse(connected.error());
   const program::SelfTestResult result = program::run_self_test(options, controller_state, signals.stop);
   if (options.json_file != "-") std::fputs(program::to_text(result).c_str(), stdout);
-  if (!write_figures(options, program::to_json(result))) return kBadUsage;
+  if (!write_json(options, program::to_json(result))) return kBadUsage;
   return result.passed() ? kDone : kFailed;
 }
 
@@ -214,7 +214,7 @@ int run_commissioning(const program::Options& options) {
   const program::CommissioningOutcome outcome =
       program::run_commissioning(options, controller_state, signals.stop);
   if (options.json_file != "-") std::fputs(outcome.text.c_str(), stdout);
-  const bool reported = outcome.json.empty() || write_figures(options, outcome.json);
+  const bool reported = outcome.json.empty() || write_json(options, outcome.json);
   if (!outcome.error.empty()) {
     std::fprintf(stderr, "stiltd: %s\n", outcome.error.c_str());
     return outcome.bad_input ? kBadUsage : kFailed;

@@ -13,7 +13,10 @@ _held = []
 def own_domain():
     """Number of the domain, as text; this process holds it until it ends."""
     for domain in range(5, 95):
-        file = os.open(f'/tmp/stilt-test-domain-{domain}', os.O_RDWR | os.O_CREAT, 0o666)
+        try:
+            file = os.open(f'/tmp/stilt-test-domain-{domain}', os.O_RDWR | os.O_CREAT, 0o666)
+        except OSError:
+            continue  # the file of another user
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
@@ -21,7 +24,7 @@ def own_domain():
             continue
         _held.append(file)
         return str(domain)
-    raise RuntimeError('no DDS domain is free for this test: /tmp/stilt-test-domain-* are all locked')
+    raise RuntimeError('no DDS domain is free for this test: /tmp/stilt-test-domain-* are all locked, or of other users')
 
 
 if __name__ == '__main__':

@@ -15,7 +15,7 @@ namespace stilt::codegen {
 /// acceleration. A variable's derivative is one with respect to itself and zero with respect to the other
 /// variables, whatever it is computed from. Where structure makes the chain rule cheaper, the caller can
 /// apply it by hand. Other symbols are held constant. The canonical form of the graph moves signs and
-/// constant factors out of a variable -a or c a, so that the node cut is a.
+/// constant factors out of a variable -a or c a. The node cut is then a.
 class Differentiator {
  public:
   /// @throws std::invalid_argument if a variable is a constant.

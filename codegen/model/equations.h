@@ -49,20 +49,20 @@ struct EquationRows {
 };
 
 // clang-format off
-/// Equations of motion of a planar tree over expressions.
-///
-/// They use absolute link angles: each sine and cosine occurs once per link, and rates and accelerations are
-/// sums along the chains. They use augmented bodies: link k carries the masses of all its subtrees at its
-/// joints, D_k is the first moment about the link's joint and H_k the second moment. T(r) = (r_z, -r_x) is
-/// the derivative of a body-fixed vector by its angle. O_kc is the body-fixed vector from k's joint to
-/// child c's.
-///
-///   inertial force of the link     A_k = alpha_k T(D_k) - omega_k^2 D_k
-///   net force on a subtree         W_k = A_k + sum over children W_c - sum over own feet f
-///   acceleration of child's joint  a_c = a_k + alpha_k T(O_kc) - omega_k^2 O_kc
-///   moment about k's joint         N_k = H_k alpha_k + T(D_k).a_k + sum T(O_kc).W_c - sum over feet T(O_f).f
-///   base rows                      m a_root + W_root = 0, sum of all N_k = 0
-///   row of joint i                 sum of N_k over the links beyond the joint = motor torque
+// Equations of motion of a planar tree over expressions.
+//
+// They use absolute link angles: each sine and cosine occurs once per link, and rates and accelerations are
+// sums along the chains. They use augmented bodies: link k carries the masses of all its subtrees at its
+// joints. D_k is the first moment about the link's joint and H_k the second moment. T(r) = (r_z, -r_x) is
+// the derivative of a body-fixed vector by its angle. O_kc is the body-fixed vector from k's joint to child
+// c's.
+//
+//   inertial force of the link     A_k = alpha_k T(D_k) - omega_k^2 D_k
+//   net force on a subtree         W_k = A_k + sum over children W_c - sum over own feet f
+//   acceleration of child's joint  a_c = a_k + alpha_k T(O_kc) - omega_k^2 O_kc
+//   moment about k's joint         N_k = H_k alpha_k + T(D_k).a_k + sum T(O_kc).W_c - sum over feet T(O_f).f
+//   base rows                      m a_root + W_root = 0, sum of all N_k = 0
+//   row of joint i                 sum of N_k over the links beyond the joint = motor torque
 // clang-format on
 class Equations {
  public:

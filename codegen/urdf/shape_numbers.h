@@ -29,8 +29,8 @@ enum class ShapeQuantity {
 /// error message.
 /// @throws UrdfError for a robot that these numbers do not describe. The message is one sentence with the
 /// element and what would be right. Refused: joints about -y, joints of the base off its origin, bent or
-/// turned links, centres of mass off the line of the joints, branches other than at the base, a leg without a
-/// foot at its end, legs that differ.
+/// turned links; centres of mass off the line of the joints, branches other than at the base; a leg without
+/// a foot at its end, legs that differ.
 [[nodiscard]] std::vector<ShapeNumber> shape_numbers(const PlanarTree& tree, const std::string& source);
 
 }  // namespace stilt::codegen

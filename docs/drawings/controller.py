@@ -22,7 +22,7 @@ def robots(d):
     d.box(16, 16, 196, 336, 'Robot: hal/robot/robot.h', color=svg.ORANGE)
     for y, title, lines in ((54, 'RobotHardware', ('drivers on CAN buses,', 'real or emulated:', 'clock or lock-step')),
                             (150, 'PlantRobot', ('MuJoCo plant:', 'stilt sim, experiments')),
-                            (230, 'RecordedRobot', ('recording:', 'stilt replay'))):
+                            (230, 'RecordedRobot', ('record:', 'stilt replay'))):
         d.box(28, y, 172, 30 + 18 * len(lines), title, lines, svg.ORANGE)
     d.arrow([(212, 76), (300, 76)], svg.ORANGE)
     d.text(256, 68, 'readings', 12, svg.ORANGE, 'middle')

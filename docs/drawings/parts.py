@@ -32,7 +32,7 @@ def draw(root):
 def host(d):
     d.box(16, 16, 272, 368, 'Host: stilt', color=svg.GREY)
     d.box(32, 52, 240, 66, 'stilt monitor', ('page in the browser:', 'watch, command, STOP'), svg.GREY)
-    d.box(32, 130, 240, 66, 'stilt record, replay', ('recordings (MCAP),', 'replayed bit for bit'), svg.GREY)
+    d.box(32, 130, 240, 66, 'stilt record, replay', ('records (MCAP),', 'replayed bit for bit'), svg.GREY)
     d.box(32, 208, 240, 84, 'stilt sim, experiment', (
         'the same control loop and', 'planner on a MuJoCo plant,', 'without buses'), svg.GREY)
     d.box(32, 304, 240, 66, 'stilt robot', ('the plant behind emulated', 'drivers, instead of a robot'), svg.GREY)

@@ -108,7 +108,7 @@ def text_panel(d, robot):
         'q = [x_b, z_b, pitch_b,', '  hip_L, knee_L, hip_R, knee_R]', 'v = dq/dt, state x = [q; v]',
         'u = [joint accelerations (4);', '  fx_L, fz_L, fx_R, fz_R]',
         f'hips {hips[0]:g} to {hips[1]:g} rad', f'knees {knees[0]:g} to {knees[1]:g} rad, bent backward',
-        f'thigh {robot.thigh_m:.4f} m, shin {robot.shin_m:.4f} m', f'torque at most {robot.torque_Nm:g} Nm a joint',
+        f'thigh {robot.thigh_m:.4f} m, shin {robot.shin_m:.4f} m', f'torque at most {robot.torque_Nm:g} Nm per joint',
         'Angles are rotations about +y:', 'clockwise in this view from the',
         'right. Forces act on the robot.'), svg.INK)
 

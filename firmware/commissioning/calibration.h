@@ -31,7 +31,7 @@ struct JointPoses {
 
 enum class CalibrationFinding {
   correct,
-  changed,             ///< sign or offset differ from the configuration's; the new ones are right
+  changed,             ///< sign or offset differ from the configuration's; the new ones are valid
   dead_encoder,        ///< no encoder moved
   exchanged_encoders,  ///< another encoder moved
   wrong_travel,        ///< the encoder's angle between the stops is not that of the URDF
@@ -59,7 +59,7 @@ struct JointCalibration {
 
 enum class TorsoFinding {
   correct,
-  changed,         ///< sign or offset differ from the configuration's; the new ones are right
+  changed,         ///< sign or offset differ from the configuration's; the new ones are valid
   not_tried,       ///< a joint is not calibrated
   silent,          ///< no pitch, or an old one
   legs_not_plumb,  ///< nothing to compare with
@@ -75,7 +75,7 @@ enum class TorsoFinding {
 struct TorsoReadings {
   double rest_pitch_rad = 0.0;  ///< by the sensor, all hanging at rest
   Angles rest_rad{};
-  bool silent = false;  ///< at rest or while it rocked, the pitch was none of its time
+  bool silent = false;  ///< at rest or while it rocked, the pitch was not current
   /// While it rocked, period_s apart: its angle by the left hip, and pitch and rate by the sensor.
   std::vector<double> torso_rad, pitch_rad, pitch_rate_rad_s;
   double period_s = 0.0;
@@ -106,9 +106,9 @@ struct TorsoCalibration {
   }
 };
 
-/// The legs are plumb lines: centres of mass lie on the links' axes, so that limp legs hang straight down,
-/// and the torso's pitch is minus the angle of a hip. While the left thigh is held still in the world, its
-/// hip says how the torso moves.
+/// The legs are plumb lines: centres of mass lie on the links' axes, so that limp legs hang straight down.
+/// The torso's pitch is then minus the angle of a hip. While the left thigh is held still in the world, its
+/// hip shows how the torso moves.
 /// @param sensor  as configured: some have one sign for pitch and rate, and a rate that differs is wrong_rate
 [[nodiscard]] TorsoCalibration calibrate_torso(const TorsoMotion& motion,
                                                const configuration::TorsoSensorParameters& sensor);

@@ -29,7 +29,8 @@ struct CommandFailure {
   bool bad_answer = false;  ///< the person's, not the robot's
 };
 
-/// Takes an answer, without blanks around it and in small letters. False: it is none.
+/// Takes an answer, without blanks around it and in small letters. False: it is not an answer to the
+/// question.
 using TakeAnswer = std::function<bool(const std::string& answer)>;
 
 /// Asks until `take` accepts an answer, or fails at the first wrong one of a person who is not patient. The

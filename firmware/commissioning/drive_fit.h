@@ -10,7 +10,7 @@
 /// The numbers of a joint's drive from its motion. Pure; allocates, not for real time.
 namespace stilt::commissioning {
 
-/// What was asked and read, one entry a tick.
+/// What was asked and read, one entry per tick.
 struct DriveRecord {
   std::vector<double> torque_Nm;  ///< asked of the joint, mean over the ticks beside the reading
   std::array<std::vector<double>, model::kAngles> angle_rad;  ///< pitch, hip_L, knee_L, hip_R, knee_R

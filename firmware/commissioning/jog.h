@@ -7,7 +7,7 @@
 
 #include "firmware/commissioning/session.h"
 
-/// One joint moves slowly with little torque, the others limp: what its encoder says of it. Ordinary threads.
+/// One joint moves slowly with little torque, the others limp: what its encoder reports. Ordinary threads.
 namespace stilt::commissioning {
 
 /// Most torque of a joint, as a share of its limit.

@@ -24,7 +24,7 @@ struct ScannedNode {
   std::string protocol;
   int id = 0;
   std::optional<int> expected_reply_id;  ///< by the configuration, where the driver has such a setting
-  std::string firmware;                  ///< as the maker writes it; empty: not reported
+  std::string firmware;                  ///< as the vendor writes it; empty: not reported
   hal::ScannedDriver found;
 
   [[nodiscard]] bool wrong_reply_id() const noexcept {
@@ -68,9 +68,9 @@ struct ScanResult {
   [[nodiscard]] bool complete() const noexcept;
 };
 
-/// Listens for 0.2 s a bus, then asks every driver of the configuration, starts an encoder of the torso on
-/// CANopen, then asks other identifiers of the drivers' protocol: only where all drivers of the bus speak one
-/// protocol, and none that the torso sensor uses.
+/// Listens for 0.2 s per bus, then asks every driver of the configuration and starts an encoder of the
+/// torso on CANopen. Then it asks other identifiers of the drivers' protocol: only where all drivers of the
+/// bus speak one protocol, and none that the torso sensor uses.
 /// @param buses  in the order of their numbers, receiving all identifiers
 /// @param stop   ends the scan early
 [[nodiscard]] ScanResult scan(const configuration::HardwareParameters& hardware,

@@ -16,7 +16,7 @@ using Angles = std::array<double, hal::kJoints>;  ///< hip_L, knee_L, hip_R, kne
 
 [[nodiscard]] Angles joint_angles(const hal::RobotReadings& readings);
 
-/// Reads without a new position or pitch: older readings are none of now.
+/// Reads without a new position or pitch: older readings are not current.
 inline constexpr std::uint32_t kSilentReads = 20;
 
 /// A robot without its controller: drivers are brought up, read and commanded at the rate of the torque
@@ -53,7 +53,7 @@ class Session {
   [[nodiscard]] hal::Clock& clock() noexcept { return clock_; }
   /// What is wrong with stop, drivers or their replies; empty: nothing.
   [[nodiscard]] std::string trouble() const;
-  /// Why the torso's pitch is none of now; empty: it is. For commands that need it.
+  /// Why the torso's pitch is not current; empty: it is. For commands that need it.
   [[nodiscard]] std::string torso_trouble() const;
   /// The same, and the emergency stop is pressed or silent: before and while a joint gets torque.
   [[nodiscard]] std::string trouble_with_torque() const;

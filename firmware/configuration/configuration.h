@@ -9,7 +9,7 @@
 #include "firmware/configuration/diagnostic.h"
 #include "firmware/configuration/parameters.h"
 
-/// The configuration of the controller: one commented TOML file a robot sets everything that is tunable.
+/// The configuration of the controller: one commented TOML file per robot sets everything that is tunable.
 ///
 /// A file holds sections of keys; the keys, their units, ranges and meaning are the table of schema.h. A key
 /// that is left out takes the default named beside it in the shipped files. Unknown keys, wrong types, values
@@ -18,7 +18,7 @@
 namespace stilt::configuration {
 
 /// The parameters, or everything that is wrong, in the order of the file, then of the preset, overrides last.
-/// Contradictions between values are looked for once each value is right by itself.
+/// Contradictions between values are looked for once each value is valid by itself.
 using Result = std::expected<Configuration, std::vector<Diagnostic>>;
 
 /// A change made after the file is read, under the same checks. The last one of a key counts.

@@ -8,7 +8,7 @@
 
 namespace stilt::configuration {
 
-/// Two or more values that are right by themselves and wrong together.
+/// Two or more values that are valid by themselves and contradict each other.
 struct Contradiction {
   std::vector<std::string_view> keys;  ///< "section.key" of the values involved, the likeliest culprit first
   std::string message;                 ///< what is wrong, and what would be right

@@ -117,7 +117,7 @@ struct HardwareParameters {
 /// Ticks of the torque loop from one frame of the torso sensor to the next, for RobotWiring.
 [[nodiscard]] int base_period_ticks(const HardwareParameters& hardware, double torque_rate_hz);
 
-/// What the bring-up of a joint's driver shall insist on.
+/// What the bring-up of a joint's driver shall demand.
 /// @param minimum_rad, maximum_rad  travel of the joint, margin included
 /// @param speed_rad_s               that the joint may reach; 0: its driver's limit is not checked
 [[nodiscard]] hal::bring_up::Options bring_up_options(const HardwareParameters& hardware, std::size_t joint,

@@ -23,7 +23,7 @@ void check_torso_range(const HardwareParameters& hardware, const supervisor::Sup
                        std::vector<Contradiction>& found);
 
 /// Nodes of one bus whose frames would be taken for each other's: drivers among themselves, and drivers and
-/// torso sensor. Supposes a wiring that is right in all else.
+/// torso sensor. Supposes a wiring that is valid in all else.
 void check_identifiers(const HardwareParameters& hardware, std::vector<Contradiction>& found);
 
 /// Gains of the supervisor (hold, sit, damp) that the drivers cannot give: a command would carry the most

@@ -54,6 +54,14 @@ std::optional<Diagnostic> conflict(const toml::table& root, std::span<const Foun
   return std::nullopt;
 }
 
+/// The first key whose value would have another meaning under the new name.
+std::optional<Diagnostic> value_to_change(std::span<const Found> found, std::string_view file) {
+  const auto one = std::ranges::find_if(
+      found, [](const Found& candidate) { return !candidate.rename->value_change.empty(); });
+  if (one == found.end()) return std::nullopt;
+  return diagnostic(file, one->place, to_string(*one->rename) + ", then rename it by hand");
+}
+
 }  // namespace
 
 std::expected<Migration, Diagnostic> migrate(std::string_view toml, std::string_view file) {
@@ -69,6 +77,7 @@ std::expected<Migration, Diagnostic> migrate(std::string_view toml, std::string_
     const std::vector<Found> found = find_old_names(root);
     if (found.empty()) return migration;
     if (auto both = conflict(root, found, file)) return std::unexpected(std::move(*both));
+    if (auto value = value_to_change(found, file)) return std::unexpected(std::move(*value));
     for (auto one = found.rbegin(); one != found.rend(); ++one) {
       const std::string_view old = one->rename->key.empty() ? one->rename->section : one->rename->key;
       const std::size_t offset = offset_of(migration.text, one->place);

@@ -85,7 +85,8 @@ class Reader {
     return {path, static_cast<int>(source.begin.line), static_cast<int>(source.begin.column), {}};
   }
   void fail_renamed(Place place, const Rename& rename) {
-    std::string message = to_string(rename) + "; stilt config migrate " + place.file + " rewrites the file";
+    std::string message = to_string(rename);
+    if (rename.value_change.empty()) message += "; stilt config migrate " + place.file + " rewrites the file";
     fail(std::move(place), std::move(message));
   }
   void fail(Place place, std::string message) {

@@ -15,7 +15,8 @@ constexpr Rename kRenames[] = {
     {"inequality", "joint_position_delta", "joint_position_barrier_width_rad"},
     {"inequality", "joint_velocity_mu", "joint_velocity_barrier_weight"},
     {"inequality", "joint_velocity_delta", "joint_velocity_barrier_width_rad_s"},
-    {"inequality", "minimum_normal_force_N", "minimum_normal_force_share"},
+    {"inequality", "minimum_normal_force_N", "minimum_normal_force_share",
+     "divide its newtons by the weight of the robot"},
     {"sqp", "g_max", "filter_violation_max"},
     {"sqp", "g_min", "filter_violation_min"},
     {"sqp", "gamma_c", "filter_margin"},
@@ -36,7 +37,9 @@ const Rename* find_rename(std::string_view section, std::string_view key) {
 
 std::string to_string(const Rename& rename) {
   const std::string_view old = rename.key.empty() ? rename.section : rename.key;
-  return std::string(old) + " is now " + std::string(rename.now);
+  std::string text = std::string(old) + " is now " + std::string(rename.now);
+  if (!rename.value_change.empty()) text += ", in another unit: " + std::string(rename.value_change);
+  return text;
 }
 
 }  // namespace stilt::configuration

@@ -10,8 +10,9 @@ namespace stilt::configuration {
 
 struct Rename {
   std::string_view section;
-  std::string_view key;  ///< empty: the section itself was renamed
-  std::string_view now;  ///< new name of the key, or of the section
+  std::string_view key;                ///< empty: the section itself was renamed
+  std::string_view now;                ///< new name of the key, or of the section
+  std::string_view value_change = {};  ///< what the user must do with the value; empty: it stays
 };
 
 [[nodiscard]] std::span<const Rename> renames();
@@ -19,7 +20,7 @@ struct Rename {
 /// The row of an old key, or nullptr. An empty key asks for the section itself.
 [[nodiscard]] const Rename* find_rename(std::string_view section, std::string_view key = {});
 
-/// "friction_mu is now friction_barrier_weight".
+/// "friction_mu is now friction_barrier_weight", and what the user must do with the value.
 [[nodiscard]] std::string to_string(const Rename& rename);
 
 }  // namespace stilt::configuration

@@ -104,7 +104,7 @@ void add_driver(std::string_view section, std::vector<Entry>& rows) {
       {section, "reply_torque_range_Nm", "Nm", "MIT mode: torques in replies, likewise",
        real<&P::hardware, Driver, &D::reply_torque_range_Nm>(0.1, 1e4)},
       {section, "ak_temperature_offset_C", "C",
-       "AK: its temperature is a byte of its reply and this; the maker says -40",
+       "AK: its temperature is a byte of its reply and this; the vendor states -40",
        real<&P::hardware, Driver, &D::ak_temperature_offset_C>(-100.0, 100.0)},
       {section, "moteus_kp_Nm_rev", "Nm/rev",
        "moteus: its servo.pid_position.kp, the largest kp it can be asked for",
@@ -132,7 +132,7 @@ void add_driver(std::string_view section, std::vector<Entry>& rows) {
       {section, "minimum_version", "1", "Oldest firmware that is accepted, vendor code; 0: any",
        integer<&P::hardware, Driver, &D::minimum_version>(0, 0xffffff)},
       {section, "accept_missing_watchdog", "",
-       "Enable it even when it cannot promise a watchdog: it then drives on when the program ends",
+       "Enable it even when it has no watchdog: it then drives on when the program ends",
        flag<&P::hardware, Driver, &D::accept_missing_watchdog>()},
   };
   rows.insert(rows.end(), std::begin(driver), std::end(driver));

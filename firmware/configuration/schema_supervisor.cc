@@ -91,7 +91,7 @@ constexpr Entry kEntries[] = {
     {"supervisor", "torque_loop_overrun_s", "s", "Lateness of a tick that is reported",
      real<&P::supervisor, &S::torque_loop_overrun_s>(1e-06, 10.0)},
     {"supervisor", "torque_loop_stall_s", "s",
-     "Time between two ticks, or lateness of one, after which the joints are damped",
+     "Time between two ticks, or wake-up latency of one, after which the joints are damped",
      real<&P::supervisor, &S::torque_loop_stall_s>(0.0001, 10.0)},
     {"supervisor", "planner_lost_s", "s", "Age of the newest plan at which a robot on a gait sits",
      real<&P::supervisor, &S::planner_lost_s>(0.5, 1e6)},

@@ -63,7 +63,8 @@ constexpr Entry kEntries[] = {
      "Silence after which a commander is out of command; supervisor.heartbeat_timeout_s slows the robot down "
      "before",
      real<&P::telemetry, &T::release_s>(0.1, 60.0)},
-    {"telemetry", "cmd_vel", "", "Let rt/cmd_vel (Twist) change the speed of a walk while a commander lives",
+    {"telemetry", "cmd_vel", "",
+     "Let rt/cmd_vel (Twist) change the speed of a walk while a commander sends heartbeats",
      flag<&P::telemetry, &T::cmd_vel>()},
     {"telemetry", "ticks_per_batch", "1", "Ticks in a sample of the torque loop's record",
      integer<&P::telemetry, &T::ticks_per_batch>(1, 50)},

@@ -108,7 +108,7 @@ void check_port(const TorsoSensorParameters& sensor, std::vector<Contradiction>&
   if (sensor.rate_hz <= most_hz) return;
   found.push_back({{"torso_sensor.rate_hz", "torso_sensor.serial_baud"},
                    baud + " carries at most " + number_text(std::floor(most_hz)) +
-                       " messages a second, and torso_sensor.rate_hz is " + number_text(sensor.rate_hz)});
+                       " messages per second, and torso_sensor.rate_hz is " + number_text(sensor.rate_hz)});
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ namespace stilt::program {
 struct CommissioningOutcome {
   std::string error;       ///< why it could not do its work, or write what it found; empty: it did
   bool bad_input = false;  ///< the error is about what the user gave
-  bool passed = false;     ///< what was looked at is right
+  bool passed = false;     ///< everything that was checked passes
   std::string text;        ///< for people, when the JSON does not go to standard output
   std::string json;        ///< empty: written already, or there is none
 };

@@ -5,7 +5,7 @@
 
 #include "firmware/configuration/hardware.h"
 #include "firmware/configuration/reach.h"
-#include "firmware/program/configure_cycles.h"
+#include "firmware/program/configure_controller.h"
 #include "firmware/robots/robots.h"
 #include "firmware/telemetry/telemetry_node.h"
 
@@ -37,7 +37,7 @@ std::expected<void, std::string> start_serial_sensor(const Options& options, con
   if (!wiring.serial_imu) return {};
   if (options.lockstep) {
     return std::unexpected(
-        "--lockstep: torso_sensor.device is on a serial port, which knows no virtual time; omit --lockstep, "
+        "--lockstep: torso_sensor.device is on a serial port, which has no virtual time; omit --lockstep, "
         "or "
         "take a sensor on a bus");
   }
@@ -58,7 +58,7 @@ std::expected<void, std::string> set_up(const Options& options, std::span<hal::F
                                         ControllerState& state) {
   const configuration::Configuration& configuration = options.configuration;
   if (const auto ready =
-          configure_cycles(configuration, options.source, state.planner, state.control, &state.gaits);
+          configure_controller(configuration, options.source, state.planner, state.control, &state.gaits);
       !ready) {
     return ready;
   }

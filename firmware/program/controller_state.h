@@ -33,7 +33,7 @@ struct ControllerState {
   control_loop::ControlLoop control;
   control_loop::PlannerTask planner;
   std::optional<control_loop::StartScript> script;
-  control_loop::TickRecord newest_tick;  ///< that housekeeping knows of
+  control_loop::TickRecord newest_tick;  ///< that housekeeping has
   std::int64_t start_ns = 0;             ///< time of the first tick, known to housekeeping
   std::array<hal::LockstepBus, hal::kMaximumBuses> lockstep_buses;
   torso_sensor::SerialTorsoSensor serial_torso_sensor;  ///< started where the configuration has one
@@ -74,7 +74,7 @@ void publish(ControllerState& state, const LoopStatistics& loop, const PlannerSt
 /// Publishes what is left, after the last tick.
 void flush_telemetry(ControllerState& state);
 
-/// The figures of a run that has ended.
+/// The results of a run that has ended.
 void take_statistics(const ControllerState& state, Outcome& outcome);
 
 }  // namespace stilt::program

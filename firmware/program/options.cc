@@ -198,14 +198,14 @@ std::expected<void, std::string> check_walk(const Options& options) {
   return std::unexpected(text);
 }
 
-/// A subcommand that talks to the robot instead of the controller.
+/// A subcommand that commands the robot instead of the controller.
 CLI::App* add_command(CLI::App& app, const char* name, const char* description, Arguments& arguments,
                       Options& options) {
   CLI::App* command = app.add_subcommand(name, description);
   add_configuration_options(*command, arguments);
   command->add_flag("--lockstep", options.lockstep,
                     "takes turns with a simulated robot instead of following the clock");
-  command->add_option("--json", options.json_file, "writes the figures as JSON, - for standard output");
+  command->add_option("--json", options.json_file, "writes the results as JSON, - for standard output");
   return command;
 }
 
@@ -258,7 +258,7 @@ Commands add_commands(CLI::App& app, Arguments& arguments, Options& options) {
       ->capture_default_str();
   add_out(*commands.identify, options);
   commands.self_test =
-      add_command(app, "selftest", "talks to all drivers at zero torque, reports replies and their times",
+      add_command(app, "selftest", "commands all drivers at zero torque, reports replies and their times",
                   arguments, options);
   commands.self_test->add_option("--seconds", options.self_test_s, "how long, s")->capture_default_str();
   return commands;

@@ -14,7 +14,7 @@ namespace stilt::program {
 
 enum class Task {
   control,       ///< run the controller
-  self_test,     ///< talk to the drivers at zero torque and report
+  self_test,     ///< command the drivers at zero torque and report
   scan,          ///< find the drivers of the buses
   watch,         ///< show joints and sensors, limp
   jog,           ///< move one joint, ask which link moved

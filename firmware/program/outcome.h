@@ -52,7 +52,7 @@ struct Outcome {
 void take_events(control_loop::EventRing& events, Outcome& outcome,
                  telemetry::TelemetryNode* telemetry_node = nullptr);
 
-/// The figures as JSON text, field names as in docs/interfaces.
+/// The results as JSON text.
 [[nodiscard]] std::string to_json(const Outcome& outcome);
 
 }  // namespace stilt::program

@@ -23,7 +23,7 @@ namespace {
 
 /// Ticks after the supervisor is off: the last commands leave the buses.
 constexpr int kLastTicks = 5;
-/// Every so many ticks the figures go to housekeeping.
+/// Every so many ticks the statistics go to housekeeping.
 constexpr long long kStatisticsEvery = 250;
 /// Every so many ticks the round trip on the buses is measured, within this share of the tick.
 constexpr long long kRoundTripEvery = 50;

@@ -7,7 +7,7 @@
 
 namespace stilt::program {
 
-/// What a configuration means for the buses: a line a bus, and one for each thing that their frames cannot
+/// What a configuration means for the buses: a line per bus, and one for each thing that their frames cannot
 /// carry. `refused`: a bus is loaded beyond what works, or there is such a thing.
 struct BusReport {
   std::string text;

@@ -80,7 +80,7 @@ long long withheld(Test& test, std::size_t joint) {
 }
 
 /// Commands zero torque, and counts; a last tick without command takes the last replies.
-void talk(Test& test, commissioning::Session& session) {
+void command_robot(Test& test, commissioning::Session& session) {
   hal::RobotHardware& hardware = *test.state.hardware;
   hal::RoundTrip round_trip(configuration::robot_wiring(test.options.configuration.hardware),
                             hardware.buses());
@@ -91,9 +91,9 @@ void talk(Test& test, commissioning::Session& session) {
   for (long long tick = 0; tick <= ticks; ++tick) {
     const std::int64_t due_ns = session.due_ns();
     const std::int64_t newest_base_ns = session.readings().base.time_ns;
-    const std::int64_t late_ns = session.begin_tick() - due_ns;
-    test.result.wakeup_latency.add_ns(late_ns);
-    if (static_cast<double>(late_ns) > 1e9 * test.result.limits.late_s) ++test.result.late_ticks;
+    const std::int64_t wakeup_latency_ns = session.begin_tick() - due_ns;
+    test.result.wakeup_latency.add_ns(wakeup_latency_ns);
+    if (static_cast<double>(wakeup_latency_ns) > 1e9 * test.result.limits.late_s) ++test.result.late_ticks;
     const bool base_is_new = session.readings().base.time_ns != newest_base_ns;
     if (tick > 0) count(test, session.readings(), base_is_new);  // the first command has no predecessor
     forget(test);
@@ -130,7 +130,7 @@ std::vector<realtime::InterruptThread> delayed_interrupts(const Options& options
 }
 
 /// The same with the planner at work, and what the kernel reports of the processors.
-void talk_under_load(Test& test, commissioning::Session& session) {
+void command_under_load(Test& test, commissioning::Session& session) {
   const int core = test.options.configuration.runtime.torque_core;
   const std::optional<long long> throttled = realtime::thermal_throttle_count();
   PlannerLoad load(test.options, test.state);
@@ -138,7 +138,7 @@ void talk_under_load(Test& test, commissioning::Session& session) {
     test.result.failure = "no thread for the planner";
     return;
   }
-  talk(test, session);
+  command_robot(test, session);
   load.end();
   test.result.solve = load.solve();
   test.result.interrupts = delayed_interrupts(test.options);
@@ -150,7 +150,7 @@ void run(Test& test) {
   const auto tick_ns = std::llround(1e9 / test.options.configuration.timing.torque_rate_hz);
   commissioning::Session session(*test.state.hardware, test.clock, tick_ns, test.stop);
   if (const auto up = session.bring_up()) {
-    test.options.lockstep ? talk(test, session) : talk_under_load(test, session);
+    test.options.lockstep ? command_robot(test, session) : command_under_load(test, session);
   } else {
     test.result.failure = up.error();
   }

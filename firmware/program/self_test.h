@@ -66,13 +66,13 @@ struct SelfTestResult {
   [[nodiscard]] bool passed() const;
 };
 
-/// Brings all drivers up and commands zero torque at the rate of the torque loop for options.self_test_s,
-/// with the planner at work on its own thread, then disables the drivers. Nothing moves. In lock-step a tick
-/// is a turn of the simulated robot, and nothing is said of the computer.
+/// Brings all drivers up, commands zero torque at the rate of the torque loop for options.self_test_s, then
+/// disables them. The planner is at work on its own thread. Nothing moves. In lock-step, a tick is a turn
+/// of the simulated robot, and nothing is said of the computer.
 [[nodiscard]] SelfTestResult run_self_test(const Options& options, ControllerState& state,
                                            const std::atomic<bool>& stop);
 
-/// The figures for people, and as JSON.
+/// The results for people, and as JSON.
 [[nodiscard]] std::string to_text(const SelfTestResult& result);
 [[nodiscard]] std::string to_json(const SelfTestResult& result);
 

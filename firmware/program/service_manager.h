@@ -5,8 +5,8 @@
 
 namespace stilt::program {
 
-/// What a service reports to systemd, being of Type=notify: that it is ready, what it does, and that it
-/// lives. Nothing happens where no service manager listens ($NOTIFY_SOCKET). For housekeeping, not for
+/// What a service reports to systemd, being of Type=notify: that it is ready, what it does, and signs of
+/// life. Nothing happens where no service manager listens ($NOTIFY_SOCKET). For housekeeping, not for
 /// real-time threads. See sd_notify(3).
 class ServiceManager {
  public:

@@ -18,7 +18,7 @@ struct Requirements {
 struct Capability {
   std::string kernel;                ///< release
   bool realtime_kernel = false;      ///< PREEMPT_RT
-  std::string governor;              ///< of the torque loop's processor; empty: the kernel does not say
+  std::string governor;              ///< of the torque loop's processor; empty: the kernel does not report it
   bool memory_locked = false;        ///< mlockall succeeded
   bool priority_allowed = false;     ///< a thread may take SCHED_FIFO at the priorities asked for
   int cores = 0;                     ///< processors this process may use

@@ -14,12 +14,12 @@ struct IdleState {
   double exit_us = 0.0;
 };
 
-/// Nothing when the kernel does not say. `core`: -1 is the first. `root`: where /sys is looked for, for
+/// Nothing when the kernel does not report it. `core`: -1 is the first. `root`: where /sys is looked for, for
 /// tests.
 [[nodiscard]] std::optional<IdleState> deepest_idle_state(int core, const std::string& root = "");
 
 /// How often a processor was slowed down because it was hot, all processors together, since the start of the
-/// computer. Nothing when the kernel does not say, as in a virtual machine and on Arm.
+/// computer. Nothing when the kernel does not report it, as in a virtual machine and on Arm.
 [[nodiscard]] std::optional<long long> thermal_throttle_count(const std::string& root = "");
 
 /// A thread of the kernel that serves an interrupt; there are some on every PREEMPT_RT kernel.

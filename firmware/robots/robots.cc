@@ -25,7 +25,7 @@ std::string sentence(const codegen::UrdfError& error) {
   return text;
 }
 
-/// What is wrong with the joints or links, as the sentence's rest; nothing when names and order are right.
+/// What is wrong with the joints or links, as the sentence's rest; nothing when names and order are valid.
 std::optional<std::string> wrong_names(const codegen::PlanarTree& tree,
                                        const std::vector<codegen::ShapeNumber>& numbers) {
   std::string found;

@@ -11,12 +11,12 @@
 #include "hal/sensors/emergency_stop.h"
 #include "hal/sensors/torso_sensor.h"
 
-/// Pure functions from what a tick knows to faults. Every one is real-time. NaN never passes for healthy
+/// Pure functions from what a tick has to faults. Every one is real-time. NaN never passes for healthy
 /// where a value must be there, and never counts where a driver need not say it (temperature, voltage,
 /// torque).
 namespace stilt::supervisor {
 
-/// What a tick knows before the torque law runs. Times are those of the torque loop's clock.
+/// What a tick has before the torque law runs. Times are those of the torque loop's clock.
 struct Observation {
   std::int64_t time_ns = 0;
   hal::JointReadings joints;

@@ -134,7 +134,7 @@ inline constexpr std::array<FaultRow, kFaults> kFaultTable = {{
     {Fault::planner_lost, 508, "planner_lost", Severity::latched, Reaction::sit, Watch::tracking,
      "no plan came for so long that the robot shall not go on", "a plan came, or the torque law is not in command"},
     {Fault::operator_gone, 604, "operator_gone", Severity::latched, Reaction::sit, Watch::tracking,
-     "the operator's program is silent for so long that nobody may be there", "a command came"},
+     "the operator's program is silent for so long that the operator may be absent", "a command came"},
     {Fault::following_error, 105, "following_error", Severity::latched, Reaction::damp, Watch::tracking,
      "a joint stays far from where plan or gait has it", "the torque law is not in command"},
     {Fault::hip_height_limit, 106, "hip_height_limit", Severity::latched, Reaction::damp, Watch::tracking,

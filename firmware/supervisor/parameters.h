@@ -41,9 +41,10 @@ struct SupervisorParameters {
   double select_gait_after_s = 2.0;     ///< not before the robot has stepped for so long
   int failed_solves = 3;                ///< in a row, warning
   double planner_overrun_s = 0.010;     ///< time of one solve, warning
-  double torque_loop_overrun_s = 5e-4;  ///< lateness of a tick, warning
-  double torque_loop_stall_s = 0.010;   ///< between two ticks, or lateness of one, before joints are damped
-  double planner_lost_s = 10.0;         ///< age of the newest plan at which a robot on a gait sits
+  double torque_loop_overrun_s = 5e-4;  ///< wake-up latency of a tick, warning
+  double torque_loop_stall_s =
+      0.010;                     ///< between two ticks, or wake-up latency of one, before joints are damped
+  double planner_lost_s = 10.0;  ///< age of the newest plan at which a robot on a gait sits
   double heartbeat_timeout_s = 0.4;     ///< silence of the operator's program
   double operator_gone_s = 30.0;        ///< silence of the operator's program before the robot sits
   double emergency_stop_wait_s = 1.0;   ///< after the start, for the emergency stop's first report

@@ -26,14 +26,14 @@ namespace stilt::supervisor {
 /// No field of any joint is NaN or infinite.
 [[nodiscard]] bool finite(const hal::JointCommands& commands) noexcept;
 
-/// Torques and torque limits within the joints' limits; gains not negative, and lower where the law
-/// tau = torque + kp (position - q) + kd (velocity - v) of a driver without a limit of its own would be
+/// Torques and torque limits within the joints' limits; gains not negative. They are lower for a driver
+/// without a limit of its own, where its law tau = torque + kp (position - q) + kd (velocity - v) would be
 /// beyond it at this reading. A driver that has no reading follows the law from what it measures itself.
 [[nodiscard]] hal::JointCommands bounded(const hal::JointCommands& commands,
                                          const hal::JointReadings& measured,
                                          const JointLimits& limits) noexcept;
 
-/// The torque limits in force: torque_limit_share of the joints'. Hot drivers and motors get less: from all
+/// The active torque limits: torque_limit_share of the joints'. Hot drivers and motors get less: from all
 /// of that at hot_C to hot_torque_share of it at overheated_C, linearly in the hotter temperature of a joint.
 [[nodiscard]] JointLimits derated(const JointLimits& limits, const hal::JointReadings& measured,
                                   const SupervisorParameters& parameters) noexcept;

@@ -18,7 +18,7 @@ struct Signals {
   Pose following_error_rad{};   ///< mean distance from plan or gait, over about 0.05 s
 };
 
-/// What a tick knows of them.
+/// What a tick has of them.
 struct SignalInputs {
   std::int64_t time_ns = 0;
   const hal::JointReadings& joints;
@@ -30,7 +30,7 @@ struct SignalInputs {
 /// First-order low passes y' = (x - y) / T, and two that leak: y' = x' - y / T.
 class SignalMonitor {
  public:
-  /// One tick. The first one after reset() only remembers.
+  /// One tick. The first one after reset() only keeps its values.
   const Signals& update(const SignalInputs& inputs) noexcept;
 
   /// While the torque law is not in command.

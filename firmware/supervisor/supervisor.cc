@@ -5,7 +5,7 @@
 #include "firmware/supervisor/safe_commands.h"
 
 // States, faults and levels: docs/decisions/0006-supervision-and-real-time-proofs.md; stops, and absences
-// that end: docs/decisions/0019-stops-and-nobody-in-command.md
+// that end: docs/decisions/0019-stops-and-no-commander.md
 namespace stilt::supervisor {
 namespace {
 

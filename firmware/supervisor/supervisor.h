@@ -35,7 +35,7 @@ struct SupervisorInputs {
 
 /// What leaves bound() for the drivers.
 enum class Action : std::uint8_t {
-  silent,    ///< nothing: boot and idle, faults of drivers that were left alone; in calibrate bring-up talks
+  silent,    ///< nothing: boot and idle, faults of drivers that were left alone; in calibrate bring-up sends
   commands,  ///< the four commands
   disable,   ///< JointBus::disable()
 };

@@ -248,7 +248,7 @@ Answer CommandArbiter::take(const Asked& asked, const RobotNow& now) {
   if (moves && kind != CommandKind::stand) standing_up_ = false;
   if (moves) {
     commander_ = asked.commander;
-    deserted_ = false;
+    commander_lost_ = false;
     took_over_ = true;
   }
   if (asked.commander == commander_) heartbeat_wall_ns_ = now.wall_ns;
@@ -271,7 +271,7 @@ control_loop::OperatorCommand CommandArbiter::command(const control_loop::Operat
   if (!commander_.empty() && silence_s(now) > rules_.release_s) {
     stop(now);
     commander_.clear();
-    deserted_ = true;
+    commander_lost_ = true;
   }
   if (standing_up_ && !alive(now)) {
     stop(now);
@@ -281,7 +281,7 @@ control_loop::OperatorCommand CommandArbiter::command(const control_loop::Operat
   }
   control_loop::OperatorCommand command = script;  // the end of the program is its business
   command.request = request_;
-  command.heartbeat_expected = !commander_.empty() || deserted_;
+  command.heartbeat_expected = !commander_.empty() || commander_lost_;
   command.heartbeat_ns = now.clock_ns - (now.wall_ns - heartbeat_wall_ns_);
   return command;
 }

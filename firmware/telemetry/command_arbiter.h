@@ -37,9 +37,9 @@ struct Asked {
   std::string key;
 };
 
-/// What became of it. No answer is sent when it is silent: a heartbeat that is fine needs none, and those
-/// without the token, who may repeat what others have sent, get at most twenty per second, so that a flood of
-/// theirs does not become a flood of ours.
+/// What became of it. No answer is sent when it is silent: a heartbeat that is fine needs none. Those
+/// without the token may repeat what others have sent. They get at most twenty per second, so that a flood
+/// of theirs does not become a flood of ours.
 struct Answer {
   bool accepted = false;
   bool silent = false;
@@ -73,7 +73,8 @@ class CommandArbiter {
   /// Decides about a command.
   [[nodiscard]] Answer take(const Asked& asked, const RobotNow& now);
 
-  /// A Twist came. It acts only where the rules allow it, while a commander lives and the robot walks.
+  /// A Twist came. It acts only where the rules allow it, while a commander sends heartbeats and the robot
+  /// walks.
   void twist(double speed_m_s, const RobotNow& now);
 
   /// What the torque loop shall do now. Until the first order came that is what `script` says.
@@ -107,9 +108,9 @@ class CommandArbiter {
   std::string commander_;  ///< empty: none
   std::int64_t heartbeat_wall_ns_ = 0;
   supervisor::Request request_;
-  bool deserted_ = false;     ///< the last commander fell silent, and no other has taken over
-  bool took_over_ = false;    ///< the script has no say any more
-  bool standing_up_ = false;  ///< after the bring-up: stand
+  bool commander_lost_ = false;  ///< the last commander fell silent, and no other has taken over
+  bool took_over_ = false;       ///< the script has no say any more
+  bool standing_up_ = false;     ///< after the bring-up: stand
   bool rejected_ = false;
   std::int64_t rejected_wall_ns_ = 0;  ///< when somebody without the token was answered last
 };

@@ -8,20 +8,20 @@ namespace stilt::telemetry {
 
 /// What a Command asks for. `value` and `key` as said here, otherwise unused.
 enum class CommandKind : std::uint8_t {
-  heartbeat,  ///< the commander lives; at least every supervisor.heartbeat_timeout_s / 2
+  heartbeat,  ///< sign of life of the commander; at least every supervisor.heartbeat_timeout_s / 2
   prepare,    ///< bring the motor drivers up
   stand,      ///< stand up (bringing the drivers up first), or come to a stand
   step,       ///< step in place
   walk,       ///< value: forward speed, m/s
   sit,        ///< come to a stand, sit down, damp the joints
-  stop,     ///< stand still now and forget what was asked for; of anyone with the token, even out of command
-  reset,    ///< forget faults whose causes are gone
-  speed,    ///< value: forward speed of the walk that is on, m/s
-  height,   ///< value: height of the hip, m
-  tunable,  ///< key: section.key of a live tunable; value: its new value
-  off,      ///< sit down, disable the drivers, end stiltd
-  release,  ///< the commander gives up the command and needs no heartbeat
-  cut,      ///< motors off at once, end stiltd: a robot on its feet falls; of anyone with the token
+  stop,       ///< stand still now and drop what was asked for; of anyone with the token, even out of command
+  reset,      ///< clear faults whose causes are gone
+  speed,      ///< value: forward speed of the walk that is on, m/s
+  height,     ///< value: height of the hip, m
+  tunable,    ///< key: section.key of a live tunable; value: its new value
+  off,        ///< sit down, disable the drivers, end stiltd
+  release,    ///< the commander gives up the command and needs no heartbeat
+  cut,        ///< motors off at once, end stiltd: a robot on its feet falls; of anyone with the token
 };
 inline constexpr std::size_t kCommandKinds = 14;
 

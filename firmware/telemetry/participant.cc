@@ -77,7 +77,7 @@ std::string security_xml(const std::string& folder) {
          "path=\"dds_security_crypto\"/></Cryptographic></Security>";
 }
 
-/// What Cyclone would only complain about in its log.
+/// What Cyclone would only report in its log.
 std::expected<void, std::string> check(const Network& network) {
   if (if_nametoindex(network.interface.c_str()) == 0) {
     return std::unexpected("telemetry.interface \"" + network.interface +

@@ -87,7 +87,7 @@ void set_found(const control_loop::Event& event, Event& message) noexcept {
   message.bus = found.bus;
 }
 
-/// Numbers of a preview, as the message wants them.
+/// Numbers of a preview, as the message holds them.
 struct PreviewNumbers {
   std::vector<float> time_s, base, joints, feet, forces, torques;
   std::vector<std::uint8_t> contact;

@@ -33,9 +33,9 @@ class Reader {
   [[nodiscard]] static std::expected<Reader, std::string> open(const Participant& participant,
                                                                const Topic& topic, int keeps = 0);
 
-  /// Gives new samples to `use`, oldest first, and returns how many. All of them; who sends faster than they
-  /// are used would keep it from returning, so a caller that must go on says how many at most, in steps
-  /// of 64.
+  /// Gives new samples to `use`, oldest first, and returns how many. All of them; a sender that is faster
+  /// than they are used would keep it from returning. A caller that must go on gives the most it takes, in
+  /// steps of 64.
   int take(const std::function<void(Sample&&)>& use, int at_most = std::numeric_limits<int>::max());
 
   /// Senders that are known now.

@@ -15,7 +15,8 @@ namespace {
 using control_loop::kJointNames;
 using control_loop::TickRecord;
 
-enum Level : std::uint8_t { kOk = 0, kWarning = 1, kError = 2 };
+/// Levels of diagnostic_msgs/DiagnosticStatus.
+constexpr std::uint8_t kOk = 0, kWarning = 1, kError = 2;
 
 std::string text(double value) {
   char digits[32];

@@ -10,7 +10,7 @@ namespace stilt::telemetry {
 /// 128 random bits, hexadecimal; empty when the system has none.
 [[nodiscard]] std::string random_secret();
 
-/// Compares in a time that does not reveal how many characters are right; it reveals whether the lengths are
+/// Compares in a time that does not reveal how many characters are equal; it reveals whether the lengths are
 /// equal. False when `secret` is empty.
 [[nodiscard]] bool same_secret(std::string_view given, std::string_view secret) noexcept;
 

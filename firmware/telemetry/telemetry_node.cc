@@ -12,8 +12,9 @@ namespace {
 constexpr double kFlush_s = 1.0;
 /// Fewer than the sender keeps (kTicks).
 constexpr std::uint64_t kBatchesAhead = 100;
-/// Commands that may wait, and those taken at a time. Somebody who floods the topic, token or not, neither
-/// pushes a commander's words out before they are read nor keeps this thread from its other work.
+/// Commands that may wait, and those taken at a time. A flood of the topic, with the token or without, does
+/// not displace a commander's commands before they are read. Nor does it keep this thread from its other
+/// work.
 constexpr int kCommandsWait = 4096;
 constexpr int kCommandsAtOnce = 1024;
 constexpr std::uint8_t kCommandEvent = 4;

@@ -11,8 +11,8 @@
 
 namespace stilt::telemetry {
 
-/// Live tunables: checks a new value, works out what the planner needs of it (milliseconds), and hands it to
-/// torque loop and planner, which take it before their next tick and solve. Ordinary threads.
+/// Live tunables: checks a new value and works out what the planner needs of it (milliseconds). Torque loop
+/// and planner take it before their next tick and solve. Ordinary threads.
 class Tuner {
  public:
   /// Everything outlives this object.
@@ -26,7 +26,7 @@ class Tuner {
 
   /// Counts changes; 0: as configured.
   [[nodiscard]] std::uint32_t number() const noexcept { return number_; }
-  /// In force from this number on, in the order of tunables().
+  /// Active from this number on, in the order of tunables().
   [[nodiscard]] const std::vector<double>& values() const noexcept { return values_; }
   /// Active height of the hip.
   [[nodiscard]] double base_height_m() const noexcept { return settings_.parameters.reference.base_height_m; }

@@ -8,8 +8,8 @@ namespace stilt::telemetry {
 /// it. Release 0.2.0 has version 2; release 0.1 has no version.
 ///
 /// A field appended at the end of a message keeps the version, because readers skip bytes behind the fields
-/// they know. The version rises when a field is removed or renamed, when its type, unit, place or meaning
-/// changes, and with every change of a nested structure (Tunable_, Histogram_).
+/// they have. The version rises when a field is removed or renamed, and when its type, unit, place or
+/// meaning changes. It rises with every change of a nested structure, too (Tunable_, Histogram_).
 inline constexpr std::uint32_t kWireVersion = 2;
 
 }  // namespace stilt::telemetry

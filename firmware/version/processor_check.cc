@@ -3,9 +3,9 @@
 #include <cstdlib>
 #include <cstring>
 
-/// Says in one sentence that the processor lacks the instructions that the rest of the program is compiled
-/// for, and ends with status 2, before anything else runs: otherwise the first of them ends the program with
-/// a signal. This file alone is compiled for every x86-64 processor, so it uses nothing from the project's
+/// Prints one sentence when the processor lacks the instructions that the rest of the program is compiled
+/// for. Ends with status 2 before anything else runs: otherwise the first of them ends the program with a
+/// signal. This file alone is compiled for every x86-64 processor, so it uses nothing from the project's
 /// headers.
 namespace {
 

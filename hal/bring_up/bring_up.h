@@ -8,12 +8,12 @@
 #include "hal/can/frame.h"
 #include "hal/driver/driver_fault.h"
 
-/// From a driver that has power to one that is enabled: identify it, check its version and scaling, write its
-/// watchdog and read it back, check that its position means something, enable it without torque, check what
-/// can only be seen then. A driver takes milliseconds to enable, and its watchdog runs meanwhile: from the
+/// From a driver that has power to one that is enabled: identify it, check its version and scaling, write
+/// its watchdog and read it back; check that its position is valid, enable it without torque, check what
+/// can only be read then. A driver takes milliseconds to enable, and its watchdog runs meanwhile: from the
 /// request to enable on, every step without another frame sends a command of zero torque. The time from a
-/// request after silence to its reply is that by which every reading will be late. Pure step functions: time
-/// and frames in, at most one frame out. Real-time safe.
+/// request after silence to its reply is that by which every reading will be late. Pure step functions:
+/// time and frames in, at most one frame out. Real-time safe.
 namespace stilt::hal::bring_up {
 
 enum class Stage : std::uint8_t {
@@ -34,10 +34,10 @@ enum class Failure : std::uint8_t {
   invalid,         ///< configuration of the driver or of the bring-up makes no sense
   silent,          ///< no answer in this stage
   rejected,        ///< answers, but does not do what it was asked in this stage
-  wrong_identity,  ///< answers, but says it is another
+  wrong_identity,  ///< answers, but is another device
   old_version,     ///< firmware older than required
   wrong_scaling,   ///< its ranges or gains differ from the configuration
-  no_watchdog,     ///< cannot promise a watchdog, and the configuration does not accept that
+  no_watchdog,     ///< has no watchdog, and the configuration does not accept that
   wrong_watchdog,  ///< reads back another time than was written
   not_home,        ///< position not referenced, or not in exactly one turn of the joint's travel
   driver_fault,    ///< see StepResult::driver_fault

@@ -4,7 +4,7 @@
 
 namespace stilt::hal::bring_up {
 
-/// A setting of a driver that bring-up found to be wrong, under the maker's name. The number is on the wire:
+/// A setting of a driver that bring-up found to be wrong, under the vendor's name. The number is on the wire:
 /// new ones go to the end.
 enum class Setting : std::uint8_t {
   none,
@@ -26,7 +26,7 @@ enum class Setting : std::uint8_t {
   odrive_velocity_limit,
 };
 
-/// The maker's name, and what it must be. Real-time safe.
+/// The vendor's name, and what it must be. Real-time safe.
 [[nodiscard]] constexpr const char* name(Setting setting) noexcept {
   switch (setting) {
     case Setting::none:

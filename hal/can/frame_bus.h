@@ -21,7 +21,7 @@ enum class BusStatus : std::uint8_t {
   disconnected,  ///< no bus: interface down, peer gone; nothing is sent or received
 };
 
-/// What the controller of the bus says of itself, from its error frames.
+/// State of the controller of the bus, from its error frames.
 enum class BusHealth : std::uint8_t {
   active,   ///< errors, if any, are below the warning level
   warning,  ///< many errors
@@ -59,8 +59,8 @@ struct ReceiveResult {
 class FrameBus {
  public:
   /// Sends up to kMaximumBatch frames in order; more are an error of the caller and stay unsent (queue_full).
-  /// A frame is withheld while an earlier one with its identifier has not been seen on the bus, so that
-  /// commands queued for an unpowered driver cannot burst out when its power returns.
+  /// A frame is withheld while an earlier one with its identifier has not been seen on the bus. Commands
+  /// queued for an unpowered driver can then not burst out when its power returns.
   [[nodiscard]] virtual SendResult send(std::span<const CanFrame> frames) noexcept = 0;
 
   /// Takes what has arrived, at most kMaximumBatch frames and at most the span.

@@ -39,8 +39,8 @@ std::string describe(const IdPattern& pattern) {
 
 std::vector<IdCollision> collisions(const NodeIdentifiers& a, const NodeIdentifiers& b) {
   std::vector<IdCollision> found;
-  const bool told_apart = !a.sender_format.empty() && a.sender_format == b.sender_format;
-  if (!told_apart) find(a.sends, b.sends, found);
+  const bool distinguished = !a.sender_format.empty() && a.sender_format == b.sender_format;
+  if (!distinguished) find(a.sends, b.sends, found);
   find(a.sends, b.accepts, found);
   find(a.accepts, b.sends, found);
   find(a.commands, b.accepts, found);

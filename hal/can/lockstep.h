@@ -8,6 +8,7 @@
 #include "hal/can/codec_status.h"
 #include "hal/can/frame.h"
 
+// clang-format off
 /// Sync frames, for a controller and a simulated robot that take turns instead of following a clock. Each
 /// side ends its turn with one sync frame on every bus: "tick k: all my frames of this tick are sent".
 ///
@@ -17,6 +18,7 @@
 /// Tick 0 opens the exchange: the robot answers it without advancing. Identifier extended, and of the lowest
 /// priority there is; payload: k, 8 bytes, little endian. Such frames are on no real robot's bus. Real-time
 /// safe, without state.
+// clang-format on
 namespace stilt::hal {
 
 inline constexpr std::uint32_t kControllerSyncId = 0x1ffffff0;  ///< controller -> robot

@@ -8,7 +8,7 @@
 namespace stilt::hal::canopen {
 namespace {
 
-constexpr std::int64_t kSettle_ns = 20'000'000;  // of a node that was told to leave or enter a state
+constexpr std::int64_t kSettle_ns = 20'000'000;  // of a node that was commanded to leave or enter a state
 constexpr std::int64_t kAnswer_ns = 50'000'000;
 constexpr unsigned kTries = 3;
 constexpr std::int64_t kRest_ns = 1'000'000'000;   // before it is asked again
@@ -100,7 +100,7 @@ void EncoderReader::fail(std::int64_t now_ns, EncoderFailure failure, std::uint3
   deadline_ns_ = now_ns + kRest_ns;
 }
 
-/// Of the answer in this stage; none: it is right.
+/// Of the answer in this stage; none: it is valid.
 EncoderFailure EncoderReader::mistake(std::uint32_t value) const noexcept {
   const std::uint64_t range = std::uint64_t{encoder_.steps_per_turn} * encoder_.turns;
   const auto unless = [](bool right, EncoderFailure failure) {

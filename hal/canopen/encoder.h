@@ -40,7 +40,7 @@ inline constexpr Object kScaledSteps{0x6001, 0};
 inline constexpr Object kScaledRange{0x6002, 0};
 inline constexpr Object kPosition{0x6004, 0};
 inline constexpr Object kSpeed{0x6030, 1};
-inline constexpr Object kOperatingStatus{0x6500, 0};  ///< bit 2: kScaledSteps and kScaledRange are in force
+inline constexpr Object kOperatingStatus{0x6500, 0};  ///< bit 2: kScaledSteps and kScaledRange are active
 inline constexpr Object kSteps{0x6501, 0};
 inline constexpr Object kTurns{0x6502, 0};  ///< 16 bits
 }  // namespace objects

@@ -4,8 +4,8 @@
 
 namespace stilt::hal {
 
-/// What a motor driver complains about, the same names for every maker. The maker's own number is kept beside
-/// it.
+/// Fault that a motor driver reports, the same names for every vendor. The vendor's own number is kept
+/// beside it.
 enum class DriverFault : std::uint8_t {
   none,
   over_voltage,

@@ -8,7 +8,7 @@
 namespace stilt::hal {
 
 enum class DriverState : std::uint8_t {
-  unknown,  ///< has not answered yet, or does not say
+  unknown,  ///< has not answered yet, or does not report it
   idle,     ///< powered, no torque
   enabled,  ///< follows commands
   fault,    ///< see the fault
@@ -37,7 +37,7 @@ struct DriverReading {
     has_motion = false;
     encoder_position_rad = encoder_velocity_rad_s = kNotReported;
   }
-  /// A fault outweighs what the driver says of its state.
+  /// A fault outweighs the state that the driver reports.
   void set_state(DriverState reported, DriverFault reported_fault, std::uint32_t code) noexcept {
     state = reported_fault == DriverFault::none ? reported : DriverState::fault;
     fault = reported_fault;

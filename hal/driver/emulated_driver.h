@@ -66,7 +66,7 @@ class EmulatedDriver {
 
  protected:
   ~EmulatedDriver() = default;
-  /// What the encoder says.
+  /// What the encoder reports.
   [[nodiscard]] const Motor& sensed() const noexcept { return frozen_ ? frozen_motor_ : motor; }
 
  private:

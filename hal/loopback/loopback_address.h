@@ -34,7 +34,7 @@ enum class Greeting : std::uint8_t {
 };
 using GreetingBytes = std::array<std::uint8_t, 8>;
 [[nodiscard]] GreetingBytes greeting_bytes(Greeting greeting) noexcept;
-/// Nothing when the bytes are none of ours, or of another version.
+/// Nothing when the bytes are no greeting, or one of another version.
 [[nodiscard]] std::optional<Greeting> read_greeting(const GreetingBytes& bytes, std::size_t size) noexcept;
 
 }  // namespace stilt::hal::loopback

@@ -13,9 +13,9 @@
 ///   tau = kp (position - q) + kd (velocity - v) + torque
 ///
 /// Command, most significant bit first: position 16, velocity 12, kp 12, kd 12, torque 12 bits.
-/// Reply: driver identifier 8, position 16, velocity 12, torque 12 bits, then bytes that differ by maker
+/// Reply: driver identifier 8, position 16, velocity 12, torque 12 bits, then bytes that differ by vendor
 /// (ReplyLayout). A value x of range [a, b] in n bits is the integer part of (x - a) (2^n - 1) / (b - a):
-/// makers cut off instead of rounding, so what arrives is up to one step below what was asked, and no code is
+/// vendors cut off instead of rounding. What arrives is up to one step below what was asked, and no code is
 /// exactly zero in a symmetric range.
 ///
 /// Facts: B. Katz, HKC_MiniCheetah CAN_com.cpp (layout, cut-off); CubeMars AK series manual 1.0.17,
@@ -72,7 +72,7 @@ struct MitReply {
   double motor_temperature_C = std::numeric_limits<double>::quiet_NaN();
   bool says_enabled = false;    ///< layout reports whether the motor is enabled (Damiao only)
   bool enabled = false;         ///< meaningful with says_enabled
-  std::uint8_t fault_code = 0;  ///< the maker's: byte 7 of ak, high half of byte 0 of damiao
+  std::uint8_t fault_code = 0;  ///< the vendor's: byte 7 of ak, high half of byte 0 of damiao
   DriverFault fault = DriverFault::none;
 };
 

@@ -8,12 +8,12 @@
 
 namespace stilt::hal::moteus {
 
-/// moteus: stops it (which clears faults and an expired watchdog), checks firmware and register map version,
-/// reads the settings that no register shows over its command line, writes the watchdog register and reads it
-/// back, wants a position referenced to the output (or to the rotor with an encoder period that leaves one
-/// turn), and enables position mode at zero gain and torque. Enabled at zero torque it is asked to hold both
-/// ends of the joint's travel: its control position shows bounds and limits of the trajectory, the terms of
-/// its torque, which its limit of 0 keeps from the motor, the gains.
+/// moteus: stops it, which clears faults and an expired watchdog. Checks firmware and register map version,
+/// and reads the settings that no register shows over its command line. Writes the watchdog register and
+/// reads it back. The position must be referenced to the output, or to the rotor with an encoder period
+/// that leaves one turn. Then position mode is enabled at zero gain and torque. Enabled at zero torque it
+/// is asked to hold both ends of the joint's travel: its control position shows bounds and limits of the
+/// trajectory, the terms of its torque, which its limit of 0 keeps from the motor, the gains.
 class MoteusBringUp final : public bring_up::BringUp {
  public:
   MoteusBringUp(const MoteusDriver& driver, const bring_up::Options& options) noexcept

@@ -34,7 +34,7 @@ class ConsoleText {
                                           CanFrame& frame) noexcept;
 /// Asks for what it has written, to be sent until there is nothing more.
 [[nodiscard]] EncodeStatus encode_console_poll(const MoteusDriver& driver, CanFrame& frame) noexcept;
-/// What it has written; none: the frame says nothing of it.
+/// What it has written; none: the frame holds nothing of it.
 [[nodiscard]] std::optional<ConsoleText> decode_console(const MoteusDriver& driver,
                                                         const CanFrame& frame) noexcept;
 

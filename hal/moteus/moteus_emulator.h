@@ -16,7 +16,7 @@ enum class MoteusTimeout : std::uint8_t {
   zero_velocity = 12,  ///< damps with the kd of the newest command
 };
 
-/// What a moteus keeps in its own configuration, by default as it comes from the maker with firmware 1.1.0.
+/// What a moteus keeps in its own configuration, by default as it comes from the vendor with firmware 1.1.0.
 struct MoteusSettings {
   std::uint32_t firmware_version = 0x010100;
   double kp_Nm_rev = 4;                                            ///< servo.pid_position.kp
@@ -43,10 +43,10 @@ struct MoteusSettings {
   return settings;
 }
 
-/// moteus: registers, stopped to position mode over the time that its power stage and its current sensors
-/// take, trajectory, bounds, and the watchdog that latches mode `timeout` until a stop arrives. The power
-/// stage stays on for a while after a stop. A frame is answered before what it writes takes effect. Facts:
-/// github.com/mjbots/moteus, fw/moteus_controller.cc, fw/bldc_servo_control.h, fw/bldc_servo.cc,
+/// moteus: registers, trajectory, bounds, and the watchdog that latches mode `timeout` until a stop
+/// arrives. From stopped to position mode takes the time of its power stage and its current sensors. The
+/// power stage stays on for a while after a stop. A frame is answered before what it writes takes effect.
+/// Facts: github.com/mjbots/moteus, fw/moteus_controller.cc, fw/bldc_servo_control.h, fw/bldc_servo.cc,
 /// fw/drv8323.cc (db1a762); traces of that firmware: tests/data/traces.
 class MoteusEmulator final : public EmulatedDriver {
  public:

@@ -101,8 +101,8 @@ class SubframeReader {
   /// Next subframe; false at the end and at the first inconsistency: see status().
   [[nodiscard]] bool next(Subframe& subframe) noexcept;
 
-  /// ok, or malformed after next() found a type that does not exist, a count of zero or beyond any frame, a
-  /// register beyond 16 bits, or a subframe that is cut off.
+  /// ok, or malformed: next() found a type that does not exist, or a count of zero or beyond any frame; or
+  /// a register beyond 16 bits, or a subframe that is cut off.
   [[nodiscard]] DecodeStatus status() const noexcept { return status_; }
 
  private:

@@ -129,7 +129,7 @@ BringUp::Verdict OdriveBringUp::judge(Stage stage, unsigned part, const CanFrame
   return Verdict::ignore;
 }
 
-/// Firmware 0.5 reports and does not know the request.
+/// Firmware 0.5 reports by itself and does not have the request.
 BringUp::Verdict OdriveBringUp::judge_version(const CanFrame& frame) noexcept {
   OdriveVersion version;
   if (decode(node_, frame, version) != DecodeStatus::ok) {

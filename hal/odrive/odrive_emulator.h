@@ -7,7 +7,7 @@
 
 namespace stilt::hal::odrive {
 
-/// What an ODrive keeps in its own configuration, by default as it comes from the maker; and what of the
+/// What an ODrive keeps in its own configuration, by default as it comes from the vendor; and what of the
 /// closed firmware 0.6 is not public, either way.
 struct OdriveSettings {
   std::int64_t heartbeat_period_ns = 100'000'000;  ///< can.heartbeat_msg_rate_ms

@@ -14,14 +14,14 @@
 
 namespace stilt::hal {
 
-/// What the bring-up of each joint's driver shall insist on.
+/// What the bring-up of each joint's driver shall demand.
 using BringUpOptions = std::array<bring_up::Options, kJoints>;
 
-/// Drivers on buses: the step functions of hal/bring_up, one driver a bus at a time (drivers of one maker
+/// Drivers on buses: the step functions of hal/bring_up, one driver per bus at a time (drivers of one vendor
 /// share identifiers while they are asked for registers). Fixed memory.
 class CanDrivers final {
  public:
-  /// @param taps   one a bus, read by `robot`; outlive this object
+  /// @param taps   one per bus, read by `robot`; outlive this object
   /// @param robot  receives the whole turns of the encoders
   CanDrivers(const RobotWiring& wiring, const BringUpOptions& options, std::span<TapBus> taps,
              CanRobot& robot) noexcept;

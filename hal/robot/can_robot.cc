@@ -178,7 +178,7 @@ DriverCommand CanRobot::at_shaft(std::size_t joint, const JointCommand& command)
   const double feedback_Nm = command.kp_Nm_rad * (command.position_rad - reading.position_rad) +
                              command.kd_Nms_rad * (command.velocity_rad_s - reading.velocity_rad_s);
   const double law_Nm = command.torque_Nm + (reading.missed_replies > kOldReading ? 0 : feedback_Nm);
-  const double limited_Nm = blind(joint) ? 0 : std::clamp(law_Nm, -limit_Nm, limit_Nm);
+  const double limited_Nm = has_no_feedback(joint) ? 0 : std::clamp(law_Nm, -limit_Nm, limit_Nm);
   return {.position_rad = turns * (command.position_rad - wiring.offset_rad) - turn_offset_rad_[joint],
           .velocity_rad_s = turns * command.velocity_rad_s,
           .torque_Nm = wiring.direction * command.torque_Nm / wiring.ratio,
@@ -190,7 +190,7 @@ DriverCommand CanRobot::at_shaft(std::size_t joint, const JointCommand& command)
 }
 
 /// Whether the law of this joint is computed here, and there is no reading to compute it with.
-bool CanRobot::blind(std::size_t joint) const noexcept {
+bool CanRobot::has_no_feedback(std::size_t joint) const noexcept {
   const JointReading& reading = readings_[joint];
   const bool has_gains =
       visit_driver(wiring_.joints[joint].driver, [](const auto& driver) { return has_own_gains(driver); });
@@ -200,9 +200,9 @@ bool CanRobot::blind(std::size_t joint) const noexcept {
 JointBusStatus CanRobot::write(const JointCommands& commands) noexcept {
   if (!std::all_of(commands.begin(), commands.end(), finite)) return JointBusStatus::refused;
   std::array<CanFrame, kJoints> frames;
-  bool all_see = true;
+  bool all_have_feedback = true;
   for (std::size_t joint = 0; joint < kJoints; ++joint) {
-    all_see = all_see && !blind(joint);
+    all_have_feedback = all_have_feedback && !has_no_feedback(joint);
     DriverCommand command = at_shaft(joint, commands[joint]);
     command.asks_motor_temperature = writes_ % kQuestionsEvery == joint;
     const EncodeStatus status = visit_driver(wiring_.joints[joint].driver, [&](const auto& driver) {
@@ -213,7 +213,7 @@ JointBusStatus CanRobot::write(const JointCommands& commands) noexcept {
   }
   const JointBusStatus status = send(frames);
   ask_drivers();
-  return status == JointBusStatus::ok && !all_see ? JointBusStatus::incomplete : status;
+  return status == JointBusStatus::ok && !all_have_feedback ? JointBusStatus::incomplete : status;
 }
 
 /// One question per write, to one driver after the other.

@@ -43,7 +43,7 @@ class CanRobot final {
   void attach(TorsoFeed& feed) noexcept { feed_ = &feed; }
   /// Sends what a torso sensor must be asked for. Once per read, after it.
   void serve_torso_sensor(std::int64_t now_ns) noexcept;
-  /// Why the torso sensor does not report, as far as it says. From any thread.
+  /// Why the torso sensor does not report, as far as it reports that. From any thread.
   [[nodiscard]] canopen::EncoderTrouble torso_sensor_trouble() const noexcept {
     return encoder_ ? encoder_->trouble() : canopen::EncoderTrouble{};
   }
@@ -64,7 +64,7 @@ class CanRobot final {
   void take_torso_encoder(std::int64_t now_ns, const CanFrame& frame) noexcept;
   void set_torso_angle(std::int64_t time_ns, double angle_rad, double speed_rad_s) noexcept;
 
-  [[nodiscard]] bool blind(std::size_t joint) const noexcept;
+  [[nodiscard]] bool has_no_feedback(std::size_t joint) const noexcept;
   [[nodiscard]] DriverCommand at_shaft(std::size_t joint, const JointCommand& command) const noexcept;
   [[nodiscard]] JointBusStatus send(const std::array<CanFrame, kJoints>& frames) noexcept;
   void ask_drivers() noexcept;

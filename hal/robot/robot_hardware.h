@@ -40,7 +40,7 @@ class RobotHardware final : public Robot {
   /// Takes the torso sensor's samples from here. At start-up; outlives this object.
   void attach(TorsoFeed& feed) noexcept { robot_.attach(feed); }
 
-  /// Why the torso sensor does not report, as far as it says. From any thread.
+  /// Why the torso sensor does not report, as far as it reports that. From any thread.
   [[nodiscard]] canopen::EncoderTrouble torso_sensor_trouble() const noexcept {
     return robot_.torso_sensor_trouble();
   }

@@ -25,12 +25,11 @@ struct ReplyFrame {
 /// Those of the joints.
 [[nodiscard]] std::array<ReplyFrame, kJoints> reply_frames(const RobotWiring& wiring) noexcept;
 
-/// Measures how long it takes from commands to the last driver's reply, by listening to the buses while the
-/// torque loop has nothing else to do. ODrives do not reply to commands and are not waited for. Real-time
-/// safe.
+/// Measures the time from commands to the last driver's reply, by reading the buses while the torque loop
+/// has nothing else to do. ODrives do not reply to commands and are not waited for. Real-time safe.
 class RoundTrip {
  public:
-  /// @param taps  one a bus of the wiring, outlive this object
+  /// @param taps  one per bus of the wiring, outlive this object
   RoundTrip(const RobotWiring& wiring, std::span<TapBus> taps) noexcept;
 
   /// Listens until every driver has replied, at most until give_up_ns. A reply to an earlier command that was

@@ -10,9 +10,8 @@
 
 namespace stilt::hal {
 
-/// A bus whose received frames are also kept, so that bring-up sees what the readings are decoded from, and
-/// that can be listened to before they are received. Keeps the first kKept frames since forget(). Real-time
-/// safe.
+/// A bus whose received frames are also kept: bring-up reads what the readings are decoded from. Frames can
+/// be looked at before they are received. Keeps the first kKept frames since forget(). Real-time safe.
 class TapBus final : public FrameBus {
  public:
   static constexpr std::size_t kKept = 64;

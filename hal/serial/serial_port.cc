@@ -34,7 +34,7 @@ bool set_up(int descriptor, speed_t speed) noexcept {
          tcflush(descriptor, TCIFLUSH) == 0;
 }
 
-/// An FTDI adapter collects bytes for 16 ms otherwise. Other ports know no such setting.
+/// An FTDI adapter collects bytes for 16 ms otherwise. Other ports have no such setting.
 void ask_for_low_latency(int descriptor) noexcept {
   serial_struct settings{};
   if (ioctl(descriptor, TIOCGSERIAL, &settings) != 0) return;

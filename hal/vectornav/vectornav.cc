@@ -11,7 +11,7 @@ namespace stilt::hal::vectornav {
 namespace {
 
 constexpr std::uint8_t kSync = 0xfa;
-constexpr std::uint8_t kMoreGroups = 0x80;  // groups 8 and later follow: none that this knows
+constexpr std::uint8_t kMoreGroups = 0x80;  // groups 8 and later follow: none that this reads
 constexpr std::size_t kGroups = 7, kFields = 16;
 constexpr std::size_t kCrcBytes = 2;
 constexpr std::size_t kAnglesField = 3, kRatesField = 5;  // of group 1

@@ -8,8 +8,8 @@
 
 namespace stilt::benchmark {
 
-/// The planner behind it when that is the one for the instruction set of the whole program, which the kernels
-/// and the counting of their work are compiled for; otherwise null.
+/// The planner behind it when that is the one for the instruction set of the whole program; otherwise null.
+/// The kernels and the counting of their work are compiled for that set.
 [[nodiscard]] const control::Planner* planner_of_build(const dispatch::DispatchedPlanner& planner) noexcept;
 
 /// The last problem of a planner, at its solution, with every kernel of the solver ready to run alone. Large:

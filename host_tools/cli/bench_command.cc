@@ -47,7 +47,7 @@ CLI::App* add_bench_command(CLI::App& program, BenchOptions& options) {
                    "with --closed-loop: a push, N@START+DURATION[@hip|torso], positive forward; repeatable")
       ->allow_extra_args(false);
   bench->add_option("--json", options.json_file,
-                    "writes the figures as JSON to a file, or - for standard output");
+                    "writes the results as JSON to a file, or - for standard output");
   return bench;
 }
 

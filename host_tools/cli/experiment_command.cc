@@ -25,7 +25,7 @@ using experiments::Json;
 void add_common_options(CLI::App& command, ExperimentOptions& options) {
   command.add_option("--out", options.folder, "folder for the results, created when absent")->required();
   command.add_option("--json", options.json_file,
-                     "writes the figures as JSON to a file, or - for standard output");
+                     "writes the results as JSON to a file, or - for standard output");
   command.add_flag("--quick", options.quick, "runs a small part of the experiment, as a check");
   command.add_option("--robot", options.setting.choice.robot, robot_help())->capture_default_str();
   command.add_option("--config", options.setting.choice.config_file,
@@ -91,8 +91,8 @@ int run_figures(const ExperimentOptions& options) {
   const Json settings =
       settings_json(options, "figures", parts_of(options.setting, {"mpc-heuristic", "mpc-hzd"}));
   const experiments::JobFolder folder(options.folder, settings);
-  experiments::Figures figures = experiments::make_figures(runner_for_each(options.setting),
-                                                           options.quick ? kQuickDuration_s : kDuration_s);
+  experiments::FiguresResult figures = experiments::make_figures(
+      runner_for_each(options.setting), options.quick ? kQuickDuration_s : kDuration_s);
   figures.numbers["command"] = options.command;
   figures.numbers["settings"] = settings;
   folder.keep("figures", figures.numbers);

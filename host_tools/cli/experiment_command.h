@@ -13,7 +13,7 @@ namespace stilt::cli {
 /// Options of `stilt experiment` and its commands.
 struct ExperimentOptions {
   WalkSetting setting;
-  std::string command;  ///< command line that reproduces the figures, stored with them
+  std::string command;  ///< command line that reproduces the results, stored with them
   std::string folder;   ///< of --out
   std::string json_file;
   bool quick = false;

@@ -239,7 +239,7 @@ void add_task_options(CLI::App& command, GaitOptions& options) {
 void add_json_option(CLI::App& command, GaitOptions& options) {
   command
       .add_option("--json", options.json_file,
-                  "writes the figures as JSON to a file, or - for standard output")
+                  "writes the results as JSON to a file, or - for standard output")
       ->expected(0, 1)
       ->default_str("-");
 }

@@ -16,7 +16,7 @@ namespace stilt::cli {
 /// The fields that the plant alone determines: distance, speed, torque, and whether the robot fell.
 [[nodiscard]] nlohmann::ordered_json plant_json(const log::RunSummary& summary);
 
-/// The output of `stilt sim --json`, with the fields of docs/interfaces.
+/// The output of `stilt sim --json`, with the fields that users rely on: they are added, never renamed.
 [[nodiscard]] nlohmann::ordered_json to_json(const log::RunSummary& summary);
 
 /// Throws UsageError unless a file of that name can be written: its folder exists and is writable, and the

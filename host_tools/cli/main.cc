@@ -42,7 +42,7 @@ int refuse(std::string message) {
 
 /// The words after the program's name, last first, as CLI11 takes them. `stilt help sim` is `stilt sim
 /// --help`, `stilt version` is `stilt --version`.
-std::vector<std::string> reversed_words(int argc, char** argv) {
+std::vector<std::string> reversed_arguments(int argc, char** argv) {
   std::vector<std::string> words(argv + 1, argv + argc);
   if (!words.empty() && words.front() == "help") {
     words.erase(words.begin());
@@ -90,7 +90,7 @@ int run(int argc, char** argv) {
 
   stilt::cli::add_examples(program);
   try {
-    program.parse(reversed_words(argc, argv));
+    program.parse(reversed_arguments(argc, argv));
   } catch (const CLI::Success& help_or_version) {
     return program.exit(help_or_version);
   } catch (const CLI::ParseError& error) {

@@ -128,7 +128,7 @@ CLI::App* add_record_command(CLI::App& program, RecordOptions& options) {
       ->check(CLI::IsMember({"zstd", "lz4", "none"}))
       ->capture_default_str();
   add_network_options(*record, options.network);
-  record->add_option("--json", options.json_file, "writes the figures as JSON; - is standard output");
+  record->add_option("--json", options.json_file, "writes the results as JSON; - is standard output");
   record->footer(
       "Start it before or soon after stiltd: it gets the last six seconds of ticks when it comes later, and "
       "stilt "

@@ -108,18 +108,18 @@ CLI::App* add_robot_command(CLI::App& program, RobotOptions& options) {
   robot->add_option("--seed", options.seed, "of the sensor noise")->capture_default_str();
   robot->add_flag(
       "--publish", options.publish,
-      "publishes over DDS what only a simulation knows (contact forces, pushes), for stilt monitor");
+      "publishes over DDS what only a simulation has (contact forces, pushes), for stilt monitor");
   add_network_options(*robot, options.network);
   robot->add_option("--json", options.json_file,
-                    "writes the figures as JSON to a file, or - for standard output");
+                    "writes the results as JSON to a file, or - for standard output");
   robot->add_option("--report", options.report_file, "writes a page with animation and plots, HTML");
-  robot->add_option("--log", options.log_file, "writes the samples, one JSON object a line");
+  robot->add_option("--log", options.log_file, "writes the samples, one JSON object per line");
   robot->add_option("--frames", options.frames_file, "writes every frame on the buses with its tick");
   robot->footer(
       "Faults of --fault:\n" + simulation::describe_faults(simulation::FaultsOf::robot_on_buses) +
       "Keys of --plant:\n" + simulation::describe_plant_options() + "Mistakes of --miswired:\n" +
       describe_mistakes() +
-      "Times of --push and --fault count from when the gantry has released the robot. Times of the figures,\n"
+      "Times of --push and --fault count from when the gantry has released the robot. Times of the results,\n"
       "report and log are on the clock of the controller that stood it up, as those that stiltd prints.\n"
       "Exit status: 0 done, 1 the robot fell or never left the gantry, 2 bad usage.");
   return robot;

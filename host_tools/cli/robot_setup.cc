@@ -118,7 +118,7 @@ SimulatedHardware simulated_hardware(const RobotOptions& options) {
     hardware.serial_port = configured.hardware.torso_sensor.serial_port;
     if (options.lockstep) {
       throw UsageError(
-          "--lockstep: torso_sensor.device is on a serial port, which knows no virtual time; omit "
+          "--lockstep: torso_sensor.device is on a serial port, which has no virtual time; omit "
           "--lockstep, "
           "or take a sensor on a bus");
     }

@@ -18,7 +18,7 @@ struct SimulatedHardware {
   const model::RobotModel* robot = nullptr;
 };
 
-/// The mistakes of --miswired as text, one a line.
+/// The mistakes of --miswired as text, one per line.
 [[nodiscard]] std::string describe_mistakes();
 
 /// Reads and checks the options. Throws UsageError or std::invalid_argument, one sentence.

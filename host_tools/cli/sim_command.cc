@@ -137,7 +137,7 @@ CLI::App* add_sim_command(CLI::App& program, SimOptions& options) {
                   "changes the simulated robot or its world: KEY=VALUE; repeatable")
       ->allow_extra_args(false);
   sim->add_option("--json", options.json_file,
-                  "writes the figures as JSON to a file, or - for standard output");
+                  "writes the results as JSON to a file, or - for standard output");
   sim->add_option("--report", options.report_file, "writes a page with animation and plots, HTML");
   sim->add_option("--log", options.log_file, "writes the samples, one JSON object per line");
   sim->footer("Keys of --plant:\n" + simulation::describe_plant_options() + "Faults:\n" +

@@ -79,8 +79,8 @@ int phases_of(const LimitPlan& plan, const BlindQuantity& quantity) {
   return quantity.has_phases ? plan.phases : 1;
 }
 
-/// Figures of the cases of one quantity.
-class RowFigures {
+/// The row of one quantity from the results of its cases.
+class RowSummary {
  public:
   void add(const Json& result) {
     cases_.push_back(
@@ -184,9 +184,9 @@ Json merge_limits(const LimitPlan& plan, const std::vector<Json>& results) {
   auto result = results.begin();
   for (const LimitPlan::Controller& controller : plan.controllers) {
     for (const BlindQuantity& quantity : plan.quantities) {
-      RowFigures figures;
-      for (int i = 0; i < phases_of(plan, quantity) * plan.seeds; ++i) figures.add(*result++);
-      rows.push_back(figures.row(controller, quantity, plan.phases));
+      RowSummary summary;
+      for (int i = 0; i < phases_of(plan, quantity) * plan.seeds; ++i) summary.add(*result++);
+      rows.push_back(summary.row(controller, quantity, plan.phases));
     }
     if (plan.sequences == 0) continue;
     int survived = 0;

@@ -7,7 +7,7 @@
 #include "host_tools/experiments/limit_search.h"
 #include "host_tools/experiments/walk_case.h"
 
-/// Changes of the plant that the robot survives although its controller does not know them.
+/// Changes of the plant that the robot survives although its controller has no parameter of them.
 namespace stilt::experiments {
 
 /// One quantity that changes in one direction.

@@ -139,7 +139,7 @@ Recovery recovery(const RunRecord& record, double force_N, double unpushed_m_s) 
 
 }  // namespace
 
-Figures make_figures(const WalkRunner& run, double duration_s) {
+FiguresResult make_figures(const WalkRunner& run, double duration_s) {
   struct Compared {
     const char* controller;
     double horizon_s;
@@ -167,7 +167,7 @@ Figures make_figures(const WalkRunner& run, double duration_s) {
       "<div class='grid-of-plots'>" +
       push_plots(pushed) + "</div>" + kRecoveries + "<div class='grid-of-plots'>" + small.card + large.card +
       "</div>";
-  Figures figures;
+  FiguresResult figures;
   figures.numbers["push"] = {{"force_N", kPush_N},
                              {"survived", pushed.summary.survived},
                              {"peak_torque_Nm", pushed.summary.peak_torque_Nm.maxCoeff()},

@@ -8,8 +8,8 @@
 
 namespace stilt::experiments {
 
-/// The published figures, computed from walks of the simulated robot.
-struct Figures {
+/// Page and numbers of `stilt experiment figures`, computed from walks of the simulated robot.
+struct FiguresResult {
   std::string page;  ///< HTML, complete in itself
   Json numbers;      ///< {push: {...}, recovery: [{...}], periodicity: [{controller, ...}]}
 };
@@ -18,6 +18,6 @@ struct Figures {
 /// its touch-downs and those of a push of 85 N (recovery_tiles.h); postures and joint angles of mpc-heuristic
 /// at 1.0 and 0.5 s and of mpc-hzd at 0.5 s; the variation of the joint angles from step to step, without and
 /// with sensor noise; ends of the plans. `duration_s`: duration of each walk, at least 8 s.
-[[nodiscard]] Figures make_figures(const WalkRunner& run, double duration_s);
+[[nodiscard]] FiguresResult make_figures(const WalkRunner& run, double duration_s);
 
 }  // namespace stilt::experiments

@@ -6,7 +6,7 @@
 
 namespace stilt::experiments {
 
-/// The figures of one row from the results of its cases; merge_disturbance() lists the fields.
+/// The fields of one row from the results of its cases; merge_disturbance() lists the fields.
 [[nodiscard]] Json merged_row(const PushRow& row, std::span<const Json> cases);
 
 }  // namespace stilt::experiments

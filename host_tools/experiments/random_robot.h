@@ -24,7 +24,8 @@ struct RandomQuantity {
   std::string name;  ///< of the option of the plant, or another word
   std::string words, unit;
   double low = 0.0, high = 0.0;
-  std::optional<double> nominal;  ///< assumed by the controller; nothing: it assumes no value, or knows it
+  std::optional<double>
+      nominal;  ///< assumed by the controller; nothing: it assumes no value, or has the true one
   Changes changes = Changes::plant;
   bool ends_only = false;  ///< one of the two ends, nothing between
 };

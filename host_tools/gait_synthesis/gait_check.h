@@ -42,7 +42,7 @@ struct GaitCheck {
   [[nodiscard]] bool valid() const { return violations.empty(); }
 };
 
-/// Computes every figure of a gait from outputs, feedback, states and inputs, and compares them with limits,
+/// Computes the metrics of a gait from outputs, feedback, states and inputs, and compares them with limits,
 /// tolerances and claims. Names of violations: those of the limits; "defect", "periodicity", "outputs",
 /// "torque_curve", "replay", "speed" (its difference from step length / step time); "swing_height" for a
 /// swing foot below the ground; "return_map", also when a disturbed step falls; "claim KEY".

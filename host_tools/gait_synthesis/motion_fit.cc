@@ -31,8 +31,8 @@ ReducedState shift_effect(const model::RobotModel& robot, const gait::HzdGait& g
   return (reduce(after_ahead->after) - reduce(after_behind->after)) / (2.0 * kMove_rad);
 }
 
-/// Gains K of u = -K r that minimise the sum of weight |r|^2 + u^2 under r+ = A r + b u, by iterating the
-/// Riccati difference equation until it converges.
+/// Gains K of u = -K r that minimise the sum of weight |r|^2 + u^2 under r+ = A r + b u. The Riccati
+/// difference equation is iterated until it converges.
 ReducedState regulator(const Square& a, const ReducedState& b, double weight) {
   constexpr int kIterations = 2000;
   constexpr double kStill = 1e-13;

@@ -19,16 +19,14 @@ inline constexpr int kForceAt = 21;
 /// acceleration, position and velocity of the stance foot; position and velocity of the swing foot (x z
 /// each); joint torques [4]; friction ratio * fz - fx and friction ratio * fz + fx.
 inline constexpr int kNodeRows = 19;
-enum NodeRow {
-  kDynamicsRow = 0,
-  kStanceAccelerationRow = 3,
-  kStanceRow = 5,
-  kStanceVelocityRow = 7,
-  kSwingRow = 9,
-  kSwingVelocityRow = 11,
-  kTorqueRow = 13,
-  kConeRow = 17
-};
+inline constexpr int kDynamicsRow = 0;
+inline constexpr int kStanceAccelerationRow = 3;
+inline constexpr int kStanceRow = 5;
+inline constexpr int kStanceVelocityRow = 7;
+inline constexpr int kSwingRow = 9;
+inline constexpr int kSwingVelocityRow = 11;
+inline constexpr int kTorqueRow = 13;
+inline constexpr int kConeRow = 17;
 
 using NodeVector = Eigen::Matrix<double, kNodeVariables, 1>;
 using NodeValues = Eigen::Matrix<double, kNodeRows, 1>;
@@ -74,7 +72,7 @@ class StepNode {
 /// eigenvalue allowed.
 inline constexpr int kImpactVariables = 14;
 inline constexpr int kImpactRows = 9;
-enum ImpactRow { kRateRow = 0, kImpulseRow = 5, kMomentumRow = 8 };
+inline constexpr int kRateRow = 0, kImpulseRow = 5, kMomentumRow = 8;
 
 using ImpactVector = Eigen::Matrix<double, kImpactVariables, 1>;
 using ImpactValues = Eigen::Matrix<double, kImpactRows, 1>;

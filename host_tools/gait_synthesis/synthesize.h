@@ -37,7 +37,7 @@ inline constexpr double kSlowestByHip_m_s = 0.15;
 /// motion; they differ from the task's by the error of the collocation. Throws NoGait.
 [[nodiscard]] Synthesis synthesize(const model::RobotModel& robot, const StepTask& task);
 
-/// The content of a gait file: the gait, its limits, its computed figures as claims, and how it was made.
+/// The content of a gait file: the gait, its limits, its metrics as claims, and how it was made.
 [[nodiscard]] gait_files::GaitRecord make_record(const model::RobotModel& robot, const StepTask& task,
                                                  const Synthesis& synthesis);
 

@@ -52,8 +52,8 @@ class Estimator {
  private:
   /// v += planned change + (1 - exp(-dt / velocity_filter_s)) (measured - v)
   /// The correction is bounded: a foot that lands late moves at metres per second while the schedule has it
-  /// on the ground, and no push accelerates the base as fast. The pitch rate is the sensor's, without a
-  /// filter: its lag would cost more than the sensor's noise.
+  /// on the ground. No push accelerates the base as fast. The pitch rate is the sensor's, without a filter:
+  /// its lag would cost more than the sensor's noise.
   void filter_velocity(double elapsed_s, const BaseVelocity* planned_change,
                        model::StateVector& state) noexcept;
 

@@ -8,8 +8,8 @@
 ///
 ///   A'S + S A - S B R^-1 B' S + Q = 0,   A - B K stable with K = R^-1 B'S.
 ///
-/// x'S x / 2 is the cost to go of x' = A x + B u with the integrand (x'Q x + u'R u) / 2, and u = -K x is the
-/// optimal feedback.
+/// x'S x / 2 is the cost to go of x' = A x + B u with the integrand (x'Q x + u'R u) / 2. The optimal
+/// feedback is u = -K x.
 ///
 /// Method: structure-preserving doubling, then Newton-Kleinman steps. The same doubling solves the Lyapunov
 /// equations of those steps (the case B = 0). Doubling ends when a power of the closed loop's Cayley

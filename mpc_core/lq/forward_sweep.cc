@@ -43,7 +43,7 @@ struct UnitLanes {
 template <class Mode>
 STILT_INLINE inline void roll_stage(const LqFirstOrder& stage, const LqGain& gain, LqStep* steps) noexcept {
   const double* x = steps[0].x;
-  const Drift drift(stage.h);
+  const FreeMotion motion(stage.h);
   alignas(64) double sums[kRows];
   Vec next[kParts];
   unroll<kParts>([&](auto part) STILT_INLINE {
@@ -55,7 +55,7 @@ STILT_INLINE inline void roll_stage(const LqFirstOrder& stage, const LqGain& gai
     const Vec total = column_sums(block);
     store(sums + part * kLanes, total);
     if constexpr (Mode::kDrifts) {
-      next[part] = free_motion<part>(x, drift);
+      next[part] = free_motion<part>(x, motion);
     } else {
       next[part] = load(x + part * kLanes);
     }

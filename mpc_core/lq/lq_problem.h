@@ -12,8 +12,8 @@
 /// support, 4 in double support, 2 in flight, 0 at a contact transition.
 ///
 /// A is never formed. The joints are double integrators whose accelerations are inputs. A therefore differs
-/// from the free motion E only in the base rows and, through the equality constraints, along one or two
-/// directions of the joints:
+/// from the free motion E in the base rows. Through the equality constraints it differs along one or two
+/// directions of the joints, too:
 ///
 ///   A = E + sum_{i < 6} e_row(i) G_i' + sum_{i >= 6} L_{i-6} G_i'     E = [I  h I; 0  I]
 ///

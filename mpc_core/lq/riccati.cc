@@ -135,7 +135,7 @@ struct Rows {
 
 /// Computes W, F and f_x.
 template <class Mode>
-STILT_INLINE inline void row_products(const Stage& stage, const ValueFunction& next, const Drift& drift,
+STILT_INLINE inline void row_products(const Stage& stage, const ValueFunction& next, const FreeMotion& motion,
                                       RiccatiWorkspace& work) noexcept {
   const Rows<Mode> rows{next, work};
   for_each_tile<0, Rows<Mode>::kCount>([&]<int kFirst, int kCount>(Tile<kFirst, kCount>& tile) STILT_INLINE {
@@ -143,7 +143,7 @@ STILT_INLINE inline void row_products(const Stage& stage, const ValueFunction& n
       constexpr int kRow = kFirst + c;
       const double* v = rows.template before<kRow>();
       if constexpr (Mode::kDrifts) {
-        tile.v[c][p] = free_motion_transposed<p>(v, drift);
+        tile.v[c][p] = free_motion_transposed<p>(v, motion);
       } else {
         tile.v[c][p] = load(v + p * kLanes);
       }
@@ -170,7 +170,7 @@ STILT_INLINE inline void row_products(const Stage& stage, const ValueFunction& n
 /// The share takes h P J whole, because h J'P is its transpose.
 template <class Mode, int kColumn, int kPart>
 STILT_INLINE inline Vec initial_half(const Stage& stage, const ValueFunction& next,
-                                     const Drift& drift) noexcept {
+                                     const FreeMotion& motion) noexcept {
   constexpr int kDiagonal = kColumn / kLanes, kRow = kPart * kLanes;
   constexpr bool kDrifted = Mode::kDrifts && kColumn >= kHalf;
   const double* position = next.P[kDrifted ? kColumn - kHalf : 0];
@@ -178,7 +178,7 @@ STILT_INLINE inline Vec initial_half(const Stage& stage, const ValueFunction& ne
   if constexpr (kPart >= kDiagonal) {
     v = load(stage.second.Q[kColumn] + kRow) + load(next.P[kColumn] + kRow);
     if constexpr (kDrifted)
-      v += shifted_down<kPart>(position) * (drift.velocity[kPart] * broadcast(stage.first.h));
+      v += shifted_down<kPart>(position) * (motion.velocity[kPart] * broadcast(stage.first.h));
     if constexpr (kPart == kDiagonal) v = lower_half<kColumn % kLanes>(v);
   }
   if constexpr (kDrifted) v += load(position + kRow) * broadcast(stage.first.h);
@@ -188,11 +188,12 @@ STILT_INLINE inline Vec initial_half(const Stage& stage, const ValueFunction& ne
 /// Computes N by columns, with P = N + N'. N takes all of W'G. Of each symmetric term (Q, E'P E, y'z) it
 /// takes the lower triangle with the diagonal halved.
 template <class Mode>
-STILT_INLINE inline void half_hessian(const Stage& stage, const ValueFunction& next, const Drift& drift,
+STILT_INLINE inline void half_hessian(const Stage& stage, const ValueFunction& next, const FreeMotion& motion,
                                       const RiccatiWorkspace& work, double (*N)[kRows]) noexcept {
   const auto update = [&]<int kFirst, int kCount>(Tile<kFirst, kCount>& tile) STILT_INLINE {
-    tile.for_each([&](auto c, auto p)
-                      STILT_INLINE { tile.v[c][p] = initial_half<Mode, kFirst + c, p>(stage, next, drift); });
+    tile.for_each([&](auto c, auto p) STILT_INLINE {
+      tile.v[c][p] = initial_half<Mode, kFirst + c, p>(stage, next, motion);
+    });
     if constexpr (kFirst > 0) {
       unroll<Mode::kTerms>([&](auto i) STILT_INLINE {
         tile.add(work.W[i], [&](auto c) STILT_INLINE { return stage.first.G[i][kFirst + c]; });
@@ -231,7 +232,7 @@ template <class Mode>
                                            ValueFunction& value, LqGain& gain,
                                            RiccatiWorkspace& work) noexcept {
   constexpr int kInputs = Mode::kInputs;
-  const Drift drift(stage.first.h);
+  const FreeMotion motion(stage.first.h);
   value_products<Mode>(stage.first, next, work);
   scalar_products<Mode>(stage.first, work);
   SweepOutcome outcome = SweepOutcome::ok;
@@ -240,18 +241,18 @@ template <class Mode>
     InputTerms<kInputs> terms = input_terms<Mode>(stage, work);
     double inverse_pivot[kInputs];
     outcome = factorise<kInputs>(terms.H, inverse_pivot);
-    row_products<Mode>(stage, next, drift, work);
+    row_products<Mode>(stage, next, motion, work);
     solve_gains<kInputs>(terms, inverse_pivot, work, gain);
     solve_feedforward<kInputs>(terms, inverse_pivot, gain, z);
   } else {
-    row_products<Mode>(stage, next, drift, work);
+    row_products<Mode>(stage, next, motion, work);
     std::memset(gain.K, 0, sizeof(gain.K));
   }
   unroll<kMaxFreeInputs - kInputs>([&](auto i) STILT_INLINE { gain.k[kInputs + i] = 0.0; });
 
   update_gradient<kInputs>(work, z, value.p);
-  forget_values();
-  half_hessian<Mode>(stage, next, drift, work, value.P);
+  reload_values();
+  half_hessian<Mode>(stage, next, motion, work, value.P);
   add_transpose(value.P);
   return outcome;
 }

@@ -2,8 +2,9 @@
 
 #include "mpc_core/lq/lq_problem.h"
 
-/// Riccati recursion for the LQ problem of lq_problem.h. With the cost to go of stage k+1 V(x) = 1/2 x' P x +
-/// p' x:
+// clang-format off
+/// Riccati recursion for the LQ problem of lq_problem.h. The cost to go of stage k+1 is
+/// V(x) = 1/2 x' P x + p' x:
 ///
 ///   F = S + B'P A            f_x = q + A'(P b + p)
 ///   H = R + B'P B = L D L'   f_u = r + B'(P b + p)
@@ -20,6 +21,7 @@
 /// bounded time, no heap, no libm. The same input gives the same bits on the same build. Sources: Rawlings,
 /// Mayne, Diehl, Model Predictive Control (2nd ed.), section 8.8.3; for the layout
 /// docs/decisions/0002-riccati-sweep.md.
+// clang-format on
 namespace stilt::lq {
 
 /// Result of one stage of the backward sweep.

@@ -149,11 +149,11 @@ static_assert((kHalf + 1) % kLanes == 0 && kStates == 2 * kHalf);
 [[nodiscard]] constexpr bool has_position(int part) noexcept { return part * kLanes < kHalf; }
 
 /// h in the rows of the velocities or of the positions, zero elsewhere.
-struct Drift {
+struct FreeMotion {
   Vec velocity[kParts];
   Vec position[kParts];
 
-  STILT_INLINE explicit Drift(double h) noexcept {
+  STILT_INLINE explicit FreeMotion(double h) noexcept {
     unroll<kParts>([&](auto part) STILT_INLINE {
       constexpr int kRow = part * kLanes;
       position[part] = shuffle(broadcast(h), Vec{}, LanesBetween<-kRow, kHalf - kRow>{});
@@ -177,9 +177,9 @@ STILT_INLINE inline Vec shifted_down(const double* v) noexcept {
 
 /// Register kPart of E'v: adds h v_q to the velocities.
 template <int kPart>
-STILT_INLINE inline Vec free_motion_transposed(const double* v, const Drift& drift) noexcept {
+STILT_INLINE inline Vec free_motion_transposed(const double* v, const FreeMotion& motion) noexcept {
   const Vec out = load(v + kPart * kLanes);
-  return has_velocity(kPart) ? out + shifted_down<kPart>(v) * drift.velocity[kPart] : out;
+  return has_velocity(kPart) ? out + shifted_down<kPart>(v) * motion.velocity[kPart] : out;
 }
 
 /// The lanes above kLane unchanged, half of lane kLane, zero below. A block of such columns plus its
@@ -192,18 +192,18 @@ STILT_INLINE inline Vec lower_half(Vec v) noexcept {
 
 /// Register kPart of E v: adds h v_v to the positions.
 template <int kPart>
-STILT_INLINE inline Vec free_motion(const double* v, const Drift& drift) noexcept {
+STILT_INLINE inline Vec free_motion(const double* v, const FreeMotion& motion) noexcept {
   Vec out = load(v + kPart * kLanes);
   if constexpr (has_position(kPart)) {
     const double* shifted = v + kPart * kLanes + kHalf + 1 - kLanes;
-    out += shuffle(load(shifted), load(shifted + kLanes), Window<kLanes - 1>{}) * drift.position[kPart];
+    out += shuffle(load(shifted), load(shifted + kLanes), Window<kLanes - 1>{}) * motion.position[kPart];
   }
   return out;
 }
 
 /// Prevents the compiler from keeping stored values in registers, which it would have to spill. Loading them
 /// again costs less.
-STILT_INLINE inline void forget_values() noexcept { asm volatile("" ::: "memory"); }
+STILT_INLINE inline void reload_values() noexcept { asm volatile("" ::: "memory"); }
 
 /// Prevents the compiler from loading v again at each use.
 STILT_INLINE inline Vec in_register(Vec v) noexcept {
@@ -249,7 +249,7 @@ STILT_INLINE inline void for_each_tile(const Body& body) noexcept {
     constexpr int kCount = kEnd - kFirst < kFit ? kEnd - kFirst : kFit;
     Tile<kFirst, kCount> tile;
     body(tile);
-    forget_values();
+    reload_values();
     for_each_tile<kFirst + kCount, kEnd>(body);
   }
 }
@@ -289,7 +289,7 @@ STILT_INLINE inline void add_transpose(double (*P)[kRows]) noexcept {
         store_sum<left * kLanes, kLow>(P, below, above_transposed);
         store_sum<kLow * kLanes, left>(P, above, below_transposed);
       }
-      forget_values();
+      reload_values();
     });
   });
 }

@@ -37,7 +37,9 @@ using JointVector = Eigen::Matrix<double, kJoints, 1>;
 /// [xL, zL, xR, zR] in the world frame.
 using FeetVector = Eigen::Matrix<double, 2 * kFeet, 1>;
 
-enum Foot : int { kLeft = 0, kRight = 1 };
+/// Indices of the feet.
+inline constexpr int kLeft = 0;
+inline constexpr int kRight = 1;
 
 /// Which feet carry load.
 struct ContactMode {

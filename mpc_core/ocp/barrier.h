@@ -6,13 +6,16 @@
 #include "mpc_core/model/batch.h"
 #include "mpc_core/ocp/parameters.h"
 
+// clang-format off
 /// Relaxed logarithmic barriers for inequalities h >= 0 on batches of nodes:
 ///
-///   B(h) = -mu ln h                                             h > delta
-///        = mu (-ln delta + ((h - 2 delta)/delta)^2 / 2 - 1/2)   otherwise
+///   B(h) = -w ln h                                 h > d
+///        = w (-ln d + ((h - 2 d)/d)^2 / 2 - 1/2)   otherwise
 ///
-/// B is twice continuously differentiable and finite for every h. Source: Hauser and Saccon 2006, "A barrier
-/// function method for the optimization of trajectory functionals with constraints". Real-time safe.
+/// with the barrier weight w and the barrier width d. B is twice continuously differentiable and finite for
+/// every h. Source: Hauser and Saccon 2006, "A barrier function method for the optimization of trajectory
+/// functionals with constraints". Real-time safe.
+// clang-format on
 namespace stilt::ocp {
 
 using model::Batch;
@@ -45,8 +48,8 @@ struct BarrierSlope {
 };
 
 /// First and second derivatives of two barriers that share their parameters, each by its own argument. Both
-/// use one division: h is clamped at delta. There the quadratic has the second derivative of the logarithm,
-/// and the first derivative needs the correction mu / delta^2 (h - delta).
+/// use one division: h is clamped at d. There the quadratic has the second derivative of the logarithm,
+/// and the first derivative needs the correction w / d^2 (h - d).
 struct BarrierPair {
   BarrierSlope a;
   BarrierSlope b;
@@ -70,7 +73,7 @@ struct BarrierPair {
   return {pair.a.first - pair.b.first, pair.a.second + pair.b.second};
 }
 
-/// Parameters of a barrier, and the logarithm of delta by the routine used for the lanes.
+/// Parameters of a barrier, and the logarithm of its width by the routine used for the lanes.
 struct BarrierConstants {
   explicit BarrierConstants(const BarrierParameters& parameters) noexcept
       : p(parameters), inverse_width(1.0 / p.width), log_width(logarithm(Batch(p.width))) {}

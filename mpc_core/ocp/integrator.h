@@ -4,6 +4,7 @@
 #include "mpc_core/model/robot.h"
 #include "mpc_core/ocp/parameters.h"
 
+// clang-format off
 /// Explicit Runge-Kutta steps of x' = [v; a_b(x, u); u_j] with the input held constant, for batches.
 ///
 /// In second-order form the stages of a tableau with a_{i,i-1} = c_i (Heun's RK2, the classical RK4) are
@@ -11,6 +12,7 @@
 ///   q+ = q + h v + h^2 sum_i b_{i+1} c_{i+1} A_i,  v+ = v + h sum_i b_i A_i.
 /// Joint accelerations are inputs: only the three base rows are nonlinear, and of the integrated base only
 /// the pitch feeds back. Real-time safe.
+// clang-format on
 namespace stilt::ocp {
 
 using model::Batch;

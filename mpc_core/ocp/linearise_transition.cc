@@ -63,7 +63,7 @@ struct TouchDown {
 }  // namespace
 
 /// Linearises x+ = x, with the velocity changed by the impact of the feet that touch down when impacts are
-/// modelled. Adds the cost on the horizontal velocity of these feet before the impact, and the barriers of
+/// modelled. Adds the cost on the horizontal velocity of these feet before the impact. Adds the barriers of
 /// the friction cone on their impulses, |Jx| <= mu Jz.
 void linearise(const ProblemData& data, const TransitionBatch& batch, const Trajectory& iterate,
                const BatchModel& to, LineariseWorkspace& work) noexcept {

@@ -5,6 +5,7 @@
 #include "mpc_core/model/terms.h"
 #include "mpc_core/ocp/problem.h"
 
+// clang-format off
 /// Equality constraints of a node and their elimination, in closed form for each contact mode.
 ///
 /// Rows, all affine in the input:
@@ -24,6 +25,7 @@
 /// Rank: step 3 is singular where the row vanishes, as for two straight legs side by side. A diagonal entry s
 /// below `rank_tolerance` is inverted as s / tolerance^2: the constraint fades, and the inverse stays
 /// bounded.
+// clang-format on
 namespace stilt::ocp {
 
 /// Columns of the state on which all terms depend but the height constraint and the costs of x_b and z_b:

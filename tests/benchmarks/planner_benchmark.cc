@@ -8,13 +8,12 @@
 #include "host_tools/benchmark/interleaved.h"
 #include "host_tools/benchmark/planner_kernels.h"
 #include "host_tools/benchmark/walking_planner.h"
-#include "tests/benchmarks/plain_kernels.h"
+#include "tests/benchmarks/baseline_kernels.h"
 #include "tests/robots.h"
 
-/// Phases of the planner and the whole plan, on the problem of a walking robot at several horizons, with the
-/// baseline of the same work beside them. Argument: horizon, ms. A baseline's counter
-/// `times_slower` is its time over that of the version it is compared with, both taken in turns in the same
-/// run.
+/// Phases of the planner and the whole plan, on the problem of a walking robot at several horizons. The
+/// baseline of the same work stands beside them. Argument: horizon, ms. A baseline's counter `times_slower`
+/// is its time over that of the version it is compared with, both taken in turns in the same run.
 namespace stilt::benchmark {
 namespace {
 

@@ -4,7 +4,7 @@
 
 #include "mpc_core/lq/care.h"
 #include "mpc_core/lq/riccati.h"
-#include "tests/benchmarks/plain_sweep.h"
+#include "tests/benchmarks/baseline_sweep.h"
 #include "tests/mpc_core/lq/random_lq.h"
 
 /// The Riccati sweep against the same recursion in fixed-size Eigen, on the same data in the same run: 134
@@ -81,7 +81,7 @@ BENCHMARK(BM_cost_slope_walking)->Unit(::benchmark::kMicrosecond);
 /// The textbook recursion in fixed-size Eigen.
 void BM_backward_eigen(::benchmark::State& state) {
   const testing::LqProblem problem = problem_with(testing::kKinds[state.range(0)]);
-  stilt::benchmark::PlainSweep sweep(problem.stages, problem.terminal);
+  stilt::benchmark::BaselineSweep sweep(problem.stages, problem.terminal);
   for (auto _ : state) {
     sweep.run();
     ::benchmark::ClobberMemory();

@@ -11,8 +11,8 @@
 #include "host_tools/cli/planning_problems.h"
 
 /// The time of a plan is predictable: with a fixed number of iterations the longest plans take little more
-/// than the typical one, and a solve that may end early never takes longer than that. Counted in
-/// instructions, which depend neither on the clock nor on other programs.
+/// than the typical one. A solve that may end early never takes longer than that. Counted in instructions,
+/// which depend neither on the clock nor on other programs.
 namespace stilt::cli {
 namespace {
 

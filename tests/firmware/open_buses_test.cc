@@ -58,7 +58,7 @@ TEST(OpenBuses, BusesThatAnotherProgramCommandsAreNotOpened) {
   EXPECT_TRUE(buses.error().starts_with("bus loopback:test-taken-b: another stiltd")) << buses.error();
 }
 
-TEST(OpenBuses, ABusThatIsNotThereIsToldInOneSentence) {
+TEST(OpenBuses, ABusThatIsNotThereIsReportedInOneSentence) {
   const Override absent[] = {{"hardware.buses=loopback:test-absent-a,loopback:test-absent-b"}};
   const Configuration configuration = configuration::load_robot("amber3m", absent).value();
   const auto buses = open_buses(configuration.hardware, false);

@@ -81,7 +81,7 @@ expect_no_fault() {
   [ -z "$(faults)" ] || fail "faults: $(faults | tr '\n' ' ')"
 }
 
-# Tells the robot to end; afterwards no driver may be enabled.
+# Ends the robot; afterwards no driver may be enabled.
 end_robot() {
   kill -TERM $robot
   wait $robot

@@ -34,9 +34,9 @@ bool send(const char* interface, const Kind& kind) {
 
 }  // namespace
 
-int main(int count, char** words) {
+int main(int argc, char** argv) {
   for (const Kind& kind : kKinds) {
-    if (count == 3 && words[2] == kind.name) return send(words[1], kind) ? 0 : 1;
+    if (argc == 3 && argv[2] == kind.name) return send(argv[1], kind) ? 0 : 1;
   }
   std::fprintf(stderr, "usage: send_error_frame INTERFACE warning|passive|bus-off\n");
   return 2;

@@ -63,13 +63,13 @@ int flood(const telemetry::Network& network, std::string name) {
 
 }  // namespace
 
-int main(int count, char** words) {
+int main(int argc, char** argv) {
   CLI::App app;
   telemetry::Network network;
   std::string name = "intruder";
   app.add_option("--domain", network.domain);
   app.add_option("--name", name);
-  CLI11_PARSE(app, count, words);
+  CLI11_PARSE(app, argc, argv);
   std::signal(SIGTERM, [](int) { ended = 1; });
   try {
     return flood(network, name);

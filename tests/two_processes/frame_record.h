@@ -17,7 +17,7 @@ struct RecordedFrame {
   hal::CanFrame frame;
 };
 
-/// The classic frames of a log; throws std::runtime_error when a line is none.
+/// The classic frames of a log; throws std::runtime_error when a line is not one.
 [[nodiscard]] std::vector<RecordedFrame> read_frames(const std::string& file);
 
 /// What the controller asked of the shipped robot's drivers, and what they reported.

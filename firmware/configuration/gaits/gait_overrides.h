@@ -8,9 +8,9 @@
 
 namespace stilt::gait_files {
 
-/// What plans around the gaits of a library need of the configuration, put before what the user sets so that
-/// it can be changed: times of support as in the gaits, and the terminal weight of the paper, without the
-/// weights of the feet, with which the largest push at a horizon of 0.5 s falls to half (docs/tuning.md).
+/// What plans around the gaits of a library need of the configuration, put before what the user sets so
+/// that it can be changed. Times of support are as in the gaits. The terminal weight is 10, and its LQR
+/// leaves the weights of the feet out (both compared in docs/tuning.md).
 /// @param where  what asked for these gaits, named in diagnostics
 [[nodiscard]] std::vector<configuration::Override> gait_overrides(const gait::GaitLibrary& library,
                                                                   const std::string& where);

@@ -14,8 +14,7 @@ namespace stilt::gait_files {
 /// What a gait file claims of its gait. All of it can be computed anew from the rest of the file.
 struct GaitMetrics {
   /// Largest error of the state (m, rad, m/s, rad/s) after integrating the equations of motion over one
-  /// interval of a grid four times finer than that of the optimisation, from the file's state and under the
-  /// file's inputs.
+  /// interval, under the file's inputs. The grid is four times finer than that of the optimisation.
   double defect_max = 0.0;
   /// Largest difference between the reduced state after impact and leg swap and that at the start (rad,
   /// rad/s).

@@ -3,7 +3,7 @@
 namespace stilt::record {
 namespace {
 
-constexpr std::size_t kGapsTold = 5;
+constexpr std::size_t kGapsNamed = 5;
 
 std::string range(std::uint64_t first, std::uint64_t end) {
   return std::to_string(first) + (end - first > 1 ? " to " + std::to_string(end - 1) : "");
@@ -24,10 +24,10 @@ std::string TickLedger::text() const {
   std::string text = "ticks " + range(begin, next_) + ", ";
   if (gaps_.empty()) return text + "none missing";
   text += "missing: ";
-  for (std::size_t i = 0; i < gaps_.size() && i < kGapsTold; ++i) {
+  for (std::size_t i = 0; i < gaps_.size() && i < kGapsNamed; ++i) {
     text += (i > 0 ? ", " : "") + range(gaps_[i].first, gaps_[i].end);
   }
-  if (gaps_.size() > kGapsTold) text += " and " + std::to_string(gaps_.size() - kGapsTold) + " more gaps";
+  if (gaps_.size() > kGapsNamed) text += " and " + std::to_string(gaps_.size() - kGapsNamed) + " more gaps";
   return text;
 }
 

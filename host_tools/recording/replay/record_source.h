@@ -13,9 +13,10 @@
 
 namespace stilt::replay {
 
-/// Reads the messages of a record in turn, each with the time at which it is due when the record is played, s
-/// since the first tick. That is the clock of the control loop, which in lock-step is not that of the record.
-/// Gaps without ticks are shortened. Ticks have a time; other messages are due with the ticks before them.
+/// Reads the messages of a record in turn. Each has the time at which it is due when the record is played,
+/// s since the first tick. That is the clock of the control loop, which in lock-step is not that of the
+/// record. Gaps without ticks are shortened. Ticks have a time; other messages are due with the ticks
+/// before them.
 class RecordCursor {
  public:
   /// Stands on the first message. Throws as mcap::Reader.

@@ -6,7 +6,7 @@
 
 #include "firmware/configuration/configuration.h"
 #include "firmware/configuration/live.h"
-#include "firmware/program/configure_cycles.h"
+#include "firmware/program/configure_controller.h"
 #include "firmware/robots/robots.h"
 
 namespace stilt::replay {
@@ -73,7 +73,7 @@ Outcome replay_run(const std::string& path, const RunRecord& run,
   const auto gaits = std::make_unique<gait::GaitLibrary>();
   Replay replay(run.cycles, [&](std::uint32_t number) { return tunings(number); });
   const auto ready =
-      program::configure_cycles(*configuration, source, replay.planner(), replay.loop(), gaits.get());
+      program::configure_controller(*configuration, source, replay.planner(), replay.loop(), gaits.get());
   if (!ready) return failed(ready.error());
   for_each_tick(path, run.number, [&](const control_loop::TickRecord& tick) {
     if (progress && tick.tick % kProgressEvery == 0) progress(tick.tick);

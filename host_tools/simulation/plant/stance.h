@@ -28,8 +28,8 @@ struct LegAngles {
 /// Positions of both feet of a state, world frame: xL, zL, xR, zR.
 [[nodiscard]] model::FeetVector foot_positions(const LegLengths& leg, const model::StateVector& state);
 
-/// State that stands still: hip at x = 0 and base_height_m above z = 0, torso upright, left foot half_width_m
-/// ahead of the hip and right foot as far behind it, each on ground of the given height.
+/// State that stands still: hip at x = 0 and base_height_m above z = 0, torso upright. The left foot is
+/// half_width_m ahead of the hip and the right foot as far behind it, each on ground of the given height.
 [[nodiscard]] model::StateVector standing_state(const LegLengths& leg, double base_height_m,
                                                 double half_width_m,
                                                 const std::array<double, model::kFeet>& ground_height_m = {});

@@ -81,10 +81,10 @@ void DdsSource::take(const telemetry::Sample& message, SampleSink& sink) {
   if (const auto reply = message.as<telemetry::CommandReply>()) answer(*reply, sink);
 }
 
-std::vector<TalkingRun> DdsSource::talking() const {
-  std::vector<TalkingRun> all;
+std::vector<SendingRun> DdsSource::talking() const {
+  std::vector<SendingRun> all;
   for (const KnownRun& run : decoder_.runs()) {
-    if (run.talks) all.push_back({run_text(run.run_id), run.robot});
+    if (run.sends) all.push_back({run_text(run.run_id), run.robot});
   }
   return all;
 }

@@ -22,7 +22,7 @@ class DdsSource final : public SampleSource {
 
   void poll(SampleSink& sink) override;
   void command(const Command& command) override;
-  [[nodiscard]] std::vector<TalkingRun> talking() const override;
+  [[nodiscard]] std::vector<SendingRun> talking() const override;
   void forget(std::uint64_t commander) override { asked_.erase(commander); }
   void choose(const std::string& run_id) override { chosen_ = run_id; }
   [[nodiscard]] std::string describe() const override;

@@ -59,7 +59,7 @@ bool MessageDecoder::ours(std::uint64_t run_id, const telemetry::Sample& message
   if (of_next_run_.size() > kMostWaiting) of_next_run_.pop_front();
   const Run* other = known(run_id);
   const bool silent = known(run_id_)->batches_ago >= kSilentBatches;
-  if (follow_ == Follow::talking && batch && silent && other != nullptr) follow(*other, sink);
+  if (follow_ == Follow::sending && batch && silent && other != nullptr) follow(*other, sink);
   return false;
 }
 

@@ -15,7 +15,7 @@ namespace stilt::monitor {
 /// Which of several runs a decoder follows.
 enum class Follow {
   newest,   ///< the one that started last: runs of a record come one after the other
-  talking,  ///< the first one, for as long as it talks; then another that talks
+  sending,  ///< the first one, for as long as it sends; then another that sends
 };
 
 /// A run whose configuration is known.
@@ -23,7 +23,7 @@ struct KnownRun {
   std::uint64_t run_id = 0;
   std::string robot;
   std::string token_file;  ///< as stiltd names it
-  bool talks = false;      ///< whether ticks of it come
+  bool sends = false;      ///< whether ticks of it come
 };
 
 /// A number of a run as text: "001085a41154fb89".
@@ -37,14 +37,14 @@ class MessageDecoder {
   /// the shipped rates.
   static constexpr std::uint64_t kSilentBatches = 100;
 
-  explicit MessageDecoder(Follow follow = Follow::talking) : follow_(follow) {}
+  explicit MessageDecoder(Follow follow = Follow::sending) : follow_(follow) {}
 
   /// Passes the content of the message to `sink`. Ignores topics that a monitor does not show, and bytes that
   /// are not a message. A run whose messages have another wire version is not followed; one event states it,
   /// and so does one when ticks come without the configuration of their run.
   void take(const telemetry::Sample& message, SampleSink& sink);
 
-  /// Follows another known run from now on, for as long as it talks.
+  /// Follows another known run from now on, for as long as it sends.
   void choose(std::uint64_t run_id, SampleSink& sink);
 
   /// All runs whose configuration is known, oldest first.
@@ -53,7 +53,7 @@ class MessageDecoder {
   /// The run that is followed; 0 before the first configuration.
   [[nodiscard]] std::uint64_t run_id() const { return run_id_; }
 
-  /// Samples left out because they are of another run, while the one that is followed talks.
+  /// Samples left out because they are of another run, while the one that is followed sends.
   [[nodiscard]] std::uint64_t of_others() const { return of_others_; }
 
  private:

@@ -8,16 +8,17 @@
 
 #include "host_tools/web/monitor/sample_source.h"
 
+// clang-format off
 /// Messages of the page:
 ///   {"alive": true}   several times per second
-///   {"command": "walk", "sequence": 3, "value": 0.5, "tunable": "", "token": "", "tokens": {}}, where only
-///   the
-///                     first two members are required; `tokens` are those of other runs, for stop
+///   {"command": "walk", "sequence": 3, "value": 0.5, "tunable": "", "token": "", "tokens": {}}
+///                     only the first two members are required; `tokens` are those of other runs, for stop
 ///   {"key": "..."}    the monitor's key, first of all when the page has it
 ///   {"new_key": true} the key ends, another one begins
 ///   {"from": 12.5}    plays a record from that time of Playback, s
 ///   {"hold": true}    holds a record where it is; false: lets it go on
 ///   {"run": "001085a41154fb89"}   shows another run
+// clang-format on
 namespace stilt::monitor {
 
 /// A message of the page.

@@ -174,7 +174,7 @@ SharedMessage timing_message(const TimingSample& sample) {
 
 SharedMessage link_message(const LinkStatus& status) {
   Json talking = Json::array();
-  for (const TalkingRun& run : status.talking) {
+  for (const SendingRun& run : status.talking) {
     talking.push_back({{"run_id", run.run_id}, {"robot", run.robot}});
   }
   Json playback;

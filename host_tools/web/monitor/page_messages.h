@@ -27,8 +27,8 @@ enum class Table : std::uint8_t { ticks = 1, planner = 2, plan = 3, truth = 4 };
 /// What a page may do, and for one with the monitor's key: that key, and the addresses of the monitor's page
 /// for other machines.
 struct Access {
-  bool has_key = false;    ///< it may use the tokens that the monitor knows
-  bool has_token = false;  ///< the monitor knows the token of the run that is shown
+  bool has_key = false;    ///< it may use the tokens that the monitor has
+  bool has_token = false;  ///< the monitor has the token of the run that is shown
   std::string key;         ///< empty for a page without it
   std::vector<std::string> urls;
 };
@@ -50,7 +50,7 @@ struct LinkStatus {
   std::uint64_t runs = 0;            ///< received so far
   std::uint64_t of_others = 0;       ///< samples ignored because another controller is publishing too
   std::uint64_t not_sent = 0;        ///< messages not sent to this page because it is too slow
-  std::vector<TalkingRun> talking;   ///< controllers that talk now
+  std::vector<SendingRun> talking;   ///< controllers that send now
   std::optional<Playback> playback;  ///< of a record
 };
 [[nodiscard]] SharedMessage link_message(const LinkStatus& status);

@@ -17,16 +17,16 @@ struct Command {
   CommandKind kind = CommandKind::heartbeat;
   std::uint64_t commander = 0;  ///< one number per operator (open page)
   std::uint32_t sequence = 0;   ///< counts the operator's commands
-  std::string token;            ///< token of the run; empty: the one that the source knows
+  std::string token;            ///< token of the run; empty: the one that the source has
   /// Of stop: tokens of other runs, by run_id, for those runs.
   std::map<std::string, std::string> tokens_of_others;
-  bool with_known_tokens = false;  ///< of stop: whether other runs get it with tokens that the source knows
+  bool with_known_tokens = false;  ///< of stop: whether other runs get it with tokens that the source has
   double value = 0.0;              ///< m/s of walk and speed, m of height, or of the tunable
   std::string tunable;             ///< name of the tunable
 };
 
-/// A controller that talks.
-struct TalkingRun {
+/// A controller that sends.
+struct SendingRun {
   std::string run_id;  ///< as in ConfigurationSample
   std::string robot;
 };
@@ -70,8 +70,8 @@ class SampleSource {
   /// The sender of commands is gone: no reply to it is needed any more.
   virtual void forget(std::uint64_t /*commander*/) {}
 
-  /// Controllers that talk now, the one that is shown among them.
-  [[nodiscard]] virtual std::vector<TalkingRun> talking() const { return {}; }
+  /// Controllers that send now, the one that is shown among them.
+  [[nodiscard]] virtual std::vector<SendingRun> talking() const { return {}; }
 
   /// Shows another of them from now on; no effect when it is none of them.
   virtual void choose(const std::string& /*run_id*/) {}
@@ -92,7 +92,7 @@ class SampleSource {
   /// Samples ignored so far because they are of another controller that is also publishing.
   [[nodiscard]] virtual std::uint64_t of_others() const { return 0; }
 
-  /// Whether an empty token is accepted, because the source knows the run's.
+  /// Whether an empty token is accepted, because the source has the run's.
   [[nodiscard]] virtual bool has_token() const { return false; }
 
   /// False for a record: it accepts no commands, and silence at its end is not a fault.

@@ -67,7 +67,7 @@ class LinkFile {
 
 void serve(SampleSource& source, const ServeOptions& options) {
   constexpr auto kStep = std::chrono::milliseconds(10);
-  // Who has this key may use the tokens that the source knows. It lives as long as this process.
+  // Who has this key may use the tokens that the source has. It is valid as long as this process runs.
   const std::string key = source.live() ? telemetry::random_secret() : std::string();
   const std::string fragment = key.empty() ? std::string() : "#key=" + key;
   LiveView view(source, key);

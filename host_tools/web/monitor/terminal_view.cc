@@ -99,7 +99,7 @@ std::string TerminalView::link_text() const {
   std::string text = source_.live() ? "live" : "record";
   const std::uint64_t lost = missing_ + (timing_ ? timing_->dropped : 0);
   if (lost > 0) text += ", " + std::to_string(lost) + " lost";
-  if (source_.of_others() > 0) text += ", another controller talks, too";
+  if (source_.of_others() > 0) text += ", another controller sends, too";
   return text;
 }
 

@@ -1,5 +1,5 @@
 // All plots of a page. They show the same seconds, those before the time shown or, chosen by the user, fixed ones. A
-// frame draws the plots that moved by a pixel, in turn, and not all of them where drawing takes longer than the
+// frame draws the plots that moved by a pixel, in turn. It does not draw all of them where that takes longer than the
 // screen's rate allows: the robot moves smoothly first.
 
 /** However slow the machine, a frame draws this share of the plots in view. */

@@ -1,4 +1,4 @@
-// What the pages know of a robot: tables of samples over time, plans, pushes, footprints. The monitor fills them as
+// What the pages hold of a robot: tables of samples over time, plans, pushes, footprints. The monitor fills them as
 // samples come, a report at once.
 
 /** How long a sample of the simulation is drawn when no newer one has come. */
@@ -7,9 +7,8 @@ const kTruthLife_s = 0.5;
 class RobotData {
   /**
    * `stateGroup`: columns of the table `ticks` with the state that is drawn; `planLife_s`: how long after its start a
-   * plan is drawn when no newer one has come. Tables: `ticks` of the controller, `truth` that only a simulation knows,
-   * `planner` with a row a solve, `plan` with a row a knot, and those that a page adds for its plots.
-   */
+   * plan is drawn when no newer one has come. Tables: `ticks` of the controller, `truth` that only a simulation has,
+   * `planner` with a row per solve, `plan` with a row per node. A page adds those of its plots. /
   constructor(stateGroup, planLife_s) {
     this.stateGroup = stateGroup;
     this.planLife_s = planLife_s;

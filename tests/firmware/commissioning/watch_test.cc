@@ -39,7 +39,7 @@ TEST(Watch, ShowsTheAnglesOfTheRobotTenTimesPerSecond) {
   EXPECT_EQ(samples.back().readings.emergency_stop, hal::EmergencyStopState::released);
 }
 
-/// The bytes of the makers' manuals, not our codecs: kp, kd and torque of an MIT frame.
+/// The bytes of the vendors' manuals, not our codecs: kp, kd and torque of an MIT frame.
 void expect_limp_mit(const hal::CanFrame& frame) {
   const bool special = frame.data[6] == 0xff && frame.data[5] == 0xff;
   if (frame.id == 0x7ff || special) return;  // a register of a Damiao; motor on, motor off

@@ -39,6 +39,7 @@ TEST(Migrate, EveryOldNameIsRenamedAndThenRead) {
     const std::string key = rename.key.empty() ? "rate_hz" : std::string(rename.key);
     const std::string toml = '[' + std::string(rename.section) + "]\n" + key + " = 1\n";
     EXPECT_FALSE(parse(toml, "robot.toml")) << toml;
+    if (!rename.value_change.empty()) continue;
     const auto migration = migrate(toml, "robot.toml");
     ASSERT_TRUE(migration) << toml;
     EXPECT_EQ(migration->changes.size(), 1u) << toml;
@@ -74,6 +75,17 @@ TEST(Migrate, AKeyUnderBothNamesIsRefused) {
   EXPECT_EQ(migrated("[sqp]\nfilter_margin = 1\ngamma_c = 2\n"),
             "robot.toml:3:1: gamma_c is now filter_margin, and the file has both; remove one of them");
   EXPECT_TRUE(migrated("[base_sensor]\n[torso_sensor]\n").starts_with("robot.toml:2:")) << "a section";
+}
+
+TEST(Migrate, AKeyInAnotherUnitIsRefusedWithWhatToDo) {
+  const std::string_view toml = "[sqp]\ng_max = 1\n[inequality]\nminimum_normal_force_N = 20\n";
+  const std::string sentence =
+      "robot.toml:4:1: minimum_normal_force_N is now minimum_normal_force_share, in another unit: divide its "
+      "newtons by the weight of the robot";
+  EXPECT_EQ(migrated(toml), sentence + ", then rename it by hand");
+  const Result result = parse(toml, "robot.toml");
+  ASSERT_FALSE(result);
+  EXPECT_EQ(to_string(result.error().back()), sentence) << "no word of a migration that refuses it";
 }
 
 TEST(Migrate, TextThatIsNotTomlIsRefusedWithItsPlace) {

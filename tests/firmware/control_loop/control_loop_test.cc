@@ -313,7 +313,7 @@ TEST_F(ControlLoopTest, AStallInsideATickIsAFault) {
   EXPECT_TRUE(rig->decision().latched.has(Fault::torque_loop_stalled));
 }
 
-TEST_F(ControlLoopTest, FaultsAndStatesAreTold) {
+TEST_F(ControlLoopTest, FaultsAndStatesAreReported) {
   rig->stand();
   const auto states = rig->take(Event::Kind::state);
   ASSERT_GE(states.size(), 4u);

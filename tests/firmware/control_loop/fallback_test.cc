@@ -156,14 +156,14 @@ TEST_F(GaitLevelTest, APlanIsFollowedAgainOnlyWithTheFootOfTheGaitOnTheGround) {
 class GaitLevelSensorTest : public GaitLevelTest {
  protected:
   GaitLevelSensorTest()
-      : frozen(static_cast<std::uint32_t>(rig->configuration.supervisor.unchanged_replies_limit)) {
+      : unchanged_limit(static_cast<std::uint32_t>(rig->configuration.supervisor.unchanged_replies_limit)) {
     walk_on_without_plans(0.0, 0);
     for (int i = 0; i < 300 && rig->level() != FallbackLevel::gait; ++i) rig->run(1);
   }
   void freeze_encoders() {
-    for (hal::JointReading& reading : rig->joints.readings) reading.unchanged_replies = frozen;
+    for (hal::JointReading& reading : rig->joints.readings) reading.unchanged_replies = unchanged_limit;
   }
-  std::uint32_t frozen;
+  std::uint32_t unchanged_limit;
 };
 
 TEST_F(GaitLevelSensorTest, EncodersThatRepeatThemselvesWhileTheGaitMovesTheJointsAreStale) {
@@ -176,7 +176,7 @@ TEST_F(GaitLevelSensorTest, EncodersThatRepeatThemselvesWhileTheGaitMovesTheJoin
 
 TEST_F(GaitLevelSensorTest, ATorsoSensorThatRepeatsItselfMeanwhileIsStale) {
   ASSERT_EQ(rig->level(), FallbackLevel::gait);
-  rig->joints.base.unchanged_replies = frozen;
+  rig->joints.base.unchanged_replies = unchanged_limit;
   rig->run(2);
   EXPECT_TRUE(rig->decision().latched.has(supervisor::Fault::stale_torso_sensor));
 }
@@ -185,7 +185,7 @@ TEST_F(GaitLevelSensorTest, SensorsMayRepeatThemselvesWhenTheStepIsOverAndNoFoot
   rig->run(500);
   ASSERT_EQ(rig->level(), FallbackLevel::gait);
   freeze_encoders();
-  rig->joints.base.unchanged_replies = frozen;
+  rig->joints.base.unchanged_replies = unchanged_limit;
   rig->run(2);
   EXPECT_TRUE(rig->decision().latched.empty());
 }

@@ -18,7 +18,7 @@
 #include "tests/hal/mock/mock_bus.h"
 #include "tests/robots.h"
 
-/// The control loop over emulated drivers of one maker on two buses in memory, in virtual time. The joints
+/// The control loop over emulated drivers of one vendor on two buses in memory, in virtual time. The joints
 /// stand still in the standing pose.
 namespace stilt::control_loop::testing {
 
@@ -86,7 +86,7 @@ class RecoveryRig {
   /// The process does not run for so long; the next tick is late by it.
   void sleep(std::int64_t duration_ns) {
     clock_.advance(duration_ns);
-    late_ns_ = duration_ns;
+    wakeup_latency_ns_ = duration_ns;
   }
 
   void tick() {
@@ -99,8 +99,8 @@ class RecoveryRig {
     mail_.commands.writer() = command_;
     mail_.commands.publish();
     if (tick_ == due_ && fresh_) mail_.plans.publish();
-    loop_.tick({.now_ns = clock_.now_ns(), .wakeup_latency_ns = late_ns_});
-    late_ns_ = 0;
+    loop_.tick({.now_ns = clock_.now_ns(), .wakeup_latency_ns = wakeup_latency_ns_});
+    wakeup_latency_ns_ = 0;
     hardware_->serve_restore([this](std::size_t number) { buses_[number].set_disconnected(gone_); });
     readings_ = mail_.telemetry.front()->joints;
     mail_.telemetry.pop();
@@ -169,7 +169,7 @@ class RecoveryRig {
   bool gone_ = false;
   std::size_t gone_bus_ = 0;
   bool fresh_ = false;
-  std::int64_t late_ns_ = 0;
+  std::int64_t wakeup_latency_ns_ = 0;
   long long tick_ = 0;
   long long due_ = -1;
 };

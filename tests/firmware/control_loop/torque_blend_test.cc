@@ -31,7 +31,7 @@ TEST_F(TorqueBlendTest, ChangesNothingWhileTheLevelStays) {
   EXPECT_EQ(torque_Nm(FallbackLevel::plan, 1.0, 40), 40);
 }
 
-TEST_F(TorqueBlendTest, AnotherLevelStartsFromTheTorqueBeforeAndIsInForceAfterItsTime) {
+TEST_F(TorqueBlendTest, AnotherLevelStartsFromTheTorqueBeforeAndIsActiveAfterItsTime) {
   EXPECT_NEAR(torque_Nm(FallbackLevel::gait, 1.0, 40), 10, 1e-12);
   EXPECT_NEAR(torque_Nm(FallbackLevel::gait, 1.0 + 0.5 * kDuration_s, 50), 50 - 15, 1e-9);
   EXPECT_NEAR(torque_Nm(FallbackLevel::gait, 1.0 + kDuration_s, 50), 50, 1e-9);
@@ -43,7 +43,7 @@ TEST_F(TorqueBlendTest, NothingFadesOnTheRampOrAfterIt) {
   EXPECT_EQ(torque_Nm(FallbackLevel::gait, 1.0, 40), 40);
 }
 
-TEST_F(TorqueBlendTest, WithoutATimeTheNewTorqueIsInForceAtOnce) {
+TEST_F(TorqueBlendTest, WithoutATimeTheNewTorqueIsActiveAtOnce) {
   blend_.configure(0.0);
   blend_.remember({FallbackLevel::plan, 0});
   EXPECT_EQ(torque_Nm(FallbackLevel::gait, 1.0, 40), 40);

@@ -10,9 +10,9 @@
 /// their atomic operations and every value that each load may give.
 ///
 /// The model follows C++: an atomic keeps all values ever stored. A load gives the newest or any older one
-/// that the thread does not know to be overwritten (by its own operations, or through acquire loads of
-/// release stores). Swaps read the newest, and pass on what the value they replace had to say. Data may be
-/// touched only in an order the threads know of: anything else is a race, and a race is a violation, whatever
+/// that is not overwritten before it in order. Operations of its thread make that order, and acquire loads
+/// of release stores. Swaps read the newest, and pass on what the value they replace released. Data may be
+/// touched only in an order of the threads: anything else is a race, and a race is a violation, whatever
 /// was read. Threads see only the past: values that depend on their own future (load buffering) are not
 /// modelled.
 namespace stilt::exchange::model {

@@ -57,7 +57,7 @@ TEST(Options, StartSaysGaitAndSpeed) {
   }
 }
 
-TEST(Options, MistakesOfTheConfigurationAreAllTold) {
+TEST(Options, MistakesOfTheConfigurationAreAllReported) {
   const std::string text = mistake({"--set", "gait.swing_height_m=5", "--set", "supervisor.hot=1"});
   EXPECT_NE(text.find("--set: gait.swing_height_m = 5 is outside its range"), std::string::npos);
   EXPECT_NE(text.find("--set: unknown key supervisor.hot; did you mean supervisor.hot_C?"),

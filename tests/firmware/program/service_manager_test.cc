@@ -48,7 +48,7 @@ class Listener : public testing::Test {
   int socket_ = -1;
 };
 
-TEST_F(Listener, HearsThatItIsReadyOnceTheTorqueLoopTicks) {
+TEST_F(Listener, ReceivesReadyOnceTheTorqueLoopTicks) {
   ServiceManager service;
   service.notify(kSecond_ns, 0, "boot");
   EXPECT_EQ(received(), "STATUS=boot\n");
@@ -56,7 +56,7 @@ TEST_F(Listener, HearsThatItIsReadyOnceTheTorqueLoopTicks) {
   EXPECT_EQ(received(), "READY=1\nWATCHDOG=1\nSTATUS=idle\n");
 }
 
-TEST_F(Listener, HearsThatItLivesOnlyWhileTheTorqueLoopTicks) {
+TEST_F(Listener, ReceivesSignsOfLifeOnlyWhileTheTorqueLoopTicks) {
   ServiceManager service;
   service.notify(kSecond_ns, 250, "walk");
   received();
@@ -68,7 +68,7 @@ TEST_F(Listener, HearsThatItLivesOnlyWhileTheTorqueLoopTicks) {
   EXPECT_EQ(received(), "") << "it stands still";
 }
 
-TEST_F(Listener, HearsTheEnd) {
+TEST_F(Listener, ReceivesTheEnd) {
   ServiceManager().notify_stopping();
   EXPECT_EQ(received(), "STOPPING=1");
 }

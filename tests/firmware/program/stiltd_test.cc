@@ -58,7 +58,7 @@ TEST(Stiltd, ChecksAConfigurationWithoutOpeningABus) {
   EXPECT_TRUE(has(run, "bus can1: worst-case load 54 %")) << run.text;
 }
 
-TEST(Stiltd, TellsEveryMistakeOfAConfigurationWithItsPlace) {
+TEST(Stiltd, ReportsEveryMistakeOfAConfigurationWithItsPlace) {
   const tests::OwnFolder folder;
   const std::string file = folder.file("robot.toml");
   std::ofstream(file) << "[hardware]\nbusses = \"can0\"\n[gait]\nswing_height_m = 9\n";
@@ -104,7 +104,7 @@ TEST(Stiltd, RefusesTheTokenFileOfARunThatGoesOn) {
   EXPECT_FALSE(has(run, "loopback:absent")) << "no bus is opened: " << run.text;
 }
 
-TEST(Stiltd, RefusesAMachineThatCannotKeepTimeWhenToldTo) {
+TEST(Stiltd, RefusesAMachineThatCannotKeepTimeWhenAskedTo) {
   const Answer run = stiltd(kAbsentBuses +
                             " --set telemetry.enabled=false --set runtime.require_realtime_always=true "
                             "--set runtime.torque_priority=0 --set runtime.planner_priority=0");

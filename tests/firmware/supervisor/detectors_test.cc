@@ -317,7 +317,7 @@ TEST(Detectors, EveryFaultOfTheTableCanBeDetected) {
   EXPECT_EQ(found.count(), static_cast<int>(kFaults)) << ::testing::PrintToString(found);
 }
 
-TEST(Detectors, AJointThatWasNeverHeardIsAMatterOfItsReplies) {
+TEST(Detectors, AJointThatNeverAnsweredIsAMatterOfItsReplies) {
   Observation seen = testing::healthy();
   seen.joints[1] = hal::JointReading{};
   seen.joints[1].missed_replies = 100;

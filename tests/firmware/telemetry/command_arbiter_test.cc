@@ -135,7 +135,7 @@ TEST_F(CommandArbiterTest, the_end_of_the_program_stays_the_scripts) {
   EXPECT_TRUE(command().shut_down);
 }
 
-TEST_F(CommandArbiterTest, tells_the_torque_loop_in_its_clock_when_the_commander_last_showed_life) {
+TEST_F(CommandArbiterTest, gives_the_torque_loop_in_its_clock_the_last_sign_of_life_of_the_commander) {
   ASSERT_TRUE(take(CommandKind::walk, 0.3).accepted);
   pass(0.25);
   EXPECT_EQ(command().heartbeat_ns, now.clock_ns - kSecond_ns / 4);
@@ -173,7 +173,7 @@ TEST_F(CommandArbiterTest, a_silent_commander_leaves_a_robot_that_stands_and_who
   EXPECT_TRUE(command().heartbeat_expected);
   pass(0.2);
   const auto sent = command();
-  EXPECT_TRUE(sent.heartbeat_expected) << "nobody may be there";
+  EXPECT_TRUE(sent.heartbeat_expected) << "the operator may be absent";
   EXPECT_EQ(sent.request.kind, RequestKind::stand);
   EXPECT_GT(sent.request.number, number_before);
   EXPECT_EQ(arbiter.commander(), "");
@@ -304,7 +304,7 @@ TEST_F(CommandArbiterTest, numbers_of_different_commanders_do_not_mix) {
   EXPECT_TRUE(take(other).accepted);
 }
 
-TEST_F(CommandArbiterTest, the_257th_commander_of_a_session_is_refused_and_the_first_is_not) {
+TEST_F(CommandArbiterTest, the_257th_commander_of_a_run_is_refused_and_the_first_is_not) {
   for (int i = 0; i < 256; ++i) {
     ASSERT_TRUE(take(CommandKind::heartbeat, 0, "commander " + std::to_string(i)).accepted) << i;
   }

@@ -124,7 +124,7 @@ TEST(ReaderAndWriter, a_message_of_a_later_release_with_one_more_field_is_read) 
   EXPECT_STREQ(read->proof, "none");
 }
 
-TEST(ReaderAndWriter, a_record_tells_late_subscribers_what_it_keeps) {
+TEST(ReaderAndWriter, a_record_sends_late_subscribers_what_it_keeps) {
   const auto robot = Participant::open(network());
   ASSERT_TRUE(robot.has_value()) << robot.error();
   auto writer = AnyWriter::open(*robot, kPlannerCycles);

@@ -1,10 +1,10 @@
+// clang-format off
 /// wire_peer talk|listen: one end of the wire, for tests with processes and network namespaces.
 ///
 ///   talk    sends PlannerCycle 1, 2, ... on rt/stilt/planner, 200 per second, until it is ended
-///   listen  takes them until --count have come or --seconds have passed; prints first, last, received, how
-///   many
-///           were missing in between, and how many of those were sent later than kJoining after the first
-///           came
+///   listen  takes them until --count have come or --seconds have passed; prints first, last, received, how many
+///           were missing in between, and how many of those were sent later than kJoining after the first came
+// clang-format on
 
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
@@ -73,7 +73,7 @@ int listen(const Participant& participant, unsigned long long count, double seco
 
 }  // namespace
 
-int main(int count, char** words) {
+int main(int argc, char** argv) {
   CLI::App app;
   Network network;
   unsigned long long samples = 100;
@@ -83,13 +83,13 @@ int main(int count, char** words) {
   app.add_option("--peers", network.peers);
   app.add_option("--security", network.security_folder);
   app.add_option("--loss", network.lost_permille);
-  app.add_option("--count", samples);
+  app.add_option("--argc", samples);
   app.add_option("--seconds", seconds);
   app.require_subcommand(1);
   app.fallthrough();
   CLI::App* talking = app.add_subcommand("talk");
   app.add_subcommand("listen");
-  CLI11_PARSE(app, count, words);
+  CLI11_PARSE(app, argc, argv);
   std::signal(SIGTERM, [](int) { ended = 1; });
   const auto participant = Participant::open(network);
   if (!participant) {

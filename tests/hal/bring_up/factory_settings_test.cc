@@ -3,7 +3,7 @@
 #include "tests/hal/bring_up/bring_up_rig.h"
 #include "tests/hal/random_values.h"
 
-// Drivers as they come from their makers: which setting a refusal names.
+// Drivers as they come from their vendors: which setting a refusal names.
 namespace stilt::hal::bring_up {
 namespace {
 
@@ -61,7 +61,7 @@ TEST_F(FactorySettings, OfAMoteusAreRefusedOneByOneByName) {
   EXPECT_EQ(moteus(settings).setting, Setting::moteus_trajectory_limits);
   settings.default_velocity_limit_rev_s = moteus::MoteusTrajectory::kUnset;
   settings.ki = 50;
-  EXPECT_EQ(moteus(settings).stage, Stage::ready) << "servo.pid_position.ilimit is 0, as from the maker";
+  EXPECT_EQ(moteus(settings).stage, Stage::ready) << "servo.pid_position.ilimit is 0, as from the vendor";
   settings.ilimit_Nm = 10;
   EXPECT_EQ(moteus(settings).setting, Setting::moteus_ki);
 }

@@ -3,7 +3,7 @@
 
 #include "tests/hal/bring_up/bring_up_rig.h"
 
-// What keeps a driver from being enabled, maker by maker, and what does not.
+// What keeps a driver from being enabled, vendor by vendor, and what does not.
 namespace stilt::hal::bring_up {
 namespace {
 

@@ -5,7 +5,7 @@
 #include "tests/hal/hex.h"
 #include "tests/hal/random_values.h"
 
-// Byte vectors of the makers' manuals:
+// Byte vectors of the vendors' manuals:
 //   Festo, "CiA 402 for motor controller CMMS", GDCP-CMMS/D-C-CO-EN, 1404NH, page 20
 //   Pepperl+Fuchs, "Absolute Rotary Encoder, CANopen", 2017-04, tables 7.1 to 7.15, 8.4
 //   EAO, "Series 09 CANopen", page 51: boot-up and start of node 0x0b

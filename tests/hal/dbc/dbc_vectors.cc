@@ -1,4 +1,4 @@
-// Prints frames as the codecs encode them, with the values they were encoded from, a line a frame:
+// Prints frames as the codecs encode them, with the values they were encoded from, a line per frame:
 //
 //   ID BYTES SIGNAL=VALUE ...
 //

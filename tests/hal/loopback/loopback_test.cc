@@ -188,7 +188,7 @@ TEST(Loopback, TwoRobotsCannotShareAName) {
   EXPECT_EQ(opened.error(), "bus loopback:" + name + ": another robot listens at this name");
 }
 
-TEST(Loopback, ASilentRobotGetsOneCommandAJointWhenItWakes) {
+TEST(Loopback, ASilentRobotGetsOneCommandPerJointWhenItWakes) {
   const std::string name = unique_name("silent");
   LoopbackServer server;
   ASSERT_TRUE(server.open(name));

@@ -53,7 +53,7 @@ TEST(DamiaoRegisters, MessagesComeBackBothWays) {
   }
 }
 
-TEST(DamiaoRegisters, OtherFramesOfTheReplyIdentifierAreForeign) {
+TEST(DamiaoRegisters, OtherFramesOfTheReplyIdentifierAreNotReplies) {
   CanFrame frame;
   ASSERT_EQ(encode_register_answer(driver(), {.number = 9, .bits = 400}, frame), EncodeStatus::ok);
   DamiaoRegisterMessage message;

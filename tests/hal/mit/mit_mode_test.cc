@@ -38,8 +38,8 @@ MitDriver ak() {
 
 std::array<MitDriver, 3> all_layouts() { return {MitDriver{}, ak(), damiao()}; }
 
-// Vectors printed in the makers' and users' documents of the protocol; the zero command is the first frame of
-// B. Katz's SPIne firmware and of Damiao's and OpenArm's protocol tests.
+// Vectors printed in the vendors' and users' documents of the protocol; the zero command is the first frame
+// of B. Katz's SPIne firmware and of Damiao's and OpenArm's protocol tests.
 TEST(MitMode, APublishedZeroCommandIsReproduced) {
   CanFrame frame;
   EXPECT_EQ(encode_command(MitDriver{}, MitCommand{}, frame), EncodeStatus::ok);
@@ -184,7 +184,7 @@ TEST(MitMode, TheRangesOfAReplyMayDifferFromTheCommands) {
   EXPECT_EQ(hex(frame), "01ffffffffff");
 }
 
-TEST(MitMode, MiniCheetahsTellTheirSupplyWhenTheyHaveASeventhByte) {
+TEST(MitMode, MiniCheetahsReportTheirSupplyWhenTheyHaveASeventhByte) {
   MitReply reply;
   ASSERT_EQ(decode_reply({}, with_payload(classic_frame(0, 6), "01 7fff 7ff 7ff"), reply), DecodeStatus::ok);
   EXPECT_TRUE(std::isnan(reply.supply_V));

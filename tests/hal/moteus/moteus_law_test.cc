@@ -6,7 +6,7 @@
 #include "hal/moteus/moteus_driver.h"
 #include "hal/moteus/moteus_emulator.h"
 
-// The torque of a moteus against the law of the command, with its trajectory as the maker ships it.
+// The torque of a moteus against the law of the command, with its trajectory as the vendor ships it.
 namespace stilt::hal::moteus {
 namespace {
 

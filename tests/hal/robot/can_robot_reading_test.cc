@@ -319,7 +319,7 @@ TEST(CanRobot, ABabblingBusTakesABoundedShareOfARead) {
   EXPECT_EQ(robot.readings_[2].missed_replies, 0u) << "the other bus is read";
 }
 
-TEST(CanRobot, RepliesBehindManyForeignFramesAreReadInTheSameTick) {
+TEST(CanRobot, RepliesBehindManyOtherFramesAreReadInTheSameTick) {
   Robot robot(Kind::mit);
   for (std::size_t i = 0; i < 3 * kMaximumBatch; ++i)
     robot.buses_[0].script(classic_frame(0x7aa, 8), robot.clock_.now_ns());

@@ -86,7 +86,7 @@ TEST(NodeIdentifiers, DriversOfOneKindNeedTheirOwnIdentifiers) {
   EXPECT_FALSE(collide(mit_joint(1, 0, ReplyLayout::ak), mit_joint(2, 0, ReplyLayout::ak)))
       << "a byte names the driver that replies";
   EXPECT_TRUE(collide(mit_joint(1, 0, ReplyLayout::ak), mit_joint(2, 0, ReplyLayout::damiao)))
-      << "not across makers";
+      << "not across vendors";
   EXPECT_TRUE(collide(mit_joint(1, 2, ReplyLayout::damiao), mit_joint(2, 3, ReplyLayout::damiao)))
       << "answer and command";
 }

@@ -41,7 +41,7 @@ inline JointCommands some_commands() {
   return commands;
 }
 
-/// Two buses, one a leg, with four emulated drivers of one kind and a torso sensor on the first bus.
+/// Two buses, one per leg, with four emulated drivers of one kind and a torso sensor on the first bus.
 class Robot {
  public:
   explicit Robot(Kind kind) {

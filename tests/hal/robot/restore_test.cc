@@ -47,12 +47,12 @@ TEST_F(RestoreTest, NothingIsConnectedUnlessABusIsGoneAndAResetWantsIt) {
   EXPECT_NE(read(), JointBusStatus::disconnected);
 }
 
-TEST_F(RestoreTest, ABusThatIsLentIsNotTouched) {
+TEST_F(RestoreTest, ABusThatIsBeingRestoredIsNotUsed) {
   robot_.buses_[1].set_disconnected(true);
   static_cast<void>(read());
   const std::uint64_t errors = hardware_.errors();
   hardware_.restore_buses();
-  robot_.buses_[1].set_disconnected(false);  // by the borrower, who has not given it back yet
+  robot_.buses_[1].set_disconnected(false);  // by housekeeping, which has not given it back yet
   robot_.buses_[1].clear_sent();
   EXPECT_EQ(read(), JointBusStatus::disconnected);
   EXPECT_EQ(hardware_.write({}), JointBusStatus::disconnected);

@@ -10,7 +10,7 @@
 #include "hal/can/frame.h"
 #include "tests/hal/hex.h"
 
-// Recorded behaviour of makers' firmware; tests/data/traces/README.md describes the files.
+// Recorded behaviour of vendors' firmware; tests/data/traces/README.md describes the files.
 namespace stilt::hal::testing {
 
 struct TraceEvent {

@@ -8,7 +8,7 @@
 #include "hal/moteus/moteus_emulator.h"
 #include "tests/hal/traces/firmware_trace.h"
 
-// Our moteus codec and our emulated moteus against what the maker's firmware did.
+// Our moteus codec and our emulated moteus against what the vendor's firmware did.
 namespace stilt::hal::moteus {
 namespace {
 

@@ -8,8 +8,8 @@
 #include <memory>
 
 #include "host_tools/benchmark/phase_speeds.h"
-#include "tests/benchmarks/plain_linearise.h"
-#include "tests/benchmarks/plain_sweep.h"
+#include "tests/benchmarks/baseline_linearise.h"
+#include "tests/benchmarks/baseline_sweep.h"
 #include "tests/mpc_core/lq/dense_stage.h"
 #include "tests/robots.h"
 
@@ -102,7 +102,7 @@ class Kernels : public ::testing::Test {
 TEST_F(Kernels, BothSweepsGiveTheSameGains) {
   plan_at(0.25);
   const LinearisedProblem problem = linearised();
-  PlainSweep plain(problem.stages, problem.terminal);
+  BaselineSweep plain(problem.stages, problem.terminal);
   plain.run();
   lq::RiccatiWorkspace workspace;
   lq::BackwardSweep sweep(problem.terminal, workspace);
@@ -131,7 +131,7 @@ TEST_F(Kernels, BothLinearisationsGiveTheSameModel) {
   for (int b = 0; b < batches.batches; ++b) {
     const ocp::StageBatch& batch = batches.batch[b];
     for (int lane = 0; lane < batch.lanes; ++lane) {
-      plain_linearise(planner_->problem_data(), batch, lane, planner_->solution(), *plain);
+      baseline_linearise(planner_->problem_data(), batch, lane, planner_->solution(), *plain);
       const LqStage& stage = problem.stages[static_cast<std::size_t>(batch.stage[lane])];
       EXPECT_LT(difference(EssentialModel(stage), EssentialModel(*plain)), 1e-9)
           << "batch " << b << ", lane " << lane;

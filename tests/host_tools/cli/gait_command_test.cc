@@ -68,7 +68,7 @@ TEST_F(GaitCommand, SynthesizesChecksAndShowsAGait) {
   EXPECT_NE(text_of(file("a.html")).find("<svg"), std::string::npos);
 }
 
-TEST_F(GaitCommand, MakesALibraryWithOneFileASpeed) {
+TEST_F(GaitCommand, MakesALibraryWithOneFilePerSpeed) {
   ASSERT_EQ(run("library --from -0.1 --to 0.1 --step 0.1 --out " + file("library")).status, 0);
   for (const char* name : {"amber3m_-0.10.toml", "amber3m_0.00.toml", "amber3m_0.10.toml"}) {
     EXPECT_EQ(run("check " + file("library") + "/" + name).status, 0) << name;

@@ -77,6 +77,28 @@ TEST(BlindLimits, AreThoseOfTheWorstCaseAndOfHalfOfThem) {
   EXPECT_EQ(row.at("limit_half"), 1.34);
 }
 
+TEST(BlindLimits, OfACaseThatGoesDownTheWorstIsTheOneNearestToTheNominalWorld) {
+  const Json row = row_of(plan_of("mass_down", 1, 3), [](const WalkCase& walk) {
+    return record(world_of(walk).mass_scale > 0.85 - 0.1 * static_cast<double>(walk.seed));
+  });
+  EXPECT_EQ(row.at("limits"), Json({0.76, 0.66, 0.56}));
+  EXPECT_EQ(row.at("worst_cases")[0].at("seed"), 1);
+}
+
+TEST(BlindLimits, AQuantityWithoutAPlaceHasOneCasePerSeed) {
+  const Json row = row_of(plan_of("friction", 8, 2), [](const WalkCase&) { return record(true); });
+  EXPECT_EQ(row.at("cases"), 2);
+}
+
+TEST(BlindLimits, TheSpeedIsThatOfTheTrialsAtTheLimit) {
+  const Json row = row_of(plan_of("mass_up", 1, 2), [](const WalkCase& walk) {
+    const double scale = world_of(walk).mass_scale;
+    return record(scale < 1.15 + 0.1 * static_cast<double>(walk.seed), 10.0, 1.0 - 0.5 * scale);
+  });
+  EXPECT_NEAR(row.at("speed_max_m_s").get<double>(), 1.0 - 0.5 * 1.24, 1e-12);
+  EXPECT_NEAR(row.at("speed_min_m_s").get<double>(), 1.0 - 0.5 * 1.34, 1e-12);
+}
+
 TEST(BlindLimits, ARobotThatFallsInTheNominalWorldHasNone) {
   const Json row = row_of(plan_of("friction"), [](const WalkCase&) { return record(false); });
   EXPECT_TRUE(row.at("limit_all").is_null());
@@ -123,6 +145,7 @@ TEST(BlindLimits, SequencesOfCommandsAreCounted) {
   const Json json = merged(plan, [](const WalkCase& walk) {
     EXPECT_EQ(walk.duration_s, 60.0);
     EXPECT_GE(walk.later_commands.size(), 7u);
+    EXPECT_GT(walk.later_commands.front().start_s, 0.0) << "the first command is the walk's own";
     return record(walk.seed != 4);
   });
   ASSERT_EQ(json.at("sequences").size(), 1u);

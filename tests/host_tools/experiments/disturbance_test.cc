@@ -8,8 +8,9 @@
 namespace stilt::experiments {
 namespace {
 
-/// What a made-up robot does in a case; it begins to walk with steps of 0.9 m, then 0.1 m and longer under a
-/// push, slips 20 mm without a push and 20 mm more from 24.5 N on, and falls when the push is too large.
+/// What a made-up robot does in a case; it begins to walk with steps of 0.9 m, then 0.1 m and longer under
+/// a push. It slips 20 mm without a push and 20 mm more from 24.5 N on, and falls when the push is too
+/// large.
 log::RunRecord walk_of(const WalkCase& walk) {
   const bool second_phase = walk.push_start_s > 4.3;
   const double limit_N =
@@ -71,6 +72,8 @@ TEST(Disturbance, ARowHasTheSmallestLimitAndThatOfHalfTheCases) {
   EXPECT_EQ(row.at("limits_N"), Json({21.0, 22.0, 28.0, 29.0}));
   EXPECT_EQ(row.at("push_all_phases_N"), 21.0);
   EXPECT_EQ(row.at("push_half_phases_N"), 28.0) << "two of four cases reach it";
+  EXPECT_EQ(row.at("worst_cases"), Json({{{"phase", 0}, {"seed", 1}, {"limit_N", 21.0}},
+                                         {{"phase", 0}, {"seed", 2}, {"limit_N", 22.0}}}));
   EXPECT_EQ(row.at("paper_N"), 22.0);
   EXPECT_EQ(row.at("cases"), 4);
   EXPECT_NEAR(row.at("saturated_s").get<double>(), 0.029, 1e-12);
@@ -99,6 +102,23 @@ TEST(Disturbance, ARowSaysWhetherItWalksAtTheCommandWithoutAPush) {
   EXPECT_EQ(rows[2].at("push_all_phases_N"), 21.0) << "it stays on its feet all the same";
 }
 
+TEST(Disturbance, ARowWalksWhenEveryCaseDoes) {
+  PushRow row = row_of("a", "mpc-heuristic", 2.0);
+  row.walk = [](const WalkCase& walk) {
+    log::RunRecord record = walk_of(walk);
+    if (walk.seed == 2 && walk.push_start_s < 4.3) record.summary.mean_speed_m_s = 0.4;
+    return record;
+  };
+  const Json json = only_row(row);
+  EXPECT_EQ(json.at("walks"), false);
+  EXPECT_EQ(json.at("cases_walk"), 3);
+}
+
+TEST(Disturbance, RecoveryIsToTheSpeedWithoutAPushNotToTheCommand) {
+  const Json lumped = merged(small_plan()).at("rows").at(2);
+  EXPECT_EQ(lumped.at("recovery_steps").at("at_20N").at("recovered"), 4) << "0.707 m/s, commanded 0.5 m/s";
+}
+
 TEST(Disturbance, StepLengthsCountFromTheStartOfThePushOn) {
   const Json row = merged(small_plan()).at("rows").at(0);
   EXPECT_NEAR(row.at("step_length_min_m").get<double>(), 0.1, 1e-12);
@@ -118,7 +138,7 @@ TEST(Disturbance, FiguresAtTwentyNewtonsNeedThatForce) {
 
 TEST(Disturbance, SlipIsThatOfTheUnpushedRunTakenOff) {
   const Json row = merged(small_plan()).at("rows").at(0);
-  EXPECT_EQ(row.at("first_slip_N"), 25.0) << "20 mm of slip without a push is none of the push";
+  EXPECT_EQ(row.at("first_slip_N"), 25.0) << "20 mm of slip without a push do not come from the push";
 }
 
 TEST(Disturbance, MeasuresFromTheStartOfThePush) {

@@ -160,7 +160,7 @@ TEST(IntegrateStep, OnlyTheSecondHalfOfTheStepEndsWithTouchDown) {
   EXPECT_GT(step->duration_s, 0.6 * walking_gait().step_time_s);
 }
 
-TEST(IntegrateStep, TellsWhenTheRobotFalls) {
+TEST(IntegrateStep, ReportsWhenTheRobotFalls) {
   ReducedState r = reduce(start_of_motion(walking_gait()));
   r[kReducedStates / 2] = -8.0;
   EXPECT_FALSE(
@@ -169,7 +169,7 @@ TEST(IntegrateStep, TellsWhenTheRobotFalls) {
 
 TEST(ReturnMap, HasTheEigenvalueThatTheMomentumAboutTheStanceFootGives) {
   // On the zero dynamics half the squared momentum about the stance foot is scaled by (H+ / H-)^2 at
-  // touch-down and gains the same over every step: that ratio is the eigenvalue of the return map
+  // touch-down. It gains the same over every step: that ratio is the eigenvalue of the return map
   // (Westervelt, Grizzle, Koditschek 2003); the outputs' own eigenvalues are far smaller.
   const auto momentum = [](const StateVector& x) {  // the left foot at the origin
     model::MassMatrixTerms<double> mass;
@@ -191,7 +191,7 @@ TEST(ReturnMap, HasTheEigenvalueThatTheMomentumAboutTheStanceFootGives) {
   EXPECT_LT(map->eigenvalue_magnitudes[1], 0.05);
 }
 
-TEST(ReturnMap, ForetellsHowADisturbanceDecays) {
+TEST(ReturnMap, PredictsHowADisturbanceDecays) {
   for (const gait::HzdGait* gait : {&walking_gait(), &stepping_gait()}) {
     const ReducedState nominal = reduce(start_of_motion(*gait));
     const auto map = linearise_return_map(testing_support::amber3m(), *gait, nominal);

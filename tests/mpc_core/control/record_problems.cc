@@ -1,17 +1,18 @@
-/// Writes tests/data/recorded_problems.txt. Not run by the tests: it defines the optima that later solvers
-/// have to find.
-///
-/// Candidates are seeded 1, 2, ...: robot, gait, speed, horizon and discretisation are drawn; a planner then
-/// walks the robot exactly along its plans to a random time, pushed on the way (jumps of the base's
-/// velocity), and what it reaches is disturbed. A candidate is left out when
-///   - the walk or the solve fails,
-///   - the last of 40 full Gauss-Newton steps after 60 with line search still exceeds 1e-9 (any unit): slow,
-///   or
-///   - one of three other initial guesses leads to another optimum (relative cost 1e-9, trajectory 1e-8).
-#include <cmath>
-#include <cstdio>
-#include <exception>
-#include <random>
+// clang-format off
+// Writes tests/data/recorded_problems.txt. Not run by the tests: it defines the optima that later solvers
+// have to find.
+//
+// Candidates are seeded 1, 2, ...: robot, gait, speed, horizon and discretisation are drawn; a planner then
+// walks the robot exactly along its plans to a random time, pushed on the way (jumps of the base's
+// velocity). The state that it reaches is disturbed. A candidate is left out when
+//   - the walk or the solve fails,
+//   - the last of 40 full Gauss-Newton steps after 60 with line search still exceeds 1e-9 (any unit),
+//   - one of three other initial guesses leads to another optimum (relative cost 1e-9, trajectory 1e-8).
+// clang-format on
+// include <cmath>
+// include <cstdio>
+// include <exception>
+// include <random>
 
 #include "mpc_core/control/planner.h"
 #include "mpc_core/control/torque_law.h"
@@ -153,13 +154,13 @@ int record(const std::string& path) {
 }  // namespace
 }  // namespace stilt::testing_support
 
-int main(int count, char** words) {
-  if (count != 2) {
+int main(int argc, char** argv) {
+  if (argc != 2) {
     std::fprintf(stderr, "usage: stilt_record_problems FILE, usually tests/data/recorded_problems.txt\n");
     return 2;
   }
   try {
-    return stilt::testing_support::record(words[1]);
+    return stilt::testing_support::record(argv[1]);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "stilt_record_problems: %s\n", error.what());
     return 2;

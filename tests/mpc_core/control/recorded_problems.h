@@ -83,8 +83,8 @@ inline constexpr double kPolishStep = 1e-9;
 [[nodiscard]] RecordedOptimum sampled(const PreparedProblem& prepared, const ocp::Trajectory& solution,
                                       double cost);
 
-/// Largest difference of the sampled states and inputs, each relative to the larger of 1 and the largest
-/// magnitude of its kind of quantity over the nodes (positions, velocities, joint accelerations, forces).
+/// Largest difference of the sampled states and inputs. Each is relative to the larger of 1 and the largest
+/// magnitude of its kind of quantity over the nodes: positions, velocities, joint accelerations, forces.
 [[nodiscard]] double distance(const RecordedOptimum& a, const RecordedOptimum& b);
 
 /// One problem a line, as the heading of the file explains. Reading throws std::runtime_error naming the

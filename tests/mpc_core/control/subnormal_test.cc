@@ -13,7 +13,7 @@
 #include <xmmintrin.h>
 #endif
 
-/// Subnormal numbers cost the processor a detour of a hundred cycles and more an operation; no thread turns
+/// Subnormal numbers cost the processor a detour of a hundred cycles and more per operation; no thread turns
 /// them off (docs/decisions/0001-floating-point.md). The planner never meets one: the processor's sticky
 /// flags show, independent of any clock.
 namespace stilt::testing_support {
@@ -39,7 +39,7 @@ class Subnormals : public ::testing::Test {
   }
 };
 
-TEST_F(Subnormals, TheFlagsTell) {
+TEST_F(Subnormals, TheFlagsShowThem) {
   volatile double tiny = 1e-300;
   clear_flags();
   EXPECT_FALSE(met_subnormals());

@@ -4,8 +4,8 @@
 
 #include "mpc_core/control/planner.h"
 
-/// The data that one Riccati sweep walks through stay in the second-level cache of the processors in question
-/// (1 MiB a core) at the longest horizon, so that the sweep never waits for main memory.
+/// The data that one Riccati sweep walks through stay in the second-level cache of 1 MiB per core, also at
+/// the longest horizon. The sweep then never waits for main memory.
 namespace stilt::lq {
 namespace {
 

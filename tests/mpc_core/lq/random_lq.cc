@@ -41,24 +41,24 @@ double relative(const std::vector<Vector>& terms) {
 
 }  // namespace
 
-PlainStage plain(const LqStage& stage) {
+DenseStage dense(const LqStage& stage) {
   const int m = stage.free_inputs;
-  PlainStage out;
+  DenseStage out;
   out.A = dense_dynamics(stage);
   out.B = read_columns(stage.B, m);
   out.Q = read_columns(stage.Q, kStates);
   out.S = read_columns(stage.S, m).transpose();
   out.R = Eigen::Map<const Eigen::Matrix<double, kMaxFreeInputs, kMaxFreeInputs>>(&stage.R[0][0])
               .topLeftCorner(m, m);
-  out.b = plain_state(stage.b);
-  out.q = plain_state(stage.q);
+  out.b = dense_state(stage.b);
+  out.q = dense_state(stage.q);
   out.r = Eigen::Map<const Vector>(stage.r, m);
   return out;
 }
 
 Matrix plain_terminal_hessian(const LqTerminal& terminal) { return read_columns(terminal.Q, kStates); }
 
-Vector plain_state(const double* padded) { return Eigen::Map<const Vector>(padded, kStates); }
+Vector dense_state(const double* padded) { return Eigen::Map<const Vector>(padded, kStates); }
 
 LqStage random_stage(std::mt19937_64& random, StageKind kind, double coupling) {
   const int m = kind.free_inputs, n = kStates + m;
@@ -132,17 +132,17 @@ LqSolution solve(const LqProblem& problem, SweepStatus& status) {
 
 KktResidual kkt_residual(const LqProblem& problem, const LqSolution& solution) {
   KktResidual worst;
-  const auto state = [&](int k) { return plain_state(solution.steps[k].x); };
+  const auto state = [&](int k) { return dense_state(solution.steps[k].x); };
   const auto costate = [&](int k) -> Vector {
     const ValueFunction& value = solution.values[k];
-    return read_columns(value.P, kStates) * state(k) + plain_state(value.p);
+    return read_columns(value.P, kStates) * state(k) + dense_state(value.p);
   };
   const int last = problem.count();
-  worst.dynamics = relative({state(0), -plain_state(problem.x0)});
+  worst.dynamics = relative({state(0), -dense_state(problem.x0)});
   worst.state = relative({plain_terminal_hessian(problem.terminal) * state(last),
-                          plain_state(problem.terminal.q), -costate(last)});
+                          dense_state(problem.terminal.q), -costate(last)});
   for (int k = 0; k < last; ++k) {
-    const PlainStage s = plain(problem.stages[k]);
+    const DenseStage s = dense(problem.stages[k]);
     const Vector x = state(k), next = costate(k + 1);
     const Vector w = Eigen::Map<const Vector>(solution.steps[k].w, problem.stages[k].free_inputs);
     worst.state = std::max(
@@ -161,9 +161,9 @@ Vector dense_kkt_solution(const LqProblem& problem) {
   Vector right = Vector::Zero(variables + equations);
   int at = 0;  // of w_k; x_k, for k > 0, stands just before it
   for (int k = 0; k < problem.count(); ++k) {
-    const PlainStage s = plain(problem.stages[k]);
+    const DenseStage s = dense(problem.stages[k]);
     const int m = problem.stages[k].free_inputs, row = variables + k * kStates, x = at - kStates;
-    const Vector x0 = plain_state(problem.x0);
+    const Vector x0 = dense_state(problem.x0);
     kkt.block(at, at, m, m) = s.R;
     right.segment(at, m) = -s.r;
     right.segment(row, kStates) = -s.b;
@@ -183,7 +183,7 @@ Vector dense_kkt_solution(const LqProblem& problem) {
   }
   kkt.block(variables - kStates, variables - kStates, kStates, kStates) =
       plain_terminal_hessian(problem.terminal);
-  right.segment(variables - kStates, kStates) = -plain_state(problem.terminal.q);
+  right.segment(variables - kStates, kStates) = -dense_state(problem.terminal.q);
   kkt.topRightCorner(variables, equations) = kkt.bottomLeftCorner(equations, variables).transpose().eval();
   return kkt.partialPivLu().solve(right).head(variables);
 }

@@ -41,13 +41,13 @@ struct LqSolution {
 };
 
 /// Plain Eigen copies of a stage's matrices, cut to their true sizes; A as the dense sum of its factors.
-struct PlainStage {
+struct DenseStage {
   Matrix A, B, Q, S, R;
   Vector b, q, r;
 };
-[[nodiscard]] PlainStage plain(const LqStage& stage);
+[[nodiscard]] DenseStage dense(const LqStage& stage);
 [[nodiscard]] Matrix plain_terminal_hessian(const LqTerminal& terminal);
-[[nodiscard]] Vector plain_state(const double* padded);
+[[nodiscard]] Vector dense_state(const double* padded);
 
 /// What the sweep has kernels for.
 struct StageKind {

@@ -84,7 +84,7 @@ TEST(Riccati, EveryKindOfStageHasItsKernel) {
   }
 }
 
-TEST(Riccati, StepsTellTheProductsWithTheConstraintRows) {
+TEST(Riccati, StepsHoldTheProductsWithTheConstraintRows) {
   const LqProblem problem = ordinary_problem(40);
   SweepStatus status;
   const LqSolution solution = solve(problem, status);
@@ -96,8 +96,8 @@ TEST(Riccati, StepsTellTheProductsWithTheConstraintRows) {
         ASSERT_EQ(solution.steps[k].c[i], 0.0) << "stage " << k;
         continue;
       }
-      const Vector row = plain_state(problem.stages[k].G[kBaseRows + i]),
-                   x = plain_state(solution.steps[k].x);
+      const Vector row = dense_state(problem.stages[k].G[kBaseRows + i]),
+                   x = dense_state(solution.steps[k].x);
       ASSERT_NEAR(solution.steps[k].c[i], row.dot(x), 1e-13 * row.norm() * x.norm()) << "stage " << k;
     }
   }
@@ -153,12 +153,12 @@ TEST(Riccati, TheStepIsADescentDirectionWhoseSlopeMatchesDifferences) {
       cost_slope(problem.first_orders().data(), problem.count(), problem.terminal, solution.steps.data());
   double curvature = 0.0;  // at the optimum of a problem without offsets it is minus the slope
   for (int k = 0; k < problem.count(); ++k) {
-    const PlainStage s = plain(problem.stages[k]);
-    const Vector x = plain_state(solution.steps[k].x);
+    const DenseStage s = dense(problem.stages[k]);
+    const Vector x = dense_state(solution.steps[k].x);
     const Vector w = Eigen::Map<const Vector>(solution.steps[k].w, problem.stages[k].free_inputs);
     curvature += x.dot(s.Q * x) + w.dot(s.R * w) + 2.0 * w.dot(s.S * x);
   }
-  const Vector last = plain_state(solution.steps.back().x);
+  const Vector last = dense_state(solution.steps.back().x);
   curvature += last.dot(plain_terminal_hessian(problem.terminal) * last);
   EXPECT_LT(slope, 0.0);
   EXPECT_NEAR(slope, -curvature, 1e-9 * curvature);

@@ -29,7 +29,7 @@ using Padded = Eigen::Map<const Eigen::Matrix<double, kRows, Eigen::Dynamic>>;
 
 /// One stage of the linearisation as plain matrices, with the map from (dx, w) to the step of z = [x; u]:
 /// dz = offset + basis [dx; w].
-struct PlainStage {
+struct DenseStage {
   Matrix dynamics;  ///< [A B]
   Vector defect;
   Matrix hessian;  ///< [Q S'; S R]
@@ -37,7 +37,7 @@ struct PlainStage {
   Matrix basis;
   StageVector<double> offset;
 
-  PlainStage(const LqStage& lq_stage, const InputProjection& p) {
+  DenseStage(const LqStage& lq_stage, const InputProjection& p) {
     const int free = lq_stage.free_inputs;
     const int n = kStates + free;
     dynamics.resize(kStates, n);
@@ -104,7 +104,7 @@ void for_random_stages(const Check& check) {
         const Linearisation model(scene->data, scene->problem, scene->guess);
         for (int k = 0; k < scene->problem.horizon.stages; ++k) {
           const auto index = static_cast<std::size_t>(k);
-          check(*scene, k, PlainStage(model.stages[index], model.projections[index]));
+          check(*scene, k, DenseStage(model.stages[index], model.projections[index]));
         }
       }
     }
@@ -114,7 +114,7 @@ void for_random_stages(const Check& check) {
 double relative(const Matrix& a, const Matrix& b) { return (a - b).norm() / (1e-12 + b.norm()); }
 
 TEST(Linearise, DynamicsAreTheDerivativesOfTheIntegratedStep) {
-  for_random_stages([](const Scene& scene, int k, const PlainStage& stage) {
+  for_random_stages([](const Scene& scene, int k, const DenseStage& stage) {
     const double duration_s = scene.problem.horizon.stage[static_cast<std::size_t>(k)].duration_s;
     const ScalarOcp scalar(scene.data);
     const auto step = [&](const auto& z) { return scalar.step(z, duration_s); };
@@ -127,7 +127,7 @@ TEST(Linearise, DynamicsAreTheDerivativesOfTheIntegratedStep) {
 }
 
 TEST(Linearise, CostIsTheGaussNewtonModelOfEveryTermInTheFreeDirections) {
-  for_random_stages([](const Scene& scene, int k, const PlainStage& stage) {
+  for_random_stages([](const Scene& scene, int k, const DenseStage& stage) {
     const GaussNewton plain(scene, k);
     const Matrix hessian = stage.basis.transpose() * plain.hessian * stage.basis;
     const Vector gradient = stage.basis.transpose() * (plain.gradient + plain.hessian * stage.offset);
@@ -150,7 +150,7 @@ TEST(Linearise, SlopeAlongTheStepOntoTheConstraintsIsTheGradientsShare) {
 }
 
 TEST(Linearise, HessianIsPositiveSemidefinite) {
-  for_random_stages([](const Scene&, int, const PlainStage& stage) {
+  for_random_stages([](const Scene&, int, const DenseStage& stage) {
     const Vector eigenvalues = Eigen::SelfAdjointEigenSolver<Matrix>(stage.hessian).eigenvalues();
     EXPECT_GT(eigenvalues.minCoeff(), -1e-13 * eigenvalues.maxCoeff());
   });

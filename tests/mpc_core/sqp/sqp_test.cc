@@ -255,7 +255,7 @@ TEST(Sqp, GivesTheSameBitsForTheSameInputWhateverItSolvedBefore) {
   EXPECT_TRUE(same_bits(*first.iterate, *second.iterate, first.stages()));
 }
 
-TEST(Sqp, FeedbackGainTellsHowTheStepFollowsTheState) {
+TEST(Sqp, FeedbackGainIsHowTheStepFollowsTheState) {
   Solve one;
   (void)one.run(2);
   Solve two;

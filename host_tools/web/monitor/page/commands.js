@@ -233,7 +233,7 @@ class CommandPanel {
     return this.walks;
   }
 
-  /** While the robot walks a new speed is sent at once, at most ten times a second. */
+  /** While the robot walks a new speed is sent at once, at most ten times per second. */
   changeSpeed() {
     this.showSpeed();
     if (!this.walks || this.speedTimer) return;

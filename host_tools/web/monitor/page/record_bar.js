@@ -23,7 +23,7 @@ class RecordBar {
     this.connection.send({ from: from_s });
   }
 
-  /** Stops a record or lets it go on; false when this is none. */
+  /** Stops a record or lets it go on; false when no record is shown. */
   toggleHold() {
     if (!this.playback) return false;
     this.connection.send({ hold: !this.playback.held });

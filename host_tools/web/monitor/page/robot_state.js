@@ -1,4 +1,4 @@
-// What the monitor's page knows: what is drawn of the robot, and the newest of everything else.
+// State of the monitor's page: what is drawn of the robot, and the newest of everything else.
 
 const kKept_s = kLookBack_s + kPausedOn_s + 2;
 const kKnotsKept = kKept_s * 2000;

@@ -103,7 +103,7 @@ class StatusPanel {
     this.writeLink();
   }
 
-  /** When several controllers talk: which one is shown, and a button for each other. */
+  /** When several controllers send: which one is shown, and a button for each other. */
   writeRuns(talking) {
     const shown = this.robot.configuration?.run_id;
     const key = `${shown}/${talking.map((run) => run.run_id)}`;
@@ -119,7 +119,7 @@ class StatusPanel {
     });
     const here = talking.find((run) => run.run_id === shown);
     box.replaceChildren(element('span', {
-      textContent: `${talking.length} controllers talk. Shown and commanded: ${here ? name(here) : 'none of them'}. STOP goes to all whose token is known.`,
+      textContent: `${talking.length} controllers send. Shown and commanded: ${here ? name(here) : 'none of them'}. STOP goes to all whose token is known.`,
     }), ...others);
   }
 

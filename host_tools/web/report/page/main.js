@@ -17,7 +17,7 @@ function openReport(run, options) {
   showHeader(run);
   showSummary(run);
   if (filled) bindKeyboard(player);
-  document.querySelector('.key.plan').hidden = run.plans.length === 0;  // a robot knows nothing of its controller
+  document.querySelector('.key.plan').hidden = run.plans.length === 0;  // a robot has no data of its controller
   const showPlayer = bindControls(player);
   const views = viewsOf(run);
   const { window: fixed } = views[Math.min(1, views.length - 1)];

@@ -102,7 +102,7 @@ function solverPlots() {
   ];
 }
 
-/** Sections of plots; lines, plots and sections without data are left out: the robot alone knows no plan. */
+/** Sections of plots; lines, plots and sections without data are left out: the robot alone has no plan. */
 function plotSections(run) {
   const sections = [
     { title: 'Base and feet', plots: basePlots() },

@@ -42,7 +42,7 @@ TEST_F(FrameSocketTest, FramesArriveInOrderAndUnchanged) {
   EXPECT_EQ(receiver.counters().received, sent.size());
 }
 
-TEST_F(FrameSocketTest, ReceiveNeverWaitsAndTellsWhenMoreIsThere) {
+TEST_F(FrameSocketTest, ReceiveNeverWaitsAndReportsWhenMoreIsThere) {
   FrameSocket sender(ends_[0]);
   FrameSocket receiver(ends_[1]);
   std::array<CanFrame, 4> frames;

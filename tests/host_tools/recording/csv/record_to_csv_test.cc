@@ -74,7 +74,7 @@ TEST_F(RecordToCsv, AFileTakesTheTicksOfAllRuns) {
   std::filesystem::remove(file);
 }
 
-TEST_F(RecordToCsv, ARecordThatWasCutOffIsWrittenAsFarAsItGoesAndThatIsTold) {
+TEST_F(RecordToCsv, ARecordThatWasCutOffIsWrittenAsFarAsItGoesAndThatIsReported) {
   mcap::Bytes bytes = record.bytes();
   bytes.erase(bytes.end() - 100, bytes.end());
   record.set_bytes(bytes);

@@ -102,7 +102,7 @@ TEST(Reader, AFlippedBitAnywhereIsNoCrashAndNeverAnotherMessage) {
   }
 }
 
-TEST(Reader, ADamagedChunkIsToldAndTheOthersAreRead) {
+TEST(Reader, ADamagedChunkIsReportedAndTheOthersAreRead) {
   const TemporaryFile file("damaged");
   {
     Writer writer(file.path());
@@ -120,7 +120,7 @@ TEST(Reader, ADamagedChunkIsToldAndTheOthersAreRead) {
   EXPECT_NE(reader.problems()[0].find(file.path()), std::string::npos);
 }
 
-TEST(Reader, ADamagedAttachmentIsToldAndLeftOut) {
+TEST(Reader, ADamagedAttachmentIsReportedAndLeftOut) {
   const TemporaryFile file("attachment");
   {
     Writer writer(file.path());
@@ -143,7 +143,7 @@ TEST(Reader, ADamagedAttachmentIsToldAndLeftOut) {
 }
 
 /// Other programs may write such files; nothing here shows whether the message is damaged.
-TEST(Reader, AMessageOutsideOfAChunkIsToldAndLeftOut) {
+TEST(Reader, AMessageOutsideOfAChunkIsReportedAndLeftOut) {
   const TemporaryFile file("outside");
   Bytes bytes(std::begin(kMagic), std::end(kMagic));
   const auto put = [&bytes](Op op, std::size_t size) {

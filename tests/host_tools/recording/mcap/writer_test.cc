@@ -179,7 +179,7 @@ TEST(Writer, AFileThatCannotBeMadeIsRefusedByName) {
   }
 }
 
-TEST(Writer, AFullDiskIsTold) {
+TEST(Writer, AFullDiskIsReported) {
   try {
     Writer writer("/dev/full");
     FAIL();

@@ -188,7 +188,7 @@ Outcome replayed(const std::function<void(record::Recorder&)>& take_more) {
   return replay_run(file.path(), read_contents(file.path()).runs.at(0));
 }
 
-TEST(ReplayRun, WhatTheRecordLacksIsTold) {
+TEST(ReplayRun, WhatTheRecordLacksIsReported) {
   const configuration::Configuration& in_force = recorded_walk().configuration;
   EXPECT_EQ(replayed([](auto& recorder) { take_run(recorder, kRun); }).problem,
             "its configuration is missing in the record; record from before stiltd ends");

@@ -96,7 +96,7 @@ TEST_F(ReplayTest, OneBitOfAPlanIsFoundInTheTickItStartsFrom) {
 }
 
 /// What the controller gives for a solve is its own, not the record's.
-TEST_F(ReplayTest, ASolveThatTheRecordTellsOtherwiseIsFound) {
+TEST_F(ReplayTest, ASolveThatDiffersFromTheRecordIsFound) {
   const std::pair<const char*, std::function<void(CycleRecord&)>> changes[] = {
       {"time_s of the plan's request", [](CycleRecord& solve) { nudge(solve.time_s); }},
       {"stance episode of the plan's request", [](CycleRecord& solve) { ++solve.stance_episode; }},
@@ -129,7 +129,7 @@ TEST_F(ReplayTest, AnotherConfigurationIsFound) {
   EXPECT_TRUE(outcome.difference);
 }
 
-TEST_F(ReplayTest, AMissingTickIsTold) {
+TEST_F(ReplayTest, AMissingTickIsReported) {
   ticks.erase(ticks.begin() + 1200);
   const Outcome outcome = run();
   EXPECT_FALSE(outcome.reproduced());
@@ -137,37 +137,37 @@ TEST_F(ReplayTest, AMissingTickIsTold) {
   EXPECT_EQ(outcome.problem.find("tick 1200 is missing"), 0u) << outcome.problem;
 }
 
-TEST_F(ReplayTest, AMissingBeginningIsTold) {
+TEST_F(ReplayTest, AMissingBeginningIsReported) {
   ticks.erase(ticks.begin(), ticks.begin() + 50);
   const Outcome outcome = run();
   EXPECT_EQ(outcome.ticks, 0u);
   EXPECT_EQ(outcome.problem.find("ticks 0 to 49 are missing"), 0u) << outcome.problem;
 }
 
-TEST_F(ReplayTest, AMissingSolveIsTold) {
+TEST_F(ReplayTest, AMissingSolveIsReported) {
   cycles.erase(cycles.begin() + 40);
   EXPECT_EQ(run().problem.find("plan 40, there in tick "), 0u) << run().problem;
-  cycles[40].tick = recorded_walk().cycles[40].tick;  // before its plan would come into use
+  cycles[40].tick = recorded_walk().cycles[40].tick;  // before its plan would become active
   const Outcome outcome = run();
   EXPECT_EQ(outcome.problem.find("solve 41 of the planner is missing"), 0u) << outcome.problem;
   EXPECT_FALSE(outcome.difference);
 }
 
-TEST_F(ReplayTest, ATuningThatTheRecordLacksIsTold) {
+TEST_F(ReplayTest, ATuningThatTheRecordLacksIsReported) {
   ticks[1700].tuning = 3;
   const Outcome outcome = run();
   EXPECT_EQ(outcome.ticks, 1700u);
   EXPECT_NE(outcome.problem.find("tuning 3"), std::string::npos) << outcome.problem;
 }
 
-TEST_F(ReplayTest, ATuningOfASolveThatTheRecordLacksIsTold) {
+TEST_F(ReplayTest, ATuningOfASolveThatTheRecordLacksIsReported) {
   cycles[60].tuning = 9;
   const Outcome outcome = run();
   EXPECT_EQ(outcome.cycles, 60u);
   EXPECT_NE(outcome.problem.find("tuning 9 of solve 61"), std::string::npos) << outcome.problem;
 }
 
-TEST_F(ReplayTest, ASolveOfATickThatIsOverIsToldToBeOutOfOrder) {
+TEST_F(ReplayTest, ASolveOfATickThatIsOverIsReportedAsOutOfOrder) {
   cycles[60].tick = cycles[59].tick - 1;
   const Outcome outcome = run();
   EXPECT_EQ(outcome.cycles, 60u);
@@ -175,7 +175,7 @@ TEST_F(ReplayTest, ASolveOfATickThatIsOverIsToldToBeOutOfOrder) {
       << outcome.problem;
 }
 
-TEST_F(ReplayTest, APlanThatNoSolveHasMadeIsTold) {
+TEST_F(ReplayTest, APlanThatNoSolveHasMadeIsReported) {
   ticks[900].visible_plan += 1'000'000;
   const Outcome outcome = run();
   EXPECT_EQ(outcome.ticks, 900u);

@@ -47,7 +47,7 @@ TEST(FaultPlan, AFaultIsActiveFromItsStartForItsDuration) {
   EXPECT_TRUE(parse_fault("drop@5").active(1e9));
 }
 
-TEST(FaultPlan, AFaultStrikesItsTargetOnly) {
+TEST(FaultPlan, AFaultAffectsItsTargetOnly) {
   const TimedFault joint = parse_fault("drop:knee_L@1");
   EXPECT_TRUE(joint.affects(0, 1));
   EXPECT_FALSE(joint.affects(0, 0));

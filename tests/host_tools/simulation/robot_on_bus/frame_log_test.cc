@@ -49,18 +49,16 @@ TEST(FrameLog, ALineHasTickBusAndSender) {
 
 TEST(FrameLog, WithoutANameNothingIsWritten) {
   const std::filesystem::path before = std::filesystem::current_path();
-  const std::filesystem::path folder = testing::TempDir() + "stilt_frame_log_test_folder";
-  std::filesystem::create_directory(folder);
-  std::filesystem::current_path(folder);  // where a file with any relative name would appear
+  const tests::OwnFolder folder;
+  std::filesystem::current_path(folder.path());  // where a file with any relative name would appear
   FrameLog log("");
   log.write(1, 0, FrameLog::Sender::robot, frame(1, {}));
   log.close();
-  EXPECT_TRUE(std::filesystem::is_empty(folder));
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
   std::filesystem::current_path(before);
-  std::filesystem::remove_all(folder);
 }
 
-TEST(FrameLog, AFileThatCannotBeMadeOrFilledIsToldByName) {
+TEST(FrameLog, AFileThatCannotBeMadeOrFilledIsReportedByName) {
   EXPECT_THROW(FrameLog("/nowhere/at/all"), std::runtime_error);
   FrameLog log("/dev/full");
   log.write(1, 0, FrameLog::Sender::robot, frame(1, {}));

@@ -69,8 +69,8 @@ TEST_F(LockstepExchangeTest, TickZeroIsAnsweredWithoutAdvancing) {
   for (const MemoryBus& bus : buses_) EXPECT_TRUE(ends_with_sync(bus, 0));
 }
 
-/// A bus accepts the next controller as soon as the last one's end has been read, maybe in the same poll as
-/// the last one's newest turn.
+/// A bus accepts the next controller as soon as the last one's end has been read. That may be the same poll
+/// as the last one's newest turn.
 TEST_F(LockstepExchangeTest, ATurnBelongsToTheControllerThatWasConnectedWhenItWasRead) {
   std::array<std::uint64_t, 2> connections{1, 1};
   LockstepExchange exchange(robot_, ends_, 0.001, [&](std::size_t bus) { return connections[bus]++; });
@@ -150,7 +150,7 @@ TEST_F(LockstepExchangeTest, CommandsAreAnsweredInTheirTick) {
   EXPECT_EQ(buses_[0].to_controller[0].id, 0x11u) << "the driver's reply";
 }
 
-TEST_F(LockstepExchangeTest, AControllerThatLosesCountIsToldSo) {
+TEST_F(LockstepExchangeTest, AControllerThatLosesCountIsRefusedWithThatReason) {
   end_turn(0);
   ASSERT_TRUE(exchange_.poll());
   end_turn(2);

@@ -242,7 +242,7 @@ TEST_F(TwoRobots, DoNotAnswerForEachOther) {
 }
 
 /// Every program of the domain reads commands and may answer them.
-TEST_F(TwoRobots, AreBelievedWhenTheyProveTheTokenOfTheCommand) {
+TEST_F(TwoRobots, AreAcceptedWhenTheyProveTheTokenOfTheCommand) {
   Command sit = command(CommandKind::sit);
   sit.commander = 5;
   const Robots::Received received = sent(sit);

@@ -135,7 +135,7 @@ async function startSecond(words) {
 
 test('a second robot that starts takes the page from no walking one', async () => {
   const { end } = await startSecond([]);
-  await until('both', async () => /2 controllers talk/.test(await text('#runs')));
+  await until('both', async () => /2 controllers send/.test(await text('#runs')));
   const from = await hipX(page);
   await until('another metre', async () => (await hipX(page)) > from + 1);
   assert.equal(await text('#state'), 'walk');
@@ -147,7 +147,7 @@ test('a second robot that starts takes the page from no walking one', async () =
 
 test('stop stops both robots, of which the page shows one', async () => {
   const { its, end } = await startSecond(['--start', 'walk@0.3']);
-  await until('both', async () => /2 controllers talk/.test(await text('#runs')));
+  await until('both', async () => /2 controllers send/.test(await text('#runs')));
   await its.wrote(/ s {2}walk/);
   await picture(page, 'live_two_robots');
   await page.bringToFront();

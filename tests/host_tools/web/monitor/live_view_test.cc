@@ -108,7 +108,7 @@ TEST(LiveView, AnotherRunTakesTheCommandFromThePageAndBeginsItsTicksAnew) {
   EXPECT_EQ(page->of_type("link").back()["missing"], 0);
 }
 
-TEST(LiveView, NobodyButThePageInCommandShowsAnotherRun) {
+TEST(LiveView, OnlyThePageInCommandShowsAnotherRun) {
   SilentSource source;
   LiveView view(source, kKey);
   const auto commands = std::make_shared<FakePeer>();

@@ -124,7 +124,7 @@ TEST(MessageDecoder, ARunThatTalksIsFollowedHoweverLongAnotherTalksToo) {
   }
   const auto runs = decoder.runs();
   ASSERT_EQ(runs.size(), 2u);
-  EXPECT_TRUE(runs[0].talks && runs[1].talks);
+  EXPECT_TRUE(runs[0].sends && runs[1].sends);
   EXPECT_EQ(runs[1].token_file, "/run/token");
 }
 
@@ -141,7 +141,7 @@ TEST(MessageDecoder, AfterASilentRunTheOneThatTalksIsFollowedFromItsFirstTickKep
   EXPECT_EQ(decoder.run_id(), 2u);
   ASSERT_EQ(kept.ticks.size(), 1 + MessageDecoder::kSilentBatches);
   EXPECT_EQ(kept.ticks[1].record.tick, 0u);
-  EXPECT_FALSE(decoder.runs()[0].talks);
+  EXPECT_FALSE(decoder.runs()[0].sends);
   EXPECT_EQ(decoder.of_others(), 0u);
 }
 

@@ -173,7 +173,7 @@ test('another run is shown, and its plots begin anew', async () => {
 
 test('a second controller that publishes at once is shown', async () => {
   monitor.write('others');
-  await until('both', async () => /2 controllers talk.*synthetic-1[^0-9]/.test(await text('#runs')));
+  await until('both', async () => /2 controllers send.*synthetic-1[^0-9]/.test(await text('#runs')));
   await page.click('#runs button');
   await until('the other', async () => /Shown and commanded: AMBER3M, run synthetic-77/.test(await text('#runs')));
   assert.match(await text('#run-list'), /synthetic-77/);

@@ -106,8 +106,8 @@ void SyntheticSource::begin_run(int run_id) {
   introduce_ = true;
 }
 
-std::vector<TalkingRun> SyntheticSource::talking() const {
-  std::vector<TalkingRun> all = {{run(), "amber3m"}};
+std::vector<SendingRun> SyntheticSource::talking() const {
+  std::vector<SendingRun> all = {{run(), "amber3m"}};
   if (other_run_id_ != 0) all.push_back({"synthetic-" + std::to_string(other_run_id_), "amber3m"});
   return all;
 }

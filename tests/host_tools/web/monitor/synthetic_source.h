@@ -28,7 +28,7 @@ class SyntheticSource final : public SampleSource {
   [[nodiscard]] std::string describe() const override { return "a synthetic robot"; }
   [[nodiscard]] bool live() const override { return live_; }
   [[nodiscard]] bool has_token() const override { return true; }
-  [[nodiscard]] std::vector<TalkingRun> talking() const override;
+  [[nodiscard]] std::vector<SendingRun> talking() const override;
   void choose(const std::string& run_id) override;
 
  private:

@@ -10,7 +10,7 @@
 namespace stilt::monitor {
 namespace {
 
-std::string after_a_second(SyntheticSource& source, TerminalView& view) {
+std::string text_after_one_second(SyntheticSource& source, TerminalView& view) {
   source.advance(0.0);
   view.step(0.0);
   source.advance(1.2);
@@ -23,7 +23,7 @@ bool holds(const std::string& text, const std::string& part) { return text.find(
 TEST(TerminalView, ShowsStateSpeedSolverTimingAndThatNoFaultIsThere) {
   SyntheticSource source;
   TerminalView view(source);
-  const std::string text = after_a_second(source, view);
+  const std::string text = text_after_one_second(source, view);
   for (const char* part : {"amber3m   live", "state     stand", "speed     +0.00 m/s", "solver    ", "wakeup",
                            "deadline 500 us", "faults    none"}) {
     EXPECT_TRUE(holds(text, part)) << part << " is not in\n" << text;
@@ -34,7 +34,7 @@ TEST(TerminalView, AFaultSaysItsCauseAndWhatClearsIt) {
   SyntheticSource source;
   source.change("fault bus_off");
   TerminalView view(source);
-  const std::string text = after_a_second(source, view);
+  const std::string text = text_after_one_second(source, view);
   EXPECT_TRUE(holds(text, "FAULT     bus_off (now): the controller of a bus took itself off")) << text;
   EXPECT_TRUE(holds(text, "clears when: every bus is on; then reset")) << text;
 }
@@ -51,7 +51,7 @@ TEST(TerminalView, AFaultThatIsOverWaitsForItsReset) {
   SyntheticSource source;
   source.change("fault bus_off");
   TerminalView view(source);
-  after_a_second(source, view);
+  text_after_one_second(source, view);
   source.change("over bus_off");
   source.advance(1.4);
   view.step(1.4);
@@ -62,7 +62,7 @@ TEST(TerminalView, OldDataAreCalledOld) {
   SyntheticSource source;
   TerminalView view(source);
   EXPECT_TRUE(holds(view.text(100, 40), "waiting for a controller"));
-  after_a_second(source, view);
+  text_after_one_second(source, view);
   source.change("silent");
   view.step(4.2);
   EXPECT_TRUE(holds(view.text(100, 40), "OLD: no data for 3.0 s")) << view.text(100, 40);
@@ -72,7 +72,7 @@ TEST(TerminalView, NoLineIsLongerThanTheTerminal) {
   SyntheticSource source;
   source.change("fault joint_torque_limit");
   TerminalView view(source);
-  after_a_second(source, view);
+  text_after_one_second(source, view);
   std::size_t length = 0;
   for (const char letter : view.text(40, 40)) {
     length = letter == '\n' ? 0 : length + 1;
@@ -84,7 +84,7 @@ TEST(TerminalView, AtEightyColumnsUnitsAndSentencesGoOnInTheNextLine) {
   SyntheticSource source;
   source.change("fault bus_off");
   TerminalView view(source);
-  after_a_second(source, view);
+  text_after_one_second(source, view);
   const std::string text = std::regex_replace(view.text(60, 60), std::regex("\n {10}"), " ");
   for (const char* part : {"deadline 500 us", "clears when: every bus is on; then reset"}) {
     EXPECT_TRUE(holds(text, part)) << part << " is not whole in\n" << text;
@@ -94,7 +94,7 @@ TEST(TerminalView, AtEightyColumnsUnitsAndSentencesGoOnInTheNextLine) {
 TEST(TerminalView, WhatHappensAgainAndAgainIsOneLineWithACount) {
   SyntheticSource source;
   TerminalView view(source);
-  after_a_second(source, view);
+  text_after_one_second(source, view);
   for (int k = 0; k < 30; ++k) {
     source.change("fault torque_loop_overrun");
     source.change("fault failed_solves");
@@ -111,7 +111,7 @@ TEST(TerminalView, ASmallTerminalShowsStateAndFaultsAndLeavesOutTheRest) {
   SyntheticSource source;
   source.change("fault bus_off");
   TerminalView view(source);
-  after_a_second(source, view);
+  text_after_one_second(source, view);
   const std::string text = view.text(100, 7);
   EXPECT_EQ(std::ranges::count(text, '\n'), 7);
   EXPECT_TRUE(holds(text, "state     ")) << text;

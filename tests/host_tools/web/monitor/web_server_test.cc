@@ -77,7 +77,7 @@ TEST_F(WebServerTest, ASocketThatIsRefusedGetsAnHttpAnswerThatSaysWhy) {
   EXPECT_NE(none.find("no WebSocket at this path"), std::string::npos) << none;
 }
 
-TEST_F(WebServerTest, MessagesOfAPageComeAndItsEndIsTold) {
+TEST_F(WebServerTest, MessagesOfAPageComeAndItsEndIsReported) {
   {
     const Client client(server.port());
     client.send(own_page());

@@ -1,4 +1,4 @@
-#include "firmware/program/configure_cycles.h"
+#include "firmware/program/configure_controller.h"
 
 #include "firmware/configuration/gaits/shipped_gaits.h"
 #include "firmware/program/instruction_sets.h"
@@ -47,10 +47,11 @@ std::expected<void, std::string> follow_gaits(const model::RobotModel& robot,
 
 }  // namespace
 
-std::expected<void, std::string> configure_cycles(const configuration::Configuration& configuration,
-                                                  const std::string& source,
-                                                  control_loop::PlannerTask& planner,
-                                                  control_loop::ControlLoop& loop, gait::GaitLibrary* gaits) {
+std::expected<void, std::string> configure_controller(const configuration::Configuration& configuration,
+                                                      const std::string& source,
+                                                      control_loop::PlannerTask& planner,
+                                                      control_loop::ControlLoop& loop,
+                                                      gait::GaitLibrary* gaits) {
   const auto found = robots::find(configuration.hardware.robot);
   if (!found) return std::unexpected(source + ": hardware.robot: " + found.error());
   const model::RobotModel& robot = (*found)->model;

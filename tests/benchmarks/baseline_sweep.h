@@ -13,7 +13,7 @@ namespace stilt::benchmark {
 
 /// One stage with `kInputs` free inputs, in Eigen's own layout.
 template <int kInputs>
-struct PlainStage {
+struct BaselineStage {
   Eigen::Matrix<double, lq::kStates, lq::kStates> A, Q;
   Eigen::Matrix<double, lq::kStates, kInputs> B;
   Eigen::Matrix<double, kInputs, lq::kStates> S, K;
@@ -22,10 +22,10 @@ struct PlainStage {
   Eigen::Matrix<double, kInputs, 1> r, k;
 };
 
-class PlainSweep {
+class BaselineSweep {
  public:
   /// Copies the problem. Throws std::invalid_argument for a stage with 1 or more than 4 free inputs.
-  PlainSweep(std::span<const LqStage> stages, const lq::LqTerminal& terminal);
+  BaselineSweep(std::span<const LqStage> stages, const lq::LqTerminal& terminal);
 
   /// The backward sweep; gains stay in the stages.
   void run();
@@ -38,11 +38,11 @@ class PlainSweep {
     Eigen::Matrix<double, lq::kStates, lq::kStates> A, Q;
     Eigen::Matrix<double, lq::kStates, 1> b, q;
   };
-  using Stage = std::variant<Transition, PlainStage<2>, PlainStage<3>, PlainStage<4>>;
+  using Stage = std::variant<Transition, BaselineStage<2>, BaselineStage<3>, BaselineStage<4>>;
 
   void step(Transition& stage);
   template <int kInputs>
-  void step(PlainStage<kInputs>& stage);
+  void step(BaselineStage<kInputs>& stage);
 
   std::vector<Stage> stages_;
   Eigen::Matrix<double, lq::kStates, lq::kStates> terminal_, P_, PA_;

@@ -1,4 +1,4 @@
-#include "tests/benchmarks/plain_linearise.h"
+#include "tests/benchmarks/baseline_linearise.h"
 
 #include <Eigen/QR>
 #include <cmath>
@@ -116,7 +116,7 @@ void heun(const model::RobotModel& robot, const double* x, const double* u, doub
 }
 
 /// One stage with its node function evaluated.
-struct PlainStageData {
+struct BaselineStageData {
   const ocp::ProblemData& data;
   const ocp::StageBatch& batch;
   int lane;
@@ -127,7 +127,7 @@ struct PlainStageData {
   [[nodiscard]] double value(const ocp::Batch& of) const { return of[static_cast<std::size_t>(lane)]; }
 };
 
-void add_cost(const PlainStageData& s, Hessian& H, Gradient& g) {
+void add_cost(const BaselineStageData& s, Hessian& H, Gradient& g) {
   const ocp::ProblemData& data = s.data;
   const auto& p = data.inequality;
   for (int i = 0; i < kStates; ++i) {
@@ -196,7 +196,7 @@ void add_cost(const PlainStageData& s, Hessian& H, Gradient& g) {
 
 /// Equality rows c [dx; du] + e = 0.
 template <int kRows>
-void constraint_rows(const PlainStageData& s, Rows<kRows>& c, Eigen::Matrix<double, kRows, 1>& e) {
+void constraint_rows(const BaselineStageData& s, Rows<kRows>& c, Eigen::Matrix<double, kRows, 1>& e) {
   const ocp::EqualityParameters& p = s.data.equality;
   int row = 0;
   for (int foot = 0; foot < kFeet; ++foot) {
@@ -224,7 +224,7 @@ void constraint_rows(const PlainStageData& s, Rows<kRows>& c, Eigen::Matrix<doub
 
 /// du = u0 + X dx + W w by D' = Q R, then the model in (dx, w).
 template <int kRows>
-void project(const PlainStageData& s, const Hessian& H, const Gradient& g, const Dynamics& step,
+void project(const BaselineStageData& s, const Hessian& H, const Gradient& g, const Dynamics& step,
              const model::StateVector& defect, double h, PlainModel& out) {
   constexpr int kFree = kInputs - kRows;
   Rows<kRows> c;
@@ -265,10 +265,10 @@ void project(const PlainStageData& s, const Hessian& H, const Gradient& g, const
 
 }  // namespace
 
-void plain_linearise(const ocp::ProblemData& data, const ocp::StageBatch& batch, int lane,
-                     const ocp::Trajectory& iterate, PlainModel& out) {
+void baseline_linearise(const ocp::ProblemData& data, const ocp::StageBatch& batch, int lane,
+                        const ocp::Trajectory& iterate, PlainModel& out) {
   const int k = batch.stage[lane];
-  PlainStageData s{data, batch, lane, iterate.x[k], iterate.u[k], {}};
+  BaselineStageData s{data, batch, lane, iterate.x[k], iterate.u[k], {}};
   data.robot->node_derivatives(s.x, s.u, data.joint_parameters, s.node);
   const double h = s.value(batch.duration);
   Dynamics step;

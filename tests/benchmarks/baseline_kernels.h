@@ -1,12 +1,12 @@
 #pragma once
 
 #include "host_tools/benchmark/planner_kernels.h"
-#include "tests/benchmarks/plain_linearise.h"
-#include "tests/benchmarks/plain_sweep.h"
+#include "tests/benchmarks/baseline_linearise.h"
+#include "tests/benchmarks/baseline_sweep.h"
 
 namespace stilt::benchmark {
 
-/// Plain versions of the work of a planner's kernels, on the same data. Large: to be placed on the heap.
+/// Baselines of the work of a planner's kernels, on the same data. Large: to be placed on the heap.
 class PlainKernels {
  public:
   /// Copies problem and solution.
@@ -21,7 +21,7 @@ class PlainKernels {
   ocp::ProblemData data_;
   ocp::Problem problem_;
   ocp::Trajectory iterate_;
-  PlainSweep sweep_;
+  BaselineSweep sweep_;
   PlainModel model_;
 };
 

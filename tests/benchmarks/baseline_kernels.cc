@@ -1,4 +1,4 @@
-#include "tests/benchmarks/plain_kernels.h"
+#include "tests/benchmarks/baseline_kernels.h"
 
 namespace stilt::benchmark {
 namespace {
@@ -25,7 +25,7 @@ void PlainKernels::linearise() {
   for (int b = 0; b < problem_.batches; ++b) {
     const ocp::StageBatch& batch = problem_.batch[b];
     for (int lane = 0; lane < batch.lanes; ++lane) {
-      plain_linearise(data_, batch, lane, iterate_, model_);
+      baseline_linearise(data_, batch, lane, iterate_, model_);
       keep(model_);
     }
   }

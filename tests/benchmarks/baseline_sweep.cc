@@ -1,4 +1,4 @@
-#include "tests/benchmarks/plain_sweep.h"
+#include "tests/benchmarks/baseline_sweep.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -43,8 +43,8 @@ void copy_state_part(const LqStage& from, Stage& to) {
 }
 
 template <int kInputs>
-PlainStage<kInputs> plain_stage(const LqStage& from) {
-  PlainStage<kInputs> to;
+BaselineStage<kInputs> baseline_stage(const LqStage& from) {
+  BaselineStage<kInputs> to;
   copy_state_part(from, to);
   copy_columns(from.B, to.B);
   for (int i = 0; i < kInputs; ++i) {
@@ -57,7 +57,7 @@ PlainStage<kInputs> plain_stage(const LqStage& from) {
 
 }  // namespace
 
-PlainSweep::PlainSweep(std::span<const LqStage> stages, const lq::LqTerminal& terminal) {
+BaselineSweep::BaselineSweep(std::span<const LqStage> stages, const lq::LqTerminal& terminal) {
   for (const LqStage& stage : stages) {
     switch (stage.free_inputs) {
       case 0: {
@@ -67,16 +67,16 @@ PlainSweep::PlainSweep(std::span<const LqStage> stages, const lq::LqTerminal& te
         break;
       }
       case 2:
-        stages_.emplace_back(plain_stage<2>(stage));
+        stages_.emplace_back(baseline_stage<2>(stage));
         break;
       case 3:
-        stages_.emplace_back(plain_stage<3>(stage));
+        stages_.emplace_back(baseline_stage<3>(stage));
         break;
       case 4:
-        stages_.emplace_back(plain_stage<4>(stage));
+        stages_.emplace_back(baseline_stage<4>(stage));
         break;
       default:
-        throw std::invalid_argument("PlainSweep: a stage has " + std::to_string(stage.free_inputs) +
+        throw std::invalid_argument("BaselineSweep: a stage has " + std::to_string(stage.free_inputs) +
                                     " free inputs; 0, 2, 3 or 4 are known");
     }
   }
@@ -84,7 +84,7 @@ PlainSweep::PlainSweep(std::span<const LqStage> stages, const lq::LqTerminal& te
   copy_vector(terminal.q, terminal_gradient_);
 }
 
-void PlainSweep::step(Transition& s) {
+void BaselineSweep::step(Transition& s) {
   PA_.noalias() = P_ * s.A;
   pb_ = p_;
   pb_.noalias() += P_ * s.b;
@@ -96,7 +96,7 @@ void PlainSweep::step(Transition& s) {
 }
 
 template <int kInputs>
-void PlainSweep::step(PlainStage<kInputs>& s) {
+void BaselineSweep::step(BaselineStage<kInputs>& s) {
   PA_.noalias() = P_ * s.A;
   pb_ = p_;
   pb_.noalias() += P_ * s.b;
@@ -119,7 +119,7 @@ void PlainSweep::step(PlainStage<kInputs>& s) {
   p_.noalias() += G.transpose() * s.k;
 }
 
-void PlainSweep::run() {
+void BaselineSweep::run() {
   P_ = terminal_;
   p_ = terminal_gradient_;
   for (auto stage = stages_.rbegin(); stage != stages_.rend(); ++stage) {
@@ -127,7 +127,7 @@ void PlainSweep::run() {
   }
 }
 
-Eigen::MatrixXd PlainSweep::gain(int stage) const {
+Eigen::MatrixXd BaselineSweep::gain(int stage) const {
   return std::visit(
       [](const auto& s) -> Eigen::MatrixXd {
         if constexpr (std::is_same_v<std::decay_t<decltype(s)>, Transition>) {

@@ -25,7 +25,7 @@ struct PlainModel {
 };
 
 /// Linearises flow stage k. `batch` and `lane` are where its references are stored.
-void plain_linearise(const ocp::ProblemData& data, const ocp::StageBatch& batch, int lane,
-                     const ocp::Trajectory& iterate, PlainModel& out);
+void baseline_linearise(const ocp::ProblemData& data, const ocp::StageBatch& batch, int lane,
+                        const ocp::Trajectory& iterate, PlainModel& out);
 
 }  // namespace stilt::benchmark
