@@ -39,6 +39,10 @@ std::vector<Override> overrides_of(const ControllerChoice& choice) {
   if (choice.plan_delay_s) {
     overrides.push_back(setting("timing.plan_delay_s", *choice.plan_delay_s, "--plan-delay"));
   }
+  if (choice.gains) {
+    overrides.push_back(
+        {std::string("torque_law.use_feedback_gains=") + (*choice.gains ? "true" : "false"), "--gains"});
+  }
   if (choice.no_early_stop) overrides.push_back({"sqp.early_stop=false", "--no-early-stop"});
   if (choice.controller == "hzd-pd") {
     overrides.push_back({"supervisor.select_gait=true", "--controller hzd-pd"});
@@ -93,6 +97,14 @@ void check_controller(const std::string& name) {
 void add_preset_option(CLI::App& command, std::string& preset) {
   command.add_option("--preset", preset,
                      "shipped changes to the configuration, before --set: " + configuration::preset_names());
+}
+
+void add_gains_option(CLI::App& command, ControllerChoice& choice) {
+  command
+      .add_option_function<std::string>(
+          "--gains", [&choice](const std::string& text) { choice.gains = text == "on"; },
+          "the plan's feedback gains in the torque law: on, off; default: torque_law.use_feedback_gains")
+      ->check(CLI::IsMember({"on", "off"}));
 }
 
 void add_controller_options(CLI::App& command, ControllerChoice& choice) {

@@ -26,6 +26,7 @@ struct ControllerChoice {
   std::optional<int> iterations;
   std::optional<double> plan_rate_hz;
   std::optional<double> plan_delay_s;
+  std::optional<bool> gains;  ///< of --gains: the plan's feedback gains in the torque law
   bool no_early_stop = false;
   std::string lump = "drives";  ///< of --lump, for mpc-lumped: legs, drives or law
   std::string gait_folder;      ///< of --gaits; empty: the gaits shipped for the robot
@@ -43,6 +44,9 @@ void add_preset_option(CLI::App& command, std::string& preset);
 
 /// Adds the options that `stilt sim` and `stilt bench` share to a command.
 void add_controller_options(CLI::App& command, ControllerChoice& choice);
+
+/// Adds --gains on|off to a command.
+void add_gains_option(CLI::App& command, ControllerChoice& choice);
 
 /// Help text of --robot: its valid values.
 [[nodiscard]] std::string robot_help();

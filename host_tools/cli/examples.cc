@@ -23,6 +23,7 @@ constexpr std::array kExamples = {
     "stilt experiment horizon --quick --out horizons",
     "stilt experiment limits --quick --out limits",
     "stilt experiment robustness --quick --out robots",
+    "stilt experiment paired --quick --out pairs",
     "stilt experiment figures --quick --out figures",
     "stilt monitor",
     "stilt monitor --bind 0.0.0.0 --no-browser",

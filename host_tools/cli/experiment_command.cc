@@ -11,6 +11,7 @@
 #include "host_tools/cli/frequency_experiment.h"
 #include "host_tools/cli/json_output.h"
 #include "host_tools/cli/limits_experiment.h"
+#include "host_tools/cli/paired_experiment.h"
 #include "host_tools/cli/published_command.h"
 #include "host_tools/cli/robustness_experiment.h"
 #include "host_tools/cli/usage_error.h"
@@ -143,6 +144,12 @@ CLI::App* add_experiment_command(CLI::App& program, ExperimentOptions& options) 
   add_common_options(*robustness, options);
   add_job_options(*robustness, options);
   add_robustness_options(*robustness, options);
+  CLI::App* paired = experiment->add_subcommand("paired",
+                                                "the same pushes with more plans per second, the true state "
+                                                "and feedback gains: whether fewer are survived");
+  add_common_options(*paired, options);
+  add_job_options(*paired, options);
+  add_paired_options(*paired, options);
   CLI::App* figures = experiment->add_subcommand(
       "figures",
       "a push over time, postures, joint angles and their repeatability, terminal states: figures.html");
@@ -161,6 +168,7 @@ int run_experiment(const CLI::App& experiment, ExperimentOptions options,
   if (experiment.got_subcommand("horizon")) return run_horizons(options, arguments);
   if (experiment.got_subcommand("limits")) return run_limits(options, arguments);
   if (experiment.got_subcommand("robustness")) return run_robustness(options, arguments);
+  if (experiment.got_subcommand("paired")) return run_paired(options, arguments);
   if (experiment.got_subcommand("figures")) return run_figures(options);
   return run_disturbance(std::move(options), arguments);
 }

@@ -38,11 +38,13 @@ struct ExperimentOptions {
   int runs = 500;
   std::uint32_t seed = 1;
   double force_N = 40.0;
+  // Options of paired, with the seed of robustness.
+  int cases = 64;
   // Options of frequency.
   int problems = 500;
 };
 
-/// Adds `experiment` with frequency, disturbance, horizon, limits, robustness and figures; stores the
+/// Adds `experiment` with frequency, disturbance, horizon, limits, robustness, paired and figures; stores the
 /// options in `options`.
 CLI::App* add_experiment_command(CLI::App& program, ExperimentOptions& options);
 

@@ -158,6 +158,7 @@ std::string sim_command(const WalkSetting& setting, const WalkCase& walk) {
   add("--horizon", simulation::number_text(walk.horizon_s));
   add("--plan-rate", simulation::number_text(*choice.plan_rate_hz));
   if (choice.plan_delay_s) add("--plan-delay", simulation::number_text(*choice.plan_delay_s));
+  if (choice.gains) add("--gains", *choice.gains ? "on" : "off");
   for (const std::string& assignment : choice.settings) add("--set", assignment);
   add("--gait", simulation::gait_name(walk.command.kind));
   add("--speed", simulation::number_text(walk.command.speed_m_s));

@@ -114,6 +114,7 @@ CLI::App* add_sim_command(CLI::App& program, SimOptions& options) {
   sim->add_option("--plan-delay", options.choice.plan_delay_s,
                   "simulated time that a plan takes, s; default: timing.plan_delay_s")
       ->default_str(simulation::number_text(shipped.plan_delay_s));
+  add_gains_option(*sim, options.choice);
   sim->add_option("--gait", options.gait, "stand, step or walk, commanded at the start")
       ->capture_default_str();
   sim->add_option("--speed", options.speed_m_s, "walking speed, m/s, negative backward")

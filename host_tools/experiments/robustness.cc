@@ -27,11 +27,6 @@ Json run_job(const RobustnessPlan& plan, int run, const WalkRunner& walk_runner)
           {"command", plan.command(walk)}};
 }
 
-Json to_json(const std::optional<Estimate>& estimate) {
-  if (!estimate) return nullptr;
-  return {{"value", estimate->value}, {"low", estimate->interval.low}, {"high", estimate->interval.high}};
-}
-
 Json quantity_json(const RandomQuantity& quantity, const std::vector<Json>& results) {
   std::vector<double> values, distances, falls, outcomes;
   for (const Json& result : results) {

@@ -14,6 +14,11 @@ std::string cell(const Json& value, const char* format, const char* absent) {
   return value.is_null() ? absent : text(format, value.get<double>());
 }
 
+Json to_json(const std::optional<Estimate>& estimate) {
+  if (!estimate) return nullptr;
+  return {{"value", estimate->value}, {"low", estimate->interval.low}, {"high", estimate->interval.high}};
+}
+
 std::string estimate_text(const Json& estimate, const char* format) {
   return cell(estimate.at("value"), format) + " (" + cell(estimate.at("low"), format) + " to " +
          cell(estimate.at("high"), format) + ")";

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
+#include "host_tools/experiments/correlation.h"
 #include "host_tools/experiments/job_folder.h"
 
 /// Pieces of the experiments' tables.
@@ -12,6 +14,9 @@ namespace stilt::experiments {
 
 /// The same for a value that may be null.
 [[nodiscard]] std::string cell(const Json& value, const char* format, const char* absent = "-");
+
+/// {value, low, high}, or null without an estimate.
+[[nodiscard]] Json to_json(const std::optional<Estimate>& estimate);
 
 /// An estimate with its interval, "0.20 (0.10 to 0.30)", from {value, low, high}.
 /// @param format  of each of the three, as in text()

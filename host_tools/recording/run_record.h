@@ -61,7 +61,7 @@ struct Percentiles {
 struct PlanInUse {
   double defect_max = 0.0;              ///< largest |x_{k+1} - F(x_k, u_k)|, mixed SI units, whole horizon
   double equality_violation_max = 0.0;  ///< largest equality residual, m/s^2 or N, whole horizon
-  double cone_violation_max_N = 0.0;    ///< largest |fx| - mu max(fz, 0), not below 0
+  double cone_violation_max_N = 0.0;    ///< largest |fx| - mu max(fz, 0), not below 0; mu as planned
   double normal_force_min_N = std::numeric_limits<double>::infinity();  ///< infinite: no plan was in use
 };
 

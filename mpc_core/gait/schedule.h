@@ -23,7 +23,8 @@ struct Interval {
 };
 
 /// Sequence of contact phases around the present: enough of the past for the lift-off points of the swing
-/// feet, the present, and all phases up to the end of the horizon. Fixed memory, real-time safe.
+/// feet, the present, and all phases up to the end of the horizon. Steps keep their time, whatever the speed
+/// (docs/decisions/0030-steps-keep-their-time.md). Fixed memory, real-time safe.
 ///
 /// Commands become active at contact boundaries. Stepping starts `switch_lead_s` after the command at the
 /// earliest. A change between step and walk starts at the next step; standing starts after the steps that the

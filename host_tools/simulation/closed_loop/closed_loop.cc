@@ -39,7 +39,7 @@ log::RunRecord run_closed_loop(Plant& plant, SimulatedController& controller, co
   const int steps_per_tick = static_cast<int>(std::lround(tick_s / plant.time_step_s()));
   const long long ticks = std::llround(settings.duration_s / tick_s);
   const long long progress_ticks = std::llround(1.0 / tick_s);
-  RunRecorder recorder(settings, timing, record);
+  RunRecorder recorder(settings, timing, controller.parameters().inequality.friction_coefficient, record);
   const auto observe_plan = [&](std::int64_t solve_ns) {
     const double time_s = controller.request().time_s;
     recorder.observe_plan({time_s, 1e-3 * static_cast<double>(solve_ns), controller.report()},

@@ -29,8 +29,11 @@ log::Percentiles percentiles(const std::vector<double>& values) {
 }
 
 RunRecorder::RunRecorder(const RunSettings& settings, const control_loop::PlanTiming& timing,
-                         log::RunRecord& record)
-    : settings_(settings), record_(record), tick_s_(1e-9 * static_cast<double>(timing.tick_ns)) {
+                         double planned_friction, log::RunRecord& record)
+    : settings_(settings),
+      record_(record),
+      planned_friction_(planned_friction),
+      tick_s_(1e-9 * static_cast<double>(timing.tick_ns)) {
   const double tick_rate_hz = 1.0 / tick_s_;
   ticks_per_sample_ = every(tick_rate_hz, settings.sample_rate_hz);
   plans_per_snapshot_ = every(tick_rate_hz / static_cast<double>(timing.period_ticks), kSnapshotRate_hz);
@@ -79,7 +82,7 @@ void RunRecorder::observe_plan_in_use(const control::Plan& plan) {
       if (!node.mode[foot]) continue;
       const double fx_N = node.input[model::kJoints + 2 * foot];
       const double fz_N = node.input[model::kJoints + 2 * foot + 1];
-      const double cone_N = std::abs(fx_N) - record_.friction_coefficient * std::max(fz_N, 0.0);
+      const double cone_N = std::abs(fx_N) - planned_friction_ * std::max(fz_N, 0.0);
       seen.cone_violation_max_N = std::max(seen.cone_violation_max_N, cone_N);
       seen.normal_force_min_N = std::min(seen.normal_force_min_N, fz_N);
     }

@@ -17,7 +17,9 @@ namespace stilt::simulation {
 /// Observes a run and writes its record.
 class RunRecorder {
  public:
-  RunRecorder(const RunSettings& settings, const control_loop::PlanTiming& timing, log::RunRecord& record);
+  /// @param planned_friction  friction coefficient that the plans assume
+  RunRecorder(const RunSettings& settings, const control_loop::PlanTiming& timing, double planned_friction,
+              log::RunRecord& record);
 
   /// Call after each step of the plant.
   void observe_step(const Plant& plant);
@@ -40,6 +42,7 @@ class RunRecorder {
   const RunSettings& settings_;
   log::RunRecord& record_;
   StepDetector steps_;
+  double planned_friction_;
   double tick_s_;
   int ticks_per_sample_ = 5;
   int plans_per_snapshot_ = 5;

@@ -53,6 +53,7 @@ class SimulatedController {
   [[nodiscard]] const control_loop::PlanningRequest& request() const { return mail_->requests.newest(); }
   /// The report of the newest solve.
   [[nodiscard]] const sqp::SolveReport& report() const { return planner_->report(); }
+  [[nodiscard]] const control::ControllerParameters& parameters() const { return setup_.parameters; }
   [[nodiscard]] const control_loop::PlanTiming& timing() const { return schedule_.timing(); }
   [[nodiscard]] dispatch::DispatchedPlanner& planner() { return planner_->planner(); }
 

@@ -45,6 +45,7 @@ TEST_F(CommandLine, BadUsageIsOneSentenceAndStatusTwo) {
                                 "sim --push 40@1+1 --push 40@1.5+1@torso",
                                 "sim --then walk",
                                 "sim --state guessed",
+                                "sim --gains some",
                                 "sim --seed -1",
                                 "sim --set cost.nothing=1",
                                 "sim --set cost.base_x",
@@ -118,6 +119,7 @@ TEST_F(CommandLine, EveryCommandShowsExamplesOfItself) {
                                     "experiment horizon",
                                     "experiment limits",
                                     "experiment robustness",
+                                    "experiment paired",
                                     "experiment figures",
                                     "monitor",
                                     "bench",
@@ -143,6 +145,17 @@ TEST_F(CommandLine, HelpShowsTheShippedHorizonIterationsAndPlanRate) {
   for (const char* option : {"--horizon FLOAT=1 ", "--iterations INT=10 ", "--plan-rate FLOAT=100 "}) {
     EXPECT_NE(help.find(option), std::string::npos) << option << '\n' << help;
   }
+}
+
+TEST_F(CommandLine, GainsAreThoseOfTheConfigurationKey) {
+  const auto distance = [&](const std::string& option) {
+    const Outcome outcome = run("sim --duration 2 --push 60@0.5+1 --json - " + option);
+    EXPECT_EQ(outcome.status, 0) << outcome.errors;
+    return nlohmann::json::parse(outcome.output).at("distance_m").get<double>();
+  };
+  EXPECT_EQ(distance("--gains on"), distance("--set torque_law.use_feedback_gains=true"));
+  EXPECT_EQ(distance("--gains off"), distance(""));
+  EXPECT_NE(distance("--gains on"), distance(""));
 }
 
 TEST_F(CommandLine, AFullDiskIsSaidWithItsReasonAndWhatWasPrintedStays) {

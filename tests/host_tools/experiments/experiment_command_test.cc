@@ -196,6 +196,24 @@ TEST_F(ExperimentCommand, HorizonFindsTheShortestOneThatWalks) {
   EXPECT_TRUE(result.at("settings").contains("commit"));
 }
 
+TEST_F(ExperimentCommand, PairedComparesTheVariantsOnTheSamePushes) {
+  const Outcome outcome =
+      run("paired --quick --horizon 0.5 --out " + file("results") + " --json " + file("json"));
+  ASSERT_EQ(outcome.status, 0) << outcome.errors;
+  const Json result = json();
+  EXPECT_EQ(result.at("variants")[2].at("setting").at("plan_rate_hz"), 500.0);
+  ASSERT_EQ(result.at("rows").size(), 4u);
+  for (const Json& row : result.at("rows")) {
+    for (const char* variant : {"rate_100", "rate_200", "rate_500", "truth", "gains"}) {
+      EXPECT_LE(row.at("survived").at(variant), 2) << row.at("push");
+    }
+  }
+  EXPECT_EQ(result.at("rows")[0].at("survived").at("rate_100"), 2) << "150 N forward at the hip";
+  EXPECT_EQ(result.at("comparisons")[4].at("to"), "gains");
+  EXPECT_EQ(result.at("comparisons")[4].at("cases"), 8);
+  EXPECT_TRUE(result.at("settings").contains("commit"));
+}
+
 TEST_F(ExperimentCommand, LimitsGivesTheFieldsOfItsContract) {
   const Outcome outcome =
       run("limits --quick --horizon 0.5 --quantity step_down --quantity friction --quantity commands --out " +

@@ -164,6 +164,18 @@ TEST(ClosedLoop, APlanIsActiveAfterThePlanningDelayTheFirstAtOnce) {
   for (std::size_t i = 1; i < 10; ++i) EXPECT_NEAR(first_age_s[i], 0.007, 1e-9);
 }
 
+TEST(ClosedLoop, PlansInUseAreJudgedByTheFrictionTheyAssume) {
+  const auto violation_N = [](double assumed) {
+    ControllerSetup setup;
+    setup.parameters.inequality.friction_coefficient = assumed;
+    Plant plant = amber_plant({});
+    return run_closed_loop(plant, *amber_controller(setup), walking_run(2.0))
+        .summary.plan_in_use.cone_violation_max_N;
+  };
+  EXPECT_EQ(violation_N(0.6), 0.0) << "as the ground has";
+  EXPECT_GT(violation_N(0.05), 10.0) << "less than walking takes";
+}
+
 TEST(ClosedLoop, AKnownStateReplacesTheEstimate) {
   for (const bool known : {false, true}) {
     PlantOptions options;

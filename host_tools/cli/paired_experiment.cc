@@ -1,0 +1,112 @@
+#include "host_tools/cli/paired_experiment.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "host_tools/cli/experiment_jobs.h"
+#include "host_tools/simulation/plant/number.h"
+
+namespace stilt::cli {
+namespace {
+
+using experiments::Json;
+using experiments::PairedPlan;
+using experiments::PairedPush;
+
+constexpr double kUsualHorizon_s = 1.0;
+constexpr int kCasesOfQuick = 2;
+
+struct Variant {
+  const char* name;
+  double plan_rate_hz;
+  double plan_delay_s;  ///< a plan takes no longer than the time between two
+  const char* state;
+  bool gains;
+};
+constexpr Variant kVariants[] = {{"rate_100", 100.0, 0.005, "estimated", false},
+                                 {"rate_200", 200.0, 0.003, "estimated", false},
+                                 {"rate_500", 500.0, 0.002, "estimated", false},
+                                 {"truth", 100.0, 0.005, "truth", false},
+                                 {"gains", 100.0, 0.005, "estimated", true}};
+constexpr experiments::PairedComparison kComparisons[] = {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {0, 4}};
+
+struct Push {
+  const char* name;
+  double force_N;
+  const char* point;
+};
+/// Near the limits of docs/results.md, where a difference shows.
+constexpr Push kPushes[] = {{"hip_150N", 150.0, "hip"},
+                            {"hip_165N", 165.0, "hip"},
+                            {"torso_80N", 80.0, "torso"},
+                            {"torso_-80N", -80.0, "torso"}};
+
+WalkSetting setting_of(const WalkSetting& common, const Variant& variant, const Push& push) {
+  WalkSetting setting = common;
+  setting.choice.plan_rate_hz = variant.plan_rate_hz;
+  setting.choice.plan_delay_s = variant.plan_delay_s;
+  setting.choice.gains = variant.gains;
+  setting.state = variant.state;
+  setting.push_point = push.point;
+  return setting;
+}
+
+}  // namespace
+
+void add_paired_options(CLI::App& command, ExperimentOptions& options) {
+  command.add_option("--cases", options.cases, "random phases of the step, each with its own sensor noise")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  command.add_option("--seed", options.seed, "seed of phases and noise")
+      ->check(CLI::Range(std::uint32_t{0}, std::numeric_limits<std::uint32_t>::max()))
+      ->capture_default_str();
+  command.add_option("--controller", options.setting.choice.controller, "controller, as for stilt sim")
+      ->capture_default_str();
+  command.add_option("--horizon", options.setting.choice.horizon_s, "horizon of the planner, s; default 1.0");
+}
+
+PairedPlan paired_plan(const ExperimentOptions& options) {
+  PairedPlan plan;
+  plan.controller = options.setting.choice.controller;
+  plan.horizon_s = options.setting.choice.horizon_s.value_or(kUsualHorizon_s);
+  plan.cases = options.quick ? std::min(options.cases, kCasesOfQuick) : options.cases;
+  plan.seed = options.seed;
+  const WalkSetting common = setting_for(options.setting, plan.controller);
+  const control::ControllerParameters parameters = walk_parameters(common, plan.controller, plan.horizon_s);
+  plan.step_s = parameters.gait.single_support_s + parameters.gait.double_support_s;
+  for (const Variant& variant : kVariants) {
+    plan.variants.push_back({variant.name,
+                             {{"plan_rate_hz", variant.plan_rate_hz},
+                              {"plan_delay_s", variant.plan_delay_s},
+                              {"state", variant.state},
+                              {"gains", variant.gains}}});
+  }
+  for (const Push& push : kPushes) {
+    PairedPush paired{push.name, push.force_N, push.point, {}};
+    for (const Variant& variant : kVariants) {
+      paired.walk.push_back(walk_runner(setting_of(common, variant, push)));
+    }
+    plan.pushes.push_back(std::move(paired));
+  }
+  plan.comparisons.assign(std::begin(kComparisons), std::end(kComparisons));
+  return plan;
+}
+
+int run_paired(const ExperimentOptions& options, const std::vector<std::string>& arguments) {
+  const PairedPlan plan = paired_plan(options);
+  const WalkSetting common = setting_for(options.setting, plan.controller);
+  std::string dependencies;
+  for (const Push& push : kPushes) {
+    for (const Variant& variant : kVariants) {
+      dependencies += dependencies_text(setting_of(common, variant, push), plan.controller, plan.horizon_s) +
+                      simulation::number_text(push.force_N) + "\n";
+    }
+  }
+  dependencies += std::to_string(plan.seed) + "\n";
+  return run_jobs(
+      options, arguments, settings_json(options, "paired", {{plan.controller, dependencies}}),
+      paired_jobs(plan), [&](const std::vector<Json>& results) { return merge_paired(plan, results); },
+      experiments::paired_table);
+}
+
+}  // namespace stilt::cli
