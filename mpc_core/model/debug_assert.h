@@ -9,8 +9,8 @@
 ///
 /// Data from outside, such as sensor readings, may be anything: statuses report them, not assertions.
 /// Why: docs/decisions/0017-assertions-and-trace-points.md
-/// ifdef EIGEN_NO_DEBUG
-/// define STILT_ASSERT(condition) static_cast<void>(sizeof(static_cast<bool>(condition)))
-/// else
-/// define STILT_ASSERT(condition) eigen_assert(condition)
-/// endif
+#ifdef EIGEN_NO_DEBUG
+#define STILT_ASSERT(condition) static_cast<void>(sizeof(static_cast<bool>(condition)))
+#else
+#define STILT_ASSERT(condition) eigen_assert(condition)
+#endif

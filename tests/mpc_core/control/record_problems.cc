@@ -9,10 +9,10 @@
 //   - the last of 40 full Gauss-Newton steps after 60 with line search still exceeds 1e-9 (any unit),
 //   - one of three other initial guesses leads to another optimum (relative cost 1e-9, trajectory 1e-8).
 // clang-format on
-// include <cmath>
-// include <cstdio>
-// include <exception>
-// include <random>
+#include <cmath>
+#include <cstdio>
+#include <exception>
+#include <random>
 
 #include "mpc_core/control/planner.h"
 #include "mpc_core/control/torque_law.h"
