@@ -114,7 +114,7 @@ TEST(Scan, NamesAllSettingsOfAllDriversThatDiffer) {
   }
   EXPECT_TRUE(has(text, "SETTING PMAX is 12.5, and must be 3.2")) << text;
   const nlohmann::json json = nlohmann::json::parse(to_json(result));
-  EXPECT_EQ(json.at("buses").at(1).at("expected").at(1).at("settings").at(2).at("name"), "VMAX") << json;
+  EXPECT_EQ(json.at("buses").at(1).at("drivers").at(1).at("settings").at(2).at("name"), "VMAX") << json;
 }
 
 TEST(Scan, ReadsTheSettingsOfAMoteusThatDiffer) {

@@ -67,15 +67,6 @@ TEST(ZeroOfAnOdrive, IsRefusedBeforeAnythingIsSent) {
   EXPECT_TRUE(robot.buses[0].sent.empty());
 }
 
-TEST(ZeroOfAMoteus, IsWrittenAndStaysWithoutPower) {
-  HangingRobot robot({.both = drivers("moteus"), .robot = kAway, .miswired = {}});
-  ASSERT_TRUE(zeroed(robot));
-  robot.robot.drivers().driver(0).power_cycle();
-  const auto again = zeroed(robot);
-  ASSERT_TRUE(again);
-  EXPECT_NEAR(again->before_rad, 0.0, 0.05);
-}
-
 TEST(ZeroOfADriver, ThatHasNotTakenItIsNotGood) {
   ZeroReport report;
   EXPECT_FALSE(report.good()) << "not read back";
