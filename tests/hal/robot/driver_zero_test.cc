@@ -16,8 +16,7 @@ double position_rad(const moteus::MoteusDriver& driver, moteus::MoteusEmulator& 
   EXPECT_EQ(encode_query(driver, moteus::MoteusQuery::state, question), EncodeStatus::ok);
   emulator.take(1'000'000'000, question, replies);
   moteus::MoteusReply reply;
-  if (replies.frames().empty() ||
-      decode_reply(driver, replies.frames()[0], reply) != DecodeStatus::ok) {
+  if (replies.frames().empty() || decode_reply(driver, replies.frames()[0], reply) != DecodeStatus::ok) {
     return 1e9;
   }
   return reply.position_rad;
