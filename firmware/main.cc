@@ -16,6 +16,7 @@
 #include "firmware/program/controller_state.h"
 #include "firmware/program/found_values.h"
 #include "firmware/program/instruction_sets.h"
+#include "firmware/program/interrupt_report.h"
 #include "firmware/program/lockstep_run.h"
 #include "firmware/program/options.h"
 #include "firmware/program/outcome.h"
@@ -90,7 +91,9 @@ bool write_json(const program::Options& options, const std::string& json) {
 }
 
 /// Looks at buses and machine before anything moves. The error is for the user.
-std::expected<void, std::string> check_start(const program::Options& options, program::Outcome& outcome) {
+/// @param machine  what it keeps of the machine holds as long as it lives
+std::expected<void, std::string> check_start(const program::Options& options, program::Outcome& outcome,
+                                             realtime::Capability& machine) {
   const program::BusReport buses = program::report_buses(options.configuration);
   std::fputs(buses.text.c_str(), stderr);
   if (buses.refused) return std::unexpected("the buses cannot carry this robot, see above");
@@ -98,11 +101,15 @@ std::expected<void, std::string> check_start(const program::Options& options, pr
     outcome.not_realtime = "lock-step";
     return {};
   }
-  const realtime::Capability capability =
-      realtime::acquire(program::requirements_of(options.configuration.runtime));
-  std::fputs(program::describe(capability).c_str(), stderr);
-  outcome.not_realtime = realtime::lacking_text(capability);
-  if (!capability.realtime() && program::requires_realtime(options.configuration)) {
+  machine = realtime::acquire(program::requirements_of(options.configuration.runtime));
+  std::fputs(program::describe(machine).c_str(), stderr);
+  for (const std::string& line : program::interrupt_sentences(
+           realtime::bus_interrupts(configuration::bus_names(options.configuration.hardware)))) {
+    std::fprintf(stderr, "bus %s\n", line.c_str());
+  }
+  outcome.idle_states = program::idle_text(machine);
+  outcome.not_realtime = realtime::lacking_text(machine);
+  if (!machine.realtime() && program::requires_realtime(options.configuration)) {
     return std::unexpected(
         "runtime.require_realtime is true and this machine cannot keep time, see above; mend that, or set it "
         "to false");
@@ -173,11 +180,12 @@ std::expected<void, std::string> take_commands(const program::Options& options,
 
 int run_controller(const program::Options& options) {
   program::Outcome outcome;
+  realtime::Capability machine;
   std::vector<hal::AnyBus> buses;
   if (const auto writable = check_files(options); !writable) return refuse(writable.error());
   const auto node = open_telemetry(options);
   if (!node) return refuse(node.error());
-  if (const auto fit = check_start(options, outcome); !fit) return refuse(fit.error());
+  if (const auto fit = check_start(options, outcome, machine); !fit) return refuse(fit.error());
   if (const auto connected = connect(options, buses); !connected) return refuse(connected.error());
   if (*node) {
     if (const auto taken = take_commands(options, **node); !taken) return refuse(taken.error());
@@ -195,17 +203,19 @@ int run_controller(const program::Options& options) {
 
 int run_self_test(const program::Options& options) {
   program::Outcome outcome;
+  realtime::Capability machine;
   std::vector<hal::AnyBus> buses;
   if (const auto writable = check_files(options); !writable) return refuse(writable.error());
-  if (const auto fit = check_start(options, outcome); !fit) return refuse(fit.error());
+  if (const auto fit = check_start(options, outcome, machine); !fit) return refuse(fit.error());
   if (const auto connected = connect(options, buses); !connected) return refuse(connected.error());
-  const program::SelfTestResult result = program::run_self_test(options, controller_state, signals.stop);
+  const program::SelfTestResult result =
+      program::run_self_test(options, controller_state, signals.stop, machine.idle.held());
   if (options.json_file != "-") std::fputs(program::to_text(result).c_str(), stdout);
   if (!write_json(options, program::to_json(result))) return kBadUsage;
   return result.passed() ? kDone : kFailed;
 }
 
-/// scan, watch, jog, calibrate, identify: no torque loop, and no machine that must keep time.
+/// scan, watch, jog, zero, calibrate, identify: no torque loop, and no machine that must keep time.
 int run_commissioning(const program::Options& options) {
   std::vector<hal::AnyBus> buses;
   if (const auto writable = check_files(options); !writable) return refuse(writable.error());
@@ -251,6 +261,7 @@ int main(int argc, char** argv) {
     case program::Task::scan:
     case program::Task::watch:
     case program::Task::jog:
+    case program::Task::zero:
     case program::Task::calibrate:
     case program::Task::identify:
       return run_commissioning(*options);

@@ -9,6 +9,7 @@
 #include "firmware/configuration/driver_of.h"
 #include "firmware/configuration/protocol_name.h"
 #include "hal/robot/driver_scan.h"
+#include "hal/robot/driver_settings.h"
 #include "hal/robot/wiring_load.h"
 
 namespace stilt::commissioning {
@@ -16,6 +17,7 @@ namespace {
 
 constexpr std::int64_t kStep_ns = 1'000'000;
 constexpr int kListenSteps = 200;
+constexpr double kListened_s = kListenSteps * kStep_ns * 1e-9;
 constexpr int kTries = 3;  ///< of a driver of the configuration
 
 /// How a driver is asked.
@@ -31,6 +33,7 @@ using FrameKey = std::pair<std::uint32_t, bool>;  ///< identifier, extended
 struct Candidate {
   hal::JointDriver driver;
   ScannedNode node;
+  std::optional<hal::SettingReader> settings;
 };
 
 ScannedNode node_of(const hal::JointDriver& driver, configuration::DriverProtocol protocol) {
@@ -43,8 +46,9 @@ ScannedNode node_of(const hal::JointDriver& driver, configuration::DriverProtoco
 /// One bus: its nodes, and what was received.
 class BusScan {
  public:
-  BusScan(const configuration::HardwareParameters& hardware, std::size_t bus, hal::FrameBus& frames,
-          hal::Clock& clock, const std::atomic<bool>& stop)
+  BusScan(const configuration::HardwareParameters& hardware,
+          const std::array<hal::bring_up::Options, hal::kJoints>& wanted, std::size_t bus,
+          hal::FrameBus& frames, hal::Clock& clock, const std::atomic<bool>& stop)
       : wiring_(configuration::robot_wiring(hardware)),
         sensor_rate_hz_(hardware.torso_sensor.rate_hz),
         frames_(frames),
@@ -52,7 +56,7 @@ class BusScan {
         stop_(stop) {
     result_.name = configuration::bus_names(hardware)[bus];
     for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
-      if (wiring_.joints[joint].bus == bus) expect(hardware, joint);
+      if (wiring_.joints[joint].bus == bus) expect(hardware, joint, wanted[joint]);
     }
     if (wiring_.channel_bus != bus) wiring_.channel_count = 0;
     if (wiring_.pitch_encoder_bus != bus) wiring_.pitch_encoder.reset();
@@ -67,6 +71,9 @@ class BusScan {
     const hal::BusCounters& after = frames_.counters();
     result_.acknowledged = after.withheld == before.withheld && after.dropped_full == before.dropped_full &&
                            frames_.health() < hal::BusHealth::passive;
+    for (Candidate& candidate : expected_) {
+      if (candidate.node.found.answered) read_settings(candidate);
+    }
     if (wiring_.pitch_encoder) start_encoder();
     if (result_.acknowledged && protocols_.size() == 1) ask_others();
     for (Candidate& candidate : expected_) result_.expected.push_back(finished(candidate));
@@ -74,11 +81,12 @@ class BusScan {
   }
 
  private:
-  void expect(const configuration::HardwareParameters& hardware, std::size_t joint) {
+  void expect(const configuration::HardwareParameters& hardware, std::size_t joint,
+              const hal::bring_up::Options& wanted) {
     const hal::JointDriver& driver = wiring_.joints[joint].driver;
     const auto protocol = configuration::driver_of(hardware, joint).protocol;
     protocols_.insert(protocol);
-    Candidate candidate{driver, node_of(driver, protocol)};
+    Candidate candidate{driver, node_of(driver, protocol), hal::make_setting_reader(driver, wanted)};
     candidate.node.joint = joint;
     if (std::holds_alternative<hal::mit::MitDriver>(driver)) {
       candidate.node.expected_reply_id = hardware.joint[joint].reply_id;
@@ -104,7 +112,10 @@ class BusScan {
 
   void take(const hal::CanFrame& frame, Candidate* asked) {
     const FrameKey key{frame.id, frame.extended};
-    if (listening_) ++unasked_[key];
+    if (listening_) listen(key, frame);
+    if (reads_ != nullptr) {
+      answered_ = hal::visit_driver(*reads_, [&](auto& any) { return any.take(frame); }) || answered_;
+    }
     if (encoder_ && encoder_->take(clock_.now_ns(), frame, position_) == hal::DecodeStatus::ok) ++positions_;
     for (Candidate& candidate : expected_) {
       if (hal::sends_unasked(candidate.driver) &&
@@ -119,6 +130,32 @@ class BusScan {
     if (hal::take_scan(asked->driver, frame, asked->node.found)) of_drivers_.insert(key);
   }
 
+  void listen(const FrameKey& key, const hal::CanFrame& frame) {
+    ++unasked_[key];
+    for (Candidate& candidate : expected_) {
+      hal::visit_driver(*candidate.settings, [&](auto& any) { any.listen(frame); });
+    }
+  }
+
+  /// Asks for one setting after the other; what is not answered after some tries is left out.
+  void read_settings(Candidate& candidate) {
+    constexpr int kSettingTries = 5;
+    reads_ = &*candidate.settings;
+    for (int lost = 0; !stop_; lost = answered_ ? 0 : lost + 1) {
+      const bool give_up = lost == kSettingTries;
+      if (give_up) lost = 0;
+      const auto question =
+          hal::visit_driver(*reads_, [&](auto& any) { return any.next(lost > 0, give_up); });
+      if (!question) break;
+      answered_ = false;
+      static_cast<void>(frames_.send(std::span(&*question, 1)));  // what does not leave is not answered
+      for (int step = 0; step < kForExpected.answer_steps && !answered_ && !stop_; ++step) take_step(nullptr);
+    }
+    candidate.node.settings =
+        hal::visit_driver(*reads_, [](const auto& any) { return any.settings(kListened_s); });
+    reads_ = nullptr;
+  }
+
   [[nodiscard]] std::span<const hal::ChannelRow> channels() const {
     return std::span(wiring_.channels).first(wiring_.channel_count);
   }
@@ -131,7 +168,6 @@ class BusScan {
 
   /// Frames that came unasked are those of the torso sensor, of drivers, or unknown.
   void sort_unasked() {
-    constexpr double kListened_s = kListenSteps * kStep_ns * 1e-9;
     std::set<FrameKey> expected;
     for (const hal::ChannelRow& row : channels()) expected.emplace(row.id, row.extended);
     if (wiring_.pitch_encoder) {
@@ -192,7 +228,7 @@ class BusScan {
     result_.asked_others = true;
     for (const hal::JointDriver& driver : hal::scan_others(expected_.front().driver)) {
       if (stop_ || is_expected(driver) || uses_sensor_identifier(driver)) continue;
-      Candidate candidate{driver, node_of(driver, *protocols_.begin())};
+      Candidate candidate{driver, node_of(driver, *protocols_.begin()), std::nullopt};
       ask(candidate, kForOthers);
       if (!candidate.node.found.answered) continue;
       std::erase_if(result_.unknown, [this](const ScannedFrames& frames) {
@@ -232,6 +268,8 @@ class BusScan {
   hal::canopen::EncoderPosition position_;
   int positions_ = 0;
   bool listening_ = true;
+  hal::SettingReader* reads_ = nullptr;  ///< at work
+  bool answered_ = false;                ///< its question
 };
 
 }  // namespace
@@ -243,11 +281,12 @@ bool ScanResult::complete() const noexcept {
          });
 }
 
-ScanResult scan(const configuration::HardwareParameters& hardware, std::span<hal::FrameBus* const> buses,
-                hal::Clock& clock, const std::atomic<bool>& stop) {
+ScanResult scan(const configuration::HardwareParameters& hardware,
+                const std::array<hal::bring_up::Options, hal::kJoints>& wanted,
+                std::span<hal::FrameBus* const> buses, hal::Clock& clock, const std::atomic<bool>& stop) {
   ScanResult result;
   for (std::size_t bus = 0; bus < buses.size(); ++bus) {
-    result.buses.push_back(BusScan(hardware, bus, *buses[bus], clock, stop).run());
+    result.buses.push_back(BusScan(hardware, wanted, bus, *buses[bus], clock, stop).run());
   }
   return result;
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <optional>
@@ -8,7 +10,9 @@
 #include <vector>
 
 #include "firmware/configuration/hardware.h"
+#include "hal/bring_up/bring_up.h"
 #include "hal/can/frame_bus.h"
+#include "hal/driver/read_setting.h"
 #include "hal/driver/scanned_driver.h"
 #include "hal/robot/clock.h"
 
@@ -26,13 +30,15 @@ struct ScannedNode {
   std::optional<int> expected_reply_id;  ///< by the configuration, where the driver has such a setting
   std::string firmware;                  ///< as the vendor writes it; empty: not reported
   hal::ScannedDriver found;
+  std::vector<hal::ReadSetting> settings;  ///< of a driver of the configuration, as far as it can be asked
 
   [[nodiscard]] bool wrong_reply_id() const noexcept {
     return expected_reply_id && found.reply_id && static_cast<int>(*found.reply_id) != *expected_reply_id;
   }
-  /// It answers, with the identifiers of the configuration, and has no fault.
+  /// It answers, with the identifiers and settings of the configuration, and has no fault.
   [[nodiscard]] bool good() const noexcept {
-    return found.answered && !wrong_reply_id() && found.reading.fault == hal::DriverFault::none;
+    return found.answered && !wrong_reply_id() && found.reading.fault == hal::DriverFault::none &&
+           std::ranges::all_of(settings, &hal::ReadSetting::right);
   }
 };
 
@@ -68,12 +74,14 @@ struct ScanResult {
   [[nodiscard]] bool complete() const noexcept;
 };
 
-/// Listens for 0.2 s per bus, then asks every driver of the configuration and starts an encoder of the
-/// torso on CANopen. Then it asks other identifiers of the drivers' protocol: only where all drivers of the
-/// bus speak one protocol, and none that the torso sensor uses.
+/// Listens for 0.2 s per bus, then asks every driver of the configuration for its identity and its settings,
+/// and starts an encoder of the torso on CANopen. Then it asks other identifiers of the drivers' protocol:
+/// only where all drivers of the bus speak one protocol, and none that the torso sensor uses.
+/// @param wanted  of each joint: travel and speed at the driver's shaft
 /// @param buses  in the order of their numbers, receiving all identifiers
 /// @param stop   ends the scan early
 [[nodiscard]] ScanResult scan(const configuration::HardwareParameters& hardware,
+                              const std::array<hal::bring_up::Options, hal::kJoints>& wanted,
                               std::span<hal::FrameBus* const> buses, hal::Clock& clock,
                               const std::atomic<bool>& stop);
 

@@ -53,7 +53,13 @@ std::string expected_line(const ScannedNode& node) {
     text += ", with identifier " + hexadecimal(*node.found.reply_id) + " where " + kJointNames[*node.joint] +
             ".reply_id is " + hexadecimal(static_cast<std::uint32_t>(*node.expected_reply_id));
   }
-  return text + state_line(node) + '\n';
+  text += state_line(node) + '\n';
+  for (const hal::ReadSetting& setting : node.settings) {
+    if (setting.right) continue;
+    const std::string is = setting.is.empty() ? " does not read back" : " is " + setting.is;
+    text += "    SETTING " + setting.name + is + ", and must be " + setting.wanted + '\n';
+  }
+  return text;
 }
 
 /// The joint that has such an identifier on another bus.
@@ -138,6 +144,13 @@ Json node_json(const ScannedNode& node) {
   json["mode"] = diagnostics::state_text(reading.state);
   json["fault"] = hal::name(reading.fault);
   json["fault_code"] = reading.fault_code;
+  if (node.joint) json["settings"] = Json::array();
+  for (const hal::ReadSetting& setting : node.settings) {
+    json["settings"].push_back({{"name", setting.name},
+                                {"is", setting.is.empty() ? Json(nullptr) : Json(setting.is)},
+                                {"wanted", setting.wanted},
+                                {"right", setting.right}});
+  }
   return json;
 }
 

@@ -12,6 +12,7 @@ struct RuntimeParameters {
   int planner_core = 0;                     ///< processor of the planner; -1 as above
   int torque_priority = 80;                 ///< SCHED_FIFO, 1 to 99; 0: ordinary scheduling
   int planner_priority = 60;                ///< as above, below torque_priority
+  double idle_exit_max_s = 1e-5;            ///< held through /dev/cpu_dma_latency; whole microseconds
   double self_test_answered_share = 0.999;  ///< of the commands of stiltd selftest, in time or late
   double self_test_in_time_share = 0.99;    ///< of the commands, before the next one
   double self_test_late_share = 0.001;      ///< of the ticks, later than supervisor.torque_loop_overrun_s

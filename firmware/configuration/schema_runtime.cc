@@ -37,6 +37,10 @@ constexpr Entry kEntries[] = {
     {"runtime", "planner_priority", "1",
      "SCHED_FIFO priority of the planner, below the torque loop's; 0: ordinary scheduling",
      integer<&P::runtime, &R::planner_priority>(0, 98)},
+    {"runtime", "idle_exit_max_s", "s",
+     "Longest time that an idle processor may take to wake, held through /dev/cpu_dma_latency while stiltd "
+     "runs in real time",
+     real<&P::runtime, &R::idle_exit_max_s>(0.0, 0.01)},
     {"runtime", "self_test_answered_share", "1",
      "stiltd selftest: share of the commands on the bus that each driver must answer, in time or late",
      real<&P::runtime, &R::self_test_answered_share>(0.0, 1.0)},

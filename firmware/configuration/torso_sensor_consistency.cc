@@ -19,6 +19,7 @@ using hal::BaseChannel;
 constexpr double kFallingTorso_rad_s = 5.0;
 /// Step of a rate that is taken from the pitch: more would be noise in the torques.
 constexpr double kCoarsestRate_rad_s = 0.03;
+constexpr double kFastestXsens_Hz = 400.0;  // its fused angles; MT Low Level Communication Protocol
 constexpr double kFewestPitches = 2, kMostPitches = 60;  // of hal::TorsoMeasurement, in a window
 
 /// Farthest that a field reads, either way.
@@ -131,6 +132,12 @@ void check_torso_sensor(const HardwareParameters& hardware, std::vector<Contradi
                      "positions of an encoder on CANopen"});
     return;
   }
+  if (sensor.device == TorsoDevice::xsens_can && sensor.rate_hz > kFastestXsens_Hz) {
+    found.push_back({{"torso_sensor.rate_hz", "torso_sensor.device"},
+                     "torso_sensor.rate_hz = " + number_text(sensor.rate_hz) +
+                         ", and an Xsens MTi sends at most " + number_text(kFastestXsens_Hz) +
+                         " angles a second"});
+  }
   if (sensor.device == TorsoDevice::vectornav) check_port(sensor, found);
   const bool rate_from_pitch =
       (by_channel && sensor.pitch_rate == "none") || (is_encoder && sensor.encoder_speed_rad_s == 0);
@@ -149,6 +156,12 @@ void check_torso_range(const HardwareParameters& hardware, const supervisor::Sup
       check_reach("torso_sensor.pitch", reach(*row), angle_rad, "rad", kAngle, found);
     if (const hal::ChannelRow* row = row_of(wiring, BaseChannel::pitch_rate_rad_s))
       check_reach("torso_sensor.pitch_rate", reach(*row), kFallingTorso_rad_s, "rad/s", kRate, found);
+  }
+  const bool is_unit = sensor.device == TorsoDevice::xsens_can || sensor.device == TorsoDevice::vectornav;
+  // Its pitch turns back at a quarter turn; its roll goes on.
+  if (is_unit && sensor.imu_axis == ImuAxis::pitch) {
+    check_reach("torso_sensor.imu_axis", std::numbers::pi / 2 - std::abs(sensor.imu_offset_rad), angle_rad,
+                "rad", kAngle, found);
   }
   const double period_rad = hal::torso_sensor_traits(wiring).pitch_period_rad;
   const bool is_encoder = wiring.pitch_encoder || wiring.pitch_encoder_joint >= 0;

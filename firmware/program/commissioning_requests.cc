@@ -2,16 +2,30 @@
 
 #include <algorithm>
 
+#include "firmware/configuration/hardware.h"
+
 namespace stilt::program {
 
 commissioning::JogRequest jog_request(const Options& options, const model::RobotModel& robot) {
   const supervisor::SupervisorParameters& supervisor = options.configuration.supervisor;
-  return {.joint = options.jog_joint,
+  return {.joint = options.joint,
           .angle_rad = options.jog_angle_rad,
-          .torque_limit_Nm = robot.constants.torque_limit_Nm[options.jog_joint],
+          .torque_limit_Nm = robot.constants.torque_limit_Nm[options.joint],
           .torque_share = std::min(commissioning::kJogTorqueShare, supervisor.torque_limit_share),
           .kp_Nm_rad = supervisor.hold_kp_Nm_rad,
           .kd_Nms_rad = supervisor.hold_kd_Nms_rad};
+}
+
+std::array<hal::bring_up::Options, hal::kJoints> wanted_of_drivers(const Options& options,
+                                                                   const model::RobotModel& robot) {
+  const model::RobotConstants& constants = robot.constants;
+  std::array<hal::bring_up::Options, hal::kJoints> wanted;
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    wanted[joint] = configuration::bring_up_options(
+        options.configuration.hardware, joint, constants.position_min_rad[joint],
+        constants.position_max_rad[joint], constants.velocity_limit_rad_s[joint]);
+  }
+  return wanted;
 }
 
 commissioning::IdentificationRequest identification_request(const Options& options,

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <vector>
 
 #include "firmware/commissioning/calibrate.h"
@@ -12,6 +13,7 @@
 #include "firmware/commissioning/jog_dialog.h"
 #include "firmware/commissioning/scan.h"
 #include "firmware/commissioning/watch.h"
+#include "firmware/commissioning/zero.h"
 #include "firmware/configuration/driver_of.h"
 #include "firmware/program/commissioning_requests.h"
 #include "firmware/program/found_values.h"
@@ -31,8 +33,13 @@ std::int64_t tick_ns(const Options& options) {
   return std::llround(1e9 / options.configuration.timing.torque_rate_hz);
 }
 
+/// A line of JSON with the reason.
+std::string failure_json(const std::string& error) {
+  return nlohmann::ordered_json{{"good", false}, {"error", error}}.dump() + '\n';
+}
+
 CommissioningOutcome failed(const std::string& error, bool bad_input = false) {
-  return {.error = error, .bad_input = bad_input, .text = {}, .json = {}};
+  return {.error = error, .bad_input = bad_input, .text = {}, .json = failure_json(error)};
 }
 
 /// Why the torso sensor on a serial port does not report; empty: it does. It is known after half a second.
@@ -50,7 +57,11 @@ CommissioningOutcome run_scan(const Options& options, ControllerState& state, ha
                               const std::atomic<bool>& stop) {
   std::vector<hal::FrameBus*> buses;
   for (hal::TapBus& bus : state.hardware->buses()) buses.push_back(&bus);
-  auto result = commissioning::scan(options.configuration.hardware, buses, clock, stop);
+  const configuration::HardwareParameters& hardware = options.configuration.hardware;
+  const auto robot = robots::find(hardware.robot);
+  if (!robot) return failed(robot.error(), true);
+  auto result =
+      commissioning::scan(hardware, wanted_of_drivers(options, (*robot)->model), buses, clock, stop);
   if (options.configuration.hardware.torso_sensor.device == configuration::TorsoDevice::vectornav) {
     result.serial_sensor_trouble = serial_trouble(state.serial_torso_sensor, clock);
   }
@@ -82,6 +93,11 @@ class WatchDisplay {
     drawn_ = true;
   }
 
+  /// The last line of JSON of a watch that could not go on.
+  void fail(const std::string& error) {
+    if (json_ != nullptr) std::fputs(failure_json(error).c_str(), json_);
+  }
+
   /// The table of the end, where nothing was drawn.
   [[nodiscard]] std::string last() const { return redraws_ ? "" : last_; }
 
@@ -103,7 +119,10 @@ CommissioningOutcome run_watch(const Options& options, ControllerState& state, h
   WatchDisplay display(options.json_file);
   const auto done = commissioning::watch(session, options.duration_s,
                                          [&display](const auto& sample) { display.show(sample); });
-  if (!done) return failed(done.error());
+  if (!done) {
+    display.fail(done.error());
+    return {.error = done.error(), .text = {}, .json = {}};
+  }
   return {.error = {}, .passed = true, .text = display.last(), .json = {}};
 }
 
@@ -114,7 +133,7 @@ CommissioningOutcome run_jog(const Options& options, ControllerState& state, hal
   const configuration::Configuration& configuration = options.configuration;
   const auto robot = robots::find(configuration.hardware.robot);
   if (!robot) return failed(robot.error(), true);
-  const double ratio = configuration::driver_of(configuration.hardware, options.jog_joint).ratio;
+  const double ratio = configuration::driver_of(configuration.hardware, options.joint).ratio;
   Session session(*state.hardware, clock, tick_ns(options), stop);
   const commissioning::JogRequest request = jog_request(options, (*robot)->model);
   const auto report = commissioning::jog_and_ask(session, request, ratio, *person);
@@ -123,6 +142,16 @@ CommissioningOutcome run_jog(const Options& options, ControllerState& state, hal
           .passed = report->verdict.finding == commissioning::Finding::correct,
           .text = to_text(*report),
           .json = to_json(*report)};
+}
+
+CommissioningOutcome run_zero(const Options& options, ControllerState& state, hal::Clock& clock,
+                              const std::atomic<bool>& stop) {
+  const configuration::HardwareParameters& hardware = options.configuration.hardware;
+  const auto bus = static_cast<std::size_t>(hardware.joint[options.joint].bus);
+  const auto report =
+      commissioning::set_zero(hardware, options.joint, state.hardware->buses()[bus], clock, stop);
+  if (!report) return failed(report.error().sentence, report.error().bad_answer);
+  return {.error = {}, .passed = report->good(), .text = to_text(*report), .json = to_json(*report)};
 }
 
 /// The outcome of a command that has found values, which are written where that is asked for. What was found
@@ -183,6 +212,7 @@ CommissioningOutcome run_commissioning(const Options& options, ControllerState& 
     if (options.task == Task::scan) outcome = run_scan(options, state, clock, stop);
     if (options.task == Task::watch) outcome = run_watch(options, state, clock, stop);
     if (options.task == Task::jog) outcome = run_jog(options, state, clock, stop);
+    if (options.task == Task::zero) outcome = run_zero(options, state, clock, stop);
     if (options.task == Task::calibrate) outcome = run_calibrate(options, state, clock, stop);
     if (options.task == Task::identify) outcome = run_identify(options, state, clock, stop);
   });

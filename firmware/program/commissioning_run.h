@@ -19,7 +19,7 @@ struct CommissioningOutcome {
   std::string json;        ///< empty: written already, or there is none
 };
 
-/// scan, watch, jog, calibrate or identify, over open buses. Shows on standard output while it works.
+/// scan, watch, jog, zero, calibrate or identify, over open buses. Shows on standard output while it works.
 [[nodiscard]] CommissioningOutcome run_commissioning(const Options& options, ControllerState& state,
                                                      const std::atomic<bool>& stop);
 

@@ -55,7 +55,7 @@ struct Arguments {
   std::string start;
   bool check_config = false;
   bool print_config = false;
-  std::string jog_joint;
+  std::string joint;
   std::string reference = "stops";
 };
 
@@ -65,6 +65,7 @@ struct Commands {
   CLI::App* scan = nullptr;
   CLI::App* watch = nullptr;
   CLI::App* jog = nullptr;
+  CLI::App* zero = nullptr;
   CLI::App* calibrate = nullptr;
   CLI::App* identify = nullptr;
 };
@@ -232,10 +233,15 @@ Commands add_commands(CLI::App& app, Arguments& arguments, Options& options) {
                              "moves one joint slowly with at most 20 % of its torque, asks which link moved, "
                              "and names what is wired wrong",
                              arguments, options);
-  commands.jog->add_option("joint", arguments.jog_joint, "hip_L, knee_L, hip_R or knee_R")->required();
+  commands.jog->add_option("joint", arguments.joint, "hip_L, knee_L, hip_R or knee_R")->required();
   commands.jog->add_option("angle", options.jog_angle_rad, "from where it hangs, rad: 0.08 to 0.5 either way")
       ->required();
   add_answers(*commands.jog, options);
+  commands.zero = add_command(app, "zero",
+                              "makes the position in which a joint is held the zero of its driver, where the "
+                              "driver can; motors off",
+                              arguments, options);
+  commands.zero->add_option("joint", arguments.joint, "hip_L, knee_L, hip_R or knee_R")->required();
   commands.calibrate = add_command(app, "calibrate",
                                    "signs and offsets of joints that a person moves to end stops or marks, "
                                    "and the torso sensor against gravity; no torque",
@@ -264,14 +270,20 @@ Commands add_commands(CLI::App& app, Arguments& arguments, Options& options) {
   return commands;
 }
 
-std::expected<void, std::string> interpret_jog(const Arguments& arguments, Options& options) {
+std::expected<void, std::string> interpret_joint(const char* command, const Arguments& arguments,
+                                                 Options& options) {
   const auto& names = control_loop::kJointNames;
-  const auto joint = std::ranges::find(names, arguments.jog_joint);
+  const auto joint = std::ranges::find(names, arguments.joint);
   if (joint == names.end()) {
-    return std::unexpected("jog: \"" + arguments.jog_joint +
+    return std::unexpected(std::string(command) + ": \"" + arguments.joint +
                            "\" is no joint; right are hip_L, knee_L, hip_R and knee_R");
   }
-  options.jog_joint = static_cast<std::size_t>(joint - names.begin());
+  options.joint = static_cast<std::size_t>(joint - names.begin());
+  return {};
+}
+
+std::expected<void, std::string> interpret_jog(const Arguments& arguments, Options& options) {
+  if (const auto right = interpret_joint("jog", arguments, options); !right) return right;
   const double angle_rad = std::abs(options.jog_angle_rad);
   if (!(angle_rad >= commissioning::kSmallestJog_rad && angle_rad <= commissioning::kLargestJog_rad)) {
     return std::unexpected("jog: the angle must be 0.08 to 0.5 rad, either way");
@@ -291,6 +303,10 @@ std::expected<void, std::string> interpret(const Arguments& arguments, const Com
   if (commands.jog->parsed()) {
     options.task = Task::jog;
     if (const auto right = interpret_jog(arguments, options); !right) return right;
+  }
+  if (commands.zero->parsed()) {
+    options.task = Task::zero;
+    if (const auto right = interpret_joint("zero", arguments, options); !right) return right;
   }
   if (arguments.check_config) options.task = Task::check_config;
   if (arguments.print_config) options.task = Task::print_config;

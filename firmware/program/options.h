@@ -18,6 +18,7 @@ enum class Task {
   scan,          ///< find the drivers of the buses
   watch,         ///< show joints and sensors, limp
   jog,           ///< move one joint, ask which link moved
+  zero,          ///< make the position of a joint the zero of its driver
   calibrate,     ///< signs and offsets, from joints that a person moves
   identify,      ///< friction, inertia and torque constant of each drive
   check_config,  ///< read the configuration, say what it means, and end
@@ -38,7 +39,7 @@ struct Options {
   bool forbid_syscalls = false;  ///< for proofs: see realtime::forbid_other_system_calls()
   double planner_until_s = 0.0;  ///< for tests: no plans from states later than this; 0: always
   double self_test_s = 10.0;
-  std::size_t jog_joint = 0;
+  std::size_t joint = 0;  ///< of jog and zero
   double jog_angle_rad = 0.0;
   double torque_limit_share = 1.0;        ///< of --torque-limit, in the configuration already
   std::string answers_file;               ///< answers to what a command asks; empty: standard input

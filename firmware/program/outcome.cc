@@ -133,6 +133,7 @@ std::string to_json(const Outcome& outcome) {
   json["solve_us"] = json_of(outcome.solve_us);
   json["heap_allocations"] = outcome.heap_allocations;
   json["page_faults"] = outcome.page_faults;
+  json["idle_states"] = outcome.idle_states;
   if (outcome.not_realtime.empty()) {
     json["realtime"] = true;
   } else {

@@ -42,9 +42,10 @@ struct Outcome {
   diagnostics::Percentiles solve_us;
   long long heap_allocations = 0;
   long long page_faults = 0;
-  std::string not_realtime;  ///< why the machine cannot keep time; empty: it can
-  std::string error;         ///< what ended the run from outside; empty: nothing
-  std::string not_written;   ///< about the file of --black-box; empty: it is complete, or was not needed
+  std::string idle_states = "as they are";  ///< of the processors while it ran
+  std::string not_realtime;                 ///< why the machine cannot keep time; empty: it can
+  std::string error;                        ///< what ended the run from outside; empty: nothing
+  std::string not_written;  ///< about the file of --black-box; empty: it is complete, or was not needed
 };
 
 /// Takes what happened out of the ring: says it on standard error and to telemetry, if any, and keeps the

@@ -38,7 +38,12 @@ bool requires_realtime(const configuration::Configuration& configuration) {
 }
 
 realtime::Requirements requirements_of(const configuration::RuntimeParameters& runtime) {
-  return {runtime.torque_priority, runtime.planner_priority, runtime.torque_core, runtime.planner_core};
+  return {runtime.torque_priority, runtime.planner_priority, runtime.torque_core, runtime.planner_core,
+          runtime.idle_exit_max_s};
+}
+
+std::string idle_text(const realtime::Capability& capability) {
+  return capability.idle.held() ? "kept short" : "as they are (" + capability.idle.reason() + ")";
 }
 
 std::string describe(const realtime::Capability& capability) {
@@ -46,7 +51,8 @@ std::string describe(const realtime::Capability& capability) {
                      (capability.cores == 1 ? " processor" : " processors");
   if (!capability.governor.empty()) text += ", governor " + capability.governor;
   text += capability.memory_locked ? ", memory locked" : ", memory not locked";
-  text += capability.priority_allowed ? ", priority granted\n" : ", no priority\n";
+  text += capability.priority_allowed ? ", priority granted" : ", no priority";
+  text += ", idle states " + idle_text(capability) + '\n';
   return text + (capability.realtime() ? "real time\n"
                                        : "not real time: " + realtime::lacking_text(capability) + '\n');
 }

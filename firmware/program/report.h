@@ -21,7 +21,11 @@ struct BusReport {
 /// What the threads of a configuration ask of the machine.
 [[nodiscard]] realtime::Requirements requirements_of(const configuration::RuntimeParameters& runtime);
 
-/// The machine in a few lines: kernel, processors, governor, locked memory, priority, and what is lacking.
+/// Whether idle states are kept short: "kept short", or "as they are (Permission denied)".
+[[nodiscard]] std::string idle_text(const realtime::Capability& capability);
+
+/// The machine in a few lines: kernel, processors, governor, locked memory, priority, idle states, and
+/// what is lacking.
 [[nodiscard]] std::string describe(const realtime::Capability& capability);
 
 }  // namespace stilt::program

@@ -5,6 +5,7 @@
 
 #include "firmware/commissioning/session.h"
 #include "firmware/program/commissioning_run.h"
+#include "firmware/program/interrupt_report.h"
 #include "firmware/program/planner_load.h"
 #include "hal/robot/clock.h"
 #include "hal/robot/round_trip.h"
@@ -113,22 +114,6 @@ void command_robot(Test& test, commissioning::Session& session) {
   test.result.last = session.readings();
 }
 
-/// Threads of the kernel that serve a bus, may run on the planner's processor, and wait there for a solve.
-std::vector<realtime::InterruptThread> delayed_interrupts(const Options& options) {
-  const configuration::RuntimeParameters& runtime = options.configuration.runtime;
-  const auto serves_a_bus = [&](const realtime::InterruptThread& thread) {
-    return std::ranges::any_of(
-        configuration::bus_names(options.configuration.hardware),
-        [&](const std::string& bus) { return thread.name.find("-" + bus) != std::string::npos; });
-  };
-  std::vector<realtime::InterruptThread> delayed = realtime::interrupt_threads();
-  std::erase_if(delayed, [&](const realtime::InterruptThread& thread) {
-    return !serves_a_bus(thread) || thread.priority > runtime.planner_priority ||
-           !realtime::has_processor(thread.processors, runtime.planner_core);
-  });
-  return delayed;
-}
-
 /// The same with the planner at work, and what the kernel reports of the processors.
 void command_under_load(Test& test, commissioning::Session& session) {
   const int core = test.options.configuration.runtime.torque_core;
@@ -141,7 +126,10 @@ void command_under_load(Test& test, commissioning::Session& session) {
   command_robot(test, session);
   load.end();
   test.result.solve = load.solve();
-  test.result.interrupts = delayed_interrupts(test.options);
+  const auto interrupts =
+      realtime::bus_interrupts(configuration::bus_names(test.options.configuration.hardware));
+  test.result.interrupts = delayed_threads(interrupts, test.options.configuration.runtime);
+  test.result.interrupt_sentences = interrupt_sentences(interrupts);
   test.result.idle = realtime::deepest_idle_state(core);
   if (throttled) test.result.throttled = realtime::thermal_throttle_count().value_or(*throttled) - *throttled;
 }
@@ -159,12 +147,14 @@ void run(Test& test) {
 
 }  // namespace
 
-SelfTestResult run_self_test(const Options& options, ControllerState& state, const std::atomic<bool>& stop) {
+SelfTestResult run_self_test(const Options& options, ControllerState& state, const std::atomic<bool>& stop,
+                             bool idle_held) {
   SelfTestResult result;
   const auto ran = run_with_clock(options, state, [&](hal::Clock& clock) {
     Test test(options, state, stop, clock);
     run(test);
     result = test.result;
+    if (idle_held) result.idle_held_us = 1e6 * options.configuration.runtime.idle_exit_max_s;
   });
   if (!ran) result.failure = ran.error();
   return result;

@@ -51,9 +51,11 @@ struct SelfTestResult {
   long long late_ticks = 0;  ///< later than limits.late_s
   diagnostics::Histogram wakeup_latency;
   diagnostics::Histogram round_trip;
-  diagnostics::Histogram solve;  ///< of the planner at work beside; empty in lock-step
-  std::optional<realtime::IdleState> idle;
+  diagnostics::Histogram solve;             ///< of the planner at work beside; empty in lock-step
+  std::optional<realtime::IdleState> idle;  ///< the slowest to leave
+  std::optional<double> idle_held_us;       ///< slower ones are not used as long as the program runs
   std::vector<realtime::InterruptThread> interrupts;  ///< of the buses, that a solve may delay
+  std::vector<std::string> interrupt_sentences;       ///< of each bus with an adapter
   std::optional<long long> throttled;                 ///< times a processor was slowed down during the test
 
   /// Every joint answered enough of its commands. A machine that is late itself withholds commands and reads
@@ -69,8 +71,9 @@ struct SelfTestResult {
 /// Brings all drivers up, commands zero torque at the rate of the torque loop for options.self_test_s, then
 /// disables them. The planner is at work on its own thread. Nothing moves. In lock-step, a tick is a turn
 /// of the simulated robot, and nothing is said of the computer.
+/// @param idle_held  the kernel keeps to idle states of runtime.idle_exit_max_s
 [[nodiscard]] SelfTestResult run_self_test(const Options& options, ControllerState& state,
-                                           const std::atomic<bool>& stop);
+                                           const std::atomic<bool>& stop, bool idle_held);
 
 /// The results for people, and as JSON.
 [[nodiscard]] std::string to_text(const SelfTestResult& result);

@@ -56,7 +56,7 @@ Check torso_sensor(const SelfTestResult& result) {
 
 Check emergency_stop(const SelfTestResult& result) {
   const bool absent = result.last.emergency_stop == hal::EmergencyStopState::absent;
-  return {"emergency stop", !result.emergency_stop_pressed && !result.emergency_stop_silent,
+  return {"emergency stop", !result.emergency_stop_pressed && !result.emergency_stop_silent && !absent,
           result.emergency_stop_pressed  ? "pressed"
           : result.emergency_stop_silent ? "silent"
           : absent                       ? "not wired to this program"
@@ -96,16 +96,21 @@ Check interrupt_threads(const SelfTestResult& result) {
     waiting += formatted("%s%s (process %d, priority %d) waits for the planner", waiting.empty() ? "" : "; ",
                          thread.name.c_str(), thread.process, thread.priority);
   }
-  return {"interrupts", waiting.empty(),
-          waiting.empty() ? "none named after a bus waits for the planner" : waiting, limit};
+  std::string others;
+  for (const std::string& sentence : result.interrupt_sentences) {
+    others += (others.empty() ? "" : "; ") + sentence;
+  }
+  if (others.empty()) others = "no bus has an adapter";
+  return {"interrupts", waiting.empty(), waiting.empty() ? others : waiting + "; " + others, limit};
 }
 
 Check idle_states(const SelfTestResult& result) {
   const double most_us = 1e6 * result.limits.late_s;
   if (!result.idle) return {"idle states", true, "not reported by the kernel", ""};
-  return {"idle states", result.idle->exit_us <= most_us,
-          formatted("%s, %.0f us to wake", result.idle->name.c_str(), result.idle->exit_us),
-          formatted("at most %.0f us", most_us)};
+  const double exit_us = std::min(result.idle->exit_us, result.idle_held_us.value_or(result.idle->exit_us));
+  std::string measured = formatted("%s, %.0f us to wake", result.idle->name.c_str(), result.idle->exit_us);
+  if (exit_us < result.idle->exit_us) measured += formatted(", not used: held at %.0f us", exit_us);
+  return {"idle states", exit_us <= most_us, measured, formatted("at most %.0f us", most_us)};
 }
 
 Check throttling(const SelfTestResult& result) {

@@ -7,9 +7,11 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 
 #include "firmware/realtime/kernel_file.h"
+#include "firmware/realtime/processor_state.h"
 
 namespace stilt::realtime {
 namespace {
@@ -64,12 +66,23 @@ void look_at_processors(Capability& capability, const Requirements& requirements
   }
 }
 
+/// A request that is not granted lacks only where the kernel has idle states that are too slow to leave.
+void shorten_idle_states(Capability& capability, const Requirements& requirements, const std::string& root) {
+  capability.idle = IdleRequest(requirements.idle_exit_max_s, root);
+  const auto deepest = deepest_idle_state(requirements.torque_core, root);
+  if (capability.idle.held() || !deepest || deepest->exit_us <= 1e6 * requirements.idle_exit_max_s) return;
+  capability.lacking.push_back(
+      "a processor takes " + std::to_string(std::lround(deepest->exit_us)) + " us to leave idle state " +
+      deepest->name + ", and /dev/cpu_dma_latency cannot be held (" + capability.idle.reason() + ")");
+}
+
 }  // namespace
 
 Capability acquire(const Requirements& requirements, const std::string& root) {
   Capability capability;
   look_at_kernel(capability, root);
   look_at_processors(capability, requirements, root);
+  shorten_idle_states(capability, requirements, root);
   capability.memory_locked = mlockall(MCL_CURRENT | MCL_FUTURE) == 0;
   if (!capability.memory_locked) {
     capability.lacking.push_back(std::string("memory cannot be locked (") + std::strerror(errno) + ")");

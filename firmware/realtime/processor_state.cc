@@ -77,7 +77,7 @@ std::vector<InterruptThread> interrupt_threads(const std::string& root) {
   for (const auto& process : fs::directory_iterator(root + "/proc", missing)) {
     const int number = std::atoi(process.path().filename().c_str());
     const std::string name = number > 0 ? first_line(process.path() / "comm") : "";
-    if (!name.starts_with("irq/")) continue;
+    if (!name.starts_with("irq/") && !name.starts_with("napi/") && !name.starts_with("ksoftirqd/")) continue;
     threads.push_back(
         {name, number, priority_of(process.path()), status_of(process.path(), "Cpus_allowed_list")});
   }

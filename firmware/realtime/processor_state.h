@@ -22,9 +22,10 @@ struct IdleState {
 /// computer. Nothing when the kernel does not report it, as in a virtual machine and on Arm.
 [[nodiscard]] std::optional<long long> thermal_throttle_count(const std::string& root = "");
 
-/// A thread of the kernel that serves an interrupt; there are some on every PREEMPT_RT kernel.
+/// A thread of the kernel that serves an interrupt, or goes on with what one began; there are some on every
+/// PREEMPT_RT kernel.
 struct InterruptThread {
-  std::string name;        ///< "irq/45-can0"
+  std::string name;        ///< "irq/45-can0", "napi/can0-8", "ksoftirqd/0"
   int process = 0;         ///< for chrt and taskset
   int priority = 0;        ///< SCHED_FIFO
   std::string processors;  ///< that it may run on: "0-3,5"

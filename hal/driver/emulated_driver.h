@@ -67,13 +67,24 @@ class EmulatedDriver {
  protected:
   ~EmulatedDriver() = default;
   /// What the encoder reports.
-  [[nodiscard]] const Motor& sensed() const noexcept { return frozen_ ? frozen_motor_ : motor; }
+  [[nodiscard]] Motor sensed() const noexcept {
+    Motor counted = frozen_ ? frozen_motor_ : motor;
+    counted.position_rad -= zero_rad_;
+    return counted;
+  }
+  /// Counts from here on so that the present position is this.
+  void count_from(double position_rad) noexcept {
+    zero_rad_ = (frozen_ ? frozen_motor_ : motor).position_rad - position_rad;
+  }
+  [[nodiscard]] double zero_rad() const noexcept { return zero_rad_; }
+  void set_zero_rad(double zero_rad) noexcept { zero_rad_ = zero_rad; }
 
  private:
   bool frozen_ = false;
   bool powered_ = true;
   bool torque_lost_ = false;
   Motor frozen_motor_;
+  double zero_rad_ = 0;  ///< of the shaft, where the driver's position is 0
 };
 
 }  // namespace stilt::hal

@@ -103,7 +103,7 @@ void MitEmulator::take_special(std::int64_t now_ns, MitSpecial special) noexcept
       fault_code_ = 0;
       break;
     case MitSpecial::set_zero:
-      motor.position_rad = 0;
+      if (!enabled_) count_from(0);
       break;
   }
   if (!keeps_commands) command_ = {};

@@ -27,13 +27,13 @@ constexpr double kGainTolerance = 0.02;      // relative
 constexpr double kTermTolerance_Nm = 0.005;  // beside it: registers of 1 mNm
 /// Settings that no register shows, with the value that docs/deployment.md asks for.
 struct WantedSetting {
-  std::string_view name;
+  std::string_view question;
   double value;
   Setting setting;
 };
 constexpr std::array<WantedSetting, 2> kSettings{{
-    {"servo.timeout_mode", 12, Setting::moteus_timeout_mode},
-    {"servo.bemf_feedforward", 0, Setting::moteus_bemf_feedforward},
+    {"conf get servo.timeout_mode", 12, Setting::moteus_timeout_mode},
+    {"conf get servo.bemf_feedforward", 0, Setting::moteus_bemf_feedforward},
 }};
 constexpr std::uint8_t kOutsideBounds = 39;  // enabled outside servopos.position_min and position_max
 
@@ -78,7 +78,7 @@ BringUp::Ask MoteusBringUp::ask(Stage stage, unsigned /*part*/, CanFrame& frame)
       status = encode_stop(driver_, MoteusQuery::identity, frame);
       break;
     case Stage::scaling:  // fixed by the register map version; gains show when it is enabled
-      status = console_.ask(driver_, kSettings[setting_].name, tries() > 0, frame);
+      status = console_.ask(driver_, kSettings[setting_].question, tries() > 0, frame);
       break;
     case Stage::version:
     case Stage::watchdog_read:

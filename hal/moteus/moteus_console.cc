@@ -78,15 +78,14 @@ void ConsoleReader::start_over() noexcept {
   line_.clear();
 }
 
-EncodeStatus ConsoleReader::ask(const MoteusDriver& driver, std::string_view name, bool lost,
+EncodeStatus ConsoleReader::ask(const MoteusDriver& driver, std::string_view command, bool lost,
                                 CanFrame& frame) noexcept {
   if (lost) start_over();
   if (step_ != Step::ask) return encode_console_poll(driver, frame);
-  ConsoleText question;
-  question.append("conf get ");
-  question.append(name);
-  question.append("\n");
-  return encode_console(driver, question.view(), frame);
+  ConsoleText line;
+  line.append(command);
+  line.append("\n");
+  return encode_console(driver, line.view(), frame);
 }
 
 ConsoleReader::Progress ConsoleReader::take(const MoteusDriver& driver, const CanFrame& frame) noexcept {

@@ -46,7 +46,8 @@ class ConsoleText {
 [[nodiscard]] EncodeStatus encode_console_answer(const MoteusDriver& driver, const CanFrame& request,
                                                  std::string_view text, CanFrame& answer) noexcept;
 
-/// Asks a driver for one setting after the other, a frame and its reply at a time. What an earlier question
+/// Gives a driver one command after the other, each with a line as its answer, a frame and its reply at a
+/// time. What an earlier one
 /// left unread is read away first, and again after a reply that was lost: an answer does not name its
 /// question.
 class ConsoleReader {
@@ -58,10 +59,11 @@ class ConsoleReader {
     failed,  ///< no answer that can be read after several tries
   };
 
-  /// Begins with `name`, after all that is left over has been read.
+  /// Begins with the first command, after all that is left over has been read.
   void begin() noexcept;
-  /// Next frame to send. @param lost  the last one got no reply
-  [[nodiscard]] EncodeStatus ask(const MoteusDriver& driver, std::string_view name, bool lost,
+  /// Next frame to send, for a command such as "conf get servo.timeout_mode". It may be given twice.
+  /// @param lost  the last one got no reply
+  [[nodiscard]] EncodeStatus ask(const MoteusDriver& driver, std::string_view command, bool lost,
                                  CanFrame& frame) noexcept;
   [[nodiscard]] Progress take(const MoteusDriver& driver, const CanFrame& frame) noexcept;
   /// The line that came, without its end.

@@ -65,6 +65,7 @@ void MoteusEmulator::power_cycle() noexcept {
   question_.clear();
   answers_ = {};
   staged_ = command_ = kUnspecified;
+  set_zero_rad(written_zero_rad_);
 }
 
 void MoteusEmulator::raise(DriverFault fault) noexcept {
@@ -291,6 +292,21 @@ ConsoleText MoteusEmulator::setting(std::string_view name) const noexcept {
   return text;
 }
 
+/// A line of the command line: its answer without its end.
+ConsoleText MoteusEmulator::execute(std::string_view line) noexcept {
+  constexpr std::string_view kGet = "conf get ";
+  if (line == "conf write") {
+    written_zero_rad_ = zero_rad();
+  } else if (line == "d cfg-set-output 0" || line == "d exact 0") {
+    count_from(0);
+  } else {
+    return setting(line.starts_with(kGet) ? line.substr(kGet.size()) : "");
+  }
+  ConsoleText text;
+  text.append("OK");
+  return text;
+}
+
 /// Answered by a later reply, a part at a time.
 bool MoteusEmulator::take_console(const CanFrame& frame, FrameSink& replies) noexcept {
   const std::optional<ConsoleText> text = decode_console_request(driver_, frame);
@@ -302,10 +318,9 @@ bool MoteusEmulator::take_console(const CanFrame& frame, FrameSink& replies) noe
   answers_ = {answers_[1], ConsoleText{}};
   question_.append(text->view());
   if (!question_.view().ends_with('\n')) return true;
-  constexpr std::string_view kGet = "conf get ";
   std::string_view line = question_.view();
   line.remove_suffix(1);
-  answers_[0] = setting(line.starts_with(kGet) ? line.substr(kGet.size()) : "");
+  answers_[0] = execute(line);
   answers_[1].append("\r\n");
   question_.clear();
   return true;

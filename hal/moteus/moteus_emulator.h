@@ -89,6 +89,7 @@ class MoteusEmulator final : public EmulatedDriver {
   void apply(std::int64_t now_ns, MoteusMode wanted) noexcept;
   [[nodiscard]] bool take_console(const CanFrame& frame, FrameSink& replies) noexcept;
   [[nodiscard]] ConsoleText setting(std::string_view name) const noexcept;
+  [[nodiscard]] ConsoleText execute(std::string_view line) noexcept;
   void begin_enabling(std::int64_t now_ns) noexcept;
   void turn_off(std::int64_t now_ns) noexcept;
   void aim() noexcept;
@@ -108,6 +109,7 @@ class MoteusEmulator final : public EmulatedDriver {
   double integral_Nm_ = 0;
   std::array<Encoder, kMoteusEncoders> encoders_{};
   bool ignore_watchdog_ = false;
+  double written_zero_rad_ = 0;           ///< by conf write
   ConsoleText question_;                  ///< that its command line has so far
   std::array<ConsoleText, 2> answers_{};  ///< of its command line, one a reply: value, end of line
   std::int64_t calibrating_from_ns_ = 0;

@@ -134,7 +134,8 @@ std::string robustness_page(const Json& merged, const std::vector<Json>& results
       std::string(kPageStyle) + "<h1>Random robots and worlds</h1><p>" + words_of(merged.at("controller")) +
       ", horizon " + cell(merged.at("horizon_s"), "%.1f") + " s, walking at " +
       cell(merged.at("speed_m_s"), "%g") + " m/s; a push of " + cell(merged.at("force_N"), "%g") +
-      " N for 1 s at a random phase of the step. The model of the controller has none of the changes except the "
+      " N for 1 s at a random phase of the step. The model of the controller has none of the changes except "
+      "the "
       "delay of its plans.</p><div class='card'><p class='figure'>" +
       percent(survival.at("value")) + "</p><p>stay on their feet: " + cell(merged.at("survived"), "%.0f") +
       " of " + cell(merged.at("runs"), "%.0f") + ". 95 % interval " + percent(survival.at("low")) + " to " +

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "tests/firmware/commissioning/hanging_robot.h"
@@ -17,7 +18,7 @@ const std::vector<std::string> kOdrive = {"hip_driver.protocol=odrive", "knee_dr
 const std::vector<std::string> kAk = {"hip_driver.protocol=mit_ak", "knee_driver.protocol=mit_ak"};
 
 ScanResult scanned(HangingRobot& robot) {
-  return scan(robot.configuration.hardware, robot.frame_buses(), robot, robot.stop);
+  return scan(robot.configuration.hardware, {}, robot.frame_buses(), robot, robot.stop);
 }
 
 bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
@@ -97,6 +98,32 @@ TEST(Scan, NamesADriverThatAnswersWithAnotherIdentifier) {
   EXPECT_FALSE(result.complete());
   EXPECT_TRUE(result.buses[0].expected[1].wrong_reply_id());
   EXPECT_TRUE(has(to_text(result), "with identifier 0x0 where knee_L.reply_id is 0x12")) << to_text(result);
+}
+
+TEST(Scan, NamesAllSettingsOfAllDriversThatDiffer) {
+  HangingRobot robot({.both = {},
+                      .robot = {"hip_driver.torque_range_Nm=60", "hip_driver.position_range_rad=12.5",
+                                "knee_driver.velocity_range_rad_s=45"},
+                      .miswired = {}});
+  const ScanResult result = scanned(robot);
+  EXPECT_FALSE(result.complete());
+  const std::string text = to_text(result);
+  for (const ScannedBus& bus : result.buses) {
+    EXPECT_EQ(std::ranges::count(bus.expected[0].settings, false, &hal::ReadSetting::right), 2) << text;
+    EXPECT_EQ(std::ranges::count(bus.expected[1].settings, false, &hal::ReadSetting::right), 1) << text;
+  }
+  EXPECT_TRUE(has(text, "SETTING PMAX is 12.5, and must be 3.2")) << text;
+  const nlohmann::json json = nlohmann::json::parse(to_json(result));
+  EXPECT_EQ(json.at("buses").at(1).at("drivers").at(1).at("settings").at(2).at("name"), "VMAX") << json;
+}
+
+TEST(Scan, ReadsTheSettingsOfAMoteusThatDiffer) {
+  HangingRobot robot({.both = kMoteus,
+                      .robot = {"knee_driver.moteus_kp_Nm_rev=400", "knee_driver.moteus_kd_Nms_rev=4"},
+                      .miswired = {}});
+  const std::string text = to_text(scanned(robot));
+  EXPECT_TRUE(has(text, "SETTING servo.pid_position.kp is 400.000000, and must be 800")) << text;
+  EXPECT_TRUE(has(text, "SETTING servo.pid_position.kd is 4.000000, and must be 40")) << text;
 }
 
 TEST(Scan, AnEncoderOnCanopenThatIsMissingOrMuteIsNotComplete) {

@@ -57,7 +57,8 @@ TEST(TorsoSensor, WithoutASpeedTheRateIsThatOfThePitch) {
 TEST(TorsoSensor, ARollRepeatsAfterATurnAndAPitchDoesNot) {
   for (const std::string device : {"xsens_can", "vectornav"}) {
     const auto period_rad = [&](const std::string& axis) {
-      const hal::RobotWiring wiring = wiring_of("device = \"" + device + "\"\nimu_axis = \"" + axis + "\"\n");
+      const hal::RobotWiring wiring =
+          wiring_of("device = \"" + device + "\"\nrate_hz = 400\nimu_axis = \"" + axis + "\"\n");
       EXPECT_TRUE(hal::valid(wiring, 2));
       return hal::torso_sensor_traits(wiring).pitch_period_rad;
     };
@@ -71,7 +72,7 @@ TEST(TorsoSensor, ARollRepeatsAfterATurnAndAPitchDoesNot) {
 /// z in steps of 2^-9 rad/s; most significant byte first. Pitch -45 degrees is 0xe980, 1 rad/s 0x0200.
 TEST(TorsoSensor, AnXsensIsReadAsItsManualSays) {
   const auto values = [](const std::string& lines, std::uint32_t id, const char* bytes) {
-    const hal::RobotWiring wiring = wiring_of("device = \"xsens_can\"\n" + lines);
+    const hal::RobotWiring wiring = wiring_of("device = \"xsens_can\"\nrate_hz = 400\n" + lines);
     const hal::CanFrame frame = hal::testing::with_payload(hal::classic_frame(id, 6), bytes);
     hal::ChannelValues found;
     EXPECT_EQ(decode(std::span(wiring.channels).first(wiring.channel_count), frame, found),
@@ -124,6 +125,30 @@ TEST(TorsoSensor, WhatFramesCannotCarryIsRefused) {
             std::string::npos);
 }
 
+TEST(TorsoSensor, AUnitByItsPitchMustReadBackFromTheFall) {
+  const auto fall = [](const std::string& lines, const std::string& limit_rad) {
+    return mistakes(lines + "rate_hz = 400\n[supervisor]\nbase_angle_limit_rad = " + limit_rad + "\n");
+  };
+  for (const std::string device : {"device = \"xsens_can\"\n", "device = \"vectornav\"\n"}) {
+    EXPECT_EQ(fall(device, "1.57"), "");
+    EXPECT_NE(fall(device, "1.58")
+                  .find("torso_sensor.imu_axis carries at most 1.5707963267948966 rad either "
+                        "way, and must carry 1.58 rad, supervisor.base_angle_limit_rad"),
+              std::string::npos)
+        << fall(device, "1.58");
+    EXPECT_EQ(fall(device + "imu_axis = \"roll\"\n", "3.2"), "") << "it goes on beyond half a turn";
+    EXPECT_EQ(fall(device + "imu_offset_rad = -0.7\n", "0.8"), "");
+    EXPECT_NE(fall(device + "imu_offset_rad = -0.8\n", "0.8"), "") << "mounted at an angle";
+  }
+}
+
+TEST(TorsoSensor, AnXsensSendsAtMost400AnglesASecond) {
+  EXPECT_EQ(mistakes("device = \"xsens_can\"\nrate_hz = 400\n"), "");
+  EXPECT_EQ(
+      mistakes("device = \"xsens_can\"\nrate_hz = 401\n"),
+      "robot.toml:3:11: torso_sensor.rate_hz = 401, and an Xsens MTi sends at most 400 angles a second");
+}
+
 TEST(TorsoSensor, ARateFromPitchesNeedsFineStepsAndEnoughOfThem) {
   const std::string encoder = "device = \"canopen_encoder\"\n";
   EXPECT_NE(mistakes(encoder + "encoder_steps = 8192\n").find("has steps of 0.0766"), std::string::npos);
@@ -165,7 +190,7 @@ TEST(TorsoSensor, SettingsThatContradictOneAnotherAreRefused) {
 }
 
 TEST(TorsoSensor, NodesWhoseIdentifiersCollideWithTheSensorsAreRefused) {
-  EXPECT_NE(mistakes("device = \"xsens_can\"\n[hip_L]\nreply_id = 0x22\n")
+  EXPECT_NE(mistakes("device = \"xsens_can\"\nrate_hz = 400\n[hip_L]\nreply_id = 0x22\n")
                 .find("torso_sensor.device and hip_L are on bus 0 and their frames collide"),
             std::string::npos);
   EXPECT_NE(mistakes("device = \"canopen_encoder\"\n[hip_L]\nreply_id = 0x1a0\n")

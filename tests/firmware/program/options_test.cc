@@ -149,7 +149,7 @@ TEST(Options, TheCommandsBeforeTheControllerHaveTheirOwnTasks) {
   const auto jog = read({"jog", "knee_R", "-0.25", "--answers", "file"});
   ASSERT_TRUE(jog) << jog.error();
   EXPECT_EQ(jog->task, Task::jog);
-  EXPECT_EQ(jog->jog_joint, 3u);
+  EXPECT_EQ(jog->joint, 3u);
   EXPECT_EQ(jog->jog_angle_rad, -0.25);
   EXPECT_EQ(jog->answers_file, "file");
   const auto calibrate = read({"calibrate", "--at", "marks", "--out", "robot.toml"});

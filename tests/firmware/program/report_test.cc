@@ -42,8 +42,10 @@ TEST(Report, TheMachineIsDescribedWithWhatIsLacking) {
   capability.kernel = "6.1-rt";
   capability.cores = 4;
   capability.memory_locked = capability.priority_allowed = true;
-  EXPECT_EQ(describe(capability),
-            "kernel 6.1-rt, 4 processors, memory locked, priority granted\nreal time\n");
+  EXPECT_EQ(
+      describe(capability),
+      "kernel 6.1-rt, 4 processors, memory locked, priority granted, idle states as they are (not asked "
+      "for)\nreal time\n");
   capability.lacking = {"this", "that"};
   EXPECT_NE(describe(capability).find("not real time: this; that"), std::string::npos);
 }

@@ -54,6 +54,7 @@ TEST(SelfTest, EachDefectFailsItsOwnCheckAlone) {
       {"torso sensor", [](SelfTestResult& r) { r.last.base.pitch_rad = NAN; }},
       {"emergency stop", [](SelfTestResult& r) { r.emergency_stop_pressed = true; }},
       {"emergency stop", [](SelfTestResult& r) { r.emergency_stop_silent = true; }},
+      {"emergency stop", [](SelfTestResult& r) { r.last.emergency_stop = hal::EmergencyStopState::absent; }},
       {"bus errors", [](SelfTestResult& r) { r.bus_errors = 5; }},
       {"wake-up", [](SelfTestResult& r) { r.late_ticks = 2; }},
       {"planner", [](SelfTestResult& r) { r.limits.plan_period_s = 0.9e-3; }},
@@ -75,6 +76,23 @@ TEST(SelfTest, EachDefectFailsItsOwnCheckAlone) {
   }
 }
 
+TEST(SelfTest, IdleStatesThatAreNotUsedPass) {
+  SelfTestResult result = good();
+  result.idle = realtime::IdleState{"C10", 890.0};
+  result.idle_held_us = 10.0;
+  EXPECT_TRUE(result.passed()) << to_text(result);
+  EXPECT_NE(to_text(result).find("C10, 890 us to wake, not used: held at 10 us"), std::string::npos);
+  result.idle_held_us = 600.0;
+  EXPECT_EQ(failed(result), std::vector<std::string>{"idle states"});
+}
+
+TEST(SelfTest, InterruptThreadsOfTheBusesAreNamed) {
+  SelfTestResult result = good();
+  EXPECT_NE(to_text(result).find("no bus has an adapter"), std::string::npos);
+  result.interrupt_sentences = {"can0 (spi0.0): no interrupt thread is known"};
+  EXPECT_NE(to_text(result).find("can0 (spi0.0): no interrupt thread is known"), std::string::npos);
+}
+
 TEST(SelfTest, LimitsThatAreJustKeptPass) {
   SelfTestResult result = good();
   result.answered[1] = 999;
@@ -90,10 +108,8 @@ TEST(SelfTest, WhatTheKernelDoesNotReportFailsNothing) {
   SelfTestResult result = good();
   result.idle.reset();
   result.throttled.reset();
-  result.last.emergency_stop = hal::EmergencyStopState::absent;
   EXPECT_TRUE(result.passed());
   EXPECT_NE(to_text(result).find("not reported by the kernel"), std::string::npos);
-  EXPECT_NE(to_text(result).find("not wired to this program"), std::string::npos);
 }
 
 TEST(SelfTest, InLockStepNothingIsSaidOfTheComputer) {

@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <utility>
 
 #include "tests/own_folder.h"
 
@@ -22,6 +24,14 @@ class Machine : public testing::Test {
   [[nodiscard]] static bool says(const Capability& capability, const std::string& part) {
     return std::ranges::any_of(capability.lacking, [&](const std::string& sentence) {
       return sentence.find(part) != std::string::npos;
+    });
+  }
+  /// Whether this process has a file of the machine open.
+  [[nodiscard]] bool is_open(const std::string& path) const {
+    const std::filesystem::path file = std::filesystem::canonical(root_ + path);
+    std::error_code gone;
+    return std::ranges::any_of(std::filesystem::directory_iterator("/proc/self/fd"), [&](const auto& entry) {
+      return std::filesystem::read_symlink(entry, gone) == file;
     });
   }
   tests::OwnFolder folder_;
@@ -45,6 +55,44 @@ TEST_F(Machine, AGovernorThatSavesPowerIsNamed) {
 
 TEST_F(Machine, AProcessorThatIsNotThereIsNamed) {
   EXPECT_TRUE(says(acquire({.torque_core = 1000}, root_), "processor 1000 is not there"));
+}
+
+/// Idle state of processor 1.
+struct IdleMachine : Machine {
+  void state(const std::string& name, const std::string& exit_us) {
+    write("/sys/devices/system/cpu/cpu1/cpuidle/state0/name", name);
+    write("/sys/devices/system/cpu/cpu1/cpuidle/state0/latency", exit_us);
+  }
+  const Requirements requirements_{.torque_core = 1, .idle_exit_max_s = 20e-6};
+};
+
+TEST_F(IdleMachine, ShortIdleStatesAreAskedForAndHeldAsLongAsTheCapabilityLives) {
+  state("C6", "133");
+  write("/dev/cpu_dma_latency", "");
+  Capability capability = acquire(requirements_, root_);
+  EXPECT_TRUE(capability.idle.held());
+  EXPECT_FALSE(says(capability, "cpu_dma_latency"));
+  std::int32_t asked_us = 0;  // the file has the kernel's format: 32 bits
+  std::ifstream(root_ + "/dev/cpu_dma_latency").read(reinterpret_cast<char*>(&asked_us), sizeof asked_us);
+  EXPECT_EQ(asked_us, 20);
+  EXPECT_TRUE(is_open("/dev/cpu_dma_latency"));
+  { const Capability taken = std::move(capability); }
+  EXPECT_FALSE(is_open("/dev/cpu_dma_latency"));
+}
+
+TEST_F(IdleMachine, ARequestThatIsNotGrantedLacksWhereIdleStatesAreSlow) {
+  state("C6", "133");
+  EXPECT_TRUE(says(acquire(requirements_, root_),
+                   "a processor takes 133 us to leave idle state C6, and /dev/cpu_dma_latency cannot be held "
+                   "(No such file or directory)"));
+  state("C1", "20");
+  EXPECT_FALSE(says(acquire(requirements_, root_), "cpu_dma_latency"));
+}
+
+TEST_F(Machine, WithoutIdleStatesNoRequestIsLacking) {
+  const Capability capability = acquire({.torque_core = 1}, root_);
+  EXPECT_FALSE(capability.idle.held());
+  EXPECT_FALSE(says(capability, "cpu_dma_latency"));
 }
 
 TEST_F(Machine, WithoutPriorityItIsNotRealTime) {

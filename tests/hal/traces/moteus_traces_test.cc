@@ -138,7 +138,7 @@ std::string asked(MoteusEmulator& driver, const MoteusDriver& described, const s
   for (std::int64_t now_ns = 1'000'000; now_ns < 100'000'000; now_ns += 1'000'000) {
     CanFrame frame;
     FrameSink replies;
-    EXPECT_EQ(reader.ask(described, name, false, frame), EncodeStatus::ok);
+    EXPECT_EQ(reader.ask(described, "conf get " + name, false, frame), EncodeStatus::ok);
     driver.take(now_ns, frame, replies);
     if (replies.frames().size() != 1) return "no reply";
     if (reader.take(described, replies.frames()[0]) == ConsoleReader::Progress::answer) {
@@ -164,7 +164,7 @@ TEST(MoteusTraces, SettingsReadOverTheCommandLineAsTheFirmwareWritesThem) {
       for (; progress == ConsoleReader::Progress::more && i + 1 < trace.events.size(); ++i) {
         if (trace.events[i].kind != ">") continue;
         CanFrame frame;
-        ASSERT_EQ(reader.ask(described, answer.words[0], false, frame), EncodeStatus::ok);
+        ASSERT_EQ(reader.ask(described, "conf get " + answer.words[0], false, frame), EncodeStatus::ok);
         ASSERT_EQ(testing::hex(frame), trace.events[i].words.at(1));
         progress = reader.take(described, fd_frame(trace.events[i + 1]));
       }

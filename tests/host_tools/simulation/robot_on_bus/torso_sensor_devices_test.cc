@@ -58,8 +58,9 @@ INSTANTIATE_TEST_SUITE_P(
                            2e-3,
                            0.1},
                     Device{"Xsens",
-                           {"torso_sensor.device=xsens_can", "torso_sensor.imu_axis=roll",
-                            "torso_sensor.imu_reversed=true", "torso_sensor.imu_offset_rad=-0.1"},
+                           {"torso_sensor.device=xsens_can", "torso_sensor.rate_hz=200",
+                            "torso_sensor.imu_axis=roll", "torso_sensor.imu_reversed=true",
+                            "torso_sensor.imu_offset_rad=-0.1"},
                            2e-4,
                            2e-3}),
     [](const auto& row) { return std::string(row.param.name); });

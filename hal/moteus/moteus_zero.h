@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstddef>
+
+#include "hal/driver/zero_progress.h"
+#include "hal/moteus/moteus.h"
+#include "hal/moteus/moteus_console.h"
+
+namespace stilt::hal::moteus {
+
+/// A stop, then over the command line what makes the present position zero in the configuration, keeps it
+/// over a power cycle, and counts from it at once. Facts: github.com/mjbots/moteus, docs/protocol/
+/// diagnostic.md (42d1708). Start-up only.
+class MoteusZero {
+ public:
+  explicit MoteusZero(const MoteusDriver& driver) noexcept : driver_(driver) {}
+
+  /// Frame to send. `lost`: the one before had no answer.
+  [[nodiscard]] CanFrame next(bool lost) noexcept;
+  [[nodiscard]] ZeroProgress take(const CanFrame& frame) noexcept;
+
+ private:
+  MoteusDriver driver_;
+  bool stopped_ = false;
+  std::size_t command_ = 0;
+  ConsoleReader console_;
+};
+
+}  // namespace stilt::hal::moteus

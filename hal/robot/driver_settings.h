@@ -1,0 +1,19 @@
+#pragma once
+
+#include <variant>
+
+#include "hal/mit/mit_settings.h"
+#include "hal/moteus/moteus_settings.h"
+#include "hal/odrive/odrive_settings.h"
+#include "hal/robot/joint_driver.h"
+
+/// Reads back the settings of a driver, all of them: bring-up ends at the first that is wrong. Start-up only.
+namespace stilt::hal {
+
+using SettingReader =
+    std::variant<mit::MitSettingReader, moteus::MoteusSettingReader, odrive::OdriveSettingReader>;
+
+/// @param options  travel and speed of the joint at the driver's shaft
+[[nodiscard]] SettingReader make_setting_reader(const JointDriver& driver, const bring_up::Options& options);
+
+}  // namespace stilt::hal

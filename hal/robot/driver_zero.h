@@ -1,0 +1,18 @@
+#pragma once
+
+#include <optional>
+#include <variant>
+
+#include "hal/mit/mit_zero.h"
+#include "hal/moteus/moteus_zero.h"
+#include "hal/robot/joint_driver.h"
+
+/// Makes the present position of a driver its zero. Start-up only.
+namespace stilt::hal {
+
+using JointZero = std::variant<mit::MitZero, moteus::MoteusZero>;
+
+/// Nothing for an ODrive: over CAN it takes a position that it forgets without power.
+[[nodiscard]] std::optional<JointZero> make_zero(const JointDriver& driver);
+
+}  // namespace stilt::hal

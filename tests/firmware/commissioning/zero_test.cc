@@ -1,0 +1,79 @@
+#include "firmware/commissioning/zero.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/firmware/commissioning/hanging_robot.h"
+
+namespace stilt::commissioning {
+namespace {
+
+using testing::HangingRobot;
+using Settings = std::vector<std::string>;
+
+/// Both drivers of a leg, their shafts 0.3 rad away from their joints.
+Settings drivers(const std::string& protocol) {
+  return {"hip_driver.protocol=" + protocol, "knee_driver.protocol=" + protocol};
+}
+const Settings kAway = {"hip_L.offset_rad=0.3"};
+
+std::expected<ZeroReport, CommandFailure> zeroed(HangingRobot& robot, std::size_t joint = 0) {
+  return set_zero(robot.configuration.hardware, joint, *robot.frame_buses()[joint / 2], robot, robot.stop);
+}
+
+class Zero : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(Zero, IsWhereTheJointIsHeldAndNoMotorIsOn) {
+  HangingRobot robot({.both = drivers(GetParam()), .robot = kAway, .miswired = {}});
+  const auto report = zeroed(robot);
+  ASSERT_TRUE(report) << report.error().sentence;
+  EXPECT_NEAR(report->before_rad, robot.robot.plant().state()[model::kFirstJoint] - 0.3, 0.05);
+  EXPECT_TRUE(report->good()) << to_text(*report);
+  EXPECT_FALSE(report->lasts.empty());
+  EXPECT_FALSE(robot.robot.drivers().driver(0).enabled());
+  EXPECT_EQ(robot.peak_torque_Nm(0), 0.0);
+  EXPECT_EQ(nlohmann::json::parse(to_json(*report)).at("good"), true);
+}
+
+TEST_P(Zero, OfOneJointChangesNoOther) {
+  HangingRobot robot({.both = drivers(GetParam()),
+                      .robot = {"hip_L.offset_rad=0.3", "knee_L.offset_rad=0.3"},
+                      .miswired = {}});
+  ASSERT_TRUE(zeroed(robot, 0));
+  const auto knee = zeroed(robot, 1);
+  ASSERT_TRUE(knee) << knee.error().sentence;
+  EXPECT_NEAR(knee->before_rad, robot.robot.plant().state()[model::kFirstJoint + 1] - 0.3, 0.05);
+}
+
+TEST_P(Zero, OfADriverThatIsSilentIsNotSet) {
+  HangingRobot robot({.both = drivers(GetParam()), .robot = {"hip_L.id=9"}, .miswired = {}});
+  const auto report = zeroed(robot);
+  ASSERT_FALSE(report);
+  EXPECT_EQ(report.error().sentence, "the driver of hip_L does not answer");
+  EXPECT_FALSE(report.error().bad_answer);
+}
+
+INSTANTIATE_TEST_SUITE_P(Drivers, Zero,
+                         ::testing::Values("mit_damiao", "mit_ak", "mit_mini_cheetah", "moteus"),
+                         [](const auto& row) { return std::string(row.param); });
+
+TEST(ZeroOfAnOdrive, IsRefusedBeforeAnythingIsSent) {
+  HangingRobot robot({.both = drivers("odrive"), .robot = {}, .miswired = {}});
+  const auto report = zeroed(robot);
+  ASSERT_FALSE(report);
+  EXPECT_TRUE(report.error().bad_answer);
+  EXPECT_NE(report.error().sentence.find("counts from power-up"), std::string::npos);
+  EXPECT_TRUE(robot.buses[0].sent.empty());
+}
+
+TEST(ZeroOfADriver, ThatHasNotTakenItIsNotGood) {
+  ZeroReport report;
+  EXPECT_FALSE(report.good()) << "not read back";
+  report.after_rad = 0.03;
+  EXPECT_FALSE(report.good());
+  EXPECT_NE(to_text(report).find("has not taken it"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace stilt::commissioning
