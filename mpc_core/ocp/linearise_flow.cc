@@ -193,23 +193,19 @@ void linearise_mode(const ProblemData& data, std::span<const StageBatch> batches
     flow.it = BatchIterate(iterate, batch);
     data.robot->node_derivatives(flow.it.x, flow.it.u, parameters.value, flow.node);
   });
-  for_each([&](const StageBatch& batch, Flow& flow, const BatchModel&) {
-    integrate_base_derivatives(*data.robot, data.discretisation.integrator, flow.it.x, flow.it.u,
-                               batch.duration, flow.node, flow.step, work.integrator);
-  });
   for_each([&](const StageBatch& batch, Flow& flow, const BatchModel& model) {
+    integrate_base_derivatives(*data.robot, data.discretisation.integrator, flow.it.x, flow.it.u,
+                               batch.duration, flow.node, work.step, work.integrator);
     Eliminations<Mode>& by = flow.eliminations.of<Mode>();
     by.eliminate(data.equality, batch, flow.it.u, flow.node);
-    store_dynamics(batch, flow.it, flow.step, by, model);
+    store_dynamics(batch, flow.it, work.step, by, model);
     store_projection(by, model);
   });
-  for_each([&](const StageBatch& batch, Flow& flow, const BatchModel&) {
-    const Eliminations<Mode>& by = flow.eliminations.of<Mode>();
-    add_input_terms(data, batch, flow.it, flow.node, by.force, by.constraint, flow.cost);
-  });
   for_each([&](const StageBatch& batch, Flow& flow, const BatchModel& model) {
-    add_state_terms<Mode>(data, batch, flow.it, flow.node, flow.cost);
-    store_cost<Mode>(flow.cost, model);
+    const Eliminations<Mode>& by = flow.eliminations.of<Mode>();
+    add_input_terms(data, batch, flow.it, flow.node, by.force, by.constraint, work.cost);
+    add_state_terms<Mode>(data, batch, flow.it, flow.node, work.cost);
+    store_cost<Mode>(work.cost, model);
   });
 }
 

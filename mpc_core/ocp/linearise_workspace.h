@@ -46,16 +46,17 @@ union AnyEliminations {
   }
 };
 
-/// Scratch of linearise(), kept off the stack; contents need not be initialised.
+/// Scratch of linearise(), kept off the stack; contents need not be initialised. What one step of the work
+/// makes and the same step uses is there once, so that it stays in the nearest cache.
 struct LineariseWorkspace {
   struct Flow {
     BatchIterate it;
     model::NodeDerivatives<Batch> node;
-    BaseStep step;
     AnyEliminations eliminations;
-    QuadraticCost cost;
   };
   Flow flow[kBatchesPerGroup];
+  BaseStep step;
+  QuadraticCost cost;
   IntegratorWorkspace integrator;
 };
 
