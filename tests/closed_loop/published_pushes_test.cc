@@ -19,7 +19,7 @@ using testing_support::kSameSpeed_m_s;
 using testing_support::results_of;
 
 constexpr const char* kTables[] = {"pushes",  "directions", "motors",   "changes", "paper",
-                                   "realism", "rabbit",     "terminal", "tuning"};
+                                   "realism", "rabbit",     "terminal", "tuning",  "rates"};
 
 struct PublishedRow {
   std::string table;
