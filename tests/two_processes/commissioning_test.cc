@@ -136,6 +136,23 @@ TEST(TwoProcesses, NoCommandWorksBesideARunningController) {
   EXPECT_EQ(run.controller().wait(0), 0) << run.said();
 }
 
+TEST(TwoProcesses, NoSelfTestWorksBesideAControllerThatWalks) {
+  RobotAndController run;
+  run.start_robot({"--lockstep", "--once"});
+  run.start_controller({"--lockstep", "--start", "walk@0.4"});
+  ASSERT_TRUE(wait_for_text(run.file("controller.err"), " walk\n", kLongestRun_s)) << run.said();
+  const std::string line = std::string(STILTD_PROGRAM) + " selftest --seconds 1 --bus " + run.bus(0) +
+                           " --bus " + run.bus(1) + " > " + run.file("second") + " 2>&1";
+  EXPECT_EQ(WEXITSTATUS(std::system(line.c_str())), 2);
+  EXPECT_NE(text_of(run.file("second")).find("commands the drivers; end it first"), std::string::npos)
+      << text_of(run.file("second"));
+  run.robot().signal(SIGINT);
+  run.expect_both_to_end();
+  EXPECT_EQ(run.robot_json().at("survived"), true) << run.said();
+  EXPECT_EQ(run.controller_json().at("faults").at(0).at("name"), "bus_disconnected")
+      << "nothing before the robot ended: " << run.controller_json().at("faults");
+}
+
 struct LimitedRun {
   const char* name;
   const char* fault;  ///< of the robot; empty: none

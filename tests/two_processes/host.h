@@ -56,7 +56,9 @@ class Host {
   supervisor::State state = supervisor::State::boot;
   double speed_m_s = 0;
   double ramp = 0;
-  double time_s = 0;  ///< of the robot
+  double time_s = 0;                         ///< of the robot
+  std::uint64_t latched = 0;                 ///< bits of supervisor::FaultSet
+  std::map<std::string, std::string> found;  ///< by name of a fault, newest
   std::uint32_t tuning = 0;
   std::vector<supervisor::State> states;
   std::map<std::uint64_t, std::string> replies;
@@ -78,6 +80,9 @@ class Host {
       speed_m_s = supervisor->speed_m_s;
       ramp = supervisor->ramp;
       time_s = supervisor->time_s;
+      latched = supervisor->latched_faults;
+      for (std::uint32_t i = 0; i < supervisor->found._length; ++i)
+        found[supervisor->faults._buffer[i]] = supervisor->found._buffer[i];
     } else if (const auto reply = sample.as<telemetry::CommandReply>()) {
       refused += reply->accepted ? 0 : 1;
       if (reply->commander == commander_.name() && proves_token(*reply)) {

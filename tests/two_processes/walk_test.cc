@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "tests/two_processes/frame_record.h"
+#include "tests/two_processes/protocols.h"
 #include "tests/two_processes/robot_and_controller.h"
 
 namespace stilt::two_processes {
@@ -48,25 +49,6 @@ TEST(TwoProcesses, AMinuteOfWalkingRunsLikeTheSimulationAndRepeatsBitForBit) {
   EXPECT_TRUE(frames == text_of(second.file("frames"))) << "every frame on the buses, with its tick";
 }
 
-/// Settings that give every joint this protocol; the torso sensor moves away from the identifiers of ODrives.
-std::vector<std::string> with_protocol(const std::string& protocol) {
-  const std::string frame = "id 0x700 byte ";
-  std::vector<std::string> settings = {
-      "torso_sensor.pitch=" + frame + "0 bits 32 signed little scale 1e-8",
-      "torso_sensor.pitch_rate=" + frame + "4 bits 24 signed little scale 2e-6",
-      "torso_sensor.emergency_stop_released=" + frame + "7 bits 1 unsigned little scale 1"};
-  for (const std::string driver : {"hip_driver.", "knee_driver."}) {
-    settings.push_back(driver + "protocol=" + protocol);
-    settings.push_back(driver + "moteus_kp_Nm_rev=2000");
-    settings.push_back(driver + "moteus_kd_Nms_rev=100");
-    settings.push_back(driver + "odrive_watchdog_timeout_endpoint=17");
-    settings.push_back(driver + "odrive_enable_watchdog_endpoint=18");
-  }
-  std::vector<std::string> options;
-  for (const std::string& setting : settings) options.insert(options.end(), {"--set", setting});
-  return options;
-}
-
 class WalkWith : public testing::TestWithParam<const char*> {};
 
 TEST_P(WalkWith, DriversOfThisProtocol) {
@@ -83,7 +65,7 @@ TEST_P(WalkWith, DriversOfThisProtocol) {
   EXPECT_NEAR(run.robot_json().at("mean_speed_m_s").get<double>(), 0.5, 0.05);
 }
 
-INSTANTIATE_TEST_SUITE_P(TwoProcesses, WalkWith, testing::Values("mit_damiao", "moteus", "odrive"),
+INSTANTIATE_TEST_SUITE_P(TwoProcesses, WalkWith, testing::ValuesIn(kProtocols),
                          [](const auto& row) { return std::string(row.param); });
 
 }  // namespace

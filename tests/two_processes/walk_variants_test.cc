@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "tests/two_processes/protocols.h"
 #include "tests/two_processes/robot_and_controller.h"
 
 namespace stilt::two_processes {
@@ -97,14 +98,7 @@ class SelfTest : public testing::TestWithParam<const char*> {};
 
 TEST_P(SelfTest, EveryCommandIsAnsweredInTime) {
   RobotAndController run;
-  std::vector<std::string> settings;
-  for (const std::string driver : {"hip_driver.", "knee_driver."}) {
-    for (const std::string& setting :
-         {"protocol=" + std::string(GetParam()), std::string("odrive_watchdog_timeout_endpoint=17"),
-          std::string("odrive_enable_watchdog_endpoint=18")}) {
-      settings.insert(settings.end(), {"--set", driver + setting});
-    }
-  }
+  const std::vector<std::string> settings = with_protocol(GetParam());
   std::vector<std::string> robot = settings;
   robot.insert(robot.end(), {"--lockstep", "--once"});
   run.start_robot(robot);
@@ -125,7 +119,7 @@ TEST_P(SelfTest, EveryCommandIsAnsweredInTime) {
   EXPECT_EQ(report.at("bus_errors"), 0);
 }
 
-INSTANTIATE_TEST_SUITE_P(TwoProcesses, SelfTest, testing::Values("mit_damiao", "moteus", "odrive"),
+INSTANTIATE_TEST_SUITE_P(TwoProcesses, SelfTest, testing::ValuesIn(kProtocols),
                          [](const auto& row) { return std::string(row.param); });
 
 TEST(TwoProcesses, ASelfTestWithASilentDriverFails) {
