@@ -40,7 +40,7 @@ class ScriptedRobot final : public hal::Robot {
       reading.missed_replies = silent ? reading.missed_replies + 1 : 0;
       if (!silent) reading.time_ns = now_ns;
     }
-    taken = {readings, base, read_status, emergency_stop, error_count};
+    taken = {readings, base, read_status, emergency_stop, error_count, {}};
   }
   hal::JointBusStatus write(const hal::JointCommands& wanted) noexcept override {
     commands = wanted;

@@ -43,7 +43,7 @@ TEST(TerminalView, AFaultSaysWhatItWasFoundBy) {
   SyntheticSource source;
   source.change("fault bus_off bus 1 of hardware.buses");
   TerminalView view(source);
-  const std::string text = after_a_second(source, view);
+  const std::string text = text_after_one_second(source, view);
   EXPECT_TRUE(holds(text, "took itself off\n          found: bus 1 of hardware.buses\n")) << text;
 }
 
