@@ -83,7 +83,7 @@ int main(int argc, char** argv) {
   app.add_option("--peers", network.peers);
   app.add_option("--security", network.security_folder);
   app.add_option("--loss", network.lost_permille);
-  app.add_option("--argc", samples);
+  app.add_option("--count", samples);
   app.add_option("--seconds", seconds);
   app.require_subcommand(1);
   app.fallthrough();

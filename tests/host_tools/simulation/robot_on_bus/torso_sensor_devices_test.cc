@@ -32,8 +32,8 @@ class TorsoSensorDevice : public testing::TestWithParam<Device> {};
 
 /// A push swings the hanging robot: what is read follows the plant's truth.
 TEST_P(TorsoSensorDevice, ReadsTheTorsoOfThePlant) {
-  RobotRequest request{.settings = GetParam().settings, .plant = {}, .faults = {}, .pushes = {}};
-  request.settings.emplace_back("torso_sensor.rate_hz=1000");
+  RobotRequest request{.settings = {"torso_sensor.rate_hz=1000"}, .plant = {}, .faults = {}, .pushes = {}};
+  request.settings.insert(request.settings.end(), GetParam().settings.begin(), GetParam().settings.end());
   DrivenRobot driven(request);
   for (int i = 0; i < 150; ++i) driven.tick();
   hal::JointCommands commands{};
@@ -58,7 +58,7 @@ INSTANTIATE_TEST_SUITE_P(
                            2e-3,
                            0.1},
                     Device{"Xsens",
-                           {"torso_sensor.device=xsens_can", "torso_sensor.rate_hz=200",
+                           {"torso_sensor.device=xsens_can", "torso_sensor.rate_hz=333",
                             "torso_sensor.imu_axis=roll", "torso_sensor.imu_reversed=true",
                             "torso_sensor.imu_offset_rad=-0.1"},
                            2e-4,

@@ -182,7 +182,10 @@ TEST(Report, AFallKeepsItsTime) {
 TEST(Report, ThePageLoadsNothing) {
   const std::string page = render_report(synthetic_walk(1.0));
   EXPECT_NE(page.find("default-src 'none'"), std::string::npos);
-  for (const char* source : {" src=", "@import", "url(", "href=\"h", "href=\"/", "import(", "fetch("}) {
+  for (std::size_t at = page.find("url("); at != std::string::npos; at = page.find("url(", at + 1)) {
+    EXPECT_EQ(page[at + 4], '#') << "not within the page: " << page.substr(at, 40);
+  }
+  for (const char* source : {" src=", "@import", "href=\"h", "href=\"/", "import(", "fetch("}) {
     EXPECT_EQ(page.find(source), std::string::npos) << source;
   }
 }
