@@ -95,6 +95,7 @@ std::string store(Conversation& conversation, hal::JointZero& zero) {
     const hal::CanFrame frame =
         hal::visit_driver(zero, [lost](auto& family) { return family.next(lost > 0); });
     const bool answered = conversation.ask(frame, [&](const hal::CanFrame& received) {
+      if (progress == hal::ZeroProgress::done) return true;  // a late answer, after the last one
       progress = hal::visit_driver(zero, [&](auto& family) { return family.take(received); });
       return progress != hal::ZeroProgress::none;
     });

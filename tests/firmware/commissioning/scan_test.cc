@@ -119,11 +119,11 @@ TEST(Scan, NamesAllSettingsOfAllDriversThatDiffer) {
 
 TEST(Scan, ReadsTheSettingsOfAMoteusThatDiffer) {
   HangingRobot robot({.both = kMoteus,
-                      .robot = {"knee_driver.moteus_kp_Nm_rev=400", "knee_driver.moteus_kd_Nms_rev=4"},
+                      .robot = {"knee_driver.moteus_kp_Nm_rev=700", "knee_driver.moteus_kd_Nms_rev=35"},
                       .miswired = {}});
   const std::string text = to_text(scanned(robot));
-  EXPECT_TRUE(has(text, "SETTING servo.pid_position.kp is 400.000000, and must be 800")) << text;
-  EXPECT_TRUE(has(text, "SETTING servo.pid_position.kd is 4.000000, and must be 40")) << text;
+  EXPECT_TRUE(has(text, "SETTING servo.pid_position.kp is 700.000000, and must be 800")) << text;
+  EXPECT_TRUE(has(text, "SETTING servo.pid_position.kd is 35.000000, and must be 40")) << text;
 }
 
 TEST(Scan, AnEncoderOnCanopenThatIsMissingOrMuteIsNotComplete) {
