@@ -203,7 +203,7 @@ test('stop stops', async () => {
 test('a killed controller leaves a stale picture, marked as one, and the next is another run', async () => {
   await controller.kill('SIGKILL');
   await until('the alarm', async () => /No data for .* the data are stale/.test(await text('#alarm')));
-  assert.equal(await text('#stage-cover'), 'STALE DATA');
+  await until('the cover', async () => (await text('#stage-cover')) === 'STALE DATA');
   await picture(page, 'live_stale');
   controller = startController();
   await until('the note', async () => /Another run/.test(await text('#note')));
@@ -219,7 +219,7 @@ test('a killed robot is a fault with its cause, and the picture is marked as old
   await waitFor('#event-list', /a bus is gone/);
   await waitFor('#fault-list', /bus_disconnected 305.*Cause: a bus is gone.*The robot: damps the joints/);
   await waitFor('#alarm', /No data for .* the data are stale/);
-  assert.equal(await text('#stage-cover'), 'STALE DATA');
+  await until('the cover', async () => (await text('#stage-cover')) === 'STALE DATA');
   await picture(page, 'live_killed_robot');
   assert.deepEqual(page.problems, []);
 });
