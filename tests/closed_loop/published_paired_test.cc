@@ -1,0 +1,66 @@
+#include <gtest/gtest.h>
+
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "host_tools/cli/paired_experiment.h"
+#include "tests/closed_loop/published_results.h"
+
+/// The paired pushes of docs/results/paired.json: a variant that survived every case of a push survives three
+/// of these cases at 85 % of the force.
+namespace stilt::experiments {
+namespace {
+
+using testing_support::kGuardedShare;
+using testing_support::results_of;
+
+/// Numbers of a push and of a variant in the plan.
+struct Survived {
+  std::size_t push, variant;
+  std::string name;
+
+  friend std::ostream& operator<<(std::ostream& stream, const Survived& one) { return stream << one.name; }
+};
+
+PairedPlan plan() { return cli::paired_plan({}); }
+
+std::vector<Survived> survived_in_every_case() {
+  const PairedPlan paired = plan();
+  const Json results = results_of("paired");
+  std::vector<Survived> all;
+  for (std::size_t p = 0; p < paired.pushes.size() && p < results.at("rows").size(); ++p) {
+    for (std::size_t v = 0; v < paired.variants.size(); ++v) {
+      const Json& count = results.at("rows")[p].at("survived").at(paired.variants[v].name);
+      if (count != results.at("cases")) continue;
+      all.push_back(
+          {p, v, testing_support::test_name(paired.pushes[p].name + "_" + paired.variants[v].name)});
+    }
+  }
+  return all;
+}
+
+TEST(PublishedTables, HaveResultsOfThePairedPushes) {
+  EXPECT_EQ(results_of("paired").at("rows").size(), plan().pushes.size());
+  EXPECT_EQ(survived_in_every_case().size(), 11u);
+}
+
+class PublishedPairs : public ::testing::TestWithParam<Survived> {};
+
+TEST_P(PublishedPairs, AreSurvivedAtTheGuardedShareOfTheForce) {
+  constexpr int kGuardedCases = 3;
+  PairedPlan paired = plan();
+  PairedPush push = paired.pushes[GetParam().push];
+  push.force_N *= kGuardedShare;
+  for (int number = 0; number < kGuardedCases; ++number) {
+    const WalkCase walk = paired_walk(paired, push, number);
+    EXPECT_TRUE(push.walk[GetParam().variant](walk).summary.survived)
+        << push.force_N << " N from " << walk.push_start_s << " s, seed " << walk.seed;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(ClosedLoop, PublishedPairs, ::testing::ValuesIn(survived_in_every_case()),
+                         [](const auto& row) { return row.param.name; });
+
+}  // namespace
+}  // namespace stilt::experiments
