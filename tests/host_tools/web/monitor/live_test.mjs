@@ -45,6 +45,10 @@ const walk = () => until('walking', async () => {
   return false;
 });
 
+function startRobot() {
+  return new Program(process.env.STILT_PROGRAM, ['robot', ...kTurns, ...kBuses]);
+}
+
 function startController() {
   return new Program(process.env.STILTD_PROGRAM, [...kTurns, ...kBuses, ...kPatientSettings,
     '--set', `telemetry.token_file=${join(folder, 'token')}`]);
@@ -57,7 +61,7 @@ function startMonitor(words = []) {
 before(async () => {
   folder = mkdtempSync(join(tmpdir(), 'stilt-live-'));
   browser = await openBrowser();
-  robot = new Program(process.env.STILT_PROGRAM, ['robot', ...kTurns, ...kBuses]);
+  robot = startRobot();
   await robot.wrote(/ready/);
   controller = startController();
   monitor = startMonitor();
@@ -200,20 +204,7 @@ test('stop stops', async () => {
   await until('rest', async () => Math.abs(await shownSpeed(page)) < 0.03);
 });
 
-test('a killed controller leaves a stale picture, marked as one, and the next is another run', async () => {
-  await controller.kill('SIGKILL');
-  await until('the alarm', async () => /No data for .* the data are stale/.test(await text('#alarm')));
-  await until('the cover', async () => (await text('#stage-cover')) === 'STALE DATA');
-  await picture(page, 'live_stale');
-  controller = startController();
-  await until('the note', async () => /Another run/.test(await text('#note')));
-  await until('live data', async () => (await text('#link-status')).startsWith('live'));
-  assert.deepEqual(page.problems, []);
-});
-
 test('a killed robot is a fault with its cause, and the picture is marked as old once its controller has ended', async () => {
-  await until('live data', async () => (await text('#link-status')).startsWith('live'));
-  await page.keyboard.press('s');
   await state('stand');
   await robot.kill('SIGKILL');
   await waitFor('#event-list', /a bus is gone/);
@@ -221,5 +212,20 @@ test('a killed robot is a fault with its cause, and the picture is marked as old
   await waitFor('#alarm', /No data for .* the data are stale/);
   await until('the cover', async () => (await text('#stage-cover')) === 'STALE DATA');
   await picture(page, 'live_killed_robot');
+  assert.deepEqual(page.problems, []);
+});
+
+test('a killed controller leaves a stale picture, marked as one, and the next is another run', async () => {
+  robot = startRobot();
+  await robot.wrote(/ready/);
+  controller = startController();
+  await until('live data', async () => (await text('#link-status')).startsWith('live'));
+  await controller.kill('SIGKILL');
+  await until('the alarm', async () => /No data for .* the data are stale/.test(await text('#alarm')));
+  await until('the cover', async () => (await text('#stage-cover')) === 'STALE DATA');
+  await picture(page, 'live_stale');
+  controller = startController();
+  await until('the note', async () => /Another run/.test(await text('#note')));
+  await until('live data', async () => (await text('#link-status')).startsWith('live'));
   assert.deepEqual(page.problems, []);
 });
