@@ -92,6 +92,23 @@ TEST_F(Tracker, PlacesTheFootOnceInAStepAndAnewInEveryStep) {
   EXPECT_EQ(torque_of_a_lean_Nm(), placed_Nm);
 }
 
+TEST_F(Tracker, PlacesTheFootAgainstALeanByTheGaitsFeedback) {
+  constexpr double kLean_rad = 0.02;
+  SensorReading leaning = reading(0.0, 0.4, model::kLeft);
+  leaning.base_pitch_rad += kLean_rad;
+  tracker_->start(0.0, model::kLeft, 0.0, 0.0);
+  const double placed_rad = tracker_->tick(leaning, 0.0).position_rad[2];
+  tracker_->start(0.0, model::kLeft, 0.0, 0.0);
+  (void)tracker_->tick(reading(0.0, 0.1, model::kLeft), 0.0);  // on the gait: nothing to correct
+  const double unplaced_rad = tracker_->tick(leaning, 0.0).position_rad[2];
+  gait::HzdGait gait;
+  library_->blend(0.0, gait);
+  const double whole_rad = -gait.feedback.placement[0] * kLean_rad;  // of which s has a share
+  ASSERT_GT(std::abs(whole_rad), 1e-3);
+  EXPECT_GT((placed_rad - unplaced_rad) / whole_rad, 0.1);
+  EXPECT_LT((placed_rad - unplaced_rad) / whole_rad, 0.6);
+}
+
 TEST_F(Tracker, SwapsTheLegsWhenTheSwingFootComesDownAndNotBefore) {
   tracker_->start(0.0, model::kLeft, 1.0, 0.5);
   (void)tracker_->tick(reading(0.5, 0.99, model::kLeft), 0.5);
