@@ -27,8 +27,9 @@ std::vector<std::string> interrupt_sentences(const std::vector<realtime::BusInte
     if (bus.adapter.empty()) continue;
     std::string served;
     for (const realtime::InterruptThread& thread : bus.threads) {
-      served += (served.empty() ? "" : ", ") + thread.name + " (process " + std::to_string(thread.process) +
-                ", priority " + std::to_string(thread.priority) + ")";
+      served.append(served.empty() ? "" : ", ").append(thread.name);
+      served.append(" (process ").append(std::to_string(thread.process));
+      served.append(", priority ").append(std::to_string(thread.priority)).append(")");
     }
     const bool known = std::ranges::any_of(
         bus.threads, [](const auto& thread) { return !thread.name.starts_with("ksoftirqd/"); });

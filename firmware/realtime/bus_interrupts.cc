@@ -93,7 +93,7 @@ std::vector<BusInterrupts> bus_interrupts(std::span<const std::string> buses, co
     const fs::path device = fs::canonical(root + "/sys/class/net/" + bus + "/device", missing);
     if (missing) continue;
     const std::string subsystem = fs::canonical(device / "subsystem", missing).filename();
-    of_bus.adapter = (subsystem == "usb" ? "usb " : "") + device.filename().string();
+    of_bus.adapter.append(subsystem == "usb" ? "usb " : "").append(device.filename().string());
     const Marks marks = marks_of(bus, device, subsystem);
     std::ranges::copy_if(threads, std::back_inserter(of_bus.threads),
                          [&](const InterruptThread& thread) { return serves(thread, bus, marks); });

@@ -20,7 +20,7 @@ IdleRequest::IdleRequest(double exit_max_s, const std::string& root) : reason_()
 }
 
 IdleRequest::IdleRequest(IdleRequest&& other) noexcept
-    : descriptor_(std::exchange(other.descriptor_, -1)), reason_(other.reason_) {}
+    : descriptor_(std::exchange(other.descriptor_, -1)), reason_(std::move(other.reason_)) {}
 
 IdleRequest& IdleRequest::operator=(IdleRequest&& other) noexcept {
   std::swap(descriptor_, other.descriptor_);

@@ -19,7 +19,7 @@ constexpr std::size_t kBatch = 256;
 
 std::string sentence(SerialTrouble trouble, const SerialSettings& settings) {
   if (trouble == SerialTrouble::none) return "";
-  const std::string port = "torso sensor: serial port " + settings.port;
+  std::string port = "torso sensor: serial port " + settings.port;
   switch (trouble) {
     case SerialTrouble::none:
       break;

@@ -41,7 +41,7 @@ std::vector<PeriodicFrame> periodic_frames(const Encoder& encoder, double sensor
 
 std::string sentence(const EncoderTrouble& trouble, const Encoder& encoder) {
   if (trouble.failure == EncoderFailure::none) return "";
-  const std::string node = "torso sensor: node " + std::to_string(encoder.node);
+  std::string node = "torso sensor: node " + std::to_string(encoder.node);
   const std::string object =
       format(" (object 0x%04x:%u)", unsigned{trouble.index}, unsigned{trouble.subindex});
   switch (trouble.failure) {

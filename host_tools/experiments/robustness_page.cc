@@ -12,7 +12,6 @@ namespace stilt::experiments {
 namespace {
 
 using plot::Curve;
-using plot::Plot;
 
 constexpr std::size_t kPlots = 12;
 constexpr const char* kPageStyle =

@@ -10,7 +10,6 @@ namespace {
 
 using model::kFirstJoint;
 using model::kJoints;
-using model::kPositions;
 using plot::card;
 using plot::Curve;
 using plot::escaped;

@@ -67,7 +67,8 @@ Writer::Writer(const std::string& path, const WriterOptions& options) : options_
 Writer::~Writer() {
   try {
     close();
-  } catch (const std::exception&) {  // a destructor cannot report it; close() does
+  } catch (
+      const std::exception&) {  // NOLINT(bugprone-empty-catch): a destructor cannot report it; close() does
   }
 }
 
