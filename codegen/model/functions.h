@@ -13,8 +13,9 @@ namespace stilt::codegen {
     const Equations& equations);  ///< kinematics, mass matrix, bias
 [[nodiscard]] std::vector<FunctionSpec> node_functions(
     const Equations& equations);  ///< flow, node, derivatives
+/// Map and derivatives of the impact that brings these feet to rest.
 [[nodiscard]] std::vector<FunctionSpec> impact_functions(const Equations& equations,
-                                                         int foot);  ///< map and derivatives
+                                                         const std::vector<int>& feet);
 
 /// Text "name[1]" or "name[1][2]".
 [[nodiscard]] std::string element(const std::string& name, int row);

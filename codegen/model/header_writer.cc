@@ -1,6 +1,8 @@
 #include "codegen/model/header_writer.h"
 
+#include <algorithm>
 #include <cstddef>
+#include <iterator>
 #include <sstream>
 #include <vector>
 
@@ -100,7 +102,9 @@ std::map<std::string, std::string> write_headers(const PlanarTree& tree, const s
   std::map<std::string, std::string> headers;
   headers["kinematics.h"] = writer.header(kinematic_functions(equations));
   headers["node.h"] = writer.header(node_functions(equations));
-  headers["impact.h"] = writer.header(impact_functions(equations, 0));
+  std::vector<FunctionSpec> impacts = impact_functions(equations, {0});
+  std::ranges::move(impact_functions(equations, {0, 1}), std::back_inserter(impacts));
+  headers["impact.h"] = writer.header(impacts);
   headers["constants.h"] = opening(shape, "") + constants(tree, numbers, writer.coefficients()) +
                            writer.preparation() + closing(shape);
   return headers;

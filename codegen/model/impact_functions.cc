@@ -1,4 +1,5 @@
 #include <cstddef>
+#include <optional>
 
 #include "codegen/model/functions.h"
 
@@ -52,46 +53,65 @@ Expression inner(const Row& a, const Row& b) {
   return sum;
 }
 
-/// The impact of one foot: [M -J'; J 0] [v+; impulse] = [M v-; 0], with X = M^-1 J', S = J X:
-/// impulse = -S^-1 J v-, v+ = v- + X impulse.
+/// S^-1 r for the small matrix of the contact: in closed form for one foot, by elimination for more.
+class ContactInverse {
+ public:
+  explicit ContactInverse(Matrix s) : s_(std::move(s)) {
+    if (s_.size() != 2) {
+      factorisation_.emplace(s_);
+      return;
+    }
+    const Expression one = s_[0][0].graph().constant(1.0);
+    inverse_determinant_.push_back(one / (s_[0][0] * s_[1][1] - s_[0][1] * s_[0][1]));
+  }
+
+  [[nodiscard]] Row solve(const Row& r) const {
+    if (factorisation_) return factorisation_->solve(r);
+    const Expression& inverse = inverse_determinant_.front();
+    return {(s_[1][1] * r[0] - s_[0][1] * r[1]) * inverse, (s_[0][0] * r[1] - s_[0][1] * r[0]) * inverse};
+  }
+
+ private:
+  Matrix s_;
+  Row inverse_determinant_;
+  std::optional<TreeFactorisation> factorisation_;
+};
+
+/// The impact that brings feet to rest: [M -J'; J 0] [v+; impulse] = [M v-; 0], J with two rows a foot. With
+/// X = M^-1 J', S = J X: impulse = -S^-1 J v-, v+ = v- + X impulse.
 class ImpactModel {
  public:
-  ImpactModel(const Equations& equations, int foot)
+  ImpactModel(const Equations& equations, std::vector<int> feet)
       : equations_(equations),
-        foot_(foot),
-        mass_(with_armature(equations)),
-        factorisation_(mass_),
-        jacobian_(equations.foot_jacobian(foot)) {
+        feet_(std::move(feet)),
+        factorisation_(with_armature(equations)),
+        jacobian_(rows_of(equations, feet_)) {
     for (const Row& row : jacobian_) response_.push_back(factorisation_.solve(row));
-    xx_ = inner(jacobian_[0], response_[0]);
-    xz_ = inner(jacobian_[0], response_[1]);
-    zz_ = inner(jacobian_[1], response_[1]);
-    inverse_determinant_ = equations.graph().constant(1.0) / (xx_ * zz_ - xz_ * xz_);
+    contact_.emplace(products(response_));
     Row before;
     for (int i = 0; i < equations.tree().position_count(); ++i) before.push_back(equations.velocity(i));
-    const PlanarExpression p = solve_contact({inner(jacobian_[0], before), inner(jacobian_[1], before)});
-    impulse_ = {-p.x, -p.z};
-    for (std::size_t i = 0; i < before.size(); ++i) {
-      jump_.push_back(response_[0][i] * impulse_.x + response_[1][i] * impulse_.z);
-      after_.push_back(before[i] + jump_[i]);
-    }
+    impulse_ = negated(contact_->solve(products(before)));
+    jump_ = combined(impulse_);
+    for (std::size_t i = 0; i < before.size(); ++i) after_.push_back(before[i] + jump_[i]);
   }
 
   void append_values(std::vector<Output>& out) const {
     append(out, "velocity_after", after_);
-    append(out, "impulse", Row{impulse_.x, impulse_.z});
+    append(out, "impulse", impulse_);
   }
 
   /// d impulse / dv- = -S^-1 J, dv+ / dv- = 1 + X d impulse.
   void append_velocity_columns(std::vector<Output>& out) const {
     for (int c = 0; c < equations_.tree().position_count(); ++c) {
-      const PlanarExpression p = solve_contact({jacobian_[0][at(c)], jacobian_[1][at(c)]});
-      out.push_back({element("impulse_dv", 0, c), -p.x});
-      out.push_back({element("impulse_dv", 1, c), -p.z});
+      Row column;
+      for (const Row& row : jacobian_) column.push_back(row[at(c)]);
+      const Row p = contact_->solve(column);
+      const Row change = combined(p);
+      for (std::size_t r = 0; r < p.size(); ++r)
+        out.push_back({element("impulse_dv", static_cast<int>(r), c), -p[r]});
       for (int r = 0; r < equations_.tree().position_count(); ++r) {
         const Expression own = equations_.graph().constant(r == c ? 1.0 : 0.0);
-        const Expression value = own - (response_[0][at(r)] * p.x + response_[1][at(r)] * p.z);
-        out.push_back({element("velocity_after_dv", r, c), value});
+        out.push_back({element("velocity_after_dv", r, c), own - change[at(r)]});
       }
     }
   }
@@ -104,15 +124,16 @@ class ImpactModel {
     for (int c = 0; c < equations_.tree().link_count(); ++c) {
       Row r1;
       for (const Row& row : momentum) r1.push_back(-row[at(c)]);
-      const PlanarExpression impulse = solve_contact(
-          {-contact[0][at(c)] - inner(response_[0], r1), -contact[1][at(c)] - inner(response_[1], r1)});
-      out.push_back({element("impulse_dtheta", 0, c), impulse.x});
-      out.push_back({element("impulse_dtheta", 1, c), impulse.z});
+      Row right;
+      for (std::size_t i = 0; i < response_.size(); ++i)
+        right.push_back(-contact[i][at(c)] - inner(response_[i], r1));
+      const Row impulse = contact_->solve(right);
+      for (std::size_t r = 0; r < impulse.size(); ++r)
+        out.push_back({element("impulse_dtheta", static_cast<int>(r), c), impulse[r]});
       const Row direct = factorisation_.solve(r1);
-      for (int r = 0; r < equations_.tree().position_count(); ++r) {
-        out.push_back({element("velocity_after_dtheta", r, c),
-                       direct[at(r)] + response_[0][at(r)] * impulse.x + response_[1][at(r)] * impulse.z});
-      }
+      const Row change = combined(impulse);
+      for (int r = 0; r < equations_.tree().position_count(); ++r)
+        out.push_back({element("velocity_after_dtheta", r, c), direct[at(r)] + change[at(r)]});
     }
   }
 
@@ -124,9 +145,45 @@ class ImpactModel {
     return mass;
   }
 
-  /// S^-1 r.
-  [[nodiscard]] PlanarExpression solve_contact(const PlanarExpression& r) const {
-    return {(zz_ * r.x - xz_ * r.z) * inverse_determinant_, (xx_ * r.z - xz_ * r.x) * inverse_determinant_};
+  static Matrix rows_of(const Equations& equations, const std::vector<int>& feet) {
+    Matrix rows;
+    for (const int foot : feet) {
+      for (const Row& row : equations.foot_jacobian(foot)) rows.push_back(row);
+    }
+    return rows;
+  }
+
+  static Row negated(Row row) {
+    for (Expression& e : row) e = -e;
+    return row;
+  }
+
+  /// J v.
+  [[nodiscard]] Row products(const Row& v) const {
+    Row result;
+    for (const Row& row : jacobian_) result.push_back(inner(row, v));
+    return result;
+  }
+
+  /// J X of the rows of X'.
+  [[nodiscard]] Matrix products(const Matrix& response) const {
+    Matrix result;
+    for (const Row& row : jacobian_) {
+      result.emplace_back();
+      for (const Row& column : response) result.back().push_back(inner(row, column));
+    }
+    return result;
+  }
+
+  /// X impulse.
+  [[nodiscard]] Row combined(const Row& impulse) const {
+    Row result;
+    for (std::size_t i = 0; i < response_[0].size(); ++i) {
+      Expression sum = response_[0][i] * impulse[0];
+      for (std::size_t k = 1; k < impulse.size(); ++k) sum += response_[k][i] * impulse[k];
+      result.push_back(sum);
+    }
+    return result;
   }
 
   [[nodiscard]] Row absolute(const Row& relative) const {
@@ -146,47 +203,46 @@ class ImpactModel {
     motion.acceleration = absolute(jump_);
     motion.rate.assign(motion.acceleration.size(), zero);
     motion.force.assign(equations_.tree().feet.size(), {zero, zero});
-    motion.force[at(foot_)] = impulse_;
+    for (std::size_t i = 0; i < feet_.size(); ++i)
+      motion.force[at(feet_[i])] = {impulse_[2 * i], impulse_[2 * i + 1]};
     Row held = motion.acceleration;
-    held.insert(held.end(), {jump_[0], jump_[1], impulse_.x, impulse_.z});
+    held.insert(held.end(), {jump_[0], jump_[1]});
+    held.insert(held.end(), impulse_.begin(), impulse_.end());
     Differentiator differentiate(cuts(held));
     return equations_.jacobian(equations_.equations(motion).row, equations_.angles(), differentiate);
   }
 
   [[nodiscard]] Matrix contact_velocity_by_angles() const {
     Differentiator differentiate(cuts(after_));
-    Matrix result(2);
-    for (std::size_t axis = 0; axis < 2; ++axis) {
+    Matrix result;
+    for (const Row& contact : jacobian_) {
       Row row;
       for (int c = 0; c < equations_.tree().link_count(); ++c) {
         Expression sum = equations_.graph().constant(0.0);
         for (int k = 0; k < equations_.tree().link_count(); ++k) {
-          const Matrix second =
-              equations_.jacobian({jacobian_[axis][at(2 + k)]}, equations_.angles(), differentiate);
+          const Matrix second = equations_.jacobian({contact[at(2 + k)]}, equations_.angles(), differentiate);
           sum += second[0][at(c)] * after_[at(2 + k)];
         }
         row.push_back(sum);
       }
-      result[axis] = row;
+      result.push_back(row);
     }
     return result;
   }
 
   const Equations& equations_;
-  int foot_;
-  Matrix mass_;
+  std::vector<int> feet_;
   TreeFactorisation factorisation_;
   Matrix jacobian_;
-  Matrix response_;  ///< X', two rows
-  Expression xx_, xz_, zz_;
-  Expression inverse_determinant_;
-  PlanarExpression impulse_;
+  Matrix response_;  ///< X', two rows a foot
+  std::optional<ContactInverse> contact_;
+  Row impulse_;
   Row jump_;   ///< v+ - v-
   Row after_;  ///< v+
 };
 
 std::string side_name(const std::string& foot) {
-  const std::string side = foot.substr(std::string("foot_").size());
+  std::string side = foot.substr(std::string("foot_").size());
   if (side == "L") return "left";
   if (side == "R") return "right";
   return side;
@@ -194,15 +250,17 @@ std::string side_name(const std::string& foot) {
 
 }  // namespace
 
-std::vector<FunctionSpec> impact_functions(const Equations& equations, int foot) {
-  const std::string& foot_name = equations.tree().feet[at(foot)].name;
+std::vector<FunctionSpec> impact_functions(const Equations& equations, const std::vector<int>& feet) {
+  std::string names;
+  for (const int foot : feet) names += (names.empty() ? "" : " and ") + equations.tree().feet[at(foot)].name;
   const std::string text =
-      "Rigid impact without slip or rebound of " + foot_name +
+      "Rigid impact without slip or rebound of " + names +
       ": x holds q and the velocities before,\nvelocity_after those after (SI), impulse "
-      "[x, z] in Ns acts on the robot; M velocity_after - J' impulse = M v,\n"
+      "[x, z] of each in Ns acts on the robot; M velocity_after - J' impulse = M v,\n"
       "J velocity_after = 0. joint_parameters: armature of each joint (kg m^2) enters M.";
-  const ImpactModel model(equations, foot);
-  FunctionSpec values{.name = "impact_" + side_name(foot_name),
+  const ImpactModel model(equations, feet);
+  const std::string side = feet.size() == 1 ? side_name(equations.tree().feet[at(feet[0])].name) : "both";
+  FunctionSpec values{.name = "impact_" + side,
                       .documentation = text,
                       .parameters = {"x", "joint_parameters"},
                       .outputs = {}};

@@ -11,7 +11,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 using model::kAngles;
-using model::kChain;
 using model::kFeet;
 using model::kFirstAngle;
 using model::kInputs;
@@ -75,10 +74,17 @@ void add_flow(Json& result, const model::StateVector& x, const model::InputVecto
   result["flow_du"] = rows(flow_du);
 }
 
-Json impact(const model::RobotModel& robot, int foot, const model::StateVector& x) {
+/// Impulse: [x, z] of each foot in contact.
+Json impact(const model::RobotModel& robot, model::ContactMode contact, const model::StateVector& x) {
   model::ImpactTerms<double> terms;
-  robot.impact(foot, x.data(), robot.constants.joint_parameters, terms);
-  return {{"velocity_after", row(terms.velocity_after)}, {"impulse", row(terms.impulse)}};
+  robot.impact(contact, x.data(), robot.constants.joint_parameters, terms);
+  Json impulse = Json::array();
+  for (int foot = 0; foot < kFeet; ++foot) {
+    if (!contact[foot]) continue;
+    impulse.push_back(terms.impulse[2 * foot]);
+    impulse.push_back(terms.impulse[2 * foot + 1]);
+  }
+  return {{"velocity_after", row(terms.velocity_after)}, {"impulse", impulse}};
 }
 
 /// The vector of exactly `size` numbers under `key`.
@@ -125,7 +131,9 @@ Json evaluate_model(const model::RobotModel& robot, const model::StateVector& x,
   result["foot_acceleration_dx"] =
       rows(by_state(node.foot_acceleration_dtheta, node.foot_acceleration_domega));
   result["foot_acceleration_du"] = rows(matrix(node.foot_acceleration_du));
-  result["impact"] = {{"left", impact(robot, model::kLeft, x)}, {"right", impact(robot, model::kRight, x)}};
+  result["impact"] = {{"left", impact(robot, {.left = true}, x)},
+                      {"right", impact(robot, {.right = true}, x)},
+                      {"both", impact(robot, {.left = true, .right = true}, x)}};
   return result;
 }
 

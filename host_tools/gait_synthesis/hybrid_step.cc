@@ -156,7 +156,7 @@ JointVector output_feedback(const model::RobotModel& robot, const gait::HzdGait&
   const double rate = by_time ? scale : scale * x[kPositions];
   const JointVector error = x.segment<kJoints>(kFirstJoint) - y.angle_rad;
   const JointVector error_rate = x.tail<kJoints>() - rate * y.slope_rad;
-  const JointVector wanted =
+  JointVector wanted =
       rate * rate * y.curvature_rad - gait.feedback.kd_1_s * error_rate - gait.feedback.kp_1_s2 * error;
   if (by_time) return wanted;
   // With the phase by hip position the outputs accelerate with the hip, which depends on the joints: a =
@@ -172,9 +172,9 @@ StateVector touch_down(const model::RobotModel& robot, const StateVector& before
                        Eigen::Vector2d* impulse_Ns) {
   model::ImpactTerms<double> impact;
   model::KinematicsTerms<double> feet;
-  robot.impact(model::kRight, before.data(), robot.constants.joint_parameters, impact);
+  robot.impact({.right = true}, before.data(), robot.constants.joint_parameters, impact);
   robot.kinematics(before.data(), feet);
-  if (impulse_Ns != nullptr) *impulse_Ns = Eigen::Vector2d(impact.impulse);
+  if (impulse_Ns != nullptr) *impulse_Ns = Eigen::Vector2d(impact.impulse + 2 * model::kRight);
   constexpr int kSwapped[kPositions] = {0, 1, 2, 5, 6, 3, 4};
   StateVector after;
   for (int i = 0; i < kPositions; ++i) {

@@ -177,7 +177,7 @@ double StepImpact::momentum_row(const ImpactVector& y) const {
   model::ImpactTerms<double> impact;
   robot_.mass_matrix(y.data(), robot_.constants.joint_parameters, mass);
   robot_.kinematics(y.data(), feet);
-  robot_.impact(model::kRight, y.data(), robot_.constants.joint_parameters, impact);
+  robot_.impact({.right = true}, y.data(), robot_.constants.joint_parameters, impact);
   // Momentum of the base coordinates: x, z and the rotation about +y at the hip.
   const auto momentum_about = [&](const double* velocity, int foot) {
     double p[3] = {0.0, 0.0, 0.0};
@@ -195,7 +195,7 @@ double StepImpact::momentum_row(const ImpactVector& y) const {
 
 void StepImpact::evaluate(const ImpactVector& y, ImpactValues& rows, ImpactSlopes& slopes) const {
   model::ImpactDerivatives<double> impact;
-  robot_.impact_derivatives(model::kRight, y.data(), robot_.constants.joint_parameters, impact);
+  robot_.impact_derivatives({.right = true}, y.data(), robot_.constants.joint_parameters, impact);
   slopes.setZero();
   for (int r = 0; r < kAngles; ++r) {
     rows[kRateRow + r] = impact.velocity_after[kFirstAngle + r];
@@ -205,16 +205,18 @@ void StepImpact::evaluate(const ImpactVector& y, ImpactValues& rows, ImpactSlope
     for (int c = 0; c < kPositions; ++c)
       slopes(kRateRow + r, kPositions + c) = impact.velocity_after_dv[kFirstAngle + r][c];
   }
+  constexpr int kImpulseX = 2 * model::kRight;
+  constexpr int kImpulseZ = kImpulseX + 1;
   const double mix[3][2] = {{-1.0, impulse_ratio_}, {1.0, impulse_ratio_}, {0.0, 1.0}};
   for (int r = 0; r < 3; ++r) {
-    rows[kImpulseRow + r] = mix[r][0] * impact.impulse[0] + mix[r][1] * impact.impulse[1];
+    rows[kImpulseRow + r] = mix[r][0] * impact.impulse[kImpulseX] + mix[r][1] * impact.impulse[kImpulseZ];
     for (int c = 0; c < kAngles; ++c) {
       slopes(kImpulseRow + r, kFirstAngle + c) =
-          mix[r][0] * impact.impulse_dtheta[0][c] + mix[r][1] * impact.impulse_dtheta[1][c];
+          mix[r][0] * impact.impulse_dtheta[kImpulseX][c] + mix[r][1] * impact.impulse_dtheta[kImpulseZ][c];
     }
     for (int c = 0; c < kPositions; ++c) {
       slopes(kImpulseRow + r, kPositions + c) =
-          mix[r][0] * impact.impulse_dv[0][c] + mix[r][1] * impact.impulse_dv[1][c];
+          mix[r][0] * impact.impulse_dv[kImpulseX][c] + mix[r][1] * impact.impulse_dv[kImpulseZ][c];
     }
   }
   rows[kMomentumRow] = momentum_row(y);

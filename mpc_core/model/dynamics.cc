@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "codegen/generated/five_link/impact.h"
 #include "codegen/generated/five_link/kinematics.h"
 #include "codegen/generated/five_link/node.h"
@@ -19,6 +21,23 @@ Coefficients<T> coefficients_of(const RobotModel& robot) noexcept {
     result.coefficient[i] = T(robot.coefficients.coefficient[i]);
   }
   return result;
+}
+
+/// Terms without an impulse.
+template <class T>
+ImpactDerivatives<T> no_impact(const T* x) noexcept {
+  ImpactDerivatives<T> none;
+  for (int r = 0; r < kPositions; ++r) {
+    none.velocity_after[r] = x[kPositions + r];
+    for (T& element : none.velocity_after_dtheta[r]) element = T(0.0);
+    for (int c = 0; c < kPositions; ++c) none.velocity_after_dv[r][c] = T(r == c ? 1.0 : 0.0);
+  }
+  for (int r = 0; r < 2 * kFeet; ++r) {
+    none.impulse[r] = T(0.0);
+    for (T& element : none.impulse_dtheta[r]) element = T(0.0);
+    for (T& element : none.impulse_dv[r]) element = T(0.0);
+  }
+  return none;
 }
 
 }  // namespace
@@ -50,22 +69,34 @@ void RobotModel::kinematics(const T* x, KinematicsTerms<T>& out) const noexcept 
 }
 
 template <class T>
-void RobotModel::impact(int foot, const T* x, const T* p, ImpactTerms<T>& out) const noexcept {
-  if (foot == kLeft) return five_link::impact_left(x, p, coefficients_of<T>(*this).coefficient, out);
+void RobotModel::impact(ContactMode contact, const T* x, const T* p, ImpactTerms<T>& out) const noexcept {
+  const Coefficients<T> robot = coefficients_of<T>(*this);
+  if (contact.count() == 2) return five_link::impact_both(x, p, robot.coefficient, out);
+  out.impulse[2] = out.impulse[3] = T(0.0);
+  if (contact.left) return five_link::impact_left(x, p, robot.coefficient, out);
+  if (!contact.right) {
+    std::copy(x + kPositions, x + kStates, out.velocity_after);
+    out.impulse[0] = out.impulse[1] = T(0.0);
+    return;
+  }
   const ExchangedArguments<T> mirrored(x, p);
   ImpactTerms<T> left;
-  five_link::impact_left(mirrored.x, mirrored.p, coefficients_of<T>(*this).coefficient, left);
+  left.impulse[2] = left.impulse[3] = T(0.0);
+  five_link::impact_left(mirrored.x, mirrored.p, robot.coefficient, left);
   exchange_legs(left, out);
 }
 
 template <class T>
-void RobotModel::impact_derivatives(int foot, const T* x, const T* p,
+void RobotModel::impact_derivatives(ContactMode contact, const T* x, const T* p,
                                     ImpactDerivatives<T>& out) const noexcept {
-  if (foot == kLeft)
-    return five_link::impact_left_derivatives(x, p, coefficients_of<T>(*this).coefficient, out);
+  const Coefficients<T> robot = coefficients_of<T>(*this);
+  if (contact.count() == 2) return five_link::impact_both_derivatives(x, p, robot.coefficient, out);
+  out = no_impact(x);
+  if (contact.left) return five_link::impact_left_derivatives(x, p, robot.coefficient, out);
+  if (!contact.right) return;
   const ExchangedArguments<T> mirrored(x, p);
-  ImpactDerivatives<T> left;
-  five_link::impact_left_derivatives(mirrored.x, mirrored.p, coefficients_of<T>(*this).coefficient, left);
+  ImpactDerivatives<T> left = out;
+  five_link::impact_left_derivatives(mirrored.x, mirrored.p, robot.coefficient, left);
   exchange_legs(left, out);
 }
 
@@ -87,8 +118,9 @@ template void RobotModel::node(const double*, const double*, const double*,
 template void RobotModel::node_derivatives(const double*, const double*, const double*,
                                            NodeDerivatives<double>&) const noexcept;
 template void RobotModel::kinematics(const double*, KinematicsTerms<double>&) const noexcept;
-template void RobotModel::impact(int, const double*, const double*, ImpactTerms<double>&) const noexcept;
-template void RobotModel::impact_derivatives(int, const double*, const double*,
+template void RobotModel::impact(ContactMode, const double*, const double*,
+                                 ImpactTerms<double>&) const noexcept;
+template void RobotModel::impact_derivatives(ContactMode, const double*, const double*,
                                              ImpactDerivatives<double>&) const noexcept;
 template void RobotModel::mass_matrix(const double*, const double*, MassMatrixTerms<double>&) const noexcept;
 template void RobotModel::bias(const double*, BiasTerms<double>&) const noexcept;
@@ -100,8 +132,8 @@ template void RobotModel::node(const Batch*, const Batch*, const Batch*, NodeTer
 template void RobotModel::node_derivatives(const Batch*, const Batch*, const Batch*,
                                            NodeDerivatives<Batch>&) const noexcept;
 template void RobotModel::kinematics(const Batch*, KinematicsTerms<Batch>&) const noexcept;
-template void RobotModel::impact(int, const Batch*, const Batch*, ImpactTerms<Batch>&) const noexcept;
-template void RobotModel::impact_derivatives(int, const Batch*, const Batch*,
+template void RobotModel::impact(ContactMode, const Batch*, const Batch*, ImpactTerms<Batch>&) const noexcept;
+template void RobotModel::impact_derivatives(ContactMode, const Batch*, const Batch*,
                                              ImpactDerivatives<Batch>&) const noexcept;
 template void RobotModel::mass_matrix(const Batch*, const Batch*, MassMatrixTerms<Batch>&) const noexcept;
 template void RobotModel::bias(const Batch*, BiasTerms<Batch>&) const noexcept;

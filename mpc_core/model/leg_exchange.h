@@ -49,7 +49,7 @@ void exchange_columns(const T (&from)[kColumns], T (&to)[kColumns]) noexcept {
 template <class T>
 void exchange_legs(const ImpactTerms<T>& from, ImpactTerms<T>& to) noexcept {
   detail::exchange_columns(from.velocity_after, to.velocity_after);
-  std::copy(from.impulse, from.impulse + 2, to.impulse);
+  std::rotate_copy(from.impulse, from.impulse + 2, from.impulse + 2 * kFeet, to.impulse);
 }
 
 /// The same with derivatives.
@@ -61,10 +61,11 @@ void exchange_legs(const ImpactDerivatives<T>& from, ImpactDerivatives<T>& to) n
     detail::exchange_columns(from.velocity_after_dtheta[other], to.velocity_after_dtheta[r]);
     detail::exchange_columns(from.velocity_after_dv[other], to.velocity_after_dv[r]);
   }
-  for (int r = 0; r < 2; ++r) {
-    to.impulse[r] = from.impulse[r];
-    detail::exchange_columns(from.impulse_dtheta[r], to.impulse_dtheta[r]);
-    detail::exchange_columns(from.impulse_dv[r], to.impulse_dv[r]);
+  for (int r = 0; r < 2 * kFeet; ++r) {
+    const int other = (r + 2) % (2 * kFeet);
+    to.impulse[r] = from.impulse[other];
+    detail::exchange_columns(from.impulse_dtheta[other], to.impulse_dtheta[r]);
+    detail::exchange_columns(from.impulse_dv[other], to.impulse_dv[r]);
   }
 }
 

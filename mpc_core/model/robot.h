@@ -47,10 +47,13 @@ struct RobotModel {
   void node_derivatives(const T* x, const T* u, const T* p, NodeDerivatives<T>& out) const noexcept;
   template <class T>
   void kinematics(const T* x, KinematicsTerms<T>& out) const noexcept;
+  /// Rigid impact without slip or rebound that ends in `contact`: every foot of it comes to rest, also one
+  /// that stood before. Without a foot nothing changes.
   template <class T>
-  void impact(int foot, const T* x, const T* p, ImpactTerms<T>& out) const noexcept;
+  void impact(ContactMode contact, const T* x, const T* p, ImpactTerms<T>& out) const noexcept;
   template <class T>
-  void impact_derivatives(int foot, const T* x, const T* p, ImpactDerivatives<T>& out) const noexcept;
+  void impact_derivatives(ContactMode contact, const T* x, const T* p,
+                          ImpactDerivatives<T>& out) const noexcept;
   template <class T>
   void mass_matrix(const T* x, const T* p, MassMatrixTerms<T>& out) const noexcept;
   template <class T>

@@ -77,22 +77,23 @@ struct NodeDerivatives {
   T joint_torque_du[kJoints][kInputs];
 };
 
-/// Velocities after the impact of one foot, and its impulse [x, z], Ns.
+/// Velocities after an impact. Impulses of the feet on the robot, [x, z] of each, Ns; 0 at a foot without
+/// contact.
 template <class T>
 struct ImpactTerms {
   T velocity_after[kPositions];
-  T impulse[2];
+  T impulse[2 * kFeet];
 };
 
 /// ImpactTerms with their derivatives by the angles and the velocities before the impact.
 template <class T>
 struct ImpactDerivatives {
   T velocity_after[kPositions];
-  T impulse[2];
+  T impulse[2 * kFeet];
   T velocity_after_dtheta[kPositions][kAngles];
   T velocity_after_dv[kPositions][kPositions];
-  T impulse_dtheta[2][kAngles];
-  T impulse_dv[2][kPositions];
+  T impulse_dtheta[2 * kFeet][kAngles];
+  T impulse_dv[2 * kFeet][kPositions];
 };
 
 }  // namespace stilt::model

@@ -134,22 +134,25 @@ void add_transitions(const ProblemData& data, const Barriers& barriers, const Ba
   const BatchTransition it(iterate, batch);
   model::KinematicsTerms<Batch> feet;
   data.robot->kinematics(it.x, feet);
-  Batch after[kStates];
-  std::copy(it.x, it.x + kStates, after);
   for (int foot = 0; foot < kFeet; ++foot) {
     if (!batch.touchdown[foot]) continue;
     const Batch& slip_m_s = feet.foot_velocity[2 * foot];
     merit.cost += batch.weight * (0.5 * data.cost.touchdown_velocity) * slip_m_s * slip_m_s;
-    if (data.discretisation.transition == Transition::impact) {
-      model::ImpactTerms<Batch> impact;
-      data.robot->impact(foot, after, parameters.value, impact);
-      std::copy(impact.velocity_after, impact.velocity_after + kPositions, after + kPositions);
-      BarrierSum cone(barriers.impulse);
-      const Batch friction_Ns = data.inequality.friction_coefficient * impact.impulse[1];
-      cone.add(friction_Ns + impact.impulse[0]);
-      cone.add(friction_Ns - impact.impulse[0]);
-      merit.cost += batch.weight * cone.value();
+  }
+  Batch after[kStates];
+  std::copy(it.x, it.x + kStates, after);
+  if (data.discretisation.transition == Transition::impact) {
+    model::ImpactTerms<Batch> impact;
+    data.robot->impact(batch.mode, it.x, parameters.value, impact);
+    std::copy(impact.velocity_after, impact.velocity_after + kPositions, after + kPositions);
+    BarrierSum cone(barriers.impulse);
+    for (int foot = 0; foot < kFeet; ++foot) {
+      if (!batch.mode[foot]) continue;
+      const Batch friction_Ns = data.inequality.friction_coefficient * impact.impulse[2 * foot + 1];
+      cone.add(friction_Ns + impact.impulse[2 * foot]);
+      cone.add(friction_Ns - impact.impulse[2 * foot]);
     }
+    merit.cost += batch.weight * cone.value();
   }
   Batch sum = Batch(0.0);
   for (int i = 0; i < kStates; ++i) {

@@ -16,14 +16,13 @@ using model::kInputs;
 using model::kPositions;
 using model::kStates;
 
-/// Velocity after the touch-downs of a batch, with its derivatives by the state before: rows of A for the
-/// velocities. Impulses J of the landing feet likewise, rows [x, z] of dJ. When two feet land, their impacts
-/// are applied one after the other.
+/// State after the touch-downs of a batch and the impulses of the feet, with derivatives by the state before:
+/// rows of A for the velocities, rows [x, z] of dJ for each foot.
 struct TouchDown {
   Batch after[kStates];
   Batch A[kPositions][kStates];
-  Batch impulse[model::kFeet][2];
-  Batch dJ[model::kFeet][2][kStates];
+  Batch impulse[2 * model::kFeet];
+  Batch dJ[2 * model::kFeet][kStates];
 
   TouchDown(const ProblemData& data, const BatchParameters& parameters, const TransitionBatch& batch,
             const Batch* x) noexcept {
@@ -32,39 +31,30 @@ struct TouchDown {
       for (int c = 0; c < kStates; ++c) A[r][c] = Batch(c == kPositions + r ? 1.0 : 0.0);
     }
     if (data.discretisation.transition == Transition::identity) return;
-    for (int foot = 0; foot < model::kFeet; ++foot) {
-      if (batch.touchdown[foot]) follow(data, parameters, foot);
-    }
+    model::ImpactDerivatives<Batch> impact;
+    data.robot->impact_derivatives(batch.mode, x, parameters.value, impact);
+    std::copy(impact.velocity_after, impact.velocity_after + kPositions, after + kPositions);
+    std::copy(impact.impulse, impact.impulse + 2 * model::kFeet, impulse);
+    for (int r = 0; r < kPositions; ++r)
+      write_row(impact.velocity_after_dtheta[r], impact.velocity_after_dv[r], A[r]);
+    for (int r = 0; r < 2 * model::kFeet; ++r)
+      write_row(impact.impulse_dtheta[r], impact.impulse_dv[r], dJ[r]);
   }
 
  private:
-  void follow(const ProblemData& data, const BatchParameters& parameters, int foot) noexcept {
-    model::ImpactDerivatives<Batch> impact;
-    data.robot->impact_derivatives(foot, after, parameters.value, impact);
-    std::copy(impact.impulse, impact.impulse + 2, this->impulse[foot]);
-    for (int c = 0; c < kStates; ++c) {
-      const bool angle = c >= kFirstAngle && c < kFirstAngle + kAngles;
-      for (int axis = 0; axis < 2; ++axis) {
-        Batch sum = angle ? impact.impulse_dtheta[axis][c - kFirstAngle] : Batch(0.0);
-        for (int k = 0; k < kPositions; ++k) sum += impact.impulse_dv[axis][k] * A[k][c];
-        dJ[foot][axis][c] = sum;
-      }
-      Batch column[kPositions];
-      for (int r = 0; r < kPositions; ++r) {
-        column[r] = angle ? impact.velocity_after_dtheta[r][c - kFirstAngle] : Batch(0.0);
-        for (int k = 0; k < kPositions; ++k) column[r] += impact.velocity_after_dv[r][k] * A[k][c];
-      }
-      for (int r = 0; r < kPositions; ++r) A[r][c] = column[r];
-    }
-    std::copy(impact.velocity_after, impact.velocity_after + kPositions, after + kPositions);
+  static void write_row(const Batch* dtheta, const Batch* dv, Batch* row) noexcept {
+    std::fill(row, row + kPositions, Batch(0.0));
+    std::copy(dtheta, dtheta + kAngles, row + kFirstAngle);
+    std::copy(dv, dv + kPositions, row + kPositions);
   }
 };
 
 }  // namespace
 
 /// Linearises x+ = x, with the velocity changed by the impact of the feet that touch down when impacts are
-/// modelled. Adds the cost on the horizontal velocity of these feet before the impact. Adds the barriers of
-/// the friction cone on their impulses, |Jx| <= mu Jz.
+/// modelled. A foot that stood before stays at rest. Adds the cost on the horizontal velocity of the landing
+/// feet before the impact. Adds the barriers of the friction cone on the impulses of all feet in contact,
+/// |Jx| <= mu Jz.
 void linearise(const ProblemData& data, const TransitionBatch& batch, const Trajectory& iterate,
                const BatchModel& to, LineariseWorkspace& work) noexcept {
   for (int lane = 0; lane < kLanes; ++lane) {
@@ -103,15 +93,18 @@ void linearise(const ProblemData& data, const TransitionBatch& batch, const Traj
     curvature[count] = Batch(data.cost.touchdown_velocity);
     slope[count] = data.cost.touchdown_velocity * node.foot_velocity[2 * foot];
     ++count;
-    if (data.discretisation.transition == Transition::identity) continue;
+  }
+  for (int foot = 0; foot < model::kFeet && data.discretisation.transition == Transition::impact; ++foot) {
+    if (!batch.mode[foot]) continue;
     // Barriers of mu Jz + Jx and mu Jz - Jx.
     const double mu = data.inequality.friction_coefficient;
-    const Batch friction_Ns = mu * touchdown.impulse[foot][1];
-    const BarrierPair pair(data.inequality.impulse, friction_Ns + touchdown.impulse[foot][0],
-                           friction_Ns - touchdown.impulse[foot][0]);
-    const auto& dJ = touchdown.dJ[foot];
+    const Batch& Jx = touchdown.impulse[2 * foot];
+    const Batch friction_Ns = mu * touchdown.impulse[2 * foot + 1];
+    const BarrierPair pair(data.inequality.impulse, friction_Ns + Jx, friction_Ns - Jx);
+    const auto& dJx = touchdown.dJ[2 * foot];
+    const auto& dJz = touchdown.dJ[2 * foot + 1];
     for (const auto& [barrier, sign] : {std::pair{pair.a, 1.0}, std::pair{pair.b, -1.0}}) {
-      for (int c = 0; c < kStates; ++c) row[count][c] = mu * dJ[1][c] + sign * dJ[0][c];
+      for (int c = 0; c < kStates; ++c) row[count][c] = mu * dJz[c] + sign * dJx[c];
       slope[count] = barrier.first;
       curvature[count] = barrier.second;
       ++count;

@@ -31,22 +31,35 @@ void set_lane(StageBatch& batch, int lane, int stage, double duration_s, double 
   }
 }
 
-/// Transitions with the same feet touching down share batches.
+struct TouchdownKind {
+  model::ContactMode mode;  ///< afterwards
+  std::array<bool, kFeet> touchdown;
+};
+constexpr std::array<TouchdownKind, kTouchdowns> kTouchdownKinds{{
+    {.mode = {.left = true, .right = false}, .touchdown = {true, false}},
+    {.mode = {.left = false, .right = true}, .touchdown = {false, true}},
+    {.mode = {.left = true, .right = true}, .touchdown = {true, false}},
+    {.mode = {.left = true, .right = true}, .touchdown = {false, true}},
+    {.mode = {.left = true, .right = true}, .touchdown = {true, true}},
+}};
+
+/// Touch-downs of a kind share batches.
 void fill_transition_batches(Problem& problem) noexcept {
   const Horizon& horizon = problem.horizon;
   problem.transition_batches = 0;
-  for (int feet = 0; feet < 4; ++feet) {
-    const std::array<bool, kFeet> touchdown{(feet & 1) != 0, (feet & 2) != 0};
+  for (int kind = 0; kind < kTouchdowns; ++kind) {
+    const auto& [mode, touchdown] = kTouchdownKinds[static_cast<std::size_t>(kind)];
     TransitionBatch* batch = nullptr;
     for (int k = 0; k < horizon.stages; ++k) {
       const Stage& stage = horizon.stage[k];
-      if (stage.kind != StageKind::transition || stage.touchdown != touchdown) continue;
+      if (stage.kind != StageKind::transition || stage.touchdown != touchdown || stage.mode != mode) continue;
       if (batch == nullptr || batch->lanes == kLanes) {
         batch = &problem.transition_batch[problem.transition_batches++];
+        batch->mode = mode;
         batch->touchdown = touchdown;
         batch->lanes = 0;
       }
-      problem.place[k] = {problem.transition_batches - 1, kGroups / 2 + feet, batch->lanes};
+      problem.place[k] = {problem.transition_batches - 1, kModes + kind, batch->lanes};
       batch->weight[batch->lanes] = 1.0;
       batch->stage[batch->lanes++] = k;
     }
@@ -85,7 +98,7 @@ void fill_batches(const gait::HeuristicReference& reference, Problem& problem) n
   STILT_ASSERT(horizon.stages > 0 && horizon.stages <= kMaxStages);
   problem.batches = 0;
   // Stages of one mode share batches, wherever they are in the horizon.
-  for (int mode = 0; mode < 4; ++mode) {
+  for (int mode = 0; mode < kModes; ++mode) {
     const model::ContactMode contact{(mode & 1) != 0, (mode & 2) != 0};
     StageBatch* batch = nullptr;
     gait::ReferencePoint point;

@@ -30,22 +30,25 @@ struct StageBatch {
 /// Each contact mode can leave one batch partly filled.
 inline constexpr int kMaxBatches = (kMaxStages + kLanes - 1) / kLanes + 4;
 
-/// Up to kLanes transitions with the same feet touching down. Unused lanes repeat the last stage with weight
-/// 0.
+/// Up to kLanes transitions with the same feet touching down into the same contact mode. Unused lanes repeat
+/// the last stage with weight 0.
 struct TransitionBatch {
+  model::ContactMode mode;  ///< after the touch-down
   std::array<bool, model::kFeet> touchdown{};
   int lanes = 0;
   int stage[kLanes] = {};
   Batch weight;
 };
 
-/// Left, right and both feet can each leave one batch partly filled, and so can transitions without a
-/// touch-down.
-inline constexpr int kMaxTransitionBatches = (kMaxSwitches + kLanes - 1) / kLanes + 4;
+/// Kinds of touch-down: a foot lands while the other is in the air (2) or on the ground (2), both land (1).
+inline constexpr int kTouchdowns = 5;
+/// Each kind of touch-down can leave one batch partly filled.
+inline constexpr int kMaxTransitionBatches = (kMaxSwitches + kLanes - 1) / kLanes + kTouchdowns;
 
-/// Groups of stages that share batches: flows of a contact mode (0 to 3), transitions with the same feet
-/// touching down (4 to 7). The batches of a group are consecutive, in the horizon and in memory.
-inline constexpr int kGroups = 8;
+/// Groups of stages that share batches: flows of a contact mode, then touch-downs of a kind. The batches of a
+/// group are consecutive, in the horizon and in memory.
+inline constexpr int kModes = 4;
+inline constexpr int kGroups = kModes + kTouchdowns;
 
 /// Position of a stage in the batches of its kind.
 struct StagePlace {

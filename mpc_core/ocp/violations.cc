@@ -52,15 +52,12 @@ void check_forces(const ProblemData& data, const StageBatch& batch, const BatchI
 void check_impulses(const ProblemData& data, const BatchParameters& parameters, const TransitionBatch& batch,
                     const Trajectory& iterate, BatchViolations& largest) noexcept {
   const BatchTransition it(iterate, batch);
-  Batch after[model::kStates];
-  std::copy(it.x, it.x + model::kStates, after);
+  model::ImpactTerms<Batch> impact;
+  data.robot->impact(batch.mode, it.x, parameters.value, impact);
   for (int foot = 0; foot < kFeet; ++foot) {
-    if (!batch.touchdown[foot]) continue;
-    model::ImpactTerms<Batch> impact;
-    data.robot->impact(foot, after, parameters.value, impact);
-    std::copy(impact.velocity_after, impact.velocity_after + kPositions, after + kPositions);
-    raise(largest.impulse_cone,
-          abs(impact.impulse[0]) - data.inequality.friction_coefficient * impact.impulse[1]);
+    if (!batch.mode[foot]) continue;
+    raise(largest.impulse_cone, abs(impact.impulse[2 * foot]) -
+                                    data.inequality.friction_coefficient * impact.impulse[2 * foot + 1]);
   }
 }
 

@@ -51,12 +51,15 @@ void expect_batch_equals_scalar() {
     for (std::size_t i = 0; i < 2 * kJoints; ++i) p[i] = Batch([&](auto lane) { return samples[lane].p[i]; });
     const auto node = Robot::node_derivatives(x, u, p);
     const auto flow = Robot::flow(x, u);
-    const auto left = Robot::impact_derivatives(model::kLeft, x, p);
+    const auto left = Robot::impact_derivatives({.left = true}, x, p);
+    const auto both = Robot::impact_derivatives({.left = true, .right = true}, x, p);
     for (std::size_t lane = 0; lane < kWidth; ++lane) {
       const Sample& s = samples[lane];
       expect_lane(node, Robot::node_derivatives(s.x.data(), s.u.data(), s.p.data()), lane);
       expect_lane(flow, Robot::flow(s.x.data(), s.u.data()), lane);
-      expect_lane(left, Robot::impact_derivatives(model::kLeft, s.x.data(), s.p.data()), lane);
+      expect_lane(left, Robot::impact_derivatives({.left = true}, s.x.data(), s.p.data()), lane);
+      expect_lane(both, Robot::impact_derivatives({.left = true, .right = true}, s.x.data(), s.p.data()),
+                  lane);
       if (testing::Test::HasFatalFailure()) return;
     }
   }

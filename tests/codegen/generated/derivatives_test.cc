@@ -143,17 +143,18 @@ TYPED_TEST(DerivativesTest, ImpactDerivativesAreThoseOfTheImpact) {
   std::mt19937_64 random(kSeed);
   for (int n = 0; n < kSamples && !this->HasFatalFailure(); ++n) {
     const Sample s(random);
-    for (int foot = 0; foot < kFeet; ++foot) {
-      const model::ImpactDerivatives<double> d = TypeParam::impact_derivatives(foot, s.x.data(), s.p.data());
+    for (const model::ContactMode contact : kLandings) {
+      const model::ImpactDerivatives<double> d =
+          TypeParam::impact_derivatives(contact, s.x.data(), s.p.data());
       for (int c = 0; c < kAngles; ++c) {
         const Stepped by_angle(s, kFirstAngle + c, -1);
-        const model::ImpactTerms<Complex> theta = TypeParam::impact(foot, by_angle.x, by_angle.p);
+        const model::ImpactTerms<Complex> theta = TypeParam::impact(contact, by_angle.x, by_angle.p);
         expect_column(d.velocity_after_dtheta, c, theta.velocity_after, "velocity_after_dtheta");
         expect_column(d.impulse_dtheta, c, theta.impulse, "impulse_dtheta");
       }
       for (int c = 0; c < kPositions; ++c) {
         const Stepped by_velocity(s, kPositions + c, -1);
-        const model::ImpactTerms<Complex> dv = TypeParam::impact(foot, by_velocity.x, by_velocity.p);
+        const model::ImpactTerms<Complex> dv = TypeParam::impact(contact, by_velocity.x, by_velocity.p);
         expect_column(d.velocity_after_dv, c, dv.velocity_after, "velocity_after_dv");
         expect_column(d.impulse_dv, c, dv.impulse, "impulse_dv");
       }

@@ -72,18 +72,19 @@ class AnyScalarRobot {
     generated::five_link::node_derivatives(x, u, p, coefficients<T>().data(), out);
     return out;
   }
+  /// `contact` has at least one foot.
   template <class T>
-  model::ImpactTerms<T> impact(int foot, const T* x, const T* p) const {
-    return of_foot<model::ImpactTerms<T>>(foot, x, p, [this](const T* state, const T* joints, auto& out) {
-      generated::five_link::impact_left(state, joints, coefficients<T>().data(), out);
-    });
+  model::ImpactTerms<T> impact(model::ContactMode contact, const T* x, const T* p) const {
+    return in_mode<model::ImpactTerms<T>>(
+        contact, x, p, [](auto&&... arguments) { generated::five_link::impact_left(arguments...); },
+        [](auto&&... arguments) { generated::five_link::impact_both(arguments...); });
   }
   template <class T>
-  model::ImpactDerivatives<T> impact_derivatives(int foot, const T* x, const T* p) const {
-    return of_foot<model::ImpactDerivatives<T>>(
-        foot, x, p, [this](const T* state, const T* joints, auto& out) {
-          generated::five_link::impact_left_derivatives(state, joints, coefficients<T>().data(), out);
-        });
+  model::ImpactDerivatives<T> impact_derivatives(model::ContactMode contact, const T* x, const T* p) const {
+    return in_mode<model::ImpactDerivatives<T>>(
+        contact, x, p,
+        [](auto&&... arguments) { generated::five_link::impact_left_derivatives(arguments...); },
+        [](auto&&... arguments) { generated::five_link::impact_both_derivatives(arguments...); });
   }
 
  private:
@@ -94,18 +95,22 @@ class AnyScalarRobot {
     return values;
   }
 
-  template <class Terms, class T, class Left>
-  static Terms of_foot(int foot, const T* x, const T* p, const Left& left_foot) {
-    Terms left;
-    if (foot == model::kLeft) {
-      left_foot(x, p, left);
-      return left;
+  template <class Terms, class T, class Left, class Both>
+  Terms in_mode(model::ContactMode contact, const T* x, const T* p, const Left& left_foot,
+                const Both& both_feet) const {
+    const auto k = coefficients<T>();
+    Terms terms{};
+    if (contact.count() == 2) {
+      both_feet(x, p, k.data(), terms);
+    } else if (contact.left) {
+      left_foot(x, p, k.data(), terms);
+    } else {
+      const model::ExchangedArguments<T> mirrored(x, p);
+      Terms left{};
+      left_foot(mirrored.x, mirrored.p, k.data(), left);
+      model::exchange_legs(left, terms);
     }
-    const model::ExchangedArguments<T> mirrored(x, p);
-    left_foot(mirrored.x, mirrored.p, left);
-    Terms right;
-    model::exchange_legs(left, right);
-    return right;
+    return terms;
   }
 
   const model::RobotModel& robot_;
@@ -126,11 +131,17 @@ struct GeneratedRobot {
   static auto node_derivatives(const auto* x, const auto* u, const auto* p) {
     return robot().node_derivatives(x, u, p);
   }
-  static auto impact(int foot, const auto* x, const auto* p) { return robot().impact(foot, x, p); }
-  static auto impact_derivatives(int foot, const auto* x, const auto* p) {
-    return robot().impact_derivatives(foot, x, p);
+  static auto impact(model::ContactMode contact, const auto* x, const auto* p) {
+    return robot().impact(contact, x, p);
+  }
+  static auto impact_derivatives(model::ContactMode contact, const auto* x, const auto* p) {
+    return robot().impact_derivatives(contact, x, p);
   }
 };
+
+/// The contact modes in which an impact can end.
+inline constexpr std::array<model::ContactMode, 3> kLandings{
+    {{.left = true, .right = false}, {.left = false, .right = true}, {.left = true, .right = true}}};
 
 using Amber3m = GeneratedRobot<amber3m>;
 using Rabbit = GeneratedRobot<rabbit>;

@@ -161,16 +161,22 @@ TEST_P(ModelEvaluation, DerivativesAgreeWithCentralDifferences) {
   for (int i = 0; i < model::kInputs; ++i) check(u_[i], static_cast<std::size_t>(i), "_du");
 }
 
-TEST_P(ModelEvaluation, AnImpactLeavesTheStruckFootAtRestAndBalancesMomentum) {
+TEST_P(ModelEvaluation, AnImpactLeavesTheFeetAtRestAndBalancesMomentum) {
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   draw();
   const Json result = evaluate_model(*testing_support::find_robot(GetParam()), x_, u_);
-  for (const auto& [side, first_row] : {std::pair{"left", 0}, {"right", 2}}) {
+  struct Landing {
+    const char* feet;
+    std::size_t first_row;  ///< of foot_jacobian
+    std::size_t rows;
+  };
+  for (const auto& [side, first_row, rows] : {Landing{"left", 0, 2}, {"right", 2, 2}, {"both", 0, 4}}) {
     const Json& impact = result["impact"][side];
-    for (int axis = 0; axis < 2; ++axis) {
+    ASSERT_EQ(impact["impulse"].size(), rows);
+    for (std::size_t axis = 0; axis < rows; ++axis) {
       double speed = 0.0;
       for (std::size_t j = 0; j < kPositions; ++j) {
-        speed += result["foot_jacobian"][static_cast<std::size_t>(first_row + axis)][j].get<double>() *
+        speed += result["foot_jacobian"][first_row + axis][j].get<double>() *
                  impact["velocity_after"][j].get<double>();
       }
       EXPECT_NEAR(speed, 0.0, 1e-9) << side;
@@ -181,9 +187,9 @@ TEST_P(ModelEvaluation, AnImpactLeavesTheStruckFootAtRestAndBalancesMomentum) {
         balance += result["mass_matrix"][i][j].get<double>() *
                    (impact["velocity_after"][j].get<double>() - x_[kPositions + static_cast<int>(j)]);
       }
-      for (int axis = 0; axis < 2; ++axis) {
-        balance -= result["foot_jacobian"][static_cast<std::size_t>(first_row + axis)][i].get<double>() *
-                   impact["impulse"][static_cast<std::size_t>(axis)].get<double>();
+      for (std::size_t axis = 0; axis < rows; ++axis) {
+        balance -= result["foot_jacobian"][first_row + axis][i].get<double>() *
+                   impact["impulse"][axis].get<double>();
       }
       EXPECT_NEAR(balance, 0.0, 1e-9) << side << " row " << i;
     }

@@ -56,7 +56,8 @@ double largest_error(const RobotModel& robot, PublishedImpact published, int foo
     exchange_legs(published.velocity_after);
   }
   ImpactTerms<double> impact;
-  robot.impact(foot, published.before, robot.constants.joint_parameters, impact);
+  robot.impact({.left = foot == kLeft, .right = foot == kRight}, published.before,
+               robot.constants.joint_parameters, impact);
   double largest = 0.0;
   for (int i = 0; i < kPositions; ++i) {
     largest = std::max(largest, std::abs(impact.velocity_after[i] - published.velocity_after[i]));

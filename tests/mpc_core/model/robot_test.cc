@@ -12,6 +12,11 @@
 namespace stilt::model {
 namespace {
 
+constexpr std::array<ContactMode, 4> kModes{{{.left = false, .right = false},
+                                             {.left = true, .right = false},
+                                             {.left = false, .right = true},
+                                             {.left = true, .right = true}}};
+
 TEST(Robot, Amber3mHasItsPublishedMassAndLegLength) {
   const RobotConstants& c = testing_support::amber3m().constants;
   EXPECT_NEAR(c.total_mass_kg, 13.0 + 2.0 * (3.4261 + 0.85216), 1e-9);
@@ -82,13 +87,13 @@ TEST_P(EveryRobot, BatchFunctionsAreTheScalarOnesLaneByLane) {
   KinematicsTerms<Batch> kinematics_b;
   MassMatrixTerms<Batch> mass_b;
   BiasTerms<Batch> bias_b;
-  ImpactTerms<Batch> impact_b[kFeet];
+  ImpactTerms<Batch> impact_b[kModes.size()];
   robot.flow(xs, us, flow_b);
   robot.node(xs, us, ps, node_b);
   robot.kinematics(xs, kinematics_b);
   robot.mass_matrix(xs, ps, mass_b);
   robot.bias(xs, bias_b);
-  for (int foot = 0; foot < kFeet; ++foot) robot.impact(foot, xs, ps, impact_b[foot]);
+  for (std::size_t i = 0; i < kModes.size(); ++i) robot.impact(kModes[i], xs, ps, impact_b[i]);
   for (int lane = 0; lane < kLanes; ++lane) {
     FlowTerms<double> flow;
     NodeTerms<double> node;
@@ -105,21 +110,21 @@ TEST_P(EveryRobot, BatchFunctionsAreTheScalarOnesLaneByLane) {
     same(kinematics_b, kinematics, lane);
     same(mass_b, mass, lane);
     same(bias_b, bias, lane);
-    for (int foot = 0; foot < kFeet; ++foot) {
+    for (std::size_t i = 0; i < kModes.size(); ++i) {
       ImpactTerms<double> impact;
-      robot.impact(foot, x[lane], p, impact);
-      same(impact_b[foot], impact, lane);
+      robot.impact(kModes[i], x[lane], p, impact);
+      same(impact_b[i], impact, lane);
     }
   }
 }
 
-/// Which foot is which: only the struck one comes to rest.
+/// Which foot is which: only the landing one comes to rest.
 TEST_P(EveryRobot, ImpactOfEachFootBringsThatFootToRest) {
   const double* p = GetParam()->constants.joint_parameters;
   double x[kStates] = {0.0, 0.8, 0.1, -0.4, 0.7, 0.2, 0.5, 0.6, -0.4, 0.3, 1.0, -0.7, 0.4, 0.9};
   for (int foot = 0; foot < kFeet; ++foot) {
     ImpactTerms<double> impact;
-    GetParam()->impact(foot, x, p, impact);
+    GetParam()->impact({.left = foot == kLeft, .right = foot == kRight}, x, p, impact);
     double after[kStates];
     std::copy(x, x + kPositions, after);
     std::copy(impact.velocity_after, impact.velocity_after + kPositions, after + kPositions);

@@ -171,11 +171,8 @@ StateOf<T> ScalarOcp::transition(const ocp::Stage& stage, const StateOf<T>& x) c
   StateOf<T> after = x;
   if (data_.discretisation.transition == ocp::Transition::identity) return after;
   const auto p = joint_parameters<T>(data_);
-  for (int foot = 0; foot < kFeet; ++foot) {
-    if (!stage.touchdown[static_cast<std::size_t>(foot)]) continue;
-    const model::ImpactTerms<T> impact = AnyScalarRobot(*data_.robot).impact(foot, after.data(), p.data());
-    for (int i = 0; i < kPositions; ++i) after[kPositions + i] = impact.velocity_after[i];
-  }
+  const model::ImpactTerms<T> impact = AnyScalarRobot(*data_.robot).impact(stage.mode, x.data(), p.data());
+  for (int i = 0; i < kPositions; ++i) after[kPositions + i] = impact.velocity_after[i];
   return after;
 }
 
@@ -185,16 +182,17 @@ std::vector<CostTerm<T>> ScalarOcp::touchdown_terms(const ocp::Stage& stage, con
   const auto p = joint_parameters<T>(data_);
   const double mu = data_.inequality.friction_coefficient;
   std::vector<CostTerm<T>> terms;
-  StateOf<T> after = x;
   for (int foot = 0; foot < kFeet; ++foot) {
     if (!stage.touchdown[static_cast<std::size_t>(foot)]) continue;
     terms.push_back({feet.foot_velocity[2 * foot], data_.cost.touchdown_velocity, 0.0, nullptr});
-    if (data_.discretisation.transition == ocp::Transition::identity) continue;
-    const model::ImpactTerms<T> impact = AnyScalarRobot(*data_.robot).impact(foot, after.data(), p.data());
-    for (int i = 0; i < kPositions; ++i) after[kPositions + i] = impact.velocity_after[i];
+  }
+  if (data_.discretisation.transition == ocp::Transition::identity) return terms;
+  const model::ImpactTerms<T> impact = AnyScalarRobot(*data_.robot).impact(stage.mode, x.data(), p.data());
+  for (int foot = 0; foot < kFeet; ++foot) {
+    if (!stage.mode[foot]) continue;
     for (const double sign : {1.0, -1.0}) {
-      terms.push_back(
-          {mu * impact.impulse[1] - sign * impact.impulse[0], 0.0, 0.0, &data_.inequality.impulse});
+      terms.push_back({mu * impact.impulse[2 * foot + 1] - sign * impact.impulse[2 * foot], 0.0, 0.0,
+                       &data_.inequality.impulse});
     }
   }
   return terms;

@@ -19,10 +19,11 @@ using testing_support::LqStage;
 using testing_support::ScalarOcp;
 using testing_support::StageVector;
 
-/// One stage, a touch-down of the given feet at a random state.
-std::unique_ptr<testing_support::Scene> touchdown_scene(const model::RobotModel& robot, bool left, bool right,
+/// One stage, a touch-down of the given feet into a contact mode at a random state.
+std::unique_ptr<testing_support::Scene> touchdown_scene(const model::RobotModel& robot,
+                                                        model::ContactMode after, bool left, bool right,
                                                         std::uint64_t seed) {
-  auto scene = testing_support::random_scene(robot, {left, right}, 1, seed);
+  auto scene = testing_support::random_scene(robot, after, 1, seed);
   Stage& stage = scene->problem.horizon.stage[0];
   stage.kind = StageKind::transition;
   stage.duration_s = 0.0;
@@ -30,23 +31,33 @@ std::unique_ptr<testing_support::Scene> touchdown_scene(const model::RobotModel&
   scene->problem.batches = 0;
   scene->problem.transition_batches = 1;
   TransitionBatch& batch = scene->problem.transition_batch[0];
+  batch.mode = after;
   batch.touchdown = stage.touchdown;
   batch.lanes = 1;
   batch.weight = Batch([](auto lane) { return lane == 0 ? 1.0 : 0.0; });
   return scene;
 }
 
+struct Landing {
+  model::ContactMode after;
+  bool left;  ///< lands
+  bool right;
+};
+
 template <class Check>
 void for_random_touchdowns(const Check& check) {
   for (const model::RobotModel* robot : {&testing_support::amber3m(), &testing_support::rabbit()}) {
-    for (const auto& [left, right] :
-         {std::pair{true, false}, std::pair{false, true}, std::pair{true, true}}) {
+    for (const auto& [after, left, right] : {Landing{{.left = true}, true, false},
+                                             {{.right = true}, false, true},
+                                             {{.left = true, .right = true}, true, false},
+                                             {{.left = true, .right = true}, false, true},
+                                             {{.left = true, .right = true}, true, true}}) {
       for (const Transition kind : {Transition::identity, Transition::impact}) {
         for (std::uint64_t seed = 1; seed <= 20; ++seed) {
           SCOPED_TRACE(testing::Message()
-                       << robot->constants.name << " L" << left << " R" << right << " "
-                       << (kind == Transition::impact ? "impact" : "identity") << " seed " << seed);
-          const auto scene = touchdown_scene(*robot, left, right, seed);
+                       << robot->constants.name << " L" << left << " R" << right << " of " << after.count()
+                       << " " << (kind == Transition::impact ? "impact" : "identity") << " seed " << seed);
+          const auto scene = touchdown_scene(*robot, after, left, right, seed);
           scene->data.discretisation.transition = kind;
           check(*scene);
         }
@@ -111,7 +122,7 @@ TEST(Transition, CostModelIsTheGradientAndTheGaussNewtonHessianOfItsTerms) {
 }
 
 TEST(Transition, IdentityLeavesTheStateAlone) {
-  const auto scene = touchdown_scene(testing_support::amber3m(), true, false, 3);
+  const auto scene = touchdown_scene(testing_support::amber3m(), {.left = true}, true, false, 3);
   scene->data.discretisation.transition = Transition::identity;
   const Linearisation model(scene->data, scene->problem, scene->guess);
   EXPECT_TRUE(lq::testing::dense_dynamics(model.stages[0]).isIdentity(0.0));
@@ -121,7 +132,7 @@ TEST(Transition, IdentityLeavesTheStateAlone) {
 }
 
 TEST(Transition, ImpactBringsTheFootToRest) {
-  auto scene = touchdown_scene(testing_support::amber3m(), false, true, 4);
+  auto scene = touchdown_scene(testing_support::amber3m(), {.right = true}, false, true, 4);
   scene->data.discretisation.transition = Transition::impact;
   const Linearisation model(scene->data, scene->problem, scene->guess);
   model::StateVector after = Eigen::Map<const model::StateVector>(scene->guess.x[1]) +
@@ -130,6 +141,18 @@ TEST(Transition, ImpactBringsTheFootToRest) {
   testing_support::amber3m().kinematics(after.data(), feet);
   EXPECT_NEAR(feet.foot_velocity[2], 0.0, 1e-11);
   EXPECT_NEAR(feet.foot_velocity[3], 0.0, 1e-11);
+}
+
+TEST(Transition, AFootThatStandsStaysAtRestWhenTheOtherLands) {
+  const auto scene =
+      touchdown_scene(testing_support::amber3m(), {.left = true, .right = true}, false, true, 5);
+  scene->data.discretisation.transition = Transition::impact;
+  const Linearisation model(scene->data, scene->problem, scene->guess);
+  const model::StateVector after = Eigen::Map<const model::StateVector>(scene->guess.x[1]) +
+                                   Eigen::Map<const model::StateVector>(model.stages[0].b);
+  model::KinematicsTerms<double> feet;
+  testing_support::amber3m().kinematics(after.data(), feet);
+  for (const double velocity : feet.foot_velocity) EXPECT_NEAR(velocity, 0.0, 1e-11);
 }
 
 }  // namespace

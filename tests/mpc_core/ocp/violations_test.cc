@@ -41,14 +41,12 @@ void check_flow(const ProblemData& data, const Stage& stage, const double* x, co
 }
 
 void check_transition(const ProblemData& data, const Stage& stage, const double* x, Violations& v) {
-  model::StateVector after = Eigen::Map<const model::StateVector>(x);
+  model::ImpactTerms<double> impact;
+  data.robot->impact(stage.mode, x, data.joint_parameters, impact);
   for (int foot = 0; foot < kFeet; ++foot) {
-    if (!stage.touchdown[foot]) continue;
-    model::ImpactTerms<double> impact;
-    data.robot->impact(foot, after.data(), data.joint_parameters, impact);
-    std::copy(impact.velocity_after, impact.velocity_after + kPositions, after.data() + kPositions);
-    raise(v.impulse_cone_Ns,
-          std::abs(impact.impulse[0]) - data.inequality.friction_coefficient * impact.impulse[1]);
+    if (!stage.mode[foot]) continue;
+    raise(v.impulse_cone_Ns, std::abs(impact.impulse[2 * foot]) -
+                                 data.inequality.friction_coefficient * impact.impulse[2 * foot + 1]);
   }
 }
 
