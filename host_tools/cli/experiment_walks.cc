@@ -1,5 +1,6 @@
 #include "host_tools/cli/experiment_walks.h"
 
+#include <array>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -17,11 +18,12 @@ namespace {
 using experiments::WalkCase;
 
 ControllerChoice choice_of(const WalkSetting& setting, const std::string& controller, double horizon_s) {
-  constexpr double kPlanRate_hz = 100.0;
+  // The rate and delay of the published tables. They come first, so that --set and --plan-rate change them.
+  constexpr std::array kTiming = {"timing.plan_rate_hz=100", "timing.plan_delay_s=0.005"};
   ControllerChoice choice = setting.choice;
   choice.controller = controller;
   choice.horizon_s = horizon_s;
-  choice.plan_rate_hz = choice.plan_rate_hz.value_or(kPlanRate_hz);
+  choice.settings.insert(choice.settings.begin(), kTiming.begin(), kTiming.end());
   return choice;
 }
 
@@ -86,7 +88,7 @@ std::string gaits_text(const ControllerChoice& choice) {
     }
   }
   std::string all;
-  for (const auto& [name, text] : files) all += name + "\n" + text + "\n";
+  for (const auto& [name, text] : files) all.append(name).append("\n").append(text).append("\n");
   return all;
 }
 
@@ -156,7 +158,7 @@ std::string sim_command(const WalkSetting& setting, const WalkCase& walk) {
   add("--gaits", choice.gait_folder);
   if (choice.controller == "mpc-lumped") add("--lump", choice.lump);
   add("--horizon", simulation::number_text(walk.horizon_s));
-  add("--plan-rate", simulation::number_text(*choice.plan_rate_hz));
+  if (choice.plan_rate_hz) add("--plan-rate", simulation::number_text(*choice.plan_rate_hz));
   if (choice.plan_delay_s) add("--plan-delay", simulation::number_text(*choice.plan_delay_s));
   if (choice.gains) add("--gains", *choice.gains ? "on" : "off");
   for (const std::string& assignment : choice.settings) add("--set", assignment);

@@ -76,7 +76,16 @@ bool Planner::prepare(const PlannerInput& input) noexcept {
     return false;
   ocp::fill_batches(reference_, problem_);
   for (int i = 0; i < kStates; ++i) problem_.x_initial[i] = input.state[i];
+  bring_stance_foot_to_rest();
   return true;
+}
+
+void Planner::bring_stance_foot_to_rest() noexcept {
+  const ocp::Stage& first = problem_.horizon.stage[0];
+  if (first.kind == ocp::StageKind::transition || first.mode.count() != 1) return;
+  model::ImpactTerms<double> contact;
+  data_.robot->impact(first.mode, problem_.x_initial, data_.joint_parameters, contact);
+  std::copy(contact.velocity_after, contact.velocity_after + kPositions, problem_.x_initial + kPositions);
 }
 
 void Planner::guess_node(double time_s, int phase, bool before_switch, double* x, double* u,
@@ -115,7 +124,7 @@ void Planner::guess_node(double time_s, int phase, bool before_switch, double* x
   }
 }
 
-void Planner::warm_start(const PlannerInput& input, ocp::Trajectory& guess) const noexcept {
+void Planner::warm_start(ocp::Trajectory& guess) const noexcept {
   const ocp::Horizon& horizon = problem_.horizon;
   int hint = 0;
   for (int k = 0; k < horizon.stages; ++k) {
@@ -126,7 +135,7 @@ void Planner::warm_start(const PlannerInput& input, ocp::Trajectory& guess) cons
   }
   double unused[kInputs];
   guess_node(horizon.end_s, horizon.end_phase, false, guess.x[horizon.stages], unused, hint);
-  std::copy(input.state.data(), input.state.data() + kStates, guess.x[0]);
+  std::copy(problem_.x_initial, problem_.x_initial + kStates, guess.x[0]);
   for (int k = 0; k <= horizon.stages; ++k) std::fill(guess.x[k] + kStates, guess.x[k] + lq::kRows, 0.0);
 }
 
@@ -138,7 +147,7 @@ sqp::SolveReport Planner::plan(const PlannerInput& input, Plan& plan) noexcept {
   STILT_ASSERT(!finite || !has_solution_ || input.time_s >= solved_horizon_.node_time_s(0));
   if (!finite || !prepare(input)) return report;
   ocp::Trajectory& work = solution_[1 - current_];
-  warm_start(input, work);
+  warm_start(work);
   report = sqp_.solve(data_, problem_, parameters_.sqp, work);
   if (report.usable() && !feasible(parameters_.sqp, report)) report.status = sqp::SolveStatus::infeasible;
   // After an infeasible plan the next solve starts cold; a cold start that is infeasible is continued.
