@@ -144,5 +144,22 @@ TEST(InitialGuess, WithoutAPlanBeforeIsTheStateOnItsWayWithTheReference) {
   }
 }
 
+TEST(InitialGuess, HasNoForcesOfThePlanBeforeWhereOtherFeetStandNow) {
+  Planning planning(shipped());
+  planning.advance(testing_support::kStand, 20);
+  guess_only(planning);
+  ASSERT_TRUE(planning.solve(kWalk).usable());
+  int single_support = 0;
+  for (int k = 0; k < planning.plan->nodes; ++k) {
+    const PlanNode& node = planning.plan->node[static_cast<std::size_t>(k)];
+    if (node.mode.count() != 1) continue;
+    ++single_support;
+    const int in_the_air = node.mode.left ? model::kRight : model::kLeft;
+    EXPECT_EQ(node.input[model::kJoints + 2 * in_the_air], 0.0) << "node " << k;
+    EXPECT_EQ(node.input[model::kJoints + 2 * in_the_air + 1], 0.0) << "node " << k;
+  }
+  EXPECT_GT(single_support, 10);
+}
+
 }  // namespace
 }  // namespace stilt::control

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <limits>
 #include <memory>
+#include <utility>
 
 #include "mpc_core/sqp/terminal_cost.h"
 #include "tests/mpc_core/ocp/planning_scene.h"
@@ -104,6 +105,28 @@ TEST(Sqp, RejectsAStepThatTheFilterRefusesAndLeavesTheIterateAlone) {
   EXPECT_EQ(report.step_length, 0.0);
   EXPECT_TRUE(report.usable());
   EXPECT_TRUE(same_bits(*solve.iterate, solve.scene->guess, solve.stages()));
+}
+
+TEST(Sqp, AStepThatTheFilterRefusesIsConvergenceWhenItVanishes) {
+  Solve solve;
+  solve.converge();
+  solve.parameters.filter_margin = 1e9;
+  solve.parameters.filter_violation_min = 0.0;
+  solve.parameters.step_tolerance = 1e-3;
+  const SolveReport report = solve.run();
+  EXPECT_EQ(report.status, SolveStatus::converged);
+  EXPECT_EQ(report.step_length, 0.0);
+}
+
+TEST(Sqp, ASettledCostIsNoConvergenceWhileConstraintsAreViolated) {
+  Solve solve;
+  solve.parameters.cost_tolerance = 1e12;
+  solve.parameters.step_tolerance = 0.0;
+  solve.parameters.violation_tolerance = 1e-6;
+  const SolveReport report = solve.run(20);
+  EXPECT_EQ(report.status, SolveStatus::converged);
+  EXPECT_GT(report.iterations, 1);
+  EXPECT_LT(solve.violation(), 1e-6);
 }
 
 TEST(Sqp, EndsWithItsLastIterateWhenTheBacktrackingStepsAreUsedUp) {
@@ -315,6 +338,63 @@ TEST(SqpFilter, BelowGMinAShorterStepNeedsDescendLessInProportion) {
   EXPECT_EQ(step_length(0.55), 0.5);
   EXPECT_EQ(step_length(0.70), 0.5);
   EXPECT_EQ(step_length(0.80), 0.25);
+}
+
+/// The start is off its optimum and off the equality constraints of the inputs, and costs more than the
+/// optimum.
+void disturb_inputs(Solve& solve) {
+  const double least = solve.merit().cost;
+  for (const double size_rad_s2 : {1e-3, -2e-3}) {
+    for (int k = 0; k < solve.stages(); ++k) {
+      for (int j = 0; j < model::kJoints; ++j) solve.iterate->u[k][j] += size_rad_s2 * std::sin(k + j);
+    }
+    if (solve.merit().cost > least) return;
+  }
+}
+
+/// Below g_min a full step is accepted up to the factor of Armijo at which cost(1) = cost(0) + factor slope.
+/// The slope is exact to first order in the violation of the constraints.
+TEST(SqpFilter, BelowGMinAsksForDescentByTheSlopeOfTheCost) {
+  Solve start;
+  start.converge();
+  disturb_inputs(start);
+  const auto step_with = [&start](double armijo) {
+    Solve solve;
+    *solve.iterate = *start.iterate;
+    solve.parameters.filter_violation_min = solve.parameters.filter_violation_max = 1e12;
+    solve.parameters.armijo = armijo;
+    const bool full = solve.run(1).step_length == 1.0;
+    return std::pair{full, std::move(solve)};
+  };
+  const auto [taken, full] = step_with(0.0);
+  ASSERT_TRUE(taken);
+  const double cost = start.merit().cost;
+  double low = 0.0;
+  double high = 10.0;
+  ASSERT_FALSE(step_with(high).first);
+  for (int i = 0; i < 50; ++i) (step_with(0.5 * (low + high)).first ? low : high) = 0.5 * (low + high);
+  const double slope = (full.merit().cost - cost) / low;
+
+  const auto cost_after = [&](double length) {
+    Solve moved;
+    for (int k = 0; k <= start.stages(); ++k) {
+      for (int i = 0; i < kStates; ++i) {
+        const double from = start.iterate->x[k][i];
+        moved.iterate->x[k][i] = from + length * (full.iterate->x[k][i] - from);
+      }
+    }
+    for (int k = 0; k < start.stages(); ++k) {
+      for (int i = 0; i < kInputs; ++i) {
+        const double from = start.iterate->u[k][i];
+        moved.iterate->u[k][i] = from + length * (full.iterate->u[k][i] - from);
+      }
+    }
+    return moved.merit().cost;
+  };
+  constexpr double kLength = 0.1;
+  const double expected = (cost_after(kLength) - cost_after(-kLength)) / (2.0 * kLength);
+  EXPECT_LT(expected, 0.0);
+  EXPECT_NEAR(slope, expected, 0.01 * std::abs(expected));
 }
 
 TEST(SqpFilter, OtherwiseTakesEitherASmallerViolationOrASmallerCost) {
