@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <string>
 #include <tuple>
 
 #include "host_tools/experiments/steps.h"
@@ -63,6 +64,41 @@ INSTANTIATE_TEST_SUITE_P(ClosedLoop, Pushes,
                            return "Phase" + std::to_string(std::get<0>(test.param)) + "Horizon" +
                                   std::to_string(static_cast<int>(std::get<1>(test.param)));
                          });
+
+/// 85 % of the forces of docs/decisions/0036-two-hundred-plans-per-second.md, with the noise of the
+/// experiments.
+struct GuardedPush {
+  const char* name;
+  double push_N;
+  PushPoint point;
+};
+
+class ShippedPushes : public ::testing::TestWithParam<std::tuple<GuardedPush, int>> {};
+
+TEST_P(ShippedPushes, AreSurvivedAt85PercentOfTheirForce) {
+  const auto& [push, phase] = GetParam();
+  double start_s = 0.0;
+  RunRequest request = pushed_walk(2 * phase, 1.0, 0.85 * push.push_N, start_s);
+  request.pushes.front().point = push.point;
+  request.plant = {"encoder_noise_rad=0.0005", "encoder_velocity_noise_rad_s=0.02",
+                   "base_angle_noise_rad=0.001", "base_rate_noise_rad_s=0.01"};
+  request.seed = static_cast<std::uint64_t>(phase) + 1;
+  SimulatedRun run(request);
+  const log::RunRecord record = run.run();
+  EXPECT_TRUE(record.summary.survived) << "pushed at " << start_s << " s: " << describe(run, record);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    ClosedLoop, ShippedPushes,
+    ::testing::Combine(::testing::Values(GuardedPush{"HipForward", 150.0, PushPoint::hip},
+                                         GuardedPush{"HipBackward", -130.0, PushPoint::hip},
+                                         GuardedPush{"TorsoForward", 90.0, PushPoint::torso},
+                                         GuardedPush{"TorsoBackward", -80.0, PushPoint::torso}),
+                       ::testing::Range(0, 4)),
+    [](const auto& test) {
+      return std::string(std::get<0>(test.param).name) + "Phase" +
+             std::to_string(2 * std::get<1>(test.param));
+    });
 
 }  // namespace
 }  // namespace stilt::simulation

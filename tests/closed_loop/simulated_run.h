@@ -11,8 +11,7 @@
 #include "mpc_core/control/parameters.h"
 #include "mpc_core/model/robot.h"
 
-/// Runs of the simulated robot as `stilt sim` makes them: shipped configuration and gaits, sensors only, 5 ms
-/// delay.
+/// Runs of the simulated robot as `stilt sim` makes them: shipped configuration and gaits, sensors only.
 namespace stilt::testing_support {
 
 /// What a run changes of the shipped configuration and of the nominal world.
