@@ -54,6 +54,7 @@ install(TARGETS stilt DESTINATION bin COMPONENT host)
 install(PROGRAMS toolchain/make_security DESTINATION share/stilt COMPONENT host)
 install(DIRECTORY host_tools/python/stilt DESTINATION lib/python3/dist-packages COMPONENT host
   PATTERN __pycache__ EXCLUDE)
+install(DIRECTORY host_tools/ros2/stilt_msgs DESTINATION share/stilt/ros2 COMPONENT host)
 
 # Documents in the folders of the tree, so that their links among each other hold. Packages have the licence in the
 # file copyright.

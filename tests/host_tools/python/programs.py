@@ -44,7 +44,8 @@ class Programs:
         return program
 
     def said(self, name: str) -> str:
-        return (self.folder / name).read_text(encoding='utf-8', errors='replace')
+        path = self.folder / name
+        return path.read_text(encoding='utf-8', errors='replace') if path.exists() else ''
 
     def wait_for(self, name: str, pattern: str) -> re.Match[str]:
         """Waits until what a program said has the pattern."""
@@ -56,7 +57,7 @@ class Programs:
         return found
 
     def robot(self) -> None:
-        self.start('robot', 'stilt', 'robot', '--lockstep', *self._buses)
+        self.start('robot', 'stilt', 'robot', '--lockstep', *self._buses, '--publish', '--domain', self.domain)
         self.wait_for('robot', 'ready')
 
     def controller(self, *words: str) -> subprocess.Popen:

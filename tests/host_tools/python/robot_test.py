@@ -62,6 +62,16 @@ class Commands(unittest.TestCase):
             self.assertEqual(self.stiltd.wait(PATIENCE_S), 0)
         self.assertNotIn('heartbeat', self.programs.said('stiltd'))
 
+    def test_signs_of_life_leave_while_the_program_does_something_else(self):
+        with self.open() as robot:
+            robot.stand(PATIENCE_S)
+            robot.step(PATIENCE_S)
+            began_s = robot.state.time_s
+            while robot.state.time_s < began_s + 40.0:  # longer than supervisor.heartbeat_timeout_s of these tests
+                time.sleep(0.1)
+            self.assertEqual(robot.state.state, 'step')
+        self.assertNotIn('heartbeat', self.programs.said('stiltd'))
+
     def test_the_link_of_the_monitor_commands_without_a_token(self):
         self.programs.wait_for('stiltd', 'idle')
         with stilt.Robot(self.link, patience_s=60) as robot:
