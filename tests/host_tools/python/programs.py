@@ -62,8 +62,8 @@ class Programs:
 
     def controller(self, *words: str) -> subprocess.Popen:
         settings = (*PATIENT, f'telemetry.domain={self.domain}', f'telemetry.token_file={self.token_file}')
-        return self.start('stiltd', 'stiltd', '--lockstep', *self._buses, *words,
-                          *(word for setting in settings for word in ('--set', setting)))
+        return self.start('stiltd', 'stiltd', '--lockstep', *self._buses,
+                          *(word for setting in settings for word in ('--set', setting)), *words)
 
     def monitor(self) -> str:
         """Starts it; its link, with the key."""

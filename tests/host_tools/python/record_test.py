@@ -193,9 +193,10 @@ class Records(unittest.TestCase):
         path = self.programs.folder / 'big.mcap'
         mcap_writer.write(path, [('/x', 'a/msg/X', 'uint8 a\nfloat64[] b\nuint16 c\nstring d\nfloat64[] e\nuint8 f\n',
                                   b'\0\0\0\0' + b'\7\0\0\0' + struct.pack('>I', 2) + struct.pack('>2d', 1.5, -2.0) +
-                                  struct.pack('>H2xI', 513, 3) + b'hi\0' + struct.pack('>xIB', 0, 9))])
+                                  struct.pack('>H2xI', 513, 7) + b'hello!\0' + struct.pack('>xIB', 0, 9))])
         row = stilt.Record(path).frame('/x').iloc[0]
-        self.assertEqual([row['a'], *row['b'], row['c'], row['d'], *row['e'], row['f']], [7, 1.5, -2.0, 513, 'hi', 9])
+        self.assertEqual([row['a'], *row['b'], row['c'], row['d'], *row['e'], row['f']],
+                         [7, 1.5, -2.0, 513, 'hello!', 9])
 
     def test_a_record_that_was_cut_off_is_refused_and_read_as_far_as_it_goes_on_demand(self):
         path = self.programs.folder / 'cut.mcap'
