@@ -101,10 +101,10 @@ class Decoder:
             full = prefix + name_with_units(field.name)
             if field.count is None and field.type in self._types:
                 self._message(cursor, field.type, full + '.', wanted, out)
-                continue
-            value = self._value(cursor, field)
-            if wanted is None or full in wanted:
-                out[full] = value
+            elif wanted is None or full in wanted:
+                out[full] = self._value(cursor, field)
+            else:
+                self._skip(cursor, field)
 
     def _value(self, cursor: _Cursor, field: Field) -> Any:
         if field.count is None:
@@ -113,6 +113,12 @@ class Decoder:
         if field.type in BASIC:
             return cursor.numbers(field.type, count)
         return [self._single(cursor, field.type) for _ in range(count)]
+
+    def _skip(self, cursor: _Cursor, field: Field) -> None:
+        if field.type in BASIC and field.count is not None:
+            cursor.skip(field.type, cursor.number('I') if field.count < 0 else field.count)
+        else:
+            self._value(cursor, field)
 
     def _single(self, cursor: _Cursor, name: str) -> Any:
         if name == 'string':
@@ -144,15 +150,19 @@ class _Cursor:
 
     def numbers(self, name: str, count: int) -> np.ndarray:
         kind = np.dtype('?' if name == 'bool' else BASIC[name])
-        if count == 0:
-            return np.empty(0, kind)
-        self._at += -self._at % kind.itemsize
-        end = self._at + count * kind.itemsize
-        if end > len(self._data):
+        start = self.skip(name, count)
+        return np.frombuffer(self._data, kind.newbyteorder(self._order), count, start).astype(kind)
+
+    def skip(self, name: str, count: int) -> int:
+        """Where the numbers begin that end here from now on."""
+        size = struct.calcsize(BASIC[name])
+        if count > 0:
+            self._at += -self._at % size
+        start = self._at
+        self._at += count * size
+        if self._at > len(self._data):
             raise IndexError
-        values = np.frombuffer(self._data, kind.newbyteorder(self._order), count, self._at)
-        self._at = end
-        return values.astype(kind)
+        return start
 
     def text(self) -> str:
         size = self.number('I')

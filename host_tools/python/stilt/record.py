@@ -21,6 +21,10 @@ STATES = ('x_b_m', 'z_b_m', 'pitch_b_rad', 'hip_L_rad', 'knee_L_rad', 'hip_R_rad
 
 CONFIGURATION = '/stilt/configuration'
 
+# Fields that times and runs take, asked for or not.
+NEEDED = {'run_id', 'first_tick', 'count', 'time_ns', 'time_s', 'start_time_s', 'header.stamp.sec',
+          'header.stamp.nanosec'}
+
 
 class Record:
     """A record of stilt record.
@@ -84,7 +88,7 @@ class Record:
                 raise KeyError(f'{topic} has no field {field}; it has {", ".join(sorted(known))}')
         chosen = self._chosen(run) if 'run_id' in _columns(types, name) and self._starts else None
         read = self._ticks if _is_batch(types, name) else self._messages
-        columns = read(topic, types, name, chosen)
+        columns = read(topic, types, name, chosen, None if wanted is None else wanted | NEEDED)
         return {key: values for key, values in columns.items() if wanted is None or key in wanted}
 
     def frame(self, topic: str, fields: Iterable[str] | None = None, run: int | None = None) -> pd.DataFrame:
@@ -146,28 +150,29 @@ class Record:
         held = ', '.join(map(str, self._starts)) or 'none'
         raise RecordError(f'{self.path}: the runs in it are {held}; name one of them with run=')
 
-    def _decoded(self, topic: str, types: Types, name: str,
-                 run: int | None) -> Iterator[tuple[Message, dict[str, Any]]]:
+    def _decoded(self, topic: str, types: Types, name: str, run: int | None,
+                 wanted: set[str] | None) -> Iterator[tuple[Message, dict[str, Any]]]:
         decoder = Decoder(types, name)
         for message in Reader(self.path).messages():
             if message.channel.topic != topic:
                 continue
             try:
-                values = decoder.decode(message.data)
+                values = decoder.decode(message.data, wanted)
             except ValueError as error:
                 raise RecordError(f'{self.path}: {topic}: {error}') from error
             if run is None or values.get('run_id', run) == run:
                 yield message, values
 
-    def _messages(self, topic: str, types: Types, name: str, run: int | None) -> dict[str, np.ndarray]:
+    def _messages(self, topic: str, types: Types, name: str, run: int | None,
+                  wanted: set[str] | None) -> dict[str, np.ndarray]:
         rows: dict[str, list[Any]] = collections.defaultdict(list)
-        for message, values in self._decoded(topic, types, name, run):
+        for message, values in self._decoded(topic, types, name, run, wanted):
             rows['log_time_ns'].append(message.log_time_ns)
             for key, value in values.items():
                 rows[key].append(value)
         times_ns = np.array(rows.pop('log_time_ns', []), np.int64)
         columns = {_shown(key, field): _column(rows.get(key, []), field)
-                   for key, field in _columns(types, name).items()}
+                   for key, field in _columns(types, name).items() if wanted is None or key in wanted}
         time_s = self._time_s(columns, len(times_ns))
         columns.pop('time_s', None)
         return {'time_s': time_s, 'log_time_ns': times_ns, **columns}
@@ -183,13 +188,15 @@ class Record:
             return 1e-9 * (stamp_ns - start_ns)
         return np.full(rows, np.nan)
 
-    def _ticks(self, topic: str, types: Types, name: str, run: int | None) -> dict[str, np.ndarray]:
+    def _ticks(self, topic: str, types: Types, name: str, run: int | None,
+               wanted: set[str] | None) -> dict[str, np.ndarray]:
         """A row per tick: a batch holds the values of `count` ticks, one after the other. Late joiners of the recorder
         get batches twice; the second are left out."""
         parts: dict[str, list[np.ndarray]] = collections.defaultdict(list)
-        per_tick = {key: field for key, field in _columns(types, name).items() if field.count == -1}
+        per_tick = {key: field for key, field in _columns(types, name).items()
+                    if field.count == -1 and (wanted is None or key in wanted)}
         following = 0
-        for message, values in self._decoded(topic, types, name, run):
+        for message, values in self._decoded(topic, types, name, run, wanted):
             count, first = values['count'], values['first_tick']
             skipped = min(max(following - first, 0), count)
             if skipped == count:

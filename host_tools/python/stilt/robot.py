@@ -16,7 +16,7 @@ import pandas as pd
 from stilt.errors import Refused, RobotError
 from stilt.token import read_token, token_path
 
-ALIVE_PERIOD_S = 0.1  # sign of life; the robot comes to a stand 0.9 s after the last one
+ALIVE_PERIOD_S = 0.1  # sign of life; the robot begins to stop 0.9 s after the last one
 SILENCE_S = 1.0  # without a tick, after which the robot counts as silent
 KEPT_S = 60.0  # of ticks, for recent()
 
@@ -50,7 +50,7 @@ class Robot:
     patience_s  for answers of monitor and robot, seconds
 
     While it is open, signs of life leave ten times per second. When the program ends, is killed or is suspended, the
-    robot comes to a stand within a second.
+    robot begins to stop within a second: it steps in place, then stands.
 
     Raises Refused with the robot's reason when it does not take a command, RobotError when it cannot be reached.
     """

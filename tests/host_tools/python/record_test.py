@@ -152,6 +152,17 @@ class Records(unittest.TestCase):
         with self.assertRaisesRegex(KeyError, 'has no messages of /camera; it has /diagnostics, '):
             self.record.frame('/camera')
 
+    def test_fields_that_are_not_asked_for_are_skipped_and_not_decoded(self):
+        for topic in self.record.topics:
+            whole = self.record.arrays(topic)
+            for name in list(whole)[::5]:
+                alone = self.record.arrays(topic, [name])
+                self.assertEqual(list(alone), [name])
+                self.assertEqual(repr(alone[name].tolist()), repr(whole[name].tolist()), f'{topic} {name}')
+        types, name = self.record._type_of('/stilt/event')
+        data = next(one.data for one in Reader(self.file).messages() if one.channel.topic == '/stilt/event')
+        self.assertEqual(list(stilt.messages.Decoder(types, name).decode(data, {'bus'})), ['bus'])
+
     def test_names_are_those_of_the_messages_with_their_units(self):
         text = (TREE / 'firmware/telemetry/stilt_msgs.idl').read_text()
         names = re.findall(r'^ +(?:unsigned )?[\w<> ]+ (\w+);', text, re.MULTILINE)
@@ -197,6 +208,16 @@ class Records(unittest.TestCase):
         row = stilt.Record(path).frame('/x').iloc[0]
         self.assertEqual([row['a'], *row['b'], row['c'], row['d'], *row['e'], row['f']],
                          [7, 1.5, -2.0, 513, 'hello!', 9])
+
+    def test_ticks_that_came_twice_are_in_it_once(self):
+        messages = [message for message in Reader(self.file).messages() if message.channel.topic == '/stilt/ticks'][:4]
+        schema = messages[0].channel.schema
+        path = self.programs.folder / 'twice.mcap'
+        mcap_writer.write(path, [('/stilt/ticks', schema.name, schema.text, bytes(messages[k].data))
+                                 for k in (0, 1, 0, 1, 2, 3)])
+        ticks = stilt.Record(path).frame('/stilt/ticks', ['tick', 'state'])
+        self.assertEqual(list(ticks['tick']), list(range(len(ticks))))
+        self.assertEqual(len(ticks), 4 * 25)
 
     def test_a_record_that_was_cut_off_is_refused_and_read_as_far_as_it_goes_on_demand(self):
         path = self.programs.folder / 'cut.mcap'
