@@ -1,8 +1,10 @@
 #include "firmware/telemetry/topics.h"
 
 #include <algorithm>
+#include <string>
 
 #include "firmware/telemetry/messages.h"
+#include "firmware/telemetry/type_hashes.h"
 
 namespace stilt::telemetry {
 
@@ -30,6 +32,14 @@ constexpr const Topic* kTopics[] = {&kJointStates,   &kOdometry, &kDiagnostics, 
                                     &kPlannerCycles, &kPlans,    &kSupervisor,  &kEvents,        &kTiming,
                                     &kConfiguration, &kTuning,   &kCommands,    &kCommandReplies};
 
+/// The hash of the topic's type, where ROS 2 looks for it: REP 2016.
+void set_type_hash(dds_qos_t* quality, const Topic& topic) {
+  const auto* row = std::ranges::find(kTypeHashes, topic.ros_type, &TypeHash::ros_type);
+  if (row == std::end(kTypeHashes)) return;
+  const std::string entry = "typehash=" + std::string(row->hash) + ";";
+  dds_qset_userdata(quality, entry.data(), entry.size());
+}
+
 }  // namespace
 
 std::span<const Topic* const> topics() { return kTopics; }
@@ -52,6 +62,7 @@ dds_qos_t* quality_of(const Topic& topic) {
   }
   const dds_data_representation_id_t plain_cdr = DDS_DATA_REPRESENTATION_XCDR1;
   dds_qset_data_representation(quality, 1, &plain_cdr);
+  set_type_hash(quality, topic);
   return quality;
 }
 

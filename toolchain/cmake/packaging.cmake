@@ -52,6 +52,9 @@ install(FILES ${packaging}/80-can0.network ${packaging}/80-can.rules
 
 install(TARGETS stilt DESTINATION bin COMPONENT host)
 install(PROGRAMS toolchain/make_security DESTINATION share/stilt COMPONENT host)
+install(DIRECTORY host_tools/python/stilt DESTINATION lib/python3/dist-packages COMPONENT host
+  PATTERN __pycache__ EXCLUDE)
+install(DIRECTORY host_tools/ros2/stilt_msgs DESTINATION share/stilt/ros2 COMPONENT host)
 
 # Documents in the folders of the tree, so that their links among each other hold. Packages have the licence in the
 # file copyright.
@@ -65,6 +68,9 @@ foreach(component_package robot:stiltd host:stilt)
   set(documents share/doc/${package})
   install(DIRECTORY docs DESTINATION ${documents} COMPONENT ${component} PATTERN *.py EXCLUDE)
   install(FILES ${made}/README.md CONTRIBUTING.md CHANGELOG.md DESTINATION ${documents} COMPONENT ${component})
+  install(FILES host_tools/python/examples/plot_run.py host_tools/python/examples/compare_runs.py
+    host_tools/python/examples/walk_ten_seconds.py
+    DESTINATION ${documents}/host_tools/python/examples COMPONENT ${component})
   install(FILES hal/README.md DESTINATION ${documents}/hal COMPONENT ${component})
   install(FILES firmware/telemetry/README.md firmware/telemetry/stilt_msgs.idl firmware/telemetry/ros2.idl
     DESTINATION ${documents}/firmware/telemetry COMPONENT ${component})
@@ -96,6 +102,12 @@ set(CPACK_DEBIAN_ROBOT_PACKAGE_CONTROL_EXTRA
   ${made}/conffiles ${packaging}/postinst ${packaging}/prerm ${packaging}/postrm)
 set(CPACK_DEBIAN_ROBOT_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 set(CPACK_DEBIAN_HOST_PACKAGE_NAME stilt)
+# The Python package in it; its modules are needed by who uses it alone.
+set(CPACK_DEBIAN_HOST_PACKAGE_DEPENDS "python3")
+set(CPACK_DEBIAN_HOST_PACKAGE_RECOMMENDS "python3-numpy, python3-pandas, python3-zstandard, python3-websocket")
+set(CPACK_DEBIAN_HOST_PACKAGE_SUGGESTS "python3-lz4, python3-matplotlib")
+set(CPACK_DEBIAN_HOST_PACKAGE_CONTROL_EXTRA ${packaging}/host/postinst ${packaging}/host/prerm)
+set(CPACK_DEBIAN_HOST_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 set(CPACK_DEBIAN_HOST_DESCRIPTION "simulator, monitor and recorder of a walking robot, for the host
 Simulated robot, gait synthesis, experiments, live page, records and their
 replay, for the controller stiltd.")
