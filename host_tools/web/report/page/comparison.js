@@ -88,12 +88,13 @@ function showComparison(run, names) {
   const container = document.getElementById('summary');
   container.classList.add('compared');
   const heads = ['', ...names];
-  const outcome = group(container);
-  addTable(outcome, 'Outcome', sideBySide(outcomeRows, run), heads);
+  addTable(group(container), 'Outcome', sideBySide(outcomeRows, run), heads);
+  const settings = group(container);
+  settings.classList.add('settings');
+  addSettings(settings, run, names);
   [run, run.other].forEach(({ controller }, k) => {
-    if (controller) addEvents(outcome, controller.events, `of ${names[k]}`);
+    if (controller) addEvents(settings, controller.events, `of ${names[k]}`, false);
   });
-  addSettings(group(container), run, names);
   addTable(group(container), 'Joints', sideBySide((one) => jointRows(one.summary), run),
     ['', 'Peak torque, first', 'second', 'Peak speed, first', 'second']);
   const steps = group(container);

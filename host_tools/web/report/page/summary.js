@@ -99,8 +99,8 @@ function addStepList(container, steps) {
   container.append(details);
 }
 
-function addEvents(container, events, ofWhat = '') {
-  const details = element('details', { open: events.length <= 12 },
+function addEvents(container, events, ofWhat = '', open = events.length <= 12) {
+  const details = element('details', { open },
     element('summary', { textContent: `${events.length} events ${ofWhat}` }));
   addTable(details, '', events.map(({ time_s, text }) => [number(time_s, 3, 's'), text]), ['Time', 'Event']);
   container.append(details);
