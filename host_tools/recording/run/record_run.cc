@@ -1,7 +1,6 @@
 #include "host_tools/recording/run/record_run.h"
 
 #include <algorithm>
-#include <limits>
 #include <map>
 #include <stdexcept>
 
@@ -19,8 +18,6 @@
 
 namespace stilt::record {
 namespace {
-
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 /// Messages of a run besides its ticks and what read_contents() takes.
 struct RunMessages {

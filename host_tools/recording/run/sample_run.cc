@@ -1,6 +1,5 @@
 #include <cmath>
 #include <fstream>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
@@ -13,8 +12,6 @@ namespace stilt::record {
 namespace {
 
 using Json = nlohmann::json;
-
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 /// Numbers that are not finite are null in JSON.
 double number(const Json& json) { return json.is_null() ? kUnknown : json.get<double>(); }

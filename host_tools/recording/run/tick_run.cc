@@ -2,12 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace stilt::record {
 namespace {
 
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 constexpr std::uint64_t kTicksPerSample = 5;
 constexpr double kPlannedStance_N = 100.0;  // stands for the force of a foot that is planned to stand
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 
 #include "firmware/control_loop/tick_record.h"
@@ -11,6 +12,9 @@
 #include "mpc_core/model/robot.h"
 
 namespace stilt::record {
+
+/// What a file does not hold.
+inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 /// Makes a run of ticks of stiltd: samples and summary. What only a simulation knows is NaN.
 class TickRun {
