@@ -33,6 +33,8 @@ constexpr std::array kExamples = {
     "stilt replay walk.mcap",
     "stilt replay walk.mcap --monitor",
     "stilt log csv walk.mcap --out walk",
+    "stilt report walk.mcap --out walk.html",
+    "stilt report before.mcap after.mcap --shift 0.5",
     "stilt config migrate robot.toml",
     "stilt model eval --robot rabbit < states.jsonl",
 };

@@ -19,6 +19,7 @@
 #include "host_tools/cli/monitor_command.h"
 #include "host_tools/cli/record_command.h"
 #include "host_tools/cli/replay_command.h"
+#include "host_tools/cli/report_command.h"
 #include "host_tools/cli/robot_command.h"
 #include "host_tools/cli/sim_command.h"
 #include "host_tools/cli/version.h"
@@ -80,6 +81,8 @@ int run(int argc, char** argv) {
   const CLI::App* config = stilt::cli::add_config_command(program, config_options);
   stilt::cli::LogOptions log_options;
   const CLI::App* log = stilt::cli::add_log_command(program, log_options);
+  stilt::cli::ReportOptions report_options;
+  const CLI::App* report = stilt::cli::add_report_command(program, report_options);
   CLI::App* model = program.add_subcommand("model", "the robot's generated dynamics");
   model->require_subcommand(1);
   CLI::App* eval = model->add_subcommand("eval",
@@ -103,6 +106,7 @@ int run(int argc, char** argv) {
   if (record->parsed()) return stilt::cli::run_record(record_options);
   if (config->parsed()) return stilt::cli::run_config(config_options);
   if (log->parsed()) return stilt::cli::run_log(log_options);
+  if (report->parsed()) return stilt::cli::run_report(report_options);
   if (replay->parsed()) return stilt::cli::run_replay(replay_options);
   if (experiment->parsed())
     return stilt::cli::run_experiment(*experiment, experiment_options, {argv, argv + argc});

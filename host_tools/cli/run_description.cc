@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <vector>
 
+#include "host_tools/cli/robot_drawing.h"
+
 namespace stilt::cli {
 namespace {
-
-/// Height of the drawn torso above the hip, in heights of its centre of mass.
-constexpr double kTorsoToCom = 1.75;
 
 /// Adds corners of the ground's profile, from slightly behind the start to slightly beyond the end.
 void add_ground(const simulation::Plant& plant, const simulation::PlantOptions& world, double end_x_m,
@@ -38,8 +37,7 @@ model::StateVector standing_on_ground(const simulation::PlantOptions& world,
 
 void describe_run(const model::RobotConstants& robot, const simulation::Plant& plant,
                   const simulation::PlantOptions& world, log::RunRecord& record) {
-  record.robot = {robot.name, kTorsoToCom * robot.torso_com_height_m, robot.thigh_length_m,
-                  robot.shin_length_m};
+  record.robot = drawing_of(robot);
   for (int joint = 0; joint < model::kJoints; ++joint) {
     record.torque_limit_Nm[joint] = plant.torque_limit_Nm()[joint];
   }

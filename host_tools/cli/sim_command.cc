@@ -11,6 +11,7 @@
 #include "host_tools/cli/run_description.h"
 #include "host_tools/cli/summary_text.h"
 #include "host_tools/cli/usage_error.h"
+#include "host_tools/recording/run/settings.h"
 #include "host_tools/simulation/closed_loop/closed_loop.h"
 #include "host_tools/simulation/plant/number.h"
 #include "host_tools/simulation/plant/simulated_robot.h"
@@ -167,6 +168,7 @@ int run_sim(const SimOptions& options, const std::string& command_line) {
     record = simulation::run_closed_loop(plant, *controller, settings);
   }
   record.command_line = command_line;
+  record.settings = record::settings_of(parameters);
   describe_run(robot.constants, plant, world, record);
   write_results(options, record, plant.fall());
   return record.summary.survived ? 0 : 1;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -95,9 +96,30 @@ struct RobotDrawing {
   double torso_length_m = 0.5, thigh_length_m = 0.4, shin_length_m = 0.4;
 };
 
+/// A key of the configuration and its value as text.
+struct Setting {
+  std::string key, value;
+};
+
+/// Something that happened in a run of stiltd.
+struct RunEvent {
+  double time_s = 0.0;
+  std::string text;
+};
+
+/// What a record of stiltd has besides samples.
+struct ControllerPart {
+  std::string last_state;  ///< before it was off
+  std::vector<RunEvent> events;
+};
+
 /// All data of one run.
 struct RunRecord {
   std::string command_line;
+  /// Of a record of stiltd: nobody knows the true state, and supervisor's states are the outcome.
+  std::optional<ControllerPart> controller;
+  bool outcome_known = true;      ///< whether the summary says if the robot fell
+  std::vector<Setting> settings;  ///< empty: not known
   RobotDrawing robot;
   double torque_limit_Nm[model::kJoints] = {};
   double friction_coefficient = 0.6;

@@ -28,15 +28,19 @@ foreach(licence BSD-3-Clause:stilt_licence MIT:uplot_licence)
   string(APPEND copyright "\nLicense: ${name}\n ${body}\n")
 endforeach()
 file(WRITE ${made}/copyright "${copyright}")
-foreach(package stilt stiltd)
+foreach(package stilt stiltd libstilt-dev)
   file(WRITE ${made}/${package}/changelog "${package} (${package_version}) unstable; urgency=medium
 
   * See CHANGELOG.md beside this file.
 
  -- ${contact}  Sun, 22 Nov 2026 00:00:00 +0000
 ")
-  configure_file(${packaging}/${package}.1 ${made}/${package}/${package}.1 COPYONLY)
-  foreach(file changelog ${package}.1)
+  set(compressed changelog)
+  if(EXISTS ${packaging}/${package}.1)
+    configure_file(${packaging}/${package}.1 ${made}/${package}/${package}.1 COPYONLY)
+    list(APPEND compressed ${package}.1)
+  endif()
+  foreach(file ${compressed})
     execute_process(COMMAND gzip -9nf ${made}/${package}/${file} COMMAND_ERROR_IS_FATAL ANY)
   endforeach()
 endforeach()
@@ -82,6 +86,11 @@ foreach(component_package robot:stiltd host:stilt)
     COMPONENT ${component})
 endforeach()
 
+if(TARGET stilt_library)
+  install(FILES ${made}/copyright ${made}/libstilt-dev/changelog.gz CHANGELOG.md docs/library.md
+    DESTINATION share/doc/libstilt-dev COMPONENT library EXCLUDE_FROM_ALL)
+endif()
+
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_VENDOR Stilt)
 set(CPACK_PACKAGE_CONTACT ${contact})
@@ -91,6 +100,9 @@ set(CPACK_PACKAGE_DIRECTORY ${PROJECT_BINARY_DIR}/packages)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_COMPONENTS_ALL robot host)
+if(TARGET stilt_library)
+  list(APPEND CPACK_COMPONENTS_ALL library)
+endif()
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
@@ -111,5 +123,14 @@ set(CPACK_DEBIAN_HOST_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 set(CPACK_DEBIAN_HOST_DESCRIPTION "simulator, monitor and recorder of a walking robot, for the host
 Simulated robot, gait synthesis, experiments, live page, records and their
 replay, for the controller stiltd.")
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME libstilt-dev)
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_SHLIBDEPS OFF)
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_DEPENDS "liburdfdom-dev, libconsole-bridge-dev, libtinyxml2-dev, libtomlplusplus-dev")
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_RECOMMENDS libmujoco-dev)
+set(CPACK_DEBIAN_LIBRARY_DESCRIPTION "controller of a walking robot as a library
+Planner, estimator, torque law and supervisor of stiltd for loops of one's own,
+and the simulated robot: static libraries, headers, CMake and pkg-config files,
+an example.")
 file(WRITE ${made}/conffiles "/etc/stilt/stiltd.toml\n")
 include(CPack)

@@ -21,10 +21,6 @@ decltype(auto) counted(long long& allocations, Call&& call) {
 
 }  // namespace
 
-double time_step_for_tick(double wished_s, double tick_s) {
-  return tick_s / std::ceil(tick_s / wished_s - 1e-9);
-}
-
 log::RunRecord run_closed_loop(Plant& plant, SimulatedController& controller, const RunSettings& settings) {
   log::RunRecord record;
   const control_loop::PlanTiming& timing = controller.timing();

@@ -39,9 +39,6 @@ struct RunSettings {
   RunObserver observer;
 };
 
-/// Longest time step, not above `wished_s`, that divides the tick.
-[[nodiscard]] double time_step_for_tick(double wished_s, double tick_s);
-
 /// Runs until the duration is over or the robot falls. The robot begins on its feet, and the first plan is
 /// active in the first tick. Each later plan starts from the state of its tick and becomes active
 /// plan_delay_s later. Solve times are measured by the wall clock and have no effect. The record has no

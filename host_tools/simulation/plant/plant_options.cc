@@ -183,4 +183,8 @@ void set_plant_option(PlantOptions& options, std::string_view assignment) {
   option.set(options, *value);
 }
 
+double time_step_for_tick(double wished_s, double tick_s) {
+  return tick_s / std::ceil(tick_s / wished_s - 1e-9);
+}
+
 }  // namespace stilt::simulation

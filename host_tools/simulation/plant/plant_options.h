@@ -82,4 +82,7 @@ struct PlantOption {
 /// when the value is not a number or out of range.
 void set_plant_option(PlantOptions& options, std::string_view assignment);
 
+/// Longest time step, not above `wished_s`, that divides the tick.
+[[nodiscard]] double time_step_for_tick(double wished_s, double tick_s);
+
 }  // namespace stilt::simulation

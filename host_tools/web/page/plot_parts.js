@@ -133,7 +133,7 @@ function uplotSeries(line, show, colours, width) {
     dash: line.dash,
     alpha: line.alpha ?? 1,
     paths: line.points ? () => null : line.steps ? uPlot.paths.stepped({ align: 1 }) : undefined,
-    points: line.points ? { show: true, size: 5, fill: colour, stroke: colour } : { show: false },
+    points: line.points ? { show: true, size: 5, fill: line.dash ? 'transparent' : colour, stroke: colour } : { show: false },
   };
 }
 

@@ -14,6 +14,7 @@ class RobotData {
     this.planLife_s = planLife_s;
     this.geometry = null;  // lengths of the links and torque limits
     this.ground = { x_m: [], z_m: [] };
+    this.other = null;  // another RobotData, of a run to compare with
     this.hipUnknown = false;  // the state that is drawn has a hip put anywhere
     this.clear();
   }

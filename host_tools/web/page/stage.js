@@ -59,6 +59,8 @@ class Stage {
     drawRobotAt(view, data, poseOfState(data.geometry, this.state), this.colours, time_s,
       this.showForces.checked && !data.hipUnknown, this.showCones.checked && !data.hipUnknown);
     context.globalAlpha = 1;
+    const compared = data.other?.stateAt(time_s);
+    if (compared) drawSkeleton(view, poseOfState(data.other.geometry, compared), this.colours, 2.5, [6, 4]);
   }
 
   /** Mean hip position of late, moved ahead with the speed, so that the camera glides. */

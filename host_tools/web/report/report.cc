@@ -1,8 +1,10 @@
 #include "host_tools/web/report/report.h"
 
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string_view>
 
+#include "host_tools/web/report/comparison_page.h"
 #include "host_tools/web/report/page_template.h"
 #include "host_tools/web/report/run_data.h"
 
@@ -67,17 +69,39 @@ PageParts split_template(std::string_view page) {
   return {page.substr(0, title), page.substr(middle, data - middle), page.substr(data + kRunData.size())};
 }
 
-}  // namespace
-
-std::string render_report(const log::RunRecord& record) {
+std::string render_page(const std::string& title, std::string_view data) {
   const PageParts parts = split_template(kPageTemplate);
   std::string page;
   page += parts.head;
-  page += escape_html("Stilt: run of " + record.robot.name);
+  page += escape_html(title);
   page += parts.middle;
-  page += escape_script(run_data_json(record));
+  page += escape_script(data);
   page += parts.tail;
   return page;
+}
+
+}  // namespace
+
+std::string render_report(const log::RunRecord& record) {
+  return render_page("Stilt: run of " + record.robot.name, run_data_json(record));
+}
+
+std::string data_of_page(std::string_view page) {
+  constexpr std::string_view kBegin = R"(<script type="application/json" id="run-data">)";
+  const auto begin = page.find(kBegin);
+  const auto end = begin == std::string_view::npos ? begin : page.find("</script>", begin);
+  if (end == std::string_view::npos) return "";
+  return std::string(page.substr(begin + kBegin.size(), end - begin - kBegin.size()));
+}
+
+std::string render_comparison(const std::array<ComparedRun, 2>& runs, double shift_s) {
+  const auto name = [](const ComparedRun& run) {
+    return nlohmann::ordered_json(run.name).dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
+  };
+  const std::string data = R"({"names": [)" + name(runs[0]) + ", " + name(runs[1]) + R"(], "shift_s": )" +
+                           nlohmann::ordered_json(shift_s).dump() + R"(, "runs": [)" + runs[0].data + ", " +
+                           runs[1].data + "]}";
+  return render_page("Stilt: " + runs[0].name + " and " + runs[1].name, data);
 }
 
 }  // namespace stilt::report

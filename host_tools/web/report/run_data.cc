@@ -32,9 +32,9 @@ Json steps_json(const std::vector<log::Step>& steps) {
   return list;
 }
 
-Json summary_json(const log::RunSummary& summary) {
+Json summary_json(const log::RunSummary& summary, bool outcome_known) {
   return {
-      {"survived", summary.survived},
+      {"survived", outcome_known ? Json(summary.survived) : Json(nullptr)},
       {"fall_time_s", summary.fall_time_s < 0.0 ? Json(nullptr) : Json(summary.fall_time_s)},
       {"duration_s", summary.duration_s},
       {"distance_m", summary.distance_m},
@@ -52,6 +52,21 @@ Json summary_json(const log::RunSummary& summary) {
       {"heap_allocations_in_loop", summary.heap_allocations_in_loop},
       {"controller_bytes", summary.controller_bytes},
   };
+}
+
+Json controller_json(const std::optional<log::ControllerPart>& controller) {
+  if (!controller) return nullptr;
+  Json events = Json::array();
+  for (const log::RunEvent& event : controller->events) {
+    events.push_back({{"time_s", event.time_s}, {"text", event.text}});
+  }
+  return {{"last_state", controller->last_state}, {"events", events}};
+}
+
+Json settings_json(const std::vector<log::Setting>& settings) {
+  Json values = Json::object();
+  for (const log::Setting& setting : settings) values[setting.key] = setting.value;
+  return values;
 }
 
 Json ticks_json(const std::vector<log::RunSample>& all) {
@@ -154,7 +169,9 @@ std::string run_data_json(const log::RunRecord& record) {
       {"torque_limit_Nm", record.torque_limit_Nm},
       {"friction_coefficient", record.friction_coefficient},
       {"ground", {{"x_m", record.ground_x_m}, {"z_m", record.ground_z_m}}},
-      {"summary", summary_json(record.summary)},
+      {"summary", summary_json(record.summary, record.outcome_known)},
+      {"controller", controller_json(record.controller)},
+      {"settings", settings_json(record.settings)},
       {"ticks", ticks_json(record.samples)},
       {"plans", plans_json(record.plans)},
       {"planner", planner_json(record.solves)},

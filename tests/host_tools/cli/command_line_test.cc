@@ -127,6 +127,7 @@ TEST_F(CommandLine, EveryCommandShowsExamplesOfItself) {
                                     "replay",
                                     "log",
                                     "log csv",
+                                    "report",
                                     "config",
                                     "config migrate",
                                     "model",
@@ -266,6 +267,39 @@ TEST_F(CommandLine, ARunLeavesReportAndLog) {
   const std::string log = text_of(file("run.jsonl"));
   EXPECT_EQ(std::count(log.begin(), log.end(), '\n'), 100);
   EXPECT_EQ(Json::parse(log.substr(0, log.find('\n')))["true_state"].size(), 14u);
+}
+
+TEST_F(CommandLine, TwoRunsBecomeAPageAndMistakesAreNamed) {
+  ASSERT_EQ(run("sim --gait stand --duration 0.5 --report " + file("a.html")).status, 0);
+  ASSERT_EQ(
+      run("sim --gait stand --duration 0.5 --set gait.swing_height_m=0.07 --log " + file("b.jsonl")).status,
+      0);
+  const std::string page = text_of(file("a.html"));
+  EXPECT_NE(page.find(R"("gait.swing_height_m":"0.06")"), std::string::npos) << "a report names its settings";
+  const std::string both = "report " + file("a.html") + " " + file("b.jsonl");
+  EXPECT_EQ(run(both + " --shift 0.5").status, 0);
+  EXPECT_NE(text_of(file("a_b.html")).find(R"("shift_s": 0.5)"), std::string::npos)
+      << "beside the first file";
+  EXPECT_EQ(run("report " + file("b.jsonl")).status, 0);
+  EXPECT_TRUE(std::filesystem::exists(file("b.html")));
+  std::filesystem::resize_file(file("b.jsonl"), std::filesystem::file_size(file("b.jsonl")) - 20);
+  const Outcome cut = run("report " + file("b.jsonl"));
+  EXPECT_EQ(cut.status, 1);
+  EXPECT_NE(cut.errors.find("is no sample of --log; the report ends before it"), std::string::npos);
+  const auto complaint = [&](const std::string& arguments) {
+    const Outcome outcome = run("report " + arguments);
+    EXPECT_EQ(outcome.status, 2) << arguments;
+    return outcome.errors;
+  };
+  EXPECT_NE(complaint(file("a.html") + " --out " + file("c.html")).find("is a report already"),
+            std::string::npos);
+  EXPECT_NE(complaint(file("b.jsonl") + " --out " + file("b.jsonl")).find("is a file to be read"),
+            std::string::npos);
+  EXPECT_NE(complaint(file("a.html") + " " + file("a_b.html")).find("is no report of one run"),
+            std::string::npos);
+  EXPECT_NE(complaint("/nowhere/walk.mcap --out " + file("c.html")).find("No such file"), std::string::npos);
+  std::ofstream(file("notes.txt")) << "walked well";
+  EXPECT_NE(complaint(file("notes.txt")).find("is no file of a run"), std::string::npos);
 }
 
 TEST_F(CommandLine, APresetChangesTheRunAndWhatTheUserSetsChangesThePreset) {

@@ -5,17 +5,24 @@ const kStances = ['no foot', 'left foot', 'right foot', 'both feet'];
 /** Speed, command and stance at `time_s` as text. */
 function readout(run, time_s) {
   const { ticks } = run.tables;
-  const columns = ['true_state7', 'commanded_speed_m_s', 'scheduled_mode0', 'scheduled_mode1'];
+  const columns = [`${run.stateGroup}7`, 'commanded_speed_m_s', 'scheduled_mode0', 'scheduled_mode1'];
   const [speed, command, left, right] = ticks.before(columns.map((name) => ticks.column(name)), time_s);
   const commanded = Number.isFinite(command) ? ` (commanded ${signed(command, 2)})` : '';
-  return `${signed(speed, 2)} m/s${commanded} · stance: ${kStances[(left ? 1 : 0) + (right ? 2 : 0)]}`;
+  const planned = !run.controller || ticks.before([ticks.column('planned_contact_force_N0')], time_s).every(Number.isFinite);
+  const stance = planned ? ` · stance: ${kStances[(left ? 1 : 0) + (right ? 2 : 0)]}` : '';
+  return Number.isFinite(speed) ? `${signed(speed, 2)} m/s${commanded}${stance}` : '';
 }
 
-function openReport(run, options) {
+function openReport(run, options, names) {
   const player = new Player(run.start_s, run.end_s);
   const filled = run.tables.ticks.rows > 0;
-  showHeader(run);
-  showSummary(run);
+  if (run.other) {
+    showComparisonHeader(run, names);
+    showComparison(run, names);
+  } else {
+    showHeader(run);
+    showSummary(run);
+  }
   if (filled) bindKeyboard(player);
   document.querySelector('.key.plan').hidden = run.plans.length === 0;  // a robot has no data of its controller
   const showPlayer = bindControls(player);
@@ -38,12 +45,15 @@ function openReport(run, options) {
   if (options.time_s === null && filled && !window.matchMedia('(prefers-reduced-motion: reduce)').matches) player.toggle();
 }
 
-const run = new RecordedRun(JSON.parse(document.getElementById('run-data').textContent));
+const data = JSON.parse(document.getElementById('run-data').textContent);
+const run = data.runs
+  ? joinRuns(new RecordedRun(data.runs[0]), new RecordedRun(data.runs[1], data.shift_s))
+  : new RecordedRun(data);
 const options = readFragment();
 followTheme(options.theme, () => {});
 if (options.still) {
   drawStill(run, options);
   window.addEventListener('resize', () => drawStill(run, options));
 } else {
-  openReport(run, options);
+  openReport(run, options, data.names && shortNames(data.names));
 }

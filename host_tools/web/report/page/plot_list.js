@@ -12,9 +12,10 @@ function sideLines(column, [left, right], planned = null) {
   });
 }
 
-function basePlots() {
+function basePlots({ stateGroup }) {
+  const label = stateGroup.split('_')[0];  // true or estimated
   const lines = (k) => [
-    { label: 'true', colour: 'body', column: `true_state${k}` },
+    { label, colour: 'body', column: `${stateGroup}${k}` },
     { label: 'planned', colour: 'plan', ...kPlanned, column: `planned_state${k}` },
   ];
   const commanded = { label: 'commanded', colour: 'command', dash: [2, 3], column: 'commanded_speed_m_s' };
@@ -26,8 +27,8 @@ function basePlots() {
   ];
 }
 
-function jointPlots() {
-  const lines = (k) => sideLines('true_state', [k, k + 2], 'planned_state');
+function jointPlots({ stateGroup }) {
+  const lines = (k) => sideLines(stateGroup, [k, k + 2], 'planned_state');
   return [
     { title: 'Hip angle', axis: 'angle, rad', unit: 'rad', table: 'ticks', lines: lines(3) },
     { title: 'Knee angle', axis: 'angle, rad', unit: 'rad', table: 'ticks', lines: lines(4) },
@@ -105,15 +106,16 @@ function solverPlots() {
 /** Sections of plots; lines, plots and sections without data are left out: the robot alone has no plan. */
 function plotSections(run) {
   const sections = [
-    { title: 'Base and feet', plots: basePlots() },
+    { title: 'Base and feet', plots: basePlots(run) },
     { title: 'Torques', plots: [torquePlot(run, 'Hip torque', 0), torquePlot(run, 'Knee torque', 1)] },
     { title: 'Contact forces and steps', plots: forcePlots(run) },
-    { title: 'Joints', plots: jointPlots() },
+    { title: 'Joints', plots: jointPlots(run) },
     { title: 'Estimator', plots: estimatorPlots() },
     { title: 'Planner', plots: solverPlots() },
   ];
   const isKnown = (plot, line) => run.tables[plot.table].column(line.column).some(Number.isFinite);
   for (const section of sections) {
+    if (run.other) for (const plot of section.plots) plot.lines = comparedLines(run, plot.lines);
     for (const plot of section.plots) plot.lines = plot.lines.filter((line) => isKnown(plot, line));
     section.plots = section.plots.filter((plot) => plot.lines.length > 0);
   }

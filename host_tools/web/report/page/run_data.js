@@ -14,30 +14,44 @@ function unpackTable(packed) {
 }
 
 class RecordedRun extends RobotData {
-  constructor(run) {
-    super('true_state', Infinity);
+  /** `shift_s` is added to all times of the run. */
+  constructor(run, shift_s = 0) {
+    super(run.controller ? 'estimated_state' : 'true_state', Infinity);
+    this.controller = run.controller ?? null;  // of a record of stiltd: {last_state, events}
     this.robot_name = run.robot.name;
     this.command_line = run.command_line;
     this.summary = run.summary;
+    this.settings = run.settings ?? {};  // values by key; none in pages of release 0.1
     this.stride = run.ticks.stride;
     this.status_names = run.planner.status_names;
     this.friction_coefficient = run.friction_coefficient;
     this.geometry = { ...run.robot, torque_limit_Nm: run.torque_limit_Nm };
     this.ground = run.ground;
     const ticks = unpackTable(run.ticks);
+    const planner = unpackTable(run.planner);
+    const knots = unpackTable(run.plans.knots);
+    for (const table of [ticks, planner, knots]) table.time.forEach((time_s, i) => { table.time[i] = time_s + shift_s; });
+    for (const step of run.summary.steps) step.time_s += shift_s;
     // A simulation samples controller and robot together.
-    this.tables = { ticks, truth: ticks, planner: unpackTable(run.planner), plan: unpackTable(run.plans.knots) };
+    this.tables = { ticks, truth: ticks, planner, plan: knots };
     this.start_s = ticks.oldestTime ?? 0;
     this.end_s = Math.max(ticks.newestTime ?? 1, this.start_s + 1e-3);
     const ends = [...run.plans.first_knot.slice(1), this.tables.plan.rows];
     this.plans = run.plans.time_s.map((time_s, i) => {
       const first = run.plans.first_knot[i];
-      return { time_s, first, count: ends[i] - first };
+      return { time_s: time_s + shift_s, first, count: ends[i] - first };
     });
     ticks.column('push_N').forEach((force_N, i) => this.notePush(ticks.time[i], force_N));
     this.addSteps();
     addErrors(ticks);
     addFrictionRatios(ticks);
+  }
+
+  /** Contact forces at `time_s`, those planned where they are not measured in full; null when neither is known. */
+  forcesAt(time_s) {
+    const { ticks } = this.tables;
+    const known = ['contact_force_N', 'planned_contact_force_N'].map((name) => ticks.before(ticks.group(name), time_s));
+    return known.find((forces) => forces?.every(Number.isFinite)) ?? null;
   }
 
   /** Footprints, and the table of step lengths at touch-down. */

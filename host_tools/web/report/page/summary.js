@@ -5,6 +5,11 @@ function number(value, digits, unit = '') {
   return `${signed(value, digits)}${unit && ` ${unit}`}`;
 }
 
+/** A time in µs; null where none was measured, as in lock-step. */
+function milliseconds(value_us) {
+  return number(value_us === null ? null : value_us / 1000, 2, 'ms');
+}
+
 function exponent(value) {
   if (value === null || !Number.isFinite(value)) return '–';
   return value === 0 ? '0' : value.toExponential(1).replace('-', '−');
@@ -14,10 +19,21 @@ function megabytes(value) {
   return `${(value / 1e6).toFixed(2)} MB`;
 }
 
-function outcomeRows(s) {
-  return [
+function outcomeRows({ summary: s, controller }) {
+  if (controller) {
+    return [
+      ['Last state', controller.last_state],
+      ['Duration', number(s.duration_s, 1, 's')],
+      ['Distance', number(s.distance_m, 2, 'm')],
+      ['Mean speed in state walk', number(s.mean_speed_m_s, 3, 'm/s')],
+    ];
+  }
+  const survived = [
     ['Survived', s.survived ? 'yes' : 'no'],
     ['Fell at', s.fall_time_s === null ? 'did not fall' : number(s.fall_time_s, 2, 's')],
+  ];
+  return [
+    ...(s.survived === null ? [] : survived),
     ['Duration', number(s.duration_s, 1, 's')],
     ['Distance', number(s.distance_m, 2, 'm')],
     ['Mean speed', number(s.mean_speed_m_s, 3, 'm/s')],
@@ -40,9 +56,9 @@ function jointRows(s) {
 
 function plannerRows(s) {
   return [
-    ['Solve time, median', number(s.solve_time_us.p50 / 1000, 2, 'ms')],
-    ['Solve time, 99th percentile', number(s.solve_time_us.p99 / 1000, 2, 'ms')],
-    ['Solve time, longest', number(s.solve_time_us.max / 1000, 2, 'ms')],
+    ['Solve time, median', milliseconds(s.solve_time_us.p50)],
+    ['Solve time, 99th percentile', milliseconds(s.solve_time_us.p99)],
+    ['Solve time, longest', milliseconds(s.solve_time_us.max)],
     ['SQP iterations, mean', number(s.sqp_iterations.mean, 2)],
     ['SQP iterations, most', String(s.sqp_iterations.max)],
     ['Largest dynamics defect', exponent(s.dynamics_defect_max)],
@@ -58,11 +74,9 @@ function solveEndRows(run) {
     .filter(([, count]) => count !== '0');
 }
 
-function memoryRows(s) {
-  return [
-    ['Heap allocations in the loop', String(s.heap_allocations_in_loop)],
-    ['Controller object', megabytes(s.controller_bytes)],
-  ];
+function memoryRows({ summary: s, controller }) {
+  const allocations = ['Heap allocations in the loop', String(s.heap_allocations_in_loop)];
+  return controller ? [allocations] : [allocations, ['Controller object', megabytes(s.controller_bytes)]];
 }
 
 function addTable(container, title, rows, heads = []) {
@@ -85,40 +99,61 @@ function addStepList(container, steps) {
   container.append(details);
 }
 
+function addEvents(container, events, ofWhat = '', open = events.length <= 12) {
+  const details = element('details', { open },
+    element('summary', { textContent: `${events.length} events ${ofWhat}` }));
+  addTable(details, '', events.map(({ time_s, text }) => [number(time_s, 3, 's'), text]), ['Time', 'Event']);
+  container.append(details);
+}
+
 function group(container) {
   const box = element('div');
   container.append(box);
   return box;
 }
 
+/** Text and class of the badge. */
+function outcomeOf({ summary: s, controller }) {
+  if (controller) return [`ended in state ${controller.last_state}`, controller.last_state === 'fault' ? 'bad' : 'good'];
+  if (s.survived === null) return ['outcome not in the file', 'unknown'];
+  if (s.survived) return ['survived', 'good'];
+  return [s.fall_time_s === null ? 'did not survive' : `fell at ${number(s.fall_time_s, 2, 's')}`, 'bad'];
+}
+
 function showHeader(run) {
   const s = run.summary;
   document.getElementById('robot-name').textContent = run.robot_name;
   const badge = document.getElementById('outcome');
-  badge.textContent = s.survived ? 'survived' : s.fall_time_s === null ? 'did not survive' : `fell at ${number(s.fall_time_s, 2, 's')}`;
-  badge.classList.add(s.survived ? 'good' : 'bad');
+  const [text, kind] = outcomeOf(run);
+  badge.textContent = text;
+  badge.classList.add(kind);
   const pushes = run.pushes.length === 1 ? '1 push' : `${run.pushes.length} pushes`;
   document.getElementById('headline').textContent =
     `${number(s.duration_s, 1, 's')}, ${number(s.distance_m, 1, 'm')}, ${s.steps.length} steps, ` +
-    `mean speed ${number(s.mean_speed_m_s, 2, 'm/s')}, ${pushes}`;
+    `mean speed ${number(s.mean_speed_m_s, 2, 'm/s')}${run.controller ? '' : `, ${pushes}`}`;
   document.getElementById('command-line').textContent = run.command_line;
-  if (run.stride > 1) {
-    const note = document.getElementById('thinned');
-    note.hidden = false;
-    note.textContent = `A long run: plots and animation show every ${run.stride}th sample; ` +
-      'the summary is of all of them.';
-  }
+  showThinned(run.stride);
+}
+
+function showThinned(stride) {
+  if (stride === 1) return;
+  const note = document.getElementById('thinned');
+  note.hidden = false;
+  note.textContent = `A long run: plots and animation show every ${stride}th sample; ` +
+    'the summary is of all of them.';
 }
 
 function showSummary(run) {
   const container = document.getElementById('summary');
   const s = run.summary;
-  addTable(group(container), 'Outcome', outcomeRows(s));
+  const outcome = group(container);
+  addTable(outcome, 'Outcome', outcomeRows(run));
+  if (run.controller) addEvents(outcome, run.controller.events);
   addTable(group(container), 'Joints', jointRows(s), ['', 'Peak torque', 'Peak speed']);
   const steps = group(container);
   addTable(steps, 'Steps', stepRows(s));
   addStepList(steps, s.steps);
   if (run.tables.planner.rows === 0) return;  // a record of the robot alone: nothing is known of its controller
-  addTable(steps, 'Memory', memoryRows(s));
+  addTable(steps, 'Memory', memoryRows(run));
   addTable(group(container), 'Planner', [...plannerRows(s), ...solveEndRows(run)]);
 }

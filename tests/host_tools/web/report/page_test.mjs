@@ -131,6 +131,66 @@ test('the report of a robot behind its buses speaks of no plan and no command', 
   await picture(page, 'robot_report');
 });
 
+/** A record of a robot that stands up and walks in lock-step. */
+async function record(name, words) {
+  const file = join(folder, `${name}.mcap`);
+  const domain = process.env.STILT_TEST_DOMAIN ?? '0';
+  const buses = ['left', 'right'].flatMap((side) => ['--bus', `loopback:stilt_${name}_${process.pid}_${side}`]);
+  const recorder = new Program(process.env.STILT_PROGRAM, ['record', '--out', file, '--domain', domain]);
+  await recorder.wrote(/recording to/);
+  const robot = new Program(process.env.STILT_PROGRAM, ['robot', '--lockstep', '--once', ...buses]);
+  await robot.wrote(/ready/);
+  const controller = new Program(process.env.STILTD_PROGRAM,
+    ['--lockstep', ...buses, '--set', `telemetry.domain=${domain}`, ...words]);
+  assert.equal(await controller.ended, 0, controller.output);
+  assert.equal(await robot.ended, 0, robot.output);
+  recorder.kill('SIGINT');
+  assert.equal(await recorder.ended, 0, recorder.output);
+  return file;
+}
+
+test('two records are in one page: plots, settings that differ, outcomes, events', async () => {
+  const files = [
+    await record('slow', ['--start', 'walk@0.3', '--duration', '6']),
+    await record('high', ['--start', 'walk@0.3', '--duration', '5', '--set', 'gait.swing_height_m=0.09']),
+  ];
+  const file = join(folder, 'both.html');
+  const report = new Program(process.env.STILT_PROGRAM, ['report', ...files, '--out', file]);
+  assert.equal(await report.ended, 0, report.output);
+  page = await openPage(browser, pathToFileURL(file).href, '#t=5');
+  await shows(5);
+  assert.equal(await page.textContent('#headline'), 'slow.mcap (in full) and high.mcap (dashed)');
+  const text = await page.textContent('#summary');
+  assert.match(text, /gait\.swing_height_m0\.060\.09/);
+  assert.doesNotMatch(text, /gait\.single_support_s/);
+  assert.match(text, /Last statereadyready/);
+  assert.match(text, /events of slow\.mcap[^]*walk[^]*events of high\.mcap[^]*walk/);
+  assert.match(await caption(), /estimated −?\d[^]*estimated, second −?\d/);
+  const foot = 'figure[data-title="Foot height"] .u-over';
+  await page.locator(foot).scrollIntoViewIfNeeded();
+  const canvas = `figure[data-title="Foot height"] canvas`;
+  const both = await pixels(page, canvas);
+  const second = page.locator('figure[data-title="Foot height"] .legend', { hasText: 'left, second' });
+  await second.click();
+  await until('a line less', async () => (await pixels(page, canvas)) !== both);
+  await assertAccessible(page, 'accessible_comparison');
+});
+
+test('the report of a record shows the estimate, the events and no true state', async () => {
+  const file = join(folder, 'record.html');
+  const report = new Program(process.env.STILT_PROGRAM, ['report', join(folder, 'slow.mcap'), '--out', file]);
+  assert.equal(await report.ended, 0, report.output);
+  page = await openPage(browser, pathToFileURL(file).href, '#t=5');
+  await shows(5);
+  assert.equal(await page.textContent('#outcome'), 'ended in state ready');
+  assert.match(await page.textContent('#summary'), /Mean speed in state walk0\.[23]/);
+  assert.doesNotMatch(await page.textContent('#plots'), /true|NaN/);
+  const empty = await pixels(page, '#stage-canvas');
+  await page.keyboard.press('Home');
+  await until('another picture', async () => (await pixels(page, '#stage-canvas')) !== empty);
+  await picture(page, 'record_report');
+});
+
 test('no serious finding by the rules of accessibility, in the light and in the dark', async () => {
   page = await openPage(browser, url, '#t=2.1');
   await shows(2.1);

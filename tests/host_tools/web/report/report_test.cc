@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "host_tools/web/report/comparison_page.h"
 #include "host_tools/web/report/packed_columns.h"
 #include "host_tools/web/report/run_data.h"
 #include "tests/host_tools/web/report/synthetic_walk.h"
@@ -258,6 +259,37 @@ TEST(Report, AnHourIsThinnedEvenlyAndThePageKnows) {
   EXPECT_LE(samples["rows"].get<std::size_t>(), kMaxSamples);
   const std::vector<float> time = unpack(samples).at("time_s")[0];
   for (std::size_t row = 0; row < time.size(); ++row) ASSERT_EQ(time[row], static_cast<float>(row * stride));
+}
+
+TEST(Report, TwoRunsAreInOnePageWithTheirDataUnchanged) {
+  const log::RunRecord first = synthetic_walk(1.0);
+  log::RunRecord second = synthetic_walk(2.0);
+  second.command_line = "</script>second";
+  second.controller = log::ControllerPart{"fault", {{0.5, "a driver failed"}}};
+  second.settings = {{"gait.swing_height_m", "0.08"}};
+  const std::string page = render_comparison(
+      {{{"a.html", data_of_page(render_report(first))}, {"b </script>.mcap", run_data_json(second)}}}, 0.25);
+  const json data = embedded_data(page);
+  EXPECT_EQ(data["names"], json::array({"a.html", "b </script>.mcap"}));
+  EXPECT_EQ(data["shift_s"], 0.25);
+  EXPECT_EQ(data["runs"][0], json::parse(run_data_json(first)));
+  EXPECT_EQ(data["runs"][1], json::parse(run_data_json(second)));
+  EXPECT_TRUE(data["runs"][0]["controller"].is_null());
+  EXPECT_EQ(data["runs"][1]["controller"]["last_state"], "fault");
+  EXPECT_EQ(data["runs"][1]["controller"]["events"][0]["text"], "a driver failed");
+  EXPECT_EQ(data["runs"][1]["settings"]["gait.swing_height_m"], "0.08");
+}
+
+TEST(Report, AnOutcomeThatIsNotKnownIsNull) {
+  log::RunRecord run = synthetic_walk(1.0);
+  EXPECT_TRUE(json::parse(run_data_json(run))["summary"]["survived"].is_boolean());
+  run.outcome_known = false;
+  EXPECT_TRUE(json::parse(run_data_json(run))["summary"]["survived"].is_null());
+}
+
+TEST(Report, APageThatIsNoReportHasNoData) {
+  EXPECT_EQ(data_of_page("<html></html>"), "");
+  EXPECT_EQ(data_of_page(R"(<script type="application/json" id="run-data">{)"), "") << "cut off";
 }
 
 TEST(PackedColumns, Base64FollowsTheTestVectorsOfRfc4648) {

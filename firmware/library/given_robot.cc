@@ -1,0 +1,80 @@
+#include "firmware/library/given_robot.h"
+
+#include <cmath>
+
+namespace stilt::library {
+namespace {
+
+/// A reading with an age, as a driver's reply: what did not come keeps its values and is counted.
+template <class Reading>
+bool age(Reading& reading, bool came, bool same) noexcept {
+  reading.missed_replies = came ? 0 : reading.missed_replies + 1;
+  if (came) reading.unchanged_replies = same ? reading.unchanged_replies + 1 : 0;
+  return came;
+}
+
+bool finite(const hal::JointCommand& command) noexcept {
+  return std::isfinite(command.position_rad) && std::isfinite(command.velocity_rad_s) &&
+         std::isfinite(command.torque_Nm) && std::isfinite(command.kp_Nm_rad) &&
+         std::isfinite(command.kd_Nms_rad) && std::isfinite(command.torque_limit_Nm);
+}
+
+}  // namespace
+
+void GivenRobot::give(const Measurements& measurements) noexcept {
+  given_ = measurements;
+  action_ = DriverAction::none;
+}
+
+void GivenRobot::read(std::int64_t now_ns, hal::RobotReadings& readings) noexcept {
+  for (std::size_t i = 0; i < hal::kJoints; ++i) {
+    const JointMeasurement& given = given_.joints[i];
+    hal::JointReading& joint = readings.joints[i];
+    const bool same =
+        given.position_rad == joint.position_rad && given.velocity_rad_s == joint.velocity_rad_s;
+    joint.state = given_.drivers_enabled ? hal::DriverState::enabled : hal::DriverState::idle;
+    if (!age(joint, !std::isnan(given.position_rad), same)) continue;
+    joint.position_rad = given.position_rad;
+    joint.velocity_rad_s = given.velocity_rad_s;
+    joint.torque_Nm = given.torque_Nm;
+    joint.time_ns = now_ns;
+  }
+  hal::BaseReading& base = readings.base;
+  const bool same = given_.pitch_rad == base.pitch_rad && given_.pitch_rate_rad_s == base.pitch_rate_rad_s;
+  if (age(base, !std::isnan(given_.pitch_rad), same)) {
+    base.pitch_rad = given_.pitch_rad;
+    base.pitch_rate_rad_s = given_.pitch_rate_rad_s;
+    base.left_foot_force_N = given_.left_foot_force_N;
+    base.right_foot_force_N = given_.right_foot_force_N;
+    base.time_ns = now_ns;
+  }
+  readings.status = hal::JointBusStatus::ok;
+  readings.emergency_stop =
+      given_.emergency_stop ? hal::EmergencyStopState::pressed : hal::EmergencyStopState::released;
+}
+
+hal::JointBusStatus GivenRobot::write(const hal::JointCommands& commands) noexcept {
+  for (const hal::JointCommand& command : commands) {
+    if (!finite(command)) return hal::JointBusStatus::refused;
+  }
+  for (std::size_t i = 0; i < hal::kJoints; ++i) {
+    const hal::JointCommand& command = commands[i];
+    targets_[i] = {command.position_rad, command.velocity_rad_s, command.torque_Nm,
+                   command.kp_Nm_rad,    command.kd_Nms_rad,     command.torque_limit_Nm};
+  }
+  action_ = DriverAction::targets;
+  return hal::JointBusStatus::ok;
+}
+
+hal::JointBusStatus GivenRobot::disable() noexcept {
+  action_ = DriverAction::disable;
+  return hal::JointBusStatus::ok;
+}
+
+hal::BringUpProgress GivenRobot::bring_up(std::int64_t /*now_ns*/) noexcept {
+  action_ = DriverAction::enable;
+  if (!given_.drivers_enabled) return {};
+  return {.ready = true, .stage = hal::bring_up::Stage::ready};
+}
+
+}  // namespace stilt::library

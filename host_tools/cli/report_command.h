@@ -1,0 +1,24 @@
+#pragma once
+
+#include <CLI/App.hpp>
+#include <string>
+#include <vector>
+
+namespace stilt::cli {
+
+/// Options of `stilt report`.
+struct ReportOptions {
+  std::vector<std::string> files;
+  std::string out;  ///< empty: beside the first file
+  std::string robot = "amber3m";
+  double shift_s = 0.0;
+};
+
+/// Adds `report` to the program; stores its options in `options`.
+CLI::App* add_report_command(CLI::App& program, ReportOptions& options);
+
+/// Makes the page of a run's file, or one of two files. Returns the exit status: 0 done, 1 a file was cut off
+/// or is damaged (the readable part is shown). Throws UsageError or std::runtime_error, one sentence.
+[[nodiscard]] int run_report(const ReportOptions& options);
+
+}  // namespace stilt::cli

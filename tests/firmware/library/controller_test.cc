@@ -1,0 +1,144 @@
+#include <gtest/gtest.h>
+#include <stilt/controller.h>
+#include <stilt/simulated_robot.h>
+
+#include <cmath>
+#include <functional>
+#include <string>
+#include <utility>
+
+#include "firmware/realtime/allocation_counter.h"
+
+namespace stilt {
+namespace {
+
+/// A controller and its simulated robot, tick by tick.
+class Loop {
+ public:
+  Loop() : controller(*Controller::create({})), robot(*SimulatedRobot::create({})) {}
+
+  void begin_standing() { controller.begin_standing(controller.tick_period_ns(), robot.read()); }
+
+  /// Runs for a time; `change` may change what the sensors say.
+  const Tick& run(
+      double seconds, const std::function<void(Measurements&)>& change = [](Measurements&) {}) {
+    const std::int64_t tick_ns = controller.tick_period_ns();
+    const auto end = ticks + std::llround(1e9 * seconds / static_cast<double>(tick_ns));
+    const Tick* done = nullptr;
+    for (; ticks < end; ++ticks) {
+      Measurements measurements = robot.read();
+      change(measurements);
+      const realtime::AllocationScope scope;
+      done = &controller.tick((ticks + 1) * tick_ns, measurements);
+      if (ticks % (controller.plan_period_ns() / tick_ns) == 0) controller.plan();
+      allocations += scope.count();
+      robot.drive(*done);
+      robot.advance();
+    }
+    return *done;
+  }
+
+  Controller controller;
+  SimulatedRobot robot;
+  long long ticks = 0;
+  long long allocations = 0;
+};
+
+TEST(OwnLoop, ARobotThatStandsWalksAtTheSpeedAskedForWithoutAllocating) {
+  Loop loop;
+  loop.begin_standing();
+  loop.controller.request(Motion::walk, 0.3);
+  EXPECT_STREQ(loop.run(4.0).state, "walk");
+  const double start_x_m = loop.robot.hip_x_m();
+  const Tick& end = loop.run(5.0);
+  EXPECT_NEAR((loop.robot.hip_x_m() - start_x_m) / 5.0, 0.3, 0.03);
+  EXPECT_TRUE(end.follows_plan);
+  EXPECT_STREQ(end.fallback_level, "plan");
+  EXPECT_STREQ(end.fault, "");
+  EXPECT_NEAR(end.estimated_state[1], loop.robot.state()[1], 0.02);
+  EXPECT_EQ(loop.allocations, 0);
+}
+
+TEST(OwnLoop, ItAsksForTheDriversAndWaitsForThem) {
+  Loop loop;
+  EXPECT_STREQ(loop.run(0.1).state, "idle");
+  loop.controller.request(Motion::enable);
+  const auto off = [](Measurements& measurements) { measurements.drivers_enabled = false; };
+  const Tick waiting = loop.run(0.2, off);
+  EXPECT_EQ(waiting.action, DriverAction::enable);
+  EXPECT_STREQ(waiting.state, "calibrate");
+  const Tick ready = loop.run(0.1);
+  EXPECT_STREQ(ready.state, "ready");
+  EXPECT_EQ(ready.action, DriverAction::targets);
+  EXPECT_EQ(ready.targets[0].kp_Nm_rad, 0.0) << "damped";
+  loop.controller.request(Motion::cut);
+  EXPECT_EQ(loop.run(0.002).action, DriverAction::disable);
+}
+
+TEST(OwnLoop, AnEmergencyStopDampsTheJointsAndHasAName) {
+  Loop loop;
+  loop.begin_standing();
+  loop.run(0.5);
+  const Tick stopped = loop.run(0.05, [](Measurements& measurements) { measurements.emergency_stop = true; });
+  EXPECT_STREQ(stopped.state, "fault");
+  ASSERT_EQ(stopped.action, DriverAction::targets);
+  EXPECT_EQ(stopped.targets[1].kp_Nm_rad, 0.0);
+  EXPECT_GT(stopped.targets[1].kd_Nms_rad, 0.0);
+  EXPECT_STREQ(stopped.fault, "emergency_stop");
+}
+
+TEST(OwnLoop, AJointThatIsNotMeasuredIsAFault) {
+  Loop loop;
+  loop.begin_standing();
+  loop.run(0.5);
+  const Tick& silent =
+      loop.run(0.1, [](Measurements& measurements) { measurements.joints[1].position_rad = kNotMeasured; });
+  EXPECT_STRNE(silent.fault, "");
+  EXPECT_STREQ(silent.state, "fault");
+}
+
+TEST(OwnLoop, ATorsoThatIsNotMeasuredIsAFault) {
+  Loop loop;
+  loop.begin_standing();
+  loop.run(0.5);
+  const Tick& silent =
+      loop.run(0.1, [](Measurements& measurements) { measurements.pitch_rad = kNotMeasured; });
+  EXPECT_STRNE(silent.fault, "");
+}
+
+TEST(OwnLoop, APlanIsMadeOncePerTickAndOnlyOnTheFeet) {
+  Loop loop;
+  EXPECT_FALSE(loop.controller.plan()) << "before the first tick";
+  loop.begin_standing();
+  loop.run(0.003);
+  static_cast<void>(
+      loop.controller.tick((loop.ticks + 1) * loop.controller.tick_period_ns(), loop.robot.read()));
+  EXPECT_TRUE(loop.controller.plan());
+  EXPECT_FALSE(loop.controller.plan()) << "from the same state";
+}
+
+TEST(OwnLoop, WhatIsWrongIsASentence) {
+  const auto controller = Controller::create({.settings = {"gait.swing_height_m=9"}});
+  ASSERT_FALSE(controller);
+  EXPECT_NE(controller.error().find("gait.swing_height_m"), std::string::npos) << controller.error();
+  EXPECT_FALSE(Controller::create({.robot = "/nowhere/mine.urdf"}));
+  EXPECT_FALSE(Controller::create({.configuration_file = "/nowhere/mine.toml"}));
+  const auto robot = SimulatedRobot::create({}, {"friction=-1"});
+  ASSERT_FALSE(robot);
+  EXPECT_NE(robot.error().find("friction"), std::string::npos) << robot.error();
+}
+
+TEST(OwnLoop, TheSameCallsGiveTheSameWalk) {
+  const auto walk = [] {
+    Loop loop;
+    loop.begin_standing();
+    loop.controller.request(Motion::walk, 0.5);
+    loop.robot.push(10.0);
+    loop.run(2.0);
+    return loop.robot.state();
+  };
+  EXPECT_EQ(walk(), walk());
+}
+
+}  // namespace
+}  // namespace stilt

@@ -1,0 +1,82 @@
+#include "host_tools/recording/run/plan_track.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace stilt::record {
+namespace {
+
+/// A message whose hip moves by 1 m/s from `x_m` over 0.4 s, in nodes of 0.1 s; its left foot lifts after 0.2
+/// s.
+class PlanMessage {
+ public:
+  PlanMessage(double start_s, float x_m) {
+    for (int i = 0; i < 5; ++i) {
+      const float time_s = 0.1f * static_cast<float>(i);
+      time_.push_back(time_s);
+      contact_.push_back(time_s < 0.15f ? 3 : 2);
+      base_.insert(base_.end(), {x_m + time_s, 0.8f, 0.1f});
+      joints_.insert(joints_.end(), {time_s, 0.0f, 0.0f, 0.0f});
+      feet_.insert(feet_.end(), {0.1f, 0.0f, -0.1f, 0.0f});
+      forces_.insert(forces_.end(), {0.0f, 10.0f * static_cast<float>(i), 0.0f, 100.0f});
+    }
+    message_.start_time_s = start_s;
+    message_.count = 5;
+    point(message_.time_s, time_);
+    point(message_.contact, contact_);
+    point(message_.base, base_);
+    point(message_.joint_position_rad, joints_);
+    point(message_.foot_position_m, feet_);
+    point(message_.contact_force_N, forces_);
+  }
+  PlanMessage(const PlanMessage&) = delete;
+  PlanMessage& operator=(const PlanMessage&) = delete;
+
+  telemetry::Plan& message() { return message_; }
+
+ private:
+  template <class Sequence, class Values>
+  static void point(Sequence& sequence, Values& values) {
+    sequence._length = sequence._maximum = static_cast<std::uint32_t>(values.size());
+    sequence._buffer = values.data();
+  }
+
+  telemetry::Plan message_{};
+  std::vector<float> time_, base_, joints_, feet_, forces_;
+  std::vector<std::uint8_t> contact_;
+};
+
+TEST(PlanTrack, ThePlanInUseIsTheNewestThatHadBegun) {
+  PlanTrack track;
+  PlanMessage first(1.0, 0.0f), second(1.3, 5.0f);
+  track.add(first.message());
+  track.add(second.message());
+  EXPECT_FALSE(track.at(0.99));
+  const auto between = track.at(1.25);
+  ASSERT_TRUE(between);
+  EXPECT_NEAR(between->hip_x_m, 0.25, 1e-6) << "linear";
+  EXPECT_NEAR(between->joint_position_rad[0], 0.25, 1e-6);
+  EXPECT_NEAR(between->contact_force_N[1], 20.0, 1e-6) << "held from 0.2 s on";
+  EXPECT_FALSE(between->mode.left);
+  EXPECT_TRUE(between->mode.right);
+  EXPECT_NEAR(track.at(1.31)->hip_x_m, 5.01, 1e-6);
+  EXPECT_FALSE(track.at(1.71)) << "beyond its last node";
+  EXPECT_EQ(track.snapshots().size(), 2u);
+  EXPECT_NEAR(track.snapshots()[1].knot_time_s.back(), 1.7, 1e-6);
+}
+
+TEST(PlanTrack, AMessageWhoseSequencesDoNotFitItsCountIsLeftOut) {
+  PlanTrack track;
+  PlanMessage plan(1.0, 0.0f);
+  plan.message().count = 6;
+  track.add(plan.message());
+  plan.message().count = 5;
+  plan.message().contact_force_N._length = 19;
+  track.add(plan.message());
+  EXPECT_TRUE(track.snapshots().empty());
+  EXPECT_FALSE(track.at(1.1));
+}
+
+}  // namespace
+}  // namespace stilt::record

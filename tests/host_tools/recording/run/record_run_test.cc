@@ -1,0 +1,66 @@
+#include "host_tools/recording/run/record_run.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "host_tools/recording/record/recorder.h"
+#include "tests/host_tools/recording/record_sample.h"
+#include "tests/own_folder.h"
+
+namespace stilt::record {
+namespace {
+
+TEST(RecordRun, TheRunWithMostTicksIsTaken) {
+  const tests::OwnFolder folder;
+  const std::string file = folder.file("walk.mcap");
+  Recorder recorder(file, {});
+  for (const auto& [run, batches] : {std::pair<std::uint64_t, std::uint64_t>{7, 1}, {8, 4}, {9, 2}}) {
+    recorder.take(configuration_sample(run, ""), 1);
+    recorder.take(event_sample(run, "event of " + std::to_string(run)), 2);
+    for (std::uint64_t i = 0; i < batches; ++i) recorder.take(ticks_sample(run, 50 * i, 50), 3);
+  }
+  recorder.close();
+
+  const RecordRun found = run_of_record(file);
+  EXPECT_EQ(found.runs, 3u);
+  EXPECT_TRUE(found.problems.empty());
+  EXPECT_EQ(found.run.robot.name, "amber3m");
+  EXPECT_GT(found.robot.thigh_length_m, 0.1);
+  ASSERT_EQ(found.run.samples.size(), 40u) << "one of five ticks";
+  const log::RunSample& sample = found.run.samples[1];
+  EXPECT_NEAR(sample.time_s, 5.005, 1e-9) << "the configuration says that the clock was 0 at tick 0";
+  EXPECT_EQ(sample.estimated_state[1], 0.75);
+  EXPECT_TRUE(std::isnan(sample.true_state[1])) << "nobody knows it";
+  EXPECT_TRUE(std::isnan(sample.planned_state[1])) << "no plan is in use";
+  EXPECT_NEAR(found.run.summary.duration_s, 0.199, 1e-9);
+  EXPECT_EQ(found.run.controller->last_state, "boot");
+  ASSERT_EQ(found.run.controller->events.size(), 1u);
+  EXPECT_EQ(found.run.controller->events[0].text, "event of 8");
+  EXPECT_EQ(found.run.controller->events[0].time_s, 0.1);
+}
+
+TEST(RecordRun, WithoutTicksOrConfigurationItIsRefused) {
+  const tests::OwnFolder folder;
+  const auto complaint = [&](const telemetry::Sample& sample) {
+    const std::string file = folder.file("part.mcap");
+    Recorder recorder(file, {});
+    recorder.take(sample, 1);
+    recorder.close();
+    try {
+      static_cast<void>(run_of_record(file));
+    } catch (const std::runtime_error& error) {
+      return std::string(error.what()).substr(file.size());
+    }
+    return std::string("accepted");
+  };
+  EXPECT_EQ(complaint(configuration_sample(7, "")),
+            ": holds no ticks of stiltd; name a record of stilt record");
+  EXPECT_EQ(complaint(ticks_sample(7, 0, 50)),
+            ": lacks the configuration of its run; record from before stiltd ends");
+}
+
+}  // namespace
+}  // namespace stilt::record
