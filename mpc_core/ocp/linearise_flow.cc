@@ -8,7 +8,6 @@ namespace stilt::ocp {
 namespace {
 
 using lq::kBaseRows;
-using lq::kRows;
 using lq::LqFirstOrder;
 using lq::LqSecondOrder;
 using model::kAngles;

@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <chrono>
+#include <cstdint>
 #include <cstring>
 #include <thread>
 
@@ -27,7 +29,9 @@ bool same_bits(const auto& a, const auto& b) {
   return std::memcmp(a.data(), b.data(), sizeof(double) * static_cast<std::size_t>(a.size())) == 0;
 }
 
-bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+bool same_bits(double a, double b) {
+  return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
+}
 
 bool same(const log::RunSample& a, const log::RunSample& b) {
   return same_bits(a.true_state, b.true_state) && same_bits(a.estimated_state, b.estimated_state) &&

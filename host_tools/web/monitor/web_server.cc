@@ -86,10 +86,10 @@ class WebServer::Implementation {
                                    tcp::resolver::passive | tcp::resolver::numeric_service, error);
     if (error || found.empty()) return false;
     const tcp::endpoint address = found.begin()->endpoint();
-    listener_.open(address.protocol(), error);
-    if (!error) listener_.set_option(tcp::acceptor::reuse_address(true), error);
-    if (!error) listener_.bind(address, error);
-    if (!error) listener_.listen(tcp::acceptor::max_listen_connections, error);
+    (void)listener_.open(address.protocol(), error);
+    if (!error) (void)listener_.set_option(tcp::acceptor::reuse_address(true), error);
+    if (!error) (void)listener_.bind(address, error);
+    if (!error) (void)listener_.listen(tcp::acceptor::max_listen_connections, error);
     return !error;
   }
 

@@ -17,8 +17,9 @@ namespace {
 class OddTreeTest : public testing::Test {
  protected:
   OddTreeTest() {
-    for (const auto& specs : {kinematic_functions(equations), node_functions(equations),
-                              impact_functions(equations, 0), impact_functions(equations, 1)}) {
+    for (const auto& specs :
+         {kinematic_functions(equations), node_functions(equations), impact_functions(equations, {0}),
+          impact_functions(equations, {1}), impact_functions(equations, {0, 1})}) {
       for (const FunctionSpec& spec : specs) functions.emplace(spec.name, spec);
     }
   }
@@ -124,9 +125,11 @@ TEST_F(OddTreeTest, ItsDerivativesAgreeWithHighOrderDifferences) {
     check("node", "_domega", element("x", n + 2 + i), i);
     check("impact_left", "_dtheta", element("x", 2 + i), i);
     check("impact_right", "_dtheta", element("x", 2 + i), i);
+    check("impact_both", "_dtheta", element("x", 2 + i), i);
   }
   for (int i = 0; i < joints + 2 * feet; ++i) check("node", "_du", element("u", i), i);
   for (int i = 0; i < n; ++i) check("impact_right", "_dv", element("x", n + i), i);
+  for (int i = 0; i < n; ++i) check("impact_both", "_dv", element("x", n + i), i);
 }
 
 }  // namespace
