@@ -12,7 +12,6 @@ namespace stilt::simulation {
 namespace {
 
 using testing_support::describe;
-using testing_support::RunRequest;
 using testing_support::SimulatedRun;
 
 /// Force, N, where it acts, and start, s.

@@ -17,7 +17,7 @@ inline constexpr double kSameSpeed_m_s = 0.02;
 /// A file of docs/results; {rows: [], sequences: []} when it cannot be read, which a test reports.
 [[nodiscard]] inline experiments::Json results_of(const std::string& table) {
   std::ifstream file(STILT_RESULTS "/" + table + ".json");
-  const experiments::Json json = experiments::Json::parse(file, nullptr, false);
+  experiments::Json json = experiments::Json::parse(file, nullptr, false);
   if (!json.is_discarded()) return json;
   return {{"rows", experiments::Json::array()}, {"sequences", experiments::Json::array()}};
 }
