@@ -13,6 +13,17 @@ double approach(double value, double goal, double step) {
   return value + std::clamp(goal - value, -step, step);
 }
 
+/// The hanging robot higher, its knees bent, its feet below its hips.
+model::PositionVector lifted(const model::PositionVector& hanging, const GantryParameters& parameters) {
+  model::PositionVector pose = hanging;
+  pose[kZ] += parameters.lifting_clearance_m;
+  for (int hip = model::kFirstJoint; hip < model::kPositions; hip += 2) {
+    pose[hip] -= 0.5 * parameters.bent_knee_rad;
+    pose[hip + 1] += parameters.bent_knee_rad;
+  }
+  return pose;
+}
+
 }  // namespace
 
 const char* name(GantryState state) {
@@ -27,6 +38,8 @@ const char* name(GantryState state) {
       return "off";
     case GantryState::lifting:
       return "lifting";
+    case GantryState::settling:
+      return "settling";
   }
   return "";
 }
@@ -44,6 +57,7 @@ Gantry::Gantry(const GantryParameters& parameters, const model::StateVector& sta
     : parameters_(parameters), target_(standing.head<model::kPositions>()), weight_N_(weight_N) {
   target_[kZ] += parameters_.clearance_m;
   hanging_ = target_;
+  lifted_ = lifted(hanging_, parameters_);
 }
 
 model::StateVector Gantry::hanging() const {
@@ -80,7 +94,10 @@ void Gantry::elapse(const model::StateVector& state, bool torque_on, double dura
     case GantryState::off:
       return;
     case GantryState::lifting:
-      lift(duration_s);
+      lift(state, duration_s);
+      return;
+    case GantryState::settling:
+      settle(duration_s);
       return;
     case GantryState::releasing:
       strength_ -= duration_s / parameters_.release_s;
@@ -109,7 +126,7 @@ void Gantry::pay_out(bool torque_on, double duration_s) {
 }
 
 void Gantry::take(const model::StateVector& state) {
-  target_ = hanging_;
+  target_ = lifted_;
   target_.head<model::kFirstJoint>() = state.head<model::kFirstJoint>();
   state_ = GantryState::lifting;
   paid_out_m_ = 0.0;
@@ -117,10 +134,25 @@ void Gantry::take(const model::StateVector& state) {
   torque_on_s_ = carried_s_ = 0.0;
 }
 
-void Gantry::lift(double duration_s) {
+void Gantry::lift(const model::StateVector& state, double duration_s) {
+  target_[kZ] = approach(target_[kZ], lifted_[kZ], parameters_.lifting_speed_m_s * duration_s);
+  target_[kPitch] = approach(target_[kPitch], lifted_[kPitch], parameters_.lifting_rate_rad_s * duration_s);
+  const bool up = target_[kZ] == lifted_[kZ] && target_[kPitch] == lifted_[kPitch];
+  const double off_rad = (state.segment<model::kJoints>(model::kFirstJoint) - lifted_.tail<model::kJoints>())
+                             .cwiseAbs()
+                             .maxCoeff();
+  if (up && off_rad <= parameters_.bent_margin_rad) state_ = GantryState::settling;
+}
+
+void Gantry::settle(double duration_s) {
   target_[kZ] = approach(target_[kZ], hanging_[kZ], parameters_.lifting_speed_m_s * duration_s);
-  target_[kPitch] = approach(target_[kPitch], hanging_[kPitch], parameters_.lifting_rate_rad_s * duration_s);
-  if (target_[kZ] == hanging_[kZ] && target_[kPitch] == hanging_[kPitch]) state_ = GantryState::holding;
+  if (target_[kZ] != hanging_[kZ]) return;
+  const double step_rad = parameters_.rest_rate_rad_s * duration_s;
+  for (int hip = model::kFirstJoint; hip < model::kPositions; hip += 2) {
+    target_[hip] = approach(target_[hip], hanging_[hip], 0.5 * step_rad);
+    target_[hip + 1] = approach(target_[hip + 1], hanging_[hip + 1], step_rad);
+  }
+  if (target_.tail<model::kJoints>() == hanging_.tail<model::kJoints>()) state_ = GantryState::holding;
 }
 
 }  // namespace stilt::robot_on_bus

@@ -10,7 +10,8 @@ enum class GantryState {
   lowering,   ///< its motors give torque: the rope pays out
   releasing,  ///< the robot carries itself: rope, guides and leg rests fade out
   off,        ///< the robot is free
-  lifting,    ///< it fell or sat down: the rope lifts it to where it hangs
+  lifting,    ///< it fell or sat down: the rope lifts it clear of the ground, and the rests bend its legs
+  settling,   ///< its legs are bent: it is let down to where it hangs, then its legs go into the pose
 };
 
 [[nodiscard]] const char* name(GantryState state);
@@ -36,7 +37,11 @@ struct GantryParameters {
   double release_s = 0.2;
   double lifting_speed_m_s = 0.2;
   double lifting_rate_rad_s = 0.8;
-  bool keeps = false;  ///< never pays out the rope
+  double lifting_clearance_m = 0.15;  ///< above the height of hanging, more than a straight leg is longer
+  double bent_knee_rad = 0.4;         ///< beyond the starting pose; the hips keep the feet below the robot
+  double bent_margin_rad = 0.15;      ///< of every joint, at most, before the robot is let down
+  double rest_rate_rad_s = 0.5;       ///< of the rests, into the pose
+  bool keeps = false;                 ///< never pays out the rope
 };
 
 /// A robot that hangs high for good, its legs free: rests that damp and do not hold.
@@ -49,7 +54,12 @@ struct GantryParameters {
 /// All forces are those of springs and dampers towards the starting pose, F = k (target - q) - d v; the rope
 /// only pulls upward. When the motors give torque, the rope pays out slowly. Once it carries less than
 /// carried_share of the weight for carried_s, all forces fade out within release_s. When the motors stop
-/// giving torque before that, the rope is taken in again. Deterministic; the caller passes the time.
+/// giving torque before that, the rope is taken in again.
+///
+/// After a fall a leg may be straighter than in the pose. At the height of hanging such a leg jams between
+/// hip and ground, and no rest moves it. So the rope lifts the robot clear of the ground first, as a person
+/// does. It waits there until the legs are bent, whatever the motors do. Deterministic; the caller passes the
+/// time.
 class Gantry {
  public:
   /// @param standing  the starting pose, feet on the ground
@@ -75,11 +85,13 @@ class Gantry {
  private:
   [[nodiscard]] double rope_N(const model::StateVector& state) const;
   void pay_out(bool torque_on, double duration_s);
-  void lift(double duration_s);
+  void lift(const model::StateVector& state, double duration_s);
+  void settle(double duration_s);
 
   GantryParameters parameters_;
   model::PositionVector target_;  ///< target of the springs; z: height of the robot hanging at rest
   model::PositionVector hanging_;
+  model::PositionVector lifted_;  ///< clear of the ground, legs bent
   double weight_N_;
   GantryState state_ = GantryState::holding;
   double paid_out_m_ = 0.0;

@@ -61,5 +61,35 @@ TEST(GantryLoop, ARobotWhoseControllerFallsSilentFallsAndIsLiftedAgain) {
   EXPECT_NEAR(driven.robot.plant().state()[1], driven.robot.gantry().hanging()[1], 0.02);
 }
 
+/// Damping, as a supervisor asks for after a fault.
+hal::JointCommands damping(const hal::JointReadings& readings) {
+  hal::JointCommands commands{};
+  for (std::size_t i = 0; i < commands.size(); ++i) {
+    commands[i].position_rad = readings[i].position_rad;
+    commands[i].kd_Nms_rad = 4.5;
+    commands[i].torque_limit_Nm = 40.0;
+  }
+  return commands;
+}
+
+// A leg that is straighter than in the pose would jam between hip and ground.
+TEST(GantryLoop, ARobotThatFallsDampedHangsInItsPoseAgainWhateverItsStep) {
+  for (const int walked : {1000, 1120, 1240, 1360}) {
+    DrivenRobot driven;
+    ASSERT_TRUE(driven.enable());
+    MpcDriver controller(driven);
+    for (int i = 0; i < 2500; ++i) controller.tick(kStand);
+    for (int i = 0; i < walked; ++i) controller.tick(kWalk);
+    for (int i = 0; i < 10'000; ++i) {
+      const hal::JointCommands commands = damping(driven.readings);
+      driven.tick(&commands);
+    }
+    EXPECT_EQ(driven.robot.gantry().state(), GantryState::holding) << walked;
+    model::StateVector hanging = driven.robot.gantry().hanging();
+    hanging[0] = driven.robot.plant().state()[0];
+    EXPECT_LT((driven.robot.plant().state() - hanging).cwiseAbs().maxCoeff(), 0.05) << walked;
+  }
+}
+
 }  // namespace
 }  // namespace stilt::robot_on_bus

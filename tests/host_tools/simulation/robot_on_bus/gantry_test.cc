@@ -126,22 +126,53 @@ TEST(Gantry, TheRopeIsPaidOutAtItsSpeedAndOnlySoFar) {
   EXPECT_NEAR(stand.force(sunk)[1], kWeight_N, 1e-6);
 }
 
+/// Released, and fallen with straight legs.
+model::StateVector fall(Gantry& gantry) {
+  elapse(gantry, carried(), true, 1.0);
+  EXPECT_EQ(gantry.state(), GantryState::off);
+  model::StateVector fallen = model::StateVector::Zero();
+  fallen.head<model::kFirstJoint>() << 3.0, 0.3, 1.1;
+  gantry.take(fallen);
+  return fallen;
+}
+
+/// A pose from which feet do not reach the ground at the height of hanging.
+model::StateVector bent() {
+  model::StateVector state = standing();
+  state.head<model::kFirstJoint>() << 3.0, 0.805 + GantryParameters{}.lifting_clearance_m, 0.0;
+  state.segment<4>(model::kFirstJoint) << -0.7, 1.1, -0.4, 1.0;
+  return state;
+}
+
 TEST(Gantry, AFallenRobotIsLiftedToWhereItHangs) {
   Gantry stand = gantry();
-  elapse(stand, carried(), true, 1.0);
-  ASSERT_EQ(stand.state(), GantryState::off);
-  model::StateVector fallen = standing();
-  fallen[0] = 3.0;
-  fallen[1] = 0.3;
-  fallen[2] = 1.1;
-  stand.take(fallen);
+  const model::StateVector fallen = fall(stand);
   EXPECT_EQ(stand.state(), GantryState::lifting);
   EXPECT_NEAR(stand.force(fallen)[2], 0.0, 1e-9) << "no jerk when it is taken";
-  elapse(stand, fallen, true, 10.0);
+  elapse(stand, bent(), false, 10.0);
+  EXPECT_EQ(stand.state(), GantryState::holding);
   model::StateVector hanging = stand.hanging();
   hanging[0] = 3.0;
-  EXPECT_NEAR(stand.force(hanging)[0], 0.0, 1e-9) << "it hangs where it fell";
-  EXPECT_NEAR(stand.force(hanging)[2], 0.0, 1e-9);
+  model::PositionVector weight = model::PositionVector::Zero();
+  weight[1] = kWeight_N;
+  EXPECT_LT((stand.force(hanging) - weight).cwiseAbs().maxCoeff(), 1e-9) << "it hangs where it fell";
+}
+
+TEST(Gantry, ItLetsAFallenRobotDownWhenItsLegsAreBentAndNotBefore) {
+  Gantry stand = gantry();
+  const model::StateVector fallen = fall(stand);
+  elapse(stand, fallen, true, 10.0);
+  EXPECT_EQ(stand.state(), GantryState::lifting);
+  EXPECT_NEAR(stand.force(bent())[1], kWeight_N, 1e-6) << "it waits clear of the ground";
+  EXPECT_GT(stand.force(fallen)[model::kFirstJoint + 1], 0.0) << "and the rests bend the knees";
+  elapse(stand, bent(), true, 0.002);
+  EXPECT_EQ(stand.state(), GantryState::settling);
+  model::StateVector let_down = bent();
+  let_down[1] = 0.805;
+  elapse(stand, let_down, true, 0.8);
+  EXPECT_EQ(stand.state(), GantryState::settling);
+  EXPECT_NEAR(stand.force(let_down)[1], kWeight_N, 1e-6);
+  EXPECT_LT(stand.force(let_down)[model::kFirstJoint + 1], 0.0) << "then the legs go into the pose";
 }
 
 }  // namespace
