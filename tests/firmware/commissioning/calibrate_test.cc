@@ -14,7 +14,6 @@ namespace {
 
 using testing::HangingRobot;
 using testing::Helper;
-using testing::Wiring;
 
 constexpr double kAsFarAsAHandHolds_rad = 0.02;
 
