@@ -17,7 +17,7 @@ inline constexpr const char* kProtocols[] = {"mit_damiao", "mit_ak", "mit_mini_c
       "torso_sensor.pitch_rate=" + frame + "4 bits 24 signed little scale 2e-6",
       "torso_sensor.emergency_stop_released=" + frame + "7 bits 1 unsigned little scale 1"};
   for (const std::string driver : {"hip_driver.", "knee_driver."}) {
-    settings.push_back(driver + "protocol=" + protocol);
+    settings.push_back(std::string(driver).append("protocol=").append(protocol));
     settings.push_back(driver + "moteus_kp_Nm_rev=2000");
     settings.push_back(driver + "moteus_kd_Nms_rev=100");
     settings.push_back(driver + "odrive_watchdog_timeout_endpoint=17");
