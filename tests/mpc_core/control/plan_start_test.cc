@@ -9,7 +9,6 @@
 namespace stilt::control {
 namespace {
 
-using model::kFeet;
 using model::kPositions;
 using model::PositionVector;
 using model::StateVector;
