@@ -11,7 +11,6 @@ namespace stilt::commissioning {
 namespace {
 
 using testing::HangingRobot;
-using testing::Wiring;
 
 const std::vector<std::string> kMoteus = {"hip_driver.protocol=moteus", "knee_driver.protocol=moteus"};
 const std::vector<std::string> kOdrive = {"hip_driver.protocol=odrive", "knee_driver.protocol=odrive"};

@@ -102,7 +102,7 @@ std::string with_drivers(const std::string& protocol, const std::string& driver_
                          const std::string& more = "") {
   std::string toml;
   for (const char* section : {"[hip_driver]", "[knee_driver]"}) {
-    toml += std::string(section) + "\nprotocol = \"" + protocol + "\"\n" + driver_lines;
+    toml.append(section).append("\nprotocol = \"").append(protocol).append("\"\n").append(driver_lines);
   }
   return toml + more;
 }

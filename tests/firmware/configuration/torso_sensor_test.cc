@@ -57,8 +57,11 @@ TEST(TorsoSensor, WithoutASpeedTheRateIsThatOfThePitch) {
 TEST(TorsoSensor, ARollRepeatsAfterATurnAndAPitchDoesNot) {
   for (const std::string device : {"xsens_can", "vectornav"}) {
     const auto period_rad = [&](const std::string& axis) {
-      const hal::RobotWiring wiring =
-          wiring_of("device = \"" + device + "\"\nrate_hz = 400\nimu_axis = \"" + axis + "\"\n");
+      const hal::RobotWiring wiring = wiring_of(std::string("rate_hz = 400\ndevice = \"")
+                                                    .append(device)
+                                                    .append("\"\nimu_axis = \"")
+                                                    .append(axis)
+                                                    .append("\"\n"));
       EXPECT_TRUE(hal::valid(wiring, 2));
       return hal::torso_sensor_traits(wiring).pitch_period_rad;
     };
