@@ -1,56 +1,17 @@
-#include "mpc_core/sqp/sqp.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <memory>
-#include <utility>
 
-#include "mpc_core/sqp/terminal_cost.h"
-#include "tests/mpc_core/ocp/planning_scene.h"
+#include "tests/mpc_core/sqp/solve.h"
 
 namespace stilt::sqp {
 namespace {
 
 using model::kInputs;
 using model::kStates;
-using testing_support::Scene;
-
-/// A walking problem with its terminal cost, a solver, and an iterate that starts from the guess.
-struct Solve {
-  std::unique_ptr<Scene> scene;
-  std::unique_ptr<Sqp> sqp = std::make_unique<Sqp>();
-  std::unique_ptr<ocp::Trajectory> iterate;
-  SqpParameters parameters;
-
-  explicit Solve(const testing_support::SceneOptions& options = {})
-      : scene(testing_support::walking_scene(options)) {
-    const model::StateVector standing =
-        gait::standing_state(options.robot->constants, options.reference.base_height_m, 0.0, 0.15, true);
-    EXPECT_TRUE(set_terminal_cost(scene->data, standing, *std::make_unique<TerminalCostWorkspace>()));
-    iterate = std::make_unique<ocp::Trajectory>(scene->guess);
-  }
-
-  SolveReport run() { return sqp->solve(scene->data, scene->problem, parameters, *iterate); }
-  SolveReport run(int iterations) {
-    parameters.iterations = iterations;
-    return run();
-  }
-  /// The solution to about nine digits: the next step, smaller still, changes the cost by its rounding.
-  void converge() {
-    const SqpParameters before = parameters;
-    parameters.cost_tolerance = 0.0;
-    parameters.step_tolerance = 1e-6;
-    parameters.iterations = 100;
-    EXPECT_EQ(run().status, SolveStatus::converged);
-    parameters = before;
-  }
-  [[nodiscard]] int stages() const { return scene->problem.horizon.stages; }
-  [[nodiscard]] ocp::Merit merit() const { return ocp::evaluate(scene->data, scene->problem, *iterate); }
-  [[nodiscard]] double violation() const { return std::sqrt(merit().violation_squared); }
-};
 
 bool same_bits(const ocp::Trajectory& a, const ocp::Trajectory& b, int stages) {
   return std::memcmp(a.x, b.x, sizeof(a.x[0]) * static_cast<std::size_t>(stages + 1)) == 0 &&
@@ -296,137 +257,6 @@ TEST(Sqp, FeedbackGainIsHowTheStepFollowsTheState) {
                                   Eigen::Map<const model::InputVector>(one.iterate->u[k]);
     ASSERT_LT((gain * dx - du).norm(), 1e-8 * (1e-3 + du.norm())) << "stage " << k;
   }
-}
-
-TEST(SqpFilter, AboveGMaxTakesOnlyWhatReducesTheViolation) {
-  Solve solve;
-  solve.parameters.filter_violation_max = 0.0;
-  double before = solve.violation();
-  for (int iteration = 0; iteration < 20; ++iteration) {
-    if (solve.run(1).step_length == 0.0) break;  // no step was taken
-    const double now = solve.violation();
-    ASSERT_LT(now, before);
-    before = now;
-  }
-  EXPECT_LT(before, 1e-6);
-}
-
-TEST(SqpFilter, BelowGMinAsksForDescentOfTheCost) {
-  const auto status = [](double armijo) {
-    Solve solve;
-    solve.converge();
-    solve.scene->data.cost.foot_velocity *= 1.5;  // feasible as before, but no longer the best
-    solve.parameters.filter_violation_min = 1e3;
-    solve.parameters.armijo = armijo;
-    return solve.run(1).status;
-  };
-  EXPECT_EQ(status(1e-4), SolveStatus::iteration_limit);
-  EXPECT_EQ(status(1e6), SolveStatus::step_rejected);
-}
-
-TEST(SqpFilter, BelowGMinAShorterStepNeedsDescendLessInProportion) {
-  // Of a quadratic cost a full step gains half of what its slope promises, half a step three quarters.
-  const auto step_length = [](double armijo) {
-    Solve solve;
-    solve.converge();
-    solve.scene->data.cost.foot_velocity *= 1.01;
-    solve.parameters.filter_violation_min = 1e3;
-    solve.parameters.armijo = armijo;
-    return solve.run(1).step_length;
-  };
-  EXPECT_EQ(step_length(0.45), 1.0);
-  EXPECT_EQ(step_length(0.55), 0.5);
-  EXPECT_EQ(step_length(0.70), 0.5);
-  EXPECT_EQ(step_length(0.80), 0.25);
-}
-
-/// The start is off its optimum and off the equality constraints of the inputs, and costs more than the
-/// optimum.
-void disturb_inputs(Solve& solve) {
-  const double least = solve.merit().cost;
-  for (const double size_rad_s2 : {1e-3, -2e-3}) {
-    for (int k = 0; k < solve.stages(); ++k) {
-      for (int j = 0; j < model::kJoints; ++j) solve.iterate->u[k][j] += size_rad_s2 * std::sin(k + j);
-    }
-    if (solve.merit().cost > least) return;
-  }
-}
-
-/// Below g_min a full step is accepted up to the factor of Armijo at which cost(1) = cost(0) + factor slope.
-/// The slope is exact to first order in the violation of the constraints.
-TEST(SqpFilter, BelowGMinAsksForDescentByTheSlopeOfTheCost) {
-  Solve start;
-  start.converge();
-  disturb_inputs(start);
-  const auto step_with = [&start](double armijo) {
-    Solve solve;
-    *solve.iterate = *start.iterate;
-    solve.parameters.filter_violation_min = solve.parameters.filter_violation_max = 1e12;
-    solve.parameters.armijo = armijo;
-    const bool full = solve.run(1).step_length == 1.0;
-    return std::pair{full, std::move(solve)};
-  };
-  const auto [taken, full] = step_with(0.0);
-  ASSERT_TRUE(taken);
-  const double cost = start.merit().cost;
-  double low = 0.0;
-  double high = 10.0;
-  ASSERT_FALSE(step_with(high).first);
-  for (int i = 0; i < 50; ++i) (step_with(0.5 * (low + high)).first ? low : high) = 0.5 * (low + high);
-  const double slope = (full.merit().cost - cost) / low;
-
-  const auto cost_after = [&](double length) {
-    Solve moved;
-    for (int k = 0; k <= start.stages(); ++k) {
-      for (int i = 0; i < kStates; ++i) {
-        const double from = start.iterate->x[k][i];
-        moved.iterate->x[k][i] = from + length * (full.iterate->x[k][i] - from);
-      }
-    }
-    for (int k = 0; k < start.stages(); ++k) {
-      for (int i = 0; i < kInputs; ++i) {
-        const double from = start.iterate->u[k][i];
-        moved.iterate->u[k][i] = from + length * (full.iterate->u[k][i] - from);
-      }
-    }
-    return moved.merit().cost;
-  };
-  constexpr double kLength = 0.1;
-  const double expected = (cost_after(kLength) - cost_after(-kLength)) / (2.0 * kLength);
-  EXPECT_LT(expected, 0.0);
-  EXPECT_NEAR(slope, expected, 0.01 * std::abs(expected));
-}
-
-TEST(SqpFilter, OtherwiseTakesEitherASmallerViolationOrASmallerCost) {
-  // Cold start: the violation falls while the cost rises.
-  Solve infeasible;
-  const ocp::Merit cold = infeasible.merit();
-  ASSERT_EQ(infeasible.run(1).status, SolveStatus::iteration_limit);
-  EXPECT_LT(infeasible.merit().violation_squared, cold.violation_squared);
-
-  // Feasible, but not the best: the cost falls while the violation rises.
-  Solve feasible;
-  feasible.converge();
-  feasible.scene->data.cost.foot_velocity *= 1.5;
-  feasible.parameters.filter_violation_min = 0.0;
-  const ocp::Merit before = feasible.merit();
-  ASSERT_EQ(feasible.run(1).status, SolveStatus::iteration_limit);
-  EXPECT_LT(feasible.merit().cost, before.cost);
-  EXPECT_GT(feasible.merit().violation_squared, before.violation_squared);
-}
-
-TEST(SqpFilter, ShortensTheStepByPowersOfTheFactorUntilOneIsAccepted) {
-  bool shortened = false;
-  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-    Solve solve;
-    testing_support::disturb(*solve.iterate, solve.stages(), 1.5, seed);
-    const SolveReport report = solve.run(1);
-    ASSERT_TRUE(report.usable()) << "seed " << seed;
-    const double halvings = -std::log2(report.step_length);
-    EXPECT_EQ(halvings, std::round(halvings)) << "seed " << seed;
-    shortened = shortened || report.step_length < 1.0;
-  }
-  EXPECT_TRUE(shortened);
 }
 
 TEST(Sqp, WithBothLegsStraightAndFeetTogetherTakesABoundedStep) {
