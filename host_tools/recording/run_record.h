@@ -116,7 +116,7 @@ struct ControllerPart {
 /// All data of one run.
 struct RunRecord {
   std::string command_line;
-  /// Of a record of stiltd: nobody knows the true state, and supervisor's states are the outcome.
+  /// Of a record of stiltd: the true state is unknown, and supervisor's states are the outcome.
   std::optional<ControllerPart> controller;
   bool outcome_known = true;      ///< whether the summary says if the robot fell
   std::vector<Setting> settings;  ///< empty: not known

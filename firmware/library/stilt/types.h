@@ -18,14 +18,14 @@ inline constexpr std::size_t kStateCount = 14;
 
 inline constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
 
-/// What is known of one joint in a tick.
+/// Readings of one joint in a tick.
 struct JointMeasurement {
   double position_rad = kNotMeasured;  ///< NaN: no new reading in this tick
   double velocity_rad_s = kNotMeasured;
   double torque_Nm = 0.0;
 };
 
-/// What the sensors say in a tick.
+/// Readings of the sensors in a tick.
 struct Measurements {
   std::array<JointMeasurement, kJointCount> joints;
   double pitch_rad = kNotMeasured;  ///< of the torso, positive leans forward; NaN: no new reading

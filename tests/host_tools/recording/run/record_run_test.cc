@@ -33,7 +33,7 @@ TEST(RecordRun, TheRunWithMostTicksIsTaken) {
   const log::RunSample& sample = found.run.samples[1];
   EXPECT_NEAR(sample.time_s, 5.005, 1e-9) << "the configuration says that the clock was 0 at tick 0";
   EXPECT_EQ(sample.estimated_state[1], 0.75);
-  EXPECT_TRUE(std::isnan(sample.true_state[1])) << "nobody knows it";
+  EXPECT_TRUE(std::isnan(sample.true_state[1])) << "it is unknown";
   EXPECT_TRUE(std::isnan(sample.planned_state[1])) << "no plan is in use";
   EXPECT_NEAR(found.run.summary.duration_s, 0.199, 1e-9);
   EXPECT_EQ(found.run.controller->last_state, "boot");
