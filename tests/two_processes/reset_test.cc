@@ -164,7 +164,7 @@ std::string test_name(const testing::TestParamInfo<Case>& row) { return name(row
 
 INSTANTIATE_TEST_SUITE_P(TwoProcesses, ResetWhileItRuns, testing::ValuesIn(each_cause()), test_name);
 // All of them: ctest -C long -R Recovery.over_dds
-INSTANTIATE_TEST_SUITE_P(DISABLED_TwoProcesses, ResetWhileItRuns,
+INSTANTIATE_TEST_SUITE_P(DISABLED_EveryProtocol, ResetWhileItRuns,
                          testing::ValuesIn(each_cause_with_every_protocol()), test_name);
 
 }  // namespace
