@@ -126,21 +126,29 @@ ControlLoop::PlanView ControlLoop::plan_at(double time_s) const noexcept {
   return view;
 }
 
-/// The feet on the ground are the plan's, without one the gait's.
-model::StateVector ControlLoop::estimate_state(const control::SensorReading& reading, const PlanView& plan,
+/// The feet on the ground are the plan's, without one the gait's. A known state replaces the sensors and the
+/// base's position; the base's velocity stays that of the feet on the ground, which the plan is made for
+/// (docs/decisions/0037-feasible-plans.md).
+model::StateVector ControlLoop::estimate_state(const control::SensorReading& sensors, const PlanView& plan,
                                                const model::StateVector* known_state) noexcept {
-  if (known_state != nullptr) return *known_state;
-  if (episode_ == 0) return measured_state(reading);
+  const bool is_known = known_state != nullptr;
+  if (episode_ == 0) return is_known ? *known_state : measured_state(sensors);
+  const control::SensorReading reading = is_known ? exact_reading(sensors.time_s, *known_state) : sensors;
   model::ContactMode contact{true, true};
   if (plan.exists) {
     contact = plan.point.mode;
   } else if (gait_.ready()) {
     contact = gait_.contact();
   }
-  if (plan.use == supervisor::PlanUse::none) return estimator_.update(reading, contact);
-  const control::PlanPoint before = control::interpolate(mail_->plans.newest(), last_time_s_);
-  const control::BaseVelocity change = (plan.point.state - before.state).segment<2>(model::kPositions);
-  return estimator_.update(reading, contact, &change);
+  control::BaseVelocity change;
+  const bool is_planned = plan.use != supervisor::PlanUse::none;
+  if (is_planned) {
+    const control::PlanPoint before = control::interpolate(mail_->plans.newest(), last_time_s_);
+    change = (plan.point.state - before.state).segment<2>(model::kPositions);
+  }
+  model::StateVector estimate = estimator_.update(reading, contact, is_planned ? &change : nullptr);
+  if (is_known) estimate.head<2>() = known_state->head<2>();
+  return estimate;
 }
 
 /// The gait keeps in step with a robot that steps, whatever commands it.
