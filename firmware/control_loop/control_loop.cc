@@ -227,14 +227,15 @@ ControlLoop::PlannedJoints ControlLoop::planned_joints(const PlanView& plan) con
 const supervisor::SupervisorOutput& ControlLoop::supervise(const supervisor::Observation& seen,
                                                            const OperatorCommand& command,
                                                            const control::SensorReading& reading) noexcept {
-  const supervisor::SupervisorOutput& decision =
-      supervisor_.update({.seen = seen,
-                          .request = command.request,
-                          .bring_up_done = bring_up_.ready,
-                          .shut_down = command.shut_down,
-                          .fit_to_stand = standing_.near(reading, supervision_.stand_pose_margin_rad) &&
-                                          slower_than(reading, supervision_.stand_speed_rad_s),
-                          .in_stance = standing_.near(reading, supervision_.stance_margin_rad)});
+  stand_miss_ = standing_.miss(reading, supervision_.stand_pose_margin_rad);
+  if (stand_miss_.none()) stand_miss_ = too_fast(reading, supervision_.stand_speed_rad_s);
+  stance_miss_ = standing_.miss(reading, supervision_.stance_margin_rad);
+  const supervisor::SupervisorOutput& decision = supervisor_.update({.seen = seen,
+                                                                     .request = command.request,
+                                                                     .bring_up_done = bring_up_.ready,
+                                                                     .shut_down = command.shut_down,
+                                                                     .fit_to_stand = stand_miss_.none(),
+                                                                     .in_stance = stance_miss_.none()});
   if (decision.clear_buses) robot_->restore_buses();
   if (decision.entered && decision.state == State::calibrate) {
     bring_up_ = {};
@@ -372,11 +373,11 @@ void ControlLoop::report_events(const supervisor::Observation& seen) noexcept {
   }
   if (decision.entered || ticks_ == 0) push({.kind = Event::Kind::state, .state = decision.state});
   const bool stood_up = before_ == State::stand && decision.state == State::ready;
-  if (decision.entered && stood_up) push({.kind = Event::Kind::lost_stance});
+  if (decision.entered && stood_up) push({.kind = Event::Kind::lost_stance, .pose = stance_miss_});
   before_ = decision.state;
   const bool waits = decision.state == State::ready && decision.waits_to_stand;
-  if (waits && !waiting_reported_) push({.kind = Event::Kind::waits_for_pose});
-  if (decision.stand_void) push({.kind = Event::Kind::stopped_waiting});
+  if (waits && !waiting_reported_) push({.kind = Event::Kind::waits_for_pose, .pose = stand_miss_});
+  if (decision.stand_void) push({.kind = Event::Kind::stopped_waiting, .pose = stand_miss_});
   waiting_reported_ = waits;
 }
 

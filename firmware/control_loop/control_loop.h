@@ -110,6 +110,8 @@ class ControlLoop {
   supervisor::JointLimits limits_;
   supervisor::SupervisorParameters supervision_;
   StandingPose standing_;
+  PoseMiss stand_miss_;   ///< what keeps it from standing up
+  PoseMiss stance_miss_;  ///< what keeps it from going on with that
 
   // What a tick leaves for the next one.
   supervisor::Supervisor supervisor_;
