@@ -122,7 +122,8 @@ TEST(TwoProcesses, ACalibrateOfJointsThatDidNotMoveWritesNothingAndGivesNoTorque
 TEST(TwoProcesses, ACalibrateByHandFindsSignsAndOffsetsAndWithThemTheRobotStands) {
   RobotAndController run;
   const Pipe hands(run.file("hands")), keyboard(run.file("keyboard"));
-  const std::vector<std::string> wiring = {"--set", "hip_L.offset_rad=0.25", "--set", "knee_R.reversed=true"};
+  const std::vector<std::string> wiring = {"--set", "hip_L.offset_rad=0.25", "--set",
+                                           "knee_R.reversed=false"};
   run.start_robot(with(with(kHanging, {"--hands", hands.name()}), wiring));
   const std::string out = run.file("out.toml");
   run.start_command({"calibrate"}, {"--lockstep", "--out", out}, keyboard.name());
@@ -132,7 +133,7 @@ TEST(TwoProcesses, ACalibrateByHandFindsSignsAndOffsetsAndWithThemTheRobotStands
   const nlohmann::json found = run.controller_json();
   EXPECT_EQ(found.at("good"), true) << found;
   EXPECT_EQ(found.at("written"), out);
-  EXPECT_EQ(found.at("joints").at("knee_R").at("reversed"), true) << found;
+  EXPECT_EQ(found.at("joints").at("knee_R").at("reversed"), false) << found;
   EXPECT_NEAR(found.at("joints").at("hip_L").at("offset_rad"), 0.25, 0.01) << found;
   for (const double torque_Nm : run.robot_json().at("peak_torque_Nm")) EXPECT_EQ(torque_Nm, 0.0);
 

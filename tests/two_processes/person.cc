@@ -21,12 +21,20 @@ void Pipe::write(const std::string& text) const {
   EXPECT_EQ(::write(descriptor_, text.data(), text.size()), static_cast<ssize_t>(text.size()));
 }
 
-bool HelpingPerson::at_question(const std::string& question, const std::vector<std::string>& lines) {
-  if (!wait_for_text(run_.file("controller.err"), question, kLongestQuestion_s)) return false;
+bool HelpingPerson::does(const std::vector<std::string>& lines) {
   for (const std::string& line : lines) hands_.write(line + "\n");
   lines_ += static_cast<int>(lines.size());
   const std::string done = "hands: " + std::to_string(lines_) + ": " + lines.back() + ": done";
-  if (!wait_for_text(run_.file("robot.err"), done, kLongestQuestion_s)) return false;
+  return wait_for_text(run_.file("robot.err"), done, kLongestQuestion_s);
+}
+
+void HelpingPerson::lets_go() {
+  hands_.write("let go\n");
+  ++lines_;
+}
+
+bool HelpingPerson::at_question(const std::string& question, const std::vector<std::string>& lines) {
+  if (!wait_for_text(run_.file("controller.err"), question, kLongestQuestion_s) || !does(lines)) return false;
   keyboard_.write("\n");
   return true;
 }
@@ -39,7 +47,7 @@ void HelpingPerson::calibrates() {
     ASSERT_TRUE(at_question("(" + knee + " at 0.000", {hip + " 0", knee + " 0"})) << run_.said();
     ASSERT_TRUE(at_question("(" + knee + " at 2.400", {knee + " 2.4"})) << run_.said();
   }
-  ASSERT_TRUE(at_question("Release the legs", {"let go", "torso 0"})) << run_.said();
+  ASSERT_TRUE(at_question("Release the legs", {"knee_L 0", "knee_R 0", "let go", "torso 0"})) << run_.said();
   ASSERT_TRUE(at_question("rock the torso", {"rock"})) << run_.said();
 }
 

@@ -37,6 +37,12 @@ class HelpingPerson {
   /// come, or the hands do not do it.
   void calibrates();
 
+  /// When the robot goes on.
+  void lets_go();
+
+  /// False: the hands do not do it.
+  [[nodiscard]] bool does(const std::vector<std::string>& lines);
+
  private:
   [[nodiscard]] bool at_question(const std::string& question, const std::vector<std::string>& lines);
 

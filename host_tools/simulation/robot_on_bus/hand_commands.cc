@@ -11,8 +11,8 @@ namespace {
 constexpr double kRocking_rad = 0.2;
 constexpr double kRocking_hz = 0.6;
 constexpr double kRocking_s = 5.0;
-constexpr double kComesToRest_s = 8.0;  // legs that are let go
-constexpr double kSettles_s = 1.0;      // what a hand holds
+constexpr double kSettles_s = 1.0;  // what a hand holds, and longer than half a swing of a leg
+constexpr double kStill_rad_s = 0.01;
 constexpr double kLargest_rad = 3.2;
 
 /// Index in q of what a line names; 0: none.
@@ -22,6 +22,10 @@ int angle_of(const std::string& name) {
     if (name == simulation::joint_name(joint)) return model::kFirstJoint + static_cast<int>(joint);
   }
   return 0;
+}
+
+bool legs_still(const RobotOnBus& robot) {
+  return robot.plant().state().tail<model::kJoints>().cwiseAbs().maxCoeff() < kStill_rad_s;
 }
 
 /// Without blanks around it and between its words but one.
@@ -68,7 +72,7 @@ HandReport HandCommands::begin(RobotOnBus& robot) {
     lasts_s_ = kRocking_s;
   } else if (line == "let go") {
     robot.hands().let_go();
-    lasts_s_ = kComesToRest_s;
+    lasts_s_ = kSettles_s;
   } else if (!move(first, second, robot)) {
     return {"line " + std::to_string(lines_) + ", \"" + line + "\", is none of " + kLines +
                 ", with at most 3.2 rad",
@@ -87,6 +91,7 @@ void HandCommands::rock(RobotOnBus& robot) const {
 HandReport HandCommands::serve(RobotOnBus& robot) {
   if (rocks_) rock(robot);
   if (line_.empty()) return begin(robot);
+  if (line_ == "let go" && !legs_still(robot)) began_s_ = robot.time_s();
   if (robot.time_s() - began_s_ < lasts_s_) return {};
   HandReport report{std::to_string(lines_) + ": " + line_ + ": done"};
   line_.clear();
