@@ -12,6 +12,7 @@
 #include "host_tools/cli/robot_results.h"
 #include "host_tools/cli/robot_setup.h"
 #include "host_tools/cli/run_description.h"
+#include "host_tools/cli/typed_hands.h"
 #include "host_tools/cli/usage_error.h"
 #include "host_tools/simulation/robot_on_bus/runner.h"
 #include "host_tools/simulation/robot_on_bus/serial_line.h"
@@ -100,6 +101,10 @@ CLI::App* add_robot_command(CLI::App& program, RobotOptions& options) {
                    "changes the simulated robot or its world: KEY=VALUE; repeatable")
       ->allow_extra_args(false);
   robot->add_flag("--hang", options.hang, "hangs for good, its legs free: for stiltd scan, watch and jog");
+  robot->add_option(
+      "--hands", options.hands_file,
+      "with --hang: hands on it, for stiltd watch, calibrate and zero: lines of a FIFO, a file or -: " +
+          std::string(TypedHands::kLines));
   robot
       ->add_option("--miswired", options.miswired,
                    "a mistake of the wiring, NAME:JOINT; repeatable. Others are keys of --set, such as "
@@ -127,6 +132,10 @@ CLI::App* add_robot_command(CLI::App& program, RobotOptions& options) {
 
 int run_robot(const RobotOptions& options, const std::string& command_line) {
   check_outputs(options);
+  if (!options.hands_file.empty() && !options.hang) {
+    throw UsageError("--hands: the robot must hang for good; add --hang");
+  }
+  TypedHands hands(options.hands_file);
   const SimulatedHardware hardware = simulated_hardware(options);
   RobotOnBus robot(hardware.setup);
   std::vector<robot_on_bus::RobotBus> buses;
@@ -150,12 +159,11 @@ int run_robot(const RobotOptions& options, const std::string& command_line) {
       progress.update(watched.walk_time_s().value_or(0.0));
     };
     std::optional<host_telemetry::SimulationPublisher> publisher;
-    if (options.publish) {
-      publisher.emplace(options.network);
-      run.watch = [&](const RobotOnBus& watched) {
-        publisher->offer(truth_of(watched, hardware.setup.pushes));
-      };
-    }
+    if (options.publish) publisher.emplace(options.network);
+    run.watch = [&](const RobotOnBus& watched) {
+      if (publisher) publisher->offer(truth_of(watched, hardware.setup.pushes));
+      hands.serve(robot);
+    };
     outcome =
         options.lockstep ? run_lockstep(robot, buses, frames, run) : run_realtime(robot, buses, frames, run);
   }

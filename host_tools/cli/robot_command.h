@@ -22,6 +22,7 @@ struct RobotOptions {
   std::vector<std::string> faults;
   std::vector<std::string> pushes;
   bool hang = false;
+  std::string hands_file;             ///< of --hands; "-": standard input; empty: none
   std::vector<std::string> miswired;  ///< of --miswired
   std::vector<std::string> plant_settings;
   bool publish = false;

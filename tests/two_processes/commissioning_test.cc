@@ -6,6 +6,7 @@
 #include <fstream>
 #include <string>
 
+#include "tests/two_processes/person.h"
 #include "tests/two_processes/robot_and_controller.h"
 
 /// The commands before the controller, as a person types them.
@@ -68,6 +69,28 @@ TEST(TwoProcesses, AJogNamesAReversedMotorFromAnswersInAFile) {
   EXPECT_LT(run.controller_json().at("peak_torque_Nm"), 16.0);
 }
 
+/// The command is to name the driver that is missing, also in its JSON.
+class FailedCommand : public testing::TestWithParam<std::vector<std::string>> {};
+
+TEST_P(FailedCommand, WritesTheReasonAsJson) {
+  RobotAndController run;
+  run.start_robot(with(kHanging, {"--set", "knee_R.id=9"}));
+  run.start_command(GetParam(), {"--lockstep"});
+  run.expect_both_to_end();
+  EXPECT_EQ(run.controller().wait(0), 1) << run.said();
+  EXPECT_EQ(run.controller_json().at("good"), false);
+  const std::string error = run.controller_json().at("error");
+  EXPECT_NE(error.find("knee_R"), std::string::npos) << error;
+  EXPECT_NE(text_of(run.file("controller.err")).find(error), std::string::npos);
+}
+
+INSTANTIATE_TEST_SUITE_P(TwoProcesses, FailedCommand,
+                         testing::Values(std::vector<std::string>{"watch"},
+                                         std::vector<std::string>{"jog", "hip_L", "0.2"},
+                                         std::vector<std::string>{"calibrate"},
+                                         std::vector<std::string>{"identify"}),
+                         [](const auto& row) { return row.param.front(); });
+
 TEST(TwoProcesses, AJogWithAnswersThatAreNoneIsBadInput) {
   RobotAndController run;
   run.start_robot(kHanging);
@@ -94,6 +117,31 @@ TEST(TwoProcesses, ACalibrateOfJointsThatDidNotMoveWritesNothingAndGivesNoTorque
   }
   EXPECT_FALSE(std::filesystem::exists(out));
   for (const double torque_Nm : run.robot_json().at("peak_torque_Nm")) EXPECT_EQ(torque_Nm, 0.0);
+}
+
+TEST(TwoProcesses, ACalibrateByHandFindsSignsAndOffsetsAndWithThemTheRobotStands) {
+  RobotAndController run;
+  const Pipe hands(run.file("hands")), keyboard(run.file("keyboard"));
+  const std::vector<std::string> wiring = {"--set", "hip_L.offset_rad=0.25", "--set",
+                                           "knee_R.reversed=false"};
+  run.start_robot(with(with(kHanging, {"--hands", hands.name()}), wiring));
+  const std::string out = run.file("out.toml");
+  run.start_command({"calibrate"}, {"--lockstep", "--out", out}, keyboard.name());
+  HelpingPerson(run, hands, keyboard).calibrates();
+  run.expect_both_to_end();
+  ASSERT_EQ(run.controller().wait(0), 0) << run.said();
+  const nlohmann::json found = run.controller_json();
+  EXPECT_EQ(found.at("good"), true) << found;
+  EXPECT_EQ(found.at("written"), out);
+  EXPECT_EQ(found.at("joints").at("knee_R").at("reversed"), false) << found;
+  EXPECT_NEAR(found.at("joints").at("hip_L").at("offset_rad"), 0.25, 0.01) << found;
+  for (const double torque_Nm : run.robot_json().at("peak_torque_Nm")) EXPECT_EQ(torque_Nm, 0.0);
+
+  run.start_robot(with({"--lockstep", "--once"}, wiring));
+  run.start_controller({"--lockstep", "--config", out, "--start", "stand", "--duration", "6"});
+  run.expect_both_to_end();
+  EXPECT_EQ(run.controller().wait(0), 0) << run.said();
+  EXPECT_EQ(run.robot_json().at("survived"), true) << run.said();
 }
 
 TEST(TwoProcesses, WhatWasFoundIsReportedAlsoWhenItCannotBeWritten) {

@@ -30,14 +30,15 @@ bool wait_until(double longest_s, Question&& question) {
 
 }  // namespace
 
-Process::Process(const std::vector<std::string>& words, const std::string& output,
-                 const std::string& errors) {
+Process::Process(const std::vector<std::string>& words, const std::string& output, const std::string& errors,
+                 const std::string& input) {
   constexpr int kFlags = O_WRONLY | O_CREAT | O_TRUNC;
   std::vector<char*> arguments;
   for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
   arguments.push_back(nullptr);
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
+  if (!input.empty()) posix_spawn_file_actions_addopen(&actions, 0, input.c_str(), O_RDWR, 0);
   posix_spawn_file_actions_addopen(&actions, 1, output.c_str(), kFlags, 0644);
   posix_spawn_file_actions_addopen(&actions, 2, errors.c_str(), kFlags, 0644);
   const int failure = posix_spawn(&id_, words[0].c_str(), &actions, nullptr, arguments.data(), environ);

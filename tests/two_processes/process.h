@@ -14,7 +14,9 @@ class Process {
   /// Throws std::runtime_error when it cannot be started.
   /// @param words  program and arguments
   /// @param output, errors  files for standard output and standard error
-  Process(const std::vector<std::string>& words, const std::string& output, const std::string& errors);
+  /// @param input  for standard input; empty: that of the test
+  Process(const std::vector<std::string>& words, const std::string& output, const std::string& errors,
+          const std::string& input = "");
   ~Process();
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;

@@ -37,12 +37,13 @@ void RobotAndController::start_robot(const std::vector<std::string>& options) {
   }
 }
 
-void RobotAndController::start(std::vector<std::string> program, const std::vector<std::string>& options) {
+void RobotAndController::start(std::vector<std::string> program, const std::vector<std::string>& options,
+                               const std::string& input) {
   program.insert(program.end(), {"--json", file("controller.json"), "--set",
                                  "telemetry.domain=" + std::to_string(tests::own_domain()), "--set",
                                  "telemetry.token_file=" + file("token")});
-  controller_ =
-      std::make_unique<Process>(words(program, options), file("controller.out"), file("controller.err"));
+  controller_ = std::make_unique<Process>(words(program, options), file("controller.out"),
+                                          file("controller.err"), input);
 }
 
 void RobotAndController::start_controller(const std::vector<std::string>& options) {
@@ -54,10 +55,10 @@ void RobotAndController::start_self_test(const std::vector<std::string>& options
 }
 
 void RobotAndController::start_command(const std::vector<std::string>& command,
-                                       const std::vector<std::string>& options) {
+                                       const std::vector<std::string>& options, const std::string& input) {
   std::vector<std::string> program{STILTD_PROGRAM};
   program.insert(program.end(), command.begin(), command.end());
-  start(program, options);
+  start(program, options, input);
 }
 
 void RobotAndController::expect_both_to_end() {

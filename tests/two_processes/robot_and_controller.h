@@ -24,7 +24,9 @@ class RobotAndController {
   /// stiltd selftest in the controller's place.
   void start_self_test(const std::vector<std::string>& options);
   /// Another of stiltd's commands there, with its own arguments.
-  void start_command(const std::vector<std::string>& command, const std::vector<std::string>& options);
+  /// @param input  for its standard input; empty: that of the test
+  void start_command(const std::vector<std::string>& command, const std::vector<std::string>& options,
+                     const std::string& input = "");
 
   [[nodiscard]] Process& robot() { return *robot_; }
   [[nodiscard]] Process& controller() { return *controller_; }
@@ -41,7 +43,8 @@ class RobotAndController {
   [[nodiscard]] std::string said() const;
 
  private:
-  void start(std::vector<std::string> program, const std::vector<std::string>& options);
+  void start(std::vector<std::string> program, const std::vector<std::string>& options,
+             const std::string& input = "");
   [[nodiscard]] nlohmann::json json(const std::string& name) const;
   [[nodiscard]] std::vector<std::string> words(const std::vector<std::string>& program,
                                                const std::vector<std::string>& options) const;

@@ -5,11 +5,13 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+#include <fstream>
 #include <stdexcept>
 #include <string>
 
 #include "host_tools/cli/robot_setup.h"
 #include "host_tools/cli/usage_error.h"
+#include "tests/own_folder.h"
 
 namespace stilt::cli {
 namespace {
@@ -81,6 +83,36 @@ TEST(RobotCommand, ABusThatIsNotThereIsOneSentence) {
   } catch (const std::invalid_argument& error) {
     EXPECT_TRUE(std::string(error.what()).starts_with("--bus nosuchcan0: ")) << error.what();
   }
+}
+
+/// What the user gets for these hands. In real time, where the robot needs no controller.
+std::string complaint_of_hands(const std::string& file, bool hang) {
+  const tests::OwnFolder buses;
+  RobotOptions options;
+  options.buses = {"loopback:" + buses.path().filename().string() + ".left",
+                   "loopback:" + buses.path().filename().string() + ".right"};
+  options.hands_file = file;
+  options.hang = hang;
+  try {
+    static_cast<void>(run_robot(options, ""));
+  } catch (const UsageError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(RobotCommand, MistakesOfHandsAreNamed) {
+  const tests::OwnFolder folder;
+  const std::string file = folder.file("hands");
+  EXPECT_TRUE(complaint_of_hands(file, true).starts_with("--hands " + file + ": cannot be read"));
+  EXPECT_TRUE(complaint_of_hands(folder.path(), true).find("cannot be read") != std::string::npos);
+  for (const char* line : {"hip_L", "hip_L 0.1 0.2", "hip_L 4", "hip_L nan", "hip_X 0.1", "rock it", "let"}) {
+    std::ofstream(file) << "\n  " << line;
+    const std::string expected =
+        "--hands " + file + ": line 1, \"" + line + "\", is none of JOINT RAD, torso RAD, rock, let go";
+    EXPECT_TRUE(complaint_of_hands(file, true).starts_with(expected)) << complaint_of_hands(file, true);
+  }
+  EXPECT_EQ(complaint_of_hands(file, false), "--hands: the robot must hang for good; add --hang");
 }
 
 }  // namespace
