@@ -29,8 +29,6 @@ struct Cause {
 };
 
 constexpr const char* kAll = "mit_damiao mit_ak mit_mini_cheetah moteus odrive";
-// With ODrives hip_height_limit ends the walk first.
-constexpr const char* kTorqueMissed = "mit_damiao mit_ak mit_mini_cheetah moteus";
 constexpr const char* kWithCodes = "mit_damiao mit_ak moteus odrive";  // a mini-cheetah reports no state
 
 constexpr Cause kCauses[] = {
@@ -41,7 +39,7 @@ constexpr Cause kCauses[] = {
     {"PowerCycle", "power-cycle@2", Fault::lost_replies, "limit 10 ticks", kAll},
     {"FrozenEncoder", "encoder-freeze@2+1", Fault::encoder_frozen, "knee_L", kAll},
     {"DeadDriver", "power-cycle:hip_R@2+1", Fault::lost_replies, "hip_R", kAll},
-    {"TorqueLost", "torque-loss@2+1", Fault::torque_mismatch, "knee_L", kTorqueMissed},
+    {"TorqueLost", "torque-loss@2+1", Fault::torque_mismatch, "knee_L", kAll},
     {"SilentBus", "drop:0@2+1", Fault::lost_replies, "hip_L", kAll},
     {"FrozenTorsoSensor", "base-freeze@2+1", Fault::stale_torso_sensor, "repeats", kAll},
     {"Overheated", "over-temperature:hip_L@2+6", Fault::driver_overheated, "hip_L", kWithCodes},
