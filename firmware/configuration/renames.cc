@@ -20,6 +20,7 @@ constexpr Rename kRenames[] = {
     {"sqp", "g_max", "filter_violation_max"},
     {"sqp", "g_min", "filter_violation_min"},
     {"sqp", "gamma_c", "filter_margin"},
+    {"sqp", "plan_force_violation_max_N", "plan_cone_violation_max_N"},
     {"supervisor", "older_plan_s", "plan_feedback_after_s"},
     {"supervisor", "frozen_ticks", "unchanged_replies_limit"},
     {"base_sensor", "", "torso_sensor"},

@@ -126,21 +126,29 @@ ControlLoop::PlanView ControlLoop::plan_at(double time_s) const noexcept {
   return view;
 }
 
-/// The feet on the ground are the plan's, without one the gait's.
-model::StateVector ControlLoop::estimate_state(const control::SensorReading& reading, const PlanView& plan,
+/// The feet on the ground are the plan's, without one the gait's. A known state replaces the sensors and the
+/// base's position; the base's velocity stays that of the feet on the ground, which the plan is made for
+/// (docs/decisions/0037-feasible-plans.md).
+model::StateVector ControlLoop::estimate_state(const control::SensorReading& sensors, const PlanView& plan,
                                                const model::StateVector* known_state) noexcept {
-  if (known_state != nullptr) return *known_state;
-  if (episode_ == 0) return measured_state(reading);
+  const bool is_known = known_state != nullptr;
+  if (episode_ == 0) return is_known ? *known_state : measured_state(sensors);
+  const control::SensorReading reading = is_known ? exact_reading(sensors.time_s, *known_state) : sensors;
   model::ContactMode contact{true, true};
   if (plan.exists) {
     contact = plan.point.mode;
   } else if (gait_.ready()) {
     contact = gait_.contact();
   }
-  if (plan.use == supervisor::PlanUse::none) return estimator_.update(reading, contact);
-  const control::PlanPoint before = control::interpolate(mail_->plans.newest(), last_time_s_);
-  const control::BaseVelocity change = (plan.point.state - before.state).segment<2>(model::kPositions);
-  return estimator_.update(reading, contact, &change);
+  control::BaseVelocity change;
+  const bool is_planned = plan.use != supervisor::PlanUse::none;
+  if (is_planned) {
+    const control::PlanPoint before = control::interpolate(mail_->plans.newest(), last_time_s_);
+    change = (plan.point.state - before.state).segment<2>(model::kPositions);
+  }
+  model::StateVector estimate = estimator_.update(reading, contact, is_planned ? &change : nullptr);
+  if (is_known) estimate.head<2>() = known_state->head<2>();
+  return estimate;
 }
 
 /// The gait keeps in step with a robot that steps, whatever commands it.
@@ -219,14 +227,15 @@ ControlLoop::PlannedJoints ControlLoop::planned_joints(const PlanView& plan) con
 const supervisor::SupervisorOutput& ControlLoop::supervise(const supervisor::Observation& seen,
                                                            const OperatorCommand& command,
                                                            const control::SensorReading& reading) noexcept {
-  const supervisor::SupervisorOutput& decision =
-      supervisor_.update({.seen = seen,
-                          .request = command.request,
-                          .bring_up_done = bring_up_.ready,
-                          .shut_down = command.shut_down,
-                          .fit_to_stand = standing_.near(reading, supervision_.stand_pose_margin_rad) &&
-                                          slower_than(reading, supervision_.stand_speed_rad_s),
-                          .in_stance = standing_.near(reading, supervision_.stance_margin_rad)});
+  stand_miss_ = standing_.miss(reading, supervision_.stand_pose_margin_rad);
+  if (stand_miss_.none()) stand_miss_ = too_fast(reading, supervision_.stand_speed_rad_s);
+  stance_miss_ = standing_.miss(reading, supervision_.stance_margin_rad);
+  const supervisor::SupervisorOutput& decision = supervisor_.update({.seen = seen,
+                                                                     .request = command.request,
+                                                                     .bring_up_done = bring_up_.ready,
+                                                                     .shut_down = command.shut_down,
+                                                                     .fit_to_stand = stand_miss_.none(),
+                                                                     .in_stance = stance_miss_.none()});
   if (decision.clear_buses) robot_->restore_buses();
   if (decision.entered && decision.state == State::calibrate) {
     bring_up_ = {};
@@ -364,11 +373,11 @@ void ControlLoop::report_events(const supervisor::Observation& seen) noexcept {
   }
   if (decision.entered || ticks_ == 0) push({.kind = Event::Kind::state, .state = decision.state});
   const bool stood_up = before_ == State::stand && decision.state == State::ready;
-  if (decision.entered && stood_up) push({.kind = Event::Kind::lost_stance});
+  if (decision.entered && stood_up) push({.kind = Event::Kind::lost_stance, .pose = stance_miss_});
   before_ = decision.state;
   const bool waits = decision.state == State::ready && decision.waits_to_stand;
-  if (waits && !waiting_reported_) push({.kind = Event::Kind::waits_for_pose});
-  if (decision.stand_void) push({.kind = Event::Kind::stopped_waiting});
+  if (waits && !waiting_reported_) push({.kind = Event::Kind::waits_for_pose, .pose = stand_miss_});
+  if (decision.stand_void) push({.kind = Event::Kind::stopped_waiting, .pose = stand_miss_});
   waiting_reported_ = waits;
 }
 

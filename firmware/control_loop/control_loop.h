@@ -50,7 +50,7 @@ class ControlLoop {
                       const model::StateVector* known_state = nullptr) noexcept;
 
   /// Sensors in, commands out. The first tick is time 0 of the controller's clock.
-  /// @param known_state  replaces the estimate, in a simulation
+  /// @param known_state  replaces the sensors and the position of the base in the estimate, in a simulation
   void tick(const TickTiming& timing, const model::StateVector* known_state = nullptr) noexcept;
 
   [[nodiscard]] const supervisor::SupervisorOutput& decision() const noexcept { return supervisor_.output(); }
@@ -76,7 +76,7 @@ class ControlLoop {
   void take_tuning() noexcept;
   [[nodiscard]] control::SensorReading read(std::int64_t now_ns) noexcept;
   [[nodiscard]] PlanView plan_at(double time_s) const noexcept;
-  [[nodiscard]] model::StateVector estimate_state(const control::SensorReading& reading, const PlanView& plan,
+  [[nodiscard]] model::StateVector estimate_state(const control::SensorReading& sensors, const PlanView& plan,
                                                   const model::StateVector* known_state) noexcept;
   [[nodiscard]] supervisor::Followable track_gait(const control::SensorReading& reading, const PlanView& plan,
                                                   const model::StateVector& estimate) noexcept;
@@ -110,6 +110,8 @@ class ControlLoop {
   supervisor::JointLimits limits_;
   supervisor::SupervisorParameters supervision_;
   StandingPose standing_;
+  PoseMiss stand_miss_;   ///< what keeps it from standing up
+  PoseMiss stance_miss_;  ///< what keeps it from going on with that
 
   // What a tick leaves for the next one.
   supervisor::Supervisor supervisor_;

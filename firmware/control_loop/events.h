@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 
+#include "firmware/control_loop/standing_pose.h"
 #include "firmware/exchange/ring.h"
 #include "firmware/supervisor/fault.h"
 #include "firmware/supervisor/fault_detail.h"
@@ -16,11 +17,11 @@ struct Event {
   enum class Kind : std::uint8_t {
     state,            ///< the supervisor is in another state: `state`
     fault,            ///< a fault appeared: `fault`, by `found`
-    waits_for_pose,   ///< to stand up was asked for, and the robot is not in a pose for that
+    waits_for_pose,   ///< to stand up was asked for, and the robot is not in a pose for that: `pose`
     bring_up_failed,  ///< of a driver: `bring_up`
-    lost_stance,      ///< while it stood up the robot left the standing pose
+    lost_stance,      ///< while it stood up the robot left the standing pose: `pose`
     fault_over,       ///< the cause of a fault is gone, or not looked for any more: `fault`
-    stopped_waiting   ///< for the standing pose: to stand up has to be asked for again
+    stopped_waiting   ///< for the standing pose, `pose`: to stand up has to be asked for again
   };
   Kind kind = Kind::state;
   double time_s = 0.0;  ///< controller's clock
@@ -28,6 +29,7 @@ struct Event {
   supervisor::Fault fault = supervisor::Fault::not_finite;
   supervisor::FaultDetail found = {};
   hal::BringUpProgress bring_up = {};
+  PoseMiss pose = {};
 };
 
 using EventRing = exchange::Ring<Event, 256>;

@@ -42,6 +42,16 @@ model::StateVector measured_state(const control::SensorReading& reading) noexcep
   return state;
 }
 
+control::SensorReading exact_reading(double time_s, const model::StateVector& state) noexcept {
+  control::SensorReading reading;
+  reading.time_s = time_s;
+  reading.base_pitch_rad = state[model::kFirstAngle];
+  reading.joint_position_rad = state.segment<kJoints>(model::kFirstJoint);
+  reading.base_pitch_rate_rad_s = state[model::kPositions + model::kFirstAngle];
+  reading.joint_velocity_rad_s = state.tail<kJoints>();
+  return reading;
+}
+
 double hip_height_share(const model::RobotModel& robot, const control::SensorReading& reading) noexcept {
   const model::StateVector state = measured_state(reading);
   model::KinematicsTerms<double> feet;

@@ -17,6 +17,9 @@ namespace stilt::control_loop {
 /// The sensors as a state; the hip stands still at the origin.
 [[nodiscard]] model::StateVector measured_state(const control::SensorReading& reading) noexcept;
 
+/// The reading of exact sensors.
+[[nodiscard]] control::SensorReading exact_reading(double time_s, const model::StateVector& state) noexcept;
+
 /// Height of the hip above the lower foot, as a share of the straight leg.
 [[nodiscard]] double hip_height_share(const model::RobotModel& robot,
                                       const control::SensorReading& reading) noexcept;

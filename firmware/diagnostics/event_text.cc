@@ -15,7 +15,32 @@ std::string with_unit(double value, const char* unit) {
   return text;
 }
 
+/// Such as "knee_L is at 1.2 rad, must be within 0.4 rad and 0.8 rad".
+std::string miss_text(const control_loop::PoseMiss& miss) {
+  using control_loop::PoseMiss;
+  if (miss.none()) return "it is in the pose";
+  const auto joint = static_cast<std::size_t>(miss.joint);
+  const std::string is = std::isfinite(miss.value) ? with_unit(miss.value, miss.unit) : "not a number";
+  return std::string(miss.joint == PoseMiss::kTorso ? "the torso" : control_loop::kJointNames[joint]) +
+         " is at " + is + ", must be within " + with_unit(miss.lowest, miss.unit) + " and " +
+         with_unit(miss.highest, miss.unit);
+}
+
 }  // namespace
+
+std::string pose_text(const control_loop::Event& event) {
+  const std::string miss = miss_text(event.pose);
+  switch (event.kind) {
+    case control_loop::Event::Kind::waits_for_pose:
+      return "not in a pose to stand up from: " + miss + "; waits until somebody puts it there";
+    case control_loop::Event::Kind::lost_stance:
+      return "left the standing pose while it stood up: " + miss + "; damped; put it there and ask again";
+    case control_loop::Event::Kind::stopped_waiting:
+      return "waits no longer for the standing pose: " + miss + "; put it there and ask again";
+    default:
+      return {};
+  }
+}
 
 const char* state_text(hal::DriverState state) {
   constexpr std::array<const char*, 4> kNames = {"unknown", "idle", "enabled", "fault"};

@@ -22,6 +22,9 @@ using FoundWords = std::array<std::string, supervisor::kFaults>;
 /// A sentence about a driver that cannot be brought up: joint, failure, driver fault, setting.
 [[nodiscard]] std::string bring_up_text(const hal::BringUpProgress& progress);
 
+/// A sentence about the standing pose: which joint is where, and where it would have to be.
+[[nodiscard]] std::string pose_text(const control_loop::Event& event);
+
 /// "unknown", "idle", "enabled" or "fault".
 [[nodiscard]] const char* state_text(hal::DriverState state);
 

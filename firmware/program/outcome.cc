@@ -99,16 +99,12 @@ void take_events(control_loop::EventRing& events, Outcome& outcome,
         take_fault_over(*event, outcome);
         break;
       case Event::Kind::waits_for_pose:
-        say(event->time_s, "not in a pose to stand up from: waits until somebody puts it there");
+      case Event::Kind::lost_stance:
+      case Event::Kind::stopped_waiting:
+        say(event->time_s, diagnostics::pose_text(*event));
         break;
       case Event::Kind::bring_up_failed:
         say(event->time_s, diagnostics::bring_up_text(event->bring_up));
-        break;
-      case Event::Kind::lost_stance:
-        say(event->time_s, "left the standing pose while it stood up: damped; put it there and ask again");
-        break;
-      case Event::Kind::stopped_waiting:
-        say(event->time_s, "waits no longer for the standing pose: put it there and ask again");
         break;
     }
     events.pop();

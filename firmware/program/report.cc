@@ -49,6 +49,10 @@ std::string idle_text(const realtime::Capability& capability) {
 std::string describe(const realtime::Capability& capability) {
   std::string text = "kernel " + capability.kernel + ", " + std::to_string(capability.cores) +
                      (capability.cores == 1 ? " processor" : " processors");
+  if (capability.torque_core >= 0) {
+    text += ", processor " + std::to_string(capability.torque_core) +
+            (capability.core_isolated ? " isolated" : " shared with other programs");
+  }
   if (!capability.governor.empty()) text += ", governor " + capability.governor;
   text += capability.memory_locked ? ", memory locked" : ", memory not locked";
   text += capability.priority_allowed ? ", priority granted" : ", no priority";

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 
 #include "firmware/realtime/kernel_file.h"
@@ -58,12 +59,27 @@ void look_at_processors(Capability& capability, const Requirements& requirements
     capability.lacking.push_back("torque loop and planner are both set to processor " +
                                  std::to_string(requirements.torque_core));
   }
-  const std::string folder =
-      root + "/sys/devices/system/cpu/cpu" + std::to_string(std::max(0, requirements.torque_core));
+  const std::string all = root + "/sys/devices/system/cpu/";
+  capability.torque_core = requirements.torque_core;
+  capability.core_isolated =
+      requirements.torque_core >= 0 && has_processor(first_line(all + "isolated"), requirements.torque_core);
+  const std::string folder = all + "cpu" + std::to_string(std::max(0, requirements.torque_core));
   capability.governor = first_line(folder + "/cpufreq/scaling_governor");
   if (!capability.governor.empty() && capability.governor != "performance") {
     capability.lacking.push_back("frequency governor is " + capability.governor + ", not performance");
   }
+}
+
+/// Real-time threads that have used up their share of a period stand still until it ends.
+void look_at_throttling(Capability& capability, const std::string& root) {
+  constexpr double kLeastShare = 0.95;  // the kernel's default
+  const std::string folder = root + "/proc/sys/kernel/sched_rt_";
+  const std::string runtime_us = first_line(folder + "runtime_us");
+  const std::string period_us = first_line(folder + "period_us");
+  const double share = std::atof(runtime_us.c_str()) / std::atof(period_us.c_str());
+  if (runtime_us.empty() || runtime_us.front() == '-' || !(share < kLeastShare)) return;
+  capability.lacking.push_back("kernel.sched_rt_runtime_us is " + runtime_us + " of " + period_us +
+                               " us, so that real-time threads may stand still; 95 % or -1 would be right");
 }
 
 /// A request that is not granted lacks only where the kernel has idle states that are too slow to leave.
@@ -82,6 +98,7 @@ Capability acquire(const Requirements& requirements, const std::string& root) {
   Capability capability;
   look_at_kernel(capability, root);
   look_at_processors(capability, requirements, root);
+  look_at_throttling(capability, root);
   shorten_idle_states(capability, requirements, root);
   capability.memory_locked = mlockall(MCL_CURRENT | MCL_FUTURE) == 0;
   if (!capability.memory_locked) {

@@ -21,6 +21,8 @@ struct Requirements {
 struct Capability {
   std::string kernel;                ///< release
   bool realtime_kernel = false;      ///< PREEMPT_RT
+  int torque_core = -1;              ///< that the torque loop is set to; -1: any
+  bool core_isolated = false;        ///< the kernel puts no other program there (isolcpus=)
   std::string governor;              ///< of the torque loop's processor; empty: the kernel does not report it
   bool memory_locked = false;        ///< mlockall succeeded
   bool priority_allowed = false;     ///< a thread may take SCHED_FIFO at the priorities asked for

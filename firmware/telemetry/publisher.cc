@@ -40,16 +40,14 @@ std::string sentence_of(const control_loop::Event& event) {
       const supervisor::FaultRow& row = supervisor::row(event.fault);
       return std::string(row.cause) + diagnostics::found_text(event.found) + "; clears when " + row.clears;
     }
-    case control_loop::Event::Kind::waits_for_pose:
-      return "not in a pose to stand up from: waits until somebody puts it there";
     case control_loop::Event::Kind::bring_up_failed:
       return diagnostics::bring_up_text(event.bring_up);
     case control_loop::Event::Kind::fault_over:
       return std::string(supervisor::name(event.fault)) + diagnostics::over_text(event.fault);
+    case control_loop::Event::Kind::waits_for_pose:
     case control_loop::Event::Kind::lost_stance:
-      return "left the standing pose while it stood up: damped; put it there and ask again";
     case control_loop::Event::Kind::stopped_waiting:
-      return "waits no longer for the standing pose: put it there and ask again";
+      return diagnostics::pose_text(event);
   }
   return {};
 }
@@ -73,7 +71,7 @@ std::string name_of(const control_loop::Event& event) {
   return {};
 }
 
-/// What a fault or a bring-up found.
+/// What a fault, a bring-up or a pose found.
 void set_found(const control_loop::Event& event, Event& message) noexcept {
   const bool bring_up = event.kind == control_loop::Event::Kind::bring_up_failed;
   const supervisor::FaultDetail& found = event.found;
@@ -85,6 +83,11 @@ void set_found(const control_loop::Event& event, Event& message) noexcept {
   message.bring_up_failure = static_cast<std::uint8_t>(event.bring_up.failure);
   message.driver_setting = static_cast<std::uint8_t>(event.bring_up.setting);
   message.bus = found.bus;
+  const control_loop::PoseMiss& pose = event.pose;
+  if (pose.none()) return;
+  message.joint = pose.joint == control_loop::PoseMiss::kTorso ? -1 : pose.joint;
+  message.value = pose.value;
+  message.limit = pose.value < pose.lowest ? pose.lowest : pose.highest;
 }
 
 /// Numbers of a preview, as the message holds them.

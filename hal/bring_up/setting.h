@@ -24,6 +24,9 @@ enum class Setting : std::uint8_t {
   moteus_timeout_mode,
   moteus_bemf_feedforward,
   odrive_velocity_limit,
+  odrive_torque_rate,
+  damiao_reply_id,
+  ak_control_mode,
 };
 
 /// The vendor's name, and what it must be. Real-time safe.
@@ -63,6 +66,12 @@ enum class Setting : std::uint8_t {
       return "servo.bemf_feedforward must be 0";
     case Setting::odrive_velocity_limit:
       return "axis0.controller.config.vel_limit must be above the joint's velocity limit, or inf";
+    case Setting::odrive_torque_rate:
+      return "axis0.config.can.torques_msg_rate_ms must be at most 5, and not 0";
+    case Setting::damiao_reply_id:
+      return "MST_ID must be reply_id of the configuration, and is 0 as from the maker";
+    case Setting::ak_control_mode:
+      return "it is in servo mode, and must be in MIT mode (R-Link)";
   }
   return "unknown";
 }

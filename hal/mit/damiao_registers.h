@@ -13,7 +13,8 @@
 namespace stilt::hal::mit {
 
 inline constexpr std::uint32_t kDamiaoRegisterId = 0x7ff;
-inline constexpr double kDamiaoTimeoutUnit_s = 50e-6;  ///< one unit of the register TIMEOUT
+inline constexpr std::uint16_t kDamiaoFactoryReplyId = 0;  ///< MST_ID of a new motor
+inline constexpr double kDamiaoTimeoutUnit_s = 50e-6;      ///< one unit of the register TIMEOUT
 
 enum class DamiaoRegister : std::uint8_t {
   reply_id = 7,           ///< MST_ID, integer

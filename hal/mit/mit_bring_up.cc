@@ -122,7 +122,22 @@ BringUp::Ask MitBringUp::ask(Stage stage, unsigned part, CanFrame& frame) noexce
   return Ask::skip;
 }
 
+/// Frames that only a driver sends whose settings are those of its maker.
+void MitBringUp::suspect_factory_settings(const CanFrame& frame) noexcept {
+  MitDriver factory = driver_;
+  factory.reply_id = kDamiaoFactoryReplyId;
+  DamiaoRegisterMessage answer;
+  if (has_registers() && driver_.reply_id != kDamiaoFactoryReplyId &&
+      decode_register_answer(factory, frame, answer) == DecodeStatus::ok) {
+    suspect(Failure::wrong_setting, {.setting = Setting::damiao_reply_id});
+  }
+  if (driver_.layout == ReplyLayout::ak && frame.extended && frame.id == ak_servo_status_id(driver_)) {
+    suspect(Failure::wrong_setting, {.setting = Setting::ak_control_mode});
+  }
+}
+
 BringUp::Verdict MitBringUp::judge(Stage stage, unsigned part, const CanFrame& frame) noexcept {
+  if (stage == Stage::identify) suspect_factory_settings(frame);
   const bool about_state = stage == Stage::home || stage == Stage::enable || !has_registers();
   return about_state ? judge_state(stage, frame) : judge_register(stage, part, frame);
 }

@@ -50,6 +50,18 @@ std::uint8_t ak_code(DriverFault fault) noexcept {
 
 }  // namespace
 
+MitDriver MitEmulator::as_set(MitDriver driver, const MitSettings& settings) noexcept {
+  if (driver.layout != ReplyLayout::damiao) return driver;
+  driver.reply_id = settings.reply_id;
+  const auto set = [](Range& command, Range& reply, double range) {
+    if (command.maximum != range) command = reply = {-range, range};
+  };
+  set(driver.position_rad, driver.reply_position_rad, settings.position_range_rad);
+  set(driver.velocity_rad_s, driver.reply_velocity_rad_s, settings.velocity_range_rad_s);
+  set(driver.torque_Nm, driver.reply_torque_Nm, settings.torque_range_Nm);
+  return driver;
+}
+
 void MitEmulator::power_cycle() noexcept {
   enabled_ = false;
   enabled_from_ns_ = 0;
@@ -119,7 +131,7 @@ std::uint32_t MitEmulator::register_bits(std::uint8_t number) const noexcept {
     case DamiaoRegister::timeout:
       return timeout_units_;
     case DamiaoRegister::control_mode:
-      return 1;
+      return settings_.control_mode;
     case DamiaoRegister::software_version:
       return software_version_;
     case DamiaoRegister::position_range:
@@ -143,7 +155,7 @@ void MitEmulator::take_register(DamiaoRegisterMessage message, FrameSink& replie
 }
 
 void MitEmulator::take(std::int64_t now_ns, const CanFrame& frame, FrameSink& replies) noexcept {
-  if (!powered()) return;
+  if (!powered() || in_servo_mode()) return;
   DamiaoRegisterMessage message;
   if (driver_.layout == ReplyLayout::damiao &&
       decode_register_request(driver_, frame, message) == DecodeStatus::ok) {
@@ -169,7 +181,20 @@ void MitEmulator::take(std::int64_t now_ns, const CanFrame& frame, FrameSink& re
   if (!before && (enabled_ || was_enabled || !behaviour_.silent_while_off)) reply(replies);
 }
 
-void MitEmulator::elapse(std::int64_t now_ns, FrameSink& /*replies*/) noexcept {
+/// Position, speed, current, temperature and fault by themselves, 50 times per second.
+void MitEmulator::send_servo_status(std::int64_t now_ns, FrameSink& replies) noexcept {
+  constexpr std::int64_t kPeriod_ns = 20'000'000;
+  if (now_ns < next_status_ns_) return;
+  next_status_ns_ = now_ns + kPeriod_ns;
+  CanFrame frame = classic_frame(ak_servo_status_id(driver_), 8);
+  frame.extended = true;
+  frame.data[6] = static_cast<std::uint8_t>(motor.temperature_C);
+  frame.data[7] = fault_code_;
+  replies.push(frame);
+}
+
+void MitEmulator::elapse(std::int64_t now_ns, FrameSink& replies) noexcept {
+  if (powered() && in_servo_mode()) send_servo_status(now_ns, replies);
   if (enabled_from_ns_ != 0 && now_ns >= enabled_from_ns_) enabled_ = fault_code_ == 0;
   if (enabled_) uncommanded_ns_ += now_ns - elapsed_ns_;
   elapsed_ns_ = now_ns;

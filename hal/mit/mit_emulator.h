@@ -6,6 +6,23 @@
 
 namespace stilt::hal::mit {
 
+/// What a driver in MIT mode keeps, by default as it comes from its maker: the registers of a Damiao
+/// DM-J4310, and the mode of an AK. A mini-cheetah keeps nothing of this.
+struct MitSettings {
+  std::uint16_t reply_id = kDamiaoFactoryReplyId;  ///< MST_ID
+  std::uint32_t control_mode = 1;                  ///< CTRL_MODE
+  double position_range_rad = 12.5;                ///< PMAX
+  double velocity_range_rad_s = 30;                ///< VMAX
+  double torque_range_Nm = 10;                     ///< TMAX
+  bool servo_mode = true;                          ///< AK: speaks another protocol
+};
+
+/// Set up as docs/deployment.md says.
+[[nodiscard]] constexpr MitSettings documented_settings(const MitDriver& driver) noexcept {
+  return {driver.reply_id,          1,    driver.position_rad.maximum, driver.velocity_rad_s.maximum,
+          driver.torque_Nm.maximum, false};
+}
+
 /// What of the closed firmware of Damiao and AK is not public, either way.
 struct MitBehaviour {
   bool answers_before_frame = false;  ///< Damiao: a frame is answered from the state before it
@@ -25,9 +42,12 @@ struct MitBehaviour {
 /// firmware: tests/data/traces.
 class MitEmulator final : public EmulatedDriver {
  public:
-  explicit MitEmulator(const MitDriver& driver, std::uint32_t software_version = 5,
-                       const MitBehaviour& behaviour = {}) noexcept
-      : driver_(driver), software_version_(software_version), behaviour_(behaviour) {}
+  explicit MitEmulator(const MitDriver& driver, const MitSettings& settings = {},
+                       std::uint32_t software_version = 5, const MitBehaviour& behaviour = {}) noexcept
+      : driver_(as_set(driver, settings)),
+        settings_(settings),
+        software_version_(software_version),
+        behaviour_(behaviour) {}
 
   void take(std::int64_t now_ns, const CanFrame& frame, FrameSink& replies) noexcept override;
   void elapse(std::int64_t now_ns, FrameSink& replies) noexcept override;
@@ -43,16 +63,24 @@ class MitEmulator final : public EmulatedDriver {
   void report_torque_range(double maximum_Nm) noexcept { reported_torque_Nm_ = maximum_Nm; }
 
  private:
+  /// The driver as it is, whatever a configuration says of it.
+  static MitDriver as_set(MitDriver driver, const MitSettings& settings) noexcept;
+  [[nodiscard]] bool in_servo_mode() const noexcept {
+    return driver_.layout == ReplyLayout::ak && settings_.servo_mode;
+  }
   void reply(FrameSink& replies) const noexcept;
+  void send_servo_status(std::int64_t now_ns, FrameSink& replies) noexcept;
   void take_special(std::int64_t now_ns, MitSpecial special) noexcept;
   void take_register(DamiaoRegisterMessage message, FrameSink& replies) noexcept;
   [[nodiscard]] std::uint32_t register_bits(std::uint8_t number) const noexcept;
 
   MitDriver driver_;
+  MitSettings settings_;
   std::uint32_t software_version_;
   MitBehaviour behaviour_;
   MitCommand command_;
   double reported_torque_Nm_ = 0;
+  std::int64_t next_status_ns_ = 0;  ///< in servo mode
   bool enabled_ = false;
   std::uint8_t fault_code_ = 0;
   std::uint32_t timeout_units_ = 0;
@@ -63,7 +91,7 @@ class MitEmulator final : public EmulatedDriver {
 };
 
 [[nodiscard]] inline MitEmulator make_emulator(const MitDriver& driver) noexcept {
-  return MitEmulator(driver);
+  return MitEmulator(driver, documented_settings(driver));
 }
 
 }  // namespace stilt::hal::mit

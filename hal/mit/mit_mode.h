@@ -101,6 +101,12 @@ enum class MitSpecial : std::uint8_t {
 [[nodiscard]] DecodeStatus decode_special(const MitDriver& driver, const CanFrame& frame,
                                           MitSpecial& special) noexcept;
 
+/// Extended identifier of what an AK in servo mode sends by itself, 1 to 500 times per second: 0x29 and its
+/// identifier (CubeMars AK series manual 1.0.17, section 5.2). In that mode it answers no frame of MIT mode.
+[[nodiscard]] constexpr std::uint32_t ak_servo_status_id(const MitDriver& driver) noexcept {
+  return 0x2900u | driver.command_id;
+}
+
 /// Size of one step of an n-bit field.
 [[nodiscard]] constexpr double step(const Range& range, unsigned bits) noexcept {
   return (range.maximum - range.minimum) / static_cast<double>((1u << bits) - 1);

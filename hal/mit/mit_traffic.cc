@@ -27,7 +27,11 @@ NodeIdentifiers identifiers(const MitDriver& driver) {
 
 std::vector<FrameId> receive_ids(const MitDriver& driver) {
   std::vector<FrameId> ids{{driver.command_id, false}, {driver.reply_id, false}};
-  if (driver.layout == ReplyLayout::damiao) ids.push_back({kDamiaoRegisterId, false});
+  if (driver.layout == ReplyLayout::damiao) {
+    ids.push_back({kDamiaoRegisterId, false});
+    if (driver.reply_id != kDamiaoFactoryReplyId) ids.push_back({kDamiaoFactoryReplyId, false});
+  }
+  if (driver.layout == ReplyLayout::ak) ids.push_back({ak_servo_status_id(driver), true});
   return ids;
 }
 

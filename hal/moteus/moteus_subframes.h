@@ -50,7 +50,6 @@ enum class MoteusRegister : std::uint16_t {
   position_error = 0x03b,  ///< sensed minus control; then that of the velocity
   velocity_error = 0x03c,
   encoder_0_position = 0x050,  ///< then velocity of encoder 0, position of encoder 1, ... to 0x055
-  encoder_validity = 0x058,
   model = 0x100,
   firmware_version = 0x101,  ///< 0x010304 is 1.3.4
   register_map_version = 0x102,

@@ -15,9 +15,10 @@ using bring_up::Setting;
 using bring_up::Stage;
 
 constexpr double kWatchdogTolerance_s = 1e-6;
-/// While listening, for 50 ms: with the documented rates 50 and 5.
+/// While listening, for 50 ms: with the documented rates 50, 5 and 10.
 constexpr unsigned kLeastEstimates = 25;
 constexpr unsigned kLeastHeartbeats = 2;
+constexpr unsigned kLeastTorques = 5;
 
 bool is_of(std::uint8_t node, const CanFrame& frame) noexcept {
   OdriveCommand command{};
@@ -84,18 +85,21 @@ BringUp::Ask OdriveBringUp::ask_watchdog(Stage stage, unsigned part, CanFrame& f
                write ? Ask::send_only : Ask::wait_for_answer);
 }
 
-/// The robot is read from estimates, and a driver that has disarmed shows in its heartbeat.
+/// The robot is read from estimates, a driver that has disarmed shows in its heartbeat, and one that gives no
+/// torque in its torques.
 BringUp::Ask OdriveBringUp::ask_rates() noexcept {
   const bool encoder = estimates_ < kLeastEstimates;
-  const bool enough = !encoder && heartbeats_ >= kLeastHeartbeats;
+  const bool heartbeat = heartbeats_ < kLeastHeartbeats;
+  const bool enough = !encoder && !heartbeat && torques_ >= kLeastTorques;
   if (listened_ > 0 && enough) return Ask::skip;
   if (listened_ < options().tries) {  // a computer that was late has seen too few, too
     ++listened_;
-    estimates_ = heartbeats_ = 0;
+    estimates_ = heartbeats_ = torques_ = 0;
     return Ask::listen;
   }
-  failure(Failure::wrong_setting,
-          {.setting = encoder ? Setting::odrive_encoder_rate : Setting::odrive_heartbeat_rate});
+  failure(Failure::wrong_setting, {.setting = encoder     ? Setting::odrive_encoder_rate
+                                              : heartbeat ? Setting::odrive_heartbeat_rate
+                                                          : Setting::odrive_torque_rate});
   return Ask::fail;
 }
 
@@ -194,6 +198,7 @@ BringUp::Verdict OdriveBringUp::judge_home(unsigned part, const CanFrame& frame)
   }
   if (estimated) ++estimates_;
   if (decode(node_, frame, heartbeat) == DecodeStatus::ok) ++heartbeats_;
+  if (is_torques(node_, frame)) ++torques_;
   return Verdict::ignore;
 }
 

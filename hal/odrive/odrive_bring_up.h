@@ -44,6 +44,7 @@ class OdriveBringUp final : public bring_up::BringUp {
   unsigned listened_ = 0;    ///< times
   unsigned estimates_ = 0;   ///< while listening
   unsigned heartbeats_ = 0;  ///< while listening
+  unsigned torques_ = 0;     ///< while listening
 };
 
 }  // namespace stilt::hal::odrive

@@ -315,6 +315,10 @@ DecodeStatus decode(std::uint8_t node, const CanFrame& frame, OdriveTorques& tor
   return decode_floats(node, OdriveCommand::torques, frame, torques.target_Nm, torques.estimate_Nm);
 }
 
+bool is_torques(std::uint8_t node, const CanFrame& frame) noexcept {
+  return expect(node, OdriveCommand::torques, 8, frame) == DecodeStatus::ok;
+}
+
 EncodeStatus encode(std::uint8_t node, const OdriveTemperatures& temperatures, CanFrame& frame) noexcept {
   return encode_floats(node, OdriveCommand::temperature, temperatures.driver_C, temperatures.motor_C, frame);
 }

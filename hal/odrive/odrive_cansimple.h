@@ -139,6 +139,8 @@ struct OdriveParameter {
 [[nodiscard]] DecodeStatus decode(std::uint8_t node, const CanFrame& frame,
                                   OdriveEstimates& estimates) noexcept;
 [[nodiscard]] DecodeStatus decode(std::uint8_t node, const CanFrame& frame, OdriveTorques& torques) noexcept;
+/// Torques of this node, also while they are not yet numbers.
+[[nodiscard]] bool is_torques(std::uint8_t node, const CanFrame& frame) noexcept;
 [[nodiscard]] DecodeStatus decode(std::uint8_t node, const CanFrame& frame,
                                   OdriveTemperatures& temperatures) noexcept;
 [[nodiscard]] DecodeStatus decode(std::uint8_t node, const CanFrame& frame, OdriveSupply& supply) noexcept;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <span>
 
 #include "hal/can/bytes.h"
 
@@ -46,6 +47,23 @@ void push(std::uint8_t node, const Message& message, FrameSink& replies) noexcep
   if (status == EncodeStatus::ok || status == EncodeStatus::saturated) replies.push(frame);
 }
 
+/// Of firmware 0.5: one error for all that is wrong with the motor, and flags instead of a result.
+CanFrame old_heartbeat(std::uint8_t node, std::uint32_t errors, std::uint32_t state) noexcept {
+  constexpr std::uint32_t kMotorFailed = 0x40;
+  CanFrame frame = classic_frame(
+      static_cast<std::uint32_t>(node) << 5 | static_cast<std::uint32_t>(OdriveCommand::heartbeat), 8);
+  store_little(std::span(frame.data).first(4), errors == 0 ? 0 : kMotorFailed);
+  frame.data[4] = static_cast<std::uint8_t>(state);
+  frame.data[5] = errors == 0 ? 0 : 1;  // of the motor; then of encoder and controller
+  return frame;
+}
+
+/// Two numbers that are 0: what firmware 0.5 has under the identifier of the temperatures and errors of 0.6,
+/// the estimates without an encoder and the errors of the controller.
+CanFrame old_answer(std::uint8_t node, OdriveCommand what) noexcept {
+  return classic_frame(static_cast<std::uint32_t>(node) << 5 | static_cast<std::uint32_t>(what), 8);
+}
+
 }  // namespace
 
 bool OdriveEmulator::enabled() const noexcept {
@@ -79,6 +97,11 @@ void OdriveEmulator::power_cycle() noexcept {
 }
 
 void OdriveEmulator::answer_request(OdriveCommand what, FrameSink& replies) const noexcept {
+  if (!settings_.answers_version) {  // firmware 0.5
+    if (what == OdriveCommand::heartbeat) return replies.push(old_heartbeat(node_, errors_, state_));
+    if (what == OdriveCommand::temperature) return replies.push(old_answer(node_, what));
+    if (what == OdriveCommand::version || what == OdriveCommand::torques) return;
+  }
   switch (what) {
     case OdriveCommand::version:
       push(node_, version_, replies);
@@ -197,13 +220,17 @@ void OdriveEmulator::elapse(std::int64_t now_ns, FrameSink& replies) noexcept {
     state_ = static_cast<std::uint32_t>(OdriveState::closed_loop);
     enabled_from_ns_ = 0;
   }
+  if (now_ns >= next_heartbeat_ns_) {
+    answer_request(OdriveCommand::heartbeat, replies);
+    next_heartbeat_ns_ = now_ns + settings_.heartbeat_period_ns;
+  }
   if (now_ns >= next_estimates_ns_) {
     answer_request(OdriveCommand::encoder_estimates, replies);
     next_estimates_ns_ = now_ns + settings_.estimates_period_ns;
   }
-  if (now_ns >= next_heartbeat_ns_) {
-    answer_request(OdriveCommand::heartbeat, replies);
-    next_heartbeat_ns_ = now_ns + settings_.heartbeat_period_ns;
+  if (settings_.torques_period_ns > 0 && now_ns >= next_torques_ns_) {
+    answer_request(OdriveCommand::torques, replies);
+    next_torques_ns_ = now_ns + settings_.torques_period_ns;
   }
 }
 

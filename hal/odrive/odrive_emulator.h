@@ -12,6 +12,7 @@ namespace stilt::hal::odrive {
 struct OdriveSettings {
   std::int64_t heartbeat_period_ns = 100'000'000;  ///< can.heartbeat_msg_rate_ms
   std::int64_t estimates_period_ns = 10'000'000;   ///< can.encoder_msg_rate_ms
+  std::int64_t torques_period_ns = 0;              ///< can.torques_msg_rate_ms; 0: never
   double velocity_limit_rev_s = 2;                 ///< controller.config.vel_limit
   bool torque_mode_limit = true;                   ///< controller.config.enable_torque_mode_vel_limit
   bool answers_heartbeat_request = false;          ///< not public
@@ -25,13 +26,14 @@ struct OdriveSettings {
   OdriveSettings settings;
   settings.heartbeat_period_ns = 10'000'000;
   settings.estimates_period_ns = 1'000'000;
+  settings.torques_period_ns = 5'000'000;
   settings.torque_mode_limit = false;
   settings.velocity_limit_rev_s = std::numeric_limits<double>::infinity();
   return settings;
 }
 
-/// ODrive with torque control: heartbeat and estimates on a timer, parameters for the watchdog, which is off
-/// at first and disarms the axis when it expires. Facts: github.com/odriverobotics/ODrive,
+/// ODrive with torque control: heartbeat, estimates and torques on timers, parameters for the watchdog, which
+/// is off at first and disarms the axis when it expires. Facts: github.com/odriverobotics/ODrive,
 /// Firmware/communication/can/can_simple.cpp, Firmware/MotorControl/controller.cpp (f9b5419, 0.5.6). Too
 /// fast, it disarms in every mode.
 class OdriveEmulator final : public EmulatedDriver {
@@ -69,6 +71,7 @@ class OdriveEmulator final : public EmulatedDriver {
   std::int64_t enabled_from_ns_ = 0;
   std::int64_t next_estimates_ns_ = 0;
   std::int64_t next_heartbeat_ns_ = 0;
+  std::int64_t next_torques_ns_ = 0;
 };
 
 [[nodiscard]] inline OdriveEmulator make_emulator(const OdriveDriver& driver) noexcept {

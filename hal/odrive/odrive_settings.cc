@@ -8,8 +8,8 @@
 namespace stilt::hal::odrive {
 namespace {
 
-constexpr double kEstimates_hz = 1000, kHeartbeats_hz = 100;  // as documented
-constexpr double kLeastShare = 0.5;                           // as at bring-up
+constexpr double kEstimates_hz = 1000, kHeartbeats_hz = 100, kTorques_hz = 200;  // as documented
+constexpr double kLeastShare = 0.5;                                              // as at bring-up
 
 ReadSetting rate_setting(const char* name, const char* wanted, int count, double listened_s,
                          double wanted_hz) {
@@ -49,6 +49,7 @@ void OdriveSettingReader::listen(const CanFrame& frame) {
   OdriveHeartbeat heartbeat;
   if (decode(driver_.node, frame, estimates) == DecodeStatus::ok) ++estimates_;
   if (decode(driver_.node, frame, heartbeat) == DecodeStatus::ok) ++heartbeats_;
+  if (is_torques(driver_.node, frame)) ++torques_;
 }
 
 std::vector<ReadSetting> OdriveSettingReader::settings(double listened_s) const {
@@ -73,6 +74,7 @@ std::vector<ReadSetting> OdriveSettingReader::settings(double listened_s) const 
       rate_setting("axis0.config.can.encoder_msg_rate_ms", "1", estimates_, listened_s, kEstimates_hz));
   all.push_back(
       rate_setting("axis0.config.can.heartbeat_msg_rate_ms", "10", heartbeats_, listened_s, kHeartbeats_hz));
+  all.push_back(rate_setting("axis0.config.can.torques_msg_rate_ms", "5", torques_, listened_s, kTorques_hz));
   return all;
 }
 

@@ -33,6 +33,7 @@ class OdriveSettingReader {
   std::size_t asked_ = 0;
   int estimates_ = 0;
   int heartbeats_ = 0;
+  int torques_ = 0;
 };
 
 }  // namespace stilt::hal::odrive

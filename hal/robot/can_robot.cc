@@ -212,7 +212,6 @@ JointBusStatus CanRobot::write(const JointCommands& commands) noexcept {
       return command_frame(driver, command, frames[joint]);
     });
     if (!usable(status)) return JointBusStatus::refused;
-    if (status == EncodeStatus::saturated) ++saturated_;
   }
   const JointBusStatus status = send(frames);
   ask_drivers();

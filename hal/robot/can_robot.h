@@ -51,9 +51,6 @@ class CanRobot final {
   /// Whole encoder periods found at bring-up, at the driver's shaft (StepResult::turn_offset_rad).
   void set_turn_offset(std::size_t joint, double shaft_rad) noexcept { turn_offset_rad_[joint] = shaft_rad; }
 
-  /// Commands that reached the end of a range, since start.
-  [[nodiscard]] std::uint64_t saturated() const noexcept { return saturated_; }
-
  private:
   void receive(std::int64_t now_ns, std::size_t bus, const CanFrame& frame) noexcept;
   [[nodiscard]] DecodeStatus take_joint(std::int64_t now_ns, std::size_t joint,
@@ -85,7 +82,6 @@ class CanRobot final {
   bool has_emergency_stop_ = false;
   bool emergency_stop_released_ = false;
   std::int64_t emergency_stop_time_ns_ = 0;
-  std::uint64_t saturated_ = 0;
   std::uint64_t writes_ = 0;
   std::array<CanFrame, kMaximumBatch> received_;
 };

@@ -161,8 +161,9 @@ void add_disturbance_options(CLI::App& command, ExperimentOptions& options) {
   command.add_option("--plan-delay", options.setting.choice.plan_delay_s,
                      "simulated time that a plan takes, s; default 0.005");
   command
-      .add_option("--state", options.setting.state,
-                  "state that the controller gets: estimated (from sensors) or truth")
+      .add_option(
+          "--state", options.setting.state,
+          "state that the controller gets: estimated (from sensors) or truth (all but the base's velocity)")
       ->capture_default_str();
 }
 

@@ -126,8 +126,9 @@ CLI::App* add_sim_command(CLI::App& program, SimOptions& options) {
   sim->add_option("--push", options.pushes,
                   "a push, N@START+DURATION[@hip|torso], positive forward; repeatable")
       ->allow_extra_args(false);
-  sim->add_option("--state", options.state,
-                  "state that the controller gets: estimated (from sensors) or truth")
+  sim->add_option(
+         "--state", options.state,
+         "state that the controller gets: estimated (from sensors) or truth (all but the base's velocity)")
       ->capture_default_str();
   sim->add_option("--planner-until", options.planner_until_s, "the planner stops at this time, s");
   sim->add_option(

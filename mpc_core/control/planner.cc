@@ -18,11 +18,11 @@ model::FeetVector foot_positions(const model::RobotModel& robot, const model::St
   return model::FeetVector(feet.foot_position);
 }
 
-// docs/decisions/0022-feasible-plans.md
+// docs/decisions/0022-feasible-plans.md, 0037-feasible-plans.md
 bool feasible(const sqp::SqpParameters& p, const sqp::SolveReport& report) noexcept {
   const ocp::Violations& v = report.violations;
   return report.dynamics_defect_max <= p.plan_defect_max &&
-         std::max(v.friction_cone_N, v.pulling_force_N) <= p.plan_force_violation_max_N;
+         v.friction_cone_N <= p.plan_cone_violation_max_N && v.pulling_force_N <= p.plan_pulling_force_max_N;
 }
 
 }  // namespace

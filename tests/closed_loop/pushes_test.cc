@@ -100,5 +100,19 @@ INSTANTIATE_TEST_SUITE_P(
              std::to_string(2 * std::get<1>(test.param));
     });
 
+/// docs/decisions/0037-feasible-plans.md: with the true velocity of a base in flight none of eight survived.
+class KnownState : public ::testing::TestWithParam<int> {};
+
+TEST_P(KnownState, SurvivesWhatTheEstimateSurvives) {
+  double start_s = 0.0;
+  RunRequest request = pushed_walk(2 * GetParam(), 1.0, 0.85 * 150.0, start_s);
+  request.use_true_state = true;
+  SimulatedRun run(request);
+  const log::RunRecord record = run.run();
+  EXPECT_TRUE(record.summary.survived) << "pushed at " << start_s << " s: " << describe(run, record);
+}
+
+INSTANTIATE_TEST_SUITE_P(ClosedLoop, KnownState, ::testing::Range(0, 4));
+
 }  // namespace
 }  // namespace stilt::simulation

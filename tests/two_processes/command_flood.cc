@@ -61,9 +61,7 @@ int flood(const telemetry::Network& network, std::string name) {
   return 0;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run(int argc, char** argv) {
   CLI::App app;
   telemetry::Network network;
   std::string name = "intruder";
@@ -71,8 +69,14 @@ int main(int argc, char** argv) {
   app.add_option("--name", name);
   CLI11_PARSE(app, argc, argv);
   std::signal(SIGTERM, [](int) { ended = 1; });
+  return flood(network, name);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
   try {
-    return flood(network, name);
+    return run(argc, argv);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 2;

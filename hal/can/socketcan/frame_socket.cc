@@ -60,11 +60,13 @@ bool FrameSocket::must_wait(std::span<const CanFrame> frames, std::size_t i,
                      [&](std::uint8_t j) { return Confirmations::same(frames[j], frames[i]); });
 }
 
-/// Puts what may be sent into the batch; `taken` are the indices of its frames.
+/// Puts what may be sent into the batch; `taken` are the indices of its frames. The frame that found no place
+/// last time is the first one now: else a queue that is always nearly full would silence the same joint.
 std::size_t FrameSocket::collect(std::span<const CanFrame> frames,
                                  std::array<std::uint8_t, kMaximumBatch>& taken, BusStatus& status) noexcept {
   std::size_t count = 0;
-  for (std::size_t i = 0; i < frames.size(); ++i) {
+  for (std::size_t place = 0; place < frames.size(); ++place) {
+    const std::size_t i = (place + first_) % frames.size();
     if (echo_ != Echo::none && must_wait(frames, i, std::span(taken).first(count))) {
       ++counters_.withheld;
       // Frames of a controller that no node acknowledges wait, and so do those for a stopped process.
@@ -112,6 +114,7 @@ SendResult FrameSocket::send(std::span<const CanFrame> frames) noexcept {
     result.status = sent < 0 ? failure(errno) : BusStatus::queue_full;
     counters_.dropped_full += result.status == BusStatus::queue_full ? count - result.sent : 0;
   }
+  if (frames.size() > 1) first_ = result.sent < count ? taken[result.sent] : 0;
   return result;
 }
 

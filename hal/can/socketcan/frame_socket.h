@@ -84,6 +84,7 @@ class FrameSocket final : public FrameBus {
   bool gone_ = false;
   bool carrier_lost_ = false;  ///< went off the bus, and has not restarted since
   std::uint32_t overflow_total_ = 0;
+  std::size_t first_ = 0;  ///< of the next batch, from 0
   BusHealth health_ = BusHealth::active;
   BusCounters counters_;
   Confirmations confirmations_;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 #include <utility>
+#include <vector>
 
 #include "tests/firmware/control_loop/rig.h"
 
@@ -32,6 +33,44 @@ TEST_F(StandingUpTest, WaitsForTheStandingPose) {
   rig->joints.readings[1].position_rad -= 0.3;
   rig->run(10);
   EXPECT_EQ(rig->state(), State::stand);
+}
+
+TEST_F(StandingUpTest, TheEventNamesTheJointFarthestFromThePoseItsAngleAndItsRange) {
+  const double margin_rad = rig->configuration.supervisor.stand_pose_margin_rad;
+  rig->get_ready();
+  const double standing_rad = rig->joints.readings[3].position_rad;
+  rig->joints.readings[0].position_rad -= 1.1 * margin_rad;
+  rig->joints.readings[3].position_rad += 1.5 * margin_rad;
+  rig->ask(RequestKind::stand);
+  rig->run(10);
+  const std::vector<Event> events = rig->take(Event::Kind::waits_for_pose);
+  ASSERT_EQ(events.size(), 1u);
+  EXPECT_EQ(events[0].pose.joint, 3);
+  EXPECT_NEAR(events[0].pose.value, standing_rad + 1.5 * margin_rad, 1e-9);
+  EXPECT_NEAR(events[0].pose.lowest, standing_rad - margin_rad, 1e-3);
+  EXPECT_NEAR(events[0].pose.highest, standing_rad + margin_rad, 1e-3);
+}
+
+TEST_F(StandingUpTest, TheEventNamesTheTorsoAndWhatMovesTooFast) {
+  rig->get_ready();
+  rig->joints.base.pitch_rad = 0.5;
+  rig->ask(RequestKind::stand);
+  rig->run(10);
+  std::vector<Event> events = rig->take(Event::Kind::waits_for_pose);
+  ASSERT_EQ(events.size(), 1u);
+  EXPECT_EQ(events[0].pose.joint, PoseMiss::kTorso);
+  EXPECT_EQ(events[0].pose.value, 0.5);
+  rig->ask(RequestKind::sit);
+  rig->run(5);
+  rig->joints.base.pitch_rad = 0.0;
+  rig->joints.readings[2].velocity_rad_s = -3.0;
+  rig->ask(RequestKind::stand);
+  rig->run(10);
+  events = rig->take(Event::Kind::waits_for_pose);
+  ASSERT_EQ(events.size(), 1u);
+  EXPECT_EQ(events[0].pose.joint, 2);
+  EXPECT_EQ(events[0].pose.value, -3.0);
+  EXPECT_STREQ(events[0].pose.unit, "rad/s");
 }
 
 TEST_F(StandingUpTest, WaitsUntilNothingMovesEitherWay) {
@@ -120,7 +159,9 @@ TEST_F(StandingUpTest, LeavingTheStandingPoseEndsDampedAndIsReported) {
   rig->run(1);
   EXPECT_EQ(rig->state(), State::ready);
   EXPECT_TRUE(rig->only_damps());
-  EXPECT_EQ(rig->take(Event::Kind::lost_stance).size(), 1u);
+  const std::vector<Event> events = rig->take(Event::Kind::lost_stance);
+  ASSERT_EQ(events.size(), 1u);
+  EXPECT_EQ(events[0].pose.joint, 1);
   EXPECT_TRUE(rig->decision().latched.empty());
 }
 

@@ -1,12 +1,18 @@
 #include "tests/firmware/exchange/fiber.h"
 
-#include <cstdint>
+#include <array>
+#include <bit>
 
 #ifdef __SANITIZE_THREAD__
 #include <sanitizer/tsan_interface.h>
 #endif
 
 namespace stilt::exchange::model {
+namespace {
+
+using Halves = std::array<unsigned, 2>;  // of a pointer
+
+}  // namespace
 
 Fiber::Fiber() : stack_(std::make_unique<char[]>(kStack_bytes)) {
 #ifdef __SANITIZE_THREAD__
@@ -15,10 +21,8 @@ Fiber::Fiber() : stack_(std::make_unique<char[]>(kStack_bytes)) {
   ::getcontext(&context_);
   context_.uc_stack.ss_sp = stack_.get();
   context_.uc_stack.ss_size = kStack_bytes;
-  // makecontext passes numbers of the size of int only.
-  const auto address = reinterpret_cast<std::uintptr_t>(this);
-  ::makecontext(&context_, reinterpret_cast<void (*)()>(&Fiber::run), 2, static_cast<unsigned>(address),
-                static_cast<unsigned>(address >> 32));
+  const auto halves = std::bit_cast<Halves>(this);  // makecontext passes numbers of the size of int only
+  ::makecontext(&context_, reinterpret_cast<void (*)()>(&Fiber::run), 2, halves[0], halves[1]);
 }
 
 Fiber::~Fiber() {
@@ -32,9 +36,8 @@ void Fiber::start(const std::function<void()>& body) {
   ended_ = false;
 }
 
-void Fiber::run(unsigned low, unsigned high) {
-  auto* fiber =
-      reinterpret_cast<Fiber*>(static_cast<std::uintptr_t>(low) | static_cast<std::uintptr_t>(high) << 32);
+void Fiber::run(unsigned first, unsigned second) {
+  auto* fiber = std::bit_cast<Fiber*>(Halves{first, second});
   for (;;) {  // one function after the other, so that the stack never has to be set up again
     (*fiber->body_)();
     fiber->ended_ = true;

@@ -27,7 +27,7 @@ class Fiber {
 
  private:
   static constexpr std::size_t kStack_bytes = 256 * 1024;
-  static void run(unsigned low, unsigned high);
+  static void run(unsigned first, unsigned second);
 
   std::unique_ptr<char[]> stack_;
   ucontext_t context_{};

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -50,6 +51,30 @@ TEST_F(OutcomeTest, AFaultThatFlickersIsOneEntryUntilAReset) {
   EXPECT_EQ(outcome.faults[0].reaction, "damp");
   EXPECT_EQ(outcome.faults[1].name, "emergency_stop");
   EXPECT_EQ(outcome.faults[2].time_s, 3.0);
+}
+
+TEST_F(OutcomeTest, APoseIsSaidWithItsJointItsAngleAndItsRange) {
+  const control_loop::PoseMiss knee{1, 1.25, 0.5, 0.9};
+  const control_loop::PoseMiss torso{control_loop::PoseMiss::kTorso, -0.5, -0.2, 0.2};
+  const control_loop::PoseMiss fast{2, NAN, -0.1, 0.1, "rad/s"};
+  events->push({.kind = Event::Kind::waits_for_pose, .time_s = 1.0, .pose = knee});
+  events->push({.kind = Event::Kind::lost_stance, .time_s = 2.0, .pose = torso});
+  events->push({.kind = Event::Kind::stopped_waiting, .time_s = 3.0, .pose = fast});
+  testing::internal::CaptureStderr();
+  take_events(*events, outcome);
+  const std::string said = testing::internal::GetCapturedStderr();
+  EXPECT_NE(
+      said.find("not in a pose to stand up from: knee_L is at 1.25 rad, must be within 0.5 rad and 0.9 rad; "
+                "waits until somebody puts it there"),
+      std::string::npos)
+      << said;
+  EXPECT_NE(said.find("the torso is at -0.5 rad, must be within -0.2 rad and 0.2 rad; damped"),
+            std::string::npos)
+      << said;
+  EXPECT_NE(
+      said.find("hip_R is at not a number, must be within -0.1 rad/s and 0.1 rad/s; put it there and ask"),
+      std::string::npos)
+      << said;
 }
 
 TEST_F(OutcomeTest, TheEndOfAFaultOrWarningIsSaidOnceAndInTheReport) {

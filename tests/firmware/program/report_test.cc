@@ -46,6 +46,11 @@ TEST(Report, TheMachineIsDescribedWithWhatIsLacking) {
       describe(capability),
       "kernel 6.1-rt, 4 processors, memory locked, priority granted, idle states as they are (not asked "
       "for)\nreal time\n");
+  capability.torque_core = 1;
+  EXPECT_NE(describe(capability).find("4 processors, processor 1 shared with other programs,"),
+            std::string::npos);
+  capability.core_isolated = true;
+  EXPECT_NE(describe(capability).find("4 processors, processor 1 isolated,"), std::string::npos);
   capability.lacking = {"this", "that"};
   EXPECT_NE(describe(capability).find("not real time: this; that"), std::string::npos);
 }

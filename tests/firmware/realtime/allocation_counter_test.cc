@@ -23,9 +23,9 @@ TEST_F(AllocationCounter, EveryWayToTheHeapCounts) {
   const AllocationScope scope;
   void* volatile block = std::malloc(10);
   EXPECT_EQ(scope.count(), 1);
-  block = std::realloc(block, 20);
+  void* volatile larger = std::realloc(block, 20);
   EXPECT_EQ(scope.count(), 2);
-  std::free(block);
+  std::free(larger);
   EXPECT_EQ(scope.count(), 3) << "giving back counts too";
   block = std::calloc(2, 8);
   std::free(block);

@@ -57,6 +57,28 @@ TEST_F(Machine, AProcessorThatIsNotThereIsNamed) {
   EXPECT_TRUE(says(acquire({.torque_core = 1000}, root_), "processor 1000 is not there"));
 }
 
+TEST_F(Machine, ThrottlingOfRealTimeThreadsBelowTheDefaultIsNamed) {
+  const auto throttles = [this](const std::string& runtime_us) {
+    write("/proc/sys/kernel/sched_rt_period_us", "1000000");
+    write("/proc/sys/kernel/sched_rt_runtime_us", runtime_us);
+    return says(acquire({}, root_), "kernel.sched_rt_runtime_us is " + runtime_us + " of 1000000 us");
+  };
+  EXPECT_FALSE(says(acquire({}, root_), "sched_rt_runtime_us")) << "a kernel without it";
+  EXPECT_FALSE(throttles("950000"));
+  EXPECT_FALSE(throttles("1000000"));
+  EXPECT_FALSE(throttles("-1")) << "never";
+  EXPECT_TRUE(throttles("949999"));
+  EXPECT_TRUE(throttles("0"));
+}
+
+TEST_F(Machine, AProcessorThatTheKernelKeepsFreeIsKnown) {
+  EXPECT_FALSE(acquire({.torque_core = 2}, root_).core_isolated);
+  write("/sys/devices/system/cpu/isolated", "1-2");
+  EXPECT_TRUE(acquire({.torque_core = 2}, root_).core_isolated);
+  EXPECT_FALSE(acquire({.torque_core = 3}, root_).core_isolated);
+  EXPECT_FALSE(acquire({}, root_).core_isolated) << "set to none";
+}
+
 /// Idle state of processor 1.
 struct IdleMachine : Machine {
   void state(const std::string& name, const std::string& exit_us) {

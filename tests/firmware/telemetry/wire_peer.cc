@@ -12,6 +12,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <exception>
 #include <thread>
 
 #include "firmware/telemetry/reader.h"
@@ -71,9 +72,7 @@ int listen(const Participant& participant, unsigned long long count, double seco
   return 0;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run(int argc, char** argv) {
   CLI::App app;
   Network network;
   unsigned long long samples = 100;
@@ -97,4 +96,15 @@ int main(int argc, char** argv) {
     return 2;
   }
   return talking->parsed() ? talk(*participant) : listen(*participant, samples, seconds);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 2;
+  }
 }

@@ -23,7 +23,7 @@ TEST_F(BringUpTest, AMoteusComesUpWithItsWatchdogAndWithoutTorque) {
 }
 
 TEST_F(BringUpTest, ADamiaoComesUpWithItsWatchdogAndWithoutTorque) {
-  mit::MitEmulator driver(damiao());
+  mit::MitEmulator driver = mit::make_emulator(damiao());
   driver.motor.position_rad = 1.25;
   bus_.attach(driver);
   MitBringUp bring_up(damiao(), options_);
@@ -48,7 +48,7 @@ TEST_F(BringUpTest, AnOdriveComesUpWithItsWatchdogAndWithoutTorque) {
 
 TEST_F(BringUpTest, AReadyDriverStaysEnabledAsLongAsStepsGoOnAndIsDisabledAfterwards) {
   moteus::MoteusEmulator moteus = moteus::make_emulator({});
-  mit::MitEmulator mit(damiao());
+  mit::MitEmulator mit = mit::make_emulator(damiao());
   odrive::OdriveEmulator odrive = odrive::make_emulator({3, kEndpoints});
   MoteusBringUp moteus_up({}, options_);
   MitBringUp mit_up(damiao(), options_);
@@ -74,7 +74,7 @@ TEST_F(BringUpTest, AReadyDriverStaysEnabledAsLongAsStepsGoOnAndIsDisabledAfterw
 
 TEST_F(BringUpTest, AReadyDriverThatLosesItsPowerIsBroughtUpAnew) {
   moteus::MoteusEmulator moteus = moteus::make_emulator({});
-  mit::MitEmulator mit(damiao());
+  mit::MitEmulator mit = mit::make_emulator(damiao());
   odrive::OdriveEmulator odrive = odrive::make_emulator({3, kEndpoints});
   MoteusBringUp moteus_up({}, options_);
   MitBringUp mit_up(damiao(), options_);
@@ -133,7 +133,7 @@ TEST_F(BringUpTest, LateAndDoubledAnswersDoNotConfuseTheStages) {
   options_.longest_reply_lag_ns = 10 * kTick_ns;
   for (const FrameFault fault : {FrameFault::delay, FrameFault::duplicate}) {
     moteus::MoteusEmulator moteus = moteus::make_emulator({});
-    mit::MitEmulator mit(damiao());
+    mit::MitEmulator mit = mit::make_emulator(damiao());
     odrive::OdriveEmulator odrive = odrive::make_emulator({3, kEndpoints});
     MoteusBringUp moteus_up({}, options_);
     MitBringUp mit_up(damiao(), options_);
@@ -153,7 +153,7 @@ TEST_F(BringUpTest, LateAndDoubledAnswersDoNotConfuseTheStages) {
 }
 
 TEST_F(BringUpTest, DriversWithoutAWatchdogAreRefusedUnlessTheConfigurationAcceptsThem) {
-  mit::MitEmulator driver({});
+  mit::MitEmulator driver = mit::make_emulator({});
   bus_.attach(driver);
   MitBringUp strict({}, options_);
   EXPECT_EQ(run(strict, bus_, clock_).failure, Failure::no_watchdog);
@@ -209,7 +209,7 @@ TEST_F(BringUpTest, ExactlyOneTurnOfTheEncoderMustFitTheTravel) {
 }
 
 TEST_F(BringUpTest, AJointOutsideItsTravelIsNotEnabled) {
-  mit::MitEmulator driver(damiao());
+  mit::MitEmulator driver = mit::make_emulator(damiao());
   driver.motor.position_rad = 3;
   bus_.attach(driver);
   options_.minimum_angle_rad = -1;
@@ -220,7 +220,7 @@ TEST_F(BringUpTest, AJointOutsideItsTravelIsNotEnabled) {
 }
 
 TEST_F(BringUpTest, ADriverWithAFaultNamesIt) {
-  mit::MitEmulator driver(damiao());
+  mit::MitEmulator driver = mit::make_emulator(damiao());
   driver.raise(DriverFault::over_voltage);
   bus_.attach(driver);
   MitBringUp bring_up(damiao(), options_);

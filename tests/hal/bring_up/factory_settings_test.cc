@@ -1,5 +1,7 @@
+#include <algorithm>
 #include <vector>
 
+#include "hal/mit/mit_driver.h"
 #include "tests/hal/bring_up/bring_up_rig.h"
 #include "tests/hal/random_values.h"
 
@@ -30,7 +32,6 @@ class FactorySettings : public BringUpTest {
     return end(driver, bring_up);
   }
 
- private:
   StepResult end(EmulatedDriver& driver, BringUp& bring_up) {
     mock::MockBus bus(clock_);
     bus.attach(driver);
@@ -117,7 +118,69 @@ TEST_F(FactorySettings, OfAnOdriveAreRefusedOneByOneByName) {
   settings.estimates_period_ns = kMillisecond_ns;
   EXPECT_EQ(odrive(settings).setting, Setting::odrive_heartbeat_rate);
   settings.heartbeat_period_ns = 10 * kMillisecond_ns;
+  EXPECT_EQ(odrive(settings).setting, Setting::odrive_torque_rate) << "it sends none, as from the vendor";
+  settings.torques_period_ns = 20 * kMillisecond_ns;
+  EXPECT_EQ(odrive(settings).setting, Setting::odrive_torque_rate);
+  settings.torques_period_ns = 5 * kMillisecond_ns;
   EXPECT_EQ(odrive(settings).stage, Stage::ready);
+}
+
+TEST_F(FactorySettings, OfADamiaoAreRefusedOneByOneByName) {
+  const mit::MitDriver described = damiao();
+  const auto damiao_with = [&](const mit::MitSettings& settings) {
+    MitEmulator driver(described, settings);
+    MitBringUp bring_up(described, options_);
+    return end(driver, bring_up);
+  };
+  mit::MitSettings settings;
+  const StepResult factory = damiao_with(settings);
+  EXPECT_EQ(factory.failure, Failure::wrong_setting) << "and not silence";
+  EXPECT_EQ(factory.setting, Setting::damiao_reply_id);
+  settings.reply_id = described.reply_id;
+  settings.control_mode = 2;
+  EXPECT_EQ(damiao_with(settings).setting, Setting::damiao_control_mode);
+  settings.control_mode = 1;
+  EXPECT_EQ(damiao_with(settings).setting, Setting::damiao_velocity_range) << "PMAX is as configured";
+  settings.velocity_range_rad_s = described.velocity_rad_s.maximum;
+  EXPECT_EQ(damiao_with(settings).setting, Setting::damiao_torque_range);
+  settings.torque_range_Nm = described.torque_Nm.maximum;
+  EXPECT_EQ(damiao_with(settings).stage, Stage::ready);
+  settings.position_range_rad = 3.2;
+  EXPECT_EQ(damiao_with(settings).setting, Setting::damiao_position_range);
+}
+
+TEST_F(FactorySettings, OfADamiaoWhoseRepliesHaveIdentifierZeroOnPurposeAreRight) {
+  mit::MitDriver described = damiao();
+  described.reply_id = 0;
+  MitEmulator driver = mit::make_emulator(described);
+  MitBringUp bring_up(described, options_);
+  EXPECT_EQ(end(driver, bring_up).stage, Stage::ready);
+}
+
+TEST_F(FactorySettings, OfAnAkInServoModeAreRefusedByName) {
+  options_.accept_missing_watchdog = true;
+  const mit::MitDriver described = mit_driver(mit::ReplyLayout::ak);
+  MitEmulator factory(described);
+  MitBringUp bring_up(described, options_);
+  const StepResult result = end(factory, bring_up);
+  EXPECT_EQ(result.failure, Failure::wrong_setting) << "and not silence";
+  EXPECT_EQ(result.setting, Setting::ak_control_mode);
+  mit::MitSettings settings;
+  settings.servo_mode = false;
+  MitEmulator in_mit_mode(described, settings);
+  MitBringUp again(described, options_);
+  EXPECT_EQ(end(in_mit_mode, again).stage, Stage::ready);
+}
+
+TEST_F(FactorySettings, FramesThatNameASettingReachTheBringUpThroughTheFilterOfTheBus) {
+  const auto receives = [](const mit::MitDriver& driver, std::uint32_t id, bool extended) {
+    const std::vector<FrameId> ids = mit::receive_ids(driver);
+    return std::ranges::any_of(ids,
+                               [&](const FrameId& one) { return one.id == id && one.extended == extended; });
+  };
+  EXPECT_TRUE(receives(damiao(), 0, false));
+  EXPECT_TRUE(receives(mit_driver(mit::ReplyLayout::ak), 0x2901, true));
+  EXPECT_FALSE(receives(mit_driver(mit::ReplyLayout::mini_cheetah), 0, false));
 }
 
 TEST_F(FactorySettings, OfAnOdriveDisarmItAboveItsVelocityLimit) {
@@ -179,7 +242,7 @@ TEST_F(FactorySettings, AMoteusThatKeepsItsFaultNamesItWithItsCode) {
 
 TEST_F(FactorySettings, AMiniCheetahDoesNotFollowACommandOfBeforeItWasOn) {
   const mit::MitDriver described = mit_driver(mit::ReplyLayout::mini_cheetah);
-  MitEmulator driver(described);
+  MitEmulator driver = mit::make_emulator(described);
   bus_.attach(driver);
   CanFrame old;
   ASSERT_EQ(encode_command(described, {.position_rad = 2, .kp_Nm_rad = 100}, old), EncodeStatus::ok);

@@ -13,7 +13,7 @@ using mock::MockBus;
 /// A Damiao that confirms writes to its registers and forgets them, or whose answers get lost.
 class BadDamiao final : public EmulatedDriver {
  public:
-  explicit BadDamiao(const mit::MitDriver& driver) : inner_(driver), driver_(driver) {}
+  explicit BadDamiao(const mit::MitDriver& driver) : inner_(mit::make_emulator(driver)), driver_(driver) {}
   bool forgets_writes = false;
   unsigned answers_every = 1;  ///< request
 
@@ -131,7 +131,7 @@ TEST_F(BringUpRefusal, FirmwareBelowTheMinimumIsRefusedAndTheMinimumIsNot) {
                                          {2, 4, 4, 58, 1, 3, static_cast<std::uint8_t>(old ? 4 : 5), 0});
     EXPECT_EQ(odrive(odrive_driver).failure, expected);
     options_.minimum_version = 8;
-    mit::MitEmulator mit_driver(damiao(), old ? 7 : 8);
+    mit::MitEmulator mit_driver(damiao(), mit::documented_settings(damiao()), old ? 7 : 8);
     EXPECT_EQ(damiao_driver(mit_driver).failure, expected);
   }
 }
@@ -144,11 +144,11 @@ TEST_F(BringUpRefusal, AnyRangeThatDiffersFromTheConfigurationIsRefused) {
     for (const bool lower : {false, true}) {
       MitDriver configured = damiao();
       (lower ? (configured.*range).minimum : (configured.*range).maximum) *= 1.01;
-      mit::MitEmulator driver(damiao());
+      mit::MitEmulator driver = mit::make_emulator(damiao());
       EXPECT_EQ(damiao_driver(driver, configured).failure, Failure::wrong_scaling);
     }
   }
-  mit::MitEmulator driver(damiao());
+  mit::MitEmulator driver = mit::make_emulator(damiao());
   driver.report_torque_range(28);
   EXPECT_EQ(damiao_driver(driver).failure, Failure::wrong_scaling);
 }
@@ -177,7 +177,7 @@ TEST_F(BringUpRefusal, ADamiaoInAnotherModeOrOfAnotherIdentifierIsRefused) {
 TEST_F(BringUpRefusal, ATimeoutGoesOutInTheNearestUnit) {
   options_.watchdog_s = 0.00505;  // 101 units of 50 us; the quotient of the two doubles is below 101
   ASSERT_LT(options_.watchdog_s / mit::kDamiaoTimeoutUnit_s, 101);
-  mit::MitEmulator driver(damiao());
+  mit::MitEmulator driver = mit::make_emulator(damiao());
   bus_.attach(driver);
   MitBringUp bring_up(damiao(), options_);
   ASSERT_EQ(run(bring_up, bus_, clock_).stage, Stage::ready);

@@ -124,7 +124,8 @@ Case mit_case(mit::ReplyLayout layout, const mit::MitBehaviour& behaviour) {
               std::to_string(behaviour.silent_while_off) + " " +
               std::to_string(behaviour.enable_ns / kMillisecond_ns) + " ms",
           [=](auto& random) {
-            auto driver = std::make_shared<MitEmulator>(described, 5, behaviour);
+            auto driver =
+                std::make_shared<MitEmulator>(described, mit::documented_settings(described), 5, behaviour);
             driver->motor.position_rad = random.between(-1, 1);
             return driver;
           },
@@ -181,7 +182,7 @@ TEST(MakersFirmware, DriversAsDocumentedComeUpAndStayUpAtEveryWatchdogPhaseAndCl
 TEST(MakersFirmware, AnAkWithAFaultComesUpOrIsRefusedWithItUntilItsPowerIsGone) {
   const mit::MitDriver described = mit_driver(mit::ReplyLayout::ak);
   for (const bool keeps_fault : {false, true}) {
-    MitEmulator driver(described, 5, {.keeps_fault = keeps_fault});
+    MitEmulator driver(described, mit::documented_settings(described), 5, {.keeps_fault = keeps_fault});
     driver.raise(DriverFault::over_current);
     const auto bring_up = [&] {
       MitBringUp anew(described, {.accept_missing_watchdog = true});

@@ -57,7 +57,8 @@ int main(int argc, char** argv) {
   }
   const std::uint64_t seed = std::stoull(argv[3]);
   std::cout << "corpus " << corpus.size() << " inputs, then " << argv[2] << " random ones, seed " << seed
-            << std::endl;
+            << '\n'
+            << std::flush;
   for (const Bytes& input : corpus) run(input);
   std::mt19937_64 random(seed);
   for (std::uint64_t left = std::stoull(argv[2]); left > 0; --left) run(random_input(corpus, random));

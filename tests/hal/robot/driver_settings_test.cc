@@ -104,18 +104,19 @@ TEST(DriverSettings, OfAnOdriveFromTheMakerAreAllNamedAtOnce) {
   odrive::OdriveEmulator factory(driver, {});
   EXPECT_EQ(wrong(read(driver, factory, options)),
             "axis0.controller.config.enable_torque_mode_vel_limit true; axis0.controller.config.vel_limit 2; "
-            "axis0.config.can.encoder_msg_rate_ms 10; axis0.config.can.heartbeat_msg_rate_ms 100; ");
+            "axis0.config.can.encoder_msg_rate_ms 10; axis0.config.can.heartbeat_msg_rate_ms 100; "
+            "axis0.config.can.torques_msg_rate_ms silent; ");
   odrive::OdriveEmulator documented(driver, odrive::documented_settings());
   EXPECT_EQ(wrong(read(driver, documented, options)), "");
   const odrive::OdriveDriver unknown{3, {0x191, 0x192, 0, 0}};
-  EXPECT_EQ(read(unknown, documented).size(), 2u) << "limits whose endpoints are not known are not asked for";
+  EXPECT_EQ(read(unknown, documented).size(), 3u) << "limits whose endpoints are not known are not asked for";
 }
 
 TEST(DriverSettings, OfADamiaoAreItsRegistersAndTheOthersHaveNone) {
   mit::MitDriver driver;
   driver.reply_id = 0x11;
   driver.layout = mit::ReplyLayout::damiao;
-  mit::MitEmulator emulator(driver);
+  mit::MitEmulator emulator = mit::make_emulator(driver);
   EXPECT_EQ(wrong(read(driver, emulator)), "");
   mit::MitDriver configured = driver;
   configured.position_rad = {-3.2, 3.2};

@@ -61,7 +61,7 @@ class Robot {
         driver.driver_id = number;
         driver.layout = mit::ReplyLayout::damiao;
         wiring.driver = driver;
-        drivers_[joint] = std::make_shared<mit::MitEmulator>(driver);
+        drivers_[joint] = std::make_shared<mit::MitEmulator>(make_emulator(driver));
         frame_ids_[joint] = driver.reply_id;
       } else if (kind == Kind::moteus) {
         moteus::MoteusDriver driver;

@@ -69,7 +69,7 @@ TEST(RoundTrip, EachReplyIsAwaitedOnItsOwnBusAlone) {
     driver.command_id = static_cast<std::uint16_t>(joint + 1);
     driver.driver_id = static_cast<std::uint8_t>(joint + 1);
     driver.reply_id = static_cast<std::uint16_t>(0x10 + driver.command_id);
-    drivers[joint - 2] = std::make_shared<mit::MitEmulator>(driver);
+    drivers[joint - 2] = std::make_shared<mit::MitEmulator>(mit::make_emulator(driver));
     second.attach(*drivers[joint - 2]);
   }
   std::array<TapBus, 2> taps;

@@ -76,7 +76,7 @@ TEST(MiniCheetahTraces, TheEmulatorAnswersSwitchesAndEndsItsCommandAsTheFirmware
   const MitDriver driver = described();
   MitBehaviour behaviour;
   behaviour.command_timeout_ns = static_cast<std::int64_t>(trace.settings.at("can_timeout_us") * 1000);
-  MitEmulator emulator(driver, 5, behaviour);
+  MitEmulator emulator(driver, documented_settings(driver), 5, behaviour);
   std::int64_t now_ns = 0;
   std::int64_t changed_ns = 0;
   FrameSink answered;

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -7,6 +8,7 @@
 
 #include "hal/can/bytes.h"
 #include "hal/odrive/odrive_cansimple.h"
+#include "hal/odrive/odrive_emulator.h"
 #include "tests/hal/traces/firmware_trace.h"
 
 // Our ODrive codec against the messages of ODrive's own library.
@@ -119,6 +121,61 @@ TEST(OdriveTraces, EveryMessageIsThatOfTheMakersLibrary) {
     check->second(static_cast<std::uint8_t>(frame.id >> 5), events[i], frame);
   }
   EXPECT_EQ(messages, 400);
+}
+
+/// What our emulator sends in this millisecond, with what it was given at its end.
+std::string sent_by(OdriveEmulator& emulator, std::int64_t time_ns, const TraceEvent* given) {
+  FrameSink replies;
+  emulator.elapse(time_ns, replies);
+  if (given != nullptr) {
+    CanFrame frame = given->frame();
+    frame.remote = given->kind == "?";
+    emulator.take(time_ns, frame, replies);
+  }
+  std::string text;
+  for (const CanFrame& frame : replies.frames()) {
+    const bool is_the_first = time_ns == 0;  // their timers begin with a period, ours with a frame
+    if (!is_the_first) text += std::to_string(frame.id) + " " + testing::hex(frame) + "; ";
+  }
+  return text;
+}
+
+TEST(OdriveTraces, TheEmulatorOfFirmware05SendsAndAnswersAsTheFirmwareDid) {
+  const auto scenarios = testing::read_trace("odrive_0_5.trace");
+  ASSERT_EQ(scenarios.size(), 1u);
+  const auto& trace = scenarios[0];
+  OdriveSettings settings;
+  settings.answers_version = false;
+  settings.torque_mode_limit = false;
+  settings.heartbeat_period_ns = std::llround(trace.settings.at("heartbeat_rate_ms")) * 1'000'000;
+  settings.estimates_period_ns = std::llround(trace.settings.at("encoder_rate_ms")) * 1'000'000;
+  OdriveEmulator emulator({3, {}}, settings);
+  emulator.motor.supply_V = trace.settings.at("supply_V");
+  std::string theirs, ours;
+  std::int64_t tick_ns = 0;
+  int frames = 0;
+  for (const TraceEvent& event : trace.events) {
+    if (event.kind == "error" && event.words.back() == "controller") break;  // no such errors here
+    while (tick_ns + 1'000'000 <= event.time_ns) ours += sent_by(emulator, tick_ns += 1'000'000, nullptr);
+    if (event.kind == "motor") {
+      emulator.motor.position_rad = event.number(0) * kRadiansPerRevolution;
+      emulator.motor.velocity_rad_s = event.number(1) * kRadiansPerRevolution;
+      static_cast<void>(sent_by(emulator, 0, nullptr));
+    } else if (event.kind == "<") {
+      ++frames;
+      theirs += std::to_string(event.frame().id) + " " + testing::hex(event.frame()) + "; ";
+    } else if (event.kind == ">" || (event.kind == "?" && event.frame().id != (3u << 5 | 0x1d))) {
+      ours += sent_by(emulator, tick_ns, &event);
+    } else if (event.kind == "?") {
+      ours += "125 0000000000000000; ";  // errors of its controller: nothing asks for them
+    } else if (event.kind == "torque") {
+      EXPECT_EQ(emulator.torque_Nm(), event.number(0));
+    } else if (event.kind == "error" && event.words.back() == "motor") {
+      emulator.raise(DriverFault::over_current);
+    }
+  }
+  EXPECT_GT(frames, 50);
+  EXPECT_EQ(ours, theirs);
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ using testing_support::shipped;
 /// No plan of these settings is feasible.
 std::unique_ptr<PlannerSettings> settings_without_feasible_plans() {
   ControllerParameters parameters = shipped();
-  parameters.sqp.plan_force_violation_max_N = -1.0;
+  parameters.sqp.plan_cone_violation_max_N = -1.0;
   auto settings = std::make_unique<PlannerSettings>();
   const auto work = std::make_unique<sqp::TerminalCostWorkspace>();
   EXPECT_EQ(prepare_settings(testing_support::amber3m(), parameters, *work, *settings), ConfigureStatus::ok);
@@ -64,21 +64,24 @@ TEST(InfeasiblePlan, OfAColdStartIsContinuedOnce) {
 }
 
 TEST(InfeasiblePlan, HasDefectsOrForcesBeyondTheirBounds) {
-  const auto report_with = [](double defect_max, double force_violation_max_N) {
+  const auto report_with = [](double defect_max, double cone_violation_max_N, double pulling_force_max_N) {
     ControllerParameters parameters = shipped();
     parameters.sqp.iterations = 1;  // far from converged
     parameters.sqp.plan_defect_max = defect_max;
-    parameters.sqp.plan_force_violation_max_N = force_violation_max_N;
+    parameters.sqp.plan_cone_violation_max_N = cone_violation_max_N;
+    parameters.sqp.plan_pulling_force_max_N = pulling_force_max_N;
     return Planning(parameters).solve(kWalk);
   };
-  const SolveReport report = report_with(1e6, 1e6);
+  const SolveReport report = report_with(1e6, 1e6, 1e6);
   ASSERT_EQ(report.status, SolveStatus::iteration_limit);
   const double defect = report.dynamics_defect_max;
-  const double force_N = std::max(report.violations.friction_cone_N, report.violations.pulling_force_N);
+  const double cone_N = report.violations.friction_cone_N;
+  const double pull_N = report.violations.pulling_force_N;
   ASSERT_GT(defect, 0.0);
-  EXPECT_EQ(report_with(defect, force_N).status, SolveStatus::iteration_limit);
-  EXPECT_EQ(report_with(0.99 * defect, force_N).status, SolveStatus::infeasible);
-  EXPECT_EQ(report_with(defect, force_N - 0.01).status, SolveStatus::infeasible);
+  EXPECT_EQ(report_with(defect, cone_N, pull_N).status, SolveStatus::iteration_limit);
+  EXPECT_EQ(report_with(0.99 * defect, cone_N, pull_N).status, SolveStatus::infeasible);
+  EXPECT_EQ(report_with(defect, cone_N - 0.01, pull_N).status, SolveStatus::infeasible);
+  EXPECT_EQ(report_with(defect, cone_N, pull_N - 0.01).status, SolveStatus::infeasible);
 }
 
 }  // namespace

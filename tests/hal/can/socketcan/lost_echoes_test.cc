@@ -59,6 +59,30 @@ TEST_F(FrameSocketTest, AtMostOneCommandOfAnIdentifierIsUnconfirmed) {
   EXPECT_EQ(receive_all(wire), std::vector<CanFrame>{classic_frame(1, 8)});
 }
 
+/// A queue that another program keeps full but for one place.
+int send_one(int descriptor, mmsghdr* headers, unsigned /*count*/, int flags) {
+  return ::sendmmsg(descriptor, headers, 1, flags);
+}
+
+TEST_F(FrameSocketTest, AQueueWithOnePlaceATickSilencesNoJointForLongerThanATick) {
+  FrameSocket socket(ends_[0], Echo::kernel, {.receive_many = receive_as_echo, .send_many = send_one});
+  FrameSocket wire(ends_[1]);
+  const std::vector<CanFrame> commands{classic_frame(1, 8), classic_frame(2, 8), classic_frame(3, 8)};
+  const CanFrame question = classic_frame(9, 0);
+  std::vector<std::uint32_t> sent;
+  for (int tick = 0; tick < 30; ++tick) {
+    EXPECT_EQ(socket.send(commands).status, BusStatus::queue_full);
+    static_cast<void>(socket.send(std::span(&question, 1)));
+    for (const CanFrame& frame : receive_all(wire)) {
+      if (frame.id != question.id) sent.push_back(frame.id);
+      ASSERT_EQ(wire.send(std::span(&frame, 1)).sent, 1u);  // it has left: echo
+    }
+    EXPECT_TRUE(receive_all(socket).empty());
+  }
+  ASSERT_EQ(sent.size(), 30u);
+  for (std::size_t tick = 0; tick < sent.size(); ++tick) EXPECT_EQ(sent[tick], 1 + tick % 3) << tick;
+}
+
 TEST_F(FrameSocketTest, ALostEchoSilencesAJointForAFewTicksOnly) {
   for (const bool passive : {false, true}) {
     FrameSocket socket(ends_[0], Echo::kernel, {.receive_many = receive_as_echo_unless_error});
