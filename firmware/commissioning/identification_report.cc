@@ -5,6 +5,7 @@
 #include "firmware/commissioning/formatted.h"
 #include "firmware/commissioning/identify.h"
 #include "firmware/commissioning/values_report.h"
+#include "firmware/configuration/driver_of.h"
 #include "firmware/configuration/schema.h"
 #include "firmware/control_loop/joint_names.h"
 
@@ -12,10 +13,12 @@ namespace stilt::commissioning {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using configuration::DriverProtocol;
+using configuration::NewValue;
 using control_loop::kJointNames;
 
 constexpr double kClearFactor = 0.2;  // half width of the torque factor's interval
-constexpr double kRightFactor = 0.1;  // away from 1
+constexpr double kRightFactor = 0.1;  // away from 1: masses of a URDF are no better
 
 bool clear(const DriveNumbers& drive) {
   return drive.samples > 0 && drive.torque_factor.half_width < kClearFactor;
@@ -37,13 +40,42 @@ std::string armature_scale_text(const model::RobotModel& robot, const Identifica
   return of_urdf > 0 ? configuration::number_text(std::round(1e4 * found / of_urdf) / 1e4) : "";
 }
 
+/// The maker's setting of the torque constant, and what makes it right.
+std::string makers_setting(DriverProtocol protocol, double factor) {
+  if (protocol == DriverProtocol::moteus) return formatted("divide motor.Kv of its moteus by %.3f", factor);
+  if (protocol == DriverProtocol::odrive) {
+    return formatted("multiply axis0.config.motor.torque_constant of its ODrive by %.3f", factor);
+  }
+  return formatted("multiply the torque constant in its driver by %.3f, where the maker's tool can", factor);
+}
+
+/// @param factor  found, beside the one in force
+void judge_factor(const configuration::HardwareParameters& hardware, std::size_t joint, double factor,
+                  std::vector<std::string>& findings, std::vector<NewValue>& values) {
+  const char* name = kJointNames[joint];
+  const double whole = factor * hardware.joint[joint].torque_factor;
+  if (whole < configuration::kLeastTorqueFactor || whole > configuration::kMostTorqueFactor) {
+    findings.push_back(
+        formatted("%s gives %.2f Nm per Nm asked: more than its torque_factor mends, 0.5 to 2; look at the "
+                  "ratio and at the motor that its driver is set up for",
+                  name, factor));
+    return;
+  }
+  const DriverProtocol protocol = configuration::driver_of(hardware, joint).protocol;
+  findings.push_back(formatted(
+      "%s gives %.2f Nm per Nm asked: either write torque_factor = %.3f, as --out does, or %s; then repeat",
+      name, factor, whole, makers_setting(protocol, factor).c_str()));
+  values.push_back({name, "torque_factor", configuration::number_text(std::round(1e3 * whole) / 1e3)});
+}
+
 Json estimate_json(const Estimate& estimate) {
   return {{"value", estimate.value}, {"half_width_95", estimate.half_width}};
 }
 
 }  // namespace
 
-void judge(const model::RobotModel& robot, IdentificationReport& report) {
+void judge(const IdentificationRequest& request, IdentificationReport& report) {
+  std::vector<NewValue> factors;
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
     const DriveNumbers& drive = report.drives[joint];
     const Estimate& factor = drive.torque_factor;
@@ -53,9 +85,7 @@ void judge(const model::RobotModel& robot, IdentificationReport& report) {
                     "holds the torso, then repeat",
                     kJointNames[joint], factor.value, factor.half_width));
     } else if (std::abs(factor.value - 1) > kRightFactor + factor.half_width) {
-      report.findings.push_back(
-          formatted("%s gives %.2f Nm per Nm asked; correct the torque constant of its driver, then repeat",
-                    kJointNames[joint], factor.value));
+      judge_factor(request.hardware, joint, factor.value, report.findings, factors);
     }
   }
   if (!std::ranges::all_of(report.drives, clear)) return;
@@ -65,8 +95,9 @@ void judge(const model::RobotModel& robot, IdentificationReport& report) {
       {"robot", "knee_coulomb_friction_Nm", mean_text(report, kKnee, &DriveNumbers::coulomb_friction_Nm)},
       {"robot", "hip_damping_Nms_rad", mean_text(report, kHip, &DriveNumbers::damping_Nms_rad)},
       {"robot", "knee_damping_Nms_rad", mean_text(report, kKnee, &DriveNumbers::damping_Nms_rad)}};
-  const std::string armature = armature_scale_text(robot, report);
+  const std::string armature = armature_scale_text(*request.robot, report);
   if (!armature.empty()) report.values.push_back({"robot", "armature_scale", armature});
+  report.values.insert(report.values.end(), factors.begin(), factors.end());
 }
 
 std::string to_text(const IdentificationReport& report) {

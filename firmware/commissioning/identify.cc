@@ -236,14 +236,14 @@ std::expected<Excitation, std::string> excite(Session& session, const Identifica
   return excitation;
 }
 
-IdentificationReport identified(const model::RobotModel& robot, const Excitation& excitation) {
+IdentificationReport identified(const IdentificationRequest& request, const Excitation& excitation) {
   IdentificationReport report;
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
     report.drives[joint] =
-        fit_drive(robot, joint, std::span(&excitation.records[joint], 1), excitation.period_s);
+        fit_drive(*request.robot, joint, std::span(&excitation.records[joint], 1), excitation.period_s);
   }
   report.peak_torque_Nm = excitation.peak_torque_Nm;
-  judge(robot, report);
+  judge(request, report);
   return report;
 }
 
@@ -251,7 +251,7 @@ std::expected<IdentificationReport, std::string> identify(Session& session,
                                                           const IdentificationRequest& request) {
   const auto excitation = excite(session, request);
   if (!excitation) return std::unexpected(excitation.error());
-  return identified(*request.robot, *excitation);
+  return identified(request, *excitation);
 }
 
 }  // namespace stilt::commissioning

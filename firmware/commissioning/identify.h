@@ -8,6 +8,7 @@
 #include "firmware/commissioning/drive_fit.h"
 #include "firmware/commissioning/session.h"
 #include "firmware/configuration/edit.h"
+#include "firmware/configuration/hardware.h"
 
 /// One joint after the other moves on the gantry, slowly and then quickly, the others held: the numbers of
 /// its drive follow. Ordinary threads; why so: docs/decisions/0021-commissioning.md
@@ -15,8 +16,9 @@ namespace stilt::commissioning {
 
 struct IdentificationRequest {
   const model::RobotModel* robot = nullptr;
-  double torque_share = 0.3;  ///< of the joints' limits: most torque
-  double kp_Nm_rad = 0.0;     ///< of all motions, closed here
+  double torque_share = 0.3;                   ///< of the joints' limits: most torque
+  double kp_Nm_rad = 0.0;                      ///< of all motions, closed here
+  configuration::HardwareParameters hardware;  ///< with the torque factors in force
 };
 
 /// What was asked of the joints and read of them. The drivers are off by then: the fit takes long, and
@@ -41,14 +43,15 @@ struct IdentificationReport {
                                                             const IdentificationRequest& request);
 
 /// The numbers of the drives from their motions, and what they mean. Pure.
-[[nodiscard]] IdentificationReport identified(const model::RobotModel& robot, const Excitation& excitation);
+[[nodiscard]] IdentificationReport identified(const IdentificationRequest& request,
+                                              const Excitation& excitation);
 
 /// Both, one after the other.
 [[nodiscard]] std::expected<IdentificationReport, std::string> identify(Session& session,
                                                                         const IdentificationRequest& request);
 
 /// What the numbers mean: values for the configuration, and what is wrong.
-void judge(const model::RobotModel& robot, IdentificationReport& report);
+void judge(const IdentificationRequest& request, IdentificationReport& report);
 
 [[nodiscard]] std::string to_text(const IdentificationReport& report);
 /// @param file  that the values were written to; empty: none

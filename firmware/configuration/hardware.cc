@@ -68,6 +68,7 @@ hal::JointWiring joint_wiring(const HardwareParameters& hardware, std::size_t jo
   wiring.direction = place.reversed ? -1 : 1;
   wiring.ratio = driver.ratio;
   wiring.offset_rad = place.offset_rad;
+  wiring.torque_factor = place.torque_factor;
   if (driver.protocol == DriverProtocol::moteus) {
     wiring.driver = moteus_driver(hardware, joint);
   } else if (driver.protocol == DriverProtocol::odrive) {

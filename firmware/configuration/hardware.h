@@ -50,13 +50,17 @@ struct DriverParameters {
   bool accept_missing_watchdog = false;
 };
 
+/// Beyond it is a wrong ratio, or a driver that is set up for another motor.
+inline constexpr double kLeastTorqueFactor = 0.5, kMostTorqueFactor = 2.0;
+
 /// One joint's place on the buses: joint = direction shaft / ratio + offset.
 struct JointParameters {
   int bus = 0;
-  int id = 1;               ///< identifier the driver listens to; moteus: its id, ODrive: its node
-  int reply_id = 0;         ///< MIT mode: identifier it answers with
-  bool reversed = false;    ///< direction -1
-  double offset_rad = 0.0;  ///< of the joint where the shaft reads 0
+  int id = 1;                  ///< identifier the driver listens to; moteus: its id, ODrive: its node
+  int reply_id = 0;            ///< MIT mode: identifier it answers with
+  bool reversed = false;       ///< direction -1
+  double offset_rad = 0.0;     ///< of the joint where the shaft reads 0
+  double torque_factor = 1.0;  ///< torque that the motor gives per torque asked of the driver
 };
 
 /// Where the sensors of the torso are. A channel is a line of text, see parse_channel(); "none" without one.

@@ -150,6 +150,9 @@ void add_joint(std::string_view section, std::vector<Entry>& rows) {
        flag<&P::hardware, &H::joint, Joint, &J::reversed>()},
       {section, "offset_rad", "rad", "Angle of the joint where the shaft reads 0",
        real<&P::hardware, &H::joint, Joint, &J::offset_rad>(-100.0, 100.0)},
+      {section, "torque_factor", "1",
+       "Torque that the motor gives per torque asked of its driver; stiltd identify finds it",
+       real<&P::hardware, &H::joint, Joint, &J::torque_factor>(kLeastTorqueFactor, kMostTorqueFactor)},
   };
   rows.insert(rows.end(), std::begin(joint), std::end(joint));
 }

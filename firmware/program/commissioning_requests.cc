@@ -33,7 +33,8 @@ commissioning::IdentificationRequest identification_request(const Options& optio
   const supervisor::SupervisorParameters& supervisor = options.configuration.supervisor;
   return {.robot = &robot,
           .torque_share = std::min(options.identify_torque_share, supervisor.torque_limit_share),
-          .kp_Nm_rad = supervisor.hold_kp_Nm_rad};
+          .kp_Nm_rad = supervisor.hold_kp_Nm_rad,
+          .hardware = options.configuration.hardware};
 }
 
 }  // namespace stilt::program

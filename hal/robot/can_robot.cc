@@ -91,7 +91,8 @@ DecodeStatus CanRobot::take_joint(std::int64_t now_ns, std::size_t joint, const 
   if (status != DecodeStatus::ok) return status;
   JointReading& reading = readings_[joint];
   if (shaft.has_motion) set_motion(now_ns, joint);
-  if (!std::isnan(shaft.torque_Nm)) reading.torque_Nm = wiring.direction * wiring.ratio * shaft.torque_Nm;
+  if (!std::isnan(shaft.torque_Nm))
+    reading.torque_Nm = wiring.direction * wiring.ratio * wiring.torque_factor * shaft.torque_Nm;
   reading.driver_temperature_C = shaft.driver_temperature_C;
   reading.motor_temperature_C = shaft.motor_temperature_C;
   reading.supply_V = shaft.supply_V;
@@ -173,7 +174,9 @@ DriverCommand CanRobot::at_shaft(std::size_t joint, const JointCommand& command)
   const JointWiring& wiring = wiring_.joints[joint];
   const JointReading& reading = readings_[joint];
   const double turns = wiring.direction * wiring.ratio;
-  const double squared_ratio = wiring.ratio * wiring.ratio;
+  const double torque_ratio =
+      wiring.ratio * wiring.torque_factor;  // of the joint to that asked of the driver
+  const double gain_ratio = wiring.ratio * torque_ratio;
   const double limit_Nm = std::abs(command.torque_limit_Nm);
   const double feedback_Nm = command.kp_Nm_rad * (command.position_rad - reading.position_rad) +
                              command.kd_Nms_rad * (command.velocity_rad_s - reading.velocity_rad_s);
@@ -181,12 +184,12 @@ DriverCommand CanRobot::at_shaft(std::size_t joint, const JointCommand& command)
   const double limited_Nm = has_no_feedback(joint) ? 0 : std::clamp(law_Nm, -limit_Nm, limit_Nm);
   return {.position_rad = turns * (command.position_rad - wiring.offset_rad) - turn_offset_rad_[joint],
           .velocity_rad_s = turns * command.velocity_rad_s,
-          .torque_Nm = wiring.direction * command.torque_Nm / wiring.ratio,
-          .kp_Nm_rad = command.kp_Nm_rad / squared_ratio,
-          .kd_Nms_rad = command.kd_Nms_rad / squared_ratio,
-          .torque_limit_Nm = limit_Nm / wiring.ratio,
+          .torque_Nm = wiring.direction * command.torque_Nm / torque_ratio,
+          .kp_Nm_rad = command.kp_Nm_rad / gain_ratio,
+          .kd_Nms_rad = command.kd_Nms_rad / gain_ratio,
+          .torque_limit_Nm = limit_Nm / torque_ratio,
           .watchdog_s = wiring_.driver_watchdog_s,
-          .law_Nm = wiring.direction * limited_Nm / wiring.ratio};
+          .law_Nm = wiring.direction * limited_Nm / torque_ratio};
 }
 
 /// Whether the law of this joint is computed here, and there is no reading to compute it with.

@@ -80,7 +80,8 @@ bool valid(const RobotWiring& wiring, std::size_t bus_count) noexcept {
   for (std::size_t i = 0; i < kJoints; ++i) {
     const JointWiring& joint = wiring.joints[i];
     if (joint.bus >= bus_count || std::abs(joint.direction) != 1 || !(joint.ratio > 0) ||
-        !std::isfinite(joint.ratio) || !std::isfinite(joint.offset_rad) || !valid_driver(joint)) {
+        !std::isfinite(joint.ratio) || !std::isfinite(joint.offset_rad) || !(joint.torque_factor > 0) ||
+        !std::isfinite(joint.torque_factor) || !valid_driver(joint)) {
       return false;
     }
     for (std::size_t j = 0; j < i; ++j) {

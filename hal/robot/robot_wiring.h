@@ -30,6 +30,7 @@ struct JointWiring {
   double ratio =
       1;  ///< turns of the driver's shaft per turn of the joint; 1 when the driver counts its output
   double offset_rad = 0;
+  double torque_factor = 1;  ///< torque that the motor gives per torque asked of the driver
 };
 
 /// Number of the extra encoder that the joint's driver reports; -1: none.

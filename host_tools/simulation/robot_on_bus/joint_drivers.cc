@@ -43,7 +43,7 @@ void JointDrivers::set_pitch(double pitch_rad, double pitch_rate_rad_s) {
 double JointDrivers::torque_Nm(std::size_t joint) const {
   const hal::JointWiring& wiring = wiring_.joints[joint];
   const double turns = (mistakes_[joint].motor_reversed ? -1.0 : 1.0) * wiring.direction * wiring.ratio;
-  return mistakes_[joint].torque_factor * turns * driver(joint).torque_Nm();
+  return mistakes_[joint].torque_factor * wiring.torque_factor * turns * driver(joint).torque_Nm();
 }
 
 bool JointDrivers::all_enabled() const {

@@ -10,6 +10,7 @@
 namespace stilt::commissioning {
 namespace {
 
+using Protocol = configuration::DriverProtocol;
 using testing::HangingRobot;
 using testing::Wiring;
 
@@ -18,7 +19,8 @@ const model::RobotModel& amber3m() { return (*robots::find("amber3m"))->model; }
 IdentificationRequest request_of(const HangingRobot& robot, double torque_share = 0.3) {
   return {.robot = &amber3m(),
           .torque_share = torque_share,
-          .kp_Nm_rad = robot.configuration.supervisor.hold_kp_Nm_rad};
+          .kp_Nm_rad = robot.configuration.supervisor.hold_kp_Nm_rad,
+          .hardware = robot.configuration.hardware};
 }
 
 std::expected<IdentificationReport, std::string> tried(HangingRobot& robot, double torque_share = 0.3) {
@@ -87,6 +89,7 @@ TEST(Identify, WritesMeansOfBothLegsAndNamesAWrongTorqueConstant) {
   ASSERT_TRUE(report) << report.error();
   ASSERT_EQ(report->findings.size(), 4u) << to_text(*report);
   EXPECT_TRUE(report->findings[0].starts_with("hip_L gives 0.")) << report->findings[0];
+  EXPECT_NE(report->findings[0].find("either write torque_factor = 0."), std::string::npos);
   const auto text = configuration::with_values("", "robot.toml", report->values);
   const auto result = configuration::parse(*text, "robot.toml");
   ASSERT_TRUE(result) << configuration::to_string(result.error());
@@ -94,10 +97,74 @@ TEST(Identify, WritesMeansOfBothLegsAndNamesAWrongTorqueConstant) {
   EXPECT_NEAR(result->robot.knee_coulomb_friction_Nm, 1.0, 0.3);
   EXPECT_NEAR(result->robot.hip_damping_Nms_rad, 0.5, 0.25);
   EXPECT_NEAR(result->robot.armature_scale, 1.0, 0.1);
+  for (const configuration::JointParameters& joint : result->hardware.joint) {
+    EXPECT_NEAR(joint.torque_factor, 0.8, 0.08);
+  }
   const auto json = nlohmann::json::parse(to_json(*report, ""));
   EXPECT_FALSE(json["good"]);
   EXPECT_NEAR(json["joints"]["knee_R"]["torque_factor"]["value"], 0.8, 0.08);
   EXPECT_TRUE(json["written"].is_null());
+}
+
+TEST(Identify, AfterItsTorqueFactorIsWrittenAJointIsRight) {
+  HangingRobot robot(
+      {.both = {"hip_L.torque_factor=0.8", "knee_R.torque_factor=1.25"}, .robot = {}, .miswired = {}});
+  const auto report = tried(robot);
+  ASSERT_TRUE(report) << report.error();
+  EXPECT_TRUE(report->findings.empty()) << to_text(*report);
+  for (const DriveNumbers& drive : report->drives) expect_within(0.1, drive.torque_factor, 1.0, 0);
+}
+
+/// What is made of these torque factors, found with such drivers and one that is in force.
+IdentificationReport judged(const std::array<double, hal::kJoints>& found, Protocol protocol,
+                            double in_force) {
+  configuration::HardwareParameters hardware;
+  hardware.hip.protocol = hardware.knee.protocol = protocol;
+  hardware.joint[1].torque_factor = in_force;
+  IdentificationReport report;
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    report.drives[joint].torque_factor = {found[joint], 0.01};
+    report.drives[joint].samples = 1000;
+  }
+  judge({.robot = &amber3m(), .hardware = hardware}, report);
+  return report;
+}
+
+std::string factor_of(const IdentificationReport& report, const std::string& joint) {
+  for (const configuration::NewValue& value : report.values) {
+    if (value.section == joint && value.key == "torque_factor") return value.value;
+  }
+  return "";
+}
+
+TEST(Identify, ATorqueFactorCountsBesideTheOneInForce) {
+  const IdentificationReport report = judged({1.05, 0.8, 0.91, 1.0}, Protocol::mit_damiao, 0.9);
+  EXPECT_EQ(factor_of(report, "knee_L"), "0.72");
+  for (const char* joint : {"hip_L", "hip_R", "knee_R"}) EXPECT_EQ(factor_of(report, joint), "") << joint;
+  EXPECT_EQ(report.findings.size(), 1u) << to_text(report);
+}
+
+TEST(Identify, ATorqueFactorBeyondItsRangeIsNamedAndNotWritten) {
+  const IdentificationReport report = judged({0.45, 0.8, 2.1, 1.0}, Protocol::mit_damiao, 0.6);
+  ASSERT_EQ(report.findings.size(), 3u) << to_text(report);
+  for (const std::string& finding : report.findings) {
+    EXPECT_NE(finding.find("more than its torque_factor mends, 0.5 to 2"), std::string::npos) << finding;
+  }
+  EXPECT_EQ(report.values.size(), 5u) << "friction, damping and armature";
+}
+
+TEST(Identify, TheMakersSettingIsNamedForEachProtocol) {
+  const std::array<double, hal::kJoints> found{0.8, 1, 1, 1};
+  const auto finding = [&](Protocol protocol) { return judged(found, protocol, 1).findings.at(0); };
+  EXPECT_EQ(finding(Protocol::moteus),
+            "hip_L gives 0.80 Nm per Nm asked: either write torque_factor = 0.800, as --out does, or divide "
+            "motor.Kv of its moteus by 0.800; then repeat");
+  EXPECT_NE(
+      finding(Protocol::odrive).find("multiply axis0.config.motor.torque_constant of its ODrive by 0.800"),
+      std::string::npos);
+  for (const Protocol mit : {Protocol::mit_damiao, Protocol::mit_ak, Protocol::mit_mini_cheetah}) {
+    EXPECT_NE(finding(mit).find("multiply the torque constant in its driver by 0.800"), std::string::npos);
+  }
 }
 
 TEST(Identify, AnEmergencyStopEndsItLimp) {
@@ -118,7 +185,8 @@ TEST(Identify, DriversAreOffBeforeAnythingIsFitted) {
     EXPECT_FALSE(robot.robot.drivers().driver(joint).enabled());
     EXPECT_GT(excitation->records[joint].torque_Nm.size(), 20'000u);
   }
-  const IdentificationReport report = identified(amber3m(), *excitation);  // has no session to keep alive
+  const IdentificationReport report =
+      identified(request_of(robot), *excitation);  // has no session to keep alive
   EXPECT_EQ(report.values.size(), 5u) << to_text(report);
 }
 

@@ -49,8 +49,10 @@ TEST(CanRobot, AnOdrivesTorqueEstimateIsReadAtTheJoint) {
   CanFrame frame;
   ASSERT_EQ(odrive::encode(2, odrive::OdriveTorques{3, 0.5}, frame), EncodeStatus::ok);
   robot.buses_[0].script(frame, robot.clock_.now_ns());
+  robot.buses_[1].script(frame, robot.clock_.now_ns());
   static_cast<void>(robot.read());
   EXPECT_DOUBLE_EQ(robot.readings_[1].torque_Nm, -8 * 0.5) << "direction -1, ratio 8";
+  EXPECT_DOUBLE_EQ(robot.readings_[3].torque_Nm, -8 * 0.8 * 0.5) << "torque factor 0.8";
   EXPECT_TRUE(std::isnan(robot.readings_[0].torque_Nm)) << "another node";
 }
 

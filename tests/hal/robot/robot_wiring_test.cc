@@ -27,6 +27,8 @@ TEST(RobotWiring, EachThingWithoutSenseIsRefusedByItself) {
       {"joint on a bus that does not exist", [](RobotWiring& w) { w.joints[3].bus = 2; }},
       {"half a direction", [](RobotWiring& w) { w.joints[0].direction = 0.5; }},
       {"no ratio", [](RobotWiring& w) { w.joints[0].ratio = 0; }},
+      {"no torque factor", [](RobotWiring& w) { w.joints[1].torque_factor = 0; }},
+      {"endless torque factor", [kInfinity](RobotWiring& w) { w.joints[1].torque_factor = kInfinity; }},
       {"negative ratio", [](RobotWiring& w) { w.joints[0].ratio = -2; }},
       {"endless ratio", [kInfinity](RobotWiring& w) { w.joints[0].ratio = kInfinity; }},
       {"offset that is no number", [kNaN](RobotWiring& w) { w.joints[0].offset_rad = kNaN; }},

@@ -41,6 +41,21 @@ TEST_P(JointDriversOf, WhatIsCommandedAtTheJointArrivesAtTheJoint) {
   }
 }
 
+/// A motor that gives less than its driver is asked for, first unknown to the controller.
+TEST_P(JointDriversOf, ATorqueFactorIsOfTheMotorAndTheControllerMakesUpForIt) {
+  RobotRequest request = drivers(GetParam(), "6");
+  request.settings.emplace_back("hip_R.torque_factor=0.8");
+  DrivenRobot driven(request);
+  ASSERT_TRUE(driven.enable());
+  hal::JointCommands commands;
+  for (hal::JointCommand& command : commands) command = {.torque_Nm = 10.0, .torque_limit_Nm = 80};
+  driven.tick(&commands);
+  constexpr std::size_t kHipRight = 2;
+  EXPECT_NEAR(driven.robot.drivers().torque_Nm(kHipRight), 10.0, 0.4);
+  const double turns = driven.setup.wiring.joints[kHipRight].direction * 6;
+  EXPECT_NEAR(turns * driven.robot.drivers().driver(kHipRight).torque_Nm(), 12.5, 0.5);
+}
+
 TEST_P(JointDriversOf, TheMotionOfTheJointComesBack) {
   DrivenRobot driven(drivers(GetParam(), "6"));
   ASSERT_TRUE(driven.enable());
