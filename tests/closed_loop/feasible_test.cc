@@ -54,6 +54,8 @@ INSTANTIATE_TEST_SUITE_P(
                                          FeasiblePush{"TorsoBackward", -80.0, PushPoint::torso, kWalk},
                                          FeasiblePush{"Standing", 80.0, PushPoint::hip, kStand},
                                          FeasiblePush{"StandingBackward", -80.0, PushPoint::hip, kStand},
+                                         FeasiblePush{"StandingSlowly", 28.0, PushPoint::hip, kStand},
+                                         FeasiblePush{"StandingTorso", 20.0, PushPoint::torso, kStand},
                                          FeasiblePush{"Slippery", 45.0, PushPoint::hip, kWalk, 0.3}),
                        ::testing::Values(3.05, 3.1, 3.25, 3.3)),
     [](const auto& test) {
