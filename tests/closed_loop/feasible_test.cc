@@ -8,7 +8,8 @@
 #include "tests/closed_loop/simulated_run.h"
 
 /// The preset `feasible`: large pushes are survived by plans that ground and drives can execute
-/// (docs/decisions/0037-feasible-plans.md). Forces are 85 % of those that all cases there survive.
+/// (docs/decisions/0037-feasible-plans.md). Forces are 85 % of those that all cases there survive, at the hip
+/// backward of 140 N, which 21 of 24 do.
 namespace stilt::simulation {
 namespace {
 
@@ -49,9 +50,9 @@ TEST_P(FeasiblePlans, SurvivePushesWithoutForcesOutsideTheConeAndWithoutDefects)
 INSTANTIATE_TEST_SUITE_P(
     ClosedLoop, FeasiblePlans,
     ::testing::Combine(::testing::Values(FeasiblePush{"HipForward", 150.0, PushPoint::hip, kWalk},
-                                         FeasiblePush{"HipBackward", -130.0, PushPoint::hip, kWalk},
+                                         FeasiblePush{"HipBackward", -140.0, PushPoint::hip, kWalk},
                                          FeasiblePush{"TorsoForward", 90.0, PushPoint::torso, kWalk},
-                                         FeasiblePush{"TorsoBackward", -80.0, PushPoint::torso, kWalk},
+                                         FeasiblePush{"TorsoBackward", -85.0, PushPoint::torso, kWalk},
                                          FeasiblePush{"Standing", 80.0, PushPoint::hip, kStand},
                                          FeasiblePush{"StandingBackward", -80.0, PushPoint::hip, kStand},
                                          FeasiblePush{"StandingSlowly", 28.0, PushPoint::hip, kStand},

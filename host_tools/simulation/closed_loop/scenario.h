@@ -41,8 +41,8 @@ struct ActingPush {
 /// The text of a gait for parse_gait().
 [[nodiscard]] const char* gait_name(gait::GaitKind kind);
 
-/// Whether the controller gets the plant's state: "truth" instead of "estimated". Throws
-/// std::invalid_argument, one sentence, for any other text.
+/// Whether the controller gets the plant's state but for the velocity of the base: "truth" instead of
+/// "estimated". Throws std::invalid_argument, one sentence, for any other text.
 [[nodiscard]] bool parse_knows_truth(std::string_view text);
 
 /// Throws std::invalid_argument when pushes at different points overlap in time.
