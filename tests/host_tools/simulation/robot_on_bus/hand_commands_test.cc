@@ -80,9 +80,9 @@ TEST_F(HandCommandsTest, RockingTurnsTheTorsoAgainstAStillThighUntilTheNextLine)
   EXPECT_GT(forward_rad, 0.17) << "10 degrees";
   EXPECT_LT(backward_rad, -0.17);
   EXPECT_LT(thigh_moved_rad, 0.03);
-  hands_.type("torso 0\n");
-  EXPECT_EQ(until_report().sentence, "3: torso 0: done");
-  EXPECT_NEAR(angle_rad(kPitch), 0, kSettled_rad) << "no rocking any more";
+  hands_.type("torso 0.1\n");
+  EXPECT_EQ(until_report().sentence, "3: torso 0.1: done");
+  EXPECT_NEAR(angle_rad(kPitch), 0.1, kSettled_rad) << "no rocking any more";
 }
 
 TEST_F(HandCommandsTest, ALineThatIsNoneIsNamedAndTheNextIsDone) {

@@ -41,7 +41,7 @@ TEST_P(JointDriversOf, WhatIsCommandedAtTheJointArrivesAtTheJoint) {
   }
 }
 
-/// A motor that gives less than its driver is asked for, first unknown to the controller.
+/// The motor gives less than its driver is asked for, and the controller asks for more.
 TEST_P(JointDriversOf, ATorqueFactorIsOfTheMotorAndTheControllerMakesUpForIt) {
   RobotRequest request = drivers(GetParam(), "6");
   request.settings.emplace_back("hip_R.torque_factor=0.8");
