@@ -2,28 +2,35 @@
 
 #include "mpc_core/gait/command.h"
 #include "mpc_core/gait/parameters.h"
-#include "mpc_core/model/types.h"
+#include "mpc_core/model/robot.h"
 
 namespace stilt::control {
 
+/// Where one foot must stand, so that the robot comes to rest above it:
+///
+///   x_c = x + L / (m z) sqrt(z / g)
+///
+/// x, z of the centre of mass; L the angular momentum of the whole body about the ground below it, which is
+/// m z v of a point mass and that of a torso that tips besides. m, world. Sources: Pratt, Carff, Drakunov,
+/// Goswami 2006, "Capture Point: A Step toward Humanoid Push Recovery"; Gong, Grizzle 2021, "Angular Momentum
+/// about the Contact Point for Control of Bipedal Locomotion". Real-time safe.
+/// @param joint_parameters  as of the planner's model: reflected inertia and damping of the joints
+[[nodiscard]] double capture_point_x_m(const model::RobotModel& robot, const double* joint_parameters,
+                                       const model::StateVector& state) noexcept;
+
 /// Lets a standing robot step when it would fall otherwise. On two point feet a robot stays where it is only
-/// while its capture point lies between them:
-///
-///   x_c = x + v sqrt(z / g)
-///
-/// x, v, z of the base. When x_c comes nearer than `catch_margin_m` to leaving the feet, the command to stand
-/// becomes one to step in place. It becomes one to stand again when the base has been slower than
-/// `catch_calm_m_s` for the time of a step. Source of the capture point: Pratt, Carff, Drakunov, Goswami
-/// 2006, "Capture Point: A Step toward Humanoid Push Recovery". Real-time safe.
+/// while its capture point lies between them. When that comes nearer than `catch_margin_m` to leaving the
+/// feet, the command to stand becomes one to step in place. It becomes one to stand again when the base has
+/// been slower than `catch_calm_m_s` for the time of a step. Real-time safe.
 class FallCatcher {
  public:
   void reset() noexcept { *this = FallCatcher{}; }
 
-  /// Once per plan. `standing_s`: time since when both feet stand by schedule; 0 when they do not. `feet`:
-  /// [xL, zL, xR, zR], m, world.
+  /// Once per plan. `standing_s`: time since when both feet stand by schedule; 0 when they do not.
+  /// `base_m_s`: forward speed of the base. `feet`: [xL, zL, xR, zR], m, world.
   /// @return the command to follow
   [[nodiscard]] gait::GaitCommand update(double time_s, const gait::GaitCommand& command, double standing_s,
-                                         const model::StateVector& state, const model::FeetVector& feet,
+                                         double base_m_s, double capture_x_m, const model::FeetVector& feet,
                                          const gait::GaitParameters& parameters) noexcept;
 
   /// Direction of the fall that began the steps; none while the operator's command is followed.

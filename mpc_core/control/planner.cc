@@ -58,8 +58,9 @@ bool Planner::prepare(const PlannerInput& input) noexcept {
   };
   const auto stands = [&] { return phase_now().gait == gait::GaitKind::stand; };
   const double standing_s = stands() ? input.time_s - phase_now().start_s : 0.0;
-  const gait::GaitCommand command =
-      catcher_.update(input.time_s, input.command, standing_s, input.state, feet, parameters_.gait);
+  const gait::GaitCommand command = catcher_.update(
+      input.time_s, input.command, standing_s, input.state[kPositions],
+      capture_point_x_m(*data_.robot, data_.joint_parameters, input.state), feet, parameters_.gait);
   schedule_.update(input.time_s, input.time_s + parameters_.discretisation.horizon_s + beyond_s, command,
                    parameters_.gait, parameters_.reference, speed_reference_m_s_, feet[0] >= feet[2],
                    catcher_.fall());

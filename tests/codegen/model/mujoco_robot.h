@@ -71,6 +71,19 @@ class MujocoRobot {
   [[nodiscard]] const double* bias() const { return data_->qfrc_bias; }
   [[nodiscard]] const double* acceleration() const { return data_->qacc; }
 
+  /// Of all links, after forward(): mass; centre of mass, x, y, z, m; velocity of it, m/s; angular momentum
+  /// about it, kg m^2/s.
+  [[nodiscard]] double mass_kg() const { return model_->body_subtreemass[0]; }
+  [[nodiscard]] const double* centre_of_mass_m() const { return data_->subtree_com; }
+  [[nodiscard]] const double* velocity_m_s() const {
+    mj_subtreeVel(model_.get(), data_.get());
+    return data_->subtree_linvel;
+  }
+  [[nodiscard]] const double* angular_momentum() const {
+    mj_subtreeVel(model_.get(), data_.get());
+    return data_->subtree_angmom;
+  }
+
   /// Rows x and z.
   [[nodiscard]] std::vector<double> foot_jacobian(int foot) const {
     const auto n = static_cast<std::size_t>(size());
