@@ -64,5 +64,31 @@ INSTANTIATE_TEST_SUITE_P(
              std::to_string(std::lround(1000.0 * std::get<1>(test.param))) + "ms";
     });
 
+/// A stop from a walk leaves the feet 7 to 12 cm apart: no step is made without need, and what the stand
+/// cannot hold is caught by steps (docs/decisions/0039-capture-point-of-the-whole-body.md). 60 N were
+/// survived.
+TEST(StandAfterAWalk, StepsNoMoreAndSurvivesPushes) {
+  constexpr double kStop_s = 3.0;
+  constexpr double kPush_s = 8.5;
+  for (const char* preset : {"", "feasible"}) {
+    for (const PushPoint point : {PushPoint::hip, PushPoint::torso}) {
+      for (const double force_N : {10.0, -10.0, 0.85 * 60.0, -0.85 * 60.0}) {
+        SimulatedRun run({.preset = preset,
+                          .plant = {"encoder_noise_rad=0.0005", "encoder_velocity_noise_rad_s=0.02",
+                                    "base_angle_noise_rad=0.001", "base_rate_noise_rad_s=0.01"},
+                          .commands = {{0.0, kWalk}, {kStop_s, kStand}},
+                          .pushes = {{force_N, kPush_s, 1.0, point}},
+                          .duration_s = kPush_s + 4.0});
+        const log::RunRecord record = run.run();
+        ASSERT_TRUE(record.summary.survived) << preset << ' ' << force_N << " N, " << describe(run, record);
+        for (const auto& step : record.summary.steps) {
+          EXPECT_TRUE(step.time_s < kStop_s + 2.5 || step.time_s > kPush_s)
+              << preset << ": a step at " << step.time_s << " s";
+        }
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace stilt::simulation
