@@ -27,7 +27,8 @@ class FallCatcher {
   void reset() noexcept { *this = FallCatcher{}; }
 
   /// Once per plan. `standing_s`: time since when both feet stand by schedule; 0 when they do not.
-  /// `base_m_s`: forward speed of the base. `feet`: [xL, zL, xR, zR], m, world.
+  /// `base_m_s`: forward speed of the base. `capture_x_m`: of capture_point_x_m(). `feet`: [xL, zL, xR, zR],
+  /// m, world.
   /// @return the command to follow
   [[nodiscard]] gait::GaitCommand update(double time_s, const gait::GaitCommand& command, double standing_s,
                                          double base_m_s, double capture_x_m, const model::FeetVector& feet,
