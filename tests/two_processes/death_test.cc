@@ -130,7 +130,7 @@ TEST(TwoProcesses, ARobotInRealTimeOutlivesItsController) {
   RobotAndController run;
   run.start_robot({"--once"});
   run.start_controller({"--start", "stand"});
-  ASSERT_TRUE(wait_for_text(run.file("controller.err"), "idle", kLongestRun_s)) << run.said();
+  ASSERT_TRUE(wait_for_text(run.file("controller.err"), " s  idle", kLongestRun_s)) << run.said();
   run.controller().signal(SIGKILL);
   ASSERT_TRUE(run.robot().wait(kLongestRun_s)) << "a second after the controller it ends";
   EXPECT_EQ(run.robot_json().at("ended"), "controller left");

@@ -84,12 +84,15 @@ class RealtimeRun {
   void look_for_end() {
     if (const char* reason = reason_to_end(robot_, options_)) outcome_.ended = reason;
     if (any_connected(buses_)) {
-      came_ = true;
       last_seen_s_ = robot_.time_s();
-    } else if (options_.once && came_ && robot_.time_s() - last_seen_s_ >= kLeft_s) {
+    } else if (options_.once && came() && robot_.time_s() - last_seen_s_ >= kLeft_s) {
       outcome_.ended = "controller left";
     }
   }
+
+  /// A controller that connects and dies between two looks was here, too. An interface of the kernel is always
+  /// connected.
+  [[nodiscard]] bool came() const { return buses_.front().connections() > 0; }
 
   RobotOnBus& robot_;
   std::vector<RobotBus>& buses_;
@@ -98,7 +101,6 @@ class RealtimeRun {
   hal::MonotonicClock clock_;
   std::int64_t step_ns_;
   std::int64_t next_ns_;
-  bool came_ = false;
   double last_seen_s_ = 0.0;
   ProgressTicks progress_;
   RunOutcome outcome_;
