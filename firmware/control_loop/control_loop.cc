@@ -151,11 +151,15 @@ model::StateVector ControlLoop::estimate_state(const control::SensorReading& sen
   return estimate;
 }
 
-/// The gait keeps in step with a robot that steps, whatever commands it.
+/// The gait keeps in step with a robot that steps, whatever commands it. It goes on until there is a plan with
+/// its foot on the ground, as long as plans come.
 supervisor::Followable ControlLoop::track_gait(const control::SensorReading& reading, const PlanView& plan,
                                                const model::StateVector& estimate) noexcept {
   const supervisor::SupervisorOutput& decision = supervisor_.output();
-  if (decision.state != State::step && decision.state != State::walk) {
+  const bool waits_for_plan = decision.state == State::stand && decision.level == FallbackLevel::gait &&
+                              plan.use == supervisor::PlanUse::none &&
+                              plan.age_s < supervision_.stale_plan_s;
+  if (decision.state != State::step && decision.state != State::walk && !waits_for_plan) {
     gait_.forget();
     gait_selected_ = false;
     stepping_since_s_ = reading.time_s;
@@ -305,6 +309,8 @@ void ControlLoop::request_plan(double time_s, const model::StateVector& estimate
   request.stance_episode = episode_;
   request.state = estimate;
   request.command = command;
+  request.tracked = {};
+  if (supervisor_.output().level == FallbackLevel::gait) request.tracked = gait_.step();
   mail_->requests.publish();
 }
 

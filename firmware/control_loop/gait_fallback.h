@@ -34,6 +34,8 @@ class GaitFallback {
   [[nodiscard]] const model::JointVector& velocity_rad_s() const noexcept { return command_.velocity_rad_s; }
   /// Which foot carries, by the gait; meaningful when ready().
   [[nodiscard]] model::ContactMode contact() const noexcept;
+  /// For the schedule of the planner; meaningful when ready().
+  [[nodiscard]] gait::TrackedStep step() const noexcept { return tracker_.step(); }
 
  private:
   void look_for_touch_down(const control::SensorReading& reading, model::ContactMode planned,

@@ -38,6 +38,7 @@ struct PlanningRequest {
   std::uint32_t stance_episode = 0;  ///< counts the times the robot got on its feet; 0: no plan is wanted
   model::StateVector state = model::StateVector::Zero();
   gait::GaitCommand command;
+  gait::TrackedStep tracked;  ///< the step of the gait that commands the joints
 };
 
 /// Planner -> torque loop, after every cycle.

@@ -13,7 +13,7 @@ bool PlannerTask::cycle(const PlanningRequest& request, control::Plan& plan) noe
   }
   if (request.stance_episode == 0) return false;
   trace::solve_begin(request.tick, static_cast<int>(request.command.kind));
-  report_ = planner_.planner().plan({request.time_s, request.state, request.command}, plan);
+  report_ = planner_.planner().plan({request.time_s, request.state, request.command, request.tracked}, plan);
   trace::solve_end(request.tick, static_cast<int>(report_.status), report_.iterations);
   ++result_.cycles;
   result_.status = report_.status;

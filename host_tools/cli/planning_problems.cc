@@ -33,7 +33,7 @@ bool walk(const ControllerChoice& choice, const Walk& walk, simulation::Simulate
     return true;
   };
   settings.observer.planned = [&](const control_loop::PlanningRequest& request, const sqp::SolveReport&) {
-    observer.after({request.time_s, request.state, request.command});
+    observer.after({request.time_s, request.state, request.command, request.tracked});
   };
   return simulation::run_closed_loop(plant, controller, settings).summary.survived;
 }

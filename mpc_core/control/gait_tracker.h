@@ -2,6 +2,7 @@
 
 #include "mpc_core/control/drive_model.h"
 #include "mpc_core/control/estimator.h"
+#include "mpc_core/gait/command.h"
 #include "mpc_core/gait/gait_library.h"
 
 namespace stilt::control {
@@ -37,6 +38,9 @@ class GaitTracker {
   [[nodiscard]] Command tick(const SensorReading& reading, double speed_m_s) noexcept;
 
   [[nodiscard]] int stance() const noexcept { return stance_; }
+  [[nodiscard]] gait::TrackedStep step() const noexcept {
+    return {stance_, touch_down_s_, gait_.step_time_s};
+  }
 
  private:
   /// Positions and velocities with the stance foot at the origin, and the positions of both feet.

@@ -63,7 +63,7 @@ bool Planner::prepare(const PlannerInput& input) noexcept {
       capture_point_x_m(*data_.robot, data_.joint_parameters, input.state), feet, parameters_.gait);
   schedule_.update(input.time_s, input.time_s + parameters_.discretisation.horizon_s + beyond_s, command,
                    parameters_.gait, parameters_.reference, speed_reference_m_s_, feet[0] >= feet[2],
-                   catcher_.fall());
+                   catcher_.fall(), input.tracked);
   const double trim_m_s =
       trim_.update({.time_s = input.time_s,
                     .base_x_m = input.state[0],

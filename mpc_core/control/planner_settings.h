@@ -13,6 +13,7 @@ struct PlannerInput {
   double time_s = 0.0;       ///< time of the state; must not decrease from call to call
   model::StateVector state;  ///< measured or estimated
   gait::GaitCommand command;
+  gait::TrackedStep tracked = {};  ///< the schedule keeps in step with it
 };
 
 /// Result of configuring a planner.

@@ -16,4 +16,11 @@ struct GaitCommand {
   double speed_m_s = 0.0;  ///< forward speed of the base; used by walk only
 };
 
+/// The present step of a gait that the joints track without a plan.
+struct TrackedStep {
+  int stance_foot = -1;       ///< model::kLeft or model::kRight; -1: no gait is tracked
+  double touch_down_s = 0.0;  ///< of that foot
+  double duration_s = 0.0;    ///< of a step of the gait
+};
+
 }  // namespace stilt::gait

@@ -90,16 +90,33 @@ void ContactSchedule::append_next(double earliest_start_s, const GaitParameters&
   --steps_before_stand_;
 }
 
+/// The step ends when the gait's does; one that lasts longer ends at once.
+void ContactSchedule::keep_step(double time_s, const TrackedStep& tracked) noexcept {
+  constexpr double kSoon_s = 0.01;
+  const model::ContactMode mode{tracked.stance_foot == model::kLeft, tracked.stance_foot == model::kRight};
+  const GaitKind kind = command_.kind == GaitKind::stand ? GaitKind::step : command_.kind;
+  while (count_ > 0 &&
+         (phases_[count_ - 1].start_s >= tracked.touch_down_s || phases_[count_ - 1].mode == mode)) {
+    --count_;
+  }
+  append(tracked.touch_down_s, mode, kind);
+  append(std::max(tracked.touch_down_s + tracked.duration_s, time_s + kSoon_s), other(mode), kind);
+  --steps_before_stand_;
+}
+
 void ContactSchedule::update(double time_s, double until_s, const GaitCommand& command,
                              const GaitParameters& parameters, const ReferenceParameters& reference,
-                             double reference_speed_m_s, bool left_ahead, Fall fall) noexcept {
+                             double reference_speed_m_s, bool left_ahead, Fall fall,
+                             const TrackedStep& tracked) noexcept {
   drop_past(time_s);
-  if (command.kind != command_.kind) {
+  const bool is_tracked = tracked.stance_foot >= 0;
+  if (is_tracked || command.kind != command_.kind) {
     count_ = index_at(time_s) + 1;  // keeps the present phase, schedules the future anew
     steps_before_stand_ = steps_to_stop(reference_speed_m_s, parameters, reference);
     if (about_to_land(time_s, parameters)) ++steps_before_stand_;
   }
   command_ = command;
+  if (is_tracked) keep_step(time_s, tracked);
   // When walking forward the leading foot steps first: the robot then falls forward.
   const bool forward = fall == Fall::none ? command_.speed_m_s >= 0.0 : fall == Fall::backward;
   const bool lift_left = forward == left_ahead;

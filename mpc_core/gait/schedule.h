@@ -40,10 +40,11 @@ class ContactSchedule {
   /// Applies the command, drops old phases, and extends the schedule beyond `until_s`. `reference_speed_m_s`:
   /// the present speed reference, from which a stop decelerates. `left_ahead`: whether the left foot stands
   /// ahead of the right one. It decides with `fall` which foot steps first: towards the commanded speed the
-  /// leading foot, when falling the one that is farther from where the robot falls, at once.
+  /// leading foot, when falling the one that is farther from where the robot falls, at once. `tracked`: the
+  /// present phase becomes this step, wherever the schedule was.
   void update(double time_s, double until_s, const GaitCommand& command, const GaitParameters& parameters,
               const ReferenceParameters& reference, double reference_speed_m_s, bool left_ahead,
-              Fall fall = Fall::none) noexcept;
+              Fall fall = Fall::none, const TrackedStep& tracked = {}) noexcept;
 
   [[nodiscard]] int count() const noexcept { return count_; }
   [[nodiscard]] const ContactPhase& phase(int index) const noexcept { return phases_[index]; }
@@ -58,6 +59,7 @@ class ContactSchedule {
 
  private:
   void append(double start_s, model::ContactMode mode, GaitKind gait) noexcept;
+  void keep_step(double time_s, const TrackedStep& tracked) noexcept;
   void append_next(double earliest_start_s, const GaitParameters& parameters, bool lift_left) noexcept;
   [[nodiscard]] bool about_to_land(double time_s, const GaitParameters& parameters) const noexcept;
   void drop_past(double time_s) noexcept;

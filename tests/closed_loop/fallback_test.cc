@@ -129,5 +129,32 @@ TEST(Fallback, ALostPlannerEndsSitting) {
   EXPECT_EQ(states, (std::vector{State::walk, State::step, State::stand, State::sit}));
 }
 
+/// The planner's steps take another time than the gait's 0.3 s. After a minute of the gait, and at any time
+/// within its step, the robot stops as out of plans.
+TEST(Fallback, AStopOutOfASelectedGaitStandsWhateverThePlannersStepTime) {
+  for (const char* step :
+       {"gait.single_support_s=0.25", "gait.single_support_s=0.3", "gait.single_support_s=0.4"}) {
+    for (const double stop_s : {8.0, 8.1, 8.2, 60.05}) {
+      RunRequest request = walking(0.3, 1.0, stop_s + 4.0);
+      request.settings = {step, "supervisor.select_gait=true", "supervisor.select_gait_after_s=1"};
+      request.commands.push_back({stop_s, {gait::GaitKind::stand, 0.0}});
+      SimulatedRun run(request);
+      State state = State::boot;
+      FallbackLevel level = FallbackLevel::off;
+      run.settings.observer.ticked = [&](const control_loop::TickRecord& tick) {
+        state = tick.state;
+        level = tick.level;
+        EXPECT_TRUE(tick.present.empty()) << step << ", " << static_cast<double>(tick.tick) * kTick_s << " s";
+      };
+      const log::RunRecord record = run.run();
+      EXPECT_TRUE(record.summary.survived)
+          << step << ", stop at " << stop_s << " s, " << describe(run, record);
+      EXPECT_GT(time_at(record, FallbackLevel::gait), stop_s - 3.0);
+      EXPECT_EQ(state, State::stand);
+      EXPECT_EQ(level, FallbackLevel::plan);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace stilt::simulation

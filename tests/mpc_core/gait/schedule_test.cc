@@ -291,5 +291,53 @@ TEST(Schedule, AFallingRobotLiftsTheFootFartherFromTheFallAfterTheShortLead) {
   }
 }
 
+/// A gait steps every 0.31 s, the schedule every 0.4 s. The planner's present phase is the gait's, and ends
+/// when the gait's step does.
+TEST(Schedule, KeepsInStepWithAGaitThatIsTracked) {
+  constexpr double kStep_s = 0.31;
+  Driver driver;
+  driver.run(kWalk, 3.0);
+  TrackedStep tracked{model::kRight, driver.time_s, kStep_s};
+  for (int step = 0; step < 12; ++step) {
+    while (driver.time_s < tracked.touch_down_s + kStep_s - 1e-9) {
+      driver.schedule.update(driver.time_s, driver.time_s + kAhead_s, kWalk, driver.gait, driver.reference, 0.5,
+                             true, Fall::none, tracked);
+      const int index = driver.schedule.index_at(driver.time_s);
+      const ContactPhase& now = driver.schedule.phase(index);
+      ASSERT_EQ(now.start_s, tracked.touch_down_s);
+      ASSERT_EQ(now.mode, (model::ContactMode{tracked.stance_foot == model::kLeft,
+                                              tracked.stance_foot == model::kRight}));
+      EXPECT_EQ(now.gait, GaitKind::walk);
+      const double end_s = std::max(tracked.touch_down_s + kStep_s, driver.time_s + 0.01);
+      ASSERT_NEAR(driver.schedule.end_s(index), end_s, 1e-12);
+      for (int i = index + 1; i < driver.schedule.count(); ++i) {
+        ASSERT_NE(driver.schedule.phase(i).mode, driver.schedule.phase(i - 1).mode) << "alternate feet";
+      }
+      ASSERT_GT(driver.schedule.phase(driver.schedule.count() - 1).start_s, driver.time_s + kAhead_s);
+      driver.time_s += kCycle_s;
+    }
+    tracked = {1 - tracked.stance_foot, driver.time_s, kStep_s};
+  }
+}
+
+TEST(Schedule, AStopOutOfATrackedGaitTakesTheStepsOfAStop) {
+  Driver driver;
+  driver.run(kWalk, 3.0);
+  const TrackedStep tracked{model::kLeft, driver.time_s - 0.1, 0.31};
+  const auto update = [&](const GaitCommand& command, const TrackedStep& step) {
+    driver.schedule.update(driver.time_s, driver.time_s + kAhead_s, command, driver.gait, driver.reference, 0.5,
+                           true, Fall::none, step);
+  };
+  for (int cycle = 0; cycle < 5; ++cycle) {
+    update(kStand, tracked);
+    driver.time_s += kCycle_s;
+  }
+  update(kStand, {});  // the plan is followed again
+  const int last = driver.schedule.count() - 1;
+  EXPECT_EQ(driver.schedule.phase(last).gait, GaitKind::stand);
+  // 0.5 m/s at 1 m/s^2 in steps of 0.4 s: two, and one to settle.
+  EXPECT_EQ(last - driver.schedule.index_at(driver.time_s), 4);
+}
+
 }  // namespace
 }  // namespace stilt::gait
