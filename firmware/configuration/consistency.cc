@@ -72,6 +72,22 @@ void check_gait(const Parameters& p, std::vector<Contradiction>& found) {
   }
 }
 
+void check_feedback(const Parameters& p, std::vector<Contradiction>& found) {
+  const auto& law = p.torque_law;
+  if (law.feedback_from_age_s >= law.feedback_full_age_s) {
+    found.push_back(
+        {{"torque_law.feedback_from_age_s", "torque_law.feedback_full_age_s"},
+         "torque_law.feedback_from_age_s = " + number_text(law.feedback_from_age_s) +
+             " must be below torque_law.feedback_full_age_s = " + number_text(law.feedback_full_age_s)});
+  }
+  if (law.feedback_full_age_s > p.supervisor.plan_feedback_after_s) {
+    found.push_back({{"torque_law.feedback_full_age_s", "supervisor.plan_feedback_after_s"},
+                     "torque_law.feedback_full_age_s = " + number_text(law.feedback_full_age_s) +
+                         " must be at most supervisor.plan_feedback_after_s = " +
+                         number_text(p.supervisor.plan_feedback_after_s)});
+  }
+}
+
 void check_timing(const Parameters& p, std::vector<Contradiction>& found) {
   const auto& timing = p.timing;
   if (timing.plan_rate_hz > timing.torque_rate_hz) {
@@ -137,6 +153,7 @@ std::vector<Contradiction> contradictions(const Configuration& parameters) {
   std::vector<Contradiction> found;
   check_capacity(parameters, found);
   check_gait(parameters, found);
+  check_feedback(parameters, found);
   check_timing(parameters, found);
   check_stall(parameters, found);
   check_reply_lag(parameters, found);

@@ -16,7 +16,8 @@ bool is_live(const Entry& entry) {
   if (entry.section == "cost") return true;
   if (entry.section == "gait") return entry.key == "swing_height_m";
   if (entry.section == "reference") return entry.key == kHeight;
-  return entry.section == "torque_law" && entry.key != "friction_velocity_rad_s";
+  return entry.section == "torque_law" && entry.key != "friction_velocity_rad_s" &&
+         !entry.key.starts_with("feedback_");  // two ages in order
 }
 
 LiveTunable tunable(const Entry& entry, const Configuration& configuration) {

@@ -151,14 +151,13 @@ model::StateVector ControlLoop::estimate_state(const control::SensorReading& sen
   return estimate;
 }
 
-/// The gait keeps in step with a robot that steps, whatever commands it. It goes on until there is a plan with
-/// its foot on the ground, as long as plans come.
+/// The gait keeps in step with a robot that steps, whatever commands it. It goes on until there is a plan
+/// with its foot on the ground, as long as plans come.
 supervisor::Followable ControlLoop::track_gait(const control::SensorReading& reading, const PlanView& plan,
                                                const model::StateVector& estimate) noexcept {
   const supervisor::SupervisorOutput& decision = supervisor_.output();
   const bool waits_for_plan = decision.state == State::stand && decision.level == FallbackLevel::gait &&
-                              plan.use == supervisor::PlanUse::none &&
-                              plan.age_s < supervision_.stale_plan_s;
+                              plan.use == supervisor::PlanUse::none && plan.age_s < supervision_.stale_plan_s;
   if (decision.state != State::step && decision.state != State::walk && !waits_for_plan) {
     gait_.forget();
     gait_selected_ = false;
@@ -263,9 +262,7 @@ hal::JointCommands ControlLoop::torques(FallbackLevel level, const control::Sens
   model::JointVector torque_Nm = model::JointVector::Zero();
   if (level == FallbackLevel::gait) torque_Nm = gait_.torque_Nm();
   if (level <= FallbackLevel::plan_feedback) {
-    const auto feedback = level == FallbackLevel::plan_feedback ? control::Feedback::plan_gains
-                                                                : control::Feedback::as_configured;
-    const control::TorqueCommand torque = law_.follow(reading, estimate, plan.point, feedback);
+    const control::TorqueCommand torque = law_.follow(reading, estimate, plan.point);
     torques_finite_ = torque.finite;
     torque_Nm = torque.torque_Nm;
   }

@@ -31,6 +31,7 @@ PlanPoint interpolate(const Plan& plan, double time_s) noexcept {
   if (same_phase) point.input += s * (to.input - from.input);
   point.gain = &from.gain;
   point.mode = from.mode;
+  point.age_s = time_s - plan.start_time_s;
   return point;
 }
 

@@ -44,6 +44,7 @@ struct PlanPoint {
   model::InputVector input = model::InputVector::Zero();
   const FeedbackGain* gain = nullptr;  ///< of the plan's node; points into the plan
   model::ContactMode mode;
+  double age_s = 0.0;  ///< since the state that the plan started from
 };
 
 /// Plan at a time, clamped to its ends. The plan has at least two nodes. Real-time safe.

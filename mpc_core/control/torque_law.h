@@ -13,22 +13,17 @@ struct TorqueCommand {
   bool saturated = false;  ///< a joint is at its drive's limit
 };
 
-/// Whether the plan's feedback gains correct its inputs.
-enum class Feedback {
-  as_configured,  ///< TorqueLawParameters::use_feedback_gains
-  plan_gains,     ///< always
-};
-
 /// Joint torques that follow a plan at one instant:
 ///
 ///   tau = tau_ff(x_plan, u) + kp (q_plan - q) + kd (v_plan - v) + friction
-///   u = u_plan (+ K (x - x_plan) with feedback), contact forces f then bounded:
+///   u = u_plan + w K (x - x_plan), contact forces f then bounded:
 ///   stance foot fz >= least normal force, |fx| <= mu fz; swing foot f = 0
 ///
-/// tau_ff is the torque equation of the whole-body dynamics. Each torque is limited to the drive's torque at
-/// the joint's velocity. When readings, state or plan are not finite, the joints are damped: tau = -kd v. A
-/// joint whose velocity is not finite gets zero torque. The torque is never NaN. Fixed memory, real-time
-/// safe.
+/// w grows with the age of the plan and kd with the rate of plans
+/// (docs/decisions/0038-young-and-old-plans.md). tau_ff is the torque equation of the whole-body dynamics.
+/// Each torque is limited to the drive's torque at the joint's velocity. When readings, state or plan are not
+/// finite, the joints are damped: tau = -kd v. A joint whose velocity is not finite gets zero torque. The
+/// torque is never NaN. Fixed memory, real-time safe.
 class TorqueLaw {
  public:
   void configure(const model::RobotModel& robot, const ControllerParameters& parameters) noexcept;
@@ -36,10 +31,13 @@ class TorqueLaw {
   /// Replaces the gains from the next call on. Real-time safe.
   void tune(const TorqueLawParameters& law) noexcept { law_ = law; }
 
+  /// kd at the configured rate of plans.
+  [[nodiscard]] double joint_kd_Nms_rad() const noexcept;
+
   /// @param state  estimated state, for the feedback
   /// @param point  the plan at the time of the reading
   [[nodiscard]] TorqueCommand follow(const SensorReading& reading, const model::StateVector& state,
-                                     const PlanPoint& point, Feedback feedback) const noexcept;
+                                     const PlanPoint& point) const noexcept;
 
  private:
   /// Forces of feet in stance moved into the friction cone above the least normal force, those of feet in the
@@ -52,6 +50,7 @@ class TorqueLaw {
   TorqueLawParameters law_;
   DriveModel drive_{};
   double friction_coefficient_ = 0.0;
+  double plan_rate_hz_ = 0.0;
   ocp::MinimumNormalForce minimum_normal_force_N_;
 };
 

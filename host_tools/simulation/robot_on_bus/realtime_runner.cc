@@ -90,8 +90,8 @@ class RealtimeRun {
     }
   }
 
-  /// A controller that connects and dies between two looks was here, too. An interface of the kernel is always
-  /// connected.
+  /// A controller that connects and dies between two looks was here, too. An interface of the kernel is
+  /// always connected.
   [[nodiscard]] bool came() const { return buses_.front().connections() > 0; }
 
   RobotOnBus& robot_;

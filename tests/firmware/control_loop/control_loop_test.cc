@@ -83,8 +83,8 @@ TEST_F(ControlLoopTest, StandingTorquesAreThoseOfTheTorqueLawOnTheNewestPlan) {
   reading.joint_position_rad = rig->standing.segment<model::kJoints>(model::kFirstJoint);
   const model::StateVector estimate =
       Eigen::Map<const model::StateVector>(rig->record.estimated_state.data());
-  const control::TorqueCommand wanted = law.follow(
-      reading, estimate, control::interpolate(plan, reading.time_s), control::Feedback::as_configured);
+  const control::TorqueCommand wanted =
+      law.follow(reading, estimate, control::interpolate(plan, reading.time_s));
   ASSERT_TRUE(wanted.finite);
   double carried_Nm = 0;
   for (std::size_t i = 0; i < hal::kJoints; ++i) {

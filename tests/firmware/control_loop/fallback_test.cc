@@ -39,12 +39,14 @@ TEST_F(FallbackTest, OlderPlanWithItsFeedbackGains) {
   reading.base_pitch_rad = 0.05;
   const model::StateVector estimate =
       Eigen::Map<const model::StateVector>(rig->record.estimated_state.data());
-  control::TorqueLaw law;
-  law.configure(*rig->robot, rig->configuration);
   const control::PlanPoint point = control::interpolate(rig->mail.plans.newest(), reading.time_s);
-  for (const auto feedback : {control::Feedback::plan_gains, control::Feedback::as_configured}) {
-    const double torque_Nm = law.follow(reading, estimate, point, feedback).torque_Nm[1];
-    EXPECT_EQ(torque_Nm == rig->joints.commands[1].torque_Nm, feedback == control::Feedback::plan_gains)
+  for (const bool gains : {true, false}) {
+    control::ControllerParameters parameters = rig->configuration;
+    parameters.torque_law.use_feedback_gains = gains;
+    control::TorqueLaw law;
+    law.configure(*rig->robot, parameters);
+    const double torque_Nm = law.follow(reading, estimate, point).torque_Nm[1];
+    EXPECT_EQ(torque_Nm == rig->joints.commands[1].torque_Nm, gains)
         << torque_Nm << " and " << rig->joints.commands[1].torque_Nm;
   }
 }

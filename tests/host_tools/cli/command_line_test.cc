@@ -150,13 +150,13 @@ TEST_F(CommandLine, HelpShowsTheShippedHorizonIterationsAndPlanRate) {
 
 TEST_F(CommandLine, GainsAreThoseOfTheConfigurationKey) {
   const auto distance = [&](const std::string& option) {
-    const Outcome outcome = run("sim --duration 2 --push 60@0.5+1 --json - " + option);
+    const Outcome outcome = run("sim --duration 2 --push 60@0.5+1 --plan-delay 0.01 --json - " + option);
     EXPECT_EQ(outcome.status, 0) << outcome.errors;
     return nlohmann::json::parse(outcome.output).at("distance_m").get<double>();
   };
   EXPECT_EQ(distance("--gains on"), distance("--set torque_law.use_feedback_gains=true"));
-  EXPECT_EQ(distance("--gains off"), distance(""));
-  EXPECT_NE(distance("--gains on"), distance(""));
+  EXPECT_EQ(distance("--gains on"), distance(""));
+  EXPECT_NE(distance("--gains off"), distance("")) << "plans are 10 to 15 ms old";
 }
 
 TEST_F(CommandLine, AFullDiskIsSaidWithItsReasonAndWhatWasPrintedStays) {

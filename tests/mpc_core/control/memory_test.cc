@@ -80,7 +80,7 @@ TEST(Memory, APlannerInUseTouchesNoNewPage) {
     for (int cycle = 0; cycle < 50; ++cycle, time_s += 0.01) {
       (void)planner.plan({time_s, standing, {gait::GaitKind::step, 0.0}}, plan);
       reading.time_s = time_s;
-      (void)law.follow(reading, standing, interpolate(plan, time_s), Feedback::plan_gains);
+      (void)law.follow(reading, standing, interpolate(plan, time_s));
     }
     return page_faults() - before;
   };

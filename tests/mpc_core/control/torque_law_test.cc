@@ -33,10 +33,11 @@ constexpr double kNow_s = 1.02;
 
 ControllerParameters shipped(const char* robot) { return configuration::load_robot(robot).value(); }
 
-/// Joint limits out of the way, so that torques can be compared.
+/// Joint limits and feedback gains out of the way, so that torques can be compared.
 ControllerParameters unlimited(const char* robot) {
   ControllerParameters parameters = shipped(robot);
   parameters.robot.torque_limit_scale = 1e6;
+  parameters.torque_law.use_feedback_gains = false;
   return parameters;
 }
 
@@ -50,7 +51,7 @@ class TorqueLawTest : public ::testing::Test {
   TorqueCommand tick(double time_s = kNow_s) { return follow(reading_of(state_, time_s), state_); }
 
   [[nodiscard]] TorqueCommand follow(const SensorReading& reading, const model::StateVector& state) const {
-    return law_.follow(reading, state, interpolate(*plan_, kNow_s), Feedback::as_configured);
+    return law_.follow(reading, state, interpolate(*plan_, kNow_s));
   }
 
   [[nodiscard]] double limit_Nm(int joint) const {
@@ -215,6 +216,7 @@ TEST_F(TorqueLawTest, ContactForcesOutsideTheConeActAsTheNearestOnesWithTheSameN
 
 TEST_F(TorqueLawTest, ContactForcesStayInTheConeAfterFeedback) {
   ControllerParameters parameters = unlimited("amber3m");
+  parameters.torque_law.use_feedback_gains = true;
   configure(parameters);
   PlanNode& node = plan_->node[1];
   node.mode = {true, false};
@@ -226,8 +228,7 @@ TEST_F(TorqueLawTest, ContactForcesStayInTheConeAfterFeedback) {
   model::StateVector state = interpolate(*plan_, kNow_s).state;
   state[1] += 1e-3;
   const auto follow_with_gains = [&] {
-    return law_.follow(reading_of(state_, kNow_s), state, interpolate(*plan_, kNow_s), Feedback::plan_gains)
-        .torque_Nm;
+    return law_.follow(reading_of(state_, kNow_s), state, interpolate(*plan_, kNow_s)).torque_Nm;
   };
   const JointVector pulled = follow_with_gains();
   node.gain(kJoints + 1, 1) = plan_->node[2].gain(kJoints + 1, 1) = -1e7;
@@ -337,17 +338,55 @@ TEST_F(TorqueLawTest, FeedbackGainsActOnlyWhenTheyAreOn) {
   EXPECT_GT((on_Nm - off_Nm).cwiseAbs().maxCoeff(), 0.1);
 }
 
-TEST_F(TorqueLawTest, TheGainsOfAnAgedPlanActWhateverIsConfigured) {
+TEST_F(TorqueLawTest, TheShareOfTheGainsGrowsWithTheAgeOfThePlan) {
   ControllerParameters parameters = unlimited("amber3m");
-  parameters.torque_law.use_feedback_gains = true;
-  configure(parameters);
-  const JointVector on_Nm = tick().torque_Nm;
-  parameters.torque_law.use_feedback_gains = false;
-  configure(parameters);
+  parameters.torque_law.minimum_normal_force_share = 0.0;
   const PlanPoint point = interpolate(*plan_, kNow_s);
   const SensorReading reading = reading_of(state_, kNow_s);
-  EXPECT_TRUE(law_.follow(reading, state_, point, Feedback::plan_gains).torque_Nm == on_Nm);
-  EXPECT_FALSE(law_.follow(reading, state_, point, Feedback::as_configured).torque_Nm == on_Nm);
+  const auto torque_Nm = [&](bool gains, double age_s) {
+    parameters.torque_law.use_feedback_gains = gains;
+    configure(parameters);
+    PlanPoint aged = point;
+    aged.age_s = age_s;
+    return law_.follow(reading, state_, aged).torque_Nm;
+  };
+  const double from_s = parameters.torque_law.feedback_from_age_s;
+  const double full_s = parameters.torque_law.feedback_full_age_s;
+  const JointVector off_Nm = torque_Nm(false, full_s);
+  const JointVector none_Nm = torque_Nm(true, from_s);
+  const JointVector all_Nm = torque_Nm(true, full_s);
+  EXPECT_TRUE(none_Nm == off_Nm);
+  EXPECT_TRUE(torque_Nm(true, 0.5 * from_s) == off_Nm);
+  EXPECT_TRUE(torque_Nm(true, 10.0 * full_s) == all_Nm);
+  EXPECT_GT((all_Nm - off_Nm).cwiseAbs().maxCoeff(), 0.1);
+  // Joint accelerations, which are not bounded, enter the torque linearly; forces stay as they are.
+  for (PlanNode& node : plan_->node) node.gain.bottomRows<4>().setZero();
+  const JointVector linear_Nm = torque_Nm(true, full_s) - torque_Nm(false, full_s);
+  const JointVector quarter_Nm = torque_Nm(true, 0.75 * from_s + 0.25 * full_s) - torque_Nm(false, full_s);
+  EXPECT_LT((quarter_Nm - 0.25 * linear_Nm).cwiseAbs().maxCoeff(), 1e-9);
+  EXPECT_GT(quarter_Nm.cwiseAbs().maxCoeff(), 1e-3);
+}
+
+TEST_F(TorqueLawTest, KdGrowsWithTheRateOfPlans) {
+  ControllerParameters parameters = unlimited("amber3m");
+  const double slow = parameters.torque_law.joint_kd_Nms_rad,
+               fast = parameters.torque_law.joint_kd_fast_Nms_rad;
+  struct Case {
+    double plan_rate_hz, kd_Nms_rad;
+  };
+  for (const Case& c : {Case{50.0, slow}, Case{200.0, slow}, Case{350.0, 0.5 * (slow + fast)},
+                        Case{500.0, fast}, Case{1000.0, fast}}) {
+    parameters.timing.plan_rate_hz = c.plan_rate_hz;
+    configure(parameters);
+    state_ = interpolate(*plan_, kNow_s).state;
+    const JointVector at_plan_Nm = tick().torque_Nm;
+    for (int j = 0; j < kJoints; ++j) {
+      SensorReading reading = reading_of(state_, kNow_s);
+      reading.joint_velocity_rad_s[j] += 0.01;
+      EXPECT_NEAR(follow(reading, state_).torque_Nm[j] - at_plan_Nm[j], -0.01 * c.kd_Nms_rad, 1e-9)
+          << c.plan_rate_hz << " plans per second, joint " << j;
+    }
+  }
 }
 
 class FeedForwardTest : public ::testing::TestWithParam<const char*> {};
@@ -380,8 +419,7 @@ TEST_P(FeedForwardTest, TorqueGivesThePlannedJointAccelerations) {
       }
       const model::StateVector& state = plan->node[1].state;
       const SensorReading reading = reading_of(state, plan->node[1].time_s);
-      const TorqueCommand command =
-          law.follow(reading, state, interpolate(*plan, reading.time_s), Feedback::as_configured);
+      const TorqueCommand command = law.follow(reading, state, interpolate(*plan, reading.time_s));
       ASSERT_TRUE(command.finite);
       mujoco.forward(state.data(), command.torque_Nm.data(), plan->node[1].input.data() + kJoints);
       for (int j = 0; j < kJoints; ++j) {

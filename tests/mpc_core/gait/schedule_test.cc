@@ -300,8 +300,8 @@ TEST(Schedule, KeepsInStepWithAGaitThatIsTracked) {
   TrackedStep tracked{model::kRight, driver.time_s, kStep_s};
   for (int step = 0; step < 12; ++step) {
     while (driver.time_s < tracked.touch_down_s + kStep_s - 1e-9) {
-      driver.schedule.update(driver.time_s, driver.time_s + kAhead_s, kWalk, driver.gait, driver.reference, 0.5,
-                             true, Fall::none, tracked);
+      driver.schedule.update(driver.time_s, driver.time_s + kAhead_s, kWalk, driver.gait, driver.reference,
+                             0.5, true, Fall::none, tracked);
       const int index = driver.schedule.index_at(driver.time_s);
       const ContactPhase& now = driver.schedule.phase(index);
       ASSERT_EQ(now.start_s, tracked.touch_down_s);
@@ -325,8 +325,8 @@ TEST(Schedule, AStopOutOfATrackedGaitTakesTheStepsOfAStop) {
   driver.run(kWalk, 3.0);
   const TrackedStep tracked{model::kLeft, driver.time_s - 0.1, 0.31};
   const auto update = [&](const GaitCommand& command, const TrackedStep& step) {
-    driver.schedule.update(driver.time_s, driver.time_s + kAhead_s, command, driver.gait, driver.reference, 0.5,
-                           true, Fall::none, step);
+    driver.schedule.update(driver.time_s, driver.time_s + kAhead_s, command, driver.gait, driver.reference,
+                           0.5, true, Fall::none, step);
   };
   for (int cycle = 0; cycle < 5; ++cycle) {
     update(kStand, tracked);

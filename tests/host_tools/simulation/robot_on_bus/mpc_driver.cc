@@ -45,7 +45,7 @@ void MpcDriver::tick(const gait::GaitCommand& command) {
   const model::StateVector estimate = estimator_.update(now, point.mode);
   model::JointVector torque_Nm = model::JointVector::Zero();
   if (active_->nodes >= 2) {
-    torque_Nm = law_.follow(now, estimate, point, control::Feedback::as_configured).torque_Nm;
+    torque_Nm = law_.follow(now, estimate, point).torque_Nm;
   }
   if (ticks_ % timing_.period_ticks == 0) {
     const bool usable = planner_->plan({now.time_s, estimate, command}, *next_).usable();
