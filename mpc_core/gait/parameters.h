@@ -26,7 +26,7 @@ struct ReferenceParameters {
   /// reach within a few steps places the feet where they drive it further away.
   double speed_follow_band_m_s = 0.6;
   double speed_follow_max_m_s = 1.5;  ///< a robot that is faster raises the reference up to this
-  double foothold_gain_s = 0.3;       ///< shift of the next foothold for each m/s above the reference
+  double foothold_gain_s = 0.35;      ///< shift of the next foothold for each m/s above the reference
   double foothold_gain_decay = 0.5;   ///< factor on the shift for each later foothold
   double foothold_shift_max_m = 0.3;
   double speed_trim_1_s = 0.8;          ///< change of the trim for each m/s of steady error (SpeedTrim)
