@@ -46,14 +46,25 @@ void set_plan_delay(double delay_s, double, WalkCase& walk) {
 
 void set_delay(double delay_s, double, WalkCase& walk) { walk.plant = {assignment("delay_s", delay_s)}; }
 
+/// On a steeper slope a foot of the first stand is out of the leg's reach.
+constexpr double kSlopeOfTheStand_rad = 0.38;
+
 }  // namespace
 
 const std::vector<BlindQuantity>& blind_quantities() {
   static const std::vector<BlindQuantity> kQuantities = {
       {"step_up", "ground step", "m", "up", 0.0, {0.02, 0.005, 0.3}, true, set_step, passes_step},
       {"step_down", "ground step", "m", "down", 0.0, {-0.04, -0.01, -0.28}, true, set_step, passes_step},
-      {"slope_up", "slope", "rad", "up", 0.0, {0.05, 0.01, 0.5}, false, set_slope, survives},
-      {"slope_down", "slope", "rad", "down", 0.0, {-0.05, -0.01, -0.5}, false, set_slope, survives},
+      {"slope_up", "slope", "rad", "up", 0.0, {0.05, 0.01, kSlopeOfTheStand_rad}, false, set_slope, survives},
+      {"slope_down",
+       "slope",
+       "rad",
+       "down",
+       0.0,
+       {-0.05, -0.01, -kSlopeOfTheStand_rad},
+       false,
+       set_slope,
+       survives},
       {"speed_forward", "speed", "m/s", "forward", 0.0, {0.2, 0.05, 3.0}, false, set_speed, walks_at_it},
       {"speed_backward", "speed", "m/s", "backward", 0.0, {-0.2, -0.05, -3.0}, false, set_speed, walks_at_it},
       {"friction", "friction", "1", "down", 0.6, {-0.1, -0.02, -0.5}, false, set_friction, survives},

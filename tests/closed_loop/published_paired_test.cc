@@ -31,7 +31,7 @@ std::vector<Survived> survived_in_every_case() {
   std::vector<Survived> all;
   for (std::size_t p = 0; p < paired.pushes.size() && p < results.at("rows").size(); ++p) {
     for (std::size_t v = 0; v < paired.variants.size(); ++v) {
-      const Json& count = results.at("rows")[p].at("survived").at(paired.variants[v].name);
+      const Json count = results.at("rows")[p].at("survived").value(paired.variants[v].name, Json());
       if (count != results.at("cases")) continue;
       all.push_back(
           {p, v, testing_support::test_name(paired.pushes[p].name + "_" + paired.variants[v].name)});

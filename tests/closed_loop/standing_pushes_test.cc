@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <random>
 #include <tuple>
 
 #include "tests/closed_loop/simulated_run.h"
@@ -53,6 +54,21 @@ TEST(Standing, TenNewtonsForAMinuteNeedNoStep) {
     ASSERT_TRUE(record.summary.survived) << force_N << " N: " << describe(run, record);
     EXPECT_TRUE(record.summary.steps.empty()) << force_N << " N: " << describe(run, record);
   }
+}
+
+TEST(Standing, TenMinutesOfPushesOfTenNewtonsNeedNoStep) {
+  constexpr std::uint32_t kSeed = 1;
+  std::mt19937 random(kSeed);
+  std::uniform_real_distribution<double> pause_s(3.0, 7.0);
+  RunRequest request = standing(600.0, {10.0, 4.0, 1.0, PushPoint::hip}, kSeed);
+  for (double start_s = 8.0; start_s < 595.0; start_s += pause_s(random)) {
+    const double force_N = random() % 2 == 0 ? 10.0 : -10.0;
+    request.pushes.push_back({force_N, start_s, 1.0, random() % 2 == 0 ? PushPoint::hip : PushPoint::torso});
+  }
+  SimulatedRun run(request);
+  const log::RunRecord record = run.run();
+  ASSERT_TRUE(record.summary.survived) << "seed " << kSeed << ": " << describe(run, record);
+  EXPECT_TRUE(record.summary.steps.empty()) << "seed " << kSeed << ": " << describe(run, record);
 }
 
 }  // namespace

@@ -191,27 +191,39 @@ TEST_F(ControlLoopTest, APlanIsFollowedToItsEndAndNotBeyond) {
 }
 
 TEST_F(ControlLoopTest, OtherGainsAreRecordedFromTheNextTickOnAndTheirTorqueFadesIn) {
+  rig->configuration.torque_law.use_feedback_gains = false;  // the plan grows old
+  rig->cycle.configure(*rig->robot, rig->configuration, rig->configuration.supervisor);
   rig->stand();
   rig->plan_once_more([](control::Plan&) {});
   rig->joints.readings[1].position_rad += 0.01;
   rig->run(1);
   EXPECT_EQ(rig->record.tuning, 0u);
   const double before_Nm = rig->joints.commands[1].torque_Nm;
-  TorqueTuning& tuning = rig->mail.torque_tunings.writer();
-  tuning = {.number = 3, .law = rig->configuration.torque_law};
-  tuning.law.joint_kp_Nm_rad += 100.0;
+  control::TorqueLawParameters stiffer = rig->configuration.torque_law;
+  stiffer.joint_kp_Nm_rad += 100.0;
+  rig->mail.torque_tunings.writer() = {.number = 3, .law = stiffer};
   rig->mail.torque_tunings.publish();
   rig->run(1);
   EXPECT_EQ(rig->record.tuning, 3u);
   EXPECT_NEAR(rig->joints.commands[1].torque_Nm - before_Nm, 0.0, 0.1);
   const int blend = static_cast<int>(1000 * rig->configuration.supervisor.torque_blend_s);
-  const double first_Nm = rig->joints.commands[1].torque_Nm;
   for (int tick = 0; tick < blend; ++tick) {
     const double last_Nm = rig->joints.commands[1].torque_Nm;
     rig->run(1);
     EXPECT_NEAR(rig->joints.commands[1].torque_Nm, last_Nm, 0.15) << "no jump";
   }
-  EXPECT_LT(rig->joints.commands[1].torque_Nm, first_Nm - 0.4) << "the plan moves meanwhile";
+  control::SensorReading reading;
+  reading.time_s = rig->cycle.time_s();
+  reading.joint_position_rad = rig->standing.segment<model::kJoints>(model::kFirstJoint);
+  reading.joint_position_rad[1] += 0.01;
+  const control::PlanPoint point = control::interpolate(rig->mail.plans.newest(), reading.time_s);
+  control::TorqueLaw law;
+  law.configure(*rig->robot, rig->configuration);
+  const double old_Nm = law.follow(reading, point.state, point).torque_Nm[1];
+  law.tune(stiffer);
+  const double new_Nm = law.follow(reading, point.state, point).torque_Nm[1];
+  EXPECT_LT(new_Nm, old_Nm - 0.9) << "100 Nm/rad more at an error of 0.01 rad";
+  EXPECT_NEAR(rig->joints.commands[1].torque_Nm, new_Nm, 1e-9);
 }
 
 TEST_F(ControlLoopTest, TheEstimateRestsOnTheFeetThatThePlanHasOnTheGround) {

@@ -310,7 +310,10 @@ TEST_F(CommandLine, APresetChangesTheRunAndWhatTheUserSetsChangesThePreset) {
     return Json::parse(outcome.output).at("steps");
   };
   const Json paper = steps("--preset paper");
-  EXPECT_EQ(paper, steps("--set discretisation.transition=identity --set gait.single_support_s=0.4"));
+  EXPECT_NE(paper, steps("--set discretisation.transition=identity --set gait.single_support_s=0.4"))
+      << "it has more keys";
+  EXPECT_EQ(paper,
+            steps("--preset paper --set discretisation.transition=identity --set gait.single_support_s=0.4"));
   EXPECT_LT(paper.size(), steps("--preset paper --set gait.single_support_s=0.3").size());
 }
 

@@ -230,7 +230,10 @@ class VelocityFilterTest : public EstimatorTest {
   static constexpr double kFilter_s = 0.005;
 
   void start() {
-    estimator_.configure(robot_, {.blend_s = kBlend_s, .velocity_filter_s = kFilter_s});
+    constexpr double kUnbounded_m_s2 = 1e6;
+    estimator_.configure(robot_, {.blend_s = kBlend_s,
+                                  .velocity_filter_s = kFilter_s,
+                                  .velocity_correction_max_m_s2 = kUnbounded_m_s2});
     standing_ = gait::standing_state(robot_.constants, 0.8, 0.0, 0.15, true);
     estimator_.reset(reading_of(standing_, 0.0), 0.0);
   }

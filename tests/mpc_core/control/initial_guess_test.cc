@@ -22,7 +22,7 @@ using testing_support::shipped;
 
 /// From now on a solve ends before its first iteration: its plan is its initial guess.
 void guess_only(Planning& planning) {
-  ControllerParameters parameters = planning.parameters;
+  ControllerParameters parameters = testing_support::with_every_plan(planning.parameters);
   parameters.sqp.iterations = 0;
   const auto settings = std::make_unique<PlannerSettings>();
   const auto work = std::make_unique<sqp::TerminalCostWorkspace>();

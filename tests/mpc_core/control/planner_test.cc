@@ -156,7 +156,7 @@ TEST(Planner, RefusesMoreContactSwitchesThanItHolds) {
 }
 
 TEST(Planner, TheLongestHorizonWithTheMostSwitchesIsPlanned) {
-  ControllerParameters parameters = shipped();
+  ControllerParameters parameters = testing_support::with_every_plan(shipped());
   parameters.discretisation.horizon_s = 2.0;
   parameters.gait.single_support_s = 2.001 / ocp::kMaxSwitches;
   Planning planning(parameters);
@@ -300,7 +300,7 @@ TEST(Planner, ComesToAStandOnBothFeet) {
 }
 
 TEST(Planner, ReportsTheIterationLimit) {
-  ControllerParameters parameters = shipped();
+  ControllerParameters parameters = testing_support::with_every_plan(shipped());
   parameters.sqp.iterations = 1;
   Planning planning(parameters);
   const SolveReport report = planning.solve(kWalk);
@@ -329,7 +329,7 @@ TEST(Planner, ReportsWeightsThatAreNotConvex) {
 }
 
 TEST(Planner, ReportsAStepThatTheLineSearchRejects) {
-  ControllerParameters parameters = shipped();
+  ControllerParameters parameters = testing_support::with_every_plan(shipped());
   parameters.sqp.filter_violation_max = 0.0;  // with filter_margin = 1 no violation is small enough
   parameters.sqp.filter_margin = 1.0;
   Planning planning(parameters);

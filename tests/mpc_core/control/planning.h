@@ -28,6 +28,14 @@ inline constexpr GaitCommand kWalk{GaitKind::walk, 0.5};
 
 inline ControllerParameters shipped() { return configuration::load_robot("amber3m").value(); }
 
+/// No plan is refused as infeasible, for plans that are not solved to the end.
+inline ControllerParameters with_every_plan(ControllerParameters parameters) {
+  parameters.sqp.plan_defect_max = 1e6;
+  parameters.sqp.plan_cone_violation_max_N = 1e6;
+  parameters.sqp.plan_pulling_force_max_N = 1e6;
+  return parameters;
+}
+
 /// A planner and the plan it fills, on the heap for their size.
 struct Planning {
   explicit Planning(const ControllerParameters& chosen) : parameters(chosen) {

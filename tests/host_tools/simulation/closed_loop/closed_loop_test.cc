@@ -169,6 +169,8 @@ TEST(ClosedLoop, PlansInUseAreJudgedByTheFrictionTheyAssume) {
   const auto violation_N = [](double assumed) {
     ControllerSetup setup;
     setup.parameters.inequality.friction_coefficient = assumed;
+    setup.parameters.sqp.plan_cone_violation_max_N = 1e6;  // such plans are used
+    setup.parameters.sqp.plan_pulling_force_max_N = 1e6;
     Plant plant = amber_plant({});
     return run_closed_loop(plant, *amber_controller(setup), walking_run(2.0))
         .summary.plan_in_use.cone_violation_max_N;
