@@ -6,7 +6,7 @@ namespace stilt::gait {
 struct GaitParameters {
   double single_support_s = 0.25;  ///< duration of single support
   double double_support_s = 0.0;   ///< duration of double support between two steps; 0: the feet swap at once
-  double swing_height_m = 0.06;    ///< height of the swing foot above the ground at mid-swing
+  double swing_height_m = 0.07;    ///< height of the swing foot above the ground at mid-swing
   double touchdown_velocity_m_s = -0.2;  ///< vertical velocity of the swing reference at touch-down
   double stand_half_width_m = 0.15;      ///< standing: distance of each foot from the hip, one foot ahead
   double switch_lead_s =

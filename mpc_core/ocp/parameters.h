@@ -24,7 +24,7 @@ struct CostParameters {
   double joint_acceleration = 2e-3;  ///< s^4/rad^2
   double contact_force = 4e-3;       ///< 1/N^2
   double foot_position = 70.0;       ///< 1/m^2
-  double foot_velocity = 6.0;        ///< s^2/m^2
+  double foot_velocity = 12.0;       ///< s^2/m^2
   double foot_acceleration = 1e-4;   ///< s^4/m^2
   double touchdown_velocity = 1.0;   ///< s^2/m^2, on the horizontal velocity of a foot at touch-down
   double terminal = 1.0;      ///< rho, dimensionless: factor of the LQR cost-to-go at the end of the horizon;
