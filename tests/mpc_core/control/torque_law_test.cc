@@ -41,6 +41,13 @@ ControllerParameters unlimited(const char* robot) {
   return parameters;
 }
 
+/// All of the gains act on the sample plan, which is 20 ms old at kNow_s.
+void use_feedback(ControllerParameters& parameters) {
+  parameters.torque_law.use_feedback_gains = true;
+  parameters.torque_law.feedback_from_age_s = 0.008;
+  parameters.torque_law.feedback_full_age_s = 0.016;
+}
+
 class TorqueLawTest : public ::testing::Test {
  protected:
   void configure(const ControllerParameters& parameters) {
@@ -127,7 +134,7 @@ TEST_F(TorqueLawTest, ANonFiniteStateGivesBoundedTorqueAndItsName) {
 
 TEST_F(TorqueLawTest, ANonFinitePlanGivesBoundedTorque) {
   ControllerParameters parameters = shipped("amber3m");
-  parameters.torque_law.use_feedback_gains = true;
+  use_feedback(parameters);
   configure(parameters);
   for (int k = 0; k < plan_->nodes; ++k) {
     for (const double value : {kNan, kInfinity, -kInfinity}) {
@@ -147,7 +154,7 @@ TEST_F(TorqueLawTest, ANonFinitePlanGivesBoundedTorque) {
 
 TEST_F(TorqueLawTest, ANonFinitePlanIsNamedWhereverItReachesTheTorque) {
   ControllerParameters parameters = shipped("amber3m");
-  parameters.torque_law.use_feedback_gains = true;
+  use_feedback(parameters);
   configure(parameters);
   PlanNode& node = plan_->node[1];  // active at kNow_s
   const PlanNode kept = node;
@@ -216,7 +223,7 @@ TEST_F(TorqueLawTest, ContactForcesOutsideTheConeActAsTheNearestOnesWithTheSameN
 
 TEST_F(TorqueLawTest, ContactForcesStayInTheConeAfterFeedback) {
   ControllerParameters parameters = unlimited("amber3m");
-  parameters.torque_law.use_feedback_gains = true;
+  use_feedback(parameters);
   configure(parameters);
   PlanNode& node = plan_->node[1];
   node.mode = {true, false};
@@ -326,7 +333,7 @@ TEST_F(TorqueLawTest, FeedbackGainsActOnlyWhenTheyAreOn) {
   for (PlanNode& node : plan_->node) node.gain *= 3.0;
   EXPECT_TRUE(tick().torque_Nm == off_Nm);
 
-  parameters.torque_law.use_feedback_gains = true;
+  use_feedback(parameters);
   configure(parameters);
   const JointVector on_Nm = tick().torque_Nm;
   // The same inputs as an open-loop plan: kNow_s lies in an interval that holds them.
@@ -369,6 +376,7 @@ TEST_F(TorqueLawTest, TheShareOfTheGainsGrowsWithTheAgeOfThePlan) {
 
 TEST_F(TorqueLawTest, KdGrowsWithTheRateOfPlans) {
   ControllerParameters parameters = unlimited("amber3m");
+  parameters.torque_law.joint_kd_fast_Nms_rad = 30.0;
   const double slow = parameters.torque_law.joint_kd_Nms_rad,
                fast = parameters.torque_law.joint_kd_fast_Nms_rad;
   struct Case {
