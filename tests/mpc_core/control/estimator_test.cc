@@ -18,7 +18,6 @@ namespace {
 using model::ContactMode;
 using model::FeetVector;
 using model::kFirstJoint;
-using model::kJoints;
 using model::kLeft;
 using model::kPositions;
 using model::kRight;

@@ -11,11 +11,9 @@
 namespace stilt::control {
 namespace {
 
-using gait::GaitKind;
 using model::kInputs;
 using model::kPositions;
 using model::StateVector;
-using testing_support::kPeriod_s;
 using testing_support::kWalk;
 using testing_support::Planning;
 using testing_support::shipped;
