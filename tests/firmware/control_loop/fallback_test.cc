@@ -154,6 +154,40 @@ TEST_F(GaitLevelTest, APlanIsFollowedAgainOnlyWithTheFootOfTheGaitOnTheGround) {
   EXPECT_EQ(followed, 1);
 }
 
+TEST_F(GaitLevelTest, AStopWaitsForAPlanWithTheFootOfTheGaitOnTheGround) {
+  rig->configuration.supervisor.select_gait = true;
+  rig->configuration.supervisor.select_gait_after_s = 1.0;
+  rig->cycle.configure(*rig->robot, rig->configuration, rig->configuration.supervisor);
+  rig->cycle.track_without_plan(*rig->robot, rig->configuration, *library);
+  rig->stand();
+  rig->ask(RequestKind::step);
+  rig->run(1700);
+  ASSERT_EQ(rig->level(), FallbackLevel::gait);
+  const auto offer = [&](model::ContactMode mode) {
+    rig->plan_once_more([&](control::Plan& plan) {
+      const double shift_s = rig->cycle.time_s() - plan.start_time_s;
+      plan.start_time_s += shift_s;
+      for (control::PlanNode& node : plan.node) {
+        node.time_s += shift_s;
+        node.mode = mode;
+      }
+    });
+    rig->run(1);
+  };
+  rig->ask(RequestKind::stand);
+  for (int tick = 0; tick < 5000 && rig->state() != State::stand; ++tick) offer({true, true});
+  ASSERT_EQ(rig->state(), State::stand);
+  for (int tick = 0; tick < 20; ++tick) {
+    offer({true, true});
+    EXPECT_EQ(rig->level(), FallbackLevel::gait);
+    EXPECT_TRUE(rig->decision().present.empty());
+  }
+  offer({true, false});
+  if (rig->level() != FallbackLevel::plan) offer({false, true});
+  EXPECT_EQ(rig->level(), FallbackLevel::plan);
+  EXPECT_TRUE(rig->decision().latched.empty());
+}
+
 /// Stepping in place the phase of the gait is the time, so that it goes on though the joints stand still.
 class GaitLevelSensorTest : public GaitLevelTest {
  protected:

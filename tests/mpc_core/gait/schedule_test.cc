@@ -339,5 +339,34 @@ TEST(Schedule, AStopOutOfATrackedGaitTakesTheStepsOfAStop) {
   EXPECT_EQ(last - driver.schedule.index_at(driver.time_s), 4);
 }
 
+TEST(Schedule, ATrackedStepThatLastsLongerEndsSoon) {
+  Driver driver;
+  driver.run(kWalk, 3.0);
+  const TrackedStep tracked{model::kLeft, driver.time_s - 0.4, 0.31};
+  driver.schedule.update(driver.time_s, driver.time_s + kAhead_s, kWalk, driver.gait, driver.reference, 0.5,
+                         true, Fall::none, tracked);
+  const int index = driver.schedule.index_at(driver.time_s);
+  EXPECT_EQ(driver.schedule.phase(index).mode, (model::ContactMode{true, false}));
+  EXPECT_GT(driver.schedule.end_s(index), driver.time_s);
+  EXPECT_LE(driver.schedule.end_s(index), driver.time_s + 0.02);
+}
+
+/// The gait's foot lands later than its step time: what was scheduled of the new step is replaced.
+TEST(Schedule, ATrackedStepThatBeginsLateIsOnePhase) {
+  Driver driver;
+  driver.run(kWalk, 3.0);
+  const auto update = [&](const TrackedStep& tracked) {
+    driver.schedule.update(driver.time_s, driver.time_s + kAhead_s, kWalk, driver.gait, driver.reference, 0.5,
+                           true, Fall::none, tracked);
+  };
+  update({model::kLeft, driver.time_s - 0.305, 0.31});
+  driver.time_s += 0.02;  // scheduled 15 ms ago
+  update({model::kRight, driver.time_s, 0.31});
+  const int index = driver.schedule.index_at(driver.time_s);
+  EXPECT_EQ(driver.schedule.phase(index).mode, (model::ContactMode{false, true}));
+  EXPECT_EQ(driver.schedule.phase(index - 1).mode, (model::ContactMode{true, false}));
+  EXPECT_EQ(driver.schedule.foot_interval(index, model::kRight).start_s, driver.time_s);
+}
+
 }  // namespace
 }  // namespace stilt::gait
