@@ -90,7 +90,7 @@ void ContactSchedule::append_next(double earliest_start_s, const GaitParameters&
   --steps_before_stand_;
 }
 
-/// The step ends when the gait's does; one that lasts longer ends at once.
+/// The step ends when the gait's does; one that lasts longer ends in 10 ms.
 void ContactSchedule::keep_step(double time_s, const TrackedStep& tracked) noexcept {
   constexpr double kSoon_s = 0.01;
   const model::ContactMode mode{tracked.stance_foot == model::kLeft, tracked.stance_foot == model::kRight};

@@ -83,6 +83,16 @@ class GaitLevelTest : public FallbackTest {
     rig->run(ticks);
   }
 
+  /// Stepping, to select the gait at the first touch-down after a second.
+  void step_towards_a_selected_gait() {
+    rig->configuration.supervisor.select_gait = true;
+    rig->configuration.supervisor.select_gait_after_s = 1.0;
+    rig->cycle.configure(*rig->robot, rig->configuration, rig->configuration.supervisor);
+    rig->cycle.track_without_plan(*rig->robot, rig->configuration, *library);
+    rig->stand();
+    rig->ask(RequestKind::step);
+  }
+
   std::unique_ptr<gait::GaitLibrary> library;
 };
 
@@ -102,12 +112,7 @@ TEST_F(GaitLevelTest, TracksAGaitWhenThePlannerStopsWhileItWalks) {
 }
 
 TEST_F(GaitLevelTest, IsSelectedOnPurposeAtTheFirstTouchDownAfterItsTimeUntilTheRobotStands) {
-  rig->configuration.supervisor.select_gait = true;
-  rig->configuration.supervisor.select_gait_after_s = 1.0;
-  rig->cycle.configure(*rig->robot, rig->configuration, rig->configuration.supervisor);
-  rig->cycle.track_without_plan(*rig->robot, rig->configuration, *library);
-  rig->stand();
-  rig->ask(RequestKind::step);
+  step_towards_a_selected_gait();
   rig->run(1000);
   EXPECT_EQ(rig->level(), FallbackLevel::plan) << "not before";
   rig->run(700);
@@ -155,12 +160,7 @@ TEST_F(GaitLevelTest, APlanIsFollowedAgainOnlyWithTheFootOfTheGaitOnTheGround) {
 }
 
 TEST_F(GaitLevelTest, AStopWaitsForAPlanWithTheFootOfTheGaitOnTheGround) {
-  rig->configuration.supervisor.select_gait = true;
-  rig->configuration.supervisor.select_gait_after_s = 1.0;
-  rig->cycle.configure(*rig->robot, rig->configuration, rig->configuration.supervisor);
-  rig->cycle.track_without_plan(*rig->robot, rig->configuration, *library);
-  rig->stand();
-  rig->ask(RequestKind::step);
+  step_towards_a_selected_gait();
   rig->run(1700);
   ASSERT_EQ(rig->level(), FallbackLevel::gait);
   const auto offer = [&](model::ContactMode mode) {
