@@ -80,6 +80,12 @@ void check_feedback(const Parameters& p, std::vector<Contradiction>& found) {
          "torque_law.feedback_from_age_s = " + number_text(law.feedback_from_age_s) +
              " must be below torque_law.feedback_full_age_s = " + number_text(law.feedback_full_age_s)});
   }
+  if (law.feedback_full_age_s > p.supervisor.plan_feedback_after_s) {
+    found.push_back({{"torque_law.feedback_full_age_s", "supervisor.plan_feedback_after_s"},
+                     "torque_law.feedback_full_age_s = " + number_text(law.feedback_full_age_s) +
+                         " must be at most supervisor.plan_feedback_after_s = " +
+                         number_text(p.supervisor.plan_feedback_after_s)});
+  }
 }
 
 void check_timing(const Parameters& p, std::vector<Contradiction>& found) {

@@ -1,6 +1,5 @@
 #include "host_tools/cli/experiment_walks.h"
 
-#include <array>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -18,12 +17,9 @@ namespace {
 using experiments::WalkCase;
 
 ControllerChoice choice_of(const WalkSetting& setting, const std::string& controller, double horizon_s) {
-  // The rate and delay of the published tables. They come first, so that --set and --plan-rate change them.
-  constexpr std::array kTiming = {"timing.plan_rate_hz=100", "timing.plan_delay_s=0.005"};
   ControllerChoice choice = setting.choice;
   choice.controller = controller;
   choice.horizon_s = horizon_s;
-  choice.settings.insert(choice.settings.begin(), kTiming.begin(), kTiming.end());
   return choice;
 }
 

@@ -23,12 +23,13 @@ struct Variant {
   const char* state;
   bool gains;
 };
-constexpr Variant kVariants[] = {{"rate_100", 100.0, 0.005, "estimated", false},
-                                 {"rate_200", 200.0, 0.003, "estimated", false},
-                                 {"rate_500", 500.0, 0.002, "estimated", false},
-                                 {"truth", 100.0, 0.005, "truth", false},
-                                 {"gains", 100.0, 0.005, "estimated", true}};
-constexpr experiments::PairedComparison kComparisons[] = {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {0, 4}};
+constexpr Variant kVariants[] = {{"rate_100_gains_off", 100.0, 0.005, "estimated", false},
+                                 {"rate_100", 100.0, 0.005, "estimated", true},
+                                 {"rate_200_gains_off", 200.0, 0.003, "estimated", false},
+                                 {"rate_200", 200.0, 0.003, "estimated", true},
+                                 {"rate_500", 500.0, 0.002, "estimated", true},
+                                 {"truth", 200.0, 0.003, "truth", true}};
+constexpr experiments::PairedComparison kComparisons[] = {{1, 3}, {3, 4}, {1, 4}, {3, 5}, {0, 1}, {2, 3}};
 
 struct Push {
   const char* name;
@@ -46,11 +47,6 @@ WalkSetting setting_of(const WalkSetting& common, const Variant& variant, const 
   setting.choice.plan_rate_hz = variant.plan_rate_hz;
   setting.choice.plan_delay_s = variant.plan_delay_s;
   setting.choice.gains = variant.gains;
-  if (variant.gains) {  // of plans of any age
-    for (const char* age : {"torque_law.feedback_from_age_s=0", "torque_law.feedback_full_age_s=0.001"}) {
-      setting.choice.settings.emplace_back(age);
-    }
-  }
   setting.state = variant.state;
   setting.push_point = push.point;
   return setting;

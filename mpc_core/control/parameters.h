@@ -10,12 +10,12 @@ namespace stilt::control {
 /// limited to the drive's torque.
 struct TorqueLawParameters {
   double joint_kp_Nm_rad = 100.0;
-  double joint_kd_Nms_rad = 5.0;       ///< up to 200 plans per second
-  double joint_kd_fast_Nms_rad = 5.0;  ///< from 500 plans per second on; in between kd grows linearly
-  bool use_feedback_gains = true;      ///< adds a share of the plan's feedback K (x - x_plan) to its inputs
+  double joint_kd_Nms_rad = 5.0;        ///< up to 200 plans per second
+  double joint_kd_fast_Nms_rad = 12.0;  ///< from 500 plans per second on; in between kd grows linearly
+  bool use_feedback_gains = true;       ///< adds a share of the plan's feedback K (x - x_plan) to its inputs
   /// That share grows linearly with the age of the plan, from 0 at the first age to 1 at the second.
-  double feedback_from_age_s = 0.099;
-  double feedback_full_age_s = 0.1;
+  double feedback_from_age_s = 0.008;
+  double feedback_full_age_s = 0.016;
   double minimum_normal_force_share = 0.28;  ///< least normal force of a foot alone on the ground, share of
                                              ///< the weight: it stays pressed down
   double friction_compensation = 1.0;     ///< share of the joints' Coulomb friction that is fed forward for
@@ -36,7 +36,7 @@ struct EstimatorParameters {
   double blend_s = 0.02;  ///< time over which the weight moves from the old stance foot to the new one
   /// Time constant with which the base's velocity follows the measured one around the plan's; 0: no filter.
   double velocity_filter_s = 0.005;
-  double velocity_correction_max_m_s2 = 1e6;  ///< largest rate of that correction, of x and z
+  double velocity_correction_max_m_s2 = 10.0;  ///< largest rate of that correction, of x and z
 };
 
 /// Robot parameters that the controller assumes besides the URDF. Friction and damping replace those of the

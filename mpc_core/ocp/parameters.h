@@ -14,16 +14,16 @@ struct BarrierParameters {
 /// Diagonal weights of 1/2 (e_x' Q e_x + e_u' R e_u + sum_feet e' W e), the cost per second of horizon.
 struct CostParameters {
   double base_x = 5.0;               ///< 1/m^2
-  double base_z = 1000.0;            ///< 1/m^2
-  double base_pitch = 200.0;         ///< 1/rad^2
+  double base_z = 3500.0;            ///< 1/m^2
+  double base_pitch = 150.0;         ///< 1/rad^2
   double joint_position = 5.0;       ///< 1/rad^2
   double base_vx = 40.0;             ///< s^2/m^2
-  double base_vz = 20.0;             ///< s^2/m^2
+  double base_vz = 25.0;             ///< s^2/m^2
   double base_pitch_rate = 10.0;     ///< s^2/rad^2
-  double joint_velocity = 0.5;       ///< s^2/rad^2
+  double joint_velocity = 1.0;       ///< s^2/rad^2
   double joint_acceleration = 2e-3;  ///< s^4/rad^2
-  double contact_force = 1e-3;       ///< 1/N^2
-  double foot_position = 40.0;       ///< 1/m^2
+  double contact_force = 4e-3;       ///< 1/N^2
+  double foot_position = 70.0;       ///< 1/m^2
   double foot_velocity = 12.0;       ///< s^2/m^2
   double foot_acceleration = 1e-4;   ///< s^4/m^2
   double touchdown_velocity = 1.0;   ///< s^2/m^2, on the horizontal velocity of a foot at touch-down
@@ -53,8 +53,8 @@ struct MinimumNormalForce {
 struct InequalityParameters {
   double friction_coefficient = 0.6;
   double minimum_normal_force_share =
-      0.28;  ///< least normal force of a foot alone on the ground, share of the weight
-  BarrierParameters friction{0.2, 5.0};          ///< N
+      0.06;  ///< least normal force of a foot alone on the ground, share of the weight
+  BarrierParameters friction{8.0, 5.0};          ///< N
   BarrierParameters impulse{0.05, 0.5};          ///< Ns, once per touch-down
   BarrierParameters joint_torque{0.2, 3.0};      ///< Nm
   BarrierParameters joint_position{0.05, 0.05};  ///< rad

@@ -17,13 +17,13 @@ struct SqpParameters {
   double step_tolerance = 1e-6;            ///< converged: largest component of the step below this
   double step_decrease = 0.5;              ///< backtracking factor
   double step_min = 1e-4;                  ///< smallest step length that the line search tries
-  double filter_violation_max = 1e6;       ///< above this g only less g is accepted
+  double filter_violation_max = 1.0;       ///< above this g only less g is accepted
   double filter_violation_min = 1e-6;      ///< below this g the cost alone decides
   double filter_margin = 1e-6;             ///< least relative decrease of g
   double armijo = 1e-4;                    ///< share of the predicted decrease of the cost that is required
-  double plan_defect_max = 1e6;            ///< largest defect of a usable plan, mixed SI units
-  double plan_cone_violation_max_N = 1e6;  ///< largest violation of the friction cone by a usable plan
-  double plan_pulling_force_max_N = 1e6;   ///< largest -f_z of a stance foot of a usable plan
+  double plan_defect_max = 0.05;           ///< largest defect of a usable plan, mixed SI units
+  double plan_cone_violation_max_N = 5.0;  ///< largest violation of the friction cone by a usable plan
+  double plan_pulling_force_max_N = 0.0;   ///< largest -f_z of a stance foot of a usable plan
 };
 
 }  // namespace stilt::sqp

@@ -7,7 +7,7 @@
 
 #include "tests/closed_loop/simulated_run.h"
 
-/// The preset `feasible`: large pushes are survived by plans that ground and drives can execute
+/// Large pushes are survived by plans that ground and drives can execute
 /// (docs/decisions/0037-feasible-plans.md). Forces are 85 % of those that all cases there survive, at the hip
 /// backward of 140 N, which 21 of 24 do.
 namespace stilt::simulation {
@@ -32,8 +32,7 @@ class FeasiblePlans : public ::testing::TestWithParam<std::tuple<FeasiblePush, d
 
 TEST_P(FeasiblePlans, SurvivePushesWithoutForcesOutsideTheConeAndWithoutDefects) {
   const auto [push, start_s] = GetParam();
-  SimulatedRun run({.preset = "feasible",
-                    .plant = {"encoder_noise_rad=0.0005", "encoder_velocity_noise_rad_s=0.02",
+  SimulatedRun run({.plant = {"encoder_noise_rad=0.0005", "encoder_velocity_noise_rad_s=0.02",
                               "base_angle_noise_rad=0.001", "base_rate_noise_rad_s=0.01",
                               "friction=" + std::to_string(push.friction)},
                     .commands = {{0.0, push.command}},
@@ -70,21 +69,18 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(StandAfterAWalk, StepsNoMoreAndSurvivesPushes) {
   constexpr double kStop_s = 3.0;
   constexpr double kPush_s = 8.5;
-  for (const char* preset : {"", "feasible"}) {
-    for (const PushPoint point : {PushPoint::hip, PushPoint::torso}) {
-      for (const double force_N : {10.0, -10.0, 0.85 * 60.0, -0.85 * 60.0}) {
-        SimulatedRun run({.preset = preset,
-                          .plant = {"encoder_noise_rad=0.0005", "encoder_velocity_noise_rad_s=0.02",
-                                    "base_angle_noise_rad=0.001", "base_rate_noise_rad_s=0.01"},
-                          .commands = {{0.0, kWalk}, {kStop_s, kStand}},
-                          .pushes = {{force_N, kPush_s, 1.0, point}},
-                          .duration_s = kPush_s + 4.0});
-        const log::RunRecord record = run.run();
-        ASSERT_TRUE(record.summary.survived) << preset << ' ' << force_N << " N, " << describe(run, record);
-        for (const auto& step : record.summary.steps) {
-          EXPECT_TRUE(step.time_s < kStop_s + 2.5 || step.time_s > kPush_s)
-              << preset << ": a step at " << step.time_s << " s";
-        }
+  for (const PushPoint point : {PushPoint::hip, PushPoint::torso}) {
+    for (const double force_N : {10.0, -10.0, 0.85 * 60.0, -0.85 * 60.0}) {
+      SimulatedRun run({.plant = {"encoder_noise_rad=0.0005", "encoder_velocity_noise_rad_s=0.02",
+                                  "base_angle_noise_rad=0.001", "base_rate_noise_rad_s=0.01"},
+                        .commands = {{0.0, kWalk}, {kStop_s, kStand}},
+                        .pushes = {{force_N, kPush_s, 1.0, point}},
+                        .duration_s = kPush_s + 4.0});
+      const log::RunRecord record = run.run();
+      ASSERT_TRUE(record.summary.survived) << force_N << " N, " << describe(run, record);
+      for (const auto& step : record.summary.steps) {
+        EXPECT_TRUE(step.time_s < kStop_s + 2.5 || step.time_s > kPush_s)
+            << "a step at " << step.time_s << " s";
       }
     }
   }

@@ -18,8 +18,8 @@ using testing_support::SimulatedRun;
 /// As `stilt sim --controller mpc-hzd`.
 RunRequest following(double speed_m_s, double horizon_s, double duration_s) {
   RunRequest request = testing_support::walking(speed_m_s, horizon_s, duration_s);
-  request.settings = {"cost.terminal=10", "cost.terminal_feet=false", "gait.single_support_s=0.3",
-                      "gait.double_support_s=0"};
+  request.settings = {"cost.terminal=10",     "cost.terminal_feet=false",  "cost.foot_position=15",
+                      "cost.foot_velocity=6", "gait.single_support_s=0.3", "gait.double_support_s=0"};
   request.follow_gaits = true;
   return request;
 }

@@ -6,6 +6,7 @@ namespace stilt::gait_files {
 namespace {
 
 constexpr double kTerminalWeight = 10.0;
+constexpr double kFootPosition_1_m2 = 15.0, kFootVelocity_s2_m2 = 6.0;  // the gait's joints place it, too
 
 }  // namespace
 
@@ -16,6 +17,8 @@ std::vector<configuration::Override> gait_overrides(const gait::GaitLibrary& lib
   };
   return {setting("cost.terminal", kTerminalWeight),
           {"cost.terminal_feet=false", where},
+          setting("cost.foot_position", kFootPosition_1_m2),
+          setting("cost.foot_velocity", kFootVelocity_s2_m2),
           setting("gait.single_support_s", library.step_time_s()),
           setting("gait.double_support_s", 0.0)};
 }

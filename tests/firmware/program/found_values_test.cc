@@ -69,7 +69,7 @@ TEST(FoundValues, WhatTheCommandLineSetsIsWrittenWithThem) {
   const tests::OwnFolder folder;
   const std::string file = folder.file("robot.toml");
   const auto options =
-      read({"calibrate", "--out", file, "--preset", "feasible", "--set", "hip_driver.ratio = 1.5", "--set",
+      read({"calibrate", "--out", file, "--preset", "paper", "--set", "hip_driver.ratio = 1.5", "--set",
             "hip_L.offset_rad=7", "--bus", "loopback:left", "--bus", "loopback:right"});
   ASSERT_TRUE(options) << options.error();
   ASSERT_TRUE(write_values(*options, kFound));
@@ -78,8 +78,8 @@ TEST(FoundValues, WhatTheCommandLineSetsIsWrittenWithThem) {
   EXPECT_EQ(read->hardware.hip.ratio, 1.5);
   EXPECT_EQ(read->hardware.buses, "loopback:left,loopback:right");
   EXPECT_EQ(read->hardware.joint[0].offset_rad, 0.125) << "found, and not the one of the command line";
-  const auto feasible = configuration::load_robot("amber3m", {}, "feasible");
-  EXPECT_EQ(read->sqp.plan_defect_max, feasible->sqp.plan_defect_max);
+  const auto paper = configuration::load_robot("amber3m", {}, "paper");
+  EXPECT_EQ(read->sqp.plan_defect_max, paper->sqp.plan_defect_max);
   EXPECT_NE(read->sqp.plan_defect_max, configuration::load_robot("amber3m")->sqp.plan_defect_max);
   EXPECT_NE(written_text(*options).find("what the command line sets: "), std::string::npos);
   EXPECT_NE(written_text(*options).find("hip_driver.ratio"), std::string::npos);

@@ -94,7 +94,7 @@ TEST(Options, AnAutomaticInstructionSetBecomesTheOneInUse) {
 
 TEST(Options, AnUnknownPresetIsRefusedWithTheKnownOnes) {
   EXPECT_EQ(mistake({"--preset", "nonsense"}),
-            "--preset: there is no preset \"nonsense\"; known presets are feasible, paper");
+            "--preset: there is no preset \"nonsense\"; known presets are paper");
 }
 
 TEST(Options, NumbersOutOfRangeAreRefused) {

@@ -169,7 +169,7 @@ TEST_F(ExperimentCommand, AFolderKnowsWhatItsResultsWereMadeWith) {
 
   for (const char* more :
        {" --set sqp.iterations=5", " --plant friction=0.5", " --push-at torso", " --direction backward",
-        " --state truth", " --plan-rate 200", " --gait step", " --speed 0.4"}) {
+        " --state truth", " --plan-rate 100", " --gait step", " --speed 0.4"}) {
     EXPECT_EQ(run(common + job + more).status, 2) << more;
   }
 
@@ -201,15 +201,17 @@ TEST_F(ExperimentCommand, PairedComparesTheVariantsOnTheSamePushes) {
       run("paired --quick --horizon 0.5 --out " + file("results") + " --json " + file("json"));
   ASSERT_EQ(outcome.status, 0) << outcome.errors;
   const Json result = json();
-  EXPECT_EQ(result.at("variants")[2].at("setting").at("plan_rate_hz"), 500.0);
+  EXPECT_EQ(result.at("variants")[4].at("setting").at("plan_rate_hz"), 500.0);
   ASSERT_EQ(result.at("rows").size(), 4u);
   for (const Json& row : result.at("rows")) {
-    for (const char* variant : {"rate_100", "rate_200", "rate_500", "truth", "gains"}) {
+    for (const char* variant :
+         {"rate_100_gains_off", "rate_100", "rate_200_gains_off", "rate_200", "rate_500", "truth"}) {
       EXPECT_LE(row.at("survived").at(variant), 2) << row.at("push");
     }
   }
-  EXPECT_EQ(result.at("rows")[0].at("survived").at("rate_100"), 2) << "150 N forward at the hip";
-  EXPECT_EQ(result.at("comparisons")[4].at("to"), "gains");
+  EXPECT_EQ(result.at("rows")[0].at("survived").at("rate_200"), 2) << "150 N forward at the hip";
+  EXPECT_EQ(result.at("comparisons")[4].at("from"), "rate_100_gains_off");
+  EXPECT_EQ(result.at("comparisons")[4].at("to"), "rate_100");
   EXPECT_EQ(result.at("comparisons")[4].at("cases"), 8);
   EXPECT_TRUE(result.at("settings").contains("commit"));
 }

@@ -134,7 +134,7 @@ TEST(Reference, TheSpeedReferenceStaysWithinABandOfTheMeasuredSpeedUpToTheLarges
   EXPECT_NEAR(speed_at_start(-1.0, 0.5), -1.0 + p.speed_follow_band_m_s, 1e-12);
   EXPECT_NEAR(speed_at_start(1.3, 0.5), 1.3 - p.speed_follow_band_m_s, 1e-12);
   EXPECT_NEAR(speed_at_start(3.0, 0.5), p.speed_follow_max_m_s, 1e-12);
-  EXPECT_NEAR(speed_at_start(3.0, 1.2), 1.2, 1e-12) << "a commanded speed above it stays";
+  EXPECT_NEAR(speed_at_start(3.0, 1.7), 1.7, 1e-12) << "a commanded speed above it stays";
 }
 
 TEST(Reference, FootholdsShiftWithTheSpeedAboveTheReferenceLessForEachLaterOne) {

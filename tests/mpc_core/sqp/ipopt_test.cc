@@ -75,9 +75,8 @@ TEST_P(AgainstIpopt, TheSqpFindsTheSameOptimum) {
   ASSERT_TRUE(ipopt.solved) << ipopt.status;
   RecordProperty("sqp_iterations", report.iterations);
   RecordProperty("ipopt_iterations", ipopt.iterations);
-  // It can do no better: the step vanished, or what a step may gain is below the rounding of the cost. As
-  // many iterations again gain no more.
-  EXPECT_TRUE(report.status == SolveStatus::converged || report.status == SolveStatus::step_rejected);
+  // It can do no better: as many iterations again gain nothing. What a step may gain is below the rounding of
+  // the cost, so that some solves end by their number of iterations.
   const auto further = std::make_unique<ocp::Trajectory>(*iterate);
   EXPECT_NEAR(solve_on(*scene, *further).cost, report.cost, 1e-12 * std::abs(report.cost));
   EXPECT_NEAR(report.cost, ipopt.cost, 1e-8 * std::abs(ipopt.cost));
