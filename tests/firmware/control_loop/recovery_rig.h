@@ -9,17 +9,19 @@
 #include <string>
 
 #include "firmware/configuration/configuration.h"
+#include "firmware/configuration/gaits/shipped_gaits.h"
 #include "firmware/configuration/reach.h"
 #include "firmware/control_loop/control_loop.h"
 #include "firmware/control_loop/planner_task.h"
 #include "hal/robot/emulated_joint.h"
 #include "hal/robot/robot_hardware.h"
+#include "mpc_core/control/plan.h"
 #include "mpc_core/gait/reference.h"
 #include "tests/hal/mock/mock_bus.h"
 #include "tests/robots.h"
 
 /// The control loop over emulated drivers of one vendor on two buses in memory, in virtual time. The joints
-/// stand still in the standing pose.
+/// stand in the standing pose; their encoders show noise.
 namespace stilt::control_loop::testing {
 
 class RecoveryRig {
@@ -59,6 +61,8 @@ class RecoveryRig {
                                                      std::array<hal::FrameBus*, 2>{&buses_[0], &buses_[1]});
     EXPECT_EQ(planner_.configure(robot, configuration_), control::ConfigureStatus::ok);
     loop_.configure(robot, configuration_, configuration_.supervisor);
+    EXPECT_TRUE(gait_files::load_shipped_library("amber3m", *library_));
+    loop_.track_without_plan(robot, configuration_, *library_);
     loop_.attach(*hardware_, mail_);
   }
 
@@ -68,6 +72,10 @@ class RecoveryRig {
   [[nodiscard]] hal::mock::MockBus& bus(std::size_t number) { return buses_[number]; }
   [[nodiscard]] supervisor::State state() const { return loop_.decision().state; }
   [[nodiscard]] const supervisor::SupervisorOutput& decision() const { return loop_.decision(); }
+  /// The newest plan has one foot on the ground now.
+  [[nodiscard]] bool in_single_support() {
+    return control::interpolate(mail_.plans.newest(), loop_.time_s()).mode.count() == 1;
+  }
   [[nodiscard]] const hal::JointReadings& readings() const { return readings_; }
   [[nodiscard]] bool all_enabled() {
     bool all = true;
@@ -92,6 +100,7 @@ class RecoveryRig {
   void tick() {
     clock_.advance(kTick_ns);
     for (std::size_t i = 0; i < hal::kJoints; ++i) {
+      driver(i).motor.position_rad += tick_ % 2 == 0 ? kNoise_rad : -kNoise_rad;
       hal::FrameSink lost;
       if (gone_ && i / 2 == gone_bus_) driver(i).elapse(clock_.now_ns(), lost);
     }
@@ -105,7 +114,7 @@ class RecoveryRig {
     readings_ = mail_.telemetry.front()->joints;
     mail_.telemetry.pop();
     while (mail_.events.front() != nullptr) mail_.events.pop();
-    if (tick_ % 10 == 0 && supervisor::tracks(state())) {
+    if (planning && tick_ % 10 == 0 && supervisor::tracks(state())) {
       fresh_ = planner_.cycle(mail_.requests.newest(), mail_.plans.writer());
       due_ = tick_ + 5;
     }
@@ -113,8 +122,16 @@ class RecoveryRig {
   }
   /// Ticks until a state is reached, at most so many.
   bool reach(supervisor::State wanted, int ticks) {
-    for (int i = 0; i < ticks && state() != wanted; ++i) tick();
-    return state() == wanted;
+    return run_until([&] { return state() == wanted; }, ticks);
+  }
+  /// Ticks until a level commands the joints, at most so many.
+  bool reach(supervisor::FallbackLevel wanted, int ticks) {
+    return run_until([&] { return decision().level == wanted; }, ticks);
+  }
+  template <class Condition>
+  bool run_until(const Condition& holds, int ticks) {
+    for (int i = 0; i < ticks && !holds(); ++i) tick();
+    return holds();
   }
   void run(int ticks) {
     for (int i = 0; i < ticks; ++i) tick();
@@ -146,6 +163,7 @@ class RecoveryRig {
   }
 
   configuration::Configuration configuration_;
+  bool planning = true;  ///< the planner makes plans
 
  private:
   /// As the shipped [torso_sensor] describes it: upright, at rest.
@@ -156,6 +174,8 @@ class RecoveryRig {
     buses_[0].script(frame, clock_.now_ns());
   }
 
+  static constexpr double kNoise_rad = 1e-3;  // of a motor: a few counts
+
   hal::mock::MockClock clock_;
   std::array<hal::mock::MockBus, 2> buses_;
   std::array<std::unique_ptr<hal::JointEmulator>, hal::kJoints> emulators_;
@@ -163,6 +183,7 @@ class RecoveryRig {
   Mailboxes mail_;
   PlannerTask planner_;
   ControlLoop loop_;
+  std::unique_ptr<gait::GaitLibrary> library_ = std::make_unique<gait::GaitLibrary>();
   OperatorCommand command_;
   hal::JointReadings readings_;
   bool pressed_ = false;
