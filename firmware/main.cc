@@ -221,6 +221,16 @@ int run_commissioning(const program::Options& options) {
   if (const auto writable = check_files(options); !writable) return refuse(writable.error());
   if (const auto fit = program::check_out_file(options); !fit) return refuse(fit.error());
   if (const auto connected = connect(options, buses); !connected) return refuse(connected.error());
+  std::unique_ptr<telemetry::TelemetryNode> node;
+  if (options.task == program::Task::watch) {
+    auto opened = open_telemetry(options);
+    if (!opened) return refuse(opened.error());
+    node = std::move(*opened);
+    if (node) {
+      if (const auto taken = take_commands(options, *node); !taken) return refuse(taken.error());
+    }
+    controller_state.telemetry_node = node.get();
+  }
   const program::CommissioningOutcome outcome =
       program::run_commissioning(options, controller_state, signals.stop);
   if (options.json_file != "-") std::fputs(outcome.text.c_str(), stdout);

@@ -17,20 +17,6 @@ using Json = nlohmann::ordered_json;
 constexpr std::int64_t kSamplePeriod_ns = 100'000'000;
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
-const char* text(hal::EmergencyStopState state) {
-  switch (state) {
-    case hal::EmergencyStopState::absent:
-      return "not configured";
-    case hal::EmergencyStopState::unknown:
-      return "silent";
-    case hal::EmergencyStopState::pressed:
-      return "pressed";
-    case hal::EmergencyStopState::released:
-      return "released";
-  }
-  return "";
-}
-
 /// A column of 9 characters, "-" for what is not reported.
 std::string column(double value, const char* format) {
   char digits[40];
@@ -70,19 +56,23 @@ Json joint_json(const hal::JointReading& joint) {
 }  // namespace
 
 std::expected<void, std::string> watch(Session& session, double duration_s,
-                                       const std::function<void(const WatchSample&)>& show) {
+                                       const std::function<void(const WatchSample&)>& show,
+                                       const std::function<bool(const WatchSample&)>& follow) {
   if (const auto up = session.bring_up(); !up) {
     session.disable();
     return up;
   }
   const auto end_ns = static_cast<std::int64_t>(duration_s * 1e9);
   std::int64_t shown_ns = -kSamplePeriod_ns;
-  for (std::int64_t time_ns = 0; !session.stopped() && (duration_s == 0.0 || time_ns < end_ns);
+  bool goes_on = true;
+  for (std::int64_t time_ns = 0; goes_on && !session.stopped() && (duration_s == 0.0 || time_ns < end_ns);
        time_ns += session.tick_ns()) {
     session.tick();
+    const WatchSample sample{1e-9 * static_cast<double>(time_ns), session.readings()};
+    goes_on = follow(sample);
     if (time_ns - shown_ns < kSamplePeriod_ns) continue;
     shown_ns = time_ns;
-    show({1e-9 * static_cast<double>(time_ns), session.readings()});
+    show(sample);
   }
   session.disable();
   return {};
@@ -98,7 +88,7 @@ std::string to_table(const WatchSample& sample) {
            column(readings.base.pitch_rad * kDegrees, "%.1f") +
            column(readings.base.pitch_rate_rad_s, "%.2f") +
            (readings.base.missed_replies > kSilentReads ? "  SILENT\n" : "\n");
-  table += std::string("emergency stop  ") + text(readings.emergency_stop) + '\n';
+  table += std::string("emergency stop  ") + hal::name(readings.emergency_stop) + '\n';
   return table + "bus errors      " + std::to_string(readings.bus_errors) + '\n';
 }
 
@@ -112,7 +102,7 @@ std::string to_json_line(const WatchSample& sample) {
   json["torso"] = {{"pitch_rad", json_number(readings.base.pitch_rad)},
                    {"pitch_rate_rad_s", json_number(readings.base.pitch_rate_rad_s)},
                    {"missed_replies", readings.base.missed_replies}};
-  json["emergency_stop"] = text(readings.emergency_stop);
+  json["emergency_stop"] = hal::name(readings.emergency_stop);
   json["bus_errors"] = readings.bus_errors;
   return json.dump() + "\n";
 }

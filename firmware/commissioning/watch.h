@@ -14,12 +14,15 @@ struct WatchSample {
   hal::RobotReadings readings;
 };
 
-/// Brings the drivers up and keeps them limp: no frame asks for a torque or a gain. Hands a sample to
-/// `show` every 0.1 s; at the end the drivers are off.
+/// Brings the drivers up and keeps them limp: no frame asks for a torque or a gain. At the end the drivers
+/// are off.
 /// @param duration_s  0: until the session is stopped
+/// @param show        gets a sample every 0.1 s
+/// @param follow      gets one every tick; false ends the watch
 /// @return  the error names joint and cause
-[[nodiscard]] std::expected<void, std::string> watch(Session& session, double duration_s,
-                                                     const std::function<void(const WatchSample&)>& show);
+[[nodiscard]] std::expected<void, std::string> watch(
+    Session& session, double duration_s, const std::function<void(const WatchSample&)>& show,
+    const std::function<bool(const WatchSample&)>& follow = [](const WatchSample&) { return true; });
 
 /// A table of kWatchLines lines.
 [[nodiscard]] std::string to_table(const WatchSample& sample);

@@ -161,6 +161,7 @@ std::vector<Contradiction> contradictions(const Configuration& parameters) {
   check_hardware(parameters.hardware, found);
   check_torso_range(parameters.hardware, parameters.supervisor, found);
   check_gains(parameters.hardware, parameters.supervisor, found);
+  check_supply(parameters.hardware, parameters.supervisor, found);
   check_supervisor(parameters.supervisor, found);
   check_runtime(parameters.runtime, found);
   return found;

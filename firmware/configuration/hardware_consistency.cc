@@ -5,6 +5,7 @@
 
 #include "firmware/configuration/driver_of.h"
 #include "firmware/configuration/schema.h"
+#include "hal/mit/mit_mode.h"
 
 namespace stilt::configuration {
 namespace {
@@ -75,6 +76,19 @@ void check_hardware(const HardwareParameters& hardware, std::vector<Contradictio
   if (found.size() == before) check_identifiers(hardware, found);
   if (found.size() == before && !hal::valid(robot_wiring(hardware), buses)) {
     found.push_back({{"hardware.buses"}, "the wiring of the joints contradicts itself"});
+  }
+}
+
+void check_supply(const HardwareParameters& hardware, const supervisor::SupervisorParameters& supervisor,
+                  std::vector<Contradiction>& found) {
+  constexpr double kMost_V = hal::mit::MitDriver{}.supply_V.maximum;
+  for (const auto& [key, driver] :
+       {std::pair{"hip_driver.protocol", &hardware.hip}, std::pair{"knee_driver.protocol", &hardware.knee}}) {
+    if (driver->protocol != DriverProtocol::mit_mini_cheetah || supervisor.low_voltage_V < kMost_V) continue;
+    found.push_back({{"supervisor.low_voltage_V", key},
+                     "supervisor.low_voltage_V = " + number_text(supervisor.low_voltage_V) +
+                         " must be below " + number_text(kMost_V) +
+                         " V, the most that a mini-cheetah reports (" + key + ")"});
   }
 }
 

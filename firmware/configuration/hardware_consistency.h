@@ -33,6 +33,10 @@ void check_identifiers(const HardwareParameters& hardware, std::vector<Contradic
 void check_gains(const HardwareParameters& hardware, const supervisor::SupervisorParameters& supervisor,
                  std::vector<Contradiction>& found);
 
+/// A low voltage that drivers cannot report: every reading would be below it, and the robot would sit down.
+void check_supply(const HardwareParameters& hardware, const supervisor::SupervisorParameters& supervisor,
+                  std::vector<Contradiction>& found);
+
 /// Contradictions between thresholds of the supervisor: each mild reaction must come before the hard one.
 void check_supervisor(const supervisor::SupervisorParameters& supervisor, std::vector<Contradiction>& found);
 

@@ -39,6 +39,7 @@ constexpr std::array kExamples = {
     "stiltd scan --config robot.toml",
     "stiltd watch --config robot.toml --duration 20",
     "stiltd jog hip_L 0.3 --config robot.toml",
+    "stiltd zero hip_L --config robot.toml",
     "stiltd calibrate --config robot.toml --out robot.toml",
     "stiltd identify --config robot.toml --torque-limit 0.3 --out robot.toml",
     "stiltd selftest --config robot.toml --seconds 10",

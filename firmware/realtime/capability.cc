@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <set>
 
 #include "firmware/realtime/kernel_file.h"
 #include "firmware/realtime/processor_state.h"
@@ -63,10 +64,17 @@ void look_at_processors(Capability& capability, const Requirements& requirements
   capability.torque_core = requirements.torque_core;
   capability.core_isolated =
       requirements.torque_core >= 0 && has_processor(first_line(all + "isolated"), requirements.torque_core);
-  const std::string folder = all + "cpu" + std::to_string(std::max(0, requirements.torque_core));
-  capability.governor = first_line(folder + "/cpufreq/scaling_governor");
-  if (!capability.governor.empty() && capability.governor != "performance") {
-    capability.lacking.push_back("frequency governor is " + capability.governor + ", not performance");
+  const auto governor_of = [&all](int core) {
+    return first_line(all + "cpu" + std::to_string(core) + "/cpufreq/scaling_governor");
+  };
+  const int torque_core = std::max(0, requirements.torque_core);
+  capability.governor = governor_of(torque_core);
+  const int planner_core = requirements.planner_core < 0 ? torque_core : requirements.planner_core;
+  for (const int core : std::set{torque_core, planner_core}) {
+    const std::string governor = governor_of(core);
+    if (governor.empty() || governor == "performance") continue;
+    capability.lacking.push_back("frequency governor of processor " + std::to_string(core) + " is " +
+                                 governor + ", not performance");
   }
 }
 

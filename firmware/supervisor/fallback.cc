@@ -27,6 +27,7 @@ FallbackLevel select_level(State state, Reaction reaction, const Followable& fol
     case State::idle:
     case State::calibrate:
     case State::off:
+    case State::watch:
       return FallbackLevel::off;
     case State::ready:
       return FallbackLevel::damp;

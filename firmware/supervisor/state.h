@@ -18,12 +18,13 @@ enum class State : std::uint8_t {
   sit,    ///< the pose moves to the sitting pose
   fault,  ///< damped or off, until reset
   off,    ///< drivers are disabled; the end
+  watch,  ///< `stiltd watch`: drivers are enabled, the joints limp; the supervisor is never there
 };
-inline constexpr std::size_t kStates = 10;
+inline constexpr std::size_t kStates = 11;
 
 [[nodiscard]] constexpr const char* name(State state) noexcept {
-  constexpr std::array<const char*, kStates> kNames = {"boot", "idle", "calibrate", "ready", "stand",
-                                                       "step", "walk", "sit",       "fault", "off"};
+  constexpr std::array<const char*, kStates> kNames = {"boot", "idle", "calibrate", "ready", "stand", "step",
+                                                       "walk", "sit",  "fault",     "off",   "watch"};
   return kNames[static_cast<std::size_t>(state)];
 }
 
@@ -39,7 +40,8 @@ inline constexpr std::size_t kStates = 10;
       "Walks",
       "Goes to the sitting pose",
       "Damped, or the motors off, until the faults are reset",
-      "The drivers are disabled, the end"};
+      "The drivers are disabled, the end",
+      "The drivers are enabled, the joints limp: nothing moves them but a hand"};
   return kTexts[static_cast<std::size_t>(state)];
 }
 

@@ -22,7 +22,6 @@ struct CanFrame {
   bool fd = false;               ///< CAN FD
   bool bit_rate_switch = false;  ///< FD: data phase at the faster bit rate
   bool error = false;  ///< not a frame of the bus but a report of the controller (linux/can/error.h)
-  std::int64_t timestamp_ns = 0;  ///< when it was received, CLOCK_MONOTONIC; 0: the bus does not report it
   std::array<std::uint8_t, kMaximumFrameBytes> data{};
 
   [[nodiscard]] std::span<const std::uint8_t> payload() const noexcept {

@@ -171,7 +171,7 @@ double MoteusEmulator::read(const void* context, std::uint32_t number) noexcept 
     case MoteusRegister::firmware_version:
       return driver.settings_.firmware_version;
     case MoteusRegister::register_map_version:
-      return kMoteusRegisterMap;
+      return driver.settings_.register_map_version;
     default:
       return 0;
   }

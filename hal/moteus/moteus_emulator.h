@@ -19,6 +19,7 @@ enum class MoteusTimeout : std::uint8_t {
 /// What a moteus keeps in its own configuration, by default as it comes from the vendor with firmware 1.1.0.
 struct MoteusSettings {
   std::uint32_t firmware_version = 0x010100;
+  std::uint32_t register_map_version = kMoteusRegisterMap;
   double kp_Nm_rev = 4;                                            ///< servo.pid_position.kp
   double ki = 1;                                                   ///< servo.pid_position.ki
   double ilimit_Nm = 0;                                            ///< servo.pid_position.ilimit

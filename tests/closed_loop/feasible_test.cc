@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <random>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -14,6 +16,7 @@ namespace stilt::simulation {
 namespace {
 
 using testing_support::describe;
+using testing_support::RunRequest;
 using testing_support::SimulatedRun;
 
 struct FeasiblePush {
@@ -83,6 +86,43 @@ TEST(StandAfterAWalk, StepsNoMoreAndSurvivesPushes) {
             << "a step at " << step.time_s << " s";
       }
     }
+  }
+}
+
+/// Walks of random speeds and lengths, stops, and stands of up to half a minute, each with a push of 10 N.
+// ctest -C long -R StandAfterAWalk.for_an_hour
+TEST(StandAfterAWalk, DISABLED_StandsEachTimeForAnHour) {
+  constexpr double kHour_s = 3600.0, kPush_s = 1.0, kSlowsDown_s = 4.0;
+  constexpr unsigned kSeed = 1;
+  std::mt19937 random(kSeed);
+  const auto between = [&random](double from, double to) {
+    return std::uniform_real_distribution(from, to)(random);
+  };
+  RunRequest request{.plant = {"encoder_noise_rad=0.0005", "encoder_velocity_noise_rad_s=0.02",
+                               "base_angle_noise_rad=0.001", "base_rate_noise_rad_s=0.01"},
+                     .duration_s = kHour_s,
+                     .seed = kSeed};
+  struct Stand {
+    double from_s, to_s;
+  };
+  std::vector<Stand> stands;
+  for (double time_s = 0.0; time_s < kHour_s;) {
+    request.commands.push_back({time_s, {gait::GaitKind::walk, between(-0.3, 0.8)}});
+    const double stop_s = time_s + between(3.0, 10.0);
+    request.commands.push_back({stop_s, kStand});
+    time_s = stop_s + between(10.0, 30.0);
+    stands.push_back({stop_s + kSlowsDown_s, time_s});
+    request.pushes.push_back({between(-10.0, 10.0), between(stop_s + kSlowsDown_s, time_s - kPush_s), kPush_s,
+                              between(0.0, 1.0) < 0.5 ? PushPoint::hip : PushPoint::torso});
+  }
+  SimulatedRun run(request);
+  const log::RunRecord record = run.run();
+  ASSERT_TRUE(record.summary.survived) << "seed " << kSeed << ", " << describe(run, record);
+  for (const auto& step : record.summary.steps) {
+    const bool needless = std::ranges::any_of(stands, [&step](const Stand& stand) {
+      return step.time_s > stand.from_s && step.time_s < stand.to_s;
+    });
+    EXPECT_FALSE(needless) << "seed " << kSeed << ": a step at " << step.time_s << " s";
   }
 }
 

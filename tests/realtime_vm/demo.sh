@@ -1,16 +1,16 @@
 # toolchain/demo --headless as it is, on a kernel with CAN: it makes its own vcan interfaces. The machine has the
 # programs already; its walk is cut short, because an emulated processor takes minutes for it.
 demo=/tmp/stilt
-mkdir -p $demo/toolchain $demo/build/release/bin
+mkdir -p $demo/toolchain $demo/build/joined/bin
 cp /job/demo $demo/toolchain/
-cp /job/stilt $demo/build/release/bin/
+cp /job/stilt $demo/build/joined/bin/
 : >$demo/toolchain/setup
 printf '#!/bin/sh\n' >/bin/cmake
-cat >$demo/build/release/bin/stiltd <<'PROGRAM'
+cat >$demo/build/joined/bin/stiltd <<'PROGRAM'
 #!/bin/sh
 exec /job/stiltd $(echo "$@" | sed 's/--duration [0-9]*/--duration 7/')
 PROGRAM
-chmod +x /bin/cmake $demo/toolchain/setup $demo/build/release/bin/stiltd
+chmod +x /bin/cmake $demo/toolchain/setup $demo/build/joined/bin/stiltd
 
 failed=0
 fail() {

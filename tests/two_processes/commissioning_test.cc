@@ -6,6 +6,8 @@
 #include <fstream>
 #include <string>
 
+#include "firmware/telemetry/token.h"
+#include "tests/two_processes/host.h"
 #include "tests/two_processes/person.h"
 #include "tests/two_processes/robot_and_controller.h"
 
@@ -24,6 +26,13 @@ std::string answers(const RobotAndController& run, const std::string& text) {
   const std::string file = run.file("answers");
   std::ofstream(file) << text;
   return file;
+}
+
+std::string last_line(const std::string& file) {
+  std::ifstream lines(file);
+  std::string last;
+  for (std::string line; std::getline(lines, line);) last = line;
+  return last;
 }
 
 TEST(TwoProcesses, AScanFindsTheDriversOfTheRobot) {
@@ -56,6 +65,27 @@ TEST(TwoProcesses, AWatchWritesALineASample) {
     EXPECT_TRUE(nlohmann::json::parse(line).at("joints").contains("hip_R"));
   }
   EXPECT_EQ(samples, 10);
+}
+
+TEST(TwoProcesses, AWatchIsOnTheNetworkAndOnlyOffEndsIt) {
+  RobotAndController run;
+  run.start_robot(kHanging);
+  Host host;
+  run.start_command({"watch"}, {"--lockstep"});
+  ASSERT_TRUE(host.until([&] { return host.run_id != 0 && host.state_name == "watch"; })) << run.said();
+  host.learn(telemetry::read_token(run.file("token")).value());
+  host.alive = true;
+  const std::string stand = host.ask(telemetry::CommandKind::stand);
+  EXPECT_EQ(stand, "the robot is in state watch; it can stand up from idle or ready");
+  EXPECT_NE(host.ask(telemetry::CommandKind::walk, 0.3), "accepted");
+  EXPECT_EQ(host.ask(telemetry::CommandKind::off), "accepted");
+  run.expect_both_to_end();
+  EXPECT_EQ(run.controller().wait(0), 0) << run.said();
+  const nlohmann::json last = nlohmann::json::parse(last_line(run.file("controller.json")));
+  const char* const names[] = {"hip_L", "knee_L", "hip_R", "knee_R"};
+  for (std::size_t joint = 0; joint < 4; ++joint) {
+    EXPECT_NEAR(last.at("joints").at(names[joint]).at("position_rad"), host.joint_position_rad[joint], 0.05);
+  }
 }
 
 TEST(TwoProcesses, AJogNamesAReversedMotorFromAnswersInAFile) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <functional>
 #include <map>
@@ -54,12 +56,14 @@ class Host {
   bool alive = false;
   std::uint64_t run_id = 0;
   supervisor::State state = supervisor::State::boot;
+  std::string state_name;  ///< of the newest message of the supervisor
   double speed_m_s = 0;
   double ramp = 0;
   double time_s = 0;                         ///< of the robot
   std::uint64_t latched = 0;                 ///< bits of supervisor::FaultSet
   std::map<std::string, std::string> found;  ///< by name of a fault, newest
   std::uint32_t tuning = 0;
+  std::array<double, 4> joint_position_rad{};
   std::vector<supervisor::State> states;
   std::map<std::uint64_t, std::string> replies;
   std::uint64_t refused = 0;  ///< commands of whomever
@@ -80,6 +84,7 @@ class Host {
       speed_m_s = supervisor->speed_m_s;
       ramp = supervisor->ramp;
       time_s = supervisor->time_s;
+      state_name = supervisor->state_name;
       latched = supervisor->latched_faults;
       for (std::uint32_t i = 0; i < supervisor->found._length; ++i)
         found[supervisor->faults._buffer[i]] = supervisor->found._buffer[i];
@@ -91,7 +96,11 @@ class Host {
     } else if (const auto event = sample.as<telemetry::Event>()) {
       if (event->kind == 0) states.push_back(state = static_cast<supervisor::State>(event->state));
     } else if (const auto batch = sample.as<telemetry::TickBatch>()) {
-      if (batch->count > 0) tuning = batch->tuning._buffer[batch->count - 1];
+      if (batch->count == 0) return;
+      const std::size_t newest = batch->count - 1;
+      tuning = batch->tuning._buffer[newest];
+      std::copy_n(batch->joint_position_rad._buffer + newest * joint_position_rad.size(),
+                  joint_position_rad.size(), joint_position_rad.begin());
     }
   }
 

@@ -49,11 +49,10 @@ TEST(TwoProcesses, AMinuteOfWalkingRunsLikeTheSimulationAndRepeatsBitForBit) {
   EXPECT_TRUE(frames == text_of(second.file("frames"))) << "every frame on the buses, with its tick";
 }
 
-class WalkWith : public testing::TestWithParam<const char*> {};
-
-TEST_P(WalkWith, DriversOfThisProtocol) {
+/// Six seconds with the drivers of these options of robot and controller.
+void walk_with(const std::vector<std::string>& drivers) {
   RobotAndController run;
-  std::vector<std::string> robot = with_protocol(GetParam()), controller = with_protocol(GetParam());
+  std::vector<std::string> robot = drivers, controller = drivers;
   robot.insert(robot.end(), {"--lockstep", "--once", "--duration", "6"});
   controller.insert(controller.end(), {"--lockstep", "--start", "walk@0.5"});
   run.start_robot(robot);
@@ -63,6 +62,20 @@ TEST_P(WalkWith, DriversOfThisProtocol) {
   EXPECT_TRUE(run.robot_json().at("survived"));
   EXPECT_GT(run.robot_json().at("steps").size(), 8u);
   EXPECT_NEAR(run.robot_json().at("mean_speed_m_s").get<double>(), 0.5, 0.05);
+}
+
+class WalkWith : public testing::TestWithParam<const char*> {};
+
+TEST_P(WalkWith, DriversOfThisProtocol) { walk_with(with_protocol(GetParam())); }
+
+/// As current manuals of AK drivers have it: a driver answers with its own identifier.
+TEST(TwoProcesses, WalkWithAkDriversThatAnswerWithTheirOwnIdentifiers) {
+  std::vector<std::string> drivers = with_protocol("mit_ak");
+  for (const char* joint :
+       {"hip_L.reply_id=1", "knee_L.reply_id=2", "hip_R.reply_id=3", "knee_R.reply_id=4"}) {
+    drivers.insert(drivers.end(), {"--set", joint});
+  }
+  walk_with(drivers);
 }
 
 INSTANTIATE_TEST_SUITE_P(TwoProcesses, WalkWith, testing::ValuesIn(kProtocols),

@@ -94,6 +94,20 @@ INSTANTIATE_TEST_SUITE_P(TwoProcesses, BlackBoxInLockStep, testing::Values("10",
   return row.param == std::string("10") ? "whole" : "cut_short";
 });
 
+/// The mild fault freezes the box first; the hard one, two seconds later, is in the file.
+TEST(TwoProcesses, TheBlackBoxKeepsTheFallAndNotTheFirstGlitch) {
+  RobotAndController run;
+  run.start_robot(
+      {"--lockstep", "--once", "--fault", "drop:knee_L@1+0.005", "--fault", "driver-fault:knee_L@4"});
+  const std::string file = run.file("black_box.csv");
+  run.start_controller({"--lockstep", "--start", "walk@0.5", "--duration", "10", "--black-box", file});
+  run.expect_both_to_end();
+  EXPECT_EQ(run.controller_json().at("faults").at(0).at("name"), "missed_replies") << run.said();
+  const std::string ticks = text_of(file);
+  EXPECT_NE(ticks.find("driver_fault"), std::string::npos) << run.said();
+  EXPECT_EQ(ticks.find("missed_replies"), std::string::npos);
+}
+
 class SelfTest : public testing::TestWithParam<const char*> {};
 
 TEST_P(SelfTest, EveryCommandIsAnsweredInTime) {

@@ -203,6 +203,7 @@ void LiveView::tick(const TickSample& sample) {
   ticks_follow_ = true;
   next_tick_ = sample.record.tick + 1;
   ++link_.ticks;
+  link_.emergency_stop = hal::name(sample.record.emergency_stop);
   link_.received = true;
   newest_s_ = now_s_;
   ticks_.push_back(sample);

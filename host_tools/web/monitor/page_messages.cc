@@ -187,6 +187,7 @@ SharedMessage link_message(const LinkStatus& status) {
                {"received", status.received},
                {"silent_s", status.silent_s},
                {"ticks", status.ticks},
+               {"emergency_stop", status.emergency_stop},
                {"missing", status.missing},
                {"of_others", status.of_others},
                {"runs", status.runs},

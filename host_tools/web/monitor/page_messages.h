@@ -46,6 +46,7 @@ struct LinkStatus {
   bool received = false;             ///< whether any message has been received
   double silent_s = 0.0;             ///< since the newest tick was received
   std::uint64_t ticks = 0;           ///< received
+  std::string emergency_stop;        ///< of the newest tick, hal::name(EmergencyStopState)
   std::uint64_t missing = 0;         ///< gaps in the numbers of ticks
   std::uint64_t runs = 0;            ///< received so far
   std::uint64_t of_others = 0;       ///< samples ignored because another controller is publishing too

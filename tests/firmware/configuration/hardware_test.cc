@@ -120,6 +120,7 @@ TEST(Hardware, NodesWhoseFramesCollideAreRefused) {
             "identifier 0x2; give one of them another identifier or another bus")
       << "the answer is another's command";
   EXPECT_EQ(mistakes("[hip_L]\nreply_id = 3\n"), "") << "on another bus";
+  EXPECT_EQ(mistakes("[hip_L]\nreply_id = 1\n"), "") << "an AK answers with its own";
   EXPECT_EQ(mistakes("[hip_L]\nreply_id = 0x12\n"), "") << "Damiao: a byte names the driver that replies";
   EXPECT_NE(mistakes("[torso_sensor]\npitch = \"id 0x7ff byte 0 bits 32\"\n")
                 .find("torso_sensor.pitch and hip_L are on bus 0 and their frames collide: identifier 0x7ff"),
@@ -197,6 +198,21 @@ TEST(Hardware, AMildReactionMustComeBeforeTheHardOne) {
        {"missed_hold_ticks = 10", "hot_C = 95", "low_voltage_V = 60", "plan_feedback_after_s = 0.3",
         "torque_loop_overrun_s = 0.02", "stale_plan_s = 11", "heartbeat_timeout_s = 31"}) {
     EXPECT_TRUE(mistakes(std::string("[supervisor]\n") + key + "\n").starts_with("robot.toml:2:")) << key;
+  }
+}
+
+TEST(Hardware, ALowVoltageThatAMiniCheetahCannotReportIsRefused) {
+  for (const auto& [protocol, volts, refused] : {std::tuple("mit_mini_cheetah", "40", true),
+                                                 {"mit_mini_cheetah", "39", false},
+                                                 {"mit_ak", "40", false}}) {
+    const std::string said =
+        mistakes(with_drivers(protocol, "accept_missing_watchdog = true\n",
+                              std::string("[supervisor]\nlow_voltage_V = ") + volts + "\n"));
+    EXPECT_EQ(
+        said.find("supervisor.low_voltage_V = 40 must be below 40 V, the most that a mini-cheetah reports "
+                  "(hip_driver.protocol)") != std::string::npos,
+        refused)
+        << said;
   }
 }
 

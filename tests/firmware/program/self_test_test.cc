@@ -17,6 +17,9 @@ SelfTestResult good() {
   result.answered.fill(1000);
   result.in_time.fill(1000);
   result.base_readings = 1000;
+  result.last.joints[1].position_rad = 0.25;
+  result.last.joints[1].driver_temperature_C = 31;
+  result.last.joints[1].supply_V = 47.5;
   result.last.base.pitch_rad = 0.01;
   result.last.base.pitch_rate_rad_s = 0.0;
   result.last.emergency_stop = hal::EmergencyStopState::released;
@@ -42,6 +45,12 @@ TEST(SelfTest, PassesWithNothingWrong) {
   EXPECT_EQ(failed(good()), std::vector<std::string>{});
   EXPECT_TRUE(good().passed());
   EXPECT_NE(to_text(good()).find("\npassed\n"), std::string::npos);
+  EXPECT_NE(to_text(good()).find("knee_L at 0.250 rad, driver 31.000 C, supply 47.500 V\n"),
+            std::string::npos)
+      << to_text(good());
+  const nlohmann::json json = nlohmann::json::parse(to_json(good()));
+  EXPECT_EQ(json.at("position_rad").at("knee_L"), 0.25);
+  EXPECT_EQ(json.at("base_pitch_rad"), 0.01);
   EXPECT_EQ(good().checks().size(), 12u);
 }
 

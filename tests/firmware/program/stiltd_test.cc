@@ -44,7 +44,8 @@ TEST(Stiltd, SaysItsVersionCommitAndTheSizeOfTheController) {
 }
 
 TEST(Stiltd, EveryCommandShowsExamplesOfItself) {
-  for (const std::string command : {"", " scan", " watch", " jog", " calibrate", " identify", " selftest"}) {
+  for (const std::string command :
+       {"", " scan", " watch", " jog", " zero", " calibrate", " identify", " selftest"}) {
     const Answer run = stiltd(command + " --help");
     EXPECT_EQ(run.status, 0) << command;
     EXPECT_TRUE(has(run, "Examples:\n  stiltd" + command + " ")) << command << run.text;

@@ -48,7 +48,8 @@ TEST_F(Machine, ARealTimeKernelIsKnownByItsFile) {
 
 TEST_F(Machine, AGovernorThatSavesPowerIsNamed) {
   write("/sys/devices/system/cpu/cpu1/cpufreq/scaling_governor", "powersave");
-  EXPECT_TRUE(says(acquire({.torque_core = 1}, root_), "governor is powersave"));
+  EXPECT_TRUE(says(acquire({.torque_core = 1}, root_), "governor of processor 1 is powersave"));
+  EXPECT_TRUE(says(acquire({.planner_core = 1}, root_), "governor of processor 1 is powersave"));
   write("/sys/devices/system/cpu/cpu1/cpufreq/scaling_governor", "performance");
   EXPECT_FALSE(says(acquire({.torque_core = 1}, root_), "governor"));
 }

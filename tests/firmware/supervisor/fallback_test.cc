@@ -70,7 +70,7 @@ TEST(Fallback, AFaultThatDampsDampsWhateverTheState) {
 
 TEST(Fallback, DisabledMotorsAreTheLastLevel) {
   EXPECT_EQ(level(State::fault, Reaction::off, true, 0.0), FallbackLevel::off);
-  for (const State state : {State::boot, State::idle, State::calibrate, State::off}) {
+  for (const State state : {State::boot, State::idle, State::calibrate, State::off, State::watch}) {
     EXPECT_EQ(level(state, Reaction::none, true, 0.0), FallbackLevel::off) << name(state);
   }
 }

@@ -136,6 +136,16 @@ TEST_F(BringUpRefusal, FirmwareBelowTheMinimumIsRefusedAndTheMinimumIsNot) {
   }
 }
 
+TEST_F(BringUpRefusal, RegistersOfOtherScalesThanOursAreRefused) {
+  for (const auto& [version, expected] :
+       {std::pair{4u, Failure::old_version}, {5u, Failure::none}, {6u, Failure::wrong_scaling}}) {
+    auto settings = moteus::documented_settings({});
+    settings.register_map_version = version;
+    moteus::MoteusEmulator driver({}, settings);
+    EXPECT_EQ(moteus(driver).failure, expected) << version;
+  }
+}
+
 TEST_F(BringUpRefusal, AnyRangeThatDiffersFromTheConfigurationIsRefused) {
   using mit::MitDriver;
   for (mit::Range MitDriver::*range :

@@ -114,8 +114,7 @@ ReceiveResult MockBus::receive(std::span<CanFrame> frames) noexcept {
       queue_[kept++] = queue_[i];
       continue;
     }
-    frames[result.received] = queue_[i].frame;
-    frames[result.received++].timestamp_ns = now_ns;
+    frames[result.received++] = queue_[i].frame;
   }
   queued_ = kept;
   counters_.received += result.received;

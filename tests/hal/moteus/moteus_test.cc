@@ -301,6 +301,9 @@ TEST(Moteus, FaultCodesFrom96AreLimitsNotFaults) {
   EXPECT_EQ(moteus_fault(38), DriverFault::driver_over_temperature);
   EXPECT_EQ(moteus_fault(102), DriverFault::none);
   EXPECT_EQ(moteus_fault(37), DriverFault::other);
+  EXPECT_EQ(moteus_fault(32), DriverFault::configuration);
+  EXPECT_EQ(moteus_fault(49), DriverFault::position_limit);
+  EXPECT_EQ(moteus_fault(50), DriverFault::velocity_limit);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "tests/host_tools/program_test.h"
+#include "tests/own_domain.h"
 
 namespace stilt::cli {
 namespace {
@@ -321,6 +322,14 @@ TEST_F(CommandLine, ANegativeSpeedAndABackwardPushAreUnderstood) {
   const Outcome outcome = run("sim --speed -0.3 --push -10@1+0.5 --duration 4 --json -");
   ASSERT_EQ(outcome.status, 0) << outcome.errors;
   EXPECT_LT(Json::parse(outcome.output)["distance_m"].get<double>(), -0.3);
+}
+
+TEST_F(CommandLine, AMonitorInTextNeedsATerminal) {
+  const Outcome outcome = run("monitor --terminal --domain " + std::to_string(tests::own_domain()));
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_NE(outcome.errors.find("standard output is no terminal that can be drawn on"), std::string::npos)
+      << outcome.errors;
+  EXPECT_EQ(outcome.output, "");
 }
 
 TEST_F(CommandLine, CommandsMayFollowEachOther) {

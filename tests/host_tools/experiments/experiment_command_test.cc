@@ -40,6 +40,9 @@ TEST_F(ExperimentCommand, FrequencyGivesTheFieldsOfItsContract) {
     EXPECT_LE(rows[i].at("iterations_mean").get<double>(), 10.0);
   }
   EXPECT_NE(outcome.output.find("| 2.0 |"), std::string::npos);
+  EXPECT_NE(outcome.errors.find("quick: few cases in coarse steps, so figures differ from docs/results.md"),
+            std::string::npos)
+      << outcome.errors;
 }
 
 TEST_F(ExperimentCommand, DisturbanceGivesTheFieldsOfItsContractAndGoesOnWhereItWas) {

@@ -99,8 +99,16 @@ class StatusPanel {
       note.textContent = `Another run is shown (${this.robot.configuration?.run_id}): the one before is silent, or this one was chosen. ` +
         'What was before it is gone from the plots, and it takes commands with its own token.';
     }
+    this.writeEmergencyStop();
     this.writeRuns(this.connected ? this.link?.talking ?? [] : []);
     this.writeLink();
+  }
+
+  writeEmergencyStop() {
+    const name = this.link?.emergency_stop;
+    const box = document.getElementById('emergency-stop');
+    box.textContent = name ? `emergency stop ${name}` : '';
+    box.classList.toggle('bad', name === 'pressed' || name === 'silent');
   }
 
   /** When several controllers send: which one is shown, and a button for each other. */

@@ -229,3 +229,22 @@ test('a killed controller leaves a stale picture, marked as one, and the next is
   await until('live data', async () => (await text('#link-status')).startsWith('live'));
   assert.deepEqual(page.problems, []);
 });
+
+test('a watch shows limp joints and the emergency stop, and takes no order but its end', async () => {
+  await controller.kill('SIGKILL');
+  await robot.kill('SIGKILL');
+  robot = new Program(process.env.STILT_PROGRAM, ['robot', ...kTurns, '--hang', ...kBuses]);
+  await robot.wrote(/ready/);
+  controller = new Program(process.env.STILTD_PROGRAM, ['watch', ...kTurns, ...kBuses,
+    '--set', `telemetry.domain=${kDomain}`, '--set', `telemetry.token_file=${join(folder, 'token')}`]);
+  await state('watch');
+  await waitFor('#emergency-stop', /^emergency stop released$/);
+  assert.equal(await page.getAttribute('[data-command="stand"]', 'aria-disabled'), 'true');
+  const plot = 'figure[data-title="Hip angle (dashed: wanted)"] canvas';
+  const before = await pixels(page, plot);
+  await until('its plots to move', async () => (await pixels(page, plot)) !== before);
+  await picture(page, 'live_watch');
+  await page.click('#cut');
+  assert.equal(await controller.ended, 0);
+  assert.deepEqual(page.problems, []);
+});

@@ -90,6 +90,7 @@ TEST(LiveView, AnotherRunTakesTheCommandFromThePageAndBeginsItsTicksAnew) {
       sink.configuration(configuration);
       TickSample sample;
       sample.record.tick = tick;
+      sample.record.emergency_stop = hal::EmergencyStopState::pressed;
       sink.tick(sample);
     };
   };
@@ -106,6 +107,7 @@ TEST(LiveView, AnotherRunTakesTheCommandFromThePageAndBeginsItsTicksAnew) {
   view.step(0.5);
   EXPECT_EQ(source.heartbeats(), 1);
   EXPECT_EQ(page->of_type("link").back()["missing"], 0);
+  EXPECT_EQ(page->of_type("link").back()["emergency_stop"], "pressed");
 }
 
 TEST(LiveView, OnlyThePageInCommandShowsAnotherRun) {

@@ -158,6 +158,28 @@ test('every fault of the table leads to a plot in view, but for those that watch
   }
 });
 
+test('a hundred events and a hundred keys per second hide neither the motion nor stop', async () => {
+  await page.keyboard.press('w');
+  await state('walk');
+  let sent = 0;
+  const events = setInterval(() => monitor.write(`event glitch ${sent++}`), 10);
+  await page.evaluate(() => {
+    let pressed = 0;
+    const press = () => document.body.dispatchEvent(
+      new KeyboardEvent('keydown', { key: pressed++ % 2 === 0 ? 'ArrowUp' : 'ArrowDown', bubbles: true }));
+    window.keys = setInterval(press, 10);
+  });
+  await until('500 events', () => sent > 500);
+  const from = await hipX(page);
+  await until('motion', async () => (await hipX(page)) > from + 0.2);
+  await page.keyboard.press('Space');
+  await state('stand');
+  clearInterval(events);
+  await page.evaluate(() => clearInterval(window.keys));
+  await until('the newest event', async () => (await text('#event-list li:first-child')).endsWith(`glitch ${sent - 1}`));
+  assert.ok((await page.locator('#event-list li').count()) <= 100);
+});
+
 test('dropped ticks are counted', async () => {
   monitor.write('drop 40');
   await until('the count', async () => /live · 40 lost/.test(await text('#link-status')));

@@ -73,6 +73,19 @@ test('on the narrowest phone everything fits, and each command and stop can be p
   await picture(page, 'narrow');
 });
 
+test('with a fault on the page the newest events stay in view', async () => {
+  await page.keyboard.press('w');
+  await state('walk');
+  monitor.write('fault driver_hot knee_L, 81 C');
+  await until('the fault', async () => (await page.locator('.fault').count()) === 1);
+  await until('its event', async () => (await page.locator('#event-list li').count()) === 3);
+  for (let k = 0; k < 3; ++k) {
+    const box = await page.locator('#event-list li').nth(k).boundingBox();
+    assert.ok(box.y > 0 && box.y + box.height <= 900, `event ${k}: ${JSON.stringify(box)}`);
+  }
+  await picture(page, 'fault_and_events');
+});
+
 test('a session by keys alone: stand, walk, another speed, a tunable, a look back, the list of keys, stop', async () => {
   monitor.write('idle');
   await state('idle');

@@ -78,6 +78,10 @@ void SyntheticSource::change(const std::string& words) {
     if (latched_ != 0) state_ = number(State::fault);
     std::getline(stream >> std::ws, found_[argument]);
     publish_event("fault: " + argument, true);
+  } else if (verb == "event") {
+    std::string more;
+    std::getline(stream, more);
+    publish_event(argument + more, false);
   } else if (verb == "over") {
     present_ &= ~bit_of(argument);
   } else if (verb == "drop") {

@@ -250,6 +250,15 @@ TEST(WebServer, AnAddressThatCannotBeListenedOnIsRefusedInOneSentence) {
   } catch (const std::runtime_error& error) {
     EXPECT_NE(std::string(error.what()).find(std::to_string(first.port())), std::string::npos);
   }
+  constexpr const char* kOfNobody = "192.0.2.1";  // RFC 5737: documentation only
+  try {
+    const WebServer elsewhere({kOfNobody, 0});
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    const std::string said = error.what();
+    EXPECT_NE(said.find(kOfNobody), std::string::npos) << said;
+    EXPECT_NE(said.find("this machine has no such address"), std::string::npos) << said;
+  }
 }
 
 }  // namespace
