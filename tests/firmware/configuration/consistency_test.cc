@@ -101,7 +101,10 @@ TEST(Consistency, EachOtherContradictionNamesItsKeyFirst) {
                "discretisation.merge_below_s");
   EXPECT_PRED2(starts, complaint([](Parameters& p) { p.gait.double_support_s = 0.001; }),
                "gait.double_support_s");
-  EXPECT_PRED2(starts, complaint([](Parameters& p) { p.gait.touchdown_velocity_m_s = -2.0; }),
+  EXPECT_PRED2(starts, complaint([](Parameters& p) {
+                 p.gait.touchdown_velocity_m_s = -2.0;
+                 p.gait.swing_height_m = 0.06;
+               }),
                "gait.touchdown_velocity_m_s");
   EXPECT_PRED2(starts, complaint([](Parameters& p) { p.estimator.blend_s = 0.45; }), "estimator.blend_s");
   EXPECT_PRED2(starts, complaint([](Parameters& p) {

@@ -28,12 +28,12 @@ TEST(Preset, PaperPlansWithoutImpactsInStepsOfFourTenths) {
 
 TEST(Preset, ComesAfterTheFileAndBeforeTheOverrides) {
   const std::string file =
-      "[gait]\nsingle_support_s = 0.5\nswing_height_m = 0.09\n[discretisation]\ntransition = \"impact\"\n";
+      "[gait]\nsingle_support_s = 0.5\ntouchdown_velocity_m_s = -0.3\n[discretisation]\ntransition = \"impact\"\n";
   const std::vector<Override> overrides = {{"discretisation.transition=impact"}};
   const Result result = parse(file, "robot.toml", overrides, "paper");
   ASSERT_TRUE(result) << to_string(result.error());
   EXPECT_EQ(result->gait.single_support_s, 0.4);
-  EXPECT_EQ(result->gait.swing_height_m, 0.09) << "the preset leaves alone what it does not name";
+  EXPECT_EQ(result->gait.touchdown_velocity_m_s, -0.3) << "the preset leaves alone what it does not name";
   EXPECT_EQ(result->discretisation.transition, ocp::Transition::impact);
 }
 

@@ -273,10 +273,10 @@ TEST_F(CommandLine, ARunLeavesReportAndLog) {
 TEST_F(CommandLine, TwoRunsBecomeAPageAndMistakesAreNamed) {
   ASSERT_EQ(run("sim --gait stand --duration 0.5 --report " + file("a.html")).status, 0);
   ASSERT_EQ(
-      run("sim --gait stand --duration 0.5 --set gait.swing_height_m=0.07 --log " + file("b.jsonl")).status,
+      run("sim --gait stand --duration 0.5 --set gait.swing_height_m=0.08 --log " + file("b.jsonl")).status,
       0);
   const std::string page = text_of(file("a.html"));
-  EXPECT_NE(page.find(R"("gait.swing_height_m":"0.06")"), std::string::npos) << "a report names its settings";
+  EXPECT_NE(page.find(R"("gait.swing_height_m":"0.07")"), std::string::npos) << "a report names its settings";
   const std::string both = "report " + file("a.html") + " " + file("b.jsonl");
   EXPECT_EQ(run(both + " --shift 0.5").status, 0);
   EXPECT_NE(text_of(file("a_b.html")).find(R"("shift_s": 0.5)"), std::string::npos)
