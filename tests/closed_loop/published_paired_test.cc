@@ -42,7 +42,7 @@ std::vector<Survived> survived_in_every_case() {
 
 TEST(PublishedTables, HaveResultsOfThePairedPushes) {
   EXPECT_EQ(results_of("paired").at("rows").size(), plan().pushes.size());
-  EXPECT_EQ(survived_in_every_case().size(), 12u);
+  EXPECT_EQ(survived_in_every_case().size(), 20u);
 }
 
 class PublishedPairs : public ::testing::TestWithParam<Survived> {};
