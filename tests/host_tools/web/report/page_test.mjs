@@ -161,7 +161,7 @@ test('two records are in one page: plots, settings that differ, outcomes, events
   await shows(5);
   assert.equal(await page.textContent('#headline'), 'slow.mcap (in full) and high.mcap (dashed)');
   const text = await page.textContent('#summary');
-  assert.match(text, /gait\.swing_height_m0\.060\.09/);
+  assert.match(text, /gait\.swing_height_m0\.070\.09/);
   assert.doesNotMatch(text, /gait\.single_support_s/);
   assert.match(text, /Last statereadyready/);
   assert.match(text, /events of slow\.mcap[^]*walk[^]*events of high\.mcap[^]*walk/);
