@@ -105,7 +105,8 @@ TEST(TwoProcesses, TheBlackBoxKeepsTheFallAndNotTheFirstGlitch) {
   EXPECT_EQ(run.controller_json().at("faults").at(0).at("name"), "missed_replies") << run.said();
   const std::string ticks = text_of(file);
   EXPECT_NE(ticks.find("driver_fault"), std::string::npos) << run.said();
-  EXPECT_EQ(ticks.find("missed_replies", ticks.find('\n')), std::string::npos) << "the name of a column apart";
+  EXPECT_EQ(ticks.find("missed_replies", ticks.find('\n')), std::string::npos)
+      << "the name of a column apart";
 }
 
 class SelfTest : public testing::TestWithParam<const char*> {};

@@ -28,7 +28,8 @@ TEST(Preset, PaperPlansWithoutImpactsInStepsOfFourTenths) {
 
 TEST(Preset, ComesAfterTheFileAndBeforeTheOverrides) {
   const std::string file =
-      "[gait]\nsingle_support_s = 0.5\ntouchdown_velocity_m_s = -0.3\n[discretisation]\ntransition = \"impact\"\n";
+      "[gait]\nsingle_support_s = 0.5\ntouchdown_velocity_m_s = -0.3\n[discretisation]\ntransition = "
+      "\"impact\"\n";
   const std::vector<Override> overrides = {{"discretisation.transition=impact"}};
   const Result result = parse(file, "robot.toml", overrides, "paper");
   ASSERT_TRUE(result) << to_string(result.error());
