@@ -10,9 +10,8 @@ namespace stilt::control {
 /// limited to the drive's torque.
 struct TorqueLawParameters {
   double joint_kp_Nm_rad = 100.0;
-  double joint_kd_Nms_rad = 5.0;        ///< up to 200 plans per second
-  double joint_kd_fast_Nms_rad = 12.0;  ///< from 500 plans per second on; in between kd grows linearly
-  bool use_feedback_gains = true;       ///< adds a share of the plan's feedback K (x - x_plan) to its inputs
+  double joint_kd_Nms_rad = 12.0;
+  bool use_feedback_gains = true;  ///< adds a share of the plan's feedback K (x - x_plan) to its inputs
   /// That share grows linearly with the age of the plan, from 0 at the first age to 1 at the second.
   double feedback_from_age_s = 0.008;
   double feedback_full_age_s = 0.016;

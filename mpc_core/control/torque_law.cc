@@ -13,9 +13,7 @@ using model::kFirstJoint;
 using model::kJoints;
 using model::kPositions;
 
-constexpr double kUsualRate_hz = 200.0, kFastRate_hz = 500.0;  // of plans, for kd
-
-/// Share of the feedback gains that acts on a plan of this age.
+/// Share of the feedback gains that acts on a plan of this age (docs/decisions/0038-young-and-old-plans.md).
 double feedback_share(const TorqueLawParameters& law, double age_s) noexcept {
   if (!law.use_feedback_gains) return 0.0;
   return std::clamp((age_s - law.feedback_from_age_s) / (law.feedback_full_age_s - law.feedback_from_age_s),
@@ -31,13 +29,6 @@ void TorqueLaw::configure(const model::RobotModel& robot, const ControllerParame
   friction_coefficient_ = parameters.inequality.friction_coefficient;
   minimum_normal_force_N_ = ocp::MinimumNormalForce::of(parameters.torque_law.minimum_normal_force_share,
                                                         robot.constants.total_mass_kg);
-  plan_rate_hz_ = parameters.timing.plan_rate_hz;
-}
-
-// docs/decisions/0038-young-and-old-plans.md
-double TorqueLaw::joint_kd_Nms_rad() const noexcept {
-  const double fast = std::clamp((plan_rate_hz_ - kUsualRate_hz) / (kFastRate_hz - kUsualRate_hz), 0.0, 1.0);
-  return (1.0 - fast) * law_.joint_kd_Nms_rad + fast * law_.joint_kd_fast_Nms_rad;
 }
 
 TorqueCommand TorqueLaw::follow(const SensorReading& reading, const model::StateVector& state,
@@ -50,10 +41,9 @@ TorqueCommand TorqueLaw::follow(const SensorReading& reading, const model::State
   TorqueCommand command;
   command.torque_Nm = track(reading, point.state, input);
   command.finite = command.torque_Nm.allFinite() && is_finite(reading) && state.allFinite();
-  const double kd_Nms_rad = joint_kd_Nms_rad();
   for (int j = 0; j < kJoints; ++j) {
     const double velocity = reading.joint_velocity_rad_s[j];
-    const double damping_Nm = std::isfinite(velocity) ? -kd_Nms_rad * velocity : 0.0;
+    const double damping_Nm = std::isfinite(velocity) ? -law_.joint_kd_Nms_rad * velocity : 0.0;
     const double wanted_Nm = command.finite ? command.torque_Nm[j] : damping_Nm;
     command.torque_Nm[j] = drive_.limited_torque_Nm(j, wanted_Nm, velocity);
     if (command.torque_Nm[j] != wanted_Nm) command.saturated = true;
@@ -80,7 +70,6 @@ JointVector TorqueLaw::track(const SensorReading& reading, const model::StateVec
                              const model::InputVector& input) const noexcept {
   model::NodeTerms<double> node;
   robot_->node(planned.data(), input.data(), drive_.joint_parameters, node);
-  const double kd_Nms_rad = joint_kd_Nms_rad();
   JointVector torque_Nm;
   for (int j = 0; j < kJoints; ++j) {
     const double planned_velocity = planned[kPositions + kFirstJoint + j];
@@ -88,7 +77,7 @@ JointVector TorqueLaw::track(const SensorReading& reading, const model::StateVec
                                std::tanh(planned_velocity / law_.friction_velocity_rad_s);
     torque_Nm[j] = node.joint_torque[j] + friction_Nm +
                    law_.joint_kp_Nm_rad * (planned[kFirstJoint + j] - reading.joint_position_rad[j]) +
-                   kd_Nms_rad * (planned_velocity - reading.joint_velocity_rad_s[j]);
+                   law_.joint_kd_Nms_rad * (planned_velocity - reading.joint_velocity_rad_s[j]);
   }
   return torque_Nm;
 }

@@ -31,9 +31,6 @@ class TorqueLaw {
   /// Replaces the gains from the next call on. Real-time safe.
   void tune(const TorqueLawParameters& law) noexcept { law_ = law; }
 
-  /// kd at the configured rate of plans.
-  [[nodiscard]] double joint_kd_Nms_rad() const noexcept;
-
   /// @param state  estimated state, for the feedback
   /// @param point  the plan at the time of the reading
   [[nodiscard]] TorqueCommand follow(const SensorReading& reading, const model::StateVector& state,
@@ -50,7 +47,6 @@ class TorqueLaw {
   TorqueLawParameters law_;
   DriveModel drive_{};
   double friction_coefficient_ = 0.0;
-  double plan_rate_hz_ = 0.0;
   ocp::MinimumNormalForce minimum_normal_force_N_;
 };
 

@@ -125,11 +125,12 @@ double HeuristicReference::foothold_x_m(int foot, const Interval& contact) const
   const int first = schedule_->index_at(contact.start_s);
   for (int phase = first; phase < schedule_->count() && schedule_->phase(phase).mode[foot]; ++phase) {
     if (!stands(schedule_->phase(phase))) continue;
-    // Before a stand: the foot that lands last is placed ahead when moving forward.
-    const bool lands_last = phase == first;
-    const bool ahead = lands_last == (command_.speed_m_s >= 0.0);
-    const double offset_m = ahead ? gait_.stand_half_width_m : -gait_.stand_half_width_m;
-    return base_at(schedule_->phase(phase).start_s).x_m + offset_m;
+    if (phase != first) return base_at(schedule_->phase(phase).start_s).x_m;
+    // The foot that lands last before a stand is placed ahead of the other, behind it when moving backward.
+    // The weights of the other terms keep about half of that distance: asked for is twice the wanted one.
+    const int other = 1 - foot;
+    const double apart_m = std::copysign(2.0 * 2.0 * gait_.stand_half_width_m, command_.speed_m_s);
+    return foothold_x_m(other, schedule_->foot_interval(phase, other)) + apart_m;
   }
   return base_at(0.5 * (contact.start_s + contact.end_s)).x_m + foothold_shift_m(contact);
 }

@@ -66,10 +66,10 @@ INSTANTIATE_TEST_SUITE_P(
              std::to_string(std::lround(1000.0 * std::get<1>(test.param))) + "ms";
     });
 
-/// A stop from a walk leaves the feet 7 to 12 cm apart: no step is made without need, and what the stand
-/// cannot hold is caught by steps (docs/decisions/0039-capture-point-of-the-whole-body.md). 60 N were
+/// A stop from a walk leaves the feet apart as the first stand has them: it holds 10 N without a step, and
+/// catches by steps what it cannot hold (docs/decisions/0039-capture-point-of-the-whole-body.md). 60 N were
 /// survived.
-TEST(StandAfterAWalk, StepsNoMoreAndSurvivesPushes) {
+TEST(StandAfterAWalk, HoldsTenNewtonAndSurvivesPushes) {
   constexpr double kStop_s = 3.0;
   constexpr double kPush_s = 8.5;
   for (const PushPoint point : {PushPoint::hip, PushPoint::torso}) {
@@ -82,18 +82,19 @@ TEST(StandAfterAWalk, StepsNoMoreAndSurvivesPushes) {
       const log::RunRecord record = run.run();
       ASSERT_TRUE(record.summary.survived) << force_N << " N, " << describe(run, record);
       for (const auto& step : record.summary.steps) {
-        EXPECT_TRUE(step.time_s < kStop_s + 2.5 || step.time_s > kPush_s)
-            << "a step at " << step.time_s << " s";
+        const bool caught = step.time_s > kPush_s && std::abs(force_N) > 10.0;
+        EXPECT_TRUE(step.time_s < kStop_s + 2.5 || caught)
+            << "a step at " << step.time_s << " s, " << force_N << " N";
       }
     }
   }
 }
 
 /// Walks of random speeds and lengths, stops, and stands of up to half a minute, each with a push of at most
-/// 10 N. Feet 7 to 12 cm apart catch some of these pushes with steps; without a push there are none.
+/// 10 N: no stand makes a step.
 // ctest -C long -R StandAfterAWalk.for_an_hour
 TEST(StandAfterAWalk, DISABLED_StandsEachTimeForAnHour) {
-  constexpr double kHour_s = 3600.0, kPush_s = 1.0, kSlowsDown_s = 4.0, kCatches_s = 5.0;
+  constexpr double kHour_s = 3600.0, kPush_s = 1.0, kSlowsDown_s = 4.0;
   constexpr unsigned kSeed = 1;
   std::mt19937 random(kSeed);
   const auto between = [&random](double from, double to) {
@@ -104,7 +105,7 @@ TEST(StandAfterAWalk, DISABLED_StandsEachTimeForAnHour) {
                      .duration_s = kHour_s,
                      .seed = kSeed};
   struct Stand {
-    double from_s, push_s, to_s;
+    double from_s, to_s;
   };
   std::vector<Stand> stands;
   for (double time_s = 0.0; time_s < kHour_s;) {
@@ -112,8 +113,8 @@ TEST(StandAfterAWalk, DISABLED_StandsEachTimeForAnHour) {
     const double stop_s = time_s + between(3.0, 10.0);
     request.commands.push_back({stop_s, kStand});
     time_s = stop_s + between(10.0, 30.0);
-    stands.push_back({stop_s + kSlowsDown_s, between(stop_s + kSlowsDown_s, time_s - kPush_s), time_s});
-    request.pushes.push_back({between(-10.0, 10.0), stands.back().push_s, kPush_s,
+    stands.push_back({stop_s + kSlowsDown_s, time_s});
+    request.pushes.push_back({between(-10.0, 10.0), between(stop_s + kSlowsDown_s, time_s - kPush_s), kPush_s,
                               between(0.0, 1.0) < 0.5 ? PushPoint::hip : PushPoint::torso});
   }
   SimulatedRun run(request);
@@ -121,8 +122,7 @@ TEST(StandAfterAWalk, DISABLED_StandsEachTimeForAnHour) {
   ASSERT_TRUE(record.summary.survived) << "seed " << kSeed << ", " << describe(run, record);
   for (const auto& step : record.summary.steps) {
     const bool needless = std::ranges::any_of(stands, [&step](const Stand& stand) {
-      const bool pushed = step.time_s > stand.push_s && step.time_s < stand.push_s + kCatches_s;
-      return step.time_s > stand.from_s && step.time_s < stand.to_s && !pushed;
+      return step.time_s > stand.from_s && step.time_s < stand.to_s;
     });
     EXPECT_FALSE(needless) << "seed " << kSeed << ": a step at " << step.time_s << " s";
   }

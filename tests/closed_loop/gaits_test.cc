@@ -136,7 +136,8 @@ TEST_P(StandsAfterSteps, WithItsFeetApartWheneverTheStandIsCommanded) {
   const log::RunRecord record = run.run();
   expect_sound(run, record);
   const log::RunSample& end = record.samples.back();
-  EXPECT_GT(std::abs(end.foot_position_m[0] - end.foot_position_m[2]), 0.1);
+  EXPECT_NEAR(std::abs(end.foot_position_m[0] - end.foot_position_m[2]),
+              2.0 * run.parameters.gait.stand_half_width_m, 0.05);
   EXPECT_LT(std::abs(end.true_state[model::kFirstAngle]), 0.02);
   EXPECT_NEAR(end.true_state[1], run.parameters.reference.base_height_m, 0.01);
 }

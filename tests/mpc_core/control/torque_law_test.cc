@@ -374,29 +374,6 @@ TEST_F(TorqueLawTest, TheShareOfTheGainsGrowsWithTheAgeOfThePlan) {
   EXPECT_GT(quarter_Nm.cwiseAbs().maxCoeff(), 1e-3);
 }
 
-TEST_F(TorqueLawTest, KdGrowsWithTheRateOfPlans) {
-  ControllerParameters parameters = unlimited("amber3m");
-  parameters.torque_law.joint_kd_fast_Nms_rad = 30.0;
-  const double slow = parameters.torque_law.joint_kd_Nms_rad,
-               fast = parameters.torque_law.joint_kd_fast_Nms_rad;
-  struct Case {
-    double plan_rate_hz, kd_Nms_rad;
-  };
-  for (const Case& c : {Case{50.0, slow}, Case{200.0, slow}, Case{350.0, 0.5 * (slow + fast)},
-                        Case{500.0, fast}, Case{1000.0, fast}}) {
-    parameters.timing.plan_rate_hz = c.plan_rate_hz;
-    configure(parameters);
-    state_ = interpolate(*plan_, kNow_s).state;
-    const JointVector at_plan_Nm = tick().torque_Nm;
-    for (int j = 0; j < kJoints; ++j) {
-      SensorReading reading = reading_of(state_, kNow_s);
-      reading.joint_velocity_rad_s[j] += 0.01;
-      EXPECT_NEAR(follow(reading, state_).torque_Nm[j] - at_plan_Nm[j], -0.01 * c.kd_Nms_rad, 1e-9)
-          << c.plan_rate_hz << " plans per second, joint " << j;
-    }
-  }
-}
-
 class FeedForwardTest : public ::testing::TestWithParam<const char*> {};
 
 /// MuJoCo, given the torque and the planned contact forces, accelerates the joints as planned.

@@ -243,8 +243,9 @@ TEST(Reference, ComingToAStandTheFootThatLandsLastStandsAheadUnlessTheRobotWalks
       const int ahead = speed_m_s >= 0.0 ? lands_last : 1 - lands_last;
       const ReferencePoint point = walk.at(walk.schedule.phase(last).start_s + 0.1);
       const model::FeetVector& feet = point.foot_position_W_m;
-      EXPECT_NEAR(feet[2 * ahead], point.state[0] + walk.gait.stand_half_width_m, 1e-9);
-      EXPECT_NEAR(feet[2 * (1 - ahead)], point.state[0] - walk.gait.stand_half_width_m, 1e-9);
+      // Asked for is twice the distance of a stand.
+      EXPECT_NEAR(feet[2 * ahead] - feet[2 * (1 - ahead)], 4.0 * walk.gait.stand_half_width_m, 1e-9);
+      EXPECT_NEAR(feet[2 * (1 - lands_last)], point.state[0], 1e-9);
       EXPECT_NEAR(point.state[kPositions], 0.0, 1e-12);
     }
   }
