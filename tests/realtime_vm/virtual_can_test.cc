@@ -128,12 +128,32 @@ TEST_F(KernelCan, AnInterfaceThatGoesDownIsDisconnectedUntilItIsOpenedAgain) {
   EXPECT_EQ(bus_.frames().counters().disconnections, 1u);
 }
 
+/// Bitrate, sample points and jump widths: moteus, docs/platforms/socketcan.md ("all must be configured").
+const std::string kMoteusTiming =
+    "`dbitrate 5000000 fd on sample-point 0.666 dsample-point 0.666 sjw 10 dsjw 5`";
+
 TEST_F(KernelCan, AnInterfaceThatIsDownIsRefusedInOneSentence) {
   shell("ip link set vcan1 down");
   AnyBus bus;
   const auto opened = bus.open("vcan1", {});
   ASSERT_FALSE(opened);
-  EXPECT_NE(opened.error().find("bus vcan1"), std::string::npos) << opened.error();
+  EXPECT_EQ(
+      opened.error(),
+      "bus vcan1: the interface is down; bring it up with `ip link set vcan1 up type can bitrate 1000000`, "
+      "with moteus also " +
+          kMoteusTiming);
+}
+
+TEST_F(KernelCan, AnInterfaceOfClassicFramesIsRefusedForCanFdWithTheBitTimingOfAMoteus) {
+  shell("ip link set vcan1 down && ip link set vcan1 mtu 16 up");
+  AnyBus bus;
+  const auto opened = bus.open("vcan1", {.receive_ids = {}, .fd = true});
+  ASSERT_FALSE(opened);
+  EXPECT_EQ(opened.error(),
+            "bus vcan1: the interface carries no CAN FD frames, which moteus needs; set it up with " +
+                kMoteusTiming);
+  EXPECT_TRUE(bus.open("vcan1", {}));
+  shell("ip link set vcan1 down && ip link set vcan1 mtu 72 up");
 }
 
 }  // namespace
