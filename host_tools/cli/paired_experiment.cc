@@ -37,10 +37,10 @@ struct Push {
   const char* point;
 };
 /// Near the limits of docs/results.md, where a difference shows.
-constexpr Push kPushes[] = {{"hip_150N", 150.0, "hip"},
-                            {"hip_165N", 165.0, "hip"},
-                            {"torso_80N", 80.0, "torso"},
-                            {"torso_-80N", -80.0, "torso"}};
+constexpr Push kPushes[] = {{"hip_170N", 170.0, "hip"},
+                            {"hip_-145N", -145.0, "hip"},
+                            {"torso_100N", 100.0, "torso"},
+                            {"torso_-95N", -95.0, "torso"}};
 
 WalkSetting setting_of(const WalkSetting& common, const Variant& variant, const Push& push) {
   WalkSetting setting = common;
