@@ -60,20 +60,59 @@ test('the friction cone of a foot that carries opens by the friction coefficient
   assert.equal(triangles((await saved('#save-svg')).content.toString()).length, 0);
 });
 
-test('a force outside its friction cone gives the cone the colour of a limit, and a foot in the air has none', () => {
+/** What a function of the page's drawings leaves in an SVG picture, 400 by 300 pixels, 200 a metre; (0, 0) is (200, 280). */
+function drawn(name, ...words) {
   const folder = new URL('../../../../host_tools/web/page/', import.meta.url);
-  const source = ['canvas_shapes.js', 'svg_context.js', 'scene.js'].map((name) => readFileSync(new URL(name, folder), 'utf-8')).join('\n');
-  const { drawFrictionCones, makeView, SvgContext } = new Function(`${source}\nreturn { drawFrictionCones, makeView, SvgContext };`)();
-  const draw = (forces) => {
-    const context = new SvgContext(400, 300);
-    const pose = { left: { foot: { x: 0, z: 0 } }, right: { foot: { x: 0.3, z: 0.1 } } };
-    drawFrictionCones(makeView(context, 400, 300, 0, -0.1, 200), pose, forces, kMu, { limit: 'red', force: 'green' });
-    return String(context);
-  };
+  const files = ['canvas_shapes.js', 'svg_context.js', 'scene.js', 'kinematics.js'];
+  const source = files.map((file) => readFileSync(new URL(file, folder), 'utf-8')).join('\n');
+  const { draw, makeView, SvgContext } = new Function(`${source}\nreturn { draw: ${name}, makeView, SvgContext };`)();
+  const context = new SvgContext(400, 300);
+  draw(makeView(context, 400, 300, 0, -0.1, 200), ...words);
+  return String(context);
+}
+
+const kPose = { left: { foot: { x: 0, z: 0 } }, right: { foot: { x: 0.3, z: 0.1 } }, hip: { x: 0, z: 0.8 }, head: { x: 0.1, z: 1.3 } };
+
+/** Tips of arrow heads and footholds: first corners of the filled or hollow triangles of a colour. */
+function tips(svg, colour) {
+  return [...svg.matchAll(/<path d="M(\S+) (\S+?)L\S+ \S+?L[^"]*"([^>]*)/g)]
+    .filter(([, , , style]) => style.includes(colour)).map(([, x, y]) => [Number(x), Number(y)]);
+}
+
+test('a force outside its friction cone gives the cone the colour of a limit, and a foot in the air has none', () => {
+  const draw = (forces) => drawn('drawFrictionCones', kPose, forces, kMu, { limit: 'red', force: 'green' });
   assert.match(draw([59, 100, 0, 0]), /green/);
   assert.doesNotMatch(draw([59, 100, 0, 0]), /red/);
   assert.match(draw([-61, 100, 0, 0]), /red/);
   assert.equal(triangles(draw([20, 100, 0, 5])).length, 1);
+});
+
+test('an arrow of a contact force goes from the foot along the force, 1.7 mm for each N, and 1 m at most', () => {
+  const draw = (forces) => tips(drawn('drawContactForces', kPose, forces, { force: 'green' }), 'green');
+  assert.deepEqual(draw([50, 200, 0, 0]), [[200 + 200 * 0.085, 280 - 200 * 0.34]]);
+  assert.deepEqual(draw([0, 0, -20, 100]), [[260 - 200 * 0.034, 260 - 200 * 0.17]]);
+  assert.deepEqual(draw([0, 5000, 0, 0]), [[200, 80]]);
+  assert.deepEqual(draw([0, 0, 0, 0]), []);
+});
+
+test('the arrow of a push ends 6 cm before the place where it acts, on the side that it comes from, with its force', () => {
+  const draw = (force, share) => drawn('drawPush', kPose, force, share, { push: 'red', sky: 'white' });
+  assert.deepEqual(tips(draw(40, 0), 'red'), [[188, 120]]);
+  assert.deepEqual(tips(draw(-40, 0.5), 'red'), [[222, 70]]);
+  assert.match(draw(-40, 0.5), />40 N</);
+  assert.equal(tips(draw(0, 0), 'red').length, 0);
+});
+
+test('a planned foothold is a hollow triangle in the colour of its foot, where the plan puts the foot down', () => {
+  const knot = (time, left, right) => ({ time, hip: { x: 0, z: 0.8 }, feet: [left, right] });
+  const knots = [knot(1.0, { x: 0, z: 0 }, { x: -0.1, z: 0.05 }), knot(1.1, { x: 0, z: 0 }, { x: 0.2, z: 0.05 }),
+    knot(1.2, { x: 0, z: 0 }, { x: 0.25, z: 0 }), knot(1.3, { x: 0, z: 0.05 }, { x: 0.25, z: 0 })];
+  const svg = drawn('drawPlannedPaths', knots, { plan: 'grey', left: 'blue', right: 'orange' }, 1.0);
+  const places = [...svg.matchAll(/<path d="M(\S+) (\S+?)L\S+ \S+?L\S+ \S+?Z"([^>]*)/g)];
+  assert.equal(places.length, 1, svg);
+  assert.deepEqual(places[0].slice(1, 3).map(Number), [250, 283]);
+  assert.match(places[0][3], /orange/);
+  assert.match(places[0][3], /fill="none"/);
 });
 
 test('PNG and SVG show what the stage shows', async () => {
