@@ -69,6 +69,8 @@ hal::JointWiring joint_wiring(const HardwareParameters& hardware, std::size_t jo
   wiring.ratio = driver.ratio;
   wiring.offset_rad = place.offset_rad;
   wiring.torque_factor = place.torque_factor;
+  wiring.can_fd = driver.can_fd;
+  wiring.bit_rate_switch = driver.bit_rate_switch;
   if (driver.protocol == DriverProtocol::moteus) {
     wiring.driver = moteus_driver(hardware, joint);
   } else if (driver.protocol == DriverProtocol::odrive) {

@@ -39,6 +39,7 @@ struct DriverParameters {
   /// whether its data phase is faster.
   double moteus_kp_Nm_rev = 800.0;
   double moteus_kd_Nms_rev = 40.0;
+  bool can_fd = false;
   bool bit_rate_switch = true;
   /// ODrive: numbers of four parameters in its firmware; 0: unknown.
   int odrive_watchdog_timeout_endpoint = 0;

@@ -48,6 +48,16 @@ void check_bus_names(const std::vector<std::string>& names, std::vector<Contradi
   }
 }
 
+void check_can_fd(std::string_view key, const DriverParameters& driver, std::vector<Contradiction>& found) {
+  const bool can = driver.protocol == DriverProtocol::mit_damiao || driver.protocol == DriverProtocol::odrive;
+  if (!driver.can_fd || can) return;
+  const bool moteus = driver.protocol == DriverProtocol::moteus;
+  found.push_back({{key},
+                   std::string(key) + " = true, but " +
+                       (moteus ? "a moteus exchanges CAN FD frames by itself" : "this driver has no CAN FD") +
+                       "; set it to false"});
+}
+
 void check_ids(const HardwareParameters& hardware, std::size_t i, std::vector<Contradiction>& found) {
   const JointParameters& joint = hardware.joint[i];
   const DriverProtocol protocol = driver_of(hardware, i).protocol;
@@ -67,6 +77,8 @@ void check_hardware(const HardwareParameters& hardware, std::vector<Contradictio
   const std::size_t buses = names.size();
   const std::size_t before = found.size();
   check_bus_names(names, found);
+  check_can_fd("hip_driver.can_fd", hardware.hip, found);
+  check_can_fd("knee_driver.can_fd", hardware.knee, found);
   for (std::size_t i = 0; i < hal::kJoints; ++i) {
     check_bus(kKeys[i].bus, hardware.joint[i].bus, buses, found);
     check_ids(hardware, i, found);

@@ -35,6 +35,12 @@ struct FrameId {
   bool extended = false;  ///< 29 bits instead of 11
 };
 
+/// The standard identifiers whose bits under `mask` are those of `value`; mask 0: none.
+struct StandardIds {
+  std::uint32_t value = 0;
+  std::uint32_t mask = 0;
+};
+
 /// Smallest length a CAN FD frame can have for this many bytes; 0 when none holds them (more than 64).
 [[nodiscard]] constexpr std::uint8_t fd_length(std::size_t bytes) noexcept {
   if (bytes <= kClassicFrameBytes) return static_cast<std::uint8_t>(bytes);

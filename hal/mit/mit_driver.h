@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -39,6 +40,13 @@ namespace stilt::hal::mit {
 [[nodiscard]] NodeIdentifiers identifiers(const MitDriver& driver);
 [[nodiscard]] std::vector<FrameId> receive_ids(const MitDriver& driver);
 [[nodiscard]] std::vector<PeriodicFrame> periodic_frames(const MitDriver& driver, double tick_hz);
+/// Of its frames both ways; of a Damiao also its registers.
+[[nodiscard]] constexpr std::array<StandardIds, 3> standard_ids(const MitDriver& driver) noexcept {
+  const std::uint32_t registers = driver.layout == ReplyLayout::damiao ? kMaximumStandardId : 0;
+  return {{{driver.command_id, kMaximumStandardId},
+           {driver.reply_id, kMaximumStandardId},
+           {kMaximumStandardId, registers}}};
+}
 [[nodiscard]] constexpr bool uses_fd(const MitDriver&) noexcept { return false; }
 [[nodiscard]] constexpr std::optional<GainLimits> gain_limits(const MitDriver& driver) noexcept {
   return GainLimits{.kp = driver.kp_Nm_rad.maximum, .kd = driver.kd_Nms_rad.maximum};

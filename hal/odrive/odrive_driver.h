@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -37,6 +38,10 @@ namespace stilt::hal::odrive {
 [[nodiscard]] NodeIdentifiers identifiers(const OdriveDriver& driver);
 [[nodiscard]] std::vector<FrameId> receive_ids(const OdriveDriver& driver);
 [[nodiscard]] std::vector<PeriodicFrame> periodic_frames(const OdriveDriver& driver, double tick_hz);
+/// All of its node.
+[[nodiscard]] constexpr std::array<StandardIds, 1> standard_ids(const OdriveDriver& driver) noexcept {
+  return {{{static_cast<std::uint32_t>(driver.node) << 5, 0x7e0}}};
+}
 [[nodiscard]] constexpr bool uses_fd(const OdriveDriver&) noexcept { return false; }
 /// The law is computed here, without ranges.
 [[nodiscard]] constexpr std::optional<GainLimits> gain_limits(const OdriveDriver&) noexcept {

@@ -8,10 +8,11 @@ namespace {
 using BusPointers = std::array<FrameBus*, kMaximumBuses>;
 
 /// Puts the taps before the buses.
-BusPointers tapped(std::span<TapBus> taps, std::span<FrameBus* const> buses) noexcept {
+BusPointers tapped(const RobotWiring& wiring, std::span<TapBus> taps,
+                   std::span<FrameBus* const> buses) noexcept {
   BusPointers pointers{};
   for (std::size_t bus = 0; bus < buses.size(); ++bus) {
-    taps[bus].attach(*buses[bus]);
+    taps[bus].attach(*buses[bus], FlexibleFrames(wiring, bus));
     pointers[bus] = &taps[bus];
   }
   return pointers;
@@ -22,7 +23,7 @@ BusPointers tapped(std::span<TapBus> taps, std::span<FrameBus* const> buses) noe
 RobotHardware::RobotHardware(const RobotWiring& wiring, const BringUpOptions& options,
                              std::span<FrameBus* const> buses) noexcept
     : bus_count_(std::min(buses.size(), kMaximumBuses)),
-      tap_pointers_(tapped(taps_, buses.first(bus_count_))),
+      tap_pointers_(tapped(wiring, taps_, buses.first(bus_count_))),
       robot_(wiring, std::span(tap_pointers_).first(bus_count_)),
       drivers_(wiring, options, std::span(taps_).first(bus_count_), robot_) {}
 

@@ -30,7 +30,9 @@ struct JointWiring {
   double ratio =
       1;  ///< turns of the driver's shaft per turn of the joint; 1 when the driver counts its output
   double offset_rad = 0;
-  double torque_factor = 1;  ///< torque that the motor gives per torque asked of the driver
+  double torque_factor = 1;     ///< torque that the motor gives per torque asked of the driver
+  bool can_fd = false;          ///< the driver's classic frames travel as CAN FD frames: FlexibleFrames
+  bool bit_rate_switch = true;  ///< and their data at the faster bit rate
 };
 
 /// Number of the extra encoder that the joint's driver reports; -1: none.

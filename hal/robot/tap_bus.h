@@ -7,27 +7,32 @@
 #include <span>
 
 #include "hal/can/frame_bus.h"
+#include "hal/robot/flexible_frames.h"
 
 namespace stilt::hal {
 
 /// A bus whose received frames are also kept: bring-up reads what the readings are decoded from. Frames can
-/// be looked at before they are received. Keeps the first kKept frames since forget(). Real-time safe.
+/// be looked at before they are received. Drivers on CAN FD have their frames turned here. Keeps the first
+/// kKept frames since forget(). Real-time safe.
 class TapBus final : public FrameBus {
  public:
   static constexpr std::size_t kKept = 64;
 
   /// @param inner  outlives this object
-  void attach(FrameBus& inner) noexcept { inner_ = &inner; }
+  void attach(FrameBus& inner, const FlexibleFrames& flexible = {}) noexcept {
+    inner_ = &inner;
+    flexible_ = flexible;
+  }
 
   [[nodiscard]] SendResult send(std::span<const CanFrame> frames) noexcept override {
     if (reconnecting()) return {0, BusStatus::disconnected};
-    const SendResult result = inner_->send(frames);
+    const SendResult result = inner_->send(turned(frames));
     disconnected_ = result.status == BusStatus::disconnected;
     return result;
   }
   [[nodiscard]] ReceiveResult receive(std::span<CanFrame> frames) noexcept override {
     if (reconnecting()) return {0, BusStatus::disconnected};
-    ReceiveResult result = early_count_ > 0 ? take_early(frames) : inner_->receive(frames);
+    ReceiveResult result = early_count_ > 0 ? take_early(frames) : receive_turned(frames);
     disconnected_ = result.status == BusStatus::disconnected;
     const std::size_t taken = std::min(result.received, kKept - count_);
     std::copy_n(frames.begin(), taken, kept_.begin() + static_cast<std::ptrdiff_t>(count_));
@@ -39,7 +44,7 @@ class TapBus final : public FrameBus {
   /// @return  all that wait so
   [[nodiscard]] std::span<const CanFrame> listen() noexcept {
     const auto room = std::span(early_).subspan(early_count_);
-    if (!room.empty() && !reconnecting()) early_count_ += inner_->receive(room).received;
+    if (!room.empty() && !reconnecting()) early_count_ += receive_turned(room).received;
     return std::span(early_).first(early_count_);
   }
   [[nodiscard]] BusHealth health() const noexcept override {
@@ -81,10 +86,26 @@ class TapBus final : public FrameBus {
     return {taken, BusStatus::more};
   }
 
+  /// The frames as they go on the bus.
+  [[nodiscard]] std::span<const CanFrame> turned(std::span<const CanFrame> frames) noexcept {
+    if (flexible_.empty() || frames.size() > kMaximumBatch) return frames;
+    std::transform(frames.begin(), frames.end(), turned_.begin(),
+                   [this](const CanFrame& frame) { return flexible_.to_bus(frame); });
+    return std::span(turned_).first(frames.size());
+  }
+  [[nodiscard]] ReceiveResult receive_turned(std::span<CanFrame> frames) noexcept {
+    const ReceiveResult result = inner_->receive(frames);
+    if (flexible_.empty()) return result;
+    for (CanFrame& frame : frames.first(result.received)) frame = flexible_.from_bus(frame);
+    return result;
+  }
+
   FrameBus* inner_ = nullptr;
+  FlexibleFrames flexible_;
   bool disconnected_ = false;  ///< by the newest call
   std::atomic<bool> reconnecting_ = false;
   BusCounters counters_before_reconnect_;
+  std::array<CanFrame, kMaximumBatch> turned_{};
   std::size_t early_count_ = 0;
   std::array<CanFrame, kMaximumBatch> early_{};
   std::size_t count_ = 0;

@@ -35,8 +35,13 @@ std::vector<PeriodicFrame> periodic_frames(const RobotWiring& wiring, std::size_
   std::vector<PeriodicFrame> list;
   for (const JointWiring& joint : wiring.joints) {
     if (joint.bus != bus) continue;
-    const std::vector<PeriodicFrame> frames =
+    std::vector<PeriodicFrame> frames =
         visit_driver(joint.driver, [&](const auto& driver) { return periodic_frames(driver, tick_hz); });
+    for (PeriodicFrame& frame : frames) {
+      if (!joint.can_fd) break;
+      frame.fd = true;
+      frame.bit_rate_switch = joint.bit_rate_switch;
+    }
     list.insert(list.end(), frames.begin(), frames.end());
   }
   if (wiring.channel_bus == bus) {
@@ -81,7 +86,8 @@ std::vector<FrameId> receive_ids(const RobotWiring& wiring, std::size_t bus) {
 
 bool uses_fd(const RobotWiring& wiring, std::size_t bus) noexcept {
   return std::any_of(wiring.joints.begin(), wiring.joints.end(), [bus](const JointWiring& joint) {
-    return joint.bus == bus && visit_driver(joint.driver, [](const auto& driver) { return uses_fd(driver); });
+    return joint.bus == bus &&
+           (joint.can_fd || visit_driver(joint.driver, [](const auto& driver) { return uses_fd(driver); }));
   });
 }
 

@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <sstream>
+#include <string>
 
 #include "tests/two_processes/frame_record.h"
 #include "tests/two_processes/protocols.h"
@@ -50,8 +52,7 @@ TEST(TwoProcesses, AMinuteOfWalkingRunsLikeTheSimulationAndRepeatsBitForBit) {
 }
 
 /// Six seconds with the drivers of these options of robot and controller.
-void walk_with(const std::vector<std::string>& drivers) {
-  RobotAndController run;
+void walk_with(RobotAndController& run, const std::vector<std::string>& drivers) {
   std::vector<std::string> robot = drivers, controller = drivers;
   robot.insert(robot.end(), {"--lockstep", "--once", "--duration", "6"});
   controller.insert(controller.end(), {"--lockstep", "--start", "walk@0.5"});
@@ -66,7 +67,10 @@ void walk_with(const std::vector<std::string>& drivers) {
 
 class WalkWith : public testing::TestWithParam<const char*> {};
 
-TEST_P(WalkWith, DriversOfThisProtocol) { walk_with(with_protocol(GetParam())); }
+TEST_P(WalkWith, DriversOfThisProtocol) {
+  RobotAndController run;
+  walk_with(run, with_protocol(GetParam()));
+}
 
 /// As current manuals of AK drivers have it: a driver answers with its own identifier.
 TEST(TwoProcesses, WalkWithAkDriversThatAnswerWithTheirOwnIdentifiers) {
@@ -75,8 +79,33 @@ TEST(TwoProcesses, WalkWithAkDriversThatAnswerWithTheirOwnIdentifiers) {
        {"hip_L.reply_id=1", "knee_L.reply_id=2", "hip_R.reply_id=3", "knee_R.reply_id=4"}) {
     drivers.insert(drivers.end(), {"--set", joint});
   }
-  walk_with(drivers);
+  RobotAndController run;
+  walk_with(run, drivers);
 }
+
+/// Bring-up, commands, replies and registers in CAN FD frames; the torso sensor stays classic.
+class WalkWithCanFd : public testing::TestWithParam<const char*> {};
+
+TEST_P(WalkWithCanFd, DriversOfThisProtocol) {
+  std::vector<std::string> drivers = with_protocol(GetParam());
+  drivers.insert(drivers.end(), {"--set", "hip_driver.can_fd=true", "--set", "knee_driver.can_fd=true"});
+  RobotAndController run;
+  walk_with(run, drivers);
+  std::istringstream frames(text_of(run.file("frames")));
+  std::size_t flexible = 0, sensor = 0;
+  for (std::string line; std::getline(frames, line);) {
+    const bool fd = line.find("##1") != std::string::npos;
+    const bool of_sensor = line.find(" 700#") != std::string::npos;
+    flexible += fd ? 1 : 0;
+    sensor += of_sensor ? 1 : 0;
+    ASSERT_TRUE(fd != of_sensor || line.find("#R") != std::string::npos) << line;
+  }
+  EXPECT_GT(flexible, 20'000u);
+  EXPECT_GT(sensor, 5'000u);
+}
+
+INSTANTIATE_TEST_SUITE_P(TwoProcesses, WalkWithCanFd, testing::Values("mit_damiao", "odrive"),
+                         [](const auto& row) { return std::string(row.param); });
 
 INSTANTIATE_TEST_SUITE_P(TwoProcesses, WalkWith, testing::ValuesIn(kProtocols),
                          [](const auto& row) { return std::string(row.param); });

@@ -11,6 +11,7 @@ JointDrivers::JointDrivers(const hal::RobotWiring& wiring, const JointMistakes& 
       emulators_{hal::make_emulator(wiring.joints[0].driver), hal::make_emulator(wiring.joints[1].driver),
                  hal::make_emulator(wiring.joints[2].driver), hal::make_emulator(wiring.joints[3].driver)} {
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) driver(joint).lose_torque(mistakes[joint].dead);
+  for (std::size_t bus = 0; bus < flexible_.size(); ++bus) flexible_[bus] = hal::FlexibleFrames(wiring_, bus);
 }
 
 hal::EmulatedDriver& JointDrivers::driver(std::size_t joint) {

@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "hal/robot/emulated_joint.h"
+#include "hal/robot/flexible_frames.h"
 #include "hal/robot/robot_wiring.h"
 
 namespace stilt::robot_on_bus {
@@ -30,6 +31,8 @@ class JointDrivers {
   [[nodiscard]] hal::EmulatedDriver& driver(std::size_t joint);
   [[nodiscard]] const hal::EmulatedDriver& driver(std::size_t joint) const;
   [[nodiscard]] std::size_t bus(std::size_t joint) const { return wiring_.joints[joint].bus; }
+  /// The frames of the drivers on a bus as they travel there.
+  [[nodiscard]] const hal::FlexibleFrames& flexible(std::size_t bus) const { return flexible_[bus]; }
 
   /// Sets the reading of the joint's encoder, rad and rad/s at the joint.
   void set_motion(std::size_t joint, double position_rad, double velocity_rad_s);
@@ -44,6 +47,7 @@ class JointDrivers {
 
  private:
   hal::RobotWiring wiring_;
+  std::array<hal::FlexibleFrames, hal::kMaximumBuses> flexible_;
   JointMistakes mistakes_;
   std::array<hal::JointEmulator, hal::kJoints> emulators_;
 };

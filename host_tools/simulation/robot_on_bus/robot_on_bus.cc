@@ -59,14 +59,19 @@ void RobotOnBus::receive(std::int64_t now_ns, std::size_t bus, const hal::CanFra
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
     if (drivers_.bus(joint) != bus || line_.lost(fault_clock_s_, bus, joint)) continue;
     hal::FrameSink replies;
-    drivers_.driver(joint).take(now_ns, frame, replies);
-    for (const hal::CanFrame& reply : replies.frames())
-      line_.send(fault_clock_s_, now_ns, {bus, joint}, reply);
+    drivers_.driver(joint).take(now_ns, drivers_.flexible(bus).from_bus(frame), replies);
+    send_from_driver(now_ns, joint, replies);
   }
   if (!torso_encoder_ || setup_.wiring.pitch_encoder_bus != bus) return;
   hal::FrameSink replies;
   torso_encoder_->take(now_ns, frame, replies);
   send_from_torso(now_ns, bus, replies);
+}
+
+void RobotOnBus::send_from_driver(std::int64_t now_ns, std::size_t joint, const hal::FrameSink& frames) {
+  const std::size_t bus = drivers_.bus(joint);
+  for (const hal::CanFrame& frame : frames.frames())
+    line_.send(fault_clock_s_, now_ns, {bus, joint}, drivers_.flexible(bus).to_bus(frame));
 }
 
 void RobotOnBus::send_from_torso(std::int64_t now_ns, std::size_t bus, const hal::FrameSink& frames) {
@@ -142,9 +147,7 @@ void RobotOnBus::run_timers(std::int64_t now_ns) {
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
     hal::FrameSink frames;
     drivers_.driver(joint).elapse(now_ns, frames);
-    for (const hal::CanFrame& frame : frames.frames()) {
-      line_.send(fault_clock_s_, now_ns, {drivers_.bus(joint), joint}, frame);
-    }
+    send_from_driver(now_ns, joint, frames);
   }
   if (!torso_encoder_) return;
   hal::FrameSink frames;

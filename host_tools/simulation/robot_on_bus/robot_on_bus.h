@@ -116,6 +116,7 @@ class RobotOnBus {
   void run_timers(std::int64_t now_ns);
   void send_base(std::int64_t now_ns);
   void send_serial(const BaseValues& values);
+  void send_from_driver(std::int64_t now_ns, std::size_t joint, const hal::FrameSink& frames);
   void send_from_torso(std::int64_t now_ns, std::size_t bus, const hal::FrameSink& frames);
   void set_torso_encoder(double pitch_rad, double pitch_rate_rad_s);
   [[nodiscard]] bool base_due();

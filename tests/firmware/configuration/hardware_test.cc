@@ -155,6 +155,18 @@ TEST(Hardware, IdentifiersEndWhereTheProtocolEnds) {
   }
 }
 
+TEST(Hardware, CanFdIsForDriversThatHaveBoth) {
+  for (const char* protocol : {"mit_damiao", "odrive"}) {
+    EXPECT_EQ(mistakes(with_drivers(protocol, "can_fd = true\n")), "") << protocol;
+  }
+  for (const auto& [protocol, why] :
+       {std::pair{"mit_ak", "_driver.can_fd = true, but this driver has no CAN FD; set it to false"},
+        {"mit_mini_cheetah", "_driver.can_fd = true, but this driver has no CAN FD; set it to false"},
+        {"moteus", "_driver.can_fd = true, but a moteus exchanges CAN FD frames by itself"}}) {
+    EXPECT_NE(mistakes(with_drivers(protocol, "can_fd = true\n")).find(why), std::string::npos) << protocol;
+  }
+}
+
 TEST(Hardware, EveryProtocolWorksWithTheShippedIdentifiersAndGains) {
   for (const char* protocol : {"mit_mini_cheetah", "mit_ak", "mit_damiao", "moteus", "odrive"}) {
     EXPECT_EQ(mistakes(with_drivers(protocol, "")), "");
