@@ -41,6 +41,9 @@ struct StandardIds {
   std::uint32_t mask = 0;
 };
 
+/// Those of a driver, as many as the driver with most has.
+using DriverStandardIds = std::array<StandardIds, 3>;
+
 /// Smallest length a CAN FD frame can have for this many bytes; 0 when none holds them (more than 64).
 [[nodiscard]] constexpr std::uint8_t fd_length(std::size_t bytes) noexcept {
   if (bytes <= kClassicFrameBytes) return static_cast<std::uint8_t>(bytes);

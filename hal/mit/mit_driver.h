@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <optional>
 #include <vector>
 
@@ -41,7 +40,7 @@ namespace stilt::hal::mit {
 [[nodiscard]] std::vector<FrameId> receive_ids(const MitDriver& driver);
 [[nodiscard]] std::vector<PeriodicFrame> periodic_frames(const MitDriver& driver, double tick_hz);
 /// Of its frames both ways; of a Damiao also its registers.
-[[nodiscard]] constexpr std::array<StandardIds, 3> standard_ids(const MitDriver& driver) noexcept {
+[[nodiscard]] constexpr DriverStandardIds standard_ids(const MitDriver& driver) noexcept {
   const std::uint32_t registers = driver.layout == ReplyLayout::damiao ? kMaximumStandardId : 0;
   return {{{driver.command_id, kMaximumStandardId},
            {driver.reply_id, kMaximumStandardId},

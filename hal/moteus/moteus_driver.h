@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <numbers>
 #include <optional>
 #include <vector>
@@ -48,7 +47,7 @@ namespace stilt::hal::moteus {
 [[nodiscard]] std::vector<FrameId> receive_ids(const MoteusDriver& driver);
 [[nodiscard]] std::vector<PeriodicFrame> periodic_frames(const MoteusDriver& driver, double tick_hz);
 /// None: its frames are CAN FD frames by themselves.
-[[nodiscard]] constexpr std::array<StandardIds, 1> standard_ids(const MoteusDriver&) noexcept { return {}; }
+[[nodiscard]] constexpr DriverStandardIds standard_ids(const MoteusDriver&) noexcept { return {}; }
 [[nodiscard]] constexpr bool uses_fd(const MoteusDriver&) noexcept { return true; }
 [[nodiscard]] constexpr std::optional<GainLimits> gain_limits(const MoteusDriver& driver) noexcept {
   return GainLimits{driver.kp_Nm_rev, driver.kd_Nm_s_rev, 2 * std::numbers::pi, "Nm/rev", "Nm s/rev"};

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <optional>
 #include <vector>
 
@@ -39,8 +38,8 @@ namespace stilt::hal::odrive {
 [[nodiscard]] std::vector<FrameId> receive_ids(const OdriveDriver& driver);
 [[nodiscard]] std::vector<PeriodicFrame> periodic_frames(const OdriveDriver& driver, double tick_hz);
 /// All of its node.
-[[nodiscard]] constexpr std::array<StandardIds, 1> standard_ids(const OdriveDriver& driver) noexcept {
-  return {{{static_cast<std::uint32_t>(driver.node) << 5, 0x7e0}}};
+[[nodiscard]] constexpr DriverStandardIds standard_ids(const OdriveDriver& driver) noexcept {
+  return {{{static_cast<std::uint32_t>(driver.node) << 5, 0x7e0}, {}, {}}};
 }
 [[nodiscard]] constexpr bool uses_fd(const OdriveDriver&) noexcept { return false; }
 /// The law is computed here, without ranges.

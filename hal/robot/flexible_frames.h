@@ -36,7 +36,7 @@ class FlexibleFrames {
   [[nodiscard]] const Identifiers* find(const CanFrame& frame) const noexcept;
   void add(Identifiers identifiers) noexcept;
 
-  std::array<Identifiers, 3 * kJoints> identifiers_{};
+  std::array<Identifiers, std::tuple_size_v<DriverStandardIds> * kJoints> identifiers_{};
   std::size_t count_ = 0;
 };
 

@@ -7,8 +7,8 @@
 #include "host_tools/cli/paired_experiment.h"
 #include "tests/closed_loop/published_results.h"
 
-/// The paired pushes of docs/results/paired.json: a variant that survived half of the cases of a push survives
-/// three of these cases at 85 % of the force.
+/// The paired pushes of docs/results/paired.json: a variant that survived half of the cases of a push
+/// survives three of these cases at 85 % of the force.
 namespace stilt::experiments {
 namespace {
 
