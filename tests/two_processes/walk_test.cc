@@ -101,7 +101,7 @@ TEST_P(WalkWithCanFd, DriversOfThisProtocol) {
     ASSERT_TRUE(fd != of_sensor || line.find("#R") != std::string::npos) << line;
   }
   EXPECT_GT(flexible, 20'000u);
-  EXPECT_GT(sensor, 5'000u);
+  EXPECT_GT(sensor, 3'000u);
 }
 
 INSTANTIATE_TEST_SUITE_P(TwoProcesses, WalkWithCanFd, testing::Values("mit_damiao", "odrive"),
