@@ -1,5 +1,6 @@
 #include <malloc.h>
 
+#include <algorithm>
 #include <atomic>
 #include <csignal>
 #include <cstdio>
@@ -129,7 +130,9 @@ int report(const program::Options& options, const program::Outcome& outcome) {
 std::expected<void, std::string> connect(const program::Options& options, std::vector<hal::AnyBus>& buses) {
   const Received received =
       options.task == program::Task::scan ? Received::all : Received::those_of_the_wiring;
-  auto opened = open_buses(options.configuration.hardware, options.lockstep, received);
+  // Above the planner, that no solve delays it, and below the torque loop.
+  const int priority = std::max(options.configuration.runtime.torque_priority - 1, 0);
+  auto opened = open_buses(options.configuration.hardware, options.lockstep, received, priority);
   if (!opened) return std::unexpected(opened.error());
   buses = std::move(*opened);
   std::vector<hal::FrameBus*> frames;

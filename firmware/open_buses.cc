@@ -17,7 +17,7 @@ hal::socketcan::BusOptions bus_options(const hal::RobotWiring& wiring, std::size
 }
 
 std::expected<std::vector<hal::AnyBus>, std::string> open_buses(
-    const configuration::HardwareParameters& hardware, bool lockstep, Received received) {
+    const configuration::HardwareParameters& hardware, bool lockstep, Received received, int priority) {
   const hal::RobotWiring wiring = configuration::robot_wiring(hardware);
   const std::vector<std::string> names = configuration::bus_names(hardware);
   std::vector<hal::AnyBus> buses(names.size());
@@ -25,7 +25,7 @@ std::expected<std::vector<hal::AnyBus>, std::string> open_buses(
     if (const auto locked = buses[bus].lock(names[bus]); !locked) return std::unexpected(locked.error());
     hal::socketcan::BusOptions options = bus_options(wiring, bus, lockstep);
     if (received == Received::all) options.receive_ids.clear();
-    const auto opened = buses[bus].open(names[bus], options);
+    const auto opened = buses[bus].open(names[bus], options, priority);
     if (!opened) return std::unexpected(opened.error());
   }
   return buses;

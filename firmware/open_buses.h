@@ -16,9 +16,10 @@ enum class Received { those_of_the_wiring, all };
 /// Beside main, the only place of the controller that knows what carries its frames. The error is one
 /// sentence for the user. Start-up only.
 /// @param lockstep  also lets the sync frames of a simulated robot through
+/// @param priority  SCHED_FIFO of the threads that some buses have; 0: ordinary
 [[nodiscard]] std::expected<std::vector<hal::AnyBus>, std::string> open_buses(
     const configuration::HardwareParameters& hardware, bool lockstep,
-    Received received = Received::those_of_the_wiring);
+    Received received = Received::those_of_the_wiring, int priority = 0);
 
 /// What a bus receives: replies, echoes of our own commands, sensors.
 [[nodiscard]] hal::socketcan::BusOptions bus_options(const hal::RobotWiring& wiring, std::size_t bus,

@@ -7,19 +7,21 @@
 #include <variant>
 
 #include "hal/bus_lock.h"
+#include "hal/can/fdcanusb/fdcanusb_bus.h"
 #include "hal/can/frame_bus.h"
 #include "hal/can/socketcan/socketcan_bus.h"
 #include "hal/loopback/loopback_client.h"
 
 namespace stilt::hal {
 
-/// A bus by its name: `loopback:NAME`, or an interface of the kernel (can0, vcan0). Nothing is ever chosen
-/// silently.
+/// A bus by its name: `loopback:NAME`, `fdcanusb:PATH`, or an interface of the kernel (can0, vcan0). Nothing
+/// is ever chosen silently.
 class AnyBus {
  public:
   /// The error is one sentence for the user.
+  /// @param priority  SCHED_FIFO of the thread that some buses have; 0: ordinary
   [[nodiscard]] std::expected<void, std::string> open(const std::string& name,
-                                                      const socketcan::BusOptions& options);
+                                                      const socketcan::BusOptions& options, int priority = 0);
 
   /// Takes the right to command the drivers of the bus of that name, until this object ends; before open().
   /// The error is one sentence for the user.
@@ -33,9 +35,11 @@ class AnyBus {
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
 
  private:
+  using Kinds = std::variant<socketcan::SocketCanBus, loopback::LoopbackClient, fdcanusb::FdcanusbBus>;
+
   std::string name_;
   std::optional<BusLock> lock_;
-  std::unique_ptr<std::variant<socketcan::SocketCanBus, loopback::LoopbackClient>> bus_;
+  std::unique_ptr<Kinds> bus_;
 };
 
 }  // namespace stilt::hal

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <fcntl.h>
+#include <poll.h>
 #include <stdlib.h>
 #include <unistd.h>
 
@@ -28,6 +29,14 @@ class PseudoTerminal {
   void write(std::span<const std::uint8_t> bytes) const {
     if (::write(end_, bytes.data(), bytes.size()) != static_cast<ssize_t>(bytes.size()))
       throw std::system_error(errno, std::generic_category(), "write");
+  }
+  /// What the port's other end has written, at most this long after the call; it may be nothing.
+  [[nodiscard]] std::string read(int timeout_ms) const {
+    pollfd waited{end_, POLLIN, 0};
+    char bytes[4096];
+    if (poll(&waited, 1, timeout_ms) <= 0 || (waited.revents & POLLIN) == 0) return "";
+    const ssize_t count = ::read(end_, bytes, sizeof bytes);
+    return count > 0 ? std::string(bytes, static_cast<std::size_t>(count)) : "";
   }
   /// As when an adapter is unplugged.
   void hang_up() {

@@ -34,17 +34,45 @@ void check_bus(std::string_view key, int bus, std::size_t buses, std::vector<Con
                        ", numbered from 0; name one more, or give --bus once for each"});
 }
 
-/// A network interface has at most 15 characters, no slash, no colon; the names of other buses have a prefix.
+/// Buses through an adapter at a serial port.
+constexpr std::string_view kAtSerialPort = "fdcanusb:";
+
+/// Such an adapter sends no frame without data bytes: no question to an ODrive, no SYNC.
+void check_questions(const HardwareParameters& hardware, const std::vector<std::string>& names,
+                     std::vector<Contradiction>& found) {
+  const auto check = [&](std::string_view key, int bus, const std::string& what) {
+    if (bus >= static_cast<int>(names.size()) ||
+        !names[static_cast<std::size_t>(bus)].starts_with(kAtSerialPort))
+      return;
+    found.push_back({{key, "hardware.buses"},
+                     std::string(key) + " = " + std::to_string(bus) +
+                         ": an fdcanusb sends no frame without data, " + what +
+                         "; take a CAN interface for that bus"});
+  };
+  for (std::size_t i = 0; i < hal::kJoints; ++i) {
+    if (driver_of(hardware, i).protocol == DriverProtocol::odrive)
+      check(kKeys[i].bus, hardware.joint[i].bus, "which is how an ODrive is asked");
+  }
+  if (hardware.torso_sensor.device == TorsoDevice::canopen_encoder)
+    check("torso_sensor.bus", hardware.torso_sensor.bus, "and the SYNC of an encoder is one");
+}
+
+/// A network interface has at most 15 characters, no slash, no colon; the names of other buses have a prefix,
+/// and of an adapter at a serial port the path behind it.
 void check_bus_names(const std::vector<std::string>& names, std::vector<Contradiction>& found) {
   constexpr std::string_view kLoopback = "loopback:";
+  const std::string kAdapter = std::string(kAtSerialPort) + "/";
   constexpr std::size_t kLongestInterface = 15;
   for (const std::string& name : names) {
     const bool loopback = name.starts_with(kLoopback) && name.size() > kLoopback.size();
     const bool interface =
         !name.empty() && name.size() <= kLongestInterface && name.find_first_of("/: \t") == std::string::npos;
-    if (loopback || interface) continue;
-    found.push_back({{"hardware.buses"},
-                     "\"" + name + "\" is no bus; a CAN interface such as can0, or loopback:NAME, is one"});
+    const bool adapter = name.starts_with(kAdapter) && name.size() > kAdapter.size();
+    if (loopback || interface || adapter) continue;
+    found.push_back(
+        {{"hardware.buses"},
+         "\"" + name +
+             "\" is no bus; a CAN interface such as can0, fdcanusb:/dev/PORT, or loopback:NAME, is one"});
   }
 }
 
@@ -84,6 +112,7 @@ void check_hardware(const HardwareParameters& hardware, std::vector<Contradictio
     check_ids(hardware, i, found);
   }
   check_bus("torso_sensor.bus", hardware.torso_sensor.bus, buses, found);
+  check_questions(hardware, names, found);
   check_torso_sensor(hardware, found);
   if (found.size() == before) check_identifiers(hardware, found);
   if (found.size() == before && !hal::valid(robot_wiring(hardware), buses)) {

@@ -57,7 +57,8 @@ std::optional<std::string> buses_mistake(const std::string& line) {
     const std::size_t blank = names[i].find_first_of(" \t");
     if (names[i].empty() || blank != std::string::npos) {
       return "\"" + names[i] +
-             "\" is not the name of a bus; right is an interface such as can0, or loopback:NAME";
+             "\" is not the name of a bus; right is an interface such as can0, fdcanusb:/dev/PORT, or "
+             "loopback:NAME";
     }
     for (std::size_t j = 0; j < i; ++j) {
       if (names[j] == names[i]) return "names the bus " + names[i] + " twice";
@@ -163,7 +164,7 @@ const Entry kHardware[] = {
     {"hardware", "robot", "", "The robot: the name of a shipped one, or a URDF file",
      text<&P::hardware, &H::robot>("the name of a robot or a file that ends in .urdf", robot_mistake)},
     {"hardware", "buses", "",
-     "Names of the buses, separated by commas: interfaces such as can0, or loopback:NAME",
+     "Names of the buses, separated by commas: interfaces such as can0, fdcanusb:/dev/PORT, or loopback:NAME",
      text<&P::hardware, &H::buses>("1 to 4 names", buses_mistake)},
     {"hardware", "bit_rate_bit_s", "bit/s", "Bit rate of every bus",
      real<&P::hardware, &H::bit_rate_bit_s>(1e4, 1e6)},

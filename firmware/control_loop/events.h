@@ -4,10 +4,10 @@
 #include <cstdint>
 
 #include "firmware/control_loop/standing_pose.h"
-#include "firmware/exchange/ring.h"
 #include "firmware/supervisor/fault.h"
 #include "firmware/supervisor/fault_detail.h"
 #include "firmware/supervisor/state.h"
+#include "hal/exchange/ring.h"
 #include "hal/robot/robot.h"
 
 namespace stilt::control_loop {

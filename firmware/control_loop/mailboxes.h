@@ -5,7 +5,7 @@
 #include "firmware/control_loop/messages.h"
 #include "firmware/control_loop/tick_record.h"
 #include "firmware/exchange/latest_value.h"
-#include "firmware/exchange/ring.h"
+#include "hal/exchange/ring.h"
 #include "mpc_core/control/plan.h"
 
 namespace stilt::control_loop {

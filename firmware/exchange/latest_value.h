@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <type_traits>
 
-#include "firmware/exchange/cache_line.h"
+#include "hal/exchange/cache_line.h"
 
 namespace stilt::exchange {
 

@@ -84,7 +84,8 @@ void add_configuration_options(CLI::App& app, Arguments& arguments) {
                  "changes one key of the configuration: section.key=value; repeatable")
       ->allow_extra_args(false);
   app.add_option("--bus", arguments.buses,
-                 "a bus, in the order of their numbers, instead of hardware.buses: can0, loopback:NAME; "
+                 "a bus, in the order of their numbers, instead of hardware.buses: can0, fdcanusb:PATH, "
+                 "loopback:NAME; "
                  "repeatable")
       ->allow_extra_args(false);
 }

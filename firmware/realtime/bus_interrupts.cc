@@ -82,6 +82,15 @@ bool serves(const InterruptThread& thread, const std::string& bus, const Marks& 
   });
 }
 
+/// Where /sys describes the adapter of a bus: a network interface, or a serial port by any of its names.
+fs::path device_link(const std::string& bus, const std::string& root) {
+  constexpr std::string_view kAtPort = "fdcanusb:";
+  if (!bus.starts_with(kAtPort)) return root + "/sys/class/net/" + bus + "/device";
+  std::error_code missing;
+  const fs::path port = fs::canonical(root + bus.substr(kAtPort.size()), missing);
+  return root + "/sys/class/tty/" + port.filename().string() + "/device";
+}
+
 }  // namespace
 
 std::vector<BusInterrupts> bus_interrupts(std::span<const std::string> buses, const std::string& root) {
@@ -90,7 +99,7 @@ std::vector<BusInterrupts> bus_interrupts(std::span<const std::string> buses, co
   for (const std::string& bus : buses) {
     BusInterrupts& of_bus = found.emplace_back(bus, "", std::vector<InterruptThread>{});
     std::error_code missing;
-    const fs::path device = fs::canonical(root + "/sys/class/net/" + bus + "/device", missing);
+    const fs::path device = fs::canonical(device_link(bus, root), missing);
     if (missing) continue;
     const std::string subsystem = fs::canonical(device / "subsystem", missing).filename();
     of_bus.adapter.append(subsystem == "usb" ? "usb " : "").append(device.filename().string());

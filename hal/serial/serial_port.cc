@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <linux/serial.h>
 #include <poll.h>
+#include <sys/file.h>
 #include <sys/ioctl.h>
 #include <termios.h>
 #include <unistd.h>
@@ -42,11 +43,14 @@ void ask_for_low_latency(int descriptor) noexcept {
   static_cast<void>(ioctl(descriptor, TIOCSSERIAL, &settings));
 }
 
-std::string not_opened(const std::string& path, int error) {
+std::string not_opened(const std::string& path, int error, Access access) {
   std::string text = "serial port " + path + ": cannot be opened (" + std::strerror(error) + ")";
-  if (error == ENOENT) text += "; see torso_sensor.serial_port, ls /dev/ttyUSB* /dev/ttyACM* /dev/ttyS*";
+  if (error == ENOENT) {
+    text += access == Access::read ? "; see torso_sensor.serial_port, ls /dev/ttyUSB* /dev/ttyACM* /dev/ttyS*"
+                                   : "; ls /dev/serial/by-id names those there are";
+  }
   if (error == EACCES) text += "; add the user to its group, as in usermod -aG dialout USER";
-  if (error == EBUSY) text += "; another program has it";
+  if (error == EBUSY || error == EWOULDBLOCK) text += "; another program has it";
   return text;
 }
 
@@ -54,14 +58,18 @@ std::string not_opened(const std::string& path, int error) {
 
 std::span<const int> bit_rates() noexcept { return kRates; }
 
-std::expected<SerialPort, std::string> SerialPort::open(const std::string& path, int bit_rate_bit_s) {
+std::expected<SerialPort, std::string> SerialPort::open(const std::string& path, int bit_rate_bit_s,
+                                                        Access access) {
   const auto found = std::find(kRates.begin(), kRates.end(), bit_rate_bit_s);
   if (found == kRates.end())
     return std::unexpected("serial port " + path + ": no port has " + std::to_string(bit_rate_bit_s) +
                            " bit/s");
-  SerialPort port(::open(path.c_str(), O_RDONLY | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
-  if (!port.descriptor_.open()) return std::unexpected(not_opened(path, errno));
+  const int mode = access == Access::read ? O_RDONLY : O_RDWR;
+  SerialPort port(::open(path.c_str(), mode | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
+  if (!port.descriptor_.open()) return std::unexpected(not_opened(path, errno, access));
   const int descriptor = port.descriptor_.get();
+  if (access == Access::read_write && flock(descriptor, LOCK_EX | LOCK_NB) != 0)
+    return std::unexpected(not_opened(path, errno, access));
   if (!set_up(descriptor, kSpeeds[static_cast<std::size_t>(found - kRates.begin())])) {
     return std::unexpected("serial port " + path + ": cannot be set up (" + std::strerror(errno) +
                            "); is it a serial port?");
@@ -80,6 +88,12 @@ bool SerialPort::wait(std::int64_t timeout_ns) const noexcept {
 
 std::ptrdiff_t SerialPort::read(std::span<std::uint8_t> bytes) const noexcept {
   const ssize_t count = ::read(descriptor_.get(), bytes.data(), bytes.size());
+  if (count >= 0) return count;
+  return errno == EAGAIN || errno == EINTR ? 0 : -1;
+}
+
+std::ptrdiff_t SerialPort::write(std::span<const char> bytes) const noexcept {
+  const ssize_t count = ::write(descriptor_.get(), bytes.data(), bytes.size());
   if (count >= 0) return count;
   return errno == EAGAIN || errno == EINTR ? 0 : -1;
 }

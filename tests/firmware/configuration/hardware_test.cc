@@ -86,15 +86,37 @@ TEST(Hardware, EveryContradictionOfTheWiringPointsAtItsLine) {
   }
 }
 
-TEST(Hardware, ABusIsACanInterfaceOrALoopbackOfSomeName) {
-  for (const char* name : {"foo:bar", "loopback:", "a/b", "an_interface_too_long"}) {
+TEST(Hardware, ABusIsACanInterfaceAnAdapterAtAPortOrALoopbackOfSomeName) {
+  for (const char* name : {"foo:bar", "loopback:", "fdcanusb:", "fdcanusb:/", "fdcanusb:ttyACM0", "a/b",
+                           "an_interface_too_long"}) {
     const auto result = parse(std::string("[hardware]\nbuses = \"can0, ") + name + "\"\n", "robot.toml");
     ASSERT_FALSE(result) << name;
     EXPECT_EQ(to_string(result.error()),
               std::string("robot.toml:2:9: \"") + name +
-                  "\" is no bus; a CAN interface such as can0, or loopback:NAME, is one");
+                  "\" is no bus; a CAN interface such as can0, fdcanusb:/dev/PORT, or loopback:NAME, is one");
   }
   EXPECT_TRUE(parse("[hardware]\nbuses = \"vcan_left,loopback:my_robot\"\n", "robot.toml"));
+  EXPECT_TRUE(
+      parse("[hardware]\nbuses = \"fdcanusb:/dev/serial/by-id/usb-mjbots_fdcanusb_0123ABCD-if00,can0\"\n",
+            "robot.toml"));
+}
+
+TEST(Hardware, AnAdapterThatSendsNoEmptyFramesCarriesNoOdriveAndNoCanopenEncoder) {
+  const std::string buses = "[hardware]\nbuses = \"can0,fdcanusb:/dev/ttyACM0\"\n";
+  const std::string odrive = "[hip_driver]\nprotocol = \"odrive\"\n";
+  const auto result = parse(buses + odrive, "robot.toml");
+  ASSERT_FALSE(result);
+  EXPECT_NE(
+      to_string(result.error())
+          .find("hip_R.bus = 1: an fdcanusb sends no frame without data, which is how an ODrive is asked; "
+                "take a CAN interface for that bus"),
+      std::string::npos)
+      << to_string(result.error());
+  EXPECT_EQ(to_string(result.error()).find("hip_L.bus"), std::string::npos);
+  const auto encoder = parse(buses + "[torso_sensor]\ndevice = \"canopen_encoder\"\nbus = 1\n", "robot.toml");
+  ASSERT_FALSE(encoder);
+  EXPECT_NE(to_string(encoder.error()).find("torso_sensor.bus = 1: an fdcanusb"), std::string::npos)
+      << to_string(encoder.error());
 }
 
 /// The configuration with drivers of one protocol everywhere, and more lines of other sections.
@@ -255,7 +277,7 @@ TEST(Hardware, TextsThatAreNotUnderstoodSayWhatWouldBeRight) {
             "robot.toml:2:9: hardware.buses: names the bus can0 twice");
   EXPECT_EQ(mistakes("[hardware]\nbuses = \"can0,\"\n"),
             "robot.toml:2:9: hardware.buses: \"\" is not the name of a bus; right is an interface such as "
-            "can0, or loopback:NAME");
+            "can0, fdcanusb:/dev/PORT, or loopback:NAME");
   EXPECT_EQ(mistakes("[hardware]\nbuses = \"a,b,c,d,e\"\n"),
             "robot.toml:2:9: hardware.buses: \"a,b,c,d,e\" names 5 buses; right are 1 to 4, separated by "
             "commas, such as \"can0,can1\"");

@@ -3,7 +3,7 @@
 #include <array>
 #include <optional>
 
-#include "firmware/exchange/ring.h"
+#include "hal/exchange/ring.h"
 #include "tests/firmware/exchange/memory_model.h"
 #include "tests/firmware/exchange/weak_atomic.h"
 

@@ -1,4 +1,4 @@
-#include "firmware/exchange/ring.h"
+#include "hal/exchange/ring.h"
 
 #include <gtest/gtest.h>
 

@@ -31,6 +31,7 @@ TEST(Report, ACanInterfaceRequiresARealTimeMachineAndSimulatedBusesDoNot) {
   EXPECT_TRUE(requires_with("can0,can1", as_shipped));
   EXPECT_TRUE(requires_with("can0,loopback:right", as_shipped));
   EXPECT_TRUE(requires_with("slcan0,vcan1", as_shipped));
+  EXPECT_TRUE(requires_with("fdcanusb:/dev/ttyACM0,fdcanusb:/dev/ttyACM1", as_shipped));
   EXPECT_FALSE(requires_with("loopback:left,loopback:right", as_shipped));
   EXPECT_FALSE(requires_with("vcan0,loopback:right", as_shipped));
   EXPECT_FALSE(requires_with("can0,can1", "runtime.require_realtime=false"));

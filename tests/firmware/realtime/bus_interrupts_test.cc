@@ -16,14 +16,16 @@ namespace fs = std::filesystem;
 class BusInterruptsTest : public testing::Test {
  protected:
   /// @param path  of the adapter under /sys/devices
-  void adapter(const std::string& bus, const std::string& path, const std::string& subsystem) {
+  void adapter(const std::string& bus, const std::string& path, const std::string& subsystem,
+               const std::string& kind = "net") {
     const fs::path device = root_ + "/sys/devices/" + path;
     const fs::path of_kind = root_ + "/sys/bus/" + subsystem;
     fs::create_directories(device);
     fs::create_directories(of_kind);
     fs::create_directory_symlink(of_kind, device / "subsystem");
-    fs::create_directories(root_ + "/sys/class/net/" + bus);
-    fs::create_directory_symlink(device, root_ + "/sys/class/net/" + bus + "/device");
+    const std::string of_class = root_ + "/sys/class/" + kind + "/" + bus;
+    fs::create_directories(of_class);
+    fs::create_directory_symlink(device, of_class + "/device");
   }
   void write(const std::string& path, const std::string& text) {
     fs::create_directories(fs::path(root_ + path).parent_path());
@@ -54,6 +56,18 @@ TEST_F(BusInterruptsTest, AControllerOfTheComputerIsKnownByTheNameOfTheBus) {
   }
   EXPECT_EQ(adapter_of("can1"), "fec.can");
   EXPECT_EQ(serving("can1"), "irq/45-can1 napi/can1-8 ");
+}
+
+TEST_F(BusInterruptsTest, AnAdapterAtASerialPortIsKnownByAnyNameOfThePort) {
+  adapter("ttyACM0", "pci0000:00/0000:00:14.0/usb1/1-2/1-2:1.1", "usb", "tty");
+  write("/dev/ttyACM0", "");
+  fs::create_directories(root_ + "/dev/serial/by-id");
+  fs::create_symlink(root_ + "/dev/ttyACM0", root_ + "/dev/serial/by-id/usb-mjbots_fdcanusb_0123ABCD-if00");
+  for (const char* name : {"irq/30-xhci_hcd", "irq/45-can1", "ksoftirqd/0"}) thread(name);
+  const std::string bus = "fdcanusb:/dev/serial/by-id/usb-mjbots_fdcanusb_0123ABCD-if00";
+  EXPECT_EQ(adapter_of(bus), "usb 1-2:1.1");
+  EXPECT_EQ(serving(bus), "irq/30-xhci_hcd ksoftirqd/0 ");
+  EXPECT_EQ(adapter_of("fdcanusb:/dev/ttyACM1"), "");
 }
 
 TEST_F(BusInterruptsTest, AnSpiDeviceIsKnownByItsNameAndItsController) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <string>
 #include <vector>
 
 #include "tests/own_folder.h"
@@ -53,6 +54,37 @@ TEST(SerialPort, APortThatIsGoneIsReadableAndGivesNothing) {
   EXPECT_TRUE(port->wait(kLongest_ns));
   std::uint8_t byte = 0;
   EXPECT_LE(port->read(std::span(&byte, 1)), 0);
+}
+
+TEST(SerialPort, WhatIsWrittenArrivesAtTheOtherEnd) {
+  tests::PseudoTerminal terminal;
+  auto port = SerialPort::open(terminal.port(), 115200, Access::read_write);
+  ASSERT_TRUE(port) << port.error();
+  const std::string text = "can status\n";
+  EXPECT_EQ(port->write(text), static_cast<std::ptrdiff_t>(text.size()));
+  constexpr int kLongest_ms = 20'000;  // a bound for hanging
+  EXPECT_EQ(terminal.read(kLongest_ms), text) << "and no character more at the end of a line";
+  terminal.hang_up();
+  EXPECT_EQ(port->write(text), -1);
+}
+
+TEST(SerialPort, APortThatIsFullTakesNothing) {
+  const tests::PseudoTerminal terminal;
+  auto port = SerialPort::open(terminal.port(), 115200, Access::read_write);
+  ASSERT_TRUE(port);
+  const std::string text(1000, 'a');
+  while (port->write(text) > 0) {
+  }
+  EXPECT_EQ(port->write(text), 0);
+}
+
+TEST(SerialPort, APortToWriteBelongsToOneProgram) {
+  const tests::PseudoTerminal terminal;
+  const auto first = SerialPort::open(terminal.port(), 115200, Access::read_write);
+  ASSERT_TRUE(first);
+  const auto second = SerialPort::open(terminal.port(), 115200, Access::read_write);
+  ASSERT_FALSE(second);
+  EXPECT_NE(second.error().find("another program has it"), std::string::npos) << second.error();
 }
 
 TEST(SerialPort, WhatCannotBeOpenedIsNamed) {
