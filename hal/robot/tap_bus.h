@@ -32,7 +32,9 @@ class TapBus final : public FrameBus {
   }
   [[nodiscard]] ReceiveResult receive(std::span<CanFrame> frames) noexcept override {
     if (reconnecting()) return {0, BusStatus::disconnected};
-    ReceiveResult result = early_count_ > 0 ? take_early(frames) : receive_turned(frames);
+    const bool waited = early_count_ > 0;
+    ReceiveResult result = waited ? take_early(frames) : inner_->receive(frames);
+    if (!waited) turn_back(frames.first(result.received));
     disconnected_ = result.status == BusStatus::disconnected;
     const std::size_t taken = std::min(result.received, kKept - count_);
     std::copy_n(frames.begin(), taken, kept_.begin() + static_cast<std::ptrdiff_t>(count_));
@@ -44,7 +46,11 @@ class TapBus final : public FrameBus {
   /// @return  all that wait so
   [[nodiscard]] std::span<const CanFrame> listen() noexcept {
     const auto room = std::span(early_).subspan(early_count_);
-    if (!room.empty() && !reconnecting()) early_count_ += receive_turned(room).received;
+    if (!room.empty() && !reconnecting()) {
+      const std::size_t received = inner_->receive(room).received;
+      turn_back(room.first(received));
+      early_count_ += received;
+    }
     return std::span(early_).first(early_count_);
   }
   [[nodiscard]] BusHealth health() const noexcept override {
@@ -93,11 +99,10 @@ class TapBus final : public FrameBus {
                    [this](const CanFrame& frame) { return flexible_.to_bus(frame); });
     return std::span(turned_).first(frames.size());
   }
-  [[nodiscard]] ReceiveResult receive_turned(std::span<CanFrame> frames) noexcept {
-    const ReceiveResult result = inner_->receive(frames);
-    if (flexible_.empty()) return result;
-    for (CanFrame& frame : frames.first(result.received)) frame = flexible_.from_bus(frame);
-    return result;
+  /// Frames of the bus as the codecs take them.
+  void turn_back(std::span<CanFrame> frames) const noexcept {
+    if (flexible_.empty()) return;
+    for (CanFrame& frame : frames) frame = flexible_.from_bus(frame);
   }
 
   FrameBus* inner_ = nullptr;

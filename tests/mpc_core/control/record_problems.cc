@@ -8,11 +8,17 @@
 //   - the walk or the solve fails,
 //   - the last of 40 full Gauss-Newton steps after 60 with line search still exceeds 1e-9 (any unit),
 //   - one of three other initial guesses leads to another optimum (relative cost 1e-9, trajectory 1e-8).
+// With --again the questions of the file stay, and those of another optimum get it: for a change of cost,
+// constraints or reference that concerns some of them.
 // clang-format on
 #include <cmath>
 #include <cstdio>
 #include <exception>
 #include <random>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "mpc_core/control/planner.h"
 #include "mpc_core/control/torque_law.h"
@@ -151,15 +157,45 @@ int record(const std::string& path) {
   return 0;
 }
 
+bool same(const RecordedOptimum& a, const RecordedOptimum& b) {
+  return std::abs(a.cost - b.cost) < kSameCost * std::abs(a.cost) && distance(a, b) < kSameTrajectory;
+}
+
+/// Solves the problems of a file again; those that have the same optimum stay as they are.
+int solve_again(const std::string& path) {
+  const auto sqp = std::make_unique<sqp::Sqp>();
+  std::vector<RecordedProblem> kept;
+  int changed = 0, left_out = 0;
+  std::uint64_t seed = 0;
+  for (const RecordedProblem& before : read_problems(path)) {
+    Random random(++seed);
+    RecordedProblem problem = before;
+    if (!answer(random, problem, *sqp)) {
+      ++left_out;
+      continue;
+    }
+    const bool stays = same(before.optimum, problem.optimum);
+    changed += stays ? 0 : 1;
+    kept.push_back(stays ? before : std::move(problem));
+  }
+  write_problems(kept, path);
+  std::fprintf(stderr, "%zu problems, %d with another optimum; %d were slow or ambiguous and are left out\n",
+               kept.size(), changed, left_out);
+  return 0;
+}
+
 }  // namespace
 }  // namespace stilt::testing_support
 
 int main(int argc, char** argv) {
-  if (argc != 2) {
-    std::fprintf(stderr, "usage: stilt_record_problems FILE, usually tests/data/recorded_problems.txt\n");
+  const bool again = argc == 3 && std::string_view(argv[1]) == "--again";
+  if (!again && (argc != 2 || argv[1][0] == '-')) {
+    std::fprintf(stderr,
+                 "usage: stilt_record_problems [--again] FILE, usually tests/data/recorded_problems.txt\n");
     return 2;
   }
   try {
+    if (again) return stilt::testing_support::solve_again(argv[2]);
     return stilt::testing_support::record(argv[1]);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "stilt_record_problems: %s\n", error.what());
