@@ -176,7 +176,7 @@ int solve_again(const std::string& path) {
     }
     const bool stays = same(before.optimum, problem.optimum);
     changed += stays ? 0 : 1;
-    kept.push_back(stays ? before : std::move(problem));
+    kept.push_back(stays ? before : problem);
   }
   write_problems(kept, path);
   std::fprintf(stderr, "%zu problems, %d with another optimum; %d were slow or ambiguous and are left out\n",
