@@ -56,8 +56,8 @@ struct RobotParameters {
 /// Rates of the control loop and the planner, and the delay of a plan.
 struct TimingParameters {
   double torque_rate_hz = 1000.0;
-  double plan_rate_hz = 200.0;
-  double plan_delay_s = 0.003;  ///< from the state a plan starts from until it becomes active, simulated
+  double plan_rate_hz = 500.0;
+  double plan_delay_s = 0.002;  ///< from the state a plan starts from until it becomes active, simulated
 };
 
 /// All tunable parameters. One TOML file per robot sets them (firmware/configuration).

@@ -12,8 +12,8 @@ struct SqpParameters {
   int iterations = 10;                     ///< largest number
   int backtracking_steps = 20;             ///< largest number in a solve, all line searches together
   bool early_stop = true;                  ///< whether the solve ends when it has converged
-  double cost_tolerance = 1e-4;            ///< converged: change of the cost below this ...
-  double violation_tolerance = 1e-3;       ///< ... and g below this
+  double cost_tolerance = 0.1;             ///< converged: change of the cost below this ...
+  double violation_tolerance = 0.01;       ///< ... and g below this
   double step_tolerance = 1e-6;            ///< converged: largest component of the step below this
   double step_decrease = 0.5;              ///< backtracking factor
   double step_min = 1e-4;                  ///< smallest step length that the line search tries

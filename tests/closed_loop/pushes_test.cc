@@ -65,7 +65,7 @@ INSTANTIATE_TEST_SUITE_P(ClosedLoop, Pushes,
                                   std::to_string(static_cast<int>(std::get<1>(test.param)));
                          });
 
-/// 85 % of the forces of docs/decisions/0036-two-hundred-plans-per-second.md, with the noise of the
+/// 85 % of the forces of docs/decisions/0036-five-hundred-plans-per-second.md, with the noise of the
 /// experiments.
 struct GuardedPush {
   const char* name;
