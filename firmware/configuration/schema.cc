@@ -291,6 +291,9 @@ constexpr Entry kEntries[] = {
      real<&P::gait_tracker, &GaitTrackerParameters::joint_kd_Nms_rad>(0.0, 1e3)},
     {"gait_tracker", "settle_s", "s", "Foot placement uses the state this long after touch-down",
      real<&P::gait_tracker, &GaitTrackerParameters::settle_s>(0.0, 0.5)},
+    {"gait_tracker", "take_over_s", "s",
+     "Time over which the joints leave the motion before the gait for the gait's",
+     real<&P::gait_tracker, &GaitTrackerParameters::take_over_s>(0.0, 2.0)},
 
     {"estimator", "blend_s", "s", "Time over which trust moves from the old stance foot to the new one",
      real<&P::estimator, &EstimatorParameters::blend_s>(0.0, 0.5)},

@@ -74,7 +74,7 @@ constexpr Entry kEntries[] = {
     {"supervisor", "plan_feedback_after_s", "s",
      "Age of a plan from which the level is plan_feedback: its feedback carries it",
      real<&P::supervisor, &S::plan_feedback_after_s>(0.0, 10.0)},
-    {"supervisor", "stale_plan_s", "s", "Age from which a plan is not followed any more",
+    {"supervisor", "stale_plan_s", "s", "Age from which a plan is followed to its next touch-down at most",
      real<&P::supervisor, &S::stale_plan_s>(0.001, 10.0)},
     {"supervisor", "track_gait", "",
      "Without a plan to follow the joints track a gait, where gaits of the robot are shipped",

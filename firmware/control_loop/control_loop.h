@@ -120,9 +120,11 @@ class ControlLoop {
   TorqueBlend blend_;
   supervisor::SignalMonitor monitor_;
   GaitFallback gait_;
-  bool gait_selected_ = false;   ///< plans are not followed, by supervisor.select_gait
-  double stepping_since_s_ = 0;  ///< the robot began to step
-  hal::RobotReadings readings_;  ///< newest of each channel
+  bool awaits_touch_down_ = false;  ///< of a stale plan, where the gait takes over
+  bool led_ = false;                ///< the gait, by a plan in the tick before
+  bool gait_selected_ = false;      ///< plans are not followed, by supervisor.select_gait
+  double stepping_since_s_ = 0;     ///< the robot began to step
+  hal::RobotReadings readings_;     ///< newest of each channel
   hal::JointCommands commands_{};
   bool commanding_ = false;      ///< commands_ left in the tick before
   supervisor::Pose asked_Nm_{};  ///< by commands_, at the newest readings; 0 without commands

@@ -13,8 +13,14 @@ class GaitFallback {
   void configure(const model::RobotModel& robot, const control::ControllerParameters& parameters,
                  const gait::GaitLibrary* library) noexcept;
 
+  /// There is such a level.
+  [[nodiscard]] bool available() const noexcept { return library_ != nullptr; }
+
   /// Not in step with anything: the robot does not step, or stands on other ground than before.
   void forget() noexcept;
+
+  /// The robot leaves a plan for the gait, before the tick in which it does.
+  void take_over() noexcept { tracker_.take_over(); }
 
   /// One tick of a robot that steps.
   /// @param planned    feet on the ground by the plan to follow now, nullptr without one
@@ -23,7 +29,8 @@ class GaitFallback {
   void tick(const control::SensorReading& reading, const model::ContactMode* planned,
             const model::StateVector& estimate, double speed_m_s) noexcept;
 
-  /// The plan put a foot down in this tick.
+  /// The plan put a foot down in this tick. The gait begins there: a robot that leaves the plan in the middle
+  /// of a step is far from it.
   [[nodiscard]] bool landed() const noexcept { return landed_; }
 
   /// In step since a touch-down, with a command for this tick.

@@ -59,7 +59,7 @@ enum class Reaction : std::uint8_t {
 
 /// How a plan can be followed.
 enum class PlanUse : std::uint8_t {
-  none,          ///< there is none to follow, or it is older than stale_plan_s
+  none,          ///< there is none to follow, or it is older than stale_plan_s and no gait begins later
   as_it_is,      ///< younger than plan_feedback_after_s
   with_feedback  ///< older than that: its gains correct what has happened since
 };

@@ -35,7 +35,7 @@ struct SupervisorParameters {
   double low_voltage_V = 36.0;    ///< supply
   double high_voltage_V = 56.0;   ///< supply
   double plan_feedback_after_s = 0.1;   ///< age of a plan from which its feedback gains are used
-  double stale_plan_s = 0.25;           ///< age from which a plan is not followed any more
+  double stale_plan_s = 0.25;           ///< age from which a plan is followed to its next touch-down at most
   bool track_gait = true;               ///< without a plan, where gaits of the robot are known
   bool select_gait = false;             ///< prefer the gait to plans, from a touch-down on
   double select_gait_after_s = 2.0;     ///< not before the robot has stepped for so long

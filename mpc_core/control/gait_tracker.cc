@@ -97,7 +97,7 @@ void GaitTracker::place_foot(const Sensed& sensed, double time_s) noexcept {
   shift_rad_ = std::clamp(shift_rad, -kLargestShift_rad, kLargestShift_rad);
 }
 
-void GaitTracker::track(const Sensed& sensed, double s, Command& command) const noexcept {
+GaitTracker::JointMotion GaitTracker::outputs(const Sensed& sensed, double s) const noexcept {
   const gait::GaitOutputs& outputs = gait_.outputs;
   const gait::OutputPoint share = gait::placement_share(s);
   const gait::OutputPoint y = gait::outputs_at(outputs, s);
@@ -105,16 +105,38 @@ void GaitTracker::track(const Sensed& sensed, double s, Command& command) const 
   const double scale = 1.0 / (outputs.phase_end - outputs.phase_start);
   const double hip_rate = outputs.phase == gait::PhaseKind::time ? 1.0 : sensed.state[kPositions];
   const double rate = inside ? scale * hip_rate : 0.0;
-  const JointVector angle = y.angle_rad + shift_rad_ * share.angle_rad;
-  const JointVector velocity = rate * (y.slope_rad + shift_rad_ * share.slope_rad);
+  const JointVector angle_rad = y.angle_rad + shift_rad_ * share.angle_rad;
+  const JointVector velocity_rad_s = rate * (y.slope_rad + shift_rad_ * share.slope_rad);
+  return {exchange(angle_rad, stance_), exchange(velocity_rad_s, stance_)};
+}
+
+GaitTracker::JointMotion GaitTracker::lead(double time_s) const noexcept {
+  const double duration_s = parameters_.take_over_s;
+  const double t = time_s - taken_over_s_;
+  if (!(t < duration_s)) return {JointVector::Zero(), JointVector::Zero()};
+  const double s = t / duration_s;
+  const double left = 1.0 - s;
+  return {(1.0 + 2.0 * s) * left * left * lead_.angle_rad + t * left * left * lead_.velocity_rad_s,
+          -6.0 * s * left / duration_s * lead_.angle_rad + (1.0 - 3.0 * s) * left * lead_.velocity_rad_s};
+}
+
+void GaitTracker::track(const Sensed& sensed, double time_s, Command& command) noexcept {
+  const double s = phase(sensed, time_s);
+  const JointVector joints = sensed.state.segment<kJoints>(kFirstJoint);
+  const JointVector rates = sensed.state.tail<kJoints>();
+  const JointMotion gait = outputs(sensed, s);
+  if (takes_over_) {
+    takes_over_ = false;
+    taken_over_s_ = time_s;
+    lead_ = {joints - gait.angle_rad, rates - gait.velocity_rad_s};
+  }
+  const JointMotion from = lead(time_s);
+  command.position_rad = gait.angle_rad + from.angle_rad;
+  command.velocity_rad_s = gait.velocity_rad_s + from.velocity_rad_s;
   const gait::GaitPoint nominal = gait::motion_at(gait_, share_of_step(sensed, s));
-  const JointVector torque_Nm =
-      nominal.torque_Nm +
-      parameters_.joint_kp_Nm_rad * (angle - exchange(sensed.state.segment<kJoints>(kFirstJoint), stance_)) +
-      parameters_.joint_kd_Nms_rad * (velocity - exchange(sensed.state.tail<kJoints>(), stance_));
-  command.torque_Nm = exchange(torque_Nm, stance_);
-  command.position_rad = exchange(angle, stance_);
-  command.velocity_rad_s = exchange(velocity, stance_);
+  command.torque_Nm = exchange(nominal.torque_Nm, stance_) +
+                      parameters_.joint_kp_Nm_rad * (command.position_rad - joints) +
+                      parameters_.joint_kd_Nms_rad * (command.velocity_rad_s - rates);
 }
 
 GaitTracker::Command GaitTracker::tick(const SensorReading& reading, double speed_m_s) noexcept {
@@ -126,7 +148,7 @@ GaitTracker::Command GaitTracker::tick(const SensorReading& reading, double spee
       sensed = sense(reading);
     }
     place_foot(sensed, reading.time_s);
-    track(sensed, phase(sensed, reading.time_s), command);
+    track(sensed, reading.time_s, command);
     command.estimated_state = sensed.state;
     command.estimated_state[0] += foot_x_m_;
     command.finite = command.torque_Nm.allFinite();

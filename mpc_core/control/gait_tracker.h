@@ -1,5 +1,7 @@
 #pragma once
 
+#include <limits>
+
 #include "mpc_core/control/drive_model.h"
 #include "mpc_core/control/estimator.h"
 #include "mpc_core/gait/command.h"
@@ -9,12 +11,14 @@ namespace stilt::control {
 
 /// Tracks a gait with the joints, without planning:
 ///
-///   tau = tau_gait(s) + kp (y(s) - q) + kd (dy/ds ds/dt - v), limited to the joint's torque
+///   tau = tau_gait(s) + kp (y(s) + e - q) + kd (dy/ds ds/dt + de/dt - v), limited to the joint's torque
 ///
 /// y are the outputs of the gait and s its phase: the position of the hip ahead of the stance foot, or the
-/// time since touch-down. Touch-down is detected by kinematics over the stance foot on level ground: the
-/// swing foot comes down in the second half of the step. The legs then swap, and the library gives the gait
-/// for the commanded speed. Needs only the joint and pitch sensors. Fixed memory, real-time safe.
+/// time since touch-down. e leads from another motion to the gait: at take_over() it is q - y and its rate
+/// v - dy/dt, and take_over_s later both are 0, with a cubic polynomial between. Touch-down is detected by
+/// kinematics over the stance foot on level ground: the swing foot comes down in the second half of the step.
+/// The legs then swap, and the library gives the gait for the commanded speed. Needs only the joint and pitch
+/// sensors. Fixed memory, real-time safe.
 class GaitTracker {
  public:
   /// The library must hold at least one gait and outlive this object.
@@ -24,13 +28,16 @@ class GaitTracker {
   /// Starts just after a touch-down of the foot `stance`, whose world position is x = foot_x_m.
   void start(double time_s, int stance, double foot_x_m, double speed_m_s) noexcept;
 
+  /// From the next tick on the robot follows this gait, and has followed something else before.
+  void take_over() noexcept { takes_over_ = true; }
+
   struct Command {
     /// State of the base estimated from the stance foot; NaN when a reading is not finite.
     model::StateVector estimated_state = model::StateVector::Zero();
     model::JointVector torque_Nm = model::JointVector::Zero();
-    /// Joint angles of the gait; NaN when a reading is not finite.
+    /// Joint angles y + e; NaN when a reading is not finite.
     model::JointVector position_rad = model::JointVector::Zero();
-    /// Joint velocities of the gait. They are 0 while the phase saturates at an end of the step, and when a
+    /// Joint velocities dy/dt + de/dt. dy/dt is 0 while the phase saturates at an end of the step, and when a
     /// reading is not finite.
     model::JointVector velocity_rad_s = model::JointVector::Zero();
     bool finite = false;  ///< false: the joints are damped
@@ -55,8 +62,16 @@ class GaitTracker {
   /// returns that phase.
   [[nodiscard]] double share_of_step(const Sensed& sensed, double s) const noexcept;
   void place_foot(const Sensed& sensed, double time_s) noexcept;
-  /// Computes torque, before the limit, and velocity of the gait.
-  void track(const Sensed& sensed, double s, Command& command) const noexcept;
+  /// Of the joints, left leg first.
+  struct JointMotion {
+    model::JointVector angle_rad, velocity_rad_s;
+  };
+  /// The outputs at the phase s, with the foot placement.
+  [[nodiscard]] JointMotion outputs(const Sensed& sensed, double s) const noexcept;
+  /// e of the class comment, and its rate.
+  [[nodiscard]] JointMotion lead(double time_s) const noexcept;
+  /// Computes torque, before the limit, and motion of the joints.
+  void track(const Sensed& sensed, double time_s, Command& command) noexcept;
 
   const model::RobotModel* robot_ = nullptr;
   const gait::GaitLibrary* library_ = nullptr;
@@ -68,6 +83,9 @@ class GaitTracker {
   double foot_x_m_ = 0.0;
   double shift_rad_ = 0.0;
   bool placed_ = false;
+  bool takes_over_ = false;
+  double taken_over_s_ = -std::numeric_limits<double>::infinity();
+  JointMotion lead_{};  ///< e at take_over()
 };
 
 }  // namespace stilt::control

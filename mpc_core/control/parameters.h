@@ -28,6 +28,8 @@ struct GaitTrackerParameters {
   double joint_kd_Nms_rad = 20.0;
   /// Foot placement uses the state this long after touch-down, once the impact has decayed.
   double settle_s = 0.015;
+  /// Time over which the joints leave the motion before the gait for the gait's.
+  double take_over_s = 0.45;
 };
 
 /// Parameters of the base estimator.

@@ -16,6 +16,11 @@ using supervisor::RequestKind;
 using supervisor::State;
 using testing::Rig;
 
+/// From the last plan on: stale after 0.25 s, and then a step of 0.25 s and both feet for 0.05 s.
+constexpr int kTicksToTheGait = 560;
+/// The joints of the rig rest, and the gait leads them from there.
+constexpr int kTicksToLeaveRest = 60;
+
 class FallbackTest : public ::testing::Test {
  protected:
   FallbackTest() : rig(std::make_unique<Rig>()) {}
@@ -97,7 +102,7 @@ class GaitLevelTest : public FallbackTest {
 };
 
 TEST_F(GaitLevelTest, TracksAGaitWhenThePlannerStopsWhileItWalks) {
-  walk_on_without_plans(0.3, 300);
+  walk_on_without_plans(0.3, kTicksToTheGait);
   EXPECT_EQ(rig->state(), State::walk);
   EXPECT_EQ(rig->level(), FallbackLevel::gait);
   EXPECT_TRUE(rig->decision().present.has(supervisor::Fault::plan_missing));
@@ -141,7 +146,7 @@ TEST_F(GaitLevelTest, WithoutPlansInDoubleSupportThereIsNoGaitToGoOnWith) {
 }
 
 TEST_F(GaitLevelTest, APlanIsFollowedAgainOnlyWithTheFootOfTheGaitOnTheGround) {
-  walk_on_without_plans(0.3, 300);
+  walk_on_without_plans(0.3, kTicksToTheGait);
   ASSERT_EQ(rig->level(), FallbackLevel::gait);
   int followed = 0;
   const auto offer = [&](model::ContactMode mode) {
@@ -194,7 +199,7 @@ class GaitLevelSensorTest : public GaitLevelTest {
   GaitLevelSensorTest()
       : unchanged_limit(static_cast<std::uint32_t>(rig->configuration.supervisor.unchanged_replies_limit)) {
     walk_on_without_plans(0.0, 0);
-    for (int i = 0; i < 300 && rig->level() != FallbackLevel::gait; ++i) rig->run(1);
+    for (int i = 0; i < kTicksToTheGait && rig->level() != FallbackLevel::gait; ++i) rig->run(1);
   }
   void freeze_encoders() {
     for (hal::JointReading& reading : rig->joints.readings) reading.unchanged_replies = unchanged_limit;
@@ -205,7 +210,7 @@ class GaitLevelSensorTest : public GaitLevelTest {
 TEST_F(GaitLevelSensorTest, EncodersThatRepeatThemselvesWhileTheGaitMovesTheJointsAreStale) {
   ASSERT_EQ(rig->level(), FallbackLevel::gait);
   freeze_encoders();
-  rig->run(2);
+  rig->run(kTicksToLeaveRest);
   EXPECT_TRUE(rig->decision().latched.has(supervisor::Fault::encoder_frozen));
   EXPECT_EQ(rig->level(), FallbackLevel::damp);
 }
@@ -213,7 +218,7 @@ TEST_F(GaitLevelSensorTest, EncodersThatRepeatThemselvesWhileTheGaitMovesTheJoin
 TEST_F(GaitLevelSensorTest, ATorsoSensorThatRepeatsItselfMeanwhileIsStale) {
   ASSERT_EQ(rig->level(), FallbackLevel::gait);
   rig->joints.base.unchanged_replies = unchanged_limit;
-  rig->run(2);
+  rig->run(kTicksToLeaveRest);
   EXPECT_TRUE(rig->decision().latched.has(supervisor::Fault::stale_torso_sensor));
 }
 

@@ -77,6 +77,48 @@ TEST_F(Tracker, PullsTheJointsBackInProportion) {
   EXPECT_EQ(after.torque_Nm[0], before.torque_Nm[0]);
 }
 
+/// The lead from other motion, by its definition: at the take-over the command is what is measured, and the
+/// motion of the command is continuous until it is the gait's.
+TEST_F(Tracker, LeadsTheJointsFromWhatTheyDidToTheGait) {
+  constexpr double kTick_s = 1e-3;
+  const auto off = [&](double s) {
+    SensorReading result = reading(0.0, s, model::kLeft);  // in place, where the phase is the time
+    for (int j = 0; j < kJoints; ++j) {
+      result.joint_position_rad[j] += 0.1 - 0.05 * j;
+      result.joint_velocity_rad_s[j] += 0.3 * j;
+    }
+    return result;
+  };
+  parameters_.take_over_s = 0.2;
+  parameters_.settle_s = 0.5;  // no foot placement
+  tracker_->configure(testing_support::amber3m(), parameters_, {}, *library_);
+  const double step_time_s = library_->step_time_s();
+  tracker_->start(0.0, model::kLeft, 0.0, 0.0);
+  tracker_->take_over();
+  auto before = tracker_->tick(off(0.1), 0.0);
+  for (int j = 0; j < kJoints; ++j) {
+    EXPECT_NEAR(before.position_rad[j], off(0.1).joint_position_rad[j], 1e-12);
+    EXPECT_NEAR(before.velocity_rad_s[j], off(0.1).joint_velocity_rad_s[j], 1e-12);
+  }
+  for (double t_s = kTick_s; t_s < 0.21; t_s += kTick_s) {
+    const auto now = tracker_->tick(off(0.1 + t_s / step_time_s), 0.0);
+    for (int j = 0; j < kJoints; ++j) {
+      const double moved_rad = now.position_rad[j] - before.position_rad[j];
+      const double mean_rad_s = 0.5 * (now.velocity_rad_s[j] + before.velocity_rad_s[j]);
+      EXPECT_NEAR(moved_rad, kTick_s * mean_rad_s, 1e-4) << "joint " << j << " at " << t_s << " s";
+    }
+    before = now;
+  }
+  GaitTracker gait;
+  gait.configure(testing_support::amber3m(), parameters_, {}, *library_);
+  gait.start(0.0, model::kLeft, 0.0, 0.0);
+  const auto led = tracker_->tick(off(0.85), 0.0);
+  const auto alone = gait.tick(off(0.85), 0.0);
+  EXPECT_EQ(led.position_rad, alone.position_rad);
+  EXPECT_EQ(led.velocity_rad_s, alone.velocity_rad_s);
+  EXPECT_EQ(led.torque_Nm, alone.torque_Nm);
+}
+
 TEST_F(Tracker, PlacesTheFootOnceInAStepAndAnewInEveryStep) {
   const auto torque_of_a_lean_Nm = [&] {
     SensorReading leaning = reading(0.0, 0.4, model::kLeft);
