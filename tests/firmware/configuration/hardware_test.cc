@@ -251,14 +251,20 @@ TEST(Hardware, ALowVoltageThatAMiniCheetahCannotReportIsRefused) {
 }
 
 TEST(Hardware, TwoTicksFitIntoTheTimeAfterWhichTheTorqueLoopStandsStill) {
-  EXPECT_EQ(mistakes("[timing]\ntorque_rate_hz = 200\n[hardware]\nlongest_reply_lag_s = 0.006\n"), "");
+  EXPECT_EQ(
+      mistakes(
+          "[timing]\ntorque_rate_hz = 200\nplan_rate_hz = 200\n[hardware]\nlongest_reply_lag_s = 0.006\n"),
+      "");
   EXPECT_TRUE(mistakes("[timing]\ntorque_rate_hz = 150\n").starts_with("robot.toml:2:"));
   EXPECT_TRUE(mistakes("[supervisor]\ntorque_loop_stall_s = 0.0015\n").starts_with("robot.toml:2:"));
 }
 
 TEST(Hardware, AReplyMayTakeATickAtLeast) {
   EXPECT_EQ(mistakes("[timing]\ntorque_rate_hz = 500\n"), "");
-  EXPECT_EQ(mistakes("[timing]\ntorque_rate_hz = 250\n[hardware]\nlongest_reply_lag_s = 0.004\n"), "");
+  EXPECT_EQ(
+      mistakes(
+          "[timing]\ntorque_rate_hz = 250\nplan_rate_hz = 200\n[hardware]\nlongest_reply_lag_s = 0.004\n"),
+      "");
   const std::string slow = mistakes("[timing]\ntorque_rate_hz = 300\n");
   EXPECT_TRUE(slow.starts_with("robot.toml:2:")) << slow;
   EXPECT_NE(slow.find("hardware.longest_reply_lag_s = 0.003 must be at least a tick"), std::string::npos)

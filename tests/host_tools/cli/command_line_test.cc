@@ -144,7 +144,7 @@ TEST_F(CommandLine, EveryCommandShowsExamplesOfItself) {
 
 TEST_F(CommandLine, HelpShowsTheShippedHorizonIterationsAndPlanRate) {
   const std::string help = run("sim --help").output;
-  for (const char* option : {"--horizon FLOAT=1 ", "--iterations INT=10 ", "--plan-rate FLOAT=200 "}) {
+  for (const char* option : {"--horizon FLOAT=1 ", "--iterations INT=10 ", "--plan-rate FLOAT=500 "}) {
     EXPECT_NE(help.find(option), std::string::npos) << option << '\n' << help;
   }
 }

@@ -18,7 +18,8 @@ struct Solve {
   std::unique_ptr<Scene> scene;
   std::unique_ptr<Sqp> sqp = std::make_unique<Sqp>();
   std::unique_ptr<ocp::Trajectory> iterate;
-  SqpParameters parameters;
+  /// Tighter than as shipped: these tests are of converged solutions.
+  SqpParameters parameters{.cost_tolerance = 1e-4, .violation_tolerance = 1e-3};
 
   explicit Solve(const testing_support::SceneOptions& options = {})
       : scene(testing_support::walking_scene(options)) {

@@ -23,12 +23,10 @@ TEST(Sqp, ConvergesFromAColdStartWithinTwentyIterations) {
     testing_support::SceneOptions options;
     options.horizon_s = horizon_s;
     Solve solve(options);
-    solve.parameters.cost_tolerance = 1e-4;
-    solve.parameters.violation_tolerance = 1e-3;
     const SolveReport report = solve.run(20);
     EXPECT_EQ(report.status, SolveStatus::converged) << "horizon " << horizon_s;
     EXPECT_TRUE(report.usable());
-    EXPECT_LT(solve.violation(), 1e-3);
+    EXPECT_LT(solve.violation(), solve.parameters.violation_tolerance);
   }
 }
 
