@@ -25,11 +25,10 @@ struct Variant {
 };
 constexpr Variant kVariants[] = {{"rate_100_gains_off", 100.0, 0.005, "estimated", false},
                                  {"rate_100", 100.0, 0.005, "estimated", true},
-                                 {"rate_200_gains_off", 200.0, 0.003, "estimated", false},
                                  {"rate_200", 200.0, 0.003, "estimated", true},
                                  {"rate_500", 500.0, 0.002, "estimated", true},
                                  {"truth", 500.0, 0.002, "truth", true}};
-constexpr experiments::PairedComparison kComparisons[] = {{1, 3}, {3, 4}, {1, 4}, {4, 5}, {0, 1}, {2, 3}};
+constexpr experiments::PairedComparison kComparisons[] = {{1, 2}, {2, 3}, {1, 3}, {3, 4}, {0, 1}};
 
 struct Push {
   const char* name;
