@@ -117,7 +117,8 @@ TEST(Fallback, APlannerThatStopsAndAnEncoderThatFreezesLeadDownToDamping) {
   EXPECT_LE(seen[2].tick, last_plan + 250 + 300);
 }
 
-/// Whenever in two steps the plans end, the robot walks on for 4 s on the gait.
+/// Whenever in two steps the plans end, the robot walks on for 4 s on the gait. At other speeds a part of
+/// the moments ends in a fall: docs/decisions/0041-the-gait-takes-over-at-a-touch-down.md.
 TEST(Fallback, PlansMayEndAtAnyMomentOfAStep) {
   constexpr int kMoments = 10;
   for (const double speed_m_s : {0.1, 0.5, 0.7}) {
