@@ -43,13 +43,6 @@ hal::JointCommands feed_forward(const model::JointVector& torque_Nm, const hal::
   return commands;
 }
 
-/// A single support begins later in the plan.
-bool steps_later(const control::Plan& plan, double time_s, model::ContactMode now) noexcept {
-  return std::any_of(plan.node.begin(), plan.node.begin() + plan.nodes, [&](const control::PlanNode& node) {
-    return node.time_s > time_s && node.mode.count() == 1 && !(node.mode == now);
-  });
-}
-
 }  // namespace
 
 void ControlLoop::configure(const model::RobotModel& robot, const control::ControllerParameters& parameters,
@@ -62,7 +55,7 @@ void ControlLoop::configure(const model::RobotModel& robot, const control::Contr
   estimator_.configure(robot, parameters.estimator);
   law_.configure(robot, parameters);
   blend_.configure(supervision.torque_blend_s);
-  gait_.configure(robot, parameters, nullptr);
+  gait_.configure(robot, parameters, supervision, nullptr);
 }
 
 void ControlLoop::attach(hal::Robot& robot, Mailboxes& mailboxes) noexcept {
@@ -130,8 +123,8 @@ ControlLoop::PlanView ControlLoop::plan_at(double time_s) const noexcept {
   view.point = control::interpolate(plan, time_s);
   view.exists = supervisor_.output().level != FallbackLevel::gait || view.point.mode == gait_.contact();
   view.use = supervisor::plan_use(view.exists, view.age_s, supervision_);
-  if (view.exists && view.use == supervisor::PlanUse::none && awaits_touch_down_ &&
-      steps_later(plan, time_s, view.point.mode)) {
+  if (view.exists && view.use == supervisor::PlanUse::none &&
+      gait_.awaits_touch_down(plan, time_s, view.point.mode)) {
     view.use = supervisor::PlanUse::with_feedback;
   }
   return view;
@@ -163,34 +156,19 @@ model::StateVector ControlLoop::estimate_state(const control::SensorReading& sen
 }
 
 /// The gait keeps in step with a robot that steps, whatever commands it. It goes on until there is a plan
-/// with its foot on the ground, as long as plans come. A stale plan is followed to its next touch-down, where
-/// the gait takes over (docs/decisions/0041-the-gait-takes-over-at-a-touch-down.md).
+/// with its foot on the ground, as long as plans come.
 supervisor::Followable ControlLoop::track_gait(const control::SensorReading& reading, const PlanView& plan,
                                                const model::StateVector& estimate) noexcept {
   const supervisor::SupervisorOutput& decision = supervisor_.output();
   const bool waits_for_plan = decision.state == State::stand && decision.level == FallbackLevel::gait &&
                               plan.use == supervisor::PlanUse::none && plan.age_s < supervision_.stale_plan_s;
   if (decision.state != State::step && decision.state != State::walk && !waits_for_plan) {
-    gait_.forget();
-    gait_selected_ = false;
-    awaits_touch_down_ = false;
-    led_ = false;
-    stepping_since_s_ = reading.time_s;
+    gait_.forget(reading.time_s);
     return {.plan = plan.use};
   }
-  const bool led = plan.use != supervisor::PlanUse::none && !gait_selected_;
-  if (led_ && !led && !gait_selected_) gait_.take_over();
-  led_ = led;
-  gait_.tick(reading, led ? &plan.point.mode : nullptr, estimate, decision.gait.speed_m_s);
-  const bool may_select =
-      supervision_.select_gait && reading.time_s - stepping_since_s_ >= supervision_.select_gait_after_s;
-  gait_selected_ = gait_selected_ || (may_select && gait_.landed());
-  if (plan.age_s < supervision_.stale_plan_s) {
-    awaits_touch_down_ = gait_.available();
-  } else if (gait_.landed()) {
-    awaits_touch_down_ = false;
-  }
-  return {.plan = plan.use, .gait = gait_.ready(), .gait_selected = gait_selected_};
+  const model::ContactMode* planned = plan.use != supervisor::PlanUse::none ? &plan.point.mode : nullptr;
+  gait_.tick(reading, {planned, plan.age_s}, estimate, decision.gait.speed_m_s);
+  return {.plan = plan.use, .gait = gait_.ready(), .gait_selected = gait_.selected()};
 }
 
 supervisor::Observation ControlLoop::observe(const TickTiming& timing, const OperatorCommand& command,

@@ -36,7 +36,7 @@ class ControlLoop {
   /// configure().
   void track_without_plan(const model::RobotModel& robot, const control::ControllerParameters& parameters,
                           const gait::GaitLibrary& library) noexcept {
-    gait_.configure(robot, parameters, &library);
+    gait_.configure(robot, parameters, supervision_, &library);
   }
 
   /// Everything outlives this object.
@@ -120,11 +120,7 @@ class ControlLoop {
   TorqueBlend blend_;
   supervisor::SignalMonitor monitor_;
   GaitFallback gait_;
-  bool awaits_touch_down_ = false;  ///< of a stale plan, where the gait takes over
-  bool led_ = false;                ///< the gait, by a plan in the tick before
-  bool gait_selected_ = false;      ///< plans are not followed, by supervisor.select_gait
-  double stepping_since_s_ = 0;     ///< the robot began to step
-  hal::RobotReadings readings_;     ///< newest of each channel
+  hal::RobotReadings readings_;  ///< newest of each channel
   hal::JointCommands commands_{};
   bool commanding_ = false;      ///< commands_ left in the tick before
   supervisor::Pose asked_Nm_{};  ///< by commands_, at the newest readings; 0 without commands

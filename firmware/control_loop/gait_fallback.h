@@ -1,37 +1,47 @@
 #pragma once
 
+#include "firmware/supervisor/parameters.h"
 #include "mpc_core/control/gait_tracker.h"
+#include "mpc_core/control/plan.h"
 
 namespace stilt::control_loop {
 
 /// The fallback level below planning: a gait of the library tracked by the joints (GaitTracker). While plans
 /// come it follows the walk without commanding anything: it starts anew at each touch-down of the plan, so
-/// that it is in step when the plans end. Fixed memory, real-time safe.
+/// that it is in step when the plans end. A stale plan is followed to its next touch-down, where the gait
+/// takes over (docs/decisions/0041-the-gait-takes-over-at-a-touch-down.md). Fixed memory, real-time safe.
 class GaitFallback {
  public:
-  /// @param library  at least one gait, outlives this object; nullptr: there is no such level
+  /// The plan beside the gait in a tick.
+  struct Beside {
+    const model::ContactMode* planned = nullptr;  ///< feet on the ground by the plan to follow; nullptr: none
+    double plan_age_s = 0.0;                      ///< of the newest plan, to be followed or not
+  };
+
+  /// @param supervision  stale_plan_s, select_gait and select_gait_after_s
+  /// @param library      at least one gait, outlives this object; nullptr: there is no such level
   void configure(const model::RobotModel& robot, const control::ControllerParameters& parameters,
+                 const supervisor::SupervisorParameters& supervision,
                  const gait::GaitLibrary* library) noexcept;
 
-  /// There is such a level.
-  [[nodiscard]] bool available() const noexcept { return library_ != nullptr; }
-
   /// Not in step with anything: the robot does not step, or stands on other ground than before.
-  void forget() noexcept;
-
-  /// The robot leaves a plan for the gait, before the tick in which it does.
-  void take_over() noexcept { tracker_.take_over(); }
+  /// @param time_s  now; supervisor.select_gait_after_s counts from here
+  void forget(double time_s) noexcept;
 
   /// One tick of a robot that steps.
-  /// @param planned    feet on the ground by the plan to follow now, nullptr without one
   /// @param estimate   state to take the place of the stance foot from, see model/types.h
   /// @param speed_m_s  commanded; 0: in place
-  void tick(const control::SensorReading& reading, const model::ContactMode* planned,
-            const model::StateVector& estimate, double speed_m_s) noexcept;
+  void tick(const control::SensorReading& reading, const Beside& plan, const model::StateVector& estimate,
+            double speed_m_s) noexcept;
 
-  /// The plan put a foot down in this tick. The gait begins there: a robot that leaves the plan in the middle
-  /// of a step is far from it.
-  [[nodiscard]] bool landed() const noexcept { return landed_; }
+  /// A stale plan is to be followed on, to its next touch-down, where the gait takes over. A robot that
+  /// leaves the plan in the middle of a step is far from the gait.
+  /// @param now  feet on the ground by the plan at time_s
+  [[nodiscard]] bool awaits_touch_down(const control::Plan& plan, double time_s,
+                                       model::ContactMode now) const noexcept;
+
+  /// Plans are not followed, by supervisor.select_gait.
+  [[nodiscard]] bool selected() const noexcept { return selected_; }
 
   /// In step since a touch-down, with a command for this tick.
   [[nodiscard]] bool ready() const noexcept { return in_step_ && command_.finite; }
@@ -50,11 +60,16 @@ class GaitFallback {
 
   const model::RobotModel* robot_ = nullptr;
   const gait::GaitLibrary* library_ = nullptr;
+  supervisor::SupervisorParameters supervision_;
   control::GaitTracker tracker_;
   control::GaitTracker::Command command_;
   model::ContactMode planned_{true, true};  ///< of the plan in the tick before
   bool in_step_ = false;
-  bool landed_ = false;
+  bool landed_ = false;  ///< the plan put a foot down in this tick
+  bool led_ = false;     ///< by a plan in the tick before
+  bool selected_ = false;
+  bool awaits_touch_down_ = false;
+  double stepping_since_s_ = 0.0;
 };
 
 }  // namespace stilt::control_loop
