@@ -2,9 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "tests/two_processes/robot_and_controller.h"
@@ -78,6 +80,22 @@ TEST(TwoProcesses, ARobotWithoutSpaceForItsFiguresStillWritesLogAndReport) {
       << said;
   EXPECT_NE(said.find("written: " + names.file("run.jsonl")), std::string::npos) << said;
   EXPECT_NE(text_of(names.file("run.html")).find("<html"), std::string::npos);
+}
+
+/// Progress is said after 1 s, and every 5 s when it has changed.
+TEST(TwoProcesses, ARobotThatHangsSaysSoOnceAndNothingOfWalking) {
+  const RobotAndController names;  // of buses and files
+  Process robot({STILT_PROGRAM, "robot", "--bus", names.bus(0), "--bus", names.bus(1)},
+                names.file("robot.out"), names.file("robot.err"));
+  const std::string hanging = "the robot hangs on its gantry; on its own: 0 s\n";
+  ASSERT_TRUE(wait_for_text(names.file("robot.err"), hanging, kLongestRun_s));
+  std::this_thread::sleep_for(std::chrono::seconds(6));
+  robot.signal(SIGINT);
+  ASSERT_TRUE(robot.wait(kLongestRun_s));
+  const std::string said = text_of(names.file("robot.err"));
+  EXPECT_EQ(said.find(hanging), said.rfind(hanging)) << said;
+  EXPECT_EQ(said.find("walk"), std::string::npos) << said;
+  EXPECT_EQ(said.find("the robot is on its own"), std::string::npos) << said;
 }
 
 TEST(TwoProcesses, ABlackBoxThatCannotBeWrittenIsSaidAndIsStatusTwo) {

@@ -2,9 +2,11 @@
 #include <stilt/controller.h>
 #include <stilt/simulated_robot.h>
 
+#include <atomic>
 #include <cmath>
 #include <functional>
 #include <string>
+#include <thread>
 #include <utility>
 
 #include "firmware/realtime/allocation_counter.h"
@@ -57,6 +59,44 @@ TEST(OwnLoop, ARobotThatStandsWalksAtTheSpeedAskedForWithoutAllocating) {
   EXPECT_STREQ(end.fault, "");
   EXPECT_NEAR(end.estimated_state[1], loop.robot.state()[1], 0.02);
   EXPECT_EQ(loop.allocations, 0);
+}
+
+/// As docs/library.md allows. The ticks wait for plans, so that a busy machine changes nothing: ten ticks run
+/// while a plan is made.
+TEST(OwnLoop, TicksPlansAndRequestsEachFromAThreadOfItsOwn) {
+  Loop loop;
+  loop.begin_standing();
+  std::atomic<long long> ticks = 0, planned = 0;
+  std::atomic<bool> has_ended = false;
+  std::thread planner([&] {
+    while (!has_ended) {
+      const long long from = ticks;
+      loop.controller.plan();
+      planned = from;
+    }
+  });
+  std::thread hand([&] {
+    for (const long long at : {500, 2500, 4500}) {
+      while (!has_ended && ticks < at) std::this_thread::yield();
+      loop.controller.request(Motion::walk, 1e-4 * static_cast<double>(at));
+    }
+  });
+  double start_x_m = 0.0;
+  std::string fault;
+  while (fault.empty() && ticks < 8000) {
+    while (ticks > planned + 10) std::this_thread::yield();
+    const Tick& done =
+        loop.controller.tick((ticks + 1) * loop.controller.tick_period_ns(), loop.robot.read());
+    fault = done.fault;
+    loop.robot.drive(done);
+    loop.robot.advance();
+    if (++ticks == 6000) start_x_m = loop.robot.hip_x_m();
+  }
+  has_ended = true;
+  planner.join();
+  hand.join();
+  EXPECT_EQ(fault, "");
+  EXPECT_NEAR((loop.robot.hip_x_m() - start_x_m) / 2.0, 0.45, 0.05);
 }
 
 TEST(OwnLoop, ItAsksForTheDriversAndWaitsForThem) {
