@@ -105,17 +105,18 @@ const Tick& Controller::tick(std::int64_t now_ns, const Measurements& measuremen
   p.robot.give(measurements);
   p.loop.tick({.now_ns = now_ns});
   while (p.mail.events.front() != nullptr) p.mail.events.pop();
-  const control_loop::TickRecord* record = p.mail.telemetry.front();
   p.tick.time_s = p.loop.time_s();
   p.tick.action = p.robot.action();
   p.tick.targets = p.robot.targets();
-  std::ranges::copy(record->estimated_state, p.tick.estimated_state.begin());
-  p.tick.state = supervisor::name(record->state);
-  p.tick.fallback_level = supervisor::name(record->level);
-  p.tick.fault = first_of(record->present | record->latched);
-  p.tick.plan_age_s = record->plan_age_s;
-  p.tick.follows_plan = record->plan_sequence >= 0;
-  p.mail.telemetry.pop();
+  while (const control_loop::TickRecord* record = p.mail.telemetry.front()) {
+    std::ranges::copy(record->estimated_state, p.tick.estimated_state.begin());
+    p.tick.state = supervisor::name(record->state);
+    p.tick.fallback_level = supervisor::name(record->level);
+    p.tick.fault = first_of(record->present | record->latched);
+    p.tick.plan_age_s = record->plan_age_s;
+    p.tick.follows_plan = record->plan_sequence >= 0;
+    p.mail.telemetry.pop();
+  }
   return p.tick;
 }
 
