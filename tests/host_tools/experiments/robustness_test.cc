@@ -45,7 +45,7 @@ std::vector<Json> results_of(const RobustnessPlan& plan) {
   return results;
 }
 
-const Json& quantity(const Json& merged, const std::string& name) {
+const Json& quantity(const Json& merged, const char* name) {
   const auto& all = merged.at("quantities");
   return *std::ranges::find_if(all, [&](const Json& one) { return one.at("name") == name; });
 }
