@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <fstream>
 #include <stdexcept>
 
@@ -25,7 +26,9 @@ std::vector<std::string> RobotAndController::words(const std::vector<std::string
 }
 
 std::string RobotAndController::bus(std::size_t number) const {
-  return "loopback:" + bus_ + (number == 0 ? ".left" : ".right");
+  const bool is_first = number == 0;
+  if (std::getenv("STILT_TEST_VCAN") != nullptr) return is_first ? "vcan0" : "vcan1";
+  return "loopback:" + bus_ + (is_first ? ".left" : ".right");
 }
 
 void RobotAndController::start_robot(const std::vector<std::string>& options) {

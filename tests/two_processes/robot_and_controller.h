@@ -12,7 +12,8 @@
 namespace stilt::two_processes {
 
 /// `stilt robot` and `stiltd` on two loopback buses of their own, with a folder for their files, one of them
-/// the run's token. They speak in the DDS domain of this process (tests/own_domain.h).
+/// the run's token. They speak in the DDS domain of this process (tests/own_domain.h). With STILT_TEST_VCAN
+/// in the environment the buses are vcan0 and vcan1 of the kernel (tests/realtime_vm/first_day.sh).
 class RobotAndController {
  public:
   RobotAndController() = default;
