@@ -54,18 +54,22 @@ install(FILES ${packaging}/80-can0.network ${packaging}/80-can.rules
   codegen/robots/amber3m.urdf codegen/robots/rabbit.urdf firmware/configuration/rabbit.toml
   DESTINATION share/doc/stiltd/examples COMPONENT robot)
 
-install(TARGETS stilt DESTINATION bin COMPONENT host)
-install(PROGRAMS toolchain/make_security DESTINATION share/stilt COMPONENT host)
-install(DIRECTORY host_tools/python/stilt DESTINATION lib/python3/dist-packages COMPONENT host
-  PATTERN __pycache__ EXCLUDE)
-install(DIRECTORY host_tools/ros2/stilt_msgs DESTINATION share/stilt/ros2 COMPONENT host)
+set(component_packages robot:stiltd)
+if(TARGET stilt)
+  list(APPEND component_packages host:stilt)
+  install(TARGETS stilt DESTINATION bin COMPONENT host)
+  install(PROGRAMS toolchain/make_security DESTINATION share/stilt COMPONENT host)
+  install(DIRECTORY host_tools/python/stilt DESTINATION lib/python3/dist-packages COMPONENT host
+    PATTERN __pycache__ EXCLUDE)
+  install(DIRECTORY host_tools/ros2/stilt_msgs DESTINATION share/stilt/ros2 COMPONENT host)
+endif()
 
 # Documents in the folders of the tree, so that their links among each other hold. Packages have the licence in the
 # file copyright.
 file(READ README.md readme)
 string(REPLACE "[LICENSE](LICENSE)" "[copyright](copyright)" readme "${readme}")
 file(WRITE ${made}/README.md "${readme}")
-foreach(component_package robot:stiltd host:stilt)
+foreach(component_package ${component_packages})
   string(REPLACE ":" ";" pair ${component_package})
   list(GET pair 0 component)
   list(GET pair 1 package)
@@ -99,12 +103,19 @@ set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_PACKAGE_DIRECTORY ${PROJECT_BINARY_DIR}/packages)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
-set(CPACK_COMPONENTS_ALL robot host)
+set(CPACK_COMPONENTS_ALL robot)
+if(TARGET stilt)
+  list(APPEND CPACK_COMPONENTS_ALL host)
+endif()
 if(TARGET stilt_library)
   list(APPEND CPACK_COMPONENTS_ALL library)
 endif()
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+if(CMAKE_CROSSCOMPILING)  # dpkg-shlibdeps knows the machine's own libraries; toolchain/package names the target's
+  set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS OFF)
+  set(CPACK_DEBIAN_PACKAGE_ARCHITECTURE arm64)
+endif()
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_ROBOT_PACKAGE_NAME stiltd)
 set(CPACK_DEBIAN_ROBOT_DESCRIPTION "controller of a walking robot, for the robot's computer
