@@ -86,8 +86,7 @@ class PoseReader {
     const std::string rest = joint % 2 == 0 ? "the leg straight" : "the thigh still";
     const std::string question = std::string("Hold ") + rest + ", and move the " + link_name(joint) + " " +
                                  where + ". Press Enter while it is held there";
-    return pose(
-        question, [joint](const Measured& all) { return all.leg_motion_rad(joint); }, measured);
+    return pose(question, [joint](const Measured& all) { return all.leg_motion_rad(joint); }, measured);
   }
 
   /// @param motion_rad  of what must be still

@@ -25,7 +25,8 @@ bool clear(const DriveNumbers& drive) {
 }
 
 /// Mean over a joint of both legs, at least 0, as TOML.
-std::string mean_text(const IdentificationReport& report, std::size_t joint, Estimate DriveNumbers::*number) {
+std::string mean_text(const IdentificationReport& report, std::size_t joint,
+                      Estimate DriveNumbers::* number) {
   constexpr double kDigits = 1e4;
   const double mean = 0.5 * ((report.drives[joint].*number).value + (report.drives[joint + 2].*number).value);
   return configuration::number_text(std::round(kDigits * std::max(0.0, mean)) / kDigits);

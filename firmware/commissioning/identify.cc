@@ -103,18 +103,16 @@ class Exciter {
   }
 
   bool wait(std::size_t joint) {
-    return follow(joint, kSettle_s, [at_rad = targets_[joint].angle_rad](double) {
-      return Target{at_rad, 0};
-    });
+    return follow(joint, kSettle_s,
+                  [at_rad = targets_[joint].angle_rad](double) { return Target{at_rad, 0}; });
   }
 
   bool ramp(std::size_t joint, double to_rad, double duration_s) {
     const double from_rad = targets_[joint].angle_rad;
     if (duration_s <= 0) return true;
     const double rate_rad_s = (to_rad - from_rad) / duration_s;
-    return follow(joint, duration_s, [=](double time_s) {
-      return Target{from_rad + rate_rad_s * time_s, rate_rad_s};
-    });
+    return follow(joint, duration_s,
+                  [=](double time_s) { return Target{from_rad + rate_rad_s * time_s, rate_rad_s}; });
   }
 
   /// To both ends and back, each way of the whole range in this time.

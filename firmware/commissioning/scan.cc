@@ -161,9 +161,8 @@ class BusScan {
   }
 
   [[nodiscard]] bool of_sensor(const FrameKey& key) const {
-    return std::ranges::any_of(channels(), [&key](const hal::ChannelRow& row) {
-      return FrameKey{row.id, row.extended} == key;
-    });
+    return std::ranges::any_of(
+        channels(), [&key](const hal::ChannelRow& row) { return FrameKey{row.id, row.extended} == key; });
   }
 
   /// Frames that came unasked are those of the torso sensor, of drivers, or unknown.

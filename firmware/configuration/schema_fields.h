@@ -19,8 +19,7 @@ constexpr auto& at(auto& parameters) {
     } else {
       return parameters.*First;
     }
-  }
-  ();
+  }();
   if constexpr (sizeof...(Rest) == 0) {
     return inner;
   } else {

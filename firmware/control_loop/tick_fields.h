@@ -56,7 +56,7 @@ constexpr Value& follow(Value& value, std::size_t /*index*/) noexcept {
 
 /// Member after member from an object on; of an array the entry `index`.
 template <class Object, class Class, class Member, class... Rest>
-constexpr auto& follow(Object& object, std::size_t index, Member Class::*member, Rest... rest) noexcept {
+constexpr auto& follow(Object& object, std::size_t index, Member Class::* member, Rest... rest) noexcept {
   if constexpr (kLength<Member> != 1) {
     return follow((object.*member)[index], index, rest...);
   } else {
@@ -80,8 +80,8 @@ class TickField {
   /// Value `index` of the field, as const as the record.
   template <class Record>
   [[nodiscard]] constexpr auto& at(Record& record, std::size_t index = 0) const noexcept {
-    return std::apply(
-        [&](auto... members) -> auto& { return internal::follow(record, index, members...); }, members_);
+    return std::apply([&](auto... members) -> auto& { return internal::follow(record, index, members...); },
+                      members_);
   }
 
   /// Number of values: 1, that of the joints or that of the states.
@@ -239,8 +239,7 @@ template <class Visit>
 constexpr void for_each_output(Visit&& visit) {
   [&]<std::size_t... kGroup>(std::index_sequence<kGroup...>) {
     (for_each_value_of<static_cast<TickGroup>(kFirstOutput + kGroup)>(visit), ...);
-  }
-  (std::make_index_sequence<kTickGroups - kFirstOutput>());
+  }(std::make_index_sequence<kTickGroups - kFirstOutput>());
 }
 
 /// Factor on a number that is called `from` to show it as `to`: from _ns to _us, from _s to _ms, else 1.

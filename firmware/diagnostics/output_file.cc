@@ -49,7 +49,7 @@ std::expected<void, std::string> write_special(const std::string& name, std::str
 
 /// Owner and permissions of the file that is replaced; those of a new one are the process's.
 bool keep_attributes(int descriptor, const path& file) {
-  struct stat old {};
+  struct stat old{};
   if (stat(file.c_str(), &old) != 0) return true;
   const bool same_owner = fchown(descriptor, old.st_uid, old.st_gid) == 0;
   return fchmod(descriptor, old.st_mode & 07777) == 0 && (same_owner || geteuid() != 0);

@@ -47,7 +47,7 @@ std::string failure(const std::string& path, const std::string& what) {
 std::string make_folder(const std::filesystem::path& folder) {
   std::error_code error;
   if (std::filesystem::is_directory(folder, error)) {
-    struct stat status {};
+    struct stat status{};
     const bool others_may_write = stat(folder.c_str(), &status) != 0 || (status.st_mode & 022) != 0;
     const bool sticky = (status.st_mode & S_ISVTX) != 0;
     if (others_may_write && !sticky) return "others may write to its folder";
@@ -117,7 +117,7 @@ std::expected<std::string, std::string> read_token(const std::string& path) {
   const std::string why_not = number < 0 ? std::strerror(errno) : "";
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(number < 0 ? nullptr : fdopen(number, "r"),
                                                              &std::fclose);
-  struct stat status {};
+  struct stat status{};
   if (!file || fstat(number, &status) != 0) {
     return std::unexpected(unreadable(path, why_not + "; stiltd prints where its token is, and with "
                                                       "telemetry.fixed_token it reads yours"));

@@ -129,8 +129,8 @@ void on_step(int, siginfo_t*, void* context) {
 }
 
 ExecutedWork stepped(const std::function<void()>& function) {
-  struct sigaction action {};
-  struct sigaction before {};
+  struct sigaction action{};
+  struct sigaction before{};
   action.sa_sigaction = on_step;
   action.sa_flags = SA_SIGINFO;
   sigaction(SIGTRAP, &action, &before);

@@ -104,28 +104,16 @@ const Key kKeys[] = {
     {"plant", [](const Value& v, RowChoice& row) { v.append_to(row.setting.plant_settings); }},
     {"gaits", [](const Value& v, RowChoice& row) { row.setting.choice.gait_folder = v.text(); }},
     {"lump", [](const Value& v, RowChoice& row) { row.setting.choice.lump = v.one_of(lump_names()); }},
-    {"push_at",
-     [](const Value& v, RowChoice& row) {
-       row.setting.push_point = v.one_of({"hip", "torso"});
-     }},
-    {"direction",
-     [](const Value& v, RowChoice& row) {
-       row.direction = v.one_of({"forward", "backward"});
-     }},
-    {"gait",
-     [](const Value& v, RowChoice& row) {
-       row.gait = v.one_of({"walk", "step", "stand"});
-     }},
+    {"push_at", [](const Value& v, RowChoice& row) { row.setting.push_point = v.one_of({"hip", "torso"}); }},
+    {"direction", [](const Value& v, RowChoice& row) { row.direction = v.one_of({"forward", "backward"}); }},
+    {"gait", [](const Value& v, RowChoice& row) { row.gait = v.one_of({"walk", "step", "stand"}); }},
     {"speed_m_s",
      [](const Value& v, RowChoice& row) {
        row.speed_m_s = v.number(-kLargestRowSpeed_m_s, kLargestRowSpeed_m_s);
      }},
     {"plan_rate_hz", [](const Value& v, RowChoice& row) { row.setting.choice.plan_rate_hz = v.number(); }},
     {"plan_delay_s", [](const Value& v, RowChoice& row) { row.setting.choice.plan_delay_s = v.number(); }},
-    {"state",
-     [](const Value& v, RowChoice& row) {
-       row.setting.state = v.one_of({"estimated", "truth"});
-     }},
+    {"state", [](const Value& v, RowChoice& row) { row.setting.state = v.one_of({"estimated", "truth"}); }},
     {"phases", [](const Value& v, RowChoice& row) { row.phases = v.whole(1, 64); }},
     {"seeds", [](const Value& v, RowChoice& row) { row.seeds = v.whole(1, 1000); }},
     {"coarse_N", [](const Value& v, RowChoice& row) { row.coarse_N = v.number(1.0, 100.0); }},

@@ -32,7 +32,7 @@ static_assert(std::atomic<bool>::is_always_lock_free);
 void end(int) { ended.store(true); }
 
 void catch_signals() {
-  struct sigaction action {};
+  struct sigaction action{};
   action.sa_handler = end;
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);

@@ -75,7 +75,7 @@ static_assert(std::atomic<bool>::is_always_lock_free);
 /// Plays the record in the page until it is stopped.
 int show(const ReplayOptions& options) {
   replay::RecordSource source(options.file);
-  struct sigaction action {};
+  struct sigaction action{};
   action.sa_handler = [](int) { stop.store(true); };
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);

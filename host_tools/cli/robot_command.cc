@@ -42,7 +42,7 @@ void announce(const std::vector<std::string>& buses) {
 
 /// SIGINT and SIGTERM end the run in order; its figures are still written.
 void catch_signals() {
-  struct sigaction action {};
+  struct sigaction action{};
   action.sa_handler = interrupt;
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);

@@ -43,7 +43,7 @@ std::vector<simulation::TimedFault> faults_of(const RobotOptions& options, std::
 
 struct MistakeName {
   const char* name;
-  bool robot_on_bus::JointMistake::*mistake;
+  bool robot_on_bus::JointMistake::* mistake;
   const char* description;
 };
 constexpr MistakeName kMistakes[] = {

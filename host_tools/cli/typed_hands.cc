@@ -14,7 +14,7 @@ namespace {
 
 int open_lines(const std::string& file) {
   const int descriptor = file == "-" ? STDIN_FILENO : open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
-  struct stat kind {};
+  struct stat kind{};
   if (descriptor < 0 || fstat(descriptor, &kind) != 0 || S_ISDIR(kind.st_mode)) {
     if (descriptor > STDIN_FILENO) close(descriptor);
     throw UsageError("--hands " + file + ": cannot be read; name a FIFO, a file or - for standard input");

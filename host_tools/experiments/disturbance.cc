@@ -11,7 +11,7 @@ namespace stilt::experiments {
 namespace {
 
 Json to_json(const PushTrial& trial) {
-  const auto steps = [&](double StepRange::*end) {
+  const auto steps = [&](double StepRange::* end) {
     return trial.step_length ? Json((*trial.step_length).*end) : Json(nullptr);
   };
   return {{"force_N", trial.force_N},

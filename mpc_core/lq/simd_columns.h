@@ -35,8 +35,8 @@ typedef double Vec __attribute__((vector_size(kLanes * sizeof(double))));
 /// Calls f(integral_constant<int, 0>) ... f(integral_constant<int, N - 1>).
 template <int N, class F>
 STILT_INLINE inline void unroll(const F& f) noexcept {
-  [&]<int... I>(std::integer_sequence<int, I...>) STILT_INLINE { (f(std::integral_constant<int, I>{}), ...); }
-  (std::make_integer_sequence<int, N>{});
+  [&]<int... I>(std::integer_sequence<int, I...>)
+      STILT_INLINE { (f(std::integral_constant<int, I>{}), ...); }(std::make_integer_sequence<int, N>{});
 }
 
 STILT_INLINE inline Vec load(const double* from) noexcept {
@@ -52,8 +52,7 @@ template <class Source>
 STILT_INLINE inline Vec shuffle(Vec x, Vec y, Source) noexcept {
   return [&]<int... L>(std::integer_sequence<int, L...>) STILT_INLINE {
     return __builtin_shufflevector(x, y, std::integral_constant<int, Source::at(L)>::value...);
-  }
-  (std::make_integer_sequence<int, kLanes>{});
+  }(std::make_integer_sequence<int, kLanes>{});
 }
 
 /// Lane selectors for shuffle().

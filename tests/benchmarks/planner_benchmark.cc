@@ -66,8 +66,7 @@ void linearise(::benchmark::State& state) {
 BENCHMARK(linearise)->Apply(horizons);
 
 void linearise_in_eigen(::benchmark::State& state) {
-  run_beside(
-      state, [](Versions& on) { on.plain.linearise(); }, [](Versions& on) { on.fast.linearise(); });
+  run_beside(state, [](Versions& on) { on.plain.linearise(); }, [](Versions& on) { on.fast.linearise(); });
 }
 BENCHMARK(linearise_in_eigen)->Apply(horizons);
 
@@ -98,8 +97,7 @@ void riccati_backward(::benchmark::State& state) {
 BENCHMARK(riccati_backward)->Apply(horizons);
 
 void riccati_backward_in_eigen(::benchmark::State& state) {
-  run_beside(
-      state, [](Versions& on) { on.plain.sweep(); }, [](Versions& on) { on.fast.backward_sweep(); });
+  run_beside(state, [](Versions& on) { on.plain.sweep(); }, [](Versions& on) { on.fast.backward_sweep(); });
 }
 BENCHMARK(riccati_backward_in_eigen)->Apply(horizons);
 

@@ -24,8 +24,7 @@ inline constexpr double kSameSpeed_m_s = 0.02;
 
 /// The name of a parameterised test: letters and digits of a text.
 [[nodiscard]] inline std::string test_name(std::string text) {
-  std::ranges::replace_if(
-      text, [](unsigned char c) { return std::isalnum(c) == 0; }, '_');
+  std::ranges::replace_if(text, [](unsigned char c) { return std::isalnum(c) == 0; }, '_');
   return text;
 }
 

@@ -26,7 +26,8 @@ function(stilt_installed_library name)
     COMMAND ${CMAKE_LINKER} -r --force-group-allocation -o ${object}.all
       --whole-archive $<TARGET_FILE:${ARG_ENTRY}> --no-whole-archive --start-group ${files} --end-group
     # Constants of headers are unique symbols; objcopy makes only global and weak ones local.
-    COMMAND ${CMAKE_OBJCOPY} --wildcard --weaken-symbol=_ZN5stilt* --weaken-symbol=_ZZ* ${object}.all
+    COMMAND ${CMAKE_OBJCOPY} --wildcard --weaken-symbol=_ZN5stilt* --weaken-symbol=_ZNSt*
+      --weaken-symbol=_ZZ* ${object}.all
     COMMAND ${CMAKE_OBJCOPY} --wildcard ${visible} --strip-unneeded --remove-section=.comment
       ${object}.all ${object}
     COMMAND ${CMAKE_COMMAND} -E rm -f ${object}.all ${archive}

@@ -50,8 +50,8 @@ log::RunRecord run_closed_loop(Plant& plant, SimulatedController& controller, co
     const double time_s = static_cast<double>(tick) * tick_s;
     truth = plant.state();
     const gait::GaitCommand command = command_at(settings.commands, time_s);
-    const control_loop::TickRecord& done = counted(
-        allocations, [&]() -> auto& { return controller.tick(tick, command, known_state); });
+    const control_loop::TickRecord& done =
+        counted(allocations, [&]() -> auto& { return controller.tick(tick, command, known_state); });
     if (time_s < settings.planner_until_s && settings.observer.plans(time_s)) {
       const auto solve_ns = counted(allocations, [&] { return controller.plan(tick); });
       if (solve_ns) observe_plan(*solve_ns);

@@ -16,7 +16,7 @@ using Options = PlantOptions;
 /// Mass, inertia and centre of mass of one link.
 void add_link_options(std::size_t link, const std::string& key, const std::string& name,
                       std::vector<PlantOption>& table) {
-  const auto add = [&](const char* quantity, double LinkChange::*value, const char* unit, double minimum,
+  const auto add = [&](const char* quantity, double LinkChange::* value, const char* unit, double minimum,
                        double maximum, const char* default_text, const std::string& description) {
     table.push_back({key + quantity, unit, minimum, maximum, default_text, description,
                      [link, value](Options& o, double v) { o.links[link].*value = v; }});

@@ -96,7 +96,7 @@ int run_terminal(SampleSource& source) {
   }
   constexpr auto kPoll = std::chrono::milliseconds(20);
   constexpr double kDrawPeriod_s = 0.2;
-  struct sigaction action {};
+  struct sigaction action{};
   action.sa_handler = [](int) { interrupted.store(true); };
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);

@@ -33,7 +33,7 @@ TEST(OutputFile, ReplacesAFileAndKeepsItsPermissions) {
   ASSERT_EQ(chmod(file.c_str(), 0640), 0);
   ASSERT_TRUE(write_file(file, "new"));
   EXPECT_EQ(content(file), "new");
-  struct stat now {};
+  struct stat now{};
   ASSERT_EQ(stat(file.c_str(), &now), 0);
   EXPECT_EQ(now.st_mode & 07777, 0640u);
   EXPECT_EQ(files_in(folder), 1);

@@ -22,8 +22,7 @@ class Loop {
   void begin_standing() { controller.begin_standing(controller.tick_period_ns(), robot.read()); }
 
   /// Runs for a time; `change` may change what the sensors say.
-  const Tick& run(
-      double seconds, const std::function<void(Measurements&)>& change = [](Measurements&) {}) {
+  const Tick& run(double seconds, const std::function<void(Measurements&)>& change = [](Measurements&) {}) {
     const std::int64_t tick_ns = controller.tick_period_ns();
     const auto end = ticks + std::llround(1e9 * seconds / static_cast<double>(tick_ns));
     const Tick* done = nullptr;

@@ -68,10 +68,7 @@ TEST(SelfTest, EachDefectFailsItsOwnCheckAlone) {
       {"wake-up", [](SelfTestResult& r) { r.late_ticks = 2; }},
       {"planner", [](SelfTestResult& r) { r.limits.plan_period_s = 0.9e-3; }},
       {"idle states", [](SelfTestResult& r) { r.idle->exit_us = 501.0; }},
-      {"interrupts",
-       [](SelfTestResult& r) {
-         r.interrupts.push_back({"irq/45-can0", 117, 50, "0-3"});
-       }},
+      {"interrupts", [](SelfTestResult& r) { r.interrupts.push_back({"irq/45-can0", 117, 50, "0-3"}); }},
       {"throttling", [](SelfTestResult& r) { r.throttled = 1; }},
   };
   for (const auto& [name, spoil] : rows) {

@@ -99,7 +99,9 @@ TEST_F(IdleMachine, ShortIdleStatesAreAskedForAndHeldAsLongAsTheCapabilityLives)
   std::ifstream(root_ + "/dev/cpu_dma_latency").read(reinterpret_cast<char*>(&asked_us), sizeof asked_us);
   EXPECT_EQ(asked_us, 20);
   EXPECT_TRUE(is_open("/dev/cpu_dma_latency"));
-  { const Capability taken = std::move(capability); }
+  {
+    const Capability taken = std::move(capability);
+  }
   EXPECT_FALSE(is_open("/dev/cpu_dma_latency"));
 }
 

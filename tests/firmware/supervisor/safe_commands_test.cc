@@ -115,7 +115,7 @@ TEST(BlendIn, IsFiniteWithoutAnyDamping) {
 
 TEST(Finite, FindsEveryFieldOfEveryJoint) {
   EXPECT_TRUE(finite(some_commands()));
-  for (double hal::JointCommand::*field :
+  for (double hal::JointCommand::* field :
        {&hal::JointCommand::position_rad, &hal::JointCommand::velocity_rad_s, &hal::JointCommand::torque_Nm,
         &hal::JointCommand::kp_Nm_rad, &hal::JointCommand::kd_Nms_rad, &hal::JointCommand::torque_limit_Nm}) {
     for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {

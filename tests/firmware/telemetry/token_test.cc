@@ -29,7 +29,7 @@ TEST_F(Token, is_written_for_its_owner_alone_and_reads_back) {
   const auto written = write_token(path);
   ASSERT_TRUE(written.has_value()) << written.error();
   EXPECT_EQ(written->size(), 32u);
-  struct stat status {};
+  struct stat status{};
   ASSERT_EQ(stat(path.c_str(), &status), 0);
   EXPECT_EQ(status.st_mode & 0777, 0600u);
   EXPECT_EQ(read_token(path), written);
@@ -119,7 +119,7 @@ TEST_F(Token, is_not_written_where_others_may_write) {
 TEST_F(Token, leaves_only_its_lock_beside_it_and_its_new_folder_to_its_owner_alone) {
   ASSERT_TRUE(write_token(path).has_value());
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 2) << "the token and its lock";
-  struct stat status {};
+  struct stat status{};
   ASSERT_EQ(stat(folder.c_str(), &status), 0);
   EXPECT_EQ(status.st_mode & 0777, 0700u);
 }

@@ -148,7 +148,7 @@ TEST_F(BringUpRefusal, RegistersOfOtherScalesThanOursAreRefused) {
 
 TEST_F(BringUpRefusal, AnyRangeThatDiffersFromTheConfigurationIsRefused) {
   using mit::MitDriver;
-  for (mit::Range MitDriver::*range :
+  for (mit::Range MitDriver::* range :
        {&MitDriver::position_rad, &MitDriver::velocity_rad_s, &MitDriver::torque_Nm,
         &MitDriver::reply_position_rad, &MitDriver::reply_velocity_rad_s, &MitDriver::reply_torque_Nm}) {
     for (const bool lower : {false, true}) {

@@ -281,7 +281,7 @@ TEST(MitMode, RepliesThatDoNotFitAreNamed) {
   frame.data[0] = 2;
   EXPECT_EQ(decode_reply({}, frame, reply), DecodeStatus::not_addressed)
       << "another driver with the same reply identifier";
-  for (bool CanFrame::*flag : {&CanFrame::extended, &CanFrame::remote, &CanFrame::error, &CanFrame::fd}) {
+  for (bool CanFrame::* flag : {&CanFrame::extended, &CanFrame::remote, &CanFrame::error, &CanFrame::fd}) {
     frame = good;
     frame.*flag = true;
     EXPECT_EQ(decode_reply({}, frame, reply), DecodeStatus::not_addressed);

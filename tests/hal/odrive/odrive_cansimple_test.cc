@@ -172,7 +172,7 @@ TEST(Odrive, MessagesThatDoNotFitAreNamed) {
     EXPECT_EQ(decode(0, frame, estimates), DecodeStatus::wrong_length);
   }
   EXPECT_EQ(decode(1, good, estimates), DecodeStatus::not_addressed);
-  for (bool CanFrame::*flag : {&CanFrame::extended, &CanFrame::remote, &CanFrame::error, &CanFrame::fd}) {
+  for (bool CanFrame::* flag : {&CanFrame::extended, &CanFrame::remote, &CanFrame::error, &CanFrame::fd}) {
     CanFrame frame = good;
     frame.*flag = true;
     EXPECT_EQ(decode(0, frame, estimates), DecodeStatus::not_addressed);

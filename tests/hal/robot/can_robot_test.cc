@@ -140,7 +140,7 @@ TEST_P(EveryProtocol, ADriverFaultIsReportedByItsName) {
 TEST_P(EveryProtocol, NothingIsSentWhenACommandIsNotFinite) {
   Robot robot(GetParam());
   static_cast<void>(robot.read());
-  for (double JointCommand::*field :
+  for (double JointCommand::* field :
        {&JointCommand::position_rad, &JointCommand::velocity_rad_s, &JointCommand::torque_Nm,
         &JointCommand::kp_Nm_rad, &JointCommand::kd_Nms_rad, &JointCommand::torque_limit_Nm}) {
     JointCommands commands = some_commands();

@@ -14,13 +14,8 @@ class JobFolderTest : public testing::Test {
  protected:
   tests::OwnFolder own_;
   std::filesystem::path folder_ = own_.path() / "jobs";  ///< made by the first JobFolder
-  std::vector<Job> jobs_ = {{"a",
-                             [] {
-                               return Json{{"value", 1}};
-                             }},
-                            {"b", [] {
-                               return Json{{"value", 2}};
-                             }}};
+  std::vector<Job> jobs_ = {{"a", [] { return Json{{"value", 1}}; }},
+                            {"b", [] { return Json{{"value", 2}}; }}};
 };
 
 TEST_F(JobFolderTest, KnowsWhatIsMissingAndGivesResultsInOrderOfTheJobs) {

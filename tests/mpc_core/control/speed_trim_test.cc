@@ -74,9 +74,7 @@ TEST_F(SpeedTrimTest, IsBounded) {
 
 TEST_F(SpeedTrimTest, EndsWithTheSteps) {
   ASSERT_GT(after_steps(100, 0.3), 0.1);
-  EXPECT_EQ(after_steps(
-                1, [](int) { return 0.0; }, false),
-            0.0);
+  EXPECT_EQ(after_steps(1, [](int) { return 0.0; }, false), 0.0);
   EXPECT_EQ(after_steps(2, 0.3), 0.0) << "nothing is known of the speed yet";
 }
 

@@ -143,7 +143,9 @@ TEST(Writer, TheSumOfTheDataCoversTheFileUpToItsRecord) {
 
 TEST(Writer, AnEmptyRecordIsWholeAndItsSummaryHasStatisticsAlone) {
   const TemporaryFile file("empty");
-  { Writer writer(file.path()); }
+  {
+    Writer writer(file.path());
+  }
   const Json found = run_reader("read_mcap.cjs", {file.path()});
   EXPECT_TRUE(found["messages"].empty());
   EXPECT_TRUE(found["ended"]);

@@ -99,7 +99,7 @@ TEST(SerialLine, IsAPortOfThatNameUntilItEnds) {
     EXPECT_EQ(received[1], 13);
     for (int i = 0; i < 10000; ++i) line.write(sent);  // without a reader: returns
   }
-  struct stat ignored {};
+  struct stat ignored{};
   EXPECT_NE(lstat(path.c_str(), &ignored), 0) << "the link is gone";
 }
 
