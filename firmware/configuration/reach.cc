@@ -25,7 +25,7 @@ std::string sentence(std::size_t joint, const Need& need) {
          number_text(need.wanted) + ' ' + std::string(need.unit) +
          " at the shaft, and the frames of its driver carry at most " + number_text(need.carried) + ' ' +
          std::string(need.unit) + "; see " + driver +
-         ".ratio, the joint's offset_rad, and the driver's ranges";
+         ".ratio, the joint's offset_rad and torque_factor, and the driver's ranges";
 }
 
 }  // namespace
@@ -49,6 +49,10 @@ std::vector<std::string> unreachable(const Configuration& configuration, const m
     const supervisor::SupervisorParameters& supervisor = configuration.supervisor;
     const Need needs[] = {
         {"commands an angle", farthest_rad(kTravelMargin_rad), reach->command_position_rad, "rad"},
+        {"commands a torque",
+         supervisor.torque_limit_share * robot.torque_limit_Nm[joint] /
+             (ratio * wiring.joints[joint].torque_factor),
+         reach->command_torque_Nm, "Nm"},
         {"reads an angle", farthest_rad(supervisor.position_margin_rad), reach->reply_position_rad, "rad"},
         {"commands a velocity", ratio * speed_rad_s, reach->command_velocity_rad_s, "rad/s"},
         {"reads a velocity", ratio * (speed_rad_s + supervisor.speed_margin_rad_s),

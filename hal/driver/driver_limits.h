@@ -17,6 +17,7 @@ struct GainLimits {
 struct FrameReach {
   double command_position_rad = 0;
   double command_velocity_rad_s = 0;
+  double command_torque_Nm = 0;
   double reply_position_rad = 0;
   double reply_velocity_rad_s = 0;
 };

@@ -53,6 +53,7 @@ namespace stilt::hal::mit {
 [[nodiscard]] constexpr std::optional<FrameReach> frame_reach(const MitDriver& driver) noexcept {
   return FrameReach{.command_position_rad = driver.position_rad.maximum,
                     .command_velocity_rad_s = driver.velocity_rad_s.maximum,
+                    .command_torque_Nm = driver.torque_Nm.maximum,
                     .reply_position_rad = driver.reply_position_rad.maximum,
                     .reply_velocity_rad_s = driver.reply_velocity_rad_s.maximum};
 }

@@ -32,6 +32,7 @@ inline constexpr std::uint32_t kMoteusRegisterMap = 5;  ///< version of the scal
 /// Ends of a command's int16, at the shaft.
 inline constexpr double kMoteusPosition_rad = 3.2767 * 2 * std::numbers::pi;
 inline constexpr double kMoteusVelocity_rad_s = 8.19175 * 2 * std::numbers::pi;
+inline constexpr double kMoteusTorque_Nm = 327.67;
 
 enum class MoteusMode : std::uint8_t {
   stopped = 0,

@@ -58,6 +58,7 @@ namespace stilt::hal::moteus {
   constexpr double kReply_rad = 21474.8 * 2 * std::numbers::pi;
   return FrameReach{.command_position_rad = kMoteusPosition_rad,
                     .command_velocity_rad_s = kMoteusVelocity_rad_s,
+                    .command_torque_Nm = kMoteusTorque_Nm,
                     .reply_position_rad = kReply_rad,
                     .reply_velocity_rad_s = kReply_rad};
 }

@@ -83,6 +83,18 @@ TEST(TwoProcesses, WalkWithAkDriversThatAnswerWithTheirOwnIdentifiers) {
   walk_with(run, drivers);
 }
 
+/// Motors that give 0.8 and 1.25 of what their drivers are asked: with the factors identified, the robot
+/// walks as one whose motors are exact, up to the steps of the frames.
+TEST(TwoProcesses, MotorsOfAnotherTorqueConstantWalkAsExactOnesOnceIdentified) {
+  RobotAndController exact, identified;
+  walk_with(exact, {});
+  walk_with(identified, {"--set", "hip_L.torque_factor=0.8", "--set", "knee_R.torque_factor=1.25"});
+  if (HasFailure()) return;
+  const nlohmann::json one = exact.robot_json(), other = identified.robot_json();
+  EXPECT_EQ(one.at("steps").size(), other.at("steps").size());
+  EXPECT_NEAR(one.at("mean_speed_m_s").get<double>(), other.at("mean_speed_m_s").get<double>(), 0.005);
+}
+
 /// Bring-up, commands, replies and registers in CAN FD frames; the torso sensor stays classic.
 class WalkWithCanFd : public testing::TestWithParam<const char*> {};
 

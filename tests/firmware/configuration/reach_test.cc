@@ -57,6 +57,20 @@ TEST(Reach, AnOffsetMovesTheTravelAtTheShaft) {
   EXPECT_TRUE(says(of(configuration), "knee_L: commands an angle of up to 3.5 rad"));
 }
 
+// 80 Nm at the knee, of which the share may be commanded.
+TEST(Reach, ATorqueAtTheShaftDependsOnRatioFactorAndShare) {
+  Configuration configuration = load_robot("amber3m").value();
+  configuration.hardware.knee.torque_range_Nm = 79;
+  EXPECT_TRUE(says(of(configuration), "knee_L: commands a torque of up to 80 Nm at the shaft"));
+  configuration.supervisor.torque_limit_share = 0.9;
+  EXPECT_FALSE(says(of(configuration), "knee_L"));
+  configuration.hardware.joint[1].torque_factor = 0.9;
+  EXPECT_TRUE(says(of(configuration), "knee_L: commands a torque of up to 80 Nm at the shaft"));
+  EXPECT_FALSE(says(of(configuration), "knee_R"));
+  configuration.hardware.knee.ratio = 2;
+  EXPECT_FALSE(says(of(configuration), "knee_L: commands a torque"));
+}
+
 TEST(Reach, FloatsOfAnOdriveCarryEverything) {
   Configuration configuration = load_robot("amber3m").value();
   configuration.hardware.hip.protocol = configuration.hardware.knee.protocol = DriverProtocol::odrive;
