@@ -250,7 +250,7 @@ int run_commissioning(const program::Options& options) {
 int check_config(const program::Options& options) {
   const program::BusReport buses = program::report_buses(options.configuration);
   std::printf("%s: %s\nrobot %s\n%s", options.source.c_str(),
-              buses.refused ? "each key is valid, and a bus would be overloaded" : "valid",
+              buses.refused ? "each key is valid, and buses or drivers cannot carry it" : "valid",
               options.configuration.hardware.robot.c_str(), buses.text.c_str());
   return buses.refused ? kBadUsage : kDone;
 }

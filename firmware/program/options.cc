@@ -9,20 +9,16 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
-#include <fstream>
 #include <iostream>
-#include <memory>
 #include <string_view>
+#include <utility>
 
 #include "firmware/commissioning/jog.h"
-#include "firmware/configuration/gaits/gait_overrides.h"
-#include "firmware/configuration/gaits/shipped_gaits.h"
 #include "firmware/control_loop/joint_names.h"
+#include "firmware/program/configuration_choice.h"
 #include "firmware/program/examples.h"
 #include "firmware/program/instruction_sets.h"
 #include "firmware/program/usage_text.h"
-#include "firmware/robots/robots.h"
 
 namespace stilt::program {
 namespace {
@@ -48,11 +44,7 @@ constexpr std::array kExamples = {
 
 /// The arguments of the command line before they mean anything.
 struct Arguments {
-  std::string config_file;
-  std::string robot = "amber3m";
-  std::string preset;
-  std::vector<std::string> settings;
-  std::vector<std::string> buses;
+  ConfigurationChoice configuration;
   std::string start;
   bool check_config = false;
   bool print_config = false;
@@ -70,113 +62,6 @@ struct Commands {
   CLI::App* calibrate = nullptr;
   CLI::App* identify = nullptr;
 };
-
-void add_configuration_options(CLI::App& app, Arguments& arguments) {
-  app.add_option("--config", arguments.config_file, "configuration (TOML)");
-  app.add_option("--robot", arguments.robot,
-                 "robot: " + robots::shipped_names() +
-                     ", or a URDF file; its configuration is taken without --config: the shipped one, or the "
-                     "TOML of the same stem beside the URDF")
-      ->capture_default_str();
-  app.add_option("--preset", arguments.preset,
-                 "shipped changes to the configuration, before --set: " + configuration::preset_names());
-  app.add_option("--set", arguments.settings,
-                 "changes one key of the configuration: section.key=value; repeatable")
-      ->allow_extra_args(false);
-  app.add_option("--bus", arguments.buses,
-                 "a bus, in the order of their numbers, instead of hardware.buses: can0, fdcanusb:PATH, "
-                 "loopback:NAME; "
-                 "repeatable")
-      ->allow_extra_args(false);
-}
-
-std::vector<configuration::Override> overrides_of(const Arguments& arguments) {
-  std::vector<configuration::Override> overrides;
-  if (!arguments.config_file.empty() && robots::is_file(arguments.robot)) {
-    overrides.push_back({"hardware.robot=" + arguments.robot, "--robot"});
-  }
-  for (const std::string& setting : arguments.settings) overrides.push_back({setting});
-  std::string buses;
-  for (const std::string& bus : arguments.buses) buses += (buses.empty() ? "" : ",") + bus;
-  if (!buses.empty()) overrides.push_back({"hardware.buses=" + buses, "--bus"});
-  return overrides;
-}
-
-configuration::Result load(const Arguments& arguments,
-                           const std::vector<configuration::Override>& overrides) {
-  return arguments.config_file.empty()
-             ? configuration::load_robot(arguments.robot, overrides, arguments.preset)
-             : configuration::load_file(arguments.config_file, overrides, arguments.preset);
-}
-
-/// What plans around gaits of the library need, before what the command line sets.
-std::expected<std::vector<configuration::Override>, std::string> with_gaits(
-    const std::string& robot, const std::vector<configuration::Override>& overrides) {
-  const auto library = std::make_unique<gait::GaitLibrary>();
-  if (const auto loaded = gait_files::load_shipped_library(robot, *library); !loaded) {
-    return std::unexpected("controller.reference is hzd: " + loaded.error());
-  }
-  auto all = gait_files::gait_overrides(*library, "controller.reference");
-  all.insert(all.end(), overrides.begin(), overrides.end());
-  return all;
-}
-
-/// What the configuration is read from.
-std::string source_of(const Arguments& arguments) {
-  if (!arguments.config_file.empty()) return arguments.config_file;
-  if (!robots::is_file(arguments.robot)) return "the shipped configuration of " + arguments.robot;
-  const std::string beside = configuration::file_beside(arguments.robot);
-  return std::filesystem::exists(beside) ? beside : "the default configuration of " + arguments.robot;
-}
-
-/// Whether a file that was read as TOML holds more than comments.
-bool names_a_key(const std::string& file) {
-  std::ifstream stream(file);
-  for (std::string line; std::getline(stream, line);) {
-    if (line.substr(0, line.find('#')).find('=') != std::string::npos) return true;
-  }
-  return false;
-}
-
-std::string name_of(const configuration::Override& change) {
-  const std::string name = change.assignment.substr(0, change.assignment.find('='));
-  const std::size_t first = name.find_first_not_of(" \t");
-  return name.substr(first, name.find_last_not_of(" \t") - first + 1);
-}
-
-/// Of a command line that was accepted.
-std::vector<std::string> changed_keys(const Arguments& arguments,
-                                      const std::vector<configuration::Override>& overrides) {
-  std::vector<std::string> names;
-  for (const configuration::ShippedPreset& preset : configuration::shipped_presets()) {
-    if (preset.name == arguments.preset) names = configuration::keys_of(preset.text);
-  }
-  for (const configuration::Override& change : overrides) names.push_back(name_of(change));
-  std::ranges::sort(names);
-  const auto twice = std::ranges::unique(names);
-  names.erase(twice.begin(), twice.end());
-  return names;
-}
-
-std::expected<void, std::string> read_configuration(const Arguments& arguments, Options& options) {
-  const auto overrides = overrides_of(arguments);
-  configuration::Result result = load(arguments, overrides);
-  if (result && result->controller.reference == configuration::ReferenceKind::hzd) {
-    const auto all = with_gaits(result->hardware.robot, overrides);
-    if (!all) return std::unexpected(all.error());
-    result = load(arguments, *all);
-  }
-  if (!result) return std::unexpected(configuration::to_string(result.error()));
-  options.configuration = *result;
-  options.changed_keys = changed_keys(arguments, overrides);
-  options.source = source_of(arguments);
-  if (!arguments.config_file.empty() && !names_a_key(arguments.config_file)) {
-    options.source += " (names no key: every value is the default)";
-  }
-  if (!arguments.preset.empty()) options.source += ", preset " + arguments.preset;
-  for (const std::string& setting : arguments.settings) options.source += ", --set " + setting;
-  return {};
-}
 
 /// The share of --torque-limit is one of the configured limit.
 void limit_torque(Options& options) {
@@ -205,7 +90,7 @@ std::expected<void, std::string> check_walk(const Options& options) {
 CLI::App* add_command(CLI::App& app, const char* name, const char* description, Arguments& arguments,
                       Options& options) {
   CLI::App* command = app.add_subcommand(name, description);
-  add_configuration_options(*command, arguments);
+  add_configuration_options(*command, arguments.configuration);
   command->add_flag("--lockstep", options.lockstep,
                     "takes turns with a simulated robot instead of following the clock");
   command->add_option("--json", options.json_file, "writes the results as JSON, - for standard output");
@@ -300,7 +185,7 @@ std::expected<void, std::string> interpret(const Arguments& arguments, const Com
   if (commands.watch->parsed()) options.task = Task::watch;
   if (commands.calibrate->parsed()) options.task = Task::calibrate;
   if (commands.identify->parsed()) options.task = Task::identify;
-  options.config_file = arguments.config_file;
+  options.config_file = arguments.configuration.file;
   if (arguments.reference == "marks") options.reference = commissioning::Reference::marks;
   if (commands.jog->parsed()) {
     options.task = Task::jog;
@@ -327,7 +212,11 @@ std::expected<void, std::string> interpret(const Arguments& arguments, const Com
   if (!is_share(options.torque_limit_share) || !is_share(options.identify_torque_share)) {
     return std::unexpected("--torque-limit: must be a share of the torque, 0.05 to 1");
   }
-  if (const auto read = read_configuration(arguments, options); !read) return read;
+  std::expected<ChosenConfiguration, std::string> chosen = read_configuration(arguments.configuration);
+  if (!chosen) return std::unexpected(chosen.error());
+  options.configuration = chosen->configuration;
+  options.source = std::move(chosen->source);
+  options.changed_keys = std::move(chosen->changed_keys);
   limit_torque(options);
   if (options.task == Task::control) choose_instruction_set(options.configuration);
   return check_walk(options);
@@ -361,7 +250,7 @@ std::expected<Options, std::string> read_options(int argc, char** argv, const st
   app.set_version_flag("--version", version);
   Arguments arguments;
   Options options;
-  add_configuration_options(app, arguments);
+  add_configuration_options(app, arguments.configuration);
   app.add_option("--start", arguments.start,
                  "goes there without an operator: stand, step or walk@SPEED (m/s); without it, waits idle");
   app.add_option("--duration", options.duration_s, "sits down and ends after this time, s; 0: never");

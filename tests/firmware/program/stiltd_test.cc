@@ -126,17 +126,22 @@ TEST(Stiltd, LooksBeforeTheRunWhetherItsFilesCanBeWritten) {
 }
 
 TEST(Stiltd, SaysWhatAConfigurationWasReadFromAndForWhichRobot) {
-  const Answer rabbit = stiltd("--check-config --set hardware.robot=rabbit");
-  EXPECT_TRUE(
-      has(rabbit, "the shipped configuration of amber3m, --set hardware.robot=rabbit: valid\nrobot rabbit\n"))
+  const Answer rabbit = stiltd(
+      "--check-config --set hardware.robot=rabbit --set hip_driver.torque_range_Nm=160 "
+      "--set knee_driver.torque_range_Nm=160");
+  EXPECT_TRUE(has(rabbit, "the shipped configuration of amber3m, --set hardware.robot=rabbit, "))
       << rabbit.text;
+  EXPECT_TRUE(has(rabbit, ": valid\nrobot rabbit\n")) << rabbit.text;
   const tests::OwnFolder folder;
   std::ofstream(folder.file("empty.toml")) << "# nothing\n";
   const Answer empty = stiltd("--check-config --config " + folder.file("empty.toml"));
   EXPECT_TRUE(has(empty, "empty.toml (names no key: every value is the default): valid")) << empty.text;
   const Answer slow = stiltd("--check-config --set hardware.bit_rate_bit_s=250000");
   EXPECT_EQ(slow.status, 2);
-  EXPECT_TRUE(has(slow, "each key is valid, and a bus would be overloaded")) << slow.text;
+  EXPECT_TRUE(has(slow, "each key is valid, and buses or drivers cannot carry it")) << slow.text;
+  const Answer strong = stiltd("--check-config --set hardware.robot=rabbit");
+  EXPECT_EQ(strong.status, 2);
+  EXPECT_TRUE(has(strong, "hip_L: commands a torque of up to 150 Nm at the shaft")) << strong.text;
 }
 
 TEST(Stiltd, SaysWhatWasProbablyMeant) {
