@@ -159,6 +159,7 @@ void FirstDay::jogs() {
 void FirstDay::calibrates() {
   begin("calibrate");
   person_.calibrates();
+  if (HasFatalFailure()) return;
   expect_status(0);
   const nlohmann::json joints = run_.controller_json().at("joints");
   EXPECT_NEAR(joints.at("hip_L").at("offset_rad"), 0.3, 0.01);

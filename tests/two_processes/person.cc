@@ -25,7 +25,7 @@ bool HelpingPerson::does(const std::vector<std::string>& lines) {
   for (const std::string& line : lines) hands_.write(line + "\n");
   lines_ += static_cast<int>(lines.size());
   const std::string done = "hands: " + std::to_string(lines_) + ": " + lines.back() + ": done";
-  return wait_for_text(run_.file("robot.err"), done, kLongestQuestion_s);
+  return wait_for_text(run_.file("robot.err"), done, kLongestRun_s);
 }
 
 void HelpingPerson::lets_go() {
@@ -34,7 +34,7 @@ void HelpingPerson::lets_go() {
 }
 
 bool HelpingPerson::at_question(const std::string& question, const std::vector<std::string>& lines) {
-  if (!wait_for_text(run_.file("controller.err"), question, kLongestQuestion_s) || !does(lines)) return false;
+  if (!wait_for_text(run_.file("controller.err"), question, kLongestRun_s) || !does(lines)) return false;
   keyboard_.write("\n");
   return true;
 }

@@ -24,8 +24,6 @@ class Pipe {
   int descriptor_ = -1;
 };
 
-inline constexpr double kLongestQuestion_s = 60.0;  ///< a bound for hanging
-
 /// A person at the keyboard of stiltd who has hands on the robot of `stilt robot --hands`: does what a
 /// question asks for, and presses Enter when it is done.
 class HelpingPerson {
