@@ -132,6 +132,7 @@ class BusScan {
 
   void listen(const FrameKey& key, const hal::CanFrame& frame) {
     ++unasked_[key];
+    newest_unasked_[key] = frame;
     for (Candidate& candidate : expected_) {
       hal::visit_driver(*candidate.settings, [&](auto& any) { any.listen(frame); });
     }
@@ -206,8 +207,13 @@ class BusScan {
     take_step(nullptr);
   }
 
+  /// A driver that there is nothing to ask has said what it says by itself.
   void ask(Candidate& candidate, const Patience& patience) {
-    for (const hal::CanFrame& question : hal::scan_frames(candidate.driver)) {
+    const std::vector<hal::CanFrame> questions = hal::scan_frames(candidate.driver);
+    if (questions.empty()) {
+      for (const auto& [key, frame] : newest_unasked_) take(frame, &candidate);
+    }
+    for (const hal::CanFrame& question : questions) {
       static_cast<void>(frames_.send(std::span(&question, 1)));  // what does not leave is not answered
       for (int step = 0; step < patience.answer_steps && !stop_; ++step) take_step(&candidate);
       if (!patience.all_questions && !candidate.node.found.answered) return;
@@ -262,6 +268,7 @@ class BusScan {
   std::vector<Candidate> expected_;
   std::set<configuration::DriverProtocol> protocols_;
   std::map<FrameKey, int> unasked_;
+  std::map<FrameKey, hal::CanFrame> newest_unasked_;
   std::set<FrameKey> of_drivers_;  ///< and of an encoder on CANopen
   std::optional<hal::canopen::EncoderReader> encoder_;
   hal::canopen::EncoderPosition position_;

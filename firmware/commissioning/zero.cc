@@ -33,6 +33,10 @@ std::string lasting(DriverProtocol protocol) {
     case DriverProtocol::mit_mini_cheetah:
     case DriverProtocol::mit_ak:
       break;
+    case DriverProtocol::ak_v3:
+      return "the driver keeps it without power; compare the angle after a power cycle, since whether its "
+             "turns "
+             "are kept differs by model";
     case DriverProtocol::odrive:
       return "";
   }
@@ -48,6 +52,11 @@ class Conversation {
   /// Sends a frame and hands over what comes, until `take` is satisfied. False: it was not.
   bool ask(const hal::CanFrame& frame, const std::function<bool(const hal::CanFrame&)>& take) {
     static_cast<void>(bus_.send(std::span(&frame, 1)));  // what does not leave is not answered
+    return wait(take);
+  }
+
+  /// Of what comes until `take` is satisfied. False: it was not.
+  bool wait(const std::function<bool(const hal::CanFrame&)>& take) {
     for (int step = 0; step < kAnswerSteps && !stop_; ++step) {
       static_cast<void>(clock_.sleep_until(clock_.now_ns() + kStep_ns));
       if (receive(take)) return true;
@@ -58,11 +67,11 @@ class Conversation {
   /// Position of the shaft, the motor off; NaN: the driver does not answer.
   double position_rad(const hal::JointDriver& driver) {
     hal::ScannedDriver found;
+    const std::vector<hal::CanFrame> questions = hal::scan_frames(driver);
+    const auto take = [&](const hal::CanFrame& frame) { return hal::take_scan(driver, frame, found); };
     for (int attempt = 0; attempt < kTries && !stop_; ++attempt) {
-      for (const hal::CanFrame& question : hal::scan_frames(driver)) {
-        static_cast<void>(
-            ask(question, [&](const hal::CanFrame& frame) { return hal::take_scan(driver, frame, found); }));
-      }
+      for (const hal::CanFrame& question : questions) static_cast<void>(ask(question, take));
+      if (questions.empty()) static_cast<void>(wait(take));
       if (std::isfinite(found.reading.position_rad)) break;
     }
     return found.reading.position_rad;

@@ -126,6 +126,23 @@ void check_reply_lag(const Configuration& configuration, std::vector<Contradicti
                        "; every driver would be refused for slow replies"});
 }
 
+/// A driver that reports by its own clock answers nothing, so that no lag of it is measured at bring-up. Its
+/// readings get a period and a tick old.
+void check_report_age(const Configuration& configuration, std::vector<Contradiction>& found) {
+  const HardwareParameters& hardware = configuration.hardware;
+  const double lag_s = hardware.longest_reply_lag_s;
+  for (const auto& [key, driver] : {std::pair{"hip_driver.ak_v3_status_rate_hz", &hardware.hip},
+                                    std::pair{"knee_driver.ak_v3_status_rate_hz", &hardware.knee}}) {
+    const double age_s = 1.0 / driver->ak_v3_status_rate_hz + 1.0 / configuration.timing.torque_rate_hz;
+    if (driver->protocol != DriverProtocol::ak_v3 || age_s <= lag_s + kRounding) continue;
+    found.push_back({{key, "hardware.longest_reply_lag_s"},
+                     std::string(key) + " = " + number_text(driver->ak_v3_status_rate_hz) +
+                         ": readings get a period and a tick old, " + number_text(age_s) +
+                         " s, and hardware.longest_reply_lag_s = " + number_text(lag_s) +
+                         "; let the driver report more often, or allow for that"});
+  }
+}
+
 void check_line_search(const Parameters& p, std::vector<Contradiction>& found) {
   if (p.sqp.filter_violation_min > p.sqp.filter_violation_max) {
     found.push_back(
@@ -157,6 +174,7 @@ std::vector<Contradiction> contradictions(const Configuration& parameters) {
   check_timing(parameters, found);
   check_stall(parameters, found);
   check_reply_lag(parameters, found);
+  check_report_age(parameters, found);
   check_line_search(parameters, found);
   check_hardware(parameters.hardware, found);
   check_torso_range(parameters.hardware, parameters.supervisor, found);

@@ -60,6 +60,20 @@ hal::odrive::OdriveDriver odrive_driver(const DriverParameters& driver, const Jo
                     .velocity_limit = static_cast<std::uint16_t>(driver.odrive_velocity_limit_endpoint)}};
 }
 
+hal::ak::AkDriver ak_driver(const DriverParameters& driver, const JointParameters& joint) {
+  return {.id = static_cast<std::uint8_t>(joint.id),
+          .position_rad = driver.position_range_rad,
+          .velocity_rad_s = driver.velocity_range_rad_s,
+          .kp_Nm_rad = driver.kp_range_Nm_rad,
+          .kd_Nms_rad = driver.kd_range_Nms_rad,
+          .torque_Nm = driver.torque_range_Nm,
+          .status_rate_hz = driver.ak_v3_status_rate_hz,
+          .position_frames = driver.ak_v3_position_frames,
+          .pole_pairs = driver.ak_v3_pole_pairs,
+          .gear_ratio = driver.ak_v3_gear_ratio,
+          .torque_constant_Nm_A = driver.ak_v3_torque_constant_Nm_A};
+}
+
 hal::JointWiring joint_wiring(const HardwareParameters& hardware, std::size_t joint) {
   const DriverParameters& driver = driver_of(hardware, joint);
   const JointParameters& place = hardware.joint[joint];
@@ -75,6 +89,8 @@ hal::JointWiring joint_wiring(const HardwareParameters& hardware, std::size_t jo
     wiring.driver = moteus_driver(hardware, joint);
   } else if (driver.protocol == DriverProtocol::odrive) {
     wiring.driver = odrive_driver(driver, place);
+  } else if (driver.protocol == DriverProtocol::ak_v3) {
+    wiring.driver = ak_driver(driver, place);
   } else {
     wiring.driver = mit_driver(driver, place);
   }
@@ -183,6 +199,13 @@ hal::RobotWiring robot_wiring(const HardwareParameters& hardware) {
 int base_period_ticks(const HardwareParameters& hardware, double torque_rate_hz) {
   constexpr double kRounding = 1e-9;
   return std::max(1, static_cast<int>(std::ceil(torque_rate_hz / hardware.torso_sensor.rate_hz - kRounding)));
+}
+
+void set_periods(const HardwareParameters& hardware, double torque_rate_hz, hal::RobotWiring& wiring) {
+  wiring.channel_period_ticks = base_period_ticks(hardware, torque_rate_hz);
+  for (hal::JointWiring& joint : wiring.joints) {
+    joint.report_period_ticks = hal::report_period_ticks(joint.driver, torque_rate_hz);
+  }
 }
 
 hal::bring_up::Options bring_up_options(const HardwareParameters& hardware, std::size_t joint,

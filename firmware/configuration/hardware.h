@@ -13,7 +13,7 @@
 namespace stilt::configuration {
 
 /// Protocol of a motor driver; the MIT mode as its vendor defines it.
-enum class DriverProtocol { mit_mini_cheetah, mit_ak, mit_damiao, moteus, odrive };
+enum class DriverProtocol { mit_mini_cheetah, mit_ak, mit_damiao, moteus, odrive, ak_v3 };
 
 /// What measures the pitch of the torso: channels of frames (or the extra encoder of a moteus), an encoder on
 /// CANopen, an Xsens MTi on CAN, a VectorNav on a serial port.
@@ -46,7 +46,13 @@ struct DriverParameters {
   int odrive_enable_watchdog_endpoint = 0;
   int odrive_torque_mode_limit_endpoint = 0;
   int odrive_velocity_limit_endpoint = 0;
-  double encoder_period_rad = 0.0;  ///< of the shaft; 0: the encoder does not repeat
+  /// AK of version 3: what it is set to, and what its motor is.
+  double ak_v3_status_rate_hz = 500.0;
+  bool ak_v3_position_frames = false;
+  int ak_v3_pole_pairs = 21;
+  double ak_v3_gear_ratio = 9.0;
+  double ak_v3_torque_constant_Nm_A = 0.0;  ///< of the output; 0: no torque is read
+  double encoder_period_rad = 0.0;          ///< of the shaft; 0: the encoder does not repeat
   int minimum_version = 0;
   bool accept_missing_watchdog = false;
 };
@@ -119,8 +125,11 @@ struct HardwareParameters {
 /// The wiring as the hardware abstraction wants it; hal::valid() for a configuration that was accepted.
 [[nodiscard]] hal::RobotWiring robot_wiring(const HardwareParameters& hardware);
 
-/// Ticks of the torque loop from one frame of the torso sensor to the next, for RobotWiring.
+/// Ticks of the torque loop from one frame of the torso sensor to the next.
 [[nodiscard]] int base_period_ticks(const HardwareParameters& hardware, double torque_rate_hz);
+
+/// Sets the periods of the wiring: those of the torso sensor, and of drivers that report by their own clock.
+void set_periods(const HardwareParameters& hardware, double torque_rate_hz, hal::RobotWiring& wiring);
 
 /// What the bring-up of a joint's driver shall demand.
 /// @param minimum_rad, maximum_rad  travel of the joint, margin included

@@ -86,6 +86,33 @@ void check_can_fd(std::string_view key, const DriverParameters& driver, std::vec
                        "; set it to false"});
 }
 
+struct RangeKeys {
+  std::string_view position, kp, kd;
+};
+constexpr RangeKeys kHipRanges = {"hip_driver.position_range_rad", "hip_driver.kp_range_Nm_rad",
+                                  "hip_driver.kd_range_Nms_rad"};
+constexpr RangeKeys kKneeRanges = {"knee_driver.position_range_rad", "knee_driver.kp_range_Nm_rad",
+                                   "knee_driver.kd_range_Nms_rad"};
+
+/// The ranges of an AK of version 3 are the same for every model, but for velocity and torque. Another range
+/// scales every command wrongly.
+void check_ak_ranges(const RangeKeys& keys, const DriverParameters& driver,
+                     std::vector<Contradiction>& found) {
+  if (driver.protocol != DriverProtocol::ak_v3) return;
+  constexpr double kLeastPosition_rad = 12.5, kMostPosition_rad = 12.57;  // documents of its makers differ
+  const auto refuse = [&](std::string_view key, double is, double right) {
+    found.push_back({{key},
+                     std::string(key) + " = " + number_text(is) + ", but that of every AK of version 3 is " +
+                         number_text(right) + "; set it to that"});
+  };
+  if (driver.position_range_rad < kLeastPosition_rad || driver.position_range_rad > kMostPosition_rad)
+    refuse(keys.position, driver.position_range_rad, hal::ak::kAkPosition_rad);
+  if (driver.kp_range_Nm_rad != hal::ak::kAkKp_Nm_rad)
+    refuse(keys.kp, driver.kp_range_Nm_rad, hal::ak::kAkKp_Nm_rad);
+  if (driver.kd_range_Nms_rad != hal::ak::kAkKd_Nms_rad)
+    refuse(keys.kd, driver.kd_range_Nms_rad, hal::ak::kAkKd_Nms_rad);
+}
+
 void check_ids(const HardwareParameters& hardware, std::size_t i, std::vector<Contradiction>& found) {
   const JointParameters& joint = hardware.joint[i];
   const DriverProtocol protocol = driver_of(hardware, i).protocol;
@@ -107,6 +134,8 @@ void check_hardware(const HardwareParameters& hardware, std::vector<Contradictio
   check_bus_names(names, found);
   check_can_fd("hip_driver.can_fd", hardware.hip, found);
   check_can_fd("knee_driver.can_fd", hardware.knee, found);
+  check_ak_ranges(kHipRanges, hardware.hip, found);
+  check_ak_ranges(kKneeRanges, hardware.knee, found);
   for (std::size_t i = 0; i < hal::kJoints; ++i) {
     check_bus(kKeys[i].bus, hardware.joint[i].bus, buses, found);
     check_ids(hardware, i, found);

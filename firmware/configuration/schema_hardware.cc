@@ -17,8 +17,9 @@ using H = HardwareParameters;
 using J = JointParameters;
 using P = Parameters;
 
-constexpr std::string_view kProtocols[] = {"mit_mini_cheetah", "mit_ak", "mit_damiao", "moteus", "odrive"};
-static_assert(static_cast<int>(DriverProtocol::odrive) == 4);
+constexpr std::string_view kProtocols[] = {"mit_mini_cheetah", "mit_ak", "mit_damiao",
+                                           "moteus",           "odrive", "ak_v3"};
+static_assert(static_cast<int>(DriverProtocol::ak_v3) == 5);
 
 constexpr std::string_view kDevices[] = {"channels", "canopen_encoder", "xsens_can", "vectornav"};
 static_assert(static_cast<int>(TorsoDevice::vectornav) == 3);
@@ -129,6 +130,19 @@ void add_driver(std::string_view section, std::vector<Entry>& rows) {
       {section, "odrive_velocity_limit_endpoint", "1",
        "ODrive: number of axis0.controller.config.vel_limit; 0: unknown, not checked",
        integer<&P::hardware, Driver, &D::odrive_velocity_limit_endpoint>(0, 65535)},
+      {section, "ak_v3_status_rate_hz", "Hz",
+       "ak_v3: statuses per second, the CAN feedback rate that is set in the driver",
+       real<&P::hardware, Driver, &D::ak_v3_status_rate_hz>(100.0, hal::ak::kAkMost_hz)},
+      {section, "ak_v3_position_frames", "",
+       "ak_v3: it also sends position frames (0x2A), ten times as fine as its statuses",
+       flag<&P::hardware, Driver, &D::ak_v3_position_frames>()},
+      {section, "ak_v3_pole_pairs", "1", "ak_v3: pole pairs of its motor, as its data sheet has them",
+       integer<&P::hardware, Driver, &D::ak_v3_pole_pairs>(1, 100)},
+      {section, "ak_v3_gear_ratio", "1", "ak_v3: gear ratio inside its motor",
+       real<&P::hardware, Driver, &D::ak_v3_gear_ratio>(1.0, 1e3)},
+      {section, "ak_v3_torque_constant_Nm_A", "Nm/A",
+       "ak_v3: torque of its output per reported current, with the sign that fits; 0: no torque is read",
+       real<&P::hardware, Driver, &D::ak_v3_torque_constant_Nm_A>(-100.0, 100.0)},
       {section, "encoder_period_rad", "rad",
        "The absolute encoder repeats after this angle of the shaft; 0: never",
        real<&P::hardware, Driver, &D::encoder_period_rad>(0.0, 1e3)},

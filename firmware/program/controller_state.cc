@@ -70,8 +70,7 @@ std::expected<void, std::string> set_up(const Options& options, std::span<hal::F
     carried[bus] = options.lockstep ? &state.lockstep_buses[bus] : buses[bus];
   }
   hal::RobotWiring wiring = configuration::robot_wiring(configuration.hardware);
-  wiring.channel_period_ticks =
-      configuration::base_period_ticks(configuration.hardware, configuration.timing.torque_rate_hz);
+  configuration::set_periods(configuration.hardware, configuration.timing.torque_rate_hz, wiring);
   state.hardware.emplace(
       wiring,
       bring_up_options(configuration.hardware, (*robot)->model.constants, angles_are_known(options.task)),

@@ -27,6 +27,8 @@ enum class Setting : std::uint8_t {
   odrive_torque_rate,
   damiao_reply_id,
   ak_control_mode,
+  ak_v3_status_rate,
+  ak_v3_position_frames,
 };
 
 /// The vendor's name, and what it must be. Real-time safe.
@@ -71,7 +73,11 @@ enum class Setting : std::uint8_t {
     case Setting::damiao_reply_id:
       return "MST_ID must be reply_id of the configuration, and is 0 as from the maker";
     case Setting::ak_control_mode:
-      return "it is in servo mode, and must be in MIT mode (R-Link)";
+      return "it is in servo mode, and must be in MIT mode (R-Link); one of version 3 has the protocol ak_v3";
+    case Setting::ak_v3_status_rate:
+      return "its CAN feedback rate must be ak_v3_status_rate_hz of the configuration";
+    case Setting::ak_v3_position_frames:
+      return "its position frames (0x2A) must be on, as ak_v3_position_frames of the configuration";
   }
   return "unknown";
 }

@@ -24,6 +24,7 @@ struct DriverReading {
   double driver_temperature_C = kNotReported;
   double motor_temperature_C = kNotReported;
   double supply_V = kNotReported;
+  double fine_position_rad = kNotReported;  ///< of a frame that refines the position of the others
   DriverState state = DriverState::unknown;
   DriverFault fault = DriverFault::none;
   std::uint32_t fault_code = 0;  ///< vendor code

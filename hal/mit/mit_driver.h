@@ -26,6 +26,7 @@ namespace stilt::hal::mit {
 }
 [[nodiscard]] constexpr bool has_own_gains(const MitDriver&) noexcept { return true; }
 [[nodiscard]] constexpr int extra_encoder(const MitDriver&) noexcept { return -1; }
+[[nodiscard]] constexpr double report_rate_hz(const MitDriver&) noexcept { return 0; }
 [[nodiscard]] constexpr std::uint32_t address(const MitDriver& driver) noexcept { return driver.command_id; }
 [[nodiscard]] constexpr std::optional<FrameId> reply_id(const MitDriver& driver) noexcept {
   return FrameId{driver.reply_id, false};

@@ -32,6 +32,7 @@ namespace stilt::hal::moteus {
 [[nodiscard]] constexpr int extra_encoder(const MoteusDriver& driver) noexcept {
   return driver.extra_encoder;
 }
+[[nodiscard]] constexpr double report_rate_hz(const MoteusDriver&) noexcept { return 0; }
 [[nodiscard]] constexpr std::uint32_t address(const MoteusDriver& driver) noexcept { return driver.id; }
 [[nodiscard]] constexpr std::optional<FrameId> reply_id(const MoteusDriver& driver) noexcept {
   const std::uint32_t id = static_cast<std::uint32_t>(driver.id) << 8 | driver.source;

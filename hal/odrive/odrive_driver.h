@@ -26,6 +26,7 @@ namespace stilt::hal::odrive {
 [[nodiscard]] std::optional<CanFrame> question_frame(const OdriveDriver& driver, unsigned question) noexcept;
 [[nodiscard]] constexpr bool has_own_gains(const OdriveDriver&) noexcept { return false; }
 [[nodiscard]] constexpr int extra_encoder(const OdriveDriver&) noexcept { return -1; }
+[[nodiscard]] constexpr double report_rate_hz(const OdriveDriver&) noexcept { return 0; }
 [[nodiscard]] constexpr std::uint32_t address(const OdriveDriver& driver) noexcept { return driver.node; }
 [[nodiscard]] constexpr std::optional<FrameId> reply_id(const OdriveDriver&) noexcept { return std::nullopt; }
 [[nodiscard]] inline OdriveBringUp make_bring_up(const OdriveDriver& driver,

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 
+#include "hal/ak/ak_bring_up.h"
 #include "hal/mit/mit_bring_up.h"
 #include "hal/moteus/moteus_bring_up.h"
 #include "hal/odrive/odrive_bring_up.h"

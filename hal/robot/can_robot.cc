@@ -58,16 +58,21 @@ JointBusStatus CanRobot::read(std::int64_t now_ns, JointReadings& readings) noex
     }
   }
   bool complete = true;
-  for (std::size_t joint = 0; joint < kJoints; ++joint) {
-    readings_[joint].missed_replies = fresh_[joint] ? 0 : readings_[joint].missed_replies + 1;
-    complete = complete && fresh_[joint];
-  }
+  for (std::size_t joint = 0; joint < kJoints; ++joint) complete = !count_missed(joint) && complete;
   take_feed();
   torso_.end_read();
   readings = readings_;
   if (disconnected) return JointBusStatus::disconnected;
   const JointBusStatus status = bus_status();
   return status == JointBusStatus::ok && !complete ? JointBusStatus::incomplete : status;
+}
+
+/// A driver that reports by its own clock is only missed once its next report is due.
+bool CanRobot::count_missed(std::size_t joint) noexcept {
+  const auto between = static_cast<std::uint32_t>(wiring_.joints[joint].report_period_ticks - 1);
+  silent_reads_[joint] = fresh_[joint] ? 0 : silent_reads_[joint] + 1;
+  readings_[joint].missed_replies = silent_reads_[joint] > between ? silent_reads_[joint] - between : 0;
+  return readings_[joint].missed_replies > 0;
 }
 
 void CanRobot::receive(std::int64_t now_ns, std::size_t bus, const CanFrame& frame) noexcept {

@@ -57,6 +57,7 @@ class CanRobot final {
                                         const CanFrame& frame) noexcept;
   void take_channels(std::int64_t now_ns, const CanFrame& frame) noexcept;
   void set_motion(std::int64_t now_ns, std::size_t joint) noexcept;
+  [[nodiscard]] bool count_missed(std::size_t joint) noexcept;
   void take_feed() noexcept;
   void take_torso_encoder(std::int64_t now_ns, const CanFrame& frame) noexcept;
   void set_torso_angle(std::int64_t time_ns, double angle_rad, double speed_rad_s) noexcept;
@@ -74,6 +75,7 @@ class CanRobot final {
   std::array<DriverReading, kJoints> shafts_;
   JointReadings readings_;
   std::array<bool, kJoints> fresh_{};
+  std::array<std::uint32_t, kJoints> silent_reads_{};  ///< in a row
   TorsoMeasurement torso_;
   bool pitch_is_channel_ = true;
   std::optional<canopen::EncoderReader> encoder_;

@@ -1,5 +1,6 @@
 #include "hal/robot/driver_scan.h"
 
+#include "hal/ak/ak_scan.h"
 #include "hal/mit/mit_scan.h"
 #include "hal/moteus/moteus_scan.h"
 #include "hal/odrive/odrive_scan.h"

@@ -12,6 +12,9 @@ moteus::MoteusSettingReader reader(const moteus::MoteusDriver& driver, const bri
 odrive::OdriveSettingReader reader(const odrive::OdriveDriver& driver, const bring_up::Options& options) {
   return {driver, options};
 }
+ak::AkSettingReader reader(const ak::AkDriver& driver, const bring_up::Options& options) {
+  return {driver, options};
+}
 
 }  // namespace
 

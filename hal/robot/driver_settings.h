@@ -2,6 +2,7 @@
 
 #include <variant>
 
+#include "hal/ak/ak_settings.h"
 #include "hal/mit/mit_settings.h"
 #include "hal/moteus/moteus_settings.h"
 #include "hal/odrive/odrive_settings.h"
@@ -10,8 +11,8 @@
 /// Reads back the settings of a driver, all of them: bring-up ends at the first that is wrong. Start-up only.
 namespace stilt::hal {
 
-using SettingReader =
-    std::variant<mit::MitSettingReader, moteus::MoteusSettingReader, odrive::OdriveSettingReader>;
+using SettingReader = std::variant<mit::MitSettingReader, moteus::MoteusSettingReader,
+                                   odrive::OdriveSettingReader, ak::AkSettingReader>;
 
 /// @param options  travel and speed of the joint at the driver's shaft
 [[nodiscard]] SettingReader make_setting_reader(const JointDriver& driver, const bring_up::Options& options);

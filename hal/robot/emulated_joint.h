@@ -2,6 +2,7 @@
 
 #include <variant>
 
+#include "hal/ak/ak_emulator.h"
 #include "hal/mit/mit_emulator.h"
 #include "hal/moteus/moteus_emulator.h"
 #include "hal/odrive/odrive_emulator.h"

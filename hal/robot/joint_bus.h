@@ -21,7 +21,7 @@ struct JointReading {
   double motor_temperature_C = std::numeric_limits<double>::quiet_NaN();   ///< NaN: not reported
   double supply_V = std::numeric_limits<double>::quiet_NaN();              ///< NaN: not reported
   std::int64_t time_ns = 0;             ///< when the position arrived, CLOCK_MONOTONIC; 0: never
-  std::uint32_t missed_replies = 0;     ///< reads in a row without a new position
+  std::uint32_t missed_replies = 0;     ///< reads in a row without a new position since one was due
   std::uint32_t unchanged_replies = 0;  ///< new positions in a row with the very same bits
   std::uint32_t malformed = 0;          ///< frames of this joint that could not be decoded, since start
   DriverState state = DriverState::unknown;
@@ -44,10 +44,10 @@ using JointCommands = std::array<JointCommand, kJoints>;
 
 enum class JointBusStatus : std::uint8_t {
   ok,
-  incomplete,    ///< read: a joint sent nothing new. write: a command was withheld or dropped, or its driver
-                 ///< has not answered
-  refused,       ///< write: a command is not finite; nothing at all was sent
-  bus_off,       ///< a bus is off
+  incomplete,  ///< read: a joint sent nothing new that was due. write: a command was withheld or dropped, or
+               ///< its driver has not answered
+  refused,     ///< write: a command is not finite; nothing at all was sent
+  bus_off,     ///< a bus is off
   disconnected,  ///< a bus is gone
 };
 

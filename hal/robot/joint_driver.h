@@ -2,6 +2,7 @@
 
 #include <variant>
 
+#include "hal/ak/ak_driver.h"
 #include "hal/driver/visit.h"
 #include "hal/mit/mit_driver.h"
 #include "hal/moteus/moteus_driver.h"
@@ -10,7 +11,7 @@
 namespace stilt::hal {
 
 /// The driver of a joint, of any family. The functions that each has are listed in hal/README.md.
-using JointDriver = std::variant<mit::MitDriver, moteus::MoteusDriver, odrive::OdriveDriver>;
+using JointDriver = std::variant<mit::MitDriver, moteus::MoteusDriver, odrive::OdriveDriver, ak::AkDriver>;
 
 /// What brings any of them up.
 template <class... Driver>

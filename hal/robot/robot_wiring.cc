@@ -38,6 +38,12 @@ bool valid_torso_sensor(const RobotWiring& wiring, std::size_t bus_count) noexce
 
 }  // namespace
 
+int report_period_ticks(const JointDriver& driver, double tick_hz) noexcept {
+  constexpr double kRounding = 1e-9;
+  const double rate_hz = visit_driver(driver, [](const auto& any) { return report_rate_hz(any); });
+  return rate_hz > 0 ? static_cast<int>(std::ceil(tick_hz / rate_hz - kRounding)) + 1 : 1;
+}
+
 int extra_encoder_of(const JointWiring& joint) noexcept {
   return visit_driver(joint.driver, [](const auto& driver) { return extra_encoder(driver); });
 }
@@ -81,7 +87,7 @@ bool valid(const RobotWiring& wiring, std::size_t bus_count) noexcept {
     const JointWiring& joint = wiring.joints[i];
     if (joint.bus >= bus_count || std::abs(joint.direction) != 1 || !(joint.ratio > 0) ||
         !std::isfinite(joint.ratio) || !std::isfinite(joint.offset_rad) || !(joint.torque_factor > 0) ||
-        !std::isfinite(joint.torque_factor) || !valid_driver(joint)) {
+        !std::isfinite(joint.torque_factor) || joint.report_period_ticks < 1 || !valid_driver(joint)) {
       return false;
     }
     for (std::size_t j = 0; j < i; ++j) {

@@ -30,10 +30,16 @@ struct JointWiring {
   double ratio =
       1;  ///< turns of the driver's shaft per turn of the joint; 1 when the driver counts its output
   double offset_rad = 0;
-  double torque_factor = 1;     ///< torque that the motor gives per torque asked of the driver
-  bool can_fd = false;          ///< the driver's classic frames travel as CAN FD frames: FlexibleFrames
+  double torque_factor = 1;  ///< torque that the motor gives per torque asked of the driver
+  int report_period_ticks =
+      1;                ///< reads within which the driver must have reported, see report_period_ticks()
+  bool can_fd = false;  ///< the driver's classic frames travel as CAN FD frames: FlexibleFrames
   bool bit_rate_switch = true;  ///< and their data at the faster bit rate
 };
+
+/// Reads within which a driver has reported that is well: 1 of one that answers each command. One that
+/// reports by its own clock (report_rate_hz) gets its period and one read more, since it drifts against ours.
+[[nodiscard]] int report_period_ticks(const JointDriver& driver, double tick_hz) noexcept;
 
 /// Number of the extra encoder that the joint's driver reports; -1: none.
 [[nodiscard]] int extra_encoder_of(const JointWiring& joint) noexcept;

@@ -124,8 +124,7 @@ SimulatedHardware simulated_hardware(const RobotOptions& options) {
     }
   }
   setup.base_rate_hz = configured.hardware.torso_sensor.rate_hz;
-  setup.wiring.channel_period_ticks =
-      configuration::base_period_ticks(configured.hardware, configured.timing.torque_rate_hz);
+  configuration::set_periods(configured.hardware, configured.timing.torque_rate_hz, setup.wiring);
   setup.tick_s = 1.0 / configured.timing.torque_rate_hz;
   for (const std::string& assignment : options.plant_settings) set_plant_option(setup.plant, assignment);
   setup.plant.time_step_s = simulation::time_step_for_tick(setup.plant.time_step_s, setup.tick_s);

@@ -6,7 +6,8 @@
 namespace stilt::two_processes {
 
 /// All protocols of drivers, as configuration names them.
-inline constexpr const char* kProtocols[] = {"mit_damiao", "mit_ak", "mit_mini_cheetah", "moteus", "odrive"};
+inline constexpr const char* kProtocols[] = {"mit_damiao", "mit_ak", "mit_mini_cheetah",
+                                             "moteus",     "odrive", "ak_v3"};
 
 /// Options of robot and controller that give every joint this protocol; the torso sensor moves away from the
 /// identifiers of ODrives.
@@ -23,6 +24,9 @@ inline constexpr const char* kProtocols[] = {"mit_damiao", "mit_ak", "mit_mini_c
     settings.push_back(driver + "odrive_watchdog_timeout_endpoint=17");
     settings.push_back(driver + "odrive_enable_watchdog_endpoint=18");
     settings.push_back(driver + "accept_missing_watchdog=true");
+    if (protocol != "ak_v3") continue;
+    settings.push_back(driver + "position_range_rad=12.56");
+    settings.push_back(driver + "ak_v3_torque_constant_Nm_A=2");
   }
   std::vector<std::string> options;
   for (const std::string& setting : settings) options.insert(options.end(), {"--set", setting});

@@ -28,8 +28,9 @@ struct Cause {
   const char* protocols;  ///< those by which a driver can show it
 };
 
-constexpr const char* kAll = "mit_damiao mit_ak mit_mini_cheetah moteus odrive";
-constexpr const char* kWithCodes = "mit_damiao mit_ak moteus odrive";  // a mini-cheetah reports no state
+constexpr const char* kAll = "mit_damiao mit_ak mit_mini_cheetah moteus odrive ak_v3";
+constexpr const char* kWithCodes =
+    "mit_damiao mit_ak moteus odrive ak_v3";  // a mini-cheetah reports no state
 
 constexpr Cause kCauses[] = {
     {"DriverFault", "driver-fault:knee_L@2", Fault::driver_fault, "knee_L, ", kWithCodes},
@@ -44,7 +45,7 @@ constexpr Cause kCauses[] = {
     {"FrozenTorsoSensor", "base-freeze@2+1", Fault::stale_torso_sensor, "repeats", kAll},
     {"Overheated", "over-temperature:hip_L@2+6", Fault::driver_overheated, "hip_L", kWithCodes},
     {"LowVoltage", "low-voltage@2+6", Fault::low_voltage, "hip_L, 30 V", "moteus odrive"},
-    {"UnderVoltage", "low-voltage@2+1", Fault::driver_fault, "hip_L", "mit_ak mit_damiao"},
+    {"UnderVoltage", "low-voltage@2+1", Fault::driver_fault, "hip_L", "mit_ak mit_damiao ak_v3"},
 };
 
 struct Case {

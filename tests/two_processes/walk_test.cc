@@ -95,6 +95,31 @@ TEST(TwoProcesses, MotorsOfAnotherTorqueConstantWalkAsExactOnesOnceIdentified) {
   EXPECT_NEAR(one.at("mean_speed_m_s").get<double>(), other.at("mean_speed_m_s").get<double>(), 0.005);
 }
 
+/// They send positions ten times as fine beside each status. Whatever is sent to such a driver, from bring-up to
+/// the end, is a command of 8 bytes, and none of the special frames that version 2 has.
+TEST(TwoProcesses, WalkWithAkOfVersionThreeThatSendPositionFrames) {
+  std::vector<std::string> drivers = with_protocol("ak_v3");
+  for (const char* setting :
+       {"hip_driver.ak_v3_position_frames=true", "knee_driver.ak_v3_position_frames=true"}) {
+    drivers.insert(drivers.end(), {"--set", setting});
+  }
+  RobotAndController run;
+  walk_with(run, drivers);
+  std::istringstream frames(text_of(run.file("frames")));
+  std::size_t commands = 0, positions = 0;
+  for (std::string line; std::getline(frames, line);) {
+    if (line.find(" robot 00002A0") != std::string::npos) ++positions;
+    const std::size_t command = line.find(" controller ");
+    if (command == std::string::npos) continue;
+    ++commands;
+    const std::string frame = line.substr(command + std::string(" controller ").size());
+    ASSERT_TRUE(frame.starts_with("0000080") && frame.size() == 25) << line;
+    ASSERT_FALSE(frame.substr(9).starts_with("FFFFFFFFFFFFFF")) << line;
+  }
+  EXPECT_GT(commands, 20'000u);
+  EXPECT_GT(positions, 10'000u);
+}
+
 /// Bring-up, commands, replies and registers in CAN FD frames; the torso sensor stays classic.
 class WalkWithCanFd : public testing::TestWithParam<const char*> {};
 

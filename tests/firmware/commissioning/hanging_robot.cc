@@ -56,8 +56,10 @@ HangingRobot::HangingRobot(const Wiring& wiring)
     : configuration(configuration_of(wiring.both)),
       robot(setup_of(wiring)),
       buses{DirectBus(robot, 0, now_ns_), DirectBus(robot, 1, now_ns_)} {
-  hardware = std::make_unique<hal::RobotHardware>(configuration::robot_wiring(configuration.hardware),
-                                                  bring_up_options(configuration.hardware), frame_buses());
+  hal::RobotWiring own = configuration::robot_wiring(configuration.hardware);
+  configuration::set_periods(configuration.hardware, 1e9 / kTick_ns, own);
+  hardware =
+      std::make_unique<hal::RobotHardware>(own, bring_up_options(configuration.hardware), frame_buses());
 }
 
 std::int64_t HangingRobot::sleep_until(std::int64_t time_ns) noexcept {

@@ -27,6 +27,14 @@ struct Wiring {
 
 using robot_on_bus::testing_support::DirectBus;
 
+/// Settings of drivers of an AK of version 3 at all joints, with the ranges that this robot needs.
+inline const std::vector<std::string> kAkV3 = {"hip_driver.protocol=ak_v3",
+                                               "knee_driver.protocol=ak_v3",
+                                               "hip_driver.position_range_rad=12.56",
+                                               "knee_driver.position_range_rad=12.56",
+                                               "hip_driver.accept_missing_watchdog=true",
+                                               "knee_driver.accept_missing_watchdog=true"};
+
 /// A simulated robot that hangs, its legs free, as the commands meet it. Its clock advances it. It remembers
 /// what a person would see of its links, and the largest torque of each joint.
 class HangingRobot final : public hal::Clock {

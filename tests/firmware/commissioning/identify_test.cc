@@ -83,6 +83,25 @@ INSTANTIATE_TEST_SUITE_P(ThreePlants, IdentifyDrives,
                                            Drives{"StrongAndLight", 1.15, 0.25, 0.2, 0.4, 0.001, 3}),
                          [](const auto& row) { return std::string(row.param.name); });
 
+/// Their readings are up to 2 ms old, in steps of 0.1 degrees or of a tenth of that.
+TEST(Identify, AnAkOfVersionThreeIsMeasuredAsWell) {
+  for (const char* fine : {"false", "true"}) {
+    Wiring wiring = wiring_of({"", 0.85, 0.4263, 0.5, 1.0, 0.0, 1});
+    wiring.both = testing::kAkV3;
+    wiring.both.push_back(std::string("hip_driver.ak_v3_position_frames=") + fine);
+    wiring.both.push_back(std::string("knee_driver.ak_v3_position_frames=") + fine);
+    HangingRobot robot(wiring);
+    const auto report = tried(robot);
+    ASSERT_TRUE(report) << report.error();
+    for (const DriveNumbers& drive : report->drives) {
+      expect_within(0.1, drive.torque_factor, 0.85, 0);
+      expect_within(0.1, drive.armature_kg_m2, 0.4263, 0);
+      expect_within(0.1, drive.coulomb_friction_Nm, 1.0, 0.3);
+    }
+    if (::testing::Test::HasFailure()) std::fputs(to_text(*report).c_str(), stderr);
+  }
+}
+
 TEST(Identify, WritesMeansOfBothLegsAndNamesAWrongTorqueConstant) {
   HangingRobot robot(wiring_of({"", 0.8, 0.4263, 0.5, 1.0, 0.0002, 1}));
   const auto report = tried(robot);
@@ -162,7 +181,8 @@ TEST(Identify, TheMakersSettingIsNamedForEachProtocol) {
   EXPECT_NE(
       finding(Protocol::odrive).find("multiply axis0.config.motor.torque_constant of its ODrive by 0.800"),
       std::string::npos);
-  for (const Protocol mit : {Protocol::mit_damiao, Protocol::mit_ak, Protocol::mit_mini_cheetah}) {
+  for (const Protocol mit :
+       {Protocol::mit_damiao, Protocol::mit_ak, Protocol::mit_mini_cheetah, Protocol::ak_v3}) {
     EXPECT_NE(finding(mit).find("multiply the torque constant in its driver by 0.800"), std::string::npos);
   }
 }

@@ -87,6 +87,7 @@ TEST(Jog, WorksWithDriversOfEveryProtocol) {
   const std::vector<std::vector<std::string>> protocols = {
       {"hip_driver.protocol=mit_ak", "knee_driver.protocol=mit_ak", "hip_driver.accept_missing_watchdog=true",
        "knee_driver.accept_missing_watchdog=true"},
+      testing::kAkV3,
       {"hip_driver.protocol=moteus", "knee_driver.protocol=moteus"},
       {"hip_driver.protocol=odrive", "knee_driver.protocol=odrive", "hip_driver.accept_missing_watchdog=true",
        "knee_driver.accept_missing_watchdog=true"}};

@@ -11,10 +11,16 @@ namespace stilt::commissioning {
 namespace {
 
 using testing::HangingRobot;
+using testing::kAkV3;
 
 const std::vector<std::string> kMoteus = {"hip_driver.protocol=moteus", "knee_driver.protocol=moteus"};
 const std::vector<std::string> kOdrive = {"hip_driver.protocol=odrive", "knee_driver.protocol=odrive"};
 const std::vector<std::string> kAk = {"hip_driver.protocol=mit_ak", "knee_driver.protocol=mit_ak"};
+
+std::vector<std::string> joined(std::vector<std::string> first, const std::vector<std::string>& second) {
+  first.insert(first.end(), second.begin(), second.end());
+  return first;
+}
 
 ScanResult scanned(HangingRobot& robot) {
   return scan(robot.configuration.hardware, {}, robot.frame_buses(), robot, robot.stop);
@@ -43,7 +49,7 @@ TEST(Scan, FindsEveryDriverOfTheConfigurationWithWhatItReports) {
 }
 
 TEST(Scan, FindsDriversOfEveryProtocol) {
-  for (const std::vector<std::string>& settings : {kMoteus, kOdrive, kAk}) {
+  for (const std::vector<std::string>& settings : {kMoteus, kOdrive, kAk, kAkV3}) {
     HangingRobot robot({.both = settings, .robot = {}, .miswired = {}});
     const ScanResult result = scanned(robot);
     EXPECT_TRUE(result.complete()) << to_text(result);
@@ -76,8 +82,26 @@ TEST(Scan, EnablesNoDriverAndMovesNothing) {
   }
 }
 
+TEST(Scan, SendsNothingToAnAkOfVersionThree) {
+  HangingRobot robot({.both = kAkV3, .robot = {"hip_R.id=9"}, .miswired = {}});
+  static_cast<void>(scanned(robot));
+  for (const testing::DirectBus& bus : robot.buses) EXPECT_TRUE(bus.sent.empty());
+}
+
+TEST(Scan, NamesAnAkOfVersionThreeThatReportsTooSeldom) {
+  HangingRobot robot(
+      {.both = joined(kAkV3, {"hip_driver.ak_v3_position_frames=true"}),
+       .robot = {"hip_driver.ak_v3_status_rate_hz=200", "hip_driver.ak_v3_position_frames=false",
+                 "hardware.longest_reply_lag_s=0.01"},
+       .miswired = {}});
+  const std::string text = to_text(scanned(robot));
+  EXPECT_TRUE(has(text, "SETTING CAN feedback rate, Hz, is 200, and must be 500")) << text;
+  EXPECT_TRUE(has(text, "SETTING rate of position frames 0x2A, Hz, is silent, and must be 500")) << text;
+}
+
 TEST(Scan, NamesADriverThatIsMissingAndOneThatIsNotConfigured) {
-  for (const std::vector<std::string>& settings : {std::vector<std::string>{}, kMoteus, kOdrive, kAk}) {
+  for (const std::vector<std::string>& settings :
+       {std::vector<std::string>{}, kMoteus, kOdrive, kAk, kAkV3}) {
     HangingRobot robot({.both = settings, .robot = {"hip_R.id=9"}, .miswired = {}});
     const ScanResult result = scanned(robot);
     EXPECT_FALSE(result.complete());

@@ -78,6 +78,7 @@ TEST(Watch, MotorsOfEveryProtocolGiveNoTorqueWhileTheLegsSwing) {
       kOdrive,
       {"hip_driver.protocol=mit_ak", "knee_driver.protocol=mit_ak", "hip_driver.accept_missing_watchdog=true",
        "knee_driver.accept_missing_watchdog=true"},
+      testing::kAkV3,
       {"hip_driver.protocol=moteus", "knee_driver.protocol=moteus"}};
   for (const std::vector<std::string>& settings : protocols) {
     HangingRobot robot({.both = settings, .robot = {}, .miswired = {}});
@@ -85,6 +86,22 @@ TEST(Watch, MotorsOfEveryProtocolGiveNoTorqueWhileTheLegsSwing) {
     for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
       constexpr double kHalfAStepOfAFrame_Nm = 0.03;
       EXPECT_LE(robot.peak_torque_Nm(joint), kHalfAStepOfAFrame_Nm);
+    }
+  }
+}
+
+TEST(Watch, AnAkOfVersionThreeGetsLimpCommandsOfEightBytesAlone) {
+  HangingRobot robot({.both = testing::kAkV3, .robot = {}, .miswired = {}});
+  static_cast<void>(watched(robot, 1.0));
+  for (const testing::DirectBus& bus : robot.buses) {
+    EXPECT_GT(bus.sent.size(), 1000u);
+    for (const hal::CanFrame& frame : bus.sent) {
+      EXPECT_TRUE(frame.extended);
+      EXPECT_EQ(frame.id >> 8, 8u);
+      ASSERT_EQ(frame.length, 8);
+      EXPECT_EQ(frame.data[0] | frame.data[1] | frame.data[2], 0) << "kp and kd";
+      const unsigned torque = (frame.data[6] & 0xfu) << 8 | frame.data[7];
+      EXPECT_TRUE(torque == 0x7ff || torque == 0x800) << torque;
     }
   }
 }

@@ -173,7 +173,8 @@ TEST(Write, WhatIsWrittenReadsBackBitForBit) {
         flag->set(parameters, random() % 2 == 0 && !entry.name().ends_with(".can_fd"));
       } else if (const auto* choice = std::get_if<ChoiceField>(&entry.field)) {
         // Not every torso sensor goes with every protocol of the joints.
-        const std::size_t words = entry.name() == "torso_sensor.device" ? 1 : choice->words.size();
+        std::size_t words = entry.name() == "torso_sensor.device" ? 1 : choice->words.size();
+        if (entry.name().ends_with("_driver.protocol")) --words;  // ak_v3 has ranges of its own
         choice->set(parameters, static_cast<int>(random() % words));
       }
     }

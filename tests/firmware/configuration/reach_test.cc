@@ -51,6 +51,16 @@ TEST(Reach, ARangeOfMitModeBelowTheTravelIsNamedForCommandsAndReplies) {
   EXPECT_TRUE(says(of(configuration), "knee_R: reads a velocity")) << "its limit and margin could never show";
 }
 
+TEST(Reach, AnAkOfVersionThreeReadsFartherThanItIsCommanded) {
+  Configuration configuration = load_robot("amber3m").value();
+  configuration.hardware.knee.protocol = DriverProtocol::ak_v3;
+  configuration.hardware.knee.position_range_rad = 12.56;
+  EXPECT_TRUE(of(configuration).empty());
+  configuration.hardware.knee.ratio = 6;
+  EXPECT_TRUE(says(of(configuration), "knee_L: commands an angle of up to "));
+  EXPECT_FALSE(says(of(configuration), "knee_L: reads an angle")) << "3276.7 degrees";
+}
+
 TEST(Reach, AnOffsetMovesTheTravelAtTheShaft) {
   Configuration configuration = load_robot("amber3m").value();
   configuration.hardware.joint[1].offset_rad = -1;

@@ -35,10 +35,12 @@ class RecoveryRig {
          {&configuration_.hardware.hip, &configuration_.hardware.knee}) {
       driver->protocol = protocol;
       driver->accept_missing_watchdog = true;
+      if (protocol == configuration::DriverProtocol::ak_v3) driver->position_range_rad = 12.56;
       driver->odrive_watchdog_timeout_endpoint = 0x191;
       driver->odrive_enable_watchdog_endpoint = 0x192;
     }
-    const hal::RobotWiring wiring = configuration::robot_wiring(configuration_.hardware);
+    hal::RobotWiring wiring = configuration::robot_wiring(configuration_.hardware);
+    configuration::set_periods(configuration_.hardware, 1e9 / kTick_ns, wiring);
     const model::RobotModel& robot = testing_support::amber3m();
     hal::BringUpOptions options;
     for (std::size_t i = 0; i < hal::kJoints; ++i) {
@@ -100,7 +102,7 @@ class RecoveryRig {
   void tick() {
     clock_.advance(kTick_ns);
     for (std::size_t i = 0; i < hal::kJoints; ++i) {
-      driver(i).motor.position_rad += tick_ % 2 == 0 ? kNoise_rad : -kNoise_rad;
+      driver(i).motor.position_rad += noise_rad();
       hal::FrameSink lost;
       if (gone_ && i / 2 == gone_bus_) driver(i).elapse(clock_.now_ns(), lost);
     }
@@ -166,6 +168,14 @@ class RecoveryRig {
   bool planning = true;  ///< the planner makes plans
 
  private:
+  /// Of a motor, from one tick to the next: a few counts. An AK of version 3 counts 1.7 mrad, every second
+  /// tick.
+  [[nodiscard]] double noise_rad() const {
+    if (configuration_.hardware.hip.protocol != configuration::DriverProtocol::ak_v3)
+      return tick_ % 2 == 0 ? 1e-3 : -1e-3;
+    return tick_ % 3 == 0 ? 8e-3 : -4e-3;
+  }
+
   /// As the shipped [torso_sensor] describes it: upright, at rest.
   void send_torso_frame() {
     hal::CanFrame frame = hal::classic_frame(0x150, 6);
@@ -173,8 +183,6 @@ class RecoveryRig {
     frame.data[5] = pressed_ ? 0 : 1;
     buses_[0].script(frame, clock_.now_ns());
   }
-
-  static constexpr double kNoise_rad = 1e-3;  // of a motor: a few counts
 
   hal::mock::MockClock clock_;
   std::array<hal::mock::MockBus, 2> buses_;

@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "hal/ak/ak_protocol.h"
 #include "hal/mit/mit_mode.h"
 #include "hal/odrive/odrive_cansimple.h"
 #include "tests/hal/hex.h"
@@ -70,6 +71,43 @@ void print_mit(std::uint8_t joint, testing::RandomValues& random) {
          {"motor_temperature_C", reply.motor_temperature_C}});
 }
 
+void print_ak(std::uint8_t id, testing::RandomValues& random) {
+  const ak::AkDriver driver{.id = id};
+  CanFrame frame;
+  ak::AkCommand command{random.between(-12, 12), random.between(-60, 60), random.between(0, 500),
+                        random.between(0, 5), random.between(-18, 18)};
+  if (encode_command(driver, command, frame) != EncodeStatus::ok ||
+      decode_command(driver, frame, command) != DecodeStatus::ok) {
+    return;
+  }
+  print(EncodeStatus::ok, frame,
+        {{"kp_Nm_rad", command.kp_Nm_rad},
+         {"kd_Nms_rad", command.kd_Nms_rad},
+         {"position_rad", command.position_rad},
+         {"velocity_rad_s", command.velocity_rad_s},
+         {"torque_Nm", command.torque_Nm}});
+  const bool in_flash = random.chance(0.5);
+  print(EncodeStatus::ok, origin_frame(driver, in_flash), {{"in_flash", in_flash}});
+  constexpr double kDegree = std::numbers::pi / 180;
+  const double degrees = 0.1 * (random.below(64'000) - 32'000.0);
+  const double speed_rpm = 10 * (random.below(60'000) - 30'000.0);
+  const double current_A = 0.01 * (random.below(12'000) - 6'000.0);
+  const double temperature_C = random.below(148) - 20.0;
+  const ak::AkStatus status{.position_rad = degrees * kDegree,
+                            .velocity_rad_s = speed_rpm * kTurn / 60 / driver.pole_pairs / driver.gear_ratio,
+                            .current_A = current_A,
+                            .driver_temperature_C = temperature_C,
+                            .code = static_cast<std::uint8_t>(random.below(8))};
+  print(encode_status(driver, status, frame), frame,
+        {{"position_deg", degrees},
+         {"speed_electrical_rpm", speed_rpm},
+         {"current_A", current_A},
+         {"driver_temperature_C", temperature_C},
+         {"error", status.code}});
+  print(encode_position(driver, degrees * kDegree, 4, frame), frame, {{"position_deg", degrees}});
+  print(EncodeStatus::ok, start_frame(driver), {{"mark", 0xfafbfcfd}});
+}
+
 void print_odrive_replies(std::uint8_t node, testing::RandomValues& random) {
   CanFrame frame;
   print(encode(node, OdriveVersion{2, 4, 4, 58, 0, 6, 11, 1}, frame), frame,
@@ -118,6 +156,7 @@ int main() {
   for (int round = 0; round < 20; ++round) {
     for (std::uint8_t joint = 1; joint <= 4; ++joint) {
       print_mit(joint, random);
+      print_ak(joint, random);
       print_odrive_replies(joint, random);
       print_odrive_commands(joint, random);
     }

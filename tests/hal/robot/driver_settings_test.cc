@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "hal/ak/ak_emulator.h"
 #include "hal/mit/mit_emulator.h"
 #include "hal/moteus/moteus_emulator.h"
 #include "hal/odrive/odrive_emulator.h"
@@ -110,6 +111,17 @@ TEST(DriverSettings, OfAnOdriveFromTheMakerAreAllNamedAtOnce) {
   EXPECT_EQ(wrong(read(driver, documented, options)), "");
   const odrive::OdriveDriver unknown{3, {0x191, 0x192, 0, 0}};
   EXPECT_EQ(read(unknown, documented).size(), 3u) << "limits whose endpoints are not known are not asked for";
+}
+
+TEST(DriverSettings, OfAnAkOfVersionThreeAreWhatItSends) {
+  const ak::AkDriver driver{.position_frames = true};
+  ak::AkEmulator factory(driver, {});
+  EXPECT_EQ(wrong(read(driver, factory)),
+            "CAN feedback rate, Hz, 50; rate of position frames 0x2A, Hz, silent; ");
+  ak::AkEmulator documented = ak::make_emulator(driver);
+  EXPECT_EQ(wrong(read(driver, documented)), "");
+  EXPECT_EQ(read(ak::AkDriver{}, documented).size(), 1u)
+      << "position frames that are not wanted do not count";
 }
 
 TEST(DriverSettings, OfADamiaoAreItsRegistersAndTheOthersHaveNone) {

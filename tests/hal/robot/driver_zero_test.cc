@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "hal/ak/ak_emulator.h"
 #include "hal/moteus/moteus_driver.h"
 #include "hal/moteus/moteus_emulator.h"
 
@@ -39,6 +40,62 @@ TEST(DriverZero, OfAMoteusIsWrittenAndStaysWithoutPower) {
   EXPECT_NEAR(position_rad(driver, emulator), 0.0, 1e-4);
   emulator.power_cycle();
   EXPECT_NEAR(position_rad(driver, emulator), 0.0, 1e-4);
+}
+
+/// A conversation with an AK of version 3, of which so many reports arrive after the frame of its zero.
+struct AkConversation {
+  int limp = 0;     ///< commands before the first write
+  int written = 0;  ///< times
+  ZeroProgress progress = ZeroProgress::more;
+};
+
+AkConversation zero_of_ak(ak::AkEmulator& emulator, int silent_frames) {
+  ak::AkZero zero{ak::AkDriver{}};
+  AkConversation result;
+  bool lost = false;
+  std::int64_t now_ns = 1'000'000'000;
+  for (int frames = 0; frames < 200 && result.progress != ZeroProgress::done; ++frames) {
+    const CanFrame frame = zero.next(lost);
+    if (frame.id == 0x568) ++result.written;
+    if (result.written == 0) ++result.limp;
+    FrameSink replies;
+    emulator.take(now_ns += 2'100'000, frame, replies);
+    emulator.elapse(now_ns, replies);
+    lost = true;
+    for (const CanFrame& report : replies.frames()) {
+      if (result.written > 0 && silent_frames-- > 0) continue;
+      const ZeroProgress progress = zero.take(report);
+      if (progress == ZeroProgress::none) continue;
+      lost = false;
+      result.progress = progress;
+    }
+  }
+  return result;
+}
+
+TEST(DriverZero, OfAnAkOfVersionThreeIsWrittenOnceItIsLimpAndSeldomMore) {
+  ak::AkEmulator emulator = ak::make_emulator(ak::AkDriver{});
+  emulator.motor.position_rad = 0.5;
+  AkConversation result = zero_of_ak(emulator, 0);
+  EXPECT_EQ(result.progress, ZeroProgress::done);
+  EXPECT_GE(result.limp, 3);
+  EXPECT_EQ(result.written, 1);
+  emulator.motor.position_rad = 1;
+  result = zero_of_ak(emulator, 60);
+  EXPECT_EQ(result.progress, ZeroProgress::done);
+  EXPECT_LE(result.written, 4) << "flash wears";
+}
+
+TEST(DriverZero, OfAnAkThatKeepsItsPositionIsNotDone) {
+  ak::AkZero zero{ak::AkDriver{}};
+  CanFrame status;
+  ASSERT_EQ(encode_status(ak::AkDriver{}, {.position_rad = 0.5}, status), EncodeStatus::ok);
+  ZeroProgress progress = ZeroProgress::more;
+  for (int frames = 0; frames < 50; ++frames) {
+    static_cast<void>(zero.next(frames > 3));
+    progress = zero.take(status);
+  }
+  EXPECT_EQ(progress, ZeroProgress::none);
 }
 
 TEST(DriverZero, AnOdriveHasNone) {

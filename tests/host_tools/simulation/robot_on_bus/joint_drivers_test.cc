@@ -16,7 +16,8 @@ RobotRequest drivers(const std::string& protocol, const std::string& ratio) {
   for (const std::string which : {"hip_driver", "knee_driver"}) {
     request.settings.push_back(which + ".protocol=" + protocol);
     request.settings.push_back(which + ".ratio=" + ratio);
-    request.settings.push_back(which + ".position_range_rad=40");
+    request.settings.push_back(which + ".position_range_rad=" + (protocol == "ak_v3" ? "12.56" : "40"));
+    request.settings.push_back(which + ".accept_missing_watchdog=true");
     request.settings.push_back(which + ".moteus_kp_Nm_rev=4000");
     request.settings.push_back(which + ".moteus_kd_Nms_rev=400");
     request.settings.push_back(which + ".odrive_watchdog_timeout_endpoint=17");
@@ -69,7 +70,8 @@ TEST_P(JointDriversOf, TheMotionOfTheJointComesBack) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(EveryProtocol, JointDriversOf, testing::Values("mit_damiao", "moteus", "odrive"),
+INSTANTIATE_TEST_SUITE_P(EveryProtocol, JointDriversOf,
+                         testing::Values("mit_damiao", "moteus", "odrive", "ak_v3"),
                          [](const auto& row) { return std::string(row.param); });
 
 /// The pitch as an extra encoder of a joint's driver, whichever way it is mounted.
