@@ -96,8 +96,9 @@ void AkEmulator::report(FrameSink& replies) noexcept {
   if (!behaviour_.position_first) push(placed, of_position, replies);
 }
 
+/// Without power it keeps nothing but its flash.
 void AkEmulator::elapse(std::int64_t now_ns, FrameSink& replies) noexcept {
-  if (!powered()) return;
+  if (!powered()) return power_cycle();
   if (starts_ && behaviour_.sends_start) replies.push(start_frame(driver_));
   starts_ = false;
   if (fault_code_ != 0 && fault_since_ns_ == 0) fault_since_ns_ = now_ns;

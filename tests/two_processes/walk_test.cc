@@ -95,8 +95,8 @@ TEST(TwoProcesses, MotorsOfAnotherTorqueConstantWalkAsExactOnesOnceIdentified) {
   EXPECT_NEAR(one.at("mean_speed_m_s").get<double>(), other.at("mean_speed_m_s").get<double>(), 0.005);
 }
 
-/// They send positions ten times as fine beside each status. Whatever is sent to such a driver, from bring-up to
-/// the end, is a command of 8 bytes, and none of the special frames that version 2 has.
+/// They send positions ten times as fine beside each status. Whatever is sent to such a driver, from bring-up
+/// to the end, is a command of 8 bytes, and none of the special frames that version 2 has.
 TEST(TwoProcesses, WalkWithAkOfVersionThreeThatSendPositionFrames) {
   std::vector<std::string> drivers = with_protocol("ak_v3");
   for (const char* setting :

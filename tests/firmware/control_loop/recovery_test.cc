@@ -206,9 +206,11 @@ class Recovery : public ::testing::Test {
       // Bring-up gets over it, or fails, and a reset helps.
       ASSERT_TRUE(rig->reach(State::ready, 2000) || rig->recover()) << supervisor::name(rig->state());
     } else {
-      ASSERT_TRUE(rig->recover()) << supervisor::name(rig->state()) << ", latched "
-                                  << rig->decision().latched.bits() << ", present "
-                                  << rig->decision().present.bits();
+      // A fault of an AK of version 3 ends by itself, and may outlast a reset: then one more is asked for.
+      const bool outlasts = kProtocols[protocol] == DriverProtocol::ak_v3;
+      ASSERT_TRUE(rig->recover() || (outlasts && rig->recover()))
+          << supervisor::name(rig->state()) << ", latched " << rig->decision().latched.bits() << ", present "
+          << rig->decision().present.bits();
     }
     EXPECT_TRUE(rig->all_enabled());
     ++cases_;

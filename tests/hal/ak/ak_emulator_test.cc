@@ -162,6 +162,18 @@ TEST(AkEmulator, AZeroInFlashSurvivesAPowerCycleAndTheOtherDoesNot) {
   EXPECT_NEAR(bench.status().position_rad, 0, 1e-9);
 }
 
+TEST(AkEmulator, WithoutPowerItKeepsNoCommandAndNoFault) {
+  Bench bench(documented_settings({}), {.keeps_fault = true});
+  bench.command({.torque_Nm = 5});
+  bench.driver.raise(DriverFault::over_current);
+  bench.driver.set_powered(false);
+  static_cast<void>(bench.run(10));
+  bench.driver.set_powered(true);
+  EXPECT_EQ(count(bench.run(5), AkReport::start), 1u);
+  EXPECT_EQ(bench.status().fault, DriverFault::none);
+  EXPECT_FALSE(bench.driver.enabled());
+}
+
 TEST(AkEmulator, DisablesAndConfirmsItOnceWhereItKnowsTheFrame) {
   for (const bool knows : {true, false}) {
     Bench bench(documented_settings({}), {.knows_disable = knows});
