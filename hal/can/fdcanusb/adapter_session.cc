@@ -59,6 +59,7 @@ void AdapterSession::skip(std::uint64_t sequence) noexcept {
 
 void AdapterSession::restart(std::int64_t now_ns) noexcept {
   off_ = false;  // where it still is, that counts again
+  asked_before_restart_ = status_pending_;
   ask(now_ns, Asked::control, 0, "can off\n");
   ask(now_ns, Asked::control, 0, "can on\n");
 }
@@ -185,8 +186,11 @@ void AdapterSession::meet(const ControllerStatus& status) noexcept {
 }
 
 void AdapterSession::judge(const ControllerStatus& status) noexcept {
-  if (status.off && !off_) ++counts_.bus_off;
-  off_ = status.off;
+  if (!asked_before_restart_) {
+    if (status.off && !off_) ++counts_.bus_off;
+    off_ = status.off;
+  }
+  asked_before_restart_ = false;
   health_ = status.passive ? BusHealth::passive : status.warning ? BusHealth::warning : BusHealth::active;
   if (status.failing()) {
     ++counts_.error_reports;

@@ -114,6 +114,7 @@ class AdapterSession {
   std::uint64_t quiet_ = 0;     ///< as answered_ at the newest answer without an event, while failing
   std::uint64_t settled_ = 0;
   bool off_ = false;
+  bool asked_before_restart_ = false;  ///< the status that is pending
   BusHealth health_ = BusHealth::active;
   SessionCounts counts_;
 

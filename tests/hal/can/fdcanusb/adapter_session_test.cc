@@ -129,6 +129,21 @@ TEST_F(FdcanusbSession, BusOffIsCountedOnceAndAgainAfterARestartInVain) {
   EXPECT_EQ(session.health(), BusHealth::active);
 }
 
+TEST_F(FdcanusbSession, AStatusOfTheTimeBeforeARestartIsNoBusOffAfterIt) {
+  meet();
+  status(kOff);
+  now_ns += kStatusPeriod_ns;
+  session.tick(now_ns);
+  session.restart(now_ns);
+  ASSERT_EQ(said(), "can status\ncan off\ncan on\n");
+  answer(std::string(kOff) + "OK\r\nOK\r\n");
+  EXPECT_EQ(session.counts().bus_off, 1u);
+  status(kGood);
+  EXPECT_EQ(session.counts().bus_off, 1u);
+  status(kOff);
+  EXPECT_EQ(session.counts().bus_off, 2u);
+}
+
 TEST_F(FdcanusbSession, ARefusedFrameIsSettledAndReported) {
   meet();
   send(1);
