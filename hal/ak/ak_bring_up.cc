@@ -11,6 +11,7 @@ using bring_up::Setting;
 using bring_up::Stage;
 
 constexpr unsigned kLongest = 20;  // times of listening: 1 s, also for a driver that reports once per second
+constexpr unsigned kLimpCommands = 3;  // one may be lost, and it would go on with what it held
 constexpr double kLeastShare = 0.8;
 /// Between a status and a position frame of the same report, or of the one before.
 constexpr double kAgree_rad = 0.1;
@@ -55,7 +56,7 @@ BringUp::Ask AkBringUp::ask_rates() noexcept {
 BringUp::Ask AkBringUp::ask(Stage stage, unsigned part, CanFrame& frame) noexcept {
   switch (stage) {
     case Stage::identify:
-      return part == 0 ? limp(frame) : hear(Failure::silent);
+      return part < kLimpCommands ? limp(frame) : hear(Failure::silent);
     case Stage::watchdog_write:
       if (options().accept_missing_watchdog) return Ask::skip;
       failure(Failure::no_watchdog);
