@@ -13,15 +13,17 @@ using testing_support::RobotRequest;
 /// The shipped wiring with other drivers.
 RobotRequest drivers(const std::string& protocol, const std::string& ratio) {
   RobotRequest request;
-  for (const std::string which : {"hip_driver", "knee_driver"}) {
-    request.settings.push_back(which + ".protocol=" + protocol);
-    request.settings.push_back(which + ".ratio=" + ratio);
-    request.settings.push_back(which + ".position_range_rad=" + (protocol == "ak_v3" ? "12.56" : "40"));
-    request.settings.push_back(which + ".accept_missing_watchdog=true");
-    request.settings.push_back(which + ".moteus_kp_Nm_rev=4000");
-    request.settings.push_back(which + ".moteus_kd_Nms_rev=400");
-    request.settings.push_back(which + ".odrive_watchdog_timeout_endpoint=17");
-    request.settings.push_back(which + ".odrive_enable_watchdog_endpoint=18");
+  const std::vector<std::string> settings = {
+      "protocol=" + protocol,
+      "ratio=" + ratio,
+      std::string("position_range_rad=") + (protocol == "ak_v3" ? "12.56" : "40"),
+      "accept_missing_watchdog=true",
+      "moteus_kp_Nm_rev=4000",
+      "moteus_kd_Nms_rev=400",
+      "odrive_watchdog_timeout_endpoint=17",
+      "odrive_enable_watchdog_endpoint=18"};
+  for (const std::string which : {"hip_driver.", "knee_driver."}) {
+    for (const std::string& setting : settings) request.settings.push_back(which + setting);
   }
   request.settings.emplace_back("knee_L.offset_rad=0.4");
   return request;
