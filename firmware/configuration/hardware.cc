@@ -201,11 +201,13 @@ int base_period_ticks(const HardwareParameters& hardware, double torque_rate_hz)
   return std::max(1, static_cast<int>(std::ceil(torque_rate_hz / hardware.torso_sensor.rate_hz - kRounding)));
 }
 
-void set_periods(const HardwareParameters& hardware, double torque_rate_hz, hal::RobotWiring& wiring) {
+hal::RobotWiring robot_wiring(const HardwareParameters& hardware, double torque_rate_hz) {
+  hal::RobotWiring wiring = robot_wiring(hardware);
   wiring.channel_period_ticks = base_period_ticks(hardware, torque_rate_hz);
   for (hal::JointWiring& joint : wiring.joints) {
     joint.report_period_ticks = hal::report_period_ticks(joint.driver, torque_rate_hz);
   }
+  return wiring;
 }
 
 hal::bring_up::Options bring_up_options(const HardwareParameters& hardware, std::size_t joint,

@@ -123,13 +123,15 @@ struct HardwareParameters {
 [[nodiscard]] std::vector<std::string> bus_names(const HardwareParameters& hardware);
 
 /// The wiring as the hardware abstraction wants it; hal::valid() for a configuration that was accepted.
+/// Periods are one tick: what reads a robot takes the wiring of its torque rate.
 [[nodiscard]] hal::RobotWiring robot_wiring(const HardwareParameters& hardware);
+
+/// The same with the periods, in ticks of the torque loop, of the torso sensor and of drivers that report by
+/// their own clock.
+[[nodiscard]] hal::RobotWiring robot_wiring(const HardwareParameters& hardware, double torque_rate_hz);
 
 /// Ticks of the torque loop from one frame of the torso sensor to the next.
 [[nodiscard]] int base_period_ticks(const HardwareParameters& hardware, double torque_rate_hz);
-
-/// Sets the periods of the wiring: those of the torso sensor, and of drivers that report by their own clock.
-void set_periods(const HardwareParameters& hardware, double torque_rate_hz, hal::RobotWiring& wiring);
 
 /// What the bring-up of a joint's driver shall demand.
 /// @param minimum_rad, maximum_rad  travel of the joint, margin included

@@ -69,8 +69,8 @@ std::expected<void, std::string> set_up(const Options& options, std::span<hal::F
     state.lockstep_buses[bus].attach(*buses[bus]);
     carried[bus] = options.lockstep ? &state.lockstep_buses[bus] : buses[bus];
   }
-  hal::RobotWiring wiring = configuration::robot_wiring(configuration.hardware);
-  configuration::set_periods(configuration.hardware, configuration.timing.torque_rate_hz, wiring);
+  const hal::RobotWiring wiring =
+      configuration::robot_wiring(configuration.hardware, configuration.timing.torque_rate_hz);
   state.hardware.emplace(
       wiring,
       bring_up_options(configuration.hardware, (*robot)->model.constants, angles_are_known(options.task)),

@@ -109,7 +109,7 @@ SimulatedHardware simulated_hardware(const RobotOptions& options) {
   hardware.robot = &robot_model(configured.hardware.robot);
   hardware.bus_names = configuration::bus_names(configured.hardware);
   robot_on_bus::RobotSetup& setup = hardware.setup;
-  setup.wiring = configuration::robot_wiring(configured.hardware);
+  setup.wiring = configuration::robot_wiring(configured.hardware, configured.timing.torque_rate_hz);
   setup.bus_count = hardware.bus_names.size();
   for (std::size_t bus = 0; bus < setup.bus_count; ++bus) {
     hardware.fd = hardware.fd || hal::uses_fd(setup.wiring, bus);
@@ -124,7 +124,6 @@ SimulatedHardware simulated_hardware(const RobotOptions& options) {
     }
   }
   setup.base_rate_hz = configured.hardware.torso_sensor.rate_hz;
-  configuration::set_periods(configured.hardware, configured.timing.torque_rate_hz, setup.wiring);
   setup.tick_s = 1.0 / configured.timing.torque_rate_hz;
   for (const std::string& assignment : options.plant_settings) set_plant_option(setup.plant, assignment);
   setup.plant.time_step_s = simulation::time_step_for_tick(setup.plant.time_step_s, setup.tick_s);

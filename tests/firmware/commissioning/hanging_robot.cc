@@ -56,8 +56,7 @@ HangingRobot::HangingRobot(const Wiring& wiring)
     : configuration(configuration_of(wiring.both)),
       robot(setup_of(wiring)),
       buses{DirectBus(robot, 0, now_ns_), DirectBus(robot, 1, now_ns_)} {
-  hal::RobotWiring own = configuration::robot_wiring(configuration.hardware);
-  configuration::set_periods(configuration.hardware, 1e9 / kTick_ns, own);
+  const hal::RobotWiring own = configuration::robot_wiring(configuration.hardware, 1e9 / kTick_ns);
   hardware =
       std::make_unique<hal::RobotHardware>(own, bring_up_options(configuration.hardware), frame_buses());
 }

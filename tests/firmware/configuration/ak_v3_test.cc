@@ -48,17 +48,13 @@ TEST(AkV3, RangesThatNoSuchMotorHasAreRefused) {
 TEST(AkV3, ReportsAreDueByItsRate) {
   HardwareParameters hardware;
   hardware.knee.protocol = DriverProtocol::ak_v3;
-  hal::RobotWiring wiring = robot_wiring(hardware);
-  set_periods(hardware, 1000, wiring);
+  const hal::RobotWiring wiring = robot_wiring(hardware, 1000);
   EXPECT_EQ(wiring.joints[0].report_period_ticks, 1) << "a Damiao answers each command";
   EXPECT_EQ(wiring.joints[1].report_period_ticks, 3) << "every 2 ms, by another clock";
   EXPECT_EQ(wiring.channel_period_ticks, 2);
   hardware.knee.ak_v3_status_rate_hz = 300;
-  wiring = robot_wiring(hardware);
-  set_periods(hardware, 1000, wiring);
-  EXPECT_EQ(wiring.joints[3].report_period_ticks, 5);
-  set_periods(hardware, 250, wiring);
-  EXPECT_EQ(wiring.joints[3].report_period_ticks, 2);
+  EXPECT_EQ(robot_wiring(hardware, 1000).joints[3].report_period_ticks, 5);
+  EXPECT_EQ(robot_wiring(hardware, 250).joints[3].report_period_ticks, 2);
 }
 
 TEST(AkV3, MustReportBeforeItsReadingsAreOld) {

@@ -39,8 +39,7 @@ class RecoveryRig {
       driver->odrive_watchdog_timeout_endpoint = 0x191;
       driver->odrive_enable_watchdog_endpoint = 0x192;
     }
-    hal::RobotWiring wiring = configuration::robot_wiring(configuration_.hardware);
-    configuration::set_periods(configuration_.hardware, 1e9 / kTick_ns, wiring);
+    const hal::RobotWiring wiring = configuration::robot_wiring(configuration_.hardware, 1e9 / kTick_ns);
     const model::RobotModel& robot = testing_support::amber3m();
     hal::BringUpOptions options;
     for (std::size_t i = 0; i < hal::kJoints; ++i) {
