@@ -1,6 +1,7 @@
 #include "firmware/commissioning/session.h"
 
 #include <cmath>
+#include <cstdio>
 
 #include "firmware/control_loop/joint_names.h"
 #include "firmware/diagnostics/event_text.h"
@@ -9,6 +10,7 @@ namespace stilt::commissioning {
 namespace {
 
 constexpr std::int64_t kLongestBringUp_ns = 5'000'000'000;
+constexpr int kLastTicks = 5;
 
 }  // namespace
 
@@ -36,6 +38,14 @@ void Session::tick(const hal::JointCommands& commands) {
   end_tick();
 }
 
+void Session::disable() {
+  for (int tick = 0; tick < kLastTicks; ++tick) {
+    begin_tick();
+    static_cast<void>(robot_.disable());
+    end_tick();
+  }
+}
+
 std::string Session::trouble() const {
   if (stopped()) return "stopped";
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
@@ -56,11 +66,31 @@ std::string Session::torso_trouble() const {
   return readings_.base.missed_replies > kSilentReads ? "the torso sensor is silent" : "";
 }
 
+std::string Session::limit_trouble() const {
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    const hal::JointReading& reading = readings_.joints[joint];
+    const double hotter_C = std::fmax(reading.driver_temperature_C, reading.motor_temperature_C);
+    char text[160] = "";
+    if (hotter_C >= limits_.overheated_C) {
+      std::snprintf(text, sizeof text, "%s is at %.0f C, and supervisor.overheated_C is %g",
+                    control_loop::kJointNames[joint], hotter_C, limits_.overheated_C);
+    } else if (reading.supply_V < limits_.low_voltage_V || reading.supply_V > limits_.high_voltage_V) {
+      std::snprintf(text, sizeof text,
+                    "supply of %s is %.1f V, and supervisor.low_voltage_V to high_voltage_V are %g to %g",
+                    control_loop::kJointNames[joint], reading.supply_V, limits_.low_voltage_V,
+                    limits_.high_voltage_V);
+    }
+    if (text[0] != '\0') return text;
+  }
+  return "";
+}
+
 std::string Session::trouble_with_torque() const {
   if (stopped()) return "stopped";
   if (readings_.emergency_stop == hal::EmergencyStopState::pressed) return "emergency stop";
   if (readings_.emergency_stop == hal::EmergencyStopState::unknown) return "emergency stop is silent";
-  return trouble();
+  const std::string driver = trouble();
+  return driver.empty() ? limit_trouble() : driver;
 }
 
 std::expected<void, std::string> Session::bring_up() {

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstdint>
 #include <expected>
+#include <limits>
 #include <string>
 
 #include "firmware/realtime/pace.h"
@@ -19,15 +20,25 @@ using Angles = std::array<double, hal::kJoints>;  ///< hip_L, knee_L, hip_R, kne
 /// Reads without a new position or pitch: older readings are not current.
 inline constexpr std::uint32_t kSilentReads = 20;
 
+/// Beyond these a joint gets no torque: those of the supervisor (firmware/supervisor/parameters.h). What a
+/// driver does not report is NaN and within them.
+struct DriverLimits {
+  double overheated_C = std::numeric_limits<double>::infinity();  ///< driver or motor
+  double low_voltage_V = 0.0;                                     ///< supply
+  double high_voltage_V = std::numeric_limits<double>::infinity();
+};
+
 /// A robot without its controller: drivers are brought up, read and commanded at the rate of the torque
 /// loop. What is not commanded is limp: no torque, no gain. Ordinary threads.
 class Session {
  public:
   /// @param robot, clock, stop  outlive this object
-  Session(hal::Robot& robot, hal::Clock& clock, std::int64_t tick_ns, const std::atomic<bool>& stop)
+  Session(hal::Robot& robot, hal::Clock& clock, std::int64_t tick_ns, const std::atomic<bool>& stop,
+          const DriverLimits& limits = {})
       : robot_(robot),
         clock_(clock),
         stop_(stop),
+        limits_(limits),
         tick_ns_(tick_ns),
         pace_(clock.now_ns() + tick_ns, tick_ns) {}
 
@@ -42,8 +53,9 @@ class Session {
   void end_tick() { pace_.advance(began_ns_, clock_.now_ns()); }
   /// A tick with these commands; without any the robot is limp.
   void tick(const hal::JointCommands& commands = {});
-  /// Every driver off.
-  void disable() { static_cast<void>(robot_.disable()); }
+  /// Every driver off. A bus withholds a frame until a read has seen the last one with its identifier leave;
+  /// several ticks, so that this frame is each driver's last.
+  void disable();
 
   [[nodiscard]] const hal::RobotReadings& readings() const noexcept { return readings_; }
   /// When the present tick is due.
@@ -55,14 +67,18 @@ class Session {
   [[nodiscard]] std::string trouble() const;
   /// Why the torso's pitch is not current; empty: it is. For commands that need it.
   [[nodiscard]] std::string torso_trouble() const;
-  /// The same, and the emergency stop is pressed or silent: before and while a joint gets torque.
+  /// The same, a limit of a driver, and an emergency stop that is pressed or silent: before and while a joint
+  /// gets torque.
   [[nodiscard]] std::string trouble_with_torque() const;
   [[nodiscard]] bool stopped() const noexcept { return stop_.load(std::memory_order_relaxed); }
 
  private:
+  [[nodiscard]] std::string limit_trouble() const;
+
   hal::Robot& robot_;
   hal::Clock& clock_;
   const std::atomic<bool>& stop_;
+  DriverLimits limits_;
   std::int64_t tick_ns_;
   realtime::Pace pace_;
   std::int64_t began_ns_ = 0;

@@ -34,6 +34,16 @@ std::int64_t tick_ns(const Options& options) {
   return std::llround(1e9 / options.configuration.timing.torque_rate_hz);
 }
 
+Session session_of(const Options& options, ControllerState& state, hal::Clock& clock,
+                   const std::atomic<bool>& stop) {
+  const supervisor::SupervisorParameters& parameters = options.configuration.supervisor;
+  return {*state.hardware,
+          clock,
+          tick_ns(options),
+          stop,
+          {parameters.overheated_C, parameters.low_voltage_V, parameters.high_voltage_V}};
+}
+
 /// A line of JSON with the reason.
 std::string failure_json(const std::string& error) {
   return nlohmann::ordered_json{{"good", false}, {"error", error}}.dump() + '\n';
@@ -116,7 +126,7 @@ class WatchDisplay {
 
 CommissioningOutcome run_watch(const Options& options, ControllerState& state, hal::Clock& clock,
                                const std::atomic<bool>& stop) {
-  Session session(*state.hardware, clock, tick_ns(options), stop);
+  Session session = session_of(options, state, clock, stop);
   WatchDisplay display(options.json_file);
   WatchTelemetry telemetry(state, clock.now_ns(), options.configuration.timing.torque_rate_hz);
   const auto done = commissioning::watch(
@@ -137,7 +147,7 @@ CommissioningOutcome run_jog(const Options& options, ControllerState& state, hal
   const auto robot = robots::find(configuration.hardware.robot);
   if (!robot) return failed(robot.error(), true);
   const double ratio = configuration::driver_of(configuration.hardware, options.joint).ratio;
-  Session session(*state.hardware, clock, tick_ns(options), stop);
+  Session session = session_of(options, state, clock, stop);
   const commissioning::JogRequest request = jog_request(options, (*robot)->model);
   const auto report = commissioning::jog_and_ask(session, request, ratio, *person);
   if (!report) return failed(report.error().sentence, report.error().bad_answer);
@@ -185,7 +195,7 @@ CommissioningOutcome run_calibrate(const Options& options, ControllerState& stat
   const auto robot = robots::find(options.configuration.hardware.robot);
   if (!robot) return failed(robot.error(), true);
   const model::RobotConstants& constants = (*robot)->model.constants;
-  Session session(*state.hardware, clock, tick_ns(options), stop);
+  Session session = session_of(options, state, clock, stop);
   const commissioning::CalibrationRequest request{.reference = options.reference,
                                                   .hardware = options.configuration.hardware,
                                                   .minimum_rad = joint_values(constants.position_min_rad),
@@ -199,7 +209,7 @@ CommissioningOutcome run_identify(const Options& options, ControllerState& state
                                   const std::atomic<bool>& stop) {
   const auto robot = robots::find(options.configuration.hardware.robot);
   if (!robot) return failed(robot.error(), true);
-  Session session(*state.hardware, clock, tick_ns(options), stop);
+  Session session = session_of(options, state, clock, stop);
   const commissioning::IdentificationRequest request = identification_request(options, (*robot)->model);
   const auto report = commissioning::identify(session, request);
   if (!report) return failed(report.error());

@@ -6,7 +6,9 @@
 #include <fstream>
 #include <string>
 
+#include "firmware/configuration/configuration.h"
 #include "firmware/telemetry/token.h"
+#include "tests/two_processes/frame_record.h"
 #include "tests/two_processes/host.h"
 #include "tests/two_processes/person.h"
 #include "tests/two_processes/robot_and_controller.h"
@@ -26,6 +28,10 @@ std::string answers(const RobotAndController& run, const std::string& text) {
   const std::string file = run.file("answers");
   std::ofstream(file) << text;
   return file;
+}
+
+hal::RobotWiring shipped_wiring() {
+  return configuration::robot_wiring(configuration::load_robot("amber3m").value().hardware);
 }
 
 std::string last_line(const std::string& file) {
@@ -65,6 +71,39 @@ TEST(TwoProcesses, AWatchWritesALineASample) {
     EXPECT_TRUE(nlohmann::json::parse(line).at("joints").contains("hip_R"));
   }
   EXPECT_EQ(samples, 10);
+}
+
+TEST(TwoProcesses, WhatFramesCannotCarryIsRefusedBeforeAJointGetsTorque) {
+  RobotAndController run;
+  const std::vector<std::string> narrow = {"--set", "knee_driver.position_range_rad=1.2"};
+  const std::vector<std::vector<std::string>> commands = {{"identify"}, {"jog", "knee_L", "0.2"}};
+  for (const std::vector<std::string>& command : commands) {
+    run.start_command(command, with(narrow, {"--lockstep"}));
+    EXPECT_EQ(run.controller().wait(kLongestRun_s), 2) << run.said();
+    EXPECT_NE(text_of(run.file("controller.err")).find("the buses cannot carry this robot"),
+              std::string::npos);
+  }
+}
+
+/// A bus withholds a frame whose predecessor has not left: a single one that switches off may never leave.
+TEST(TwoProcesses, TheLastFrameOfACommandSwitchesTheDriverOff) {
+  RobotAndController run;
+  run.start_robot(kHanging);
+  run.start_command({"watch"}, {"--lockstep", "--duration", "1"});
+  run.expect_both_to_end();
+  EXPECT_EQ(run.controller().wait(0), 0) << run.said();
+  const MotorTraffic traffic = motor_traffic(read_frames(run.file("frames")), shipped_wiring());
+  ASSERT_FALSE(traffic.commands.empty());
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    std::uint64_t commanded = 0, switched_off = 0;
+    for (const MotorTraffic::Command& command : traffic.commands) {
+      if (command.joint == joint) commanded = command.tick;
+    }
+    for (const MotorTraffic::Special& special : traffic.specials) {
+      if (special.joint == joint && special.what == hal::mit::MitSpecial::leave) switched_off = special.tick;
+    }
+    EXPECT_GT(switched_off, commanded) << joint;
+  }
 }
 
 TEST(TwoProcesses, AWatchIsOnTheNetworkAndOnlyOffEndsIt) {

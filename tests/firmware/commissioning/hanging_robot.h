@@ -45,7 +45,9 @@ class HangingRobot final : public hal::Clock {
   [[nodiscard]] std::int64_t sleep_until(std::int64_t time_ns) noexcept override;
 
   [[nodiscard]] std::vector<hal::FrameBus*> frame_buses() { return {&buses[0], &buses[1]}; }
-  [[nodiscard]] Session session() { return {*hardware, *this, 1'000'000, stop}; }
+  [[nodiscard]] Session session(const DriverLimits& limits = {}) {
+    return {*hardware, *this, 1'000'000, stop, limits};
+  }
   [[nodiscard]] JogRequest jog_request(std::size_t joint, double angle_rad) const;
 
   /// Of the links' angles in the world, from where they hung when the first motor gave torque: the link that

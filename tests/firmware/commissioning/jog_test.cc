@@ -138,6 +138,30 @@ TEST(Jog, AnEmergencyStopThatIsSilentIsNotOverlooked) {
   EXPECT_LT(robot.peak_torque_Nm(kHipLeft), 0.06) << "before any torque";
 }
 
+std::string refused_with(HangingRobot& robot, const DriverLimits& limits) {
+  Session session = robot.session(limits);
+  EXPECT_TRUE(session.bring_up());
+  const auto motion = jog(session, robot.jog_request(kHipLeft, 0.2));
+  EXPECT_LT(robot.peak_torque_Nm(kHipLeft), 0.06) << "before any torque";
+  return motion ? "" : motion.error();
+}
+
+TEST(Jog, AHotDriverGetsNoTorque) {
+  HangingRobot robot;
+  EXPECT_NE(refused_with(robot, {.overheated_C = 20}).find(" C, and supervisor.overheated_C is 20"),
+            std::string::npos);
+}
+
+TEST(Jog, ADriverWhoseSupplyIsOutOfRangeGetsNoTorque) {
+  HangingRobot robot(
+      {.both = {"hip_driver.protocol=moteus", "knee_driver.protocol=moteus"}, .robot = {}, .miswired = {}});
+  const DriverLimits low{.low_voltage_V = 100, .high_voltage_V = 200},
+      high{.low_voltage_V = 1, .high_voltage_V = 2};
+  EXPECT_NE(refused_with(robot, low).find("supervisor.low_voltage_V to high_voltage_V are 100 to 200"),
+            std::string::npos);
+  EXPECT_NE(refused_with(robot, high).find(" V, and supervisor.low_voltage_V"), std::string::npos);
+}
+
 TEST(Jog, AStopDuringTheMotionEndsIt) {
   HangingRobot robot;
   Session session = robot.session();
