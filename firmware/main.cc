@@ -36,6 +36,7 @@ using namespace stilt;
 constexpr int kDone = 0;
 constexpr int kFailed = 1;
 constexpr int kBadUsage = 2;
+constexpr const char* kBusesRefused = "the buses cannot carry this robot, see above";
 
 /// All state of the controller.
 program::ControllerState controller_state;
@@ -43,6 +44,10 @@ program::ControllerState controller_state;
 program::Signals signals;
 
 void want_stop(int) { signals.stop.store(true, std::memory_order_relaxed); }
+void want_cut(int) {
+  signals.cut.store(true, std::memory_order_relaxed);
+  want_stop(0);
+}
 /// A second Ctrl-C cuts. One key press may arrive twice, from the terminal and from a wrapper: not that.
 void want_stop_or_cut(int) {
   constexpr std::int64_t kOnePress_ns = 300'000'000;
@@ -51,7 +56,7 @@ void want_stop_or_cut(int) {
   clock_gettime(CLOCK_MONOTONIC, &now);  // may be called in a handler
   const std::int64_t now_ns = std::int64_t{1'000'000'000} * now.tv_sec + now.tv_nsec;
   if (first_ns == 0) first_ns = now_ns;
-  if (now_ns - first_ns > kOnePress_ns) signals.cut.store(true, std::memory_order_relaxed);
+  if (now_ns - first_ns > kOnePress_ns) return want_cut(0);
   want_stop(0);
 }
 void want_statistics(int) { signals.print_statistics.store(true, std::memory_order_relaxed); }
@@ -97,7 +102,7 @@ std::expected<void, std::string> check_start(const program::Options& options, pr
                                              realtime::Capability& machine) {
   const program::BusReport buses = program::report_buses(options.configuration);
   std::fputs(buses.text.c_str(), stderr);
-  if (buses.refused) return std::unexpected("the buses cannot carry this robot, see above");
+  if (buses.refused) return std::unexpected(kBusesRefused);
   if (options.lockstep) {
     outcome.not_realtime = "lock-step";
     return {};
@@ -142,7 +147,13 @@ std::expected<void, std::string> connect(const program::Options& options, std::v
   std::signal(SIGINT, want_stop_or_cut);
   std::signal(SIGTERM, want_stop);
   std::signal(SIGHUP, want_stop);  // the terminal is gone
-  std::signal(SIGPIPE, SIG_IGN);   // who read the output is gone: no reason to fall
+  // Keys beside Ctrl-C, and jobs in the background: a program that the kernel stops leaves its motors with
+  // torque.
+  std::signal(SIGQUIT, want_cut);
+  std::signal(SIGTSTP, want_stop);
+  std::signal(SIGTTIN, SIG_IGN);
+  std::signal(SIGTTOU, SIG_IGN);
+  std::signal(SIGPIPE, SIG_IGN);  // who read the output is gone: no reason to fall
   std::signal(SIGUSR1, want_statistics);
   return {};
 }
@@ -218,10 +229,21 @@ int run_self_test(const program::Options& options) {
   return result.passed() ? kDone : kFailed;
 }
 
+/// Commands that give a joint torque need what the controller needs: frames that carry its angles and
+/// torques.
+std::expected<void, std::string> check_buses(const program::Options& options) {
+  if (options.task != program::Task::jog && options.task != program::Task::identify) return {};
+  const program::BusReport buses = program::report_buses(options.configuration);
+  if (!buses.refused) return {};
+  std::fputs(buses.text.c_str(), stderr);
+  return std::unexpected(kBusesRefused);
+}
+
 /// scan, watch, jog, zero, calibrate, identify: no torque loop, and no machine that must keep time.
 int run_commissioning(const program::Options& options) {
   std::vector<hal::AnyBus> buses;
   if (const auto writable = check_files(options); !writable) return refuse(writable.error());
+  if (const auto fit = check_buses(options); !fit) return refuse(fit.error());
   if (const auto fit = program::check_out_file(options); !fit) return refuse(fit.error());
   if (const auto connected = connect(options, buses); !connected) return refuse(connected.error());
   std::unique_ptr<telemetry::TelemetryNode> node;

@@ -87,6 +87,23 @@ TEST(TwoProcesses, AControllerWhoseTerminalEndsSitsDownFirst) {
   EXPECT_TRUE(controller.at("faults").empty()) << controller.at("faults");
 }
 
+/// A program that the kernel stops would leave its motors with torque.
+TEST(TwoProcesses, TheKeysBesideCtrlCDoNotStopTheTorqueLoop) {
+  for (const auto& [key, last_state] : {std::pair(SIGTSTP, "ready"), {SIGQUIT, "stand"}}) {
+    RobotAndController run;
+    run.start_robot({"--lockstep", "--once"});
+    run.start_controller({"--lockstep", "--start", "stand"});
+    ASSERT_TRUE(wait_for_text(run.file("controller.err"), "stand", kLongestRun_s)) << run.said();
+    run.controller().signal(SIGTTIN);
+    run.controller().signal(SIGTTOU);
+    run.controller().signal(key);
+    ASSERT_EQ(run.controller().wait(kLongestRun_s), 0) << run.said();
+    EXPECT_EQ(run.controller_json().at("last_state"), last_state) << key << run.said();
+    ASSERT_GE(run.robot().wait(kLongestRun_s), 0);
+    EXPECT_FALSE(any_enabled(run.robot_json())) << key;
+  }
+}
+
 TEST(TwoProcesses, ASecondInterruptTurnsTheMotorsOffAtOnce) {
   RobotAndController run;
   run.start_robot({"--lockstep", "--once"});
