@@ -30,6 +30,9 @@ constexpr FaultSet kUnsettled = [] {
   return set;
 }();
 
+/// A bus may withhold the frames of a tick: drivers are switched off in several.
+constexpr double kSwitchingOff_s = 0.01;
+
 /// The state in which a request is met.
 State goal(RequestKind kind) noexcept {
   switch (kind) {
@@ -134,12 +137,14 @@ void Supervisor::find_faults(const SupervisorInputs& inputs) noexcept {
   output_.reaction = std::max(reaction(present), reaction(output_.latched));
 }
 
-/// A reset that brings links back also brings back what their drivers have kept: it goes on.
+/// A reset that brings links back also brings back what their drivers have kept: it goes on. Without its host
+/// the robot still goes where it rests: to sit and off, which take their time, and stay asked for.
 void Supervisor::void_request_after_faults(const Request& request) noexcept {
   const FaultSet unforeseen = resetting_ ? output_.raised - kOfReplies : output_.raised;
   const bool new_latched = !(unforeseen & kLatching).empty();
-  const bool slow = output_.present.has(Fault::heartbeat_lost);
-  if (new_latched || slow) void_number_ = std::max(void_number_, request.number);
+  const bool to_rest = request.kind == RequestKind::sit || request.kind == RequestKind::off;
+  const bool alone = output_.present.has(Fault::heartbeat_lost) && !to_rest;
+  if (new_latched || alone) void_number_ = std::max(void_number_, request.number);
 }
 
 /// A reset that finds a cause still present when its window ends is void: nothing resets itself later.
@@ -347,7 +352,7 @@ hal::JointCommands Supervisor::commands_of_level(const hal::JointCommands& wante
 }
 
 Action Supervisor::bound(const hal::JointCommands& wanted, hal::JointCommands& commands) noexcept {
-  const bool after_reset = output_.state == State::idle && output_.entered && was_up_;
+  const bool after_reset = output_.state == State::idle && was_up_ && since_s(entered_ns_) < kSwitchingOff_s;
   if (after_reset) return Action::disable;
   if (!drives(output_.state) && output_.state != State::off) return Action::silent;
   if (output_.state == State::fault && drivers_are_ == DriversAre::left_alone) return Action::silent;

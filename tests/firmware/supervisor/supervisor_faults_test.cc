@@ -100,6 +100,20 @@ TEST_F(SupervisorTest, ALostHeartbeatStopsWalkingAndItsReturnDoesNotStartItAgain
   EXPECT_EQ(tick(), State::walk);
 }
 
+TEST_F(SupervisorTest, ARobotThatWasAskedToSitOrSwitchOffRestsAlsoWithoutItsHost) {
+  for (const auto& [kind, rest] :
+       {std::pair(RequestKind::sit, State::ready), {RequestKind::off, State::off}}) {
+    power_on();
+    inputs_.seen.heartbeat_expected = true;
+    bring_to_walk();
+    request(kind);
+    EXPECT_EQ(run(0.1), State::step);
+    inputs_.seen.heartbeat_age_s = 0.5;
+    EXPECT_EQ(run(2 * parameters_.slow_down_s + 0.1), State::sit);
+    EXPECT_EQ(run(parameters_.sit_s + 0.1), rest);
+  }
+}
+
 TEST_F(SupervisorTest, WithoutAnOperatorItSitsInTheEnd) {
   inputs_.seen.heartbeat_expected = true;
   bring_to_walk();
@@ -258,7 +272,7 @@ TEST_F(SupervisorTest, AfterAResetTheDriversAreLeftAloneAgain) {
   EXPECT_TRUE(only_damps());
   inputs_.seen.emergency_stop = hal::EmergencyStopState::released;
   request(RequestKind::reset);
-  ASSERT_EQ(run(0.01), State::idle);
+  ASSERT_EQ(run(0.02), State::idle);
   inputs_.seen.emergency_stop = hal::EmergencyStopState::pressed;
   EXPECT_EQ(run(0.1), State::fault);
   EXPECT_EQ(action_, Action::silent);
