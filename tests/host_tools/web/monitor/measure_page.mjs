@@ -15,7 +15,7 @@ const [build, source = 'synthetic', pages = '5'] = process.argv.slice(2);
 const kDomain = '99';
 const kSettle_ms = 12_000;  // until the plots are full
 const kCounted_ms = 10_000;
-const kWindows = { 'usual window, 1440 x 900': { width: 1440, height: 900 }, 'all 16 plots in view, 1920 x 1900': { width: 1920, height: 1900 } };
+const kWindows = { 'usual window, 1440 x 900': { width: 1440, height: 900 }, '1920 x 1900': { width: 1920, height: 1900 } };
 const kWide = ['supervisor.torque_loop_stall_s=10', 'supervisor.missed_hold_ticks=500', 'supervisor.missed_damp_ticks=1000',
   'supervisor.stale_plan_s=5', 'hardware.driver_watchdog_s=0.1', `telemetry.domain=${kDomain}`];
 
