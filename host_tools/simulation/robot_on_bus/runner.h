@@ -43,8 +43,9 @@ struct RunOutcome {
 };
 
 /// Runs the robot in turns with the controller. After a controller has left (loopback), the robot continues
-/// alone for one second of its time, so that watchdogs expire. It then waits for the next controller. Throws
-/// std::runtime_error, one sentence, when the controller violates the protocol or is silent for wait_s.
+/// alone for one second of its time, so that watchdogs expire. It then waits for the next controller. After
+/// one that is silent for wait_s it continues in the same way, and ends. Throws std::runtime_error, one
+/// sentence, when the controller violates the protocol.
 [[nodiscard]] RunOutcome run_lockstep(RobotOnBus& robot, std::vector<RobotBus>& buses, FrameLog& log,
                                       const RunOptions& options);
 
