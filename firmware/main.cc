@@ -36,7 +36,7 @@ using namespace stilt;
 constexpr int kDone = 0;
 constexpr int kFailed = 1;
 constexpr int kBadUsage = 2;
-constexpr const char* kBusesRefused = "the buses cannot carry this robot, see above";
+constexpr const char* kBusesRefused = "buses, drivers or joints cannot do this, see above";
 
 /// All state of the controller.
 program::ControllerState controller_state;
@@ -272,7 +272,7 @@ int run_commissioning(const program::Options& options) {
 int check_config(const program::Options& options) {
   const program::BusReport buses = program::report_buses(options.configuration);
   std::printf("%s: %s\nrobot %s\n%s", options.source.c_str(),
-              buses.refused ? "each key is valid, and buses or drivers cannot carry it" : "valid",
+              buses.refused ? "each key is valid, and buses, drivers or joints cannot do it" : "valid",
               options.configuration.hardware.robot.c_str(), buses.text.c_str());
   return buses.refused ? kBadUsage : kDone;
 }

@@ -28,12 +28,27 @@ std::string sentence(std::size_t joint, const Need& need) {
          ".ratio, the joint's offset_rad and torque_factor, and the driver's ranges";
 }
 
+/// Where every shutdown and many a fault take the joints.
+void check_sitting_pose(const supervisor::SupervisorParameters& parameters,
+                        const model::RobotConstants& robot, std::vector<std::string>& found) {
+  const supervisor::Pose pose_rad = supervisor::sitting_pose_rad(parameters);
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    const double least_rad = robot.position_min_rad[joint], most_rad = robot.position_max_rad[joint];
+    if (pose_rad[joint] >= least_rad && pose_rad[joint] <= most_rad) continue;
+    const std::string key = joint % 2 == 0 ? "supervisor.sit_hip_rad" : "supervisor.sit_knee_rad";
+    found.push_back(std::string(kNames[joint]) + ": " + key + " = " + number_text(pose_rad[joint]) +
+                    " is beyond the joint's travel, " + number_text(least_rad) + " to " +
+                    number_text(most_rad) + " rad; give a pose in which this robot sits");
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> unreachable(const Configuration& configuration, const model::RobotConstants& robot) {
   const HardwareParameters& hardware = configuration.hardware;
   const hal::RobotWiring wiring = robot_wiring(hardware);
   std::vector<std::string> found;
+  check_sitting_pose(configuration.supervisor, robot, found);
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
     const std::optional<hal::FrameReach> reach = hal::visit_driver(
         wiring.joints[joint].driver, [](const auto& driver) { return frame_reach(driver); });

@@ -93,6 +93,23 @@ void check_encoder_joint(const HardwareParameters& hardware, std::vector<Contrad
   }
 }
 
+/// Whether a raw value means "pressed": it is read as released for every value but 0.
+void check_emergency_stop(const HardwareParameters& hardware, std::vector<Contradiction>& found) {
+  const hal::RobotWiring wiring = robot_wiring(hardware);
+  const hal::ChannelRow* row = row_of(wiring, BaseChannel::emergency_stop_released);
+  if (row == nullptr || row->type == hal::RawType::float32) return;
+  const bool is_signed = row->type == hal::RawType::signed_integer;
+  const double least = is_signed ? -std::ldexp(1.0, row->bits - 1) : 0.0;
+  const double most = std::ldexp(1.0, is_signed ? row->bits - 1 : row->bits) - 1;
+  const double pressed = std::round(-row->offset / row->scale);
+  if (pressed >= least && pressed <= most && row->scale * pressed + row->offset == 0) return;
+  found.push_back(
+      {{"torso_sensor.emergency_stop_released"},
+       "torso_sensor.emergency_stop_released is 0 for no raw value: a pressed emergency stop would never be "
+       "seen; give \"scale 1\" without an offset, or \"scale -1 offset 1\" for a bit that is 1 while it "
+       "is pressed"});
+}
+
 /// Whether the port has that bit rate, and time for the messages.
 void check_port(const TorsoSensorParameters& sensor, std::vector<Contradiction>& found) {
   const std::span<const int> rates = hal::serial::bit_rates();
@@ -117,6 +134,7 @@ void check_port(const TorsoSensorParameters& sensor, std::vector<Contradiction>&
 void check_torso_sensor(const HardwareParameters& hardware, std::vector<Contradiction>& found) {
   const TorsoSensorParameters& sensor = hardware.torso_sensor;
   check_encoder_joint(hardware, found);
+  check_emergency_stop(hardware, found);
   const bool by_channel = sensor.device == TorsoDevice::channels && sensor.encoder_joint < 0;
   if (by_channel && sensor.pitch == "none") {
     found.push_back({{"torso_sensor.pitch", "torso_sensor.device"},

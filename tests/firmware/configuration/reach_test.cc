@@ -51,6 +51,19 @@ TEST(Reach, ARangeOfMitModeBelowTheTravelIsNamedForCommandsAndReplies) {
   EXPECT_TRUE(says(of(configuration), "knee_R: reads a velocity")) << "its limit and margin could never show";
 }
 
+TEST(Reach, ASittingPoseBeyondTheTravelOfAJointIsNamed) {
+  Configuration configuration = load_robot("amber3m").value();
+  configuration.supervisor.sit_hip_rad = -1.7;
+  EXPECT_EQ(of(configuration).at(0),
+            "hip_L: supervisor.sit_hip_rad = -1.7 is beyond the joint's travel, -1.6 to 1.6 rad; give a pose "
+            "in which "
+            "this robot sits");
+  EXPECT_EQ(of(configuration).size(), 2u);
+  configuration.supervisor.sit_hip_rad = -1.6;
+  configuration.supervisor.sit_knee_rad = 2.5;
+  EXPECT_TRUE(says(of(configuration), "knee_R: supervisor.sit_knee_rad = 2.5"));
+}
+
 TEST(Reach, AnAkOfVersionThreeReadsFartherThanItIsCommanded) {
   Configuration configuration = load_robot("amber3m").value();
   configuration.hardware.knee.protocol = DriverProtocol::ak_v3;

@@ -207,5 +207,19 @@ TEST(TorsoSensor, NodesWhoseIdentifiersCollideWithTheSensorsAreRefused) {
       std::string::npos);
 }
 
+TEST(TorsoSensor, AnEmergencyStopThatCanNeverReadAsPressedIsRefused) {
+  const auto of = [](const std::string& field) {
+    return mistakes("emergency_stop_released = \"id 0x150 byte 5 bits " + field + "\"\n");
+  };
+  for (const char* wrong : {"1 unsigned little scale 1 offset 1", "2 unsigned little scale 0.3 offset -0.5",
+                            "1 signed little scale 1 offset -1"}) {
+    EXPECT_NE(of(wrong).find("is 0 for no raw value"), std::string::npos) << wrong;
+  }
+  for (const char* right : {"1 unsigned little scale 1", "1 unsigned little scale -1 offset 1",
+                            "8 unsigned little scale 1 offset -255", "1 signed little scale 1 offset 1"}) {
+    EXPECT_EQ(of(right), "") << right;
+  }
+}
+
 }  // namespace
 }  // namespace stilt::configuration

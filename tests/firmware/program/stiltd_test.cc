@@ -138,7 +138,7 @@ TEST(Stiltd, SaysWhatAConfigurationWasReadFromAndForWhichRobot) {
   EXPECT_TRUE(has(empty, "empty.toml (names no key: every value is the default): valid")) << empty.text;
   const Answer slow = stiltd("--check-config --set hardware.bit_rate_bit_s=250000");
   EXPECT_EQ(slow.status, 2);
-  EXPECT_TRUE(has(slow, "each key is valid, and buses or drivers cannot carry it")) << slow.text;
+  EXPECT_TRUE(has(slow, "each key is valid, and buses, drivers or joints cannot do it")) << slow.text;
   const Answer strong = stiltd("--check-config --set hardware.robot=rabbit");
   EXPECT_EQ(strong.status, 2);
   EXPECT_TRUE(has(strong, "hip_L: commands a torque of up to 150 Nm at the shaft")) << strong.text;
