@@ -245,25 +245,31 @@ struct ForceElimination {
   }
 };
 
+/// Factor of a row that is not scaled.
+struct One {};
+[[nodiscard]] STILT_INLINE inline const Batch& operator*(One, const Batch& entry) noexcept { return entry; }
+
 /// Row of a quantity over (dx, z) with the forces substituted, from its derivatives. Its entries are computed
 /// in registers where they are used.
-template <class Mode>
+template <class Mode, class Scale = One>
 struct SubstitutedRow {
   const ForceElimination<Mode>& force;
   const Slopes& from;
+  const Scale scale;
   Batch by_force[2];
   Batch by_z[Mode::kVariables];
   Batch step;  ///< at dx = 0, z = 0
 
-  STILT_INLINE SubstitutedRow(const ForceElimination<Mode>& elimination, const Slopes& slopes) noexcept
-      : force(elimination), from(slopes) {
-    step = force.swing_share(from.input);
+  STILT_INLINE SubstitutedRow(const ForceElimination<Mode>& elimination, const Slopes& slopes,
+                              const Scale& by = {}) noexcept
+      : force(elimination), from(slopes), scale(by) {
+    step = scale * force.swing_share(from.input);
     if constexpr (Mode::kStanceFeet > 0) {
-      for (int axis = 0; axis < 2; ++axis) by_force[axis] = from.input[Mode::kFirstForce + axis];
+      for (int axis = 0; axis < 2; ++axis) by_force[axis] = scale * from.input[Mode::kFirstForce + axis];
       step += by_force[0] * force.constant[0] + by_force[1] * force.constant[1];
     }
     lq::unroll<Mode::kVariables>([&](auto v) STILT_INLINE {
-      by_z[v] = from.input[Mode::input(v)];
+      by_z[v] = scale * from.input[Mode::input(v)];
       add_force_share<kStateColumns + v>(by_z[v]);
     });
   }
@@ -273,9 +279,9 @@ struct SubstitutedRow {
   [[nodiscard]] STILT_INLINE Batch by_state() const noexcept {
     Batch sum;
     if constexpr (c < kVelocityColumn) {
-      sum = from.theta[c - kThetaColumn];
+      sum = scale * from.theta[c - kThetaColumn];
     } else if constexpr (c >= kOmegaColumn) {
-      sum = from.omega[c - kOmegaColumn];
+      sum = scale * from.omega[c - kOmegaColumn];
     } else {
       sum = Batch(0.0);
     }

@@ -17,9 +17,6 @@
 /// Gradients are those on the constraints, at dx = 0 and w = 0.
 namespace stilt::ocp {
 
-/// Index of the first joint among the angles; pitch comes first.
-inline constexpr int kFirstJointAngle = model::kFirstJoint - model::kFirstAngle;
-
 /// Slope and Hessian of weight and friction cone over the force (fx, fz) of a stance foot.
 struct ForceCost {
   Batch gx, gz, hxx, hxz, hzz;
@@ -53,8 +50,8 @@ class UniformWeights {
 
   void add_constraint(DenseRows<Mode>& rows) const noexcept {
     const Batch* Y = constraint_.Y[0];
-    rows.add_constraint(over_variables<Mode>(slope_, Y) + weight_ * over_variables<Mode>(constraint_.z0, Y),
-                        weight_ * over_variables<Mode>(Y, Y));
+    rows.add_constraint({over_variables<Mode>(slope_, Y) + weight_ * over_variables<Mode>(constraint_.z0, Y),
+                         weight_ * over_variables<Mode>(Y, Y)});
   }
 
   void add_free(QuadraticCost& out) const noexcept {
@@ -80,7 +77,7 @@ void add_variables(const ProblemData& data, const StageBatch& batch, const Batch
     const Batch weight = batch.duration * data.input_weight[j];
     Batch by_z[Mode::kVariables] = {};
     by_z[j] = Batch(1.0);
-    rows.add_variables(weight * (it.u[j] - batch.u_ref[j]), weight, by_z);
+    rows.add_variables({weight * (it.u[j] - batch.u_ref[j]), weight}, by_z);
   }
   if constexpr (Mode::kStanceFeet == 2) {
     const ForceCost cost(data, batch, it.u, 1);
@@ -88,10 +85,10 @@ void add_variables(const ProblemData& data, const StageBatch& batch, const Batch
     Batch by_z[Mode::kVariables] = {};
     by_z[kJoints] = Batch(1.0);
     by_z[kJoints + 1] = l;
-    rows.add_variables(cost.gx, cost.hxx, by_z);
+    rows.add_variables({cost.gx, cost.hxx}, by_z);
     by_z[kJoints] = Batch(0.0);
     by_z[kJoints + 1] = Batch(1.0);
-    rows.add_variables(cost.gz - l * cost.gx, cost.hzz - l * cost.hxz, by_z);
+    rows.add_variables({cost.gz - l * cost.gx, cost.hzz - l * cost.hxz}, by_z);
   }
 }
 
@@ -103,32 +100,32 @@ void add_input_terms(const ProblemData& data, const StageBatch& batch, const Bat
   using model::kJoints;
   const Batch h = batch.duration;
   DenseRows<Mode> rows(force, constraint);
-  BarrierSlope velocity[kJoints];
+  TorqueLimitCost limit[kJoints];
+  UnitTerm torque[kJoints];
   for (int j = 0; j < kJoints; ++j) {
-    const TorqueLimitCost limit(data.inequality.joint_torque, data.limits, j, node.joint_torque[j],
-                                it.x[model::kPositions + model::kFirstJoint + j]);
-    Batch by_omega[model::kAngles];
-    std::copy(node.joint_torque_domega[j], node.joint_torque_domega[j] + model::kAngles, by_omega);
-    by_omega[kFirstJointAngle + j] += limit.by_velocity;
-    rows.add(h * limit.combined.first, h * limit.combined.second,
-             {node.joint_torque_dtheta[j], by_omega, node.joint_torque_du[j]});
-    velocity[j] = limit.velocity;
+    limit[j] = TorqueLimitCost(data.inequality.joint_torque, data.limits, j, node.joint_torque[j],
+                               it.x[model::kPositions + model::kFirstJoint + j]);
+    torque[j] = UnitTerm(h * limit[j].combined.first, h * limit[j].combined.second);
+  }
+  for (int j = 0; j < kJoints; ++j) {
+    rows.add(torque[j], {node.joint_torque_dtheta[j], node.joint_torque_domega[j], node.joint_torque_du[j]},
+             j, limit[j].by_velocity);
   }
   const Batch acceleration_weight = h * data.cost.foot_acceleration;
   for (int foot = 0; foot < model::kFeet; ++foot) {
     if (Mode::stance(foot)) continue;
     const int i = 2 * foot;
     rows.add(
-        acceleration_weight * (node.foot_acceleration[i] - batch.foot_acceleration_ref[i]),
-        acceleration_weight,
+        {acceleration_weight * (node.foot_acceleration[i] - batch.foot_acceleration_ref[i]),
+         acceleration_weight},
         {node.foot_acceleration_dtheta[i], node.foot_acceleration_domega[i], node.foot_acceleration_du[i]});
   }
   if constexpr (Mode::kStanceFeet > 0) {
     // H = [1 l; 0 1]' diag(hxx, hzz - l hxz) [1 l; 0 1]: two rows.
     const ForceCost cost(data, batch, it.u, Mode::kFirstStance);
     const Batch l = cost.hxz / cost.hxx;
-    rows.add_force(cost.gx, cost.hxx, l);
-    rows.add_vertical_force(cost.gz - l * cost.gx, cost.hzz - l * cost.hxz);
+    rows.add_force({cost.gx, cost.hxx}, l);
+    rows.add_vertical_force({cost.gz - l * cost.gx, cost.hzz - l * cost.hxz});
   }
   if constexpr (DenseRows<Mode>::kUniform) {
     const UniformWeights<Mode> weights(data, batch, it, constraint);
@@ -141,8 +138,8 @@ void add_input_terms(const ProblemData& data, const StageBatch& batch, const Bat
   }
   for (int j = 0; j < kJoints; ++j) {
     const int column = kFirstStateColumn + kOmegaColumn + kFirstJointAngle + j;
-    out.g[column] += h * velocity[j].first;
-    out.H[column][column] += h * velocity[j].second;
+    out.g[column] += h * limit[j].velocity.first;
+    out.H[column][column] += h * limit[j].velocity.second;
   }
   for (int i = 0; i < 2 * model::kFeet; ++i) {
     if (Mode::stance(i / 2)) continue;
