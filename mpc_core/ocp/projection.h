@@ -329,7 +329,6 @@ struct ConstraintElimination {
     const detail::RowTriangularisation<kRows, Mode::kVariables> triangular(m, parameters.rank_tolerance);
     Batch range[kRows][Mode::kVariables];
     for (int r = 0; r < kRows; ++r) triangular.axis(r, range[r]);
-    for (Batch& entry : z0) entry = Batch(0.0);
     for (int r = 0; r < kRows; ++r) {
       Batch y[kRows];
       for (int s = 0; s < kRows; ++s) y[s] = Batch(s == r ? -1.0 : 0.0);
@@ -337,7 +336,7 @@ struct ConstraintElimination {
       for (int v = 0; v < Mode::kVariables; ++v) {
         Y[r][v] = y[0] * range[0][v];
         for (int s = 1; s < kRows; ++s) Y[r][v] += y[s] * range[s][v];
-        z0[v] += Y[r][v] * residual[r];
+        z0[v] = r == 0 ? Y[r][v] * residual[r] : z0[v] + Y[r][v] * residual[r];
       }
     }
     for (int k = 0; k < Mode::kFree; ++k) triangular.axis(kRows + k, W[k]);

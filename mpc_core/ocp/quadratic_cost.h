@@ -290,7 +290,7 @@ void add_state_terms(const ProblemData& data, const StageBatch& batch, const Bat
   const Batch h = batch.duration;
   out.x_curvature = h * data.state_weight[0];
   out.x_gradient = out.x_curvature * (it.x[0] - batch.x_ref[0]);
-  for (Batch& entry : out.x_by_theta) entry = Batch(0.0);
+  lq::unroll<model::kAngles>([&](auto i) STILT_INLINE { out.x_by_theta[i] = Batch(0.0); });
   const Batch height_weight = h * data.state_weight[1];
   out.H[kHeightColumn][kHeightColumn] += height_weight;
   out.g[kHeightColumn] += height_weight * (it.x[1] - batch.x_ref[1]);
