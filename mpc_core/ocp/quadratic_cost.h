@@ -99,7 +99,16 @@ void add_input_terms(const ProblemData& data, const StageBatch& batch, const Bat
                      const ConstraintElimination<Mode>& constraint, QuadraticCost& out) noexcept {
   using model::kJoints;
   const Batch h = batch.duration;
-  DenseRows<Mode> rows(force, constraint);
+  // All terms before the first row: their divisions and roots take as long as several rows.
+  const Batch acceleration_weight = h * data.cost.foot_acceleration;
+  UnitTerm acceleration[model::kFeet];
+  for (int foot = 0; foot < model::kFeet; ++foot) {
+    if (Mode::stance(foot)) continue;
+    const int i = 2 * foot;
+    acceleration[foot] =
+        UnitTerm(acceleration_weight * (node.foot_acceleration[i] - batch.foot_acceleration_ref[i]),
+                 acceleration_weight);
+  }
   TorqueLimitCost limit[kJoints];
   UnitTerm torque[kJoints];
   for (int j = 0; j < kJoints; ++j) {
@@ -107,25 +116,30 @@ void add_input_terms(const ProblemData& data, const StageBatch& batch, const Bat
                                it.x[model::kPositions + model::kFirstJoint + j]);
     torque[j] = UnitTerm(h * limit[j].combined.first, h * limit[j].combined.second);
   }
+  // H = [1 l; 0 1]' diag(hxx, hzz - l hxz) [1 l; 0 1] of the stance force: two rows.
+  UnitTerm combined_force, vertical_force;
+  Batch l;
+  if constexpr (Mode::kStanceFeet > 0) {
+    const ForceCost cost(data, batch, it.u, Mode::kFirstStance);
+    l = cost.hxz / cost.hxx;
+    combined_force = UnitTerm(cost.gx, cost.hxx);
+    vertical_force = UnitTerm(cost.gz - l * cost.gx, cost.hzz - l * cost.hxz);
+  }
+
+  DenseRows<Mode> rows(force, constraint);
+  for (int foot = 0; foot < model::kFeet; ++foot) {
+    if (Mode::stance(foot)) continue;
+    const int i = 2 * foot;
+    rows.add(acceleration[foot], {node.foot_acceleration_dtheta[i], node.foot_acceleration_domega[i],
+                                  node.foot_acceleration_du[i]});
+  }
   for (int j = 0; j < kJoints; ++j) {
     rows.add(torque[j], {node.joint_torque_dtheta[j], node.joint_torque_domega[j], node.joint_torque_du[j]},
              j, limit[j].by_velocity);
   }
-  const Batch acceleration_weight = h * data.cost.foot_acceleration;
-  for (int foot = 0; foot < model::kFeet; ++foot) {
-    if (Mode::stance(foot)) continue;
-    const int i = 2 * foot;
-    rows.add(
-        {acceleration_weight * (node.foot_acceleration[i] - batch.foot_acceleration_ref[i]),
-         acceleration_weight},
-        {node.foot_acceleration_dtheta[i], node.foot_acceleration_domega[i], node.foot_acceleration_du[i]});
-  }
   if constexpr (Mode::kStanceFeet > 0) {
-    // H = [1 l; 0 1]' diag(hxx, hzz - l hxz) [1 l; 0 1]: two rows.
-    const ForceCost cost(data, batch, it.u, Mode::kFirstStance);
-    const Batch l = cost.hxz / cost.hxx;
-    rows.add_force({cost.gx, cost.hxx}, l);
-    rows.add_vertical_force({cost.gz - l * cost.gx, cost.hzz - l * cost.hxz});
+    rows.add_force(combined_force, l);
+    rows.add_vertical_force(vertical_force);
   }
   if constexpr (DenseRows<Mode>::kUniform) {
     const UniformWeights<Mode> weights(data, batch, it, constraint);
