@@ -123,8 +123,9 @@ class DenseRows {
   STILT_INLINE void add_row(const UnitTerm& term, const Batch& step, const Batch* by_z,
                             const ByState& by_state) noexcept {
     Batch* row = rows_[count_];
-    const auto store = [&](auto column, const Batch& entry) STILT_INLINE { row[column] = entry; };
-    const Batch reached = step + constraint_.substitute(by_z, by_state, store);
+    const ReducedRow<Mode, ByState> reduced(constraint_, by_z, by_state);
+    lq::unroll<Mode::kReducedColumns>([&](auto c) STILT_INLINE { row[c] = reduced.template entry<c>(); });
+    const Batch reached = step + reduced.step_through_z();
     for (int c = Mode::kReducedColumns; c < kColumns; ++c) row[c] = Batch(0.0);
     constraint_step_slope_ += term.slope * reached;
     slope_[count_++] = term.slope + reached;

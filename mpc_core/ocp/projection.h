@@ -341,30 +341,50 @@ struct ConstraintElimination {
     }
     for (int k = 0; k < Mode::kFree; ++k) triangular.axis(kRows + k, W[k]);
   }
+};
 
-  /// Row over (dz_b, dx, w) of a quantity, from its derivatives `by_z` and, with z constant, by_state(c) by
-  /// column c of dx. Calls store(column, entry) for each column. Returns the quantity's step through z at dx
-  /// = 0, w = 0.
-  template <class ByState, class Store>
-  STILT_INLINE Batch substitute(const Batch* by_z, const ByState& by_state,
-                                const Store& store) const noexcept {
-    Batch through[Mode::kConstraints];
-    Batch by_z_b = Batch(0.0);
+/// Row over (dz_b, dx, w) of a quantity, from its derivatives `by_z` and, with z constant, by_state(c) by
+/// column c of dx. Its entries are computed in registers where they are used.
+template <class Mode, class ByState>
+class ReducedRow {
+ public:
+  STILT_INLINE ReducedRow(const ConstraintElimination<Mode>& constraint, const Batch* by_z,
+                          const ByState& by_state) noexcept
+      : constraint_(constraint), by_z_(by_z), by_state_(by_state) {
     for (int r = 0; r < Mode::kConstraints; ++r) {
-      through[r] = over_variables<Mode>(by_z, Y[r]);
-      by_z_b += through[r] * by_height[r];
+      through_[r] = over_variables<Mode>(by_z, constraint.Y[r]);
     }
-    store(std::integral_constant<int, kHeightColumn>{}, by_z_b);
-    lq::unroll<kStateColumns>([&](auto c) STILT_INLINE {
-      Batch sum = by_state(c);
-      for (int r = 0; r < Mode::kConstraints; ++r) sum += through[r] * row[r][c];
-      store(std::integral_constant<int, kFirstStateColumn + c>{}, sum);
-    });
-    lq::unroll<Mode::kFree>([&](auto k) STILT_INLINE {
-      store(std::integral_constant<int, kFirstFree + k>{}, over_variables<Mode>(by_z, W[k]));
-    });
-    return over_variables<Mode>(by_z, z0);
   }
+
+  template <int column>
+  [[nodiscard]] STILT_INLINE Batch entry() const noexcept {
+    if constexpr (column >= kFirstFree) {
+      return over_variables<Mode>(by_z_, constraint_.W[column - kFirstFree]);
+    } else {
+      constexpr int kState = column - kFirstStateColumn;
+      Batch sum = Batch(0.0);
+      if constexpr (column != kHeightColumn) sum = by_state_(std::integral_constant<int, kState>{});
+      for (int r = 0; r < Mode::kConstraints; ++r) {
+        if constexpr (column == kHeightColumn) {
+          sum += through_[r] * constraint_.by_height[r];
+        } else {
+          sum += through_[r] * constraint_.row[r][kState];
+        }
+      }
+      return sum;
+    }
+  }
+
+  /// The quantity's step through z at dx = 0, w = 0.
+  [[nodiscard]] STILT_INLINE Batch step_through_z() const noexcept {
+    return over_variables<Mode>(by_z_, constraint_.z0);
+  }
+
+ private:
+  const ConstraintElimination<Mode>& constraint_;
+  const Batch* by_z_;
+  const ByState& by_state_;
+  Batch through_[Mode::kConstraints];
 };
 
 }  // namespace stilt::ocp
