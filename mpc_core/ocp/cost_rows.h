@@ -1,7 +1,5 @@
 #pragma once
 
-#include <algorithm>
-
 #include "mpc_core/ocp/projection.h"
 
 /// The rows whose weighted outer products add up to the Hessian of a batch's cost, see quadratic_cost.h.

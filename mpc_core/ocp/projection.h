@@ -249,8 +249,8 @@ struct ForceElimination {
 struct One {};
 [[nodiscard]] STILT_INLINE inline const Batch& operator*(One, const Batch& entry) noexcept { return entry; }
 
-/// Row of a quantity over (dx, z) with the forces substituted, from its derivatives. Its entries are computed
-/// in registers where they are used.
+/// Row of a quantity over (dx, z) with the forces substituted, from its derivatives; a `scale` multiplies the
+/// whole row. Its entries are computed in registers where they are used.
 template <class Mode, class Scale = One>
 struct SubstitutedRow {
   const ForceElimination<Mode>& force;

@@ -213,6 +213,9 @@ constexpr int omega_column(int i) noexcept {
   return kFirstStateColumn + kOmegaColumn + model::kChainAngles[foot][i];
 }
 
+/// Column of the velocity of the base along an axis.
+constexpr int velocity_column(int axis) noexcept { return kFirstStateColumn + kVelocityColumn + axis; }
+
 /// Adds both axes of one foot. p_i: derivative of a position by angle i of the chain, and of the velocity by
 /// that angle's rate. d_i: derivative of the velocity by the angle. theta_i moves (p, v) by (p_i, d_i),
 /// omega_i by (0, p_i), the base by (1, 0) and (0, 1).
@@ -221,39 +224,40 @@ STILT_INLINE inline void add_foot(const ProblemData& data, const StageBatch& bat
                                   const model::NodeDerivatives<Batch>& node, QuadraticCost& out) noexcept {
   using model::kChain;
   constexpr bool kStance = Mode::stance(foot);
-  Batch theta_theta[kChain][kChain], omega_theta[kChain][kChain], omega_omega[kChain][kChain];
-  Batch theta_gradient[kChain], omega_gradient[kChain];
-  lq::unroll<2>([&](auto axis_constant) STILT_INLINE {
-    constexpr int axis = axis_constant;
-    constexpr bool kCoupled = !kStance && axis == 1;  // p and v couple in the swing foot's height only
-    const FootCost cost = foot_cost<kStance, axis>(data, batch, node, foot, out.constraint_step_slope);
-    const Batch(&p)[kChain] = node.foot_position_dchain[2 * foot + axis];
-    const Batch(&d)[kChain] = node.foot_velocity_dchain[2 * foot + axis];
-    constexpr int kVelocity = kFirstStateColumn + kVelocityColumn + axis;
-    if constexpr (axis == 0) {
-      out.x_gradient += cost.gp;
-      out.x_curvature += cost.pp;
-    } else {
-      out.g[kHeightColumn] += cost.gp;
-      out.H[kHeightColumn][kHeightColumn] += cost.pp;
-    }
-    out.g[kVelocity] += cost.gv;
-    out.H[kVelocity][kVelocity] += cost.vv;
-    if constexpr (kCoupled) out.H[kVelocity][kHeightColumn] += cost.pv;
-    const auto add = [](Batch& sum, const Batch& value) STILT_INLINE {
-      if constexpr (axis == 0) {
-        sum = value;
-      } else {
-        sum += value;
-      }
-    };
-    lq::unroll<kChain>([&](auto i) STILT_INLINE {
-      constexpr int kTheta = theta_column<foot>(i);
-      constexpr int kOmega = omega_column<foot>(i);
+  const FootCost costs[2] = {foot_cost<kStance, 0>(data, batch, node, foot, out.constraint_step_slope),
+                             foot_cost<kStance, 1>(data, batch, node, foot, out.constraint_step_slope)};
+  constexpr auto couples = [](int axis) { return !kStance && axis == 1; };  // p with v: swing height only
+  out.x_gradient += costs[0].gp;
+  out.x_curvature += costs[0].pp;
+  out.g[kHeightColumn] += costs[1].gp;
+  out.H[kHeightColumn][kHeightColumn] += costs[1].pp;
+  lq::unroll<2>([&](auto axis) STILT_INLINE {
+    out.g[velocity_column(axis)] += costs[axis].gv;
+    out.H[velocity_column(axis)][velocity_column(axis)] += costs[axis].vv;
+    if constexpr (couples(axis)) out.H[velocity_column(axis)][kHeightColumn] += costs[axis].pv;
+  });
+  // Both axes of a link before the next link: its sums stay in registers.
+  lq::unroll<kChain>([&](auto i) STILT_INLINE {
+    constexpr int kTheta = theta_column<foot>(i);
+    constexpr int kOmega = omega_column<foot>(i);
+    Batch theta_theta[kChain], omega_theta[kChain], omega_omega[kChain];
+    Batch theta_gradient, omega_gradient;
+    lq::unroll<2>([&](auto axis_constant) STILT_INLINE {
+      constexpr int axis = axis_constant;
+      const FootCost& cost = costs[axis];
+      const Batch(&p)[kChain] = node.foot_position_dchain[2 * foot + axis];
+      const Batch(&d)[kChain] = node.foot_velocity_dchain[2 * foot + axis];
+      const auto add = [](Batch& sum, const Batch& value) STILT_INLINE {
+        if constexpr (axis == 0) {
+          sum = value;
+        } else {
+          sum += value;
+        }
+      };
       Batch p_theta = cost.pp * p[i];
       Batch v_theta = cost.vv * d[i];
       const Batch v_omega = cost.vv * p[i];
-      if constexpr (kCoupled) {
+      if constexpr (couples(axis)) {
         p_theta += cost.pv * d[i];
         v_theta += cost.pv * p[i];
         out.H[kOmega][kHeightColumn] += cost.pv * p[i];
@@ -263,32 +267,28 @@ STILT_INLINE inline void add_foot(const ProblemData& data, const StageBatch& bat
       } else {
         out.H[kTheta][kHeightColumn] += p_theta;
       }
-      out.H[kVelocity][kTheta] += v_theta;
-      out.H[kOmega][kVelocity] += v_omega;
-      add(theta_gradient[i], cost.gp * p[i] + cost.gv * d[i]);
-      add(omega_gradient[i], cost.gv * p[i]);
+      out.H[velocity_column(axis)][kTheta] += v_theta;
+      out.H[kOmega][velocity_column(axis)] += v_omega;
+      add(theta_gradient, cost.gp * p[i] + cost.gv * d[i]);
+      add(omega_gradient, cost.gv * p[i]);
       lq::unroll<kChain>([&](auto j) STILT_INLINE {
-        add(omega_theta[i][j], v_omega * d[j]);
-        if constexpr (kCoupled) omega_theta[i][j] += (cost.pv * p[i]) * p[j];
+        add(omega_theta[j], v_omega * d[j]);
+        if constexpr (couples(axis)) omega_theta[j] += (cost.pv * p[i]) * p[j];
         if constexpr (j <= i) {
-          add(theta_theta[i][j], p_theta * p[j] + v_theta * d[j]);
-          add(omega_omega[i][j], v_omega * p[j]);
+          add(theta_theta[j], p_theta * p[j] + v_theta * d[j]);
+          add(omega_omega[j], v_omega * p[j]);
         }
       });
     });
-  });
-  lq::unroll<kChain>([&](auto i) STILT_INLINE {
-    constexpr int kTheta = theta_column<foot>(i);
-    constexpr int kOmega = omega_column<foot>(i);
-    out.g[kTheta] += theta_gradient[i];
-    out.g[kOmega] += omega_gradient[i];
+    out.g[kTheta] += theta_gradient;
+    out.g[kOmega] += omega_gradient;
     lq::unroll<kChain>([&](auto j) STILT_INLINE {
       constexpr int kTheta_j = theta_column<foot>(j);
       constexpr int kOmega_j = omega_column<foot>(j);
-      out.H[kOmega][kTheta_j] += omega_theta[i][j];
+      out.H[kOmega][kTheta_j] += omega_theta[j];
       if constexpr (j <= i) {
-        out.H[kTheta][kTheta_j] += theta_theta[i][j];
-        out.H[kOmega][kOmega_j] += omega_omega[i][j];
+        out.H[kTheta][kTheta_j] += theta_theta[j];
+        out.H[kOmega][kOmega_j] += omega_omega[j];
       }
     });
   });
