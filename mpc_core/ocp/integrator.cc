@@ -1,7 +1,5 @@
 #include "mpc_core/ocp/integrator.h"
 
-#include <algorithm>
-
 #include "mpc_core/lq/simd_columns.h"
 
 namespace stilt::ocp {
@@ -31,8 +29,9 @@ constexpr double position_weight(const Tableau& t, int i) noexcept {
 
 /// State of stage i from the accelerations of the two stages before. The dynamics do not depend on x and z of
 /// the base.
-void stage_state(const Tableau& t, int i, const Batch* x, const Batch* u, const Batch& h,
-                 const Batch pitch_acceleration[4], Batch* xi) noexcept {
+template <const Tableau& t, int i>
+STILT_INLINE inline void stage_state(const Batch* x, const Batch* u, const Batch& h,
+                                     const Batch pitch_acceleration[4], Batch* xi) noexcept {
   const Batch ch = t.c[i] * h;
   const Batch cch = t.c[i] * t.c[i - 1] * h * h;
   for (int j = 0; j < kFirstAngle; ++j) {
@@ -42,7 +41,7 @@ void stage_state(const Tableau& t, int i, const Batch* x, const Batch* u, const 
   const int pitch = kFirstAngle;
   xi[kPositions + pitch] = x[kPositions + pitch] + ch * pitch_acceleration[i - 1];
   xi[pitch] = x[pitch] + ch * x[kPositions + pitch];
-  if (i >= 2) xi[pitch] += cch * pitch_acceleration[i - 2];
+  if constexpr (i >= 2) xi[pitch] += cch * pitch_acceleration[i - 2];
   for (int j = 0; j < kJoints; ++j) {
     const int q = kFirstJoint + j;
     xi[kPositions + q] = x[kPositions + q] + ch * u[j];
@@ -59,50 +58,53 @@ void average(const model::RobotModel& robot, const Batch* x, const Batch* u, con
     motion.for_position[r] = position_weight(t, 0) * first_acceleration[r];
     motion.for_velocity[r] = t.b[0] * first_acceleration[r];
   }
-  for (int i = 1; i < t.stages; ++i) {
+  lq::unroll<t.stages - 1>([&](auto stage) STILT_INLINE {
+    constexpr int i = stage + 1;
     Batch xi[kStates];
-    stage_state(t, i, x, u, h, pitch_acceleration, xi);
+    stage_state<t, i>(x, u, h, pitch_acceleration, xi);
     model::FlowTerms<Batch> flow;
     robot.flow(xi, u, flow);
     pitch_acceleration[i] = flow.base_acceleration[2];
     for (int r = 0; r < 3; ++r) {
-      if (position_weight(t, i) != 0.0) {
+      if constexpr (position_weight(t, i) != 0.0) {
         motion.for_position[r] += position_weight(t, i) * flow.base_acceleration[r];
       }
       motion.for_velocity[r] += t.b[i] * flow.base_acceleration[r];
     }
+  });
+}
+
+/// Derivative by column c (theta, omega, u) of row r of the base acceleration.
+template <int c, class Terms>
+[[nodiscard]] STILT_INLINE inline const Batch& slope_of(const Terms& terms, int r) noexcept {
+  if constexpr (c < kAngles) {
+    return terms.base_acceleration_dtheta[r][c];
+  } else if constexpr (c < 2 * kAngles) {
+    return terms.base_acceleration_domega[r][c - kAngles];
+  } else {
+    return terms.base_acceleration_du[r][c - 2 * kAngles];
   }
 }
 
-/// Derivatives of one row of the base acceleration by theta, omega and u.
-struct FlowRow {
-  const Batch* theta;
-  const Batch* omega;
-  const Batch* input;
-};
-
-/// Derivatives of that row at stage i by the state at the start of the step. They act through the stage's
-/// angles and rates, which follow from theta, omega and the joint accelerations. They also act through the
-/// pitch, moved by the accelerations of the stages before. `pitch_slope[m]`: derivatives of stage m's pitch
-/// acceleration.
-template <const Tableau& t, int i>
-STILT_INLINE inline Batch stage_slope(const FlowRow& row, const Batch& ch, const Batch& cch,
-                                      const Batch* const* pitch_slope, int c) noexcept {
-  Batch slope;
-  if (c < kAngles) {
-    slope = row.theta[c];
-  } else if (c < 2 * kAngles) {
-    slope = ch * row.theta[c - kAngles] + row.omega[c - kAngles];
-  } else {
-    slope = row.input[c - 2 * kAngles];
-    if (c - 2 * kAngles < kJoints) {
-      const int angle = 1 + c - 2 * kAngles;
-      slope += ch * row.omega[angle];
-      if constexpr (t.c[i] * t.c[i - 1] != 0.0) slope += cch * row.theta[angle];
-    }
+/// Derivative by column c of row r of the base acceleration at stage i, by the state at the start of the
+/// step. It acts through the stage's angles and rates, which follow from theta, omega and the joint
+/// accelerations. It also acts through the pitch, moved by the accelerations of the stages before.
+/// `pitch_slope(m)`: derivative of stage m's pitch acceleration.
+template <const Tableau& t, int i, int c, class PitchSlope>
+STILT_INLINE inline Batch stage_slope(const model::FlowDerivatives<Batch>& flow, int r, const Batch& ch,
+                                      const Batch& cch, const PitchSlope& pitch_slope) noexcept {
+  const Batch* theta = flow.base_acceleration_dtheta[r];
+  const Batch* omega = flow.base_acceleration_domega[r];
+  Batch slope = slope_of<c>(flow, r);
+  if constexpr (c >= kAngles && c < 2 * kAngles) {
+    slope += ch * theta[c - kAngles];
+  } else if constexpr (c >= 2 * kAngles && c < 2 * kAngles + kJoints) {
+    constexpr int kAngle = 1 + c - 2 * kAngles;
+    slope += ch * omega[kAngle];
+    if constexpr (t.c[i] * t.c[i - 1] != 0.0) slope += cch * theta[kAngle];
   }
-  slope += (ch * row.omega[0]) * pitch_slope[i - 1][c];
-  if constexpr (i >= 2) slope += (cch * row.theta[0]) * pitch_slope[i - 2][c];
+  slope += (ch * omega[0]) * pitch_slope(std::integral_constant<int, i - 1>{});
+  if constexpr (i >= 2) slope += (cch * theta[0]) * pitch_slope(std::integral_constant<int, i - 2>{});
   return slope;
 }
 
@@ -110,18 +112,10 @@ template <const Tableau& t>
 void average_derivatives(const model::RobotModel& robot, const Batch* x, const Batch* u, const Batch& h,
                          const model::NodeDerivatives<Batch>& first, BaseStep& step,
                          IntegratorWorkspace& work) noexcept {
-  constexpr int kColumns = BaseStep::kColumns;
+  constexpr int kPitch = 2;  // row of the base acceleration
   const Batch h2 = h * h;
   Batch pitch_acceleration[4];
-  pitch_acceleration[0] = first.base_acceleration[2];
-  // The pitch row comes first: the other rows need its slopes.
-  const Batch* pitch_slope[4] = {work.pitch_slope[0], work.pitch_slope[1], work.pitch_slope[2], nullptr};
-  std::copy(first.base_acceleration_dtheta[2], first.base_acceleration_dtheta[2] + kAngles,
-            work.pitch_slope[0]);
-  std::copy(first.base_acceleration_domega[2], first.base_acceleration_domega[2] + kAngles,
-            work.pitch_slope[0] + kAngles);
-  std::copy(first.base_acceleration_du[2], first.base_acceleration_du[2] + kInputs,
-            work.pitch_slope[0] + 2 * kAngles);
+  pitch_acceleration[0] = first.base_acceleration[kPitch];
   for (int r = 0; r < 3; ++r) {
     step.for_position[r] = position_weight(t, 0) * first.base_acceleration[r];
     step.for_velocity[r] = t.b[0] * first.base_acceleration[r];
@@ -131,30 +125,32 @@ void average_derivatives(const model::RobotModel& robot, const Batch* x, const B
     constexpr int i = stage + 1;
     constexpr bool kMovesPosition = position_weight(t, i) != 0.0;
     Batch xi[kStates];
-    stage_state(t, i, x, u, h, pitch_acceleration, xi);
+    stage_state<t, i>(x, u, h, pitch_acceleration, xi);
     const model::FlowDerivatives<Batch>& flow = work.flow;
     robot.flow_derivatives(xi, u, work.flow);
-    pitch_acceleration[i] = flow.base_acceleration[2];
+    pitch_acceleration[i] = flow.base_acceleration[kPitch];
     const Batch ch = t.c[i] * h;
     const Batch cch = t.c[i] * t.c[i - 1] * h2;
     const Batch for_position = position_weight(t, i) * h2;
     const Batch for_velocity = t.b[i] * h;
+    const Batch first_position = position_weight(t, 0) * h2;
+    const Batch first_velocity = t.b[0] * h;
     for (int r = 0; r < 3; ++r) {
       if constexpr (kMovesPosition) {
         step.for_position[r] += position_weight(t, i) * flow.base_acceleration[r];
       }
       step.for_velocity[r] += t.b[i] * flow.base_acceleration[r];
-      const FlowRow row{flow.base_acceleration_dtheta[r], flow.base_acceleration_domega[r],
-                        flow.base_acceleration_du[r]};
-      const Batch first_position = position_weight(t, 0) * h2;
-      const Batch first_velocity = t.b[0] * h;
-      lq::unroll<kColumns>([&](auto column) STILT_INLINE {
+      lq::unroll<BaseStep::kColumns>([&](auto column) STILT_INLINE {
         constexpr int c = column;
-        const Batch slope = stage_slope<t, i>(row, ch, cch, pitch_slope, c);
+        const Batch slope = stage_slope<t, i, c>(flow, r, ch, cch, [&](auto m) STILT_INLINE -> const Batch& {
+          if constexpr (m == 0) {
+            return slope_of<c>(first, kPitch);
+          } else {
+            return work.pitch_slope[m - 1][c];
+          }
+        });
         if constexpr (i == 1) {
-          const Batch& start = c < kAngles       ? first.base_acceleration_dtheta[r][c]
-                               : c < 2 * kAngles ? first.base_acceleration_domega[r][c - kAngles]
-                                                 : first.base_acceleration_du[r][c - 2 * kAngles];
+          const Batch& start = slope_of<c>(first, r);
           step.d_position[r][c] = first_position * start;
           step.d_velocity[r][c] = first_velocity * start + for_velocity * slope;
         } else {
@@ -162,7 +158,7 @@ void average_derivatives(const model::RobotModel& robot, const Batch* x, const B
         }
         if constexpr (kMovesPosition) step.d_position[r][c] += for_position * slope;
         if constexpr (i + 1 < t.stages) {
-          if (r == 2) work.pitch_slope[i][c] = slope;
+          if (r == kPitch) work.pitch_slope[i - 1][c] = slope;
         }
       });
     }

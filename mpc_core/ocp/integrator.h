@@ -34,7 +34,7 @@ struct BaseStep : BaseMotion {
 /// Scratch of integrate_base_derivatives; contents need not be initialised.
 struct IntegratorWorkspace {
   model::FlowDerivatives<Batch> flow;
-  Batch pitch_slope[4][BaseStep::kColumns];  ///< derivative of each stage's pitch acceleration
+  Batch pitch_slope[2][BaseStep::kColumns];  ///< derivative of the pitch acceleration at stages 1 and 2
 };
 
 /// Accelerations of the base over one step of duration h (s). `first_acceleration`: base acceleration at the

@@ -35,47 +35,51 @@ void store_dynamics(const StageBatch& batch, const BatchIterate& it, const BaseS
   const Batch h = batch.duration;
   const Batch half_h2 = 0.5 * h * h;
   Batch b[kStates];
-  Batch B[kFree][kStates];
-  Batch L[kConstraints][kStates];
+  Batch base_by_free[kBaseRows][kFree];
   next_state(it.x, it.u, h, step, b);
-  for (int i = 0; i < kStates; ++i) b[i] -= it.x_next[i];
 
   double* rows[kLanes];
   for (int i = 0; i < kBaseRows; ++i) {
     const int axis = i % 3;
     const Batch* slope = i < 3 ? step.d_position[axis] : step.d_velocity[axis];
-    const int state = lq::kBaseRow[i];
     const Slopes slopes{slope, slope + kAngles, slope + 2 * kAngles};
     const SubstitutedRow<Mode> substituted(force, slopes);
-    Batch row[Mode::kReducedColumns];
-    b[state] += substituted.step +
-                constraint.substitute(
-                    substituted.by_z, [&](auto c) STILT_INLINE { return substituted.template by_state<c>(); },
-                    [&](auto c, const Batch& entry) STILT_INLINE { row[c] = entry; });
-    for (int k = 0; k < kFree; ++k) B[k][state] = row[kFirstFree + k];
-    for (int r = 0; r < kConstraints; ++r) L[r][state] = Batch(0.0);
+    const auto by_state = [&](auto c) STILT_INLINE { return substituted.template by_state<c>(); };
+    const ReducedRow<Mode, decltype(by_state)> row(constraint, substituted.by_z, by_state);
+    b[lq::kBaseRow[i]] += substituted.step + row.step_through_z();
+    lq::unroll<kFree>([&](auto k)
+                          STILT_INLINE { base_by_free[i][k] = row.template entry<kFirstFree + k>(); });
     to.rows([&](LqFirstOrder& stage) { return stage.G[i]; }, rows);
-    store_rows<kStates>(rows, [&](auto c) { return c == 0 ? Batch(0.0) : row[c == 0 ? 0 : c - 1]; });
+    store_rows<kStates>(rows, [&](auto c) STILT_INLINE -> Batch {
+      if constexpr (c == 0) {
+        return Batch(0.0);
+      } else {
+        return row.template entry<c - 1>();
+      }
+    });
   }
-  for (int j = 0; j < kJoints; ++j) {
-    const int q = kFirstJoint + j;
-    const int v = kPositions + q;
-    b[q] += half_h2 * constraint.z0[j];
-    b[v] += h * constraint.z0[j];
-    for (int k = 0; k < kFree; ++k) {
-      B[k][q] = half_h2 * constraint.W[k][j];
-      B[k][v] = h * constraint.W[k][j];
-    }
-    for (int r = 0; r < kConstraints; ++r) {
-      L[r][q] = half_h2 * constraint.Y[r][j];
-      L[r][v] = h * constraint.Y[r][j];
-    }
-  }
+  // A column of all states, from its entries in the rows of the base and its joint accelerations.
+  const auto store_column = [&](const auto& base, const Batch* acceleration) STILT_INLINE {
+    store_rows<kStates>(rows, [&](auto state) STILT_INLINE -> Batch {
+      constexpr int kVelocity = state >= kPositions ? 1 : 0;
+      constexpr int kPosition = state - kVelocity * kPositions;
+      if constexpr (kPosition < kFirstJoint) {
+        return base(std::integral_constant<int, kPosition + 3 * kVelocity>{});
+      } else {
+        return (kVelocity ? h : half_h2) * acceleration[kPosition - kFirstJoint];
+      }
+    });
+  };
   to.rows([](LqFirstOrder& stage) { return stage.b; }, rows);
-  store_rows<kStates>(rows, [&](auto i) { return b[i]; });
+  store_rows<kStates>(rows, [&](auto i) STILT_INLINE -> Batch {
+    constexpr int kJoint = i % kPositions - kFirstJoint;
+    Batch entry = b[i] - it.x_next[i];
+    if constexpr (kJoint >= 0) entry += (i < kPositions ? half_h2 : h) * constraint.z0[kJoint];
+    return entry;
+  });
   for (int k = 0; k < kFree; ++k) {
     to.rows([&](LqFirstOrder& stage) { return stage.B[k]; }, rows);
-    store_rows<kStates>(rows, [&](auto i) { return B[k][i]; });
+    store_column([&](auto i) STILT_INLINE { return base_by_free[i][k]; }, constraint.W[k]);
   }
   for (int r = 0; r < kConstraints; ++r) {
     to.rows([&](LqFirstOrder& stage) { return stage.G[kBaseRows + r]; }, rows);
@@ -88,7 +92,7 @@ void store_dynamics(const StageBatch& batch, const BatchIterate& it, const BaseS
         return constraint.row[r][c - kFirstAngle];
     });
     to.rows([&](LqFirstOrder& stage) { return stage.L[r]; }, rows);
-    store_rows<kStates>(rows, [&](auto i) { return L[r][i]; });
+    store_column([](int) STILT_INLINE { return Batch(0.0); }, constraint.Y[r]);
   }
 }
 

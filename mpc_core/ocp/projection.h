@@ -245,25 +245,31 @@ struct ForceElimination {
   }
 };
 
-/// Row of a quantity over (dx, z) with the forces substituted, from its derivatives. Its entries are computed
-/// in registers where they are used.
-template <class Mode>
+/// Factor of a row that is not scaled.
+struct One {};
+[[nodiscard]] STILT_INLINE inline const Batch& operator*(One, const Batch& entry) noexcept { return entry; }
+
+/// Row of a quantity over (dx, z) with the forces substituted, from its derivatives; a `scale` multiplies the
+/// whole row. Its entries are computed in registers where they are used.
+template <class Mode, class Scale = One>
 struct SubstitutedRow {
   const ForceElimination<Mode>& force;
   const Slopes& from;
+  const Scale scale;
   Batch by_force[2];
   Batch by_z[Mode::kVariables];
   Batch step;  ///< at dx = 0, z = 0
 
-  STILT_INLINE SubstitutedRow(const ForceElimination<Mode>& elimination, const Slopes& slopes) noexcept
-      : force(elimination), from(slopes) {
-    step = force.swing_share(from.input);
+  STILT_INLINE SubstitutedRow(const ForceElimination<Mode>& elimination, const Slopes& slopes,
+                              const Scale& by = {}) noexcept
+      : force(elimination), from(slopes), scale(by) {
+    step = scale * force.swing_share(from.input);
     if constexpr (Mode::kStanceFeet > 0) {
-      for (int axis = 0; axis < 2; ++axis) by_force[axis] = from.input[Mode::kFirstForce + axis];
+      for (int axis = 0; axis < 2; ++axis) by_force[axis] = scale * from.input[Mode::kFirstForce + axis];
       step += by_force[0] * force.constant[0] + by_force[1] * force.constant[1];
     }
     lq::unroll<Mode::kVariables>([&](auto v) STILT_INLINE {
-      by_z[v] = from.input[Mode::input(v)];
+      by_z[v] = scale * from.input[Mode::input(v)];
       add_force_share<kStateColumns + v>(by_z[v]);
     });
   }
@@ -273,9 +279,9 @@ struct SubstitutedRow {
   [[nodiscard]] STILT_INLINE Batch by_state() const noexcept {
     Batch sum;
     if constexpr (c < kVelocityColumn) {
-      sum = from.theta[c - kThetaColumn];
+      sum = scale * from.theta[c - kThetaColumn];
     } else if constexpr (c >= kOmegaColumn) {
-      sum = from.omega[c - kOmegaColumn];
+      sum = scale * from.omega[c - kOmegaColumn];
     } else {
       sum = Batch(0.0);
     }
@@ -323,7 +329,6 @@ struct ConstraintElimination {
     const detail::RowTriangularisation<kRows, Mode::kVariables> triangular(m, parameters.rank_tolerance);
     Batch range[kRows][Mode::kVariables];
     for (int r = 0; r < kRows; ++r) triangular.axis(r, range[r]);
-    for (Batch& entry : z0) entry = Batch(0.0);
     for (int r = 0; r < kRows; ++r) {
       Batch y[kRows];
       for (int s = 0; s < kRows; ++s) y[s] = Batch(s == r ? -1.0 : 0.0);
@@ -331,35 +336,55 @@ struct ConstraintElimination {
       for (int v = 0; v < Mode::kVariables; ++v) {
         Y[r][v] = y[0] * range[0][v];
         for (int s = 1; s < kRows; ++s) Y[r][v] += y[s] * range[s][v];
-        z0[v] += Y[r][v] * residual[r];
+        z0[v] = r == 0 ? Y[r][v] * residual[r] : z0[v] + Y[r][v] * residual[r];
       }
     }
     for (int k = 0; k < Mode::kFree; ++k) triangular.axis(kRows + k, W[k]);
   }
+};
 
-  /// Row over (dz_b, dx, w) of a quantity, from its derivatives `by_z` and, with z constant, by_state(c) by
-  /// column c of dx. Calls store(column, entry) for each column. Returns the quantity's step through z at dx
-  /// = 0, w = 0.
-  template <class ByState, class Store>
-  STILT_INLINE Batch substitute(const Batch* by_z, const ByState& by_state,
-                                const Store& store) const noexcept {
-    Batch through[Mode::kConstraints];
-    Batch by_z_b = Batch(0.0);
+/// Row over (dz_b, dx, w) of a quantity, from its derivatives `by_z` and, with z constant, by_state(c) by
+/// column c of dx. Its entries are computed in registers where they are used.
+template <class Mode, class ByState>
+class ReducedRow {
+ public:
+  STILT_INLINE ReducedRow(const ConstraintElimination<Mode>& constraint, const Batch* by_z,
+                          const ByState& by_state) noexcept
+      : constraint_(constraint), by_z_(by_z), by_state_(by_state) {
     for (int r = 0; r < Mode::kConstraints; ++r) {
-      through[r] = over_variables<Mode>(by_z, Y[r]);
-      by_z_b += through[r] * by_height[r];
+      through_[r] = over_variables<Mode>(by_z, constraint.Y[r]);
     }
-    store(std::integral_constant<int, kHeightColumn>{}, by_z_b);
-    lq::unroll<kStateColumns>([&](auto c) STILT_INLINE {
-      Batch sum = by_state(c);
-      for (int r = 0; r < Mode::kConstraints; ++r) sum += through[r] * row[r][c];
-      store(std::integral_constant<int, kFirstStateColumn + c>{}, sum);
-    });
-    lq::unroll<Mode::kFree>([&](auto k) STILT_INLINE {
-      store(std::integral_constant<int, kFirstFree + k>{}, over_variables<Mode>(by_z, W[k]));
-    });
-    return over_variables<Mode>(by_z, z0);
   }
+
+  template <int column>
+  [[nodiscard]] STILT_INLINE Batch entry() const noexcept {
+    if constexpr (column >= kFirstFree) {
+      return over_variables<Mode>(by_z_, constraint_.W[column - kFirstFree]);
+    } else {
+      constexpr int kState = column - kFirstStateColumn;
+      Batch sum = Batch(0.0);
+      if constexpr (column != kHeightColumn) sum = by_state_(std::integral_constant<int, kState>{});
+      for (int r = 0; r < Mode::kConstraints; ++r) {
+        if constexpr (column == kHeightColumn) {
+          sum += through_[r] * constraint_.by_height[r];
+        } else {
+          sum += through_[r] * constraint_.row[r][kState];
+        }
+      }
+      return sum;
+    }
+  }
+
+  /// The quantity's step through z at dx = 0, w = 0.
+  [[nodiscard]] STILT_INLINE Batch step_through_z() const noexcept {
+    return over_variables<Mode>(by_z_, constraint_.z0);
+  }
+
+ private:
+  const ConstraintElimination<Mode>& constraint_;
+  const Batch* by_z_;
+  const ByState& by_state_;
+  Batch through_[Mode::kConstraints];
 };
 
 }  // namespace stilt::ocp

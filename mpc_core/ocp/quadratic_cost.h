@@ -17,9 +17,6 @@
 /// Gradients are those on the constraints, at dx = 0 and w = 0.
 namespace stilt::ocp {
 
-/// Index of the first joint among the angles; pitch comes first.
-inline constexpr int kFirstJointAngle = model::kFirstJoint - model::kFirstAngle;
-
 /// Slope and Hessian of weight and friction cone over the force (fx, fz) of a stance foot.
 struct ForceCost {
   Batch gx, gz, hxx, hxz, hzz;
@@ -53,8 +50,8 @@ class UniformWeights {
 
   void add_constraint(DenseRows<Mode>& rows) const noexcept {
     const Batch* Y = constraint_.Y[0];
-    rows.add_constraint(over_variables<Mode>(slope_, Y) + weight_ * over_variables<Mode>(constraint_.z0, Y),
-                        weight_ * over_variables<Mode>(Y, Y));
+    rows.add_constraint({over_variables<Mode>(slope_, Y) + weight_ * over_variables<Mode>(constraint_.z0, Y),
+                         weight_ * over_variables<Mode>(Y, Y)});
   }
 
   void add_free(QuadraticCost& out) const noexcept {
@@ -80,7 +77,7 @@ void add_variables(const ProblemData& data, const StageBatch& batch, const Batch
     const Batch weight = batch.duration * data.input_weight[j];
     Batch by_z[Mode::kVariables] = {};
     by_z[j] = Batch(1.0);
-    rows.add_variables(weight * (it.u[j] - batch.u_ref[j]), weight, by_z);
+    rows.add_variables({weight * (it.u[j] - batch.u_ref[j]), weight}, by_z);
   }
   if constexpr (Mode::kStanceFeet == 2) {
     const ForceCost cost(data, batch, it.u, 1);
@@ -88,10 +85,10 @@ void add_variables(const ProblemData& data, const StageBatch& batch, const Batch
     Batch by_z[Mode::kVariables] = {};
     by_z[kJoints] = Batch(1.0);
     by_z[kJoints + 1] = l;
-    rows.add_variables(cost.gx, cost.hxx, by_z);
+    rows.add_variables({cost.gx, cost.hxx}, by_z);
     by_z[kJoints] = Batch(0.0);
     by_z[kJoints + 1] = Batch(1.0);
-    rows.add_variables(cost.gz - l * cost.gx, cost.hzz - l * cost.hxz, by_z);
+    rows.add_variables({cost.gz - l * cost.gx, cost.hzz - l * cost.hxz}, by_z);
   }
 }
 
@@ -102,33 +99,47 @@ void add_input_terms(const ProblemData& data, const StageBatch& batch, const Bat
                      const ConstraintElimination<Mode>& constraint, QuadraticCost& out) noexcept {
   using model::kJoints;
   const Batch h = batch.duration;
-  DenseRows<Mode> rows(force, constraint);
-  BarrierSlope velocity[kJoints];
-  for (int j = 0; j < kJoints; ++j) {
-    const TorqueLimitCost limit(data.inequality.joint_torque, data.limits, j, node.joint_torque[j],
-                                it.x[model::kPositions + model::kFirstJoint + j]);
-    Batch by_omega[model::kAngles];
-    std::copy(node.joint_torque_domega[j], node.joint_torque_domega[j] + model::kAngles, by_omega);
-    by_omega[kFirstJointAngle + j] += limit.by_velocity;
-    rows.add(h * limit.combined.first, h * limit.combined.second,
-             {node.joint_torque_dtheta[j], by_omega, node.joint_torque_du[j]});
-    velocity[j] = limit.velocity;
-  }
+  // All terms before the first row: their divisions and roots take as long as several rows.
   const Batch acceleration_weight = h * data.cost.foot_acceleration;
+  UnitTerm acceleration[model::kFeet];
   for (int foot = 0; foot < model::kFeet; ++foot) {
     if (Mode::stance(foot)) continue;
     const int i = 2 * foot;
-    rows.add(
-        acceleration_weight * (node.foot_acceleration[i] - batch.foot_acceleration_ref[i]),
-        acceleration_weight,
-        {node.foot_acceleration_dtheta[i], node.foot_acceleration_domega[i], node.foot_acceleration_du[i]});
+    acceleration[foot] =
+        UnitTerm(acceleration_weight * (node.foot_acceleration[i] - batch.foot_acceleration_ref[i]),
+                 acceleration_weight);
+  }
+  TorqueLimitCost limit[kJoints];
+  UnitTerm torque[kJoints];
+  for (int j = 0; j < kJoints; ++j) {
+    limit[j] = TorqueLimitCost(data.inequality.joint_torque, data.limits, j, node.joint_torque[j],
+                               it.x[model::kPositions + model::kFirstJoint + j]);
+    torque[j] = UnitTerm(h * limit[j].combined.first, h * limit[j].combined.second);
+  }
+  // H = [1 l; 0 1]' diag(hxx, hzz - l hxz) [1 l; 0 1] of the stance force: two rows.
+  UnitTerm combined_force, vertical_force;
+  Batch l;
+  if constexpr (Mode::kStanceFeet > 0) {
+    const ForceCost cost(data, batch, it.u, Mode::kFirstStance);
+    l = cost.hxz / cost.hxx;
+    combined_force = UnitTerm(cost.gx, cost.hxx);
+    vertical_force = UnitTerm(cost.gz - l * cost.gx, cost.hzz - l * cost.hxz);
+  }
+
+  DenseRows<Mode> rows(force, constraint);
+  for (int foot = 0; foot < model::kFeet; ++foot) {
+    if (Mode::stance(foot)) continue;
+    const int i = 2 * foot;
+    rows.add(acceleration[foot], {node.foot_acceleration_dtheta[i], node.foot_acceleration_domega[i],
+                                  node.foot_acceleration_du[i]});
+  }
+  for (int j = 0; j < kJoints; ++j) {
+    rows.add(torque[j], {node.joint_torque_dtheta[j], node.joint_torque_domega[j], node.joint_torque_du[j]},
+             j, limit[j].by_velocity);
   }
   if constexpr (Mode::kStanceFeet > 0) {
-    // H = [1 l; 0 1]' diag(hxx, hzz - l hxz) [1 l; 0 1]: two rows.
-    const ForceCost cost(data, batch, it.u, Mode::kFirstStance);
-    const Batch l = cost.hxz / cost.hxx;
-    rows.add_force(cost.gx, cost.hxx, l);
-    rows.add_vertical_force(cost.gz - l * cost.gx, cost.hzz - l * cost.hxz);
+    rows.add_force(combined_force, l);
+    rows.add_vertical_force(vertical_force);
   }
   if constexpr (DenseRows<Mode>::kUniform) {
     const UniformWeights<Mode> weights(data, batch, it, constraint);
@@ -141,8 +152,8 @@ void add_input_terms(const ProblemData& data, const StageBatch& batch, const Bat
   }
   for (int j = 0; j < kJoints; ++j) {
     const int column = kFirstStateColumn + kOmegaColumn + kFirstJointAngle + j;
-    out.g[column] += h * velocity[j].first;
-    out.H[column][column] += h * velocity[j].second;
+    out.g[column] += h * limit[j].velocity.first;
+    out.H[column][column] += h * limit[j].velocity.second;
   }
   for (int i = 0; i < 2 * model::kFeet; ++i) {
     if (Mode::stance(i / 2)) continue;
@@ -202,6 +213,9 @@ constexpr int omega_column(int i) noexcept {
   return kFirstStateColumn + kOmegaColumn + model::kChainAngles[foot][i];
 }
 
+/// Column of the velocity of the base along an axis.
+constexpr int velocity_column(int axis) noexcept { return kFirstStateColumn + kVelocityColumn + axis; }
+
 /// Adds both axes of one foot. p_i: derivative of a position by angle i of the chain, and of the velocity by
 /// that angle's rate. d_i: derivative of the velocity by the angle. theta_i moves (p, v) by (p_i, d_i),
 /// omega_i by (0, p_i), the base by (1, 0) and (0, 1).
@@ -210,39 +224,40 @@ STILT_INLINE inline void add_foot(const ProblemData& data, const StageBatch& bat
                                   const model::NodeDerivatives<Batch>& node, QuadraticCost& out) noexcept {
   using model::kChain;
   constexpr bool kStance = Mode::stance(foot);
-  Batch theta_theta[kChain][kChain], omega_theta[kChain][kChain], omega_omega[kChain][kChain];
-  Batch theta_gradient[kChain], omega_gradient[kChain];
-  lq::unroll<2>([&](auto axis_constant) STILT_INLINE {
-    constexpr int axis = axis_constant;
-    constexpr bool kCoupled = !kStance && axis == 1;  // p and v couple in the swing foot's height only
-    const FootCost cost = foot_cost<kStance, axis>(data, batch, node, foot, out.constraint_step_slope);
-    const Batch(&p)[kChain] = node.foot_position_dchain[2 * foot + axis];
-    const Batch(&d)[kChain] = node.foot_velocity_dchain[2 * foot + axis];
-    constexpr int kVelocity = kFirstStateColumn + kVelocityColumn + axis;
-    if constexpr (axis == 0) {
-      out.x_gradient += cost.gp;
-      out.x_curvature += cost.pp;
-    } else {
-      out.g[kHeightColumn] += cost.gp;
-      out.H[kHeightColumn][kHeightColumn] += cost.pp;
-    }
-    out.g[kVelocity] += cost.gv;
-    out.H[kVelocity][kVelocity] += cost.vv;
-    if constexpr (kCoupled) out.H[kVelocity][kHeightColumn] += cost.pv;
-    const auto add = [](Batch& sum, const Batch& value) STILT_INLINE {
-      if constexpr (axis == 0) {
-        sum = value;
-      } else {
-        sum += value;
-      }
-    };
-    lq::unroll<kChain>([&](auto i) STILT_INLINE {
-      constexpr int kTheta = theta_column<foot>(i);
-      constexpr int kOmega = omega_column<foot>(i);
+  const FootCost costs[2] = {foot_cost<kStance, 0>(data, batch, node, foot, out.constraint_step_slope),
+                             foot_cost<kStance, 1>(data, batch, node, foot, out.constraint_step_slope)};
+  constexpr auto couples = [](int axis) { return !kStance && axis == 1; };  // p with v: swing height only
+  out.x_gradient += costs[0].gp;
+  out.x_curvature += costs[0].pp;
+  out.g[kHeightColumn] += costs[1].gp;
+  out.H[kHeightColumn][kHeightColumn] += costs[1].pp;
+  lq::unroll<2>([&](auto axis) STILT_INLINE {
+    out.g[velocity_column(axis)] += costs[axis].gv;
+    out.H[velocity_column(axis)][velocity_column(axis)] += costs[axis].vv;
+    if constexpr (couples(axis)) out.H[velocity_column(axis)][kHeightColumn] += costs[axis].pv;
+  });
+  // Both axes of a link before the next link: its sums stay in registers.
+  lq::unroll<kChain>([&](auto i) STILT_INLINE {
+    constexpr int kTheta = theta_column<foot>(i);
+    constexpr int kOmega = omega_column<foot>(i);
+    Batch theta_theta[kChain], omega_theta[kChain], omega_omega[kChain];
+    Batch theta_gradient, omega_gradient;
+    lq::unroll<2>([&](auto axis_constant) STILT_INLINE {
+      constexpr int axis = axis_constant;
+      const FootCost& cost = costs[axis];
+      const Batch(&p)[kChain] = node.foot_position_dchain[2 * foot + axis];
+      const Batch(&d)[kChain] = node.foot_velocity_dchain[2 * foot + axis];
+      const auto add = [](Batch& sum, const Batch& value) STILT_INLINE {
+        if constexpr (axis == 0) {
+          sum = value;
+        } else {
+          sum += value;
+        }
+      };
       Batch p_theta = cost.pp * p[i];
       Batch v_theta = cost.vv * d[i];
       const Batch v_omega = cost.vv * p[i];
-      if constexpr (kCoupled) {
+      if constexpr (couples(axis)) {
         p_theta += cost.pv * d[i];
         v_theta += cost.pv * p[i];
         out.H[kOmega][kHeightColumn] += cost.pv * p[i];
@@ -252,32 +267,28 @@ STILT_INLINE inline void add_foot(const ProblemData& data, const StageBatch& bat
       } else {
         out.H[kTheta][kHeightColumn] += p_theta;
       }
-      out.H[kVelocity][kTheta] += v_theta;
-      out.H[kOmega][kVelocity] += v_omega;
-      add(theta_gradient[i], cost.gp * p[i] + cost.gv * d[i]);
-      add(omega_gradient[i], cost.gv * p[i]);
+      out.H[velocity_column(axis)][kTheta] += v_theta;
+      out.H[kOmega][velocity_column(axis)] += v_omega;
+      add(theta_gradient, cost.gp * p[i] + cost.gv * d[i]);
+      add(omega_gradient, cost.gv * p[i]);
       lq::unroll<kChain>([&](auto j) STILT_INLINE {
-        add(omega_theta[i][j], v_omega * d[j]);
-        if constexpr (kCoupled) omega_theta[i][j] += (cost.pv * p[i]) * p[j];
+        add(omega_theta[j], v_omega * d[j]);
+        if constexpr (couples(axis)) omega_theta[j] += (cost.pv * p[i]) * p[j];
         if constexpr (j <= i) {
-          add(theta_theta[i][j], p_theta * p[j] + v_theta * d[j]);
-          add(omega_omega[i][j], v_omega * p[j]);
+          add(theta_theta[j], p_theta * p[j] + v_theta * d[j]);
+          add(omega_omega[j], v_omega * p[j]);
         }
       });
     });
-  });
-  lq::unroll<kChain>([&](auto i) STILT_INLINE {
-    constexpr int kTheta = theta_column<foot>(i);
-    constexpr int kOmega = omega_column<foot>(i);
-    out.g[kTheta] += theta_gradient[i];
-    out.g[kOmega] += omega_gradient[i];
+    out.g[kTheta] += theta_gradient;
+    out.g[kOmega] += omega_gradient;
     lq::unroll<kChain>([&](auto j) STILT_INLINE {
       constexpr int kTheta_j = theta_column<foot>(j);
       constexpr int kOmega_j = omega_column<foot>(j);
-      out.H[kOmega][kTheta_j] += omega_theta[i][j];
+      out.H[kOmega][kTheta_j] += omega_theta[j];
       if constexpr (j <= i) {
-        out.H[kTheta][kTheta_j] += theta_theta[i][j];
-        out.H[kOmega][kOmega_j] += omega_omega[i][j];
+        out.H[kTheta][kTheta_j] += theta_theta[j];
+        out.H[kOmega][kOmega_j] += omega_omega[j];
       }
     });
   });
@@ -293,7 +304,7 @@ void add_state_terms(const ProblemData& data, const StageBatch& batch, const Bat
   const Batch h = batch.duration;
   out.x_curvature = h * data.state_weight[0];
   out.x_gradient = out.x_curvature * (it.x[0] - batch.x_ref[0]);
-  for (Batch& entry : out.x_by_theta) entry = Batch(0.0);
+  lq::unroll<model::kAngles>([&](auto i) STILT_INLINE { out.x_by_theta[i] = Batch(0.0); });
   const Batch height_weight = h * data.state_weight[1];
   out.H[kHeightColumn][kHeightColumn] += height_weight;
   out.g[kHeightColumn] += height_weight * (it.x[1] - batch.x_ref[1]);

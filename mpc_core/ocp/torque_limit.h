@@ -32,6 +32,7 @@ struct TorqueLimitCost {
   BarrierSlope combined;  ///< by tau + m v
   BarrierSlope velocity;  ///< by v alone, the remaining term
 
+  TorqueLimitCost() = default;
   TorqueLimitCost(const BarrierParameters& p, const JointLimits& limits, int joint, const Batch& torque,
                   const Batch& v) noexcept {
     const TorqueMargins margins(limits, joint, torque, v);
