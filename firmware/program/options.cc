@@ -275,7 +275,7 @@ std::expected<Options, std::string> read_options(int argc, char** argv, const st
       "Exit status: 0 ended as requested, 1 a fault stopped the robot or a check failed, 2 bad usage.");
   add_examples(app, kExamples);
   try {
-    app.parse(argc, argv);
+    parse(app, {argv + 1, argv + argc});
   } catch (const CLI::Success& help_or_version) {
     app.exit(help_or_version);
     options.task = Task::nothing;

@@ -41,9 +41,9 @@ int refuse(std::string message) {
   return kBadUsage;
 }
 
-/// The words after the program's name, last first, as CLI11 takes them. `stilt help sim` is `stilt sim
-/// --help`, `stilt version` is `stilt --version`.
-std::vector<std::string> reversed_arguments(int argc, char** argv) {
+/// The words after the program's name. `stilt help sim` is `stilt sim --help`, `stilt version` is `stilt
+/// --version`.
+std::vector<std::string> arguments(int argc, char** argv) {
   std::vector<std::string> words(argv + 1, argv + argc);
   if (!words.empty() && words.front() == "help") {
     words.erase(words.begin());
@@ -51,7 +51,6 @@ std::vector<std::string> reversed_arguments(int argc, char** argv) {
   } else if (words == std::vector<std::string>{"version"}) {
     words = {"--version"};
   }
-  std::ranges::reverse(words);
   return words;
 }
 
@@ -93,7 +92,7 @@ int run(int argc, char** argv) {
 
   stilt::cli::add_examples(program);
   try {
-    program.parse(reversed_arguments(argc, argv));
+    stilt::program::parse(program, arguments(argc, argv));
   } catch (const CLI::Success& help_or_version) {
     return program.exit(help_or_version);
   } catch (const CLI::ParseError& error) {
