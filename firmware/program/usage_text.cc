@@ -71,8 +71,11 @@ std::string missing_command(const Command& command) {
   return words.front() + " is no command" + (likely.empty() ? "; there are " + listed(names) : likely);
 }
 
-std::string unexpected_word(const Command& command) {
+std::string unexpected_word(const CLI::App& program, const Command& command) {
   const Names words = command.app->remaining();
+  if (command.app != &program && contains(commands_of(program), words.front())) {
+    return words.front() + " is a second command; give one at a time";
+  }
   const auto option =
       std::ranges::find_if(words, [](const std::string& word) { return word.starts_with("-"); });
   if (option == words.end()) return words.front() + " is not expected";
@@ -119,7 +122,7 @@ std::string usage_text(const CLI::App& program, const CLI::ParseError& error) {
   if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr && lacks_command) {
     text = missing_command(command);
   } else if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr && !command.app->remaining().empty()) {
-    text = unexpected_word(command);
+    text = unexpected_word(program, command);
   }
   const std::string_view prefix = std::string_view(command.words).substr(program.get_name().size());
   return (prefix.empty() ? "" : std::string(prefix.substr(1)) + ": ") + text + "; see " + command.words +

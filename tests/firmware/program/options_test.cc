@@ -75,6 +75,16 @@ TEST(Options, AnEmptyValueIsRefusedAndNoDefaultTakenInItsPlace) {
   EXPECT_NE(mistake({"jog", "", "0.3"}).find("jog: joint: its value is empty"), std::string::npos);
 }
 
+TEST(Options, ASecondCommandIsRefused) {
+  EXPECT_EQ(mistake({"scan", "jog", "hip_L", "0.3"}),
+            "scan: jog is a second command; give one at a time; see stiltd scan --help");
+  EXPECT_NE(mistake({"selftest", "--seconds", "2", "identify", "--torque-limit", "0.3"})
+                .find("selftest: identify is a second command"),
+            std::string::npos);
+  EXPECT_NE(mistake({"scan", "scan"}).find("scan is a second command"), std::string::npos);
+  EXPECT_EQ(read({"--lockstep", "scan"})->task, Task::scan) << "options before the command";
+}
+
 TEST(Options, MistakesOfTheConfigurationAreAllReported) {
   const std::string text = mistake({"--set", "gait.swing_height_m=5", "--set", "supervisor.hot=1"});
   EXPECT_NE(text.find("--set: gait.swing_height_m = 5 is outside its range"), std::string::npos);

@@ -91,6 +91,7 @@ TEST_F(CommandLine, AMistakeIsSaidOfTheCommandItBelongsTo) {
       {"gait chek x", "stilt: gait: chek is no command; did you mean check?; see stilt gait --help\n"},
       {"reccord", "stilt: reccord is no command; did you mean record?; see stilt --help\n"},
       {"sim 1 --sped", "stilt: sim: --sped is no option; did you mean --speed?; see stilt sim --help\n"},
+      {"sim bench", "stilt: sim: bench is a second command; give one at a time; see stilt sim --help\n"},
       {"sim --json ''",
        "stilt: sim: --json: its value is empty; give one, or leave --json out; see stilt sim --help\n"},
       {"report ''",
