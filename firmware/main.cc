@@ -24,6 +24,7 @@
 #include "firmware/program/realtime_run.h"
 #include "firmware/program/report.h"
 #include "firmware/program/self_test.h"
+#include "firmware/program/terminal_person.h"
 #include "firmware/telemetry/telemetry_node.h"
 #include "firmware/version/commit.h"
 #include "firmware/version/megabytes.h"
@@ -223,6 +224,8 @@ int run_commissioning(const program::Options& options) {
   std::vector<hal::AnyBus> buses;
   if (const auto writable = check_files(options); !writable) return refuse(writable.error());
   if (const auto fit = program::check_out_file(options); !fit) return refuse(fit.error());
+  auto person = program::TerminalPerson::open(options.answers_file);
+  if (!person) return refuse(person.error());
   if (const auto connected = connect(options, buses); !connected) return refuse(connected.error());
   std::unique_ptr<telemetry::TelemetryNode> node;
   if (options.task == program::Task::watch) {
@@ -235,7 +238,7 @@ int run_commissioning(const program::Options& options) {
     controller_state.telemetry_node = node.get();
   }
   const program::CommissioningOutcome outcome =
-      program::run_commissioning(options, controller_state, signals.stop);
+      program::run_commissioning(options, controller_state, signals.stop, *person);
   if (options.json_file != "-") std::fputs(outcome.text.c_str(), stdout);
   const bool reported = outcome.json.empty() || write_json(options, outcome.json);
   if (!outcome.error.empty()) {

@@ -17,7 +17,6 @@
 #include "firmware/configuration/driver_of.h"
 #include "firmware/program/commissioning_requests.h"
 #include "firmware/program/found_values.h"
-#include "firmware/program/terminal_person.h"
 #include "firmware/program/torso_sensor_report.h"
 #include "firmware/program/watch_telemetry.h"
 #include "firmware/realtime/thread.h"
@@ -130,16 +129,14 @@ CommissioningOutcome run_watch(const Options& options, ControllerState& state, h
 }
 
 CommissioningOutcome run_jog(const Options& options, ControllerState& state, hal::Clock& clock,
-                             const std::atomic<bool>& stop) {
-  auto person = TerminalPerson::open(options.answers_file);
-  if (!person) return failed(person.error(), true);
+                             const std::atomic<bool>& stop, TerminalPerson& person) {
   const configuration::Configuration& configuration = options.configuration;
   const auto robot = robots::find(configuration.hardware.robot);
   if (!robot) return failed(robot.error(), true);
   const double ratio = configuration::driver_of(configuration.hardware, options.joint).ratio;
   Session session(*state.hardware, clock, tick_ns(options), stop);
   const commissioning::JogRequest request = jog_request(options, (*robot)->model);
-  const auto report = commissioning::jog_and_ask(session, request, ratio, *person);
+  const auto report = commissioning::jog_and_ask(session, request, ratio, person);
   if (!report) return failed(report.error().sentence, report.error().bad_answer);
   return {.error = {},
           .passed = report->verdict.finding == commissioning::Finding::correct,
@@ -179,9 +176,7 @@ CommissioningOutcome written(const Options& options, const Report& report, bool 
 Angles joint_values(const double (&values)[model::kJoints]) { return std::to_array(values); }
 
 CommissioningOutcome run_calibrate(const Options& options, ControllerState& state, hal::Clock& clock,
-                                   const std::atomic<bool>& stop) {
-  auto person = TerminalPerson::open(options.answers_file);
-  if (!person) return failed(person.error(), true);
+                                   const std::atomic<bool>& stop, TerminalPerson& person) {
   const auto robot = robots::find(options.configuration.hardware.robot);
   if (!robot) return failed(robot.error(), true);
   const model::RobotConstants& constants = (*robot)->model.constants;
@@ -190,7 +185,7 @@ CommissioningOutcome run_calibrate(const Options& options, ControllerState& stat
                                                   .hardware = options.configuration.hardware,
                                                   .minimum_rad = joint_values(constants.position_min_rad),
                                                   .maximum_rad = joint_values(constants.position_max_rad)};
-  const auto report = commissioning::calibrate(session, request, *person);
+  const auto report = commissioning::calibrate(session, request, person);
   if (!report) return failed(report.error().sentence, report.error().bad_answer);
   return written(options, *report, report->good());
 }
@@ -209,14 +204,14 @@ CommissioningOutcome run_identify(const Options& options, ControllerState& state
 }  // namespace
 
 CommissioningOutcome run_commissioning(const Options& options, ControllerState& state,
-                                       const std::atomic<bool>& stop) {
+                                       const std::atomic<bool>& stop, TerminalPerson& person) {
   CommissioningOutcome outcome;
   const auto ran = run_with_clock(options, state, [&](hal::Clock& clock) {
     if (options.task == Task::scan) outcome = run_scan(options, state, clock, stop);
     if (options.task == Task::watch) outcome = run_watch(options, state, clock, stop);
-    if (options.task == Task::jog) outcome = run_jog(options, state, clock, stop);
+    if (options.task == Task::jog) outcome = run_jog(options, state, clock, stop, person);
     if (options.task == Task::zero) outcome = run_zero(options, state, clock, stop);
-    if (options.task == Task::calibrate) outcome = run_calibrate(options, state, clock, stop);
+    if (options.task == Task::calibrate) outcome = run_calibrate(options, state, clock, stop, person);
     if (options.task == Task::identify) outcome = run_identify(options, state, clock, stop);
   });
   TorsoSensorReport(options).update(state);

@@ -111,7 +111,7 @@ int run(int argc, char** argv) {
     return stilt::cli::run_experiment(*experiment, experiment_options, {argv, argv + argc});
   if (bench->parsed()) return stilt::cli::run_bench(bench_options);
   stilt::cli::evaluate_lines(stilt::cli::robot_model(model_robot), std::cin, std::cout);
-  return 0;
+  return std::ferror(stdin) == 0 ? 0 : refuse("standard input cannot be read to its end");
 }
 
 }  // namespace

@@ -204,6 +204,19 @@ TEST_F(CommandLine, AFileThatWasWrittenIsNamed) {
   }
 }
 
+TEST_F(CommandLine, AFolderWhereAFileBelongsIsRefusedWithItsName) {
+  const std::string folder = file("d.urdf");
+  std::filesystem::create_directory(folder);
+  const std::string rows = "experiment disturbance --out " + file("out") + " --rows ";
+  for (const std::string& command : {std::string("gait check "), std::string("sim --robot "),
+                                     std::string("config migrate "), std::string("report "), rows}) {
+    const Outcome outcome = run(command + folder);
+    EXPECT_EQ(outcome.status, 2) << command;
+    EXPECT_NE(outcome.errors.find(folder + ": "), std::string::npos) << command << outcome.errors;
+    EXPECT_EQ(outcome.errors.find("basic_filebuf"), std::string::npos) << command << outcome.errors;
+  }
+}
+
 TEST_F(CommandLine, AFileThatIsNoGaitIsCalledSo) {
   std::ofstream(file("a.toml")) << "a = 1\n";
   EXPECT_NE(run("gait check " + file("a.toml")).errors.find("a.toml: is no gait file"), std::string::npos);
@@ -388,6 +401,7 @@ TEST_F(CommandLine, ModelEvaluationReadsLinesAndRefusesTheFirstBadOne) {
   const Outcome wrong = run("model eval", good + "\nnonsense\n");
   EXPECT_EQ(wrong.status, 2);
   EXPECT_NE(wrong.errors.find("line 2"), std::string::npos) << wrong.errors;
+  EXPECT_EQ(std::system(STILT_PROGRAM " model eval </tmp 2>/dev/null") >> 8, 2) << "a folder";
 }
 
 }  // namespace
