@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "firmware/diagnostics/output_file.h"
+#include "firmware/diagnostics/standard_streams.h"
 #include "firmware/open_buses.h"
 #include "firmware/program/commissioning_run.h"
 #include "firmware/program/controller_state.h"
@@ -258,31 +259,36 @@ int check_config(const program::Options& options) {
   return buses.refused ? kBadUsage : kDone;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  const auto options = program::read_options(argc, argv, version_text());
-  if (!options) return refuse(options.error());
-  switch (options->task) {
+int run(const program::Options& options) {
+  switch (options.task) {
     case program::Task::nothing:
       return kDone;
     case program::Task::print_config:
-      std::fputs(configuration::to_toml(options->configuration, "Configuration of the controller.").c_str(),
+      std::fputs(configuration::to_toml(options.configuration, "Configuration of the controller.").c_str(),
                  stdout);
       return kDone;
     case program::Task::check_config:
-      return check_config(*options);
+      return check_config(options);
     case program::Task::self_test:
-      return run_self_test(*options);
+      return run_self_test(options);
     case program::Task::scan:
     case program::Task::watch:
     case program::Task::jog:
     case program::Task::zero:
     case program::Task::calibrate:
     case program::Task::identify:
-      return run_commissioning(*options);
+      return run_commissioning(options);
     case program::Task::control:
       break;
   }
-  return run_controller(*options);
+  return run_controller(options);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const auto options = program::read_options(argc, argv, version_text());
+  if (!options) return refuse(options.error());
+  const int status = run(*options);
+  return status == kBadUsage || diagnostics::all_printed() ? status : refuse(diagnostics::kNotPrinted);
 }

@@ -2,12 +2,12 @@
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 #include <algorithm>
-#include <cstdio>
 #include <exception>
 #include <iostream>
 #include <string>
 #include <vector>
 
+#include "firmware/diagnostics/standard_streams.h"
 #include "firmware/program/usage_text.h"
 #include "host_tools/cli/bench_command.h"
 #include "host_tools/cli/config_command.h"
@@ -119,9 +119,7 @@ int run(int argc, char** argv) {
 int main(int argc, char** argv) {
   try {
     const int status = run(argc, argv);
-    const bool printed = std::cout.flush() && std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
-    return printed ? status
-                   : refuse("standard output cannot be written, so what was printed is not complete");
+    return stilt::diagnostics::all_printed() ? status : refuse(stilt::diagnostics::kNotPrinted);
   } catch (const std::exception& error) {
     return refuse(error.what());
   }

@@ -67,6 +67,20 @@ TEST(TwoProcesses, AWatchWritesALineASample) {
   EXPECT_EQ(samples, 10);
 }
 
+TEST(TwoProcesses, AWatchWhoseLinesAreLostEndsAndSaysSo) {
+  RobotAndController run;
+  run.start_robot(kHanging);
+  Process watch({STILTD_PROGRAM, "watch", "--lockstep", "--bus", run.bus(0), "--bus", run.bus(1), "--set",
+                 "telemetry.enabled=false", "--json", "/dev/full"},
+                run.file("controller.out"), run.file("controller.err"));
+  EXPECT_EQ(watch.wait(kLongestRun_s), 2) << run.said();
+  EXPECT_TRUE(run.robot().wait(kLongestRun_s)) << run.said();
+  EXPECT_NE(text_of(run.file("controller.err"))
+                .find("stiltd: --json /dev/full: cannot be written (No space left on device); name a file"),
+            std::string::npos)
+      << run.said();
+}
+
 TEST(TwoProcesses, AWatchIsOnTheNetworkAndOnlyOffEndsIt) {
   RobotAndController run;
   run.start_robot(kHanging);

@@ -148,6 +148,18 @@ TEST(Stiltd, SaysWhatAConfigurationWasReadFromAndForWhichRobot) {
   EXPECT_TRUE(has(strong, "hip_L: commands a torque of up to 150 Nm at the shaft")) << strong.text;
 }
 
+TEST(Stiltd, SaysThatItsOutputIsLost) {
+  for (const std::string command :
+       {"--print-config", "--check-config", "--version", "--help", "scan --help"}) {
+    for (const char* output : {" 2>&1 >/dev/full", " 2>&1 >&-"}) {
+      const Answer run = answer(STILTD " " + command + output);
+      EXPECT_EQ(run.status, 2) << command << output;
+      EXPECT_EQ(run.text, "stiltd: standard output cannot be written, so what was printed is not complete\n")
+          << command << output;
+    }
+  }
+}
+
 TEST(Stiltd, RefusesAFolderWhereAFileBelongs) {
   const tests::OwnFolder folder;
   const std::string urdf = folder.file("robot.urdf");
