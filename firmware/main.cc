@@ -287,6 +287,7 @@ int run(const program::Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (!diagnostics::keep_standard_streams()) return kBadUsage;
   const auto options = program::read_options(argc, argv, version_text());
   if (!options) return refuse(options.error());
   const int status = run(*options);

@@ -117,6 +117,7 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (!stilt::diagnostics::keep_standard_streams()) return kBadUsage;
   try {
     const int status = run(argc, argv);
     return stilt::diagnostics::all_printed() ? status : refuse(stilt::diagnostics::kNotPrinted);

@@ -189,10 +189,10 @@ TEST_F(CommandLine, AFullDiskIsSaidWithItsReasonAndWhatWasPrintedStays) {
             std::string::npos);
   for (const char* arguments :
        {"sim --gait stand --duration 0.5 --json -", "sim --gait stand --duration 0.5", "help"}) {
-    EXPECT_EQ(
-        std::system((std::string(STILT_PROGRAM) + " " + arguments + " >/dev/full 2>/dev/null").c_str()) >> 8,
-        2)
-        << arguments;
+    for (const char* output : {" >/dev/full 2>/dev/null", " <&- >&- 2>&-"}) {
+      EXPECT_EQ(std::system((std::string(STILT_PROGRAM) + " " + arguments + output).c_str()) >> 8, 2)
+          << arguments << output;
+    }
   }
 }
 
