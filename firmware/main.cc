@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "firmware/diagnostics/output_file.h"
+#include "firmware/diagnostics/standard_streams.h"
 #include "firmware/open_buses.h"
 #include "firmware/program/commissioning_run.h"
 #include "firmware/program/controller_state.h"
@@ -24,6 +25,7 @@
 #include "firmware/program/realtime_run.h"
 #include "firmware/program/report.h"
 #include "firmware/program/self_test.h"
+#include "firmware/program/terminal_person.h"
 #include "firmware/telemetry/telemetry_node.h"
 #include "firmware/version/commit.h"
 #include "firmware/version/megabytes.h"
@@ -245,6 +247,8 @@ int run_commissioning(const program::Options& options) {
   if (const auto writable = check_files(options); !writable) return refuse(writable.error());
   if (const auto fit = check_buses(options); !fit) return refuse(fit.error());
   if (const auto fit = program::check_out_file(options); !fit) return refuse(fit.error());
+  auto person = program::TerminalPerson::open(options.answers_file);
+  if (!person) return refuse(person.error());
   if (const auto connected = connect(options, buses); !connected) return refuse(connected.error());
   std::unique_ptr<telemetry::TelemetryNode> node;
   if (options.task == program::Task::watch) {
@@ -257,7 +261,7 @@ int run_commissioning(const program::Options& options) {
     controller_state.telemetry_node = node.get();
   }
   const program::CommissioningOutcome outcome =
-      program::run_commissioning(options, controller_state, signals.stop);
+      program::run_commissioning(options, controller_state, signals.stop, *person);
   if (options.json_file != "-") std::fputs(outcome.text.c_str(), stdout);
   const bool reported = outcome.json.empty() || write_json(options, outcome.json);
   if (!outcome.error.empty()) {
@@ -277,31 +281,37 @@ int check_config(const program::Options& options) {
   return buses.refused ? kBadUsage : kDone;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  const auto options = program::read_options(argc, argv, version_text());
-  if (!options) return refuse(options.error());
-  switch (options->task) {
+int run(const program::Options& options) {
+  switch (options.task) {
     case program::Task::nothing:
       return kDone;
     case program::Task::print_config:
-      std::fputs(configuration::to_toml(options->configuration, "Configuration of the controller.").c_str(),
+      std::fputs(configuration::to_toml(options.configuration, "Configuration of the controller.").c_str(),
                  stdout);
       return kDone;
     case program::Task::check_config:
-      return check_config(*options);
+      return check_config(options);
     case program::Task::self_test:
-      return run_self_test(*options);
+      return run_self_test(options);
     case program::Task::scan:
     case program::Task::watch:
     case program::Task::jog:
     case program::Task::zero:
     case program::Task::calibrate:
     case program::Task::identify:
-      return run_commissioning(*options);
+      return run_commissioning(options);
     case program::Task::control:
       break;
   }
-  return run_controller(*options);
+  return run_controller(options);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (!diagnostics::keep_standard_streams()) return kBadUsage;
+  const auto options = program::read_options(argc, argv, version_text());
+  if (!options) return refuse(options.error());
+  const int status = run(*options);
+  return status == kBadUsage || diagnostics::all_printed() ? status : refuse(diagnostics::kNotPrinted);
 }

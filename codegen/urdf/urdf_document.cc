@@ -4,8 +4,8 @@
 
 #include <cmath>
 #include <fstream>
-#include <iterator>
 #include <set>
+#include <sstream>
 
 #include "codegen/urdf/urdf_error.h"
 
@@ -127,10 +127,10 @@ class DocumentReader {
 }  // namespace
 
 std::string read_text(const std::string& file) {
-  std::ifstream stream(file);
-  std::string text(std::istreambuf_iterator<char>(stream), {});
-  if (!stream || text.empty()) throw UrdfError(file + ": cannot be read; give the path of a URDF file.");
-  return text;
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();  // fails on a folder, where an iterator throws
+  if (!text) throw UrdfError(file + ": cannot be read; give the path of a URDF file.");
+  return text.str();
 }
 
 UrdfDocument parse_urdf_document(const std::string& text, const std::string& source) {

@@ -1,12 +1,8 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <charconv>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <tuple>
 #include <utility>
@@ -15,6 +11,7 @@
 #include "firmware/configuration/consistency.h"
 #include "firmware/configuration/renames.h"
 #include "firmware/configuration/schema.h"
+#include "firmware/diagnostics/input_file.h"
 #include "firmware/robots/robots.h"
 
 namespace stilt::configuration {
@@ -289,16 +286,9 @@ void keep_torque_limit(Configuration& configuration) {
 }
 
 Result load_file(const std::string& path, std::span<const Override> overrides, std::string_view preset) {
-  std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) {
-    return failure(path, "is a directory; a configuration file is needed");
-  }
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) {
-    return failure(path, std::string("cannot be read: ") + std::strerror(errno));
-  }
-  const std::string text{std::istreambuf_iterator<char>(stream), {}};
-  return parse(text, path, overrides, preset);
+  const auto text = diagnostics::read_file(path);
+  if (!text) return failure(path, "cannot be read (" + text.error() + "); name a configuration file");
+  return parse(*text, path, overrides, preset);
 }
 
 std::string file_beside(std::string_view urdf) {

@@ -5,10 +5,10 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <string>
 
 #include "firmware/configuration/configuration.h"
+#include "firmware/diagnostics/output_file.h"
 
 namespace {
 
@@ -49,9 +49,7 @@ int main(int argument_count, char** arguments) {
     toml = stilt::configuration::to_toml({}, kDefaultHeading);
   }
 
-  std::ofstream stream(path, std::ios::binary);
-  stream << toml;
-  stream.close();
-  if (!stream) return refuse(path + ": cannot be written; name a file in a folder that exists");
-  return 0;
+  const auto written = stilt::diagnostics::write_file(path, toml);
+  if (written) return 0;
+  return refuse(path + ": cannot be written (" + written.error() + "); name a file in a writable folder");
 }

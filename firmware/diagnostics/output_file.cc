@@ -9,6 +9,7 @@
 #include <cstring>
 #include <filesystem>
 #include <system_error>
+#include <utility>
 
 namespace stilt::diagnostics {
 namespace {
@@ -32,17 +33,21 @@ path target_of(const path& file) {
 
 std::unexpected<std::string> system_error() { return std::unexpected<std::string>(std::strerror(errno)); }
 
-std::expected<void, std::string> put(std::FILE* stream, std::string_view text) {
+using Pieces = std::function<std::string_view()>;
+
+std::expected<void, std::string> put(std::FILE* stream, const Pieces& next) {
   errno = 0;
-  const bool all = std::fwrite(text.data(), 1, text.size(), stream) == text.size();
-  if (!all || std::fflush(stream) != 0) return system_error();
+  for (std::string_view text = next(); !text.empty(); text = next()) {
+    if (std::fwrite(text.data(), 1, text.size(), stream) != text.size()) return system_error();
+  }
+  if (std::fflush(stream) != 0) return system_error();
   return {};
 }
 
-std::expected<void, std::string> write_special(const std::string& name, std::string_view text) {
+std::expected<void, std::string> write_special(const std::string& name, const Pieces& next) {
   std::FILE* stream = std::fopen(name.c_str(), "w");
   if (stream == nullptr) return system_error();
-  const auto written = put(stream, text);
+  const auto written = put(stream, next);
   if (std::fclose(stream) != 0 && written) return system_error();
   return written;
 }
@@ -55,16 +60,16 @@ bool keep_attributes(int descriptor, const path& file) {
   return fchmod(descriptor, old.st_mode & 07777) == 0 && (same_owner || geteuid() != 0);
 }
 
-/// To the disk, with the attributes of `file`.
-std::expected<void, std::string> write_new(int descriptor, const path& file, std::string_view text) {
+/// With the attributes of `file`, and to the disk where that is waited for.
+std::expected<void, std::string> write_new(int descriptor, const path& file, const Pieces& next, bool wait) {
   std::FILE* stream = fdopen(descriptor, "w");
   if (stream == nullptr) {
     const auto error = system_error();
     close(descriptor);
     return error;
   }
-  auto written = put(stream, text);
-  const bool kept = keep_attributes(descriptor, file) && fsync(descriptor) == 0;
+  auto written = put(stream, next);
+  const bool kept = keep_attributes(descriptor, file) && (!wait || fsync(descriptor) == 0);
   if (written && !kept) written = system_error();
   if (std::fclose(stream) != 0 && written) written = system_error();
   return written;
@@ -84,14 +89,18 @@ std::string why_not_writable(const std::string& name) {
 }
 
 std::expected<void, std::string> write_file(const std::string& name, std::string_view text) {
-  if (name == "-") return put(stdout, text);
-  if (is_special(name)) return write_special(name, text);
+  return write_file(name, [left = text]() mutable { return std::exchange(left, {}); });
+}
+
+std::expected<void, std::string> write_file(const std::string& name, const Pieces& next, bool wait) {
+  if (name == "-") return put(stdout, next);
+  if (is_special(name)) return write_special(name, next);
   const path file = target_of(name);
   const std::string beside = file.string() + ".new-" + std::to_string(getpid());
   unlink(beside.c_str());  // of a process of the same number that was cut off
   const int descriptor = open(beside.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (descriptor < 0) return system_error();
-  auto written = write_new(descriptor, file, text);
+  auto written = write_new(descriptor, file, next, wait);
   if (written && std::rename(beside.c_str(), file.c_str()) != 0) written = system_error();
   if (!written) unlink(beside.c_str());
   return written;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <expected>
+#include <functional>
 #include <string>
 #include <string_view>
 
@@ -16,5 +17,12 @@ namespace stilt::diagnostics {
 /// under its name then. Permissions and symbolic links stay. Devices and FIFOs are written to; "-" is
 /// standard output. The error is the system's reason.
 [[nodiscard]] std::expected<void, std::string> write_file(const std::string& name, std::string_view text);
+
+/// The same with a long text in pieces.
+/// @param next  gives the next piece, an empty one at the end
+/// @param wait  for the disk, which may take seconds; without, a loss of power soon after may lose the text
+[[nodiscard]] std::expected<void, std::string> write_file(const std::string& name,
+                                                          const std::function<std::string_view()>& next,
+                                                          bool wait = true);
 
 }  // namespace stilt::diagnostics

@@ -1,16 +1,15 @@
 #include "firmware/diagnostics/tick_csv.h"
 
-#include <cerrno>
 #include <charconv>
 #include <concepts>
-#include <cstring>
-#include <fstream>
+#include <sstream>
 #include <string_view>
 #include <type_traits>
 
 #include "firmware/control_loop/joint_names.h"
 #include "firmware/control_loop/tick_fields.h"
 #include "firmware/diagnostics/event_text.h"
+#include "firmware/diagnostics/output_file.h"
 
 namespace stilt::diagnostics {
 namespace {
@@ -99,14 +98,19 @@ void write_tick(std::ostream& out, const TickRecord& record, std::int64_t start_
 
 std::expected<void, std::string> write_csv(const std::string& path, const control_loop::TickBlackBox& box,
                                            std::int64_t start_ns) {
-  errno = 0;
-  std::ofstream out(path);
-  if (out) write_tick_header(out);
-  for (std::size_t i = 0; out && i < box.size(); ++i) write_tick(out, box.record(i), start_ns);
-  out.close();
-  if (!out) {
-    return std::unexpected(path + ": the black box cannot be written there" +
-                           (errno != 0 ? std::string(" (") + std::strerror(errno) + ")" : ""));
+  std::ostringstream line;
+  std::size_t lines = 0;
+  const auto next = [&]() -> std::string_view {
+    line.str("");
+    if (lines == 0) write_tick_header(line);
+    if (lines > 0 && lines <= box.size()) write_tick(line, box.record(lines - 1), start_ns);
+    ++lines;
+    return line.view();
+  };
+  constexpr bool kWait = false;
+  const auto written = write_file(path, next, kWait);
+  if (!written) {
+    return std::unexpected(path + ": the black box cannot be written there (" + written.error() + ")");
   }
   return {};
 }

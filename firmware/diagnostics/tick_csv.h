@@ -21,7 +21,8 @@ void write_tick_header(std::ostream& out);
 /// The line of one tick. time_s counts from `start_ns`.
 void write_tick(std::ostream& out, const control_loop::TickRecord& record, std::int64_t start_ns);
 
-/// Everything in a black box, which is frozen or not recorded into any more.
+/// Everything in a black box, which is frozen or not recorded into any more. The file is the old one or the
+/// new one, whole. Does not wait for the disk: the robot may be on its feet, and its operator is the caller.
 /// @param start_ns  time that shall be 0 in the file
 /// @return what is wrong when the file cannot be written, in one sentence
 [[nodiscard]] std::expected<void, std::string> write_csv(const std::string& path,

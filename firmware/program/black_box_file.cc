@@ -38,16 +38,17 @@ std::expected<void, std::string> BlackBoxFile::finish() {
 void BlackBoxFile::write() {
   const control_loop::TickBlackBox& box = state_.mail.black_box;
   const supervisor::Reaction reaction = hardest(box);
-  if (reaction < written_) return;
+  if (written_ && reaction <= *written_) return;
   const auto written = diagnostics::write_csv(options_.black_box_file, box, state_.start_ns);
   if (!written) {
     complaint_ = "--black-box " + written.error() + "; name a file in a writable folder";
     std::fprintf(stderr, "%s\n", complaint_.c_str());
+    lost_ = std::max(lost_, reaction);
     return;
   }
   std::fprintf(stderr, "black box written to %s\n", options_.black_box_file.c_str());
-  complaint_.clear();
   written_ = reaction;
+  if (reaction >= lost_) complaint_.clear();
 }
 
 }  // namespace stilt::program

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <expected>
+#include <optional>
 #include <string>
 
 #include "firmware/program/controller_state.h"
@@ -8,19 +9,20 @@
 
 namespace stilt::program {
 
-/// The file of --black-box: the ticks around the fault with the hardest reaction, of equal ones the newest.
+/// The file of --black-box: the ticks around the fault with the hardest reaction, of equal ones the first,
+/// which is the cause of those that follow more often than not. A write that fails leaves the file as it was.
 /// Housekeeping's. Without the option it does nothing.
 class BlackBoxFile {
  public:
   /// A quarter of the black box is kept for what follows a fault.
   BlackBoxFile(const Options& options, ControllerState& state);
 
-  /// Once the black box has frozen: writes it unless the file holds something harder, and lets it record
+  /// Once the black box has frozen: writes it where it is harder than what the file holds, and lets it record
   /// again. Says so on standard error.
   void save();
 
   /// The torque loop has ended: also what it had no time to finish. The error, one sentence for the user,
-  /// says that the last black box to be written is not in the file.
+  /// says that the fault with the hardest reaction is not in the file.
   [[nodiscard]] std::expected<void, std::string> finish();
 
  private:
@@ -28,8 +30,9 @@ class BlackBoxFile {
 
   const Options& options_;
   ControllerState& state_;
-  supervisor::Reaction written_ = supervisor::Reaction::none;  ///< the hardest in the file
-  std::string complaint_;                                      ///< about the last write; empty: it is there
+  std::optional<supervisor::Reaction> written_;             ///< the hardest in the file
+  supervisor::Reaction lost_ = supervisor::Reaction::none;  ///< the hardest that could not be written
+  std::string complaint_;                                   ///< about the one that is lost; empty: none is
 };
 
 }  // namespace stilt::program

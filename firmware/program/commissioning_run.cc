@@ -2,8 +2,10 @@
 
 #include <unistd.h>
 
+#include <cerrno>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <vector>
@@ -17,7 +19,6 @@
 #include "firmware/configuration/driver_of.h"
 #include "firmware/program/commissioning_requests.h"
 #include "firmware/program/found_values.h"
-#include "firmware/program/terminal_person.h"
 #include "firmware/program/torso_sensor_report.h"
 #include "firmware/program/watch_telemetry.h"
 #include "firmware/realtime/thread.h"
@@ -83,21 +84,19 @@ CommissioningOutcome run_scan(const Options& options, ControllerState& state, ha
 class WatchDisplay {
  public:
   /// @param json_file  "-": standard output; empty: none
-  explicit WatchDisplay(const std::string& json_file)
-      : lines_(json_file.empty() || json_file == "-" ? nullptr : std::fopen(json_file.c_str(), "w")),
-        json_(json_file.empty() ? nullptr
-              : lines_          ? lines_.get()
-                                : stdout),
-        draws_(json_ != stdout),
-        redraws_(isatty(STDOUT_FILENO) == 1) {}
+  explicit WatchDisplay(const std::string& json_file) : json_file_(json_file) {
+    if (json_file == "-") json_ = stdout;
+    if (!json_file.empty() && json_file != "-") {
+      lines_.reset(std::fopen(json_file.c_str(), "we"));
+      json_ = lines_.get();
+      note(json_ != nullptr);
+    }
+  }
 
   void show(const commissioning::WatchSample& sample) {
-    if (json_ != nullptr) {
-      std::fputs(commissioning::to_json_line(sample).c_str(), json_);
-      std::fflush(json_);
-    }
+    if (json_ != nullptr) put(commissioning::to_json_line(sample));
     last_ = commissioning::to_table(sample);
-    if (!draws_ || !redraws_) return;
+    if (json_ == stdout || !redraws_) return;
     if (drawn_) std::printf("\x1b[%dA\x1b[J", commissioning::kWatchLines);
     std::fputs(last_.c_str(), stdout);
     std::fflush(stdout);
@@ -106,7 +105,17 @@ class WatchDisplay {
 
   /// The last line of JSON of a watch that could not go on.
   void fail(const std::string& error) {
-    if (json_ != nullptr) std::fputs(failure_json(error).c_str(), json_);
+    if (json_ != nullptr) put(failure_json(error));
+  }
+
+  /// Whether the lines of JSON have gone out so far.
+  [[nodiscard]] bool good() const { return reason_.empty(); }
+
+  /// At the end: why lines of JSON are lost, one sentence for the user; empty: none is.
+  [[nodiscard]] std::string finish() {
+    if (lines_) note(std::fclose(lines_.release()) == 0);
+    if (good()) return "";
+    return "--json " + json_file_ + ": cannot be written (" + reason_ + "); name a file in a writable folder";
   }
 
   /// The table of the end, where nothing was drawn.
@@ -116,40 +125,49 @@ class WatchDisplay {
   struct Close {
     void operator()(std::FILE* file) const { std::fclose(file); }
   };
+
+  void put(const std::string& line) { note(std::fputs(line.c_str(), json_) >= 0 && std::fflush(json_) == 0); }
+  void note(bool done) {
+    if (!done && good()) reason_ = std::strerror(errno);
+  }
+
+  std::string json_file_;
   std::unique_ptr<std::FILE, Close> lines_;
-  std::FILE* json_;
-  bool draws_;
-  bool redraws_;
+  std::FILE* json_ = nullptr;
+  std::string reason_;  ///< of the first line that is lost
+  bool redraws_ = isatty(STDOUT_FILENO) == 1;
   bool drawn_ = false;
   std::string last_;
 };
 
+/// Ends when its lines of JSON are lost, too.
 CommissioningOutcome run_watch(const Options& options, ControllerState& state, hal::Clock& clock,
                                const std::atomic<bool>& stop) {
-  Session session = session_of(options, state, clock, stop);
   WatchDisplay display(options.json_file);
+  if (!display.good()) return {.error = display.finish(), .bad_input = true, .text = {}, .json = {}};
+  Session session = session_of(options, state, clock, stop);
   WatchTelemetry telemetry(state, clock.now_ns(), options.configuration.timing.torque_rate_hz);
   const auto done = commissioning::watch(
       session, options.duration_s, [&display](const auto& sample) { display.show(sample); },
-      [&telemetry](const auto& sample) { return telemetry.follow(sample); });
+      [&](const auto& sample) { return telemetry.follow(sample) && display.good(); });
   if (!done) {
     display.fail(done.error());
     return {.error = done.error(), .text = {}, .json = {}};
   }
-  return {.error = {}, .passed = true, .text = display.last(), .json = {}};
+  const std::string lost = display.finish();
+  return {
+      .error = lost, .bad_input = !lost.empty(), .passed = lost.empty(), .text = display.last(), .json = {}};
 }
 
 CommissioningOutcome run_jog(const Options& options, ControllerState& state, hal::Clock& clock,
-                             const std::atomic<bool>& stop) {
-  auto person = TerminalPerson::open(options.answers_file);
-  if (!person) return failed(person.error(), true);
+                             const std::atomic<bool>& stop, TerminalPerson& person) {
   const configuration::Configuration& configuration = options.configuration;
   const auto robot = robots::find(configuration.hardware.robot);
   if (!robot) return failed(robot.error(), true);
   const double ratio = configuration::driver_of(configuration.hardware, options.joint).ratio;
   Session session = session_of(options, state, clock, stop);
   const commissioning::JogRequest request = jog_request(options, (*robot)->model);
-  const auto report = commissioning::jog_and_ask(session, request, ratio, *person);
+  const auto report = commissioning::jog_and_ask(session, request, ratio, person);
   if (!report) return failed(report.error().sentence, report.error().bad_answer);
   return {.error = {},
           .passed = report->verdict.finding == commissioning::Finding::correct,
@@ -189,9 +207,7 @@ CommissioningOutcome written(const Options& options, const Report& report, bool 
 Angles joint_values(const double (&values)[model::kJoints]) { return std::to_array(values); }
 
 CommissioningOutcome run_calibrate(const Options& options, ControllerState& state, hal::Clock& clock,
-                                   const std::atomic<bool>& stop) {
-  auto person = TerminalPerson::open(options.answers_file);
-  if (!person) return failed(person.error(), true);
+                                   const std::atomic<bool>& stop, TerminalPerson& person) {
   const auto robot = robots::find(options.configuration.hardware.robot);
   if (!robot) return failed(robot.error(), true);
   const model::RobotConstants& constants = (*robot)->model.constants;
@@ -200,7 +216,7 @@ CommissioningOutcome run_calibrate(const Options& options, ControllerState& stat
                                                   .hardware = options.configuration.hardware,
                                                   .minimum_rad = joint_values(constants.position_min_rad),
                                                   .maximum_rad = joint_values(constants.position_max_rad)};
-  const auto report = commissioning::calibrate(session, request, *person);
+  const auto report = commissioning::calibrate(session, request, person);
   if (!report) return failed(report.error().sentence, report.error().bad_answer);
   return written(options, *report, report->good());
 }
@@ -219,14 +235,14 @@ CommissioningOutcome run_identify(const Options& options, ControllerState& state
 }  // namespace
 
 CommissioningOutcome run_commissioning(const Options& options, ControllerState& state,
-                                       const std::atomic<bool>& stop) {
+                                       const std::atomic<bool>& stop, TerminalPerson& person) {
   CommissioningOutcome outcome;
   const auto ran = run_with_clock(options, state, [&](hal::Clock& clock) {
     if (options.task == Task::scan) outcome = run_scan(options, state, clock, stop);
     if (options.task == Task::watch) outcome = run_watch(options, state, clock, stop);
-    if (options.task == Task::jog) outcome = run_jog(options, state, clock, stop);
+    if (options.task == Task::jog) outcome = run_jog(options, state, clock, stop, person);
     if (options.task == Task::zero) outcome = run_zero(options, state, clock, stop);
-    if (options.task == Task::calibrate) outcome = run_calibrate(options, state, clock, stop);
+    if (options.task == Task::calibrate) outcome = run_calibrate(options, state, clock, stop, person);
     if (options.task == Task::identify) outcome = run_identify(options, state, clock, stop);
   });
   TorsoSensorReport(options).update(state);

@@ -7,6 +7,7 @@
 
 #include "firmware/program/controller_state.h"
 #include "firmware/program/options.h"
+#include "firmware/program/terminal_person.h"
 
 namespace stilt::program {
 
@@ -20,8 +21,9 @@ struct CommissioningOutcome {
 };
 
 /// scan, watch, jog, zero, calibrate or identify, over open buses. Shows on standard output while it works.
+/// @param person  answers what jog and calibrate ask
 [[nodiscard]] CommissioningOutcome run_commissioning(const Options& options, ControllerState& state,
-                                                     const std::atomic<bool>& stop);
+                                                     const std::atomic<bool>& stop, TerminalPerson& person);
 
 /// Does work with the clock of a run: on a thread with the torque loop's priority, or in lock-step with the
 /// simulated robot. The error says why it was not done.

@@ -1,28 +1,34 @@
 #include "firmware/program/found_values.h"
 
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <system_error>
 #include <vector>
 
 #include "firmware/configuration/schema.h"
+#include "firmware/diagnostics/input_file.h"
 #include "firmware/diagnostics/output_file.h"
 #include "firmware/robots/robots.h"
 
 namespace stilt::program {
 namespace {
 
-std::string content(const std::string& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
+using Text = std::expected<std::string, std::string>;
+
+/// The error is one sentence for the user.
+Text content(const std::string& file) {
+  auto text = diagnostics::read_file(file);
+  if (!text) return std::unexpected("--out: " + file + " cannot be read (" + text.error() + ")");
+  return text;
 }
 
 /// The text that the configuration was read from; empty where it was the defaults.
-std::string text_read(const Options& options) {
+Text text_read(const Options& options) {
   if (!options.config_file.empty()) return content(options.config_file);
   const std::string& robot = options.configuration.hardware.robot;
-  if (robots::is_file(robot)) return content(configuration::file_beside(robot));
+  if (robots::is_file(robot)) {
+    const std::string beside = configuration::file_beside(robot);
+    return std::filesystem::exists(beside) ? content(beside) : Text("");
+  }
   for (const configuration::ShippedConfiguration& shipped : configuration::shipped_configurations()) {
     if (shipped.robot == robot) return std::string(shipped.text);
   }
@@ -53,7 +59,9 @@ std::vector<configuration::NewValue> command_line_values(const Options& options)
 std::expected<void, std::string> check_out_file(const Options& options) {
   const std::string& file = options.out_file;
   if (!is_there(file)) return {};
-  if (const auto valid = configuration::parse(content(file), file); !valid) {
+  const Text text = content(file);
+  if (!text) return std::unexpected(text.error());
+  if (const auto valid = configuration::parse(*text, file); !valid) {
     return std::unexpected("--out: what was found could not be written to this configuration:\n" +
                            configuration::to_string(valid.error()));
   }
@@ -67,7 +75,9 @@ std::expected<void, std::string> write_values(const Options& options,
   all.insert(all.end(), values.begin(), values.end());
   const bool changes = is_there(file);
   if (!changes) all.push_back({"hardware", "robot", '"' + options.configuration.hardware.robot + '"'});
-  const auto text = configuration::with_values(changes ? content(file) : text_read(options), file, all);
+  const Text before = changes ? content(file) : text_read(options);
+  if (!before) return std::unexpected(before.error());
+  const auto text = configuration::with_values(*before, file, all);
   if (!text) return std::unexpected("--out " + configuration::to_string(text.error()));
   if (const auto valid = configuration::parse(*text, file); !valid) {
     return std::unexpected("--out: what was found makes no valid configuration, and nothing is written:\n" +

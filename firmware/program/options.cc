@@ -271,11 +271,12 @@ std::expected<Options, std::string> read_options(int argc, char** argv, const st
   app.add_flag("--check-config", arguments.check_config, "reads the configuration, reports on it, and ends");
   app.add_flag("--print-config", arguments.print_config, "prints the configuration with every key, and ends");
   const Commands commands = add_commands(app, arguments, options);
+  app.require_subcommand(0, 1);
   app.footer(
       "Exit status: 0 ended as requested, 1 a fault stopped the robot or a check failed, 2 bad usage.");
   add_examples(app, kExamples);
   try {
-    app.parse(argc, argv);
+    parse(app, {argv + 1, argv + argc});
   } catch (const CLI::Success& help_or_version) {
     app.exit(help_or_version);
     options.task = Task::nothing;

@@ -6,8 +6,9 @@
 
 #include <array>
 #include <cstdio>
-#include <fstream>
-#include <iterator>
+#include <utility>
+
+#include "firmware/diagnostics/input_file.h"
 
 namespace stilt::program {
 
@@ -17,11 +18,13 @@ std::expected<TerminalPerson, std::string> TerminalPerson::open(const std::strin
     person.patient_ = isatty(STDIN_FILENO) == 1;
     return person;
   }
-  std::ifstream stream(file);
-  if (!stream) {
-    return std::unexpected("--answers " + file + ": cannot be read; name a file with an answer a line");
+  auto answers = diagnostics::read_file(file);
+  if (!answers || answers->empty()) {
+    return std::unexpected("--answers " + file + ": " +
+                           (answers ? "is empty" : "cannot be read (" + answers.error() + ")") +
+                           "; name a file with an answer a line");
   }
-  person.pending_.assign(std::istreambuf_iterator<char>(stream), {});
+  person.pending_ = std::move(*answers);
   person.ended_ = true;
   return person;
 }

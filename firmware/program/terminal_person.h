@@ -11,6 +11,7 @@ namespace stilt::program {
 /// The person at standard input, or a file of answers. Questions go to standard error.
 class TerminalPerson final : public commissioning::Person {
  public:
+  /// Reads the whole file, before a motor turns.
   /// @param file  empty: standard input. The error is one sentence for the user.
   [[nodiscard]] static std::expected<TerminalPerson, std::string> open(const std::string& file);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "firmware/configuration/schema.h"
@@ -42,6 +43,10 @@ Names options_of(const CLI::App& app) {
   return names;
 }
 
+bool contains(const Names& names, const std::string& name) {
+  return std::ranges::find(names, name) != names.end();
+}
+
 std::string listed(const Names& names) {
   std::string text;
   for (std::size_t i = 0; i < names.size(); ++i) {
@@ -66,15 +71,49 @@ std::string missing_command(const Command& command) {
   return words.front() + " is no command" + (likely.empty() ? "; there are " + listed(names) : likely);
 }
 
-std::string unexpected_word(const Command& command) {
+std::string unexpected_word(const CLI::App& program, const Command& command) {
   const Names words = command.app->remaining();
+  if (command.app != &program && contains(commands_of(program), words.front())) {
+    return words.front() + " is a second command; give one at a time";
+  }
   const auto option =
       std::ranges::find_if(words, [](const std::string& word) { return word.starts_with("-"); });
   if (option == words.end()) return words.front() + " is not expected";
   return *option + " is no option" + suggestion(*option, options_of(*command.app));
 }
 
+[[noreturn]] void refuse_empty(const std::string& option) {
+  throw CLI::ValidationError(option, "its value is empty; give one, or leave " + option + " out");
+}
+
+/// CLI11 takes the next word where nothing stands behind the =.
+void refuse_empty_behind_sign(const Names& words) {
+  for (const std::string& word : words) {
+    if (word.starts_with("--") && word.find('=') + 1 == word.size()) {
+      refuse_empty(word.substr(0, word.size() - 1));
+    }
+  }
+}
+
+/// Of a command line that was read.
+void refuse_empty_values(const CLI::App& app) {
+  for (const CLI::Option* option : app.get_options()) {
+    const Names& values = option->results();
+    if (option->get_items_expected_min() > 0 && contains(values, "")) {
+      refuse_empty(option->get_name());
+    }
+  }
+  for (const CLI::App* command : app.get_subcommands()) refuse_empty_values(*command);
+}
+
 }  // namespace
+
+void parse(CLI::App& program, std::vector<std::string> words) {
+  refuse_empty_behind_sign(words);
+  std::ranges::reverse(words);  // as CLI11 takes them
+  program.parse(std::move(words));
+  refuse_empty_values(program);
+}
 
 std::string usage_text(const CLI::App& program, const CLI::ParseError& error) {
   const Command command = command_of(program);
@@ -83,7 +122,7 @@ std::string usage_text(const CLI::App& program, const CLI::ParseError& error) {
   if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr && lacks_command) {
     text = missing_command(command);
   } else if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr && !command.app->remaining().empty()) {
-    text = unexpected_word(command);
+    text = unexpected_word(program, command);
   }
   const std::string_view prefix = std::string_view(command.words).substr(program.get_name().size());
   return (prefix.empty() ? "" : std::string(prefix.substr(1)) + ": ") + text + "; see " + command.words +

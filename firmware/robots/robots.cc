@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "codegen/urdf/shape_numbers.h"
-#include "codegen/urdf/urdf_document.h"
 #include "codegen/urdf/urdf_error.h"
 #include "codegen/urdf/urdf_reader.h"
+#include "firmware/diagnostics/input_file.h"
 
 // Robots as data: docs/decisions/0016-robots-as-data.md
 namespace stilt::robots {
@@ -80,11 +80,11 @@ class Registry {
  private:
   static std::expected<Robot, std::string> read(std::string_view name) {
     if (is_file(name)) {
-      try {
-        return parse(name, codegen::read_text(std::string(name)));
-      } catch (const codegen::UrdfError& error) {
-        return std::unexpected(sentence(error));
-      }
+      const auto text = diagnostics::read_file(std::string(name));
+      if (text && !text->empty()) return parse(name, *text);
+      return std::unexpected(std::string(name) +
+                             (text ? ": is empty" : ": cannot be read (" + text.error() + ")") +
+                             "; give the path of a URDF file");
     }
     for (const ShippedUrdf& shipped : shipped_urdfs()) {
       if (shipped.name == name) return parse(name, shipped.text);

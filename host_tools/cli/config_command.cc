@@ -5,11 +5,11 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <string_view>
 #include <system_error>
 
 #include "firmware/configuration/migrate.h"
+#include "firmware/diagnostics/input_file.h"
 #include "host_tools/cli/usage_error.h"
 
 namespace stilt::cli {
@@ -18,13 +18,9 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string read(const std::string& path) {
-  std::error_code ignored;
-  if (fs::is_directory(path, ignored)) {
-    throw UsageError(path + ": is a directory; a configuration file is needed");
-  }
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) throw UsageError(path + ": cannot be read: " + std::strerror(errno));
-  return {std::istreambuf_iterator<char>(stream), {}};
+  auto text = diagnostics::read_file(path);
+  if (!text) throw UsageError(path + ": cannot be read (" + text.error() + "); name a configuration file");
+  return *std::move(text);
 }
 
 /// Writes a temporary beside the file and renames it, so that the file is the old one or the new one, whole.

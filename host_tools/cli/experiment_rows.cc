@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <functional>
 #include <iterator>
 #include <set>
 
+#include "firmware/diagnostics/input_file.h"
 #include "firmware/robots/robots.h"
 #include "host_tools/cli/usage_error.h"
 #include "host_tools/simulation/plant/number.h"
@@ -179,10 +179,10 @@ RowChoice read_row(const std::string& place, const toml::table& table, const Row
 }
 
 toml::table parsed(const std::string& file) {
-  std::ifstream stream(file);
-  if (!stream) throw UsageError("--rows " + file + ": the file cannot be read");
+  const auto text = diagnostics::read_file(file);
+  if (!text) throw UsageError("--rows " + file + ": the file cannot be read (" + text.error() + ")");
   try {
-    return toml::parse(stream, file);
+    return toml::parse(*text, file);
   } catch (const toml::parse_error& error) {
     throw UsageError("--rows " + file + ", line " + std::to_string(error.source().begin.line) + ": " +
                      std::string(error.description()));

@@ -2,12 +2,12 @@
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 #include <algorithm>
-#include <cstdio>
 #include <exception>
 #include <iostream>
 #include <string>
 #include <vector>
 
+#include "firmware/diagnostics/standard_streams.h"
 #include "firmware/program/usage_text.h"
 #include "host_tools/cli/bench_command.h"
 #include "host_tools/cli/config_command.h"
@@ -41,9 +41,9 @@ int refuse(std::string message) {
   return kBadUsage;
 }
 
-/// The words after the program's name, last first, as CLI11 takes them. `stilt help sim` is `stilt sim
-/// --help`, `stilt version` is `stilt --version`.
-std::vector<std::string> reversed_arguments(int argc, char** argv) {
+/// The words after the program's name. `stilt help sim` is `stilt sim --help`, `stilt version` is `stilt
+/// --version`.
+std::vector<std::string> arguments(int argc, char** argv) {
   std::vector<std::string> words(argv + 1, argv + argc);
   if (!words.empty() && words.front() == "help") {
     words.erase(words.begin());
@@ -51,7 +51,6 @@ std::vector<std::string> reversed_arguments(int argc, char** argv) {
   } else if (words == std::vector<std::string>{"version"}) {
     words = {"--version"};
   }
-  std::ranges::reverse(words);
   return words;
 }
 
@@ -93,7 +92,7 @@ int run(int argc, char** argv) {
 
   stilt::cli::add_examples(program);
   try {
-    program.parse(reversed_arguments(argc, argv));
+    stilt::program::parse(program, arguments(argc, argv));
   } catch (const CLI::Success& help_or_version) {
     return program.exit(help_or_version);
   } catch (const CLI::ParseError& error) {
@@ -112,17 +111,16 @@ int run(int argc, char** argv) {
     return stilt::cli::run_experiment(*experiment, experiment_options, {argv, argv + argc});
   if (bench->parsed()) return stilt::cli::run_bench(bench_options);
   stilt::cli::evaluate_lines(stilt::cli::robot_model(model_robot), std::cin, std::cout);
-  return 0;
+  return std::ferror(stdin) == 0 ? 0 : refuse("standard input cannot be read to its end");
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (!stilt::diagnostics::keep_standard_streams()) return kBadUsage;
   try {
     const int status = run(argc, argv);
-    const bool printed = std::cout.flush() && std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
-    return printed ? status
-                   : refuse("standard output cannot be written, so what was printed is not complete");
+    return stilt::diagnostics::all_printed() ? status : refuse(stilt::diagnostics::kNotPrinted);
   } catch (const std::exception& error) {
     return refuse(error.what());
   }

@@ -106,6 +106,37 @@ TEST(TwoProcesses, TheLastFrameOfACommandSwitchesTheDriverOff) {
   }
 }
 
+TEST(TwoProcesses, AWatchWhoseLinesAreLostEndsAndSaysSo) {
+  RobotAndController run;
+  run.start_robot(kHanging);
+  Process watch({STILTD_PROGRAM, "watch", "--lockstep", "--bus", run.bus(0), "--bus", run.bus(1), "--set",
+                 "telemetry.enabled=false", "--json", "/dev/full"},
+                run.file("controller.out"), run.file("controller.err"));
+  EXPECT_EQ(watch.wait(kLongestRun_s), 2) << run.said();
+  EXPECT_TRUE(run.robot().wait(kLongestRun_s)) << run.said();
+  EXPECT_NE(text_of(run.file("controller.err"))
+                .find("stiltd: --json /dev/full: cannot be written (No space left on device); name a file"),
+            std::string::npos)
+      << run.said();
+}
+
+TEST(TwoProcesses, ABusDoesNotTakeThePlaceOfAClosedStandardStream) {
+  RobotAndController run;
+  run.start_robot(kHanging);
+  const std::string lines = run.file("controller.json");
+  Process watch(
+      {"/bin/sh", "-c", "exec \"$@\" <&- >&- 2>&-", "sh", STILTD_PROGRAM, "watch", "--lockstep", "--bus",
+       run.bus(0), "--bus", run.bus(1), "--set", "telemetry.enabled=false", "--json", lines},
+      run.file("controller.out"), run.file("controller.err"));
+  ASSERT_TRUE(wait_for_text(lines, "emergency_stop", kLongestRun_s)) << run.said();
+  for (const char* stream : {"0", "1", "2"}) {
+    const std::string link = "/proc/" + std::to_string(watch.id()) + "/fd/" + stream;
+    EXPECT_EQ(std::filesystem::read_symlink(link), "/dev/null") << stream;
+  }
+  watch.signal(SIGINT);
+  EXPECT_EQ(watch.wait(kLongestRun_s), 2) << "its table is lost\n" << run.said();
+}
+
 TEST(TwoProcesses, AWatchIsOnTheNetworkAndOnlyOffEndsIt) {
   RobotAndController run;
   run.start_robot(kHanging);

@@ -25,6 +25,7 @@ class Process {
   [[nodiscard]] std::optional<int> wait(double longest_s);
 
   void signal(int number) const;
+  [[nodiscard]] pid_t id() const { return id_; }
 
  private:
   pid_t id_ = -1;

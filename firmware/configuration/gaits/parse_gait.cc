@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <initializer_list>
-#include <iterator>
 #include <span>
 #include <stdexcept>
 #include <string_view>
@@ -12,6 +10,7 @@
 
 #include "firmware/configuration/gaits/gait_file.h"
 #include "firmware/configuration/gaits/gait_names.h"
+#include "firmware/diagnostics/input_file.h"
 #include "firmware/robots/robots.h"
 
 namespace stilt::gait_files {
@@ -221,10 +220,12 @@ std::expected<GaitRecord, std::string> parse_gait(std::string_view toml, std::st
 }
 
 std::expected<GaitRecord, std::string> load_gait(const std::string& path) {
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) return std::unexpected(path + ": the gait file cannot be read; name an existing file");
-  const std::string text{std::istreambuf_iterator<char>(stream), {}};
-  return parse_gait(text, path);
+  const auto text = diagnostics::read_file(path);
+  if (!text) {
+    return std::unexpected(path + ": the gait file cannot be read (" + text.error() +
+                           "); name an existing file");
+  }
+  return parse_gait(*text, path);
 }
 
 }  // namespace stilt::gait_files

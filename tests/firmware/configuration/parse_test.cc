@@ -194,11 +194,13 @@ TEST(Write, WhatIsWrittenReadsBackBitForBit) {
 TEST(Load, AFileThatCannotBeReadIsNamed) {
   const Result missing = load_file("no/such/robot.toml");
   ASSERT_FALSE(missing);
-  EXPECT_EQ(to_string(missing.error()), "no/such/robot.toml: cannot be read: No such file or directory");
+  EXPECT_EQ(to_string(missing.error()),
+            "no/such/robot.toml: cannot be read (No such file or directory); name a configuration file");
   const std::string folder = std::filesystem::temp_directory_path().string();
   const Result directory = load_file(folder);
   ASSERT_FALSE(directory);
-  EXPECT_EQ(to_string(directory.error()), folder + ": is a directory; a configuration file is needed");
+  EXPECT_EQ(to_string(directory.error()),
+            folder + ": cannot be read (Is a directory); name a configuration file");
 }
 
 TEST(Load, AFileIsReadLikeItsText) {

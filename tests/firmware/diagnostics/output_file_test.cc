@@ -2,16 +2,15 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <thread>
 
+#include "tests/full_disk.h"
 #include "tests/own_folder.h"
 
 namespace stilt::diagnostics {
@@ -39,37 +38,33 @@ TEST(OutputFile, ReplacesAFileAndKeepsItsPermissions) {
   EXPECT_EQ(files_in(folder), 1);
 }
 
-/// No file grows beyond this while the object lives: as on a disk that is full.
-class FullDisk {
- public:
-  explicit FullDisk(rlim_t most_bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
-    getrlimit(RLIMIT_FSIZE, &before_);
-    const rlimit limit{most_bytes, before_.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &limit);
-  }
-  ~FullDisk() {
-    setrlimit(RLIMIT_FSIZE, &before_);
-    std::signal(SIGXFSZ, handler_);
-  }
-  FullDisk(const FullDisk&) = delete;
-  FullDisk& operator=(const FullDisk&) = delete;
-
- private:
-  void (*handler_)(int);
-  rlimit before_{};
-};
-
 TEST(OutputFile, AFullDiskLeavesTheFileAsItWas) {
   const tests::OwnFolder folder;
   const std::string file = folder.file("robot.toml");
   std::ofstream(file) << "old";
   std::expected<void, std::string> written;
   {
-    const FullDisk full(16);
+    const tests::FullDisk full(16);
     written = write_file(file, std::string(1000, 'x'));
   }
   EXPECT_FALSE(written);
   EXPECT_EQ(content(file), "old");
+  EXPECT_EQ(files_in(folder), 1);
+}
+
+TEST(OutputFile, ATextInPiecesIsThereWholeOrNotAtAll) {
+  const tests::OwnFolder folder;
+  const std::string file = folder.file("ticks.csv");
+  const auto write = [&](int lines) {
+    return write_file(file, [&]() -> std::string_view { return lines-- > 0 ? "line\n" : ""; }, false);
+  };
+  ASSERT_TRUE(write(2));
+  EXPECT_EQ(content(file), "line\nline\n");
+  {
+    const tests::FullDisk full(1000);
+    EXPECT_FALSE(write(10'000));
+  }
+  EXPECT_EQ(content(file), "line\nline\n");
   EXPECT_EQ(files_in(folder), 1);
 }
 

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/full_disk.h"
 #include "tests/own_folder.h"
 
 namespace stilt::diagnostics {
@@ -118,6 +119,22 @@ TEST(TickCsv, ABlackBoxBecomesAFileWithOneLineATick) {
     ++expected;
   }
   EXPECT_EQ(expected, 2500u);
+}
+
+TEST(TickCsv, AFullDiskLeavesTheFileOfTheFaultBefore) {
+  const auto box = std::make_unique<control_loop::TickBlackBox>();
+  *box->claim() = {};
+  box->commit(true);
+  const tests::OwnFolder folder;
+  const std::string path = folder.file("box.csv");
+  std::ofstream(path) << "the fault before";
+  {
+    const tests::FullDisk full(100);
+    EXPECT_FALSE(write_csv(path, *box, 0));
+  }
+  std::string line;
+  std::getline(std::ifstream(path), line);
+  EXPECT_EQ(line, "the fault before");
 }
 
 TEST(TickCsv, AFileThatCannotBeWrittenIsSaidInOneSentence) {

@@ -57,6 +57,34 @@ TEST(Options, StartSaysGaitAndSpeed) {
   }
 }
 
+TEST(Options, AnEmptyValueIsRefusedAndNoDefaultTakenInItsPlace) {
+  for (const char* option :
+       {"--config", "--robot", "--preset", "--set", "--bus", "--start", "--json", "--black-box"}) {
+    const std::string sentence = std::string(option) + ": its value is empty; give one, or leave " + option +
+                                 " out; see stiltd --help";
+    EXPECT_EQ(mistake({option, ""}), sentence);
+    EXPECT_EQ(mistake({std::string(option) + "=", "--check-config"}), sentence);
+  }
+  for (const char* option : {"--config", "--out", "--answers", "--json"}) {
+    EXPECT_NE(mistake({"calibrate", option, ""}).find(std::string("calibrate: ") + option + ": its value is"),
+              std::string::npos)
+        << mistake({"calibrate", option, ""});
+  }
+  EXPECT_NE(mistake({"--bus", "can0", "--bus", ""}).find("--bus: its value is empty"), std::string::npos);
+  EXPECT_NE(mistake({"--duration", ""}), "") << "it would run until it is stopped";
+  EXPECT_NE(mistake({"jog", "", "0.3"}).find("jog: joint: its value is empty"), std::string::npos);
+}
+
+TEST(Options, ASecondCommandIsRefused) {
+  EXPECT_EQ(mistake({"scan", "jog", "hip_L", "0.3"}),
+            "scan: jog is a second command; give one at a time; see stiltd scan --help");
+  EXPECT_NE(mistake({"selftest", "--seconds", "2", "identify", "--torque-limit", "0.3"})
+                .find("selftest: identify is a second command"),
+            std::string::npos);
+  EXPECT_NE(mistake({"scan", "scan"}).find("scan is a second command"), std::string::npos);
+  EXPECT_EQ(read({"--lockstep", "scan"})->task, Task::scan) << "options before the command";
+}
+
 TEST(Options, MistakesOfTheConfigurationAreAllReported) {
   const std::string text = mistake({"--set", "gait.swing_height_m=5", "--set", "supervisor.hot=1"});
   EXPECT_NE(text.find("--set: gait.swing_height_m = 5 is outside its range"), std::string::npos);

@@ -4,7 +4,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <regex>
 #include <string>
@@ -20,15 +22,17 @@ struct Answer {
   std::string text;  ///< both outputs
 };
 
-Answer stiltd(const std::string& arguments) {
+Answer answer(const std::string& command) {
   Answer run;
-  std::FILE* pipe = popen((std::string(STILTD) + " " + arguments + " 2>&1").c_str(), "r");
+  std::FILE* pipe = popen(command.c_str(), "r");
   if (pipe == nullptr) return run;
   char buffer[4096];
   while (std::fgets(buffer, sizeof buffer, pipe) != nullptr) run.text += buffer;
   run.status = WEXITSTATUS(pclose(pipe));
   return run;
 }
+
+Answer stiltd(const std::string& arguments) { return answer(STILTD " " + arguments + " 2>&1"); }
 
 const std::string kAbsentBuses = "--bus loopback:absent-left --bus loopback:absent-right";
 
@@ -142,6 +146,37 @@ TEST(Stiltd, SaysWhatAConfigurationWasReadFromAndForWhichRobot) {
   const Answer strong = stiltd("--check-config --set hardware.robot=rabbit");
   EXPECT_EQ(strong.status, 2);
   EXPECT_TRUE(has(strong, "hip_L: commands a torque of up to 150 Nm at the shaft")) << strong.text;
+}
+
+TEST(Stiltd, SaysThatItsOutputIsLost) {
+  for (const std::string command :
+       {"--print-config", "--check-config", "--version", "--help", "scan --help"}) {
+    for (const char* output : {" 2>&1 >/dev/full", " 2>&1 >&-"}) {
+      const Answer run = answer(STILTD " " + command + output);
+      EXPECT_EQ(run.status, 2) << command << output;
+      EXPECT_EQ(run.text, "stiltd: standard output cannot be written, so what was printed is not complete\n")
+          << command << output;
+    }
+  }
+}
+
+TEST(Stiltd, RefusesAFolderWhereAFileBelongs) {
+  const tests::OwnFolder folder;
+  const std::string urdf = folder.file("robot.urdf");
+  std::filesystem::create_directory(urdf);
+  for (const std::string& words : {"--robot " + urdf, "--set hardware.robot=" + urdf, "--config " + urdf,
+                                   "jog hip_L 0.3 --answers " + urdf + " " + kAbsentBuses}) {
+    const Answer run = stiltd(words + (words.starts_with("jog") ? "" : " --check-config"));
+    EXPECT_EQ(run.status, 2) << words;
+    EXPECT_TRUE(has(run, urdf + ": cannot be read (Is a directory); ")) << words << run.text;
+    EXPECT_EQ(std::ranges::count(run.text, '\n'), 1) << words << run.text;
+  }
+}
+
+TEST(Stiltd, RefusesAnEmptyFileOfAnswersBeforeItOpensABus) {
+  const Answer run = stiltd("jog hip_L 0.3 --answers /dev/null " + kAbsentBuses);
+  EXPECT_EQ(run.status, 2);
+  EXPECT_EQ(run.text, "stiltd: --answers /dev/null: is empty; name a file with an answer a line\n");
 }
 
 TEST(Stiltd, SaysWhatWasProbablyMeant) {

@@ -81,7 +81,7 @@ TEST(Robots, AnUnknownNameAndAMissingFileAreRefusedInOneSentence) {
             "there is no robot \"asimo\"; known robots are amber3m, amber3m_2020, rabbit; "
             "or give a file that ends in .urdf");
   EXPECT_EQ(find("/nowhere/own.urdf").error(),
-            "/nowhere/own.urdf: cannot be read; give the path of a URDF file");
+            "/nowhere/own.urdf: cannot be read (No such file or directory); give the path of a URDF file");
 }
 
 TEST(Robots, AHipBesideTheTorsosOriginIsRefused) {

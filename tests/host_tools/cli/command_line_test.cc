@@ -91,6 +91,11 @@ TEST_F(CommandLine, AMistakeIsSaidOfTheCommandItBelongsTo) {
       {"gait chek x", "stilt: gait: chek is no command; did you mean check?; see stilt gait --help\n"},
       {"reccord", "stilt: reccord is no command; did you mean record?; see stilt --help\n"},
       {"sim 1 --sped", "stilt: sim: --sped is no option; did you mean --speed?; see stilt sim --help\n"},
+      {"sim bench", "stilt: sim: bench is a second command; give one at a time; see stilt sim --help\n"},
+      {"sim --json ''",
+       "stilt: sim: --json: its value is empty; give one, or leave --json out; see stilt sim --help\n"},
+      {"report ''",
+       "stilt: report: FILE: its value is empty; give one, or leave FILE out; see stilt report --help\n"},
       {"sim 1", "stilt: sim: 1 is not expected; see stilt sim --help\n"},
       {"bench --controller hzd-pd",
        "stilt: --controller hzd-pd: it tracks gaits without planning; choose one that plans\n"},
@@ -184,10 +189,10 @@ TEST_F(CommandLine, AFullDiskIsSaidWithItsReasonAndWhatWasPrintedStays) {
             std::string::npos);
   for (const char* arguments :
        {"sim --gait stand --duration 0.5 --json -", "sim --gait stand --duration 0.5", "help"}) {
-    EXPECT_EQ(
-        std::system((std::string(STILT_PROGRAM) + " " + arguments + " >/dev/full 2>/dev/null").c_str()) >> 8,
-        2)
-        << arguments;
+    for (const char* output : {" >/dev/full 2>/dev/null", " <&- >&- 2>&-"}) {
+      EXPECT_EQ(std::system((std::string(STILT_PROGRAM) + " " + arguments + output).c_str()) >> 8, 2)
+          << arguments << output;
+    }
   }
 }
 
@@ -196,6 +201,19 @@ TEST_F(CommandLine, AFileThatWasWrittenIsNamed) {
                               file("a.html") + " --log " + file("a.jsonl"));
   for (const char* name : {"a.json", "a.html", "a.jsonl"}) {
     EXPECT_NE(outcome.errors.find("written: " + file(name) + "\n"), std::string::npos) << outcome.errors;
+  }
+}
+
+TEST_F(CommandLine, AFolderWhereAFileBelongsIsRefusedWithItsName) {
+  const std::string folder = file("d.urdf");
+  std::filesystem::create_directory(folder);
+  const std::string rows = "experiment disturbance --out " + file("out") + " --rows ";
+  for (const std::string& command : {std::string("gait check "), std::string("sim --robot "),
+                                     std::string("config migrate "), std::string("report "), rows}) {
+    const Outcome outcome = run(command + folder);
+    EXPECT_EQ(outcome.status, 2) << command;
+    EXPECT_NE(outcome.errors.find(folder + ": "), std::string::npos) << command << outcome.errors;
+    EXPECT_EQ(outcome.errors.find("basic_filebuf"), std::string::npos) << command << outcome.errors;
   }
 }
 
@@ -383,6 +401,7 @@ TEST_F(CommandLine, ModelEvaluationReadsLinesAndRefusesTheFirstBadOne) {
   const Outcome wrong = run("model eval", good + "\nnonsense\n");
   EXPECT_EQ(wrong.status, 2);
   EXPECT_NE(wrong.errors.find("line 2"), std::string::npos) << wrong.errors;
+  EXPECT_EQ(std::system(STILT_PROGRAM " model eval </tmp 2>/dev/null") >> 8, 2) << "a folder";
 }
 
 }  // namespace

@@ -101,8 +101,9 @@ TEST(GaitFile, SaysWhatIsWrongWhereAndWhatWouldBeRight) {
   EXPECT_EQ(error_of(kBare + "[inputs]\n"), "gait.toml: the table [states] is missing");
   EXPECT_EQ(error_of("format = "), error_of("format = "));
   EXPECT_NE(error_of("format = ").find("gait.toml: line 1 is not TOML"), std::string::npos);
-  EXPECT_EQ(load_gait("/nowhere/gait.toml").error(),
-            "/nowhere/gait.toml: the gait file cannot be read; name an existing file");
+  EXPECT_EQ(
+      load_gait("/nowhere/gait.toml").error(),
+      "/nowhere/gait.toml: the gait file cannot be read (No such file or directory); name an existing file");
 }
 
 /// A key with a slip of the pen must not be taken for one that was left out.

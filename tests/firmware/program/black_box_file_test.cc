@@ -1,0 +1,79 @@
+#include "firmware/program/black_box_file.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <string>
+
+#include "tests/full_disk.h"
+#include "tests/own_folder.h"
+
+namespace stilt::program {
+namespace {
+
+using supervisor::Reaction;
+
+class BlackBoxFileTest : public testing::Test {
+ protected:
+  BlackBoxFileTest() : file_((options_.black_box_file = folder_.file("box.csv"), options_), *state_) {}
+
+  /// A fault with this reaction in this tick; the black box freezes, and is saved.
+  void happen(std::uint64_t tick, Reaction reaction) {
+    bool trigger = true;
+    while (control_loop::TickRecord* record = state_->mail.black_box.claim()) {
+      *record = {};
+      record->tick = tick;
+      record->reaction = reaction;
+      state_->mail.black_box.commit(trigger);
+      trigger = false;
+    }
+    file_.save();
+  }
+
+  /// The tick of the fault that the file holds; -1: it holds none.
+  [[nodiscard]] long long kept() const {
+    std::ifstream lines(options_.black_box_file);
+    std::string line;
+    std::getline(lines, line);
+    return std::getline(lines, line) ? std::stoll(line) : -1;
+  }
+
+  tests::OwnFolder folder_;
+  Options options_;
+  std::unique_ptr<ControllerState> state_ = std::make_unique<ControllerState>();
+  BlackBoxFile file_;
+};
+
+TEST_F(BlackBoxFileTest, KeepsTheFirstOfEqualFaultsUntilAHarderOneComes) {
+  happen(10, Reaction::hold);
+  happen(20, Reaction::hold);
+  EXPECT_EQ(kept(), 10);
+  happen(30, Reaction::damp);
+  EXPECT_EQ(kept(), 30);
+  happen(40, Reaction::damp);
+  happen(50, Reaction::sit);
+  EXPECT_EQ(kept(), 30);
+  EXPECT_TRUE(file_.finish());
+}
+
+TEST_F(BlackBoxFileTest, OnAFullDiskKeepsTheFaultBeforeAndSaysThatTheHarderOneIsLost) {
+  happen(10, Reaction::hold);
+  {
+    const tests::FullDisk full(1000);
+    happen(20, Reaction::damp);
+  }
+  EXPECT_EQ(kept(), 10);
+  happen(30, Reaction::sit);
+  EXPECT_EQ(kept(), 30) << "harder than what the file held";
+  const auto saved = file_.finish();
+  ASSERT_FALSE(saved);
+  EXPECT_NE(saved.error().find("--black-box " + options_.black_box_file), std::string::npos) << saved.error();
+  happen(40, Reaction::damp);
+  EXPECT_EQ(kept(), 40);
+  EXPECT_TRUE(file_.finish()) << "a fault as hard as the lost one is there";
+}
+
+}  // namespace
+}  // namespace stilt::program
