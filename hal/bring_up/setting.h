@@ -29,6 +29,7 @@ enum class Setting : std::uint8_t {
   ak_control_mode,
   ak_v3_status_rate,
   ak_v3_position_frames,
+  moteus_zero,
 };
 
 /// The vendor's name, and what it must be. Real-time safe.
@@ -78,6 +79,8 @@ enum class Setting : std::uint8_t {
       return "its CAN feedback rate must be ak_v3_status_rate_hz of the configuration";
     case Setting::ak_v3_position_frames:
       return "its position frames (0x2A) must be on, as ak_v3_position_frames of the configuration";
+    case Setting::moteus_zero:
+      return "its zero must be within 3.2767 revolutions of all of the joint's travel: `stiltd zero JOINT`";
   }
   return "unknown";
 }

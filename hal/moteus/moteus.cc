@@ -12,7 +12,8 @@ namespace {
 constexpr std::uint32_t kReplyBit = 0x8000;
 constexpr std::uint8_t kFirstLimitCode = 96;
 constexpr double kWatchdogStep_s = 0.001;
-constexpr double kNoLimit = -0.05;  // anything negative: one step of an acceleration in int8
+constexpr double kScaleStep = 1.0 / 32767;  // of the scale of a gain, int16
+constexpr double kNoLimit = -0.05;          // anything negative: one step of an acceleration in int8
 
 void write_one(SubframeWriter& writer, MoteusRegister where, Resolution resolution, double value) noexcept {
   writer.values(SubframeKind::write, where, resolution, std::span(&value, 1));
@@ -56,11 +57,11 @@ bool acceptable(const MoteusCommand& command) noexcept {
 }
 
 /// A gain of an angle in radians as a fraction of the driver's own; gains below 0 or above the driver's
-/// saturate.
+/// saturate, by half a step of the register or more. The driver's own gain may round to a bit more than 1.
 double scale_of(double gain_rad, double gain_rev, bool& saturated) noexcept {
   const double wanted = gain_rad * kRadiansPerRevolution / gain_rev;
   const double limited = std::clamp(wanted, 0.0, 1.0);
-  saturated = saturated || limited != wanted;
+  saturated = saturated || std::abs(limited - wanted) > 0.5 * kScaleStep;
   return limited;
 }
 

@@ -16,11 +16,8 @@ using bring_up::Setting;
 using bring_up::Stage;
 
 constexpr double kWatchdogTolerance_s = 0.0005;  // half a step of the register
-/// Parts of enable: position mode, then probes of the two ends of the travel.
-constexpr unsigned kLowerEnd = 1;
-constexpr unsigned kUpperEnd = 2;
-constexpr double kProbe_rad = 0.5;          // about the position, without a travel
-constexpr double kProbeVelocity_rad_s = 2;  // shows kd
+constexpr double kProbe_rad = 0.5;               // about the position, without a travel
+constexpr double kProbeVelocity_rad_s = 2;       // shows kd
 /// The control position moves at that velocity between command and answer.
 constexpr double kControlTolerance_rad = 0.1;
 constexpr double kGainTolerance = 0.02;      // relative
@@ -138,7 +135,9 @@ BringUp::Verdict MoteusBringUp::judge_home(const MoteusReply& reply) noexcept {
   const bool one_turn = rotor_referenced_ && options().encoder_period_rad > 0;
   if (!output_referenced_ && !one_turn) return wrong(Failure::not_home);
   if (!std::isfinite(reply.position_rad)) return wrong(Failure::not_home);
-  return check_home(reply.position_rad) ? Verdict::next_stage : Verdict::fail;
+  if (!check_home(reply.position_rad)) return Verdict::fail;
+  if (!reaches_both_ends()) return wrong(Failure::wrong_setting, {.setting = Setting::moteus_zero});
+  return Verdict::next_stage;
 }
 
 /// Only from mode position on do the driver's own bounds count.
@@ -146,12 +145,17 @@ BringUp::Verdict MoteusBringUp::judge_enabling(const MoteusReply& reply) noexcep
   return is_mode(reply, MoteusMode::position) ? Verdict::next_part : Verdict::not_yet;
 }
 
-/// Where a probe asks the driver to hold, as the driver counts.
-double MoteusBringUp::probed_rad() const noexcept {
-  const bool lower = part() == kLowerEnd;
-  const double end_rad = lower ? options().minimum_angle_rad : options().maximum_angle_rad;
+/// Of the travel, as the driver counts: there a probe asks it to hold.
+double MoteusBringUp::end_rad(bool lower) const noexcept {
+  const double travel_rad = lower ? options().minimum_angle_rad : options().maximum_angle_rad;
   const double near_rad = position_rad() + (lower ? -kProbe_rad : kProbe_rad);
-  return (std::isfinite(end_rad) ? end_rad : near_rad) - turn_offset_rad();
+  return (std::isfinite(travel_rad) ? travel_rad : near_rad) - turn_offset_rad();
+}
+
+/// Whether commands carry all of the travel. A driver may count from turns away, and the whole periods of
+/// its encoder hide that from the travel alone.
+bool MoteusBringUp::reaches_both_ends() const noexcept {
+  return std::abs(end_rad(true)) <= kMoteusPosition_rad && std::abs(end_rad(false)) <= kMoteusPosition_rad;
 }
 
 /// The first setting that the answer to a probe contradicts. A control position that stands elsewhere is held

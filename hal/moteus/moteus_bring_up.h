@@ -20,6 +20,10 @@ class MoteusBringUp final : public bring_up::BringUp {
       : BringUp(options), driver_(driver) {}
 
  private:
+  /// Parts of enable: position mode, then probes of the two ends of the travel.
+  static constexpr unsigned kLowerEnd = 1;
+  static constexpr unsigned kUpperEnd = 2;
+
   [[nodiscard]] Ask ask(bring_up::Stage stage, unsigned part, CanFrame& frame) noexcept override;
   [[nodiscard]] Verdict judge(bring_up::Stage stage, unsigned part, const CanFrame& frame) noexcept override;
   [[nodiscard]] bool keep_alive(CanFrame& frame) noexcept override;
@@ -30,7 +34,9 @@ class MoteusBringUp final : public bring_up::BringUp {
   [[nodiscard]] Verdict judge_enabling(const MoteusReply& reply) noexcept;
   [[nodiscard]] Verdict judge_probe(const MoteusReply& reply) noexcept;
   [[nodiscard]] Verdict wrong(bring_up::Failure failure, const Blame& blame = {}) noexcept;
-  [[nodiscard]] double probed_rad() const noexcept;
+  [[nodiscard]] double end_rad(bool lower) const noexcept;
+  [[nodiscard]] double probed_rad() const noexcept { return end_rad(part() == kLowerEnd); }
+  [[nodiscard]] bool reaches_both_ends() const noexcept;
   [[nodiscard]] bring_up::Setting contradicted(const MoteusReply& reply) noexcept;
 
   MoteusDriver driver_;

@@ -126,8 +126,10 @@ TEST(Identify, WritesMeansOfBothLegsAndNamesAWrongTorqueConstant) {
 }
 
 TEST(Identify, AfterItsTorqueFactorIsWrittenAJointIsRight) {
-  HangingRobot robot(
-      {.both = {"hip_L.torque_factor=0.8", "knee_R.torque_factor=1.25"}, .robot = {}, .miswired = {}});
+  HangingRobot robot({.both = {"hip_L.torque_factor=0.8", "knee_R.torque_factor=1.25",
+                               "supervisor.hold_kd_Nms_rad=4", "supervisor.damping_kd_Nms_rad=4"},
+                      .robot = {},
+                      .miswired = {}});
   const auto report = tried(robot);
   ASSERT_TRUE(report) << report.error();
   EXPECT_TRUE(report->findings.empty()) << to_text(*report);

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
+#include <tuple>
+
 #include "tests/hal/bring_up/bring_up_rig.h"
 
 namespace stilt::hal::bring_up {
@@ -9,6 +12,8 @@ namespace {
 
 using mock::FrameFault;
 using mock::MockBus;
+
+constexpr double kTurn_rad = 2 * std::numbers::pi;
 
 TEST_F(BringUpTest, AMoteusComesUpWithItsWatchdogAndWithoutTorque) {
   moteus::MoteusEmulator driver = moteus::make_emulator({});
@@ -206,6 +211,43 @@ TEST_F(BringUpTest, ExactlyOneTurnOfTheEncoderMustFitTheTravel) {
   options_.maximum_angle_rad = 1.6;
   MoteusBringUp ambiguous({}, options_);
   EXPECT_EQ(run(ambiguous, bus_, clock_).failure, Failure::not_home);
+}
+
+TEST_F(BringUpTest, AMoteusComesUpWithAnyGains) {
+  for (int i = 1; i <= 400; ++i) {
+    mock::MockBus bus(clock_);
+    const moteus::MoteusDriver described{.kp_Nm_rev = 10.0 * i, .kd_Nm_s_rev = 0.5 * i};
+    moteus::MoteusEmulator driver = moteus::make_emulator(described);
+    bus.attach(driver);
+    MoteusBringUp bring_up(described, options_);
+    const StepResult result = run(bring_up, bus, clock_);
+    ASSERT_EQ(result.stage, Stage::ready) << described.kp_Nm_rev << ": " << name(result.failure);
+  }
+}
+
+/// Commands of a moteus reach 3.2767 revolutions from its zero, replies farther.
+TEST_F(BringUpTest, AMoteusThatCountsFromTurnsAwayIsRefusedBeforeItIsEnabled) {
+  options_.minimum_angle_rad = -2.4;
+  options_.maximum_angle_rad = 2.4;
+  for (const auto& [period_rad, turns, reaches] : {std::tuple{kTurn_rad, 0, true},
+                                                   {kTurn_rad, 2, true},
+                                                   {kTurn_rad, -2, true},
+                                                   {kTurn_rad, 3, false},
+                                                   {kTurn_rad, -3, false},
+                                                   {kTurn_rad, 40, false},
+                                                   {0.0, 0, true}}) {
+    mock::MockBus bus(clock_);
+    moteus::MoteusEmulator driver = moteus::make_emulator({});
+    driver.motor.position_rad = 0.1 + turns * kTurn_rad;
+    bus.attach(driver);
+    options_.encoder_period_rad = period_rad;
+    MoteusBringUp bring_up({}, options_);
+    const StepResult result = run(bring_up, bus, clock_);
+    EXPECT_EQ(result.stage, reaches ? Stage::ready : Stage::failed) << turns;
+    EXPECT_EQ(driver.enabled(), reaches) << turns;
+    EXPECT_EQ(result.failure, reaches ? Failure::none : Failure::wrong_setting) << turns;
+    EXPECT_EQ(result.setting, reaches ? Setting::none : Setting::moteus_zero) << turns;
+  }
 }
 
 TEST_F(BringUpTest, AJointOutsideItsTravelIsNotEnabled) {

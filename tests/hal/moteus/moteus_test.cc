@@ -167,6 +167,21 @@ TEST(Moteus, CommandsArriveInTheRegistersAndStateComesBack) {
   }
 }
 
+// kp / (2 pi) * (2 pi) / kp is 1 + 2^-52 for one in ten of them.
+TEST(Moteus, TheDriversOwnGainsSaturateNothing) {
+  for (int i = 1; i <= 40'000; ++i) {
+    const MoteusDriver driver{.kp_Nm_rev = 0.25 * i, .kd_Nm_s_rev = 0.01 * i};
+    const double kp_Nm_rad = driver.kp_Nm_rev / kTurn, kd_Nms_rad = driver.kd_Nm_s_rev / kTurn;
+    CanFrame frame;
+    ASSERT_EQ(encode_command(driver, {.kp_Nm_rad = kp_Nm_rad, .kd_Nms_rad = kd_Nms_rad}, frame),
+              EncodeStatus::ok)
+        << driver.kp_Nm_rev;
+    ASSERT_EQ(encode_command(driver, {.kp_Nm_rad = 1.00002 * kp_Nm_rad}, frame), EncodeStatus::saturated);
+    ASSERT_EQ(encode_command(driver, {.kd_Nms_rad = 1.00002 * kd_Nms_rad}, frame), EncodeStatus::saturated);
+    ASSERT_EQ(encode_command(driver, {.kp_Nm_rad = -1e-4 * kp_Nm_rad}, frame), EncodeStatus::saturated);
+  }
+}
+
 TEST(Moteus, EveryIntegerOfEveryResolutionComesBack) {
   for (const Resolution resolution : {Resolution::int8, Resolution::int16}) {
     const int top = resolution == Resolution::int8 ? 127 : 32767;
