@@ -47,6 +47,7 @@ JointBusStatus CanRobot::bus_status() const noexcept {
 
 JointBusStatus CanRobot::read(std::int64_t now_ns, JointReadings& readings) noexcept {
   fresh_.fill(false);
+  was_idle_.fill(false);
   torso_.begin_read();
   bool disconnected = false;
   for (std::size_t bus = 0; bus < bus_count_; ++bus) {
@@ -101,12 +102,20 @@ DecodeStatus CanRobot::take_joint(std::int64_t now_ns, std::size_t joint, const 
   reading.driver_temperature_C = shaft.driver_temperature_C;
   reading.motor_temperature_C = shaft.motor_temperature_C;
   reading.supply_V = shaft.supply_V;
-  reading.state = shaft.state;
+  reading.state = state_of(joint);
   reading.fault = shaft.fault;
   reading.fault_code = shaft.fault_code;
   if (wiring_.pitch_encoder_joint == static_cast<int>(joint) && std::isfinite(shaft.encoder_position_rad))
     set_torso_angle(now_ns, shaft.encoder_position_rad, shaft.encoder_velocity_rad_s);
   return status;
+}
+
+/// An AK of version 3 says once that it has started or was disabled, and then nothing of its state: within a
+/// read that does not take back what was said.
+DriverState CanRobot::state_of(std::size_t joint) noexcept {
+  const DriverState state = shafts_[joint].state;
+  was_idle_[joint] = was_idle_[joint] || state == DriverState::idle;
+  return was_idle_[joint] && state == DriverState::unknown ? DriverState::idle : state;
 }
 
 void CanRobot::set_motion(std::int64_t now_ns, std::size_t joint) noexcept {

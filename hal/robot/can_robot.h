@@ -56,6 +56,7 @@ class CanRobot final {
   [[nodiscard]] DecodeStatus take_joint(std::int64_t now_ns, std::size_t joint,
                                         const CanFrame& frame) noexcept;
   void take_channels(std::int64_t now_ns, const CanFrame& frame) noexcept;
+  [[nodiscard]] DriverState state_of(std::size_t joint) noexcept;
   void set_motion(std::int64_t now_ns, std::size_t joint) noexcept;
   [[nodiscard]] bool count_missed(std::size_t joint) noexcept;
   void take_feed() noexcept;
@@ -75,6 +76,7 @@ class CanRobot final {
   std::array<DriverReading, kJoints> shafts_;
   JointReadings readings_;
   std::array<bool, kJoints> fresh_{};
+  std::array<bool, kJoints> was_idle_{};               ///< said a frame of this read
   std::array<std::uint32_t, kJoints> silent_reads_{};  ///< in a row
   TorsoMeasurement torso_;
   bool pitch_is_channel_ = true;

@@ -8,6 +8,7 @@
 
 #include "firmware/configuration/configuration.h"
 #include "tests/two_processes/frame_record.h"
+#include "tests/two_processes/protocols.h"
 #include "tests/two_processes/robot_and_controller.h"
 
 namespace stilt::two_processes {
@@ -168,6 +169,30 @@ TEST_F(FaultWhileWalking, AnOverheatedMotorMakesItStandAndSitDownAndThenThereIsO
                                                              << run_.said();
   const auto& supervisor = configuration_.supervisor;
   expect_only_damping(*detected + 2 * supervisor.slow_down_s + supervisor.sit_s + 4 * kTick_s);
+}
+
+/// Its start frame comes in the read of a status, or in one between two of them.
+TEST(TwoProcesses, AnAkOfVersionThreeThatStartsAgainIsDampedWithTheReadOfItsStart) {
+  constexpr double kOff_s = 0.004;
+  for (const char* since : {"2.0", "2.001"}) {
+    RobotAndController run;
+    std::vector<std::string> robot = with_protocol("ak_v3"), controller = robot;
+    robot.insert(robot.end(),
+                 {"--lockstep", "--once", "--fault", std::string("power-cycle:hip_L@") + since + "+0.004"});
+    controller.insert(controller.end(), {"--lockstep", "--start", "stand", "--duration", "4"});
+    run.start_robot(robot);
+    run.start_controller(controller);
+    run.expect_both_to_end();
+    ASSERT_EQ(run.robot_json().at("faults").size(), 1u) << run.said();
+    const double powered_s = run.robot_json().at("faults")[0].at("robot_time_s").get<double>() + kOff_s;
+    const nlohmann::json faults = run.controller_json().at("faults");
+    const auto found = std::ranges::find(faults, "driver_not_enabled",
+                                         [](const nlohmann::json& fault) { return fault.at("name"); });
+    ASSERT_NE(found, faults.end()) << since << faults;
+    EXPECT_EQ(found->at("reaction"), "damp") << faults;
+    EXPECT_EQ(found->at("joint"), "hip_L") << faults;
+    EXPECT_LE(found->at("time_s").get<double>(), powered_s + 2.5 * kTick_s) << faults;
+  }
 }
 
 }  // namespace

@@ -242,6 +242,41 @@ TEST(AkRobotReadings, ASilentDriverIsLostAsSoonAsAnyOther) {
   EXPECT_LE(ticks, 13) << "10 reads, and 2 until the first was due";
 }
 
+/// At every phase of its report: where a status follows in the same read, too.
+TEST(AkRobotReadings, AStartShowsInItsReadWhateverFollows) {
+  for (const double rate_hz : {500.0, 333.0}) {
+    AkRobot robot({.status_rate_hz = rate_hz});
+    for (int i = 0; i < 20; ++i) robot.tick();
+    bool together = false;
+    for (int phase = 0; phase < 60; ++phase) {
+      robot.drivers_[2]->power_cycle();
+      robot.tick();
+      EXPECT_EQ(robot.readings_[2].state, DriverState::idle) << rate_hz << ", " << phase;
+      together = together || robot.readings_[2].time_ns == robot.clock_.now_ns();
+      EXPECT_EQ(robot.readings_[0].state, DriverState::unknown);
+      for (int i = 0; i < 4 + phase % 3; ++i) robot.tick();
+      EXPECT_EQ(robot.readings_[2].state, DriverState::unknown) << "not for ever";
+    }
+    EXPECT_TRUE(together) << "a status in the read of the start";
+  }
+}
+
+/// Code 0x77 comes once. A computer that was late reads the next status with it.
+TEST(AkRobotReadings, ADisableShowsInItsReadWhateverFollows) {
+  const AkDriver first{.id = 1};
+  for (const bool then_faulty : {false, true}) {
+    AkRobot robot;
+    for (int i = 0; i < 20; ++i) robot.tick();
+    const std::int64_t due_ns = robot.clock_.now_ns() + kTick_ns;
+    robot.buses_[0].script(status_of(first, {.disabled = true}), due_ns);
+    robot.buses_[0].script(status_of(first, then_faulty ? AkStatus{.code = 2} : AkStatus{}), due_ns);
+    robot.tick();
+    EXPECT_EQ(robot.readings_[0].state, then_faulty ? DriverState::fault : DriverState::idle);
+    for (int i = 0; i < 3; ++i) robot.tick();
+    EXPECT_EQ(robot.readings_[0].state, DriverState::unknown);
+  }
+}
+
 TEST(AkRobotReadings, NoFrameIsSentThatTheDriverCouldMisread) {
   AkRobot robot;
   for (int i = 0; i < 10; ++i) robot.tick();
