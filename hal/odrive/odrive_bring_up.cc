@@ -16,7 +16,7 @@ using bring_up::Stage;
 
 constexpr double kWatchdogTolerance_s = 1e-6;
 /// While listening, for 50 ms: with the documented rates 50, 5 and 10.
-constexpr unsigned kLeastEstimates = 25;
+constexpr unsigned kLeastEstimates = 40;
 constexpr unsigned kLeastHeartbeats = 2;
 constexpr unsigned kLeastTorques = 5;
 

@@ -14,6 +14,8 @@
 /// the torque of the law; it is asked for supply and temperatures now and then.
 namespace stilt::hal::odrive {
 
+inline constexpr double kOdriveEstimates_hz = 1000;  ///< encoder_msg_rate_ms = 1
+
 [[nodiscard]] DecodeStatus take_frame(const OdriveDriver& driver, const CanFrame& frame,
                                       DriverReading& reading) noexcept;
 [[nodiscard]] EncodeStatus command_frame(const OdriveDriver& driver, const DriverCommand& command,
@@ -26,7 +28,8 @@ namespace stilt::hal::odrive {
 [[nodiscard]] std::optional<CanFrame> question_frame(const OdriveDriver& driver, unsigned question) noexcept;
 [[nodiscard]] constexpr bool has_own_gains(const OdriveDriver&) noexcept { return false; }
 [[nodiscard]] constexpr int extra_encoder(const OdriveDriver&) noexcept { return -1; }
-[[nodiscard]] constexpr double report_rate_hz(const OdriveDriver&) noexcept { return 0; }
+/// Of its estimates, by its own clock: bring-up demands that rate.
+[[nodiscard]] constexpr double report_rate_hz(const OdriveDriver&) noexcept { return kOdriveEstimates_hz; }
 [[nodiscard]] constexpr std::uint32_t address(const OdriveDriver& driver) noexcept { return driver.node; }
 [[nodiscard]] constexpr std::optional<FrameId> reply_id(const OdriveDriver&) noexcept { return std::nullopt; }
 [[nodiscard]] inline OdriveBringUp make_bring_up(const OdriveDriver& driver,

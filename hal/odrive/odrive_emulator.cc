@@ -210,6 +210,16 @@ void OdriveEmulator::take(std::int64_t now_ns, const CanFrame& frame, FrameSink&
   }
 }
 
+/// Whether a message is sent now, by the driver's own clock, which begins with the first message and anew
+/// after silence.
+bool OdriveEmulator::due(std::int64_t now_ns, std::int64_t period_ns, std::int64_t& next_ns) const noexcept {
+  if (now_ns < next_ns) return false;
+  const auto own_ns = std::llround(static_cast<double>(period_ns) * (1 + settings_.clock_error));
+  const bool begins = next_ns == 0 || now_ns - next_ns > own_ns;
+  next_ns = (begins ? now_ns : next_ns) + own_ns;
+  return true;
+}
+
 void OdriveEmulator::elapse(std::int64_t now_ns, FrameSink& replies) noexcept {
   if (!powered()) return;
   const double silence_s = static_cast<double>(now_ns - fed_ns_) * 1e-9;
@@ -220,18 +230,12 @@ void OdriveEmulator::elapse(std::int64_t now_ns, FrameSink& replies) noexcept {
     state_ = static_cast<std::uint32_t>(OdriveState::closed_loop);
     enabled_from_ns_ = 0;
   }
-  if (now_ns >= next_heartbeat_ns_) {
+  if (due(now_ns, settings_.heartbeat_period_ns, next_heartbeat_ns_))
     answer_request(OdriveCommand::heartbeat, replies);
-    next_heartbeat_ns_ = now_ns + settings_.heartbeat_period_ns;
-  }
-  if (now_ns >= next_estimates_ns_) {
+  if (due(now_ns, settings_.estimates_period_ns, next_estimates_ns_))
     answer_request(OdriveCommand::encoder_estimates, replies);
-    next_estimates_ns_ = now_ns + settings_.estimates_period_ns;
-  }
-  if (settings_.torques_period_ns > 0 && now_ns >= next_torques_ns_) {
+  if (settings_.torques_period_ns > 0 && due(now_ns, settings_.torques_period_ns, next_torques_ns_))
     answer_request(OdriveCommand::torques, replies);
-    next_torques_ns_ = now_ns + settings_.torques_period_ns;
-  }
 }
 
 }  // namespace stilt::hal::odrive

@@ -19,6 +19,7 @@ struct OdriveSettings {
   bool setpoints_alone_feed = false;               ///< the watchdog; not public
   std::int64_t enable_ns = 0;                      ///< from the request to closed loop; not public
   bool answers_version = true;                     ///< 0.5 does not
+  double clock_error = 0;                          ///< its periods are longer by this share
 };
 
 /// Set up as docs/deployment.md says.
@@ -51,6 +52,7 @@ class OdriveEmulator final : public EmulatedDriver {
   void power_cycle() noexcept override;
 
  private:
+  [[nodiscard]] bool due(std::int64_t now_ns, std::int64_t period_ns, std::int64_t& next_ns) const noexcept;
   void disarm(std::uint32_t error) noexcept;
   void take_state(std::int64_t now_ns, const CanFrame& frame) noexcept;
   void answer_request(OdriveCommand what, FrameSink& replies) const noexcept;

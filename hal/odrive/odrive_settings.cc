@@ -4,18 +4,19 @@
 #include <cmath>
 
 #include "hal/can/bytes.h"
+#include "hal/odrive/odrive_driver.h"
 
 namespace stilt::hal::odrive {
 namespace {
 
-constexpr double kEstimates_hz = 1000, kHeartbeats_hz = 100, kTorques_hz = 200;  // as documented
-constexpr double kLeastShare = 0.5;                                              // as at bring-up
+constexpr double kHeartbeats_hz = 100, kTorques_hz = 200;        // as documented
+constexpr double kLeastShare = 0.5, kLeastEstimatesShare = 0.8;  // as at bring-up
 
-ReadSetting rate_setting(const char* name, const char* wanted, int count, double listened_s,
-                         double wanted_hz) {
+ReadSetting rate_setting(const char* name, const char* wanted, int count, double listened_s, double wanted_hz,
+                         double least_share = kLeastShare) {
   const double rate_hz = count / listened_s;
   const std::string is = count == 0 ? "silent" : short_number(std::round(1000 / rate_hz));
-  return {name, is, wanted, rate_hz >= kLeastShare * wanted_hz};
+  return {name, is, wanted, rate_hz >= least_share * wanted_hz};
 }
 
 }  // namespace
@@ -70,8 +71,8 @@ std::vector<ReadSetting> OdriveSettingReader::settings(double listened_s) const 
       limit.right = value_rev_s >= wanted_rev_s;
     }
   }
-  all.push_back(
-      rate_setting("axis0.config.can.encoder_msg_rate_ms", "1", estimates_, listened_s, kEstimates_hz));
+  all.push_back(rate_setting("axis0.config.can.encoder_msg_rate_ms", "1", estimates_, listened_s,
+                             kOdriveEstimates_hz, kLeastEstimatesShare));
   all.push_back(
       rate_setting("axis0.config.can.heartbeat_msg_rate_ms", "10", heartbeats_, listened_s, kHeartbeats_hz));
   all.push_back(rate_setting("axis0.config.can.torques_msg_rate_ms", "5", torques_, listened_s, kTorques_hz));

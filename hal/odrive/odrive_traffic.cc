@@ -30,8 +30,9 @@ std::vector<FrameId> receive_ids(const OdriveDriver& driver) {
 std::vector<PeriodicFrame> periodic_frames(const OdriveDriver&, double tick_hz) {
   const double questions_hz = kQuestionsPerTick * tick_hz;
   return {{.length = 4, .rate_hz = tick_hz},  // torque
-          {.length = 8, .rate_hz = tick_hz},  // encoder estimates
-          {.length = 8, .rate_hz = kHeartbeat_hz}, {.length = 8, .rate_hz = kTorques_hz},
+          {.length = 8, .rate_hz = kOdriveEstimates_hz},
+          {.length = 8, .rate_hz = kHeartbeat_hz},
+          {.length = 8, .rate_hz = kTorques_hz},
           {.length = 0, .rate_hz = questions_hz},  // remote frames, and the answers
           {.length = 8, .rate_hz = questions_hz}};
 }

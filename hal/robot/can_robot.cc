@@ -194,7 +194,7 @@ DriverCommand CanRobot::at_shaft(std::size_t joint, const JointCommand& command)
   const double limit_Nm = std::abs(command.torque_limit_Nm);
   const double feedback_Nm = command.kp_Nm_rad * (command.position_rad - reading.position_rad) +
                              command.kd_Nms_rad * (command.velocity_rad_s - reading.velocity_rad_s);
-  const double law_Nm = command.torque_Nm + (reading.missed_replies > kOldReading ? 0 : feedback_Nm);
+  const double law_Nm = command.torque_Nm + (silent_reads_[joint] > kOldReading ? 0 : feedback_Nm);
   const double limited_Nm = has_no_feedback(joint) ? 0 : std::clamp(law_Nm, -limit_Nm, limit_Nm);
   return {.position_rad = turns * (command.position_rad - wiring.offset_rad) - turn_offset_rad_[joint],
           .velocity_rad_s = turns * command.velocity_rad_s,

@@ -115,6 +115,8 @@ TEST_F(FactorySettings, OfAnOdriveAreRefusedOneByOneByName) {
   EXPECT_EQ(odrive(settings).setting, Setting::odrive_velocity_limit);
   settings.velocity_limit_rev_s = 2.39;
   EXPECT_EQ(odrive(settings).setting, Setting::odrive_encoder_rate) << "15.02 rad/s";
+  settings.estimates_period_ns = 2 * kMillisecond_ns;
+  EXPECT_EQ(odrive(settings).setting, Setting::odrive_encoder_rate) << "half of its reports would be missed";
   settings.estimates_period_ns = kMillisecond_ns;
   EXPECT_EQ(odrive(settings).setting, Setting::odrive_heartbeat_rate);
   settings.heartbeat_period_ns = 10 * kMillisecond_ns;

@@ -109,6 +109,10 @@ TEST(DriverSettings, OfAnOdriveFromTheMakerAreAllNamedAtOnce) {
             "axis0.config.can.torques_msg_rate_ms silent; ");
   odrive::OdriveEmulator documented(driver, odrive::documented_settings());
   EXPECT_EQ(wrong(read(driver, documented, options)), "");
+  odrive::OdriveSettings every_second_tick = odrive::documented_settings();
+  every_second_tick.estimates_period_ns = 2 * kMillisecond_ns;
+  odrive::OdriveEmulator seldom(driver, every_second_tick);
+  EXPECT_EQ(wrong(read(driver, seldom, options)), "axis0.config.can.encoder_msg_rate_ms 2; ");
   const odrive::OdriveDriver unknown{3, {0x191, 0x192, 0, 0}};
   EXPECT_EQ(read(unknown, documented).size(), 3u) << "limits whose endpoints are not known are not asked for";
 }
