@@ -160,6 +160,13 @@ std::expected<void, std::string> connect(const program::Options& options, std::v
   return {};
 }
 
+/// After the last tick: commands that drivers without power would get later.
+void say_unacknowledged(std::vector<hal::AnyBus>& buses) {
+  for (const std::string& sentence : unacknowledged(buses)) {
+    std::fprintf(stderr, "stiltd: %s\n", sentence.c_str());
+  }
+}
+
 /// Telemetry begins before memory is locked: what its threads never use needs none.
 std::expected<std::unique_ptr<telemetry::TelemetryNode>, std::string> open_telemetry(
     const program::Options& options) {
@@ -213,6 +220,7 @@ int run_controller(const program::Options& options) {
   } else {
     program::run_realtime(options, signals, controller_state, outcome);
   }
+  say_unacknowledged(buses);
   program::take_statistics(controller_state, outcome);
   return report(options, outcome);
 }
@@ -226,6 +234,7 @@ int run_self_test(const program::Options& options) {
   if (const auto connected = connect(options, buses); !connected) return refuse(connected.error());
   const program::SelfTestResult result =
       program::run_self_test(options, controller_state, signals.stop, machine.idle.held());
+  say_unacknowledged(buses);
   if (options.json_file != "-") std::fputs(program::to_text(result).c_str(), stdout);
   if (!write_json(options, program::to_json(result))) return kBadUsage;
   return result.passed() ? kDone : kFailed;
@@ -262,6 +271,7 @@ int run_commissioning(const program::Options& options) {
   }
   const program::CommissioningOutcome outcome =
       program::run_commissioning(options, controller_state, signals.stop, *person);
+  say_unacknowledged(buses);
   if (options.json_file != "-") std::fputs(outcome.text.c_str(), stdout);
   const bool reported = outcome.json.empty() || write_json(options, outcome.json);
   if (!outcome.error.empty()) {

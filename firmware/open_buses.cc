@@ -1,5 +1,9 @@
 #include "firmware/open_buses.h"
 
+#include <algorithm>
+#include <array>
+#include <ctime>
+
 #include "hal/can/lockstep.h"
 #include "hal/robot/wiring_load.h"
 
@@ -29,6 +33,31 @@ std::expected<std::vector<hal::AnyBus>, std::string> open_buses(
     if (!opened) return std::unexpected(opened.error());
   }
   return buses;
+}
+
+std::string unacknowledged_sentence(const std::string& bus, std::size_t commands) {
+  const std::string what = commands == 1 ? "a command" : std::to_string(commands) + " commands";
+  const std::string sentence = "bus " + bus + ": no driver has acknowledged " + what +
+                               "; drivers get such a command when motor power returns, without stiltd";
+  if (bus.starts_with(hal::loopback::kPrefix)) return sentence;
+  return sentence + "; before that: `ip link set " + bus + " down && ip link set " + bus + " up`";
+}
+
+std::vector<std::string> unacknowledged(std::vector<hal::AnyBus>& buses) {
+  constexpr int kSteps = 50;
+  constexpr timespec kStep{.tv_sec = 0, .tv_nsec = 1'000'000};
+  std::array<hal::CanFrame, hal::kMaximumBatch> ignored;
+  const auto waits = [&ignored](hal::AnyBus& bus) {
+    while (bus.frames().receive(ignored).status == hal::BusStatus::more) {
+    }
+    return bus.unconfirmed() > 0;
+  };
+  for (int step = 0; step < kSteps && std::ranges::any_of(buses, waits); ++step) nanosleep(&kStep, nullptr);
+  std::vector<std::string> sentences;
+  for (hal::AnyBus& bus : buses) {
+    if (bus.unconfirmed() > 0) sentences.push_back(unacknowledged_sentence(bus.name(), bus.unconfirmed()));
+  }
+  return sentences;
 }
 
 }  // namespace stilt

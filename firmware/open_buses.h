@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <expected>
 #include <string>
 #include <vector>
@@ -20,6 +21,12 @@ enum class Received { those_of_the_wiring, all };
 [[nodiscard]] std::expected<std::vector<hal::AnyBus>, std::string> open_buses(
     const configuration::HardwareParameters& hardware, bool lockstep,
     Received received = Received::those_of_the_wiring, int priority = 0);
+
+/// Waits up to 50 ms for the last commands to be seen on their buses. One sentence for each bus where a
+/// command is not: its controller repeats it until a driver has power again, whoever runs then. After the
+/// last tick, never in real time.
+[[nodiscard]] std::vector<std::string> unacknowledged(std::vector<hal::AnyBus>& buses);
+[[nodiscard]] std::string unacknowledged_sentence(const std::string& bus, std::size_t commands);
 
 /// What a bus receives: replies, echoes of our own commands, sensors.
 [[nodiscard]] hal::socketcan::BusOptions bus_options(const hal::RobotWiring& wiring, std::size_t bus,

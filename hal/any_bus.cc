@@ -42,4 +42,10 @@ FrameBus& AnyBus::frames() noexcept {
   return std::get_if<socketcan::SocketCanBus>(bus_.get())->frames();
 }
 
+std::size_t AnyBus::unconfirmed() noexcept {
+  if (auto* client = std::get_if<loopback::LoopbackClient>(bus_.get())) return client->frames().unconfirmed();
+  auto* can = std::get_if<socketcan::SocketCanBus>(bus_.get());
+  return can != nullptr ? can->frames().unconfirmed() : 0;
+}
+
 }  // namespace stilt::hal

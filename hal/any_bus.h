@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <expected>
 #include <memory>
 #include <optional>
@@ -32,6 +33,9 @@ class AnyBus {
 
   /// Valid after open.
   [[nodiscard]] FrameBus& frames() noexcept;
+  /// Commands that were handed over and that no node has acknowledged yet. An fdcanusb gives up what it
+  /// repeats, after 50 ms: 0.
+  [[nodiscard]] std::size_t unconfirmed() noexcept;
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
 
  private:

@@ -44,12 +44,14 @@ struct Weakest {
   double ratio = 1;
 };
 
-/// Rounded down, so that the value in the sentence is accepted.
-std::string at_most_text(double most) {
+/// Three figures behind the point, away from the limit: what is asked upward, what would do downward.
+std::string short_text(double value, double (*round)(double)) {
   constexpr double kDigits = 1e3;
   constexpr double kSmall = 0.1;
-  if (most < kSmall) return number_text(most);
-  return number_text(std::floor(kDigits * most * (1 + kRounding)) / kDigits);
+  const double scaled = kDigits * value;
+  const double near = std::round(scaled);
+  if (value < kSmall) return number_text(value);
+  return number_text((std::abs(scaled - near) < kRounding * scaled ? near : round(scaled)) / kDigits);
 }
 
 /// At the shaft a gain is that of the joint divided by ratio^2 torque_factor (hal::JointWiring).
@@ -67,10 +69,11 @@ void check(const Gain& gain, const Limit& limit, const DriverKeys& keys, const W
   std::vector<std::string_view> involved = {gain.key, limit.key};
   if (factored) involved.insert(involved.begin(), joint.factor_key);
   found.push_back({involved, std::string(gain.key) + " = " + number_text(gain.value) + " asks " +
-                                 number_text(asked) + " " + std::string(limit.unit) + of + " at most " +
-                                 std::string(limit.key) + " = " + number_text(limit.most) +
+                                 short_text(asked, std::ceil) + " " + std::string(limit.unit) + of +
+                                 " at most " + std::string(limit.key) + " = " + number_text(limit.most) +
                                  "; set that to what the driver's own configuration allows, or " +
-                                 std::string(gain.key) + " to at most " + at_most_text(limit.most / scale)});
+                                 std::string(gain.key) + " to at most " +
+                                 short_text(limit.most / scale, std::floor)});
 }
 
 Weakest weakest(const HardwareParameters& hardware, std::size_t joint, double ratio) {

@@ -60,7 +60,8 @@ class FrameBus {
  public:
   /// Sends up to kMaximumBatch frames in order; more are an error of the caller and stay unsent (queue_full).
   /// A frame is withheld while an earlier one with its identifier has not been seen on the bus. Commands
-  /// queued for an unpowered driver can then not burst out when its power returns.
+  /// queued for unpowered drivers can then not burst out when their power returns: one of each identifier
+  /// may. It outlives this object in the controller of the bus (docs/hazards.md).
   [[nodiscard]] virtual SendResult send(std::span<const CanFrame> frames) noexcept = 0;
 
   /// Takes what has arrived, at most kMaximumBatch frames and at most the span.

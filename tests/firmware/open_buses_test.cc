@@ -1,11 +1,18 @@
 #include "firmware/open_buses.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <array>
+#include <atomic>
+#include <string>
+#include <thread>
+#include <vector>
 
 #include "firmware/configuration/configuration.h"
 #include "hal/can/lockstep.h"
+#include "hal/loopback/loopback_server.h"
 
 namespace stilt {
 namespace {
@@ -65,6 +72,42 @@ TEST(OpenBuses, ABusThatIsNotThereIsReportedInOneSentence) {
   ASSERT_FALSE(buses);
   EXPECT_TRUE(buses.error().starts_with("bus loopback:test-absent-a: no program listens there"))
       << buses.error();
+}
+
+/// A robot that listens on a bus of this name; its thread only lets the controller in.
+std::vector<hal::AnyBus> connected_to(hal::loopback::LoopbackServer& robot, const std::string& name) {
+  EXPECT_TRUE(robot.open(name));
+  std::atomic<bool> open = false;
+  std::thread lets_in([&] {
+    std::array<hal::CanFrame, hal::kMaximumBatch> none;
+    while (!open) {
+      static_cast<void>(robot.receive(none));
+      std::this_thread::yield();
+    }
+  });
+  std::vector<hal::AnyBus> buses(1);
+  EXPECT_TRUE(buses[0].open("loopback:" + name, {}));
+  open = true;
+  lets_in.join();
+  return buses;
+}
+
+TEST(OpenBuses, ACommandThatNoDriverHasAcknowledgedIsNamedAtTheEnd) {
+  hal::loopback::LoopbackServer robot;
+  std::vector<hal::AnyBus> buses = connected_to(robot, "unacknowledged." + std::to_string(::getpid()));
+  EXPECT_TRUE(unacknowledged(buses).empty()) << "nothing was sent";
+  const hal::CanFrame commands[] = {hal::classic_frame(1, 8), hal::classic_frame(2, 8)};
+  ASSERT_EQ(buses[0].frames().send(commands).sent, 2u);
+  EXPECT_EQ(unacknowledged(buses), std::vector{unacknowledged_sentence(buses[0].name(), 2)});
+  std::array<hal::CanFrame, hal::kMaximumBatch> taken;
+  ASSERT_EQ(robot.receive(taken).received, 2u);
+  EXPECT_TRUE(unacknowledged(buses).empty());
+}
+
+TEST(OpenBuses, AnInterfaceWithAnUnacknowledgedCommandIsToBeTakenDownAndUp) {
+  EXPECT_EQ(unacknowledged_sentence("can0", 1),
+            "bus can0: no driver has acknowledged a command; drivers get such a command when motor power "
+            "returns, without stiltd; before that: `ip link set can0 down && ip link set can0 up`");
 }
 
 }  // namespace

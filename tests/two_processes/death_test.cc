@@ -143,6 +143,31 @@ TEST(TwoProcesses, AControllerWhoseRobotDiesInMidWalkDampsAndEnds) {
   EXPECT_NE(text_of(run.file("controller.err")).find("stopped answering"), std::string::npos) << run.said();
 }
 
+/// A stopped robot acknowledges nothing, as drivers without power.
+TEST(TwoProcesses, AProgramNamesTheBusesWhoseLastCommandsNoDriverHasAcknowledged) {
+  for (const bool commissioning : {false, true}) {
+    RobotAndController run;
+    run.start_robot({"--once"});
+    if (commissioning) {
+      run.start_command({"watch"}, {"--duration", "600"});
+      ASSERT_TRUE(wait_for_text(run.file("controller.json"), "hip_R", kLongestRun_s)) << run.said();
+    } else {
+      run.start_controller({});
+      ASSERT_TRUE(wait_for_text(run.file("controller.err"), " s  idle", kLongestRun_s)) << run.said();
+    }
+    run.robot().signal(SIGSTOP);
+    run.controller().signal(SIGTERM);
+    EXPECT_TRUE(run.controller().wait(kLongestRun_s)) << run.said();
+    run.robot().signal(SIGCONT);
+    ASSERT_TRUE(run.robot().wait(kLongestRun_s)) << run.said();
+    const std::string said = text_of(run.file("controller.err"));
+    for (const std::size_t bus : {0, 1}) {
+      EXPECT_NE(said.find("stiltd: bus " + run.bus(bus) + ": no driver has acknowledged"), std::string::npos)
+          << said;
+    }
+  }
+}
+
 TEST(TwoProcesses, ARobotInRealTimeOutlivesItsController) {
   RobotAndController run;
   run.start_robot({"--once"});

@@ -8,8 +8,10 @@
 
 namespace stilt::hal::socketcan {
 
-/// Identifiers sent and not yet seen on the bus. A second frame with one of them has to wait: so at most one
-/// command of a joint is ever queued, and what was queued for an unpowered driver cannot burst out later.
+/// Identifiers sent and not yet seen on the bus. A second frame with one of them has to wait, so that few
+/// commands of a joint are ever queued. Those go out when a node acknowledges them, however late: on a bus
+/// where no node has power the controller repeats the first for ever, also when the socket is closed. Only
+/// the interface taken down drops them (docs/hazards.md).
 ///
 /// USB adapters lose some echoes. Two rules end the wait for one of those:
 /// - The kernel sends in order, and a controller with several mailboxes by priority. A frame that more than

@@ -109,7 +109,12 @@ TEST(Identify, WritesMeansOfBothLegsAndNamesAWrongTorqueConstant) {
   ASSERT_EQ(report->findings.size(), 4u) << to_text(*report);
   EXPECT_TRUE(report->findings[0].starts_with("hip_L gives 0.")) << report->findings[0];
   EXPECT_NE(report->findings[0].find("either write torque_factor = 0."), std::string::npos);
-  const auto text = configuration::with_values("", "robot.toml", report->values);
+  const auto shipped = configuration::with_values("", "robot.toml", report->values);
+  const auto refused = configuration::parse(*shipped, "robot.toml");
+  ASSERT_FALSE(refused) << "4.5 of 5 Nm s/rad are 5.6 of these drivers";
+  EXPECT_NE(configuration::to_string(refused.error()).find("hip_L"), std::string::npos);
+  const std::string lowered = "[supervisor]\nhold_kd_Nms_rad = 3.5\ndamping_kd_Nms_rad = 3.5\n";
+  const auto text = configuration::with_values(lowered, "robot.toml", report->values);
   const auto result = configuration::parse(*text, "robot.toml");
   ASSERT_TRUE(result) << configuration::to_string(result.error());
   EXPECT_NEAR(result->robot.hip_coulomb_friction_Nm, 1.0, 0.3);
