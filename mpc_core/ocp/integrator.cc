@@ -8,7 +8,6 @@ namespace {
 using model::kAngles;
 using model::kFirstAngle;
 using model::kFirstJoint;
-using model::kInputs;
 using model::kJoints;
 using model::kPositions;
 using model::kStates;
