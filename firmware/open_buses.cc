@@ -38,7 +38,7 @@ std::expected<std::vector<hal::AnyBus>, std::string> open_buses(
 std::string unacknowledged_sentence(const std::string& bus, std::size_t commands) {
   const std::string what = commands == 1 ? "a command" : std::to_string(commands) + " commands";
   std::string sentence = "bus " + bus + ": no driver has acknowledged " + what +
-                               "; drivers get such a command when motor power returns, without stiltd";
+                         "; drivers get such a command when motor power returns, without stiltd";
   if (bus.starts_with(hal::loopback::kPrefix)) return sentence;
   return sentence + "; before that: `ip link set " + bus + " down && ip link set " + bus + " up`";
 }
