@@ -105,9 +105,8 @@ PushRow push_row(const RowChoice& choice) {
   row.phases = choice.phases;
   row.seeds = choice.seeds;
   row.search.coarse_N = choice.coarse_N;
-  const control::ControllerParameters parameters = walk_parameters(choice.setting, controller, row.horizon_s);
-  row.step_s = parameters.gait.single_support_s + parameters.gait.double_support_s;
-  row.setting = setting_json(choice.setting, parameters.timing);
+  row.step_s = walk_step_s(choice.setting, controller, row.horizon_s);
+  row.setting = setting_json(choice.setting, walk_parameters(choice.setting, controller, row.horizon_s).timing);
   row.walk = walk_runner(choice.setting);
   return row;
 }

@@ -202,6 +202,11 @@ control::ControllerParameters walk_parameters(const WalkSetting& setting, const 
   return controller_parameters(choice_of(setting, controller, horizon_s));
 }
 
+double walk_step_s(const WalkSetting& setting, const std::string& controller, double horizon_s) {
+  const gait::GaitParameters& gait = walk_parameters(setting, controller, horizon_s).gait;
+  return gait.single_support_s + gait.double_support_s;
+}
+
 experiments::WalkRunner walk_runner(const WalkSetting& setting) {
   (void)simulation::parse_push("1@1+1@" + setting.push_point);
   (void)simulation::parse_knows_truth(setting.state);

@@ -21,7 +21,7 @@ struct WalkSetting {
 /// The setting without values that the controller does not use: gaits, for one that follows none.
 [[nodiscard]] WalkSetting setting_for(const WalkSetting& setting, const std::string& controller);
 
-/// Runs walks as `stilt sim` does, with 100 plans per second unless the choice says otherwise. Throws
+/// Runs walks as `stilt sim` does. Throws
 /// UsageError or std::invalid_argument for an invalid setting.
 [[nodiscard]] experiments::WalkRunner walk_runner(const WalkSetting& setting);
 
@@ -43,5 +43,8 @@ struct WalkSetting {
 /// The parameters of one controller under the setting, checked.
 [[nodiscard]] control::ControllerParameters walk_parameters(const WalkSetting& setting,
                                                             const std::string& controller, double horizon_s);
+
+/// Duration of a step of that controller's gait, both supports: places the phases of an experiment.
+[[nodiscard]] double walk_step_s(const WalkSetting& setting, const std::string& controller, double horizon_s);
 
 }  // namespace stilt::cli

@@ -52,10 +52,8 @@ LimitPlan limit_plan(const ExperimentOptions& options) {
   plan.controllers.clear();
   for (const std::string& controller : controllers) {
     for (const double horizon_s : horizons_s) {
-      const control::ControllerParameters parameters =
-          walk_parameters(setting_for(options.setting, controller), controller, horizon_s);
-      plan.controllers.push_back(
-          {controller, horizon_s, parameters.gait.single_support_s + parameters.gait.double_support_s});
+      const WalkSetting setting = setting_for(options.setting, controller);
+      plan.controllers.push_back({controller, horizon_s, walk_step_s(setting, controller, horizon_s)});
     }
   }
   return plan;

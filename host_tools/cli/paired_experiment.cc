@@ -72,8 +72,7 @@ PairedPlan paired_plan(const ExperimentOptions& options) {
   plan.cases = options.quick ? std::min(options.cases, kCasesOfQuick) : options.cases;
   plan.seed = options.seed;
   const WalkSetting common = setting_for(options.setting, plan.controller);
-  const control::ControllerParameters parameters = walk_parameters(common, plan.controller, plan.horizon_s);
-  plan.step_s = parameters.gait.single_support_s + parameters.gait.double_support_s;
+  plan.step_s = walk_step_s(common, plan.controller, plan.horizon_s);
   for (const Variant& variant : kVariants) {
     plan.variants.push_back({variant.name,
                              {{"plan_rate_hz", variant.plan_rate_hz},

@@ -27,15 +27,20 @@ struct Published {
   friend std::ostream& operator<<(std::ostream& stream, const Published& row) { return stream << row.name; }
 };
 
-WalkRunner runner_of(const Json& settings) {
+cli::WalkSetting setting_of(const Json& settings) {
   cli::WalkSetting setting;
   setting.choice.settings = settings.at("set").get<std::vector<std::string>>();
   setting.plant_settings = settings.at("plant").get<std::vector<std::string>>();
-  return cli::runner_for_each(setting);
+  return setting;
 }
 
-LimitPlan::Controller controller_of(const Json& figures) {
-  return {figures.at("controller").get<std::string>(), figures.at("horizon_s").get<double>()};
+WalkRunner runner_of(const Json& settings) { return cli::runner_for_each(setting_of(settings)); }
+
+LimitPlan::Controller controller_of(const Published& published) {
+  const std::string name = published.figures.at("controller").get<std::string>();
+  const double horizon_s = published.figures.at("horizon_s").get<double>();
+  const cli::WalkSetting setting = cli::setting_for(setting_of(published.settings), name);
+  return {name, horizon_s, cli::walk_step_s(setting, name, horizon_s)};
 }
 
 std::string test_name(const ::testing::TestParamInfo<Published>& test) {
@@ -75,7 +80,7 @@ TEST_P(PublishedLimits, TheTwoWorstCasesPassAt85PercentOfTheMargin) {
   const double value = quantity->nominal + kGuardedShare * margin;
   const WalkRunner run = runner_of(GetParam().settings);
   for (const Json& worst : figures.at("worst_cases")) {
-    const WalkCase walk = limit_case(plan, controller_of(figures), *quantity, worst.at("phase").get<int>(),
+    const WalkCase walk = limit_case(plan, controller_of(GetParam()), *quantity, worst.at("phase").get<int>(),
                                      worst.at("seed").get<int>(), value);
     const log::RunSummary summary = run(walk).summary;
     EXPECT_TRUE(quantity->passes(walk, summary))
@@ -105,7 +110,7 @@ class PublishedSequences : public ::testing::TestWithParam<Published> {};
 
 TEST_P(PublishedSequences, AMinuteOfRandomCommandsIsWalked) {
   const Json& figures = GetParam().figures;
-  const WalkCase walk = sequence_case({}, controller_of(figures), figures.at("seed").get<int>());
+  const WalkCase walk = sequence_case({}, controller_of(GetParam()), figures.at("seed").get<int>());
   const log::RunSummary summary = runner_of(GetParam().settings)(walk).summary;
   EXPECT_TRUE(summary.survived) << "falls at " << summary.fall_time_s << " s";
 }

@@ -1,16 +1,11 @@
-#include "mpc_core/control/torque_law.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <functional>
-#include <limits>
 #include <string>
 
-#include "firmware/configuration/configuration.h"
 #include "firmware/robots/robots.h"
 #include "tests/codegen/model/mujoco_robot.h"
-#include "tests/mpc_core/control/sample_plan.h"
+#include "tests/mpc_core/control/torque_law_rig.h"
 #include "tests/robots.h"
 
 namespace stilt::control {
@@ -18,163 +13,12 @@ namespace {
 
 using model::JointVector;
 using model::kFirstJoint;
-using model::kInputs;
 using model::kJoints;
 using model::kPositions;
-using model::kStates;
 using testing_support::random_input;
 using testing_support::random_state;
 using testing_support::reading_of;
 using testing_support::sample_plan;
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNow_s = 1.02;
-
-ControllerParameters shipped(const char* robot) { return configuration::load_robot(robot).value(); }
-
-/// Joint limits and feedback gains out of the way, so that torques can be compared.
-ControllerParameters unlimited(const char* robot) {
-  ControllerParameters parameters = shipped(robot);
-  parameters.robot.torque_limit_scale = 1e6;
-  parameters.torque_law.use_feedback_gains = false;
-  return parameters;
-}
-
-/// All of the gains act on the sample plan, which is 20 ms old at kNow_s.
-void use_feedback(ControllerParameters& parameters) {
-  parameters.torque_law.use_feedback_gains = true;
-  parameters.torque_law.feedback_from_age_s = 0.008;
-  parameters.torque_law.feedback_full_age_s = 0.016;
-}
-
-class TorqueLawTest : public ::testing::Test {
- protected:
-  void configure(const ControllerParameters& parameters) {
-    parameters_ = parameters;
-    law_.configure(robot_, parameters);
-  }
-
-  TorqueCommand tick(double time_s = kNow_s) { return follow(reading_of(state_, time_s), state_); }
-
-  [[nodiscard]] TorqueCommand follow(const SensorReading& reading, const model::StateVector& state) const {
-    return law_.follow(reading, state, interpolate(*plan_, kNow_s));
-  }
-
-  [[nodiscard]] double limit_Nm(int joint) const {
-    return parameters_.robot.torque_limit_scale * robot_.constants.torque_limit_Nm[joint];
-  }
-
-  void expect_safe(const TorqueCommand& command, const std::string& what) const {
-    for (int j = 0; j < kJoints; ++j) {
-      EXPECT_TRUE(std::isfinite(command.torque_Nm[j])) << what << ", joint " << j;
-      EXPECT_LE(std::abs(command.torque_Nm[j]), limit_Nm(j)) << what << ", joint " << j;
-    }
-  }
-
-  void expect_damping(const TorqueCommand& command) const {
-    for (int j = 0; j < kJoints; ++j) {
-      EXPECT_EQ(command.torque_Nm[j],
-                -parameters_.torque_law.joint_kd_Nms_rad * state_[kPositions + kFirstJoint + j]);
-    }
-  }
-
-  model::RobotModel robot_ = testing_support::amber3m();
-  std::mt19937_64 random_{20240611};
-  model::StateVector state_ = random_state(random_);
-  std::unique_ptr<Plan> plan_ = sample_plan(11);
-  ControllerParameters parameters_;
-  TorqueLaw law_;
-};
-
-TEST_F(TorqueLawTest, ANonFiniteSensorGivesBoundedTorqueAndItsName) {
-  configure(shipped("amber3m"));
-  const auto spoil = [](SensorReading& reading, int field, double value) {
-    if (field < 4) reading.joint_position_rad[field] = value;
-    if (field >= 4 && field < 8) reading.joint_velocity_rad_s[field - 4] = value;
-    if (field == 8) reading.base_pitch_rad = value;
-    if (field == 9) reading.base_pitch_rate_rad_s = value;
-    if (field == 10) reading.time_s = value;
-  };
-  for (const double speed_rad_s : {1.0, 1e6}) {  // so fast that damping reaches the limit
-    state_.tail<kJoints>().setConstant(speed_rad_s);
-    for (int field = 0; field < 11; ++field) {
-      for (const double value : {kNan, kInfinity, -kInfinity}) {
-        SensorReading reading = reading_of(state_, kNow_s);
-        spoil(reading, field, value);
-        const std::string what = "field " + std::to_string(field) + " is " + std::to_string(value);
-        const TorqueCommand command = follow(reading, state_);
-        EXPECT_FALSE(command.finite) << what;
-        expect_safe(command, what);
-      }
-    }
-  }
-}
-
-TEST_F(TorqueLawTest, WithOneVelocityMissingTheOtherJointsAreDamped) {
-  configure(shipped("amber3m"));
-  SensorReading reading = reading_of(state_, kNow_s);
-  reading.joint_velocity_rad_s[1] = kNan;
-  const TorqueCommand command = follow(reading, state_);
-  const double kd = parameters_.torque_law.joint_kd_Nms_rad;
-  for (const int j : {0, 2, 3}) EXPECT_EQ(command.torque_Nm[j], -kd * reading.joint_velocity_rad_s[j]);
-  EXPECT_EQ(command.torque_Nm[1], 0.0);
-}
-
-TEST_F(TorqueLawTest, ANonFiniteStateGivesBoundedTorqueAndItsName) {
-  configure(shipped("amber3m"));
-  for (int i = 0; i < kStates; ++i) {
-    model::StateVector state = state_;
-    state[i] = kNan;
-    const TorqueCommand command = follow(reading_of(state_, kNow_s), state);
-    EXPECT_FALSE(command.finite);
-    expect_safe(command, "state " + std::to_string(i));
-  }
-}
-
-TEST_F(TorqueLawTest, ANonFinitePlanGivesBoundedTorque) {
-  ControllerParameters parameters = shipped("amber3m");
-  use_feedback(parameters);
-  configure(parameters);
-  for (int k = 0; k < plan_->nodes; ++k) {
-    for (const double value : {kNan, kInfinity, -kInfinity}) {
-      const auto spoiled = [&](const std::function<void(PlanNode&)>& spoil) {
-        const PlanNode kept = plan_->node[static_cast<std::size_t>(k)];
-        spoil(plan_->node[static_cast<std::size_t>(k)]);
-        expect_safe(tick(), "node " + std::to_string(k));
-        plan_->node[static_cast<std::size_t>(k)] = kept;
-      };
-      spoiled([&](PlanNode& node) { node.time_s = value; });
-      for (int i = 0; i < kStates; ++i) spoiled([&](PlanNode& node) { node.state[i] = value; });
-      for (int i = 0; i < kInputs; ++i) spoiled([&](PlanNode& node) { node.input[i] = value; });
-      spoiled([&](PlanNode& node) { node.gain.setConstant(value); });
-    }
-  }
-}
-
-TEST_F(TorqueLawTest, ANonFinitePlanIsNamedWhereverItReachesTheTorque) {
-  ControllerParameters parameters = shipped("amber3m");
-  use_feedback(parameters);
-  configure(parameters);
-  PlanNode& node = plan_->node[1];  // active at kNow_s
-  const PlanNode kept = node;
-  const auto expect_named = [&](const std::string& what) {
-    const TorqueCommand command = tick();
-    EXPECT_FALSE(command.finite) << what;
-    expect_damping(command);
-    node = kept;
-  };
-  for (int i = 0; i < kStates; ++i) {
-    node.state[i] = kNan;
-    expect_named("state " + std::to_string(i));
-  }
-  for (int i = 0; i < kInputs; ++i) {
-    node.input[i] = kNan;
-    expect_named("input " + std::to_string(i));
-  }
-  node.gain(0, 0) = kNan;
-  expect_named("gain");
-}
 
 TEST_F(TorqueLawTest, TorqueNeverExceedsTheLimitOfItsJoint) {
   for (const double scale : {1.0, 0.5}) {

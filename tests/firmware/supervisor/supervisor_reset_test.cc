@@ -1,0 +1,161 @@
+// How the motors go off, and what a reset brings back.
+#include <gtest/gtest.h>
+
+#include "tests/firmware/supervisor/supervisor_rig.h"
+
+namespace stilt::supervisor {
+namespace {
+
+using testing::SupervisorTest;
+
+TEST_F(SupervisorTest, ACutTurnsTheMotorsOffInTheNextTickFromReady) {
+  bring_to_ready();
+  request(RequestKind::cut);
+  EXPECT_EQ(tick(), State::off);
+  EXPECT_EQ(action_, Action::disable);
+}
+
+TEST_F(SupervisorTest, ACutTurnsTheMotorsOffInTheNextTickFromStand) {
+  bring_to_stand();
+  request(RequestKind::cut);
+  EXPECT_EQ(tick(), State::off);
+  EXPECT_EQ(action_, Action::disable);
+}
+
+TEST_F(SupervisorTest, ACutTurnsTheMotorsOffInTheNextTickFromWalk) {
+  bring_to_walk();
+  request(RequestKind::cut);
+  EXPECT_EQ(tick(), State::off);
+  EXPECT_EQ(action_, Action::disable);
+}
+
+TEST_F(SupervisorTest, ACutIsNotVoidAfterAFault) {
+  bring_to_walk();
+  request(RequestKind::cut);
+  inputs_.seen.joints[2].fault = hal::DriverFault::over_current;
+  EXPECT_EQ(tick(), State::off);
+  EXPECT_EQ(action_, Action::disable);
+}
+
+TEST_F(SupervisorTest, AfterAnEmergencyStopItSettlesAndThenTheMotorsAreOff) {
+  bring_to_walk();
+  inputs_.seen.emergency_stop = hal::EmergencyStopState::pressed;
+  EXPECT_EQ(tick(), State::fault);
+  EXPECT_EQ(run(parameters_.emergency_stop_damps_s - 0.1), State::fault);
+  EXPECT_TRUE(only_damps());
+  EXPECT_EQ(run(0.2), State::fault);
+  EXPECT_EQ(action_, Action::disable);
+  request(RequestKind::reset);
+  run(parameters_.reset_window_s / 2);
+  EXPECT_TRUE(only_damps()) << "while a reset looks for causes";
+  run(parameters_.reset_window_s);
+  EXPECT_EQ(action_, Action::disable) << "and found one";
+  inputs_.seen.emergency_stop = hal::EmergencyStopState::released;
+  EXPECT_EQ(run(1), State::fault) << "not by itself";
+  EXPECT_EQ(action_, Action::disable);
+  request(RequestKind::reset);
+  EXPECT_EQ(run(0.1), State::idle);
+}
+
+TEST_F(SupervisorTest, ALatchedFaultDampsUntilAResetWithTheCauseGone) {
+  bring_to_walk();
+  inputs_.seen.joints[2].fault = hal::DriverFault::over_current;
+  EXPECT_EQ(tick(), State::fault);
+  EXPECT_TRUE(output().raised.has(Fault::driver_fault));
+  EXPECT_TRUE(only_damps());
+  EXPECT_EQ(run(1), State::fault);
+  EXPECT_FALSE(output().raised.has(Fault::driver_fault)) << "raised once";
+
+  request(RequestKind::reset);
+  EXPECT_EQ(run(2 * parameters_.reset_window_s), State::fault) << "the cause is there";
+  inputs_.seen.joints[2].fault = hal::DriverFault::none;
+  EXPECT_EQ(run(1), State::fault) << "a reset that came too early is void";
+  for (const RequestKind kind :
+       {RequestKind::stand, RequestKind::walk, RequestKind::step, RequestKind::sit, RequestKind::calibrate}) {
+    request(kind, 0.5);
+    EXPECT_EQ(run(0.1), State::fault);
+    EXPECT_TRUE(only_damps());
+  }
+  request(RequestKind::reset);
+  run(0.01);
+  EXPECT_EQ(output().state, State::idle);
+  EXPECT_TRUE(output().latched.empty());
+}
+
+TEST_F(SupervisorTest, ARejectedResetDampsAllAlong) {
+  bring_to_walk();
+  inputs_.seen.joints[2].motor_temperature_C = 20;
+  inputs_.seen.joints[2].fault = hal::DriverFault::over_current;
+  tick();
+  request(RequestKind::reset);
+  for (double time_s = 0; time_s < 2 * parameters_.reset_window_s; time_s += 1e-3) {
+    ASSERT_EQ(tick(), State::fault);
+    ASSERT_TRUE(only_damps()) << time_s;
+  }
+}
+
+TEST_F(SupervisorTest, AResetGoesOnThroughTheFaultsThatDriversReportWhenTheirBusIsBack) {
+  bring_to_walk();
+  inputs_.seen.read_status = hal::JointBusStatus::bus_off;
+  run(0.1);
+  request(RequestKind::reset);
+  tick();
+  inputs_.seen.read_status = hal::JointBusStatus::ok;
+  inputs_.seen.joints[1].fault = hal::DriverFault::lost_communication;
+  EXPECT_EQ(tick(), State::fault);
+  EXPECT_TRUE(output().clear_buses);
+  inputs_.seen.joints[1].fault = hal::DriverFault::none;
+  EXPECT_EQ(run(0.01), State::idle);
+}
+
+TEST_F(SupervisorTest, AFaultBeforeTheDriversWereUpSendsNothing) {
+  inputs_.seen.emergency_stop = hal::EmergencyStopState::pressed;
+  for (int i = 0; i < 1000; ++i) {
+    tick();
+    ASSERT_EQ(action_, Action::silent) << "the button is pressed at the start: " << name(output().state);
+  }
+  EXPECT_EQ(output().state, State::fault);
+  EXPECT_EQ(output().level, FallbackLevel::off);
+  for (hal::JointReading& joint : inputs_.seen.joints) joint.missed_replies = 5000;
+  inputs_.seen.emergency_stop = hal::EmergencyStopState::released;
+  request(RequestKind::reset);
+  EXPECT_EQ(run(0.01), State::idle) << "drivers that nobody asks do not answer";
+  EXPECT_EQ(action_, Action::silent);
+}
+
+TEST_F(SupervisorTest, AFaultDuringBringUpDisables) {
+  tick();
+  request(RequestKind::calibrate);
+  tick();
+  inputs_.seen.emergency_stop = hal::EmergencyStopState::pressed;
+  for (int i = 0; i < 1000; ++i) {
+    ASSERT_EQ(tick(), State::fault);
+    ASSERT_EQ(action_, Action::disable) << "some may be enabled already";
+  }
+}
+
+TEST_F(SupervisorTest, AfterAResetTheDriversAreLeftAloneAgain) {
+  bring_to_ready();
+  inputs_.seen.emergency_stop = hal::EmergencyStopState::pressed;
+  tick();
+  EXPECT_TRUE(only_damps());
+  inputs_.seen.emergency_stop = hal::EmergencyStopState::released;
+  request(RequestKind::reset);
+  ASSERT_EQ(run(0.02), State::idle);
+  inputs_.seen.emergency_stop = hal::EmergencyStopState::pressed;
+  EXPECT_EQ(run(0.1), State::fault);
+  EXPECT_EQ(action_, Action::silent);
+}
+
+TEST_F(SupervisorTest, NothingMovesByItselfAfterAReset) {
+  bring_to_walk();
+  inputs_.seen.emergency_stop = hal::EmergencyStopState::pressed;
+  EXPECT_EQ(tick(), State::fault);
+  inputs_.seen.emergency_stop = hal::EmergencyStopState::released;
+  request(RequestKind::reset);
+  EXPECT_EQ(run(0.01), State::idle);
+  EXPECT_EQ(run(5), State::idle);
+}
+
+}  // namespace
+}  // namespace stilt::supervisor

@@ -1,0 +1,136 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "tests/host_tools/program_test.h"
+
+namespace stilt::cli {
+namespace {
+
+using Json = nlohmann::json;
+
+using testing_support::Outcome;
+using testing_support::text_of;
+
+class SimCommand : public testing_support::ProgramTest {};
+
+TEST_F(SimCommand, GainsAreThoseOfTheConfigurationKey) {
+  const auto distance = [&](const std::string& option) {
+    const Outcome outcome = run("sim --duration 2 --push 60@0.5+1 --plan-delay 0.01 --json - " + option);
+    EXPECT_EQ(outcome.status, 0) << outcome.errors;
+    return nlohmann::json::parse(outcome.output).at("distance_m").get<double>();
+  };
+  EXPECT_EQ(distance("--gains on"), distance("--set torque_law.use_feedback_gains=true"));
+  EXPECT_EQ(distance("--gains on"), distance(""));
+  EXPECT_NE(distance("--gains off"), distance("")) << "plans are 10 to 15 ms old";
+}
+
+TEST_F(SimCommand, ASimulationGivesEveryFigureOfItsContract) {
+  const Outcome outcome = run("sim --gait walk --speed 0.5 --duration 4 --json -");
+  ASSERT_EQ(outcome.status, 0) << outcome.errors;
+  const Json json = Json::parse(outcome.output);
+  for (const char* field :
+       {"survived", "fall_time_s", "fall_margin_min", "duration_s", "distance_m", "mean_speed_m_s", "steps",
+        "step_length_min_m", "step_length_max_m", "peak_torque_Nm", "peak_joint_speed_rad_s",
+        "slip_distance_m", "solve_time_us", "sqp_iterations", "dynamics_defect_max", "equality_violation_max",
+        "heap_allocations_in_loop", "controller_bytes"}) {
+    EXPECT_TRUE(json.contains(field)) << field;
+  }
+  EXPECT_EQ(json["survived"], true);
+  EXPECT_TRUE(json["fall_time_s"].is_null());
+  EXPECT_EQ(json["heap_allocations_in_loop"], 0);
+  EXPECT_EQ(json["peak_torque_Nm"].size(), 4u);
+  ASSERT_FALSE(json["steps"].empty());
+  for (const char* field : {"time_s", "foot", "length_m"})
+    EXPECT_TRUE(json["steps"][0].contains(field)) << field;
+  for (const char* field : {"p50", "p99", "max"}) EXPECT_TRUE(json["solve_time_us"].contains(field)) << field;
+}
+
+TEST_F(SimCommand, AFallIsStatusOneAndSaidInWordsAndFigures) {
+  const Outcome outcome = run("sim --duration 5 --push 400@1+1 --json " + file("run.json"));
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_NE(outcome.output.find("FELL"), std::string::npos);
+  const Json json = Json::parse(text_of(file("run.json")));
+  EXPECT_EQ(json["survived"], false);
+  EXPECT_GT(json["fall_time_s"].get<double>(), 1.0);
+}
+
+TEST_F(SimCommand, ARunLeavesReportAndLog) {
+  const Outcome outcome =
+      run("sim --gait stand --duration 0.5 --report " + file("run.html") + " --log " + file("run.jsonl"));
+  ASSERT_EQ(outcome.status, 0) << outcome.errors;
+  EXPECT_NE(text_of(file("run.html")).find("<html"), std::string::npos);
+  const std::string log = text_of(file("run.jsonl"));
+  EXPECT_EQ(std::count(log.begin(), log.end(), '\n'), 100);
+  EXPECT_EQ(Json::parse(log.substr(0, log.find('\n')))["true_state"].size(), 14u);
+}
+
+TEST_F(SimCommand, TwoRunsBecomeAPageAndMistakesAreNamed) {
+  ASSERT_EQ(run("sim --gait stand --duration 0.5 --report " + file("a.html")).status, 0);
+  ASSERT_EQ(
+      run("sim --gait stand --duration 0.5 --set gait.swing_height_m=0.08 --log " + file("b.jsonl")).status,
+      0);
+  const std::string page = text_of(file("a.html"));
+  EXPECT_NE(page.find(R"("gait.swing_height_m":"0.07")"), std::string::npos) << "a report names its settings";
+  const std::string both = "report " + file("a.html") + " " + file("b.jsonl");
+  EXPECT_EQ(run(both + " --shift 0.5").status, 0);
+  EXPECT_NE(text_of(file("a_b.html")).find(R"("shift_s": 0.5)"), std::string::npos)
+      << "beside the first file";
+  EXPECT_EQ(run("report " + file("b.jsonl")).status, 0);
+  EXPECT_TRUE(std::filesystem::exists(file("b.html")));
+  std::filesystem::resize_file(file("b.jsonl"), std::filesystem::file_size(file("b.jsonl")) - 20);
+  const Outcome cut = run("report " + file("b.jsonl"));
+  EXPECT_EQ(cut.status, 1);
+  EXPECT_NE(cut.errors.find("is no sample of --log; the report ends before it"), std::string::npos);
+  const auto complaint = [&](const std::string& arguments) {
+    const Outcome outcome = run("report " + arguments);
+    EXPECT_EQ(outcome.status, 2) << arguments;
+    return outcome.errors;
+  };
+  EXPECT_NE(complaint(file("a.html") + " --out " + file("c.html")).find("is a report already"),
+            std::string::npos);
+  EXPECT_NE(complaint(file("b.jsonl") + " --out " + file("b.jsonl")).find("is a file to be read"),
+            std::string::npos);
+  EXPECT_NE(complaint(file("a.html") + " " + file("a_b.html")).find("is no report of one run"),
+            std::string::npos);
+  EXPECT_NE(complaint("/nowhere/walk.mcap --out " + file("c.html")).find("No such file"), std::string::npos);
+  std::ofstream(file("notes.txt")) << "walked well";
+  EXPECT_NE(complaint(file("notes.txt")).find("is no file of a run"), std::string::npos);
+}
+
+TEST_F(SimCommand, APresetChangesTheRunAndWhatTheUserSetsChangesThePreset) {
+  const std::string walk = "sim --duration 3 --json - ";
+  const auto steps = [&](const std::string& options) {
+    const Outcome outcome = run(walk + options);
+    EXPECT_EQ(outcome.status, 0) << outcome.errors;
+    return Json::parse(outcome.output).at("steps");
+  };
+  const Json paper = steps("--preset paper");
+  EXPECT_NE(paper, steps("--set discretisation.transition=identity --set gait.single_support_s=0.4"))
+      << "it has more keys";
+  EXPECT_EQ(paper,
+            steps("--preset paper --set discretisation.transition=identity --set gait.single_support_s=0.4"));
+  EXPECT_LT(paper.size(), steps("--preset paper --set gait.single_support_s=0.3").size());
+}
+
+TEST_F(SimCommand, ANegativeSpeedAndABackwardPushAreUnderstood) {
+  const Outcome outcome = run("sim --speed -0.3 --push -10@1+0.5 --duration 4 --json -");
+  ASSERT_EQ(outcome.status, 0) << outcome.errors;
+  EXPECT_LT(Json::parse(outcome.output)["distance_m"].get<double>(), -0.3);
+}
+
+TEST_F(SimCommand, CommandsMayFollowEachOther) {
+  const Outcome outcome =
+      run("sim --gait stand --then step@1 --then walk:0.4@3 --then stand@6 --duration 10 --json -");
+  ASSERT_EQ(outcome.status, 0) << outcome.errors;
+  const Json json = Json::parse(outcome.output);
+  ASSERT_GT(json["steps"].size(), 5u);
+  EXPECT_GT(json["steps"].front()["time_s"].get<double>(), 1.0);
+  EXPECT_LT(json["steps"].back()["time_s"].get<double>(), 9.0);
+}
+
+}  // namespace
+}  // namespace stilt::cli
