@@ -7,8 +7,7 @@
 #include "firmware/realtime/allocation_counter.h"
 #include "tests/closed_loop/simulated_run.h"
 
-/// Each gait for a minute as a user gets it: shipped configuration, estimated state, a plan every 10 ms that
-/// becomes active 5 ms later.
+/// Each gait for a minute as a user gets it: shipped configuration, estimated state.
 namespace stilt::simulation {
 namespace {
 

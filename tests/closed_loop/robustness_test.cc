@@ -14,7 +14,6 @@ TEST(Robustness, TwoDozenRandomRobotsSurviveAPushOfFortyNewtons) {
   cli::ExperimentOptions options;
   options.runs = 24;
   options.seed = 20260;  // a seed of its own, not that of docs/results
-  options.setting.choice.settings = {"timing.plan_rate_hz=200"};
   const RobustnessPlan plan = cli::robustness_plan(options);
   const WalkRunner run = cli::walk_runner(options.setting);
   for (const Job& job : robustness_jobs(plan, run)) {
