@@ -16,6 +16,7 @@ using Square = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 constexpr double kCutoff_hz = 8.0;
 constexpr double kEnds_s = 0.4;
 constexpr double kSlow_rad_s = 0.05;
+constexpr double kAroundSlow_s = 0.06;  // half of the filter's 1 / 8 Hz
 constexpr double kCluster_s = 0.5;
 
 /// An equation: row . unknowns = asked_Nm; unknowns 1 / k, I / k, d / k, c / k, -tau_0 / k.
@@ -75,6 +76,23 @@ std::array<double, model::kAngles> at(const std::array<std::vector<double>, mode
   return values;
 }
 
+/// Times at which the joint is slow, and those around them that the filter mixes with them: a joint that
+/// sticks has any friction up to c, whatever the sign of its rate.
+std::vector<bool> slow_times(const std::vector<double>& rate, double period_s) {
+  const auto around = std::lround(kAroundSlow_s / period_s);
+  const auto count = std::ssize(rate);
+  std::vector<bool> slow(rate.size(), false);
+  std::ptrdiff_t marked = 0;  // all before are judged
+  for (std::ptrdiff_t i = 0; i < count; ++i) {
+    if (std::abs(rate[static_cast<std::size_t>(i)]) >= kSlow_rad_s) continue;
+    const std::ptrdiff_t end = std::min(count, i + around + 1);
+    for (marked = std::max(marked, i - around); marked < end; ++marked) {
+      slow[static_cast<std::size_t>(marked)] = true;
+    }
+  }
+  return slow;
+}
+
 void add_equations(const model::RobotModel& robot, std::size_t joint, const DriveRecord& record,
                    double period_s, std::vector<Equation>& equations) {
   const auto ends = static_cast<std::size_t>(std::lround(kEnds_s / period_s));
@@ -83,12 +101,12 @@ void add_equations(const model::RobotModel& robot, std::size_t joint, const Driv
   if (count <= 2 * ends + 2) return;
   const std::size_t first_cluster = equations.empty() ? 0 : equations.back().cluster + 1;
   const Motion motion = filtered(record, joint, period_s);
+  const std::vector<bool> slow = slow_times(motion.rate[1 + joint], period_s);
   for (std::size_t i = ends; i + ends < count; ++i) {
-    const double rate = motion.rate[1 + joint][i];
-    if (std::abs(rate) < kSlow_rad_s) continue;
+    if (slow[i]) continue;
     Row row;
     row << rigid_torque_Nm(robot, joint, at(motion.angle, i), at(motion.rate, i), at(motion.acceleration, i)),
-        motion.acceleration[1 + joint][i], rate, motion.sign[i], 1;
+        motion.acceleration[1 + joint][i], motion.rate[1 + joint][i], motion.sign[i], 1;
     equations.push_back({row, motion.torque_Nm[i], first_cluster + (i - ends) / cluster});
   }
 }

@@ -39,10 +39,10 @@ struct DriveNumbers {
 /// for 1 / k, I / k, d / k, c / k and tau_0 / k: torque factor k, armature I, damping d, Coulomb friction c,
 /// offset tau_0. The asked torque is on the left, since friction is never quite as modelled: as a regressor
 /// it would draw k to 0 where friction exceeds gravity. The hip stands still: a gantry holds the robot. All
-/// signals pass the same filter without phase, v and a are central differences; times at which the joint is
-/// slow, or a record begins or ends, are left out. The intervals come from the sums of residuals over
-/// clusters of half a second, since neighbouring residuals are correlated (White 1980; Liang and Zeger 1986):
-/// they cover noise, and no mistake of the model.
+/// signals pass the same filter without phase, v and a are central differences. Times at which the joint is
+/// slow, 60 ms around them, and the ends of a record are left out. The intervals come from the sums of
+/// residuals over clusters of half a second, since neighbouring residuals are correlated (White 1980; Liang
+/// and Zeger 1986): they cover noise, and no mistake of the model.
 /// @param joint  that moved
 /// @return  zero samples when nothing moved enough
 [[nodiscard]] DriveNumbers fit_drive(const model::RobotModel& robot, std::size_t joint,

@@ -57,6 +57,12 @@ void expect_within(double share, const Estimate& estimate, double truth, double 
   EXPECT_NEAR(estimate.value, truth, std::max(share * truth, at_least));
 }
 
+/// Of 95 %, so that one of 20 may miss by little; and narrow enough to be of use.
+void expect_interval_holds(const Estimate& estimate, double truth) {
+  EXPECT_NEAR(estimate.value, truth, 1.5 * estimate.half_width);
+  EXPECT_LT(estimate.half_width, 0.02 * truth);
+}
+
 class IdentifyDrives : public ::testing::TestWithParam<Drives> {};
 
 TEST_P(IdentifyDrives, IsWithinTenPercentOrThreeTenthsOfANewtonMetreOfFriction) {
@@ -64,15 +70,20 @@ TEST_P(IdentifyDrives, IsWithinTenPercentOrThreeTenthsOfANewtonMetreOfFriction) 
   HangingRobot robot(wiring_of(truth));
   const auto report = tried(robot);
   ASSERT_TRUE(report) << report.error();
-  constexpr double kShare = 0.1, kFriction_Nm = 0.3, kFastest_rad_s = 1.2;
+  constexpr double kShare = 0.1, kFriction_Nm = 0.3;
+  // Measured: armatures within 1.7 %; dampings within 0.105, the hips', whose gantry gives way; 0.02 at knees
+  constexpr double kArmatureShare = 0.025, kDamping_Nms_rad = 0.13;
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
     SCOPED_TRACE("joint " + std::to_string(joint) + ", seed " + std::to_string(truth.seed));
     const DriveNumbers& drive = report->drives[joint];
     expect_within(kShare, drive.torque_factor, truth.torque_factor, 0);
-    expect_within(kShare, drive.armature_kg_m2, truth.armature_kg_m2, 0);
+    expect_within(kArmatureShare, drive.armature_kg_m2, truth.armature_kg_m2, 0);
     expect_within(kShare, drive.coulomb_friction_Nm, truth.friction_Nm, kFriction_Nm);
-    expect_within(kShare, drive.damping_Nms_rad, truth.damping_Nms_rad, kFriction_Nm / kFastest_rad_s);
+    expect_within(kShare, drive.damping_Nms_rad, truth.damping_Nms_rad, kDamping_Nms_rad);
     EXPECT_LE(robot.peak_torque_Nm(joint), 0.3 * 80.0 * std::max(1.0, truth.torque_factor) + 0.1);
+    const bool knee = joint % 2 == 1;  // the gantry, which the intervals leave out, hardly moves with it
+    if (knee) expect_interval_holds(drive.torque_factor, truth.torque_factor);
+    if (knee) expect_interval_holds(drive.armature_kg_m2, truth.armature_kg_m2);
   }
   if (::testing::Test::HasFailure()) std::fputs(to_text(*report).c_str(), stderr);
 }
