@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include "firmware/robots/robots.h"
@@ -88,7 +89,7 @@ TEST_F(TorqueLawTest, ContactForcesStayInTheConeAfterFeedback) {
 
 TEST_F(TorqueLawTest, DampingIsLimitedToo) {
   configure(shipped("amber3m"));
-  plan_->node[1].input[0] = kNan;
+  plan_->node[1].input[0] = std::numeric_limits<double>::quiet_NaN();
   state_.tail<kJoints>().setConstant(1e6);
   const TorqueCommand command = tick();
   EXPECT_TRUE(command.saturated);
