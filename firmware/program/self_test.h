@@ -70,7 +70,7 @@ struct SelfTestResult {
 
 /// Brings all drivers up, commands zero torque at the rate of the torque loop for options.self_test_s, then
 /// disables them. The planner is at work on its own thread. Nothing moves. In lock-step, a tick is a turn
-/// of the simulated robot, and nothing is said of the computer.
+/// of the simulated robot, and nothing is reported of the computer.
 /// @param idle_held  the kernel keeps to idle states of runtime.idle_exit_max_s
 [[nodiscard]] SelfTestResult run_self_test(const Options& options, ControllerState& state,
                                            const std::atomic<bool>& stop, bool idle_held);

@@ -34,9 +34,9 @@ struct AkBehaviour {
   double clock_error = 2e-4;            ///< its period is longer by this share
 };
 
-/// An AK of version 3. It is on from power-up and follows its newest command for ever; every frame under the
-/// identifier of commands is one, the special frames of version 2 too, and short ones with zeros in the place
-/// of missing bytes. It reports by its own clock.
+/// An AK of version 3. It is on from power-up and follows its newest command for ever. Every frame under the
+/// identifier of commands is one, the special frames of version 2 too. A short one has zeros in the place of
+/// missing bytes. It reports by its own clock.
 class AkEmulator final : public EmulatedDriver {
  public:
   explicit AkEmulator(const AkDriver& driver, const AkSettings& settings = {},

@@ -63,7 +63,7 @@ class MitEmulator final : public EmulatedDriver {
   void report_torque_range(double maximum_Nm) noexcept { reported_torque_Nm_ = maximum_Nm; }
 
  private:
-  /// The driver as it is, whatever a configuration says of it.
+  /// The driver as it is, whatever a configuration has for it.
   static MitDriver as_set(MitDriver driver, const MitSettings& settings) noexcept;
   [[nodiscard]] bool in_servo_mode() const noexcept {
     return driver_.layout == ReplyLayout::ak && settings_.servo_mode;

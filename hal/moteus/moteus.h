@@ -67,7 +67,7 @@ struct MoteusCommand {
   double watchdog_s = 0.02;  ///< validity of this command, in steps of 1 ms; at least one step
 };
 
-/// What a reply said; values it did not carry are NaN, or absent from `has`.
+/// What a reply reported; values it did not contain are NaN, or absent from `has`.
 struct MoteusReply {
   double position_rad = std::numeric_limits<double>::quiet_NaN();
   double velocity_rad_s = std::numeric_limits<double>::quiet_NaN();

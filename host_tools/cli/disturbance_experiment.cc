@@ -106,7 +106,8 @@ PushRow push_row(const RowChoice& choice) {
   row.seeds = choice.seeds;
   row.search.coarse_N = choice.coarse_N;
   row.step_s = walk_step_s(choice.setting, controller, row.horizon_s);
-  row.setting = setting_json(choice.setting, walk_parameters(choice.setting, controller, row.horizon_s).timing);
+  row.setting =
+      setting_json(choice.setting, walk_parameters(choice.setting, controller, row.horizon_s).timing);
   row.walk = walk_runner(choice.setting);
   return row;
 }

@@ -48,7 +48,7 @@ class Programs:
         return path.read_text(encoding='utf-8', errors='replace') if path.exists() else ''
 
     def wait_for(self, name: str, pattern: str) -> re.Match[str]:
-        """Waits until what a program said has the pattern."""
+        """Waits until the output of a program has the pattern."""
         end = time.monotonic() + PATIENCE_S
         while not (found := re.search(pattern, self.said(name))):
             if time.monotonic() > end:

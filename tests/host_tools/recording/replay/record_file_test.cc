@@ -45,7 +45,7 @@ telemetry::Sample batch_sample(std::uint64_t run_id, std::span<const control_loo
   return {&telemetry::kTicks, 0, 1, telemetry::encode(batch.message())};
 }
 
-/// What stiltd says of itself, with the keys of its live tunables.
+/// What stiltd reports of itself, with the keys of its live tunables.
 telemetry::Sample configuration_sample(std::uint64_t run_id, const configuration::Configuration& in_force) {
   std::string toml = configuration::to_toml(in_force, "");
   std::vector<std::string> keys;
