@@ -16,12 +16,12 @@ namespace stilt::program {
 
 /// What is asked of robot and computer.
 struct SelfTestLimits {
-  double answered_share = 0.999;  ///< runtime.self_test_answered_share
-  double in_time_share = 0.99;    ///< runtime.self_test_in_time_share
-  double late_share = 0.001;      ///< runtime.self_test_late_share
-  double late_s = 5e-4;           ///< supervisor.torque_loop_overrun_s
-  double plan_period_s = 0.01;    ///< 1 / timing.plan_rate_hz
-  int planner_priority = 60;      ///< runtime.planner_priority
+  double answered_share = 0.999;       ///< runtime.self_test_answered_share
+  double in_time_share = 0.99;         ///< runtime.self_test_in_time_share
+  double late_share = 0.001;           ///< runtime.self_test_late_share
+  double wakeup_latency_max_s = 5e-4;  ///< supervisor.torque_loop_overrun_s
+  double plan_period_s = 0.01;         ///< 1 / timing.plan_rate_hz
+  int planner_priority = 60;           ///< runtime.planner_priority
 };
 
 /// One thing that was looked at.
@@ -48,7 +48,7 @@ struct SelfTestResult {
   bool emergency_stop_silent = false;
   hal::RobotReadings last;  ///< newest of all joints and of the torso
   long long bus_errors = 0;
-  long long late_ticks = 0;  ///< later than limits.late_s
+  long long late_ticks = 0;  ///< later than limits.wakeup_latency_max_s
   diagnostics::Histogram wakeup_latency;
   diagnostics::Histogram round_trip;
   diagnostics::Histogram solve;             ///< of the planner at work beside; empty in lock-step
