@@ -80,7 +80,7 @@ def housekeeping(d, ring_ticks, period_s):
     period = sources.milliseconds(period_s)
     d.box(300, 428, 684, 92, f'Housekeeping: program/realtime_run.cc, ordinary thread, every {period}', (
         'commands of the monitor (telemetry/telemetry_node.h) or of --start',
-        'events to the log, black box and figures to files',
+        'events to the log, black box and statistics to files',
         'telemetry over DDS; connects lost buses again after a reset'), svg.GREY)
     d.arrow([(340, 428), (340, 352)], svg.GREY)
     d.text(348, 384, 'commands,', 12, svg.GREY)

@@ -88,7 +88,7 @@ constexpr Entry kEntries[] = {
      integer<&P::supervisor, &S::failed_solves>(1, 1000)},
     {"supervisor", "planner_overrun_s", "s", "Duration of a solve that is reported",
      real<&P::supervisor, &S::planner_overrun_s>(1e-05, 10.0)},
-    {"supervisor", "torque_loop_overrun_s", "s", "Lateness of a tick that is reported",
+    {"supervisor", "torque_loop_overrun_s", "s", "Wake-up latency from which a tick is reported",
      real<&P::supervisor, &S::torque_loop_overrun_s>(1e-06, 10.0)},
     {"supervisor", "torque_loop_stall_s", "s",
      "Time between two ticks, or wake-up latency of one, after which the joints are damped",

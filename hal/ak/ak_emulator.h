@@ -5,12 +5,12 @@
 
 namespace stilt::hal::ak {
 
-/// What a driver keeps, by default as it may come from its maker.
+/// What a driver keeps, by default as it may come from its vendor.
 struct AkSettings {
   double status_rate_hz = 50;
   bool position_frames = false;
   bool single_turn = false;             ///< positions are 0 to 360 degrees
-  std::int64_t command_timeout_ns = 0;  ///< without commands for so long it lets go; 0: never
+  std::int64_t command_timeout_ns = 0;  ///< without commands for so long its motor is off; 0: never
 };
 
 /// Set up as docs/deployment.md says.

@@ -6,7 +6,7 @@
 
 namespace stilt::hal::mit {
 
-/// What a driver in MIT mode keeps, by default as it comes from its maker: the registers of a Damiao
+/// What a driver in MIT mode keeps, by default as it comes from its vendor: the registers of a Damiao
 /// DM-J4310, and the mode of an AK. A mini-cheetah keeps nothing of this.
 struct MitSettings {
   std::uint16_t reply_id = kDamiaoFactoryReplyId;  ///< MST_ID

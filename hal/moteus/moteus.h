@@ -51,7 +51,7 @@ struct MoteusDriver {
   std::uint8_t id = 1;      ///< 1 to 126
   std::uint8_t source = 0;  ///< ours, 0 to 127
   bool bit_rate_switch = true;
-  double kp_Nm_rev = 4.0;     ///< servo.pid_position.kp: gain at kp_scale 1, Nm a revolution
+  double kp_Nm_rev = 4.0;     ///< servo.pid_position.kp: gain at kp_scale 1, Nm per revolution
   double kd_Nm_s_rev = 0.05;  ///< servo.pid_position.kd: gain at kd_scale 1, Nm per revolution per second
   int extra_encoder = -1;     ///< 0 to 2: also ask for this encoder (one at the torso, say); -1: none
 };

@@ -9,7 +9,7 @@
 
 namespace stilt::record {
 
-/// The plans of a record, which holds some nodes of about ten a second, as they were in use.
+/// The plans of a record, which holds some nodes of about ten per second, as they were in use.
 class PlanTrack {
  public:
   /// What a plan contains for one time.
