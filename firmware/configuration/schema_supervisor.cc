@@ -72,7 +72,7 @@ constexpr Entry kEntries[] = {
     {"supervisor", "high_voltage_V", "V", "Supply voltage above which the joints are damped",
      real<&P::supervisor, &S::high_voltage_V>(0.0, 1000.0)},
     {"supervisor", "plan_feedback_after_s", "s",
-     "Age of a plan from which the level is plan_feedback: its feedback carries it",
+     "Age of a plan from which the level is plan_feedback; all of its feedback acts there",
      real<&P::supervisor, &S::plan_feedback_after_s>(0.0, 10.0)},
     {"supervisor", "stale_plan_s", "s", "Age from which a plan is followed to its next touch-down at most",
      real<&P::supervisor, &S::stale_plan_s>(0.001, 10.0)},
