@@ -17,7 +17,7 @@ namespace stilt::hal::fdcanusb {
 
 /// An fdcanusb at a pseudo-terminal. Behaves as the vendor's firmware does
 /// (https://github.com/mjbots/fdcanusb, commit f18c1d6a0c572768eeb9c6a05d01707f1964bfd3, fw/can_manager.cc):
-/// answers, the queues of 3 and 32 frames, and registers of its controller. Time is left out: a test says
+/// answers, the queues of 3 and 32 frames, and registers of its controller. Time is left out: a test sets
 /// when frames without acknowledgement are cancelled.
 class AdapterEmulator {
  public:
