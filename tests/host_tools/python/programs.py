@@ -52,7 +52,7 @@ class Programs:
         end = time.monotonic() + PATIENCE_S
         while not (found := re.search(pattern, self.said(name))):
             if time.monotonic() > end:
-                raise AssertionError(f'no {pattern} in what {name} said:\n{self.said(name)}')
+                raise AssertionError(f'no {pattern} in the output of {name}:\n{self.said(name)}')
             time.sleep(0.02)
         return found
 
