@@ -14,7 +14,7 @@ namespace stilt {
 enum class Received { those_of_the_wiring, all };
 
 /// Opens the buses of a configuration, in the order of their numbers, and takes the right to command them.
-/// Beside main, the only place of the controller that knows what carries its frames. The error is one
+/// Beside main, the only place of the controller that depends on what carries its frames. The error is one
 /// sentence for the user. Start-up only.
 /// @param lockstep  also lets the sync frames of a simulated robot through
 /// @param priority  SCHED_FIFO of the threads that some buses have; 0: ordinary

@@ -80,7 +80,7 @@ def housekeeping(d, ring_ticks, period_s):
     period = sources.milliseconds(period_s)
     d.box(300, 428, 684, 92, f'Housekeeping: program/realtime_run.cc, ordinary thread, every {period}', (
         'commands of the monitor (telemetry/telemetry_node.h) or of --start',
-        'events to the log, black box and figures to files',
+        'events to the log, black box and statistics to files',
         'telemetry over DDS; connects lost buses again after a reset'), svg.GREY)
     d.arrow([(340, 428), (340, 352)], svg.GREY)
     d.text(348, 384, 'commands,', 12, svg.GREY)
@@ -104,13 +104,14 @@ def levels(d, c):
     s = c['supervisor']
     older, stale = (sources.milliseconds(s[key]) for key in ('plan_feedback_after_s', 'stale_plan_s'))
     tracker = c['gait_tracker']
+    feedback = sources.milliseconds(c['torque_law']['feedback_from_age_s'])
     top = 600
     d.text(16, 560, 'Fallback levels, the best first', 14, svg.INK, bold=True)
     d.text(16, 580, 'supervisor/fallback.h: every tick takes the best level that its state, its faults and the age of '
            'the plan allow. kp in Nm/rad, kd in Nm s/rad.', 12)
-    rows = (('plan', svg.GREEN, ('plan younger', f'than {older}'), ('torque law of', 'the plan')),
-            ('plan_feedback', svg.GREEN, (f'plan of {older}', f'to {stale}'), ('and the plan\'s', 'feedback gains')),
-            ('gait', svg.BLUE, ('no plan below', f'{stale}; a gait', 'is in step'),
+    rows = (('plan', svg.GREEN, ('plan younger', f'than {older}'), ('torque law of', 'the plan; feedback', f'from {feedback} on')),
+            ('plan_feedback', svg.GREEN, (f'plan of {older}', f'to {stale}'), ('torque law of', 'the plan, all of', 'its feedback')),
+            ('gait', svg.BLUE, ('no plan below', f'{stale}, from the', 'next touch-down on'),
              ('joint PD on the', f'gait, kp {tracker["joint_kp_Nm_rad"]:g},', f'kd {tracker["joint_kd_Nms_rad"]:g}')),
             ('hold', svg.ORANGE, (f'{s["missed_hold_ticks"]} missed replies', 'in a row'),
              ('measured pose,', f'kp {s["hold_kp_Nm_rad"]:g}, kd {s["hold_kd_Nms_rad"]:g}', 'in the driver')),

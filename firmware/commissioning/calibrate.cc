@@ -171,7 +171,7 @@ class PoseReader {
     return torso.silent ? std::expected<void, CommandFailure>() : rock(torso);
   }
 
-  /// The left hip says how the torso turns, since its thigh does not.
+  /// The left hip shows how the torso turns, since its thigh does not.
   std::expected<void, CommandFailure> rock(TorsoReadings& torso) {
     const std::string question =
         "Hold the left thigh still with one hand. With the other rock the torso forward and backward three "

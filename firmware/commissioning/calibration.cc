@@ -107,7 +107,7 @@ std::optional<TorsoCalibration> unusable(const TorsoMotion& motion,
   const LagFit& rate = motion.rate;
   if (motion.silent || !std::isfinite(motion.rest_pitch_rad)) {
     return found(motion, TorsoFinding::silent,
-                 "silent torso sensor: no new pitch comes from it; stiltd scan says more");
+                 "silent torso sensor: no new pitch comes from it; stiltd scan reports more");
   }
   if (!legs_plumb(motion.rest_rad)) {
     return found(
@@ -213,7 +213,8 @@ JointCalibration calibrate_joint(std::size_t joint, const JointPoses& poses, con
     result.finding = other ? CalibrationFinding::exchanged_encoders : CalibrationFinding::dead_encoder;
     result.sentence =
         other ? formatted(
-                    "exchanged encoders: the %s moved, and the encoder of %s says so; exchange the encoders' "
+                    "exchanged encoders: the %s moved, and the encoder of %s reports it; exchange the "
+                    "encoders' "
                     "cables, or the identifiers of their drivers",
                     link_name(joint), kJointNames[*other])
               : formatted(

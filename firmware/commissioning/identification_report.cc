@@ -41,16 +41,16 @@ std::string armature_scale_text(const model::RobotModel& robot, const Identifica
   return of_urdf > 0 ? configuration::number_text(std::round(1e4 * found / of_urdf) / 1e4) : "";
 }
 
-/// The maker's setting of the torque constant, and what makes it right.
-std::string makers_setting(DriverProtocol protocol, double factor) {
+/// The vendor's setting of the torque constant, and what makes it right.
+std::string vendors_setting(DriverProtocol protocol, double factor) {
   if (protocol == DriverProtocol::moteus) return formatted("divide motor.Kv of its moteus by %.3f", factor);
   if (protocol == DriverProtocol::odrive) {
     return formatted("multiply axis0.config.motor.torque_constant of its ODrive by %.3f", factor);
   }
-  return formatted("multiply the torque constant in its driver by %.3f, where the maker's tool can", factor);
+  return formatted("multiply the torque constant in its driver by %.3f, where the vendor's tool can", factor);
 }
 
-/// @param factor  found, beside the one in force
+/// @param factor  found, beside the active one
 void judge_factor(const configuration::HardwareParameters& hardware, std::size_t joint, double factor,
                   std::vector<std::string>& findings, std::vector<NewValue>& values) {
   const char* name = kJointNames[joint];
@@ -65,7 +65,7 @@ void judge_factor(const configuration::HardwareParameters& hardware, std::size_t
   const DriverProtocol protocol = configuration::driver_of(hardware, joint).protocol;
   findings.push_back(formatted(
       "%s gives %.2f Nm per Nm asked: either write torque_factor = %.3f, as --out does, or %s; then repeat",
-      name, factor, whole, makers_setting(protocol, factor).c_str()));
+      name, factor, whole, vendors_setting(protocol, factor).c_str()));
   values.push_back({name, "torque_factor", configuration::number_text(std::round(1e3 * whole) / 1e3)});
 }
 

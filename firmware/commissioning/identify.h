@@ -18,7 +18,7 @@ struct IdentificationRequest {
   const model::RobotModel* robot = nullptr;
   double torque_share = 0.3;                   ///< of the joints' limits: most torque
   double kp_Nm_rad = 0.0;                      ///< of all motions, closed here
-  configuration::HardwareParameters hardware;  ///< with the torque factors in force
+  configuration::HardwareParameters hardware;  ///< with the active torque factors
 };
 
 /// What was asked of the joints and read of them. The drivers are off by then: the fit takes long, and

@@ -207,7 +207,7 @@ class BusScan {
     take_step(nullptr);
   }
 
-  /// A driver that there is nothing to ask has said what it says by itself.
+  /// A driver that there is nothing to ask has reported by itself.
   void ask(Candidate& candidate, const Patience& patience) {
     const std::vector<hal::CanFrame> questions = hal::scan_frames(candidate.driver);
     if (questions.empty()) {

@@ -74,7 +74,7 @@ struct ScanResult {
   [[nodiscard]] bool complete() const noexcept;
 };
 
-/// Listens for 0.2 s per bus, then asks every driver of the configuration for its identity and its settings,
+/// Listens for 0.2 s per bus. Then asks every driver of the configuration for its identity and its settings,
 /// and starts an encoder of the torso on CANopen. Then it asks other identifiers of the drivers' protocol:
 /// only where all drivers of the bus speak one protocol, and none that the torso sensor uses.
 /// @param wanted  of each joint: travel and speed at the driver's shaft

@@ -24,7 +24,7 @@ bool same_link(std::size_t a, std::size_t b) { return a % 2 == b % 2; }
 Verdict exchanged_encoders(std::size_t joint, std::size_t read) {
   return {Finding::exchanged_encoders, "exchanged encoders: the " + std::string(link_name(joint)) +
                                            " moved, and the encoder of " + joint_name(read) +
-                                           " says so; exchange the encoders' cables"};
+                                           " reports it; exchange the encoders' cables"};
 }
 
 /// A limp shin hangs plumb while its thigh moves, and a thigh gives way when its shin moves: the other joint
@@ -85,7 +85,7 @@ Verdict gear(std::size_t joint, const JogMotion& motion, double seen_rad, double
   char text[200];
   std::snprintf(
       text, sizeof text,
-      "wrong gear ratio: the %s turned by %.0f degrees where the encoder of %s says %.0f; the ratio "
+      "wrong gear ratio: the %s turned by %.0f degrees where the encoder of %s reports %.0f; the ratio "
       "is about %.3g, and the configuration has %.3g",
       link_name(joint), seen_rad * 180 / M_PI, joint_name(joint).c_str(),
       std::abs(motion.reached_rad) * 180 / M_PI, ratio * factor, ratio);

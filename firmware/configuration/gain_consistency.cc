@@ -34,7 +34,7 @@ struct Limit {
   std::string_view key;
   std::string_view unit;
   double most = 0;
-  double per_rad = 1;  ///< in units of `unit`: 1, or 2 pi for gains a revolution
+  double per_rad = 1;  ///< in units of `unit`: 1, or 2 pi for gains per revolution
 };
 
 /// The joint of a kind of driver whose motor gives least per torque asked: it is asked the largest gains.

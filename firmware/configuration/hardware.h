@@ -63,7 +63,7 @@ inline constexpr double kLeastTorqueFactor = 0.5, kMostTorqueFactor = 2.0;
 /// One joint's place on the buses: joint = direction shaft / ratio + offset.
 struct JointParameters {
   int bus = 0;
-  int id = 1;                  ///< identifier the driver listens to; moteus: its id, ODrive: its node
+  int id = 1;                  ///< of the driver's commands; moteus: its id, ODrive: its node
   int reply_id = 0;            ///< MIT mode: identifier it answers with
   bool reversed = false;       ///< direction -1
   double offset_rad = 0.0;     ///< of the joint where the shaft reads 0
@@ -122,7 +122,7 @@ struct HardwareParameters {
 /// Names of the buses, without blanks around them.
 [[nodiscard]] std::vector<std::string> bus_names(const HardwareParameters& hardware);
 
-/// The wiring as the hardware abstraction wants it; hal::valid() for a configuration that was accepted.
+/// The wiring as the hardware abstraction takes it; hal::valid() for a configuration that was accepted.
 /// Periods are one tick: what reads a robot takes the wiring of its torque rate.
 [[nodiscard]] hal::RobotWiring robot_wiring(const HardwareParameters& hardware);
 
@@ -133,7 +133,7 @@ struct HardwareParameters {
 /// Ticks of the torque loop from one frame of the torso sensor to the next.
 [[nodiscard]] int base_period_ticks(const HardwareParameters& hardware, double torque_rate_hz);
 
-/// What the bring-up of a joint's driver shall demand.
+/// What the bring-up of a joint's driver shall require.
 /// @param minimum_rad, maximum_rad  travel of the joint, margin included
 /// @param speed_rad_s               that the joint may reach; 0: its driver's limit is not checked
 [[nodiscard]] hal::bring_up::Options bring_up_options(const HardwareParameters& hardware, std::size_t joint,

@@ -99,7 +99,7 @@ constexpr RangeKeys kKneeRanges = {"knee_driver.position_range_rad", "knee_drive
 void check_ak_ranges(const RangeKeys& keys, const DriverParameters& driver,
                      std::vector<Contradiction>& found) {
   if (driver.protocol != DriverProtocol::ak_v3) return;
-  constexpr double kLeastPosition_rad = 12.5, kMostPosition_rad = 12.57;  // documents of its makers differ
+  constexpr double kLeastPosition_rad = 12.5, kMostPosition_rad = 12.57;  // documents of its vendors differ
   const auto refuse = [&](std::string_view key, double is, double right) {
     found.push_back({{key},
                      std::string(key) + " = " + number_text(is) + ", but that of every AK of version 3 is " +

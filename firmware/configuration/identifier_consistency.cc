@@ -12,7 +12,7 @@ namespace {
 
 using hal::BaseChannel;
 
-/// A driver, or a frame of the torso sensor, as people know it.
+/// A driver, or a frame of the torso sensor, under its name for people.
 struct Node {
   std::string_view name;
   std::string_view key;  ///< where its identifier stands
@@ -52,7 +52,7 @@ std::vector<Node> drivers(const HardwareParameters& hardware) {
   return nodes;
 }
 
-/// One a frame, named by its first channel; and an encoder on CANopen.
+/// One per frame, named by its first channel; and an encoder on CANopen.
 std::vector<Node> sensor_nodes(const HardwareParameters& hardware) {
   const TorsoSensorParameters& sensor = hardware.torso_sensor;
   const hal::RobotWiring wiring = robot_wiring(hardware);

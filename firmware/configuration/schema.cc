@@ -295,7 +295,7 @@ constexpr Entry kEntries[] = {
      "Time over which the joints leave the motion before the gait for the gait's",
      real<&P::gait_tracker, &GaitTrackerParameters::take_over_s>(0.0, 2.0)},
 
-    {"estimator", "blend_s", "s", "Time over which trust moves from the old stance foot to the new one",
+    {"estimator", "blend_s", "s", "Time over which the weight moves from the old stance foot to the new one",
      real<&P::estimator, &EstimatorParameters::blend_s>(0.0, 0.5)},
     {"estimator", "velocity_filter_s", "s",
      "Time constant with which the base's velocity follows the measured one around the plan's; 0: no filter",

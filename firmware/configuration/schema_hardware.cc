@@ -36,9 +36,9 @@ constexpr Section kSections[] = {
     {"hip_R", "Wiring of the right hip."},
     {"knee_R", "Wiring of the right knee."},
     {"torso_sensor",
-     "Sensors of the torso. A channel says which bits of which frame it is: \"none\", or words in any order\n"
-     "out of: id N, extended, byte N, bit N, bits N, signed or unsigned or float, little or big, scale X,\n"
-     "offset X, invalid N (raw value of a missing one)."},
+     "Sensors of the torso. A channel says which bits of which frame it is. It is \"none\", or words in any\n"
+     "order: id N, extended, byte N, bit N, bits N; signed, unsigned or float; little or big;\n"
+     "scale X, offset X, invalid N (raw value of a missing one)."},
 };
 
 std::optional<std::string> robot_mistake(const std::string& name) {
@@ -159,7 +159,7 @@ template <std::size_t Joint>
 void add_joint(std::string_view section, std::vector<Entry>& rows) {
   const Entry joint[] = {
       {section, "bus", "1", "Number of its bus", integer<&P::hardware, &H::joint, Joint, &J::bus>(0, 3)},
-      {section, "id", "1", "Identifier the driver listens to; ODrive: its node",
+      {section, "id", "1", "Identifier of the driver's commands; ODrive: its node",
        integer<&P::hardware, &H::joint, Joint, &J::id>(0, 0x7ff)},
       {section, "reply_id", "1", "MIT mode: identifier it answers with",
        integer<&P::hardware, &H::joint, Joint, &J::reply_id>(0, 0x7ff)},

@@ -52,7 +52,7 @@ constexpr Entry kEntries[] = {
      "listen",
      text<&P::telemetry, &T::security_folder>("an absolute path, or \"none\"", path_mistake)},
     {"telemetry", "token_file", "",
-     "File with the token that commands need; auto: in $XDG_RUNTIME_DIR or /tmp, stiltd says where",
+     "File with the token that commands need; auto: in $XDG_RUNTIME_DIR or /tmp, stiltd prints where",
      text<&P::telemetry, &T::token_file>("an absolute path, or \"auto\"", path_mistake)},
     {"telemetry", "fixed_token", "",
      "Take the token that is in the file instead of writing a new one at the start",

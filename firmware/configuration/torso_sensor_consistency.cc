@@ -154,7 +154,7 @@ void check_torso_sensor(const HardwareParameters& hardware, std::vector<Contradi
     found.push_back({{"torso_sensor.rate_hz", "torso_sensor.device"},
                      "torso_sensor.rate_hz = " + number_text(sensor.rate_hz) +
                          ", and an Xsens MTi sends at most " + number_text(kFastestXsens_Hz) +
-                         " angles a second"});
+                         " angles per second"});
   }
   if (sensor.device == TorsoDevice::vectornav) check_port(sensor, found);
   const bool rate_from_pitch =

@@ -25,7 +25,7 @@ struct TickTiming {
 ///
 ///   readings -> plan at this instant -> estimate -> decision -> torques -> bounded commands
 ///
-/// Knows no thread and no clock, and the robot behind one interface: real time, lock-step, simulation and
+/// Depends on no thread and no clock; the robot is behind one interface. Real time, lock-step, simulation and
 /// replay run the same ticks. Fixed memory, tick() is real-time safe.
 class ControlLoop {
  public:

@@ -7,9 +7,9 @@
 
 namespace stilt::control_loop {
 
-/// The planner at the mailboxes: newest request and tunables in, plan and records out. Knows no thread and no
-/// clock: real time, lock-step, simulation and replay run the same cycles. Fixed memory, real-time safe but
-/// for configure().
+/// The planner at the mailboxes: newest request and tunables in, plan and records out. Depends on no thread
+/// and no clock: real time, lock-step, simulation and replay run the same cycles. Fixed memory, real-time
+/// safe but for configure().
 class PlannerTask {
  public:
   /// Previews of plans for drawing, at most so many per second.
@@ -32,7 +32,7 @@ class PlannerTask {
     tuning_ = tuning.number;
   }
 
-  /// Forgets every cycle: the next one is the first of its stance episode.
+  /// Drops every cycle: the next one is the first of its stance episode.
   void restart() noexcept {
     result_ = {};
     previewed_s_ = -1.0;
@@ -42,7 +42,7 @@ class PlannerTask {
   [[nodiscard]] std::uint32_t tuning() const noexcept { return tuning_; }
 
   /// One cycle: plans from the request into `plan`, which stays as it is when there is no usable result. A
-  /// request of another stance episode than the last forgets the past: the robot stands still from then on.
+  /// request of another stance episode than the last drops the past: the robot stands still from then on.
   /// @return  whether `plan` is new
   [[nodiscard]] bool cycle(const PlanningRequest& request, control::Plan& plan) noexcept;
 
@@ -53,7 +53,7 @@ class PlannerTask {
     return cycle(request, mail.plans.writer());
   }
 
-  /// Records the cycle of a request that wants a plan, before the plan is published.
+  /// Records the cycle of a request for a plan, before the plan is published.
   /// @param fresh     returned by plan()
   /// @param solve_ns  duration; 0 in lock-step
   void record(const PlanningRequest& request, bool fresh, std::int64_t solve_ns, Mailboxes& mail) noexcept;

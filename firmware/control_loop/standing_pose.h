@@ -9,7 +9,7 @@
 
 namespace stilt::control_loop {
 
-/// What of the robot is not as a pose wants it, and between which values it would be.
+/// What of the robot is not as a pose requires, and between which values it would be.
 struct PoseMiss {
   static constexpr int kTorso = static_cast<int>(model::kJoints);
   int joint = -1;  ///< hip_L, knee_L, hip_R, knee_R from 0; kTorso; -1: nothing, it is in the pose

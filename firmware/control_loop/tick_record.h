@@ -11,8 +11,8 @@
 
 namespace stilt::control_loop {
 
-/// What the torque loop knew and did in one tick: every input, so that a replay can run the tick again, and
-/// every output. Fixed size, no pointers: for the black box and telemetry.
+/// Inputs and outputs of the torque loop in one tick: every input, so that a replay can run the tick again,
+/// and every output. Fixed size, no pointers: for the black box and telemetry.
 struct TickRecord {
   std::uint64_t tick = 0;    ///< counts from 0
   std::int64_t time_ns = 0;  ///< of the torque loop's clock, at the start of the tick

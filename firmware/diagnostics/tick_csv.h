@@ -11,7 +11,7 @@
 ///
 /// The file: comma-separated values, one line of column names, then one line per tick, oldest first. Names
 /// carry unit and joint: time_s, hip_L_position_rad, ..., estimated_z_b_m, sent_knee_R_torque_Nm, ... Numbers
-/// are the shortest that read back the same, nan where a sensor said nothing. state, fallback_level, reaction
+/// are the shortest that read back the same, nan where a sensor gave nothing. state, fallback_level, reaction
 /// and action are words; faults and latched_faults are names of faults joined by +, empty without any.
 namespace stilt::diagnostics {
 

@@ -14,7 +14,7 @@ namespace stilt::exchange {
 /// thread can read at leisure what was before and after; until rearm() nothing is recorded. Wait-free on the
 /// recording side.
 ///
-/// Either side touches the records only when the state says they are its own: recorder while recording,
+/// Either side touches the records only when the state shows they are its own: recorder while recording,
 /// reader while frozen. Each hands them over with a release that the other acquires.
 ///
 /// @tparam T          owns nothing outside of itself

@@ -9,9 +9,9 @@
 
 namespace stilt::program {
 
-/// The file of --black-box: the ticks around the fault with the hardest reaction, of equal ones the first,
-/// which is the cause of those that follow more often than not. A write that fails leaves the file as it was.
-/// Housekeeping's. Without the option it does nothing.
+/// The file of --black-box: the ticks around the fault with the hardest reaction. Of equal ones it is the
+/// first, which is the cause of those that follow more often than not. A write that fails leaves the file as
+/// it was. Housekeeping's. Without the option it does nothing.
 class BlackBoxFile {
  public:
   /// A quarter of the black box is kept for what follows a fault.

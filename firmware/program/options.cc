@@ -99,7 +99,7 @@ CLI::App* add_command(CLI::App& app, const char* name, const char* description, 
 
 void add_answers(CLI::App& command, Options& options) {
   command.add_option("--answers", options.answers_file,
-                     "a file with the answers, a line each, instead of standard input");
+                     "a file with the answers, one per line, instead of standard input");
 }
 
 void add_out(CLI::App& command, Options& options) {
@@ -259,7 +259,7 @@ std::expected<Options, std::string> read_options(int argc, char** argv, const st
                  "supervisor.walk_torque_share the robot stands and does not walk");
   app.add_flag("--lockstep", options.lockstep,
                "takes turns with a simulated robot instead of following the clock");
-  app.add_option("--json", options.json_file, "writes figures at the end as JSON, - for standard output");
+  app.add_option("--json", options.json_file, "writes statistics at the end as JSON, - for standard output");
   app.add_option("--black-box", options.black_box_file,
                  "writes the ticks around the fault with the hardest reaction to this file, CSV");
   app.add_flag(

@@ -21,7 +21,7 @@ enum class Task {
   zero,          ///< make the position of a joint the zero of its driver
   calibrate,     ///< signs and offsets, from joints that a person moves
   identify,      ///< friction, inertia and torque constant of each drive
-  check_config,  ///< read the configuration, say what it means, and end
+  check_config,  ///< read the configuration, print what it means, and end
   print_config,  ///< write the configuration with every key
   nothing,       ///< --help or --version: printed already
 };

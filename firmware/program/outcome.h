@@ -48,7 +48,7 @@ struct Outcome {
   std::string not_written;  ///< about the file of --black-box; empty: it is complete, or was not needed
 };
 
-/// Takes what happened out of the ring: says it on standard error and to telemetry, if any, and keeps the
+/// Takes what happened out of the ring: reports it on standard error and to telemetry, if any, and keeps the
 /// faults.
 void take_events(control_loop::EventRing& events, Outcome& outcome,
                  telemetry::TelemetryNode* telemetry_node = nullptr);

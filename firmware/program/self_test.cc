@@ -94,7 +94,8 @@ void command_robot(Test& test, commissioning::Session& session) {
     const std::int64_t newest_base_ns = session.readings().base.time_ns;
     const std::int64_t wakeup_latency_ns = session.begin_tick() - due_ns;
     test.result.wakeup_latency.add_ns(wakeup_latency_ns);
-    if (static_cast<double>(wakeup_latency_ns) > 1e9 * test.result.limits.late_s) ++test.result.late_ticks;
+    if (static_cast<double>(wakeup_latency_ns) > 1e9 * test.result.limits.wakeup_latency_max_s)
+      ++test.result.late_ticks;
     const bool base_is_new = session.readings().base.time_ns != newest_base_ns;
     if (tick > 0) count(test, session.readings(), base_is_new);  // the first command has no predecessor
     forget(test);

@@ -16,12 +16,12 @@ namespace stilt::program {
 
 /// What is asked of robot and computer.
 struct SelfTestLimits {
-  double answered_share = 0.999;  ///< runtime.self_test_answered_share
-  double in_time_share = 0.99;    ///< runtime.self_test_in_time_share
-  double late_share = 0.001;      ///< runtime.self_test_late_share
-  double late_s = 5e-4;           ///< supervisor.torque_loop_overrun_s
-  double plan_period_s = 0.01;    ///< 1 / timing.plan_rate_hz
-  int planner_priority = 60;      ///< runtime.planner_priority
+  double answered_share = 0.999;       ///< runtime.self_test_answered_share
+  double in_time_share = 0.99;         ///< runtime.self_test_in_time_share
+  double late_share = 0.001;           ///< runtime.self_test_late_share
+  double wakeup_latency_max_s = 5e-4;  ///< supervisor.torque_loop_overrun_s
+  double plan_period_s = 0.01;         ///< 1 / timing.plan_rate_hz
+  int planner_priority = 60;           ///< runtime.planner_priority
 };
 
 /// One thing that was looked at.
@@ -48,7 +48,7 @@ struct SelfTestResult {
   bool emergency_stop_silent = false;
   hal::RobotReadings last;  ///< newest of all joints and of the torso
   long long bus_errors = 0;
-  long long late_ticks = 0;  ///< later than limits.late_s
+  long long late_ticks = 0;  ///< later than limits.wakeup_latency_max_s
   diagnostics::Histogram wakeup_latency;
   diagnostics::Histogram round_trip;
   diagnostics::Histogram solve;             ///< of the planner at work beside; empty in lock-step
@@ -70,7 +70,7 @@ struct SelfTestResult {
 
 /// Brings all drivers up, commands zero torque at the rate of the torque loop for options.self_test_s, then
 /// disables them. The planner is at work on its own thread. Nothing moves. In lock-step, a tick is a turn
-/// of the simulated robot, and nothing is said of the computer.
+/// of the simulated robot, and nothing is reported of the computer.
 /// @param idle_held  the kernel keeps to idle states of runtime.idle_exit_max_s
 [[nodiscard]] SelfTestResult run_self_test(const Options& options, ControllerState& state,
                                            const std::atomic<bool>& stop, bool idle_held);

@@ -7,7 +7,8 @@
 
 namespace stilt::program {
 
-/// Says why the torso sensor does not report, as far as that can be known. Any thread but those in real time.
+/// Prints why the torso sensor does not report, as far as that can be known. Any thread but those in real
+/// time.
 class TorsoSensorReport {
  public:
   explicit TorsoSensorReport(const Options& options);

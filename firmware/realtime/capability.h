@@ -16,7 +16,7 @@ struct Requirements {
   double idle_exit_max_s = 1e-5;  ///< longest time that a processor may take to leave an idle state
 };
 
-/// Whether the machine can keep the torque loop's time, from what it says of itself; measures nothing.
+/// Whether the machine can keep the torque loop's time, from what it reports of itself; measures nothing.
 /// Start-up only.
 struct Capability {
   std::string kernel;                ///< release

@@ -12,7 +12,7 @@
 #include "hal/sensors/torso_sensor.h"
 
 /// Pure functions from what a tick has to faults. Every one is real-time. NaN never passes for healthy
-/// where a value must be there, and never counts where a driver need not say it (temperature, voltage,
+/// where a value must be there, and never counts where a driver need not report it (temperature, voltage,
 /// torque).
 namespace stilt::supervisor {
 

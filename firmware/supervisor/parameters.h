@@ -34,7 +34,7 @@ struct SupervisorParameters {
   double hot_torque_share = 0.7;  ///< of the torque limit just below overheated_C; 1 up to hot_C
   double low_voltage_V = 36.0;    ///< supply
   double high_voltage_V = 56.0;   ///< supply
-  double plan_feedback_after_s = 0.1;   ///< age of a plan from which its feedback gains are used
+  double plan_feedback_after_s = 0.1;   ///< age of a plan from which the level is plan_feedback
   double stale_plan_s = 0.25;           ///< age from which a plan is followed to its next touch-down at most
   bool track_gait = true;               ///< without a plan, where gaits of the robot are known
   bool select_gait = false;             ///< prefer the gait to plans, from a touch-down on

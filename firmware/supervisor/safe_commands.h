@@ -26,9 +26,10 @@ namespace stilt::supervisor {
 /// No field of any joint is NaN or infinite.
 [[nodiscard]] bool finite(const hal::JointCommands& commands) noexcept;
 
-/// Torques and torque limits within the joints' limits; gains not negative. They are lower for a driver
-/// without a limit of its own, where its law tau = torque + kp (position - q) + kd (velocity - v) would be
-/// beyond it at this reading. A driver that has no reading follows the law from what it measures itself.
+/// Torques and torque limits within the joints' limits; gains not negative. A driver without a
+/// limit of its own gets lower ones where its law would be beyond the limit at this reading. The law is
+/// tau = torque + kp (position - q) + kd (velocity - v). A driver that has no reading follows the law from
+/// what it measures itself.
 [[nodiscard]] hal::JointCommands bounded(const hal::JointCommands& commands,
                                          const hal::JointReadings& measured,
                                          const JointLimits& limits) noexcept;

@@ -38,7 +38,7 @@ inline constexpr std::size_t kStates = 11;
       "The torque law takes over and stands",
       "Steps in place",
       "Walks",
-      "Goes to the sitting pose",
+      "Moves to the sitting pose",
       "Damped, or the motors off, until the faults are reset",
       "The drivers are disabled, the end",
       "The drivers are enabled, the joints limp: nothing moves them but a hand"};

@@ -77,7 +77,7 @@ class CommandArbiter {
   /// walks.
   void twist(double speed_m_s, const RobotNow& now);
 
-  /// What the torque loop shall do now. Until the first order came that is what `script` says.
+  /// What the torque loop shall do now. Until the first order came that is the command of `script`.
   [[nodiscard]] control_loop::OperatorCommand command(const control_loop::OperatorCommand& script,
                                                       const RobotNow& now);
 

@@ -38,7 +38,7 @@ class TelemetryNode {
   /// Something that happened.
   void event(const control_loop::Event& event);
 
-  /// Sends what is due: solves and previews out of the mailboxes, figures.
+  /// Sends what is due: solves and previews out of the mailboxes, statistics.
   void publish(const diagnostics::LoopStatistics& loop, const diagnostics::PlannerStatistics& planning);
 
   /// Takes commands.

@@ -5,7 +5,8 @@
 namespace stilt::telemetry {
 
 /// Version of the messages of stilt_msgs.idl. Configuration_::wire_version and the metadata of a record hold
-/// it. Release 0.2.0 has version 2; release 0.1 has no version.
+/// it. Release 0.1 has no version. Release 0.2.0 will have version 2: until then it may still change, and
+/// from then on it is frozen.
 ///
 /// A field appended at the end of a message keeps the version, because readers skip bytes behind the fields
 /// they have. The version rises when a field is removed or renamed, and when its type, unit, place or

@@ -20,7 +20,7 @@ constexpr double kAgree_rad = 0.1;
 
 BringUp::Ask AkBringUp::limp(CanFrame& frame) noexcept {
   listened_ = 0;
-  heard_ = false;
+  received_ = false;
   fault_ = {};
   if (encode_limp(driver_, frame) == EncodeStatus::ok) return Ask::send_only;
   failure(Failure::invalid);
@@ -28,7 +28,7 @@ BringUp::Ask AkBringUp::limp(CanFrame& frame) noexcept {
 }
 
 /// Until judge() is satisfied, for a second.
-BringUp::Ask AkBringUp::hear(Failure otherwise) noexcept {
+BringUp::Ask AkBringUp::await_frames(Failure otherwise) noexcept {
   if (listened_++ < kLongest) return Ask::listen;
   failure(otherwise, otherwise == Failure::driver_fault ? fault_ : Blame{});
   return Ask::fail;
@@ -56,17 +56,17 @@ BringUp::Ask AkBringUp::ask_rates() noexcept {
 BringUp::Ask AkBringUp::ask(Stage stage, unsigned part, CanFrame& frame) noexcept {
   switch (stage) {
     case Stage::identify:
-      return part < kLimpCommands ? limp(frame) : hear(Failure::silent);
+      return part < kLimpCommands ? limp(frame) : await_frames(Failure::silent);
     case Stage::watchdog_write:
       if (options().accept_missing_watchdog) return Ask::skip;
       failure(Failure::no_watchdog);
       return Ask::fail;
     case Stage::home:
-      return part == 0 ? hear(Failure::silent) : ask_rates();
+      return part == 0 ? await_frames(Failure::silent) : ask_rates();
     case Stage::enable:
       if (part == 0) return limp(frame);
-      if (fault_.fault != DriverFault::none) return hear(Failure::driver_fault);
-      return hear(heard_ ? Failure::rejected : Failure::silent);
+      if (fault_.fault != DriverFault::none) return await_frames(Failure::driver_fault);
+      return await_frames(received_ ? Failure::rejected : Failure::silent);
     case Stage::version:
     case Stage::scaling:
     case Stage::watchdog_read:
@@ -108,7 +108,7 @@ BringUp::Verdict AkBringUp::judge_enable(const CanFrame& frame) noexcept {
   AkStatus status;
   if (is_start(driver_, frame)) return Verdict::not_yet;
   if (decode_status(driver_, frame, status) != DecodeStatus::ok) return Verdict::ignore;
-  heard_ = true;
+  received_ = true;
   fault_ = {status.fault, status.code, Setting::none};
   if (status.fault != DriverFault::none || status.disabled) return Verdict::not_yet;
   return Verdict::next_stage;

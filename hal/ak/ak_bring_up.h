@@ -31,7 +31,7 @@ class AkBringUp final : public bring_up::BringUp {
   }
 
   [[nodiscard]] Ask limp(CanFrame& frame) noexcept;
-  [[nodiscard]] Ask hear(bring_up::Failure otherwise) noexcept;
+  [[nodiscard]] Ask await_frames(bring_up::Failure otherwise) noexcept;
   [[nodiscard]] Ask ask_rates() noexcept;
   [[nodiscard]] Verdict judge_home(unsigned part, const CanFrame& frame) noexcept;
   [[nodiscard]] Verdict judge_enable(const CanFrame& frame) noexcept;
@@ -42,7 +42,7 @@ class AkBringUp final : public bring_up::BringUp {
   unsigned statuses_ = 0;   ///< while listening for their rate
   unsigned positions_ = 0;  ///< and position frames that agree with the status before them
   double status_rad_ = 0;   ///< newest, while listening
-  bool heard_ = false;      ///< something, while it is enabled
+  bool received_ = false;   ///< something, while it is enabled
   Blame fault_;             ///< newest
 };
 

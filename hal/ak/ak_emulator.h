@@ -5,12 +5,12 @@
 
 namespace stilt::hal::ak {
 
-/// What a driver keeps, by default as it may come from its maker.
+/// What a driver keeps, by default as it may come from its vendor.
 struct AkSettings {
   double status_rate_hz = 50;
   bool position_frames = false;
   bool single_turn = false;             ///< positions are 0 to 360 degrees
-  std::int64_t command_timeout_ns = 0;  ///< without commands for so long it lets go; 0: never
+  std::int64_t command_timeout_ns = 0;  ///< without commands for so long its motor is off; 0: never
 };
 
 /// Set up as docs/deployment.md says.
@@ -34,9 +34,9 @@ struct AkBehaviour {
   double clock_error = 2e-4;            ///< its period is longer by this share
 };
 
-/// An AK of version 3. It is on from power-up and follows its newest command for ever; every frame under the
-/// identifier of commands is one, the special frames of version 2 too, and short ones with zeros in the place
-/// of missing bytes. It reports by its own clock.
+/// An AK of version 3. It is on from power-up and follows its newest command for ever. Every frame under the
+/// identifier of commands is one, the special frames of version 2 too. A short one has zeros in the place of
+/// missing bytes. It reports by its own clock.
 class AkEmulator final : public EmulatedDriver {
  public:
   explicit AkEmulator(const AkDriver& driver, const AkSettings& settings = {},

@@ -48,7 +48,7 @@ enum class Failure : std::uint8_t {
 
 struct Options {
   double watchdog_s = 0.02;  ///< 5 to 100 ms: what the driver does without us for so long
-  /// The configuration says in so many words that a driver without a watchdog is acceptable.
+  /// The configuration accepts a driver without a watchdog, by a key of its own.
   bool accept_missing_watchdog = false;
   std::uint32_t minimum_version = 0;  ///< moteus 0xMMmmuu, ODrive 0xMMmmrr, Damiao its number; 0: any
   double minimum_angle_rad =
@@ -131,7 +131,7 @@ class BringUp {
 
   void failure(Failure failure, const Blame& blame) noexcept;
   void failure(Failure what) noexcept { failure(what, Blame{}); }
-  /// What the failure will be if the request that is under way never gets the answer it wants: a fault that
+  /// What the failure will be if the request that is under way never gets the right answer: a fault that
   /// the driver may still clear, a setting that may still show itself right.
   void suspect(Failure failure, const Blame& blame) noexcept;
   /// Checks the driver's shaft against travel and encoder period. False after failure().

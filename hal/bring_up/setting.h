@@ -72,7 +72,7 @@ enum class Setting : std::uint8_t {
     case Setting::odrive_torque_rate:
       return "axis0.config.can.torques_msg_rate_ms must be at most 5, and not 0";
     case Setting::damiao_reply_id:
-      return "MST_ID must be reply_id of the configuration, and is 0 as from the maker";
+      return "MST_ID must be reply_id of the configuration, and is 0 as from the vendor";
     case Setting::ak_control_mode:
       return "it is in servo mode, and must be in MIT mode (R-Link); one of version 3 has the protocol ak_v3";
     case Setting::ak_v3_status_rate:

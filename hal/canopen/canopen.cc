@@ -32,7 +32,7 @@ CanFrame sdo_frame(std::uint32_t id, std::uint8_t command, const Object& object,
   return frame;
 }
 
-/// With the number of bytes without data, if any is said.
+/// With the number of bytes without data, if any is given.
 std::uint8_t expedited(std::uint8_t specifier, std::uint8_t bytes) noexcept {
   return static_cast<std::uint8_t>(specifier << 5 | (4 - bytes) << 2 | kExpedited | kSizeSaid);
 }

@@ -70,7 +70,7 @@ struct SdoRequest {
   bool write = false;
   Object object;
   std::uint32_t value = 0;
-  std::uint8_t bytes = 0;  ///< of the value; 0: not said
+  std::uint8_t bytes = 0;  ///< of the value; 0: not given
 };
 [[nodiscard]] DecodeStatus decode_request(std::uint8_t node, const CanFrame& frame,
                                           SdoRequest& request) noexcept;

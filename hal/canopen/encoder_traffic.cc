@@ -57,7 +57,7 @@ std::string sentence(const EncoderTrouble& trouble, const Encoder& encoder) {
       return node + format(" is a device of profile %u, an encoder has 406; see torso_sensor.encoder_node",
                            trouble.value & 0xffff);
     case EncoderFailure::wrong_steps:
-      return node + format(" has %u steps a turn", trouble.value) + object +
+      return node + format(" has %u steps per turn", trouble.value) + object +
              format(", torso_sensor.encoder_steps is %u", encoder.steps_per_turn);
     case EncoderFailure::wrong_turns:
       return node + format(" reads %u", trouble.value) + object +

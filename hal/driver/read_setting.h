@@ -5,7 +5,7 @@
 
 namespace stilt::hal {
 
-/// A setting of a driver as it was read back, under the maker's name.
+/// A setting of a driver as it was read back, under the vendor's name.
 struct ReadSetting {
   std::string name;
   std::string is;      ///< empty: no answer

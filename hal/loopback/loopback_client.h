@@ -23,7 +23,8 @@ class LoopbackClient {
   /// Connects, waiting at most this long for the greeting. The error is one sentence for the user.
   [[nodiscard]] std::expected<void, std::string> open(const std::string& name, int timeout_ms = 1000);
 
-  /// Connects again after the robot restarted: call until it says connected. Never waits, allocates nothing.
+  /// Connects again after the robot restarted: call until it returns connected. Never waits, allocates
+  /// nothing.
   [[nodiscard]] Connection reconnect() noexcept;
 
   [[nodiscard]] socketcan::FrameSocket& frames() noexcept { return socket_; }

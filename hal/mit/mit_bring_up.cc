@@ -122,7 +122,7 @@ BringUp::Ask MitBringUp::ask(Stage stage, unsigned part, CanFrame& frame) noexce
   return Ask::skip;
 }
 
-/// Frames that only a driver sends whose settings are those of its maker.
+/// Frames that only a driver sends whose settings are those of its vendor.
 void MitBringUp::suspect_factory_settings(const CanFrame& frame) noexcept {
   MitDriver factory = driver_;
   factory.reply_id = kDamiaoFactoryReplyId;

@@ -6,7 +6,7 @@
 
 namespace stilt::hal::mit {
 
-/// What a driver in MIT mode keeps, by default as it comes from its maker: the registers of a Damiao
+/// What a driver in MIT mode keeps, by default as it comes from its vendor: the registers of a Damiao
 /// DM-J4310, and the mode of an AK. A mini-cheetah keeps nothing of this.
 struct MitSettings {
   std::uint16_t reply_id = kDamiaoFactoryReplyId;  ///< MST_ID
@@ -63,7 +63,7 @@ class MitEmulator final : public EmulatedDriver {
   void report_torque_range(double maximum_Nm) noexcept { reported_torque_Nm_ = maximum_Nm; }
 
  private:
-  /// The driver as it is, whatever a configuration says of it.
+  /// The driver as it is, whatever a configuration has for it.
   static MitDriver as_set(MitDriver driver, const MitSettings& settings) noexcept;
   [[nodiscard]] bool in_servo_mode() const noexcept {
     return driver_.layout == ReplyLayout::ak && settings_.servo_mode;

@@ -39,7 +39,7 @@ enum class ReplyLayout : std::uint8_t {
 /// One driver in MIT mode. Ranges belong to the firmware of the driver, not to the protocol: take them from
 /// its manual or its registers. Those of the reply may differ from those of the command.
 struct MitDriver {
-  std::uint16_t command_id = 1;  ///< identifier it listens to
+  std::uint16_t command_id = 1;  ///< identifier of its commands
   std::uint16_t reply_id = 0;    ///< identifier it answers with
   std::uint8_t driver_id = 1;    ///< in byte 0 of its replies (Damiao: low half)
   ReplyLayout layout = ReplyLayout::mini_cheetah;

@@ -11,7 +11,7 @@
 
 namespace stilt::hal::mit {
 
-/// Reads the registers of a Damiao that bring-up insists on, all of them. The others have none to ask for.
+/// Reads the registers of a Damiao that bring-up requires, all of them. The others have none to ask for.
 /// Start-up only.
 class MitSettingReader {
  public:

@@ -6,7 +6,7 @@
 namespace stilt::hal::mit {
 
 /// The frame that makes the present position zero, after one that turns the motor off: a mini-cheetah takes
-/// it only then. A Damiao and a mini-cheetah write it to flash; the manual of the AK does not say. Start-up
+/// it only then. A Damiao and a mini-cheetah write it to flash; the AK's manual leaves that open. Start-up
 /// only.
 class MitZero {
  public:

@@ -51,7 +51,7 @@ struct MoteusDriver {
   std::uint8_t id = 1;      ///< 1 to 126
   std::uint8_t source = 0;  ///< ours, 0 to 127
   bool bit_rate_switch = true;
-  double kp_Nm_rev = 4.0;     ///< servo.pid_position.kp: gain at kp_scale 1, Nm a revolution
+  double kp_Nm_rev = 4.0;     ///< servo.pid_position.kp: gain at kp_scale 1, Nm per revolution
   double kd_Nm_s_rev = 0.05;  ///< servo.pid_position.kd: gain at kd_scale 1, Nm per revolution per second
   int extra_encoder = -1;     ///< 0 to 2: also ask for this encoder (one at the torso, say); -1: none
 };
@@ -67,7 +67,7 @@ struct MoteusCommand {
   double watchdog_s = 0.02;  ///< validity of this command, in steps of 1 ms; at least one step
 };
 
-/// What a reply said; values it did not carry are NaN, or absent from `has`.
+/// What a reply reported; values it did not contain are NaN, or absent from `has`.
 struct MoteusReply {
   double position_rad = std::numeric_limits<double>::quiet_NaN();
   double velocity_rad_s = std::numeric_limits<double>::quiet_NaN();

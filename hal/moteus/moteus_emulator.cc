@@ -182,7 +182,7 @@ void MoteusEmulator::write(void* context, std::uint32_t number, double value) no
   if (number == static_cast<std::uint32_t>(MoteusRegister::mode)) {
     if (!(value >= 0 && value <= 255)) return;
     driver.staged_mode_ = static_cast<int>(value);
-    driver.staged_ = kUnspecified;  // a command names everything it does not want at its default
+    driver.staged_ = kUnspecified;  // a command contains every value that differs from its default
     return;
   }
   if (number < kFirstCommand || number >= kFirstCommand + kCommandRegisters) return;

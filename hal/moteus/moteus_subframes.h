@@ -18,7 +18,7 @@
 /// or it carries bytes of a stream: 40 to the driver, 41 from it, 42 asks for some; then channel, number of
 /// bytes, and with 40 and 41 the bytes. Channel 1 is the driver's command line.
 ///
-/// Numbers are variable-length unsigned integers (7 bits a byte, least significant first, at most 5 bytes),
+/// Numbers are variable-length unsigned integers (7 bits per byte, least significant first, at most 5 bytes),
 /// values little endian. Facts: github.com/mjbots/moteus, docs/protocol/can.md and
 /// docs/protocol/registers.md. Real-time safe.
 namespace stilt::hal::moteus {

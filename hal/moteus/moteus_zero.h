@@ -8,8 +8,8 @@
 
 namespace stilt::hal::moteus {
 
-/// A stop, then over the command line what makes the present position zero in the configuration, keeps it
-/// over a power cycle, and counts from it at once. Facts: github.com/mjbots/moteus, docs/protocol/
+/// A stop, then commands over the command line. They make the present position zero in the configuration,
+/// keep it over a power cycle, and count from it at once. Facts: github.com/mjbots/moteus, docs/protocol/
 /// diagnostic.md (42d1708). Start-up only.
 class MoteusZero {
  public:

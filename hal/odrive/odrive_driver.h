@@ -28,7 +28,7 @@ inline constexpr double kOdriveEstimates_hz = 1000;  ///< encoder_msg_rate_ms = 
 [[nodiscard]] std::optional<CanFrame> question_frame(const OdriveDriver& driver, unsigned question) noexcept;
 [[nodiscard]] constexpr bool has_own_gains(const OdriveDriver&) noexcept { return false; }
 [[nodiscard]] constexpr int extra_encoder(const OdriveDriver&) noexcept { return -1; }
-/// Of its estimates, by its own clock: bring-up demands that rate.
+/// Of its estimates, by its own clock: bring-up requires that rate.
 [[nodiscard]] constexpr double report_rate_hz(const OdriveDriver&) noexcept { return kOdriveEstimates_hz; }
 [[nodiscard]] constexpr std::uint32_t address(const OdriveDriver& driver) noexcept { return driver.node; }
 [[nodiscard]] constexpr std::optional<FrameId> reply_id(const OdriveDriver&) noexcept { return std::nullopt; }

@@ -15,7 +15,7 @@
 
 namespace stilt::hal {
 
-/// What the bring-up of each joint's driver shall demand.
+/// What the bring-up of each joint's driver shall require.
 using BringUpOptions = std::array<bring_up::Options, kJoints>;
 
 /// Drivers on buses: the step functions of hal/bring_up, one driver per bus at a time (drivers of one vendor

@@ -110,8 +110,8 @@ DecodeStatus CanRobot::take_joint(std::int64_t now_ns, std::size_t joint, const 
   return status;
 }
 
-/// An AK of version 3 says once that it has started or was disabled, and then nothing of its state: within a
-/// read that does not take back what was said.
+/// An AK of version 3 reports once that it has started or was disabled, and then nothing of its state. Within
+/// a read, later frames without a state do not undo that report.
 DriverState CanRobot::state_of(std::size_t joint) noexcept {
   const DriverState state = shafts_[joint].state;
   was_idle_[joint] = was_idle_[joint] || state == DriverState::idle;

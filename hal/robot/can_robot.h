@@ -76,7 +76,7 @@ class CanRobot final {
   std::array<DriverReading, kJoints> shafts_;
   JointReadings readings_;
   std::array<bool, kJoints> fresh_{};
-  std::array<bool, kJoints> was_idle_{};               ///< said a frame of this read
+  std::array<bool, kJoints> was_idle_{};               ///< in a frame of this read
   std::array<std::uint32_t, kJoints> silent_reads_{};  ///< in a row
   TorsoMeasurement torso_;
   bool pitch_is_channel_ = true;

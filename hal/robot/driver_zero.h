@@ -13,7 +13,7 @@ namespace stilt::hal {
 
 using JointZero = std::variant<mit::MitZero, moteus::MoteusZero, ak::AkZero>;
 
-/// Nothing for an ODrive: over CAN it takes a position that it forgets without power.
+/// Nothing for an ODrive: over CAN it takes a position that is lost without power.
 [[nodiscard]] std::optional<JointZero> make_zero(const JointDriver& driver);
 
 }  // namespace stilt::hal

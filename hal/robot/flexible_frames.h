@@ -10,7 +10,7 @@
 namespace stilt::hal {
 
 /// Drivers of a bus that exchange the frames of a classic protocol as CAN FD frames (JointWiring::can_fd):
-/// the same identifiers and bytes. Codecs and bring-up know classic frames alone. Remote frames stay classic,
+/// the same identifiers and bytes. Codecs and bring-up use classic frames alone. Remote frames stay classic,
 /// as CAN FD has none. Source, for Damiao: github.com/enactic/openarm_can at 1170b54, use_fd; for ODrive:
 /// can.config.data_baud_rate and tx_brs of its firmware 0.6. Fixed memory, real-time safe.
 class FlexibleFrames {

@@ -53,7 +53,8 @@ CLI::App* add_config_command(CLI::App& program, ConfigOptions& options) {
   migrate->add_option("--out", options.out, "file to write instead");
   migrate->footer(
       "Comments, order and values stay.\n"
-      "Exit status: 0 done or nothing to rename, 2 the file cannot be read or written, or is not TOML.");
+      "Exit status: 0 done or nothing to rename, 2 the file cannot be read or written, is not TOML, has a\n"
+      "key under both names, or has a key whose unit has changed.");
   return config;
 }
 

@@ -22,9 +22,12 @@ struct RowChoice {
 /// Largest speed of a row, in both directions.
 inline constexpr double kLargestRowSpeed_m_s = 5.0;
 
-/// Reads the rows of a TOML file: an array of tables [[row]] with `name` and any of robot, controller,
-/// horizon_s, preset, set, plant, gaits, lump, push_at, direction, gait, speed_m_s, plan_rate_hz,
-/// plan_delay_s, state, phases, seeds, coarse_N. `defaults` gives the missing keys; the lists set and plant
+/// Reads the rows of a TOML file, an array of tables [[row]]. A row has `name` and any of these keys:
+///
+///   robot, controller, horizon_s, preset, set, plant, gaits, lump, push_at, direction, gait, speed_m_s,
+///   plan_rate_hz, plan_delay_s, state, phases, seeds, coarse_N
+///
+/// `defaults` gives the missing keys; the lists set and plant
 /// are appended to its lists. All values are checked. Throws UsageError, one sentence with file, row and key.
 [[nodiscard]] std::vector<RowChoice> read_rows(const std::string& file, const RowChoice& defaults);
 

@@ -19,7 +19,7 @@ class Progress {
   /// Reports the amount done, in `unit`.
   void update(double done);
 
-  /// From now on other work is done. Elsewhere than on a terminal work without progress is said once.
+  /// From now on other work is done. Elsewhere than on a terminal work without progress is reported once.
   void change(const std::string& what);
 
  private:

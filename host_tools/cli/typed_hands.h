@@ -18,8 +18,8 @@ class TypedHands {
   TypedHands(const TypedHands&) = delete;
   TypedHands& operator=(const TypedHands&) = delete;
 
-  /// Once a tick: reads what has come, without waiting, and reports lines that are done. A line that is none
-  /// is reported on a terminal, where it can be typed again; elsewhere it throws UsageError.
+  /// Once per tick: reads what has come, without waiting, and reports lines that are done. A line that is
+  /// none is reported on a terminal, where it can be typed again; elsewhere it throws UsageError.
   void serve(robot_on_bus::RobotOnBus& robot);
 
  private:

@@ -8,9 +8,9 @@ namespace stilt::gait_synthesis {
 /// Degree of the polynomials in time that describe a motion.
 inline constexpr int kMotionDegree = 25;
 
-/// Finds the periodic motion of the hybrid model under the outputs of `gait`, near `start` (just after a
-/// touch-down), by Newton's method on the return map. Writes it to gait.motion: base and joints as
-/// polynomials through the Gauss-Lobatto points of the step, torques and forces likewise. Sets step time,
+/// Finds the periodic motion of the hybrid model under the outputs of `gait`, by Newton's method on the
+/// return map. It is near `start`, a state just after a touch-down. Writes it to gait.motion: base and joints
+/// as polynomials through the Gauss-Lobatto points of the step, torques and forces likewise. Sets step time,
 /// step length and speed to the values found; they differ from the given ones only by the error of the
 /// collocation. Placement gains must be 0. Throws std::runtime_error when there is no such motion.
 void fit_motion(const model::RobotModel& robot, const model::StateVector& start, gait::HzdGait& gait);

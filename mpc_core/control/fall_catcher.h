@@ -10,9 +10,9 @@ namespace stilt::control {
 ///
 ///   x_c = x + L / (m z) sqrt(z / g)
 ///
-/// x, z of the centre of mass; L the angular momentum of the whole body about the ground below it, which is
-/// m z v of a point mass and that of a torso that tips besides. m, world. Sources: Pratt, Carff, Drakunov,
-/// Goswami 2006, "Capture Point: A Step toward Humanoid Push Recovery"; Gong, Grizzle 2021, "Angular Momentum
+/// x, z of the centre of mass; L the angular momentum of the whole body about the ground below it. L of a
+/// point mass is m z v; a torso that tips adds its own. m, world. Sources: Pratt, Carff, Drakunov,
+/// Goswami 2006, "Capture Point: A Step toward Humanoid Push Recovery". Gong, Grizzle 2021, "Angular Momentum
 /// about the Contact Point for Control of Bipedal Locomotion". Real-time safe.
 /// @param joint_parameters  as of the planner's model: reflected inertia and damping of the joints
 [[nodiscard]] double capture_point_x_m(const model::RobotModel& robot, const double* joint_parameters,

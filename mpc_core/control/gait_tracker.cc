@@ -112,7 +112,7 @@ GaitTracker::JointMotion GaitTracker::outputs(const Sensed& sensed, double s) co
 
 GaitTracker::JointMotion GaitTracker::lead(double time_s) const noexcept {
   const double duration_s = parameters_.take_over_s;
-  const double t = time_s - taken_over_s_;
+  const double t = time_s - lead_start_s_;
   if (!(t < duration_s)) return {JointVector::Zero(), JointVector::Zero()};
   const double s = t / duration_s;
   const double left = 1.0 - s;
@@ -125,9 +125,9 @@ void GaitTracker::track(const Sensed& sensed, double time_s, Command& command) n
   const JointVector joints = sensed.state.segment<kJoints>(kFirstJoint);
   const JointVector rates = sensed.state.tail<kJoints>();
   const JointMotion gait = outputs(sensed, s);
-  if (takes_over_) {
-    takes_over_ = false;
-    taken_over_s_ = time_s;
+  if (lead_starts_) {
+    lead_starts_ = false;
+    lead_start_s_ = time_s;
     lead_ = {joints - gait.angle_rad, rates - gait.velocity_rad_s};
   }
   const JointMotion from = lead(time_s);

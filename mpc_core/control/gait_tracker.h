@@ -29,7 +29,7 @@ class GaitTracker {
   void start(double time_s, int stance, double foot_x_m, double speed_m_s) noexcept;
 
   /// From the next tick on the robot follows this gait, and has followed something else before.
-  void take_over() noexcept { takes_over_ = true; }
+  void take_over() noexcept { lead_starts_ = true; }
 
   struct Command {
     /// State of the base estimated from the stance foot; NaN when a reading is not finite.
@@ -83,8 +83,8 @@ class GaitTracker {
   double foot_x_m_ = 0.0;
   double shift_rad_ = 0.0;
   bool placed_ = false;
-  bool takes_over_ = false;
-  double taken_over_s_ = -std::numeric_limits<double>::infinity();
+  bool lead_starts_ = false;
+  double lead_start_s_ = -std::numeric_limits<double>::infinity();
   JointMotion lead_{};  ///< e at take_over()
 };
 

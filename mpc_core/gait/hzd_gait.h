@@ -8,7 +8,7 @@
 /// A periodic gait computed off line: joint angles as polynomials of a phase, and the motion that results.
 ///
 /// Everything describes one step, which begins just after a touch-down. Coordinates of a gait: [x, z, pitch,
-/// stance hip, stance knee, swing hip, swing knee], where x and z are those of the base (at the hip) from the
+/// stance hip, stance knee, swing hip, swing knee]. x and z are those of the base (at the hip) from the
 /// stance foot. With the left foot in stance they are the coordinates of model/types.h.
 namespace stilt::gait {
 

@@ -91,8 +91,8 @@ class DenseRows {
     slope_[count_++] = term.slope;
   }
 
-  /// Sums gradient and lower half of the Hessian over all rows, in blocks of 4 x 2 that stay in registers,
-  /// and the lower halves of blocks of 4 x 4 on the diagonal.
+  /// Sums gradient and lower half of the Hessian over all rows. Works in blocks of 4 x 2, which stay in
+  /// registers, and in the lower halves of blocks of 4 x 4 on the diagonal.
   void accumulate(QuadraticCost& out) const noexcept {
     for (int c = 0; c < kColumns; ++c) {
       Batch sum = slope_[0] * rows_[0][c];

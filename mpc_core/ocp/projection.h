@@ -16,8 +16,8 @@
 ///   2. the force of the first stance foot follows from its two rows: their 2 x 2 block J_b M_bb^-1 J_b' is
 ///      symmetric positive definite in every posture. The variables z remain: the joint accelerations, and in
 ///      double support the force of the other foot;
-///   3. the remaining rows c'dx + m'z + rho = 0 (the swing foot's height, or the other stance foot) give
-///      z = z0 + Y c'dx + W w by Householder reflections over z; the reflected unit vectors W span their null
+///   3. the remaining rows c'dx + m'z + rho = 0 are the swing foot's height, or the other stance foot. They
+///      give z = z0 + Y c'dx + W w by Householder reflections over z; the reflected unit vectors W span their null
 ///      space: 3 free directions in single support, 4 in double support, 2 in flight.
 /// dx affects z only through the one or two products c'dx. Together with the base rows they are the factored
 /// dynamics of lq/lq_problem.h. Sqp::expand_inputs and Sqp::feedback_gain undo the elimination.

@@ -15,13 +15,13 @@ void keep(const T& value) noexcept {
 
 }  // namespace
 
-PlainKernels::PlainKernels(const PlannerKernels& kernels)
+BaselineKernels::BaselineKernels(const PlannerKernels& kernels)
     : data_(kernels.data()),
       problem_(kernels.problem()),
       iterate_(kernels.iterate()),
       sweep_(kernels.linearised().stages, kernels.linearised().terminal) {}
 
-void PlainKernels::linearise() {
+void BaselineKernels::linearise() {
   for (int b = 0; b < problem_.batches; ++b) {
     const ocp::StageBatch& batch = problem_.batch[b];
     for (int lane = 0; lane < batch.lanes; ++lane) {
@@ -31,7 +31,7 @@ void PlainKernels::linearise() {
   }
 }
 
-void PlainKernels::scalar_nodes() {
+void BaselineKernels::scalar_nodes() {
   model::NodeDerivatives<double> node;
   for (int k = 0; k < problem_.horizon.stages; ++k) {
     if (problem_.horizon.stage[static_cast<std::size_t>(k)].kind != ocp::StageKind::flow) continue;
@@ -40,7 +40,7 @@ void PlainKernels::scalar_nodes() {
   }
 }
 
-void PlainKernels::batched_nodes() {
+void BaselineKernels::batched_nodes() {
   model::NodeDerivatives<Batch> node;
   Batch parameters[2 * model::kJoints];
   for (int i = 0; i < 2 * model::kJoints; ++i) parameters[i] = Batch(data_.joint_parameters[i]);

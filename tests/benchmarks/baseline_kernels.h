@@ -7,10 +7,10 @@
 namespace stilt::benchmark {
 
 /// Baselines of the work of a planner's kernels, on the same data. Large: to be placed on the heap.
-class PlainKernels {
+class BaselineKernels {
  public:
   /// Copies problem and solution.
-  explicit PlainKernels(const PlannerKernels& kernels);
+  explicit BaselineKernels(const PlannerKernels& kernels);
 
   void sweep() { sweep_.run(); }  ///< backward only, in fixed-size Eigen
   void linearise();               ///< all flow stages, node by node in fixed-size Eigen
@@ -22,7 +22,7 @@ class PlainKernels {
   ocp::Problem problem_;
   ocp::Trajectory iterate_;
   BaselineSweep sweep_;
-  PlainModel model_;
+  BaselineModel model_;
 };
 
 }  // namespace stilt::benchmark

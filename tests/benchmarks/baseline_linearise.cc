@@ -225,7 +225,7 @@ void constraint_rows(const BaselineStageData& s, Rows<kRows>& c, Eigen::Matrix<d
 /// du = u0 + X dx + W w by D' = Q R, then the model in (dx, w).
 template <int kRows>
 void project(const BaselineStageData& s, const Hessian& H, const Gradient& g, const Dynamics& step,
-             const model::StateVector& defect, double h, PlainModel& out) {
+             const model::StateVector& defect, double h, BaselineModel& out) {
   constexpr int kFree = kInputs - kRows;
   Rows<kRows> c;
   Eigen::Matrix<double, kRows, 1> e;
@@ -266,7 +266,7 @@ void project(const BaselineStageData& s, const Hessian& H, const Gradient& g, co
 }  // namespace
 
 void baseline_linearise(const ocp::ProblemData& data, const ocp::StageBatch& batch, int lane,
-                        const ocp::Trajectory& iterate, PlainModel& out) {
+                        const ocp::Trajectory& iterate, BaselineModel& out) {
   const int k = batch.stage[lane];
   BaselineStageData s{data, batch, lane, iterate.x[k], iterate.u[k], {}};
   data.robot->node_derivatives(s.x, s.u, data.joint_parameters, s.node);

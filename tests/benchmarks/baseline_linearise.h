@@ -11,21 +11,21 @@
 namespace stilt::benchmark {
 
 /// Largest number of free inputs: 8 less the constraints of double support.
-inline constexpr int kPlainFree = 4;
+inline constexpr int kBaselineFree = 4;
 
 /// The quadratic model of one stage over (dx, w); of w the first `free` entries count.
-struct PlainModel {
+struct BaselineModel {
   Eigen::Matrix<double, model::kStates, model::kStates> A, Q;
-  Eigen::Matrix<double, model::kStates, kPlainFree> B;
-  Eigen::Matrix<double, kPlainFree, model::kStates> S;
-  Eigen::Matrix<double, kPlainFree, kPlainFree> R;
+  Eigen::Matrix<double, model::kStates, kBaselineFree> B;
+  Eigen::Matrix<double, kBaselineFree, model::kStates> S;
+  Eigen::Matrix<double, kBaselineFree, kBaselineFree> R;
   model::StateVector b, q;
-  Eigen::Matrix<double, kPlainFree, 1> r;
+  Eigen::Matrix<double, kBaselineFree, 1> r;
   int free = 0;
 };
 
 /// Linearises flow stage k. `batch` and `lane` are where its references are stored.
 void baseline_linearise(const ocp::ProblemData& data, const ocp::StageBatch& batch, int lane,
-                        const ocp::Trajectory& iterate, PlainModel& out);
+                        const ocp::Trajectory& iterate, BaselineModel& out);
 
 }  // namespace stilt::benchmark

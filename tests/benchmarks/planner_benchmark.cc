@@ -20,7 +20,7 @@ namespace {
 /// Both versions of the kernels on one problem.
 struct Versions {
   PlannerKernels fast;
-  PlainKernels plain;
+  BaselineKernels baseline;
 };
 using Kernel = std::function<void(Versions&)>;
 
@@ -32,7 +32,7 @@ Versions& versions_for(const ::benchmark::State& state) {
   if (!versions) {
     const WalkingPlanner walking(horizon_s(state), testing_support::amber3m());
     const auto kernels = std::make_unique<PlannerKernels>(*planner_of_build(*walking.planner));
-    versions = std::make_unique<Versions>(*kernels, PlainKernels(*kernels));
+    versions = std::make_unique<Versions>(*kernels, BaselineKernels(*kernels));
   }
   return *versions;
 }
@@ -46,13 +46,13 @@ void run(::benchmark::State& state, const Kernel& kernel) {
   state.counters["stages"] = versions.fast.stages();
 }
 
-/// Times `plain`, and the ratio to `fast` over as many turns as it ran.
-void run_beside(::benchmark::State& state, const Kernel& plain, const Kernel& fast) {
+/// Times `baseline`, and the ratio to `fast` over as many turns as it ran.
+void run_beside(::benchmark::State& state, const Kernel& baseline, const Kernel& fast) {
   constexpr int kRounds = 200;
   Versions& versions = versions_for(state);
-  run(state, plain);
+  run(state, baseline);
   const std::vector<double> time_s =
-      interleaved_medians_s({[&] { plain(versions); }, [&] { fast(versions); }}, kRounds);
+      interleaved_medians_s({[&] { baseline(versions); }, [&] { fast(versions); }}, kRounds);
   state.counters["times_slower"] = time_s[0] / time_s[1];
 }
 
@@ -66,18 +66,19 @@ void linearise(::benchmark::State& state) {
 BENCHMARK(linearise)->Apply(horizons);
 
 void linearise_in_eigen(::benchmark::State& state) {
-  run_beside(state, [](Versions& on) { on.plain.linearise(); }, [](Versions& on) { on.fast.linearise(); });
+  run_beside(state, [](Versions& on) { on.baseline.linearise(); }, [](Versions& on) { on.fast.linearise(); });
 }
 BENCHMARK(linearise_in_eigen)->Apply(horizons);
 
 void derivatives_in_batches(::benchmark::State& state) {
-  run(state, [](Versions& on) { on.plain.batched_nodes(); });
+  run(state, [](Versions& on) { on.baseline.batched_nodes(); });
 }
 BENCHMARK(derivatives_in_batches)->Apply(horizons);
 
 void derivatives_one_by_one(::benchmark::State& state) {
   run_beside(
-      state, [](Versions& on) { on.plain.scalar_nodes(); }, [](Versions& on) { on.plain.batched_nodes(); });
+      state, [](Versions& on) { on.baseline.scalar_nodes(); },
+      [](Versions& on) { on.baseline.batched_nodes(); });
 }
 BENCHMARK(derivatives_one_by_one)->Apply(horizons);
 
@@ -97,7 +98,8 @@ void riccati_backward(::benchmark::State& state) {
 BENCHMARK(riccati_backward)->Apply(horizons);
 
 void riccati_backward_in_eigen(::benchmark::State& state) {
-  run_beside(state, [](Versions& on) { on.plain.sweep(); }, [](Versions& on) { on.fast.backward_sweep(); });
+  run_beside(
+      state, [](Versions& on) { on.baseline.sweep(); }, [](Versions& on) { on.fast.backward_sweep(); });
 }
 BENCHMARK(riccati_backward_in_eigen)->Apply(horizons);
 

@@ -6,7 +6,7 @@
 
 #include "host_tools/cli/robustness_experiment.h"
 
-/// Random robots and worlds that the controller does not know (`stilt experiment robustness`).
+/// Random robots and worlds that the controller has no model of (`stilt experiment robustness`).
 namespace stilt::experiments {
 namespace {
 

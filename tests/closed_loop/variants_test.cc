@@ -7,7 +7,7 @@
 
 #include "tests/closed_loop/simulated_run.h"
 
-/// Half a minute at 0.5 m/s with one thing changed: robot, planner, or the world it does not know of.
+/// Half a minute at 0.5 m/s with one thing changed: robot, planner, or the world, which is not in its model.
 namespace stilt::simulation {
 namespace {
 

@@ -24,7 +24,7 @@ nlohmann::json run_reader(const std::string& script, const std::vector<std::stri
   char piece[4096];
   for (std::size_t size; (size = fread(piece, 1, sizeof piece, pipe)) > 0;) output.append(piece, size);
   if (pclose(pipe) != 0) {
-    throw std::runtime_error(script + " failed; is npm ci done in tests/independent_readers? It said:\n" +
+    throw std::runtime_error(script + " failed; is npm ci done in tests/independent_readers? It printed:\n" +
                              output);
   }
   return nlohmann::json::parse(output);

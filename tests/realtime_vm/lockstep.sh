@@ -26,18 +26,18 @@ start_robot() {
   done
 }
 
-# start_controller OPTIONS: in the background; what it says goes to stiltd.log.
+# start_controller OPTIONS: in the background; its output goes to stiltd.log.
 start_controller() {
   rm -f stiltd.json stiltd.log
   stiltd --bus $controller_left --bus $controller_right $quick --lockstep --json stiltd.json "$@" >stiltd.log 2>&1 &
   controller=$!
 }
 
-# wait_for_controller TEXT: until it says so, or ends.
+# wait_for_controller TEXT: until it prints the text, or ends.
 wait_for_controller() {
   until grep -qs "$1" stiltd.log; do
     kill -0 $controller 2>/dev/null || {
-      fail "stiltd ended before it said '$1': $(cat stiltd.log)"
+      fail "stiltd ended before it printed '$1': $(cat stiltd.log)"
       return
     }
     sleep 0.2
@@ -85,6 +85,6 @@ expect_no_fault() {
 end_robot() {
   kill -TERM $robot
   wait $robot
-  grep -q '"enabled": false' robot.json || fail "robot.json says nothing of its drivers"
+  grep -q '"enabled": false' robot.json || fail "robot.json contains nothing of its drivers"
   ! grep -q '"enabled": true' robot.json || fail "a driver is still enabled"
 }

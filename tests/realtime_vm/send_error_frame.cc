@@ -6,8 +6,8 @@
 
 #include "hal/can/socketcan/socketcan_bus.h"
 
-/// send_error_frame INTERFACE warning|passive|bus-off: what a CAN controller says of itself, for everyone on
-/// the interface to receive. For vcan, which has no controller.
+/// send_error_frame INTERFACE warning|passive|bus-off: what a CAN controller reports of itself, for everyone
+/// on the interface to receive. For vcan, which has no controller.
 namespace {
 
 using namespace stilt::hal;

@@ -1,5 +1,5 @@
-# The packages on a fresh Debian with systemd: the service as it is shipped comes up and ends, walks and sits down when it is
-# stopped, and is stopped before its package is removed. Walks are in lock-step: durations in the machine mean nothing.
+# The packages on a fresh Debian with systemd: the service as it is shipped comes up and ends. The robot walks, and sits
+# down when the service is stopped. The service is stopped before its package is removed. Walks are in lock-step: durations in the machine mean nothing.
 . /job/lockstep.sh
 
 # expect NAME FOUND WANTED
@@ -61,7 +61,7 @@ expect_seat() {
   grep -q '"sat_down_s": [0-9]' robot.json || fail "the robot did not sit down $1: $(tail -n 3 robot.log)"
 }
 
-# Lock-step knows no readiness.
+# Lock-step has no readiness.
 unit=$(systemctl show -p FragmentPath --value stiltd)
 cat >/etc/systemd/system/stiltd.service.d/lockstep.conf <<UNIT
 [Service]

@@ -63,7 +63,7 @@ class Slcan : public ::testing::Test {
     }
     return line;
   }
-  /// Takes what comes until the bus says so, at most 20 times.
+  /// Takes what comes until the condition holds, at most 20 times.
   template <class Condition>
   bool comes(const Condition& condition) {
     for (int tries = 0; tries < 20 && !condition(); ++tries) {

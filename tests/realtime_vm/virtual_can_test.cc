@@ -17,7 +17,7 @@ namespace {
 
 void shell(const std::string& command) { ASSERT_EQ(std::system(command.c_str()), 0) << command; }
 
-/// Waits up to a second for frames. Nothing arriving in time fails the test that wanted it, never the
+/// Waits up to a second for frames. Nothing arriving in time fails the test that needs it, never the
 /// reverse.
 ReceiveResult receive(SocketCanBus& bus, std::span<CanFrame> frames) {
   pollfd waiting{bus.frames().descriptor(), POLLIN, 0};

@@ -60,5 +60,5 @@ grep -v '^bus' stiltd.log
 expect_fault missed_replies:hold
 expect_fault lost_replies:damp
 grep -q '"last_state": "fault"' stiltd.json || fail "the fault does not last"
-grep -q 'the simulated robot stopped answering' stiltd.log || fail "stiltd did not say that the robot is gone"
+grep -q 'the simulated robot stopped answering' stiltd.log || fail "stiltd did not report that the robot is gone"
 exit $failed

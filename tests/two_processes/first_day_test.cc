@@ -23,8 +23,9 @@ Words words_of(const std::string& text) {
   return words;
 }
 
-/// The motors of the left leg are exchanged, a driver has another identifier, the right hip turns the other
-/// way, and two joints count from elsewhere. All have friction and damping that the configuration lacks.
+/// The motors of the left leg are exchanged, and a driver has another identifier. The right hip turns the
+/// other way, and two joints count from elsewhere. All have friction and damping that the configuration
+/// lacks.
 const Words kRobot = words_of(
     "--lockstep --set hip_L.id=2 --set hip_L.reply_id=18 --set knee_L.id=1 --set knee_L.reply_id=17 "
     "--set knee_R.id=9 --set hip_R.reversed=false --set hip_L.offset_rad=0.3 --set knee_R.offset_rad=-0.2 "

@@ -16,7 +16,7 @@
 
 namespace stilt::two_processes {
 
-/// A commander and what the robot said last. Shows life as long as it is polled.
+/// A commander and what the robot reported last. Shows life as long as it is polled.
 class Host {
  public:
   Host()

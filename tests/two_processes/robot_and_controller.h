@@ -41,7 +41,7 @@ class RobotAndController {
   /// Name of a bus, 0 or 1.
   [[nodiscard]] std::string bus(std::size_t number) const;
   [[nodiscard]] std::string file(const std::string& name) const { return folder_.file(name); }
-  /// What both said, for messages.
+  /// What both printed, for messages.
   [[nodiscard]] std::string said() const;
 
  private:

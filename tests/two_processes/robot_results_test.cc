@@ -1,4 +1,4 @@
-// What `stilt robot` says of its run: on the controller's clock, and as much as can be written.
+// What `stilt robot` reports of its run: on the controller's clock, and as much as can be written.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -82,7 +82,7 @@ TEST(TwoProcesses, ARobotWithoutSpaceForItsFiguresStillWritesLogAndReport) {
   EXPECT_NE(text_of(names.file("run.html")).find("<html"), std::string::npos);
 }
 
-/// Progress is said after 1 s, and every 5 s when it has changed.
+/// Progress is reported after 1 s, and every 5 s when it has changed.
 TEST(TwoProcesses, ARobotThatHangsSaysSoOnceAndNothingOfWalking) {
   const RobotAndController names;  // of buses and files
   Process robot({STILT_PROGRAM, "robot", "--bus", names.bus(0), "--bus", names.bus(1)},

@@ -19,7 +19,7 @@ using telemetry::CommandKind;
 constexpr unsigned kSeed = 1;
 constexpr double kWalk_s = 4.0, kStand_s = 30.0, kHostGone_s = 10.0;
 
-/// Faults of single ticks at random times, two a second in the mean, and every 5 s a push of at most 10 N.
+/// Faults of single ticks at random times, two per second in the mean, and every 5 s a push of at most 10 N.
 std::vector<std::string> disturbances(double duration_s) {
   std::mt19937 random(kSeed);
   const auto between = [&random](double from, double to) {

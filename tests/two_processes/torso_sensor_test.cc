@@ -73,8 +73,9 @@ TEST(TwoProcesses, AnEncoderWithOtherStepsIsNamedAndNotRead) {
   run.expect_both_to_end();
   EXPECT_NE(
       text_of(run.file("controller.err"))
-          .find("torso sensor: node 32 has 65536 steps a turn (object 0x6501:0), torso_sensor.encoder_steps "
-                "is 36000"),
+          .find(
+              "torso sensor: node 32 has 65536 steps per turn (object 0x6501:0), torso_sensor.encoder_steps "
+              "is 36000"),
       std::string::npos)
       << run.said();
   std::ifstream lines(run.file("controller.json"));

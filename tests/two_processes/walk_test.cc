@@ -1,4 +1,4 @@
-// The main job with two processes in lock-step: the robot and the controller know only frames of each other.
+// The main job with two processes in lock-step: the robot and the controller share only frames.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -99,8 +99,8 @@ TEST(TwoProcesses, MotorsOfAnotherTorqueConstantWalkAsExactOnesOnceIdentified) {
   EXPECT_NEAR(one.at("mean_speed_m_s").get<double>(), other.at("mean_speed_m_s").get<double>(), 0.005);
 }
 
-/// They send positions ten times as fine beside each status. Whatever is sent to such a driver, from bring-up
-/// to the end, is a command of 8 bytes, and none of the special frames that version 2 has.
+/// They send positions ten times as fine beside each status. Every frame to such a driver, from bring-up to
+/// the end, is a command of 8 bytes, and none of the special frames of version 2.
 TEST(TwoProcesses, WalkWithAkOfVersionThreeThatSendPositionFrames) {
   std::vector<std::string> drivers = with_protocol("ak_v3");
   for (const char* setting :

@@ -112,7 +112,7 @@ if(TARGET stilt_library)
 endif()
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-if(CMAKE_CROSSCOMPILING)  # dpkg-shlibdeps knows the machine's own libraries; toolchain/package names the target's
+if(CMAKE_CROSSCOMPILING)  # dpkg-shlibdeps finds the machine's own libraries; toolchain/package names the target's
   set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS OFF)
   set(CPACK_DEBIAN_PACKAGE_ARCHITECTURE arm64)
 endif()

@@ -28,8 +28,8 @@ struct SessionCounts {
 /// When a frame has left. The adapter answers OK once a frame is in a queue: the controller's (3 frames) or
 /// its own (32 more, firmware of 2025-09-14 and later). No answer says that it was on the bus, and own frames
 /// do not come back. The status is asked for every kStatusPeriod_ns instead. While transfers succeed, OK
-/// settles a frame. Once one has failed, OK does not: those frames settle when a transfer succeeds, or when
-/// two answers in a row report no event at all, for then nothing is in the controller. (Firmware from
+/// settles a frame. Once one has failed, OK does not. Those frames settle when a transfer succeeds, or when
+/// two answers in a row report no event. Then nothing is in the controller. (Firmware from
 /// 2025-09-19 removes frames that nobody acknowledges after 50 ms; before, it sends each frame once.) So a
 /// bus without powered drivers gets the frames of a few milliseconds, and then one per identifier and round.
 ///

@@ -8,7 +8,7 @@
 #include "hal/can/frame.h"
 
 /// mjbots' fdcanusb (also mjcanfd-usb-1x): CAN FD over a USB serial port, as lines of text. Facts from the
-/// maker's firmware and its README, https://github.com/mjbots/fdcanusb, commit
+/// vendor's firmware and its README, https://github.com/mjbots/fdcanusb, commit
 /// f18c1d6a0c572768eeb9c6a05d01707f1964bfd3. The protocol has no checksums; USB has.
 namespace stilt::hal::fdcanusb {
 

@@ -82,7 +82,7 @@ class Confirmations {
   /// Echoes may have been lost, or the queue was flushed.
   void forget() noexcept { count_ = 0; }
 
-  /// Forgets identifiers that were refused so often that their echo may be lost. @return  how many
+  /// Drops identifiers that were refused so often that their echo may be lost. @return  how many
   std::size_t try_again() noexcept {
     std::size_t lost = 0;
     for (std::size_t i = count_; i-- > 0;) {

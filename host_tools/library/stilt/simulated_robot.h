@@ -26,7 +26,7 @@ class SimulatedRobot {
   /// Reads the sensors, with their noise. Once per tick.
   [[nodiscard]] Measurements read();
 
-  /// What a controller wants of the drivers, until the next call.
+  /// Commands of a controller to the drivers, until the next call.
   void drive(const Tick& tick);
 
   /// Simulates one period of the torque loop.

@@ -69,7 +69,7 @@ class Robot:
         self._configuration: dict[str, Any] = {}
         self._supervisor: dict[str, Any] = {}
         self._silent_s = 0.0
-        self._heard_s = time.monotonic()
+        self._received_s = time.monotonic()
         self._replies: dict[int, dict[str, Any]] = {}
         self._sequence = 0
         self._commands = False
@@ -214,7 +214,7 @@ class Robot:
         """Raises what keeps the robot from going on."""
         if self._problem:
             raise RobotError(self._problem)
-        silent_s = max(self._silent_s, time.monotonic() - self._heard_s - SILENCE_S)
+        silent_s = max(self._silent_s, time.monotonic() - self._received_s - SILENCE_S)
         if silent_s > SILENCE_S:
             raise RobotError(f'the robot has been silent for {silent_s:.1f} s')
         now = self.state
@@ -259,7 +259,7 @@ class Robot:
             while data := self._socket.recv():
                 with self._changed:
                     self._take(data)
-                    self._heard_s = time.monotonic()
+                    self._received_s = time.monotonic()
                     self._changed.notify_all()
             reason = 'it ended it'
         except Exception as error:  # of the socket or of the library

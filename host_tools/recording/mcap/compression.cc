@@ -85,13 +85,13 @@ Bytes compress(ByteView data, Compression compression, int level) {
 
 Bytes decompress(ByteView data, Compression compression, std::uint64_t size) {
   if (compression == Compression::none) {
-    if (data.size() != size) throw std::runtime_error("a chunk has another size than it says");
+    if (data.size() != size) throw std::runtime_error("a chunk has another size than its header contains");
     return {data.begin(), data.end()};
   }
   const bool possible = compression == Compression::zstd
                             ? ZSTD_getFrameContentSize(data.data(), data.size()) == size
                             : size <= kLz4Limit * data.size();
-  if (!possible) throw std::runtime_error("a chunk has another size than it says");
+  if (!possible) throw std::runtime_error("a chunk has another size than its header contains");
   Bytes out(size);
   const std::size_t given = compression == Compression::zstd
                                 ? ZSTD_decompress(out.data(), out.size(), data.data(), data.size())

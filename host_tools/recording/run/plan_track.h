@@ -9,10 +9,10 @@
 
 namespace stilt::record {
 
-/// The plans of a record, which holds some nodes of about ten a second, as they were in use.
+/// The plans of a record, which holds some nodes of about ten per second, as they were in use.
 class PlanTrack {
  public:
-  /// What a plan says of one time.
+  /// What a plan contains for one time.
   struct Point {
     double hip_x_m = 0.0, hip_z_m = 0.0, pitch_rad = 0.0;
     model::JointVector joint_position_rad = model::JointVector::Zero();

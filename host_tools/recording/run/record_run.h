@@ -18,7 +18,7 @@ struct RecordRun {
 
 /// Reads the run of a record of stilt record that has most ticks: estimate, torques that the drivers report,
 /// plans for drawing, solves, events, settings. Times are those of the controller, s since tick 0. What only
-/// a simulation knows is NaN. Steps are touch-downs of measured foot forces where the robot has such sensors,
+/// a simulation has is NaN. Steps are touch-downs of measured foot forces where the robot has such sensors,
 /// otherwise those of the plans. Throws std::runtime_error, one sentence, when the file is no record, has
 /// another wire version, or lacks configuration or ticks.
 [[nodiscard]] RecordRun run_of_record(const std::string& path);

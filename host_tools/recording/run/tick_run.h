@@ -16,7 +16,7 @@ namespace stilt::record {
 /// What a file does not hold.
 inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
-/// Makes a run of ticks of stiltd: samples and summary. What only a simulation knows is NaN.
+/// Makes a run of ticks of stiltd: samples and summary. What only a simulation has is NaN.
 class TickRun {
  public:
   /// @param robot     whose legs they are

@@ -30,7 +30,7 @@ class HandCommands {
     if (!typed_.empty() && typed_.back() != '\n') typed_ += '\n';
   }
 
-  /// Once a tick. Reports a line that is done, "2: hip_L -1.6: done" for the second, or that is none.
+  /// Once per tick. Reports a line that is done, "2: hip_L -1.6: done" for the second, or that is none.
   [[nodiscard]] HandReport serve(RobotOnBus& robot);
 
  private:

@@ -100,7 +100,7 @@ void DdsSource::learn_token() {
   if (decoder_.run_id() == run_id_) return;
   run_id_ = decoder_.run_id();
   for (const KnownRun& run : decoder_.runs()) {
-    if (run.run_id == run_id_) token_in_force_ = token_of(run);
+    if (run.run_id == run_id_) active_token_ = token_of(run);
   }
 }
 
@@ -145,7 +145,7 @@ void DdsSource::answer(const telemetry::CommandReply& reply, SampleSink& sink) {
 }
 
 void DdsSource::command(const Command& command) {
-  const std::string& token = command.token.empty() ? token_in_force_ : command.token;
+  const std::string& token = command.token.empty() ? active_token_ : command.token;
   commander_.set_run(decoder_.run_id(), token);
   const std::uint64_t number = commander_.send(wire_kind(command.kind), command.value, command.tunable);
   if (command.kind == CommandKind::heartbeat) return;

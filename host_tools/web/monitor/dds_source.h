@@ -27,7 +27,7 @@ class DdsSource final : public SampleSource {
   void choose(const std::string& run_id) override { chosen_ = run_id; }
   [[nodiscard]] std::string describe() const override;
   [[nodiscard]] bool live() const override { return true; }
-  [[nodiscard]] bool has_token() const override { return !token_in_force_.empty(); }
+  [[nodiscard]] bool has_token() const override { return !active_token_.empty(); }
   [[nodiscard]] std::uint64_t of_others() const override { return decoder_.of_others(); }
 
  private:
@@ -52,8 +52,8 @@ class DdsSource final : public SampleSource {
   host_telemetry::Commander commander_;
   MessageDecoder decoder_;
   std::string token_;                                 ///< given by the user
-  std::string token_in_force_;                        ///< that token, or the one in the file
-  std::uint64_t run_id_ = 0;                          ///< of token_in_force_
+  std::string active_token_;                          ///< that token, or the one in the file
+  std::uint64_t run_id_ = 0;                          ///< of active_token_
   std::string chosen_;                                ///< run to show from the next poll on; empty: no change
   std::map<std::uint64_t, std::deque<Asked>> asked_;  ///< of each sender, oldest first
 };

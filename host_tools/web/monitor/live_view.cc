@@ -169,7 +169,7 @@ void LiveView::play_from(double from_s) {
   for (const Page& page : pages_) page.peer->send(hello_message(source_));
 }
 
-/// All pages learn it at once.
+/// Reported to all pages at once.
 void LiveView::hold(bool held) {
   source_.hold(held);
   send_link_status(now_s_);

@@ -1,6 +1,6 @@
 // Drawing on a canvas in world coordinates (metres, z up).
 
-/** A view of the world: `centre_x` and `base_z` (bottom edge) in metres, scale in pixels a metre. */
+/** A view of the world: `centre_x` and `base_z` (bottom edge) in metres, scale in pixels per metre. */
 function makeView(context, width, height, centre_x, base_z, scale) {
   return {
     context, width, height, centre_x, base_z, scale,

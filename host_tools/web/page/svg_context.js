@@ -60,7 +60,7 @@ class SvgContext {
     this.path += `M${x} ${y}h${width}v${height}h${-width}Z`;
   }
 
-  /** Clockwise, as a canvas draws when it is not told otherwise. */
+  /** Clockwise by default, as a canvas. */
   arc(x, y, radius, from, to) {
     const at = (angle) => [x + radius * Math.cos(angle), y + radius * Math.sin(angle)];
     const turn = to - from >= 2 * Math.PI ? 2 * Math.PI : (((to - from) % (2 * Math.PI)) + 2 * Math.PI) % (2 * Math.PI);

@@ -120,8 +120,8 @@ function extremes(table, values, firstRow, bounds) {
 }
 
 /**
- * Data for uPlot of the rows between two times and of one row on either side: all of them when they are few, otherwise
- * smallest and largest of each of `buckets` equal times, which begin at multiples of their length so that lines do not
+ * Data for uPlot of the rows between two times and of one row on either side. When they are few, all of them. Otherwise
+ * smallest and largest of each of `buckets` equal times. These begin at multiples of their length, so that lines do not
  * shimmer. What is not finite becomes a gap.
  */
 function windowOf(table, columns, from_s, to_s, buckets) {

@@ -35,7 +35,7 @@ inline const std::vector<std::string> kAkV3 = {"hip_driver.protocol=ak_v3",
                                                "hip_driver.accept_missing_watchdog=true",
                                                "knee_driver.accept_missing_watchdog=true"};
 
-/// A simulated robot that hangs, its legs free, as the commands meet it. Its clock advances it. It remembers
+/// A simulated robot that hangs, its legs free, as the commands meet it. Its clock advances it. It keeps
 /// what a person would see of its links, and the largest torque of each joint.
 class HangingRobot final : public hal::Clock {
  public:

@@ -152,12 +152,11 @@ TEST(Identify, AfterItsTorqueFactorIsWrittenAJointIsRight) {
   for (const DriveNumbers& drive : report->drives) expect_within(0.1, drive.torque_factor, 1.0, 0);
 }
 
-/// What is made of these torque factors, found with such drivers and one that is in force.
-IdentificationReport judged(const std::array<double, hal::kJoints>& found, Protocol protocol,
-                            double in_force) {
+/// What is made of these torque factors, found with such drivers and one that is active.
+IdentificationReport judged(const std::array<double, hal::kJoints>& found, Protocol protocol, double active) {
   configuration::HardwareParameters hardware;
   hardware.hip.protocol = hardware.knee.protocol = protocol;
-  hardware.joint[1].torque_factor = in_force;
+  hardware.joint[1].torque_factor = active;
   IdentificationReport report;
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
     report.drives[joint].torque_factor = {found[joint], 0.01};

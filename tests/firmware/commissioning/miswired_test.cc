@@ -45,7 +45,7 @@ std::vector<MiswiredRobot> miswired_robots() {
   return robots;
 }
 
-/// What a command said, if it was not content.
+/// What a command reported, if there was a fault.
 struct Complaint {
   std::string command;
   std::string sentence;

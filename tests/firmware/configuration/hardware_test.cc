@@ -209,7 +209,7 @@ TEST(Hardware, GainsThatADriverCannotGiveAreRefused) {
             "configuration allows, or supervisor.hold_kp_Nm_rad to at most 50");
   EXPECT_PRED3(refuses, "[supervisor]\nhold_kd_Nms_rad = 6\n", "hold_kd", "hip_driver.kd_range_Nms_rad = 5");
   EXPECT_PRED3(refuses, "[supervisor]\ndamping_kd_Nms_rad = 6\n", "damping_kd", "knee_driver.kd_range");
-  // 100 Nm/rad are 628 Nm a revolution, 4.5 Nm s/rad are 28.3.
+  // 100 Nm/rad are 628 Nm per revolution, 4.5 Nm s/rad are 28.3.
   EXPECT_EQ(mistakes(with_drivers("moteus", "moteus_kp_Nm_rev = 629\nmoteus_kd_Nms_rev = 28.3\n")), "");
   EXPECT_PRED3(refuses, with_drivers("moteus", "moteus_kp_Nm_rev = 628\n"), "hold_kp",
                "moteus_kp_Nm_rev = 628");

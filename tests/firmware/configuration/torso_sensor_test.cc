@@ -149,7 +149,7 @@ TEST(TorsoSensor, AnXsensSendsAtMost400AnglesASecond) {
   EXPECT_EQ(mistakes("device = \"xsens_can\"\nrate_hz = 400\n"), "");
   EXPECT_EQ(
       mistakes("device = \"xsens_can\"\nrate_hz = 401\n"),
-      "robot.toml:3:11: torso_sensor.rate_hz = 401, and an Xsens MTi sends at most 400 angles a second");
+      "robot.toml:3:11: torso_sensor.rate_hz = 401, and an Xsens MTi sends at most 400 angles per second");
 }
 
 TEST(TorsoSensor, ARateFromPitchesNeedsFineStepsAndEnoughOfThem) {

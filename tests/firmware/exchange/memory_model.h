@@ -21,7 +21,8 @@ inline constexpr int kThreads = 3;  ///< the two threads, and what comes before 
 inline constexpr int kMaximumAtomics = 8;
 inline constexpr int kMaximumCells = 16;
 
-/// What a thread knows: how far each thread had come, and the oldest value of each atomic it may still see.
+/// What a thread may observe: how far each thread had come, and the oldest value of each atomic it may still
+/// see.
 struct Knowledge {
   std::array<int, kThreads> steps{};
   std::array<int, kMaximumAtomics> oldest_value{};

@@ -11,7 +11,7 @@ constexpr std::memory_order without(std::memory_order forgotten, std::memory_ord
   return forgotten == std::memory_order_acquire ? std::memory_order_release : std::memory_order_acquire;
 }
 
-/// A ModelAtomic that forgets one order: correct code turned into a wrong variant of itself.
+/// A ModelAtomic without one of its orders: correct code turned into a wrong variant of itself.
 template <class T, std::memory_order kForgotten>
 class ForgetfulAtomic : public ModelAtomic<T> {
  public:

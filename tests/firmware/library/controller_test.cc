@@ -21,7 +21,7 @@ class Loop {
 
   void begin_standing() { controller.begin_standing(controller.tick_period_ns(), robot.read()); }
 
-  /// Runs for a time; `change` may change what the sensors say.
+  /// Runs for a time; `change` may change what the sensors report.
   const Tick& run(double seconds, const std::function<void(Measurements&)>& change = [](Measurements&) {}) {
     const std::int64_t tick_ns = controller.tick_period_ns();
     const auto end = ticks + std::llround(1e9 * seconds / static_cast<double>(tick_ns));

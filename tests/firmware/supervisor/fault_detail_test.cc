@@ -55,7 +55,7 @@ TEST(FaultDetail, TheJointIsTheOneThatIsSpoilt) {
   }
 }
 
-/// Only the bring-up knows why it failed; the control loop adds that.
+/// Only the bring-up has the cause of its failure; the control loop adds that.
 TEST(FaultDetail, EveryFaultHasAJointOrABusOrAConditionOrANumber) {
   for (Spoil spoil : kSpoils) {
     if (spoil.fault == Fault::bring_up_failed) continue;

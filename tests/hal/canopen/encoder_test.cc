@@ -153,7 +153,7 @@ TEST(CanopenEncoder, AnEncoderThatIsNotAsConfiguredIsNamedAndReportsNothing) {
       {"other steps",
        [](auto& e) { e.set_object(objects::kSteps, 8192); },
        {8192, 0x6501, 0, EncoderFailure::wrong_steps},
-       "torso sensor: node 5 has 8192 steps a turn (object 0x6501:0), torso_sensor.encoder_steps is 65536"},
+       "torso sensor: node 5 has 8192 steps per turn (object 0x6501:0), torso_sensor.encoder_steps is 65536"},
       {"other turns",
        [](auto& e) { e.set_object(objects::kTurns, 4096); },
        {4096, 0x6502, 0, EncoderFailure::wrong_turns},

@@ -49,7 +49,7 @@ class Bench {
   int ticks = 0;
 };
 
-TEST(CanDrivers, BringUpAllFourOfEveryMaker) {
+TEST(CanDrivers, BringUpAllFourOfEveryVendor) {
   for (const Kind kind : {Kind::mit, Kind::moteus, Kind::odrive}) {
     Bench bench(kind);
     const BringUpProgress progress = bench.run();

@@ -104,7 +104,7 @@ TEST(NodeIdentifiers, FramesOfSensorsCollideWithDrivers) {
   EXPECT_TRUE(collide(odrive_joint(2), 0x5f));
   EXPECT_FALSE(collide(odrive_joint(2), 0x3f));
   EXPECT_FALSE(collide(odrive_joint(2), 0x60));
-  EXPECT_FALSE(collide(odrive_joint(2), 0x50, true)) << "an ODrive knows short identifiers only";
+  EXPECT_FALSE(collide(odrive_joint(2), 0x50, true)) << "an ODrive takes short identifiers only";
   EXPECT_TRUE(collide(odrive_joint(2), 0x7e2)) << "every ODrive accepts node 63";
   EXPECT_TRUE(collide(moteus_joint(7), 0x700)) << "its answer";
   EXPECT_TRUE(collide(moteus_joint(7), 0x107)) << "a command to it";

@@ -7,7 +7,7 @@
 #include "hal/moteus/moteus_emulator.h"
 #include "hal/odrive/odrive_emulator.h"
 
-// All settings of a driver that are read back at once, as they come from the maker.
+// All settings of a driver that are read back at once, as they come from the vendor.
 namespace stilt::hal {
 namespace {
 

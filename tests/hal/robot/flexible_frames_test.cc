@@ -97,7 +97,7 @@ TEST(FlexibleFrames, AreTurnedInTheTapBothWays) {
   EXPECT_FALSE(tap.listen()[0].fd);
 }
 
-/// Four drivers have no place on one classic bus at 1000 ticks a second.
+/// Four drivers have no place on one classic bus at 1000 ticks per second.
 TEST(FlexibleFrames, LetFourDriversShareABus) {
   RobotWiring wiring = with_can_fd(Kind::mit);
   for (JointWiring& joint : wiring.joints) joint.bus = 0;

@@ -32,7 +32,7 @@ struct EssentialModel {
     hessian = Q - S.transpose() * factor.solve(S);
     influence = B * factor.solve(B.transpose());
   }
-  explicit EssentialModel(const PlainModel& m)
+  explicit EssentialModel(const BaselineModel& m)
       : EssentialModel(m.A, m.B.leftCols(m.free), m.Q, m.S.topRows(m.free),
                        m.R.topLeftCorner(m.free, m.free)) {}
   explicit EssentialModel(const LqStage& stage)
@@ -127,7 +127,7 @@ TEST_F(Kernels, BothLinearisationsGiveTheSameModel) {
   plan_at(0.25);
   const LinearisedProblem problem = linearised();
   const ocp::Problem& batches = planner_->problem();
-  const auto plain = std::make_unique<PlainModel>();
+  const auto plain = std::make_unique<BaselineModel>();
   for (int b = 0; b < batches.batches; ++b) {
     const ocp::StageBatch& batch = batches.batch[b];
     for (int lane = 0; lane < batch.lanes; ++lane) {

@@ -33,9 +33,10 @@ std::vector<Json> results_of(const PairedPlan& plan) {
   return results;
 }
 
-// Bonett and Price, Adjusted Wald confidence interval for a difference of binomial proportions based on
-// paired data, 2012, by hand for 100 pairs with 15 of one kind and 5 of the other: (16 - 6) / 102 +- 1.96
-// sqrt((16 + 6) / 102 - (10 / 102)^2) / sqrt(102).
+// Bonett and Price 2012, "Adjusted Wald confidence interval for a difference of binomial proportions based on
+// paired data". By hand, for 100 pairs with 15 of one kind and 5 of the other:
+//
+//   (16 - 6) / 102 +- 1.96 sqrt((16 + 6) / 102 - (10 / 102)^2) / sqrt(102)
 TEST(Paired, IntervalOfTheChangeIsThatOfBonettAndPrice) {
   const Estimate change = change_of_share({.cases = 100, .lost = 5, .gained = 15});
   EXPECT_DOUBLE_EQ(change.value, 0.10);

@@ -48,11 +48,11 @@ class Programs:
         return path.read_text(encoding='utf-8', errors='replace') if path.exists() else ''
 
     def wait_for(self, name: str, pattern: str) -> re.Match[str]:
-        """Waits until what a program said has the pattern."""
+        """Waits until the output of a program has the pattern."""
         end = time.monotonic() + PATIENCE_S
         while not (found := re.search(pattern, self.said(name))):
             if time.monotonic() > end:
-                raise AssertionError(f'no {pattern} in what {name} said:\n{self.said(name)}')
+                raise AssertionError(f'no {pattern} in the output of {name}:\n{self.said(name)}')
             time.sleep(0.02)
         return found
 

@@ -9,7 +9,7 @@
 #include "mpc_core/lq/riccati.h"
 #include "tests/mpc_core/lq/dense_stage.h"
 
-/// Seeded random LQ problems and what a test knows about their solution independently of the sweep.
+/// Seeded random LQ problems and facts about their solution that do not depend on the sweep.
 namespace stilt::lq::testing {
 
 using Matrix = Eigen::MatrixXd;

@@ -12,7 +12,7 @@ namespace {
 using model::kInputs;
 using model::kStates;
 
-TEST(SqpFilter, AboveGMaxTakesOnlyWhatReducesTheViolation) {
+TEST(SqpFilter, AboveViolationMaxTakesOnlyWhatReducesTheViolation) {
   Solve solve;
   solve.parameters.filter_violation_max = 0.0;
   double before = solve.violation();
@@ -25,7 +25,7 @@ TEST(SqpFilter, AboveGMaxTakesOnlyWhatReducesTheViolation) {
   EXPECT_LT(before, 1e-6);
 }
 
-TEST(SqpFilter, BelowGMinAsksForDescentOfTheCost) {
+TEST(SqpFilter, BelowViolationMinAsksForDescentOfTheCost) {
   const auto status = [](double armijo) {
     Solve solve;
     solve.converge();
@@ -38,7 +38,7 @@ TEST(SqpFilter, BelowGMinAsksForDescentOfTheCost) {
   EXPECT_EQ(status(1e6), SolveStatus::step_rejected);
 }
 
-TEST(SqpFilter, BelowGMinAShorterStepNeedsDescendLessInProportion) {
+TEST(SqpFilter, BelowViolationMinAShorterStepNeedsDescendLessInProportion) {
   // Of a quadratic cost a full step gains half of what its slope promises, half a step three quarters.
   const auto step_length = [](double armijo) {
     Solve solve;
@@ -66,9 +66,9 @@ void disturb_inputs(Solve& solve) {
   }
 }
 
-/// Below g_min a full step is accepted up to the factor of Armijo at which cost(1) = cost(0) + factor slope.
-/// The slope is exact to first order in the violation of the constraints.
-TEST(SqpFilter, BelowGMinAsksForDescentByTheSlopeOfTheCost) {
+/// Below filter_violation_min a full step is accepted up to the factor of Armijo at which cost(1) = cost(0) +
+/// factor slope. The slope is exact to first order in the violation of the constraints.
+TEST(SqpFilter, BelowViolationMinAsksForDescentByTheSlopeOfTheCost) {
   Solve start;
   start.converge();
   disturb_inputs(start);

@@ -64,7 +64,7 @@ class CommandPanel {
     this.present();
   }
 
-  /** The connection is open: the monitor takes the key before any command, and says what the page may do. */
+  /** The connection is open: the monitor takes the key before any command, and reports what the page may do. */
   present() {
     this.connection.send({ key: localStorage.getItem('key') ?? 'none' });
   }

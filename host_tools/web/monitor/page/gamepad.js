@@ -77,7 +77,7 @@ class GamepadPanel {
     const [pad] = pads;
     const name = pad?.id.replace(/ \(.*/, '');
     const words = !pad ? '' : pads.every((one) => one.mapping !== 'standard')
-      ? `Gamepad: the browser does not know the layout of ${name}, so each of its buttons stops, and it does nothing else.`
+      ? `Gamepad: the browser has no layout for ${name}, so each of its buttons stops, and it does nothing else.`
       : this.enabledBy === null ? `Gamepad ${name}: hold LB or RB to command. B stops.`
         : `Gamepad ${name} is enabled: left stick speed, A walk, X step, Y stand, B stop; letting go stops.`;
     if (this.text.textContent !== words) this.text.textContent = words;

@@ -25,7 +25,7 @@ class LiveClock {
     this.oldest_s = oldest_s;
     this.newest_s = newest_s;
     const offset = now_s - newest_s;
-    // The shortest way sets the offset; it forgets slowly, for clocks do not run alike.
+    // The shortest way sets the offset; it fades slowly, for clocks do not run alike.
     this.offset_s = this.offset_s === null ? offset : Math.min(offset, this.offset_s + 2e-4);
     if (offset - this.offset_s > 2) this.offset_s = offset;
   }

@@ -163,7 +163,7 @@ class Monitor {
     if (!this.record.toggleHold()) this.robot.clock.toggle();
   }
 
-  /** A bar looks back, as far as the page remembers; who moves it pauses the picture. */
+  /** A bar looks back, as far as the page keeps data; who moves it pauses the picture. */
   bindPause() {
     const { clock } = this.robot;
     this.back = document.getElementById('back');

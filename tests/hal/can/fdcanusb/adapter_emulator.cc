@@ -105,7 +105,7 @@ std::string AdapterEmulator::answer_frame(const std::string& line) {
   CanFrame frame;
   frame.id = static_cast<std::uint32_t>(std::stoul(id, nullptr, 16));
   frame.extended = kind == "ext" || (kind == "send" && frame.id > kMaximumStandardId);
-  frame.bit_rate_switch = frame.fd = true;  // as configured by the maker
+  frame.bit_rate_switch = frame.fd = true;  // as configured by the vendor
   for (const char flag : flags) {
     if (flag == 'B' || flag == 'b') frame.bit_rate_switch = flag == 'B';
     if (flag == 'F' || flag == 'f') frame.fd = flag == 'F';

@@ -15,9 +15,9 @@ namespace stilt::hal::fdcanusb {
 /// A line for a frame from the bus, without its end, as the adapter's firmware writes it.
 [[nodiscard]] std::string received_line(const CanFrame& frame);
 
-/// An fdcanusb at a pseudo-terminal. Behaves as the maker's firmware does
+/// An fdcanusb at a pseudo-terminal. Behaves as the vendor's firmware does
 /// (https://github.com/mjbots/fdcanusb, commit f18c1d6a0c572768eeb9c6a05d01707f1964bfd3, fw/can_manager.cc):
-/// answers, the queues of 3 and 32 frames, and registers of its controller. Time is left out: a test says
+/// answers, the queues of 3 and 32 frames, and registers of its controller. Time is left out: a test sets
 /// when frames without acknowledgement are cancelled.
 class AdapterEmulator {
  public:

@@ -139,8 +139,8 @@ class EchoQueue : public ::testing::TestWithParam<Case> {
   int ends_[2] = {-1, -1};
 };
 
-/// At random times a bus-off, a restart some ticks later, a reset of the fault before or after it, a bus that
-/// others fill, single lost echoes, and some ticks without any.
+/// At random times: a bus-off, a restart some ticks later, a reset of the fault before or after it.
+/// Besides: a bus that others fill, single lost echoes, and some ticks without any.
 TEST_P(EchoQueue, BusOffAndRestartNeitherSilenceAnIdentifierNorLeaveOldCommands) {
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));

@@ -110,7 +110,7 @@ TEST_F(FrameSocketTest, ALostEchoSilencesAJointForAFewTicksOnly) {
   }
 }
 
-/// Sends two commands a tick; what the bus carries comes back as echoes, unless they are lost.
+/// Sends two commands per tick; what the bus carries comes back as echoes, unless they are lost.
 class TwoCommands {
  public:
   explicit TwoCommands(const int (&ends)[2])

@@ -45,11 +45,11 @@ telemetry::Sample batch_sample(std::uint64_t run_id, std::span<const control_loo
   return {&telemetry::kTicks, 0, 1, telemetry::encode(batch.message())};
 }
 
-/// What stiltd says of itself, with the keys of its live tunables.
-telemetry::Sample configuration_sample(std::uint64_t run_id, const configuration::Configuration& in_force) {
-  std::string toml = configuration::to_toml(in_force, "");
+/// What stiltd reports of itself, with the keys of its live tunables.
+telemetry::Sample configuration_sample(std::uint64_t run_id, const configuration::Configuration& active) {
+  std::string toml = configuration::to_toml(active, "");
   std::vector<std::string> keys;
-  for (const auto& tunable : configuration::live_tunables(in_force)) keys.push_back(tunable.entry->name());
+  for (const auto& tunable : configuration::live_tunables(active)) keys.push_back(tunable.entry->name());
   std::string none;
   std::vector<stilt_msgs_msg_dds__Tunable_> tunables;
   for (std::string& key : keys) tunables.push_back({key.data(), none.data(), none.data(), 0, 0, 0});
@@ -189,13 +189,13 @@ Outcome replayed(const std::function<void(record::Recorder&)>& take_more) {
 }
 
 TEST(ReplayRun, WhatTheRecordLacksIsReported) {
-  const configuration::Configuration& in_force = recorded_walk().configuration;
+  const configuration::Configuration& active = recorded_walk().configuration;
   EXPECT_EQ(replayed([](auto& recorder) { take_run(recorder, kRun); }).problem,
             "its configuration is missing in the record; record from before stiltd ends");
-  EXPECT_EQ(replayed([&](auto& recorder) { recorder.take(configuration_sample(kRun, in_force), 1); }).problem,
+  EXPECT_EQ(replayed([&](auto& recorder) { recorder.take(configuration_sample(kRun, active), 1); }).problem,
             "the record holds no ticks of it");
   EXPECT_NE(replayed([&](auto& recorder) {
-              recorder.take(configuration_sample(kRun, in_force), 1);
+              recorder.take(configuration_sample(kRun, active), 1);
               take_run(recorder, kRun);
             }).problem.find("tuning 1 of "),
             std::string::npos);

@@ -30,7 +30,7 @@ class DrivenRobot {
  public:
   explicit DrivenRobot(const RobotRequest& request = {});
 
-  /// One tick: commands, when there are any, then the robot, then what it says is read.
+  /// One tick: commands, when there are any, then the robot, then its reports are read.
   void tick(const hal::JointCommands* commands = nullptr);
 
   /// Brings up all drivers; each then follows commands. Whether they all are ready.

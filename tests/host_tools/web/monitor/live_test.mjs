@@ -26,7 +26,7 @@ let monitor;
 let page;
 
 const text = (selector) => page.textContent(selector);
-/** What the page said when it was not what the test waits for. */
+/** What the page showed when it was not what the test waits for. */
 const waitFor = (selector, pattern, from = page) => {
   let seen = '';
   return until(`${selector} to be like ${pattern}`, async () => {

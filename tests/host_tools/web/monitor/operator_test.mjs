@@ -132,7 +132,7 @@ test('each button of a gamepad without a known layout stops, and no more', async
   await page.keyboard.press('w');
   await state('walk');
   await hold([], { mapping: '' });
-  await says(/does not know the layout of Test Pad, so each of its buttons stops/);
+  await says(/has no layout for Test Pad, so each of its buttons stops/);
   await hold([kLB, kA], { forward: 1, mapping: '' });
   await answer(/stop: accepted/);
   await state('stand');

@@ -84,7 +84,7 @@ TEST(PageInbox, PagesThatSendWithoutEndDelayATrustedPageNotAtAllAndAnotherByAFew
     EXPECT_EQ(taken.contains(&trusted), step == 0);
     came = came || taken.contains(&other);
   }
-  EXPECT_TRUE(came) << "each page has its turn: 251 messages, 64 a step";
+  EXPECT_TRUE(came) << "each page has its turn: 251 messages, 64 per step";
 }
 
 TEST(PageInbox, NothingWaitsForAPageThatIsClosed) {

@@ -1,4 +1,4 @@
-// The page in a browser, with a synthetic robot that does what the tests say: synthetic_monitor.
+// The page in a browser, with a synthetic robot that does what the tests ask for: synthetic_monitor.
 
 import assert from 'node:assert/strict';
 import { test } from 'node:test';

@@ -1,4 +1,4 @@
-// A browser, and for each test a synthetic robot that does what the test says, with its page: synthetic_monitor.
+// A browser, and for each test a synthetic robot that does what the test asks for, with its page: synthetic_monitor.
 
 import assert from 'node:assert/strict';
 import { after, afterEach, before, beforeEach } from 'node:test';

@@ -48,7 +48,7 @@ class SyntheticSource final : public SampleSource {
   bool joints_answer_ = true;
   bool silent_ = false, live_ = true, introduce_ = true;
   int run_id_ = 1;
-  int other_run_id_ = 0;  ///< of a controller that talks, too; 0: none
+  int other_run_id_ = 0;  ///< of a controller that publishes, too; 0: none
   std::uint64_t ticks_ = 0;
   double hip_x_m_ = 0.0, speed_m_s_ = 0.0, wanted_m_s_ = 0.0, phase_ = 0.0, push_N_ = 0.0;
   int state_ = 4;  ///< stands
