@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "mpc_core/dispatch/dispatched_planner.h"
 #include "tests/independent_readers/run_reader.h"
 #include "tests/two_processes/recorder.h"
 
@@ -22,9 +23,10 @@ class Recording : public testing::Test {
   }
 
   /// @param duration_s  of the controller's run, three seconds of it standing up
-  void start_walk(const std::string& duration_s) {
+  void start_walk(const std::string& duration_s, const std::string& instruction_set = "auto") {
     run.start_robot({"--lockstep", "--once"});
-    run.start_controller({"--lockstep", "--start", "walk@0.5", "--duration", duration_s});
+    run.start_controller({"--lockstep", "--start", "walk@0.5", "--duration", duration_s, "--set",
+                          "sqp.instruction_set=" + instruction_set});
   }
 
   void end_walk() {
@@ -89,6 +91,28 @@ TEST_F(Recording, a_minute_of_walking_is_recorded_whole_and_replays_bit_for_bit)
     EXPECT_NE(std::ranges::find(topics, topic), topics.end()) << topic;
   }
 }
+
+class RecordingWith : public Recording, public testing::WithParamInterface<model::InstructionSet> {};
+
+TEST_P(RecordingWith, a_walk_replays_bit_for_bit_with_the_instruction_set_that_planned_it) {
+  const std::string name(model::name_of(GetParam()));
+  if (!dispatch::available(GetParam())) GTEST_SKIP() << "this processor has no " << name;
+  start_recorder();
+  start_walk("8", name);
+  end_walk();
+  EXPECT_EQ(end_recorder(), 0) << said();
+  EXPECT_EQ(replay(), 0) << said();
+  EXPECT_TRUE(replayed.at("reproduced")) << said();
+  const Json found = independent_readers::run_reader("read_mcap.cjs", {file, "index"});
+  EXPECT_TRUE(std::ranges::any_of(found.at("attachments"), [&](const Json& attachment) {
+    const std::string text = attachment.at("text");
+    return text.find("instruction_set = \"" + name + "\"") != std::string::npos;
+  })) << found.at("attachments");
+}
+
+INSTANTIATE_TEST_SUITE_P(InstructionSets, RecordingWith,
+                         testing::Values(model::InstructionSet::avx2, model::InstructionSet::avx512),
+                         [](const auto& test) { return std::string(model::name_of(test.param)); });
 
 TEST_F(Recording, a_recorder_killed_at_work_leaves_a_record_that_opens_and_replays_to_its_end) {
   start_recorder();
