@@ -1,6 +1,7 @@
 #include "firmware/commissioning/calibrate.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <deque>
 #include <functional>
@@ -22,6 +23,7 @@ constexpr double kMeasured_s = 0.5;
 constexpr double kStill_rad = 0.02;   // while it is measured, by hand
 constexpr double kRocked_rad = 0.03;  // standard deviation
 constexpr double kKept_s = 30.0;      // the newest of the rocking
+constexpr double kLargestTurn_deg = 180.0;
 
 std::expected<void, CommandFailure> failure(const std::string& sentence) {
   return std::unexpected(CommandFailure{sentence, false});
@@ -62,7 +64,7 @@ class PoseReader {
 
  private:
   std::expected<void, CommandFailure> calibrate(std::size_t joint) {
-    const JointPoses poses =
+    JointPoses poses =
         joint_poses(request_.reference, request_.minimum_rad[joint], request_.maximum_rad[joint]);
     const bool stops = request_.reference == Reference::stops;
     const std::string first = stops ? "forward to its end stop" : "to its alignment mark, in line";
@@ -70,11 +72,32 @@ class PoseReader {
     if (auto done = move(joint, first + angle(joint, poses.first_rad), at_first); !done) return done;
     const std::string second = stops ? "backward to its other end stop" : "backward, at least";
     if (auto done = move(joint, second + angle(joint, poses.second_rad), at_second); !done) return done;
+    if (!stops) {
+      if (auto done = ask_turn(joint, poses); !done) return done;
+    }
     const auto& hardware = request_.hardware;
     readings_.joints[joint] =
         calibrate_joint(joint, poses, before_wiring(at_first.joint_rad), before_wiring(at_second.joint_rad),
                         hardware.joint[joint], configuration::driver_of(hardware, joint).ratio);
     return {};
+  }
+
+  /// How far the joint turned from its mark, where the person has measured it.
+  std::expected<void, CommandFailure> ask_turn(std::size_t joint, JointPoses& poses) {
+    const auto take = [&poses](const std::string& answer) {
+      if (answer.empty()) return true;
+      double turned_deg = 0;
+      const auto read = std::from_chars(answer.data(), answer.data() + answer.size(), turned_deg);
+      const bool whole = read.ec == std::errc{} && read.ptr == answer.data() + answer.size();
+      if (!whole || !(turned_deg > 0 && turned_deg <= kLargestTurn_deg)) return false;
+      poses.second_rad = poses.first_rad + turned_deg / kDegrees;
+      poses.second_measured = true;
+      return true;
+    };
+    return ask(session_, person_,
+               std::string("By how many degrees did the ") + link_name(joint) +
+                   " turn from its mark, by an inclinometer or a square? Empty: not measured",
+               take);
   }
 
   static std::string angle(std::size_t joint, double angle_rad) {

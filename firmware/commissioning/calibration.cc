@@ -42,19 +42,22 @@ std::optional<std::size_t> moved_instead(std::size_t joint, const Angles& first,
 
 void describe_change(std::size_t joint, const configuration::JointParameters& place,
                      JointCalibration& result) {
-  const bool same_sign = result.reversed == place.reversed;
   const char* name = kJointNames[joint];
-  if (same_sign && std::abs(result.offset_rad - place.offset_rad) <= kSameOffset_rad) {
+  if (result.reversed != place.reversed) {
+    result.finding = CalibrationFinding::other_sign;
+    result.sentence = formatted(
+        "%s turned against its sign: forward and backward were exchanged, or %s.reversed must be %s; jog %s, "
+        "change what the jog says, and calibrate again",
+        name, name, flag(result.reversed), name);
+    return;
+  }
+  if (std::abs(result.offset_rad - place.offset_rad) <= kSameOffset_rad) {
     result.sentence = formatted("%s is correct", name);
     return;
   }
   result.finding = CalibrationFinding::changed;
   result.sentence =
       formatted("%s: offset_rad is %.4f, and was %.4f", name, result.offset_rad, place.offset_rad);
-  if (!same_sign) {
-    result.sentence += formatted("; reversed is %s, and was %s: jog %s before it gets torque",
-                                 flag(result.reversed), flag(place.reversed), name);
-  }
 }
 
 bool near_one(double factor) { return factor < kScaleTolerance && factor > 1 / kScaleTolerance; }
@@ -181,8 +184,8 @@ void add_torso(const configuration::TorsoSensorParameters& sensor, const TorsoCa
 }  // namespace
 
 const char* name(CalibrationFinding finding) {
-  constexpr std::array<const char*, 5> kNames = {"correct", "changed", "dead_encoder", "exchanged_encoders",
-                                                 "wrong_travel"};
+  constexpr std::array<const char*, 6> kNames = {
+      "correct", "changed", "other_sign", "dead_encoder", "exchanged_encoders", "wrong_travel"};
   return kNames[static_cast<std::size_t>(finding)];
 }
 
@@ -223,13 +226,18 @@ JointCalibration calibrate_joint(std::size_t joint, const JointPoses& poses, con
                     link_name(joint), name);
     return result;
   }
-  if (poses.second_exact && std::abs(result.travel_share - 1) > kTravelTolerance) {
+  const bool known = poses.second_exact || poses.second_measured;
+  if (known && std::abs(result.travel_share - 1) > kTravelTolerance) {
     result.finding = CalibrationFinding::wrong_travel;
-    result.sentence = formatted(
-        "wrong travel: the encoder of %s turned by %.3f rad between stops that are %.3f rad apart by the "
-        "URDF; "
-        "a stop was not reached, or its driver's ratio is about %.4g instead of %.4g",
-        name, std::abs(read_rad), asked_rad, ratio * result.travel_share, ratio);
+    const std::string where =
+        poses.second_exact
+            ? formatted("between stops that are %.3f rad apart by the URDF; a stop was not reached",
+                        asked_rad)
+            : formatted("where you measured %.3f rad; that was read wrong", asked_rad);
+    result.sentence =
+        formatted("wrong travel: the encoder of %s turned by %.3f rad ", name, std::abs(read_rad)) + where +
+        formatted(", or its driver's ratio is about %.4g instead of %.4g", ratio * result.travel_share,
+                  ratio);
     return result;
   }
   result.reversed = read_rad < 0;

@@ -25,23 +25,25 @@ enum class Reference {
 struct JointPoses {
   double first_rad = 0.0;
   double second_rad = 0.0;
-  bool second_exact = true;  ///< otherwise the second is only known to be that far, or farther
+  bool second_exact = true;      ///< otherwise the second is only known to be that far, or farther
+  bool second_measured = false;  ///< by the person: good for the travel, not for the offset
 };
 [[nodiscard]] JointPoses joint_poses(Reference reference, double minimum_rad, double maximum_rad);
 
 enum class CalibrationFinding {
   correct,
-  changed,             ///< sign or offset differ from the configuration's; the new ones are valid
+  changed,             ///< the offset differs from the configuration's; the new one is valid
+  other_sign,          ///< the joint turned against the configured sign, or was moved the other way
   dead_encoder,        ///< no encoder moved
   exchanged_encoders,  ///< another encoder moved
-  wrong_travel,        ///< the encoder's angle between the stops is not that of the URDF
+  wrong_travel,        ///< the encoder's angle between the poses is not that of the URDF, or measured
 };
 [[nodiscard]] const char* name(CalibrationFinding finding);
 
 struct JointCalibration {
   CalibrationFinding finding = CalibrationFinding::correct;
   std::string sentence;
-  bool reversed = false;
+  bool reversed = false;  ///< by the poses
   double offset_rad = 0.0;
   double travel_share = 0.0;  ///< of the encoder between the poses, over that between their angles
 

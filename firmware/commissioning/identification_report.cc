@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <span>
 
 #include "firmware/commissioning/formatted.h"
 #include "firmware/commissioning/identify.h"
@@ -19,6 +21,9 @@ using control_loop::kJointNames;
 
 constexpr double kClearFactor = 0.2;  // half width of the torque factor's interval
 constexpr double kRightFactor = 0.1;  // away from 1: masses of a URDF are no better
+constexpr double kAlike = 0.1;        // of the mean, beside the intervals: as well as legs are measured
+constexpr double kAlikeFriction_Nm = 0.3;
+constexpr double kAlikeDamping_Nms_rad = 0.25;
 
 bool clear(const DriveNumbers& drive) {
   return drive.samples > 0 && drive.torque_factor.half_width < kClearFactor;
@@ -39,6 +44,60 @@ std::string armature_scale_text(const model::RobotModel& robot, const Identifica
     of_urdf += robot.constants.joint_parameters[joint];
   }
   return of_urdf > 0 ? configuration::number_text(std::round(1e4 * found / of_urdf) / 1e4) : "";
+}
+
+bool differ(const Estimate& a, const Estimate& b, double at_least) {
+  const double mean = 0.5 * std::abs(a.value + b.value);
+  return std::abs(a.value - b.value) > a.half_width + b.half_width + std::max(at_least, kAlike * mean);
+}
+
+/// A number of which the file has one for both legs.
+struct SharedNumber {
+  const char* name;
+  const char* unit;
+  Estimate DriveNumbers::* number;
+  double at_least;  ///< a smaller difference is none
+};
+constexpr std::array kSharedNumbers = {
+    SharedNumber{"friction", "Nm", &DriveNumbers::coulomb_friction_Nm, kAlikeFriction_Nm},
+    SharedNumber{"damping", "Nm s/rad", &DriveNumbers::damping_Nms_rad, kAlikeDamping_Nms_rad},
+    SharedNumber{"armature", "kg m^2", &DriveNumbers::armature_kg_m2, 0}};
+
+void compare_legs(IdentificationReport& report) {
+  for (const SharedNumber& shared : kSharedNumbers) {
+    for (const std::size_t left : {0u, 1u}) {
+      const Estimate& a = report.drives[left].*shared.number;
+      const Estimate& b = report.drives[left + 2].*shared.number;
+      if (!differ(a, b, shared.at_least)) continue;
+      report.findings.push_back(
+          formatted("the %s of %s is %.3g %s and of %s %.3g %s, and the file has one for both, %.3g: look "
+                    "what differs between the legs, and repeat",
+                    shared.name, kJointNames[left], a.value, shared.unit, kJointNames[left + 2], b.value,
+                    shared.unit, 0.5 * (a.value + b.value)));
+    }
+  }
+}
+
+/// Mean armature of both legs over the URDF's.
+Estimate armature_share(const model::RobotModel& robot, const IdentificationReport& report,
+                        std::size_t joint) {
+  const Estimate& left = report.drives[joint].armature_kg_m2;
+  const Estimate& right = report.drives[joint + 2].armature_kg_m2;
+  const double of_urdf =
+      robot.constants.joint_parameters[joint] + robot.constants.joint_parameters[joint + 2];
+  return {(left.value + right.value) / of_urdf, (left.half_width + right.half_width) / of_urdf};
+}
+
+void compare_hips_and_knees(const model::RobotModel& robot, IdentificationReport& report) {
+  const auto armatures = std::span(robot.constants.joint_parameters).first(hal::kJoints);
+  if (!std::ranges::all_of(armatures, [](double armature) { return armature > 0; })) return;
+  const Estimate hips = armature_share(robot, report, 0), knees = armature_share(robot, report, 1);
+  if (!differ(hips, knees, 0)) return;
+  report.findings.push_back(
+      formatted("the armature of the hips is %.3g times that of the URDF and of the knees %.3g times, and "
+                "robot.armature_scale is one for both: write rotor inertia or gear ratio of the joints into "
+                "the URDF, and repeat",
+                hips.value, knees.value));
 }
 
 /// The vendor's setting of the torque constant, and what makes it right.
@@ -90,6 +149,8 @@ void judge(const IdentificationRequest& request, IdentificationReport& report) {
     }
   }
   if (!std::ranges::all_of(report.drives, clear)) return;
+  compare_legs(report);
+  compare_hips_and_knees(*request.robot, report);
   constexpr std::size_t kHip = 0, kKnee = 1;
   report.values = {
       {"robot", "hip_coulomb_friction_Nm", mean_text(report, kHip, &DriveNumbers::coulomb_friction_Nm)},

@@ -283,7 +283,8 @@ class BusScan {
 bool ScanResult::complete() const noexcept {
   return serial_sensor_trouble.empty() && std::ranges::all_of(buses, [](const ScannedBus& bus) {
            return bus.torso_trouble.empty() && std::ranges::all_of(bus.expected, &ScannedNode::good) &&
-                  std::ranges::all_of(bus.torso_sensor, &ScannedFrames::well);
+                  std::ranges::all_of(bus.torso_sensor, &ScannedFrames::well) && bus.unexpected.empty() &&
+                  bus.unknown.empty();
          });
 }
 

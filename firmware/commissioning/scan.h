@@ -70,7 +70,8 @@ struct ScanResult {
   std::vector<ScannedBus> buses;
   std::string
       serial_sensor_trouble;  ///< of a torso sensor on a serial port, set by who reads it; empty: none
-  /// Everything that the configuration names is there, well, and often enough.
+  /// Everything that the configuration names is there, well, and often enough, and nothing else: another
+  /// driver may move, and frames of another program may be commands.
   [[nodiscard]] bool complete() const noexcept;
 };
 

@@ -1,6 +1,9 @@
 #include "firmware/program/found_values.h"
 
+#include <algorithm>
+#include <array>
 #include <filesystem>
+#include <string_view>
 #include <system_error>
 #include <vector>
 
@@ -54,18 +57,56 @@ std::vector<configuration::NewValue> command_line_values(const Options& options)
   return values;
 }
 
+/// Whether values depend on this key when they are found. What calibrate writes for each joint does not
+/// count.
+bool is_wiring(const configuration::Entry& entry) {
+  constexpr std::array<std::string_view, 8> kSections = {
+      "hardware", "hip_driver", "knee_driver", "hip_L", "knee_L", "hip_R", "knee_R", "torso_sensor"};
+  return std::ranges::find(kSections, entry.section) != kSections.end() && entry.key != "reversed" &&
+         entry.key != "offset_rad";
+}
+
+/// A file beside a URDF is of that robot, also where it does not name it.
+std::vector<configuration::Override> robot_of_file(const Options& options) {
+  const std::string& robot = options.configuration.hardware.robot;
+  std::error_code ignored;
+  if (!robots::is_file(robot) ||
+      !std::filesystem::equivalent(configuration::file_beside(robot), options.out_file, ignored)) {
+    return {};
+  }
+  return {{"hardware.robot=" + robot}};
+}
+
+/// Values belong to the wiring that they are found with: the file's must be that of the run.
+std::expected<void, std::string> check_wiring(const Options& options,
+                                              const configuration::Configuration& there) {
+  for (const configuration::Entry& entry : configuration::entries()) {
+    if (!is_wiring(entry)) continue;
+    const std::string own = configuration::value_text(entry, options.configuration);
+    const std::string other = configuration::value_text(entry, there);
+    if (own == other) continue;
+    return std::unexpected("--out " + options.out_file + ": " + entry.name() + " is " + other +
+                           " there and " + own +
+                           " in this run, and what is found belongs to one wiring; take --config " +
+                           options.out_file + ", or a new file for --out");
+  }
+  return {};
+}
+
 }  // namespace
 
 std::expected<void, std::string> check_out_file(const Options& options) {
   const std::string& file = options.out_file;
   if (!is_there(file)) return {};
-  const Text text = content(file);
-  if (!text) return std::unexpected(text.error());
-  if (const auto valid = configuration::parse(*text, file); !valid) {
+  const Text before = content(file);
+  if (!before) return std::unexpected(before.error());
+  const auto text = configuration::with_values(*before, file, command_line_values(options));
+  const auto there = configuration::parse(text ? *text : *before, file, robot_of_file(options));
+  if (!there) {
     return std::unexpected("--out: what was found could not be written to this configuration:\n" +
-                           configuration::to_string(valid.error()));
+                           configuration::to_string(there.error()));
   }
-  return {};
+  return check_wiring(options, *there);
 }
 
 std::expected<void, std::string> write_values(const Options& options,

@@ -130,8 +130,8 @@ Commands add_commands(CLI::App& app, Arguments& arguments, Options& options) {
                               arguments, options);
   commands.zero->add_option("joint", arguments.joint, "hip_L, knee_L, hip_R or knee_R")->required();
   commands.calibrate = add_command(app, "calibrate",
-                                   "signs and offsets of joints that a person moves to end stops or marks, "
-                                   "and the torso sensor against gravity; no torque",
+                                   "offsets of joints that a person moves to end stops or marks, their signs "
+                                   "again, and the torso sensor against gravity; no torque",
                                    arguments, options);
   commands.calibrate
       ->add_option("--at", arguments.reference,

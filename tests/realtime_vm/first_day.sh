@@ -1,4 +1,9 @@
 # A fresh Debian gets the packages, and docs/first-day.md leads from unknown wiring to walking over the kernel's CAN.
+# The page installs them so; without a network their dependencies are in the image, and dpkg is enough.
+grep -qF 'apt install ./stiltd_*.deb' /job/first-day.md || {
+  echo "docs/first-day.md does not install stiltd"
+  exit 1
+}
 dpkg -i /job/*.deb >dpkg.log 2>&1 || {
   cat dpkg.log
   exit 1

@@ -2,6 +2,7 @@
 // robot whose wiring only `stilt robot` has.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <csignal>
 #include <fstream>
@@ -52,18 +53,19 @@ Words with(Words words, const Words& more) {
 
 class FirstDay : public testing::Test {
  protected:
-  /// Begins the next step of the page, with robot.toml.
+  /// Begins the next step of the page, whose robot.toml is the one of this test.
   /// @param command  first word of its command: the step that the test has come to
   /// @param joint  instead of JOINT
   void begin(const std::string& command, const Words& more = {}, const std::string& joint = "") {
     Words words = commands_.at(step_);
     ASSERT_EQ(words.front(), command) << "step " << step_ + 1 << " of the page";
+    ASSERT_NE(std::ranges::find(words, "--config"), words.end()) << "step " << step_ + 1 << " of the page";
     for (std::string& word : words) {
       if (word == "JOINT") word = joint;
       if (word == "RAD") word = "0.3";
       if (word == "robot.toml") word = toml_;
     }
-    run_.start_command(with(words, more), {"--lockstep", "--config", toml_}, keyboard_.name());
+    run_.start_command(with(words, more), {"--lockstep"}, keyboard_.name());
   }
 
   /// The step ends so.
@@ -202,6 +204,18 @@ void FirstDay::stands_and_walks() {
   EXPECT_NEAR(robot.at("mean_speed_m_s"), kSpeed_m_s, 0.05);
   EXPECT_GT(robot.at("steps").size(), 30u);
   next_step();
+}
+
+/// What this test does in its own way: packages come from the build, buses need no bit rate.
+TEST(FirstDayPage, InstallsSetsUpBusesAndDriversWithoutAnotherPage) {
+  const std::string page = text_of(FIRST_DAY);
+  for (const char* line :
+       {"    apt install ./stiltd_*.deb ", "    ip link set can0 up type can bitrate 1000000 restart-ms 0\n",
+        "    ip link set can0 up type can bitrate 1000000 sample-point 0.666 sjw 10 \\\n"
+        "      dbitrate 5000000 dsample-point 0.666 dsjw 5 fd on restart-ms 0\n",
+        "    ip link set can0 txqueuelen 100\n", "    conf set servo.timeout_mode 12\n    conf write\n"}) {
+    EXPECT_NE(page.find(line), std::string::npos) << line;
+  }
 }
 
 TEST_F(FirstDay, LeadsFromUnknownWiringToWalking) {

@@ -33,36 +33,66 @@ configuration::Configuration with(const HangingRobot& robot, const CalibrationRe
   return *result;
 }
 
-const std::vector<std::string> kUnknown = {"hip_L.offset_rad=0.4", "knee_L.reversed=true",
-                                           "knee_L.offset_rad=-0.6", "hip_R.reversed=false",
+const std::vector<std::string> kSigns = {"knee_L.reversed=true", "hip_R.reversed=false"};
+const std::vector<std::string> kUnknown = {"hip_L.offset_rad=0.4", "knee_L.offset_rad=-0.6",
                                            "hip_R.offset_rad=-0.9"};
 
-void expect_signs_and_offsets(const HangingRobot& robot, const CalibrationReport& report,
-                              const std::vector<std::string>& of_the_robot) {
+void expect_offsets(const HangingRobot& robot, const CalibrationReport& report,
+                    const std::vector<std::string>& of_the_robot) {
   ASSERT_TRUE(report.good()) << to_text(report);
   std::vector<configuration::Override> overrides;
   for (const std::string& setting : of_the_robot) overrides.push_back({setting});
   const auto truth = configuration::load_robot("amber3m", overrides);
   const configuration::Configuration found = with(robot, report);
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
-    EXPECT_EQ(found.hardware.joint[joint].reversed, truth->hardware.joint[joint].reversed) << joint;
+    EXPECT_EQ(found.hardware.joint[joint].reversed, robot.configuration.hardware.joint[joint].reversed);
     EXPECT_NEAR(found.hardware.joint[joint].offset_rad, truth->hardware.joint[joint].offset_rad,
                 kAsFarAsAHandHolds_rad)
         << joint;
   }
 }
 
-TEST(Calibrate, FindsSignsAndOffsetsAtEndStopsAndAtMarks) {
+TEST(Calibrate, FindsOffsetsAtEndStopsAndAtMarksWhateverTheSigns) {
   for (const Reference reference : {Reference::stops, Reference::marks}) {
     SCOPED_TRACE(reference == Reference::stops ? "stops" : "marks");
-    HangingRobot robot({.both = {}, .robot = kUnknown, .miswired = {}});
+    HangingRobot robot({.both = kSigns, .robot = kUnknown, .miswired = {}});
     Helper person(robot);
     const auto report = tried(robot, person, reference);
     ASSERT_TRUE(report) << report.error().sentence;
-    expect_signs_and_offsets(robot, *report, kUnknown);
+    expect_offsets(robot, *report, kUnknown);
     EXPECT_EQ(report->joints[1].finding, CalibrationFinding::changed);
     EXPECT_EQ(report->joints[3].finding, CalibrationFinding::correct) << report->joints[3].sentence;
   }
+}
+
+/// The stops of a hip are symmetric: nothing but the sign shows that forward was taken for backward.
+TEST(Calibrate, AJointThatTurnsAgainstItsSignIsNotWritten) {
+  for (const Reference reference : {Reference::stops, Reference::marks}) {
+    SCOPED_TRACE(reference == Reference::stops ? "stops" : "marks");
+    HangingRobot robot;
+    Helper person(robot);
+    person.exchanges_ways = true;
+    const auto report = tried(robot, person, reference);
+    ASSERT_TRUE(report) << report.error().sentence;
+    EXPECT_FALSE(report->good()) << to_text(*report);
+    EXPECT_EQ(report->joints[0].finding, CalibrationFinding::other_sign) << report->joints[0].sentence;
+    EXPECT_EQ(report->joints[0].sentence,
+              "hip_L turned against its sign: forward and backward were exchanged, or hip_L.reversed must be "
+              "true; jog hip_L, change what the jog says, and calibrate again");
+    EXPECT_EQ(report->joints[1].finding, CalibrationFinding::correct) << "it cannot bend the other way";
+    EXPECT_TRUE(report->values.empty());
+    EXPECT_EQ(report->torso.finding, TorsoFinding::not_tried) << "the left hip is its reference";
+  }
+}
+
+TEST(Calibrate, AWrongSignOfTheConfigurationIsNamed) {
+  HangingRobot robot({.both = {}, .robot = {"knee_R.reversed=false"}, .miswired = {}});
+  Helper person(robot);
+  const auto report = tried(robot, person);
+  ASSERT_TRUE(report) << report.error().sentence;
+  EXPECT_EQ(report->joints[3].finding, CalibrationFinding::other_sign) << report->joints[3].sentence;
+  EXPECT_FALSE(report->joints[3].reversed) << "by the poses";
+  EXPECT_TRUE(report->values.empty());
 }
 
 TEST(Calibrate, NoJointGetsTorqueAndDriversAreOffAtTheEnd) {
@@ -99,6 +129,40 @@ TEST(Calibrate, FindsAStopThatWasNotReached) {
   EXPECT_NEAR(report->joints[0].travel_share, 0.9, 0.01);
   EXPECT_TRUE(report->values.empty());
   EXPECT_EQ(report->torso.finding, TorsoFinding::not_tried);
+}
+
+/// Marks give no travel: a ratio that is a fifth wrong passes, as in a jog, until somebody measures the turn.
+TEST(Calibrate, ATurnThatIsMeasuredFromAMarkShowsAWrongRatio) {
+  for (const char* turned : {"", "20.6"}) {
+    SCOPED_TRACE(turned);
+    HangingRobot robot({.both = {}, .robot = {"knee_driver.ratio=1.2"}, .miswired = {}});
+    Helper person(robot);
+    person.turned = turned;
+    const auto report = tried(robot, person, Reference::marks);
+    ASSERT_TRUE(report) << report.error().sentence;
+    EXPECT_EQ(report->joints[0].finding, CalibrationFinding::correct)
+        << "a degree beside the truth: " << report->joints[0].sentence;
+    const JointCalibration& knee = report->joints[1];
+    EXPECT_EQ(knee.finding == CalibrationFinding::wrong_travel, person.turned == "20.6") << knee.sentence;
+    if (person.turned.empty()) continue;
+    EXPECT_NE(
+        knee.sentence.find("where you measured 0.360 rad; that was read wrong, or its driver's ratio is "
+                           "about 1.1"),
+        std::string::npos)
+        << knee.sentence;
+    EXPECT_TRUE(report->values.empty());
+  }
+}
+
+TEST(Calibrate, ATurnThatIsNoAngleIsRefused) {
+  for (const char* turned : {"far", "-20", "181"}) {
+    HangingRobot robot;
+    Helper person(robot);
+    person.turned = turned;
+    const auto report = tried(robot, person, Reference::marks);
+    ASSERT_FALSE(report) << turned;
+    EXPECT_TRUE(report.error().bad_answer) << report.error().sentence;
+  }
 }
 
 TEST(Calibrate, TakesGravityForTheOffsetOfTheTorsoSensorWhereverTheTorsoHangs) {

@@ -17,6 +17,8 @@ constexpr double kRocking_hz = 0.6;
 }  // namespace
 
 void Helper::ask(const std::string& question) {
+  measures_ = question.find("turn from its mark") != std::string::npos;
+  if (measures_) return;
   looks_ = question.starts_with("Which") || question.starts_with("By how many");
   asked_ns_ = robot_.now_ns();
   rocks_ = question.find("rock the torso") != std::string::npos;
@@ -42,7 +44,8 @@ void Helper::move_joint(const std::string& question) {
     const std::string mark = std::string("(") + control_loop::kJointNames[joint] + " at ";
     const std::size_t at = question.find(mark);
     if (at == std::string::npos) continue;
-    const double angle_rad = std::stod(question.substr(at + mark.size()));
+    const double asked_rad = std::stod(question.substr(at + mark.size()));
+    const double angle_rad = exchanges_ways && joint % 2 == 0 ? -asked_rad : asked_rad;
     robot_on_bus::Hands& hands = robot_.robot.hands();
     hands.move(model::kFirstJoint + static_cast<int>(joint ^ 1U), 0);
     hands.move(model::kFirstJoint + static_cast<int>(joint), share_of_travel * angle_rad);
@@ -59,6 +62,7 @@ void Helper::rock() {
 }
 
 std::optional<std::string> Helper::answer() {
+  if (measures_) return turned;
   if (looks_) return onlooker_.answer();
   if (rocks_) rock();
   if (robot_.now_ns() < done_ns_) return std::nullopt;

@@ -22,6 +22,10 @@ class Helper final : public Person {
 
   /// Share of the asked way to which joints are moved: less than 1, and a stop is not reached.
   double share_of_travel = 1.0;
+  /// What it answers when it is asked how far a joint turned from its mark.
+  std::string turned;
+  /// Takes forward for backward: moves hips to the angle of the other sign.
+  bool exchanges_ways = false;
   /// Where the torso hangs at rest, once calibrate comes to it.
   double torso_rest_rad = 0.0;
   /// How long it holds the thigh before it rocks the torso.
@@ -34,6 +38,7 @@ class Helper final : public Person {
   HangingRobot& robot_;
   Onlooker onlooker_;
   bool looks_ = false;
+  bool measures_ = false;
   bool rocks_ = false;
   std::int64_t asked_ns_ = 0;
   std::int64_t begins_ns_ = 0;  ///< to rock

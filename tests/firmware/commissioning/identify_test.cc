@@ -204,6 +204,64 @@ TEST(Identify, TheMakersSettingIsNamedForEachProtocol) {
   }
 }
 
+/// Four drives alike, with what `change` makes of them.
+template <class Change>
+IdentificationReport judged_with(const Change& change) {
+  IdentificationReport report;
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    DriveNumbers& drive = report.drives[joint];
+    drive.torque_factor = {1, 0.01};
+    drive.armature_kg_m2 = {amber3m().constants.joint_parameters[joint], 0.002};
+    drive.damping_Nms_rad = {1, 0.03};
+    drive.coulomb_friction_Nm = {2, 0.01};
+    drive.samples = 1000;
+  }
+  change(report.drives);
+  judge({.robot = &amber3m(), .hardware = {}}, report);
+  return report;
+}
+
+TEST(Identify, LegsThatDifferAreNamedBesideTheMeanThatIsWritten) {
+  const IdentificationReport friction = judged_with([](auto& drives) {
+    drives[1].coulomb_friction_Nm.value = 0.5;
+    drives[3].coulomb_friction_Nm.value = 3.5;
+  });
+  ASSERT_EQ(friction.findings.size(), 1u) << to_text(friction);
+  EXPECT_EQ(friction.findings[0],
+            "the friction of knee_L is 0.5 Nm and of knee_R 3.5 Nm, and the file has one for both, 2: look "
+            "what differs between the legs, and repeat");
+  EXPECT_EQ(friction.values.size(), 5u) << "the mean is written";
+  const IdentificationReport damping =
+      judged_with([](auto& drives) { drives[2].damping_Nms_rad.value = 1.5; });
+  ASSERT_EQ(damping.findings.size(), 1u) << to_text(damping);
+  EXPECT_TRUE(damping.findings[0].starts_with("the damping of hip_L is 1 Nm s/rad and of hip_R 1.5"));
+  const IdentificationReport armature =
+      judged_with([](auto& drives) { drives[0].armature_kg_m2.value *= 1.3; });
+  ASSERT_EQ(armature.findings.size(), 2u) << to_text(armature);
+  EXPECT_TRUE(armature.findings[0].starts_with("the armature of hip_L is ")) << armature.findings[0];
+}
+
+TEST(Identify, HipsAndKneesWhoseArmaturesAreWrongUnlikeAreNamed) {
+  const IdentificationReport report = judged_with([](auto& drives) {
+    for (const std::size_t hip : {0u, 2u}) drives[hip].armature_kg_m2.value *= 1.3;
+  });
+  ASSERT_EQ(report.findings.size(), 1u) << to_text(report);
+  EXPECT_EQ(report.findings[0],
+            "the armature of the hips is 1.3 times that of the URDF and of the knees 1 times, and "
+            "robot.armature_scale is one for both: write rotor inertia or gear ratio of the joints into the "
+            "URDF, and repeat");
+}
+
+TEST(Identify, LegsThatDifferWithinWhatIsMeasuredAreAlike) {
+  const IdentificationReport report = judged_with([](auto& drives) {
+    drives[0].coulomb_friction_Nm.value += 0.29;
+    drives[1].damping_Nms_rad.value += 0.24;
+    drives[2].armature_kg_m2.value *= 1.09;
+    drives[3].coulomb_friction_Nm = {2.9, 0.7};
+  });
+  EXPECT_TRUE(report.findings.empty()) << to_text(report);
+}
+
 TEST(Identify, AnEmergencyStopEndsItLimp) {
   HangingRobot robot({.both = {}, .robot = {"torso_sensor.emergency_stop_released=none"}, .miswired = {}});
   const auto report = tried(robot);

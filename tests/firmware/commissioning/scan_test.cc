@@ -197,6 +197,19 @@ TEST(Scan, NamesFramesThatTheConfigurationDoesNotKnow) {
   EXPECT_TRUE(has(to_text(result), "torso sensor: MISSING, identifier 0x150"));
 }
 
+TEST(Scan, AStrangerOnTheBusIsNotComplete) {
+  HangingRobot robot;
+  const ScanResult whole = scanned(robot);
+  ASSERT_TRUE(whole.complete()) << to_text(whole);
+  ScanResult with_driver = whole;
+  with_driver.buses[1].unexpected.push_back(whole.buses[1].expected[0]);
+  with_driver.buses[1].unexpected[0].joint.reset();
+  EXPECT_FALSE(with_driver.complete()) << to_text(with_driver);
+  ScanResult with_frames = whole;
+  with_frames.buses[0].unknown.push_back({.id = 0x7f, .rate_hz = 1000});  // another commander, perhaps
+  EXPECT_FALSE(with_frames.complete()) << to_text(with_frames);
+}
+
 TEST(Scan, AFaultOfADriverIsNotComplete) {
   HangingRobot robot;
   const_cast<hal::EmulatedDriver&>(robot.robot.drivers().driver(1)).raise(hal::DriverFault::over_voltage);

@@ -95,6 +95,66 @@ TEST(FoundValues, AFileThatIsNoConfigurationIsRefusedBeforeTheRun) {
   EXPECT_NE(checked.error().find(file + ":2:"), std::string::npos) << checked.error();
 }
 
+TEST(FoundValues, AFileWithAnotherWiringIsRefusedBeforeTheRun) {
+  const tests::OwnFolder folder;
+  const std::string here = folder.file("mine.toml"), there = folder.file("other.toml");
+  const auto checked = [&](const std::string& mine, const std::string& other,
+                           const std::vector<std::string>& more = {}) {
+    std::ofstream(here) << mine;
+    std::ofstream(there) << other;
+    std::vector<std::string> words = {"calibrate", "--config", here, "--out", there};
+    words.insert(words.end(), more.begin(), more.end());
+    const auto options = read(words);
+    EXPECT_TRUE(options) << options.error();
+    const auto result = check_out_file(*options);
+    return result ? std::string() : result.error();
+  };
+  const std::string ratio = "[hip_driver]\nratio = 2\n";
+  EXPECT_EQ(
+      checked(ratio, ""),
+      "--out " + there +
+          ": hip_driver.ratio is 1.0 there and 2.0 in this run, and what is found belongs to one wiring; "
+          "take --config " +
+          there + ", or a new file for --out");
+  for (const char* wiring : {"[hardware]\nbuses = \"can2,can3\"\n", "[hip_L]\nid = 9\nreply_id = 25\n",
+                             "[knee_R]\ntorque_factor = 0.95\n", "[torso_sensor]\nrate_hz = 400\n"}) {
+    EXPECT_NE(checked(wiring, ""), "") << wiring;
+    EXPECT_NE(checked("", wiring), "") << wiring;
+    EXPECT_EQ(checked(wiring, wiring), "") << wiring;
+  }
+  EXPECT_EQ(checked("[hip_L]\noffset_rad = 1\n", "[hip_L]\nreversed = true\n"), "")
+      << "calibrate finds these";
+  EXPECT_EQ(checked("", "[gait]\nswing_height_m = 0.06\n"), "");
+  EXPECT_EQ(checked("", "", {"--set", "hip_driver.ratio=2"}), "") << "it is written with the values";
+  EXPECT_EQ(checked(ratio, "", {"--set", "hip_driver.ratio=1.5"}), "");
+}
+
+TEST(FoundValues, WithoutConfigTheFileMustHaveTheShippedWiring) {
+  const tests::OwnFolder folder;
+  const std::string file = folder.file("robot.toml");
+  std::ofstream(file) << "[hip_R]\nid = 9\n";
+  const auto shipped = check_out_file(*read({"identify", "--out", file}));
+  ASSERT_FALSE(shipped);
+  EXPECT_NE(shipped.error().find("hip_R.id is 9 there and 3 in this run"), std::string::npos)
+      << shipped.error();
+  EXPECT_TRUE(check_out_file(*read({"identify", "--config", file, "--out", file})));
+}
+
+TEST(FoundValues, TheFileBesideAUrdfIsOfThatRobot) {
+  const tests::OwnFolder folder;
+  const std::string urdf = folder.file("mine.urdf"), beside = folder.file("mine.toml");
+  std::filesystem::copy_file(
+      std::filesystem::path(SHIPPED).parent_path() / "../../codegen/robots/amber3m.urdf", urdf);
+  std::ofstream(beside) << "[hip_R]\nid = 9\n";
+  EXPECT_TRUE(check_out_file(*read({"calibrate", "--robot", urdf, "--out", beside})));
+  const std::string other = folder.file("other.toml");
+  std::ofstream(other) << "[hip_R]\nid = 9\n";
+  const auto checked = check_out_file(*read({"calibrate", "--robot", urdf, "--out", other}));
+  ASSERT_FALSE(checked);
+  EXPECT_NE(checked.error().find("hardware.robot is \"amber3m\" there"), std::string::npos)
+      << checked.error();
+}
+
 TEST(FoundValues, NothingIsWrittenThatWouldBeRefused) {
   const tests::OwnFolder folder;
   const std::string file = folder.file("robot.toml");
