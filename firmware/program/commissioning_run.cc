@@ -44,12 +44,7 @@ void say_unknown_turns(const ControllerState& state) {
 
 Session session_of(const Options& options, ControllerState& state, hal::Clock& clock,
                    const std::atomic<bool>& stop) {
-  const supervisor::SupervisorParameters& parameters = options.configuration.supervisor;
-  return {*state.hardware,
-          clock,
-          tick_ns(options),
-          stop,
-          {parameters.overheated_C, parameters.low_voltage_V, parameters.high_voltage_V}};
+  return {*state.hardware, clock, tick_ns(options), stop, driver_limits(options)};
 }
 
 /// A line of JSON with the reason.
