@@ -22,7 +22,6 @@ constexpr double kMovedShare = 0.2;        // of the motion asked for: less is n
 constexpr double kOtherShare = 0.5;        // of it, by another encoder
 constexpr double kTravelTolerance = 0.05;  // of the travel between the stops
 constexpr double kSameOffset_rad = 0.002;
-constexpr double kPlumb_rad = 0.15;       // of legs that friction does not hold
 constexpr double kSamePitch_rad = 0.03;   // friction holds a leg that far from plumb
 constexpr double kDeadShare = 0.2;        // of the torso's motion
 constexpr double kExplained = 0.8;        // of the pitch by the torso's motion
@@ -61,13 +60,6 @@ void describe_change(std::size_t joint, const configuration::JointParameters& pl
 }
 
 bool near_one(double factor) { return factor < kScaleTolerance && factor > 1 / kScaleTolerance; }
-
-double plumb_pitch_rad(const Angles& rest_rad) { return -0.5 * (rest_rad[0] + rest_rad[2]); }
-
-bool legs_plumb(const Angles& rest_rad) {
-  return std::abs(rest_rad[0] - rest_rad[2]) < kPlumb_rad && std::abs(rest_rad[1]) < kPlumb_rad &&
-         std::abs(rest_rad[3]) < kPlumb_rad;
-}
 
 TorsoCalibration found(const TorsoMotion& motion, TorsoFinding finding, const std::string& sentence) {
   TorsoCalibration result;
@@ -182,6 +174,13 @@ void add_torso(const configuration::TorsoSensorParameters& sensor, const TorsoCa
 }
 
 }  // namespace
+
+double plumb_pitch_rad(const Angles& rest_rad) { return -0.5 * (rest_rad[0] + rest_rad[2]); }
+
+bool legs_plumb(const Angles& rest_rad) {
+  return std::abs(rest_rad[0] - rest_rad[2]) < kPlumb_rad && std::abs(rest_rad[1]) < kPlumb_rad &&
+         std::abs(rest_rad[3]) < kPlumb_rad;
+}
 
 const char* name(CalibrationFinding finding) {
   constexpr std::array<const char*, 6> kNames = {

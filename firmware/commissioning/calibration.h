@@ -108,6 +108,14 @@ struct TorsoCalibration {
   }
 };
 
+/// How far limp legs that hang may be from plumb: friction holds them.
+inline constexpr double kPlumb_rad = 0.15;
+
+/// Whether both legs hang straight down, within kPlumb_rad, the torso at any pitch.
+[[nodiscard]] bool legs_plumb(const Angles& rest_rad);
+/// The torso's pitch by such legs.
+[[nodiscard]] double plumb_pitch_rad(const Angles& rest_rad);
+
 /// The legs are plumb lines: centres of mass lie on the links' axes, so that limp legs hang straight down.
 /// The torso's pitch is then minus the angle of a hip. While the left thigh is held still in the world, its
 /// hip shows how the torso moves.

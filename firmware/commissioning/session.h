@@ -70,11 +70,11 @@ class Session {
   /// The same, a limit of a driver, and an emergency stop that is pressed or silent: before and while a joint
   /// gets torque.
   [[nodiscard]] std::string trouble_with_torque() const;
+  /// The first temperature or supply beyond the limits of a driver, with that limit; empty: none is.
+  [[nodiscard]] std::string limit_trouble() const;
   [[nodiscard]] bool stopped() const noexcept { return stop_.load(std::memory_order_relaxed); }
 
  private:
-  [[nodiscard]] std::string limit_trouble() const;
-
   hal::Robot& robot_;
   hal::Clock& clock_;
   const std::atomic<bool>& stop_;

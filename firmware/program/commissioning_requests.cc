@@ -6,6 +6,13 @@
 
 namespace stilt::program {
 
+commissioning::DriverLimits driver_limits(const Options& options) {
+  const supervisor::SupervisorParameters& supervisor = options.configuration.supervisor;
+  return {.overheated_C = supervisor.overheated_C,
+          .low_voltage_V = supervisor.low_voltage_V,
+          .high_voltage_V = supervisor.high_voltage_V};
+}
+
 commissioning::JogRequest jog_request(const Options& options, const model::RobotModel& robot) {
   const supervisor::SupervisorParameters& supervisor = options.configuration.supervisor;
   return {.joint = options.joint,

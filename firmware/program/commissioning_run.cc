@@ -14,6 +14,7 @@
 #include "firmware/commissioning/identify.h"
 #include "firmware/commissioning/jog_dialog.h"
 #include "firmware/commissioning/scan.h"
+#include "firmware/commissioning/unknown_turns.h"
 #include "firmware/commissioning/watch.h"
 #include "firmware/commissioning/zero.h"
 #include "firmware/configuration/driver_of.h"
@@ -35,14 +36,15 @@ std::int64_t tick_ns(const Options& options) {
   return std::llround(1e9 / options.configuration.timing.torque_rate_hz);
 }
 
+/// Once the drivers are up.
+void say_unknown_turns(const ControllerState& state) {
+  const std::string sentence = commissioning::unknown_turns(*state.hardware);
+  if (!sentence.empty()) std::fprintf(stderr, "stiltd: %s\n", sentence.c_str());
+}
+
 Session session_of(const Options& options, ControllerState& state, hal::Clock& clock,
                    const std::atomic<bool>& stop) {
-  const supervisor::SupervisorParameters& parameters = options.configuration.supervisor;
-  return {*state.hardware,
-          clock,
-          tick_ns(options),
-          stop,
-          {parameters.overheated_C, parameters.low_voltage_V, parameters.high_voltage_V}};
+  return {*state.hardware, clock, tick_ns(options), stop, driver_limits(options)};
 }
 
 /// A line of JSON with the reason.
@@ -147,9 +149,13 @@ CommissioningOutcome run_watch(const Options& options, ControllerState& state, h
   if (!display.good()) return {.error = display.finish(), .bad_input = true, .text = {}, .json = {}};
   Session session = session_of(options, state, clock, stop);
   WatchTelemetry telemetry(state, clock.now_ns(), options.configuration.timing.torque_rate_hz);
-  const auto done = commissioning::watch(
-      session, options.duration_s, [&display](const auto& sample) { display.show(sample); },
-      [&](const auto& sample) { return telemetry.follow(sample) && display.good(); });
+  const auto show = [&](const commissioning::WatchSample& sample) {
+    if (sample.time_s == 0) say_unknown_turns(state);
+    display.show(sample);
+  };
+  const auto done = commissioning::watch(session, options.duration_s, show, [&](const auto& sample) {
+    return telemetry.follow(sample) && display.good();
+  });
   if (!done) {
     display.fail(done.error());
     return {.error = done.error(), .text = {}, .json = {}};
@@ -245,6 +251,7 @@ CommissioningOutcome run_commissioning(const Options& options, ControllerState& 
     if (options.task == Task::calibrate) outcome = run_calibrate(options, state, clock, stop, person);
     if (options.task == Task::identify) outcome = run_identify(options, state, clock, stop);
   });
+  if (options.task != Task::watch) say_unknown_turns(state);
   TorsoSensorReport(options).update(state);
   return ran ? outcome : failed(ran.error());
 }

@@ -1,10 +1,9 @@
 #include "firmware/program/controller_state.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "firmware/configuration/hardware.h"
-#include "firmware/configuration/reach.h"
+#include "firmware/configuration/robot_bring_up.h"
 #include "firmware/program/configure_controller.h"
 #include "firmware/robots/robots.h"
 #include "firmware/telemetry/telemetry_node.h"
@@ -15,21 +14,6 @@ namespace {
 /// Before the offsets are known, an angle may be anywhere.
 bool angles_are_known(Task task) {
   return task != Task::watch && task != Task::jog && task != Task::calibrate;
-}
-
-hal::BringUpOptions bring_up_options(const configuration::HardwareParameters& hardware,
-                                     const model::RobotConstants& robot, bool angles_known) {
-  using configuration::kTravelMargin_rad;
-  constexpr double kAnywhere_rad = std::numeric_limits<double>::infinity();
-  hal::BringUpOptions options;
-  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
-    const double margin_rad = angles_known ? kTravelMargin_rad : kAnywhere_rad;
-    options[joint] = configuration::bring_up_options(
-        hardware, joint, robot.position_min_rad[joint] - margin_rad,
-        robot.position_max_rad[joint] + margin_rad, robot.velocity_limit_rad_s[joint]);
-    if (!angles_known) options[joint].encoder_period_rad = 0;
-  }
-  return options;
 }
 
 std::expected<void, std::string> start_serial_sensor(const Options& options, const hal::RobotWiring& wiring,
@@ -71,10 +55,9 @@ std::expected<void, std::string> set_up(const Options& options, std::span<hal::F
   }
   const hal::RobotWiring wiring =
       configuration::robot_wiring(configuration.hardware, configuration.timing.torque_rate_hz);
-  state.hardware.emplace(
-      wiring,
-      bring_up_options(configuration.hardware, (*robot)->model.constants, angles_are_known(options.task)),
-      std::span(carried).first(buses.size()));
+  const auto demanded = configuration::bring_up_options(configuration.hardware, (*robot)->model.constants,
+                                                        angles_are_known(options.task));
+  state.hardware.emplace(wiring, demanded, std::span(carried).first(buses.size()));
   if (const auto started = start_serial_sensor(options, wiring, state); !started) return started;
   state.control.attach(*state.hardware, state.mail);
   state.script.emplace(options.start, configuration.runtime.start_settle_s, options.duration_s);

@@ -154,6 +154,10 @@ Commands add_commands(CLI::App& app, Arguments& arguments, Options& options) {
       add_command(app, "selftest", "commands all drivers at zero torque, reports replies and their times",
                   arguments, options);
   commands.self_test->add_option("--seconds", options.self_test_s, "how long, s")->capture_default_str();
+  commands.self_test->add_flag("--hanging", options.hangs,
+                               "the robot hangs, legs limp: fails where angles and pitch are not plumb");
+  commands.self_test->add_flag("--accept-missing-stop", options.accept_missing_stop,
+                               "passes although no emergency stop is reported to this program");
   return commands;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "firmware/commissioning/session.h"
+#include "firmware/program/commissioning_requests.h"
 #include "firmware/program/commissioning_run.h"
 #include "firmware/program/interrupt_report.h"
 #include "firmware/program/planner_load.h"
@@ -25,10 +26,14 @@ struct Test {
         clock(time),
         replies(hal::reply_frames(configuration::robot_wiring(asked.configuration.hardware))) {
     const configuration::Configuration& configuration = asked.configuration;
-    result.limits = {
-        configuration.runtime.self_test_answered_share, configuration.runtime.self_test_in_time_share,
-        configuration.runtime.self_test_late_share,     configuration.supervisor.torque_loop_overrun_s,
-        1.0 / configuration.timing.plan_rate_hz,        configuration.runtime.planner_priority};
+    result.limits = {configuration.runtime.self_test_answered_share,
+                     configuration.runtime.self_test_in_time_share,
+                     configuration.runtime.self_test_late_share,
+                     configuration.supervisor.torque_loop_overrun_s,
+                     1.0 / configuration.timing.plan_rate_hz,
+                     configuration.runtime.planner_priority,
+                     asked.accept_missing_stop,
+                     asked.hangs};
   }
 
   const Options& options;
@@ -98,6 +103,7 @@ void command_robot(Test& test, commissioning::Session& session) {
       ++test.result.late_ticks;
     const bool base_is_new = session.readings().base.time_ns != newest_base_ns;
     if (tick > 0) count(test, session.readings(), base_is_new);  // the first command has no predecessor
+    if (test.result.limit_trouble.empty()) test.result.limit_trouble = session.limit_trouble();
     forget(test);
     if (tick == ticks || test.stop.load()) break;
     static_cast<void>(hardware.write({}));
@@ -137,7 +143,8 @@ void command_under_load(Test& test, commissioning::Session& session) {
 
 void run(Test& test) {
   const auto tick_ns = std::llround(1e9 / test.options.configuration.timing.torque_rate_hz);
-  commissioning::Session session(*test.state.hardware, test.clock, tick_ns, test.stop);
+  commissioning::Session session(*test.state.hardware, test.clock, tick_ns, test.stop,
+                                 driver_limits(test.options));
   if (const auto up = session.bring_up()) {
     test.options.lockstep ? command_robot(test, session) : command_under_load(test, session);
   } else {

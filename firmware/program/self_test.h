@@ -22,6 +22,8 @@ struct SelfTestLimits {
   double wakeup_latency_max_s = 5e-4;  ///< supervisor.torque_loop_overrun_s
   double plan_period_s = 0.01;         ///< 1 / timing.plan_rate_hz
   int planner_priority = 60;           ///< runtime.planner_priority
+  bool accept_missing_stop = false;    ///< --accept-missing-stop
+  bool hangs = false;                  ///< --hanging
 };
 
 /// One thing that was looked at.
@@ -46,7 +48,8 @@ struct SelfTestResult {
   long long base_silent_ticks = 0;  ///< most in a row without a new reading of the torso sensor
   bool emergency_stop_pressed = false;
   bool emergency_stop_silent = false;
-  hal::RobotReadings last;  ///< newest of all joints and of the torso
+  std::string limit_trouble;  ///< the first temperature or supply beyond its limit; empty: none
+  hal::RobotReadings last;    ///< newest of all joints and of the torso
   long long bus_errors = 0;
   long long late_ticks = 0;  ///< later than limits.wakeup_latency_max_s
   diagnostics::Histogram wakeup_latency;

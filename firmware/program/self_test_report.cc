@@ -2,6 +2,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "firmware/commissioning/calibration.h"
 #include "firmware/commissioning/formatted.h"
 #include "firmware/commissioning/session.h"
 #include "firmware/control_loop/joint_names.h"
@@ -54,14 +55,38 @@ Check torso_sensor(const SelfTestResult& result) {
           formatted("at most %u ticks without one", commissioning::kSilentReads)};
 }
 
+/// Heat and supply over the whole test. Drivers that do not report them are within their limits.
+Check heat_and_supply(const SelfTestResult& result) {
+  const bool passed = result.limit_trouble.empty();
+  return {"heat and supply", passed, passed ? "within the limits of the supervisor" : result.limit_trouble,
+          ""};
+}
+
 Check emergency_stop(const SelfTestResult& result) {
   const bool absent = result.last.emergency_stop == hal::EmergencyStopState::absent;
-  return {"emergency stop", !result.emergency_stop_pressed && !result.emergency_stop_silent && !absent,
+  const bool accepted = absent && result.limits.accept_missing_stop;
+  return {"emergency stop",
+          !result.emergency_stop_pressed && !result.emergency_stop_silent && (accepted || !absent),
           result.emergency_stop_pressed  ? "pressed"
           : result.emergency_stop_silent ? "silent"
+          : accepted                     ? "not wired to this program, accepted by --accept-missing-stop"
           : absent                       ? "not wired to this program"
                                          : "released",
-          "released"};
+          accepted ? ""
+          : absent ? "released, or --accept-missing-stop where only the motors' supply is cut"
+                   : "released"};
+}
+
+/// Limp legs of a robot that hangs are plumb lines. An offset that is void after a power cycle shows here.
+Check plumb(const SelfTestResult& result) {
+  const commissioning::Angles at_rad = commissioning::joint_angles(result.last);
+  const double pitch_rad = result.last.base.pitch_rad;
+  const double by_legs_rad = commissioning::plumb_pitch_rad(at_rad);
+  return {"plumb",
+          commissioning::legs_plumb(at_rad) && std::abs(pitch_rad - by_legs_rad) < commissioning::kPlumb_rad,
+          formatted("hips at %.2f and %.2f rad, knees at %.2f and %.2f, torso at %.2f", at_rad[0], at_rad[2],
+                    at_rad[1], at_rad[3], pitch_rad),
+          formatted("knees at 0, hips at minus the torso, within %.2f rad", commissioning::kPlumb_rad)};
 }
 
 Check errors_of_buses(const SelfTestResult& result) {
@@ -138,7 +163,9 @@ std::vector<Check> SelfTestResult::checks() const {
   if (!failure.empty() || ticks == 0) return {};
   std::vector<Check> all;
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) all.push_back(driver(*this, joint));
-  all.insert(all.end(), {torso_sensor(*this), emergency_stop(*this), errors_of_buses(*this)});
+  all.insert(all.end(),
+             {torso_sensor(*this), heat_and_supply(*this), emergency_stop(*this), errors_of_buses(*this)});
+  if (limits.hangs) all.push_back(plumb(*this));
   if (solve.count() == 0) return all;  // lock-step
   all.insert(all.end(), {wakeup(*this), planner(*this), interrupt_threads(*this), idle_states(*this),
                          throttling(*this)});

@@ -17,4 +17,9 @@ namespace stilt::hal {
   return angle_rad + first * period_rad;
 }
 
+/// A joint without a travel may be anywhere, in any turn of its encoder: its offset is not known yet.
+[[nodiscard]] inline bool any_turn(double minimum_rad, double maximum_rad) noexcept {
+  return std::isinf(minimum_rad) && std::isinf(maximum_rad);
+}
+
 }  // namespace stilt::hal

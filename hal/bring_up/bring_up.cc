@@ -148,7 +148,8 @@ void BringUp::give_up() noexcept {
 
 bool BringUp::check_home(double position_rad) noexcept {
   double placed_rad = position_rad;
-  if (options_.encoder_period_rad > 0) {
+  const bool all_turns = any_turn(options_.minimum_angle_rad, options_.maximum_angle_rad);
+  if (options_.encoder_period_rad > 0 && !all_turns) {
     const auto turn = only_turn(position_rad, options_.encoder_period_rad, options_.minimum_angle_rad,
                                 options_.maximum_angle_rad);
     placed_rad = turn.value_or(std::numeric_limits<double>::quiet_NaN());

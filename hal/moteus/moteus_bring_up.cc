@@ -133,7 +133,7 @@ BringUp::Verdict MoteusBringUp::judge_version(const MoteusReply& reply) noexcept
 
 BringUp::Verdict MoteusBringUp::judge_home(const MoteusReply& reply) noexcept {
   const bool one_turn = rotor_referenced_ && options().encoder_period_rad > 0;
-  if (!output_referenced_ && !one_turn) return wrong(Failure::not_home);
+  if (!output_referenced_ && !one_turn && turn_known()) return wrong(Failure::not_home);
   if (!std::isfinite(reply.position_rad)) return wrong(Failure::not_home);
   if (!check_home(reply.position_rad)) return Verdict::fail;
   if (!reaches_both_ends()) return wrong(Failure::wrong_setting, {.setting = Setting::moteus_zero});

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 
+#include "hal/bring_up/absolute_turn.h"
 #include "hal/bring_up/bring_up.h"
 #include "hal/moteus/moteus.h"
 #include "hal/moteus/moteus_console.h"
@@ -11,13 +12,19 @@ namespace stilt::hal::moteus {
 /// moteus: stops it, which clears faults and an expired watchdog. Checks firmware and register map version,
 /// and reads the settings that no register shows over its command line. Writes the watchdog register and
 /// reads it back. The position must be referenced to the output, or to the rotor with an encoder period
-/// that leaves one turn. Then position mode is enabled at zero gain and torque. Enabled at zero torque it
-/// is asked to hold both ends of the joint's travel: its control position shows bounds and limits of the
-/// trajectory, the terms of its torque, which its limit of 0 keeps from the motor, the gains.
+/// that leaves one turn; for a joint without a travel the rotor is enough. Then position mode is enabled at
+/// zero gain and torque. Enabled at zero torque it is asked to hold both ends of the joint's travel: its
+/// control position shows bounds and limits of the trajectory, the terms of its torque, which its limit of 0
+/// keeps from the motor, the gains.
 class MoteusBringUp final : public bring_up::BringUp {
  public:
   MoteusBringUp(const MoteusDriver& driver, const bring_up::Options& options) noexcept
       : BringUp(options), driver_(driver) {}
+
+  /// Whether the position is that of the joint, and not of any turn of the rotor. For a driver that is ready.
+  [[nodiscard]] bool turn_known() const noexcept {
+    return !rotor_referenced_ || !any_turn(options().minimum_angle_rad, options().maximum_angle_rad);
+  }
 
  private:
   /// Parts of enable: position mode, then probes of the two ends of the travel.

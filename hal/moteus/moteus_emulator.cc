@@ -66,6 +66,7 @@ void MoteusEmulator::power_cycle() noexcept {
   answers_ = {};
   staged_ = command_ = kUnspecified;
   set_zero_rad(written_zero_rad_);
+  home_ = home_at_power_up_;
 }
 
 void MoteusEmulator::raise(DriverFault fault) noexcept {
@@ -299,6 +300,7 @@ ConsoleText MoteusEmulator::execute(std::string_view line) noexcept {
     written_zero_rad_ = zero_rad();
   } else if (line == "d cfg-set-output 0" || line == "d exact 0") {
     count_from(0);
+    if (line == "d exact 0") home_ = MoteusHome::output;
   } else {
     return setting(line.starts_with(kGet) ? line.substr(kGet.size()) : "");
   }

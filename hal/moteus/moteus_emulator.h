@@ -62,7 +62,8 @@ class MoteusEmulator final : public EmulatedDriver {
   void power_cycle() noexcept override;
 
   [[nodiscard]] MoteusMode mode() const noexcept { return mode_; }
-  void set_home(MoteusHome home) noexcept { home_ = home; }
+  /// At power-up and now: what its encoders reference.
+  void set_home(MoteusHome home) noexcept { home_ = home_at_power_up_ = home; }
   void set_encoder(std::size_t encoder, double position_rad, double velocity_rad_s) noexcept override {
     encoders_[encoder] = {position_rad, velocity_rad_s};
   }
@@ -101,7 +102,8 @@ class MoteusEmulator final : public EmulatedDriver {
   MoteusDriver driver_;
   MoteusSettings settings_;
   MoteusMode mode_ = MoteusMode::stopped;
-  MoteusHome home_ = MoteusHome::output;
+  MoteusHome home_ = MoteusHome::output;  ///< of the output also after `d exact`
+  MoteusHome home_at_power_up_ = MoteusHome::output;
   std::uint8_t fault_code_ = 0;
   CommandRegisters staged_{};   ///< registers 0x020 to 0x029 as the newest frame wrote them
   CommandRegisters command_{};  ///< in effect

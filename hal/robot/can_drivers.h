@@ -32,6 +32,12 @@ class CanDrivers final {
   /// One step, once per tick, after the buses were read and instead of a command.
   [[nodiscard]] BringUpProgress step(std::int64_t now_ns) noexcept;
 
+  /// False: the angle of a joint that is up may be wrong by whole turns of its driver's encoder.
+  [[nodiscard]] bool turn_known(std::size_t joint) const noexcept {
+    const auto* moteus = std::get_if<moteus::MoteusBringUp>(&bring_up_[joint]);
+    return moteus == nullptr || moteus->turn_known();
+  }
+
  private:
   [[nodiscard]] bring_up::BringUp& of(std::size_t joint) noexcept;
   /// Of drivers that keep a fault until they are cleared; the others clear theirs when stopped.

@@ -33,6 +33,9 @@ class RobotHardware final : public Robot {
   }
   void restore_buses() noexcept override;
 
+  /// False: the angle of a joint that is up may be wrong by whole turns of its driver's encoder.
+  [[nodiscard]] bool turn_known(std::size_t joint) const noexcept { return drivers_.turn_known(joint); }
+
   /// Frames lost, withheld or malformed and error reports, on all buses since the start.
   [[nodiscard]] std::uint64_t errors() const noexcept;
   [[nodiscard]] std::uint64_t errors(std::size_t bus) const noexcept;

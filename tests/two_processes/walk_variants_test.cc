@@ -10,6 +10,13 @@
 namespace stilt::two_processes {
 namespace {
 
+using Words = std::vector<std::string>;
+
+Words with(Words options, const Words& more) {
+  options.insert(options.end(), more.begin(), more.end());
+  return options;
+}
+
 /// Steps after this time of the robot since its release.
 std::size_t steps_after(const nlohmann::json& robot, double time_s) {
   return static_cast<std::size_t>(std::ranges::count_if(
@@ -114,15 +121,9 @@ class SelfTest : public testing::TestWithParam<const char*> {};
 
 TEST_P(SelfTest, EveryCommandIsAnsweredInTime) {
   RobotAndController run;
-  const std::vector<std::string> settings = with_protocol(GetParam());
-  std::vector<std::string> robot = settings;
-  robot.insert(robot.end(), {"--lockstep", "--once"});
-  run.start_robot(robot);
-  run.start_self_test([&] {
-    std::vector<std::string> options = settings;
-    options.insert(options.end(), {"--lockstep", "--seconds", "2"});
-    return options;
-  }());
+  const Words settings = with_protocol(GetParam());
+  run.start_robot(with(settings, {"--lockstep", "--once"}));
+  run.start_self_test(with(settings, {"--lockstep", "--seconds", "2"}));
   run.expect_both_to_end();
   ASSERT_EQ(run.controller().wait(0), 0) << run.said();
   const nlohmann::json report = run.controller_json();
@@ -147,6 +148,49 @@ TEST(TwoProcesses, ASelfTestWithASilentDriverFails) {
   EXPECT_EQ(run.controller_json().at("passed"), false);
   EXPECT_NE(run.controller_json().at("failure").get<std::string>().find("knee_R"), std::string::npos);
 }
+
+/// A robot that stands or hangs, and what its self-test has to find.
+struct Tested {
+  const char* name;
+  Words robot;
+  Words test;
+  const char* failed;  ///< the one check that fails; empty: it passes
+};
+
+class SelfTestOf : public testing::TestWithParam<Tested> {};
+
+TEST_P(SelfTestOf, FailsTheOneCheckThatIsToBlame) {
+  RobotAndController run;
+  run.start_robot(with({"--lockstep", "--once"}, GetParam().robot));
+  run.start_self_test(with({"--lockstep", "--seconds", "6"}, GetParam().test));
+  run.expect_both_to_end();
+  const std::string wanted = GetParam().failed;
+  EXPECT_EQ(run.controller().wait(0), wanted.empty() ? 0 : 1) << run.said();
+  Words failed;
+  for (const nlohmann::json& check : run.controller_json().at("checks")) {
+    if (!check.at("passed")) failed.push_back(check.at("name"));
+  }
+  EXPECT_EQ(failed, wanted.empty() ? Words{} : Words{wanted}) << run.said();
+}
+
+const Words kNoStop = {"--set", "torso_sensor.emergency_stop_released=none"};
+const Words kCool = {"--set", "supervisor.hot_C=10", "--set", "supervisor.overheated_C=20"};
+const Words kOtherSupply = with(with_protocol("moteus"), {"--set", "supervisor.low_voltage_V=100", "--set",
+                                                          "supervisor.high_voltage_V=200"});
+const Words kOdrive = with_protocol("odrive");
+/// Switched on where the left thigh was 0.4 rad away from where it was calibrated.
+const Words kVoidOffset = with(kOdrive, {"--hang", "--set", "hip_L.offset_rad=0.4"});
+
+INSTANTIATE_TEST_SUITE_P(
+    TwoProcesses, SelfTestOf,
+    testing::Values(Tested{"ARobotWithoutAStop", kNoStop, kNoStop, "emergency stop"},
+                    Tested{"ARobotWhoseMissingStopIsAccepted", kNoStop,
+                           with(kNoStop, {"--accept-missing-stop"}), ""},
+                    Tested{"AHotDriver", {}, kCool, "heat and supply"},
+                    Tested{"AWrongSupply", with_protocol("moteus"), kOtherSupply, "heat and supply"},
+                    Tested{"LegsThatHang", with(kOdrive, {"--hang"}), with(kOdrive, {"--hanging"}), ""},
+                    Tested{"AVoidOffset", kVoidOffset, with(kOdrive, {"--hanging"}), "plumb"}),
+    [](const auto& row) { return std::string(row.param.name); });
 
 }  // namespace
 }  // namespace stilt::two_processes

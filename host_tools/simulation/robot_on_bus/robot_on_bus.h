@@ -96,6 +96,7 @@ class RobotOnBus {
 
   [[nodiscard]] const simulation::Plant& plant() const { return plant_; }
   [[nodiscard]] const JointDrivers& drivers() const { return drivers_; }
+  [[nodiscard]] JointDrivers& drivers() { return drivers_; }
   [[nodiscard]] const Gantry& gantry() const { return gantry_; }
   [[nodiscard]] const WalkRecorder& recorder() const { return recorder_; }
   [[nodiscard]] const std::vector<InjectedFault>& injected_faults() const { return injected_; }

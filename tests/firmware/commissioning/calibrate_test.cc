@@ -95,6 +95,34 @@ TEST(Calibrate, AWrongSignOfTheConfigurationIsNamed) {
   EXPECT_TRUE(report->values.empty());
 }
 
+/// Moteus that have the encoder of their rotor alone, whose angle repeats every 4 rad: with the offsets found
+/// bring-up puts each joint into its travel, from whatever turn it counts.
+TEST(Calibrate, FindsOffsetsThatHoldInEveryTurnOfARotorsEncoder) {
+  const std::vector<std::string> moteus = {"hip_driver.protocol=moteus", "knee_driver.protocol=moteus",
+                                           "hip_driver.encoder_period_rad=4",
+                                           "knee_driver.encoder_period_rad=4"};
+  HangingRobot robot({.both = moteus, .robot = kUnknown, .miswired = {}});
+  robot.reference_to_rotors();
+  Helper person(robot);
+  const auto report = tried(robot, person);
+  ASSERT_TRUE(report) << report.error().sentence;
+  expect_signs_and_offsets(robot, *report, kUnknown);
+  std::vector<std::string> found = moteus, a_turn_on = moteus;
+  for (const configuration::NewValue& value : report->values) {
+    found.push_back(value.section + '.' + value.key + '=' + value.value);
+  }
+  for (const std::string& setting : kUnknown) a_turn_on.push_back(setting);
+  a_turn_on.emplace_back("hip_L.offset_rad=4.4");
+  HangingRobot after({.both = found, .robot = a_turn_on, .miswired = {}, .angles_known = true});
+  after.reference_to_rotors();
+  Session session = after.session();
+  const auto up = session.bring_up();
+  ASSERT_TRUE(up) << up.error();
+  session.tick();
+  const double hip_rad = after.robot.plant().state()[model::kFirstJoint];
+  EXPECT_NEAR(session.readings().joints[0].position_rad, hip_rad, 0.05);
+}
+
 TEST(Calibrate, NoJointGetsTorqueAndDriversAreOffAtTheEnd) {
   HangingRobot robot;
   Helper person(robot);

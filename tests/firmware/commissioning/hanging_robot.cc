@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 
+#include "firmware/configuration/robot_bring_up.h"
 #include "firmware/robots/robots.h"
 #include "host_tools/cli/robot_setup.h"
 
@@ -40,14 +40,10 @@ robot_on_bus::RobotSetup setup_of(const Wiring& wiring) {
   return setup;
 }
 
-/// As stiltd has them before offsets are known.
-hal::BringUpOptions bring_up_options(const configuration::HardwareParameters& hardware) {
-  constexpr double kAnywhere_rad = std::numeric_limits<double>::infinity();
-  hal::BringUpOptions options;
-  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
-    options[joint] = configuration::bring_up_options(hardware, joint, -kAnywhere_rad, kAnywhere_rad);
-  }
-  return options;
+const model::RobotConstants& amber3m() {
+  const auto found = robots::find("amber3m");
+  if (!found) throw std::runtime_error(found.error());
+  return (*found)->model.constants;
 }
 
 }  // namespace
@@ -57,8 +53,16 @@ HangingRobot::HangingRobot(const Wiring& wiring)
       robot(setup_of(wiring)),
       buses{DirectBus(robot, 0, now_ns_), DirectBus(robot, 1, now_ns_)} {
   const hal::RobotWiring own = configuration::robot_wiring(configuration.hardware, 1e9 / kTick_ns);
-  hardware =
-      std::make_unique<hal::RobotHardware>(own, bring_up_options(configuration.hardware), frame_buses());
+  const auto demanded =
+      configuration::bring_up_options(configuration.hardware, amber3m(), wiring.angles_known);
+  hardware = std::make_unique<hal::RobotHardware>(own, demanded, frame_buses());
+}
+
+void HangingRobot::reference_to_rotors() {
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    auto& driver = dynamic_cast<hal::moteus::MoteusEmulator&>(robot.drivers().driver(joint));
+    driver.set_home(hal::moteus::MoteusHome::rotor);
+  }
 }
 
 std::int64_t HangingRobot::sleep_until(std::int64_t time_ns) noexcept {
@@ -100,11 +104,9 @@ void HangingRobot::look() {
 }
 
 JogRequest HangingRobot::jog_request(std::size_t joint, double angle_rad) const {
-  const auto found = robots::find("amber3m");
-  if (!found) throw std::runtime_error(found.error());
   return {.joint = joint,
           .angle_rad = angle_rad,
-          .torque_limit_Nm = (*found)->model.constants.torque_limit_Nm[joint],
+          .torque_limit_Nm = amber3m().torque_limit_Nm[joint],
           .kp_Nm_rad = configuration.supervisor.hold_kp_Nm_rad,
           .kd_Nms_rad = configuration.supervisor.hold_kd_Nms_rad};
 }

@@ -23,6 +23,7 @@ struct Wiring {
   std::vector<std::string> plant = {};  ///< options of the plant
   double torque_factor = 1.0;           ///< torque that the motors give, over what their drivers report
   int seed = 1;                         ///< of the sensors' noise
+  bool angles_known = false;            ///< to the commands, as to identify
 };
 
 using robot_on_bus::testing_support::DirectBus;
@@ -48,6 +49,8 @@ class HangingRobot final : public hal::Clock {
   [[nodiscard]] Session session(const DriverLimits& limits = {}) {
     return {*hardware, *this, 1'000'000, stop, limits};
   }
+  /// All drivers are moteus that have the encoder of their rotor alone.
+  void reference_to_rotors();
   [[nodiscard]] JogRequest jog_request(std::size_t joint, double angle_rad) const;
 
   /// Of the links' angles in the world, from where they hung when the first motor gave torque: the link that

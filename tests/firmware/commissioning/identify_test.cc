@@ -50,7 +50,8 @@ Wiring wiring_of(const Drives& drives) {
                 "encoder_noise_rad=" + std::to_string(drives.noise_rad), "encoder_velocity_noise_rad_s=0.02",
                 "base_angle_noise_rad=0.001", "base_rate_noise_rad_s=0.01"},
       .torque_factor = drives.torque_factor,
-      .seed = drives.seed};
+      .seed = drives.seed,
+      .angles_known = true};
 }
 
 void expect_within(double share, const Estimate& estimate, double truth, double at_least) {

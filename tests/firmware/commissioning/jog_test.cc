@@ -162,6 +162,15 @@ TEST(Jog, ADriverWhoseSupplyIsOutOfRangeGetsNoTorque) {
   EXPECT_NE(refused_with(robot, high).find(" V, and supervisor.low_voltage_V"), std::string::npos);
 }
 
+TEST(Jog, AMoteusWithTheEncoderOfItsRotorAloneIsMoved) {
+  HangingRobot robot(
+      {.both = {"hip_driver.protocol=moteus", "knee_driver.protocol=moteus"}, .robot = {}, .miswired = {}});
+  robot.reference_to_rotors();
+  const auto report = jogged(robot, kKneeRight, 0.3);
+  ASSERT_TRUE(report) << report.error().sentence;
+  EXPECT_EQ(report->verdict.finding, Finding::correct);
+}
+
 TEST(Jog, AStopDuringTheMotionEndsIt) {
   HangingRobot robot;
   Session session = robot.session();

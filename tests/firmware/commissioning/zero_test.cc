@@ -60,6 +60,24 @@ INSTANTIATE_TEST_SUITE_P(Drivers, Zero,
                          ::testing::Values("mit_damiao", "mit_ak", "mit_mini_cheetah", "moteus", "ak_v3"),
                          [](const auto& row) { return std::string(row.param); });
 
+/// The driver counts from it as from its output, until it loses its power.
+TEST(ZeroOfAMoteus, MakesThePositionOfARotorThatOfTheJoint) {
+  HangingRobot robot({.both = drivers("moteus"), .robot = {}, .miswired = {}, .angles_known = true});
+  robot.reference_to_rotors();
+  const auto is_up = [&robot] {
+    Session session = robot.session();
+    const bool up = session.bring_up().has_value();
+    session.disable();
+    return up;
+  };
+  EXPECT_FALSE(is_up()) << "any turn of the rotor";
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) ASSERT_TRUE(zeroed(robot, joint));
+  EXPECT_TRUE(is_up());
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint)
+    robot.robot.drivers().driver(joint).power_cycle();
+  EXPECT_FALSE(is_up());
+}
+
 TEST(ZeroOfAnAkV3, IsWrittenToItsFlashOnceAndOnlyAfterItIsLimp) {
   HangingRobot robot({.both = drivers("ak_v3"), .robot = kAway, .miswired = {}});
   ASSERT_TRUE(zeroed(robot));

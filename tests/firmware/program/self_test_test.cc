@@ -51,7 +51,7 @@ TEST(SelfTest, PassesWithNothingWrong) {
   const nlohmann::json json = nlohmann::json::parse(to_json(good()));
   EXPECT_EQ(json.at("position_rad").at("knee_L"), 0.25);
   EXPECT_EQ(json.at("base_pitch_rad"), 0.01);
-  EXPECT_EQ(good().checks().size(), 12u);
+  EXPECT_EQ(good().checks().size(), 13u);
 }
 
 TEST(SelfTest, EachDefectFailsItsOwnCheckAlone) {
@@ -64,6 +64,7 @@ TEST(SelfTest, EachDefectFailsItsOwnCheckAlone) {
       {"emergency stop", [](SelfTestResult& r) { r.emergency_stop_pressed = true; }},
       {"emergency stop", [](SelfTestResult& r) { r.emergency_stop_silent = true; }},
       {"emergency stop", [](SelfTestResult& r) { r.last.emergency_stop = hal::EmergencyStopState::absent; }},
+      {"heat and supply", [](SelfTestResult& r) { r.limit_trouble = "hip_R is at 95 C"; }},
       {"bus errors", [](SelfTestResult& r) { r.bus_errors = 5; }},
       {"wake-up", [](SelfTestResult& r) { r.late_ticks = 2; }},
       {"planner", [](SelfTestResult& r) { r.limits.plan_period_s = 0.9e-3; }},
@@ -80,6 +81,44 @@ TEST(SelfTest, EachDefectFailsItsOwnCheckAlone) {
     EXPECT_NE(text.find("FAILED  " + std::string(name)), std::string::npos) << text;
     EXPECT_FALSE(nlohmann::json::parse(to_json(result)).at("passed").get<bool>()) << name;
   }
+}
+
+TEST(SelfTest, AnAbsentEmergencyStopPassesOnlyWhereThatIsAcceptedAndIsReported) {
+  SelfTestResult result = good();
+  result.last.emergency_stop = hal::EmergencyStopState::absent;
+  EXPECT_NE(to_text(result).find("--accept-missing-stop"), std::string::npos) << "what would be right";
+  result.limits.accept_missing_stop = true;
+  EXPECT_TRUE(result.passed()) << to_text(result);
+  EXPECT_NE(to_text(result).find("not wired to this program, accepted"), std::string::npos);
+  result.emergency_stop_pressed = true;
+  EXPECT_FALSE(result.passed());
+  result.emergency_stop_pressed = false;
+  result.emergency_stop_silent = true;
+  EXPECT_FALSE(result.passed());
+}
+
+/// Of a torso that leans forward by 0.3 rad.
+TEST(SelfTest, LegsThatHangArePlumbOrTheirOffsetsAreWrong) {
+  SelfTestResult result = good();
+  const double hanging_rad[] = {-0.3, 0.0, -0.3, 0.1};
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    result.last.joints[joint].position_rad = hanging_rad[joint];
+  }
+  result.last.base.pitch_rad = 0.3;
+  result.limits.hangs = true;
+  EXPECT_TRUE(result.passed()) << to_text(result);
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    SelfTestResult turned = result;
+    turned.last.joints[joint].position_rad += 0.4;
+    EXPECT_EQ(failed(turned), std::vector<std::string>{"plumb"}) << joint;
+    turned.limits.hangs = false;
+    EXPECT_TRUE(turned.passed()) << "a robot that stands";
+  }
+  SelfTestResult leaning = result;
+  leaning.last.base.pitch_rad = 0.0;
+  EXPECT_EQ(failed(leaning), std::vector<std::string>{"plumb"}) << "both hips by one turn";
+  leaning.last.joints[1].position_rad = NAN;
+  EXPECT_EQ(failed(leaning), std::vector<std::string>{"plumb"});
 }
 
 TEST(SelfTest, IdleStatesThatAreNotUsedPass) {

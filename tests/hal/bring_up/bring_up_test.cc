@@ -183,13 +183,13 @@ TEST_F(BringUpTest, AMoteusWhosePositionMeansNothingIsRefused) {
   bus_.attach(driver);
   MoteusBringUp bring_up({}, options_);
   EXPECT_EQ(run(bring_up, bus_, clock_).failure, Failure::not_home);
+  options_.minimum_angle_rad = -0.3;
+  options_.maximum_angle_rad = 0.3;
   driver.set_home(moteus::MoteusHome::rotor);
   MoteusBringUp rotor({}, options_);
   EXPECT_EQ(run(rotor, bus_, clock_).failure, Failure::not_home) << "one of many turns of the rotor";
   driver.set_home(moteus::MoteusHome::relative);
   options_.encoder_period_rad = 0.7;
-  options_.minimum_angle_rad = -0.3;
-  options_.maximum_angle_rad = 0.3;
   MoteusBringUp relative({}, options_);
   EXPECT_EQ(run(relative, bus_, clock_).failure, Failure::not_home)
       << "counted from where it was switched on";
@@ -211,6 +211,28 @@ TEST_F(BringUpTest, ExactlyOneTurnOfTheEncoderMustFitTheTravel) {
   options_.maximum_angle_rad = 1.6;
   MoteusBringUp ambiguous({}, options_);
   EXPECT_EQ(run(ambiguous, bus_, clock_).failure, Failure::not_home);
+}
+
+/// Before its offset is known.
+TEST_F(BringUpTest, AnyTurnOfTheRotorWillDoForAJointWithoutATravel) {
+  for (const double period_rad : {0.0, 0.7}) {
+    mock::MockBus bus(clock_);
+    moteus::MoteusEmulator driver = moteus::make_emulator({});
+    driver.set_home(moteus::MoteusHome::rotor);
+    driver.motor.position_rad = 0.9;
+    bus.attach(driver);
+    options_.encoder_period_rad = period_rad;
+    MoteusBringUp bring_up({}, options_);
+    const StepResult result = run(bring_up, bus, clock_);
+    EXPECT_EQ(result.stage, Stage::ready) << name(result.failure);
+    EXPECT_NEAR(result.position_rad, 0.9, 1e-4);
+    EXPECT_FALSE(bring_up.turn_known());
+    driver.set_home(moteus::MoteusHome::output);
+    EXPECT_EQ(run(bring_up, bus, clock_).stage, Stage::ready);
+    bring_up.restart();
+    EXPECT_EQ(run(bring_up, bus, clock_).stage, Stage::ready);
+    EXPECT_TRUE(bring_up.turn_known());
+  }
 }
 
 TEST_F(BringUpTest, AMoteusComesUpWithAnyGains) {
