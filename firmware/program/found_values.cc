@@ -85,10 +85,10 @@ std::expected<void, std::string> check_wiring(const Options& options,
     const std::string own = configuration::value_text(entry, options.configuration);
     const std::string other = configuration::value_text(entry, there);
     if (own == other) continue;
-    return std::unexpected("--out " + options.out_file + ": " + entry.name() + " is " + other +
-                           " there and " + own +
-                           " in this run, and what is found belongs to one wiring; take --config " +
-                           options.out_file + ", or a new file for --out");
+    std::string sentence = "--out " + options.out_file + ": " + entry.name() + " is ";
+    sentence.append(other).append(" there and ").append(own);
+    sentence.append(" in this run, and what is found belongs to one wiring; take --config ");
+    return std::unexpected(sentence.append(options.out_file).append(", or a new file for --out"));
   }
   return {};
 }

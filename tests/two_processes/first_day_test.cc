@@ -211,7 +211,7 @@ TEST(FirstDayPage, InstallsSetsUpBusesAndDriversWithoutAnotherPage) {
   const std::string page = text_of(FIRST_DAY);
   for (const char* line :
        {"    apt install ./stiltd_*.deb ", "    ip link set can0 up type can bitrate 1000000 restart-ms 0\n",
-        "    ip link set can0 up type can bitrate 1000000 sample-point 0.666 sjw 10 \\\n"
+        "    ip link set can0 up type can bitrate 1000000 sample-point 0.666 sjw 10 \\\n",
         "      dbitrate 5000000 dsample-point 0.666 dsjw 5 fd on restart-ms 0\n",
         "    ip link set can0 txqueuelen 100\n", "    conf set servo.timeout_mode 12\n    conf write\n"}) {
     EXPECT_NE(page.find(line), std::string::npos) << line;
