@@ -28,12 +28,12 @@ Verdict exchanged_encoders(std::size_t joint, std::size_t read) {
 }
 
 /// A limp shin hangs plumb while its thigh moves, and a thigh gives way when its shin moves: the other joint
-/// of the leg turns against the torque. So an own encoder that turns against it while the other one turns
-/// with it reads the other joint.
-bool reads_other_joint(const JogRequest& request, const JogMotion& motion) {
-  const double with_torque_rad = request.angle_rad > 0 ? motion.leg_rad : -motion.leg_rad;
-  return motion.response == Response::against_torque &&
-         with_torque_rad > kExchangedShare * std::abs(motion.reached_rad);
+/// of the leg turns against the torque. So an own encoder that turns against it, or stands still at a stop,
+/// while the other one turns with it reads the other joint.
+bool reads_other_joint(std::size_t joint, const JogMotion& motion) {
+  const bool other_of_leg = motion.response == Response::other && same_leg(*motion.other, joint);
+  return (motion.response == Response::against_torque || other_of_leg) &&
+         motion.direction * motion.leg_rad > kExchangedShare * std::abs(motion.reached_rad);
 }
 
 Verdict other_link(std::size_t joint, std::size_t link) {
@@ -53,12 +53,13 @@ Verdict nothing_moved(std::size_t joint, const JogMotion& motion) {
   char torque[40];
   std::snprintf(torque, sizeof torque, "%.1f Nm", motion.breakaway_Nm);
   if (gives) {
-    return {Finding::blocked_joint, "blocked joint: " + joint_name(joint) + " does not move with " + torque +
+    return {Finding::blocked_joint, "blocked joint: " + joint_name(joint) +
+                                        " does not move either way with " + torque +
                                         ", which its driver reports to give; look for what holds it"};
   }
   return {Finding::dead_joint,
           "dead joint: " + joint_name(joint) + " does not move when asked for " + torque +
-              "; look at the motor's phases, its power stage and the driver's own limits"};
+              " either way; look at the motor's phases, its power stage and the driver's own limits"};
 }
 
 Verdict directions(std::size_t joint, bool motor_right, bool encoder_follows) {
@@ -108,15 +109,15 @@ const char* link_name(std::size_t joint) {
   return kNames[joint];
 }
 
-Verdict judge(const JogRequest& request, const JogMotion& motion, const Sighting& seen, double ratio) {
-  const std::size_t joint = request.joint;
+Verdict judge(std::size_t joint, const JogMotion& motion, const Sighting& seen, double ratio) {
   if (!seen.link) {
     if (motion.response == Response::none) return nothing_moved(joint, motion);
     const std::size_t read = motion.other.value_or(joint);
     return {Finding::loose_link, "loose link: the encoder of " + joint_name(read) +
                                      " moved, and no link; look for a gear or coupling that slips"};
   }
-  // Limp links of a leg move with one another: the other encoder of the leg proves nothing.
+  if (*seen.link == joint && reads_other_joint(joint, motion)) return exchanged_encoders(joint, joint ^ 1U);
+  // Limp links of a leg move with one another: the other encoder of the leg proves nothing else.
   const bool own_still = motion.response == Response::none ||
                          (motion.response == Response::other && same_leg(*motion.other, joint));
   if (own_still && (*seen.link == joint || motion.response == Response::none)) {
@@ -124,12 +125,9 @@ Verdict judge(const JogRequest& request, const JogMotion& motion, const Sighting
                                        " moved, and the encoder of " + joint_name(*seen.link) +
                                        " stood still; look at its cable and magnet"};
   }
-  if (motion.response == Response::other && *seen.link == joint) {
-    return exchanged_encoders(joint, *motion.other);
-  }
   if (*seen.link != joint) return other_link(joint, *seen.link);
-  if (reads_other_joint(request, motion)) return exchanged_encoders(joint, joint ^ 1U);
-  const bool motor_right = (seen.way == Way::backward) == (request.angle_rad > 0);
+  if (motion.response == Response::other) return exchanged_encoders(joint, *motion.other);
+  const bool motor_right = (seen.way == Way::backward) == (motion.direction > 0);
   const bool encoder_follows = motion.response == Response::with_torque;
   if (motor_right && encoder_follows && motion.completed && seen.angle_rad) {
     return gear(joint, motion, *seen.angle_rad, ratio);

@@ -42,8 +42,7 @@ struct Verdict {
 };
 
 /// @param ratio  of the joint's driver in the configuration
-[[nodiscard]] Verdict judge(const JogRequest& request, const JogMotion& motion, const Sighting& seen,
-                            double ratio);
+[[nodiscard]] Verdict judge(std::size_t joint, const JogMotion& motion, const Sighting& seen, double ratio);
 
 /// "left thigh", ...
 [[nodiscard]] const char* link_name(std::size_t joint);
