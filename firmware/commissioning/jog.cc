@@ -114,6 +114,7 @@ class Jog {
     motion_.reported_torque_Nm = own().torque_Nm;
     motion_.leg_rad = moved_rad(request_.joint ^ 1U);
     motion_.reached_rad = moved_rad(request_.joint);
+    motion_.leg_reached_rad = motion_.leg_rad;
     return true;
   }
 
@@ -170,7 +171,9 @@ class Jog {
         request_.kp_Nm_rad * behind_rad + request_.kd_Nms_rad * (speed_rad_s - own().velocity_rad_s);
     if (!tick(torque_Nm)) return false;
     const double reached_rad = moved_rad(request_.joint);
-    if (std::abs(reached_rad) > std::abs(motion_.reached_rad)) motion_.reached_rad = reached_rad;
+    if (std::abs(reached_rad) <= std::abs(motion_.reached_rad)) return true;
+    motion_.reached_rad = reached_rad;
+    motion_.leg_reached_rad = moved_rad(request_.joint ^ 1U);
     return true;
   }
 

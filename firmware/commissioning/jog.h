@@ -50,6 +50,7 @@ struct JogMotion {
   double reported_torque_Nm = 0.0;  ///< by the driver at that moment, NaN: not reported
   double leg_rad = 0.0;             ///< motion of the leg's other encoder at that moment
   double reached_rad = 0.0;         ///< by the encoder, farthest from the start
+  double leg_reached_rad = 0.0;     ///< motion of the leg's other encoder there
   double peak_torque_Nm = 0.0;      ///< asked for
   bool completed = false;           ///< it went all the way and back; only tried with_torque
 };

@@ -122,6 +122,7 @@ std::string to_json(const JogReport& report) {
   json["reported_torque_Nm"] = json_number(motion.reported_torque_Nm);
   json["leg_rad"] = motion.leg_rad;
   json["reached_rad"] = motion.reached_rad;
+  json["leg_reached_rad"] = motion.leg_reached_rad;
   json["peak_torque_Nm"] = motion.peak_torque_Nm;
   json["completed"] = motion.completed;
   json["seen_link"] = report.seen.link ? nlohmann::ordered_json(link_name(*report.seen.link)) : nullptr;

@@ -20,6 +20,9 @@ std::string joint_name(std::size_t joint) { return control_loop::kJointNames[joi
 
 bool same_leg(std::size_t a, std::size_t b) { return a / 2 == b / 2; }
 bool same_link(std::size_t a, std::size_t b) { return a % 2 == b % 2; }
+bool is_knee(std::size_t joint) { return joint % 2 == 1; }
+
+bool apart(double factor, double tolerance) { return !(factor < tolerance && factor > 1 / tolerance); }
 
 Verdict exchanged_encoders(std::size_t joint, std::size_t read) {
   return {Finding::exchanged_encoders, "exchanged encoders: the " + std::string(link_name(joint)) +
@@ -80,17 +83,33 @@ Verdict directions(std::size_t joint, bool motor_right, bool encoder_follows) {
   return {Finding::reversed_motor, "reversed motor: that of " + name + " turns against its encoder" + mend};
 }
 
-Verdict gear(std::size_t joint, const JogMotion& motion, double seen_rad, double ratio) {
-  const double factor = std::abs(motion.reached_rad) / seen_rad;
-  if (factor < kRatioTolerance && factor > 1 / kRatioTolerance) return directions(joint, true, true);
-  char text[200];
+/// A thigh turns with its hip, a shin with both joints: a limp thigh gives way.
+double link_turned_rad(std::size_t joint, const JogMotion& motion) {
+  return motion.direction * (motion.reached_rad + (is_knee(joint) ? motion.leg_reached_rad : 0.0));
+}
+
+Verdict wrong_gear(std::size_t joint, const JogMotion& motion, double seen_rad, double ratio) {
+  const double hip_rad = is_knee(joint) ? motion.leg_reached_rad : 0.0;
+  const double right = ratio * motion.reached_rad / (motion.direction * seen_rad - hip_rad);
+  const std::string encoders =
+      is_knee(joint) ? "encoders of " + joint_name(joint - 1) + " and " + joint_name(joint) + " say"
+                     : "encoder of " + joint_name(joint) + " says";
+  char text[240];
   std::snprintf(
       text, sizeof text,
-      "wrong gear ratio: the %s turned by %.0f degrees where the encoder of %s says %.0f; the ratio "
-      "is about %.3g, and the configuration has %.3g",
-      link_name(joint), seen_rad * 180 / M_PI, joint_name(joint).c_str(),
-      std::abs(motion.reached_rad) * 180 / M_PI, ratio * factor, ratio);
+      "wrong gear ratio: the %s turned by %.0f degrees where the %s %.0f; the ratio is about %.3g, and "
+      "the configuration has %.3g",
+      link_name(joint), seen_rad * 180 / M_PI, encoders.c_str(), link_turned_rad(joint, motion) * 180 / M_PI,
+      right, ratio);
   return {Finding::wrong_ratio, text};
+}
+
+/// Of a joint that went the right way to the angle and back.
+Verdict scales(std::size_t joint, const JogMotion& motion, const Sighting& seen, double ratio) {
+  if (seen.angle_rad && apart(link_turned_rad(joint, motion) / *seen.angle_rad, kRatioTolerance)) {
+    return wrong_gear(joint, motion, *seen.angle_rad, ratio);
+  }
+  return directions(joint, true, true);
 }
 
 }  // namespace
@@ -129,9 +148,7 @@ Verdict judge(std::size_t joint, const JogMotion& motion, const Sighting& seen, 
   if (motion.response == Response::other) return exchanged_encoders(joint, *motion.other);
   const bool motor_right = (seen.way == Way::backward) == (motion.direction > 0);
   const bool encoder_follows = motion.response == Response::with_torque;
-  if (motor_right && encoder_follows && motion.completed && seen.angle_rad) {
-    return gear(joint, motion, *seen.angle_rad, ratio);
-  }
+  if (motor_right && encoder_follows && motion.completed) return scales(joint, motion, seen, ratio);
   return directions(joint, motor_right, encoder_follows);
 }
 

@@ -23,13 +23,14 @@ std::vector<std::string> joined(std::vector<std::string> first, const std::vecto
 configuration::Configuration configuration_of(const Wiring& wiring) {
   std::vector<configuration::Override> overrides;
   for (const std::string& setting : wiring.both) overrides.push_back({setting});
-  const configuration::Result result = configuration::load_robot("amber3m", overrides);
+  const configuration::Result result = configuration::load_robot(wiring.name, overrides);
   if (!result) throw std::runtime_error(configuration::to_string(result.error()));
   return *result;
 }
 
 robot_on_bus::RobotSetup setup_of(const Wiring& wiring) {
   cli::RobotOptions options;
+  options.robot = wiring.name;
   options.hang = true;
   options.settings = joined(wiring.both, wiring.robot);
   options.miswired = wiring.miswired;

@@ -23,6 +23,7 @@ struct Wiring {
   std::vector<std::string> plant = {};  ///< options of the plant
   double torque_factor = 1.0;           ///< torque that the motors give, over what their drivers report
   int seed = 1;                         ///< of the sensors' noise
+  std::string name = "amber3m";         ///< of a shipped robot
 };
 
 using robot_on_bus::testing_support::DirectBus;

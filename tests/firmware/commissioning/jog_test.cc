@@ -151,6 +151,17 @@ TEST(Jog, FrictionOfAnOrdinaryGearNeedsNoSecondPush) {
   }
 }
 
+TEST(Jog, ARabbitIsCorrect) {
+  for (const std::size_t joint : {kHipLeft, kKneeLeft, kHipRight, kKneeRight}) {
+    for (const double angle_rad : {0.3, -0.3}) {
+      HangingRobot robot({.both = {}, .robot = {}, .miswired = {}, .name = "rabbit"});
+      const auto report = jogged(robot, joint, angle_rad);
+      ASSERT_TRUE(report) << report.error().sentence;
+      EXPECT_EQ(report->verdict.finding, Finding::correct) << report->verdict.sentence;
+    }
+  }
+}
+
 TEST(Jog, AJointThatIsFastGetsNoTorque) {
   HangingRobot robot({.both = {}, .robot = {}, .miswired = {}, .plant = {"encoder_velocity_noise_rad_s=3"}});
   const auto report = jogged(robot, kHipLeft, 0.3);
