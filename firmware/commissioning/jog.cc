@@ -145,15 +145,21 @@ class Jog {
     largest_Nm_ = std::min(largest_Nm_, needed_Nm);
     const double start_rad = start_rad_[request_.joint];
     const double to_rad = start_rad + motion_.direction * std::abs(request_.angle_rad);
-    return travel(own().position_rad, to_rad) && hold(to_rad) && travel(to_rad, start_rad) && tick(0);
+    if (!travel(own().position_rad, to_rad) || !hold(to_rad) || !travel(to_rad, start_rad)) return false;
+    motion_.velocity_factor = integral_rad_ / turned_rad_;
+    return tick(0);
   }
 
+  /// Sums up both ways alike, so that a constant error of the velocity cancels.
   bool travel(double from_rad, double to_rad) {
     const double duration_s = std::abs(to_rad - from_rad) / kSpeed_rad_s;
-    const double speed_rad_s = to_rad > from_rad ? kSpeed_rad_s : -kSpeed_rad_s;
+    const double way = to_rad > from_rad ? 1 : -1;
+    const double began_rad = own().position_rad;
     for (double time_s = 0; time_s < duration_s; time_s += session_.tick_s()) {
-      if (!track(from_rad + speed_rad_s * time_s, speed_rad_s)) return false;
+      if (!track(from_rad + way * kSpeed_rad_s * time_s, way * kSpeed_rad_s)) return false;
+      integral_rad_ += way * own().velocity_rad_s * session_.tick_s();
     }
+    turned_rad_ += way * (own().position_rad - began_rad);
     return true;
   }
 
@@ -181,6 +187,8 @@ class Jog {
   JogRequest request_;
   double largest_Nm_;
   double push_Nm_;
+  double turned_rad_ = 0;    // of the position, in the slow motion
+  double integral_rad_ = 0;  // of the velocity, meanwhile
   JogMotion motion_;
   Angles start_rad_{};
   std::string stopped_;

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <expected>
+#include <limits>
 #include <optional>
 #include <string>
 
@@ -51,8 +52,10 @@ struct JogMotion {
   double leg_rad = 0.0;             ///< motion of the leg's other encoder at that moment
   double reached_rad = 0.0;         ///< by the encoder, farthest from the start
   double leg_reached_rad = 0.0;     ///< motion of the leg's other encoder there
-  double peak_torque_Nm = 0.0;      ///< asked for
-  bool completed = false;           ///< it went all the way and back; only tried with_torque
+  /// Integral of the reported velocity over the change of the position, there and back. NaN: not measured.
+  double velocity_factor = std::numeric_limits<double>::quiet_NaN();
+  double peak_torque_Nm = 0.0;  ///< asked for
+  bool completed = false;       ///< it went all the way and back; only tried with_torque
 };
 
 /// Needs drivers that are up, and leaves them limp.

@@ -71,8 +71,8 @@ std::expected<Sighting, CommandFailure> ask_all(Session& session, Person& person
   return seen;
 }
 
-std::expected<JogReport, CommandFailure> run(Session& session, JogRequest request, double ratio,
-                                             Person& person) {
+std::expected<JogReport, CommandFailure> run(Session& session, JogRequest request,
+                                             const configuration::DriverParameters& driver, Person& person) {
   if (const auto up = session.bring_up(); !up) return std::unexpected(CommandFailure{up.error(), false});
   for (double peak_Nm = 0;; request.push_Nm *= 2) {
     auto motion = jog(session, request);
@@ -81,7 +81,7 @@ std::expected<JogReport, CommandFailure> run(Session& session, JogRequest reques
     const auto seen = ask_all(session, person, request, *motion);
     if (!seen) return std::unexpected(seen.error());
     if (motion->response == Response::none && !seen->link && may_double(request)) continue;
-    return JogReport{request, *motion, *seen, judge(request.joint, *motion, *seen, ratio)};
+    return JogReport{request, *motion, *seen, judge(request.joint, *motion, *seen, driver)};
   }
 }
 
@@ -99,8 +99,9 @@ std::string figures(const JogReport& report) {
 }  // namespace
 
 std::expected<JogReport, CommandFailure> jog_and_ask(Session& session, const JogRequest& request,
-                                                     double ratio, Person& person) {
-  auto report = run(session, request, ratio, person);
+                                                     const configuration::DriverParameters& driver,
+                                                     Person& person) {
+  auto report = run(session, request, driver, person);
   session.disable();
   return report;
 }
@@ -123,6 +124,7 @@ std::string to_json(const JogReport& report) {
   json["leg_rad"] = motion.leg_rad;
   json["reached_rad"] = motion.reached_rad;
   json["leg_reached_rad"] = motion.leg_reached_rad;
+  json["velocity_factor"] = json_number(motion.velocity_factor);
   json["peak_torque_Nm"] = motion.peak_torque_Nm;
   json["completed"] = motion.completed;
   json["seen_link"] = report.seen.link ? nlohmann::ordered_json(link_name(*report.seen.link)) : nullptr;

@@ -20,8 +20,8 @@ std::expected<JogReport, CommandFailure> jogged(HangingRobot& robot, std::size_t
   Session session = robot.session();
   Onlooker person(robot);
   const auto& hardware = robot.configuration.hardware;
-  return jog_and_ask(session, robot.jog_request(joint, angle_rad),
-                     configuration::driver_of(hardware, joint).ratio, person);
+  return jog_and_ask(session, robot.jog_request(joint, angle_rad), configuration::driver_of(hardware, joint),
+                     person);
 }
 
 struct Miswiring {
@@ -183,6 +183,7 @@ TEST(Jog, WorksWithDriversOfEveryProtocol) {
     const auto right = jogged(robot, kHipLeft, 0.3);
     ASSERT_TRUE(right) << settings[0] << ": " << right.error().sentence;
     EXPECT_EQ(right->verdict.finding, Finding::correct) << settings[0] << right->verdict.sentence;
+    EXPECT_NEAR(right->motion.velocity_factor, 1, 0.05) << settings[0];
     HangingRobot little({.both = settings, .robot = {}, .miswired = {}});
     const auto smallest = jogged(little, kKneeLeft, kSmallestJog_rad);
     ASSERT_TRUE(smallest) << settings[0] << ": " << smallest.error().sentence;
@@ -290,7 +291,7 @@ TEST(Jog, AWrongAnswerIsRefusedWithTheQuestion) {
     HangingRobot robot;
     Session session = robot.session();
     Written person(answers);
-    const auto report = jog_and_ask(session, robot.jog_request(kHipLeft, 0.1), 1.0, person);
+    const auto report = jog_and_ask(session, robot.jog_request(kHipLeft, 0.1), {}, person);
     ASSERT_FALSE(report);
     EXPECT_TRUE(report.error().bad_answer);
     EXPECT_TRUE(report.error().sentence.starts_with(part)) << report.error().sentence;
@@ -321,7 +322,7 @@ TEST(Jog, ThePersonIsAskedBeforeTheTorqueDoubles) {
   Session session = robot.session();
   Careful person(robot);
   const JogRequest request = robot.jog_request(kHipLeft, 0.3);
-  const auto report = jog_and_ask(session, request, 1.0, person);
+  const auto report = jog_and_ask(session, request, {}, person);
   ASSERT_TRUE(report);
   EXPECT_EQ(report->verdict.finding, Finding::blocked_joint) << report->verdict.sentence;
   double bound_Nm = request.push_Nm;

@@ -73,8 +73,8 @@ Complaints jogged(HangingRobot& robot, Helper& person, std::size_t joint) {
   robot.forget_sightings();
   Session session = robot.session();
   const auto& hardware = robot.configuration.hardware;
-  const auto report = jog_and_ask(session, robot.jog_request(joint, 0.3),
-                                  configuration::driver_of(hardware, joint).ratio, person);
+  const auto report =
+      jog_and_ask(session, robot.jog_request(joint, 0.3), configuration::driver_of(hardware, joint), person);
   if (!report) return Complaint{command, report.error().sentence};
   if (report->verdict.finding == Finding::correct) return std::nullopt;
   return Complaint{command, report->verdict.sentence};
