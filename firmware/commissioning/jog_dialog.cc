@@ -1,5 +1,6 @@
 #include "firmware/commissioning/jog_dialog.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -43,13 +44,26 @@ bool take_angle(const std::string& answer, Sighting& seen) {
   return true;
 }
 
-std::expected<Sighting, CommandFailure> ask_all(Session& session, Person& person, const JogMotion& motion) {
+bool may_double(const JogRequest& request) { return request.push_Nm < most_torque_Nm(request); }
+
+/// What a person needs to know for the answer: "none" may bring more torque.
+std::string which_link(const JogRequest& request, const JogMotion& motion) {
+  if (motion.response != Response::none) return kWhichLink;
+  char text[120];
+  std::snprintf(text, sizeof text, ". No encoder moved with %.1f Nm either way%s", motion.breakaway_Nm,
+                may_double(request) ? "; none doubles the torque" : "");
+  return kWhichLink + std::string(text);
+}
+
+std::expected<Sighting, CommandFailure> ask_all(Session& session, Person& person, const JogRequest& request,
+                                                const JogMotion& motion) {
   Sighting seen;
-  const auto put = [&](const char* question, bool (*take)(const std::string&, Sighting&)) {
+  const auto put = [&](const std::string& question, bool (*take)(const std::string&, Sighting&)) {
     return ask(session, person, question,
                [take, &seen](const std::string& answer) { return take(answer, seen); });
   };
-  if (const auto link = put(kWhichLink, take_link); !link) return std::unexpected(link.error());
+  if (const auto link = put(which_link(request, motion), take_link); !link)
+    return std::unexpected(link.error());
   if (!seen.link) return seen;
   if (const auto way = put(kWhichWay, take_way); !way) return std::unexpected(way.error());
   if (!motion.completed) return seen;
@@ -57,31 +71,42 @@ std::expected<Sighting, CommandFailure> ask_all(Session& session, Person& person
   return seen;
 }
 
-std::expected<JogReport, CommandFailure> run(Session& session, const JogRequest& request, double ratio,
-                                             Person& person) {
+std::expected<JogReport, CommandFailure> run(Session& session, JogRequest request,
+                                             const configuration::DriverParameters& driver, Person& person) {
   if (const auto up = session.bring_up(); !up) return std::unexpected(CommandFailure{up.error(), false});
-  const auto motion = jog(session, request);
-  if (!motion) return std::unexpected(CommandFailure{motion.error(), false});
-  const auto seen = ask_all(session, person, *motion);
-  if (!seen) return std::unexpected(seen.error());
-  return JogReport{request, *motion, *seen, judge(request, *motion, *seen, ratio)};
+  for (double peak_Nm = 0;; request.push_Nm *= 2) {
+    auto motion = jog(session, request);
+    if (!motion) return std::unexpected(CommandFailure{motion.error(), false});
+    peak_Nm = motion->peak_torque_Nm = std::max(peak_Nm, motion->peak_torque_Nm);
+    const auto seen = ask_all(session, person, request, *motion);
+    if (!seen) return std::unexpected(seen.error());
+    if (motion->response == Response::none && !seen->link && may_double(request)) continue;
+    return JogReport{request, *motion, *seen, judge(request.joint, *motion, *seen, driver)};
+  }
+}
+
+std::string figures(const JogReport& report) {
+  const JogMotion& motion = report.motion;
+  if (motion.response == Response::none) return "";
+  char text[160];
+  std::snprintf(text, sizeof text, "moved at %.2f Nm, went %.3f rad by its encoder, peak %.2f Nm\n",
+                motion.breakaway_Nm, motion.reached_rad, motion.peak_torque_Nm);
+  const bool other_way = motion.direction * report.request.angle_rad < 0;
+  return (other_way ? "no encoder moved the way that was asked for, so it went the other way\n" : "") +
+         std::string(text);
 }
 
 }  // namespace
 
 std::expected<JogReport, CommandFailure> jog_and_ask(Session& session, const JogRequest& request,
-                                                     double ratio, Person& person) {
-  auto report = run(session, request, ratio, person);
+                                                     const configuration::DriverParameters& driver,
+                                                     Person& person) {
+  auto report = run(session, request, driver, person);
   session.disable();
   return report;
 }
 
-std::string to_text(const JogReport& report) {
-  char figures[160];
-  std::snprintf(figures, sizeof figures, "moved at %.2f Nm, went %.3f rad by its encoder, peak %.2f Nm\n",
-                report.motion.breakaway_Nm, report.motion.reached_rad, report.motion.peak_torque_Nm);
-  return (report.motion.response == Response::none ? "" : figures) + report.verdict.sentence + '\n';
-}
+std::string to_text(const JogReport& report) { return figures(report) + report.verdict.sentence + '\n'; }
 
 std::string to_json(const JogReport& report) {
   const JogMotion& motion = report.motion;
@@ -93,10 +118,13 @@ std::string to_json(const JogReport& report) {
   json["response"] = name(motion.response);
   json["other_encoder"] =
       motion.other ? nlohmann::ordered_json(control_loop::kJointNames[*motion.other]) : nullptr;
+  json["torque_direction"] = motion.direction;
   json["breakaway_Nm"] = motion.breakaway_Nm;
   json["reported_torque_Nm"] = json_number(motion.reported_torque_Nm);
   json["leg_rad"] = motion.leg_rad;
   json["reached_rad"] = motion.reached_rad;
+  json["leg_reached_rad"] = motion.leg_reached_rad;
+  json["velocity_factor"] = json_number(motion.velocity_factor);
   json["peak_torque_Nm"] = motion.peak_torque_Nm;
   json["completed"] = motion.completed;
   json["seen_link"] = report.seen.link ? nlohmann::ordered_json(link_name(*report.seen.link)) : nullptr;

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "firmware/commissioning/jog.h"
+#include "firmware/configuration/hardware.h"
 
 /// What a jog and a person's eyes say together of the wiring of a joint. Pure.
 namespace stilt::commissioning {
@@ -29,6 +30,7 @@ enum class Finding {
   reversed_motor,
   reversed_encoder,
   wrong_ratio,
+  wrong_speed,    ///< velocities are not those of the positions
   dead_joint,     ///< no torque
   blocked_joint,  ///< torque, and no motion
   dead_encoder,   ///< a link moved, and no encoder
@@ -41,9 +43,9 @@ struct Verdict {
   std::string sentence;  ///< what is wrong, and what mends it
 };
 
-/// @param ratio  of the joint's driver in the configuration
-[[nodiscard]] Verdict judge(const JogRequest& request, const JogMotion& motion, const Sighting& seen,
-                            double ratio);
+/// @param driver  of the joint in the configuration
+[[nodiscard]] Verdict judge(std::size_t joint, const JogMotion& motion, const Sighting& seen,
+                            const configuration::DriverParameters& driver);
 
 /// "left thigh", ...
 [[nodiscard]] const char* link_name(std::size_t joint);

@@ -19,6 +19,7 @@ commissioning::JogRequest jog_request(const Options& options, const model::Robot
           .angle_rad = options.jog_angle_rad,
           .torque_limit_Nm = robot.constants.torque_limit_Nm[options.joint],
           .torque_share = std::min(commissioning::kJogTorqueShare, supervisor.torque_limit_share),
+          .push_Nm = commissioning::first_push_Nm(robot, options.joint),
           .kp_Nm_rad = supervisor.hold_kp_Nm_rad,
           .kd_Nms_rad = supervisor.hold_kd_Nms_rad};
 }

@@ -170,10 +170,11 @@ CommissioningOutcome run_jog(const Options& options, ControllerState& state, hal
   const configuration::Configuration& configuration = options.configuration;
   const auto robot = robots::find(configuration.hardware.robot);
   if (!robot) return failed(robot.error(), true);
-  const double ratio = configuration::driver_of(configuration.hardware, options.joint).ratio;
+  const configuration::DriverParameters& driver =
+      configuration::driver_of(configuration.hardware, options.joint);
   Session session = session_of(options, state, clock, stop);
   const commissioning::JogRequest request = jog_request(options, (*robot)->model);
-  const auto report = commissioning::jog_and_ask(session, request, ratio, person);
+  const auto report = commissioning::jog_and_ask(session, request, driver, person);
   if (!report) return failed(report.error().sentence, report.error().bad_answer);
   return {.error = {},
           .passed = report->verdict.finding == commissioning::Finding::correct,

@@ -20,16 +20,17 @@ std::vector<std::string> joined(std::vector<std::string> first, const std::vecto
   return first;
 }
 
-configuration::Configuration configuration_of(const std::vector<std::string>& settings) {
+configuration::Configuration configuration_of(const Wiring& wiring) {
   std::vector<configuration::Override> overrides;
-  for (const std::string& setting : settings) overrides.push_back({setting});
-  const configuration::Result result = configuration::load_robot("amber3m", overrides);
+  for (const std::string& setting : wiring.both) overrides.push_back({setting});
+  const configuration::Result result = configuration::load_robot(wiring.name, overrides);
   if (!result) throw std::runtime_error(configuration::to_string(result.error()));
   return *result;
 }
 
 robot_on_bus::RobotSetup setup_of(const Wiring& wiring) {
   cli::RobotOptions options;
+  options.robot = wiring.name;
   options.hang = true;
   options.settings = joined(wiring.both, wiring.robot);
   options.miswired = wiring.miswired;
@@ -49,7 +50,7 @@ const model::RobotConstants& amber3m() {
 }  // namespace
 
 HangingRobot::HangingRobot(const Wiring& wiring)
-    : configuration(configuration_of(wiring.both)),
+    : configuration(configuration_of(wiring)),
       robot(setup_of(wiring)),
       buses{DirectBus(robot, 0, now_ns_), DirectBus(robot, 1, now_ns_)} {
   const hal::RobotWiring own = configuration::robot_wiring(configuration.hardware, 1e9 / kTick_ns);
@@ -104,9 +105,12 @@ void HangingRobot::look() {
 }
 
 JogRequest HangingRobot::jog_request(std::size_t joint, double angle_rad) const {
+  const auto found = robots::find(configuration.hardware.robot);
+  if (!found) throw std::runtime_error(found.error());
   return {.joint = joint,
           .angle_rad = angle_rad,
-          .torque_limit_Nm = amber3m().torque_limit_Nm[joint],
+          .torque_limit_Nm = (*found)->model.constants.torque_limit_Nm[joint],
+          .push_Nm = first_push_Nm((*found)->model, joint),
           .kp_Nm_rad = configuration.supervisor.hold_kp_Nm_rad,
           .kd_Nms_rad = configuration.supervisor.hold_kd_Nms_rad};
 }

@@ -24,6 +24,7 @@ struct Wiring {
   double torque_factor = 1.0;           ///< torque that the motors give, over what their drivers report
   int seed = 1;                         ///< of the sensors' noise
   bool angles_known = false;            ///< to the commands, as to identify
+  std::string name = "amber3m";         ///< of a shipped robot
 };
 
 using robot_on_bus::testing_support::DirectBus;

@@ -13,14 +13,15 @@ using testing::Onlooker;
 using testing::Wiring;
 
 constexpr double kLimit_Nm = 80.0;
+constexpr double kAStepOfAFrame_Nm = 0.06;
 constexpr std::size_t kHipLeft = 0, kKneeLeft = 1, kHipRight = 2, kKneeRight = 3;
 
 std::expected<JogReport, CommandFailure> jogged(HangingRobot& robot, std::size_t joint, double angle_rad) {
   Session session = robot.session();
   Onlooker person(robot);
   const auto& hardware = robot.configuration.hardware;
-  const double ratio = configuration::driver_of(hardware, joint).ratio;
-  return jog_and_ask(session, robot.jog_request(joint, angle_rad), ratio, person);
+  return jog_and_ask(session, robot.jog_request(joint, angle_rad), configuration::driver_of(hardware, joint),
+                     person);
 }
 
 struct Miswiring {
@@ -57,7 +58,11 @@ const std::vector<Miswiring>& miswirings() {
        kKneeLeft,
        Finding::reversed_joint},
       {"dead motor", {{}, {}, {"dead:knee_L"}}, kKneeLeft, Finding::dead_joint},
+      {"blocked", {{}, {}, {"blocked:hip_L"}}, kHipLeft, Finding::blocked_joint},
       {"dead encoder", {{}, {}, {"encoder-dead:hip_R"}}, kHipRight, Finding::dead_encoder},
+      {"dead encoder", {{}, {}, {"encoder-dead:knee_L"}}, kKneeLeft, Finding::dead_encoder},
+      {"exchanged encoders", {{}, {}, {"encoder-exchanged:hip_R"}}, kHipRight, Finding::exchanged_encoders},
+      {"exchanged encoders", {{}, {}, {"encoder-exchanged:hip_R"}}, kKneeRight, Finding::exchanged_encoders},
       {"half the gear", {{}, {"hip_driver.ratio=2"}, {}}, kHipLeft, Finding::wrong_ratio},
       {"twice the gear",
        {{}, {"knee_driver.ratio=0.5", "knee_driver.kd_range_Nms_rad=50"}, {}},
@@ -67,20 +72,102 @@ const std::vector<Miswiring>& miswirings() {
   return all;
 }
 
+/// Once in the air, and once with knees that hang at their end stops.
+void expect_named(const Miswiring& miswiring, double angle_rad, bool stops) {
+  SCOPED_TRACE(miswiring.what + std::string(", joint ") + std::to_string(miswiring.joint) + ", to " +
+               std::to_string(angle_rad) + (stops ? ", with end stops" : ""));
+  Wiring wiring = miswiring.wiring;
+  if (stops) wiring.plant = {"joint_stops=1"};
+  HangingRobot robot(wiring);
+  const auto report = jogged(robot, miswiring.joint, angle_rad);
+  ASSERT_TRUE(report) << report.error().sentence;
+  EXPECT_STREQ(name(report->verdict.finding), name(miswiring.finding)) << report->verdict.sentence;
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    EXPECT_LT(robot.peak_torque_Nm(joint), kJogTorqueShare * kLimit_Nm + kAStepOfAFrame_Nm);
+  }
+}
+
 TEST(Jog, NamesEveryMistakeOfTheWiringWithLessThanAFifthOfTheTorque) {
   for (const Miswiring& miswiring : miswirings()) {
     for (const double angle_rad : {0.3, -0.3}) {
-      SCOPED_TRACE(miswiring.what + std::string(", joint ") + std::to_string(miswiring.joint) + ", to " +
-                   std::to_string(angle_rad));
-      HangingRobot robot(miswiring.wiring);
-      const auto report = jogged(robot, miswiring.joint, angle_rad);
-      ASSERT_TRUE(report) << report.error().sentence;
-      EXPECT_STREQ(name(report->verdict.finding), name(miswiring.finding)) << report->verdict.sentence;
-      for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
-        EXPECT_LT(robot.peak_torque_Nm(joint), kJogTorqueShare * kLimit_Nm);
-      }
+      for (const bool stops : {false, true}) expect_named(miswiring, angle_rad, stops);
     }
   }
+}
+
+/// Nothing reports that the leg moves: a straight knee cannot bend the other way.
+TEST(Jog, ALegWhoseEncoderIsDeadDoesNotSwingFar) {
+  for (const double angle_rad : {0.3, -0.3}) {
+    HangingRobot robot(
+        {.both = {}, .robot = {}, .miswired = {"encoder-dead:hip_L"}, .plant = {"joint_stops=1"}});
+    const auto report = jogged(robot, kHipLeft, angle_rad);
+    ASSERT_TRUE(report) << report.error().sentence;
+    EXPECT_EQ(report->verdict.finding, Finding::dead_encoder) << report->verdict.sentence;
+    EXPECT_LT(robot.sighting().angle_rad.value(), 0.5) << angle_rad;
+    EXPECT_LT(robot.peak_torque_Nm(kHipLeft), 5.0) << angle_rad;
+  }
+}
+
+TEST(Jog, ALegWithFrictionWhoseEncoderIsDeadDoesNotSwingToItsStop) {
+  for (const double angle_rad : {0.3, -0.3}) {
+    HangingRobot robot({.both = {},
+                        .robot = {},
+                        .miswired = {"encoder-dead:hip_L"},
+                        .plant = {"joint_stops=1", "joint_friction_Nm=5"}});
+    const auto report = jogged(robot, kHipLeft, angle_rad);
+    ASSERT_TRUE(report) << report.error().sentence;
+    EXPECT_EQ(report->verdict.finding, Finding::dead_encoder) << report->verdict.sentence;
+    EXPECT_LT(robot.sighting().angle_rad.value(), 0.5) << angle_rad;
+  }
+}
+
+TEST(Jog, AJointAtItsStopGoesTheOtherWay) {
+  HangingRobot robot({.both = {}, .robot = {}, .miswired = {}, .plant = {"joint_stops=1"}});
+  const auto report = jogged(robot, kKneeLeft, -0.3);
+  ASSERT_TRUE(report) << report.error().sentence;
+  EXPECT_EQ(report->verdict.finding, Finding::correct);
+  EXPECT_EQ(report->motion.direction, 1);
+  EXPECT_NEAR(report->motion.reached_rad, 0.3, 0.03);
+  EXPECT_NE(to_text(*report).find("so it went the other way"), std::string::npos);
+}
+
+/// A person straightens the legs and lets go of them.
+void straighten(HangingRobot& robot) {
+  robot_on_bus::Hands& hands = robot.robot.hands();
+  for (int joint = 0; joint < model::kJoints; ++joint) hands.move(model::kFirstJoint + joint, 0);
+  static_cast<void>(robot.sleep_until(robot.now_ns() + 5'000'000'000));
+  hands.let_go();
+}
+
+TEST(Jog, FrictionOfAnOrdinaryGearNeedsNoSecondPush) {
+  for (const std::size_t joint : {kHipLeft, kKneeLeft}) {
+    HangingRobot robot({.both = {}, .robot = {}, .miswired = {}, .plant = {"joint_friction_Nm=1"}});
+    straighten(robot);
+    const auto report = jogged(robot, joint, 0.3);
+    ASSERT_TRUE(report) << report.error().sentence;
+    EXPECT_EQ(report->verdict.finding, Finding::correct) << report->verdict.sentence;
+    EXPECT_LE(report->motion.breakaway_Nm, robot.jog_request(joint, 0.3).push_Nm);
+    EXPECT_EQ(report->motion.direction, 1) << joint;
+  }
+}
+
+TEST(Jog, ARabbitIsCorrect) {
+  for (const std::size_t joint : {kHipLeft, kKneeLeft, kHipRight, kKneeRight}) {
+    for (const double angle_rad : {0.3, -0.3}) {
+      HangingRobot robot({.both = {}, .robot = {}, .miswired = {}, .name = "rabbit"});
+      const auto report = jogged(robot, joint, angle_rad);
+      ASSERT_TRUE(report) << report.error().sentence;
+      EXPECT_EQ(report->verdict.finding, Finding::correct) << report->verdict.sentence;
+    }
+  }
+}
+
+TEST(Jog, AJointThatIsFastGetsNoTorque) {
+  HangingRobot robot({.both = {}, .robot = {}, .miswired = {}, .plant = {"encoder_velocity_noise_rad_s=3"}});
+  const auto report = jogged(robot, kHipLeft, 0.3);
+  ASSERT_FALSE(report);
+  EXPECT_TRUE(report.error().sentence.ends_with("turns too fast")) << report.error().sentence;
+  EXPECT_LT(robot.peak_torque_Nm(kHipLeft), 0.12) << "before the push";
 }
 
 TEST(Jog, WorksWithDriversOfEveryProtocol) {
@@ -96,6 +183,11 @@ TEST(Jog, WorksWithDriversOfEveryProtocol) {
     const auto right = jogged(robot, kHipLeft, 0.3);
     ASSERT_TRUE(right) << settings[0] << ": " << right.error().sentence;
     EXPECT_EQ(right->verdict.finding, Finding::correct) << settings[0] << right->verdict.sentence;
+    EXPECT_NEAR(right->motion.velocity_factor, 1, 0.05) << settings[0];
+    HangingRobot little({.both = settings, .robot = {}, .miswired = {}});
+    const auto smallest = jogged(little, kKneeLeft, kSmallestJog_rad);
+    ASSERT_TRUE(smallest) << settings[0] << ": " << smallest.error().sentence;
+    EXPECT_EQ(smallest->verdict.finding, Finding::correct) << settings[0] << smallest->verdict.sentence;
     HangingRobot again({.both = settings, .robot = {}, .miswired = {"motor-reversed:knee_R"}});
     const auto reversed = jogged(again, kKneeRight, 0.3);
     ASSERT_TRUE(reversed) << settings[0] << ": " << reversed.error().sentence;
@@ -107,7 +199,6 @@ TEST(Jog, TheOtherJointsAreLimp) {
   HangingRobot robot;
   const auto report = jogged(robot, kKneeLeft, 0.2);
   ASSERT_TRUE(report);
-  constexpr double kAStepOfAFrame_Nm = 0.06;
   for (const std::size_t joint : {kHipLeft, kHipRight, kKneeRight}) {
     EXPECT_LE(robot.peak_torque_Nm(joint), kAStepOfAFrame_Nm);
   }
@@ -209,11 +300,51 @@ TEST(Jog, AWrongAnswerIsRefusedWithTheQuestion) {
     HangingRobot robot;
     Session session = robot.session();
     Written person(answers);
-    const auto report = jog_and_ask(session, robot.jog_request(kHipLeft, 0.1), 1.0, person);
+    const auto report = jog_and_ask(session, robot.jog_request(kHipLeft, 0.1), {}, person);
     ASSERT_FALSE(report);
     EXPECT_TRUE(report.error().bad_answer);
     EXPECT_TRUE(report.error().sentence.starts_with(part)) << report.error().sentence;
   }
+}
+
+/// Remembers the torque of each question.
+class Careful final : public Person {
+ public:
+  explicit Careful(const HangingRobot& robot) : robot_(robot) {}
+  void ask(const std::string& question) override {
+    questions.push_back(question);
+    peaks_Nm.push_back(robot_.peak_torque_Nm(kHipLeft));
+  }
+  std::optional<std::string> answer() override { return "none"; }
+  bool gone() const override { return false; }
+  bool patient() const override { return false; }
+
+  std::vector<std::string> questions;
+  std::vector<double> peaks_Nm;
+
+ private:
+  const HangingRobot& robot_;
+};
+
+TEST(Jog, ThePersonIsAskedBeforeTheTorqueDoubles) {
+  HangingRobot robot({.both = {}, .robot = {}, .miswired = {"blocked:hip_L"}});
+  Session session = robot.session();
+  Careful person(robot);
+  const JogRequest request = robot.jog_request(kHipLeft, 0.3);
+  const auto report = jog_and_ask(session, request, {}, person);
+  ASSERT_TRUE(report);
+  EXPECT_EQ(report->verdict.finding, Finding::blocked_joint) << report->verdict.sentence;
+  double bound_Nm = request.push_Nm;
+  for (const double peak_Nm : person.peaks_Nm) {
+    EXPECT_NEAR(peak_Nm, std::min(bound_Nm, kJogTorqueShare * kLimit_Nm), kAStepOfAFrame_Nm);
+    bound_Nm *= 2;
+  }
+  ASSERT_EQ(person.questions.size(), 4u);
+  EXPECT_TRUE(
+      person.questions.front().ends_with("No encoder moved with 3.9 Nm either way; none doubles the torque"))
+      << person.questions.front();
+  EXPECT_TRUE(person.questions.back().ends_with("No encoder moved with 16.0 Nm either way"))
+      << person.questions.back();
 }
 
 TEST(Jog, TheRobotIsOffWhenTheAnswersAreGiven) {

@@ -9,13 +9,16 @@
 #include "firmware/control_loop/joint_names.h"
 #include "tests/firmware/commissioning/helper.h"
 
-/// The first day with each robot of miswired_robots.toml: what is found first, and by which command.
+/// The first day with each robot of miswired_robots.toml: what is found first, and by which command. Knees of
+/// the robots that have end stops hang at them.
 namespace stilt::commissioning {
 namespace {
 
 using testing::HangingRobot;
 using testing::Helper;
 using testing::Wiring;
+
+const std::vector<std::vector<std::string>> kPlants = {{}, {"joint_stops=1"}};
 
 struct MiswiredRobot {
   std::string name;
@@ -70,8 +73,8 @@ Complaints jogged(HangingRobot& robot, Helper& person, std::size_t joint) {
   robot.forget_sightings();
   Session session = robot.session();
   const auto& hardware = robot.configuration.hardware;
-  const double ratio = configuration::driver_of(hardware, joint).ratio;
-  const auto report = jog_and_ask(session, robot.jog_request(joint, 0.3), ratio, person);
+  const auto report =
+      jog_and_ask(session, robot.jog_request(joint, 0.3), configuration::driver_of(hardware, joint), person);
   if (!report) return Complaint{command, report.error().sentence};
   if (report->verdict.finding == Finding::correct) return std::nullopt;
   return Complaint{command, report->verdict.sentence};
@@ -112,21 +115,27 @@ TEST(FirstDay, FindsAndNamesEachMistakeWithAFifthOfTheTorque) {
   const std::vector<MiswiredRobot> robots = miswired_robots();
   EXPECT_GE(robots.size(), 20u);
   for (const MiswiredRobot& miswired : robots) {
-    SCOPED_TRACE(miswired.name);
-    HangingRobot robot(miswired.wiring);
-    const Complaints found = first_day(robot);
-    ASSERT_TRUE(found);
-    EXPECT_EQ(found->command, miswired.found_by) << found->sentence;
-    EXPECT_NE(found->sentence.find(miswired.says), std::string::npos) << found->sentence;
-    expect_little_torque(robot);
+    for (const std::vector<std::string>& plant : kPlants) {
+      SCOPED_TRACE(miswired.name + (plant.empty() ? "" : ", with end stops"));
+      Wiring wiring = miswired.wiring;
+      wiring.plant = plant;
+      HangingRobot robot(wiring);
+      const Complaints found = first_day(robot);
+      ASSERT_TRUE(found);
+      EXPECT_EQ(found->command, miswired.found_by) << found->sentence;
+      EXPECT_NE(found->sentence.find(miswired.says), std::string::npos) << found->sentence;
+      expect_little_torque(robot);
+    }
   }
 }
 
 TEST(FirstDay, FindsNothingWhereNothingIsWrong) {
-  HangingRobot robot;
-  const Complaints found = first_day(robot);
-  EXPECT_FALSE(found) << found->command << ": " << found->sentence;
-  expect_little_torque(robot);
+  for (const std::vector<std::string>& plant : kPlants) {
+    HangingRobot robot({.both = {}, .robot = {}, .miswired = {}, .plant = plant});
+    const Complaints found = first_day(robot);
+    EXPECT_FALSE(found) << found->command << ": " << found->sentence;
+    expect_little_torque(robot);
+  }
 }
 
 }  // namespace

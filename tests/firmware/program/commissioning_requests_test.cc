@@ -17,6 +17,10 @@ TEST(CommissioningRequests, TheSmallerTorqueShareCounts) {
   EXPECT_EQ(jog_request(options, robot).torque_share, 0.1);
   EXPECT_EQ(identification_request(options, robot).torque_share, 0.1);
   EXPECT_EQ(jog_request(options, robot).torque_limit_Nm, 80.0);
+  EXPECT_NEAR(jog_request(options, robot).push_Nm, 2.913 + 1, 0.001)
+      << "of the leg's gravity, and for friction";
+  options.joint = 1;
+  EXPECT_NEAR(jog_request(options, robot).push_Nm, 0.425 + 1, 0.001) << "of the shin's";
 }
 
 }  // namespace
