@@ -146,7 +146,7 @@ std::string speed_keys(std::size_t joint, double factor, const configuration::Dr
 
 Verdict wrong_speed(std::size_t joint, double factor, const configuration::DriverParameters& driver) {
   char text[120];
-  std::snprintf(text, sizeof text, "wrong speed: velocities of %s are %.2f times what its positions say; ",
+  std::snprintf(text, sizeof text, "wrong speed: velocities of %s are %.2f times those of its positions; ",
                 joint_name(joint).c_str(), factor);
   return {Finding::wrong_speed, text + speed_keys(joint, factor, driver)};
 }

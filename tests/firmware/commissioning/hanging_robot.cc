@@ -41,10 +41,10 @@ robot_on_bus::RobotSetup setup_of(const Wiring& wiring) {
   return setup;
 }
 
-const model::RobotConstants& amber3m() {
-  const auto found = robots::find("amber3m");
+const model::RobotModel& model_of(const configuration::Configuration& configuration) {
+  const auto found = robots::find(configuration.hardware.robot);
   if (!found) throw std::runtime_error(found.error());
-  return (*found)->model.constants;
+  return (*found)->model;
 }
 
 }  // namespace
@@ -54,9 +54,9 @@ HangingRobot::HangingRobot(const Wiring& wiring)
       robot(setup_of(wiring)),
       buses{DirectBus(robot, 0, now_ns_), DirectBus(robot, 1, now_ns_)} {
   const hal::RobotWiring own = configuration::robot_wiring(configuration.hardware, 1e9 / kTick_ns);
-  const auto demanded =
-      configuration::bring_up_options(configuration.hardware, amber3m(), wiring.angles_known);
-  hardware = std::make_unique<hal::RobotHardware>(own, demanded, frame_buses());
+  const auto options = configuration::bring_up_options(
+      configuration.hardware, model_of(configuration).constants, wiring.angles_known);
+  hardware = std::make_unique<hal::RobotHardware>(own, options, frame_buses());
 }
 
 void HangingRobot::reference_to_rotors() {
@@ -105,12 +105,11 @@ void HangingRobot::look() {
 }
 
 JogRequest HangingRobot::jog_request(std::size_t joint, double angle_rad) const {
-  const auto found = robots::find(configuration.hardware.robot);
-  if (!found) throw std::runtime_error(found.error());
+  const model::RobotModel& model = model_of(configuration);
   return {.joint = joint,
           .angle_rad = angle_rad,
-          .torque_limit_Nm = (*found)->model.constants.torque_limit_Nm[joint],
-          .push_Nm = first_push_Nm((*found)->model, joint),
+          .torque_limit_Nm = model.constants.torque_limit_Nm[joint],
+          .push_Nm = first_push_Nm(model, joint),
           .kp_Nm_rad = configuration.supervisor.hold_kp_Nm_rad,
           .kd_Nms_rad = configuration.supervisor.hold_kd_Nms_rad};
 }

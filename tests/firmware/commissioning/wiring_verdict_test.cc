@@ -39,7 +39,7 @@ TEST(WiringVerdict, AShinThatTurnsLessThanItsKneeHasTheRightGear) {
 TEST(WiringVerdict, TheRatioOfAKneeIsFoundBesideAThighThatGivesWay) {
   const Verdict half = judge(kKneeLeft, completed(0.15, -0.082), seen(kKneeLeft, Way::backward, 12.5), {});
   EXPECT_EQ(half.finding, Finding::wrong_ratio);
-  EXPECT_NE(half.sentence.find("encoders of hip_L and knee_L say 4; the ratio is about 0.5, and"),
+  EXPECT_NE(half.sentence.find("encoders of hip_L and knee_L report 4; the ratio is about 0.5, and"),
             std::string::npos)
       << half.sentence;
   const Verdict twice = judge(kKneeLeft, completed(-0.6, 0.082), seen(kKneeLeft, Way::forward, 12.5), {});
@@ -53,7 +53,7 @@ TEST(WiringVerdict, AThighTurnsWithItsHip) {
   EXPECT_EQ(judge(kHipLeft, completed(0.3, -0.3), back, {}).finding, Finding::correct);
   const Verdict half = judge(kHipLeft, completed(0.15, -0.3), back, {});
   EXPECT_EQ(half.finding, Finding::wrong_ratio);
-  EXPECT_NE(half.sentence.find("where the encoder of hip_L says 9; the ratio is about 0.506"),
+  EXPECT_NE(half.sentence.find("where the encoder of hip_L reports 9; the ratio is about 0.506"),
             std::string::npos)
       << half.sentence;
 }
@@ -70,12 +70,12 @@ TEST(WiringVerdict, AVelocityThatIsNotThatOfThePositionNamesTheKeysOfTheDriver) 
   const DriverParameters ak{.protocol = DriverProtocol::mit_ak, .velocity_range_rad_s = 20};
   EXPECT_EQ(
       wrong_speed(kKneeLeft, ak, 0.5),
-      "wrong speed: velocities of knee_L are 0.50 times what its positions say; velocity_range_rad_s of "
+      "wrong speed: velocities of knee_L are 0.50 times those of its positions; velocity_range_rad_s of "
       "knee_driver is 20, and right would be about 40 (where position_range_rad is right)");
   const DriverParameters ak3{
       .protocol = DriverProtocol::ak_v3, .ak_v3_pole_pairs = 21, .ak_v3_gear_ratio = 9};
   EXPECT_EQ(wrong_speed(kHipLeft, ak3, 2.0 / 3),
-            "wrong speed: velocities of hip_L are 0.67 times what its positions say; ak_v3_pole_pairs times "
+            "wrong speed: velocities of hip_L are 0.67 times those of its positions; ak_v3_pole_pairs times "
             "ak_v3_gear_ratio of hip_driver is 189, and right would be about 126");
   for (const DriverProtocol protocol : {DriverProtocol::moteus, DriverProtocol::odrive}) {
     EXPECT_TRUE(wrong_speed(kHipLeft, {.protocol = protocol}, -1)
