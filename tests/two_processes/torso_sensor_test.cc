@@ -13,9 +13,12 @@ namespace {
 
 using Words = std::vector<std::string>;
 
+/// Keys of other sections are named with these.
 Words with_settings(Words options, const Words& settings) {
-  for (const std::string& setting : settings)
-    options.insert(options.end(), {"--set", "torso_sensor." + setting});
+  for (const std::string& setting : settings) {
+    const bool named = setting.find('.') < setting.find('=');
+    options.insert(options.end(), {"--set", (named ? "" : "torso_sensor.") + setting});
+  }
   return options;
 }
 
@@ -39,12 +42,15 @@ TEST_P(WalkWithTorsoSensor, SixSecondsWithoutAFault) {
 
 INSTANTIATE_TEST_SUITE_P(
     TwoProcesses, WalkWithTorsoSensor,
-    testing::Values(Sensor{"EncoderWithoutSpeed", {"device=canopen_encoder"}},
-                    Sensor{"EncoderAtHalfTheRate",
-                           {"device=canopen_encoder", "encoder_ratio=2", "encoder_turns=4096",
-                            "encoder_reversed=true"}},
-                    Sensor{"EncoderWithSpeed", {"device=canopen_encoder", "encoder_speed_rad_s=0.001"}},
-                    Sensor{"Xsens", {"device=xsens_can", "rate_hz=400", "imu_axis=roll"}}),
+    testing::Values(
+        Sensor{"EncoderWithoutSpeed", {"device=canopen_encoder"}},
+        Sensor{"EncoderAtHalfTheRate",
+               {"device=canopen_encoder", "encoder_ratio=2", "encoder_turns=4096", "encoder_reversed=true"}},
+        Sensor{"EncoderWithSpeed", {"device=canopen_encoder", "encoder_speed_rad_s=0.001"}},
+        Sensor{"ExtraEncoderOfAMoteus",
+               {"encoder_joint=0", "encoder_number=1", "encoder_reversed=true", "encoder_offset_rad=0.15",
+                "hip_driver.protocol=moteus", "knee_driver.protocol=moteus"}},
+        Sensor{"Xsens", {"device=xsens_can", "rate_hz=400", "imu_axis=roll"}}),
     [](const auto& row) { return std::string(row.param.name); });
 
 TEST(TwoProcesses, AnEncoderThatFallsSilentDampsTheRobot) {
