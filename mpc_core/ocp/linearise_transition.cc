@@ -100,7 +100,7 @@ void linearise(const ProblemData& data, const TransitionBatch& batch, const Traj
     const double mu = data.inequality.friction_coefficient;
     const Batch& Jx = touchdown.impulse[2 * foot];
     const Batch friction_Ns = mu * touchdown.impulse[2 * foot + 1];
-    const BarrierPair pair(data.inequality.impulse, friction_Ns + Jx, friction_Ns - Jx);
+    const BarrierPair pair(BarrierCurve(data.inequality.impulse), friction_Ns + Jx, friction_Ns - Jx);
     const auto& dJx = touchdown.dJ[2 * foot];
     const auto& dJz = touchdown.dJ[2 * foot + 1];
     for (const auto& [barrier, sign] : {std::pair{pair.a, 1.0}, std::pair{pair.b, -1.0}}) {
