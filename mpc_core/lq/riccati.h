@@ -46,13 +46,14 @@ struct alignas(64) ValueFunction {
 /// Scratch of the sweep (about 8 kB); contents need not be initialised.
 struct alignas(64) RiccatiWorkspace {
   ValueFunction value[2];                                 ///< of this stage and the next, alternating
-  double X[kMaxFreeInputs + kMaxConstraints + 1][kRows];  ///< P [B, L] by columns, then P b + p
+  double M[model::kJoints][kRows];                        ///< columns of value_products in riccati.cc
+  double X[kMaxFreeInputs + kMaxConstraints + 1][kRows];  ///< P [L, B] by columns, then P b + p
   double W[kMaxDynamicsRows][kRows];                      ///< W' by rows
   double F[kMaxFreeInputs + 1][kRows];                    ///< F by rows, then f_x
   double y[kMaxFreeInputs][kRows];                        ///< L^-1 F by rows
   double half_y[kMaxFreeInputs][kRows];
   double z[kMaxFreeInputs][kRows];  ///< -D^-1 L^-1 F by rows
-  double dots[32];                  ///< [B, L]'X, see Dots in riccati.cc
+  double dots[32];                  ///< [L, B]'X, see Dots in riccati.cc
 };
 
 /// The backward sweep, stage by stage: each stage can be computed just before it is used, while it is in the

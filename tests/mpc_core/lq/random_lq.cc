@@ -26,6 +26,15 @@ Matrix read_columns(const double (*from)[kRows], int columns) {
       .topRows(kStates);
 }
 
+/// Columns whose joints' positions move as those of double integrators, with the rows of the base times
+/// `base`.
+Matrix double_integrators(Matrix columns, double h, double base) {
+  for (const int row : kBaseRow) columns.row(row) *= base;
+  const Matrix velocities = columns.bottomRows(model::kJoints);
+  columns.middleRows(model::kFirstJoint, model::kJoints) = 0.5 * h * velocities;
+  return columns;
+}
+
 /// Largest entry of |sum of terms| relative to the sum of |terms| plus one.
 double relative(const std::vector<Vector>& terms) {
   if (terms.front().size() == 0) return 0.0;
@@ -71,8 +80,8 @@ LqStage random_stage(std::mt19937_64& random, StageKind kind, double coupling) {
   Matrix G = coupling * gaussian(random, kStates, flow ? kBaseRows + kind.constraints : 7);
   G.row(0).setZero();
   write_columns(stage.G, G);
-  write_columns(stage.L, gaussian(random, kStates, kind.constraints));
-  write_columns(stage.B, gaussian(random, kStates, m));
+  write_columns(stage.L, double_integrators(gaussian(random, kStates, kind.constraints), stage.h, 0.0));
+  write_columns(stage.B, double_integrators(gaussian(random, kStates, m), stage.h, 1.0));
   const Matrix root = gaussian(random, n, n) / std::sqrt(double(n));
   const Matrix H = root * root.transpose() + 0.01 * Matrix::Identity(n, n);
   write_columns(stage.Q, H.topLeftCorner(kStates, kStates));

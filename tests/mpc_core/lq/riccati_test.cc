@@ -238,7 +238,7 @@ TEST(Riccati, NaNOrInfinityAnywhereIsReported) {
   expect_not_finite(
       "h", [](LqProblem&, LqStage& s, double v) { s.form == StageForm::flow ? s.h = v : s.b[1] = v; });
   expect_not_finite("B",
-                    [](LqProblem&, LqStage& s, double v) { s.free_inputs ? s.B[1][5] = v : s.b[1] = v; });
+                    [](LqProblem&, LqStage& s, double v) { s.free_inputs ? s.B[1][12] = v : s.b[1] = v; });
   expect_not_finite("Q", [](LqProblem&, LqStage& s, double v) { s.Q[3][5] = v; });
   expect_not_finite("S",
                     [](LqProblem&, LqStage& s, double v) { s.free_inputs ? s.S[1][5] = v : s.b[1] = v; });
