@@ -77,15 +77,15 @@ class BackwardSweep {
   ValueFunction* value_;
 };
 
-/// Computes the solution forwards: x_{k+1} = A x + B w + b with w = k + K x, and c = rows 6, 7 of G x.
-/// \param stages  `count` stages, accepted by the backward sweep
+/// Computes the solution forwards: x_{k+1} = A x + B w + b with w = k + K x, c = rows 6, 7 of G x, and the
+/// step u of the input behind w. Returns the first-order change of the cost along the steps, the sum of q'x,
+/// r'w and the slopes along u0: the slope for Armijo's condition.
+/// \param stages  `count` stages, accepted by the backward sweep, and their inputs
 /// \param x0      kRows values, padding zero
-/// \param steps   output, count + 1 steps; w and c are zero beyond the counts of a stage and in the last step
-void forward_sweep(const LqFirstOrder* stages, int count, const LqGain* gains, const double* x0,
-                   LqStep* steps) noexcept;
-
-/// First-order change of the cost along the steps, sum of q'x + r'w: the slope for Armijo's condition.
-[[nodiscard]] double cost_slope(const LqFirstOrder* stages, int count, const LqTerminal& terminal,
-                                const LqStep* steps) noexcept;
+/// \param steps   output, count + 1 steps; w and c are zero beyond the counts of a stage and in the last
+///                step, which has no u
+[[nodiscard]] double forward_sweep(const LqFirstOrder* stages, const InputProjection* inputs, int count,
+                                   const LqTerminal& terminal, const LqGain* gains, const double* x0,
+                                   LqStep* steps) noexcept;
 
 }  // namespace stilt::lq

@@ -9,7 +9,8 @@ namespace stilt::lq {
 /// unless kDrifts) plus kUnits unit rows row(i) G_i' plus kConstraints terms L_i G_{kUnits + i}'.
 template <int kFree, int kRankOne>
 struct Flow {
-  static constexpr bool kDrifts = true;  ///< h is not zero
+  static constexpr bool kDrifts = true;       ///< h is not zero
+  static constexpr bool kStands = kFree > 2;  ///< a foot is on the ground
   static constexpr int kInputs = kFree;
   static constexpr int kConstraints = kRankOne;
   static constexpr int kUnits = kBaseRows;                     ///< unit rows of A
@@ -21,6 +22,7 @@ struct Flow {
 /// A contact transition.
 struct Transition {
   static constexpr bool kDrifts = false;
+  static constexpr bool kStands = false;
   static constexpr int kInputs = 0;
   static constexpr int kConstraints = 0;
   static constexpr int kUnits = kHalf;
