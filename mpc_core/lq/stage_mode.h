@@ -15,7 +15,7 @@ struct Flow {
   static constexpr int kConstraints = kRankOne;
   static constexpr int kUnits = kBaseRows;                     ///< unit rows of A
   static constexpr int kTerms = kUnits + kConstraints;         ///< rows of G
-  static constexpr int kColumns = kInputs + kConstraints + 1;  ///< of X = P [B, L, b]
+  static constexpr int kColumns = kInputs + kConstraints + 1;  ///< of X = P [L, B, b]
   static constexpr int row(int unit) noexcept { return kBaseRow[unit]; }
 };
 
