@@ -37,14 +37,13 @@ struct Bits<std::experimental::simd<double, Abi>> {
 /// Abi> of one register.
 ///
 /// The error is at most 2 units in the last place for |angle| <= 1e4. The result is NaN for NaN, infinities
-/// and
-/// angle| > 1e5, where the reduction would lose accuracy. No branch, no table; real-time safe.
+/// and |angle| > 1e5, where the reduction would lose accuracy. No branch, no table; real-time safe.
 ///
 /// angle = n pi/2 + r with |r| <= pi/4. pi/2 is the sum of two parts of 33 bits, whose products with n are
 /// exact, and a remainder. sin r and cos r are polynomials in r^2, fitted at Chebyshev nodes with an error
 /// below 2^-55.
 template <class T>
-inline void sincos(const T& angle, T& sine, T& cosine) noexcept {
+[[gnu::always_inline]] inline void sincos(const T& angle, T& sine, T& cosine) noexcept {
   constexpr double kTwoOverPi = 0.6366197723675814;
   constexpr double kHalfPi1 = 0x1.921fb544p+0;
   constexpr double kHalfPi2 = 0x1.0b4611a6p-34;

@@ -31,7 +31,7 @@ struct LinearisedProblem {
       const ocp::StageModel model = models.at(k);
       stages[static_cast<std::size_t>(k)] = {model.first, model.second};
     }
-    for (int k = 0; k < problem.horizon.stages; ++k) projections.push_back(models.inputs(k));
+    projections.assign(models.inputs(), models.inputs() + problem.horizon.stages);
     terminal = models.terminal();
   }
 

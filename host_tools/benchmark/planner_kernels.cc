@@ -38,7 +38,8 @@ void PlannerKernels::linearise_and_sweep() {
     const ocp::StageModel stage = models_.at(k);
     keep(sweep.step(stage.first, stage.second, gains_[static_cast<std::size_t>(k)]));
   }
-  lq::forward_sweep(models_.stages(), stages(), gains_.data(), x0_, steps_.data());
+  keep(lq::forward_sweep(models_.stages(), models_.inputs(), stages(), models_.terminal(), gains_.data(), x0_,
+                         steps_.data()));
 }
 
 void PlannerKernels::backward_sweep() {
@@ -51,7 +52,8 @@ void PlannerKernels::backward_sweep() {
 
 void PlannerKernels::sweep() {
   backward_sweep();
-  lq::forward_sweep(first_orders_.data(), stages(), gains_.data(), x0_, steps_.data());
+  keep(lq::forward_sweep(first_orders_.data(), linearised_.projections.data(), stages(), linearised_.terminal,
+                         gains_.data(), x0_, steps_.data()));
 }
 
 void PlannerKernels::evaluate() { keep(ocp::evaluate(data_, problem_, iterate_)); }

@@ -65,7 +65,7 @@ ExecutedWork WorkTable::sum_of(Parts& parts, const ocp::Problem& whole, const Ke
   return total;
 }
 
-ExecutedWork WorkTable::sweep_of(const ocp::StageModel& stage) {
+ExecutedWork WorkTable::sweep_of(const ocp::StageModel& stage, const ocp::InputProjection& inputs) {
   const auto [known, is_new] = sweep_.try_emplace(stage.first.free_inputs);
   if (is_new) {
     lq::LqGain gain;
@@ -75,7 +75,7 @@ ExecutedWork WorkTable::sweep_of(const ocp::StageModel& stage) {
       return settled_work([&] {
         lq::BackwardSweep backward(models_.terminal(), workspace_);
         if (count > 0) (void)backward.step(stage.first, stage.second, gain);
-        lq::forward_sweep(&stage.first, count, &gain, x0, steps);
+        (void)lq::forward_sweep(&stage.first, &inputs, count, models_.terminal(), &gain, x0, steps);
       });
     };
     empty_sweep_ = sweep(0);
@@ -92,7 +92,10 @@ IterationWork WorkTable::work_of(const control::Planner& planner) {
   work.linearise = sum_of(linearise_, problem, [&] { linearise_all(models_, data, part_, iterate); });
   work.evaluate = sum_of(evaluate_, problem, [&] { (void)ocp::evaluate(data, part_, iterate); });
   models_.begin(data, problem, iterate);
-  for (int k = problem.horizon.stages - 1; k >= 0; --k) work.sweep += sweep_of(models_.at(k));
+  for (int k = problem.horizon.stages - 1; k >= 0; --k) {
+    const ocp::StageModel stage = models_.at(k);
+    work.sweep += sweep_of(stage, models_.inputs()[k]);
+  }
   work.sweep += empty_sweep_;
   return work;
 }

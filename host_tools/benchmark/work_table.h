@@ -35,7 +35,7 @@ class WorkTable {
 
   template <class Kernel>
   [[nodiscard]] ExecutedWork sum_of(Parts& parts, const ocp::Problem& whole, const Kernel& kernel);
-  [[nodiscard]] ExecutedWork sweep_of(const ocp::StageModel& stage);
+  [[nodiscard]] ExecutedWork sweep_of(const ocp::StageModel& stage, const ocp::InputProjection& inputs);
   /// Makes part_ a problem of `count` batches like `batch` of the whole; `batches` are those of part_.
   template <class AnyBatch>
   void repeat(const ocp::Problem& whole, const AnyBatch& batch, int count, AnyBatch* batches, int& size);

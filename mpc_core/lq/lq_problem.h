@@ -21,6 +21,10 @@
 /// constraint. G has 7 rows in single support, 8 in double support and flight. A contact transition has h = 0
 /// and row(i) = 7 + i, i < 7: an impact changes only velocities.
 ///
+/// w and the constraints move the joints by constant accelerations over the interval. Each column of B and L
+/// therefore has h/2 times the entry of a joint's velocity at its position; L is zero in the rows of the
+/// base.
+///
 /// Vectors over the state are kRows = 16 doubles (14 used, the padding is zero), a whole number of SIMD
 /// registers.
 namespace stilt::lq {
@@ -54,6 +58,22 @@ struct alignas(64) LqFirstOrder {
   int free_inputs;  ///< 0 to kMaxFreeInputs; entries beyond are not read
 };
 
+/// The input behind w, whose step is a function of the steps of the state and of the free directions:
+///
+///   du = u0 + Y c + W w + [0; F x; 0]
+///
+/// c are the products of the stage's constraint rows with x (LqStep::c). F are the rows of the force that the
+/// stance constraint fixes, at u[first_force] and the next entry; single and double support have it. Columns
+/// of eight inputs. u0 leads onto the equality constraints; the cost above does not contain it.
+struct alignas(64) InputProjection {
+  double u0[model::kInputs];
+  double Y[kMaxConstraints][model::kInputs];
+  double W[kMaxFreeInputs][model::kInputs];
+  double F[2][kRows];
+  double u0_slope;  ///< first-order change of the stage's cost along u0
+  int first_force;  ///< -1: no foot on the ground, or no flow
+};
+
 /// Hessian of a stage's cost; the backward sweep reads it once.
 struct alignas(64) LqSecondOrder {
   double Q[kStates][kRows];                  ///< Q[column][row], symmetric; only row >= column is read
@@ -78,6 +98,7 @@ struct alignas(64) LqStep {
   double x[kRows];
   double w[kMaxFreeInputs];
   double c[kMaxConstraints];  ///< G_{6+i} x of a flow: what constraint i requires of the joints
+  alignas(64) double u[model::kInputs];
 };
 
 }  // namespace stilt::lq

@@ -1,5 +1,8 @@
 #include "mpc_core/lq/riccati.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "mpc_core/lq/input_elimination.h"
 #include "mpc_core/lq/stage_mode.h"
 #include "mpc_core/model/debug_assert.h"
@@ -13,20 +16,20 @@ struct Stage {
   const LqSecondOrder& second;
 };
 
-/// Column c of [B, L, b].
+/// Column c of [L, B, b].
 template <class Mode>
 STILT_INLINE inline const double* right_side(const LqFirstOrder& stage, int c) noexcept {
-  if (c < Mode::kInputs) return stage.B[c];
-  if (c < Mode::kInputs + Mode::kConstraints) return stage.L[c - Mode::kInputs];
+  if (c < Mode::kConstraints) return stage.L[c];
+  if (c < Mode::kConstraints + Mode::kInputs) return stage.B[c - Mode::kConstraints];
   return stage.b;
 }
 
-/// The scalar products needed of columns of [B, L] with columns of X, as a list of pairs.
+/// The scalar products needed of columns of [L, B] with columns of X, as a list of pairs.
 template <class Mode>
 struct Dots {
-  static constexpr int kLeft = Mode::kInputs + Mode::kConstraints;  ///< columns of [B, L]
+  static constexpr int kLeft = Mode::kConstraints + Mode::kInputs;  ///< columns of [L, B]
   static constexpr int kCount = kLeft * (kLeft + 1) / 2 + kLeft;
-  /// Index of [B, L]_i'X_j. The matrix [B, L]'P [B, L] is symmetric; only j <= i is stored.
+  /// Index of [L, B]_i'X_j. The matrix [L, B]'P [L, B] is symmetric; only j <= i is stored.
   static constexpr int at(int i, int j) noexcept {
     if (j < kLeft && j > i) return at(j, i);
     return j < kLeft ? i * (i + 1) / 2 + j : kLeft * (kLeft + 1) / 2 + i;
@@ -47,22 +50,52 @@ struct Dots {
   }
 };
 
-/// Computes X = P [B, L, b], and adds p to the last column.
+/// Computes X = P [L, B, b], and adds p to the last column. The columns of L and B have (h/2 a, a) at
+/// position and velocity of a joint. P times both is M a with M = h/2 P_position + P_velocity. b is the sum
+/// of such a column and of a rest at the positions of the joints.
 template <class Mode>
 STILT_INLINE inline void value_products(const LqFirstOrder& stage, const ValueFunction& next,
                                         RiccatiWorkspace& work) noexcept {
+  constexpr int kLast = Mode::kColumns - 1;
   for_each_tile<0, Mode::kColumns>([&]<int kFirst, int kCount>(Tile<kFirst, kCount>& tile) STILT_INLINE {
     tile.for_each([&](auto c, auto p) STILT_INLINE {
-      tile.v[c][p] = kFirst + c == Mode::kColumns - 1 ? load(next.p + p * kLanes) : Vec{};
+      tile.v[c][p] = kFirst + c == kLast ? load(next.p + p * kLanes) : Vec{};
     });
-    for (int k = 0; k < kStates; ++k) {
-      tile.add(next.P[k], [&](auto c) STILT_INLINE { return right_side<Mode>(stage, kFirst + c)[k]; });
+    if constexpr (Mode::kDrifts) {
+      const double half_h = 0.5 * stage.h;
+      constexpr int kFirstB = std::max(Mode::kConstraints - kFirst, 0);
+#pragma GCC unroll 1  // short code: the sweep's exceeds half of the instruction cache
+      for (int j = 0; j < model::kJoints; ++j) {
+        const double* position = next.P[model::kFirstJoint + j];
+        const double* velocity = next.P[kHalf + model::kFirstJoint + j];
+        const auto M = [&](auto p) STILT_INLINE {
+          if constexpr (kFirst > 0) return load(work.M[j] + p * kLanes);
+          const Vec m = load(position + p * kLanes) * half_h + load(velocity + p * kLanes);
+          if constexpr (kCount <= kLast) store(work.M[j] + p * kLanes, m);
+          return m;
+        };
+        tile.add_registers(M, [&](auto c) STILT_INLINE {
+          return right_side<Mode>(stage, kFirst + c)[kHalf + model::kFirstJoint + j];
+        });
+        tile.template add<kLast - kFirst>(position, [&](auto) STILT_INLINE {
+          return stage.b[model::kFirstJoint + j] - half_h * stage.b[kHalf + model::kFirstJoint + j];
+        });
+      }
+#pragma GCC unroll 1
+      for (const int k : kBaseRow) {
+        tile.template add<kFirstB>(
+            next.P[k], [&](auto c) STILT_INLINE { return right_side<Mode>(stage, kFirst + c)[k]; });
+      }
+    } else {
+      for (int k = 0; k < kStates; ++k) {
+        tile.add(next.P[k], [&](auto c) STILT_INLINE { return right_side<Mode>(stage, kFirst + c)[k]; });
+      }
     }
     tile.for_each([&](auto c, auto p) STILT_INLINE { store(work.X[kFirst + c] + p * kLanes, tile.v[c][p]); });
   });
 }
 
-/// Writes [B, L]'X to work.dots.
+/// Writes [L, B]'X to work.dots.
 template <class Mode>
 STILT_INLINE inline void scalar_products(const LqFirstOrder& stage, RiccatiWorkspace& work) noexcept {
   constexpr int kCount = Dots<Mode>::kCount;
@@ -88,9 +121,11 @@ STILT_INLINE inline InputTerms<Mode::kInputs> input_terms(const Stage& stage,
   constexpr int kInputs = Mode::kInputs;
   InputTerms<kInputs> terms;
   unroll<kInputs>([&](auto i) STILT_INLINE {
-    unroll<i + 1>(
-        [&](auto j) STILT_INLINE { terms.H[i][j] = stage.second.R[j][i] + work.dots[Dots<Mode>::at(i, j)]; });
-    terms.h[i] = stage.first.r[i] + work.dots[Dots<Mode>::at(i, Mode::kColumns - 1)];
+    constexpr int kB = Mode::kConstraints + i;
+    unroll<i + 1>([&](auto j) STILT_INLINE {
+      terms.H[i][j] = stage.second.R[j][i] + work.dots[Dots<Mode>::at(kB, Mode::kConstraints + j)];
+    });
+    terms.h[i] = stage.first.r[i] + work.dots[Dots<Mode>::at(kB, Mode::kColumns - 1)];
   });
   return terms;
 }
@@ -104,10 +139,7 @@ struct Rows {
 
   [[nodiscard]] static constexpr int input(int row) noexcept { return row - Mode::kTerms; }
   /// Column of X of which the row is the transpose: for constraint terms, inputs, and last b.
-  [[nodiscard]] static constexpr int column(int row) noexcept {
-    if (row >= Mode::kTerms + Mode::kInputs) return Mode::kColumns - 1;
-    return row >= Mode::kTerms ? input(row) : Mode::kInputs + row - Mode::kUnits;
-  }
+  [[nodiscard]] static constexpr int column(int row) noexcept { return row - Mode::kUnits; }
   /// v
   template <int kRow>
   [[nodiscard]] STILT_INLINE const double* before() const noexcept {
@@ -123,8 +155,7 @@ struct Rows {
     if constexpr (j < Mode::kUnits) {
       return before<kRow>()[Mode::row(j)];
     } else {
-      constexpr int kL = Mode::kInputs + j - Mode::kUnits;
-      return work.dots[Dots<Mode>::at(kL, column(kRow))];
+      return work.dots[Dots<Mode>::at(j - Mode::kUnits, column(kRow))];
     }
   }
   template <int kRow>
@@ -281,6 +312,31 @@ bool is_finite(const ValueFunction& value) noexcept {
   return true;
 }
 
+/// Whether a column moves the joints by constant accelerations. Numbers that are not finite are reported
+/// elsewhere.
+[[maybe_unused]] bool accelerates_joints(const double* column, double h) noexcept {
+  constexpr double kRounding = 1e-14;
+  for (int r = model::kFirstJoint; r < kHalf; ++r) {
+    const double moved = 0.5 * h * column[kHalf + r];
+    if (std::isfinite(moved) && std::abs(column[r] - moved) > kRounding * std::abs(moved)) return false;
+  }
+  return true;
+}
+
+/// The structure of B and L in lq_problem.h.
+[[maybe_unused]] bool well_formed(const LqFirstOrder& stage) noexcept {
+  for (int i = 0; i < stage.free_inputs; ++i) {
+    if (!accelerates_joints(stage.B[i], stage.h)) return false;
+  }
+  for (int i = 0; i < stage.constraints; ++i) {
+    if (!accelerates_joints(stage.L[i], stage.h)) return false;
+    for (const int row : kBaseRow) {
+      if (stage.L[i][row] != 0.0) return false;
+    }
+  }
+  return true;
+}
+
 /// Exactly symmetric with zero padding; a cost to go that is not finite is reported elsewhere.
 [[maybe_unused]] bool well_formed(const ValueFunction& value) noexcept {
   for (int c = 0; c < kStates && is_finite(value); ++c) {
@@ -309,6 +365,7 @@ SweepOutcome BackwardSweep::step(const LqFirstOrder& first, const LqSecondOrder&
     outcome = sweep_stage<Mode>({first, second}, *value_, *before, gain, workspace_);
   });
   value_ = before;
+  STILT_ASSERT(outcome == SweepOutcome::bad_input_count || well_formed(first));
   STILT_ASSERT(outcome != SweepOutcome::ok || well_formed(*value_));
   return outcome;
 }

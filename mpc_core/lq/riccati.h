@@ -46,13 +46,14 @@ struct alignas(64) ValueFunction {
 /// Scratch of the sweep (about 8 kB); contents need not be initialised.
 struct alignas(64) RiccatiWorkspace {
   ValueFunction value[2];                                 ///< of this stage and the next, alternating
-  double X[kMaxFreeInputs + kMaxConstraints + 1][kRows];  ///< P [B, L] by columns, then P b + p
+  double M[model::kJoints][kRows];                        ///< columns of value_products in riccati.cc
+  double X[kMaxFreeInputs + kMaxConstraints + 1][kRows];  ///< P [L, B] by columns, then P b + p
   double W[kMaxDynamicsRows][kRows];                      ///< W' by rows
   double F[kMaxFreeInputs + 1][kRows];                    ///< F by rows, then f_x
   double y[kMaxFreeInputs][kRows];                        ///< L^-1 F by rows
   double half_y[kMaxFreeInputs][kRows];
   double z[kMaxFreeInputs][kRows];  ///< -D^-1 L^-1 F by rows
-  double dots[32];                  ///< [B, L]'X, see Dots in riccati.cc
+  double dots[32];                  ///< [L, B]'X, see Dots in riccati.cc
 };
 
 /// The backward sweep, stage by stage: each stage can be computed just before it is used, while it is in the
@@ -76,15 +77,15 @@ class BackwardSweep {
   ValueFunction* value_;
 };
 
-/// Computes the solution forwards: x_{k+1} = A x + B w + b with w = k + K x, and c = rows 6, 7 of G x.
-/// \param stages  `count` stages, accepted by the backward sweep
+/// Computes the solution forwards: x_{k+1} = A x + B w + b with w = k + K x, c = rows 6, 7 of G x, and the
+/// step u of the input behind w. Returns the first-order change of the cost along the steps, the sum of q'x,
+/// r'w and the slopes along u0: the slope for Armijo's condition.
+/// \param stages  `count` stages, accepted by the backward sweep, and their inputs
 /// \param x0      kRows values, padding zero
-/// \param steps   output, count + 1 steps; w and c are zero beyond the counts of a stage and in the last step
-void forward_sweep(const LqFirstOrder* stages, int count, const LqGain* gains, const double* x0,
-                   LqStep* steps) noexcept;
-
-/// First-order change of the cost along the steps, sum of q'x + r'w: the slope for Armijo's condition.
-[[nodiscard]] double cost_slope(const LqFirstOrder* stages, int count, const LqTerminal& terminal,
-                                const LqStep* steps) noexcept;
+/// \param steps   output, count + 1 steps; w and c are zero beyond the counts of a stage and in the last
+///                step, which has no u
+[[nodiscard]] double forward_sweep(const LqFirstOrder* stages, const InputProjection* inputs, int count,
+                                   const LqTerminal& terminal, const LqGain* gains, const double* x0,
+                                   LqStep* steps) noexcept;
 
 }  // namespace stilt::lq

@@ -227,13 +227,18 @@ struct Tile {
   /// Adds left * factor(c) to the columns c of the tile from kFrom on.
   template <int kFrom = 0, class Factor>
   STILT_INLINE void add(const double* left, const Factor& factor) noexcept {
+    add_registers<kFrom>([&](auto p) STILT_INLINE { return load(left + p * kLanes); }, factor);
+  }
+  /// The same with register p of the left side from left(p).
+  template <int kFrom = 0, class Left, class Factor>
+  STILT_INLINE void add_registers(const Left& left, const Factor& factor) noexcept {
     if constexpr (kFrom < kCount) {
       Vec f[kCount];
       unroll<kCount - kFrom>([&](auto i) STILT_INLINE {
         f[kFrom + i] = broadcast(factor(std::integral_constant<int, kFrom + i>{}));
       });
       unroll<kParts>([&](auto p) STILT_INLINE {
-        const Vec l = in_register(load(left + p * kLanes));
+        const Vec l = in_register(left(p));
         unroll<kCount - kFrom>([&](auto i) STILT_INLINE { v[kFrom + i][p] += l * f[kFrom + i]; });
       });
     }

@@ -9,18 +9,20 @@ namespace stilt::lq {
 /// unless kDrifts) plus kUnits unit rows row(i) G_i' plus kConstraints terms L_i G_{kUnits + i}'.
 template <int kFree, int kRankOne>
 struct Flow {
-  static constexpr bool kDrifts = true;  ///< h is not zero
+  static constexpr bool kDrifts = true;       ///< h is not zero
+  static constexpr bool kStands = kFree > 2;  ///< a foot is on the ground
   static constexpr int kInputs = kFree;
   static constexpr int kConstraints = kRankOne;
   static constexpr int kUnits = kBaseRows;                     ///< unit rows of A
   static constexpr int kTerms = kUnits + kConstraints;         ///< rows of G
-  static constexpr int kColumns = kInputs + kConstraints + 1;  ///< of X = P [B, L, b]
+  static constexpr int kColumns = kInputs + kConstraints + 1;  ///< of X = P [L, B, b]
   static constexpr int row(int unit) noexcept { return kBaseRow[unit]; }
 };
 
 /// A contact transition.
 struct Transition {
   static constexpr bool kDrifts = false;
+  static constexpr bool kStands = false;
   static constexpr int kInputs = 0;
   static constexpr int kConstraints = 0;
   static constexpr int kUnits = kHalf;

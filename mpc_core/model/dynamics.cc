@@ -23,21 +23,25 @@ Coefficients<T> coefficients_of(const RobotModel& robot) noexcept {
   return result;
 }
 
-/// Terms without an impulse.
+/// No impulse at feet `first_foot` and later.
 template <class T>
-ImpactDerivatives<T> no_impact(const T* x) noexcept {
-  ImpactDerivatives<T> none;
+void clear_impulses(int first_foot, ImpactDerivatives<T>& out) noexcept {
+  for (int r = 2 * first_foot; r < 2 * kFeet; ++r) {
+    out.impulse[r] = T(0.0);
+    for (T& element : out.impulse_dtheta[r]) element = T(0.0);
+    for (T& element : out.impulse_dv[r]) element = T(0.0);
+  }
+}
+
+/// Nothing changes.
+template <class T>
+void no_impact(const T* x, ImpactDerivatives<T>& out) noexcept {
   for (int r = 0; r < kPositions; ++r) {
-    none.velocity_after[r] = x[kPositions + r];
-    for (T& element : none.velocity_after_dtheta[r]) element = T(0.0);
-    for (int c = 0; c < kPositions; ++c) none.velocity_after_dv[r][c] = T(r == c ? 1.0 : 0.0);
+    out.velocity_after[r] = x[kPositions + r];
+    for (T& element : out.velocity_after_dtheta[r]) element = T(0.0);
+    for (int c = 0; c < kPositions; ++c) out.velocity_after_dv[r][c] = T(r == c ? 1.0 : 0.0);
   }
-  for (int r = 0; r < 2 * kFeet; ++r) {
-    none.impulse[r] = T(0.0);
-    for (T& element : none.impulse_dtheta[r]) element = T(0.0);
-    for (T& element : none.impulse_dv[r]) element = T(0.0);
-  }
-  return none;
+  clear_impulses(0, out);
 }
 
 }  // namespace
@@ -91,11 +95,14 @@ void RobotModel::impact_derivatives(ContactMode contact, const T* x, const T* p,
                                     ImpactDerivatives<T>& out) const noexcept {
   const Coefficients<T> robot = coefficients_of<T>(*this);
   if (contact.count() == 2) return five_link::impact_both_derivatives(x, p, robot.coefficient, out);
-  out = no_impact(x);
-  if (contact.left) return five_link::impact_left_derivatives(x, p, robot.coefficient, out);
-  if (!contact.right) return;
+  if (contact.count() == 0) return no_impact(x, out);
+  if (contact.left) {
+    clear_impulses(1, out);
+    return five_link::impact_left_derivatives(x, p, robot.coefficient, out);
+  }
   const ExchangedArguments<T> mirrored(x, p);
-  ImpactDerivatives<T> left = out;
+  ImpactDerivatives<T> left;
+  clear_impulses(1, left);
   five_link::impact_left_derivatives(mirrored.x, mirrored.p, robot.coefficient, left);
   exchange_legs(left, out);
 }

@@ -47,6 +47,16 @@ struct BarrierSlope {
   Batch second;
 };
 
+/// Parameters of a barrier, and the second derivative w / d^2 of its quadratic.
+struct BarrierCurve {
+  explicit BarrierCurve(const BarrierParameters& p) noexcept
+      : weight(p.weight), width(p.width), relaxed(p.weight / (p.width * p.width)) {}
+
+  double weight;
+  double width;
+  double relaxed;
+};
+
 /// First and second derivatives of two barriers that share their parameters, each by its own argument. Both
 /// use one division: h is clamped at d. There the quadratic has the second derivative of the logarithm,
 /// and the first derivative needs the correction w / d^2 (h - d).
@@ -54,20 +64,19 @@ struct BarrierPair {
   BarrierSlope a;
   BarrierSlope b;
 
-  BarrierPair(const BarrierParameters& p, const Batch& h_a, const Batch& h_b) noexcept {
+  BarrierPair(const BarrierCurve& p, const Batch& h_a, const Batch& h_b) noexcept {
     const Batch cut_a = max(h_a, Batch(p.width));
     const Batch cut_b = max(h_b, Batch(p.width));
     const Batch inverse = 1.0 / (cut_a * cut_b);
     const Batch inverse_a = cut_b * inverse;
     const Batch inverse_b = cut_a * inverse;
-    const double relaxed = p.weight / (p.width * p.width);
-    a = {relaxed * (h_a - cut_a) - p.weight * inverse_a, p.weight * inverse_a * inverse_a};
-    b = {relaxed * (h_b - cut_b) - p.weight * inverse_b, p.weight * inverse_b * inverse_b};
+    a = {p.relaxed * (h_a - cut_a) - p.weight * inverse_a, p.weight * inverse_a * inverse_a};
+    b = {p.relaxed * (h_b - cut_b) - p.weight * inverse_b, p.weight * inverse_b * inverse_b};
   }
 };
 
 /// Derivatives, by the value, of the barriers of lower <= value <= upper.
-[[nodiscard]] inline BarrierSlope limit_slope(const BarrierParameters& p, const Batch& value, double lower,
+[[nodiscard]] inline BarrierSlope limit_slope(const BarrierCurve& p, const Batch& value, double lower,
                                               double upper) noexcept {
   const BarrierPair pair(p, value - lower, upper - value);
   return {pair.a.first - pair.b.first, pair.a.second + pair.b.second};

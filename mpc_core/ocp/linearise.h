@@ -37,6 +37,6 @@ void linearise(const ProblemData& data, std::span<const StageBatch> batches, con
 
 /// Linearises the stages of a batch of transitions.
 void linearise(const ProblemData& data, const TransitionBatch& batch, const Trajectory& iterate,
-               const BatchModel& to, LineariseWorkspace& work) noexcept;
+               const BatchModel& to) noexcept;
 
 }  // namespace stilt::ocp

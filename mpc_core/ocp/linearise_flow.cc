@@ -189,6 +189,7 @@ void linearise_mode(const ProblemData& data, std::span<const StageBatch> batches
                     const BatchModel* to, LineariseWorkspace& work) noexcept {
   using Flow = LineariseWorkspace::Flow;
   const BatchParameters parameters(data);
+  const BarrierCurves barriers(data.inequality);
   const auto for_each = [&](const auto& step) STILT_INLINE {
     for (std::size_t i = 0; i < batches.size(); ++i) step(batches[i], work.flow[i], to[i]);
   };
@@ -206,8 +207,8 @@ void linearise_mode(const ProblemData& data, std::span<const StageBatch> batches
   });
   for_each([&](const StageBatch& batch, Flow& flow, const BatchModel& model) {
     const Eliminations<Mode>& by = flow.eliminations.of<Mode>();
-    add_input_terms(data, batch, flow.it, flow.node, by.force, by.constraint, work.cost);
-    add_state_terms<Mode>(data, batch, flow.it, flow.node, work.cost);
+    add_input_terms(data, barriers, batch, flow.it, flow.node, by.force, by.constraint, work.cost);
+    add_state_terms<Mode>(data, barriers, batch, flow.it, flow.node, work.cost);
     store_cost<Mode>(work.cost, model);
   });
 }

@@ -16,6 +16,8 @@ using model::kInputs;
 using model::kPositions;
 using model::kStates;
 
+constexpr int kMaxRows = 3 * model::kFeet;  ///< of the cost: velocity of a foot, both sides of its cone
+
 /// State after the touch-downs of a batch and the impulses of the feet, with derivatives by the state before:
 /// rows of A for the velocities, rows [x, z] of dJ for each foot.
 struct TouchDown {
@@ -56,7 +58,7 @@ struct TouchDown {
 /// feet before the impact. Adds the barriers of the friction cone on the impulses of all feet in contact,
 /// |Jx| <= mu Jz.
 void linearise(const ProblemData& data, const TransitionBatch& batch, const Trajectory& iterate,
-               const BatchModel& to, LineariseWorkspace& work) noexcept {
+               const BatchModel& to) noexcept {
   for (int lane = 0; lane < kLanes; ++lane) {
     LqFirstOrder& stage = *to.first[lane];
     stage.h = 0.0;
@@ -67,31 +69,34 @@ void linearise(const ProblemData& data, const TransitionBatch& batch, const Traj
     inputs.u0_slope = 0.0;
     inputs.first_force = -1;
   }
-  model::NodeDerivatives<Batch>& node = work.flow[0].node;
   const BatchParameters parameters(data);
   const BatchTransition it(iterate, batch);
   const TouchDown touchdown(data, parameters, batch, it.x);
 
   // Rows of the cost: 1/2 curvature (row dx)^2 + slope row dx.
-  constexpr int kRowsPerFoot = 3;
-  Batch row[model::kFeet * kRowsPerFoot][kStates];
-  Batch slope[model::kFeet * kRowsPerFoot];
-  Batch curvature[model::kFeet * kRowsPerFoot];
+  Batch row[kMaxRows][kStates];
+  Batch slope[kMaxRows];
+  Batch curvature[kMaxRows];
   int count = 0;
-  Batch no_input[kInputs] = {};
-  data.robot->node_derivatives(it.x, no_input, parameters.value, node);
+  model::KinematicsTerms<Batch> feet;
+  data.robot->kinematics(it.x, feet);
   for (int foot = 0; foot < model::kFeet; ++foot) {
     if (!batch.touchdown[foot]) continue;
-    // Cost 1/2 weight (horizontal velocity of the foot)^2.
+    // Cost 1/2 weight (horizontal velocity of the foot)^2. All links turn in one plane, and an angle turns
+    // the links behind it: it turns their columns of the Jacobian, d J_x / d angle = J_z.
     std::fill(row[count], row[count] + kStates, Batch(0.0));
     row[count][kPositions] = Batch(1.0);
-    for (int c = 0; c < model::kChain; ++c) {
-      const int angle = kFirstAngle + model::kChainAngles[foot][c];
-      row[count][angle] = node.foot_velocity_dchain[2 * foot][c];
-      row[count][kPositions + angle] = node.foot_position_dchain[2 * foot][c];
+    const Batch* J_x = feet.foot_jacobian[2 * foot];
+    const Batch* J_z = feet.foot_jacobian[2 * foot + 1];
+    for (const int c : model::kChainAngles[foot]) {
+      for (const int other : model::kChainAngles[foot]) {
+        row[count][kFirstAngle + c] +=
+            J_z[kFirstAngle + std::max(c, other)] * it.x[kPositions + kFirstAngle + other];
+      }
+      row[count][kPositions + kFirstAngle + c] = J_x[kFirstAngle + c];
     }
     curvature[count] = Batch(data.cost.touchdown_velocity);
-    slope[count] = data.cost.touchdown_velocity * node.foot_velocity[2 * foot];
+    slope[count] = data.cost.touchdown_velocity * feet.foot_velocity[2 * foot];
     ++count;
   }
   for (int foot = 0; foot < model::kFeet && data.discretisation.transition == Transition::impact; ++foot) {
@@ -100,7 +105,7 @@ void linearise(const ProblemData& data, const TransitionBatch& batch, const Traj
     const double mu = data.inequality.friction_coefficient;
     const Batch& Jx = touchdown.impulse[2 * foot];
     const Batch friction_Ns = mu * touchdown.impulse[2 * foot + 1];
-    const BarrierPair pair(data.inequality.impulse, friction_Ns + Jx, friction_Ns - Jx);
+    const BarrierPair pair(BarrierCurve(data.inequality.impulse), friction_Ns + Jx, friction_Ns - Jx);
     const auto& dJx = touchdown.dJ[2 * foot];
     const auto& dJz = touchdown.dJ[2 * foot + 1];
     for (const auto& [barrier, sign] : {std::pair{pair.a, 1.0}, std::pair{pair.b, -1.0}}) {
@@ -110,11 +115,9 @@ void linearise(const ProblemData& data, const TransitionBatch& batch, const Traj
       ++count;
     }
   }
-  const auto sum_of_rows = [&](const Batch* factor, int column, int other) {
+  const auto gradient = [&](int c) {
     Batch sum = Batch(0.0);
-    for (int i = 0; i < count; ++i) {
-      sum += other < 0 ? factor[i] * row[i][column] : factor[i] * row[i][column] * row[i][other];
-    }
+    for (int i = 0; i < count; ++i) sum += slope[i] * row[i][c];
     return sum;
   };
 
@@ -123,12 +126,22 @@ void linearise(const ProblemData& data, const TransitionBatch& batch, const Traj
     to.rows([&](LqFirstOrder& stage) { return stage.G[i]; }, rows);
     store_rows<kStates>(rows, [&](auto c) { return touchdown.A[i][c] - (c == kPositions + i ? 1.0 : 0.0); });
   }
-  for (int c = 0; c < kStates; ++c) {
-    to.rows([&](LqSecondOrder& stage) { return stage.Q[c]; }, rows);
-    store_rows<kStates>(rows, [&](auto r) { return sum_of_rows(curvature, c, r); });
-  }
+  // Of the Hessian the columns below the diagonal; no term depends on the position of the base.
+  lq::unroll<kStates>([&](auto column) STILT_INLINE {
+    constexpr int c = column;
+    Batch factor[kMaxRows];
+    for (int i = 0; i < count; ++i) factor[i] = curvature[i] * row[i][c];
+    to.rows([](LqSecondOrder& stage) { return stage.Q[c]; }, rows);
+    store_rows<kStates, c / kLanes>(rows, [&](auto r) STILT_INLINE {
+      Batch sum = Batch(0.0);
+      if constexpr (c >= kFirstAngle && r >= c) {
+        for (int i = 0; i < count; ++i) sum += factor[i] * row[i][r];
+      }
+      return sum;
+    });
+  });
   to.rows([](LqFirstOrder& stage) { return stage.q; }, rows);
-  store_rows<kStates>(rows, [&](auto c) { return sum_of_rows(slope, c, -1); });
+  store_rows<kStates>(rows, [&](auto c) { return gradient(c); });
   to.rows([](LqFirstOrder& stage) { return stage.b; }, rows);
   store_rows<kStates>(rows, [&](auto i) { return touchdown.after[i] - it.x_next[i]; });
 }

@@ -17,17 +17,28 @@
 /// Gradients are those on the constraints, at dx = 0 and w = 0.
 namespace stilt::ocp {
 
+/// The barriers of a flow.
+struct BarrierCurves {
+  BarrierCurve friction, joint_torque, joint_position, joint_velocity;
+
+  explicit BarrierCurves(const InequalityParameters& p) noexcept
+      : friction(p.friction),
+        joint_torque(p.joint_torque),
+        joint_position(p.joint_position),
+        joint_velocity(p.joint_velocity) {}
+};
+
 /// Slope and Hessian of weight and friction cone over the force (fx, fz) of a stance foot.
 struct ForceCost {
   Batch gx, gz, hxx, hxz, hzz;
 
-  ForceCost(const ProblemData& data, const StageBatch& batch, const Batch* u, int foot) noexcept {
+  ForceCost(const ProblemData& data, const BarrierCurve& friction, const StageBatch& batch, const Batch* u,
+            int foot) noexcept {
     const int x = model::kJoints + 2 * foot;
     const int z = x + 1;
-    const InequalityParameters& p = data.inequality;
-    const double mu = p.friction_coefficient;
+    const double mu = data.inequality.friction_coefficient;
     const Batch margin = mu * (u[z] - data.minimum_normal_force_N(batch.mode));
-    const BarrierPair cone(p.friction, margin - u[x], margin + u[x]);
+    const BarrierPair cone(friction, margin - u[x], margin + u[x]);
     const Batch h = batch.duration;
     gx = h * (data.input_weight[x] * (u[x] - batch.u_ref[x]) + cone.b.first - cone.a.first);
     gz = h * (data.input_weight[z] * (u[z] - batch.u_ref[z]) + mu * (cone.b.first + cone.a.first));
@@ -70,8 +81,8 @@ class UniformWeights {
 
 /// Adds the weights of z, one row each: joint accelerations, in double support the second foot's force.
 template <class Mode>
-void add_variables(const ProblemData& data, const StageBatch& batch, const BatchIterate& it,
-                   DenseRows<Mode>& rows) noexcept {
+void add_variables(const ProblemData& data, const BarrierCurve& friction, const StageBatch& batch,
+                   const BatchIterate& it, DenseRows<Mode>& rows) noexcept {
   using model::kJoints;
   for (int j = 0; j < kJoints; ++j) {
     const Batch weight = batch.duration * data.input_weight[j];
@@ -80,7 +91,7 @@ void add_variables(const ProblemData& data, const StageBatch& batch, const Batch
     rows.add_variables({weight * (it.u[j] - batch.u_ref[j]), weight}, by_z);
   }
   if constexpr (Mode::kStanceFeet == 2) {
-    const ForceCost cost(data, batch, it.u, 1);
+    const ForceCost cost(data, friction, batch, it.u, 1);
     const Batch l = cost.hxz / cost.hxx;
     Batch by_z[Mode::kVariables] = {};
     by_z[kJoints] = Batch(1.0);
@@ -94,9 +105,10 @@ void add_variables(const ProblemData& data, const StageBatch& batch, const Batch
 
 /// Computes the terms of the inputs. Sets H, g and constraint_step_slope.
 template <class Mode>
-void add_input_terms(const ProblemData& data, const StageBatch& batch, const BatchIterate& it,
-                     const model::NodeDerivatives<Batch>& node, const ForceElimination<Mode>& force,
-                     const ConstraintElimination<Mode>& constraint, QuadraticCost& out) noexcept {
+void add_input_terms(const ProblemData& data, const BarrierCurves& barriers, const StageBatch& batch,
+                     const BatchIterate& it, const model::NodeDerivatives<Batch>& node,
+                     const ForceElimination<Mode>& force, const ConstraintElimination<Mode>& constraint,
+                     QuadraticCost& out) noexcept {
   using model::kJoints;
   const Batch h = batch.duration;
   // All terms before the first row: their divisions and roots take as long as several rows.
@@ -112,7 +124,7 @@ void add_input_terms(const ProblemData& data, const StageBatch& batch, const Bat
   TorqueLimitCost limit[kJoints];
   UnitTerm torque[kJoints];
   for (int j = 0; j < kJoints; ++j) {
-    limit[j] = TorqueLimitCost(data.inequality.joint_torque, data.limits, j, node.joint_torque[j],
+    limit[j] = TorqueLimitCost(barriers.joint_torque, data.limits, j, node.joint_torque[j],
                                it.x[model::kPositions + model::kFirstJoint + j]);
     torque[j] = UnitTerm(h * limit[j].combined.first, h * limit[j].combined.second);
   }
@@ -120,7 +132,7 @@ void add_input_terms(const ProblemData& data, const StageBatch& batch, const Bat
   UnitTerm combined_force, vertical_force;
   Batch l;
   if constexpr (Mode::kStanceFeet > 0) {
-    const ForceCost cost(data, batch, it.u, Mode::kFirstStance);
+    const ForceCost cost(data, barriers.friction, batch, it.u, Mode::kFirstStance);
     l = cost.hxz / cost.hxx;
     combined_force = UnitTerm(cost.gx, cost.hxx);
     vertical_force = UnitTerm(cost.gz - l * cost.gx, cost.hzz - l * cost.hxz);
@@ -147,7 +159,7 @@ void add_input_terms(const ProblemData& data, const StageBatch& batch, const Bat
     rows.accumulate(out);
     weights.add_free(out);
   } else {
-    add_variables(data, batch, it, rows);
+    add_variables(data, barriers.friction, batch, it, rows);
     rows.accumulate(out);
   }
   for (int j = 0; j < kJoints; ++j) {
@@ -298,8 +310,9 @@ STILT_INLINE inline void add_foot(const ProblemData& data, const StageBatch& bat
 /// accelerations of the feet where constraints fix them. Adds to H, g and constraint_step_slope; sets the
 /// terms of x_b.
 template <class Mode>
-void add_state_terms(const ProblemData& data, const StageBatch& batch, const BatchIterate& it,
-                     const model::NodeDerivatives<Batch>& node, QuadraticCost& out) noexcept {
+void add_state_terms(const ProblemData& data, const BarrierCurves& barriers, const StageBatch& batch,
+                     const BatchIterate& it, const model::NodeDerivatives<Batch>& node,
+                     QuadraticCost& out) noexcept {
   using model::kPositions;
   const Batch h = batch.duration;
   out.x_curvature = h * data.state_weight[0];
@@ -317,9 +330,9 @@ void add_state_terms(const ProblemData& data, const StageBatch& batch, const Bat
       const bool is_position = c < kVelocityColumn;
       const JointLimits& limits = data.limits;
       const BarrierSlope barrier =
-          is_position ? limit_slope(data.inequality.joint_position, it.x[i], limits.position_min_rad[kJoint],
+          is_position ? limit_slope(barriers.joint_position, it.x[i], limits.position_min_rad[kJoint],
                                     limits.position_max_rad[kJoint])
-                      : limit_slope(data.inequality.joint_velocity, it.x[i], -limits.velocity_rad_s[kJoint],
+                      : limit_slope(barriers.joint_velocity, it.x[i], -limits.velocity_rad_s[kJoint],
                                     limits.velocity_rad_s[kJoint]);
       slope += barrier.first;
       curvature += barrier.second;

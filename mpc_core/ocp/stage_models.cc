@@ -57,7 +57,7 @@ void StageModels::linearise_batches(int k) noexcept {
   const auto [last, group, lane] = problem_->place[k];
   if (problem_->horizon.stage[k].kind == StageKind::transition) {
     const TransitionBatch& batch = problem_->transition_batch[last];
-    linearise(*data_, batch, *iterate_, output_of(batch, group, last), work_);
+    linearise(*data_, batch, *iterate_, output_of(batch, group, last));
     linearised_from_[group] = last;
     return;
   }

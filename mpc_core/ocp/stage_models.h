@@ -30,7 +30,7 @@ class StageModels {
 
   /// Results of the whole pass: stages in ascending order, projections of their inputs, the terminal cost.
   [[nodiscard]] const lq::LqFirstOrder* stages() const noexcept { return stages_; }
-  [[nodiscard]] const InputProjection& inputs(int k) const noexcept { return projections_[k]; }
+  [[nodiscard]] const InputProjection* inputs() const noexcept { return projections_; }
   [[nodiscard]] const lq::LqTerminal& terminal() const noexcept { return terminal_; }
 
   /// Sets the clock of linearising_ns() from the next pass on. Null: nothing is measured.

@@ -33,18 +33,22 @@ struct TorqueLimitCost {
   BarrierSlope velocity;  ///< by v alone, the remaining term
 
   TorqueLimitCost() = default;
-  TorqueLimitCost(const BarrierParameters& p, const JointLimits& limits, int joint, const Batch& torque,
+  TorqueLimitCost(const BarrierCurve& p, const JointLimits& limits, int joint, const Batch& torque,
                   const Batch& v) noexcept {
     const TorqueMargins margins(limits, joint, torque, v);
     const BarrierPair barrier(p, margins.lower, margins.upper);
+    combined = {barrier.a.first - barrier.b.first, barrier.a.second + barrier.b.second};
     const double slope = limits.torque_speed_slope_Nms_rad[joint];
+    if (slope == 0.0) {
+      by_velocity = velocity.first = velocity.second = Batch(0.0);
+      return;
+    }
     Batch lower_slope = Batch(slope);
     where(v >= 0.0, lower_slope) = Batch(0.0);
     const Batch upper_slope = slope - lower_slope;
     const Batch a = barrier.a.second;
     const Batch b = barrier.b.second;
     constexpr double kNoDivisionByZero = 1e-300;  // of barriers without weight
-    combined = {barrier.a.first - barrier.b.first, a + b};
     by_velocity = (a * lower_slope + b * upper_slope) / (combined.second + kNoDivisionByZero);
     const Batch da = lower_slope - by_velocity;
     const Batch db = upper_slope - by_velocity;

@@ -12,20 +12,7 @@ struct alignas(64) Trajectory {
   double u[kMaxStages][model::kInputs];
 };
 
-/// Step of the input as a function of the step of the state and of the free directions:
-///
-///   du = u0 + Y c + W w + [0; F dx; 0]
-///
-/// c are the products of the stage's constraint rows with dx (LqStep::c). F are the rows of the force that
-/// the stance constraint fixes, at u[first_force] and the next entry. Columns of eight inputs.
-struct alignas(64) InputProjection {
-  double u0[model::kInputs];
-  double Y[lq::kMaxConstraints][model::kInputs];
-  double W[lq::kMaxFreeInputs][model::kInputs];
-  double F[2][lq::kRows];
-  double u0_slope;  ///< first-order change of the stage's cost along u0
-  int first_force;  ///< -1: no foot on the ground, or no flow
-};
+using lq::InputProjection;
 
 /// Quantities that the line search compares.
 struct Merit {

@@ -10,7 +10,6 @@ namespace stilt::sqp {
 namespace {
 
 using lq::broadcast;
-using lq::dot;
 using lq::kBaseRows;
 using lq::kLanes;
 using lq::kParts;
@@ -72,11 +71,8 @@ bool Sqp::step(const ocp::ProblemData& data, const ocp::Problem& problem, const 
   const long long start_ns = now_ns();
   alignas(64) double x0[kRows] = {};
   for (int i = 0; i < kStates; ++i) x0[i] = problem.x_initial[i] - iterate.x[0][i];
-  lq::forward_sweep(models_.stages(), stages, gains_, x0, steps_);
-  expand_inputs(stages);
-  // The inputs also move along u0, onto the equality constraints; the LQ problem does not contain u0.
-  slope_ = lq::cost_slope(models_.stages(), stages, models_.terminal(), steps_);
-  for (int k = 0; k < stages; ++k) slope_ += models_.inputs(k).u0_slope;
+  slope_ =
+      lq::forward_sweep(models_.stages(), models_.inputs(), stages, models_.terminal(), gains_, x0, steps_);
   times_.riccati_us += 1e-3 * static_cast<double>(now_ns() - start_ns);
   // The sweep checks everything but the measured state, which enters here. A non-finite number in any step
   // makes the slope non-finite.
@@ -85,28 +81,6 @@ bool Sqp::step(const ocp::ProblemData& data, const ocp::Problem& problem, const 
     return false;
   }
   return true;
-}
-
-void Sqp::expand_inputs(int stages) noexcept {
-  for (int k = 0; k < stages; ++k) {
-    const ocp::InputProjection& projection = models_.inputs(k);
-    const lq::LqFirstOrder& stage = models_.stages()[k];
-    const lq::LqStep& step = steps_[k];
-    unroll<kInputParts>([&](auto part) STILT_INLINE {
-      Vec du = load(projection.u0 + part * kLanes);
-      for (int r = 0; r < stage.constraints; ++r) {
-        du += load(projection.Y[r] + part * kLanes) * broadcast(step.c[r]);
-      }
-      for (int c = 0; c < stage.free_inputs; ++c) {
-        du += load(projection.W[c] + part * kLanes) * broadcast(step.w[c]);
-      }
-      store(input_steps_[k] + part * kLanes, du);
-    });
-    if (projection.first_force < 0) continue;
-    double* force = input_steps_[k] + projection.first_force;
-    force[0] += dot(projection.F[0], step.x);
-    force[1] += dot(projection.F[1], step.x);
-  }
 }
 
 double Sqp::take_step(const ocp::Trajectory& from, double length, int stages,
@@ -127,7 +101,7 @@ double Sqp::take_step(const ocp::Trajectory& from, double length, int stages,
   for (int k = 0; k < stages; ++k) {
     unroll<kInputParts>([&](auto part) STILT_INLINE {
       constexpr int i = part * kLanes;
-      take(from.u[k] + i, input_steps_[k] + i, to.u[k] + i);
+      take(from.u[k] + i, steps_[k].u + i, to.u[k] + i);
     });
   }
   double size = 0.0;
@@ -201,7 +175,7 @@ SolveReport Sqp::solve(const ocp::ProblemData& data, const ocp::Problem& problem
 }
 
 void Sqp::feedback_gain(int k, Eigen::Matrix<double, kInputs, kStates>& gain) const noexcept {
-  const ocp::InputProjection& projection = models_.inputs(k);
+  const ocp::InputProjection& projection = models_.inputs()[k];
   const lq::LqFirstOrder& stage = models_.stages()[k];
   for (int c = 0; c < kStates; ++c) {
     double* column = gain.data() + c * kInputs;

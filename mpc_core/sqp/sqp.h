@@ -53,7 +53,6 @@ class Sqp {
   /// Writes the trial iterate. Returns the largest component of the step taken.
   double take_step(const ocp::Trajectory& from, double length, int stages,
                    ocp::Trajectory& to) const noexcept;
-  void expand_inputs(int stages) noexcept;
   [[nodiscard]] long long now_ns() const noexcept { return clock_ != nullptr ? clock_() : 0; }
 
   ClockFunction clock_ = nullptr;
@@ -64,7 +63,6 @@ class Sqp {
   lq::LqGain gains_[ocp::kMaxStages];
   lq::LqStep steps_[ocp::kMaxNodes];
   lq::RiccatiWorkspace workspace_;
-  alignas(64) double input_steps_[ocp::kMaxStages][model::kInputs];
   ocp::Trajectory trial_;
 };
 

@@ -18,7 +18,7 @@ constexpr int kStages = 134;
 testing::LqProblem problem_with(const testing::StageKind& kind) {
   testing::LqProblem problem = testing::random_problem(1, 0);
   std::mt19937_64 random(2);
-  for (int k = 0; k < kStages; ++k) problem.stages.push_back(testing::random_stage(random, kind, 0.05));
+  for (int k = 0; k < kStages; ++k) testing::add_stage(random, kind, 0.05, problem);
   return problem;
 }
 
@@ -31,7 +31,7 @@ testing::LqProblem walking_problem() {
     const testing::StageKind& kind = phase == 26   ? testing::kTransition
                                      : phase >= 23 ? testing::kDoubleSupport
                                                    : testing::kSingleSupport;
-    problem.stages.push_back(testing::random_stage(random, kind, 0.05));
+    testing::add_stage(random, kind, 0.05, problem);
   }
   return problem;
 }
@@ -61,22 +61,12 @@ void BM_forward_walking(::benchmark::State& state) {
   testing::LqSolution solution = testing::solve(problem, status);
   const std::vector<LqFirstOrder> stages = problem.first_orders();
   for (auto _ : state) {
-    forward_sweep(stages.data(), kStages, solution.gains.data(), problem.x0, solution.steps.data());
+    ::benchmark::DoNotOptimize(forward_sweep(stages.data(), problem.inputs.data(), kStages, problem.terminal,
+                                             solution.gains.data(), problem.x0, solution.steps.data()));
     ::benchmark::ClobberMemory();
   }
 }
 BENCHMARK(BM_forward_walking)->Unit(::benchmark::kMicrosecond);
-
-void BM_cost_slope_walking(::benchmark::State& state) {
-  const testing::LqProblem problem = walking_problem();
-  testing::SweepStatus status;
-  const testing::LqSolution solution = testing::solve(problem, status);
-  const std::vector<LqFirstOrder> stages = problem.first_orders();
-  for (auto _ : state) {
-    ::benchmark::DoNotOptimize(cost_slope(stages.data(), kStages, problem.terminal, solution.steps.data()));
-  }
-}
-BENCHMARK(BM_cost_slope_walking)->Unit(::benchmark::kMicrosecond);
 
 /// The textbook recursion in fixed-size Eigen.
 void BM_backward_eigen(::benchmark::State& state) {

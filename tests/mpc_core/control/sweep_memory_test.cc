@@ -15,10 +15,12 @@ constexpr std::size_t kNodes = 134;  ///< 2.0 s at 15 ms
 
 constexpr std::size_t kStage = sizeof(LqFirstOrder) + sizeof(LqSecondOrder);
 
-/// Backward: reads a stage, writes its gain. Forward: reads both, writes the step.
+/// Backward: reads a stage, writes its gain. Forward: reads both and the projection of the
+/// inputs, writes the step.
 constexpr std::size_t kBackward =
     kNodes * (kStage + sizeof(LqGain)) + sizeof(LqTerminal) + sizeof(RiccatiWorkspace);
-constexpr std::size_t kForward = kNodes * (sizeof(LqFirstOrder) + sizeof(LqGain) + sizeof(LqStep));
+constexpr std::size_t kForward =
+    kNodes * (sizeof(LqFirstOrder) + sizeof(InputProjection) + sizeof(LqGain) + sizeof(LqStep));
 
 TEST(SweepMemory, OfTheLongestHorizonFitsTheSecondLevelCache) {
   std::printf("one sweep at %zu nodes: backward %zu, forward %zu of %zu KiB; a stage %zu bytes\n", kNodes,

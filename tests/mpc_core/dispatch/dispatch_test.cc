@@ -82,6 +82,11 @@ TEST(Dispatch, KernelsShareTheLayoutOfTheTypesThatPassThrough) {
 #endif
 }
 
+/// Each kernel asserts at compile time that its planner fits the room in a DispatchedPlanner.
+TEST(Dispatch, ThePlannerOfEverySetFitsTwoMebibytes) {
+  EXPECT_LE(sizeof(DispatchedPlanner), 2U * 1024U * 1024U);
+}
+
 class EverySet : public ::testing::TestWithParam<InstructionSet> {};
 
 TEST_P(EverySet, FindsTheSameOptimumAlongAWalk) {

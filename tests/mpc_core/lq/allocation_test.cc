@@ -28,8 +28,8 @@ TEST(SolverMemory, SweepsAndSlopeAllocateNothing) {
   const std::vector<LqFirstOrder> stages = problem.first_orders();
   const realtime::AllocationScope scope;
   status = testing::backward_sweep(problem, solution.gains.data(), *workspace, solution.values.data());
-  forward_sweep(stages.data(), problem.count(), solution.gains.data(), problem.x0, solution.steps.data());
-  const double slope = cost_slope(stages.data(), problem.count(), problem.terminal, solution.steps.data());
+  const double slope = forward_sweep(stages.data(), problem.inputs.data(), problem.count(), problem.terminal,
+                                     solution.gains.data(), problem.x0, solution.steps.data());
   EXPECT_EQ(scope.count(), 0);
   EXPECT_TRUE(status.ok());
   EXPECT_TRUE(std::isfinite(slope));

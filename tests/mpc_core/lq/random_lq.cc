@@ -26,6 +26,15 @@ Matrix read_columns(const double (*from)[kRows], int columns) {
       .topRows(kStates);
 }
 
+/// Columns whose joints' positions move as those of double integrators, with the rows of the base times
+/// `base`.
+Matrix double_integrators(Matrix columns, double h, double base) {
+  for (const int row : kBaseRow) columns.row(row) *= base;
+  const Matrix velocities = columns.bottomRows(model::kJoints);
+  columns.middleRows(model::kFirstJoint, model::kJoints) = 0.5 * h * velocities;
+  return columns;
+}
+
 /// Largest entry of |sum of terms| relative to the sum of |terms| plus one.
 double relative(const std::vector<Vector>& terms) {
   if (terms.front().size() == 0) return 0.0;
@@ -71,8 +80,8 @@ LqStage random_stage(std::mt19937_64& random, StageKind kind, double coupling) {
   Matrix G = coupling * gaussian(random, kStates, flow ? kBaseRows + kind.constraints : 7);
   G.row(0).setZero();
   write_columns(stage.G, G);
-  write_columns(stage.L, gaussian(random, kStates, kind.constraints));
-  write_columns(stage.B, gaussian(random, kStates, m));
+  write_columns(stage.L, double_integrators(gaussian(random, kStates, kind.constraints), stage.h, 0.0));
+  write_columns(stage.B, double_integrators(gaussian(random, kStates, m), stage.h, 1.0));
   const Matrix root = gaussian(random, n, n) / std::sqrt(double(n));
   const Matrix H = root * root.transpose() + 0.01 * Matrix::Identity(n, n);
   write_columns(stage.Q, H.topLeftCorner(kStates, kStates));
@@ -86,13 +95,37 @@ LqStage random_stage(std::mt19937_64& random, StageKind kind, double coupling) {
   return stage;
 }
 
+void add_stage(std::mt19937_64& random, StageKind kind, double coupling, LqProblem& problem) {
+  std::mt19937_64 separate(problem.stages.size());
+  problem.stages.push_back(random_stage(random, kind, coupling));
+  std::normal_distribution<double> normal;
+  InputProjection inputs;
+  std::memset(&inputs, 0xff, sizeof(inputs));
+  const auto draw = [&](double* values, int count) {
+    std::generate(values, values + count, [&] { return normal(separate); });
+  };
+  draw(inputs.u0, model::kInputs);
+  for (int i = 0; i < kind.constraints; ++i) draw(inputs.Y[i], model::kInputs);
+  for (int i = 0; i < kind.free_inputs; ++i) draw(inputs.W[i], model::kInputs);
+  inputs.u0_slope = normal(separate);
+  inputs.first_force = -1;
+  if (kind.free_inputs > 2) {
+    inputs.first_force = model::kJoints + (normal(separate) < 0.0 ? 0 : 2);
+    for (double(&row)[kRows] : inputs.F) {
+      draw(row, kStates);
+      std::fill(row + kStates, row + kRows, 0.0);
+    }
+  }
+  problem.inputs.push_back(inputs);
+}
+
 LqProblem random_problem(std::uint64_t seed, int count) {
   std::mt19937_64 random(seed);
   const double coupling = std::uniform_real_distribution<double>(0.02, 0.3)(random);
   LqProblem problem;
   for (int k = 0; k < count; ++k) {
     const int choice = std::uniform_int_distribution<int>(0, 3)(random);
-    problem.stages.push_back(random_stage(random, kKinds[choice], coupling));
+    add_stage(random, kKinds[choice], coupling, problem);
   }
   const Matrix root = gaussian(random, kStates, kStates);
   write_columns(problem.terminal.Q, root * root.transpose());
@@ -124,8 +157,9 @@ LqSolution solve(const LqProblem& problem, SweepStatus& status) {
   std::memset(&workspace, 0xff, sizeof(workspace));  // all NaN: nothing may be read before it is written
   status = backward_sweep(problem, solution.gains.data(), workspace, solution.values.data());
   if (status.ok()) {
-    forward_sweep(problem.first_orders().data(), count, solution.gains.data(), problem.x0,
-                  solution.steps.data());
+    solution.slope =
+        forward_sweep(problem.first_orders().data(), problem.inputs.data(), count, problem.terminal,
+                      solution.gains.data(), problem.x0, solution.steps.data());
   }
   return solution;
 }

@@ -18,6 +18,7 @@ using benchmark::LqStage;
 
 struct LqProblem {
   std::vector<LqStage> stages;
+  std::vector<InputProjection> inputs;
   LqTerminal terminal{};
   alignas(64) double x0[kRows]{};
 
@@ -38,6 +39,7 @@ struct LqSolution {
   std::vector<LqGain> gains;
   std::vector<ValueFunction> values;
   std::vector<LqStep> steps;
+  double slope = 0.0;
 };
 
 /// Plain Eigen copies of a stage's matrices, cut to their true sizes; A as the dense sum of its factors.
@@ -64,6 +66,9 @@ inline constexpr StageKind kKinds[] = {kTransition, kFlight, kSingleSupport, kDo
 /// Dynamics with normal entries, of deviation `coupling` in G and 1 in L and B, and h between 2 and 30 ms;
 /// convex cost with a positive definite R.
 [[nodiscard]] LqStage random_stage(std::mt19937_64& random, StageKind kind, double coupling);
+/// Adds a stage with random_stage() and a random projection of its inputs, of which nothing may be read that
+/// its kind lacks: that is NaN.
+void add_stage(std::mt19937_64& random, StageKind kind, double coupling, LqProblem& problem);
 /// `count` stages of kinds drawn from kKinds and a common coupling in [0.02, 0.3].
 [[nodiscard]] LqProblem random_problem(std::uint64_t seed, int count);
 

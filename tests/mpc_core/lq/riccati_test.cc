@@ -76,7 +76,7 @@ TEST(Riccati, EveryKindOfStageHasItsKernel) {
     std::mt19937_64 random(100 + kind.free_inputs);
     LqProblem problem = random_problem(3, 0);
     const int count = kind.free_inputs > 0 ? 200 : 8;  // nothing stabilises a row of transitions
-    for (int k = 0; k < count; ++k) problem.stages.push_back(random_stage(random, kind, 0.1));
+    for (int k = 0; k < count; ++k) add_stage(random, kind, 0.1, problem);
     SweepStatus status;
     const LqSolution solution = solve(problem, status);
     ASSERT_TRUE(status.ok());
@@ -101,6 +101,35 @@ TEST(Riccati, StepsHoldTheProductsWithTheConstraintRows) {
       ASSERT_NEAR(solution.steps[k].c[i], row.dot(x), 1e-13 * row.norm() * x.norm()) << "stage " << k;
     }
   }
+}
+
+TEST(Riccati, StepsHoldTheInputsAndTheSlopeOfTheCost) {
+  const LqProblem problem = ordinary_problem(60);
+  SweepStatus status;
+  const LqSolution solution = solve(problem, status);
+  ASSERT_TRUE(status.ok());
+  double slope = dense_state(problem.terminal.q).dot(dense_state(solution.steps.back().x));
+  double scale = 1.0;
+  for (int k = 0; k < problem.count(); ++k) {
+    const LqStage& stage = problem.stages[k];
+    const InputProjection& inputs = problem.inputs[k];
+    const LqStep& step = solution.steps[k];
+    using Input = Eigen::Map<const Eigen::Matrix<double, model::kInputs, 1>>;
+    Vector expected = Input(inputs.u0);
+    slope += inputs.u0_slope + dense_state(stage.q).dot(dense_state(step.x));
+    for (int i = 0; i < stage.constraints; ++i) expected += step.c[i] * Input(inputs.Y[i]);
+    for (int i = 0; i < stage.free_inputs; ++i) {
+      expected += step.w[i] * Input(inputs.W[i]);
+      slope += stage.r[i] * step.w[i];
+    }
+    for (int axis = 0; axis < 2 && inputs.first_force >= 0; ++axis) {
+      expected[inputs.first_force + axis] += dense_state(inputs.F[axis]).dot(dense_state(step.x));
+    }
+    const double size = 1.0 + expected.cwiseAbs().maxCoeff() + dense_state(step.x).cwiseAbs().maxCoeff();
+    ASSERT_LE((Input(step.u) - expected).cwiseAbs().maxCoeff(), 1e-12 * size) << "stage " << k;
+    scale += size * size;
+  }
+  EXPECT_NEAR(solution.slope, slope, 1e-12 * scale);
 }
 
 TEST(Riccati, AHorizonWithoutStagesIsItsTerminalCost) {
@@ -149,8 +178,8 @@ TEST(Riccati, TheStepIsADescentDirectionWhoseSlopeMatchesDifferences) {
   SweepStatus status;
   const LqSolution solution = solve(problem, status);
   ASSERT_TRUE(status.ok());
-  const double slope =
-      cost_slope(problem.first_orders().data(), problem.count(), problem.terminal, solution.steps.data());
+  double slope = solution.slope;
+  for (const InputProjection& inputs : problem.inputs) slope -= inputs.u0_slope;
   double curvature = 0.0;  // at the optimum of a problem without offsets it is minus the slope
   for (int k = 0; k < problem.count(); ++k) {
     const DenseStage s = dense(problem.stages[k]);
@@ -238,7 +267,7 @@ TEST(Riccati, NaNOrInfinityAnywhereIsReported) {
   expect_not_finite(
       "h", [](LqProblem&, LqStage& s, double v) { s.form == StageForm::flow ? s.h = v : s.b[1] = v; });
   expect_not_finite("B",
-                    [](LqProblem&, LqStage& s, double v) { s.free_inputs ? s.B[1][5] = v : s.b[1] = v; });
+                    [](LqProblem&, LqStage& s, double v) { s.free_inputs ? s.B[1][12] = v : s.b[1] = v; });
   expect_not_finite("Q", [](LqProblem&, LqStage& s, double v) { s.Q[3][5] = v; });
   expect_not_finite("S",
                     [](LqProblem&, LqStage& s, double v) { s.free_inputs ? s.S[1][5] = v : s.b[1] = v; });

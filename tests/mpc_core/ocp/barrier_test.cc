@@ -18,7 +18,7 @@ double barrier(const BarrierParameters& p, double h) {
 
 /// The second barrier of the pair is somewhere else and must not matter.
 BarrierSlope slope(const BarrierParameters& p, double h) {
-  return BarrierPair(p, Batch(h), Batch(1.7 * p.width)).a;
+  return BarrierPair(BarrierCurve(p), Batch(h), Batch(1.7 * p.width)).a;
 }
 
 /// The formula of the header in the standard library's logarithm.

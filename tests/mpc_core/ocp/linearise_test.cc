@@ -225,8 +225,15 @@ TEST(Linearise, SlopeAlongFreeDirectionsIsTheDifferenceOfTheEvaluatedCost) {
             backward.u[k][i] -= kStep * du[i];
           }
         }
-        const double slope =
-            lq::cost_slope(model.first_orders().data(), stages, model.terminal, steps.data());
+        const auto dot = [](const double* a, const double* b, int count) {
+          return Eigen::Map<const Vector>(a, count).dot(Eigen::Map<const Vector>(b, count));
+        };
+        double slope = dot(model.terminal.q, steps[static_cast<std::size_t>(stages)].x, kStates);
+        for (int k = 0; k < stages; ++k) {
+          const LqStage& stage = model.stages[static_cast<std::size_t>(k)];
+          const lq::LqStep& step = steps[static_cast<std::size_t>(k)];
+          slope += dot(stage.q, step.x, kStates) + dot(stage.r, step.w, stage.free_inputs);
+        }
         const double difference = (evaluate(scene->data, scene->problem, forward).cost -
                                    evaluate(scene->data, scene->problem, backward).cost) /
                                   (2.0 * kStep);
