@@ -106,8 +106,8 @@ Verdict wrong_gear(std::size_t joint, const JogMotion& motion, double seen_rad,
   const double hip_rad = is_knee(joint) ? motion.leg_reached_rad : 0.0;
   const double ratio = driver.ratio * motion.reached_rad / (motion.direction * seen_rad - hip_rad);
   const std::string encoders =
-      is_knee(joint) ? "encoders of " + joint_name(joint - 1) + " and " + joint_name(joint) + " say"
-                     : "encoder of " + joint_name(joint) + " says";
+      is_knee(joint) ? "encoders of " + joint_name(joint - 1) + " and " + joint_name(joint) + " report"
+                     : "encoder of " + joint_name(joint) + " reports";
   char text[240];
   std::snprintf(
       text, sizeof text,

@@ -109,7 +109,7 @@ TEST(Telemetry, a_robot_walked_from_a_page_comes_to_a_stand_without_a_fault_when
   }
 }
 
-TEST(Telemetry, a_watch_is_on_the_page_which_cannot_make_it_stand) {
+TEST(Telemetry, a_watch_is_on_the_page_which_cannot_make_it_stand_and_whose_motors_off_ends_it) {
   RobotAndController run;
   run.start_robot({"--lockstep", "--once", "--hang"});
   run.start_command({"watch"}, {"--lockstep"});
@@ -121,9 +121,12 @@ TEST(Telemetry, a_watch_is_on_the_page_which_cannot_make_it_stand) {
   const std::string state = R"("state":)" + std::to_string(static_cast<int>(State::watch)) + ',';
   EXPECT_TRUE(page.wait_for(state, kLongestRun_s)) << run.said();
   EXPECT_TRUE(page.wait_for(R"("emergency_stop":"released")", kLongestRun_s)) << run.said();
+  ASSERT_TRUE(page.wait_for(R"("has_token":true)", kLongestRun_s)) << run.said();
   page.send(R"({"command": "stand", "sequence": 1})");
-  EXPECT_TRUE(page.wait_for(R"("sequence":1,"accepted":false)", kLongestRun_s)) << run.said();
-  run.controller().signal(SIGINT);
+  EXPECT_TRUE(
+      page.wait_for(R"("sequence":1,"accepted":false,"reason":"the robot is in state watch)", kLongestRun_s))
+      << run.said();
+  page.send(R"({"command": "cut", "sequence": 2})");
   run.expect_both_to_end();
   EXPECT_EQ(run.controller().wait(0), 0) << run.said();
 }
