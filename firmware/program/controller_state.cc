@@ -55,9 +55,9 @@ std::expected<void, std::string> set_up(const Options& options, std::span<hal::F
   }
   const hal::RobotWiring wiring =
       configuration::robot_wiring(configuration.hardware, configuration.timing.torque_rate_hz);
-  const auto demanded = configuration::bring_up_options(configuration.hardware, (*robot)->model.constants,
+  const auto required = configuration::bring_up_options(configuration.hardware, (*robot)->model.constants,
                                                         angles_are_known(options.task));
-  state.hardware.emplace(wiring, demanded, std::span(carried).first(buses.size()));
+  state.hardware.emplace(wiring, required, std::span(carried).first(buses.size()));
   if (const auto started = start_serial_sensor(options, wiring, state); !started) return started;
   state.control.attach(*state.hardware, state.mail);
   state.script.emplace(options.start, configuration.runtime.start_settle_s, options.duration_s);

@@ -15,13 +15,8 @@ using supervisor::FallbackLevel;
 using supervisor::Fault;
 using supervisor::RequestKind;
 using supervisor::State;
-using testing::Rig;
 
-class ControlLoopTest : public ::testing::Test {
- protected:
-  ControlLoopTest() : rig(std::make_unique<Rig>()) {}
-  std::unique_ptr<Rig> rig;
-};
+class ControlLoopTest : public testing::RigTest {};
 
 TEST_F(ControlLoopTest, NothingIsSentBeforeSomebodyAsks) {
   rig->run(200);

@@ -14,18 +14,13 @@ namespace {
 using supervisor::FallbackLevel;
 using supervisor::RequestKind;
 using supervisor::State;
-using testing::Rig;
 
 /// From the last plan on: stale after 0.25 s, and then a step of 0.25 s and both feet for 0.05 s.
 constexpr int kTicksToTheGait = 560;
 /// The joints of the rig rest, and the gait leads them from there.
 constexpr int kTicksToLeaveRest = 60;
 
-class FallbackTest : public ::testing::Test {
- protected:
-  FallbackTest() : rig(std::make_unique<Rig>()) {}
-  std::unique_ptr<Rig> rig;
-};
+class FallbackTest : public testing::RigTest {};
 
 TEST_F(FallbackTest, NewPlan) {
   rig->stand();

@@ -10,13 +10,8 @@ namespace {
 using supervisor::FallbackLevel;
 using supervisor::Fault;
 using supervisor::State;
-using testing::Rig;
 
-class ControlLoopReports : public ::testing::Test {
- protected:
-  ControlLoopReports() : rig(std::make_unique<Rig>()) {}
-  std::unique_ptr<Rig> rig;
-};
+class ControlLoopReports : public testing::RigTest {};
 
 TEST_F(ControlLoopReports, FaultsAndStatesAreReported) {
   rig->stand();

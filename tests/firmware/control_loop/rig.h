@@ -180,4 +180,10 @@ class Rig {
   bool fresh_ = false;
 };
 
+class RigTest : public ::testing::Test {
+ protected:
+  RigTest() : rig(std::make_unique<Rig>()) {}
+  std::unique_ptr<Rig> rig;
+};
+
 }  // namespace stilt::control_loop::testing

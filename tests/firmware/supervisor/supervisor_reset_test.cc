@@ -8,25 +8,17 @@ namespace {
 
 using testing::SupervisorTest;
 
-TEST_F(SupervisorTest, ACutTurnsTheMotorsOffInTheNextTickFromReady) {
-  bring_to_ready();
-  request(RequestKind::cut);
-  EXPECT_EQ(tick(), State::off);
-  EXPECT_EQ(action_, Action::disable);
-}
-
-TEST_F(SupervisorTest, ACutTurnsTheMotorsOffInTheNextTickFromStand) {
-  bring_to_stand();
-  request(RequestKind::cut);
-  EXPECT_EQ(tick(), State::off);
-  EXPECT_EQ(action_, Action::disable);
-}
-
-TEST_F(SupervisorTest, ACutTurnsTheMotorsOffInTheNextTickFromWalk) {
-  bring_to_walk();
-  request(RequestKind::cut);
-  EXPECT_EQ(tick(), State::off);
-  EXPECT_EQ(action_, Action::disable);
+TEST_F(SupervisorTest, ACutTurnsTheMotorsOffInTheNextTickFromAnyState) {
+  for (const State from : {State::ready, State::stand, State::walk}) {
+    SCOPED_TRACE(name(from));
+    power_on();
+    if (from == State::ready) bring_to_ready();
+    if (from == State::stand) bring_to_stand();
+    if (from == State::walk) bring_to_walk();
+    request(RequestKind::cut);
+    EXPECT_EQ(tick(), State::off);
+    EXPECT_EQ(action_, Action::disable);
+  }
 }
 
 TEST_F(SupervisorTest, ACutIsNotVoidAfterAFault) {
