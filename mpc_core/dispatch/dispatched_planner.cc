@@ -15,10 +15,16 @@ bool processor_has_avx512() noexcept {
          __builtin_cpu_supports("avx512cd") != 0 && __builtin_cpu_supports("avx512dq") != 0 &&
          __builtin_cpu_supports("avx512vl") != 0;
 }
+
+/// Whether it plans more often with them than with AVX2. The only AVX-512 of AMD's family 19h is Zen 4, which carries
+/// out 512-bit operations in two halves (docs/speed.md, AVX-512).
+bool processor_gains_by_avx512() noexcept { return processor_has_avx512() && __builtin_cpu_is("amdfam19h") == 0; }
 #else
 constexpr const PlannerKernel* kAvx512 = nullptr;
 
 bool processor_has_avx512() noexcept { return false; }
+
+bool processor_gains_by_avx512() noexcept { return false; }
 #endif
 
 /// The kernel for it; null when program or processor has none.
@@ -37,7 +43,7 @@ bool available(InstructionSet set) noexcept { return kernel_for(set) != nullptr;
 
 std::optional<InstructionSet> choose(InstructionSet wanted) noexcept {
   if (wanted == InstructionSet::automatic) {
-    return available(InstructionSet::avx512) ? InstructionSet::avx512 : instruction_set_of_build();
+    return processor_gains_by_avx512() ? InstructionSet::avx512 : instruction_set_of_build();
   }
   if (!available(wanted)) return std::nullopt;
   return wanted;

@@ -14,8 +14,8 @@ namespace stilt::dispatch {
 /// Whether this program has a planner for it and this processor the instructions. Not for `automatic`.
 [[nodiscard]] bool available(model::InstructionSet set) noexcept;
 
-/// What `wanted` stands for on this processor: `automatic` is the best that is available. Nothing when
-/// program or processor lacks it.
+/// What `wanted` stands for on this processor: `automatic` is AVX-512 where that plans more often, otherwise
+/// instruction_set_of_build(). Nothing when program or processor lacks it.
 [[nodiscard]] std::optional<model::InstructionSet> choose(model::InstructionSet wanted) noexcept;
 
 /// A planner for the instruction set that its parameters choose. Fixed size, no heap.

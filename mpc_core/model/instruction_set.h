@@ -7,7 +7,7 @@ namespace stilt::model {
 
 /// SIMD instructions that the planner may be compiled for.
 enum class InstructionSet : std::uint8_t {
-  automatic,  ///< the best that program and processor have
+  automatic,  ///< what plans most often on this processor
   sse2,
   avx2,  ///< with FMA
   avx512,
