@@ -109,7 +109,7 @@ def levels(d, c):
     d.text(16, 560, 'Fallback levels, the best first', 14, svg.INK, bold=True)
     d.text(16, 580, 'supervisor/fallback.h: every tick takes the best level that its state, its faults and the age of '
            'the plan allow. kp in Nm/rad, kd in Nm s/rad.', 12)
-    rows = (('plan', svg.GREEN, ('plan younger', f'than {older}'), ('torque law of', 'the plan; feedback', f'from {feedback} on')),
+    rows = (('plan', svg.GREEN, ('plan newer', f'than {older}'), ('torque law of', 'the plan; feedback', f'from {feedback} on')),
             ('plan_feedback', svg.GREEN, (f'plan of {older}', f'to {stale}'), ('torque law of', 'the plan, all of', 'its feedback')),
             ('gait', svg.BLUE, ('no plan below', f'{stale}, from the', 'next touch-down on'),
              ('joint PD on the', f'gait, kp {tracker["joint_kp_Nm_rad"]:g},', f'kd {tracker["joint_kd_Nms_rad"]:g}')),
@@ -131,7 +131,7 @@ def levels(d, c):
         for line, words in enumerate(what):
             d.text(x + 10, top + 146 + 17 * line, words, 12)
     watchdog = sources.milliseconds(c['hardware']['driver_watchdog_s'])
-    d.text(16, 826, f'No command for {watchdog} (stiltd has ended, the cable is cut): the watchdog of every '
-           'driver disables or damps it, without stiltd.', 12, svg.RED)
+    d.text(16, 826, f'No command for {watchdog} (stiltd has ended, the cable is cut): the watchdog of a driver '
+           'that has one disables or damps it, without stiltd.', 12, svg.RED)
     d.text(16, 846, f'No heartbeat of the operator for {s["heartbeat_timeout_s"]:g} s: walk, step in place for '
            f'{s["slow_down_s"]:g} s, stand.', 12, svg.RED)

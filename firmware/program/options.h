@@ -40,7 +40,7 @@ struct Options {
   double planner_until_s = 0.0;  ///< for tests: no plans from states later than this; 0: always
   double self_test_s = 10.0;
   bool accept_missing_stop = false;  ///< selftest passes a robot whose emergency stop is not reported
-  bool hangs = false;                ///< selftest demands legs that hang plumb
+  bool hangs = false;                ///< selftest requires legs that hang plumb
   std::size_t joint = 0;             ///< of jog and zero
   double jog_angle_rad = 0.0;
   double torque_limit_share = 1.0;        ///< of --torque-limit, in the configuration already

@@ -13,8 +13,8 @@ namespace stilt::supervisor {
 
 /// What commands the joints in a tick, the best first.
 enum class FallbackLevel : std::uint8_t {
-  plan,           ///< the torque law on a plan younger than plan_feedback_after_s
-  plan_feedback,  ///< the torque law on an older plan; all of the plan's feedback acts
+  plan,           ///< the torque law on a plan newer than plan_feedback_after_s
+  plan_feedback,  ///< the torque law on an aged plan; all of the plan's feedback acts
   gait,           ///< a gait of the library, tracked by the joints without planning
   hold,           ///< position control of the measured pose
   sit,            ///< position control on the way to the sitting pose
@@ -60,7 +60,7 @@ enum class Reaction : std::uint8_t {
 /// How a plan can be followed.
 enum class PlanUse : std::uint8_t {
   none,          ///< there is none to follow, or it is older than stale_plan_s and no gait begins later
-  as_it_is,      ///< younger than plan_feedback_after_s
+  as_it_is,      ///< newer than plan_feedback_after_s
   with_feedback  ///< older than that: all of its feedback acts
 };
 

@@ -19,7 +19,7 @@ using Plan = stilt_msgs_msg_dds__Plan_;
 using Supervisor = stilt_msgs_msg_dds__Supervisor_;
 using Event = stilt_msgs_msg_dds__Event_;
 using Timing = stilt_msgs_msg_dds__Timing_;
-using ConfigurationInForce = stilt_msgs_msg_dds__Configuration_;
+using ActiveConfiguration = stilt_msgs_msg_dds__Configuration_;
 using Tuning = stilt_msgs_msg_dds__Tuning_;
 using Command = stilt_msgs_msg_dds__Command_;
 using CommandReply = stilt_msgs_msg_dds__CommandReply_;
@@ -69,7 +69,7 @@ template <>
   return stilt_msgs_msg_dds__Timing__desc;
 }
 template <>
-[[nodiscard]] inline const dds_topic_descriptor_t& descriptor<ConfigurationInForce>() noexcept {
+[[nodiscard]] inline const dds_topic_descriptor_t& descriptor<ActiveConfiguration>() noexcept {
   return stilt_msgs_msg_dds__Configuration__desc;
 }
 template <>

@@ -149,7 +149,7 @@ void Publisher::configuration(const configuration::Configuration& configuration,
     tunables.push_back({words[i][0].data(), words[i][1].data(), words[i][2].data(), tunable.minimum,
                         tunable.maximum, tunable.start_value});
   }
-  ConfigurationInForce message{};
+  ActiveConfiguration message{};
   message.run_id = run_id_;
   set_view(message.robot, robot);
   set_view(message.configuration, toml);

@@ -80,7 +80,7 @@ class Publisher {
   Writer<Supervisor> supervisor_;
   Writer<Event> events_writer_;
   Writer<Timing> timing_;
-  Writer<ConfigurationInForce> configuration_;
+  Writer<ActiveConfiguration> configuration_;
   Writer<Tuning> tuning_;
   Writer<CommandReply> replies_;
 };

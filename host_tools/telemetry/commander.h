@@ -19,7 +19,7 @@ class Commander {
   ///              Throws std::runtime_error with one sentence when it cannot start.
   Commander(const telemetry::Participant& participant, std::string name);
 
-  /// Sets the run of the robot, from ConfigurationInForce, and its token, from the token file or the user.
+  /// Sets the run of the robot, from ActiveConfiguration, and its token, from the token file or the user.
   void set_run(std::uint64_t run_id, std::string token);
 
   /// Sends a command. Returns its number, which the reply contains.

@@ -13,7 +13,7 @@ using model::kFirstJoint;
 using model::kJoints;
 using model::kPositions;
 
-/// Share of the feedback gains that acts on a plan of this age (docs/decisions/0038-young-and-old-plans.md).
+/// Share of the feedback gains that acts on a plan of this age (docs/decisions/0038-feedback-by-plan-age.md).
 double feedback_share(const TorqueLawParameters& law, double age_s) noexcept {
   if (!law.use_feedback_gains) return 0.0;
   return std::clamp((age_s - law.feedback_from_age_s) / (law.feedback_full_age_s - law.feedback_from_age_s),

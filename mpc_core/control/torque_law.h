@@ -19,7 +19,7 @@ struct TorqueCommand {
 ///   u = u_plan + w K (x - x_plan), contact forces f then bounded:
 ///   stance foot fz >= least normal force, |fx| <= mu fz; swing foot f = 0
 ///
-/// w grows with the age of the plan (docs/decisions/0038-young-and-old-plans.md). tau_ff is the torque
+/// w grows with the age of the plan (docs/decisions/0038-feedback-by-plan-age.md). tau_ff is the torque
 /// equation of the whole-body dynamics. Each torque is limited to the drive's torque at the joint's velocity.
 /// When readings, state or plan are not finite, the joints are damped: tau = -kd v. A joint whose velocity is
 /// not finite gets zero torque. The torque is never NaN. Fixed memory, real-time safe.

@@ -16,9 +16,11 @@ bool processor_has_avx512() noexcept {
          __builtin_cpu_supports("avx512vl") != 0;
 }
 
-/// Whether it plans more often with them than with AVX2. The only AVX-512 of AMD's family 19h is Zen 4, which carries
-/// out 512-bit operations in two halves (docs/speed.md, AVX-512).
-bool processor_gains_by_avx512() noexcept { return processor_has_avx512() && __builtin_cpu_is("amdfam19h") == 0; }
+/// Whether it plans more often with them than with AVX2. The only AVX-512 of AMD's family 19h is Zen 4, which
+/// carries out 512-bit operations in two halves (docs/speed.md, AVX-512).
+bool processor_gains_by_avx512() noexcept {
+  return processor_has_avx512() && __builtin_cpu_is("amdfam19h") == 0;
+}
 #else
 constexpr const PlannerKernel* kAvx512 = nullptr;
 

@@ -32,7 +32,7 @@ std::uint64_t run_of_robot(const telemetry::Participant& participant) {
   while (run_id == 0 && ended == 0) {
     static_cast<void>(listener.wait(std::chrono::milliseconds(50)));
     listener.take([&](telemetry::Sample&& sample) {
-      if (const auto message = sample.as<telemetry::ConfigurationInForce>()) run_id = message->run_id;
+      if (const auto message = sample.as<telemetry::ActiveConfiguration>()) run_id = message->run_id;
     });
   }
   return run_id;

@@ -78,7 +78,7 @@ class Host {
   }
 
   void take(const telemetry::Sample& sample) {
-    if (const auto configuration = sample.as<telemetry::ConfigurationInForce>()) {
+    if (const auto configuration = sample.as<telemetry::ActiveConfiguration>()) {
       run_id = configuration->run_id;
     } else if (const auto supervisor = sample.as<telemetry::Supervisor>()) {
       speed_m_s = supervisor->speed_m_s;

@@ -25,7 +25,7 @@ void require_wire_version(const std::string& path, const mcap::ReadMessage& read
   if (!is_configuration(read)) return;
   std::optional<std::uint32_t> version;
   if (has_version(read)) {
-    const auto message = telemetry::decode<telemetry::ConfigurationInForce>(std::as_bytes(read.message.data));
+    const auto message = telemetry::decode<telemetry::ActiveConfiguration>(std::as_bytes(read.message.data));
     if (!message) return;
     version = message->wire_version;
   }

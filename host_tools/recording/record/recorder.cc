@@ -52,7 +52,7 @@ void Recorder::take(const telemetry::Sample& sample, std::int64_t now_ns) {
   const mcap::ByteView data(reinterpret_cast<const std::uint8_t*>(sample.cdr.data()), sample.cdr.size());
   writer_.write({channel_of(topic), counts_[&topic]++, now_ns, sample.source_time_ns, data});
   if (&topic == &telemetry::kConfiguration) {
-    if (const auto message = sample.as<telemetry::ConfigurationInForce>())
+    if (const auto message = sample.as<telemetry::ActiveConfiguration>())
       keep_configuration(*message, now_ns);
   }
   if (&topic == &telemetry::kTicks) {
@@ -62,7 +62,7 @@ void Recorder::take(const telemetry::Sample& sample, std::int64_t now_ns) {
   }
 }
 
-void Recorder::keep_configuration(const telemetry::ConfigurationInForce& configuration, std::int64_t now_ns) {
+void Recorder::keep_configuration(const telemetry::ActiveConfiguration& configuration, std::int64_t now_ns) {
   writer_.attach({now_ns, configuration.start_time_ns, configuration_name(configuration.run_id),
                   "application/toml", configuration.configuration});
   const std::string robot = configuration.robot;

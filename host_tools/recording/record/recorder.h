@@ -49,7 +49,7 @@ class Recorder {
 
  private:
   [[nodiscard]] std::uint16_t channel_of(const telemetry::Topic& topic);
-  void keep_configuration(const telemetry::ConfigurationInForce& configuration, std::int64_t now_ns);
+  void keep_configuration(const telemetry::ActiveConfiguration& configuration, std::int64_t now_ns);
 
   Options options_;
   mcap::Writer writer_;

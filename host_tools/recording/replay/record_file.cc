@@ -13,7 +13,7 @@
 namespace stilt::replay {
 namespace {
 
-using telemetry::ConfigurationInForce;
+using telemetry::ActiveConfiguration;
 using telemetry::PlannerCycle;
 using telemetry::TickBatch;
 using telemetry::Tuning;
@@ -33,7 +33,7 @@ RunRecord& run_of(RecordContents& contents, std::uint64_t number) {
   return contents.runs.back();
 }
 
-void take_configuration(const ConfigurationInForce& message, RunRecord& run) {
+void take_configuration(const ActiveConfiguration& message, RunRecord& run) {
   run.configured = true;
   run.robot = message.robot;
   run.configuration = message.configuration;
@@ -53,7 +53,7 @@ void take(const mcap::ReadMessage& read, RecordContents& contents) {
     take_cycle(*cycle, run_of(contents, cycle->run_id));
   } else if (const auto ticks = message_of<TickBatch>(read, telemetry::kTicks)) {
     run_of(contents, ticks->run_id).ticks.add(ticks->first_tick, ticks->count);
-  } else if (const auto configuration = message_of<ConfigurationInForce>(read, telemetry::kConfiguration)) {
+  } else if (const auto configuration = message_of<ActiveConfiguration>(read, telemetry::kConfiguration)) {
     take_configuration(*configuration, run_of(contents, configuration->run_id));
   } else if (const auto tuning = message_of<Tuning>(read, telemetry::kTuning)) {
     const auto values = telemetry::span_of(tuning->values);

@@ -35,7 +35,7 @@ bool read(std::string_view cell, Number& number) {
 }
 
 std::optional<supervisor::State> state_of(std::string_view name) {
-  for (int i = 0; i <= static_cast<int>(supervisor::State::off); ++i) {
+  for (std::size_t i = 0; i < supervisor::kStates; ++i) {
     const auto state = static_cast<supervisor::State>(i);
     if (name == supervisor::name(state)) return state;
   }

@@ -45,7 +45,7 @@ RunMessages messages_of(const std::string& path, std::uint64_t run_id) {
     } else if (const auto timing = message_of<telemetry::Timing>(*read, telemetry::kTiming)) {
       if (timing->run_id == run_id) found.heap_allocations = static_cast<long long>(timing->heap_allocations);
     } else if (const auto configuration =
-                   message_of<telemetry::ConfigurationInForce>(*read, telemetry::kConfiguration)) {
+                   message_of<telemetry::ActiveConfiguration>(*read, telemetry::kConfiguration)) {
       if (configuration->run_id == run_id) found.start_ns = configuration->start_clock_ns;
     }
   }

@@ -33,7 +33,7 @@ MessageDecoder::Run* MessageDecoder::known(std::uint64_t run_id) {
 std::vector<KnownRun> MessageDecoder::runs() const {
   std::vector<KnownRun> all;
   for (const Run& run : runs_) {
-    const auto message = run.configuration.as<telemetry::ConfigurationInForce>();
+    const auto message = run.configuration.as<telemetry::ActiveConfiguration>();
     all.push_back({run.run_id, message->robot, message->token_file, run.batches_ago < kSilentBatches});
   }
   return all;
@@ -115,7 +115,7 @@ void MessageDecoder::expect_configuration(const telemetry::Sample& message, Samp
 }
 
 void MessageDecoder::configure(const telemetry::Sample& message, SampleSink& sink) {
-  const auto decoded = message.as<telemetry::ConfigurationInForce>();
+  const auto decoded = message.as<telemetry::ActiveConfiguration>();
   if (!decoded || known(decoded->run_id) != nullptr) return;
   if (const auto problem = host_telemetry::wire_version_problem(decoded->wire_version)) {
     refuse(decoded->run_id, *problem, sink);
@@ -137,7 +137,7 @@ void MessageDecoder::choose(std::uint64_t run_id, SampleSink& sink) {
 }
 
 void MessageDecoder::follow(const Run& run, SampleSink& sink) {
-  const auto message = run.configuration.as<telemetry::ConfigurationInForce>();
+  const auto message = run.configuration.as<telemetry::ActiveConfiguration>();
   run_id_ = message->run_id;
   run_start_ns_ = message->start_time_ns;
   clock_start_ns_ = message->start_clock_ns;

@@ -120,7 +120,7 @@ TimingSample timing_sample(const telemetry::Timing& message) {
   return sample;
 }
 
-ConfigurationSample configuration_sample(const telemetry::ConfigurationInForce& message) {
+ConfigurationSample configuration_sample(const telemetry::ActiveConfiguration& message) {
   ConfigurationSample sample;
   sample.robot = message.robot;
   sample.build = std::string(message.version) + ", " + message.compiler + ", " + message.instruction_set;

@@ -16,6 +16,6 @@ namespace stilt::monitor {
 [[nodiscard]] TimingSample timing_sample(const telemetry::Timing& message);
 
 /// Leaves `run_id` empty.
-[[nodiscard]] ConfigurationSample configuration_sample(const telemetry::ConfigurationInForce& message);
+[[nodiscard]] ConfigurationSample configuration_sample(const telemetry::ActiveConfiguration& message);
 
 }  // namespace stilt::monitor

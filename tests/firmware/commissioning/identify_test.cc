@@ -174,7 +174,7 @@ std::string factor_of(const IdentificationReport& report, const std::string& joi
   return "";
 }
 
-TEST(Identify, ATorqueFactorCountsBesideTheOneInForce) {
+TEST(Identify, ATorqueFactorCountsBesideTheActiveOne) {
   const IdentificationReport report = judged({1.05, 0.8, 0.91, 1.0}, Protocol::mit_damiao, 0.9);
   EXPECT_EQ(factor_of(report, "knee_L"), "0.72");
   for (const char* joint : {"hip_L", "hip_R", "knee_R"}) EXPECT_EQ(factor_of(report, joint), "") << joint;
@@ -190,7 +190,7 @@ TEST(Identify, ATorqueFactorBeyondItsRangeIsNamedAndNotWritten) {
   EXPECT_EQ(report.values.size(), 5u) << "friction, damping and armature";
 }
 
-TEST(Identify, TheMakersSettingIsNamedForEachProtocol) {
+TEST(Identify, TheVendorsSettingIsNamedForEachProtocol) {
   const std::array<double, hal::kJoints> found{0.8, 1, 1, 1};
   const auto finding = [&](Protocol protocol) { return judged(found, protocol, 1).findings.at(0); };
   EXPECT_EQ(finding(Protocol::moteus),

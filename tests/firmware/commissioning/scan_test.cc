@@ -57,7 +57,7 @@ TEST(Scan, FindsDriversOfEveryProtocol) {
   }
 }
 
-TEST(Scan, ReportsSupplyAndFirmwareAsTheMakersWriteThem) {
+TEST(Scan, ReportsSupplyAndFirmwareAsTheVendorsWriteThem) {
   HangingRobot moteus({.both = kMoteus, .robot = {}, .miswired = {}});
   const ScannedNode hip = scanned(moteus).buses[0].expected[0];
   EXPECT_EQ(hip.found.reading.supply_V, 48.0);
@@ -197,7 +197,7 @@ TEST(Scan, NamesFramesThatTheConfigurationDoesNotKnow) {
   EXPECT_TRUE(has(to_text(result), "torso sensor: MISSING, identifier 0x150"));
 }
 
-TEST(Scan, AStrangerOnTheBusIsNotComplete) {
+TEST(Scan, AnUnknownDriverOnTheBusIsNotComplete) {
   HangingRobot robot;
   const ScanResult whole = scanned(robot);
   ASSERT_TRUE(whole.complete()) << to_text(whole);

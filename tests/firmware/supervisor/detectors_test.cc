@@ -20,7 +20,7 @@ FaultSet faults_of(const Observation& seen) { return detect(seen, testing::joint
 
 TEST(Detectors, AHealthyRobotHasNoFault) { EXPECT_EQ(faults_of(testing::healthy()), FaultSet()); }
 
-TEST(Detectors, WhatADriverDoesNotSayIsNoFault) {
+TEST(Detectors, WhatADriverDoesNotReportIsNoFault) {
   Observation seen = testing::healthy();
   for (hal::JointReading& joint : seen.joints) {
     joint.torque_Nm = joint.driver_temperature_C = joint.motor_temperature_C = joint.supply_V = kNan;

@@ -55,7 +55,7 @@ TEST(Damped, StaysWithinTheTorqueOfAWeakJoint) {
   EXPECT_NEAR(torque_Nm(commands[1], 0, 1e3), -kParameters.damping_torque_Nm, 1e-9);
 }
 
-TEST(Damped, IsFiniteWhateverTheSensorsSay) {
+TEST(Damped, IsFiniteWhateverTheSensorsReport) {
   hal::JointReadings measured = testing::healthy().joints;
   for (const double value : {kNan, std::numeric_limits<double>::infinity()}) {
     measured[0].position_rad = measured[1].velocity_rad_s = value;

@@ -156,7 +156,7 @@ std::vector<Case> documented_cases() {
   return cases;
 }
 
-TEST(MakersFirmware, DriversAsDocumentedComeUpAndStayUpAtEveryWatchdogPhaseAndClockRate) {
+TEST(VendorFirmware, DriversAsDocumentedComeUpAndStayUpAtEveryWatchdogPhaseAndClockRate) {
   for (const Case& which : documented_cases()) {
     for (const double watchdog_s : kWatchdogs_s) {
       for (int seed = 0; seed < kSeeds; ++seed) {
@@ -179,7 +179,7 @@ TEST(MakersFirmware, DriversAsDocumentedComeUpAndStayUpAtEveryWatchdogPhaseAndCl
 }
 
 /// What an AK does with a fault when it is switched off is not public.
-TEST(MakersFirmware, AnAkWithAFaultComesUpOrIsRefusedWithItUntilItsPowerIsGone) {
+TEST(VendorFirmware, AnAkWithAFaultComesUpOrIsRefusedWithItUntilItsPowerIsGone) {
   const mit::MitDriver described = mit_driver(mit::ReplyLayout::ak);
   for (const bool keeps_fault : {false, true}) {
     MitEmulator driver(described, mit::documented_settings(described), 5, {.keeps_fault = keeps_fault});

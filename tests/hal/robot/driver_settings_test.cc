@@ -60,7 +60,7 @@ moteus::MoteusDriver moteus_driver() {
   return driver;
 }
 
-TEST(DriverSettings, OfAMoteusFromTheMakerAreAllNamedAtOnce) {
+TEST(DriverSettings, OfAMoteusFromTheVendorAreAllNamedAtOnce) {
   const moteus::MoteusDriver driver = moteus_driver();
   moteus::MoteusEmulator factory(driver, {});
   const std::string all =
@@ -98,7 +98,7 @@ TEST(DriverSettings, BoundsOfAMoteusMayLeaveTheTravel) {
             "servopos.position_min -0.200000; servopos.position_max 0.300000; ");
 }
 
-TEST(DriverSettings, OfAnOdriveFromTheMakerAreAllNamedAtOnce) {
+TEST(DriverSettings, OfAnOdriveFromTheVendorAreAllNamedAtOnce) {
   const odrive::OdriveDriver driver{3, {0x191, 0x192, 0x193, 0x194}};
   bring_up::Options options;
   options.maximum_speed_rad_s = 15;

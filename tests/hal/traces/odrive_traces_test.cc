@@ -108,7 +108,7 @@ const std::map<std::string, Check> kChecks{
      }},
 };
 
-TEST(OdriveTraces, EveryMessageIsThatOfTheMakersLibrary) {
+TEST(OdriveTraces, EveryMessageIsThatOfTheVendorsLibrary) {
   const auto scenarios = testing::read_trace("odrive.trace");
   ASSERT_EQ(scenarios.size(), 1u);
   const auto& events = scenarios[0].events;

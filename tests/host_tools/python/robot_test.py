@@ -91,10 +91,10 @@ class Commands(unittest.TestCase):
                 robot.wait_for('dance')
             with self.assertRaisesRegex(stilt.RobotError, 'the robot is in the state idle, not stand, after 0.2 s'):
                 robot.wait_for('stand', 0.2)
-        stranger = stilt.Robot(self.address, token='0' * 32, patience_s=60)
-        self.addCleanup(stranger.close)
+        other = stilt.Robot(self.address, token='0' * 32, patience_s=60)
+        self.addCleanup(other.close)
         with self.assertRaisesRegex(stilt.Refused, '^stand: .*token'):
-            stranger.stand()
+            other.stand()
 
     def test_it_stops_when_the_block_ends_with_an_exception(self):
         with self.assertRaisesRegex(ZeroDivisionError, 'of the program'), self.open() as robot:

@@ -34,7 +34,7 @@ inline telemetry::Sample ticks_sample(std::uint64_t run_id, std::uint64_t first,
 inline telemetry::Sample configuration_sample(std::uint64_t run_id, std::string toml,
                                               std::uint32_t wire_version = telemetry::kWireVersion) {
   std::string robot = "amber3m", version = "9.9", other = "x";
-  telemetry::ConfigurationInForce message{};
+  telemetry::ActiveConfiguration message{};
   message.run_id = run_id;
   message.robot = robot.data();
   message.configuration = toml.data();

@@ -152,7 +152,7 @@ class CommandPanel {
     if (tunable === undefined) return;
     this.height.min = String(tunable.min);
     this.height.max = String(tunable.max);
-    this.heightInForce_m = tunable.value;
+    this.activeHeight_m = tunable.value;
     this.height.value = String(tunable.value);
     this.showHeight();
   }
@@ -205,8 +205,8 @@ class CommandPanel {
     this.waiting.delete(message.sequence);
     if (message.accepted) this.say(`${asked.what}: accepted${message.reason && `; ${message.reason}`}`, message.reason ? '' : 'good');
     else this.say(`${asked.what}: refused. ${message.reason}`, 'bad');
-    if (!message.accepted && this.heightInForce_m !== undefined) {
-      this.height.value = String(this.heightInForce_m);
+    if (!message.accepted && this.activeHeight_m !== undefined) {
+      this.height.value = String(this.activeHeight_m);
       this.showHeight();
     }
   }

@@ -109,7 +109,7 @@ TEST(FdcanusbLines, MalformedLinesAreNoFrames) {
   EXPECT_EQ(read_line("rcv 100 " + long_data + " e b F r").kind, LineKind::malformed);
 }
 
-TEST(FdcanusbLines, AnswersAreTold) {
+TEST(FdcanusbLines, AnswersAreDistinguished) {
   EXPECT_EQ(read_line("OK").kind, LineKind::ok);
   EXPECT_EQ(read_line("ERR unknown flag").kind, LineKind::refused);
   EXPECT_EQ(read_line("ERR not in BusOn state").kind, LineKind::not_on);

@@ -53,7 +53,7 @@ telemetry::Sample configuration_sample(std::uint64_t run_id, const configuration
   std::string none;
   std::vector<stilt_msgs_msg_dds__Tunable_> tunables;
   for (std::string& key : keys) tunables.push_back({key.data(), none.data(), none.data(), 0, 0, 0});
-  telemetry::ConfigurationInForce message{};
+  telemetry::ActiveConfiguration message{};
   message.run_id = run_id;
   telemetry::set_view(message.robot, "amber3m");
   telemetry::set_view(message.configuration, toml);

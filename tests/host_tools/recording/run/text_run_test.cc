@@ -96,15 +96,15 @@ TEST(SampleRun, ALogThatWasCutOffIsReadUpToThereAndSaysSo) {
             ": holds no sample; name a file of stilt sim --log or stilt robot --log");
 }
 
-/// Two seconds of a robot that stands, then falls.
-std::string ticks_text() {
+/// Two seconds of a robot that stands, then falls, or is in another state.
+std::string ticks_text(supervisor::State last = supervisor::State::fault) {
   std::ostringstream text;
   diagnostics::write_tick_header(text);
   for (std::uint64_t i = 0; i < 2000; ++i) {
     control_loop::TickRecord tick;
     tick.tick = 7000 + i;
     tick.time_ns = 1'000'000'000 + static_cast<std::int64_t>(i) * 1'000'000;
-    tick.state = i < 1000 ? supervisor::State::stand : supervisor::State::fault;
+    tick.state = i < 1000 ? supervisor::State::stand : last;
     if (i >= 1000) tick.present.add(supervisor::Fault::stale_plan);
     tick.estimated_state[0] = 0.001 * static_cast<double>(i);
     tick.estimated_state[1] = 0.75;
@@ -139,6 +139,18 @@ TEST(BlackBoxRun, TicksBecomeARunWithItsStatesAndFaultsAsEvents) {
   EXPECT_EQ(read.run.controller->events[0].text, "state stand");
   EXPECT_EQ(read.run.controller->events[1].text, "state fault, faults stale_plan");
   EXPECT_NEAR(read.run.controller->events[1].time_s, 1.0, 1e-9);
+}
+
+TEST(BlackBoxRun, EveryStateIsRead) {
+  const tests::OwnFolder folder;
+  const std::string file = folder.file("fault.csv");
+  for (std::size_t i = 0; i < supervisor::kStates; ++i) {
+    const auto state = static_cast<supervisor::State>(i);
+    std::ofstream(file) << ticks_text(state);
+    const RecordRun read = run_of_ticks(file, amber3m());
+    EXPECT_TRUE(read.problems.empty()) << supervisor::name(state);
+    EXPECT_EQ(read.run.controller->last_state, supervisor::name(state));
+  }
 }
 
 TEST(BlackBoxRun, WhatIsCutOffOrNoBlackBoxIsNamed) {

@@ -77,7 +77,7 @@ TEST(Scenario, PushesAtTwoPointsAtOnceAreRefused) {
   EXPECT_NO_THROW(check_pushes({hip, hip}));
 }
 
-TEST(Scenario, TheLastCommandGivenIsInForce) {
+TEST(Scenario, TheLastCommandGivenIsActive) {
   const std::vector<TimedCommand> commands = {{1.0, {gait::GaitKind::step, 0.0}},
                                               {2.0, {gait::GaitKind::walk, 0.5}}};
   EXPECT_EQ(command_at(commands, 0.5).kind, gait::GaitKind::stand);

@@ -66,7 +66,7 @@ class Robots {
 
   void begin(std::uint64_t run_id, std::string token_file) {
     char empty[] = "", robot[] = "amber3m";
-    telemetry::ConfigurationInForce message{};
+    telemetry::ActiveConfiguration message{};
     message.run_id = run_id;
     message.wire_version = telemetry::kWireVersion;
     message.robot = robot;

@@ -43,7 +43,7 @@ telemetry::Sample configuration(std::uint64_t run_id, std::int64_t start_time_ns
                                 std::uint32_t wire_version = telemetry::kWireVersion) {
   char empty[] = "", robot[] = "amber3m", key[] = "cost.base_z", file[] = "/run/token";
   std::array<stilt_msgs_msg_dds__Tunable_, 1> tunables{{{key, empty, empty, 0.0, 1000.0, 400.0}}};
-  telemetry::ConfigurationInForce message{};
+  telemetry::ActiveConfiguration message{};
   message.run_id = run_id;
   message.start_time_ns = start_time_ns;
   message.start_clock_ns = 5'000'000'000;

@@ -77,7 +77,7 @@ TEST(PageTables, AJointThatHasNotAnsweredForATenthOfASecondIsUnknown) {
   EXPECT_EQ(shown(record, "estimated_state4"), 0.25);
 }
 
-TEST(PageTables, ColumnsOfATickAreThoseThatThePageKnows) {
+TEST(PageTables, ColumnsOfATickAreThoseOfThePage) {
   std::vector<std::string> names = {"time_s"};
   const auto add = [&](const std::string& name, int count) {
     for (int k = 0; k < count; ++k) names.push_back(name + std::to_string(k));

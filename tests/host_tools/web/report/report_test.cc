@@ -241,7 +241,7 @@ TEST(Report, AMinuteAtTwoHundredSamplesASecondStaysUnderEightMegabytes) {
   EXPECT_EQ(embedded_data(page)["ticks"]["stride"], 1);
 }
 
-TEST(Report, AnHourIsThinnedEvenlyAndThePageKnows) {
+TEST(Report, AnHourIsThinnedEvenlyAndThePageHasTheShare) {
   log::RunRecord record;
   record.samples.resize(720'001);
   for (std::size_t i = 0; i < record.samples.size(); ++i) {
