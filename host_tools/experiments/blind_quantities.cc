@@ -70,7 +70,7 @@ const std::vector<BlindQuantity>& blind_quantities() {
       {"friction", "friction", "1", "down", 0.6, {-0.1, -0.02, -0.5}, false, set_friction, survives},
       {"mass_up", "mass factor", "1", "up", 1.0, {0.1, 0.02, 3.0}, false, set_mass, survives},
       {"mass_down", "mass factor", "1", "down", 1.0, {-0.1, -0.02, -0.8}, false, set_mass, survives},
-      {"plan_delay", "plan delay", "s", "up", 0.005, {0.005, 0.001, 0.195}, false, set_plan_delay, survives},
+      {"plan_delay", "plan delay", "s", "up", 0.002, {0.005, 0.001, 0.198}, false, set_plan_delay, survives},
       {"torque_delay", "torque delay", "s", "up", 0.0, {0.002, 0.001, 0.1}, false, set_delay, survives},
   };
   return kQuantities;

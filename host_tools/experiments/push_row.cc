@@ -164,6 +164,8 @@ Json steps_at_20N(const PushRow& row, std::span<const Json> cases) {
   return {{"min", steps->min_m}, {"max", steps->max_m}, {"range", steps->max_m - steps->min_m}};
 }
 
+}  // namespace
+
 Json described(const PushRow& row) {
   Json json = {{"name", row.name},
                {"robot", row.robot},
@@ -178,8 +180,6 @@ Json described(const PushRow& row) {
   if (!row.setting.is_null()) json.update(row.setting);
   return json;
 }
-
-}  // namespace
 
 Json merged_row(const PushRow& row, std::span<const Json> cases) {
   const auto limits_N = limits_of(cases);

@@ -1,32 +1,36 @@
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <string>
 #include <vector>
 
+#include "tests/closed_loop/published_results.h"
 #include "tests/closed_loop/simulated_run.h"
 
-/// Joints with Coulomb friction, known to the controller or not.
+/// Joints with Coulomb friction, known to the controller or not: the figures of docs/results/friction.json.
 namespace stilt::simulation {
 namespace {
 
+using experiments::Json;
 using model::kFirstJoint;
 using model::kJoints;
 using testing_support::describe;
+using testing_support::results_of;
 using testing_support::RunRequest;
 using testing_support::SimulatedRun;
 
+/// A figure of the table is met within this share of it.
+constexpr double kSameShare = 0.05;
+
 /// Root mean square over time and joints of planned less true joint position, 20 s at 0.5 m/s. Of every
 /// control tick: a step lasts a whole number of 5 ms, so that slower samples show the same few phases of it.
-/// Each plan starts at the measured state and is 20 ms old when it becomes active, or one period of plans.
-double joint_error_rms_rad(double plans_per_s, const std::string& friction,
+double joint_error_rms_rad(const Json& published, const std::string& friction,
                            const std::vector<std::string>& settings) {
   RunRequest request = testing_support::walking(0.5, 1.0, 20.0);
   request.settings = settings;
-  request.settings.push_back("timing.plan_rate_hz=" + std::to_string(plans_per_s));
-  request.settings.push_back("timing.plan_delay_s=" + std::to_string(std::min(0.02, 1.0 / plans_per_s)));
+  request.settings.push_back("timing.plan_rate_hz=" + published.at("plan_rate_hz").dump());
+  request.settings.push_back("timing.plan_delay_s=" + published.at("plan_delay_s").dump());
   request.plant = {friction};
   request.keep_samples = true;
   SimulatedRun run(request);
@@ -41,22 +45,36 @@ double joint_error_rms_rad(double plans_per_s, const std::string& friction,
   return std::sqrt(sum / (kJoints * static_cast<double>(record.samples.size())));
 }
 
-class Friction : public ::testing::TestWithParam<double> {};
+std::vector<Json> published_rows() { return results_of("friction").at("rows").get<std::vector<Json>>(); }
+
+TEST(PublishedFriction, HasResults) { EXPECT_FALSE(published_rows().empty()); }
+
+class Friction : public ::testing::TestWithParam<Json> {};
 
 TEST_P(Friction, CompensationOfFiveNewtonMetresLeavesTheJointErrorOfJointsWithout) {
   const std::vector<std::string> known = {"robot.hip_coulomb_friction_Nm=5",
                                           "robot.knee_coulomb_friction_Nm=5"};
   const double none_rad = joint_error_rms_rad(GetParam(), "joint_friction_Nm=0", {});
-  const double without_rad = joint_error_rms_rad(GetParam(), "joint_friction_Nm=5", {});
-  const double with_rad = joint_error_rms_rad(GetParam(), "joint_friction_Nm=5", known);
-  std::printf("rms joint error: %.2e rad without friction, %.2e with it, %.2e compensated\n", none_rad,
-              without_rad, with_rad);
-  EXPECT_LE(with_rad, 0.6 * without_rad);
-  EXPECT_LE(with_rad, 1.1 * none_rad);
+  const double unknown_rad = joint_error_rms_rad(GetParam(), "joint_friction_Nm=5", {});
+  const double configured_rad = joint_error_rms_rad(GetParam(), "joint_friction_Nm=5", known);
+  Json row = {{"plan_rate_hz", GetParam().at("plan_rate_hz")},
+              {"plan_delay_s", GetParam().at("plan_delay_s")},
+              {"no_friction_rad", none_rad},
+              {"unknown_rad", unknown_rad},
+              {"configured_rad", configured_rad},
+              {"configured_over_unknown", configured_rad / unknown_rad}};
+  std::printf("%s\n", row.dump().c_str());
+  for (const auto& [field, value] : row.items()) {
+    const double published = GetParam().at(field).get<double>();
+    EXPECT_NEAR(value.get<double>(), published, kSameShare * published) << field;
+  }
+  if (GetParam().at("plan_rate_hz").get<double>() > 100.0) return;  // a plan is too new for friction to show
+  EXPECT_LE(configured_rad, 0.6 * unknown_rad);
+  EXPECT_LE(configured_rad, 1.1 * none_rad);
 }
 
-INSTANTIATE_TEST_SUITE_P(PlansPerSecond, Friction, ::testing::Values(25.0, 50.0, 100.0),
-                         [](const auto& test) { return std::to_string(std::lround(test.param)); });
+INSTANTIATE_TEST_SUITE_P(PlansPerSecond, Friction, ::testing::ValuesIn(published_rows()),
+                         [](const auto& test) { return test.param.at("plan_rate_hz").dump(); });
 
 }  // namespace
 }  // namespace stilt::simulation

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host_tools/cli/disturbance_experiment.h"
+#include "host_tools/experiments/push_row.h"
 #include "tests/closed_loop/published_results.h"
 
 /// Guards of the published pushes: of each row of docs/results the two worst cases survive 85 % of the
@@ -30,13 +31,13 @@ struct PublishedRow {
   }
 };
 
-/// The rows with a push, of every table of pushes.
-std::vector<PublishedRow> published_rows_with_a_push() {
+/// The rows of every table of pushes, with a push or those that fall without one.
+std::vector<PublishedRow> published_rows(bool with_a_push) {
   std::vector<PublishedRow> rows;
   for (const char* table : kTables) {
     const Json results = results_of(table);
     for (const Json& row : results.at("rows")) {
-      if (!row.at("push_all_phases_N").is_null()) rows.push_back({table, row});
+      if (!row.at("push_all_phases_N").is_null() == with_a_push) rows.push_back({table, row});
     }
   }
   return rows;
@@ -44,6 +45,25 @@ std::vector<PublishedRow> published_rows_with_a_push() {
 
 TEST(PublishedTables, HaveResults) {
   for (const char* table : kTables) EXPECT_FALSE(results_of(table).at("rows").empty()) << table;
+}
+
+/// What is guarded is what was measured: today's rows and defaults are those of the results.
+TEST(PublishedTables, HaveTheConditionsOfTheirRows) {
+  for (const char* table : kTables) {
+    const DisturbancePlan plan = cli::plan_of_rows(STILT_RESULTS "/" + std::string(table) + ".toml");
+    const Json results = results_of(table);
+    ASSERT_EQ(results.at("rows").size(), plan.rows.size()) << table;
+    for (std::size_t i = 0; i < plan.rows.size(); ++i) {
+      const Json& published = results.at("rows")[i];
+      PushRow row = plan.rows[i];
+      row.phases = published.at("phases").get<int>();
+      row.seeds = published.at("seeds").get<int>();
+      const Json conditions = described(row);
+      for (const auto& [field, value] : conditions.items()) {
+        EXPECT_EQ(published.at(field), value) << table << ", " << row.name << ": " << field;
+      }
+    }
+  }
 }
 
 class PublishedPushes : public ::testing::TestWithParam<PublishedRow> {
@@ -54,6 +74,7 @@ class PublishedPushes : public ::testing::TestWithParam<PublishedRow> {
     if (named == plan_.rows.end()) throw std::runtime_error("the table has no such row any more");
     row_ = *named;
     row_.phases = GetParam().figures.at("phases").get<int>();
+    row_.seeds = GetParam().figures.at("seeds").get<int>();
   }
 
   DisturbancePlan plan_;
@@ -81,12 +102,22 @@ TEST_P(PublishedPushes, TheTwoWorstCasesSurvive85PercentAndTheSpeedIsTheOnePubli
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(ClosedLoop, PublishedPushes, ::testing::ValuesIn(published_rows_with_a_push()),
-                         [](const auto& test) {
-                           return testing_support::test_name(
-                               test.param.table + "_" +
-                               test.param.figures.at("name").template get<std::string>());
-                         });
+using PublishedFalls = PublishedPushes;
+
+TEST_P(PublishedFalls, ARowThatFallsUnpushedDoes) {
+  const Json& worst = GetParam().figures.at("worst_cases")[0];
+  const PushTrial unpushed =
+      push_case(plan_, row_, worst.at("phase").get<int>(), worst.at("seed").get<int>(), 0.0);
+  EXPECT_FALSE(unpushed.survived) << "measure the row anew";
+}
+
+std::string name_of(const ::testing::TestParamInfo<PublishedRow>& test) {
+  return testing_support::test_name(test.param.table + "_" +
+                                    test.param.figures.at("name").get<std::string>());
+}
+
+INSTANTIATE_TEST_SUITE_P(ClosedLoop, PublishedPushes, ::testing::ValuesIn(published_rows(true)), name_of);
+INSTANTIATE_TEST_SUITE_P(ClosedLoop, PublishedFalls, ::testing::ValuesIn(published_rows(false)), name_of);
 
 }  // namespace
 }  // namespace stilt::experiments

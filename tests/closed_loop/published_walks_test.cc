@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <ostream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host_tools/cli/experiment_walks.h"
@@ -90,6 +91,23 @@ TEST_P(PublishedLimits, TheTwoWorstCasesPassAt85PercentOfTheMargin) {
 }
 
 INSTANTIATE_TEST_SUITE_P(ClosedLoop, PublishedLimits, ::testing::ValuesIn(published_limits()), test_name);
+
+/// Seen from outside: single steps of the ground of +7 and -20 cm, at four phases, with the sensors' noise.
+TEST(BlindLimits, GroundStepsOf7CentimetresUpAnd20DownPassAtEveryPhase) {
+  const Json limits = results_of("limits");
+  const Published up{"up", limits.at("rows").at(0), limits.at("settings")};
+  LimitPlan plan;
+  plan.phases = 4;
+  const WalkRunner run = runner_of(up.settings);
+  for (const auto& [name, height_m] : {std::pair{"step_up", 0.07}, {"step_down", -0.2}}) {
+    const auto quantity = std::ranges::find(blind_quantities(), name, &BlindQuantity::name);
+    ASSERT_NE(quantity, blind_quantities().end());
+    for (int phase = 0; phase < plan.phases; ++phase) {
+      const WalkCase walk = limit_case(plan, controller_of(up), *quantity, phase, 1, height_m);
+      EXPECT_TRUE(quantity->passes(walk, run(walk).summary)) << height_m << " m at phase " << phase;
+    }
+  }
+}
 
 std::vector<Published> published_sequences() {
   std::vector<Published> rows;

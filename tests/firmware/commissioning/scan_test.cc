@@ -210,6 +210,12 @@ TEST(Scan, AnUnknownDriverOnTheBusIsNotComplete) {
   EXPECT_FALSE(with_frames.complete()) << to_text(with_frames);
 }
 
+TEST(Scan, ASlowTorsoSensorIsNotComplete) {
+  HangingRobot robot({.both = {}, .robot = {"torso_sensor.rate_hz=50"}, .miswired = {}});
+  const ScanResult result = scanned(robot);
+  EXPECT_FALSE(result.complete()) << to_text(result);
+}
+
 TEST(Scan, AFaultOfADriverIsNotComplete) {
   HangingRobot robot;
   const_cast<hal::EmulatedDriver&>(robot.robot.drivers().driver(1)).raise(hal::DriverFault::over_voltage);

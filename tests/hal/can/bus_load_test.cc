@@ -42,6 +42,16 @@ TEST(BusLoad, AnFdFrameOf64BytesHasTheDataPhaseOfItsAnalysis) {
   EXPECT_EQ(slow.data, 0u);
 }
 
+TEST(BusLoad, AnFdFrameOf16BytesHasTheShortChecksumAndOneOf20TheLong) {
+  // ISO 11898-1:2015: CRC-17 up to 16 bytes of data, CRC-21 beyond; a fixed stuff bit before every fourth
+  // bit.
+  const auto data_bits = [](std::uint8_t length) {
+    return worst_case_bits({.length = length, .fd = true, .bit_rate_switch = true}).data;
+  };
+  EXPECT_EQ(data_bits(16), 133u + 34u + 21u + 6u + 1u);
+  EXPECT_EQ(data_bits(20), 165u + 42u + 25u + 7u + 1u);
+}
+
 TEST(BusLoad, FourMitJointsDoNotFitOnOneBus) {
   CanFrame command;
   ASSERT_EQ(encode_command(mit::MitDriver{}, mit::MitCommand{}, command), EncodeStatus::ok);
