@@ -191,6 +191,18 @@ TEST(ReturnMap, HasTheEigenvalueThatTheMomentumAboutTheStanceFootGives) {
   EXPECT_LT(map->eigenvalue_magnitudes[1], 0.05);
 }
 
+TEST(ReturnMap, AFixedPointReturnsToItself) {
+  const model::RobotModel& robot = testing_support::amber3m();
+  const gait::HzdGait& gait = walking_gait();
+  ReducedState start = reduce(start_of_motion(gait));
+  start.array() += 0.01;
+  const auto found = find_fixed_point(robot, gait, start);
+  ASSERT_TRUE(found);
+  const auto step = integrate_step(robot, gait, expand(robot, *found));
+  ASSERT_TRUE(step);
+  EXPECT_LT((reduce(step->after) - *found).cwiseAbs().maxCoeff(), 1e-10);
+}
+
 TEST(ReturnMap, PredictsHowADisturbanceDecays) {
   for (const gait::HzdGait* gait : {&walking_gait(), &stepping_gait()}) {
     const ReducedState nominal = reduce(start_of_motion(*gait));

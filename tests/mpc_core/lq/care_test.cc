@@ -81,6 +81,26 @@ TEST(Care, SolutionsOfRandomProblemsHaveASmallResidualAndAStableLoop) {
   }
 }
 
+/// Without refinement the residual is up to 1e-10.
+TEST(Care, StatesOfUnitsThatDifferByDecadesKeepASmallResidual) {
+  for (std::uint64_t seed = 1; seed <= 300; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    std::mt19937_64 random(seed + 1000);
+    std::uniform_real_distribution<double> exponent(-3.0, 3.0);
+    CareProblem problem = random_problem(seed);
+    for (int i = 0; i < kN; ++i) {
+      const double unit = std::pow(10.0, exponent(random));
+      problem.A.row(i) *= unit;
+      problem.A.col(i) /= unit;
+      problem.B.row(i) *= unit;
+      problem.Q(i, i) /= unit * unit;
+    }
+    CareSolution solution;
+    ASSERT_EQ(solve(problem, solution), CareOutcome::ok);
+    EXPECT_LE(residual(problem, solution.S), 1e-12);
+  }
+}
+
 TEST(Care, AgreesWithTheStableEigenvectorsOfTheHamiltonian) {
   for (std::uint64_t seed = 1; seed <= 50; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
