@@ -68,6 +68,8 @@ Json to_json(const log::RunSummary& summary) {
     json["fallback_s"][supervisor::name(static_cast<supervisor::FallbackLevel>(level))] =
         summary.fallback_s[level];
   }
+  json["fallback_s"]["tuck"] =
+      0.0;  // for scripts; no such level: a falling robot is damped (docs/hazards.md)
   return json;
 }
 

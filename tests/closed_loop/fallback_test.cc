@@ -133,6 +133,15 @@ TEST(Fallback, PlansMayEndAtAnyMomentOfAStep) {
   }
 }
 
+/// Moments at which a gait that takes over at once, not at the next touch-down, ends in a fall.
+TEST(Fallback, TheGaitTakesOverAtATouchDown) {
+  for (const double until_s : {5.12, 5.15, 5.36, 5.39, 5.42}) {
+    SimulatedRun run(walking(0.3, 1.0, 10.0));
+    run.settings.planner_until_s = until_s;
+    EXPECT_TRUE(run.run().summary.survived) << "plans until " << until_s;
+  }
+}
+
 /// Without a planner: on the gait for planner_lost_s, in place, then it sits. There the run ends, as with a
 /// fall.
 TEST(Fallback, ALostPlannerEndsSitting) {

@@ -47,6 +47,14 @@ TEST_F(SimCommand, ASimulationGivesEveryFigureOfItsContract) {
   for (const char* field : {"time_s", "foot", "length_m"})
     EXPECT_TRUE(json["steps"][0].contains(field)) << field;
   for (const char* field : {"p50", "p99", "max"}) EXPECT_TRUE(json["solve_time_us"].contains(field)) << field;
+  for (const char* level : {"plan", "plan_feedback", "gait", "hold", "sit", "tuck", "damp", "off"}) {
+    EXPECT_TRUE(json["fallback_s"].contains(level)) << level;
+  }
+  EXPECT_EQ(json["fallback_s"]["tuck"], 0.0) << "a falling robot is damped";
+  for (const char* field :
+       {"defect_max", "equality_violation_max", "cone_violation_max_N", "normal_force_min_N"}) {
+    EXPECT_TRUE(json["plan_in_use"].contains(field)) << field;
+  }
 }
 
 TEST_F(SimCommand, AFallIsStatusOneAndSaidInWordsAndFigures) {
