@@ -20,7 +20,7 @@ constexpr double kWelcome_s = 60.0;
 
 void send_all(int socket, const std::string& bytes) {
   if (::send(socket, bytes.data(), bytes.size(), MSG_NOSIGNAL) != static_cast<ssize_t>(bytes.size())) {
-    throw std::runtime_error("the monitor does not listen to its page");
+    throw std::runtime_error("the monitor does not answer its page");
   }
 }
 

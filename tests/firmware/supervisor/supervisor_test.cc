@@ -31,7 +31,7 @@ TEST_F(SupervisorTest, FromBootToWalkingStepByStep) {
   EXPECT_EQ(action_, Action::silent);
   request(RequestKind::calibrate);
   EXPECT_EQ(tick(), State::calibrate);
-  EXPECT_EQ(action_, Action::silent) << "the bring-up talks";
+  EXPECT_EQ(action_, Action::silent) << "only the bring-up sends";
   EXPECT_EQ(run(0.5), State::calibrate);
   inputs_.bring_up_done = true;
   EXPECT_EQ(tick(), State::ready);
