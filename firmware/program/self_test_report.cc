@@ -32,11 +32,12 @@ Check driver(const SelfTestResult& result, std::size_t joint) {
   Check check{kJointNames[joint], true, {}, {}};
   const double answered = share(result.answered[joint], result.commands[joint]);
   const double in_time = share(result.in_time[joint], result.ticks);
-  check.measured = formatted("%.2f %% of %lld commands answered, %.2f %% in time", 100 * answered,
-                             result.commands[joint], 100 * in_time);
-  check.limit =
-      formatted("%.2f and %.2f %%", 100 * result.limits.answered_share, 100 * result.limits.in_time_share);
-  check.passed = answered >= result.limits.answered_share && in_time >= result.limits.in_time_share;
+  check.measured = formatted("%.2f %% of %lld commands answered, %.2f %% in time, at most %u missed in a row",
+                             100 * answered, result.commands[joint], 100 * in_time, result.missed[joint]);
+  check.limit = formatted("%.2f and %.2f %%, fewer than %u in a row", 100 * result.limits.answered_share,
+                          100 * result.limits.in_time_share, result.limits.missed_damp);
+  check.passed = answered >= result.limits.answered_share && in_time >= result.limits.in_time_share &&
+                 result.missed[joint] < result.limits.missed_damp;
   if (result.fault[joint] != hal::DriverFault::none) {
     check.passed = false;
     check.measured += formatted(", fault: %s (%u)", name(result.fault[joint]), result.fault_code[joint]);
@@ -49,10 +50,10 @@ Check torso_sensor(const SelfTestResult& result) {
   const hal::BaseReading& base = result.last.base;
   return {"torso sensor",
           std::isfinite(base.pitch_rad) && std::isfinite(base.pitch_rate_rad_s) &&
-              result.base_silent_ticks <= static_cast<long long>(commissioning::kSilentReads),
-          formatted("%lld readings, at most %lld ticks without one, pitch %s", result.base_readings,
-                    result.base_silent_ticks, measured(base.pitch_rad, "rad").c_str()),
-          formatted("at most %u ticks without one", commissioning::kSilentReads)};
+              result.base_missed < result.limits.missed_damp,
+          formatted("%lld readings, at most %u missed in a row, pitch %s", result.base_readings,
+                    result.base_missed, measured(base.pitch_rad, "rad").c_str()),
+          formatted("pitch and rate, fewer than %u missed in a row", result.limits.missed_damp)};
 }
 
 /// Heat and supply over the whole test. Drivers that do not report them are within their limits.
@@ -217,9 +218,11 @@ std::string to_json(const SelfTestResult& result) {
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
     json["reply_share"][kJointNames[joint]] = share(result.answered[joint], result.commands[joint]);
     json["in_time_share"][kJointNames[joint]] = share(result.in_time[joint], result.ticks);
+    json["missed_replies"][kJointNames[joint]] = result.missed[joint];
     json["position_rad"][kJointNames[joint]] = result.last.joints[joint].position_rad;
   }
   json["base_readings"] = result.base_readings;
+  json["base_missed_replies"] = result.base_missed;
   json["base_pitch_rad"] = result.last.base.pitch_rad;
   json["bus_errors"] = result.bus_errors;
   json["bus_round_trip_us"] = percentiles(result.round_trip);

@@ -132,7 +132,9 @@ TEST_P(SelfTest, EveryCommandIsAnsweredInTime) {
   for (const char* joint : {"hip_L", "knee_L", "hip_R", "knee_R"}) {
     EXPECT_EQ(report.at("reply_share").at(joint), 1.0) << joint;
     EXPECT_EQ(report.at("in_time_share").at(joint), 1.0) << joint;
+    EXPECT_EQ(report.at("missed_replies").at(joint), 0) << joint;
   }
+  EXPECT_EQ(report.at("base_missed_replies"), 0);
   EXPECT_EQ(report.at("bus_errors"), 0);
 }
 
@@ -182,6 +184,10 @@ const Words kOdrive = with_protocol("odrive");
 /// Switched on where the left thigh was 0.4 rad away from where it was calibrated.
 const Words kVoidOffset = with(kOdrive, {"--hang", "--set", "hip_L.offset_rad=0.4"});
 
+/// stiltd expects 500 values per second.
+const Words kSlowTorsoSensor = {"--set", "torso_sensor.rate_hz=55"};
+const Words kPatience = {"--set", "supervisor.missed_damp_ticks=20"};
+
 INSTANTIATE_TEST_SUITE_P(
     TwoProcesses, SelfTestOf,
     testing::Values(Tested{"ARobotWithoutAStop", kNoStop, kNoStop, "emergency stop"},
@@ -190,7 +196,9 @@ INSTANTIATE_TEST_SUITE_P(
                     Tested{"AHotDriver", {}, kCool, "heat and supply"},
                     Tested{"AWrongSupply", with_protocol("moteus"), kOtherSupply, "heat and supply"},
                     Tested{"LegsThatHang", with(kOdrive, {"--hang"}), with(kOdrive, {"--hanging"}), ""},
-                    Tested{"AVoidOffset", kVoidOffset, with(kOdrive, {"--hanging"}), "plumb"}),
+                    Tested{"AVoidOffset", kVoidOffset, with(kOdrive, {"--hanging"}), "plumb"},
+                    Tested{"ASlowTorsoSensor", kSlowTorsoSensor, {}, "torso sensor"},
+                    Tested{"ASlowTorsoSensorThatMay", kSlowTorsoSensor, kPatience, ""}),
     [](const auto& row) { return std::string(row.param.name); });
 
 }  // namespace
