@@ -35,6 +35,7 @@ struct Test {
                      configuration.runtime.planner_priority,
                      asked.accept_missing_stop,
                      asked.hangs};
+    result.lockstep = asked.lockstep;
   }
 
   const Options& options;
@@ -132,6 +133,8 @@ void command_under_load(Test& test, commissioning::Session& session) {
   command_robot(test, session);
   load.end();
   test.result.solve = load.solve();
+  test.result.failed_solves = load.failed();
+  test.result.planner_s = load.duration_s();
   const auto interrupts =
       realtime::bus_interrupts(configuration::bus_names(test.options.configuration.hardware));
   test.result.interrupts = delayed_threads(interrupts, test.options.configuration.runtime);

@@ -56,7 +56,10 @@ struct SelfTestResult {
   long long late_ticks = 0;  ///< later than limits.wakeup_latency_max_s
   diagnostics::Histogram wakeup_latency;
   diagnostics::Histogram round_trip;
+  bool lockstep = false;                    ///< nothing is reported of the computer
   diagnostics::Histogram solve;             ///< of the planner at work beside; empty in lock-step
+  long long failed_solves = 0;              ///< of these, without a usable plan
+  double planner_s = 0;                     ///< how long the planner was at work
   std::optional<realtime::IdleState> idle;  ///< the slowest to leave
   std::optional<double> idle_held_us;       ///< slower ones are not used as long as the program runs
   std::vector<realtime::InterruptThread> interrupts;  ///< of the buses, that a solve may delay

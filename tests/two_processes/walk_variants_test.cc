@@ -151,6 +151,26 @@ TEST(TwoProcesses, ASelfTestWithASilentDriverFails) {
   EXPECT_NE(run.controller_json().at("failure").get<std::string>().find("knee_R"), std::string::npos);
 }
 
+/// By the clock, which a busy machine may fail besides.
+TEST(TwoProcesses, ASelfTestWhosePlannerFindsNoPlanFails) {
+  RobotAndController run;
+  run.start_robot({"--once", "--hang"});
+  run.start_self_test({"--seconds", "1", "--set", "sqp.plan_defect_max=1e-6", "--set",
+                       "timing.plan_rate_hz=50", "--set", "runtime.planner_priority=0", "--set",
+                       "runtime.torque_priority=0"});
+  run.expect_both_to_end();
+  EXPECT_EQ(run.controller().wait(0), 1) << run.said();
+  const nlohmann::json report = run.controller_json();
+  EXPECT_EQ(report.at("lockstep"), false);
+  EXPECT_GT(report.at("solves"), 0) << run.said();
+  EXPECT_EQ(report.at("failed_solves"), report.at("solves")) << run.said();
+  const auto planner = std::ranges::find(report.at("checks"), "planner",
+                                         [](const nlohmann::json& check) { return check.at("name"); });
+  ASSERT_NE(planner, report.at("checks").end()) << run.said();
+  EXPECT_EQ(planner->at("passed"), false);
+  EXPECT_EQ(planner->at("limit").get<std::string>().find("at least 1 solves"), std::string::npos) << *planner;
+}
+
 /// A robot that stands or hangs, and what its self-test has to find.
 struct Tested {
   const char* name;

@@ -27,6 +27,7 @@ SelfTestResult good() {
     result.wakeup_latency.add_ns(20'000);
     result.solve.add_ns(1'000'000);
   }
+  result.planner_s = 1.0;
   result.idle = realtime::IdleState{"C1", 2.0};
   result.throttled = 0;
   return result;
@@ -69,7 +70,11 @@ TEST(SelfTest, EachDefectFailsItsOwnCheckAlone) {
       {"heat and supply", [](SelfTestResult& r) { r.limit_trouble = "hip_R is at 95 C"; }},
       {"bus errors", [](SelfTestResult& r) { r.bus_errors = 5; }},
       {"wake-up", [](SelfTestResult& r) { r.late_ticks = 2; }},
-      {"planner", [](SelfTestResult& r) { r.limits.plan_period_s = 0.9e-3; }},
+      {"planner", [](SelfTestResult& r) { r.limits.plan_period_s = 0.9e-3, r.planner_s = 0.09; }},
+      {"planner", [](SelfTestResult& r) { r.solve = {}; }},
+      {"planner", [](SelfTestResult& r) { r.solve = {}, r.planner_s = 0.001; }},
+      {"planner", [](SelfTestResult& r) { r.planner_s = 1.13; }},
+      {"planner", [](SelfTestResult& r) { r.failed_solves = 2; }},
       {"idle states", [](SelfTestResult& r) { r.idle->exit_us = 501.0; }},
       {"interrupts", [](SelfTestResult& r) { r.interrupts.push_back({"irq/45-can0", 117, 50, "0-3"}); }},
       {"throttling", [](SelfTestResult& r) { r.throttled = 1; }},
@@ -146,6 +151,8 @@ TEST(SelfTest, LimitsThatAreJustKeptPass) {
   result.in_time[1] = 990;
   result.missed[1] = 9;
   result.base_missed = 9;
+  result.planner_s = 1.12;
+  result.failed_solves = 1;
   result.bus_errors = 4;
   result.late_ticks = 1;
   result.idle->exit_us = 500.0;
@@ -197,6 +204,30 @@ TEST(SelfTest, TheLongestRunOfMissedRepliesIsKeptAndNoneOfBeforeTheTest) {
   EXPECT_EQ(result.base_missed, 4u);
 }
 
+/// A planner that never ran has no solve that is late.
+TEST(SelfTest, APlannerThatDidNotRunFailsAndTheComputerIsJudged) {
+  SelfTestResult result = good();
+  result.solve = {};
+  result.late_ticks = 2;
+  EXPECT_EQ(failed(result), (std::vector<std::string>{"wake-up", "planner"}));
+  EXPECT_EQ(result.checks().size(), good().checks().size());
+  const nlohmann::json json = nlohmann::json::parse(to_json(result));
+  EXPECT_EQ(json.at("solves"), 0);
+  EXPECT_EQ(json.at("lockstep"), false);
+}
+
+TEST(SelfTest, SolvesAreCountedAndTheirLimitsPrinted) {
+  SelfTestResult result = good();
+  result.failed_solves = 30;
+  EXPECT_NE(to_text(result).find(
+                "100 solves, 30 without a plan (limit: p99 within 10000 us, at least 90 solves, at "
+                "most 1 % without a plan)"),
+            std::string::npos)
+      << to_text(result);
+  EXPECT_EQ(nlohmann::json::parse(to_json(result)).at("solves"), 100);
+  EXPECT_EQ(nlohmann::json::parse(to_json(result)).at("failed_solves"), 30);
+}
+
 TEST(SelfTest, WhatTheKernelDoesNotReportFailsNothing) {
   SelfTestResult result = good();
   result.idle.reset();
@@ -208,6 +239,9 @@ TEST(SelfTest, WhatTheKernelDoesNotReportFailsNothing) {
 TEST(SelfTest, InLockStepNothingIsSaidOfTheComputer) {
   SelfTestResult result = good();
   result.solve = {};
+  result.lockstep = true;
+  EXPECT_TRUE(result.passed());
+  EXPECT_EQ(nlohmann::json::parse(to_json(result)).at("lockstep"), true);
   for (const Check& check : result.checks()) {
     EXPECT_TRUE(check.name != "wake-up" && check.name != "planner" && check.name != "idle states");
   }
