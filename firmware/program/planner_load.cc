@@ -17,12 +17,18 @@ constexpr double kAnew_s = 1.0;
 
 double PlannerLoad::period_s() const noexcept { return 1.0 / options_.configuration.timing.plan_rate_hz; }
 
+double PlannerLoad::duration_s() const noexcept {
+  return 1e-9 * static_cast<double>(ended_ns_ - started_ns_);
+}
+
 bool PlannerLoad::start() {
   const configuration::RuntimeParameters& runtime = options_.configuration.runtime;
+  started_ns_ = hal::MonotonicClock().now_ns();
   return thread_.start({"planner", runtime.planner_priority, runtime.planner_core}, &run, this);
 }
 
 void PlannerLoad::end() {
+  ended_ns_ = hal::MonotonicClock().now_ns();
   end_.store(true, std::memory_order_relaxed);
   thread_.join();
 }
@@ -53,7 +59,7 @@ void PlannerLoad::plan() {
     } else {
       request.state = control::interpolate(plan, request.time_s).state;
     }
-    static_cast<void>(state_.planner.cycle(request, plan));
+    if (!state_.planner.cycle(request, plan)) ++failed_;
     const std::int64_t done_ns = clock.now_ns();
     solve_.add_ns(done_ns - began_ns);
     pace.advance(began_ns, done_ns);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
 
 #include "firmware/diagnostics/histogram.h"
 #include "firmware/program/controller_state.h"
@@ -22,6 +23,10 @@ class PlannerLoad {
 
   /// Durations of the solves, after end().
   [[nodiscard]] const diagnostics::Histogram& solve() const noexcept { return solve_; }
+  /// How many of them gave no usable plan.
+  [[nodiscard]] long long failed() const noexcept { return failed_; }
+  /// From start() to end().
+  [[nodiscard]] double duration_s() const noexcept;
   /// Time between two plans, s.
   [[nodiscard]] double period_s() const noexcept;
 
@@ -34,6 +39,8 @@ class PlannerLoad {
   realtime::Thread thread_;
   std::atomic<bool> end_ = false;
   diagnostics::Histogram solve_;
+  long long failed_ = 0;
+  std::int64_t started_ns_ = 0, ended_ns_ = 0;
 };
 
 }  // namespace stilt::program

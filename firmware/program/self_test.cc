@@ -30,10 +30,12 @@ struct Test {
                      configuration.runtime.self_test_in_time_share,
                      configuration.runtime.self_test_late_share,
                      configuration.supervisor.torque_loop_overrun_s,
+                     static_cast<std::uint32_t>(configuration.supervisor.missed_damp_ticks),
                      1.0 / configuration.timing.plan_rate_hz,
                      configuration.runtime.planner_priority,
                      asked.accept_missing_stop,
                      asked.hangs};
+    result.lockstep = asked.lockstep;
   }
 
   const Options& options;
@@ -42,7 +44,6 @@ struct Test {
   hal::Clock& clock;
   std::array<hal::ReplyFrame, hal::kJoints> replies;
   SelfTestResult result;
-  long long base_silent_ticks = 0;  ///< up to now
 };
 
 /// What came since the last tick. A driver without replies counts by its readings.
@@ -67,8 +68,7 @@ void count(Test& test, const hal::RobotReadings& readings, bool base_is_new) {
   result.emergency_stop_pressed |= readings.emergency_stop == hal::EmergencyStopState::pressed;
   result.emergency_stop_silent |= readings.emergency_stop == hal::EmergencyStopState::unknown;
   if (base_is_new) ++result.base_readings;
-  test.base_silent_ticks = base_is_new ? 0 : test.base_silent_ticks + 1;
-  result.base_silent_ticks = std::max(result.base_silent_ticks, test.base_silent_ticks);
+  result.keep_most_missed(readings);
 }
 
 void forget(Test& test) {
@@ -133,6 +133,8 @@ void command_under_load(Test& test, commissioning::Session& session) {
   command_robot(test, session);
   load.end();
   test.result.solve = load.solve();
+  test.result.failed_solves = load.failed();
+  test.result.planner_s = load.duration_s();
   const auto interrupts =
       realtime::bus_interrupts(configuration::bus_names(test.options.configuration.hardware));
   test.result.interrupts = delayed_threads(interrupts, test.options.configuration.runtime);
@@ -154,6 +156,16 @@ void run(Test& test) {
 }
 
 }  // namespace
+
+void SelfTestResult::keep_most_missed(const hal::RobotReadings& readings) noexcept {
+  const auto keep = [this](std::uint32_t& most, std::uint32_t now) {
+    most = std::max(most, static_cast<std::uint32_t>(std::min<long long>(now, ticks)));
+  };
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    keep(missed[joint], readings.joints[joint].missed_replies);
+  }
+  keep(base_missed, readings.base.missed_replies);
+}
 
 SelfTestResult run_self_test(const Options& options, ControllerState& state, const std::atomic<bool>& stop,
                              bool idle_held) {

@@ -20,6 +20,7 @@ struct SelfTestLimits {
   double in_time_share = 0.99;         ///< runtime.self_test_in_time_share
   double late_share = 0.001;           ///< runtime.self_test_late_share
   double wakeup_latency_max_s = 5e-4;  ///< supervisor.torque_loop_overrun_s
+  std::uint32_t missed_damp = 10;      ///< supervisor.missed_damp_ticks
   double plan_period_s = 0.01;         ///< 1 / timing.plan_rate_hz
   int planner_priority = 60;           ///< runtime.planner_priority
   bool accept_missing_stop = false;    ///< --accept-missing-stop
@@ -44,8 +45,9 @@ struct SelfTestResult {
   std::array<long long, hal::kJoints> in_time{};   ///< ticks in which the reply to the tick before was there
   std::array<hal::DriverFault, hal::kJoints> fault{};  ///< the first that each driver reported
   std::array<std::uint32_t, hal::kJoints> fault_code{};
-  long long base_readings = 0;
-  long long base_silent_ticks = 0;  ///< most in a row without a new reading of the torso sensor
+  std::array<std::uint32_t, hal::kJoints> missed{};  ///< most missed replies in a row
+  long long base_readings = 0;                       ///< new pitches
+  std::uint32_t base_missed = 0;                     ///< most in a row, of pitch or rate
   bool emergency_stop_pressed = false;
   bool emergency_stop_silent = false;
   std::string limit_trouble;  ///< the first temperature or supply beyond its limit; empty: none
@@ -54,13 +56,19 @@ struct SelfTestResult {
   long long late_ticks = 0;  ///< later than limits.wakeup_latency_max_s
   diagnostics::Histogram wakeup_latency;
   diagnostics::Histogram round_trip;
+  bool lockstep = false;                    ///< nothing is reported of the computer
   diagnostics::Histogram solve;             ///< of the planner at work beside; empty in lock-step
+  long long failed_solves = 0;              ///< of these, without a usable plan
+  double planner_s = 0;                     ///< how long the planner was at work
   std::optional<realtime::IdleState> idle;  ///< the slowest to leave
   std::optional<double> idle_held_us;       ///< slower ones are not used as long as the program runs
   std::vector<realtime::InterruptThread> interrupts;  ///< of the buses, that a solve may delay
   std::vector<std::string> interrupt_sentences;       ///< of each bus with an adapter
   std::optional<long long> throttled;                 ///< times a processor was slowed down during the test
 
+  /// Of the readings of the newest tick. What was missed before the test does not count: a driver that is up
+  /// is not commanded while others are brought up.
+  void keep_most_missed(const hal::RobotReadings& readings) noexcept;
   /// Every joint answered enough of its commands. A machine that is late itself withholds commands and reads
   /// replies late, which is no fault of the drivers: they must answer what left, sooner or later.
   [[nodiscard]] bool answered_enough() const noexcept;

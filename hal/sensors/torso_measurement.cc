@@ -9,6 +9,9 @@ namespace {
 
 /// The jitter of the reads may make a window so much shorter.
 constexpr std::int64_t kJitter_ns = 250'000;
+/// The longest gap of a sensor of 100 Hz that supervisor.missed_damp_ticks = 40 passes, the most patience in
+/// docs/deployment.md. With the shipped 10, a gap longer than the window is damped from 20 ms on.
+constexpr std::int64_t kLongestGap_ns = 50'000'000;
 
 }  // namespace
 
@@ -48,11 +51,13 @@ void TorsoMeasurement::set_pitch(std::int64_t time_ns, double pitch_rad) noexcep
   pitch_is_new_ = true;
 }
 
+/// A window that begins in a gap begins on the line across it. The pitch comes without the gap's delay, and
+/// the rate is as new as the pitch: no age shows that it is the mean of a longer time.
 void TorsoMeasurement::differentiate(const Sample& newest) noexcept {
   const auto window_ns = static_cast<std::int64_t>(1e9 * traits_.rate_window_s) - kJitter_ns;
   const auto at = [this](std::size_t i) -> const Sample& { return samples_[(first_sample_ + i) % kSamples]; };
-  // After a gap the old samples say nothing of now.
-  if (sample_count_ > 0 && newest.time_ns - at(sample_count_ - 1).time_ns > window_ns) sample_count_ = 0;
+  // After a long gap the old samples say nothing of now.
+  if (sample_count_ > 0 && newest.time_ns - at(sample_count_ - 1).time_ns > kLongestGap_ns) sample_count_ = 0;
   if (sample_count_ == kSamples) {
     first_sample_ = (first_sample_ + 1) % kSamples;
     --sample_count_;
@@ -62,7 +67,13 @@ void TorsoMeasurement::differentiate(const Sample& newest) noexcept {
     first_sample_ = (first_sample_ + 1) % kSamples;
     --sample_count_;
   }
-  const Sample& oldest = at(0);
+  Sample oldest = at(0);
+  if (sample_count_ > 1 && at(1).time_ns - oldest.time_ns > window_ns) {
+    const double gap_ns = static_cast<double>(at(1).time_ns - oldest.time_ns);
+    const std::int64_t into_gap_ns = newest.time_ns - window_ns - oldest.time_ns;
+    oldest.pitch_rad += static_cast<double>(into_gap_ns) / gap_ns * (at(1).pitch_rad - oldest.pitch_rad);
+    oldest.time_ns += into_gap_ns;
+  }
   const std::int64_t span_ns = newest.time_ns - oldest.time_ns;
   reading_.pitch_rate_rad_s = span_ns >= window_ns && span_ns > 0 ? (newest.pitch_rad - oldest.pitch_rad) /
                                                                         (1e-9 * static_cast<double>(span_ns))

@@ -17,11 +17,11 @@ struct TorsoSensorTraits {
 };
 
 /// Pitch and pitch rate of the torso from whatever measures them: unwraps the pitch, takes the rate from it
-/// where the sensor has none, and counts the age of pitch and rate apart.
+/// where the sensor has none, and counts the age of pitch and rate apart. Real-time safe.
 ///
 /// Without a rate of the sensor: pitch_rate(t) = (pitch(t) - pitch(t - T)) / T with T = rate_window_s, the
-/// mean rate of the window. It is the rate of T / 2 ago. Not a number until pitches fill the window.
-/// Real-time safe.
+/// mean rate of the window, that of T / 2 ago. Not a number until pitches fill the window. In a gap of T to
+/// 50 ms the pitch is linear: the first rate after it is that of half the gap ago. A longer one begins anew.
 class TorsoMeasurement {
  public:
   explicit TorsoMeasurement(const TorsoSensorTraits& traits) noexcept : traits_(traits) {}

@@ -71,6 +71,37 @@ TEST(TwoProcesses, AnEncoderThatFallsSilentDampsTheRobot) {
       << run.said();
 }
 
+struct Gap {
+  const char* name;
+  const char* fault;  ///< of fewer missed replies than damp the robot
+  Words settings;
+};
+
+class GapOfPitches : public testing::TestWithParam<Gap> {};
+
+/// Neither sensor measures a rate: it is that of the pitch, and the gap is longer than its window.
+TEST_P(GapOfPitches, HoldsAStandingRobotAndIsOver) {
+  RobotAndController run;
+  run.start_robot(with_settings({"--lockstep", "--once", "--fault", GetParam().fault}, GetParam().settings));
+  run.start_controller(
+      with_settings({"--lockstep", "--start", "stand", "--duration", "4"}, GetParam().settings));
+  run.expect_both_to_end();
+  const nlohmann::json faults = run.controller_json().at("faults");
+  EXPECT_EQ(run.controller().wait(0), 0) << faults;
+  ASSERT_EQ(faults.size(), 1u) << faults;
+  EXPECT_EQ(faults[0].at("name"), "missed_replies") << faults;
+  EXPECT_EQ(faults[0].at("reaction"), "hold") << faults;
+  EXPECT_TRUE(run.robot_json().at("survived")) << run.said();
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    TwoProcesses, GapOfPitches,
+    testing::Values(Gap{"ChannelAt200", "base-silent@1.5+0.006", {"pitch_rate=none", "rate_hz=200"}},
+                    Gap{"ChannelAt500", "base-silent@1.5+0.008", {"pitch_rate=none", "rate_hz=500"}},
+                    Gap{"EncoderAt200", "base-silent@1.5+0.006", {"device=canopen_encoder", "rate_hz=200"}},
+                    Gap{"EncoderAt500", "base-silent@1.5+0.008", {"device=canopen_encoder", "rate_hz=500"}}),
+    [](const auto& row) { return std::string(row.param.name); });
+
 TEST(TwoProcesses, AnEncoderWithOtherStepsIsNamedAndNotRead) {
   RobotAndController run;
   run.start_robot(with_settings({"--lockstep", "--once", "--hang"}, {"device=canopen_encoder"}));

@@ -132,7 +132,9 @@ TEST_P(SelfTest, EveryCommandIsAnsweredInTime) {
   for (const char* joint : {"hip_L", "knee_L", "hip_R", "knee_R"}) {
     EXPECT_EQ(report.at("reply_share").at(joint), 1.0) << joint;
     EXPECT_EQ(report.at("in_time_share").at(joint), 1.0) << joint;
+    EXPECT_EQ(report.at("missed_replies").at(joint), 0) << joint;
   }
+  EXPECT_EQ(report.at("base_missed_replies"), 0);
   EXPECT_EQ(report.at("bus_errors"), 0);
 }
 
@@ -147,6 +149,26 @@ TEST(TwoProcesses, ASelfTestWithASilentDriverFails) {
   EXPECT_EQ(run.controller().wait(0), 1);
   EXPECT_EQ(run.controller_json().at("passed"), false);
   EXPECT_NE(run.controller_json().at("failure").get<std::string>().find("knee_R"), std::string::npos);
+}
+
+/// By the clock, which a busy machine may fail besides.
+TEST(TwoProcesses, ASelfTestWhosePlannerFindsNoPlanFails) {
+  RobotAndController run;
+  run.start_robot({"--once", "--hang"});
+  run.start_self_test({"--seconds", "1", "--set", "sqp.plan_defect_max=1e-6", "--set",
+                       "timing.plan_rate_hz=50", "--set", "runtime.planner_priority=0", "--set",
+                       "runtime.torque_priority=0"});
+  run.expect_both_to_end();
+  EXPECT_EQ(run.controller().wait(0), 1) << run.said();
+  const nlohmann::json report = run.controller_json();
+  EXPECT_EQ(report.at("lockstep"), false);
+  EXPECT_GT(report.at("solves"), 0) << run.said();
+  EXPECT_EQ(report.at("failed_solves"), report.at("solves")) << run.said();
+  const auto planner = std::ranges::find(report.at("checks"), "planner",
+                                         [](const nlohmann::json& check) { return check.at("name"); });
+  ASSERT_NE(planner, report.at("checks").end()) << run.said();
+  EXPECT_EQ(planner->at("passed"), false);
+  EXPECT_EQ(planner->at("limit").get<std::string>().find("at least 1 solves"), std::string::npos) << *planner;
 }
 
 /// A robot that stands or hangs, and what its self-test has to find.
@@ -182,6 +204,10 @@ const Words kOdrive = with_protocol("odrive");
 /// Switched on where the left thigh was 0.4 rad away from where it was calibrated.
 const Words kVoidOffset = with(kOdrive, {"--hang", "--set", "hip_L.offset_rad=0.4"});
 
+/// stiltd expects 500 values per second.
+const Words kSlowTorsoSensor = {"--set", "torso_sensor.rate_hz=55"};
+const Words kPatience = {"--set", "supervisor.missed_damp_ticks=20"};
+
 INSTANTIATE_TEST_SUITE_P(
     TwoProcesses, SelfTestOf,
     testing::Values(Tested{"ARobotWithoutAStop", kNoStop, kNoStop, "emergency stop"},
@@ -190,7 +216,9 @@ INSTANTIATE_TEST_SUITE_P(
                     Tested{"AHotDriver", {}, kCool, "heat and supply"},
                     Tested{"AWrongSupply", with_protocol("moteus"), kOtherSupply, "heat and supply"},
                     Tested{"LegsThatHang", with(kOdrive, {"--hang"}), with(kOdrive, {"--hanging"}), ""},
-                    Tested{"AVoidOffset", kVoidOffset, with(kOdrive, {"--hanging"}), "plumb"}),
+                    Tested{"AVoidOffset", kVoidOffset, with(kOdrive, {"--hanging"}), "plumb"},
+                    Tested{"ASlowTorsoSensor", kSlowTorsoSensor, {}, "torso sensor"},
+                    Tested{"ASlowTorsoSensorThatMay", kSlowTorsoSensor, kPatience, ""}),
     [](const auto& row) { return std::string(row.param.name); });
 
 }  // namespace

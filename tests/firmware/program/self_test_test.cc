@@ -27,6 +27,7 @@ SelfTestResult good() {
     result.wakeup_latency.add_ns(20'000);
     result.solve.add_ns(1'000'000);
   }
+  result.planner_s = 1.0;
   result.idle = realtime::IdleState{"C1", 2.0};
   result.throttled = 0;
   return result;
@@ -59,7 +60,9 @@ TEST(SelfTest, EachDefectFailsItsOwnCheckAlone) {
       {"knee_L", [](SelfTestResult& r) { r.answered[1] = 998; }},
       {"knee_L", [](SelfTestResult& r) { r.in_time[1] = 989; }},
       {"hip_R", [](SelfTestResult& r) { r.fault[2] = hal::DriverFault::encoder; }},
-      {"torso sensor", [](SelfTestResult& r) { r.base_silent_ticks = 21; }},
+      {"hip_L", [](SelfTestResult& r) { r.missed[0] = 10; }},
+      {"knee_R", [](SelfTestResult& r) { r.limits.missed_damp = 3, r.missed[3] = 3; }},
+      {"torso sensor", [](SelfTestResult& r) { r.base_missed = 10; }},
       {"torso sensor", [](SelfTestResult& r) { r.last.base.pitch_rad = NAN; }},
       {"emergency stop", [](SelfTestResult& r) { r.emergency_stop_pressed = true; }},
       {"emergency stop", [](SelfTestResult& r) { r.emergency_stop_silent = true; }},
@@ -67,7 +70,11 @@ TEST(SelfTest, EachDefectFailsItsOwnCheckAlone) {
       {"heat and supply", [](SelfTestResult& r) { r.limit_trouble = "hip_R is at 95 C"; }},
       {"bus errors", [](SelfTestResult& r) { r.bus_errors = 5; }},
       {"wake-up", [](SelfTestResult& r) { r.late_ticks = 2; }},
-      {"planner", [](SelfTestResult& r) { r.limits.plan_period_s = 0.9e-3; }},
+      {"planner", [](SelfTestResult& r) { r.limits.plan_period_s = 0.9e-3, r.planner_s = 0.09; }},
+      {"planner", [](SelfTestResult& r) { r.solve = {}; }},
+      {"planner", [](SelfTestResult& r) { r.solve = {}, r.planner_s = 0.001; }},
+      {"planner", [](SelfTestResult& r) { r.planner_s = 1.13; }},
+      {"planner", [](SelfTestResult& r) { r.failed_solves = 2; }},
       {"idle states", [](SelfTestResult& r) { r.idle->exit_us = 501.0; }},
       {"interrupts", [](SelfTestResult& r) { r.interrupts.push_back({"irq/45-can0", 117, 50, "0-3"}); }},
       {"throttling", [](SelfTestResult& r) { r.throttled = 1; }},
@@ -142,11 +149,83 @@ TEST(SelfTest, LimitsThatAreJustKeptPass) {
   SelfTestResult result = good();
   result.answered[1] = 999;
   result.in_time[1] = 990;
-  result.base_silent_ticks = 20;
+  result.missed[1] = 9;
+  result.base_missed = 9;
+  result.planner_s = 1.12;
+  result.failed_solves = 1;
   result.bus_errors = 4;
   result.late_ticks = 1;
   result.idle->exit_us = 500.0;
   EXPECT_TRUE(result.passed()) << to_text(result);
+}
+
+/// Ten in a row of 10,000 are a share that passes, and the supervisor damps.
+TEST(SelfTest, RepliesThatAreMissedInARowFailWithTheLimitOfTheSupervisor) {
+  SelfTestResult result = good();
+  result.ticks = 10'000;
+  result.commands.fill(10'000);
+  result.answered = {10'000, 9'990, 10'000, 10'000};
+  result.in_time = result.answered;
+  EXPECT_TRUE(result.passed()) << to_text(result);
+  result.missed[1] = 10;
+  EXPECT_EQ(failed(result), std::vector<std::string>{"knee_L"});
+  EXPECT_NE(
+      to_text(result).find("at most 10 missed in a row (limit: 99.90 and 99.00 %, fewer than 10 in a row)"),
+      std::string::npos)
+      << to_text(result);
+  result.base_missed = 12;
+  EXPECT_NE(to_text(result).find(
+                "at most 12 missed in a row, pitch 0.010 rad (limit: pitch and rate, fewer than 10 "
+                "missed in a row)"),
+            std::string::npos)
+      << to_text(result);
+  const nlohmann::json json = nlohmann::json::parse(to_json(result));
+  EXPECT_EQ(json.at("missed_replies").at("knee_L"), 10);
+  EXPECT_EQ(json.at("missed_replies").at("hip_R"), 0);
+  EXPECT_EQ(json.at("base_missed_replies"), 12);
+}
+
+TEST(SelfTest, TheLongestRunOfMissedRepliesIsKeptAndNoneOfBeforeTheTest) {
+  SelfTestResult result;
+  hal::RobotReadings readings;
+  const auto tick = [&](std::uint32_t knee, std::uint32_t base) {
+    ++result.ticks;
+    readings.joints[1].missed_replies = knee;
+    readings.base.missed_replies = base;
+    result.keep_most_missed(readings);
+  };
+  tick(40, 50);
+  tick(41, 51);
+  EXPECT_EQ(result.missed[1], 2u);
+  EXPECT_EQ(result.base_missed, 2u);
+  for (std::uint32_t missed = 0; missed < 8; ++missed) tick(missed, 0);
+  for (std::uint32_t missed = 0; missed < 5; ++missed) tick(missed, missed);
+  EXPECT_EQ(result.missed, (std::array<std::uint32_t, hal::kJoints>{0, 7, 0, 0}));
+  EXPECT_EQ(result.base_missed, 4u);
+}
+
+/// A planner that never ran has no solve that is late.
+TEST(SelfTest, APlannerThatDidNotRunFailsAndTheComputerIsJudged) {
+  SelfTestResult result = good();
+  result.solve = {};
+  result.late_ticks = 2;
+  EXPECT_EQ(failed(result), (std::vector<std::string>{"wake-up", "planner"}));
+  EXPECT_EQ(result.checks().size(), good().checks().size());
+  const nlohmann::json json = nlohmann::json::parse(to_json(result));
+  EXPECT_EQ(json.at("solves"), 0);
+  EXPECT_EQ(json.at("lockstep"), false);
+}
+
+TEST(SelfTest, SolvesAreCountedAndTheirLimitsPrinted) {
+  SelfTestResult result = good();
+  result.failed_solves = 30;
+  EXPECT_NE(to_text(result).find(
+                "100 solves, 30 without a plan (limit: p99 within 10000 us, at least 90 solves, at "
+                "most 1 % without a plan)"),
+            std::string::npos)
+      << to_text(result);
+  EXPECT_EQ(nlohmann::json::parse(to_json(result)).at("solves"), 100);
+  EXPECT_EQ(nlohmann::json::parse(to_json(result)).at("failed_solves"), 30);
 }
 
 TEST(SelfTest, WhatTheKernelDoesNotReportFailsNothing) {
@@ -160,7 +239,9 @@ TEST(SelfTest, WhatTheKernelDoesNotReportFailsNothing) {
 TEST(SelfTest, InLockStepNothingIsSaidOfTheComputer) {
   SelfTestResult result = good();
   result.solve = {};
+  result.lockstep = true;
   EXPECT_TRUE(result.passed());
+  EXPECT_EQ(nlohmann::json::parse(to_json(result)).at("lockstep"), true);
   for (const Check& check : result.checks()) {
     EXPECT_TRUE(check.name != "wake-up" && check.name != "planner" && check.name != "idle states");
   }

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -43,6 +44,62 @@ TEST(TorsoMeasurement, ARateFromPitchesBeginsAnewAfterAGap) {
   EXPECT_TRUE(std::isnan(torso.reading().pitch_rate_rad_s)) << "not 0.5 rad over 270 ms";
   for (int ms = 301; ms <= 310; ++ms) read(torso, kMillisecond_ns * ms, 0.5 + 1e-3 * (ms - 300));
   EXPECT_NEAR(torso.reading().pitch_rate_rad_s, 1.0, 1e-9);
+}
+
+/// pitch = a t^2 / 2, so that a rate of T ago differs by a T from the rate of now. A gap of G >= T and a time
+/// s after it are in a window together: late by ((T - s) (s + G / 2) + s^2 / 2) / T, at most G / 2 + T / 8.
+TEST(TorsoMeasurement, AfterAShortGapTheFirstRateIsTheMeanOfTheGapAndAWindowLaterAllIsAsBefore) {
+  constexpr double kAcceleration_rad_s2 = 3.0, kWindow_ms = 10;
+  const auto pitch_rad = [](int ms) { return kAcceleration_rad_s2 / 2 * 1e-6 * ms * ms; };
+  for (const int gap_ms : {10, 11, 14, 19, 35, 50}) {
+    TorsoMeasurement torso({.has_rate = false, .rate_window_s = 0.01});
+    const auto late_ms = [&torso](int ms) {
+      return ms - 1e3 * torso.reading().pitch_rate_rad_s / kAcceleration_rad_s2;
+    };
+    for (int ms = 1; ms <= 100; ++ms) read(torso, kMillisecond_ns * ms, pitch_rad(ms));
+    EXPECT_NEAR(late_ms(100), 5, 1e-9);
+    const int first_ms = 100 + gap_ms;
+    read(torso, kMillisecond_ns * first_ms, pitch_rad(first_ms));
+    EXPECT_NEAR(late_ms(first_ms), gap_ms / 2.0, 1e-9) << gap_ms;
+    for (int ms = first_ms + 1; ms <= first_ms + 20; ++ms) {
+      read(torso, kMillisecond_ns * ms, pitch_rad(ms));
+      ASSERT_TRUE(std::isfinite(torso.reading().pitch_rate_rad_s)) << gap_ms << ' ' << ms;
+      EXPECT_LT(late_ms(ms), gap_ms / 2.0 + kWindow_ms / 8) << gap_ms << ' ' << ms;
+      if (ms >= first_ms + 10) {
+        EXPECT_NEAR(late_ms(ms), 5, 1e-9) << gap_ms << ' ' << ms;
+      }
+    }
+  }
+}
+
+/// The share of the gap in the window goes down from sample to sample: nothing jumps.
+TEST(TorsoMeasurement, ARateAfterAShortGapGoesOverToTheNewPitches) {
+  TorsoMeasurement torso({.has_rate = false, .rate_window_s = 0.01});
+  for (int ms = 1; ms <= 30; ++ms) read(torso, kMillisecond_ns * ms, 0);
+  const double step_rad = 0.02;  // within the gap of 20 ms, and at rest from then on
+  for (int ms = 50; ms <= 61; ++ms) {
+    read(torso, kMillisecond_ns * ms, step_rad);
+    const double in_gap_ms = std::max(0.0, 9.75 - (ms - 50));  // a window without its jitter
+    EXPECT_NEAR(torso.reading().pitch_rate_rad_s, in_gap_ms / 9.75, 1e-9) << ms;
+  }
+}
+
+TEST(TorsoMeasurement, ASecondShortGapBeginsWhereTheFirstEnded) {
+  TorsoMeasurement torso({.has_rate = false, .rate_window_s = 0.01});
+  for (int ms = 1; ms <= 30; ++ms) read(torso, kMillisecond_ns * ms, 0);
+  read(torso, kMillisecond_ns * 45, 0.015);
+  EXPECT_NEAR(torso.reading().pitch_rate_rad_s, 1.0, 1e-9);
+  read(torso, kMillisecond_ns * 60, 0.045);
+  EXPECT_NEAR(torso.reading().pitch_rate_rad_s, 2.0, 1e-9);
+}
+
+TEST(TorsoMeasurement, AGapOfMoreThanFiftyMillisecondsIsTooLongForARate) {
+  for (const int gap_ms : {50, 51}) {
+    TorsoMeasurement torso({.has_rate = false, .rate_window_s = 0.01});
+    for (int ms = 1; ms <= 30; ++ms) read(torso, kMillisecond_ns * ms, 0);
+    read(torso, kMillisecond_ns * (30 + gap_ms), 0.01);
+    EXPECT_EQ(std::isfinite(torso.reading().pitch_rate_rad_s), gap_ms == 50) << gap_ms;
+  }
 }
 
 TEST(TorsoMeasurement, TheLongestWindowFitsAtOneKilohertz) {
