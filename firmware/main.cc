@@ -98,6 +98,22 @@ bool write_json(const program::Options& options, const std::string& json) {
   return written.has_value();
 }
 
+/// Of a command that does not begin; a self-test has the fields of one that fails.
+std::string refusal_json(const program::Options& options, const std::string& sentence) {
+  if (options.task != program::Task::self_test) return program::failure_json(sentence);
+  program::SelfTestResult result;
+  result.failure = sentence;
+  return program::to_json(result);
+}
+
+/// Standard error has the reason, and so has the JSON where it is asked for and can be written.
+int refuse(const program::Options& options, const std::string& sentence) {
+  if (diagnostics::why_not_writable(options.json_file).empty()) {
+    static_cast<void>(write_json(options, refusal_json(options, sentence)));
+  }
+  return refuse(sentence);
+}
+
 /// Looks at buses and machine before anything moves. The error is for the user.
 /// @param machine  what it keeps of the machine holds as long as it lives
 std::expected<void, std::string> check_start(const program::Options& options, program::Outcome& outcome,
@@ -229,9 +245,9 @@ int run_self_test(const program::Options& options) {
   program::Outcome outcome;
   realtime::Capability machine;
   std::vector<hal::AnyBus> buses;
-  if (const auto writable = check_files(options); !writable) return refuse(writable.error());
-  if (const auto fit = check_start(options, outcome, machine); !fit) return refuse(fit.error());
-  if (const auto connected = connect(options, buses); !connected) return refuse(connected.error());
+  if (const auto writable = check_files(options); !writable) return refuse(options, writable.error());
+  if (const auto fit = check_start(options, outcome, machine); !fit) return refuse(options, fit.error());
+  if (const auto connected = connect(options, buses); !connected) return refuse(options, connected.error());
   const program::SelfTestResult result =
       program::run_self_test(options, controller_state, signals.stop, machine.idle.held());
   say_unacknowledged(buses);
@@ -253,19 +269,19 @@ std::expected<void, std::string> check_buses(const program::Options& options) {
 /// scan, watch, jog, zero, calibrate, identify: no torque loop, and no machine that must keep time.
 int run_commissioning(const program::Options& options) {
   std::vector<hal::AnyBus> buses;
-  if (const auto writable = check_files(options); !writable) return refuse(writable.error());
-  if (const auto fit = check_buses(options); !fit) return refuse(fit.error());
-  if (const auto fit = program::check_out_file(options); !fit) return refuse(fit.error());
+  if (const auto writable = check_files(options); !writable) return refuse(options, writable.error());
+  if (const auto fit = check_buses(options); !fit) return refuse(options, fit.error());
+  if (const auto fit = program::check_out_file(options); !fit) return refuse(options, fit.error());
   auto person = program::TerminalPerson::open(options.answers_file);
-  if (!person) return refuse(person.error());
-  if (const auto connected = connect(options, buses); !connected) return refuse(connected.error());
+  if (!person) return refuse(options, person.error());
+  if (const auto connected = connect(options, buses); !connected) return refuse(options, connected.error());
   std::unique_ptr<telemetry::TelemetryNode> node;
   if (options.task == program::Task::watch) {
     auto opened = open_telemetry(options);
-    if (!opened) return refuse(opened.error());
+    if (!opened) return refuse(options, opened.error());
     node = std::move(*opened);
     if (node) {
-      if (const auto taken = take_commands(options, *node); !taken) return refuse(taken.error());
+      if (const auto taken = take_commands(options, *node); !taken) return refuse(options, taken.error());
     }
     controller_state.telemetry_node = node.get();
   }

@@ -37,11 +37,21 @@ std::string mean_text(const IdentificationReport& report, std::size_t joint,
   return configuration::number_text(std::round(kDigits * std::max(0.0, mean)) / kDigits);
 }
 
+/// An armature was found of a joint that has none in the URDF: no scale makes one of it.
+bool lacks_armature(const model::RobotModel& robot, const IdentificationReport& report, std::size_t joint) {
+  const Estimate& found = report.drives[joint].armature_kg_m2;
+  return !(robot.constants.joint_parameters[joint] > 0) && found.value > found.half_width;
+}
+
+/// Of the joints that have an armature in the URDF; empty: of none, or others lack one.
 std::string armature_scale_text(const model::RobotModel& robot, const IdentificationReport& report) {
   double found = 0, of_urdf = 0;
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    if (lacks_armature(robot, report, joint)) return "";
+    const double armature_kg_m2 = robot.constants.joint_parameters[joint];
+    if (!(armature_kg_m2 > 0)) continue;
     found += std::max(0.0, report.drives[joint].armature_kg_m2.value);
-    of_urdf += robot.constants.joint_parameters[joint];
+    of_urdf += armature_kg_m2;
   }
   return of_urdf > 0 ? configuration::number_text(std::round(1e4 * found / of_urdf) / 1e4) : "";
 }
@@ -100,6 +110,17 @@ void compare_hips_and_knees(const model::RobotModel& robot, IdentificationReport
                 hips.value, knees.value));
 }
 
+void name_lacking_armatures(const model::RobotModel& robot, IdentificationReport& report) {
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    if (!lacks_armature(robot, report, joint)) continue;
+    const double found = report.drives[joint].armature_kg_m2.value;
+    report.findings.push_back(formatted(
+        "the URDF has no rotor inertia of %s, whose armature is %.3g kg m^2: write rotorInertia = %.3g "
+        "/ mechanicalReduction^2 into its transmission, and repeat; no armature_scale is written",
+        kJointNames[joint], found, found));
+  }
+}
+
 /// The vendor's setting of the torque constant, and what makes it right.
 std::string vendors_setting(DriverProtocol protocol, double factor) {
   if (protocol == DriverProtocol::moteus) return formatted("divide motor.Kv of its moteus by %.3f", factor);
@@ -151,6 +172,7 @@ void judge(const IdentificationRequest& request, IdentificationReport& report) {
   if (!std::ranges::all_of(report.drives, clear)) return;
   compare_legs(report);
   compare_hips_and_knees(*request.robot, report);
+  name_lacking_armatures(*request.robot, report);
   constexpr std::size_t kHip = 0, kKnee = 1;
   report.values = {
       {"robot", "hip_coulomb_friction_Nm", mean_text(report, kHip, &DriveNumbers::coulomb_friction_Nm)},

@@ -34,6 +34,7 @@ struct Candidate {
   hal::JointDriver driver;
   ScannedNode node;
   std::optional<hal::SettingReader> settings;
+  std::vector<hal::ReadSetting> watchdog_keys;  ///< with the section of the configuration
 };
 
 ScannedNode node_of(const hal::JointDriver& driver, configuration::DriverProtocol protocol) {
@@ -86,7 +87,10 @@ class BusScan {
     const hal::JointDriver& driver = wiring_.joints[joint].driver;
     const auto protocol = configuration::driver_of(hardware, joint).protocol;
     protocols_.insert(protocol);
-    Candidate candidate{driver, node_of(driver, protocol), hal::make_setting_reader(driver, wanted)};
+    Candidate candidate{driver, node_of(driver, protocol), hal::make_setting_reader(driver, wanted),
+                        hal::watchdog_keys(driver, wanted)};
+    const std::string section = joint % 2 == 0 ? "hip_driver." : "knee_driver.";
+    for (hal::ReadSetting& key : candidate.watchdog_keys) key.name = section + key.name;
     candidate.node.joint = joint;
     if (std::holds_alternative<hal::mit::MitDriver>(driver)) {
       candidate.node.expected_reply_id = hardware.joint[joint].reply_id;
@@ -96,6 +100,7 @@ class BusScan {
 
   static ScannedNode finished(const Candidate& candidate) {
     ScannedNode node = candidate.node;
+    node.settings.insert(node.settings.end(), candidate.watchdog_keys.begin(), candidate.watchdog_keys.end());
     if (node.found.version) node.firmware = hal::version_text(candidate.driver, *node.found.version);
     return node;
   }
@@ -233,7 +238,7 @@ class BusScan {
     result_.asked_others = true;
     for (const hal::JointDriver& driver : hal::scan_others(expected_.front().driver)) {
       if (stop_ || is_expected(driver) || uses_sensor_identifier(driver)) continue;
-      Candidate candidate{driver, node_of(driver, *protocols_.begin()), std::nullopt};
+      Candidate candidate{driver, node_of(driver, *protocols_.begin()), std::nullopt, {}};
       ask(candidate, kForOthers);
       if (!candidate.node.found.answered) continue;
       std::erase_if(result_.unknown, [this](const ScannedFrames& frames) {

@@ -30,7 +30,8 @@ struct ScannedNode {
   std::optional<int> expected_reply_id;  ///< by the configuration, where the driver has such a setting
   std::string firmware;                  ///< as the vendor writes it; empty: not reported
   hal::ScannedDriver found;
-  std::vector<hal::ReadSetting> settings;  ///< of a driver of the configuration, as far as it can be asked
+  /// Of a driver of the configuration, as far as it can be asked, and its keys of a watchdog.
+  std::vector<hal::ReadSetting> settings;
 
   [[nodiscard]] bool wrong_reply_id() const noexcept {
     return expected_reply_id && found.reply_id && static_cast<int>(*found.reply_id) != *expected_reply_id;
@@ -78,7 +79,7 @@ struct ScanResult {
 /// Listens for 0.2 s per bus. Then asks every driver of the configuration for its identity and its settings,
 /// and starts an encoder of the torso on CANopen. Then it asks other identifiers of the drivers' protocol:
 /// only where all drivers of the bus speak one protocol, and none that the torso sensor uses.
-/// @param wanted  of each joint: travel and speed at the driver's shaft
+/// @param wanted  of each joint: travel and speed at the driver's shaft, whether it needs a watchdog
 /// @param buses  in the order of their numbers, receiving all identifiers
 /// @param stop   ends the scan early
 [[nodiscard]] ScanResult scan(const configuration::HardwareParameters& hardware,

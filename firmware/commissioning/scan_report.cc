@@ -44,22 +44,26 @@ std::string state_line(const ScannedNode& node) {
   return text;
 }
 
-std::string expected_line(const ScannedNode& node) {
-  std::string text = "  " + std::string(kJointNames[*node.joint]) + " (" + node.protocol + " " +
-                     std::to_string(node.id) + "): ";
-  if (!node.found.answered) return text + "MISSING, no answer\n";
-  text += node.good() ? "answers" : "ANSWERS, BUT NOT WELL";
-  if (node.wrong_reply_id()) {
-    text += ", with identifier " + hexadecimal(*node.found.reply_id) + " where " + kJointNames[*node.joint] +
-            ".reply_id is " + hexadecimal(static_cast<std::uint32_t>(*node.expected_reply_id));
-  }
-  text += state_line(node) + '\n';
+std::string settings_text(const ScannedNode& node) {
+  std::string text;
   for (const hal::ReadSetting& setting : node.settings) {
     if (setting.right) continue;
     const std::string is = setting.is.empty() ? " does not read back" : " is " + setting.is;
     text += "    SETTING " + setting.name + is + ", and must be " + setting.wanted + '\n';
   }
   return text;
+}
+
+std::string expected_line(const ScannedNode& node) {
+  std::string text = "  " + std::string(kJointNames[*node.joint]) + " (" + node.protocol + " " +
+                     std::to_string(node.id) + "): ";
+  if (!node.found.answered) return text + "MISSING, no answer\n" + settings_text(node);
+  text += node.good() ? "answers" : "ANSWERS, BUT NOT WELL";
+  if (node.wrong_reply_id()) {
+    text += ", with identifier " + hexadecimal(*node.found.reply_id) + " where " + kJointNames[*node.joint] +
+            ".reply_id is " + hexadecimal(static_cast<std::uint32_t>(*node.expected_reply_id));
+  }
+  return text + state_line(node) + '\n' + settings_text(node);
 }
 
 /// The joint that has such an identifier on another bus.

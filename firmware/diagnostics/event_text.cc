@@ -87,7 +87,9 @@ std::string bring_up_text(const hal::BringUpProgress& progress) {
     text += ": after " + with_unit(1e3 * progress.reply_lag_s, "ms") + ", see hardware.longest_reply_lag_s";
   }
   if (progress.setting != hal::bring_up::Setting::none) {
-    text += std::string("; ") + hal::bring_up::name(progress.setting);
+    const bool of_configuration = progress.failure == hal::bring_up::Failure::no_watchdog;
+    const char* section = progress.joint % 2 == 0 ? "in hip_driver, " : "in knee_driver, ";
+    text += std::string("; ") + (of_configuration ? section : "") + hal::bring_up::name(progress.setting);
   }
   return text;
 }

@@ -47,11 +47,6 @@ Session session_of(const Options& options, ControllerState& state, hal::Clock& c
   return {*state.hardware, clock, tick_ns(options), stop, driver_limits(options)};
 }
 
-/// A line of JSON with the reason.
-std::string failure_json(const std::string& error) {
-  return nlohmann::ordered_json{{"good", false}, {"error", error}}.dump() + '\n';
-}
-
 CommissioningOutcome failed(const std::string& error, bool bad_input = false) {
   return {.error = error, .bad_input = bad_input, .text = {}, .json = failure_json(error)};
 }
@@ -207,6 +202,11 @@ CommissioningOutcome written(const Options& options, const Report& report, bool 
   }
   if (writes) outcome.text += written_text(options);
   outcome.json = to_json(report, writes ? options.out_file : "");
+  if (!outcome.error.empty()) {
+    auto json = nlohmann::ordered_json::parse(outcome.json);
+    json["error"] = outcome.error;
+    outcome.json = json.dump(2) + '\n';
+  }
   return outcome;
 }
 
@@ -240,6 +240,10 @@ CommissioningOutcome run_identify(const Options& options, ControllerState& state
 }
 
 }  // namespace
+
+std::string failure_json(const std::string& error) {
+  return nlohmann::ordered_json{{"good", false}, {"error", error}}.dump() + '\n';
+}
 
 CommissioningOutcome run_commissioning(const Options& options, ControllerState& state,
                                        const std::atomic<bool>& stop, TerminalPerson& person) {

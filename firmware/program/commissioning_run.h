@@ -20,6 +20,9 @@ struct CommissioningOutcome {
   std::string json;        ///< empty: written already, or there is none
 };
 
+/// A line of JSON with the reason for which a command could not do its work.
+[[nodiscard]] std::string failure_json(const std::string& error);
+
 /// scan, watch, jog, zero, calibrate or identify, over open buses. Shows on standard output while it works.
 /// @param person  answers what jog and calibrate ask
 [[nodiscard]] CommissioningOutcome run_commissioning(const Options& options, ControllerState& state,

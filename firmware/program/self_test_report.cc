@@ -217,7 +217,7 @@ std::string to_json(const SelfTestResult& result) {
   };
   nlohmann::ordered_json json;
   json["passed"] = result.passed();
-  if (!result.failure.empty()) json["failure"] = result.failure;
+  if (!result.failure.empty()) json["failure"] = json["error"] = result.failure;
   json["checks"] = nlohmann::ordered_json::array();
   for (const Check& check : result.checks()) {
     json["checks"].push_back({{"name", check.name},

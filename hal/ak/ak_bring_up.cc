@@ -59,7 +59,7 @@ BringUp::Ask AkBringUp::ask(Stage stage, unsigned part, CanFrame& frame) noexcep
       return part < kLimpCommands ? limp(frame) : await_frames(Failure::silent);
     case Stage::watchdog_write:
       if (options().accept_missing_watchdog) return Ask::skip;
-      failure(Failure::no_watchdog);
+      failure(Failure::no_watchdog, {.setting = Setting::accepted_watchdog});
       return Ask::fail;
     case Stage::home:
       return part == 0 ? await_frames(Failure::silent) : ask_rates();

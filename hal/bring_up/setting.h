@@ -4,8 +4,8 @@
 
 namespace stilt::hal::bring_up {
 
-/// A setting of a driver that bring-up found to be wrong, under the vendor's name. The number is on the wire:
-/// new ones go to the end.
+/// A setting of a driver that bring-up found to be wrong, under the vendor's name, or the key of the
+/// configuration that is missing. The number is on the wire: new ones go to the end.
 enum class Setting : std::uint8_t {
   none,
   moteus_position_bounds,
@@ -30,6 +30,8 @@ enum class Setting : std::uint8_t {
   ak_v3_status_rate,
   ak_v3_position_frames,
   moteus_zero,
+  odrive_watchdog_endpoints,
+  accepted_watchdog,
 };
 
 /// The vendor's name, and what it must be. Real-time safe.
@@ -81,6 +83,12 @@ enum class Setting : std::uint8_t {
       return "its position frames (0x2A) must be on, as ak_v3_position_frames of the configuration";
     case Setting::moteus_zero:
       return "its zero must be within 3.2767 revolutions of all of the joint's travel: `stiltd zero JOINT`";
+    case Setting::odrive_watchdog_endpoints:
+      return "odrive_watchdog_timeout_endpoint and odrive_enable_watchdog_endpoint must be the ids of "
+             "axis0.config.watchdog_timeout and axis0.config.enable_watchdog in flat_endpoints.json of its "
+             "firmware, or accept_missing_watchdog must be true";
+    case Setting::accepted_watchdog:
+      return "accept_missing_watchdog must be true, and the emergency stop must cut its supply";
   }
   return "unknown";
 }

@@ -75,7 +75,7 @@ CanFrame MitBringUp::off_or_on() const noexcept {
 BringUp::Ask MitBringUp::ask_watchdog(Stage stage, unsigned part, CanFrame& frame) noexcept {
   if (!has_registers()) {
     if (options().accept_missing_watchdog) return Ask::skip;
-    failure(Failure::no_watchdog);
+    failure(Failure::no_watchdog, {.setting = Setting::accepted_watchdog});
     return Ask::fail;
   }
   if (stage == Stage::watchdog_read) return ask_register(DamiaoRegister::timeout, frame);

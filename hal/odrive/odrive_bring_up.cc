@@ -73,7 +73,7 @@ BringUp::Ask OdriveBringUp::ask(Stage stage, unsigned part, CanFrame& frame) noe
 BringUp::Ask OdriveBringUp::ask_watchdog(Stage stage, unsigned part, CanFrame& frame) noexcept {
   if (!knows_endpoints()) {
     if (options().accept_missing_watchdog) return Ask::skip;
-    failure(Failure::no_watchdog);
+    failure(Failure::no_watchdog, {.setting = Setting::odrive_watchdog_endpoints});
     return Ask::fail;
   }
   if (part > 1) return Ask::skip;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <variant>
+#include <vector>
 
 #include "hal/ak/ak_settings.h"
 #include "hal/mit/mit_settings.h"
@@ -16,5 +17,10 @@ using SettingReader = std::variant<mit::MitSettingReader, moteus::MoteusSettingR
 
 /// @param options  travel and speed of the joint at the driver's shaft
 [[nodiscard]] SettingReader make_setting_reader(const JointDriver& driver, const bring_up::Options& options);
+
+/// Keys of the configuration by which bring-up refuses a driver that has no watchdog, or one whose place is
+/// not known. Empty: a missing watchdog is accepted, or the driver has one.
+[[nodiscard]] std::vector<ReadSetting> watchdog_keys(const JointDriver& driver,
+                                                     const bring_up::Options& options);
 
 }  // namespace stilt::hal

@@ -256,6 +256,8 @@ TEST(TwoProcesses, WhatWasFoundIsReportedAlsoWhenItCannotBeWritten) {
       << run.said();
   EXPECT_NE(text_of(run.file("controller.out")).find("robot.hip_coulomb_friction_Nm = "), std::string::npos);
   EXPECT_TRUE(run.controller_json().at("written").is_null());
+  const std::string error = run.controller_json().at("error");
+  EXPECT_TRUE(error.starts_with("--out /dev/full: cannot be written (No space left")) << error;
 }
 
 TEST(TwoProcesses, AnOutFileThatIsNoConfigurationIsRefusedBeforeAnythingMoves) {

@@ -213,8 +213,34 @@ TEST(FirstDayPage, InstallsSetsUpBusesAndDriversWithoutAnotherPage) {
        {"    apt install ./stiltd_*.deb ", "    ip link set can0 up type can bitrate 1000000 restart-ms 0\n",
         "    ip link set can0 up type can bitrate 1000000 sample-point 0.666 sjw 10 \\\n",
         "      dbitrate 5000000 dsample-point 0.666 dsjw 5 fd on restart-ms 0\n",
-        "    ip link set can0 txqueuelen 100\n", "    conf set servo.timeout_mode 12\n    conf write\n"}) {
+        "    ip link set can0 txqueuelen 100\n",
+        "`moteus_tool -t 1 --console`: `conf set id.id 2`, then Ctrl-D; `moteus_tool -t 2 --console`: `conf "
+        "write`",
+        "    conf set servo.timeout_mode 12\n    conf write\n", "    odrive_watchdog_timeout_endpoint = N ",
+        "    odrive_enable_watchdog_endpoint = N ",
+        "    protocol = \"mit_ak\"                       # or \"mit_mini_cheetah\"\n"
+        "    accept_missing_watchdog = true\n"}) {
     EXPECT_NE(page.find(line), std::string::npos) << line;
+  }
+}
+
+/// The shorter phase of a bit of data at 5 Mbit/s and a sample point of 0.666, in quanta: Linux,
+/// drivers/net/can/dev/calc_bittiming.c. From 6.3 on can_sjw_check() refuses a longer jump.
+int longest_jump(int clock_Hz) {
+  const int quanta = clock_Hz / 5'000'000;
+  const int after = quanta - 666 * quanta / 1000;
+  const int before = quanta - 1 - after;
+  return std::min(before - before / 2, after);
+}
+
+TEST(FirstDayPage, TheKernelAllowsTheJumpsOfCanFdAtEachClock) {
+  const std::string page = text_of(FIRST_DAY);
+  for (const auto& [clock_Hz, text] : {std::pair{80'000'000, "`dsjw 5` is for `clock 80000000`"},
+                                       std::pair{40'000'000, "with `clock 40000000` write\n`dsjw 2`"}}) {
+    EXPECT_NE(page.find(text), std::string::npos) << text;
+    EXPECT_NE(std::string(text).find("`dsjw " + std::to_string(longest_jump(clock_Hz)) + '`'),
+              std::string::npos)
+        << "the longest at " << clock_Hz << " Hz";
   }
 }
 

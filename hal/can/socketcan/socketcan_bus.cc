@@ -75,8 +75,14 @@ Attempt attempt(const std::string& interface, const BusOptions& options,
   return {std::move(descriptor), Step::none, 0};
 }
 
-/// Rates alone leave sample points to the kernel, at 75 to 87.5 %, where a moteus does not follow.
-const std::string kFdTiming = "`dbitrate 5000000 fd on sample-point 0.666 dsample-point 0.666 sjw 10 dsjw 5`";
+/// Rates alone leave sample points to the kernel, at 75 to 87.5 %, where a moteus does not follow. At 40 MHz
+/// a bit of data has 8 quanta, 2 and 3 of them in its phases: kernels from 6.3 on refuse a longer jump.
+std::string fd_timing(const std::string& interface) {
+  return "`dbitrate 5000000 fd on sample-point 0.666 dsample-point 0.666 sjw 10 dsjw 5`, or `dsjw 2` where "
+         "`ip "
+         "-details link show " +
+         interface + "` shows clock 40000000";
+}
 
 std::string sentence(const std::string& interface, const Attempt& failed) {
   const std::string reason = std::strerror(failed.error_number);
@@ -93,10 +99,11 @@ std::string sentence(const std::string& interface, const Attempt& failed) {
       return "bus " + interface + ": no such interface; `ip link` lists those there are";
     case Step::down:
       return "bus " + interface + ": the interface is down; bring it up with `ip link set " + interface +
-             " up type can bitrate 1000000`, with moteus also " + kFdTiming;
+             " up type can bitrate 1000000`, with moteus also " + fd_timing(interface);
     case Step::classic:
       return "bus " + interface +
-             ": the interface carries no CAN FD frames, which moteus needs; set it up with " + kFdTiming;
+             ": the interface carries no CAN FD frames, which moteus needs; set it up with " +
+             fd_timing(interface);
     case Step::flags:
     case Step::mtu:
     case Step::option:

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "firmware/configuration/driver_of.h"
 #include "firmware/configuration/robot_bring_up.h"
 #include "firmware/robots/robots.h"
 #include "host_tools/cli/robot_setup.h"
@@ -102,6 +103,15 @@ void HangingRobot::look() {
     first_link_ = joint;
     first_way_ = moved_rad;
   }
+}
+
+std::array<hal::bring_up::Options, hal::kJoints> HangingRobot::wanted() const {
+  std::array<hal::bring_up::Options, hal::kJoints> wanted;
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    wanted[joint].accept_missing_watchdog =
+        configuration::driver_of(configuration.hardware, joint).accept_missing_watchdog;
+  }
+  return wanted;
 }
 
 JogRequest HangingRobot::jog_request(std::size_t joint, double angle_rad) const {

@@ -52,6 +52,8 @@ class HangingRobot final : public hal::Clock {
   }
   /// All drivers are moteus that have the encoder of their rotor alone.
   void reference_to_rotors();
+  /// For a scan: any travel and speed, and a watchdog where the configuration demands one.
+  [[nodiscard]] std::array<hal::bring_up::Options, hal::kJoints> wanted() const;
   [[nodiscard]] JogRequest jog_request(std::size_t joint, double angle_rad) const;
 
   /// Of the links' angles in the world, from where they hung when the first motor gave torque: the link that

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
+#include <vector>
 
 #include "firmware/robots/robots.h"
 #include "tests/firmware/commissioning/hanging_robot.h"
@@ -205,9 +207,9 @@ TEST(Identify, TheVendorsSettingIsNamedForEachProtocol) {
   }
 }
 
-/// Four drives alike, with what `change` makes of them.
+/// Four drives alike, with what `change` makes of them, beside the numbers of `robot`.
 template <class Change>
-IdentificationReport judged_with(const Change& change) {
+IdentificationReport judged_with(const Change& change, const model::RobotModel& robot = amber3m()) {
   IdentificationReport report;
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
     DriveNumbers& drive = report.drives[joint];
@@ -218,7 +220,7 @@ IdentificationReport judged_with(const Change& change) {
     drive.samples = 1000;
   }
   change(report.drives);
-  judge({.robot = &amber3m(), .hardware = {}}, report);
+  judge({.robot = &robot, .hardware = {}}, report);
   return report;
 }
 
@@ -261,6 +263,48 @@ TEST(Identify, LegsThatDifferWithinWhatIsMeasuredAreAlike) {
     drives[3].coulomb_friction_Nm = {2.9, 0.7};
   });
   EXPECT_TRUE(report.findings.empty()) << to_text(report);
+}
+
+/// AMBER-3M, whose URDF has no rotor inertia at these joints.
+model::RobotModel without_rotors(const std::vector<std::size_t>& joints) {
+  model::RobotModel robot = amber3m();
+  for (const std::size_t joint : joints) robot.constants.joint_parameters[joint] = 0;
+  return robot;
+}
+
+bool writes_armature_scale(const IdentificationReport& report) {
+  return std::ranges::count(report.values, "armature_scale", &configuration::NewValue::key) > 0;
+}
+
+TEST(Identify, ARotorInertiaThatTheUrdfDoesNotHaveIsNamedForEachJointAndNoScaleIsWritten) {
+  const IdentificationReport all = judged_with([](auto&) {}, without_rotors({0, 1, 2, 3}));
+  ASSERT_EQ(all.findings.size(), 4u) << to_text(all);
+  EXPECT_EQ(
+      all.findings[0],
+      "the URDF has no rotor inertia of hip_L, whose armature is 0.426 kg m^2: write rotorInertia = 0.426 "
+      "/ mechanicalReduction^2 into its transmission, and repeat; no armature_scale is written");
+  EXPECT_TRUE(all.findings[3].starts_with("the URDF has no rotor inertia of knee_R, ")) << all.findings[3];
+  EXPECT_FALSE(writes_armature_scale(all));
+  EXPECT_EQ(all.values.size(), 4u) << "friction and damping";
+}
+
+/// Four armatures over those of two joints would double the knees'.
+TEST(Identify, AnArmatureThatTheUrdfDoesNotHaveIsNotGivenToOtherJoints) {
+  const IdentificationReport hips = judged_with([](auto&) {}, without_rotors({0, 2}));
+  ASSERT_EQ(hips.findings.size(), 2u) << to_text(hips);
+  EXPECT_TRUE(hips.findings[1].starts_with("the URDF has no rotor inertia of hip_R, ")) << hips.findings[1];
+  EXPECT_FALSE(writes_armature_scale(hips));
+}
+
+TEST(Identify, AJointWithoutARotorInertiaInTruthAndUrdfIsGoodAndLeftOutOfTheScale) {
+  const IdentificationReport report = judged_with(
+      [](auto& drives) {
+        for (const std::size_t hip : {0u, 2u}) drives[hip].armature_kg_m2 = {0.0019, 0.002};
+      },
+      without_rotors({0, 2}));
+  EXPECT_TRUE(report.findings.empty()) << to_text(report);
+  ASSERT_TRUE(writes_armature_scale(report));
+  EXPECT_EQ(report.values.back().value, "1") << to_text(report);
 }
 
 TEST(Identify, AnEmergencyStopEndsItLimp) {

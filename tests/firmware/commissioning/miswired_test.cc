@@ -56,7 +56,8 @@ struct Complaint {
 using Complaints = std::optional<Complaint>;
 
 Complaints scanned(HangingRobot& robot) {
-  const ScanResult result = scan(robot.configuration.hardware, {}, robot.frame_buses(), robot, robot.stop);
+  const ScanResult result =
+      scan(robot.configuration.hardware, robot.wanted(), robot.frame_buses(), robot, robot.stop);
   if (result.complete()) return std::nullopt;
   return Complaint{"scan", to_text(result)};
 }

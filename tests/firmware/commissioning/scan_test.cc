@@ -14,8 +14,12 @@ using testing::HangingRobot;
 using testing::kAkV3;
 
 const std::vector<std::string> kMoteus = {"hip_driver.protocol=moteus", "knee_driver.protocol=moteus"};
-const std::vector<std::string> kOdrive = {"hip_driver.protocol=odrive", "knee_driver.protocol=odrive"};
-const std::vector<std::string> kAk = {"hip_driver.protocol=mit_ak", "knee_driver.protocol=mit_ak"};
+const std::vector<std::string> kOdrive = {"hip_driver.protocol=odrive", "knee_driver.protocol=odrive",
+                                          "hip_driver.accept_missing_watchdog=true",
+                                          "knee_driver.accept_missing_watchdog=true"};
+const std::vector<std::string> kAk = {"hip_driver.protocol=mit_ak", "knee_driver.protocol=mit_ak",
+                                      "hip_driver.accept_missing_watchdog=true",
+                                      "knee_driver.accept_missing_watchdog=true"};
 
 std::vector<std::string> joined(std::vector<std::string> first, const std::vector<std::string>& second) {
   first.insert(first.end(), second.begin(), second.end());
@@ -23,7 +27,7 @@ std::vector<std::string> joined(std::vector<std::string> first, const std::vecto
 }
 
 ScanResult scanned(HangingRobot& robot) {
-  return scan(robot.configuration.hardware, {}, robot.frame_buses(), robot, robot.stop);
+  return scan(robot.configuration.hardware, robot.wanted(), robot.frame_buses(), robot, robot.stop);
 }
 
 bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
@@ -149,6 +153,54 @@ TEST(Scan, ReadsTheSettingsOfAMoteusThatDiffer) {
   EXPECT_TRUE(has(text, "SETTING servo.pid_position.kd is 35.000000, and must be 40")) << text;
 }
 
+/// Bring-up refuses these drivers, and would be the first to name the key.
+TEST(Scan, NamesTheKeysOfADriverWithoutAWatchdog) {
+  for (const char* protocol : {"mit_ak", "mit_mini_cheetah", "ak_v3"}) {
+    HangingRobot robot({.both = joined(kAkV3, {std::string("knee_driver.protocol=") + protocol,
+                                               "knee_driver.accept_missing_watchdog=false"}),
+                        .robot = {},
+                        .miswired = {}});
+    const ScanResult result = scanned(robot);
+    const std::string text = to_text(result);
+    EXPECT_FALSE(result.complete()) << protocol;
+    EXPECT_TRUE(result.buses[1].expected[0].good()) << text;
+    EXPECT_TRUE(has(text,
+                    "    SETTING knee_driver.accept_missing_watchdog is false, and must be true: it has no "
+                    "watchdog that can be read\n"))
+        << text;
+  }
+}
+
+TEST(Scan, NamesTheEndpointsOfAnOdriveWithoutAWatchdog) {
+  const std::vector<std::string> strict = joined(kOdrive, {"hip_driver.accept_missing_watchdog=false"});
+  HangingRobot unknown({.both = strict, .robot = {}, .miswired = {}});
+  const std::string text = to_text(scanned(unknown));
+  for (const char* parameter : {"watchdog_timeout", "enable_watchdog"}) {
+    EXPECT_TRUE(
+        has(text, std::string("    SETTING hip_driver.odrive_") + parameter +
+                      "_endpoint is 0, and must be the id of axis0.config." + parameter +
+                      " in flat_endpoints.json of its firmware, or accept_missing_watchdog must be true\n"))
+        << text;
+  }
+  EXPECT_FALSE(has(text, "knee_driver.")) << text;
+  HangingRobot half({.both = joined(strict, {"hip_driver.odrive_watchdog_timeout_endpoint=401"}),
+                     .robot = {},
+                     .miswired = {}});
+  const std::string other = to_text(scanned(half));
+  EXPECT_FALSE(has(other, "odrive_watchdog_timeout_endpoint")) << other;
+  EXPECT_TRUE(has(other, "odrive_enable_watchdog_endpoint is 0")) << other;
+}
+
+/// An AK whose firmware is silent while its motor is off.
+TEST(Scan, NamesTheKeyAlsoOfADriverThatIsSilent) {
+  HangingRobot robot({.both = joined(kAk, {"hip_driver.accept_missing_watchdog=false"}),
+                      .robot = {"hip_R.id=9"},
+                      .miswired = {}});
+  const std::string text = to_text(scanned(robot));
+  EXPECT_TRUE(has(text, "MISSING, no answer\n    SETTING hip_driver.accept_missing_watchdog is false"))
+      << text;
+}
+
 TEST(Scan, AnEncoderOnCanopenThatIsMissingOrMuteIsNotComplete) {
   const std::vector<std::string> encoder = {"torso_sensor.device=canopen_encoder"};
   HangingRobot whole({.both = encoder, .robot = {}, .miswired = {}});
@@ -225,7 +277,9 @@ TEST(Scan, AFaultOfADriverIsNotComplete) {
 }
 
 TEST(Scan, AsksNoOtherIdentifiersWhereProtocolsAreMixed) {
-  HangingRobot robot({.both = {"hip_driver.protocol=odrive"}, .robot = {}, .miswired = {}});
+  HangingRobot robot({.both = {"hip_driver.protocol=odrive", "hip_driver.accept_missing_watchdog=true"},
+                      .robot = {},
+                      .miswired = {}});
   const ScanResult result = scanned(robot);
   EXPECT_TRUE(result.complete()) << to_text(result);
   EXPECT_FALSE(result.buses[0].asked_others);

@@ -146,6 +146,27 @@ TEST(Watch, SaysWhichDriverCannotBeBroughtUp) {
   EXPECT_EQ(done.error(), "the driver of hip_R cannot be brought up: no answer");
 }
 
+/// What each of these drivers is refused for, and the keys that end that.
+TEST(Watch, NamesTheKeysOfADriverWithoutAWatchdog) {
+  const auto error = [](std::vector<std::string> settings, const std::string& section) {
+    settings.push_back(section + ".accept_missing_watchdog=false");
+    HangingRobot robot({.both = settings, .robot = {}, .miswired = {}});
+    Session session = robot.session();
+    const auto done = watch(session, 1.0, [](const WatchSample&) {});
+    return done ? "" : done.error();
+  };
+  EXPECT_EQ(error(kOdrive, "hip_driver"),
+            "the driver of hip_L cannot be brought up: has no watchdog; in hip_driver, "
+            "odrive_watchdog_timeout_endpoint and odrive_enable_watchdog_endpoint must be the ids of "
+            "axis0.config.watchdog_timeout and axis0.config.enable_watchdog in flat_endpoints.json of its "
+            "firmware, "
+            "or accept_missing_watchdog must be true");
+  EXPECT_EQ(
+      error(testing::kAkV3, "knee_driver"),
+      "the driver of knee_L cannot be brought up: has no watchdog; in knee_driver, accept_missing_watchdog "
+      "must be true, and the emergency stop must cut its supply");
+}
+
 TEST(Watch, ALineOfJsonIsASampleAndATableHasItsLines) {
   HangingRobot robot;
   const WatchSample sample = watched(robot, 0.2).back();

@@ -252,6 +252,10 @@ TEST(SelfTest, ATestThatCouldNotBeDoneHasNotPassed) {
   result.failure = "the driver of knee_R is silent";
   EXPECT_FALSE(result.passed());
   EXPECT_EQ(to_text(result), "the driver of knee_R is silent\n");
+  const auto json = nlohmann::json::parse(to_json(result));
+  EXPECT_EQ(json.at("error"), "the driver of knee_R is silent");
+  EXPECT_EQ(json.at("failure"), json.at("error")) << "its older name";
+  EXPECT_FALSE(nlohmann::json::parse(to_json(good())).contains("error"));
   EXPECT_FALSE(SelfTestResult{}.passed());
 }
 

@@ -8,8 +8,10 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <regex>
 #include <string>
+#include <vector>
 
 #include "tests/own_folder.h"
 
@@ -86,6 +88,54 @@ TEST(Stiltd, RefusesABusThatIsNotThereInOneSentence) {
   const Answer run = stiltd(kAbsentBuses + " --lockstep --set telemetry.token_file=" + folder.file("token"));
   EXPECT_EQ(run.status, 2);
   EXPECT_TRUE(has(run, "stiltd: bus loopback:absent-left: no program listens there")) << run.text;
+}
+
+const std::vector<std::string> kCommands = {"scan",      "watch",    "jog hip_L 0.3", "zero hip_L",
+                                            "calibrate", "identify", "selftest"};
+
+/// The reason in the JSON of a command that is refused, of standard output alone.
+std::string refused_json(const std::string& arguments) {
+  const Answer run = answer(STILTD " " + arguments + " --json - 2>/dev/null </dev/null");
+  EXPECT_EQ(run.status, 2) << arguments;
+  const auto json = nlohmann::json::parse(run.text, nullptr, false);
+  EXPECT_FALSE(json.is_discarded()) << arguments << ": " << run.text;
+  return json.is_object() ? json.value("error", "") : "";
+}
+
+TEST(Stiltd, ACommandThatIsRefusedHasTheReasonInItsJson) {
+  for (const std::string& command : kCommands) {
+    const std::string network = command == "watch"      ? " --set telemetry.enabled=false "
+                                : command == "selftest" ? " --lockstep "
+                                                        : " ";
+    const std::string error = refused_json(command + network + kAbsentBuses);
+    EXPECT_TRUE(error.starts_with("bus loopback:absent-left: no program listens there")) << command << error;
+  }
+}
+
+TEST(Stiltd, ACommandThatIsRefusedBeforeItOpensABusHasTheReasonInItsJson) {
+  const tests::OwnFolder folder;
+  const std::string slow = " --set hardware.bit_rate_bit_s=250000 " + kAbsentBuses;
+  for (const std::string command : {"jog hip_L 0.3", "identify", "selftest --lockstep"}) {
+    EXPECT_EQ(refused_json(command + slow), "buses, drivers or joints cannot do this, see above") << command;
+  }
+  EXPECT_TRUE(refused_json("jog hip_L 0.3 --answers /dev/null " + kAbsentBuses).starts_with("--answers "));
+  for (const std::string command : {"calibrate", "identify"}) {
+    const std::string nowhere = command + " --out /nowhere/file " + kAbsentBuses;
+    EXPECT_TRUE(refused_json(nowhere).starts_with("--out /nowhere/file: cannot be written")) << command;
+    std::ofstream(folder.file("out.toml")) << "[hip_L\n";
+    const std::string mistaken = command + " --out " + folder.file("out.toml") + " " + kAbsentBuses;
+    EXPECT_NE(refused_json(mistaken).find("out.toml:1:"), std::string::npos) << command;
+  }
+  const Answer lost = stiltd("scan --json /nowhere/file " + kAbsentBuses);
+  EXPECT_EQ(std::ranges::count(lost.text, '\n'), 1) << "the file that cannot be written, once: " << lost.text;
+}
+
+TEST(Stiltd, ASelfTestThatIsRefusedHasTheFieldsOfOneThatFails) {
+  const Answer run = answer(STILTD " selftest --lockstep --json - " + kAbsentBuses + " 2>/dev/null");
+  const auto json = nlohmann::json::parse(run.text, nullptr, false);
+  ASSERT_TRUE(json.is_object()) << run.text;
+  EXPECT_EQ(json.value("passed", true), false);
+  EXPECT_EQ(json.value("failure", ""), json.value("error", "none"));
 }
 
 TEST(Stiltd, ThatDoesNotStartReplacesNoToken) {

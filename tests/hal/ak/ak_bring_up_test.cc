@@ -56,7 +56,9 @@ TEST_F(AkBringUpTest, ADriverComesUpLimpWhateverItHeldBefore) {
 
 TEST_F(AkBringUpTest, WithoutAWatchdogItIsRefusedUnlessThatIsAccepted) {
   options_.accept_missing_watchdog = false;
-  EXPECT_EQ(up(documented_settings({})).failure, Failure::no_watchdog);
+  const StepResult refused = up(documented_settings({}));
+  EXPECT_EQ(refused.failure, Failure::no_watchdog);
+  EXPECT_EQ(refused.setting, Setting::accepted_watchdog);
 }
 
 TEST_F(AkBringUpTest, ADriverThatMakesNoSenseIsInvalid) {

@@ -161,7 +161,9 @@ TEST_F(BringUpTest, DriversWithoutAWatchdogAreRefusedUnlessTheConfigurationAccep
   mit::MitEmulator driver = mit::make_emulator({});
   bus_.attach(driver);
   MitBringUp strict({}, options_);
-  EXPECT_EQ(run(strict, bus_, clock_).failure, Failure::no_watchdog);
+  const StepResult refused = run(strict, bus_, clock_);
+  EXPECT_EQ(refused.failure, Failure::no_watchdog);
+  EXPECT_EQ(refused.setting, Setting::accepted_watchdog);
   EXPECT_FALSE(driver.enabled());
   options_.accept_missing_watchdog = true;
   MitBringUp accepting({}, options_);
@@ -173,7 +175,9 @@ TEST_F(BringUpTest, AnOdriveWithUnknownEndpointsHasNoWatchdogToPromise) {
   odrive::OdriveEmulator driver = odrive::make_emulator({3, kEndpoints});
   bus_.attach(driver);
   OdriveBringUp strict({3, {}}, options_);
-  EXPECT_EQ(run(strict, bus_, clock_).failure, Failure::no_watchdog);
+  const StepResult refused = run(strict, bus_, clock_);
+  EXPECT_EQ(refused.failure, Failure::no_watchdog);
+  EXPECT_EQ(refused.setting, Setting::odrive_watchdog_endpoints);
   EXPECT_FALSE(driver.enabled());
 }
 
