@@ -111,14 +111,16 @@ TEST(BlindLimits, GroundStepsOf7CentimetresUpAnd20DownPassAtEveryPhase) {
 
 std::vector<Published> published_sequences() {
   std::vector<Published> rows;
-  const Json json = results_of("limits");
-  for (const Json& sequence : json.at("sequences")) {
-    for (const Json& run : sequence.at("runs")) {
-      if (!run.at("survived").get<bool>()) continue;
-      Json figures = run;
-      figures["controller"] = sequence.at("controller");
-      figures["horizon_s"] = sequence.at("horizon_s");
-      rows.push_back({"sequence_" + run.at("seed").dump(), figures, json.at("settings")});
+  for (const std::string table : {"limits", "limits_motors"}) {
+    const Json json = results_of(table);
+    for (const Json& sequence : json.at("sequences")) {
+      for (const Json& run : sequence.at("runs")) {
+        if (!run.at("survived").get<bool>()) continue;
+        Json figures = run;
+        figures["controller"] = sequence.at("controller");
+        figures["horizon_s"] = sequence.at("horizon_s");
+        rows.push_back({table + "_sequence_" + run.at("seed").dump(), figures, json.at("settings")});
+      }
     }
   }
   return rows;
