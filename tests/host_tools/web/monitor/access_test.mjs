@@ -68,12 +68,14 @@ async function tlsProxy(target) {
     passed.on('response', (answered) => { response.writeHead(answered.statusCode, answered.headers); answered.pipe(response); });
     passed.end();
   });
-  proxy.on('upgrade', (request, socket) => {
+  proxy.on('upgrade', (request, socket, first) => {
     const passed = pass(request);
     passed.on('response', (answered) => socket.end(`HTTP/1.1 ${answered.statusCode} Refused\r\n\r\n`));
-    passed.on('upgrade', (answered, behind) => {
+    passed.on('upgrade', (answered, behind, firstBehind) => {
       const lines = Object.entries(answered.headers).map(([name, value]) => `${name}: ${value}\r\n`);
       socket.write(`HTTP/1.1 101 Switching Protocols\r\n${lines.join('')}\r\n`);
+      socket.write(firstBehind);  // what came in one piece with the headers
+      behind.write(first);
       for (const end of [socket, behind]) end.on('error', () => {});
       behind.pipe(socket).pipe(behind);
     });
@@ -112,14 +114,14 @@ test('QR codes of every length up to 180 bytes are read by an independent decode
   assert.equal(qrCode('x'.repeat(181)), null);
 });
 
-test('behind a reverse proxy with TLS the page works as without', async () => {
+test('behind a reverse proxy with TLS the page works as without', async (context) => {
   const proxy = await tlsProxy(monitor.url);
+  context.after(() => { proxy.close(); proxy.closeAllConnections(); });
   const secure = await openPage(browser, `https://127.0.0.1:${proxy.address().port}/${new URL(monitor.url).hash}`);
   await until('the robot there', () => secure.getAttribute('#stage-canvas', 'data-hip-x'));
   await secure.keyboard.press('t');
   await state('step');
   await secure.close();
-  proxy.close();
 });
 
 test('the key stays with the pages of this address: neither the address bar nor another port of it gets it', async () => {
