@@ -148,9 +148,10 @@ TEST(Watch, SaysWhichDriverCannotBeBroughtUp) {
 
 /// What each of these drivers is refused for, and the keys that end that.
 TEST(Watch, NamesTheKeysOfADriverWithoutAWatchdog) {
-  const auto error = [](std::vector<std::string> settings, const std::string& section) {
-    settings.push_back(section + ".accept_missing_watchdog=false");
-    HangingRobot robot({.both = settings, .robot = {}, .miswired = {}});
+  const auto error = [](const std::vector<std::string>& settings, const std::string& section) {
+    std::vector<std::string> both = settings;
+    both.push_back(section + ".accept_missing_watchdog=false");
+    HangingRobot robot({.both = both, .robot = {}, .miswired = {}});
     Session session = robot.session();
     const auto done = watch(session, 1.0, [](const WatchSample&) {});
     return done ? "" : done.error();
