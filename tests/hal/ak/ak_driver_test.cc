@@ -234,8 +234,8 @@ TEST(AkRobotReadings, ASilentDriverIsLostAsSoonAsAnyOther) {
   robot.drivers_[3]->set_powered(false);
   int ticks = 0;
   while (robot.readings_[3].missed_replies < 10 && ticks < 100) {
-    EXPECT_EQ(ticks > 0 && robot.readings_[3].missed_replies > 0, robot.tick() == JointBusStatus::incomplete)
-        << ticks;
+    const bool incomplete = robot.tick() == JointBusStatus::incomplete;
+    EXPECT_EQ(ticks > 0 && robot.readings_[3].missed_replies > 0, incomplete) << ticks;
     ++ticks;
   }
   EXPECT_GE(ticks, 11);
