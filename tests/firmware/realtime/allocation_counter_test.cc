@@ -64,7 +64,6 @@ bool is_trap(int status) {
 }
 
 TEST_F(AllocationCounter, InAProofTheFirstCallOfTheHeapEndsTheProcess) {
-  GTEST_FLAG_SET(death_test_style, "threadsafe");
   EXPECT_EXIT(use_heap_in_a_proof([](void*) {}), testing::ExitedWithCode(0), "") << "outside it is free";
   EXPECT_EXIT(use_heap_in_a_proof([](void* block) {
                 std::free(block);
