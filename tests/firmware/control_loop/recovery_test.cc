@@ -2,10 +2,13 @@
 // the causes go, a reset, and it stands again without a restart.
 #include <algorithm>
 #include <functional>
+#include <sstream>
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include "tests/firmware/control_loop/recovery_rig.h"
+#include "tests/firmware/supervisor/printers.h"
 
 namespace stilt::control_loop {
 namespace {
@@ -159,6 +162,14 @@ const std::vector<Moment> kMoments = {
      }},
 };
 
+std::string describe(const RecoveryRig& rig) {
+  std::ostringstream text;
+  text << "state " << supervisor::name(rig.state()) << ", level " << supervisor::name(rig.decision().level)
+       << ", latched " << ::testing::PrintToString(rig.decision().latched) << ", present "
+       << ::testing::PrintToString(rig.decision().present);
+  return text.str();
+}
+
 /// A cause, and the joint that it is of.
 struct Hit {
   const Cause& cause;
@@ -176,8 +187,7 @@ class Recovery : public ::testing::Test {
     }
     SCOPED_TRACE(what);
     auto rig = std::make_unique<RecoveryRig>(kProtocols[protocol]);
-    ASSERT_TRUE(moment.enter(*rig)) << supervisor::name(rig->state()) << ", latched "
-                                    << rig->decision().latched.bits();
+    ASSERT_TRUE(moment.enter(*rig)) << describe(*rig);
     const bool was_up = rig->state() != State::idle && rig->state() != State::calibrate;
     // Without a watchdog a driver follows its last command as long as no other arrives.
     const bool unwatched =
@@ -201,17 +211,15 @@ class Recovery : public ::testing::Test {
     rig->driver(0).set_powered(true);
     rig->run(40);
     if (rig->state() == State::idle) {
-      ASSERT_TRUE(rig->stand()) << supervisor::name(rig->state());
+      ASSERT_TRUE(rig->stand()) << describe(*rig);
     } else if (rig->state() == State::calibrate || rig->state() == State::ready) {
       // Bring-up gets over it, or fails, and a reset helps.
-      ASSERT_TRUE(rig->reach(State::ready, 2000) || rig->recover()) << supervisor::name(rig->state());
+      ASSERT_TRUE(rig->reach(State::ready, 2000) || rig->recover()) << describe(*rig);
     } else {
       // A fault of an AK of version 3 ends by itself, and may outlast a reset: then one more is asked for.
       const bool outlasts = kProtocols[protocol] == DriverProtocol::ak_v3 &&
                             std::ranges::any_of(hits, [](const Hit& hit) { return hit.cause.needs_reports; });
-      ASSERT_TRUE(rig->recover() || (outlasts && rig->recover()))
-          << supervisor::name(rig->state()) << ", latched " << rig->decision().latched.bits() << ", present "
-          << rig->decision().present.bits();
+      ASSERT_TRUE(rig->recover() || (outlasts && rig->recover())) << describe(*rig);
     }
     EXPECT_TRUE(rig->all_enabled());
     ++cases_;
@@ -263,7 +271,7 @@ TEST_F(Recovery, TheEmergencyStopPressedAtTheStartEnergisesNoDriver) {
     }
     EXPECT_EQ(rig->state(), State::fault);
     rig->press_emergency_stop(false);
-    EXPECT_TRUE(rig->recover()) << supervisor::name(rig->state());
+    EXPECT_TRUE(rig->recover()) << describe(*rig);
   }
 }
 
@@ -271,7 +279,7 @@ TEST_F(Recovery, ARejectedResetLeavesTheOtherJointsDamped) {
   for (const DriverProtocol protocol : kProtocols) {
     auto rig = std::make_unique<RecoveryRig>(protocol);
     rig->run(3);
-    ASSERT_TRUE(rig->stand());
+    ASSERT_TRUE(rig->stand()) << describe(*rig);
     rig->driver(1).set_powered(false);
     rig->run(50);
     ASSERT_EQ(rig->state(), State::fault);

@@ -1,9 +1,11 @@
 #include <gtest/gtest.h>
 
+#include <cstddef>
 #include <fstream>
 #include <memory>
 #include <ostream>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "firmware/configuration/configuration.h"
@@ -11,6 +13,7 @@
 #include "mpc_core/dispatch/dispatched_planner.h"
 #include "mpc_core/gait/reference.h"
 #include "tests/robots.h"
+#include "tests/used_memory.h"
 
 /// The planners for several instruction sets in one program: the same problem has the same optimum in each.
 namespace stilt::dispatch {
@@ -47,9 +50,23 @@ model::StateVector standing() {
                               p.reference.base_pitch_rad, p.gait.stand_half_width_m, true);
 }
 
+static_assert(std::is_trivially_destructible_v<DispatchedPlanner>);
+
+/// Room for a planner.
+struct alignas(DispatchedPlanner) Memory {
+  std::byte bytes[sizeof(DispatchedPlanner)];
+};
+
 /// A planner and its plan, on the heap for their size.
 struct Planning {
-  explicit Planning(const ControllerParameters& parameters) { begin(parameters); }
+  explicit Planning(const ControllerParameters& parameters)
+      : own(std::make_unique<DispatchedPlanner>()), dispatched(own.get()) {
+    begin(parameters);
+  }
+  /// Of a planner that is elsewhere, and outlives this.
+  Planning(DispatchedPlanner& planner, const ControllerParameters& parameters) : dispatched(&planner) {
+    begin(parameters);
+  }
 
   void begin(const ControllerParameters& parameters) {
     EXPECT_EQ(dispatched->configure(testing_support::amber3m(), parameters), ConfigureStatus::ok);
@@ -60,7 +77,8 @@ struct Planning {
     return dispatched->planner().plan({time_s, state, kWalk}, *plan);
   }
 
-  std::unique_ptr<DispatchedPlanner> dispatched = std::make_unique<DispatchedPlanner>();
+  std::unique_ptr<DispatchedPlanner> own;
+  DispatchedPlanner* dispatched;
   std::unique_ptr<Plan> plan = std::make_unique<Plan>();
 };
 
@@ -131,6 +149,20 @@ TEST_P(EverySet, GivesTheSameBitsEachTimeAndAfterAnotherSet) {
   for (const InstructionSet other : sets_here()) planning.begin(parameters_for(other));
   planning.begin(parameters_for(GetParam()));
   EXPECT_EQ(walk(planning, kCycles), first);
+}
+
+/// Controllers are made in memory of all kinds. A planner that reads what it has not written plans by chance.
+TEST_P(EverySet, PlansTheSameBitsWhateverItsMemoryHeld) {
+  constexpr int kCycles = 80;  // single and double support, and a touch-down
+  const auto bytes = std::make_unique<Memory>();
+  const auto walk_in_memory_of = [&](unsigned char value) {
+    testing_support::fill_memory(bytes.get(), sizeof *bytes, value);
+    Planning planning(*new (bytes.get()) DispatchedPlanner, parameters_for(GetParam()));
+    return walk(planning, kCycles);
+  };
+  const std::vector<double> zeroed = walk_in_memory_of(0);
+  EXPECT_EQ(walk_in_memory_of(0xFF), zeroed) << "memory of NaN";
+  EXPECT_EQ(walk_in_memory_of(0x5A), zeroed) << "memory of 1.8e127";
 }
 
 TEST_P(EverySet, IsWhatItIsAskedFor) {

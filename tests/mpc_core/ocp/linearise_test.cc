@@ -8,6 +8,7 @@
 #include "tests/mpc_core/lq/dense_stage.h"
 #include "tests/mpc_core/ocp/planning_scene.h"
 #include "tests/mpc_core/ocp/scalar_ocp.h"
+#include "tests/mpc_core/ocp/zero_padding.h"
 #include "tests/robots.h"
 
 namespace stilt::ocp {
@@ -156,21 +157,10 @@ TEST(Linearise, HessianIsPositiveSemidefinite) {
   });
 }
 
-TEST(Linearise, LeavesThePaddingZero) {
-  const auto scene = testing_support::random_scene(testing_support::amber3m(), {true, false}, 3, 9);
-  const Linearisation model(scene->data, scene->problem, scene->guess);
-  for (const LqStage& stage : model.stages) {
-    for (int r = kStates; r < kRows; ++r) {
-      for (int c = 0; c < kStates; ++c) EXPECT_EQ(stage.Q[c][r], 0.0);
-      for (int i = 0; i < lq::kBaseRows + stage.constraints; ++i) EXPECT_EQ(stage.G[i][r], 0.0);
-      for (int i = 0; i < stage.constraints; ++i) EXPECT_EQ(stage.L[i][r], 0.0);
-      for (int i = 0; i < stage.free_inputs; ++i) {
-        EXPECT_EQ(stage.B[i][r], 0.0);
-        EXPECT_EQ(stage.S[i][r], 0.0);
-      }
-      EXPECT_EQ(stage.b[r], 0.0);
-      EXPECT_EQ(stage.q[r], 0.0);
-    }
+TEST(Linearise, WritesZeroToThePadding) {
+  for (const model::ContactMode mode : testing_support::kAllModes) {
+    const auto scene = testing_support::random_scene(testing_support::amber3m(), mode, 3, 9);
+    testing_support::expect_zero_padding({scene->data, scene->problem, scene->guess});
   }
 }
 

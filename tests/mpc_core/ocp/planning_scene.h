@@ -10,6 +10,7 @@
 #include "mpc_core/model/robot.h"
 #include "mpc_core/ocp/problem.h"
 #include "tests/robots.h"
+#include "tests/used_memory.h"
 
 /// Planning problems for tests: the ones a walking robot meets, and random ones of a single contact mode.
 namespace stilt::testing_support {
@@ -51,10 +52,11 @@ void disturb(ocp::Trajectory& iterate, int stages, double size, std::uint64_t se
 
 using benchmark::LqStage;
 
-/// The quadratic model that StageModels gives.
+/// The quadratic model that StageModels gives, in memory that held NaN: whatever is read must have been
+/// written.
 struct Linearisation : benchmark::LinearisedProblem {
   Linearisation(const ocp::ProblemData& data, const ocp::Problem& problem, const ocp::Trajectory& iterate)
-      : LinearisedProblem(*std::make_unique<ocp::StageModels>(), data, problem, iterate) {}
+      : LinearisedProblem(*std::make_unique<InUsedMemory<ocp::StageModels>>(), data, problem, iterate) {}
 };
 
 /// X and W of du = u0 + X dx + W w, from their factors.

@@ -5,6 +5,7 @@
 #include "tests/mpc_core/lq/dense_stage.h"
 #include "tests/mpc_core/ocp/planning_scene.h"
 #include "tests/mpc_core/ocp/scalar_ocp.h"
+#include "tests/mpc_core/ocp/zero_padding.h"
 #include "tests/robots.h"
 
 namespace stilt::ocp {
@@ -118,6 +119,12 @@ TEST(Transition, CostModelIsTheGradientAndTheGaussNewtonHessianOfItsTerms) {
     for (int c = 0; c < kStates; ++c)
       EXPECT_NEAR(lq_stage.q[c], gradient[c], 1e-10 * (1.0 + gradient.norm()));
     EXPECT_LE((hessian - expected).norm(), 1e-10 * (1.0 + expected.norm()));
+  });
+}
+
+TEST(Transition, WritesZeroToThePadding) {
+  for_random_touchdowns([](const testing_support::Scene& scene) {
+    testing_support::expect_zero_padding({scene.data, scene.problem, scene.guess});
   });
 }
 
