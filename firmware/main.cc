@@ -98,7 +98,7 @@ bool write_json(const program::Options& options, const std::string& json) {
   return written.has_value();
 }
 
-/// Of a command that does not begin; a self-test has the fields of one that fails.
+/// Of a controller or command that does not begin; a self-test has the fields of one that fails.
 std::string refusal_json(const program::Options& options, const std::string& sentence) {
   if (options.task != program::Task::self_test) return program::failure_json(sentence);
   program::SelfTestResult result;
@@ -221,13 +221,13 @@ int run_controller(const program::Options& options) {
   program::Outcome outcome;
   realtime::Capability machine;
   std::vector<hal::AnyBus> buses;
-  if (const auto writable = check_files(options); !writable) return refuse(writable.error());
+  if (const auto writable = check_files(options); !writable) return refuse(options, writable.error());
   const auto node = open_telemetry(options);
-  if (!node) return refuse(node.error());
-  if (const auto fit = check_start(options, outcome, machine); !fit) return refuse(fit.error());
-  if (const auto connected = connect(options, buses); !connected) return refuse(connected.error());
+  if (!node) return refuse(options, node.error());
+  if (const auto fit = check_start(options, outcome, machine); !fit) return refuse(options, fit.error());
+  if (const auto connected = connect(options, buses); !connected) return refuse(options, connected.error());
   if (*node) {
-    if (const auto taken = take_commands(options, **node); !taken) return refuse(taken.error());
+    if (const auto taken = take_commands(options, **node); !taken) return refuse(options, taken.error());
   }
   controller_state.telemetry_node = node->get();
   if (*node) (*node)->set_not_realtime(outcome.not_realtime);

@@ -89,8 +89,9 @@ class BusScan {
     protocols_.insert(protocol);
     Candidate candidate{driver, node_of(driver, protocol), hal::make_setting_reader(driver, wanted),
                         hal::watchdog_keys(driver, wanted)};
-    const std::string section = joint % 2 == 0 ? "hip_driver." : "knee_driver.";
-    for (hal::ReadSetting& key : candidate.watchdog_keys) key.name = section + key.name;
+    for (hal::ReadSetting& key : candidate.watchdog_keys) {
+      key.name = std::string(configuration::driver_section(joint)) + "." + key.name;
+    }
     candidate.node.joint = joint;
     if (std::holds_alternative<hal::mit::MitDriver>(driver)) {
       candidate.node.expected_reply_id = hardware.joint[joint].reply_id;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "firmware/configuration/driver_of.h"
 #include "firmware/control_loop/joint_names.h"
 
 namespace stilt::commissioning {
@@ -85,8 +86,6 @@ Verdict directions(std::size_t joint, bool motor_right, bool encoder_follows) {
   return {Finding::reversed_motor, "reversed motor: that of " + name + " turns against its encoder" + mend};
 }
 
-std::string driver_section(std::size_t joint) { return is_knee(joint) ? "knee_driver" : "hip_driver"; }
-
 bool has_ranges(configuration::DriverProtocol protocol) {
   using configuration::DriverProtocol;
   return protocol == DriverProtocol::mit_mini_cheetah || protocol == DriverProtocol::mit_ak ||
@@ -117,15 +116,15 @@ Verdict wrong_gear(std::size_t joint, const JogMotion& motion, double seen_rad,
       ratio, driver.ratio);
   std::string sentence = text;
   if (has_ranges(driver.protocol) && !right_speed(motion)) {
-    sentence += ". Positions and velocities differ, too: first look at position_range_rad of " +
-                driver_section(joint);
+    sentence += ". Positions and velocities differ, too: first look at position_range_rad of ";
+    sentence += configuration::driver_section(joint);
   }
   return {Finding::wrong_ratio, sentence};
 }
 
 /// The keys that velocities depend on, and positions do not.
 std::string speed_keys(std::size_t joint, double factor, const configuration::DriverParameters& driver) {
-  const std::string section = driver_section(joint);
+  const std::string section = configuration::driver_section(joint);
   char text[240];
   if (has_ranges(driver.protocol)) {
     std::snprintf(

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "firmware/configuration/driver_of.h"
 #include "firmware/configuration/schema.h"
 #include "hal/robot/robot_wiring.h"
 
@@ -20,11 +21,10 @@ struct Need {
 };
 
 std::string sentence(std::size_t joint, const Need& need) {
-  const std::string driver = joint % 2 == 0 ? "hip_driver" : "knee_driver";
   return std::string(kNames[joint]) + ": " + std::string(need.what) + " of up to " +
          number_text(need.wanted) + ' ' + std::string(need.unit) +
          " at the shaft, and the frames of its driver carry at most " + number_text(need.carried) + ' ' +
-         std::string(need.unit) + "; see " + driver +
+         std::string(need.unit) + "; see " + driver_section(joint) +
          ".ratio, the joint's offset_rad and torque_factor, and the driver's ranges";
 }
 

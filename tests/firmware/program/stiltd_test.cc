@@ -115,7 +115,7 @@ TEST(Stiltd, ACommandThatIsRefusedHasTheReasonInItsJson) {
 TEST(Stiltd, ACommandThatIsRefusedBeforeItOpensABusHasTheReasonInItsJson) {
   const tests::OwnFolder folder;
   const std::string slow = " --set hardware.bit_rate_bit_s=250000 " + kAbsentBuses;
-  for (const std::string command : {"jog hip_L 0.3", "identify", "selftest --lockstep"}) {
+  for (const std::string command : {"jog hip_L 0.3", "identify", "selftest --lockstep", "--lockstep"}) {
     EXPECT_EQ(refused_json(command + slow), "buses, drivers or joints cannot do this, see above") << command;
   }
   EXPECT_TRUE(refused_json("jog hip_L 0.3 --answers /dev/null " + kAbsentBuses).starts_with("--answers "));
@@ -128,6 +128,15 @@ TEST(Stiltd, ACommandThatIsRefusedBeforeItOpensABusHasTheReasonInItsJson) {
   }
   const Answer lost = stiltd("scan --json /nowhere/file " + kAbsentBuses);
   EXPECT_EQ(std::ranges::count(lost.text, '\n'), 1) << "the file that cannot be written, once: " << lost.text;
+}
+
+TEST(Stiltd, AControllerThatIsRefusedHasTheReasonInItsJson) {
+  const std::string silent = "--lockstep --set telemetry.enabled=false ";
+  EXPECT_TRUE(
+      refused_json(silent + kAbsentBuses).starts_with("bus loopback:absent-left: no program listens"));
+  EXPECT_TRUE(refused_json(silent + "--black-box /nowhere/file " + kAbsentBuses)
+                  .starts_with("--black-box /nowhere/file: cannot be written"));
+  EXPECT_FALSE(refused_json("--lockstep --set telemetry.interface=none0 " + kAbsentBuses).empty());
 }
 
 TEST(Stiltd, ASelfTestThatIsRefusedHasTheFieldsOfOneThatFails) {
