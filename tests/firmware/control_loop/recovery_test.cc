@@ -224,22 +224,21 @@ class Recovery : public ::testing::Test {
     EXPECT_TRUE(rig->all_enabled());
     ++cases_;
   }
-  /// Every cause alone at every joint, and every pair at two of them; of all these one in so many.
-  void expect_to_recover_from_one_in(std::size_t stride) {
-    std::size_t number = 0;
+  /// Every cause alone at every joint, and every pair at two of them; of all these one in so many, and
+  /// another one for each protocol.
+  void expect_to_recover_from_one_in(std::size_t stride, std::size_t protocol) {
+    std::size_t number = protocol;
     const auto chosen = [&] { return number++ % stride == 0; };
-    for (std::size_t protocol = 0; protocol < std::size(kProtocols); ++protocol) {
-      for (const Moment& moment : kMoments) {
-        for (const Cause& cause : kCauses) {
-          for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
-            if (chosen()) expect_to_recover(protocol, moment, {{cause, joint}});
-          }
-          for (const Cause& second : kCauses) {
-            const std::size_t joint = number % hal::kJoints;
-            const std::size_t other = (joint + 1 + number % 3) % hal::kJoints;
-            if (&second != &cause && chosen()) {
-              expect_to_recover(protocol, moment, {{cause, joint}, {second, other}});
-            }
+    for (const Moment& moment : kMoments) {
+      for (const Cause& cause : kCauses) {
+        for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+          if (chosen()) expect_to_recover(protocol, moment, {{cause, joint}});
+        }
+        for (const Cause& second : kCauses) {
+          const std::size_t joint = number % hal::kJoints;
+          const std::size_t other = (joint + 1 + number % 3) % hal::kJoints;
+          if (&second != &cause && chosen()) {
+            expect_to_recover(protocol, moment, {{cause, joint}, {second, other}});
           }
         }
       }
@@ -248,16 +247,22 @@ class Recovery : public ::testing::Test {
   int cases_ = 0;
 };
 
-TEST_F(Recovery, OfASampleOfCasesEachEndsStandingAgain) {
-  expect_to_recover_from_one_in(37);
-  EXPECT_GE(cases_, 125);
+/// By the place of the protocol in kProtocols.
+class RecoveryOf : public Recovery, public ::testing::WithParamInterface<std::size_t> {};
+
+TEST_P(RecoveryOf, ASampleOfCasesEndsStandingAgainInEach) {
+  expect_to_recover_from_one_in(37, GetParam());
+  EXPECT_EQ(cases_, GetParam() == 0 ? 14 : 26);
 }
 
 // All of them, about 5,500: ctest -C long -R Recovery.of_every_case
-TEST_F(Recovery, DISABLED_OfEveryCase) {
-  expect_to_recover_from_one_in(1);
-  EXPECT_GE(cases_, 5300);
+TEST_P(RecoveryOf, DISABLED_EveryCaseEndsStandingAgain) {
+  expect_to_recover_from_one_in(1, GetParam());
+  EXPECT_EQ(cases_, GetParam() == 0 ? 560 : 980);
 }
+
+INSTANTIATE_TEST_SUITE_P(Protocols, RecoveryOf, ::testing::Range<std::size_t>(0, std::size(kProtocols)),
+                         [](const auto& test) { return std::string(kProtocolNames[test.param]); });
 
 TEST_F(Recovery, TheEmergencyStopPressedAtTheStartEnergisesNoDriver) {
   for (const DriverProtocol protocol : kProtocols) {
