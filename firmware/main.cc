@@ -336,8 +336,10 @@ int run(const program::Options& options) {
 
 int main(int argc, char** argv) {
   if (!diagnostics::keep_standard_streams()) return kBadUsage;
-  const auto options = program::read_options(argc, argv, version_text());
-  if (!options) return refuse(options.error());
-  const int status = run(*options);
+  program::Options options;
+  if (const auto read = program::read_options(argc, argv, version_text(), options); !read) {
+    return refuse(options, read.error());
+  }
+  const int status = run(options);
   return status == kBadUsage || diagnostics::all_printed() ? status : refuse(diagnostics::kNotPrinted);
 }

@@ -111,6 +111,7 @@ std::string to_text(const JogReport& report) { return figures(report) + report.v
 std::string to_json(const JogReport& report) {
   const JogMotion& motion = report.motion;
   nlohmann::ordered_json json;
+  json["good"] = report.verdict.finding == Finding::correct;
   json["joint"] = control_loop::kJointNames[report.request.joint];
   json["angle_rad"] = report.request.angle_rad;
   json["finding"] = name(report.verdict.finding);

@@ -179,7 +179,7 @@ std::string to_text(const ScanResult& result) {
 
 std::string to_json(const ScanResult& result) {
   Json json;
-  json["complete"] = result.complete();
+  json["good"] = json["complete"] = result.complete();
   json["serial_sensor_trouble"] = result.serial_sensor_trouble;
   json["buses"] = Json::array();
   for (const ScannedBus& bus : result.buses) {

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdio>
 #include <iostream>
+#include <span>
 #include <string_view>
 #include <utility>
 
@@ -182,21 +183,37 @@ std::expected<void, std::string> interpret_jog(const Arguments& arguments, Optio
   return {};
 }
 
+Task task_of(const Commands& commands) {
+  if (commands.self_test->parsed()) return Task::self_test;
+  if (commands.scan->parsed()) return Task::scan;
+  if (commands.watch->parsed()) return Task::watch;
+  if (commands.jog->parsed()) return Task::jog;
+  if (commands.zero->parsed()) return Task::zero;
+  if (commands.calibrate->parsed()) return Task::calibrate;
+  if (commands.identify->parsed()) return Task::identify;
+  return Task::control;
+}
+
+/// Of a command line that is refused before its options are known; empty: none.
+std::string json_file_of(std::span<char* const> words) {
+  constexpr std::string_view kOption = "--json";
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const std::string_view word = words[i];
+    if (word == kOption && i + 1 < words.size()) return words[i + 1];
+    if (word.starts_with("--json=")) return std::string(word.substr(kOption.size() + 1));
+  }
+  return "";
+}
+
 std::expected<void, std::string> interpret(const Arguments& arguments, const Commands& commands,
                                            Options& options) {
-  if (commands.self_test->parsed()) options.task = Task::self_test;
-  if (commands.scan->parsed()) options.task = Task::scan;
-  if (commands.watch->parsed()) options.task = Task::watch;
-  if (commands.calibrate->parsed()) options.task = Task::calibrate;
-  if (commands.identify->parsed()) options.task = Task::identify;
+  options.task = task_of(commands);
   options.config_file = arguments.configuration.file;
   if (arguments.reference == "marks") options.reference = commissioning::Reference::marks;
-  if (commands.jog->parsed()) {
-    options.task = Task::jog;
+  if (options.task == Task::jog) {
     if (const auto right = interpret_jog(arguments, options); !right) return right;
   }
-  if (commands.zero->parsed()) {
-    options.task = Task::zero;
+  if (options.task == Task::zero) {
     if (const auto right = interpret_joint("zero", arguments, options); !right) return right;
   }
   if (arguments.check_config) options.task = Task::check_config;
@@ -248,12 +265,12 @@ std::expected<gait::GaitCommand, std::string> parse_start(const std::string& tex
   return command;
 }
 
-std::expected<Options, std::string> read_options(int argc, char** argv, const std::string& version) {
+std::expected<void, std::string> read_options(int argc, char** argv, const std::string& version,
+                                              Options& options) {
   CLI::App app{"Controller of a planar walking robot: plans its motion and drives its motors over CAN.",
                "stiltd"};
   app.set_version_flag("--version", version);
   Arguments arguments;
-  Options options;
   add_configuration_options(app, arguments.configuration);
   app.add_option("--start", arguments.start,
                  "goes there without an operator: stand, step or walk@SPEED (m/s); without it, waits idle");
@@ -284,14 +301,13 @@ std::expected<Options, std::string> read_options(int argc, char** argv, const st
   } catch (const CLI::Success& help_or_version) {
     app.exit(help_or_version);
     options.task = Task::nothing;
-    return options;
+    return {};
   } catch (const CLI::ParseError& error) {
+    options.task = task_of(commands);
+    options.json_file = json_file_of({argv + 1, argv + argc});
     return std::unexpected(usage_text(app, error));
   }
-  if (const auto right = interpret(arguments, commands, options); !right) {
-    return std::unexpected(right.error());
-  }
-  return options;
+  return interpret(arguments, commands, options);
 }
 
 }  // namespace stilt::program

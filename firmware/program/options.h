@@ -58,9 +58,10 @@ struct Options {
 };
 
 /// Reads the command line and the configuration. The error is for the user: a sentence, or a line for each
-/// mistake of the configuration. `version`: what --version prints.
-[[nodiscard]] std::expected<Options, std::string> read_options(int argc, char** argv,
-                                                               const std::string& version);
+/// mistake of the configuration. `options` then has task and json_file, for the JSON of the refusal.
+/// `version`: what --version prints.
+[[nodiscard]] std::expected<void, std::string> read_options(int argc, char** argv, const std::string& version,
+                                                            Options& options);
 
 /// GAIT@SPEED, or stand, step: the error says what would be right.
 [[nodiscard]] std::expected<gait::GaitCommand, std::string> parse_start(const std::string& text);

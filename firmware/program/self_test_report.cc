@@ -216,7 +216,7 @@ std::string to_json(const SelfTestResult& result) {
     return nlohmann::ordered_json{{"p50", time_us.p50_us}, {"p99", time_us.p99_us}, {"max", time_us.max_us}};
   };
   nlohmann::ordered_json json;
-  json["passed"] = result.passed();
+  json["good"] = json["passed"] = result.passed();
   if (!result.failure.empty()) json["failure"] = json["error"] = result.failure;
   json["checks"] = nlohmann::ordered_json::array();
   for (const Check& check : result.checks()) {

@@ -5,7 +5,7 @@ robot_left=can1 robot_right=can3 controller_left=can0 controller_right=can2 fram
 . /job/lockstep.sh
 
 wire_up() {
-  ip link set "$1" up type can bitrate 1000000 restart-ms 0 || fail "$1 does not come up"
+  ip link set "$1" up type can bitrate 1000000 || fail "$1 does not come up"
   ip link set "$1" txqueuelen 100
 }
 for bus in can0 can1 can2 can3; do wire_up $bus; done

@@ -210,10 +210,9 @@ void FirstDay::stands_and_walks() {
 TEST(FirstDayPage, InstallsSetsUpBusesAndDriversWithoutAnotherPage) {
   const std::string page = text_of(FIRST_DAY);
   for (const char* line :
-       {"    apt install ./stiltd_*.deb ", "    ip link set can0 up type can bitrate 1000000 restart-ms 0\n",
+       {"    apt install ./stiltd_*.deb ", "    ip link set can0 up type can bitrate 1000000\n",
         "    ip link set can0 up type can bitrate 1000000 sample-point 0.666 sjw 10 \\\n",
-        "      dbitrate 5000000 dsample-point 0.666 dsjw 5 fd on restart-ms 0\n",
-        "    ip link set can0 txqueuelen 100\n",
+        "      dbitrate 5000000 dsample-point 0.666 dsjw 5 fd on\n", "    ip link set can0 txqueuelen 100\n",
         "`moteus_tool -t 1 --console`: `conf set id.id 2`, then Ctrl-D; `moteus_tool -t 2 --console`: `conf "
         "write`",
         "    conf set servo.timeout_mode 12\n    conf write\n", "    odrive_watchdog_timeout_endpoint = N ",

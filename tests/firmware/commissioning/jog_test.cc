@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "firmware/configuration/driver_of.h"
 #include "tests/firmware/commissioning/hanging_robot.h"
 
@@ -82,6 +84,7 @@ void expect_named(const Miswiring& miswiring, double angle_rad, bool stops) {
   const auto report = jogged(robot, miswiring.joint, angle_rad);
   ASSERT_TRUE(report) << report.error().sentence;
   EXPECT_STREQ(name(report->verdict.finding), name(miswiring.finding)) << report->verdict.sentence;
+  EXPECT_EQ(nlohmann::json::parse(to_json(*report)).at("good"), miswiring.finding == Finding::correct);
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
     EXPECT_LT(robot.peak_torque_Nm(joint), kJogTorqueShare * kLimit_Nm + kAStepOfAFrame_Nm);
   }

@@ -289,6 +289,7 @@ TEST(Scan, JsonHasEveryDriver) {
   HangingRobot robot;
   const auto json = nlohmann::json::parse(to_json(scanned(robot)));
   EXPECT_TRUE(json["complete"]);
+  EXPECT_TRUE(json["good"]);
   EXPECT_EQ(json["buses"][1]["drivers"][0]["joint"], "hip_R");
   EXPECT_EQ(json["buses"][1]["drivers"][0]["mode"], "idle");
   EXPECT_TRUE(json["buses"][0]["drivers"][0]["supply_V"].is_null()) << "a Damiao does not report it";

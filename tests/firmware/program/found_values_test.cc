@@ -62,7 +62,10 @@ std::expected<Options, std::string> read(std::vector<std::string> words) {
   words.insert(words.begin(), "stiltd");
   std::vector<char*> pointers;
   for (std::string& word : words) pointers.push_back(word.data());
-  return read_options(static_cast<int>(pointers.size()), pointers.data(), "version");
+  Options options;
+  const auto right = read_options(static_cast<int>(pointers.size()), pointers.data(), "version", options);
+  if (!right) return std::unexpected(right.error());
+  return options;
 }
 
 TEST(FoundValues, WhatTheCommandLineSetsIsWrittenWithThem) {

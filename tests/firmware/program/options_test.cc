@@ -14,12 +14,24 @@ std::expected<Options, std::string> read(std::vector<std::string> words) {
   words.insert(words.begin(), "stiltd");
   std::vector<char*> pointers;
   for (std::string& word : words) pointers.push_back(word.data());
-  return read_options(static_cast<int>(pointers.size()), pointers.data(), "version");
+  Options options;
+  const auto right = read_options(static_cast<int>(pointers.size()), pointers.data(), "version", options);
+  if (!right) return std::unexpected(right.error());
+  return options;
 }
 
 std::string mistake(const std::vector<std::string>& words) {
   const auto options = read(words);
   return options ? "" : options.error();
+}
+
+TEST(Options, AMistakeOfTheCommandLineLeavesTaskAndJsonFileKnown) {
+  char words[][20] = {"stiltd", "selftest", "--seconds", "soon", "--json", "file"};
+  char* pointers[] = {words[0], words[1], words[2], words[3], words[4], words[5]};
+  Options options;
+  EXPECT_FALSE(read_options(6, pointers, "version", options));
+  EXPECT_EQ(options.task, Task::self_test);
+  EXPECT_EQ(options.json_file, "file");
 }
 
 TEST(Options, WithoutAnyTheShippedRobotWaitsIdle) {

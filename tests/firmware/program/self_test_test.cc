@@ -87,6 +87,7 @@ TEST(SelfTest, EachDefectFailsItsOwnCheckAlone) {
     const std::string text = to_text(result);
     EXPECT_NE(text.find("FAILED  " + std::string(name)), std::string::npos) << text;
     EXPECT_FALSE(nlohmann::json::parse(to_json(result)).at("passed").get<bool>()) << name;
+    EXPECT_FALSE(nlohmann::json::parse(to_json(result)).at("good").get<bool>()) << name;
   }
 }
 

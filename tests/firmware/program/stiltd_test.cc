@@ -139,6 +139,25 @@ TEST(Stiltd, AControllerThatIsRefusedHasTheReasonInItsJson) {
   EXPECT_FALSE(refused_json("--lockstep --set telemetry.interface=none0 " + kAbsentBuses).empty());
 }
 
+TEST(Stiltd, AMistakeOfTheCommandLineOrTheConfigurationIsInTheJson) {
+  const tests::OwnFolder folder;
+  const std::string file = folder.file("robot.toml");
+  std::ofstream(file) << "[hip_L]\nidd = 1\n";
+  for (const std::string command : {"", "scan", "calibrate", "selftest"}) {
+    EXPECT_NE(refused_json(command + " --config " + file).find(":2:"), std::string::npos) << command;
+  }
+  EXPECT_NE(refused_json("jog hip_X 0.3").find("\"hip_X\" is no joint"), std::string::npos);
+  EXPECT_NE(refused_json("jog hip_L 0.6").find("the angle must be"), std::string::npos);
+  EXPECT_NE(refused_json("identify --torque-limit 2").find("--torque-limit"), std::string::npos);
+  EXPECT_NE(refused_json("scan --unheard").find("--unheard"), std::string::npos);
+  const std::string result = folder.file("result.json");
+  std::ofstream(result) << R"({"good": true})";
+  EXPECT_EQ(stiltd("jog --json=" + result).status, 2);
+  const nlohmann::json json = nlohmann::json::parse(std::ifstream(result));
+  EXPECT_EQ(json.at("good"), false) << "an older result does not stay";
+  EXPECT_FALSE(json.value("error", "").empty());
+}
+
 TEST(Stiltd, ASelfTestThatIsRefusedHasTheFieldsOfOneThatFails) {
   const Answer run = answer(STILTD " selftest --lockstep --json - " + kAbsentBuses + " 2>/dev/null");
   const auto json = nlohmann::json::parse(run.text, nullptr, false);
