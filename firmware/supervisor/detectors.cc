@@ -95,13 +95,13 @@ bool torque_is_missing(const Signals& signals, std::size_t joint,
 }
 
 FaultSet detect_buses(const Observation& seen) noexcept {
-  const auto says = [&seen](hal::JointBusStatus status) {
+  const auto reported = [&seen](hal::JointBusStatus status) {
     return seen.read_status == status || seen.write_status == status;
   };
   FaultSet faults;
   faults.add_if(seen.bus_errors, Fault::bus_error);
-  faults.add_if(says(hal::JointBusStatus::bus_off), Fault::bus_off);
-  faults.add_if(says(hal::JointBusStatus::disconnected), Fault::bus_disconnected);
+  faults.add_if(reported(hal::JointBusStatus::bus_off), Fault::bus_off);
+  faults.add_if(reported(hal::JointBusStatus::disconnected), Fault::bus_disconnected);
   return faults;
 }
 
