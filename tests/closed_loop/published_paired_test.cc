@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "host_tools/cli/paired_experiment.h"
+#include "tests/closed_loop/published_plan.h"
 #include "tests/closed_loop/published_results.h"
 
 /// The paired pushes of docs/results/paired.json: a variant that survived half of the cases of a push
@@ -23,7 +24,7 @@ struct Survived {
   friend std::ostream& operator<<(std::ostream& stream, const Survived& one) { return stream << one.name; }
 };
 
-PairedPlan plan() { return cli::paired_plan({}); }
+PairedPlan plan() { return cli::paired_plan(testing_support::published_options("paired")); }
 
 std::vector<Survived> survived_in_half_the_cases() {
   const PairedPlan paired = plan();
@@ -43,6 +44,22 @@ std::vector<Survived> survived_in_half_the_cases() {
 TEST(PublishedTables, HaveResultsOfThePairedPushes) {
   EXPECT_EQ(results_of("paired").at("rows").size(), plan().pushes.size());
   EXPECT_EQ(survived_in_half_the_cases().size(), 11u);
+}
+
+/// What is guarded is what was measured.
+TEST(PublishedTables, HaveTheConditionsOfThePairedPushes) {
+  PairedPlan today = cli::paired_plan(testing_support::published_options("paired"));
+  for (PairedPush& push : today.pushes) {
+    for (WalkRunner& walk : push.walk) walk = testing_support::no_walk;
+  }
+  const Json merged = merge_paired(today, testing_support::results_without_walks(paired_jobs(today)));
+  const Json published = results_of("paired");
+  testing_support::expect_published(merged, published,
+                                    {"controller", "horizon_s", "speed_m_s", "cases", "seed", "variants"});
+  testing_support::expect_each_published(merged.at("rows"), published.at("rows"),
+                                         {"push", "force_N", "point"});
+  testing_support::expect_each_published(merged.at("comparisons"), published.at("comparisons"),
+                                         {"from", "to", "cases"});
 }
 
 class PublishedPairs : public ::testing::TestWithParam<Survived> {};
