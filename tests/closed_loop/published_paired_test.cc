@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <map>
 #include <ostream>
 #include <string>
 #include <vector>
@@ -60,6 +61,24 @@ TEST(PublishedTables, HaveTheConditionsOfThePairedPushes) {
                                          {"push", "force_N", "point"});
   testing_support::expect_each_published(merged.at("comparisons"), published.at("comparisons"),
                                          {"from", "to", "cases"});
+}
+
+/// Half a second each: a setting that does not arrive would give two runs the same figures.
+TEST(PairedExperiment, EveryVariantAndPointOfAPushIsAWalkOfItsOwn) {
+  const PairedPlan paired = plan();
+  WalkCase walk;
+  walk.duration_s = 0.5;
+  walk.push_N = 60.0;
+  walk.push_start_s = 0.1;
+  std::map<double, std::string> names;  // by mean speed
+  for (const std::size_t p : {0u, 2u}) {
+    ASSERT_NE(paired.pushes[0].point, paired.pushes[2].point);
+    for (std::size_t v = 0; v < paired.variants.size(); ++v) {
+      const std::string name = paired.pushes[p].point + " " + paired.variants[v].name;
+      const auto [other, is_new] = names.emplace(paired.pushes[p].walk[v](walk).summary.mean_speed_m_s, name);
+      EXPECT_TRUE(is_new) << name << " walks as " << other->second;
+    }
+  }
 }
 
 class PublishedPairs : public ::testing::TestWithParam<Survived> {};
