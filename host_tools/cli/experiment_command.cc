@@ -16,7 +16,6 @@
 #include "host_tools/cli/robustness_experiment.h"
 #include "host_tools/cli/usage_error.h"
 #include "host_tools/experiments/figures.h"
-#include "host_tools/experiments/shortest_horizon.h"
 
 namespace stilt::cli {
 namespace {
@@ -64,21 +63,12 @@ void add_choice_options(CLI::App& command, ExperimentOptions& options, const cha
 }
 
 int run_horizons(const ExperimentOptions& options, const std::vector<std::string>& arguments) {
-  experiments::HorizonPlan plan;
-  plan.horizons_s = experiments::tried_horizons_s();
-  if (options.quick) {
-    plan.horizons_s = {0.2, 0.5};
-    plan.duration_s = 5.0;
-  }
-  if (!options.controllers.empty()) plan.controllers = options.controllers;
-  if (!options.horizons_s.empty()) plan.horizons_s = options.horizons_s;
-  std::ranges::sort(plan.horizons_s);
+  const experiments::HorizonPlan plan = horizon_plan(options);
   for (const std::string& controller : plan.controllers) {
     for (const double horizon_s : plan.horizons_s) {
       (void)walk_parameters(setting_for(options.setting, controller), controller, horizon_s);
     }
   }
-  plan.seeds = options.seeds.value_or(plan.seeds);
   const auto jobs = experiments::horizon_jobs(plan, runner_for_each(options.setting));
   return run_jobs(
       options, arguments, settings_json(options, "horizon", parts_of(options.setting, plan.controllers)),
@@ -107,6 +97,20 @@ int run_figures(const ExperimentOptions& options) {
 }
 
 }  // namespace
+
+experiments::HorizonPlan horizon_plan(const ExperimentOptions& options) {
+  experiments::HorizonPlan plan;
+  plan.horizons_s = experiments::tried_horizons_s();
+  if (options.quick) {
+    plan.horizons_s = {0.2, 0.5};
+    plan.duration_s = 5.0;
+  }
+  if (!options.controllers.empty()) plan.controllers = options.controllers;
+  if (!options.horizons_s.empty()) plan.horizons_s = options.horizons_s;
+  std::ranges::sort(plan.horizons_s);
+  plan.seeds = options.seeds.value_or(plan.seeds);
+  return plan;
+}
 
 CLI::App* add_experiment_command(CLI::App& program, ExperimentOptions& options) {
   CLI::App* experiment = program.add_subcommand("experiment", "the published experiments, with figures");

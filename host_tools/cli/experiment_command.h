@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host_tools/cli/experiment_walks.h"
+#include "host_tools/experiments/shortest_horizon.h"
 
 namespace stilt::cli {
 
@@ -47,6 +48,9 @@ struct ExperimentOptions {
 /// Adds `experiment` with frequency, disturbance, horizon, limits, robustness, paired and figures; stores the
 /// options in `options`.
 CLI::App* add_experiment_command(CLI::App& program, ExperimentOptions& options);
+
+/// The experiment of the options of horizon.
+[[nodiscard]] experiments::HorizonPlan horizon_plan(const ExperimentOptions& options);
 
 /// Runs the command that was given. `arguments` is the command line, for the processes of the jobs. Returns
 /// the exit status. Throws UsageError or std::invalid_argument, one sentence, for bad input.

@@ -32,6 +32,8 @@ void choose_quantities(const std::vector<std::string>& chosen, LimitPlan& plan) 
   if (std::ranges::find(chosen, kCommands) == chosen.end()) plan.sequences = 0;
 }
 
+}  // namespace
+
 LimitPlan limit_plan(const ExperimentOptions& options) {
   LimitPlan plan;
   plan.phases = options.quick ? 1 : options.phases;
@@ -58,8 +60,6 @@ LimitPlan limit_plan(const ExperimentOptions& options) {
   }
   return plan;
 }
-
-}  // namespace
 
 void add_limit_options(CLI::App& command, ExperimentOptions& options) {
   command

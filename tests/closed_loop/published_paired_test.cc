@@ -1,10 +1,12 @@
 #include <gtest/gtest.h>
 
+#include <map>
 #include <ostream>
 #include <string>
 #include <vector>
 
 #include "host_tools/cli/paired_experiment.h"
+#include "tests/closed_loop/published_plan.h"
 #include "tests/closed_loop/published_results.h"
 
 /// The paired pushes of docs/results/paired.json: a variant that survived half of the cases of a push
@@ -23,7 +25,7 @@ struct Survived {
   friend std::ostream& operator<<(std::ostream& stream, const Survived& one) { return stream << one.name; }
 };
 
-PairedPlan plan() { return cli::paired_plan({}); }
+PairedPlan plan() { return cli::paired_plan(testing_support::published_options("paired")); }
 
 std::vector<Survived> survived_in_half_the_cases() {
   const PairedPlan paired = plan();
@@ -43,6 +45,40 @@ std::vector<Survived> survived_in_half_the_cases() {
 TEST(PublishedTables, HaveResultsOfThePairedPushes) {
   EXPECT_EQ(results_of("paired").at("rows").size(), plan().pushes.size());
   EXPECT_EQ(survived_in_half_the_cases().size(), 11u);
+}
+
+/// What is guarded is what was measured.
+TEST(PublishedTables, HaveTheConditionsOfThePairedPushes) {
+  PairedPlan today = cli::paired_plan(testing_support::published_options("paired"));
+  for (PairedPush& push : today.pushes) {
+    for (WalkRunner& walk : push.walk) walk = testing_support::no_walk;
+  }
+  const Json merged = merge_paired(today, testing_support::results_without_walks(paired_jobs(today)));
+  const Json published = results_of("paired");
+  testing_support::expect_published(merged, published,
+                                    {"controller", "horizon_s", "speed_m_s", "cases", "seed", "variants"});
+  testing_support::expect_each_published(merged.at("rows"), published.at("rows"),
+                                         {"push", "force_N", "point"});
+  testing_support::expect_each_published(merged.at("comparisons"), published.at("comparisons"),
+                                         {"from", "to", "cases"});
+}
+
+/// Half a second each: a setting that does not arrive would give two runs the same figures.
+TEST(PairedExperiment, EveryVariantAndPointOfAPushIsAWalkOfItsOwn) {
+  const PairedPlan paired = plan();
+  WalkCase walk;
+  walk.duration_s = 0.5;
+  walk.push_N = 60.0;
+  walk.push_start_s = 0.1;
+  std::map<double, std::string> names;  // by mean speed
+  for (const std::size_t p : {0u, 2u}) {
+    ASSERT_NE(paired.pushes[0].point, paired.pushes[2].point);
+    for (std::size_t v = 0; v < paired.variants.size(); ++v) {
+      const std::string name = paired.pushes[p].point + " " + paired.variants[v].name;
+      const auto [other, is_new] = names.emplace(paired.pushes[p].walk[v](walk).summary.mean_speed_m_s, name);
+      EXPECT_TRUE(is_new) << name << " walks as " << other->second;
+    }
+  }
 }
 
 class PublishedPairs : public ::testing::TestWithParam<Survived> {};

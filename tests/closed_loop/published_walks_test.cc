@@ -7,8 +7,11 @@
 #include <vector>
 
 #include "host_tools/cli/experiment_walks.h"
+#include "host_tools/cli/limits_experiment.h"
 #include "host_tools/experiments/blind_limits.h"
+#include "host_tools/experiments/shortest_horizon.h"
 #include "host_tools/experiments/walks.h"
+#include "tests/closed_loop/published_plan.h"
 #include "tests/closed_loop/published_results.h"
 
 /// Guards of the published limits, sequences of commands and shortest horizons (docs/results).
@@ -51,6 +54,41 @@ std::string test_name(const ::testing::TestParamInfo<Published>& test) {
 TEST(PublishedTables, HaveResults) {
   for (const char* table : {"limits", "limits_motors", "horizons"}) {
     EXPECT_FALSE(results_of(table).at("rows").empty()) << table;
+  }
+}
+
+/// What is guarded is what was measured, in the limits and in the sequences.
+TEST(PublishedTables, HaveTheConditionsOfTheLimits) {
+  for (const char* table : {"limits", "limits_motors"}) {
+    SCOPED_TRACE(table);
+    const LimitPlan today = cli::limit_plan(testing_support::published_options(table));
+    const auto jobs = limit_jobs(today, testing_support::no_walk);
+    const Json merged = merge_limits(today, testing_support::results_without_walks(jobs));
+    const Json published = results_of(table);
+    testing_support::expect_each_published(
+        merged.at("rows"), published.at("rows"),
+        {"controller", "horizon_s", "name", "quantity", "unit", "direction", "nominal", "phases", "cases",
+         "coarse", "fine", "last_tried"});
+    const Json& sequences = merged.at("sequences");
+    testing_support::expect_each_published(sequences, published.at("sequences"),
+                                           {"controller", "horizon_s", "of", "duration_s"});
+    for (std::size_t i = 0; i < sequences.size(); ++i) {
+      testing_support::expect_each_published(
+          sequences[i].at("runs"), published.at("sequences").at(i).at("runs"), {"seed", "commands"});
+    }
+  }
+}
+
+TEST(PublishedTables, HaveTheConditionsOfTheHorizons) {
+  const HorizonPlan today = cli::horizon_plan(testing_support::published_options("horizons"));
+  const auto jobs = horizon_jobs(today, testing_support::no_walk);
+  const Json merged = merge_horizons(today, testing_support::results_without_walks(jobs));
+  const Json published = results_of("horizons");
+  testing_support::expect_each_published(merged.at("rows"), published.at("rows"),
+                                         {"controller", "commanded_speed_m_s", "duration_s", "seeds"});
+  for (std::size_t i = 0; i < published.at("rows").size(); ++i) {
+    testing_support::expect_each_published(merged.at("rows").at(i).at("tried"),
+                                           published.at("rows").at(i).at("tried"), {"horizon_s"});
   }
 }
 
@@ -146,6 +184,7 @@ std::vector<Published> published_horizons() {
       if (row.at("shortest_horizon_s") != tried.at("horizon_s")) continue;
       Json figures = tried;
       figures["duration_s"] = row.at("duration_s");
+      figures["commanded_speed_m_s"] = row.at("commanded_speed_m_s");
       figures["controller"] = row.at("controller");
       rows.push_back({row.at("controller").get<std::string>(), figures, json.at("settings")});
     }
@@ -161,6 +200,7 @@ TEST_P(PublishedHorizons, WalkAMinuteAtTheCommandedSpeed) {
   walk.controller = figures.at("controller").get<std::string>();
   walk.horizon_s = figures.at("horizon_s").get<double>();
   walk.duration_s = figures.at("duration_s").get<double>();
+  walk.command.speed_m_s = figures.at("commanded_speed_m_s").get<double>();
   const log::RunSummary summary = runner_of(GetParam().settings)(walk).summary;
   EXPECT_TRUE(walks(walk.command, summary)) << summary.mean_speed_m_s << " m/s";
   EXPECT_NEAR(summary.mean_speed_m_s, figures.at("mean_speed_m_s").get<double>(), kSameSpeed_m_s);

@@ -56,22 +56,26 @@ TEST(OpenBuses, MoteusDriversNeedFlexibleFramesAndBothDirections) {
   EXPECT_TRUE(receives(options, 0x100, false));
 }
 
+/// A bus of this run alone: locks and listeners of buses are those of the machine.
+std::string own_bus(const std::string& name) { return "loopback:" + name + "." + std::to_string(::getpid()); }
+
 TEST(OpenBuses, BusesThatAnotherProgramCommandsAreNotOpened) {
-  const auto other = hal::BusLock::take("loopback:test-taken-b");
+  const std::string bus = own_bus("test-taken-b");
+  const auto other = hal::BusLock::take(bus);
   ASSERT_TRUE(other);
-  const Override taken[] = {{"hardware.buses=loopback:test-taken-b,loopback:test-taken-c"}};
+  const Override taken[] = {{"hardware.buses=" + bus + "," + own_bus("test-taken-c")}};
   const auto buses = open_buses(configuration::load_robot("amber3m", taken).value().hardware, false);
   ASSERT_FALSE(buses);
-  EXPECT_TRUE(buses.error().starts_with("bus loopback:test-taken-b: another stiltd")) << buses.error();
+  EXPECT_TRUE(buses.error().starts_with("bus " + bus + ": another stiltd")) << buses.error();
 }
 
 TEST(OpenBuses, ABusThatIsNotThereIsReportedInOneSentence) {
-  const Override absent[] = {{"hardware.buses=loopback:test-absent-a,loopback:test-absent-b"}};
+  const std::string bus = own_bus("test-absent-a");
+  const Override absent[] = {{"hardware.buses=" + bus + "," + own_bus("test-absent-b")}};
   const Configuration configuration = configuration::load_robot("amber3m", absent).value();
   const auto buses = open_buses(configuration.hardware, false);
   ASSERT_FALSE(buses);
-  EXPECT_TRUE(buses.error().starts_with("bus loopback:test-absent-a: no program listens there"))
-      << buses.error();
+  EXPECT_TRUE(buses.error().starts_with("bus " + bus + ": no program listens there")) << buses.error();
 }
 
 /// A robot that listens on a bus of this name; its thread only lets the controller in.

@@ -167,6 +167,34 @@ TEST(OwnLoop, WhatIsWrongIsASentence) {
   EXPECT_NE(robot.error().find("friction"), std::string::npos) << robot.error();
 }
 
+TEST(OwnLoop, EachSeedOfTheSimulatedRobotHasItsOwnNoise) {
+  const auto measured_rad = [](std::uint64_t seed) {
+    SimulatedRobot robot = *SimulatedRobot::create({}, {"encoder_noise_rad=0.001"}, seed);
+    return robot.read().joints[0].position_rad;
+  };
+  EXPECT_EQ(measured_rad(1), measured_rad(1));
+  EXPECT_NE(measured_rad(1), measured_rad(2));
+}
+
+TEST(OwnLoop, ADisabledDriverOfTheSimulatedRobotGivesNoTorque) {
+  SimulatedRobot robot = *SimulatedRobot::create({});
+  const auto torque_Nm = [&robot](const Tick& tick) {
+    robot.drive(tick);
+    robot.advance();
+    return robot.read().joints[0].torque_Nm;
+  };
+  Tick tick;
+  tick.action = DriverAction::enable;
+  static_cast<void>(torque_Nm(tick));
+  tick.action = DriverAction::targets;
+  tick.targets.fill({.torque_Nm = 5.0, .torque_limit_Nm = 50.0});
+  EXPECT_NEAR(torque_Nm(tick), 5.0, 1e-9);
+  tick.action = DriverAction::none;
+  EXPECT_NEAR(torque_Nm(tick), 5.0, 1e-9) << "until the next call";
+  tick.action = DriverAction::disable;
+  EXPECT_EQ(torque_Nm(tick), 0.0);
+}
+
 TEST(OwnLoop, TheSameCallsGiveTheSameWalk) {
   const auto walk = [] {
     Loop loop;

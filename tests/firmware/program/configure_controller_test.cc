@@ -22,5 +22,22 @@ TEST(ConfigureCycles, AnInstructionSetThatIsMissingIsNamedWithThoseThatAreNot) {
   EXPECT_NE(ready.error().find(model::name_of(dispatch::instruction_set_of_build())), std::string::npos);
 }
 
+TEST(ConfigureCycles, GaitsOfARobotWithoutThemAreMissedWhereTheReferenceNeedsThem) {
+  configuration::Configuration configuration = configuration::load_robot("rabbit").value();
+  const auto planner = std::make_unique<control_loop::PlannerTask>();
+  const auto loop = std::make_unique<control_loop::ControlLoop>();
+  const auto gaits = std::make_unique<gait::GaitLibrary>();
+  const auto configure = [&] {
+    return configure_controller(configuration, "mine.toml", *planner, *loop, gaits.get());
+  };
+  EXPECT_TRUE(configure()) << "it has no level of gaits below its plans";
+  configuration.controller.reference = configuration::ReferenceKind::hzd;
+  const auto refused = configure();
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error(),
+            "mine.toml: controller.reference is hzd, and no gaits of rabbit are shipped; stilt gait library "
+            "makes a folder of them");
+}
+
 }  // namespace
 }  // namespace stilt::program

@@ -36,7 +36,10 @@ Answer answer(const std::string& command) {
 
 Answer stiltd(const std::string& arguments) { return answer(STILTD " " + arguments + " 2>&1"); }
 
-const std::string kAbsentBuses = "--bus loopback:absent-left --bus loopback:absent-right";
+/// Buses of this run alone: stiltd locks them for the whole machine.
+const std::string kAbsentBus = "loopback:absent-left." + std::to_string(::getpid());
+const std::string kAbsentBuses =
+    "--bus " + kAbsentBus + " --bus loopback:absent-right." + std::to_string(::getpid());
 
 bool has(const Answer& run, const std::string& part) { return run.text.find(part) != std::string::npos; }
 
@@ -87,7 +90,7 @@ TEST(Stiltd, RefusesABusThatIsNotThereInOneSentence) {
   const tests::OwnFolder folder;
   const Answer run = stiltd(kAbsentBuses + " --lockstep --set telemetry.token_file=" + folder.file("token"));
   EXPECT_EQ(run.status, 2);
-  EXPECT_TRUE(has(run, "stiltd: bus loopback:absent-left: no program listens there")) << run.text;
+  EXPECT_TRUE(has(run, "stiltd: bus " + kAbsentBus + ": no program listens there")) << run.text;
 }
 
 const std::vector<std::string> kCommands = {"scan",      "watch",    "jog hip_L 0.3", "zero hip_L",
@@ -108,7 +111,7 @@ TEST(Stiltd, ACommandThatIsRefusedHasTheReasonInItsJson) {
                                 : command == "selftest" ? " --lockstep "
                                                         : " ";
     const std::string error = refused_json(command + network + kAbsentBuses);
-    EXPECT_TRUE(error.starts_with("bus loopback:absent-left: no program listens there")) << command << error;
+    EXPECT_TRUE(error.starts_with("bus " + kAbsentBus + ": no program listens there")) << command << error;
   }
 }
 
@@ -132,8 +135,7 @@ TEST(Stiltd, ACommandThatIsRefusedBeforeItOpensABusHasTheReasonInItsJson) {
 
 TEST(Stiltd, AControllerThatIsRefusedHasTheReasonInItsJson) {
   const std::string silent = "--lockstep --set telemetry.enabled=false ";
-  EXPECT_TRUE(
-      refused_json(silent + kAbsentBuses).starts_with("bus loopback:absent-left: no program listens"));
+  EXPECT_TRUE(refused_json(silent + kAbsentBuses).starts_with("bus " + kAbsentBus + ": no program listens"));
   EXPECT_TRUE(refused_json(silent + "--black-box /nowhere/file " + kAbsentBuses)
                   .starts_with("--black-box /nowhere/file: cannot be written"));
   EXPECT_FALSE(refused_json("--lockstep --set telemetry.interface=none0 " + kAbsentBuses).empty());

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -33,16 +34,18 @@ class Pair {
   void tick() {
     now_ns += kTick_ns;
     got_position = false;
-    for (const CanFrame& frame : arriving_)
-      got_position = reader.take(now_ns, frame, position) == DecodeStatus::ok || got_position;
-    arriving_.clear();
+    if (!late) {
+      for (const CanFrame& frame : arriving_)
+        got_position = reader.take(now_ns, frame, position) == DecodeStatus::ok || got_position;
+      arriving_.clear();
+    }
     FrameSink replies;
     emulator.elapse(now_ns, replies);
     if (const auto frame = reader.step(now_ns)) {
       sent.push_back(*frame);
       if (connected) emulator.take(now_ns, *frame, replies);
     }
-    if (connected) arriving_.assign(replies.frames().begin(), replies.frames().end());
+    if (connected) arriving_.insert(arriving_.end(), replies.frames().begin(), replies.frames().end());
   }
   /// Until a position comes. False: not in so many ticks.
   bool run(int ticks) {
@@ -59,6 +62,7 @@ class Pair {
   EncoderPosition position;
   bool got_position = false;
   bool connected = true;
+  bool late = false;  ///< whether replies are under way for longer
   std::vector<CanFrame> sent;
 
  private:
@@ -242,6 +246,22 @@ TEST(CanopenEncoder, ASilentEncoderIsNamedAndAskedAgain) {
             "rate, power and cable");
   pair.connected = true;
   EXPECT_TRUE(pair.run(1500));
+  EXPECT_EQ(pair.reader.trouble(), EncoderTrouble{});
+}
+
+/// A question is repeated after 50 ms. The second answer comes when the next question is asked already.
+TEST(CanopenEncoder, TwoLateAnswersToARepeatedQuestionAreNoAnswerToTheNext) {
+  Pair pair(Encoder{.node = 5});
+  pair.emulator.set_object(objects::kScaledSteps, 3600);  // its scaling is off
+  pair.late = true;
+  const auto asked = [&pair] {
+    return std::ranges::count_if(
+        pair.sent, [](const CanFrame& frame) { return frame == sdo_read_frame(5, objects::kDeviceType); });
+  };
+  for (int i = 0; i < 100 && asked() < 2; ++i) pair.tick();
+  ASSERT_EQ(asked(), 2);
+  pair.late = false;
+  EXPECT_TRUE(pair.run(150));
   EXPECT_EQ(pair.reader.trouble(), EncoderTrouble{});
 }
 

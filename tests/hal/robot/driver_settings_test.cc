@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <bit>
+
 #include "hal/ak/ak_emulator.h"
 #include "hal/mit/mit_emulator.h"
 #include "hal/moteus/moteus_emulator.h"
@@ -142,6 +144,28 @@ TEST(DriverSettings, OfADamiaoAreItsRegistersAndTheOthersHaveNone) {
   EXPECT_EQ(wrong(read(driver, emulator)), "CTRL_MODE ; PMAX ; VMAX ; TMAX ; ") << "no answer";
   driver.layout = mit::ReplyLayout::ak;
   EXPECT_TRUE(read(driver, emulator).empty());
+}
+
+/// A repeated question has two answers. The second comes when the next register is asked already.
+TEST(DriverSettings, ALateAnswerOfADamiaoIsNotThatOfTheNextRegister) {
+  mit::MitDriver driver;
+  driver.layout = mit::ReplyLayout::damiao;
+  mit::MitSettingReader reader(driver, {});
+  const auto answer = [&](mit::DamiaoRegister number, std::uint32_t bits) {
+    CanFrame frame;
+    EXPECT_EQ(mit::encode_register_answer(driver, {.number = static_cast<std::uint8_t>(number), .bits = bits},
+                                          frame),
+              EncodeStatus::ok);
+    return frame;
+  };
+  const CanFrame mode = answer(mit::DamiaoRegister::control_mode, 1);
+  ASSERT_TRUE(reader.next(false, false));
+  EXPECT_TRUE(reader.take(mode));
+  ASSERT_TRUE(reader.next(false, false));
+  EXPECT_FALSE(reader.take(mode));
+  const auto range = static_cast<float>(driver.position_rad.maximum);
+  EXPECT_TRUE(reader.take(answer(mit::DamiaoRegister::position_range, std::bit_cast<std::uint32_t>(range))));
+  EXPECT_EQ(wrong(reader.settings(0)), "VMAX ; TMAX ; ");
 }
 
 }  // namespace

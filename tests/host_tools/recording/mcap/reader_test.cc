@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <iterator>
 #include <stdexcept>
+#include <string>
 
 #include "tests/host_tools/recording/mcap/sample_file.h"
 
@@ -118,6 +119,29 @@ TEST(Reader, ADamagedChunkIsReportedAndTheOthersAreRead) {
   EXPECT_TRUE(reader.complete());
   ASSERT_EQ(reader.problems().size(), 1u);
   EXPECT_NE(reader.problems()[0].find(file.path()), std::string::npos);
+}
+
+/// A channel stands once, before its first message: later chunks with a valid check sum need that chunk.
+TEST(Reader, WithoutTheChunkOfTheChannelsEveryLaterChunkIsReportedOnce) {
+  const TemporaryFile file("channels");
+  {
+    Writer writer(file.path(), {.compression = Compression::none});
+    write_sample(writer);
+  }
+  Bytes bytes = file.bytes();
+  const std::string topic = "/second";
+  const auto at = std::ranges::search(bytes, topic).begin();
+  ASSERT_NE(at, bytes.end());
+  at[1] ^= 0x40;
+  file.set_bytes(bytes);
+  Reader reader(file.path());
+  EXPECT_EQ(reader.next(), nullptr);
+  EXPECT_TRUE(reader.complete());
+  ASSERT_EQ(reader.problems().size(), static_cast<std::size_t>(kSampleChunks));
+  EXPECT_NE(reader.problems()[0].find("a chunk's check sum is wrong"), std::string::npos);
+  for (std::size_t i = 1; i < reader.problems().size(); ++i) {
+    EXPECT_NE(reader.problems()[i].find("a message of an unknown channel"), std::string::npos);
+  }
 }
 
 TEST(Reader, ADamagedAttachmentIsReportedAndLeftOut) {
