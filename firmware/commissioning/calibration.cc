@@ -8,6 +8,7 @@
 #include "firmware/configuration/channel_text.h"
 #include "firmware/configuration/schema.h"
 #include "firmware/control_loop/joint_names.h"
+#include "hal/robot/robot_wiring.h"
 
 namespace stilt::commissioning {
 namespace {
@@ -77,6 +78,31 @@ bool is_imu(const configuration::TorsoSensorParameters& sensor) {
   return sensor.device == TorsoDevice::xsens_can || sensor.device == TorsoDevice::vectornav;
 }
 
+hal::TorsoSensorTraits traits_of(const configuration::TorsoSensorParameters& sensor) {
+  configuration::HardwareParameters hardware;
+  hardware.torso_sensor = sensor;
+  return hal::torso_sensor_traits(configuration::robot_wiring(hardware));
+}
+
+/// How late the rate is by the configuration alone: a mean over a window is that of its middle.
+double half_window_s(const configuration::TorsoSensorParameters& sensor) {
+  return traits_of(sensor).has_rate ? 0 : 0.5 * sensor.rate_window_s;
+}
+
+/// The sensor's share of the rate's delay counts: a robot walks with the longest half window.
+std::optional<std::string> lateness(const TorsoMotion& motion,
+                                    const configuration::TorsoSensorParameters& sensor) {
+  const double own_s = half_window_s(sensor);
+  if (motion.pitch.delay_s <= kLate_s && motion.rate.delay_s <= kLate_s + own_s) return std::nullopt;
+  const std::string window =
+      own_s > 0 ? formatted(", %.0f of them by torso_sensor.rate_window_s", 1e3 * own_s) : "";
+  return formatted(
+      "late torso sensor: pitch by %.0f ms, rate by %.0f ms%s; at most %.0f%s are usable: look at its "
+      "filter, its rate and its cable",
+      1e3 * motion.pitch.delay_s, 1e3 * motion.rate.delay_s, window.c_str(), 1e3 * kLate_s,
+      own_s > 0 ? " more" : "");
+}
+
 /// One setting reverses pitch and rate.
 bool has_one_sign(const configuration::TorsoSensorParameters& sensor) {
   return is_encoder(sensor) || is_imu(sensor) || sensor.pitch_rate == "none";
@@ -127,13 +153,7 @@ std::optional<TorsoCalibration> unusable(const TorsoMotion& motion,
                  formatted("wrong scale of the torso sensor: its pitch turns by %.3g rad per rad; %s",
                            std::abs(pitch.gain), scale_mend(sensor).c_str()));
   }
-  if (pitch.delay_s > kLate_s || rate.delay_s > kLate_s) {
-    return found(
-        motion, TorsoFinding::late,
-        formatted("late torso sensor: pitch by %.0f ms, rate by %.0f ms; at most %.0f are usable: look at "
-                  "its filter, its rate and its cable",
-                  1e3 * pitch.delay_s, 1e3 * rate.delay_s, 1e3 * kLate_s));
-  }
+  if (const auto late = lateness(motion, sensor)) return found(motion, TorsoFinding::late, *late);
   if (!near_one(std::abs(rate.gain)) || rate.explained < kExplained) {
     return found(motion, TorsoFinding::wrong_rate,
                  formatted("wrong pitch rate of the torso sensor: its integral turns by %.3g rad per rad; %s",
@@ -155,9 +175,11 @@ void add_torso(const configuration::TorsoSensorParameters& sensor, const TorsoCa
                std::vector<NewValue>& values) {
   const double sign = torso.reversed ? -1 : 1;
   if (is_encoder(sensor)) {
+    const double offset_rad = sign * sensor.encoder_offset_rad + torso.offset_rad;
+    const double period_rad = traits_of(sensor).pitch_period_rad;
     values.push_back({"torso_sensor", "encoder_reversed", flag(sensor.encoder_reversed != torso.reversed)});
-    values.push_back({"torso_sensor", "encoder_offset_rad",
-                      number_text(sign * sensor.encoder_offset_rad + torso.offset_rad)});
+    values.push_back(
+        {"torso_sensor", "encoder_offset_rad", number_text(std::remainder(offset_rad, period_rad))});
     return;
   }
   if (is_imu(sensor)) {

@@ -17,27 +17,42 @@ using Json = nlohmann::ordered_json;
 constexpr std::int64_t kSamplePeriod_ns = 100'000'000;
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
-/// A column of 9 characters, "-" for what is not reported.
-std::string column(double value, const char* format) {
-  char digits[40];
-  std::snprintf(digits, sizeof digits, format, value);
-  char padded[48];
+/// A column of 9 characters, "-" for what is not reported. A number that is too long has fewer decimals.
+std::string column(double value, int decimals) {
+  constexpr int kDigits = 8;
+  char digits[kDigits + 2];
+  while (std::snprintf(digits, sizeof digits, "%.*f", decimals, value) > kDigits && --decimals >= 0) {
+  }
+  if (decimals < 0) std::snprintf(digits, sizeof digits, "%.1e", value);
+  char padded[16];
   std::snprintf(padded, sizeof padded, "%9s", std::isfinite(value) ? digits : "-");
   return padded;
 }
 
+/// At most 80 characters, the state included.
 std::string joint_line(const char* name, const hal::JointReading& joint) {
   char head[16];
   std::snprintf(head, sizeof head, "%-8s", name);
-  std::string line = head + column(joint.position_rad, "%.3f") +
-                     column(joint.position_rad * kDegrees, "%.1f") + column(joint.velocity_rad_s, "%.2f") +
-                     column(joint.torque_Nm, "%.1f") + column(joint.driver_temperature_C, "%.0f") +
-                     column(joint.motor_temperature_C, "%.0f") + column(joint.supply_V, "%.1f") + "  " +
-                     diagnostics::state_text(joint.state);
-  if (joint.fault != hal::DriverFault::none) {
-    line += ": " + diagnostics::fault_text(joint.fault, joint.fault_code);
+  const bool silent = joint.missed_replies > kSilentReads;
+  return head + column(joint.position_rad, 3) + column(joint.position_rad * kDegrees, 1) +
+         column(joint.velocity_rad_s, 2) + column(joint.torque_Nm, 1) +
+         column(joint.driver_temperature_C, 0) + column(joint.motor_temperature_C, 0) +
+         column(joint.supply_V, 1) + "  " + (silent ? "SILENT" : diagnostics::state_text(joint.state)) + '\n';
+}
+
+/// A line of its own, since it has no room beside a joint: the first fault, and how many more there are.
+std::string fault_line(const hal::RobotReadings& readings) {
+  std::string first;
+  int more = -1;
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    const hal::JointReading& reading = readings.joints[joint];
+    if (reading.fault == hal::DriverFault::none) continue;
+    if (++more > 0) continue;
+    first = std::string(control_loop::kJointNames[joint]) + ' ' +
+            diagnostics::fault_text(reading.fault, reading.fault_code);
   }
-  return line + (joint.missed_replies > kSilentReads ? ", SILENT\n" : "\n");
+  return "driver faults   " + (first.empty() ? "none" : first) +
+         (more > 0 ? ", " + std::to_string(more) + " more\n" : "\n");
 }
 
 Json joint_json(const hal::JointReading& joint) {
@@ -84,10 +99,10 @@ std::string to_table(const WatchSample& sample) {
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
     table += joint_line(control_loop::kJointNames[joint], readings.joints[joint]);
   }
-  table += "torso   " + column(readings.base.pitch_rad, "%.3f") +
-           column(readings.base.pitch_rad * kDegrees, "%.1f") +
-           column(readings.base.pitch_rate_rad_s, "%.2f") +
+  table += "torso   " + column(readings.base.pitch_rad, 3) + column(readings.base.pitch_rad * kDegrees, 1) +
+           column(readings.base.pitch_rate_rad_s, 2) +
            (readings.base.missed_replies > kSilentReads ? "  SILENT\n" : "\n");
+  table += fault_line(readings);
   table += std::string("emergency stop  ") + hal::name(readings.emergency_stop) + '\n';
   return table + "bus errors      " + std::to_string(readings.bus_errors) + '\n';
 }

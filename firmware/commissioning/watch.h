@@ -24,9 +24,9 @@ struct WatchSample {
     Session& session, double duration_s, const std::function<void(const WatchSample&)>& show,
     const std::function<bool(const WatchSample&)>& follow = [](const WatchSample&) { return true; });
 
-/// A table of kWatchLines lines.
+/// A table of kWatchLines lines, none longer than a terminal of 80 columns: one that wraps is not drawn over.
 [[nodiscard]] std::string to_table(const WatchSample& sample);
-inline constexpr int kWatchLines = 8;
+inline constexpr int kWatchLines = 9;
 
 /// One line of JSON.
 [[nodiscard]] std::string to_json_line(const WatchSample& sample);

@@ -1,5 +1,6 @@
 #include "firmware/commissioning/zero.h"
 
+#include <algorithm>
 #include <array>
 #include <functional>
 #include <nlohmann/json.hpp>
@@ -13,6 +14,7 @@
 #include "firmware/control_loop/joint_names.h"
 #include "hal/robot/driver_scan.h"
 #include "hal/robot/driver_zero.h"
+#include "hal/robot/wiring_load.h"
 
 namespace stilt::commissioning {
 namespace {
@@ -21,6 +23,7 @@ constexpr std::int64_t kStep_ns = 1'000'000;
 constexpr int kAnswerSteps = 20;     ///< writing to flash takes a driver longer than an answer
 constexpr int kTries = 50;           ///< of a frame
 constexpr int kMostFrames = 10'000;  ///< of a command line that never ends
+constexpr const char* kSilent = "does not answer";
 
 using configuration::DriverProtocol;
 
@@ -41,6 +44,22 @@ std::string lasting(DriverProtocol protocol) {
       return "";
   }
   return "the driver counts turns of the motor from power-up: after a power cycle the zero may be another";
+}
+
+/// What follows "does not answer": no motor is turned on for a zero.
+const char* silence(DriverProtocol protocol) {
+  const bool maybe_while_off =
+      protocol == DriverProtocol::mit_ak || protocol == DriverProtocol::mit_mini_cheetah;
+  return maybe_while_off ? "; where stiltd watch shows the joint, its firmware is silent while the motor is "
+                           "off: set the zero with the vendor's tool"
+                         : "";
+}
+
+/// By the configuration: a scan of a driver in MIT mode takes any identifier, and so the frames of a sensor.
+bool sent_by(const hal::NodeIdentifiers& driver, const hal::CanFrame& frame) {
+  const hal::IdPattern sent{.value = frame.id, .standard = !frame.extended, .extended = frame.extended};
+  return std::ranges::any_of(driver.sends,
+                             [&sent](const hal::IdPattern& own) { return hal::overlap(own, sent); });
 }
 
 /// One joint's driver on its bus.
@@ -68,7 +87,10 @@ class Conversation {
   double position_rad(const hal::JointDriver& driver) {
     hal::ScannedDriver found;
     const std::vector<hal::CanFrame> questions = hal::scan_frames(driver);
-    const auto take = [&](const hal::CanFrame& frame) { return hal::take_scan(driver, frame, found); };
+    const hal::NodeIdentifiers identifiers = hal::identifiers(driver);
+    const auto take = [&](const hal::CanFrame& frame) {
+      return sent_by(identifiers, frame) && hal::take_scan(driver, frame, found);
+    };
     for (int attempt = 0; attempt < kTries && !stop_; ++attempt) {
       for (const hal::CanFrame& question : questions) static_cast<void>(ask(question, take));
       if (questions.empty()) static_cast<void>(wait(take));
@@ -112,7 +134,7 @@ std::string store(Conversation& conversation, hal::JointZero& zero) {
     if (answered && progress == hal::ZeroProgress::done) return "";
     if (answered && progress == hal::ZeroProgress::failed) return "refuses to store a zero";
   }
-  return "does not answer";
+  return kSilent;
 }
 
 }  // namespace
@@ -137,9 +159,10 @@ std::expected<ZeroReport, CommandFailure> set_zero(const configuration::Hardware
                     .lasts = lasting(protocol)};
   Conversation conversation(bus, clock, stop);
   report.before_rad = conversation.position_rad(driver);
-  std::string trouble = std::isfinite(report.before_rad) ? "" : "does not answer";
+  std::string trouble = std::isfinite(report.before_rad) ? "" : kSilent;
   if (trouble.empty()) trouble = store(conversation, *zero);
   if (stop) return std::unexpected(CommandFailure{"stopped", false});
+  if (trouble == kSilent) trouble += silence(protocol);
   if (!trouble.empty()) return std::unexpected(CommandFailure{name + ' ' + trouble, false});
   report.after_rad = conversation.position_rad(driver);
   return report;

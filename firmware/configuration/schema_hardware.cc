@@ -191,6 +191,12 @@ const Entry kHardware[] = {
      real<&P::hardware, &H::longest_reply_lag_s>(0.001, 0.1)},
 };
 
+constexpr int kMostEncoderTurns = 65536;
+constexpr double kLeastEncoderRatio = 0.01;
+/// Half of the angle after which the pitch of such an encoder repeats, pi kMostEncoderTurns /
+/// kLeastEncoderRatio: where an absolute encoder counts from is anywhere in its turns.
+constexpr double kMostEncoderOffset_rad = 2.1e7;
+
 const Entry kTorsoSensor[] = {
     {"torso_sensor", "device", "",
      "What measures pitch and pitch rate: the channels below (or encoder_joint), an absolute encoder on\n"
@@ -225,15 +231,16 @@ const Entry kTorsoSensor[] = {
     {"torso_sensor", "encoder_reversed", "", "It turns against the pitch",
      flag<&P::hardware, &H::torso_sensor, &B::encoder_reversed>()},
     {"torso_sensor", "encoder_offset_rad", "rad", "Pitch where it reads 0",
-     real<&P::hardware, &H::torso_sensor, &B::encoder_offset_rad>(-100.0, 100.0)},
+     real<&P::hardware, &H::torso_sensor, &B::encoder_offset_rad>(-kMostEncoderOffset_rad,
+                                                                  kMostEncoderOffset_rad)},
     {"torso_sensor", "encoder_ratio", "1", "Turns of the encoder per turn of the torso",
-     real<&P::hardware, &H::torso_sensor, &B::encoder_ratio>(0.01, 1e3)},
+     real<&P::hardware, &H::torso_sensor, &B::encoder_ratio>(kLeastEncoderRatio, 1e3)},
     {"torso_sensor", "encoder_node", "1", "canopen_encoder: its node",
      integer<&P::hardware, &H::torso_sensor, &B::encoder_node>(1, hal::canopen::kMaximumNode)},
     {"torso_sensor", "encoder_steps", "1", "canopen_encoder: steps of a turn",
      integer<&P::hardware, &H::torso_sensor, &B::encoder_steps>(2, 1 << 30)},
     {"torso_sensor", "encoder_turns", "1", "canopen_encoder: turns after which its position repeats",
-     integer<&P::hardware, &H::torso_sensor, &B::encoder_turns>(1, 65536)},
+     integer<&P::hardware, &H::torso_sensor, &B::encoder_turns>(1, kMostEncoderTurns)},
     {"torso_sensor", "encoder_speed_rad_s", "rad/s",
      "canopen_encoder: speed of its shaft that is 1 in object 0x6030; 0: that is not read",
      real<&P::hardware, &H::torso_sensor, &B::encoder_speed_rad_s>(0.0, 100.0)},

@@ -59,7 +59,7 @@ std::string serial_trouble(torso_sensor::SerialTorsoSensor& sensor, hal::Clock& 
     if (sensor.trouble() != torso_sensor::SerialTrouble::none) break;
     static_cast<void>(clock.sleep_until(clock.now_ns() + kStep_ns));
   }
-  return sentence(sensor.trouble(), sensor.settings());
+  return sensor.trouble_sentence();
 }
 
 CommissioningOutcome run_scan(const Options& options, ControllerState& state, hal::Clock& clock,

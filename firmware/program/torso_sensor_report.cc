@@ -10,8 +10,8 @@ TorsoSensorReport::TorsoSensorReport(const Options& options)
 
 void TorsoSensorReport::update(const ControllerState& state) {
   const torso_sensor::SerialTorsoSensor& serial = state.serial_torso_sensor;
-  std::string now = encoder_ ? sentence(state.hardware->torso_sensor_trouble(), *encoder_)
-                             : sentence(serial.trouble(), serial.settings());
+  std::string now =
+      encoder_ ? sentence(state.hardware->torso_sensor_trouble(), *encoder_) : serial.trouble_sentence();
   if (now == newest_) return;
   std::fprintf(stderr, "stiltd: %s\n", now.empty() ? "torso sensor: reports" : now.c_str());
   newest_ = std::move(now);

@@ -1,5 +1,7 @@
 #include "firmware/torso_sensor/serial_torso_sensor.h"
 
+#include <unistd.h>
+
 #include <array>
 #include <cmath>
 #include <utility>
@@ -24,7 +26,9 @@ std::string sentence(SerialTrouble trouble, const SerialSettings& settings) {
     case SerialTrouble::none:
       break;
     case SerialTrouble::gone:
-      return port + " is gone; plug the sensor in again, and stiltd opens it";
+      return port +
+             " is gone; plug the sensor in again, and stiltd opens it under that name, which may be one "
+             "of /dev/serial/by-id";
     case SerialTrouble::silent:
       return port + " is silent; see the sensor's power and cable";
     case SerialTrouble::no_packet:
@@ -52,6 +56,15 @@ std::expected<void, std::string> SerialTorsoSensor::start(const SerialSettings& 
 void SerialTorsoSensor::stop() {
   end_.store(true, std::memory_order_relaxed);
   thread_.join();
+}
+
+std::string SerialTorsoSensor::trouble_sentence() const {
+  const SerialTrouble now = trouble();
+  if (now == SerialTrouble::gone) {
+    const std::lock_guard lock(mutex_);
+    if (!not_opened_.empty()) return "torso sensor: " + not_opened_;
+  }
+  return sentence(now, settings_);
 }
 
 void SerialTorsoSensor::work(void* self) { static_cast<SerialTorsoSensor*>(self)->run(); }
@@ -113,7 +126,12 @@ void SerialTorsoSensor::judge(std::int64_t now_ns) noexcept {
 void SerialTorsoSensor::reopen() {
   hal::MonotonicClock clock;
   static_cast<void>(clock.sleep_until(clock.now_ns() + kReopen_ns));
+  const bool there = access(settings_.port.c_str(), F_OK) == 0;
   auto port = hal::serial::SerialPort::open(settings_.port, settings_.bit_rate_bit_s);
+  {
+    const std::lock_guard lock(mutex_);
+    not_opened_ = there && !port ? port.error() : "";
+  }
   if (port) port_.emplace(std::move(*port));
 }
 

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstdint>
 #include <expected>
+#include <mutex>
 #include <optional>
 #include <string>
 
@@ -51,7 +52,8 @@ class SerialTorsoSensor final : public hal::TorsoFeed {
 
   /// From any thread.
   [[nodiscard]] SerialTrouble trouble() const noexcept { return trouble_.load(std::memory_order_relaxed); }
-  [[nodiscard]] const SerialSettings& settings() const noexcept { return settings_; }
+  /// The trouble for the user, with the reason of a port that is there and cannot be opened; empty: none.
+  [[nodiscard]] std::string trouble_sentence() const;
 
  private:
   static void work(void* self);
@@ -70,6 +72,8 @@ class SerialTorsoSensor final : public hal::TorsoFeed {
   exchange::LatestValue<hal::TorsoSample> samples_;
   std::atomic<SerialTrouble> trouble_ = SerialTrouble::none;
   std::atomic<bool> end_ = false;
+  mutable std::mutex mutex_;
+  std::string not_opened_;  ///< why the port that is there again cannot be opened; under the mutex
   realtime::Thread thread_;
 };
 

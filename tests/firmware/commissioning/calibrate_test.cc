@@ -216,6 +216,35 @@ TEST(Calibrate, TakesGravityForTheOffsetOfTheTorsoSensorWhereverTheTorsoHangs) {
   EXPECT_NEAR(wiring.channels[1].scale, -5e-4, 1e-9);
 }
 
+TEST(Calibrate, FindsTheOffsetOfAnEncoderOfManyTurnsWhereverItCounts) {
+  constexpr double kOffset_rad = -2000, kRatio = 2, kTurns = 4096;
+  HangingRobot robot(
+      {.both = {"torso_sensor.device=canopen_encoder", "torso_sensor.encoder_turns=4096",
+                "torso_sensor.encoder_ratio=2", "torso_sensor.encoder_speed_rad_s=0.001"},
+       .robot = {"torso_sensor.encoder_offset_rad=-2000", "torso_sensor.encoder_reversed=true"},
+       .miswired = {}});
+  Helper person(robot);
+  const auto report = tried(robot, person);
+  ASSERT_TRUE(report) << report.error().sentence;
+  ASSERT_TRUE(report->good()) << to_text(*report);
+  const configuration::TorsoSensorParameters found = with(robot, *report).hardware.torso_sensor;
+  EXPECT_TRUE(found.encoder_reversed);
+  const double beside_rad =
+      std::remainder(found.encoder_offset_rad - kOffset_rad, 2 * M_PI * kTurns / kRatio);
+  EXPECT_NEAR(beside_rad, 0, kAsFarAsAHandHolds_rad) << found.encoder_offset_rad;
+}
+
+TEST(Calibrate, ARateOverTheLongestWindowIsNotLate) {
+  HangingRobot robot({.both = {"torso_sensor.pitch_rate=none", "torso_sensor.rate_window_s=0.05"},
+                      .robot = {},
+                      .miswired = {}});
+  Helper person(robot);
+  const auto report = tried(robot, person);
+  ASSERT_TRUE(report) << report.error().sentence;
+  EXPECT_TRUE(report->good()) << to_text(*report);
+  EXPECT_NEAR(report->torso.motion.rate.delay_s, 0.025, 0.004);
+}
+
 TEST(Calibrate, DriversAreOffBeforeTheTorsoIsJudged) {
   HangingRobot robot;
   Helper person(robot);

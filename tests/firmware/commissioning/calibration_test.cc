@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
+
+#include "firmware/configuration/configuration.h"
 
 namespace stilt::commissioning {
 namespace {
@@ -95,6 +98,31 @@ TEST(Calibration, AnEncoderGetsItsOwnSignAndOffsetWhateverReadsIt) {
   }
 }
 
+/// Where the encoder of a boom counts from is anywhere in its turns.
+TEST(Calibration, TheOffsetOfAnEncoderIsOneThatTheConfigurationTakes) {
+  struct Encoder {
+    int turns;
+    double ratio;
+  };
+  TorsoCalibration torso;
+  torso.finding = TorsoFinding::changed;
+  for (const Encoder& encoder : {Encoder{1, 1}, Encoder{4096, 1}, Encoder{4096, 3}, Encoder{65536, 0.01}}) {
+    SCOPED_TRACE(encoder.turns);
+    TorsoSensorParameters sensor;
+    sensor.device = TorsoDevice::canopen_encoder;
+    sensor.encoder_turns = encoder.turns;
+    sensor.encoder_ratio = encoder.ratio;
+    const double period_rad = 2 * M_PI * encoder.turns / encoder.ratio;
+    sensor.encoder_offset_rad = 0.4 * period_rad;
+    torso.offset_rad = 0.3 * period_rad;
+    const std::string offset = torso_values(sensor, torso).at("encoder_offset_rad");
+    EXPECT_NEAR(std::stod(offset), -0.3 * period_rad, 1e-12 * period_rad) << "where the pitch repeats";
+    const auto parsed =
+        configuration::parse("[torso_sensor]\nencoder_offset_rad = " + offset + "\n", "robot.toml");
+    EXPECT_TRUE(parsed) << configuration::to_string(parsed.error());
+  }
+}
+
 TEST(Calibration, APitchWithoutARateIsReversedAlone) {
   TorsoSensorParameters sensor;
   sensor.pitch_rate = "none";
@@ -112,6 +140,51 @@ TEST(Calibration, ARateThatTurnsAgainstThePitchIsWrongWhereOneSettingReversesBot
     sensor.device = device;
     EXPECT_EQ(calibration(readings, sensor).finding, TorsoFinding::wrong_rate);
     EXPECT_EQ(calibration(rocking(-1, -1), sensor).finding, TorsoFinding::changed);
+  }
+}
+
+/// The same torso, its pitch and its rate late.
+TorsoReadings late(double pitch_s, double rate_s) {
+  TorsoReadings readings = rocking(1, 1);
+  const auto shift = [](std::vector<double>& values, double late_s) {
+    const auto count = static_cast<std::ptrdiff_t>(std::lround(late_s / kPeriod_s));
+    std::rotate(values.begin(), values.end() - count, values.end());
+    std::fill_n(values.begin(), count, values[static_cast<std::size_t>(count)]);
+  };
+  shift(readings.pitch_rad, pitch_s);
+  shift(readings.pitch_rate_rad_s, rate_s);
+  return readings;
+}
+
+TEST(Calibration, TheHalfWindowOfARateFromThePitchIsNotTheSensors) {
+  TorsoSensorParameters channel, encoder;
+  channel.pitch_rate = "none";
+  encoder.device = TorsoDevice::canopen_encoder;
+  for (TorsoSensorParameters sensor : {channel, encoder}) {
+    sensor.rate_window_s = 0.05;
+    EXPECT_EQ(calibration(late(0, 0.025), sensor).finding, TorsoFinding::correct);
+    EXPECT_EQ(calibration(late(0.015, 0.040), sensor).finding, TorsoFinding::correct);
+    const TorsoCalibration torso = calibration(late(0.030, 0.055), sensor);
+    EXPECT_EQ(torso.finding, TorsoFinding::late) << "the sensor itself";
+    EXPECT_EQ(
+        torso.sentence,
+        "late torso sensor: pitch by 30 ms, rate by 54 ms, 25 of them by torso_sensor.rate_window_s; at "
+        "most 20 more are usable: look at its filter, its rate and its cable");
+  }
+}
+
+TEST(Calibration, ARateOfTheSensorHasNoHalfWindow) {
+  TorsoSensorParameters channel, encoder;
+  encoder.device = TorsoDevice::canopen_encoder;
+  encoder.encoder_speed_rad_s = 0.001;
+  for (TorsoSensorParameters sensor : {channel, encoder}) {
+    sensor.rate_window_s = 0.05;
+    const TorsoCalibration torso = calibration(late(0, 0.025), sensor);
+    EXPECT_EQ(torso.finding, TorsoFinding::late);
+    EXPECT_EQ(
+        torso.sentence,
+        "late torso sensor: pitch by 0 ms, rate by 24 ms; at most 20 are usable: look at its filter, its "
+        "rate and its cable");
   }
 }
 

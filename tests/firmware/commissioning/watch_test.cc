@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <vector>
 
 #include "firmware/commissioning/unknown_turns.h"
@@ -177,6 +178,48 @@ TEST(Watch, ALineOfJsonIsASampleAndATableHasItsLines) {
   EXPECT_EQ(json["emergency_stop"], "released");
   const std::string table = to_table(sample);
   EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), kWatchLines);
+}
+
+/// A longer line wraps on a terminal of 80 columns, and the next table is drawn below its remains.
+TEST(Watch, NoLineOfTheTableIsLongerThanATerminalIsWide) {
+  WatchSample sample;
+  const auto expect_fits = [&sample] {
+    const std::string table = to_table(sample);
+    EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), kWatchLines) << table;
+    std::istringstream lines(table);
+    for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 80u) << line;
+    return table;
+  };
+  for (hal::JointReading& joint : sample.readings.joints) {
+    joint = {.position_rad = -1.5, .velocity_rad_s = -2.5, .torque_Nm = -80.25};
+    joint.driver_temperature_C = joint.motor_temperature_C = 100;
+    joint.supply_V = 48.5;
+    joint.state = hal::DriverState::enabled;
+  }
+  EXPECT_NE(expect_fits().find("driver faults   none\n"), std::string::npos);
+  for (hal::JointReading& joint : sample.readings.joints) joint.missed_replies = 100;
+  sample.readings.base.missed_replies = 100;
+  const std::string silent = expect_fits();
+  EXPECT_NE(silent.find("  SILENT\nknee_L "), std::string::npos) << silent;
+  EXPECT_NE(silent.find("-  SILENT\ndriver faults"), std::string::npos) << silent;
+  for (hal::JointReading& joint : sample.readings.joints) {
+    joint.fault = hal::DriverFault::driver_over_temperature;
+    joint.fault_code = 4294967295;
+    joint.state = hal::DriverState::fault;
+    joint.position_rad = -25736.123;
+    joint.velocity_rad_s = joint.torque_Nm = -1e300;
+  }
+  const std::string faults = expect_fits();
+  EXPECT_NE(faults.find("hip_L   -25736.1 -1474571 -1.0e+300-1.0e+300      100      100     48.5  SILENT\n"),
+            std::string::npos)
+      << faults;
+  EXPECT_NE(faults.find("driver faults   hip_L driver over temperature, vendor code 4294967295, 3 more\n"),
+            std::string::npos)
+      << faults;
+  for (std::size_t joint = 0; joint < 3; ++joint)
+    sample.readings.joints[joint].fault = hal::DriverFault::none;
+  EXPECT_NE(expect_fits().find("knee_R driver over temperature, vendor code 4294967295\n"),
+            std::string::npos);
 }
 
 }  // namespace

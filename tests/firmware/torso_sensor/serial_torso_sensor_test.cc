@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <functional>
 #include <thread>
 
@@ -104,6 +105,35 @@ TEST(SerialTorsoSensor, APortThatIsPluggedInAgainIsReadAgain) {
     send(second, 0.2, 0);
     return std::abs(sensor.newest().pitch_rad - 0.2) < 1e-6;
   }));
+}
+
+/// As a sensor that comes back without rights for stiltd, or is held by another program.
+TEST(SerialTorsoSensor, APortThatIsThereAgainAndCannotBeOpenedSaysWhy) {
+  const tests::OwnFolder folder;
+  const std::string link = folder.file("imu");
+  tests::PseudoTerminal first;
+  std::filesystem::create_symlink(first.port(), link);
+  SerialTorsoSensor sensor;
+  ASSERT_TRUE(sensor.start({.port = link}));
+  std::filesystem::remove(link);
+  first.hang_up();
+  const auto says = [&sensor](const std::string& text) {
+    return eventually([&] { return sensor.trouble_sentence() == text; });
+  };
+  const std::string gone = sentence(SerialTrouble::gone, {.port = link});
+  EXPECT_TRUE(says(gone)) << sensor.trouble_sentence();
+  std::ofstream(link) << "no port";
+  EXPECT_TRUE(says("torso sensor: serial port " + link +
+                   ": cannot be set up (Inappropriate ioctl for device); is it a serial port?"))
+      << sensor.trouble_sentence();
+  std::filesystem::remove(link);
+  EXPECT_TRUE(says(gone)) << sensor.trouble_sentence();
+  const tests::PseudoTerminal second;
+  std::filesystem::create_symlink(second.port(), link);
+  EXPECT_TRUE(eventually([&] {
+    send(second, 0.2, 0);
+    return sensor.trouble_sentence().empty();
+  })) << sensor.trouble_sentence();
 }
 
 TEST(SerialTorsoSensor, APortThatIsNotThereIsOneSentence) {
