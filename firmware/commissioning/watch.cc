@@ -21,9 +21,11 @@ constexpr double kDegrees = 180.0 / std::numbers::pi;
 std::string column(double value, int decimals) {
   constexpr int kDigits = 8;
   char digits[kDigits + 2];
-  while (std::snprintf(digits, sizeof digits, "%.*f", decimals, value) > kDigits && --decimals >= 0) {
+  int length = std::snprintf(digits, sizeof digits, "%.*f", decimals, value);
+  for (; length > kDigits && decimals > 0; --decimals) {
+    length = std::snprintf(digits, sizeof digits, "%.*f", decimals - 1, value);
   }
-  if (decimals < 0) std::snprintf(digits, sizeof digits, "%.1e", value);
+  if (length > kDigits) std::snprintf(digits, sizeof digits, "%.1e", value);
   char padded[16];
   std::snprintf(padded, sizeof padded, "%9s", std::isfinite(value) ? digits : "-");
   return padded;
