@@ -252,7 +252,7 @@ TEST_F(ExperimentCommand, FiguresAreAPageAndTheNumbersOnIt) {
   EXPECT_EQ(page.find("nan"), std::string::npos);
   const Json numbers = json();
   EXPECT_EQ(numbers.at("push").at("survived"), true);
-  EXPECT_NE(page.find("Touch-downs around a push of 85 N for 1 s"), std::string::npos);
+  EXPECT_NE(page.find("Touch-downs around a push of 130 N for 1 s"), std::string::npos);
   ASSERT_EQ(numbers.at("recovery").size(), 2u);
   for (const Json& push : numbers.at("recovery")) {
     EXPECT_EQ(push.at("survived"), true) << push;
