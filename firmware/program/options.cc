@@ -194,13 +194,15 @@ Task task_of(const Commands& commands) {
   return Task::control;
 }
 
-/// Of a command line that is refused before its options are known; empty: none.
+/// Of a command line that is refused before its options are known; empty: none. Another option is no file.
 std::string json_file_of(std::span<char* const> words) {
   constexpr std::string_view kOption = "--json";
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::string_view word = words[i];
-    if (word == kOption && i + 1 < words.size()) return words[i + 1];
     if (word.starts_with("--json=")) return std::string(word.substr(kOption.size() + 1));
+    if (word != kOption || i + 1 == words.size()) continue;
+    const std::string_view file = words[i + 1];
+    if (file == "-" || !file.starts_with("-")) return std::string(file);
   }
   return "";
 }

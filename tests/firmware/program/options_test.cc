@@ -34,6 +34,14 @@ TEST(Options, AMistakeOfTheCommandLineLeavesTaskAndJsonFileKnown) {
   EXPECT_EQ(options.json_file, "file");
 }
 
+TEST(Options, AnOptionAfterJsonIsNoFileOfARefusal) {
+  char words[][20] = {"stiltd", "--json", "--duration", "soon"};
+  char* pointers[] = {words[0], words[1], words[2], words[3]};
+  Options options;
+  EXPECT_FALSE(read_options(4, pointers, "version", options));
+  EXPECT_EQ(options.json_file, "");
+}
+
 TEST(Options, WithoutAnyTheShippedRobotWaitsIdle) {
   const auto options = read({});
   ASSERT_TRUE(options) << options.error();
