@@ -87,20 +87,32 @@ TEST(SerialTorsoSensor, MessagesWithoutRatesAreNamed) {
   EXPECT_NEAR(sensor.newest().pitch_rad, -0.0328946, 1e-6) << "1.8847202 degrees, nose up";
 }
 
-TEST(SerialTorsoSensor, APortThatIsPluggedInAgainIsReadAgain) {
-  const tests::OwnFolder folder;
-  const std::string link = folder.file("imu");
+/// A sensor whose port has a name of its own, as in /dev/serial/by-id.
+class NamedPort : public testing::Test {
+ protected:
+  void plug_in(const tests::PseudoTerminal& terminal) {
+    std::filesystem::create_symlink(terminal.port(), link_);
+  }
+  void unplug(tests::PseudoTerminal& terminal) {
+    std::filesystem::remove(link_);
+    terminal.hang_up();
+  }
+
+  tests::OwnFolder folder_;
+  std::string link_ = folder_.file("imu");
+};
+
+TEST_F(NamedPort, ThatIsPluggedInAgainIsReadAgain) {
   tests::PseudoTerminal first;
-  std::filesystem::create_symlink(first.port(), link);
+  plug_in(first);
   SerialTorsoSensor sensor;
-  ASSERT_TRUE(sensor.start({.port = link}));
+  ASSERT_TRUE(sensor.start({.port = link_}));
   send(first, 0.1, 0);
   ASSERT_TRUE(eventually([&] { return sensor.newest().number == 1; }));
-  std::filesystem::remove(link);
-  first.hang_up();
+  unplug(first);
   EXPECT_TRUE(eventually([&] { return sensor.trouble() == SerialTrouble::gone; }));
   const tests::PseudoTerminal second;
-  std::filesystem::create_symlink(second.port(), link);
+  plug_in(second);
   EXPECT_TRUE(eventually([&] {
     send(second, 0.2, 0);
     return std::abs(sensor.newest().pitch_rad - 0.2) < 1e-6;
@@ -108,28 +120,25 @@ TEST(SerialTorsoSensor, APortThatIsPluggedInAgainIsReadAgain) {
 }
 
 /// As a sensor that comes back without rights for stiltd, or is held by another program.
-TEST(SerialTorsoSensor, APortThatIsThereAgainAndCannotBeOpenedSaysWhy) {
-  const tests::OwnFolder folder;
-  const std::string link = folder.file("imu");
+TEST_F(NamedPort, ThatIsThereAgainAndCannotBeOpenedSaysWhy) {
   tests::PseudoTerminal first;
-  std::filesystem::create_symlink(first.port(), link);
+  plug_in(first);
   SerialTorsoSensor sensor;
-  ASSERT_TRUE(sensor.start({.port = link}));
-  std::filesystem::remove(link);
-  first.hang_up();
+  ASSERT_TRUE(sensor.start({.port = link_}));
+  unplug(first);
   const auto says = [&sensor](const std::string& text) {
     return eventually([&] { return sensor.trouble_sentence() == text; });
   };
-  const std::string gone = sentence(SerialTrouble::gone, {.port = link});
+  const std::string gone = sentence(SerialTrouble::gone, {.port = link_});
   EXPECT_TRUE(says(gone)) << sensor.trouble_sentence();
-  std::ofstream(link) << "no port";
-  EXPECT_TRUE(says("torso sensor: serial port " + link +
+  std::ofstream(link_) << "no port";
+  EXPECT_TRUE(says("torso sensor: serial port " + link_ +
                    ": cannot be set up (Inappropriate ioctl for device); is it a serial port?"))
       << sensor.trouble_sentence();
-  std::filesystem::remove(link);
+  std::filesystem::remove(link_);
   EXPECT_TRUE(says(gone)) << sensor.trouble_sentence();
   const tests::PseudoTerminal second;
-  std::filesystem::create_symlink(second.port(), link);
+  plug_in(second);
   EXPECT_TRUE(eventually([&] {
     send(second, 0.2, 0);
     return sensor.trouble_sentence().empty();
