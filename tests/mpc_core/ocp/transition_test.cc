@@ -11,10 +11,8 @@
 namespace stilt::ocp {
 namespace {
 
-using model::kPositions;
 using model::kStates;
 using testing_support::Complex;
-using testing_support::kStageVariables;
 using testing_support::Linearisation;
 using testing_support::LqStage;
 using testing_support::ScalarOcp;
