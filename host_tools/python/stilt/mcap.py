@@ -167,13 +167,19 @@ class Reader:
         if check_sum not in (0, zlib.crc32(data)):
             raise ValueError("a chunk's check sum is wrong")
         records = _Fields(data)
+        first_defect = None  # a record that cannot be read leaves the others of its chunk
         while records.at < len(data):
             kind = records.number('B')
             body = records.raw(records.number('Q'))
-            if kind == MESSAGE:
-                yield self._message(_Fields(body))
-            elif kind in (SCHEMA, CHANNEL):
-                yield from self._take(kind, body)
+            try:
+                if kind == MESSAGE:
+                    yield self._message(_Fields(body))
+                elif kind in (SCHEMA, CHANNEL):
+                    yield from self._take(kind, body)
+            except (ValueError, struct.error) as error:
+                first_defect = first_defect or error
+        if first_defect:
+            raise first_defect
 
     def _message(self, fields: _Fields) -> Message:
         number = fields.number('H')

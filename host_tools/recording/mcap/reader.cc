@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <cstring>
 #include <stdexcept>
+#include <utility>
 
 #include "host_tools/recording/mcap/compression.h"
 #include "host_tools/recording/mcap/crc32.h"
@@ -135,27 +136,34 @@ void Reader::take_chunk(ByteView body) {
   if (sum != 0 && crc32(records) != sum) throw std::runtime_error("a chunk's check sum is wrong");
   chunk_ = std::move(records);
   chunk_at_ = 0;
+  chunk_reported_ = false;
 }
 
-/// Continues in the open chunk up to its next message.
+/// Continues in the open chunk up to its next message. The first defect of a chunk is reported.
 bool Reader::next_in_chunk() {
-  while (chunk_at_ < chunk_.size()) {
+  while (!has_message_ && chunk_at_ < chunk_.size()) {
     try {
-      ByteReader reader(ByteView(chunk_).subspan(chunk_at_));
-      const Op op = static_cast<Op>(reader.take<std::uint8_t>());
-      const ByteView body = reader.take_raw(reader.take<std::uint64_t>());
-      chunk_at_ += reader.position();
-      if (op == Op::schema) take_schema(ByteReader(body));
-      if (op == Op::channel) take_channel(ByteReader(body));
-      if (op == Op::message) take_message(ByteReader(body));
+      take_record_of_chunk();
     } catch (const std::runtime_error& error) {
-      problems_.push_back(path_ + ": " + error.what() + " (in the chunk before byte " + std::to_string(at_) +
-                          ")");
-      chunk_at_ = chunk_.size();
+      if (!chunk_reported_)
+        problems_.push_back(path_ + ": " + error.what() + " (in the chunk before byte " +
+                            std::to_string(at_) + ")");
+      chunk_reported_ = true;
     }
-    if (has_message_) return true;
   }
-  return false;
+  return has_message_;
+}
+
+/// Without a complete record the rest of the chunk is left out, else the record alone.
+void Reader::take_record_of_chunk() {
+  const std::size_t start = std::exchange(chunk_at_, chunk_.size());
+  ByteReader reader(ByteView(chunk_).subspan(start));
+  const Op op = static_cast<Op>(reader.take<std::uint8_t>());
+  const ByteView body = reader.take_raw(reader.take<std::uint64_t>());
+  chunk_at_ = start + reader.position();
+  if (op == Op::schema) take_schema(ByteReader(body));
+  if (op == Op::channel) take_channel(ByteReader(body));
+  if (op == Op::message) take_message(ByteReader(body));
 }
 
 void Reader::take_attachment(ByteView body) {

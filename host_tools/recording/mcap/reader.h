@@ -47,6 +47,7 @@ class Reader {
   void take_metadata(ByteReader body);
   void take_message(ByteReader body);
   [[nodiscard]] bool next_in_chunk();
+  void take_record_of_chunk();
   void end(const std::string& problem);
   [[noreturn]] void refuse(const std::string& why) const;
 
@@ -56,7 +57,8 @@ class Reader {
   std::uint64_t at_ = 0;  ///< of the next record
   Bytes body_;            ///< of the record read last
   Bytes chunk_;           ///< records of the open chunk
-  std::uint64_t chunk_at_ = 0;
+  std::size_t chunk_at_ = 0;
+  bool chunk_reported_ = false;
   bool has_message_ = false;
   bool ended_ = false;
   bool complete_ = false;

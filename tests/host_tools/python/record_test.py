@@ -238,6 +238,20 @@ class Records(unittest.TestCase):
         path.write_bytes(data)
         self.assertRegex(self.refusal(path), r"a chunk's check sum is wrong \(record at byte \d+\)")
 
+    def test_messages_of_an_unknown_channel_leave_the_others_of_their_chunk(self):
+        path = self.programs.folder / 'channels.mcap'
+        text = 'uint8 a\n'
+        mcap_writer.write(path, [(topic, 'a/msg/X', text, bytes((0, 0, 0, 0, value)))
+                                 for value, topic in enumerate(('/x', '/x', '/y', '/x', '/y', '/x', '/y', '/x'))],
+                          per_chunk=2)
+        data = bytearray(path.read_bytes())
+        data[data.index(b'/y')] ^= 1  # the chunk that declares the channel
+        path.write_bytes(data)
+        record = stilt.Record(path, partial=True)
+        self.assertEqual(list(record.frame('/x')['a']), [0, 1, 5, 7])
+        self.assertEqual([re.search("check sum|unknown channel", problem)[0] for problem in record.problems],
+                         ['check sum', 'unknown channel', 'unknown channel'])
+
     def test_a_message_that_ends_too_early_is_named(self):
         self.assertRegex(self.refusal(self.rewritten(lambda topic, text, data: (text, data[:40]))),
                          'rewritten.mcap: /stilt/configuration: a message of type stilt_msgs/msg/Configuration that')

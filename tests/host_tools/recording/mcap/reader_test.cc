@@ -7,11 +7,28 @@
 #include <iterator>
 #include <stdexcept>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "tests/host_tools/recording/mcap/sample_file.h"
 
 namespace stilt::mcap {
 namespace {
+
+/// A file of these records, shorter than 256 bytes each, that was closed properly.
+Bytes file_of(const std::vector<std::pair<Op, Bytes>>& records) {
+  Bytes bytes(std::begin(kMagic), std::end(kMagic));
+  const auto put = [&bytes](Op op, const Bytes& body) {
+    bytes.push_back(static_cast<std::uint8_t>(op));
+    bytes.push_back(static_cast<std::uint8_t>(body.size()));
+    bytes.resize(bytes.size() + 7);
+    bytes.insert(bytes.end(), body.begin(), body.end());
+  };
+  for (const auto& [op, body] : records) put(op, body);
+  put(Op::footer, Bytes(20));
+  bytes.insert(bytes.end(), std::begin(kMagic), std::end(kMagic));
+  return bytes;
+}
 
 /// Reads all, and checks that the messages are the first of the sample's.
 int count_messages(Reader& reader) {
@@ -144,6 +161,40 @@ TEST(Reader, WithoutTheChunkOfTheChannelsEveryLaterChunkIsReportedOnce) {
   }
 }
 
+/// The chunk that declares the second channel is damaged: the first channel's messages after it are read.
+TEST(Reader, MessagesOfAnUnknownChannelLeaveTheOthersOfTheirChunk) {
+  const TemporaryFile file("late_channel");
+  {
+    Writer writer(file.path(), {.compression = Compression::none});
+    const std::uint16_t first = writer.add_channel(0, "/first", "json");
+    std::uint32_t number = 0;
+    const auto write = [&](std::uint16_t channel) {
+      writer.write({channel, number, number, number, sample_data(static_cast<int>(number))});
+      ++number;
+    };
+    write(first);
+    writer.flush();
+    const std::uint16_t second = writer.add_channel(0, "/second", "json");
+    write(second);
+    writer.flush();
+    for (const std::uint16_t channel : {second, first, second, first}) write(channel);
+    writer.close();
+  }
+  Bytes bytes = file.bytes();
+  const std::string topic = "/second";
+  const auto at = std::ranges::search(bytes, topic).begin();
+  ASSERT_NE(at, bytes.end());
+  at[1] ^= 0x40;
+  file.set_bytes(bytes);
+  Reader reader(file.path());
+  std::vector<std::uint32_t> numbers;
+  while (const ReadMessage* read = reader.next()) numbers.push_back(read->message.sequence);
+  EXPECT_EQ(numbers, (std::vector<std::uint32_t>{0, 3, 5}));
+  ASSERT_EQ(reader.problems().size(), 2u);
+  EXPECT_NE(reader.problems()[0].find("a chunk's check sum is wrong"), std::string::npos);
+  EXPECT_NE(reader.problems()[1].find("a message of an unknown channel"), std::string::npos);
+}
+
 TEST(Reader, ADamagedAttachmentIsReportedAndLeftOut) {
   const TemporaryFile file("attachment");
   {
@@ -166,19 +217,24 @@ TEST(Reader, ADamagedAttachmentIsReportedAndLeftOut) {
   EXPECT_EQ(reader.attachments()[0].create_time_ns, 8);
 }
 
+/// Other programs may leave out the check sum.
+TEST(Reader, ARecordLongerThanItsChunkIsReportedOnceAndEndsTheChunk) {
+  const TemporaryFile file("long");
+  Bytes chunk(40);  // no times, no check sum, no compression
+  const Bytes records = {static_cast<std::uint8_t>(Op::message), 200, 0, 0, 0, 0, 0, 0, 0, 1, 2, 3};
+  chunk[16] = chunk[32] = static_cast<std::uint8_t>(records.size());
+  chunk.insert(chunk.end(), records.begin(), records.end());
+  file.set_bytes(file_of({{Op::chunk, chunk}}));
+  Reader reader(file.path());
+  EXPECT_EQ(reader.next(), nullptr);
+  EXPECT_TRUE(reader.complete());
+  EXPECT_EQ(reader.problems().size(), 1u);
+}
+
 /// Other programs may write such files; nothing here shows whether the message is damaged.
 TEST(Reader, AMessageOutsideOfAChunkIsReportedAndLeftOut) {
   const TemporaryFile file("outside");
-  Bytes bytes(std::begin(kMagic), std::end(kMagic));
-  const auto put = [&bytes](Op op, std::size_t size) {
-    bytes.push_back(static_cast<std::uint8_t>(op));
-    bytes.push_back(static_cast<std::uint8_t>(size));
-    bytes.insert(bytes.end(), 7 + size, 0);
-  };
-  put(Op::message, 30);
-  put(Op::footer, 20);
-  bytes.insert(bytes.end(), std::begin(kMagic), std::end(kMagic));
-  file.set_bytes(bytes);
+  file.set_bytes(file_of({{Op::message, Bytes(30)}}));
   Reader reader(file.path());
   EXPECT_EQ(reader.next(), nullptr);
   EXPECT_TRUE(reader.complete());
