@@ -8,6 +8,7 @@
 
 #include "firmware/configuration/driver_of.h"
 #include "firmware/configuration/protocol_name.h"
+#include "firmware/control_loop/joint_names.h"
 #include "hal/robot/driver_scan.h"
 #include "hal/robot/driver_settings.h"
 #include "hal/robot/wiring_load.h"
@@ -90,7 +91,7 @@ class BusScan {
     Candidate candidate{driver, node_of(driver, protocol), hal::make_setting_reader(driver, wanted),
                         hal::watchdog_keys(driver, wanted)};
     for (hal::ReadSetting& key : candidate.watchdog_keys) {
-      key.name = std::string(configuration::driver_section(joint)) + "." + key.name;
+      key.name = std::string(control_loop::driver_section(joint)) + "." + key.name;
     }
     candidate.node.joint = joint;
     if (std::holds_alternative<hal::mit::MitDriver>(driver)) {

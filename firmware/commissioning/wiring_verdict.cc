@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdio>
 
-#include "firmware/configuration/driver_of.h"
 #include "firmware/control_loop/joint_names.h"
 
 namespace stilt::commissioning {
@@ -117,14 +116,14 @@ Verdict wrong_gear(std::size_t joint, const JogMotion& motion, double seen_rad,
   std::string sentence = text;
   if (has_ranges(driver.protocol) && !right_speed(motion)) {
     sentence += ". Positions and velocities differ, too: first look at position_range_rad of ";
-    sentence += configuration::driver_section(joint);
+    sentence += control_loop::driver_section(joint);
   }
   return {Finding::wrong_ratio, sentence};
 }
 
 /// The keys that velocities depend on, and positions do not.
 std::string speed_keys(std::size_t joint, double factor, const configuration::DriverParameters& driver) {
-  const std::string section = configuration::driver_section(joint);
+  const std::string section = control_loop::driver_section(joint);
   char text[240];
   if (has_ranges(driver.protocol)) {
     std::snprintf(

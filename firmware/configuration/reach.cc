@@ -3,14 +3,12 @@
 #include <cmath>
 #include <string_view>
 
-#include "firmware/configuration/driver_of.h"
 #include "firmware/configuration/schema.h"
+#include "firmware/control_loop/joint_names.h"
 #include "hal/robot/robot_wiring.h"
 
 namespace stilt::configuration {
 namespace {
-
-constexpr std::string_view kNames[hal::kJoints] = {"hip_L", "knee_L", "hip_R", "knee_R"};
 
 /// One thing a joint does, at the driver's shaft, and what its frames carry.
 struct Need {
@@ -21,10 +19,10 @@ struct Need {
 };
 
 std::string sentence(std::size_t joint, const Need& need) {
-  return std::string(kNames[joint]) + ": " + std::string(need.what) + " of up to " +
+  return std::string(control_loop::kJointNames[joint]) + ": " + std::string(need.what) + " of up to " +
          number_text(need.wanted) + ' ' + std::string(need.unit) +
          " at the shaft, and the frames of its driver carry at most " + number_text(need.carried) + ' ' +
-         std::string(need.unit) + "; see " + driver_section(joint) +
+         std::string(need.unit) + "; see " + control_loop::driver_section(joint) +
          ".ratio, the joint's offset_rad and torque_factor, and the driver's ranges";
 }
 
@@ -36,9 +34,10 @@ void check_sitting_pose(const supervisor::SupervisorParameters& parameters,
     const double least_rad = robot.position_min_rad[joint], most_rad = robot.position_max_rad[joint];
     if (pose_rad[joint] >= least_rad && pose_rad[joint] <= most_rad) continue;
     const std::string key = joint % 2 == 0 ? "supervisor.sit_hip_rad" : "supervisor.sit_knee_rad";
-    found.push_back(std::string(kNames[joint]) + ": " + key + " = " + number_text(pose_rad[joint]) +
-                    " is beyond the joint's travel, " + number_text(least_rad) + " to " +
-                    number_text(most_rad) + " rad; give a pose in which this robot sits");
+    found.push_back(std::string(control_loop::kJointNames[joint]) + ": " + key + " = " +
+                    number_text(pose_rad[joint]) + " is beyond the joint's travel, " +
+                    number_text(least_rad) + " to " + number_text(most_rad) +
+                    " rad; give a pose in which this robot sits");
   }
 }
 

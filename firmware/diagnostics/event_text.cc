@@ -88,8 +88,9 @@ std::string bring_up_text(const hal::BringUpProgress& progress) {
   }
   if (progress.setting != hal::bring_up::Setting::none) {
     const bool of_configuration = progress.failure == hal::bring_up::Failure::no_watchdog;
-    const char* section = progress.joint % 2 == 0 ? "in hip_driver, " : "in knee_driver, ";
-    text += std::string("; ") + (of_configuration ? section : "") + hal::bring_up::name(progress.setting);
+    text += "; ";
+    if (of_configuration) text += std::string("in ") + control_loop::driver_section(progress.joint) + ", ";
+    text += hal::bring_up::name(progress.setting);
   }
   return text;
 }
