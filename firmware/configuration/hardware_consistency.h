@@ -17,7 +17,7 @@ void check_hardware(const HardwareParameters& hardware, std::vector<Contradictio
 /// whose window holds too few pitches.
 void check_torso_sensor(const HardwareParameters& hardware, std::vector<Contradiction>& found);
 
-/// Angles before base_angle_limit, and rates on the way there, that the frames of the torso sensor cannot
+/// Angles before base_pitch_limit, and rates on the way there, that the frames of the torso sensor cannot
 /// carry: they would read less, and a fall would not be seen.
 void check_torso_range(const HardwareParameters& hardware, const supervisor::SupervisorParameters& supervisor,
                        std::vector<Contradiction>& found);

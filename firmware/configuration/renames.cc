@@ -23,6 +23,7 @@ constexpr Rename kRenames[] = {
     {"sqp", "plan_force_violation_max_N", "plan_cone_violation_max_N"},
     {"supervisor", "older_plan_s", "plan_feedback_after_s"},
     {"supervisor", "frozen_ticks", "unchanged_replies_limit"},
+    {"supervisor", "base_angle_limit_rad", "base_pitch_limit_rad"},
     {"base_sensor", "", "torso_sensor"},
 };
 

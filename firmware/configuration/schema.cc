@@ -59,7 +59,7 @@ constexpr Section kSections[] = {
     {"gait_tracker",
      "A gait of the library tracked by the joints without planning: torque of the gait, kp and kd.\n"
      "See supervisor.track_gait and supervisor.select_gait."},
-    {"estimator", "State of the base from joint encoders and base angle."},
+    {"estimator", "State of the base from joint encoders and base pitch."},
     {"timing", "Rates of the two loops."},
 };
 

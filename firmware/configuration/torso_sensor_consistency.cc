@@ -15,7 +15,7 @@ namespace {
 
 using hal::BaseChannel;
 
-/// A torso that tips over gets about as fast before it is at supervisor.base_angle_limit_rad.
+/// A torso that tips over gets about as fast before it is at supervisor.base_pitch_limit_rad.
 constexpr double kFallingTorso_rad_s = 5.0;
 /// Step of a rate that is taken from the pitch: more would be noise in the torques.
 constexpr double kCoarsestRate_rad_s = 0.03;
@@ -166,8 +166,8 @@ void check_torso_range(const HardwareParameters& hardware, const supervisor::Sup
                        std::vector<Contradiction>& found) {
   const TorsoSensorParameters& sensor = hardware.torso_sensor;
   const hal::RobotWiring wiring = robot_wiring(hardware);
-  const double angle_rad = supervisor.base_angle_limit_rad;
-  constexpr std::string_view kAngle = "supervisor.base_angle_limit_rad";
+  const double angle_rad = supervisor.base_pitch_limit_rad;
+  constexpr std::string_view kAngle = "supervisor.base_pitch_limit_rad";
   constexpr std::string_view kRate = "which a torso that falls reaches";
   if (sensor.device == TorsoDevice::channels) {
     if (const hal::ChannelRow* row = row_of(wiring, BaseChannel::pitch_rad))

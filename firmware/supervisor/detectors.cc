@@ -53,8 +53,8 @@ FaultSet detect_limits(const Observation& seen, const JointLimits& limits,
                   Fault::joint_torque_limit);
   }
   faults.add_if(
-      !within(seen.base.pitch_rad, -parameters.base_angle_limit_rad, parameters.base_angle_limit_rad),
-      Fault::base_angle_limit);
+      !within(seen.base.pitch_rad, -parameters.base_pitch_limit_rad, parameters.base_pitch_limit_rad),
+      Fault::base_pitch_limit);
   faults.add_if(!(seen.hip_height_share >= parameters.hip_height_share), Fault::hip_height_limit);
   faults.add_if(any_beyond(seen.signals.following_error_rad, parameters.following_error_rad),
                 Fault::following_error);

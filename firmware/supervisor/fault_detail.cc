@@ -141,8 +141,8 @@ FaultDetail detail(Fault fault, const Observation& seen, const JointLimits& limi
         found.limit = limits.torque_Nm[i] + parameters.torque_margin_Nm;
         return std::abs(found.value) > found.limit;
       });
-    case Fault::base_angle_limit:
-      return of_number(seen.base.pitch_rad, parameters.base_angle_limit_rad, "rad");
+    case Fault::base_pitch_limit:
+      return of_number(seen.base.pitch_rad, parameters.base_pitch_limit_rad, "rad");
     case Fault::hip_height_limit:
       return of_number(seen.hip_height_share, parameters.hip_height_share, "of the leg");
     case Fault::following_error:

@@ -106,7 +106,7 @@ DecodeStatus CanRobot::take_joint(std::int64_t now_ns, std::size_t joint, const 
   reading.fault = shaft.fault;
   reading.fault_code = shaft.fault_code;
   if (wiring_.pitch_encoder_joint == static_cast<int>(joint) && std::isfinite(shaft.encoder_position_rad))
-    set_torso_angle(now_ns, shaft.encoder_position_rad, shaft.encoder_velocity_rad_s);
+    set_torso_pitch(now_ns, shaft.encoder_position_rad, shaft.encoder_velocity_rad_s);
   return status;
 }
 
@@ -147,12 +147,12 @@ void CanRobot::take_feed() noexcept {
 void CanRobot::take_torso_encoder(std::int64_t now_ns, const CanFrame& frame) noexcept {
   canopen::EncoderPosition position;
   const DecodeStatus status = encoder_->take(now_ns, frame, position);
-  if (status == DecodeStatus::ok) set_torso_angle(position.time_ns, position.angle_rad, position.speed_rad_s);
+  if (status == DecodeStatus::ok) set_torso_pitch(position.time_ns, position.angle_rad, position.speed_rad_s);
   if (status != DecodeStatus::ok && status != DecodeStatus::not_addressed) ++torso_.reading().malformed;
 }
 
 /// Of the encoder's shaft. @param speed_rad_s  NaN: not reported
-void CanRobot::set_torso_angle(std::int64_t time_ns, double angle_rad, double speed_rad_s) noexcept {
+void CanRobot::set_torso_pitch(std::int64_t time_ns, double angle_rad, double speed_rad_s) noexcept {
   const double turns = wiring_.pitch_direction / wiring_.pitch_ratio;
   if (std::isfinite(speed_rad_s)) torso_.set_rate(turns * speed_rad_s);
   torso_.set_pitch(time_ns, turns * angle_rad + wiring_.pitch_offset_rad);

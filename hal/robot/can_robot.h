@@ -61,7 +61,7 @@ class CanRobot final {
   [[nodiscard]] bool count_missed(std::size_t joint) noexcept;
   void take_feed() noexcept;
   void take_torso_encoder(std::int64_t now_ns, const CanFrame& frame) noexcept;
-  void set_torso_angle(std::int64_t time_ns, double angle_rad, double speed_rad_s) noexcept;
+  void set_torso_pitch(std::int64_t time_ns, double angle_rad, double speed_rad_s) noexcept;
 
   [[nodiscard]] bool has_no_feedback(std::size_t joint) const noexcept;
   [[nodiscard]] DriverCommand at_shaft(std::size_t joint, const JointCommand& command) const noexcept;

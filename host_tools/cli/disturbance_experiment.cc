@@ -105,7 +105,7 @@ PushRow push_row(const RowChoice& choice) {
   row.phases = choice.phases;
   row.seeds = choice.seeds;
   row.search.coarse_N = choice.coarse_N;
-  row.step_s = walk_step_s(choice.setting, controller, row.horizon_s);
+  row.step_time_s = walk_step_time_s(choice.setting, controller, row.horizon_s);
   row.setting =
       setting_json(choice.setting, walk_parameters(choice.setting, controller, row.horizon_s).timing);
   row.walk = walk_runner(choice.setting);

@@ -37,8 +37,8 @@ std::vector<std::string> sensor_noise(double scale) {
   };
   constexpr Noise kNoise[] = {{"encoder_noise_rad", 0.0005},
                               {"encoder_velocity_noise_rad_s", 0.02},
-                              {"base_angle_noise_rad", 0.001},
-                              {"base_rate_noise_rad_s", 0.01}};
+                              {"base_pitch_noise_rad", 0.001},
+                              {"base_pitch_rate_noise_rad_s", 0.01}};
   std::vector<std::string> assignments;
   for (const Noise& noise : kNoise) {
     assignments.push_back(std::string(noise.option) + "=" +
@@ -202,7 +202,7 @@ control::ControllerParameters walk_parameters(const WalkSetting& setting, const 
   return controller_parameters(choice_of(setting, controller, horizon_s));
 }
 
-double walk_step_s(const WalkSetting& setting, const std::string& controller, double horizon_s) {
+double walk_step_time_s(const WalkSetting& setting, const std::string& controller, double horizon_s) {
   const gait::GaitParameters& gait = walk_parameters(setting, controller, horizon_s).gait;
   return gait.single_support_s + gait.double_support_s;
 }

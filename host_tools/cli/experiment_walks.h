@@ -45,6 +45,7 @@ struct WalkSetting {
                                                             const std::string& controller, double horizon_s);
 
 /// Duration of a step of that controller's gait, both supports: places the phases of an experiment.
-[[nodiscard]] double walk_step_s(const WalkSetting& setting, const std::string& controller, double horizon_s);
+[[nodiscard]] double walk_step_time_s(const WalkSetting& setting, const std::string& controller,
+                                      double horizon_s);
 
 }  // namespace stilt::cli

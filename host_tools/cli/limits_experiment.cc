@@ -55,7 +55,7 @@ LimitPlan limit_plan(const ExperimentOptions& options) {
   for (const std::string& controller : controllers) {
     for (const double horizon_s : horizons_s) {
       const WalkSetting setting = setting_for(options.setting, controller);
-      plan.controllers.push_back({controller, horizon_s, walk_step_s(setting, controller, horizon_s)});
+      plan.controllers.push_back({controller, horizon_s, walk_step_time_s(setting, controller, horizon_s)});
     }
   }
   return plan;

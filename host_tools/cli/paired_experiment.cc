@@ -72,7 +72,7 @@ PairedPlan paired_plan(const ExperimentOptions& options) {
   plan.cases = options.quick ? std::min(options.cases, kCasesOfQuick) : options.cases;
   plan.seed = options.seed;
   const WalkSetting common = setting_for(options.setting, plan.controller);
-  plan.step_s = walk_step_s(common, plan.controller, plan.horizon_s);
+  plan.step_time_s = walk_step_time_s(common, plan.controller, plan.horizon_s);
   for (const Variant& variant : kVariants) {
     plan.variants.push_back({variant.name,
                              {{"plan_rate_hz", variant.plan_rate_hz},

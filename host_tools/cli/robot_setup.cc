@@ -123,7 +123,7 @@ SimulatedHardware simulated_hardware(const RobotOptions& options) {
           "or take a sensor on a bus");
     }
   }
-  setup.base_rate_hz = configured.hardware.torso_sensor.rate_hz;
+  setup.torso_sensor_rate_hz = configured.hardware.torso_sensor.rate_hz;
   setup.tick_s = 1.0 / configured.timing.torque_rate_hz;
   for (const std::string& assignment : options.plant_settings) set_plant_option(setup.plant, assignment);
   setup.plant.time_step_s = simulation::time_step_for_tick(setup.plant.time_step_s, setup.tick_s);

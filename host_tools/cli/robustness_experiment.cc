@@ -78,7 +78,7 @@ RobustnessPlan robustness_plan(const ExperimentOptions& options) {
   plan.seed = options.seed;
   plan.runs = options.quick ? std::min(options.runs, kRunsOfQuick) : options.runs;
   const WalkSetting setting = setting_for(options.setting, plan.controller);
-  plan.timing.step_s = walk_step_s(setting, plan.controller, plan.horizon_s);
+  plan.timing.step_time_s = walk_step_time_s(setting, plan.controller, plan.horizon_s);
   plan.quantities = experiments::random_quantities(torso_heights_m(choice.robot));
   plan.command = [setting](const WalkCase& walk) { return sim_command(setting, walk); };
   return plan;

@@ -140,7 +140,7 @@ class RowSummary {
 
 WalkCase limit_case(const LimitPlan& plan, const LimitPlan::Controller& controller,
                     const BlindQuantity& quantity, int phase, int seed, double value) {
-  const double step_m = plan.speed_m_s * controller.step_s;
+  const double step_m = plan.speed_m_s * controller.step_time_s;
   const double phase_m = step_m * (phase % 2 + static_cast<double>(phase) / plan.phases);
   WalkCase walk = walk_of(plan, controller, seed);
   quantity.apply(value, phase_m, walk);

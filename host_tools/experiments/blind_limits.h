@@ -30,7 +30,7 @@ struct LimitPlan {
   struct Controller {
     std::string name = "mpc-heuristic";
     double horizon_s = 1.0;
-    double step_s = 0.3;  ///< step time of its gait, to place the phases
+    double step_time_s = 0.3;  ///< step time of its gait, to place the phases
   };
   std::vector<Controller> controllers = {{}};
   std::vector<BlindQuantity> quantities = blind_quantities();

@@ -92,13 +92,14 @@ std::vector<PublishedRow> published_rows() {
   return rows;
 }
 
-double lift_off_s(double settled_s, double step_s, double steps) {
+double lift_off_s(double settled_s, double step_time_s, double steps) {
   constexpr double kFirstLiftOff_s = 0.3;
-  return kFirstLiftOff_s + step_s * (std::ceil((settled_s - kFirstLiftOff_s) / step_s - 1e-9) + steps);
+  return kFirstLiftOff_s +
+         step_time_s * (std::ceil((settled_s - kFirstLiftOff_s) / step_time_s - 1e-9) + steps);
 }
 
 double push_start_s(const DisturbancePlan& plan, const PushRow& row, int phase) {
-  return lift_off_s(plan.settled_s, row.step_s, phase % 2 + static_cast<double>(phase) / row.phases);
+  return lift_off_s(plan.settled_s, row.step_time_s, phase % 2 + static_cast<double>(phase) / row.phases);
 }
 
 PushTrial push_case(const DisturbancePlan& plan, const PushRow& row, int phase, int seed, double force_N) {

@@ -16,11 +16,11 @@ struct PushRow {
   std::string controller = "mpc-heuristic";
   double horizon_s = 1.0;
   gait::GaitCommand command{gait::GaitKind::walk, 0.5};
-  bool backward = false;  ///< direction of the push
-  double step_s = 0.3;    ///< step time of the controller's gait, to place the phases
-  int phases = 8;         ///< phases of the step at which the push begins; odd ones with the other foot in
-                          ///< stance
-  int seeds = 3;          ///< 1, 2, ... of the sensor noise
+  bool backward = false;     ///< direction of the push
+  double step_time_s = 0.3;  ///< step time of the controller's gait, to place the phases
+  int phases = 8;            ///< phases of the step at which the push begins; odd ones with the other foot in
+                             ///< stance
+  int seeds = 3;             ///< 1, 2, ... of the sensor noise
   PushSearch search;
   Json setting;     ///< other settings of the row, for the reader; its fields become the row's
   WalkRunner walk;  ///< runs a walk of this row
@@ -44,7 +44,7 @@ struct PublishedRow {
 [[nodiscard]] std::vector<PublishedRow> published_rows();
 
 /// Time of the first lift-off of a walk at or after `settled_s`, and `steps` steps later.
-[[nodiscard]] double lift_off_s(double settled_s, double step_s, double steps);
+[[nodiscard]] double lift_off_s(double settled_s, double step_time_s, double steps);
 
 /// Start time of the push at a phase.
 [[nodiscard]] double push_start_s(const DisturbancePlan& plan, const PushRow& row, int phase);

@@ -84,7 +84,7 @@ WalkCase paired_walk(const PairedPlan& plan, const PairedPush& push, int number)
   walk.horizon_s = plan.horizon_s;
   walk.command.speed_m_s = plan.speed_m_s;
   walk.push_N = push.force_N;
-  walk.push_start_s = lift_off_s(plan.settled_s, plan.step_s, between(random, 0.0, 2.0));
+  walk.push_start_s = lift_off_s(plan.settled_s, plan.step_time_s, between(random, 0.0, 2.0));
   walk.push_duration_s = plan.push_duration_s;
   walk.duration_s = walk.push_start_s + plan.push_duration_s + plan.recovery_s;
   walk.seed = random();

@@ -34,8 +34,8 @@ struct PairedPlan {
   std::string controller = "mpc-heuristic";
   double horizon_s = 1.0;
   double speed_m_s = 0.5;
-  double step_s = 0.3;     ///< duration of a step of its gait
-  double settled_s = 5.0;  ///< pushes begin after this, within two steps
+  double step_time_s = 0.3;  ///< duration of a step of its gait
+  double settled_s = 5.0;    ///< pushes begin after this, within two steps
   double push_duration_s = 1.0;
   double recovery_s = 4.5;  ///< time after the push in which the robot may fall
   int cases = 64;           ///< random phases, each with its own seed of the sensor noise

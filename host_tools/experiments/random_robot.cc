@@ -51,9 +51,9 @@ std::vector<RandomQuantity> random_quantities(std::optional<std::pair<double, do
       {"torque_limit_scale", "torque limit, factor", "1", 0.8, 1.0, 1.0},
       {"plan_delay_s", "delay of the plan", "s", 0.0, 0.006, {}, Changes::plan_delay},
       {"sensor_noise_scale", "sensor noise, factor", "1", 0.0, 3.0, 1.0, Changes::sensor_noise},
-      {"base_angle_bias_rad", "torso sensor: mounting error and bias of the pitch", "rad", -0.026, 0.026,
+      {"base_pitch_bias_rad", "torso sensor: mounting error and bias of the pitch", "rad", -0.026, 0.026,
        0.0},
-      {"base_rate_bias_rad_s", "torso sensor: bias of the rate", "rad/s", -0.0087, 0.0087, 0.0},
+      {"base_pitch_rate_bias_rad_s", "torso sensor: bias of the rate", "rad/s", -0.0087, 0.0087, 0.0},
       {"friction", "friction coefficient of the ground", "1", 0.4, 0.8, 0.6},
       {"ground_slope_rad", "slope of the ground", "rad", -0.05, 0.05, 0.0},
       {"step_height_m", "step of the ground: height", "m", -0.02, 0.02, 0.0},
@@ -102,7 +102,7 @@ void apply_values(const std::vector<RandomQuantity>& quantities, const std::vect
                   const PushTiming& timing, WalkCase& walk) {
   walk.push_duration_s = timing.duration_s;
   walk.duration_s =
-      lift_off_s(timing.settled_s, timing.step_s, kStepsOfPhase) + timing.duration_s + timing.recovery_s;
+      lift_off_s(timing.settled_s, timing.step_time_s, kStepsOfPhase) + timing.duration_s + timing.recovery_s;
   for (std::size_t i = 0; i < quantities.size(); ++i) {
     switch (quantities[i].changes) {
       case Changes::plant:
@@ -115,7 +115,7 @@ void apply_values(const std::vector<RandomQuantity>& quantities, const std::vect
         walk.sensor_noise_scale = values[i];
         break;
       case Changes::push_phase:
-        walk.push_start_s = lift_off_s(timing.settled_s, timing.step_s, values[i]);
+        walk.push_start_s = lift_off_s(timing.settled_s, timing.step_time_s, values[i]);
         break;
     }
   }

@@ -53,10 +53,10 @@ struct RandomQuantity {
 
 /// Times that place the push at a phase of the step.
 struct PushTiming {
-  double settled_s = 4.2;   ///< earliest start of the push
-  double step_s = 0.3;      ///< step time of the gait
-  double duration_s = 1.0;  ///< of the push
-  double recovery_s = 4.5;  ///< time after the latest end of the push
+  double settled_s = 4.2;    ///< earliest start of the push
+  double step_time_s = 0.3;  ///< step time of the gait
+  double duration_s = 1.0;   ///< of the push
+  double recovery_s = 4.5;   ///< time after the latest end of the push
 };
 
 /// Changes the walk to that of a robot of these values, with push and duration; its force is left as it is.

@@ -93,7 +93,7 @@ std::vector<Job> robustness_jobs(const RobustnessPlan& plan, const WalkRunner& w
 double value_of(const std::string& quantity, const Json& result) {
   const Json& changes = result.at("changes");
   if (quantity == "slope_as_read_rad") {
-    return changes.at("ground_slope_rad").get<double>() - changes.at("base_angle_bias_rad").get<double>();
+    return changes.at("ground_slope_rad").get<double>() - changes.at("base_pitch_bias_rad").get<double>();
   }
   return changes.at(quantity).get<double>();
 }

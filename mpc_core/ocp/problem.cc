@@ -78,10 +78,10 @@ void set_weights(ProblemData& data) noexcept {
       MinimumNormalForce::of(data.inequality.minimum_normal_force_share, data.robot->constants.total_mass_kg);
   const CostParameters& c = data.cost;
   const double base[] = {c.base_x, c.base_z, c.base_pitch};
-  const double base_rate[] = {c.base_vx, c.base_vz, c.base_pitch_rate};
+  const double base_velocity[] = {c.base_vx, c.base_vz, c.base_pitch_rate};
   for (int i = 0; i < 3; ++i) {
     data.state_weight[i] = base[i];
-    data.state_weight[kPositions + i] = base_rate[i];
+    data.state_weight[kPositions + i] = base_velocity[i];
   }
   for (int j = 0; j < kJoints; ++j) {
     data.state_weight[kFirstJoint + j] = c.joint_position;

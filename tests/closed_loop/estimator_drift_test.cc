@@ -6,7 +6,7 @@
 
 #include "tests/closed_loop/simulated_run.h"
 
-/// How far the estimator, from joint encoders and base angle alone, leaves the truth in a minute of walking.
+/// How far the estimator, from joint encoders and base pitch alone, leaves the truth in a minute of walking.
 namespace stilt::simulation {
 namespace {
 

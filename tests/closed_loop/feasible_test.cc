@@ -36,7 +36,7 @@ class FeasiblePlans : public ::testing::TestWithParam<std::tuple<FeasiblePush, d
 TEST_P(FeasiblePlans, SurvivePushesWithoutForcesOutsideTheConeAndWithoutDefects) {
   const auto [push, start_s] = GetParam();
   SimulatedRun run({.plant = {"encoder_noise_rad=0.0005", "encoder_velocity_noise_rad_s=0.02",
-                              "base_angle_noise_rad=0.001", "base_rate_noise_rad_s=0.01",
+                              "base_pitch_noise_rad=0.001", "base_pitch_rate_noise_rad_s=0.01",
                               "friction=" + std::to_string(push.friction)},
                     .commands = {{0.0, push.command}},
                     .pushes = {{0.85 * push.survived_N, start_s, 1.0, push.point}},
@@ -75,7 +75,7 @@ TEST(StandAfterAWalk, HoldsTenNewtonAndSurvivesPushes) {
   for (const PushPoint point : {PushPoint::hip, PushPoint::torso}) {
     for (const double force_N : {10.0, -10.0, 0.85 * 60.0, -0.85 * 60.0}) {
       SimulatedRun run({.plant = {"encoder_noise_rad=0.0005", "encoder_velocity_noise_rad_s=0.02",
-                                  "base_angle_noise_rad=0.001", "base_rate_noise_rad_s=0.01"},
+                                  "base_pitch_noise_rad=0.001", "base_pitch_rate_noise_rad_s=0.01"},
                         .commands = {{0.0, kWalk}, {kStop_s, kStand}},
                         .pushes = {{force_N, kPush_s, 1.0, point}},
                         .duration_s = kPush_s + 4.0});
@@ -101,7 +101,7 @@ TEST(StandAfterAWalk, DISABLED_StandsEachTimeForAnHour) {
     return std::uniform_real_distribution(from, to)(random);
   };
   RunRequest request{.plant = {"encoder_noise_rad=0.0005", "encoder_velocity_noise_rad_s=0.02",
-                               "base_angle_noise_rad=0.001", "base_rate_noise_rad_s=0.01"},
+                               "base_pitch_noise_rad=0.001", "base_pitch_rate_noise_rad_s=0.01"},
                      .duration_s = kHour_s,
                      .seed = kSeed};
   struct Stand {

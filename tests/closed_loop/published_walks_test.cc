@@ -44,7 +44,7 @@ LimitPlan::Controller controller_of(const Published& published) {
   const std::string name = published.figures.at("controller").get<std::string>();
   const double horizon_s = published.figures.at("horizon_s").get<double>();
   const cli::WalkSetting setting = cli::setting_for(setting_of(published.settings), name);
-  return {name, horizon_s, cli::walk_step_s(setting, name, horizon_s)};
+  return {name, horizon_s, cli::walk_step_time_s(setting, name, horizon_s)};
 }
 
 std::string test_name(const ::testing::TestParamInfo<Published>& test) {

@@ -81,7 +81,7 @@ TEST_P(ShippedPushes, AreSurvivedAt85PercentOfTheirForce) {
   RunRequest request = pushed_walk(2 * phase, 1.0, 0.85 * push.push_N, start_s);
   request.pushes.front().point = push.point;
   request.plant = {"encoder_noise_rad=0.0005", "encoder_velocity_noise_rad_s=0.02",
-                   "base_angle_noise_rad=0.001", "base_rate_noise_rad_s=0.01"};
+                   "base_pitch_noise_rad=0.001", "base_pitch_rate_noise_rad_s=0.01"};
   request.seed = static_cast<std::uint64_t>(phase) + 1;
   SimulatedRun run(request);
   const log::RunRecord record = run.run();

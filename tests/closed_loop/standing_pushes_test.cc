@@ -13,9 +13,9 @@ using testing_support::describe;
 using testing_support::RunRequest;
 using testing_support::SimulatedRun;
 
-const std::vector<std::string> kSensorNoise = {"encoder_noise_rad=0.0005",
-                                               "encoder_velocity_noise_rad_s=0.02",
-                                               "base_angle_noise_rad=0.001", "base_rate_noise_rad_s=0.01"};
+const std::vector<std::string> kSensorNoise = {
+    "encoder_noise_rad=0.0005", "encoder_velocity_noise_rad_s=0.02", "base_pitch_noise_rad=0.001",
+    "base_pitch_rate_noise_rad_s=0.01"};
 
 RunRequest standing(double duration_s, const Push& push, std::uint64_t seed) {
   return {.plant = kSensorNoise,

@@ -32,7 +32,8 @@ struct Variant {
 };
 
 const std::vector<std::string> kSensorNoise = {"encoder_noise_rad=0.001", "encoder_velocity_noise_rad_s=0.05",
-                                               "base_angle_noise_rad=0.001", "base_rate_noise_rad_s=0.05"};
+                                               "base_pitch_noise_rad=0.001",
+                                               "base_pitch_rate_noise_rad_s=0.05"};
 
 const std::vector<std::string> kEncodersOf14Bits = {"encoder_resolution_rad=0.000383495",
                                                     "encoder_velocity_resolution_rad_s=0.01"};

@@ -93,7 +93,8 @@ std::vector<Change> run_simulation(double walks_s) {
   testing_support::RunRequest request = testing_support::walking(0.5, 1.0, walks_s + kEnds_s);
   request.commands = {{0.0, {gait::GaitKind::stand, 0.0}}, {walks_s, {gait::GaitKind::walk, 0.5}}};
   request.plant = {"encoder_resolution_rad=9.766e-5", "encoder_velocity_resolution_rad_s=9.768e-3",
-                   "base_resolution_rad=1e-6", "base_rate_resolution_rad_s=5e-4", "reading_delay_s=0.001"};
+                   "base_pitch_resolution_rad=1e-6", "base_pitch_rate_resolution_rad_s=5e-4",
+                   "reading_delay_s=0.001"};
   testing_support::SimulatedRun run(request);
   run.settings.planner_until_s = walks_s + kPlannerStops_s;
   run.settings.faults = {

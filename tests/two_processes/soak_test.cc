@@ -62,7 +62,7 @@ class Soak : public testing::Test {
   void start(double duration_s) {
     std::vector<std::string> robot = {"--lockstep", "--once",
                                       "--plant",    "encoder_noise_rad=0.0005",
-                                      "--plant",    "base_angle_noise_rad=0.001"};
+                                      "--plant",    "base_pitch_noise_rad=0.001"};
     const std::vector<std::string> disturbed = disturbances(duration_s);
     robot.insert(robot.end(), disturbed.begin(), disturbed.end());
     run_.start_robot(robot);

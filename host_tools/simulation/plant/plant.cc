@@ -198,11 +198,11 @@ control::SensorReading Plant::read_sensors() {
         noisy(data_->qvel[dof], o.encoder_velocity_noise_rad_s, o.encoder_velocity_resolution_rad_s);
   }
   reading.base_pitch_rad =
-      noisy(data_->qpos[model::kFirstAngle] + o.base_angle_bias_rad, o.base_angle_noise_rad,
-            own_or(o.base_resolution_rad, o.encoder_resolution_rad));
+      noisy(data_->qpos[model::kFirstAngle] + o.base_pitch_bias_rad, o.base_pitch_noise_rad,
+            own_or(o.base_pitch_resolution_rad, o.encoder_resolution_rad));
   reading.base_pitch_rate_rad_s =
-      noisy(data_->qvel[model::kFirstAngle] + o.base_rate_bias_rad_s, o.base_rate_noise_rad_s,
-            own_or(o.base_rate_resolution_rad_s, o.encoder_velocity_resolution_rad_s));
+      noisy(data_->qvel[model::kFirstAngle] + o.base_pitch_rate_bias_rad_s, o.base_pitch_rate_noise_rad_s,
+            own_or(o.base_pitch_rate_resolution_rad_s, o.encoder_velocity_resolution_rad_s));
   return reading;
 }
 

@@ -32,24 +32,24 @@ struct PlantOptions {
   std::optional<double> joint_friction_Nm;
   std::optional<double> torque_limit_Nm;
   double torque_limit_scale = 1.0;
-  double no_load_speed_rad_s = 0.0;         ///< of every joint; 0: the torque limit does not depend on the
-                                            ///< speed
-  double base_resolution_rad = 0.0;         ///< of the base pitch; 0: that of the encoders
-  double base_rate_resolution_rad_s = 0.0;  ///< of its rate; 0: that of the encoders
-  double reading_delay_s = 0.0;             ///< age of the readings that the controller gets, in whole ticks
-  double drive_time_constant_s = 0.0;       ///< 0: the torque follows its command without lag
-  std::optional<double> torso_com_m;        ///< height above the hip
+  double no_load_speed_rad_s = 0.0;        ///< of every joint; 0: the torque limit does not depend on the
+                                           ///< speed
+  double base_pitch_resolution_rad = 0.0;  ///< of the base pitch; 0: that of the encoders
+  double base_pitch_rate_resolution_rad_s = 0.0;  ///< of its rate; 0: that of the encoders
+  double reading_delay_s = 0.0;        ///< age of the readings that the controller gets, in whole ticks
+  double drive_time_constant_s = 0.0;  ///< 0: the torque follows its command without lag
+  std::optional<double> torso_com_m;   ///< height above the hip
   bool joint_stops = false;
   double foot_radius_m = 0.002;
   double contact_time_constant_s = 0.004;  ///< MuJoCo solref[0], at least twice the time step
   double contact_damping_ratio = 1.0;      ///< MuJoCo solref[1]
   double encoder_noise_rad = 0.0;
   double encoder_velocity_noise_rad_s = 0.0;
-  double base_angle_noise_rad = 0.0;
-  double base_rate_noise_rad_s = 0.0;
-  double base_angle_bias_rad = 0.0;     ///< added to the base pitch: mounting error and bias of its sensor
-  double base_rate_bias_rad_s = 0.0;    ///< added to its rate
-  double encoder_resolution_rad = 0.0;  ///< 0: not quantised
+  double base_pitch_noise_rad = 0.0;
+  double base_pitch_rate_noise_rad_s = 0.0;
+  double base_pitch_bias_rad = 0.0;  ///< added to the base pitch: mounting error and bias of its sensor
+  double base_pitch_rate_bias_rad_s = 0.0;         ///< added to its rate
+  double encoder_resolution_rad = 0.0;             ///< 0: not quantised
   double encoder_velocity_resolution_rad_s = 0.0;  ///< 0: not quantised
   double delay_s = 0.0;
   double ground_slope_rad = 0.0;

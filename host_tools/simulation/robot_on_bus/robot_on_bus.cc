@@ -180,7 +180,7 @@ std::vector<std::uint8_t> RobotOnBus::take_serial() { return std::exchange(seria
 /// Whether a period of the torso sensor, counted from the start, ended with this tick.
 bool RobotOnBus::base_due() {
   constexpr double kRounding = 1e-6;
-  const auto over = static_cast<std::uint64_t>(time_s() * setup_.base_rate_hz + kRounding);
+  const auto over = static_cast<std::uint64_t>(time_s() * setup_.torso_sensor_rate_hz + kRounding);
   const bool due = over > base_frames_;
   base_frames_ = over;
   return due;

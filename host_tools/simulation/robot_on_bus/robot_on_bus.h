@@ -31,7 +31,7 @@ struct RobotSetup {
   std::uint64_t seed = 1;
   model::StateVector standing = model::StateVector::Zero();  ///< starting pose, feet on the ground
   double tick_s = 0.001;
-  double base_rate_hz = 1000.0;  ///< frames per second of the torso sensor, at most one per tick
+  double torso_sensor_rate_hz = 1000.0;  ///< frames per second of the torso sensor, at most one per tick
   GantryParameters gantry;
   JointMistakes mistakes{};
   double torso_sensor_delay_s = 0.0;  ///< of all its channels

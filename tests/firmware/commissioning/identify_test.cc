@@ -50,7 +50,7 @@ Wiring wiring_of(const Drives& drives) {
                 "joint_damping=" + std::to_string(drives.damping_Nms_rad),
                 "joint_friction_Nm=" + std::to_string(drives.friction_Nm),
                 "encoder_noise_rad=" + std::to_string(drives.noise_rad), "encoder_velocity_noise_rad_s=0.02",
-                "base_angle_noise_rad=0.001", "base_rate_noise_rad_s=0.01"},
+                "base_pitch_noise_rad=0.001", "base_pitch_rate_noise_rad_s=0.01"},
       .torque_factor = drives.torque_factor,
       .seed = drives.seed,
       .angles_known = true};

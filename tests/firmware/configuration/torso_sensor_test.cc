@@ -108,7 +108,7 @@ TEST(TorsoSensor, WhatFramesCannotCarryIsRefused) {
   EXPECT_EQ(
       mistakes("pitch = \"id 0x150 byte 0 bits 16 signed little scale 2e-5\"\n"),
       "robot.toml:2:9: torso_sensor.pitch carries at most 0.65534 rad either way, and must carry 0.8 rad, "
-      "supervisor.base_angle_limit_rad");
+      "supervisor.base_pitch_limit_rad");
   EXPECT_EQ(
       mistakes("pitch_rate = \"id 0x150 byte 3 bits 8 signed little scale 0.02\"\n"),
       "robot.toml:2:14: torso_sensor.pitch_rate carries at most 2.54 rad/s either way, and must carry 5 "
@@ -130,13 +130,13 @@ TEST(TorsoSensor, WhatFramesCannotCarryIsRefused) {
 
 TEST(TorsoSensor, AUnitByItsPitchMustReadBackFromTheFall) {
   const auto fall = [](const std::string& lines, const std::string& limit_rad) {
-    return mistakes(lines + "rate_hz = 400\n[supervisor]\nbase_angle_limit_rad = " + limit_rad + "\n");
+    return mistakes(lines + "rate_hz = 400\n[supervisor]\nbase_pitch_limit_rad = " + limit_rad + "\n");
   };
   for (const std::string device : {"device = \"xsens_can\"\n", "device = \"vectornav\"\n"}) {
     EXPECT_EQ(fall(device, "1.57"), "");
     EXPECT_NE(fall(device, "1.58")
                   .find("torso_sensor.imu_axis carries at most 1.5707963267948966 rad either "
-                        "way, and must carry 1.58 rad, supervisor.base_angle_limit_rad"),
+                        "way, and must carry 1.58 rad, supervisor.base_pitch_limit_rad"),
               std::string::npos)
         << fall(device, "1.58");
     EXPECT_EQ(fall(device + "imu_axis = \"roll\"\n", "3.2"), "") << "it goes on beyond half a turn";

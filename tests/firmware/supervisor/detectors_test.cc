@@ -66,15 +66,15 @@ const std::vector<Case>& cases() {
       {"lean forward",
        [](Observation& o) { o.base.pitch_rad = 0.79; },
        [](Observation& o) { o.base.pitch_rad = 0.81; },
-       {Fault::base_angle_limit}},
+       {Fault::base_pitch_limit}},
       {"lean backward",
        [](Observation& o) { o.base.pitch_rad = -0.79; },
        [](Observation& o) { o.base.pitch_rad = -0.81; },
-       {Fault::base_angle_limit}},
+       {Fault::base_pitch_limit}},
       {"pitch not a number",
        [](Observation&) {},
        [](Observation& o) { o.base.pitch_rad = kNan; },
-       {Fault::base_angle_limit}},
+       {Fault::base_pitch_limit}},
       {"encoder repeats while moving",
        [](Observation& o) {
          o.joints[2].unchanged_replies = 24;

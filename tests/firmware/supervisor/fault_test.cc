@@ -32,7 +32,7 @@ TEST(FaultTable, NamesAndNumbersNeverChange) {
       {101, "joint_position_limit"},
       {102, "joint_speed_limit"},
       {103, "joint_torque_limit"},
-      {104, "base_angle_limit"},
+      {104, "base_pitch_limit"},
       {105, "following_error"},
       {106, "hip_height_limit"},
       {201, "encoder_frozen"},

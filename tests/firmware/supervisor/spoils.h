@@ -17,7 +17,7 @@ inline constexpr std::array<Spoil, kFaults> kSpoils = {{
     {Fault::joint_position_limit, [](Observation& o) { o.joints[0].position_rad = 3; }},
     {Fault::joint_speed_limit, [](Observation& o) { o.joints[0].velocity_rad_s = 40; }},
     {Fault::joint_torque_limit, [](Observation& o) { o.joints[0].torque_Nm = 140; }},
-    {Fault::base_angle_limit, [](Observation& o) { o.base.pitch_rad = 1; }},
+    {Fault::base_pitch_limit, [](Observation& o) { o.base.pitch_rad = 1; }},
     {Fault::encoder_frozen,
      [](Observation& o) {
        o.joints[0].unchanged_replies = 100;

@@ -48,7 +48,7 @@ Expected expected(Fault fault) {
     case Fault::bus_error:
     case Fault::driver_hot:
       return {Severity::warning, Reaction::warn, Watch::driven};
-    case Fault::base_angle_limit:
+    case Fault::base_pitch_limit:
     case Fault::encoder_frozen:
     case Fault::following_error:
     case Fault::hip_height_limit:

@@ -268,7 +268,7 @@ TEST(Disturbance, PhasesSpreadOverStepsOfBothFeet) {
   const double first_s = push_start_s(plan, row, 0);
   EXPECT_GE(first_s, plan.settled_s);
   for (int phase = 0; phase < row.phases; ++phase) {
-    const double steps = (push_start_s(plan, row, phase) - first_s) / row.step_s;
+    const double steps = (push_start_s(plan, row, phase) - first_s) / row.step_time_s;
     EXPECT_NEAR(steps, phase % 2 + phase / 8.0, 1e-9);
   }
 }

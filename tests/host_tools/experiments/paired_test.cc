@@ -64,8 +64,8 @@ TEST(Paired, PhasesLieWithinTwoStepsAndEachCaseHasItsOwnNoise) {
   }
   EXPECT_EQ(seeds.size(), 64u);
   EXPECT_GE(earliest_s, plan.settled_s);
-  EXPECT_LT(latest_s, plan.settled_s + 3.0 * plan.step_s);
-  EXPECT_GT(latest_s - earliest_s, plan.step_s);
+  EXPECT_LT(latest_s, plan.settled_s + 3.0 * plan.step_time_s);
+  EXPECT_GT(latest_s - earliest_s, plan.step_time_s);
 }
 
 TEST(Paired, AVariantThatFallsMoreOftenIsWorse) {

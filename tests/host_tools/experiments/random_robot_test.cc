@@ -153,8 +153,8 @@ TEST(RandomRobot, EveryValueReachesTheWalkUnchanged) {
   EXPECT_EQ(world.armature_scale, value("armature_scale"));
   EXPECT_EQ(world.joint_friction_Nm, value("joint_friction_Nm"));
   EXPECT_EQ(world.torque_limit_scale, value("torque_limit_scale"));
-  EXPECT_EQ(world.base_angle_bias_rad, value("base_angle_bias_rad"));
-  EXPECT_EQ(world.base_rate_bias_rad_s, value("base_rate_bias_rad_s"));
+  EXPECT_EQ(world.base_pitch_bias_rad, value("base_pitch_bias_rad"));
+  EXPECT_EQ(world.base_pitch_rate_bias_rad_s, value("base_pitch_rate_bias_rad_s"));
   EXPECT_EQ(world.friction, value("friction"));
   EXPECT_EQ(world.ground_slope_rad, value("ground_slope_rad"));
   EXPECT_EQ(world.step_height_m, value("step_height_m"));

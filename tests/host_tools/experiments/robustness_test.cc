@@ -112,7 +112,7 @@ TEST(Robustness, WhatFellsTheRobotsCorrelatesAndNothingElseDoes) {
 }
 
 TEST(Robustness, ASensorThatReadsTheTorsoLeaningBackReadsASteeperClimb) {
-  const Json result = {{"changes", {{"ground_slope_rad", 0.03}, {"base_angle_bias_rad", -0.02}}}};
+  const Json result = {{"changes", {{"ground_slope_rad", 0.03}, {"base_pitch_bias_rad", -0.02}}}};
   EXPECT_NEAR(value_of("slope_as_read_rad", result), 0.05, 1e-12);
   EXPECT_EQ(value_of("ground_slope_rad", result), 0.03);
 }

@@ -10,7 +10,7 @@ const kFaultPlots = {
   following_error: kAnglePlots,
   encoder_frozen: kAnglePlots,
   encoder_jump: kAnglePlots,
-  base_angle_limit: ['Lean of the torso'],
+  base_pitch_limit: ['Lean of the torso'],
   stale_torso_sensor: ['Lean of the torso'],
   torso_sensor_implausible: ['Lean of the torso'],
   hip_height_limit: ['Height of the hip'],

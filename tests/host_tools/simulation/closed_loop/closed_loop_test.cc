@@ -183,7 +183,7 @@ TEST(ClosedLoop, PlansInUseAreJudgedByTheFrictionTheyAssume) {
 TEST(ClosedLoop, AKnownStateReplacesAllOfTheEstimateButTheVelocityOfTheBase) {
   for (const bool known : {false, true}) {
     PlantOptions options;
-    options.base_angle_noise_rad = 0.01;
+    options.base_pitch_noise_rad = 0.01;
     Plant plant = amber_plant(options);
     RunSettings settings = standing_run(0.2);
     settings.use_true_state = known;

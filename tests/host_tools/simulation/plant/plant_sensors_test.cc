@@ -43,10 +43,10 @@ TEST(PlantSensors, SensorNoiseHasItsStandardDeviationAndFollowsTheSeed) {
 
 TEST(PlantSensors, ABiasShiftsPitchAndRateOfTheTorsoAndNothingElse) {
   PlantOptions exact, biased;
-  exact.encoder_noise_rad = exact.base_angle_noise_rad = exact.base_rate_noise_rad_s = 0.01;
+  exact.encoder_noise_rad = exact.base_pitch_noise_rad = exact.base_pitch_rate_noise_rad_s = 0.01;
   biased = exact;
-  biased.base_angle_bias_rad = 0.02;
-  biased.base_rate_bias_rad_s = -0.03;
+  biased.base_pitch_bias_rad = 0.02;
+  biased.base_pitch_rate_bias_rad_s = -0.03;
   Plant exact_plant = amber_plant(exact), biased_plant = amber_plant(biased);
   exact_plant.set_state(tumbling());
   biased_plant.set_state(tumbling());
@@ -63,8 +63,8 @@ TEST(PlantSensors, QuantisedReadingsAreTheMultiplesNextToTheNoisyValues) {
   PlantOptions noisy;
   noisy.encoder_noise_rad = 0.01;
   noisy.encoder_velocity_noise_rad_s = 0.3;
-  noisy.base_angle_noise_rad = 0.02;
-  noisy.base_rate_noise_rad_s = 0.2;
+  noisy.base_pitch_noise_rad = 0.02;
+  noisy.base_pitch_rate_noise_rad_s = 0.2;
   PlantOptions quantised = noisy;
   quantised.encoder_resolution_rad = 2.0 * std::numbers::pi / 16384.0;
   quantised.encoder_velocity_resolution_rad_s = 0.01;

@@ -64,7 +64,7 @@ std::string frames_of(DrivenRobot& driven, int ticks) {
 
 TEST(RobotOnBus, EqualCallsGiveEqualFrames) {
   RobotRequest noisy;
-  noisy.plant = {"encoder_noise_rad=0.001", "base_rate_noise_rad_s=0.01"};
+  noisy.plant = {"encoder_noise_rad=0.001", "base_pitch_rate_noise_rad_s=0.01"};
   Standing::Enabled first(noisy), second(noisy);
   const std::string frames = frames_of(first, 2000);
   EXPECT_EQ(frames, frames_of(second, 2000));
