@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "mpc_core/model/debug_assert.h"
+
 namespace stilt::control {
 namespace {
 
@@ -33,6 +35,7 @@ void GaitTracker::configure(const model::RobotModel& robot, const GaitTrackerPar
 }
 
 void GaitTracker::start(double time_s, int stance, double foot_x_m, double speed_m_s) noexcept {
+  STILT_ASSERT(robot_ != nullptr && (stance == 0 || stance == 1));
   stance_ = stance;
   touch_down_s_ = time_s;
   foot_x_m_ = foot_x_m;

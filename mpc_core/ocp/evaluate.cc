@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mpc_core/model/debug_assert.h"
 #include "mpc_core/ocp/barrier.h"
 #include "mpc_core/ocp/batch_access.h"
 #include "mpc_core/ocp/integrator.h"
@@ -178,6 +179,7 @@ double terminal_cost(const ProblemData& data, const Problem& problem, const doub
 }  // namespace
 
 Merit evaluate(const ProblemData& data, const Problem& problem, const Trajectory& iterate) noexcept {
+  STILT_ASSERT(data.robot != nullptr && problem.batches > 0);
   const BatchParameters parameters(data);
   const Barriers barriers(data.inequality);
   BatchMerit sums;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "mpc_core/model/debug_assert.h"
+
 namespace stilt::ocp {
 namespace {
 
@@ -47,6 +49,7 @@ BatchModel StageModels::output_of(const AnyBatch& batch, int group, int index) n
 }
 
 void StageModels::linearise_group(int k) noexcept {
+  STILT_ASSERT(k >= 0 && k < problem_->horizon.stages);
   if (clock_ == nullptr) return linearise_batches(k);
   const long long start_ns = clock_();
   linearise_batches(k);

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "mpc_core/model/debug_assert.h"
 #include "mpc_core/ocp/batch_access.h"
 #include "mpc_core/ocp/problem.h"
 #include "mpc_core/ocp/torque_limit.h"
@@ -64,6 +65,7 @@ void check_impulses(const ProblemData& data, const BatchParameters& parameters, 
 }  // namespace
 
 Violations violations(const ProblemData& data, const Problem& problem, const Trajectory& iterate) noexcept {
+  STILT_ASSERT(data.robot != nullptr && problem.batches > 0);
   const BatchParameters parameters(data);
   BatchViolations largest;
   for (int b = 0; b < problem.batches; ++b) {

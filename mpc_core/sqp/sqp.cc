@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "mpc_core/lq/simd_columns.h"
+#include "mpc_core/model/debug_assert.h"
 
 namespace stilt::sqp {
 namespace {
@@ -134,6 +135,7 @@ Sqp::Search Sqp::line_search(const ocp::ProblemData& data, const ocp::Problem& p
 
 SolveReport Sqp::solve(const ocp::ProblemData& data, const ocp::Problem& problem, const SqpParameters& p,
                        ocp::Trajectory& iterate) noexcept {
+  STILT_ASSERT(p.step_min > 0.0 && p.step_decrease > 0.0 && p.step_decrease < 1.0);
   SolveReport report;
   times_ = PhaseTimes{};
   const long long start_ns = now_ns();

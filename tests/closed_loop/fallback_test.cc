@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "tests/closed_loop/simulated_run.h"
+#include "tests/firmware/supervisor/printers.h"
 
 /// What the robot does when plans are missing for a while.
 namespace stilt::simulation {

@@ -6,6 +6,7 @@
 
 #include "host_tools/recording/replay/record_file.h"
 #include "tests/closed_loop/simulated_run.h"
+#include "tests/firmware/supervisor/printers.h"
 #include "tests/two_processes/recorder.h"
 
 namespace stilt::two_processes {

@@ -12,6 +12,7 @@
 #include "firmware/telemetry/secret.h"
 #include "host_tools/telemetry/commander.h"
 #include "host_tools/telemetry/listener.h"
+#include "tests/firmware/supervisor/printers.h"
 #include "tests/own_domain.h"
 
 namespace stilt::two_processes {

@@ -3,6 +3,7 @@
 
 #include "firmware/control_loop/control_loop.h"
 #include "tests/firmware/control_loop/rig.h"
+#include "tests/firmware/supervisor/printers.h"
 
 namespace stilt::control_loop {
 namespace {

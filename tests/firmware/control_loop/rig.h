@@ -10,6 +10,7 @@
 #include "firmware/control_loop/control_loop.h"
 #include "firmware/control_loop/planner_task.h"
 #include "mpc_core/gait/reference.h"
+#include "tests/firmware/supervisor/printers.h"
 #include "tests/robots.h"
 
 /// The control loop and the planner over a scripted robot, without threads and clocks.

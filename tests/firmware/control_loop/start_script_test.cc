@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/firmware/supervisor/printers.h"
+
 namespace stilt::control_loop {
 namespace {
 

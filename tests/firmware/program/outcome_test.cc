@@ -6,6 +6,8 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "tests/firmware/supervisor/printers.h"
+
 namespace stilt::program {
 namespace {
 

@@ -5,6 +5,7 @@
 
 #include "firmware/configuration/gaits/shipped_gaits.h"
 #include "mpc_core/gait/reference.h"
+#include "tests/mpc_core/printers.h"
 #include "tests/robots.h"
 
 namespace stilt::gait {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "tests/mpc_core/printers.h"
 #include "tests/robots.h"
 
 namespace stilt::gait {

@@ -6,6 +6,8 @@
 #include <random>
 #include <vector>
 
+#include "tests/mpc_core/printers.h"
+
 namespace stilt::gait {
 namespace {
 

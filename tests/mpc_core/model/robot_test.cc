@@ -7,6 +7,7 @@
 #include <string>
 
 #include "mpc_core/model/batch.h"
+#include "tests/mpc_core/printers.h"
 #include "tests/robots.h"
 
 namespace stilt::model {

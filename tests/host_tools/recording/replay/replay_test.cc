@@ -6,6 +6,7 @@
 #include <functional>
 #include <utility>
 
+#include "tests/firmware/supervisor/printers.h"
 #include "tests/host_tools/recording/replay/recorded_walk.h"
 #include "tests/robots.h"
 

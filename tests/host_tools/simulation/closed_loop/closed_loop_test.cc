@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "host_tools/simulation/closed_loop/run_recorder.h"
+#include "tests/firmware/supervisor/printers.h"
 #include "tests/host_tools/simulation/plant/test_robots.h"
 #include "tests/robots.h"
 
