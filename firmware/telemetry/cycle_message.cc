@@ -21,8 +21,8 @@ void for_each_field(Message& message, Record& record, Visit&& visit) {
   visit(message.cost, record.report.cost);
   visit(message.dynamics_defect_max, record.report.dynamics_defect_max);
   visit(message.equality_violation_max, record.report.equality_violation_max);
-  visit(message.step_length, record.report.step_length);
-  visit(message.step_size, record.report.step_size);
+  visit(message.line_search_step, record.report.line_search_step);
+  visit(message.step_component_max, record.report.step_component_max);
   visit(message.friction_cone_violation_max_N, record.report.violations.friction_cone_N);
   visit(message.pulling_force_max_N, record.report.violations.pulling_force_N);
   visit(message.impulse_cone_violation_max_Ns, record.report.violations.impulse_cone_Ns);

@@ -114,8 +114,10 @@ std::optional<Difference> compare(const control_loop::CycleRecord& recorded,
   comparison.add("joint_torque_Nm", before.joint_torque_Nm, now.joint_torque_Nm, "the solve");
   comparison.add("joint_position_rad", before.joint_position_rad, now.joint_position_rad, "the solve");
   comparison.add("joint_velocity_rad_s", before.joint_velocity_rad_s, now.joint_velocity_rad_s, "the solve");
-  comparison.add("step_length", recorded.report.step_length, replayed.report.step_length, "the solve");
-  comparison.add("step_size", recorded.report.step_size, replayed.report.step_size, "the solve");
+  comparison.add("line_search_step", recorded.report.line_search_step, replayed.report.line_search_step,
+                 "the solve");
+  comparison.add("step_component_max", recorded.report.step_component_max, replayed.report.step_component_max,
+                 "the solve");
   comparison.add("failures in a row", recorded.failures, replayed.failures);
   comparison.add("sequence", recorded.plan_sequence, replayed.plan_sequence, "the plan");
   comparison.add("nodes", recorded.nodes, replayed.nodes, "the plan");

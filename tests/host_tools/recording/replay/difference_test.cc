@@ -51,7 +51,7 @@ const std::vector<Change> kCycleFields = {
     {"cost of the solve", [](CycleRecord& r) { change(r.report.cost); }},
     {"dynamics_defect_max of the solve", [](CycleRecord& r) { change(r.report.dynamics_defect_max); }},
     {"equality_violation_max of the solve", [](CycleRecord& r) { change(r.report.equality_violation_max); }},
-    {"step_length of the solve", [](CycleRecord& r) { change(r.report.step_length); }},
+    {"line_search_step of the solve", [](CycleRecord& r) { change(r.report.line_search_step); }},
     {"friction_cone_N of the solve", [](CycleRecord& r) { change(r.report.violations.friction_cone_N); }},
     {"pulling_force_N of the solve", [](CycleRecord& r) { change(r.report.violations.pulling_force_N); }},
     {"impulse_cone_Ns of the solve", [](CycleRecord& r) { change(r.report.violations.impulse_cone_Ns); }},
@@ -60,7 +60,7 @@ const std::vector<Change> kCycleFields = {
      [](CycleRecord& r) { change(r.report.violations.joint_position_rad); }},
     {"joint_velocity_rad_s of the solve",
      [](CycleRecord& r) { change(r.report.violations.joint_velocity_rad_s); }},
-    {"step_size of the solve", [](CycleRecord& r) { change(r.report.step_size); }},
+    {"step_component_max of the solve", [](CycleRecord& r) { change(r.report.step_component_max); }},
 };
 
 /// Names of what the change of value `index` of each field makes differ; empty without a difference.
