@@ -167,8 +167,8 @@ SolveReport Sqp::solve(const ocp::ProblemData& data, const ocp::Problem& problem
     std::copy(current->u[0], current->u[stages], iterate.u[0]);
   }
   report.cost = merit.cost;
-  report.dynamics_defect_max = merit.defect_max;
-  report.equality_violation_max = merit.equality_max;
+  report.dynamics_defect_max = merit.dynamics_defect_max;
+  report.equality_violation_max = merit.equality_violation_max;
   if (report.usable()) report.violations = ocp::violations(data, problem, iterate);
   times_.total_us = 1e-3 * static_cast<double>(now_ns() - start_ns);
   return report;

@@ -32,11 +32,11 @@ PlannerSample planner_sample(const telemetry::PlannerCycle& message) {
   sample.time_s = message.time_s;
   sample.status = message.status;
   sample.iterations = message.iterations;
-  sample.defect_max = message.dynamics_defect_max;
+  sample.dynamics_defect_max = message.dynamics_defect_max;
   sample.equality_violation_max = message.equality_violation_max;
-  sample.violations.friction_cone_N = message.friction_cone_violation_max_N;
-  sample.violations.pulling_force_N = message.pulling_force_max_N;
-  sample.violations.joint_torque_Nm = message.torque_violation_max_Nm;
+  sample.violations.friction_cone_violation_max_N = message.friction_cone_violation_max_N;
+  sample.violations.pulling_force_max_N = message.pulling_force_max_N;
+  sample.violations.torque_violation_max_Nm = message.torque_violation_max_Nm;
   sample.cost = message.cost;
   sample.solve_us = 1e-3 * static_cast<double>(message.solve_ns);
   return sample;

@@ -85,11 +85,14 @@ const TickColumns& tick_columns() {
 const std::vector<Column<PlannerSample>> kPlannerColumns = {
     {"status", [](const PlannerSample& c, std::size_t) { return static_cast<double>(c.status); }},
     {"iterations", [](const PlannerSample& c, std::size_t) { return static_cast<double>(c.iterations); }},
-    {"dynamics_defect_max", [](const PlannerSample& c, std::size_t) { return c.defect_max; }},
+    {"dynamics_defect_max", [](const PlannerSample& c, std::size_t) { return c.dynamics_defect_max; }},
     {"equality_violation_max", [](const PlannerSample& c, std::size_t) { return c.equality_violation_max; }},
-    {"friction_cone_N", [](const PlannerSample& c, std::size_t) { return c.violations.friction_cone_N; }},
-    {"pulling_force_N", [](const PlannerSample& c, std::size_t) { return c.violations.pulling_force_N; }},
-    {"joint_torque_Nm", [](const PlannerSample& c, std::size_t) { return c.violations.joint_torque_Nm; }},
+    {"friction_cone_violation_max_N",
+     [](const PlannerSample& c, std::size_t) { return c.violations.friction_cone_violation_max_N; }},
+    {"pulling_force_max_N",
+     [](const PlannerSample& c, std::size_t) { return c.violations.pulling_force_max_N; }},
+    {"torque_violation_max_Nm",
+     [](const PlannerSample& c, std::size_t) { return c.violations.torque_violation_max_Nm; }},
     {"cost", [](const PlannerSample& c, std::size_t) { return c.cost; }},
     {"solve_ms", [](const PlannerSample& c, std::size_t) { return 1e-3 * c.solve_us; }},
 };

@@ -25,7 +25,7 @@ struct PlannerSample {
   double time_s = 0.0;      ///< of the state it planned from
   int status = 0;           ///< number of sqp::SolveStatus
   int iterations = 0;
-  double defect_max = 0.0;              ///< mixed SI units
+  double dynamics_defect_max = 0.0;     ///< mixed SI units
   double equality_violation_max = 0.0;  ///< m/s^2 or N
   ocp::Violations violations;           ///< of the inequalities
   double cost = 0.0;

@@ -162,8 +162,9 @@ std::string TerminalView::text(std::size_t columns, std::size_t rows) const {
   }
   if (supervisor_) text += fault_text();
   if (cycle_) {
-    text += line("solver    %d iterations, %s, defect %.1e, equalities %.1e", cycle_->iterations,
-                 duration(cycle_->solve_us).c_str(), cycle_->defect_max, cycle_->equality_violation_max);
+    text +=
+        line("solver    %d iterations, %s, defect %.1e, equalities %.1e", cycle_->iterations,
+             duration(cycle_->solve_us).c_str(), cycle_->dynamics_defect_max, cycle_->equality_violation_max);
   }
   if (timing_) text += timing_text();
   for (const auto& [event, times] : events_) {

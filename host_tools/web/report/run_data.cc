@@ -148,9 +148,10 @@ Json planner_json(const std::vector<log::SolveSample>& solves) {
   add("iterations", [](const Solve& s) { return s.report.iterations; });
   add("dynamics_defect_max", [](const Solve& s) { return s.report.dynamics_defect_max; });
   add("equality_violation_max", [](const Solve& s) { return s.report.equality_violation_max; });
-  add("friction_cone_N", [](const Solve& s) { return s.report.violations.friction_cone_N; });
-  add("pulling_force_N", [](const Solve& s) { return s.report.violations.pulling_force_N; });
-  add("joint_torque_Nm", [](const Solve& s) { return s.report.violations.joint_torque_Nm; });
+  add("friction_cone_violation_max_N",
+      [](const Solve& s) { return s.report.violations.friction_cone_violation_max_N; });
+  add("pulling_force_max_N", [](const Solve& s) { return s.report.violations.pulling_force_max_N; });
+  add("torque_violation_max_Nm", [](const Solve& s) { return s.report.violations.torque_violation_max_Nm; });
   Json json = columns.json();
   json["status_names"] = sqp::kSolveStatusNames;
   return json;

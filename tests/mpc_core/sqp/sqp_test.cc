@@ -35,8 +35,8 @@ TEST(Sqp, ReportsTheMeritOfTheIterateItLeaves) {
   const SolveReport report = solve.run(3);
   const ocp::Merit merit = solve.merit();
   EXPECT_EQ(report.cost, merit.cost);
-  EXPECT_EQ(report.dynamics_defect_max, merit.defect_max);
-  EXPECT_EQ(report.equality_violation_max, merit.equality_max);
+  EXPECT_EQ(report.dynamics_defect_max, merit.dynamics_defect_max);
+  EXPECT_EQ(report.equality_violation_max, merit.equality_violation_max);
 }
 
 TEST(Sqp, StopsAtTheIterationLimit) {

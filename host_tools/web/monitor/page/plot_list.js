@@ -79,9 +79,9 @@ function plannerPlots(robot) {
     },
     {
       title: 'Planned beyond ground and drives', axis: 'N, Nm', unit: '', digits: 0, table: 'planner', fromZero: true, least: 10,
-      lines: [{ label: 'friction cone', colour: 'plan', column: 'friction_cone_N' },
-        { label: 'pulling force', colour: 'push', column: 'pulling_force_N' },
-        { label: 'joint torque', colour: 'body', column: 'joint_torque_Nm' }],
+      lines: [{ label: 'friction cone', colour: 'plan', column: 'friction_cone_violation_max_N' },
+        { label: 'pulling force', colour: 'push', column: 'pulling_force_max_N' },
+        { label: 'joint torque', colour: 'body', column: 'torque_violation_max_Nm' }],
     },
     {
       title: 'Planned contact force', axis: 'N', unit: 'N', digits: 0, table: 'force', fromZero: true, least: 100,
