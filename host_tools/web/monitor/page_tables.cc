@@ -97,15 +97,14 @@ const std::vector<Column<PlannerSample>> kPlannerColumns = {
     {"solve_ms", [](const PlannerSample& c, std::size_t) { return 1e-3 * c.solve_us; }},
 };
 
-const std::vector<Column<PlanKnot>> kPlanColumns = {
-    {"hip_x_m", [](const PlanKnot& n, std::size_t) { return n.hip_x_m; }},
-    {"hip_z_m", [](const PlanKnot& n, std::size_t) { return n.hip_z_m; }},
-    {"pitch_rad", [](const PlanKnot& n, std::size_t) { return n.pitch_rad; }},
-    {"foot_position_m", [](const PlanKnot& n, std::size_t k) { return n.foot_position_m[k]; }, 4},
-    {"contact_force_N", [](const PlanKnot& n, std::size_t k) { return n.contact_force_N[k]; }, 4},
-    {"carries",
-     [](const PlanKnot& n, std::size_t k) { return (k == 0 ? n.left_carries : n.right_carries) ? 1.0 : 0.0; },
-     2},
+const std::vector<Column<PlanNodeSample>> kPlanColumns = {
+    {"base_x_m", [](const PlanNodeSample& n, std::size_t) { return n.base_x_m; }},
+    {"base_z_m", [](const PlanNodeSample& n, std::size_t) { return n.base_z_m; }},
+    {"pitch_rad", [](const PlanNodeSample& n, std::size_t) { return n.pitch_rad; }},
+    {"foot_position_m", [](const PlanNodeSample& n, std::size_t k) { return n.foot_position_m[k]; }, 4},
+    {"contact_force_N", [](const PlanNodeSample& n, std::size_t k) { return n.contact_force_N[k]; }, 4},
+    {"left_stance", [](const PlanNodeSample& n, std::size_t) { return n.left_stance ? 1.0 : 0.0; }},
+    {"right_stance", [](const PlanNodeSample& n, std::size_t) { return n.right_stance ? 1.0 : 0.0; }},
 };
 
 const std::vector<Column<TruthSample>> kTruthColumns = {
@@ -132,7 +131,8 @@ SharedMessage planner_message(std::span<const PlannerSample> cycles) {
 }
 
 SharedMessage plan_message(const PlanSample& plan) {
-  return table_message(Table::plan, plan.time_s, 0, std::span<const PlanKnot>(plan.knots), kPlanColumns);
+  return table_message(Table::plan, plan.time_s, 0, std::span<const PlanNodeSample>(plan.nodes),
+                       kPlanColumns);
 }
 
 SharedMessage truth_message(std::span<const TruthSample> samples) {
