@@ -106,7 +106,7 @@ function loopPlots() {
     },
     {
       title: 'Bus round trip', axis: 'µs', unit: 'µs', digits: 0, table: 'ticks', fromZero: true, least: 50,
-      lines: [{ label: 'command to last reply', colour: 'push', column: 'round_trip_us', steps: true }],
+      lines: [{ label: 'command to last reply', colour: 'push', column: 'bus_round_trip_us', steps: true }],
     },
   ];
 }

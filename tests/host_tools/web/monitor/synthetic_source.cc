@@ -233,7 +233,7 @@ void SyntheticSource::tick(SampleSink& sink) {
   record.plan_age_s = 0.005 + kTick_s * static_cast<double>(ticks_ % 10);
   record.wakeup_latency_ns = 20'000 + std::lround(15e3 * std::sin(static_cast<double>(ticks_)));
   record.execution_ns = 35'000 + std::lround(5e3 * std::cos(1.3 * static_cast<double>(ticks_)));
-  record.round_trip_ns = 180'000;
+  record.bus_round_trip_ns = 180'000;
   record.action = supervisor::Action::commands;
   record.state = static_cast<supervisor::State>(state_);
   sink.tick(sample);
