@@ -27,7 +27,7 @@ constexpr Entry kEntries[] = {
     {"supervisor", "torque_margin_Nm", "Nm",
      "Torque that a driver reports beyond the robot's limit before joint_torque_limit",
      real<&P::supervisor, &S::torque_margin_Nm>(0.0, 1000.0)},
-    {"supervisor", "base_angle_limit_rad", "rad", "Lean of the torso, either way, before base_angle_limit",
+    {"supervisor", "base_angle_limit_rad", "rad", "Pitch of the torso, either way, before base_angle_limit",
      real<&P::supervisor, &S::base_angle_limit_rad>(0.1, 3.2)},
     {"supervisor", "hip_height_share", "1",
      "Height of the hip above the lower foot, of the straight leg, below which it is hip_height_limit",

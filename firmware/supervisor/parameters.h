@@ -17,7 +17,7 @@ struct SupervisorParameters {
   double position_margin_rad = 0.15;   ///< travel beyond the URDF's before joint_position_limit
   double speed_margin_rad_s = 8.0;     ///< speed beyond the URDF's before joint_speed_limit
   double torque_margin_Nm = 20.0;      ///< reported torque beyond the URDF's before joint_torque_limit
-  double base_angle_limit_rad = 0.8;   ///< lean of the torso, either way
+  double base_angle_limit_rad = 0.8;   ///< pitch of the torso, either way
   double hip_height_share = 0.5;       ///< hip above the lower foot, of the straight leg
   double following_error_rad = 0.8;    ///< joint from plan or gait, mean of 0.05 s
   double encoder_jump_rad = 0.05;      ///< between two replies, beyond what the joint's rate explains
