@@ -270,7 +270,7 @@ constexpr Entry kEntries[] = {
      real<&P::torque_law, &TorqueLawParameters::joint_kp_Nm_rad>(0.0, 1e4)},
     {"torque_law", "joint_kd_Nms_rad", "Nm s/rad", "kd of every joint",
      real<&P::torque_law, &TorqueLawParameters::joint_kd_Nms_rad>(0.0, 1e3)},
-    {"torque_law", "use_feedback_gains", "", "Add the feedback K (x - x_plan) of an older plan to its inputs",
+    {"torque_law", "use_feedback_gains", "", "Add the feedback K (x - x_plan) of an aged plan to its inputs",
      flag<&P::torque_law, &TorqueLawParameters::use_feedback_gains>()},
     {"torque_law", "feedback_from_age_s", "s", "Age of a plan from which a share of its feedback acts",
      real<&P::torque_law, &TorqueLawParameters::feedback_from_age_s>(0.0, 1.0)},

@@ -344,7 +344,7 @@ void ControlLoop::record(const TickTiming& timing, const OperatorCommand& comman
   record_.gait = decision.gait;
   record_.wakeup_latency_ns = timing.wakeup_latency_ns;
   record_.execution_ns = timing.execution_ns;
-  record_.round_trip_ns = timing.round_trip_ns;
+  record_.bus_round_trip_ns = timing.bus_round_trip_ns;
   mail_->telemetry.push(record_);
   const bool harder = decision.reaction >= supervisor::Reaction::hold && decision.reaction > reaction_before_;
   reaction_before_ = decision.reaction;

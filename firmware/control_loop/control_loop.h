@@ -18,7 +18,7 @@ struct TickTiming {
   std::int64_t now_ns = 0;             ///< when it began
   std::int64_t wakeup_latency_ns = 0;  ///< after when it should have
   std::int64_t execution_ns = 0;       ///< duration of the tick before
-  std::int64_t round_trip_ns = 0;      ///< newest known, from commands to the last reply
+  std::int64_t bus_round_trip_ns = 0;  ///< newest known, from commands to the last reply
 };
 
 /// The controller of the robot, tick by tick:

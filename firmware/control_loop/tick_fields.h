@@ -124,7 +124,7 @@ constexpr auto tick_fields() noexcept {
       field<G::clock>("time_ns", {}, &R::time_ns),
       field<G::timing>("wakeup_latency_ns", {.csv = "wakeup_latency_us", .page = "wakeup_latency_us"}, &R::wakeup_latency_ns),
       field<G::timing>("execution_ns", {.csv = "execution_us", .page = "execution_us"}, &R::execution_ns),
-      field<G::timing>("round_trip_ns", {.csv = "bus_round_trip_us", .page = "round_trip_us"}, &R::round_trip_ns),
+      field<G::timing>("bus_round_trip_ns", {.csv = "bus_round_trip_us", .page = "bus_round_trip_us"}, &R::bus_round_trip_ns),
       field<G::drivers>("read_status", {}, &R::read_status),
       field<G::drivers>("write_status", {}, &R::write_status),
       joint("joint_position_rad", {.csv = "*_position_rad"}, &Joint::position_rad),

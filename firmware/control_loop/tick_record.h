@@ -43,7 +43,7 @@ struct TickRecord {
   gait::GaitCommand gait;              ///< asked of the planner
   std::int64_t wakeup_latency_ns = 0;  ///< how late this tick began
   std::int64_t execution_ns = 0;       ///< duration of the tick before
-  std::int64_t round_trip_ns = 0;      ///< newest from command to last reply
+  std::int64_t bus_round_trip_ns = 0;  ///< newest from command to last reply
 };
 
 /// Two seconds at 1 kHz.

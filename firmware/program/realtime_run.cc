@@ -93,7 +93,7 @@ void run_torque_loop(void* context) {
     if (timing.wakeup_latency_ns > overrun_ns) ++state.loop.late_ticks;
     if (state.loop.ticks % kRoundTripEvery == 0 && supervisor::drives(state.control.decision().state)) {
       const auto wait_ns = static_cast<std::int64_t>(kRoundTripShare * static_cast<double>(tick_ns));
-      timing.round_trip_ns =
+      timing.bus_round_trip_ns =
           measure_round_trip(run.round_trip, clock, done_ns, pace.next_ns() + wait_ns, state);
     }
     state.loop.missed_periods += pace.advance(timing.now_ns, clock.now_ns());

@@ -21,14 +21,14 @@ void for_each_field(Message& message, Record& record, Visit&& visit) {
   visit(message.cost, record.report.cost);
   visit(message.dynamics_defect_max, record.report.dynamics_defect_max);
   visit(message.equality_violation_max, record.report.equality_violation_max);
-  visit(message.step_length, record.report.step_length);
-  visit(message.step_size, record.report.step_size);
-  visit(message.friction_cone_violation_max_N, record.report.violations.friction_cone_N);
-  visit(message.pulling_force_max_N, record.report.violations.pulling_force_N);
-  visit(message.impulse_cone_violation_max_Ns, record.report.violations.impulse_cone_Ns);
-  visit(message.torque_violation_max_Nm, record.report.violations.joint_torque_Nm);
-  visit(message.position_violation_max_rad, record.report.violations.joint_position_rad);
-  visit(message.velocity_violation_max_rad_s, record.report.violations.joint_velocity_rad_s);
+  visit(message.line_search_step, record.report.line_search_step);
+  visit(message.step_component_max, record.report.step_component_max);
+  visit(message.friction_cone_violation_max_N, record.report.violations.friction_cone_violation_max_N);
+  visit(message.pulling_force_max_N, record.report.violations.pulling_force_max_N);
+  visit(message.impulse_cone_violation_max_Ns, record.report.violations.impulse_cone_violation_max_Ns);
+  visit(message.torque_violation_max_Nm, record.report.violations.torque_violation_max_Nm);
+  visit(message.position_violation_max_rad, record.report.violations.position_violation_max_rad);
+  visit(message.velocity_violation_max_rad_s, record.report.violations.velocity_violation_max_rad_s);
 }
 
 /// Copies where only the types may differ.

@@ -22,10 +22,10 @@ inline constexpr TypeHash kTypeHashes[] = {
     {"stilt_msgs/msg/Configuration", "RIHS01_8e3cbddb6bb45d84772e7df1326bee88d7d0749bf5e06a91bf6cc2f2494492da"},
     {"stilt_msgs/msg/Event", "RIHS01_22a245fb42beccad14c5c602c46dd036f54e7ce8e1bba882aa5ea95292867fc2"},
     {"stilt_msgs/msg/Plan", "RIHS01_9160ba77f0d7f8c437a23eadb9a19cf61001c094fb49e0f5784c0b6a6260454b"},
-    {"stilt_msgs/msg/PlannerCycle", "RIHS01_50fb4ff18a267a1bfed2d697444d5588ab48c3e260ea8a366b0fae06144832c3"},
+    {"stilt_msgs/msg/PlannerCycle", "RIHS01_41c75f40dc222eef706d2fc92edf7504db5a45627348c545258ac1843e94a5b2"},
     {"stilt_msgs/msg/Simulation", "RIHS01_41d3f2a731487a10962cb047a500c1363219773c1e9e11fc80c6d126cbff268e"},
     {"stilt_msgs/msg/Supervisor", "RIHS01_3a05083b5494bc94bc721f896c6c044c252acefc81fd806eb007e3c115bb851a"},
-    {"stilt_msgs/msg/TickBatch", "RIHS01_69f182c150f53dc6e6d05b7f8f84474c761f6891596371d952456484994781b4"},
+    {"stilt_msgs/msg/TickBatch", "RIHS01_392cb276117c4eecebaf58c8e646fe9103a02f6fadf58edec45ad04c18cdd8e0"},
     {"stilt_msgs/msg/Timing", "RIHS01_4f12aa902ca80e86ca2c476d3937d03836b21892865f8f12ef2e84349dd01205"},
     {"stilt_msgs/msg/Tuning", "RIHS01_b767c84fad588e3ba0ea49f98da99ece103f51d849c856775155ab19d51810c6"},
 };

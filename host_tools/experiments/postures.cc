@@ -19,7 +19,7 @@ Posture posture_of(const log::RobotDrawing& robot, const model::StateVector& sta
 }
 
 Posture end_posture(const log::RobotDrawing& robot, const log::PlanSnapshot& plan) {
-  Posture posture{plan.hip_x_m.back(), plan.hip_z_m.back(), plan.pitch_rad.back(), {}, {}, {}, {}};
+  Posture posture{plan.base_x_m.back(), plan.base_z_m.back(), plan.pitch_rad.back(), {}, {}, {}, {}};
   const model::FeetVector& feet = plan.foot_position_m.back();
   for (int leg = 0; leg < model::kFeet; ++leg) {
     const double x_m = feet[2 * leg] - posture.hip_x_m;

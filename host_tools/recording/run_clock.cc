@@ -7,7 +7,7 @@ void count_from(RunRecord& record, double start_s) {
   for (SolveSample& solve : record.solves) solve.time_s += start_s;
   for (PlanSnapshot& plan : record.plans) {
     plan.time_s += start_s;
-    for (double& knot_s : plan.knot_time_s) knot_s += start_s;
+    for (double& node_s : plan.node_time_s) node_s += start_s;
   }
   for (Step& step : record.summary.steps) step.time_s += start_s;
   if (record.summary.fall_time_s >= 0.0) record.summary.fall_time_s += start_s;

@@ -33,8 +33,8 @@ struct RunSample {
 /// Geometry of a plan, for drawing it ahead of the robot.
 struct PlanSnapshot {
   double time_s = 0.0;
-  std::vector<double> knot_time_s;
-  std::vector<double> hip_x_m, hip_z_m, pitch_rad;
+  std::vector<double> node_time_s;
+  std::vector<double> base_x_m, base_z_m, pitch_rad;
   std::vector<model::FeetVector> foot_position_m;
 };
 

@@ -15,7 +15,7 @@ using ocp::kMaxSwitches;
 
 using FeedbackGain = Eigen::Matrix<double, model::kInputs, model::kStates>;
 
-/// One knot of the plan. At a contact switch two nodes share a time: before and after the transition.
+/// One node of the plan. At a contact switch two nodes share a time: before and after the transition.
 struct PlanNode {
   double time_s = 0.0;
   model::StateVector state = model::StateVector::Zero();

@@ -22,7 +22,8 @@ model::FeetVector foot_positions(const model::RobotModel& robot, const model::St
 bool feasible(const sqp::SqpParameters& p, const sqp::SolveReport& report) noexcept {
   const ocp::Violations& v = report.violations;
   return report.dynamics_defect_max <= p.plan_defect_max &&
-         v.friction_cone_N <= p.plan_cone_violation_max_N && v.pulling_force_N <= p.plan_pulling_force_max_N;
+         v.friction_cone_violation_max_N <= p.plan_cone_violation_max_N &&
+         v.pulling_force_max_N <= p.plan_pulling_force_max_N;
 }
 
 }  // namespace

@@ -23,8 +23,8 @@ using model::kStates;
 struct BatchMerit {
   Batch cost = Batch(0.0);
   Batch violation_squared = Batch(0.0);
-  Batch defect_max = Batch(0.0);
-  Batch equality_max = Batch(0.0);
+  Batch dynamics_defect_max = Batch(0.0);
+  Batch equality_violation_max = Batch(0.0);
 };
 
 Batch squared_error(const Batch& value, const Batch& reference) noexcept {
@@ -101,7 +101,7 @@ void add_defects(const ProblemData& data, const StageBatch& batch, const BatchIt
   for (int i = 0; i < kStates; ++i) {
     const Batch defect = reached[i] - it.x_next[i];
     sum += defect * defect;
-    merit.defect_max = max(merit.defect_max, abs(defect));
+    merit.dynamics_defect_max = max(merit.dynamics_defect_max, abs(defect));
   }
   merit.violation_squared += batch.weight * sum;
 }
@@ -111,7 +111,7 @@ void add_equalities(const ProblemData& data, const StageBatch& batch, const Batc
   Batch sum = Batch(0.0);
   const auto add = [&](const Batch& residual) {
     sum += residual * residual;
-    merit.equality_max = max(merit.equality_max, abs(residual));
+    merit.equality_violation_max = max(merit.equality_violation_max, abs(residual));
   };
   for (int foot = 0; foot < kFeet; ++foot) {
     const bool stance = batch.mode[foot];
@@ -159,7 +159,7 @@ void add_transitions(const ProblemData& data, const Barriers& barriers, const Ba
   for (int i = 0; i < kStates; ++i) {
     const Batch defect = after[i] - it.x_next[i];
     sum += defect * defect;
-    merit.defect_max = max(merit.defect_max, abs(defect));
+    merit.dynamics_defect_max = max(merit.dynamics_defect_max, abs(defect));
   }
   merit.violation_squared += batch.weight * sum;
 }
@@ -200,8 +200,8 @@ Merit evaluate(const ProblemData& data, const Problem& problem, const Trajectory
   Merit merit;
   merit.cost = reduce(sums.cost) + terminal_cost(data, problem, iterate.x[problem.horizon.stages]);
   merit.violation_squared = reduce(sums.violation_squared);
-  merit.defect_max = hmax(sums.defect_max);
-  merit.equality_max = hmax(sums.equality_max);
+  merit.dynamics_defect_max = hmax(sums.dynamics_defect_max);
+  merit.equality_violation_max = hmax(sums.equality_violation_max);
   return merit;
 }
 

@@ -18,8 +18,8 @@ using lq::InputProjection;
 struct Merit {
   double cost = 0.0;
   double violation_squared = 0.0;  ///< defects^2 + (duration * equality residual)^2, summed
-  double defect_max = 0.0;
-  double equality_max = 0.0;
+  double dynamics_defect_max = 0.0;
+  double equality_violation_max = 0.0;
 };
 
 }  // namespace stilt::ocp

@@ -80,12 +80,12 @@ Violations violations(const ProblemData& data, const Problem& problem, const Tra
     for (int b = 0; b < problem.transition_batches; ++b)
       check_impulses(data, parameters, problem.transition_batch[b], iterate, largest);
   }
-  return {.friction_cone_N = hmax(largest.friction_cone),
-          .pulling_force_N = hmax(largest.pulling_force),
-          .impulse_cone_Ns = hmax(largest.impulse_cone),
-          .joint_torque_Nm = hmax(largest.joint_torque),
-          .joint_position_rad = hmax(largest.joint_position),
-          .joint_velocity_rad_s = hmax(largest.joint_velocity)};
+  return {.friction_cone_violation_max_N = hmax(largest.friction_cone),
+          .pulling_force_max_N = hmax(largest.pulling_force),
+          .impulse_cone_violation_max_Ns = hmax(largest.impulse_cone),
+          .torque_violation_max_Nm = hmax(largest.joint_torque),
+          .position_violation_max_rad = hmax(largest.joint_position),
+          .velocity_violation_max_rad_s = hmax(largest.joint_velocity)};
 }
 
 }  // namespace stilt::ocp

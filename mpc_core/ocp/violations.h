@@ -8,12 +8,12 @@ namespace stilt::ocp {
 /// may leave its limits; the least normal force and the margins of the torque law are not counted here, only
 /// what the ground and the drives cannot give.
 struct Violations {
-  double friction_cone_N = 0.0;       ///< |f_x| - mu max(f_z, 0) of a stance foot
-  double pulling_force_N = 0.0;       ///< -f_z of a stance foot
-  double impulse_cone_Ns = 0.0;       ///< |L_x| - mu L_z of a foot that touches down
-  double joint_torque_Nm = 0.0;       ///< beyond the drive's limit at that speed
-  double joint_position_rad = 0.0;    ///< beyond the travel
-  double joint_velocity_rad_s = 0.0;  ///< beyond the limit
+  double friction_cone_violation_max_N = 0.0;  ///< |f_x| - mu max(f_z, 0) of a stance foot
+  double pulling_force_max_N = 0.0;            ///< -f_z of a stance foot
+  double impulse_cone_violation_max_Ns = 0.0;  ///< |L_x| - mu L_z of a foot that touches down
+  double torque_violation_max_Nm = 0.0;        ///< beyond the drive's limit at that speed
+  double position_violation_max_rad = 0.0;     ///< beyond the travel
+  double velocity_violation_max_rad_s = 0.0;   ///< beyond the limit
 };
 
 }  // namespace stilt::ocp

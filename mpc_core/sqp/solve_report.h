@@ -25,8 +25,8 @@ struct SolveReport {
   double dynamics_defect_max = 0.0;     ///< largest |x_{k+1} - F(x_k, u_k)|, mixed SI units
   double equality_violation_max = 0.0;  ///< largest equality residual, m/s^2 or N
   ocp::Violations violations;           ///< of the inequalities, by kind
-  double step_length = 0.0;             ///< of the last iteration
-  double step_size = 0.0;               ///< largest component of the last accepted step
+  double line_search_step = 0.0;        ///< factor of the last iteration's step as it was taken; 0: none was
+  double step_component_max = 0.0;      ///< largest component of the last step taken, mixed SI units
 
   /// True when the plan may be executed.
   [[nodiscard]] constexpr bool usable() const noexcept { return status < SolveStatus::not_finite; }

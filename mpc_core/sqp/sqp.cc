@@ -119,13 +119,13 @@ Sqp::Search Sqp::line_search(const ocp::ProblemData& data, const ocp::Problem& p
   for (double length = 1.0; length >= p.step_min; length *= p.step_decrease) {
     if (report.trial_steps == report.iterations + p.backtracking_steps) return Search::exhausted;
     ++report.trial_steps;
-    const double step_size = take_step(iterate, length, stages, trial);
-    if (length == 1.0) full_step_size_ = step_size;
+    const double component_max = take_step(iterate, length, stages, trial);
+    if (length == 1.0) full_step_component_max_ = component_max;
     const ocp::Merit trial_merit = ocp::evaluate(data, problem, trial);
     if (!acceptable(p, merit, trial_merit, length, slope_)) continue;
     merit = trial_merit;
-    report.step_length = length;
-    report.step_size = step_size;
+    report.line_search_step = length;
+    report.step_component_max = component_max;
     result = Search::accepted;
     break;
   }
@@ -149,18 +149,18 @@ SolveReport Sqp::solve(const ocp::ProblemData& data, const ocp::Problem& problem
     ++report.iterations;
     const double cost_before = merit.cost;
     const Search search = line_search(data, problem, p, *current, *trial, merit, report);
-    if (search != Search::accepted) report.step_length = 0.0;
+    if (search != Search::accepted) report.line_search_step = 0.0;
     if (search == Search::exhausted) break;
     if (search == Search::rejected) {
       // A step this small changes the cost by less than rounding: acceptance means nothing.
-      const bool vanished = full_step_size_ < p.step_tolerance;
+      const bool vanished = full_step_component_max_ < p.step_tolerance;
       if (p.early_stop) report.status = vanished ? SolveStatus::converged : SolveStatus::step_rejected;
       continue;
     }
     std::swap(current, trial);
     const bool settled = std::abs(merit.cost - cost_before) < p.cost_tolerance &&
                          std::sqrt(merit.violation_squared) < p.violation_tolerance;
-    if (p.early_stop && (settled || report.step_size < p.step_tolerance))
+    if (p.early_stop && (settled || report.step_component_max < p.step_tolerance))
       report.status = SolveStatus::converged;
   }
   if (current != &iterate) {
@@ -169,8 +169,8 @@ SolveReport Sqp::solve(const ocp::ProblemData& data, const ocp::Problem& problem
     std::copy(current->u[0], current->u[stages], iterate.u[0]);
   }
   report.cost = merit.cost;
-  report.dynamics_defect_max = merit.defect_max;
-  report.equality_violation_max = merit.equality_max;
+  report.dynamics_defect_max = merit.dynamics_defect_max;
+  report.equality_violation_max = merit.equality_violation_max;
   if (report.usable()) report.violations = ocp::violations(data, problem, iterate);
   times_.total_us = 1e-3 * static_cast<double>(now_ns() - start_ns);
   return report;

@@ -58,7 +58,7 @@ class Sqp {
   ClockFunction clock_ = nullptr;
   PhaseTimes times_;
   double slope_ = 0.0;
-  double full_step_size_ = 0.0;  ///< largest component of the step before the line search
+  double full_step_component_max_ = 0.0;  ///< largest component of the step before the line search
   ocp::StageModels models_;
   lq::LqGain gains_[ocp::kMaxStages];
   lq::LqStep steps_[ocp::kMaxNodes];

@@ -16,7 +16,7 @@ struct SqpParameters {
   double violation_tolerance = 0.01;       ///< ... and g below this
   double step_tolerance = 1e-6;            ///< converged: largest component of the step below this
   double step_decrease = 0.5;              ///< backtracking factor
-  double step_min = 1e-4;                  ///< smallest step length that the line search tries
+  double step_min = 1e-4;                  ///< smallest factor of a step that the line search tries
   double filter_violation_max = 1.0;       ///< above this g only less g is accepted
   double filter_violation_min = 1e-6;      ///< below this g the cost alone decides
   double filter_margin = 1e-6;             ///< least relative decrease of g

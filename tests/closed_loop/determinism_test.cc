@@ -42,10 +42,11 @@ bool same(const log::RunSample& a, const log::RunSample& b) {
 
 bool same(const sqp::SolveReport& a, const sqp::SolveReport& b) {
   return a.status == b.status && a.iterations == b.iterations && same_bits(a.cost, b.cost) &&
-         same_bits(a.dynamics_defect_max, b.dynamics_defect_max) && same_bits(a.step_size, b.step_size) &&
+         same_bits(a.dynamics_defect_max, b.dynamics_defect_max) &&
+         same_bits(a.step_component_max, b.step_component_max) &&
          same_bits(a.equality_violation_max, b.equality_violation_max) &&
-         same_bits(a.violations.friction_cone_N, b.violations.friction_cone_N) &&
-         same_bits(a.violations.impulse_cone_Ns, b.violations.impulse_cone_Ns);
+         same_bits(a.violations.friction_cone_violation_max_N, b.violations.friction_cone_violation_max_N) &&
+         same_bits(a.violations.impulse_cone_violation_max_Ns, b.violations.impulse_cone_violation_max_Ns);
 }
 
 void expect_identical(const log::RunRecord& a, const log::RunRecord& b) {

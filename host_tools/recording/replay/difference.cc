@@ -108,14 +108,21 @@ std::optional<Difference> compare(const control_loop::CycleRecord& recorded,
                  replayed.report.equality_violation_max, "the solve");
   const ocp::Violations& before = recorded.report.violations;
   const ocp::Violations& now = replayed.report.violations;
-  comparison.add("friction_cone_N", before.friction_cone_N, now.friction_cone_N, "the solve");
-  comparison.add("pulling_force_N", before.pulling_force_N, now.pulling_force_N, "the solve");
-  comparison.add("impulse_cone_Ns", before.impulse_cone_Ns, now.impulse_cone_Ns, "the solve");
-  comparison.add("joint_torque_Nm", before.joint_torque_Nm, now.joint_torque_Nm, "the solve");
-  comparison.add("joint_position_rad", before.joint_position_rad, now.joint_position_rad, "the solve");
-  comparison.add("joint_velocity_rad_s", before.joint_velocity_rad_s, now.joint_velocity_rad_s, "the solve");
-  comparison.add("step_length", recorded.report.step_length, replayed.report.step_length, "the solve");
-  comparison.add("step_size", recorded.report.step_size, replayed.report.step_size, "the solve");
+  comparison.add("friction_cone_violation_max_N", before.friction_cone_violation_max_N,
+                 now.friction_cone_violation_max_N, "the solve");
+  comparison.add("pulling_force_max_N", before.pulling_force_max_N, now.pulling_force_max_N, "the solve");
+  comparison.add("impulse_cone_violation_max_Ns", before.impulse_cone_violation_max_Ns,
+                 now.impulse_cone_violation_max_Ns, "the solve");
+  comparison.add("torque_violation_max_Nm", before.torque_violation_max_Nm, now.torque_violation_max_Nm,
+                 "the solve");
+  comparison.add("position_violation_max_rad", before.position_violation_max_rad,
+                 now.position_violation_max_rad, "the solve");
+  comparison.add("velocity_violation_max_rad_s", before.velocity_violation_max_rad_s,
+                 now.velocity_violation_max_rad_s, "the solve");
+  comparison.add("line_search_step", recorded.report.line_search_step, replayed.report.line_search_step,
+                 "the solve");
+  comparison.add("step_component_max", recorded.report.step_component_max, replayed.report.step_component_max,
+                 "the solve");
   comparison.add("failures in a row", recorded.failures, replayed.failures);
   comparison.add("sequence", recorded.plan_sequence, replayed.plan_sequence, "the plan");
   comparison.add("nodes", recorded.nodes, replayed.nodes, "the plan");

@@ -42,7 +42,8 @@ bool Replay::run(const control_loop::TickRecord& recorded) {
   }
   if (!hand_in(recorded)) return false;
   robot_.set(recorded);
-  loop_->tick({recorded.time_ns, recorded.wakeup_latency_ns, recorded.execution_ns, recorded.round_trip_ns});
+  loop_->tick(
+      {recorded.time_ns, recorded.wakeup_latency_ns, recorded.execution_ns, recorded.bus_round_trip_ns});
   const control_loop::TickRecord replayed = *mail_->telemetry.front();
   mail_->telemetry.pop();
   while (mail_->events.front() != nullptr) mail_->events.pop();

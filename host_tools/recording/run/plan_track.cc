@@ -28,8 +28,8 @@ void PlanTrack::add(const telemetry::Plan& message) {
   for (std::size_t i = 0; i < count; ++i) {
     Node node;
     node.time_s = message.start_time_s + time_s[i];
-    node.point.hip_x_m = base[3 * i];
-    node.point.hip_z_m = base[3 * i + 1];
+    node.point.base_x_m = base[3 * i];
+    node.point.base_z_m = base[3 * i + 1];
     node.point.pitch_rad = base[3 * i + 2];
     for (std::size_t k = 0; k < 4; ++k) {
       const auto row = static_cast<Eigen::Index>(k);
@@ -54,8 +54,8 @@ std::optional<PlanTrack::Point> PlanTrack::at(double time_s) const {
   const double share = (time_s - from.time_s) / (next->time_s - from.time_s);
   const auto between = [share](double a, double b) { return a + share * (b - a); };
   Point point = from.point;
-  point.hip_x_m = between(from.point.hip_x_m, next->point.hip_x_m);
-  point.hip_z_m = between(from.point.hip_z_m, next->point.hip_z_m);
+  point.base_x_m = between(from.point.base_x_m, next->point.base_x_m);
+  point.base_z_m = between(from.point.base_z_m, next->point.base_z_m);
   point.pitch_rad = between(from.point.pitch_rad, next->point.pitch_rad);
   point.joint_position_rad += share * (next->point.joint_position_rad - from.point.joint_position_rad);
   return point;
@@ -67,9 +67,9 @@ std::vector<log::PlanSnapshot> PlanTrack::snapshots() const {
     log::PlanSnapshot& snapshot = all.emplace_back();
     snapshot.time_s = plan.start_s;
     for (const Node& node : plan.nodes) {
-      snapshot.knot_time_s.push_back(node.time_s);
-      snapshot.hip_x_m.push_back(node.point.hip_x_m);
-      snapshot.hip_z_m.push_back(node.point.hip_z_m);
+      snapshot.node_time_s.push_back(node.time_s);
+      snapshot.base_x_m.push_back(node.point.base_x_m);
+      snapshot.base_z_m.push_back(node.point.base_z_m);
       snapshot.pitch_rad.push_back(node.point.pitch_rad);
       snapshot.foot_position_m.push_back(node.foot_position_m);
     }

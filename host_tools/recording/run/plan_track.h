@@ -14,7 +14,7 @@ class PlanTrack {
  public:
   /// What a plan contains for one time.
   struct Point {
-    double hip_x_m = 0.0, hip_z_m = 0.0, pitch_rad = 0.0;
+    double base_x_m = 0.0, base_z_m = 0.0, pitch_rad = 0.0;
     model::JointVector joint_position_rad = model::JointVector::Zero();
     model::FeetVector contact_force_N = model::FeetVector::Zero();
     model::ContactMode mode;

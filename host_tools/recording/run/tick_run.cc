@@ -71,7 +71,7 @@ log::RunSample TickRun::sample_of(double time_s, const control_loop::TickRecord&
   sample.push_N = 0.0;
   sample.commanded_speed_m_s = tick.gait.kind == gait::GaitKind::walk ? tick.gait.speed_m_s : 0.0;
   if (!plan) return sample;
-  sample.planned_state.head<3>() << plan->hip_x_m, plan->hip_z_m, plan->pitch_rad;
+  sample.planned_state.head<3>() << plan->base_x_m, plan->base_z_m, plan->pitch_rad;
   sample.planned_state.segment<model::kJoints>(model::kFirstJoint) = plan->joint_position_rad;
   sample.planned_contact_force_N = plan->contact_force_N;
   sample.scheduled_mode = plan->mode;

@@ -127,9 +127,9 @@ void RunRecorder::take_snapshot(const control::Plan& plan) {
   snapshot.time_s = plan.start_time_s;
   for (int k = 0; k < plan.nodes; ++k) {
     const control::PlanNode& node = plan.node[static_cast<std::size_t>(k)];
-    snapshot.knot_time_s.push_back(node.time_s);
-    snapshot.hip_x_m.push_back(node.state[0]);
-    snapshot.hip_z_m.push_back(node.state[1]);
+    snapshot.node_time_s.push_back(node.time_s);
+    snapshot.base_x_m.push_back(node.state[0]);
+    snapshot.base_z_m.push_back(node.state[1]);
     snapshot.pitch_rad.push_back(node.state[2]);
     snapshot.foot_position_m.push_back(foot_positions(settings_.leg, node.state));
   }

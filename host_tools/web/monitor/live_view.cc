@@ -210,7 +210,7 @@ void LiveView::tick(const TickSample& sample) {
 }
 
 void LiveView::plan(const PlanSample& sample) {
-  if (sample.knots.empty()) return;
+  if (sample.nodes.empty()) return;
   const SharedMessage message = plan_message(sample);
   history_.plan(message);
   send(message);

@@ -32,11 +32,11 @@ PlannerSample planner_sample(const telemetry::PlannerCycle& message) {
   sample.time_s = message.time_s;
   sample.status = message.status;
   sample.iterations = message.iterations;
-  sample.defect_max = message.dynamics_defect_max;
+  sample.dynamics_defect_max = message.dynamics_defect_max;
   sample.equality_violation_max = message.equality_violation_max;
-  sample.violations.friction_cone_N = message.friction_cone_violation_max_N;
-  sample.violations.pulling_force_N = message.pulling_force_max_N;
-  sample.violations.joint_torque_Nm = message.torque_violation_max_Nm;
+  sample.violations.friction_cone_violation_max_N = message.friction_cone_violation_max_N;
+  sample.violations.pulling_force_max_N = message.pulling_force_max_N;
+  sample.violations.torque_violation_max_Nm = message.torque_violation_max_Nm;
   sample.cost = message.cost;
   sample.solve_us = 1e-3 * static_cast<double>(message.solve_ns);
   return sample;
@@ -56,18 +56,18 @@ PlanSample plan_sample(const telemetry::Plan& message) {
     return sample;
   }
   for (std::size_t k = 0; k < count; ++k) {
-    PlanKnot knot;
-    knot.time_s = message.start_time_s + static_cast<double>(times[k]);
-    knot.hip_x_m = static_cast<double>(base[3 * k]);
-    knot.hip_z_m = static_cast<double>(base[3 * k + 1]);
-    knot.pitch_rad = static_cast<double>(base[3 * k + 2]);
+    PlanNodeSample node;
+    node.time_s = message.start_time_s + static_cast<double>(times[k]);
+    node.base_x_m = static_cast<double>(base[3 * k]);
+    node.base_z_m = static_cast<double>(base[3 * k + 1]);
+    node.pitch_rad = static_cast<double>(base[3 * k + 2]);
     for (std::size_t i = 0; i < 4; ++i) {
-      knot.foot_position_m[i] = static_cast<double>(feet[4 * k + i]);
-      knot.contact_force_N[i] = static_cast<double>(forces[4 * k + i]);
+      node.foot_position_m[i] = static_cast<double>(feet[4 * k + i]);
+      node.contact_force_N[i] = static_cast<double>(forces[4 * k + i]);
     }
-    knot.left_carries = (contacts[k] & 1) != 0;
-    knot.right_carries = (contacts[k] & 2) != 0;
-    sample.knots.push_back(knot);
+    node.left_stance = (contacts[k] & 1) != 0;
+    node.right_stance = (contacts[k] & 2) != 0;
+    sample.nodes.push_back(node);
   }
   return sample;
 }

@@ -8,7 +8,7 @@ namespace stilt::monitor {
 
 [[nodiscard]] PlannerSample planner_sample(const telemetry::PlannerCycle& message);
 
-/// As many knots as all sequences contain; none when their lengths are inconsistent.
+/// As many nodes as all sequences contain; none when their lengths are inconsistent.
 [[nodiscard]] PlanSample plan_sample(const telemetry::Plan& message);
 
 [[nodiscard]] SupervisorSample supervisor_sample(const telemetry::Supervisor& message);

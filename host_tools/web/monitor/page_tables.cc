@@ -85,24 +85,26 @@ const TickColumns& tick_columns() {
 const std::vector<Column<PlannerSample>> kPlannerColumns = {
     {"status", [](const PlannerSample& c, std::size_t) { return static_cast<double>(c.status); }},
     {"iterations", [](const PlannerSample& c, std::size_t) { return static_cast<double>(c.iterations); }},
-    {"dynamics_defect_max", [](const PlannerSample& c, std::size_t) { return c.defect_max; }},
+    {"dynamics_defect_max", [](const PlannerSample& c, std::size_t) { return c.dynamics_defect_max; }},
     {"equality_violation_max", [](const PlannerSample& c, std::size_t) { return c.equality_violation_max; }},
-    {"friction_cone_N", [](const PlannerSample& c, std::size_t) { return c.violations.friction_cone_N; }},
-    {"pulling_force_N", [](const PlannerSample& c, std::size_t) { return c.violations.pulling_force_N; }},
-    {"joint_torque_Nm", [](const PlannerSample& c, std::size_t) { return c.violations.joint_torque_Nm; }},
+    {"friction_cone_violation_max_N",
+     [](const PlannerSample& c, std::size_t) { return c.violations.friction_cone_violation_max_N; }},
+    {"pulling_force_max_N",
+     [](const PlannerSample& c, std::size_t) { return c.violations.pulling_force_max_N; }},
+    {"torque_violation_max_Nm",
+     [](const PlannerSample& c, std::size_t) { return c.violations.torque_violation_max_Nm; }},
     {"cost", [](const PlannerSample& c, std::size_t) { return c.cost; }},
     {"solve_ms", [](const PlannerSample& c, std::size_t) { return 1e-3 * c.solve_us; }},
 };
 
-const std::vector<Column<PlanKnot>> kPlanColumns = {
-    {"hip_x_m", [](const PlanKnot& n, std::size_t) { return n.hip_x_m; }},
-    {"hip_z_m", [](const PlanKnot& n, std::size_t) { return n.hip_z_m; }},
-    {"pitch_rad", [](const PlanKnot& n, std::size_t) { return n.pitch_rad; }},
-    {"foot_position_m", [](const PlanKnot& n, std::size_t k) { return n.foot_position_m[k]; }, 4},
-    {"contact_force_N", [](const PlanKnot& n, std::size_t k) { return n.contact_force_N[k]; }, 4},
-    {"carries",
-     [](const PlanKnot& n, std::size_t k) { return (k == 0 ? n.left_carries : n.right_carries) ? 1.0 : 0.0; },
-     2},
+const std::vector<Column<PlanNodeSample>> kPlanColumns = {
+    {"base_x_m", [](const PlanNodeSample& n, std::size_t) { return n.base_x_m; }},
+    {"base_z_m", [](const PlanNodeSample& n, std::size_t) { return n.base_z_m; }},
+    {"pitch_rad", [](const PlanNodeSample& n, std::size_t) { return n.pitch_rad; }},
+    {"foot_position_m", [](const PlanNodeSample& n, std::size_t k) { return n.foot_position_m[k]; }, 4},
+    {"contact_force_N", [](const PlanNodeSample& n, std::size_t k) { return n.contact_force_N[k]; }, 4},
+    {"left_stance", [](const PlanNodeSample& n, std::size_t) { return n.left_stance ? 1.0 : 0.0; }},
+    {"right_stance", [](const PlanNodeSample& n, std::size_t) { return n.right_stance ? 1.0 : 0.0; }},
 };
 
 const std::vector<Column<TruthSample>> kTruthColumns = {
@@ -129,7 +131,8 @@ SharedMessage planner_message(std::span<const PlannerSample> cycles) {
 }
 
 SharedMessage plan_message(const PlanSample& plan) {
-  return table_message(Table::plan, plan.time_s, 0, std::span<const PlanKnot>(plan.knots), kPlanColumns);
+  return table_message(Table::plan, plan.time_s, 0, std::span<const PlanNodeSample>(plan.nodes),
+                       kPlanColumns);
 }
 
 SharedMessage truth_message(std::span<const TruthSample> samples) {

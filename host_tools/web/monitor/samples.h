@@ -25,26 +25,26 @@ struct PlannerSample {
   double time_s = 0.0;      ///< of the state it planned from
   int status = 0;           ///< number of sqp::SolveStatus
   int iterations = 0;
-  double defect_max = 0.0;              ///< mixed SI units
+  double dynamics_defect_max = 0.0;     ///< mixed SI units
   double equality_violation_max = 0.0;  ///< m/s^2 or N
   ocp::Violations violations;           ///< of the inequalities
   double cost = 0.0;
   double solve_us = 0.0;  ///< 0 in lock-step
 };
 
-/// One knot of a plan, for drawing it ahead of the robot.
-struct PlanKnot {
+/// One node of a plan, for drawing it ahead of the robot.
+struct PlanNodeSample {
   double time_s = 0.0;
-  double hip_x_m = 0.0, hip_z_m = 0.0, pitch_rad = 0.0;
+  double base_x_m = 0.0, base_z_m = 0.0, pitch_rad = 0.0;
   std::array<double, 4> foot_position_m{};  ///< xL, zL, xR, zR
   std::array<double, 4> contact_force_N{};  ///< fxL, fzL, fxR, fzR, on the robot
-  bool left_carries = false, right_carries = false;
+  bool left_stance = false, right_stance = false;
 };
 
-/// A plan, as knots for drawing.
+/// A plan, as nodes for drawing.
 struct PlanSample {
   double time_s = 0.0;  ///< of the state it starts from
-  std::vector<PlanKnot> knots;
+  std::vector<PlanNodeSample> nodes;
 };
 
 /// State of the supervisor.

@@ -70,7 +70,7 @@ bool wants_to_quit() {
 
 /// Overwrites the previous text, so that the screen does not flicker. Highlights faults and stale data.
 void show(const std::string& text) {
-  constexpr std::string_view kStandOut[] = {"FAULT", "OLD: "};
+  constexpr std::string_view kStandOut[] = {"FAULT", "STALE DATA: "};
   std::string screen = "\x1b[H";
   for (std::size_t at = 0; at < text.size(); ++at) {
     const bool stands_out = std::ranges::any_of(

@@ -93,7 +93,7 @@ std::string TerminalView::link_text() const {
   const double silent_s = now_s_ - received_s_;
   if (source_.live() && silent_s > kStale_s) {
     char text[80];
-    std::snprintf(text, sizeof text, "OLD: no data for %.1f s", silent_s);
+    std::snprintf(text, sizeof text, "STALE DATA: none for %.1f s", silent_s);
     return text;
   }
   std::string text = source_.live() ? "live" : "record";
@@ -156,14 +156,15 @@ std::string TerminalView::text(std::size_t columns, std::size_t rows) const {
   if (tick_) {
     const auto& state = tick_->record.estimated_state;
     text += tick_->record.stance_episode == 0
-                ? line("speed     -   off its feet   lean %+.3f rad", state[2])
-                : line("speed     %+.2f m/s   x %.2f m   hip %.3f m   lean %+.3f rad", speed_m_s_, state[0],
+                ? line("speed     -   off its feet   pitch %+.3f rad", state[2])
+                : line("speed     %+.2f m/s   x %.2f m   hip %.3f m   pitch %+.3f rad", speed_m_s_, state[0],
                        state[1], state[2]);
   }
   if (supervisor_) text += fault_text();
   if (cycle_) {
-    text += line("solver    %d iterations, %s, defect %.1e, equalities %.1e", cycle_->iterations,
-                 duration(cycle_->solve_us).c_str(), cycle_->defect_max, cycle_->equality_violation_max);
+    text +=
+        line("solver    %d iterations, %s, defect %.1e, equalities %.1e", cycle_->iterations,
+             duration(cycle_->solve_us).c_str(), cycle_->dynamics_defect_max, cycle_->equality_violation_max);
   }
   if (timing_) text += timing_text();
   for (const auto& [event, times] : events_) {

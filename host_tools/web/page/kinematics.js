@@ -45,13 +45,13 @@ function legToFoot(robot, hip, foot) {
   return leg(robot, hip, thighAngle, thighAngle + kneeAngle);
 }
 
-/** Pose of a planned knot {hip, pitch, feet: [left, right]}. */
-function poseOfKnot(robot, knot) {
+/** Pose of a planned node {hip, pitch, feet: [left, right]}. */
+function poseOfNode(robot, node) {
   return {
-    hip: knot.hip,
-    head: torsoTop(robot, knot.hip, knot.pitch),
-    left: legToFoot(robot, knot.hip, knot.feet[0]),
-    right: legToFoot(robot, knot.hip, knot.feet[1]),
+    hip: node.hip,
+    head: torsoTop(robot, node.hip, node.pitch),
+    left: legToFoot(robot, node.hip, node.feet[0]),
+    right: legToFoot(robot, node.hip, node.feet[1]),
   };
 }
 
@@ -63,17 +63,17 @@ function groundHeight({ x_m, z_m }, x) {
   return z_m[next - 1] + share * (z_m[next] - z_m[next - 1]);
 }
 
-/** Planned footholds: places where a foot rests for two knots or more. [{foot, x, z, time}], time of arrival. */
-function footholds(knots) {
+/** Planned footholds: places where a foot rests for two nodes or more. [{foot, x, z, time}], time of arrival. */
+function footholds(nodes) {
   const kRestDistance_m = 0.004;
   const places = [];
   for (const foot of [0, 1]) {
     let resting = false;
-    for (let k = 1; k < knots.length; ++k) {
-      const before = knots[k - 1].feet[foot];
-      const now = knots[k].feet[foot];
+    for (let k = 1; k < nodes.length; ++k) {
+      const before = nodes[k - 1].feet[foot];
+      const now = nodes[k].feet[foot];
       const rests = Math.hypot(now.x - before.x, now.z - before.z) < kRestDistance_m;
-      if (rests && !resting) places.push({ foot, x: now.x, z: now.z, time: knots[k - 1].time });
+      if (rests && !resting) places.push({ foot, x: now.x, z: now.z, time: nodes[k - 1].time });
       resting = rests;
     }
   }

@@ -21,7 +21,7 @@ class RobotData {
 
   clear() {
     this.tables = null;
-    this.plans = [];  // {time_s, first, count}: knots of the table `plan`, counted from its first one on
+    this.plans = [];  // {time_s, first, count}: nodes of the table `plan`, counted from its first one on
     this.pushes = [];  // {from_s, to_s, force_N}
     this.footprints = [];  // {foot, x, z, time}
     this.drawnPlan = null;
@@ -46,20 +46,20 @@ class RobotData {
     return Number.isFinite(speed) ? speed : null;
   }
 
-  /** Knots of the newest plan that had begun at `time_s`, none when it is long over. */
+  /** Nodes of the newest plan that had begun at `time_s`, none when it is long over. */
   planAt(time_s) {
     const plan = this.plans.findLast((one) => one.time_s <= time_s);
     if (!plan || plan.time_s < time_s - this.planLife_s) return [];
-    if (this.drawnPlan?.plan !== plan) this.drawnPlan = { plan, knots: this.knotsOf(plan) };
-    const { knots } = this.drawnPlan;
-    return knots.length > 1 && knots.at(-1).time > time_s ? knots : [];
+    if (this.drawnPlan?.plan !== plan) this.drawnPlan = { plan, nodes: this.nodesOf(plan) };
+    const { nodes } = this.drawnPlan;
+    return nodes.length > 1 && nodes.at(-1).time > time_s ? nodes : [];
   }
 
-  /** Knots {time, hip, pitch, feet, forces}. The planner works from the estimate; they are drawn beside the robot. */
-  knotsOf({ time_s, first, count }) {
+  /** Nodes {time, hip, pitch, feet, forces}. The planner works from the estimate; they are drawn beside the robot. */
+  nodesOf({ time_s, first, count }) {
     const table = this.tables.plan;
     const [dx, dz] = this.offsetOfEstimate(time_s);
-    const [hipX, hipZ, pitch] = ['hip_x_m', 'hip_z_m', 'pitch_rad'].map((name) => table.column(name));
+    const [hipX, hipZ, pitch] = ['base_x_m', 'base_z_m', 'pitch_rad'].map((name) => table.column(name));
     const [leftX, leftZ, rightX, rightZ] = table.group('foot_position_m');
     return Array.from({ length: count }, (_, k) => {
       const slot = (first + k) % table.capacity;
@@ -95,7 +95,7 @@ class RobotData {
   /** Contact forces [fxL, fzL, fxR, fzR] at `time_s`, or else those planned then; null when neither is known. */
   forcesAt(time_s) {
     const forces = this.truthAt(this.tables.truth.group('contact_force_N'), time_s);
-    return forces ?? this.planAt(time_s).findLast((knot) => knot.time <= time_s)?.forces ?? null;
+    return forces ?? this.planAt(time_s).findLast((node) => node.time <= time_s)?.forces ?? null;
   }
 
   /** The push at `time_s`: {force_N, above_hip_m}, or null. */

@@ -63,27 +63,27 @@ function drawSkeleton(view, pose, colours, width, dash = []) {
 }
 
 /** Planned torso poses ahead of `time`, a quarter of a second apart. */
-function drawPlannedTorso(view, robot, knots, colours, time) {
+function drawPlannedTorso(view, robot, nodes, colours, time) {
   const kSpacing_s = 0.25;
   view.context.globalAlpha = 0.45;
   let next = time + kSpacing_s;
-  for (const knot of knots) {
-    if (knot.time < next) continue;
-    drawPath(view, [knot.hip, torsoTop(robot, knot.hip, knot.pitch)], colours.plan, 2);
+  for (const node of nodes) {
+    if (node.time < next) continue;
+    drawPath(view, [node.hip, torsoTop(robot, node.hip, node.pitch)], colours.plan, 2);
     next += kSpacing_s;
   }
   view.context.globalAlpha = 1;
 }
 
 /** Planned hip and foot paths and footholds ahead of `time`. */
-function drawPlannedPaths(view, knots, colours, time) {
-  const ahead = knots.filter((knot) => knot.time >= time - 0.05);
+function drawPlannedPaths(view, nodes, colours, time) {
+  const ahead = nodes.filter((node) => node.time >= time - 0.05);
   if (ahead.length < 2) return;
   const c = view.context;
   c.globalAlpha = 0.9;
-  drawPath(view, ahead.map((knot) => knot.hip), colours.plan, 2, [5, 5]);
-  drawPath(view, ahead.map((knot) => knot.feet[1]), colours.right, 1.6, [4, 4]);
-  drawPath(view, ahead.map((knot) => knot.feet[0]), colours.left, 1.6, [4, 4]);
+  drawPath(view, ahead.map((node) => node.hip), colours.plan, 2, [5, 5]);
+  drawPath(view, ahead.map((node) => node.feet[1]), colours.right, 1.6, [4, 4]);
+  drawPath(view, ahead.map((node) => node.feet[0]), colours.left, 1.6, [4, 4]);
   c.globalAlpha = 1;
   for (const place of footholds(ahead)) {
     if (place.time > time) drawFoothold(view, place, place.foot === 0 ? colours.left : colours.right, false);

@@ -93,47 +93,47 @@ Json ticks_json(const std::vector<log::RunSample>& all) {
   return json;
 }
 
-/// Indices of the knots kept for drawing.
-std::vector<std::size_t> drawn_knots(const log::PlanSnapshot& plan) {
-  const std::size_t count = std::min({plan.knot_time_s.size(), plan.hip_x_m.size(), plan.hip_z_m.size(),
+/// Indices of the nodes kept for drawing.
+std::vector<std::size_t> drawn_nodes(const log::PlanSnapshot& plan) {
+  const std::size_t count = std::min({plan.node_time_s.size(), plan.base_x_m.size(), plan.base_z_m.size(),
                                       plan.pitch_rad.size(), plan.foot_position_m.size()});
   std::vector<std::size_t> kept;
   for (std::size_t k = 0; k < count; ++k) {
     const bool far_enough =
-        kept.empty() || plan.knot_time_s[k] >= plan.knot_time_s[kept.back()] + kPlanKnotSpacing_s;
+        kept.empty() || plan.node_time_s[k] >= plan.node_time_s[kept.back()] + kPlanNodeSpacing_s;
     if (far_enough || k + 1 == count) kept.push_back(k);
   }
   return kept;
 }
 
-struct KnotReference {
+struct NodeReference {
   const log::PlanSnapshot* plan;
-  std::size_t knot;
+  std::size_t node;
 };
 
 Json plans_json(const std::vector<log::PlanSnapshot>& plans) {
-  std::size_t all_knots = 0;
-  for (const log::PlanSnapshot& plan : plans) all_knots += drawn_knots(plan).size();
-  const std::size_t stride = ceiling_ratio(all_knots, kMaxPlanKnots);
+  std::size_t all_nodes = 0;
+  for (const log::PlanSnapshot& plan : plans) all_nodes += drawn_nodes(plan).size();
+  const std::size_t stride = ceiling_ratio(all_nodes, kMaxPlanNodes);
 
-  std::vector<KnotReference> knots;
+  std::vector<NodeReference> nodes;
   Json plan_time = Json::array();
-  Json first_knot = Json::array();
+  Json first_node = Json::array();
   for (std::size_t i = 0; i < plans.size(); i += stride) {
     plan_time.push_back(plans[i].time_s);
-    first_knot.push_back(knots.size());
-    for (const std::size_t knot : drawn_knots(plans[i])) knots.push_back({&plans[i], knot});
+    first_node.push_back(nodes.size());
+    for (const std::size_t node : drawn_nodes(plans[i])) nodes.push_back({&plans[i], node});
   }
 
-  PackedColumns columns(knots.size());
-  const auto at = [&](std::size_t row) -> const KnotReference& { return knots[row]; };
-  columns.add("time_s", 1, [&](std::size_t row, int) { return at(row).plan->knot_time_s[at(row).knot]; });
-  columns.add("hip_x_m", 1, [&](std::size_t row, int) { return at(row).plan->hip_x_m[at(row).knot]; });
-  columns.add("hip_z_m", 1, [&](std::size_t row, int) { return at(row).plan->hip_z_m[at(row).knot]; });
-  columns.add("pitch_rad", 1, [&](std::size_t row, int) { return at(row).plan->pitch_rad[at(row).knot]; });
+  PackedColumns columns(nodes.size());
+  const auto at = [&](std::size_t row) -> const NodeReference& { return nodes[row]; };
+  columns.add("time_s", 1, [&](std::size_t row, int) { return at(row).plan->node_time_s[at(row).node]; });
+  columns.add("base_x_m", 1, [&](std::size_t row, int) { return at(row).plan->base_x_m[at(row).node]; });
+  columns.add("base_z_m", 1, [&](std::size_t row, int) { return at(row).plan->base_z_m[at(row).node]; });
+  columns.add("pitch_rad", 1, [&](std::size_t row, int) { return at(row).plan->pitch_rad[at(row).node]; });
   columns.add("foot_position_m", 4,
-              [&](std::size_t row, int k) { return at(row).plan->foot_position_m[at(row).knot][k]; });
-  return {{"time_s", plan_time}, {"first_knot", first_knot}, {"stride", stride}, {"knots", columns.json()}};
+              [&](std::size_t row, int k) { return at(row).plan->foot_position_m[at(row).node][k]; });
+  return {{"time_s", plan_time}, {"first_node", first_node}, {"stride", stride}, {"nodes", columns.json()}};
 }
 
 Json planner_json(const std::vector<log::SolveSample>& solves) {
@@ -148,9 +148,10 @@ Json planner_json(const std::vector<log::SolveSample>& solves) {
   add("iterations", [](const Solve& s) { return s.report.iterations; });
   add("dynamics_defect_max", [](const Solve& s) { return s.report.dynamics_defect_max; });
   add("equality_violation_max", [](const Solve& s) { return s.report.equality_violation_max; });
-  add("friction_cone_N", [](const Solve& s) { return s.report.violations.friction_cone_N; });
-  add("pulling_force_N", [](const Solve& s) { return s.report.violations.pulling_force_N; });
-  add("joint_torque_Nm", [](const Solve& s) { return s.report.violations.joint_torque_Nm; });
+  add("friction_cone_violation_max_N",
+      [](const Solve& s) { return s.report.violations.friction_cone_violation_max_N; });
+  add("pulling_force_max_N", [](const Solve& s) { return s.report.violations.pulling_force_max_N; });
+  add("torque_violation_max_Nm", [](const Solve& s) { return s.report.violations.torque_violation_max_Nm; });
   Json json = columns.json();
   json["status_names"] = sqp::kSolveStatusNames;
   return json;

@@ -93,13 +93,13 @@ TEST_F(ControlLoopReports, TheBlackBoxIsThereForTheFallAfterAGlitchAndForOneOfAF
 TEST_F(ControlLoopReports, ARecordHoldsTheTimesOfItsTickAndWhatLeft) {
   rig->stand();
   rig->cycle.tick(
-      {.now_ns = rig->now_ns(), .wakeup_latency_ns = 1000, .execution_ns = 2000, .round_trip_ns = 3000});
+      {.now_ns = rig->now_ns(), .wakeup_latency_ns = 1000, .execution_ns = 2000, .bus_round_trip_ns = 3000});
   const control_loop::TickRecord& record = *rig->mail.telemetry.front();
   EXPECT_EQ(record.tick, static_cast<std::uint64_t>(rig->tick));
   EXPECT_EQ(record.time_ns, rig->now_ns());
   EXPECT_EQ(record.wakeup_latency_ns, 1000);
   EXPECT_EQ(record.execution_ns, 2000);
-  EXPECT_EQ(record.round_trip_ns, 3000);
+  EXPECT_EQ(record.bus_round_trip_ns, 3000);
   EXPECT_EQ(record.action, supervisor::Action::commands);
   EXPECT_EQ(record.sent[1].torque_Nm, rig->joints.commands[1].torque_Nm);
   EXPECT_EQ(record.plan_sequence, rig->mail.plans.newest().sequence);

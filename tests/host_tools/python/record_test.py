@@ -113,7 +113,7 @@ class Records(unittest.TestCase):
         self.assertEqual(list(ticks['tick']), list(table['tick'].astype(int)))
         np.testing.assert_allclose(ticks.index, table['time_s'].astype(float), rtol=0, atol=1e-12)
         factors = {'_us': ('_ns', 1e-3)}
-        renamed = {'bus_round_trip_ns': 'round_trip_ns', 'faults': 'present_faults'}
+        renamed = {'faults': 'present_faults'}
         words = {'state', 'fallback_level', 'reaction', 'action', 'faults', 'latched_faults'}
         for column in table.columns.drop(['tick', 'time_s']):
             name, factor = column, 1.0

@@ -75,8 +75,8 @@ TEST(InfeasiblePlan, HasDefectsOrForcesBeyondTheirBounds) {
   const SolveReport report = report_with(1e6, 1e6, 1e6);
   ASSERT_EQ(report.status, SolveStatus::iteration_limit);
   const double defect = report.dynamics_defect_max;
-  const double cone_N = report.violations.friction_cone_N;
-  const double pull_N = report.violations.pulling_force_N;
+  const double cone_N = report.violations.friction_cone_violation_max_N;
+  const double pull_N = report.violations.pulling_force_max_N;
   ASSERT_GT(defect, 0.0);
   EXPECT_EQ(report_with(defect, cone_N, pull_N).status, SolveStatus::iteration_limit);
   EXPECT_EQ(report_with(0.99 * defect, cone_N, pull_N).status, SolveStatus::infeasible);

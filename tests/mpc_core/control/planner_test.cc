@@ -335,7 +335,7 @@ TEST(Planner, ReportsAStepThatTheLineSearchRejects) {
   Planning planning(parameters);
   const SolveReport report = planning.solve(kWalk);
   EXPECT_EQ(report.status, SolveStatus::step_rejected);
-  EXPECT_EQ(report.step_length, 0.0);
+  EXPECT_EQ(report.line_search_step, 0.0);
   EXPECT_TRUE(report.usable());
 }
 

@@ -195,10 +195,10 @@ HardSolve solve_hard(const PreparedProblem& prepared, sqp::Sqp& sqp, ocp::Trajec
   };
   sqp::SolveReport report = solve(with_line_search());
   int iterations = report.iterations;
-  double last_step = report.step_size;
+  double last_step = report.step_component_max;
   for (int i = 0; report.usable() && i < kPolishIterations; ++i, ++iterations) {
     report = solve(full_step());
-    last_step = report.step_size;
+    last_step = report.step_component_max;
     if (last_step < kPolishStep) break;
   }
   return {.usable = report.usable(),

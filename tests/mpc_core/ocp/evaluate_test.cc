@@ -15,8 +15,10 @@ using testing_support::SceneOptions;
 void expect_same(const Merit& batched, const Merit& scalar) {
   EXPECT_NEAR(batched.cost, scalar.cost, 1e-12 * std::abs(scalar.cost));
   EXPECT_NEAR(batched.violation_squared, scalar.violation_squared, 1e-11 * scalar.violation_squared);
-  EXPECT_NEAR(batched.defect_max, scalar.defect_max, 1e-11 * (1.0 + scalar.defect_max));
-  EXPECT_NEAR(batched.equality_max, scalar.equality_max, 1e-11 * (1.0 + scalar.equality_max));
+  EXPECT_NEAR(batched.dynamics_defect_max, scalar.dynamics_defect_max,
+              1e-11 * (1.0 + scalar.dynamics_defect_max));
+  EXPECT_NEAR(batched.equality_violation_max, scalar.equality_violation_max,
+              1e-11 * (1.0 + scalar.equality_violation_max));
 }
 
 void expect_same(const Scene& scene) {

@@ -223,7 +223,7 @@ ocp::Merit ScalarOcp::evaluate(const ocp::Problem& problem, const std::vector<ga
     for (int i = 0; i < kStates; ++i) {
       const double defect = reached[i] - next[i];
       merit.violation_squared += defect * defect;
-      merit.defect_max = std::max(merit.defect_max, std::abs(defect));
+      merit.dynamics_defect_max = std::max(merit.dynamics_defect_max, std::abs(defect));
     }
   };
   for (int k = 0; k < problem.horizon.stages; ++k) {
@@ -239,7 +239,7 @@ ocp::Merit ScalarOcp::evaluate(const ocp::Problem& problem, const std::vector<ga
     add_defect(step(z, stage.duration_s), iterate.x[k + 1]);
     for (const double residual : equalities(stage.mode, point, z)) {
       merit.violation_squared += stage.duration_s * stage.duration_s * residual * residual;
-      merit.equality_max = std::max(merit.equality_max, std::abs(residual));
+      merit.equality_violation_max = std::max(merit.equality_violation_max, std::abs(residual));
     }
   }
   merit.cost += terminal_cost(problem, iterate.x[problem.horizon.stages]);

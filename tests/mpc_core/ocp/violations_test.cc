@@ -25,18 +25,19 @@ void check_flow(const ProblemData& data, const Stage& stage, const double* x, co
     const double velocity = x[kPositions + kFirstJoint + j];
     const double torque = node.joint_torque[j];
     const double slope = data.limits.torque_speed_slope_Nms_rad[j];
-    raise(v.joint_position_rad, data.limits.position_min_rad[j] - position);
-    raise(v.joint_position_rad, position - data.limits.position_max_rad[j]);
-    raise(v.joint_velocity_rad_s, std::abs(velocity) - data.limits.velocity_rad_s[j]);
-    raise(v.joint_torque_Nm, torque - (data.limits.torque_Nm[j] - slope * std::max(velocity, 0.0)));
-    raise(v.joint_torque_Nm, -torque - (data.limits.torque_Nm[j] - slope * std::max(-velocity, 0.0)));
+    raise(v.position_violation_max_rad, data.limits.position_min_rad[j] - position);
+    raise(v.position_violation_max_rad, position - data.limits.position_max_rad[j]);
+    raise(v.velocity_violation_max_rad_s, std::abs(velocity) - data.limits.velocity_rad_s[j]);
+    raise(v.torque_violation_max_Nm, torque - (data.limits.torque_Nm[j] - slope * std::max(velocity, 0.0)));
+    raise(v.torque_violation_max_Nm, -torque - (data.limits.torque_Nm[j] - slope * std::max(-velocity, 0.0)));
   }
   for (int foot = 0; foot < kFeet; ++foot) {
     if (!stage.mode[foot]) continue;
     const double fx = u[kJoints + 2 * foot];
     const double fz = u[kJoints + 2 * foot + 1];
-    raise(v.friction_cone_N, std::abs(fx) - data.inequality.friction_coefficient * std::max(fz, 0.0));
-    raise(v.pulling_force_N, -fz);
+    raise(v.friction_cone_violation_max_N,
+          std::abs(fx) - data.inequality.friction_coefficient * std::max(fz, 0.0));
+    raise(v.pulling_force_max_N, -fz);
   }
 }
 
@@ -45,8 +46,9 @@ void check_transition(const ProblemData& data, const Stage& stage, const double*
   data.robot->impact(stage.mode, x, data.joint_parameters, impact);
   for (int foot = 0; foot < kFeet; ++foot) {
     if (!stage.mode[foot]) continue;
-    raise(v.impulse_cone_Ns, std::abs(impact.impulse[2 * foot]) -
-                                 data.inequality.friction_coefficient * impact.impulse[2 * foot + 1]);
+    raise(v.impulse_cone_violation_max_Ns,
+          std::abs(impact.impulse[2 * foot]) -
+              data.inequality.friction_coefficient * impact.impulse[2 * foot + 1]);
   }
 }
 
@@ -64,12 +66,12 @@ Violations scalar_violations(const ProblemData& data, const Problem& problem, co
 
 void expect_same(const Violations& batched, const Violations& scalar) {
   const auto near = [](double a, double b) { EXPECT_NEAR(a, b, 1e-9 * (1.0 + std::abs(b))); };
-  near(batched.friction_cone_N, scalar.friction_cone_N);
-  near(batched.pulling_force_N, scalar.pulling_force_N);
-  near(batched.impulse_cone_Ns, scalar.impulse_cone_Ns);
-  near(batched.joint_torque_Nm, scalar.joint_torque_Nm);
-  near(batched.joint_position_rad, scalar.joint_position_rad);
-  near(batched.joint_velocity_rad_s, scalar.joint_velocity_rad_s);
+  near(batched.friction_cone_violation_max_N, scalar.friction_cone_violation_max_N);
+  near(batched.pulling_force_max_N, scalar.pulling_force_max_N);
+  near(batched.impulse_cone_violation_max_Ns, scalar.impulse_cone_violation_max_Ns);
+  near(batched.torque_violation_max_Nm, scalar.torque_violation_max_Nm);
+  near(batched.position_violation_max_rad, scalar.position_violation_max_rad);
+  near(batched.velocity_violation_max_rad_s, scalar.velocity_violation_max_rad_s);
 }
 
 TEST(Violations, OfAWalkingHorizonAreTheLargestOfItsStages) {
@@ -104,7 +106,7 @@ TEST(Violations, OfARandomIterateUnderATorqueSpeedLineAreTheLargestOfItsStages) 
 TEST(Violations, OfAFootThatPullsAreItsForceAndNothingElse) {
   const auto scene = testing_support::walking_scene({});
   const Violations before = violations(scene->data, scene->problem, scene->guess);
-  EXPECT_EQ(before.pulling_force_N, 0.0);
+  EXPECT_EQ(before.pulling_force_max_N, 0.0);
   for (int k = 0; k < scene->problem.horizon.stages; ++k) {
     const Stage& stage = scene->problem.horizon.stage[k];
     if (stage.kind != StageKind::flow || !stage.mode.left) continue;
@@ -112,9 +114,9 @@ TEST(Violations, OfAFootThatPullsAreItsForceAndNothingElse) {
     break;
   }
   const Violations after = violations(scene->data, scene->problem, scene->guess);
-  EXPECT_EQ(after.pulling_force_N, 7.0);
-  EXPECT_EQ(after.joint_position_rad, before.joint_position_rad);
-  EXPECT_EQ(after.impulse_cone_Ns, before.impulse_cone_Ns);
+  EXPECT_EQ(after.pulling_force_max_N, 7.0);
+  EXPECT_EQ(after.position_violation_max_rad, before.position_violation_max_rad);
+  EXPECT_EQ(after.impulse_cone_violation_max_Ns, before.impulse_cone_violation_max_Ns);
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ TEST(SqpFilter, AboveViolationMaxTakesOnlyWhatReducesTheViolation) {
   solve.parameters.filter_violation_max = 0.0;
   double before = solve.violation();
   for (int iteration = 0; iteration < 20; ++iteration) {
-    if (solve.run(1).step_length == 0.0) break;  // no step was taken
+    if (solve.run(1).line_search_step == 0.0) break;  // no step was taken
     const double now = solve.violation();
     ASSERT_LT(now, before);
     before = now;
@@ -40,18 +40,18 @@ TEST(SqpFilter, BelowViolationMinAsksForDescentOfTheCost) {
 
 TEST(SqpFilter, BelowViolationMinAShorterStepNeedsDescendLessInProportion) {
   // Of a quadratic cost a full step gains half of what its slope promises, half a step three quarters.
-  const auto step_length = [](double armijo) {
+  const auto taken_step = [](double armijo) {
     Solve solve;
     solve.converge();
     solve.scene->data.cost.foot_velocity *= 1.01;
     solve.parameters.filter_violation_min = 1e3;
     solve.parameters.armijo = armijo;
-    return solve.run(1).step_length;
+    return solve.run(1).line_search_step;
   };
-  EXPECT_EQ(step_length(0.45), 1.0);
-  EXPECT_EQ(step_length(0.55), 0.5);
-  EXPECT_EQ(step_length(0.70), 0.5);
-  EXPECT_EQ(step_length(0.80), 0.25);
+  EXPECT_EQ(taken_step(0.45), 1.0);
+  EXPECT_EQ(taken_step(0.55), 0.5);
+  EXPECT_EQ(taken_step(0.70), 0.5);
+  EXPECT_EQ(taken_step(0.80), 0.25);
 }
 
 /// The start is off its optimum and off the equality constraints of the inputs, and costs more than the
@@ -77,7 +77,7 @@ TEST(SqpFilter, BelowViolationMinAsksForDescentByTheSlopeOfTheCost) {
     *solve.iterate = *start.iterate;
     solve.parameters.filter_violation_min = solve.parameters.filter_violation_max = 1e12;
     solve.parameters.armijo = armijo;
-    const bool full = solve.run(1).step_length == 1.0;
+    const bool full = solve.run(1).line_search_step == 1.0;
     return std::pair{full, std::move(solve)};
   };
   const auto [taken, full] = step_with(0.0);
@@ -136,9 +136,9 @@ TEST(SqpFilter, ShortensTheStepByPowersOfTheFactorUntilOneIsAccepted) {
     testing_support::disturb(*solve.iterate, solve.stages(), 1.5, seed);
     const SolveReport report = solve.run(1);
     ASSERT_TRUE(report.usable()) << "seed " << seed;
-    const double halvings = -std::log2(report.step_length);
+    const double halvings = -std::log2(report.line_search_step);
     EXPECT_EQ(halvings, std::round(halvings)) << "seed " << seed;
-    shortened = shortened || report.step_length < 1.0;
+    shortened = shortened || report.line_search_step < 1.0;
   }
   EXPECT_TRUE(shortened);
 }

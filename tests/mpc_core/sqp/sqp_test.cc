@@ -35,8 +35,8 @@ TEST(Sqp, ReportsTheMeritOfTheIterateItLeaves) {
   const SolveReport report = solve.run(3);
   const ocp::Merit merit = solve.merit();
   EXPECT_EQ(report.cost, merit.cost);
-  EXPECT_EQ(report.dynamics_defect_max, merit.defect_max);
-  EXPECT_EQ(report.equality_violation_max, merit.equality_max);
+  EXPECT_EQ(report.dynamics_defect_max, merit.dynamics_defect_max);
+  EXPECT_EQ(report.equality_violation_max, merit.equality_violation_max);
 }
 
 TEST(Sqp, StopsAtTheIterationLimit) {
@@ -63,7 +63,7 @@ TEST(Sqp, RejectsAStepThatTheFilterRefusesAndLeavesTheIterateAlone) {
   const SolveReport report = solve.run();
   EXPECT_EQ(report.status, SolveStatus::step_rejected);
   EXPECT_EQ(report.iterations, 1);
-  EXPECT_EQ(report.step_length, 0.0);
+  EXPECT_EQ(report.line_search_step, 0.0);
   EXPECT_TRUE(report.usable());
   EXPECT_TRUE(same_bits(*solve.iterate, solve.scene->guess, solve.stages()));
 }
@@ -76,7 +76,7 @@ TEST(Sqp, AStepThatTheFilterRefusesIsConvergenceWhenItVanishes) {
   solve.parameters.step_tolerance = 1e-3;
   const SolveReport report = solve.run();
   EXPECT_EQ(report.status, SolveStatus::converged);
-  EXPECT_EQ(report.step_length, 0.0);
+  EXPECT_EQ(report.line_search_step, 0.0);
 }
 
 TEST(Sqp, ASettledCostIsNoConvergenceWhileConstraintsAreViolated) {
@@ -100,7 +100,7 @@ TEST(Sqp, EndsWithItsLastIterateWhenTheBacktrackingStepsAreUsedUp) {
     EXPECT_EQ(report.status, SolveStatus::iteration_limit);
     EXPECT_EQ(report.iterations, 1 + most / 14);
     EXPECT_EQ(report.trial_steps, report.iterations + most);
-    EXPECT_EQ(report.step_length, 0.0);
+    EXPECT_EQ(report.line_search_step, 0.0);
     EXPECT_TRUE(same_bits(*solve.iterate, solve.scene->guess, solve.stages()));
   }
   Solve enough;
@@ -121,12 +121,12 @@ TEST(Sqp, ARejectedLastStepHasNoLengthWhateverWasTakenBefore) {
   };
   Solve one_by_one = prepared();
   int accepted = 0;
-  while (one_by_one.run(1).step_length > 0.0) ASSERT_LT(++accepted, 20);
+  while (one_by_one.run(1).line_search_step > 0.0) ASSERT_LT(++accepted, 20);
   ASSERT_GT(accepted, 0);
   Solve together = prepared();
   const SolveReport report = together.run(accepted + 1);
   EXPECT_EQ(report.iterations, accepted + 1);
-  EXPECT_EQ(report.step_length, 0.0);
+  EXPECT_EQ(report.line_search_step, 0.0);
   EXPECT_TRUE(same_bits(*together.iterate, *one_by_one.iterate, together.stages()));
 }
 
@@ -167,7 +167,7 @@ TEST(Sqp, LeavesAViolationOfSecondOrderInTheStep) {
     solve.converge();
     testing_support::disturb(*solve.iterate, solve.stages(), 0.02 * std::pow(0.5, halving), 17);
     const SolveReport report = solve.run(1);
-    ASSERT_EQ(report.step_length, 1.0);
+    ASSERT_EQ(report.line_search_step, 1.0);
     left[halving] = solve.violation();
   }
   EXPECT_NEAR(left[0] / left[1], 4.0, 0.4);
@@ -218,7 +218,7 @@ TEST(Sqp, ClosesAGapToTheMeasuredStateWithAFullStep) {
   Solve solve;
   for (int i = 0; i < kStates; ++i) solve.scene->problem.x_initial[i] += 0.005;
   const SolveReport report = solve.run(1);
-  ASSERT_EQ(report.step_length, 1.0);
+  ASSERT_EQ(report.line_search_step, 1.0);
   for (int i = 0; i < kStates; ++i)
     EXPECT_NEAR(solve.iterate->x[0][i], solve.scene->problem.x_initial[i], 1e-15);
 }
@@ -245,8 +245,8 @@ TEST(Sqp, FeedbackGainIsHowTheStepFollowsTheState) {
   Solve two;
   *two.iterate = *one.iterate;
   for (int i = 0; i < kStates; ++i) two.scene->problem.x_initial[i] += 1e-4 * std::cos(3.0 * i);
-  ASSERT_EQ(one.run(1).step_length, 1.0);
-  ASSERT_EQ(two.run(1).step_length, 1.0);
+  ASSERT_EQ(one.run(1).line_search_step, 1.0);
+  ASSERT_EQ(two.run(1).line_search_step, 1.0);
   // Both steps come from the same quadratic model: their difference is the feedback.
   for (int k = 0; k < one.stages(); ++k) {
     Eigen::Matrix<double, kInputs, kStates> gain;
@@ -272,7 +272,7 @@ TEST(Sqp, WithBothLegsStraightAndFeetTogetherTakesABoundedStep) {
     std::copy(solve.iterate->x[0], solve.iterate->x[0] + kStates, solve.scene->problem.x_initial);
     const SolveReport report = solve.run(1);
     EXPECT_TRUE(report.usable());
-    EXPECT_LT(report.step_size, 1e4);
+    EXPECT_LT(report.step_component_max, 1e4);
   }
 }
 

@@ -1,6 +1,6 @@
 // Which plots show what a fault watches, by name of the fault and titles of plots; the others watch what no plot shows.
 
-const kAnglePlots = ['Hip angle (dashed: wanted)', 'Knee angle (dashed: wanted)'];
+const kAnglePlots = ['Hip angle (dashed: commanded)', 'Knee angle (dashed: commanded)'];
 const kMeasuredTorquePlots = ['Measured hip torque (dashed: commanded)', 'Measured knee torque (dashed: commanded)'];
 const kFaultPlots = {
   joint_position_limit: kAnglePlots,
@@ -10,9 +10,9 @@ const kFaultPlots = {
   following_error: kAnglePlots,
   encoder_frozen: kAnglePlots,
   encoder_jump: kAnglePlots,
-  base_pitch_limit: ['Lean of the torso'],
-  stale_torso_sensor: ['Lean of the torso'],
-  torso_sensor_implausible: ['Lean of the torso'],
+  base_pitch_limit: ['Pitch of the torso'],
+  stale_torso_sensor: ['Pitch of the torso'],
+  torso_sensor_implausible: ['Pitch of the torso'],
   hip_height_limit: ['Height of the hip'],
   missed_replies: ['Bus round trip'],
   lost_replies: ['Bus round trip'],
@@ -24,8 +24,8 @@ const kFaultPlots = {
   planner_lost: ['Age of the plan'],
   failed_solves: ['Violations'],
   planner_overrun: ['Solve time'],
-  torque_loop_overrun: ['Torque loop: late by'],
-  torque_loop_stalled: ['Torque loop: late by'],
+  torque_loop_overrun: ['Torque loop: wake-up latency'],
+  torque_loop_stalled: ['Torque loop: wake-up latency'],
 };
 
 /** The button that leads to the plots of a fault, with `words` on it; null when it has none. */

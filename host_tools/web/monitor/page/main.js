@@ -129,7 +129,7 @@ class Monitor {
     if (state) document.getElementById('stage-canvas').dataset.hipX = state[0];
     document.getElementById('stage-detail').textContent = !state ? (time_s === null ? '' : 'The joints do not answer, so no pose is known')
       : this.robot.hipUnknown ? 'Pose of the joints; the place of the hip is not known off its feet'
-      : `x ${signed(state[0], 2)} m · hip ${state[1].toFixed(3)} m high · lean ${signed((state[2] * 180) / Math.PI, 1)}°`;
+      : `x ${signed(state[0], 2)} m · hip ${state[1].toFixed(3)} m high · pitch ${signed((state[2] * 180) / Math.PI, 1)}°`;
   }
 
   countFrames(now_s) {

@@ -16,7 +16,7 @@ function motionPlots() {
         { label: 'commanded', colour: 'plan', ...kCommanded, column: 'commanded_height_m' }],
     },
     {
-      title: 'Lean of the torso', axis: 'rad', unit: 'rad', digits: 3, table: 'ticks', least: 0.1,
+      title: 'Pitch of the torso', axis: 'rad', unit: 'rad', digits: 3, table: 'ticks', least: 0.1,
       lines: [{ label: 'pitch', colour: 'body', column: 'estimated_state2' }],
     },
     {
@@ -29,13 +29,13 @@ function motionPlots() {
 function jointPlots(robot) {
   const angle = (k) => kSides.flatMap(([label, colour, first]) => [
     { label, colour, column: `estimated_state${3 + first + k}` },
-    { label: 'wanted', colour, ...kCommanded, column: `commanded_position_rad${first + k}`, unnamed: true },
+    { label: 'commanded', colour, ...kCommanded, column: `commanded_position_rad${first + k}`, unnamed: true },
   ]);
   const torque = (k) => kSides.map(([label, colour, first]) => (
     { label, colour, column: `commanded_torque_Nm${first + k}` }));
   return [
-    { title: 'Hip angle (dashed: wanted)', axis: 'rad', unit: '', table: 'ticks', least: 0.2, lines: angle(0) },
-    { title: 'Knee angle (dashed: wanted)', axis: 'rad', unit: '', table: 'ticks', least: 0.2, lines: angle(1) },
+    { title: 'Hip angle (dashed: commanded)', axis: 'rad', unit: '', table: 'ticks', least: 0.2, lines: angle(0) },
+    { title: 'Knee angle (dashed: commanded)', axis: 'rad', unit: '', table: 'ticks', least: 0.2, lines: angle(1) },
     { title: 'Hip torque (dotted: limit)', axis: 'Nm', unit: 'Nm', digits: 1, table: 'ticks', limits: () => torqueLimits(robot, 0), lines: torque(0) },
     { title: 'Knee torque (dotted: limit)', axis: 'Nm', unit: 'Nm', digits: 1, table: 'ticks', limits: () => torqueLimits(robot, 1), lines: torque(1) },
   ];
@@ -79,9 +79,9 @@ function plannerPlots(robot) {
     },
     {
       title: 'Planned beyond ground and drives', axis: 'N, Nm', unit: '', digits: 0, table: 'planner', fromZero: true, least: 10,
-      lines: [{ label: 'friction cone', colour: 'plan', column: 'friction_cone_N' },
-        { label: 'pulling force', colour: 'push', column: 'pulling_force_N' },
-        { label: 'joint torque', colour: 'body', column: 'joint_torque_Nm' }],
+      lines: [{ label: 'friction cone', colour: 'plan', column: 'friction_cone_violation_max_N' },
+        { label: 'pulling force', colour: 'push', column: 'pulling_force_max_N' },
+        { label: 'joint torque', colour: 'body', column: 'torque_violation_max_Nm' }],
     },
     {
       title: 'Planned contact force', axis: 'N', unit: 'N', digits: 0, table: 'force', fromZero: true, least: 100,
@@ -93,7 +93,7 @@ function plannerPlots(robot) {
 function loopPlots() {
   return [
     {
-      title: 'Torque loop: late by', axis: 'µs', unit: 'µs', digits: 0, table: 'ticks', fromZero: true, least: 50,
+      title: 'Torque loop: wake-up latency', axis: 'µs', unit: 'µs', digits: 0, table: 'ticks', fromZero: true, least: 50,
       lines: [{ label: 'wake-up', colour: 'force', column: 'wakeup_latency_us' }],
     },
     {
@@ -106,7 +106,7 @@ function loopPlots() {
     },
     {
       title: 'Bus round trip', axis: 'µs', unit: 'µs', digits: 0, table: 'ticks', fromZero: true, least: 50,
-      lines: [{ label: 'command to last reply', colour: 'push', column: 'round_trip_us', steps: true }],
+      lines: [{ label: 'command to last reply', colour: 'push', column: 'bus_round_trip_us', steps: true }],
     },
   ];
 }

@@ -1,7 +1,7 @@
 // State of the monitor's page: what is drawn of the robot, and the newest of everything else.
 
 const kKept_s = kLookBack_s + kPausedOn_s + 2;
-const kKnotsKept = kKept_s * 2000;
+const kNodesKept = kKept_s * 2000;
 const kFootprintsKept = kKept_s * 4;
 const kFeetColumns = ['left_foot_z_m', 'right_foot_z_m'];
 const kAddedColumns = [...kFeetColumns, 'commanded_speed_m_s', 'commanded_height_m'];
@@ -26,7 +26,7 @@ class RobotState extends RobotData {
     this.tables = {
       ticks: new Table([...ticks, ...kAddedColumns], kKept_s * 1000),
       planner: new Table(planner, kKept_s * 500),
-      plan: new Table(plan, kKnotsKept),
+      plan: new Table(plan, kNodesKept),
       truth: new Table(truth, kKept_s * 250),
       force: new Table(['time_s', 'left_N', 'right_N'], kKept_s * 100),
     };
@@ -111,7 +111,7 @@ class RobotState extends RobotData {
     if (this.footprints.length > kFootprintsKept) this.footprints.shift();
   }
 
-  /** Notes the plan whose knots come next in their table; those whose knots are gone from it are forgotten. */
+  /** Notes the plan whose nodes come next in their table; those whose nodes are gone from it are forgotten. */
   notePlan(message, first) {
     const { plan, force } = this.tables;
     this.plans.push({ time_s: message.base_s, first, count: message.rows });

@@ -6,7 +6,7 @@ const kReactionText = {
   hold: 'holds the pose', sit: 'sits down, then damps the joints', damp: 'damps the joints', off: 'disables the drivers',
 };
 const kLevelText = {
-  plan: 'following the newest plan', plan_feedback: 'following an older plan', gait: 'following the gait library',
+  plan: 'following the newest plan', plan_feedback: 'following an aged plan', gait: 'following the gait library',
   hold: 'holding the pose',
   sit: 'sitting down', damp: 'joints damped', off: 'motors left alone',
 };

@@ -95,9 +95,9 @@ function solverPlots() {
     {
       title: 'Planned beyond what ground and drives can give', axis: 'largest, N or Nm', unit: '', table: 'planner', fromZero: true, least: 10,
       lines: [
-        { label: 'friction cone', colour: 'body', width: 1, column: 'friction_cone_N' },
-        { label: 'pulling force', colour: 'plan', width: 1, column: 'pulling_force_N' },
-        { label: 'joint torque', colour: 'push', width: 1, column: 'joint_torque_Nm' },
+        { label: 'friction cone', colour: 'body', width: 1, column: 'friction_cone_violation_max_N' },
+        { label: 'pulling force', colour: 'plan', width: 1, column: 'pulling_force_max_N' },
+        { label: 'joint torque', colour: 'push', width: 1, column: 'torque_violation_max_Nm' },
       ],
     },
   ];

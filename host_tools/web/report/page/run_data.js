@@ -29,16 +29,16 @@ class RecordedRun extends RobotData {
     this.ground = run.ground;
     const ticks = unpackTable(run.ticks);
     const planner = unpackTable(run.planner);
-    const knots = unpackTable(run.plans.knots);
-    for (const table of [ticks, planner, knots]) table.time.forEach((time_s, i) => { table.time[i] = time_s + shift_s; });
+    const nodes = unpackTable(run.plans.nodes);
+    for (const table of [ticks, planner, nodes]) table.time.forEach((time_s, i) => { table.time[i] = time_s + shift_s; });
     for (const step of run.summary.steps) step.time_s += shift_s;
     // A simulation samples controller and robot together.
-    this.tables = { ticks, truth: ticks, planner, plan: knots };
+    this.tables = { ticks, truth: ticks, planner, plan: nodes };
     this.start_s = ticks.oldestTime ?? 0;
     this.end_s = Math.max(ticks.newestTime ?? 1, this.start_s + 1e-3);
-    const ends = [...run.plans.first_knot.slice(1), this.tables.plan.rows];
+    const ends = [...run.plans.first_node.slice(1), this.tables.plan.rows];
     this.plans = run.plans.time_s.map((time_s, i) => {
-      const first = run.plans.first_knot[i];
+      const first = run.plans.first_node[i];
       return { time_s: time_s + shift_s, first, count: ends[i] - first };
     });
     ticks.column('push_N').forEach((force_N, i) => this.notePush(ticks.time[i], force_N));

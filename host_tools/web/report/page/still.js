@@ -38,9 +38,9 @@ function drawStill(run, options) {
   const colours = readColours();
   const pose = poseOfState(run.geometry, state);
   const earlier = earlierPoses(run, time, options);
-  const knots = run.planAt(time);
+  const nodes = run.planAt(time);
   const footX = [pose, ...earlier.map((entry) => entry.pose)].flatMap((p) => [p.hip.x, p.left.foot.x, p.right.foot.x]);
-  const planX = knots.flatMap((knot) => [knot.hip.x, knot.feet[0].x, knot.feet[1].x]);
+  const planX = nodes.flatMap((node) => [node.hip.x, node.feet[0].x, node.feet[1].x]);
   const from = Math.min(...footX, ...planX) - 0.25;
   const to = Math.max(...footX, ...planX) + 0.25;
   const scale = Math.min(height / 1.6, width / (to - from));
@@ -55,11 +55,11 @@ function drawStill(run, options) {
     const faded = fadeColours(colours, 0.45 + (0.4 * age) / (options.poses + 1));
     drawRobot(view, ghost, { ...faded, card: colours.sky });
   }
-  drawPlannedPaths(view, knots, colours, time);
+  drawPlannedPaths(view, nodes, colours, time);
   context.globalAlpha = 0.5;
-  for (let k = 1; time + k * options.spacing_s < (knots.at(-1)?.time ?? 0); ++k) {
-    const knot = knots.findLast((one) => one.time <= time + k * options.spacing_s) ?? knots[0];
-    drawSkeleton(view, poseOfKnot(run.geometry, knot), colours, 3);
+  for (let k = 1; time + k * options.spacing_s < (nodes.at(-1)?.time ?? 0); ++k) {
+    const node = nodes.findLast((one) => one.time <= time + k * options.spacing_s) ?? nodes[0];
+    drawSkeleton(view, poseOfNode(run.geometry, node), colours, 3);
   }
   context.globalAlpha = 1;
   drawRobotAt(view, run, pose, colours, time);

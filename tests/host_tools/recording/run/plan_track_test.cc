@@ -55,15 +55,15 @@ TEST(PlanTrack, ThePlanInUseIsTheNewestThatHadBegun) {
   EXPECT_FALSE(track.at(0.99));
   const auto between = track.at(1.25);
   ASSERT_TRUE(between);
-  EXPECT_NEAR(between->hip_x_m, 0.25, 1e-6) << "linear";
+  EXPECT_NEAR(between->base_x_m, 0.25, 1e-6) << "linear";
   EXPECT_NEAR(between->joint_position_rad[0], 0.25, 1e-6);
   EXPECT_NEAR(between->contact_force_N[1], 20.0, 1e-6) << "held from 0.2 s on";
   EXPECT_FALSE(between->mode.left);
   EXPECT_TRUE(between->mode.right);
-  EXPECT_NEAR(track.at(1.31)->hip_x_m, 5.01, 1e-6);
+  EXPECT_NEAR(track.at(1.31)->base_x_m, 5.01, 1e-6);
   EXPECT_FALSE(track.at(1.71)) << "beyond its last node";
   EXPECT_EQ(track.snapshots().size(), 2u);
-  EXPECT_NEAR(track.snapshots()[1].knot_time_s.back(), 1.7, 1e-6);
+  EXPECT_NEAR(track.snapshots()[1].node_time_s.back(), 1.7, 1e-6);
 }
 
 TEST(PlanTrack, AMessageWhoseSequencesDoNotFitItsCountIsLeftOut) {

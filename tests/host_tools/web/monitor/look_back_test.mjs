@@ -7,15 +7,15 @@ import { test } from 'node:test';
 const kScripts = ['page/table.js', 'page/kinematics.js', 'page/robot_data.js', 'monitor/page/live_clock.js', 'monitor/page/robot_state.js'];
 const kFolder = new URL('../../../../host_tools/web/', import.meta.url);
 const kBatch_ticks = 25;
-const kKnots = 60;
+const kNodes = 60;
 const kMegabytes = 115;
 
 /** Columns of the messages, as many as the monitor sends: host_tools/web/monitor/page_tables.cc. */
 const kColumns = {
   ticks: ['time_s', ...Array.from({ length: 14 }, (_, k) => `estimated_state${k}`), ...Array.from({ length: 21 }, (_, k) => `other${k}`)],
   planner: ['time_s', ...Array.from({ length: 9 }, (_, k) => `solve${k}`)],
-  plan: ['time_s', 'hip_x_m', 'hip_z_m', 'pitch_rad', ...[0, 1, 2, 3].map((k) => `foot_position_m${k}`),
-    ...[0, 1, 2, 3].map((k) => `contact_force_N${k}`), 'carries0', 'carries1'],
+  plan: ['time_s', 'base_x_m', 'base_z_m', 'pitch_rad', ...[0, 1, 2, 3].map((k) => `foot_position_m${k}`),
+    ...[0, 1, 2, 3].map((k) => `contact_force_N${k}`), 'left_stance', 'right_stance'],
   truth: ['time_s', ...[0, 1, 2, 3].map((k) => `contact_force_N${k}`), 'push_N', 'push_above_hip_m'],
 };
 
@@ -47,7 +47,7 @@ function feed(robot, from_s, to_s) {
       row[2] = 0.75;
     }), base_s);
     robot.clock.time(base_s + 0.05);
-    if (k % 2 === 0) robot.take(message('plan', base_s, kKnots, (row, knot) => { row[0] = knot / 50; }), base_s);
+    if (k % 2 === 0) robot.take(message('plan', base_s, kNodes, (row, node) => { row[0] = node / 50; }), base_s);
   }
 }
 

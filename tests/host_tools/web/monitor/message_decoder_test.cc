@@ -251,17 +251,17 @@ TEST(MessageDecoder, BytesThatAreNoMessageAreLeftOut) {
   EXPECT_TRUE(kept.ticks.empty());
 }
 
-TEST(MessageSamples, APlanWhoseSequencesContradictEachOtherHasNoKnots) {
+TEST(MessageSamples, APlanWhoseSequencesContradictEachOtherHasNoNodes) {
   std::array<float, 3> times{0.0f, 0.1f, 0.2f}, base{0.0f, 0.8f, 0.0f};
   telemetry::Plan message{};
   message.time_s._buffer = times.data();
   message.time_s._length = 3;
   message.base._buffer = base.data();
   message.base._length = 3;
-  EXPECT_TRUE(plan_sample(message).knots.empty());
+  EXPECT_TRUE(plan_sample(message).nodes.empty());
 }
 
-TEST(MessageSamples, AKnotOfAPlanHasItsTimeBaseFeetForcesAndWhatCarries) {
+TEST(MessageSamples, ANodeOfAPlanHasItsTimeBaseFeetForcesAndStanceFeet) {
   std::array<float, 2> times{0.0f, 0.25f};
   std::array<std::uint8_t, 2> contact{1, 2};
   std::array<float, 6> base{0.0f, 0.75f, 0.5f, 1.0f, 0.875f, -0.5f};
@@ -277,16 +277,16 @@ TEST(MessageSamples, AKnotOfAPlanHasItsTimeBaseFeetForcesAndWhatCarries) {
   set_view(message.base, base);
   set_view(message.foot_position_m, feet);
   set_view(message.contact_force_N, forces);
-  const std::vector<PlanKnot> knots = plan_sample(message).knots;
-  ASSERT_EQ(knots.size(), 2u);
-  EXPECT_TRUE(knots[0].left_carries && !knots[0].right_carries);
-  EXPECT_TRUE(!knots[1].left_carries && knots[1].right_carries);
-  EXPECT_EQ(knots[1].time_s, 2.25);
-  EXPECT_EQ(knots[1].hip_x_m, 1.0);
-  EXPECT_EQ(knots[1].hip_z_m, 0.875);
-  EXPECT_EQ(knots[1].pitch_rad, -0.5);
-  EXPECT_EQ(knots[1].foot_position_m[3], 8.0);
-  EXPECT_EQ(knots[1].contact_force_N[0], 50.0);
+  const std::vector<PlanNodeSample> nodes = plan_sample(message).nodes;
+  ASSERT_EQ(nodes.size(), 2u);
+  EXPECT_TRUE(nodes[0].left_stance && !nodes[0].right_stance);
+  EXPECT_TRUE(!nodes[1].left_stance && nodes[1].right_stance);
+  EXPECT_EQ(nodes[1].time_s, 2.25);
+  EXPECT_EQ(nodes[1].base_x_m, 1.0);
+  EXPECT_EQ(nodes[1].base_z_m, 0.875);
+  EXPECT_EQ(nodes[1].pitch_rad, -0.5);
+  EXPECT_EQ(nodes[1].foot_position_m[3], 8.0);
+  EXPECT_EQ(nodes[1].contact_force_N[0], 50.0);
 }
 
 TEST(MessageSamples, EmptyBinsOfAHistogramAreLeftOutAndEdgesStayTheirs) {

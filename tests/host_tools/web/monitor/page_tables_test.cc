@@ -86,7 +86,7 @@ TEST(PageTables, ColumnsOfATickAreThoseOfThePage) {
   add("commanded_position_rad", 4);
   add("commanded_torque_Nm", 4);
   add("measured_torque_Nm", 4);
-  for (const char* name : {"ramp", "plan_age_ms", "wakeup_latency_us", "execution_us", "round_trip_us",
+  for (const char* name : {"ramp", "plan_age_ms", "wakeup_latency_us", "execution_us", "bus_round_trip_us",
                            "state_number", "fallback_level"}) {
     names.emplace_back(name);
   }
@@ -100,7 +100,7 @@ TEST(PageTables, AFieldStandsUnderItsColumnInItsUnit) {
   record.plan_age_s = 0.0625;
   record.wakeup_latency_ns = 12'500;
   record.execution_ns = 1'000;
-  record.round_trip_ns = 250'000;
+  record.bus_round_trip_ns = 250'000;
   record.state = supervisor::State::walk;
   record.level = supervisor::FallbackLevel::plan_feedback;
   EXPECT_EQ(shown(record, "estimated_state13"), 0.5);
@@ -108,7 +108,7 @@ TEST(PageTables, AFieldStandsUnderItsColumnInItsUnit) {
   EXPECT_EQ(shown(record, "plan_age_ms"), 62.5);
   EXPECT_EQ(shown(record, "wakeup_latency_us"), 12.5);
   EXPECT_EQ(shown(record, "execution_us"), 1.0);
-  EXPECT_EQ(shown(record, "round_trip_us"), 250.0);
+  EXPECT_EQ(shown(record, "bus_round_trip_us"), 250.0);
   EXPECT_EQ(shown(record, "state_number"), static_cast<double>(supervisor::State::walk));
   EXPECT_EQ(shown(record, "fallback_level"), static_cast<double>(supervisor::FallbackLevel::plan_feedback));
 }

@@ -104,10 +104,10 @@ test('the arrow of a push ends 6 cm before the place where it acts, on the side 
 });
 
 test('a planned foothold is a hollow triangle in the colour of its foot, where the plan puts the foot down', () => {
-  const knot = (time, left, right) => ({ time, hip: { x: 0, z: 0.8 }, feet: [left, right] });
-  const knots = [knot(1.0, { x: 0, z: 0 }, { x: -0.1, z: 0.05 }), knot(1.1, { x: 0, z: 0 }, { x: 0.2, z: 0.05 }),
-    knot(1.2, { x: 0, z: 0 }, { x: 0.25, z: 0 }), knot(1.3, { x: 0, z: 0.05 }, { x: 0.25, z: 0 })];
-  const svg = drawn('drawPlannedPaths', knots, { plan: 'grey', left: 'blue', right: 'orange' }, 1.0);
+  const node = (time, left, right) => ({ time, hip: { x: 0, z: 0.8 }, feet: [left, right] });
+  const nodes = [node(1.0, { x: 0, z: 0 }, { x: -0.1, z: 0.05 }), node(1.1, { x: 0, z: 0 }, { x: 0.2, z: 0.05 }),
+    node(1.2, { x: 0, z: 0 }, { x: 0.25, z: 0 }), node(1.3, { x: 0, z: 0.05 }, { x: 0.25, z: 0 })];
+  const svg = drawn('drawPlannedPaths', nodes, { plan: 'grey', left: 'blue', right: 'orange' }, 1.0);
   const places = [...svg.matchAll(/<path d="M(\S+) (\S+?)L\S+ \S+?L\S+ \S+?Z"([^>]*)/g)];
   assert.equal(places.length, 1, svg);
   assert.deepEqual(places[0].slice(1, 3).map(Number), [250, 283]);

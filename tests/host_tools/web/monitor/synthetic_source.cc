@@ -202,7 +202,7 @@ void SyntheticSource::tick(SampleSink& sink) {
   const double change =
       std::clamp(wanted_m_s_ - speed_m_s_, -kAcceleration_m_s2 * kTick_s, kAcceleration_m_s2 * kTick_s);
   speed_m_s_ += change;
-  hip_x_m_ += speed_m_s_ * kTick_s;
+  base_x_m_ += speed_m_s_ * kTick_s;
   const bool steps =
       state_ == number(State::walk) || state_ == number(State::step) || std::abs(speed_m_s_) > 0.01;
   if (steps) phase_ = std::fmod(phase_ + kTick_s / kStep_s, 2.0);
@@ -210,12 +210,12 @@ void SyntheticSource::tick(SampleSink& sink) {
   control_loop::TickRecord& record = sample.record;
   record.tick = ticks_;
   sample.time_s = static_cast<double>(ticks_) * kTick_s;
-  const PlanKnot now = knot(0.0);
-  record.estimated_state = {now.hip_x_m, now.hip_z_m, now.pitch_rad};
+  const PlanNodeSample now = node(0.0);
+  record.estimated_state = {now.base_x_m, now.base_z_m, now.pitch_rad};
   record.estimated_state[7] = speed_m_s_ + 0.03 * std::sin(2 * std::numbers::pi * phase_);
   for (std::size_t foot = 0; foot < 2; ++foot) {
-    const auto angles = leg_angles(now.foot_position_m[2 * foot] - now.hip_x_m,
-                                   now.foot_position_m[2 * foot + 1] - now.hip_z_m);
+    const auto angles = leg_angles(now.foot_position_m[2 * foot] - now.base_x_m,
+                                   now.foot_position_m[2 * foot + 1] - now.base_z_m);
     for (std::size_t k = 0; k < 2; ++k) {
       const std::size_t joint = 2 * foot + k;
       record.estimated_state[3 + joint] = angles[k] - (k == 0 ? now.pitch_rad : 0.0);
@@ -233,7 +233,7 @@ void SyntheticSource::tick(SampleSink& sink) {
   record.plan_age_s = 0.005 + kTick_s * static_cast<double>(ticks_ % 10);
   record.wakeup_latency_ns = 20'000 + std::lround(15e3 * std::sin(static_cast<double>(ticks_)));
   record.execution_ns = 35'000 + std::lround(5e3 * std::cos(1.3 * static_cast<double>(ticks_)));
-  record.round_trip_ns = 180'000;
+  record.bus_round_trip_ns = 180'000;
   record.action = supervisor::Action::commands;
   record.state = static_cast<supervisor::State>(state_);
   sink.tick(sample);
@@ -249,40 +249,40 @@ void SyntheticSource::tick(SampleSink& sink) {
 void SyntheticSource::say_slowly(SampleSink& sink) {
   PlanSample plan;
   plan.time_s = static_cast<double>(ticks_) * kTick_s;
-  for (int k = 0; k < 60; ++k) plan.knots.push_back(knot(0.02 * k));
+  for (int k = 0; k < 60; ++k) plan.nodes.push_back(node(0.02 * k));
   sink.plan(plan);
   sink.supervisor(supervisor_sample());
   if (push_N_ != 0.0) {
     TruthSample truth;
     truth.time_s = plan.time_s;
-    truth.contact_force_N = plan.knots.front().contact_force_N;
+    truth.contact_force_N = plan.nodes.front().contact_force_N;
     truth.push_N = push_N_;
     sink.truth(truth);
   }
   if (ticks_ % 990 == 0) sink.timing(timing_sample());
 }
 
-PlanKnot SyntheticSource::knot(double ahead_s) const {
+PlanNodeSample SyntheticSource::node(double ahead_s) const {
   const bool steps =
       state_ == number(State::walk) || state_ == number(State::step) || std::abs(speed_m_s_) > 0.01;
   const double phase = steps ? std::fmod(phase_ + ahead_s / kStep_s, 2.0) : 0.0;
-  PlanKnot knot;
-  knot.time_s = static_cast<double>(ticks_) * kTick_s + ahead_s;
-  knot.hip_x_m = hip_x_m_ + speed_m_s_ * ahead_s;
-  knot.hip_z_m = hip_height_m_ - (steps ? 0.012 * std::cos(2 * std::numbers::pi * phase) : 0.0);
-  knot.pitch_rad = 0.05 * speed_m_s_ + (steps ? 0.02 * std::sin(std::numbers::pi * phase) : 0.0);
+  PlanNodeSample node;
+  node.time_s = static_cast<double>(ticks_) * kTick_s + ahead_s;
+  node.base_x_m = base_x_m_ + speed_m_s_ * ahead_s;
+  node.base_z_m = hip_height_m_ - (steps ? 0.012 * std::cos(2 * std::numbers::pi * phase) : 0.0);
+  node.pitch_rad = 0.05 * speed_m_s_ + (steps ? 0.02 * std::sin(std::numbers::pi * phase) : 0.0);
   for (std::size_t foot = 0; foot < 2; ++foot) {
     const double own = std::fmod(phase + static_cast<double>(foot), 2.0);
     const auto place = steps ? foot_at(own, speed_m_s_, swing_height_m_, foot == 0 ? 0.02 : -0.02)
                              : std::array<double, 2>{foot == 0 ? 0.15 : -0.15, 0.0};
-    knot.foot_position_m[2 * foot] = knot.hip_x_m + place[0];
-    knot.foot_position_m[2 * foot + 1] = place[1];
-    const bool carries = !steps || own < 1.0;
-    (foot == 0 ? knot.left_carries : knot.right_carries) = carries;
-    knot.contact_force_N[2 * foot] = carries && steps ? 20.0 - 40.0 * own : 0.0;
-    knot.contact_force_N[2 * foot + 1] = carries ? (steps ? 220.0 : 110.0) : 0.0;
+    node.foot_position_m[2 * foot] = node.base_x_m + place[0];
+    node.foot_position_m[2 * foot + 1] = place[1];
+    const bool stance = !steps || own < 1.0;
+    (foot == 0 ? node.left_stance : node.right_stance) = stance;
+    node.contact_force_N[2 * foot] = stance && steps ? 20.0 - 40.0 * own : 0.0;
+    node.contact_force_N[2 * foot + 1] = stance ? (steps ? 220.0 : 110.0) : 0.0;
   }
-  return knot;
+  return node;
 }
 
 SupervisorSample SyntheticSource::supervisor_sample() const {

@@ -40,7 +40,7 @@ class SyntheticSource final : public SampleSource {
   void introduce(SampleSink& sink);
   void say_slowly(SampleSink& sink);
   void publish_event(const std::string& text, bool serious);
-  [[nodiscard]] PlanKnot knot(double ahead_s) const;
+  [[nodiscard]] PlanNodeSample node(double ahead_s) const;
   [[nodiscard]] SupervisorSample supervisor_sample() const;
   [[nodiscard]] TimingSample timing_sample() const;
 
@@ -50,7 +50,7 @@ class SyntheticSource final : public SampleSource {
   int run_id_ = 1;
   int other_run_id_ = 0;  ///< of a controller that publishes, too; 0: none
   std::uint64_t ticks_ = 0;
-  double hip_x_m_ = 0.0, speed_m_s_ = 0.0, wanted_m_s_ = 0.0, phase_ = 0.0, push_N_ = 0.0;
+  double base_x_m_ = 0.0, speed_m_s_ = 0.0, wanted_m_s_ = 0.0, phase_ = 0.0, push_N_ = 0.0;
   int state_ = 4;  ///< stands
   std::uint64_t present_ = 0, latched_ = 0;
   std::map<std::string, std::string> found_;

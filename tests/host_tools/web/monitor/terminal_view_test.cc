@@ -58,14 +58,14 @@ TEST(TerminalView, AFaultThatIsOverWaitsForItsReset) {
   EXPECT_TRUE(holds(view.text(100, 40), "FAULT     bus_off (waits for reset)")) << view.text(100, 40);
 }
 
-TEST(TerminalView, OldDataAreCalledOld) {
+TEST(TerminalView, StaleDataAreCalledStale) {
   SyntheticSource source;
   TerminalView view(source);
   EXPECT_TRUE(holds(view.text(100, 40), "waiting for a controller"));
   text_after_one_second(source, view);
   source.change("silent");
   view.step(4.2);
-  EXPECT_TRUE(holds(view.text(100, 40), "OLD: no data for 3.0 s")) << view.text(100, 40);
+  EXPECT_TRUE(holds(view.text(100, 40), "STALE DATA: none for 3.0 s")) << view.text(100, 40);
 }
 
 TEST(TerminalView, NoLineIsLongerThanTheTerminal) {

@@ -117,26 +117,26 @@ TEST(Report, TheEmbeddedSolvesAreTheRecord) {
   EXPECT_EQ(data["status_names"][static_cast<std::size_t>(columns.at("status")[0][8])], "converged");
 }
 
-TEST(Report, EachDrawnPlanCoversItsWholeHorizonWithKnotsOfTheRecord) {
+TEST(Report, EachDrawnPlanCoversItsWholeHorizonWithNodesOfTheRecord) {
   const log::RunRecord record = synthetic_walk(8.0);
   const json data = embedded_data(render_report(record))["plans"];
-  const Columns knots = unpack(data["knots"]);
+  const Columns nodes = unpack(data["nodes"]);
   const auto stride = data["stride"].get<std::size_t>();
   ASSERT_EQ(data["time_s"].size(), (record.plans.size() + stride - 1) / stride);
   for (std::size_t i = 0; i < data["time_s"].size(); ++i) {
     const log::PlanSnapshot& plan = record.plans[i * stride];
     const bool last = i + 1 == data["time_s"].size();
-    const auto from = data["first_knot"][i].get<std::size_t>();
-    const auto to = last ? knots.at("time_s")[0].size() : data["first_knot"][i + 1].get<std::size_t>();
+    const auto from = data["first_node"][i].get<std::size_t>();
+    const auto to = last ? nodes.at("time_s")[0].size() : data["first_node"][i + 1].get<std::size_t>();
     ASSERT_LT(from, to);
     EXPECT_EQ(data["time_s"][i].get<double>(), plan.time_s);
-    EXPECT_EQ(knots.at("time_s")[0][from], static_cast<float>(plan.knot_time_s.front()));
-    EXPECT_EQ(knots.at("time_s")[0][to - 1], static_cast<float>(plan.knot_time_s.back()));
-    EXPECT_EQ(knots.at("hip_x_m")[0][to - 1], static_cast<float>(plan.hip_x_m.back()));
-    EXPECT_EQ(knots.at("hip_z_m")[0][to - 1], static_cast<float>(plan.hip_z_m.back()));
-    EXPECT_EQ(knots.at("pitch_rad")[0][to - 1], static_cast<float>(plan.pitch_rad.back()));
+    EXPECT_EQ(nodes.at("time_s")[0][from], static_cast<float>(plan.node_time_s.front()));
+    EXPECT_EQ(nodes.at("time_s")[0][to - 1], static_cast<float>(plan.node_time_s.back()));
+    EXPECT_EQ(nodes.at("base_x_m")[0][to - 1], static_cast<float>(plan.base_x_m.back()));
+    EXPECT_EQ(nodes.at("base_z_m")[0][to - 1], static_cast<float>(plan.base_z_m.back()));
+    EXPECT_EQ(nodes.at("pitch_rad")[0][to - 1], static_cast<float>(plan.pitch_rad.back()));
     for (std::size_t k = 0; k < 4; ++k) {
-      EXPECT_EQ(knots.at("foot_position_m")[k][from], static_cast<float>(plan.foot_position_m.front()[k]));
+      EXPECT_EQ(nodes.at("foot_position_m")[k][from], static_cast<float>(plan.foot_position_m.front()[k]));
     }
   }
 }
@@ -232,7 +232,7 @@ TEST(Report, AnEmptyRunIsStillAPage) {
   const json data = embedded_data(render_report(log::RunRecord{}));
   EXPECT_EQ(data["ticks"]["rows"], 0);
   EXPECT_EQ(data["planner"]["rows"], 0);
-  EXPECT_EQ(data["plans"]["knots"]["rows"], 0);
+  EXPECT_EQ(data["plans"]["nodes"]["rows"], 0);
 }
 
 TEST(Report, AMinuteAtTwoHundredSamplesASecondStaysUnderEightMegabytes) {

@@ -105,12 +105,12 @@ log::PlanSnapshot plan(double time_s) {
   log::PlanSnapshot p;
   p.time_s = time_s;
   for (int k = 0; k <= 134; ++k) {
-    const double knot_s = time_s + 0.015 * k;
-    p.knot_time_s.push_back(knot_s);
-    p.hip_x_m.push_back(hip_x(knot_s));
-    p.hip_z_m.push_back(hip_z(knot_s));
-    p.pitch_rad.push_back(pitch(knot_s));
-    p.foot_position_m.push_back(feet(knot_s));
+    const double node_s = time_s + 0.015 * k;
+    p.node_time_s.push_back(node_s);
+    p.base_x_m.push_back(hip_x(node_s));
+    p.base_z_m.push_back(hip_z(node_s));
+    p.pitch_rad.push_back(pitch(node_s));
+    p.foot_position_m.push_back(feet(node_s));
   }
   return p;
 }
