@@ -23,7 +23,7 @@ class AllocationScope {
 };
 
 /// From now on a call of the heap while the calling thread counts ends the process at once, in the very
-/// instruction (SIGILL or SIGTRAP): the stack of a core dump shows who it was. For proofs, not for robots.
+/// instruction (SIGILL or SIGTRAP). The stack of a core dump shows who it was. For proofs, not for robots.
 void end_on_heap_use() noexcept;
 
 /// Whether this build counts.

@@ -17,7 +17,7 @@ namespace stilt::supervisor {
 enum class RequestKind : std::uint8_t { none, calibrate, stand, step, walk, sit, reset, off, cut };
 
 /// What the operator wants last. A request stands until it is met, replaced by one with a higher number, or
-/// void: a fault and a lost heartbeat void what was asked for before, so that nothing moves again by itself.
+/// void. A fault and a lost heartbeat void what was asked for before, so that nothing moves again by itself.
 struct Request {
   RequestKind kind = RequestKind::none;
   std::uint32_t number = 0;  ///< counts requests from 1

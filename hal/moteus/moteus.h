@@ -16,7 +16,7 @@
 ///   tau = kp_scale kp (position - q) + kd_scale kd (velocity - v) + torque, |tau| <= maximum torque
 ///
 /// with kp and kd from its own configuration, so both are data here. Each command restarts the driver's
-/// watchdog; when that expires the driver latches mode `timeout`, damps with the newest command's kd scale
+/// watchdog. When that expires the driver latches mode `timeout`, damps with the newest command's kd scale
 /// (servo.timeout_mode 12: not at all after a command without kd), and accepts nothing but a stop.
 /// A frame is answered from the state before it: what it writes takes effect afterwards. Without limits in
 /// the command the driver follows position and velocity by a trajectory of its own

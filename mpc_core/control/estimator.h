@@ -31,8 +31,8 @@ using BaseVelocity = Eigen::Vector2d;  ///< linear, x and z, m/s
 ///
 /// r_f is the position of foot f relative to the base. anchor_f is its position on the ground, z = 0, at the
 /// start of its scheduled contact. The weights w_f rise and fall linearly over `blend_s` at a scheduled
-/// switch. A swing foot that was up and is now below the stance foot has landed early and carries: height and
-/// vertical velocity of the base follow it alone until the schedule changes; where that is its scheduled
+/// switch. A swing foot that was up and is now below the stance foot has landed early and carries. Height and
+/// vertical velocity of the base follow it alone until the schedule changes. Where that is its scheduled
 /// touch-down, its weight is then 1 at once. The horizontal velocity stays that of the scheduled foot, which
 /// the plan is made for. The estimate drifts in x by the slip of the feet,
 /// and does not drift in z. Real-time safe.

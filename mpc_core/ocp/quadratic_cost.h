@@ -8,7 +8,7 @@
 /// Gauss-Newton cost of a batch over (dx, w) after projection of the equality constraints, times the duration
 /// of the stage.
 ///
-/// Every term is 1/2 c (rho + r d)^2 up to a constant, with r the row of a quantity over d = (dz_b, dx, w); a
+/// Every term is 1/2 c (rho + r d)^2 up to a constant, with r the row of a quantity over d = (dz_b, dx, w). A
 /// barrier has its own slope g and curvature c. Swing forces, the first stance force and z are substituted in
 /// the row, so that the sum over the rows is the stage's Hessian. Only joint torques, the swing foot's
 /// horizontal acceleration, the stance force and the weights of z are rows. Accelerations fixed by a

@@ -100,7 +100,7 @@ class Plant {
   [[nodiscard]] Fall fall() const;
 
   /// Share of the way to a fall that is left: the smaller of (hip - lowest hip) / (nominal hip - lowest hip)
-  /// and 1 - |pitch| / largest pitch, heights above the ground and bounds as in fall(). At most 0 when the
+  /// and 1 - |pitch| / largest pitch. Heights are above the ground, bounds as in fall(). At most 0 when the
   /// hip is too low or the pitch too large; knees and torso on the ground do not count.
   [[nodiscard]] double fall_margin() const;
 
