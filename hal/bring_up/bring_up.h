@@ -95,7 +95,7 @@ class BringUp {
   enum class Ask : std::uint8_t {
     wait_for_answer,  ///< frame filled; judge() decides about what comes back
     send_only,        ///< frame filled; nothing comes back: go on
-    listen,           ///< nothing to send; asked again after kListen_ns, judge() sees what comes meanwhile
+    listen,           ///< nothing to send; asked again after kListen_ns, judge() gets what comes meanwhile
     skip,             ///< this stage has nothing to ask
     fail,             ///< failure() was called
   };

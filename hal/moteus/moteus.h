@@ -149,7 +149,7 @@ using MoteusRegisterReader = double (*)(const void* context, std::uint32_t regis
 using MoteusRegisterWriter = void (*)(void* context, std::uint32_t register_number, double value) noexcept;
 
 /// Applies the writes of a frame in order, through `write`, and fills `answer` with what its reads ask for,
-/// through `read`. Units are those of the registers (revolutions). answered: whether the frame wants an
+/// through `read`. Units are those of the registers (revolutions). answered: whether the frame asks for an
 /// answer.
 [[nodiscard]] DecodeStatus serve_frame(const MoteusDriver& driver, const CanFrame& frame, void* context,
                                        MoteusRegisterReader read, MoteusRegisterWriter write,

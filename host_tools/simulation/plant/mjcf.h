@@ -25,7 +25,7 @@ struct MjcfOptions {
   std::vector<GroundStep> steps = {};  ///< in order of position; empty: flat ground
   bool contacts = true;
   bool joint_limits = false;                   ///< stops at the limits of the joints
-  bool armature = true;                        ///< reflected rotor inertia at the joints
+  bool armature = true;                        ///< at the joints
   bool joint_losses = true;                    ///< viscous damping and Coulomb friction at the joints
   double contact_time_constant_s = 0.004;      ///< MuJoCo solref[0], at least twice the time step
   double contact_damping_ratio = 1.0;          ///< MuJoCo solref[1]

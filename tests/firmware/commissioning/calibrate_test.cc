@@ -259,7 +259,7 @@ TEST(Calibrate, DriversAreOffBeforeTheTorsoIsJudged) {
   EXPECT_TRUE(calibrated(request, *readings).good());  // has no session to keep alive
 }
 
-/// A helper who does something of his own at a question.
+/// A helper that does something of its own at a question.
 class OtherHelper final : public Person {
  public:
   using AtQuestion = std::function<void(const std::string&)>;

@@ -87,7 +87,7 @@ inline constexpr double kPolishStep = 1e-9;
 /// magnitude of its kind of quantity over the nodes: positions, velocities, joint accelerations, forces.
 [[nodiscard]] double distance(const RecordedOptimum& a, const RecordedOptimum& b);
 
-/// One problem a line, as the heading of the file explains. Reading throws std::runtime_error naming the
+/// One problem per line, as the heading of the file explains. Reading throws std::runtime_error naming the
 /// line.
 void write_problems(const std::vector<RecordedProblem>& problems, const std::string& path);
 [[nodiscard]] std::vector<RecordedProblem> read_problems(const std::string& path);

@@ -37,7 +37,7 @@ const waitFor = (selector, pattern, from = page) => {
 const state = (name) => waitFor('#state', new RegExp(`^${name}$`));
 const answer = (pattern) => waitFor('#answer', pattern);
 
-/** Asks for it again while it is refused: until the torque law has taken over. */
+/** Asks for it again while it is refused: until the torque law is blended in. */
 const walk = () => until('walking', async () => {
   if ((await text('#state')) === 'walk') return true;
   await page.keyboard.press('w');
