@@ -19,7 +19,7 @@ namespace stilt::codegen {
 /// <transmission>: <mechanicalReduction> and, in the same <actuator>, the element <rotorInertia> (kg m^2 on
 /// the motor's side; an extension of this project). Without a transmission there is no armature.
 ///
-/// @throws UrdfError for a file that cannot be read, is not a URDF, not a tree or not planar; also for a
+/// @throws UrdfError for a file that cannot be read, is not a URDF, not a tree or not planar. Also for a
 /// massless moving link, a joint without limits, or no foot.
 [[nodiscard]] PlanarTree read_urdf(const std::string& file);
 

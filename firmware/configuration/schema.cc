@@ -45,7 +45,7 @@ constexpr Section kSections[] = {
     {"reference", "Heuristic reference of the base: what the cost pulls towards."},
     {"cost",
      "Weights of the running cost 1/2 (e_x' Q e_x + e_u' R e_u + sum over feet of e_i' W e_i), e the\n"
-     "difference to the reference; larger holds the quantity closer to it."},
+     "difference to the reference. A larger one holds the quantity closer to it."},
     {"inequality",
      "Limits h >= 0, kept by relaxed logarithmic barriers: -weight ln h above the width, its quadratic\n"
      "continuation below. They are soft: a larger weight keeps further away, a larger width bends earlier."},

@@ -6,7 +6,7 @@ namespace stilt::realtime {
 /// given back.
 ///
 /// The file behind it replaces malloc, calloc, realloc, aligned_alloc, posix_memalign, memalign and free of
-/// the program with counting ones; operator new and delete of the standard library end there too. Under a
+/// the program with counting ones. Operator new and delete of the standard library end there too. Under a
 /// sanitizer, which replaces the allocator itself, nothing is counted: see counts_allocations().
 class AllocationScope {
  public:

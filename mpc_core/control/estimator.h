@@ -51,7 +51,7 @@ class Estimator {
 
  private:
   /// v += planned change + (1 - exp(-dt / velocity_filter_s)) (measured - v)
-  /// The correction is bounded: a foot that lands late moves at metres per second while the schedule has it
+  /// The correction is bounded. A foot that lands late moves at metres per second while the schedule has it
   /// on the ground. No push accelerates the base as fast. The pitch rate is the sensor's, without a filter:
   /// its lag would cost more than the sensor's noise.
   void filter_velocity(double elapsed_s, const BaseVelocity* planned_change,

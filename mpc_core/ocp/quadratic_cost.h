@@ -49,7 +49,7 @@ struct ForceCost {
 };
 
 /// Weights of the joint accelerations when one constraint remains. All are equal (set_weights), so that the
-/// orthogonal directions Y and W_k decouple: the cost of Y c is one row of c, the cost of w is diagonal.
+/// orthogonal directions Y and W_k decouple. The cost of Y c is one row of c, the cost of w is diagonal.
 template <class Mode>
 class UniformWeights {
  public:

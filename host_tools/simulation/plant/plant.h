@@ -96,7 +96,7 @@ class Plant {
   [[nodiscard]] Eigen::Vector2d torso_com_m() const;
 
   /// Whether the robot has fallen: hip below 0.6 of its nominal height above the ground, pitch beyond 1
-  /// rad; a knee or the torso's centre of mass on the ground, or a non-finite state.
+  /// rad. Also: a knee or the torso's centre of mass on the ground, or a non-finite state.
   [[nodiscard]] Fall fall() const;
 
   /// Share of the way to a fall that is left: the smaller of (hip - lowest hip) / (nominal hip - lowest hip)

@@ -69,9 +69,10 @@ struct HardSolve {
   int iterations = 0;
 };
 
-/// Solves until rounding stops the progress: at most `kSearchIterations` with line search until the step is
-/// below `kSearchStep`, then at most `kPolishIterations` full steps until the step is below `kPolishStep`.
-/// (The line search compares costs, whose rounding hides steps below the root of the precision.)
+/// Solves until rounding stops the progress. There are at most `kSearchIterations` with line search until the
+/// step is below `kSearchStep`. Then there are at most `kPolishIterations` full steps until the step is below
+/// `kPolishStep`. (The line search compares costs, whose rounding hides steps below the root of the
+/// precision.)
 [[nodiscard]] HardSolve solve_hard(const PreparedProblem& prepared, sqp::Sqp& sqp, ocp::Trajectory& iterate);
 
 inline constexpr int kSearchIterations = 60;

@@ -101,7 +101,7 @@ TEST(Projection, NeverMovesTheForceOfASwingFootFromZero) {
   }
 }
 
-/// Legs as straight as `bend_rad` says and side by side: the swing foot's height no longer follows from the
+/// Legs as straight as `bend_rad` says and side by side. The swing foot's height no longer follows from the
 /// joint accelerations, and in double support the feet cannot move apart vertically.
 std::unique_ptr<Scene> straight_legs(model::ContactMode mode, double bend_rad) {
   auto scene = testing_support::random_scene(testing_support::amber3m(), mode, kLanes, 7);
