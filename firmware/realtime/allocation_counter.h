@@ -22,7 +22,7 @@ class AllocationScope {
   long long start_;
 };
 
-/// From now on a call of the heap while the calling thread counts ends the process at once, in the very
+/// From now on a heap call while the calling thread counts ends the process at once, in the very
 /// instruction (SIGILL or SIGTRAP). The stack of a core dump shows who it was. For proofs, not for robots.
 void end_on_heap_use() noexcept;
 

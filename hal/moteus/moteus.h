@@ -20,7 +20,7 @@
 /// (servo.timeout_mode 12), and accepts nothing but a stop. It does not damp after a command without kd.
 /// A frame is answered from the state before it: what it writes takes effect afterwards. Without limits in
 /// the command the driver follows position and velocity by a trajectory of its own
-/// (servo.default_accel_limit, 50 rev/s^2 from firmware 1.0.0 on), which cancels damping. Every command here
+/// (servo.default_accel_limit, 50 rev/s^2 from firmware 1.0.0 on). That cancels damping. Every command here
 /// switches that off. Facts: github.com/mjbots/moteus, docs/protocol/can.md, docs/protocol/registers.md,
 /// docs/reference/configuration.md, fw/moteus_controller.cc, fw/bldc_servo_position.h (db1a762). Real-time
 /// safe, without state.

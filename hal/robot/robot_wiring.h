@@ -21,7 +21,7 @@ inline constexpr std::size_t kMaximumChannels = 16;
 ///
 ///   joint = direction * shaft / ratio + offset_rad,  torque_joint = direction * ratio * torque_shaft
 ///
-/// where shaft includes the encoder's periods that bring-up has found (encoder_period_rad), and gains at the
+/// where shaft includes the encoder's periods that bring-up found (encoder_period_rad), and gains at the
 /// shaft are those of the joint divided by ratio^2 torque_factor.
 struct JointWiring {
   std::uint8_t bus = 0;

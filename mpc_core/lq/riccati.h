@@ -78,7 +78,7 @@ class BackwardSweep {
 };
 
 /// Computes the solution forwards. x_{k+1} = A x + B w + b with w = k + K x, c = rows 6, 7 of G x, and the
-/// step u of the input behind w. Returns the first-order change of the cost along the steps, the sum of q'x,
+/// input's step u behind w. Returns the first-order change of the cost along the steps, the sum of q'x,
 /// r'w and the slopes along u0. It is the slope for Armijo's condition.
 /// \param stages  `count` stages, accepted by the backward sweep, and their inputs
 /// \param x0      kRows values, padding zero

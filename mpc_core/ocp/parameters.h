@@ -38,7 +38,7 @@ struct MinimumNormalForce {
   double by_stance_feet[model::kFeet + 1] = {};
 
   /// A foot alone carries at least `share` of the weight. With both feet on the ground each may be nearly
-  /// unloaded, so that the centre of pressure can move from one foot to the other.
+  /// unloaded, so that the centre of pressure can move between the feet.
   [[nodiscard]] static MinimumNormalForce of(double share, double mass_kg) noexcept {
     constexpr double kBothFeet = 0.1;
     const double alone_N = share * mass_kg * model::kGravity_m_s2;

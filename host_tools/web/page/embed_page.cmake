@@ -1,6 +1,5 @@
 # Writes OUTPUT, a C++ source that defines a page as one string, VARIABLE (stilt::x::kName) as declared in HEADER.
-# That is
-# PAGE, where the PARTS of all pages, the lists STYLES and SCRIPTS and the plot library in UPLOT_DIR replace its
+# That is PAGE, where the PARTS of all pages, the lists STYLES and SCRIPTS and the plot library in UPLOT_DIR replace its
 # marks.
 
 if(NOT EXISTS ${UPLOT_DIR}/dist/uPlot.iife.min.js)
