@@ -131,8 +131,8 @@ class BringUp {
 
   void failure(Failure failure, const Blame& blame) noexcept;
   void failure(Failure what) noexcept { failure(what, Blame{}); }
-  /// What the failure will be if the request that is under way never gets the right answer. It
-  /// may be a fault that the driver may still clear, or a setting that may still prove right.
+  /// What the failure will be if the request that is under way never gets the right answer. It may be a fault
+  /// that the driver may still clear, or a setting that may still prove right.
   void suspect(Failure failure, const Blame& blame) noexcept;
   /// Checks the driver's shaft against travel and encoder period. False after failure().
   [[nodiscard]] bool check_home(double position_rad) noexcept;

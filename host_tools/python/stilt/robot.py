@@ -200,8 +200,7 @@ class Robot:
 
     def recent(self) -> pd.DataFrame:
         """The ticks of the last minute at most, with the index time_s (since tick 0) and the columns of the page.
-        They are
-        estimated_state0 to 13, measured_torque_Nm0 to 3 and so on, as 32-bit floats."""
+        They are estimated_state0 to 13, measured_torque_Nm0 to 3 and so on, as 32-bit floats."""
         with self._changed:
             parts = list(self._ticks)
         names = self._hello['columns']['ticks']
