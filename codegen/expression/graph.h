@@ -54,7 +54,7 @@ struct Node {
 ///  - operands of + and * are in order of creation, a constant first, then a coefficient;
 ///  - coefficients are joined: c1 (c2 x) = (c1 c2) x, c1 x + c2 x = (c1 + c2) x;
 ///  - constant factors are positive: (-c) x = -(c x);
-///  - negations move outwards through * and /, and turn + into - and back; of a - b and b - a only the one
+///  - negations move outwards through * and /, and turn + into - and back. Of a - b and b - a only the one
 ///    whose first operand is older exists, the other is its negation.
 ///
 /// A coefficient is a constant, a parameter, or an expression of these alone: a number that a caller can

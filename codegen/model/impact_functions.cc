@@ -117,7 +117,7 @@ class ImpactModel {
   }
 
   /// Differentiating both rows with v+ - v-, v+ and the impulse held: r1 = -d(M (v+ - v-) - J' impulse),
-  /// r2 = -d(J v+); then d impulse = S^-1 (r2 - X' r1), dv+ = M^-1 r1 + X d impulse.
+  /// r2 = -d(J v+). Then d impulse = S^-1 (r2 - X' r1), dv+ = M^-1 r1 + X d impulse.
   void append_angle_columns(std::vector<Output>& out) const {
     const Matrix momentum = momentum_by_angles();
     const Matrix contact = contact_velocity_by_angles();

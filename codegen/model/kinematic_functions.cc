@@ -31,7 +31,7 @@ FunctionSpec kinematics(const Equations& equations) {
 FunctionSpec mass_matrix(const Equations& equations) {
   FunctionSpec spec{.name = "mass_matrix",
                     .documentation =
-                        "Mass matrix over q (SI), reflected rotor inertia on the diagonal of the joints.\n"
+                        "Mass matrix over q (SI), armature on the diagonal of the joints.\n"
                         "joint_parameters: armature of each joint, then damping of each joint.",
                     .parameters = {"x", "joint_parameters"},
                     .outputs = {}};

@@ -28,9 +28,9 @@ enum class ShapeQuantity {
 /// the left leg, from the hip down. Links and coordinates are those of a PlanarTree; `source` begins every
 /// error message.
 /// @throws UrdfError for a robot that these numbers do not describe. The message is one sentence with the
-/// element and what would be right. Refused: joints about -y, joints of the base off its origin, bent or
-/// turned links; centres of mass off the line of the joints, branches other than at the base; a leg without
-/// a foot at its end, legs that differ.
+/// element and what would be right. Refused are joints about -y, joints of the base off its origin, and bent
+/// or turned links. So are centres of mass off the line of the joints, and branches other than at the base.
+/// So are a leg without a foot at its end, and legs that differ.
 [[nodiscard]] std::vector<ShapeNumber> shape_numbers(const PlanarTree& tree, const std::string& source);
 
 }  // namespace stilt::codegen

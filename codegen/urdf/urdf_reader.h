@@ -12,14 +12,14 @@ namespace stilt::codegen {
 /// The root link is the floating base. Every moving joint must turn about +y or -y (revolute or continuous).
 /// Fixed joints may turn about y only; offsets along y are dropped. Links behind fixed joints are merged into
 /// the link that carries them. Feet are massless links named foot_... behind fixed joints: foot_L first, then
-/// foot_R. Joints are in depth-first order, and at each link in the order of the document, with names ending
-/// in _L before those ending in _R.
+/// foot_R. Joints are in depth-first order, and at each link in the order of the document. Names ending in _L
+/// come before those ending in _R.
 ///
-/// Limits, damping and Coulomb friction are the URDF's. The reflected rotor inertia is that of the joint's
+/// Limits, damping and Coulomb friction are the URDF's. The armature is that of the joint's
 /// <transmission>: <mechanicalReduction> and, in the same <actuator>, the element <rotorInertia> (kg m^2 on
-/// the motor's side; an extension of this project). Without a transmission there is no reflected inertia.
+/// the motor's side; an extension of this project). Without a transmission there is no armature.
 ///
-/// @throws UrdfError for a file that cannot be read, is not a URDF, not a tree or not planar; also for a
+/// @throws UrdfError for a file that cannot be read, is not a URDF, not a tree or not planar. Also for a
 /// massless moving link, a joint without limits, or no foot.
 [[nodiscard]] PlanarTree read_urdf(const std::string& file);
 

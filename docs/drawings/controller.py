@@ -62,7 +62,7 @@ def planner(d, c):
              ('5', f'SQP, at most {c["sqp"]["iterations"]} iterations:'),
              ('', 'linearise, project constraints,'), ('', 'Riccati sweep, line search'),
              ('6', 'record of the cycle'), ('7', 'usable: plan with gains to the'),
-             ('', 'torque loop; else the older stays'))
+             ('', 'torque loop; else the plan before'))
     for i, (number, words) in enumerate(steps):
         y = 84 + 24 * i
         if number:

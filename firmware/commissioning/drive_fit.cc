@@ -76,7 +76,7 @@ std::array<double, model::kAngles> at(const std::array<std::vector<double>, mode
   return values;
 }
 
-/// Times at which the joint is slow, and those around them that the filter mixes with them: a joint that
+/// Times at which the joint is slow, and those around them that the filter mixes with them. A joint that
 /// sticks has any friction up to c, whatever the sign of its rate.
 std::vector<bool> slow_times(const std::vector<double>& rate, double period_s) {
   const auto around = std::lround(kAroundSlow_s / period_s);

@@ -42,7 +42,7 @@ struct DriveNumbers {
 /// signals pass the same filter without phase, v and a are central differences. Times at which the joint is
 /// slow, 60 ms around them, and the ends of a record are left out. The intervals come from the sums of
 /// residuals over clusters of half a second, since neighbouring residuals are correlated (White 1980; Liang
-/// and Zeger 1986): they cover noise, and no mistake of the model.
+/// and Zeger 1986). They cover noise, and no mistake of the model.
 /// @param joint  that moved
 /// @return  zero samples when nothing moved enough
 [[nodiscard]] DriveNumbers fit_drive(const model::RobotModel& robot, std::size_t joint,

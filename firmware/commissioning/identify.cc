@@ -183,7 +183,7 @@ class Exciter {
     return true;
   }
 
-  /// A reading is of the moment at which the command of the tick before it arrived: half of that command's
+  /// A reading is of the moment at which the command of the tick before it arrived. Half of that command's
   /// tick and half of the one before are beside it.
   void record() {
     if (recorded_ == nullptr) return;

@@ -136,7 +136,7 @@ class Jog {
     return false;
   }
 
-  /// Without torque, unless the slow motion takes over.
+  /// Without torque, unless the slow motion commands.
   bool settle() { return motion_.response == Response::with_torque || tick(0); }
 
   bool go_and_return() {

@@ -34,7 +34,7 @@ Verdict exchanged_encoders(std::size_t joint, std::size_t read) {
 
 /// A limp shin hangs plumb while its thigh moves, and a thigh gives way when its shin moves: the other joint
 /// of the leg turns against the torque. So an own encoder that turns against it, or stands still at a stop,
-/// while the other one turns with it reads the other joint.
+/// while the other turns with it reads the other joint.
 bool reads_other_joint(std::size_t joint, const JogMotion& motion) {
   const bool other_of_leg = motion.response == Response::other && same_leg(*motion.other, joint);
   return (motion.response == Response::against_torque || other_of_leg) &&

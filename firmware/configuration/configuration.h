@@ -73,8 +73,8 @@ void keep_torque_limit(Configuration& configuration);
 [[nodiscard]] Result load_robot(std::string_view robot, std::span<const Override> overrides = {},
                                 std::string_view preset = {});
 
-/// The parameters as a TOML file that parse() reads back bit for bit, with meaning, unit, range and default
-/// in a comment above each key. `heading`: text of the first lines, put into comments.
+/// The parameters as a TOML file that parse() reads back bit for bit. A comment above each key has meaning,
+/// unit, range and default. `heading`: text of the first lines, put into comments.
 [[nodiscard]] std::string to_toml(const Configuration& parameters, std::string_view heading);
 
 }  // namespace stilt::configuration

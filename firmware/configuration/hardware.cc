@@ -103,9 +103,9 @@ void add_channel(const std::string& text, BaseChannel channel, hal::RobotWiring&
 }
 
 /// Euler angles (0x022: roll, pitch, yaw) and rates of turn (0x032: x, y, z) of an Xsens MTi, 16 bits each,
-/// most significant byte first; y to the left as in the torso's frame. A roll repeats after a turn, a pitch
-/// ends at a quarter of one. Source: Movella, "MTi CAN messages", mtidocs.movella.com/canmessages; MT CAN
-/// protocol, MT1604P.
+/// most significant byte first. y is to the left, as in the torso's frame. A roll repeats after a turn, a
+/// pitch ends at a quarter of one. Source: Movella, "MTi CAN messages", mtidocs.movella.com/canmessages; MT
+/// CAN protocol, MT1604P.
 void add_xsens(const TorsoSensorParameters& sensor, hal::RobotWiring& wiring) {
   constexpr double kAngleStep_rad = std::numbers::pi / 180 / 128;
   constexpr double kRateStep_rad_s = 1.0 / 512;

@@ -15,8 +15,8 @@ namespace stilt::configuration {
 /// Protocol of a motor driver; the MIT mode as its vendor defines it.
 enum class DriverProtocol { mit_mini_cheetah, mit_ak, mit_damiao, moteus, odrive, ak_v3 };
 
-/// What measures the pitch of the torso: channels of frames (or the extra encoder of a moteus), an encoder on
-/// CANopen, an Xsens MTi on CAN, a VectorNav on a serial port.
+/// What measures the pitch of the torso. Channels of frames (or the extra encoder of a moteus), a CANopen
+/// encoder, an Xsens MTi on CAN, a VectorNav on a serial port.
 enum class TorsoDevice { channels, canopen_encoder, xsens_can, vectornav };
 
 /// Axis of an inertial measurement unit that is parallel to the pitch axis of the torso: its y, or its x.

@@ -57,7 +57,7 @@ void check_questions(const HardwareParameters& hardware, const std::vector<std::
     check("torso_sensor.bus", hardware.torso_sensor.bus, "and the SYNC of an encoder is one");
 }
 
-/// A network interface has at most 15 characters, no slash, no colon; the names of other buses have a prefix,
+/// A network interface has at most 15 characters, no slash, no colon. The names of other buses have a prefix,
 /// and of an adapter at a serial port the path behind it.
 void check_bus_names(const std::vector<std::string>& names, std::vector<Contradiction>& found) {
   constexpr std::string_view kLoopback = "loopback:";

@@ -18,7 +18,7 @@ void check_hardware(const HardwareParameters& hardware, std::vector<Contradictio
 void check_torso_sensor(const HardwareParameters& hardware, std::vector<Contradiction>& found);
 
 /// Angles before base_pitch_limit, and rates on the way there, that the frames of the torso sensor cannot
-/// carry: they would read less, and a fall would not be seen.
+/// carry. They would read less, and a fall would not be seen.
 void check_torso_range(const HardwareParameters& hardware, const supervisor::SupervisorParameters& supervisor,
                        std::vector<Contradiction>& found);
 
@@ -26,7 +26,7 @@ void check_torso_range(const HardwareParameters& hardware, const supervisor::Sup
 /// torso sensor. Supposes a wiring that is valid in all else.
 void check_identifiers(const HardwareParameters& hardware, std::vector<Contradiction>& found);
 
-/// Gains of the supervisor (hold, sit, damp) that the drivers cannot give: a command would carry the most
+/// Gains of the supervisor (hold, sit, damp) that the drivers cannot give. A command would carry the most
 /// they give instead, and the robot would sink or fall undamped. MIT mode: ranges of the command; moteus:
 /// scales from 0 to 1 of the gains in its own configuration. ODrives take torques only: CanRobot computes
 /// their law.

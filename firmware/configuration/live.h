@@ -20,8 +20,8 @@ struct LiveTunable {
 };
 
 /// All of them for a configuration. A live value stays near the configured one, and within the schema's
-/// range: weights, gains and swing height within a factor of four, the hip's height from 8 cm below to 2 cm
-/// above.
+/// range. Weights, gains and swing height stay within a factor of four, the hip's height from 8 cm below to 2
+/// cm above.
 [[nodiscard]] std::vector<LiveTunable> live_tunables(const Configuration& configuration);
 
 /// The configuration with other values of its live tunables.

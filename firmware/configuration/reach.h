@@ -14,7 +14,7 @@ inline constexpr double kTravelMargin_rad = 0.1;
 
 /// Angles, velocities and torques of the robot that the frames of its drivers cannot carry, and a sitting
 /// pose beyond the joints' travel: a sentence each. A command beyond the end of its field saturates, and so
-/// does a reading: the driver would pull towards that end, or give less than is planned, and a joint beyond
+/// does a reading. The driver would pull towards that end, or give less than is planned. A joint beyond
 /// it would look at rest there. Start-up and host programs only.
 [[nodiscard]] std::vector<std::string> unreachable(const Configuration& configuration,
                                                    const model::RobotConstants& robot);

@@ -5,7 +5,7 @@ namespace stilt::configuration {
 /// How the program runs on its computer.
 struct RuntimeParameters {
   /// Refuse to start on a CAN interface unless kernel, priorities and locked memory make the torque loop real
-  /// time; on loopback and vcan buses, which carry no motor's frames, with require_realtime_always alone.
+  /// time. On loopback and vcan buses, which carry no motor's frames, with require_realtime_always alone.
   bool require_realtime = true;
   bool require_realtime_always = false;
   int torque_core = 1;                      ///< processor of the torque loop; -1: wherever the kernel puts it

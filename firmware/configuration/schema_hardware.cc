@@ -37,8 +37,8 @@ constexpr Section kSections[] = {
     {"knee_R", "Wiring of the right knee."},
     {"torso_sensor",
      "Sensors of the torso. A channel says which bits of which frame it is. It is \"none\", or words in any\n"
-     "order: id N, extended, byte N, bit N, bits N; signed, unsigned or float; little or big;\n"
-     "scale X, offset X, invalid N (raw value of a missing one)."},
+     "order: id N, extended, byte N, bit N, bits N; signed, unsigned or float. Further words are\n"
+     "little or big, scale X, offset X, invalid N (raw value of a missing one)."},
 };
 
 std::optional<std::string> robot_mistake(const std::string& name) {

@@ -114,7 +114,7 @@ constexpr Entry kEntries[] = {
     {"supervisor", "stance_margin_rad", "rad",
      "Farther off the standing pose while it stands up, and the attempt ends, damped",
      real<&P::supervisor, &S::stance_margin_rad>(0.01, 6.3)},
-    {"supervisor", "stand_ramp_s", "s", "Time over which the torque law takes over when standing up",
+    {"supervisor", "stand_ramp_s", "s", "Time over which the torque law is blended in when standing up",
      real<&P::supervisor, &S::stand_ramp_s>(0.0, 60.0)},
     {"supervisor", "torque_blend_s", "s",
      "Time over which a jump of torque fades where level or gains change",

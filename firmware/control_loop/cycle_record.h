@@ -39,7 +39,7 @@ struct PlanPreview {
 };
 
 /// The plan at its first node, then at nodes at least `spacing_s` apart (more, when they would be too many),
-/// and at the last one. Real-time.
+/// and at the last. Real-time.
 void preview_plan(const control::Plan& plan, double spacing_s, PlanPreview& preview) noexcept;
 
 }  // namespace stilt::control_loop

@@ -7,7 +7,7 @@
 namespace stilt::control_loop {
 
 /// The fallback level below planning: a gait of the library tracked by the joints (GaitTracker). While plans
-/// come it follows the walk without commanding anything: it starts anew at each touch-down of the plan, so
+/// come it follows the walk without commanding anything. It starts anew at each touch-down of the plan, so
 /// that it is in step when the plans end. A stale plan is followed to its next touch-down, where the gait
 /// takes over (docs/decisions/0041-the-gait-takes-over-at-a-touch-down.md). Fixed memory, real-time safe.
 class GaitFallback {

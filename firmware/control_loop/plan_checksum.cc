@@ -6,7 +6,7 @@
 namespace stilt::control_loop {
 namespace {
 
-/// Four running sums side by side, each multiplied with an odd number after every word: a change of one word
+/// Four running sums side by side, each multiplied with an odd number after every word. A change of one word
 /// never vanishes, and the processor works on all four at once.
 class Checksum {
  public:

@@ -13,7 +13,7 @@ namespace stilt::control_loop {
 class StartScript {
  public:
   /// @param goal       where to go; none: ask for nothing but the end
-  /// @param settle_s   standing after the torque law has taken over, before the first step
+  /// @param settle_s   standing after the torque law is blended in, before the first step
   /// @param duration_s controller's clock at which to shut down; 0: never
   StartScript(const std::optional<gait::GaitCommand>& goal, double settle_s, double duration_s) noexcept
       : goal_(goal), settle_s_(settle_s), duration_s_(duration_s) {}

@@ -5,7 +5,8 @@
 #include <cstdint>
 
 /// Static trace points (USDT) at the edges of tick and planner cycle, for perf and bpftrace: docs/tracing.md.
-/// Each is one nop until a tracer attaches, calls nothing and allocates nothing: real-time safe.
+/// Each is one nop until a tracer attaches, calls nothing and allocates nothing: real-time safe. Why:
+/// docs/decisions/0017-assertions-and-trace-points.md.
 namespace stilt::control_loop::trace {
 
 /// A tick begins. Times of the torque loop's clock.

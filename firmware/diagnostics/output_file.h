@@ -8,7 +8,7 @@
 /// Files that a program writes for its user. Ordinary threads.
 namespace stilt::diagnostics {
 
-/// Why a file of that name cannot be written, in the words of the system: it or its folder is not writable,
+/// Why a file of that name cannot be written, in the words of the system. It or its folder is not writable,
 /// the folder is missing, or the name is that of a folder. Empty when it can, and for the empty name and "-".
 /// For programs that run for a long time before they write.
 [[nodiscard]] std::string why_not_writable(const std::string& name);

@@ -9,12 +9,12 @@
 
 namespace stilt::exchange {
 
-/// Hands the newest value of one thread to one other thread. Wait-free on both sides, no lock, no copy: of
-/// three slots the writer fills one, the reader reads one, and the third waits in the middle; publishing and
+/// Hands the newest value of one thread to one other thread. Wait-free on both sides, no lock, no copy. Of
+/// three slots the writer fills one, the reader reads one, and the third waits in the middle. Publishing and
 /// taking swap slots with it. A value that was not taken before the next one came is lost, which is the
 /// point.
 ///
-/// The swaps are acquire and release both ways: the reader sees the whole value, and the writer gets a slot
+/// The swaps are acquire and release both ways: the reader gets the whole value, and the writer gets a slot
 /// back only after the last look at it.
 ///
 /// @tparam T       owns nothing outside of itself; starts as T{}

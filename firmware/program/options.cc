@@ -141,11 +141,10 @@ Commands add_commands(CLI::App& app, Arguments& arguments, Options& options) {
       ->capture_default_str();
   add_answers(*commands.calibrate, options);
   add_out(*commands.calibrate, options);
-  commands.identify =
-      add_command(app, "identify",
-                  "friction, reflected inertia and torque constant of each drive, from slow and "
-                  "quick motions of one joint after the other on the gantry",
-                  arguments, options);
+  commands.identify = add_command(app, "identify",
+                                  "friction, armature and torque constant of each drive, from slow and "
+                                  "quick motions of one joint after the other on the gantry",
+                                  arguments, options);
   commands.identify
       ->add_option("--torque-limit", options.identify_torque_share,
                    "share of the joints' torque limits that may be used, 0.05 to 1")

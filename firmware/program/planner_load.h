@@ -10,8 +10,8 @@
 
 namespace stilt::program {
 
-/// The planner at work without a robot, on a thread with its own priority and processor: a walk at 0.5 m/s
-/// that follows its own plans and begins anew, without an initial guess, once per second.
+/// The planner at work without a robot, on a thread with its own priority and processor. It plans a walk at
+/// 0.5 m/s that follows its own plans and begins anew, without an initial guess, once per second.
 class PlannerLoad {
  public:
   /// @param state  its planner is configured, and belongs to this object between start() and end()

@@ -11,7 +11,7 @@ namespace stilt::program {
 class ServiceManager {
  public:
   /// At every turn of housekeeping. A sign of life goes out twice per second and only while the torque loop
-  /// ticks: when it stops, the watchdog of the service ends the program, and the drivers' own have long
+  /// ticks. When it stops, the watchdog of the service ends the program, and the drivers' own have long
   /// acted.
   /// @param ticks  of the torque loop so far
   /// @param state  of the supervisor, sent when it changes

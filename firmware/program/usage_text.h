@@ -12,8 +12,8 @@ namespace stilt::program {
 /// @throws CLI::ParseError, as App::parse() does
 void parse(CLI::App& program, std::vector<std::string> words);
 
-/// What is wrong with a command line, in one sentence for the user: the command it belongs to, what is
-/// missing or not known, what was probably meant, and which --help lists the rest. Start-up, ordinary
+/// What is wrong with a command line, in one sentence for the user. It holds the command it belongs to, what
+/// is missing or not known, what was probably meant, and which --help lists the rest. Start-up, ordinary
 /// threads.
 /// @param program  that threw the error in parse()
 [[nodiscard]] std::string usage_text(const CLI::App& program, const CLI::ParseError& error);

@@ -6,7 +6,7 @@ namespace stilt::realtime {
 /// given back.
 ///
 /// The file behind it replaces malloc, calloc, realloc, aligned_alloc, posix_memalign, memalign and free of
-/// the program with counting ones; operator new and delete of the standard library end there too. Under a
+/// the program with counting ones. Operator new and delete of the standard library end there too. Under a
 /// sanitizer, which replaces the allocator itself, nothing is counted: see counts_allocations().
 class AllocationScope {
  public:
@@ -22,8 +22,8 @@ class AllocationScope {
   long long start_;
 };
 
-/// From now on a call of the heap while the calling thread counts ends the process at once, in the very
-/// instruction (SIGILL or SIGTRAP): the stack of a core dump shows who it was. For proofs, not for robots.
+/// From now on a heap call while the calling thread counts ends the process at once, in the very
+/// instruction (SIGILL or SIGTRAP). The stack of a core dump shows who it was. For proofs, not for robots.
 void end_on_heap_use() noexcept;
 
 /// Whether this build counts.

@@ -5,7 +5,7 @@
 namespace stilt::realtime {
 
 /// Times of a periodic thread: start + k period. After an overrun the missed times are left out, the phase
-/// stays, and no two periods follow each other in a burst: what begins more than half a period late leaves
+/// stays, and no two periods follow each other in a burst. What begins more than half a period late leaves
 /// the next time out, too, since the other end needs a moment to answer. Pure.
 class Pace {
  public:

@@ -2,7 +2,7 @@
 
 namespace stilt::realtime {
 
-/// From now on this thread may use the few system calls of a real-time thread; any other ends the process at
+/// From now on this thread may use the few system calls of a real-time thread. Any other ends the process at
 /// once with SIGSYS, and does not come back. Allowed: sleeping, clocks, moving frames, its own usage
 /// counters, and what ending a thread takes. Everything that can wait for another thread (futex), take memory
 /// (mmap, brk) or touch a file is not. For proofs, not for robots: a program that ends leaves the joints to

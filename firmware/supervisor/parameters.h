@@ -54,7 +54,7 @@ struct SupervisorParameters {
   double stance_margin_rad = 0.5;       ///< while it stands up: farther off, the attempt ends
   double stand_wait_s = 60.0;           ///< for that pose, before a stand that was asked for is void
   double torque_blend_s = 0.02;         ///< over which a jump of torque at a change of level or gains fades
-  double stand_ramp_s = 1.5;            ///< time over which the torque law takes over when standing up
+  double stand_ramp_s = 1.5;            ///< time over which the torque law is blended in when standing up
   double slow_down_s = 1.5;             ///< stepping in place between walking and standing
   double reset_window_s = 0.5;          ///< after a reset was asked for: time for every cause to be gone
   double hold_kp_Nm_rad = 100.0;        ///< holding and sitting

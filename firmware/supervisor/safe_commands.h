@@ -18,8 +18,8 @@ namespace stilt::supervisor {
 /// Between two poses, at rest at both ends: q(s) = from + (to - from) s^2 (3 - 2 s), s clamped to 0 to 1.
 [[nodiscard]] Pose pose_between_rad(const Pose& from_rad, const Pose& to_rad, double s) noexcept;
 
-/// The torque law's commands while it takes over: share s of them, with the positions s of the way from
-/// `start_rad`, and damping for the rest: tau = s tau_wanted - (1 - s) kd_damping v.
+/// The torque law's commands while it is blended in: share s of them, with the positions s of the way from
+/// `start_rad`, and damping for the rest. tau = s tau_wanted - (1 - s) kd_damping v.
 [[nodiscard]] hal::JointCommands blend_in(const hal::JointCommands& wanted, const Pose& start_rad, double s,
                                           const SupervisorParameters& parameters) noexcept;
 

@@ -12,7 +12,7 @@ enum class State : std::uint8_t {
   idle,       ///< drivers are left alone
   calibrate,  ///< drivers are brought up
   ready,      ///< drivers are enabled; the joints are damped
-  stand,      ///< the torque law takes over along a ramp, then stands
+  stand,      ///< the torque law is blended in along a ramp, then stands
   step,       ///< steps in place
   walk,
   sit,    ///< the pose moves to the sitting pose
@@ -81,7 +81,7 @@ enum class Condition : std::uint8_t {
 /// What must hold besides.
 enum class Guard : std::uint8_t {
   always,
-  ramp_done,      ///< the torque law has taken over
+  ramp_done,      ///< the torque law is blended in
   ramping,        ///< it has not yet
   cannot_step,    ///< there is neither a plan recent enough nor a gait to step with
   slowed_down,    ///< stepped in place, or stood with both feet down, for long enough

@@ -320,7 +320,7 @@ void Supervisor::choose(const SupervisorInputs& inputs) noexcept {
   output_.gait.speed_m_s = walks ? inputs.request.speed_m_s : 0;
 }
 
-/// Position control takes over the joints while what carried them fades: over hold_ramp_s the gains grow from
+/// Position control commands the joints while what carried them fades. Over hold_ramp_s the gains grow from
 /// 0 to their own, and the torque falls from that of the last plan or gait to 0.
 hal::JointCommands Supervisor::unloading(const Pose& pose_rad) const noexcept {
   const double ramp_s = parameters_.hold_ramp_s;

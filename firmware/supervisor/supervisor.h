@@ -17,7 +17,7 @@ namespace stilt::supervisor {
 enum class RequestKind : std::uint8_t { none, calibrate, stand, step, walk, sit, reset, off, cut };
 
 /// What the operator wants last. A request stands until it is met, replaced by one with a higher number, or
-/// void: a fault and a lost heartbeat void what was asked for before, so that nothing moves again by itself.
+/// void. A fault and a lost heartbeat void what was asked for before, so that nothing moves again by itself.
 struct Request {
   RequestKind kind = RequestKind::none;
   std::uint32_t number = 0;  ///< counts requests from 1
@@ -48,7 +48,7 @@ struct SupervisorOutput {
   FaultSet raised;                     ///< those of them that were not there a tick before
   FaultSet ended;                      ///< those that were, and are not any more
   FaultSet latched;                    ///< waiting for a reset
-  double ramp = 0;                     ///< share of the torque law while it takes over, 0 to 1
+  double ramp = 0;                     ///< share of the torque law while it is blended in, 0 to 1
   gait::GaitCommand gait;              ///< for the planner
   bool entered = false;                ///< the state changed in this tick
   bool start_controller = false;       ///< estimator and planner start anew from this tick's readings
@@ -108,15 +108,15 @@ class Supervisor {
   std::int64_t now_ns_ = 0;
   std::int64_t entered_ns_ = 0;      ///< the state
   std::int64_t driven_ns_ = 0;       ///< the drivers last began to get commands
-  std::int64_t tracking_ns_ = 0;     ///< the torque law last came into command
+  std::int64_t tracking_ns_ = 0;     ///< the torque law last became active
   std::int64_t level_ns_ = 0;        ///< the level
-  std::int64_t hold_ns_ = 0;         ///< position control came into command: hold, sit
+  std::int64_t hold_ns_ = 0;         ///< position control became active: hold, sit
   std::int64_t reset_ns_ = 0;        ///< a reset was asked for
   std::int64_t stand_asked_ns_ = 0;  ///< in ready
   std::uint32_t void_number_ = 0;    ///< requests up to this one are met or void
   Pose pose_rad_{};                  ///< newest finite positions
   Pose level_pose_rad_{};            ///< pose_rad_ when the level was reached
-  Pose stand_pose_rad_{};            ///< pose_rad_ when the torque law came into command
+  Pose stand_pose_rad_{};            ///< pose_rad_ when the torque law became active
   hal::JointCommands followed_{};    ///< newest of plan or gait
   DriversAre drivers_are_ = DriversAre::left_alone;
   bool was_up_ = false;  ///< drivers_are_ before the newest idle: they are to be disabled

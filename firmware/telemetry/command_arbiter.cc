@@ -97,7 +97,7 @@ void CommandArbiter::ask(RequestKind kind, double speed_m_s) noexcept {
 /// Standing still is asked for where the robot is on its feet; elsewhere nothing is.
 void CommandArbiter::stop(const RobotNow& now) noexcept {
   standing_up_ = false;
-  took_over_ = true;
+  script_ended_ = true;
   ask(stands_or_moves(now.state) ? RequestKind::stand : RequestKind::none);
 }
 
@@ -196,7 +196,7 @@ std::string CommandArbiter::apply(const Asked& asked, CommandKind kind, const Ro
       return {};
     case CommandKind::cut:
       standing_up_ = false;
-      took_over_ = true;
+      script_ended_ = true;
       ask(RequestKind::cut);
       return {};
     case CommandKind::release:
@@ -249,7 +249,7 @@ Answer CommandArbiter::take(const Asked& asked, const RobotNow& now) {
   if (moves) {
     commander_ = asked.commander;
     commander_lost_ = false;
-    took_over_ = true;
+    script_ended_ = true;
   }
   if (asked.commander == commander_) heartbeat_wall_ns_ = now.wall_ns;
   reason = apply(asked, kind, now);
@@ -264,7 +264,7 @@ void CommandArbiter::twist(double speed_m_s, const RobotNow& now) {
 
 control_loop::OperatorCommand CommandArbiter::command(const control_loop::OperatorCommand& script,
                                                       const RobotNow& now) {
-  if (!took_over_) {
+  if (!script_ended_) {
     request_ = script.request;
     return script;
   }

@@ -49,7 +49,7 @@ struct Answer {
 /// Why an order makes no sense in a state, one sentence; empty: it does.
 [[nodiscard]] std::string wrong_state(CommandKind kind, supervisor::State state);
 
-/// The robot as the arbiter sees it: the newest tick.
+/// The robot as the arbiter needs it: the newest tick.
 struct RobotNow {
   std::int64_t clock_ns = 0;  ///< of the torque loop, virtual in lock-step
   std::int64_t wall_ns = 0;   ///< CLOCK_MONOTONIC, measures heartbeats
@@ -108,8 +108,8 @@ class CommandArbiter {
   std::string commander_;  ///< empty: none
   std::int64_t heartbeat_wall_ns_ = 0;
   supervisor::Request request_;
-  bool commander_lost_ = false;  ///< the last commander fell silent, and no other has taken over
-  bool took_over_ = false;       ///< the script has no say any more
+  bool commander_lost_ = false;  ///< the last commander fell silent, and no other commands
+  bool script_ended_ = false;    ///< by the first command; the script is not followed any more
   bool standing_up_ = false;     ///< after the bring-up: stand
   bool rejected_ = false;
   std::int64_t rejected_wall_ns_ = 0;  ///< when somebody without the token was answered last

@@ -12,8 +12,8 @@ namespace stilt::telemetry {
 
 /// What ROS 2 tools understand: joint_states, odom, diagnostics. Ordinary threads.
 ///
-/// odom: frame "odom", x forward, z up, origin where the robot got on its feet; child "base", at the hip,
-/// turned by the pitch about +y; the twist is in the child's frame, as ROS 2 asks. Covariances are 0:
+/// odom: frame "odom", x forward, z up, origin where the robot got on its feet. Child "base", at the hip,
+/// turned by the pitch about +y. The twist is in the child's frame, as ROS 2 asks. Covariances are 0:
 /// unknown.
 class RosPublisher {
  public:

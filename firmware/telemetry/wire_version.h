@@ -10,7 +10,8 @@ namespace stilt::telemetry {
 ///
 /// A field appended at the end of a message keeps the version, because readers skip bytes behind the fields
 /// they have. The version rises when a field is removed or renamed, and when its type, unit, place or
-/// meaning changes. It rises with every change of a nested structure, too (Tunable_, Histogram_).
+/// meaning changes. It rises with every change of a nested structure, too (Tunable_, Histogram_). Why:
+/// docs/decisions/0009-telemetry.md.
 inline constexpr std::uint32_t kWireVersion = 2;
 
 }  // namespace stilt::telemetry

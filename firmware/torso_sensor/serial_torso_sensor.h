@@ -32,7 +32,7 @@ enum class SerialTrouble : std::uint8_t {
 };
 [[nodiscard]] std::string sentence(SerialTrouble trouble, const SerialSettings& settings);
 
-/// A VectorNav on a serial port, read on a thread of its own: the terminals of the kernel take locks, and a
+/// A VectorNav on a serial port, read on a thread of its own. The terminals of the kernel take locks, and a
 /// torque loop must not wait for them. What it measured last goes to the torque loop through a wait-free
 /// exchange.
 class SerialTorsoSensor final : public hal::TorsoFeed {

@@ -31,8 +31,8 @@
 /// of a command for zeros, so that a short one asks for the lower end of the position.
 ///
 /// Facts: AK Series Module Product Manual 3.0.0 to 3.2.0, sections 4.1 to 4.4, as quoted by public users of
-/// it: ak_v3_driver (protocol.hpp, test_protocol.cpp), AK_V3_CAN.py, a chapter on the manual's examples, and
-/// an audit of torque paths of an AK60-6. Real-time safe, without state.
+/// it. These are ak_v3_driver (protocol.hpp, test_protocol.cpp), AK_V3_CAN.py, a chapter on the manual's
+/// examples, and an audit of torque paths of an AK60-6. Real-time safe, without state.
 namespace stilt::hal::ak {
 
 inline constexpr double kAkPosition_rad = 12.56;  ///< either way, of every model

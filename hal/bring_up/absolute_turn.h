@@ -6,7 +6,7 @@
 namespace stilt::hal {
 
 /// An absolute encoder repeats every period_rad. Adds the number of whole periods that puts its angle into
-/// the joint's travel [minimum_rad, maximum_rad]; nothing when no number does, or more than one: then the
+/// the joint's travel [minimum_rad, maximum_rad]. Nothing when no number does, or more than one. Then the
 /// angle is ambiguous, and the joint must not be enabled. Real-time safe.
 [[nodiscard]] inline std::optional<double> only_turn(double angle_rad, double period_rad, double minimum_rad,
                                                      double maximum_rad) noexcept {

@@ -8,8 +8,8 @@
 #include "hal/can/frame.h"
 #include "hal/driver/driver_fault.h"
 
-/// From a driver that has power to one that is enabled: identify it, check its version and scaling, write
-/// its watchdog and read it back; check that its position is valid, enable it without torque, check what
+/// From a driver that has power to one that is enabled. Identify it, check its version and scaling, write
+/// its watchdog and read it back. Check that its position is valid, enable it without torque, check what
 /// can only be read then. A driver takes milliseconds to enable, and its watchdog runs meanwhile: from the
 /// request to enable on, every step without another frame sends a command of zero torque. The time from a
 /// request after silence to its reply is that by which every reading will be late. Pure step functions:
@@ -95,7 +95,7 @@ class BringUp {
   enum class Ask : std::uint8_t {
     wait_for_answer,  ///< frame filled; judge() decides about what comes back
     send_only,        ///< frame filled; nothing comes back: go on
-    listen,           ///< nothing to send; asked again after kListen_ns, judge() sees what comes meanwhile
+    listen,           ///< nothing to send; asked again after kListen_ns, judge() gets what comes meanwhile
     skip,             ///< this stage has nothing to ask
     fail,             ///< failure() was called
   };
@@ -131,8 +131,8 @@ class BringUp {
 
   void failure(Failure failure, const Blame& blame) noexcept;
   void failure(Failure what) noexcept { failure(what, Blame{}); }
-  /// What the failure will be if the request that is under way never gets the right answer: a fault that
-  /// the driver may still clear, a setting that may still show itself right.
+  /// What the failure will be if the request that is under way never gets the right answer. It may be a fault
+  /// that the driver may still clear, or a setting that may still prove right.
   void suspect(Failure failure, const Blame& blame) noexcept;
   /// Checks the driver's shaft against travel and encoder period. False after failure().
   [[nodiscard]] bool check_home(double position_rad) noexcept;

@@ -83,7 +83,7 @@ struct EncoderPosition {
 /// Starts an encoder and asks it for its position: checks device type, resolution and mapping, has its first
 /// PDO sent with every SYNC, starts it, and sends SYNC. The SYNC makes the times of the positions ours: a
 /// timer of the encoder would drift against the reads by up to one of them. An encoder that is silent, or has
-/// started anew, is started from the beginning; one that is not as configured reports nothing and is asked
+/// started anew, is started from the beginning. One that is not as configured reports nothing and is asked
 /// again after a second. The setting is not stored in the encoder. Fixed memory, real-time safe.
 class EncoderReader {
  public:

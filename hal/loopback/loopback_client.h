@@ -12,7 +12,7 @@ namespace stilt::hal::loopback {
 enum class Connection : std::uint8_t {
   connected,
   waiting,            ///< connected, the greeting has not arrived yet
-  no_listener,        ///< no program listens at this name
+  no_listener,        ///< no program serves this name
   busy,               ///< another controller has the bus
   protocol_mismatch,  ///< the listener does not speak this protocol
 };

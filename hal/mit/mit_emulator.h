@@ -38,8 +38,8 @@ struct MitBehaviour {
 /// A driver in MIT mode. With the Damiao layout it has registers and a timeout (off until written) after
 /// which it disables itself and reports lost communication; with the others it has neither. A mini-cheetah
 /// answers every frame in every mode from the state before it, and keeps commands that it gets while it is
-/// off: github.com/bgkatz/motorcontrol, Core/Src/stm32f4xx_it.c, Core/Src/fsm.c (3586419); a trace of that
-/// firmware: tests/data/traces.
+/// off. Source: github.com/bgkatz/motorcontrol, Core/Src/stm32f4xx_it.c, Core/Src/fsm.c (3586419); a trace of
+/// that firmware: tests/data/traces.
 class MitEmulator final : public EmulatedDriver {
  public:
   explicit MitEmulator(const MitDriver& driver, const MitSettings& settings = {},

@@ -56,7 +56,7 @@ bool acceptable(const MoteusCommand& command) noexcept {
          std::isfinite(command.watchdog_s);
 }
 
-/// A gain of an angle in radians as a fraction of the driver's own; gains below 0 or above the driver's
+/// A gain of an angle in radians as a fraction of the driver's own. Gains below 0 or above the driver's
 /// saturate, by half a step of the register or more. The driver's own gain may round to a bit more than 1.
 double scale_of(double gain_rad, double gain_rev, bool& saturated) noexcept {
   const double wanted = gain_rad * kRadiansPerRevolution / gain_rev;

@@ -16,11 +16,11 @@
 ///   tau = kp_scale kp (position - q) + kd_scale kd (velocity - v) + torque, |tau| <= maximum torque
 ///
 /// with kp and kd from its own configuration, so both are data here. Each command restarts the driver's
-/// watchdog; when that expires the driver latches mode `timeout`, damps with the newest command's kd scale
-/// (servo.timeout_mode 12: not at all after a command without kd), and accepts nothing but a stop.
+/// watchdog. When that expires the driver latches mode `timeout`, damps with the newest command's kd scale
+/// (servo.timeout_mode 12), and accepts nothing but a stop. It does not damp after a command without kd.
 /// A frame is answered from the state before it: what it writes takes effect afterwards. Without limits in
 /// the command the driver follows position and velocity by a trajectory of its own
-/// (servo.default_accel_limit, 50 rev/s^2 from firmware 1.0.0 on), which cancels damping; every command here
+/// (servo.default_accel_limit, 50 rev/s^2 from firmware 1.0.0 on). That cancels damping. Every command here
 /// switches that off. Facts: github.com/mjbots/moteus, docs/protocol/can.md, docs/protocol/registers.md,
 /// docs/reference/configuration.md, fw/moteus_controller.cc, fw/bldc_servo_position.h (db1a762). Real-time
 /// safe, without state.
@@ -149,7 +149,7 @@ using MoteusRegisterReader = double (*)(const void* context, std::uint32_t regis
 using MoteusRegisterWriter = void (*)(void* context, std::uint32_t register_number, double value) noexcept;
 
 /// Applies the writes of a frame in order, through `write`, and fills `answer` with what its reads ask for,
-/// through `read`. Units are those of the registers (revolutions). answered: whether the frame wants an
+/// through `read`. Units are those of the registers (revolutions). answered: whether the frame asks for an
 /// answer.
 [[nodiscard]] DecodeStatus serve_frame(const MoteusDriver& driver, const CanFrame& frame, void* context,
                                        MoteusRegisterReader read, MoteusRegisterWriter write,

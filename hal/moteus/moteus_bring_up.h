@@ -12,10 +12,10 @@ namespace stilt::hal::moteus {
 /// moteus: stops it, which clears faults and an expired watchdog. Checks firmware and register map version,
 /// and reads the settings that no register shows over its command line. Writes the watchdog register and
 /// reads it back. The position must be referenced to the output, or to the rotor with an encoder period
-/// that leaves one turn; for a joint without a travel the rotor is enough. Then position mode is enabled at
-/// zero gain and torque. Enabled at zero torque it is asked to hold both ends of the joint's travel: its
-/// control position shows bounds and limits of the trajectory, the terms of its torque, which its limit of 0
-/// keeps from the motor, the gains.
+/// that leaves one turn. For a joint without a travel the rotor is enough. Then position mode is enabled at
+/// zero gain and torque. Enabled at zero torque it is asked to hold both ends of the joint's travel. Its
+/// control position shows bounds and limits of the trajectory. The terms of its torque, which its limit of 0
+/// keeps from the motor, show the gains.
 class MoteusBringUp final : public bring_up::BringUp {
  public:
   MoteusBringUp(const MoteusDriver& driver, const bring_up::Options& options) noexcept

@@ -114,7 +114,7 @@ class MoteusEmulator final : public EmulatedDriver {
   bool ignore_watchdog_ = false;
   double written_zero_rad_ = 0;           ///< by conf write
   ConsoleText question_;                  ///< that its command line has so far
-  std::array<ConsoleText, 2> answers_{};  ///< of its command line, one a reply: value, end of line
+  std::array<ConsoleText, 2> answers_{};  ///< of its command line, one per reply: value, end of line
   std::int64_t calibrating_from_ns_ = 0;
   std::int64_t power_stage_off_ns_ = 0;  ///< from then on
   std::int64_t last_command_ns_ = 0;

@@ -8,7 +8,7 @@
 #include "hal/can/codec_status.h"
 #include "hal/can/frame.h"
 
-/// The layer of moteus frames below any meaning: a frame is a list of subframes, each of which writes, reads
+/// The layer of moteus frames below any meaning. A frame is a list of subframes, each of which writes, reads
 /// or reports a run of registers in one of four resolutions. Bytes:
 ///
 ///   kind and resolution | number of registers (in the low two bits when 1 to 3) | first register | values
@@ -100,7 +100,7 @@ class SubframeReader {
   /// Next subframe; false at the end and at the first inconsistency: see status().
   [[nodiscard]] bool next(Subframe& subframe) noexcept;
 
-  /// ok, or malformed: next() found a type that does not exist, or a count of zero or beyond any frame; or
+  /// ok, or malformed: next() found a type that does not exist, or a count of zero or beyond any frame. Or
   /// a register beyond 16 bits, or a subframe that is cut off.
   [[nodiscard]] DecodeStatus status() const noexcept { return status_; }
 

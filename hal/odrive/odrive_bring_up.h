@@ -7,8 +7,8 @@
 
 namespace stilt::hal::odrive {
 
-/// ODrive: checks the firmware, selects torque control, writes watchdog and its switch and reads both back
-/// (only possible when the endpoints are known: otherwise it has none), listens how often it
+/// ODrive: checks the firmware, selects torque control, writes watchdog and its switch and reads both back.
+/// That needs the endpoints; without them the driver has no watchdog. Then it measures how often the driver
 /// reports, and enables closed-loop control. That shows in the heartbeat alone, which answers no request;
 /// torques of 0 feed the watchdog meanwhile.
 class OdriveBringUp final : public bring_up::BringUp {

@@ -18,8 +18,8 @@ namespace stilt::hal {
 
 /// Four joints, torso sensor and emergency stop over one or more buses, whatever drives them. Decodes what
 /// arrives, encodes what is commanded. Drivers without gains of their own (ODrive) get the torque of the
-/// command's law at the newest reading: no torque before the first, and no feedback from one that is more
-/// than a few ticks old. They are asked for supply and temperatures now and then. Fixed memory; no call
+/// command's law at the newest reading. They get no torque before the first, and no feedback from one that is
+/// more than a few ticks old. They are asked for supply and temperatures now and then. Fixed memory; no call
 /// waits, allocates, locks or throws.
 class CanRobot final {
  public:

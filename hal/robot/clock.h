@@ -4,7 +4,7 @@
 
 namespace stilt::hal {
 
-/// Time as the real-time loop sees it. Mocked in tests; the mathematics never reads a clock.
+/// Time of the real-time loop. Mocked in tests; the mathematics never reads a clock.
 class Clock {
  public:
   /// Nanoseconds since an arbitrary start, never backwards.

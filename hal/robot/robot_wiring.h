@@ -21,7 +21,7 @@ inline constexpr std::size_t kMaximumChannels = 16;
 ///
 ///   joint = direction * shaft / ratio + offset_rad,  torque_joint = direction * ratio * torque_shaft
 ///
-/// where shaft includes the encoder's periods that bring-up has found (encoder_period_rad), and gains at the
+/// where shaft includes the encoder's periods that bring-up found (encoder_period_rad), and gains at the
 /// shaft are those of the joint divided by ratio^2 torque_factor.
 struct JointWiring {
   std::uint8_t bus = 0;
@@ -52,9 +52,9 @@ struct RobotWiring {
   std::uint8_t channel_bus = 0;
   int channel_period_ticks = 1;         ///< reads from one value of the torso sensor to the next
   double channel_pitch_period_rad = 0;  ///< a pitch from channels repeats after this; 0: never
-  /// What measures the pitch, when it is no channel: an extra encoder that this joint's driver reports (-1:
-  /// none), an encoder on CANopen, or a unit on a serial port. Of encoders, pitch = direction * angle / ratio
-  /// + offset.
+  /// What measures the pitch, when it is no channel. It is an extra encoder that this joint's driver reports
+  /// (-1: none), an encoder on CANopen, or a unit on a serial port. Of encoders, pitch = direction * angle /
+  /// ratio + offset.
   int pitch_encoder_joint = -1;
   std::optional<canopen::Encoder> pitch_encoder;
   std::uint8_t pitch_encoder_bus = 0;

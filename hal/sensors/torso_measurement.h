@@ -16,7 +16,7 @@ struct TorsoSensorTraits {
   double pitch_period_rad = 0;     ///< the pitch repeats after this; 0: never
 };
 
-/// Pitch and pitch rate of the torso from whatever measures them: unwraps the pitch, takes the rate from it
+/// Pitch and pitch rate of the torso from whatever measures them. Unwraps the pitch, takes the rate from it
 /// where the sensor has none, and counts the age of pitch and rate apart. Real-time safe.
 ///
 /// Without a rate of the sensor: pitch_rate(t) = (pitch(t) - pitch(t - T)) / T with T = rate_window_s, the

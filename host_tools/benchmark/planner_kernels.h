@@ -53,7 +53,7 @@ class PlannerKernels {
 };
 
 /// Least number of floating-point operations of the recursion in riccati.h per stage, for 14 states and m
-/// inputs: dense matrices, one triangle of symmetric ones; a product and a sum count as two.
+/// inputs: dense matrices, one triangle of symmetric ones. A product and a sum count as two.
 [[nodiscard]] long long textbook_sweep_flops(int free_inputs) noexcept;
 
 }  // namespace stilt::benchmark

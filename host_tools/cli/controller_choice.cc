@@ -118,7 +118,7 @@ void add_controller_options(CLI::App& command, ControllerChoice& choice) {
   command
       .add_option("--lump", choice.lump,
                   "what mpc-lumped neglects: legs (mass and inertia of the links), drives (and their "
-                  "reflected inertia), law (and both in the torque law)")
+                  "armature), law (and both in the torque law)")
       ->capture_default_str();
   command.add_option("--gaits", choice.gait_folder, "folder of gait files instead of the shipped ones");
   command.add_option("--config", choice.config_file,

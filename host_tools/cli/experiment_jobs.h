@@ -19,8 +19,8 @@ namespace stilt::cli {
     const std::function<experiments::Json(const std::vector<experiments::Json>&)>& merge,
     const std::function<std::string(const experiments::Json&)>& table);
 
-/// The settings that the results of an experiment depend on, for its folder and its figures: version and
-/// commit of this program, options, and the hash of each part's dependencies_text().
+/// The settings that the results of an experiment depend on, for its folder and its figures. They are version
+/// and commit of this program, options, and the hash of each part's dependencies_text().
 [[nodiscard]] experiments::Json settings_json(const ExperimentOptions& options, const char* experiment,
                                               const std::map<std::string, std::string>& parts);
 

@@ -17,8 +17,8 @@ using robot_on_bus::RobotOnBus;
 using robot_on_bus::RunOutcome;
 using Json = nlohmann::ordered_json;
 
-/// The robot's time at which the clock of all results starts: when the controller came that was there at the
-/// release by the gantry, or, without a release, the last one; 0 without any.
+/// The robot's time at which the clock of all results starts. It is when the controller came that was there
+/// at the release by the gantry, or, without a release, the last one; 0 without any.
 double clock_start_s(const RobotOnBus& robot, const RunOutcome& outcome) {
   const double until_s = robot.gantry_released_s().value_or(robot.time_s());
   double start_s = 0.0;

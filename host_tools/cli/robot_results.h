@@ -9,7 +9,7 @@ namespace stilt::cli {
 /// Prints the outcome of `stilt robot`, and writes --json, --log and --report; a file that cannot be written
 /// keeps none of the others back. Throws UsageError, one sentence for each of those.
 ///
-/// All times are on one clock, that of the controller that stood the robot up, so that they compare with the
+/// All times are on one clock, that of the controller that stood it up, so that they compare with the
 /// events that stiltd prints. What is on the robot's own clock has robot_time_s in its name, or is
 /// controllers_came_s.
 /// @param record  on the clock of its recorder, which starts at the release by the gantry

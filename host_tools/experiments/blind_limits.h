@@ -55,10 +55,12 @@ struct LimitPlan {
 /// survived, fall_time_s, commands: [{start_s, gait, speed_m_s}]}.
 [[nodiscard]] std::vector<Job> limit_jobs(const LimitPlan& plan, const WalkRunner& run);
 
-/// Merges the results to {rows: [{controller, horizon_s, name, quantity, unit, direction, nominal, limit_all,
-/// limit_half, phases, cases, falls, coarse, fine, last_tried, speed_min_m_s, speed_max_m_s, limits,
-/// worst_cases: [{phase, seed, limit}]}], sequences: [{controller, horizon_s, survived, of, duration_s,
-/// runs}]}.
+/// Merges the results to one object:
+///
+///   {rows: [{controller, horizon_s, name, quantity, unit, direction, nominal, limit_all, limit_half, phases,
+///            cases, falls, coarse, fine, last_tried, speed_min_m_s, speed_max_m_s, limits,
+///            worst_cases: [{phase, seed, limit}]}],
+///    sequences: [{controller, horizon_s, survived, of, duration_s, runs}]}
 ///
 /// limit_all is the value that every case passes, limit_half the value that half of them pass; null when
 /// those fail at the nominal value. falls: number of cases with a first failure; the others pass up to

@@ -14,10 +14,11 @@ struct FiguresResult {
   Json numbers;      ///< {push: {...}, recovery: [{...}], periodicity: [{controller, ...}]}
 };
 
-/// Computes the figures: the push of 20 N for 1 s under mpc-heuristic (states, torques, contact forces), with
-/// its touch-downs and those of a push of 85 N (recovery_tiles.h); postures and joint angles of mpc-heuristic
-/// at 1.0 and 0.5 s and of mpc-hzd at 0.5 s; the variation of the joint angles from step to step, without and
-/// with sensor noise; ends of the plans. `duration_s`: duration of each walk, at least 8 s.
+/// Computes the figures. One shows the push of 20 N for 1 s under mpc-heuristic (states, torques, contact
+/// forces), with touch-downs and those of a push of 85 N (recovery_tiles.h). Others show postures and joint
+/// angles of mpc-heuristic at 1.0 and 0.5 s and of mpc-hzd at 0.5 s. The last show the variation of the joint
+/// angles from step to step, without and with sensor noise, and the ends of the plans. `duration_s`: duration
+/// of each walk, at least 8 s.
 [[nodiscard]] FiguresResult make_figures(const WalkRunner& run, double duration_s);
 
 }  // namespace stilt::experiments

@@ -18,7 +18,7 @@ Json read(const std::filesystem::path& file) {
   return json;
 }
 
-/// Writes under another name first, so that no reader sees half a file.
+/// Writes under another name first, so that no reader gets half a file.
 void write(const std::filesystem::path& file, const Json& json) {
   const std::filesystem::path part = file.string() + "." + std::to_string(getpid()) + ".part";
   std::ofstream stream(part);

@@ -13,7 +13,7 @@ struct Periodicity {
   double largest_rad = 0.0;
 };
 
-/// Compares the steps between measured touch-downs after `from_s`, with the joints in the order of stance and
+/// Compares the steps between measured touch-downs after `from_s`, with joints in the order of stance and
 /// swing leg, at 50 shares of each step's duration. Needs samples; zeros with fewer than two steps.
 [[nodiscard]] Periodicity periodicity(const log::RunRecord& record, double from_s);
 

@@ -46,7 +46,7 @@ std::vector<RandomQuantity> random_quantities(std::optional<std::pair<double, do
                           other_m, nominal_m, Changes::plant, true});
   }
   const std::vector<RandomQuantity> rest = {
-      {"armature_scale", "reflected drive inertia, factor", "1", 0.75, 1.25, 1.0},
+      {"armature_scale", "armature, factor", "1", 0.75, 1.25, 1.0},
       {"joint_friction_Nm", "Coulomb friction of the joints", "Nm", 0.0, 5.0, 0.0},
       {"torque_limit_scale", "torque limit, factor", "1", 0.8, 1.0, 1.0},
       {"plan_delay_s", "delay of the plan", "s", 0.0, 0.006, {}, Changes::plan_delay},

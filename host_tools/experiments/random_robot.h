@@ -30,8 +30,8 @@ struct RandomQuantity {
   bool ends_only = false;  ///< one of the two ends, nothing between
 };
 
-/// Mass, inertia and centre of mass of each link; armature, Coulomb friction and torque limit of the joints;
-/// noise, bias and mounting of the sensors; delay of the plan; friction, slope and a step of the ground;
+/// Mass, inertia and centre of mass of each link; armature, Coulomb friction and torque limit of the joints.
+/// Noise, bias and mounting of the sensors; delay of the plan; friction, slope and a step of the ground;
 /// start of the push. `torso_com_m`: two heights of the torso's centre of mass to choose from, the nominal
 /// one first; nothing: the height of the robot.
 [[nodiscard]] std::vector<RandomQuantity> random_quantities(

@@ -7,9 +7,9 @@
 
 namespace stilt::experiments {
 
-/// The experiment as one HTML page: survival, the worst runs with links to their pages, margins of all runs,
-/// correlations, and the outcome over the quantities that correlate most. `merged` and `results` as of
-/// merge_robustness().
+/// The experiment as one HTML page. It has survival, the worst runs with links to their pages, and
+/// margins of all runs. It has correlations, and the outcome over the quantities that correlate most.
+/// `merged` and `results` as of merge_robustness().
 [[nodiscard]] std::string robustness_page(const Json& merged, const std::vector<Json>& results);
 
 /// One line per run: its name, outcome and command.

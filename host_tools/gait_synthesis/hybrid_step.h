@@ -7,8 +7,8 @@
 #include "mpc_core/gait/hzd_gait.h"
 #include "mpc_core/model/robot.h"
 
-/// Integration of the hybrid model of walking: single support on the left foot without slip, then the rigid
-/// impact of the right foot and the exchange of the legs.
+/// Integration of the hybrid model of walking. That is single support on the left foot without slip, then the
+/// rigid impact of the right foot and the exchange of the legs.
 namespace stilt::gait_synthesis {
 
 /// Joint accelerations, the force that keeps the stance foot at rest, and the resulting accelerations.
@@ -20,7 +20,7 @@ struct StanceMotion {
 };
 
 /// Acceleration of the base and force on the stance foot as affine functions of the joint accelerations a,
-/// for a stance foot at rest: base = base_bias + base_gain a, force = force_bias + force_gain a.
+/// for a stance foot at rest. base = base_bias + base_gain a, force = force_bias + force_gain a.
 struct StanceMap {
   Eigen::Vector3d base_bias;
   Eigen::Matrix<double, 3, model::kJoints> base_gain;

@@ -5,7 +5,7 @@
 #include "mpc_core/model/robot.h"
 
 /// The two nonlinear functions of the robot in the optimisation of a step with the left foot in stance at the
-/// origin: one for every node of the grid, one for the touch-down of the right foot. First derivatives are
+/// origin. One is for every node of the grid, one for the touch-down of the right foot. First derivatives are
 /// exact (generated); second derivatives are central differences of them.
 namespace stilt::gait_synthesis {
 
@@ -15,9 +15,9 @@ inline constexpr int kVelocityAt = 7;
 inline constexpr int kAccelerationAt = 14;
 inline constexpr int kForceAt = 21;
 
-/// Rows: three rows of the equations of motion (base acceleration of the dynamics minus the node's);
-/// acceleration, position and velocity of the stance foot; position and velocity of the swing foot (x z
-/// each); joint torques [4]; friction ratio * fz - fx and friction ratio * fz + fx.
+/// Rows: three rows of the equations of motion (base acceleration of the dynamics minus the node's).
+/// Acceleration, position and velocity of the stance foot; position and velocity of the swing foot (x z
+/// each). Joint torques [4]; friction ratio * fz - fx and friction ratio * fz + fx.
 inline constexpr int kNodeRows = 19;
 inline constexpr int kDynamicsRow = 0;
 inline constexpr int kStanceAccelerationRow = 3;

@@ -16,11 +16,11 @@ struct NamedCost {
   const char* meaning;
 };
 constexpr NamedCost kCosts[] = {
-    {CostKind::torque_squared, "torque", "sum of squared joint torques (1e-3 Nm^2) over time, a metre"},
+    {CostKind::torque_squared, "torque", "sum of squared joint torques (1e-3 Nm^2) over time, per metre"},
     {CostKind::mechanical_power, "power",
-     "sum of |torque x joint speed| (1e-2 W) and squared torque (3e-4 Nm^2) over time, a metre"},
+     "sum of |torque x joint speed| (1e-2 W) and squared torque (3e-4 Nm^2) over time, per metre"},
     {CostKind::acceleration_squared, "acceleration",
-     "sum of squared joint accelerations (1e-3 rad^2/s^4) over time, a metre"},
+     "sum of squared joint accelerations (1e-3 rad^2/s^4) over time, per metre"},
 };
 
 std::string short_text(double value) {

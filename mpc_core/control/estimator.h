@@ -31,8 +31,8 @@ using BaseVelocity = Eigen::Vector2d;  ///< linear, x and z, m/s
 ///
 /// r_f is the position of foot f relative to the base. anchor_f is its position on the ground, z = 0, at the
 /// start of its scheduled contact. The weights w_f rise and fall linearly over `blend_s` at a scheduled
-/// switch. A swing foot that was up and is now below the stance foot has landed early and carries: height and
-/// vertical velocity of the base follow it alone until the schedule changes; where that is its scheduled
+/// switch. A swing foot that was up and is now below the stance foot has landed early and carries. Height and
+/// vertical velocity of the base follow it alone until the schedule changes. Where that is its scheduled
 /// touch-down, its weight is then 1 at once. The horizontal velocity stays that of the scheduled foot, which
 /// the plan is made for. The estimate drifts in x by the slip of the feet,
 /// and does not drift in z. Real-time safe.
@@ -51,7 +51,7 @@ class Estimator {
 
  private:
   /// v += planned change + (1 - exp(-dt / velocity_filter_s)) (measured - v)
-  /// The correction is bounded: a foot that lands late moves at metres per second while the schedule has it
+  /// The correction is bounded. A foot that lands late moves at metres per second while the schedule has it
   /// on the ground. No push accelerates the base as fast. The pitch rate is the sensor's, without a filter:
   /// its lag would cost more than the sensor's noise.
   void filter_velocity(double elapsed_s, const BaseVelocity* planned_change,

@@ -14,7 +14,7 @@ namespace stilt::control {
 /// point mass is m z v; a torso that tips adds its own. m, world. Sources: Pratt, Carff, Drakunov,
 /// Goswami 2006, "Capture Point: A Step toward Humanoid Push Recovery". Gong, Grizzle 2021, "Angular Momentum
 /// about the Contact Point for Control of Bipedal Locomotion". Real-time safe.
-/// @param joint_parameters  as of the planner's model: reflected inertia and damping of the joints
+/// @param joint_parameters  as of the planner's model: armature and damping of the joints
 [[nodiscard]] double capture_point_x_m(const model::RobotModel& robot, const double* joint_parameters,
                                        const model::StateVector& state) noexcept;
 

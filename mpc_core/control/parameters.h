@@ -43,7 +43,7 @@ struct EstimatorParameters {
 /// Robot parameters that the controller assumes besides the URDF. Friction and damping replace those of the
 /// URDF.
 struct RobotParameters {
-  double armature_scale = 1.0;  ///< factor on the reflected drive inertia; 0 plans without it
+  double armature_scale = 1.0;  ///< factor on the armature of the URDF; 0 plans without it
   double torque_limit_scale = 1.0;
   double velocity_limit_scale = 1.0;
   /// Joint speed at which the drive's torque limit reaches zero; the limit falls linearly up to there. 0: the

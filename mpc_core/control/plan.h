@@ -37,7 +37,7 @@ struct Plan {
 };
 
 /// The plan at one time. Positions follow the cubic through the nodes' positions and velocities; velocities
-/// are linear. Inputs are linear within a contact phase and held at its end: inputs held over every interval
+/// are linear. Inputs are linear within a contact phase and held at its end. Inputs held over every interval
 /// lag behind the motion, so that touch-down comes early and torques peak.
 struct PlanPoint {
   model::StateVector state = model::StateVector::Zero();

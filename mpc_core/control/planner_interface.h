@@ -30,7 +30,7 @@ class PlannerInterface {
   virtual void reset(double time_s) noexcept = 0;
 
   /// Plans from the input's state. When a solve fails, the report says so and `plan` stays as it was: the
-  /// caller keeps using the older plan. Real-time safe.
+  /// caller keeps using the plan before. Real-time safe.
   virtual sqp::SolveReport plan(const PlannerInput& input, Plan& plan) noexcept = 0;
 
   /// Clock for phase_times(). Null, the default: nothing is measured.

@@ -22,8 +22,8 @@ struct TrimInput {
 ///   trim += speed_trim_1_s * (r - v) * (duration of the last step),   bounded
 ///
 /// r, v: mean reference and mean speed over the last two steps; the error counts up to the largest trim. The
-/// trim stays as it is while v differs by more than `speed_trim_steady_m_s` from its value one step earlier:
-/// what a push changes is no bias, and an integral over it delays the recovery. Real-time safe.
+/// trim stays as it is while v differs by more than `speed_trim_steady_m_s` from its value one step earlier.
+/// What a push changes is no bias, and an integral over it delays the recovery. Real-time safe.
 class SpeedTrim {
  public:
   void reset() noexcept { *this = SpeedTrim{}; }

@@ -46,7 +46,7 @@ struct OutputFeedback {
   double placement[kReducedStates] = {};  ///< rad/rad and rad/(rad/s)
 };
 
-/// The motion against t / step time, as Bezier coefficients: coordinates of a gait (m, rad); joint torques
+/// The motion against t / step time, as Bezier coefficients: coordinates of a gait (m, rad). Joint torques
 /// (Nm; stance hip, stance knee, swing hip, swing knee); force on the stance foot (N; x, z).
 struct GaitMotion {
   int degree = 0;  ///< 0: no motion; at most kMaxMotionDegree

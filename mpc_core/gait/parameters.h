@@ -22,7 +22,7 @@ struct ReferenceParameters {
   double base_height_m = 0.80;
   double base_pitch_rad = 0.0;
   double speed_ramp_m_s2 = 1.0;  ///< rate of change of the speed reference
-  /// The speed reference stays within this of the measured speed: a reference that a pushed robot cannot
+  /// The speed reference stays within this of the measured speed. A reference that a pushed robot cannot
   /// reach within a few steps places the feet where they drive it further away.
   double speed_follow_band_m_s = 0.6;
   double speed_follow_max_m_s = 1.5;  ///< a robot that is faster raises the reference up to this

@@ -74,10 +74,10 @@ class HeuristicReference {
   [[nodiscard]] double foothold_x_m(int foot, const Interval& contact) const noexcept;
   void foot_reference(double time_s, int phase, int foot, Motion& x, Motion& z) const noexcept;
 
-  /// Replaces the heuristics by the library's gait: base, joints, their rates and accelerations, contact
-  /// forces and swing foot are those of the gait at s = time since touch-down / duration of the phase. In x
-  /// the base follows the speed reference, anchored at the measured base, plus the gait's lead within a step.
-  /// Feet are placed relative to that; a foot in contact stays where it is.
+  /// Replaces the heuristics by the library's gait. Base, joints, their rates and accelerations, contact
+  /// forces and swing foot are those of the gait at s = time since touch-down / phase duration. In x the base
+  /// follows the speed reference, anchored at the measured base, plus the gait's lead within a step. Feet are
+  /// placed relative to that; a foot in contact stays where it is.
   void follow_gait(double time_s, int phase, ReferencePoint& point) const noexcept;
 
   const ContactSchedule* schedule_ = nullptr;

@@ -22,9 +22,9 @@ struct Interval {
   double end_s;
 };
 
-/// Sequence of contact phases around the present: enough of the past for the lift-off points of the swing
-/// feet, the present, and all phases up to the end of the horizon. Steps keep their time, whatever the speed
-/// (docs/decisions/0030-steps-keep-their-time.md). Fixed memory, real-time safe.
+/// Sequence of contact phases around the present. It has enough of the past for the lift-off points of the
+/// swing feet. It has the present, and all phases up to the end of the horizon. Steps keep their time,
+/// whatever the speed (docs/decisions/0030-steps-keep-their-time.md). Fixed memory, real-time safe.
 ///
 /// Commands become active at contact boundaries. Stepping starts `switch_lead_s` after the command at the
 /// earliest. A change between step and walk starts at the next step; standing starts after the steps that the
@@ -39,9 +39,9 @@ class ContactSchedule {
 
   /// Applies the command, drops old phases, and extends the schedule beyond `until_s`. `reference_speed_m_s`:
   /// the present speed reference, from which a stop decelerates. `left_ahead`: whether the left foot stands
-  /// ahead of the right one. It decides with `fall` which foot steps first: towards the commanded speed the
-  /// leading foot, when falling the one that is farther from where the robot falls, at once. `tracked`: the
-  /// present phase becomes this step, wherever the schedule was.
+  /// ahead of the right one. It decides with `fall` which foot steps first. Towards the commanded speed it is
+  /// the leading foot, when falling the one that is farther from where the robot falls, at once. `tracked`:
+  /// the present phase becomes this step, wherever the schedule was.
   void update(double time_s, double until_s, const GaitCommand& command, const GaitParameters& parameters,
               const ReferenceParameters& reference, double reference_speed_m_s, bool left_ahead,
               Fall fall = Fall::none, const TrackedStep& tracked = {}) noexcept;

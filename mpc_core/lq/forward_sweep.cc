@@ -2,6 +2,7 @@
 #include "mpc_core/lq/stage_mode.h"
 #include "mpc_core/model/debug_assert.h"
 
+// Why inputs are eliminated, and undone here: docs/decisions/0003-projected-multiple-shooting.md
 namespace stilt::lq {
 namespace {
 

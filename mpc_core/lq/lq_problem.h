@@ -8,8 +8,8 @@
 ///             + 1/2 x_N' Q_N x_N + q_N' x_N
 ///   subject to x_{k+1} = A_k x_k + B_k w_k + b_k,  x_0 given
 ///
-/// x (14) is the step of the state and w the step along the free directions of the input: 3 in single
-/// support, 4 in double support, 2 in flight, 0 at a contact transition.
+/// x (14) is the step of the state and w the step along the free directions of the input. There are 3 in
+/// single support, 4 in double support, 2 in flight, 0 at a contact transition.
 ///
 /// A is never formed. The joints are double integrators whose accelerations are inputs. A therefore differs
 /// from the free motion E in the base rows. Through the equality constraints it differs along one or two

@@ -77,9 +77,9 @@ class BackwardSweep {
   ValueFunction* value_;
 };
 
-/// Computes the solution forwards: x_{k+1} = A x + B w + b with w = k + K x, c = rows 6, 7 of G x, and the
-/// step u of the input behind w. Returns the first-order change of the cost along the steps, the sum of q'x,
-/// r'w and the slopes along u0: the slope for Armijo's condition.
+/// Computes the solution forwards. x_{k+1} = A x + B w + b with w = k + K x, c = rows 6, 7 of G x, and the
+/// input's step u behind w. Returns the first-order change of the cost along the steps, the sum of q'x,
+/// r'w and the slopes along u0. It is the slope for Armijo's condition.
 /// \param stages  `count` stages, accepted by the backward sweep, and their inputs
 /// \param x0      kRows values, padding zero
 /// \param steps   output, count + 1 steps; w and c are zero beyond the counts of a stage and in the last

@@ -4,7 +4,7 @@
 
 /// Results of the generated functions, for one node (T = double) or a SIMD batch of nodes (T = Batch).
 ///
-/// Suffixes: _dtheta, _domega columns are theta = [pitch, hip_L, knee_L, hip_R, knee_R] and its rates;
+/// Suffixes: _dtheta, _domega columns are theta = [pitch, hip_L, knee_L, hip_R, knee_R] and its rates.
 /// _dchain columns are the foot's own [pitch, hip, knee]; _du columns are the input; _dv the seven
 /// velocities. Derivatives with respect to x_b, z_b and their rates are trivial (identity for foot position
 /// and velocity, zero elsewhere) and not stored. Rows of the feet are [xL, zL, xR, zR], world frame, SI

@@ -31,7 +31,7 @@ STILT_INLINE inline void load_rows(const double* const (&rows)[kLanes], Batch* o
 }
 
 /// Writes kCount batches to each lane's row, beginning with register kFirstPart, and zeros up to the end of
-/// the row: rows are whole cache lines of 8 numbers, whatever the registers hold. `entry(i)` gives batch i.
+/// the row. Rows are whole cache lines of 8 numbers, whatever the registers hold. `entry(i)` gives batch i.
 template <int kCount, int kFirstPart = 0, class Entry>
 STILT_INLINE inline void store_rows(double* const (&rows)[kLanes], const Entry& entry) noexcept {
   constexpr int kParts = (kCount + 7) / 8 * 8 / kLanes;

@@ -18,8 +18,8 @@ using model::kStates;
 
 constexpr int kMaxRows = 3 * model::kFeet;  ///< of the cost: velocity of a foot, both sides of its cone
 
-/// State after the touch-downs of a batch and the impulses of the feet, with derivatives by the state before:
-/// rows of A for the velocities, rows [x, z] of dJ for each foot.
+/// State after the touch-downs of a batch and the impulses of the feet, with derivatives by the state before.
+/// These are rows of A for the velocities, rows [x, z] of dJ for each foot.
 struct TouchDown {
   Batch after[kStates];
   Batch A[kPositions][kStates];

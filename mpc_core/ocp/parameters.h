@@ -5,27 +5,28 @@
 namespace stilt::ocp {
 
 /// Relaxed logarithmic barrier: B(h) = -weight ln h for h > width, its quadratic continuation below. The
-/// weight is in units of the cost (dimensionless).
+/// weight is in 1/s, as the running cost is; that of the impulse counts once per touch-down and has no unit.
 struct BarrierParameters {
   double weight = 0.1;
   double width = 0.1;  ///< h below which it is quadratic, in the unit of the constrained quantity
 };
 
-/// Diagonal weights of 1/2 (e_x' Q e_x + e_u' R e_u + sum_feet e' W e), the cost per second of horizon.
+/// Diagonal weights of 1/2 (e_x' Q e_x + e_u' R e_u + sum_feet e' W e), the cost per second of horizon; the
+/// cost itself has no unit.
 struct CostParameters {
-  double base_x = 5.0;               ///< 1/m^2
-  double base_z = 3500.0;            ///< 1/m^2
-  double base_pitch = 150.0;         ///< 1/rad^2
-  double joint_position = 5.0;       ///< 1/rad^2
-  double base_vx = 40.0;             ///< s^2/m^2
-  double base_vz = 25.0;             ///< s^2/m^2
-  double base_pitch_rate = 10.0;     ///< s^2/rad^2
-  double joint_velocity = 1.0;       ///< s^2/rad^2
-  double joint_acceleration = 2e-3;  ///< s^4/rad^2
-  double contact_force = 4e-3;       ///< 1/N^2
-  double foot_position = 70.0;       ///< 1/m^2
-  double foot_velocity = 12.0;       ///< s^2/m^2
-  double foot_acceleration = 1e-4;   ///< s^4/m^2
+  double base_x = 5.0;               ///< 1/(m^2 s)
+  double base_z = 3500.0;            ///< 1/(m^2 s)
+  double base_pitch = 150.0;         ///< 1/(rad^2 s)
+  double joint_position = 5.0;       ///< 1/(rad^2 s)
+  double base_vx = 40.0;             ///< s/m^2
+  double base_vz = 25.0;             ///< s/m^2
+  double base_pitch_rate = 10.0;     ///< s/rad^2
+  double joint_velocity = 1.0;       ///< s/rad^2
+  double joint_acceleration = 2e-3;  ///< s^3/rad^2
+  double contact_force = 4e-3;       ///< 1/(N^2 s)
+  double foot_position = 70.0;       ///< 1/(m^2 s)
+  double foot_velocity = 12.0;       ///< s/m^2
+  double foot_acceleration = 1e-4;   ///< s^3/m^2
   double touchdown_velocity = 1.0;   ///< s^2/m^2, on the horizontal velocity of a foot at touch-down
   double terminal = 1.0;      ///< rho, dimensionless: factor of the LQR cost-to-go at the end of the horizon;
                               ///< 0: none
@@ -37,7 +38,7 @@ struct MinimumNormalForce {
   double by_stance_feet[model::kFeet + 1] = {};
 
   /// A foot alone carries at least `share` of the weight. With both feet on the ground each may be nearly
-  /// unloaded, so that the centre of pressure can move from one foot to the other.
+  /// unloaded, so that the centre of pressure can move between the feet.
   [[nodiscard]] static MinimumNormalForce of(double share, double mass_kg) noexcept {
     constexpr double kBothFeet = 0.1;
     const double alone_N = share * mass_kg * model::kGravity_m_s2;

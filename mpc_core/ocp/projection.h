@@ -17,10 +17,11 @@
 ///      symmetric positive definite in every posture. The variables z remain: the joint accelerations, and in
 ///      double support the force of the other foot;
 ///   3. the remaining rows c'dx + m'z + rho = 0 are the swing foot's height, or the other stance foot. They
-///      give z = z0 + Y c'dx + W w by Householder reflections over z; the reflected unit vectors W span their null
-///      space: 3 free directions in single support, 4 in double support, 2 in flight.
+///      give z = z0 + Y c'dx + W w by Householder reflections over z. The reflected unit vectors W span their
+///      null space: 3 free directions in single support, 4 in double support, 2 in flight.
 /// dx affects z only through the one or two products c'dx. Together with the base rows they are the factored
-/// dynamics of lq/lq_problem.h. lq::forward_sweep and Sqp::feedback_gain undo the elimination.
+/// dynamics of lq/lq_problem.h. lq::forward_sweep and Sqp::feedback_gain undo the elimination. Why:
+/// docs/decisions/0003-projected-multiple-shooting.md.
 ///
 /// Rank: step 3 is singular where the row vanishes, as for two straight legs side by side. A diagonal entry s
 /// below `rank_tolerance` is inverted as s / tolerance^2: the constraint fades, and the inverse stays

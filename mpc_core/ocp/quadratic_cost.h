@@ -8,7 +8,7 @@
 /// Gauss-Newton cost of a batch over (dx, w) after projection of the equality constraints, times the duration
 /// of the stage.
 ///
-/// Every term is 1/2 c (rho + r d)^2 up to a constant, with r the row of a quantity over d = (dz_b, dx, w); a
+/// Every term is 1/2 c (rho + r d)^2 up to a constant, with r the row of a quantity over d = (dz_b, dx, w). A
 /// barrier has its own slope g and curvature c. Swing forces, the first stance force and z are substituted in
 /// the row, so that the sum over the rows is the stage's Hessian. Only joint torques, the swing foot's
 /// horizontal acceleration, the stance force and the weights of z are rows. Accelerations fixed by a
@@ -49,7 +49,7 @@ struct ForceCost {
 };
 
 /// Weights of the joint accelerations when one constraint remains. All are equal (set_weights), so that the
-/// orthogonal directions Y and W_k decouple: the cost of Y c is one row of c, the cost of w is diagonal.
+/// orthogonal directions Y and W_k decouple. The cost of Y c is one row of c, the cost of w is diagonal.
 template <class Mode>
 class UniformWeights {
  public:

@@ -25,7 +25,7 @@ using ocp::ClockFunction;
 /// `backtracking_steps` over all of them): real-time safe.
 class Sqp {
  public:
-  /// Improves `iterate` in place. Its first state must be the problem's initial state: a full step would move
+  /// Improves `iterate` in place. Its first state must be the problem's initial state. A full step would move
   /// it there, but the line search does not count the gap and may reject that step.
   [[nodiscard]] SolveReport solve(const ocp::ProblemData& data, const ocp::Problem& problem,
                                   const SqpParameters& parameters, ocp::Trajectory& iterate) noexcept;

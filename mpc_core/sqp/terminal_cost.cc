@@ -35,7 +35,8 @@ void linearise_flow(const model::RobotModel& robot, const model::StateVector& x,
 }
 
 /// Adds the foot terms of the running cost, 1/2 sum over feet of e' W e, to the weights of state, input and
-/// both: 1/2 (x'Q x + 2 x'N u + u'R u). e holds position, velocity and acceleration of the foot.
+/// both. They are those of 1/2 (x'Q x + 2 x'N u + u'R u). e holds position, velocity and acceleration of the
+/// foot.
 void add_foot_weights(const ocp::ProblemData& data, const model::StateVector& x, const model::InputVector& u,
                       lq::CareProblem& problem, CrossWeight& N) noexcept {
   model::NodeDerivatives<double> node;

@@ -66,7 +66,7 @@ INSTANTIATE_TEST_SUITE_P(
              std::to_string(std::lround(1000.0 * std::get<1>(test.param))) + "ms";
     });
 
-/// A stop from a walk leaves the feet apart as the first stand has them: it holds 10 N without a step, and
+/// A stop from a walk leaves the feet apart as the first stand has them. It holds 10 N without a step, and
 /// catches by steps what it cannot hold (docs/decisions/0039-capture-point-of-the-whole-body.md). 60 N were
 /// survived.
 TEST(StandAfterAWalk, HoldsTenNewtonAndSurvivesPushes) {

@@ -10,8 +10,8 @@
 #include "host_tools/experiments/push_row.h"
 #include "tests/closed_loop/published_results.h"
 
-/// Guards of the published pushes: of each row of docs/results the two worst cases survive 85 % of the
-/// published force, and the robot walks without a push at the published speed.
+/// Guards of the published pushes. Of each row of docs/results the two worst cases survive 85 % of the
+/// published force. The robot walks without a push at the published speed.
 namespace stilt::experiments {
 namespace {
 

@@ -14,9 +14,9 @@
 #include "hal/can/socketcan/descriptor.h"
 #include "hal/can/socketcan/socketcan_bus.h"
 
-// CAN adapters that speak slcan over a serial line, of which the test plays the adapter: what the kernel does
-// with an interface whose controller goes off the bus, and with one that is unplugged. Runs as root beside
-// the program ip.
+// CAN adapters that speak slcan over a serial line, of which the test plays the adapter. It shows what the
+// kernel does with an interface whose controller goes off the bus, and with one that is unplugged. Runs as
+// root beside the program ip.
 namespace stilt::hal::socketcan {
 namespace {
 

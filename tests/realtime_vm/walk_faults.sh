@@ -1,5 +1,5 @@
-# What may happen to a walk over the kernel's CAN, on the real-time kernel, both taking turns: error frames, a bus that
-# goes off, a queue that is full, stiltd killed, the robot killed.
+# What may happen to a walk over the kernel's CAN, on the real-time kernel, both taking turns. It is error frames, a bus
+# that goes off, a queue that is full, stiltd killed, the robot killed.
 . /job/lockstep.sh
 
 echo "error frames while walking: reported, and it walks on; then a bus goes off: damped"

@@ -323,7 +323,8 @@ TEST_P(TorqueLimit, HoldsFromStandingUpToTheEnd) {
   EXPECT_EQ(run.controller().wait(0), GetParam().status) << run.said();
   const nlohmann::json plant = run.robot_json();
   EXPECT_FALSE(plant.at("gantry_released_s").is_null()) << "it stood on its own: " << run.said();
-  // A driver that closes gains itself sees the joint move between two commands: kp 100 Nm/rad, 3 rad/s, 2 ms.
+  // A driver that closes gains itself measures how the joint moves between two commands: kp 100 Nm/rad, 3
+  // rad/s, 2 ms.
   constexpr double kBetweenCommands_Nm = 0.6;
   for (const double torque_Nm : plant.at("peak_torque_Nm")) {
     EXPECT_LE(torque_Nm, 0.3 * 80.0 + kBetweenCommands_Nm);

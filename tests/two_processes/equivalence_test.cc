@@ -1,4 +1,4 @@
-// The simulated controller is the one on the robot: a scenario with faults in `stilt sim` and through two
+// The simulated controller is the one on the robot. A scenario with faults in `stilt sim` and through two
 // processes in lock-step changes state, fallback level and faults at the same ticks.
 #include <gtest/gtest.h>
 

@@ -6,8 +6,8 @@
 
 namespace stilt::two_processes {
 
-/// An open page of a monitor, as far as a test needs one: a WebSocket to /live that gives the key of its link
-/// and reads all it is sent.
+/// An open page of a monitor, as far as a test needs one. It is a WebSocket to /live that gives the key of
+/// its link and reads all it is sent.
 class PageClient {
  public:
   /// Throws std::runtime_error when it is not let in.

@@ -108,7 +108,7 @@ TEST(Subscribers, a_monitor_killed_in_mid_walk_with_a_page_open_changes_no_frame
                   run.file("monitor.out"), run.file("monitor.err"));
   PageClient page(url_of_monitor(run.file("monitor.out"), kLongestRun_s));
   const std::string with = frames_of_walk(run, {}, [&] {
-    EXPECT_TRUE(page.wait_for(R"("received":true)", kLongestRun_s)) << "the page sees the robot";
+    EXPECT_TRUE(page.wait_for(R"("received":true)", kLongestRun_s)) << "the page shows the robot";
     monitor.signal(SIGKILL);
     EXPECT_EQ(monitor.wait(kLongestRun_s), 128 + SIGKILL);
   });

@@ -83,7 +83,7 @@ TEST(TwoProcesses, WalkWithAkDriversThatAnswerWithTheirOwnIdentifiers) {
   walk_with(run, drivers);
 }
 
-/// Motors that give 0.8 and 1.25 of what their drivers are asked: with the factors identified, the robot
+/// Motors that give 0.8 and 1.25 of what their drivers are asked. With the factors identified, the robot
 /// walks as one whose motors are exact, up to the steps of the frames. Their drivers give 5 Nm s/rad, which
 /// are 4 at the weaker joint.
 TEST(TwoProcesses, MotorsOfAnotherTorqueConstantWalkAsExactOnesOnceIdentified) {

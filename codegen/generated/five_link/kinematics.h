@@ -108,7 +108,7 @@ inline void kinematics(const T* x, const T* k, Out& out) noexcept {
   out.foot_jacobian[3][6] = t109;
 }
 
-/// Mass matrix over q (SI), reflected rotor inertia on the diagonal of the joints.
+/// Mass matrix over q (SI), armature on the diagonal of the joints.
 /// joint_parameters: armature of each joint, then damping of each joint.
 /// k: coefficients of the robot.
 ///

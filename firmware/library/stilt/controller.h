@@ -12,7 +12,7 @@ namespace stilt {
 /// Planner, estimator, torque law and supervisor of stiltd, in a loop of the user's own (docs/library.md):
 ///
 ///   each tick:        measurements -> tick() -> targets for the drivers
-///   beside or after:  plan(), which the next tick sees
+///   beside or after:  plan(), which the next tick uses
 ///
 /// tick() and plan() may run on two threads, one each; request() on a third. None of the three allocates,
 /// locks, waits or throws. The order of calls decides everything: no clock is read.

@@ -12,7 +12,7 @@
 namespace stilt::hal::fdcanusb {
 
 /// Between two questions for the status. Longer than a frame and its error frame take at 1 Mbit/s, so that a
-/// frame which is tried again and again shows in every answer.
+/// frame tried again and again shows in every answer.
 inline constexpr std::int64_t kStatusPeriod_ns = 2'000'000;
 
 struct SessionCounts {

@@ -66,7 +66,7 @@ class FdcanusbBus {
   AdapterOptions options_;
   std::unique_ptr<Link> link_;
   std::optional<LinkFrames> frames_;
-  socketcan::Descriptor doorbell_;  ///< the end that is rung
+  socketcan::Descriptor doorbell_;  ///< the end that is signalled
   socketcan::Descriptor bell_;      ///< the end that wakes the thread
 
   // The thread's.

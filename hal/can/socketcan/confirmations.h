@@ -9,7 +9,7 @@
 namespace stilt::hal::socketcan {
 
 /// Identifiers sent and not yet seen on the bus. A second frame with one of them has to wait, so that few
-/// commands of a joint are ever queued. Those go out when a node acknowledges them, however late: on a bus
+/// commands of a joint are ever queued. Those go out when a node acknowledges them, however late. On a bus
 /// where no node has power the controller repeats the first for ever, also when the socket is closed. Only
 /// the interface taken down drops them (docs/hazards.md).
 ///

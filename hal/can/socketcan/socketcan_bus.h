@@ -18,9 +18,9 @@ struct BusOptions {
   int receive_buffer_bytes = 256 * 1024;  ///< room for housekeeping pauses; the kernel doubles it
 };
 
-/// A CAN interface of the kernel (can0, vcan0) through one CAN_RAW socket: filters, error frames on the same
-/// socket, echoes of own frames, the overflow counter of the receive queue. open() allocates and may wait;
-/// frames() does neither.
+/// A CAN interface of the kernel (can0, vcan0) through one CAN_RAW socket. It has filters, error frames on
+/// the same socket, echoes of own frames, the overflow counter of the receive queue. open() allocates and may
+/// wait; frames() does neither.
 class SocketCanBus {
  public:
   /// Opens an interface that is up. The error is one sentence for the user.

@@ -7,7 +7,7 @@ namespace stilt::planning_model {
 /// Properties that a planner with weightless legs neglects.
 enum class Lump {
   legs,    ///< mass and inertia of thighs and shins are part of the torso
-  drives,  ///< additionally the joints' reflected drive inertia is left out
+  drives,  ///< additionally the joints' armature is left out
 };
 
 /// The model of a planner that neglects the motion of the legs. Mass and inertia of thighs and shins move

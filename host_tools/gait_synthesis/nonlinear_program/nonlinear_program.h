@@ -38,7 +38,7 @@ struct IpoptOptions {
 };
 
 struct IpoptSolution {
-  /// The constraints hold within the tolerance, and the optimality conditions too or at least to 1e-6: along
+  /// The constraints hold within the tolerance, and the optimality conditions too or at least to 1e-6. Along
   /// a direction in which the cost is nearly flat, rounding keeps Ipopt from more.
   bool solved = false;
   std::string status;  ///< in words

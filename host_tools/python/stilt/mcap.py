@@ -12,7 +12,7 @@ from stilt.errors import RecordError
 MAGIC = b'\x89MCAP0\r\n'
 RECORD_HEAD = struct.Struct('<BQ')
 
-# Kinds of records; the index and the summary at the end of a file repeat what this reader has seen by then.
+# Kinds of records; the index and the summary at the end of a file repeat what this reader has read by then.
 FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, ATTACHMENT, METADATA = 0x02, 0x03, 0x04, 0x05, 0x06, 0x09, 0x0C
 
 

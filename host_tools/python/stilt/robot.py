@@ -46,7 +46,7 @@ class Robot:
 
     address     of the monitor: 'http://127.0.0.1:8080', or the link that stilt monitor prints, with its key
     token       of the run, else taken from token_file
-    token_file  its file, else the one that stiltd writes for this user in this DDS domain; not used with a key
+    token_file  its file, else the one that stiltd writes for this user in this DDS domain. Not used with a key
     patience_s  for answers of monitor and robot, seconds
 
     While it is open, signs of life leave ten times per second. When the program ends, is killed or is suspended, the
@@ -199,8 +199,8 @@ class Robot:
                 self._changed.wait(ALIVE_PERIOD_S)
 
     def recent(self) -> pd.DataFrame:
-        """The ticks of the last minute at most, with the index time_s (since tick 0) and the columns of the page:
-        estimated_state0 to 13, measured_torque_Nm0 to 3 and so on, as 32-bit floats."""
+        """The ticks of the last minute at most, with the index time_s (since tick 0) and the columns of the page.
+        They are estimated_state0 to 13, measured_torque_Nm0 to 3 and so on, as 32-bit floats."""
         with self._changed:
             parts = list(self._ticks)
         names = self._hello['columns']['ticks']

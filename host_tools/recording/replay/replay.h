@@ -14,8 +14,8 @@
 #include "host_tools/recording/replay/difference.h"
 #include "host_tools/recording/replay/recorded_robot.h"
 
-/// Replay of a recorded run: control loop and planner of stiltd run tick by tick from the recorded inputs,
-/// and their outputs are compared with the record bit for bit. Host only.
+/// Replay of a recorded run. Control loop and planner of stiltd run tick by tick from the recorded inputs.
+/// Their outputs are compared with the record bit for bit. Host only.
 namespace stilt::replay {
 
 /// Live tunables with a common number.

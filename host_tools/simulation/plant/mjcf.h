@@ -25,7 +25,7 @@ struct MjcfOptions {
   std::vector<GroundStep> steps = {};  ///< in order of position; empty: flat ground
   bool contacts = true;
   bool joint_limits = false;                   ///< stops at the limits of the joints
-  bool armature = true;                        ///< reflected rotor inertia at the joints
+  bool armature = true;                        ///< at the joints
   bool joint_losses = true;                    ///< viscous damping and Coulomb friction at the joints
   double contact_time_constant_s = 0.004;      ///< MuJoCo solref[0], at least twice the time step
   double contact_damping_ratio = 1.0;          ///< MuJoCo solref[1]
@@ -38,12 +38,12 @@ struct MjcfOptions {
 /// MJCF text of a planar tree.
 ///
 /// Coordinates: slides x and z and a hinge about +y named root_x, root_z, root_pitch, then the joints by
-/// their names, in the order of the tree. qpos and qvel are q and v of the project. Masses, centres of mass
+/// name, in the order of the tree. qpos and qvel are q and v of the project. Masses, centres of mass
 /// and inertias about y are exact. The other two principal inertias, which have no effect in the plane, equal
-/// that about y. Each foot is a sphere whose lowest point is the foot frame when the leg is vertical, with
-/// geom and site of the foot's name; feet touch only the ground. More sites: hip (the base frame), torso_com.
-/// Each joint has a motor actuator of its name (control in Nm). Gravity -9.81 m/s^2, elliptic friction cone,
-/// Newton solver.
+/// that about y. Each foot is a sphere whose lowest point is the foot frame when the leg is vertical. Its
+/// geom and site have the foot's name. Feet touch only the ground. More sites: hip (the base frame),
+/// torso_com. Each joint has a motor actuator of its name (control in Nm). Gravity -9.81 m/s^2, elliptic
+/// friction cone, Newton solver.
 [[nodiscard]] std::string to_mjcf(const codegen::PlanarTree& tree, const MjcfOptions& options);
 
 }  // namespace stilt::simulation

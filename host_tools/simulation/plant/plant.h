@@ -96,11 +96,11 @@ class Plant {
   [[nodiscard]] Eigen::Vector2d torso_com_m() const;
 
   /// Whether the robot has fallen: hip below 0.6 of its nominal height above the ground, pitch beyond 1
-  /// rad; a knee or the torso's centre of mass on the ground, or a non-finite state.
+  /// rad. Also: a knee or the torso's centre of mass on the ground, or a non-finite state.
   [[nodiscard]] Fall fall() const;
 
   /// Share of the way to a fall that is left: the smaller of (hip - lowest hip) / (nominal hip - lowest hip)
-  /// and 1 - |pitch| / largest pitch, heights above the ground and bounds as in fall(). At most 0 when the
+  /// and 1 - |pitch| / largest pitch. Heights are above the ground, bounds as in fall(). At most 0 when the
   /// hip is too low or the pitch too large; knees and torso on the ground do not count.
   [[nodiscard]] double fall_margin() const;
 

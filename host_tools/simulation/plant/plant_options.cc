@@ -46,10 +46,9 @@ std::vector<PlantOption> make_table() {
   const std::vector<PlantOption> others = {
       PlantOption{"friction", "-", 0.01, 5.0, "0.6", "friction coefficient between foot and ground",
                   [](Options& o, double v) { o.friction = v; }},
-      PlantOption{"armature", "kg m^2", 0.0, 10.0, "from the URDF", "reflected drive inertia of every joint",
+      PlantOption{"armature", "kg m^2", 0.0, 10.0, "from the URDF", "armature of every joint",
                   [](Options& o, double v) { o.armature_kg_m2 = v; }},
-      PlantOption{"armature_scale", "-", 0.0, 10.0, "1",
-                  "factor on the reflected drive inertia of every joint",
+      PlantOption{"armature_scale", "-", 0.0, 10.0, "1", "factor on the armature of every joint",
                   [](Options& o, double v) { o.armature_scale = v; }},
       PlantOption{"joint_damping", "Nm s/rad", 0.0, 100.0, "from the URDF", "viscous friction of every joint",
                   [](Options& o, double v) { o.joint_damping_Nms_rad = v; }},

@@ -7,8 +7,8 @@
 
 namespace stilt::monitor {
 
-/// Messages for a page that opens later, so that its plots are full at once: the newest message of each
-/// lasting kind, the last events, and the tables of the last seconds.
+/// Messages for a page that opens later, so that its plots are full at once. They are the newest message of
+/// each lasting kind, the last events, and the tables of the last seconds.
 class History {
  public:
   /// Seconds of tables, and number of events.

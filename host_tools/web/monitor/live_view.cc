@@ -73,7 +73,7 @@ void LiveView::apply_page_commands(double now_s) {
   }
 }
 
-/// A page with the key, or with a token that the robot took, is trusted: it keeps its connection, however
+/// A page with the key, or with a token that the robot took, is trusted. It keeps its connection, however
 /// many others connect, and its messages come before theirs.
 void LiveView::rate(Page& page) {
   const bool trusted = page.has_key || !page.token.empty();

@@ -21,7 +21,7 @@ class SendQueue final : public Peer {
   static constexpr std::size_t kHopeless_bytes = 1U << 24U;
 
   /// @param wake  called when the first message waits and when the connection is given up, from the thread
-  ///              that sends; it must return at once and call nothing of this object
+  ///              that sends. It must return at once and call nothing of this object
   SendQueue(std::string subprotocol, std::function<void()> wake);
 
   void send(SharedMessage message) override;

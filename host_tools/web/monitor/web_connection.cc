@@ -28,7 +28,7 @@ constexpr std::size_t kHead_bytes_max = 16384;
 
 std::string text_of(beast::string_view text) { return {text.data(), text.size()}; }
 
-/// Ends what is sent, then reads until the other end closes: a socket that is closed with bytes unread resets
+/// Ends what is sent, then reads until the other end closes. A socket that is closed with bytes unread resets
 /// its connection, which can take the last word away before it is read. The socket must outlive this.
 template <class Handler>
 void read_to_end(tcp::socket& socket, Handler handler) {

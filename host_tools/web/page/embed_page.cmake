@@ -1,5 +1,5 @@
-# Writes OUTPUT, a C++ source that defines a page as one string, VARIABLE (stilt::x::kName) as declared in HEADER:
-# PAGE with the PARTS of all pages, the lists STYLES and SCRIPTS and the plot library in UPLOT_DIR put in place of its
+# Writes OUTPUT, a C++ source that defines a page as one string, VARIABLE (stilt::x::kName) as declared in HEADER.
+# That is PAGE, where the PARTS of all pages, the lists STYLES and SCRIPTS and the plot library in UPLOT_DIR replace its
 # marks.
 
 if(NOT EXISTS ${UPLOT_DIR}/dist/uPlot.iife.min.js)

@@ -1,5 +1,5 @@
-# A page becomes one string in a program, so that it loads nothing from elsewhere: the page's own body, styles and
-# scripts, and what this folder holds for all pages.
+# A page becomes one string in a program, so that it loads nothing from elsewhere. It holds the page's own body, styles
+# and scripts, and what this folder holds for all pages.
 set(page_dir ${CMAKE_CURRENT_LIST_DIR})
 set(uplot_dir ${page_dir}/node_modules/uplot)
 set(page_parts head.html stage.html scripts.html)

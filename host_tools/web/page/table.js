@@ -98,7 +98,7 @@ class Table {
   }
 }
 
-/** One line of a plot as two points a bucket, smallest and largest in the order they came. */
+/** One line of a plot as two points per bucket, smallest and largest in the order they came. */
 function extremes(table, values, firstRow, bounds) {
   const out = new Array(2 * bounds.length);
   let row = firstRow;

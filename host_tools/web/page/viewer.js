@@ -1,7 +1,7 @@
 // The moving part of a page: stage and plots, drawn in every frame at the time that a clock gives.
 
 /**
- * A clock: `time(now_s)` the time to show at `now_s` of the page, null before there is any; `start_s` and `end_s`, what
+ * A clock: `time(now_s)` the time to show at `now_s` of the page, null before there is any. `start_s` and `end_s`, what
  * may be shown; `playing`, `toggle()`; `seek(time_s)` moves a clock that may be moved. Player and LiveClock are clocks.
  */
 class Viewer {

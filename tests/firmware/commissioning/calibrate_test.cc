@@ -95,7 +95,7 @@ TEST(Calibrate, AWrongSignOfTheConfigurationIsNamed) {
   EXPECT_TRUE(report->values.empty());
 }
 
-/// Moteus that have the encoder of their rotor alone, whose angle repeats every 4 rad: with the offsets found
+/// Moteus that have the encoder of their rotor alone, whose angle repeats every 4 rad. With the offsets found
 /// bring-up puts each joint into its travel, from whatever turn it counts.
 TEST(Calibrate, FindsOffsetsThatHoldInEveryTurnOfARotorsEncoder) {
   const std::vector<std::string> moteus = {"hip_driver.protocol=moteus", "knee_driver.protocol=moteus",
@@ -259,7 +259,7 @@ TEST(Calibrate, DriversAreOffBeforeTheTorsoIsJudged) {
   EXPECT_TRUE(calibrated(request, *readings).good());  // has no session to keep alive
 }
 
-/// A helper who does something of his own at a question.
+/// A helper that does something of its own at a question.
 class OtherHelper final : public Person {
  public:
   using AtQuestion = std::function<void(const std::string&)>;

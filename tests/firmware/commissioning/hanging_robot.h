@@ -56,8 +56,8 @@ class HangingRobot final : public hal::Clock {
   [[nodiscard]] std::array<hal::bring_up::Options, hal::kJoints> wanted() const;
   [[nodiscard]] JogRequest jog_request(std::size_t joint, double angle_rad) const;
 
-  /// Of the links' angles in the world, from where they hung when the first motor gave torque: the link that
-  /// moved first, which way, and how far it went.
+  /// Of the links' angles in the world, from where they hung when the first motor gave torque. It is the link
+  /// that moved first, which way, and how far it went.
   [[nodiscard]] Sighting sighting() const;
   /// Before another jog.
   void forget_sightings();

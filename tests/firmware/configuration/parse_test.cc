@@ -70,7 +70,7 @@ TEST(Parse, EveryMistakeIsReportedAtItsPlaceInTheOrderOfTheFile) {
       "robot.toml:7:14: discretisation.integrator must be \"rk2\" or \"rk4\", not \"rk3\"\n"
       "robot.toml:8:13: discretisation.horizon_s = -1 is outside its range, 0.05 to 10 s\n"
       "robot.toml:9:1: unknown key discretisation.base_x; did you mean cost.base_x?\n"
-      "robot.toml:11:10: cost.base_x must be a single value (0 to 1e6 1/m^2), not a list, table or date\n"
+      "robot.toml:11:10: cost.base_x must be a single value (0 to 1e6 1/(m^2 s)), not a list, table or date\n"
       "robot.toml:13:14: sqp.iterations must be a whole number (1 to 100), not a number with a fraction\n"
       "robot.toml:14:14: sqp.early_stop must be true or false, not a whole number");
 }

@@ -1,4 +1,4 @@
-// Fault x protocol x state or level, and pairs of faults: the causes come, the robot is damped or left alone,
+// Fault x protocol x state or level, and pairs of faults. The causes come, the robot is damped or left alone,
 // the causes go, a reset, and it stands again without a restart.
 #include <algorithm>
 #include <functional>

@@ -6,7 +6,7 @@
 #include <string>
 
 /// Exhaustive check of lock-free code on a model of memory. Two threads run the code under test with
-/// ModelAtomic in place of std::atomic and ModelCell as data; explore() repeats the run with every order of
+/// ModelAtomic in place of std::atomic and ModelCell as data. explore() repeats the run with every order of
 /// their atomic operations and every value that each load may give.
 ///
 /// The model follows C++: an atomic keeps all values ever stored. A load gives the newest or any older one

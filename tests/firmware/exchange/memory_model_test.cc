@@ -67,7 +67,7 @@ TEST(MemoryModel, BothThreadsMayMissTheOthersStore) {
   EXPECT_EQ(outcomes, (std::set<std::pair<int, int>>{{0, 0}, {0, 1}, {1, 0}, {1, 1}}));
 }
 
-TEST(MemoryModel, AThreadNeverSeesAnAtomicGoBack) {
+TEST(MemoryModel, AnAtomicNeverGoesBackForAThread) {
   std::optional<ModelAtomic<int>> shared;
   std::set<std::pair<int, int>> outcomes;
   const Outcome outcome = explore({.setup = [&] { shared.emplace(0); },

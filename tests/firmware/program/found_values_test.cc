@@ -57,7 +57,7 @@ TEST(FoundValues, AFileThatIsThereKeepsItsComments) {
   EXPECT_EQ(content(file), "# by hand\n[hip_L]\noffset_rad = 0.125 # old\nreversed = true\n");
 }
 
-/// What the command line `stiltd ... --out FILE` says.
+/// Options of the command line `stiltd ... --out FILE`.
 std::expected<Options, std::string> read(std::vector<std::string> words) {
   words.insert(words.begin(), "stiltd");
   std::vector<char*> pointers;

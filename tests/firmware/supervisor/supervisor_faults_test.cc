@@ -77,7 +77,7 @@ TEST_F(SupervisorTest, WithoutPlansItGoesOnWithAGaitAndBack) {
   EXPECT_EQ(tick(), State::walk);
   EXPECT_EQ(output().level, FallbackLevel::gait);
   EXPECT_TRUE(output().present.has(Fault::plan_missing));
-  EXPECT_EQ(commands_[0].torque_Nm, 30) << "what the gait wants";
+  EXPECT_EQ(commands_[0].torque_Nm, 30) << "torque of the gait";
   EXPECT_EQ(run(3), State::walk);
   inputs_.seen.followable.plan = PlanUse::as_it_is;
   tick();

@@ -1,4 +1,4 @@
-// What ROS 2 tools get to see, read by a reader that other people wrote, with the definitions as ROS 2
+// What ROS 2 tools get, read by a reader that other people wrote, with the definitions as ROS 2
 // publishes them.
 #include <gtest/gtest.h>
 
@@ -72,7 +72,7 @@ Cdr without_filling(Cdr cdr) {
   return cdr;
 }
 
-/// The message as the independent reader sees it; its own bytes for it must be those of the sample.
+/// The message as the independent reader decodes it; its own bytes for it must be those of the sample.
 nlohmann::json read_elsewhere(std::string_view topic, const Cdr& sample) {
   const Cdr cdr = without_filling(sample);
   const tests::OwnFolder folder;

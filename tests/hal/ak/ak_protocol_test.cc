@@ -29,7 +29,7 @@ CanFrame extended(std::uint32_t id, const char* digits) {
 }
 
 // The example of a velocity in section 4.4.1 of manual 3.2.0, as quoted in test_protocol.cpp of ak_v3_driver:
-// "kd 2, 6 rad/s". Its velocity has the code of a range of 50 rad/s, which is no motor's; all other fields
+// "kd 2, 6 rad/s". Its velocity has the code of a range of 50 rad/s, which is no motor's. All other fields
 // are as section 4.2 has them: 0 is 0x7fff and 0x7ff, so that the scale is 2^n - 1.
 TEST(Ak, ThePublishedVelocityCommandIsReproduced) {
   CanFrame frame;

@@ -7,8 +7,8 @@
 #include "tests/hal/bring_up/bring_up_rig.h"
 #include "tests/hal/random_values.h"
 
-// Drivers as they come from their vendors, and set up as docs/deployment.md says: which come up, at every
-// phase and rate of their clocks, and what a refusal names.
+// Drivers as they come from their vendors, and set up as docs/deployment.md says. It shows which come up, at
+// every phase and rate of their clocks, and what a refusal names.
 namespace stilt::hal::bring_up {
 namespace {
 

@@ -67,8 +67,8 @@ TEST_F(MoteusLaw, AStepOfThePositionGivesItsTorqueWithTheNextTick) {
   EXPECT_NEAR(driver_.torque_Nm(), 10, 0.1);
 }
 
-// What the driver does with a command that leaves its limits alone: the figures of its firmware (db1a762),
-// compiled and run on its own motor simulator with kd 2 Nm s/rad.
+// What the driver does with a command that leaves its limits alone. These are the figures of its firmware
+// (db1a762), compiled and run on its own motor simulator with kd 2 Nm s/rad.
 TEST_F(MoteusLaw, WithoutALimitInTheCommandTheTrajectoryCancelsDamping) {
   driver_.motor.velocity_rad_s = 6.28;
   for (int tick = 0; tick < 200; ++tick) {

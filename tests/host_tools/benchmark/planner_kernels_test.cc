@@ -102,15 +102,15 @@ class Kernels : public ::testing::Test {
 TEST_F(Kernels, BothSweepsGiveTheSameGains) {
   plan_at(0.25);
   const LinearisedProblem problem = linearised();
-  BaselineSweep plain(problem.stages, problem.terminal);
-  plain.run();
+  BaselineSweep baseline(problem.stages, problem.terminal);
+  baseline.run();
   lq::RiccatiWorkspace workspace;
   lq::BackwardSweep sweep(problem.terminal, workspace);
   for (std::size_t k = problem.stages.size(); k-- > 0;) {
     const LqStage& stage = problem.stages[k];
     lq::LqGain gain;
     ASSERT_EQ(sweep.step(stage, stage, gain), lq::SweepOutcome::ok) << "stage " << k;
-    const Eigen::MatrixXd expected = plain.gain(static_cast<int>(k));
+    const Eigen::MatrixXd expected = baseline.gain(static_cast<int>(k));
     ASSERT_EQ(expected.rows(), stage.free_inputs) << "stage " << k;
     if (expected.size() == 0) continue;
     const double largest = expected.cwiseAbs().maxCoeff();
@@ -127,13 +127,13 @@ TEST_F(Kernels, BothLinearisationsGiveTheSameModel) {
   plan_at(0.25);
   const LinearisedProblem problem = linearised();
   const ocp::Problem& batches = planner_->problem();
-  const auto plain = std::make_unique<BaselineModel>();
+  const auto baseline = std::make_unique<BaselineModel>();
   for (int b = 0; b < batches.batches; ++b) {
     const ocp::StageBatch& batch = batches.batch[b];
     for (int lane = 0; lane < batch.lanes; ++lane) {
-      baseline_linearise(planner_->problem_data(), batch, lane, planner_->solution(), *plain);
+      baseline_linearise(planner_->problem_data(), batch, lane, planner_->solution(), *baseline);
       const LqStage& stage = problem.stages[static_cast<std::size_t>(batch.stage[lane])];
-      EXPECT_LT(difference(EssentialModel(stage), EssentialModel(*plain)), 1e-9)
+      EXPECT_LT(difference(EssentialModel(stage), EssentialModel(*baseline)), 1e-9)
           << "batch " << b << ", lane " << lane;
     }
   }

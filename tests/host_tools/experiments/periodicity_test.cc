@@ -48,7 +48,7 @@ TEST(Periodicity, IsTheStandardDeviationOverSteps) {
   EXPECT_NEAR(result.rms_rad, 0.05 / std::sqrt(2.0), 0.003);
 }
 
-/// Two steps of a ramp, the second twice as long and 0.1 rad higher at the end of its first joint: at share u
+/// Two steps of a ramp, the second twice as long and 0.1 rad higher at the end of its first joint. At share u
 /// the joint of the stance leg is u and 1.1 u.
 TEST(Periodicity, OfTwoStepsIsTheirDifferenceOverTheRootOfTwoAtTheSameShare) {
   log::RunRecord record;

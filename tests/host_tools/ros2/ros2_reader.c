@@ -247,13 +247,13 @@ static void print_publication(const void* data) {
   }
 }
 
-int main(int count, char** words) {
-  if (count != 2) {
+int main(int argc, char** argv) {
+  if (argc != 2) {
     fprintf(stderr, "ros2_reader: usage: ros2_reader DOMAIN\n");
     return 2;
   }
   signal(SIGTERM, on_signal);
-  const dds_domainid_t domain = (dds_domainid_t)strtoul(words[1], NULL, 10);
+  const dds_domainid_t domain = (dds_domainid_t)strtoul(argv[1], NULL, 10);
   const dds_entity_t participant = checked(dds_create_participant(domain, NULL, NULL), "participant");
   const dds_entity_t publications =
       checked(dds_create_reader(participant, DDS_BUILTIN_TOPIC_DCPSPUBLICATION, NULL, NULL), "publications");

@@ -77,7 +77,7 @@ TEST_F(Tracker, PullsTheJointsBackInProportion) {
   EXPECT_EQ(after.torque_Nm[0], before.torque_Nm[0]);
 }
 
-/// The lead from other motion, by its definition: at the take-over the command is what is measured, and the
+/// The lead from other motion, by its definition. At the take-over the command is what is measured, and the
 /// motion of the command is continuous until it is the gait's.
 TEST_F(Tracker, LeadsTheJointsFromWhatTheyDidToTheGait) {
   constexpr double kTick_s = 1e-3;

@@ -196,7 +196,7 @@ TEST(Planner, AfterAResetItPlansLikeANewOne) {
   expect_identical(*used.plan, *fresh.plan);
 }
 
-TEST(Planner, APlanSaysWhatItIs) {
+TEST(Planner, APlanStatesWhatItIs) {
   Planning planning(shipped());
   for (int cycle = 0; cycle < 150; ++cycle) {
     const SolveReport report = planning.solve(kWalk);

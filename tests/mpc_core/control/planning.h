@@ -48,7 +48,7 @@ struct Planning {
 
   SolveReport solve(const GaitCommand& command) { return planner->plan({time_s, state, command}, *plan); }
 
-  /// The robot goes exactly where the plan says, for one period of the planner.
+  /// The robot goes exactly where the plan has it, for one period of the planner.
   void follow() {
     time_s += kPeriod_s;
     state = control::interpolate(*plan, time_s).state;

@@ -2,7 +2,7 @@
 // Writes tests/data/recorded_problems.txt. Not run by the tests: it defines the optima that later solvers
 // have to find.
 //
-// Candidates are seeded 1, 2, ...: robot, gait, speed, horizon and discretisation are drawn; a planner then
+// Candidates are seeded 1, 2, ...: robot, gait, speed, horizon and discretisation are drawn. A planner then
 // walks the robot exactly along its plans to a random time, pushed on the way (jumps of the base's
 // velocity). The state that it reaches is disturbed. A candidate is left out when
 //   - the walk or the solve fails,

@@ -69,9 +69,10 @@ struct HardSolve {
   int iterations = 0;
 };
 
-/// Solves until rounding stops the progress: at most `kSearchIterations` with line search until the step is
-/// below `kSearchStep`, then at most `kPolishIterations` full steps until the step is below `kPolishStep`.
-/// (The line search compares costs, whose rounding hides steps below the root of the precision.)
+/// Solves until rounding stops the progress. There are at most `kSearchIterations` with line search until the
+/// step is below `kSearchStep`. Then there are at most `kPolishIterations` full steps until the step is below
+/// `kPolishStep`. (The line search compares costs, whose rounding hides steps below the root of the
+/// precision.)
 [[nodiscard]] HardSolve solve_hard(const PreparedProblem& prepared, sqp::Sqp& sqp, ocp::Trajectory& iterate);
 
 inline constexpr int kSearchIterations = 60;
@@ -87,7 +88,7 @@ inline constexpr double kPolishStep = 1e-9;
 /// magnitude of its kind of quantity over the nodes: positions, velocities, joint accelerations, forces.
 [[nodiscard]] double distance(const RecordedOptimum& a, const RecordedOptimum& b);
 
-/// One problem a line, as the heading of the file explains. Reading throws std::runtime_error naming the
+/// One problem per line, as the heading of the file explains. Reading throws std::runtime_error naming the
 /// line.
 void write_problems(const std::vector<RecordedProblem>& problems, const std::string& path);
 [[nodiscard]] std::vector<RecordedProblem> read_problems(const std::string& path);

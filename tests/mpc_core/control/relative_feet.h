@@ -4,7 +4,7 @@
 
 namespace stilt::testing_support {
 
-/// Foot positions and velocities relative to a base at the origin, as the estimator sees them.
+/// Foot positions and velocities relative to a base at the origin, as the estimator gets them.
 struct RelativeFeet {
   explicit RelativeFeet(const model::RobotModel& robot, model::StateVector state) {
     state[0] = state[1] = state[model::kPositions] = state[model::kPositions + 1] = 0.0;

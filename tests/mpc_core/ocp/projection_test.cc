@@ -101,7 +101,7 @@ TEST(Projection, NeverMovesTheForceOfASwingFootFromZero) {
   }
 }
 
-/// Legs as straight as `bend_rad` says and side by side: the swing foot's height no longer follows from the
+/// Legs as straight as `bend_rad` says and side by side. The swing foot's height no longer follows from the
 /// joint accelerations, and in double support the feet cannot move apart vertically.
 std::unique_ptr<Scene> straight_legs(model::ContactMode mode, double bend_rad) {
   auto scene = testing_support::random_scene(testing_support::amber3m(), mode, kLanes, 7);
@@ -138,8 +138,7 @@ TEST(Projection, StaysFiniteAndBoundedWithBothLegsStraightAndFeetTogether) {
 TEST(Projection, LetsAConstraintFadeWhereItsRowVanishes) {
   const auto scene = straight_legs({false, true}, 0.0);
   const Linearisation model(scene->data, scene->problem, scene->guess);
-  // The row is zero: no step tries to fulfil it, the other inputs stay as small as the stance foot wants
-  // them.
+  // The row is zero: no step tries to fulfil it, the other inputs stay as small as the stance foot allows.
   for (int k = 0; k < kLanes; ++k) {
     for (int j = 0; j < kJoints; ++j) {
       EXPECT_EQ(model.projections[static_cast<std::size_t>(k)].u0[j], 0.0);

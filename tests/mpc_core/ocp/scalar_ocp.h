@@ -8,7 +8,7 @@
 
 /// The planning problem once more, one stage and one number at a time: what the batched code is compared
 /// with. Shares with it the generated dynamics (tested against MuJoCo) and the parameter structs, nothing
-/// else: the integrator is the textbook Runge-Kutta method on all 14 states, logarithms are the standard
+/// else. The integrator is the textbook Runge-Kutta method on all 14 states, logarithms are the standard
 /// library's.
 ///
 /// Everything is a template over T = double or Complex; an imaginary step gives derivatives exact to

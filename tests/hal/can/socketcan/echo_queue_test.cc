@@ -12,7 +12,7 @@
 #include "hal/can/socketcan/wire_frame.h"
 #include "tests/hal/random_values.h"
 
-// Our end of a bus against what a CAN interface of the kernel does with frames: they wait in its queue, a few
+// Our end of a bus against what a CAN interface of the kernel does with frames. They wait in its queue, a few
 // are with the controller, each that has left comes back as an echo. Bus-off and restart drop both without an
 // echo (drivers/net/can/dev: can_bus_off, can_restart, can_flush_echo_skb), and a queue without carrier takes
 // frames and frees them.

@@ -50,7 +50,7 @@ TEST_F(FrameSocketTest, AtMostOneCommandOfAnIdentifierIsUnconfirmed) {
   }
   EXPECT_EQ(socket.counters().withheld, 100u);
   const std::vector<CanFrame> on_the_wire = receive_all(wire);
-  EXPECT_EQ(on_the_wire.size(), 2u) << "power returns: one frame a joint, no burst";
+  EXPECT_EQ(on_the_wire.size(), 2u) << "power returns: one frame per joint, no burst";
   ASSERT_EQ(wire.send(std::span(on_the_wire).first(1)).sent, 1u);  // the first leaves the controller: echo
   EXPECT_TRUE(receive_all(socket).empty()) << "an echo is no reply";
   EXPECT_EQ(socket.counters().confirmed, 1u);

@@ -96,7 +96,7 @@ class Run {
     due_ = tick_ + kPlanDelay;
   }
 
-  /// The planned state of this moment, as sensors would see it.
+  /// The planned state of this moment, as sensors would measure it.
   control_loop::TickRecord sense(std::int64_t now_ns) {
     const double time_s = 1e-3 * static_cast<double>(tick_);
     if (followed_.nodes >= 2 && time_s >= followed_.start_time_s) {

@@ -13,8 +13,8 @@
 
 namespace stilt::replay {
 
-/// A run of the controller on a robot that does exactly what was planned, a little noise on the sensors:
-/// drivers up, standing, stepping, walking, and live tunables changed on the way. Everything it recorded.
+/// A run of the controller on a robot that does exactly what was planned, a little noise on the sensors.
+/// Drivers up, standing, stepping, walking, and live tunables changed on the way. Everything it recorded.
 struct RecordedWalk {
   configuration::Configuration configuration;
   std::vector<control_loop::TickRecord> ticks;

@@ -37,7 +37,7 @@ class World {
     mj_forward(model.get(), data.get());
   }
 
-  /// Height of the ground below x, seen by a ray from 5 m above.
+  /// Height of the ground below x, measured by a ray from 5 m above.
   double ground_m(double x_m) {
     hang(50.0, 50.0);
     const mjtNum from[3] = {x_m, 0.0, 5.0};

@@ -63,7 +63,7 @@ TEST(PlantContact, AContactStifferThanThePhysicsStepCarriesIsRefused) {
 }
 
 TEST(PlantContact, ALoadedFootSinksInWithTheSquareOfTimeConstantAndDampingRatio) {
-  // MuJoCo documents r k d / (1 - d) = A f with k proportional to 1 / (time constant * damping ratio)^2: at
+  // MuJoCo documents r k d / (1 - d) = A f with k proportional to 1 / (time constant * damping ratio)^2. At
   // one load the depth r goes with the square of both, less 1 % here because the impedance d grows with the
   // depth.
   const double usual_m = standing_foot_height_m(0.004, 1.0);

@@ -10,7 +10,7 @@
 
 namespace stilt::robot_on_bus::testing_support {
 
-/// The predictive controller on the hardware abstraction, as small as it can be: stands up with a torque that
+/// The predictive controller on the hardware abstraction, as small as it can be. Stands up with a torque that
 /// grows over half a second, plans on the schedule of the simulation.
 class MpcDriver {
  public:

@@ -1,5 +1,5 @@
 // The whole thing: simulated robot, stiltd and monitor as programs on the loopback interface, and the page in a browser.
-// Robot and controller take turns, so that a busy machine changes how fast they go and nothing else; with
+// Robot and controller take turns, so that a busy machine changes how fast they go and nothing else. With
 // STILT_LIVE_REALTIME=1 they follow the clock, and late ticks are only reported.
 
 import assert from 'node:assert/strict';
@@ -37,7 +37,7 @@ const waitFor = (selector, pattern, from = page) => {
 const state = (name) => waitFor('#state', new RegExp(`^${name}$`));
 const answer = (pattern) => waitFor('#answer', pattern);
 
-/** Asks for it again while it is refused: until the torque law has taken over. */
+/** Asks for it again while it is refused: until the torque law is blended in. */
 const walk = () => until('walking', async () => {
   if ((await text('#state')) === 'walk') return true;
   await page.keyboard.press('w');

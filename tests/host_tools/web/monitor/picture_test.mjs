@@ -60,7 +60,7 @@ test('the friction cone of a foot that carries opens by the friction coefficient
   assert.equal(triangles((await saved('#save-svg')).content.toString()).length, 0);
 });
 
-/** What a function of the page's drawings leaves in an SVG picture, 400 by 300 pixels, 200 a metre; (0, 0) is (200, 280). */
+/** An SVG picture by a function of the page's drawings, 400 by 300 pixels, 200 per metre; (0, 0) is (200, 280). */
 function drawn(name, ...words) {
   const folder = new URL('../../../../host_tools/web/page/', import.meta.url);
   const files = ['canvas_shapes.js', 'svg_context.js', 'scene.js', 'kinematics.js'];

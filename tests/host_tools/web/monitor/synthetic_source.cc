@@ -324,7 +324,7 @@ void SyntheticSource::introduce(SampleSink& sink) {
       {"gait.swing_height_m", "m", "Apex of the swing foot above the ground", 0.005, 0.3, swing_height_m_});
   sample.tunables.push_back(
       {"reference.base_height_m", "m", "Height of the hip above the ground", 0.72, 0.82, hip_height_m_});
-  sample.tunables.push_back({"cost.base_z", "1/m^2", "Height of the hip", 0.0, 1e6, 400.0});
+  sample.tunables.push_back({"cost.base_z", "1/(m^2 s)", "Height of the hip", 0.0, 1e6, 400.0});
   sink.configuration(sample);
 }
 
