@@ -42,6 +42,37 @@ TEST(DriverZero, OfAMoteusIsWrittenAndStaysWithoutPower) {
   EXPECT_NEAR(position_rad(driver, emulator), 0.0, 1e-4);
 }
 
+/// Its first reply that carries text after `conf write` is lost.
+TEST(DriverZero, OfAMoteusWhoseAnswerIsLostIsNotWrittenAgain) {
+  const moteus::MoteusDriver driver;
+  moteus::MoteusEmulator emulator(driver);
+  moteus::MoteusZero zero(driver);
+  ZeroProgress progress = ZeroProgress::more;
+  int written = 0;
+  bool lose = false;
+  bool lost = false;
+  for (int frame = 0; frame < 1000 && progress != ZeroProgress::unread; ++frame) {
+    const CanFrame question = zero.next(lost);
+    const auto text = decode_console_request(driver, question);
+    if (text && text->view().starts_with("conf write\n")) lose = ++written == 1;
+    FrameSink replies;
+    emulator.take(1'000'000 * (frame + 1), question, replies);
+    lost = true;
+    for (const CanFrame& reply : replies.frames()) {
+      const auto answer = decode_console(driver, reply);
+      const bool carries = answer && !answer->view().empty();
+      if (lose && carries) {
+        lose = false;
+        continue;
+      }
+      progress = zero.take(reply);
+      lost = false;
+    }
+  }
+  EXPECT_EQ(progress, ZeroProgress::unread);
+  EXPECT_EQ(written, 1) << "flash wears";
+}
+
 /// A conversation with an AK of version 3, of which so many reports arrive after the frame of its zero.
 struct AkConversation {
   int limp = 0;     ///< commands before the first write
