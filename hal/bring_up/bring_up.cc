@@ -171,7 +171,8 @@ void BringUp::advance() noexcept {
   part_ = tries_ = 0;
   waiting_ = answered_ = false;
   suspected_ = Failure::none;
-  silent_ns_ = stage_ns_ = 0;
+  silent_ns_ = 0;
+  stage_ns_ = 0;
   if (stage_ == lag_stage()) rest();
 }
 
