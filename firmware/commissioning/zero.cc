@@ -20,10 +20,12 @@ namespace stilt::commissioning {
 namespace {
 
 constexpr std::int64_t kStep_ns = 1'000'000;
-constexpr int kAnswerSteps = 20;     ///< writing to flash takes a driver longer than an answer
-constexpr int kTries = 50;           ///< of a frame
-constexpr int kMostFrames = 10'000;  ///< of a command line that never ends
+constexpr int kAnswerSteps = 20;
+constexpr int kTries = 50;          ///< of a frame: 1 s, while a driver writes its flash it is deaf
+constexpr int kMostFrames = 1'000;  ///< of a driver that answers and never ends
 constexpr const char* kSilent = "does not answer";
+constexpr const char* kUnread =
+    "gives no answer that can be read on its command line: close tview, and set the zero again";
 
 using configuration::DriverProtocol;
 
@@ -133,6 +135,7 @@ std::string store(Conversation& conversation, hal::JointZero& zero) {
     lost = answered ? 0 : lost + 1;
     if (answered && progress == hal::ZeroProgress::done) return "";
     if (answered && progress == hal::ZeroProgress::failed) return "refuses to store a zero";
+    if (answered && progress == hal::ZeroProgress::unread) return kUnread;
   }
   return kSilent;
 }

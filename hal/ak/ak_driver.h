@@ -38,7 +38,7 @@ namespace stilt::hal::ak {
   return driver.status_rate_hz;
 }
 [[nodiscard]] constexpr std::uint32_t address(const AkDriver& driver) noexcept { return driver.id; }
-[[nodiscard]] constexpr std::optional<FrameId> reply_id(const AkDriver&) noexcept { return std::nullopt; }
+[[nodiscard]] constexpr std::optional<ReplyId> reply_id(const AkDriver&) noexcept { return std::nullopt; }
 [[nodiscard]] inline AkBringUp make_bring_up(const AkDriver& driver,
                                              const bring_up::Options& options) noexcept {
   return {driver, options};

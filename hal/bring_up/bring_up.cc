@@ -8,6 +8,8 @@
 namespace stilt::hal::bring_up {
 namespace {
 
+/// A step that comes later counts as one of so long: a program that stood still has asked nothing meanwhile.
+constexpr std::int64_t kLongestStep_ns = 2'000'000;
 constexpr double kShortestWatchdog_s = 0.005;
 constexpr double kLongestWatchdog_s = 0.1;
 
@@ -92,6 +94,7 @@ void BringUp::begin_anew() noexcept {
   lag_probes_ = 0;
   begins_rest_ = false;
   rest_until_ns_ = 0;
+  stage_ns_ = 0;
 }
 
 /// Until replies to what was sent before are over.
@@ -137,12 +140,12 @@ void BringUp::suspect(Failure failure, const Blame& blame) noexcept {
   suspicion_ = blame;
 }
 
-/// All tries of a request are over.
+/// All tries of a request are over, or the stage has lasted too long.
 void BringUp::give_up() noexcept {
   if (suspected_ != Failure::none) {
     failure(suspected_, suspicion_);
   } else {
-    failure(answered_ ? Failure::rejected : Failure::silent);
+    failure(answered_ || tries_ < options_.tries ? Failure::rejected : Failure::silent);
   }
 }
 
@@ -169,15 +172,15 @@ void BringUp::advance() noexcept {
   waiting_ = answered_ = false;
   suspected_ = Failure::none;
   silent_ns_ = 0;
+  stage_ns_ = 0;
   if (stage_ == lag_stage()) rest();
 }
 
 /// While other drivers come up, one that is ready may lose what it was given: its answers still judge whether
-/// it is enabled. A program that stood still has asked nothing meanwhile, so that this is no silence.
+/// it is enabled.
 void BringUp::watch(std::span<const CanFrame> received, std::int64_t since_last_step_ns) noexcept {
-  constexpr std::int64_t kLongestStep_ns = 2'000'000;
   bool lost = false;
-  silent_ns_ += std::min(since_last_step_ns, kLongestStep_ns);
+  silent_ns_ += since_last_step_ns;
   for (const CanFrame& frame : received) {
     switch (judge(Stage::enable, 0, frame)) {
       case Verdict::ignore:
@@ -252,8 +255,9 @@ StepResult BringUp::result_with_keep_alive(bool wanted) noexcept {
 }
 
 StepResult BringUp::step(std::int64_t now_ns, std::span<const CanFrame> received) noexcept {
-  const std::int64_t since_last_step_ns = now_ns - now_ns_;
+  const std::int64_t since_last_step_ns = std::min(now_ns - now_ns_, kLongestStep_ns);
   now_ns_ = now_ns;
+  stage_ns_ += since_last_step_ns;
   if (stage_ != Stage::failed && !valid(options_)) failure(Failure::invalid);
   if (stage_ == Stage::ready) {
     watch(received, since_last_step_ns);
@@ -267,7 +271,7 @@ StepResult BringUp::step(std::int64_t now_ns, std::span<const CanFrame> received
   if (waiting_ && now_ns < deadline_ns_) return result_with_keep_alive(stage_ == Stage::enable);
   CanFrame frame;
   while (stage_ < Stage::ready) {
-    if (tries_ == options_.tries) {
+    if (tries_ == options_.tries || stage_ns_ > kLongestStage_ns) {
       give_up();
       break;
     }

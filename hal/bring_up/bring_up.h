@@ -88,6 +88,8 @@ class BringUp {
 
   /// Replies to what was sent before are over then.
   static constexpr std::int64_t kRest_ns = 25'000'000;
+  /// A stage that lasts longer fails, whatever is answered in it.
+  static constexpr std::int64_t kLongestStage_ns = 2'000'000'000;
 
  protected:
   ~BringUp() = default;
@@ -180,6 +182,7 @@ class BringUp {
   std::int64_t reply_lag_ns_ = 0;
   unsigned lag_probes_ = 0;
   std::int64_t silent_ns_ = 0;  ///< since the last answer of a driver that is ready
+  std::int64_t stage_ns_ = 0;   ///< that the present stage has lasted
   unsigned losses_ = 0;         ///< of a driver that was ready, since restart()
   double position_rad_ = std::numeric_limits<double>::quiet_NaN();
   double turn_offset_rad_ = 0;

@@ -32,6 +32,7 @@ enum class Setting : std::uint8_t {
   moteus_zero,
   odrive_watchdog_endpoints,
   accepted_watchdog,
+  moteus_command_line,
 };
 
 /// The vendor's name, and what it must be. Real-time safe.
@@ -89,6 +90,8 @@ enum class Setting : std::uint8_t {
              "firmware, or accept_missing_watchdog must be true";
     case Setting::accepted_watchdog:
       return "accept_missing_watchdog must be true, and the emergency stop must cut its supply";
+    case Setting::moteus_command_line:
+      return "its command line must answer `conf get` with a number alone: close tview, and cycle its power";
   }
   return "unknown";
 }

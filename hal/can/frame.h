@@ -35,6 +35,12 @@ struct FrameId {
   bool extended = false;  ///< 29 bits instead of 11
 };
 
+/// Of a driver's reply to a command. Where drivers share it, bits of its first byte name the driver.
+struct ReplyId : FrameId {
+  std::uint8_t sender_mask = 0;
+  std::uint8_t sender = 0;
+};
+
 /// The standard identifiers whose bits under `mask` are those of `value`; mask 0: none.
 struct StandardIds {
   std::uint32_t value = 0;

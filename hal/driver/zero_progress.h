@@ -10,6 +10,7 @@ enum class ZeroProgress : std::uint8_t {
   more,    ///< send the next frame
   done,    ///< it has answered the last one: its position is to be read back
   failed,  ///< it refuses
+  unread,  ///< no answer that can be read: whether it has stored it is open
 };
 
 }  // namespace stilt::hal

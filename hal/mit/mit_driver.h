@@ -28,8 +28,8 @@ namespace stilt::hal::mit {
 [[nodiscard]] constexpr int extra_encoder(const MitDriver&) noexcept { return -1; }
 [[nodiscard]] constexpr double report_rate_hz(const MitDriver&) noexcept { return 0; }
 [[nodiscard]] constexpr std::uint32_t address(const MitDriver& driver) noexcept { return driver.command_id; }
-[[nodiscard]] constexpr std::optional<FrameId> reply_id(const MitDriver& driver) noexcept {
-  return FrameId{driver.reply_id, false};
+[[nodiscard]] constexpr std::optional<ReplyId> reply_id(const MitDriver& driver) noexcept {
+  return ReplyId{{driver.reply_id, false}, sender_mask(driver), driver.driver_id};
 }
 [[nodiscard]] inline MitBringUp make_bring_up(const MitDriver& driver,
                                               const bring_up::Options& options) noexcept {

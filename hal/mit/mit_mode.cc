@@ -202,9 +202,7 @@ DecodeStatus decode_reply(const MitDriver& driver, const CanFrame& frame, MitRep
   if (!classic_data(frame, driver.reply_id)) return DecodeStatus::not_addressed;
   if (!length_fits(driver.layout, frame.length)) return DecodeStatus::wrong_length;
   const auto& data = frame.data;
-  const std::uint8_t sender = driver.layout == ReplyLayout::damiao ? data[0] & 0xf : data[0];
-  if (sender != driver.driver_id)
-    return DecodeStatus::not_addressed;  // several drivers may answer with one identifier
+  if ((data[0] & sender_mask(driver)) != driver.driver_id) return DecodeStatus::not_addressed;
   MitReply decoded;
   decoded.position_rad = value_of(data[1] << 8 | data[2], driver.reply_position_rad, 16);
   decoded.velocity_rad_s = value_of(data[3] << 4 | data[4] >> 4, driver.reply_velocity_rad_s, 12);

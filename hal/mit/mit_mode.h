@@ -55,6 +55,11 @@ struct MitDriver {
   double temperature_offset_C = -40;  ///< added to byte 6 of ak, which has no sign: -40 to 215 C
 };
 
+/// Bits of byte 0 of a reply that are the driver's number: several drivers may answer with one identifier.
+[[nodiscard]] constexpr std::uint8_t sender_mask(const MitDriver& driver) noexcept {
+  return driver.layout == ReplyLayout::damiao ? 0x0f : 0xff;
+}
+
 struct MitCommand {
   double position_rad = 0;
   double velocity_rad_s = 0;

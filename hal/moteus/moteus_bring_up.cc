@@ -54,6 +54,11 @@ std::optional<double> number(std::string_view text) noexcept {
   return value;
 }
 
+/// Whether the command line has written a number, of any sign, and no other text.
+bool is_value(std::string_view text) noexcept {
+  return text == "nan" || text.starts_with('-') || number(text).has_value();
+}
+
 bool is_mode(const MoteusReply& reply, MoteusMode mode) noexcept {
   return reply.has_mode && reply.mode == static_cast<std::uint8_t>(mode);
 }
@@ -110,9 +115,12 @@ BringUp::Verdict MoteusBringUp::judge_setting(const CanFrame& frame) noexcept {
     case ConsoleReader::Progress::more:
       return Verdict::next_part;
     case ConsoleReader::Progress::failed:
-      return wrong(Failure::rejected);
+      return wrong(Failure::rejected, {.setting = Setting::moteus_command_line});
     case ConsoleReader::Progress::answer:
       break;
+  }
+  if (!is_value(console_.answer())) {
+    return wrong(Failure::rejected, {.setting = Setting::moteus_command_line});
   }
   const WantedSetting& wanted = kSettings[setting_];
   if (number(console_.answer()) != wanted.value) {

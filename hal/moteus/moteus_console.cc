@@ -8,9 +8,10 @@ namespace {
 
 constexpr std::uint32_t kChannel = 1;
 constexpr std::uint32_t kPolledBytes = 48;
-constexpr unsigned kDrained = 3;      // replies without text: nothing is left over
-constexpr unsigned kUnanswered = 20;  // replies without text: the question was lost
-constexpr unsigned kTries = 5;
+constexpr std::string_view kStopTelemetry = "tel stop\n";
+constexpr unsigned kDrained = 3;        // replies without text: nothing is left over
+constexpr unsigned kUnanswered = 20;    // replies without text: the question was lost
+constexpr unsigned kMostReplies = 200;  // for one answer
 
 std::span<const std::uint8_t> bytes_of_text(std::string_view text) noexcept {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
@@ -68,19 +69,30 @@ EncodeStatus encode_console_answer(const MoteusDriver& driver, const CanFrame& r
 }
 
 void ConsoleReader::begin() noexcept {
-  tries_ = 0;
+  replies_ = 0;
   start_over();
 }
 
 void ConsoleReader::start_over() noexcept {
-  step_ = Step::drain;
+  step_ = Step::stop;
+  quiet_ = 0;
+  line_.clear();
+}
+
+/// It may have carried text that was left over, or be that of a command that was taken.
+void ConsoleReader::lose_reply() noexcept {
+  if (step_ == Step::drain) quiet_ = 0;
+  if (step_ != Step::ask) return;
+  step_ = Step::read;
   quiet_ = 0;
   line_.clear();
 }
 
 EncodeStatus ConsoleReader::ask(const MoteusDriver& driver, std::string_view command, bool lost,
-                                CanFrame& frame) noexcept {
-  if (lost) start_over();
+                                CanFrame& frame, Given given) noexcept {
+  given_ = given;
+  if (lost) lose_reply();
+  if (step_ == Step::stop) return encode_console(driver, kStopTelemetry, frame);
   if (step_ != Step::ask) return encode_console_poll(driver, frame);
   ConsoleText line;
   line.append(command);
@@ -92,10 +104,15 @@ ConsoleReader::Progress ConsoleReader::take(const MoteusDriver& driver, const Ca
   const std::optional<ConsoleText> text = decode_console(driver, frame);
   if (!text) return Progress::none;
   quiet_ = text->view().empty() ? quiet_ + 1 : 0;
+  const Progress unanswered = ++replies_ < kMostReplies ? Progress::more : Progress::failed;
   switch (step_) {
+    case Step::stop:
+      step_ = Step::drain;
+      quiet_ = 0;
+      return unanswered;
     case Step::drain:
       if (quiet_ >= kDrained) step_ = Step::ask;
-      return Progress::more;
+      return unanswered;
     case Step::ask:
       line_.clear();
       step_ = Step::read;
@@ -108,11 +125,12 @@ ConsoleReader::Progress ConsoleReader::take(const MoteusDriver& driver, const Ca
   const bool ended = std::ranges::any_of(line_.view(), [](char each) { return each == '\n'; });
   if (ended && !answer().empty()) {
     step_ = Step::ask;
+    replies_ = 0;
     return Progress::answer;
   }
-  if (!ended && quiet_ < kUnanswered) return Progress::more;
-  start_over();
-  return ++tries_ < kTries ? Progress::more : Progress::failed;
+  if (given_ == Given::once) return ended ? Progress::failed : unanswered;
+  if (ended || quiet_ >= kUnanswered) start_over();
+  return unanswered;
 }
 
 std::string_view ConsoleReader::answer() const noexcept {

@@ -47,16 +47,20 @@ class ConsoleText {
                                                  std::string_view text, CanFrame& answer) noexcept;
 
 /// Gives a driver one command after the other, each with a line as its answer, a frame and its reply at a
-/// time. What an earlier one
-/// left unread is read away first, and again after a reply that was lost: an answer does not name its
-/// question.
+/// time. Telemetry is stopped first, and what is left unread is read away: an answer does not name its
+/// question. A reply that is lost may be that of a command that was taken: then it only waits for the answer.
 class ConsoleReader {
  public:
+  /// A command that gets no answer.
+  enum class Given : std::uint8_t {
+    again,  ///< is given again, a few times
+    once,   ///< has failed
+  };
   enum class Progress : std::uint8_t {
     none,    ///< the frame was not of the command line
     more,    ///< send the next frame
     answer,  ///< see answer()
-    failed,  ///< no answer that can be read after several tries
+    failed,  ///< no answer that can be read, or text without end
   };
 
   /// Begins with the first command, after all that is left over has been read.
@@ -64,19 +68,21 @@ class ConsoleReader {
   /// Next frame to send, for a command such as "conf get servo.timeout_mode". It may be given twice.
   /// @param lost  the last one got no reply
   [[nodiscard]] EncodeStatus ask(const MoteusDriver& driver, std::string_view command, bool lost,
-                                 CanFrame& frame) noexcept;
+                                 CanFrame& frame, Given given = Given::again) noexcept;
   [[nodiscard]] Progress take(const MoteusDriver& driver, const CanFrame& frame) noexcept;
   /// The line that came, without its end.
   [[nodiscard]] std::string_view answer() const noexcept;
 
  private:
-  enum class Step : std::uint8_t { drain, ask, read };
+  enum class Step : std::uint8_t { stop, drain, ask, read };
 
   void start_over() noexcept;
+  void lose_reply() noexcept;
 
-  Step step_ = Step::drain;
-  unsigned quiet_ = 0;  ///< replies in a row without text
-  unsigned tries_ = 0;
+  Step step_ = Step::stop;
+  Given given_ = Given::again;  ///< the present command
+  unsigned quiet_ = 0;          ///< replies in a row without text
+  unsigned replies_ = 0;        ///< since the last answer
   ConsoleText line_;
 };
 

@@ -34,9 +34,9 @@ namespace stilt::hal::moteus {
 }
 [[nodiscard]] constexpr double report_rate_hz(const MoteusDriver&) noexcept { return 0; }
 [[nodiscard]] constexpr std::uint32_t address(const MoteusDriver& driver) noexcept { return driver.id; }
-[[nodiscard]] constexpr std::optional<FrameId> reply_id(const MoteusDriver& driver) noexcept {
+[[nodiscard]] constexpr std::optional<ReplyId> reply_id(const MoteusDriver& driver) noexcept {
   const std::uint32_t id = static_cast<std::uint32_t>(driver.id) << 8 | driver.source;
-  return FrameId{id, id > kMaximumStandardId};
+  return ReplyId{{id, id > kMaximumStandardId}};
 }
 [[nodiscard]] inline MoteusBringUp make_bring_up(const MoteusDriver& driver,
                                                  const bring_up::Options& options) noexcept {

@@ -64,6 +64,10 @@ void MoteusEmulator::power_cycle() noexcept {
   power_stage_off_ns_ = 0;
   question_.clear();
   answers_ = {};
+  settings_.telemetry_ns = 0;
+  deaf_until_ns_ = 0;
+  waiting_count_ = 0;
+  late_answer_.reset();
   staged_ = command_ = kUnspecified;
   set_zero_rad(written_zero_rad_);
   home_ = home_at_power_up_;
@@ -294,10 +298,13 @@ ConsoleText MoteusEmulator::setting(std::string_view name) const noexcept {
 }
 
 /// A line of the command line: its answer without its end.
-ConsoleText MoteusEmulator::execute(std::string_view line) noexcept {
+ConsoleText MoteusEmulator::execute(std::int64_t now_ns, std::string_view line) noexcept {
   constexpr std::string_view kGet = "conf get ";
   if (line == "conf write") {
     written_zero_rad_ = zero_rad();
+    deaf_until_ns_ = now_ns + settings_.flash_ns;
+  } else if (line == "tel stop") {
+    if (settings_.telemetry_stops) settings_.telemetry_ns = 0;
   } else if (line == "d cfg-set-output 0" || line == "d exact 0") {
     count_from(0);
     if (line == "d exact 0") home_ = MoteusHome::output;
@@ -309,29 +316,67 @@ ConsoleText MoteusEmulator::execute(std::string_view line) noexcept {
   return text;
 }
 
+/// What `tel rate` has asked for, between two answers.
+void MoteusEmulator::report(std::int64_t now_ns) noexcept {
+  const bool due = settings_.telemetry_ns > 0 && now_ns >= next_telemetry_ns_;
+  if (!due || !answers_[0].view().empty()) return;
+  next_telemetry_ns_ = now_ns + settings_.telemetry_ns;
+  answers_[0].append("emit servo_stats\r\n");
+  answers_[1].append("\x01\x02\x03");
+}
+
 /// Answered by a later reply, a part at a time.
-bool MoteusEmulator::take_console(const CanFrame& frame, FrameSink& replies) noexcept {
+bool MoteusEmulator::take_console(std::int64_t now_ns, const CanFrame& frame, FrameSink& replies) noexcept {
   const std::optional<ConsoleText> text = decode_console_request(driver_, frame);
   if (!text) return false;
   CanFrame answer;
-  if (encode_console_answer(driver_, frame, answers_[0].view(), answer) == EncodeStatus::ok) {
-    replies.push(answer);
-  }
+  report(now_ns);
+  if (encode_console_answer(driver_, frame, answers_[0].view(), answer) != EncodeStatus::ok) return true;
   answers_ = {answers_[1], ConsoleText{}};
   question_.append(text->view());
-  if (!question_.view().ends_with('\n')) return true;
-  std::string_view line = question_.view();
-  line.remove_suffix(1);
-  answers_[0] = execute(line);
-  answers_[1].append("\r\n");
-  question_.clear();
+  if (question_.view().ends_with('\n')) {
+    std::string_view line = question_.view();
+    line.remove_suffix(1);
+    answers_[0] = execute(now_ns, line);
+    answers_[1].clear();
+    answers_[1].append("\r\n");
+    question_.clear();
+  }
+  if (now_ns < deaf_until_ns_ && settings_.answers_after_flash) {
+    late_answer_ = answer;
+  } else {
+    replies.push(answer);
+  }
   return true;
 }
 
 void MoteusEmulator::take(std::int64_t now_ns, const CanFrame& frame, FrameSink& replies) noexcept {
   if (!powered()) return;
   elapse(now_ns, replies);
-  if (take_console(frame, replies)) return;
+  receive(now_ns, frame, replies);
+}
+
+void MoteusEmulator::receive(std::int64_t now_ns, const CanFrame& frame, FrameSink& replies) noexcept {
+  if (now_ns >= deaf_until_ns_) {
+    serve(now_ns, frame, replies);
+  } else if (waiting_count_ < waiting_.size() && is_frame_to(driver_, frame)) {
+    waiting_[waiting_count_++] = frame;
+  }
+}
+
+/// Once it is no longer deaf.
+void MoteusEmulator::serve_waiting(std::int64_t now_ns, FrameSink& replies) noexcept {
+  if (now_ns < deaf_until_ns_ || !powered()) return;
+  if (late_answer_) replies.push(*late_answer_);
+  late_answer_.reset();
+  const std::array<CanFrame, 3> frames = waiting_;
+  const std::size_t count = waiting_count_;
+  waiting_count_ = 0;
+  for (std::size_t frame = 0; frame < count; ++frame) receive(now_ns, frames[frame], replies);
+}
+
+void MoteusEmulator::serve(std::int64_t now_ns, const CanFrame& frame, FrameSink& replies) noexcept {
+  if (take_console(now_ns, frame, replies)) return;
   staged_mode_ = -1;
   CanFrame answer;
   bool answered = false;
@@ -344,7 +389,8 @@ void MoteusEmulator::take(std::int64_t now_ns, const CanFrame& frame, FrameSink&
 }
 
 /// The watchdog runs from the newest command on, in position mode and on the way there.
-void MoteusEmulator::elapse(std::int64_t now_ns, FrameSink& /*replies*/) noexcept {
+void MoteusEmulator::elapse(std::int64_t now_ns, FrameSink& replies) noexcept {
+  serve_waiting(now_ns, replies);
   if (mode_ == MoteusMode::enabling && now_ns >= calibrating_from_ns_) mode_ = MoteusMode::calibrating;
   if (mode_ == MoteusMode::calibrating && now_ns >= calibrating_from_ns_ + settings_.calibration_ns) {
     enter_position_mode();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 
 #include "hal/driver/emulated_driver.h"
 #include "hal/moteus/moteus.h"
@@ -32,6 +33,12 @@ struct MoteusSettings {
   double timeout_max_torque_Nm = 5;                                            ///< servo
   std::int64_t power_stage_ns = 4'500'000;  ///< polled every millisecond: 4 to 5 ms
   std::int64_t calibration_ns = 8'533'000;  ///< 256 samples of the current sensors' zero
+  /// The firmware erases two pages of flash for a `conf write` (fw/stm32g4_flash.h), 22 ms each by the data
+  /// sheet of the STM32G4 (DS12288). The rest, for programming, is an estimate.
+  std::int64_t flash_ns = 60'000'000;
+  bool answers_after_flash = false;  ///< the frame that carries `conf write`, too
+  std::int64_t telemetry_ns = 0;     ///< between two texts that `tel rate` has asked for; 0: none
+  bool telemetry_stops = true;       ///< at `tel stop`
 };
 
 /// Set up as docs/deployment.md says.
@@ -47,8 +54,9 @@ struct MoteusSettings {
 /// moteus: registers, trajectory, bounds, and the watchdog that latches mode `timeout` until a stop
 /// arrives. From stopped to position mode takes the time of its power stage and its current sensors. The
 /// power stage stays on for a while after a stop. A frame is answered before what it writes takes effect.
+/// While it writes its flash it is deaf: three frames wait in its CAN controller, later ones are lost.
 /// Facts: github.com/mjbots/moteus, fw/moteus_controller.cc, fw/bldc_servo_control.h, fw/bldc_servo.cc,
-/// fw/drv8323.cc (db1a762); traces of that firmware: tests/data/traces.
+/// fw/drv8323.cc, fw/stm32g4_flash.h, fw/moteus.cc (db1a762); traces of that firmware: tests/data/traces.
 class MoteusEmulator final : public EmulatedDriver {
  public:
   explicit MoteusEmulator(const MoteusDriver& driver, const MoteusSettings& settings = {}) noexcept;
@@ -69,6 +77,10 @@ class MoteusEmulator final : public EmulatedDriver {
   }
   /// A firmware that does not keep the watchdog written to it.
   void ignore_watchdog(bool ignore) noexcept { ignore_watchdog_ = ignore; }
+  void set_flash(std::int64_t duration_ns, bool answers_afterwards) noexcept {
+    settings_.flash_ns = duration_ns;
+    settings_.answers_after_flash = answers_afterwards;
+  }
 
  private:
   struct Encoder {
@@ -89,9 +101,13 @@ class MoteusEmulator final : public EmulatedDriver {
   [[nodiscard]] double law_Nm(double kp_scale, double kd_scale) const noexcept;
   [[nodiscard]] bool drives() const noexcept;
   void apply(std::int64_t now_ns, MoteusMode wanted) noexcept;
-  [[nodiscard]] bool take_console(const CanFrame& frame, FrameSink& replies) noexcept;
+  [[nodiscard]] bool take_console(std::int64_t now_ns, const CanFrame& frame, FrameSink& replies) noexcept;
   [[nodiscard]] ConsoleText setting(std::string_view name) const noexcept;
-  [[nodiscard]] ConsoleText execute(std::string_view line) noexcept;
+  [[nodiscard]] ConsoleText execute(std::int64_t now_ns, std::string_view line) noexcept;
+  void report(std::int64_t now_ns) noexcept;
+  void receive(std::int64_t now_ns, const CanFrame& frame, FrameSink& replies) noexcept;
+  void serve(std::int64_t now_ns, const CanFrame& frame, FrameSink& replies) noexcept;
+  void serve_waiting(std::int64_t now_ns, FrameSink& replies) noexcept;
   void begin_enabling(std::int64_t now_ns) noexcept;
   void turn_off(std::int64_t now_ns) noexcept;
   void aim() noexcept;
@@ -115,6 +131,11 @@ class MoteusEmulator final : public EmulatedDriver {
   double written_zero_rad_ = 0;           ///< by conf write
   ConsoleText question_;                  ///< that its command line has so far
   std::array<ConsoleText, 2> answers_{};  ///< of its command line, one per reply: value, end of line
+  std::int64_t deaf_until_ns_ = 0;
+  std::array<CanFrame, 3> waiting_{};  ///< received while it was deaf
+  std::size_t waiting_count_ = 0;
+  std::optional<CanFrame> late_answer_;  ///< once it is no longer deaf
+  std::int64_t next_telemetry_ns_ = 0;
   std::int64_t calibrating_from_ns_ = 0;
   std::int64_t power_stage_off_ns_ = 0;  ///< from then on
   std::int64_t last_command_ns_ = 0;

@@ -42,11 +42,14 @@ MoteusSettingReader::MoteusSettingReader(const MoteusDriver& driver, const bring
 }
 
 std::optional<CanFrame> MoteusSettingReader::next(bool lost, bool give_up) {
-  if (give_up) ++asked_;
+  if (give_up) {
+    ++asked_;
+    console_.begin();
+  }
   if (asked_ >= settings_.size()) return std::nullopt;
   CanFrame frame;
   const std::string question = "conf get " + settings_[asked_].name;
-  if (console_.ask(driver_, question, lost || give_up, frame) != EncodeStatus::ok) return std::nullopt;
+  if (console_.ask(driver_, question, lost && !give_up, frame) != EncodeStatus::ok) return std::nullopt;
   return frame;
 }
 

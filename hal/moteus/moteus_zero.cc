@@ -6,14 +6,22 @@
 namespace stilt::hal::moteus {
 namespace {
 
-constexpr std::array<std::string_view, 3> kCommands{"d cfg-set-output 0", "conf write", "d exact 0"};
+using Given = ConsoleReader::Given;
+
+struct Command {
+  std::string_view text;
+  Given given;
+};
+constexpr std::array<Command, 3> kCommands{
+    {{"d cfg-set-output 0", Given::again}, {"conf write", Given::once}, {"d exact 0", Given::again}}};
 
 }  // namespace
 
 CanFrame MoteusZero::next(bool lost) noexcept {
   CanFrame frame;
   if (stopped_) {
-    static_cast<void>(console_.ask(driver_, kCommands[command_], lost, frame));  // a valid driver
+    const Command& command = kCommands[command_];
+    static_cast<void>(console_.ask(driver_, command.text, lost, frame, command.given));  // a valid driver
   } else {
     static_cast<void>(encode_stop(driver_, MoteusQuery::state, frame));
   }
@@ -36,7 +44,7 @@ ZeroProgress MoteusZero::take(const CanFrame& frame) noexcept {
     case ConsoleReader::Progress::more:
       return ZeroProgress::more;
     case ConsoleReader::Progress::failed:
-      return ZeroProgress::failed;
+      return ZeroProgress::unread;
     case ConsoleReader::Progress::answer:
       break;
   }

@@ -9,8 +9,8 @@
 namespace stilt::hal::moteus {
 
 /// A stop, then commands over the command line. They make the present position zero in the configuration,
-/// keep it over a power cycle, and count from it at once. Facts: github.com/mjbots/moteus, docs/protocol/
-/// diagnostic.md (42d1708). Start-up only.
+/// keep it over a power cycle, and count from it at once. Flash wears, so it is written once. Facts:
+/// github.com/mjbots/moteus, docs/protocol/diagnostic.md (42d1708). Start-up only.
 class MoteusZero {
  public:
   explicit MoteusZero(const MoteusDriver& driver) noexcept : driver_(driver) {}

@@ -31,7 +31,7 @@ inline constexpr double kOdriveEstimates_hz = 1000;  ///< encoder_msg_rate_ms = 
 /// Of its estimates, by its own clock: bring-up requires that rate.
 [[nodiscard]] constexpr double report_rate_hz(const OdriveDriver&) noexcept { return kOdriveEstimates_hz; }
 [[nodiscard]] constexpr std::uint32_t address(const OdriveDriver& driver) noexcept { return driver.node; }
-[[nodiscard]] constexpr std::optional<FrameId> reply_id(const OdriveDriver&) noexcept { return std::nullopt; }
+[[nodiscard]] constexpr std::optional<ReplyId> reply_id(const OdriveDriver&) noexcept { return std::nullopt; }
 [[nodiscard]] inline OdriveBringUp make_bring_up(const OdriveDriver& driver,
                                                  const bring_up::Options& options) noexcept {
   return {driver, options};

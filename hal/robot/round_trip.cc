@@ -14,9 +14,9 @@ std::array<ReplyFrame, kJoints> reply_frames(const RobotWiring& wiring) noexcept
   std::array<ReplyFrame, kJoints> replies;
   for (std::size_t joint = 0; joint < kJoints; ++joint) {
     const JointWiring& wired = wiring.joints[joint];
-    const std::optional<FrameId> reply =
+    const std::optional<ReplyId> reply =
         visit_driver(wired.driver, [](const auto& driver) { return reply_id(driver); });
-    if (reply) replies[joint] = {true, wired.bus, reply->id, reply->extended};
+    if (reply) replies[joint] = {true, wired.bus, *reply};
   }
   return replies;
 }

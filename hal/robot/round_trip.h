@@ -14,11 +14,11 @@ namespace stilt::hal {
 struct ReplyFrame {
   bool exists = false;  ///< ODrives do not reply
   std::uint8_t bus = 0;
-  std::uint32_t id = 0;
-  bool extended = false;
+  ReplyId reply;
 
   [[nodiscard]] bool is(const CanFrame& frame) const noexcept {
-    return exists && frame.id == id && frame.extended == extended && !frame.error;
+    return exists && frame.id == reply.id && frame.extended == reply.extended && !frame.error &&
+           (frame.data[0] & reply.sender_mask) == reply.sender;
   }
 };
 

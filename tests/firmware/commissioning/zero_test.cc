@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
+#include <string_view>
 
+#include "hal/moteus/moteus_emulator.h"
 #include "tests/firmware/commissioning/hanging_robot.h"
 
 namespace stilt::commissioning {
@@ -118,6 +121,44 @@ TEST(ZeroOfAMoteus, MakesThePositionOfARotorThatOfTheJoint) {
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint)
     robot.robot.drivers().driver(joint).power_cycle();
   EXPECT_FALSE(is_up());
+}
+
+/// Times that a command was sent to the left hip.
+long times(const HangingRobot& robot, std::string_view command) {
+  const hal::RobotWiring wiring = configuration::robot_wiring(robot.configuration.hardware);
+  const auto& driver = std::get<hal::moteus::MoteusDriver>(wiring.joints[0].driver);
+  return std::ranges::count_if(robot.buses[0].sent, [&](const hal::CanFrame& frame) {
+    const auto text = hal::moteus::decode_console_request(driver, frame);
+    return text && text->view().substr(0, text->view().find('\n')) == command;
+  });
+}
+
+TEST(ZeroOfAMoteus, ThatIsDeafWhileItWritesItsFlashIsWrittenOnce) {
+  constexpr std::int64_t kMillisecond_ns = 1'000'000;
+  for (const std::int64_t deaf_ms : {25, 60, 300}) {
+    for (const bool answers_afterwards : {false, true}) {
+      HangingRobot robot({.both = drivers("moteus"), .robot = kAway, .miswired = {}});
+      static_cast<hal::moteus::MoteusEmulator&>(robot.robot.drivers().driver(0))
+          .set_flash(deaf_ms * kMillisecond_ns, answers_afterwards);
+      const auto report = zeroed(robot);
+      ASSERT_TRUE(report) << report.error().sentence;
+      EXPECT_TRUE(report->good()) << to_text(*report);
+      EXPECT_EQ(times(robot, "conf write"), 1) << deaf_ms;
+      EXPECT_EQ(times(robot, "d exact 0"), 1) << deaf_ms;
+    }
+  }
+}
+
+TEST(ZeroOfAMoteus, ThatNeverEndsWritingIsWrittenOnceAndGivenUpAfterOneSecond) {
+  HangingRobot robot({.both = drivers("moteus"), .robot = kAway, .miswired = {}});
+  static_cast<hal::moteus::MoteusEmulator&>(robot.robot.drivers().driver(0))
+      .set_flash(1'000'000'000'000, false);
+  const std::int64_t began_ns = robot.now_ns();
+  const auto report = zeroed(robot);
+  ASSERT_FALSE(report);
+  EXPECT_EQ(report.error().sentence, "the driver of hip_L does not answer");
+  EXPECT_EQ(times(robot, "conf write"), 1);
+  EXPECT_LE(robot.now_ns() - began_ns, 1'200'000'000);
 }
 
 TEST(ZeroOfAnAkV3, IsWrittenToItsFlashOnceAndOnlyAfterItIsLimp) {

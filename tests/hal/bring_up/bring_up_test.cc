@@ -77,6 +77,32 @@ TEST_F(BringUpTest, AReadyDriverStaysEnabledAsLongAsStepsGoOnAndIsDisabledAfterw
   EXPECT_EQ(moteus.mode(), moteus::MoteusMode::timeout) << "which damps";
 }
 
+/// Answers every request with a wish for the next one.
+class EndlessBringUp final : public BringUp {
+ public:
+  explicit EndlessBringUp(const Options& options) : BringUp(options) {}
+
+ private:
+  Ask ask(Stage, unsigned, CanFrame& frame) noexcept override {
+    frame = classic_frame(1, 1);
+    return Ask::wait_for_answer;
+  }
+  Verdict judge(Stage, unsigned, const CanFrame&) noexcept override { return Verdict::next_part; }
+  bool keep_alive(CanFrame&) noexcept override { return false; }
+};
+
+TEST_F(BringUpTest, AStageWhoseDriverAnswersWithoutEndFailsInTime) {
+  EndlessBringUp bring_up(options_);
+  const CanFrame answer = classic_frame(2, 1);
+  StepResult result;
+  std::int64_t now_ns = 1'000'000'000;
+  for (; now_ns < 10'000'000'000 && result.stage != Stage::failed; now_ns += kTick_ns) {
+    result = bring_up.step(now_ns, std::span(&answer, 1));
+  }
+  EXPECT_EQ(result.failure, Failure::rejected);
+  EXPECT_NEAR(static_cast<double>(now_ns) * 1e-9, 3.0, 0.1) << "2 s";
+}
+
 TEST_F(BringUpTest, AReadyDriverThatLosesItsPowerIsBroughtUpAnew) {
   moteus::MoteusEmulator moteus = moteus::make_emulator({});
   mit::MitEmulator mit = mit::make_emulator(damiao());

@@ -108,6 +108,35 @@ TEST_F(FactorySettings, OfAMoteusReadTheSameWhenEveryTwentiethFrameIsLost) {
   }
 }
 
+/// As tview leaves it, a text every so many milliseconds.
+TEST_F(FactorySettings, OfAMoteusThatSendsTelemetryAreReadOnceThatIsStopped) {
+  for (const std::int64_t period_ns :
+       {kMillisecond_ns / 2, 2 * kMillisecond_ns, 7 * kMillisecond_ns, 100 * kMillisecond_ns}) {
+    moteus::MoteusSettings settings = moteus::documented_settings(moteus_driver());
+    settings.telemetry_ns = period_ns;
+    const StepResult result = moteus(settings);
+    EXPECT_EQ(result.stage, Stage::ready) << name(result.failure) << ", " << name(result.setting);
+  }
+}
+
+/// Some texts fall between two answers: then it comes up.
+TEST_F(FactorySettings, OfAMoteusWhoseCommandLineNeverEndsAreRefusedByThatName) {
+  int refused = 0;
+  for (int period_ms = 1; period_ms <= 12; ++period_ms) {
+    moteus::MoteusSettings settings = moteus::documented_settings(moteus_driver());
+    settings.telemetry_ns = period_ms * kMillisecond_ns;
+    settings.telemetry_stops = false;
+    const std::int64_t began_ns = clock_.now_ns();
+    const StepResult result = moteus(settings);
+    EXPECT_LT(clock_.now_ns() - began_ns, 1'000 * kMillisecond_ns);
+    if (result.stage == Stage::ready) continue;
+    ++refused;
+    EXPECT_EQ(result.failure, Failure::rejected) << period_ms;
+    EXPECT_EQ(result.setting, Setting::moteus_command_line) << period_ms;
+  }
+  EXPECT_GE(refused, 4);
+}
+
 TEST_F(FactorySettings, OfAnOdriveAreRefusedOneByOneByName) {
   odrive::OdriveSettings settings;
   EXPECT_EQ(odrive(settings).setting, Setting::odrive_torque_mode_limit);

@@ -42,6 +42,90 @@ TEST(DriverZero, OfAMoteusIsWrittenAndStaysWithoutPower) {
   EXPECT_NEAR(position_rad(driver, emulator), 0.0, 1e-4);
 }
 
+/// Times that a command came to the command line of a moteus.
+struct Commands {
+  const moteus::MoteusDriver& driver;
+  int writes = 0;
+  int zeros = 0;
+
+  void count(const CanFrame& frame) {
+    const auto text = decode_console_request(driver, frame);
+    if (text && text->view().starts_with("conf write\n")) ++writes;
+    if (text && text->view().starts_with("d exact 0\n")) ++zeros;
+  }
+};
+
+/// A frame is lost that has no answer after 20 ms, as for stiltd zero.
+TEST(DriverZero, OfAMoteusThatIsDeafWhileItWritesItsFlashIsWrittenOnce) {
+  constexpr std::int64_t kMillisecond_ns = 1'000'000;
+  constexpr int kAnswer_ms = 20;
+  for (const std::int64_t deaf_ms : {25, 60, 300}) {
+    for (const bool answers_afterwards : {false, true}) {
+      const moteus::MoteusDriver driver;
+      moteus::MoteusEmulator emulator(driver);
+      emulator.motor.position_rad = 0.5;
+      emulator.set_flash(deaf_ms * kMillisecond_ns, answers_afterwards);
+      moteus::MoteusZero zero(driver);
+      ZeroProgress progress = ZeroProgress::more;
+      Commands commands{driver};
+      bool lost = false;
+      std::int64_t now_ns = 1'000'000'000;
+      for (int frames = 0; frames < 200 && progress == ZeroProgress::more; ++frames) {
+        const CanFrame question = zero.next(lost);
+        commands.count(question);
+        FrameSink replies;
+        emulator.take(now_ns, question, replies);
+        lost = true;
+        for (int wait_ms = 0; wait_ms < kAnswer_ms && lost; ++wait_ms) {
+          now_ns += kMillisecond_ns;
+          emulator.elapse(now_ns, replies);
+          lost = replies.frames().empty();
+        }
+        for (const CanFrame& reply : replies.frames()) {
+          if (progress == ZeroProgress::more) progress = zero.take(reply);
+        }
+      }
+      EXPECT_EQ(progress, ZeroProgress::done) << deaf_ms;
+      EXPECT_EQ(commands.writes, 1) << deaf_ms;
+      EXPECT_EQ(commands.zeros, 1) << deaf_ms;
+      emulator.power_cycle();
+      EXPECT_NEAR(position_rad(driver, emulator), 0.0, 1e-4) << deaf_ms;
+    }
+  }
+}
+
+/// Its first reply that carries text after `conf write` is lost.
+TEST(DriverZero, OfAMoteusWhoseAnswerIsLostIsNotWrittenAgain) {
+  const moteus::MoteusDriver driver;
+  moteus::MoteusEmulator emulator(driver);
+  moteus::MoteusZero zero(driver);
+  ZeroProgress progress = ZeroProgress::more;
+  Commands commands{driver};
+  bool lose = false;
+  bool lost = false;
+  for (int frame = 0; frame < 1000 && progress != ZeroProgress::unread; ++frame) {
+    const CanFrame question = zero.next(lost);
+    const int before = commands.writes;
+    commands.count(question);
+    lose = lose || commands.writes == before + 1;
+    FrameSink replies;
+    emulator.take(1'000'000 * (frame + 1), question, replies);
+    lost = true;
+    for (const CanFrame& reply : replies.frames()) {
+      const auto answer = decode_console(driver, reply);
+      const bool carries = answer && !answer->view().empty();
+      if (lose && carries) {
+        lose = false;
+        continue;
+      }
+      progress = zero.take(reply);
+      lost = false;
+    }
+  }
+  EXPECT_EQ(progress, ZeroProgress::unread);
+  EXPECT_EQ(commands.writes, 1) << "flash wears";
+}
+
 /// A conversation with an AK of version 3, of which so many reports arrive after the frame of its zero.
 struct AkConversation {
   int limp = 0;     ///< commands before the first write

@@ -148,6 +148,15 @@ std::string asked(MoteusEmulator& driver, const MoteusDriver& described, const s
   return "no answer";
 }
 
+/// The traces begin after `tel stop`, which the reader sends first.
+void stop_telemetry(ConsoleReader& reader, const MoteusDriver& described) {
+  CanFrame question, answer;
+  EXPECT_EQ(reader.ask(described, "conf get servo.timeout_mode", false, question), EncodeStatus::ok);
+  EXPECT_EQ(decode_console_request(described, question)->view().substr(0, 9), "tel stop\n");
+  EXPECT_EQ(encode_console_answer(described, question, "", answer), EncodeStatus::ok);
+  EXPECT_EQ(reader.take(described, answer), ConsoleReader::Progress::more);
+}
+
 TEST(MoteusTraces, SettingsReadOverTheCommandLineAsTheFirmwareWritesThem) {
   int answers = 0;
   for (const TraceScenario& trace : testing::read_trace(kFile)) {
@@ -156,6 +165,7 @@ TEST(MoteusTraces, SettingsReadOverTheCommandLineAsTheFirmwareWritesThem) {
     MoteusEmulator emulator(described, settings_of(trace));
     ConsoleReader reader;
     reader.begin();
+    stop_telemetry(reader, described);
     std::size_t i = 0;
     for (const TraceEvent& answer : trace.events) {
       if (answer.kind != "answer") continue;
