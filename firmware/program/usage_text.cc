@@ -1,6 +1,8 @@
 #include "firmware/program/usage_text.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdlib>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -95,15 +97,25 @@ void refuse_empty_behind_sign(const Names& words) {
   }
 }
 
+/// CLI11 reads nan as a number, and its ranges hold it.
+void refuse_nan(const CLI::Option& option) {
+  if (!option.get_type_name().starts_with("FLOAT")) return;
+  for (const std::string& value : option.results()) {
+    if (!std::isnan(std::strtod(value.c_str(), nullptr))) continue;
+    throw CLI::ValidationError(option.get_name(), value + " is no number; give one, such as 0.5");
+  }
+}
+
 /// Of a command line that was read.
-void refuse_empty_values(const CLI::App& app) {
+void refuse_values(const CLI::App& app) {
   for (const CLI::Option* option : app.get_options()) {
     const Names& values = option->results();
     if (option->get_items_expected_min() > 0 && contains(values, "")) {
       refuse_empty(option->get_name());
     }
+    refuse_nan(*option);
   }
-  for (const CLI::App* command : app.get_subcommands()) refuse_empty_values(*command);
+  for (const CLI::App* command : app.get_subcommands()) refuse_values(*command);
 }
 
 }  // namespace
@@ -112,7 +124,7 @@ void parse(CLI::App& program, std::vector<std::string> words) {
   refuse_empty_behind_sign(words);
   std::ranges::reverse(words);  // as CLI11 takes them
   program.parse(std::move(words));
-  refuse_empty_values(program);
+  refuse_values(program);
 }
 
 std::string usage_text(const CLI::App& program, const CLI::ParseError& error) {

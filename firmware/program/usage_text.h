@@ -7,7 +7,7 @@
 namespace stilt::program {
 
 /// Reads a command line. An option with an empty value is refused, as `--config ''` and `--config=` are: the
-/// program does not take a default in its place. Start-up, ordinary threads.
+/// program does not take a default in its place. A number that is NaN is refused. Start-up, ordinary threads.
 /// @param words  those after the program's name, in their order
 /// @throws CLI::ParseError, as App::parse() does
 void parse(CLI::App& program, std::vector<std::string> words);

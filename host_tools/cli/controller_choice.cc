@@ -187,9 +187,12 @@ std::shared_ptr<const gait::GaitLibrary> gait_library(const ControllerChoice& ch
 }
 
 const model::RobotModel* planning_model(const ControllerChoice& choice) {
-  if (choice.controller != "mpc-lumped") return nullptr;
   if (std::ranges::find(lump_names(), choice.lump) == lump_names().end()) {
     throw UsageError("--lump " + choice.lump + ": known are " + listed(lump_names()));
+  }
+  if (choice.controller != "mpc-lumped") {
+    if (choice.lump == ControllerChoice{}.lump) return nullptr;
+    throw UsageError("--lump " + choice.lump + ": only --controller mpc-lumped neglects mass and inertia");
   }
   const auto lump = choice.lump == "legs" ? planning_model::Lump::legs : planning_model::Lump::drives;
   return &planning_model::lumped(robot_model(choice.robot), lump);

@@ -138,6 +138,7 @@ log::RunRecord run(const WalkSetting& setting, const WalkCase& walk) {
 WalkSetting setting_for(const WalkSetting& setting, const std::string& controller) {
   WalkSetting own = setting;
   if (controller != "mpc-hzd" && controller != "hzd-pd") own.choice.gait_folder.clear();
+  if (controller != "mpc-lumped") own.choice.lump = ControllerChoice{}.lump;
   return own;
 }
 

@@ -91,7 +91,7 @@ void write_json(const Json& json, const std::string& path) {
 void write_log(const log::RunRecord& record, const std::string& path) {
   if (path.empty()) return;
   log::write_sample_log(record, path);
-  std::fprintf(stderr, "written: %s\n", path.c_str());
+  if (path != "-") std::fprintf(stderr, "written: %s\n", path.c_str());
 }
 
 void write_each(std::initializer_list<std::function<void()>> writers) {

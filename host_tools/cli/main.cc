@@ -54,6 +54,22 @@ std::vector<std::string> arguments(int argc, char** argv) {
   return words;
 }
 
+/// The words of `stilt help` up to the first that is no command; empty when all are.
+std::string no_command(const CLI::App& program, int argc, char** argv) {
+  if (argc < 2 || argv[1] != std::string("help")) return "";
+  const CLI::App* command = &program;
+  std::string words;
+  for (int i = 2; i < argc && argv[i][0] != '-'; ++i) {
+    const std::string word = argv[i];
+    words += (words.empty() ? "" : " ") + word;
+    const auto named =
+        command->get_subcommands([&](const CLI::App* inner) { return inner->get_name() == word; });
+    if (named.empty()) return words;
+    command = named.front();
+  }
+  return "";
+}
+
 int run(int argc, char** argv) {
   CLI::App program{"Onboard whole-body predictive controller for planar walking robots.", "stilt"};
   program.footer("`stilt help COMMAND` or `stilt COMMAND --help` lists the options of a command.");
@@ -91,6 +107,9 @@ int run(int argc, char** argv) {
   eval->add_option("--robot", model_robot, stilt::cli::robot_help())->capture_default_str();
 
   stilt::cli::add_examples(program);
+  if (const std::string words = no_command(program, argc, argv); !words.empty()) {
+    return refuse("help: " + words + " is no command; see stilt --help");
+  }
   try {
     stilt::program::parse(program, arguments(argc, argv));
   } catch (const CLI::Success& help_or_version) {

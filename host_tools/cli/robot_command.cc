@@ -110,7 +110,9 @@ CLI::App* add_robot_command(CLI::App& program, RobotOptions& options) {
                    "a mistake of the wiring, NAME:JOINT; repeatable. Others are keys of --set, such as "
                    "exchanged identifiers")
       ->allow_extra_args(false);
-  robot->add_option("--seed", options.seed, "of the sensor noise")->capture_default_str();
+  robot->add_option("--seed", options.seed, "of the sensor noise")
+      ->check(CLI::Range(std::uint32_t{0}, std::numeric_limits<std::uint32_t>::max()))
+      ->capture_default_str();
   robot->add_flag(
       "--publish", options.publish,
       "publishes over DDS what only a simulation has (contact forces, pushes), for stilt monitor");

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <CLI/App.hpp>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,7 +28,7 @@ struct RobotOptions {
   std::vector<std::string> plant_settings;
   bool publish = false;
   telemetry::Network network;
-  long long seed = 1;
+  std::uint32_t seed = 1;
   std::string json_file, report_file, log_file, frames_file;
 };
 

@@ -81,9 +81,6 @@ void add_mistakes(const RobotOptions& options, robot_on_bus::RobotSetup& setup) 
 }
 
 void check_numbers(const RobotOptions& options) {
-  if (options.seed < 0) {
-    throw UsageError("--seed " + std::to_string(options.seed) + ": the seed must not be negative");
-  }
   if (options.duration_s && !(*options.duration_s > 0.0)) {
     throw UsageError("--duration " + simulation::number_text(*options.duration_s) +
                      ": the duration must be above 0 s");
@@ -129,7 +126,7 @@ SimulatedHardware simulated_hardware(const RobotOptions& options) {
   setup.plant.time_step_s = simulation::time_step_for_tick(setup.plant.time_step_s, setup.tick_s);
   setup.model = simulation::make_plant_model(find_robot(configured.hardware.robot).tree, setup.plant,
                                              configured.reference.base_height_m);
-  setup.seed = static_cast<std::uint64_t>(options.seed);
+  setup.seed = options.seed;
   const model::RobotConstants& robot = hardware.robot->constants;
   setup.standing = standing_on_ground(setup.plant, {robot.thigh_length_m, robot.shin_length_m}, configured);
   if (options.hang) setup.gantry = robot_on_bus::hanging_for_good();

@@ -8,12 +8,18 @@
 namespace stilt::cli {
 namespace {
 
-/// Adds corners of the ground's profile, from slightly behind the start to slightly beyond the end.
-void add_ground(const simulation::Plant& plant, const simulation::PlantOptions& world, double end_x_m,
+/// Adds corners of the ground's profile, from slightly behind to slightly beyond the places of the robot.
+void add_ground(const simulation::Plant& plant, const simulation::PlantOptions& world,
                 log::RunRecord& record) {
   constexpr double kMargin_m = 5.0;
   constexpr double kEdge_m = 1e-6;
-  std::vector<double> corners = {std::min(0.0, end_x_m) - kMargin_m, std::max(0.0, end_x_m) + kMargin_m};
+  double least_x_m = std::min(0.0, record.summary.distance_m);
+  double largest_x_m = std::max(0.0, record.summary.distance_m);
+  for (const log::RunSample& sample : record.samples) {
+    least_x_m = std::min(least_x_m, sample.true_state[0]);
+    largest_x_m = std::max(largest_x_m, sample.true_state[0]);
+  }
+  std::vector<double> corners = {least_x_m - kMargin_m, largest_x_m + kMargin_m};
   const double step_m = world.step_position_m;
   if (world.step_height_m != 0.0 && step_m > corners.front() && step_m < corners.back()) {
     corners.insert(corners.begin() + 1, {step_m - kEdge_m, step_m});
@@ -42,7 +48,7 @@ void describe_run(const model::RobotConstants& robot, const simulation::Plant& p
     record.torque_limit_Nm[joint] = plant.torque_limit_Nm()[joint];
   }
   record.friction_coefficient = world.friction;
-  add_ground(plant, world, record.summary.distance_m, record);
+  add_ground(plant, world, record);
 }
 
 }  // namespace stilt::cli

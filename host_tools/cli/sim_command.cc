@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <limits>
 #include <vector>
 
 #include "host_tools/cli/json_output.h"
@@ -43,7 +44,7 @@ std::vector<TimedCommand> commands_of(const SimOptions& options) {
   }
   std::vector<TimedCommand> commands = {{0.0, {simulation::parse_gait(options.gait), options.speed_m_s}}};
   for (const std::string& text : options.later_commands)
-    commands.push_back(simulation::parse_timed_command(text));
+    commands.push_back(simulation::parse_timed_command(text, options.speed_m_s));
   std::stable_sort(commands.begin(), commands.end(),
                    [](const TimedCommand& a, const TimedCommand& b) { return a.start_s < b.start_s; });
   return commands;
@@ -60,13 +61,24 @@ std::vector<simulation::TimedFault> faults_of(const SimOptions& options) {
   return faults;
 }
 
+/// Refuses what begins only after the run.
+void check_begins(const SimOptions& options, const RunSettings& settings) {
+  const auto check = [&](const std::string& option, double start_s) {
+    if (start_s < options.duration_s) return;
+    throw UsageError(option + " at " + simulation::number_text(start_s) +
+                     " s never begins: the run ends at " + simulation::number_text(options.duration_s) +
+                     " s; take a longer --duration");
+  };
+  for (const simulation::Push& push : settings.pushes) check("--push", push.start_s);
+  for (const TimedCommand& command : settings.commands) check("--then", command.start_s);
+  for (const simulation::TimedFault& fault : settings.faults) check("--fault", fault.start_s);
+}
+
 RunSettings run_settings(const SimOptions& options, const model::RobotConstants& robot) {
   if (!(options.duration_s > 0.0 && options.duration_s <= kLongestRun_s)) {
     throw UsageError("--duration " + simulation::number_text(options.duration_s) +
                      ": the duration must be above 0 and at most 86400 s");
   }
-  if (options.seed < 0)
-    throw UsageError("--seed " + std::to_string(options.seed) + ": the seed must not be negative");
   RunSettings settings;
   settings.duration_s = options.duration_s;
   settings.leg = {robot.thigh_length_m, robot.shin_length_m};
@@ -75,6 +87,7 @@ RunSettings run_settings(const SimOptions& options, const model::RobotConstants&
   simulation::check_pushes(settings.pushes);
   settings.use_true_state = simulation::parse_knows_truth(options.state);
   settings.faults = faults_of(options);
+  check_begins(options, settings);
   if (options.planner_until_s && !(*options.planner_until_s > 0.0)) {
     throw UsageError("--planner-until " + simulation::number_text(*options.planner_until_s) +
                      ": the time must be above 0 s");
@@ -92,7 +105,9 @@ void write_sim_json(const log::RunSummary& summary, simulation::Fall fall, const
 }
 
 void write_results(const SimOptions& options, const log::RunRecord& record, simulation::Fall fall) {
-  if (options.json_file != "-") std::fputs(summary_text(record.summary, fall).c_str(), stdout);
+  if (options.json_file != "-" && options.log_file != "-" && options.report_file != "-") {
+    std::fputs(summary_text(record.summary, fall).c_str(), stdout);
+  }
   write_each({[&] {
                 if (!options.json_file.empty()) write_sim_json(record.summary, fall, options.json_file);
               },
@@ -120,7 +135,8 @@ CLI::App* add_sim_command(CLI::App& program, SimOptions& options) {
       ->capture_default_str();
   sim->add_option("--speed", options.speed_m_s, "walking speed, m/s, negative backward")
       ->capture_default_str();
-  sim->add_option("--then", options.later_commands, "a later command, GAIT[:SPEED]@START; repeatable")
+  sim->add_option("--then", options.later_commands,
+                  "a later command, GAIT[:SPEED]@START, without SPEED at that of --speed; repeatable")
       ->allow_extra_args(false);
   sim->add_option("--duration", options.duration_s, "simulated time, s")->capture_default_str();
   sim->add_option("--push", options.pushes,
@@ -135,14 +151,17 @@ CLI::App* add_sim_command(CLI::App& program, SimOptions& options) {
          "--fault", options.faults,
          "a fault of the robot, NAME[:JOINT]@START[+DURATION], times in s from the start; repeatable")
       ->allow_extra_args(false);
-  sim->add_option("--seed", options.seed, "seed of the sensor noise")->capture_default_str();
+  sim->add_option("--seed", options.seed, "seed of the sensor noise")
+      ->check(CLI::Range(std::uint32_t{0}, std::numeric_limits<std::uint32_t>::max()))
+      ->capture_default_str();
   sim->add_option("--plant", options.plant_settings,
                   "changes the simulated robot or its world: KEY=VALUE; repeatable")
       ->allow_extra_args(false);
   sim->add_option("--json", options.json_file,
                   "writes the results as JSON to a file, or - for standard output");
   sim->add_option("--report", options.report_file, "writes a page with animation and plots, HTML");
-  sim->add_option("--log", options.log_file, "writes the samples, one JSON object per line");
+  sim->add_option("--log", options.log_file,
+                  "writes the samples, one JSON object per line, to a file, or - for standard output");
   sim->footer("Keys of --plant:\n" + simulation::describe_plant_options() + "Faults:\n" +
               simulation::describe_faults(simulation::FaultsOf::plant) +
               "Exit status: 0 done, 1 the robot fell, 2 bad usage.");
@@ -160,7 +179,7 @@ int run_sim(const SimOptions& options, const std::string& command_line) {
   const auto controller = make_controller(controller_setup(options.choice, robot, parameters));
   Plant plant(simulation::make_plant_model(find_robot(options.choice.robot).tree, world,
                                            parameters.reference.base_height_m),
-              world, static_cast<std::uint64_t>(options.seed));
+              world, options.seed);
   settings.initial_state = standing_on_ground(world, settings.leg, parameters);
   log::RunRecord record;
   {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <CLI/App.hpp>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,7 +21,7 @@ struct SimOptions {
   std::string state = "estimated";
   std::optional<double> planner_until_s;
   std::vector<std::string> faults;
-  long long seed = 1;
+  std::uint32_t seed = 1;
   std::vector<std::string> plant_settings;
   std::string json_file, report_file, log_file;
 };

@@ -3,6 +3,8 @@
 #include <cstdarg>
 #include <cstdio>
 
+#include "host_tools/recording/mean_speed.h"
+
 namespace stilt::cli {
 namespace {
 
@@ -30,8 +32,9 @@ std::string plant_text(const log::RunSummary& summary, simulation::Fall fall) {
                                      simulation::fall_text(fall));
   const model::JointVector& torque = summary.peak_torque_Nm;
   const model::JointVector& speed = summary.peak_joint_speed_rad_s;
-  text += formatted("distance       %.2f m, mean speed %.3f m/s after the first 3 s\n", summary.distance_m,
-                    summary.mean_speed_m_s);
+  text +=
+      formatted("distance       %.2f m, mean speed %.3f m/s%s\n", summary.distance_m, summary.mean_speed_m_s,
+                summary.duration_s > log::kSettled_s ? " after the first 3 s" : "");
   text += steps_line(summary);
   text += formatted("peak torque    hip_L %.1f, knee_L %.1f, hip_R %.1f, knee_R %.1f Nm\n", torque[0],
                     torque[1], torque[2], torque[3]);

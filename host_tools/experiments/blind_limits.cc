@@ -186,7 +186,7 @@ Json merge_limits(const LimitPlan& plan, const std::vector<Json>& results) {
     for (const BlindQuantity& quantity : plan.quantities) {
       RowSummary summary;
       for (int i = 0; i < phases_of(plan, quantity) * plan.seeds; ++i) summary.add(*result++);
-      rows.push_back(summary.row(controller, quantity, plan.phases));
+      rows.push_back(summary.row(controller, quantity, phases_of(plan, quantity)));
     }
     if (plan.sequences == 0) continue;
     int survived = 0;

@@ -23,14 +23,15 @@ std::optional<T> optional(const Json& value) {
   return value.is_null() ? std::nullopt : std::optional(value.get<T>());
 }
 
-/// Largest push in the paper; nothing where the paper shows none.
+/// Largest push in the paper, at the hip; nothing where the paper shows none.
 std::optional<double> paper_N(const PushRow& row) {
   static const std::map<std::pair<std::string, int>, double> kPaper = {
       {{"mpc-lumped", 20}, 2.0},    {{"mpc-none", 20}, 22.0}, {{"mpc-heuristic", 20}, 22.0},
       {{"mpc-heuristic", 5}, 22.0}, {{"mpc-hzd", 20}, 22.0},  {{"mpc-hzd", 5}, 22.0},
       {{"mpc-hzd", 2}, 20.0}};
   const bool published = row.robot == "amber3m" && row.command.kind == gait::GaitKind::walk &&
-                         row.command.speed_m_s == 0.5 && !row.backward;
+                         row.command.speed_m_s == 0.5 && !row.backward &&
+                         (row.setting.is_null() || row.setting.value("push_at", "hip") == "hip");
   if (!published) return std::nullopt;
   if (row.controller == "hzd-pd") return 30.0;
   const auto found = kPaper.find({row.controller, static_cast<int>(std::lround(10.0 * row.horizon_s))});

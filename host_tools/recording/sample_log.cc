@@ -1,10 +1,10 @@
 #include "host_tools/recording/sample_log.h"
 
-#include <cerrno>
-#include <cstring>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <string_view>
+
+#include "firmware/diagnostics/output_file.h"
 
 namespace stilt::log {
 namespace {
@@ -30,21 +30,24 @@ Json to_json(const RunSample& sample) {
   json["foot_position_m"] = array(sample.foot_position_m);
   json["scheduled_contact"] = {sample.scheduled_mode.left, sample.scheduled_mode.right};
   json["push_N"] = sample.push_N;
+  json["push_above_hip_m"] = sample.push_above_hip_m;
   json["commanded_speed_m_s"] = sample.commanded_speed_m_s;
   return json;
 }
 
 }  // namespace
 
-void write_sample_log(const RunRecord& record, const std::filesystem::path& file) {
-  errno = 0;
-  std::ofstream output(file);
-  for (const RunSample& sample : record.samples) output << to_json(sample).dump() << '\n';
-  output.flush();
-  if (!output) {
-    throw std::runtime_error("--log " + file.string() + ": cannot be written (" + std::strerror(errno) +
-                             "); name a file in a writable folder");
-  }
+void write_sample_log(const RunRecord& record, const std::string& file) {
+  auto sample = record.samples.begin();
+  std::string line;
+  const auto written = diagnostics::write_file(file, [&]() -> std::string_view {
+    if (sample == record.samples.end()) return {};
+    line = to_json(*sample++).dump() + '\n';
+    return line;
+  });
+  if (written) return;
+  throw std::runtime_error("--log " + file + ": cannot be written (" + written.error() +
+                           "); name a file in a writable folder");
 }
 
 }  // namespace stilt::log

@@ -11,6 +11,7 @@ from stilt.errors import RecordError
 
 MAGIC = b'\x89MCAP0\r\n'
 RECORD_HEAD = struct.Struct('<BQ')
+LARGEST_CHUNK_BYTES = 1 << 30  # recorders write chunks of some megabytes
 
 # Kinds of records; the index and the summary at the end of a file repeat what this reader has read by then.
 FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, ATTACHMENT, METADATA = 0x02, 0x03, 0x04, 0x05, 0x06, 0x09, 0x0C
@@ -77,6 +78,8 @@ def _decompress(data: memoryview, compression: str, size: int) -> bytes | memory
     """The records of a chunk, `size` bytes."""
     if compression == '':
         return data
+    if size > LARGEST_CHUNK_BYTES:
+        raise ValueError(f'a chunk would be of {size} bytes; at most {LARGEST_CHUNK_BYTES} are read')
     name = {'zstd': 'zstandard', 'lz4': 'lz4.frame'}.get(compression)
     if name is None:
         raise ValueError(f'a chunk with the compression "{compression}"; zstd, lz4 and none are read')

@@ -14,6 +14,8 @@ BASIC = {'bool': 'B', 'byte': 'B', 'char': 'B', 'int8': 'b', 'uint8': 'B', 'int1
 # Units with capital letters, which ROS 2 does not allow in the names of fields.
 UNITS = {'nm': 'Nm', 'nms': 'Nms', 'n': 'N', 'c': 'C', 'v': 'V'}
 
+DEEPEST = 100  # messages inside of each other
+
 
 @dataclasses.dataclass(frozen=True)
 class Field:
@@ -36,7 +38,9 @@ def name_with_units(name: str) -> str:
 
 
 def parse_definition(text: str, name: str) -> Types:
-    """The message `name`, such as 'std_msgs/msg/Header', and those it uses."""
+    """The message `name`, such as 'std_msgs/msg/Header', and those it uses.
+
+    Raises ValueError for a line that is no field, a message that is not defined, and one that contains itself."""
     types: Types = {name: []}
     current = name
     for line in text.splitlines():
@@ -53,15 +57,34 @@ def parse_definition(text: str, name: str) -> Types:
         if '=' in line.split('"')[0]:
             continue  # a constant
         types[current].append(_field(words[0], words[1], current))
+    _check(types, name, [], set())
     return types
+
+
+def _check(types: Types, name: str, outer: list[str], checked: set[str]) -> None:
+    """outer    messages that contain this one
+    checked  those without a defect"""
+    if len(outer) > DEEPEST:
+        raise ValueError(f'its messages contain each other {DEEPEST} times')
+    for field in types[name]:
+        if field.type in BASIC or field.type == 'string' or field.type in checked:
+            continue
+        if field.type not in types:
+            raise ValueError(f'the field {field.name} of {name} has the type {field.type}, which is not defined')
+        if field.type in (*outer, name):
+            raise ValueError(f'the message {field.type} contains itself')
+        _check(types, field.type, [*outer, name], checked)
+    checked.add(name)
 
 
 def _field(word: str, name: str, user: str) -> Field:
     word, bracket, size = word.partition('[')
     count = None
     if bracket:
-        size = size.rstrip(']')
-        count = int(size) if size.isdigit() else -1
+        size = size.partition(']')[0]
+        if not (size == '' or size.startswith('<=') or size.isdecimal()):
+            raise ValueError(f'the field {name} has the type {word}[{size}], whose number of values is none')
+        count = int(size) if size.isdecimal() else -1
     word = word.split('<=')[0]
     basic = word in BASIC or word == 'string'
     return Field(name, word if basic else _long_name(word, user), count)

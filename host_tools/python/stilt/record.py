@@ -38,7 +38,8 @@ class Record:
     file, so that fields of a newer release are read as well.
 
     Raises RecordError with one sentence for a file that is no record, is cut off or damaged, or has messages of another
-    release. With partial=True a record that was cut off is read as far as it goes, and `problems` says where it ends.
+    release. With partial=True a record that was cut off is read as far as it goes, without the topics whose messages
+    cannot be decoded; `problems` names both.
     """
 
     def __init__(self, path: str | Path, partial: bool = False) -> None:
@@ -47,10 +48,11 @@ class Record:
         """Number of messages of each topic."""
         self._types: dict[str, tuple[Types, str]] = {}
         self._starts: dict[int, tuple[int, int]] = {}  # of each run: clock and time of day of tick 0, nanoseconds
+        self._defects: dict[str, str] = {}  # of each topic whose messages cannot be decoded
         reader = Reader(self.path)
         for message in reader.messages():
             self._look_at(message)
-        self.problems: list[str] = reader.problems
+        self.problems: list[str] = [*reader.problems, *self._defects.values()]
         """What is wrong with the file, one sentence each."""
         if self.problems and not partial:
             raise RecordError(f'{self.problems[0]}; stilt.Record(path, partial=True) reads what is there')
@@ -112,9 +114,14 @@ class Record:
         """Counts a message, and takes what the first pass is for."""
         topic, schema = message.channel.topic, message.channel.schema
         self.topics[topic] = self.topics.get(topic, 0) + 1
-        if schema is None or schema.encoding != 'ros2msg' or message.channel.encoding != 'cdr':
+        if topic in self._defects:
             return
         try:
+            if schema is None:
+                raise ValueError('the type of its messages is not defined')
+            if schema.encoding != 'ros2msg' or message.channel.encoding != 'cdr':
+                raise ValueError(f'its messages are {message.channel.encoding} defined by {schema.encoding}, '
+                                 'where cdr defined by ros2msg can be read')
             if topic not in self._types:
                 self._types[topic] = (parse_definition(schema.text, schema.name), schema.name)
             if topic == CONFIGURATION:
@@ -122,7 +129,7 @@ class Record:
         except RecordError:
             raise
         except ValueError as error:
-            raise RecordError(f'{self.path}: {topic}: {error}') from error
+            self._defects[topic] = f'{self.path}: {topic}: {error}'
 
     def _configuration(self, message: Message) -> None:
         types, name = self._types[CONFIGURATION]
@@ -138,6 +145,8 @@ class Record:
         return f'but this package reads wire version {WIRE_VERSION}; use that of the release that recorded them'
 
     def _type_of(self, topic: str) -> tuple[Types, str]:
+        if topic in self._defects:
+            raise RecordError(self._defects[topic])
         if topic not in self._types:
             raise KeyError(f'{self.path} has no messages of {topic}; it has {", ".join(sorted(self._types))}')
         return self._types[topic]

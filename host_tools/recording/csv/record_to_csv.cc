@@ -98,11 +98,13 @@ class TopicTables {
   explicit TopicTables(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
   void add(const mcap::ReadMessage& read) {
-    if (read.schema == nullptr || read.schema->encoding != "ros2msg") return;
-    const std::string& type = read.schema->name;
-    if (!types_.contains(type)) types_[type] = schema::parse_ros2msg(read.schema->text, type);
     Json row = {{"log_time_ns", read.message.log_time_ns}};
-    row.update(schema::decode(types_.at(type), type, read.message.data));
+    try {
+      row.update(decoded(read));
+    } catch (const std::runtime_error& error) {
+      defects_.try_emplace(read.channel->topic, error.what());
+      return;
+    }
     auto& table = tables_[read.channel->topic];
     if (!table) {
       paths_.push_back((folder_ / file_name(read.channel->topic)).string());
@@ -111,15 +113,32 @@ class TopicTables {
     table->add(row);
   }
 
-  void close(std::vector<std::string>& files) {
+  void close(const std::string& record, Written& written) {
     for (const auto& [topic, table] : tables_) table->close();
-    files.insert(files.end(), paths_.begin(), paths_.end());
+    written.files.insert(written.files.end(), paths_.begin(), paths_.end());
+    for (const auto& [topic, defect] : defects_) {
+      const char* left_out = tables_.contains(topic) ? "; such messages are left out" : "; it is left out";
+      written.problems.push_back(record + ": topic " + topic + ": " + defect + left_out);
+    }
   }
 
  private:
+  /// Throws std::runtime_error, with what is wrong, when the message cannot be decoded.
+  Json decoded(const mcap::ReadMessage& read) {
+    if (read.schema == nullptr) throw std::runtime_error("the type of its messages is not defined");
+    if (read.schema->encoding != "ros2msg" || read.channel->message_encoding != "cdr") {
+      throw std::runtime_error("its messages are " + read.channel->message_encoding + " defined by " +
+                               read.schema->encoding + ", where cdr defined by ros2msg can be read");
+    }
+    const std::string& type = read.schema->name;
+    if (!types_.contains(type)) types_[type] = schema::parse_ros2msg(read.schema->text, type);
+    return schema::decode(types_.at(type), type, read.message.data);
+  }
+
   std::filesystem::path folder_;
   std::map<std::string, schema::MessageTypes> types_;
   std::map<std::string, std::unique_ptr<Table>> tables_;
+  std::map<std::string, std::string> defects_;  ///< the first of each topic
   std::vector<std::string> paths_;
 };
 
@@ -144,7 +163,7 @@ Written record_to_csv(const std::string& record, const std::string& folder) {
   }
   Written written{{}, reader.problems()};
   ticks.close(written.files);
-  topics.close(written.files);
+  topics.close(record, written);
   return written;
 }
 

@@ -8,8 +8,12 @@
 namespace stilt::mcap {
 namespace {
 
-/// lz4 compresses by at most this factor.
+/// lz4 and zstd compress by at most these factors: zstd gives at most 128 KiB for a block of four bytes.
 constexpr std::uint64_t kLz4Limit = 255;
+constexpr std::uint64_t kZstdLimit = 32768;
+
+/// Recorders write chunks of some megabytes.
+constexpr std::uint64_t kLargestChunk_bytes = 1u << 30;
 
 Bytes compress_zstd(ByteView data, int level) {
   Bytes out(ZSTD_compressBound(data.size()));
@@ -88,9 +92,14 @@ Bytes decompress(ByteView data, Compression compression, std::uint64_t size) {
     if (data.size() != size) throw std::runtime_error("a chunk has another size than its header contains");
     return {data.begin(), data.end()};
   }
-  const bool possible = compression == Compression::zstd
-                            ? ZSTD_getFrameContentSize(data.data(), data.size()) == size
-                            : size <= kLz4Limit * data.size();
+  if (size > kLargestChunk_bytes) {
+    throw std::runtime_error("a chunk would be of " + std::to_string(size) + " bytes; at most " +
+                             std::to_string(kLargestChunk_bytes) + " are read");
+  }
+  const bool possible =
+      compression == Compression::zstd
+          ? size <= kZstdLimit * data.size() && ZSTD_getFrameContentSize(data.data(), data.size()) == size
+          : size <= kLz4Limit * data.size();
   if (!possible) throw std::runtime_error("a chunk has another size than its header contains");
   Bytes out(size);
   const std::size_t given = compression == Compression::zstd

@@ -18,7 +18,8 @@ enum class Compression { none, lz4, zstd };
 /// Compresses to one frame of the compression's own format.
 [[nodiscard]] Bytes compress(ByteView data, Compression compression, int level);
 
-/// The inverse of compress(). Throws std::runtime_error when `data` is damaged or does not give `size` bytes.
+/// The inverse of compress(). Throws std::runtime_error when `data` is damaged or does not give `size` bytes,
+/// or when `size` is above 1 GiB.
 [[nodiscard]] Bytes decompress(ByteView data, Compression compression, std::uint64_t size);
 
 }  // namespace stilt::mcap

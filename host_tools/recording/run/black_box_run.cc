@@ -4,9 +4,11 @@
 #include <functional>
 #include <limits>
 #include <map>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "firmware/control_loop/joint_names.h"
@@ -127,6 +129,46 @@ std::string event_text(const TickRecord& tick, const std::string& faults) {
   return std::string("state ") + supervisor::name(tick.state) + (faults.empty() ? "" : ", faults " + faults);
 }
 
+/// One of the runs in a file.
+class FileRun {
+ public:
+  explicit FileRun(const model::RobotConstants& robot) : ticks_(robot, 0, no_plans_, run_) {
+    run_.controller.emplace();
+  }
+
+  /// Whether the tick is of another run: in one run, neither number nor time fall.
+  [[nodiscard]] bool ends_before(const TickRecord& tick) const {
+    return count_ > 0 && (tick.tick < last_tick_ || tick.time_ns < last_ns_);
+  }
+
+  void add(const TickRecord& tick, const std::string& faults) {
+    ticks_.add(tick);
+    std::string event = event_text(tick, faults);
+    if (event != said_) run_.controller->events.push_back({1e-9 * static_cast<double>(tick.time_ns), event});
+    said_ = std::move(event);
+    last_tick_ = tick.tick;
+    last_ns_ = tick.time_ns;
+    ++count_;
+  }
+
+  [[nodiscard]] std::size_t count() const { return count_; }
+
+  /// Call once, after the last tick.
+  log::RunRecord finish() {
+    ticks_.finish();
+    return std::move(run_);
+  }
+
+ private:
+  PlanTrack no_plans_;
+  log::RunRecord run_;
+  TickRun ticks_;
+  std::string said_;
+  std::uint64_t last_tick_ = 0;
+  std::int64_t last_ns_ = 0;
+  std::size_t count_ = 0;
+};
+
 }  // namespace
 
 RecordRun run_of_ticks(const std::string& path, const model::RobotConstants& robot) {
@@ -136,13 +178,8 @@ RecordRun run_of_ticks(const std::string& path, const model::RobotConstants& rob
   const TickReader reader(path, line);
   RecordRun result;
   result.robot = robot;
-  log::RunRecord& run = result.run;
-  run.robot.name = robot.name;
-  run.command_line = path + ", ticks of stiltd, drawn as " + robot.name;
-  run.controller.emplace();
-  const PlanTrack no_plans;
-  TickRun ticks(robot, 0, no_plans, run);
-  std::string said;
+  auto longest = std::make_unique<FileRun>(robot);
+  auto current = std::make_unique<FileRun>(robot);
   int number = 1;
   while (std::getline(file, line)) {
     ++number;
@@ -153,15 +190,20 @@ RecordRun run_of_ticks(const std::string& path, const model::RobotConstants& rob
                                 " is no tick of stiltd; the report ends before it");
       break;
     }
-    ticks.add(*tick);
-    std::string event = event_text(*tick, faults);
-    if (event != said) run.controller->events.push_back({1e-9 * static_cast<double>(tick->time_ns), event});
-    said = std::move(event);
+    if (current->ends_before(*tick)) {
+      ++result.runs;
+      if (current->count() > longest->count()) std::swap(current, longest);
+      current = std::make_unique<FileRun>(robot);
+    }
+    current->add(*tick, faults);
   }
-  if (run.samples.empty()) {
+  if (current->count() > longest->count()) std::swap(current, longest);
+  if (longest->count() == 0) {
     throw std::runtime_error(path + ": holds no tick; name a file of stiltd --black-box");
   }
-  ticks.finish();
+  result.run = longest->finish();
+  result.run.robot.name = robot.name;
+  result.run.command_line = path + ", ticks of stiltd, drawn as " + robot.name;
   return result;
 }
 

@@ -4,6 +4,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "host_tools/recording/mean_speed.h"
 #include "host_tools/recording/run/text_run.h"
 #include "host_tools/recording/run/tick_run.h"
 #include "host_tools/simulation/closed_loop/step_detector.h"
@@ -36,6 +37,7 @@ std::optional<log::RunSample> sample_of(const std::string& line) try {
   sample.scheduled_mode = {json.at("scheduled_contact").at(0).get<bool>(),
                            json.at("scheduled_contact").at(1).get<bool>()};
   sample.push_N = number(json.at("push_N"));
+  sample.push_above_hip_m = json.value("push_above_hip_m", 0.0);  // logs of release 0.1 lack it
   sample.commanded_speed_m_s = number(json.at("commanded_speed_m_s"));
   return sample;
 } catch (const Json::exception&) {
@@ -44,9 +46,11 @@ std::optional<log::RunSample> sample_of(const std::string& line) try {
 
 void summarise(log::RunRecord& run) {
   simulation::StepDetector steps;
+  log::MeanSpeed speed;
   log::RunSummary& summary = run.summary;
   for (const log::RunSample& sample : run.samples) {
     steps.update(sample.time_s, sample.contact_force_N, sample.foot_position_m, sample.true_state[0]);
+    speed.add(sample.time_s, sample.true_state[0]);
     for (Eigen::Index i = 0; i < model::kJoints; ++i) {
       const double speed_rad_s = sample.true_state[model::kPositions + model::kFirstJoint + i];
       summary.peak_torque_Nm[i] = std::fmax(summary.peak_torque_Nm[i], std::abs(sample.torque_Nm[i]));
@@ -56,7 +60,7 @@ void summarise(log::RunRecord& run) {
   const log::RunSample &first = run.samples.front(), &last = run.samples.back();
   summary.duration_s = last.time_s - first.time_s;
   summary.distance_m = last.true_state[0] - first.true_state[0];
-  summary.mean_speed_m_s = summary.duration_s > 0.0 ? summary.distance_m / summary.duration_s : 0.0;
+  summary.mean_speed_m_s = speed.value_m_s();
   summary.slip_distance_m = kUnknown;
   summarise_steps(steps.steps(), summary);
 }

@@ -13,7 +13,8 @@ namespace stilt::record {
 [[nodiscard]] RecordRun run_of_samples(const std::string& path, const model::RobotConstants& robot);
 
 /// Reads the ticks that `stiltd --black-box` or `stilt log csv` wrote (firmware/diagnostics/tick_csv.h).
-/// Events are the changes of state and of faults. Throws std::runtime_error, one sentence, when the file
+/// Events are the changes of state and of faults. A run begins where number or time of the ticks falls; the
+/// one with most ticks is taken. Throws std::runtime_error, one sentence, when the file
 /// lacks a column that is needed or has no tick.
 [[nodiscard]] RecordRun run_of_ticks(const std::string& path, const model::RobotConstants& robot);
 

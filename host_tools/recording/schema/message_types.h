@@ -37,7 +37,8 @@ using MessageTypes = std::map<std::string, std::vector<Field>>;
 /// it ("ros2msg"). ROS allows no capital letters in the names of fields: torque_Nm becomes torque_nm.
 [[nodiscard]] std::string ros2msg_text(const MessageTypes& types, const std::string& name);
 
-/// The inverse of ros2msg_text(): the message `name` and those it uses.
+/// The inverse of ros2msg_text(): the message `name` and those it uses. Each that it uses is defined, and
+/// none contains itself.
 [[nodiscard]] MessageTypes parse_ros2msg(std::string_view text, const std::string& name);
 
 /// The messages of this program, defined in firmware/telemetry.

@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <charconv>
+#include <set>
 #include <sstream>
 #include <stdexcept>
 
@@ -49,6 +51,15 @@ void collect(const MessageTypes& types, const std::string& name, std::vector<std
   }
 }
 
+/// The number of values of an array.
+std::size_t count_of(const std::string& text, const Field& field) {
+  std::size_t count = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), count);
+  if (error == std::errc{} && end == text.data() + text.size()) return count;
+  throw std::runtime_error("the field " + field.name + " has the type " + field.type +
+                           ", whose number of values is none");
+}
+
 /// Parses one line "type name", "type[n] name" or "type[] name"; constants give no field.
 std::vector<Field> parse_line(std::string line) {
   line.erase(std::find(line.begin(), line.end(), '#'), line.end());
@@ -59,11 +70,11 @@ std::vector<Field> parse_line(std::string line) {
   if (field.name.find('=') != std::string::npos) return {};
   if (std::string next; words >> next && next.starts_with('=')) return {};
   if (const std::size_t open = field.type.find('['); open != std::string::npos) {
-    const std::string count = field.type.substr(open + 1, field.type.size() - open - 2);
-    field.type.erase(open);
+    const std::string count = field.type.substr(open + 1, field.type.find(']') - open - 1);
     const bool fixed = !count.empty() && !count.starts_with("<=");
     field.shape = fixed ? Shape::array : Shape::sequence;
-    if (fixed) field.count = std::stoul(count);
+    if (fixed) field.count = count_of(count, field);
+    field.type.erase(open);
   }
   if (field.type == "byte" || field.type == "char") field.type = "uint8";
   if (field.type.starts_with("string<=")) field.type = "string";
@@ -75,6 +86,29 @@ std::string resolved(const std::string& type, const std::string& user) {
   if (is_basic(type)) return type;
   if (type == "Header") return "std_msgs/msg/Header";
   return type.find('/') == std::string::npos ? user.substr(0, user.rfind('/') + 1) + type : long_name(type);
+}
+
+/// Refuses a message that uses an unknown one, or that contains itself.
+/// @param outer    those that contain it
+/// @param checked  those without a defect
+void check(const MessageTypes& types, const std::string& name, std::vector<std::string>& outer,
+           std::set<std::string>& checked) {
+  constexpr std::size_t kDeepest = 100;
+  if (outer.size() > kDeepest) throw std::runtime_error("its messages contain each other 100 times");
+  outer.push_back(name);
+  for (const Field& field : types.at(name)) {
+    if (is_basic(field.type) || checked.contains(field.type)) continue;
+    if (!types.contains(field.type)) {
+      throw std::runtime_error("the field " + field.name + " of " + name + " has the type " + field.type +
+                               ", which is not defined");
+    }
+    if (std::ranges::find(outer, field.type) != outer.end()) {
+      throw std::runtime_error("the message " + field.type + " contains itself");
+    }
+    check(types, field.type, outer, checked);
+  }
+  outer.pop_back();
+  checked.insert(name);
 }
 
 }  // namespace
@@ -107,6 +141,9 @@ MessageTypes parse_ros2msg(std::string_view text, const std::string& name) {
       types[current].push_back(field);
     }
   }
+  std::vector<std::string> outer;
+  std::set<std::string> checked;
+  check(types, name, outer, checked);
   return types;
 }
 

@@ -8,7 +8,6 @@ namespace {
 
 constexpr double kSnapshotRate_hz = 20.0;
 constexpr double kPlanInUse_s = 0.3;   // the part of a plan whose constraints are reported
-constexpr double kSettled_s = 3.0;     // the mean speed counts from this time
 constexpr double kTimeSlack_s = 1e-9;  // equal to that of pushes, so that both begin at the same tick
 
 int every(double rate_hz, double wished_hz) {
@@ -37,7 +36,8 @@ RunRecorder::RunRecorder(const RunSettings& settings, const control_loop::PlanTi
   const double tick_rate_hz = 1.0 / tick_s_;
   ticks_per_sample_ = every(tick_rate_hz, settings.sample_rate_hz);
   plans_per_snapshot_ = every(tick_rate_hz / static_cast<double>(timing.period_ticks), kSnapshotRate_hz);
-  start_x_m_ = settled_x_m_ = settings.initial_state[0];
+  start_x_m_ = settings.initial_state[0];
+  speed_.add(0.0, start_x_m_);
   record_.summary.peak_torque_Nm.setZero();
   record_.summary.peak_joint_speed_rad_s.setZero();
 }
@@ -59,10 +59,7 @@ void RunRecorder::observe_tick(double time_s, const Plant& plant, const control_
     measuring_ = true;
     slip_before_m_ = plant.slip_distance_m();
   }
-  if (settled_time_s_ == 0.0 && settings_.duration_s > kSettled_s && time_s >= kSettled_s) {
-    settled_x_m_ = plant.state()[0];
-    settled_time_s_ = time_s;
-  }
+  speed_.add(time_s, plant.state()[0]);
   if (settings_.keep_samples && ticks_ % ticks_per_sample_ == 0)
     take_sample(time_s, plant, tick, active_plan);
   ++ticks_;
@@ -158,8 +155,8 @@ void RunRecorder::finish(double time_s, const Plant& plant, long long heap_alloc
   summary.fall_time_s = summary.survived ? -1.0 : time_s;
   summary.duration_s = time_s;
   summary.distance_m = plant.state()[0] - start_x_m_;
-  const double walked_s = time_s - settled_time_s_;
-  if (walked_s > 0.0) summary.mean_speed_m_s = (plant.state()[0] - settled_x_m_) / walked_s;
+  speed_.add(time_s, plant.state()[0]);
+  summary.mean_speed_m_s = speed_.value_m_s();
   summary.steps = steps_.steps();
   for (const log::Step& step : summary.steps) {
     const bool first = &step == &summary.steps.front();

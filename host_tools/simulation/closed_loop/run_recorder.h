@@ -1,5 +1,6 @@
 #pragma once
 
+#include "host_tools/recording/mean_speed.h"
 #include "host_tools/recording/run_record.h"
 #include "host_tools/simulation/closed_loop/closed_loop.h"
 #include "host_tools/simulation/closed_loop/step_detector.h"
@@ -50,8 +51,7 @@ class RunRecorder {
   long long plans_ = 0;
   std::int64_t plan_in_use_ = -1;  ///< sequence of the newest plan that drove the robot
   double start_x_m_ = 0.0;
-  double settled_x_m_ = 0.0;  ///< position of the hip at kSettled_s, or at the start of shorter runs
-  double settled_time_s_ = 0.0;
+  log::MeanSpeed speed_;
   bool measuring_ = false;
   double slip_before_m_ = 0.0;  ///< slip before the measurement began
 };

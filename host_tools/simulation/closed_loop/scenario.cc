@@ -50,7 +50,7 @@ Push parse_push(std::string_view text) {
   return {*force, *start, *duration, point == "torso" ? PushPoint::torso : PushPoint::hip};
 }
 
-TimedCommand parse_timed_command(std::string_view text) {
+TimedCommand parse_timed_command(std::string_view text, double usual_speed_m_s) {
   constexpr std::string_view kExpected =
       "expected GAIT[:SPEED]@START with a gait out of stand, step, walk, a speed within 5 m/s either way and "
       "START >= 0 in seconds, for example walk:0.5@5";
@@ -59,7 +59,8 @@ TimedCommand parse_timed_command(std::string_view text) {
   const std::string_view what = cut(text, '@', start_text, has_start);
   const std::string_view gait = cut(what, ':', speed_text, has_speed);
   const auto start = parse_number(start_text);
-  const auto speed = has_speed ? parse_number(speed_text) : std::optional(0.0);
+  const auto speed =
+      has_speed ? parse_number(speed_text) : std::optional(gait == "walk" ? usual_speed_m_s : 0.0);
   const bool known = gait == "stand" || gait == "step" || gait == "walk";
   if (!known || !start || !speed || *start < 0.0 || *speed > kLargestSpeed_m_s ||
       *speed < -kLargestSpeed_m_s) {

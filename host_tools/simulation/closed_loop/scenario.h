@@ -33,7 +33,8 @@ struct ActingPush {
 [[nodiscard]] Push parse_push(std::string_view text);
 
 /// Parses GAIT[:SPEED]@START. Throws std::invalid_argument, one sentence, for any other text.
-[[nodiscard]] TimedCommand parse_timed_command(std::string_view text);
+/// @param usual_speed_m_s  of a command without SPEED
+[[nodiscard]] TimedCommand parse_timed_command(std::string_view text, double usual_speed_m_s);
 
 /// Parses stand, step or walk. Throws std::invalid_argument, one sentence, for any other text.
 [[nodiscard]] gait::GaitKind parse_gait(std::string_view text);

@@ -4,10 +4,11 @@
 #include <cmath>
 #include <limits>
 
+#include "host_tools/recording/mean_speed.h"
+
 namespace stilt::robot_on_bus {
 namespace {
 
-constexpr double kSettled_s = 3.0;  // the mean speed counts from this time, as in `stilt sim`
 constexpr double kArrived_m = 0.1;
 constexpr long long kTicksASample = 5;
 
@@ -32,7 +33,7 @@ void WalkRecorder::observe_tick(double time_s, const simulation::Plant& plant,
                                 const simulation::ActingPush& push) {
   if (!running_) return;
   steps_.update(time_s, plant.contact_force_N(), plant.foot_position_m(), plant.state()[0]);
-  if (time_s >= kSettled_s && ticks_ % kTicksASample == 0) way_.push_back({time_s, plant.state()[0]});
+  if (time_s >= log::kSettled_s && ticks_ % kTicksASample == 0) way_.push_back({time_s, plant.state()[0]});
   if (keep_samples_ && ticks_ % kTicksASample == 0) take_sample(time_s, plant, push);
   ++ticks_;
 }

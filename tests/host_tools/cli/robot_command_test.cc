@@ -64,9 +64,6 @@ TEST(RobotCommand, MistakesAreNamed) {
   options.duration_s = 0.0;
   EXPECT_TRUE(complaint(options).starts_with("--duration 0: "));
   options = {};
-  options.seed = -1;
-  EXPECT_TRUE(complaint(options).starts_with("--seed -1: "));
-  options = {};
   options.plant_settings = {"colour=red"};
   EXPECT_TRUE(complaint(options).starts_with("--plant colour"));
   options = {};

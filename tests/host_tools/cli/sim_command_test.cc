@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "host_tools/web/report/comparison_page.h"
 #include "tests/host_tools/program_test.h"
 
 namespace stilt::cli {
@@ -74,6 +75,54 @@ TEST_F(SimCommand, ARunLeavesReportAndLog) {
   const std::string log = text_of(file("run.jsonl"));
   EXPECT_EQ(std::count(log.begin(), log.end(), '\n'), 100);
   EXPECT_EQ(Json::parse(log.substr(0, log.find('\n')))["true_state"].size(), 14u);
+}
+
+TEST_F(SimCommand, ALogIsReportedWithTheSpeedAndThePushOfItsRun) {
+  ASSERT_EQ(
+      run("sim --duration 4 --push 20@3.2+0.5@torso --report " + file("a.html") + " --log " + file("b.jsonl"))
+          .status,
+      0);
+  ASSERT_EQ(run("report " + file("b.jsonl") + " --out " + file("b.html")).status, 0);
+  const Json direct = Json::parse(report::data_of_page(text_of(file("a.html"))));
+  const Json logged = Json::parse(report::data_of_page(text_of(file("b.html"))));
+  const auto speed = [](const Json& data) { return data["summary"]["mean_speed_m_s"].get<double>(); };
+  const double sample_m = 0.005 * 1.0;  // the log ends up to a sample before the run
+  EXPECT_NEAR(speed(logged), speed(direct), sample_m);
+  const Json &one = direct["ticks"], &other = logged["ticks"];
+  EXPECT_EQ(one["rows"], other["rows"]);
+  EXPECT_EQ(one["data"], other["data"]) << "with the height of the push";
+}
+
+TEST_F(SimCommand, ALogOnStandardOutputStandsThereAlone) {
+  const Outcome outcome = run("sim --gait stand --duration 0.05 --log -");
+  ASSERT_EQ(outcome.status, 0) << outcome.errors;
+  EXPECT_EQ(std::count(outcome.output.begin(), outcome.output.end(), '\n'), 10);
+  EXPECT_TRUE(outcome.output.starts_with(R"({"time_s":0.0,)")) << outcome.output;
+  EXPECT_FALSE(std::filesystem::exists("-"));
+}
+
+TEST_F(SimCommand, AShortRunSaysNothingOfItsFirstThreeSeconds) {
+  EXPECT_EQ(run("sim --gait stand --duration 0.5").output.find("first 3 s"), std::string::npos);
+}
+
+/// The robot turns before the step's end and comes back.
+TEST_F(SimCommand, TheGroundIsDrawnWhereTheRobotWent) {
+  ASSERT_EQ(run("sim --speed 0.8 --then walk:-0.8@5 --duration 12 --plant step_height_m=-0.01 --plant "
+                "step_position_m=6 --report " +
+                file("a.html"))
+                .status,
+            0);
+  const Json data = Json::parse(report::data_of_page(text_of(file("a.html"))));
+  EXPECT_EQ(data["ground"]["x_m"].size(), 4u) << data["ground"];
+}
+
+TEST_F(SimCommand, ALaterWalkWithoutASpeedHasTheOneOfTheFirst) {
+  const auto distance_m = [&](const std::string& later) {
+    const Outcome outcome = run("sim --gait stand --speed 0.4 --duration 4 --json - --then " + later);
+    EXPECT_EQ(outcome.status, 0) << outcome.errors;
+    return Json::parse(outcome.output).at("distance_m").get<double>();
+  };
+  EXPECT_EQ(distance_m("walk@0.5"), distance_m("walk:0.4@0.5"));
 }
 
 TEST_F(SimCommand, TwoRunsBecomeAPageAndMistakesAreNamed) {

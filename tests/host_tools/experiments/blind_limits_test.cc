@@ -88,6 +88,7 @@ TEST(BlindLimits, OfACaseThatGoesDownTheWorstIsTheOneNearestToTheNominalWorld) {
 TEST(BlindLimits, AQuantityWithoutAPlaceHasOneCasePerSeed) {
   const Json row = row_of(plan_of("friction", 8, 2), [](const WalkCase&) { return record(true); });
   EXPECT_EQ(row.at("cases"), 2);
+  EXPECT_EQ(row.at("phases"), 1);
 }
 
 TEST(BlindLimits, TheSpeedIsThatOfTheTrialsAtTheLimit) {

@@ -228,6 +228,14 @@ TEST(Disturbance, ARowCarriesItsSetting) {
   EXPECT_EQ(json.at("seeds"), 2);
 }
 
+TEST(Disturbance, ThePaperPushesAtTheHip) {
+  PushRow row = row_of("a", "mpc-heuristic", 2.0);
+  row.setting = {{"push_at", "hip"}};
+  EXPECT_EQ(only_row(row).at("paper_N"), 22.0);
+  row.setting = {{"push_at", "torso"}};
+  EXPECT_TRUE(only_row(row).at("paper_N").is_null());
+}
+
 TEST(Disturbance, ThePaperHasNoRowOfAnotherRobot) {
   PushRow row = row_of("a", "mpc-heuristic", 2.0);
   row.robot = "rabbit";

@@ -18,7 +18,7 @@ def _record(kind: int, body: bytes) -> bytes:
 
 
 def write(path: Path, messages: list[tuple[str, str, str, bytes]], compression: str = '',
-          compress: Callable[[bytes], bytes] = bytes, per_chunk: int = 1) -> None:
+          compress: Callable[[bytes], bytes] = bytes, per_chunk: int = 1, encoding: str = 'cdr') -> None:
     """Messages are (topic, type, definition, CDR bytes); log times count from 1 ns."""
     channels: dict[str, int] = {}
     out = [MAGIC, _record(0x01, _text('') + _text('test'))]
@@ -27,7 +27,7 @@ def write(path: Path, messages: list[tuple[str, str, str, bytes]], compression: 
         if topic not in channels:
             channel = channels[topic] = len(channels) + 1
             records += _record(0x03, struct.pack('<H', channel) + _text(name) + _text('ros2msg') + _text(definition))
-            records += _record(0x04, struct.pack('<HH', channel, channel) + _text(topic) + _text('cdr') + _text(''))
+            records += _record(0x04, struct.pack('<HH', channel, channel) + _text(topic) + _text(encoding) + _text(''))
         records += _record(0x05, struct.pack('<HIQQ', channels[topic], number, number, number) + data)
         if number % per_chunk and number < len(messages):
             continue

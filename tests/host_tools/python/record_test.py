@@ -259,6 +259,35 @@ class Records(unittest.TestCase):
         with self.assertRaisesRegex(stilt.RecordError, 'event: a message of type stilt_msgs/msg/Event that ends'):
             stilt.Record(path).frame('/stilt/event')
 
+    def test_a_topic_that_cannot_be_decoded_is_named_and_the_others_read_on_demand(self):
+        path = self.programs.folder / 'foreign.mcap'
+        data = bytes((0, 1, 0, 0, 5, 0, 0, 0))
+        whole = ('/whole', 'a/msg/W', 'int32 x\n', data)
+        for definition, defect in (('B x\n', 'the message a/msg/B contains itself'),
+                                   ('c/D x\n', 'the field x of a/msg/B has the type c/msg/D, which is not defined'),
+                                   ('int32[N] x\n', 'the field x has the type int32[N], whose number of values is none')):
+            mcap_writer.write(path, [('/foo', 'a/msg/B', definition, data), whole])
+            self.assertIn(f'foreign.mcap: /foo: {defect}; stilt.Record(path, partial=True)', self.refusal(path))
+            partial = stilt.Record(path, partial=True)
+            self.assertEqual(len(partial.problems), 1)
+            self.assertEqual(list(partial.frame('/whole')['x']), [5])
+            with self.assertRaisesRegex(stilt.RecordError, '/foo: the '):
+                partial.frame('/foo')
+
+    def test_messages_in_json_are_named(self):
+        path = self.programs.folder / 'json.mcap'
+        mcap_writer.write(path, [('/foo', 'a/msg/B', 'int32 x\n', b'{}')], encoding='json')
+        self.assertIn('/foo: its messages are json defined by ros2msg', self.refusal(path))
+
+    def test_a_chunk_of_an_absurd_size_is_refused(self):
+        path = self.programs.folder / 'bomb.mcap'
+        for size in (1 << 60, 1 << 63):
+            frame = b'\x28\xb5\x2f\xfd\xe0' + struct.pack('<Q', size) + b'\1\0\0'
+            body = struct.pack('<QQQII', 0, 0, size, 0, 4) + b'zstd' + struct.pack('<Q', len(frame)) + frame
+            path.write_bytes(mcap_writer.MAGIC + struct.pack('<BQ', 6, len(body)) + body +
+                             struct.pack('<BQ', 2, 20) + bytes(20) + mcap_writer.MAGIC)
+            self.assertRegex(self.refusal(path), rf'a chunk would be of {size} bytes; at most \d+ are read')
+
     def test_records_of_other_releases_are_refused(self):
         def without_version(topic, text, data):
             return text.replace('uint32 wire_version\n', ''), data

@@ -83,6 +83,45 @@ TEST_F(RecordToCsv, ARecordThatWasCutOffIsWrittenAsFarAsItGoesAndThatIsReported)
   EXPECT_EQ(lines_of(folder / "ticks.csv").size(), 31u);
 }
 
+TEST_F(RecordToCsv, TopicsThatCannotBeDecodedAreNamedAndTheOthersWritten) {
+  {
+    mcap::Writer writer(record.path());
+    const auto add = [&](const std::string& topic, const std::string& definition, const std::string& encoding,
+                         const mcap::Bytes& data) {
+      const std::uint16_t schema =
+          writer.add_schema("a" + topic.substr(0, 1) + "msg/T" + topic.substr(1), "ros2msg", definition);
+      const std::uint16_t channel = writer.add_channel(schema, topic, encoding);
+      writer.write({channel, 0, 0, 0, data});
+      writer.write({channel, 1, 1, 1, data});
+    };
+    const mcap::Bytes data = {0, 1, 0, 0, 5, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+    add("/inside", "Tinside x\n", "cdr", data);
+    add("/missing", "c/D x\n", "cdr", data);
+    add("/array", "int32[N] x\n", "cdr", data);
+    add("/json", "int32 x\n", "json", {'{', '}'});
+    add("/short", "int64[9] x\n", "cdr", data);
+    add("/whole", "int32 x\n", "cdr", data);
+    const std::uint16_t none = writer.add_channel(0, "/none", "cdr");
+    writer.write({none, 0, 0, 0, data});
+    writer.close();
+  }
+  const Written written = record_to_csv(record.path(), folder.string());
+  EXPECT_EQ(lines_of(folder / "whole.csv"), (std::vector<std::string>{"log_time_ns,x", "0,5", "1,5"}));
+  EXPECT_FALSE(std::filesystem::exists(folder / "json.csv"));
+  const std::vector<std::string> expected = {
+      "/array: the field x has the type int32[N], whose number of values is none; it is left out",
+      "/inside: the message a/msg/Tinside contains itself; it is left out",
+      "/json: its messages are json defined by ros2msg, where cdr defined by ros2msg can be read; it is left "
+      "out",
+      "/missing: the field x of a/msg/Tmissing has the type c/msg/D, which is not defined; it is left out",
+      "/none: the type of its messages is not defined; it is left out",
+      "/short: a message ends too early; it is left out"};
+  ASSERT_EQ(written.problems.size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    EXPECT_EQ(written.problems[i], record.path() + ": topic " + expected[i]);
+  }
+}
+
 TEST_F(RecordToCsv, RefusesPlacesThatCannotBeWritten) {
   EXPECT_THROW(static_cast<void>(record_to_csv(record.path(), "/proc/nowhere")), std::runtime_error);
   EXPECT_THROW(static_cast<void>(ticks_to_csv(record.path(), "/nowhere/ticks.csv")), std::runtime_error);

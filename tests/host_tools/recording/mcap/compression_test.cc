@@ -41,6 +41,26 @@ TEST_P(EachCompression, HasItsName) { EXPECT_EQ(compression_named(name(GetParam(
 INSTANTIATE_TEST_SUITE_P(Compression, EachCompression,
                          testing::Values(Compression::none, Compression::lz4, Compression::zstd));
 
+TEST(Compression, ASizeThatNoChunkHasIsRefusedBeforeItIsAllocated) {
+  Bytes frame = {0x28, 0xb5, 0x2f, 0xfd, 0xe0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0};  // zstd, its size in 8 bytes
+  for (const int bit : {60, 63, 29}) {
+    for (std::size_t i = 0; i < 8; ++i) frame[5 + i] = static_cast<std::uint8_t>((1ULL << bit) >> (8 * i));
+    try {
+      static_cast<void>(decompress(frame, Compression::zstd, 1ULL << bit));
+      ADD_FAILURE() << "accepted " << bit;
+    } catch (const std::runtime_error& error) {
+      EXPECT_NE(std::string(error.what()).find(bit == 29 ? "another size" : "are read"), std::string::npos)
+          << error.what();
+    }
+  }
+}
+
+/// A chunk of zeros is the smallest possible for its size.
+TEST(Compression, ZerosAreReadBack) {
+  const Bytes zeros(10'000'000);
+  EXPECT_EQ(decompress(compress(zeros, Compression::zstd, 1), Compression::zstd, zeros.size()), zeros);
+}
+
 TEST(Compression, AnUnknownOneIsNamedInTheRefusal) {
   try {
     static_cast<void>(compression_named("brotli"));

@@ -36,6 +36,7 @@ log::RunRecord short_run() {
     sample.foot_position_m << 0.3, 0.0, 0.1, 0.0;
     sample.scheduled_mode = {true, false};
     sample.push_N = 12.0;
+    sample.push_above_hip_m = 0.285;
     sample.commanded_speed_m_s = kNan;
   }
   return run;
@@ -71,6 +72,7 @@ TEST(SampleRun, ALogIsReadBackWithItsStepsAndWithoutAnOutcome) {
   EXPECT_EQ(got.foot_position_m, mine.foot_position_m);
   EXPECT_TRUE(got.scheduled_mode.left && !got.scheduled_mode.right);
   EXPECT_EQ(got.push_N, 12.0);
+  EXPECT_EQ(got.push_above_hip_m, 0.285);
   EXPECT_TRUE(std::isnan(got.commanded_speed_m_s));
   const log::RunSummary& summary = read.run.summary;
   ASSERT_EQ(summary.steps.size(), 1u);
@@ -96,11 +98,46 @@ TEST(SampleRun, ALogThatWasCutOffIsReadUpToThereAndSaysSo) {
             ": holds no sample; name a file of stilt sim --log or stilt robot --log");
 }
 
+/// At 0.2 m/s up to 3 s, at 1 m/s after that.
+TEST(SampleRun, TheMeanSpeedCountsFromThreeSecondsOnWhereTheRunIsLonger) {
+  const tests::OwnFolder folder;
+  const std::string file = folder.file("walk.jsonl");
+  log::RunRecord written;
+  for (const double time_s : {0.0, 1.5, 3.0, 3.5, 4.0}) {
+    log::RunSample& sample = written.samples.emplace_back(short_run().samples.front());
+    sample.time_s = time_s;
+    sample.true_state[0] = time_s < 3.0 ? 0.2 * time_s : 0.6 + (time_s - 3.0);
+  }
+  log::write_sample_log(written, file);
+  EXPECT_NEAR(run_of_samples(file, amber3m()).run.summary.mean_speed_m_s, 1.0, 1e-9);
+  written.samples.resize(3);
+  log::write_sample_log(written, file);
+  EXPECT_NEAR(run_of_samples(file, amber3m()).run.summary.mean_speed_m_s, 0.2, 1e-9) << "all of the run";
+}
+
+TEST(SampleRun, ALogOfRelease01LacksThePlaceOfThePush) {
+  const tests::OwnFolder folder;
+  const std::string file = folder.file("walk.jsonl");
+  log::RunRecord written = short_run();
+  written.samples.resize(1);
+  log::write_sample_log(written, file);
+  std::stringstream text;
+  text << std::ifstream(file).rdbuf();
+  std::string line = text.str();
+  const std::string key = R"("push_above_hip_m":0.285,)";
+  ASSERT_NE(line.find(key), std::string::npos) << line;
+  line.erase(line.find(key), key.size());
+  std::ofstream(file) << line;
+  const RecordRun read = run_of_samples(file, amber3m());
+  ASSERT_EQ(read.run.samples.size(), 1u);
+  EXPECT_EQ(read.run.samples[0].push_above_hip_m, 0.0);
+}
+
 /// Two seconds of a robot that stands, then falls, or is in another state.
-std::string ticks_text(supervisor::State last = supervisor::State::fault) {
+std::string ticks_text(supervisor::State last = supervisor::State::fault, std::uint64_t count = 2000) {
   std::ostringstream text;
   diagnostics::write_tick_header(text);
-  for (std::uint64_t i = 0; i < 2000; ++i) {
+  for (std::uint64_t i = 0; i < count; ++i) {
     control_loop::TickRecord tick;
     tick.tick = 7000 + i;
     tick.time_ns = 1'000'000'000 + static_cast<std::int64_t>(i) * 1'000'000;
@@ -139,6 +176,31 @@ TEST(BlackBoxRun, TicksBecomeARunWithItsStatesAndFaultsAsEvents) {
   EXPECT_EQ(read.run.controller->events[0].text, "state stand");
   EXPECT_EQ(read.run.controller->events[1].text, "state fault, faults stale_plan");
   EXPECT_NEAR(read.run.controller->events[1].time_s, 1.0, 1e-9);
+}
+
+TEST(BlackBoxRun, OfSeveralRunsTheLongestIsTaken) {
+  const tests::OwnFolder folder;
+  const std::string file = folder.file("ticks.csv");
+  const std::string shorter = ticks_text(supervisor::State::fault, 500), longer = ticks_text();
+  const std::string header = shorter.substr(0, shorter.find('\n') + 1);
+  const std::string short_ticks = shorter.substr(header.size()), long_ticks = longer.substr(header.size());
+  std::ofstream(file) << header << long_ticks;
+  const RecordRun alone = run_of_ticks(file, amber3m());
+  EXPECT_EQ(alone.runs, 1u);
+  const std::string orders[] = {short_ticks + long_ticks, long_ticks + short_ticks,
+                                short_ticks + long_ticks + short_ticks};
+  for (const std::string& ticks : orders) {
+    std::ofstream(file) << header << ticks;
+    const RecordRun read = run_of_ticks(file, amber3m());
+    EXPECT_EQ(read.runs, ticks.size() > orders[0].size() ? 3u : 2u);
+    EXPECT_TRUE(read.problems.empty());
+    EXPECT_EQ(read.run.samples.size(), alone.run.samples.size());
+    EXPECT_EQ(read.run.summary.duration_s, alone.run.summary.duration_s);
+    EXPECT_EQ(read.run.summary.distance_m, alone.run.summary.distance_m);
+    EXPECT_EQ(read.run.controller->events.size(), alone.run.controller->events.size());
+    EXPECT_EQ(read.run.controller->last_state, "fault");
+    EXPECT_EQ(read.run.robot.name, "amber3m");
+  }
 }
 
 TEST(BlackBoxRun, EveryStateIsRead) {

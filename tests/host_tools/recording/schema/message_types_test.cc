@@ -101,6 +101,30 @@ TEST(MessageTypes, TextByOthersIsRead) {
   EXPECT_TRUE(types.contains("a/msg/Point"));
 }
 
+TEST(MessageTypes, ADefinitionThatNoMessageCanHaveIsRefusedWithItsDefect) {
+  const auto complaint = [](const std::string& text) -> std::string {
+    try {
+      static_cast<void>(parse_ros2msg(text, "a/msg/B"));
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  EXPECT_EQ(complaint("B x\n"), "the message a/msg/B contains itself");
+  EXPECT_EQ(complaint("C x\n====\nMSG: a/C\nB[] y\n"), "the message a/msg/B contains itself");
+  EXPECT_EQ(complaint("c/D x\n"), "the field x of a/msg/B has the type c/msg/D, which is not defined");
+  for (const std::string count : {"N", "-1", "4x", "99999999999999999999999"}) {
+    EXPECT_EQ(complaint("int32[" + count + "] x\n"),
+              "the field x has the type int32[" + count + "], whose number of values is none");
+  }
+  std::string deep = "M0 x\n";
+  for (int i = 0; i < 1000; ++i) {
+    deep += "====\nMSG: a/M" + std::to_string(i) + "\nM" + std::to_string(i + 1) + " x\n";
+  }
+  EXPECT_EQ(complaint(deep + "====\nMSG: a/M1000\nbool x\n"), "its messages contain each other 100 times");
+  EXPECT_EQ(complaint("C x\nC y\n====\nMSG: a/C\nbool z\n"), "accepted") << "used twice, not in itself";
+}
+
 /// A message of every basic type, an array and a sequence, in CDR by hand.
 TEST(Decode, EveryTypeIsReadWhereItsAlignmentPutsIt) {
   const MessageTypes types = parse_ros2msg(

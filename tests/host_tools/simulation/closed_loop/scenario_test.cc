@@ -28,16 +28,17 @@ TEST(Scenario, APushOfAnotherShapeIsRefused) {
 }
 
 TEST(Scenario, ALaterCommandIsReadWithGaitSpeedAndTime) {
-  const TimedCommand walk = parse_timed_command("walk:-0.3@5.5");
+  const TimedCommand walk = parse_timed_command("walk:-0.3@5.5", 0.5);
   EXPECT_EQ(walk.start_s, 5.5);
   EXPECT_EQ(walk.command.kind, gait::GaitKind::walk);
   EXPECT_EQ(walk.command.speed_m_s, -0.3);
-  EXPECT_EQ(parse_timed_command("stand@3").command.kind, gait::GaitKind::stand);
+  EXPECT_EQ(parse_timed_command("stand@3", 0.5).command.kind, gait::GaitKind::stand);
+  EXPECT_EQ(parse_timed_command("walk@3", 0.4).command.speed_m_s, 0.4);
 }
 
 TEST(Scenario, ACommandOfAnotherShapeIsRefused) {
   for (const char* text : {"", "walk", "trot@3", "walk:@3", "walk:fast@3", "walk:9@3", "walk@-1", "walk@"}) {
-    EXPECT_THROW((void)parse_timed_command(text), std::invalid_argument) << text;
+    EXPECT_THROW((void)parse_timed_command(text, 0.5), std::invalid_argument) << text;
   }
 }
 
