@@ -90,8 +90,8 @@ double half_window_s(const configuration::TorsoSensorParameters& sensor) {
 }
 
 /// The sensor's share of the rate's delay counts: a robot walks with the longest half window.
-std::optional<std::string> lateness(const TorsoMotion& motion,
-                                    const configuration::TorsoSensorParameters& sensor) {
+std::optional<std::string> lag_finding(const TorsoMotion& motion,
+                                       const configuration::TorsoSensorParameters& sensor) {
   const double own_s = half_window_s(sensor);
   if (motion.pitch.delay_s <= kLate_s && motion.rate.delay_s <= kLate_s + own_s) return std::nullopt;
   const std::string window =
@@ -153,7 +153,7 @@ std::optional<TorsoCalibration> unusable(const TorsoMotion& motion,
                  formatted("wrong scale of the torso sensor: its pitch turns by %.3g rad per rad; %s",
                            std::abs(pitch.gain), scale_mend(sensor).c_str()));
   }
-  if (const auto late = lateness(motion, sensor)) return found(motion, TorsoFinding::late, *late);
+  if (const auto late = lag_finding(motion, sensor)) return found(motion, TorsoFinding::late, *late);
   if (!near_one(std::abs(rate.gain)) || rate.explained < kExplained) {
     return found(motion, TorsoFinding::wrong_rate,
                  formatted("wrong pitch rate of the torso sensor: its integral turns by %.3g rad per rad; %s",

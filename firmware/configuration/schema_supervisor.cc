@@ -33,7 +33,7 @@ constexpr Entry kEntries[] = {
      "Height of the hip above the lower foot, of the straight leg, below which it is hip_height_limit",
      real<&P::supervisor, &S::hip_height_share>(0.0, 1.0)},
     {"supervisor", "following_error_rad", "rad",
-     "Distance of a joint from plan or gait, mean of 0.05 s, before following_error",
+     "Distance of a joint from where it should be, mean of 0.05 s, before following_error",
      real<&P::supervisor, &S::following_error_rad>(0.01, 10.0)},
     {"supervisor", "encoder_jump_rad", "rad",
      "Change of a joint's angle between two replies, beyond what its rate explains, before encoder_jump",

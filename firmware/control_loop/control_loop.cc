@@ -189,12 +189,13 @@ supervisor::Observation ControlLoop::observe(const TickTiming& timing, const Ope
   seen.emergency_stop = readings_.emergency_stop;
   const PlannedJoints planned = planned_joints(plan);
   seen.planned_speed_rad_s = planned.speed_rad_s;
-  if (episode_ == 0) monitor_.reset();
-  if (episode_ != 0) {
+  if (supervisor::has_torque(supervisor_.output().state)) {
     seen.signals =
         monitor_.update({timing.now_ns, readings_.joints, readings_.base, asked_Nm_, planned.position_rad});
-    seen.hip_height_share = hip_height_share(*model_, reading);
+  } else {
+    monitor_.reset();
   }
+  if (episode_ != 0) seen.hip_height_share = hip_height_share(*model_, reading);
   seen.controller_finite = torques_finite_ && (episode_ == 0 || estimate.allFinite());
   seen.followable = followable;
   seen.failed_solves = of_episode ? static_cast<int>(result.failures_in_a_row) : 0;
@@ -212,6 +213,9 @@ supervisor::Observation ControlLoop::observe(const TickTiming& timing, const Ope
 ControlLoop::PlannedJoints ControlLoop::planned_joints(const PlanView& plan) const noexcept {
   PlannedJoints planned{};
   planned.position_rad.fill(std::numeric_limits<double>::quiet_NaN());
+  if (supervisor_.output().level == FallbackLevel::sit) {
+    for (std::size_t i = 0; i < hal::kJoints; ++i) planned.position_rad[i] = commands_[i].position_rad;
+  }
   if (supervisor_.output().ramp < 1.0) return planned;
   const auto take = [&planned](const model::JointVector& position_rad,
                                const model::JointVector& speed_rad_s) {

@@ -27,7 +27,7 @@ struct Observation {
   hal::BusStates buses;     ///< which they are
   hal::EmergencyStopState emergency_stop = hal::EmergencyStopState::absent;
   Pose planned_speed_rad_s{};       ///< of plan or gait at this time, 0 while neither is followed
-  Signals signals;                  ///< 0 while the torque law is not in command
+  Signals signals;                  ///< 0 while the joints get no torque but damping
   double hip_height_share = 1.0;    ///< hip above the lower foot, of the straight leg
   bool controller_finite = true;    ///< estimate and torques of the last tick were finite numbers
   Followable followable;            ///< plan and gait

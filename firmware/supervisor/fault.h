@@ -61,6 +61,7 @@ enum class Watch : std::uint8_t {
   always,    ///< from idle on
   bring_up,  ///< in calibrate only
   driven,    ///< while drivers get commands: ready to sit, and fault
+  torque,    ///< while joints may get more than damping: stand, step, walk, sit
   tracking,  ///< while the torque law is in command: stand, step, walk
 };
 
@@ -101,8 +102,8 @@ inline constexpr std::array<FaultRow, kFaults> kFaultTable = {{
      "a bus is gone", "every bus is there"},
     {Fault::driver_fault, 401, "driver_fault", Severity::latched, Reaction::damp, Watch::driven,
      "a driver reports a fault", "no driver reports one"},
-    {Fault::driver_not_enabled, 402, "driver_not_enabled", Severity::latched, Reaction::damp, Watch::tracking,
-     "a driver that should follow commands is idle", "the torque law is not in command"},
+    {Fault::driver_not_enabled, 402, "driver_not_enabled", Severity::latched, Reaction::damp, Watch::torque,
+     "a driver that should follow commands is idle", "the joints are damped, or the motors off"},
     {Fault::driver_hot, 403, "driver_hot", Severity::warning, Reaction::warn, Watch::driven,
      "a driver or motor is hot", "all are cooler"},
     {Fault::driver_overheated, 404, "driver_overheated", Severity::latched, Reaction::sit, Watch::driven,
@@ -135,16 +136,16 @@ inline constexpr std::array<FaultRow, kFaults> kFaultTable = {{
      "no plan came for so long that the robot shall not go on", "a plan came, or the torque law is not in command"},
     {Fault::operator_gone, 604, "operator_gone", Severity::latched, Reaction::sit, Watch::tracking,
      "the operator's program is silent for so long that the operator may be absent", "a command came"},
-    {Fault::following_error, 105, "following_error", Severity::latched, Reaction::damp, Watch::tracking,
-     "a joint stays far from where plan or gait has it", "the torque law is not in command"},
+    {Fault::following_error, 105, "following_error", Severity::latched, Reaction::damp, Watch::torque,
+     "a joint stays far from where plan, gait or sitting down has it", "the joints are damped, or the motors off"},
     {Fault::hip_height_limit, 106, "hip_height_limit", Severity::latched, Reaction::damp, Watch::tracking,
      "the hip is too near to the lower foot: the legs fold", "the torque law is not in command"},
-    {Fault::encoder_jump, 203, "encoder_jump", Severity::latched, Reaction::damp, Watch::tracking,
-     "an encoder's angle and rate do not belong together", "the torque law is not in command"},
+    {Fault::encoder_jump, 203, "encoder_jump", Severity::latched, Reaction::damp, Watch::torque,
+     "an encoder's angle and rate do not belong together", "the joints are damped, or the motors off"},
     {Fault::torso_sensor_implausible, 204, "torso_sensor_implausible", Severity::latched, Reaction::damp, Watch::tracking,
      "the torso sensor's angle and rate do not belong together", "the torque law is not in command"},
-    {Fault::torque_mismatch, 407, "torque_mismatch", Severity::latched, Reaction::damp, Watch::tracking,
-     "a driver reports a torque far from the one it was asked for", "the torque law is not in command"},
+    {Fault::torque_mismatch, 407, "torque_mismatch", Severity::latched, Reaction::damp, Watch::torque,
+     "a driver reports a torque far from the one it was asked for", "the joints are damped, or the motors off"},
 }};
 // clang-format on
 

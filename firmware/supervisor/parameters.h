@@ -19,7 +19,7 @@ struct SupervisorParameters {
   double torque_margin_Nm = 20.0;      ///< reported torque beyond the URDF's before joint_torque_limit
   double base_pitch_limit_rad = 0.8;   ///< pitch of the torso, either way
   double hip_height_share = 0.5;       ///< hip above the lower foot, of the straight leg
-  double following_error_rad = 0.8;    ///< joint from plan or gait, mean of 0.05 s
+  double following_error_rad = 0.8;    ///< joint from where it should be, mean of 0.05 s
   double encoder_jump_rad = 0.05;      ///< between two replies, beyond what the joint's rate explains
   double torso_mismatch_rad = 0.05;    ///< of pitch and the integral of its rate, over 0.2 s
   double torque_mismatch_Nm = 10.0;    ///< of reported and asked torque, mean of 0.2 s

@@ -15,7 +15,7 @@ struct Signals {
   double torso_mismatch_rad{};  ///< change of pitch less the integral of its rate, over about 0.2 s
   Pose torque_mismatch_Nm{};    ///< mean of reported less asked torque, over about 0.2 s
   Pose asked_torque_Nm{};       ///< mean size of the asked torque, over the same time
-  Pose following_error_rad{};   ///< mean distance from plan or gait, over about 0.05 s
+  Pose following_error_rad{};   ///< mean distance from what is followed, over about 0.05 s
 };
 
 /// What a tick has of them.
@@ -33,7 +33,7 @@ class SignalMonitor {
   /// One tick. The first one after reset() only keeps its values.
   const Signals& update(const SignalInputs& inputs) noexcept;
 
-  /// While the torque law is not in command.
+  /// While the joints get no torque but damping.
   void reset() noexcept { *this = SignalMonitor(); }
 
  private:

@@ -37,6 +37,11 @@ bool LinkFrames::connected() noexcept {
 bool LinkFrames::reconnect() noexcept {
   if (connected()) return true;
   connection_ = link_.connection.load(std::memory_order_acquire);
+  // Frames that came since the new connection began may be old: a read would take them for new.
+  for (std::size_t i = 0; connection_ != 0 && i < link_.arrivals.capacity(); ++i) {
+    if (link_.arrivals.front() == nullptr) break;
+    link_.arrivals.pop();
+  }
   return connection_ != 0;
 }
 

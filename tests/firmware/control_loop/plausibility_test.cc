@@ -2,6 +2,7 @@
 // gave.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 
@@ -121,6 +122,76 @@ TEST_F(PlausibilityTest, AJointThatStaysFarFromThePlanIsFound) {
   });
   run(200);
   expect(Fault::following_error, 2);
+}
+
+class SittingPlausibilityTest : public PlausibilityTest {
+ protected:
+  void begin_to_sit() {
+    rig->stand();
+    rig->ask(RequestKind::sit);
+    run(100);
+    ASSERT_EQ(rig->state(), State::sit);
+  }
+  void run(int ticks) {
+    for (int i = 0; i < ticks && rig->state() != State::fault; ++i) {
+      for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+        const hal::JointCommand& command = rig->joints.commands[joint];
+        hal::JointReading& reading = rig->joints.readings[joint];
+        const double law_Nm = command.torque_Nm +
+                              command.kp_Nm_rad * (command.position_rad - reading.position_rad) -
+                              command.kd_Nms_rad * reading.velocity_rad_s;
+        reading.torque_Nm = joint == dead_joint ? 0.0 : law_Nm;
+        largest_Nm = std::max(largest_Nm, std::abs(law_Nm));
+      }
+      rig->run(1);
+      ++ticks_run;
+    }
+  }
+  double largest_Nm = 0;  ///< that any joint gave
+};
+
+TEST_F(SittingPlausibilityTest, ARobotThatSitsDownHasNoFault) {
+  begin_to_sit();
+  run(static_cast<int>(1000 * rig->configuration.supervisor.sit_s) + 100);
+  EXPECT_EQ(rig->state(), State::ready);
+  EXPECT_TRUE(rig->decision().latched.empty());
+}
+
+TEST_F(SittingPlausibilityTest, AJointThatIsHeldIsFoundWhileItSitsDown) {
+  begin_to_sit();
+  rig->held_joint = 1;
+  ticks_run = 0;
+  run(2000);
+  expect(Fault::following_error, 1);
+  EXPECT_LT(ticks_run, 1500);
+  EXPECT_GT(largest_Nm, 40.0) << "more than damping gives, see docs/hazards.md";
+  EXPECT_LE(largest_Nm, rig->robot->constants.torque_limit_Nm[1] + 1e-9);
+}
+
+TEST_F(SittingPlausibilityTest, AnEncoderThatJumpsIsFoundWhileItSitsDown) {
+  begin_to_sit();
+  rig->held_joint = 2;
+  rig->joints.readings[2].position_rad += 1.2 * rig->configuration.supervisor.encoder_jump_rad;
+  ticks_run = 0;
+  run(5);
+  EXPECT_EQ(ticks_run, 1);
+  expect(Fault::encoder_jump, 2);
+}
+
+TEST_F(SittingPlausibilityTest, ADriverThatGivesNoTorqueIsFoundWhileItSitsDown) {
+  begin_to_sit();
+  rig->held_joint = 1;
+  dead_joint = 1;
+  run(2000);
+  expect(Fault::torque_mismatch, 1);
+}
+
+TEST_F(SittingPlausibilityTest, ADriverThatIsIdleIsFoundWhileItSitsDown) {
+  begin_to_sit();
+  rig->joints.readings[3].state = hal::DriverState::idle;
+  run(5);
+  EXPECT_TRUE(rig->decision().latched.has(Fault::driver_not_enabled));
+  EXPECT_TRUE(rig->only_damps());
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ namespace stilt::control_loop::testing {
 
 inline constexpr std::int64_t kTick_ns = 1'000'000;
 
-/// A robot that stands still where it is put, and remembers what is asked of it.
+/// A robot that stands still where it is put, follows on its way to sit, and remembers what is asked of it.
 class ScriptedRobot final : public hal::Robot {
  public:
   hal::JointReadings readings;
@@ -91,6 +91,7 @@ class Rig {
       if (tick == due_ && fresh_) mail.plans.publish();
       cycle.tick({.now_ns = now_ns(), .wakeup_latency_ns = wakeup_latency_ns});
       levels.push_back(decision().level);
+      if (level() == supervisor::FallbackLevel::sit) sit_down();
       record = *mail.telemetry.front();
       mail.telemetry.pop();
       if (planning && tick % 10 == 0) {
@@ -173,10 +174,17 @@ class Rig {
   control_loop::TickRecord record;  ///< of the newest tick
   std::vector<supervisor::FallbackLevel> levels;
   bool planning = true;
+  std::size_t held_joint = hal::kJoints;  ///< stands still while the others sit down; kJoints: none
   std::int64_t wakeup_latency_ns = 0;
   long long tick = 0;
 
  private:
+  void sit_down() {
+    for (std::size_t i = 0; i < hal::kJoints; ++i) {
+      if (i != held_joint) joints.readings[i].position_rad = joints.commands[i].position_rad;
+    }
+  }
+
   long long due_ = -1;
   bool fresh_ = false;
 };

@@ -48,14 +48,15 @@ Expected expected(Fault fault) {
     case Fault::bus_error:
     case Fault::driver_hot:
       return {Severity::warning, Reaction::warn, Watch::driven};
-    case Fault::base_pitch_limit:
-    case Fault::encoder_frozen:
     case Fault::following_error:
-    case Fault::hip_height_limit:
     case Fault::encoder_jump:
-    case Fault::torso_sensor_implausible:
     case Fault::torque_mismatch:
     case Fault::driver_not_enabled:
+      return {Severity::latched, Reaction::damp, Watch::torque};
+    case Fault::base_pitch_limit:
+    case Fault::encoder_frozen:
+    case Fault::hip_height_limit:
+    case Fault::torso_sensor_implausible:
     case Fault::not_finite:
       return {Severity::latched, Reaction::damp, Watch::tracking};
     case Fault::stale_plan:
@@ -83,6 +84,8 @@ bool looked_for(Watch watch, State state) {
       return state == State::calibrate;
     case Watch::driven:
       return among({State::ready, State::stand, State::step, State::walk, State::sit, State::fault});
+    case Watch::torque:
+      return among({State::stand, State::step, State::walk, State::sit});
     case Watch::tracking:
       return among({State::stand, State::step, State::walk});
   }
@@ -156,6 +159,18 @@ TEST_F(WatchTest, EveryFaultIsLookedForInItsStatesAndInNoOther) {
       tick();
       EXPECT_EQ(output().present.has(spoil.fault), looked_for(expected(spoil.fault).watch, state));
     }
+  }
+}
+
+TEST_F(WatchTest, AJointThatIsSpoiledWhileTheRobotSitsDownIsDamped) {
+  for (const Fault fault :
+       {Fault::driver_not_enabled, Fault::following_error, Fault::encoder_jump, Fault::torque_mismatch}) {
+    SCOPED_TRACE(name(fault));
+    bring_to(State::sit);
+    kSpoils[static_cast<std::size_t>(fault)].apply(inputs_.seen);
+    EXPECT_EQ(tick(), State::fault);
+    EXPECT_TRUE(output().latched.has(fault));
+    EXPECT_TRUE(only_damps());
   }
 }
 

@@ -156,6 +156,25 @@ TEST(FdcanusbLink, FramesOfAnEarlierConnectionDoNotArrive) {
   EXPECT_EQ(frames.counters().disconnections, 1u);
 }
 
+/// The thread connects anew by itself; the reset may come minutes later.
+TEST(FdcanusbLink, WhatCameBeforeAResetIsNotNew) {
+  const auto link = std::make_unique<Link>();
+  LinkFrames frames(*link, -1);
+  std::array<CanFrame, 2> received;
+  link->connection = 1;
+  ASSERT_TRUE(frames.reconnect());
+  link->connection = 0;
+  EXPECT_EQ(frames.receive(received).status, BusStatus::disconnected);
+  link->connection = 2;
+  for (std::size_t i = 0; i < link->arrivals.capacity(); ++i)
+    ASSERT_TRUE(link->arrivals.push({classic_frame(1, 1), 2}));
+  ASSERT_TRUE(frames.reconnect());
+  EXPECT_EQ(frames.receive(received).received, 0u);
+  ASSERT_TRUE(link->arrivals.push({classic_frame(2, 1), 2}));
+  ASSERT_EQ(frames.receive(received).received, 1u);
+  EXPECT_EQ(received[0].id, 2u);
+}
+
 TEST(FdcanusbLink, AFullRingDropsTheRestAndCountsIt) {
   const auto link = std::make_unique<Link>();
   LinkFrames frames(*link, -1);
