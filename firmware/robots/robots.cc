@@ -70,14 +70,25 @@ class Registry {
     const std::lock_guard lock(mutex_);
     const auto known = std::ranges::find(robots_, name, &Robot::name);
     if (known != robots_.end()) return &*known;
-    std::expected<Robot, std::string> robot = read(name);
+    return add(read(name));
+  }
+
+  std::expected<const Robot*, std::string> keep(std::string_view name, std::string_view urdf) {
+    const std::lock_guard lock(mutex_);
+    const auto known = std::ranges::find(robots_, name, &Robot::name);
+    if (known != robots_.end() && known->urdf == urdf) return &*known;
+    return add(parse(name, urdf));
+  }
+
+ private:
+  /// The newest of a name comes first.
+  std::expected<const Robot*, std::string> add(std::expected<Robot, std::string> robot) {
     if (!robot) return std::unexpected(robot.error());
-    Robot& kept = robots_.emplace_back(std::move(*robot));
+    Robot& kept = robots_.emplace_front(std::move(*robot));
     kept.model.constants.name = kept.name.c_str();
     return &kept;
   }
 
- private:
   static std::expected<Robot, std::string> read(std::string_view name) {
     if (is_file(name)) {
       const auto text = diagnostics::read_file(std::string(name));
@@ -96,6 +107,11 @@ class Registry {
   std::mutex mutex_;
   std::list<Robot> robots_;
 };
+
+Registry& registry() {
+  static Registry registry;
+  return registry;
+}
 
 }  // namespace
 
@@ -123,9 +139,10 @@ std::expected<Robot, std::string> parse(std::string_view name, std::string_view 
   return robot;
 }
 
-std::expected<const Robot*, std::string> find(std::string_view robot) {
-  static Registry registry;
-  return registry.find(robot);
+std::expected<const Robot*, std::string> find(std::string_view robot) { return registry().find(robot); }
+
+std::expected<const Robot*, std::string> keep(std::string_view name, std::string_view urdf) {
+  return registry().keep(name, urdf);
 }
 
 }  // namespace stilt::robots

@@ -42,7 +42,11 @@ struct Robot {
 /// thread-safe.
 [[nodiscard]] std::expected<const Robot*, std::string> find(std::string_view robot);
 
-/// A robot from the text of a URDF; `name` is its name and begins the error.
+/// Keeps the robot of a URDF under a name: from now on find() gives it for that name, whatever is there. For
+/// records, which carry the URDF. Earlier pointers stay valid. Otherwise like find().
+[[nodiscard]] std::expected<const Robot*, std::string> keep(std::string_view name, std::string_view urdf);
+
+/// A robot from the text of a URDF; `name` is its name and begins the error. Its constants have no name.
 [[nodiscard]] std::expected<Robot, std::string> parse(std::string_view name, std::string_view urdf);
 
 }  // namespace stilt::robots

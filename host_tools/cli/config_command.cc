@@ -1,21 +1,15 @@
 #include "host_tools/cli/config_command.h"
 
-#include <cerrno>
 #include <cstdio>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <string_view>
-#include <system_error>
 
 #include "firmware/configuration/migrate.h"
 #include "firmware/diagnostics/input_file.h"
+#include "firmware/diagnostics/output_file.h"
 #include "host_tools/cli/usage_error.h"
 
 namespace stilt::cli {
 namespace {
-
-namespace fs = std::filesystem;
 
 std::string read(const std::string& path) {
   auto text = diagnostics::read_file(path);
@@ -23,23 +17,15 @@ std::string read(const std::string& path) {
   return *std::move(text);
 }
 
-/// Writes a temporary beside the file and renames it, so that the file is the old one or the new one, whole.
-/// A symbolic link stays one, and permissions stay.
-void replace(const std::string& path, std::string_view text) {
-  std::error_code failed;
-  const fs::path target = fs::weakly_canonical(path, failed);
-  const fs::path temporary = target.string() + ".migrated";
-  std::ofstream stream(temporary, std::ios::binary);
-  stream << text;
-  stream.close();
-  if (!stream) throw UsageError(path + ": cannot be written: " + std::strerror(errno));
-  if (fs::exists(target, failed)) fs::permissions(temporary, fs::status(target).permissions(), failed);
-  fs::rename(temporary, target, failed);
-  if (failed) {
-    std::error_code ignored;
-    fs::remove(temporary, ignored);
-    throw UsageError(path + ": cannot be written: " + failed.message());
+void write(const std::string& path, std::string_view text) {
+  std::string reason = diagnostics::why_not_writable(path);
+  if (reason.empty()) {
+    const auto written = diagnostics::write_file(path, text);
+    if (written) return;
+    reason = written.error();
   }
+  throw UsageError(path + ": cannot be written (" + reason +
+                   "); name a file in an existing, writable folder");
 }
 
 }  // namespace
@@ -50,7 +36,7 @@ CLI::App* add_config_command(CLI::App& program, ConfigOptions& options) {
   CLI::App* migrate =
       config->add_subcommand("migrate", "renames the keys of an earlier release in a configuration file");
   migrate->add_option("FILE", options.file, "configuration file, rewritten in place")->required();
-  migrate->add_option("--out", options.out, "file to write instead");
+  migrate->add_option("--out", options.out, "file to write instead; - is standard output");
   migrate->footer(
       "Comments, order and values stay.\n"
       "Exit status: 0 done or nothing to rename, 2 the file cannot be read or written, is not TOML, has a\n"
@@ -62,13 +48,14 @@ int run_config(const ConfigOptions& options) {
   const auto migration = configuration::migrate(read(options.file), options.file);
   if (!migration) throw UsageError(to_string(migration.error()));
   if (!options.out.empty()) {
-    replace(options.out, migration->text);
+    write(options.out, migration->text);
   } else if (!migration->changes.empty()) {
-    replace(options.file, migration->text);
+    write(options.file, migration->text);
   }
-  if (migration->changes.empty()) std::printf("%s: nothing to rename\n", options.file.c_str());
+  std::FILE* report = options.out == "-" ? stderr : stdout;
+  if (migration->changes.empty()) std::fprintf(report, "%s: nothing to rename\n", options.file.c_str());
   for (const configuration::Diagnostic& change : migration->changes) {
-    std::printf("%s\n", to_string(change).c_str());
+    std::fprintf(report, "%s\n", to_string(change).c_str());
   }
   return 0;
 }

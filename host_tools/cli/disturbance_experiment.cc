@@ -7,7 +7,6 @@
 #include "host_tools/cli/experiment_rows.h"
 #include "host_tools/cli/usage_error.h"
 #include "host_tools/experiments/disturbance.h"
-#include "host_tools/experiments/table_text.h"
 #include "host_tools/simulation/closed_loop/scenario.h"
 #include "host_tools/simulation/plant/number.h"
 
@@ -36,7 +35,7 @@ RowChoice defaults_of(const ExperimentOptions& options) {
 }
 
 /// The published rows selected by --controller and --horizon. For horizons that are not published: those
-/// controllers at these horizons.
+/// controllers at these horizons; all predictive ones when none is named.
 std::vector<PublishedRow> chosen_rows(const ExperimentOptions& options) {
   const auto among = [](const auto& list, const auto& value) {
     return list.empty() || std::ranges::find(list, value) != list.end();
@@ -48,8 +47,10 @@ std::vector<PublishedRow> chosen_rows(const ExperimentOptions& options) {
     if (!among(options.controllers, row.controller)) continue;
     if (any_horizon(row) || among(options.horizons_s, row.horizon_s)) rows.push_back(row);
   }
+  const std::vector<std::string> controllers =
+      options.controllers.empty() ? experiments::HorizonPlan{}.controllers : options.controllers;
   for (const double horizon_s : options.horizons_s) {
-    for (const std::string& controller : options.controllers) {
+    for (const std::string& controller : controllers) {
       const auto same = [&](const PublishedRow& row) {
         return row.controller == controller && (any_horizon(row) || row.horizon_s == horizon_s);
       };
@@ -67,7 +68,7 @@ std::vector<RowChoice> rows_of_options(const ExperimentOptions& options) {
     row.setting.choice.controller = controller;
     row.setting.choice.horizon_s = horizon_s;
     row.name =
-        controller == "hzd-pd" ? controller : controller + "_" + experiments::text("%.2f", horizon_s) + "s";
+        controller == "hzd-pd" ? controller : controller + "_" + simulation::decimals_text(horizon_s) + "s";
     rows.push_back(std::move(row));
   }
   return rows;
@@ -176,7 +177,9 @@ experiments::DisturbancePlan plan_of_rows(const std::string& rows_file) {
 int run_disturbance(ExperimentOptions options, const std::vector<std::string>& arguments) {
   constexpr double kHorizonOfQuick_s = 0.5;
   (void)walk_runner(options.setting);  // reports errors of the settings before anything runs
-  if (options.quick && options.rows_file.empty()) options.horizons_s = {kHorizonOfQuick_s};
+  if (options.quick && options.rows_file.empty() && options.horizons_s.empty()) {
+    options.horizons_s = {kHorizonOfQuick_s};
+  }
   DisturbancePlan plan;
   std::map<std::string, std::string> parts;
   for (const RowChoice& choice : rows_of(options)) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <fstream>
+#include <set>
 #include <thread>
 #include <utility>
 
@@ -20,11 +21,31 @@ using experiments::Job;
 using experiments::JobFolder;
 using experiments::Json;
 
+/// Jobs of one name would share a result.
+void refuse_repeated(const std::vector<Job>& jobs) {
+  std::set<std::string> ids;
+  for (const Job& job : jobs) {
+    if (ids.insert(job.id).second) continue;
+    throw UsageError("job " + job.id +
+                     " is there twice; give each value of --controller, --horizon and --quantity once");
+  }
+}
+
 int run_one(const JobFolder& folder, const std::vector<Job>& jobs, const std::string& id) {
   const auto job = std::ranges::find(jobs, id, &Job::id);
   if (job == jobs.end()) throw UsageError("--job " + id + ": no such job; --list-jobs names them");
   if (!folder.has(id)) folder.keep(id, job->run());
   return 0;
+}
+
+Json merged_results(const ExperimentOptions& options, const std::vector<Json>& results,
+                    const std::function<Json(const std::vector<Json>&)>& merge) {
+  try {
+    return merge(results);
+  } catch (const Json::exception& error) {
+    throw UsageError("--out " + options.folder + ": a result lacks a field (" + error.what() +
+                     "); remove the files that are damaged and run their jobs again");
+  }
 }
 
 void run_missing(const ExperimentOptions& options, std::vector<std::string> arguments,
@@ -62,6 +83,7 @@ int run_jobs(const ExperimentOptions& options, const std::vector<std::string>& a
              const Json& settings, const std::vector<Job>& jobs,
              const std::function<Json(const std::vector<Json>&)>& merge,
              const std::function<std::string(const Json&)>& table) {
+  refuse_repeated(jobs);
   if (options.list_jobs) {
     for (const Job& job : jobs) std::puts(job.id.c_str());
     return 0;
@@ -69,7 +91,7 @@ int run_jobs(const ExperimentOptions& options, const std::vector<std::string>& a
   const JobFolder folder(options.folder, settings);
   if (!options.job.empty()) return run_one(folder, jobs, options.job);
   if (!options.merge) run_missing(options, arguments, folder, jobs);
-  Json merged = merge(folder.results(jobs));
+  Json merged = merged_results(options, folder.results(jobs), merge);
   merged["command"] = options.command;
   merged["settings"] = settings;
   if (!options.json_file.empty()) write_json(merged, options.json_file);

@@ -1,9 +1,11 @@
 #include "host_tools/cli/gait_command.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <iostream>
 
 #include "firmware/configuration/gaits/gait_file.h"
@@ -105,10 +107,14 @@ void print(const GaitRecord& record, const GaitCheck& check) {
   }
 }
 
-/// Prints text or JSON as requested. Returns the exit status.
-int report(const GaitRecord& record, const GaitCheck& check, const std::string& json_file) {
-  if (!json_file.empty()) write_json(to_json(record, check), json_file);
+/// Prints text or JSON as requested, and calls `write`, which writes another file. Returns the exit status.
+int report(
+    const GaitRecord& record, const GaitCheck& check, const std::string& json_file,
+    const std::function<void()>& write = [] {}) {
   if (json_file != "-") print(record, check);
+  write_each({write, [&] {
+                if (!json_file.empty()) write_json(to_json(record, check), json_file);
+              }});
   return check.valid() ? 0 : 1;
 }
 
@@ -140,8 +146,8 @@ int synthesize(const GaitOptions& options) {
   const model::RobotModel& robot = robot_model(options.robot);
   const StepTask task = task_of(options);
   const GaitRecord record = gait_synthesis::make_record(robot, task, gait_synthesis::synthesize(robot, task));
-  write_output_file("--out", options.out, gait_files::to_toml(record));
-  return report(record, gait_synthesis::check_gait(robot, record), options.json_file);
+  return report(record, gait_synthesis::check_gait(robot, record), options.json_file,
+                [&] { write_output_file("--out", options.out, gait_files::to_toml(record)); });
 }
 
 int check(const GaitOptions& options) {
@@ -156,14 +162,31 @@ int complete(const GaitOptions& options) {
   GaitRecord record = load_complete(options.file, &robot);
   const GaitCheck result = gait_synthesis::check_gait(*robot, record);
   record.claims = result.metrics;
-  write_output_file("--out", options.out, gait_files::to_toml(record));
-  return report(record, result, options.json_file);
+  return report(record, result, options.json_file,
+                [&] { write_output_file("--out", options.out, gait_files::to_toml(record)); });
 }
 
 std::string file_name(const std::string& robot, double speed_m_s) {
-  char text[64];
-  (void)std::snprintf(text, sizeof text, "_%.2f.toml", speed_m_s);
-  return std::filesystem::path(robot).stem().string() + text;
+  return std::filesystem::path(robot).stem().string() + "_" + simulation::decimals_text(speed_m_s) + ".toml";
+}
+
+/// Finds the gait of one speed of a library, writes its file and adds its row. Returns the exit status.
+int add_gait(const model::RobotModel& robot, const GaitOptions& options, nlohmann::ordered_json& rows) {
+  const StepTask task = task_of(options);
+  try {
+    const GaitRecord record =
+        gait_synthesis::make_record(robot, task, gait_synthesis::synthesize(robot, task));
+    const GaitCheck result = gait_synthesis::check_gait(robot, record);
+    rows.push_back(to_json(record, result));
+    if (options.json_file != "-") print(record, result);
+    const auto file = std::filesystem::path(options.out) / file_name(record.robot, options.speed_m_s);
+    write_output_file("--out", file.string(), gait_files::to_toml(record));
+    return result.valid() ? 0 : 1;
+  } catch (const gait_synthesis::NoGait& none) {
+    std::cerr << "stilt: " << none.what() << '\n';
+    rows.push_back({{"speed_m_s", options.speed_m_s}, {"valid", false}, {"error", none.what()}});
+    return 1;
+  }
 }
 
 int library(const GaitOptions& options) {
@@ -180,25 +203,26 @@ int library(const GaitOptions& options) {
   const model::RobotModel& robot = robot_model(options.robot);
   const int count =
       static_cast<int>(std::floor((options.to_m_s - options.from_m_s) / options.step_m_s + 1e-9)) + 1;
+  std::vector<GaitOptions> gaits(static_cast<std::size_t>(count), options);
+  for (int i = 0; i < count; ++i) {
+    // Rounded, so that 0.1 m/s is 0.1 and standing still is 0.
+    double& speed_m_s = gaits[static_cast<std::size_t>(i)].speed_m_s;
+    speed_m_s = std::round((options.from_m_s + i * options.step_m_s) * 1e6) / 1e6 + 0.0;
+    (void)task_of(gaits[static_cast<std::size_t>(i)]);  // reports errors of the options before any work
+  }
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   int status = 0;
-  Progress progress("finding gaits", count, "gaits");
-  for (int i = 0; i < count; ++i) {
-    GaitOptions one = options;
-    // Rounded, so that 0.1 m/s is 0.1 and standing still is 0.
-    one.speed_m_s = std::round((options.from_m_s + i * options.step_m_s) * 1e6) / 1e6 + 0.0;
-    const StepTask task = task_of(one);
-    const GaitRecord record =
-        gait_synthesis::make_record(robot, task, gait_synthesis::synthesize(robot, task));
-    const auto file = std::filesystem::path(options.out) / file_name(record.robot, one.speed_m_s);
-    write_output_file("--out", file.string(), gait_files::to_toml(record));
-    const GaitCheck result = gait_synthesis::check_gait(robot, record);
-    if (!result.valid()) status = 1;
-    rows.push_back(to_json(record, result));
-    if (options.json_file != "-") print(record, result);
-    progress.update(i + 1);
-  }
-  if (!options.json_file.empty()) write_json({{"gaits", rows}}, options.json_file);
+  const auto find_all = [&] {
+    Progress progress("finding gaits", count, "gaits");
+    for (const GaitOptions& one : gaits) {
+      status = std::max(status, add_gait(robot, one, rows));
+      progress.update(static_cast<double>(rows.size()));
+    }
+  };
+  // What was found before an error is written, too.
+  write_each({find_all, [&] {
+                if (!options.json_file.empty()) write_json({{"gaits", rows}}, options.json_file);
+              }});
   return status;
 }
 
@@ -207,9 +231,10 @@ int show(const GaitOptions& options) {
   const model::RobotModel* robot = nullptr;
   const GaitRecord record = load_complete(options.file, &robot);
   const GaitCheck result = gait_synthesis::check_gait(*robot, record);
-  write_output_file("--report", options.report_file,
-                    gait_synthesis::render_gait_page(*robot, record, result));
-  return report(record, result, options.json_file);
+  return report(record, result, options.json_file, [&] {
+    write_output_file("--report", options.report_file,
+                      gait_synthesis::render_gait_page(*robot, record, result));
+  });
 }
 
 void add_task_options(CLI::App& command, GaitOptions& options) {
@@ -283,6 +308,7 @@ int run_gait(const CLI::App& gait, GaitOptions options) {
     const CLI::Option* json = command->get_option("--json");
     if (json->count() > 0 && options.json_file.empty()) options.json_file = "-";
   }
+  check_output_file("--json", options.json_file);
   try {
     if (gait.got_subcommand("synthesize")) return synthesize(options);
     if (gait.got_subcommand("check")) return check(options);

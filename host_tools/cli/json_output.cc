@@ -85,7 +85,7 @@ void write_output_file(const std::string& option, const std::string& path, std::
 }
 
 void write_json(const Json& json, const std::string& path) {
-  write_output_file("--json", path, json.dump(2) + '\n');
+  write_output_file("--json", path, json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
 }
 
 void write_log(const log::RunRecord& record, const std::string& path) {

@@ -56,10 +56,8 @@ record::Recorder::Options recorder_options(const RecordOptions& options) {
 }
 
 /// Records. Returns the duration, s.
-double record_all(const RecordOptions& options, record::Recorder& recorder) {
-  const std::vector<const telemetry::Topic*> topics = record::Recorder::topics();
-  const telemetry::Participant participant = host_telemetry::join(options.network);
-  host_telemetry::Listener listener(participant, topics, kKeeps);
+double record_all(const RecordOptions& options, host_telemetry::Listener& listener,
+                  record::Recorder& recorder) {
   const double longest_s =
       options.duration_s > 0 ? options.duration_s : std::numeric_limits<double>::infinity();
   std::fprintf(stderr, "recording to %s; end it with Ctrl-C\n", options.out_file.c_str());
@@ -139,9 +137,12 @@ CLI::App* add_record_command(CLI::App& program, RecordOptions& options) {
 
 int run_record(const RecordOptions& options) {
   check_output_file("--json", options.json_file);
+  // Before the file is opened, which empties one of an earlier record.
+  const telemetry::Participant participant = host_telemetry::join(options.network);
+  host_telemetry::Listener listener(participant, record::Recorder::topics(), kKeeps);
   record::Recorder recorder(options.out_file, recorder_options(options));
   catch_signals();
-  const double elapsed_s = record_all(options, recorder);
+  const double elapsed_s = record_all(options, listener, recorder);
   if (!options.json_file.empty()) write_json(to_json(recorder, elapsed_s), options.json_file);
   if (options.json_file != "-") print(options, recorder, elapsed_s);
   return whole(recorder) ? 0 : 1;

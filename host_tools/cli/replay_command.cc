@@ -74,7 +74,12 @@ static_assert(std::atomic<bool>::is_always_lock_free);
 
 /// Plays the record in the page until it is stopped.
 int show(const ReplayOptions& options) {
+  if (!options.json_file.empty()) {
+    throw UsageError("--json " + options.json_file +
+                     ": a page has no results; leave --json or --monitor out");
+  }
   replay::RecordSource source(options.file);
+  for (const std::string& problem : source.problems()) std::fprintf(stderr, "stilt: %s\n", problem.c_str());
   struct sigaction action{};
   action.sa_handler = [](int) { stop.store(true); };
   sigaction(SIGINT, &action, nullptr);
@@ -84,7 +89,7 @@ int show(const ReplayOptions& options) {
   serve.open_browser = !options.no_browser;
   serve.stop = &stop;
   monitor::serve(source, serve);
-  return 0;
+  return source.problems().empty() ? 0 : 1;
 }
 
 }  // namespace

@@ -170,11 +170,10 @@ int run_robot(const RobotOptions& options, const std::string& command_line) {
         options.lockstep ? run_lockstep(robot, buses, frames, run) : run_realtime(robot, buses, frames, run);
   }
   robot.finish();
-  frames.close();
   log::RunRecord record = robot.recorder().record();
   record.command_line = command_line;
   describe_run(hardware.robot->constants, robot.plant(), hardware.setup.plant, record);
-  write_robot_results(options, robot, record, outcome);
+  write_robot_results(options, robot, record, outcome, frames);
   return options.hang || record.summary.survived ? 0 : 1;
 }
 

@@ -99,12 +99,13 @@ void print_results(const RobotOnBus& robot, const log::RunSummary& summary, cons
 }  // namespace
 
 void write_robot_results(const RobotOptions& options, const RobotOnBus& robot, log::RunRecord record,
-                         const RunOutcome& outcome) {
+                         const RunOutcome& outcome, robot_on_bus::FrameLog& frames) {
   if (robot.gantry_released_s()) {
     log::count_from(record, *robot.gantry_released_s() - clock_start_s(robot, outcome));
   }
   if (options.json_file != "-") print_results(robot, record.summary, outcome);
-  write_each({[&] {
+  write_each({[&] { frames.close(); },
+              [&] {
                 if (!options.json_file.empty())
                   write_json(robot_json(robot, record.summary, outcome), options.json_file);
               },

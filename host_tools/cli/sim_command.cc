@@ -1,7 +1,9 @@
 #include "host_tools/cli/sim_command.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <csignal>
 #include <cstdint>
 #include <cstdio>
 #include <limits>
@@ -28,6 +30,17 @@ using simulation::TimedCommand;
 
 constexpr double kLargestSpeed_m_s = 5.0;
 constexpr double kLongestRun_s = 86400.0;
+
+std::atomic<bool> interrupted = false;
+static_assert(std::atomic<bool>::is_always_lock_free);
+
+/// SIGINT and SIGTERM end the run early; its results are still written.
+void catch_signals() {
+  struct sigaction action{};
+  action.sa_handler = [](int) { interrupted.store(true); };
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
 
 PlantOptions plant_options(const SimOptions& options, const control::TimingParameters& timing) {
   PlantOptions plant;
@@ -164,6 +177,7 @@ CLI::App* add_sim_command(CLI::App& program, SimOptions& options) {
                   "writes the samples, one JSON object per line, to a file, or - for standard output");
   sim->footer("Keys of --plant:\n" + simulation::describe_plant_options() + "Faults:\n" +
               simulation::describe_faults(simulation::FaultsOf::plant) +
+              "Ctrl-C ends the run early; its results are written.\n"
               "Exit status: 0 done, 1 the robot fell, 2 bad usage.");
   return sim;
 }
@@ -185,7 +199,12 @@ int run_sim(const SimOptions& options, const std::string& command_line) {
   {
     Progress progress("simulating", options.duration_s, "s");
     settings.progress = [&](double time_s) { progress.update(time_s); };
+    settings.stop = &interrupted;
+    catch_signals();
     record = simulation::run_closed_loop(plant, *controller, settings);
+  }
+  if (interrupted.load()) {
+    std::fprintf(stderr, "interrupted: the results are of the first %.2f s\n", record.summary.duration_s);
   }
   record.command_line = command_line;
   record.settings = record::settings_of(parameters);

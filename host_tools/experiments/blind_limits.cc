@@ -6,6 +6,7 @@
 
 #include "host_tools/experiments/command_sequence.h"
 #include "host_tools/experiments/table_text.h"
+#include "host_tools/simulation/plant/number.h"
 
 namespace stilt::experiments {
 namespace {
@@ -18,7 +19,7 @@ Json fall_json(const log::RunSummary& summary) {
 }
 
 std::string prefix(const LimitPlan::Controller& controller) {
-  return controller.name + "_" + text("%.2f", controller.horizon_s) + "s_";
+  return controller.name + "_" + simulation::decimals_text(controller.horizon_s) + "s_";
 }
 
 WalkCase walk_of(const LimitPlan& plan, const LimitPlan::Controller& controller, int seed) {
@@ -211,20 +212,22 @@ std::string limit_table(const Json& merged) {
       "limit m/s "
       "|\n|---|---|---|---|---|---|---|---|---|\n";
   for (const Json& row : merged.at("rows")) {
-    table += "| " + row.at("controller").get<std::string>() + " | " + cell(row.at("horizon_s"), "%.1f", "-") +
-             " | " + row.at("quantity").get<std::string>() + ", " + row.at("unit").get<std::string>() +
-             " | " + row.at("direction").get<std::string>() + " | " +
-             cell(row.at("limit_all"), "%g", "none") + " | " + cell(row.at("limit_half"), "%g", "none") +
-             " | " + std::to_string(row.at("cases").get<int>()) + " | " +
-             cell(row.at("last_tried"), "%g", "-") + " | " + cell(row.at("speed_min_m_s"), "%.2f", "-") +
-             " to " + cell(row.at("speed_max_m_s"), "%.2f", "-") + " |\n";
+    table += "| " + row.at("controller").get<std::string>() + " | " +
+             simulation::decimals_text(row.at("horizon_s"), 1) + " | " +
+             row.at("quantity").get<std::string>() + ", " + row.at("unit").get<std::string>() + " | " +
+             row.at("direction").get<std::string>() + " | " + cell(row.at("limit_all"), "%g", "none") +
+             " | " + cell(row.at("limit_half"), "%g", "none") + " | " +
+             std::to_string(row.at("cases").get<int>()) + " | " + cell(row.at("last_tried"), "%g", "-") +
+             " | " + cell(row.at("speed_min_m_s"), "%.2f", "-") + " to " +
+             cell(row.at("speed_max_m_s"), "%.2f", "-") + " |\n";
   }
   for (const Json& sequence : merged.at("sequences")) {
     table += '\n';
     table += sequence.at("controller").get<std::string>() + ", horizon " +
-             cell(sequence.at("horizon_s"), "%.1f") + " s: " + cell(sequence.at("survived"), "%.0f") +
-             " of " + cell(sequence.at("of"), "%.0f") + " random sequences of commands, " +
-             cell(sequence.at("duration_s"), "%.0f") + " s each, survived\n";
+             simulation::decimals_text(sequence.at("horizon_s"), 1) +
+             " s: " + cell(sequence.at("survived"), "%.0f") + " of " + cell(sequence.at("of"), "%.0f") +
+             " random sequences of commands, " + cell(sequence.at("duration_s"), "%.0f") +
+             " s each, survived\n";
   }
   return table;
 }

@@ -12,17 +12,20 @@ namespace {
 Json read(const std::filesystem::path& file) {
   std::ifstream stream(file);
   const Json json = Json::parse(stream, nullptr, false);
-  if (json.is_discarded()) {
+  if (!json.is_object() || json.empty()) {
     throw std::runtime_error(file.string() + ": no result that can be read; remove the file and run the job");
   }
   return json;
 }
 
+/// Names of files need not be UTF-8; what is not is replaced.
+std::string text_of(const Json& json) { return json.dump(1, ' ', false, Json::error_handler_t::replace); }
+
 /// Writes under another name first, so that no reader gets half a file.
 void write(const std::filesystem::path& file, const Json& json) {
   const std::filesystem::path part = file.string() + "." + std::to_string(getpid()) + ".part";
   std::ofstream stream(part);
-  stream << json.dump(1) << '\n' << std::flush;
+  stream << text_of(json) << '\n' << std::flush;
   std::error_code error;
   if (stream) std::filesystem::rename(part, file, error);
   if (!stream || error) throw std::runtime_error(file.string() + ": the file cannot be written");
@@ -54,7 +57,8 @@ std::string difference(const Json& kept, const Json& settings) {
 
 }  // namespace
 
-JobFolder::JobFolder(const std::filesystem::path& folder, const Json& settings) : folder_(folder) {
+JobFolder::JobFolder(const std::filesystem::path& folder, const Json& given) : folder_(folder) {
+  const Json settings = Json::parse(text_of(given));  // as it is stored
   std::error_code error;
   std::filesystem::create_directories(folder_, error);
   if (!std::filesystem::is_directory(folder_, error) || access(folder_.c_str(), W_OK) != 0) {

@@ -3,7 +3,10 @@
 #include <spawn.h>
 #include <sys/wait.h>
 
+#include <cerrno>
+#include <csignal>
 #include <cstddef>
+#include <cstring>
 #include <map>
 #include <stdexcept>
 
@@ -28,6 +31,7 @@ pid_t start(std::vector<std::string> command, const std::string& id) {
 
 void run_in_processes(const std::vector<std::string>& command, const std::vector<std::string>& ids,
                       int at_once, const std::function<void(int)>& finished) {
+  std::signal(SIGCHLD, SIG_DFL);  // a parent may have left it ignored: then no end of a process is reported
   std::map<pid_t, std::string> running;
   std::string failed;
   std::size_t next = 0;
@@ -39,7 +43,12 @@ void run_in_processes(const std::vector<std::string>& command, const std::vector
       continue;
     }
     int status = 0;
-    const auto process = running.find(waitpid(-1, &status, 0));
+    const pid_t ended = waitpid(-1, &status, 0);
+    if (ended < 0 && errno != EINTR) {
+      throw std::runtime_error(std::string("jobs: their ends cannot be waited for (") + std::strerror(errno) +
+                               ")");
+    }
+    const auto process = running.find(ended);
     if (process == running.end()) continue;
     const bool good = WIFEXITED(status) && WEXITSTATUS(status) == 0;
     if (!good && failed.empty()) failed = process->second;

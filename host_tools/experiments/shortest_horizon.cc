@@ -6,6 +6,7 @@
 
 #include "host_tools/experiments/table_text.h"
 #include "host_tools/experiments/walks.h"
+#include "host_tools/simulation/plant/number.h"
 
 namespace stilt::experiments {
 namespace {
@@ -58,7 +59,8 @@ std::string failures(const Json& row) {
     const std::string reason = horizon.at("survived").get<bool>()
                                    ? cell(horizon.at("mean_speed_m_s"), "%.3f m/s")
                                    : cell(horizon.at("fall_time_s"), "falls after %.1f s");
-    text += (text.empty() ? "" : ", ") + cell(horizon.at("horizon_s"), "%.2f") + " (" + reason + ")";
+    text +=
+        (text.empty() ? "" : ", ") + simulation::decimals_text(horizon.at("horizon_s")) + " (" + reason + ")";
   }
   return text.empty() ? "none" : text;
 }
@@ -77,8 +79,9 @@ std::vector<Job> horizon_jobs(const HorizonPlan& plan, const WalkRunner& run) {
   for (const std::string& controller : plan.controllers) {
     for (const double horizon_s : plan.horizons_s) {
       for (int seed = 1; seed <= plan.seeds; ++seed) {
-        jobs.push_back({controller + "_" + text("%.2f", horizon_s) + "s_seed" + std::to_string(seed),
-                        [=] { return run_job(plan, controller, horizon_s, seed, run); }});
+        jobs.push_back(
+            {controller + "_" + simulation::decimals_text(horizon_s) + "s_seed" + std::to_string(seed),
+             [=] { return run_job(plan, controller, horizon_s, seed, run); }});
       }
     }
   }
@@ -115,8 +118,9 @@ std::string horizon_table(const Json& merged) {
       "| controller | shortest horizon s | walks there at m/s | does not walk at the command at s |\n"
       "|---|---|---|---|\n";
   for (const Json& row : merged.at("rows")) {
+    const Json& shortest = row.at("shortest_horizon_s");
     table += "| " + row.at("controller").get<std::string>() + " | " +
-             cell(row.at("shortest_horizon_s"), "%.2f", "none") + " | " +
+             (shortest.is_null() ? "none" : simulation::decimals_text(shortest)) + " | " +
              cell(row.at("mean_speed_m_s"), "%.3f") + " | " + failures(row) + " |\n";
   }
   return table;

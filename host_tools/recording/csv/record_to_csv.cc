@@ -176,6 +176,9 @@ Written ticks_to_csv(const std::string& record, const std::string& file) {
   }
   Written written{{}, reader.problems()};
   ticks.close(written.files);
+  if (written.files.empty()) {
+    throw std::runtime_error(record + ": holds no ticks of stiltd; name a record of stilt record");
+  }
   return written;
 }
 

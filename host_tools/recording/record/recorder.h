@@ -65,7 +65,7 @@ class Recorder {
 /// The inverse of topic_in_record(); null for other names.
 [[nodiscard]] const telemetry::Topic* topic_of_record(const std::string& name);
 
-/// Name of the attachment with the configuration of a run.
+/// Name of the attachment with the configuration of a run; that of a robot's URDF is ROBOT.urdf.
 [[nodiscard]] std::string configuration_name(std::uint64_t run_id);
 
 }  // namespace stilt::record

@@ -1,12 +1,14 @@
 #include "host_tools/recording/replay/record_file.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "firmware/telemetry/cdr.h"
 #include "firmware/telemetry/cycle_message.h"
 #include "firmware/telemetry/tick_batch.h"
 #include "firmware/telemetry/topics.h"
 #include "host_tools/recording/mcap/reader.h"
+#include "host_tools/recording/record/attached_robots.h"
 #include "host_tools/recording/record/record_version.h"
 #include "host_tools/recording/record/recorder.h"
 
@@ -71,6 +73,9 @@ RecordContents read_contents(const std::string& path) {
     take(*read, contents);
   }
   contents.problems = reader.problems();
+  for (std::string& problem : record::keep_attached_robots(path, reader.attachments())) {
+    contents.problems.push_back(std::move(problem));
+  }
   return contents;
 }
 

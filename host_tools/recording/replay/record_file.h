@@ -32,7 +32,8 @@ struct RecordContents {
   std::vector<std::string> problems;  ///< of the file, one sentence each
 };
 
-/// Reads a record without its ticks. Throws std::runtime_error, one sentence, when the file is not a
+/// Reads a record without its ticks. From then on robots::find() gives the robots whose URDF is attached
+/// (record/attached_robots.h). Throws std::runtime_error, one sentence, when the file is not a
 /// record, or has messages of another wire version.
 [[nodiscard]] RecordContents read_contents(const std::string& path);
 

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "host_tools/recording/mcap/reader.h"
 #include "host_tools/web/monitor/message_decoder.h"
@@ -21,6 +22,9 @@ class RecordCursor {
  public:
   /// Stands on the first message. Throws as mcap::Reader.
   explicit RecordCursor(const std::string& path);
+
+  [[nodiscard]] const mcap::Reader& reader() const { return *reader_; }
+  [[nodiscard]] bool has_ticks() const { return tick_ns_.has_value(); }  ///< so far
 
   /// The next message; null at the end.
   [[nodiscard]] const telemetry::Sample* message() const { return message_ ? &*message_ : nullptr; }
@@ -43,10 +47,14 @@ class RecordSource final : public monitor::SampleSource {
   /// Seconds of ticks before the time of play_from() that are passed on too.
   static constexpr double kBefore_s = 5.0;
 
-  /// Throws std::runtime_error, one sentence, when the file is not a record, or has messages of another
-  /// wire version.
+  /// From then on robots::find() gives the robots whose URDF is attached (record/attached_robots.h). Throws
+  /// std::runtime_error, one sentence, when the file is not a record, holds no ticks, or has messages of
+  /// another wire version.
   /// @param now  clock of the playback
   explicit RecordSource(const std::string& path, std::function<Clock::time_point()> now = &Clock::now);
+
+  /// Of the file, one sentence each: the readable part is played.
+  [[nodiscard]] const std::vector<std::string>& problems() const { return problems_; }
 
   void poll(monitor::SampleSink& sink) override;
   void command(const monitor::Command& command) override;
@@ -71,6 +79,7 @@ class RecordSource final : public monitor::SampleSource {
   std::string path_;
   std::function<Clock::time_point()> now_;
   double length_s_ = 0.0;
+  std::vector<std::string> problems_;
   RecordCursor cursor_;
   monitor::MessageDecoder decoder_{monitor::Follow::newest};
   std::optional<Clock::time_point> polled_;  ///< time of the last poll

@@ -25,7 +25,6 @@ struct RunMessages {
   PlanTrack plans;
   std::map<std::uint64_t, log::RunEvent> events;  ///< by number
   long long heap_allocations = 0;
-  std::string urdf;  ///< attached
 };
 
 template <class T>
@@ -48,9 +47,6 @@ RunMessages messages_of(const std::string& path, std::uint64_t run_id) {
                    message_of<telemetry::ActiveConfiguration>(*read, telemetry::kConfiguration)) {
       if (configuration->run_id == run_id) found.start_ns = configuration->start_clock_ns;
     }
-  }
-  for (const mcap::Attachment& attachment : reader.attachments()) {
-    if (attachment.name.ends_with(".urdf")) found.urdf.assign(attachment.data.begin(), attachment.data.end());
   }
   return found;
 }
@@ -75,12 +71,11 @@ void add_solves(const replay::RunRecord& recorded, log::RunRecord& run) {
   if (!run.solves.empty()) summary.sqp_iterations_mean = iterations / static_cast<double>(run.solves.size());
 }
 
-model::RobotConstants robot_of(const std::string& path, const std::string& name, const std::string& urdf) {
-  if (const auto found = robots::find(name)) return (*found)->model.constants;
-  const auto attached = robots::parse(name, urdf);
-  if (attached) return attached->model.constants;
-  throw std::runtime_error(path + ": the record's robot " + name +
-                           " is unknown here, and its attached URDF is none: " + attached.error());
+/// read_contents() keeps a robot whose URDF is attached.
+model::RobotConstants robot_of(const std::string& path, const std::string& name) {
+  const auto found = robots::find(name);
+  if (found) return (*found)->model.constants;
+  throw std::runtime_error(path + ": the record has no URDF of its robot: " + found.error());
 }
 
 }  // namespace
@@ -97,7 +92,7 @@ RecordRun run_of_record(const std::string& path) {
   }
   const RunMessages messages = messages_of(path, recorded->number);
   RecordRun result;
-  result.robot = robot_of(path, recorded->robot, messages.urdf);
+  result.robot = robot_of(path, recorded->robot);
   result.runs = contents.runs.size();
   result.problems = contents.problems;
   log::RunRecord& run = result.run;

@@ -46,7 +46,8 @@ log::RunRecord run_closed_loop(Plant& plant, SimulatedController& controller, co
 
   long long tick = 0;
   long long allocations = 0;
-  for (; tick < ticks && plant.fall() == Fall::none; ++tick) {
+  const auto stopped = [&] { return settings.stop != nullptr && settings.stop->load(); };
+  for (; tick < ticks && plant.fall() == Fall::none && !stopped(); ++tick) {
     const double time_s = static_cast<double>(tick) * tick_s;
     truth = plant.state();
     const gait::GaitCommand command = command_at(settings.commands, time_s);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <limits>
 #include <vector>
@@ -36,13 +37,14 @@ struct RunSettings {
   bool keep_samples = true;     ///< false: summary and solves only
   double sample_rate_hz = 200.0;
   std::function<void(double time_s)> progress = [](double) {};  ///< called once per simulated second
+  const std::atomic<bool>* stop = nullptr;                      ///< true ends the run early; may be left null
   RunObserver observer;
 };
 
-/// Runs until the duration is over or the robot falls. The robot begins on its feet, and the first plan is
-/// active in the first tick. Each later plan starts from the state of its tick and becomes active
-/// plan_delay_s later. Solve times are measured by the wall clock and have no effect. The record has no
-/// command line and no drawing.
+/// Runs until the duration is over, the robot falls or `stop` is true. The robot begins on its feet, and the
+/// first plan is active in the first tick. Each later plan starts from the state of its tick and becomes
+/// active plan_delay_s later. Solve times are measured by the wall clock and have no effect. The record has
+/// no command line and no drawing.
 [[nodiscard]] log::RunRecord run_closed_loop(Plant& plant, SimulatedController& controller,
                                              const RunSettings& settings);
 

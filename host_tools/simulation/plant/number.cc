@@ -21,4 +21,15 @@ std::string number_text(double value) {
   return buffer;
 }
 
+std::string decimals_text(double value, std::size_t least) {
+  constexpr int kMost = 12;
+  constexpr double kSmallest = 0.5e-12;  // no -0.00
+  char buffer[400];
+  std::snprintf(buffer, sizeof buffer, "%.*f", kMost, std::abs(value) < kSmallest ? 0.0 : value);
+  std::string text = buffer;
+  const std::size_t shortest = text.find('.') + 1 + least;
+  while (text.size() > shortest && text.back() == '0') text.pop_back();
+  return text;
+}
+
 }  // namespace stilt::simulation

@@ -117,6 +117,7 @@ SharedMessage access_message(const Access& access) {
 SharedMessage configuration_message(const ConfigurationSample& sample) {
   const auto named = robots::find(sample.robot);  // a URDF file may be on another computer
   const auto robot = named ? named : robots::find(robots::shipped_urdfs().front().name);
+  const Json drawn_instead = named ? Json(nullptr) : Json((*robot)->name);
   return text({{"type", "configuration"},
                {"run_id", sample.run_id},
                {"robot", sample.robot},
@@ -124,6 +125,7 @@ SharedMessage configuration_message(const ConfigurationSample& sample) {
                {"toml", sample.toml},
                {"tick_rate_hz", sample.tick_rate_hz},
                {"drawing", drawing_json((*robot)->model.constants)},
+               {"drawn_instead", drawn_instead},
                {"tunables", tunables_json(sample.tunables)}});
 }
 

@@ -76,6 +76,23 @@ TEST(Robots, AFileIsReadOnceAndKept) {
   EXPECT_EQ(*find(file), *robot);
 }
 
+/// As a record carries it: the file may be gone, or another one by now.
+TEST(Robots, AKeptRobotIsTheOneOfItsNameWhateverIsThere) {
+  const stilt::tests::OwnFolder folder;
+  const std::string file = folder.file("kept.urdf");
+  const auto recorded = keep(file, codegen::read_text(kHeavyFile));
+  ASSERT_TRUE(recorded) << recorded.error();
+  EXPECT_EQ(*find(file), *recorded) << "there is no such file";
+  EXPECT_EQ((*recorded)->model.constants.name, file);
+  EXPECT_EQ(*keep(file, codegen::read_text(kHeavyFile)), *recorded) << "the same again";
+  const auto other = keep(file, changed("<mass value=\"15.5\"/>", "<mass value=\"10\"/>"));
+  ASSERT_TRUE(other) << other.error();
+  EXPECT_EQ(*find(file), *other) << "the newest";
+  EXPECT_NE((*other)->model.constants.total_mass_kg, (*recorded)->model.constants.total_mass_kg);
+  EXPECT_FALSE(keep(file, "no URDF"));
+  EXPECT_EQ(*find(file), *other);
+}
+
 TEST(Robots, AnUnknownNameAndAMissingFileAreRefusedInOneSentence) {
   EXPECT_EQ(find("asimo").error(),
             "there is no robot \"asimo\"; known robots are amber3m, amber3m_2020, rabbit; "

@@ -1,3 +1,4 @@
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -80,6 +81,36 @@ TEST_F(ConfigMigrate, LinksAndPermissionsStay) {
   struct stat after = {};
   ASSERT_EQ(stat(path.c_str(), &after), 0);
   EXPECT_EQ(after.st_mode & 0777, 0640u);
+}
+
+/// The FIFO stays open here, so that neither side waits for the other.
+TEST_F(ConfigMigrate, AFifoGetsTheTextAndStaysOne) {
+  const std::string path = written("mine.toml", kOld);
+  const std::string fifo = file("fifo");
+  ASSERT_EQ(mkfifo(fifo.c_str(), 0600), 0);
+  const int reader = open(fifo.c_str(), O_RDWR | O_NONBLOCK);
+  ASSERT_GE(reader, 0);
+  EXPECT_EQ(run("config migrate " + path + " --out " + fifo).status, 0);
+  EXPECT_TRUE(std::filesystem::is_fifo(fifo));
+  std::string got(1000, '\0');
+  const ssize_t size = read(reader, got.data(), got.size());
+  got.resize(size > 0 ? static_cast<std::size_t>(size) : 0);
+  close(reader);
+  EXPECT_EQ(got, kNew);
+}
+
+TEST_F(ConfigMigrate, ADashIsStandardOutputWithTheTextAlone) {
+  const Outcome outcome = run("config migrate " + written("mine.toml", kOld) + " --out -");
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_EQ(outcome.output, kNew);
+  EXPECT_NE(outcome.errors.find("g_max is now filter_violation_max"), std::string::npos) << outcome.errors;
+}
+
+TEST_F(ConfigMigrate, AFullDiskLeavesNothing) {
+  const std::string path = written("mine.toml", kOld);
+  EXPECT_EQ(run("config migrate " + path + " --out /dev/full").status, 2);
+  EXPECT_TRUE(std::filesystem::is_character_file("/dev/full"));
+  EXPECT_EQ(text_of(path), kOld);
 }
 
 TEST_F(ConfigMigrate, WhatCannotBeReadOrWrittenIsOneSentenceAndStatusTwo) {

@@ -75,6 +75,31 @@ TEST_F(GaitCommand, MakesALibraryWithOneFilePerSpeed) {
   }
 }
 
+TEST_F(GaitCommand, SpeedsThatDifferInTheThirdDecimalHaveFilesOfTheirOwn) {
+  ASSERT_EQ(run("library --from 0.115 --to 0.125 --step 0.01 --out " + file("library")).status, 0);
+  for (const char* name : {"amber3m_0.115.toml", "amber3m_0.125.toml"}) {
+    EXPECT_TRUE(std::filesystem::exists(file("library") + "/" + name)) << name;
+  }
+}
+
+TEST_F(GaitCommand, ALibraryGoesOnAfterASpeedWithoutAGait) {
+  const Outcome outcome = run("library --from 0.1 --to 0.2 --limit knee_min_rad=3 --out " + file("library") +
+                              " --json " + file("json"));
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_NE(outcome.errors.find("no gait at 0.2 m/s"), std::string::npos) << outcome.errors;
+  const auto rows = nlohmann::json::parse(text_of(file("json"))).at("gaits");
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_EQ(rows[0].at("speed_m_s"), 0.1);
+  EXPECT_EQ(rows[0].at("valid"), false);
+  EXPECT_NE(rows[1].at("error").get<std::string>().find("no gait at 0.2 m/s"), std::string::npos);
+}
+
+TEST_F(GaitCommand, AnOutputThatCannotBeWrittenKeepsNoOtherBack) {
+  const Outcome outcome = run("show " + kShipped + " --report /dev/full --json " + file("json"));
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_EQ(nlohmann::json::parse(text_of(file("json"))).at("valid"), true);
+}
+
 TEST_F(GaitCommand, CompletesAGaitFromElsewhere) {
   const std::string text = text_of(kShipped);
   const std::size_t outputs = text.find("[outputs]");
@@ -116,6 +141,9 @@ TEST_F(GaitCommand, BadInputIsOneSentenceAndStatusTwo) {
       "synthesize --speed 0.5 --out /nowhere/at/all.toml",
       "synthesize --robot nonsense --speed 0.5 --out " + file("x"),
       "library --from 1 --to 0 --out " + file("x"),
+      "check " + kShipped + " --json /nowhere/x.json",
+      "library --from 0.1 --to 0.1 --json /nowhere/x.json --out " + file("x"),
+      "library --from -0.1 --to 0.1 --phase hip --out " + file("x"),
   };
   for (const std::string& arguments : mistakes) {
     const Outcome outcome = run(arguments);

@@ -58,6 +58,21 @@ TEST_F(SimCommand, ASimulationGivesEveryFigureOfItsContract) {
   }
 }
 
+/// The signal of Ctrl-C.
+TEST_F(SimCommand, AnInterruptedRunLeavesItsResults) {
+  const std::string name = "results_caf\xe9.json";
+  const int status =
+      std::system(("timeout -k 60 -s INT 2 " STILT_PROGRAM " sim --duration 86400 --json '" + file(name) +
+                   "' --report " + file("run.html") + " >" + file("out") + " 2>" + file("err"))
+                      .c_str());
+  EXPECT_EQ(WEXITSTATUS(status), 124) << "of timeout";
+  const auto json = nlohmann::json::parse(text_of(file(name)));
+  EXPECT_GT(json.at("duration_s").get<double>(), 0.0);
+  EXPECT_LT(json.at("duration_s").get<double>(), 86400.0);
+  EXPECT_NE(text_of(file("err")).find("interrupted: the results are of the first "), std::string::npos);
+  EXPECT_NE(text_of(file("run.html")).find("<svg"), std::string::npos);
+}
+
 TEST_F(SimCommand, AFallIsStatusOneAndSaidInWordsAndFigures) {
   const Outcome outcome = run("sim --duration 5 --push 400@1+1 --json " + file("run.json"));
   EXPECT_EQ(outcome.status, 1);

@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -110,6 +112,35 @@ TEST_F(ExperimentCommand, JobsRunOneByOneAndAreMerged) {
   EXPECT_EQ(json().at("rows").size(), 1u);
   EXPECT_EQ(json().at("settings").at("preset"), "");
   EXPECT_EQ(run(common + "--preset paper --merge").status, 2) << "results of another setting";
+}
+
+TEST_F(ExperimentCommand, DisturbanceRunsTheHorizonsThatAreNamed) {
+  const auto rows = [&](const std::string& arguments) {
+    const Outcome outcome = run("disturbance --list-jobs --out " + file("results") + " " + arguments);
+    EXPECT_EQ(outcome.status, 0) << outcome.errors;
+    std::set<std::string> names;
+    std::istringstream lines(outcome.output);
+    for (std::string line; std::getline(lines, line);) names.insert(line.substr(0, line.find("_phase")));
+    return names;
+  };
+  using Names = std::set<std::string>;
+  EXPECT_EQ(rows("--quick --controller mpc-hzd --horizon 2.0"), Names{"mpc-hzd_2.00s"});
+  EXPECT_EQ(rows("--quick --controller mpc-hzd"), Names{"mpc-hzd_0.50s"});
+  EXPECT_EQ(rows("--horizon 0.705"), (Names{"hzd-pd", "mpc-lumped_0.705s", "mpc-none_0.705s",
+                                            "mpc-heuristic_0.705s", "mpc-hzd_0.705s"}));
+}
+
+TEST_F(ExperimentCommand, JobsOfOneNameAreRefused) {
+  const std::string limits = "limits --list-jobs --out " + file("results");
+  for (const std::string& arguments :
+       {limits + " --quantity friction --quantity friction", limits + " --horizon 0.5 --horizon 0.5"}) {
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.status, 2) << arguments;
+    EXPECT_NE(outcome.errors.find("is there twice; give each value of --controller, --horizon and"),
+              std::string::npos)
+        << outcome.errors;
+  }
+  EXPECT_EQ(run(limits + " --quantity friction --horizon 0.501 --horizon 0.504").status, 0);
 }
 
 TEST_F(ExperimentCommand, RowsOfAFileArePushedAsTheyAskFor) {

@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <csignal>
 #include <fstream>
 #include <stdexcept>
 
+#include "host_tools/experiments/job_processes.h"
 #include "tests/own_folder.h"
 
 namespace stilt::experiments {
@@ -68,8 +70,33 @@ TEST_F(JobFolderTest, TakesFurtherPartsOfAnExperimentAndKeepsTheirConfiguration)
 
 TEST_F(JobFolderTest, RefusesAResultThatIsDamaged) {
   const JobFolder folder(folder_, {});
-  std::ofstream(folder_ / "a.json") << R"({"value": )";
-  EXPECT_THROW((void)folder.result("a"), std::runtime_error);
+  for (const char* text : {R"({"value": )", "{}", "[1]", "null"}) {
+    std::ofstream(folder_ / "a.json") << text;
+    EXPECT_THROW((void)folder.result("a"), std::runtime_error) << text;
+  }
+}
+
+TEST_F(JobFolderTest, RefusesSettingsThatAreNone) {
+  (void)JobFolder(folder_, {{"experiment", "x"}});
+  std::ofstream(folder_ / "settings.json") << "[1]";
+  EXPECT_THROW(JobFolder(folder_, {{"experiment", "x"}}), std::runtime_error);
+}
+
+TEST_F(JobFolderTest, NamesThatAreNotUtf8LoseNoResult) {
+  const Json settings = {{"experiment", "x"}, {"gaits", "caf\xe9"}, {"set", {"a=\xe9"}}};
+  const JobFolder folder(folder_, settings);
+  EXPECT_EQ(refusal(folder_, settings), "") << "the same again";
+  folder.keep("a", {{"file", "caf\xe9"}});
+  EXPECT_EQ(folder.result("a").at("file"), "caf\xef\xbf\xbd");
+}
+
+/// As a parent may leave it: no end of a process is reported then.
+TEST(JobProcesses, EndWhereTheSignalOfTheirEndIsIgnored) {
+  std::signal(SIGCHLD, SIG_IGN);
+  std::vector<int> done;
+  run_in_processes({"/bin/true"}, {"a", "b", "c"}, 2, [&](int jobs) { done.push_back(jobs); });
+  EXPECT_EQ(done, (std::vector<int>{1, 2, 3}));
+  EXPECT_THROW(run_in_processes({"/bin/false"}, {"a"}, 2, [](int) {}), std::runtime_error);
 }
 
 TEST_F(JobFolderTest, RefusesAFolderThatCannotBe) {

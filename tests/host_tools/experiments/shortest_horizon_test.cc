@@ -49,6 +49,15 @@ TEST(ShortestHorizon, IsTheOneFromWhichAllLongerOnesWalk) {
       << "a walk at 0.1 s is chance when 0.2 and 0.3 s fall";
 }
 
+TEST(ShortestHorizon, EveryHorizonHasJobsOfItsOwn) {
+  HorizonPlan plan = plan_of(1);
+  plan.horizons_s = {0.201, 0.204, 0.05 * 3, 0.5};
+  std::vector<std::string> ids;
+  for (const Job& job : horizon_jobs(plan, {})) ids.push_back(job.id);
+  EXPECT_EQ(ids, (std::vector<std::string>{"mpc-heuristic_0.201s_seed1", "mpc-heuristic_0.204s_seed1",
+                                           "mpc-heuristic_0.15s_seed1", "mpc-heuristic_0.50s_seed1"}));
+}
+
 TEST(ShortestHorizon, IsUnknownWhenTheLongestFalls) {
   const Json row = row_of([](double h) { return h < 0.35; });
   EXPECT_TRUE(row.at("shortest_horizon_s").is_null());

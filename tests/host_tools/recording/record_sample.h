@@ -1,9 +1,11 @@
 #pragma once
 
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "firmware/control_loop/tick_record.h"
+#include "firmware/robots/robots.h"
 #include "firmware/telemetry/cdr.h"
 #include "firmware/telemetry/reader.h"
 #include "firmware/telemetry/tick_batch.h"
@@ -32,8 +34,9 @@ inline telemetry::Sample ticks_sample(std::uint64_t run_id, std::uint64_t first,
 }
 
 inline telemetry::Sample configuration_sample(std::uint64_t run_id, std::string toml,
-                                              std::uint32_t wire_version = telemetry::kWireVersion) {
-  std::string robot = "amber3m", version = "9.9", other = "x";
+                                              std::uint32_t wire_version = telemetry::kWireVersion,
+                                              std::string robot = "amber3m") {
+  std::string version = "9.9", other = "x";
   telemetry::ActiveConfiguration message{};
   message.run_id = run_id;
   message.robot = robot.data();
@@ -44,6 +47,22 @@ inline telemetry::Sample configuration_sample(std::uint64_t run_id, std::string 
   }
   message.wire_version = wire_version;
   return {&telemetry::kConfiguration, 2'000, 1, telemetry::encode(message)};
+}
+
+/// A URDF of the shipped robot with longer thighs, and their length.
+inline constexpr double kLongThigh_m = 0.5;
+inline std::string long_urdf() {
+  std::string text;
+  for (const robots::ShippedUrdf& shipped : robots::shipped_urdfs()) {
+    if (shipped.name == "amber3m") text = shipped.text;
+  }
+  const std::string thigh = "<origin xyz=\"0 0 -0.4064\"/>";
+  std::size_t at = text.find(thigh);
+  if (at == std::string::npos) throw std::logic_error("the shipped thigh is another one");
+  for (; at != std::string::npos; at = text.find(thigh)) {
+    text.replace(at, thigh.size(), "<origin xyz=\"0 0 -0.5\"/>");
+  }
+  return text;
 }
 
 inline telemetry::Sample event_sample(std::uint64_t run_id, std::string text) {

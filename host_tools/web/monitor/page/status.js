@@ -47,6 +47,7 @@ class StatusPanel {
     document.getElementById('configuration').textContent = configuration.toml;
     const facts = [['Run', configuration.run_id || 'not known'], ['Controller', configuration.build],
       ['Source', this.robot.hello.source]];
+    if (configuration.drawn_instead) facts.push(['Picture', `of ${configuration.drawn_instead}: this URDF file is not on the monitor's computer`]);
     document.getElementById('run-list').replaceChildren(
       ...facts.flatMap(([name, value]) => [element('dt', { textContent: name }), element('dd', { textContent: value })]));
     if (isOther) this.runChanged_s = now_s;

@@ -122,6 +122,22 @@ TEST_F(RecordToCsv, TopicsThatCannotBeDecodedAreNamedAndTheOthersWritten) {
   }
 }
 
+TEST_F(RecordToCsv, ARecordWithoutTicksIsRefusedAndLeavesTheFileAsItIs) {
+  {
+    Recorder recorder(record.path(), {});
+    recorder.take(record::event_sample(7, "none"), 1);
+  }
+  const std::string file = own.file("ticks.csv");
+  std::ofstream(file) << "of another record";
+  try {
+    static_cast<void>(ticks_to_csv(record.path(), file));
+    ADD_FAILURE() << "accepted";
+  } catch (const std::runtime_error& error) {
+    EXPECT_EQ(error.what(), record.path() + ": holds no ticks of stiltd; name a record of stilt record");
+  }
+  EXPECT_EQ(lines_of(file), std::vector<std::string>{"of another record"});
+}
+
 TEST_F(RecordToCsv, RefusesPlacesThatCannotBeWritten) {
   EXPECT_THROW(static_cast<void>(record_to_csv(record.path(), "/proc/nowhere")), std::runtime_error);
   EXPECT_THROW(static_cast<void>(ticks_to_csv(record.path(), "/nowhere/ticks.csv")), std::runtime_error);

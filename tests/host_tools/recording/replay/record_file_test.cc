@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "firmware/configuration/live.h"
+#include "firmware/robots/robots.h"
 #include "firmware/telemetry/cycle_message.h"
 #include "firmware/telemetry/sequence.h"
 #include "host_tools/recording/record/recorder.h"
@@ -46,7 +47,8 @@ telemetry::Sample batch_sample(std::uint64_t run_id, std::span<const control_loo
 }
 
 /// What stiltd reports of itself, with the keys of its live tunables.
-telemetry::Sample configuration_sample(std::uint64_t run_id, const configuration::Configuration& active) {
+telemetry::Sample configuration_sample(std::uint64_t run_id, const configuration::Configuration& active,
+                                       const std::string& robot = "amber3m") {
   std::string toml = configuration::to_toml(active, "");
   std::vector<std::string> keys;
   for (const auto& tunable : configuration::live_tunables(active)) keys.push_back(tunable.entry->name());
@@ -55,7 +57,7 @@ telemetry::Sample configuration_sample(std::uint64_t run_id, const configuration
   for (std::string& key : keys) tunables.push_back({key.data(), none.data(), none.data(), 0, 0, 0});
   telemetry::ActiveConfiguration message{};
   message.run_id = run_id;
-  telemetry::set_view(message.robot, "amber3m");
+  telemetry::set_view(message.robot, robot);
   telemetry::set_view(message.configuration, toml);
   telemetry::set_view(message.version, "9.9");
   telemetry::set_view(message.compiler, "gcc");
@@ -176,6 +178,40 @@ TEST(ReplayRun, TheRecordedWalkComesOutTheSameWithItsTunings) {
   EXPECT_EQ(outcome.ticks, recorded_walk().ticks.size());
   EXPECT_EQ(outcome.cycles, recorded_walk().cycles.size());
   EXPECT_EQ(progress, (std::vector<std::uint64_t>{0, 1000, 2000, 3000}));
+}
+
+/// The walk of a robot whose URDF file is gone: its description in the record gives every plan and torque.
+TEST(ReplayRun, ARobotOfAUrdfIsTheOneThatIsAttached) {
+  const mcap::TemporaryFile file("attached");
+  const std::string robot = file.path() + ".urdf";
+  configuration::Configuration active = recorded_walk().configuration;
+  active.hardware.robot = robot;
+  for (const bool shipped : {true, false}) {
+    {
+      const std::string urdf(shipped ? robots::shipped_urdfs().front().text : record::long_urdf());
+      record::Recorder recorder(file.path(), {.urdf = [&](const std::string&) { return urdf; }});
+      recorder.take(configuration_sample(kRun, active, robot), 1);
+      for (const auto& [number, values] : recorded_walk().live_values) {
+        recorder.take(tuning_sample(kRun, number, values), 1);
+      }
+      take_run(recorder, kRun);
+    }
+    const Outcome outcome = replay_run(file.path(), read_contents(file.path()).runs.at(0));
+    EXPECT_EQ(outcome.reproduced(), shipped) << outcome.problem;
+    EXPECT_EQ(outcome.problem, "");
+  }
+}
+
+TEST(RecordFile, AnAttachedUrdfThatIsNoneIsAProblemOfTheFile) {
+  const mcap::TemporaryFile file("no_urdf");
+  {
+    record::Recorder recorder(file.path(), {.urdf = [](const std::string&) { return "none"; }});
+    recorder.take(configuration_sample(kRun, recorded_walk().configuration, "own.urdf"), 1);
+  }
+  const RecordContents contents = read_contents(file.path());
+  ASSERT_EQ(contents.problems.size(), 1u);
+  EXPECT_TRUE(contents.problems[0].starts_with(file.path() + ": the attached URDF is wrong: own.urdf: "))
+      << contents.problems[0];
 }
 
 /// A run of the recorded walk in a record, and how its replay ends.

@@ -3,10 +3,13 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <vector>
 
+#include "firmware/robots/robots.h"
 #include "host_tools/recording/record/recorder.h"
+#include "host_tools/web/monitor/page_messages.h"
 #include "tests/host_tools/recording/mcap/sample_file.h"
 #include "tests/host_tools/recording/record_sample.h"
 
@@ -173,6 +176,48 @@ TEST(RecordSource, PlaysFromTheMiddleWithWhatIsStillTrue) {
 TEST(RecordSource, ARecordOfRelease01IsRefusedAtOnce) {
   const mcap::TemporaryFile file("first");
   record::write_record_of_0_1(file.path());
+  EXPECT_THROW(RecordSource{file.path()}, std::runtime_error);
+}
+
+TEST(RecordSource, TheRobotIsTheOneThatIsAttached) {
+  const mcap::TemporaryFile file("robot");
+  const std::string robot = file.path() + ".urdf";
+  {
+    record::Recorder recorder(file.path(), {.urdf = [](const std::string&) { return record::long_urdf(); }});
+    recorder.take(record::configuration_sample(7, "", telemetry::kWireVersion, robot), 1);
+    recorder.take(record::ticks_sample(7, 0, 20), 2);
+  }
+  EXPECT_FALSE(robots::find(robot)) << "the test is of a robot that is not there";
+  RecordSource source{file.path()};
+  EXPECT_TRUE(source.problems().empty());
+  Sink sink;
+  source.poll(sink);
+  ASSERT_EQ(sink.configurations.size(), 1u);
+  const auto message = nlohmann::json::parse(monitor::configuration_message(sink.configurations[0])->bytes);
+  EXPECT_EQ(message.at("robot"), robot);
+  EXPECT_EQ(message.at("drawing").at("thigh_length_m"), record::kLongThigh_m);
+  EXPECT_TRUE(message.at("drawn_instead").is_null());
+  sink.configurations[0].robot = "elsewhere.urdf";
+  EXPECT_EQ(nlohmann::json::parse(monitor::configuration_message(sink.configurations[0])->bytes)
+                .at("drawn_instead"),
+            "amber3m");
+}
+
+TEST(RecordSource, ARecordThatWasCutOffIsPlayedAndThatIsReported) {
+  mcap::TemporaryFile file("cut");
+  write_record(file.path());
+  mcap::Bytes bytes = file.bytes();
+  bytes.erase(bytes.end() - 100, bytes.end());
+  file.set_bytes(bytes);
+  EXPECT_EQ(RecordSource{file.path()}.problems().size(), 1u);
+}
+
+TEST(RecordSource, ARecordWithoutTicksIsRefused) {
+  const mcap::TemporaryFile file("empty");
+  {
+    record::Recorder recorder(file.path(), {});
+    recorder.take(record::configuration_sample(7, ""), 1);
+  }
   EXPECT_THROW(RecordSource{file.path()}, std::runtime_error);
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 #include <stdexcept>
 #include <string>
 
@@ -40,6 +41,42 @@ TEST(RecordRun, TheRunWithMostTicksIsTaken) {
   ASSERT_EQ(found.run.controller->events.size(), 1u);
   EXPECT_EQ(found.run.controller->events[0].text, "event of 8");
   EXPECT_EQ(found.run.controller->events[0].time_s, 0.1);
+}
+
+/// A record of a URDF robot, whose file is another one by now or gone.
+TEST(RecordRun, TheRobotIsTheOneThatIsAttached) {
+  const tests::OwnFolder folder;
+  const std::string file = folder.file("walk.mcap");
+  for (const bool gone : {true, false}) {
+    const std::string robot = folder.file(gone ? "gone.urdf" : "edited.urdf");
+    if (!gone) std::ofstream(robot) << "edited";
+    Recorder recorder(file, {.urdf = [](const std::string&) { return long_urdf(); }});
+    recorder.take(configuration_sample(7, "", telemetry::kWireVersion, robot), 1);
+    recorder.take(ticks_sample(7, 0, 50), 3);
+    recorder.close();
+    const RecordRun found = run_of_record(file);
+    EXPECT_EQ(found.robot.thigh_length_m, kLongThigh_m);
+    ASSERT_NE(found.robot.name, nullptr);
+    EXPECT_EQ(found.robot.name, robot);
+    EXPECT_TRUE(found.problems.empty());
+  }
+}
+
+TEST(RecordRun, WithoutAURDFOfTheRobotTheSentenceNamesIt) {
+  const tests::OwnFolder folder;
+  const std::string file = folder.file("walk.mcap");
+  Recorder recorder(file, {});
+  recorder.take(configuration_sample(7, "", telemetry::kWireVersion, "/nowhere/own.urdf"), 1);
+  recorder.take(ticks_sample(7, 0, 50), 3);
+  recorder.close();
+  try {
+    static_cast<void>(run_of_record(file));
+    ADD_FAILURE() << "accepted";
+  } catch (const std::runtime_error& error) {
+    EXPECT_EQ(std::string(error.what()).substr(file.size()),
+              ": the record has no URDF of its robot: /nowhere/own.urdf: cannot be read (No such file or "
+              "directory); give the path of a URDF file");
+  }
 }
 
 TEST(RecordRun, WithoutTicksOrConfigurationItIsRefused) {

@@ -44,6 +44,18 @@ TEST(PlantOptions, ASwitchTakesZeroAndOneOnly) {
   EXPECT_NE(describe_plant_options().find("(0 or 1; default 0)"), std::string::npos);
 }
 
+TEST(Numbers, DecimalsAreAsManyAsTheNumberHasAndAtLeastTwo) {
+  EXPECT_EQ(decimals_text(0.5), "0.50");
+  EXPECT_EQ(decimals_text(2.0), "2.00");
+  EXPECT_EQ(decimals_text(2.0, 1), "2.0");
+  EXPECT_EQ(decimals_text(0.501), "0.501");
+  EXPECT_EQ(decimals_text(0.115), "0.115");
+  EXPECT_EQ(decimals_text(0.05 * 3), "0.15") << "0.15000000000000002";
+  EXPECT_EQ(decimals_text(-0.004), "-0.004");
+  EXPECT_EQ(decimals_text(-0.0), "0.00");
+  EXPECT_EQ(decimals_text(-1e-17), "0.00");
+}
+
 TEST(PlantOptions, UnknownKeysAndTextThatIsNoNumberAreRefusedInOneSentence) {
   for (const char* text : {"nope=1", "friction", "friction=", "friction=rough", "friction=0.4x", "=1", ""}) {
     PlantOptions options;
