@@ -126,6 +126,30 @@ void check_reply_lag(const Configuration& configuration, std::vector<Contradicti
                        "; every driver would be refused for slow replies"});
 }
 
+/// Otherwise drivers disable themselves between two commands, or when one is lost.
+void check_driver_watchdog(const Configuration& configuration, std::vector<Contradiction>& found) {
+  const double least_s = 3.0 / configuration.timing.torque_rate_hz;
+  const double watchdog_s = configuration.hardware.driver_watchdog_s;
+  if (watchdog_s >= least_s - kRounding) return;
+  found.push_back({{"hardware.driver_watchdog_s", "timing.torque_rate_hz"},
+                   "hardware.driver_watchdog_s = " + number_text(watchdog_s) +
+                       " must be at least three ticks, 3 / timing.torque_rate_hz = " + number_text(least_s) +
+                       "; drivers would disable themselves"});
+}
+
+/// Otherwise a released emergency stop counts as silent between two of its frames.
+void check_emergency_stop_timeout(const Configuration& configuration, std::vector<Contradiction>& found) {
+  const TorsoSensorParameters& sensor = configuration.hardware.torso_sensor;
+  const double least_s = 2.0 / sensor.rate_hz + 2.0 / configuration.timing.torque_rate_hz;
+  const double timeout_s = sensor.emergency_stop_timeout_s;
+  if (sensor.emergency_stop_released == "none" || timeout_s >= least_s - kRounding) return;
+  found.push_back({{"torso_sensor.emergency_stop_timeout_s", "torso_sensor.rate_hz", "timing.torque_rate_hz"},
+                   "torso_sensor.emergency_stop_timeout_s = " + number_text(timeout_s) +
+                       " must be at least two frames and two ticks, 2 / torso_sensor.rate_hz + 2 / "
+                       "timing.torque_rate_hz = " +
+                       number_text(least_s) + "; a released stop would count as silent"});
+}
+
 /// A driver that reports by its own clock answers nothing, so that no lag of it is measured at bring-up. Its
 /// readings get a period and a tick old.
 void check_report_age(const Configuration& configuration, std::vector<Contradiction>& found) {
@@ -174,6 +198,8 @@ std::vector<Contradiction> contradictions(const Configuration& parameters) {
   check_timing(parameters, found);
   check_stall(parameters, found);
   check_reply_lag(parameters, found);
+  check_driver_watchdog(parameters, found);
+  check_emergency_stop_timeout(parameters, found);
   check_report_age(parameters, found);
   check_line_search(parameters, found);
   check_hardware(parameters.hardware, found);

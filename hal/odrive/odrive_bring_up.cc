@@ -45,11 +45,7 @@ BringUp::Ask OdriveBringUp::ask(Stage stage, unsigned part, CanFrame& frame) noe
     case Stage::version:
       return asked(encode_request(node_, OdriveCommand::version, frame), Ask::wait_for_answer);
     case Stage::scaling:
-      if (part == 0) {
-        return asked(
-            encode_set_controller_mode(node_, OdriveControlMode::torque, OdriveInputMode::passthrough, frame),
-            Ask::send_only);
-      }
+      if (part == 0) return ask_torque_mode(frame);
       if (checked_endpoint(part) == 0) return Ask::skip;
       return asked(encode_parameter_request(node_, {false, checked_endpoint(part), 0, 4}, frame),
                    Ask::wait_for_answer);
@@ -68,6 +64,12 @@ BringUp::Ask OdriveBringUp::ask(Stage stage, unsigned part, CanFrame& frame) noe
       break;
   }
   return Ask::skip;
+}
+
+BringUp::Ask OdriveBringUp::ask_torque_mode(CanFrame& frame) noexcept {
+  return asked(
+      encode_set_controller_mode(node_, OdriveControlMode::torque, OdriveInputMode::passthrough, frame),
+      Ask::send_only);
 }
 
 BringUp::Ask OdriveBringUp::ask_watchdog(Stage stage, unsigned part, CanFrame& frame) noexcept {
@@ -103,10 +105,16 @@ BringUp::Ask OdriveBringUp::ask_rates() noexcept {
   return Ask::fail;
 }
 
-/// The watchdog has expired meanwhile: feed it, clear that, and enable.
+/// The watchdog has expired meanwhile: feed it, clear that, and enable. Nothing acknowledges the mode, so it
+/// goes before each try.
 BringUp::Ask OdriveBringUp::ask_enable(unsigned part, CanFrame& frame) noexcept {
-  if (part == 0) return asked(encode_input_torque(node_, 0, frame), Ask::send_only);
+  if (part == 0) {
+    mode_sent_ = false;
+    return asked(encode_input_torque(node_, 0, frame), Ask::send_only);
+  }
   if (part == 1) return asked(encode_clear_errors(node_, frame), Ask::send_only);
+  mode_sent_ = !mode_sent_;
+  if (mode_sent_) return ask_torque_mode(frame);
   return asked(encode_set_state(node_, static_cast<std::uint32_t>(OdriveState::closed_loop), frame),
                Ask::wait_for_answer);
 }

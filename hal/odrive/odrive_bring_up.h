@@ -29,6 +29,7 @@ class OdriveBringUp final : public bring_up::BringUp {
     return endpoints_.watchdog_timeout != 0 && endpoints_.enable_watchdog != 0;
   }
   [[nodiscard]] Ask ask_watchdog(bring_up::Stage stage, unsigned part, CanFrame& frame) noexcept;
+  [[nodiscard]] Ask ask_torque_mode(CanFrame& frame) noexcept;
   [[nodiscard]] Ask ask_enable(unsigned part, CanFrame& frame) noexcept;
   [[nodiscard]] Ask asked(EncodeStatus status, Ask kind) noexcept;
   [[nodiscard]] Ask ask_rates() noexcept;
@@ -45,6 +46,7 @@ class OdriveBringUp final : public bring_up::BringUp {
   unsigned estimates_ = 0;   ///< while listening
   unsigned heartbeats_ = 0;  ///< while listening
   unsigned torques_ = 0;     ///< while listening
+  bool mode_sent_ = false;   ///< since the last try of closed loop
 };
 
 }  // namespace stilt::hal::odrive

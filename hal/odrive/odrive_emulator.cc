@@ -14,6 +14,7 @@ constexpr std::uint32_t kWatchdogExpired = 0x01000000;
 constexpr std::uint32_t kTooFast = 0x00008000;      // velocity limit violation
 constexpr double kVelocityTolerance = 1.2;          // controller.config.vel_limit_tolerance
 constexpr double kVelocityGain_Nm_s_rev = 1.0 / 6;  // controller.config.vel_gain
+constexpr double kPositionGain_1_s = 20;            // controller.config.pos_gain
 
 std::uint32_t bit_of(DriverFault fault) noexcept {
   switch (fault) {
@@ -70,9 +71,15 @@ bool OdriveEmulator::enabled() const noexcept {
   return state_ == static_cast<std::uint32_t>(OdriveState::closed_loop);
 }
 
-/// In torque mode with its limit: |torque| falls with the velocity, to nothing at the velocity limit.
+/// In position control the torque that is asked for is added to that of the loop. In torque mode with its
+/// limit |torque| falls with the velocity, to nothing at the velocity limit.
 double OdriveEmulator::torque_Nm() const noexcept {
   if (!enabled() || !gives_torque()) return 0;
+  if (control_mode_ != static_cast<std::uint32_t>(OdriveControlMode::torque)) {
+    const double wanted_rad_s = kPositionGain_1_s * (held_rad_ - sensed().position_rad);
+    const double off_rev_s = (wanted_rad_s - sensed().velocity_rad_s) / kRadiansPerRevolution;
+    return torque_Nm_ + kVelocityGain_Nm_s_rev * off_rev_s;
+  }
   if (!settings_.torque_mode_limit) return torque_Nm_;
   const double velocity_rev_s = sensed().velocity_rad_s / kRadiansPerRevolution;
   const double limit_rev_s = settings_.velocity_limit_rev_s;
@@ -94,6 +101,7 @@ void OdriveEmulator::power_cycle() noexcept {
   errors_ = 0;
   watchdog_enabled_ = false;
   watchdog_s_ = 0;
+  control_mode_ = kPositionControl;
 }
 
 void OdriveEmulator::answer_request(OdriveCommand what, FrameSink& replies) const noexcept {
@@ -173,6 +181,7 @@ void OdriveEmulator::take_state(std::int64_t now_ns, const CanFrame& frame) noex
 void OdriveEmulator::take_command(std::int64_t now_ns, OdriveCommand command, const CanFrame& frame,
                                   FrameSink& replies) noexcept {
   OdriveParameter parameter;
+  std::uint32_t input_mode = 0;
   switch (command) {
     case OdriveCommand::parameter_request:
       if (decode_parameter_request(node_, frame, parameter) == DecodeStatus::ok) {
@@ -184,6 +193,9 @@ void OdriveEmulator::take_command(std::int64_t now_ns, OdriveCommand command, co
       break;
     case OdriveCommand::set_input_torque:
       if (decode_input_torque(node_, frame, torque_Nm_) == DecodeStatus::ok) fed_ns_ = now_ns;
+      break;
+    case OdriveCommand::set_controller_mode:
+      static_cast<void>(decode_set_controller_mode(node_, frame, control_mode_, input_mode));
       break;
     case OdriveCommand::clear_errors:
       errors_ = 0;
@@ -229,6 +241,7 @@ void OdriveEmulator::elapse(std::int64_t now_ns, FrameSink& replies) noexcept {
   if (enabled_from_ns_ != 0 && now_ns >= enabled_from_ns_) {
     state_ = static_cast<std::uint32_t>(OdriveState::closed_loop);
     enabled_from_ns_ = 0;
+    held_rad_ = sensed().position_rad;
   }
   if (due(now_ns, settings_.heartbeat_period_ns, next_heartbeat_ns_))
     answer_request(OdriveCommand::heartbeat, replies);

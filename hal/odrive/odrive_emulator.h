@@ -34,7 +34,8 @@ struct OdriveSettings {
 }
 
 /// ODrive with torque control: heartbeat, estimates and torques on timers, parameters for the watchdog, which
-/// is off at first and disarms the axis when it expires. Facts: github.com/odriverobotics/ODrive,
+/// is off at first and disarms the axis when it expires. It holds its position until it is told otherwise.
+/// Facts: github.com/odriverobotics/ODrive,
 /// Firmware/communication/can/can_simple.cpp, Firmware/MotorControl/controller.cpp (f9b5419, 0.5.6). Too
 /// fast, it disarms in every mode.
 class OdriveEmulator final : public EmulatedDriver {
@@ -60,13 +61,17 @@ class OdriveEmulator final : public EmulatedDriver {
   void take_command(std::int64_t now_ns, OdriveCommand command, const CanFrame& frame,
                     FrameSink& replies) noexcept;
 
+  static constexpr std::uint32_t kPositionControl = 3;  ///< controller.config.control_mode, as it comes
+
   std::uint8_t node_;
   OdriveEndpoints endpoints_;
   OdriveSettings settings_;
   OdriveVersion version_;
   std::uint32_t errors_ = 0;
   std::uint32_t state_ = static_cast<std::uint32_t>(OdriveState::idle);
+  std::uint32_t control_mode_ = kPositionControl;
   double torque_Nm_ = 0;
+  double held_rad_ = 0;  ///< where it was enabled
   float watchdog_s_ = 0;
   bool watchdog_enabled_ = false;
   std::int64_t fed_ns_ = 0;

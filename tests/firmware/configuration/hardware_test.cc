@@ -295,6 +295,32 @@ TEST(Hardware, AReplyMayTakeATickAtLeast) {
       << slow;
 }
 
+TEST(Hardware, AWatchdogOfADriverLastsThreeTicks) {
+  const std::string slow =
+      "[timing]\ntorque_rate_hz = 200\nplan_rate_hz = 200\n[hardware]\nlongest_reply_lag_s = 0.006\n";
+  EXPECT_EQ(mistakes(slow + "driver_watchdog_s = 0.015\n"), "");
+  const std::string said = mistakes(slow + "driver_watchdog_s = 0.014\n");
+  EXPECT_TRUE(said.starts_with("robot.toml:6:")) << said;
+  EXPECT_NE(said.find("hardware.driver_watchdog_s = 0.014 must be at least three ticks, 3 / "
+                      "timing.torque_rate_hz = 0.015"),
+            std::string::npos)
+      << said;
+}
+
+TEST(Hardware, AnEmergencyStopMayBeSilentForTwoFramesAndTwoTicks) {
+  EXPECT_EQ(mistakes("[torso_sensor]\nemergency_stop_timeout_s = 0.006\n"), "");
+  const std::string none = "emergency_stop_released = \"none\"\nemergency_stop_timeout_s = 0.002\n";
+  EXPECT_EQ(mistakes("[torso_sensor]\n" + none), "") << "is not wired";
+  const std::string said = mistakes("[torso_sensor]\nemergency_stop_timeout_s = 0.002\n");
+  EXPECT_TRUE(said.starts_with("robot.toml:2:")) << said;
+  EXPECT_NE(
+      said.find("torso_sensor.emergency_stop_timeout_s = 0.002 must be at least two frames and two ticks, "
+                "2 / torso_sensor.rate_hz + 2 / timing.torque_rate_hz = 0.006"),
+      std::string::npos)
+      << said;
+  EXPECT_NE(mistakes("[torso_sensor]\nrate_hz = 5\n"), "") << "frames come too seldom";
+}
+
 TEST(Hardware, TextsThatAreNotUnderstoodSayWhatWouldBeRight) {
   EXPECT_EQ(mistakes("[hardware]\nrobot = \"atlas\"\n"),
             "robot.toml:2:9: hardware.robot: there is no robot \"atlas\"; known robots are amber3m, "

@@ -51,6 +51,35 @@ TEST_F(BringUpTest, AnOdriveComesUpWithItsWatchdogAndWithoutTorque) {
   EXPECT_EQ(driver.torque_Nm(), 0);
 }
 
+/// A transmit queue that is full drops it, and nothing acknowledges it.
+TEST_F(BringUpTest, AnOdriveWhoseFirstTorqueModeIsLostFollowsTorques) {
+  odrive::OdriveEmulator driver = odrive::make_emulator({3, kEndpoints});
+  bus_.attach(driver);
+  OdriveBringUp bring_up({3, kEndpoints}, options_);
+  const std::uint32_t mode = 3u << 5 | static_cast<std::uint32_t>(odrive::OdriveCommand::set_controller_mode);
+  int modes = 0;
+  StepResult result;
+  for (int tick = 0; tick < 2000 && result.stage < Stage::ready; ++tick) {
+    clock_.advance(kTick_ns);
+    std::array<CanFrame, kMaximumBatch> received;
+    const std::size_t count = bus_.receive(received).received;
+    result = bring_up.step(clock_.now_ns(), std::span(received).first(count));
+    const bool lost = result.send && result.frame.id == mode && ++modes == 1;
+    if (result.send && !lost) {
+      ASSERT_EQ(bus_.send(std::span(&result.frame, 1)).sent, 1u);
+    }
+  }
+  ASSERT_EQ(result.stage, Stage::ready) << name(result.failure);
+  EXPECT_EQ(modes, 2);
+  driver.motor.position_rad += 0.5;  // position control would pull it back
+  CanFrame torque;
+  ASSERT_EQ(odrive::encode_input_torque(3, 1.5, torque), EncodeStatus::ok);
+  ASSERT_EQ(bus_.send(std::span(&torque, 1)).sent, 1u);
+  std::array<CanFrame, kMaximumBatch> received;
+  static_cast<void>(bus_.receive(received));
+  EXPECT_EQ(driver.torque_Nm(), 1.5);
+}
+
 TEST_F(BringUpTest, AReadyDriverStaysEnabledAsLongAsStepsGoOnAndIsDisabledAfterwards) {
   moteus::MoteusEmulator moteus = moteus::make_emulator({});
   mit::MitEmulator mit = mit::make_emulator(damiao());
