@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <optional>
+
 #include "hal/ak/ak_emulator.h"
+#include "hal/mit/mit_emulator.h"
 #include "hal/moteus/moteus_driver.h"
 #include "hal/moteus/moteus_emulator.h"
 
@@ -185,6 +188,36 @@ TEST(DriverZero, OfAnAkThatKeepsItsPositionIsNotDone) {
 TEST(DriverZero, AnOdriveHasNone) {
   EXPECT_FALSE(make_zero(odrive::OdriveDriver{}));
   EXPECT_TRUE(make_zero(mit::MitDriver{}));
+}
+
+/// It is deaf while it writes its flash, and the first answer has the position of before.
+TEST(DriverZero, OfADriverInMitModeIsGivenOnce) {
+  const mit::MitDriver driver;
+  mit::MitEmulator emulator(driver);
+  emulator.motor.position_rad = 0.5;
+  mit::MitZero zero(driver);
+  ZeroProgress progress = ZeroProgress::more;
+  std::optional<CanFrame> old_answer;
+  int given = 0;
+  for (int frame = 0; frame < 100 && progress != ZeroProgress::done; ++frame) {
+    const CanFrame question = zero.next(given > 0);
+    const bool writes = question.data[7] == static_cast<std::uint8_t>(mit::MitSpecial::set_zero);
+    FrameSink replies;
+    emulator.take(20'000'000 * (frame + 1), question, replies);
+    if (writes) {
+      ++given;
+      ASSERT_TRUE(old_answer);
+      progress = zero.take(*old_answer);
+      EXPECT_EQ(progress, ZeroProgress::more);
+      continue;
+    }
+    for (const CanFrame& reply : replies.frames()) {
+      if (given == 0) old_answer = reply;
+      progress = zero.take(reply);
+    }
+  }
+  EXPECT_EQ(progress, ZeroProgress::done);
+  EXPECT_EQ(given, 1);
 }
 
 }  // namespace
