@@ -104,7 +104,7 @@ Check errors_of_buses(const SelfTestResult& result) {
           "at most " + std::to_string(most)};
 }
 
-Check wakeup_latency(const SelfTestResult& result) {
+Check wakeup_check(const SelfTestResult& result) {
   return {"wake-up", share(result.late_ticks, result.ticks) <= result.limits.late_share,
           text_of(result.wakeup_latency) +
               formatted(", %lld of %lld ticks late", result.late_ticks, result.ticks),
@@ -179,7 +179,7 @@ std::vector<Check> SelfTestResult::checks() const {
              {torso_sensor(*this), heat_and_supply(*this), emergency_stop(*this), errors_of_buses(*this)});
   if (limits.hangs) all.push_back(plumb(*this));
   if (lockstep) return all;
-  all.insert(all.end(), {wakeup_latency(*this), planner(*this), interrupt_threads(*this), idle_states(*this),
+  all.insert(all.end(), {wakeup_check(*this), planner(*this), interrupt_threads(*this), idle_states(*this),
                          throttling(*this)});
   return all;
 }
