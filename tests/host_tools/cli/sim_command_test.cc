@@ -105,7 +105,7 @@ TEST_F(SimCommand, ALogIsReportedWithTheSpeedAndThePushOfItsRun) {
   EXPECT_NEAR(speed(logged), speed(direct), sample_m);
   const Json &one = direct["ticks"], &other = logged["ticks"];
   EXPECT_EQ(one["rows"], other["rows"]);
-  EXPECT_EQ(one["data"], other["data"]) << "with the height of the push";
+  EXPECT_EQ(one["float32_base64"], other["float32_base64"]) << "with the height of the push";
 }
 
 TEST_F(SimCommand, ALogOnStandardOutputStandsThereAlone) {
