@@ -57,7 +57,7 @@ telemetry::Sample configuration_sample(std::uint64_t run_id, const configuration
   for (std::string& key : keys) tunables.push_back({key.data(), none.data(), none.data(), 0, 0, 0});
   telemetry::ActiveConfiguration message{};
   message.run_id = run_id;
-  telemetry::set_view(message.robot, robot);
+  telemetry::set_view(message.robot, robot.c_str());
   telemetry::set_view(message.configuration, toml);
   telemetry::set_view(message.version, "9.9");
   telemetry::set_view(message.compiler, "gcc");
