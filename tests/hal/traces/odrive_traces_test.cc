@@ -151,6 +151,12 @@ TEST(OdriveTraces, TheEmulatorOfFirmware05SendsAndAnswersAsTheFirmwareDid) {
   settings.estimates_period_ns = std::llround(trace.settings.at("encoder_rate_ms")) * 1'000'000;
   OdriveEmulator emulator({3, {}}, settings);
   emulator.motor.supply_V = trace.settings.at("supply_V");
+  // The torque of the trace is the one that was asked for: the motor's in torque mode.
+  CanFrame mode;
+  ASSERT_EQ(encode_set_controller_mode(3, OdriveControlMode::torque, OdriveInputMode::passthrough, mode),
+            EncodeStatus::ok);
+  FrameSink none;
+  emulator.take(0, mode, none);
   std::string theirs, ours;
   std::int64_t tick_ns = 0;
   int frames = 0;

@@ -42,7 +42,6 @@ preset = "paper"
 set = ["cost.terminal=2", "sqp.iterations=7"]
 plant = ["friction=0.3"]
 gaits = ")" + gaits + R"("
-lump = "legs"
 push_at = "torso"
 direction = "backward"
 gait = "step"
@@ -53,8 +52,12 @@ state = "truth"
 phases = 4
 seeds = 2
 coarse_N = 5
+[[row]]
+name = "second"
+controller = "mpc-lumped"
+lump = "legs"
 )");
-  ASSERT_EQ(all.size(), 1u);
+  ASSERT_EQ(all.size(), 2u);
   const RowChoice& row = all[0];
   const ControllerChoice& choice = row.setting.choice;
   EXPECT_EQ(row.name, "first_1.0");
@@ -65,7 +68,7 @@ coarse_N = 5
   EXPECT_EQ(choice.settings, (std::vector<std::string>{"cost.terminal=2", "sqp.iterations=7"}));
   EXPECT_EQ(row.setting.plant_settings, std::vector<std::string>{"friction=0.3"});
   EXPECT_EQ(choice.gait_folder, gaits);
-  EXPECT_EQ(choice.lump, "legs");
+  EXPECT_EQ(all[1].setting.choice.lump, "legs");
   EXPECT_EQ(row.setting.push_point, "torso");
   EXPECT_EQ(row.direction, "backward");
   EXPECT_EQ(row.gait, "step");
