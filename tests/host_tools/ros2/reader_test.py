@@ -113,6 +113,8 @@ class Ros2(unittest.TestCase):
             self.assertEqual(one['user_data'], f'typehash={hashes[ros_type]};')
 
     def test_records_and_the_package_define_the_same_fields(self):
+        package_text = ''.join(f'===\nMSG: {PACKAGE.name}/{file.stem}\n{file.read_text()}\n'
+                               for file in (PACKAGE / 'msg').glob('*.msg'))
         checked = set()
         for message in Reader(self.file).messages():
             schema = message.channel.schema
@@ -123,7 +125,7 @@ class Ros2(unittest.TestCase):
                 package, _, message_name = name.split('/')
                 if package == PACKAGE.name:
                     text = (PACKAGE / 'msg' / f'{message_name}.msg').read_text()
-                    self.assertEqual(parse_definition(text, name)[name], fields)
+                    self.assertEqual(parse_definition(f'{text}\n{package_text}', name)[name], fields)
         self.assertGreater(len(checked), 8)
 
 
