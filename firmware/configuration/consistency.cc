@@ -104,50 +104,53 @@ void check_timing(const Parameters& p, std::vector<Contradiction>& found) {
   }
 }
 
-/// Otherwise every tick is a stall.
-void check_stall(const Configuration& configuration, std::vector<Contradiction>& found) {
+/// A time that the rates leave no room for when it is shorter.
+struct LeastTime {
+  std::vector<std::string_view> keys;  ///< its own first
+  double value_s = 0;
+  std::string_view rule;  ///< "two ticks, 2 / timing.torque_rate_hz"
+  double least_s = 0;
+  std::string_view otherwise;
+};
+
+void require(const LeastTime& time, std::vector<Contradiction>& found) {
+  if (time.value_s >= time.least_s - kRounding) return;
+  found.push_back({time.keys, std::string(time.keys.front()) + " = " + number_text(time.value_s) +
+                                  " must be at least " + std::string(time.rule) + " = " +
+                                  number_text(time.least_s) + "; " + std::string(time.otherwise)});
+}
+
+void check_times(const Configuration& configuration, std::vector<Contradiction>& found) {
+  const HardwareParameters& hardware = configuration.hardware;
+  const TorsoSensorParameters& sensor = hardware.torso_sensor;
   const double tick_s = 1.0 / configuration.timing.torque_rate_hz;
-  const double stall_s = configuration.supervisor.torque_loop_stall_s;
-  if (2.0 * tick_s <= stall_s) return;
-  found.push_back(
-      {{"supervisor.torque_loop_stall_s", "timing.torque_rate_hz"},
-       "supervisor.torque_loop_stall_s = " + number_text(stall_s) +
-           " must be at least two ticks, 2 / timing.torque_rate_hz = " + number_text(2.0 * tick_s)});
-}
-
-/// A reply to what a tick sends is received by the next tick.
-void check_reply_lag(const Configuration& configuration, std::vector<Contradiction>& found) {
-  const double tick_s = 1.0 / configuration.timing.torque_rate_hz;
-  const double lag_s = configuration.hardware.longest_reply_lag_s;
-  if (lag_s >= tick_s - kRounding) return;
-  found.push_back({{"hardware.longest_reply_lag_s", "timing.torque_rate_hz"},
-                   "hardware.longest_reply_lag_s = " + number_text(lag_s) +
-                       " must be at least a tick, 1 / timing.torque_rate_hz = " + number_text(tick_s) +
-                       "; every driver would be refused for slow replies"});
-}
-
-/// Otherwise drivers disable themselves between two commands, or when one is lost.
-void check_driver_watchdog(const Configuration& configuration, std::vector<Contradiction>& found) {
-  const double least_s = 3.0 / configuration.timing.torque_rate_hz;
-  const double watchdog_s = configuration.hardware.driver_watchdog_s;
-  if (watchdog_s >= least_s - kRounding) return;
-  found.push_back({{"hardware.driver_watchdog_s", "timing.torque_rate_hz"},
-                   "hardware.driver_watchdog_s = " + number_text(watchdog_s) +
-                       " must be at least three ticks, 3 / timing.torque_rate_hz = " + number_text(least_s) +
-                       "; drivers would disable themselves"});
-}
-
-/// Otherwise a released emergency stop counts as silent between two of its frames.
-void check_emergency_stop_timeout(const Configuration& configuration, std::vector<Contradiction>& found) {
-  const TorsoSensorParameters& sensor = configuration.hardware.torso_sensor;
-  const double least_s = 2.0 / sensor.rate_hz + 2.0 / configuration.timing.torque_rate_hz;
-  const double timeout_s = sensor.emergency_stop_timeout_s;
-  if (sensor.emergency_stop_released == "none" || timeout_s >= least_s - kRounding) return;
-  found.push_back({{"torso_sensor.emergency_stop_timeout_s", "torso_sensor.rate_hz", "timing.torque_rate_hz"},
-                   "torso_sensor.emergency_stop_timeout_s = " + number_text(timeout_s) +
-                       " must be at least two frames and two ticks, 2 / torso_sensor.rate_hz + 2 / "
-                       "timing.torque_rate_hz = " +
-                       number_text(least_s) + "; a released stop would count as silent"});
+  require({{"supervisor.torque_loop_stall_s", "timing.torque_rate_hz"},
+           configuration.supervisor.torque_loop_stall_s,
+           "two ticks, 2 / timing.torque_rate_hz",
+           2.0 * tick_s,
+           "every tick would count as a stall"},
+          found);
+  // A reply to what a tick sends is received by the next tick.
+  require({{"hardware.longest_reply_lag_s", "timing.torque_rate_hz"},
+           hardware.longest_reply_lag_s,
+           "a tick, 1 / timing.torque_rate_hz",
+           tick_s,
+           "every driver would be refused for slow replies"},
+          found);
+  // One command may be lost.
+  require({{"hardware.driver_watchdog_s", "timing.torque_rate_hz"},
+           hardware.driver_watchdog_s,
+           "three ticks, 3 / timing.torque_rate_hz",
+           3.0 * tick_s,
+           "drivers would disable themselves"},
+          found);
+  if (sensor.emergency_stop_released == "none") return;
+  require({{"torso_sensor.emergency_stop_timeout_s", "torso_sensor.rate_hz", "timing.torque_rate_hz"},
+           sensor.emergency_stop_timeout_s,
+           "two frames and two ticks, 2 / torso_sensor.rate_hz + 2 / timing.torque_rate_hz",
+           2.0 / sensor.rate_hz + 2.0 * tick_s,
+           "a released stop would count as silent"},
+          found);
 }
 
 /// A driver that reports by its own clock answers nothing, so that no lag of it is measured at bring-up. Its
@@ -196,10 +199,7 @@ std::vector<Contradiction> contradictions(const Configuration& parameters) {
   check_gait(parameters, found);
   check_feedback(parameters, found);
   check_timing(parameters, found);
-  check_stall(parameters, found);
-  check_reply_lag(parameters, found);
-  check_driver_watchdog(parameters, found);
-  check_emergency_stop_timeout(parameters, found);
+  check_times(parameters, found);
   check_report_age(parameters, found);
   check_line_search(parameters, found);
   check_hardware(parameters.hardware, found);

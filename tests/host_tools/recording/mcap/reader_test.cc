@@ -15,6 +15,15 @@
 namespace stilt::mcap {
 namespace {
 
+/// Changes the second byte of the text, which the file holds, in its first place.
+void damage(const TemporaryFile& file, const std::string& text) {
+  Bytes bytes = file.bytes();
+  const auto at = std::ranges::search(bytes, text).begin();
+  ASSERT_NE(at, bytes.end());
+  at[1] ^= 0x40;
+  file.set_bytes(bytes);
+}
+
 /// A file of these records, shorter than 256 bytes each, that was closed properly.
 Bytes file_of(const std::vector<std::pair<Op, Bytes>>& records) {
   Bytes bytes(std::begin(kMagic), std::end(kMagic));
@@ -145,12 +154,7 @@ TEST(Reader, WithoutTheChunkOfTheChannelsEveryLaterChunkIsReportedOnce) {
     Writer writer(file.path(), {.compression = Compression::none});
     write_sample(writer);
   }
-  Bytes bytes = file.bytes();
-  const std::string topic = "/second";
-  const auto at = std::ranges::search(bytes, topic).begin();
-  ASSERT_NE(at, bytes.end());
-  at[1] ^= 0x40;
-  file.set_bytes(bytes);
+  ASSERT_NO_FATAL_FAILURE(damage(file, "/second"));
   Reader reader(file.path());
   EXPECT_EQ(reader.next(), nullptr);
   EXPECT_TRUE(reader.complete());
@@ -180,12 +184,7 @@ TEST(Reader, MessagesOfAnUnknownChannelLeaveTheOthersOfTheirChunk) {
     for (const std::uint16_t channel : {second, first, second, first}) write(channel);
     writer.close();
   }
-  Bytes bytes = file.bytes();
-  const std::string topic = "/second";
-  const auto at = std::ranges::search(bytes, topic).begin();
-  ASSERT_NE(at, bytes.end());
-  at[1] ^= 0x40;
-  file.set_bytes(bytes);
+  ASSERT_NO_FATAL_FAILURE(damage(file, "/second"));
   Reader reader(file.path());
   std::vector<std::uint32_t> numbers;
   while (const ReadMessage* read = reader.next()) numbers.push_back(read->message.sequence);
