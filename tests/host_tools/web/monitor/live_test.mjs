@@ -1,6 +1,6 @@
 // The whole thing: simulated robot, stiltd and monitor as programs on the loopback interface, and the page in a browser.
-// Robot and controller take turns, so that a busy machine changes how fast they go and nothing else. With
-// STILT_LIVE_REALTIME=1 they follow the clock, and late ticks are only reported.
+// Robot and controller take turns, so that a busy machine changes how fast they go and nothing else. The page has the
+// processors before them. With STILT_LIVE_REALTIME=1 they follow the clock, and late ticks are only reported.
 
 import assert from 'node:assert/strict';
 import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
@@ -45,14 +45,13 @@ const walk = () => until('walking', async () => {
   return false;
 });
 
-function startRobot() {
-  return new Program(process.env.STILT_PROGRAM, ['robot', ...kTurns, ...kBuses]);
-}
-
-function startController() {
-  return new Program(process.env.STILTD_PROGRAM, [...kTurns, ...kBuses, ...kPatientSettings,
-    '--set', `telemetry.token_file=${join(folder, 'token')}`]);
-}
+/** `stilt` or `stiltd`, at the niceness of a process whose time is not the clock's. */
+const start = (program, words) => (process.env.STILT_LIVE_REALTIME ? new Program(program, words)
+  : new Program('nice', ['-n', '10', program, ...words]));
+const startRobot = (buses = kBuses, words = []) => start(process.env.STILT_PROGRAM,
+  ['robot', ...kTurns, ...buses, ...words]);
+const startController = (buses = kBuses, words = [], token = 'token') => start(process.env.STILTD_PROGRAM,
+  [...kTurns, ...buses, ...words, ...kPatientSettings, '--set', `telemetry.token_file=${join(folder, token)}`]);
 
 function startMonitor(words = []) {
   return new Program(process.env.STILT_PROGRAM, ['monitor', '--port', '0', '--no-browser', '--domain', kDomain, ...words]);
@@ -130,10 +129,9 @@ test('a wrong token is refused in words', async () => {
 /** Another simulated robot and its stiltd on the same domain. */
 async function startSecond(words) {
   const buses = kBuses.map((word) => word.replace('loopback:', 'loopback:second_'));
-  const second = new Program(process.env.STILT_PROGRAM, ['robot', ...kTurns, ...buses]);
+  const second = startRobot(buses);
   await second.wrote(/ready/);
-  const its = new Program(process.env.STILTD_PROGRAM, [...kTurns, ...buses, ...words, ...kPatientSettings,
-    '--set', `telemetry.token_file=${join(folder, 'second-token')}`]);
+  const its = startController(buses, words, 'second-token');
   return { second, its, end: async () => { await its.kill('SIGKILL'); await second.kill('SIGKILL'); } };
 }
 
@@ -233,9 +231,9 @@ test('a killed controller leaves a stale picture, marked as one, and the next is
 test('a watch shows limp joints and the emergency stop, and takes no order but its end', async () => {
   await controller.kill('SIGKILL');
   await robot.kill('SIGKILL');
-  robot = new Program(process.env.STILT_PROGRAM, ['robot', ...kTurns, '--hang', ...kBuses]);
+  robot = startRobot(kBuses, ['--hang']);
   await robot.wrote(/ready/);
-  controller = new Program(process.env.STILTD_PROGRAM, ['watch', ...kTurns, ...kBuses,
+  controller = start(process.env.STILTD_PROGRAM, ['watch', ...kTurns, ...kBuses,
     '--set', `telemetry.domain=${kDomain}`, '--set', `telemetry.token_file=${join(folder, 'token')}`]);
   await state('watch');
   await waitFor('#emergency-stop', /^emergency stop released$/);
