@@ -17,16 +17,16 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 using replay::Outcome;
-using replay::RunRecord;
+using replay::RecordedRun;
 
 struct Replayed {
-  const RunRecord* run;
+  const RecordedRun* run;
   Outcome outcome;
 };
 
 std::vector<Replayed> replay_all(const std::string& file, const replay::RecordContents& contents) {
   std::vector<Replayed> all;
-  for (const RunRecord& run : contents.runs) {
+  for (const RecordedRun& run : contents.runs) {
     if (run.ticks.empty()) continue;
     Progress progress("replaying", static_cast<double>(run.ticks.next()), "ticks");
     all.push_back({&run, replay::replay_run(file, run, [&](std::uint64_t tick) {

@@ -28,14 +28,14 @@ telemetry::Owned<T> message_of(const mcap::ReadMessage& read, const telemetry::T
   return telemetry::decode<T>(std::as_bytes(read.message.data));
 }
 
-RunRecord& run_of(RecordContents& contents, std::uint64_t number) {
-  const auto known = std::ranges::find(contents.runs, number, &RunRecord::number);
+RecordedRun& run_of(RecordContents& contents, std::uint64_t number) {
+  const auto known = std::ranges::find(contents.runs, number, &RecordedRun::number);
   if (known != contents.runs.end()) return *known;
   contents.runs.emplace_back().number = number;
   return contents.runs.back();
 }
 
-void take_configuration(const ActiveConfiguration& message, RunRecord& run) {
+void take_configuration(const ActiveConfiguration& message, RecordedRun& run) {
   run.configured = true;
   run.robot = message.robot;
   run.configuration = message.configuration;
@@ -45,7 +45,7 @@ void take_configuration(const ActiveConfiguration& message, RunRecord& run) {
 }
 
 /// A subscriber that joins late can receive a solve twice; numbers rise.
-void take_cycle(const PlannerCycle& message, RunRecord& run) {
+void take_cycle(const PlannerCycle& message, RecordedRun& run) {
   if (!run.cycles.empty() && message.cycle <= run.cycles.back().cycle) return;
   run.cycles.push_back(telemetry::cycle_record(message));
 }

@@ -14,7 +14,7 @@
 namespace stilt::replay {
 
 /// Content of a record for one run of stiltd, without its ticks.
-struct RunRecord {
+struct RecordedRun {
   std::uint64_t number = 0;
   bool configured = false;  ///< whether the record has its configuration and the fields below
   std::string robot;
@@ -28,7 +28,7 @@ struct RunRecord {
 
 /// Content of a record without its ticks.
 struct RecordContents {
-  std::vector<RunRecord> runs;        ///< in the order of the record
+  std::vector<RecordedRun> runs;      ///< in the order of the record
   std::vector<std::string> problems;  ///< of the file, one sentence each
 };
 

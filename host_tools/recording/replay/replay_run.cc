@@ -17,7 +17,7 @@ constexpr std::uint64_t kProgressEvery = 1000;
 /// The live tunables of a run by their numbers, computed as in stiltd (firmware/telemetry/tuner.h).
 class TuningsOf {
  public:
-  TuningsOf(const RunRecord& run, const configuration::Configuration& configuration)
+  TuningsOf(const RecordedRun& run, const configuration::Configuration& configuration)
       : run_(run),
         configuration_(configuration),
         robot_(&robots::find(configuration.hardware.robot).value()->model),
@@ -45,7 +45,7 @@ class TuningsOf {
     });
   }
 
-  const RunRecord& run_;
+  const RecordedRun& run_;
   const configuration::Configuration& configuration_;
   const model::RobotModel* robot_;
   std::unique_ptr<sqp::TerminalCostWorkspace> work_;
@@ -59,7 +59,7 @@ Outcome failed(const std::string& problem) {
 
 }  // namespace
 
-Outcome replay_run(const std::string& path, const RunRecord& run,
+Outcome replay_run(const std::string& path, const RecordedRun& run,
                    const std::function<void(std::uint64_t)>& progress) {
   if (!run.configured) {
     return failed("its configuration is missing in the record; record from before stiltd ends");

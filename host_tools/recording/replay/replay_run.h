@@ -13,7 +13,7 @@ namespace stilt::replay {
 /// missing or invalid configuration is a problem in the outcome. Throws std::runtime_error when the file
 /// cannot be read.
 /// @param progress  called with the number of the tick from time to time; may be empty
-[[nodiscard]] Outcome replay_run(const std::string& path, const RunRecord& run,
+[[nodiscard]] Outcome replay_run(const std::string& path, const RecordedRun& run,
                                  const std::function<void(std::uint64_t tick)>& progress = {});
 
 }  // namespace stilt::replay

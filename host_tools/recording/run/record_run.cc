@@ -51,7 +51,7 @@ RunMessages messages_of(const std::string& path, std::uint64_t run_id) {
   return found;
 }
 
-void add_solves(const replay::RunRecord& recorded, log::RunRecord& run) {
+void add_solves(const replay::RecordedRun& recorded, log::RunRecord& run) {
   log::RunSummary& summary = run.summary;
   std::vector<double> times_us;
   double iterations = 0.0;
@@ -83,7 +83,7 @@ model::RobotConstants robot_of(const std::string& path, const std::string& name)
 RecordRun run_of_record(const std::string& path) {
   const replay::RecordContents contents = replay::read_contents(path);
   const auto recorded = std::ranges::max_element(
-      contents.runs, {}, [](const replay::RunRecord& run) { return run.ticks.count(); });
+      contents.runs, {}, [](const replay::RecordedRun& run) { return run.ticks.count(); });
   if (recorded == contents.runs.end() || recorded->ticks.empty()) {
     throw std::runtime_error(path + ": holds no ticks of stiltd; name a record of stilt record");
   }

@@ -92,7 +92,7 @@ TEST(RecordFile, ARunHasConfigurationTuningsSolvesAndTicks) {
   const RecordContents contents = read_contents(file.path());
   ASSERT_EQ(contents.runs.size(), 1u);
   EXPECT_TRUE(contents.problems.empty());
-  const RunRecord& run = contents.runs[0];
+  const RecordedRun& run = contents.runs[0];
   EXPECT_EQ(run.number, kRun);
   EXPECT_TRUE(run.configured);
   EXPECT_EQ(run.robot, "amber3m");
