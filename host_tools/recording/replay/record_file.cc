@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "firmware/configuration/migrate.h"
 #include "firmware/telemetry/cdr.h"
 #include "firmware/telemetry/cycle_message.h"
 #include "firmware/telemetry/tick_batch.h"
@@ -77,6 +78,17 @@ RecordContents read_contents(const std::string& path) {
     contents.problems.push_back(std::move(problem));
   }
   return contents;
+}
+
+std::expected<configuration::Configuration, std::string> configuration_of(const RecordedRun& run) {
+  const auto refused = [](const configuration::Diagnostic& mistake) {
+    return std::unexpected("the recorded configuration is refused by this program: " + to_string(mistake));
+  };
+  const auto migration = configuration::migrate(run.configuration, kRecordedConfiguration);
+  if (!migration) return refused(migration.error());
+  auto configuration = configuration::parse(migration->text, kRecordedConfiguration);
+  if (!configuration) return refused(configuration.error().front());
+  return *std::move(configuration);
 }
 
 void for_each_tick(const std::string& path, std::uint64_t run_id,

@@ -1,11 +1,14 @@
 #pragma once
 
 #include <cstdint>
+#include <expected>
 #include <functional>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "firmware/configuration/configuration.h"
 #include "firmware/control_loop/cycle_record.h"
 #include "firmware/control_loop/tick_record.h"
 #include "firmware/telemetry/messages.h"
@@ -36,6 +39,14 @@ struct RecordContents {
 /// (record/attached_robots.h). Throws std::runtime_error, one sentence, when the file is not a
 /// record, or has messages of another wire version.
 [[nodiscard]] RecordContents read_contents(const std::string& path);
+
+/// Names the configuration of a record in messages.
+constexpr std::string_view kRecordedConfiguration = "the recorded configuration";
+
+/// The configuration of a run, its keys under the names of this release (configuration::migrate()). One
+/// sentence when this program refuses it.
+[[nodiscard]] std::expected<configuration::Configuration, std::string> configuration_of(
+    const RecordedRun& run);
 
 /// Passes the ticks of a run to `use`, in order and each once, until it returns false. Throws like
 /// read_contents().

@@ -64,16 +64,13 @@ Outcome replay_run(const std::string& path, const RecordedRun& run,
   if (!run.configured) {
     return failed("its configuration is missing in the record; record from before stiltd ends");
   }
-  const std::string source = "the recorded configuration";
-  const auto configuration = configuration::parse(run.configuration, source);
-  if (!configuration) {
-    return failed(source + " is refused by this program: " + to_string(configuration.error().front()));
-  }
+  const auto configuration = configuration_of(run);
+  if (!configuration) return failed(configuration.error());
   const TuningsOf tunings(run, *configuration);
   const auto gaits = std::make_unique<gait::GaitLibrary>();
   Replay replay(run.cycles, [&](std::uint32_t number) { return tunings(number); });
-  const auto ready =
-      program::configure_controller(*configuration, source, replay.planner(), replay.loop(), gaits.get());
+  const auto ready = program::configure_controller(*configuration, std::string(kRecordedConfiguration),
+                                                   replay.planner(), replay.loop(), gaits.get());
   if (!ready) return failed(ready.error());
   for_each_tick(path, run.number, [&](const control_loop::TickRecord& tick) {
     if (progress && tick.tick % kProgressEvery == 0) progress(tick.tick);

@@ -99,10 +99,12 @@ RecordRun run_of_record(const std::string& path) {
   run.command_line = path + ", recorded from stiltd " + recorded->build;
   run.controller.emplace();
   for (const auto& [number, event] : messages.events) run.controller->events.push_back(event);
-  const auto configuration = configuration::parse(recorded->configuration, "the recorded configuration");
-  if (configuration) {
+  if (const auto configuration = replay::configuration_of(*recorded)) {
     run.friction_coefficient = configuration->inequality.friction_coefficient;
     run.settings = settings_of(*configuration);
+  } else {
+    result.problems.push_back(path + ": " + configuration.error() +
+                              "; the run is read without its limits and settings");
   }
   run.settings.insert(run.settings.begin(), {{"robot", recorded->robot}, {"stiltd", recorded->build}});
   run.robot.name = recorded->robot;

@@ -241,6 +241,26 @@ TEST(ReplayRun, WhatTheRecordLacksIsReported) {
             std::string::npos);
 }
 
+TEST(ReplayRun, KeysThatWereRenamedSinceAreReadUnderTheirNewNames) {
+  std::string toml = configuration::to_toml(recorded_walk().configuration, "");
+  const std::string now = "base_pitch_limit_rad", then = "base_angle_limit_rad";
+  toml.replace(toml.find(now), now.size(), then);
+  RecordedRun run;
+  run.configured = true;
+  run.configuration = toml;
+  const auto read = configuration_of(run);
+  ASSERT_TRUE(read) << read.error();
+  EXPECT_EQ(read->supervisor.base_pitch_limit_rad,
+            recorded_walk().configuration.supervisor.base_pitch_limit_rad);
+  run.configuration = "[inequality]\nminimum_normal_force_N = 20";
+  const auto refused = configuration_of(run);
+  ASSERT_FALSE(refused);
+  EXPECT_TRUE(
+      refused.error().starts_with("the recorded configuration is refused by this program: the recorded "
+                                  "configuration:2:1: minimum_normal_force_N is now"))
+      << refused.error();
+}
+
 TEST(ReplayRun, TuningsOfAProgramWithOtherTunablesAreNotApplied) {
   const Outcome outcome = replayed([](record::Recorder& recorder) {
     std::string toml = configuration::to_toml(recorded_walk().configuration, "");

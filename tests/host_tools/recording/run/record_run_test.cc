@@ -79,6 +79,22 @@ TEST(RecordRun, WithoutAURDFOfTheRobotTheSentenceNamesIt) {
   }
 }
 
+TEST(RecordRun, AConfigurationOfAnotherReleaseIsReportedAndTheRunIsRead) {
+  const tests::OwnFolder folder;
+  const std::string file = folder.file("walk.mcap");
+  Recorder recorder(file, {});
+  recorder.take(configuration_sample(7, "[gait]\nhops = 1"), 1);
+  recorder.take(ticks_sample(7, 0, 50), 3);
+  recorder.close();
+  const RecordRun found = run_of_record(file);
+  EXPECT_FALSE(found.run.samples.empty());
+  ASSERT_EQ(found.problems.size(), 1U);
+  EXPECT_EQ(
+      found.problems[0].substr(file.size()),
+      ": the recorded configuration is refused by this program: the recorded configuration:2:1: unknown key "
+      "gait.hops; the shipped files name every key; the run is read without its limits and settings");
+}
+
 TEST(RecordRun, WithoutTicksOrConfigurationItIsRefused) {
   const tests::OwnFolder folder;
   const auto complaint = [&](const telemetry::Sample& sample) {
