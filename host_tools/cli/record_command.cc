@@ -6,6 +6,8 @@
 #include <csignal>
 #include <cstdio>
 #include <limits>
+#include <set>
+#include <string>
 
 #include "firmware/robots/robots.h"
 #include "host_tools/cli/json_output.h"
@@ -44,12 +46,14 @@ std::int64_t time_of_day_ns() {
       .count();
 }
 
-record::Recorder::Options recorder_options(const RecordOptions& options) {
+/// @param missing  gets a sentence for each robot whose URDF is not found here
+record::Recorder::Options recorder_options(const RecordOptions& options, std::set<std::string>& missing) {
   record::Recorder::Options how;
   how.compression = mcap::compression_named(options.compression == "none" ? "" : options.compression);
   if (how.compression == mcap::Compression::lz4) how.level = 0;
-  how.urdf = [](const std::string& robot) {
+  how.urdf = [&missing](const std::string& robot) {
     const auto found = robots::find(robot);
+    if (!found) missing.insert(found.error());
     return found ? (*found)->urdf : std::string();
   };
   return how;
@@ -140,11 +144,16 @@ int run_record(const RecordOptions& options) {
   // Before the file is opened, which empties one of an earlier record.
   const telemetry::Participant participant = host_telemetry::join(options.network);
   host_telemetry::Listener listener(participant, record::Recorder::topics(), kKeeps);
-  record::Recorder recorder(options.out_file, recorder_options(options));
+  std::set<std::string> missing;
+  record::Recorder recorder(options.out_file, recorder_options(options, missing));
   catch_signals();
   const double elapsed_s = record_all(options, listener, recorder);
   if (!options.json_file.empty()) write_json(to_json(recorder, elapsed_s), options.json_file);
   if (options.json_file != "-") print(options, recorder, elapsed_s);
+  for (const std::string& urdf : missing) {
+    std::fprintf(stderr, "stilt: %s: carries no URDF of its robot, and is replayed only where it is: %s\n",
+                 options.out_file.c_str(), urdf.c_str());
+  }
   return whole(recorder) ? 0 : 1;
 }
 

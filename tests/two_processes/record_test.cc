@@ -92,6 +92,24 @@ TEST_F(Recording, a_minute_of_walking_is_recorded_whole_and_replays_bit_for_bit)
   }
 }
 
+TEST_F(Recording, a_robot_whose_urdf_is_not_on_the_recording_computer_is_named) {
+  start_recorder();
+  const std::filesystem::path here = std::filesystem::current_path();
+  std::filesystem::copy_file(ROBOT_URDF, run.file("own.urdf"));
+  std::filesystem::current_path(std::filesystem::path(run.file("own.urdf")).parent_path());
+  run.start_robot({"--lockstep", "--once", "--robot", "own.urdf"});
+  run.start_controller({"--lockstep", "--robot", "own.urdf", "--duration", "1"});
+  std::filesystem::current_path(here);
+  end_walk();
+  EXPECT_EQ(end_recorder(), 0) << said();
+  EXPECT_NE(text_of(run.file("record.err"))
+                .find(file + ": carries no URDF of its robot, and is replayed only where it is: own.urdf: "
+                             "cannot be read (No such file or directory)"),
+            std::string::npos)
+      << said();
+  EXPECT_EQ(replay(), 1) << said();
+}
+
 class RecordingWith : public Recording, public testing::WithParamInterface<model::InstructionSet> {};
 
 TEST_P(RecordingWith, a_walk_replays_bit_for_bit_with_the_instruction_set_that_planned_it) {
