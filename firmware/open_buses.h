@@ -23,8 +23,8 @@ enum class Received { those_of_the_wiring, all };
     Received received = Received::those_of_the_wiring, int priority = 0);
 
 /// Waits up to 50 ms for the last commands to be seen on their buses. One sentence for each bus where a
-/// command is not: its controller repeats it until a driver has power again, also after the end of stiltd.
-/// After the last tick, never in real time.
+/// command is not. Its controller repeats the command until a driver has power again, also after the end of
+/// stiltd. After the last tick, never in real time.
 [[nodiscard]] std::vector<std::string> unacknowledged(std::vector<hal::AnyBus>& buses);
 [[nodiscard]] std::string unacknowledged_sentence(const std::string& bus, std::size_t commands);
 

@@ -8,7 +8,7 @@
 namespace stilt::hal {
 
 /// The right to command the drivers of a bus: of all programs on a machine one has it. An abstract Unix
-/// socket of the bus's name, in the network namespace, as CAN interfaces are: the kernel gives it back when
+/// socket of the bus's name, in the network namespace, as CAN interfaces are. The kernel gives it back when
 /// the program ends, however it ends. Why not a lock file: docs/decisions/0019-stops-and-no-commander.md
 class BusLock {
  public:

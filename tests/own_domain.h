@@ -9,7 +9,7 @@
 
 namespace stilt::tests {
 
-/// A DDS domain that no other test process of this machine has, however many run at once: who holds the lock
+/// A DDS domain that no other test process of this machine has, however many run at once. Who holds the lock
 /// of its file has it. Programs that this process starts inherit the lock, so that one left behind keeps its
 /// domain to itself. The same files as tests/own_domain.py.
 [[nodiscard]] inline int own_domain() {

@@ -5,7 +5,7 @@
 
 /// A planar robot: a tree of rigid links in the x-z plane on a floating base.
 ///
-/// World: x forward, z up. Angles are rotations about +y: a vector (x, z) turned by a is (x cos a + z sin a,
+/// World: x forward, z up. Angles are rotations about +y. A vector (x, z) turned by a is (x cos a + z sin a,
 /// -x sin a + z cos a). A link that hangs down therefore swings to -x at positive angles.
 namespace stilt::codegen {
 

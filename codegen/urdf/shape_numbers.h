@@ -24,9 +24,9 @@ enum class ShapeQuantity {
 /// Name of a number: "thigh_mass_kg" for link thigh_L or thigh_R.
 [[nodiscard]] std::string number_name(const PlanarLink& link, ShapeQuantity quantity);
 
-/// Numbers of a robot with straight links and two equal legs: those of the base, then those of each link of
-/// the left leg, from the hip down. Links and coordinates are those of a PlanarTree; `source` begins every
-/// error message.
+/// Numbers of a robot with straight links and two equal legs. Those of the base come first, then those of
+/// each link of the left leg, from the hip down. Links and coordinates are those of a PlanarTree; `source`
+/// begins every error message.
 /// @throws UrdfError for a robot that these numbers do not describe. The message is one sentence with the
 /// element and what would be right. Refused are joints about -y, joints of the base off its origin, and bent
 /// or turned links. So are centres of mass off the line of the joints, and branches other than at the base.

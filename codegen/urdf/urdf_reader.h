@@ -15,9 +15,9 @@ namespace stilt::codegen {
 /// foot_R. Joints are in depth-first order, and at each link in the order of the document. Names ending in _L
 /// come before those ending in _R.
 ///
-/// Limits, damping and Coulomb friction are the URDF's. The armature is that of the joint's
-/// <transmission>: <mechanicalReduction> and, in the same <actuator>, the element <rotorInertia> (kg m^2 on
-/// the motor's side; an extension of this project). Without a transmission there is no armature.
+/// Limits, damping and Coulomb friction are the URDF's. The armature is that of the joint's <transmission>.
+/// Its elements are <mechanicalReduction> and, in the same <actuator>, <rotorInertia> (kg m^2 on the motor's
+/// side; an extension of this project). Without a transmission there is no armature.
 ///
 /// @throws UrdfError for a file that cannot be read, is not a URDF, not a tree or not planar. Also for a
 /// massless moving link, a joint without limits, or no foot.

@@ -123,7 +123,7 @@ inline constexpr double kPlumb_rad = 0.15;
 [[nodiscard]] TorsoCalibration calibrate_torso(const TorsoMotion& motion,
                                                const configuration::TorsoSensorParameters& sensor);
 
-/// The values for the configuration file: sign and offset of each joint, and of the torso sensor what
+/// The values for the configuration file: sign and offset of each joint. Of the torso sensor they are what
 /// changes, under the keys that its device reads.
 [[nodiscard]] std::vector<configuration::NewValue> new_values(
     const configuration::HardwareParameters& hardware,

@@ -37,7 +37,7 @@ struct DriveNumbers {
 ///   tau_asked = (tau_rigid(q, v, a) + I a_j + d v_j + c sign(v_j) - tau_0) / k
 ///
 /// for 1 / k, I / k, d / k, c / k and tau_0 / k: torque factor k, armature I, damping d, Coulomb friction c,
-/// offset tau_0. The asked torque is on the left, since friction is never quite as modelled: as a regressor
+/// offset tau_0. The asked torque is on the left, since friction is never quite as modelled. As a regressor
 /// it would draw k to 0 where friction exceeds gravity. The hip stands still: a gantry holds the robot. All
 /// signals pass the same filter without phase, v and a are central differences. Times at which the joint is
 /// slow, 60 ms around them, and the ends of a record are left out. The intervals come from the sums of

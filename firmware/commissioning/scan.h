@@ -18,8 +18,8 @@
 
 /// Which drivers and sensors are on the buses of a configuration. No frame enables a motor: drivers get
 /// questions, those of the MIT mode the frame that turns a motor off, which they answer. An encoder of the
-/// torso on CANopen is started: NMT commands, SDO reads, and SDO writes of its transmission type, which it
-/// does not store, and SYNC. Ordinary threads; why so: docs/decisions/0021-commissioning.md
+/// torso on CANopen is started with NMT commands, SDO reads and SYNC. SDO writes set its transmission type,
+/// which it does not store. Ordinary threads; why so: docs/decisions/0021-commissioning.md
 namespace stilt::commissioning {
 
 /// A driver that the configuration names, or another that answered.
@@ -71,14 +71,14 @@ struct ScanResult {
   std::vector<ScannedBus> buses;
   std::string
       serial_sensor_trouble;  ///< of a torso sensor on a serial port, set by who reads it; empty: none
-  /// Everything that the configuration names is there, well, and often enough, and nothing else: another
+  /// Everything that the configuration names is there, well, and often enough, and nothing else. Another
   /// driver may move, and frames of another program may be commands.
   [[nodiscard]] bool complete() const noexcept;
 };
 
 /// Listens for 0.2 s per bus. Then asks every driver of the configuration for its identity and its settings,
-/// and starts an encoder of the torso on CANopen. Then it asks other identifiers of the drivers' protocol:
-/// only where all drivers of the bus speak one protocol, and none that the torso sensor uses.
+/// and starts an encoder of the torso on CANopen. Then it asks other identifiers of the drivers' protocol,
+/// none that the torso sensor uses. It does so only where all drivers of the bus speak one protocol.
 /// @param wanted  of each joint: travel and speed at the driver's shaft, whether it needs a watchdog
 /// @param buses  in the order of their numbers, receiving all identifiers
 /// @param stop   ends the scan early

@@ -53,8 +53,8 @@ class Session {
   void end_tick() { pace_.advance(began_ns_, clock_.now_ns()); }
   /// A tick with these commands; without any the robot is limp.
   void tick(const hal::JointCommands& commands = {});
-  /// Every driver off. A bus withholds a frame until a read has seen the last one with its identifier leave;
-  /// several ticks, so that this frame is each driver's last.
+  /// Every driver off. A bus withholds a frame until a read has seen the last one with its identifier leave.
+  /// Several ticks make this frame each driver's last.
   void disable();
 
   [[nodiscard]] const hal::RobotReadings& readings() const noexcept { return readings_; }

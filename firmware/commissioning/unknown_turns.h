@@ -6,7 +6,7 @@
 
 namespace stilt::commissioning {
 
-/// Names the joints that are up and whose angle may be wrong by whole turns of their driver's encoder, one
+/// Names the joints that are up and whose angle may be wrong by whole turns of their driver's encoder. One
 /// sentence for the user; empty: there are none.
 [[nodiscard]] std::string unknown_turns(const hal::RobotHardware& hardware);
 

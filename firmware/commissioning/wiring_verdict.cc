@@ -32,7 +32,7 @@ Verdict exchanged_encoders(std::size_t joint, std::size_t read) {
                                            " reports it; exchange the encoders' cables"};
 }
 
-/// A limp shin hangs plumb while its thigh moves, and a thigh gives way when its shin moves: the other joint
+/// A limp shin hangs plumb while its thigh moves, and a thigh gives way when its shin moves. The other joint
 /// of the leg turns against the torque. So an own encoder that turns against it, or stands still at a stop,
 /// while the other turns with it reads the other joint.
 bool reads_other_joint(std::size_t joint, const JogMotion& motion) {

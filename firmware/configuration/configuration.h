@@ -67,9 +67,9 @@ void keep_torque_limit(Configuration& configuration);
 /// The TOML of the same stem beside a URDF file.
 [[nodiscard]] std::string file_beside(std::string_view urdf);
 
-/// The configuration of a robot, as parse() reads it: the shipped one, or for a URDF file the TOML of the
-/// same stem beside it. Where there is none, the defaults, with height and width of the stance by the length
-/// of the robot's legs.
+/// The configuration of a robot, as parse() reads it. It is the shipped one, or for a URDF file the TOML of
+/// the same stem beside it. Where there is none, the defaults, with height and width of the stance by the
+/// length of the robot's legs.
 [[nodiscard]] Result load_robot(std::string_view robot, std::span<const Override> overrides = {},
                                 std::string_view preset = {});
 

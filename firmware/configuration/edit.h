@@ -17,8 +17,8 @@ struct NewValue {
   std::string value;  ///< as TOML: 0.25, true, "a word"
 };
 
-/// The text with these values. A key that is there gets its value in place; another is added at the end of
-/// its section, and the section at the end of the text. Comments, order and all else stay. Fails for text
+/// The text with these values. A key that is there gets its value in place. Another is added at the end of
+/// its section, and a new section at the end of the text. Comments, order and all else stay. Fails for text
 /// that is not TOML. Values are not checked. Allocates; not for real time.
 /// @param file  names the text in errors
 [[nodiscard]] std::expected<std::string, Diagnostic> with_values(std::string_view toml, std::string_view file,

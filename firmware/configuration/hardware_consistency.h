@@ -10,11 +10,11 @@
 namespace stilt::configuration {
 
 /// Contradictions of the wiring: joints on buses that do not exist, drivers that share an identifier,
-/// identifiers their protocol does not have, and those of check_torso_sensor().
+/// identifiers their protocol does not have. Those of check_torso_sensor() are among them.
 void check_hardware(const HardwareParameters& hardware, std::vector<Contradiction>& found);
 
-/// No sensor of the pitch; settings of one that contradict one another; a rate that would be too coarse, or
-/// whose window holds too few pitches.
+/// No sensor of the pitch, or settings of one that contradict one another. Also a rate that would be too
+/// coarse, or whose window holds too few pitches.
 void check_torso_sensor(const HardwareParameters& hardware, std::vector<Contradiction>& found);
 
 /// Angles before base_pitch_limit, and rates on the way there, that the frames of the torso sensor cannot

@@ -18,8 +18,8 @@ struct ControllerChoice {
   ReferenceKind reference = ReferenceKind::heuristic;
 };
 
-/// Everything a configuration file sets: the parameters of the controller, which alone matter to the
-/// simulation, and beside them what only the program on the robot needs.
+/// Everything a configuration file sets. The parameters of the controller alone matter to the simulation.
+/// Beside them stands what only the program on the robot needs.
 struct Configuration : control::ControllerParameters {
   ControllerChoice controller;
   HardwareParameters hardware;

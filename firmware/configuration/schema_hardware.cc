@@ -194,13 +194,13 @@ const Entry kHardware[] = {
 constexpr int kMostEncoderTurns = 65536;
 constexpr double kLeastEncoderRatio = 0.01;
 /// Half of the angle after which the pitch of such an encoder repeats, pi kMostEncoderTurns /
-/// kLeastEncoderRatio: where an absolute encoder counts from is anywhere in its turns.
+/// kLeastEncoderRatio. Where an absolute encoder counts from is anywhere in its turns.
 constexpr double kMostEncoderOffset_rad = 2.1e7;
 
 const Entry kTorsoSensor[] = {
     {"torso_sensor", "device", "",
-     "What measures pitch and pitch rate: the channels below (or encoder_joint), an absolute encoder on\n"
-     "CANopen, an Xsens MTi on CAN, a VectorNav on a serial port",
+     "What measures pitch and pitch rate: the channels below (or encoder_joint), an absolute CANopen\n"
+     "encoder, an Xsens MTi on CAN, a serial VectorNav",
      choice<&P::hardware, &H::torso_sensor, &B::device>(kDevices)},
     {"torso_sensor", "bus", "1", "Number of its bus", integer<&P::hardware, &H::torso_sensor, &B::bus>(0, 3)},
     {"torso_sensor", "rate_hz", "Hz", "Frames per second of each identifier",

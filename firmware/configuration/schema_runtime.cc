@@ -20,7 +20,7 @@ constexpr Entry kEntries[] = {
     {"controller", "reference", "",
      "What the planner's cost pulls to; hzd: gaits of the robot's library, whose times of support and "
      "terminal "
-     "weight then hold, unless --set says otherwise",
+     "weight hold unless --set says otherwise",
      choice<&P::controller, &ControllerChoice::reference>(kReferences)},
     {"runtime", "require_realtime", "",
      "Refuse to start on a CAN interface unless kernel, priorities and locked memory make the torque loop "

@@ -131,7 +131,7 @@ ControlLoop::PlanView ControlLoop::plan_at(double time_s) const noexcept {
 }
 
 /// The feet on the ground are the plan's, without one the gait's. A known state replaces the sensors and the
-/// base's position; the base's velocity stays that of the feet on the ground, which the plan is made for
+/// base's position. The base's velocity stays that of the feet on the ground, which the plan is made for
 /// (docs/decisions/0037-feasible-plans.md).
 model::StateVector ControlLoop::estimate_state(const control::SensorReading& sensors, const PlanView& plan,
                                                const model::StateVector* known_state) noexcept {

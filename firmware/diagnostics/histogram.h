@@ -14,10 +14,10 @@ struct Percentiles {
   double max_us = 0;
 };
 
-/// Counts durations in bins fixed at compile time: eight of 64 ns, then eight to every factor of two, up to
-/// 1.07 s, and one for all above. A percentile is never too low, and too high by an eighth or 64 ns at most;
-/// count and largest are exact. add_ns() is a few integer operations: real-time. Plain memory: one thread at
-/// a time.
+/// Counts durations in bins fixed at compile time. There are eight of 64 ns, then eight to every factor of
+/// two, up to 1.07 s, and one for all above. A percentile is never too low, and too high by an eighth or 64
+/// ns at most; count and largest are exact. add_ns() is a few integer operations: real-time. Plain memory:
+/// one thread at a time.
 class Histogram {
  public:
   static constexpr std::int64_t kUnit_ns = 64;

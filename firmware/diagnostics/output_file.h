@@ -13,7 +13,7 @@ namespace stilt::diagnostics {
 /// For programs that run for a long time before they write.
 [[nodiscard]] std::string why_not_writable(const std::string& name);
 
-/// Replaces the file by the text, whole or not at all: the text goes to a file beside it, to the disk, and
+/// Replaces the file by the text, whole or not at all. The text goes to a file beside it, to the disk, and
 /// under its name then. Permissions and symbolic links stay. Devices and FIFOs are written to; "-" is
 /// standard output. The error is the system's reason.
 [[nodiscard]] std::expected<void, std::string> write_file(const std::string& name, std::string_view text);

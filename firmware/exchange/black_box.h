@@ -11,7 +11,7 @@
 namespace stilt::exchange {
 
 /// Keeps the last records of one thread. It freezes some records after something happened, so that another
-/// thread can read at leisure what was before and after; until rearm() nothing is recorded. Wait-free on the
+/// thread can read at leisure what was before and after. Until rearm() nothing is recorded. Wait-free on the
 /// recording side.
 ///
 /// Either side touches the records only when the state shows they are its own: recorder while recording,

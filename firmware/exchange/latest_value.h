@@ -14,7 +14,7 @@ namespace stilt::exchange {
 /// taking swap slots with it. A value that was not taken before the next one came is lost, which is the
 /// point.
 ///
-/// The swaps are acquire and release both ways: the reader gets the whole value, and the writer gets a slot
+/// The swaps are acquire and release both ways. The reader gets the whole value, and the writer gets a slot
 /// back only after the last look at it.
 ///
 /// @tparam T       owns nothing outside of itself; starts as T{}

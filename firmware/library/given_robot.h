@@ -6,7 +6,7 @@
 
 namespace stilt::library {
 
-/// The robot of the user's loop behind the interface of the control loop: measurements are given before a
+/// The robot of the user's loop behind the interface of the control loop. Measurements are given before a
 /// tick, what to do is taken after it. Real-time safe.
 class GivenRobot final : public hal::Robot {
  public:

@@ -15,7 +15,7 @@ namespace stilt::program {
 [[nodiscard]] std::expected<void, std::string> check_out_file(const Options& options);
 
 /// Writes values that a command has found to options.out_file. A file that is there is changed in place, with
-/// its comments; otherwise it becomes a copy of the configuration that was read, with the values. What
+/// its comments. Otherwise it becomes a copy of the configuration that was read, with the values. What
 /// --preset, --set and --bus have set is written, too: the values were found with it. The error is one
 /// sentence for the user; nothing is written then, nor when the result would be refused as a configuration.
 [[nodiscard]] std::expected<void, std::string> write_values(const Options& options,

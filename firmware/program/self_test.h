@@ -70,7 +70,7 @@ struct SelfTestResult {
   /// is not commanded while others are brought up.
   void keep_most_missed(const hal::RobotReadings& readings) noexcept;
   /// Every joint answered enough of its commands. A machine that is late itself withholds commands and reads
-  /// replies late, which is no fault of the drivers: they must answer what left, sooner or later.
+  /// replies late, which is no fault of the drivers. They must answer what left, sooner or later.
   [[nodiscard]] bool answered_enough() const noexcept;
   /// And enough of all commands in time: together with the machine they are fit to be driven.
   [[nodiscard]] bool in_time_enough() const noexcept;

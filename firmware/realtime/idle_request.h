@@ -4,7 +4,7 @@
 
 namespace stilt::realtime {
 
-/// Keeps all processors from idle states that are slow to leave, as long as it lives: the kernel keeps the
+/// Keeps all processors from idle states that are slow to leave, as long as it lives. The kernel keeps the
 /// request (PM QoS, Documentation/power/pm_qos_interface.rst) while /dev/cpu_dma_latency is open. Start-up
 /// only.
 class IdleRequest {

@@ -6,7 +6,7 @@
 /// The commands the supervisor gives instead of the torque law's. Pure, real-time.
 namespace stilt::supervisor {
 
-/// tau = -kd v, kp 0, torque 0. kd is lowered so that |kd v| stays within damping_torque_Nm; a joint whose
+/// tau = -kd v, kp 0, torque 0. kd is lowered so that |kd v| stays within damping_torque_Nm. A joint whose
 /// velocity is not finite is damped with the full kd by its driver.
 [[nodiscard]] hal::JointCommands damped(const hal::JointReadings& measured, const JointLimits& limits,
                                         const SupervisorParameters& parameters) noexcept;
@@ -18,8 +18,8 @@ namespace stilt::supervisor {
 /// Between two poses, at rest at both ends: q(s) = from + (to - from) s^2 (3 - 2 s), s clamped to 0 to 1.
 [[nodiscard]] Pose pose_between_rad(const Pose& from_rad, const Pose& to_rad, double s) noexcept;
 
-/// The torque law's commands while it is blended in: share s of them, with the positions s of the way from
-/// `start_rad`, and damping for the rest. tau = s tau_wanted - (1 - s) kd_damping v.
+/// The torque law's commands while it is blended in. Share s of them counts, with the positions s of the way
+/// from `start_rad`, and damping for the rest. tau = s tau_wanted - (1 - s) kd_damping v.
 [[nodiscard]] hal::JointCommands blend_in(const hal::JointCommands& wanted, const Pose& start_rad, double s,
                                           const SupervisorParameters& parameters) noexcept;
 
@@ -34,8 +34,8 @@ namespace stilt::supervisor {
                                          const hal::JointReadings& measured,
                                          const JointLimits& limits) noexcept;
 
-/// The active torque limits: torque_limit_share of the joints'. Hot drivers and motors get less: from all
-/// of that at hot_C to hot_torque_share of it at overheated_C, linearly in the hotter temperature of a joint.
+/// The active torque limits: torque_limit_share of the joints'. Hot drivers and motors get less: from all of
+/// that at hot_C to hot_torque_share of it at overheated_C. It is linear in a joint's hotter temperature.
 [[nodiscard]] JointLimits derated(const JointLimits& limits, const hal::JointReadings& measured,
                                   const SupervisorParameters& parameters) noexcept;
 

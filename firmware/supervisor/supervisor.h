@@ -64,8 +64,8 @@ class Supervisor {
  public:
   void configure(const JointLimits& limits, const SupervisorParameters& parameters) noexcept;
 
-  /// Instead of the states before: the robot stands on its feet, its drivers are enabled, and the torque law
-  /// has been in command long enough for any request. For simulations that begin there.
+  /// Skips the states before this one. The robot stands on its feet, its drivers are enabled, and the torque
+  /// law has been in command long enough for any request. For simulations that begin there.
   void begin_standing(std::int64_t now_ns) noexcept;
 
   /// One tick: faults, transition, level.

@@ -58,10 +58,10 @@ struct RobotNow {
 };
 
 /// Who may command the robot, and what the torque loop is asked to do. One commander at a time: the one who
-/// gave the last order of motion and sends heartbeats; `stop` and `cut` are taken from everybody with the
+/// gave the last order of motion and sends heartbeats. `stop` and `cut` are taken from everybody with the
 /// token. When its heartbeats stop for heartbeat_timeout_s, the supervisor makes walking stepping and
-/// stepping standing (heartbeat_lost), and another may command; after release_s there is no commander.
-/// Pure logic: no network, no clock, no thread. Ordinary threads.
+/// stepping standing (heartbeat_lost), and another may command. After release_s there is no commander. Pure
+/// logic: no network, no clock, no thread. Ordinary threads.
 class CommandArbiter {
  public:
   /// Sets a live tunable; the answer is empty or what is wrong, one sentence.

@@ -14,7 +14,7 @@ namespace stilt::telemetry {
 /// /tmp/stilt-UID/token-DOMAIN.
 [[nodiscard]] std::string token_path(const std::string& configured, int domain);
 
-/// The token file of a run. A process that holds it is the only one that writes there, until it ends: two
+/// The token file of a run. A process that holds it is the only one that writes there, until it ends. Two
 /// runs with one file would replace each other's token. At start-up and on ordinary threads only.
 class TokenFile {
  public:

@@ -8,7 +8,7 @@
 
 namespace stilt::hal::ak {
 
-/// AK of version 3: it is on from power-up, answers nothing and holds its last command, so that limp commands
+/// AK of version 3. It is on from power-up, answers nothing and holds its last command, so that limp commands
 /// go first and all the time. The rest is listening: a status, its position, how often it reports, and no
 /// fault. It has neither a version nor a watchdog to read, and is refused unless
 /// Options::accept_missing_watchdog. How a fault ends is not public: it has a second for that.

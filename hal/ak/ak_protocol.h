@@ -26,7 +26,7 @@
 ///
 ///   velocity of the output = electrical speed / pole pairs / gear ratio
 ///
-/// It has no frames to enable, disable and zero as version 2 has: it would read those as a command of the
+/// It has no frames to enable, disable and zero as version 2 has. It would read those as a command of the
 /// largest gains and torque. It is always on, and follows its last command for ever. It takes missing bytes
 /// of a command for zeros, so that a short one asks for the lower end of the position.
 ///

@@ -10,7 +10,7 @@
 
 /// From a driver that has power to one that is enabled. Identify it, check its version and scaling, write
 /// its watchdog and read it back. Check that its position is valid, enable it without torque, check what
-/// can only be read then. A driver takes milliseconds to enable, and its watchdog runs meanwhile: from the
+/// can only be read then. A driver takes milliseconds to enable, and its watchdog runs meanwhile. From the
 /// request to enable on, every step without another frame sends a command of zero torque. The time from a
 /// request after silence to its reply is that by which every reading will be late. Pure step functions:
 /// time and frames in, at most one frame out. Real-time safe.

@@ -80,8 +80,8 @@ struct EncoderPosition {
   std::int64_t time_ns = 0;                                       ///< of the SYNC that it was measured at
 };
 
-/// Starts an encoder and asks it for its position: checks device type, resolution and mapping, has its first
-/// PDO sent with every SYNC, starts it, and sends SYNC. The SYNC makes the times of the positions ours: a
+/// Starts an encoder and asks it for its position. Checks device type, resolution and mapping, has its first
+/// PDO sent with every SYNC, starts it, and sends SYNC. The SYNC makes the times of the positions ours. A
 /// timer of the encoder would drift against the reads by up to one of them. An encoder that is silent, or has
 /// started anew, is started from the beginning. One that is not as configured reports nothing and is asked
 /// again after a second. The setting is not stored in the encoder. Fixed memory, real-time safe.

@@ -11,7 +11,7 @@
 
 /// A bus without CAN hardware: the same frames, byte for byte, over a Unix SOCK_SEQPACKET socket with an
 /// abstract name. The simulated robot listens, one controller connects. After connecting the robot greets
-/// with eight bytes, then only frames follow; it returns each frame it takes, marked as echo, as a CAN
+/// with eight bytes, then only frames follow. It returns each frame it takes, marked as echo, as a CAN
 /// controller would.
 namespace stilt::hal::loopback {
 

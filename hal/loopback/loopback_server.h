@@ -11,7 +11,7 @@
 
 namespace stilt::hal::loopback {
 
-/// The simulated robot's end of a loopback bus: listens at a name, serves one controller at a time, and the
+/// The simulated robot's end of a loopback bus. Listens at a name, serves one controller at a time, and the
 /// next one after that has gone. Further ones are refused: the bus is busy.
 class LoopbackServer final : public FrameBus {
  public:

@@ -7,8 +7,8 @@
 namespace stilt::hal::mit {
 
 /// Drivers in MIT mode. Damiao: everything through its registers (identifier, MIT mode, version, ranges,
-/// timeout). Mini-cheetah and AK can only be asked for their state: no version, no scaling and no watchdog to
-/// require, so they are refused unless Options::accept_missing_watchdog. A mini-cheetah keeps the newest
+/// timeout). Mini-cheetah and AK can only be asked for their state. They have no version, scaling or watchdog
+/// to require, so they are refused unless Options::accept_missing_watchdog. A mini-cheetah keeps the newest
 /// command while it is off and follows it once it is on: one of zero torque goes first. Whether an AK that is
 /// off answers is not public: it is asked off and on in turn.
 class MitBringUp final : public bring_up::BringUp {

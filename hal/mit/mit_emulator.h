@@ -6,8 +6,8 @@
 
 namespace stilt::hal::mit {
 
-/// What a driver in MIT mode keeps, by default as it comes from its vendor: the registers of a Damiao
-/// DM-J4310, and the mode of an AK. A mini-cheetah keeps nothing of this.
+/// What a driver in MIT mode keeps: the registers of a Damiao DM-J4310, and the mode of an AK. The defaults
+/// are those of its vendor. A mini-cheetah keeps nothing of this.
 struct MitSettings {
   std::uint16_t reply_id = kDamiaoFactoryReplyId;  ///< MST_ID
   std::uint32_t control_mode = 1;                  ///< CTRL_MODE
@@ -36,7 +36,7 @@ struct MitBehaviour {
 };
 
 /// A driver in MIT mode. With the Damiao layout it has registers and a timeout (off until written) after
-/// which it disables itself and reports lost communication; with the others it has neither. A mini-cheetah
+/// which it disables itself and reports lost communication. With the others it has neither. A mini-cheetah
 /// answers every frame in every mode from the state before it, and keeps commands that it gets while it is
 /// off. Source: github.com/bgkatz/motorcontrol, Core/Src/stm32f4xx_it.c, Core/Src/fsm.c (3586419); a trace of
 /// that firmware: tests/data/traces.

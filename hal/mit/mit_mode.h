@@ -14,8 +14,8 @@
 ///
 /// Command, most significant bit first: position 16, velocity 12, kp 12, kd 12, torque 12 bits.
 /// Reply: driver identifier 8, position 16, velocity 12, torque 12 bits, then bytes that differ by vendor
-/// (ReplyLayout). A value x of range [a, b] in n bits is the integer part of (x - a) (2^n - 1) / (b - a):
-/// vendors cut off instead of rounding. What arrives is up to one step below what was asked, and no code is
+/// (ReplyLayout). A value x of range [a, b] in n bits is the integer part of (x - a) (2^n - 1) / (b - a).
+/// Vendors cut off instead of rounding. What arrives is up to one step below what was asked, and no code is
 /// exactly zero in a symmetric range.
 ///
 /// Facts: B. Katz, HKC_MiniCheetah CAN_com.cpp (layout, cut-off); CubeMars AK series manual 1.0.17,
@@ -106,8 +106,8 @@ enum class MitSpecial : std::uint8_t {
 [[nodiscard]] DecodeStatus decode_special(const MitDriver& driver, const CanFrame& frame,
                                           MitSpecial& special) noexcept;
 
-/// Extended identifier of what an AK in servo mode sends by itself, 1 to 500 times per second: 0x29 and its
-/// identifier (CubeMars AK series manual 1.0.17, section 5.2). In that mode it answers no frame of MIT mode.
+/// Extended identifier of what an AK in servo mode sends by itself, 1 to 500 times per second. It is 0x29 and
+/// the AK's identifier (CubeMars AK series manual 1.0.17, section 5.2). Then it answers no frame of MIT mode.
 [[nodiscard]] constexpr std::uint32_t ak_servo_status_id(const MitDriver& driver) noexcept {
   return 0x2900u | driver.command_id;
 }

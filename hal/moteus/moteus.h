@@ -123,10 +123,10 @@ enum class MoteusQuery : std::uint8_t {
 /// Number of the reference -> common name. Codes from 96 name what limits the output: no fault.
 [[nodiscard]] DriverFault moteus_fault(std::uint8_t code) noexcept;
 
-/// Position mode without a limit of the acceleration, and a query: of the state (with the extra encoder) 32
-/// bytes, answered with 24 (48 with encoder); with the motor's temperature 48 and 32 (48). Position,
-/// velocity, torque, gains and limit are int16: 0.63 mrad, 1.6 mrad/s, 0.01 Nm, 1/32767; within
-/// kMoteusPosition_rad and kMoteusVelocity_rad_s.
+/// Position mode without a limit of the acceleration, and a query. With one of the state (and the extra
+/// encoder) the frame has 32 bytes, answered with 24 (48 with encoder). With the motor's temperature these
+/// are 48 and 32 (48). Position, velocity, torque, gains and limit are int16: 0.63 mrad, 1.6 mrad/s, 0.01 Nm,
+/// 1/32767; within kMoteusPosition_rad and kMoteusVelocity_rad_s.
 [[nodiscard]] EncodeStatus encode_command(const MoteusDriver& driver, const MoteusCommand& command,
                                           CanFrame& frame, MoteusQuery query = MoteusQuery::state) noexcept;
 /// Stop: motor off, faults and an expired watchdog cleared.

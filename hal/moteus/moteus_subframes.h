@@ -15,8 +15,8 @@
 ///   write 00 04 08 0c, read 10 14 18 1c, reply 20 24 28 2c (int8, int16, int32, float), error 30 31, padding
 ///   50
 ///
-/// or it carries bytes of a stream: 40 to the driver, 41 from it, 42 asks for some; then channel, number of
-/// bytes, and with 40 and 41 the bytes. Channel 1 is the driver's command line.
+/// or it carries bytes of a stream: 40 to the driver, 41 from it, 42 asks for some. Then come channel, number
+/// of bytes, and with 40 and 41 the bytes. Channel 1 is the driver's command line.
 ///
 /// Numbers are variable-length unsigned integers (7 bits per byte, least significant first, at most 5 bytes),
 /// values little endian. Facts: github.com/mjbots/moteus, docs/protocol/can.md and

@@ -6,7 +6,7 @@
 namespace stilt::hal::moteus {
 
 /// Control position and velocity of an emulated moteus, in revolutions: what its gains hold to. Without
-/// limits they are those of the command at once; with one, a trajectory of bounded acceleration and velocity
+/// limits they are those of the command at once. With one, a trajectory of bounded acceleration and velocity
 /// leads there from where the motor was. Facts: github.com/mjbots/moteus, fw/bldc_servo_position.h (db1a762).
 /// Deterministic, fixed memory.
 class MoteusTrajectory {

@@ -7,7 +7,7 @@
 
 namespace stilt::hal::odrive {
 
-/// What an ODrive keeps in its own configuration, by default as it comes from the vendor; and what of the
+/// What an ODrive keeps in its own configuration, by default as it comes from the vendor. Also what of the
 /// closed firmware 0.6 is not public, either way.
 struct OdriveSettings {
   std::int64_t heartbeat_period_ns = 100'000'000;  ///< can.heartbeat_msg_rate_ms
@@ -33,9 +33,9 @@ struct OdriveSettings {
   return settings;
 }
 
-/// ODrive with torque control: heartbeat, estimates and torques on timers, parameters for the watchdog, which
-/// is off at first and disarms the axis when it expires. It holds its position until it is told otherwise.
-/// Facts: github.com/odriverobotics/ODrive,
+/// ODrive with torque control: heartbeat, estimates and torques on timers, parameters for the watchdog. The
+/// watchdog is off at first and disarms the axis when it expires. The ODrive holds its position until it is
+/// told otherwise. Facts: github.com/odriverobotics/ODrive,
 /// Firmware/communication/can/can_simple.cpp, Firmware/MotorControl/controller.cpp (f9b5419, 0.5.6). Too
 /// fast, it disarms in every mode.
 class OdriveEmulator final : public EmulatedDriver {

@@ -18,8 +18,8 @@ namespace stilt::hal {
 /// What the bring-up of each joint's driver shall require.
 using BringUpOptions = std::array<bring_up::Options, kJoints>;
 
-/// Drivers on buses: the step functions of hal/bring_up, one driver per bus at a time (drivers of one vendor
-/// share identifiers while they are asked for registers). Fixed memory.
+/// Drivers on buses: the step functions of hal/bring_up, one driver per bus at a time. Drivers of one vendor
+/// share identifiers while they are asked for registers. Fixed memory.
 class CanDrivers final {
  public:
   /// @param taps   one per bus, read by `robot`; outlive this object

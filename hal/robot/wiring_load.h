@@ -10,7 +10,7 @@
 
 namespace stilt::hal {
 
-/// Everything that is periodically on a bus of a valid wiring: commands and replies at the rate of the
+/// Everything that is periodically on a bus of a valid wiring. Commands and replies come at the rate of the
 /// torque loop, heartbeats of ODrives at 10 Hz. Torso sensor frames come at their rate, as long as their
 /// channels need.
 [[nodiscard]] std::vector<PeriodicFrame> periodic_frames(const RobotWiring& wiring, std::size_t bus,

@@ -52,7 +52,7 @@ void TorsoMeasurement::set_pitch(std::int64_t time_ns, double pitch_rad) noexcep
 }
 
 /// A window that begins in a gap begins on the line across it. The pitch comes without the gap's delay, and
-/// the rate is as new as the pitch: no age shows that it is the mean of a longer time.
+/// the rate is as new as the pitch. No age shows that it is the mean of a longer time.
 void TorsoMeasurement::differentiate(const Sample& newest) noexcept {
   const auto window_ns = static_cast<std::int64_t>(1e9 * traits_.rate_window_s) - kJitter_ns;
   const auto at = [this](std::size_t i) -> const Sample& { return samples_[(first_sample_ + i) % kSamples]; };

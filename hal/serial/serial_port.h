@@ -23,8 +23,8 @@ enum class Access : std::uint8_t {
 class SerialPort {
  public:
   /// Opens the port for this program alone, and asks its adapter not to collect bytes where that can be
-  /// asked. To write, it also takes the advisory lock (flock) that other programs for serial ports take: it
-  /// holds for root and for every name of the port. The error is one sentence for the user.
+  /// asked. To write, it also takes the advisory lock (flock) that other programs for serial ports take. The
+  /// lock holds for root and for every name of the port. The error is one sentence for the user.
   /// @param bit_rate_bit_s  of bit_rates()
   [[nodiscard]] static std::expected<SerialPort, std::string> open(const std::string& path,
                                                                    int bit_rate_bit_s,

@@ -6,8 +6,8 @@
 /// phases of the planner. Only instructions of the instruction set of this build are used.
 namespace stilt::benchmark {
 
-/// Independent sums: enough to cover the latency of a fused multiply-add (4 cycles) on a core that starts two
-/// per cycle, few enough to stay in 16 registers.
+/// Independent sums. They are enough to cover the latency of a fused multiply-add (4 cycles) on a core that
+/// starts two per cycle. They are few enough to stay in 16 registers.
 inline constexpr int kPeakAccumulators = 12;
 inline constexpr int kPeakRounds = 4096;
 

@@ -33,8 +33,8 @@ struct ExecutedWork {
 /// are zero when can_count_work() is false; the function runs nevertheless.
 [[nodiscard]] ExecutedWork count_work(const std::function<void()>& function);
 
-/// Floating-point operations of the x86-64 instruction at `code`: VEX, EVEX and legacy encodings of add, sub,
-/// mul, div, sqrt, hadd and the fused multiply-adds on doubles. 0 for every other instruction.
+/// Floating-point operations of the x86-64 instruction at `code`. Counts VEX, EVEX and legacy encodings of
+/// add, sub, mul, div, sqrt, hadd and the fused multiply-adds on doubles. 0 for every other instruction.
 [[nodiscard]] int flops_of_instruction(const unsigned char* code) noexcept;
 
 }  // namespace stilt::benchmark

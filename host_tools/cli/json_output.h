@@ -19,9 +19,9 @@ namespace stilt::cli {
 /// The output of `stilt sim --json`, with the fields that users rely on: they are added, never renamed.
 [[nodiscard]] nlohmann::ordered_json to_json(const log::RunSummary& summary);
 
-/// Throws UsageError unless a file of that name can be written: its folder exists and is writable, and the
-/// name is not that of a folder. Accepts empty names and "-". For commands that compute for a long time
-/// before they write.
+/// Throws UsageError unless a file of that name can be written. Its folder must exist and be writable, and
+/// the name must not be that of a folder. Accepts empty names and "-". For commands that compute for a long
+/// time before they write.
 void check_output_file(const std::string& option, const std::string& path);
 
 /// Writes the text to the file that `option` names, and says so on standard error; to standard output when

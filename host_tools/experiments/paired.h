@@ -53,8 +53,8 @@ struct PairedCounts {
 };
 
 /// Change of the share that survives, (gained - lost) / cases, with its 95 % interval. With one more pair of
-/// each kind, p = (gained + 1) / (cases + 2), q likewise of lost: p - q +- 1.96 sqrt((p + q - (p - q)^2) /
-/// (cases + 2)), of Bonett and Price 2012, eq. 5. `cases` must be positive.
+/// each kind, p = (gained + 1) / (cases + 2), q likewise of lost. The interval is p - q +-
+/// 1.96 sqrt((p + q - (p - q)^2) / (cases + 2)), of Bonett and Price 2012, eq. 5. `cases` must be positive.
 [[nodiscard]] Estimate change_of_share(const PairedCounts& counts);
 
 /// The walk of a case under a push. It depends on the seed of the plan and on `number` alone.

@@ -7,8 +7,8 @@ namespace stilt::experiments {
 /// Variation of a walk's joint angles from step to step.
 struct Periodicity {
   int steps = 0;  ///< number compared
-  /// Standard deviation of a joint's angle at the same share of the step, over the steps: root mean square
-  /// over joints and shares, and the largest.
+  /// Standard deviation of a joint's angle at the same share of the step, over the steps. First its root mean
+  /// square over joints and shares, then the largest.
   double rms_rad = 0.0;
   double largest_rad = 0.0;
 };

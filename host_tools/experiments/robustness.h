@@ -55,8 +55,8 @@ struct RobustnessPlan {
 /// The value of a quantity in the result of a job, drawn or combined.
 [[nodiscard]] double value_of(const std::string& quantity, const Json& result);
 
-/// The order of outcomes: fall_margin_min of a run that survived; less than that of any such run for a fall,
-/// and the less the earlier it was.
+/// The order of outcomes: fall_margin_min of a run that survived. For a fall it is less than that of any such
+/// run, and the less the earlier it was.
 [[nodiscard]] double outcome(const Json& result);
 
 /// Survival, the strongest correlations and the worst runs as Markdown.

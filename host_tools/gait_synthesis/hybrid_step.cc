@@ -159,8 +159,8 @@ JointVector output_feedback(const model::RobotModel& robot, const gait::HzdGait&
   JointVector wanted =
       rate * rate * y.curvature_rad - gait.feedback.kd_1_s * error_rate - gait.feedback.kp_1_s2 * error;
   if (by_time) return wanted;
-  // With the phase by hip position the outputs accelerate with the hip, which depends on the joints: a =
-  // wanted + g (bias + gain' a), g = scale dy/ds. This is a rank-one system.
+  // With the phase by hip position the outputs accelerate with the hip, which depends on the joints. The
+  // system a = wanted + g (bias + gain' a), g = scale dy/ds, is of rank one.
   const StanceMap map = stance_map(robot, x);
   const JointVector g = scale * y.slope_rad;
   const JointVector gain = map.base_gain.row(0).transpose();

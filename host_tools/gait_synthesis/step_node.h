@@ -66,10 +66,10 @@ class StepNode {
 };
 
 /// Variables of the touch-down: q [7], v [7] just before it. Rows: rates after it of pitch, hip_L, knee_L,
-/// hip_R, knee_R; ratio * Jz - Jx, ratio * Jz + Jx and Jz of the impulse J; margin of the momentum, radius *
-/// |H-| - |H+|. H- is the angular momentum about the old stance foot before the impact, H+ that about the new
-/// one after it; both are positive in the direction of travel. radius is the square root of the largest
-/// eigenvalue allowed.
+/// hip_R, knee_R. Then ratio * Jz - Jx, ratio * Jz + Jx and Jz of the impulse J. Last the margin of the
+/// momentum, radius * |H-| - |H+|. H- is the angular momentum about the old stance foot before the impact, H+
+/// that about the new one after it. Both are positive in the direction of travel. radius is the square root
+/// of the largest eigenvalue allowed.
 inline constexpr int kImpactVariables = 14;
 inline constexpr int kImpactRows = 9;
 inline constexpr int kRateRow = 0, kImpulseRow = 5, kMomentumRow = 8;

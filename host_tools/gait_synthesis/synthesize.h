@@ -34,7 +34,7 @@ inline constexpr double kSlowestByHip_m_s = 0.15;
 [[nodiscard]] std::optional<CostKind> cost_of_name(std::string_view name);
 
 /// Finds the gait of a task. Step time and step length of the gait are those of the hybrid model's periodic
-/// motion; they differ from the task's by the error of the collocation. Throws NoGait.
+/// motion. They differ from the task's by the error of the collocation. Throws NoGait.
 [[nodiscard]] Synthesis synthesize(const model::RobotModel& robot, const StepTask& task);
 
 /// The content of a gait file: the gait, its limits, its metrics as claims, and how it was made.

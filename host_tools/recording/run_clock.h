@@ -4,7 +4,7 @@
 
 namespace stilt::log {
 
-/// Moves a run to another clock: adds `start_s`, the time on it at which the run starts, to every time of
+/// Moves a run to another clock. Adds `start_s`, the time on it at which the run starts, to every time of
 /// samples, plans, solves, steps and the fall. Durations stay.
 void count_from(RunRecord& record, double start_s);
 

@@ -9,7 +9,7 @@
 
 namespace stilt::host_telemetry {
 
-/// Sends commands to the robot, each with a proof of the token and not with the token: every program that
+/// Sends commands to the robot, each with a proof of the token and not with the token. Every program that
 /// shares the domain may read commands. Replies arrive as CommandReply on telemetry::kCommandReplies, with
 /// this commander's name and the command's number. While in command, call heartbeat() at least every 100 ms:
 /// otherwise the robot slows down.

@@ -16,8 +16,8 @@ struct DriveModel {
   /// Torque limit lost per unit of joint speed in the direction of the torque; 0: constant limit.
   double torque_speed_slope_Nms_rad[model::kJoints];
 
-  /// The torque, clamped to what the drive can give at a velocity: |tau| <= limit - slope |v| while it drives
-  /// the motion, |tau| <= limit while it brakes. A NaN velocity counts as 0.
+  /// The torque, clamped to what the drive can give at a velocity. Then |tau| <= limit - slope |v| while it
+  /// drives the motion, |tau| <= limit while it brakes. A NaN velocity counts as 0.
   [[nodiscard]] double limited_torque_Nm(int joint, double torque_Nm, double velocity_rad_s) const noexcept {
     const double limit_Nm = torque_limit_Nm[joint];
     const double slope = torque_speed_slope_Nms_rad[joint];

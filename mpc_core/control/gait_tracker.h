@@ -13,12 +13,12 @@ namespace stilt::control {
 ///
 ///   tau = tau_gait(s) + kp (y(s) + e - q) + kd (dy/ds ds/dt + de/dt - v), limited to the joint's torque
 ///
-/// y are the outputs of the gait and s its phase: the position of the hip ahead of the stance foot, or the
-/// time since touch-down. e leads from another motion to the gait. At take_over() it is q - y and its rate
-/// v - dy/dt, and take_over_s later both are 0, with a cubic polynomial between. Touch-down is detected by
-/// kinematics over the stance foot on level ground: the swing foot comes down in the second half of the step.
-/// The legs then swap, and the library gives the gait for the commanded speed. Needs only the joint and pitch
-/// sensors. Fixed memory, real-time safe.
+/// y are the outputs of the gait and s its phase. The phase is the position of the hip ahead of the stance
+/// foot, or the time since touch-down. e leads from another motion to the gait. At take_over() it is q - y
+/// and its rate v - dy/dt, and take_over_s later both are 0, with a cubic polynomial between. Touch-down is
+/// detected by kinematics over the stance foot on level ground: the swing foot comes down in the second half
+/// of the step. The legs then swap, and the library gives the gait for the commanded speed. Needs only the
+/// joint and pitch sensors. Fixed memory, real-time safe.
 class GaitTracker {
  public:
   /// The library must hold at least one gait and outlive this object.

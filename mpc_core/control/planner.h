@@ -29,7 +29,7 @@ class Planner final : public PlannerInterface {
 
  private:
   [[nodiscard]] bool prepare(const PlannerInput& input) noexcept;
-  /// Starts the plan after an inelastic contact of the stance foot: the measured velocities move it a little,
+  /// Starts the plan after an inelastic contact of the stance foot. The measured velocities move it a little,
   /// those of the plan do not (docs/decisions/0036-five-hundred-plans-per-second.md).
   void bring_stance_foot_to_rest() noexcept;
   void warm_start(ocp::Trajectory& guess) const noexcept;

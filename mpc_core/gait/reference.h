@@ -26,10 +26,10 @@ struct ReferencePoint {
                                                 double pitch_rad, double half_width_m,
                                                 bool left_ahead) noexcept;
 
-/// The heuristic reference of the paper: commanded height, pitch and speed, nominal joints, weight shared
-/// among the stance feet, footholds below the hip at mid-contact. The speed reference and the footholds yield
-/// to a measured speed far from the command. prepare() runs once per plan, evaluate() once per node. Fixed
-/// memory, real-time safe.
+/// The heuristic reference of the paper. It has commanded height, pitch and speed, nominal joints, weight
+/// shared among the stance feet, footholds below the hip at mid-contact. The speed reference and the
+/// footholds yield to a measured speed far from the command. prepare() runs once per plan, evaluate() once
+/// per node. Fixed memory, real-time safe.
 class HeuristicReference {
  public:
   /// `state`: measured; anchors the reference in x. `speed_m_s`: speed reference at time_s.

@@ -22,7 +22,7 @@
 /// and row(i) = 7 + i, i < 7: an impact changes only velocities.
 ///
 /// w and the constraints move the joints by constant accelerations over the interval. Each column of B and L
-/// therefore has h/2 times the entry of a joint's velocity at its position; L is zero in the rows of the
+/// therefore has h/2 times the entry of a joint's velocity at its position. L is zero in the rows of the
 /// base.
 ///
 /// Vectors over the state are kRows = 16 doubles (14 used, the padding is zero), a whole number of SIMD

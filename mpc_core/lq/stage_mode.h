@@ -5,7 +5,7 @@
 /// The kinds of stages for which the Riccati sweeps have kernels, as types. Real-time safe.
 namespace stilt::lq {
 
-/// A flow with kFree inputs and kRankOne constraints. All modes have the same members: A is E (with h = 0
+/// A flow with kFree inputs and kRankOne constraints. All modes have the same members. A is E (with h = 0
 /// unless kDrifts) plus kUnits unit rows row(i) G_i' plus kConstraints terms L_i G_{kUnits + i}'.
 template <int kFree, int kRankOne>
 struct Flow {

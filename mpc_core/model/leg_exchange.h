@@ -5,7 +5,7 @@
 #include "mpc_core/model/terms.h"
 
 /// Exchange of left and right. Both legs of a robot are equal. The impact of the right foot is therefore that
-/// of the left foot of the mirrored robot: f_R(x, p) = S f_L(S x, S p) with S the exchange. Real-time safe.
+/// of the left foot of the mirrored robot. With S the exchange, f_R(x, p) = S f_L(S x, S p). Real-time safe.
 namespace stilt::model {
 
 /// Index of the same quantity in the other leg.

@@ -23,7 +23,7 @@ struct QuadraticCost {
 };
 
 /// A cost term of slope g and curvature c over some quantity, as one of curvature 1 over the quantity times
-/// `scale`: scale = sqrt(c), slope = g / sqrt(c). A term without curvature has no slope either.
+/// `scale`. It has scale = sqrt(c), slope = g / sqrt(c). A term without curvature has no slope either.
 struct UnitTerm {
   Batch scale;
   Batch slope;

@@ -83,7 +83,7 @@ void linearise(const ProblemData& data, const TransitionBatch& batch, const Traj
   for (int foot = 0; foot < model::kFeet; ++foot) {
     if (!batch.touchdown[foot]) continue;
     // Cost 1/2 weight (horizontal velocity of the foot)^2. All links turn in one plane, and an angle turns
-    // the links behind it: it turns their columns of the Jacobian, d J_x / d angle = J_z.
+    // the links behind it. It turns their columns of the Jacobian, d J_x / d angle = J_z.
     std::fill(row[count], row[count] + kStates, Batch(0.0));
     row[count][kPositions] = Batch(1.0);
     const Batch* J_x = feet.foot_jacobian[2 * foot];

@@ -11,7 +11,7 @@ struct BarrierParameters {
   double width = 0.1;  ///< h below which it is quadratic, in the unit of the constrained quantity
 };
 
-/// Diagonal weights of 1/2 (e_x' Q e_x + e_u' R e_u + sum_feet e' W e), the cost per second of horizon; the
+/// Diagonal weights of 1/2 (e_x' Q e_x + e_u' R e_u + sum_feet e' W e), the cost per second of horizon. The
 /// cost itself has no unit.
 struct CostParameters {
   double base_x = 5.0;               ///< 1/(m^2 s)

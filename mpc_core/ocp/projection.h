@@ -13,7 +13,7 @@
 ///   swing foot:   a_z - a_ref + kd (v_z - v_ref) + kp (p_z - p_ref) = 0,  f = 0
 /// Elimination:
 ///   1. swing forces go to zero;
-///   2. the force of the first stance foot follows from its two rows: their 2 x 2 block J_b M_bb^-1 J_b' is
+///   2. the force of the first stance foot follows from its two rows. Their 2 x 2 block J_b M_bb^-1 J_b' is
 ///      symmetric positive definite in every posture. The variables z remain: the joint accelerations, and in
 ///      double support the force of the other foot;
 ///   3. the remaining rows c'dx + m'z + rho = 0 are the swing foot's height, or the other stance foot. They

@@ -2,7 +2,7 @@
 
 namespace stilt::ocp {
 
-/// Largest violation of each kind of inequality over a horizon; 0: it holds in every interval and at every
+/// Largest violation of each kind of inequality over a horizon. 0: it holds in every interval and at every
 /// touch-down, or the solve ended before anything was computed. Position and velocity are those at the start
 /// of an interval: the measured state counts, the last one does not. The barriers are soft, so that a plan
 /// may leave its limits. The least normal force and the margins of the torque law are not counted here, only

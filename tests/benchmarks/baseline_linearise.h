@@ -4,10 +4,10 @@
 
 #include "mpc_core/ocp/problem.h"
 
-/// The linearisation of a stage as one writes it with fixed-size Eigen, node by node: what the project's
-/// batched linearisation is timed against, on the same data. The scalar generated function gives derivatives
-/// by state and input. The equality constraints are eliminated by a Householder QR decomposition. Cost rows
-/// make a Gauss-Newton Hessian J'WJ, projected with the basis of the null space. Heun's method.
+/// The linearisation of a stage as one writes it with fixed-size Eigen, node by node. The project's batched
+/// linearisation is timed against it, on the same data. The scalar generated function gives derivatives by
+/// state and input. The equality constraints are eliminated by a Householder QR decomposition. Cost rows make
+/// a Gauss-Newton Hessian J'WJ, projected with the basis of the null space. Heun's method.
 namespace stilt::benchmark {
 
 /// Largest number of free inputs: 8 less the constraints of double support.

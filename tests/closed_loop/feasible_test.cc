@@ -91,7 +91,7 @@ TEST(StandAfterAWalk, HoldsTenNewtonAndSurvivesPushes) {
 }
 
 /// Walks of random speeds and lengths, stops, and stands of up to half a minute, each with a push of at most
-/// 10 N: no stand makes a step.
+/// 10 N. No stand makes a step.
 // ctest -C long -R StandAfterAWalk.for_an_hour
 TEST(StandAfterAWalk, DISABLED_StandsEachTimeForAnHour) {
   constexpr double kHour_s = 3600.0, kPush_s = 1.0, kSlowsDown_s = 4.0;

@@ -9,7 +9,7 @@
 #include "tests/closed_loop/published_plan.h"
 #include "tests/closed_loop/published_results.h"
 
-/// The paired pushes of docs/results/paired.json: a variant that survived half of the cases of a push
+/// The paired pushes of docs/results/paired.json. A variant that survived half of the cases of a push
 /// survives three of these cases at 85 % of the force.
 namespace stilt::experiments {
 namespace {

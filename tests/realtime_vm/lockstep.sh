@@ -1,4 +1,4 @@
-# For scripts in the virtual machine: robot and controller taking turns on vcan0 and vcan1, or on the interfaces that the
+# For scripts in the virtual machine. Robot and controller take turns on vcan0 and vcan1, or on the interfaces that the
 # script names before it reads this file.
 : "${robot_left:=vcan0}" "${robot_right:=vcan1}" "${controller_left:=vcan0}" "${controller_right:=vcan1}"
 # That robot_right sends: two commands, two replies, two syncs; of an interface of its own the robot's half.

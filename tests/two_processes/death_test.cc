@@ -58,7 +58,7 @@ TEST(TwoProcesses, AfterAKillTheDriversDisableThemselvesAndARestartComesUpIdle) 
 }
 
 /// The gantry lifts the robot that fell when its controller died. Standing up in the air ends damped, not in
-/// a fault, and the robot stays whole; once it hangs still, it stands up as ever.
+/// a fault, and the robot stays whole. Once it hangs still, it stands up as ever.
 TEST(TwoProcesses, ARestartWhileTheRobotIsBeingLiftedEndsInNoFault) {
   RobotAndController run;
   run.start_robot({"--lockstep"});

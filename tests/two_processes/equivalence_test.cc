@@ -48,8 +48,8 @@ class Changes {
 constexpr double kTick_s = 0.001;
 constexpr double kPlannerStops_s = 5.005;  ///< after the first walking tick
 /// Three seconds without plans. Both gaits are off by some milliseconds then. Where the encoder freezes
-/// close to the instant from which the knee must move, its detection is off by up to 0.11 s (8.0 and 8.1 s;
-/// not 7.7, 7.9 and 8.2 s).
+/// close to the instant from which the knee must move, its detection is off by up to 0.11 s. 8.0 and 8.1 s
+/// are such instants; 7.7, 7.9 and 8.2 s are not.
 constexpr double kFreezes_s = 7.9;
 constexpr double kEnds_s = 9.0;
 

@@ -1,5 +1,5 @@
-// Each fault of the table is injected into a walking robot: the named reaction within its deadline, and after
-// a fault that latches nothing but damping. In lock-step, so that a deadline counts ticks and not the
+// Each fault of the table is injected into a walking robot. The named reaction comes within its deadline, and
+// nothing but damping follows a fault that latches. In lock-step, so that a deadline counts ticks and not the
 // machine's speed.
 #include <gtest/gtest.h>
 

@@ -24,7 +24,7 @@ class Pipe {
   int descriptor_ = -1;
 };
 
-/// A person at the keyboard of stiltd who has hands on the robot of `stilt robot --hands`: does what a
+/// A person at the keyboard of stiltd who has hands on the robot of `stilt robot --hands`. Does what a
 /// question asks for, and presses Enter when it is done.
 class HelpingPerson {
  public:

@@ -1,5 +1,5 @@
-// With any subscribers, however slow: the same walk in lock-step has the same frames on the buses, with their
-// ticks, and allocates nothing in ticks and solves. In real time: toolchain/measure_telemetry.
+// With any subscribers, however slow, the same walk in lock-step has the same frames on the buses, with their
+// ticks. It allocates nothing in ticks and solves. In real time: toolchain/measure_telemetry.
 #include <gtest/gtest.h>
 
 #include <csignal>

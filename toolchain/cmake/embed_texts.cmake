@@ -1,7 +1,8 @@
 # cmake -DROOT=... -DOUTPUT=... -DHEADER=... -DNAMESPACE=... -DTYPE=... -DFUNCTION=... -DNAMED_BY=FILE|FOLDER
 #   -P embed_texts.cmake -- FILE...
-# Writes a C++ source that defines FUNCTION of HEADER: the texts of the files, each with its name, which is that
-# of the file or of its folder. FILE is relative to ROOT, the root of the project; NAME=FILE names it otherwise.
+# Writes a C++ source that defines FUNCTION of HEADER. The function gives the texts of the files, each with its name,
+# which is that of the file or of its folder. FILE is relative to ROOT, the root of the project; NAME=FILE names it
+# otherwise.
 set(rows "")
 math(EXPR last "${CMAKE_ARGC} - 1")
 foreach(index RANGE ${last})

@@ -34,8 +34,8 @@ target_link_libraries(stilt_flags INTERFACE stilt_common_flags)
 target_include_directories(stilt_common_flags INTERFACE ${PROJECT_SOURCE_DIR})
 target_compile_options(stilt_common_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Werror -Wno-psabi
-  # Results may depend on the build, never on the run: no -ffast-math (NaN must stay visible),
-  # multiply-add contraction allowed, errno and traps of mathematical functions unused.
+  # Results may depend on the build, never on the run: no -ffast-math (NaN must stay visible). Multiply-add contraction
+  # is allowed, errno and traps of mathematical functions are unused.
   -ffp-contract=fast -fno-math-errno -fno-trapping-math)
 # Eigen's assertions would end the program in the real-time path; debug builds keep them.
 target_compile_definitions(stilt_common_flags INTERFACE $<$<CONFIG:Release>:EIGEN_NO_DEBUG>)

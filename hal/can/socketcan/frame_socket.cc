@@ -61,7 +61,7 @@ bool FrameSocket::must_wait(std::span<const CanFrame> frames, std::size_t i,
 }
 
 /// Puts what may be sent into the batch; `taken` are the indices of its frames. The frame that found no place
-/// last time is the first one now: else a queue that is always nearly full would silence the same joint.
+/// last time is the first one now. Else a queue that is always nearly full would silence the same joint.
 std::size_t FrameSocket::collect(std::span<const CanFrame> frames,
                                  std::array<std::uint8_t, kMaximumBatch>& taken, BusStatus& status) noexcept {
   std::size_t count = 0;

@@ -39,7 +39,7 @@ class Record:
 
     Raises RecordError with one sentence for a file that is no record, is cut off or damaged, or has messages of another
     release. With partial=True a record that was cut off is read as far as it goes, without the topics whose messages
-    cannot be decoded; `problems` names both.
+    cannot be decoded. `problems` names both.
     """
 
     def __init__(self, path: str | Path, partial: bool = False) -> None:

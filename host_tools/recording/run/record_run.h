@@ -16,7 +16,7 @@ struct RecordRun {
   std::vector<std::string> problems;  ///< of the file, one sentence each: the readable part is there
 };
 
-/// Reads the run of a record of stilt record that has most ticks: estimate, torques that the drivers report,
+/// Reads the run with most ticks of a record of stilt record: estimate, torques that the drivers report,
 /// plans for drawing, solves, events, settings. Times are those of the controller, s since tick 0. What only
 /// a simulation has is NaN. Steps are touch-downs of measured foot forces where the robot has such sensors,
 /// otherwise those of the plans. Throws std::runtime_error, one sentence, when the file is no record, has

@@ -37,7 +37,7 @@ struct MjcfOptions {
 
 /// MJCF text of a planar tree.
 ///
-/// Coordinates: slides x and z and a hinge about +y named root_x, root_z, root_pitch, then the joints by
+/// Coordinates: slides x and z and a hinge about +y named root_x, root_z, root_pitch. Then the joints by
 /// name, in the order of the tree. qpos and qvel are q and v of the project. Masses, centres of mass
 /// and inertias about y are exact. The other two principal inertias, which have no effect in the plane, equal
 /// that about y. Each foot is a sphere whose lowest point is the foot frame when the leg is vertical. Its

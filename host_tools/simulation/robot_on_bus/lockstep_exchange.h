@@ -12,7 +12,7 @@ namespace stilt::robot_on_bus {
 
 /// The robot's side of lock-step (hal/can/lockstep.h). Time is virtual, one tick per sync frame of the
 /// controller: the result does not depend on the speed of either side. Frames are delivered bus by bus once
-/// the controller has ended its turn on all buses: the result does not depend on their order in time either.
+/// the controller has ended its turn on all buses. The result does not depend on their order in time either.
 ///
 /// A restarted controller begins with tick 0 again; the robot's own time continues.
 class LockstepExchange {
@@ -21,9 +21,9 @@ class LockstepExchange {
   LockstepExchange(RobotOnBus& robot, BusEnds& ends, double tick_s,
                    std::function<std::uint64_t(std::size_t)> connections);
 
-  /// Reads the frames that have arrived. When the controller's turn is over: advances the robot by a tick
-  /// (not for tick 0), sends the frames of its nodes, ends the robot's turn, and returns true. Never waits.
-  /// Throws std::runtime_error, one sentence, when the controller's tick number is wrong.
+  /// Reads the frames that have arrived. When the controller's turn is over, advances the robot by a tick
+  /// (not for tick 0). Then sends the frames of its nodes, ends the robot's turn, and returns true. Never
+  /// waits. Throws std::runtime_error, one sentence, when the controller's tick number is wrong.
   bool poll();
 
   /// Advances the robot by one tick without a controller. A controller that is connected already gets

@@ -10,10 +10,10 @@
 
 namespace stilt::robot_on_bus {
 
-/// The plant's data of a walk, as in the report of `stilt sim`: from the release by the gantry until the
-/// robot falls, sits down or the run ends. Data of the controller are not available: plans, estimates, and
-/// the time of its stop command. The mean speed therefore counts from 3 s on, until the robot is within 0.1 m
-/// of its final position.
+/// The plant's data of a walk, as in the report of `stilt sim`. They last from the release by the gantry
+/// until the robot falls, sits down or the run ends. Data of the controller are not available: plans,
+/// estimates, and the time of its stop command. The mean speed therefore counts from 3 s on, until the robot
+/// is within 0.1 m of its final position.
 class WalkRecorder {
  public:
   /// @param keep_samples record 200 samples per second for the report

@@ -18,7 +18,7 @@ namespace stilt::monitor {
 
 /// The WebSocket /live: passes samples on to every open page, and commands of the pages to the source.
 ///
-/// A page may command when it sends the run's token; a page that has sent the monitor's key may use the
+/// A page may command when it sends the run's token. A page that has sent the monitor's key may use the
 /// tokens that the source has. Nothing follows from where a page is. The page whose command was accepted
 /// last is in command. While that page sends signs of life, several per second, the robot gets a heartbeat.
 class LiveView final : public Endpoint, private SampleSink {

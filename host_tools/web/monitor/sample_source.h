@@ -63,7 +63,7 @@ class SampleSource {
   virtual void poll(SampleSink& sink) = 0;
 
   /// Sends a command; its reply comes with a later poll(). A record refuses it in the reply. Stop goes to
-  /// every run whose token its sender or, for a sender that may use them, the source has: which of them moves
+  /// every run whose token its sender or, for a sender that may use them, the source has. Which of them moves
   /// may not be known. The reply is that of the run that is shown.
   virtual void command(const Command& command) = 0;
 
@@ -77,7 +77,7 @@ class SampleSource {
   virtual void choose(const std::string& /*run_id*/) {}
 
   /// Plays a record from another time of Playback, after what is still true then and the ticks of the seconds
-  /// before it; no effect on a live source.
+  /// before it. No effect on a live source.
   virtual void play_from(double /*from_s*/) {}
 
   /// Holds a record where it is, or lets it go on; no effect on a live source.

@@ -64,7 +64,7 @@ struct ServerOptions {
   int port = 8080;                   ///< 0: any free one
   std::vector<std::string> names{};  ///< host names that lead here, besides those of OwnNames
   /// Connections at a time. For one more the oldest that has sent no whole request is closed, otherwise the
-  /// WebSocket that has been silent longest; never one that is held (Peer::hold).
+  /// WebSocket that has been silent longest. One that is held (Peer::hold) stays.
   std::size_t connections_max = 256;
   std::size_t message_bytes_max = 65536;  ///< of a client; a longer one ends its connection
 };

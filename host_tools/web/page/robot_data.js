@@ -6,7 +6,7 @@ const kTruthLife_s = 0.5;
 
 class RobotData {
   /**
-   * `stateGroup`: columns of the table `ticks` with the state that is drawn; `planLife_s`: how long after its start a
+   * `stateGroup`: columns of the table `ticks` with the state that is drawn. `planLife_s`: how long after its start a
    * plan is drawn when no newer one has come. Tables: `ticks` of the controller, `truth` that only a simulation has,
    * `planner` with a row per solve, `plan` with a row per node. A page adds those of its plots. */
   constructor(stateGroup, planLife_s) {

@@ -10,7 +10,7 @@ namespace stilt::report {
 /// RFC 4648 base 64 with padding.
 [[nodiscard]] std::string encode_base64(std::span<const unsigned char> bytes);
 
-/// A table of numbers in a form that a browser reads fast: all columns in one base-64 string, one after
+/// A table of numbers in a form that a browser reads fast. All columns stand in one base-64 string, one after
 /// another, each an array of little-endian float32. A named group has one or more columns.
 class PackedColumns {
  public:

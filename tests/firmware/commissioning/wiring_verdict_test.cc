@@ -24,7 +24,7 @@ JogMotion completed(double reached_rad, double leg_reached_rad, double velocity_
 
 Sighting seen(std::size_t link, Way way, double angle_deg) { return {link, way, angle_deg * kDegree}; }
 
-/// The limp thigh of a RABBIT gives way by more than a quarter of its knee's motion: 0.3 rad of the knee turn
+/// The limp thigh of a RABBIT gives way by more than a quarter of its knee's motion. 0.3 rad of the knee turn
 /// the shin by 12.5 degrees.
 TEST(WiringVerdict, AShinThatTurnsLessThanItsKneeHasTheRightGear) {
   for (const double angle_deg : {9.5, 12.0, 17.0}) {

@@ -71,8 +71,8 @@ TEST(TorsoSensor, ARollRepeatsAfterATurnAndAPitchDoesNot) {
   EXPECT_EQ(hal::torso_sensor_traits(wiring_of("")).pitch_period_rad, 0);
 }
 
-/// Frames by hand from MT1604P, 6.3.2 and 6.4.2: roll, pitch, yaw in steps of 2^-7 degrees; rates about x, y,
-/// z in steps of 2^-9 rad/s; most significant byte first. Pitch -45 degrees is 0xe980, 1 rad/s 0x0200.
+/// Frames by hand from MT1604P, 6.3.2 and 6.4.2: roll, pitch, yaw in steps of 2^-7 degrees, rates about x, y,
+/// z in steps of 2^-9 rad/s. The most significant byte is first. Pitch -45 degrees is 0xe980, 1 rad/s 0x0200.
 TEST(TorsoSensor, AnXsensIsReadAsItsManualSays) {
   const auto values = [](const std::string& lines, std::uint32_t id, const char* bytes) {
     const hal::RobotWiring wiring = wiring_of("device = \"xsens_can\"\nrate_hz = 400\n" + lines);

@@ -224,7 +224,7 @@ class Recovery : public ::testing::Test {
     EXPECT_TRUE(rig->all_enabled());
     ++cases_;
   }
-  /// Every cause alone at every joint, and every pair at two of them; of all these one in so many, and
+  /// Every cause alone at every joint, and every pair at two of them. Of all these one in so many, and
   /// another one for each protocol.
   void expect_to_recover_from_one_in(std::size_t stride, std::size_t protocol) {
     std::size_t number = protocol;

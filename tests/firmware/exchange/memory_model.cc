@@ -74,7 +74,7 @@ struct World {
   std::string violation;
 
   Knowledge& own() { return knowledge[current]; }
-  /// Another thread may go first: before every atomic operation, and nowhere else: races on data are found
+  /// Another thread may go first: before every atomic operation, and nowhere else. Races on data are found
   /// from the order of the threads, not from what is read.
   void let_others_run() {
     if (current != kOutside) fibers[current].pause();

@@ -12,7 +12,7 @@
 /// The model follows C++: an atomic keeps all values ever stored. A load gives the newest or any older one
 /// that is not overwritten before it in order. Operations of its thread make that order, and acquire loads
 /// of release stores. Swaps read the newest, and pass on what the value they replace released. Data may be
-/// touched only in an order of the threads: anything else is a race, and a race is a violation, whatever
+/// touched only in an order of the threads. Anything else is a race, and a race is a violation, whatever
 /// was read. Threads see only the past: values that depend on their own future (load buffering) are not
 /// modelled.
 namespace stilt::exchange::model {

@@ -17,7 +17,7 @@ void read(TorsoMeasurement& torso, std::int64_t time_ns, double pitch_rad) {
   torso.end_read();
 }
 
-/// pitch = sin(w t) every millisecond, and the rate of half a window ago: w cos(w (t - T/2)), but for the
+/// pitch = sin(w t) every millisecond. The rate of half a window ago is w cos(w (t - T/2)), but for the
 /// curvature over the window, sinc(w T / 2).
 TEST(TorsoMeasurement, ARateFromPitchesIsThatOfHalfAWindowAgo) {
   constexpr double kWindow_s = 0.01, kFrequency_rad_s = 9.0;
@@ -47,7 +47,7 @@ TEST(TorsoMeasurement, ARateFromPitchesBeginsAnewAfterAGap) {
 }
 
 /// pitch = a t^2 / 2, so that a rate of T ago differs by a T from the rate of now. A gap of G >= T and a time
-/// s after it are in a window together: late by ((T - s) (s + G / 2) + s^2 / 2) / T, at most G / 2 + T / 8.
+/// s after it share a window. Its rate is late by ((T - s) (s + G / 2) + s^2 / 2) / T, at most G / 2 + T / 8.
 TEST(TorsoMeasurement, AfterAShortGapTheFirstRateIsTheMeanOfTheGapAndAWindowLaterAllIsAsBefore) {
   constexpr double kAcceleration_rad_s2 = 3.0, kWindow_ms = 10;
   const auto pitch_rad = [](int ms) { return kAcceleration_rad_s2 / 2 * 1e-6 * ms * ms; };

@@ -169,8 +169,8 @@ TEST(IntegrateStep, ReportsWhenTheRobotFalls) {
 
 TEST(ReturnMap, HasTheEigenvalueThatTheMomentumAboutTheStanceFootGives) {
   // On the zero dynamics half the squared momentum about the stance foot is scaled by (H+ / H-)^2 at
-  // touch-down. It gains the same over every step: that ratio is the eigenvalue of the return map
-  // (Westervelt, Grizzle, Koditschek 2003); the outputs' own eigenvalues are far smaller.
+  // touch-down. It gains the same over every step. That ratio is the eigenvalue of the return map
+  // (Westervelt, Grizzle, Koditschek 2003). The outputs' own eigenvalues are far smaller.
   const auto momentum = [](const StateVector& x) {  // the left foot at the origin
     model::MassMatrixTerms<double> mass;
     testing_support::amber3m().mass_matrix(x.data(), testing_support::amber3m().constants.joint_parameters,

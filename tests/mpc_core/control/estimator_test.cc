@@ -33,7 +33,7 @@ constexpr ContactMode kLeftOnly{true, false};
 constexpr ContactMode kRightOnly{false, true};
 constexpr ContactMode kBoth{true, true};
 
-/// A walk as pure kinematics: the hip bobs along at constant speed, stance feet never move, swing feet leave
+/// A walk as pure kinematics. The hip bobs along at constant speed, stance feet never move, swing feet leave
 /// and arrive some time from the switches. Exact positions and velocities.
 class KinematicWalk {
  public:

@@ -8,8 +8,8 @@
 //   - the walk or the solve fails,
 //   - the last of 40 full Gauss-Newton steps after 60 with line search still exceeds 1e-9 (any unit),
 //   - one of three other initial guesses leads to another optimum (relative cost 1e-9, trajectory 1e-8).
-// With --again the questions of the file stay, and those of another optimum get it: for a change of cost,
-// constraints or reference that concerns some of them.
+// With --again the questions of the file stay, and those of another optimum get it. Use it for a change of
+// cost, constraints or reference that concerns some of them.
 // clang-format on
 #include <cmath>
 #include <cstdio>

@@ -49,8 +49,8 @@ struct RecordedProblem {
   RecordedOptimum optimum;
 };
 
-/// A question laid out for the solver, with the planner's initial guess: the initial state everywhere, moving
-/// along with the reference in x, under the reference's inputs.
+/// A question laid out for the solver, with the planner's initial guess. The guess is the initial state
+/// everywhere, moving along with the reference in x, under the reference's inputs.
 struct PreparedProblem {
   ocp::ProblemData data;
   ocp::Problem problem;

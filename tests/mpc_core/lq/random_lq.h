@@ -63,11 +63,11 @@ inline constexpr StageKind kFlight{StageForm::flow, 2, 2};
 inline constexpr StageKind kTransition{StageForm::transition, 0, 0};
 inline constexpr StageKind kKinds[] = {kTransition, kFlight, kSingleSupport, kDoubleSupport};
 
-/// Dynamics with normal entries, of deviation `coupling` in G and 1 in L and B, and h between 2 and 30 ms;
-/// convex cost with a positive definite R.
+/// Dynamics with normal entries, of deviation `coupling` in G and 1 in L and B, and h between 2 and 30 ms.
+/// Convex cost with a positive definite R.
 [[nodiscard]] LqStage random_stage(std::mt19937_64& random, StageKind kind, double coupling);
-/// Adds a stage with random_stage() and a random projection of its inputs, of which nothing may be read that
-/// its kind lacks: that is NaN.
+/// Adds a stage with random_stage() and a random projection of its inputs. What its kind lacks is NaN, and
+/// may not be read.
 void add_stage(std::mt19937_64& random, StageKind kind, double coupling, LqProblem& problem);
 /// `count` stages of kinds drawn from kKinds and a common coupling in [0.02, 0.3].
 [[nodiscard]] LqProblem random_problem(std::uint64_t seed, int count);

@@ -1,5 +1,5 @@
 /// The impact map against the impacts of published gaits. Their model of the robot is not ours, so that they
-/// confirm its parameters: above all the torso's centre of mass, which has two published values.
+/// confirm its parameters. Above all they confirm the torso's centre of mass, which has two published values.
 #include <gtest/gtest.h>
 
 #include <algorithm>

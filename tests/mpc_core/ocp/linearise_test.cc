@@ -28,7 +28,7 @@ using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;
 using Padded = Eigen::Map<const Eigen::Matrix<double, kRows, Eigen::Dynamic>>;
 
-/// One stage of the linearisation as plain matrices, with the map from (dx, w) to the step of z = [x; u]:
+/// One stage of the linearisation as plain matrices. The map from (dx, w) to the step of z = [x; u] is
 /// dz = offset + basis [dx; w].
 struct DenseStage {
   Matrix dynamics;  ///< [A B]

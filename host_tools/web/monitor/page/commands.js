@@ -43,7 +43,7 @@ class CommandPanel {
   }
 
   /**
-   * Takes key or token out of the address of a link. The key stays in the storage of this origin: a cookie would go to
+   * Takes key or token out of the address of a link. The key stays in the storage of this origin. A cookie would go to
    * every port of the host, so also to what another user serves there.
    */
   takeLink() {

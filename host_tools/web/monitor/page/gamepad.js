@@ -1,4 +1,4 @@
-// A gamepad commands like the keys, with an enabling button: nothing moves unless it is held, and letting go stops what
+// A gamepad commands like the keys, with an enabling button. Nothing moves unless it is held, and letting go stops what
 // the gamepad has moved. Stop needs no enabling. Indices are those of the W3C's standard layout.
 
 const kPadPeriod_ms = 20;

@@ -1,4 +1,4 @@
-// When to show what (a clock, see viewer.js). Samples come in batches with varying delay; the picture follows the
+// When to show what (a clock, see viewer.js). Samples come in batches with varying delay. The picture follows the
 // robot's clock evenly, a little behind, so that there is nearly always a sample to show. Paused, it looks back.
 
 /** How far one may look back, and how long a paused page takes what is new before it takes nothing more, to keep that. */

@@ -10,7 +10,7 @@ namespace {
 using enum model::Number;
 using model::RobotModel;
 
-/// The robot at zero angles as one rigid body, from the generated mass matrix without drives: the velocities
+/// The robot at zero angles as one rigid body, from the generated mass matrix without drives. The velocities
 /// of the base alone move it as one.
 struct RigidBody {
   double mass_kg;

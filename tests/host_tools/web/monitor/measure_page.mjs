@@ -1,5 +1,5 @@
 // How fast the page is: time from opening to the first frame in which the robot had moved, and frames per second while
-// it walks. Measured in the usual window (a part of the plots in view) and in one that shows all of them. Medians over
+// walking. Measured in the usual window (a part of the plots in view) and in one that shows all of them. Medians over
 // fresh pages.
 //
 //   node measure_page.mjs BUILD [synthetic|stiltd] [PAGES]

@@ -8,8 +8,8 @@
 
 namespace stilt::monitor {
 
-/// A robot made of a few sines instead of physics: it stands, steps and walks on command, at the
-/// commanded speed, and publishes like stiltd. For tests of the page. Its time is that given to advance().
+/// A robot made of a few sines instead of physics. It stands, steps and walks on command, at the commanded
+/// speed, and publishes like stiltd. For tests of the page. Its time is that given to advance().
 class SyntheticSource final : public SampleSource {
  public:
   static constexpr const char* kToken = "open-sesame";
