@@ -53,6 +53,16 @@ INSTANTIATE_TEST_SUITE_P(
         Sensor{"Xsens", {"device=xsens_can", "rate_hz=400", "imu_axis=roll"}}),
     [](const auto& row) { return std::string(row.param.name); });
 
+TEST(TwoProcesses, TheLongestWindowOfTheRateWalksThroughAPushOf40N) {
+  RobotAndController run;
+  const Words encoder{"device=canopen_encoder", "rate_window_s=0.05"};
+  run.start_robot(with_settings({"--lockstep", "--once", "--duration", "8", "--push", "40@3+1"}, encoder));
+  run.start_controller(with_settings({"--lockstep", "--start", "walk@0.5"}, encoder));
+  run.expect_both_to_end();
+  EXPECT_TRUE(run.robot_json().at("survived")) << run.said();
+  EXPECT_GT(run.robot_json().at("mean_speed_m_s").get<double>(), 0.3) << run.said();
+}
+
 TEST(TwoProcesses, AnEncoderThatFallsSilentDampsTheRobot) {
   RobotAndController run;
   const Words encoder{"device=canopen_encoder"};
