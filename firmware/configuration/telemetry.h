@@ -13,7 +13,7 @@ struct TelemetryParameters {
   std::string security_folder = "none";  ///< "none", or where the documents of DDS Security are
   std::string token_file = "auto";       ///< "auto": see token.h in firmware/telemetry
   bool fixed_token = false;              ///< take the token from the file instead of writing a new one there
-  double speed_limit_m_s = 0.8;          ///< of commands
+  double speed_limit_m_s = 0.8;          ///< of commands, of --start and of the library
   double release_s = 2.0;                ///< silence after which somebody is no longer the commander
   bool cmd_vel = false;                  ///< Twist changes the speed of a walk
   int ticks_per_batch = 25;              ///< ticks in a sample of the torque loop's record

@@ -111,8 +111,9 @@ control::SensorReading ControlLoop::read(std::int64_t now_ns) noexcept {
   return sensor_reading(time_s_, readings_, now_ns);
 }
 
-/// A plan of an earlier stance episode was made from another place. After a gait a plan is followed again
-/// only with the gait's foot on the ground.
+/// The one look at the plans in a tick: the next plan may be published at any time. A plan of an earlier
+/// stance episode was made from another place. After a gait a plan is followed again only with the gait's
+/// foot on the ground.
 ControlLoop::PlanView ControlLoop::plan_at(double time_s) const noexcept {
   const control::Plan& plan = mail_->plans.newest();
   const bool of_episode = episode_ != 0 && plan.nodes >= 2 && plan.start_time_s >= episode_start_s_;
@@ -127,6 +128,8 @@ ControlLoop::PlanView ControlLoop::plan_at(double time_s) const noexcept {
       gait_.awaits_touch_down(plan, time_s, view.point.mode)) {
     view.use = supervisor::PlanUse::with_feedback;
   }
+  const control::PlanPoint before = control::interpolate(plan, last_time_s_);
+  view.velocity_change = (view.point.state - before.state).segment<2>(model::kPositions);
   return view;
 }
 
@@ -144,13 +147,9 @@ model::StateVector ControlLoop::estimate_state(const control::SensorReading& sen
   } else if (gait_.ready()) {
     contact = gait_.contact();
   }
-  control::BaseVelocity change;
   const bool is_planned = plan.use != supervisor::PlanUse::none;
-  if (is_planned) {
-    const control::PlanPoint before = control::interpolate(mail_->plans.newest(), last_time_s_);
-    change = (plan.point.state - before.state).segment<2>(model::kPositions);
-  }
-  model::StateVector estimate = estimator_.update(reading, contact, is_planned ? &change : nullptr);
+  model::StateVector estimate =
+      estimator_.update(reading, contact, is_planned ? &plan.velocity_change : nullptr);
   if (is_known) estimate.head<2>() = known_state->head<2>();
   return estimate;
 }

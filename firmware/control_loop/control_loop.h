@@ -64,6 +64,7 @@ class ControlLoop {
     double age_s = 0.0;        ///< since the state it started from, or since the episode began
     long long sequence = -1;   ///< of the newest plan, whether or not it exists for this tick
     control::PlanPoint point;  ///< when it exists
+    control::BaseVelocity velocity_change = control::BaseVelocity::Zero();  ///< planned since the tick before
     supervisor::PlanUse use = supervisor::PlanUse::none;
   };
 

@@ -94,8 +94,9 @@ void Controller::begin_standing(std::int64_t now_ns, const Measurements& measure
 }
 
 void Controller::request(Motion motion, double speed_m_s) noexcept {
+  const double limit_m_s = parts_->configuration.telemetry.speed_limit_m_s;
   supervisor::Request& request = parts_->command.request;
-  request = {kind_of(motion), request.number + 1, speed_m_s};
+  request = {kind_of(motion), request.number + 1, std::clamp(speed_m_s, -limit_m_s, limit_m_s)};
   parts_->mail.commands.writer() = parts_->command;
   parts_->mail.commands.publish();
 }

@@ -74,11 +74,17 @@ void limit_torque(Options& options) {
   options.source += text;
 }
 
-std::expected<void, std::string> check_walk(const Options& options) {
-  const supervisor::SupervisorParameters& parameters = options.configuration.supervisor;
-  const bool steps = options.start && options.start->kind != gait::GaitKind::stand;
-  if (!steps || supervisor::may_walk(parameters)) return {};
+std::expected<void, std::string> check_start(const Options& options) {
+  if (!options.start || options.start->kind == gait::GaitKind::stand) return {};
   char text[200];
+  const double limit_m_s = options.configuration.telemetry.speed_limit_m_s;
+  if (std::abs(options.start->speed_m_s) > limit_m_s) {
+    std::snprintf(text, sizeof text, "--start: %g m/s is beyond telemetry.speed_limit_m_s, %g m/s either way",
+                  options.start->speed_m_s, limit_m_s);
+    return std::unexpected(text);
+  }
+  const supervisor::SupervisorParameters& parameters = options.configuration.supervisor;
+  if (supervisor::may_walk(parameters)) return {};
   std::snprintf(
       text, sizeof text,
       "--start: stepping and walking need a torque limit of at least %g of the joints' "
@@ -241,7 +247,7 @@ std::expected<void, std::string> interpret(const Arguments& arguments, const Com
   options.changed_keys = std::move(chosen->changed_keys);
   limit_torque(options);
   if (options.task == Task::control) choose_instruction_set(options.configuration);
-  return check_walk(options);
+  return check_start(options);
 }
 
 }  // namespace

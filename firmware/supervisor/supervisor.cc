@@ -1,6 +1,7 @@
 #include "firmware/supervisor/supervisor.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "firmware/supervisor/safe_commands.h"
 
@@ -318,7 +319,7 @@ void Supervisor::choose(const SupervisorInputs& inputs) noexcept {
   }
   output_.gait.kind = gait_kind(output_.state);
   const bool walks = output_.state == State::walk && inputs.request.kind == RequestKind::walk;
-  output_.gait.speed_m_s = walks ? inputs.request.speed_m_s : 0;
+  output_.gait.speed_m_s = walks && std::isfinite(inputs.request.speed_m_s) ? inputs.request.speed_m_s : 0;
 }
 
 /// Position control commands the joints while what carried them fades. Over hold_ramp_s the gains grow from

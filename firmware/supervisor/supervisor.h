@@ -21,7 +21,7 @@ enum class RequestKind : std::uint8_t { none, calibrate, stand, step, walk, sit,
 struct Request {
   RequestKind kind = RequestKind::none;
   std::uint32_t number = 0;  ///< counts requests from 1
-  double speed_m_s = 0;      ///< of walk; may change without a new number while walking
+  double speed_m_s = 0;      ///< of walk; may change without a new number while walking; not finite: 0
 };
 
 struct SupervisorInputs {

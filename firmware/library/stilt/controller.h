@@ -34,7 +34,8 @@ class Controller {
   /// stands up when it is asked to.
   void begin_standing(std::int64_t now_ns, const Measurements& measurements) noexcept;
 
-  /// What the robot shall do from now on. A later request replaces it; `speed_m_s` is of walk. One thread.
+  /// What the robot shall do from now on. A later request replaces it. One thread.
+  /// @param speed_m_s  of walk; cut to telemetry.speed_limit_m_s either way, and NaN is 0
   void request(Motion motion, double speed_m_s = 0.0) noexcept;
 
   /// One tick: estimates the state, decides, computes torques. The reference stays valid until the next call.

@@ -1,6 +1,8 @@
 #include "firmware/control_loop/control_loop.h"
 
 #include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/time.h>
 
 #include <cmath>
 #include <limits>
@@ -17,6 +19,34 @@ using supervisor::RequestKind;
 using supervisor::State;
 
 class ControlLoopTest : public testing::RigTest {};
+
+/// Publishes what is in the slots of the plans again and again, in the middle of ticks. It does so by a
+/// signal: one processor is enough.
+class PublishingSignal {
+ public:
+  explicit PublishingSignal(Mailboxes& mail) {
+    mail_ = &mail;
+    struct sigaction action{};
+    action.sa_handler = [](int) { mail_->plans.publish(); };
+    sigaction(SIGALRM, &action, &before_);
+    set_period_us(50);
+  }
+  ~PublishingSignal() {
+    set_period_us(0);
+    sigaction(SIGALRM, &before_, nullptr);
+  }
+  PublishingSignal(const PublishingSignal&) = delete;
+  PublishingSignal& operator=(const PublishingSignal&) = delete;
+
+ private:
+  static void set_period_us(int period_us) {
+    const itimerval period{{0, period_us}, {0, period_us}};
+    setitimer(ITIMER_REAL, &period, nullptr);
+  }
+
+  static inline Mailboxes* mail_ = nullptr;
+  struct sigaction before_{};
+};
 
 TEST_F(ControlLoopTest, NothingIsSentBeforeSomebodyAsks) {
   rig->run(200);
@@ -243,6 +273,32 @@ TEST_F(ControlLoopTest, TheEstimateRestsOnTheFeetThatThePlanHasOnTheGround) {
     bend(stance_knee);
     EXPECT_LT(rig->record.estimated_state[1], height_m - 0.005);
   }
+}
+
+/// Plans that differ in the base's velocity alone, each constant from now on. Were two of them mixed in one
+/// tick, their difference would be taken for a change of the velocity.
+TEST_F(ControlLoopTest, ATickUsesOnePlanHoweverOftenPlansArePublishedMeanwhile) {
+  constexpr double kAhead_s = 30.0;
+  rig->stand();
+  for (int slot = 0; slot < 3; ++slot) {
+    rig->plan_once_more([slot](control::Plan& plan) {
+      if (slot == 0) plan.start_time_s += kAhead_s;
+      for (control::PlanNode& node : plan.node) {
+        if (slot == 0) node.time_s += kAhead_s;
+        node.state[model::kPositions] += 1.0;
+      }
+    });
+  }
+  double velocity_max_m_s = 0.0;
+  {
+    const PublishingSignal signal(rig->mail);
+    for (int tick = 0; tick < 20000; ++tick) {
+      rig->run(1);
+      velocity_max_m_s = std::max(velocity_max_m_s, std::abs(rig->record.estimated_state[model::kPositions]));
+    }
+  }
+  EXPECT_EQ(rig->level(), FallbackLevel::plan);
+  EXPECT_LT(velocity_max_m_s, 0.01) << "the robot stands still";
 }
 
 TEST_F(ControlLoopTest, ACommandThatTheBusRefusesIsAFault) {

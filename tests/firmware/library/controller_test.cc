@@ -60,6 +60,25 @@ TEST(OwnLoop, ARobotThatStandsWalksAtTheSpeedAskedForWithoutAllocating) {
   EXPECT_EQ(loop.allocations, 0);
 }
 
+TEST(OwnLoop, ASpeedBeyondTheLimitIsCutAndOneThatIsNotANumberIsZero) {
+  const auto mean_speed_m_s = [](double asked_m_s) {
+    Loop loop;
+    loop.begin_standing();
+    loop.controller.request(Motion::walk, 0.5);
+    loop.run(2.0);
+    loop.controller.request(Motion::walk, asked_m_s);
+    loop.run(3.0);
+    const double start_x_m = loop.robot.hip_x_m();
+    const Tick& end = loop.run(2.0);
+    EXPECT_STREQ(end.state, "walk") << asked_m_s;
+    EXPECT_STREQ(end.fault, "") << asked_m_s;
+    return (loop.robot.hip_x_m() - start_x_m) / 2.0;
+  };
+  EXPECT_NEAR(mean_speed_m_s(5.0), 0.8, 0.05) << "telemetry.speed_limit_m_s";
+  EXPECT_NEAR(mean_speed_m_s(-5.0), -0.8, 0.05);
+  EXPECT_NEAR(mean_speed_m_s(kNotMeasured), 0.0, 0.05);
+}
+
 /// As docs/library.md allows. The ticks wait for plans, so that a busy machine changes nothing: ten ticks run
 /// while a plan is made.
 TEST(OwnLoop, TicksPlansAndRequestsEachFromAThreadOfItsOwn) {

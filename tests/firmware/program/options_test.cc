@@ -188,6 +188,16 @@ TEST(Options, WalkingIsRefusedBelowTheTorqueThatItNeeds) {
   }
 }
 
+TEST(Options, AWalkBeyondTheSpeedLimitIsRefused) {
+  for (const std::string speed : {"1.6", "-0.81"}) {
+    const std::string start = "walk@" + speed;
+    EXPECT_EQ(mistake({"--check-config", "--start", start}),
+              "--start: " + speed + " m/s is beyond telemetry.speed_limit_m_s, 0.8 m/s either way");
+    EXPECT_TRUE(read({"--set", "telemetry.speed_limit_m_s=1.7", "--start", start}));
+  }
+  for (const char* start : {"walk@0.8", "walk@-0.8"}) EXPECT_TRUE(read({"--start", start}));
+}
+
 TEST(Options, TheCommandsBeforeTheControllerHaveTheirOwnTasks) {
   EXPECT_EQ(read({"scan"})->task, Task::scan);
   const auto watch = read({"watch", "--duration", "3"});

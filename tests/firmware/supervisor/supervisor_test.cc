@@ -66,6 +66,18 @@ TEST_F(SupervisorTest, TheTorqueLawTakesOverAlongARamp) {
   EXPECT_EQ(output().ramp, 1);
 }
 
+TEST_F(SupervisorTest, AWalkAtASpeedThatIsNotANumberStepsInPlace) {
+  bring_to_walk();
+  for (const double speed_m_s : {kNan, HUGE_VAL, -HUGE_VAL}) {
+    request(RequestKind::walk, speed_m_s);
+    EXPECT_EQ(run(0.01), State::walk);
+    EXPECT_EQ(output().gait.speed_m_s, 0);
+  }
+  request(RequestKind::walk, -0.4);
+  tick();
+  EXPECT_EQ(output().gait.speed_m_s, -0.4);
+}
+
 TEST_F(SupervisorTest, WalkingBecomesStandingOverSteppingInPlace) {
   bring_to_walk();
   request(RequestKind::stand);
