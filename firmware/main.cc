@@ -127,9 +127,13 @@ std::expected<void, std::string> check_start(const program::Options& options, pr
   }
   machine = realtime::acquire(program::requirements_of(options.configuration.runtime));
   std::fputs(program::describe(machine).c_str(), stderr);
-  for (const std::string& line : program::interrupt_sentences(
-           realtime::bus_interrupts(configuration::bus_names(options.configuration.hardware)))) {
+  const std::vector<realtime::BusInterrupts> interrupts =
+      realtime::bus_interrupts(configuration::bus_names(options.configuration.hardware));
+  for (const std::string& line : program::interrupt_sentences(interrupts)) {
     std::fprintf(stderr, "bus %s\n", line.c_str());
+  }
+  for (const std::string& line : program::delay_sentences(interrupts, options.configuration.runtime)) {
+    std::fprintf(stderr, "stiltd: %s\n", line.c_str());
   }
   outcome.idle_states = program::idle_text(machine);
   outcome.not_realtime = realtime::lacking_text(machine);
