@@ -189,7 +189,7 @@ void run_realtime(const Options& options, Signals& signals, ControllerState& sta
     if (started) report_refused(*thread, outcome);
   }
   hal::MonotonicClock clock;
-  ServiceManager service;
+  ServiceManager service(options.configuration.supervisor);
   TorsoSensorReport torso_sensor(options);
   InterruptWatch interrupts(configuration::bus_names(options.configuration.hardware), runtime);
   while (started && !run.torque_done.load(std::memory_order_acquire)) {
@@ -203,6 +203,7 @@ void run_realtime(const Options& options, Signals& signals, ControllerState& sta
     publish(state, state.loop_statistics.newest(), state.planner_statistics.newest());
     service.notify(clock.now_ns(), state.loop_statistics.newest().ticks,
                    supervisor::name(state.newest_tick.state));
+    if (signals.stop.load(std::memory_order_relaxed)) service.notify_stop_asked();
     black_box.save();
     if (signals.print_statistics.exchange(false)) print_statistics(state);
     static_cast<void>(clock.sleep_until(clock.now_ns() + kHousekeepingPeriod_ns));
