@@ -223,6 +223,8 @@ std::expected<void, std::string> take_commands(const program::Options& options,
 
 int run_controller(const program::Options& options) {
   program::Outcome outcome;
+  outcome.started = program::utc_now();
+  outcome.commit = version::commit();
   realtime::Capability machine;
   std::vector<hal::AnyBus> buses;
   if (const auto writable = check_files(options); !writable) return refuse(options, writable.error());
@@ -234,7 +236,10 @@ int run_controller(const program::Options& options) {
     if (const auto taken = take_commands(options, **node); !taken) return refuse(options, taken.error());
   }
   controller_state.telemetry_node = node->get();
-  if (*node) (*node)->set_not_realtime(outcome.not_realtime);
+  if (*node) {
+    (*node)->set_not_realtime(outcome.not_realtime);
+    outcome.run_id = (*node)->run_id();
+  }
   if (options.lockstep) {
     program::run_lockstep(options, buses.size(), signals, controller_state, outcome);
   } else {
@@ -242,6 +247,7 @@ int run_controller(const program::Options& options) {
   }
   say_unacknowledged(buses);
   program::take_statistics(controller_state, outcome);
+  if (!signals.stop.load()) program::check_goal(options, controller_state, outcome);
   return report(options, outcome);
 }
 
