@@ -127,9 +127,13 @@ std::expected<void, std::string> check_start(const program::Options& options, pr
   }
   machine = realtime::acquire(program::requirements_of(options.configuration.runtime));
   std::fputs(program::describe(machine).c_str(), stderr);
-  for (const std::string& line : program::interrupt_sentences(
-           realtime::bus_interrupts(configuration::bus_names(options.configuration.hardware)))) {
+  const std::vector<realtime::BusInterrupts> interrupts =
+      realtime::bus_interrupts(configuration::bus_names(options.configuration.hardware));
+  for (const std::string& line : program::interrupt_sentences(interrupts)) {
     std::fprintf(stderr, "bus %s\n", line.c_str());
+  }
+  for (const std::string& line : program::delay_sentences(interrupts, options.configuration.runtime)) {
+    std::fprintf(stderr, "stiltd: %s\n", line.c_str());
   }
   outcome.idle_states = program::idle_text(machine);
   outcome.not_realtime = realtime::lacking_text(machine);
@@ -219,6 +223,8 @@ std::expected<void, std::string> take_commands(const program::Options& options,
 
 int run_controller(const program::Options& options) {
   program::Outcome outcome;
+  outcome.started = program::utc_now();
+  outcome.commit = version::commit();
   realtime::Capability machine;
   std::vector<hal::AnyBus> buses;
   if (const auto writable = check_files(options); !writable) return refuse(options, writable.error());
@@ -230,7 +236,10 @@ int run_controller(const program::Options& options) {
     if (const auto taken = take_commands(options, **node); !taken) return refuse(options, taken.error());
   }
   controller_state.telemetry_node = node->get();
-  if (*node) (*node)->set_not_realtime(outcome.not_realtime);
+  if (*node) {
+    (*node)->set_not_realtime(outcome.not_realtime);
+    outcome.run_id = (*node)->run_id();
+  }
   if (options.lockstep) {
     program::run_lockstep(options, buses.size(), signals, controller_state, outcome);
   } else {
@@ -238,6 +247,7 @@ int run_controller(const program::Options& options) {
   }
   say_unacknowledged(buses);
   program::take_statistics(controller_state, outcome);
+  if (!signals.stop.load()) program::check_goal(options, controller_state, outcome);
   return report(options, outcome);
 }
 

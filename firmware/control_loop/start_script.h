@@ -21,6 +21,10 @@ class StartScript {
   /// What to command now that the supervisor is in `state` with the torque law's share `ramp`.
   [[nodiscard]] OperatorCommand command(double time_s, supervisor::State state, double ramp) noexcept;
 
+  /// The duration is over and the robot was never where the goal is: standing on the torque law alone,
+  /// stepping or walking.
+  [[nodiscard]] bool missed() const noexcept { return command_.shut_down && goal_ && !reached_; }
+
  private:
   void ask(supervisor::RequestKind kind) noexcept;
 
@@ -29,6 +33,7 @@ class StartScript {
   double duration_s_;
   OperatorCommand command_;
   double standing_since_s_ = -1.0;
+  bool reached_ = false;
 };
 
 }  // namespace stilt::control_loop

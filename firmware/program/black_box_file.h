@@ -11,7 +11,8 @@ namespace stilt::program {
 
 /// The file of --black-box: the ticks around the fault with the hardest reaction. Of equal ones it is the
 /// first, which is the cause of those that follow more often than not. A write that fails leaves the file as
-/// it was. Housekeeping's. Without the option it does nothing.
+/// it was. Files of earlier runs stay, nine of them: FILE.csv becomes FILE.1.csv before the first write of
+/// this run. Housekeeping's. Without the option it does nothing.
 class BlackBoxFile {
  public:
   /// A quarter of the black box is kept for what follows a fault.
@@ -30,6 +31,7 @@ class BlackBoxFile {
 
   const Options& options_;
   ControllerState& state_;
+  bool earlier_kept_ = false;                               ///< files of earlier runs are out of the way
   std::optional<supervisor::Reaction> written_;             ///< the hardest in the file
   supervisor::Reaction lost_ = supervisor::Reaction::none;  ///< the hardest that could not be written
   std::string complaint_;                                   ///< about the one that is lost; empty: none is

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "firmware/commissioning/formatted.h"
 #include "firmware/configuration/hardware.h"
 #include "firmware/configuration/robot_bring_up.h"
 #include "firmware/program/configure_controller.h"
@@ -108,6 +109,13 @@ void flush_telemetry(ControllerState& state) {
   take_ticks(state);
   publish(state, state.loop, state.planning);
   if (state.telemetry_node != nullptr) state.telemetry_node->flush();
+}
+
+void check_goal(const Options& options, const ControllerState& state, Outcome& outcome) {
+  if (!outcome.error.empty() || !state.script || !state.script->missed()) return;
+  outcome.error = commissioning::formatted("--start: the robot did not get there within --duration %g s; ",
+                                           options.duration_s) +
+                  (outcome.waits.empty() ? "its last state was " + outcome.last_state : outcome.waits);
 }
 
 void take_statistics(const ControllerState& state, Outcome& outcome) {

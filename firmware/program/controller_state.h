@@ -74,6 +74,10 @@ void publish(ControllerState& state, const LoopStatistics& loop, const PlannerSt
 /// Publishes what is left, after the last tick.
 void flush_telemetry(ControllerState& state);
 
+/// After a run that nobody stopped: whether --start got where it was asked to go. Else the outcome has an
+/// error.
+void check_goal(const Options& options, const ControllerState& state, Outcome& outcome);
+
 /// The results of a run that has ended.
 void take_statistics(const ControllerState& state, Outcome& outcome);
 

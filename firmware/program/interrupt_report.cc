@@ -21,15 +21,37 @@ std::vector<realtime::InterruptThread> delayed_threads(const std::vector<realtim
   return delayed;
 }
 
+std::string thread_text(const realtime::InterruptThread& thread) {
+  return thread.name + " (process " + std::to_string(thread.process) + ", priority " +
+         std::to_string(thread.priority) + ")";
+}
+
+std::vector<std::string> delay_sentences(const std::vector<realtime::BusInterrupts>& buses,
+                                         const configuration::RuntimeParameters& runtime) {
+  std::vector<std::string> sentences;
+  const int between = (runtime.planner_priority + runtime.torque_priority) / 2;
+  for (const realtime::InterruptThread& thread : delayed_threads(buses, runtime)) {
+    sentences.push_back(thread_text(thread) + " waits for the planner; as root, chrt -f -p " +
+                        std::to_string(between) + " " + std::to_string(thread.process) + " puts it before");
+  }
+  return sentences;
+}
+
+std::vector<std::string> InterruptWatch::update(supervisor::State state) {
+  const bool reset = before_ == supervisor::State::fault && state != supervisor::State::fault &&
+                     state != supervisor::State::off;
+  before_ = state;
+  return reset ? delay_sentences(realtime::bus_interrupts(buses_, root_), runtime_)
+               : std::vector<std::string>{};
+}
+
 std::vector<std::string> interrupt_sentences(const std::vector<realtime::BusInterrupts>& buses) {
   std::vector<std::string> sentences;
   for (const realtime::BusInterrupts& bus : buses) {
     if (bus.adapter.empty()) continue;
     std::string served;
     for (const realtime::InterruptThread& thread : bus.threads) {
-      served.append(served.empty() ? "" : ", ").append(thread.name);
-      served.append(" (process ").append(std::to_string(thread.process));
-      served.append(", priority ").append(std::to_string(thread.priority)).append(")");
+      served.append(served.empty() ? "" : ", ").append(thread_text(thread));
     }
     const bool known = std::ranges::any_of(
         bus.threads, [](const auto& thread) { return !thread.name.starts_with("ksoftirqd/"); });

@@ -301,7 +301,9 @@ std::expected<void, std::string> read_options(int argc, char** argv, const std::
   const Commands commands = add_commands(app, arguments, options);
   app.require_subcommand(0, 1);
   app.footer(
-      "Exit status: 0 ended as requested, 1 a fault stopped the robot or a check failed, 2 bad usage.");
+      "Exit status: 0 ended as requested, 1 a fault stopped the robot, --start was not reached or a check "
+      "failed, 2 bad "
+      "usage.");
   add_examples(app, kExamples);
   try {
     parse(app, {argv + 1, argv + argc});

@@ -1,8 +1,10 @@
 #include "firmware/program/outcome.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
+#include <ctime>
 #include <nlohmann/json.hpp>
 #include <span>
 
@@ -45,6 +47,11 @@ nlohmann::ordered_json json_of(const ReportedFault& fault) {
 
 void say(double time_s, const std::string& text) {
   std::fprintf(stderr, "%9.3f s  %s\n", time_s, text.c_str());
+}
+
+void take_wait(double time_s, const std::string& text, Outcome& outcome) {
+  outcome.waits = text;
+  say(time_s, text);
 }
 
 void take_fault(const Event& event, Outcome& outcome) {
@@ -101,18 +108,30 @@ void take_events(control_loop::EventRing& events, Outcome& outcome,
       case Event::Kind::waits_for_pose:
       case Event::Kind::lost_stance:
       case Event::Kind::stopped_waiting:
-        say(event->time_s, diagnostics::pose_text(*event));
+        take_wait(event->time_s, diagnostics::pose_text(*event), outcome);
         break;
       case Event::Kind::bring_up_failed:
-        say(event->time_s, diagnostics::bring_up_text(event->bring_up));
+        take_wait(event->time_s, diagnostics::bring_up_text(event->bring_up), outcome);
         break;
     }
     events.pop();
   }
 }
 
+std::string utc_now() {
+  const std::time_t now = std::time(nullptr);
+  std::tm utc{};
+  gmtime_r(&now, &utc);
+  std::array<char, 32> text{};
+  std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%SZ", &utc);
+  return text.data();
+}
+
 std::string to_json(const Outcome& outcome) {
   nlohmann::ordered_json json;
+  json["started"] = outcome.started;
+  json["commit"] = outcome.commit;
+  if (outcome.run_id != 0) json["run_id"] = outcome.run_id;
   json["state"] = outcome.state;
   json["last_state"] = outcome.last_state;
   json["faults"] = nlohmann::ordered_json::array();

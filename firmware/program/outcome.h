@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <string>
 #include <vector>
@@ -28,8 +29,11 @@ struct ReportedFault {
 
 /// What a run of the controller was like.
 struct Outcome {
-  std::string state;       ///< the supervisor's at the end
-  std::string last_state;  ///< the one before it was off
+  std::string started;       ///< by the clock of the computer, ISO 8601 in UTC
+  std::string commit;        ///< that stiltd was built from
+  std::uint64_t run_id = 0;  ///< as in records; 0: without telemetry there is none
+  std::string state;         ///< the supervisor's at the end
+  std::string last_state;    ///< the one before it was off
   std::vector<ReportedFault> faults;
   std::size_t faults_before_reset = 0;  ///< the first of them are done with
   long long ticks = 0;
@@ -44,7 +48,9 @@ struct Outcome {
   long long page_faults = 0;
   std::string idle_states = "as they are";  ///< of the processors while it ran
   std::string not_realtime;                 ///< why the machine cannot keep time; empty: it can
-  std::string error;                        ///< what ended the run from outside; empty: nothing
+  std::string
+      waits;  ///< why the robot does not stand up or its drivers do not come up; empty: nothing was said
+  std::string error;        ///< what ended the run from outside; empty: nothing
   std::string not_written;  ///< about the file of --black-box; empty: it is complete, or was not needed
 };
 
@@ -52,6 +58,9 @@ struct Outcome {
 /// faults.
 void take_events(control_loop::EventRing& events, Outcome& outcome,
                  telemetry::TelemetryNode* telemetry_node = nullptr);
+
+/// Now, by the clock of the computer: "2026-11-27T13:15:00Z".
+[[nodiscard]] std::string utc_now();
 
 /// The results as JSON text.
 [[nodiscard]] std::string to_json(const Outcome& outcome);

@@ -8,6 +8,7 @@
 
 #include "firmware/diagnostics/histogram_text.h"
 #include "firmware/program/black_box_file.h"
+#include "firmware/program/interrupt_report.h"
 #include "firmware/program/service_manager.h"
 #include "firmware/program/torso_sensor_report.h"
 #include "firmware/realtime/allocation_counter.h"
@@ -188,16 +189,21 @@ void run_realtime(const Options& options, Signals& signals, ControllerState& sta
     if (started) report_refused(*thread, outcome);
   }
   hal::MonotonicClock clock;
-  ServiceManager service;
+  ServiceManager service(options.configuration.supervisor);
   TorsoSensorReport torso_sensor(options);
+  InterruptWatch interrupts(configuration::bus_names(options.configuration.hardware), runtime);
   while (started && !run.torque_done.load(std::memory_order_acquire)) {
     operate(state, signals);
     restore_buses(state);
     torso_sensor.update(state);
+    for (const std::string& line : interrupts.update(state.newest_tick.state)) {
+      std::fprintf(stderr, "stiltd: %s\n", line.c_str());
+    }
     take_events(state.mail.events, outcome, state.telemetry_node);
     publish(state, state.loop_statistics.newest(), state.planner_statistics.newest());
     service.notify(clock.now_ns(), state.loop_statistics.newest().ticks,
                    supervisor::name(state.newest_tick.state));
+    if (signals.stop.load(std::memory_order_relaxed)) service.notify_stop_asked();
     black_box.save();
     if (signals.print_statistics.exchange(false)) print_statistics(state);
     static_cast<void>(clock.sleep_until(clock.now_ns() + kHousekeepingPeriod_ns));

@@ -6,6 +6,7 @@
 #include "firmware/commissioning/formatted.h"
 #include "firmware/commissioning/session.h"
 #include "firmware/control_loop/joint_names.h"
+#include "firmware/program/interrupt_report.h"
 #include "firmware/program/self_test.h"
 
 namespace stilt::program {
@@ -130,8 +131,7 @@ Check interrupt_threads(const SelfTestResult& result) {
       formatted("priority above %d (chrt -f -p), or another processor", result.limits.planner_priority);
   std::string waiting;
   for (const realtime::InterruptThread& thread : result.interrupts) {
-    waiting += formatted("%s%s (process %d, priority %d) waits for the planner", waiting.empty() ? "" : "; ",
-                         thread.name.c_str(), thread.process, thread.priority);
+    waiting += (waiting.empty() ? "" : "; ") + thread_text(thread) + " waits for the planner";
   }
   std::string others;
   for (const std::string& sentence : result.interrupt_sentences) {

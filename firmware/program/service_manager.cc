@@ -2,6 +2,9 @@
 
 #include <systemd/sd-daemon.h>
 
+#include <cmath>
+#include <utility>
+
 namespace stilt::program {
 namespace {
 
@@ -23,6 +26,12 @@ void ServiceManager::notify(std::int64_t now_ns, long long ticks, const char* st
     notified_state_ = state;
   }
   if (!message.empty()) sd_notify(kKeepEnvironment, message.c_str());
+}
+
+void ServiceManager::notify_stop_asked() {
+  if (std::exchange(stop_notified_, true)) return;
+  const std::string message = "EXTEND_TIMEOUT_USEC=" + std::to_string(std::llround(1e6 * longest_stop_s_));
+  sd_notify(kKeepEnvironment, message.c_str());
 }
 
 void ServiceManager::notify_stopping() const { sd_notify(kKeepEnvironment, "STOPPING=1"); }

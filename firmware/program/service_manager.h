@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <string>
 
+#include "firmware/supervisor/parameters.h"
+
 namespace stilt::program {
 
 /// What a service reports to systemd, being of Type=notify: that it is ready, what it does, and signs of
@@ -10,6 +12,9 @@ namespace stilt::program {
 /// real-time threads. See sd_notify(3).
 class ServiceManager {
  public:
+  explicit ServiceManager(const supervisor::SupervisorParameters& parameters) noexcept
+      : longest_stop_s_(2 * parameters.slow_down_s + parameters.sit_s + kStopMargin_s) {}
+
   /// At every turn of housekeeping. A sign of life goes out twice per second and only while the torque loop
   /// ticks. When it stops, the watchdog of the service ends the program, and the drivers' own have long
   /// acted.
@@ -17,10 +22,18 @@ class ServiceManager {
   /// @param state  of the supervisor, sent when it changes
   void notify(std::int64_t now_ns, long long ticks, const char* state);
 
+  /// A signal has asked for the end: the robot may need longer to step, stand and sit than TimeoutStopSec= of
+  /// the service allows. Sent once.
+  void notify_stop_asked();
+
   /// The program is about to end.
   void notify_stopping() const;
 
  private:
+  static constexpr double kStopMargin_s = 5.0;
+
+  double longest_stop_s_;
+  bool stop_notified_ = false;
   std::int64_t notified_ns_ = 0;
   long long notified_ticks_ = 0;
   std::string notified_state_;

@@ -14,6 +14,7 @@
 
 #include "firmware/realtime/kernel_file.h"
 #include "firmware/realtime/processor_state.h"
+#include "firmware/realtime/thread.h"
 
 namespace stilt::realtime {
 namespace {
@@ -30,8 +31,14 @@ bool may_have_priority(int priority) {
   return true;
 }
 
-bool usable_core(const cpu_set_t& allowed, int core) {
-  return core < 0 || (core < CPU_SETSIZE && CPU_ISSET(static_cast<std::size_t>(core), &allowed));
+/// Tries the processor on this thread, and puts the old ones back. What a thread inherits is no answer:
+/// isolcpus= takes processors from all that do not ask for them.
+bool may_have_core(int core) {
+  cpu_set_t before;
+  CPU_ZERO(&before);
+  if (sched_getaffinity(0, sizeof before, &before) != 0 || !take_core(core)) return false;
+  sched_setaffinity(0, sizeof before, &before);
+  return true;
 }
 
 void look_at_kernel(Capability& capability, const std::string& root) {
@@ -49,11 +56,14 @@ void look_at_processors(Capability& capability, const Requirements& requirements
   cpu_set_t allowed;
   CPU_ZERO(&allowed);
   sched_getaffinity(0, sizeof allowed, &allowed);
-  capability.cores = CPU_COUNT(&allowed);
   for (const int core : {requirements.torque_core, requirements.planner_core}) {
-    if (usable_core(allowed, core)) continue;
-    capability.lacking.push_back("processor " + std::to_string(core) + " is not there for this program");
+    if (!may_have_core(core)) {
+      capability.lacking.push_back("processor " + std::to_string(core) + " is not there for this program");
+    } else if (core >= 0) {
+      CPU_SET(static_cast<std::size_t>(core), &allowed);
+    }
   }
+  capability.cores = CPU_COUNT(&allowed);
   if (capability.cores < 2) {
     capability.lacking.push_back("torque loop and planner share one processor");
   } else if (requirements.torque_core >= 0 && requirements.torque_core == requirements.planner_core) {

@@ -26,15 +26,15 @@ struct Capability {
   std::string governor;              ///< of the torque loop's processor; empty: the kernel does not report it
   bool memory_locked = false;        ///< mlockall succeeded
   bool priority_allowed = false;     ///< a thread may take SCHED_FIFO at the priorities asked for
-  int cores = 0;                     ///< processors this process may use
+  int cores = 0;                     ///< processors of this process, with those that its threads may take
   IdleRequest idle;                  ///< held as long as this lives
   std::vector<std::string> lacking;  ///< a sentence for each thing in the way; empty: real time
 
   [[nodiscard]] bool realtime() const noexcept { return lacking.empty(); }
 };
 
-/// Locks present and future memory of the process, asks for short idle states, tries the priorities, and
-/// reads the rest. `root`: where /dev, /sys and /proc are looked for, for tests.
+/// Locks present and future memory of the process, asks for short idle states, tries priorities and
+/// processors, and reads the rest. `root`: where /dev, /sys and /proc are looked for, for tests.
 [[nodiscard]] Capability acquire(const Requirements& requirements, const std::string& root = "");
 
 /// What is lacking, in one line; empty for a machine that can keep time.

@@ -23,15 +23,6 @@ constexpr std::size_t kSanitizerBytes = 0;
   for (std::size_t i = 0; i < sizeof stack; i += kPage) stack[i] = 0;
 }
 
-bool take_core(int core) noexcept {
-  if (core < 0) return true;
-  if (core >= CPU_SETSIZE) return false;
-  cpu_set_t set;
-  CPU_ZERO(&set);
-  CPU_SET(static_cast<std::size_t>(core), &set);
-  return pthread_setaffinity_np(pthread_self(), sizeof set, &set) == 0;
-}
-
 bool take_priority(int priority) noexcept {
   if (priority <= 0) return true;
   sched_param parameter{};
@@ -40,6 +31,15 @@ bool take_priority(int priority) noexcept {
 }
 
 }  // namespace
+
+bool take_core(int core) noexcept {
+  if (core < 0) return true;
+  if (core >= CPU_SETSIZE) return false;
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  CPU_SET(static_cast<std::size_t>(core), &set);
+  return pthread_setaffinity_np(pthread_self(), sizeof set, &set) == 0;
+}
 
 void Thread::apply() noexcept {
   pthread_setname_np(pthread_self(), settings_.name);

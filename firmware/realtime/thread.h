@@ -17,6 +17,10 @@ struct ThreadSettings {
   int core = -1;          ///< -1: any
 };
 
+/// Puts the calling thread on this processor alone; below 0 on any, which changes nothing. False: the kernel
+/// does not grant it.
+[[nodiscard]] bool take_core(int core) noexcept;
+
 /// A thread with scheduling of its own, a stack that is in memory from the start, and no signals.
 /// Construction and join are for start-up and exit.
 class Thread {

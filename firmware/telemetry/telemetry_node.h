@@ -49,6 +49,7 @@ class TelemetryNode {
   /// Sends what is left, and waits a moment until subscribers have it.
   void flush();
 
+  [[nodiscard]] std::uint64_t run_id() const noexcept { return run_id_; }
   [[nodiscard]] const std::string& token_file() const noexcept { return run_.token_file; }
 
  private:

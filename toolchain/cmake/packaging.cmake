@@ -47,11 +47,10 @@ endforeach()
 
 install(TARGETS stiltd DESTINATION bin COMPONENT robot)
 install(FILES firmware/configuration/amber3m.toml DESTINATION /etc/stilt RENAME stiltd.toml COMPONENT robot)
-install(FILES ${packaging}/stiltd.service DESTINATION lib/systemd/system COMPONENT robot)
+install(FILES ${packaging}/stiltd.service ${packaging}/can@.service DESTINATION lib/systemd/system COMPONENT robot)
 install(FILES ${packaging}/60-stiltd.rules DESTINATION lib/udev/rules.d COMPONENT robot)
 install(FILES ${packaging}/stilt.sysusers DESTINATION lib/sysusers.d RENAME stilt.conf COMPONENT robot)
-install(FILES ${packaging}/80-can0.network ${packaging}/80-can.rules
-  codegen/robots/amber3m.urdf codegen/robots/rabbit.urdf firmware/configuration/rabbit.toml
+install(FILES codegen/robots/amber3m.urdf codegen/robots/rabbit.urdf firmware/configuration/rabbit.toml
   DESTINATION share/doc/stiltd/examples COMPONENT robot)
 
 set(component_packages robot:stiltd)

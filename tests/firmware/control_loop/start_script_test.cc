@@ -48,5 +48,30 @@ TEST(StartScript, ShutsDownAtTheEndOfTheDurationAndStaysSo) {
   EXPECT_FALSE(forever.command(1e6, State::idle, 0).shut_down);
 }
 
+TEST(StartScript, MissesAGoalThatItWasNotAtWhenTheDurationEnded) {
+  using gait::GaitKind;
+  struct Run {
+    GaitKind goal;
+    State state;
+    double ramp;
+    bool missed;
+  };
+  for (const Run& run :
+       {Run{GaitKind::stand, State::ready, 0.0, true}, Run{GaitKind::stand, State::stand, 0.9, true},
+        Run{GaitKind::stand, State::stand, 1.0, false}, Run{GaitKind::step, State::stand, 1.0, true},
+        Run{GaitKind::step, State::step, 1.0, false}, Run{GaitKind::walk, State::step, 1.0, true},
+        Run{GaitKind::walk, State::walk, 1.0, false}}) {
+    StartScript script(gait::GaitCommand{run.goal, 0.3}, 1.0, 2.0);
+    static_cast<void>(script.command(1.0, run.state, run.ramp));
+    static_cast<void>(script.command(1.5, State::ready, 0.0));
+    EXPECT_FALSE(script.missed()) << "there is time left";
+    static_cast<void>(script.command(2.0, run.state, 1.0));
+    EXPECT_EQ(script.missed(), run.missed) << name(run.state) << ' ' << run.ramp;
+  }
+  StartScript idle(std::nullopt, 1.0, 2.0);
+  static_cast<void>(idle.command(2.0, State::idle, 0.0));
+  EXPECT_FALSE(idle.missed()) << "without a goal";
+}
+
 }  // namespace
 }  // namespace stilt::control_loop

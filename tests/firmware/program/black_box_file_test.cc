@@ -5,6 +5,7 @@
 #include <fstream>
 #include <iterator>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "tests/full_disk.h"
@@ -17,7 +18,11 @@ using supervisor::Reaction;
 
 class BlackBoxFileTest : public testing::Test {
  protected:
-  BlackBoxFileTest() : file_((options_.black_box_file = folder_.file("box.csv"), options_), *state_) {}
+  BlackBoxFileTest() {
+    options_.black_box_file = folder_.file("box.csv");
+    begin_run();
+  }
+  void begin_run() { file_.emplace(options_, *state_); }
 
   /// A fault with this reaction in this tick; the black box freezes, and is saved.
   void happen(std::uint64_t tick, Reaction reaction) {
@@ -29,12 +34,12 @@ class BlackBoxFileTest : public testing::Test {
       state_->mail.black_box.commit(trigger);
       trigger = false;
     }
-    file_.save();
+    file_->save();
   }
 
-  /// The tick of the fault that the file holds; -1: it holds none.
-  [[nodiscard]] long long kept() const {
-    std::ifstream lines(options_.black_box_file);
+  /// The tick of the fault that a file holds; -1: it holds none.
+  [[nodiscard]] long long kept(const std::string& name = "box.csv") const {
+    std::ifstream lines(folder_.file(name));
     std::string line;
     std::getline(lines, line);
     return std::getline(lines, line) ? std::stoll(line) : -1;
@@ -43,7 +48,7 @@ class BlackBoxFileTest : public testing::Test {
   tests::OwnFolder folder_;
   Options options_;
   std::unique_ptr<ControllerState> state_ = std::make_unique<ControllerState>();
-  BlackBoxFile file_;
+  std::optional<BlackBoxFile> file_;
 };
 
 TEST_F(BlackBoxFileTest, KeepsTheFirstOfEqualFaultsUntilAHarderOneComes) {
@@ -55,7 +60,7 @@ TEST_F(BlackBoxFileTest, KeepsTheFirstOfEqualFaultsUntilAHarderOneComes) {
   happen(40, Reaction::damp);
   happen(50, Reaction::sit);
   EXPECT_EQ(kept(), 30);
-  EXPECT_TRUE(file_.finish());
+  EXPECT_TRUE(file_->finish());
 }
 
 TEST_F(BlackBoxFileTest, OnAFullDiskKeepsTheFaultBeforeAndSaysThatTheHarderOneIsLost) {
@@ -67,12 +72,30 @@ TEST_F(BlackBoxFileTest, OnAFullDiskKeepsTheFaultBeforeAndSaysThatTheHarderOneIs
   EXPECT_EQ(kept(), 10);
   happen(30, Reaction::sit);
   EXPECT_EQ(kept(), 30) << "harder than what the file held";
-  const auto saved = file_.finish();
+  const auto saved = file_->finish();
   ASSERT_FALSE(saved);
   EXPECT_NE(saved.error().find("--black-box " + options_.black_box_file), std::string::npos) << saved.error();
   happen(40, Reaction::damp);
   EXPECT_EQ(kept(), 40);
-  EXPECT_TRUE(file_.finish()) << "a fault as hard as the lost one is there";
+  EXPECT_TRUE(file_->finish()) << "a fault as hard as the lost one is there";
+}
+
+TEST_F(BlackBoxFileTest, ALaterRunKeepsTheFilesOfEarlierOnes) {
+  happen(10, Reaction::damp);
+  begin_run();
+  EXPECT_TRUE(file_->finish());
+  EXPECT_EQ(kept(), 10) << "a run without a fault";
+  begin_run();
+  happen(20, Reaction::warn);
+  happen(21, Reaction::hold);
+  EXPECT_EQ(kept(), 21);
+  EXPECT_EQ(kept("box.1.csv"), 10) << "the fall";
+  begin_run();
+  happen(30, Reaction::warn);
+  EXPECT_EQ(kept(), 30);
+  EXPECT_EQ(kept("box.1.csv"), 21);
+  EXPECT_EQ(kept("box.2.csv"), 10);
+  EXPECT_EQ(kept("box.3.csv"), -1);
 }
 
 }  // namespace

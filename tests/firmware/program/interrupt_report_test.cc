@@ -2,6 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
+
+#include "tests/own_folder.h"
+
 namespace stilt::program {
 namespace {
 
@@ -35,6 +40,43 @@ TEST(InterruptReport, AThreadThatWaitsForThePlannerIsFoundOnce) {
   runtime.planner_core = 0;
   runtime.planner_priority = 49;
   EXPECT_TRUE(delayed_threads(kBuses, runtime).empty());
+}
+
+TEST(InterruptReport, AThreadThatWaitsForThePlannerIsNamedWithTheCommandThatMendsIt) {
+  const std::vector<std::string> sentences = delay_sentences(kBuses, {});
+  ASSERT_EQ(sentences.size(), 2u);
+  EXPECT_EQ(
+      sentences[0],
+      "irq/45-spi0.0 (process 117, priority 50) waits for the planner; as root, chrt -f -p 70 117 puts it "
+      "before");
+}
+
+TEST(InterruptReport, AThreadThatANewInterfaceHasIsNamedAfterTheReset) {
+  namespace fs = std::filesystem;
+  const tests::OwnFolder folder;
+  const std::string root = folder.path().string();
+  fs::create_directories(root + "/sys/devices/fec.can");
+  fs::create_directories(root + "/sys/class/net/can0");
+  fs::create_directory_symlink(root + "/sys/devices/fec.can", root + "/sys/class/net/can0/device");
+  const auto thread = [&](const std::string& process) {
+    fs::create_directories(root + "/proc/" + process);
+    std::ofstream(root + "/proc/" + process + "/comm") << "irq/11-can0\n";
+    std::ofstream(root + "/proc/" + process + "/status") << "Cpus_allowed_list:\t0-1\n";
+  };
+  using supervisor::State;
+  InterruptWatch watch({"can0"}, {}, root);
+  thread("141");
+  for (const State state : {State::boot, State::idle, State::stand, State::fault, State::fault}) {
+    EXPECT_TRUE(watch.update(state).empty()) << name(state);
+  }
+  fs::remove_all(root + "/proc/141");  // the interface goes down and up
+  thread("412");
+  const std::vector<std::string> sentences = watch.update(State::idle);
+  ASSERT_EQ(sentences.size(), 1u);
+  EXPECT_TRUE(sentences[0].starts_with("irq/11-can0 (process 412, priority 0) waits")) << sentences[0];
+  EXPECT_TRUE(watch.update(State::idle).empty()) << "once";
+  EXPECT_TRUE(watch.update(State::fault).empty());
+  EXPECT_TRUE(watch.update(State::off).empty()) << "the end";
 }
 
 }  // namespace

@@ -14,8 +14,9 @@ constexpr std::int64_t kSecond_ns = 1'000'000'000;
 struct Operate : testing::Test {
   Operate() { state->script.emplace(gait::GaitCommand{gait::GaitKind::walk, 0.5}, 1.0, 0.0); }
 
-  control_loop::OperatorCommand after_a_tick_at(std::int64_t time_ns) {
+  control_loop::OperatorCommand after_a_tick_at(std::int64_t time_ns, std::uint64_t number = 0) {
     control_loop::TickRecord tick;
+    tick.tick = number;
     tick.time_ns = time_ns;
     tick.state = supervisor::State::idle;
     state->mail.telemetry.push(tick);
@@ -42,6 +43,25 @@ TEST_F(Operate, AStopShutsDownAndACutCuts) {
   EXPECT_NE(after_a_tick_at(kSecond_ns).request.kind, supervisor::RequestKind::cut);
   signals.cut = true;
   EXPECT_EQ(after_a_tick_at(kSecond_ns).request.kind, supervisor::RequestKind::cut);
+}
+
+TEST_F(Operate, ARobotThatDidNotGetWhereStartAskedIsAnErrorWithWhatItWaitedFor) {
+  Options options;
+  options.duration_s = 2.0;
+  state->script.emplace(gait::GaitCommand{gait::GaitKind::stand, 0.0}, 1.0, options.duration_s);
+  Outcome outcome;
+  outcome.last_state = "ready";
+  after_a_tick_at(kSecond_ns);
+  check_goal(options, *state, outcome);
+  EXPECT_EQ(outcome.error, "") << "there is time left";
+  after_a_tick_at(3 * kSecond_ns, 1);
+  check_goal(options, *state, outcome);
+  EXPECT_EQ(outcome.error,
+            "--start: the robot did not get there within --duration 2 s; its last state was ready");
+  outcome.error.clear();
+  outcome.waits = "not in a pose to stand up from: knee_L is at 1.25 rad";
+  check_goal(options, *state, outcome);
+  EXPECT_TRUE(outcome.error.ends_with(" 2 s; " + outcome.waits)) << outcome.error;
 }
 
 }  // namespace

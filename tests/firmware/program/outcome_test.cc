@@ -5,6 +5,8 @@
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <regex>
+#include <string>
 
 #include "tests/firmware/supervisor/printers.h"
 
@@ -126,6 +128,19 @@ TEST_F(OutcomeTest, TheJsonHasTheFieldsThatScriptsRead) {
   EXPECT_EQ(json["realtime"], "kernel 1 is not PREEMPT_RT");
   outcome.not_realtime.clear();
   EXPECT_EQ(nlohmann::json::parse(to_json(outcome))["realtime"], true);
+}
+
+TEST_F(OutcomeTest, TheResultsNameStartCommitAndRun) {
+  outcome.started = utc_now();
+  outcome.commit = "0123456789ab";
+  EXPECT_FALSE(nlohmann::json::parse(to_json(outcome)).contains("run_id")) << "without telemetry";
+  outcome.run_id = 9007199254740991;
+  const auto json = nlohmann::json::parse(to_json(outcome));
+  EXPECT_TRUE(
+      std::regex_match(json["started"].get<std::string>(), std::regex(R"(20\d\d-\d\d-\d\dT\d\d:\d\d:\d\dZ)")))
+      << json["started"];
+  EXPECT_EQ(json["commit"], "0123456789ab");
+  EXPECT_EQ(json["run_id"], 9007199254740991);
 }
 
 TEST_F(OutcomeTest, AFaultNamesItsJointTheVendorCodeAndTheNumbers) {

@@ -49,7 +49,7 @@ class Listener : public testing::Test {
 };
 
 TEST_F(Listener, ReceivesReadyOnceTheTorqueLoopTicks) {
-  ServiceManager service;
+  ServiceManager service({});
   service.notify(kSecond_ns, 0, "boot");
   EXPECT_EQ(received(), "STATUS=boot\n");
   service.notify(2 * kSecond_ns, 250, "idle");
@@ -57,7 +57,7 @@ TEST_F(Listener, ReceivesReadyOnceTheTorqueLoopTicks) {
 }
 
 TEST_F(Listener, ReceivesSignsOfLifeOnlyWhileTheTorqueLoopTicks) {
-  ServiceManager service;
+  ServiceManager service({});
   service.notify(kSecond_ns, 250, "walk");
   received();
   service.notify(kSecond_ns + kSecond_ns / 4, 500, "walk");
@@ -69,8 +69,19 @@ TEST_F(Listener, ReceivesSignsOfLifeOnlyWhileTheTorqueLoopTicks) {
 }
 
 TEST_F(Listener, ReceivesTheEnd) {
-  ServiceManager().notify_stopping();
+  ServiceManager({}).notify_stopping();
   EXPECT_EQ(received(), "STOPPING=1");
+}
+
+TEST_F(Listener, ReceivesOnceHowLongTheRobotMayNeedToSitDown) {
+  supervisor::SupervisorParameters parameters;
+  parameters.slow_down_s = 6.0;
+  parameters.sit_s = 20.0;
+  ServiceManager service(parameters);
+  service.notify_stop_asked();
+  EXPECT_EQ(received(), "EXTEND_TIMEOUT_USEC=37000000") << "2 * 6 s + 20 s, and 5 s to spare";
+  service.notify_stop_asked();
+  EXPECT_EQ(received(), "");
 }
 
 }  // namespace

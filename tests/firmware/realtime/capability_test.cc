@@ -1,13 +1,17 @@
 #include "firmware/realtime/capability.h"
 
 #include <gtest/gtest.h>
+#include <sched.h>
 
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <string>
 #include <utility>
+#include <vector>
 
+#include "firmware/realtime/thread.h"
 #include "tests/own_folder.h"
 
 namespace stilt::realtime {
@@ -56,6 +60,28 @@ TEST_F(Machine, AGovernorThatSavesPowerIsNamed) {
 
 TEST_F(Machine, AProcessorThatIsNotThereIsNamed) {
   EXPECT_TRUE(says(acquire({.torque_core = 1000}, root_), "processor 1000 is not there"));
+}
+
+TEST_F(Machine, AProcessorThatThreadsMayTakeIsThereThoughTheProgramStartsWithoutIt) {
+  cpu_set_t before;
+  ASSERT_EQ(sched_getaffinity(0, sizeof before, &before), 0);
+  std::vector<int> cores;
+  for (int core = 0; core < CPU_SETSIZE; ++core) {
+    if (CPU_ISSET(static_cast<std::size_t>(core), &before)) cores.push_back(core);
+  }
+  if (cores.size() < 2) GTEST_SKIP() << "one processor";
+  ASSERT_TRUE(take_core(cores[0]));  // as isolcpus= leaves init and all that it starts
+  const Capability capability = acquire({.torque_core = cores[1], .planner_core = cores[0]}, root_);
+  EXPECT_FALSE(says(capability, "processor " + std::to_string(cores[1]) + " is not there"))
+      << lacking_text(capability);
+  EXPECT_FALSE(says(capability, "share one processor")) << lacking_text(capability);
+  EXPECT_EQ(capability.cores, 2);
+  cpu_set_t after;
+  ASSERT_EQ(sched_getaffinity(0, sizeof after, &after), 0);
+  EXPECT_EQ(CPU_COUNT(&after), 1) << "what was tried is put back";
+  EXPECT_TRUE(CPU_ISSET(static_cast<std::size_t>(cores[0]), &after));
+  EXPECT_TRUE(says(acquire({}, root_), "share one processor"));
+  sched_setaffinity(0, sizeof before, &before);
 }
 
 TEST_F(Machine, ThrottlingOfRealTimeThreadsBelowTheDefaultIsNamed) {
