@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <csignal>
+#include <cstdio>
 #include <sstream>
 #include <stdexcept>
 
@@ -86,8 +87,13 @@ int run_monitor(const MonitorOptions& options) {
   const monitor::Origins may_look = viewers_of(options.viewers);
   const auto token = options.token_file.empty() ? options.token : telemetry::read_token(options.token_file);
   if (!token) throw std::runtime_error(token.error());
-  monitor::DdsSource source(options.network, *token);
-  if (options.terminal) return monitor::run_terminal(source);
+  if (options.terminal) {  // commands nothing
+    monitor::DdsSource source(options.network, *token);
+    return monitor::run_terminal(source);
+  }
+  monitor::DdsSource source(options.network, *token, [](const std::string& problem) {
+    std::fprintf(stderr, "monitor: %s\n", problem.c_str());
+  });
   catch_signals();
   foxglove::FoxgloveEndpoint viewers("stilt monitor");
   const foxglove::Bridge bridge(options.network, viewers);

@@ -3,8 +3,10 @@
 #   cmake -DROOT=FOLDER -DOUTPUT=FILE -P commit.cmake
 #
 # ROOT must be the root of the repository: sources unpacked inside another repository have no commit. Changed
-# documents and tests do not make a program dirty, because they are not part of it.
+# documents and tests do not make a program dirty, because they are not part of it. The comment in the source is for
+# package_version.cmake. Its number grows with each commit: the package of a newer commit has a newer version.
 set(commit unknown)
+set(in_version "")
 find_program(GIT git)
 if(GIT AND EXISTS ${ROOT}/.git)
   execute_process(COMMAND ${GIT} rev-parse --short=12 HEAD
@@ -12,10 +14,14 @@ if(GIT AND EXISTS ${ROOT}/.git)
     OUTPUT_STRIP_TRAILING_WHITESPACE)
   execute_process(COMMAND ${GIT} status --porcelain -- . :!docs :!tests
     WORKING_DIRECTORY ${ROOT} RESULT_VARIABLE no_status OUTPUT_VARIABLE changes ERROR_QUIET)
+  execute_process(COMMAND ${GIT} rev-list --count HEAD
+    WORKING_DIRECTORY ${ROOT} OUTPUT_VARIABLE number ERROR_QUIET OUTPUT_STRIP_TRAILING_WHITESPACE)
   if(no_head EQUAL 0 AND no_status EQUAL 0)
     set(commit ${head})
+    set(in_version +git${number}.${head})
     if(changes)
       string(APPEND commit -dirty)
+      string(APPEND in_version .dirty)
     endif()
   endif()
 endif()
@@ -24,6 +30,7 @@ set(source "#include \"firmware/version/commit.h\"
 
 namespace stilt::version {
 
+// In the version of a package: ${in_version}
 std::string_view commit() noexcept { return \"${commit}\"; }
 
 }  // namespace stilt::version

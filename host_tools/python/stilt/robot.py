@@ -125,8 +125,8 @@ class Robot:
             now, hello = self._supervisor, self._hello
         rows = [row['name'] for bit, row in enumerate(hello['faults']) if (now['present'] | now['latched']) >> bit & 1]
         return RobotState(now['time_s'], hello['states'][now['state']]['name'],
-                          hello['fallback_levels'][now['fallback_level']], tuple(rows), tuple(now['found']),
-                          now['speed_m_s'], now['base_height_m'])
+                          hello['fallback_levels'][now['fallback_level']], tuple(rows),
+                          tuple(now['found'].get(name, '') for name in rows), now['speed_m_s'], now['base_height_m'])
 
     @property
     def configuration(self) -> str:

@@ -50,12 +50,14 @@ telemetry::CommandKind wire_kind(CommandKind kind) {
 
 }  // namespace
 
-DdsSource::DdsSource(const telemetry::Network& network, std::string token)
+DdsSource::DdsSource(const telemetry::Network& network, std::string token,
+                     std::function<void(const std::string&)> warn)
     : network_(network),
       participant_(host_telemetry::join(network)),
       listener_(participant_, kTopics),
       commander_(participant_, host_telemetry::unique_name("monitor")),
-      token_(std::move(token)) {}
+      token_(std::move(token)),
+      warn_(std::move(warn)) {}
 
 std::string DdsSource::describe() const {
   return "stiltd on interface " + network_.interface + ", domain " + std::to_string(network_.domain);
@@ -100,7 +102,13 @@ void DdsSource::learn_token() {
   if (decoder_.run_id() == run_id_) return;
   run_id_ = decoder_.run_id();
   for (const KnownRun& run : decoder_.runs()) {
-    if (run.run_id == run_id_) active_token_ = token_of(run);
+    if (run.run_id != run_id_) continue;
+    active_token_ = token_of(run);
+    if (active_token_.empty()) {
+      warn_("cannot read " + run.token_file +
+            ", the token of the robot; give --token-file FILE, or enter the token " +
+            "under Access on the page");
+    }
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
 #include <string>
 
@@ -17,8 +18,11 @@ class DdsSource final : public SampleSource {
  public:
   /// @param token  token of the run that is shown; empty: the token in the file that stiltd names, when it is
   ///               readable. For other runs their file comes first.
+  /// @param warn   gets one sentence for the user when the run that is shown has no known token.
   ///               Throws std::runtime_error with one sentence when the network cannot be joined.
-  DdsSource(const telemetry::Network& network, std::string token);
+  DdsSource(
+      const telemetry::Network& network, std::string token,
+      std::function<void(const std::string&)> warn = [](const std::string&) {});
 
   void poll(SampleSink& sink) override;
   void command(const Command& command) override;
@@ -51,7 +55,8 @@ class DdsSource final : public SampleSource {
   host_telemetry::Listener listener_;
   host_telemetry::Commander commander_;
   MessageDecoder decoder_;
-  std::string token_;                                 ///< given by the user
+  std::string token_;  ///< given by the user
+  std::function<void(const std::string&)> warn_;
   std::string active_token_;                          ///< that token, or the one in the file
   std::uint64_t run_id_ = 0;                          ///< of active_token_
   std::string chosen_;                                ///< run to show from the next poll on; empty: no change

@@ -56,8 +56,8 @@ class Programs:
             time.sleep(0.02)
         return found
 
-    def robot(self) -> None:
-        self.start('robot', 'stilt', 'robot', '--lockstep', *self._buses, '--publish', '--domain', self.domain)
+    def robot(self, *words: str) -> None:
+        self.start('robot', 'stilt', 'robot', '--lockstep', *self._buses, '--publish', '--domain', self.domain, *words)
         self.wait_for('robot', 'ready')
 
     def controller(self, *words: str) -> subprocess.Popen:

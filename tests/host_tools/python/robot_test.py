@@ -32,7 +32,7 @@ class Commands(unittest.TestCase):
     def setUp(self) -> None:
         self.programs = Programs(*PROGRAMS)
         self.addCleanup(self.programs.end)
-        self.programs.robot()
+        self.programs.robot(*(('--fault', 'driver-fault:knee_L@2') if 'fault' in self._testMethodName else ()))
         own = ('--set', f'supervisor.heartbeat_timeout_s={TIMEOUT_S}') if 'life' in self._testMethodName else ()
         self.stiltd = self.programs.controller(*own)
         self.link = self.programs.monitor()
@@ -63,14 +63,6 @@ class Commands(unittest.TestCase):
             robot.wait_for('ready', PATIENCE_S)
             robot.motors_off()
             self.assertEqual(self.stiltd.wait(PATIENCE_S), 0)
-        self.assertNotIn('heartbeat', self.programs.said('stiltd'))
-
-    def test_signs_of_life_leave_while_the_program_does_something_else(self):
-        with self.open() as robot:
-            robot.stand(PATIENCE_S)
-            robot.step(PATIENCE_S)
-            time.sleep(3.0 * TIMEOUT_S)
-            self.assertEqual(robot.state.state, 'step')
         self.assertNotIn('heartbeat', self.programs.said('stiltd'))
 
     def test_the_link_of_the_monitor_commands_without_a_token(self):
@@ -104,11 +96,26 @@ class Commands(unittest.TestCase):
         self.programs.wait_for('stiltd', r'walk\n(.*\n)* .* step\n(.*\n)* .* stand\n')
         self.assertNotIn('heartbeat', self.programs.said('stiltd'))
 
+    def test_a_fault_ends_the_wait_with_its_joint_value_and_limit(self):
+        with self.open() as robot:
+            with self.assertRaisesRegex(stilt.RobotError, r'^the robot has the fault driver_fault; knee_L, \w'):
+                robot.stand(PATIENCE_S)
+                robot.wait(PATIENCE_S)
+            state = robot.state
+        self.assertEqual(len(state.found), len(state.faults))
+        self.assertRegex(state.found[state.faults.index('driver_fault')], '^knee_L, ')
+
     def test_a_program_that_is_killed_gives_no_sign_of_life_and_the_robot_comes_to_a_stand(self):
+        self.comes_to_a_stand_after(signal.SIGKILL)
+
+    def test_a_program_that_is_suspended_gives_no_sign_of_life_and_the_robot_comes_to_a_stand(self):
+        self.comes_to_a_stand_after(signal.SIGSTOP)
+
+    def comes_to_a_stand_after(self, end: signal.Signals) -> None:
         self.programs.wait_for('stiltd', 'idle')
         walker = self.programs.start('walker', '/usr/bin/python3', '-c', WALKER, self.address, self.programs.token_file)
         self.programs.wait_for('walker', 'walks')
-        walker.send_signal(signal.SIGKILL)
+        walker.send_signal(end)
         self.programs.wait_for('stiltd', r'walk\n(.*\n)*.*heartbeat_lost(.*\n)* .* stand\n')
 
     def test_a_robot_that_goes_away_ends_the_wait(self):

@@ -12,6 +12,13 @@ export const kPatience_ms = 120_000;
 const kArguments = ['--headless', '--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run',
   '--disable-background-networking', '--disable-component-update', '--disable-sync'];
 
+/** The DDS domain of this test alone. None is assumed: in domain 0 may be a real robot. */
+export function ownDomain() {
+  const domain = process.env.STILT_TEST_DOMAIN;
+  if (!domain) throw new Error('STILT_TEST_DOMAIN is not set; run tests/own_domain.py node --test FILE');
+  return domain;
+}
+
 export function sleep(milliseconds) {
   return new Promise((resolve) => setTimeout(resolve, milliseconds));
 }

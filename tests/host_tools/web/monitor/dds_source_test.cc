@@ -188,7 +188,9 @@ class TwoRobots : public testing::Test {
 
   tests::OwnFolder folder_;
   Robots robots_;
-  DdsSource source_{{.domain = tests::own_domain()}, ""};
+  std::vector<std::string> warnings_;
+  DdsSource source_{
+      {.domain = tests::own_domain()}, "", [this](const std::string& text) { warnings_.push_back(text); }};
   Ignored ignored_;
 };
 
@@ -311,7 +313,7 @@ TEST_F(TwoRobots, DoNotAnswerASenderThatIsGone) {
   for (const ReplySample& reply : ignored_.replies) EXPECT_EQ(reply.commander, 6u);
 }
 
-TEST_F(TwoRobots, AThirdWhoseTokenFileIsAFifoStopsNothing) {
+TEST_F(TwoRobots, AThirdWhoseTokenFileIsAFifoStopsNothingAndIsNamed) {
   const std::string fifo = folder_.file("fifo");
   ASSERT_EQ(mkfifo(fifo.c_str(), S_IRUSR | S_IWUSR), 0);
   robots_.begin(3, fifo);
@@ -320,8 +322,13 @@ TEST_F(TwoRobots, AThirdWhoseTokenFileIsAFifoStopsNothing) {
     return source_.talking().size() == 3;
   });
   source_.choose("0000000000000003");
+  EXPECT_TRUE(warnings_.empty()) << "the tokens of the others are known: " << warnings_.front();
   source_.poll(ignored_);
   EXPECT_FALSE(source_.has_token());
+  ASSERT_EQ(warnings_.size(), 1u) << "once per run that is shown";
+  EXPECT_EQ(
+      warnings_.front().find("cannot read " + fifo + ", the token of the robot; give --token-file FILE"), 0u)
+      << warnings_.front();
 }
 
 TEST_F(TwoRobots, AreCommandedByTheirOwnTokensAfterAnotherIsChosen) {

@@ -7,10 +7,10 @@ import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
-import { hipX, openBrowser, openPage, picture, pixels, Program, shownSpeed, until } from './browser.mjs';
+import { hipX, openBrowser, openPage, ownDomain, picture, pixels, Program, shownSpeed, until } from './browser.mjs';
 
 const kNumber = process.pid;
-const kDomain = process.env.STILT_TEST_DOMAIN ?? '96';  // ctest: tests/own_domain.py; by hand: none of its domains
+const kDomain = ownDomain();
 const kBuses = ['left', 'right'].flatMap((side) => ['--bus', `loopback:stilt_monitor_${kNumber}_${side}`]);
 const kTurns = process.env.STILT_LIVE_REALTIME ? [] : ['--lockstep'];
 const kPatientSettings = ['supervisor.torque_loop_stall_s=10', 'supervisor.missed_hold_ticks=500',

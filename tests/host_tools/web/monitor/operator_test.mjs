@@ -5,7 +5,7 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { shownSpeed, until } from './browser.mjs';
 import { assertAccessible } from './accessibility.mjs';
-import { answer, page, state, text } from './synthetic.mjs';
+import { answer, monitor, page, state, text } from './synthetic.mjs';
 
 const kA = 0, kB = 1, kX = 2, kY = 3, kLB = 4, kRB = 5;
 
@@ -138,14 +138,30 @@ test('each button of a gamepad without a known layout stops, and no more', async
   await state('stand');
 });
 
+test('each key sends its command', async () => {
+  const press = async (key) => {
+    await forget();
+    await page.keyboard.press(key);
+    return until(`an answer to ${key}`, () => text('#answer'));
+  };
+  for (const [key, command, after] of [['t', 'step', 'step'], ['w', 'walk at 0.50 m/s', 'walk'],
+    ['ArrowUp', 'speed 0.55 m/s', 'walk'], ['ArrowDown', 'speed 0.50 m/s', 'walk'], ['W', 'walk at 0.50 m/s', 'walk'],
+    ['+', 'hip height 0.790 m', 'walk'], ['-', 'hip height 0.780 m', 'walk'], ['s', 'stand', 'stand'], ['d', 'sit', 'stand']]) {
+    assert.equal(await press(key), `${command}: accepted`, key);
+    await state(after);
+  }
+  monitor.write('fault joint_speed_limit');
+  await state('fault');
+  assert.equal(await press('r'), 'reset: accepted');
+});
+
 test('the keys are listed by a button and by ?, without covering stop', async () => {
   assert.ok(await page.isHidden('#keys'));
   await page.click('#keys-button');
   assert.equal(await page.getAttribute('#keys-button', 'aria-expanded'), 'true');
-  const words = await text('#keys');
-  for (const key of ['space', 'Esc', 'Shift', 'S', 'T', 'W', 'D', 'R', '↑', '↓', '+', '−', 'P', '←', '→', 'Home', 'L', '?', 'LB', 'B']) {
-    assert.ok(words.includes(key), `${key} is not in the list`);
-  }
+  assert.deepEqual(await page.locator('#keys kbd').allTextContents(), ['space', 'Esc', 'Shift', 'space', 'Esc', 'S', 'T', 'W',
+    'D', 'R', '↑', '↓', '+', '−', 'P', '←', '→', 'Home', 'L', '?', 'Tab', 'Enter']);
+  assert.deepEqual(await page.locator('#keys dd b').allTextContents(), ['LB', 'RB', 'A', 'X', 'Y', 'B']);
   await assertAccessible(page, 'keys');
   await page.click('#stop');
   await answer(/stop: accepted/);

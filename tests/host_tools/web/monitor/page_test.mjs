@@ -5,7 +5,7 @@ import { test } from 'node:test';
 import { firstMotion_ms, hipX, openPage, picture, pixels, shownSpeed, until } from './browser.mjs';
 import { answer, browser, monitor, page, state, text } from './synthetic.mjs';
 
-test('the first moving picture comes soon after the page is opened', async () => {
+test('a page that is opened while the robot walks shows it moving', async () => {
   await page.keyboard.press('w');
   await state('walk');
   const another = await openPage(browser, monitor.url);

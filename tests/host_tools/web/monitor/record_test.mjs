@@ -6,9 +6,9 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, afterEach, before, beforeEach, test } from 'node:test';
 import { assertAccessible } from './accessibility.mjs';
-import { hipX, openBrowser, openPage, picture, Program, until } from './browser.mjs';
+import { hipX, openBrowser, openPage, ownDomain, picture, Program, until } from './browser.mjs';
 
-const kDomain = process.env.STILT_TEST_DOMAIN ?? '96';  // ctest: tests/own_domain.py; by hand: none of its domains
+const kDomain = ownDomain();
 const kBuses = ['left', 'right'].flatMap((side) => ['--bus', `loopback:stilt_record_${process.pid}_${side}`]);
 
 let browser;

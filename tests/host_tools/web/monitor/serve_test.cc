@@ -33,7 +33,10 @@ TEST(Serve, ABrowserGetsAPageOfThisUserAloneAndNoSocket) {
   SilentSource source;
   std::atomic<bool> stop = false;
   std::thread server([&] { serve(source, {.server = {.port = 0}, .open_browser = true, .stop = &stop}); });
-  while (!std::filesystem::exists(seen)) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  while (!std::filesystem::exists(seen) && std::chrono::steady_clock::now() < end) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
   stop = true;
   server.join();
   setenv("PATH", path.c_str(), 1);

@@ -7,8 +7,9 @@ import { join } from 'node:path';
 import { pathToFileURL } from 'node:url';
 import { after, afterEach, before, test } from 'node:test';
 import { assertAccessible } from '../monitor/accessibility.mjs';
-import { openBrowser, openPage, picture, pixels, Program, until } from '../monitor/browser.mjs';
+import { openBrowser, openPage, ownDomain, picture, pixels, Program, until } from '../monitor/browser.mjs';
 
+const kDomain = ownDomain();
 const kSpeed = 'figure[data-title="Forward speed of the base"]';
 
 let browser;
@@ -134,14 +135,13 @@ test('the report of a robot behind its buses speaks of no plan and no command', 
 /** A record of a robot that stands up and walks in lock-step. */
 async function record(name, words) {
   const file = join(folder, `${name}.mcap`);
-  const domain = process.env.STILT_TEST_DOMAIN ?? '0';
   const buses = ['left', 'right'].flatMap((side) => ['--bus', `loopback:stilt_${name}_${process.pid}_${side}`]);
-  const recorder = new Program(process.env.STILT_PROGRAM, ['record', '--out', file, '--domain', domain]);
+  const recorder = new Program(process.env.STILT_PROGRAM, ['record', '--out', file, '--domain', kDomain]);
   await recorder.wrote(/recording to/);
   const robot = new Program(process.env.STILT_PROGRAM, ['robot', '--lockstep', '--once', ...buses]);
   await robot.wrote(/ready/);
   const controller = new Program(process.env.STILTD_PROGRAM,
-    ['--lockstep', ...buses, '--set', `telemetry.domain=${domain}`, ...words]);
+    ['--lockstep', ...buses, '--set', `telemetry.domain=${kDomain}`, ...words]);
   assert.equal(await controller.ended, 0, controller.output);
   assert.equal(await robot.ended, 0, robot.output);
   recorder.kill('SIGINT');

@@ -1,0 +1,47 @@
+#!/usr/bin/python3
+"""The client of the Python package against a monitor without a robot (stub_monitor.py)."""
+from __future__ import annotations
+
+import statistics
+import unittest
+
+import programs  # noqa: F401  finds the package
+import stilt
+from stub_monitor import PATIENCE_S, StubMonitor
+
+
+class Client(unittest.TestCase):
+    def setUp(self) -> None:
+        self.monitor = StubMonitor()
+        self.addCleanup(self.monitor.close)
+        self.robot = stilt.Robot(self.monitor.address, token='0' * 32, patience_s=PATIENCE_S)
+        self.addCleanup(self.robot.close)
+
+    def test_signs_of_life_leave_ten_times_per_second_while_the_program_does_something_else(self):
+        """The median of their distances, which a stall of the machine does not change."""
+        times_s = self.monitor.arrivals('alive', 21)
+        gap_s = statistics.median(after - before for before, after in zip(times_s, times_s[1:]))
+        self.assertGreater(gap_s, 0.05)
+        self.assertLess(gap_s, 0.3)
+
+    def test_a_monitor_that_hangs_ends_the_wait(self):
+        with self.assertRaisesRegex(stilt.RobotError, r'^the robot has been silent for \d+\.\d s$'):
+            self.robot.wait(10.0)
+
+    def test_ticks_are_kept_for_a_minute_and_none_of_an_earlier_run(self):
+        def kept_after(*bases_s: float) -> list[float]:
+            for base_s in bases_s:
+                self.monitor.send_ticks(base_s, [(0.0, 0.78), (0.5, 0.78)])
+            newest_s = bases_s[-1] + 0.5
+            with self.robot._changed:
+                self.robot._changed.wait_for(
+                    lambda: self.robot._ticks and self.robot.recent().index[-1] == newest_s, PATIENCE_S)
+            return list(self.robot.recent().index)
+
+        self.assertEqual(kept_after(0.0, 30.0), [0.0, 0.5, 30.0, 30.5])
+        self.assertEqual(kept_after(61.0), [30.0, 30.5, 61.0, 61.5])
+        self.assertEqual(kept_after(2.0), [2.0, 2.5], 'another run began')
+
+
+if __name__ == '__main__':
+    unittest.main()
