@@ -59,8 +59,8 @@ CanFrame old_heartbeat(std::uint8_t node, std::uint32_t errors, std::uint32_t st
   return frame;
 }
 
-/// Two numbers that are 0. Under the identifier of the temperatures and errors of 0.6, firmware 0.5 has the
-/// estimates without an encoder and the errors of the controller.
+/// Two numbers that are 0. Firmware 0.5 has its estimates without an encoder under the identifier of the
+/// temperatures of 0.6.
 CanFrame old_answer(std::uint8_t node, OdriveCommand what) noexcept {
   return classic_frame(static_cast<std::uint32_t>(node) << 5 | static_cast<std::uint32_t>(what), 8);
 }

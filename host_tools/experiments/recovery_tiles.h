@@ -18,7 +18,7 @@ struct PushedWalk {
 
 /// The touch-downs of a recovery as tiles, at most 16. Each is a posture at a touch-down. The first is the
 /// last one before the push. The last is the one at which the walk has recovered, or that at the end of the
-/// run. Below it is the step length in m, above it the time from the start of the push in s. Both are
+/// run. Below each is the step length in m, above it the time from the start of the push in s. Both are
 /// highlighted during the push. Needs samples.
 [[nodiscard]] plot::Plot recovery_tiles(const log::RunRecord& record, const PushedWalk& push,
                                         const std::string& title);
