@@ -101,6 +101,18 @@ void restore_buses(ControllerState& state) {
   if (state.reconnect) state.hardware->serve_restore(state.reconnect);
 }
 
+void finish_cycle(ControllerState& state, const control_loop::PlanningRequest& request, bool fresh,
+                  std::int64_t solve_ns) noexcept {
+  state.planner.record(request, fresh, solve_ns, state.mail);
+  if (fresh) state.mail.plans.publish();
+  state.planning.solve.add_ns(solve_ns);
+  ++state.planning.plans;
+  control_loop::PlanningResult& result = state.mail.results.writer();
+  result = state.planner.result();
+  result.solve_ns = solve_ns;
+  state.mail.results.publish();
+}
+
 void publish(ControllerState& state, const LoopStatistics& loop, const PlannerStatistics& planning) {
   if (state.telemetry_node != nullptr) state.telemetry_node->publish(loop, planning);
 }

@@ -68,6 +68,12 @@ void operate(ControllerState& state, const Signals& signals);
 /// Housekeeping's part of a reset: connects buses again that the torque loop found gone.
 void restore_buses(ControllerState& state);
 
+/// After a solve of the planner's thread: plan and result go to the torque loop, the cycle is recorded and
+/// counted. Real-time.
+/// @param fresh  returned by PlannerTask::plan()
+void finish_cycle(ControllerState& state, const control_loop::PlanningRequest& request, bool fresh,
+                  std::int64_t solve_ns) noexcept;
+
 /// Telemetry's turn: sends what is due.
 void publish(ControllerState& state, const LoopStatistics& loop, const PlannerStatistics& planning);
 

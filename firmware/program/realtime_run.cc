@@ -88,10 +88,7 @@ void run_torque_loop(void* context) {
     state.control.tick(timing);
     const std::int64_t done_ns = clock.now_ns();
     timing.execution_ns = done_ns - timing.now_ns;
-    state.loop.wakeup_latency.add_ns(timing.wakeup_latency_ns);
-    state.loop.execution.add_ns(timing.execution_ns);
-    ++state.loop.ticks;
-    if (timing.wakeup_latency_ns > overrun_ns) ++state.loop.late_ticks;
+    state.loop.add_tick(timing.wakeup_latency_ns, timing.execution_ns, overrun_ns);
     if (state.loop.ticks % kRoundTripEvery == 0 && supervisor::drives(state.control.decision().state)) {
       const auto wait_ns = static_cast<std::int64_t>(kRoundTripShare * static_cast<double>(tick_ns));
       timing.bus_round_trip_ns =
@@ -118,15 +115,7 @@ void run_cycle(Run& run, hal::MonotonicClock& clock, std::int64_t& last_tick) no
   const std::int64_t start_ns = clock.now_ns();
   const bool fresh = state.planner.plan(request, state.mail);
   if (request.stance_episode == 0) return;
-  const std::int64_t solve_ns = clock.now_ns() - start_ns;
-  state.planner.record(request, fresh, solve_ns, state.mail);
-  if (fresh) state.mail.plans.publish();
-  state.planning.solve.add_ns(solve_ns);
-  ++state.planning.plans;
-  control_loop::PlanningResult& result = state.mail.results.writer();
-  result = state.planner.result();
-  result.solve_ns = solve_ns;
-  state.mail.results.publish();
+  finish_cycle(state, request, fresh, clock.now_ns() - start_ns);
 }
 
 /// The planner: plan_rate_hz at most, slower when solves take longer.

@@ -281,15 +281,12 @@ TEST_F(FallbackTest, OffAtTheEndByWayOfSitting) {
   EXPECT_EQ(rig->joints.writes, writes) << "nothing but disabling";
 }
 
-TEST_F(FallbackTest, NoLevelIsLeftOut) {
-  rig->stand();
-  rig->planning = false;
-  rig->run(300);
-  rig->run(static_cast<int>(1000 * rig->configuration.supervisor.sit_s) + 5);
+TEST_F(GaitLevelTest, NoLevelIsLeftOut) {
+  walk_on_without_plans(0.3, kTicksToTheGait);
   rig->command.shut_down = true;
-  rig->run(5);
-  for (const FallbackLevel level : {FallbackLevel::plan, FallbackLevel::plan_feedback, FallbackLevel::sit,
-                                    FallbackLevel::damp, FallbackLevel::off}) {
+  for (int tick = 0; tick < 10000 && rig->state() != State::off; ++tick) rig->run(1);
+  for (std::size_t number = 0; number < supervisor::kFallbackLevels; ++number) {
+    const auto level = static_cast<FallbackLevel>(number);
     EXPECT_NE(std::ranges::find(rig->levels, level), rig->levels.end()) << supervisor::name(level);
   }
 }

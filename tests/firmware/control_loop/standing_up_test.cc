@@ -152,11 +152,13 @@ TEST_F(StandingUpTest, LeavingTheStandingPoseEndsDampedAndIsReported) {
   rig->ask(RequestKind::stand);
   rig->run(500);
   ASSERT_EQ(rig->state(), State::stand);
-  for (int step = 0; step < 20; ++step) {  // no jump of the encoder
-    rig->joints.readings[1].position_rad += 0.05 * rig->configuration.supervisor.stance_margin_rad + 0.001;
+  const supervisor::SupervisorParameters& parameters = rig->configuration.supervisor;
+  ASSERT_LT(parameters.stand_pose_margin_rad, 0.9 * parameters.stance_margin_rad);
+  for (int step = 1; step <= 21; ++step) {  // no jump of the encoder
+    ASSERT_EQ(rig->state(), State::stand) << step - 1 << " of 20 shares of stance_margin_rad off the pose";
+    rig->joints.readings[1].position_rad += 0.05 * parameters.stance_margin_rad;
     rig->run(1);
   }
-  rig->run(1);
   EXPECT_EQ(rig->state(), State::ready);
   EXPECT_TRUE(rig->only_damps());
   const std::vector<Event> events = rig->take(Event::Kind::lost_stance);

@@ -226,5 +226,66 @@ TEST(OwnLoop, TheSameCallsGiveTheSameWalk) {
   EXPECT_EQ(walk(), walk());
 }
 
+/// What a motion leads to, tick by tick.
+class MotionTest : public ::testing::Test {
+ protected:
+  /// Asks for a motion.
+  /// @return  states up to `end`, as "step stand"; a fault in place of them
+  std::string states_after(Motion motion, const std::string& end, double longest_s) {
+    loop.controller.request(motion);
+    std::string states, state;
+    for (double time_s = 0; state != end && time_s < longest_s; time_s += 1e-3) {
+      last = loop.run(1e-3);
+      if (*last.fault != '\0') return last.fault;
+      if (last.state == state) continue;
+      state = last.state;
+      states += (states.empty() ? "" : " ") + state;
+    }
+    return states;
+  }
+
+  Loop loop;
+  Tick last;
+};
+
+TEST_F(MotionTest, OfARobotOnTheGantryAreThoseOfTheDocument) {
+  loop.run(0.01);
+  EXPECT_EQ(states_after(Motion::enable, "ready", 0.1), "calibrate ready");
+  EXPECT_EQ(states_after(Motion::stand, "stand", 0.1), "stand");
+}
+
+TEST_F(MotionTest, StepsStandsAndSits) {
+  loop.begin_standing();
+  loop.run(0.1);
+  EXPECT_EQ(states_after(Motion::step, "step", 0.1), "step");
+  loop.run(0.5);
+  EXPECT_EQ(states_after(Motion::stand, "stand", 3.0), "step stand");
+  loop.run(0.5);
+  EXPECT_EQ(states_after(Motion::sit, "sit", 1.0), "stand sit");
+}
+
+TEST_F(MotionTest, OffIsByWayOfSittingWhereTheRobotStands) {
+  loop.run(0.01);
+  EXPECT_EQ(states_after(Motion::enable, "ready", 0.1), "calibrate ready");
+  EXPECT_EQ(states_after(Motion::off, "off", 0.1), "off");
+  EXPECT_EQ(last.action, DriverAction::disable);
+  Loop standing;
+  standing.begin_standing();
+  standing.run(0.1);
+  standing.controller.request(Motion::off);
+  EXPECT_STREQ(standing.run(0.1).state, "sit");
+}
+
+TEST_F(MotionTest, AResetEndsAFaultWhoseCauseIsGone) {
+  loop.begin_standing();
+  loop.run(0.1);
+  loop.run(0.01, [](Measurements& measurements) { measurements.emergency_stop = true; });
+  EXPECT_STREQ(loop.run(0.01).state, "fault");
+  loop.controller.request(Motion::reset);
+  const Tick& after = loop.run(0.1);
+  EXPECT_STREQ(after.state, "idle");
+  EXPECT_STREQ(after.fault, "");
+}
+
 }  // namespace
 }  // namespace stilt

@@ -16,7 +16,8 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kTick_s = 1e-9 * testing::kTick_ns;
 
-/// A joint that swings, q = 0.5 sin(8 t), and a torso that sways, 0.1 sin(5 t), as sensors report them.
+/// A joint that swings, q = 0.5 sin(8 t) unless a test changes that, and a torso that sways, 0.1 sin(5 t), as
+/// sensors report them.
 class SignalMonitorTest : public ::testing::Test {
  protected:
   SignalMonitorTest() { planned_rad_.fill(kNan); }
@@ -26,8 +27,8 @@ class SignalMonitorTest : public ::testing::Test {
     const double time_s = 1e-9 * static_cast<double>(time_ns_);
     for (hal::JointReading& joint : joints_) {
       joint.time_ns = time_ns_;
-      joint.position_rad = offset_rad_ + 0.5 * std::sin(8 * time_s);
-      joint.velocity_rad_s = 4 * std::cos(8 * time_s);
+      joint.position_rad = offset_rad_ + swing_rad_ * std::sin(8 * time_s);
+      joint.velocity_rad_s = 8 * swing_rad_ * std::cos(8 * time_s);
       joint.torque_Nm = reported_Nm_;
     }
     base_.time_ns = time_ns_;
@@ -50,7 +51,8 @@ class SignalMonitorTest : public ::testing::Test {
   Pose asked_Nm_{};
   Pose planned_rad_{};
   std::int64_t time_ns_ = 1'000'000'000;
-  double offset_rad_ = 0, reported_Nm_ = 0, base_offset_rad_ = 0, rate_share_ = 1, rate_bias_rad_s_ = 0;
+  double swing_rad_ = 0.5, offset_rad_ = 0, reported_Nm_ = 0, base_offset_rad_ = 0, rate_share_ = 1,
+         rate_bias_rad_s_ = 0;
   double largest_torso_rad_ = 0;
 };
 
@@ -119,10 +121,14 @@ TEST_F(SignalMonitorTest, ADriverThatReportsNoTorqueIsNotJudged) {
   EXPECT_EQ(run(1.0).torque_mismatch_Nm[1], 0);
 }
 
-TEST_F(SignalMonitorTest, AJointFarFromItsPlanShowsAndOneWithoutPlanDoesNot) {
-  planned_rad_[2] = 3.0;
+TEST_F(SignalMonitorTest, AJointOffItsPlanShowsWithinTheTimeOfTheMeanAndOneWithoutPlanDoesNot) {
+  swing_rad_ = 0;
+  planned_rad_[2] = 0;
+  EXPECT_EQ(run(0.5).following_error_rad[2], 0);
+  planned_rad_[2] = -1;
+  EXPECT_NEAR(run(0.05).following_error_rad[2], 1 - std::exp(-1), 0.02);
   const Signals& after = run(0.5);
-  EXPECT_NEAR(after.following_error_rad[2], 3.0, 0.6);
+  EXPECT_NEAR(after.following_error_rad[2], 1, 0.01);
   EXPECT_EQ(after.following_error_rad[1], 0);
 }
 

@@ -9,12 +9,35 @@ namespace {
 using testing::SupervisorTest;
 
 TEST_F(SupervisorTest, ACutTurnsTheMotorsOffInTheNextTickFromAnyState) {
-  for (const State from : {State::ready, State::stand, State::walk}) {
-    SCOPED_TRACE(name(from));
+  const auto bring_to = [this](State state) {
     power_on();
-    if (from == State::ready) bring_to_ready();
-    if (from == State::stand) bring_to_stand();
-    if (from == State::walk) bring_to_walk();
+    if (state == State::boot) return;
+    tick();
+    if (state == State::idle) return;
+    if (state == State::ready) return bring_to_ready();
+    if (state == State::stand) return bring_to_stand();
+    if (state == State::calibrate) {
+      request(RequestKind::calibrate);
+      tick();
+      return;
+    }
+    if (state == State::sit) {
+      bring_to_stand();
+      request(RequestKind::sit);
+      run(0.1);
+      return;
+    }
+    bring_to_walk();
+    if (state == State::step) request(RequestKind::step);
+    if (state == State::fault) inputs_.seen.joints[2].fault = hal::DriverFault::over_current;
+    tick();
+  };
+  for (std::size_t number = 0; number < kStates; ++number) {
+    const auto from = static_cast<State>(number);
+    if (from == State::off || from == State::watch) continue;
+    SCOPED_TRACE(name(from));
+    bring_to(from);
+    ASSERT_EQ(output().state, from);
     request(RequestKind::cut);
     EXPECT_EQ(tick(), State::off);
     EXPECT_EQ(action_, Action::disable);

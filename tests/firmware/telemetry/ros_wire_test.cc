@@ -2,14 +2,12 @@
 // publishes them.
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <cmath>
 #include <fstream>
 #include <map>
-#include <thread>
 
-#include "firmware/telemetry/reader.h"
 #include "firmware/telemetry/ros_publisher.h"
+#include "tests/firmware/telemetry/one_sample.h"
 #include "tests/independent_readers/run_reader.h"
 #include "tests/own_domain.h"
 #include "tests/own_folder.h"
@@ -84,22 +82,10 @@ nlohmann::json read_elsewhere(std::string_view topic, const Cdr& sample) {
   return answer.at("message");
 }
 
-class RosWire : public testing::Test {
- protected:
-  /// One sample of a topic, off the wire.
-  template <class Send>
-  Cdr sent(const Topic& topic, Send&& send) {
-    auto reader = Reader::open(*participant, topic);
-    EXPECT_TRUE(reader.has_value());
-    Cdr cdr;
-    for (int i = 0; i < 6000 && cdr.empty(); ++i) {
-      send();
-      reader->take([&](Sample&& sample) { cdr = std::move(sample.cdr); });
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    }
-    return cdr;
-  }
+using testing::one_sample;
 
+class RosWire : public ::testing::Test {
+ protected:
   void SetUp() override {
     participant = Participant::open({.domain = tests::own_domain()});
     ASSERT_TRUE(participant.has_value()) << participant.error();
@@ -122,7 +108,7 @@ class RosWire : public testing::Test {
 };
 
 TEST_F(RosWire, joint_states_read_as_a_joint_state) {
-  const Cdr cdr = sent(kJointStates, [&] { publisher.joint_states(tick, time); });
+  const Cdr cdr = one_sample(*participant, kJointStates, [&] { publisher.joint_states(tick, time); }).cdr;
   const nlohmann::json message = read_elsewhere(kJointStates.name, cdr);
   EXPECT_EQ(message.at("header").at("stamp").at("sec"), 1'700'000'002);
   EXPECT_EQ(message.at("header").at("stamp").at("nsec"), 250'000'000);
@@ -133,7 +119,7 @@ TEST_F(RosWire, joint_states_read_as_a_joint_state) {
 }
 
 TEST_F(RosWire, odom_reads_as_an_odometry_with_the_twist_in_the_childs_frame) {
-  const Cdr cdr = sent(kOdometry, [&] { publisher.odometry(tick, time); });
+  const Cdr cdr = one_sample(*participant, kOdometry, [&] { publisher.odometry(tick, time); }).cdr;
   const nlohmann::json message = read_elsewhere(kOdometry.name, cdr);
   EXPECT_EQ(message.at("header").at("frame_id"), "odom");
   EXPECT_EQ(message.at("child_frame_id"), "base");
@@ -156,8 +142,9 @@ TEST_F(RosWire, diagnostics_read_as_a_diagnostic_array_that_names_the_fault) {
   tick.latched.add(supervisor::Fault::bus_off);
   diagnostics::FoundWords found;
   found[static_cast<std::size_t>(supervisor::Fault::bus_off)] = "bus 1 of hardware.buses";
-  const Cdr cdr = sent(kDiagnostics, [&] { publisher.diagnostics(tick, {}, {}, time, "amber3m", found); });
-  const nlohmann::json message = read_elsewhere(kDiagnostics.name, cdr);
+  const Sample sample = one_sample(*participant, kDiagnostics,
+                                   [&] { publisher.diagnostics(tick, {}, {}, time, "amber3m", found); });
+  const nlohmann::json message = read_elsewhere(kDiagnostics.name, sample.cdr);
   ASSERT_EQ(message.at("status").size(), 6u);
   const nlohmann::json& first = message.at("status").at(0);
   EXPECT_EQ(first.at("level"), 2);
@@ -165,6 +152,64 @@ TEST_F(RosWire, diagnostics_read_as_a_diagnostic_array_that_names_the_fault) {
   EXPECT_EQ(first.at("values").back().at("key"), "bus_off");
   EXPECT_EQ(first.at("values").back().at("value"), "waits for a reset: bus 1 of hardware.buses");
   EXPECT_EQ(first.at("message"), "fault; the controller of a bus took itself off: bus 1 of hardware.buses");
+}
+
+/// Level, name and message of a status, and its values.
+std::string text_of(const nlohmann::json& status) {
+  std::string text = std::to_string(status.at("level").get<int>()) + ' ' +
+                     status.at("name").get<std::string>() + ": " + status.at("message").get<std::string>();
+  for (const nlohmann::json& pair : status.at("values")) {
+    text += ", " + pair.at("key").get<std::string>() + ' ' + pair.at("value").get<std::string>();
+  }
+  return text;
+}
+
+TEST_F(RosWire, diagnostics_have_a_status_of_the_timing_and_of_each_driver) {
+  for (std::size_t i = 0; i < hal::kJoints; ++i) {
+    hal::JointReading& joint = tick.joints[i];
+    const double number = static_cast<double>(i);
+    joint.driver_temperature_C = 40 + number;
+    joint.motor_temperature_C = 50 + number;
+    joint.supply_V = 46 + number;
+    joint.missed_replies = static_cast<std::uint32_t>(1 + i);
+    joint.state = hal::DriverState::enabled;
+  }
+  tick.joints[1].fault = hal::DriverFault::encoder;
+  tick.joints[1].fault_code = 35;
+  tick.joints[2].state = hal::DriverState::fault;
+  diagnostics::LoopStatistics loop;
+  loop.ticks = 101;
+  loop.late_ticks = 7;
+  loop.missed_periods = 11;
+  loop.heap_allocations = 2;
+  loop.page_faults = 3;
+  loop.wakeup_latency.add_ns(1'000'000);
+  loop.execution.add_ns(2'000'000);
+  diagnostics::PlannerStatistics planning;
+  planning.plans = 13;
+  planning.heap_allocations = 30;
+  planning.page_faults = 50;
+  planning.solve.add_ns(4'000'000);
+  const Sample sample = one_sample(*participant, kDiagnostics,
+                                   [&] { publisher.diagnostics(tick, loop, planning, time, "amber3m", {}); });
+  const nlohmann::json status = read_elsewhere(kDiagnostics.name, sample.cdr).at("status");
+  ASSERT_EQ(status.size(), 6u);
+  EXPECT_EQ(text_of(status[1]),
+            "1 stiltd: timing: 7 late ticks, ticks 101, late_ticks 7, missed_periods 11, plans 13, "
+            "heap_allocations 32, page_faults 53, wakeup_latency_p99_us 1000, execution_p99_us 2000, "
+            "solve_p99_us 4000");
+  EXPECT_EQ(text_of(status[2]),
+            "0 driver: hip_L: no fault, temperature_C 40, motor_temperature_C 50, supply_V 46, "
+            "missed_replies 1, fault_code 0");
+  EXPECT_EQ(text_of(status[3]),
+            "2 driver: knee_L: encoder, temperature_C 41, motor_temperature_C 51, supply_V 47, "
+            "missed_replies 2, fault_code 35");
+  EXPECT_EQ(text_of(status[4]),
+            "2 driver: hip_R: no fault, temperature_C 42, motor_temperature_C 52, supply_V 48, "
+            "missed_replies 3, fault_code 0");
+  EXPECT_EQ(text_of(status[5]),
+            "0 driver: knee_R: no fault, temperature_C 43, motor_temperature_C 53, supply_V 49, "
+            "missed_replies 4, fault_code 0");
 }
 
 TEST_F(RosWire, a_twist_of_others_reads_as_ours) {

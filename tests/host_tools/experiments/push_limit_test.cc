@@ -63,7 +63,9 @@ TEST(PushLimit, OfForcesThatAreNoBinaryFractionsStopsAtTheLargestToo) {
 }
 
 TEST(PushLimit, WasSurvivedAndTheNextNewtonWasNot) {
-  std::mt19937 random(7);
+  constexpr std::uint32_t kSeed = 7;
+  SCOPED_TRACE(kSeed);
+  std::mt19937 random(kSeed);
   for (int round = 0; round < 200; ++round) {
     std::set<int> falls;
     for (int i = 0; i < 4; ++i) falls.insert(static_cast<int>(random() % 80) + 1);

@@ -40,10 +40,12 @@ class StepProgramTest : public testing::TestWithParam<Case> {
   /// A step off its initial guess, so that nothing vanishes by symmetry.
   void SetUp() override {
     start_ = initial_guess(testing_support::amber3m().constants, task_, program_);
-    std::mt19937 random(7);
+    std::mt19937 random(kSeed);
     std::uniform_real_distribution<double> move(-0.02, 0.02);
     for (double& value : start_) value += move(random);
   }
+  static constexpr std::uint32_t kSeed = 7;
+  const testing::ScopedTrace trace_{__FILE__, __LINE__, kSeed};
   const StepTask task_ = small_task(GetParam());
   const StepProgram program_{testing_support::amber3m(), task_};
   VectorXd start_;
@@ -81,7 +83,9 @@ TEST_P(StepProgramTest, GradientIsTheSlopeOfTheObjective) {
 TEST_P(StepProgramTest, HessianIsTheSlopeOfTheLagrangiansGradient) {
   constexpr double kMove = 1e-5;
   const Eigen::Index rows = program_.constraints(start_).size();
-  std::mt19937 random(11);
+  constexpr std::uint32_t kWeightSeed = 11;
+  SCOPED_TRACE(kWeightSeed);
+  std::mt19937 random(kWeightSeed);
   std::uniform_real_distribution<double> weight(-1.0, 1.0);
   VectorXd multipliers(rows);
   for (double& value : multipliers) value = weight(random);

@@ -125,7 +125,9 @@ TEST_F(EstimatorTest, StandingStillTheBaseIsWhereItStarted) {
 
 TEST_F(EstimatorTest, AnglesAndTheirRatesAreTheSensors) {
   configure(kBlend_s);
-  std::mt19937_64 random(3);
+  constexpr std::uint64_t kSeed = 3;
+  SCOPED_TRACE(kSeed);
+  std::mt19937_64 random(kSeed);
   const StateVector state = testing_support::random_state(random);
   estimator_.reset(reading_of(state, 0.0), 0.0);
   const StateVector estimate = estimator_.update(reading_of(state, 0.0), kBoth);
@@ -154,7 +156,9 @@ TEST_F(EstimatorTest, AWalkWithoutSlipIsFollowedExactlyForAMinute) {
 
 TEST_F(EstimatorTest, TrustMovesLinearlyFromTheOldStanceFootToTheNewOne) {
   configure(kBlend_s);
-  std::mt19937_64 random(17);
+  constexpr std::uint64_t kSeed = 17;
+  SCOPED_TRACE(kSeed);
+  std::mt19937_64 random(kSeed);
   const StateVector state = testing_support::random_state(random);  // both feet move, differently
   const RelativeFeet feet(robot_, state);
   double time_s = 0.0;
@@ -174,7 +178,9 @@ TEST_F(EstimatorTest, TrustMovesLinearlyFromTheOldStanceFootToTheNewOne) {
 
 TEST_F(EstimatorTest, PositionIsContinuousAtASwitch) {
   configure(kBlend_s);
-  std::mt19937_64 random(18);
+  constexpr std::uint64_t kSeed = 18;
+  SCOPED_TRACE(kSeed);
+  std::mt19937_64 random(kSeed);
   StateVector state = testing_support::random_state(random);
   estimator_.reset(reading_of(state, 0.0), 1.0);
   const auto moved = [&](int tick) {
@@ -196,7 +202,9 @@ TEST_F(EstimatorTest, PositionIsContinuousAtASwitch) {
 
 TEST_F(EstimatorTest, WithoutBlendTrustMovesAtOnce) {
   configure(0.0);
-  std::mt19937_64 random(19);
+  constexpr std::uint64_t kSeed = 19;
+  SCOPED_TRACE(kSeed);
+  std::mt19937_64 random(kSeed);
   const StateVector state = testing_support::random_state(random);
   const RelativeFeet feet(robot_, state);
   estimator_.reset(reading_of(state, 0.0), 0.0);

@@ -148,8 +148,10 @@ TEST(Care, AWeightWithoutWeightOnStableModesIsFine) {
 }
 
 TEST(Care, CoupledInputWeightsAreRespected) {
-  CareProblem problem = random_problem(12);
-  std::mt19937_64 random(12);
+  constexpr std::uint64_t kSeed = 12;
+  SCOPED_TRACE(kSeed);
+  CareProblem problem = random_problem(kSeed);
+  std::mt19937_64 random(kSeed);
   const InputWeight root = gaussian<InputWeight>(random);
   problem.R = root.lazyProduct(root.transpose()) + InputWeight::Identity();
   problem.R = (0.5 * (problem.R + problem.R.transpose())).eval();

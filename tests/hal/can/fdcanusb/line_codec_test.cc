@@ -133,7 +133,9 @@ TEST(FdcanusbLines, AStatusIsRead) {
 
 /// Against the emulator's own writer and reader.
 TEST(FdcanusbLines, EveryFrameOfABusIsReadAsItWas) {
-  std::mt19937 random(20);
+  constexpr std::uint32_t kSeed = 20;
+  SCOPED_TRACE(kSeed);
+  std::mt19937 random(kSeed);
   for (int i = 0; i < 2000; ++i) {
     CanFrame frame;
     frame.fd = random() % 2 == 0;

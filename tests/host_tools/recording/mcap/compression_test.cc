@@ -8,14 +8,18 @@
 namespace stilt::mcap {
 namespace {
 
+constexpr std::uint32_t kSeed = 7;
+
 Bytes sample(std::size_t size) {
-  std::mt19937 random(7);
+  std::mt19937 random(kSeed);
   Bytes data(size);
   for (std::size_t i = 0; i < size; ++i) data[i] = static_cast<std::uint8_t>(i % 3 == 0 ? random() : i / 100);
   return data;
 }
 
-class EachCompression : public testing::TestWithParam<Compression> {};
+class EachCompression : public testing::TestWithParam<Compression> {
+  const testing::ScopedTrace trace_{__FILE__, __LINE__, kSeed};  // of sample()
+};
 
 TEST_P(EachCompression, GivesBackWhatItTook) {
   for (const std::size_t size : {0u, 1u, 1000u, 300'000u, 5'000'000u}) {

@@ -1,0 +1,73 @@
+// The robot's side of telemetry as a whole, with a commander on the wire.
+#include "firmware/telemetry/telemetry_node.h"
+
+#include <gtest/gtest.h>
+
+#include "firmware/configuration/configuration.h"
+#include "firmware/configuration/live.h"
+#include "firmware/telemetry/writer.h"
+#include "tests/firmware/telemetry/one_sample.h"
+#include "tests/own_domain.h"
+#include "tests/own_folder.h"
+
+namespace stilt::telemetry {
+namespace {
+
+class TelemetryNodeTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    configuration.telemetry.domain = tests::own_domain();
+    configuration.telemetry.token_file = folder.file("stilt/token");
+    auto opened = TelemetryNode::open(configuration, {}, *mail);
+    ASSERT_TRUE(opened.has_value()) << opened.error();
+    node = std::move(*opened);
+    ASSERT_TRUE(node->take_commands().has_value());
+    node->tick({});
+    peer = Participant::open({.domain = tests::own_domain()});
+    ASSERT_TRUE(peer.has_value()) << peer.error();
+  }
+
+  tests::OwnFolder folder;
+  configuration::Configuration configuration = configuration::load_robot("amber3m").value();
+  std::unique_ptr<control_loop::Mailboxes> mail = std::make_unique<control_loop::Mailboxes>();
+  std::unique_ptr<TelemetryNode> node;
+  std::expected<Participant, std::string> peer;
+};
+
+TEST_F(TelemetryNodeTest, ATuningNamesWhoAskedForIt) {
+  const auto begun = testing::one_sample(*peer, kConfiguration, [] {}).as<ActiveConfiguration>();
+  ASSERT_TRUE(begun);
+  const configuration::LiveTunable tunable = configuration::live_tunables(configuration).front();
+  std::string token = read_token(node->token_file()).value();
+  std::string key = tunable.entry->name();
+  std::string name = "anna";
+  Command command{};
+  command.run_id = begun->run_id;
+  command.token = token.data();
+  command.commander = name.data();
+  command.kind = static_cast<std::uint8_t>(CommandKind::tunable);
+  command.value = tunable.maximum;
+  command.key = key.data();
+  auto commands = AnyWriter::open(*peer, kCommands);
+  ASSERT_TRUE(commands.has_value());
+  auto tunings = Reader::open(*peer, kTuning);
+  ASSERT_TRUE(tunings.has_value());
+  std::string key_tuned, tuned_by;
+  for (int i = 0; i < 6000 && key_tuned.empty(); ++i) {
+    ++command.number;
+    EXPECT_TRUE(commands->write(&command));
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    static_cast<void>(node->operate({}));
+    tunings->take([&](Sample&& sample) {
+      const auto tuning = sample.as<Tuning>();
+      if (!tuning || tuning->number == 0) return;  // as configured
+      key_tuned = tuning->key;
+      tuned_by = tuning->commander;
+    });
+  }
+  EXPECT_EQ(key_tuned, key);
+  EXPECT_EQ(tuned_by, "anna");
+}
+
+}  // namespace
+}  // namespace stilt::telemetry
