@@ -49,7 +49,6 @@ class NodeModel {
       for (const Row& row : equations.foot_jacobian(f)) jacobian_.push_back(row);
     }
     solve_motion();
-    Row joint_rows = rows_.row;
     for (int f = 0; f < feet_; ++f) {
       const PlanarExpression a = equations.foot_acceleration(f, motion_);
       foot_acceleration_.insert(foot_acceleration_.end(), {a.x, a.z});

@@ -66,7 +66,7 @@ std::int64_t measure_round_trip(hal::RoundTrip& meter, hal::MonotonicClock& cloc
                                 std::int64_t give_up_ns, ControllerState& state) noexcept {
   const std::int64_t took_ns = meter.measure(clock, sent_ns, give_up_ns);
   if (took_ns >= 0) state.loop.bus_round_trip.add_ns(took_ns);
-  return took_ns;
+  return meter.newest_ns();
 }
 
 /// The torque loop: until the supervisor is off.

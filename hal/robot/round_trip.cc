@@ -41,7 +41,7 @@ std::int64_t RoundTrip::measure(Clock& clock, std::int64_t sent_ns, std::int64_t
   while (true) {
     const bool done = all_replied();
     const std::int64_t now_ns = clock.now_ns();
-    if (done) return now_ns - sent_ns;
+    if (done) return newest_ns_ = now_ns - sent_ns;
     if (now_ns + kPause_ns >= give_up_ns) return -1;
     static_cast<void>(clock.sleep_until(now_ns + kPause_ns));
   }

@@ -37,11 +37,15 @@ class RoundTrip {
   /// @return  nanoseconds since sent_ns; -1: not all replied in time, or none does ever
   [[nodiscard]] std::int64_t measure(Clock& clock, std::int64_t sent_ns, std::int64_t give_up_ns) noexcept;
 
+  /// The newest time that was measured; 0: none yet.
+  [[nodiscard]] std::int64_t newest_ns() const noexcept { return newest_ns_; }
+
  private:
   [[nodiscard]] bool all_replied() noexcept;
 
   std::span<TapBus> taps_;
   std::array<ReplyFrame, kJoints> replies_;
+  std::int64_t newest_ns_ = 0;
 };
 
 }  // namespace stilt::hal

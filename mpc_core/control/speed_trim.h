@@ -13,7 +13,7 @@ struct TrimInput {
   double base_x_m = 0.0;
   double speed_reference_m_s = 0.0;  ///< without trim
   model::ContactMode contact;        ///< by schedule
-  bool stepping = false;             ///< by command; while false there is no trim
+  bool stepping = false;             ///< by schedule, after a solve with a plan; while false there is no trim
 };
 
 /// Integral trim of the speed reference. Steps track the commanded speed with a bias, a compromise between

@@ -24,11 +24,15 @@ double feedback_share(const TorqueLawParameters& law, double age_s) noexcept {
 
 void TorqueLaw::configure(const model::RobotModel& robot, const ControllerParameters& parameters) noexcept {
   robot_ = &robot;
-  law_ = parameters.torque_law;
   drive_ = drive_model(robot.constants, parameters.robot);
   friction_coefficient_ = parameters.inequality.friction_coefficient;
-  minimum_normal_force_N_ = ocp::MinimumNormalForce::of(parameters.torque_law.minimum_normal_force_share,
-                                                        robot.constants.total_mass_kg);
+  tune(parameters.torque_law);
+}
+
+void TorqueLaw::tune(const TorqueLawParameters& law) noexcept {
+  law_ = law;
+  minimum_normal_force_N_ =
+      ocp::MinimumNormalForce::of(law.minimum_normal_force_share, robot_->constants.total_mass_kg);
 }
 
 TorqueCommand TorqueLaw::follow(const SensorReading& reading, const model::StateVector& state,

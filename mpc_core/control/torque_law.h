@@ -27,8 +27,8 @@ class TorqueLaw {
  public:
   void configure(const model::RobotModel& robot, const ControllerParameters& parameters) noexcept;
 
-  /// Replaces the gains from the next call on. Real-time safe.
-  void tune(const TorqueLawParameters& law) noexcept { law_ = law; }
+  /// Replaces the parameters from the next call on. After configure(). Real-time safe.
+  void tune(const TorqueLawParameters& law) noexcept;
 
   /// @param state  estimated state, for the feedback
   /// @param point  the plan at the time of the reading

@@ -127,11 +127,11 @@ double HeuristicReference::foothold_x_m(int foot, const Interval& contact) const
     if (!stands(schedule_->phase(phase))) continue;
     const double below_hip_m = base_at(schedule_->phase(phase).start_s).x_m;
     if (phase != first) return below_hip_m;
-    // The foot that lands last before a stand is placed ahead of the other, behind it when moving backward.
-    // The weights of the other terms keep about half of that distance: asked for is twice the wanted one.
+    // The foot that lands last before a stand is placed ahead of the other. The weights of the other terms
+    // keep about half of that distance: asked for is twice the wanted one.
     const int other = 1 - foot;
     const bool other_stands = schedule_->foot_interval(phase, other).start_s <= time_s_;
-    const double apart_m = std::copysign(2.0 * 2.0 * gait_.stand_half_width_m, command_.speed_m_s);
+    const double apart_m = 2.0 * 2.0 * gait_.stand_half_width_m;
     return (other_stands ? measured_feet_[2 * other] : below_hip_m) + apart_m;
   }
   return base_at(0.5 * (contact.start_s + contact.end_s)).x_m + foothold_shift_m(contact);

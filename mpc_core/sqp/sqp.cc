@@ -117,7 +117,10 @@ Sqp::Search Sqp::line_search(const ocp::ProblemData& data, const ocp::Problem& p
   const long long start_ns = now_ns();
   Search result = Search::rejected;
   for (double length = 1.0; length >= p.step_min; length *= p.step_decrease) {
-    if (report.trial_steps == report.iterations + p.backtracking_steps) return Search::exhausted;
+    if (report.trial_steps == report.iterations + p.backtracking_steps) {
+      result = Search::exhausted;
+      break;
+    }
     ++report.trial_steps;
     const double component_max = take_step(iterate, length, stages, trial);
     if (length == 1.0) full_step_component_max_ = component_max;

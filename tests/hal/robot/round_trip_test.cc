@@ -139,6 +139,23 @@ TEST(RoundTrip, GivesUpInTime) {
   EXPECT_LE(tapped.robot.clock_.now_ns(), sent_ns + 500'000);
 }
 
+TEST(RoundTrip, TheNewestMeasurementStaysWhileTheBusIsMute) {
+  TappedRobot tapped(Kind::mit);
+  RoundTrip meter(tapped.robot.wiring_, tapped.taps);
+  EXPECT_EQ(meter.newest_ns(), 0);
+  const auto measure = [&] {
+    JointReadings readings;
+    static_cast<void>(tapped.joints->read(tapped.robot.clock_.now_ns(), readings));
+    const std::int64_t sent_ns = tapped.robot.clock_.now_ns() - 1'000;
+    static_cast<void>(tapped.joints->write({}));
+    return meter.measure(tapped.robot.clock_, sent_ns, sent_ns + kTick_ns);
+  };
+  EXPECT_EQ(measure(), 1'000);
+  for (const auto& driver : tapped.robot.drivers_) driver->set_powered(false);
+  EXPECT_EQ(measure(), -1);
+  EXPECT_EQ(meter.newest_ns(), 1'000);
+}
+
 TEST(RoundTrip, DoesNotWaitForDriversThatDoNotReply) {
   TappedRobot tapped(Kind::odrive);
   RoundTrip meter(tapped.robot.wiring_, tapped.taps);

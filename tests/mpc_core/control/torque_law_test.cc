@@ -4,6 +4,7 @@
 #include <limits>
 #include <string>
 
+#include "firmware/configuration/live.h"
 #include "firmware/robots/robots.h"
 #include "tests/codegen/model/mujoco_robot.h"
 #include "tests/mpc_core/control/torque_law_rig.h"
@@ -37,6 +38,33 @@ TEST_F(TorqueLawTest, TorqueNeverExceedsTheLimitOfItsJoint) {
       }
     }
   }
+}
+
+/// Every live key of the section, by its table.
+TEST_F(TorqueLawTest, TunedLiveItGivesTheTorquesOfALawConfiguredSo) {
+  configuration::Configuration base = configuration::load_robot("amber3m").value();
+  base.robot.torque_limit_scale = 1e6;
+  base.robot.hip_coulomb_friction_Nm = 2.0;
+  for (PlanNode& node : plan_->node) {  // the least normal force of one foot acts
+    node.mode = {true, false};
+    node.input.tail<4>() << 0.0, 1.0, 0.0, 0.0;
+  }
+  configure(base);
+  const JointVector before_Nm = tick().torque_Nm;
+  int keys = 0;
+  for (const configuration::LiveTunable& tunable : configuration::live_tunables(base)) {
+    if (tunable.entry->section != "torque_law") continue;
+    ++keys;
+    configuration::Configuration changed = base;
+    std::get<configuration::RealField>(tunable.entry->field).set(changed, tunable.minimum);
+    configure(changed);
+    const JointVector configured_Nm = tick().torque_Nm;
+    configure(base);
+    law_.tune(changed.torque_law);
+    EXPECT_EQ(tick().torque_Nm, configured_Nm) << tunable.entry->name();
+    EXPECT_NE(configured_Nm, before_Nm) << tunable.entry->name();
+  }
+  EXPECT_EQ(keys, 4);
 }
 
 /// Torque of the plan with the contact forces of node 1 replaced.

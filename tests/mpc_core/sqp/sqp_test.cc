@@ -292,5 +292,16 @@ TEST(Sqp, MeasuresItsPhasesWithTheClockItIsGivenAndNoneWithout) {
   EXPECT_GE(times.total_us, times.linearise_us + times.riccati_us + times.line_search_us);
 }
 
+TEST(Sqp, MeasuresALineSearchThatGivesUp) {
+  for (const int most : {0, 5}) {
+    Solve solve;
+    solve.sqp->set_clock(&counting_clock);
+    solve.parameters.filter_margin = 1e9;
+    solve.parameters.backtracking_steps = most;
+    EXPECT_EQ(solve.run(3).iterations, 1);
+    EXPECT_EQ(solve.sqp->phase_times().line_search_us, 1.0) << most;
+  }
+}
+
 }  // namespace
 }  // namespace stilt::sqp
