@@ -22,6 +22,13 @@ TEST(Report, ARobotThatTheFramesCannotCarryIsRefused) {
   EXPECT_NE(report.text.find("knee_L: commands an angle"), std::string::npos) << report.text;
 }
 
+TEST(Report, ARobotThatCannotStandAsConfiguredIsRefused) {
+  const configuration::Override too_high[] = {{"reference.base_height_m=0.9"}};
+  const BusReport report = report_buses(*configuration::load_robot("amber3m", too_high));
+  EXPECT_TRUE(report.refused);
+  EXPECT_NE(report.text.find("\nreference.base_height_m = 0.9 "), std::string::npos) << report.text;
+}
+
 TEST(Report, ACanInterfaceRequiresARealTimeMachineAndSimulatedBusesDoNot) {
   const auto requires_with = [](const std::string& buses, const std::string& setting) {
     const configuration::Override overrides[] = {{"hardware.buses=" + buses}, {setting}};
