@@ -96,11 +96,14 @@ void check_timing(const Parameters& p, std::vector<Contradiction>& found) {
                          " must be at most timing.torque_rate_hz = " + number_text(timing.torque_rate_hz)});
   }
   const double age_s = timing.plan_delay_s + 1.0 / timing.plan_rate_hz;
-  if (age_s > p.discretisation.horizon_s) {
-    found.push_back({{"timing.plan_delay_s", "timing.plan_rate_hz", "discretisation.horizon_s"},
-                     "a plan is used until it is timing.plan_delay_s + 1 / timing.plan_rate_hz = " +
-                         number_text(age_s) + " s old and must be at least as long: " +
-                         "discretisation.horizon_s = " + number_text(p.discretisation.horizon_s)});
+  // Until then a plan is used: it ends, or the supervisor counts it as stale.
+  for (const auto& [key, usable_s] : {std::pair{"discretisation.horizon_s", p.discretisation.horizon_s},
+                                      std::pair{"supervisor.stale_plan_s", p.supervisor.stale_plan_s}}) {
+    if (age_s <= usable_s) continue;
+    found.push_back({{"timing.plan_delay_s", "timing.plan_rate_hz", key},
+                     "a plan is timing.plan_delay_s + 1 / timing.plan_rate_hz = " + number_text(age_s) +
+                         " s old when the next one comes, which must be at most " + std::string(key) + " = " +
+                         number_text(usable_s)});
   }
 }
 
