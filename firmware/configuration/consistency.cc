@@ -57,13 +57,19 @@ void check_gait(const Parameters& p, std::vector<Contradiction>& found) {
   }
   // The swing profile (mpc_core/gait/swing.h) stays above the ground when apex + v T / 8 >= 0.
   const double drop_m = -gait.touchdown_velocity_m_s * gait.single_support_s / 8.0;
-  if (gait.swing_height_m < drop_m) {
+  if (gait.swing_height_m < drop_m - kRounding) {
     found.push_back({{"gait.touchdown_velocity_m_s", "gait.swing_height_m", "gait.single_support_s"},
                      "gait.touchdown_velocity_m_s = " + number_text(gait.touchdown_velocity_m_s) +
                          " is too fast for the swing to stay above the ground: with gait.swing_height_m = " +
                          number_text(gait.swing_height_m) + " and gait.single_support_s = " +
                          number_text(gait.single_support_s) + " it must be at least " +
                          number_text(-8.0 * gait.swing_height_m / gait.single_support_s)});
+  }
+  if (gait.catch_falls && gait.catch_margin_m >= gait.stand_half_width_m) {
+    found.push_back({{"gait.catch_margin_m", "gait.stand_half_width_m"},
+                     "gait.catch_margin_m = " + number_text(gait.catch_margin_m) +
+                         " must be below gait.stand_half_width_m = " + number_text(gait.stand_half_width_m) +
+                         ": no place between the feet would be free of steps"});
   }
   if (p.estimator.blend_s > gait.single_support_s) {
     found.push_back({{"estimator.blend_s", "gait.single_support_s"},

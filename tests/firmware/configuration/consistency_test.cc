@@ -104,6 +104,15 @@ TEST(Consistency, APlanComesBeforeTheOneBeforeItIsStale) {
             "");
 }
 
+TEST(Consistency, AStandingRobotHasRoomForItsCapturePoint) {
+  EXPECT_EQ(complaint([](Parameters& p) { p.gait.catch_margin_m = 0.14; }), "");
+  EXPECT_EQ(
+      complaint([](Parameters& p) { p.gait.catch_margin_m = 0.15; }),
+      "gait.catch_margin_m: gait.catch_margin_m = 0.15 must be below gait.stand_half_width_m = 0.15: no "
+      "place between the feet would be free of steps");
+  EXPECT_EQ(complaint([](Parameters& p) { p.gait.catch_margin_m = 0.15, p.gait.catch_falls = false; }), "");
+}
+
 TEST(Consistency, EachOtherContradictionNamesItsKeyFirst) {
   const auto starts = [](const std::string& text, std::string_view key) { return text.starts_with(key); };
   EXPECT_PRED2(starts, complaint([](Parameters& p) { p.timing.plan_rate_hz = 1500.0; }),
