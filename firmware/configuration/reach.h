@@ -12,8 +12,8 @@ namespace stilt::configuration {
 /// Joints may be found a little beyond their travel.
 inline constexpr double kTravelMargin_rad = 0.1;
 
-/// A sentence for each pose that the robot cannot take: feet of the standing pose beyond the reach of the
-/// legs, and joints of the standing or the sitting pose beyond their travel. Allocates; not for real time.
+/// A sentence for each pose that the robot cannot take. Feet of the standing pose may be beyond the reach of
+/// the legs, and joints of both poses beyond their travel. Allocates; not for real time.
 [[nodiscard]] std::vector<std::string> unreachable_poses(const Configuration& configuration,
                                                          const model::RobotConstants& robot);
 
