@@ -308,6 +308,13 @@ int run_commissioning(const program::Options& options) {
   return outcome.passed ? kDone : kFailed;
 }
 
+/// --print-config, for a file in the working directory.
+int print_config(configuration::Configuration configuration) {
+  configuration.hardware.robot = configuration::robot_in_file("", configuration.hardware.robot);
+  std::fputs(configuration::to_toml(configuration, "Configuration of the controller.").c_str(), stdout);
+  return kDone;
+}
+
 /// --check-config: the configuration was read; what it means here.
 int check_config(const program::Options& options) {
   const program::BusReport buses = program::report_buses(options.configuration);
@@ -322,9 +329,7 @@ int run(const program::Options& options) {
     case program::Task::nothing:
       return kDone;
     case program::Task::print_config:
-      std::fputs(configuration::to_toml(options.configuration, "Configuration of the controller.").c_str(),
-                 stdout);
-      return kDone;
+      return print_config(options.configuration);
     case program::Task::check_config:
       return check_config(options);
     case program::Task::self_test:

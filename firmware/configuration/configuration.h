@@ -51,7 +51,7 @@ struct ShippedPreset {
 [[nodiscard]] std::string preset_names();
 
 /// Reads a configuration from text, then the preset, then the overrides; a later value of a key counts.
-/// @param file    names the text in diagnostics
+/// @param file    names the text in diagnostics; a relative URDF in it is found from this file's folder
 /// @param preset  name of a shipped preset; empty: none
 [[nodiscard]] Result parse(std::string_view toml, std::string_view file,
                            std::span<const Override> overrides = {}, std::string_view preset = {});
@@ -66,6 +66,10 @@ void keep_torque_limit(Configuration& configuration);
 
 /// The TOML of the same stem beside a URDF file.
 [[nodiscard]] std::string file_beside(std::string_view urdf);
+
+/// hardware.robot as a configuration file must name it. A relative URDF of a run is found from the working
+/// directory. In the folder of the file it becomes its name alone, otherwise the whole path.
+[[nodiscard]] std::string robot_in_file(std::string_view file, std::string_view robot);
 
 /// The configuration of a robot, as parse() reads it. It is the shipped one, or for a URDF file the TOML of
 /// the same stem beside it. Where there is none, the defaults, with height and width of the stance by the

@@ -57,13 +57,19 @@ void check_gait(const Parameters& p, std::vector<Contradiction>& found) {
   }
   // The swing profile (mpc_core/gait/swing.h) stays above the ground when apex + v T / 8 >= 0.
   const double drop_m = -gait.touchdown_velocity_m_s * gait.single_support_s / 8.0;
-  if (gait.swing_height_m < drop_m) {
+  if (gait.swing_height_m < drop_m - kRounding) {
     found.push_back({{"gait.touchdown_velocity_m_s", "gait.swing_height_m", "gait.single_support_s"},
                      "gait.touchdown_velocity_m_s = " + number_text(gait.touchdown_velocity_m_s) +
                          " is too fast for the swing to stay above the ground: with gait.swing_height_m = " +
                          number_text(gait.swing_height_m) + " and gait.single_support_s = " +
                          number_text(gait.single_support_s) + " it must be at least " +
                          number_text(-8.0 * gait.swing_height_m / gait.single_support_s)});
+  }
+  if (gait.catch_falls && gait.catch_margin_m >= gait.stand_half_width_m) {
+    found.push_back({{"gait.catch_margin_m", "gait.stand_half_width_m"},
+                     "gait.catch_margin_m = " + number_text(gait.catch_margin_m) +
+                         " must be below gait.stand_half_width_m = " + number_text(gait.stand_half_width_m) +
+                         ": no place between the feet would be free of steps"});
   }
   if (p.estimator.blend_s > gait.single_support_s) {
     found.push_back({{"estimator.blend_s", "gait.single_support_s"},
@@ -96,11 +102,14 @@ void check_timing(const Parameters& p, std::vector<Contradiction>& found) {
                          " must be at most timing.torque_rate_hz = " + number_text(timing.torque_rate_hz)});
   }
   const double age_s = timing.plan_delay_s + 1.0 / timing.plan_rate_hz;
-  if (age_s > p.discretisation.horizon_s) {
-    found.push_back({{"timing.plan_delay_s", "timing.plan_rate_hz", "discretisation.horizon_s"},
-                     "a plan is used until it is timing.plan_delay_s + 1 / timing.plan_rate_hz = " +
-                         number_text(age_s) + " s old and must be at least as long: " +
-                         "discretisation.horizon_s = " + number_text(p.discretisation.horizon_s)});
+  // Until then a plan is used: it ends, or the supervisor counts it as stale.
+  for (const auto& [key, usable_s] : {std::pair{"discretisation.horizon_s", p.discretisation.horizon_s},
+                                      std::pair{"supervisor.stale_plan_s", p.supervisor.stale_plan_s}}) {
+    if (age_s <= usable_s) continue;
+    found.push_back({{"timing.plan_delay_s", "timing.plan_rate_hz", key},
+                     "a plan is timing.plan_delay_s + 1 / timing.plan_rate_hz = " + number_text(age_s) +
+                         " s old when the next one comes, which must be at most " + std::string(key) + " = " +
+                         number_text(usable_s)});
   }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "firmware/configuration/consistency.h"
@@ -25,6 +26,11 @@ void check_torso_range(const HardwareParameters& hardware, const supervisor::Sup
 /// Nodes of one bus whose frames would be taken for each other's: drivers among themselves, and drivers and
 /// torso sensor. Supposes a wiring that is valid in all else.
 void check_identifiers(const HardwareParameters& hardware, std::vector<Contradiction>& found);
+
+/// A sentence about two buses with the same identifiers of drivers, and no frame of a sensor to tell them
+/// apart. A scan finds everything in its place also where their adapters are exchanged. Empty: there are
+/// none.
+[[nodiscard]] std::string exchangeable_buses(const HardwareParameters& hardware);
 
 /// Gains of the supervisor (hold, sit, damp) that the drivers cannot give. A command would carry the most
 /// they give instead, and the robot would sink or fall undamped. MIT mode: ranges of the command; moteus:

@@ -83,7 +83,40 @@ void compare(const Node& earlier, const Node& later, std::vector<Contradiction>&
                        "; give one of them another identifier or another bus"});
 }
 
+/// Identifiers of all frames on a bus, each with whether it has 29 bits.
+std::set<std::pair<std::uint32_t, bool>> identifiers_on(const hal::RobotWiring& wiring, std::size_t bus) {
+  std::set<std::pair<std::uint32_t, bool>> found;
+  for (const hal::FrameId& frame : hal::receive_ids(wiring, bus)) found.emplace(frame.id, frame.extended);
+  return found;
+}
+
+/// "hip_L and knee_L on can0".
+std::string drivers_on(const HardwareParameters& hardware, const std::vector<std::string>& buses,
+                       std::size_t bus) {
+  std::string text;
+  for (const Node& joint : drivers(hardware)) {
+    if (static_cast<std::size_t>(joint.bus) != bus) continue;
+    text += (text.empty() ? "" : " and ") + std::string(joint.name);
+  }
+  return text + " on " + buses[bus];
+}
+
 }  // namespace
+
+std::string exchangeable_buses(const HardwareParameters& hardware) {
+  const hal::RobotWiring wiring = robot_wiring(hardware);
+  const std::vector<std::string> buses = bus_names(hardware);
+  for (std::size_t b = 0; b < buses.size(); ++b) {
+    for (std::size_t a = 0; a < b; ++a) {
+      const auto identifiers = identifiers_on(wiring, a);
+      if (identifiers.empty() || identifiers != identifiers_on(wiring, b)) continue;
+      return drivers_on(hardware, buses, a) + " have the same identifiers as " +
+             drivers_on(hardware, buses, b) +
+             ": exchanged adapters would not be noticed; give each driver its own identifier";
+    }
+  }
+  return {};
+}
 
 void check_identifiers(const HardwareParameters& hardware, std::vector<Contradiction>& found) {
   const std::vector<Node> joints = drivers(hardware);

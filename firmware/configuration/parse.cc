@@ -68,7 +68,7 @@ std::string unknown_key(std::string_view section, std::string_view key) {
 /// Collects values and mistakes from a file, a preset and overrides.
 class Reader {
  public:
-  explicit Reader(std::string_view file) : file_(file) {}
+  explicit Reader(std::string_view file) : file_(file), folder_(std::filesystem::path(file).parent_path()) {}
 
   /// `path` names the text in diagnostics.
   void read(std::string_view text, std::string_view path);
@@ -100,6 +100,7 @@ class Reader {
   }
 
   std::string file_;
+  std::filesystem::path folder_;  // of the file: a relative URDF is found from there
   Parameters parameters_;
   std::map<std::string, Place, std::less<>> places_;  // of the values that were set
   std::vector<Diagnostic> diagnostics_;
@@ -150,7 +151,8 @@ void Reader::read_key(std::string_view section, const toml::key& key, const toml
   } else if (const auto* flag = node.as_boolean()) {
     set(*entry, flag->get(), here);
   } else if (const auto* word = node.as_string()) {
-    set(*entry, word->get(), here);
+    const bool is_urdf = entry->name() == "hardware.robot" && robots::is_file(word->get());
+    set(*entry, is_urdf ? (folder_ / word->get()).string() : word->get(), here);
   } else {
     fail(here,
          entry->name() + " must be a single value (" + range_text(*entry) + "), not a list, table or date");
@@ -293,6 +295,15 @@ Result load_file(const std::string& path, std::span<const Override> overrides, s
 
 std::string file_beside(std::string_view urdf) {
   return std::filesystem::path(urdf).replace_extension(".toml").string();
+}
+
+std::string robot_in_file(std::string_view file, std::string_view robot) {
+  const std::filesystem::path urdf(robot), here = std::filesystem::current_path();
+  if (!robots::is_file(robot) || urdf.is_absolute()) return urdf.string();
+  const auto folder_of = [&here](const std::filesystem::path& path) {
+    return (here / path).lexically_normal().parent_path();
+  };
+  return folder_of(file) == folder_of(urdf) ? urdf.filename().string() : (here / urdf).string();
 }
 
 Result load_robot(std::string_view robot, std::span<const Override> overrides, std::string_view preset) {

@@ -6,6 +6,7 @@
 #include "firmware/configuration/schema.h"
 #include "firmware/control_loop/joint_names.h"
 #include "hal/robot/robot_wiring.h"
+#include "mpc_core/gait/reference.h"
 
 namespace stilt::configuration {
 namespace {
@@ -26,6 +27,37 @@ std::string sentence(std::size_t joint, const Need& need) {
          ".ratio, the joint's offset_rad and torque_factor, and the driver's ranges";
 }
 
+std::string rounded_text(double value) { return number_text(std::round(1e4 * value) / 1e4); }
+
+/// Where the robot stands up. Beyond their reach gait::leg_angles() takes the legs as straight.
+void check_standing_pose(const control::ControllerParameters& parameters, const model::RobotConstants& robot,
+                         std::vector<std::string>& found) {
+  constexpr const char* kRight = "; give a pose in which this robot stands";
+  const double height_m = parameters.reference.base_height_m;
+  const double half_width_m = parameters.gait.stand_half_width_m;
+  const std::string stance = "reference.base_height_m = " + number_text(height_m) +
+                             " and gait.stand_half_width_m = " + number_text(half_width_m);
+  const double foot_m = std::hypot(half_width_m, height_m);
+  const double least_m = std::abs(robot.thigh_length_m - robot.shin_length_m);
+  const double most_m = robot.thigh_length_m + robot.shin_length_m;
+  if (foot_m <= least_m || foot_m >= most_m) {
+    found.push_back(stance + " put the feet " + rounded_text(foot_m) + " m from the hip, and legs of " +
+                    number_text(robot.thigh_length_m) + " m and " + number_text(robot.shin_length_m) +
+                    " m reach from " + rounded_text(least_m) + " to " + rounded_text(most_m) + " m" + kRight);
+    return;
+  }
+  const model::StateVector standing =
+      gait::standing_state(robot, height_m, parameters.reference.base_pitch_rad, half_width_m, true);
+  for (int joint = 0; joint < model::kJoints; ++joint) {
+    const double angle_rad = standing[model::kFirstJoint + joint];
+    const double least_rad = robot.position_min_rad[joint], most_rad = robot.position_max_rad[joint];
+    if (angle_rad >= least_rad && angle_rad <= most_rad) continue;
+    found.push_back(std::string(control_loop::kJointNames[joint]) + ": " + stance + " take it to " +
+                    rounded_text(angle_rad) + " rad, beyond its travel, " + number_text(least_rad) + " to " +
+                    number_text(most_rad) + " rad" + kRight);
+  }
+}
+
 /// Where every shutdown and many a fault take the joints.
 void check_sitting_pose(const supervisor::SupervisorParameters& parameters,
                         const model::RobotConstants& robot, std::vector<std::string>& found) {
@@ -43,11 +75,18 @@ void check_sitting_pose(const supervisor::SupervisorParameters& parameters,
 
 }  // namespace
 
+std::vector<std::string> unreachable_poses(const Configuration& configuration,
+                                           const model::RobotConstants& robot) {
+  std::vector<std::string> found;
+  check_standing_pose(configuration, robot, found);
+  check_sitting_pose(configuration.supervisor, robot, found);
+  return found;
+}
+
 std::vector<std::string> unreachable(const Configuration& configuration, const model::RobotConstants& robot) {
   const HardwareParameters& hardware = configuration.hardware;
   const hal::RobotWiring wiring = robot_wiring(hardware);
-  std::vector<std::string> found;
-  check_sitting_pose(configuration.supervisor, robot, found);
+  std::vector<std::string> found = unreachable_poses(configuration, robot);
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
     const std::optional<hal::FrameReach> reach = hal::visit_driver(
         wiring.joints[joint].driver, [](const auto& driver) { return frame_reach(driver); });

@@ -175,7 +175,8 @@ void add_joint(std::string_view section, std::vector<Entry>& rows) {
 }
 
 const Entry kHardware[] = {
-    {"hardware", "robot", "", "The robot: the name of a shipped one, or a URDF file",
+    {"hardware", "robot", "",
+     "The robot: the name of a shipped one, or a URDF file, found from this file's folder",
      text<&P::hardware, &H::robot>("the name of a robot or a file that ends in .urdf", robot_mistake)},
     {"hardware", "buses", "",
      "Names of the buses, separated by commas: interfaces such as can0, fdcanusb:/dev/PORT, or loopback:NAME",

@@ -42,8 +42,10 @@ int main(int argument_count, char** arguments) {
 
   std::string toml;
   if (std::filesystem::exists(path)) {
-    const auto parameters = stilt::configuration::load_file(path);
+    auto parameters = stilt::configuration::load_file(path);
     if (!parameters) return refuse(stilt::configuration::to_string(parameters.error()));
+    std::string& robot = parameters->hardware.robot;
+    robot = stilt::configuration::robot_in_file(path, robot);
     toml = stilt::configuration::to_toml(*parameters, heading_of(path));
   } else {
     toml = stilt::configuration::to_toml({}, kDefaultHeading);

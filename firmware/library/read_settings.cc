@@ -3,6 +3,8 @@
 #include <vector>
 
 #include "firmware/configuration/diagnostic.h"
+#include "firmware/configuration/reach.h"
+#include "firmware/robots/robots.h"
 
 namespace stilt::library {
 
@@ -14,6 +16,13 @@ std::expected<configuration::Configuration, std::string> read_settings(const Set
   configuration::Result read = own_file ? configuration::load_file(settings.configuration_file, changes)
                                         : configuration::load_robot(settings.robot, changes);
   if (!read) return std::unexpected(configuration::to_string(read.error()));
+  if (const auto robot = robots::find(read->hardware.robot)) {
+    const auto poses = configuration::unreachable_poses(*read, (*robot)->model.constants);
+    if (!poses.empty()) {
+      return std::unexpected((own_file ? settings.configuration_file : settings.robot) + ": " +
+                             poses.front());
+    }
+  }
   configuration::keep_torque_limit(*read);
   return std::move(*read);
 }

@@ -44,6 +44,11 @@ bool is_there(const std::string& file) {
   return std::filesystem::is_regular_file(file, ignored);
 }
 
+/// hardware.robot as the file for the values names it.
+std::string robot_text(const Options& options) {
+  return '"' + configuration::robot_in_file(options.out_file, options.configuration.hardware.robot) + '"';
+}
+
 /// What the command line has set, as the run had it.
 std::vector<configuration::NewValue> command_line_values(const Options& options) {
   std::vector<configuration::NewValue> values;
@@ -52,7 +57,8 @@ std::vector<configuration::NewValue> command_line_values(const Options& options)
     const configuration::Entry* entry = configuration::find_entry(name.substr(0, dot), name.substr(dot + 1));
     if (entry == nullptr) continue;
     values.push_back({std::string(entry->section), std::string(entry->key),
-                      configuration::value_text(*entry, options.configuration)});
+                      name == "hardware.robot" ? robot_text(options)
+                                               : configuration::value_text(*entry, options.configuration)});
   }
   return values;
 }
@@ -66,14 +72,15 @@ bool is_wiring(const configuration::Entry& entry) {
          entry.key != "offset_rad";
 }
 
+bool same_file(const std::string& a, const std::string& b) {
+  std::error_code ignored;
+  return std::filesystem::equivalent(a, b, ignored);
+}
+
 /// A file beside a URDF is of that robot, also where it does not name it.
 std::vector<configuration::Override> robot_of_file(const Options& options) {
   const std::string& robot = options.configuration.hardware.robot;
-  std::error_code ignored;
-  if (!robots::is_file(robot) ||
-      !std::filesystem::equivalent(configuration::file_beside(robot), options.out_file, ignored)) {
-    return {};
-  }
+  if (!robots::is_file(robot) || !same_file(configuration::file_beside(robot), options.out_file)) return {};
   return {{"hardware.robot=" + robot}};
 }
 
@@ -85,6 +92,10 @@ std::expected<void, std::string> check_wiring(const Options& options,
     const std::string own = configuration::value_text(entry, options.configuration);
     const std::string other = configuration::value_text(entry, there);
     if (own == other) continue;
+    if (entry.name() == "hardware.robot" &&
+        same_file(options.configuration.hardware.robot, there.hardware.robot)) {
+      continue;
+    }
     std::string sentence = "--out " + options.out_file + ": " + entry.name() + " is ";
     sentence.append(other).append(" there and ").append(own);
     sentence.append(" in this run, and what is found belongs to one wiring; take --config ");
@@ -115,7 +126,7 @@ std::expected<void, std::string> write_values(const Options& options,
   std::vector<configuration::NewValue> all = command_line_values(options);
   all.insert(all.end(), values.begin(), values.end());
   const bool changes = is_there(file);
-  if (!changes) all.push_back({"hardware", "robot", '"' + options.configuration.hardware.robot + '"'});
+  if (!changes) all.push_back({"hardware", "robot", robot_text(options)});
   const Text before = changes ? content(file) : text_read(options);
   if (!before) return std::unexpected(before.error());
   const auto text = configuration::with_values(*before, file, all);

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "firmware/configuration/hardware.h"
+#include "firmware/configuration/hardware_consistency.h"
 #include "firmware/configuration/reach.h"
 #include "firmware/robots/robots.h"
 #include "hal/robot/wiring_load.h"
@@ -19,6 +20,8 @@ BusReport report_buses(const configuration::Configuration& configuration) {
     report.text += hal::load_sentence(names[bus], load) + '\n';
     report.refused = report.refused || load.verdict == hal::BusLoadVerdict::refused;
   }
+  const std::string exchangeable = configuration::exchangeable_buses(configuration.hardware);
+  if (!exchangeable.empty()) report.text += exchangeable + '\n';
   if (const auto robot = robots::find(configuration.hardware.robot)) {
     for (const std::string& line : configuration::unreachable(configuration, (*robot)->model.constants)) {
       report.text += line + '\n';

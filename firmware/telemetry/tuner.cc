@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "firmware/configuration/consistency.h"
+#include "firmware/configuration/reach.h"
+
 namespace stilt::telemetry {
 
 using configuration::LiveTunable;
@@ -16,16 +19,22 @@ Tuner::Tuner(const configuration::Configuration& configuration, const model::Rob
       tunables_(configuration::live_tunables(configuration)),
       work_(std::make_unique<sqp::TerminalCostWorkspace>()) {
   for (const LiveTunable& tunable : tunables_) values_.push_back(tunable.start_value);
-  static_cast<void>(prepare(values_));  // the planner was configured with them already
+  static_cast<void>(prepare(configuration));  // the planner was configured with them already
 }
 
-bool Tuner::prepare(const std::vector<double>& values) {
+bool Tuner::prepare(const configuration::Configuration& changed) {
   control::PlannerSettings settings;
-  const configuration::Configuration changed = configuration::with_live_values(configuration_, values);
   if (control::prepare_settings(robot_, changed, *work_, settings) != control::ConfigureStatus::ok)
     return false;
   settings_ = settings;
   return true;
+}
+
+std::string Tuner::mistake_of(const configuration::Configuration& changed) const {
+  const auto contradictions = configuration::contradictions(changed);
+  if (!contradictions.empty()) return contradictions.front().message;
+  const auto poses = configuration::unreachable_poses(changed, robot_.constants);
+  return poses.empty() ? "" : poses.front();
 }
 
 std::string Tuner::set(const std::string& key, double value) {
@@ -41,7 +50,10 @@ std::string Tuner::set(const std::string& key, double value) {
   }
   std::vector<double> values = values_;
   values[static_cast<std::size_t>(found - tunables_.begin())] = value;
-  if (!prepare(values)) return key + " = " + number_text(value) + ": the weights admit no terminal cost";
+  const configuration::Configuration changed = configuration::with_live_values(configuration_, values);
+  std::string mistake = mistake_of(changed);
+  if (mistake.empty() && !prepare(changed)) mistake = "the weights admit no terminal cost";
+  if (!mistake.empty()) return key + " = " + number_text(value) + ": " + mistake;
   values_ = values;
   ++number_;
   mail_.torque_tunings.writer() = {number_, settings_.parameters.torque_law};

@@ -34,7 +34,9 @@ class Tuner {
   [[nodiscard]] const control::PlannerSettings& settings() const noexcept { return settings_; }
 
  private:
-  [[nodiscard]] bool prepare(const std::vector<double>& values);
+  [[nodiscard]] bool prepare(const configuration::Configuration& changed);
+  /// What a configuration file with these values would be refused for; empty: nothing.
+  [[nodiscard]] std::string mistake_of(const configuration::Configuration& changed) const;
 
   const configuration::Configuration& configuration_;
   const model::RobotModel& robot_;

@@ -5,6 +5,7 @@
 
 #include "firmware/configuration/gaits/gait_overrides.h"
 #include "firmware/configuration/gaits/shipped_gaits.h"
+#include "firmware/configuration/reach.h"
 #include "firmware/program/instruction_sets.h"
 #include "host_tools/cli/usage_error.h"
 #include "host_tools/experiments/planning_model/lumped.h"
@@ -165,6 +166,8 @@ configuration::Configuration controller_configuration(const ControllerChoice& ch
   check_controller(choice.controller);
   configuration::Configuration configuration =
       load_configuration(choice.robot, choice.config_file, choice.preset, overrides_of(choice));
+  const auto poses = configuration::unreachable_poses(configuration, robot_model(choice.robot).constants);
+  if (!poses.empty()) throw UsageError(poses.front());
   configuration::keep_torque_limit(configuration);
   return configuration;
 }

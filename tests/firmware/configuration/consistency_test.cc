@@ -88,6 +88,31 @@ TEST(Consistency, MostSwitchesBoundsEveryWindowOfARandomGait) {
   }
 }
 
+// 1 / 3 s and the delay of 2 ms are more than 0.25 s.
+TEST(Consistency, APlanComesBeforeTheOneBeforeItIsStale) {
+  EXPECT_EQ(complaint([](Parameters& p) { p.timing.plan_rate_hz = 5.0; }), "");
+  EXPECT_EQ(complaint([](Parameters& p) { p.timing.plan_rate_hz = 4.0, p.timing.plan_delay_s = 0.0; }), "");
+  EXPECT_EQ(
+      complaint([](Parameters& p) { p.timing.plan_rate_hz = 3.2, p.timing.plan_delay_s = 0.0; }),
+      "timing.plan_delay_s: a plan is timing.plan_delay_s + 1 / timing.plan_rate_hz = 0.3125 s old when "
+      "the next one comes, which must be at most supervisor.stale_plan_s = 0.25");
+  EXPECT_NE(complaint([](Parameters& p) { p.timing.plan_delay_s = 0.25; }), "");
+  EXPECT_EQ(complaint([](Parameters& p) {
+              p.timing.plan_rate_hz = 3.0;
+              p.supervisor.stale_plan_s = 0.4;
+            }),
+            "");
+}
+
+TEST(Consistency, AStandingRobotHasRoomForItsCapturePoint) {
+  EXPECT_EQ(complaint([](Parameters& p) { p.gait.catch_margin_m = 0.14; }), "");
+  EXPECT_EQ(
+      complaint([](Parameters& p) { p.gait.catch_margin_m = 0.15; }),
+      "gait.catch_margin_m: gait.catch_margin_m = 0.15 must be below gait.stand_half_width_m = 0.15: no "
+      "place between the feet would be free of steps");
+  EXPECT_EQ(complaint([](Parameters& p) { p.gait.catch_margin_m = 0.15, p.gait.catch_falls = false; }), "");
+}
+
 TEST(Consistency, EachOtherContradictionNamesItsKeyFirst) {
   const auto starts = [](const std::string& text, std::string_view key) { return text.starts_with(key); };
   EXPECT_PRED2(starts, complaint([](Parameters& p) { p.timing.plan_rate_hz = 1500.0; }),

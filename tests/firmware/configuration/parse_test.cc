@@ -212,5 +212,33 @@ TEST(Load, AFileIsReadLikeItsText) {
   EXPECT_EQ(result->gait.single_support_s, 0.35);
 }
 
+TEST(Load, ARelativeUrdfIsFoundFromTheFolderOfTheFileThatNamesIt) {
+  const tests::OwnFolder folder, elsewhere;
+  const std::string path = folder.file("robot.toml");
+  for (const std::string& urdf : {folder.file("mine.urdf"), elsewhere.file("mine.urdf")}) {
+    std::filesystem::copy_file(STILT_TEST_DATA "/robots/heavy.urdf", urdf);
+  }
+  const auto robot_of = [&path](const std::string& robot, const std::vector<Override>& overrides = {}) {
+    std::ofstream(path) << "[hardware]\nrobot = \"" << robot << "\"\n";
+    const Result result = load_file(path, overrides);
+    return result ? result->hardware.robot : to_string(result.error());
+  };
+  EXPECT_EQ(robot_of("mine.urdf"), folder.file("mine.urdf"));
+  EXPECT_EQ(robot_of(elsewhere.file("mine.urdf")), elsewhere.file("mine.urdf"));
+  EXPECT_EQ(robot_of("rabbit"), "rabbit");
+  const std::string relative = std::filesystem::proximate(elsewhere.file("mine.urdf")).string();
+  EXPECT_EQ(robot_of("mine.urdf", {{"hardware.robot=" + relative, "--robot"}}), relative);
+}
+
+TEST(Load, AFileNamesAUrdfSoThatItIsFoundAgain) {
+  const std::string here = std::filesystem::current_path().string();
+  EXPECT_EQ(robot_in_file("robot.toml", "mine.urdf"), "mine.urdf");
+  EXPECT_EQ(robot_in_file("", "mine.urdf"), "mine.urdf") << "the working directory";
+  EXPECT_EQ(robot_in_file(here + "/robots/robot.toml", "robots/mine.urdf"), "mine.urdf");
+  EXPECT_EQ(robot_in_file("robot.toml", "robots/mine.urdf"), here + "/robots/mine.urdf");
+  EXPECT_EQ(robot_in_file("robot.toml", "/robots/mine.urdf"), "/robots/mine.urdf");
+  EXPECT_EQ(robot_in_file("robots/robot.toml", "rabbit"), "rabbit");
+}
+
 }  // namespace
 }  // namespace stilt::configuration

@@ -64,6 +64,49 @@ TEST(Reach, ASittingPoseBeyondTheTravelOfAJointIsNamed) {
   EXPECT_TRUE(says(of(configuration), "knee_R: supervisor.sit_knee_rad = 2.5"));
 }
 
+TEST(Reach, EveryShippedRobotStandsWithEveryPreset) {
+  for (const ShippedConfiguration& shipped : shipped_configurations()) {
+    EXPECT_EQ(of(load_robot(shipped.robot).value()), std::vector<std::string>()) << shipped.robot;
+    for (const ShippedPreset& preset : shipped_presets()) {
+      EXPECT_EQ(of(load_robot(shipped.robot, {}, preset.name).value()), std::vector<std::string>())
+          << shipped.robot << ", " << preset.name;
+    }
+  }
+}
+
+// Legs of 0.4064 m and 0.4667 m.
+TEST(Reach, AStandingPoseBeyondTheReachOfTheLegsIsNamed) {
+  Configuration configuration = load_robot("amber3m").value();
+  const auto stands_at = [&](double height_m, double half_width_m) {
+    configuration.reference.base_height_m = height_m;
+    configuration.gait.stand_half_width_m = half_width_m;
+    return of(configuration).empty();
+  };
+  configuration.reference.base_height_m = 0.9;
+  EXPECT_EQ(of(configuration),
+            std::vector<std::string>{
+                "reference.base_height_m = 0.9 and gait.stand_half_width_m = 0.15 put the feet 0.9124 m from "
+                "the hip, and legs of 0.4064 m and 0.4667 m reach from 0.0603 to 0.8731 m; give a pose in "
+                "which this robot stands"});
+  EXPECT_FALSE(stands_at(1.2, 0.15));
+  EXPECT_TRUE(stands_at(0.86, 0.15));
+  EXPECT_FALSE(stands_at(0.8602, 0.15));
+  EXPECT_TRUE(stands_at(0.8602, 0.14));
+}
+
+TEST(Reach, AStandingPoseBeyondTheTravelOfAJointIsNamed) {
+  Configuration configuration = load_robot("amber3m").value();
+  configuration.reference.base_height_m = 0.1;
+  EXPECT_TRUE(
+      says(of(configuration), "knee_L: reference.base_height_m = 0.1 and gait.stand_half_width_m = "));
+  EXPECT_TRUE(says(of(configuration), "knee_R: reference.base_height_m = 0.1"));
+  configuration.reference.base_height_m = 0.8;
+  configuration.reference.base_pitch_rad = 1.0;
+  EXPECT_EQ(of(configuration), std::vector<std::string>());
+  configuration.reference.base_pitch_rad = 1.5;
+  EXPECT_TRUE(says(of(configuration), "hip_L: reference.base_height_m = 0.8"));
+}
+
 TEST(Reach, AnAkOfVersionThreeReadsFartherThanItIsCommanded) {
   Configuration configuration = load_robot("amber3m").value();
   configuration.hardware.knee.protocol = DriverProtocol::ak_v3;

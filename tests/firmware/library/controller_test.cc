@@ -179,6 +179,11 @@ TEST(OwnLoop, WhatIsWrongIsASentence) {
   const auto controller = Controller::create({.settings = {"gait.swing_height_m=9"}});
   ASSERT_FALSE(controller);
   EXPECT_NE(controller.error().find("gait.swing_height_m"), std::string::npos) << controller.error();
+  const Settings too_high = {.settings = {"reference.base_height_m=0.9"}};
+  for (const auto& refused :
+       {Controller::create(too_high).error(), SimulatedRobot::create(too_high).error()}) {
+    EXPECT_TRUE(refused.starts_with("amber3m: reference.base_height_m = 0.9 ")) << refused;
+  }
   EXPECT_FALSE(Controller::create({.robot = "/nowhere/mine.urdf"}));
   EXPECT_FALSE(Controller::create({.configuration_file = "/nowhere/mine.toml"}));
   const auto robot = SimulatedRobot::create({}, {"friction=-1"});

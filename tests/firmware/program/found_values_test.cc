@@ -158,6 +158,25 @@ TEST(FoundValues, TheFileBesideAUrdfIsOfThatRobot) {
       << checked.error();
 }
 
+TEST(FoundValues, AFileNamesARelativeUrdfFromItsOwnFolder) {
+  const tests::OwnFolder folder;
+  std::filesystem::copy_file(
+      std::filesystem::path(SHIPPED).parent_path() / "../../codegen/robots/amber3m.urdf",
+      folder.path() / "mine.urdf");
+  const std::string mine = folder.file("mine.toml"), fresh = folder.file("fresh.toml");
+  std::ofstream(mine) << "[hardware]\nrobot = \"mine.urdf\"\n";
+  const std::string relative = std::filesystem::proximate(folder.path()).string();
+  const auto options = read({"calibrate", "--config", relative + "/mine.toml", "--out", mine});
+  ASSERT_TRUE(options) << options.error();
+  EXPECT_TRUE(check_out_file(*options)) << "one URDF under two names";
+  const auto changed =
+      read({"calibrate", "--config", mine, "--robot", relative + "/mine.urdf", "--out", fresh});
+  ASSERT_TRUE(changed) << changed.error();
+  ASSERT_TRUE(write_values(*changed, kFound));
+  EXPECT_NE(content(fresh).find("robot = \"mine.urdf\"\n"), std::string::npos) << content(fresh);
+  EXPECT_TRUE(check_out_file(*changed));
+}
+
 TEST(FoundValues, NothingIsWrittenThatWouldBeRefused) {
   const tests::OwnFolder folder;
   const std::string file = folder.file("robot.toml");

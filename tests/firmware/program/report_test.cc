@@ -22,6 +22,40 @@ TEST(Report, ARobotThatTheFramesCannotCarryIsRefused) {
   EXPECT_NE(report.text.find("knee_L: commands an angle"), std::string::npos) << report.text;
 }
 
+TEST(Report, ARobotThatCannotStandAsConfiguredIsRefused) {
+  const configuration::Override too_high[] = {{"reference.base_height_m=0.9"}};
+  const BusReport report = report_buses(*configuration::load_robot("amber3m", too_high));
+  EXPECT_TRUE(report.refused);
+  EXPECT_NE(report.text.find("\nreference.base_height_m = 0.9 "), std::string::npos) << report.text;
+}
+
+// A sensor at a serial port is on neither bus.
+TEST(Report, BusesThatAScanCannotTellApartAreNamed) {
+  std::vector<configuration::Override> changes = {{"hip_R.id=1"},
+                                                  {"hip_R.reply_id=17"},
+                                                  {"knee_R.id=2"},
+                                                  {"knee_R.reply_id=18"},
+                                                  {"torso_sensor.device=vectornav"},
+                                                  {"torso_sensor.emergency_stop_released=none"}};
+  const auto text_with = [&](const std::vector<configuration::Override>& more) {
+    std::vector<configuration::Override> all = changes;
+    all.insert(all.end(), more.begin(), more.end());
+    const auto configuration = configuration::load_robot("amber3m", all);
+    EXPECT_TRUE(configuration) << configuration::to_string(configuration.error());
+    const BusReport report = report_buses(*configuration);
+    EXPECT_FALSE(report.refused) << report.text;
+    return report.text;
+  };
+  const std::string sentence =
+      "\nhip_L and knee_L on can0 have the same identifiers as hip_R and knee_R on can1: exchanged adapters "
+      "would not be noticed; give each driver its own identifier\n";
+  EXPECT_NE(text_with({}).find(sentence), std::string::npos) << text_with({});
+  EXPECT_EQ(text_with({{"knee_R.id=4"}}).find("exchanged"), std::string::npos);
+  EXPECT_EQ(text_with({{"hip_R.reply_id=19"}}).find("exchanged"), std::string::npos);
+  EXPECT_EQ(text_with({{"torso_sensor.device=channels"}}).find("exchanged"), std::string::npos)
+      << "frames of the sensor are on can0";
+}
+
 TEST(Report, ACanInterfaceRequiresARealTimeMachineAndSimulatedBusesDoNot) {
   const auto requires_with = [](const std::string& buses, const std::string& setting) {
     const configuration::Override overrides[] = {{"hardware.buses=" + buses}, {setting}};

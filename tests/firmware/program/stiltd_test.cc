@@ -86,6 +86,28 @@ TEST(Stiltd, PrintsTheWholeConfigurationAsItWouldReadIt) {
   EXPECT_TRUE(has(printed, "[discretisation]"));
 }
 
+// As a service does, which starts in /.
+TEST(Stiltd, FindsTheUrdfOfAConfigurationFromAnyWorkingDirectory) {
+  const tests::OwnFolder folder;
+  std::filesystem::copy_file(
+      std::filesystem::path(SHIPPED).parent_path() / "../../codegen/robots/amber3m.urdf",
+      folder.path() / "mine.urdf");
+  std::ofstream(folder.path() / "robot.toml") << "[hardware]\nrobot = \"mine.urdf\"\n";
+  const auto from = [](const std::string& directory, const std::string& arguments) {
+    return answer("cd " + directory + " && " STILTD " " + arguments + " 2>&1");
+  };
+  const std::string here = folder.path().string(), file = folder.file("robot.toml");
+  const Answer root = from("/", "--check-config --config " + file);
+  EXPECT_EQ(root.status, 0) << root.text;
+  EXPECT_TRUE(has(root, "\nrobot " + folder.file("mine.urdf") + "\n")) << root.text;
+  EXPECT_EQ(from(here, "--check-config --config robot.toml").status, 0);
+  EXPECT_EQ(from(here, "--check-config --robot mine.urdf").status, 0);
+  EXPECT_EQ(from("/", "--check-config --config " + file + " --robot mine.urdf").status, 2);
+  EXPECT_TRUE(has(from(here, "--print-config --config robot.toml"), "\nrobot = \"mine.urdf\"\n"));
+  EXPECT_TRUE(
+      has(from("/", "--print-config --config " + file), "\nrobot = \"" + folder.file("mine.urdf") + "\"\n"));
+}
+
 TEST(Stiltd, RefusesABusThatIsNotThereInOneSentence) {
   const tests::OwnFolder folder;
   const Answer run = stiltd(kAbsentBuses + " --lockstep --set telemetry.token_file=" + folder.file("token"));

@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "firmware/configuration/configuration.h"
+#include "firmware/configuration/consistency.h"
 #include "firmware/configuration/schema.h"
 #include "firmware/control_loop/planner_task.h"
 #include "mpc_core/gait/reference.h"
@@ -90,6 +91,32 @@ TEST_F(Tunables, out_of_range_unknown_or_not_a_number_change_nothing_and_say_wha
   EXPECT_NE(tuner.set("nonsense", 5).find("no key that may change"), std::string::npos);
   EXPECT_EQ(tuner.number(), 0u);
   EXPECT_FALSE(mail->torque_tunings.has_news());
+}
+
+// -0.4 m/s over 0.4 s need 0.02 m.
+TEST_F(Tunables, that_contradict_other_values_are_refused_as_in_a_file) {
+  configuration.gait.single_support_s = 0.4;
+  configuration.gait.touchdown_velocity_m_s = -0.4;
+  configuration.gait.swing_height_m = 0.02;
+  ASSERT_TRUE(configuration::contradictions(configuration).empty());
+  Tuner low(configuration, testing_support::amber3m(), *mail);
+  const std::string refused = low.set("gait.swing_height_m", 0.01);
+  EXPECT_TRUE(
+      refused.starts_with("gait.swing_height_m = 0.01: gait.touchdown_velocity_m_s = -0.4 is too fast"))
+      << refused;
+  EXPECT_EQ(low.number(), 0u);
+  EXPECT_EQ(low.set("gait.swing_height_m", 0.021), "");
+}
+
+TEST_F(Tunables, that_the_legs_do_not_reach_are_refused) {
+  configuration.reference.base_height_m = 0.85;
+  Tuner high(configuration, testing_support::amber3m(), *mail);
+  EXPECT_EQ(high.set("reference.base_height_m", 0.86), "");
+  const std::string refused = high.set("reference.base_height_m", 0.865);
+  EXPECT_TRUE(
+      refused.starts_with("reference.base_height_m = 0.865: reference.base_height_m = 0.865 and gait."))
+      << refused;
+  EXPECT_EQ(high.number(), 1u);
 }
 
 /// A planner that got a weight live plans like one that was configured with it.

@@ -68,6 +68,8 @@ TEST_F(CommandLine, BadUsageIsOneSentenceAndStatusTwo) {
                                 "sim --preset nonsense",
                                 "bench --preset nonsense",
                                 "robot --preset nonsense --bus loopback:none",
+                                "sim --set reference.base_height_m=0.9",
+                                "sim --set reference.base_height_m=0.1",
                                 "sim --plant nothing=1",
                                 "sim --plant friction=99",
                                 "sim --json /nowhere/run.json",
