@@ -77,6 +77,15 @@ std::string security_xml(const std::string& folder) {
          "path=\"dds_security_crypto\"/></Cryptographic></Security>";
 }
 
+/// DDS Security gives no reason either when a certificate is not valid by the clock of the computer.
+std::string validity_text(const std::string& security_folder) {
+  if (security_folder.empty()) return {};
+  return "; the clock must be within the validity of telemetry.security_folder: see date, and openssl x509 "
+         "-noout "
+         "-dates -in " +
+         security_folder + "/" + kSecurityFiles[2];
+}
+
 /// What Cyclone would only report in its log.
 std::expected<void, std::string> check(const Network& network) {
   if (if_nametoindex(network.interface.c_str()) == 0) {
@@ -135,7 +144,8 @@ std::expected<Participant, std::string> Participant::open(const Network& network
   }
   return std::unexpected("telemetry cannot start on interface " + network.interface + ", domain " +
                          std::to_string(network.domain) + ": " + dds_strretcode(result) +
-                         "; its address must be up, and at most 64 programs share a domain on one machine");
+                         "; its address must be up, and at most 64 programs share a domain on one machine" +
+                         validity_text(network.security_folder));
 }
 
 int Participant::others() const {

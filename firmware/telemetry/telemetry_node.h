@@ -18,8 +18,8 @@ namespace stilt::telemetry {
 /// the torque loop computes does not depend on it, commands apart.
 class TelemetryNode {
  public:
-  /// Joins the network; no other process may have the run's token file. Before memory is locked. The error is
-  /// one sentence for the user.
+  /// Joins the network; no other process may have the run's token file, unless telemetry.fixed_token. Before
+  /// memory is locked. The error is one sentence for the user.
   /// @param configuration, mail  outlive the node
   [[nodiscard]] static std::expected<std::unique_ptr<TelemetryNode>, std::string> open(
       const configuration::Configuration& configuration, const RunDescription& run,

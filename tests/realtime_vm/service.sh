@@ -18,6 +18,20 @@ exposure=$(systemd-analyze security --no-pager stiltd.service |
   sed -n 's/.*exposure level for stiltd.service: \([0-9.]*\).*/\1/p')
 echo "exposure $exposure"
 [ "$(echo "$exposure" | tr -d .)" -le 30 ] || fail "the exposure is '$exposure', above 3.0"
+echo "bringing a bus up"
+# Of the interrupt thread of can0.
+priority() {
+  chrt -p "$(pgrep -x 'irq/[0-9]+-can0')" | sed -n 's/.*priority: //p'
+}
+systemctl enable --now can@can0 >can.log 2>&1 || fail "can@can0 does not start: $(cat can.log)"
+ip -details link show can0 | grep -q 'bitrate 1000000' || fail "can0 has another bit rate"
+ip link show can0 | grep -q 'UP.* qlen 100' || fail "can0 is down, or its queue is short: $(ip link show can0)"
+expect "the priority of its interrupt thread" "$(priority)" 70
+systemctl restart can@can0
+expect "the priority after a restart of the bus" "$(priority)" 70
+systemctl disable --now can@can0 >can.log 2>&1
+! ip link show can0 | grep -q 'UP' || fail "can0 is up without its unit"
+
 sed -i 's/^buses = .*/buses = "vcan0,vcan1"/' /etc/stilt/stiltd.toml
 mkdir -p /etc/systemd/system/stiltd.service.d
 printf '[Service]\nWatchdogSec=1200\nTimeoutStartSec=1200\nTimeoutStopSec=1200\n' \

@@ -111,5 +111,16 @@ TEST(TwoProcesses, ABlackBoxThatCannotBeWrittenIsSaidAndIsStatusTwo) {
   EXPECT_EQ(run.controller_json().at("last_state"), "fault") << "the figures are there";
 }
 
+TEST(TwoProcesses, AStartThatWasNotReachedIsStatusOneAndSaysSo) {
+  RobotAndController run;
+  run.start_robot({"--lockstep", "--once"});
+  run.start_controller({"--lockstep", "--start", "walk@0.5", "--duration", "2"});
+  run.expect_both_to_end();
+  EXPECT_EQ(run.controller().wait(0), 1) << run.said();
+  const std::string error = run.controller_json().at("error");
+  EXPECT_TRUE(error.starts_with("--start: the robot did not get there within --duration 2 s; ")) << error;
+  EXPECT_NE(text_of(run.file("controller.err")).find("stiltd: " + error), std::string::npos) << run.said();
+}
+
 }  // namespace
 }  // namespace stilt::two_processes
