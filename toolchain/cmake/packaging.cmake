@@ -48,6 +48,7 @@ endforeach()
 install(TARGETS stiltd DESTINATION bin COMPONENT robot)
 install(FILES firmware/configuration/amber3m.toml DESTINATION /etc/stilt RENAME stiltd.toml COMPONENT robot)
 install(FILES ${packaging}/stiltd.service ${packaging}/can@.service DESTINATION lib/systemd/system COMPONENT robot)
+install(FILES ${packaging}/stiltd.lintian-overrides DESTINATION share/lintian/overrides RENAME stiltd COMPONENT robot)
 install(FILES ${packaging}/60-stiltd.rules DESTINATION lib/udev/rules.d COMPONENT robot)
 install(FILES ${packaging}/stilt.sysusers DESTINATION lib/sysusers.d RENAME stilt.conf COMPONENT robot)
 install(FILES codegen/robots/amber3m.urdf codegen/robots/rabbit.urdf firmware/configuration/rabbit.toml
