@@ -56,8 +56,8 @@ std::vector<std::string> interrupt_sentences(const std::vector<realtime::BusInte
     const bool known = std::ranges::any_of(
         bus.threads, [](const auto& thread) { return !thread.name.starts_with("ksoftirqd/"); });
     if (!known) {
-      served = "no interrupt thread is known; with PREEMPT_RT see /proc/interrupts" +
-               (served.empty() ? "" : "; " + served);
+      served.insert(0, served.empty() ? "" : "; ");
+      served.insert(0, "no interrupt thread is known; with PREEMPT_RT see /proc/interrupts");
     }
     sentences.push_back(bus.bus + " (" + bus.adapter + "): " + served);
   }

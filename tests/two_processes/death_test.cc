@@ -117,7 +117,8 @@ TEST(TwoProcesses, ASecondInterruptTurnsTheMotorsOffAtOnce) {
   ASSERT_TRUE(wait_for_text(run.file("controller.err"), "walk", kLongestRun_s)) << run.said();
   run.robot().signal(SIGSTOP);  // the controller waits for it: hardly a tick lies between the two
   run.controller().signal(SIGINT);
-  std::this_thread::sleep_for(std::chrono::milliseconds(400));
+  while (run.controller().has_pending(SIGINT)) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  std::this_thread::sleep_for(std::chrono::milliseconds(400));  // the two must be 0.3 s apart
   run.controller().signal(SIGINT);
   run.robot().signal(SIGCONT);
   ASSERT_EQ(run.controller().wait(kLongestRun_s), 0) << run.said();

@@ -67,6 +67,14 @@ void Process::signal(int number) const {
   if (!status_) ::kill(id_, number);
 }
 
+bool Process::has_pending(int number) const {
+  const std::string status = text_of("/proc/" + std::to_string(id_) + "/status");
+  const std::string key = "\nShdPnd:\t";
+  const std::size_t at = status.find(key);
+  if (at == std::string::npos) return false;
+  return (std::stoull(status.substr(at + key.size(), 16), nullptr, 16) >> (number - 1) & 1U) != 0;
+}
+
 bool wait_for_text(const std::string& file, const std::string& text, double longest_s) {
   return wait_until(longest_s, [&] { return text_of(file).find(text) != std::string::npos; });
 }

@@ -25,6 +25,8 @@ class Process {
   [[nodiscard]] std::optional<int> wait(double longest_s);
 
   void signal(int number) const;
+  /// True: the signal was sent, and no thread has taken it yet.
+  [[nodiscard]] bool has_pending(int number) const;
   [[nodiscard]] pid_t id() const { return id_; }
 
  private:

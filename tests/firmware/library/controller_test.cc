@@ -26,7 +26,7 @@ class Loop {
     const std::int64_t tick_ns = controller.tick_period_ns();
     const auto end = ticks + std::llround(1e9 * seconds / static_cast<double>(tick_ns));
     const Tick* done = nullptr;
-    for (; ticks < end; ++ticks) {
+    do {
       Measurements measurements = robot.read();
       change(measurements);
       const realtime::AllocationScope scope;
@@ -35,7 +35,7 @@ class Loop {
       allocations += scope.count();
       robot.drive(*done);
       robot.advance();
-    }
+    } while (++ticks < end);
     return *done;
   }
 
