@@ -71,7 +71,7 @@ TEST_F(Machine, AProcessorThatThreadsMayTakeIsThereThoughTheProgramStartsWithout
   }
   if (cores.size() < 2) GTEST_SKIP() << "one processor";
   ASSERT_TRUE(take_core(cores[0]));  // as isolcpus= leaves init and all that it starts
-  const Capability capability = acquire({.torque_core = cores[1], .planner_core = cores[0]}, root_);
+  const Capability capability = acquire({.torque_core = cores[0], .planner_core = cores[1]}, root_);
   EXPECT_FALSE(says(capability, "processor " + std::to_string(cores[1]) + " is not there"))
       << lacking_text(capability);
   EXPECT_FALSE(says(capability, "share one processor")) << lacking_text(capability);
