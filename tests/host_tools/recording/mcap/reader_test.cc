@@ -220,12 +220,16 @@ TEST(Reader, ADamagedAttachmentIsReportedAndLeftOut) {
 TEST(Reader, ARecordLongerThanItsChunkIsReportedOnceAndEndsTheChunk) {
   const TemporaryFile file("long");
   Bytes chunk(40);  // no times, no check sum, no compression
-  const Bytes records = {static_cast<std::uint8_t>(Op::message), 200, 0, 0, 0, 0, 0, 0, 0, 1, 2, 3};
+  Bytes records = {static_cast<std::uint8_t>(Op::message), 200, 0, 0, 0, 0, 0, 0, 0};
+  const Bytes message = {static_cast<std::uint8_t>(Op::message), 22, 0, 0, 0, 0, 0, 0, 0, 1};  // of channel 1
+  records.insert(records.end(), message.begin(), message.end());
+  records.resize(records.size() + 21);
+  const Bytes channel = {1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};  // no schema, no words
   chunk[16] = chunk[32] = static_cast<std::uint8_t>(records.size());
   chunk.insert(chunk.end(), records.begin(), records.end());
-  file.set_bytes(file_of({{Op::chunk, chunk}}));
+  file.set_bytes(file_of({{Op::channel, channel}, {Op::chunk, chunk}}));
   Reader reader(file.path());
-  EXPECT_EQ(reader.next(), nullptr);
+  EXPECT_EQ(reader.next(), nullptr) << "a message inside of the long record";
   EXPECT_TRUE(reader.complete());
   EXPECT_EQ(reader.problems().size(), 1u);
 }
