@@ -188,7 +188,8 @@ TEST(BlackBoxRun, OfSeveralRunsTheLongestIsTaken) {
   const RecordRun alone = run_of_ticks(file, amber3m());
   EXPECT_EQ(alone.runs, 1u);
   const std::string orders[] = {short_ticks + long_ticks, long_ticks + short_ticks,
-                                short_ticks + long_ticks + short_ticks};
+                                short_ticks + long_ticks + short_ticks,
+                                long_ticks + short_ticks + short_ticks};
   for (const std::string& ticks : orders) {
     std::ofstream(file) << header << ticks;
     const RecordRun read = run_of_ticks(file, amber3m());
