@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "firmware/configuration/configuration.h"
+#include "tests/firmware/telemetry/numbered_statistics.h"
 #include "tests/firmware/telemetry/one_sample.h"
 #include "tests/own_domain.h"
 
@@ -29,20 +30,8 @@ class PublisherTest : public ::testing::Test {
 };
 
 TEST_F(PublisherTest, TimingHasEachNumberInItsField) {
-  diagnostics::LoopStatistics loop;
-  loop.ticks = 101;
-  loop.late_ticks = 7;
-  loop.missed_periods = 11;
-  loop.heap_allocations = 2;
-  loop.page_faults = 3;
-  loop.wakeup_latency.add_ns(1'000'000);
-  loop.execution.add_ns(2'000'000);
-  loop.bus_round_trip.add_ns(3'000'000);
-  diagnostics::PlannerStatistics planning;
-  planning.plans = 13;
-  planning.heap_allocations = 30;
-  planning.page_faults = 50;
-  planning.solve.add_ns(4'000'000);
+  const diagnostics::LoopStatistics loop = testing::numbered_loop_statistics();
+  const diagnostics::PlannerStatistics planning = testing::numbered_planner_statistics();
   const Sample sample = one_sample(*participant, kTiming, [&] {
     publisher.timing(loop, planning, {}, 1.5, {.ticks = 17, .cycles = 19, .events = 23});
   });

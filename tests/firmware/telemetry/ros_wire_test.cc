@@ -7,6 +7,7 @@
 #include <map>
 
 #include "firmware/telemetry/ros_publisher.h"
+#include "tests/firmware/telemetry/numbered_statistics.h"
 #include "tests/firmware/telemetry/one_sample.h"
 #include "tests/independent_readers/run_reader.h"
 #include "tests/own_domain.h"
@@ -177,19 +178,8 @@ TEST_F(RosWire, diagnostics_have_a_status_of_the_timing_and_of_each_driver) {
   tick.joints[1].fault = hal::DriverFault::encoder;
   tick.joints[1].fault_code = 35;
   tick.joints[2].state = hal::DriverState::fault;
-  diagnostics::LoopStatistics loop;
-  loop.ticks = 101;
-  loop.late_ticks = 7;
-  loop.missed_periods = 11;
-  loop.heap_allocations = 2;
-  loop.page_faults = 3;
-  loop.wakeup_latency.add_ns(1'000'000);
-  loop.execution.add_ns(2'000'000);
-  diagnostics::PlannerStatistics planning;
-  planning.plans = 13;
-  planning.heap_allocations = 30;
-  planning.page_faults = 50;
-  planning.solve.add_ns(4'000'000);
+  const diagnostics::LoopStatistics loop = testing::numbered_loop_statistics();
+  const diagnostics::PlannerStatistics planning = testing::numbered_planner_statistics();
   const Sample sample = one_sample(*participant, kDiagnostics,
                                    [&] { publisher.diagnostics(tick, loop, planning, time, "amber3m", {}); });
   const nlohmann::json status = read_elsewhere(kDiagnostics.name, sample.cdr).at("status");
