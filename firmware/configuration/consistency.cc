@@ -5,7 +5,7 @@
 
 #include "firmware/configuration/hardware_consistency.h"
 #include "firmware/configuration/schema.h"
-#include "mpc_core/control/plan.h"
+#include "mpc_core/ocp/horizon.h"
 
 namespace stilt::configuration {
 namespace {
@@ -15,23 +15,23 @@ constexpr double kRounding = 1e-9;
 
 void check_capacity(const Parameters& p, std::vector<Contradiction>& found) {
   const auto& grid = p.discretisation;
-  const double intervals = std::ceil(grid.horizon_s / grid.time_step_s - kRounding);
-  if (intervals > control::kMaxHorizonIntervals) {
+  const double intervals = ocp::most_intervals(grid);
+  if (intervals > ocp::kMaxHorizonIntervals) {
     found.push_back({{"discretisation.horizon_s", "discretisation.time_step_s"},
                      "a horizon of " + number_text(grid.horizon_s) + " s in time steps of " +
                          number_text(grid.time_step_s) + " s takes " + number_text(intervals) +
-                         " intervals, the capacity is " + std::to_string(control::kMaxHorizonIntervals) +
+                         " intervals, the capacity is " + std::to_string(ocp::kMaxHorizonIntervals) +
                          "; the horizon may be at most " +
-                         number_text(control::kMaxHorizonIntervals * grid.time_step_s) + " s"});
+                         number_text(ocp::kMaxHorizonIntervals * grid.time_step_s) + " s"});
   }
-  const int switches = most_switches(p);
-  if (switches > control::kMaxSwitches) {
+  const double switches = ocp::most_switches(grid, p.gait);
+  if (switches > ocp::kMaxSwitches) {
     found.push_back({{"gait.single_support_s", "gait.double_support_s", "discretisation.horizon_s"},
                      "steps of " + number_text(p.gait.single_support_s) + " s with " +
                          number_text(p.gait.double_support_s) + " s of double support put " +
-                         std::to_string(switches) + " contact switches into the horizon of " +
+                         number_text(switches) + " contact switches into the horizon of " +
                          number_text(grid.horizon_s) + " s, the capacity is " +
-                         std::to_string(control::kMaxSwitches) + "; take longer steps or a shorter horizon"});
+                         std::to_string(ocp::kMaxSwitches) + "; take longer steps or a shorter horizon"});
   }
   if (grid.merge_below_s > 0.5 * grid.time_step_s) {
     found.push_back(
@@ -189,18 +189,6 @@ void check_line_search(const Parameters& p, std::vector<Contradiction>& found) {
 }
 
 }  // namespace
-
-int most_switches(const control::ControllerParameters& p) {
-  const double horizon_s = p.discretisation.horizon_s + kRounding;
-  const double single_s = p.gait.single_support_s;
-  const double double_s = p.gait.double_support_s;
-  if (double_s <= 0.0) return 1 + static_cast<int>(horizon_s / single_s);
-  // Gaps between switches alternate; the window that holds most starts at a switch, before the shorter gap.
-  const double period_s = single_s + double_s;
-  const int periods = static_cast<int>(horizon_s / period_s);
-  const double rest_s = horizon_s - periods * period_s;
-  return 1 + 2 * periods + (rest_s >= std::min(single_s, double_s) ? 1 : 0);
-}
 
 std::vector<Contradiction> contradictions(const Configuration& parameters) {
   std::vector<Contradiction> found;

@@ -19,7 +19,4 @@ struct Contradiction {
 /// Supposes that every value is within its range. May allocate; not for real time.
 [[nodiscard]] std::vector<Contradiction> contradictions(const Configuration& parameters);
 
-/// Largest number of contact switches that any window of one horizon holds while stepping.
-[[nodiscard]] int most_switches(const control::ControllerParameters& parameters);
-
 }  // namespace stilt::configuration

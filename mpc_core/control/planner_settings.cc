@@ -26,11 +26,8 @@ ocp::JointLimits limits_of(const model::RobotConstants& robot, const RobotParame
 }
 
 bool fits(const ControllerParameters& p) noexcept {
-  const double intervals = std::ceil(p.discretisation.horizon_s / p.discretisation.time_step_s - 1e-9);
-  const double step_s = p.gait.single_support_s + p.gait.double_support_s;
-  const double switches_per_step = p.gait.double_support_s > 0.0 ? 2.0 : 1.0;
-  const double switches = std::ceil(p.discretisation.horizon_s / step_s) * switches_per_step;
-  return intervals <= ocp::kMaxHorizonIntervals && switches <= ocp::kMaxSwitches;
+  return ocp::most_intervals(p.discretisation) <= ocp::kMaxHorizonIntervals &&
+         ocp::most_switches(p.discretisation, p.gait) <= ocp::kMaxSwitches;
 }
 
 }  // namespace

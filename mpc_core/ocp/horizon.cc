@@ -17,7 +17,27 @@ namespace {
   }
   return horizon.stages > 0;
 }
+
+/// Times that are equal but for rounding count as equal.
+constexpr double kRounding = 1e-9;
+
 }  // namespace
+
+double most_intervals(const DiscretisationParameters& p) noexcept {
+  return std::ceil(p.horizon_s / p.time_step_s - kRounding);
+}
+
+double most_switches(const DiscretisationParameters& p, const gait::GaitParameters& gait) noexcept {
+  const double horizon_s = p.horizon_s + kRounding;
+  const double single_s = gait.single_support_s;
+  const double double_s = gait.double_support_s;
+  if (double_s <= 0.0) return 1.0 + std::floor(horizon_s / single_s);
+  // Gaps between switches alternate; the window that holds most starts at a switch, before the shorter gap.
+  const double period_s = single_s + double_s;
+  const double periods = std::floor(horizon_s / period_s);
+  const double rest_s = horizon_s - periods * period_s;
+  return 1.0 + 2.0 * periods + (rest_s >= std::min(single_s, double_s) ? 1.0 : 0.0);
+}
 
 bool build_horizon(const gait::ContactSchedule& schedule, double start_s, const DiscretisationParameters& p,
                    Horizon& horizon) noexcept {

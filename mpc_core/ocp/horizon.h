@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 
+#include "mpc_core/gait/parameters.h"
 #include "mpc_core/gait/schedule.h"
 #include "mpc_core/ocp/parameters.h"
 
@@ -13,6 +14,14 @@ inline constexpr int kMaxHorizonIntervals = 134;
 inline constexpr int kMaxSwitches = 21;
 inline constexpr int kMaxStages = kMaxHorizonIntervals + 2 * kMaxSwitches + 1;
 inline constexpr int kMaxNodes = kMaxStages + 1;
+
+/// Intervals that the time steps of a horizon take; NaN if one of the two is. May run in real time.
+[[nodiscard]] double most_intervals(const DiscretisationParameters& parameters) noexcept;
+
+/// Largest number of contact switches that any window of one horizon holds while stepping. May run in real
+/// time.
+[[nodiscard]] double most_switches(const DiscretisationParameters& parameters,
+                                   const gait::GaitParameters& gait) noexcept;
 
 enum class StageKind : std::uint8_t {
   flow,        ///< motion over an interval with one set of feet on the ground

@@ -63,31 +63,6 @@ TEST(Consistency, TooManySwitchesInTheHorizonAreRefused) {
             std::string::npos);
 }
 
-TEST(Consistency, MostSwitchesBoundsEveryWindowOfARandomGait) {
-  const unsigned seed = 20250607;
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<double> single(0.1, 1.0), both(0.01, 0.5), horizon(0.05, 3.0);
-  for (int trial = 0; trial < 200; ++trial) {
-    Parameters p;
-    p.gait.single_support_s = single(random);
-    p.gait.double_support_s = trial % 2 == 0 ? 0.0 : both(random);
-    p.discretisation.horizon_s = horizon(random);
-    // Switches of a long walk; every window that starts at a switch, where the count peaks.
-    std::vector<double> times;
-    double time_s = 0.0;
-    for (int step = 0; step < 100; ++step) {
-      times.push_back(time_s += p.gait.single_support_s);
-      if (p.gait.double_support_s > 0.0) times.push_back(time_s += p.gait.double_support_s);
-    }
-    long most = 0;
-    for (auto first = times.begin(); first != times.begin() + 4; ++first) {
-      const auto last = std::upper_bound(first, times.end(), *first + p.discretisation.horizon_s);
-      most = std::max(most, static_cast<long>(last - first));
-    }
-    EXPECT_EQ(most_switches(p), most) << "seed " << seed << ", trial " << trial;
-  }
-}
-
 // 1 / 3 s and the delay of 2 ms are more than 0.25 s.
 TEST(Consistency, APlanComesBeforeTheOneBeforeItIsStale) {
   EXPECT_EQ(complaint([](Parameters& p) { p.timing.plan_rate_hz = 5.0; }), "");

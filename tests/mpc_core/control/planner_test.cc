@@ -146,12 +146,12 @@ TEST(Planner, RefusesMoreContactSwitchesThanItHolds) {
   parameters.gait.single_support_s = 1.999 / ocp::kMaxSwitches;
   EXPECT_EQ(Planning(parameters).status, ConfigureStatus::horizon_over_capacity);
 
-  // With double support every step has two switches.
+  // With double support every step has two switches: 21 from a switch on, and one after the next short gap.
   constexpr int kMostSteps = ocp::kMaxSwitches / 2;
   parameters.gait.double_support_s = 0.05;
-  parameters.gait.single_support_s = 2.001 / kMostSteps - 0.05;
+  parameters.gait.single_support_s = (2.0 - 0.049) / kMostSteps - 0.05;
   EXPECT_EQ(Planning(parameters).status, ConfigureStatus::ok);
-  parameters.gait.single_support_s = 1.999 / kMostSteps - 0.05;
+  parameters.gait.single_support_s = (2.0 - 0.051) / kMostSteps - 0.05;
   EXPECT_EQ(Planning(parameters).status, ConfigureStatus::horizon_over_capacity);
 }
 

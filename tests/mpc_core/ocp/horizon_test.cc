@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <vector>
@@ -195,6 +196,32 @@ TEST(Horizon, RefusesWhatDoesNotFit) {
   parameters.horizon_s = 1.0;
   parameters.time_step_s = 0.004;
   EXPECT_FALSE(build_horizon(schedule, 0.0, parameters, horizon));
+}
+
+TEST(Horizon, MostSwitchesBoundsEveryWindowOfARandomGait) {
+  const unsigned seed = 20250607;
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> single(0.1, 1.0), both(0.01, 0.5), horizon(0.05, 3.0);
+  for (int trial = 0; trial < 200; ++trial) {
+    gait::GaitParameters gait;
+    gait.single_support_s = single(random);
+    gait.double_support_s = trial % 2 == 0 ? 0.0 : both(random);
+    DiscretisationParameters grid;
+    grid.horizon_s = horizon(random);
+    // Switches of a long walk; every window that starts at a switch, where the count peaks.
+    std::vector<double> times;
+    double time_s = 0.0;
+    for (int step = 0; step < 100; ++step) {
+      times.push_back(time_s += gait.single_support_s);
+      if (gait.double_support_s > 0.0) times.push_back(time_s += gait.double_support_s);
+    }
+    double most = 0.0;
+    for (auto first = times.begin(); first != times.begin() + 4; ++first) {
+      const auto last = std::upper_bound(first, times.end(), *first + grid.horizon_s);
+      most = std::max(most, static_cast<double>(last - first));
+    }
+    EXPECT_EQ(most_switches(grid, gait), most) << "seed " << seed << ", trial " << trial;
+  }
 }
 
 }  // namespace
