@@ -77,6 +77,15 @@ void keep_torque_limit(Configuration& configuration);
 [[nodiscard]] Result load_robot(std::string_view robot, std::span<const Override> overrides = {},
                                 std::string_view preset = {});
 
+/// The robot where neither a user nor a configuration names one.
+inline constexpr std::string_view kDefaultRobot = "amber3m";
+
+/// What a user chose: a file as load_file() reads it, or without one a robot as load_robot() does. A robot
+/// beside a file takes the place of the one that the file names.
+/// @param robot  empty: that of the file; without a file kDefaultRobot
+[[nodiscard]] Result load(const std::string& file, std::string_view robot,
+                          std::span<const Override> overrides, std::string_view preset = {});
+
 /// The parameters as a TOML file that parse() reads back bit for bit. A comment above each key has meaning,
 /// unit, range and default. `heading`: text of the first lines, put into comments.
 [[nodiscard]] std::string to_toml(const Configuration& parameters, std::string_view heading);

@@ -320,4 +320,13 @@ Result load_robot(std::string_view robot, std::span<const Override> overrides, s
   return parse("", "the defaults", all, preset);
 }
 
+Result load(const std::string& file, std::string_view robot, std::span<const Override> overrides,
+            std::string_view preset) {
+  if (file.empty()) return load_robot(robot.empty() ? kDefaultRobot : robot, overrides, preset);
+  std::vector<Override> all;
+  if (!robot.empty()) all.push_back({"hardware.robot=" + std::string(robot), "--robot"});
+  all.insert(all.end(), overrides.begin(), overrides.end());
+  return load_file(file, all, preset);
+}
+
 }  // namespace stilt::configuration

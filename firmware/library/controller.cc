@@ -69,7 +69,7 @@ std::expected<Controller, std::string> Controller::create(const Settings& settin
   auto parts = std::make_unique<Parts>();
   parts->configuration = std::move(*configuration);
   const std::string source =
-      settings.configuration_file.empty() ? settings.robot : settings.configuration_file;
+      settings.configuration_file.empty() ? parts->configuration.hardware.robot : settings.configuration_file;
   const auto configured =
       program::configure_controller(parts->configuration, source, parts->planner, parts->loop, &parts->gaits);
   if (!configured) return std::unexpected(configured.error());

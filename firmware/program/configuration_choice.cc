@@ -16,20 +16,11 @@ namespace {
 
 std::vector<configuration::Override> overrides_of(const ConfigurationChoice& choice) {
   std::vector<configuration::Override> overrides;
-  if (!choice.file.empty() && robots::is_file(choice.robot)) {
-    overrides.push_back({"hardware.robot=" + choice.robot, "--robot"});
-  }
   for (const std::string& setting : choice.settings) overrides.push_back({setting});
   std::string buses;
   for (const std::string& bus : choice.buses) buses += (buses.empty() ? "" : ",") + bus;
   if (!buses.empty()) overrides.push_back({"hardware.buses=" + buses, "--bus"});
   return overrides;
-}
-
-configuration::Result load(const ConfigurationChoice& choice,
-                           const std::vector<configuration::Override>& overrides) {
-  return choice.file.empty() ? configuration::load_robot(choice.robot, overrides, choice.preset)
-                             : configuration::load_file(choice.file, overrides, choice.preset);
 }
 
 /// What plans around gaits of the library need, before what the command line sets.
@@ -56,9 +47,10 @@ bool names_a_key(const std::string& file) {
 /// The file, or the shipped configuration, that is read.
 std::string origin_of(const ConfigurationChoice& choice) {
   if (!choice.file.empty()) return choice.file;
-  if (!robots::is_file(choice.robot)) return "the shipped configuration of " + choice.robot;
-  const std::string beside = configuration::file_beside(choice.robot);
-  return std::filesystem::exists(beside) ? beside : "the default configuration of " + choice.robot;
+  const std::string robot = choice.robot.empty() ? std::string(configuration::kDefaultRobot) : choice.robot;
+  if (!robots::is_file(robot)) return "the shipped configuration of " + robot;
+  const std::string beside = configuration::file_beside(robot);
+  return std::filesystem::exists(beside) ? beside : "the default configuration of " + robot;
 }
 
 /// What the configuration is read from, and what changes it then.
@@ -66,6 +58,7 @@ std::string source_of(const ConfigurationChoice& choice) {
   std::string source = origin_of(choice);
   if (!choice.file.empty() && !names_a_key(choice.file))
     source += " (names no key: every value is the default)";
+  if (!choice.file.empty() && !choice.robot.empty()) source += ", --robot " + choice.robot;
   if (!choice.preset.empty()) source += ", preset " + choice.preset;
   for (const std::string& setting : choice.settings) source += ", --set " + setting;
   return source;
@@ -84,6 +77,7 @@ std::vector<std::string> changed_keys(const ConfigurationChoice& choice,
   for (const configuration::ShippedPreset& preset : configuration::shipped_presets()) {
     if (preset.name == choice.preset) names = configuration::keys_of(preset.text);
   }
+  if (!choice.file.empty() && !choice.robot.empty()) names.emplace_back("hardware.robot");
   for (const configuration::Override& change : overrides) names.push_back(name_of(change));
   std::ranges::sort(names);
   const auto twice = std::ranges::unique(names);
@@ -97,9 +91,9 @@ void add_configuration_options(CLI::App& app, ConfigurationChoice& choice) {
   app.add_option("--config", choice.file, "configuration (TOML)");
   app.add_option("--robot", choice.robot,
                  "robot: " + robots::shipped_names() +
-                     ", or a URDF file; its configuration is taken without --config: the shipped one, or the "
-                     "TOML of the same stem beside the URDF")
-      ->capture_default_str();
+                     ", or a URDF file; default: that of --config. Without --config its own configuration is "
+                     "taken: the shipped one, or the TOML of the same stem beside the URDF")
+      ->default_str(std::string(configuration::kDefaultRobot));
   app.add_option("--preset", choice.preset,
                  "shipped changes to the configuration, before --set: " + configuration::preset_names());
   app.add_option("--set", choice.settings,
@@ -114,11 +108,11 @@ void add_configuration_options(CLI::App& app, ConfigurationChoice& choice) {
 
 std::expected<ChosenConfiguration, std::string> read_configuration(const ConfigurationChoice& choice) {
   const auto overrides = overrides_of(choice);
-  configuration::Result result = load(choice, overrides);
+  configuration::Result result = configuration::load(choice.file, choice.robot, overrides, choice.preset);
   if (result && result->controller.reference == configuration::ReferenceKind::hzd) {
     const auto all = with_gaits(result->hardware.robot, overrides);
     if (!all) return std::unexpected(all.error());
-    result = load(choice, *all);
+    result = configuration::load(choice.file, choice.robot, *all, choice.preset);
   }
   if (!result) return std::unexpected(configuration::to_string(result.error()));
   return ChosenConfiguration{*result, source_of(choice), changed_keys(choice, overrides)};

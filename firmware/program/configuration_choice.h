@@ -12,7 +12,7 @@ namespace stilt::program {
 /// The options of stiltd that choose and change the configuration.
 struct ConfigurationChoice {
   std::string file;                   ///< of --config; empty: none
-  std::string robot = "amber3m";      ///< of --robot
+  std::string robot;                  ///< of --robot; empty: that of the file
   std::string preset;                 ///< of --preset; empty: none
   std::vector<std::string> settings;  ///< of --set
   std::vector<std::string> buses;     ///< of --bus

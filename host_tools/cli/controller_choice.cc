@@ -23,11 +23,9 @@ Override setting(const char* key, double value, const char* option) {
   return {std::string(key) + "=" + std::string(text, end), option};
 }
 
-std::vector<Override> overrides_of(const ControllerChoice& choice) {
+/// What the options set; of any robot.
+std::vector<Override> option_overrides(const ControllerChoice& choice) {
   std::vector<Override> overrides;
-  if (const auto library = gait_library(choice)) {  // before the user's settings, which may change it
-    overrides = gait_files::gait_overrides(*library, "--controller mpc-hzd");
-  }
   for (const std::string& assignment : choice.settings) overrides.push_back({assignment});
   if (choice.horizon_s)
     overrides.push_back(setting("discretisation.horizon_s", *choice.horizon_s, "--horizon"));
@@ -49,6 +47,17 @@ std::vector<Override> overrides_of(const ControllerChoice& choice) {
     overrides.push_back({"supervisor.select_gait=true", "--controller hzd-pd"});
   }
   if (choice.controller == "mpc-none") overrides.push_back({"cost.terminal=0", "--controller mpc-none"});
+  return overrides;
+}
+
+/// What the gaits of the controller need, then the user's options, which may change it.
+std::vector<Override> overrides_of(const ControllerChoice& choice) {
+  std::vector<Override> overrides;
+  if (const auto library = gait_library(choice)) {
+    overrides = gait_files::gait_overrides(*library, "--controller mpc-hzd");
+  }
+  const std::vector<Override> options = option_overrides(choice);
+  overrides.insert(overrides.end(), options.begin(), options.end());
   return overrides;
 }
 
@@ -109,7 +118,14 @@ void add_gains_option(CLI::App& command, ControllerChoice& choice) {
 }
 
 void add_controller_options(CLI::App& command, ControllerChoice& choice) {
-  command.add_option("--robot", choice.robot, robot_help())->capture_default_str();
+  const CLI::Option* robot =
+      command.add_option("--robot", choice.robot, robot_help() + "; default: that of --config")
+          ->capture_default_str();
+  command.parse_complete_callback([&choice, robot] {
+    if (robot->count() > 0 || choice.config_file.empty()) return;
+    choice.robot =
+        load_configuration("", choice.config_file, choice.preset, option_overrides(choice)).hardware.robot;
+  });
   command
       .add_option("--controller", choice.controller,
                   "mpc-heuristic, mpc-none: without terminal cost, mpc-lumped: plans with the legs' mass and "
@@ -153,11 +169,7 @@ const model::RobotModel& robot_model(const std::string& name) { return find_robo
 configuration::Configuration load_configuration(const std::string& robot, const std::string& file,
                                                 const std::string& preset,
                                                 const std::vector<Override>& overrides) {
-  std::vector<Override> all;
-  if (!file.empty() && robots::is_file(robot)) all.push_back({"hardware.robot=" + robot, "--robot"});
-  all.insert(all.end(), overrides.begin(), overrides.end());
-  const configuration::Result result = file.empty() ? configuration::load_robot(robot, all, preset)
-                                                    : configuration::load_file(file, all, preset);
+  const configuration::Result result = configuration::load(file, robot, overrides, preset);
   if (!result) throw UsageError(one_line(result.error()));
   return *result;
 }
@@ -166,6 +178,10 @@ configuration::Configuration controller_configuration(const ControllerChoice& ch
   check_controller(choice.controller);
   configuration::Configuration configuration =
       load_configuration(choice.robot, choice.config_file, choice.preset, overrides_of(choice));
+  if (configuration.hardware.robot != choice.robot) {
+    throw UsageError("hardware.robot: " + configuration.hardware.robot + " is another robot than " +
+                     choice.robot + "; take --robot " + configuration.hardware.robot);
+  }
   const auto poses = configuration::unreachable_poses(configuration, robot_model(choice.robot).constants);
   if (!poses.empty()) throw UsageError(poses.front());
   configuration::keep_torque_limit(configuration);

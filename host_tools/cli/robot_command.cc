@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "firmware/configuration/configuration.h"
 #include "host_tools/cli/controller_choice.h"
 #include "host_tools/cli/json_output.h"
 #include "host_tools/cli/network_options.h"
@@ -72,7 +73,8 @@ host_telemetry::SimulationMessage truth_of(const RobotOnBus& robot,
 
 CLI::App* add_robot_command(CLI::App& program, RobotOptions& options) {
   CLI::App* robot = program.add_subcommand("robot", "the simulated robot behind its motor drivers");
-  robot->add_option("--robot", options.robot, robot_help())->capture_default_str();
+  robot->add_option("--robot", options.robot, robot_help() + "; default: that of --config")
+      ->default_str(std::string(configuration::kDefaultRobot));
   robot->add_option("--config", options.config_file,
                     "configuration (TOML) that names drivers and wiring, instead of the shipped one");
   add_preset_option(*robot, options.preset);

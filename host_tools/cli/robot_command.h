@@ -12,7 +12,7 @@ namespace stilt::cli {
 
 /// Options of `stilt robot`.
 struct RobotOptions {
-  std::string robot = "amber3m";
+  std::string robot;                  ///< empty: that of the configuration
   std::string config_file;            ///< empty: the file shipped for the robot
   std::string preset;                 ///< of --preset; empty: none
   std::vector<std::string> settings;  ///< of --set

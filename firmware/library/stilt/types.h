@@ -85,7 +85,7 @@ struct Tick {
 
 /// A robot and its configuration.
 struct Settings {
-  std::string robot = "amber3m";           ///< a shipped one, or a URDF file
+  std::string robot = {};  ///< a shipped one, or a URDF file; empty: that of the file, or amber3m
   std::string configuration_file = {};     ///< TOML; empty: the one shipped for the robot, or beside the URDF
   std::vector<std::string> settings = {};  ///< "section.key=value", after the file
 };

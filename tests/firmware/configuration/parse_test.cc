@@ -230,6 +230,25 @@ TEST(Load, ARelativeUrdfIsFoundFromTheFolderOfTheFileThatNamesIt) {
   EXPECT_EQ(robot_of("mine.urdf", {{"hardware.robot=" + relative, "--robot"}}), relative);
 }
 
+TEST(Load, TheRobotIsTheOneThatIsNamedOrElseThatOfTheFile) {
+  const tests::OwnFolder folder;
+  const std::string named = folder.file("named.toml"), silent = folder.file("silent.toml");
+  std::ofstream(named) << "[hardware]\nrobot = \"rabbit\"\n";
+  std::ofstream(silent) << "[sqp]\niterations = 3\n";
+  const auto robot_of = [](const std::string& file, std::string_view robot) {
+    const Result result = load(file, robot, {});
+    return result ? result->hardware.robot : to_string(result.error());
+  };
+  EXPECT_EQ(robot_of(named, ""), "rabbit");
+  EXPECT_EQ(robot_of(named, "amber3m"), "amber3m");
+  EXPECT_EQ(robot_of(silent, "rabbit"), "rabbit");
+  EXPECT_EQ(robot_of(silent, ""), kDefaultRobot);
+  EXPECT_EQ(robot_of("", ""), kDefaultRobot);
+  EXPECT_EQ(robot_of("", "rabbit"), "rabbit");
+  EXPECT_EQ(load(silent, "rabbit", {})->sqp.iterations, 3);
+  EXPECT_NE(robot_of(named, "atlas").find("--robot"), std::string::npos);
+}
+
 TEST(Load, AFileNamesAUrdfSoThatItIsFoundAgain) {
   const std::string here = std::filesystem::current_path().string();
   EXPECT_EQ(robot_in_file("robot.toml", "mine.urdf"), "mine.urdf");

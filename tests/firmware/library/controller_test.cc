@@ -4,12 +4,14 @@
 
 #include <atomic>
 #include <cmath>
+#include <fstream>
 #include <functional>
 #include <string>
 #include <thread>
 #include <utility>
 
 #include "firmware/realtime/allocation_counter.h"
+#include "tests/own_folder.h"
 
 namespace stilt {
 namespace {
@@ -189,6 +191,15 @@ TEST(OwnLoop, WhatIsWrongIsASentence) {
   const auto robot = SimulatedRobot::create({}, {"friction=-1"});
   ASSERT_FALSE(robot);
   EXPECT_NE(robot.error().find("friction"), std::string::npos) << robot.error();
+}
+
+TEST(OwnLoop, TheRobotOfAFileNeedsNoOtherName) {
+  const tests::OwnFolder folder;
+  const std::string file = folder.file("robot.toml");
+  std::ofstream(file) << "[hardware]\nrobot = \"rabbit\"\n[reference]\nbase_height_m = 0.9\n";
+  const auto refused = Controller::create({.configuration_file = file});
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().find("legs of 0.8 m"), std::string::npos) << refused.error();
 }
 
 TEST(OwnLoop, EachSeedOfTheSimulatedRobotHasItsOwnNoise) {

@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <string>
 #include <vector>
 
 #include "mpc_core/dispatch/dispatched_planner.h"
+#include "tests/own_folder.h"
 
 namespace stilt::program {
 namespace {
@@ -50,6 +52,20 @@ TEST(Options, WithoutAnyTheShippedRobotWaitsIdle) {
   EXPECT_EQ(options->duration_s, 0.0);
   EXPECT_FALSE(options->lockstep);
   EXPECT_EQ(options->configuration.hardware.robot, "amber3m");
+}
+
+TEST(Options, ARobotBesideAConfigurationTakesThePlaceOfItsRobot) {
+  const tests::OwnFolder folder;
+  const std::string file = folder.file("robot.toml");
+  std::ofstream(file) << "[hardware]\nrobot = \"rabbit\"\n";
+  const auto as_named = read({"--config", file});
+  ASSERT_TRUE(as_named) << as_named.error();
+  EXPECT_EQ(as_named->configuration.hardware.robot, "rabbit");
+  const auto replaced = read({"--config", file, "--robot", "amber3m"});
+  ASSERT_TRUE(replaced) << replaced.error();
+  EXPECT_EQ(replaced->configuration.hardware.robot, "amber3m");
+  EXPECT_EQ(replaced->source, file + ", --robot amber3m");
+  EXPECT_EQ(replaced->changed_keys, std::vector<std::string>{"hardware.robot"});
 }
 
 TEST(Options, BusesReplaceThoseOfTheConfigurationInTheirOrder) {

@@ -29,6 +29,22 @@ TEST_F(SimCommand, GainsAreThoseOfTheConfigurationKey) {
   EXPECT_NE(distance("--gains off"), distance("")) << "plans are 10 to 15 ms old";
 }
 
+TEST_F(SimCommand, TheRobotIsThatOfTheConfigurationUnlessItIsNamed) {
+  const std::string file_name = file("robot.toml");
+  std::ofstream(file_name) << "[hardware]\nrobot = \"rabbit\"\n";
+  const auto log_of = [&](const std::string& options) {
+    const Outcome outcome = run("sim --gait stand --duration 0.2 --log - " + options);
+    EXPECT_EQ(outcome.status, 0) << outcome.errors;
+    return outcome.output;
+  };
+  EXPECT_EQ(log_of("--config " + file_name), log_of("--config " + file_name + " --robot rabbit"));
+  EXPECT_NE(log_of("--config " + file_name), log_of("--config " + file_name + " --robot amber3m"));
+  const Outcome outcome = run("sim --set hardware.robot=rabbit");
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_EQ(outcome.errors,
+            "stilt: hardware.robot: rabbit is another robot than amber3m; take --robot rabbit\n");
+}
+
 TEST_F(SimCommand, ASimulationGivesEveryFigureOfItsContract) {
   const Outcome outcome = run("sim --gait walk --speed 0.5 --duration 4 --json -");
   ASSERT_EQ(outcome.status, 0) << outcome.errors;
