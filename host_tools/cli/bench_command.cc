@@ -81,11 +81,11 @@ int run_bench(const BenchOptions& options) {
   recorded.iterations.reset();
   recorded.no_early_stop = false;
   const PlanningProblems problems = record_walk(recorded, options.speed_m_s, options.problems);
-  const PlannerTimings timings = time_planner(controller->planner(), problems.inputs);
+  const PlannerTimings timings = time_planner(controller->planner(), problems);
   // The kernels alone are those of the build.
   parameters.sqp.instruction_set = dispatch::instruction_set_of_build();
   const auto of_build = make_controller(controller_setup(options.choice, robot, parameters));
-  static_cast<void>(time_planner(of_build->planner(), problems.inputs));
+  static_cast<void>(time_planner(of_build->planner(), problems));
   const benchmark::PhaseSpeeds speeds = measure_last(*benchmark::planner_of_build(of_build->planner()));
   if (!options.json_file.empty()) write_json(bench_json(timings, speeds), options.json_file);
   if (options.json_file != "-") print_bench(timings, speeds, parameters.discretisation.horizon_s);

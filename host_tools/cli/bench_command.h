@@ -21,7 +21,7 @@ struct BenchOptions {
 /// Adds `bench` to the program and stores its options in `options`.
 CLI::App* add_bench_command(CLI::App& program, BenchOptions& options);
 
-/// Records the planning problems of a walk in closed loop, from the first step on. The walk always uses the
+/// Records the planning problems of a walk in closed loop, after its first 3 s. The walk always uses the
 /// horizon of the configuration, so that every horizon is timed on the same problems. Then times the planner
 /// over them, in order and warm-started as on the robot, with one thread. Rate and phases are means. With
 /// `closed_loop_plans` it runs run_closed_loop_bench() instead. Returns the exit status: 0, or 1 when the

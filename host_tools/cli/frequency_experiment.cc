@@ -22,14 +22,14 @@ constexpr int kIterations = 10;
 constexpr std::pair<double, double> kPaper[] = {{2.0, 270.0}, {1.0, 480.0}, {0.5, 670.0}, {0.2, 850.0}};
 
 PlannerTimings timings_of(ControllerChoice choice, double horizon_s, bool early_stop,
-                          const std::vector<control::PlannerInput>& inputs) {
+                          const PlanningProblems& problems) {
   choice.horizon_s = horizon_s;
   choice.iterations = kIterations;
   choice.no_early_stop = !early_stop;
   configuration::Configuration configuration = controller_configuration(choice);
   program::choose_instruction_set(configuration);
   const auto controller = make_controller(controller_setup(choice, robot_model(choice.robot), configuration));
-  return time_planner(controller->planner(), inputs);
+  return time_planner(controller->planner(), problems);
 }
 
 double mean(const std::vector<double>& values) {
@@ -70,8 +70,8 @@ int run_frequency(const ExperimentOptions& options) {
   Json rows = Json::array();
   int failed = 0;
   for (const auto& [horizon_s, paper_hz] : kPaper) {
-    const PlannerTimings all = timings_of(choice, horizon_s, false, walk.inputs);
-    const PlannerTimings early = timings_of(choice, horizon_s, true, walk.inputs);
+    const PlannerTimings all = timings_of(choice, horizon_s, false, walk);
+    const PlannerTimings early = timings_of(choice, horizon_s, true, walk);
     failed += all.failed + early.failed;
     rows.push_back({{"horizon_s", horizon_s},
                     {"nodes", all.nodes_max},

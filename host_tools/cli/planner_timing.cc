@@ -17,12 +17,12 @@ long long steady_ns() noexcept {
 
 }  // namespace
 
-PlannerTimings time_planner(dispatch::DispatchedPlanner& dispatched,
-                            const std::vector<control::PlannerInput>& inputs) {
+PlannerTimings time_planner(dispatch::DispatchedPlanner& dispatched, const PlanningProblems& problems) {
   control::PlannerInterface& planner = dispatched.planner();
   PlannerTimings timings;
   timings.instruction_set = model::name_of(dispatched.instruction_set());
   const auto plan = std::make_unique<control::Plan>();
+  const std::vector<control::PlannerInput>& inputs = problems.inputs;
   Progress progress("timing the planner", static_cast<double>(inputs.size()), "plans");
   planner.set_clock(steady_ns);
   planner.reset(0.0);
@@ -30,6 +30,9 @@ PlannerTimings time_planner(dispatch::DispatchedPlanner& dispatched,
     const long long start_ns = steady_ns();
     const sqp::SolveReport report = planner.plan(inputs[i], *plan);
     const double solve_us = 1e-3 * static_cast<double>(steady_ns() - start_ns);
+    if (!report.usable()) ++timings.failed;
+    progress.update(static_cast<double>(i + 1));
+    if (i < problems.lead) continue;
     const sqp::PhaseTimes& phases = planner.phase_times();
     timings.solve_us.push_back(solve_us);
     timings.linearise_us.push_back(phases.linearise_us);
@@ -38,8 +41,6 @@ PlannerTimings time_planner(dispatch::DispatchedPlanner& dispatched,
     timings.other_us.push_back(solve_us - phases.linearise_us - phases.riccati_us - phases.line_search_us);
     timings.iterations.push_back(report.iterations);
     timings.nodes_max = std::max(timings.nodes_max, plan->nodes);
-    if (!report.usable()) ++timings.failed;
-    progress.update(static_cast<double>(i + 1));
   }
   return timings;
 }

@@ -5,6 +5,11 @@
 #include "host_tools/simulation/plant/simulated_robot.h"
 
 namespace stilt::cli {
+namespace {
+
+constexpr std::int64_t kLead_ns = 3'000'000'000;
+
+}  // namespace
 
 bool walk(const ControllerChoice& choice, const Walk& walk, simulation::SimulatedController& controller,
           const PlanObserver& observer) {
@@ -39,12 +44,15 @@ bool walk(const ControllerChoice& choice, const Walk& walk, simulation::Simulate
 }
 
 PlanningProblems record_walk(const ControllerChoice& choice, double speed_m_s, int count) {
-  const auto controller =
-      make_controller(controller_setup(choice, robot_model(choice.robot), controller_configuration(choice)));
+  const configuration::Configuration configuration = controller_configuration(choice);
+  const auto controller = make_controller(controller_setup(choice, robot_model(choice.robot), configuration));
+  const control_loop::PlanTiming timing(configuration.timing);
+  const auto lead = static_cast<int>(kLead_ns / (timing.period_ticks * timing.tick_ns));
   PlanningProblems problems;
+  problems.lead = static_cast<std::size_t>(lead);
   PlanObserver recorder;
   recorder.after = [&](const control::PlannerInput& input) { problems.inputs.push_back(input); };
-  problems.survived = walk(choice, {.speed_m_s = speed_m_s, .plans = count}, *controller, recorder);
+  problems.survived = walk(choice, {.speed_m_s = speed_m_s, .plans = lead + count}, *controller, recorder);
   return problems;
 }
 

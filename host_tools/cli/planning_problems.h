@@ -13,11 +13,13 @@ namespace stilt::cli {
 /// The planner's inputs in a closed-loop walk that starts standing at time 0.
 struct PlanningProblems {
   std::vector<control::PlannerInput> inputs;
+  std::size_t lead =
+      0;  ///< of the inputs, until the robot walks: to be solved before the others, as on the robot
   bool survived = false;
 };
 
-/// Walks the simulated robot under the chosen controller for `count` plans, and records the planner's inputs.
-/// The result is the same each time.
+/// Walks the simulated robot under the chosen controller for 3 s, then for `count` plans, and records the
+/// planner's inputs. The result is the same each time.
 [[nodiscard]] PlanningProblems record_walk(const ControllerChoice& choice, double speed_m_s, int count);
 
 /// Functions called before and after each plan of a walk.
