@@ -333,6 +333,11 @@ void ControlLoop::record(const TickTiming& timing, const OperatorCommand& comman
   record_.visible_plan = plan.sequence;
   std::copy_n(estimate.data(), record_.estimated_state.size(), record_.estimated_state.begin());
   record_.wanted = wanted;
+  const PlannedJoints planned = planned_joints(plan);
+  for (std::size_t i = 0; i < hal::kJoints; ++i) {
+    record_.wanted[i].position_rad = planned.position_rad[i];
+    record_.wanted[i].velocity_rad_s = planned.speed_rad_s[i];
+  }
   record_.sent = commands_;
   record_.action = action;
   record_.state = decision.state;
@@ -342,7 +347,7 @@ void ControlLoop::record(const TickTiming& timing, const OperatorCommand& comman
   record_.latched = decision.latched;
   record_.ramp = decision.ramp;
   record_.plan_sequence = decision.level <= FallbackLevel::plan_feedback ? plan.sequence : -1;
-  record_.plan_age_s = plan.age_s;
+  record_.plan_age_s = episode_ != 0 ? plan.age_s : std::numeric_limits<double>::quiet_NaN();
   record_.stance_episode = episode_;
   record_.gait = decision.gait;
   record_.wakeup_latency_ns = timing.wakeup_latency_ns;

@@ -14,9 +14,10 @@ namespace stilt::control_loop {
 /// Operator -> torque loop.
 struct OperatorCommand {
   supervisor::Request request;
-  bool shut_down = false;           ///< end the program: sit, damp, disable the drivers
-  bool heartbeat_expected = false;  ///< the commander sends heartbeats
-  std::int64_t heartbeat_ns = 0;    ///< last sign of life, clock of the torque loop
+  bool shut_down = false;  ///< end the program: sit, damp, disable the drivers
+  bool heartbeat_expected =
+      false;  ///< somebody is to be alive: a commander, without one housekeeping of stiltd
+  std::int64_t heartbeat_ns = 0;  ///< its last sign of life, clock of the torque loop
 };
 
 /// Live tunables that the torque loop uses; operator -> torque loop.

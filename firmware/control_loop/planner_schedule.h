@@ -11,9 +11,9 @@ namespace stilt::control_loop {
 /// When plans are made and become active on a virtual clock, in ticks of the torque loop. Nothing depends on
 /// the wall clock.
 struct PlanTiming {
-  std::int64_t tick_ns = 1'000'000;
-  long long period_ticks = 10;
-  long long delay_ticks = 5;
+  std::int64_t tick_ns;
+  long long period_ticks;
+  long long delay_ticks;
 
   /// Rounded to whole ticks, the delay to at least one: a plan becomes active at a tick after the one it
   /// starts from. A new plan starts only when the last one has become active.

@@ -28,8 +28,11 @@ struct TickRecord {
   PlanningResult result;          ///< newest of the planner
   long long visible_plan = -1;    ///< sequence of the newest plan, whether or not it is used
   std::array<double, model::kStates> estimated_state{};  ///< [q; v], see mpc_core/model/types.h
-  hal::JointCommands wanted;                             ///< of the torque law
-  hal::JointCommands sent;                               ///< what left, when the action was `commands`
+  /// Before the supervisor acts: torques of the torque law or the gait tracker, 0 at other levels. Position
+  /// and speed are those of plan, gait or the way to sit; the position is NaN where none of them leads the
+  /// joints.
+  hal::JointCommands wanted;
+  hal::JointCommands sent;  ///< what left, when the action was `commands`
   supervisor::Action action = supervisor::Action::silent;
   supervisor::State state = supervisor::State::boot;
   supervisor::FallbackLevel level = supervisor::FallbackLevel::off;
@@ -37,8 +40,10 @@ struct TickRecord {
   supervisor::FaultSet present;
   supervisor::FaultSet latched;
   double ramp = 0;
-  long long plan_sequence = -1;        ///< of the plan that is followed, -1: none
-  double plan_age_s = 0;               ///< since the state it started from
+  long long plan_sequence = -1;  ///< of the plan that is followed, -1: none
+  /// Of the newest plan, since the state it started from; without one since the stance episode began. NaN
+  /// outside of an episode.
+  double plan_age_s = 0;
   std::uint32_t stance_episode = 0;    ///< counts the times the robot got on its feet; 0: no plan is wanted
   gait::GaitCommand gait;              ///< asked of the planner
   std::int64_t wakeup_latency_ns = 0;  ///< how late this tick began

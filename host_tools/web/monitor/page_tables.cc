@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "firmware/control_loop/tick_fields.h"
+#include "firmware/supervisor/signal_monitor.h"
 #include "host_tools/web/monitor/table_message.h"
 
 namespace stilt::monitor {
@@ -50,25 +51,25 @@ double measured_torque_Nm(const TickSample& tick, std::size_t joint) {
   return is_old(reading) ? kUnknown : reading.torque_Nm;
 }
 
-/// NaN when no commands were sent.
-double commanded_position_rad(const TickSample& tick, std::size_t joint) {
-  return tick.record.action == supervisor::Action::commands ? tick.record.sent[joint].position_rad : kUnknown;
+/// The pose that a driver holds by its own gain; without one where plan or gait has the joint. NaN when no
+/// commands were sent.
+double wanted_position_rad(const TickSample& tick, std::size_t joint) {
+  if (tick.record.action != supervisor::Action::commands) return kUnknown;
+  const hal::JointCommand& sent = tick.record.sent[joint];
+  return sent.kp_Nm_rad > 0.0 ? sent.position_rad : tick.record.wanted[joint].position_rad;
 }
 
-/// Feed-forward and gains together, at the measured joint position; 0 when no commands were sent.
-double commanded_torque_Nm(const TickSample& tick, std::size_t joint) {
+/// 0 when no commands were sent.
+double asked_torque_Nm(const TickSample& tick, std::size_t joint) {
   if (tick.record.action != supervisor::Action::commands) return 0.0;
-  const hal::JointCommand& command = tick.record.sent[joint];
-  const hal::JointReading& reading = tick.record.joints[joint];
-  return command.torque_Nm + command.kp_Nm_rad * (command.position_rad - reading.position_rad) +
-         command.kd_Nms_rad * (command.velocity_rad_s - reading.velocity_rad_s);
+  return supervisor::asked_torque_Nm(tick.record.sent, tick.record.joints)[joint];
 }
 
 TickColumns make_tick_columns() {
   TickColumns columns;
   columns.push_back({"estimated_state", estimated_state, model::kStates});
-  columns.push_back({"commanded_position_rad", commanded_position_rad, hal::kJoints});
-  columns.push_back({"commanded_torque_Nm", commanded_torque_Nm, hal::kJoints});
+  columns.push_back({"wanted_position_rad", wanted_position_rad, hal::kJoints});
+  columns.push_back({"asked_torque_Nm", asked_torque_Nm, hal::kJoints});
   columns.push_back({"measured_torque_Nm", measured_torque_Nm, hal::kJoints});
   add_fields<TickGroup::ramp>(columns);
   add_fields<TickGroup::plan>(columns);

@@ -1,6 +1,8 @@
 // Events, black box and records of ticks.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "firmware/control_loop/control_loop.h"
 #include "tests/firmware/control_loop/rig.h"
 #include "tests/firmware/supervisor/printers.h"
@@ -103,7 +105,29 @@ TEST_F(ControlLoopReports, ARecordHoldsTheTimesOfItsTickAndWhatLeft) {
   EXPECT_EQ(record.action, supervisor::Action::commands);
   EXPECT_EQ(record.sent[1].torque_Nm, rig->joints.commands[1].torque_Nm);
   EXPECT_EQ(record.plan_sequence, rig->mail.plans.newest().sequence);
-  EXPECT_NEAR(record.plan_age_s, rig->cycle.time_s() - rig->mail.plans.newest().start_time_s, 1e-12);
+  const control::Plan& plan = rig->mail.plans.newest();
+  EXPECT_NEAR(record.plan_age_s, rig->cycle.time_s() - plan.start_time_s, 1e-12);
+  const control::PlanPoint planned = control::interpolate(plan, rig->cycle.time_s());
+  for (int j = 0; j < model::kJoints; ++j) {
+    const hal::JointCommand& wanted = record.wanted[static_cast<std::size_t>(j)];
+    EXPECT_EQ(wanted.position_rad, planned.state[model::kFirstJoint + j]);
+    EXPECT_EQ(wanted.velocity_rad_s, planned.state[model::kPositions + model::kFirstJoint + j]);
+  }
+}
+
+TEST_F(ControlLoopReports, AfterAFaultNoPlanHasAnAgeAndNothingLeadsTheJoints) {
+  rig->stand();
+  rig->joints.emergency_stop = hal::EmergencyStopState::pressed;
+  rig->run(1);
+  while (const TickRecord* next = rig->mail.telemetry.front()) {
+    if (next->state == State::fault) break;
+    rig->mail.telemetry.pop();
+  }
+  const TickRecord* record = rig->mail.telemetry.front();
+  ASSERT_NE(record, nullptr);
+  EXPECT_TRUE(std::isnan(record->plan_age_s));
+  EXPECT_EQ(record->plan_sequence, -1);
+  EXPECT_TRUE(std::isnan(record->wanted[0].position_rad));
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
 // Which plots show what a fault watches, by name of the fault and titles of plots; the others watch what no plot shows.
 
-const kAnglePlots = ['Hip angle (dashed: commanded)', 'Knee angle (dashed: commanded)'];
-const kMeasuredTorquePlots = ['Measured hip torque (dashed: commanded)', 'Measured knee torque (dashed: commanded)'];
+const kAnglePlots = ['Hip angle (dashed: wanted)', 'Knee angle (dashed: wanted)'];
+const kMeasuredTorquePlots = ['Measured hip torque (dashed: asked)', 'Measured knee torque (dashed: asked)'];
 const kFaultPlots = {
   joint_position_limit: kAnglePlots,
   joint_speed_limit: ['Hip velocity', 'Knee velocity'],

@@ -29,15 +29,15 @@ function motionPlots() {
 function jointPlots(robot) {
   const angle = (k) => kSides.flatMap(([label, colour, first]) => [
     { label, colour, column: `estimated_state${3 + first + k}` },
-    { label: 'commanded', colour, ...kCommanded, column: `commanded_position_rad${first + k}`, unnamed: true },
+    { label: 'wanted', colour, ...kCommanded, column: `wanted_position_rad${first + k}`, unnamed: true },
   ]);
   const torque = (k) => kSides.map(([label, colour, first]) => (
-    { label, colour, column: `commanded_torque_Nm${first + k}` }));
+    { label, colour, column: `asked_torque_Nm${first + k}` }));
   return [
-    { title: 'Hip angle (dashed: commanded)', axis: 'rad', unit: '', table: 'ticks', least: 0.2, lines: angle(0) },
-    { title: 'Knee angle (dashed: commanded)', axis: 'rad', unit: '', table: 'ticks', least: 0.2, lines: angle(1) },
-    { title: 'Hip torque (dotted: limit)', axis: 'Nm', unit: 'Nm', digits: 1, table: 'ticks', limits: () => torqueLimits(robot, 0), lines: torque(0) },
-    { title: 'Knee torque (dotted: limit)', axis: 'Nm', unit: 'Nm', digits: 1, table: 'ticks', limits: () => torqueLimits(robot, 1), lines: torque(1) },
+    { title: 'Hip angle (dashed: wanted)', axis: 'rad', unit: '', table: 'ticks', least: 0.2, lines: angle(0) },
+    { title: 'Knee angle (dashed: wanted)', axis: 'rad', unit: '', table: 'ticks', least: 0.2, lines: angle(1) },
+    { title: 'Asked hip torque (dotted: limit)', axis: 'Nm', unit: 'Nm', digits: 1, table: 'ticks', limits: () => torqueLimits(robot, 0), lines: torque(0) },
+    { title: 'Asked knee torque (dotted: limit)', axis: 'Nm', unit: 'Nm', digits: 1, table: 'ticks', limits: () => torqueLimits(robot, 1), lines: torque(1) },
   ];
 }
 
@@ -47,14 +47,14 @@ function measuredJointPlots() {
     { label, colour, column: `estimated_state${10 + first + k}` }));
   const torque = (k) => kSides.flatMap(([label, colour, first]) => [
     { label, colour, column: `measured_torque_Nm${first + k}` },
-    { label: 'commanded', colour, ...kCommanded, column: `commanded_torque_Nm${first + k}`, unnamed: true },
+    { label: 'asked', colour, ...kCommanded, column: `asked_torque_Nm${first + k}`, unnamed: true },
   ]);
   const plot = { table: 'ticks', digits: 1 };
   return [
     { title: 'Hip velocity', axis: 'rad/s', unit: 'rad/s', least: 1, lines: velocity(0), ...plot },
     { title: 'Knee velocity', axis: 'rad/s', unit: 'rad/s', least: 1, lines: velocity(1), ...plot },
-    { title: 'Measured hip torque (dashed: commanded)', axis: 'Nm', unit: 'Nm', lines: torque(0), ...plot },
-    { title: 'Measured knee torque (dashed: commanded)', axis: 'Nm', unit: 'Nm', lines: torque(1), ...plot },
+    { title: 'Measured hip torque (dashed: asked)', axis: 'Nm', unit: 'Nm', lines: torque(0), ...plot },
+    { title: 'Measured knee torque (dashed: asked)', axis: 'Nm', unit: 'Nm', lines: torque(1), ...plot },
   ];
 }
 

@@ -83,8 +83,8 @@ TEST(PageTables, ColumnsOfATickAreThoseOfThePage) {
     for (int k = 0; k < count; ++k) names.push_back(name + std::to_string(k));
   };
   add("estimated_state", 14);
-  add("commanded_position_rad", 4);
-  add("commanded_torque_Nm", 4);
+  add("wanted_position_rad", 4);
+  add("asked_torque_Nm", 4);
   add("measured_torque_Nm", 4);
   for (const char* name : {"ramp", "plan_age_ms", "wakeup_latency_us", "execution_us", "bus_round_trip_us",
                            "state_number", "fallback_level"}) {
@@ -118,11 +118,23 @@ TEST(PageTables, TheTorqueOfACommandIsItsFeedForwardAndItsGains) {
   record.joints[2].position_rad = 0.125;
   record.joints[2].velocity_rad_s = 0.5;
   record.sent[2] = {0.375, 1.0, 2.0, 100.0, 5.0, 80.0};
-  EXPECT_EQ(shown(record, "commanded_torque_Nm2"), 0.0) << "nothing was sent";
-  EXPECT_TRUE(std::isnan(shown(record, "commanded_position_rad2")));
+  EXPECT_EQ(shown(record, "asked_torque_Nm2"), 0.0) << "nothing was sent";
+  EXPECT_TRUE(std::isnan(shown(record, "wanted_position_rad2")));
   record.action = supervisor::Action::commands;
-  EXPECT_EQ(shown(record, "commanded_torque_Nm2"), 2.0 + 100.0 * 0.25 + 5.0 * 0.5);
-  EXPECT_EQ(shown(record, "commanded_position_rad2"), 0.375);
+  EXPECT_EQ(shown(record, "asked_torque_Nm2"), 2.0 + 100.0 * 0.25 + 5.0 * 0.5);
+  EXPECT_EQ(shown(record, "wanted_position_rad2"), 0.375);
+  record.sent[2].torque_limit_Nm = 20.0;
+  EXPECT_EQ(shown(record, "asked_torque_Nm2"), 20.0) << "the limit of the driver";
+}
+
+TEST(PageTables, WithoutAGainTheWantedPositionIsThatOfPlanOrGait) {
+  control_loop::TickRecord record;
+  record.action = supervisor::Action::commands;
+  record.joints[1].position_rad = record.sent[1].position_rad = 0.25;
+  record.wanted[1].position_rad = 0.5;
+  EXPECT_EQ(shown(record, "wanted_position_rad1"), 0.5);
+  record.wanted[1].position_rad = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_TRUE(std::isnan(shown(record, "wanted_position_rad1"))) << "damped";
 }
 
 }  // namespace

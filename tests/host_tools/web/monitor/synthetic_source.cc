@@ -219,7 +219,8 @@ void SyntheticSource::tick(SampleSink& sink) {
     for (std::size_t k = 0; k < 2; ++k) {
       const std::size_t joint = 2 * foot + k;
       record.estimated_state[3 + joint] = angles[k] - (k == 0 ? now.pitch_rad : 0.0);
-      record.sent[joint].position_rad = record.estimated_state[3 + joint] + 0.01;
+      record.wanted[joint].position_rad = record.estimated_state[3 + joint] + 0.01;
+      record.sent[joint].torque_limit_Nm = 80.0;
       record.sent[joint].torque_Nm =
           30.0 * std::sin(std::numbers::pi * (phase_ + static_cast<double>(joint)));
       record.joints[joint].position_rad = record.estimated_state[3 + joint];
