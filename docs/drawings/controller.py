@@ -39,7 +39,7 @@ def torque_loop(d, c):
     d.text(310, 54, f'SCHED_FIFO {r["torque_priority"]}, processor {r["torque_core"]}', 12, svg.GREY)
     steps = ('1  read: newest reading of every channel', '2  plan_at: plan at this instant, its age',
              '3  estimate_state: base from stance feet', '4  track_gait: gait in step with the robot',
-             '5  observe: faults of this tick', '6  supervise: state, fallback level',
+             '5  observe: what the faults are judged by', '6  supervise: faults, state, fallback level',
              '7  torques: law on plan or gait', '8  bound: limits; hold, sit, damp', '9  send: commands to the drivers',
              '10 request_plan: state to the planner', '11 record, report_events')
     for i, step in enumerate(steps):

@@ -36,7 +36,7 @@ struct Observation {
   double plan_age_s = 0;            ///< of the newest plan; without one since the robot got on its feet
   double wakeup_latency_s = 0;      ///< of this tick
   double tick_gap_s = 0;            ///< since the start of the tick before
-  bool heartbeat_expected = false;  ///< an operator's program gave the last command
+  bool heartbeat_expected = false;  ///< of an operator's program, or of stiltd beside its loops
   double heartbeat_age_s = 0;       ///< since its last sign of life
   bool bring_up_failed = false;
 };

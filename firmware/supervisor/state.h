@@ -8,7 +8,7 @@
 namespace stilt::supervisor {
 
 enum class State : std::uint8_t {
-  boot,       ///< no sensor data yet; nothing is sent
+  boot,       ///< the emergency stop has not reported yet; nothing is sent
   idle,       ///< drivers are left alone
   calibrate,  ///< drivers are brought up
   ready,      ///< drivers are enabled; the joints are damped
@@ -31,7 +31,7 @@ inline constexpr std::size_t kStates = 11;
 /// What the robot does there, a sentence without a full stop.
 [[nodiscard]] constexpr const char* description(State state) noexcept {
   constexpr std::array<const char*, kStates> kTexts = {
-      "No sensor data yet, nothing is sent",
+      "The emergency stop has not reported yet, nothing is sent",
       "The motor drivers are left alone",
       "The motor drivers are brought up",
       "The drivers are enabled, the joints are damped",
@@ -60,13 +60,13 @@ inline constexpr std::size_t kStates = 11;
 
 /// What makes a state end.
 enum class Condition : std::uint8_t {
-  sensors_present,    ///< the emergency stop has reported, or had its time to
-  bring_up_done,      ///< every driver is enabled
-  sit_done,           ///< sit_s are over
-  damp_fault,         ///< a fault that asks for damping, or for off
-  sit_fault,          ///< a fault that asks to sit
-  slow_fault,         ///< a fault that asks not to walk, such as heartbeat_lost
-  request_calibrate,  ///< requests: the operator's
+  emergency_stop_known,  ///< the emergency stop has reported, or had its time to
+  bring_up_done,         ///< every driver is enabled
+  sit_done,              ///< sit_s are over
+  damp_fault,            ///< a fault that asks for damping, or for off
+  sit_fault,             ///< a fault that asks to sit
+  slow_fault,            ///< heartbeat_lost
+  request_calibrate,     ///< requests: the operator's
   request_stand,
   request_step,
   request_walk,
@@ -102,7 +102,7 @@ struct Transition {
 inline constexpr auto kTransitions = std::to_array<Transition>({
     {State::boot, Condition::request_cut, Guard::always, State::off},
     {State::boot, Condition::shut_down, Guard::always, State::off},
-    {State::boot, Condition::sensors_present, Guard::always, State::idle},
+    {State::boot, Condition::emergency_stop_known, Guard::always, State::idle},
 
     {State::idle, Condition::request_cut, Guard::always, State::off},
     {State::idle, Condition::damp_fault, Guard::always, State::fault},

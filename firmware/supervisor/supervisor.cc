@@ -185,7 +185,7 @@ bool Supervisor::requested(RequestKind kind, const Request& request) const noexc
 bool Supervisor::applies(Condition condition, const SupervisorInputs& inputs) const noexcept {
   const Request& request = inputs.request;
   switch (condition) {
-    case Condition::sensors_present:
+    case Condition::emergency_stop_known:
       return inputs.seen.emergency_stop != hal::EmergencyStopState::unknown ||
              since_s(entered_ns_) >= parameters_.emergency_stop_wait_s;
     case Condition::bring_up_done:

@@ -7,7 +7,8 @@
 #include "host_tools/experiments/limit_search.h"
 #include "host_tools/experiments/walk_case.h"
 
-/// Changes of the plant that the robot survives although its controller has no parameter of them.
+/// Changes that the robot survives although nothing announces them. Of ground and robot the controller has no
+/// parameter. The others are the delay of its plans and the commanded speed.
 namespace stilt::experiments {
 
 /// One quantity that changes in one direction.
