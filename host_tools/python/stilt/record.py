@@ -70,11 +70,12 @@ class Record:
         """Time of day of tick 0, nanoseconds since 1970."""
         return self._starts[self._chosen(run)][1]
 
-    def arrays(self, topic: str, fields: Iterable[str] | None = None, run: int | None = None) -> dict[str, np.ndarray]:
+    def arrays(self, topic: str, fields: str | Iterable[str] | None = None,
+               run: int | None = None) -> dict[str, np.ndarray]:
         """The fields of a topic by name, all with as many rows as there are messages, or ticks.
 
         topic   such as '/stilt/ticks'
-        fields  the ones to read, such as 'estimated_state'; None: all
+        fields  the one or the ones to read, such as 'estimated_state'; None: all
         run     number of a run, for a record with several
 
         time_s holds seconds since tick 0 (NaN for messages without a time), log_time_ns the time of arrival since 1970.
@@ -82,7 +83,7 @@ class Record:
         states in that of docs/conventions.md. A sequence of any length is an array, or a list, per row.
         """
         types, name = self._type_of(topic)
-        wanted = None if fields is None else set(fields)
+        wanted = None if fields is None else _names(fields)
         if wanted is not None:
             known = {_shown(key, field) for key, field in _columns(types, name).items()} | {'time_s', 'log_time_ns'}
             known |= {'tick'} if _is_batch(types, name) else set()
@@ -93,10 +94,10 @@ class Record:
         columns = read(topic, types, name, chosen, None if wanted is None else wanted | NEEDED)
         return {key: values for key, values in columns.items() if wanted is None or key in wanted}
 
-    def frame(self, topic: str, fields: Iterable[str] | None = None, run: int | None = None) -> pd.DataFrame:
+    def frame(self, topic: str, fields: str | Iterable[str] | None = None, run: int | None = None) -> pd.DataFrame:
         """As arrays(), as a table with the index time_s. A field with several values has a column for each:
         joint_position_rad gives hip_L_position_rad and so on, as ticks.csv of stilt log csv names them."""
-        asked = None if fields is None else {*fields, 'time_s'}
+        asked = None if fields is None else _names(fields) | {'time_s'}
         arrays = self.arrays(topic, asked, run)
         columns: dict[str, Any] = {}
         for name, values in arrays.items():
@@ -240,6 +241,10 @@ def column_names(field: str, count: int) -> list[str]:
     if first in ('wanted', 'sent'):
         return [f'{first}_{joint}_{rest}' for joint in JOINTS]
     return [f'{joint}_{field}' for joint in JOINTS]
+
+
+def _names(fields: str | Iterable[str]) -> set[str]:
+    return {fields} if isinstance(fields, str) else set(fields)
 
 
 def _columns(types: Types, name: str, prefix: str = '') -> dict[str, Field]:
