@@ -77,7 +77,7 @@ class Record:
 
         topic   such as '/stilt/ticks'
         fields  the one or the ones to read, such as 'estimated_state'; None: all
-        run     number of a run, for a record with several. Messages that do not name their run are chosen by their time;
+        run     number of a run, for a record with several. Messages that do not name their run are chosen by time;
                 RecordError where that is not possible
 
         time_s holds seconds since tick 0 (NaN for messages without a time), log_time_ns the time of arrival since 1970.
@@ -207,7 +207,7 @@ class Record:
 
     def _rows_of_run(self, topic: str, times_ns: np.ndarray | None, run: int) -> slice:
         """Of messages that do not name their run: those from its start to that of the next run. Their times are stamps,
-        by the clock of the starts; in lock-step stamps run ahead of that clock, and the times are those of arrival."""
+        by the clock of the starts. In lock-step stamps run ahead of that clock, and the times are those of arrival."""
         if times_ns is None:
             raise RecordError(f'{self.path}: the messages of {topic} have neither run nor time; leave run= out')
         if (np.diff(times_ns) < 0).any():

@@ -53,8 +53,8 @@ class Robot:
     While it is open, signs of life leave ten times per second. When the program ends, is killed or is suspended, the
     robot begins to stop within a second: it steps in place, then stands.
 
-    Raises Refused with the robot's reason when it does not take a command, RobotError when it cannot be reached,
-    ValueError for a number that is not finite. A wait may be infinite.
+    Raises Refused with the robot's reason when it does not take a command, RobotError when it cannot be reached.
+    Raises ValueError for a value that is not finite; a wait may be infinite.
     """
 
     def __init__(self, address: str = 'http://127.0.0.1:8080', *, token: str | None = None,
