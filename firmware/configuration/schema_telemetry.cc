@@ -1,5 +1,4 @@
-#include <algorithm>
-
+#include "firmware/configuration/peers.h"
 #include "firmware/configuration/schema_fields.h"
 #include "firmware/configuration/schema_tables.h"
 
@@ -20,15 +19,6 @@ std::optional<std::string> interface_mistake(const std::string& name) {
                      name.find_first_of(" /<>&\"'") == std::string::npos;
   if (right) return std::nullopt;
   return "\"" + name + "\" is no name of an interface; `ip link` lists them, lo is this computer alone";
-}
-
-std::optional<std::string> peers_mistake(const std::string& list) {
-  const bool right = !list.empty() && std::ranges::all_of(list, [](char c) {
-    return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '.' ||
-           c == ':' || c == '-' || c == ',' || c == ' ';
-  });
-  if (right) return std::nullopt;
-  return "\"" + list + "\" is no list of addresses; give them with commas between, or none";
 }
 
 /// What stands in Cyclone's XML.

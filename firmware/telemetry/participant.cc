@@ -5,8 +5,8 @@
 
 #include <array>
 #include <filesystem>
-#include <sstream>
 
+#include "firmware/configuration/peers.h"
 #include "firmware/telemetry/udp_sockets.h"
 
 namespace stilt::telemetry {
@@ -46,11 +46,8 @@ class SmallStacks {
 std::string peers_xml(const Network& network, bool loopback) {
   std::string xml;
   if (loopback) xml += "<Peer address=\"127.0.0.1\"/>";
-  std::istringstream list(network.peers);
-  for (std::string peer; std::getline(list, peer, ',');) {
-    const auto first = peer.find_first_not_of(' ');
-    if (first == std::string::npos) continue;
-    xml += "<Peer address=\"" + peer.substr(first, peer.find_last_not_of(' ') - first + 1) + "\"/>";
+  for (const std::string& peer : configuration::peer_entries(network.peers)) {
+    xml += "<Peer address=\"" + peer + "\"/>";
   }
   return xml.empty() ? xml : "<Peers>" + xml + "</Peers>";
 }
@@ -91,6 +88,9 @@ std::expected<void, std::string> check(const Network& network) {
   if (if_nametoindex(network.interface.c_str()) == 0) {
     return std::unexpected("telemetry.interface \"" + network.interface +
                            "\" does not exist here; name one that `ip link` lists, such as lo");
+  }
+  if (const auto mistake = configuration::peers_mistake(network.peers)) {
+    return std::unexpected("telemetry.peers: " + *mistake);
   }
   if (network.security_folder.empty()) return {};
   for (const char* name : kSecurityFiles) {

@@ -42,8 +42,8 @@ endfunction()
 
 add_custom_target(stilt_library ALL)
 set(controller_libraries
-  stilt_configured_controller stilt_control_loop stilt_configuration stilt_gait_files stilt_dispatch stilt_control
-  stilt_sqp stilt_ocp stilt_gait stilt_lq stilt_model stilt_supervisor stilt_robots stilt_files stilt_urdf stilt_hal
+  stilt_configured_controller stilt_control_loop stilt_configuration stilt_peers stilt_gait_files stilt_dispatch
+  stilt_control stilt_sqp stilt_ocp stilt_gait stilt_lq stilt_model stilt_supervisor stilt_robots stilt_files stilt_urdf stilt_hal
   stilt_hal_sensors stilt_hal_drivers stilt_hal_bus stilt_hal_frames stilt_hal_load stilt_hal_serial)
 stilt_installed_library(stilt ENTRY stilt_library_controller CLASSES 10Controller LIBRARIES ${controller_libraries})
 stilt_installed_library(stilt_simulation ENTRY stilt_library_simulation CLASSES 14SimulatedRobot

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import dataclasses
+import os
 import struct
 import zlib
 from collections.abc import Iterator
@@ -116,6 +117,7 @@ class Reader:
             raise RecordError(f'{self.path}: cannot be read ({error.strerror}); '
                               'name a record of stilt record') from error
         with file:
+            end = os.fstat(file.fileno()).st_size
             if self._read(file, len(MAGIC)) != MAGIC:
                 raise RecordError(f'{self.path}: is no MCAP file; name a record of stilt record')
             while True:
@@ -125,7 +127,7 @@ class Reader:
                     self.problems.append(f'{self.path}: was cut off at byte {place}, recording did not end in order')
                     return
                 kind, size = RECORD_HEAD.unpack(head)
-                body = self._read(file, size)
+                body = self._read(file, size) if size <= end - file.tell() else b''
                 if len(body) < size:
                     self.problems.append(f'{self.path}: was cut off in the record at byte {place}, '
                                          'recording did not end in order')
@@ -141,9 +143,9 @@ class Reader:
 
     def _read(self, file, size: int) -> bytes:
         try:
-            return file.read(min(size, 1 << 40))
+            return file.read(size)
         except (OSError, MemoryError) as error:
-            raise RecordError(f'{self.path}: cannot be read ({error})') from error
+            raise RecordError(f'{self.path}: cannot be read ({str(error) or "too little memory"})') from error
 
     def _take(self, kind: int, body: memoryview) -> Iterator[Message]:
         fields = _Fields(body)

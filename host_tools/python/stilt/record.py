@@ -48,6 +48,7 @@ class Record:
         """Number of messages of each topic."""
         self._types: dict[str, tuple[Types, str]] = {}
         self._starts: dict[int, tuple[int, int]] = {}  # of each run: clock and time of day of tick 0, nanoseconds
+        self._lockstep = False  # in one of the runs
         self._defects: dict[str, str] = {}  # of each topic whose messages cannot be decoded
         reader = Reader(self.path)
         for message in reader.messages():
@@ -70,33 +71,36 @@ class Record:
         """Time of day of tick 0, nanoseconds since 1970."""
         return self._starts[self._chosen(run)][1]
 
-    def arrays(self, topic: str, fields: Iterable[str] | None = None, run: int | None = None) -> dict[str, np.ndarray]:
+    def arrays(self, topic: str, fields: str | Iterable[str] | None = None,
+               run: int | None = None) -> dict[str, np.ndarray]:
         """The fields of a topic by name, all with as many rows as there are messages, or ticks.
 
         topic   such as '/stilt/ticks'
-        fields  the ones to read, such as 'estimated_state'; None: all
-        run     number of a run, for a record with several
+        fields  the one or the ones to read, such as 'estimated_state'; None: all
+        run     number of a run, for a record with several. Messages that do not name their run are chosen by time;
+                RecordError where that is not possible
 
         time_s holds seconds since tick 0 (NaN for messages without a time), log_time_ns the time of arrival since 1970.
         A field with a fixed number of values has two dimensions: joints in the order hip_L, knee_L, hip_R, knee_R,
         states in that of docs/conventions.md. A sequence of any length is an array, or a list, per row.
         """
         types, name = self._type_of(topic)
-        wanted = None if fields is None else set(fields)
+        wanted = None if fields is None else _names(fields)
         if wanted is not None:
             known = {_shown(key, field) for key, field in _columns(types, name).items()} | {'time_s', 'log_time_ns'}
             known |= {'tick'} if _is_batch(types, name) else set()
             for field in sorted(wanted - known):
                 raise KeyError(f'{topic} has no field {field}; it has {", ".join(sorted(known))}')
-        chosen = self._chosen(run) if 'run_id' in _columns(types, name) and self._starts else None
+        names_run = 'run_id' in _columns(types, name) and self._starts
+        chosen = self._chosen(run) if names_run or run is not None else None
         read = self._ticks if _is_batch(types, name) else self._messages
         columns = read(topic, types, name, chosen, None if wanted is None else wanted | NEEDED)
         return {key: values for key, values in columns.items() if wanted is None or key in wanted}
 
-    def frame(self, topic: str, fields: Iterable[str] | None = None, run: int | None = None) -> pd.DataFrame:
+    def frame(self, topic: str, fields: str | Iterable[str] | None = None, run: int | None = None) -> pd.DataFrame:
         """As arrays(), as a table with the index time_s. A field with several values has a column for each:
         joint_position_rad gives hip_L_position_rad and so on, as ticks.csv of stilt log csv names them."""
-        asked = None if fields is None else {*fields, 'time_s'}
+        asked = None if fields is None else _names(fields) | {'time_s'}
         arrays = self.arrays(topic, asked, run)
         columns: dict[str, Any] = {}
         for name, values in arrays.items():
@@ -139,6 +143,7 @@ class Record:
         if values['wire_version'] != WIRE_VERSION:
             raise RecordError(f'{self.path}: has messages of wire version {values["wire_version"]}, {self._needed()}')
         self._starts.setdefault(values['run_id'], (values['start_clock_ns'], values['start_time_ns']))
+        self._lockstep = self._lockstep or values['lockstep']
 
     @staticmethod
     def _needed() -> str:
@@ -182,20 +187,36 @@ class Record:
         times_ns = np.array(rows.pop('log_time_ns', []), np.int64)
         columns = {_shown(key, field): _column(rows.get(key, []), field)
                    for key, field in _columns(types, name).items() if wanted is None or key in wanted}
-        time_s = self._time_s(columns, len(times_ns))
-        columns.pop('time_s', None)
-        return {'time_s': time_s, 'log_time_ns': times_ns, **columns}
+        stamps_ns = _stamps_ns(columns)
+        columns = {'time_s': self._time_s(columns, stamps_ns, run, len(times_ns)), 'log_time_ns': times_ns,
+                   **{key: values for key, values in columns.items() if key != 'time_s'}}
+        if run is None or 'run_id' in columns or len(self._starts) == 1:
+            return columns
+        rows_of_run = self._rows_of_run(topic, times_ns if self._lockstep else stamps_ns, run)
+        return {key: values[rows_of_run] for key, values in columns.items()}
 
-    def _time_s(self, columns: dict[str, np.ndarray], rows: int) -> np.ndarray:
-        """Seconds since tick 0, of the first run where a message does not name its run."""
+    def _time_s(self, columns: dict[str, np.ndarray], stamps_ns: np.ndarray | None, run: int | None,
+                rows: int) -> np.ndarray:
+        """Seconds since tick 0, of the first run where neither a message nor the caller names one."""
         for name in ('time_s', 'start_time_s'):
             if name in columns:
                 return columns[name]
-        if 'header.stamp.sec' in columns and self._starts:
-            start_ns = next(iter(self._starts.values()))[1]
-            stamp_ns = columns['header.stamp.sec'].astype(np.int64) * 1_000_000_000 + columns['header.stamp.nanosec']
-            return 1e-9 * (stamp_ns - start_ns)
-        return np.full(rows, np.nan)
+        if stamps_ns is None or not self._starts:
+            return np.full(rows, np.nan)
+        return 1e-9 * (stamps_ns - self._starts[self.runs[0] if run is None else run][1])
+
+    def _rows_of_run(self, topic: str, times_ns: np.ndarray | None, run: int) -> slice:
+        """Of messages that do not name their run: those from its start to that of the next run. Their times are stamps,
+        by the clock of the starts. In lock-step stamps run ahead of that clock, and the times are those of arrival."""
+        if times_ns is None:
+            raise RecordError(f'{self.path}: the messages of {topic} have neither run nor time; leave run= out')
+        if (np.diff(times_ns) < 0).any():
+            raise RecordError(f'{self.path}: the messages of {topic} do not name their run, and their times go back; '
+                              'leave run= out')
+        start_ns = self._starts[run][1]
+        later_ns = [other_ns for _, other_ns in self._starts.values() if other_ns > start_ns]
+        first, end = np.searchsorted(times_ns, [start_ns, min(later_ns, default=np.iinfo(np.int64).max)])
+        return slice(first, end)
 
     def _ticks(self, topic: str, types: Types, name: str, run: int | None,
                wanted: set[str] | None) -> dict[str, np.ndarray]:
@@ -242,6 +263,10 @@ def column_names(field: str, count: int) -> list[str]:
     return [f'{joint}_{field}' for joint in JOINTS]
 
 
+def _names(fields: str | Iterable[str]) -> set[str]:
+    return {fields} if isinstance(fields, str) else set(fields)
+
+
 def _columns(types: Types, name: str, prefix: str = '') -> dict[str, Field]:
     """Fields of a message and of the messages in it, by their full names."""
     columns: dict[str, Field] = {}
@@ -252,6 +277,13 @@ def _columns(types: Types, name: str, prefix: str = '') -> dict[str, Field]:
         else:
             columns[full] = field
     return columns
+
+
+def _stamps_ns(columns: dict[str, np.ndarray]) -> np.ndarray | None:
+    """Times of day in the headers of messages that have one."""
+    if 'header.stamp.sec' not in columns:
+        return None
+    return columns['header.stamp.sec'].astype(np.int64) * 1_000_000_000 + columns['header.stamp.nanosec']
 
 
 def _shown(name: str, field: Field) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 import collections
 import dataclasses
 import json
+import math
 import struct
 import threading
 import time
@@ -53,6 +54,7 @@ class Robot:
     robot begins to stop within a second: it steps in place, then stands.
 
     Raises Refused with the robot's reason when it does not take a command, RobotError when it cannot be reached.
+    Raises ValueError for a value that is not finite; a wait may be infinite.
     """
 
     def __init__(self, address: str = 'http://127.0.0.1:8080', *, token: str | None = None,
@@ -176,7 +178,7 @@ class Robot:
 
     def wait(self, duration_s: float) -> None:
         """Waits while the robot goes on. Raises RobotError when it has a fault or falls silent meanwhile."""
-        end_s = time.monotonic() + duration_s
+        end_s = _end_s(duration_s)
         with self._changed:
             while (left_s := end_s - time.monotonic()) > 0.0:
                 self._look()
@@ -189,7 +191,7 @@ class Robot:
         names = [row['name'] for row in self._hello['states']]
         if state not in names:
             raise ValueError(f'{state} is no state; {", ".join(names)} are')
-        end_s = time.monotonic() + timeout_s
+        end_s = _end_s(timeout_s)
         with self._changed:
             while self.state.state != state:
                 self._look(state)
@@ -224,6 +226,8 @@ class Robot:
 
     def _ask(self, command: str, **values: Any) -> None:
         """Sends a command and waits for the reply."""
+        if not math.isfinite(value := values.get('value', 0.0)):
+            raise ValueError(f'{command}: the value is {value}; give a finite number')
         with self._changed:
             self._sequence += 1
             number = self._sequence
@@ -289,3 +293,10 @@ class Robot:
         self._ticks.append((base_s, values))
         while base_s - self._ticks[0][0] > KEPT_S or base_s < self._ticks[0][0]:
             self._ticks.popleft()
+
+
+def _end_s(duration_s: float) -> float:
+    """When a wait ends, by time.monotonic()."""
+    if math.isnan(duration_s):
+        raise ValueError('a wait of nan seconds has no end; give a number of seconds')
+    return time.monotonic() + duration_s

@@ -170,6 +170,10 @@ TEST(Stiltd, AMistakeOfTheCommandLineOrTheConfigurationIsInTheJson) {
   for (const std::string command : {"", "scan", "calibrate", "selftest"}) {
     EXPECT_NE(refused_json(command + " --config " + file).find(":2:"), std::string::npos) << command;
   }
+  EXPECT_NE(refused_json("--set telemetry.peers=300.1.1.1").find("\"300.1.1.1\" is neither"),
+            std::string::npos);
+  EXPECT_NE(refused_json("--set telemetry.peers='a\"b'").find("telemetry.peers must not hold quotes"),
+            std::string::npos);
   EXPECT_NE(refused_json("jog hip_X 0.3").find("\"hip_X\" is no joint"), std::string::npos);
   EXPECT_NE(refused_json("jog hip_L 0.6").find("the angle must be"), std::string::npos);
   EXPECT_NE(refused_json("identify --torque-limit 2").find("--torque-limit"), std::string::npos);

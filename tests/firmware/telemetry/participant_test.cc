@@ -44,6 +44,15 @@ TEST(Participant, without_the_documents_security_is_refused_and_the_missing_file
   EXPECT_NE(participant.error().find("/nowhere/ca_identity.pem is missing"), std::string::npos);
 }
 
+TEST(Participant, a_peer_that_cannot_be_is_refused_with_its_name) {
+  for (const std::string peer : {"300.1.1.1", "a\"b"}) {
+    const auto participant = Participant::open({.peers = "127.0.0.1, " + peer});
+    ASSERT_FALSE(participant.has_value()) << peer;
+    EXPECT_TRUE(participant.error().starts_with("telemetry.peers: \"" + peer + "\" is neither "))
+        << participant.error();
+  }
+}
+
 /// A participant whose sockets are not known could not be kept to its interface.
 TEST(Participant, sockets_that_cannot_be_listed_are_an_error) {
   rlimit files{};

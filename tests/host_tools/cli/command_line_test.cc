@@ -78,6 +78,8 @@ TEST_F(CommandLine, BadUsageIsOneSentenceAndStatusTwo) {
                                 "monitor --viewers app.foxglove.dev",
                                 "monitor --viewers https://app.foxglove.dev/",
                                 "monitor --interface nowhere0",
+                                "record --out /tmp/none.mcap --duration 0.1 --peers 10.0.0.1,300.1.1.1",
+                                "record --out /tmp/none.mcap --duration 0.1 --peers 'a\"b'",
                                 "monitor --security-folder /nowhere",
                                 "record --out /tmp/none.mcap --security-folder /nowhere",
                                 "bench --problems 0",

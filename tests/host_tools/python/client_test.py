@@ -2,6 +2,7 @@
 """The client of the Python package against a monitor without a robot (stub_monitor.py)."""
 from __future__ import annotations
 
+import math
 import statistics
 import unittest
 
@@ -27,6 +28,23 @@ class Client(unittest.TestCase):
     def test_a_monitor_that_hangs_ends_the_wait(self):
         with self.assertRaisesRegex(stilt.RobotError, r'^the robot has been silent for \d+\.\d s$'):
             self.robot.wait(10.0)
+
+    def test_a_number_that_is_not_finite_is_refused_before_it_is_sent(self):
+        self.robot._patience_s = 0.5
+        for value in (math.nan, math.inf, -math.inf):
+            for name, command in (('walk', lambda: self.robot.walk(value)),
+                                  ('height', lambda: self.robot.set_height(value)),
+                                  ('tunable', lambda: self.robot.tune('gait.swing_height_m', value))):
+                with self.assertRaisesRegex(ValueError, f'^{name}: the value is {value}; give a finite number$'):
+                    command()
+        self.assertFalse([message for _, message in self.monitor._received if 'command' in message])
+
+    def test_a_wait_may_be_infinite_and_not_nan(self):
+        for wait in (lambda: self.robot.wait(math.nan), lambda: self.robot.wait_for('stand', math.nan)):
+            with self.assertRaisesRegex(ValueError, '^a wait of nan seconds has no end; give a number of seconds$'):
+                wait()
+        with self.assertRaisesRegex(stilt.RobotError, r'^the robot has been silent for'):
+            self.robot.wait(math.inf)
 
     def test_ticks_are_kept_for_a_minute_and_none_of_an_earlier_run(self):
         def kept_after(*bases_s: float) -> list[float]:

@@ -147,6 +147,8 @@ class Records(unittest.TestCase):
                          {'estimated_state': (rows, 14), 'joint_torque_Nm': (rows, 4)})
         frame = self.record.frame('/stilt/ticks', ['joint_torque_Nm'])
         self.assertEqual(list(frame), ['hip_L_torque_Nm', 'knee_L_torque_Nm', 'hip_R_torque_Nm', 'knee_R_torque_Nm'])
+        self.assertEqual(list(self.record.arrays('/stilt/ticks', 'estimated_state')), ['estimated_state'])
+        pd.testing.assert_frame_equal(self.record.frame('/stilt/ticks', 'joint_torque_Nm'), frame)
         with self.assertRaisesRegex(KeyError, '/stilt/ticks has no field torque; it has .*wanted_torque_Nm'):
             self.record.frame('/stilt/ticks', ['torque'])
         with self.assertRaisesRegex(KeyError, 'has no messages of /camera; it has /diagnostics, '):
