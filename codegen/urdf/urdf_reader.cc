@@ -86,7 +86,7 @@ class TreeBuilder {
   /// Adds `link`, at `pose` in moving link `index`, and all links that it carries.
   void visit(const urdf::Link& link, int index, const PlanarPose& pose) {
     merge(link, index, pose);
-    if (link.name.starts_with("foot_")) add_foot(link, index, pose);
+    if (link.name == "foot_L" || link.name == "foot_R") add_foot(link, index, pose);
     for (const urdf::JointConstSharedPtr& joint : ordered_joints(link)) {
       const PlanarPose at_joint = pose * planar_pose(*joint);
       const urdf::Link& child = *model_.getLink(joint->child_link_name);

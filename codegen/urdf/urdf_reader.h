@@ -11,8 +11,8 @@ namespace stilt::codegen {
 ///
 /// The root link is the floating base. Every moving joint must turn about +y or -y (revolute or continuous).
 /// Fixed joints may turn about y only; offsets along y are dropped. Links behind fixed joints are merged into
-/// the link that carries them. Feet are massless links named foot_... behind fixed joints: foot_L first, then
-/// foot_R. Joints are in depth-first order, and at each link in the order of the document. Names ending in _L
+/// the link that carries them. Feet are the massless links foot_L and foot_R behind fixed joints, in this
+/// order. Joints are in depth-first order, and at each link in the order of the document. Names ending in _L
 /// come before those ending in _R.
 ///
 /// Limits, damping and Coulomb friction are the URDF's. The armature is that of the joint's <transmission>.
