@@ -73,6 +73,7 @@ class TreeBuilder {
     tree_.links.push_back(base);
     visit(root, 0, {});
     for (const PlanarLink& link : tree_.links) check_mass(link);
+    check_rotors();
     if (tree_.feet.empty()) {
       fail("there is no foot frame; add massless links foot_L and foot_R behind fixed joints");
     }
@@ -158,7 +159,7 @@ class TreeBuilder {
     }
     if (const auto entry = document_.transmissions.find(joint.name); entry != document_.transmissions.end()) {
       result.gear_ratio = entry->second.gear_ratio;
-      result.rotor_inertia_kg_m2 = entry->second.rotor_inertia_kg_m2;
+      result.rotor_inertia_kg_m2 = entry->second.rotor_inertia_kg_m2.value_or(0.0);
     }
     return result;
   }
@@ -190,6 +191,20 @@ class TreeBuilder {
     if (moves)
       fail("foot frame '" + link.name + "' is not behind a fixed joint; a foot is a point of a moving link");
     tree_.feet.push_back({.name = link.name, .link = index, .position_m = pose.position_m});
+  }
+
+  /// A joint that was forgotten is not one without rotor: all joints have a rotor inertia, or none.
+  void check_rotors() const {
+    const auto stated = [this](const PlanarLink& link) {
+      const auto entry = document_.transmissions.find(link.joint.name);
+      return entry != document_.transmissions.end() && entry->second.rotor_inertia_kg_m2.has_value();
+    };
+    const auto moving = std::ranges::subrange(tree_.links.begin() + 1, tree_.links.end());
+    const auto with = std::ranges::find_if(moving, stated);
+    const auto without = std::ranges::find_if_not(moving, stated);
+    if (with == moving.end() || without == moving.end()) return;
+    fail("joint '" + without->joint.name + "' has no <rotorInertia> in a transmission, and joint '" +
+         with->joint.name + "' has one; give all joints one, 0 where it is negligible");
   }
 
   void check_mass(const PlanarLink& link) const {
