@@ -130,7 +130,8 @@ class TreeBuilder {
     if (joint.type != urdf::Joint::REVOLUTE && joint.type != urdf::Joint::CONTINUOUS) {
       fail(who + " is neither revolute, continuous nor fixed; only those are supported");
     }
-    if (std::abs(std::abs(joint.axis.y) - 1.0) > kPlanarTolerance) {
+    const double axis_length = std::hypot(joint.axis.x, joint.axis.y, joint.axis.z);
+    if (!(std::abs(joint.axis.y) / axis_length > 1.0 - kPlanarTolerance)) {
       fail("not planar: " + who + " does not turn about the y axis; its axis must be 0 1 0 or 0 -1 0");
     }
     if (joint.limits == nullptr || !(joint.limits->effort > 0.0) || !(joint.limits->velocity > 0.0)) {

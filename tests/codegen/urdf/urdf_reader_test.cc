@@ -140,6 +140,21 @@ TEST(UrdfReaderTest, LossesThatDriveAndRangesThatAreEmptyAreRefused) {
             "odd: joint 'hip_R' has an empty range; <limit> needs lower below upper.");
 }
 
+TEST(UrdfReaderTest, AnAxisOfAnyLengthAlongYIsTakenAndNoOther) {
+  const auto error_of_axis = [](const std::string& xyz) {
+    return error_of_odd_tree("<axis xyz=\"0 1 0\"/>", "<axis xyz=\"" + xyz + "\"/>");
+  };
+  for (const char* lateral : {"0 1 0", "0 2 0", "0 -0.5 0", "1e-10 1 0"}) {
+    EXPECT_EQ(error_of_axis(lateral), "no error") << lateral;
+  }
+  for (const char* other : {"1 1 1", "0 1 0.7", "0.7 -1 0", "0 0 1", "0 0 0"}) {
+    EXPECT_EQ(
+        error_of_axis(other),
+        "odd: not planar: joint 'hip_R' does not turn about the y axis; its axis must be 0 1 0 or 0 -1 0.")
+        << other;
+  }
+}
+
 constexpr const char* kReduction = "<mechanicalReduction>20</mechanicalReduction>";
 
 TEST(UrdfReaderTest, TheGearRatioHasTheSpellingOfRos1OrOfRos2Control) {
