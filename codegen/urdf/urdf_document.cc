@@ -78,6 +78,10 @@ class DocumentReader {
     for (const std::string& other : joint_names_) {
       if (other == name) fail("joint '" + name + "' is defined twice; names must be unique");
     }
+    if (joint.FirstChildElement("mimic") != nullptr) {
+      fail("joint '" + name +
+           "' has <mimic>, which is not supported; each joint must have a motor of its own");
+    }
     joint_names_.push_back(name);
     const std::string parent = end(joint, "parent", name);
     const std::string child = end(joint, "child", name);

@@ -18,7 +18,7 @@ namespace stilt::codegen {
 /// Limits, damping and Coulomb friction are the URDF's. The armature is that of the joint's <transmission>.
 /// Its <actuator> has <mechanicalReduction>, as ROS 1 writes it, or <mechanical_reduction>. All joints or
 /// none have <rotorInertia> beside it (kg m^2 on the motor's side, an extension of this project). Without it
-/// there is no armature.
+/// there is no armature. <mimic> is refused.
 ///
 /// @throws UrdfError for a file that cannot be read, is not a URDF, not a tree or not planar. Also for a
 /// massless moving link, a joint without limits, or no foot.

@@ -155,6 +155,12 @@ TEST(UrdfReaderTest, AnAxisOfAnyLengthAlongYIsTakenAndNoOther) {
   }
 }
 
+TEST(UrdfReaderTest, AJointThatMimicsAnotherIsRefused) {
+  EXPECT_EQ(
+      error_of_odd_tree("<child link=\"shin_R\"/>", "<child link=\"shin_R\"/><mimic joint=\"hip_R\"/>"),
+      "odd: joint 'knee_R' has <mimic>, which is not supported; each joint must have a motor of its own.");
+}
+
 constexpr const char* kReduction = "<mechanicalReduction>20</mechanicalReduction>";
 
 TEST(UrdfReaderTest, TheGearRatioHasTheSpellingOfRos1OrOfRos2Control) {
