@@ -318,9 +318,10 @@ int print_config(configuration::Configuration configuration) {
 /// --check-config: the configuration was read; what it means here.
 int check_config(const program::Options& options) {
   const program::BusReport buses = program::report_buses(options.configuration);
-  std::printf("%s: %s\nrobot %s\n%s", options.source.c_str(),
+  std::printf("%s: %s\nrobot %s\n%s%s", options.source.c_str(),
               buses.refused ? "each key is valid, and buses, drivers or joints cannot do it" : "valid",
-              options.configuration.hardware.robot.c_str(), buses.text.c_str());
+              options.configuration.hardware.robot.c_str(),
+              program::robot_text(options.configuration).c_str(), buses.text.c_str());
   return buses.refused ? kBadUsage : kDone;
 }
 

@@ -25,6 +25,10 @@ std::string_view without_side(std::string_view name) {
   return name.ends_with("_L") || name.ends_with("_R") ? name.substr(0, name.size() - 2) : name;
 }
 
+bool on_other_sides(std::string_view a, std::string_view b) {
+  return (a.ends_with("_L") && b.ends_with("_R")) || (a.ends_with("_R") && b.ends_with("_L"));
+}
+
 /// Reads and checks the numbers of one tree.
 class ShapeReader {
  public:
@@ -60,6 +64,10 @@ class ShapeReader {
                 {number_name(base, ShapeQuantity::inertia_kg_m2), base.inertia_kg_m2}};
     for (const PlanarFoot& foot : tree_.feet) {
       if (foot.link == 0) fail("foot frame '" + foot.name + "' is fixed to the base; it must end a leg");
+      if (on_other_sides(foot.name, link(foot.link).name)) {
+        fail("foot frame '" + foot.name + "' is fixed to link '" + link(foot.link).name +
+             "'; foot_L must end the left leg and foot_R the right one");
+      }
     }
     for (int k = 1; k < tree_.link_count(); ++k) {
       const PlanarJoint& joint = link(k).joint;

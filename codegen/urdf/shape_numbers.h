@@ -30,7 +30,7 @@ enum class ShapeQuantity {
 /// @throws UrdfError for a robot that these numbers do not describe. The message is one sentence with the
 /// element and what would be right. Refused are joints about -y, joints of the base off its origin, and bent
 /// or turned links. So are centres of mass off the line of the joints, and branches other than at the base.
-/// So are a leg without a foot at its end, and legs that differ.
+/// So are a leg without a foot at its end, a foot at the other leg, and legs that differ.
 [[nodiscard]] std::vector<ShapeNumber> shape_numbers(const PlanarTree& tree, const std::string& source);
 
 }  // namespace stilt::codegen

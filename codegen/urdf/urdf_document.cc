@@ -43,8 +43,8 @@ class DocumentReader {
       if (!known) fail("a transmission names joint '" + name + "', which does not exist");
       const XMLElement* actuator = t->FirstChildElement("actuator");
       if (actuator == nullptr) fail("the transmission of joint '" + name + "' has no <actuator>");
-      result[name] = {.gear_ratio = number(*actuator, "mechanicalReduction", 1.0, name),
-                      .rotor_inertia_kg_m2 = number(*actuator, "rotorInertia", 0.0, name)};
+      if (!result.try_emplace(name, drive(*actuator, name)).second)
+        fail("joint '" + name + "' has two transmissions; it may have one");
     }
     return result;
   }
@@ -78,6 +78,10 @@ class DocumentReader {
     for (const std::string& other : joint_names_) {
       if (other == name) fail("joint '" + name + "' is defined twice; names must be unique");
     }
+    if (joint.FirstChildElement("mimic") != nullptr) {
+      fail("joint '" + name +
+           "' has <mimic>, which is not supported; each joint must have a motor of its own");
+    }
     joint_names_.push_back(name);
     const std::string parent = end(joint, "parent", name);
     const std::string child = end(joint, "child", name);
@@ -106,13 +110,35 @@ class DocumentReader {
     }
   }
 
-  [[nodiscard]] double number(const XMLElement& actuator, const char* kind, double fallback,
-                              const std::string& joint) const {
-    const XMLElement* element = actuator.FirstChildElement(kind);
-    if (element == nullptr) return fallback;
+  /// The numbers of an <actuator>. The gear ratio has two spellings: that of ROS 1, and that of ros2_control.
+  [[nodiscard]] Transmission drive(const XMLElement& actuator, const std::string& joint) const {
+    Transmission result;
+    bool geared = false;
+    for (const XMLElement* e = actuator.FirstChildElement(); e != nullptr; e = e->NextSiblingElement()) {
+      const std::string kind = e->Name();
+      if (kind == "mechanicalReduction" || kind == "mechanical_reduction") {
+        result.gear_ratio = number(*e, joint);
+        if (!(result.gear_ratio > 0.0)) fail("<" + kind + "> of joint '" + joint + "' must be above zero");
+        geared = true;
+      } else if (kind == "rotorInertia") {
+        result.rotor_inertia_kg_m2 = number(*e, joint);
+      } else if (kind != "hardwareInterface") {
+        fail("the <actuator> of joint '" + joint + "' has <" + kind +
+             ">; it may have <mechanicalReduction>, <rotorInertia> and <hardwareInterface>");
+      }
+    }
+    if (!geared) {
+      fail("the <actuator> of joint '" + joint +
+           "' has no <mechanicalReduction>; it needs the gear ratio, 1 without a gear");
+    }
+    return result;
+  }
+
+  [[nodiscard]] double number(const XMLElement& element, const std::string& joint) const {
     double value = 0.0;
-    if (element->QueryDoubleText(&value) != tinyxml2::XML_SUCCESS || !std::isfinite(value) || value < 0.0) {
-      fail(std::string("<") + kind + "> of joint '" + joint + "' must be a number that is not negative");
+    if (element.QueryDoubleText(&value) != tinyxml2::XML_SUCCESS || !std::isfinite(value) || value < 0.0) {
+      fail(std::string("<") + element.Name() + "> of joint '" + joint +
+           "' must be a number that is not negative");
     }
     return value;
   }

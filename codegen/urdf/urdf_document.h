@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,7 +10,7 @@ namespace stilt::codegen {
 /// Data of a joint's motor in <transmission>.
 struct Transmission {
   double gear_ratio = 1.0;
-  double rotor_inertia_kg_m2 = 0.0;
+  std::optional<double> rotor_inertia_kg_m2;  ///< nothing where the URDF does not state it
 };
 
 /// Content of the XML before its geometry is interpreted.

@@ -73,6 +73,7 @@ class TreeBuilder {
     tree_.links.push_back(base);
     visit(root, 0, {});
     for (const PlanarLink& link : tree_.links) check_mass(link);
+    check_rotors();
     if (tree_.feet.empty()) {
       fail("there is no foot frame; add massless links foot_L and foot_R behind fixed joints");
     }
@@ -86,7 +87,7 @@ class TreeBuilder {
   /// Adds `link`, at `pose` in moving link `index`, and all links that it carries.
   void visit(const urdf::Link& link, int index, const PlanarPose& pose) {
     merge(link, index, pose);
-    if (link.name.starts_with("foot_")) add_foot(link, index, pose);
+    if (link.name == "foot_L" || link.name == "foot_R") add_foot(link, index, pose);
     for (const urdf::JointConstSharedPtr& joint : ordered_joints(link)) {
       const PlanarPose at_joint = pose * planar_pose(*joint);
       const urdf::Link& child = *model_.getLink(joint->child_link_name);
@@ -129,7 +130,8 @@ class TreeBuilder {
     if (joint.type != urdf::Joint::REVOLUTE && joint.type != urdf::Joint::CONTINUOUS) {
       fail(who + " is neither revolute, continuous nor fixed; only those are supported");
     }
-    if (std::abs(std::abs(joint.axis.y) - 1.0) > kPlanarTolerance) {
+    const double axis_length = std::hypot(joint.axis.x, joint.axis.y, joint.axis.z);
+    if (!(std::abs(joint.axis.y) / axis_length > 1.0 - kPlanarTolerance)) {
       fail("not planar: " + who + " does not turn about the y axis; its axis must be 0 1 0 or 0 -1 0");
     }
     if (joint.limits == nullptr || !(joint.limits->effort > 0.0) || !(joint.limits->velocity > 0.0)) {
@@ -158,7 +160,7 @@ class TreeBuilder {
     }
     if (const auto entry = document_.transmissions.find(joint.name); entry != document_.transmissions.end()) {
       result.gear_ratio = entry->second.gear_ratio;
-      result.rotor_inertia_kg_m2 = entry->second.rotor_inertia_kg_m2;
+      result.rotor_inertia_kg_m2 = entry->second.rotor_inertia_kg_m2.value_or(0.0);
     }
     return result;
   }
@@ -190,6 +192,20 @@ class TreeBuilder {
     if (moves)
       fail("foot frame '" + link.name + "' is not behind a fixed joint; a foot is a point of a moving link");
     tree_.feet.push_back({.name = link.name, .link = index, .position_m = pose.position_m});
+  }
+
+  /// A joint that was forgotten is not one without rotor: all joints have a rotor inertia, or none.
+  void check_rotors() const {
+    const auto stated = [this](const PlanarLink& link) {
+      const auto entry = document_.transmissions.find(link.joint.name);
+      return entry != document_.transmissions.end() && entry->second.rotor_inertia_kg_m2.has_value();
+    };
+    const auto moving = std::ranges::subrange(tree_.links.begin() + 1, tree_.links.end());
+    const auto with = std::ranges::find_if(moving, stated);
+    const auto without = std::ranges::find_if_not(moving, stated);
+    if (with == moving.end() || without == moving.end()) return;
+    fail("joint '" + without->joint.name + "' has no <rotorInertia> in a transmission, and joint '" +
+         with->joint.name + "' has one; give all joints one, 0 where it is negligible");
   }
 
   void check_mass(const PlanarLink& link) const {

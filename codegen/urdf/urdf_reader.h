@@ -11,13 +11,14 @@ namespace stilt::codegen {
 ///
 /// The root link is the floating base. Every moving joint must turn about +y or -y (revolute or continuous).
 /// Fixed joints may turn about y only; offsets along y are dropped. Links behind fixed joints are merged into
-/// the link that carries them. Feet are massless links named foot_... behind fixed joints: foot_L first, then
-/// foot_R. Joints are in depth-first order, and at each link in the order of the document. Names ending in _L
+/// the link that carries them. Feet are the massless links foot_L and foot_R behind fixed joints, in this
+/// order. Joints are in depth-first order, and at each link in the order of the document. Names ending in _L
 /// come before those ending in _R.
 ///
 /// Limits, damping and Coulomb friction are the URDF's. The armature is that of the joint's <transmission>.
-/// Its elements are <mechanicalReduction> and, in the same <actuator>, <rotorInertia> (kg m^2 on the motor's
-/// side; an extension of this project). Without a transmission there is no armature.
+/// Its <actuator> has <mechanicalReduction>, as ROS 1 writes it, or <mechanical_reduction>. All joints or
+/// none have <rotorInertia> beside it (kg m^2 on the motor's side, an extension of this project). Without it
+/// there is no armature. <mimic> is refused.
 ///
 /// @throws UrdfError for a file that cannot be read, is not a URDF, not a tree or not planar. Also for a
 /// massless moving link, a joint without limits, or no foot.

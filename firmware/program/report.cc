@@ -1,6 +1,7 @@
 #include "firmware/program/report.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <vector>
 
 #include "firmware/configuration/hardware.h"
@@ -29,6 +30,20 @@ BusReport report_buses(const configuration::Configuration& configuration) {
     }
   }
   return report;
+}
+
+std::string robot_text(const configuration::Configuration& configuration) {
+  const auto robot = robots::find(configuration.hardware.robot);
+  if (!robot) return robot.error() + '\n';
+  const model::RobotConstants& constants = (*robot)->model.constants;
+  const double* armature = constants.joint_parameters;
+  char text[200];
+  (void)std::snprintf(text, sizeof text,
+                      "mass %.4g kg, thigh %.4g m, shin %.4g m\n"
+                      "armature hip_L %.4g, knee_L %.4g, hip_R %.4g, knee_R %.4g kg m^2\n",
+                      constants.total_mass_kg, constants.thigh_length_m, constants.shin_length_m, armature[0],
+                      armature[1], armature[2], armature[3]);
+  return text;
 }
 
 bool requires_realtime(const configuration::Configuration& configuration) {

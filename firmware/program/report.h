@@ -16,6 +16,10 @@ struct BusReport {
 };
 [[nodiscard]] BusReport report_buses(const configuration::Configuration& configuration);
 
+/// The robot of a configuration as its URDF was read, in two lines: mass and lengths, and the joints'
+/// armatures.
+[[nodiscard]] std::string robot_text(const configuration::Configuration& configuration);
+
 /// Whether the machine must be real time to run this configuration.
 [[nodiscard]] bool requires_realtime(const configuration::Configuration& configuration);
 

@@ -109,17 +109,25 @@ TEST(UrdfReaderTest, InertiaIsThatAboutTheLateralAxisWhateverItsFrame) {
   }
 }
 
-/// The odd tree with another text in place of one of its own.
-std::string error_of_odd_tree(const std::string& from, const std::string& to) {
-  std::string text = read_text(STILT_SOURCE_DIR "/tests/codegen/data/odd_tree.urdf");
-  const std::size_t at = text.find(from);
-  EXPECT_NE(at, std::string::npos) << from;
+std::string error_of(const std::string& urdf) {
   try {
-    static_cast<void>(parse_urdf(text.replace(at, from.size(), to), "odd"));
+    static_cast<void>(parse_urdf(urdf, "odd"));
   } catch (const UrdfError& error) {
     return error.what();
   }
   return "no error";
+}
+
+/// The odd tree with another text in place of one of its own.
+std::string odd_tree_with(const std::string& from, const std::string& to) {
+  std::string text = read_text(STILT_SOURCE_DIR "/tests/codegen/data/odd_tree.urdf");
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+std::string error_of_odd_tree(const std::string& from, const std::string& to) {
+  return error_of(odd_tree_with(from, to));
 }
 
 TEST(UrdfReaderTest, LossesThatDriveAndRangesThatAreEmptyAreRefused) {
@@ -130,6 +138,69 @@ TEST(UrdfReaderTest, LossesThatDriveAndRangesThatAreEmptyAreRefused) {
   EXPECT_EQ(error_of_odd_tree("friction=\"0.2\"", "friction=\"-0.2\""), losses);
   EXPECT_EQ(error_of_odd_tree("lower=\"-2\" upper=\"2\"", "lower=\"2\" upper=\"2\""),
             "odd: joint 'hip_R' has an empty range; <limit> needs lower below upper.");
+}
+
+TEST(UrdfReaderTest, AnAxisOfAnyLengthAlongYIsTakenAndNoOther) {
+  const auto error_of_axis = [](const std::string& xyz) {
+    return error_of_odd_tree("<axis xyz=\"0 1 0\"/>", "<axis xyz=\"" + xyz + "\"/>");
+  };
+  for (const char* lateral : {"0 1 0", "0 2 0", "0 -0.5 0", "1e-10 1 0"}) {
+    EXPECT_EQ(error_of_axis(lateral), "no error") << lateral;
+  }
+  for (const char* other : {"1 1 1", "0 1 0.7", "0.7 -1 0", "0 0 1", "0 0 0"}) {
+    EXPECT_EQ(
+        error_of_axis(other),
+        "odd: not planar: joint 'hip_R' does not turn about the y axis; its axis must be 0 1 0 or 0 -1 0.")
+        << other;
+  }
+}
+
+TEST(UrdfReaderTest, AJointThatMimicsAnotherIsRefused) {
+  EXPECT_EQ(
+      error_of_odd_tree("<child link=\"shin_R\"/>", "<child link=\"shin_R\"/><mimic joint=\"hip_R\"/>"),
+      "odd: joint 'knee_R' has <mimic>, which is not supported; each joint must have a motor of its own.");
+}
+
+constexpr const char* kReduction = "<mechanicalReduction>20</mechanicalReduction>";
+
+TEST(UrdfReaderTest, TheGearRatioHasTheSpellingOfRos1OrOfRos2Control) {
+  const std::string text = odd_tree_with(kReduction,
+                                         "<hardwareInterface>EffortJointInterface</hardwareInterface>"
+                                         "<mechanical_reduction>40</mechanical_reduction>");
+  EXPECT_DOUBLE_EQ(parse_urdf(text, "odd").links[1].joint.armature_kg_m2(), 40.0 * 40.0 * 0.0005);
+}
+
+TEST(UrdfReaderTest, AnActuatorThatIsNotUnderstoodIsRefused) {
+  EXPECT_EQ(error_of_odd_tree(kReduction, "<gearRatio>20</gearRatio>"),
+            "odd: the <actuator> of joint 'hip_L' has <gearRatio>; it may have <mechanicalReduction>, "
+            "<rotorInertia> and <hardwareInterface>.");
+  EXPECT_EQ(error_of_odd_tree(kReduction, ""),
+            "odd: the <actuator> of joint 'hip_L' has no <mechanicalReduction>; it needs the gear ratio, 1 "
+            "without a gear.");
+  EXPECT_EQ(error_of_odd_tree(kReduction, "<mechanicalReduction>0</mechanicalReduction>"),
+            "odd: <mechanicalReduction> of joint 'hip_L' must be above zero.");
+  for (const char* number : {"inf", "nan", "-20", "fast", ""}) {
+    EXPECT_EQ(error_of_odd_tree("20</mechanicalReduction>", std::string(number) + "</mechanicalReduction>"),
+              "odd: <mechanicalReduction> of joint 'hip_L' must be a number that is not negative.")
+        << number;
+  }
+  EXPECT_EQ(error_of_odd_tree("<joint name=\"hip_R\"/>", "<joint name=\"hip_L\"/>"),
+            "odd: joint 'hip_L' has two transmissions; it may have one.");
+}
+
+TEST(UrdfReaderTest, ARotorInertiaIsStatedForAllJointsOrForNone) {
+  EXPECT_EQ(error_of_odd_tree("<rotorInertia>0.0005</rotorInertia>", ""),
+            "odd: joint 'hip_L' has no <rotorInertia> in a transmission, and joint 'hip_R' has one; give all "
+            "joints one, 0 where it is negligible.");
+  const std::string text = read_text(STILT_SOURCE_DIR "/tests/codegen/data/odd_tree.urdf");
+  const std::size_t first = text.find("  <transmission");
+  const std::size_t second = text.find("  <transmission", first + 1);
+  const std::size_t end = text.find("</robot>");
+  EXPECT_EQ(error_of(text.substr(0, first) + text.substr(second)),
+            "odd: joint 'hip_L' has no <rotorInertia> in a transmission, and joint 'hip_R' has one; give all "
+            "joints one, 0 where it is negligible.")
+      << "a transmission is missing";
+  EXPECT_EQ(error_of(text.substr(0, first) + text.substr(end)), "no error") << "all are";
 }
 
 }  // namespace

@@ -29,6 +29,12 @@ TEST(Report, ARobotThatCannotStandAsConfiguredIsRefused) {
   EXPECT_NE(report.text.find("\nreference.base_height_m = 0.9 "), std::string::npos) << report.text;
 }
 
+TEST(Report, TheRobotIsThatOfTheUrdf) {
+  EXPECT_EQ(robot_text(*configuration::load_robot("rabbit")),
+            "mass 32 kg, thigh 0.4 m, shin 0.4 m\n"
+            "armature hip_L 0.83, knee_L 0.83, hip_R 0.83, knee_R 0.83 kg m^2\n");
+}
+
 // A sensor at a serial port is on neither bus.
 TEST(Report, BusesThatAScanCannotTellApartAreNamed) {
   std::vector<configuration::Override> changes = {{"hip_R.id=1"},

@@ -64,7 +64,8 @@ TEST(Stiltd, EveryCommandShowsExamplesOfItself) {
 TEST(Stiltd, ChecksAConfigurationWithoutOpeningABus) {
   const Answer run = stiltd("--check-config --config " SHIPPED);
   EXPECT_EQ(run.status, 0);
-  EXPECT_TRUE(has(run, "amber3m.toml: valid")) << run.text;
+  EXPECT_TRUE(has(run, "amber3m.toml: valid\nrobot amber3m\nmass 21.56 kg, thigh 0.4064 m, shin 0.4667 m\n"))
+      << run.text;
   EXPECT_TRUE(has(run, "bus can1: worst-case load 54 %")) << run.text;
 }
 

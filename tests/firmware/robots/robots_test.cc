@@ -162,6 +162,42 @@ TEST(Robots, ACentreOfMassBesideTheLineOfTheJointsIsRefused) {
             "x 0");
 }
 
+/// A guard or pad at the shin; listed before the foot, it gave the leg its length.
+TEST(Robots, OnlyFootLAndFootRAreFeet) {
+  std::string guarded = codegen::read_text(kHeavyFile);
+  for (const std::string side : {"_L", "_R"}) {
+    const std::string foot = "<link name=\"foot" + side + "\"/>";
+    guarded.replace(guarded.find(foot), 0,
+                    "<link name=\"foot_guard" + side + "\"/><joint name=\"guard" + side +
+                        "\" type=\"fixed\"><parent link=\"shin" + side + "\"/><child link=\"foot_guard" +
+                        side + "\"/><origin xyz=\"0 0 -0.3\"/></joint>");
+  }
+  const auto robot = parse("robot.urdf", guarded);
+  ASSERT_TRUE(robot) << robot.error();
+  const auto plain = parse("robot.urdf", codegen::read_text(kHeavyFile));
+  for (int i = 0; i < model::kNumbers; ++i)
+    EXPECT_EQ(robot->model.constants.numbers[i], plain->model.constants.numbers[i]) << "number " << i;
+  EXPECT_EQ(robot->tree.foot_count(), 2);
+  EXPECT_EQ(
+      error_of(changed("foot_R", "foot_right", true)),
+      "robot.urdf: link 'shin_R' ends a leg without a foot; add a massless link foot_L or foot_R to it");
+}
+
+TEST(Robots, AFootAtTheOtherLegIsRefused) {
+  EXPECT_EQ(
+      error_of(changed("<parent link=\"shin_R\"/>", "<parent link=\"shin_L\"/>")),
+      "robot.urdf: foot frame 'foot_R' is fixed to link 'shin_L'; foot_L must end the left leg and foot_R "
+      "the right one");
+  const std::string left = "<child link=\"foot_L\"/>", right = "<child link=\"foot_R\"/>";
+  std::string exchanged = codegen::read_text(kHeavyFile);
+  exchanged.replace(exchanged.find(left), left.size(), right);
+  exchanged.replace(exchanged.rfind(right), right.size(), left);
+  EXPECT_EQ(
+      error_of(exchanged),
+      "robot.urdf: foot frame 'foot_L' is fixed to link 'shin_R'; foot_L must end the left leg and foot_R "
+      "the right one");
+}
+
 TEST(Robots, LegsThatDifferAreRefused) {
   EXPECT_EQ(
       error_of(changed("<mass value=\"1.15\"/>", "<mass value=\"1.2\"/>")),
