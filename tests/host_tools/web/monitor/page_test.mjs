@@ -88,6 +88,29 @@ test('a silent controller is shown at once, and the picture is marked as old', a
   await until('no alarm', async () => page.isHidden('#alarm'));
 });
 
+for (const source of ['robot', 'record']) {
+  test(`a monitor of a ${source} that sends nothing, although connected, is shown, and so is its return`, async () => {
+    if (source === 'record') {
+      monitor.write('record');
+      await page.reload();
+    }
+    const shown = source === 'record' ? /^record$/ : /^live/;
+    await until('the source', async () => shown.test(await text('#link-status')));
+    monitor.process.kill('SIGSTOP');
+    try {
+      await until('the alarm', async () => /Nothing from the monitor for [2-9]\.\d s/.test(await text('#alarm')));
+      assert.ok(await page.isVisible('#alarm'));
+      assert.equal(await text('#stage-cover'), 'STALE DATA');
+      assert.match(await text('#link-status'), /^silent \d+ s/);
+    } finally {
+      monitor.process.kill('SIGCONT');
+    }
+    await until('no alarm', async () => page.isHidden('#alarm'));
+    assert.equal(await text('#stage-cover'), '');
+    assert.match(await text('#link-status'), shown);
+  });
+}
+
 test('Shift and Escape, or a button, turn the motors off', async () => {
   await page.focus('#tunable-filter');
   await page.keyboard.press('Shift+Escape');
