@@ -74,6 +74,7 @@ TickColumns make_tick_columns() {
   add_fields<TickGroup::plan>(columns);
   add_fields<TickGroup::timing>(columns);
   add_fields<TickGroup::decision>(columns);
+  add_fields<TickGroup::gait>(columns);
   return columns;
 }
 

@@ -4,7 +4,7 @@ const kKept_s = kLookBack_s + kPausedOn_s + 2;
 const kNodesKept = kKept_s * 2000;
 const kFootprintsKept = kKept_s * 4;
 const kFeetColumns = ['left_foot_z_m', 'right_foot_z_m'];
-const kAddedColumns = [...kFeetColumns, 'commanded_speed_m_s', 'commanded_height_m'];
+const kAddedColumns = [...kFeetColumns, 'commanded_height_m'];
 
 class RobotState extends RobotData {
   constructor() {
@@ -89,8 +89,6 @@ class RobotState extends RobotData {
     const state = ticks.group(this.stateGroup).map((values) => values[slot]);
     const known = this.geometry && state.slice(0, 7).every(Number.isFinite);
     const pose = known ? poseOfState(this.geometry, state) : null;
-    const walks = this.supervisor?.gait === 2;
-    ticks.column('commanded_speed_m_s')[slot] = walks ? this.supervisor.speed_m_s : 0;
     ticks.column('commanded_height_m')[slot] = this.supervisor?.base_height_m || NaN;
     const before = this.poseBefore;
     this.poseBefore = pose;

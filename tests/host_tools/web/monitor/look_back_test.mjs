@@ -12,7 +12,7 @@ const kMegabytes = 115;
 
 /** Columns of the messages, as many as the monitor sends: host_tools/web/monitor/page_tables.cc. */
 const kColumns = {
-  ticks: ['time_s', ...Array.from({ length: 14 }, (_, k) => `estimated_state${k}`), ...Array.from({ length: 21 }, (_, k) => `other${k}`)],
+  ticks: ['time_s', ...Array.from({ length: 14 }, (_, k) => `estimated_state${k}`), ...Array.from({ length: 22 }, (_, k) => `other${k}`)],
   planner: ['time_s', ...Array.from({ length: 9 }, (_, k) => `solve${k}`)],
   plan: ['time_s', 'base_x_m', 'base_z_m', 'pitch_rad', ...[0, 1, 2, 3].map((k) => `foot_position_m${k}`),
     ...[0, 1, 2, 3].map((k) => `contact_force_N${k}`), 'left_stance', 'right_stance'],

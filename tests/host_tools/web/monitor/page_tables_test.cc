@@ -87,7 +87,7 @@ TEST(PageTables, ColumnsOfATickAreThoseOfThePage) {
   add("commanded_torque_Nm", 4);
   add("measured_torque_Nm", 4);
   for (const char* name : {"ramp", "plan_age_ms", "wakeup_latency_us", "execution_us", "bus_round_trip_us",
-                           "state_number", "fallback_level"}) {
+                           "state_number", "fallback_level", "commanded_speed_m_s"}) {
     names.emplace_back(name);
   }
   EXPECT_EQ(all_column_names().at("ticks").get<std::vector<std::string>>(), names);
@@ -102,6 +102,7 @@ TEST(PageTables, AFieldStandsUnderItsColumnInItsUnit) {
   record.execution_ns = 1'000;
   record.bus_round_trip_ns = 250'000;
   record.state = supervisor::State::walk;
+  record.gait = {gait::GaitKind::walk, 0.375};
   record.level = supervisor::FallbackLevel::plan_feedback;
   EXPECT_EQ(shown(record, "estimated_state13"), 0.5);
   EXPECT_EQ(shown(record, "measured_torque_Nm2"), -3.0);
@@ -109,6 +110,7 @@ TEST(PageTables, AFieldStandsUnderItsColumnInItsUnit) {
   EXPECT_EQ(shown(record, "wakeup_latency_us"), 12.5);
   EXPECT_EQ(shown(record, "execution_us"), 1.0);
   EXPECT_EQ(shown(record, "bus_round_trip_us"), 250.0);
+  EXPECT_EQ(shown(record, "commanded_speed_m_s"), 0.375);
   EXPECT_EQ(shown(record, "state_number"), static_cast<double>(supervisor::State::walk));
   EXPECT_EQ(shown(record, "fallback_level"), static_cast<double>(supervisor::FallbackLevel::plan_feedback));
 }

@@ -13,6 +13,20 @@ test('a page that is opened while the robot walks shows it moving', async () => 
   await another.close();
 });
 
+test('a page that is opened during a walk draws the speed commanded before, and no height that it does not know', async () => {
+  await page.keyboard.press('w');
+  await until('two metres', async () => (await hipX(page)) > 2);
+  const another = await openPage(browser, monitor.url);
+  const caption = (title) => another.textContent(`figure[data-title="${title}"] .legend.dashed b`);
+  await until('the commanded height of now', async () => /0.780 m/.test(await caption('Height of the hip')));
+  await another.keyboard.press('p');
+  await another.fill('#back', '-3');
+  await until('three seconds back', async () => (await another.textContent('#back-value')) === '−3.00 s');
+  await until('the commanded speed', async () => (await caption('Forward speed')) === '0.50 m/s');
+  assert.match(await caption('Height of the hip'), /^(–|0.780 m)$/);
+  await another.close();
+});
+
 test('walk from the keyboard moves the robot, its picture and the plots', async () => {
   const from = await hipX(page);
   const before = await pixels(page, '#stage-canvas');
