@@ -13,8 +13,9 @@ namespace stilt::monitor {
 namespace {
 
 /// The number in a column of a tick's only row.
-double shown(const control_loop::TickRecord& record, const std::string& column) {
-  const std::vector<TickSample> ticks = {{0.0, record}};
+double shown(const control_loop::TickRecord& record, const std::string& column,
+             double tick_rate_hz = 1000.0) {
+  const std::vector<TickSample> ticks = {{0.0, record, tick_rate_hz}};
   const SharedMessage message = ticks_message(ticks);
   const auto names = all_column_names().at("ticks").get<std::vector<std::string>>();
   const auto found = std::ranges::find(names, column);
@@ -75,6 +76,9 @@ TEST(PageTables, AJointThatHasNotAnsweredForATenthOfASecondIsUnknown) {
     EXPECT_TRUE(std::isnan(shown(record, column))) << column;
   }
   EXPECT_EQ(shown(record, "estimated_state4"), 0.25);
+  EXPECT_EQ(shown(record, "estimated_state5", 2000.0), 0.25) << "for 50 ms";
+  record.joints[2].missed_replies = 51;
+  EXPECT_TRUE(std::isnan(shown(record, "estimated_state5", 500.0))) << "for 102 ms";
 }
 
 TEST(PageTables, ColumnsOfATickAreThoseOfThePage) {
