@@ -196,7 +196,7 @@ constexpr auto tick_fields() noexcept {
       field<G::plan>("plan_age_s", {.csv = "plan_age_s", .page = "plan_age_ms", .replay = "plan_age_s"}, &R::plan_age_s),
       field<G::gait>("stance_episode", {}, &R::stance_episode),
       field<G::gait>("gait", {}, &R::gait, &gait::GaitCommand::kind),
-      field<G::gait>("gait_speed_m_s", {}, &R::gait, &gait::GaitCommand::speed_m_s),
+      field<G::gait>("gait_speed_m_s", {.page = "commanded_speed_m_s"}, &R::gait, &gait::GaitCommand::speed_m_s),
       field<G::drivers>("bring_up_fault_code", {}, &R::bring_up, &BringUp::fault_code),
       field<G::drivers>("bring_up_setting", {}, &R::bring_up, &BringUp::setting),
       field<G::drivers>("bring_up_reply_lag_s", {}, &R::bring_up, &BringUp::reply_lag_s),

@@ -170,7 +170,7 @@ void MessageDecoder::truth(const host_telemetry::SimulationMessage& message, Sam
 void MessageDecoder::ticks(const telemetry::TickBatch& batch, SampleSink& sink) {
   if (!telemetry::well_formed(batch)) return;
   for (std::size_t k = 0; k < batch.count; ++k) {
-    TickSample sample{0.0, telemetry::tick_record(batch, k)};
+    TickSample sample{0.0, telemetry::tick_record(batch, k), configuration_.tick_rate_hz};
     sample.time_s = 1e-9 * static_cast<double>(sample.record.time_ns - clock_start_ns_);
     newest_tick_s_ = sample.time_s;
     sink.tick(sample);

@@ -129,6 +129,7 @@ ConfigurationSample configuration_sample(const telemetry::ActiveConfiguration& m
   sample.build += why_not.empty() ? ", real time" : ", not real time: " + why_not;
   sample.toml = message.configuration;
   sample.tick_rate_hz = message.torque_rate_hz;
+  sample.plan_rate_hz = message.plan_rate_hz;
   for (const stilt_msgs_msg_dds__Tunable_& tunable : span_of(message.tunables)) {
     sample.tunables.push_back({tunable.key, tunable.unit, tunable.description, tunable.minimum,
                                tunable.maximum, tunable.start_value});

@@ -124,6 +124,7 @@ SharedMessage configuration_message(const ConfigurationSample& sample) {
                {"build", sample.build},
                {"toml", sample.toml},
                {"tick_rate_hz", sample.tick_rate_hz},
+               {"plan_rate_hz", sample.plan_rate_hz},
                {"drawing", drawing_json((*robot)->model.constants)},
                {"drawn_instead", drawn_instead},
                {"tunables", tunables_json(sample.tunables)}});

@@ -31,10 +31,12 @@ void add_fields(TickColumns& columns) {
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
-/// Ticks without a reply after which a joint's last reading is no longer shown as what is.
-constexpr std::uint32_t kOldReading_ticks = 100;
+/// Time without a reply after which a joint's last reading is no longer shown as what is.
+constexpr double kOldReading_s = 0.1;
 
-bool is_old(const hal::JointReading& reading) { return !(reading.missed_replies <= kOldReading_ticks); }
+bool is_old(const TickSample& tick, std::size_t joint) {
+  return tick.record.joints[joint].missed_replies > kOldReading_s * tick.tick_rate_hz;
+}
 
 /// NaN where it is not known: the place of the hip, unless the robot is on its feet; joints that do not
 /// answer.
@@ -42,13 +44,12 @@ double estimated_state(const TickSample& tick, std::size_t index) {
   constexpr std::size_t kAngle = model::kFirstAngle, kJoint = kAngle + 1;
   const std::size_t position = index % model::kPositions;
   const bool off_its_feet = position < kAngle && tick.record.stance_episode == 0;
-  const bool silent = position >= kJoint && is_old(tick.record.joints[position - kJoint]);
+  const bool silent = position >= kJoint && is_old(tick, position - kJoint);
   return off_its_feet || silent ? kUnknown : tick.record.estimated_state[index];
 }
 
 double measured_torque_Nm(const TickSample& tick, std::size_t joint) {
-  const hal::JointReading& reading = tick.record.joints[joint];
-  return is_old(reading) ? kUnknown : reading.torque_Nm;
+  return is_old(tick, joint) ? kUnknown : tick.record.joints[joint].torque_Nm;
 }
 
 /// The pose that a driver holds by its own gain; without one where plan or gait has the joint. NaN when no
@@ -75,6 +76,7 @@ TickColumns make_tick_columns() {
   add_fields<TickGroup::plan>(columns);
   add_fields<TickGroup::timing>(columns);
   add_fields<TickGroup::decision>(columns);
+  add_fields<TickGroup::gait>(columns);
   return columns;
 }
 

@@ -17,6 +17,7 @@ namespace stilt::monitor {
 struct TickSample {
   double time_s = 0.0;
   control_loop::TickRecord record;
+  double tick_rate_hz = 1000.0;  ///< as in ConfigurationSample
 };
 
 /// One cycle of the planner.
@@ -104,6 +105,7 @@ struct ConfigurationSample {
   std::string build;   ///< version, compiler, instruction set
   std::string toml;    ///< active configuration
   double tick_rate_hz = 1000.0;
+  double plan_rate_hz = 500.0;
   std::vector<Tunable> tunables;
 };
 

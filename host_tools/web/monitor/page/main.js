@@ -69,7 +69,7 @@ class Monitor {
         this.timing.show(message);
       },
       link: () => {
-        this.status.link = message;
+        this.status.report(message, now_s);
         this.record.show(message.playback);
       },
       reply: () => this.commands.reply(message),

@@ -1,10 +1,12 @@
 // State of the monitor's page: what is drawn of the robot, and the newest of everything else.
 
 const kKept_s = kLookBack_s + kPausedOn_s + 2;
+/** Ticks of a faster torque loop are kept for less time, so that they take no more memory. */
+const kMostTicks_hz = 2000;
 const kNodesKept = kKept_s * 2000;
 const kFootprintsKept = kKept_s * 4;
 const kFeetColumns = ['left_foot_z_m', 'right_foot_z_m'];
-const kAddedColumns = [...kFeetColumns, 'commanded_speed_m_s', 'commanded_height_m'];
+const kAddedColumns = [...kFeetColumns, 'commanded_height_m'];
 
 class RobotState extends RobotData {
   constructor() {
@@ -14,7 +16,7 @@ class RobotState extends RobotData {
     this.configuration = null;
   }
 
-  /** Another run, or another monitor. */
+  /** Another run, or another monitor. There are no tables until the configuration gives the rates of their rows. */
   forget() {
     this.clear();
     this.supervisor = null;
@@ -22,10 +24,13 @@ class RobotState extends RobotData {
     this.poseBefore = null;
     this.lifted = [false, false];
     this.clock.reset();
+  }
+
+  makeTables({ tick_rate_hz, plan_rate_hz }) {
     const { ticks, planner, plan, truth } = this.hello.columns;
     this.tables = {
-      ticks: new Table([...ticks, ...kAddedColumns], kKept_s * 1000),
-      planner: new Table(planner, kKept_s * 500),
+      ticks: new Table([...ticks, ...kAddedColumns], Math.ceil(kKept_s * Math.min(tick_rate_hz, kMostTicks_hz))),
+      planner: new Table(planner, Math.ceil(kKept_s * plan_rate_hz)),
       plan: new Table(plan, kNodesKept),
       truth: new Table(truth, kKept_s * 250),
       force: new Table(['time_s', 'left_N', 'right_N'], kKept_s * 100),
@@ -56,7 +61,10 @@ class RobotState extends RobotData {
   }
 
   configure(configuration) {
-    if (this.configuration && this.configuration.run_id !== configuration.run_id) this.forget();
+    if (this.configuration?.run_id !== configuration.run_id) {
+      this.forget();
+      this.makeTables(configuration);
+    }
     this.configuration = configuration;
     this.geometry = configuration.drawing;
     this.friction_coefficient = Number(configuration.toml.match(/^friction_coefficient = ([\d.e+-]+)/m)?.[1]);
@@ -64,6 +72,7 @@ class RobotState extends RobotData {
 
   /** Takes the samples of a message (see protocol.js) that came at `now_s` of the page's clock. */
   take(message, now_s) {
+    if (!this.tables) return;
     const { ticks } = this.tables;
     const isTicks = message.name === 'ticks' && message.rows > 0;
     if (!this.clock.playing && message.base_s > this.clock.pausedAt_s + kPausedOn_s) {
@@ -89,8 +98,6 @@ class RobotState extends RobotData {
     const state = ticks.group(this.stateGroup).map((values) => values[slot]);
     const known = this.geometry && state.slice(0, 7).every(Number.isFinite);
     const pose = known ? poseOfState(this.geometry, state) : null;
-    const walks = this.supervisor?.gait === 2;
-    ticks.column('commanded_speed_m_s')[slot] = walks ? this.supervisor.speed_m_s : 0;
     ticks.column('commanded_height_m')[slot] = this.supervisor?.base_height_m || NaN;
     const before = this.poseBefore;
     this.poseBefore = pose;

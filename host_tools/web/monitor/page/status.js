@@ -1,6 +1,8 @@
 // The state of the robot and of the connection, in words.
 
 const kStale_s = 0.5;
+/** The monitor reports on the link five times per second. */
+const kUnreported_s = 1;
 const kReactionText = {
   none: 'nothing', warn: 'nothing; it is only reported', slow: 'walking becomes stepping in place, and that standing',
   hold: 'holds the pose', sit: 'sits down, then damps the joints', damp: 'damps the joints', off: 'disables the drivers',
@@ -19,6 +21,7 @@ class StatusPanel {
   constructor(robot, choose, showPlots) {
     Object.assign(this, { robot, choose, showPlots });
     this.link = null;
+    this.reported_s = 0;
     this.connected = false;
     this.runChanged_s = -Infinity;
     this.lastFaults = null;
@@ -84,9 +87,15 @@ class StatusPanel {
     document.body.classList.toggle('faulty', message.latched !== 0);
   }
 
-  /** Says how old the picture is; called several times per second. */
+  /** Takes the monitor's report on the link to the source, which came at `now_s`. */
+  report(link, now_s) {
+    this.link = link;
+    this.reported_s = now_s;
+  }
+
+  /** Says how old the picture is; called several times per second, also when no message comes. */
   update(now_s) {
-    const { alarm, level } = this.alarmNow();
+    const { alarm, level, words } = this.connectionAt(now_s);
     const box = document.getElementById('alarm');
     box.hidden = alarm === null;
     if (alarm !== null && box.textContent !== alarm) box.textContent = alarm;
@@ -102,7 +111,7 @@ class StatusPanel {
     }
     this.writeEmergencyStop();
     this.writeRuns(this.connected ? this.link?.talking ?? [] : []);
-    this.writeLink();
+    this.writeLink(words);
   }
 
   writeEmergencyStop() {
@@ -132,32 +141,36 @@ class StatusPanel {
     }), ...others);
   }
 
-  alarmNow() {
-    const link = this.link;
+  /** How old the picture is: its level, the alarm or null, and the words at the top. */
+  connectionAt(now_s) {
+    const { link, robot: { hello } } = this;
     if (!this.connected) {
-      return { level: 'stale', alarm: 'The monitor does not answer: stilt monitor has ended, or the network is gone. Trying again.' };
+      return { level: 'stale', words: 'monitor lost', alarm: 'The monitor does not answer: stilt monitor has ended, or the network is gone. Trying again.' };
     }
-    if (!link || !link.received) {
-      return { level: 'waiting', alarm: `Waiting for a controller: nothing received yet from ${this.robot.hello?.source ?? 'the source'}.` };
+    const unreported_s = now_s - this.reported_s;
+    if (link && unreported_s > kUnreported_s) {
+      return { level: 'stale', words: `silent ${unreported_s.toFixed(0)} s`,
+        alarm: `Nothing from the monitor for ${unreported_s.toFixed(1)} s: the data are stale. stilt monitor hangs, or the network is gone.` };
     }
-    if (link.silent_s > kStale_s && this.robot.hello.live) {
-      return { level: 'stale', alarm: `No data for ${link.silent_s.toFixed(1)} s: the data are stale. stiltd has ended, or the network is gone.` };
+    if (!link?.received) {
+      return { level: 'waiting', words: 'waiting', alarm: `Waiting for a controller: nothing received yet from ${hello?.source ?? 'the source'}.` };
     }
-    return { level: 'live', alarm: null };
+    if (hello.live && link.silent_s > kStale_s) {
+      return { level: 'stale', words: `silent ${link.silent_s.toFixed(0)} s`,
+        alarm: `No data for ${link.silent_s.toFixed(1)} s: the data are stale. stiltd has ended, or the network is gone.` };
+    }
+    return { level: 'live', words: hello.live ? 'live' : 'record', alarm: null };
   }
 
-  writeLink() {
-    const link = this.link;
+  writeLink(words) {
+    const { link } = this;
     const lost = link ? link.missing + link.not_sent + (this.robot.timing?.dropped ?? 0) : 0;
-    const text = !this.connected ? 'monitor lost' : !link?.received ? 'waiting'
-      : !this.robot.hello.live ? 'record'
-      : link.silent_s > kStale_s ? `silent ${link.silent_s.toFixed(0)} s` : 'live';
     const box = document.getElementById('link-status');
-    box.textContent = lost > 0 ? `${text} · ${lost} lost` : text;
+    box.textContent = lost > 0 ? `${words} · ${lost} lost` : words;
     box.title = link ? `${link.ticks} ticks received; ${link.missing} missing on the way, ${this.robot.timing?.dropped ?? 0} ` +
       `dropped by the controller, ${link.not_sent} messages not sent to this page because it did not keep up` : '';
-    box.classList.toggle('good', lost === 0 && text === 'live');
-    box.classList.toggle('bad', text !== 'live' && text !== 'record');
+    box.classList.toggle('good', lost === 0 && words === 'live');
+    box.classList.toggle('bad', words !== 'live' && words !== 'record');
     box.classList.toggle('warned', lost > 0);
   }
 }

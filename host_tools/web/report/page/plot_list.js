@@ -20,10 +20,10 @@ function basePlots({ stateGroup }) {
   ];
   const commanded = { label: 'commanded', colour: 'command', dash: [2, 3], column: 'commanded_speed_m_s' };
   return [
-    { title: 'Base height', axis: 'height, m', unit: 'm', digits: 3, table: 'ticks', lines: lines(1) },
-    { title: 'Base pitch (positive leans forward)', axis: 'pitch, rad', unit: 'rad', digits: 3, table: 'ticks', lines: lines(2) },
-    { title: 'Forward speed of the base', axis: 'speed, m/s', unit: 'm/s', table: 'ticks', lines: [...lines(7), commanded] },
-    { title: 'Foot height', axis: 'height, m', unit: 'm', digits: 3, table: 'ticks', lines: sideLines('foot_position_m', [1, 3]) },
+    { title: 'Height of the hip', axis: 'height, m', unit: 'm', digits: 3, table: 'ticks', lines: lines(1) },
+    { title: 'Pitch of the torso (positive leans forward)', axis: 'pitch, rad', unit: 'rad', digits: 3, table: 'ticks', lines: lines(2) },
+    { title: 'Forward speed', axis: 'speed, m/s', unit: 'm/s', table: 'ticks', lines: [...lines(7), commanded] },
+    { title: 'Height of the feet', axis: 'height, m', unit: 'm', digits: 3, table: 'ticks', lines: sideLines('foot_position_m', [1, 3]) },
   ];
 }
 

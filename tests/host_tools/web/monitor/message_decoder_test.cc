@@ -51,6 +51,8 @@ telemetry::Sample configuration(std::uint64_t run_id, std::int64_t start_time_ns
   message.configuration = message.version = message.compiler = message.instruction_set = message.realtime =
       empty;
   message.token_file = file;
+  message.torque_rate_hz = 2000.0;
+  message.plan_rate_hz = 400.0;
   message.tunables._buffer = tunables.data();
   message.tunables._length = message.tunables._maximum = 1;
   message.wire_version = wire_version;
@@ -87,6 +89,16 @@ TEST(MessageDecoder, TicksCountTheirTimeFromTheControllersStart) {
   ASSERT_EQ(kept.ticks.size(), 1u);
   EXPECT_NEAR(kept.ticks[0].time_s, 0.25, 1e-12);
   EXPECT_EQ(kept.ticks[0].record.tick, 250u);
+}
+
+TEST(MessageDecoder, TheRatesAreThoseOfTheRun) {
+  MessageDecoder decoder;
+  Kept kept;
+  decoder.take(configuration(1, 100), kept);
+  decoder.take(one_tick(1, 250), kept);
+  EXPECT_EQ(kept.configurations.at(0).tick_rate_hz, 2000.0);
+  EXPECT_EQ(kept.configurations.at(0).plan_rate_hz, 400.0);
+  EXPECT_EQ(kept.ticks.at(0).tick_rate_hz, 2000.0);
 }
 
 TEST(MessageDecoder, SamplesWithoutAKnownRunAreLeftOutAndNotCalledAnothers) {

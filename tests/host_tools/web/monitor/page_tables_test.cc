@@ -13,8 +13,9 @@ namespace stilt::monitor {
 namespace {
 
 /// The number in a column of a tick's only row.
-double shown(const control_loop::TickRecord& record, const std::string& column) {
-  const std::vector<TickSample> ticks = {{0.0, record}};
+double shown(const control_loop::TickRecord& record, const std::string& column,
+             double tick_rate_hz = 1000.0) {
+  const std::vector<TickSample> ticks = {{0.0, record, tick_rate_hz}};
   const SharedMessage message = ticks_message(ticks);
   const auto names = all_column_names().at("ticks").get<std::vector<std::string>>();
   const auto found = std::ranges::find(names, column);
@@ -75,6 +76,9 @@ TEST(PageTables, AJointThatHasNotAnsweredForATenthOfASecondIsUnknown) {
     EXPECT_TRUE(std::isnan(shown(record, column))) << column;
   }
   EXPECT_EQ(shown(record, "estimated_state4"), 0.25);
+  EXPECT_EQ(shown(record, "estimated_state5", 2000.0), 0.25) << "for 50 ms";
+  record.joints[2].missed_replies = 51;
+  EXPECT_TRUE(std::isnan(shown(record, "estimated_state5", 500.0))) << "for 102 ms";
 }
 
 TEST(PageTables, ColumnsOfATickAreThoseOfThePage) {
@@ -87,7 +91,7 @@ TEST(PageTables, ColumnsOfATickAreThoseOfThePage) {
   add("asked_torque_Nm", 4);
   add("measured_torque_Nm", 4);
   for (const char* name : {"ramp", "plan_age_ms", "wakeup_latency_us", "execution_us", "bus_round_trip_us",
-                           "state_number", "fallback_level"}) {
+                           "state_number", "fallback_level", "commanded_speed_m_s"}) {
     names.emplace_back(name);
   }
   EXPECT_EQ(all_column_names().at("ticks").get<std::vector<std::string>>(), names);
@@ -102,6 +106,7 @@ TEST(PageTables, AFieldStandsUnderItsColumnInItsUnit) {
   record.execution_ns = 1'000;
   record.bus_round_trip_ns = 250'000;
   record.state = supervisor::State::walk;
+  record.gait = {gait::GaitKind::walk, 0.375};
   record.level = supervisor::FallbackLevel::plan_feedback;
   EXPECT_EQ(shown(record, "estimated_state13"), 0.5);
   EXPECT_EQ(shown(record, "measured_torque_Nm2"), -3.0);
@@ -109,6 +114,7 @@ TEST(PageTables, AFieldStandsUnderItsColumnInItsUnit) {
   EXPECT_EQ(shown(record, "wakeup_latency_us"), 12.5);
   EXPECT_EQ(shown(record, "execution_us"), 1.0);
   EXPECT_EQ(shown(record, "bus_round_trip_us"), 250.0);
+  EXPECT_EQ(shown(record, "commanded_speed_m_s"), 0.375);
   EXPECT_EQ(shown(record, "state_number"), static_cast<double>(supervisor::State::walk));
   EXPECT_EQ(shown(record, "fallback_level"), static_cast<double>(supervisor::FallbackLevel::plan_feedback));
 }

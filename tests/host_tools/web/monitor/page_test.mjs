@@ -13,6 +13,20 @@ test('a page that is opened while the robot walks shows it moving', async () => 
   await another.close();
 });
 
+test('a page that is opened during a walk draws the speed commanded before, and no height that it does not know', async () => {
+  await page.keyboard.press('w');
+  await until('two metres', async () => (await hipX(page)) > 2);
+  const another = await openPage(browser, monitor.url);
+  const caption = (title) => another.textContent(`figure[data-title="${title}"] .legend.dashed b`);
+  await until('the commanded height of now', async () => /0.780 m/.test(await caption('Height of the hip')));
+  await another.keyboard.press('p');
+  await another.fill('#back', '-3');
+  await until('three seconds back', async () => (await another.textContent('#back-value')) === '−3.00 s');
+  await until('the commanded speed', async () => (await caption('Forward speed')) === '0.50 m/s');
+  assert.match(await caption('Height of the hip'), /^(–|0.780 m)$/);
+  await another.close();
+});
+
 test('walk from the keyboard moves the robot, its picture and the plots', async () => {
   const from = await hipX(page);
   const before = await pixels(page, '#stage-canvas');
@@ -87,6 +101,29 @@ test('a silent controller is shown at once, and the picture is marked as old', a
   monitor.write('talk');
   await until('no alarm', async () => page.isHidden('#alarm'));
 });
+
+for (const source of ['robot', 'record']) {
+  test(`a monitor of a ${source} that sends nothing, although connected, is shown, and so is its return`, async () => {
+    if (source === 'record') {
+      monitor.write('record');
+      await page.reload();
+    }
+    const shown = source === 'record' ? /^record$/ : /^live/;
+    await until('the source', async () => shown.test(await text('#link-status')));
+    monitor.process.kill('SIGSTOP');
+    try {
+      await until('the alarm', async () => /Nothing from the monitor for [2-9]\.\d s/.test(await text('#alarm')));
+      assert.ok(await page.isVisible('#alarm'));
+      assert.equal(await text('#stage-cover'), 'STALE DATA');
+      assert.match(await text('#link-status'), /^silent \d+ s/);
+    } finally {
+      monitor.process.kill('SIGCONT');
+    }
+    await until('no alarm', async () => page.isHidden('#alarm'));
+    assert.equal(await text('#stage-cover'), '');
+    assert.match(await text('#link-status'), shown);
+  });
+}
 
 test('Shift and Escape, or a button, turn the motors off', async () => {
   await page.focus('#tunable-filter');

@@ -237,6 +237,7 @@ void SyntheticSource::tick(SampleSink& sink) {
   record.bus_round_trip_ns = 180'000;
   record.action = supervisor::Action::commands;
   record.state = static_cast<supervisor::State>(state_);
+  record.gait = commanded_gait();
   sink.tick(sample);
   if (ticks_ % 10 == 0) {
     const double wave = std::sin(0.1 * static_cast<double>(ticks_));
@@ -286,6 +287,11 @@ PlanNodeSample SyntheticSource::node(double ahead_s) const {
   return node;
 }
 
+gait::GaitCommand SyntheticSource::commanded_gait() const {
+  if (state_ == number(State::walk)) return {gait::GaitKind::walk, wanted_m_s_};
+  return {state_ == number(State::step) ? gait::GaitKind::step : gait::GaitKind::stand, 0.0};
+}
+
 SupervisorSample SyntheticSource::supervisor_sample() const {
   SupervisorSample sample;
   sample.time_s = static_cast<double>(ticks_) * kTick_s;
@@ -295,8 +301,8 @@ SupervisorSample SyntheticSource::supervisor_sample() const {
   sample.present = present_;
   sample.latched = latched_;
   sample.ramp = 1.0;
-  sample.gait = state_ == number(State::walk) ? 2 : state_ == number(State::step) ? 1 : 0;
-  sample.speed_m_s = wanted_m_s_;
+  sample.gait = static_cast<int>(commanded_gait().kind);
+  sample.speed_m_s = commanded_gait().speed_m_s;
   sample.base_height_m = hip_height_m_;
   sample.found = found_;
   return sample;

@@ -41,6 +41,7 @@ class SyntheticSource final : public SampleSource {
   void say_slowly(SampleSink& sink);
   void publish_event(const std::string& text, bool serious);
   [[nodiscard]] PlanNodeSample node(double ahead_s) const;
+  [[nodiscard]] gait::GaitCommand commanded_gait() const;
   [[nodiscard]] SupervisorSample supervisor_sample() const;
   [[nodiscard]] TimingSample timing_sample() const;
 

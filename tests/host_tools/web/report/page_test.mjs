@@ -1,7 +1,7 @@
 // The page of a run in a browser: a short walk with a push.
 
 import assert from 'node:assert/strict';
-import { mkdtempSync, rmSync } from 'node:fs';
+import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { pathToFileURL } from 'node:url';
@@ -10,7 +10,7 @@ import { assertAccessible } from '../monitor/accessibility.mjs';
 import { openBrowser, openPage, ownDomain, picture, pixels, Program, until } from '../monitor/browser.mjs';
 
 const kDomain = ownDomain();
-const kSpeed = 'figure[data-title="Forward speed of the base"]';
+const kSpeed = 'figure[data-title="Forward speed"]';
 
 let browser;
 let folder;
@@ -70,9 +70,16 @@ test('the robot, the values and the push are those of the time shown', async () 
   await until('another picture', async () => (await pixels(page, '#stage-canvas')) !== pushed);
 });
 
+test('heights, pitch and speed have the names of the monitor', async () => {
+  page = await openPage(browser, url);
+  const monitor = readFileSync(new URL('../../../../host_tools/web/monitor/page/plot_list.js', import.meta.url), 'utf-8');
+  const titles = await page.$$eval('figure', (all) => all.slice(0, 4).map((figure) => figure.dataset.title.replace(/ \(.*/, '')));
+  for (const title of titles) assert.ok(monitor.includes(`title: '${title}'`), title);
+});
+
 test('a click on a plot moves the time, dragging zooms all plots, a double click shows the whole run', async () => {
   page = await openPage(browser, url, '#t=0');
-  const other = 'figure[data-title="Foot height"] canvas';
+  const other = 'figure[data-title="Height of the feet"] canvas';
   await page.locator(kSpeed).scrollIntoViewIfNeeded();
   const middle = await placeOf(1.5);
   await page.mouse.click(middle.x, middle.y);
@@ -166,11 +173,11 @@ test('two records are in one page: plots, settings that differ, outcomes, events
   assert.match(text, /Last statereadyready/);
   assert.match(text, /events of slow\.mcap[^]*walk[^]*events of high\.mcap[^]*walk/);
   assert.match(await caption(), /estimated −?\d[^]*estimated, second −?\d/);
-  const foot = 'figure[data-title="Foot height"] .u-over';
+  const foot = 'figure[data-title="Height of the feet"] .u-over';
   await page.locator(foot).scrollIntoViewIfNeeded();
-  const canvas = `figure[data-title="Foot height"] canvas`;
+  const canvas = `figure[data-title="Height of the feet"] canvas`;
   const both = await pixels(page, canvas);
-  const second = page.locator('figure[data-title="Foot height"] .legend', { hasText: 'left, second' });
+  const second = page.locator('figure[data-title="Height of the feet"] .legend', { hasText: 'left, second' });
   await second.click();
   await until('a line less', async () => (await pixels(page, canvas)) !== both);
   await assertAccessible(page, 'accessible_comparison');
