@@ -9,7 +9,8 @@
 namespace stilt::diagnostics {
 
 /// Why a file of that name cannot be written, in the words of the system. It or its folder is not writable,
-/// the folder is missing, or the name is that of a folder. Empty when it can, and for the empty name and "-".
+/// the folder is missing or is none, the name is too long or that of a folder. Empty when it can, and for the
+/// empty name and "-".
 /// For programs that run for a long time before they write.
 [[nodiscard]] std::string why_not_writable(const std::string& name);
 
