@@ -156,11 +156,22 @@ class TopicTables {
   std::vector<std::string> paths_;
 };
 
+/// Tables of another record among those of this one would pass for its own.
+void refuse_tables(const std::string& folder) {
+  if (!std::filesystem::is_directory(folder)) return;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.path().extension() != ".csv") continue;
+    throw std::runtime_error(folder + ": has tables already, such as " + entry.path().filename().string() +
+                             "; name another folder or remove them");
+  }
+}
+
 }  // namespace
 
 Written record_to_csv(const std::string& record, const std::string& folder) {
   record::require_wire_version(record);
   mcap::Reader reader(record);
+  refuse_tables(folder);
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (!std::filesystem::is_directory(folder)) {

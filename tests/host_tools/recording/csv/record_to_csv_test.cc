@@ -75,6 +75,20 @@ TEST_F(RecordToCsv, TimesOfARecordThatBeganLateCountFromTickZero) {
   EXPECT_EQ(lines_of(file).at(1).find("2600,2.6,"), 0u);
 }
 
+TEST_F(RecordToCsv, AFolderWithTablesIsRefusedAndStaysAsItIs) {
+  std::filesystem::create_directory(folder);
+  std::ofstream(folder / "notes.txt") << "walked well";
+  EXPECT_NO_THROW(static_cast<void>(record_to_csv(record.path(), folder.string())));
+  std::ofstream(folder / "ticks_2.csv") << "of another record";
+  try {
+    static_cast<void>(record_to_csv(record.path(), folder.string()));
+    ADD_FAILURE() << "accepted";
+  } catch (const std::runtime_error& error) {
+    EXPECT_EQ(std::string(error.what()).find(folder.string() + ": has tables already, such as "), 0u);
+  }
+  EXPECT_EQ(lines_of(folder / "ticks_2.csv"), std::vector<std::string>{"of another record"});
+}
+
 TEST_F(RecordToCsv, OtherTopicsAreTablesWithTheFieldsOfTheirMessages) {
   static_cast<void>(record_to_csv(record.path(), folder.string()));
   const std::vector<std::string> lines = lines_of(folder / "stilt_event.csv");
