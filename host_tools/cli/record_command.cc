@@ -14,6 +14,7 @@
 #include "host_tools/cli/network_options.h"
 #include "host_tools/cli/progress.h"
 #include "host_tools/cli/usage_error.h"
+#include "host_tools/recording/mcap/output_file.h"
 #include "host_tools/recording/record/recorder.h"
 #include "host_tools/telemetry/listener.h"
 
@@ -141,7 +142,7 @@ CLI::App* add_record_command(CLI::App& program, RecordOptions& options) {
 
 int run_record(const RecordOptions& options) {
   check_output_file("--json", options.json_file);
-  // Before the file is opened, which empties one of an earlier record.
+  mcap::OutputFile::require_new(options.out_file);
   const telemetry::Participant participant = host_telemetry::join(options.network);
   host_telemetry::Listener listener(participant, record::Recorder::topics(), kKeeps);
   std::set<std::string> missing;
