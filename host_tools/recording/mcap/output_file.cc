@@ -49,16 +49,17 @@ OutputFile::OutputFile(const std::string& path) : path_(path) {
 OutputFile::~OutputFile() { ::close(file_); }
 
 void OutputFile::append(ByteView data) {
-  sum_ = crc32(data, sum_);
-  size_ += data.size();
-  while (!data.empty()) {
-    const ssize_t written = ::write(file_, data.data(), data.size());
+  for (ByteView left = data; !left.empty();) {
+    const ssize_t written = ::write(file_, left.data(), left.size());
     if (written < 0 && errno == EINTR) continue;
     if (written < 0) {
-      throw std::runtime_error(path_ + ": cannot be written any further (" + std::strerror(errno) + ")");
+      throw std::runtime_error(path_ + ": cannot be written any further (" + std::strerror(errno) +
+                               "); make room, or name a file on another disk");
     }
-    data = data.subspan(static_cast<std::size_t>(written));
+    left = left.subspan(static_cast<std::size_t>(written));
   }
+  sum_ = crc32(data, sum_);
+  size_ += data.size();
 }
 
 }  // namespace stilt::mcap

@@ -220,7 +220,10 @@ TEST(Writer, AFullDiskIsReported) {
     Writer writer("/dev/full");
     FAIL();
   } catch (const std::runtime_error& error) {
-    EXPECT_NE(std::string(error.what()).find("cannot be written"), std::string::npos);
+    EXPECT_EQ(
+        std::string(error.what()),
+        "/dev/full: cannot be written any further (No space left on device); make room, or name a file on "
+        "another disk");
   }
 }
 
