@@ -16,7 +16,35 @@ namespace {
 using testing_support::Outcome;
 using testing_support::text_of;
 
-class CommandOutput : public testing_support::ProgramTest {};
+class CommandOutput : public testing_support::ProgramTest {
+ protected:
+  CommandOutput() { std::ofstream(file("in.toml")) << "a file"; }
+
+  /// @param arguments  with @ for the test's folder
+  Outcome run_here(std::string arguments) const {
+    const std::string folder = file("");
+    for (auto at = arguments.find('@'); at != std::string::npos; at = arguments.find('@')) {
+      arguments.replace(at, 1, folder);
+    }
+    return run(arguments);
+  }
+};
+
+TEST_F(CommandOutput, APlaceThatCannotBeIsRefusedBeforeTheWork) {
+  for (const char* folder : {"horizon/table.md", "frequency/table.md", "figures/figures.html"}) {
+    std::filesystem::create_directories(file(folder));
+  }
+  for (const std::string& arguments : {std::string("sim --duration 80000 --json @in.toml/run.json"),
+                                       "sim --duration 80000 --log @" + std::string(256, 'a'),
+                                       std::string("experiment horizon --out @horizon"),
+                                       std::string("experiment frequency --out @frequency"),
+                                       std::string("experiment figures --out @figures")}) {
+    const Outcome outcome = run_here(arguments);
+    EXPECT_EQ(outcome.status, 2) << arguments;
+    EXPECT_NE(outcome.errors.find(": the file cannot be written ("), std::string::npos)
+        << arguments << outcome.errors;
+  }
+}
 
 /// A command that records nothing, in a domain without robots.
 std::string record_in_own_domain() {
