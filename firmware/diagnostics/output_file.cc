@@ -32,6 +32,13 @@ path target_of(const path& file) {
   return error ? file : target;
 }
 
+/// Whether both names are of one file, which need not be there yet.
+bool same_file(const path& a, const path& b) {
+  if (is_special(a)) return false;
+  std::error_code error;
+  return target_of(std::filesystem::absolute(a, error)) == target_of(std::filesystem::absolute(b, error));
+}
+
 /// Of a file beside the one that is written: short, whatever the length of that one's name.
 std::string temporary_name() {
   static std::atomic<unsigned> count = 0;
@@ -94,6 +101,25 @@ std::string why_not_writable(const std::string& name) {
   if (is_there && access(file.c_str(), W_OK) != 0) return std::strerror(errno);
   if (is_special(file)) return {};
   return access(folder_of(target_of(file)).c_str(), W_OK) == 0 ? "" : std::strerror(errno);
+}
+
+std::string conflict(std::span<const NamedFile> outputs, std::span<const std::string> inputs) {
+  for (auto one = outputs.begin(); one != outputs.end(); ++one) {
+    if (one->path.empty()) continue;
+    const std::string start = one->option + ' ' + one->path + ": ";
+    for (auto other = outputs.begin(); other != one; ++other) {
+      if (one->path == "-" && other->path == "-") {
+        return start + "standard output is taken by " + other->option + "; name a file";
+      }
+      if (one->path == "-" || other->path.empty() || !same_file(one->path, other->path)) continue;
+      return start + "is the file of " + other->option + ", too; name another one";
+    }
+    for (const std::string& input : inputs) {
+      if (one->path == "-" || input.empty() || !same_file(one->path, input)) continue;
+      return start + "is a file to be read; name another one";
+    }
+  }
+  return {};
 }
 
 std::expected<void, std::string> write_file(const std::string& name, std::string_view text) {

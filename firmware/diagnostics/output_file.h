@@ -2,6 +2,7 @@
 
 #include <expected>
 #include <functional>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -13,6 +14,15 @@ namespace stilt::diagnostics {
 /// empty name and "-".
 /// For programs that run for a long time before they write.
 [[nodiscard]] std::string why_not_writable(const std::string& name);
+
+/// A file and the option that names it.
+struct NamedFile {
+  std::string option, path;
+};
+
+/// Refuses outputs of one run that would replace each other or an input, and more than one "-". One sentence,
+/// empty where each has its place. Devices and FIFOs may stand for several.
+[[nodiscard]] std::string conflict(std::span<const NamedFile> outputs, std::span<const std::string> inputs);
 
 /// Replaces the file by the text, whole or not at all. The text goes to a file beside it, to the disk, and
 /// under its name then. Permissions and symbolic links stay. Devices and FIFOs are written to; "-" is

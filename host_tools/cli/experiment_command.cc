@@ -158,7 +158,11 @@ CLI::App* add_experiment_command(CLI::App& program, ExperimentOptions& options) 
 
 int run_experiment(const CLI::App& experiment, ExperimentOptions options,
                    const std::vector<std::string>& arguments) {
-  check_output_file("--json", options.json_file);
+  check_output_folder(options.folder);
+  const ControllerChoice& choice = options.setting.choice;
+  std::vector<std::string> inputs = files_read(choice.robot, choice.config_file);
+  inputs.push_back(options.rows_file);
+  check_output_files({{"--json", options.json_file}}, inputs);
   options.command = published_command(arguments);
   if (options.quick && options.job.empty()) {
     std::fputs("quick: few cases in coarse steps, so figures differ from docs/results.md\n", stderr);

@@ -81,7 +81,7 @@ Json settings_json(const ExperimentOptions& options, const char* experiment,
 
 std::string checked_file(const ExperimentOptions& options, const char* name) {
   const std::string file = (std::filesystem::path(options.folder) / name).string();
-  check_output_file("--out", file);
+  check_output_files({{"--json", options.json_file}, {"--out", file}});
   return file;
 }
 

@@ -143,7 +143,8 @@ CLI::App* add_record_command(CLI::App& program, RecordOptions& options) {
 
 int run_record(const RecordOptions& options) {
   check_duration(options.duration_s);
-  check_output_file("--json", options.json_file);
+  if (options.out_file == "-") throw UsageError("--out -: a record is no text; name a file");
+  check_output_files({{"--out", options.out_file}, {"--json", options.json_file}});
   mcap::OutputFile::require_new(options.out_file);
   const telemetry::Participant participant = host_telemetry::join(options.network);
   host_telemetry::Listener listener(participant, record::Recorder::topics(), kKeeps);
