@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -29,6 +30,19 @@ path target_of(const path& file) {
   std::error_code error;
   const path target = std::filesystem::weakly_canonical(file, error);
   return error ? file : target;
+}
+
+/// Whether both names are of one file, which need not be there yet.
+bool same_file(const path& a, const path& b) {
+  if (is_special(a)) return false;
+  std::error_code error;
+  return target_of(std::filesystem::absolute(a, error)) == target_of(std::filesystem::absolute(b, error));
+}
+
+/// Of a file beside the one that is written: short, whatever the length of that one's name.
+std::string temporary_name() {
+  static std::atomic<unsigned> count = 0;
+  return ".new-" + std::to_string(getpid()) + "-" + std::to_string(count++);
 }
 
 std::unexpected<std::string> system_error() { return std::unexpected<std::string>(std::strerror(errno)); }
@@ -80,12 +94,32 @@ std::expected<void, std::string> write_new(int descriptor, const path& file, con
 std::string why_not_writable(const std::string& name) {
   if (name.empty() || name == "-") return {};
   const path file(name);
-  std::error_code ignored;
-  if (std::filesystem::is_directory(file, ignored)) return std::strerror(EISDIR);
-  const bool is_there = std::filesystem::exists(file, ignored);
+  struct stat status{};
+  const bool is_there = stat(file.c_str(), &status) == 0;
+  if (!is_there && errno != ENOENT) return std::strerror(errno);
+  if (is_there && S_ISDIR(status.st_mode)) return std::strerror(EISDIR);
   if (is_there && access(file.c_str(), W_OK) != 0) return std::strerror(errno);
   if (is_special(file)) return {};
   return access(folder_of(target_of(file)).c_str(), W_OK) == 0 ? "" : std::strerror(errno);
+}
+
+std::string conflict(std::span<const NamedFile> outputs, std::span<const std::string> inputs) {
+  for (auto one = outputs.begin(); one != outputs.end(); ++one) {
+    if (one->path.empty()) continue;
+    const std::string start = one->option + ' ' + one->path + ": ";
+    for (auto other = outputs.begin(); other != one; ++other) {
+      if (one->path == "-" && other->path == "-") {
+        return start + "standard output is taken by " + other->option + "; name a file";
+      }
+      if (one->path == "-" || other->path.empty() || !same_file(one->path, other->path)) continue;
+      return start + "is the file of " + other->option + ", too; name another one";
+    }
+    for (const std::string& input : inputs) {
+      if (one->path == "-" || input.empty() || !same_file(one->path, input)) continue;
+      return start + "is a file to be read; name another one";
+    }
+  }
+  return {};
 }
 
 std::expected<void, std::string> write_file(const std::string& name, std::string_view text) {
@@ -96,7 +130,7 @@ std::expected<void, std::string> write_file(const std::string& name, const Piece
   if (name == "-") return put(stdout, next);
   if (is_special(name)) return write_special(name, next);
   const path file = target_of(name);
-  const std::string beside = file.string() + ".new-" + std::to_string(getpid());
+  const path beside = folder_of(file) / temporary_name();
   unlink(beside.c_str());  // of a process of the same number that was cut off
   const int descriptor = open(beside.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (descriptor < 0) return system_error();

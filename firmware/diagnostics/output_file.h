@@ -2,6 +2,7 @@
 
 #include <expected>
 #include <functional>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -9,9 +10,19 @@
 namespace stilt::diagnostics {
 
 /// Why a file of that name cannot be written, in the words of the system. It or its folder is not writable,
-/// the folder is missing, or the name is that of a folder. Empty when it can, and for the empty name and "-".
+/// the folder is missing or is none, the name is too long or that of a folder. Empty when it can, and for the
+/// empty name and "-".
 /// For programs that run for a long time before they write.
 [[nodiscard]] std::string why_not_writable(const std::string& name);
+
+/// A file and the option that names it.
+struct NamedFile {
+  std::string option, path;
+};
+
+/// Refuses outputs of one run that would replace each other or an input, and more than one "-". One sentence,
+/// empty where each has its place. Devices and FIFOs may stand for several.
+[[nodiscard]] std::string conflict(std::span<const NamedFile> outputs, std::span<const std::string> inputs);
 
 /// Replaces the file by the text, whole or not at all. The text goes to a file beside it, to the disk, and
 /// under its name then. Permissions and symbolic links stay. Devices and FIFOs are written to; "-" is

@@ -166,6 +166,11 @@ const robots::Robot& find_robot(const std::string& name) {
 
 const model::RobotModel& robot_model(const std::string& name) { return find_robot(name).model; }
 
+std::vector<std::string> files_read(const std::string& robot, const std::string& config_file) {
+  if (!robots::is_file(robot)) return {config_file};
+  return {config_file, robot, configuration::file_beside(robot)};
+}
+
 configuration::Configuration load_configuration(const std::string& robot, const std::string& file,
                                                 const std::string& preset,
                                                 const std::vector<Override>& overrides) {

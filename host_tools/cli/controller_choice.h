@@ -55,6 +55,9 @@ void add_gains_option(CLI::App& command, ControllerChoice& choice);
 [[nodiscard]] const robots::Robot& find_robot(const std::string& name);
 [[nodiscard]] const model::RobotModel& robot_model(const std::string& name);
 
+/// The files that such a robot and its configuration are read from; the command does not write to them.
+[[nodiscard]] std::vector<std::string> files_read(const std::string& robot, const std::string& config_file);
+
 /// The configuration of a file, or that shipped for the robot when the name is empty. The preset changes it,
 /// then the overrides. All values are checked.
 [[nodiscard]] configuration::Configuration load_configuration(

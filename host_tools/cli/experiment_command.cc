@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <filesystem>
-#include <fstream>
 #include <utility>
 
 #include "host_tools/cli/disturbance_experiment.h"
@@ -14,7 +12,6 @@
 #include "host_tools/cli/paired_experiment.h"
 #include "host_tools/cli/published_command.h"
 #include "host_tools/cli/robustness_experiment.h"
-#include "host_tools/cli/usage_error.h"
 #include "host_tools/experiments/figures.h"
 
 namespace stilt::cli {
@@ -82,15 +79,13 @@ int run_figures(const ExperimentOptions& options) {
   const Json settings =
       settings_json(options, "figures", parts_of(options.setting, {"mpc-heuristic", "mpc-hzd"}));
   const experiments::JobFolder folder(options.folder, settings);
+  const std::string page = checked_file(options, "figures.html");
   experiments::FiguresResult figures = experiments::make_figures(
       runner_for_each(options.setting), options.quick ? kQuickDuration_s : kDuration_s);
   figures.numbers["command"] = options.command;
   figures.numbers["settings"] = settings;
   folder.keep("figures", figures.numbers);
-  const std::filesystem::path page = std::filesystem::path(options.folder) / "figures.html";
-  if (!(std::ofstream(page) << figures.page << std::flush)) {
-    throw UsageError("--out " + options.folder + ": figures.html cannot be written; name a writable folder");
-  }
+  write_output_file("--out", page, figures.page);
   if (!options.json_file.empty()) write_json(figures.numbers, options.json_file);
   if (options.json_file != "-") std::puts(page.c_str());
   return 0;
@@ -163,7 +158,11 @@ CLI::App* add_experiment_command(CLI::App& program, ExperimentOptions& options) 
 
 int run_experiment(const CLI::App& experiment, ExperimentOptions options,
                    const std::vector<std::string>& arguments) {
-  check_output_file("--json", options.json_file);
+  check_output_folder(options.folder);
+  const ControllerChoice& choice = options.setting.choice;
+  std::vector<std::string> inputs = files_read(choice.robot, choice.config_file);
+  inputs.push_back(options.rows_file);
+  check_output_files({{"--json", options.json_file}}, inputs);
   options.command = published_command(arguments);
   if (options.quick && options.job.empty()) {
     std::fputs("quick: few cases in coarse steps, so figures differ from docs/results.md\n", stderr);

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <fstream>
+#include <filesystem>
 #include <set>
 #include <thread>
 #include <utility>
@@ -79,6 +79,12 @@ Json settings_json(const ExperimentOptions& options, const char* experiment,
           {"configuration", std::move(configuration)}};
 }
 
+std::string checked_file(const ExperimentOptions& options, const char* name) {
+  const std::string file = (std::filesystem::path(options.folder) / name).string();
+  check_output_files({{"--json", options.json_file}, {"--out", file}});
+  return file;
+}
+
 int run_jobs(const ExperimentOptions& options, const std::vector<std::string>& arguments,
              const Json& settings, const std::vector<Job>& jobs,
              const std::function<Json(const std::vector<Json>&)>& merge,
@@ -89,6 +95,7 @@ int run_jobs(const ExperimentOptions& options, const std::vector<std::string>& a
     return 0;
   }
   const JobFolder folder(options.folder, settings);
+  const std::string table_file = checked_file(options, "table.md");
   if (!options.job.empty()) return run_one(folder, jobs, options.job);
   if (!options.merge) run_missing(options, arguments, folder, jobs);
   Json merged = merged_results(options, folder.results(jobs), merge);
@@ -96,7 +103,7 @@ int run_jobs(const ExperimentOptions& options, const std::vector<std::string>& a
   merged["settings"] = settings;
   if (!options.json_file.empty()) write_json(merged, options.json_file);
   const std::string text = table(merged);
-  std::ofstream(std::filesystem::path(options.folder) / "table.md") << text;
+  write_output_file("--out", table_file, text);
   if (options.json_file != "-") std::fputs(text.c_str(), stdout);
   return 0;
 }

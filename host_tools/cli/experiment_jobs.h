@@ -19,6 +19,10 @@ namespace stilt::cli {
     const std::function<experiments::Json(const std::vector<experiments::Json>&)>& merge,
     const std::function<std::string(const experiments::Json&)>& table);
 
+/// The file of this name in the folder of --out. Throws UsageError unless it can be written. For the time
+/// before the work.
+[[nodiscard]] std::string checked_file(const ExperimentOptions& options, const char* name);
+
 /// The settings that the results of an experiment depend on, for its folder and its figures. They are version
 /// and commit of this program, options, and the hash of each part's dependencies_text().
 [[nodiscard]] experiments::Json settings_json(const ExperimentOptions& options, const char* experiment,

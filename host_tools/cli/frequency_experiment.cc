@@ -1,8 +1,7 @@
 #include "host_tools/cli/frequency_experiment.h"
 
 #include <cstdio>
-#include <filesystem>
-#include <fstream>
+#include <string>
 #include <utility>
 
 #include "firmware/program/instruction_sets.h"
@@ -65,6 +64,7 @@ int run_frequency(const ExperimentOptions& options) {
       options, "frequency",
       {{choice.controller, dependencies_text(options.setting, choice.controller, kAnyHorizon_s)}});
   const experiments::JobFolder folder(options.folder, settings);
+  const std::string table_file = checked_file(options, "table.md");
   const int problems = options.quick ? 20 : options.problems;
   const PlanningProblems walk = record_walk(choice, kSpeed_m_s, problems);
   Json rows = Json::array();
@@ -88,7 +88,7 @@ int run_frequency(const ExperimentOptions& options) {
   const Json merged = {{"rows", std::move(rows)}, {"command", options.command}, {"settings", settings}};
   folder.keep("frequency", merged);
   const std::string table = table_of(merged);
-  std::ofstream(std::filesystem::path(options.folder) / "table.md") << table;
+  write_output_file("--out", table_file, table);
   if (!options.json_file.empty()) write_json(merged, options.json_file);
   if (options.json_file != "-") std::fputs(table.c_str(), stdout);
   return failed == 0 && walk.survived ? 0 : 1;

@@ -107,13 +107,17 @@ void print(const GaitRecord& record, const GaitCheck& check) {
   }
 }
 
+OutputFiles outputs_of(const GaitOptions& options) {
+  return {{"--out", options.out}, {"--report", options.report_file}, {"--json", options.json_file}};
+}
+
 /// Prints text or JSON as requested, and calls `write`, which writes another file. Returns the exit status.
 int report(
-    const GaitRecord& record, const GaitCheck& check, const std::string& json_file,
+    const GaitRecord& record, const GaitCheck& check, const GaitOptions& options,
     const std::function<void()>& write = [] {}) {
-  if (json_file != "-") print(record, check);
+  if (!on_standard_output(outputs_of(options))) print(record, check);
   write_each({write, [&] {
-                if (!json_file.empty()) write_json(to_json(record, check), json_file);
+                if (!options.json_file.empty()) write_json(to_json(record, check), options.json_file);
               }});
   return check.valid() ? 0 : 1;
 }
@@ -142,27 +146,25 @@ GaitRecord load_complete(const std::string& file, const model::RobotModel** robo
 }
 
 int synthesize(const GaitOptions& options) {
-  check_output_file("--out", options.out);
   const model::RobotModel& robot = robot_model(options.robot);
   const StepTask task = task_of(options);
   const GaitRecord record = gait_synthesis::make_record(robot, task, gait_synthesis::synthesize(robot, task));
-  return report(record, gait_synthesis::check_gait(robot, record), options.json_file,
+  return report(record, gait_synthesis::check_gait(robot, record), options,
                 [&] { write_output_file("--out", options.out, gait_files::to_toml(record)); });
 }
 
 int check(const GaitOptions& options) {
   const model::RobotModel* robot = nullptr;
   const GaitRecord record = load_complete(options.file, &robot);
-  return report(record, gait_synthesis::check_gait(*robot, record), options.json_file);
+  return report(record, gait_synthesis::check_gait(*robot, record), options);
 }
 
 int complete(const GaitOptions& options) {
-  check_output_file("--out", options.out);
   const model::RobotModel* robot = nullptr;
   GaitRecord record = load_complete(options.file, &robot);
   const GaitCheck result = gait_synthesis::check_gait(*robot, record);
   record.claims = result.metrics;
-  return report(record, result, options.json_file,
+  return report(record, result, options,
                 [&] { write_output_file("--out", options.out, gait_files::to_toml(record)); });
 }
 
@@ -190,6 +192,7 @@ int add_gait(const model::RobotModel& robot, const GaitOptions& options, nlohman
 }
 
 int library(const GaitOptions& options) {
+  check_output_folder(options.out);
   check_speed("--from", options.from_m_s);
   check_speed("--to", options.to_m_s);
   if (!(options.step_m_s >= 0.01) || options.to_m_s < options.from_m_s) {
@@ -227,11 +230,10 @@ int library(const GaitOptions& options) {
 }
 
 int show(const GaitOptions& options) {
-  check_output_file("--report", options.report_file);
   const model::RobotModel* robot = nullptr;
   const GaitRecord record = load_complete(options.file, &robot);
   const GaitCheck result = gait_synthesis::check_gait(*robot, record);
-  return report(record, result, options.json_file, [&] {
+  return report(record, result, options, [&] {
     write_output_file("--report", options.report_file,
                       gait_synthesis::render_gait_page(*robot, record, result));
   });
@@ -308,7 +310,9 @@ int run_gait(const CLI::App& gait, GaitOptions options) {
     const CLI::Option* json = command->get_option("--json");
     if (json->count() > 0 && options.json_file.empty()) options.json_file = "-";
   }
-  check_output_file("--json", options.json_file);
+  OutputFiles outputs = outputs_of(options);
+  if (gait.got_subcommand("library")) outputs.front().path.clear();  // names a folder
+  check_output_files(outputs, files_read(options.robot, options.file));
   try {
     if (gait.got_subcommand("synthesize")) return synthesize(options);
     if (gait.got_subcommand("check")) return check(options);

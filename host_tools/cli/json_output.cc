@@ -1,10 +1,10 @@
 #include "host_tools/cli/json_output.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <exception>
 
-#include "firmware/diagnostics/output_file.h"
 #include "host_tools/cli/usage_error.h"
 #include "host_tools/recording/sample_log.h"
 
@@ -73,9 +73,21 @@ Json to_json(const log::RunSummary& summary) {
   return json;
 }
 
-void check_output_file(const std::string& option, const std::string& path) {
-  const std::string reason = diagnostics::why_not_writable(path);
-  if (!reason.empty()) refuse_output(option, path, reason);
+void check_output_files(const OutputFiles& outputs, const std::vector<std::string>& inputs) {
+  for (const auto& [option, path] : outputs) {
+    const std::string reason = diagnostics::why_not_writable(path);
+    if (!reason.empty()) refuse_output(option, path, reason);
+  }
+  const std::string conflict = diagnostics::conflict(outputs, inputs);
+  if (!conflict.empty()) throw UsageError(conflict);
+}
+
+void check_output_folder(const std::string& folder) {
+  if (folder == "-") throw UsageError("--out -: several files are written; name a folder");
+}
+
+bool on_standard_output(const OutputFiles& outputs) {
+  return std::ranges::find(outputs, "-", &diagnostics::NamedFile::path) != outputs.end();
 }
 
 void write_output_file(const std::string& option, const std::string& path, std::string_view text) {

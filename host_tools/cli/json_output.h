@@ -5,7 +5,9 @@
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include "firmware/diagnostics/output_file.h"
 #include "host_tools/recording/run_record.h"
 
 namespace stilt::cli {
@@ -19,10 +21,19 @@ namespace stilt::cli {
 /// The output of `stilt sim --json`, with the fields that users rely on: they are added, never renamed.
 [[nodiscard]] nlohmann::ordered_json to_json(const log::RunSummary& summary);
 
-/// Throws UsageError unless a file of that name can be written. Its folder must exist and be writable, and
-/// the name must not be that of a folder. Accepts empty names and "-". For commands that compute for a long
-/// time before they write.
-void check_output_file(const std::string& option, const std::string& path);
+/// The files that a command writes.
+using OutputFiles = std::vector<diagnostics::NamedFile>;
+
+/// Throws UsageError unless all of them can be written, each at its own place. `inputs` are the files that
+/// the command reads: none of them may be an output. Empty names stand for none. For the start of every
+/// command.
+void check_output_files(const OutputFiles& outputs, const std::vector<std::string>& inputs = {});
+
+/// Throws UsageError for "-": --out of such a command is a folder of files.
+void check_output_folder(const std::string& folder);
+
+/// Whether one of them goes to standard output, so that no text may.
+[[nodiscard]] bool on_standard_output(const OutputFiles& outputs);
 
 /// Writes the text to the file that `option` names, and says so on standard error; to standard output when
 /// the path is "-". Throws UsageError when it cannot be written.

@@ -2,6 +2,7 @@
 
 #include <cstdio>
 
+#include "host_tools/cli/json_output.h"
 #include "host_tools/recording/csv/record_to_csv.h"
 
 namespace stilt::cli {
@@ -21,8 +22,14 @@ CLI::App* add_log_command(CLI::App& program, LogOptions& options) {
 }
 
 int run_log(const LogOptions& options) {
-  const csv::Written written = options.out.ends_with(".csv") ? csv::ticks_to_csv(options.file, options.out)
-                                                             : csv::record_to_csv(options.file, options.out);
+  const bool ticks_alone = options.out.ends_with(".csv");
+  if (ticks_alone) {
+    check_output_files({{"--out", options.out}}, {options.file});
+  } else {
+    check_output_folder(options.out);
+  }
+  const csv::Written written = ticks_alone ? csv::ticks_to_csv(options.file, options.out)
+                                           : csv::record_to_csv(options.file, options.out);
   for (const std::string& problem : written.problems) std::fprintf(stderr, "stilt: %s\n", problem.c_str());
   for (const std::string& file : written.files) std::printf("%s\n", file.c_str());
   return written.problems.empty() ? 0 : 1;

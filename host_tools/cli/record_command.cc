@@ -7,13 +7,16 @@
 #include <cstdio>
 #include <limits>
 #include <set>
+#include <stdexcept>
 #include <string>
 
 #include "firmware/robots/robots.h"
+#include "host_tools/cli/check_duration.h"
 #include "host_tools/cli/json_output.h"
 #include "host_tools/cli/network_options.h"
 #include "host_tools/cli/progress.h"
 #include "host_tools/cli/usage_error.h"
+#include "host_tools/recording/mcap/output_file.h"
 #include "host_tools/recording/record/recorder.h"
 #include "host_tools/telemetry/listener.h"
 
@@ -59,11 +62,10 @@ record::Recorder::Options recorder_options(const RecordOptions& options, std::se
   return how;
 }
 
-/// Records. Returns the duration, s.
-double record_all(const RecordOptions& options, host_telemetry::Listener& listener,
-                  record::Recorder& recorder) {
-  const double longest_s =
-      options.duration_s > 0 ? options.duration_s : std::numeric_limits<double>::infinity();
+/// Records until the duration is over or the program is to end.
+void record_all(const RecordOptions& options, host_telemetry::Listener& listener,
+                record::Recorder& recorder) {
+  const double longest_s = options.duration_s.value_or(std::numeric_limits<double>::infinity());
   std::fprintf(stderr, "recording to %s; end it with Ctrl-C\n", options.out_file.c_str());
   Progress progress("recording", longest_s, "s");
   const Clock::time_point start = Clock::now();
@@ -81,7 +83,6 @@ double record_all(const RecordOptions& options, host_telemetry::Listener& listen
     progress.update(elapsed_s);
   }
   recorder.close();
-  return elapsed_s;
 }
 
 bool whole(const record::Recorder& recorder) {
@@ -90,12 +91,14 @@ bool whole(const record::Recorder& recorder) {
          std::ranges::all_of(runs, [](const auto& run) { return run.second.gaps().empty(); });
 }
 
-Json to_json(const record::Recorder& recorder, double elapsed_s) {
+/// @param problem  why the record ended early; empty when it did not
+Json to_json(const record::Recorder& recorder, double elapsed_s, const std::string& problem) {
   Json json;
   json["duration_s"] = elapsed_s;
   json["messages"] = recorder.messages();
   json["bytes"] = recorder.bytes();
-  json["complete"] = whole(recorder);
+  json["complete"] = problem.empty() && whole(recorder);
+  json["problem"] = problem.empty() ? Json(nullptr) : Json(problem);
   json["runs"] = Json::array();
   for (const auto& [run_id, ledger] : recorder.runs()) {
     Json missing = Json::array();
@@ -124,8 +127,7 @@ void print(const RecordOptions& options, const record::Recorder& recorder, doubl
 CLI::App* add_record_command(CLI::App& program, RecordOptions& options) {
   CLI::App* record = program.add_subcommand("record", "record all telemetry of the robot to an MCAP file");
   record->add_option("--out", options.out_file, "file to write")->required();
-  record->add_option("--duration", options.duration_s, "duration, s; default: until Ctrl-C")
-      ->check(CLI::NonNegativeNumber);
+  record->add_option("--duration", options.duration_s, "duration, s; default: until Ctrl-C");
   record->add_option("--compression", options.compression, "zstd, lz4 or none")
       ->check(CLI::IsMember({"zstd", "lz4", "none"}))
       ->capture_default_str();
@@ -140,20 +142,35 @@ CLI::App* add_record_command(CLI::App& program, RecordOptions& options) {
 }
 
 int run_record(const RecordOptions& options) {
-  check_output_file("--json", options.json_file);
-  // Before the file is opened, which empties one of an earlier record.
+  check_duration(options.duration_s);
+  if (options.out_file == "-") throw UsageError("--out -: a record is no text; name a file");
+  check_output_files({{"--out", options.out_file}, {"--json", options.json_file}});
+  mcap::OutputFile::require_new(options.out_file);
   const telemetry::Participant participant = host_telemetry::join(options.network);
   host_telemetry::Listener listener(participant, record::Recorder::topics(), kKeeps);
   std::set<std::string> missing;
   record::Recorder recorder(options.out_file, recorder_options(options, missing));
   catch_signals();
-  const double elapsed_s = record_all(options, listener, recorder);
-  if (!options.json_file.empty()) write_json(to_json(recorder, elapsed_s), options.json_file);
+  const Clock::time_point start = Clock::now();
+  std::string problem;
+  try {
+    record_all(options, listener, recorder);
+  } catch (const std::runtime_error& error) {
+    problem = error.what();
+  }
+  const double elapsed_s = std::chrono::duration<double>(Clock::now() - start).count();
   if (options.json_file != "-") print(options, recorder, elapsed_s);
   for (const std::string& urdf : missing) {
     std::fprintf(stderr, "stilt: %s: carries no URDF of its robot, and is replayed only where it is: %s\n",
                  options.out_file.c_str(), urdf.c_str());
   }
+  write_each({[&] {
+                if (!options.json_file.empty())
+                  write_json(to_json(recorder, elapsed_s, problem), options.json_file);
+              },
+              [&] {
+                if (!problem.empty()) throw UsageError(problem);
+              }});
   return whole(recorder) ? 0 : 1;
 }
 

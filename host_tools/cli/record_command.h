@@ -1,6 +1,7 @@
 #pragma once
 
 #include <CLI/App.hpp>
+#include <optional>
 #include <string>
 
 #include "firmware/telemetry/participant.h"
@@ -10,7 +11,7 @@ namespace stilt::cli {
 /// Options of `stilt record`.
 struct RecordOptions {
   std::string out_file;
-  double duration_s = 0.0;  ///< 0: until stopped
+  std::optional<double> duration_s;  ///< none: until stopped
   std::string compression = "zstd";
   telemetry::Network network;
   std::string json_file;

@@ -112,7 +112,7 @@ CLI::App* add_replay_command(CLI::App& program, ReplayOptions& options) {
 
 int run_replay(const ReplayOptions& options) {
   if (options.monitor) return show(options);
-  check_output_file("--json", options.json_file);
+  check_output_files({{"--json", options.json_file}}, {options.file});
   const replay::RecordContents contents = replay::read_contents(options.file);
   for (const std::string& problem : contents.problems) std::fprintf(stderr, "stilt: %s\n", problem.c_str());
   const std::vector<Replayed> all = replay_all(options.file, contents);

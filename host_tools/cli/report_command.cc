@@ -128,13 +128,7 @@ CLI::App* add_report_command(CLI::App& program, ReportOptions& options) {
 
 int run_report(const ReportOptions& options) {
   const std::string out = options.out.empty() ? default_out(options.files) : options.out;
-  check_output_file("--out", out);
-  for (const std::string& file : options.files) {
-    std::error_code error;
-    if (fs::equivalent(file, out, error)) {
-      throw UsageError("--out " + out + ": is a file to be read; name another one");
-    }
-  }
+  check_output_files({{"--out", out}}, options.files);
   if (!std::isfinite(options.shift_s)) throw UsageError("--shift: must be a number of seconds");
   const Input first = read(options.files[0], options.robot);
   if (options.files.size() == 1) {

@@ -49,11 +49,10 @@ void catch_signals() {
   sigaction(SIGTERM, &action, nullptr);
 }
 
-void check_outputs(const RobotOptions& options) {
-  check_output_file("--json", options.json_file);
-  check_output_file("--report", options.report_file);
-  check_output_file("--log", options.log_file);
-  check_output_file("--frames", options.frames_file);
+void check_files(const RobotOptions& options) {
+  std::vector<std::string> inputs = files_read(options.robot, options.config_file);
+  inputs.push_back(options.hands_file);
+  check_output_files(outputs_of(options), inputs);
 }
 
 /// Contact forces and the active push, for the monitor's picture.
@@ -135,7 +134,7 @@ CLI::App* add_robot_command(CLI::App& program, RobotOptions& options) {
 }
 
 int run_robot(const RobotOptions& options, const std::string& command_line) {
-  check_outputs(options);
+  check_files(options);
   if (!options.hands_file.empty() && !options.hang) {
     throw UsageError("--hands: the robot must hang for good; add --hang");
   }

@@ -4,7 +4,6 @@
 #include <string>
 #include <utility>
 
-#include "host_tools/cli/json_output.h"
 #include "host_tools/cli/summary_text.h"
 #include "host_tools/recording/run_clock.h"
 #include "host_tools/simulation/plant/plant.h"
@@ -98,12 +97,19 @@ void print_results(const RobotOnBus& robot, const log::RunSummary& summary, cons
 
 }  // namespace
 
+OutputFiles outputs_of(const RobotOptions& options) {
+  return {{"--json", options.json_file},
+          {"--report", options.report_file},
+          {"--log", options.log_file},
+          {"--frames", options.frames_file}};
+}
+
 void write_robot_results(const RobotOptions& options, const RobotOnBus& robot, log::RunRecord record,
                          const RunOutcome& outcome, robot_on_bus::FrameLog& frames) {
   if (robot.gantry_released_s()) {
     log::count_from(record, *robot.gantry_released_s() - clock_start_s(robot, outcome));
   }
-  if (options.json_file != "-") print_results(robot, record.summary, outcome);
+  if (!on_standard_output(outputs_of(options))) print_results(robot, record.summary, outcome);
   write_each({[&] { frames.close(); },
               [&] {
                 if (!options.json_file.empty())

@@ -1,11 +1,15 @@
 #pragma once
 
+#include "host_tools/cli/json_output.h"
 #include "host_tools/cli/robot_command.h"
 #include "host_tools/recording/run_record.h"
 #include "host_tools/simulation/robot_on_bus/frame_log.h"
 #include "host_tools/simulation/robot_on_bus/runner.h"
 
 namespace stilt::cli {
+
+/// The files that `stilt robot` writes.
+[[nodiscard]] OutputFiles outputs_of(const RobotOptions& options);
 
 /// Prints the outcome of `stilt robot`, and writes --json, --log, --report and --frames; a file that cannot
 /// be written keeps none of the others back. Throws UsageError, one sentence for each of those.

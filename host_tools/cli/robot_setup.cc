@@ -6,6 +6,7 @@
 
 #include "firmware/configuration/configuration.h"
 #include "hal/robot/wiring_load.h"
+#include "host_tools/cli/check_duration.h"
 #include "host_tools/cli/controller_choice.h"
 #include "host_tools/cli/run_description.h"
 #include "host_tools/cli/usage_error.h"
@@ -80,13 +81,6 @@ void add_mistakes(const RobotOptions& options, robot_on_bus::RobotSetup& setup) 
   }
 }
 
-void check_numbers(const RobotOptions& options) {
-  if (options.duration_s && !(*options.duration_s > 0.0)) {
-    throw UsageError("--duration " + simulation::number_text(*options.duration_s) +
-                     ": the duration must be above 0 s");
-  }
-}
-
 }  // namespace
 
 std::string describe_mistakes() {
@@ -100,7 +94,7 @@ std::string describe_mistakes() {
 }
 
 SimulatedHardware simulated_hardware(const RobotOptions& options) {
-  check_numbers(options);
+  check_duration(options.duration_s);
   const configuration::Configuration configured = configuration_of(options);
   SimulatedHardware hardware;
   hardware.robot = &robot_model(configured.hardware.robot);

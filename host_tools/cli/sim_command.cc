@@ -117,8 +117,12 @@ void write_sim_json(const log::RunSummary& summary, simulation::Fall fall, const
   write_json(json, path);
 }
 
+OutputFiles outputs_of(const SimOptions& options) {
+  return {{"--json", options.json_file}, {"--report", options.report_file}, {"--log", options.log_file}};
+}
+
 void write_results(const SimOptions& options, const log::RunRecord& record, simulation::Fall fall) {
-  if (options.json_file != "-" && options.log_file != "-" && options.report_file != "-") {
+  if (!on_standard_output(outputs_of(options))) {
     std::fputs(summary_text(record.summary, fall).c_str(), stdout);
   }
   write_each({[&] {
@@ -183,9 +187,7 @@ CLI::App* add_sim_command(CLI::App& program, SimOptions& options) {
 }
 
 int run_sim(const SimOptions& options, const std::string& command_line) {
-  check_output_file("--json", options.json_file);
-  check_output_file("--report", options.report_file);
-  check_output_file("--log", options.log_file);
+  check_output_files(outputs_of(options), files_read(options.choice.robot, options.choice.config_file));
   const model::RobotModel& robot = robot_model(options.choice.robot);
   const configuration::Configuration parameters = controller_configuration(options.choice);
   const PlantOptions world = plant_options(options, parameters.timing);

@@ -22,11 +22,25 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+/// Times of tick 0 by the number of the run, ns, where the record has its configuration.
+using Starts = std::map<std::uint64_t, std::int64_t>;
+
+Starts starts_of(const std::string& record) {
+  Starts starts;
+  mcap::Reader reader(record);
+  while (const mcap::ReadMessage* read = reader.next()) {
+    if (record::topic_of_record(read->channel->topic) != &telemetry::kConfiguration) continue;
+    const auto message = telemetry::decode<telemetry::ActiveConfiguration>(std::as_bytes(read->message.data));
+    if (message) starts[message->run_id] = message->start_clock_ns;
+  }
+  return starts;
+}
+
 /// Tables of ticks: all runs in one file, or one file per run.
 class TickTables {
  public:
-  TickTables(std::string first_path, bool one_each)
-      : first_path_(std::move(first_path)), one_each_(one_each) {}
+  TickTables(std::string first_path, bool one_each, Starts starts)
+      : first_path_(std::move(first_path)), one_each_(one_each), starts_(std::move(starts)) {}
 
   void add(const telemetry::TickBatch& batch) {
     if (!telemetry::well_formed(batch)) return;
@@ -35,9 +49,9 @@ class TickTables {
     for (std::size_t i = 0; i < batch.count; ++i) {
       const control_loop::TickRecord tick = telemetry::tick_record(batch, i);
       if (tick.tick < run->second.next) continue;
-      if (run->second.next == 0) run->second.start_ns = tick.time_ns;
       run->second.next = tick.tick + 1;
-      diagnostics::write_tick(*run->second.file, tick, run->second.start_ns);
+      const std::int64_t start_ns = starts_.try_emplace(batch.run_id, tick.time_ns).first->second;
+      diagnostics::write_tick(*run->second.file, tick, start_ns);
     }
   }
 
@@ -53,7 +67,6 @@ class TickTables {
   struct Run {
     std::ofstream* file = nullptr;
     std::uint64_t next = 0;
-    std::int64_t start_ns = 0;
   };
 
   void open(Run& run) {
@@ -72,6 +85,7 @@ class TickTables {
 
   std::string first_path_;
   bool one_each_;
+  Starts starts_;  ///< of a run without configuration: its first tick here
   std::map<std::uint64_t, Run> runs_;
   std::vector<std::unique_ptr<std::ofstream>> files_;
   std::vector<std::string> paths_;
@@ -142,17 +156,28 @@ class TopicTables {
   std::vector<std::string> paths_;
 };
 
+/// Tables of another record among those of this one would pass for its own.
+void refuse_tables(const std::string& folder) {
+  if (!std::filesystem::is_directory(folder)) return;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.path().extension() != ".csv") continue;
+    throw std::runtime_error(folder + ": has tables already, such as " + entry.path().filename().string() +
+                             "; name another folder or remove them");
+  }
+}
+
 }  // namespace
 
 Written record_to_csv(const std::string& record, const std::string& folder) {
   record::require_wire_version(record);
   mcap::Reader reader(record);
+  refuse_tables(folder);
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (!std::filesystem::is_directory(folder)) {
     throw std::runtime_error(folder + ": cannot be made; name a folder where one may be");
   }
-  TickTables ticks((std::filesystem::path(folder) / "ticks.csv").string(), true);
+  TickTables ticks((std::filesystem::path(folder) / "ticks.csv").string(), true, starts_of(record));
   TopicTables topics(folder);
   while (const mcap::ReadMessage* read = reader.next()) {
     if (is_ticks(*read)) {
@@ -170,7 +195,7 @@ Written record_to_csv(const std::string& record, const std::string& folder) {
 Written ticks_to_csv(const std::string& record, const std::string& file) {
   record::require_wire_version(record);
   mcap::Reader reader(record);
-  TickTables ticks(file, false);
+  TickTables ticks(file, false, starts_of(record));
   while (const mcap::ReadMessage* read = reader.next()) {
     if (is_ticks(*read)) add_ticks(*read, ticks);
   }

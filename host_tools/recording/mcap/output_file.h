@@ -11,7 +11,11 @@ namespace stilt::mcap {
 /// survives a crash of the process.
 class OutputFile {
  public:
-  /// Creates or empties the file. Throws when it cannot.
+  /// Throws std::runtime_error, one sentence, where the name is that of a file with content.
+  static void require_new(const std::string& path);
+
+  /// Creates the file. Throws when it cannot, when there is one with content, and when another process
+  /// writes to it. Devices and FIFOs are written to as they are.
   explicit OutputFile(const std::string& path);
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;

@@ -23,7 +23,7 @@ std::string frame_text(const hal::CanFrame& frame) {
 
 FrameLog::FrameLog(const std::string& file) : name_(file) {
   if (file.empty()) return;
-  file_.open(file);
+  file_.open(file == "-" ? "/dev/stdout" : file);
   if (!file_) throw std::runtime_error("--frames " + file + ": the file cannot be written");
 }
 

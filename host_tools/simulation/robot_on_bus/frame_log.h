@@ -15,8 +15,8 @@ namespace stilt::robot_on_bus {
 /// out.
 class FrameLog {
  public:
-  /// Writes nothing when the name is empty. Throws std::runtime_error, one sentence, when the file cannot be
-  /// written.
+  /// Writes nothing when the name is empty, and to standard output when it is "-". Throws
+  /// std::runtime_error, one sentence, when the file cannot be written.
   explicit FrameLog(const std::string& file);
 
   enum class Sender { controller, robot };

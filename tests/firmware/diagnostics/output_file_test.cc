@@ -103,5 +103,25 @@ TEST(OutputFile, AMissingFolderIsNamedBeforeAndAfter) {
   EXPECT_EQ(written.error(), "No such file or directory");
 }
 
+TEST(OutputFile, AFileAsFolderIsNamedBeforeAndAfter) {
+  const tests::OwnFolder folder;
+  std::ofstream(folder.file("walk.mcap")) << "record";
+  const std::string file = folder.file("walk.mcap/robot.json");
+  EXPECT_EQ(why_not_writable(file), "Not a directory");
+  const auto written = write_file(file, "text");
+  ASSERT_FALSE(written);
+  EXPECT_EQ(written.error(), "Not a directory");
+}
+
+TEST(OutputFile, TheLongestNameOfTheSystemIsWrittenAndALongerOneIsNamedBefore) {
+  const tests::OwnFolder folder;
+  const std::string longest = folder.file(std::string(255, 'a'));
+  EXPECT_EQ(why_not_writable(longest), "");
+  ASSERT_TRUE(write_file(longest, "text"));
+  EXPECT_EQ(content(longest), "text");
+  EXPECT_EQ(files_in(folder), 1);
+  EXPECT_EQ(why_not_writable(longest + "a"), "File name too long");
+}
+
 }  // namespace
 }  // namespace stilt::diagnostics

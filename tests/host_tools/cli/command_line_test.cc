@@ -218,14 +218,6 @@ TEST_F(CommandLine, AFileThatWasWrittenIsNamed) {
   }
 }
 
-TEST_F(CommandLine, ARecordStaysWhereTheNetworkIsRefused) {
-  std::ofstream(file("walk.mcap")) << "an earlier record";
-  const Outcome outcome = run("record --out " + file("walk.mcap") + " --interface etth0");
-  EXPECT_EQ(outcome.status, 2);
-  EXPECT_EQ(std::count(outcome.errors.begin(), outcome.errors.end(), '\n'), 1) << outcome.errors;
-  EXPECT_EQ(text_of(file("walk.mcap")), "an earlier record");
-}
-
 TEST_F(CommandLine, APageOfAReplayHasNoResults) {
   const Outcome outcome = run("replay walk.mcap --monitor --json -");
   EXPECT_EQ(outcome.status, 2);

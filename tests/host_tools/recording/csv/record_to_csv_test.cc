@@ -58,6 +58,37 @@ TEST_F(RecordToCsv, TicksAreRowsAsInABlackBox) {
   }
 }
 
+TEST_F(RecordToCsv, TimesOfARecordThatBeganLateCountFromTickZero) {
+  const std::int64_t start_ns = record::sample_tick(0).time_ns;
+  record.set_bytes({});
+  {
+    Recorder recorder(record.path(), {});
+    recorder.take(record::ticks_sample(7, 2600, 20), 1);
+    recorder.take(record::configuration_sample(7, "", telemetry::kWireVersion, "amber3m", start_ns), 2);
+    recorder.take(record::ticks_sample(8, 300, 20), 3);  // without configuration
+  }
+  static_cast<void>(record_to_csv(record.path(), folder.string()));
+  EXPECT_EQ(lines_of(folder / "ticks.csv").at(1).find("2600,2.6,"), 0u);
+  EXPECT_EQ(lines_of(folder / "ticks_2.csv").at(1).find("300,0,"), 0u);
+  const std::string file = own.file("ticks.csv");
+  static_cast<void>(ticks_to_csv(record.path(), file));
+  EXPECT_EQ(lines_of(file).at(1).find("2600,2.6,"), 0u);
+}
+
+TEST_F(RecordToCsv, AFolderWithTablesIsRefusedAndStaysAsItIs) {
+  std::filesystem::create_directory(folder);
+  std::ofstream(folder / "notes.txt") << "walked well";
+  EXPECT_NO_THROW(static_cast<void>(record_to_csv(record.path(), folder.string())));
+  std::ofstream(folder / "ticks_2.csv") << "of another record";
+  try {
+    static_cast<void>(record_to_csv(record.path(), folder.string()));
+    ADD_FAILURE() << "accepted";
+  } catch (const std::runtime_error& error) {
+    EXPECT_EQ(std::string(error.what()).find(folder.string() + ": has tables already, such as "), 0u);
+  }
+  EXPECT_EQ(lines_of(folder / "ticks_2.csv"), std::vector<std::string>{"of another record"});
+}
+
 TEST_F(RecordToCsv, OtherTopicsAreTablesWithTheFieldsOfTheirMessages) {
   static_cast<void>(record_to_csv(record.path(), folder.string()));
   const std::vector<std::string> lines = lines_of(folder / "stilt_event.csv");
@@ -84,6 +115,7 @@ TEST_F(RecordToCsv, ARecordThatWasCutOffIsWrittenAsFarAsItGoesAndThatIsReported)
 }
 
 TEST_F(RecordToCsv, TopicsThatCannotBeDecodedAreNamedAndTheOthersWritten) {
+  record.set_bytes({});
   {
     mcap::Writer writer(record.path());
     const auto add = [&](const std::string& topic, const std::string& definition, const std::string& encoding,
@@ -123,6 +155,7 @@ TEST_F(RecordToCsv, TopicsThatCannotBeDecodedAreNamedAndTheOthersWritten) {
 }
 
 TEST_F(RecordToCsv, ARecordWithoutTicksIsRefusedAndLeavesTheFileAsItIs) {
+  record.set_bytes({});
   {
     Recorder recorder(record.path(), {});
     recorder.take(record::event_sample(7, "none"), 1);
@@ -144,6 +177,7 @@ TEST_F(RecordToCsv, RefusesPlacesThatCannotBeWritten) {
 }
 
 TEST_F(RecordToCsv, ARecordOfRelease01IsRefusedAndLeavesNoFile) {
+  record.set_bytes({});
   record::write_record_of_0_1(record.path());
   EXPECT_THROW(static_cast<void>(record_to_csv(record.path(), folder.string())), std::runtime_error);
   EXPECT_FALSE(std::filesystem::exists(folder));

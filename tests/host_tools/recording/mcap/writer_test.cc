@@ -181,12 +181,49 @@ TEST(Writer, AFileThatCannotBeMadeIsRefusedByName) {
   }
 }
 
+std::string refusal_of(const std::string& path) {
+  try {
+    const Writer writer(path);
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Writer, AnEarlierRecordIsRefusedAndStaysAsItIs) {
+  const TemporaryFile file("earlier");
+  const std::string exists = file.path() + ": exists; name another file or remove it";
+  file.set_bytes({});
+  EXPECT_EQ(refusal_of(file.path()), "") << "an empty file is no record";
+  const Bytes earlier = file.bytes();
+  EXPECT_FALSE(earlier.empty());
+  EXPECT_EQ(refusal_of(file.path()), exists);
+  EXPECT_EQ(file.bytes(), earlier);
+  EXPECT_THROW(OutputFile::require_new(file.path()), std::runtime_error);
+}
+
+TEST(Writer, AFileHasOneWriter) {
+  const TemporaryFile file("shared");
+  const OutputFile first(file.path());
+  EXPECT_NO_THROW(OutputFile::require_new(file.path())) << "it has no content yet";
+  EXPECT_EQ(refusal_of(file.path()), file.path() + ": exists; name another file or remove it");
+  EXPECT_TRUE(file.bytes().empty());
+}
+
+TEST(Writer, ADeviceIsWrittenToAsItIs) {
+  const OutputFile first("/dev/null"), second("/dev/null");
+  EXPECT_NO_THROW(OutputFile::require_new("/dev/null"));
+}
+
 TEST(Writer, AFullDiskIsReported) {
   try {
     Writer writer("/dev/full");
     FAIL();
   } catch (const std::runtime_error& error) {
-    EXPECT_NE(std::string(error.what()).find("cannot be written"), std::string::npos);
+    EXPECT_EQ(
+        std::string(error.what()),
+        "/dev/full: cannot be written any further (No space left on device); make room, or name a file on "
+        "another disk");
   }
 }
 

@@ -187,6 +187,7 @@ TEST(ReplayRun, ARobotOfAUrdfIsTheOneThatIsAttached) {
   configuration::Configuration active = recorded_walk().configuration;
   active.hardware.robot = robot;
   for (const bool shipped : {true, false}) {
+    file.set_bytes({});
     {
       const std::string urdf(shipped ? robots::shipped_urdfs().front().text : record::long_urdf());
       record::Recorder recorder(file.path(), {.urdf = [&](const std::string&) { return urdf; }});

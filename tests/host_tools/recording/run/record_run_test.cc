@@ -45,9 +45,9 @@ TEST(RecordRun, TheRunWithMostTicksIsTaken) {
 
 /// A record of a URDF robot, whose file is another one by now or gone.
 TEST(RecordRun, TheRobotIsTheOneThatIsAttached) {
-  const tests::OwnFolder folder;
-  const std::string file = folder.file("walk.mcap");
   for (const bool gone : {true, false}) {
+    const tests::OwnFolder folder;
+    const std::string file = folder.file("walk.mcap");
     const std::string robot = folder.file(gone ? "gone.urdf" : "edited.urdf");
     if (!gone) std::ofstream(robot) << "edited";
     Recorder recorder(file, {.urdf = [](const std::string&) { return long_urdf(); }});
@@ -96,8 +96,8 @@ TEST(RecordRun, AConfigurationOfAnotherReleaseIsReportedAndTheRunIsRead) {
 }
 
 TEST(RecordRun, WithoutTicksOrConfigurationItIsRefused) {
-  const tests::OwnFolder folder;
-  const auto complaint = [&](const telemetry::Sample& sample) {
+  const auto complaint = [](const telemetry::Sample& sample) {
+    const tests::OwnFolder folder;
     const std::string file = folder.file("part.mcap");
     Recorder recorder(file, {});
     recorder.take(sample, 1);
