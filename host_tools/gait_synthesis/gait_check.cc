@@ -6,6 +6,7 @@
 
 #include "host_tools/gait_synthesis/gait_metrics.h"
 #include "host_tools/gait_synthesis/hybrid_step.h"
+#include "host_tools/gait_synthesis/joint_bounds.h"
 #include "host_tools/gait_synthesis/motion_fit.h"
 #include "host_tools/gait_synthesis/return_map.h"
 
@@ -23,6 +24,14 @@ class Verdict {
   void at_most(const std::string& name, double value, double bound) {
     if (!(value <= bound)) violations_.push_back({name, value, Violation::Bound::at_most, bound});
   }
+  /// Of several joints the one with the least room below its bound.
+  void each_at_most(const std::string& name, const double* values, const double* bounds) {
+    int worst = 0;
+    for (int j = 1; j < kJoints; ++j) {
+      if (bounds[j] - values[j] < bounds[worst] - values[worst]) worst = j;
+    }
+    at_most(name, values[worst], bounds[worst]);
+  }
   void at_least(const std::string& name, double value, double bound) {
     if (!(value >= bound)) violations_.push_back({name, value, Violation::Bound::at_least, bound});
   }
@@ -35,13 +44,14 @@ class Verdict {
   std::vector<Violation> violations_;
 };
 
-void check_limits(const GaitMetrics& f, const gait_files::GaitLimits& limits, Verdict& verdict) {
-  const auto largest = [](const double* values) { return *std::max_element(values, values + kJoints); };
-  verdict.at_most("torque_Nm", largest(f.peak_torque_Nm), limits.torque_Nm);
+void check_limits(const model::RobotConstants& robot, const GaitMetrics& f,
+                  const gait_files::GaitLimits& limits, Verdict& verdict) {
+  const JointBounds bounds = joint_bounds(robot, limits);
+  verdict.each_at_most("torque_Nm", f.peak_torque_Nm, bounds.torque_Nm);
   verdict.at_least("joint_position_margin_rad", f.joint_position_margin_rad,
                    limits.joint_position_margin_rad);
   verdict.at_least("knee_min_rad", f.knee_min_rad, limits.knee_min_rad);
-  verdict.at_most("joint_speed_rad_s", largest(f.peak_joint_speed_rad_s), limits.joint_speed_rad_s);
+  verdict.each_at_most("joint_speed_rad_s", f.peak_joint_speed_rad_s, bounds.speed_rad_s);
   verdict.at_most("pitch_rad", f.pitch_max_rad, limits.pitch_rad);
   verdict.at_most("friction_ratio", f.friction_ratio_max, limits.friction_ratio);
   verdict.at_least("normal_force_min_N", f.normal_force_min_N, limits.normal_force_min_N);
@@ -124,7 +134,7 @@ GaitCheck check_gait(const model::RobotModel& robot, const gait_files::GaitRecor
   verdict.at_most("replay", f.replay_error_max, tolerances.replay);
   verdict.at_most("speed", std::abs(gait.speed_m_s - gait.step_length_m / gait.step_time_s),
                   tolerances.speed_m_s);
-  check_limits(f, record.limits, verdict);
+  check_limits(robot.constants, f, record.limits, verdict);
   if (record.claims) check_claims(f, *record.claims, tolerances, verdict);
   check.violations = verdict.violations();
   return check;

@@ -43,9 +43,10 @@ struct GaitCheck {
 };
 
 /// Computes the metrics of a gait from outputs, feedback, states and inputs, and compares them with limits,
-/// tolerances and claims. Names of violations: those of the limits; "defect", "periodicity", "outputs",
-/// "torque_curve", "replay", "speed" (its difference from step length / step time). "swing_height" is for a
-/// swing foot below the ground; "return_map", also when a disturbed step falls; "claim KEY".
+/// tolerances and claims. Torques and joint speeds also keep to the robot's own limits. Names of violations:
+/// those of the limits; "defect", "periodicity", "outputs", "torque_curve", "replay", "speed" (its difference
+/// from step length / step time). "swing_height" is for a swing foot below the ground; "return_map", also
+/// when a disturbed step falls; "claim KEY".
 [[nodiscard]] GaitCheck check_gait(const model::RobotModel& robot, const gait_files::GaitRecord& record,
                                    const CheckTolerances& tolerances = {});
 

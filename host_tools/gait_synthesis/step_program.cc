@@ -32,6 +32,7 @@ double least_height(double s, double clearance_m) {
 StepProgram::StepProgram(const model::RobotModel& robot, const StepTask& task)
     : task_(task),
       constants_(robot.constants),
+      joint_bounds_(joint_bounds(robot.constants, task.limits)),
       basis_(lobatto_basis(task.element_degree)),
       node_(robot, kShare * task.limits.friction_ratio, task.cost),
       impact_(robot, kShare * task.limits.impulse_ratio, kShare * task.limits.return_map,
@@ -69,8 +70,8 @@ StepProgram::Bounds StepProgram::variable_bounds() const {
       bounds.lower[at + kFirstJoint + j] = constants_.position_min_rad[j] + room;
       if (j % 2 == 1) bounds.lower[at + kFirstJoint + j] = std::max(room, limits.knee_min_rad / kShare);
       bounds.upper[at + kFirstJoint + j] = constants_.position_max_rad[j] - room;
-      bounds.lower[at + kVelocityAt + kFirstJoint + j] = -kShare * limits.joint_speed_rad_s;
-      bounds.upper[at + kVelocityAt + kFirstJoint + j] = kShare * limits.joint_speed_rad_s;
+      bounds.lower[at + kVelocityAt + kFirstJoint + j] = -kShare * joint_bounds_.speed_rad_s[j];
+      bounds.upper[at + kVelocityAt + kFirstJoint + j] = kShare * joint_bounds_.speed_rad_s[j];
     }
     bounds.lower[at + kForceAt + 1] = limits.normal_force_min_N / kShare;
   }
@@ -89,7 +90,8 @@ void StepProgram::bound_node(int k, Bounds& bounds) const {
   for (int r = 0; r < 3; ++r) set(kDynamicsRow + r, 0.0, 0.0);
   for (int r = 0; r < 2; ++r) set(kStanceAccelerationRow + r, 0.0, 0.0);
   for (int j = 0; j < kJoints; ++j) {
-    set(kTorqueRow + j, -kShare * limits.torque_Nm, kShare * limits.torque_Nm);
+    const double torque_Nm = kShare * joint_bounds_.torque_Nm[j];
+    set(kTorqueRow + j, -torque_Nm, torque_Nm);
   }
   for (int side = 0; side < 2; ++side) set(kConeRow + side, 0.0, kFree);
   if (first) {

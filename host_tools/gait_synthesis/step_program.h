@@ -1,6 +1,7 @@
 #pragma once
 
 #include "firmware/configuration/gaits/gait_limits.h"
+#include "host_tools/gait_synthesis/joint_bounds.h"
 #include "host_tools/gait_synthesis/lobatto.h"
 #include "host_tools/gait_synthesis/nonlinear_program/nonlinear_program.h"
 #include "host_tools/gait_synthesis/step_node.h"
@@ -35,7 +36,7 @@ struct StepTask {
 ///                period: the posture after the exchange of the legs and the rates after the impact map equal
 ///                those at the start, so that the outputs are hybrid invariant; the base has moved
 ///                one step length;
-///                limits: those of GaitLimits.
+///                limits: those of GaitLimits, torques and joint speeds also those of the robot.
 // clang-format on
 class StepProgram final : public nonlinear_program::NonlinearProgram {
  public:
@@ -109,6 +110,7 @@ class StepProgram final : public nonlinear_program::NonlinearProgram {
 
   StepTask task_;
   model::RobotConstants constants_;
+  JointBounds joint_bounds_;
   LobattoBasis basis_;  ///< of one element
   StepNode node_;
   StepImpact impact_;

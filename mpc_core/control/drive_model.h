@@ -7,8 +7,9 @@
 
 namespace stilt::control {
 
-/// The controller's model of the joint drives: values of the URDF, scaled and completed by the configuration.
-/// Joints in the order hip_L, knee_L, hip_R, knee_R. Real-time safe.
+/// The controller's model of the joint drives. Armature and torque limit are the URDF's, scaled by the
+/// configuration. Friction and damping are the configuration's, in place of the URDF's. Joints in the order
+/// hip_L, knee_L, hip_R, knee_R. Real-time safe.
 struct DriveModel {
   double joint_parameters[2 * model::kJoints];  ///< armature (4) kg m^2, damping (4) Nm s/rad
   double coulomb_friction_Nm[model::kJoints];

@@ -55,6 +55,45 @@ TEST(Synthesis, KeepsToNarrowerLimitsAtAHigherCost) {
   EXPECT_GT(check.metrics.torque_squared_per_m, walking_record().claims->torque_squared_per_m);
 }
 
+/// AMBER-3M with other drives of one knee; both knees stand and swing in turn.
+model::RobotModel with_knee_L(double torque_Nm, double speed_rad_s) {
+  model::RobotModel robot = testing_support::amber3m();
+  robot.constants.torque_limit_Nm[1] = torque_Nm;
+  robot.constants.velocity_limit_rad_s[1] = speed_rad_s;
+  return robot;
+}
+
+TEST(Synthesis, KeepsToTheRobotsOwnLimits) {
+  const gait_files::GaitMetrics& usual = *walking_record().claims;
+  const auto largest = [](double stance, double swing) { return std::max(stance, swing); };
+  const double torque_Nm = 0.9 * largest(usual.peak_torque_Nm[1], usual.peak_torque_Nm[3]);
+  const double speed_rad_s = 0.95 * largest(usual.peak_joint_speed_rad_s[1], usual.peak_joint_speed_rad_s[3]);
+  const model::RobotModel weak = with_knee_L(torque_Nm, speed_rad_s);
+  const GaitRecord record = make_record(weak, task_at(0.5), synthesize(weak, task_at(0.5)));
+  EXPECT_TRUE(check_gait(weak, record).valid()) << joined(check_gait(weak, record).violations);
+  for (const int knee : {1, 3}) {
+    EXPECT_LE(record.claims->peak_torque_Nm[knee], torque_Nm);
+    EXPECT_LE(record.claims->peak_joint_speed_rad_s[knee], speed_rad_s);
+  }
+}
+
+TEST(Check, AGaitKeepsToTheRobotsOwnLimitsToo) {
+  const gait_files::GaitMetrics& usual = *walking_record().claims;
+  const auto found_with = [](double torque_Nm, double speed_rad_s) {
+    return check_gait(with_knee_L(torque_Nm, speed_rad_s), walking_record()).violations;
+  };
+  EXPECT_TRUE(found_with(80.0, 10.0).empty());
+  const std::vector<Violation> weak = found_with(5.0, 10.0);
+  ASSERT_EQ(weak.size(), 1u) << joined(weak);
+  EXPECT_EQ(weak[0].name, "torque_Nm");
+  EXPECT_EQ(weak[0].bound, 5.0);
+  EXPECT_NEAR(weak[0].value, std::max(usual.peak_torque_Nm[1], usual.peak_torque_Nm[3]), 1e-9);
+  const std::vector<Violation> slow = found_with(80.0, 1.0);
+  ASSERT_EQ(slow.size(), 1u) << joined(slow);
+  EXPECT_EQ(slow[0].name, "joint_speed_rad_s");
+  EXPECT_EQ(slow[0].bound, 1.0);
+}
+
 TEST(Synthesis, SaysSoWhenThereIsNoGait) {
   StepTask task = task_at(0.5);
   task.limits.torque_Nm = 5.0;
