@@ -86,6 +86,12 @@ std::string bring_up_text(const hal::BringUpProgress& progress) {
   if (progress.failure == hal::bring_up::Failure::slow_reply) {
     text += ": after " + with_unit(1e3 * progress.reply_lag_s, "ms") + ", see hardware.longest_reply_lag_s";
   }
+  if (progress.failure == hal::bring_up::Failure::void_offsets) {
+    text +=
+        ": it was silent or has started again, so its power or its cable was lost, and it counts from "
+        "power-up; end stiltd, let the legs hang, and start it anew after `stiltd selftest --hanging` or "
+        "`stiltd calibrate`";
+  }
   if (progress.setting != hal::bring_up::Setting::none) {
     const bool of_configuration = progress.failure == hal::bring_up::Failure::no_watchdog;
     text += "; ";

@@ -9,7 +9,7 @@ namespace stilt::supervisor {
 
 enum class State : std::uint8_t {
   boot,       ///< the emergency stop has not reported yet; nothing is sent
-  idle,       ///< drivers are left alone
+  idle,       ///< drivers are left alone, or kept off once they were up
   calibrate,  ///< drivers are brought up
   ready,      ///< drivers are enabled; the joints are damped
   stand,      ///< the torque law is blended in along a ramp, then stands

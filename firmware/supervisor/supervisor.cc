@@ -31,9 +31,6 @@ constexpr FaultSet kUnsettled = [] {
   return set;
 }();
 
-/// A bus may withhold the frames of a tick: drivers are switched off in several.
-constexpr double kSwitchingOff_s = 0.01;
-
 /// The state in which a request is met.
 State goal(RequestKind kind) noexcept {
   switch (kind) {
@@ -266,7 +263,7 @@ void Supervisor::enter(State state, const SupervisorInputs& inputs) noexcept {
   }
   if (drives(state) && !drives(before)) driven_ns_ = now_ns_;
   if (state == State::idle) {
-    was_up_ = drivers_are_ != DriversAre::left_alone;
+    was_up_ = was_up_ || drivers_are_ != DriversAre::left_alone;
     drivers_are_ = DriversAre::left_alone;
   }
   if (state == State::calibrate) drivers_are_ = DriversAre::being_brought_up;
@@ -354,10 +351,9 @@ hal::JointCommands Supervisor::commands_of_level(const hal::JointCommands& wante
 }
 
 Action Supervisor::bound(const hal::JointCommands& wanted, hal::JointCommands& commands) noexcept {
-  const bool after_reset = output_.state == State::idle && was_up_ && since_s(entered_ns_) < kSwitchingOff_s;
-  if (after_reset) return Action::disable;
-  if (!drives(output_.state) && output_.state != State::off) return Action::silent;
-  if (output_.state == State::fault && drivers_are_ == DriversAre::left_alone) return Action::silent;
+  if (output_.state == State::boot || output_.state == State::calibrate) return Action::silent;
+  const bool alone = drivers_are_ == DriversAre::left_alone && output_.state != State::off;
+  if (alone) return was_up_ ? Action::disable : Action::silent;
   if (output_.level == FallbackLevel::off) return Action::disable;
   commands = commands_of_level(wanted);
   if (!finite(commands)) {

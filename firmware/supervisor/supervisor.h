@@ -119,7 +119,9 @@ class Supervisor {
   Pose stand_pose_rad_{};            ///< pose_rad_ when the torque law became active
   hal::JointCommands followed_{};    ///< newest of plan or gait
   DriversAre drivers_are_ = DriversAre::left_alone;
-  bool was_up_ = false;  ///< drivers_are_ before the newest idle: they are to be disabled
+  /// They were not left alone before an idle. Since then they are kept off by a frame in each tick, whose
+  /// answers show that they have their power.
+  bool was_up_ = false;
   bool started_ = false;
   bool resetting_ = false;
   bool command_not_finite_ = false;

@@ -32,6 +32,7 @@ void take_position(double position_rad, DriverReading& reading) noexcept {
 /// A driver that starts has lost its command, and maybe its zero.
 DecodeStatus take_frame(const AkDriver& driver, const CanFrame& frame, DriverReading& reading) noexcept {
   if (is_start(driver, frame)) {
+    reading.has_started = true;
     reading.set_state(DriverState::idle, DriverFault::none, 0);
     return DecodeStatus::ok;
   }

@@ -37,6 +37,8 @@ namespace stilt::hal::ak {
 [[nodiscard]] constexpr double report_rate_hz(const AkDriver& driver) noexcept {
   return driver.status_rate_hz;
 }
+/// Whether it keeps the turns of its rotor without power differs by model.
+[[nodiscard]] constexpr bool counts_from_power_up(const AkDriver&) noexcept { return true; }
 [[nodiscard]] constexpr std::uint32_t address(const AkDriver& driver) noexcept { return driver.id; }
 [[nodiscard]] constexpr std::optional<ReplyId> reply_id(const AkDriver&) noexcept { return std::nullopt; }
 [[nodiscard]] inline AkBringUp make_bring_up(const AkDriver& driver,

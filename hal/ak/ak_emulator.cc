@@ -49,6 +49,7 @@ void AkEmulator::power_cycle() noexcept {
   disabled_ = confirms_disable_ = false;
   starts_ = true;
   set_zero_rad(kept_zero_rad_);
+  if (!behaviour_.keeps_turns) lose_turns(2 * std::numbers::pi / driver_.gear_ratio);
 }
 
 void AkEmulator::take_origin(const CanFrame& frame) noexcept {

@@ -29,6 +29,7 @@ struct AkBehaviour {
   bool long_position_frame = false;  ///< 8 bytes
   bool sends_start = true;
   bool keeps_fault = false;         ///< until power is gone; otherwise it ends by itself
+  bool keeps_turns = false;         ///< of its rotor, without power
   bool current_of_driving = false;  ///< its sign is that of driving (+) and braking (-), not of the torque
   std::int64_t fault_ns = 500'000'000;  ///< after which a fault ends
   double clock_error = 2e-4;            ///< its period is longer by this share

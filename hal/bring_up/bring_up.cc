@@ -73,6 +73,8 @@ const char* name(Failure failure) noexcept {
       return "a setting of the driver is wrong";
     case Failure::slow_reply:
       return "replies come too late";
+    case Failure::void_offsets:
+      return "its offset is void";
   }
   return "unknown";
 }

@@ -43,6 +43,7 @@ enum class Failure : std::uint8_t {
   driver_fault,    ///< see StepResult::driver_fault
   wrong_setting,   ///< see StepResult::setting
   slow_reply,      ///< see StepResult::reply_lag_ns
+  void_offsets,    ///< it was up, may have lost its power since, and its position counts from power-up
 };
 [[nodiscard]] const char* name(Failure failure) noexcept;
 

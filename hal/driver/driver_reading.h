@@ -31,11 +31,12 @@ struct DriverReading {
 
   /// Of the newest frame alone.
   bool has_motion = false;                       ///< position and velocity are new
+  bool has_started = false;                      ///< the driver reports that it had no power
   double encoder_position_rad = kNotReported;    ///< of an extra encoder
   double encoder_velocity_rad_s = kNotReported;  ///< of an extra encoder
 
   void begin_frame() noexcept {
-    has_motion = false;
+    has_motion = has_started = false;
     encoder_position_rad = encoder_velocity_rad_s = kNotReported;
   }
   /// A fault outweighs the state that the driver reports.

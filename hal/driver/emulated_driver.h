@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -49,7 +50,8 @@ class EmulatedDriver {
   virtual void set_encoder(std::size_t, double, double) noexcept {}
   /// Raises a fault: the motor coasts and the driver reports it in its own way.
   virtual void raise(DriverFault fault) noexcept = 0;
-  /// As after a loss of power: everything configured at run time is gone, motor off.
+  /// As after a loss of power: everything configured at run time is gone, motor off. What the driver counts
+  /// from power-up begins anew.
   virtual void power_cycle() noexcept = 0;
 
   /// The encoder goes on reporting what it reports now, whatever the motor does.
@@ -76,6 +78,8 @@ class EmulatedDriver {
   void count_from(double position_rad) noexcept {
     zero_rad_ = (frozen_ ? frozen_motor_ : motor).position_rad - position_rad;
   }
+  /// Of the turns of its rotor, each so large at the shaft, it counts none but the nearest to its zero.
+  void lose_turns(double turn_rad) noexcept { count_from(std::remainder(sensed().position_rad, turn_rad)); }
   [[nodiscard]] double zero_rad() const noexcept { return zero_rad_; }
   void set_zero_rad(double zero_rad) noexcept { zero_rad_ = zero_rad; }
 

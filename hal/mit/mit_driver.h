@@ -27,6 +27,10 @@ namespace stilt::hal::mit {
 [[nodiscard]] constexpr bool has_own_gains(const MitDriver&) noexcept { return true; }
 [[nodiscard]] constexpr int extra_encoder(const MitDriver&) noexcept { return -1; }
 [[nodiscard]] constexpr double report_rate_hz(const MitDriver&) noexcept { return 0; }
+/// The others count turns of the rotor; a Damiao has an encoder at its output.
+[[nodiscard]] constexpr bool counts_from_power_up(const MitDriver& driver) noexcept {
+  return driver.layout != ReplyLayout::damiao;
+}
 [[nodiscard]] constexpr std::uint32_t address(const MitDriver& driver) noexcept { return driver.command_id; }
 [[nodiscard]] constexpr std::optional<ReplyId> reply_id(const MitDriver& driver) noexcept {
   return ReplyId{{driver.reply_id, false}, sender_mask(driver), driver.driver_id};

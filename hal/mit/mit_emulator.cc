@@ -68,6 +68,7 @@ void MitEmulator::power_cycle() noexcept {
   fault_code_ = 0;
   timeout_units_ = 0;
   command_ = {};
+  if (driver_.layout != ReplyLayout::damiao) lose_turns(behaviour_.rotor_turn_rad);
 }
 
 void MitEmulator::raise(DriverFault fault) noexcept {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <numbers>
+
 #include "hal/driver/emulated_driver.h"
 #include "hal/mit/damiao_registers.h"
 #include "hal/mit/mit_mode.h"
@@ -33,6 +35,7 @@ struct MitBehaviour {
   /// Mini-cheetah: CAN_TIMEOUT, 1,000 loops of 25 us, after which it follows a command of zeros; 0: the
   /// firmware before 2021 has none.
   std::int64_t command_timeout_ns = 25'025'000;
+  double rotor_turn_rad = 2 * std::numbers::pi / 9;  ///< of the shaft, as of an AK80-9; not of a Damiao
 };
 
 /// A driver in MIT mode. With the Damiao layout it has registers and a timeout (off until written) after

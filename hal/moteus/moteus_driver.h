@@ -33,6 +33,8 @@ namespace stilt::hal::moteus {
   return driver.extra_encoder;
 }
 [[nodiscard]] constexpr double report_rate_hz(const MoteusDriver&) noexcept { return 0; }
+/// Bring-up reads what its position is referenced to.
+[[nodiscard]] constexpr bool counts_from_power_up(const MoteusDriver&) noexcept { return false; }
 [[nodiscard]] constexpr std::uint32_t address(const MoteusDriver& driver) noexcept { return driver.id; }
 [[nodiscard]] constexpr std::optional<ReplyId> reply_id(const MoteusDriver& driver) noexcept {
   const std::uint32_t id = static_cast<std::uint32_t>(driver.id) << 8 | driver.source;

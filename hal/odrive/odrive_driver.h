@@ -30,6 +30,7 @@ inline constexpr double kOdriveEstimates_hz = 1000;  ///< encoder_msg_rate_ms = 
 [[nodiscard]] constexpr int extra_encoder(const OdriveDriver&) noexcept { return -1; }
 /// Of its estimates, by its own clock: bring-up requires that rate.
 [[nodiscard]] constexpr double report_rate_hz(const OdriveDriver&) noexcept { return kOdriveEstimates_hz; }
+[[nodiscard]] constexpr bool counts_from_power_up(const OdriveDriver&) noexcept { return true; }
 [[nodiscard]] constexpr std::uint32_t address(const OdriveDriver& driver) noexcept { return driver.node; }
 [[nodiscard]] constexpr std::optional<ReplyId> reply_id(const OdriveDriver&) noexcept { return std::nullopt; }
 [[nodiscard]] inline OdriveBringUp make_bring_up(const OdriveDriver& driver,

@@ -102,6 +102,7 @@ void OdriveEmulator::power_cycle() noexcept {
   watchdog_enabled_ = false;
   watchdog_s_ = 0;
   control_mode_ = kPositionControl;
+  count_from(0);
 }
 
 void OdriveEmulator::answer_request(OdriveCommand what, FrameSink& replies) const noexcept {

@@ -1,5 +1,6 @@
 #include "hal/robot/can_drivers.h"
 
+#include <algorithm>
 #include <optional>
 
 namespace stilt::hal {
@@ -12,6 +13,19 @@ JointBringUp make(const JointDriver& driver, const bring_up::Options& options) n
   return visit_driver(driver, [&](const auto& any) -> JointBringUp { return make_bring_up(any, options); });
 }
 
+/// As long as damps the joints by default. No driver is known to restart sooner.
+constexpr unsigned kMayHaveRestarted_reads = 10;
+
+/// An absolute encoder whose one turn fits the joint's travel is referenced by that at each bring-up.
+bool loses_zero(const JointDriver& driver, const bring_up::Options& options) noexcept {
+  return options.encoder_period_rad == 0 &&
+         visit_driver(driver, [](const auto& any) { return counts_from_power_up(any); });
+}
+
+bool reports_by_itself(const JointDriver& driver) noexcept {
+  return visit_driver(driver, [](const auto& any) { return report_rate_hz(any); }) > 0;
+}
+
 }  // namespace
 
 CanDrivers::CanDrivers(const RobotWiring& wiring, const BringUpOptions& options, std::span<TapBus> taps,
@@ -20,7 +34,10 @@ CanDrivers::CanDrivers(const RobotWiring& wiring, const BringUpOptions& options,
       taps_(taps),
       robot_(robot),
       bring_up_{make(wiring.joints[0].driver, options[0]), make(wiring.joints[1].driver, options[1]),
-                make(wiring.joints[2].driver, options[2]), make(wiring.joints[3].driver, options[3])} {}
+                make(wiring.joints[2].driver, options[2]), make(wiring.joints[3].driver, options[3])} {
+  for (std::size_t joint = 0; joint < kJoints; ++joint)
+    loses_zero_[joint] = loses_zero(wiring.joints[joint].driver, options[joint]);
+}
 
 bring_up::BringUp& CanDrivers::of(std::size_t joint) noexcept {
   return visit_driver(bring_up_[joint], [](auto& any) -> bring_up::BringUp& { return any; });
@@ -48,11 +65,27 @@ bool CanDrivers::must_wait(std::size_t joint) noexcept {
   return false;
 }
 
+/// Between its steps bring-up asks one driver at a time, and feeds those that are ready.
+bool CanDrivers::answers(std::size_t joint) noexcept {
+  return !stepped_ || reports_by_itself(wiring_.joints[joint].driver) || of(joint).stage() == Stage::ready;
+}
+
+void CanDrivers::watch(const JointReadings& readings) noexcept {
+  for (std::size_t joint = 0; joint < kJoints; ++joint) {
+    const bool missed = readings[joint].missed_replies > 0 && answers(joint);
+    silent_reads_[joint] = missed ? silent_reads_[joint] + 1 : 0;
+    const bool restarted = robot_.has_started(joint) || silent_reads_[joint] >= kMayHaveRestarted_reads;
+    if (restarted && was_up_[joint] && loses_zero_[joint]) offset_is_void_[joint] = true;
+  }
+  stepped_ = false;
+}
+
 void CanDrivers::step_joint(std::int64_t now_ns, std::size_t joint, BringUpProgress& progress) noexcept {
   TapBus& tap = taps_[wiring_.joints[joint].bus];
   const bring_up::StepResult result = of(joint).step(now_ns, tap.kept());
   if (result.send) static_cast<void>(tap.send(std::span(&result.frame, 1)));
   if (result.stage == Stage::ready) {
+    was_up_[joint] = true;
     robot_.set_turn_offset(joint, result.turn_offset_rad);
     return;
   }
@@ -70,6 +103,15 @@ void CanDrivers::step_joint(std::int64_t now_ns, std::size_t joint, BringUpProgr
 
 BringUpProgress CanDrivers::step(std::int64_t now_ns) noexcept {
   BringUpProgress progress;
+  stepped_ = true;
+  const auto* const is_void = std::ranges::find(offset_is_void_, true);
+  if (is_void != offset_is_void_.end()) {
+    progress.failed = true;
+    progress.joint = static_cast<std::size_t>(is_void - offset_is_void_.begin());
+    progress.stage = Stage::failed;
+    progress.failure = bring_up::Failure::void_offsets;
+    return progress;
+  }
   progress.stage = Stage::ready;
   progress.ready = true;
   if (beginning_) {

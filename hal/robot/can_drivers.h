@@ -32,6 +32,10 @@ class CanDrivers final {
   /// One step, once per tick, after the buses were read and instead of a command.
   [[nodiscard]] BringUpProgress step(std::int64_t now_ns) noexcept;
 
+  /// Once per read, with what it gave. Silence while an answer was due may be a loss of power, or of a cable.
+  /// A driver that was up before and counts from power-up may have lost its zero: every later step fails.
+  void watch(const JointReadings& readings) noexcept;
+
   /// False: the angle of a joint that is up may be wrong by whole turns of its driver's encoder.
   [[nodiscard]] bool turn_known(std::size_t joint) const noexcept {
     const auto* moteus = std::get_if<moteus::MoteusBringUp>(&bring_up_[joint]);
@@ -44,6 +48,8 @@ class CanDrivers final {
   void clear_latched_faults() noexcept;
   /// Whether an earlier driver on the same bus is still at work.
   [[nodiscard]] bool must_wait(std::size_t joint) noexcept;
+  /// Whether a driver that has its power sends a new position for every read.
+  [[nodiscard]] bool answers(std::size_t joint) noexcept;
   void step_joint(std::int64_t now_ns, std::size_t joint, BringUpProgress& progress) noexcept;
 
   RobotWiring wiring_;
@@ -52,6 +58,11 @@ class CanDrivers final {
   std::array<JointBringUp, kJoints> bring_up_;
   bool beginning_ = true;
   std::int64_t rest_until_ns_ = 0;
+  bool stepped_ = false;                          ///< since the newest read
+  std::array<bool, kJoints> loses_zero_{};        ///< without power
+  std::array<bool, kJoints> was_up_{};            ///< since the start
+  std::array<unsigned, kJoints> silent_reads_{};  ///< in a row, with an answer due
+  std::array<bool, kJoints> offset_is_void_{};    ///< until the end
 };
 
 }  // namespace stilt::hal

@@ -48,6 +48,7 @@ JointBusStatus CanRobot::bus_status() const noexcept {
 JointBusStatus CanRobot::read(std::int64_t now_ns, JointReadings& readings) noexcept {
   fresh_.fill(false);
   was_idle_.fill(false);
+  started_.fill(false);
   torso_.begin_read();
   bool disconnected = false;
   for (std::size_t bus = 0; bus < bus_count_; ++bus) {
@@ -96,6 +97,7 @@ DecodeStatus CanRobot::take_joint(std::int64_t now_ns, std::size_t joint, const 
       visit_driver(wiring.driver, [&](const auto& driver) { return take_frame(driver, frame, shaft); });
   if (status != DecodeStatus::ok) return status;
   JointReading& reading = readings_[joint];
+  started_[joint] = started_[joint] || shaft.has_started;
   if (shaft.has_motion) set_motion(now_ns, joint);
   if (!std::isnan(shaft.torque_Nm))
     reading.torque_Nm = wiring.direction * wiring.ratio * wiring.torque_factor * shaft.torque_Nm;

@@ -48,6 +48,9 @@ class CanRobot final {
     return encoder_ ? encoder_->trouble() : canopen::EncoderTrouble{};
   }
 
+  /// Whether the joint's driver reported in the newest read that it had no power. Most do not report that.
+  [[nodiscard]] bool has_started(std::size_t joint) const noexcept { return started_[joint]; }
+
   /// Whole encoder periods found at bring-up, at the driver's shaft (StepResult::turn_offset_rad).
   void set_turn_offset(std::size_t joint, double shaft_rad) noexcept { turn_offset_rad_[joint] = shaft_rad; }
 
@@ -77,6 +80,7 @@ class CanRobot final {
   JointReadings readings_;
   std::array<bool, kJoints> fresh_{};
   std::array<bool, kJoints> was_idle_{};               ///< in a frame of this read
+  std::array<bool, kJoints> started_{};                ///< in this read
   std::array<std::uint32_t, kJoints> silent_reads_{};  ///< in a row
   TorsoMeasurement torso_;
   bool pitch_is_channel_ = true;

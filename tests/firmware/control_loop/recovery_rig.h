@@ -78,6 +78,7 @@ class RecoveryRig {
     return control::interpolate(mail_.plans.newest(), loop_.time_s()).mode.count() == 1;
   }
   [[nodiscard]] const hal::JointReadings& readings() const { return readings_; }
+  [[nodiscard]] const hal::BringUpProgress& bring_up() const { return bring_up_; }
   [[nodiscard]] bool all_enabled() {
     bool all = true;
     for (std::size_t i = 0; i < hal::kJoints; ++i) all = all && driver(i).enabled();
@@ -113,6 +114,7 @@ class RecoveryRig {
     wakeup_latency_ns_ = 0;
     hardware_->serve_restore([this](std::size_t number) { buses_[number].set_disconnected(gone_); });
     readings_ = mail_.telemetry.front()->joints;
+    bring_up_ = mail_.telemetry.front()->bring_up;
     mail_.telemetry.pop();
     while (mail_.events.front() != nullptr) mail_.events.pop();
     if (planning && tick_ % 10 == 0 && supervisor::tracks(state())) {
@@ -154,6 +156,14 @@ class RecoveryRig {
     ask(supervisor::RequestKind::calibrate);
     return reach(supervisor::State::ready, 2000);
   }
+  /// A reset is taken, and bring-up refused: offsets are void.
+  [[nodiscard]] bool is_refused() {
+    ask(supervisor::RequestKind::reset);
+    if (!reach(supervisor::State::idle, 600)) return false;
+    ask(supervisor::RequestKind::calibrate);
+    return reach(supervisor::State::calibrate, 10) && reach(supervisor::State::fault, 10) &&
+           bring_up_.failure == hal::bring_up::Failure::void_offsets;
+  }
   [[nodiscard]] bool stand() {
     if (!get_ready()) return false;
     run(80);
@@ -193,6 +203,7 @@ class RecoveryRig {
   std::unique_ptr<gait::GaitLibrary> library_ = std::make_unique<gait::GaitLibrary>();
   OperatorCommand command_;
   hal::JointReadings readings_;
+  hal::BringUpProgress bring_up_;
   bool pressed_ = false;
   bool gone_ = false;
   std::size_t gone_bus_ = 0;

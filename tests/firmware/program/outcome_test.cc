@@ -217,5 +217,20 @@ TEST_F(OutcomeTest, ADriverWhoseRepliesAreLateIsNamedWithTheirLag) {
       << said;
 }
 
+TEST_F(OutcomeTest, ADriverWhoseOffsetMayBeVoidIsNamedWithWhatToDo) {
+  events->push({.kind = Event::Kind::bring_up_failed,
+                .time_s = 1.0,
+                .bring_up = {.joint = 1, .failure = hal::bring_up::Failure::void_offsets}});
+  testing::internal::CaptureStderr();
+  take_events(*events, outcome);
+  const std::string said = testing::internal::GetCapturedStderr();
+  EXPECT_NE(
+      said.find("driver of knee_L cannot be brought up: its offset is void: it was silent or has started "
+                "again, so its power or its cable was lost"),
+      std::string::npos)
+      << said;
+  EXPECT_NE(said.find("`stiltd selftest --hanging`"), std::string::npos) << said;
+}
+
 }  // namespace
 }  // namespace stilt::program

@@ -149,17 +149,25 @@ TEST_F(SupervisorTest, AFaultDuringBringUpDisables) {
   }
 }
 
-TEST_F(SupervisorTest, AfterAResetTheDriversAreLeftAloneAgain) {
+/// Their answers show that they have their power.
+TEST_F(SupervisorTest, DriversThatWereUpAreKeptOffInIdleAndThroughAFaultThere) {
   bring_to_ready();
   inputs_.seen.emergency_stop = hal::EmergencyStopState::pressed;
   tick();
   EXPECT_TRUE(only_damps());
   inputs_.seen.emergency_stop = hal::EmergencyStopState::released;
   request(RequestKind::reset);
-  ASSERT_EQ(run(0.02), State::idle);
-  inputs_.seen.emergency_stop = hal::EmergencyStopState::pressed;
-  EXPECT_EQ(run(0.1), State::fault);
-  EXPECT_EQ(action_, Action::silent);
+  ASSERT_EQ(run(10), State::idle);
+  EXPECT_EQ(action_, Action::disable);
+  for (int times = 0; times < 2; ++times) {
+    inputs_.seen.emergency_stop = hal::EmergencyStopState::pressed;
+    EXPECT_EQ(run(0.1), State::fault);
+    EXPECT_EQ(action_, Action::disable);
+    inputs_.seen.emergency_stop = hal::EmergencyStopState::released;
+    request(RequestKind::reset);
+    EXPECT_EQ(run(0.1), State::idle);
+    EXPECT_EQ(action_, Action::disable);
+  }
 }
 
 TEST_F(SupervisorTest, NothingMovesByItselfAfterAReset) {

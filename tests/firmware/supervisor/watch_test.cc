@@ -271,8 +271,6 @@ TEST_F(SupervisorTest, AResetDampsUntilTheFaultIsOverAndThenDisables) {
     EXPECT_EQ(action_, Action::disable)
         << "idle leaves no driver enabled, though a bus withholds a frame: " << ticks;
   }
-  ASSERT_EQ(run(0.01), State::idle);
-  EXPECT_EQ(action_, Action::silent);
 }
 
 }  // namespace

@@ -156,5 +156,70 @@ TEST(CanDrivers, StartingOverBringsThemUpAgain) {
   EXPECT_TRUE(bench.robot.drivers_[1]->enabled());
 }
 
+/// Reads so many times, with commands.
+void command(Bench& bench, RobotHardware& hardware, int reads) {
+  for (int read = 0; read < reads; ++read) {
+    RobotReadings readings;
+    hardware.read(bench.robot.clock_.now_ns(), readings);
+    static_cast<void>(hardware.write({}));
+    bench.robot.clock_.advance(kTick_ns);
+  }
+}
+
+TEST(CanDrivers, OneThatCountsFromPowerUpIsRefusedAfterSilence) {
+  for (const int silent_reads : {9, 12}) {
+    for (const Kind kind : {Kind::mit, Kind::moteus, Kind::odrive}) {
+      for (const double period_rad : {0.0, 15.0}) {
+        Bench bench(kind);
+        for (bring_up::Options& driver : bench.options) {
+          driver.minimum_angle_rad = -7;
+          driver.maximum_angle_rad = 7;
+          driver.encoder_period_rad = period_rad;
+        }
+        const std::array<FrameBus*, 2> buses{&bench.robot.buses_[0], &bench.robot.buses_[1]};
+        RobotHardware hardware(bench.robot.wiring_, bench.options, buses);
+        ASSERT_TRUE(bench.run(hardware).ready);
+        command(bench, hardware, 50);
+        bench.robot.drivers_[2]->set_powered(false);
+        command(bench, hardware, silent_reads);
+        bench.robot.drivers_[2]->set_powered(true);
+        command(bench, hardware, 50);
+        const BringUpProgress progress = bench.run(hardware);
+        const bool refused = kind == Kind::odrive && period_rad == 0 && silent_reads > 10;
+        EXPECT_EQ(progress.ready, !refused) << name(progress.failure) << " after " << silent_reads;
+        if (!refused) continue;
+        EXPECT_TRUE(progress.failed);
+        EXPECT_EQ(progress.failure, bring_up::Failure::void_offsets);
+        EXPECT_EQ(progress.joint, 2u);
+      }
+    }
+  }
+}
+
+TEST(CanDrivers, OneThatLosesItsPowerWhileOthersComeUpIsRefused) {
+  Bench bench(Kind::odrive);
+  bench.robot.drivers_[1]->set_powered(false);
+  const std::array<FrameBus*, 2> buses{&bench.robot.buses_[0], &bench.robot.buses_[1]};
+  RobotHardware hardware(bench.robot.wiring_, bench.options, buses);
+  hardware.begin_bring_up();
+  BringUpProgress progress;
+  const auto step = [&](int ticks) {
+    for (int tick = 0; tick < ticks && !progress.failed; ++tick) {
+      RobotReadings readings;
+      hardware.read(bench.robot.clock_.now_ns(), readings);
+      progress = hardware.bring_up(bench.robot.clock_.now_ns());
+      bench.robot.clock_.advance(kTick_ns);
+    }
+  };
+  for (int tick = 0; tick < 300 && !bench.robot.drivers_[0]->enabled(); ++tick) step(1);
+  step(20);
+  ASSERT_FALSE(progress.failed);
+  bench.robot.drivers_[0]->set_powered(false);
+  step(15);
+  EXPECT_TRUE(progress.failed);
+  EXPECT_EQ(progress.failure, bring_up::Failure::void_offsets);
+  EXPECT_EQ(progress.joint, 0u);
+}
+
 }  // namespace
 }  // namespace stilt::hal

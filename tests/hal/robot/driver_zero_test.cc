@@ -2,12 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
 #include <optional>
 
 #include "hal/ak/ak_emulator.h"
 #include "hal/mit/mit_emulator.h"
 #include "hal/moteus/moteus_driver.h"
 #include "hal/moteus/moteus_emulator.h"
+#include "hal/robot/emulated_joint.h"
 
 // What a driver keeps of a zero. Every protocol: tests/firmware/commissioning/zero_test.cc
 namespace stilt::hal {
@@ -218,6 +220,38 @@ TEST(DriverZero, OfADriverInMitModeIsGivenOnce) {
   }
   EXPECT_EQ(progress, ZeroProgress::done);
   EXPECT_EQ(given, 1);
+}
+
+/// What an emulated driver reports that gets its power while its shaft is there.
+double after_power_up_rad(const JointDriver& any, double shaft_rad) {
+  return visit_driver(any, [shaft_rad](const auto& driver) {
+    auto emulator = make_emulator(driver);
+    emulator.motor.position_rad = shaft_rad;
+    emulator.power_cycle();
+    CanFrame off;
+    EXPECT_EQ(disable_frame(driver, off), EncodeStatus::ok);
+    FrameSink replies;
+    emulator.take(1'000'000'000, off, replies);
+    emulator.elapse(1'000'000'000, replies);
+    DriverReading reading;
+    for (const CanFrame& reply : replies.frames()) static_cast<void>(take_frame(driver, reply, reading));
+    return reading.position_rad;
+  });
+}
+
+TEST(EmulatedZero, IsLostWithoutPowerAsTheDocumentsSay) {
+  constexpr double kTurn_rad = 2 * std::numbers::pi / 9;  // of a rotor at its shaft
+  mit::MitDriver driver;
+  driver.layout = mit::ReplyLayout::damiao;
+  EXPECT_NEAR(after_power_up_rad(driver, 1), 1, 1e-3);
+  for (const mit::ReplyLayout layout : {mit::ReplyLayout::ak, mit::ReplyLayout::mini_cheetah}) {
+    driver.layout = layout;
+    EXPECT_NEAR(after_power_up_rad(driver, 0.3), 0.3, 1e-3);
+    EXPECT_NEAR(after_power_up_rad(driver, 1), 1 - kTurn_rad, 1e-3);
+  }
+  EXPECT_NEAR(after_power_up_rad(moteus::MoteusDriver{}, 1), 1, 1e-3);
+  EXPECT_NEAR(after_power_up_rad(odrive::OdriveDriver{}, 1), 0, 1e-6);
+  EXPECT_NEAR(after_power_up_rad(ak::AkDriver{}, 1), 1 - kTurn_rad, ak::kAkStatusStep_rad);
 }
 
 }  // namespace
