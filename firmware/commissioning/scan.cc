@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include "firmware/commissioning/formatted.h"
 #include "firmware/configuration/driver_of.h"
 #include "firmware/configuration/protocol_name.h"
 #include "firmware/control_loop/joint_names.h"
@@ -18,8 +19,11 @@ namespace {
 
 constexpr std::int64_t kStep_ns = 1'000'000;
 constexpr int kListenSteps = 200;
-constexpr double kListened_s = kListenSteps * kStep_ns * 1e-9;
 constexpr int kTries = 3;  ///< of a driver of the configuration
+/// More answers than questions, after two rounds: one more may be a report that comes more rarely than once
+/// while listening.
+constexpr int kSurplus = 2;
+constexpr double kTooOften = 1.5;  ///< times the rate of a driver that reports by its own clock
 
 /// How a driver is asked.
 struct Patience {
@@ -36,6 +40,9 @@ struct Candidate {
   ScannedNode node;
   std::optional<hal::SettingReader> settings;
   std::vector<hal::ReadSetting> watchdog_keys;  ///< with the section of the configuration
+  int questions = 0;                            ///< without those that its own reports would answer
+  int answers = 0;                              ///< to those
+  std::set<FrameKey> reports = {};              ///< that came before it was asked
 };
 
 ScannedNode node_of(const hal::JointDriver& driver, configuration::DriverProtocol protocol) {
@@ -65,19 +72,17 @@ class BusScan {
   }
 
   ScannedBus run() {
-    for (int step = 0; step < kListenSteps && !stop_; ++step) take_step(nullptr);
-    listening_ = false;
+    listen();
     sort_unasked();
     const hal::BusCounters before = frames_.counters();
     ask_expected();
-    const hal::BusCounters& after = frames_.counters();
-    result_.acknowledged = after.withheld == before.withheld && after.dropped_full == before.dropped_full &&
-                           frames_.health() < hal::BusHealth::passive;
+    result_.acknowledged = acknowledged_since(before);
     for (Candidate& candidate : expected_) {
       if (candidate.node.found.answered) read_settings(candidate);
     }
     if (wiring_.pitch_encoder) start_encoder();
     if (result_.acknowledged && protocols_.size() == 1) ask_others();
+    if (!result_.acknowledged) result_.bus_errors = 0;
     for (Candidate& candidate : expected_) result_.expected.push_back(finished(candidate));
     return std::move(result_);
   }
@@ -100,26 +105,54 @@ class BusScan {
     expected_.push_back(std::move(candidate));
   }
 
-  static ScannedNode finished(const Candidate& candidate) {
+  ScannedNode finished(const Candidate& candidate) const {
     ScannedNode node = candidate.node;
+    node.several = several(candidate);
+    if (!result_.acknowledged) node.bus_errors = 0;
     node.settings.insert(node.settings.end(), candidate.watchdog_keys.begin(), candidate.watchdog_keys.end());
     if (node.found.version) node.firmware = hal::version_text(candidate.driver, *node.found.version);
     return node;
   }
 
-  void take_step(Candidate* asked) {
-    static_cast<void>(clock_.sleep_until(clock_.now_ns() + kStep_ns));
+  /// What came before counts for no rate: while other buses were scanned, or this program stood still.
+  void listen() {
+    std::int64_t began_ns = 0;
+    do {
+      began_ns = clock_.now_ns();
+      receive([](const hal::CanFrame&) {});
+    } while (clock_.now_ns() - began_ns > kStep_ns && !stop_);
+    for (int step = 0; step < kListenSteps && !stop_; ++step) take_step(nullptr);
+    listened_s_ = static_cast<double>(std::max(clock_.now_ns() - began_ns, kStep_ns)) * 1e-9;
+    listening_ = false;
+  }
+
+  /// Drivers whose answers collide make the controller of the bus passive, too.
+  [[nodiscard]] bool acknowledged_since(const hal::BusCounters& before) const {
+    const hal::BusCounters& after = frames_.counters();
+    const bool stuck = after.withheld != before.withheld || after.dropped_full != before.dropped_full ||
+                       frames_.health() >= hal::BusHealth::passive;
+    return !stuck || std::ranges::any_of(
+                         expected_, [](const Candidate& candidate) { return candidate.node.found.answered; });
+  }
+
+  template <typename Take>
+  void receive(Take take) {
     std::array<hal::CanFrame, hal::kMaximumBatch> batch;
     hal::ReceiveResult received;
     do {
       received = frames_.receive(batch);
-      for (const hal::CanFrame& frame : std::span(batch).first(received.received)) take(frame, asked);
+      for (const hal::CanFrame& frame : std::span(batch).first(received.received)) take(frame);
     } while (received.status == hal::BusStatus::more);
+  }
+
+  void take_step(Candidate* asked) {
+    static_cast<void>(clock_.sleep_until(clock_.now_ns() + kStep_ns));
+    receive([this, asked](const hal::CanFrame& frame) { take(frame, asked); });
   }
 
   void take(const hal::CanFrame& frame, Candidate* asked) {
     const FrameKey key{frame.id, frame.extended};
-    if (listening_) listen(key, frame);
+    if (listening_) note_unasked(key, frame);
     if (reads_ != nullptr) {
       answered_ = hal::visit_driver(*reads_, [&](auto& any) { return any.take(frame); }) || answered_;
     }
@@ -128,16 +161,20 @@ class BusScan {
       if (hal::sends_unasked(candidate.driver) &&
           hal::take_scan(candidate.driver, frame, candidate.node.found)) {
         of_drivers_.insert(key);
+        if (listening_) candidate.reports.insert(key);
+        if (&candidate == asked && !unasked_.contains(key)) ++candidate.answers;
         return;
       }
     }
     if (asked == nullptr || of_sensor(key)) return;
     // What came before anybody was asked is the answer of no driver that only answers.
     if (!hal::sends_unasked(asked->driver) && unasked_.contains(key)) return;
-    if (hal::take_scan(asked->driver, frame, asked->node.found)) of_drivers_.insert(key);
+    if (!hal::take_scan(asked->driver, frame, asked->node.found)) return;
+    of_drivers_.insert(key);
+    ++asked->answers;
   }
 
-  void listen(const FrameKey& key, const hal::CanFrame& frame) {
+  void note_unasked(const FrameKey& key, const hal::CanFrame& frame) {
     ++unasked_[key];
     newest_unasked_[key] = frame;
     for (Candidate& candidate : expected_) {
@@ -160,7 +197,7 @@ class BusScan {
       for (int step = 0; step < kForExpected.answer_steps && !answered_ && !stop_; ++step) take_step(nullptr);
     }
     candidate.node.settings =
-        hal::visit_driver(*reads_, [](const auto& any) { return any.settings(kListened_s); });
+        hal::visit_driver(*reads_, [this](const auto& any) { return any.settings(listened_s_); });
     reads_ = nullptr;
   }
 
@@ -184,11 +221,11 @@ class BusScan {
     for (const FrameKey& key : expected) {
       const auto found = unasked_.find(key);
       const int count = found == unasked_.end() ? 0 : found->second;
-      result_.torso_sensor.push_back({key.first, key.second, count / kListened_s, sensor_rate_hz_});
+      result_.torso_sensor.push_back({key.first, key.second, count / listened_s_, sensor_rate_hz_});
     }
     for (const auto& [key, count] : unasked_) {
       if (expected.contains(key) || of_drivers_.contains(key)) continue;
-      result_.unknown.push_back({key.first, key.second, count / kListened_s});
+      result_.unknown.push_back({key.first, key.second, count / listened_s_});
     }
   }
 
@@ -214,17 +251,23 @@ class BusScan {
     take_step(nullptr);
   }
 
-  /// A driver that there is nothing to ask has reported by itself.
+  /// A driver that there is nothing to ask has reported by itself. Errors of the bus count where it does not
+  /// answer. A controller that recovers reports that, too: it is active then.
   void ask(Candidate& candidate, const Patience& patience) {
     const std::vector<hal::CanFrame> questions = hal::scan_frames(candidate.driver);
     if (questions.empty()) {
       for (const auto& [key, frame] : newest_unasked_) take(frame, &candidate);
     }
+    const std::uint64_t errors = frames_.counters().error_frames;
     for (const hal::CanFrame& question : questions) {
+      if (!question.remote || !unasked_.contains({question.id, question.extended})) ++candidate.questions;
       static_cast<void>(frames_.send(std::span(&question, 1)));  // what does not leave is not answered
       for (int step = 0; step < patience.answer_steps && !stop_; ++step) take_step(&candidate);
-      if (!patience.all_questions && !candidate.node.found.answered) return;
+      if (!patience.all_questions && !candidate.node.found.answered) break;
     }
+    if (candidate.node.found.answered || frames_.health() == hal::BusHealth::active) return;
+    candidate.node.bus_errors += frames_.counters().error_frames - errors;
+    result_.bus_errors += frames_.counters().error_frames - errors;
   }
 
   void ask_expected() {
@@ -233,7 +276,23 @@ class BusScan {
         ask(candidate, kForExpected);
         if (candidate.node.found.answered) break;
       }
+      if (candidate.answers > candidate.questions && !stop_) ask(candidate, kForExpected);
     }
+  }
+
+  /// Several drivers with one identifier all follow its commands. Their answers may be late, but one driver
+  /// never gives more than it was asked for.
+  [[nodiscard]] std::string several(const Candidate& candidate) const {
+    if (candidate.answers >= candidate.questions + kSurplus)
+      return formatted("%d answers to %d questions", candidate.answers, candidate.questions);
+    const double own_hz =
+        hal::visit_driver(candidate.driver, [](const auto& any) { return report_rate_hz(any); });
+    for (const FrameKey& key : candidate.reports) {
+      const double rate_hz = unasked_.at(key) / listened_s_;
+      if (rate_hz > kTooOften * own_hz)
+        return formatted("%.0f reports per second, and one has %g", rate_hz, own_hz);
+    }
+    return "";
   }
 
   void ask_others() {
@@ -281,6 +340,7 @@ class BusScan {
   hal::canopen::EncoderPosition position_;
   int positions_ = 0;
   bool listening_ = true;
+  double listened_s_ = 0;
   hal::SettingReader* reads_ = nullptr;  ///< at work
   bool answered_ = false;                ///< its question
 };
@@ -289,7 +349,8 @@ class BusScan {
 
 bool ScanResult::complete() const noexcept {
   return serial_sensor_trouble.empty() && std::ranges::all_of(buses, [](const ScannedBus& bus) {
-           return bus.torso_trouble.empty() && std::ranges::all_of(bus.expected, &ScannedNode::good) &&
+           return bus.bus_errors == 0 && bus.torso_trouble.empty() &&
+                  std::ranges::all_of(bus.expected, &ScannedNode::good) &&
                   std::ranges::all_of(bus.torso_sensor, &ScannedFrames::well) && bus.unexpected.empty() &&
                   bus.unknown.empty();
          });

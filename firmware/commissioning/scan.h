@@ -32,14 +32,16 @@ struct ScannedNode {
   hal::ScannedDriver found;
   /// Of a driver of the configuration, as far as it can be asked, and its keys of a watchdog.
   std::vector<hal::ReadSetting> settings;
+  std::string several;           ///< why more than one driver has this identifier; empty: nothing shows that
+  std::uint64_t bus_errors = 0;  ///< error frames of the bus while it was asked in vain
 
   [[nodiscard]] bool wrong_reply_id() const noexcept {
     return expected_reply_id && found.reply_id && static_cast<int>(*found.reply_id) != *expected_reply_id;
   }
-  /// It answers, with the identifiers and settings of the configuration, and has no fault.
+  /// It alone answers, with the identifiers and settings of the configuration, and has no fault.
   [[nodiscard]] bool good() const noexcept {
     return found.answered && !wrong_reply_id() && found.reading.fault == hal::DriverFault::none &&
-           std::ranges::all_of(settings, &hal::ReadSetting::right);
+           several.empty() && std::ranges::all_of(settings, &hal::ReadSetting::right);
   }
 };
 
@@ -63,8 +65,9 @@ struct ScannedBus {
   std::vector<ScannedFrames> torso_sensor;  ///< those of the configuration, with the rates they came at
   std::string torso_trouble;  ///< why it does not report, where that is known; empty: nothing is
   std::vector<ScannedFrames> unknown;
-  bool acknowledged = true;   ///< frames leave: somebody acknowledges them
-  bool asked_others = false;  ///< identifiers outside the configuration were asked, too
+  bool acknowledged = true;      ///< frames leave: somebody acknowledges them
+  std::uint64_t bus_errors = 0;  ///< while a driver was asked in vain; 0 where nothing acknowledges
+  bool asked_others = false;     ///< identifiers outside the configuration were asked, too
 };
 
 struct ScanResult {

@@ -54,14 +54,24 @@ std::string settings_text(const ScannedNode& node) {
   return text;
 }
 
+std::string errors_text(const ScannedNode& node) {
+  return node.bus_errors == 0 ? ""
+                              : ", " + std::to_string(node.bus_errors) + " bus errors while it was asked";
+}
+
 std::string expected_line(const ScannedNode& node) {
   std::string text = "  " + std::string(kJointNames[*node.joint]) + " (" + node.protocol + " " +
                      std::to_string(node.id) + "): ";
-  if (!node.found.answered) return text + "MISSING, no answer\n" + settings_text(node);
+  if (!node.found.answered) {
+    return text + "MISSING, no answer" + errors_text(node) + '\n' + settings_text(node);
+  }
   text += node.good() ? "answers" : "ANSWERS, BUT NOT WELL";
   if (node.wrong_reply_id()) {
     text += ", with identifier " + hexadecimal(*node.found.reply_id) + " where " + kJointNames[*node.joint] +
             ".reply_id is " + hexadecimal(static_cast<std::uint32_t>(*node.expected_reply_id));
+  }
+  if (!node.several.empty()) {
+    text += ", SEVERAL drivers answer with identifier " + std::to_string(node.id) + " (" + node.several + ")";
   }
   return text + state_line(node) + '\n' + settings_text(node);
 }
@@ -95,6 +105,11 @@ std::string bus_text(const ScanResult& result, const ScannedBus& bus) {
   std::string text = bus.name + '\n';
   if (!bus.acknowledged) {
     text += "  NOTHING ACKNOWLEDGES frames here: look at power, cables, termination and bit rate\n";
+  }
+  if (bus.bus_errors > 0) {
+    text +=
+        "  BUS ERRORS: " + std::to_string(bus.bus_errors) +
+        " while a driver was asked in vain: several of one identifier, or cables, termination or bit rate\n";
   }
   for (const ScannedNode& node : bus.expected) text += expected_line(node);
   for (const ScannedFrames& frames : bus.torso_sensor) {
@@ -141,6 +156,8 @@ Json node_json(const ScannedNode& node) {
   json["answers"] = node.found.answered;
   json["reply_id"] = node.found.reply_id ? Json(*node.found.reply_id) : Json(nullptr);
   json["wrong_reply_id"] = node.wrong_reply_id();
+  json["several_drivers"] = !node.several.empty();
+  json["bus_errors"] = node.bus_errors;
   json["firmware"] = node.firmware.empty() ? Json(nullptr) : Json(node.firmware);
   json["supply_V"] = json_number(reading.supply_V);
   json["driver_temperature_C"] = json_number(reading.driver_temperature_C);
@@ -188,6 +205,7 @@ std::string to_json(const ScanResult& result) {
     for (const ScannedNode& node : bus.unexpected) unexpected.push_back(node_json(node));
     json["buses"].push_back({{"name", bus.name},
                              {"acknowledged", bus.acknowledged},
+                             {"bus_errors", bus.bus_errors},
                              {"drivers", drivers},
                              {"unexpected", unexpected},
                              {"asked_other_identifiers", bus.asked_others},

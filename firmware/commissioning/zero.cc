@@ -52,9 +52,10 @@ std::string lasting(DriverProtocol protocol) {
 const char* silence(DriverProtocol protocol) {
   const bool maybe_while_off =
       protocol == DriverProtocol::mit_ak || protocol == DriverProtocol::mit_mini_cheetah;
-  return maybe_while_off ? "; where stiltd watch shows the joint, its firmware is silent while the motor is "
-                           "off: set the zero with the vendor's tool"
-                         : "";
+  return maybe_while_off
+             ? "; where stiltd scan finds it, correct reply_id; where only stiltd watch does, its "
+               "firmware is silent while the motor is off: set the zero with the vendor's tool"
+             : "";
 }
 
 /// By the configuration: a scan of a driver in MIT mode takes any identifier, and so the frames of a sensor.

@@ -33,6 +33,8 @@ enum class Setting : std::uint8_t {
   odrive_watchdog_endpoints,
   accepted_watchdog,
   moteus_command_line,
+  ak_reply_id_own,
+  ak_reply_id_zero,
 };
 
 /// The vendor's name, and what it must be. Real-time safe.
@@ -92,6 +94,10 @@ enum class Setting : std::uint8_t {
       return "accept_missing_watchdog must be true, and the emergency stop must cut its supply";
     case Setting::moteus_command_line:
       return "its command line must answer `conf get` with a number alone: close tview, and cycle its power";
+    case Setting::ak_reply_id_own:
+      return "reply_id of the configuration must be its id, with which it answers";
+    case Setting::ak_reply_id_zero:
+      return "reply_id of the configuration must be 0, with which it answers";
   }
   return "unknown";
 }

@@ -122,8 +122,8 @@ BringUp::Ask MitBringUp::ask(Stage stage, unsigned part, CanFrame& frame) noexce
   return Ask::skip;
 }
 
-/// Frames that only a driver sends whose settings are those of its vendor.
-void MitBringUp::suspect_factory_settings(const CanFrame& frame) noexcept {
+/// Frames that only a driver sends whose settings are not the configured ones.
+void MitBringUp::suspect_settings(const CanFrame& frame) noexcept {
   MitDriver factory = driver_;
   factory.reply_id = kDamiaoFactoryReplyId;
   DamiaoRegisterMessage answer;
@@ -131,13 +131,26 @@ void MitBringUp::suspect_factory_settings(const CanFrame& frame) noexcept {
       decode_register_answer(factory, frame, answer) == DecodeStatus::ok) {
     suspect(Failure::wrong_setting, {.setting = Setting::damiao_reply_id});
   }
-  if (driver_.layout == ReplyLayout::ak && frame.extended && frame.id == ak_servo_status_id(driver_)) {
+  if (driver_.layout != ReplyLayout::ak) return;
+  if (frame.extended && frame.id == ak_servo_status_id(driver_)) {
     suspect(Failure::wrong_setting, {.setting = Setting::ak_control_mode});
   }
+  if (replies_with(driver_.command_id, frame)) {
+    suspect(Failure::silent, {.setting = Setting::ak_reply_id_own});
+  }
+  if (replies_with(kAkZeroReplyId, frame)) suspect(Failure::silent, {.setting = Setting::ak_reply_id_zero});
+}
+
+/// A reply of this driver, with an identifier that is not the configured one.
+bool MitBringUp::replies_with(std::uint16_t id, const CanFrame& frame) const noexcept {
+  MitDriver sender = driver_;
+  sender.reply_id = id;
+  MitReply reply;
+  return id != driver_.reply_id && decode_reply(sender, frame, reply) == DecodeStatus::ok;
 }
 
 BringUp::Verdict MitBringUp::judge(Stage stage, unsigned part, const CanFrame& frame) noexcept {
-  if (stage == Stage::identify) suspect_factory_settings(frame);
+  if (stage == Stage::identify) suspect_settings(frame);
   const bool about_state = stage == Stage::home || stage == Stage::enable || !has_registers();
   return about_state ? judge_state(stage, frame) : judge_register(stage, part, frame);
 }

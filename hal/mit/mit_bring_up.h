@@ -33,7 +33,8 @@ class MitBringUp final : public bring_up::BringUp {
   [[nodiscard]] Ask ask_enable(unsigned part, CanFrame& frame) noexcept;
   [[nodiscard]] Ask limp(CanFrame& frame) noexcept;
   [[nodiscard]] Ask ask_register(DamiaoRegister number, CanFrame& frame) const noexcept;
-  void suspect_factory_settings(const CanFrame& frame) noexcept;
+  void suspect_settings(const CanFrame& frame) noexcept;
+  [[nodiscard]] bool replies_with(std::uint16_t id, const CanFrame& frame) const noexcept;
   [[nodiscard]] Verdict judge_state(bring_up::Stage stage, const CanFrame& frame) noexcept;
   [[nodiscard]] Verdict judge_register(bring_up::Stage stage, unsigned part, const CanFrame& frame) noexcept;
   [[nodiscard]] Verdict judge_range(unsigned part, double maximum) noexcept;

@@ -106,6 +106,9 @@ enum class MitSpecial : std::uint8_t {
 [[nodiscard]] DecodeStatus decode_special(const MitDriver& driver, const CanFrame& frame,
                                           MitSpecial& special) noexcept;
 
+/// An AK answers with this identifier or with its own, by its firmware.
+inline constexpr std::uint16_t kAkZeroReplyId = 0;
+
 /// Extended identifier of what an AK in servo mode sends by itself, 1 to 500 times per second. It is 0x29 and
 /// the AK's identifier (CubeMars AK series manual 1.0.17, section 5.2). Then it answers no frame of MIT mode.
 [[nodiscard]] constexpr std::uint32_t ak_servo_status_id(const MitDriver& driver) noexcept {

@@ -24,7 +24,7 @@ std::vector<CanFrame> scan_frames(const MitDriver& driver) {
 }
 
 bool take_scan(const MitDriver& driver, const CanFrame& frame, ScannedDriver& scanned) {
-  if (frame.extended || frame.id == driver.command_id) return false;
+  if (frame.extended) return false;
   MitDriver sender = driver;
   sender.reply_id = static_cast<std::uint16_t>(frame.id);
   DamiaoRegisterMessage message;

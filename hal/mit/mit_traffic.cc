@@ -31,7 +31,10 @@ std::vector<FrameId> receive_ids(const MitDriver& driver) {
     ids.push_back({kDamiaoRegisterId, false});
     if (driver.reply_id != kDamiaoFactoryReplyId) ids.push_back({kDamiaoFactoryReplyId, false});
   }
-  if (driver.layout == ReplyLayout::ak) ids.push_back({ak_servo_status_id(driver), true});
+  if (driver.layout == ReplyLayout::ak) {
+    ids.push_back({ak_servo_status_id(driver), true});
+    if (driver.reply_id != kAkZeroReplyId) ids.push_back({kAkZeroReplyId, false});
+  }
   return ids;
 }
 

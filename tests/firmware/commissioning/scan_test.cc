@@ -127,6 +127,25 @@ TEST(Scan, NamesADriverThatAnswersWithAnotherIdentifier) {
   EXPECT_TRUE(has(to_text(result), "with identifier 0x0 where knee_L.reply_id is 0x12")) << to_text(result);
 }
 
+/// By its firmware an AK answers with its own identifier.
+const std::vector<std::string> kOwnReplyIds = {"hip_L.reply_id=1", "knee_L.reply_id=2", "hip_R.reply_id=3",
+                                               "knee_R.reply_id=4"};
+
+TEST(Scan, FindsAnAkThatAnswersWithItsOwnIdentifier) {
+  HangingRobot robot({.both = joined(kAk, kOwnReplyIds), .robot = {}, .miswired = {}});
+  const ScanResult result = scanned(robot);
+  EXPECT_TRUE(result.complete()) << to_text(result);
+}
+
+TEST(Scan, NamesAnAkThatAnswersWithItsOwnIdentifierAgainstTheConfiguration) {
+  HangingRobot robot({.both = kAk, .robot = kOwnReplyIds, .miswired = {}});
+  const ScanResult result = scanned(robot);
+  EXPECT_FALSE(result.complete());
+  const std::string text = to_text(result);
+  EXPECT_TRUE(has(text, "with identifier 0x1 where hip_L.reply_id is 0x11")) << text;
+  EXPECT_TRUE(has(text, "with identifier 0x4 where knee_R.reply_id is 0x14")) << text;
+}
+
 TEST(Scan, NamesAllSettingsOfAllDriversThatDiffer) {
   HangingRobot robot({.both = {},
                       .robot = {"hip_driver.torque_range_Nm=60", "hip_driver.position_range_rad=12.5",

@@ -95,8 +95,8 @@ TEST_P(Zero, OfADriverThatIsSilentIsNotSet) {
   EXPECT_EQ(
       report.error().sentence,
       std::string("the driver of hip_L does not answer") +
-          (maybe_silent ? "; where stiltd watch shows the joint, its firmware is silent while the motor is "
-                          "off: set the zero with the vendor's tool"
+          (maybe_silent ? "; where stiltd scan finds it, correct reply_id; where only stiltd watch does, its "
+                          "firmware is silent while the motor is off: set the zero with the vendor's tool"
                         : ""));
   EXPECT_FALSE(report.error().bad_answer);
 }
@@ -104,6 +104,16 @@ TEST_P(Zero, OfADriverThatIsSilentIsNotSet) {
 INSTANTIATE_TEST_SUITE_P(Drivers, Zero,
                          ::testing::Values("mit_damiao", "mit_ak", "mit_mini_cheetah", "moteus", "ak_v3"),
                          [](const auto& row) { return std::string(row.param); });
+
+/// By its firmware.
+TEST(ZeroOfAnAk, ThatAnswersWithItsOwnIdentifierIsSet) {
+  Settings settings = drivers("mit_ak");
+  settings.emplace_back("hip_L.reply_id=1");
+  HangingRobot robot({.both = settings, .robot = kAway, .miswired = {}});
+  const auto report = zeroed(robot);
+  ASSERT_TRUE(report) << report.error().sentence;
+  EXPECT_TRUE(report->good()) << to_text(*report);
+}
 
 /// The driver counts from it as from its output, until it loses its power.
 TEST(ZeroOfAMoteus, MakesThePositionOfARotorThatOfTheJoint) {

@@ -203,6 +203,26 @@ TEST_F(FactorySettings, OfAnAkInServoModeAreRefusedByName) {
   EXPECT_EQ(end(in_mit_mode, again).stage, Stage::ready);
 }
 
+/// By its firmware an AK answers with its own identifier or with 0.
+TEST_F(FactorySettings, OfAnAkThatAnswersWithAnotherIdentifierNameIt) {
+  options_.accept_missing_watchdog = true;
+  const mit::MitDriver described = mit_driver(mit::ReplyLayout::ak);
+  const auto answering_with = [&](std::uint16_t id) {
+    mit::MitDriver as_it_is = described;
+    as_it_is.reply_id = id;
+    MitEmulator driver = mit::make_emulator(as_it_is);
+    MitBringUp bring_up(described, options_);
+    return end(driver, bring_up);
+  };
+  const StepResult own = answering_with(described.command_id);
+  EXPECT_EQ(own.failure, Failure::silent);
+  EXPECT_EQ(own.setting, Setting::ak_reply_id_own);
+  const StepResult zero = answering_with(0);
+  EXPECT_EQ(zero.failure, Failure::silent);
+  EXPECT_EQ(zero.setting, Setting::ak_reply_id_zero);
+  EXPECT_EQ(answering_with(described.reply_id).stage, Stage::ready);
+}
+
 TEST_F(FactorySettings, FramesThatNameASettingReachTheBringUpThroughTheFilterOfTheBus) {
   const auto receives = [](const mit::MitDriver& driver, std::uint32_t id, bool extended) {
     const std::vector<FrameId> ids = mit::receive_ids(driver);
@@ -211,6 +231,8 @@ TEST_F(FactorySettings, FramesThatNameASettingReachTheBringUpThroughTheFilterOfT
   };
   EXPECT_TRUE(receives(damiao(), 0, false));
   EXPECT_TRUE(receives(mit_driver(mit::ReplyLayout::ak), 0x2901, true));
+  EXPECT_TRUE(receives(mit_driver(mit::ReplyLayout::ak), 0, false));
+  EXPECT_TRUE(receives(mit_driver(mit::ReplyLayout::ak), 1, false));
   EXPECT_FALSE(receives(mit_driver(mit::ReplyLayout::mini_cheetah), 0, false));
 }
 
