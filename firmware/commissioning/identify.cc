@@ -5,7 +5,9 @@
 #include <numbers>
 #include <span>
 #include <utility>
+#include <vector>
 
+#include "firmware/commissioning/encoder_watch.h"
 #include "firmware/commissioning/formatted.h"
 #include "firmware/control_loop/joint_names.h"
 
@@ -48,7 +50,11 @@ struct Range {
 class Exciter {
  public:
   Exciter(Session& session, const IdentificationRequest& request)
-      : session_(session), request_(request), constants_(request.robot->constants) {}
+      : session_(session), request_(request), constants_(request.robot->constants) {
+    for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+      encoders_.emplace_back(joint, kHeldShare * constants_.torque_limit_Nm[joint], request.supervisor);
+    }
+  }
 
   std::expected<Excitation, std::string> run() {
     if (const auto up = session_.bring_up(); !up) return std::unexpected(up.error());
@@ -166,12 +172,8 @@ class Exciter {
     }
     hal::JointCommands commands{};
     for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
-      const hal::JointReading& reading = session_.readings().joints[joint];
       const double limit_Nm = request_.torque_share * constants_.torque_limit_Nm[joint];
-      const double wanted_Nm =
-          request_.kp_Nm_rad * (targets_[joint].angle_rad - reading.position_rad) +
-          kDamping_s * request_.kp_Nm_rad * (targets_[joint].rate_rad_s - reading.velocity_rad_s);
-      const double torque_Nm = std::clamp(wanted_Nm, -limit_Nm, limit_Nm);
+      const double torque_Nm = std::clamp(wanted_Nm(joint), -limit_Nm, limit_Nm);
       commands[joint].torque_Nm = torque_Nm;
       commands[joint].torque_limit_Nm = limit_Nm;
       result_.peak_torque_Nm[joint] = std::max(result_.peak_torque_Nm[joint], std::abs(torque_Nm));
@@ -181,6 +183,12 @@ class Exciter {
     session_.command(commands);
     session_.end_tick();
     return true;
+  }
+
+  [[nodiscard]] double wanted_Nm(std::size_t joint) const {
+    const hal::JointReading& reading = session_.readings().joints[joint];
+    return request_.kp_Nm_rad * (targets_[joint].angle_rad - reading.position_rad) +
+           kDamping_s * request_.kp_Nm_rad * (targets_[joint].rate_rad_s - reading.velocity_rad_s);
   }
 
   /// A reading is of the moment at which the command of the tick before it arrived. Half of that command's
@@ -202,6 +210,7 @@ class Exciter {
     for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
       const hal::JointReading& reading = session_.readings().joints[joint];
       const char* name = kJointNames[joint];
+      const std::string encoder = encoders_[joint].trouble(reading, wanted_Nm(joint));
       const double below_rad = constants_.position_min_rad[joint] - reading.position_rad;
       const double above_rad = reading.position_rad - constants_.position_max_rad[joint];
       if (std::max(below_rad, above_rad) > kBeyondTravel_rad) {
@@ -210,6 +219,8 @@ class Exciter {
         stopped_ = formatted("%s is too fast", name);
       } else if (std::abs(targets_[joint].angle_rad - reading.position_rad) > kLost_rad) {
         stopped_ = formatted("%s does not follow: something holds it, or the torque limit is too low", name);
+      } else if (!encoder.empty()) {
+        stopped_ = encoder;
       }
     }
     return stopped_.empty();
@@ -218,6 +229,7 @@ class Exciter {
   Session& session_;
   const IdentificationRequest& request_;
   const model::RobotConstants& constants_;
+  std::vector<EncoderWatch> encoders_;
   std::array<Target, hal::kJoints> targets_;
   std::size_t moving_ = 0;
   Excitation result_;

@@ -9,6 +9,7 @@
 #include "firmware/commissioning/session.h"
 #include "firmware/configuration/edit.h"
 #include "firmware/configuration/hardware.h"
+#include "firmware/supervisor/parameters.h"
 
 /// One joint after the other moves on the gantry, slowly and then quickly, the others held: the numbers of
 /// its drive follow. Ordinary threads; why so: docs/decisions/0021-commissioning.md
@@ -16,9 +17,10 @@ namespace stilt::commissioning {
 
 struct IdentificationRequest {
   const model::RobotModel* robot = nullptr;
-  double torque_share = 0.3;                   ///< of the joints' limits: most torque
-  double kp_Nm_rad = 0.0;                      ///< of all motions, closed here
-  configuration::HardwareParameters hardware;  ///< with the active torque factors
+  double torque_share = 0.3;                         ///< of the joints' limits: most torque
+  double kp_Nm_rad = 0.0;                            ///< of all motions, closed here
+  supervisor::SupervisorParameters supervisor = {};  ///< when an encoder is frozen, or jumps
+  configuration::HardwareParameters hardware;        ///< with the active torque factors
 };
 
 /// What was asked of the joints and read of them. The drivers are off by then: the fit takes long, and

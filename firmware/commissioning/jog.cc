@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "firmware/commissioning/encoder_watch.h"
 #include "firmware/control_loop/joint_names.h"
 
 namespace stilt::commissioning {
@@ -143,6 +144,9 @@ class Jog {
     const double needed_Nm =
         kReserve * motion_.breakaway_Nm * std::max(1.0, std::abs(request_.angle_rad) / kMoved_rad);
     largest_Nm_ = std::min(largest_Nm_, needed_Nm);
+    const double held_Nm =
+        std::max(2 * motion_.breakaway_Nm, kHeldShare * request_.torque_limit_Nm);  // friction, either way
+    encoder_.emplace(request_.joint, held_Nm, request_.supervisor);
     const double start_rad = start_rad_[request_.joint];
     const double to_rad = start_rad + motion_.direction * std::abs(request_.angle_rad);
     if (!travel(own().position_rad, to_rad) || !hold(to_rad) || !travel(to_rad, start_rad)) return false;
@@ -175,6 +179,8 @@ class Jog {
     if (std::abs(behind_rad) > kLost_rad) return stop("the joint does not follow: something holds it");
     const double torque_Nm =
         request_.kp_Nm_rad * behind_rad + request_.kd_Nms_rad * (speed_rad_s - own().velocity_rad_s);
+    const std::string trouble = encoder_->trouble(own(), torque_Nm);
+    if (!trouble.empty()) return stop(trouble);
     if (!tick(torque_Nm)) return false;
     const double reached_rad = moved_rad(request_.joint);
     if (std::abs(reached_rad) <= std::abs(motion_.reached_rad)) return true;
@@ -187,8 +193,9 @@ class Jog {
   JogRequest request_;
   double largest_Nm_;
   double push_Nm_;
-  double turned_rad_ = 0;    // of the position, in the slow motion
-  double integral_rad_ = 0;  // of the velocity, meanwhile
+  double turned_rad_ = 0;                // of the position, in the slow motion
+  double integral_rad_ = 0;              // of the velocity, meanwhile
+  std::optional<EncoderWatch> encoder_;  // in the slow motion
   JogMotion motion_;
   Angles start_rad_{};
   std::string stopped_;

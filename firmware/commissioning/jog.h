@@ -7,6 +7,7 @@
 #include <string>
 
 #include "firmware/commissioning/session.h"
+#include "firmware/supervisor/parameters.h"
 #include "mpc_core/model/robot.h"
 
 /// One joint moves slowly with little torque, the others limp: what its encoder reports. Ordinary threads.
@@ -25,6 +26,7 @@ struct JogRequest {
   double push_Nm = 0.0;                   ///< most torque until an encoder has moved
   double kp_Nm_rad = 0.0;                 ///< of the slow motion, closed here: drivers get a torque alone
   double kd_Nms_rad = 0.0;
+  supervisor::SupervisorParameters supervisor = {};  ///< when the encoder is frozen, or jumps
 };
 
 /// All that a joint may get: the smaller share of its limit.

@@ -21,7 +21,8 @@ commissioning::JogRequest jog_request(const Options& options, const model::Robot
           .torque_share = std::min(commissioning::kJogTorqueShare, supervisor.torque_limit_share),
           .push_Nm = commissioning::first_push_Nm(robot, options.joint),
           .kp_Nm_rad = supervisor.hold_kp_Nm_rad,
-          .kd_Nms_rad = supervisor.hold_kd_Nms_rad};
+          .kd_Nms_rad = supervisor.hold_kd_Nms_rad,
+          .supervisor = supervisor};
 }
 
 std::array<hal::bring_up::Options, hal::kJoints> wanted_of_drivers(const Options& options,
@@ -42,6 +43,7 @@ commissioning::IdentificationRequest identification_request(const Options& optio
   return {.robot = &robot,
           .torque_share = std::min(options.identify_torque_share, supervisor.torque_limit_share),
           .kp_Nm_rad = supervisor.hold_kp_Nm_rad,
+          .supervisor = supervisor,
           .hardware = options.configuration.hardware};
 }
 

@@ -61,14 +61,23 @@ FaultSet detect_limits(const Observation& seen, const JointLimits& limits,
   return faults;
 }
 
+bool encoder_repeats(const JointReading& joint, const SupervisorParameters& parameters) noexcept {
+  return joint.unchanged_replies >= static_cast<std::uint32_t>(parameters.unchanged_replies_limit);
+}
+
+bool encoder_is_frozen(const JointReading& joint, double planned_speed_rad_s,
+                       const SupervisorParameters& parameters) noexcept {
+  return std::abs(planned_speed_rad_s) > parameters.moving_rad_s && encoder_repeats(joint, parameters);
+}
+
 FaultSet detect_sensors(const Observation& seen, const SupervisorParameters& parameters) noexcept {
   const auto unchanged = static_cast<std::uint32_t>(parameters.unchanged_replies_limit);
   const auto hold = static_cast<std::uint32_t>(parameters.missed_hold_ticks);
   const auto damp = static_cast<std::uint32_t>(parameters.missed_damp_ticks);
   FaultSet faults;
   for (std::size_t i = 0; i < kJoints; ++i) {
-    const bool moves = std::abs(seen.planned_speed_rad_s[i]) > parameters.moving_rad_s;
-    faults.add_if(moves && seen.joints[i].unchanged_replies >= unchanged, Fault::encoder_frozen);
+    faults.add_if(encoder_is_frozen(seen.joints[i], seen.planned_speed_rad_s[i], parameters),
+                  Fault::encoder_frozen);
   }
   faults.add_if(any_beyond(seen.signals.encoder_jump_rad, parameters.encoder_jump_rad), Fault::encoder_jump);
   faults.add_if(!(std::abs(seen.signals.torso_mismatch_rad) <= parameters.torso_mismatch_rad),

@@ -51,6 +51,14 @@ struct Observation {
 [[nodiscard]] FaultSet detect_limits(const Observation& seen, const JointLimits& limits,
                                      const SupervisorParameters& parameters) noexcept;
 
+/// An encoder repeats one value. That is right at rest alone.
+[[nodiscard]] bool encoder_repeats(const hal::JointReading& joint,
+                                   const SupervisorParameters& parameters) noexcept;
+
+/// An encoder repeats one value though its joint should move at this speed.
+[[nodiscard]] bool encoder_is_frozen(const hal::JointReading& joint, double planned_speed_rad_s,
+                                     const SupervisorParameters& parameters) noexcept;
+
 /// Sensors that repeat themselves, are silent, or contradict themselves.
 [[nodiscard]] FaultSet detect_sensors(const Observation& seen,
                                       const SupervisorParameters& parameters) noexcept;

@@ -125,7 +125,6 @@ FaultDetail voltage(const Observation& seen, double limit_V, bool low) noexcept 
 
 FaultDetail detail(Fault fault, const Observation& seen, const JointLimits& limits,
                    const SupervisorParameters& parameters) noexcept {
-  const auto unchanged_limit = static_cast<std::uint32_t>(parameters.unchanged_replies_limit);
   switch (fault) {
     case Fault::joint_position_limit:
       return position_limit(seen, limits, parameters.position_margin_rad);
@@ -160,9 +159,8 @@ FaultDetail detail(Fault fault, const Observation& seen, const JointLimits& limi
     case Fault::encoder_frozen:
       return of_joint(seen, "ticks", [&](const JointReading& joint, std::size_t i, FaultDetail& found) {
         found.value = joint.unchanged_replies;
-        found.limit = unchanged_limit;
-        return std::abs(seen.planned_speed_rad_s[i]) > parameters.moving_rad_s &&
-               joint.unchanged_replies >= unchanged_limit;
+        found.limit = parameters.unchanged_replies_limit;
+        return encoder_is_frozen(joint, seen.planned_speed_rad_s[i], parameters);
       });
     case Fault::stale_torso_sensor:
       return torso_sensor(seen, parameters);

@@ -47,15 +47,16 @@ const Signals& SignalMonitor::update(const SignalInputs& inputs) noexcept {
   return signals_;
 }
 
-/// |q - q_before - (v + v_before) / 2 dt| for a new reply.
+double encoder_jump_rad(const JointReading& before, const JointReading& now) noexcept {
+  const double mean_rad_s = 0.5 * (now.velocity_rad_s + before.velocity_rad_s);
+  const double moved_rad = mean_rad_s * seconds(now.time_ns - before.time_ns);
+  const double jump_rad = std::abs(now.position_rad - before.position_rad - moved_rad);
+  return std::isfinite(jump_rad) ? jump_rad : 0.0;
+}
+
 void SignalMonitor::compare_encoders(const hal::JointReadings& joints) noexcept {
   for (std::size_t i = 0; i < kJoints; ++i) {
-    const JointReading& now = joints[i];
-    const JointReading& before = joints_[i];
-    const double mean_rad_s = 0.5 * (now.velocity_rad_s + before.velocity_rad_s);
-    const double moved_rad = mean_rad_s * seconds(now.time_ns - before.time_ns);
-    const double jump_rad = std::abs(now.position_rad - before.position_rad - moved_rad);
-    signals_.encoder_jump_rad[i] = std::isfinite(jump_rad) ? jump_rad : 0.0;
+    signals_.encoder_jump_rad[i] = encoder_jump_rad(joints_[i], joints[i]);
   }
   joints_ = joints;
 }

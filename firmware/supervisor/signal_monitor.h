@@ -46,6 +46,9 @@ class SignalMonitor {
   std::int64_t time_ns_ = 0;   ///< of the tick before; 0: none
 };
 
+/// |q - q_before - (v + v_before) / 2 dt|: change of an angle that its rate does not explain. 0 without one.
+[[nodiscard]] double encoder_jump_rad(const hal::JointReading& before, const hal::JointReading& now) noexcept;
+
 /// Torque of a driver that follows the law of a command from this reading on, within its limit, Nm.
 [[nodiscard]] Pose asked_torque_Nm(const hal::JointCommands& commands,
                                    const hal::JointReadings& measured) noexcept;

@@ -79,6 +79,7 @@ std::int64_t HangingRobot::sleep_until(std::int64_t time_ns) noexcept {
       buses[bus].waiting.insert(buses[bus].waiting.end(), frames.begin(), frames.end());
     }
     look();
+    if (each_tick) each_tick();
   }
   return now_ns_;
 }
@@ -121,7 +122,8 @@ JogRequest HangingRobot::jog_request(std::size_t joint, double angle_rad) const 
           .torque_limit_Nm = model.constants.torque_limit_Nm[joint],
           .push_Nm = first_push_Nm(model, joint),
           .kp_Nm_rad = configuration.supervisor.hold_kp_Nm_rad,
-          .kd_Nms_rad = configuration.supervisor.hold_kd_Nms_rad};
+          .kd_Nms_rad = configuration.supervisor.hold_kd_Nms_rad,
+          .supervisor = configuration.supervisor};
 }
 
 Sighting HangingRobot::sighting() const {

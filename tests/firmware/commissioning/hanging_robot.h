@@ -2,6 +2,7 @@
 
 #include <array>
 #include <atomic>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -70,6 +71,7 @@ class HangingRobot final : public hal::Clock {
   std::atomic<bool> stop = false;
   std::optional<std::uint32_t> lost_id;  ///< frames of it do not arrive
   std::int64_t lost_from_ns = 0;         ///< from then on
+  std::function<void()> each_tick;       ///< after the robot's
 
  private:
   void look();

@@ -22,6 +22,7 @@ IdentificationRequest request_of(const HangingRobot& robot, double torque_share 
   return {.robot = &amber3m(),
           .torque_share = torque_share,
           .kp_Nm_rad = robot.configuration.supervisor.hold_kp_Nm_rad,
+          .supervisor = robot.configuration.supervisor,
           .hardware = robot.configuration.hardware};
 }
 

@@ -23,5 +23,13 @@ TEST(CommissioningRequests, TheSmallerTorqueShareCounts) {
   EXPECT_NEAR(jog_request(options, robot).push_Nm, 0.425 + 1, 0.001) << "of the shin's";
 }
 
+TEST(CommissioningRequests, TheSupervisorsBoundsOfEncodersCount) {
+  const model::RobotModel& robot = (*robots::find("amber3m"))->model;
+  Options options;
+  options.configuration.supervisor.unchanged_replies_limit = 70;
+  EXPECT_EQ(jog_request(options, robot).supervisor.unchanged_replies_limit, 70);
+  EXPECT_EQ(identification_request(options, robot).supervisor.unchanged_replies_limit, 70);
+}
+
 }  // namespace
 }  // namespace stilt::program
