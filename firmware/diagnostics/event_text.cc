@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "firmware/control_loop/joint_names.h"
+#include "hal/driver/scanned_driver.h"
 
 namespace stilt::diagnostics {
 namespace {
@@ -86,10 +87,14 @@ std::string bring_up_text(const hal::BringUpProgress& progress) {
   if (progress.failure == hal::bring_up::Failure::slow_reply) {
     text += ": after " + with_unit(1e3 * progress.reply_lag_s, "ms") + ", see hardware.longest_reply_lag_s";
   }
+  if (progress.failure == hal::bring_up::Failure::wrong_version) {
+    text += ": " + hal::dotted_bytes(progress.version) + " instead of " +
+            hal::dotted_bytes(progress.wanted_version);
+  }
   if (progress.setting != hal::bring_up::Setting::none) {
-    const bool of_configuration = progress.failure == hal::bring_up::Failure::no_watchdog;
     text += "; ";
-    if (of_configuration) text += std::string("in ") + control_loop::driver_section(progress.joint) + ", ";
+    if (hal::bring_up::is_key(progress.setting))
+      text += std::string("in ") + control_loop::driver_section(progress.joint) + ", ";
     text += hal::bring_up::name(progress.setting);
   }
   return text;

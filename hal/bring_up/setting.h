@@ -33,6 +33,9 @@ enum class Setting : std::uint8_t {
   odrive_watchdog_endpoints,
   accepted_watchdog,
   moteus_command_line,
+  odrive_firmware_version,
+  odrive_hardware_version,
+  odrive_other_endpoints,
 };
 
 /// The vendor's name, and what it must be. Real-time safe.
@@ -92,8 +95,33 @@ enum class Setting : std::uint8_t {
       return "accept_missing_watchdog must be true, and the emergency stop must cut its supply";
     case Setting::moteus_command_line:
       return "its command line must answer `conf get` with a number alone: close tview, and cycle its power";
+    case Setting::odrive_firmware_version:
+      return "odrive_firmware_version must be that of the driver, and all endpoints those of its "
+             "flat_endpoints.json";
+    case Setting::odrive_hardware_version:
+      return "odrive_hardware_version must be that of the driver, and all endpoints those of its "
+             "flat_endpoints.json";
+    case Setting::odrive_other_endpoints:
+      return "odrive_watchdog_timeout_endpoint and odrive_enable_watchdog_endpoint are other parameters: "
+             "they "
+             "must be the ids of axis0.config.watchdog_timeout and axis0.config.enable_watchdog in "
+             "flat_endpoints.json of its firmware";
   }
   return "unknown";
+}
+
+/// A key of the configuration, of the driver's section. Real-time safe.
+[[nodiscard]] constexpr bool is_key(Setting setting) noexcept {
+  switch (setting) {
+    case Setting::odrive_watchdog_endpoints:
+    case Setting::accepted_watchdog:
+    case Setting::odrive_firmware_version:
+    case Setting::odrive_hardware_version:
+    case Setting::odrive_other_endpoints:
+      return true;
+    default:
+      return false;
+  }
 }
 
 }  // namespace stilt::hal::bring_up

@@ -20,10 +20,10 @@ bool take_scan(const OdriveDriver& driver, const CanFrame& frame, ScannedDriver&
   OdriveHeartbeat heartbeat;
   OdriveEstimates estimates;
   const bool says_version = decode(driver.node, frame, version) == DecodeStatus::ok;
-  const bool known = says_version || decode(driver.node, frame, heartbeat) == DecodeStatus::ok ||
-                     decode(driver.node, frame, estimates) == DecodeStatus::ok;
+  const bool says_state = decode(driver.node, frame, heartbeat) == DecodeStatus::ok;
+  const bool known = says_version || says_state || decode(driver.node, frame, estimates) == DecodeStatus::ok;
   if (take_frame(driver, frame, scanned.reading) != DecodeStatus::ok) return false;
-  if (says_version) scanned.version = version_number(version);
+  if (says_version) scanned.version = firmware_number(version);
   scanned.answered = scanned.answered || known;
   return true;
 }

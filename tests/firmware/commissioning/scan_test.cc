@@ -12,6 +12,7 @@ namespace {
 
 using testing::HangingRobot;
 using testing::kAkV3;
+using testing::kOdriveWithWatchdog;
 
 const std::vector<std::string> kMoteus = {"hip_driver.protocol=moteus", "knee_driver.protocol=moteus"};
 const std::vector<std::string> kOdrive = {"hip_driver.protocol=odrive", "knee_driver.protocol=odrive",
@@ -183,12 +184,24 @@ TEST(Scan, NamesTheEndpointsOfAnOdriveWithoutAWatchdog) {
         << text;
   }
   EXPECT_FALSE(has(text, "knee_driver.")) << text;
-  HangingRobot half({.both = joined(strict, {"hip_driver.odrive_watchdog_timeout_endpoint=401"}),
+  HangingRobot half({.both = joined(strict, {"hip_driver.odrive_watchdog_timeout_endpoint=401",
+                                             "hip_driver.odrive_firmware_version=0.6.11",
+                                             "hip_driver.odrive_hardware_version=4.4.58"}),
                      .robot = {},
                      .miswired = {}});
   const std::string other = to_text(scanned(half));
   EXPECT_FALSE(has(other, "odrive_watchdog_timeout_endpoint")) << other;
   EXPECT_TRUE(has(other, "odrive_enable_watchdog_endpoint is 0")) << other;
+}
+
+TEST(Scan, NamesAnOdriveOfAnotherVersionThanItsEndpoints) {
+  HangingRobot robot(
+      {.both = kOdriveWithWatchdog, .robot = {"hip_driver.odrive_firmware_version=0.6.12"}, .miswired = {}});
+  const std::string text = to_text(scanned(robot));
+  EXPECT_TRUE(has(text,
+                  "    SETTING firmware version is 0.6.12, and must be 0.6.11, odrive_firmware_version; or "
+                  "that key and all endpoints must be its own\n"))
+      << text;
 }
 
 /// An AK whose firmware is silent while its motor is off.
