@@ -8,6 +8,7 @@
 
 #include "firmware/configuration/channel_text.h"
 #include "firmware/configuration/driver_of.h"
+#include "firmware/configuration/version_text.h"
 #include "hal/robot/wiring_load.h"
 
 namespace stilt::configuration {
@@ -57,7 +58,9 @@ hal::odrive::OdriveDriver odrive_driver(const DriverParameters& driver, const Jo
       .endpoints = {.watchdog_timeout = static_cast<std::uint16_t>(driver.odrive_watchdog_timeout_endpoint),
                     .enable_watchdog = static_cast<std::uint16_t>(driver.odrive_enable_watchdog_endpoint),
                     .torque_mode_limit = static_cast<std::uint16_t>(driver.odrive_torque_mode_limit_endpoint),
-                    .velocity_limit = static_cast<std::uint16_t>(driver.odrive_velocity_limit_endpoint)}};
+                    .velocity_limit = static_cast<std::uint16_t>(driver.odrive_velocity_limit_endpoint),
+                    .firmware_version = parse_version(driver.odrive_firmware_version).value_or(0),
+                    .hardware_version = parse_version(driver.odrive_hardware_version).value_or(0)}};
 }
 
 hal::ak::AkDriver ak_driver(const DriverParameters& driver, const JointParameters& joint) {

@@ -41,11 +41,14 @@ struct DriverParameters {
   double moteus_kd_Nms_rev = 40.0;
   bool can_fd = false;
   bool bit_rate_switch = true;
-  /// ODrive: numbers of four parameters in its firmware; 0: unknown.
+  /// ODrive: numbers of four parameters in its firmware; 0: unknown. With the versions of the file they are
+  /// of.
   int odrive_watchdog_timeout_endpoint = 0;
   int odrive_enable_watchdog_endpoint = 0;
   int odrive_torque_mode_limit_endpoint = 0;
   int odrive_velocity_limit_endpoint = 0;
+  std::string odrive_firmware_version = "none";
+  std::string odrive_hardware_version = "none";
   /// AK of version 3: what it is set to, and what its motor is.
   double ak_v3_status_rate_hz = 500.0;
   bool ak_v3_position_frames = false;

@@ -86,6 +86,31 @@ void check_can_fd(std::string_view key, const DriverParameters& driver, std::vec
                        "; set it to false"});
 }
 
+struct VersionKeys {
+  std::string_view firmware, hardware;
+};
+constexpr VersionKeys kHipVersions = {"hip_driver.odrive_firmware_version",
+                                      "hip_driver.odrive_hardware_version"};
+constexpr VersionKeys kKneeVersions = {"knee_driver.odrive_firmware_version",
+                                       "knee_driver.odrive_hardware_version"};
+
+/// Numbers of endpoints are those of one firmware for one hardware.
+void check_endpoints(const VersionKeys& keys, const DriverParameters& driver,
+                     std::vector<Contradiction>& found) {
+  const bool any =
+      driver.odrive_watchdog_timeout_endpoint != 0 || driver.odrive_enable_watchdog_endpoint != 0 ||
+      driver.odrive_torque_mode_limit_endpoint != 0 || driver.odrive_velocity_limit_endpoint != 0;
+  if (driver.protocol != DriverProtocol::odrive || !any) return;
+  const auto require = [&found](std::string_view key, const std::string& version, const char* source) {
+    if (version != "none") return;
+    found.push_back({{key},
+                     std::string(key) + " = \"none\", but endpoints of the driver are given; set it to " +
+                         source + " of the flat_endpoints.json that has them"});
+  };
+  require(keys.firmware, driver.odrive_firmware_version, "fw_version");
+  require(keys.hardware, driver.odrive_hardware_version, "hw_version");
+}
+
 struct RangeKeys {
   std::string_view position, kp, kd;
 };
@@ -134,6 +159,8 @@ void check_hardware(const HardwareParameters& hardware, std::vector<Contradictio
   check_bus_names(names, found);
   check_can_fd("hip_driver.can_fd", hardware.hip, found);
   check_can_fd("knee_driver.can_fd", hardware.knee, found);
+  check_endpoints(kHipVersions, hardware.hip, found);
+  check_endpoints(kKneeVersions, hardware.knee, found);
   check_ak_ranges(kHipRanges, hardware.hip, found);
   check_ak_ranges(kKneeRanges, hardware.knee, found);
   for (std::size_t i = 0; i < hal::kJoints; ++i) {

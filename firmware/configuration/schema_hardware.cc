@@ -5,6 +5,7 @@
 #include "firmware/configuration/protocol_name.h"
 #include "firmware/configuration/schema_fields.h"
 #include "firmware/configuration/schema_tables.h"
+#include "firmware/configuration/version_text.h"
 #include "firmware/robots/robots.h"
 
 namespace stilt::configuration {
@@ -78,6 +79,13 @@ std::optional<std::string> port_mistake(const std::string& name) {
   return "\"" + name + "\" is no absolute path; right is one such as /dev/ttyUSB0";
 }
 
+constexpr std::string_view kVersionForm = "three numbers such as \"0.6.11\", or \"none\"";
+
+std::optional<std::string> version_mistake(const std::string& text) {
+  if (parse_version(text)) return std::nullopt;
+  return "\"" + text + "\" is no version; right are three numbers such as \"0.6.11\", or \"none\"";
+}
+
 constexpr std::string_view kChannelForm = "a channel, or \"none\"";
 
 template <auto Channel>
@@ -130,6 +138,11 @@ void add_driver(std::string_view section, std::vector<Entry>& rows) {
       {section, "odrive_velocity_limit_endpoint", "1",
        "ODrive: number of axis0.controller.config.vel_limit; 0: unknown, not checked",
        integer<&P::hardware, Driver, &D::odrive_velocity_limit_endpoint>(0, 65535)},
+      {section, "odrive_firmware_version", "",
+       "ODrive: firmware that the endpoints are of, fw_version of its flat_endpoints.json",
+       text<&P::hardware, Driver, &D::odrive_firmware_version>(kVersionForm, version_mistake)},
+      {section, "odrive_hardware_version", "", "ODrive: hardware that the endpoints are of, hw_version there",
+       text<&P::hardware, Driver, &D::odrive_hardware_version>(kVersionForm, version_mistake)},
       {section, "ak_v3_status_rate_hz", "Hz",
        "ak_v3: statuses per second, the CAN feedback rate that is set in the driver",
        real<&P::hardware, Driver, &D::ak_v3_status_rate_hz>(100.0, hal::ak::kAkMost_hz)},

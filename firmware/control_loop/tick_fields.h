@@ -200,6 +200,8 @@ constexpr auto tick_fields() noexcept {
       field<G::drivers>("bring_up_fault_code", {}, &R::bring_up, &BringUp::fault_code),
       field<G::drivers>("bring_up_setting", {}, &R::bring_up, &BringUp::setting),
       field<G::drivers>("bring_up_reply_lag_s", {}, &R::bring_up, &BringUp::reply_lag_s),
+      field<G::drivers>("bring_up_version", {}, &R::bring_up, &BringUp::version),
+      field<G::drivers>("bring_up_wanted_version", {}, &R::bring_up, &BringUp::wanted_version),
   };
   // clang-format on
 }

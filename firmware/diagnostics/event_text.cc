@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "firmware/control_loop/joint_names.h"
+#include "hal/driver/scanned_driver.h"
 
 namespace stilt::diagnostics {
 namespace {
@@ -92,10 +93,14 @@ std::string bring_up_text(const hal::BringUpProgress& progress) {
         "power-up; end stiltd, let the legs hang, and start it anew after `stiltd selftest --hanging` or "
         "`stiltd calibrate`";
   }
+  if (progress.failure == hal::bring_up::Failure::wrong_version) {
+    text += ": " + hal::dotted_bytes(progress.version) + " instead of " +
+            hal::dotted_bytes(progress.wanted_version);
+  }
   if (progress.setting != hal::bring_up::Setting::none) {
-    const bool of_configuration = progress.failure == hal::bring_up::Failure::no_watchdog;
     text += "; ";
-    if (of_configuration) text += std::string("in ") + control_loop::driver_section(progress.joint) + ", ";
+    if (hal::bring_up::is_key(progress.setting))
+      text += std::string("in ") + control_loop::driver_section(progress.joint) + ", ";
     text += hal::bring_up::name(progress.setting);
   }
   return text;

@@ -25,7 +25,7 @@ inline constexpr TypeHash kTypeHashes[] = {
     {"stilt_msgs/msg/PlannerCycle", "RIHS01_41c75f40dc222eef706d2fc92edf7504db5a45627348c545258ac1843e94a5b2"},
     {"stilt_msgs/msg/Simulation", "RIHS01_41d3f2a731487a10962cb047a500c1363219773c1e9e11fc80c6d126cbff268e"},
     {"stilt_msgs/msg/Supervisor", "RIHS01_3a05083b5494bc94bc721f896c6c044c252acefc81fd806eb007e3c115bb851a"},
-    {"stilt_msgs/msg/TickBatch", "RIHS01_392cb276117c4eecebaf58c8e646fe9103a02f6fadf58edec45ad04c18cdd8e0"},
+    {"stilt_msgs/msg/TickBatch", "RIHS01_dcd9d181f599fff11da29e6ed4fefaf64568d501ac2f21abf6b524188b3c943b"},
     {"stilt_msgs/msg/Timing", "RIHS01_4f12aa902ca80e86ca2c476d3937d03836b21892865f8f12ef2e84349dd01205"},
     {"stilt_msgs/msg/Tuning", "RIHS01_b767c84fad588e3ba0ea49f98da99ece103f51d849c856775155ab19d51810c6"},
 };

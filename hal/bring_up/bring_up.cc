@@ -64,7 +64,7 @@ const char* name(Failure failure) noexcept {
     case Failure::no_watchdog:
       return "has no watchdog";
     case Failure::wrong_watchdog:
-      return "watchdog reads back differently";
+      return "watchdog is not the one that was set";
     case Failure::not_home:
       return "position not referenced";
     case Failure::driver_fault:
@@ -75,6 +75,8 @@ const char* name(Failure failure) noexcept {
       return "replies come too late";
     case Failure::void_offsets:
       return "its offset is void";
+    case Failure::wrong_version:
+      return "version differs from the configuration";
   }
   return "unknown";
 }
@@ -89,7 +91,7 @@ void BringUp::begin_anew() noexcept {
   failure_ = suspected_ = Failure::none;
   blame_ = suspicion_ = {};
   part_ = tries_ = 0;
-  waiting_ = answered_ = false;
+  waiting_ = answered_ = failing_ = false;
   position_rad_ = std::numeric_limits<double>::quiet_NaN();
   turn_offset_rad_ = 0;
   reply_lag_ns_ = 0;
@@ -131,10 +133,11 @@ bool BringUp::replies_in_time() noexcept {
 }
 
 void BringUp::failure(Failure failure, const Blame& blame) noexcept {
-  stage_ = Stage::failed;
   failure_ = failure;
   blame_ = blame;
-  waiting_ = false;
+  waiting_ = begins_rest_ = false;
+  failing_ = true;
+  part_ = 0;
 }
 
 void BringUp::suspect(Failure failure, const Blame& blame) noexcept {
@@ -244,6 +247,8 @@ StepResult BringUp::result() const noexcept {
   result.driver_fault = blame_.fault;
   result.fault_code = blame_.fault_code;
   result.setting = blame_.setting;
+  result.version = blame_.version;
+  result.wanted_version = blame_.wanted_version;
   result.position_rad = position_rad_;
   result.turn_offset_rad = turn_offset_rad_;
   result.reply_lag_ns = reply_lag_ns_;
@@ -257,6 +262,17 @@ StepResult BringUp::result_with_keep_alive(bool wanted) noexcept {
 }
 
 StepResult BringUp::step(std::int64_t now_ns, std::span<const CanFrame> received) noexcept {
+  const StepResult proceeded = failing_ ? result() : proceed(now_ns, received);
+  if (!failing_) return proceeded;
+  StepResult undoing = result();
+  undoing.send = undo(part_++, undoing.frame);
+  if (undoing.send) return undoing;
+  failing_ = false;
+  stage_ = Stage::failed;
+  return result();
+}
+
+StepResult BringUp::proceed(std::int64_t now_ns, std::span<const CanFrame> received) noexcept {
   const std::int64_t since_last_step_ns = std::min(now_ns - now_ns_, kLongestStep_ns);
   now_ns_ = now_ns;
   stage_ns_ += since_last_step_ns;
@@ -272,7 +288,7 @@ StepResult BringUp::step(std::int64_t now_ns, std::span<const CanFrame> received
   if (begins_rest_) return result();
   if (waiting_ && now_ns < deadline_ns_) return result_with_keep_alive(stage_ == Stage::enable);
   CanFrame frame;
-  while (stage_ < Stage::ready) {
+  while (stage_ < Stage::ready && !failing_) {
     if (tries_ == options_.tries || stage_ns_ > kLongestStage_ns) {
       give_up();
       break;

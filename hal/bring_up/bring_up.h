@@ -38,12 +38,13 @@ enum class Failure : std::uint8_t {
   old_version,     ///< firmware older than required
   wrong_scaling,   ///< its ranges or gains differ from the configuration
   no_watchdog,     ///< has no watchdog, and the configuration does not accept that
-  wrong_watchdog,  ///< reads back another time than was written
+  wrong_watchdog,  ///< reads back another time than was written, or does not end what it should
   not_home,        ///< position not referenced, or not in exactly one turn of the joint's travel
   driver_fault,    ///< see StepResult::driver_fault
   wrong_setting,   ///< see StepResult::setting
   slow_reply,      ///< see StepResult::reply_lag_ns
   void_offsets,    ///< it was up, may have lost its power since, and its position counts from power-up
+  wrong_version,   ///< another version than the configuration names, see StepResult::version
 };
 [[nodiscard]] const char* name(Failure failure) noexcept;
 
@@ -67,8 +68,10 @@ struct StepResult {
   Stage stage = Stage::identify;
   Failure failure = Failure::none;
   DriverFault driver_fault = DriverFault::none;
-  std::uint32_t fault_code = 0;     ///< vendor code of driver_fault
-  Setting setting = Setting::none;  ///< of the driver, when one is to blame
+  std::uint32_t fault_code = 0;      ///< vendor code of driver_fault
+  Setting setting = Setting::none;   ///< of the driver, when one is to blame
+  std::uint32_t version = 0;         ///< of the driver, with failure wrong_version
+  std::uint32_t wanted_version = 0;  ///< by the configuration, likewise
   double position_rad =
       std::numeric_limits<double>::quiet_NaN();  ///< once home is checked: at the driver's shaft
   double turn_offset_rad = 0;     ///< whole encoder periods to add to every position of the driver
@@ -128,9 +131,14 @@ class BringUp {
     DriverFault fault = DriverFault::none;
     std::uint32_t fault_code = 0;
     Setting setting = Setting::none;
+    std::uint32_t version = 0;
+    std::uint32_t wanted_version = 0;
   };
   /// Begins with silence, and its first request gets a reply that nothing else sends.
   [[nodiscard]] virtual Stage lag_stage() const noexcept { return Stage::identify; }
+
+  /// Frame number `part` that takes back, before the failure, what was asked of the driver. False: no more.
+  [[nodiscard]] virtual bool undo(unsigned /*part*/, CanFrame& /*frame*/) noexcept { return false; }
 
   void failure(Failure failure, const Blame& blame) noexcept;
   void failure(Failure what) noexcept { failure(what, Blame{}); }
@@ -153,6 +161,7 @@ class BringUp {
   static constexpr unsigned kLagProbes = 5;
 
  private:
+  [[nodiscard]] StepResult proceed(std::int64_t now_ns, std::span<const CanFrame> received) noexcept;
   void begin_anew() noexcept;
   void rest() noexcept;
   [[nodiscard]] bool resting() noexcept;
@@ -175,6 +184,7 @@ class BringUp {
   unsigned tries_ = 0;
   bool waiting_ = false;
   bool answered_ = false;
+  bool failing_ = false;  ///< failure() was called, and undo() may have more to send
   std::int64_t now_ns_ = 0;
   std::int64_t deadline_ns_ = 0;
   std::int64_t asked_ns_ = 0;       ///< newest try of the present request

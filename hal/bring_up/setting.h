@@ -35,6 +35,9 @@ enum class Setting : std::uint8_t {
   moteus_command_line,
   ak_reply_id_own,
   ak_reply_id_zero,
+  odrive_firmware_version,
+  odrive_hardware_version,
+  odrive_other_endpoints,
 };
 
 /// The vendor's name, and what it must be. Real-time safe.
@@ -98,8 +101,33 @@ enum class Setting : std::uint8_t {
       return "reply_id of the configuration must be its id, with which it answers";
     case Setting::ak_reply_id_zero:
       return "reply_id of the configuration must be 0, with which it answers";
+    case Setting::odrive_firmware_version:
+      return "odrive_firmware_version must be that of the driver, and all endpoints those of its "
+             "flat_endpoints.json";
+    case Setting::odrive_hardware_version:
+      return "odrive_hardware_version must be that of the driver, and all endpoints those of its "
+             "flat_endpoints.json";
+    case Setting::odrive_other_endpoints:
+      return "odrive_watchdog_timeout_endpoint and odrive_enable_watchdog_endpoint are other parameters: "
+             "they "
+             "must be the ids of axis0.config.watchdog_timeout and axis0.config.enable_watchdog in "
+             "flat_endpoints.json of its firmware";
   }
   return "unknown";
+}
+
+/// A key of the configuration, of the driver's section. Real-time safe.
+[[nodiscard]] constexpr bool is_key(Setting setting) noexcept {
+  switch (setting) {
+    case Setting::odrive_watchdog_endpoints:
+    case Setting::accepted_watchdog:
+    case Setting::odrive_firmware_version:
+    case Setting::odrive_hardware_version:
+    case Setting::odrive_other_endpoints:
+      return true;
+    default:
+      return false;
+  }
 }
 
 }  // namespace stilt::hal::bring_up

@@ -15,6 +15,8 @@ using bring_up::Setting;
 using bring_up::Stage;
 
 constexpr double kWatchdogTolerance_s = 1e-6;
+/// Other times than 0 that somebody may have stored; a whole number would be far below.
+constexpr float kLeastStored_s = 1e-4F, kMostStored_s = 1e4F;
 /// While listening, for 50 ms: with the documented rates 50, 5 and 10.
 constexpr unsigned kLeastEstimates = 40;
 constexpr unsigned kLeastHeartbeats = 2;
@@ -38,6 +40,8 @@ BringUp::Ask OdriveBringUp::ask(Stage stage, unsigned part, CanFrame& frame) noe
     case Stage::identify:
       if (part == 0) {  // disable it first, whatever it was doing
         listened_ = 0;
+        written_ = silent_ = false;
+        proved_ = !knows_endpoints();
         return asked(encode_set_state(node_, static_cast<std::uint32_t>(OdriveState::idle), frame),
                      Ask::send_only);
       }
@@ -78,13 +82,25 @@ BringUp::Ask OdriveBringUp::ask_watchdog(Stage stage, unsigned part, CanFrame& f
     failure(Failure::no_watchdog, {.setting = Setting::odrive_watchdog_endpoints});
     return Ask::fail;
   }
-  if (part > 1) return Ask::skip;
-  const bool write = stage == Stage::watchdog_write;
+  const unsigned reads = 2;  // of each stage, first
+  const bool write = stage == Stage::watchdog_write && part >= reads;
+  if (part >= (stage == Stage::watchdog_write ? 2 * reads : reads)) return Ask::skip;
+  written_ = written_ || write;
   const OdriveParameter timeout{write, endpoints_.watchdog_timeout,
                                 std::bit_cast<std::uint32_t>(static_cast<float>(options().watchdog_s)), 4};
   const OdriveParameter enable{write, endpoints_.enable_watchdog, 1, 1};
-  return asked(encode_parameter_request(node_, part == 0 ? timeout : enable, frame),
+  return asked(encode_parameter_request(node_, part % reads == 0 ? timeout : enable, frame),
                write ? Ask::send_only : Ask::wait_for_answer);
+}
+
+bool OdriveBringUp::undo(unsigned part, CanFrame& frame) noexcept {
+  if (!written_ || proved_ || part > 2) return false;
+  if (part == 0) {
+    return encode_set_state(node_, static_cast<std::uint32_t>(OdriveState::idle), frame) == EncodeStatus::ok;
+  }
+  const OdriveParameter timeout{true, endpoints_.watchdog_timeout, old_bits_[0], 4};
+  const OdriveParameter enable{true, endpoints_.enable_watchdog, old_bits_[1], 1};
+  return encode_parameter_request(node_, part == 1 ? timeout : enable, frame) == EncodeStatus::ok;
 }
 
 /// The robot is read from estimates, a driver that has disarmed shows in its heartbeat, and one that gives no
@@ -108,6 +124,7 @@ BringUp::Ask OdriveBringUp::ask_rates() noexcept {
 /// The watchdog has expired meanwhile: feed it, clear that, and enable. Nothing acknowledges the mode, so it
 /// goes before each try.
 BringUp::Ask OdriveBringUp::ask_enable(unsigned part, CanFrame& frame) noexcept {
+  if (silent_) return ask_silence();
   if (part == 0) {
     mode_sent_ = false;
     return asked(encode_input_torque(node_, 0, frame), Ask::send_only);
@@ -117,6 +134,14 @@ BringUp::Ask OdriveBringUp::ask_enable(unsigned part, CanFrame& frame) noexcept 
   if (mode_sent_) return ask_torque_mode(frame);
   return asked(encode_set_state(node_, static_cast<std::uint32_t>(OdriveState::closed_loop), frame),
                Ask::wait_for_answer);
+}
+
+/// Longer than the watchdog and the heartbeats' period.
+BringUp::Ask OdriveBringUp::ask_silence() noexcept {
+  const double longest = 1 + std::ceil(options().watchdog_s / (1e-9 * kListen_ns));
+  if (silences_++ < longest) return Ask::listen;
+  failure(Failure::wrong_watchdog, {.setting = Setting::odrive_other_endpoints});
+  return Ask::fail;
 }
 
 BringUp::Verdict OdriveBringUp::judge(Stage stage, unsigned part, const CanFrame& frame) noexcept {
@@ -134,6 +159,7 @@ BringUp::Verdict OdriveBringUp::judge(Stage stage, unsigned part, const CanFrame
     case Stage::scaling:
       return judge_limits(part, frame);
     case Stage::watchdog_write:
+      return judge_old_value(part, frame);
     case Stage::ready:
     case Stage::failed:
       break;
@@ -148,12 +174,51 @@ BringUp::Verdict OdriveBringUp::judge_version(const CanFrame& frame) noexcept {
     if (is_of(node_, frame)) suspect(Failure::old_version, {});
     return Verdict::ignore;
   }
-  if (version_number(version) >= options().minimum_version) return Verdict::next_stage;
-  failure(Failure::old_version);
+  const std::uint32_t firmware = firmware_number(version);
+  const std::uint32_t hardware = hardware_number(version);
+  if (firmware < options().minimum_version) {
+    failure(Failure::old_version);
+  } else if (endpoints_.any() && firmware != endpoints_.firmware_version) {
+    failure(Failure::wrong_version, {.setting = Setting::odrive_firmware_version,
+                                     .version = firmware,
+                                     .wanted_version = endpoints_.firmware_version});
+  } else if (endpoints_.any() && hardware != endpoints_.hardware_version) {
+    failure(Failure::wrong_version, {.setting = Setting::odrive_hardware_version,
+                                     .version = hardware,
+                                     .wanted_version = endpoints_.hardware_version});
+  } else {
+    return Verdict::next_stage;
+  }
   return Verdict::fail;
 }
 
-/// Firmware from 0.6.11 also confirms writes, without a value: those are not the answer.
+/// What is to be a time and a switch must be such before it is written. An answer without a value is of an
+/// endpoint that does not exist.
+BringUp::Verdict OdriveBringUp::judge_old_value(unsigned part, const CanFrame& frame) noexcept {
+  OdriveParameter answer;
+  const std::uint16_t endpoint = part == 0 ? endpoints_.watchdog_timeout : endpoints_.enable_watchdog;
+  if (decode_parameter_answer(node_, frame, answer) != DecodeStatus::ok || answer.endpoint != endpoint) {
+    return Verdict::ignore;
+  }
+  if (answer.value_bytes == 0) {
+    suspect(Failure::wrong_watchdog, {.setting = Setting::odrive_other_endpoints});
+    return Verdict::ignore;
+  }
+  const float time_s = std::bit_cast<float>(answer.bits);
+  const bool plausible =
+      part == 0
+          ? answer.value_bytes == 4 && (time_s == 0 || (time_s >= kLeastStored_s && time_s <= kMostStored_s))
+          : answer.bits <= 1;
+  if (!plausible) {
+    failure(Failure::wrong_watchdog, {.setting = Setting::odrive_other_endpoints});
+    return Verdict::fail;
+  }
+  old_bits_[part] = answer.bits;
+  return Verdict::next_part;
+}
+
+/// Firmware from 0.6.11 also confirms writes, without a value: those are not the answer. The answer of before
+/// the write may come twice.
 BringUp::Verdict OdriveBringUp::judge_watchdog(unsigned part, const CanFrame& frame) noexcept {
   OdriveParameter answer;
   const std::uint16_t endpoint = part == 0 ? endpoints_.watchdog_timeout : endpoints_.enable_watchdog;
@@ -166,7 +231,11 @@ BringUp::Verdict OdriveBringUp::judge_watchdog(unsigned part, const CanFrame& fr
                                                       options().watchdog_s) <= kWatchdogTolerance_s
                 : (answer.bits & 0xff) == 1;
   if (right) return part == 0 ? Verdict::next_part : Verdict::next_stage;
-  failure(Failure::wrong_watchdog);
+  if (answer.bits == old_bits_[part]) {
+    suspect(Failure::wrong_watchdog, {.setting = Setting::odrive_other_endpoints});
+    return Verdict::not_yet;
+  }
+  failure(Failure::wrong_watchdog, {.setting = Setting::odrive_other_endpoints});
   return Verdict::fail;
 }
 
@@ -214,16 +283,27 @@ BringUp::Verdict OdriveBringUp::judge_home(unsigned part, const CanFrame& frame)
 BringUp::Verdict OdriveBringUp::judge_enable(const CanFrame& frame) noexcept {
   OdriveHeartbeat heartbeat;
   if (decode(node_, frame, heartbeat) != DecodeStatus::ok) return Verdict::ignore;
+  const bool enabled = heartbeat.state == static_cast<std::uint8_t>(OdriveState::closed_loop);
+  if (silent_ && enabled) return Verdict::ignore;
+  if (silent_ && (heartbeat.errors & kOdriveWatchdogExpired) != 0) {
+    silent_ = false;
+    proved_ = true;
+    return Verdict::first_part;
+  }
   if (heartbeat.errors != 0) {
+    silent_ = false;
     suspect(Failure::driver_fault, {odrive_fault(heartbeat.errors), heartbeat.errors, Setting::none});
     return Verdict::first_part;
   }
-  return heartbeat.state == static_cast<std::uint8_t>(OdriveState::closed_loop) ? Verdict::next_stage
-                                                                                : Verdict::not_yet;
+  if (!enabled) return Verdict::not_yet;
+  if (proved_) return Verdict::next_stage;
+  silent_ = true;
+  silences_ = 0;
+  return Verdict::next_part;
 }
 
 bool OdriveBringUp::keep_alive(CanFrame& frame) noexcept {
-  return encode_input_torque(node_, 0, frame) == EncodeStatus::ok;
+  return !silent_ && encode_input_torque(node_, 0, frame) == EncodeStatus::ok;
 }
 
 }  // namespace stilt::hal::odrive

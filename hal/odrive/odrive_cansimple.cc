@@ -135,8 +135,8 @@ struct ErrorBit {
 
 /// ODrive.Error of firmware 0.6, the most specific first.
 constexpr std::array<ErrorBit, 21> kErrorBits{{
-    {0x02000000, DriverFault::emergency_stop},      // ESTOP_REQUESTED
-    {0x01000000, DriverFault::lost_communication},  // WATCHDOG_TIMER_EXPIRED
+    {0x02000000, DriverFault::emergency_stop},  // ESTOP_REQUESTED
+    {kOdriveWatchdogExpired, DriverFault::lost_communication},
     {0x00000100, DriverFault::over_voltage},
     {0x00000200, DriverFault::under_voltage},
     {0x00000400, DriverFault::over_current},  // DC_BUS_OVER_CURRENT

@@ -37,12 +37,18 @@ enum class OdriveCommand : std::uint8_t {
 
 inline constexpr std::uint8_t kOdriveMaximumNode = 0x3f;
 
-/// Numbers of the parameters, from flat_endpoints.json of the firmware's release; 0: unknown.
+/// Numbers of the parameters, from flat_endpoints.json of one release for one hardware; 0: unknown.
 struct OdriveEndpoints {
   std::uint16_t watchdog_timeout = 0;   ///< axis0.config.watchdog_timeout, float, s
   std::uint16_t enable_watchdog = 0;    ///< axis0.config.enable_watchdog, bool
   std::uint16_t torque_mode_limit = 0;  ///< axis0.controller.config.enable_torque_mode_vel_limit, bool
   std::uint16_t velocity_limit = 0;     ///< axis0.controller.config.vel_limit, float, rev/s
+  std::uint32_t firmware_version = 0;   ///< of that file, as firmware_number()
+  std::uint32_t hardware_version = 0;   ///< likewise, as hardware_number()
+
+  [[nodiscard]] constexpr bool any() const noexcept {
+    return watchdog_timeout != 0 || enable_watchdog != 0 || torque_mode_limit != 0 || velocity_limit != 0;
+  }
 };
 
 struct OdriveDriver {
@@ -108,6 +114,8 @@ struct OdriveParameter {
   std::uint32_t bits = 0;        ///< value, up to four bytes: integer, or the bits of a float
   std::uint8_t value_bytes = 4;  ///< 0, 1, 2 or 4
 };
+
+inline constexpr std::uint32_t kOdriveWatchdogExpired = 0x01000000;
 
 /// Most serious of the error bits. None for 0.
 [[nodiscard]] DriverFault odrive_fault(std::uint32_t errors) noexcept;

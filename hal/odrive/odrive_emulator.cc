@@ -10,7 +10,6 @@
 namespace stilt::hal::odrive {
 namespace {
 
-constexpr std::uint32_t kWatchdogExpired = 0x01000000;
 constexpr std::uint32_t kTooFast = 0x00008000;      // velocity limit violation
 constexpr double kVelocityTolerance = 1.2;          // controller.config.vel_limit_tolerance
 constexpr double kVelocityGain_Nm_s_rev = 1.0 / 6;  // controller.config.vel_gain
@@ -33,7 +32,7 @@ std::uint32_t bit_of(DriverFault fault) noexcept {
     case DriverFault::gate_driver:
       return 0x20;
     case DriverFault::lost_communication:
-      return kWatchdogExpired;
+      return kOdriveWatchdogExpired;
     case DriverFault::emergency_stop:
       return 0x02000000;
     default:
@@ -236,7 +235,8 @@ bool OdriveEmulator::due(std::int64_t now_ns, std::int64_t period_ns, std::int64
 void OdriveEmulator::elapse(std::int64_t now_ns, FrameSink& replies) noexcept {
   if (!powered()) return;
   const double silence_s = static_cast<double>(now_ns - fed_ns_) * 1e-9;
-  if (watchdog_enabled_ && silence_s > static_cast<double>(watchdog_s_)) disarm(kWatchdogExpired);
+  const bool counts = watchdog_enabled_ && (enabled() || settings_.expires_in_idle);
+  if (counts && silence_s > static_cast<double>(watchdog_s_)) disarm(kOdriveWatchdogExpired);
   const double fastest_rad_s = kVelocityTolerance * settings_.velocity_limit_rev_s * kRadiansPerRevolution;
   if (enabled() && std::abs(sensed().velocity_rad_s) > fastest_rad_s) disarm(kTooFast);
   if (enabled_from_ns_ != 0 && now_ns >= enabled_from_ns_) {

@@ -17,6 +17,7 @@ struct OdriveSettings {
   bool torque_mode_limit = true;                   ///< controller.config.enable_torque_mode_vel_limit
   bool answers_heartbeat_request = false;          ///< not public
   bool setpoints_alone_feed = false;               ///< the watchdog; not public
+  bool expires_in_idle = true;                     ///< the watchdog, as in 0.5; not public
   std::int64_t enable_ns = 0;                      ///< from the request to closed loop; not public
   bool answers_version = true;                     ///< 0.5 does not
   double clock_error = 0;                          ///< its periods are longer by this share
@@ -33,6 +34,27 @@ struct OdriveSettings {
   return settings;
 }
 
+inline constexpr OdriveVersion kEmulatedVersion{2, 4, 4, 58, 0, 6, 11, 0};
+
+/// Of the firmware and the hardware that the endpoints are of.
+[[nodiscard]] constexpr OdriveVersion version_of(const OdriveEndpoints& endpoints) noexcept {
+  OdriveVersion version = kEmulatedVersion;
+  const auto byte = [](std::uint32_t number, int shift) {
+    return static_cast<std::uint8_t>(number >> shift & 0xff);
+  };
+  if (const std::uint32_t firmware = endpoints.firmware_version; firmware != 0) {
+    version.firmware_major = byte(firmware, 16);
+    version.firmware_minor = byte(firmware, 8);
+    version.firmware_revision = byte(firmware, 0);
+  }
+  if (const std::uint32_t hardware = endpoints.hardware_version; hardware != 0) {
+    version.hardware_line = byte(hardware, 16);
+    version.hardware_version = byte(hardware, 8);
+    version.hardware_variant = byte(hardware, 0);
+  }
+  return version;
+}
+
 /// ODrive with torque control: heartbeat, estimates and torques on timers, parameters for the watchdog. The
 /// watchdog is off at first and disarms the axis when it expires. The ODrive holds its position until it is
 /// told otherwise. Facts: github.com/odriverobotics/ODrive,
@@ -41,7 +63,7 @@ struct OdriveSettings {
 class OdriveEmulator final : public EmulatedDriver {
  public:
   explicit OdriveEmulator(const OdriveDriver& driver, const OdriveSettings& settings = {},
-                          const OdriveVersion& version = {2, 4, 4, 58, 0, 6, 11, 0}) noexcept
+                          const OdriveVersion& version = kEmulatedVersion) noexcept
       : node_(driver.node), endpoints_(driver.endpoints), settings_(settings), version_(version) {}
 
   void take(std::int64_t now_ns, const CanFrame& frame, FrameSink& replies) noexcept override;
@@ -82,7 +104,7 @@ class OdriveEmulator final : public EmulatedDriver {
 };
 
 [[nodiscard]] inline OdriveEmulator make_emulator(const OdriveDriver& driver) noexcept {
-  return OdriveEmulator(driver, documented_settings());
+  return OdriveEmulator(driver, documented_settings(), version_of(driver.endpoints));
 }
 
 }  // namespace stilt::hal::odrive

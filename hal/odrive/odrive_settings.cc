@@ -4,7 +4,9 @@
 #include <cmath>
 
 #include "hal/can/bytes.h"
+#include "hal/driver/scanned_driver.h"
 #include "hal/odrive/odrive_driver.h"
+#include "hal/odrive/odrive_version.h"
 
 namespace stilt::hal::odrive {
 namespace {
@@ -19,23 +21,45 @@ ReadSetting rate_setting(const char* name, const char* wanted, int count, double
   return {name, is, wanted, rate_hz >= least_share * wanted_hz};
 }
 
+ReadSetting version_setting(const std::string& of, std::uint32_t is, std::uint32_t wanted) {
+  return {of + " version", is == 0 ? "" : dotted_bytes(is),
+          dotted_bytes(wanted) + ", odrive_" + of + "_version; or that key and all endpoints must be its own",
+          is == wanted};
+}
+
 }  // namespace
 
 std::uint16_t OdriveSettingReader::endpoint() const {
   return asked_ == 0 ? driver_.endpoints.torque_mode_limit : driver_.endpoints.velocity_limit;
 }
 
+bool OdriveSettingReader::right_version() const {
+  return version_ && firmware_number(*version_) == driver_.endpoints.firmware_version &&
+         hardware_number(*version_) == driver_.endpoints.hardware_version;
+}
+
 std::optional<CanFrame> OdriveSettingReader::next(bool /*lost*/, bool give_up) {
+  if (!driver_.endpoints.any()) return std::nullopt;
+  CanFrame frame;
+  if (!version_ && !give_up) {
+    if (encode_request(driver_.node, OdriveCommand::version, frame) != EncodeStatus::ok) return std::nullopt;
+    return frame;
+  }
+  if (!right_version()) return std::nullopt;
   if (give_up) ++asked_;
   while (asked_ < bits_.size() && endpoint() == 0) ++asked_;
   if (asked_ >= bits_.size()) return std::nullopt;
-  CanFrame frame;
   const OdriveParameter question{false, endpoint(), 0, 4};
   if (encode_parameter_request(driver_.node, question, frame) != EncodeStatus::ok) return std::nullopt;
   return frame;
 }
 
 bool OdriveSettingReader::take(const CanFrame& frame) {
+  OdriveVersion version;
+  if (!version_ && decode(driver_.node, frame, version) == DecodeStatus::ok) {
+    version_ = version;
+    return true;
+  }
   OdriveParameter answer;
   if (asked_ >= bits_.size() || decode_parameter_answer(driver_.node, frame, answer) != DecodeStatus::ok ||
       answer.endpoint != endpoint() || answer.value_bytes == 0) {
@@ -55,13 +79,19 @@ void OdriveSettingReader::listen(const CanFrame& frame) {
 
 std::vector<ReadSetting> OdriveSettingReader::settings(double listened_s) const {
   std::vector<ReadSetting> all;
-  if (driver_.endpoints.torque_mode_limit != 0) {
+  if (driver_.endpoints.any()) {
+    all.push_back(version_setting("firmware", version_ ? firmware_number(*version_) : 0,
+                                  driver_.endpoints.firmware_version));
+    all.push_back(version_setting("hardware", version_ ? hardware_number(*version_) : 0,
+                                  driver_.endpoints.hardware_version));
+  }
+  if (right_version() && driver_.endpoints.torque_mode_limit != 0) {
     ReadSetting& limit =
         all.emplace_back("axis0.controller.config.enable_torque_mode_vel_limit", "", "false");
     if (bits_[0]) limit.is = (*bits_[0] & 0xff) == 0 ? "false" : "true";
     limit.right = limit.is == "false";
   }
-  if (driver_.endpoints.velocity_limit != 0) {
+  if (right_version() && driver_.endpoints.velocity_limit != 0) {
     const double wanted_rev_s = speed_rad_s_ / kRadiansPerRevolution;
     ReadSetting& limit = all.emplace_back("axis0.controller.config.vel_limit", "",
                                           "at least " + short_number(wanted_rev_s) + " or inf");

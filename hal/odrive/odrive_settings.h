@@ -18,7 +18,7 @@ class OdriveSettingReader {
   OdriveSettingReader(const OdriveDriver& driver, const bring_up::Options& options)
       : driver_(driver), speed_rad_s_(options.maximum_speed_rad_s) {}
 
-  /// As of mit::MitSettingReader.
+  /// As of mit::MitSettingReader. Its version first: endpoints of another are not asked.
   [[nodiscard]] std::optional<CanFrame> next(bool lost, bool give_up);
   [[nodiscard]] bool take(const CanFrame& frame);
   void listen(const CanFrame& frame);
@@ -26,9 +26,11 @@ class OdriveSettingReader {
 
  private:
   [[nodiscard]] std::uint16_t endpoint() const;
+  [[nodiscard]] bool right_version() const;
 
   OdriveDriver driver_;
   double speed_rad_s_;
+  std::optional<OdriveVersion> version_;
   std::array<std::optional<std::uint32_t>, 2> bits_;  ///< of torque-mode limit and velocity limit
   std::size_t asked_ = 0;
   int estimates_ = 0;

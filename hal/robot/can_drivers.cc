@@ -98,6 +98,8 @@ void CanDrivers::step_joint(std::int64_t now_ns, std::size_t joint, BringUpProgr
   progress.fault = result.driver_fault;
   progress.fault_code = result.fault_code;
   progress.setting = result.setting;
+  progress.version = result.version;
+  progress.wanted_version = result.wanted_version;
   progress.reply_lag_s = 1e-9 * static_cast<double>(result.reply_lag_ns);
 }
 

@@ -40,6 +40,8 @@ struct BringUpProgress {
   std::uint32_t fault_code = 0;                         ///< vendor code of `fault`
   bring_up::Setting setting = bring_up::Setting::none;  ///< of the driver, when one is to blame
   double reply_lag_s = 0;                               ///< of the driver, with failure slow_reply
+  std::uint32_t version = 0;                            ///< of the driver, with failure wrong_version
+  std::uint32_t wanted_version = 0;                     ///< by the configuration, likewise
 };
 
 /// A robot as the control loop uses it: readings in, commands out. Implemented by motor drivers on CAN buses,

@@ -232,7 +232,8 @@ TEST(FirstDayPage, InstallsSetsUpBusesAndDriversWithoutAnotherPage) {
         "`moteus_tool -t 1 --console`: `conf set id.id 2`, then Ctrl-D; `moteus_tool -t 2 --console`: `conf "
         "write`",
         "    conf set servo.timeout_mode 12\n    conf write\n", "    odrive_watchdog_timeout_endpoint = N ",
-        "    odrive_enable_watchdog_endpoint = N ",
+        "    odrive_enable_watchdog_endpoint = N ", "    odrive_firmware_version = \"N.N.N\" ",
+        "    odrive_hardware_version = \"N.N.N\" ",
         "    protocol = \"mit_ak\"                       # or \"mit_mini_cheetah\"\n"
         "    accept_missing_watchdog = true\n"}) {
     EXPECT_NE(page.find(line), std::string::npos) << line;

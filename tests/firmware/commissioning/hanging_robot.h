@@ -38,6 +38,19 @@ inline const std::vector<std::string> kAkV3 = {"hip_driver.protocol=ak_v3",
                                                "hip_driver.accept_missing_watchdog=true",
                                                "knee_driver.accept_missing_watchdog=true"};
 
+/// Settings of ODrives with a watchdog.
+inline const std::vector<std::string> kOdriveWithWatchdog = {
+    "hip_driver.protocol=odrive",
+    "knee_driver.protocol=odrive",
+    "hip_driver.odrive_watchdog_timeout_endpoint=17",
+    "knee_driver.odrive_watchdog_timeout_endpoint=17",
+    "hip_driver.odrive_enable_watchdog_endpoint=18",
+    "knee_driver.odrive_enable_watchdog_endpoint=18",
+    "hip_driver.odrive_firmware_version=0.6.11",
+    "knee_driver.odrive_firmware_version=0.6.11",
+    "hip_driver.odrive_hardware_version=4.4.58",
+    "knee_driver.odrive_hardware_version=4.4.58"};
+
 /// A simulated robot that hangs, its legs free, as the commands meet it. Its clock advances it. It keeps
 /// what a person would see of its links, and the largest torque of each joint.
 class HangingRobot final : public hal::Clock {

@@ -12,6 +12,7 @@ namespace {
 
 using testing::HangingRobot;
 using testing::kAkV3;
+using testing::kOdriveWithWatchdog;
 
 const std::vector<std::string> kMoteus = {"hip_driver.protocol=moteus", "knee_driver.protocol=moteus"};
 const std::vector<std::string> kOdrive = {"hip_driver.protocol=odrive", "knee_driver.protocol=odrive",
@@ -202,12 +203,55 @@ TEST(Scan, NamesTheEndpointsOfAnOdriveWithoutAWatchdog) {
         << text;
   }
   EXPECT_FALSE(has(text, "knee_driver.")) << text;
-  HangingRobot half({.both = joined(strict, {"hip_driver.odrive_watchdog_timeout_endpoint=401"}),
+  HangingRobot half({.both = joined(strict, {"hip_driver.odrive_watchdog_timeout_endpoint=401",
+                                             "hip_driver.odrive_firmware_version=0.6.11",
+                                             "hip_driver.odrive_hardware_version=4.4.58"}),
                      .robot = {},
                      .miswired = {}});
   const std::string other = to_text(scanned(half));
   EXPECT_FALSE(has(other, "odrive_watchdog_timeout_endpoint")) << other;
   EXPECT_TRUE(has(other, "odrive_enable_watchdog_endpoint is 0")) << other;
+}
+
+/// The watchdog that a session switched on has expired since.
+TEST(Scan, IsCompleteBeforeAndAfterASessionWithEveryProtocol) {
+  for (const std::vector<std::string>& settings :
+       {std::vector<std::string>{}, kMoteus, kOdrive, kOdriveWithWatchdog, kAk, kAkV3}) {
+    HangingRobot robot({.both = settings, .robot = {}, .miswired = {}});
+    EXPECT_TRUE(scanned(robot).complete());
+    {
+      Session session = robot.session();
+      ASSERT_TRUE(watch(session, 0.1, [](const WatchSample&) {}));
+    }
+    const ScanResult result = scanned(robot);
+    EXPECT_TRUE(result.complete()) << to_text(result);
+    const bool ended = settings == kOdriveWithWatchdog;
+    EXPECT_EQ(has(to_text(result), "idle: its watchdog ended the last session\n"), ended) << to_text(result);
+    EXPECT_EQ(has(to_json(result), "\"watchdog_ended\": true"), ended);
+  }
+}
+
+TEST(Scan, NamesAFaultOfAnOdriveBesideItsExpiredWatchdog) {
+  HangingRobot robot({.both = kOdriveWithWatchdog, .robot = {}, .miswired = {}});
+  {
+    Session session = robot.session();
+    ASSERT_TRUE(watch(session, 0.1, [](const WatchSample&) {}));
+  }
+  robot.robot.drivers().driver(2).raise(hal::DriverFault::over_voltage);
+  const ScanResult result = scanned(robot);
+  EXPECT_FALSE(result.complete());
+  EXPECT_FALSE(result.buses[1].expected[0].good()) << to_text(result);
+  EXPECT_TRUE(result.buses[1].expected[1].good()) << to_text(result);
+}
+
+TEST(Scan, NamesAnOdriveOfAnotherVersionThanItsEndpoints) {
+  HangingRobot robot(
+      {.both = kOdriveWithWatchdog, .robot = {"hip_driver.odrive_firmware_version=0.6.12"}, .miswired = {}});
+  const std::string text = to_text(scanned(robot));
+  EXPECT_TRUE(has(text,
+                  "    SETTING firmware version is 0.6.12, and must be 0.6.11, odrive_firmware_version; or "
+                  "that key and all endpoints must be its own\n"))
+      << text;
 }
 
 /// An AK whose firmware is silent while its motor is off.

@@ -169,6 +169,34 @@ TEST(Watch, NamesTheKeysOfADriverWithoutAWatchdog) {
       "must be true, and the emergency stop must cut its supply");
 }
 
+TEST(Watch, NamesBothVersionsOfAnOdriveThatIsNotThatOfItsEndpoints) {
+  HangingRobot robot({.both = testing::kOdriveWithWatchdog,
+                      .robot = {"hip_driver.odrive_hardware_version=5.2.0"},
+                      .miswired = {}});
+  Session session = robot.session();
+  const auto done = watch(session, 1.0, [](const WatchSample&) {});
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error(),
+            "the driver of hip_L cannot be brought up: version differs from the configuration: 5.2.0 instead "
+            "of 4.4.58; in hip_driver, odrive_hardware_version must be that of the driver, and all endpoints "
+            "those of its flat_endpoints.json");
+}
+
+/// Their emulated drivers have no such parameters.
+TEST(Watch, NamesTheEndpointsOfAnOdriveThatAreNotThoseOfItsWatchdog) {
+  HangingRobot robot({.both = testing::kOdriveWithWatchdog,
+                      .robot = {"hip_driver.odrive_enable_watchdog_endpoint=19"},
+                      .miswired = {}});
+  Session session = robot.session();
+  const auto done = watch(session, 1.0, [](const WatchSample&) {});
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error(),
+            "the driver of hip_L cannot be brought up: watchdog is not the one that was set; in hip_driver, "
+            "odrive_watchdog_timeout_endpoint and odrive_enable_watchdog_endpoint are other parameters: they "
+            "must be the ids of axis0.config.watchdog_timeout and axis0.config.enable_watchdog in "
+            "flat_endpoints.json of its firmware");
+}
+
 TEST(Watch, ALineOfJsonIsASampleAndATableHasItsLines) {
   HangingRobot robot;
   const WatchSample sample = watched(robot, 0.2).back();

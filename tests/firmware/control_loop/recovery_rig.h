@@ -38,6 +38,8 @@ class RecoveryRig {
       if (protocol == configuration::DriverProtocol::ak_v3) driver->position_range_rad = 12.56;
       driver->odrive_watchdog_timeout_endpoint = 0x191;
       driver->odrive_enable_watchdog_endpoint = 0x192;
+      driver->odrive_firmware_version = "0.6.11";
+      driver->odrive_hardware_version = "4.4.58";
     }
     const hal::RobotWiring wiring = configuration::robot_wiring(configuration_.hardware, 1e9 / kTick_ns);
     const model::RobotModel& robot = testing_support::amber3m();

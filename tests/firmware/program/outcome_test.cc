@@ -203,6 +203,25 @@ TEST_F(OutcomeTest, ADriverThatCannotBeBroughtUpNamesItsFaultAndSetting) {
       << said;
 }
 
+TEST_F(OutcomeTest, ADriverOfAnotherVersionIsNamedWithBothAndTheKey) {
+  events->push({.kind = Event::Kind::bring_up_failed,
+                .time_s = 1.0,
+                .bring_up = {.joint = 1,
+                             .failure = hal::bring_up::Failure::wrong_version,
+                             .setting = hal::bring_up::Setting::odrive_firmware_version,
+                             .version = 0x00060c,
+                             .wanted_version = 0x00060b}});
+  testing::internal::CaptureStderr();
+  take_events(*events, outcome);
+  const std::string said = testing::internal::GetCapturedStderr();
+  EXPECT_NE(
+      said.find("driver of knee_L cannot be brought up: version differs from the configuration: 0.6.12 "
+                "instead of 0.6.11; in knee_driver, odrive_firmware_version must be that of the driver, "
+                "and all endpoints those of its flat_endpoints.json"),
+      std::string::npos)
+      << said;
+}
+
 TEST_F(OutcomeTest, ADriverWhoseRepliesAreLateIsNamedWithTheirLag) {
   events->push(
       {.kind = Event::Kind::bring_up_failed,

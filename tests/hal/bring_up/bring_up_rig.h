@@ -23,7 +23,10 @@ using odrive::OdriveBringUp;
 using odrive::OdriveEmulator;
 
 inline constexpr std::int64_t kTick_ns = 1'000'000;
-inline constexpr odrive::OdriveEndpoints kEndpoints{0x191, 0x192};
+inline constexpr odrive::OdriveEndpoints kEndpoints{.watchdog_timeout = 0x191,
+                                                    .enable_watchdog = 0x192,
+                                                    .firmware_version = 0x00060b,   // 0.6.11
+                                                    .hardware_version = 0x04043a};  // 4.4.58
 
 /// Ticks until the bring-up has ended one way or the other; a bound instead of a hang.
 inline StepResult run(BringUp& bring_up, mock::MockBus& bus, mock::MockClock& clock, int ticks = 2000) {

@@ -70,7 +70,7 @@ TEST_F(BringUpTest, AnOdriveWhoseFirstTorqueModeIsLostFollowsTorques) {
     }
   }
   ASSERT_EQ(result.stage, Stage::ready) << name(result.failure);
-  EXPECT_EQ(modes, 2);
+  EXPECT_EQ(modes, 3) << "before its watchdog is proved, and after";
   driver.motor.position_rad += 0.5;  // position control would pull it back
   CanFrame torque;
   ASSERT_EQ(odrive::encode_input_torque(3, 1.5, torque), EncodeStatus::ok);

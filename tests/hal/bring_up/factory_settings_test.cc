@@ -25,7 +25,7 @@ class FactorySettings : public BringUpTest {
     return end(driver, bring_up);
   }
   StepResult odrive(const odrive::OdriveSettings& settings) {
-    constexpr odrive::OdriveDriver kDriver{3, {0x191, 0x192, 0x193, 0x194}};
+    constexpr odrive::OdriveDriver kDriver{3, {0x191, 0x192, 0x193, 0x194, 0x00060b, 0x04043a}};
     options_.maximum_speed_rad_s = 15;
     OdriveEmulator driver(kDriver, settings);
     OdriveBringUp bring_up(kDriver, options_);

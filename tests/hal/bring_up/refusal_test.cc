@@ -78,8 +78,8 @@ class BringUpRefusal : public BringUpTest {
     MitBringUp bring_up(configured, options_);
     return end(bring_up, driver);
   }
-  StepResult odrive(odrive::OdriveEmulator& driver) {
-    OdriveBringUp bring_up({3, kEndpoints}, options_);
+  StepResult odrive(odrive::OdriveEmulator& driver, const odrive::OdriveEndpoints& endpoints = kEndpoints) {
+    OdriveBringUp bring_up({3, endpoints}, options_);
     return end(bring_up, driver);
   }
   std::optional<mock::FaultRule> fault_;
@@ -127,9 +127,11 @@ TEST_F(BringUpRefusal, FirmwareBelowTheMinimumIsRefusedAndTheMinimumIsNot) {
     moteus_settings.firmware_version = old ? 0x010304 : 0x010305;
     moteus::MoteusEmulator moteus_driver({}, moteus_settings);
     EXPECT_EQ(moteus(moteus_driver).failure, expected);
-    odrive::OdriveEmulator odrive_driver({3, kEndpoints}, odrive::documented_settings(),
+    odrive::OdriveEndpoints endpoints = kEndpoints;
+    endpoints.firmware_version = 0x010305;
+    odrive::OdriveEmulator odrive_driver({3, endpoints}, odrive::documented_settings(),
                                          {2, 4, 4, 58, 1, 3, static_cast<std::uint8_t>(old ? 4 : 5), 0});
-    EXPECT_EQ(odrive(odrive_driver).failure, expected);
+    EXPECT_EQ(odrive(odrive_driver, endpoints).failure, expected);
     options_.minimum_version = 8;
     mit::MitEmulator mit_driver(damiao(), mit::documented_settings(damiao()), old ? 7 : 8);
     EXPECT_EQ(damiao_driver(mit_driver).failure, expected);

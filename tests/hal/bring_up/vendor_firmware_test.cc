@@ -107,6 +107,7 @@ Case odrive_case(bool answers_heartbeat_request, bool setpoints_alone_feed, doub
             auto settings = odrive::documented_settings();
             settings.answers_heartbeat_request = answers_heartbeat_request;
             settings.setpoints_alone_feed = setpoints_alone_feed;
+            settings.expires_in_idle = random.between(0, 1) < 0.5;
             settings.enable_ns = static_cast<std::int64_t>(enable_ms * kMillisecond_ns);
             auto driver = std::make_shared<OdriveEmulator>(odrive::OdriveDriver{3, kEndpoints}, settings);
             driver->motor.position_rad = random.between(-1, 1);

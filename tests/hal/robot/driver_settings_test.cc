@@ -101,7 +101,7 @@ TEST(DriverSettings, BoundsOfAMoteusMayLeaveTheTravel) {
 }
 
 TEST(DriverSettings, OfAnOdriveFromTheVendorAreAllNamedAtOnce) {
-  const odrive::OdriveDriver driver{3, {0x191, 0x192, 0x193, 0x194}};
+  const odrive::OdriveDriver driver{3, {0x191, 0x192, 0x193, 0x194, 0x00060b, 0x04043a}};
   bring_up::Options options;
   options.maximum_speed_rad_s = 15;
   odrive::OdriveEmulator factory(driver, {});
@@ -115,8 +115,21 @@ TEST(DriverSettings, OfAnOdriveFromTheVendorAreAllNamedAtOnce) {
   every_second_tick.estimates_period_ns = 2 * kMillisecond_ns;
   odrive::OdriveEmulator seldom(driver, every_second_tick);
   EXPECT_EQ(wrong(read(driver, seldom, options)), "axis0.config.can.encoder_msg_rate_ms 2; ");
-  const odrive::OdriveDriver unknown{3, {0x191, 0x192, 0, 0}};
-  EXPECT_EQ(read(unknown, documented).size(), 3u) << "limits whose endpoints are not known are not asked for";
+  const odrive::OdriveDriver unknown{3, {0x191, 0x192, 0, 0, 0x00060b, 0x04043a}};
+  EXPECT_EQ(read(unknown, documented).size(), 5u) << "limits whose endpoints are not known are not asked for";
+  EXPECT_EQ(read(odrive::OdriveDriver{3, {}}, documented).size(), 3u) << "nor is a version without endpoints";
+}
+
+TEST(DriverSettings, OfAnOdriveOfAnotherVersionAreItsVersionAndNoEndpoints) {
+  for (const auto& [firmware, hardware, expected] :
+       {std::tuple(0x00060cu, 0x04043au, "firmware version 0.6.11; "),
+        std::tuple(0x00060bu, 0x04043bu, "hardware version 4.4.58; ")}) {
+    const odrive::OdriveDriver driver{3, {0x191, 0x192, 0x193, 0x194, firmware, hardware}};
+    odrive::OdriveSettings settings = odrive::documented_settings();
+    settings.velocity_limit_rev_s = 2;
+    odrive::OdriveEmulator documented(driver, settings);
+    EXPECT_EQ(wrong(read(driver, documented, {.maximum_speed_rad_s = 15})), expected);
+  }
 }
 
 TEST(DriverSettings, OfAnAkOfVersionThreeAreWhatItSends) {

@@ -135,7 +135,10 @@ class Robot {
     return wiring.direction * wiring.ratio * wiring.torque_factor * drivers_[joint]->torque_Nm();
   }
 
-  static constexpr odrive::OdriveEndpoints kEndpoints{0x191, 0x192};
+  static constexpr odrive::OdriveEndpoints kEndpoints{.watchdog_timeout = 0x191,
+                                                      .enable_watchdog = 0x192,
+                                                      .firmware_version = 0x00060b,
+                                                      .hardware_version = 0x04043a};
   mock::MockClock clock_;
   std::array<mock::MockBus, 2> buses_{mock::MockBus(clock_), mock::MockBus(clock_)};
   RobotWiring wiring_;

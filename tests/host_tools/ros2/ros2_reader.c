@@ -89,6 +89,8 @@ static void print_ticks(const void* data) {
   NUMBERS(gait_speed_m_s);
   NUMBERS(bring_up_setting);
   NUMBERS(bring_up_reply_lag_s);
+  NUMBERS(bring_up_version);
+  NUMBERS(bring_up_wanted_version);
 }
 
 static void print_planner(const void* data) {

@@ -21,7 +21,9 @@ RobotRequest drivers(const std::string& protocol, const std::string& ratio) {
       "moteus_kp_Nm_rev=4000",
       "moteus_kd_Nms_rev=400",
       "odrive_watchdog_timeout_endpoint=17",
-      "odrive_enable_watchdog_endpoint=18"};
+      "odrive_enable_watchdog_endpoint=18",
+      "odrive_firmware_version=0.6.11",
+      "odrive_hardware_version=4.4.58"};
   for (const std::string which : {"hip_driver.", "knee_driver."}) {
     for (const std::string& setting : settings) request.settings.push_back(which + setting);
   }
