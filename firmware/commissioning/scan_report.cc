@@ -41,6 +41,7 @@ std::string state_line(const ScannedNode& node) {
   if (reading.fault != hal::DriverFault::none) {
     text += ": " + diagnostics::fault_text(reading.fault, reading.fault_code);
   }
+  if (node.found.watchdog_ended) text += ": its watchdog ended the last session";
   return text;
 }
 
@@ -148,6 +149,7 @@ Json node_json(const ScannedNode& node) {
   json["mode"] = diagnostics::state_text(reading.state);
   json["fault"] = hal::name(reading.fault);
   json["fault_code"] = reading.fault_code;
+  json["watchdog_ended"] = node.found.watchdog_ended;
   if (node.joint) json["settings"] = Json::array();
   for (const hal::ReadSetting& setting : node.settings) {
     json["settings"].push_back({{"name", setting.name},

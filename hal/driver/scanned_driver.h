@@ -15,6 +15,7 @@ struct ScannedDriver {
   std::optional<std::uint32_t> version;   ///< of its firmware, as bring_up::Options::minimum_version counts
   std::optional<std::uint32_t> reply_id;  ///< that it answers with, where this is a setting of the driver
   DriverReading reading;
+  bool watchdog_ended = false;  ///< the last session: idle since, and no fault
 };
 
 /// 0x010304 is 1.3.4. Not real time.

@@ -23,6 +23,12 @@ bool take_scan(const OdriveDriver& driver, const CanFrame& frame, ScannedDriver&
   const bool says_state = decode(driver.node, frame, heartbeat) == DecodeStatus::ok;
   const bool known = says_version || says_state || decode(driver.node, frame, estimates) == DecodeStatus::ok;
   if (take_frame(driver, frame, scanned.reading) != DecodeStatus::ok) return false;
+  if (says_state) {  // bring-up switched its watchdog on, and nothing has fed it since the session
+    scanned.watchdog_ended = heartbeat.errors == kOdriveWatchdogExpired &&
+                             heartbeat.state == static_cast<std::uint8_t>(OdriveState::idle);
+    if (scanned.watchdog_ended)
+      scanned.reading.set_state(DriverState::idle, DriverFault::none, heartbeat.errors);
+  }
   if (says_version) scanned.version = firmware_number(version);
   scanned.answered = scanned.answered || known;
   return true;
