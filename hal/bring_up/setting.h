@@ -109,8 +109,7 @@ enum class Setting : std::uint8_t {
              "flat_endpoints.json";
     case Setting::odrive_other_endpoints:
       return "odrive_watchdog_timeout_endpoint and odrive_enable_watchdog_endpoint are other parameters: "
-             "they "
-             "must be the ids of axis0.config.watchdog_timeout and axis0.config.enable_watchdog in "
+             "they must be the ids of axis0.config.watchdog_timeout and axis0.config.enable_watchdog in "
              "flat_endpoints.json of its firmware";
   }
   return "unknown";

@@ -82,14 +82,15 @@ BringUp::Ask OdriveBringUp::ask_watchdog(Stage stage, unsigned part, CanFrame& f
     failure(Failure::no_watchdog, {.setting = Setting::odrive_watchdog_endpoints});
     return Ask::fail;
   }
-  const unsigned reads = 2;  // of each stage, first
-  const bool write = stage == Stage::watchdog_write && part >= reads;
-  if (part >= (stage == Stage::watchdog_write ? 2 * reads : reads)) return Ask::skip;
+  constexpr unsigned kParameters = 2;  // both stages read them first
+  const bool writes = stage == Stage::watchdog_write;
+  const bool write = writes && part >= kParameters;
+  if (part >= (writes ? 2 * kParameters : kParameters)) return Ask::skip;
   written_ = written_ || write;
   const OdriveParameter timeout{write, endpoints_.watchdog_timeout,
                                 std::bit_cast<std::uint32_t>(static_cast<float>(options().watchdog_s)), 4};
   const OdriveParameter enable{write, endpoints_.enable_watchdog, 1, 1};
-  return asked(encode_parameter_request(node_, part % reads == 0 ? timeout : enable, frame),
+  return asked(encode_parameter_request(node_, part % kParameters == 0 ? timeout : enable, frame),
                write ? Ask::send_only : Ask::wait_for_answer);
 }
 
