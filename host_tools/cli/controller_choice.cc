@@ -123,8 +123,9 @@ void add_controller_options(CLI::App& command, ControllerChoice& choice) {
           ->capture_default_str();
   command.parse_complete_callback([&choice, robot] {
     if (robot->count() > 0 || choice.config_file.empty()) return;
-    choice.robot =
-        load_configuration("", choice.config_file, choice.preset, option_overrides(choice)).hardware.robot;
+    // A mistake in it is reported when the command reads it.
+    const auto read = configuration::load(choice.config_file, "", option_overrides(choice), choice.preset);
+    if (read) choice.robot = read->hardware.robot;
   });
   command
       .add_option("--controller", choice.controller,

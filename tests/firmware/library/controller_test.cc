@@ -199,7 +199,7 @@ TEST(OwnLoop, TheRobotOfAFileNeedsNoOtherName) {
   std::ofstream(file) << "[hardware]\nrobot = \"rabbit\"\n[reference]\nbase_height_m = 0.9\n";
   const auto refused = Controller::create({.configuration_file = file});
   ASSERT_FALSE(refused);
-  EXPECT_NE(refused.error().find("legs of 0.8 m"), std::string::npos) << refused.error();
+  EXPECT_NE(refused.error().find("legs of 0.4 m"), std::string::npos) << refused.error();
 }
 
 TEST(OwnLoop, EachSeedOfTheSimulatedRobotHasItsOwnNoise) {

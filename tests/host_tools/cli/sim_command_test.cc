@@ -31,7 +31,7 @@ TEST_F(SimCommand, GainsAreThoseOfTheConfigurationKey) {
 
 TEST_F(SimCommand, TheRobotIsThatOfTheConfigurationUnlessItIsNamed) {
   const std::string file_name = file("robot.toml");
-  std::ofstream(file_name) << "[hardware]\nrobot = \"rabbit\"\n";
+  std::ofstream(file_name) << "[hardware]\nrobot = \"rabbit\"\n[reference]\nbase_height_m = 0.73\n";
   const auto log_of = [&](const std::string& options) {
     const Outcome outcome = run("sim --gait stand --duration 0.2 --log - " + options);
     EXPECT_EQ(outcome.status, 0) << outcome.errors;
