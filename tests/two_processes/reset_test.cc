@@ -94,6 +94,9 @@ class ResetWhileItRuns : public testing::TestWithParam<Case> {
     controller.insert(controller.end(),
                       {"--lockstep", "--start", "walk@0.4", "--set", "supervisor.heartbeat_timeout_s=20",
                        "--set", "supervisor.operator_gone_s=600", "--set", "telemetry.release_s=60"});
+    // By its void offset a joint may be beyond its travel: that would hold the reset up.
+    if (refused())
+      controller.insert(controller.end(), {"--set", "supervisor.position_margin_rad=" + widest()});
     run_.start_robot(robot);
     run_.start_controller(controller);
     ASSERT_TRUE(host_.until([&] { return host_.run_id != 0; })) << run_.said();
@@ -114,10 +117,16 @@ class ResetWhileItRuns : public testing::TestWithParam<Case> {
     return GetParam().cause.silences && protocol != "mit_damiao" && protocol != "moteus";
   }
 
+  /// What the frames of its drivers carry.
+  [[nodiscard]] static std::string widest() {
+    return std::string_view(GetParam().protocol) == "odrive" ? "3" : "0.7";
+  }
+
   void expect_refusal() {
     ASSERT_EQ(host_.ask(CommandKind::stand), "accepted");
-    ASSERT_TRUE(host_.until_state(State::fault)) << run_.said();
-    EXPECT_EQ(host_.latched, std::uint64_t{1} << static_cast<unsigned>(Fault::bring_up_failed));
+    const auto refusal = std::uint64_t{1} << static_cast<unsigned>(Fault::bring_up_failed);
+    ASSERT_TRUE(host_.until([&] { return host_.latched != 0; })) << run_.said();
+    EXPECT_EQ(host_.latched, refusal);
     EXPECT_NE(run_.said().find("cannot be brought up: its offset is void"), std::string::npos) << run_.said();
     run_.robot().signal(SIGINT);
     run_.expect_both_to_end();
