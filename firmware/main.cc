@@ -108,7 +108,8 @@ std::string refusal_json(const program::Options& options, const std::string& sen
 
 /// Standard error has the reason, and so has the JSON where it is asked for and can be written.
 int refuse(const program::Options& options, const std::string& sentence) {
-  if (diagnostics::why_not_writable(options.json_file).empty()) {
+  const bool has_its_place = program::file_conflict(options).empty();
+  if (has_its_place && diagnostics::why_not_writable(options.json_file).empty()) {
     static_cast<void>(write_json(options, refusal_json(options, sentence)));
   }
   return refuse(sentence);
@@ -356,6 +357,8 @@ int main(int argc, char** argv) {
   if (const auto read = program::read_options(argc, argv, version_text(), options); !read) {
     return refuse(options, read.error());
   }
+  const std::string conflict = program::file_conflict(options);
+  if (!conflict.empty()) return refuse(conflict);
   const int status = run(options);
   return status == kBadUsage || diagnostics::all_printed() ? status : refuse(diagnostics::kNotPrinted);
 }

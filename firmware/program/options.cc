@@ -16,6 +16,7 @@
 
 #include "firmware/commissioning/jog.h"
 #include "firmware/control_loop/joint_names.h"
+#include "firmware/diagnostics/output_file.h"
 #include "firmware/program/configuration_choice.h"
 #include "firmware/program/examples.h"
 #include "firmware/program/instruction_sets.h"
@@ -199,13 +200,15 @@ Task task_of(const Commands& commands) {
   return Task::control;
 }
 
-/// Of a command line that is refused before its options are known; empty: none. Another option is no file.
-std::string json_file_of(std::span<char* const> words) {
-  constexpr std::string_view kOption = "--json";
+/// File of an option of a command line that is refused before its options are known; empty: none. Another
+/// option is no file.
+std::string file_of(std::string_view option, std::span<char* const> words) {
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::string_view word = words[i];
-    if (word.starts_with("--json=")) return std::string(word.substr(kOption.size() + 1));
-    if (word != kOption || i + 1 == words.size()) continue;
+    if (word.starts_with(option) && word.substr(option.size()).starts_with('=')) {
+      return std::string(word.substr(option.size() + 1));
+    }
+    if (word != option || i + 1 == words.size()) continue;
     const std::string_view file = words[i + 1];
     if (file == "-" || !file.starts_with("-")) return std::string(file);
   }
@@ -313,10 +316,19 @@ std::expected<void, std::string> read_options(int argc, char** argv, const std::
     return {};
   } catch (const CLI::ParseError& error) {
     options.task = task_of(commands);
-    options.json_file = json_file_of({argv + 1, argv + argc});
+    options.json_file = file_of("--json", {argv + 1, argv + argc});
+    options.config_file = file_of("--config", {argv + 1, argv + argc});
     return std::unexpected(usage_text(app, error));
   }
   return interpret(arguments, commands, options);
+}
+
+std::string file_conflict(const Options& options) {
+  const auto outputs = std::to_array<diagnostics::NamedFile>(
+      {{"--json", options.json_file}, {"--black-box", options.black_box_file}});
+  const auto inputs = std::to_array<std::string>(
+      {options.config_file, options.out_file, options.answers_file, options.configuration.hardware.robot});
+  return diagnostics::conflict(outputs, inputs);
 }
 
 }  // namespace stilt::program

@@ -12,6 +12,7 @@
 
 namespace stilt::program {
 
+/// What the command line asks of stiltd.
 enum class Task {
   control,       ///< run the controller
   self_test,     ///< command the drivers at zero torque and report
@@ -58,10 +59,15 @@ struct Options {
 };
 
 /// Reads the command line and the configuration. The error is for the user: a sentence, or a line for each
-/// mistake of the configuration. `options` then has task and json_file, for the JSON of the refusal.
+/// mistake of the configuration. `options` then has task, json_file and config_file, for the JSON of the
+/// refusal.
 /// `version`: what --version prints.
 [[nodiscard]] std::expected<void, std::string> read_options(int argc, char** argv, const std::string& version,
                                                             Options& options);
+
+/// Refuses results that would replace each other, the configuration, the robot or the answers. One sentence;
+/// empty where each has its place. `--out` is read before it is changed.
+[[nodiscard]] std::string file_conflict(const Options& options);
 
 /// GAIT@SPEED, or stand, step: the error says what would be right.
 [[nodiscard]] std::expected<gait::GaitCommand, std::string> parse_start(const std::string& text);

@@ -5,10 +5,12 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
 #include <limits>
 #include <set>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 
 #include "firmware/robots/robots.h"
 #include "host_tools/cli/check_duration.h"
@@ -85,6 +87,12 @@ void record_all(const RecordOptions& options, host_telemetry::Listener& listener
   recorder.close();
 }
 
+/// A record of nothing is no use, and would be in the way of the next one of its name.
+void remove_record(const std::string& file) {
+  std::error_code ignored;
+  if (std::filesystem::is_regular_file(file, ignored)) std::filesystem::remove(file, ignored);
+}
+
 bool whole(const record::Recorder& recorder) {
   const auto& runs = recorder.runs();
   return !runs.empty() &&
@@ -114,7 +122,8 @@ void print(const RecordOptions& options, const record::Recorder& recorder, doubl
               1e-6 * static_cast<double>(recorder.bytes()));
   if (recorder.messages() == 0) {
     std::printf(
-        "nothing was received on domain %d, interface %s; does stiltd run there, with telemetry.enabled?\n",
+        "nothing was received on domain %d, interface %s, and no file is left; does stiltd run there, with "
+        "telemetry.enabled?\n",
         options.network.domain, options.network.interface.c_str());
   }
   for (const auto& [run_id, ledger] : recorder.runs()) {
@@ -158,6 +167,7 @@ int run_record(const RecordOptions& options) {
   } catch (const std::runtime_error& error) {
     problem = error.what();
   }
+  if (problem.empty() && recorder.messages() == 0) remove_record(options.out_file);
   const double elapsed_s = std::chrono::duration<double>(Clock::now() - start).count();
   if (options.json_file != "-") print(options, recorder, elapsed_s);
   for (const std::string& urdf : missing) {

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <regex>
 #include <string>
@@ -233,6 +234,25 @@ TEST(Stiltd, LooksBeforeTheRunWhetherItsFilesCanBeWritten) {
         has(run, std::string(option) + " /nowhere/file: cannot be written (No such file or directory)"))
         << run.text;
     EXPECT_FALSE(has(run, "loopback")) << "before it opens a bus";
+  }
+}
+
+TEST(Stiltd, WritesItsResultsOverNoFileThatItReads) {
+  const tests::OwnFolder folder;
+  const std::string file = folder.file("robot.toml");
+  const std::string text = "[telemetry]\nenabled = false\n";
+  for (const std::string& words :
+       {"--config FILE --json FILE " + kAbsentBuses, "--config FILE --black-box FILE " + kAbsentBuses,
+        std::string("--config FILE --json FILE --nonsense"),
+        std::string("--config=FILE --json=FILE --nonsense"),
+        "jog hip_L 0.3 --answers FILE --json FILE " + kAbsentBuses,
+        "identify --out FILE --json FILE " + kAbsentBuses, "--json FILE --black-box FILE " + kAbsentBuses}) {
+    std::ofstream(file) << text;
+    const Answer run = stiltd(std::regex_replace(words, std::regex("FILE"), file));
+    EXPECT_EQ(run.status, 2) << words;
+    EXPECT_TRUE(has(run, file + ": is ") || has(run, "--nonsense")) << words << run.text;
+    const std::string left(std::istreambuf_iterator<char>(std::ifstream(file).rdbuf()), {});
+    EXPECT_EQ(left, text) << words;
   }
 }
 

@@ -161,6 +161,13 @@ TEST_F(CommandOutput, ARecordWithoutSpaceIsAccountedFor) {
   EXPECT_LE(json.at("bytes"), std::filesystem::file_size(file("walk.mcap")));
 }
 
+TEST_F(CommandOutput, ARecordOfNothingIsNotInTheWayOfTheNext) {
+  for (int times = 0; times < 2; ++times) {
+    EXPECT_EQ(run(record_in_own_domain() + "--out " + file("walk.mcap")).status, 1);
+    EXPECT_FALSE(std::filesystem::exists(file("walk.mcap")));
+  }
+}
+
 TEST_F(CommandOutput, ARecordHasTheProblemNull) {
   EXPECT_EQ(run(record_in_own_domain() + "--out /dev/null --json " + file("run.json")).status, 1);
   EXPECT_TRUE(nlohmann::json::parse(text_of(file("run.json"))).at("problem").is_null());
