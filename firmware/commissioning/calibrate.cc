@@ -31,10 +31,10 @@ std::expected<void, CommandFailure> failure(const std::string& sentence) {
 
 /// Means over a moment, and how much the joints moved meanwhile.
 struct Measured {
-  Angles joint_rad{};
+  hal::JointValues joint_rad{};
   double pitch_rad = 0;
   bool pitch_silent = false;
-  Angles motion_rad{};
+  hal::JointValues motion_rad{};
 
   [[nodiscard]] double leg_motion_rad(std::size_t joint) const {
     return std::max(motion_rad[joint], motion_rad[joint ^ 1U]);
@@ -137,13 +137,13 @@ class PoseReader {
 
   Measured measure() {
     Measured measured;
-    Angles least, most;
+    hal::JointValues least, most;
     least.fill(INFINITY);
     most.fill(-INFINITY);
     const auto count = static_cast<int>(std::lround(kMeasured_s / session_.tick_s()));
     for (int i = 0; i < count; ++i) {
       session_.tick();
-      const Angles now_rad = joint_angles(session_.readings());
+      const hal::JointValues now_rad = joint_angles(session_.readings());
       for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
         measured.joint_rad[joint] += now_rad[joint] / count;
         least[joint] = std::min(least[joint], now_rad[joint]);
@@ -157,8 +157,8 @@ class PoseReader {
   }
 
   /// u of calibration.h, from angles by the configuration.
-  [[nodiscard]] Angles before_wiring(const Angles& configured_rad) const {
-    Angles turned_rad;
+  [[nodiscard]] hal::JointValues before_wiring(const hal::JointValues& configured_rad) const {
+    hal::JointValues turned_rad;
     for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
       const configuration::JointParameters& place = request_.hardware.joint[joint];
       turned_rad[joint] = (place.reversed ? -1 : 1) * (configured_rad[joint] - place.offset_rad);
@@ -166,8 +166,8 @@ class PoseReader {
     return turned_rad;
   }
 
-  [[nodiscard]] Angles calibrated(const Angles& configured_rad) const {
-    Angles angles_rad = before_wiring(configured_rad);
+  [[nodiscard]] hal::JointValues calibrated(const hal::JointValues& configured_rad) const {
+    hal::JointValues angles_rad = before_wiring(configured_rad);
     for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
       const JointCalibration& result = readings_.joints[joint];
       angles_rad[joint] = (result.reversed ? -1 : 1) * angles_rad[joint] + result.offset_rad;

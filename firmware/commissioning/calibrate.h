@@ -11,11 +11,12 @@
 /// follow. Ordinary threads; why so: docs/decisions/0021-commissioning.md
 namespace stilt::commissioning {
 
+/// What calibrate() needs to know.
 struct CalibrationRequest {
   Reference reference = Reference::stops;
   configuration::HardwareParameters hardware;
-  Angles minimum_rad{};  ///< ends of the travel by the URDF
-  Angles maximum_rad{};
+  hal::JointValues minimum_rad{};  ///< ends of the travel by the URDF
+  hal::JointValues maximum_rad{};
 };
 
 /// What the person's hands have shown. The drivers are off by then: to judge the torso takes long.
@@ -24,6 +25,7 @@ struct CalibrationReadings {
   std::optional<TorsoReadings> torso;  ///< nothing: a joint is not calibrated
 };
 
+/// What calibrate() found, by joint and of the torso.
 struct CalibrationReport {
   Reference reference = Reference::stops;
   std::array<JointCalibration, hal::kJoints> joints;

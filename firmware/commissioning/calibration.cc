@@ -32,8 +32,8 @@ constexpr double kLate_s = 0.02;
 const char* flag(bool value) { return value ? "true" : "false"; }
 
 /// The encoder that moved instead, if any.
-std::optional<std::size_t> moved_instead(std::size_t joint, const Angles& first, const Angles& second,
-                                         double asked_rad) {
+std::optional<std::size_t> moved_instead(std::size_t joint, const hal::JointValues& first,
+                                         const hal::JointValues& second, double asked_rad) {
   for (std::size_t other = 0; other < hal::kJoints; ++other) {
     if (other != joint && std::abs(second[other] - first[other]) > kOtherShare * asked_rad) return other;
   }
@@ -197,9 +197,9 @@ void add_torso(const configuration::TorsoSensorParameters& sensor, const TorsoCa
 
 }  // namespace
 
-double plumb_pitch_rad(const Angles& rest_rad) { return -0.5 * (rest_rad[0] + rest_rad[2]); }
+double plumb_pitch_rad(const hal::JointValues& rest_rad) { return -0.5 * (rest_rad[0] + rest_rad[2]); }
 
-bool legs_plumb(const Angles& rest_rad) {
+bool legs_plumb(const hal::JointValues& rest_rad) {
   return std::abs(rest_rad[0] - rest_rad[2]) < kPlumb_rad && std::abs(rest_rad[1]) < kPlumb_rad &&
          std::abs(rest_rad[3]) < kPlumb_rad;
 }
@@ -222,8 +222,8 @@ JointPoses joint_poses(Reference reference, double minimum_rad, double maximum_r
   return {0, kSwing_rad, false};
 }
 
-JointCalibration calibrate_joint(std::size_t joint, const JointPoses& poses, const Angles& first,
-                                 const Angles& second, const configuration::JointParameters& place,
+JointCalibration calibrate_joint(std::size_t joint, const JointPoses& poses, const hal::JointValues& first,
+                                 const hal::JointValues& second, const configuration::JointParameters& place,
                                  double ratio) {
   const double asked_rad = poses.second_rad - poses.first_rad;
   const double read_rad = second[joint] - first[joint];

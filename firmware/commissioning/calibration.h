@@ -30,6 +30,7 @@ struct JointPoses {
 };
 [[nodiscard]] JointPoses joint_poses(Reference reference, double minimum_rad, double maximum_rad);
 
+/// What the poses show of a joint.
 enum class CalibrationFinding {
   correct,
   changed,             ///< the offset differs from the configuration's; the new one is valid
@@ -40,6 +41,7 @@ enum class CalibrationFinding {
 };
 [[nodiscard]] const char* name(CalibrationFinding finding);
 
+/// Sign and offset of a joint by its poses.
 struct JointCalibration {
   CalibrationFinding finding = CalibrationFinding::correct;
   std::string sentence;
@@ -56,9 +58,10 @@ struct JointCalibration {
 /// @param place          as configured
 /// @param ratio          of the joint's driver
 [[nodiscard]] JointCalibration calibrate_joint(std::size_t joint, const JointPoses& poses,
-                                               const Angles& first, const Angles& second,
+                                               const hal::JointValues& first, const hal::JointValues& second,
                                                const configuration::JointParameters& place, double ratio);
 
+/// What the poses show of the torso sensor.
 enum class TorsoFinding {
   correct,
   changed,         ///< sign or offset differ from the configuration's; the new ones are valid
@@ -76,7 +79,7 @@ enum class TorsoFinding {
 /// What was read of the torso. Angles of the joints are calibrated.
 struct TorsoReadings {
   double rest_pitch_rad = 0.0;  ///< by the sensor, all hanging at rest
-  Angles rest_rad{};
+  hal::JointValues rest_rad{};
   bool silent = false;  ///< at rest or while it rocked, the pitch was not current
   /// While it rocked, period_s apart: its angle by the left hip, and pitch and rate by the sensor.
   std::vector<double> torso_rad, pitch_rad, pitch_rate_rad_s;
@@ -86,7 +89,7 @@ struct TorsoReadings {
 /// What the readings come to.
 struct TorsoMotion {
   double rest_pitch_rad = 0.0;
-  Angles rest_rad{};
+  hal::JointValues rest_rad{};
   bool silent = false;
   LagFit pitch{};  ///< of the sensor's pitch against the torso's angle, while the torso rocks
   LagFit rate{};   ///< of the integral of its rate against the same, both without their trends
@@ -95,6 +98,7 @@ struct TorsoMotion {
 /// The trend of the integral is the rate's bias. Takes long: for a robot whose drivers are off.
 [[nodiscard]] TorsoMotion torso_motion(const TorsoReadings& readings);
 
+/// Sign and offset of the torso sensor by its poses.
 struct TorsoCalibration {
   TorsoFinding finding = TorsoFinding::not_tried;
   std::string sentence = "the torso sensor waits for calibrated joints";
@@ -112,9 +116,9 @@ struct TorsoCalibration {
 inline constexpr double kPlumb_rad = 0.15;
 
 /// Whether both legs hang straight down, within kPlumb_rad, the torso at any pitch.
-[[nodiscard]] bool legs_plumb(const Angles& rest_rad);
+[[nodiscard]] bool legs_plumb(const hal::JointValues& rest_rad);
 /// The torso's pitch by such legs.
-[[nodiscard]] double plumb_pitch_rad(const Angles& rest_rad);
+[[nodiscard]] double plumb_pitch_rad(const hal::JointValues& rest_rad);
 
 /// The legs are plumb lines: centres of mass lie on the links' axes, so that limp legs hang straight down.
 /// The torso's pitch is then minus the angle of a hip. While the left thigh is held still in the world, its

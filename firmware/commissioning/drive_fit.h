@@ -22,6 +22,7 @@ struct Estimate {
   double half_width = 0.0;
 };
 
+/// What the motions of a joint show of its drive.
 struct DriveNumbers {
   Estimate torque_factor;  ///< given torque per asked torque
   Estimate armature_kg_m2;

@@ -234,7 +234,7 @@ class Exciter {
   std::size_t moving_ = 0;
   Excitation result_;
   DriveRecord* recorded_ = nullptr;
-  std::array<double, hal::kJoints> last_Nm_{}, before_last_Nm_{};
+  hal::JointValues last_Nm_{}, before_last_Nm_{};
   std::string stopped_;
 };
 

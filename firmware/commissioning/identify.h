@@ -15,6 +15,7 @@
 /// its drive follow. Ordinary threads; why so: docs/decisions/0021-commissioning.md
 namespace stilt::commissioning {
 
+/// What identify() needs to know.
 struct IdentificationRequest {
   const model::RobotModel* robot = nullptr;
   double torque_share = 0.3;                         ///< of the joints' limits: most torque
@@ -27,13 +28,14 @@ struct IdentificationRequest {
 /// nothing may wait for it that has torque.
 struct Excitation {
   std::array<DriveRecord, hal::kJoints> records;  ///< of each joint while it moved
-  std::array<double, hal::kJoints> peak_torque_Nm{};
+  hal::JointValues peak_torque_Nm{};
   double period_s = 0.0;
 };
 
+/// What identify() found, by joint.
 struct IdentificationReport {
   std::array<DriveNumbers, hal::kJoints> drives;
-  std::array<double, hal::kJoints> peak_torque_Nm{};
+  hal::JointValues peak_torque_Nm{};
   std::vector<configuration::NewValue> values;  ///< for the configuration file; empty unless all is known
   std::vector<std::string> findings;            ///< sentences; empty: all is good
 };

@@ -89,7 +89,7 @@ class Jog {
     double still_s = 0;
     for (double time_s = 0; time_s < kLongestWait_s; time_s += step_s) {
       if (!tick(0)) return false;
-      const Angles now_rad = joint_angles(session_.readings());
+      const hal::JointValues now_rad = joint_angles(session_.readings());
       still_s += step_s;
       for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
         if (std::abs(now_rad[joint] - start_rad_[joint]) > kStill_rad) still_s = 0;
@@ -197,7 +197,7 @@ class Jog {
   double integral_rad_ = 0;              // of the velocity, meanwhile
   std::optional<EncoderWatch> encoder_;  // in the slow motion
   JogMotion motion_;
-  Angles start_rad_{};
+  hal::JointValues start_rad_{};
   std::string stopped_;
 };
 

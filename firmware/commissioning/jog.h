@@ -18,6 +18,7 @@ inline constexpr double kJogTorqueShare = 0.2;
 inline constexpr double kSmallestJog_rad = 0.08;
 inline constexpr double kLargestJog_rad = 0.5;
 
+/// Which joint is moved, how far, and with how much torque.
 struct JogRequest {
   std::size_t joint = 0;
   double angle_rad = 0.0;  ///< from where the joint hangs; kSmallestJog_rad to kLargestJog_rad, either way
@@ -45,6 +46,7 @@ enum class Response {
 };
 [[nodiscard]] const char* name(Response response);
 
+/// What moved, and at which torque.
 struct JogMotion {
   Response response = Response::none;
   std::optional<std::size_t> other;

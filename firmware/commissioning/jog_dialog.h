@@ -9,6 +9,7 @@
 /// The questions after a jog. Ordinary threads.
 namespace stilt::commissioning {
 
+/// A jog, what the person saw, and what both mean.
 struct JogReport {
   JogRequest request;
   JogMotion motion;

@@ -58,6 +58,7 @@ struct ScannedFrames {
   [[nodiscard]] bool well() const noexcept { return rate_hz > 0 && !slow(); }
 };
 
+/// What answers or sends on one bus.
 struct ScannedBus {
   std::string name;
   std::vector<ScannedNode> expected;
@@ -70,6 +71,7 @@ struct ScannedBus {
   bool asked_others = false;     ///< identifiers outside the configuration were asked, too
 };
 
+/// What all buses have.
 struct ScanResult {
   std::vector<ScannedBus> buses;
   std::string

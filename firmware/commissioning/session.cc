@@ -14,8 +14,8 @@ constexpr int kLastTicks = 5;
 
 }  // namespace
 
-Angles joint_angles(const hal::RobotReadings& readings) {
-  Angles all_rad;
+hal::JointValues joint_angles(const hal::RobotReadings& readings) {
+  hal::JointValues all_rad;
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
     all_rad[joint] = readings.joints[joint].position_rad;
   }

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <atomic>
 #include <cstdint>
 #include <expected>
@@ -13,9 +12,7 @@
 
 namespace stilt::commissioning {
 
-using Angles = std::array<double, hal::kJoints>;  ///< hip_L, knee_L, hip_R, knee_R, rad
-
-[[nodiscard]] Angles joint_angles(const hal::RobotReadings& readings);
+[[nodiscard]] hal::JointValues joint_angles(const hal::RobotReadings& readings);
 
 /// Reads without a new position or pitch: older readings are not current.
 inline constexpr std::uint32_t kSilentReads = 20;

@@ -9,6 +9,7 @@
 /// Joints, torso, emergency stop, live, while nothing gives torque. Ordinary threads.
 namespace stilt::commissioning {
 
+/// Readings at one moment.
 struct WatchSample {
   double time_s = 0.0;  ///< since the drivers were up
   hal::RobotReadings readings;

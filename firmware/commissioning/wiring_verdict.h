@@ -21,6 +21,7 @@ struct Sighting {
   std::optional<double> angle_rad;  ///< how far it turned, if measured
 };
 
+/// What is wired wrongly, by a jog.
 enum class Finding {
   correct,
   exchanged_motors,    ///< another link moved, of the same leg or across
@@ -38,6 +39,7 @@ enum class Finding {
 };
 [[nodiscard]] const char* name(Finding finding);
 
+/// A finding and its sentence.
 struct Verdict {
   Finding finding = Finding::correct;
   std::string sentence;  ///< what is wrong, and what mends it

@@ -19,6 +19,7 @@ namespace stilt::commissioning {
 /// At the driver's shaft, read back.
 inline constexpr double kZeroTolerance_rad = 0.02;
 
+/// Positions before and after a joint's driver was set to zero.
 struct ZeroReport {
   std::size_t joint = 0;
   std::string protocol;

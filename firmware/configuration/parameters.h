@@ -14,6 +14,7 @@ enum class ReferenceKind {
   hzd,        ///< the gaits of the robot's library
 };
 
+/// What the controller follows.
 struct ControllerChoice {
   ReferenceKind reference = ReferenceKind::heuristic;
 };

@@ -61,7 +61,7 @@ void check_standing_pose(const control::ControllerParameters& parameters, const 
 /// Where every shutdown and many a fault take the joints.
 void check_sitting_pose(const supervisor::SupervisorParameters& parameters,
                         const model::RobotConstants& robot, std::vector<std::string>& found) {
-  const supervisor::Pose pose_rad = supervisor::sitting_pose_rad(parameters);
+  const hal::JointValues pose_rad = supervisor::sitting_pose_rad(parameters);
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
     const double least_rad = robot.position_min_rad[joint], most_rad = robot.position_max_rad[joint];
     if (pose_rad[joint] >= least_rad && pose_rad[joint] <= most_rad) continue;

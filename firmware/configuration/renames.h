@@ -8,6 +8,7 @@
 /// the new ones; migrate.h rewrites files.
 namespace stilt::configuration {
 
+/// A key or section that had another name.
 struct Rename {
   std::string_view section;
   std::string_view key;                ///< empty: the section itself was renamed

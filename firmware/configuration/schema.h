@@ -58,6 +58,7 @@ using Field = std::variant<RealField, IntegerField, FlagField, ChoiceField, Text
 /// A value as a file or an override gives it.
 using Value = std::variant<double, long long, bool, std::string>;
 
+/// A key of the configuration file.
 struct Entry {
   std::string_view section;
   std::string_view key;
@@ -69,6 +70,7 @@ struct Entry {
   [[nodiscard]] std::string name() const;
 };
 
+/// A section of the configuration file.
 struct Section {
   std::string_view name;
   std::string_view description;

@@ -107,7 +107,7 @@ control::SensorReading ControlLoop::read(std::int64_t now_ns) noexcept {
   last_time_s_ = time_s_;
   time_s_ = 1e-9 * static_cast<double>(now_ns - start_ns_);
   robot_->read(now_ns, readings_);
-  asked_Nm_ = commanding_ ? supervisor::asked_torque_Nm(commands_, readings_.joints) : supervisor::Pose{};
+  asked_Nm_ = commanding_ ? supervisor::asked_torque_Nm(commands_, readings_.joints) : hal::JointValues{};
   return sensor_reading(time_s_, readings_, now_ns);
 }
 

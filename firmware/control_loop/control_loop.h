@@ -70,8 +70,8 @@ class ControlLoop {
 
   /// Of the joints, by what they follow. No position and no speed before they must follow.
   struct PlannedJoints {
-    supervisor::Pose position_rad;
-    supervisor::Pose speed_rad_s;
+    hal::JointValues position_rad;
+    hal::JointValues speed_rad_s;
   };
 
   void take_tuning() noexcept;
@@ -124,7 +124,7 @@ class ControlLoop {
   hal::RobotReadings readings_;  ///< newest of each channel
   hal::JointCommands commands_{};
   bool commanding_ = false;      ///< commands_ left in the tick before
-  supervisor::Pose asked_Nm_{};  ///< by commands_, at the newest readings; 0 without commands
+  hal::JointValues asked_Nm_{};  ///< by commands_, at the newest readings; 0 without commands
   hal::JointBusStatus write_status_ = hal::JointBusStatus::ok;
   hal::BringUpProgress bring_up_;
   bool torques_finite_ = true;

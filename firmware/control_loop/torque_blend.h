@@ -38,7 +38,7 @@ class TorqueBlend {
   /// One tick.
   /// @param before_Nm  torque that the commands of the tick before ask for now
   /// @param wanted     of the law, which follows plan or gait
-  void fade(const Law& law, double time_s, const supervisor::Pose& before_Nm,
+  void fade(const Law& law, double time_s, const hal::JointValues& before_Nm,
             hal::JointCommands& wanted) noexcept {
     if (law != law_) {
       law_ = law;
@@ -53,7 +53,7 @@ class TorqueBlend {
   double duration_s_ = 0.0;
   double start_s_ = 0.0;
   Law law_;
-  supervisor::Pose jump_Nm_{};
+  hal::JointValues jump_Nm_{};
 };
 
 }  // namespace stilt::control_loop

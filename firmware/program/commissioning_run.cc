@@ -29,7 +29,6 @@
 namespace stilt::program {
 namespace {
 
-using commissioning::Angles;
 using commissioning::Session;
 
 std::int64_t tick_ns(const Options& options) {
@@ -211,7 +210,7 @@ CommissioningOutcome written(const Options& options, const Report& report, bool 
 }
 
 /// Angles of the joints' travel, and the like.
-Angles joint_values(const double (&values)[model::kJoints]) { return std::to_array(values); }
+hal::JointValues joint_values(const double (&values)[model::kJoints]) { return std::to_array(values); }
 
 CommissioningOutcome run_calibrate(const Options& options, ControllerState& state, hal::Clock& clock,
                                    const std::atomic<bool>& stop, TerminalPerson& person) {

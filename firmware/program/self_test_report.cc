@@ -86,7 +86,7 @@ Check emergency_stop(const SelfTestResult& result) {
 
 /// Limp legs of a robot that hangs are plumb lines. An offset that is void after a power cycle shows here.
 Check plumb(const SelfTestResult& result) {
-  const commissioning::Angles at_rad = commissioning::joint_angles(result.last);
+  const hal::JointValues at_rad = commissioning::joint_angles(result.last);
   const double pitch_rad = result.last.base.pitch_rad;
   const double by_legs_rad = commissioning::plumb_pitch_rad(at_rad);
   return {"plumb",

@@ -11,6 +11,7 @@ namespace stilt::realtime {
 /// Stack of a real-time thread, touched before its work begins.
 inline constexpr std::size_t kStackBytes = 512 * 1024;
 
+/// Name, priority and core of a thread.
 struct ThreadSettings {
   const char* name = "";  ///< at most 15 characters
   int priority = 0;       ///< SCHED_FIFO; 0: ordinary

@@ -25,7 +25,7 @@ bool joints_should_move(const Observation& seen, double moving_rad_s) noexcept {
                      [moving_rad_s](double speed_rad_s) { return std::abs(speed_rad_s) > moving_rad_s; });
 }
 
-bool any_beyond(const Pose& values, double limit) noexcept {
+bool any_beyond(const hal::JointValues& values, double limit) noexcept {
   return std::any_of(values.begin(), values.end(),
                      [limit](double value) { return !(std::abs(value) <= limit); });
 }

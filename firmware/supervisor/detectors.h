@@ -26,13 +26,13 @@ struct Observation {
   bool bus_errors = false;  ///< counters of errors, drops or malformed frames rose since the last tick
   hal::BusStates buses;     ///< which they are
   hal::EmergencyStopState emergency_stop = hal::EmergencyStopState::absent;
-  Pose planned_speed_rad_s{};       ///< of plan or gait at this time, 0 while neither is followed
-  Signals signals;                  ///< 0 while the joints get no torque but damping
-  double hip_height_share = 1.0;    ///< hip above the lower foot, of the straight leg
-  bool controller_finite = true;    ///< estimate and torques of the last tick were finite numbers
-  Followable followable;            ///< plan and gait
-  int failed_solves = 0;            ///< in a row
-  double solve_s = 0;               ///< of the newest solve
+  hal::JointValues planned_speed_rad_s{};  ///< of plan or gait at this time, 0 while neither is followed
+  Signals signals;                         ///< 0 while the joints get no torque but damping
+  double hip_height_share = 1.0;           ///< hip above the lower foot, of the straight leg
+  bool controller_finite = true;           ///< estimate and torques of the last tick were finite numbers
+  Followable followable;                   ///< plan and gait
+  int failed_solves = 0;                   ///< in a row
+  double solve_s = 0;                      ///< of the newest solve
   double plan_age_s = 0;            ///< of the newest plan; without one since the robot got on its feet
   double wakeup_latency_s = 0;      ///< of this tick
   double tick_gap_s = 0;            ///< since the start of the tick before

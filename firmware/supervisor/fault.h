@@ -65,6 +65,7 @@ enum class Watch : std::uint8_t {
   tracking,  ///< while the torque law is in command: stand, step, walk
 };
 
+/// What is done about a fault: a row of the table of faults.
 struct FaultRow {
   Fault fault;
   int number;  ///< in records; never used for anything else

@@ -35,7 +35,8 @@ FaultDetail position_limit(const Observation& seen, const JointLimits& limits, d
 }
 
 /// The first joint of which a signal is beyond its limit.
-FaultDetail beyond(const Observation& seen, const Pose& values, double limit, const char* unit) noexcept {
+FaultDetail beyond(const Observation& seen, const hal::JointValues& values, double limit,
+                   const char* unit) noexcept {
   return of_joint(seen, unit, [&](const JointReading&, std::size_t i, FaultDetail& found) {
     found.value = values[i];
     found.limit = limit;

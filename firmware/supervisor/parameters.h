@@ -1,13 +1,8 @@
 #pragma once
 
-#include <array>
-
 #include "hal/robot/joint_bus.h"
 
 namespace stilt::supervisor {
-
-/// Joint angles of a pose, in the order hip_L, knee_L, hip_R, knee_R, rad.
-using Pose = std::array<double, hal::kJoints>;
 
 /// Limits of the supervisor and the gains of what it does itself. Joint limits are those of the robot's URDF;
 /// here are the margins beyond them.
@@ -67,7 +62,7 @@ struct SupervisorParameters {
   double sit_knee_rad = 2.2;        ///< of both legs
 };
 
-[[nodiscard]] constexpr Pose sitting_pose_rad(const SupervisorParameters& parameters) noexcept {
+[[nodiscard]] constexpr hal::JointValues sitting_pose_rad(const SupervisorParameters& parameters) noexcept {
   return {parameters.sit_hip_rad, parameters.sit_knee_rad, parameters.sit_hip_rad, parameters.sit_knee_rad};
 }
 
@@ -78,10 +73,10 @@ struct SupervisorParameters {
 
 /// What the joints can bear, in the order of Pose.
 struct JointLimits {
-  Pose position_min_rad{};
-  Pose position_max_rad{};
-  Pose speed_rad_s{};
-  Pose torque_Nm{};
+  hal::JointValues position_min_rad{};
+  hal::JointValues position_max_rad{};
+  hal::JointValues speed_rad_s{};
+  hal::JointValues torque_Nm{};
 };
 
 }  // namespace stilt::supervisor

@@ -25,7 +25,7 @@ JointCommands damped(const JointReadings& measured, const JointLimits& limits,
   return commands;
 }
 
-JointCommands held(const Pose& pose_rad, double s, const JointLimits& limits,
+JointCommands held(const hal::JointValues& pose_rad, double s, const JointLimits& limits,
                    const SupervisorParameters& parameters) noexcept {
   JointCommands commands{};
   for (std::size_t i = 0; i < kJoints; ++i) {
@@ -37,15 +37,16 @@ JointCommands held(const Pose& pose_rad, double s, const JointLimits& limits,
   return commands;
 }
 
-Pose pose_between_rad(const Pose& from_rad, const Pose& to_rad, double s) noexcept {
+hal::JointValues pose_between_rad(const hal::JointValues& from_rad, const hal::JointValues& to_rad,
+                                  double s) noexcept {
   const double t = std::clamp(s, 0.0, 1.0);
   const double share = t * t * (3 - 2 * t);
-  Pose pose_rad;
+  hal::JointValues pose_rad;
   for (std::size_t i = 0; i < kJoints; ++i) pose_rad[i] = from_rad[i] + share * (to_rad[i] - from_rad[i]);
   return pose_rad;
 }
 
-JointCommands blend_in(const JointCommands& wanted, const Pose& start_rad, double s,
+JointCommands blend_in(const JointCommands& wanted, const hal::JointValues& start_rad, double s,
                        const SupervisorParameters& parameters) noexcept {
   if (s >= 1) return wanted;
   JointCommands commands = wanted;
@@ -106,8 +107,9 @@ JointLimits derated(const JointLimits& limits, const JointReadings& measured,
   return result;
 }
 
-Pose measured_pose_rad(const JointReadings& measured, const Pose& before_rad) noexcept {
-  Pose pose_rad = before_rad;
+hal::JointValues measured_pose_rad(const JointReadings& measured,
+                                   const hal::JointValues& before_rad) noexcept {
+  hal::JointValues pose_rad = before_rad;
   for (std::size_t i = 0; i < kJoints; ++i) {
     if (std::isfinite(measured[i].position_rad)) pose_rad[i] = measured[i].position_rad;
   }

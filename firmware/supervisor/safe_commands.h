@@ -12,16 +12,17 @@ namespace stilt::supervisor {
                                         const SupervisorParameters& parameters) noexcept;
 
 /// tau = s (kp (pose - q) - kd v), s from 0 to 1.
-[[nodiscard]] hal::JointCommands held(const Pose& pose_rad, double s, const JointLimits& limits,
+[[nodiscard]] hal::JointCommands held(const hal::JointValues& pose_rad, double s, const JointLimits& limits,
                                       const SupervisorParameters& parameters) noexcept;
 
 /// Between two poses, at rest at both ends: q(s) = from + (to - from) s^2 (3 - 2 s), s clamped to 0 to 1.
-[[nodiscard]] Pose pose_between_rad(const Pose& from_rad, const Pose& to_rad, double s) noexcept;
+[[nodiscard]] hal::JointValues pose_between_rad(const hal::JointValues& from_rad,
+                                                const hal::JointValues& to_rad, double s) noexcept;
 
 /// The torque law's commands while it is blended in. Share s of them counts, with the positions s of the way
 /// from `start_rad`, and damping for the rest. tau = s tau_wanted - (1 - s) kd_damping v.
-[[nodiscard]] hal::JointCommands blend_in(const hal::JointCommands& wanted, const Pose& start_rad, double s,
-                                          const SupervisorParameters& parameters) noexcept;
+[[nodiscard]] hal::JointCommands blend_in(const hal::JointCommands& wanted, const hal::JointValues& start_rad,
+                                          double s, const SupervisorParameters& parameters) noexcept;
 
 /// No field of any joint is NaN or infinite.
 [[nodiscard]] bool finite(const hal::JointCommands& commands) noexcept;
@@ -40,6 +41,7 @@ namespace stilt::supervisor {
                                   const SupervisorParameters& parameters) noexcept;
 
 /// The measured positions where they are finite, `before_rad` where not.
-[[nodiscard]] Pose measured_pose_rad(const hal::JointReadings& measured, const Pose& before_rad) noexcept;
+[[nodiscard]] hal::JointValues measured_pose_rad(const hal::JointReadings& measured,
+                                                 const hal::JointValues& before_rad) noexcept;
 
 }  // namespace stilt::supervisor

@@ -72,8 +72,9 @@ void SignalMonitor::compare_torso(const hal::BaseReading& base) noexcept {
   base_ = base;
 }
 
-Pose asked_torque_Nm(const hal::JointCommands& commands, const hal::JointReadings& measured) noexcept {
-  Pose asked_Nm{};
+hal::JointValues asked_torque_Nm(const hal::JointCommands& commands,
+                                 const hal::JointReadings& measured) noexcept {
+  hal::JointValues asked_Nm{};
   for (std::size_t i = 0; i < kJoints; ++i) {
     const hal::JointCommand& command = commands[i];
     const double law_Nm = command.torque_Nm +

@@ -11,11 +11,11 @@ namespace stilt::supervisor {
 
 /// Of the joints and the torso. 0 where a sensor or driver does not report what is compared.
 struct Signals {
-  Pose encoder_jump_rad{};      ///< change of the newest angle that its rate does not explain
-  double torso_mismatch_rad{};  ///< change of pitch less the integral of its rate, over about 0.2 s
-  Pose torque_mismatch_Nm{};    ///< mean of reported less asked torque, over about 0.2 s
-  Pose asked_torque_Nm{};       ///< mean size of the asked torque, over the same time
-  Pose following_error_rad{};   ///< mean distance from what is followed, over about 0.05 s
+  hal::JointValues encoder_jump_rad{};    ///< change of the newest angle that its rate does not explain
+  double torso_mismatch_rad{};            ///< change of pitch less the integral of its rate, over about 0.2 s
+  hal::JointValues torque_mismatch_Nm{};  ///< mean of reported less asked torque, over about 0.2 s
+  hal::JointValues asked_torque_Nm{};     ///< mean size of the asked torque, over the same time
+  hal::JointValues following_error_rad{};  ///< mean distance from what is followed, over about 0.05 s
 };
 
 /// What a tick has of them.
@@ -23,8 +23,9 @@ struct SignalInputs {
   std::int64_t time_ns = 0;
   const hal::JointReadings& joints;
   const hal::BaseReading& base;
-  const Pose& asked_torque_Nm;  ///< of the commands that the newest replies answer, see asked_torque_Nm()
-  const Pose& planned_position_rad;  ///< by what is followed now; NaN: nothing is
+  const hal::JointValues&
+      asked_torque_Nm;  ///< of the commands that the newest replies answer, see asked_torque_Nm()
+  const hal::JointValues& planned_position_rad;  ///< by what is followed now; NaN: nothing is
 };
 
 /// First-order low passes y' = (x - y) / T, and two that leak: y' = x' - y / T.
@@ -50,7 +51,7 @@ class SignalMonitor {
 [[nodiscard]] double encoder_jump_rad(const hal::JointReading& before, const hal::JointReading& now) noexcept;
 
 /// Torque of a driver that follows the law of a command from this reading on, within its limit, Nm.
-[[nodiscard]] Pose asked_torque_Nm(const hal::JointCommands& commands,
-                                   const hal::JointReadings& measured) noexcept;
+[[nodiscard]] hal::JointValues asked_torque_Nm(const hal::JointCommands& commands,
+                                               const hal::JointReadings& measured) noexcept;
 
 }  // namespace stilt::supervisor

@@ -7,6 +7,7 @@
 /// The states of the robot, and every way from one to another, as one table.
 namespace stilt::supervisor {
 
+/// States of the supervisor; docs/controller.md draws their transitions.
 enum class State : std::uint8_t {
   boot,       ///< the emergency stop has not reported yet; nothing is sent
   idle,       ///< drivers are left alone, or kept off once they were up
@@ -91,6 +92,7 @@ enum class Guard : std::uint8_t {
   fault_latched,  ///< one does
 };
 
+/// A row of the table of transitions.
 struct Transition {
   State from;
   Condition condition;

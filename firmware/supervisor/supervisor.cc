@@ -321,7 +321,7 @@ void Supervisor::choose(const SupervisorInputs& inputs) noexcept {
 
 /// Position control commands the joints while what carried them fades. Over hold_ramp_s the gains grow from
 /// 0 to their own, and the torque falls from that of the last plan or gait to 0.
-hal::JointCommands Supervisor::unloading(const Pose& pose_rad) const noexcept {
+hal::JointCommands Supervisor::unloading(const hal::JointValues& pose_rad) const noexcept {
   const double ramp_s = parameters_.hold_ramp_s;
   const double share = ramp_s > 0 ? std::clamp(since_s(hold_ns_) / ramp_s, 0.0, 1.0) : 1.0;
   hal::JointCommands commands = held(pose_rad, share, limits_, parameters_);

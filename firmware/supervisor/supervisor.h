@@ -24,6 +24,7 @@ struct Request {
   double speed_m_s = 0;      ///< of walk; may change without a new number while walking; not finite: 0
 };
 
+/// What a tick of the supervisor takes.
 struct SupervisorInputs {
   Observation seen;
   Request request;
@@ -40,6 +41,7 @@ enum class Action : std::uint8_t {
   disable,   ///< JointBus::disable()
 };
 
+/// What a tick of the supervisor decides.
 struct SupervisorOutput {
   State state = State::boot;
   FallbackLevel level = FallbackLevel::off;
@@ -98,7 +100,7 @@ class Supervisor {
   [[nodiscard]] bool stopped_for_good() const noexcept;
   void choose(const SupervisorInputs& inputs) noexcept;
   [[nodiscard]] hal::JointCommands commands_of_level(const hal::JointCommands& wanted) const noexcept;
-  [[nodiscard]] hal::JointCommands unloading(const Pose& pose_rad) const noexcept;
+  [[nodiscard]] hal::JointCommands unloading(const hal::JointValues& pose_rad) const noexcept;
   [[nodiscard]] double since_s(std::int64_t time_ns) const noexcept;
 
   JointLimits limits_;
@@ -106,18 +108,18 @@ class Supervisor {
   SupervisorOutput output_;
   hal::JointReadings measured_;
   std::int64_t now_ns_ = 0;
-  std::int64_t entered_ns_ = 0;      ///< the state
-  std::int64_t driven_ns_ = 0;       ///< the drivers last began to get commands
-  std::int64_t tracking_ns_ = 0;     ///< the torque law last became active
-  std::int64_t level_ns_ = 0;        ///< the level
-  std::int64_t hold_ns_ = 0;         ///< position control became active: hold, sit
-  std::int64_t reset_ns_ = 0;        ///< a reset was asked for
-  std::int64_t stand_asked_ns_ = 0;  ///< in ready
-  std::uint32_t void_number_ = 0;    ///< requests up to this one are met or void
-  Pose pose_rad_{};                  ///< newest finite positions
-  Pose level_pose_rad_{};            ///< pose_rad_ when the level was reached
-  Pose stand_pose_rad_{};            ///< pose_rad_ when the torque law became active
-  hal::JointCommands followed_{};    ///< newest of plan or gait
+  std::int64_t entered_ns_ = 0;        ///< the state
+  std::int64_t driven_ns_ = 0;         ///< the drivers last began to get commands
+  std::int64_t tracking_ns_ = 0;       ///< the torque law last became active
+  std::int64_t level_ns_ = 0;          ///< the level
+  std::int64_t hold_ns_ = 0;           ///< position control became active: hold, sit
+  std::int64_t reset_ns_ = 0;          ///< a reset was asked for
+  std::int64_t stand_asked_ns_ = 0;    ///< in ready
+  std::uint32_t void_number_ = 0;      ///< requests up to this one are met or void
+  hal::JointValues pose_rad_{};        ///< newest finite positions
+  hal::JointValues level_pose_rad_{};  ///< pose_rad_ when the level was reached
+  hal::JointValues stand_pose_rad_{};  ///< pose_rad_ when the torque law became active
+  hal::JointCommands followed_{};      ///< newest of plan or gait
   DriversAre drivers_are_ = DriversAre::left_alone;
   /// They were not left alone before an idle. Since then they are kept off by a frame in each tick, whose
   /// answers show that they have their power.

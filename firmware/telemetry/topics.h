@@ -18,6 +18,7 @@ enum class Delivery {
   command,  ///< reliable, keeps 256, nothing for those who come late
 };
 
+/// A DDS topic, its type and how it is delivered.
 struct Topic {
   std::string_view name;  ///< on the wire, ends with a 0
   const dds_topic_descriptor_t* type;

@@ -6,6 +6,7 @@
 /// docs/decisions/0032-python-and-ros2.md.
 namespace stilt::telemetry {
 
+/// Hash of a type, by which ROS 2 compares types.
 struct TypeHash {
   std::string_view ros_type;
   std::string_view hash;  ///< RIHS01 of REP 2016

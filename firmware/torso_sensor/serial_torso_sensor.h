@@ -15,6 +15,7 @@
 
 namespace stilt::torso_sensor {
 
+/// The port of a torso sensor, and how the sensor is mounted.
 struct SerialSettings {
   std::string port;
   int bit_rate_bit_s = 921600;

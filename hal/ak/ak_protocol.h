@@ -70,6 +70,7 @@ struct AkDriver {
   double torque_constant_Nm_A = 0;
 };
 
+/// A command in MIT mode, at the motor's output shaft.
 struct AkCommand {
   double position_rad = 0;
   double velocity_rad_s = 0;
@@ -88,6 +89,7 @@ struct AkCodes {
   friend bool operator==(const AkCodes&, const AkCodes&) = default;
 };
 
+/// What a status frame holds, at the motor's output shaft.
 struct AkStatus {
   double position_rad = 0;
   double velocity_rad_s = 0;

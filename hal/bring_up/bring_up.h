@@ -16,6 +16,7 @@
 /// time and frames in, at most one frame out. Real-time safe.
 namespace stilt::hal::bring_up {
 
+/// What is being checked or set, in this order.
 enum class Stage : std::uint8_t {
   identify,
   version,
@@ -29,6 +30,7 @@ enum class Stage : std::uint8_t {
 };
 [[nodiscard]] const char* name(Stage stage) noexcept;
 
+/// Why a bring-up ended without a driver that may be enabled.
 enum class Failure : std::uint8_t {
   none,
   invalid,         ///< configuration of the driver or of the bring-up makes no sense
@@ -48,6 +50,7 @@ enum class Failure : std::uint8_t {
 };
 [[nodiscard]] const char* name(Failure failure) noexcept;
 
+/// What the configuration asks of a driver, and how long its answers may take.
 struct Options {
   double watchdog_s = 0.02;  ///< 5 to 100 ms: what the driver does without us for so long
   /// The configuration accepts a driver without a watchdog, by a key of its own.
@@ -64,6 +67,7 @@ struct Options {
   std::int64_t longest_reply_lag_ns = 3'000'000;
 };
 
+/// What a step found, and the frame that it sends.
 struct StepResult {
   Stage stage = Stage::identify;
   Failure failure = Failure::none;

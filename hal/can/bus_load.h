@@ -14,6 +14,7 @@ struct PeriodicFrame {
   double rate_hz = 1000;  ///< frames per second
 };
 
+/// Bit rates of a bus, bit/s.
 struct BusSpeed {
   double nominal_bit_s = 1e6;
   double data_bit_s = 5e6;  ///< of the data phase with bit_rate_switch
@@ -34,6 +35,7 @@ struct FrameBits {
 
 [[nodiscard]] double worst_case_duration_s(const PeriodicFrame& frame, const BusSpeed& speed) noexcept;
 
+/// What a load means for replies in time.
 enum class BusLoadVerdict : std::uint8_t {
   fine,
   high,     ///< above 60 %: little room for retransmissions
@@ -43,6 +45,7 @@ enum class BusLoadVerdict : std::uint8_t {
 inline constexpr double kHighLoad = 0.60;
 inline constexpr double kRefusedLoad = 0.80;
 
+/// Load of one bus, and what it means.
 struct BusLoad {
   double fraction = 0;  ///< time the bus is busy per second
   BusLoadVerdict verdict = BusLoadVerdict::fine;

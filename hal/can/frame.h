@@ -30,6 +30,7 @@ struct CanFrame {
   friend bool operator==(const CanFrame&, const CanFrame&) = default;
 };
 
+/// Identifier of a CAN frame.
 struct FrameId {
   std::uint32_t id = 0;
   bool extended = false;  ///< 29 bits instead of 11

@@ -11,6 +11,7 @@ namespace stilt::hal {
 /// Most frames one call of send or receive moves.
 inline constexpr std::size_t kMaximumBatch = 32;
 
+/// How a send or receive ended.
 enum class BusStatus : std::uint8_t {
   ok,            ///< everything asked for was done; of receive: nothing more waits
   more,          ///< receive only: the span is full and more frames may wait
@@ -44,11 +45,13 @@ struct BusCounters {
   std::uint64_t disconnections = 0;    ///< how often the bus went away
 };
 
+/// Result of FrameBus::send().
 struct SendResult {
   std::size_t sent = 0;  ///< frames handed over
   BusStatus status = BusStatus::ok;
 };
 
+/// Result of FrameBus::receive().
 struct ReceiveResult {
   std::size_t received = 0;  ///< frames written to the front of the span
   BusStatus status = BusStatus::ok;

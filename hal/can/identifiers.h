@@ -23,6 +23,7 @@ struct IdPattern {
 /// "identifier 0x50", "identifiers 0x40 to 0x5f", "identifiers that end in the 8 bits 0x1".
 [[nodiscard]] std::string describe(const IdPattern& pattern);
 
+/// Identifiers that a node uses, by direction.
 struct NodeIdentifiers {
   std::vector<IdPattern> commands;  ///< we send them to this node
   std::vector<IdPattern> accepts;   ///< taken as meant for it, from any sender

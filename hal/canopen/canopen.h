@@ -22,6 +22,7 @@ inline constexpr std::uint32_t kNmtId = 0x000;
 [[nodiscard]] constexpr std::uint32_t sdo_answer_id(std::uint8_t node) noexcept { return 0x580u + node; }
 [[nodiscard]] constexpr std::uint32_t heartbeat_id(std::uint8_t node) noexcept { return 0x700u + node; }
 
+/// Commands of the network management (CiA 301).
 enum class NmtCommand : std::uint8_t {
   start = 0x01,
   stop = 0x02,
@@ -30,6 +31,7 @@ enum class NmtCommand : std::uint8_t {
   reset_communication = 0x82,
 };
 
+/// States of a node, as its heartbeat reports them (CiA 301).
 enum class NmtState : std::uint8_t { boot_up = 0, stopped = 4, operational = 5, pre_operational = 127 };
 
 /// An entry of a node's object dictionary.

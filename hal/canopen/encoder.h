@@ -62,6 +62,7 @@ enum class EncoderFailure : std::uint8_t {
   wrong_mapping,  ///< its first PDO does not carry the position first, or the speed second
   wrong_identifier,
 };
+/// Why an encoder cannot be used: the failure, and the object of its dictionary that shows it.
 struct alignas(8) EncoderTrouble {
   std::uint32_t value = 0;
   std::uint16_t index = 0;

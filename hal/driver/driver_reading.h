@@ -7,6 +7,7 @@
 
 namespace stilt::hal {
 
+/// Whether a driver follows commands, as it reports.
 enum class DriverState : std::uint8_t {
   unknown,  ///< has not answered yet, or does not report it
   idle,     ///< powered, no torque

@@ -21,6 +21,7 @@ inline constexpr std::size_t kLongestName = 64;
 /// 1 to 64 letters, digits, '.', '_' or '-'.
 [[nodiscard]] bool valid_name(std::string_view name) noexcept;
 
+/// Abstract address of a Unix socket.
 struct Address {
   sockaddr_un address{};
   socklen_t length = 0;
@@ -28,6 +29,7 @@ struct Address {
 /// Of a valid name.
 [[nodiscard]] Address address_of(std::string_view name) noexcept;
 
+/// First answer of the listener to a controller.
 enum class Greeting : std::uint8_t {
   welcome = 0,
   busy = 1,  ///< another controller has the bus

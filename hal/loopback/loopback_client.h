@@ -9,6 +9,7 @@
 
 namespace stilt::hal::loopback {
 
+/// How an attempt to connect went.
 enum class Connection : std::uint8_t {
   connected,
   waiting,            ///< connected, the greeting has not arrived yet

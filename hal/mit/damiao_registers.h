@@ -16,6 +16,7 @@ inline constexpr std::uint32_t kDamiaoRegisterId = 0x7ff;
 inline constexpr std::uint16_t kDamiaoFactoryReplyId = 0;  ///< MST_ID of a new motor
 inline constexpr double kDamiaoTimeoutUnit_s = 50e-6;      ///< one unit of the register TIMEOUT
 
+/// Registers that bring-up reads and writes, by their numbers.
 enum class DamiaoRegister : std::uint8_t {
   reply_id = 7,           ///< MST_ID, integer
   command_id = 8,         ///< ESC_ID, integer
@@ -27,6 +28,7 @@ enum class DamiaoRegister : std::uint8_t {
   torque_range = 23,      ///< TMAX, float, Nm
 };
 
+/// A read, write or answer of one register.
 struct DamiaoRegisterMessage {
   bool write = false;       ///< 0x55 instead of 0x33
   std::uint8_t number = 0;  ///< register

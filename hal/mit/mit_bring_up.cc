@@ -169,7 +169,7 @@ BringUp::Verdict MitBringUp::judge_state(Stage stage, const CanFrame& frame) noe
     return Verdict::fail;
   }
   if (stage == Stage::home && !check_home(reply.position_rad)) return Verdict::fail;
-  if (stage == Stage::enable && reply.says_enabled && !reply.enabled) return Verdict::not_yet;
+  if (stage == Stage::enable && reply.reports_enabled && !reply.enabled) return Verdict::not_yet;
   return Verdict::next_stage;
 }
 

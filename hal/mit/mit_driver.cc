@@ -23,7 +23,7 @@ DecodeStatus take_frame(const MitDriver& driver, const CanFrame& frame, DriverRe
   reading.motor_temperature_C = reply.motor_temperature_C;
   reading.supply_V = reply.supply_V;
   const DriverState known = reply.enabled ? DriverState::enabled : DriverState::idle;
-  reading.set_state(reply.says_enabled ? known : DriverState::unknown, reply.fault, reply.fault_code);
+  reading.set_state(reply.reports_enabled ? known : DriverState::unknown, reply.fault, reply.fault_code);
   return status;
 }
 

@@ -114,7 +114,7 @@ void decode_extras(const MitDriver& driver, const CanFrame& frame, MitReply& rep
     case ReplyLayout::damiao:
       reply.fault_code = frame.data[0] >> 4;
       reply.fault = damiao_fault(reply.fault_code);
-      reply.says_enabled = true;
+      reply.reports_enabled = true;
       reply.enabled = reply.fault_code == kDamiaoEnabled;
       reply.driver_temperature_C = frame.data[6];
       reply.motor_temperature_C = frame.data[7];

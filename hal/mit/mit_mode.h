@@ -24,6 +24,7 @@
 /// real-time safe and keeps no state.
 namespace stilt::hal::mit {
 
+/// Values that the ends of a fixed-point field stand for, in the unit of the field.
 struct Range {
   double minimum;
   double maximum;
@@ -60,6 +61,7 @@ struct MitDriver {
   return driver.layout == ReplyLayout::damiao ? 0x0f : 0xff;
 }
 
+/// A command in MIT mode, at the motor's output shaft.
 struct MitCommand {
   double position_rad = 0;
   double velocity_rad_s = 0;
@@ -68,6 +70,7 @@ struct MitCommand {
   double torque_Nm = 0;
 };
 
+/// What a reply holds, at the motor's output shaft.
 struct MitReply {
   double position_rad = 0;
   double velocity_rad_s = 0;
@@ -75,9 +78,9 @@ struct MitReply {
   double supply_V = std::numeric_limits<double>::quiet_NaN();
   double driver_temperature_C = std::numeric_limits<double>::quiet_NaN();
   double motor_temperature_C = std::numeric_limits<double>::quiet_NaN();
-  bool says_enabled = false;    ///< layout reports whether the motor is enabled (Damiao only)
-  bool enabled = false;         ///< meaningful with says_enabled
-  std::uint8_t fault_code = 0;  ///< the vendor's: byte 7 of ak, high half of byte 0 of damiao
+  bool reports_enabled = false;  ///< layout reports whether the motor is enabled (Damiao only)
+  bool enabled = false;          ///< meaningful with reports_enabled
+  std::uint8_t fault_code = 0;   ///< the vendor's: byte 7 of ak, high half of byte 0 of damiao
   DriverFault fault = DriverFault::none;
 };
 

@@ -24,7 +24,7 @@ class MitZero {
   [[nodiscard]] ZeroProgress take(const CanFrame& frame) noexcept {
     MitReply reply;
     if (decode_reply(driver_, frame, reply) != DecodeStatus::ok) return ZeroProgress::none;
-    if (reply.says_enabled && reply.enabled) return ZeroProgress::none;
+    if (reply.reports_enabled && reply.enabled) return ZeroProgress::none;
     off_ = true;
     const bool over = given_ && (std::abs(reply.position_rad) <= kZero_rad || ++replies_ == kReplies);
     return over ? ZeroProgress::done : ZeroProgress::more;

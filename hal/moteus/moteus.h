@@ -34,6 +34,7 @@ inline constexpr double kMoteusPosition_rad = 3.2767 * 2 * std::numbers::pi;
 inline constexpr double kMoteusVelocity_rad_s = 8.19175 * 2 * std::numbers::pi;
 inline constexpr double kMoteusTorque_Nm = 327.67;
 
+/// Modes that matter here, by register 0x000; others exist.
 enum class MoteusMode : std::uint8_t {
   stopped = 0,
   fault = 1,
@@ -45,8 +46,10 @@ enum class MoteusMode : std::uint8_t {
   zero_velocity = 12,  ///< damps with the driver's own kd
 };
 
+/// What a position is relative to, by register 0x00c.
 enum class MoteusHome : std::uint8_t { relative = 0, rotor = 1, output = 2 };
 
+/// A driver and how it is addressed.
 struct MoteusDriver {
   std::uint8_t id = 1;      ///< 1 to 126
   std::uint8_t source = 0;  ///< ours, 0 to 127

@@ -23,6 +23,7 @@
 /// docs/protocol/registers.md. Real-time safe.
 namespace stilt::hal::moteus {
 
+/// Numbers of the registers that are read or written.
 enum class MoteusRegister : std::uint16_t {
   mode = 0x000,
   position = 0x001,
@@ -67,6 +68,7 @@ enum class Resolution : std::uint8_t { int8, int16, int32, real };
 /// Whether the register is a plain number (mode, fault, version): no NaN, no scale.
 [[nodiscard]] bool is_plain(std::uint32_t register_number) noexcept;
 
+/// What a subframe asks for or answers.
 enum class SubframeKind : std::uint8_t {
   write,
   read,
@@ -78,6 +80,7 @@ enum class SubframeKind : std::uint8_t {
   stream_poll,
 };
 
+/// Head of a subframe, its values follow.
 struct Subframe {
   SubframeKind kind = SubframeKind::read;
   Resolution resolution = Resolution::int8;

@@ -17,6 +17,7 @@
 /// Real-time safe, without state.
 namespace stilt::hal::odrive {
 
+/// Number of a message, the low five bits of its identifier.
 enum class OdriveCommand : std::uint8_t {
   version = 0x00,
   heartbeat = 0x01,
@@ -51,6 +52,7 @@ struct OdriveEndpoints {
   }
 };
 
+/// A driver: its node, and the parameters that bring-up may use.
 struct OdriveDriver {
   std::uint8_t node = 1;
   OdriveEndpoints endpoints;
@@ -60,6 +62,7 @@ enum class OdriveState : std::uint8_t { undefined = 0, idle = 1, closed_loop = 8
 enum class OdriveControlMode : std::uint8_t { torque = 1, velocity = 2, position = 3 };
 enum class OdriveInputMode : std::uint8_t { inactive = 0, passthrough = 1 };
 
+/// Answer to OdriveCommand::version.
 struct OdriveVersion {
   std::uint8_t protocol = 2;
   std::uint8_t hardware_line = 0;
@@ -72,6 +75,7 @@ struct OdriveVersion {
   friend bool operator==(const OdriveVersion&, const OdriveVersion&) = default;
 };
 
+/// State and errors of the axis, sent periodically.
 struct OdriveHeartbeat {
   std::uint32_t errors = 0;  ///< bits, see odrive_fault
   std::uint8_t state = 0;    ///< OdriveState
@@ -80,27 +84,32 @@ struct OdriveHeartbeat {
   friend bool operator==(const OdriveHeartbeat&, const OdriveHeartbeat&) = default;
 };
 
+/// Bits as in OdriveHeartbeat::errors: now, and when the axis was last disarmed.
 struct OdriveErrors {
   std::uint32_t active = 0;
   std::uint32_t disarm_reason = 0;
   friend bool operator==(const OdriveErrors&, const OdriveErrors&) = default;
 };
 
+/// Of the encoder, at the motor's shaft.
 struct OdriveEstimates {
   double position_rad = 0;
   double velocity_rad_s = 0;
 };
 
+/// At the motor's shaft.
 struct OdriveTorques {
   double target_Nm = 0;
   double estimate_Nm = 0;
 };
 
+/// Of the transistors and the motor.
 struct OdriveTemperatures {
   double driver_C = 0;
   double motor_C = std::numeric_limits<double>::quiet_NaN();  ///< NaN without a sensor
 };
 
+/// Voltage and current of the supply.
 struct OdriveSupply {
   double voltage_V = 0;
   double current_A = 0;
@@ -157,6 +166,7 @@ inline constexpr std::uint32_t kOdriveWatchdogExpired = 0x01000000;
                                                    OdriveParameter& parameter) noexcept;
 
 // The driver's side: for emulated drivers and tests.
+/// Target with feed-forward velocity and torque, at the motor's shaft.
 struct OdriveInputPosition {
   double position_rad = 0;
   double velocity_rad_s = 0;

@@ -75,7 +75,7 @@ class CanRobot final {
   RobotWiring wiring_;
   std::array<FrameBus*, kMaximumBuses> buses_{};
   std::size_t bus_count_ = 0;
-  std::array<double, kJoints> turn_offset_rad_{};
+  JointValues turn_offset_rad_{};
   std::array<DriverReading, kJoints> shafts_;
   JointReadings readings_;
   std::array<bool, kJoints> fresh_{};

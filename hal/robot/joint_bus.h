@@ -39,9 +39,11 @@ struct JointCommand {
   double torque_limit_Nm = 0;  ///< limits the law in drivers that take it, and where an ODrive's is computed
 };
 
+using JointValues = std::array<double, kJoints>;  ///< one quantity of every joint
 using JointReadings = std::array<JointReading, kJoints>;
 using JointCommands = std::array<JointCommand, kJoints>;
 
+/// How a read or write of all joints ended.
 enum class JointBusStatus : std::uint8_t {
   ok,
   incomplete,  ///< read: a joint sent nothing new that was due. write: a command was withheld or dropped, or

@@ -19,6 +19,7 @@ struct BaseReading {
   std::uint32_t malformed = 0;          ///< frames of the sensor that could not be decoded, since start
 };
 
+/// How a read of the sensor ended.
 enum class TorsoSensorStatus : std::uint8_t {
   ok,     ///< a new pitch
   stale,  ///< nothing new

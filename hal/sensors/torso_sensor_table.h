@@ -15,6 +15,7 @@
 /// Real-time safe, without state.
 namespace stilt::hal {
 
+/// Quantities that a field of a frame can hold.
 enum class BaseChannel : std::uint8_t {
   pitch_rad,
   pitch_rate_rad_s,

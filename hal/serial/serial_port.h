@@ -13,6 +13,7 @@ namespace stilt::hal::serial {
 /// Bit rates that a port can be set to, of those VectorNav's units have.
 [[nodiscard]] std::span<const int> bit_rates() noexcept;
 
+/// What the program may do with a port.
 enum class Access : std::uint8_t {
   read,
   read_write,

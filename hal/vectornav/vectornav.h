@@ -29,6 +29,7 @@ struct Mounting {
   double direction = 1;  ///< by_roll: 1 with x to the left; else 1 with x forward; -1: turned around
   double offset_rad = 0;
 };
+/// Pitch of the torso and its rate.
 struct Pitch {
   double angle_rad = 0;
   double rate_rad_s = 0;

@@ -25,6 +25,7 @@ using Layout = std::array<std::size_t, 7>;
 inline constexpr std::size_t kPlannerBytes = 1300 * 1024;
 inline constexpr std::size_t kPlannerAlignment = 64;
 
+/// The planner as compiled for one instruction set.
 struct PlannerKernel {
   model::InstructionSet instruction_set;
   Layout layout;

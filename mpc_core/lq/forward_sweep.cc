@@ -67,7 +67,7 @@ STILT_INLINE inline double roll_stage(const LqFirstOrder& stage, const InputProj
     });
     const Vec total = column_sums(block);
     store(sums + part * kLanes, total);
-    if constexpr (Mode::kDrifts) {
+    if constexpr (Mode::kHasDuration) {
       next[part] = free_motion<part>(x, motion);
     } else {
       next[part] = load(x + part * kLanes);

@@ -61,7 +61,7 @@ STILT_INLINE inline void value_products(const LqFirstOrder& stage, const ValueFu
     tile.for_each([&](auto c, auto p) STILT_INLINE {
       tile.v[c][p] = kFirst + c == kLast ? load(next.p + p * kLanes) : Vec{};
     });
-    if constexpr (Mode::kDrifts) {
+    if constexpr (Mode::kHasDuration) {
       const double half_h = 0.5 * stage.h;
       constexpr int kFirstB = std::max(Mode::kConstraints - kFirst, 0);
 #pragma GCC unroll 1  // short code: the sweep's exceeds half of the instruction cache
@@ -173,7 +173,7 @@ STILT_INLINE inline void row_products(const Stage& stage, const ValueFunction& n
     tile.for_each([&](auto c, auto p) STILT_INLINE {
       constexpr int kRow = kFirst + c;
       const double* v = rows.template before<kRow>();
-      if constexpr (Mode::kDrifts) {
+      if constexpr (Mode::kHasDuration) {
         tile.v[c][p] = free_motion_transposed<p>(v, motion);
       } else {
         tile.v[c][p] = load(v + p * kLanes);
@@ -203,16 +203,16 @@ template <class Mode, int kColumn, int kPart>
 STILT_INLINE inline Vec initial_half(const Stage& stage, const ValueFunction& next,
                                      const FreeMotion& motion) noexcept {
   constexpr int kDiagonal = kColumn / kLanes, kRow = kPart * kLanes;
-  constexpr bool kDrifted = Mode::kDrifts && kColumn >= kHalf;
-  const double* position = next.P[kDrifted ? kColumn - kHalf : 0];
+  constexpr bool kVelocityColumn = Mode::kHasDuration && kColumn >= kHalf;
+  const double* position = next.P[kVelocityColumn ? kColumn - kHalf : 0];
   Vec v{};
   if constexpr (kPart >= kDiagonal) {
     v = load(stage.second.Q[kColumn] + kRow) + load(next.P[kColumn] + kRow);
-    if constexpr (kDrifted)
+    if constexpr (kVelocityColumn)
       v += shifted_down<kPart>(position) * (motion.velocity[kPart] * broadcast(stage.first.h));
     if constexpr (kPart == kDiagonal) v = lower_half<kColumn % kLanes>(v);
   }
-  if constexpr (kDrifted) v += load(position + kRow) * broadcast(stage.first.h);
+  if constexpr (kVelocityColumn) v += load(position + kRow) * broadcast(stage.first.h);
   return v;
 }
 

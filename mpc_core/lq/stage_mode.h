@@ -6,10 +6,10 @@
 namespace stilt::lq {
 
 /// A flow with kFree inputs and kRankOne constraints. All modes have the same members. A is E (with h = 0
-/// unless kDrifts) plus kUnits unit rows row(i) G_i' plus kConstraints terms L_i G_{kUnits + i}'.
+/// unless kHasDuration) plus kUnits unit rows row(i) G_i' plus kConstraints terms L_i G_{kUnits + i}'.
 template <int kFree, int kRankOne>
 struct Flow {
-  static constexpr bool kDrifts = true;       ///< h is not zero
+  static constexpr bool kHasDuration = true;  ///< h is not zero
   static constexpr bool kStands = kFree > 2;  ///< a foot is on the ground
   static constexpr int kInputs = kFree;
   static constexpr int kConstraints = kRankOne;
@@ -21,7 +21,7 @@ struct Flow {
 
 /// A contact transition.
 struct Transition {
-  static constexpr bool kDrifts = false;
+  static constexpr bool kHasDuration = false;
   static constexpr bool kStands = false;
   static constexpr int kInputs = 0;
   static constexpr int kConstraints = 0;

@@ -23,6 +23,7 @@ inline constexpr int kMaxNodes = kMaxStages + 1;
 [[nodiscard]] double most_switches(const DiscretisationParameters& parameters,
                                    const gait::GaitParameters& gait) noexcept;
 
+/// The two kinds of stages.
 enum class StageKind : std::uint8_t {
   flow,        ///< motion over an interval with one set of feet on the ground
   transition,  ///< touch-down of feet at an instant

@@ -15,6 +15,7 @@ namespace stilt::hal::fdcanusb {
 /// frame tried again and again shows in every answer.
 inline constexpr std::int64_t kStatusPeriod_ns = 2'000'000;
 
+/// What has happened since the connection was made.
 struct SessionCounts {
   std::uint64_t taken = 0;          ///< frames answered with OK
   std::uint64_t answers_lost = 0;   ///< commands that a later answer overtook

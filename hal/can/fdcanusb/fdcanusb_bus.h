@@ -18,6 +18,7 @@
 
 namespace stilt::hal::fdcanusb {
 
+/// Filters, priority and time limits of an adapter.
 struct AdapterOptions {
   std::vector<FrameId> receive_ids{};            ///< identifiers to receive; empty: everything
   int priority = 0;                              ///< SCHED_FIFO of the port's thread; 0: ordinary

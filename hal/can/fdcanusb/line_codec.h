@@ -37,6 +37,7 @@ struct ControllerStatus {
   [[nodiscard]] bool quiet() const noexcept;
 };
 
+/// What a line of the adapter means.
 enum class LineKind : std::uint8_t {
   ok,         ///< a command was taken. For a frame: it is in a queue of the adapter, not on the bus yet
   refused,    ///< ERR: a command was refused
@@ -46,6 +47,7 @@ enum class LineKind : std::uint8_t {
   malformed,  ///< nothing of these
 };
 
+/// A decoded line.
 struct Line {
   LineKind kind = LineKind::malformed;
   CanFrame frame;           ///< of received

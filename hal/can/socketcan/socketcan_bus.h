@@ -10,6 +10,7 @@
 
 namespace stilt::hal::socketcan {
 
+/// Filters and buffers of a socket.
 struct BusOptions {
   /// Identifiers to receive. Must hold those we send too: the kernel filters echoes like other frames.
   /// Empty: everything.

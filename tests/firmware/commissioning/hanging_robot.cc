@@ -86,7 +86,7 @@ std::int64_t HangingRobot::sleep_until(std::int64_t time_ns) noexcept {
 
 void HangingRobot::look() {
   const model::StateVector state = robot.plant().state();
-  std::array<double, hal::kJoints> link_rad{};
+  hal::JointValues link_rad{};
   bool gives_torque = false;
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
     const auto own = model::kFirstJoint + static_cast<int>(joint);

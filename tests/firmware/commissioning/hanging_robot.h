@@ -90,9 +90,9 @@ class HangingRobot final : public hal::Clock {
   void look();
 
   std::int64_t now_ns_ = 1'000'000'000;
-  std::array<double, hal::kJoints> peak_torque_Nm_{};
-  std::optional<std::array<double, hal::kJoints>> hung_rad_;  ///< angles of the links
-  std::array<double, hal::kJoints> farthest_rad_{};
+  hal::JointValues peak_torque_Nm_{};
+  std::optional<hal::JointValues> hung_rad_;  ///< angles of the links
+  hal::JointValues farthest_rad_{};
   std::optional<std::size_t> first_link_;
   double first_way_ = 0.0;
 };

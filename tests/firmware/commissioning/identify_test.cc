@@ -157,7 +157,7 @@ TEST(Identify, AfterItsTorqueFactorIsWrittenAJointIsRight) {
 }
 
 /// What is made of these torque factors, found with such drivers and one that is active.
-IdentificationReport judged(const std::array<double, hal::kJoints>& found, Protocol protocol, double active) {
+IdentificationReport judged(const hal::JointValues& found, Protocol protocol, double active) {
   configuration::HardwareParameters hardware;
   hardware.hip.protocol = hardware.knee.protocol = protocol;
   hardware.joint[1].torque_factor = active;
@@ -194,7 +194,7 @@ TEST(Identify, ATorqueFactorBeyondItsRangeIsNamedAndNotWritten) {
 }
 
 TEST(Identify, TheVendorsSettingIsNamedForEachProtocol) {
-  const std::array<double, hal::kJoints> found{0.8, 1, 1, 1};
+  const hal::JointValues found{0.8, 1, 1, 1};
   const auto finding = [&](Protocol protocol) { return judged(found, protocol, 1).findings.at(0); };
   EXPECT_EQ(finding(Protocol::moteus),
             "hip_L gives 0.80 Nm per Nm asked: either write torque_factor = 0.800, as --out does, or divide "

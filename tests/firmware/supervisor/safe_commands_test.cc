@@ -64,7 +64,7 @@ TEST(Damped, IsFiniteWhateverTheSensorsReport) {
 }
 
 TEST(Held, PullsToThePoseWithAShareOfTheGains) {
-  const Pose pose_rad{0.1, 0.2, 0.3, 0.4};
+  const hal::JointValues pose_rad{0.1, 0.2, 0.3, 0.4};
   const hal::JointCommands half = held(pose_rad, 0.5, testing::joint_limits(), kParameters);
   const hal::JointCommands full = held(pose_rad, 1.0, testing::joint_limits(), kParameters);
   for (std::size_t i = 0; i < hal::kJoints; ++i) {
@@ -76,8 +76,8 @@ TEST(Held, PullsToThePoseWithAShareOfTheGains) {
 }
 
 TEST(PoseBetween, BeginsAndEndsAtItsPosesAtRest) {
-  const Pose from{0, 1, -1, 2};
-  const Pose to{1, 0, 3, 2};
+  const hal::JointValues from{0, 1, -1, 2};
+  const hal::JointValues to{1, 0, 3, 2};
   EXPECT_EQ(pose_between_rad(from, to, 0), from);
   EXPECT_EQ(pose_between_rad(from, to, -1), from);
   EXPECT_EQ(pose_between_rad(from, to, 1), to);
@@ -89,7 +89,7 @@ TEST(PoseBetween, BeginsAndEndsAtItsPosesAtRest) {
 
 TEST(BlendIn, GrowsFromDampingToTheWantedCommands) {
   const hal::JointCommands wanted = some_commands();
-  const Pose start_rad{-0.2, 0.4, -0.2, 0.4};
+  const hal::JointValues start_rad{-0.2, 0.4, -0.2, 0.4};
   const hal::JointCommands none = blend_in(wanted, start_rad, 0, kParameters);
   for (std::size_t i = 0; i < hal::kJoints; ++i) {
     EXPECT_DOUBLE_EQ(torque_Nm(none[i], 9, 2), -2 * kParameters.damping_kd_Nms_rad);
@@ -190,7 +190,7 @@ TEST(Derated, TheTorqueLimitFallsWithTheHotterTemperature) {
 TEST(MeasuredPose, KeepsTheLastFinitePosition) {
   hal::JointReadings measured = testing::healthy().joints;
   measured[1].position_rad = kNan;
-  const Pose pose_rad = measured_pose_rad(measured, {7, 8, 9, 10});
+  const hal::JointValues pose_rad = measured_pose_rad(measured, {7, 8, 9, 10});
   EXPECT_EQ(pose_rad[0], -0.2);
   EXPECT_EQ(pose_rad[1], 8);
 }

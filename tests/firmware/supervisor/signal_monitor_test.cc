@@ -48,8 +48,8 @@ class SignalMonitorTest : public ::testing::Test {
   SignalMonitor monitor_;
   hal::JointReadings joints_;
   hal::BaseReading base_;
-  Pose asked_Nm_{};
-  Pose planned_rad_{};
+  hal::JointValues asked_Nm_{};
+  hal::JointValues planned_rad_{};
   std::int64_t time_ns_ = 1'000'000'000;
   double swing_rad_ = 0.5, offset_rad_ = 0, reported_Nm_ = 0, base_offset_rad_ = 0, rate_share_ = 1,
          rate_bias_rad_s_ = 0;
@@ -143,7 +143,7 @@ TEST(AskedTorque, IsTheLawOfTheCommandWithinItsLimit) {
                  .torque_limit_Nm = 80});
   commands[2].torque_Nm = 300;
   measured[3].position_rad = kNan;
-  const Pose asked_Nm = asked_torque_Nm(commands, measured);
+  const hal::JointValues asked_Nm = asked_torque_Nm(commands, measured);
   EXPECT_NEAR(asked_Nm[0], 5 + 20 * 0.5 + 2 * 0.9, 1e-12);
   EXPECT_NEAR(asked_Nm[1], 5 - 20 * 0.1 + 2 * 0.9, 1e-12);
   EXPECT_EQ(asked_Nm[2], 80);

@@ -71,7 +71,7 @@ TEST(CanRobot, AnOdriveThatGivesNoTorqueReportsThatWithinFiveTicks) {
 
 TEST_P(CanRobotReading, TheTurnFoundAtBringUpCountsInReadingsAndCommands) {
   Robot robot(GetParam());
-  const std::array<double, kJoints> shaft_turns_rad{0, 2 * std::numbers::pi, -4, 3};
+  const hal::JointValues shaft_turns_rad{0, 2 * std::numbers::pi, -4, 3};
   for (std::size_t joint = 0; joint < kJoints; ++joint) {
     robot.robot_->set_turn_offset(joint, shaft_turns_rad[joint]);
     robot.set_joint(joint, 0.3, 0);
