@@ -54,13 +54,20 @@ void PlantRobot::drive() {
     if (!enabled_[joint] || active(FaultKind::torque_loss, joint)) continue;
     const hal::JointCommand& command = commands_[joint];
     const auto j = static_cast<int>(joint);
-    const double position_rad = state[model::kFirstJoint + j];
-    const double velocity_rad_s = state[model::kPositions + model::kFirstJoint + j];
+    // A frozen encoder misleads the driver, too.
+    const bool frozen = sensing_ && active(FaultKind::encoder_freeze, joint);
+    const double position_rad = frozen ? newest().joint_position_rad[j] : state[model::kFirstJoint + j];
+    const double velocity_rad_s =
+        frozen ? newest().joint_velocity_rad_s[j] : state[model::kPositions + model::kFirstJoint + j];
     const double wanted_Nm = command.torque_Nm + command.kp_Nm_rad * (command.position_rad - position_rad) +
                              command.kd_Nms_rad * (command.velocity_rad_s - velocity_rad_s);
     torque_Nm[j] = std::clamp(wanted_Nm, -command.torque_limit_Nm, command.torque_limit_Nm);
   }
   plant_.command_torque(torque_Nm);
+}
+
+const control::SensorReading& PlantRobot::newest() const noexcept {
+  return sensed_[(next_ + sensed_.size() - 1) % sensed_.size()];
 }
 
 void PlantRobot::read_joint(std::size_t joint, std::int64_t now_ns, const control::SensorReading& sensors,
@@ -106,7 +113,7 @@ void PlantRobot::read_base(std::int64_t now_ns, const control::SensorReading& se
 /// Reads the sensors now; frozen sensors keep their values. The first readings fill the delay line.
 void PlantRobot::sense() {
   control::SensorReading now = plant_.read_sensors();
-  const control::SensorReading& before = sensed_[(next_ + sensed_.size() - 1) % sensed_.size()];
+  const control::SensorReading& before = newest();
   for (std::size_t joint = 0; sensing_ && joint < hal::kJoints; ++joint) {
     if (!active(FaultKind::encoder_freeze, joint)) continue;
     const auto j = static_cast<int>(joint);

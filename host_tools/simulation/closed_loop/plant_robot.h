@@ -34,6 +34,8 @@ class PlantRobot final : public hal::Robot {
  private:
   [[nodiscard]] bool active(FaultKind kind) const noexcept;
   [[nodiscard]] bool active(FaultKind kind, std::size_t joint) const noexcept;
+  /// What the sensors gave last, before the delay of the readings.
+  [[nodiscard]] const control::SensorReading& newest() const noexcept;
   void sense();
   void read_joint(std::size_t joint, std::int64_t now_ns, const control::SensorReading& sensors,
                   hal::JointReading& reading) const noexcept;
