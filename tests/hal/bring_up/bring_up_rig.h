@@ -65,6 +65,23 @@ inline mit::MitDriver mit_driver(mit::ReplyLayout layout) {
   return driver;
 }
 
+/// An emulated driver around another one: take() decides which frames reach it.
+template <class Inner>
+class DriverAround : public EmulatedDriver {
+ public:
+  explicit DriverAround(const Inner& inner) : inner_(inner) {}
+
+  void elapse(std::int64_t now_ns, FrameSink& replies) noexcept override { inner_.elapse(now_ns, replies); }
+  [[nodiscard]] double torque_Nm() const noexcept override { return inner_.torque_Nm(); }
+  [[nodiscard]] bool enabled() const noexcept override { return inner_.enabled(); }
+  [[nodiscard]] bool reports_supply() const noexcept override { return inner_.reports_supply(); }
+  void raise(DriverFault fault) noexcept override { inner_.raise(fault); }
+  void power_cycle() noexcept override { inner_.power_cycle(); }
+
+ protected:
+  Inner inner_;
+};
+
 class BringUpTest : public ::testing::Test {
  protected:
   mock::MockClock clock_;

@@ -15,14 +15,14 @@ constexpr std::uint16_t kOtherNumber = 50, kOtherSwitch = 51, kNothing = 52;
 std::uint32_t bits_of(float value) { return std::bit_cast<std::uint32_t>(value); }
 
 /// An ODrive whose watchdog is at kEndpoints, with other parameters at other numbers.
-class ParameterOdrive final : public EmulatedDriver {
+class ParameterOdrive final : public DriverAround<OdriveEmulator> {
  public:
   std::map<std::uint16_t, OdriveParameter> parameters{{kOtherNumber, {.bits = bits_of(2.5F)}},
                                                       {kOtherSwitch, {.bits = 0, .value_bytes = 1}}};
   int writes = 0;
 
   explicit ParameterOdrive(const odrive::OdriveSettings& settings = odrive::documented_settings())
-      : inner_({3, kEndpoints}, settings) {}
+      : DriverAround(OdriveEmulator({3, kEndpoints}, settings)) {}
 
   void take(std::int64_t now_ns, const CanFrame& frame, FrameSink& replies) noexcept override {
     OdriveParameter request;
@@ -42,17 +42,8 @@ class ParameterOdrive final : public EmulatedDriver {
     EXPECT_EQ(encode_parameter_answer(3, value, answer), EncodeStatus::ok);
     replies.push(answer);
   }
-  void elapse(std::int64_t now_ns, FrameSink& replies) noexcept override { inner_.elapse(now_ns, replies); }
-  [[nodiscard]] double torque_Nm() const noexcept override { return inner_.torque_Nm(); }
-  [[nodiscard]] bool enabled() const noexcept override { return inner_.enabled(); }
-  [[nodiscard]] bool reports_supply() const noexcept override { return inner_.reports_supply(); }
-  void raise(DriverFault fault) noexcept override { inner_.raise(fault); }
-  void power_cycle() noexcept override { inner_.power_cycle(); }
 
   [[nodiscard]] std::uint32_t bits(std::uint16_t endpoint) const { return parameters.at(endpoint).bits; }
-
- private:
-  OdriveEmulator inner_;
 };
 
 class OdriveWatchdog : public BringUpTest {

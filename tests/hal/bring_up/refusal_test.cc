@@ -11,9 +11,10 @@ using mock::FrameFault;
 using mock::MockBus;
 
 /// A Damiao that confirms writes to its registers and forgets them, or whose answers get lost.
-class BadDamiao final : public EmulatedDriver {
+class BadDamiao final : public DriverAround<mit::MitEmulator> {
  public:
-  explicit BadDamiao(const mit::MitDriver& driver) : inner_(mit::make_emulator(driver)), driver_(driver) {}
+  explicit BadDamiao(const mit::MitDriver& driver)
+      : DriverAround(mit::make_emulator(driver)), driver_(driver) {}
   bool forgets_writes = false;
   unsigned answers_every = 1;  ///< request
 
@@ -30,26 +31,21 @@ class BadDamiao final : public EmulatedDriver {
     if (++requests_ % answers_every != 0) return;
     for (const CanFrame& reply : all.frames()) replies.push(reply);
   }
-  void elapse(std::int64_t now_ns, FrameSink& replies) noexcept override { inner_.elapse(now_ns, replies); }
-  [[nodiscard]] double torque_Nm() const noexcept override { return inner_.torque_Nm(); }
-  [[nodiscard]] bool enabled() const noexcept override { return inner_.enabled(); }
-  [[nodiscard]] bool reports_supply() const noexcept override { return inner_.reports_supply(); }
-  void raise(DriverFault fault) noexcept override { inner_.raise(fault); }
-  void power_cycle() noexcept override { inner_.power_cycle(); }
 
  private:
   bool message_of(const CanFrame& frame, mit::DamiaoRegisterMessage& message) const noexcept {
     return decode_register_request(driver_, frame, message) == DecodeStatus::ok;
   }
 
-  mit::MitEmulator inner_;
   mit::MitDriver driver_;
   unsigned requests_ = 0;
 };
 
 /// A moteus that answers position commands and stays stopped.
-class StoppedMoteus final : public EmulatedDriver {
+class StoppedMoteus final : public DriverAround<moteus::MoteusEmulator> {
  public:
+  StoppedMoteus() : DriverAround(moteus::make_emulator({})) {}
+
   void take(std::int64_t now_ns, const CanFrame& frame, FrameSink& replies) noexcept override {
     constexpr std::uint8_t kPositionMode_bytes = 32;
     CanFrame instead = frame;
@@ -57,15 +53,6 @@ class StoppedMoteus final : public EmulatedDriver {
       static_cast<void>(encode_query({}, moteus::MoteusQuery::state, instead));
     inner_.take(now_ns, instead, replies);
   }
-  void elapse(std::int64_t now_ns, FrameSink& replies) noexcept override { inner_.elapse(now_ns, replies); }
-  [[nodiscard]] double torque_Nm() const noexcept override { return inner_.torque_Nm(); }
-  [[nodiscard]] bool enabled() const noexcept override { return inner_.enabled(); }
-  [[nodiscard]] bool reports_supply() const noexcept override { return inner_.reports_supply(); }
-  void raise(DriverFault fault) noexcept override { inner_.raise(fault); }
-  void power_cycle() noexcept override { inner_.power_cycle(); }
-
- private:
-  moteus::MoteusEmulator inner_ = moteus::make_emulator({});
 };
 
 class BringUpRefusal : public BringUpTest {
